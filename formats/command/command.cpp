@@ -1,0 +1,88 @@
+#include "formats/command/command.h"
+
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cstdio>
+#include <exception>
+#include <iostream>
+#include <new>
+#include <nlohmann/json.hpp>
+
+#include "formats/atomic_file.h"
+
+namespace forcelayer {
+namespace {
+
+double now_s() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+int fail(const char* name, const Error& error) {
+  std::fprintf(stderr, "%s: %s\n", name, to_line(error).c_str());
+  return exit_status(error.code);
+}
+
+}  // namespace
+
+int run_command(const char* name, const std::function<Status()>& body) noexcept {
+  try {
+    const Status status = body();
+    return status ? 0 : fail(name, status.error());
+  } catch (const std::bad_alloc&) {
+    return fail(name, {ErrorCode::kOutOfMemory, "", "", "out of memory",
+                       "use a larger voxel size or a machine with more memory"});
+  } catch (const std::exception& exception) {
+    return fail(name, {ErrorCode::kInternal, "", "", exception.what(), ""});
+  } catch (...) {
+    return fail(name, {ErrorCode::kInternal, "", "", "unknown exception", ""});
+  }
+}
+
+bool parse_arguments(CLI::App& app, int argc, char** argv, int& exit_code) {
+  app.set_version_flag("--version", app.get_name() + " " + kVersion);
+  try {
+    app.parse(argc, argv);
+    return true;
+  } catch (const CLI::Success& done) {  // --help, --version
+    exit_code = app.exit(done);
+  } catch (const CLI::ParseError& error) {
+    exit_code = fail(app.get_name().c_str(), {ErrorCode::kUsage, "", "", error.what(),
+                                              "see " + app.get_name() + " --help"});
+  }
+  return false;
+}
+
+Status write_report(const std::string& path, const nlohmann::ordered_json& report) {
+  auto file = AtomicFile::create(path);
+  if (!file) return file.error();
+  const std::string text =
+      report.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+  if (Status written = file->write(std::as_bytes(std::span(text))); !written) return written;
+  return file->commit();
+}
+
+std::uint64_t peak_rss_bytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
+}
+
+ProgressLine::ProgressLine(bool quiet) : active_(!quiet && isatty(2) == 1), started_s_(now_s()) {}
+
+ProgressLine::~ProgressLine() {
+  if (active_ && last_shown_s_ >= 0) std::fputs("\r\x1b[K", stderr);
+}
+
+void ProgressLine::show(const std::string& stage, double share_done) {
+  constexpr double kIntervalS = 0.1;
+  if (!active_ || now_s() - last_shown_s_ < kIntervalS) return;
+  last_shown_s_ = now_s();
+  const double elapsed_s = last_shown_s_ - started_s_;
+  const double left_s = share_done > 0.01 ? elapsed_s * (1 - share_done) / share_done : 0;
+  std::fprintf(stderr, "\r\x1b[K%s  %3.0f%%  %.0f s left", stage.c_str(), 100 * share_done, left_s);
+}
+
+}  // namespace forcelayer

@@ -1,0 +1,49 @@
+// Habits that all commands share: one-line errors, exit status, reports, signals.
+#pragma once
+
+#include <functional>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "formats/result.h"
+
+namespace CLI {
+class App;
+}
+
+namespace forcelayer {
+
+inline constexpr const char* kVersion = FORCELAYER_VERSION;
+
+// Runs a command's body and turns its outcome into an exit status. An Error or an escaped exception
+// becomes one line on stderr, "COMMAND: ERROR"; std::bad_alloc is kOutOfMemory.
+int run_command(const char* name, const std::function<Status()>& body) noexcept;
+
+// Parses argv into `app`; --help and --version print and end with status 0 (returns false with
+// `exit_code` 0), a wrong command line gives one line on stderr and status 2.
+bool parse_arguments(CLI::App& app, int argc, char** argv, int& exit_code);
+
+// Writes `report` to `path` atomically, indented, with a final newline.
+Status write_report(const std::string& path, const nlohmann::ordered_json& report);
+
+// Ends the process on SIGINT and SIGTERM with status 128+n after removing the temporary files of
+// the AtomicFiles in progress.
+void exit_cleanly_on_signals();
+
+// Highest resident set of this process so far.
+std::uint64_t peak_rss_bytes();
+
+// One line on a terminal's stderr that is rewritten in place; nothing in a pipe or when quiet.
+class ProgressLine {
+ public:
+  explicit ProgressLine(bool quiet);
+  ~ProgressLine();                                         // wipes the line
+  void show(const std::string& stage, double share_done);  // share in [0, 1]; rate-limited
+ private:
+  bool active_;
+  double started_s_;
+  double last_shown_s_ = -1;
+};
+
+}  // namespace forcelayer

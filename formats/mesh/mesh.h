@@ -1,0 +1,56 @@
+// Triangle meshes as files give them: no repair, no merging, no face dropped.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "formats/result.h"
+
+namespace forcelayer {
+
+using Vec3d = std::array<double, 3>;
+using Triangle = std::array<std::uint32_t, 3>;  // vertex indices
+
+// One indexed triangle mesh in its own frame and unit. Polygons of the file are fanned; degenerate,
+// duplicate and non-manifold triangles stay. Indices are in range, coordinates finite.
+struct Mesh {
+  std::vector<Vec3d> vertices;      // [n] file units, mesh frame
+  std::vector<Triangle> triangles;  // [m]
+  bool single_precision = true;     // whether the file stores its vertices as 32-bit floats
+};
+
+// Affine map, row-major 3x4: y = linear * x + translation.
+struct Affine {
+  std::array<double, 9> linear{1, 0, 0, 0, 1, 0, 0, 0, 1};
+  Vec3d translation{0, 0, 0};
+};
+Vec3d apply(const Affine& a_from_b, const Vec3d& b);
+Affine compose(const Affine& a_from_b, const Affine& b_from_c);
+
+// One placing of a mesh in the assembly.
+struct MeshInstance {
+  std::uint32_t mesh = 0;  // index into Assembly::meshes
+  std::string name;        // path of node names, "/" between; the file's stem where it has none
+  Affine assembly_from_mesh;
+};
+
+// What one mesh file holds: meshes, and where they stand.
+struct Assembly {
+  std::vector<Mesh> meshes;
+  std::vector<MeshInstance> instances;
+  std::optional<double> metres_per_unit;  // where the format or file defines it (glTF: 1)
+  std::vector<std::string> warnings;      // a line each: what is odd in the file but was read
+  std::uint64_t triangle_count() const;   // over all instances
+};
+
+// Reads STL, OBJ, PLY, OFF, OM, DRC, glTF/GLB (by content where the format has a signature, else by
+// extension). `path` may end in "#NODE" for the sub-tree of that name in an assembly format. Never
+// loses a face: what cannot be read whole is an error with file, place and reason (kMesh* codes). A
+// file with no triangles is kMeshEmpty.
+Result<Assembly> read_assembly(const std::string& path);
+
+}  // namespace forcelayer

@@ -1,0 +1,54 @@
+// Reading .pshell files: mapped into memory, checked once, then read without checks.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string_view>
+
+#include "formats/mapped_file.h"
+#include "formats/pshell_format.h"
+#include "formats/result.h"
+#include "formats/voxmap.h"
+
+namespace forcelayer {
+
+// The shell as bare pointers, for hot paths. Valid while its Pshell lives. Sections are 64-byte
+// aligned and hold block_count * block_points elements.
+struct PshellView {
+  std::uint64_t point_count = 0;
+  std::uint32_t block_points = 0;
+  std::uint32_t super_block_blocks = 0;
+  std::uint64_t block_count = 0;
+  std::uint64_t super_block_count = 0;
+  const float *x = nullptr, *y = nullptr, *z = nullptr;     // m, relative to center_m
+  const float *nx = nullptr, *ny = nullptr, *nz = nullptr;  // unit, inward
+  const float* weight_m2 = nullptr;
+  const BoundingSphere* blocks = nullptr;
+  const BoundingSphere* super_blocks = nullptr;
+  const float* cone_cos = nullptr;  // nullptr where the file has none
+};
+
+// A mapped .pshell file. Movable; views and spans live as long as it does.
+class Pshell {
+ public:
+  static Result<Pshell> open(const std::filesystem::path& path, Verify verify = Verify::kStructure);
+  static Result<Pshell> from_bytes(std::span<const std::byte> bytes, std::string_view name,
+                                   Verify verify = Verify::kStructure);
+
+  const PshellHeader& header() const { return *header_; }
+  const PshellView& view() const { return view_; }
+  std::string_view provenance() const { return provenance_; }
+  std::span<const std::byte> bytes() const { return bytes_; }
+
+ private:
+  Pshell() = default;
+
+  MappedFile file_;
+  std::span<const std::byte> bytes_;
+  const PshellHeader* header_ = nullptr;
+  PshellView view_;
+  std::string_view provenance_;
+};
+
+}  // namespace forcelayer

@@ -1,0 +1,98 @@
+// Results that must be looked at: a value, or an error with a fixed code and the place it is about.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <variant>
+
+namespace forcelayer {
+
+// Fixed numbers; the hundreds are the exit status of the commands (0 done, see exit_status()).
+enum class ErrorCode : int {
+  kInternal = 100,          // a bug of ours
+  kFileNotFound = 101,      // missing, or a folder where a file is wanted
+  kReadFailed = 102,        // the system refused or broke off a read
+  kWriteFailed = 103,       // the system refused or broke off a write
+  kOutOfMemory = 104,       // memory the job needs cannot be had
+  kUsage = 200,             // wrong command line
+  kMeshUnreadable = 300,    // a mesh file that cannot be parsed
+  kMeshIncomplete = 301,    // fewer vertices or faces than the file announces
+  kMeshEmpty = 302,         // no triangles
+  kMeshUnsupported = 303,   // a format or feature that this build does not read
+  kSceneInvalid = 304,      // a manifest, node name, seed or transform that makes no sense
+  kBakeTooLarge = 305,      // more voxels than the format's directory can hold
+  kMeshUnorientable = 306,  // a part that does not say which side is inside
+  kNotThisFormat = 400,     // wrong magic
+  kWrongEndianness = 401,   // written on a big-endian machine
+  kUnknownVersion = 402,    // a newer major version
+  kUnknownFeature = 403,    // a required feature flag that this reader does not know
+  kTruncated = 404,         // shorter than it says
+  kTrailingBytes = 405,     // longer than it says
+  kChecksumMismatch = 406,  // damaged
+  kFieldInvalid = 407,      // a header field out of its range
+  kSectionInvalid = 408,    // a section missing, misplaced, misaligned or of the wrong size
+  kEntryInvalid = 409,      // a tree entry, block or point out of its range
+  kFilesDoNotMatch = 410,   // a scene and a part that cannot be used together
+  kDeviceNotFound = 500,
+  kDeviceFailed = 501,
+  kDeviceRefused = 502,  // present but unsafe or not as declared
+};
+
+// The exit status of a command that ends with this error: 1 internal or I/O, 2 usage, 3 mesh or
+// scene, 4 baked file, 5 device.
+constexpr int exit_status(ErrorCode code) { return static_cast<int>(code) / 100; }
+
+struct Error {
+  ErrorCode code = ErrorCode::kInternal;
+  std::string file;   // path as the user gave it; may be empty
+  std::string where;  // section, byte, line, key, part ...; may be empty
+  std::string what;   // what is wrong
+  std::string mend;   // how to mend it; may be empty
+};
+
+// "FILE: WHERE: WHAT; MEND" on one line, control characters escaped.
+std::string to_line(const Error& error);
+
+// A value or an Error.
+template <typename T>
+class [[nodiscard]] Result {
+ public:
+  Result(T value) : content_(std::in_place_index<0>, std::move(value)) {}      // NOLINT(implicit)
+  Result(Error error) : content_(std::in_place_index<1>, std::move(error)) {}  // NOLINT(implicit)
+
+  bool ok() const { return content_.index() == 0; }
+  explicit operator bool() const { return ok(); }
+  T& value() & { return std::get<0>(content_); }
+  const T& value() const& { return std::get<0>(content_); }
+  T&& value() && { return std::get<0>(std::move(content_)); }
+  T& operator*() & { return value(); }
+  const T& operator*() const& { return value(); }
+  T* operator->() { return &value(); }
+  const T* operator->() const { return &value(); }
+  const Error& error() const { return std::get<1>(content_); }
+
+ private:
+  std::variant<T, Error> content_;
+};
+
+// Done, or an Error.
+template <>
+class [[nodiscard]] Result<void> {
+ public:
+  Result() = default;
+  Result(Error error) : error_(std::move(error)), ok_(false) {}  // NOLINT(implicit)
+
+  bool ok() const { return ok_; }
+  explicit operator bool() const { return ok_; }
+  const Error& error() const { return error_; }
+
+ private:
+  Error error_;
+  bool ok_ = true;
+};
+
+using Status = Result<void>;
+
+}  // namespace forcelayer

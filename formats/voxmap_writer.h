@@ -1,0 +1,29 @@
+// Writing .vox files.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string_view>
+
+#include "formats/result.h"
+#include "formats/voxmap_format.h"
+
+namespace forcelayer {
+
+// A finished tree in memory, in the file's own layout. The caller owns the arrays.
+struct VoxmapContent {
+  VoxmapHeader header{};                       // all but `header.file`, which the writer fills in
+  std::span<const std::uint32_t> directory;    // [dims x][dims y][dims z] entries
+  std::span<const std::uint32_t> upper_nodes;  // [count][512] entries
+  std::span<const std::uint32_t> lower_nodes;  // [count][512] entries
+  std::span<const std::uint32_t> bricks;       // [count][16 * bits_per_voxel] words
+  std::span<const float> compliance;           // may be empty
+  std::string_view provenance;                 // JSON, may be empty
+};
+
+// Writes `content` to `path` atomically; returns the file's size in bytes. The content is trusted
+// to be valid (Voxmap::open is the validator). Same content, same bytes.
+Result<std::uint64_t> write_voxmap(const std::filesystem::path& path, const VoxmapContent& content);
+
+}  // namespace forcelayer

@@ -1,0 +1,20 @@
+# Install rules of headers and documents, and the package config for find_package(forcelayer).
+include(CMakePackageConfigHelpers)
+
+install(DIRECTORY formats runtime DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/forcelayer
+        FILES_MATCHING PATTERN "*.h" PATTERN "mesh" EXCLUDE PATTERN "command" EXCLUDE
+        PATTERN "viewer" EXCLUDE)
+install(FILES LICENSE README.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(DIRECTORY formats/ DESTINATION ${CMAKE_INSTALL_DOCDIR} FILES_MATCHING PATTERN "*_format.md"
+        PATTERN "mesh" EXCLUDE PATTERN "command" EXCLUDE)
+
+set(config_dir ${CMAKE_INSTALL_LIBDIR}/cmake/forcelayer)
+install(EXPORT forcelayer NAMESPACE forcelayer:: FILE forcelayer-targets.cmake
+        DESTINATION ${config_dir})
+configure_package_config_file(scripts/cmake/forcelayer-config.cmake.in
+                              ${CMAKE_BINARY_DIR}/forcelayer-config.cmake
+                              INSTALL_DESTINATION ${config_dir})
+write_basic_package_version_file(${CMAKE_BINARY_DIR}/forcelayer-config-version.cmake
+                                 COMPATIBILITY SameMinorVersion)
+install(FILES ${CMAKE_BINARY_DIR}/forcelayer-config.cmake
+              ${CMAKE_BINARY_DIR}/forcelayer-config-version.cmake DESTINATION ${config_dir})

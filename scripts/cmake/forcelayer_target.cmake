@@ -1,0 +1,33 @@
+# What every target of the project shares: warnings, floating-point rules, include paths, aliases.
+
+add_library(forcelayer_options INTERFACE)
+# No contraction into FMA: the scalar twins in the tests must agree with the fast paths bit for bit.
+target_compile_options(forcelayer_options INTERFACE
+  $<BUILD_INTERFACE:-Wall -Wextra -Wpedantic -Wshadow -ffp-contract=off>
+  $<$<BOOL:${FORCELAYER_WARNINGS_AS_ERRORS}>:-Werror>)
+
+# forcelayer_library(NAME SOURCES ... [PUBLIC libs] [PRIVATE libs] [INSTALL])
+# makes the static library forcelayer_NAME with the alias forcelayer::NAME.
+function(forcelayer_library name)
+  cmake_parse_arguments(ARG "INSTALL" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  add_library(forcelayer_${name} STATIC ${ARG_SOURCES})
+  add_library(forcelayer::${name} ALIAS forcelayer_${name})
+  set_target_properties(forcelayer_${name} PROPERTIES EXPORT_NAME ${name})
+  target_include_directories(forcelayer_${name} PUBLIC
+    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
+    $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/forcelayer>)
+  target_compile_features(forcelayer_${name} PUBLIC cxx_std_20)
+  target_link_libraries(forcelayer_${name} PUBLIC ${ARG_PUBLIC}
+                        PRIVATE $<BUILD_INTERFACE:forcelayer_options> ${ARG_PRIVATE})
+  if(ARG_INSTALL)
+    install(TARGETS forcelayer_${name} EXPORT forcelayer)
+  endif()
+endfunction()
+
+# forcelayer_command(NAME SOURCES ... LIBRARIES ...) makes and installs the executable NAME.
+function(forcelayer_command name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LIBRARIES" ${ARGN})
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE forcelayer_options ${ARG_LIBRARIES})
+  install(TARGETS ${name})
+endfunction()
