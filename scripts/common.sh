@@ -1,0 +1,42 @@
+# Shared by demo.sh and test.sh: sourced, not run. Needs bash.
+set -euo pipefail
+
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+
+say() { printf '\n== %s\n' "$*"; }
+
+# Installs those packages of packages.txt that are missing, with sudo where we are not root.
+install_packages() {
+  local wanted missing=() package sudo=()
+  mapfile -t wanted < <(sed 's/#.*//; s/[[:space:]]//g; /^$/d' "$root/scripts/packages.txt")
+  for package in "${wanted[@]}"; do
+    [ "$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null)" = installed ] ||
+      missing+=("$package")
+  done
+  [ ${#missing[@]} -gt 0 ] || return 0
+  say "installing: ${missing[*]}"
+  if [ "$(id -u)" -ne 0 ]; then
+    command -v sudo >/dev/null || {
+      echo "missing packages and no sudo; as root: apt-get install ${missing[*]}" >&2
+      return 1
+    }
+    sudo=(sudo)
+  fi
+  "${sudo[@]}" apt-get update -q
+  "${sudo[@]}" env DEBIAN_FRONTEND=noninteractive \
+    apt-get install -qy --no-install-recommends "${missing[@]}"
+}
+
+# build PRESET [cmake arguments ...]: configures build/PRESET and builds everything in it.
+build() {
+  local preset=$1
+  shift
+  say "building $preset"
+  (cd "$root" && cmake --preset "$preset" "$@" >"$root/build/$preset.configure.log" 2>&1) || {
+    cat "$root/build/$preset.configure.log" >&2
+    return 1
+  }
+  cmake --build "$root/build/$preset"
+}
+
+mkdir -p "$root/build"

@@ -1,0 +1,33 @@
+#!/usr/bin/env bash
+# The whole chain on the sample data: bakes the scene and the part, runs the 1 kHz loop with a
+# simulated device and a scripted hand, and leaves everything in build/demo. On a bare Debian 12 it
+# first installs what is missing.
+source "$(dirname "$0")/common.sh"
+
+install_packages
+build release
+bin=$root/build/release/bin
+out=$root/build/demo
+data=$root/sample_data
+voxel_size=${1:-5mm}
+mkdir -p "$out"
+
+say "baking the scene at $voxel_size"
+"$bin/voxelize" "$data/bay.json" -o "$out/bay.vox" --voxel-size "$voxel_size" --json "$out/voxelize.json"
+"$bin/voxinfo" "$out/bay.vox"
+
+say "baking the part"
+"$bin/pointshell" "$data/part.obj" --units mm -o "$out/part.pshell" --voxel-size "$voxel_size" \
+  --json "$out/pointshell.json"
+"$bin/voxinfo" "$out/part.pshell"
+
+say "pressing the part against the scene for ten seconds"
+"$bin/voxrun" "$out/bay.vox" "$out/part.pshell" --device sim --motion "$data/press.csv" \
+  --duration 10s --json "$out/voxrun.json" --trace "$out/trace.csv"
+
+say "drawing"
+"$bin/voxview" "$data/bay.json" "$out/bay.vox" "$out/part.pshell" --trace "$out/trace.csv" \
+  --screenshot "$out/contact.png"
+
+say "left in $out"
+ls -l "$out"

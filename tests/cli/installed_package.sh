@@ -1,0 +1,25 @@
+#!/usr/bin/env bash
+# Installs the build into an empty prefix, builds an outside project against it with
+# find_package(forcelayer), runs it on the golden files, and looks at what the installed voxrun links.
+set -euo pipefail
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+
+cache_entry() { sed -n "s/^$1:[A-Z]*=//p" "$FORCELAYER_BUILD_DIR/CMakeCache.txt"; }
+
+cmake --install "$FORCELAYER_BUILD_DIR" --prefix "$scratch/prefix" >"$scratch/install.log"
+cmake -S "$FORCELAYER_SOURCE_DIR/tests/consumer" -B "$scratch/build" -G Ninja \
+  -DCMAKE_PREFIX_PATH="$scratch/prefix" -DCMAKE_BUILD_TYPE=Release \
+  -DCMAKE_CXX_COMPILER="$(cache_entry CMAKE_CXX_COMPILER)" \
+  -DCMAKE_CXX_FLAGS="$(cache_entry CMAKE_CXX_FLAGS)" >"$scratch/configure.log" ||
+  { cat "$scratch/configure.log"; exit 1; }
+cmake --build "$scratch/build"
+
+golden=$FORCELAYER_SOURCE_DIR/tests/golden
+"$scratch/build/consumer" "$golden/v1.vox" "$golden/v1.pshell"
+
+if ldd "$scratch/prefix/bin/voxrun" | grep -E 'openvdb|OpenMesh|draco|libtbb|vtk|boost'; then
+  echo "FAILED: the installed voxrun links an offline library" >&2
+  exit 1
+fi
+"$scratch/prefix/bin/voxrun" --version
