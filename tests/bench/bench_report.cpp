@@ -1,0 +1,116 @@
+#include "tests/bench/bench_report.h"
+
+#include <sys/resource.h>
+#include <sys/utsname.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <ctime>
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+#include <thread>
+
+namespace forcelayer::bench {
+namespace {
+
+std::string cpu_model() {
+  std::ifstream file("/proc/cpuinfo");
+  for (std::string line; std::getline(file, line);) {
+    if (line.rfind("model name", 0) == 0) return line.substr(line.find(':') + 2);
+  }
+  return "unknown";
+}
+
+std::string utc_date() {
+  const std::time_t now = std::time(nullptr);
+  char text[32];
+  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", std::gmtime(&now));
+  return text;
+}
+
+std::string file_name(const std::string& path) {
+  return std::filesystem::path(path).filename().string();
+}
+
+}  // namespace
+
+Percentiles percentiles(std::vector<double> sample) {
+  if (sample.empty()) return {NAN, NAN, NAN, NAN};
+  std::sort(sample.begin(), sample.end());
+  const auto at = [&](double share) {
+    const auto rank = static_cast<std::size_t>(std::ceil(share * double(sample.size())));
+    return sample[std::min(sample.size() - 1, rank == 0 ? 0 : rank - 1)];
+  };
+  return {at(0.5), at(0.99), at(0.999), sample.back()};
+}
+
+nlohmann::ordered_json to_json(const Percentiles& p) {
+  return {{"p50", p.p50}, {"p99", p.p99}, {"p999", p.p999}, {"max", p.max}};
+}
+
+nlohmann::ordered_json machine() {
+  utsname system{};
+  uname(&system);
+  const double memory_gib =
+      double(sysconf(_SC_PHYS_PAGES)) * double(sysconf(_SC_PAGESIZE)) / (1 << 30);
+  return {{"cpu", cpu_model()},
+          {"cores", std::thread::hardware_concurrency()},
+          {"memory_gib", std::round(memory_gib)},
+          {"system", std::string(system.sysname) + " " + system.machine},
+          {"compiler", std::string("gcc-compatible ") + __VERSION__},
+          {"version", FORCELAYER_VERSION},
+          {"date", utc_date()}};
+}
+
+std::string cpu_folder() {
+  std::string folder;
+  for (const char c : cpu_model()) {
+    if (std::isalnum(static_cast<unsigned char>(c)) != 0) {
+      folder += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    } else if (!folder.empty() && folder.back() != '-') {
+      folder += '-';
+    }
+  }
+  while (!folder.empty() && folder.back() == '-') folder.pop_back();
+  return folder;
+}
+
+double now_s() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+double cpu_s() {
+  timespec time{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+  return double(time.tv_sec) + 1e-9 * double(time.tv_nsec);
+}
+
+std::uint64_t peak_rss_bytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
+}
+
+void write_report(const std::string& benchmark, int argc, char** argv,
+                  const nlohmann::ordered_json& results, const std::string& path) {
+  std::string command = file_name(argv[0]);
+  for (int i = 1; i < argc; ++i) command += std::string(" ") + argv[i];
+  const nlohmann::ordered_json report = {
+      {"benchmark", benchmark}, {"command", command}, {"machine", machine()}, {"results", results}};
+  std::filesystem::path target = path;
+  if (target.empty()) {
+    target = std::filesystem::path(FORCELAYER_SOURCE_DIR) / "tests/bench/results" / cpu_folder() /
+             (benchmark + ".json");
+  }
+  if (target.has_parent_path()) std::filesystem::create_directories(target.parent_path());
+  std::ofstream file(target);
+  file << report.dump(2) << "\n";
+  if (!file) throw std::runtime_error("cannot write " + target.string());
+  std::printf("wrote %s\n", target.c_str());
+}
+
+}  // namespace forcelayer::bench

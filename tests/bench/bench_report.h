@@ -1,0 +1,35 @@
+// What every benchmark writes: the machine, the command, and rows of figures, as JSON.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+namespace forcelayer::bench {
+
+// Percentiles of a sample, in the sample's unit. Never a mean alone.
+struct Percentiles {
+  double p50, p99, p999, max;
+};
+Percentiles percentiles(std::vector<double> sample);
+nlohmann::ordered_json to_json(const Percentiles& percentiles);
+
+// CPU model, cores, memory, kernel, compiler and flags, date (UTC) of this run.
+nlohmann::ordered_json machine();
+
+// The CPU model as a folder name ("intel-xeon-processor").
+std::string cpu_folder();
+
+// Seconds of a monotonic clock, and CPU seconds of this process (all threads).
+double now_s();
+double cpu_s();
+
+// Peak resident set of this process, bytes.
+std::uint64_t peak_rss_bytes();
+
+// Writes {"benchmark", "command", "machine", "results"} to `path`, or, where it is empty, to
+// tests/bench/results/<cpu>/<benchmark>.json; prints where. Throws std::runtime_error.
+void write_report(const std::string& benchmark, int argc, char** argv,
+                  const nlohmann::ordered_json& results, const std::string& path = "");
+
+}  // namespace forcelayer::bench
