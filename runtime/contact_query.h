@@ -2,8 +2,8 @@
 // force.
 #pragma once
 
+#include <array>
 #include <cstdint>
-#include <memory>
 #include <vector>
 
 #include "formats/pshell.h"
@@ -28,8 +28,20 @@ struct CollectedPoints {
   std::uint32_t surface_count = 0;    // points in value 2: the paper's N
   std::uint32_t proximity_count = 0;  // points in value 3
   bool outside_map = false;           // a point lay beyond a cropped side: no guarantee this frame
+                                      // (the bounding sphere, where the map is out of reach)
 
   void reserve(std::uint64_t points);  // set-up only; run() never allocates
+  void clear() noexcept;               // counts and flags
+};
+
+// A pose as the query computes with it: world voxel position of a shell point p (m, from the
+// centre) = whole + floor(turn * p + fraction), all but `whole` in single precision.
+struct VoxelPose {
+  std::array<std::array<float, 3>, 3> rotation;  // row-major
+  std::array<std::array<float, 3>, 3> turn;      // rotation / s: metres to voxels
+  std::array<float, 3> fraction;                 // of the centre in its voxel, voxels
+  std::array<std::int32_t, 3> whole;             // the centre's voxel, relative to the directory
+  bool within_reach = false;                     // false: no point can be in the directory
 };
 
 // Finds the collected points of one shell in one voxmap. Precision: the rotation acts in float on
@@ -37,19 +49,37 @@ struct CollectedPoints {
 // and a fraction (DESIGN 2).
 class ContactQuery {
  public:
-  // Both files must outlive the query.
+  // Both files must outlive the query. The shell's radius must stay below kMaxRadiusVoxels voxels.
   ContactQuery(const Voxmap& voxmap, const Pshell& shell);
 
-  // Collects at `world_from_part` into `out` (reserved for the shell's points). No allocation, lock
-  // or system call.
-  void run(const Pose& world_from_part, CollectedPoints& out) noexcept;
+  // Collects with the part's centroid frame at `world_from_center` into `out` (reserved for the
+  // shell's points). A pose that is not finite collects nothing. No allocation, lock or system
+  // call.
+  void run(const Pose& world_from_center, CollectedPoints& out) noexcept;
+
+  // e_pose of the separation guarantee: how far the query's arithmetic can misplace a point, for
+  // poses at which the part touches the map.
+  double rounding_bound_m() const;
+
+  VoxelPose voxel_pose(const Pose& world_from_center) const noexcept;
 
   const Voxmap& voxmap() const { return voxmap_; }
   const Pshell& shell() const { return shell_; }
 
+  static constexpr double kMaxRadiusVoxels = 1 << 20;  // float leaves 1/16 voxel there
+
  private:
+  void collect_point(const VoxelPose& pose, std::uint32_t point, CollectedPoints& out) noexcept;
+  bool beyond_cropped_side(std::int32_t x, std::int32_t y, std::int32_t z) const noexcept;
+  bool sphere_beyond_cropped_side(const glm::dvec3& center_m) const noexcept;
+
   const Voxmap& voxmap_;
   const Pshell& shell_;
+  double radius_voxels_;
+  float voxel_size_m_;
+  std::array<std::uint8_t, 256> value_of_code_{};  // VoxelValue of a stored code
+  // Box of the voxels that are known, relative to the directory; unbounded where nothing was cut.
+  std::array<std::int64_t, 3> known_min_{}, known_max_{};
 };
 
 }  // namespace forcelayer

@@ -1,0 +1,43 @@
+// What a user may set, and what the step computes with. Every value has a default derived from the
+// voxel size, the shell, the rate and the device; derive_parameters() says by which rule.
+#pragma once
+
+#include <glm/mat3x3.hpp>
+
+namespace forcelayer {
+
+// Which dynamic model moves the part.
+enum class Model {
+  kPaper,  // the 1999 method to the letter (DESIGN 6)
+};
+
+// Which field gives a point's depth and direction.
+enum class ForceKind {
+  kTangentPlane,  // paper 3
+};
+
+// All that the step computes with. Complete and consistent once derive_parameters() made it.
+struct Parameters {
+  Model model = Model::kPaper;
+  ForceKind force = ForceKind::kTangentPlane;
+  bool braking = true;  // pre-contact braking (paper 5.3)
+
+  double rate_hz = 1000;      // 1 / dt
+  double voxel_size_m = 0;    // s, of the map
+  double part_radius_m = 0;   // R: of all shell points about the centroid
+  double mass_kg = 0;         // apparent mass (paper 5.1: 12 g)
+  glm::dmat3 inertia_kgm2{};  // about the centroid, part's axes (paper: 2/5 m R^2, isotropic)
+
+  double coupling_n_per_m = 0;        // k_T
+  double coupling_ns_per_m = 0;       // b_T
+  double coupling_nm_per_rad = 0;     // k_R
+  double coupling_nms_per_rad = 0;    // b_R
+  double coupling_force_limit_n = 0;  // clamp of the coupling's force (paper: spring only, k_T s/2)
+  double coupling_torque_limit_nm = 0;  // clamp of its torque (paper: infinite)
+  double field_n_per_m = 0;             // K_ff
+
+  double max_force_n = 0;    // of the wrench at the device
+  double max_torque_nm = 0;  // of the wrench at the device
+};
+
+}  // namespace forcelayer

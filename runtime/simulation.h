@@ -1,0 +1,61 @@
+// One scene, one part, and the step between them.
+#pragma once
+
+#include <memory>
+
+#include "formats/pshell.h"
+#include "formats/result.h"
+#include "formats/voxmap.h"
+#include "runtime/contact_query.h"
+#include "runtime/force_field.h"
+#include "runtime/parameters.h"
+#include "runtime/step.h"
+
+namespace forcelayer {
+
+// What a model works with in one step. `points` and `samples` have room for every shell point.
+struct StepContext {
+  const Parameters& parameters;
+  ContactQuery& query;
+  const ForceField& field;
+  CollectedPoints& points;
+  FieldSamples& samples;
+};
+
+// Owns the map, the shell and the memory that a step needs. step() is a pure function of its
+// arguments and of what create() was given: two calls with equal arguments give equal bits.
+class Simulation {
+ public:
+  // Takes over both files. Errors: kFilesDoNotMatch where the part is too large for the voxel size.
+  static Result<std::unique_ptr<Simulation>> create(Voxmap voxmap, Pshell shell,
+                                                    const Parameters& parameters);
+
+  // A part at rest at `world_from_part`, gripped without stretch by a handle at
+  // `world_from_handle`.
+  State registered(const Pose& world_from_part, const Pose& world_from_handle) const;
+
+  // One frame of `dt_s` seconds. Never throws, allocates, locks, logs or calls the system.
+  StepResult step(State& state, const StepInput& input, double dt_s) noexcept;
+
+  // The part's frame (its mesh's) from its centroid frame, and back.
+  Pose world_from_part(const Pose& world_from_center) const;
+  Pose world_from_center(const Pose& world_from_part) const;
+
+  const Parameters& parameters() const { return parameters_; }
+  const Voxmap& voxmap() const { return voxmap_; }
+  const Pshell& shell() const { return shell_; }
+  const ContactQuery& query() const { return query_; }
+
+ private:
+  Simulation(Voxmap voxmap, Pshell shell, const Parameters& parameters);
+
+  Voxmap voxmap_;
+  Pshell shell_;
+  Parameters parameters_;
+  ContactQuery query_;
+  std::unique_ptr<ForceField> field_;
+  CollectedPoints points_;
+  FieldSamples samples_;
+};
+
+}  // namespace forcelayer
