@@ -1,0 +1,47 @@
+// Polygons of a mesh file as triangles.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "formats/mesh/mesh.h"
+
+namespace forcelayer {
+
+// Splits polygons into triangles that cover the polygon's own area: a convex polygon as a fan from
+// its first corner, any other by clipping ears in its best plane (Newell's normal). Keeps count of
+// what is not a plain polygon, for the file's warnings.
+class PolygonSplitter {
+ public:
+  // Appends corners.size() - 2 triangles to `mesh`, oriented as the polygon is. At least three
+  // corners, all of them finite vertices of `mesh`.
+  void split(std::span<const std::uint32_t> corners, Mesh& mesh);
+
+  // A line for polygons that are not planar and one for those that cross themselves.
+  void add_warnings(std::vector<std::string>& warnings) const;
+
+ private:
+  struct Point {
+    double x, y;
+  };
+
+  void project(std::span<const std::uint32_t> corners, const Mesh& mesh, const Vec3d& normal);
+  void note_planarity(std::span<const std::uint32_t> corners, const Mesh& mesh,
+                      const Vec3d& normal);
+  double turn(std::size_t a, std::size_t b, std::size_t c) const;
+  bool is_convex() const;
+  void clip_ears(std::span<const std::uint32_t> corners, Mesh& mesh);
+  bool is_ear(std::size_t tip) const;
+  std::size_t find_ear(std::size_t from, std::size_t left) const;
+
+  std::vector<Point> points_;           // the corners in the plane, counter-clockwise
+  std::vector<std::size_t> next_;       // ring of the corners that are not yet clipped
+  std::vector<std::size_t> previous_;   // the same, backwards
+  std::uint64_t not_planar_ = 0;        // polygons
+  double largest_deviation_units_ = 0;  // from the best plane, file units
+  std::uint64_t crossing_ = 0;          // polygons
+};
+
+}  // namespace forcelayer

@@ -1,0 +1,59 @@
+#include "formats/mesh/reader.h"
+
+#include <cmath>
+#include <limits>
+
+namespace forcelayer {
+
+void fail_read(const SourceFile& file, ErrorCode code, std::string where, std::string what,
+               std::string mend) {
+  throw ReadFailure{{code, file.path, std::move(where), std::move(what), std::move(mend)}};
+}
+
+std::string at_byte(std::uint64_t offset) { return "byte " + std::to_string(offset); }
+
+void check_count(const SourceFile& file, std::uint64_t count, const char* what) {
+  if (count <= std::numeric_limits<std::uint32_t>::max()) return;
+  fail_read(file, ErrorCode::kMeshUnsupported, "",
+            std::to_string(count) + " " + what + " are more than 32-bit indices reach",
+            "split the mesh into several files");
+}
+
+void check_finite(const SourceFile& file, const Mesh& mesh) {
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+    const auto& [x, y, z] = mesh.vertices[i];
+    if (std::isfinite(x) && std::isfinite(y) && std::isfinite(z)) continue;
+    fail_read(file, ErrorCode::kMeshUnreadable, "vertex " + std::to_string(i),
+              "a coordinate is not a finite number", "export the mesh again");
+  }
+}
+
+void check_not_empty(const SourceFile& file, const Mesh& mesh) {
+  if (!mesh.triangles.empty()) return;
+  fail_read(file, ErrorCode::kMeshEmpty, "",
+            mesh.vertices.empty() ? "no triangles in this file"
+                                  : "no triangles in this file, only points or lines",
+            "export a surface mesh");
+}
+
+Assembly assembly_of(const SourceFile& file, Mesh mesh) {
+  check_not_empty(file, mesh);
+  Assembly assembly;
+  assembly.meshes.push_back(std::move(mesh));
+  assembly.instances.push_back({0, std::filesystem::path(file.path).stem().string(), {}});
+  return assembly;
+}
+
+std::string quoted(std::string_view word) {
+  constexpr std::size_t kLongest = 40;
+  std::string text = "'";
+  text += word.substr(0, kLongest);
+  text += word.size() > kLongest ? "...'" : "'";
+  return text;
+}
+
+std::string counted(std::uint64_t count, const char* singular) {
+  return std::to_string(count) + " " + singular + (count == 1 ? "" : "s");
+}
+
+}  // namespace forcelayer

@@ -1,0 +1,52 @@
+// What the readers of the single mesh formats share. Readers throw ReadFailure; read_assembly()
+// turns it into an Error.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "formats/mesh/mesh.h"
+#include "formats/result.h"
+
+namespace forcelayer {
+
+// One mesh file in memory.
+struct SourceFile {
+  std::string path;        // as the user gave it, without "#NODE"
+  std::string node;        // after "#"; empty for the whole file
+  std::string_view bytes;  // all of it
+};
+
+struct ReadFailure {
+  Error error;
+};
+
+// Throws with a place such as "line 12" or "byte 84".
+[[noreturn]] void fail_read(const SourceFile& file, ErrorCode code, std::string where,
+                            std::string what, std::string mend = {});
+std::string at_byte(std::uint64_t offset);
+
+// Vertex and triangle counts are 32-bit indices in Mesh: throws kMeshUnsupported beyond.
+void check_count(const SourceFile& file, std::uint64_t count, const char* what);
+
+// Throws where a vertex is not a finite number, kMeshEmpty where there are no triangles.
+void check_finite(const SourceFile& file, const Mesh& mesh);
+void check_not_empty(const SourceFile& file, const Mesh& mesh);
+
+// One mesh, standing once at the origin under the file's stem.
+Assembly assembly_of(const SourceFile& file, Mesh mesh);
+
+// 'word', shortened where it is long.
+std::string quoted(std::string_view word);
+
+// "1 polygon", "3 polygons".
+std::string counted(std::uint64_t count, const char* singular);
+
+Assembly read_stl(const SourceFile& file);
+Assembly read_obj(const SourceFile& file);
+Assembly read_ply(const SourceFile& file);
+Assembly read_off(const SourceFile& file);
+
+}  // namespace forcelayer
