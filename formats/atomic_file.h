@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <span>
 
@@ -10,7 +11,10 @@
 namespace forcelayer {
 
 // A temporary file in the target's folder, renamed over the target by commit(). Without commit()
-// the temporary is removed and the target left as it was.
+// the temporary is removed and the target left as it was; so it is where exit_cleanly_on_signals()
+// is in force and SIGINT, SIGTERM or SIGHUP ends the process. A target that is a symbolic link
+// stays one: the file it points to is replaced. A target that is a device or a pipe (/dev/stdout)
+// is written to directly.
 class AtomicFile {
  public:
   AtomicFile(AtomicFile&& other) noexcept;
@@ -24,10 +28,15 @@ class AtomicFile {
 
  private:
   AtomicFile() = default;
+  Status open_temporary();
+  void discard() noexcept;
+  Error write_error(int number) const;
 
   int descriptor_ = -1;
-  std::filesystem::path temporary_;
-  std::filesystem::path target_;
+  std::filesystem::path temporary_;  // empty where the target is written to directly
+  std::filesystem::path target_;     // with symbolic links followed
+  std::filesystem::path shown_;      // as the caller gave it, for errors
+  std::size_t slot_ = 0;             // of temporary_ in the registry
 };
 
 }  // namespace forcelayer

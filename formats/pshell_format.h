@@ -18,6 +18,9 @@ enum class MassSource : std::uint32_t { kVolume = 0, kArea = 1 };
 
 inline constexpr std::uint32_t kDefaultBlockPoints = 64;
 inline constexpr std::uint32_t kDefaultSuperBlockBlocks = 64;
+inline constexpr std::uint32_t kBlockPointsMultiple = 16;  // 64 bytes of float32
+inline constexpr std::uint32_t kMaxBlockPoints = 4096;
+inline constexpr std::uint32_t kMaxSuperBlockBlocks = 4096;
 inline constexpr std::uint64_t kMaxShellPoints = std::uint64_t{1} << 31;
 
 enum class PshellSection : std::uint32_t {

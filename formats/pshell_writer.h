@@ -1,10 +1,12 @@
 // Writing .pshell files.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <span>
 #include <string_view>
+#include <vector>
 
 #include "formats/pshell_format.h"
 #include "formats/result.h"
@@ -27,5 +29,8 @@ struct PshellContent {
 // Writes `content` to `path` atomically; returns the file's size in bytes. Same content, same
 // bytes.
 Result<std::uint64_t> write_pshell(const std::filesystem::path& path, const PshellContent& content);
+
+// The bytes that write_pshell() would write.
+std::vector<std::byte> pshell_bytes(const PshellContent& content);
 
 }  // namespace forcelayer

@@ -88,6 +88,9 @@ class Voxmap {
 
  private:
   Voxmap() = default;
+  Status check_tree(std::span<const std::uint32_t> directory,
+                    std::span<const std::uint32_t> upper_nodes,
+                    std::span<const std::uint32_t> lower_nodes, std::string_view name) const;
 
   MappedFile file_;
   std::span<const std::byte> bytes_;

@@ -40,6 +40,10 @@ constexpr std::uint32_t uniform_entry(std::uint32_t value, std::uint32_t clearan
   return kUniformBit | (clearance << 8) | value;
 }
 
+inline constexpr double kMinVoxelSizeM = 1e-9;
+inline constexpr double kMaxVoxelSizeM = 1e6;
+inline constexpr std::uint32_t kMaxOffsetLayers = 65535;
+
 enum class VoxmapSection : std::uint32_t {
   kDirectory = 1,   // uint32 entries, dims x*y*z, z fastest
   kUpperNodes = 2,  // 512 uint32 entries each
@@ -95,5 +99,23 @@ static_assert(offsetof(VoxmapHeader, directory_origin) == 184);
 static_assert(offsetof(VoxmapHeader, interior_voxels) == 224);
 static_assert(offsetof(VoxmapHeader, static_deviation_m) == 256);
 static_assert(offsetof(VoxmapHeader, reserved) == 296);
+
+// Bytes of a brick.
+constexpr std::uint32_t brick_bytes(std::uint32_t bits_per_voxel) {
+  return kNodeEntries / 8 * bits_per_voxel;
+}
+
+// The value of Table 1 that a stored code of this map stands for.
+constexpr VoxelValue voxel_value(const VoxmapHeader& header, std::uint32_t code) {
+  if (header.bits_per_voxel == 2) return static_cast<VoxelValue>(code & 3);
+  if (code >= header.free_code) return VoxelValue::kFree;
+  if (code >= header.proximity_code) return VoxelValue::kProximity;
+  return code >= header.surface_code ? VoxelValue::kSurface : VoxelValue::kInterior;
+}
+
+// The lowest code that stands for free; all above it do too at 4 and 8 bits.
+constexpr std::uint32_t lowest_free_code(const VoxmapHeader& header) {
+  return header.bits_per_voxel == 2 ? 0 : header.free_code;
+}
 
 }  // namespace forcelayer

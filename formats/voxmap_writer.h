@@ -1,10 +1,12 @@
 // Writing .vox files.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <span>
 #include <string_view>
+#include <vector>
 
 #include "formats/result.h"
 #include "formats/voxmap_format.h"
@@ -25,5 +27,8 @@ struct VoxmapContent {
 // Writes `content` to `path` atomically; returns the file's size in bytes. The content is trusted
 // to be valid (Voxmap::open is the validator). Same content, same bytes.
 Result<std::uint64_t> write_voxmap(const std::filesystem::path& path, const VoxmapContent& content);
+
+// The bytes that write_voxmap() would write.
+std::vector<std::byte> voxmap_bytes(const VoxmapContent& content);
 
 }  // namespace forcelayer

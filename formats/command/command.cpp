@@ -1,5 +1,6 @@
 #include "formats/command/command.h"
 
+#include <signal.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -12,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/atomic_file.h"
+#include "formats/temporary_files.h"
 
 namespace forcelayer {
 namespace {
@@ -25,7 +27,24 @@ int fail(const char* name, const Error& error) {
   return exit_status(error.code);
 }
 
+extern "C" void end_on_signal(int number) {
+  remove_temporary_files();
+  _exit(128 + number);
+}
+
 }  // namespace
+
+void exit_cleanly_on_signals() {
+  for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGPIPE}) {
+    struct sigaction current {};
+    sigaction(number, nullptr, &current);
+    if (current.sa_handler == SIG_IGN) continue;  // nohup, or a background job of a plain shell
+    struct sigaction ours {};
+    ours.sa_handler = end_on_signal;
+    sigfillset(&ours.sa_mask);
+    sigaction(number, &ours, nullptr);
+  }
+}
 
 int run_command(const char* name, const std::function<Status()>& body) noexcept {
   try {

@@ -27,8 +27,8 @@ bool parse_arguments(CLI::App& app, int argc, char** argv, int& exit_code);
 // Writes `report` to `path` atomically, indented, with a final newline.
 Status write_report(const std::string& path, const nlohmann::ordered_json& report);
 
-// Ends the process on SIGINT and SIGTERM with status 128+n after removing the temporary files of
-// the AtomicFiles in progress.
+// Ends the process on SIGINT, SIGTERM, SIGHUP and SIGPIPE with status 128+n after removing the
+// temporary files of the AtomicFiles in progress. A signal that the caller ignores stays ignored.
 void exit_cleanly_on_signals();
 
 // Highest resident set of this process so far.

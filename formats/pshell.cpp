@@ -1,0 +1,244 @@
+#include "formats/pshell.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <string>
+
+#include "formats/field_check.h"
+#include "formats/pshell_sections.h"
+#include "formats/voxmap_format.h"
+
+namespace forcelayer {
+namespace {
+
+// Squares of floats are exact in double and two additions round by 2^-53 each: more than this share
+// outside a sphere is outside.
+constexpr double kSphereTolerance = 0x1p-50;
+// A unit vector computed in single precision and rounded to it is this close to one, squared.
+constexpr double kUnitTolerance = 2e-6;
+
+// Where a section's element breaks its rule.
+Error entry_error(std::string_view name, const std::string& section, std::size_t index,
+                  std::string what) {
+  return {ErrorCode::kEntryInvalid, std::string(name), section + " entry " + std::to_string(index),
+          std::move(what), "bake or copy it again"};
+}
+
+std::uint64_t ceil_div(std::uint64_t a, std::uint64_t b) { return a / b + (a % b != 0); }
+
+void check_block_fields(const PshellHeader& h, FieldChecks& checks) {
+  checks.require(h.point_count > 0 && h.point_count <= kMaxShellPoints,
+                 offsetof(PshellHeader, point_count), "point_count", "is not between 1 and 2^31");
+  checks.require(h.block_points > 0 && h.block_points <= kMaxBlockPoints &&
+                     h.block_points % kBlockPointsMultiple == 0,
+                 offsetof(PshellHeader, block_points), "block_points",
+                 "is not a multiple of 16 between 16 and 4096");
+  checks.require(h.super_block_blocks > 0 && h.super_block_blocks <= kMaxSuperBlockBlocks,
+                 offsetof(PshellHeader, super_block_blocks), "super_block_blocks",
+                 "is not between 1 and 4096");
+  if (!checks.status()) return;
+  checks.require(h.block_count == ceil_div(h.point_count, h.block_points),
+                 offsetof(PshellHeader, block_count), "block_count",
+                 "does not agree with point_count and block_points");
+  checks.require(h.super_block_count == ceil_div(h.block_count, h.super_block_blocks),
+                 offsetof(PshellHeader, super_block_count), "super_block_count",
+                 "does not agree with block_count and super_block_blocks");
+}
+
+void check_mass_fields(const PshellHeader& h, FieldChecks& checks) {
+  checks.require(h.mass_source <= static_cast<std::uint32_t>(MassSource::kArea),
+                 offsetof(PshellHeader, mass_source), "mass_source", "is not a known source");
+  checks.require(is_finite_not_negative(h.area_m2), offsetof(PshellHeader, area_m2), "area_m2",
+                 "is not a finite area");
+  const bool from_volume = h.mass_source == static_cast<std::uint32_t>(MassSource::kVolume);
+  checks.require(std::isfinite(h.volume_m3) && (from_volume ? h.volume_m3 > 0 : h.volume_m3 == 0),
+                 offsetof(PshellHeader, volume_m3), "volume_m3",
+                 "is not positive, or not zero where mass comes from the area");
+  for (std::size_t i = 0; i < h.inertia_m2.size(); ++i) {
+    const double moment = h.inertia_m2[i];
+    checks.require(i < 3 ? is_finite_not_negative(moment) : std::isfinite(moment),
+                   offsetof(PshellHeader, inertia_m2) + 8 * i, "inertia_m2",
+                   "is not finite, or negative on the diagonal");
+  }
+}
+
+Status check_header_fields(const PshellHeader& h, std::string_view name) {
+  FieldChecks checks(name);
+  check_block_fields(h, checks);
+  checks.require(h.voxel_size_m >= kMinVoxelSizeM && h.voxel_size_m <= kMaxVoxelSizeM,
+                 offsetof(PshellHeader, voxel_size_m), "voxel_size_m",
+                 "is not between 1e-9 and 1e6 metres");
+  checks.require(is_finite_not_negative(h.covering_radius_m),
+                 offsetof(PshellHeader, covering_radius_m), "covering_radius_m",
+                 "is not a finite length");
+  checks.require(is_finite_not_negative(h.bounding_radius_m),
+                 offsetof(PshellHeader, bounding_radius_m), "bounding_radius_m",
+                 "is not a finite length");
+  checks.require(is_finite_not_negative(h.part_deviation_m),
+                 offsetof(PshellHeader, part_deviation_m), "part_deviation_m",
+                 "is not a finite length");
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    checks.require(std::isfinite(h.center_m[axis]), offsetof(PshellHeader, center_m) + 8 * axis,
+                   "center_m", "is not finite");
+  }
+  check_mass_fields(h, checks);
+  checks.require(h.method <= static_cast<std::uint32_t>(ShellMethod::kSurface),
+                 offsetof(PshellHeader, method), "method", "is not a known method");
+  if (!is_newer_minor(h.file)) {
+    checks.require(std::all_of(h.reserved.begin(), h.reserved.end(), [](auto b) { return b == 0; }),
+                   offsetof(PshellHeader, reserved), "reserved", "is not zero");
+  }
+  return checks.status();
+}
+
+Status check_section_sizes(const PshellHeader& h, std::span<const std::span<const std::byte>> all,
+                           std::span<const SectionRule> rules, std::string_view name) {
+  const std::uint64_t stored = h.block_count * h.block_points;
+  for (std::size_t i = 0; i < rules.size(); ++i) {
+    if (rules[i].element_bytes == 1 || (!rules[i].required && all[i].empty())) continue;
+    const bool blocks = rules[i].id == static_cast<std::uint32_t>(PshellSection::kBlocks);
+    const bool super = rules[i].id == static_cast<std::uint32_t>(PshellSection::kSuperBlocks);
+    const std::uint64_t wanted = blocks ? h.block_count : super ? h.super_block_count : stored;
+    const std::uint64_t actual = all[i].size() / rules[i].element_bytes;
+    if (actual == wanted) continue;
+    return Error{
+        ErrorCode::kSectionInvalid, std::string(name), rules[i].name,
+        std::to_string(actual) + " elements where the header asks for " + std::to_string(wanted),
+        "bake or copy it again"};
+  }
+  return {};
+}
+
+double squared_distance(const PshellView& v, std::size_t i, const BoundingSphere& sphere) {
+  const double dx = double{v.x[i]} - sphere.x, dy = double{v.y[i]} - sphere.y,
+               dz = double{v.z[i]} - sphere.z;
+  return dx * dx + dy * dy + dz * dz;
+}
+
+// Whether no point of [begin, end) lies outside `sphere`. NaN lies outside.
+bool holds_points(const BoundingSphere& sphere, const PshellView& v, std::size_t begin,
+                  std::size_t end) {
+  const double limit = double{sphere.radius} * sphere.radius * (1 + kSphereTolerance);
+  unsigned outside = 0;
+  for (std::size_t i = begin; i < end; ++i) outside |= !(squared_distance(v, i, sphere) <= limit);
+  return outside == 0;
+}
+
+bool is_finite_sphere(const BoundingSphere& s) {
+  return std::isfinite(s.x) && std::isfinite(s.y) && std::isfinite(s.z) &&
+         std::isfinite(s.radius) && s.radius >= 0;
+}
+
+Status check_spheres(const PshellView& v, std::span<const BoundingSphere> spheres,
+                     std::uint64_t points_each, const std::string& section, std::string_view name) {
+  const std::uint64_t stored = v.block_count * v.block_points;
+  for (std::size_t i = 0; i < spheres.size(); ++i) {
+    if (!is_finite_sphere(spheres[i])) {
+      return entry_error(name, section, i, "sphere is not finite or its radius is negative");
+    }
+    const std::uint64_t begin = i * points_each;
+    if (!holds_points(spheres[i], v, begin, std::min(stored, begin + points_each))) {
+      return entry_error(name, section, i, "sphere does not hold all of its points");
+    }
+  }
+  return {};
+}
+
+Status check_points(const PshellView& v, double bounding_radius_m, std::string_view name) {
+  const double limit = bounding_radius_m * bounding_radius_m * (1 + kSphereTolerance);
+  for (std::size_t i = 0; i < v.point_count; ++i) {
+    if (!(squared_distance(v, i, BoundingSphere{0, 0, 0, 0}) <= limit)) {
+      return entry_error(name, "x, y, z", i, "point is not finite or beyond the bounding radius");
+    }
+    const double nx = v.nx[i], ny = v.ny[i], nz = v.nz[i];
+    if (!(std::abs(nx * nx + ny * ny + nz * nz - 1) <= kUnitTolerance)) {
+      return entry_error(name, "normals", i, "normal is not of unit length");
+    }
+    if (!(std::isfinite(v.weight_m2[i]) && v.weight_m2[i] >= 0)) {
+      return entry_error(name, "weight", i, "weight is not a finite area");
+    }
+    if (v.cone_cos && !(v.cone_cos[i] >= -1 && v.cone_cos[i] <= 1)) {
+      return entry_error(name, "normal cones", i, "cosine is not between -1 and 1");
+    }
+  }
+  return {};
+}
+
+// Elements beyond point_count repeat the last point, bit for bit, with weight zero.
+Status check_padding_points(const PshellView& v, std::string_view name) {
+  const std::size_t last = v.point_count - 1;
+  const float* const columns[] = {v.x, v.y, v.z, v.nx, v.ny, v.nz, v.cone_cos};
+  const auto bits = [](float number) { return std::bit_cast<std::uint32_t>(number); };
+  for (std::size_t i = v.point_count; i < v.block_count * v.block_points; ++i) {
+    const bool repeats = std::all_of(std::begin(columns), std::end(columns), [&](const float* c) {
+      return c == nullptr || bits(c[i]) == bits(c[last]);
+    });
+    if (!repeats || bits(v.weight_m2[i]) != 0) {
+      return entry_error(name, "point sections", i,
+                         "padding does not repeat the last point with weight zero");
+    }
+  }
+  return {};
+}
+
+Status check_elements(const PshellView& v, const PshellHeader& h, std::string_view name) {
+  if (Status s = check_points(v, h.bounding_radius_m, name); !s) return s;
+  if (Status s = check_padding_points(v, name); !s) return s;
+  const std::uint64_t block_points = v.block_points;
+  if (Status s = check_spheres(v, {v.blocks, v.block_count}, block_points, "blocks", name); !s) {
+    return s;
+  }
+  return check_spheres(v, {v.super_blocks, v.super_block_count},
+                       block_points * v.super_block_blocks, "super-blocks", name);
+}
+
+}  // namespace
+
+Result<Pshell> Pshell::open(const std::filesystem::path& path, Verify verify) {
+  auto file = MappedFile::open(path);
+  if (!file) return file.error();
+  auto shell = from_bytes(file->bytes(), path.string(), verify);
+  if (shell) shell->file_ = std::move(*file);
+  return shell;
+}
+
+Result<Pshell> Pshell::from_bytes(std::span<const std::byte> bytes, std::string_view name,
+                                  Verify verify) {
+  if (Status s = check_file_header(bytes, name, kPshellHeaderRule); !s) return s.error();
+  Pshell shell;
+  shell.bytes_ = bytes;
+  shell.header_ = reinterpret_cast<const PshellHeader*>(bytes.data());
+  const PshellHeader& h = *shell.header_;
+  if (Status s = check_header_fields(h, name); !s) return s.error();
+
+  const auto rules = pshell_section_rules();
+  const auto sections = check_sections(bytes, name, rules);
+  if (!sections) return sections.error();
+  const auto& all = *sections;
+  if (Status s = check_section_sizes(h, all, rules, name); !s) return s.error();
+  const auto column = [&](std::size_t i) { return elements_of<float>(all[i]).data(); };
+  shell.view_ = {.point_count = h.point_count,
+                 .block_points = h.block_points,
+                 .super_block_blocks = h.super_block_blocks,
+                 .block_count = h.block_count,
+                 .super_block_count = h.super_block_count,
+                 .x = column(0),
+                 .y = column(1),
+                 .z = column(2),
+                 .nx = column(3),
+                 .ny = column(4),
+                 .nz = column(5),
+                 .weight_m2 = column(6),
+                 .blocks = elements_of<BoundingSphere>(all[7]).data(),
+                 .super_blocks = elements_of<BoundingSphere>(all[8]).data(),
+                 .cone_cos = all[9].empty() ? nullptr : column(9)};
+  shell.provenance_ = {reinterpret_cast<const char*>(all[10].data()), all[10].size()};
+  if (Status s = check_elements(shell.view_, h, name); !s) return s.error();
+  if (verify == Verify::kStructureAndChecksums) {
+    if (Status s = check_section_checksums(bytes, name, rules); !s) return s.error();
+  }
+  return shell;
+}
+
+}  // namespace forcelayer

@@ -1,0 +1,360 @@
+#include "formats/section_table.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "formats/atomic_file.h"
+
+namespace forcelayer {
+namespace {
+
+constexpr std::uint32_t kMaxHeaderBytes = 4096;
+constexpr std::uint32_t kMaxSections = 64;
+constexpr std::uint64_t kKnownRequiredFeatures = 0;
+
+std::string hex(std::uint64_t number) {
+  constexpr std::string_view kDigits = "0123456789abcdef";
+  std::string text;
+  do {
+    text.insert(text.begin(), kDigits[number & 15]);
+    number >>= 4;
+  } while (number != 0);
+  return "0x" + text;
+}
+
+FileHeader read_file_header(std::span<const std::byte> bytes) {
+  FileHeader header;
+  std::memcpy(&header, bytes.data(), sizeof header);
+  return header;
+}
+
+// The table's entries; the file header has been checked.
+std::span<const SectionEntry> section_table(std::span<const std::byte> bytes) {
+  const FileHeader header = read_file_header(bytes);
+  return {reinterpret_cast<const SectionEntry*>(bytes.data() + header.header_bytes),
+          header.section_count};
+}
+
+std::uint64_t table_end(const FileHeader& header) {
+  return header.header_bytes + std::uint64_t{header.section_count} * sizeof(SectionEntry);
+}
+
+bool starts_with(std::span<const std::byte> bytes, std::string_view text) {
+  return bytes.size() >= text.size() && std::memcmp(bytes.data(), text.data(), text.size()) == 0;
+}
+
+bool starts_with(std::span<const std::byte> bytes, const std::array<std::uint8_t, 8>& magic) {
+  return starts_with(bytes, {reinterpret_cast<const char*>(magic.data()), magic.size()});
+}
+
+// What a file whose magic is not `magic` may be instead.
+Error wrong_magic(std::span<const std::byte> bytes, std::string_view name,
+                  const std::array<std::uint8_t, 8>& magic) {
+  const bool wants_voxmap = magic == kVoxmapMagic;
+  Error error{ErrorCode::kNotThisFormat, std::string(name), "byte 0",
+              wants_voxmap ? "not a Forcelayer .vox file" : "not a Forcelayer .pshell file",
+              wants_voxmap ? "make one with voxelize" : "make one with pointshell"};
+  if (starts_with(bytes, kPshellMagic)) {
+    error.what = "this is a .pshell file (a moving part) where a .vox scene is wanted";
+    error.mend = "give the scene's .vox file here";
+  } else if (starts_with(bytes, kVoxmapMagic)) {
+    error.what = "this is a .vox file (a scene) where a .pshell part is wanted";
+    error.mend = "give the part's .pshell file here";
+  } else if (starts_with(bytes, "VOX ")) {
+    error.what = "this is a MagicaVoxel .vox file, not a Forcelayer one";
+  } else if (bytes.size() >= 4 && std::memcmp(bytes.data() + 1, magic.data() + 1, 3) == 0) {
+    error.what += ": its first bytes were changed on the way, as a text-mode transfer does";
+    error.mend = "transfer it in binary mode";
+  }
+  return error;
+}
+
+Status check_magic(std::span<const std::byte> bytes, std::string_view name,
+                   const std::array<std::uint8_t, 8>& magic) {
+  const std::size_t present = std::min(bytes.size(), magic.size());
+  if (present == magic.size() ? !starts_with(bytes, magic)
+                              : std::memcmp(bytes.data(), magic.data(), present) != 0) {
+    return wrong_magic(bytes, name, magic);
+  }
+  if (bytes.size() >= sizeof(FileHeader)) return {};
+  return Error{ErrorCode::kTruncated, std::string(name), "header",
+               bytes.empty() ? "the file is empty"
+                             : "the file ends after " + std::to_string(bytes.size()) +
+                                   " bytes, inside its header",
+               "bake or copy it again"};
+}
+
+Status check_version(const FileHeader& header, std::string_view name) {
+  const std::string file(name);
+  if (header.endian_tag == 0x04030201) {
+    return Error{ErrorCode::kWrongEndianness, file, "header byte 8", "big-endian file",
+                 "bake it on a little-endian machine"};
+  }
+  if (header.endian_tag != kEndianTag) {
+    return Error{ErrorCode::kFieldInvalid, file, "header byte 8",
+                 "endian tag " + hex(header.endian_tag) + " is not " + hex(kEndianTag),
+                 "bake or copy it again"};
+  }
+  if (header.major != kFormatMajor) {
+    return Error{ErrorCode::kUnknownVersion, file, "header byte 12",
+                 "format version " + std::to_string(header.major) + "." +
+                     std::to_string(header.minor) + "; this program reads version " +
+                     std::to_string(kFormatMajor),
+                 "bake it again or use the program that belongs to it"};
+  }
+  return {};
+}
+
+// Sizes that the checksum of header and table needs, then that checksum.
+Status check_header_checksum(std::span<const std::byte> bytes, std::string_view name,
+                             const FileHeader& header, const HeaderRule& rule) {
+  const std::string file(name);
+  const bool right_size = is_newer_minor(header) ? header.header_bytes >= rule.header_bytes
+                                                 : header.header_bytes == rule.header_bytes;
+  if (!right_size || header.header_bytes > kMaxHeaderBytes ||
+      header.header_bytes % kSectionAlignment != 0) {
+    return Error{ErrorCode::kFieldInvalid, file, "header byte 16",
+                 "header of " + std::to_string(header.header_bytes) + " bytes instead of " +
+                     std::to_string(rule.header_bytes),
+                 "bake or copy it again"};
+  }
+  if (header.section_count > kMaxSections) {
+    return Error{ErrorCode::kFieldInvalid, file, "header byte 20",
+                 std::to_string(header.section_count) + " sections; at most " +
+                     std::to_string(kMaxSections) + " are allowed",
+                 "bake or copy it again"};
+  }
+  if (table_end(header) > bytes.size()) {
+    return Error{ErrorCode::kTruncated, file, "section table",
+                 "the file ends after " + std::to_string(bytes.size()) + " bytes, inside its " +
+                     (header.header_bytes > bytes.size() ? "header" : "section table"),
+                 "bake or copy it again"};
+  }
+  std::vector<std::byte> front(bytes.begin(),
+                               bytes.begin() + static_cast<std::ptrdiff_t>(table_end(header)));
+  std::fill_n(front.begin() + offsetof(FileHeader, header_checksum), 8, std::byte{0});
+  if (checksum(front) != header.header_checksum) {
+    return Error{ErrorCode::kChecksumMismatch, file, "header",
+                 "header or section table is damaged: its checksum is " + hex(checksum(front)) +
+                     " and not " + hex(header.header_checksum),
+                 "bake or copy it again"};
+  }
+  return {};
+}
+
+Status check_size_and_features(std::span<const std::byte> bytes, std::string_view name,
+                               const FileHeader& header) {
+  const std::string file(name);
+  if (bytes.size() != header.file_bytes) {
+    const bool shorter = bytes.size() < header.file_bytes;
+    return Error{shorter ? ErrorCode::kTruncated : ErrorCode::kTrailingBytes, file,
+                 "byte " + std::to_string(std::min<std::uint64_t>(bytes.size(), header.file_bytes)),
+                 "the file has " + std::to_string(bytes.size()) + " bytes, its header says " +
+                     std::to_string(header.file_bytes),
+                 shorter ? "it was cut off: bake or copy it again"
+                         : "something was appended: bake or copy it again"};
+  }
+  const std::uint64_t unknown = header.required_features & ~kKnownRequiredFeatures;
+  if (unknown != 0) {
+    return Error{ErrorCode::kUnknownFeature, file, "header byte 32",
+                 "needs features " + hex(unknown) + " that this program does not know",
+                 "use a newer version of this program"};
+  }
+  if (header.reserved != 0 && !is_newer_minor(header)) {
+    return Error{ErrorCode::kFieldInvalid, file, "header byte 56", "reserved bytes are not zero",
+                 "bake or copy it again"};
+  }
+  return {};
+}
+
+Error table_error(std::string_view name, const std::string& section, std::size_t index,
+                  std::string what) {
+  return {ErrorCode::kSectionInvalid, std::string(name),
+          "section table entry " + std::to_string(index) +
+              (section.empty() ? "" : " (" + section + ")"),
+          std::move(what), "bake or copy it again"};
+}
+
+// Place and size of one section, after the previous one's end.
+Status check_placement(const SectionEntry& entry, std::size_t index, std::string_view name,
+                       const std::string& section, std::uint64_t previous_end,
+                       std::uint64_t file_bytes) {
+  if (entry.offset % kSectionAlignment != 0) {
+    return table_error(name, section, index,
+                       "offset " + std::to_string(entry.offset) + " is not a multiple of " +
+                           std::to_string(kSectionAlignment));
+  }
+  if (entry.offset != aligned_offset(previous_end)) {
+    return table_error(name, section, index,
+                       "starts at byte " + std::to_string(entry.offset) + " instead of " +
+                           std::to_string(aligned_offset(previous_end)));
+  }
+  if (entry.offset > file_bytes || entry.bytes > file_bytes - entry.offset) {
+    return table_error(name, section, index,
+                       "its " + std::to_string(entry.bytes) + " bytes at byte " +
+                           std::to_string(entry.offset) + " reach past the end of the file");
+  }
+  return {};
+}
+
+Status check_padding(std::span<const std::byte> bytes, std::uint64_t begin, std::uint64_t end,
+                     std::string_view name) {
+  for (std::uint64_t at = begin; at < end; ++at) {
+    if (bytes[at] != std::byte{0}) {
+      return Error{ErrorCode::kSectionInvalid, std::string(name), "byte " + std::to_string(at),
+                   "padding between sections is not zero", "bake or copy it again"};
+    }
+  }
+  return {};
+}
+
+const SectionRule* find_rule(std::span<const SectionRule> rules, std::uint32_t id) {
+  const auto found = std::find_if(rules.begin(), rules.end(),
+                                  [id](const SectionRule& rule) { return rule.id == id; });
+  return found == rules.end() ? nullptr : &*found;
+}
+
+}  // namespace
+
+bool is_newer_minor(const FileHeader& header) { return header.minor > kFormatMinor; }
+
+Status check_file_header(std::span<const std::byte> bytes, std::string_view name,
+                         const HeaderRule& rule) {
+  if (Status magic = check_magic(bytes, name, rule.magic); !magic) return magic;
+  if (reinterpret_cast<std::uintptr_t>(bytes.data()) % kSectionAlignment != 0) {
+    return Error{ErrorCode::kInternal, std::string(name), "",
+                 "the bytes in memory are not 64-byte aligned", ""};
+  }
+  const FileHeader header = read_file_header(bytes);
+  if (Status version = check_version(header, name); !version) return version;
+  if (Status sum = check_header_checksum(bytes, name, header, rule); !sum) return sum;
+  return check_size_and_features(bytes, name, header);
+}
+
+Result<std::vector<std::span<const std::byte>>> check_sections(std::span<const std::byte> bytes,
+                                                               std::string_view name,
+                                                               std::span<const SectionRule> rules) {
+  const FileHeader header = read_file_header(bytes);
+  const auto table = section_table(bytes);
+  std::vector<std::span<const std::byte>> sections(rules.size());
+  std::vector<bool> present(rules.size(), false);
+  std::uint64_t previous_end = table_end(header);
+  for (std::size_t index = 0; index < table.size(); ++index) {
+    const SectionEntry& entry = table[index];
+    const SectionRule* rule = find_rule(rules, entry.id);
+    const std::string section = rule ? rule->name : "";
+    if (!rule && !is_newer_minor(header)) {
+      return table_error(name, section, index, "unknown section " + std::to_string(entry.id));
+    }
+    if (index > 0 && entry.id <= table[index - 1].id) {
+      return table_error(name, section, index, "sections are not in ascending order of id");
+    }
+    const std::uint32_t element_bytes = rule ? rule->element_bytes : entry.element_bytes;
+    if (entry.element_bytes != element_bytes || element_bytes == 0 ||
+        entry.bytes % element_bytes != 0) {
+      return table_error(name, section, index,
+                         std::to_string(entry.bytes) + " bytes in elements of " +
+                             std::to_string(entry.element_bytes) + " where elements of " +
+                             std::to_string(element_bytes) + " are wanted");
+    }
+    if (Status placed =
+            check_placement(entry, index, name, section, previous_end, header.file_bytes);
+        !placed) {
+      return placed.error();
+    }
+    if (Status padding = check_padding(bytes, previous_end, entry.offset, name); !padding) {
+      return padding.error();
+    }
+    previous_end = entry.offset + entry.bytes;
+    if (!rule) continue;
+    const auto which = static_cast<std::size_t>(rule - rules.data());
+    sections[which] = bytes.subspan(entry.offset, entry.bytes);
+    present[which] = true;
+  }
+  for (std::size_t which = 0; which < rules.size(); ++which) {
+    if (rules[which].required && !present[which]) {
+      return Error{ErrorCode::kSectionInvalid, std::string(name), "section table",
+                   std::string("section ") + rules[which].name + " is missing",
+                   "bake or copy it again"};
+    }
+  }
+  if (previous_end != header.file_bytes) {
+    return Error{ErrorCode::kSectionInvalid, std::string(name), "section table",
+                 "the last section ends at byte " + std::to_string(previous_end) +
+                     " and the file at byte " + std::to_string(header.file_bytes),
+                 "bake or copy it again"};
+  }
+  return sections;
+}
+
+Status check_section_checksums(std::span<const std::byte> bytes, std::string_view name,
+                               std::span<const SectionRule> rules) {
+  for (const SectionEntry& entry : section_table(bytes)) {
+    const std::uint64_t actual = checksum(bytes.subspan(entry.offset, entry.bytes));
+    if (actual == entry.checksum) continue;
+    const SectionRule* rule = find_rule(rules, entry.id);
+    return Error{ErrorCode::kChecksumMismatch, std::string(name),
+                 rule ? rule->name : "section " + std::to_string(entry.id),
+                 "is damaged: its checksum is " + hex(actual) + " and not " + hex(entry.checksum),
+                 "bake or copy it again"};
+  }
+  return {};
+}
+
+FileLayout lay_out_file(std::span<const std::byte> header, const HeaderRule& rule,
+                        std::span<const SectionContent> sections) {
+  static constexpr std::array<std::byte, kSectionAlignment> kZeros{};
+  FileHeader file{};
+  file.magic = rule.magic;
+  file.endian_tag = kEndianTag;
+  file.major = kFormatMajor;
+  file.minor = kFormatMinor;
+  file.header_bytes = rule.header_bytes;
+  file.section_count = static_cast<std::uint32_t>(sections.size());
+
+  FileLayout layout;
+  std::vector<SectionEntry> table;
+  std::uint64_t end = table_end(file);
+  const std::uint64_t front_bytes = end;
+  for (const SectionContent& section : sections) {
+    const std::uint64_t offset = aligned_offset(end);
+    layout.pieces.push_back(std::span(kZeros).first(offset - end));
+    layout.pieces.push_back(section.bytes);
+    table.push_back(
+        {section.id, section.element_bytes, offset, section.bytes.size(), checksum(section.bytes)});
+    end = offset + section.bytes.size();
+  }
+  file.file_bytes = end;
+  layout.file_bytes = end;
+  layout.front.resize(front_bytes);
+  std::memcpy(layout.front.data(), header.data(), header.size());
+  std::memcpy(layout.front.data(), &file, sizeof file);
+  if (!table.empty()) {
+    std::memcpy(layout.front.data() + header.size(), table.data(),
+                table.size() * sizeof(SectionEntry));
+  }
+  file.header_checksum = checksum(layout.front);
+  std::memcpy(layout.front.data(), &file, sizeof file);
+  return layout;
+}
+
+std::vector<std::byte> bytes_of(const FileLayout& layout) {
+  std::vector<std::byte> bytes;
+  bytes.reserve(layout.file_bytes);
+  bytes.insert(bytes.end(), layout.front.begin(), layout.front.end());
+  for (const auto& piece : layout.pieces) bytes.insert(bytes.end(), piece.begin(), piece.end());
+  return bytes;
+}
+
+Result<std::uint64_t> write_layout(const std::filesystem::path& path, const FileLayout& layout) {
+  auto file = AtomicFile::create(path);
+  if (!file) return file.error();
+  if (Status written = file->write(layout.front); !written) return written.error();
+  for (const auto& piece : layout.pieces) {
+    if (Status written = file->write(piece); !written) return written.error();
+  }
+  if (Status committed = file->commit(); !committed) return committed.error();
+  return layout.file_bytes;
+}
+
+}  // namespace forcelayer

@@ -1,0 +1,94 @@
+// What the readers and writers of both file formats share: the first 64 bytes, the section table,
+// their checks and their layout. Internal to formats/.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "formats/file_format.h"
+#include "formats/result.h"
+
+namespace forcelayer {
+
+// XXH3-64 with seed 0.
+std::uint64_t checksum(std::span<const std::byte> bytes);
+
+// The smallest multiple of kSectionAlignment that is not below `offset`.
+constexpr std::uint64_t aligned_offset(std::uint64_t offset) {
+  return (offset + kSectionAlignment - 1) / kSectionAlignment * kSectionAlignment;
+}
+
+// What a format expects of its own header.
+struct HeaderRule {
+  std::array<std::uint8_t, 8> magic;
+  std::uint32_t header_bytes;  // of this minor version
+};
+
+// What a format expects of one section.
+struct SectionRule {
+  std::uint32_t id;
+  const char* name;             // for errors
+  std::uint32_t element_bytes;  // exact
+  bool required;                // must stand in the table, if only with zero bytes
+};
+
+// Checks the first 64 bytes, the header's checksum, the exact size of the file, version and feature
+// flags, and that `bytes` are aligned as a mapping is. After it, `rule.header_bytes` bytes of
+// header and the section table may be read. `name` is the file's, for errors.
+Status check_file_header(std::span<const std::byte> bytes, std::string_view name,
+                         const HeaderRule& rule);
+
+// Checks the section table and returns the sections' bytes, one span for each rule and in the
+// rules' order, which is that of ascending ids (empty where an optional section is absent). The
+// file header has been checked.
+Result<std::vector<std::span<const std::byte>>> check_sections(std::span<const std::byte> bytes,
+                                                               std::string_view name,
+                                                               std::span<const SectionRule> rules);
+
+// Checks every section's checksum against the table; the table has been checked.
+Status check_section_checksums(std::span<const std::byte> bytes, std::string_view name,
+                               std::span<const SectionRule> rules);
+
+// Whether the file was written to a minor version that this reader does not know: it may then give
+// meaning to bytes that are reserved here, append to the header and bring sections of its own.
+bool is_newer_minor(const FileHeader& header);
+
+// The elements of a checked section.
+template <typename T>
+std::span<const T> elements_of(std::span<const std::byte> section) {
+  return {reinterpret_cast<const T*>(section.data()), section.size() / sizeof(T)};
+}
+
+// A file laid out for writing: pieces that follow each other without gaps. `front` owns header,
+// table and the padding up to the first section; the other pieces are the caller's sections and
+// zeros.
+struct FileLayout {
+  std::vector<std::byte> front;
+  std::vector<std::span<const std::byte>> pieces;  // after `front`
+  std::uint64_t file_bytes = 0;
+};
+
+struct SectionContent {
+  std::uint32_t id;
+  std::uint32_t element_bytes;
+  std::span<const std::byte> bytes;
+};
+
+// Lays out a file whose format header is `header` (a FileHeader first; its other fields are filled
+// in here) and whose sections, in ascending order of id, are `sections`.
+FileLayout lay_out_file(std::span<const std::byte> header, const HeaderRule& rule,
+                        std::span<const SectionContent> sections);
+
+// All bytes of `layout`, one after the other.
+std::vector<std::byte> bytes_of(const FileLayout& layout);
+
+// Writes `layout` to `path` atomically; returns the file's size.
+Result<std::uint64_t> write_layout(const std::filesystem::path& path, const FileLayout& layout);
+
+}  // namespace forcelayer

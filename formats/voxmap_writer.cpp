@@ -1,0 +1,34 @@
+#include "formats/voxmap_writer.h"
+
+#include "formats/section_table.h"
+#include "formats/voxmap_sections.h"
+
+namespace forcelayer {
+namespace {
+
+FileLayout lay_out(const VoxmapContent& content) {
+  const auto rules = voxmap_section_rules(content.header.bits_per_voxel);
+  const std::span<const std::byte> bytes[] = {
+      std::as_bytes(content.directory),   std::as_bytes(content.upper_nodes),
+      std::as_bytes(content.lower_nodes), std::as_bytes(content.bricks),
+      std::as_bytes(content.compliance),  std::as_bytes(std::span(content.provenance))};
+  std::vector<SectionContent> sections;
+  for (std::size_t i = 0; i < rules.size(); ++i) {
+    if (!rules[i].required && bytes[i].empty()) continue;
+    sections.push_back({rules[i].id, rules[i].element_bytes, bytes[i]});
+  }
+  return lay_out_file(std::as_bytes(std::span(&content.header, 1)), kVoxmapHeaderRule, sections);
+}
+
+}  // namespace
+
+Result<std::uint64_t> write_voxmap(const std::filesystem::path& path,
+                                   const VoxmapContent& content) {
+  return write_layout(path, lay_out(content));
+}
+
+std::vector<std::byte> voxmap_bytes(const VoxmapContent& content) {
+  return bytes_of(lay_out(content));
+}
+
+}  // namespace forcelayer
