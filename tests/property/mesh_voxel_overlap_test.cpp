@@ -1,0 +1,227 @@
+// The bit-parallel overlap test against exact elimination, voxel by voxel.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <boost/multiprecision/cpp_int.hpp>
+#include <random>
+#include <set>
+
+#include "formats/mesh/voxel_overlap.h"
+#include "tests/support/exact_overlap.h"
+
+namespace forcelayer {
+namespace {
+
+__extension__ typedef __int128 Int128;
+using Wide = boost::multiprecision::number<boost::multiprecision::cpp_int_backend<
+    512, 512, boost::multiprecision::signed_magnitude, boost::multiprecision::unchecked, void>>;
+using Random = std::mt19937_64;
+
+std::int64_t uniform(Random& random, std::int64_t low, std::int64_t high) {
+  return std::uniform_int_distribution<std::int64_t>(low, high)(random);
+}
+
+// A vertex with `grid` units between possible coordinates, within `extent` units of `centre`.
+LatticePoint random_point(Random& random, const LatticePoint& centre, std::int64_t extent,
+                          std::int64_t grid) {
+  LatticePoint point;
+  for (std::size_t d = 0; d < 3; ++d) {
+    point[d] = centre[d] + uniform(random, -extent / grid, extent / grid) * grid;
+  }
+  return point;
+}
+
+// What the mesh files of the world throw at a scan converter.
+enum class Shape {
+  kPlain,
+  kOnGrid,
+  kHalfGrid,
+  kFlat,
+  kSliver,
+  kSegment,
+  kPoint,
+  kNearlyFlat,
+  kCount
+};
+
+LatticeTriangle random_triangle(Random& random, std::int64_t extent, Shape shape) {
+  const LatticePoint centre = random_point(random, {0, 0, 0}, 5000000, 1);
+  std::int64_t grid = 1;
+  if (shape == Shape::kOnGrid) grid = kSnapUnits;
+  if (shape == Shape::kHalfGrid) grid = kSnapUnits / 2;
+  LatticePoint base = centre;
+  if (grid > 1) {
+    for (auto& x : base) x = x / grid * grid;
+  }
+  LatticeTriangle triangle;
+  for (auto& point : triangle) point = random_point(random, base, extent, grid);
+  const auto axis = static_cast<std::size_t>(uniform(random, 0, 2));
+  if (shape == Shape::kFlat) {  // in a plane of voxel faces, or of lattice points next to it
+    const std::int64_t plane = (centre[axis] >> kSnapBits << kSnapBits) + uniform(random, -1, 1);
+    for (auto& point : triangle) point[axis] = plane;
+  }
+  if (shape == Shape::kNearlyFlat) {
+    const std::int64_t plane = centre[axis] >> kSnapBits << kSnapBits;
+    for (auto& point : triangle) point[axis] = plane + uniform(random, -1, 1);
+  }
+  if (shape == Shape::kSliver) {
+    for (std::size_t d = 0; d < 3; ++d) triangle[2][d] = triangle[1][d] + uniform(random, -2, 2);
+  }
+  if (shape == Shape::kSegment) {  // collinear, the third corner between, beyond or on an end
+    const std::int64_t times = uniform(random, -1, 2);
+    for (std::size_t d = 0; d < 3; ++d) {
+      triangle[2][d] = triangle[0][d] + times * (triangle[1][d] - triangle[0][d]);
+    }
+  }
+  if (shape == Shape::kPoint) triangle[1] = triangle[2] = triangle[0];
+  return triangle;
+}
+
+// Every voxel of the triangle's box and of one layer around it, by elimination.
+std::set<VoxelIndex> reference_voxels(const LatticeTriangle& triangle) {
+  const TriangleOverlap box(triangle);
+  std::set<VoxelIndex> voxels;
+  for (std::int64_t x = box.min_voxel()[0] - 1; x <= box.max_voxel()[0] + 1; ++x) {
+    for (std::int64_t y = box.min_voxel()[1] - 1; y <= box.max_voxel()[1] + 1; ++y) {
+      for (std::int64_t z = box.min_voxel()[2] - 1; z <= box.max_voxel()[2] + 1; ++z) {
+        if (reference::overlaps_cell<Int128>(triangle, {x, y, z})) voxels.insert({x, y, z});
+      }
+    }
+  }
+  return voxels;
+}
+
+class VoxelOverlap : public testing::TestWithParam<Shape> {};
+
+void expect_exact(const LatticeTriangle& triangle) {
+  const std::vector<VoxelIndex> found = overlapped_voxels(triangle);
+  const std::set<VoxelIndex> unique(found.begin(), found.end());
+  ASSERT_EQ(found.size(), unique.size()) << "a voxel came twice";
+  ASSERT_EQ(unique, reference_voxels(triangle));
+}
+
+TEST_P(VoxelOverlap, EqualsEliminationOnEveryVoxel) {
+  for (std::uint64_t seed = 1; seed <= 150; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    Random random(seed);
+    const std::int64_t extent = kSnapUnits / 8 << uniform(random, 0, 5);
+    expect_exact(random_triangle(random, extent, GetParam()));
+    if (HasFatalFailure()) return;
+  }
+}
+
+TEST_P(VoxelOverlap, CellsOfAnySizeAtAnyCornerEqualElimination) {
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    Random random(seed);
+    const int log2_cell = static_cast<int>(uniform(random, 0, 7));
+    const LatticeTriangle triangle =
+        random_triangle(random, kSnapUnits << uniform(random, 0, log2_cell + 3), GetParam());
+    const TriangleOverlap overlap(triangle);
+    VoxelIndex corner;
+    for (std::size_t d = 0; d < 3; ++d) {
+      corner[d] =
+          uniform(random, overlap.min_voxel()[d] - (6 << log2_cell), overlap.max_voxel()[d]);
+    }
+    const BrickMask mask = overlap.cells(corner, log2_cell);
+    for (unsigned x = 0; x < 8; ++x) {
+      for (unsigned y = 0; y < 8; ++y) {
+        for (unsigned z = 0; z < 8; ++z) {
+          const VoxelIndex cell = {corner[0] + (std::int64_t{x} << log2_cell),
+                                   corner[1] + (std::int64_t{y} << log2_cell),
+                                   corner[2] + (std::int64_t{z} << log2_cell)};
+          ASSERT_EQ(mask.test(x, y, z),
+                    reference::overlaps_cell<Int128>(triangle, cell, std::int64_t{1} << log2_cell))
+              << x << ' ' << y << ' ' << z << " log2_cell " << log2_cell;
+        }
+      }
+    }
+  }
+}
+
+// Triangles of up to 2^31 voxels across: the widths of the arithmetic change at 2^19 and 2^28
+// units.
+TEST_P(VoxelOverlap, HugeTrianglesAreExactNearTheirCorners) {
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    Random random(seed);
+    const int log2_extent = static_cast<int>(uniform(random, 17, 40));
+    SCOPED_TRACE(testing::Message() << "seed " << seed << " log2_extent " << log2_extent);
+    LatticeTriangle triangle =
+        random_triangle(random, std::int64_t{1} << (log2_extent - 1), GetParam());
+    const TriangleOverlap overlap(triangle);
+    for (int window = 0; window < 4; ++window) {
+      VoxelIndex corner;  // near a point of the triangle
+      const double s = uniform(random, 0, 1000) / 1000.0,
+                   t = (1 - s) * uniform(random, 0, 1000) / 1000;
+      for (std::size_t d = 0; d < 3; ++d) {
+        const double offset = s * static_cast<double>(triangle[1][d] - triangle[0][d]) +
+                              t * static_cast<double>(triangle[2][d] - triangle[0][d]);
+        corner[d] = ((triangle[0][d] + std::llrint(offset)) >> kSnapBits) - uniform(random, 0, 7);
+      }
+      const BrickMask mask = overlap.cells(corner);
+      for (int sample = 0; sample < 64; ++sample) {
+        const auto x = static_cast<unsigned>(uniform(random, 0, 7));
+        const auto y = static_cast<unsigned>(uniform(random, 0, 7));
+        const auto z = static_cast<unsigned>(uniform(random, 0, 7));
+        ASSERT_EQ(mask.test(x, y, z), reference::overlaps_cell<Wide>(
+                                          triangle, {corner[0] + x, corner[1] + y, corner[2] + z}));
+      }
+    }
+  }
+}
+
+// Corner order and whole-voxel shifts do not matter; the neighbours of a shared edge agree on it.
+TEST_P(VoxelOverlap, IsInvariantUnderCornerOrderAndWholeVoxelShifts) {
+  for (std::uint64_t seed = 1; seed <= 100; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    Random random(seed);
+    const LatticeTriangle triangle = random_triangle(random, 12 * kSnapUnits, GetParam());
+    std::vector<VoxelIndex> expected = overlapped_voxels(triangle);
+    std::sort(expected.begin(), expected.end());
+    for (const auto& order : {std::array<std::size_t, 3>{1, 2, 0}, {2, 1, 0}, {0, 2, 1}}) {
+      auto found = overlapped_voxels({triangle[order[0]], triangle[order[1]], triangle[order[2]]});
+      std::sort(found.begin(), found.end());
+      ASSERT_EQ(found, expected);
+    }
+    VoxelIndex shift;
+    for (auto& x : shift) x = uniform(random, -(std::int64_t{1} << 50), std::int64_t{1} << 50);
+    LatticeTriangle moved = triangle;
+    for (auto& point : moved) {
+      for (std::size_t d = 0; d < 3; ++d) point[d] += shift[d] * kSnapUnits;
+    }
+    auto found = overlapped_voxels(moved);
+    std::sort(found.begin(), found.end());
+    for (auto& voxel : found) {
+      for (std::size_t d = 0; d < 3; ++d) voxel[d] -= shift[d];
+    }
+    ASSERT_EQ(found, expected);
+  }
+}
+
+std::string shape_name(const testing::TestParamInfo<Shape>& info) {
+  constexpr const char* kNames[] = {"Plain",  "OnGrid",  "HalfGrid", "Flat",
+                                    "Sliver", "Segment", "Point",    "NearlyFlat"};
+  return kNames[static_cast<int>(info.param)];
+}
+
+INSTANTIATE_TEST_SUITE_P(Shapes, VoxelOverlap,
+                         testing::Values(Shape::kPlain, Shape::kOnGrid, Shape::kHalfGrid,
+                                         Shape::kFlat, Shape::kSliver, Shape::kSegment,
+                                         Shape::kPoint, Shape::kNearlyFlat),
+                         shape_name);
+
+TEST(VoxelOverlapUnit, AFaceOnVoxelFacesMarksOneLayer) {
+  const std::int64_t u = kSnapUnits;
+  const auto voxels = overlapped_voxels({{{0, 0, 0}, {4 * u, 0, 0}, {0, 4 * u, 0}}});
+  for (const VoxelIndex& voxel : voxels) EXPECT_EQ(voxel[2], 0);
+  EXPECT_EQ(voxels.size(),
+            15u);  // 10 with area; the closed hypotenuse and the far corners touch 5 more
+}
+
+TEST(VoxelOverlapUnit, SnapRoundsToTheNearestLatticePoint) {
+  EXPECT_EQ(snap({0.0, 1.0, -1.0}, 1.0), (LatticePoint{0, 1024, -1024}));
+  EXPECT_EQ(snap({0.5e-3, -0.26e-3, 1e5}, 1e-3), (LatticePoint{512, -266, 102400000000}));
+}
+
+}  // namespace
+}  // namespace forcelayer
