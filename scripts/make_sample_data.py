@@ -40,7 +40,7 @@ def write_sample_data(folder):
     mesh_files.write_ply(folder / "hydraulic_line.ply", bay.hydraulic_line())
     mesh_files.write_stl(folder / "return_line.stl", bay.return_line())
     mesh_files.write_ply(folder / "wires.ply", bay.wire_bundle(random.Random(SEED)))
-    mesh_files.write_obj(folder / "pump.obj", pump.pump(), "pump")
+    mesh_files.write_obj(folder / "part.obj", pump.pump(), "pump")
     (folder / "bay.json").write_text(json.dumps(MANIFEST, indent=2) + "\n", encoding="ascii")
     (folder / "press.csv").write_text(motion.motion_csv(), encoding="ascii")
 
