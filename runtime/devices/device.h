@@ -1,0 +1,73 @@
+// What a haptic device is to the loop: pose and velocity in, wrench out, limits stated in SI units.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "formats/result.h"
+#include "runtime/pose.h"
+
+namespace forcelayer {
+
+// Axis bits of DeviceCapabilities: translations and rotations in the device's frame.
+enum Axis : std::uint32_t {
+  kAxisX = 1,
+  kAxisY = 2,
+  kAxisZ = 4,
+  kAxisRotX = 8,
+  kAxisRotY = 16,
+  kAxisRotZ = 32,
+  kAllAxes = 63,
+};
+
+// What a device declares of itself. Nothing it is asked for lies outside these ratings.
+struct DeviceCapabilities {
+  std::string name;
+  std::uint32_t sensed_axes = kAllAxes;
+  std::uint32_t actuated_axes = kAllAxes;
+  double max_force_n = 0;               // magnitude
+  double max_torque_nm = 0;             // magnitude
+  double max_stiffness_n_per_m = 0;     // rating of the maker, 0 where none is given
+  double max_stiffness_nm_per_rad = 0;  // the same for rotation
+  double damping_ns_per_m = 0;          // physical, that the loop may count on
+  double damping_nms_per_rad = 0;       // the same for rotation
+  double delay_s = 0;                   // from sensing to force, beside the loop's own frame
+  double workspace_radius_m = 0;        // about the device frame's origin; 0: unbounded
+  double rate_hz = 0;                   // samples a second; 0: any
+  bool senses_velocity = false;         // else the loop estimates it
+  bool has_watchdog = false;            // stops by itself when the host does
+  bool needs_real_time = false;         // a clock of its own: cannot run as fast as possible
+};
+
+// One reading. Frames: `device_from_handle` in the device's base frame.
+struct DeviceSample {
+  Pose device_from_handle;
+  Twist velocity;              // of the handle's origin, device axes; where sensed
+  std::uint32_t buttons = 0;   // bit n: button n
+  bool fresh = false;          // a new reading since the last read()
+  bool present = false;        // the device answers and is calibrated
+  std::uint64_t sequence = 0;  // counts readings; gaps are losses
+};
+
+// A device as the loop sees it. read() and write() are called from the loop's thread only: they
+// never block, allocate or call out; slow I/O lives on a thread of the device's own.
+class Device {
+ public:
+  virtual ~Device() = default;
+
+  virtual const DeviceCapabilities& capabilities() const = 0;
+
+  // Connects and starts whatever threads the device has. Errors: device codes (5xx).
+  virtual Status start() = 0;
+
+  // The newest reading at loop time `time_s`.
+  virtual DeviceSample read(double time_s) noexcept = 0;
+
+  // The wrench on the hand, about the handle's origin, device axes.
+  virtual void write(const Wrench& device_wrench) noexcept = 0;
+
+  // Takes the output to zero and disconnects. Safe to call twice.
+  virtual void stop() noexcept = 0;
+};
+
+}  // namespace forcelayer

@@ -1,0 +1,21 @@
+// The separation guarantee (DESIGN 4): how far apart the exact surfaces are at every pose in which
+// no shell point is in an interior voxel.
+#pragma once
+
+#include <optional>
+
+#include "formats/pshell.h"
+#include "formats/voxmap.h"
+
+namespace forcelayer {
+
+struct SeparationGuarantee {
+  std::optional<double> tested_m;  // at tested poses; none where the bound is not positive
+  std::optional<double> swept_m;   // between two poses whose points travel at most s/2
+};
+
+// `pose_error_m` is e_pose, of ContactQuery::rounding_bound_m().
+SeparationGuarantee separation_guarantee(const VoxmapHeader& voxmap, const PshellHeader& shell,
+                                         double pose_error_m);
+
+}  // namespace forcelayer

@@ -1,0 +1,17 @@
+#include "runtime/stability.h"
+
+#include <limits>
+
+namespace forcelayer {
+
+double symplectic_euler_load(double stiffness_per_mass_1ps2, double damping_per_mass_1ps,
+                             double dt_s) {
+  return (dt_s * dt_s * stiffness_per_mass_1ps2 + 2 * dt_s * damping_per_mass_1ps) / 4;
+}
+
+double renderable_stiffness(double damping, double delay_s, double dt_s) {
+  if (!(damping > 0)) return std::numeric_limits<double>::infinity();
+  return damping / (delay_s + dt_s / 2);
+}
+
+}  // namespace forcelayer

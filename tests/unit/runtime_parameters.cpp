@@ -1,0 +1,127 @@
+// Defaults and bounds of the parameters.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "runtime/derive_parameters.h"
+#include "runtime/stability.h"
+#include "tests/support/point_part.h"
+#include "tests/support/voxel_scene.h"
+
+namespace forcelayer::test {
+namespace {
+
+DeviceCapabilities strong_device() {
+  DeviceCapabilities device;
+  device.name = "test device";
+  device.max_force_n = 20;
+  device.max_torque_nm = 1;
+  return device;
+}
+
+class ParametersTest : public testing::Test {
+ protected:
+  DerivedParameters derive(const ParameterRequest& request,
+                           const DeviceCapabilities& device = strong_device()) {
+    auto derived = derive_parameters(request, voxmap_, shell_, device);
+    EXPECT_TRUE(derived);
+    return *derived;
+  }
+
+  Voxmap voxmap_ = make_voxmap(
+      offset_scene(0.005, {0, 0, 0}, {16, 16, 16}, 2, [](Voxel v) { return v[2] == 4; }));
+  Pshell shell_ = make_pshell(sphere_part(0.03, 400, 0.005));
+};
+
+// |x| after 20000 frames, or where it passes 1e6.
+double simulate_oscillator(double stiffness, double damping, double h) {
+  double x = 1, v = 0;
+  for (int i = 0; i < 20000 && std::abs(x) < 1e6; ++i) {
+    v += h * (-stiffness * x - damping * v);
+    x += h * v;
+  }
+  return std::abs(x);
+}
+
+TEST(Stability, LoadOfOneIsTheEdge) {
+  for (const double damping : {0.0, 100.0, 800.0}) {
+    const double h = 0.001;
+    const double edge = (4 - 2 * h * damping) / (h * h);
+    EXPECT_NEAR(symplectic_euler_load(edge, damping, h), 1, 1e-12);
+    EXPECT_LE(simulate_oscillator(0.99 * edge, damping, h), 20);
+    EXPECT_GE(simulate_oscillator(1.01 * edge, damping, h), 1e6);
+  }
+}
+
+TEST_F(ParametersTest, FollowThePaper) {
+  const Parameters p = derive({}).values;
+  EXPECT_DOUBLE_EQ(p.mass_kg, 0.012);
+  const double radius_m = shell_.header().bounding_radius_m;
+  EXPECT_DOUBLE_EQ(p.inertia_kgm2[1][1], 0.4 * 0.012 * radius_m * radius_m);
+  EXPECT_EQ(p.inertia_kgm2[0][1], 0);
+  EXPECT_DOUBLE_EQ(p.coupling_ns_per_m, 2 * std::sqrt(p.mass_kg * p.coupling_n_per_m));
+  EXPECT_DOUBLE_EQ(p.coupling_nms_per_rad,
+                   2 * std::sqrt(p.inertia_kgm2[0][0] * p.coupling_nm_per_rad));
+  EXPECT_DOUBLE_EQ(p.coupling_force_limit_n, p.coupling_n_per_m * 0.0025);
+  EXPECT_TRUE(std::isinf(p.coupling_torque_limit_nm));
+  // One force at half a voxel must be able to hold the spring at its clamp (paper 5.2).
+  EXPECT_GE(p.field_n_per_m, p.coupling_n_per_m);
+}
+
+TEST_F(ParametersTest, AreStableAtEveryRateAndMass) {
+  for (const double rate_hz : {100.0, 1000.0, 10000.0}) {
+    for (const double mass_kg : {0.001, 0.012, 1.0, 100.0}) {
+      ParameterRequest request;
+      request.rate_hz = rate_hz;
+      request.settings["mass_kg"] = mass_kg;
+      const DerivedParameters derived = derive(request);
+      const Parameters& p = derived.values;
+      const double arm_m = largest_contact_arm_m(shell_);
+      const double mobility = 1 + mass_kg * arm_m * arm_m / p.inertia_kgm2[0][0];
+      const double load =
+          symplectic_euler_load((p.coupling_n_per_m + 10 * mobility * p.field_n_per_m) / mass_kg,
+                                p.coupling_ns_per_m / mass_kg, 1 / rate_hz);
+      EXPECT_LT(load, 1) << rate_hz << " Hz, " << mass_kg << " kg";
+      EXPECT_GT(load, 0.5) << rate_hz << " Hz, " << mass_kg << " kg";
+      EXPECT_TRUE(derived.warnings.empty());
+    }
+  }
+}
+
+TEST_F(ParametersTest, StayWithinWhatTheDeviceBears) {
+  DeviceCapabilities device = strong_device();
+  device.damping_ns_per_m = 0.6;
+  device.delay_s = 0.001;
+  ParameterRequest request;
+  EXPECT_DOUBLE_EQ(derive(request, device).values.coupling_n_per_m, 0.6 / 0.0015);
+  request.motion_scale = 2;  // the hand feels twice the stiffness
+  EXPECT_DOUBLE_EQ(derive(request, device).values.coupling_n_per_m, 0.3 / 0.0015);
+  request.settings["coupling_n_per_m"] = 700;
+  EXPECT_EQ(derive(request, device).warnings.size(), 1u);
+}
+
+TEST_F(ParametersTest, TakeSettingsAndWarnBeyondABound) {
+  ParameterRequest request;
+  request.settings["field_n_per_m"] = 1e6;
+  request.settings["max_force_n"] = 500;
+  const DerivedParameters derived = derive(request);
+  EXPECT_EQ(derived.values.field_n_per_m, 1e6);
+  EXPECT_EQ(derived.reasons.at("field_n_per_m"), "set");
+  EXPECT_EQ(derived.values.max_force_n, 20);  // never above the rating
+  EXPECT_EQ(derived.warnings.size(), 2u);
+  request.settings["mass_kg"] = -1;
+  const auto refused = derive_parameters(request, voxmap_, shell_, strong_device());
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kUsage);
+}
+
+TEST_F(ParametersTest, EveryParameterHasAReason) {
+  const DerivedParameters derived = derive({});
+  for (const ParameterInfo& info : parameter_table()) {
+    EXPECT_TRUE(derived.reasons.contains(std::string(info.name))) << info.name;
+    EXPECT_GT(derived.values.*(info.member), 0) << info.name;
+  }
+}
+
+}  // namespace
+}  // namespace forcelayer::test

@@ -1,0 +1,61 @@
+// The separation guarantee's arithmetic.
+#include "runtime/separation.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace forcelayer::test {
+namespace {
+
+constexpr double kVoxelSizeM = 0.005;
+
+VoxmapHeader scene(std::uint32_t layers) {
+  VoxmapHeader header{};
+  header.voxel_size_m = kVoxelSizeM;
+  header.offset_layers = layers;
+  return header;
+}
+
+PshellHeader part(double covering_radius_m) {
+  PshellHeader header{};
+  header.covering_radius_m = covering_radius_m;
+  header.bounding_radius_m = 1e6;  // so large that arcs are chords
+  return header;
+}
+
+TEST(Separation, IsThatOfThePaperForTwoLayersAndVoxelCentres) {
+  const auto bound = separation_guarantee(scene(2), part(std::sqrt(3.0) / 2 * kVoxelSizeM), 0);
+  ASSERT_TRUE(bound.tested_m && bound.swept_m);
+  EXPECT_NEAR(*bound.tested_m / kVoxelSizeM, 0.134, 0.0005);
+  EXPECT_NEAR(*bound.swept_m / kVoxelSizeM, 0.102, 0.0005);
+}
+
+TEST(Separation, LosesEveryDeviationInFull) {
+  VoxmapHeader map = scene(3);
+  PshellHeader shell = part(0.002);
+  const double before_m = *separation_guarantee(map, shell, 0).tested_m;
+  map.static_deviation_m = 1e-4;
+  shell.part_deviation_m = 2e-4;
+  EXPECT_NEAR(*separation_guarantee(map, shell, 4e-4).tested_m, before_m - 7e-4, 1e-15);
+}
+
+TEST(Separation, TakesTheArcOffBetweenPoses) {
+  PshellHeader shell = part(0.003);
+  const double chord_m = *separation_guarantee(scene(2), shell, 0).swept_m;
+  shell.bounding_radius_m = 0.05;
+  // Turning 0.05 m by s/2 of arc: 0.05 (1 - cos(0.025)) = 1.5625e-5 m at most.
+  EXPECT_NEAR(chord_m - *separation_guarantee(scene(2), shell, 0).swept_m, 1.5625e-5, 1e-9);
+}
+
+TEST(Separation, IsNoneWhereTheBoundIsNotPositive) {
+  EXPECT_FALSE(separation_guarantee(scene(0), part(0.001), 0).tested_m);
+  EXPECT_FALSE(separation_guarantee(scene(1), part(0.001), 0).tested_m);
+  EXPECT_FALSE(separation_guarantee(scene(2), part(kVoxelSizeM), 0).tested_m);
+  const auto between = separation_guarantee(scene(2), part(0.98 * kVoxelSizeM), 0);
+  EXPECT_TRUE(between.tested_m);
+  EXPECT_FALSE(between.swept_m);
+}
+
+}  // namespace
+}  // namespace forcelayer::test
