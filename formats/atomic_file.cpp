@@ -7,9 +7,12 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <charconv>
 #include <cinttypes>
 #include <cstdint>
 #include <cstdio>
+#include <optional>
+#include <string>
 #include <system_error>
 #include <utility>
 
@@ -20,11 +23,25 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Where a chain of symbolic links ends, also where that file does not exist yet.
+// The number N of a path like /dev/fd/N: an open descriptor of this process. Opening or replacing
+// what it leads to would not be writing to it.
+std::optional<int> descriptor_number(const fs::path& path) {
+  const fs::path folder = path.parent_path();
+  if (folder != "/proc/self/fd" && folder != "/dev/fd") return std::nullopt;
+  const std::string name = path.filename().string();
+  int number = -1;
+  const auto [end, failure] = std::from_chars(name.data(), name.data() + name.size(), number);
+  if (failure != std::errc{} || end != name.data() + name.size()) return std::nullopt;
+  return number;
+}
+
+// Where a chain of symbolic links ends, also where that file does not exist yet; /dev/stdout ends
+// at /proc/self/fd/1.
 fs::path follow_links(fs::path path) {
   constexpr int kMaxLinks = 40;  // as the kernel
   std::error_code failure;
-  for (int i = 0; i < kMaxLinks && fs::is_symlink(path, failure); ++i) {
+  for (int i = 0; i < kMaxLinks && !descriptor_number(path); ++i) {
+    if (!fs::is_symlink(path, failure)) break;
     const fs::path next = fs::read_symlink(path, failure);
     if (failure) break;
     path = path.parent_path() / next;  // an absolute `next` replaces the folder
@@ -81,6 +98,11 @@ Result<AtomicFile> AtomicFile::create(const fs::path& target) {
   file.shown_ = target;
   if (target.empty()) return file.write_error(ENOENT);
   file.target_ = follow_links(target);
+  if (const auto number = descriptor_number(file.target_)) {
+    file.descriptor_ = ::fcntl(*number, F_DUPFD_CLOEXEC, 0);
+    if (file.descriptor_ < 0) return file.write_error(errno);
+    return file;
+  }
   struct stat status {};
   const bool exists = ::stat(file.target_.c_str(), &status) == 0;
   if (exists && S_ISDIR(status.st_mode)) return file.write_error(EISDIR);

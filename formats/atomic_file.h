@@ -13,8 +13,8 @@ namespace forcelayer {
 // A temporary file in the target's folder, renamed over the target by commit(). Without commit()
 // the temporary is removed and the target left as it was; so it is where exit_cleanly_on_signals()
 // is in force and SIGINT, SIGTERM or SIGHUP ends the process. A target that is a symbolic link
-// stays one: the file it points to is replaced. A target that is a device or a pipe (/dev/stdout)
-// is written to directly.
+// stays one: the file it points to is replaced. A target that is a device, a pipe or an open
+// descriptor (/dev/stdout) is written to directly.
 class AtomicFile {
  public:
   AtomicFile(AtomicFile&& other) noexcept;

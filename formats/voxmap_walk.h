@@ -1,0 +1,79 @@
+// Walking over a voxmap's tree: every directory, node and brick entry with the box that it stands
+// for, in the order of the file's directory (x slowest, z fastest). Takes no memory; a node that
+// several entries share is visited once for each.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "formats/voxmap.h"
+
+namespace forcelayer {
+
+// One uniform box, or one brick.
+struct VoxmapRegion {
+  std::array<std::int64_t, 3> low{};  // lowest voxel, world index
+  std::uint32_t edge_voxels = 0;      // 512, 64 or 8; of a brick 8
+  bool is_brick = false;
+  std::uint32_t entry = 0;  // a uniform entry, or a brick's index
+};
+
+// The stored code of voxel n = x*64 + y*8 + z of a brick.
+inline std::uint32_t brick_code(const VoxmapView& view, std::uint32_t brick, std::uint32_t n) {
+  const std::uint32_t bit = n * view.bits_per_voxel;
+  const std::uint64_t first_word = std::uint64_t{brick} * 16 * view.bits_per_voxel;
+  const std::uint32_t word = view.bricks[first_word + (bit >> 5)];
+  return (word >> (bit & 31)) & ((1u << view.bits_per_voxel) - 1);
+}
+
+namespace voxmap_walk {
+
+// The place of entry n of a node at `low` whose entries have `edge` voxels.
+inline std::array<std::int64_t, 3> child_low(const std::array<std::int64_t, 3>& low,
+                                             std::uint32_t n, std::int64_t edge) {
+  return {low[0] + edge * (n >> 6), low[1] + edge * ((n >> 3) & 7), low[2] + edge * (n & 7)};
+}
+
+template <typename Visit>
+void visit_entry(const VoxmapView& view, std::uint32_t entry,
+                 const std::array<std::int64_t, 3>& low, std::uint32_t edge, Visit& visit) {
+  if (is_uniform(entry)) {
+    visit(VoxmapRegion{low, edge, false, entry});
+    return;
+  }
+  const std::uint32_t child_edge = edge / 8;
+  const bool below_are_bricks = edge == kLowerNodeEdge;
+  const std::uint32_t* const nodes = below_are_bricks ? view.lower_nodes : view.upper_nodes;
+  for (std::uint32_t n = 0; n < kNodeEntries; ++n) {
+    const std::uint32_t child = nodes[std::uint64_t{entry} * kNodeEntries + n];
+    const auto at = child_low(low, n, child_edge);
+    if (below_are_bricks && !is_uniform(child)) {
+      visit(VoxmapRegion{at, kBrickEdge, true, child});
+    } else {
+      visit_entry(view, child, at, child_edge, visit);
+    }
+  }
+}
+
+}  // namespace voxmap_walk
+
+// Calls visit(const VoxmapRegion&) for every uniform box and brick; the boxes are disjoint and fill
+// the directory.
+template <typename Visit>
+void for_each_region(const VoxmapView& view, Visit visit) {
+  const auto& dims = view.directory_dims;
+  const std::uint32_t* entry = view.directory;
+  for (std::int64_t x = 0; x < dims[0]; ++x) {
+    for (std::int64_t y = 0; y < dims[1]; ++y) {
+      for (std::int64_t z = 0; z < dims[2]; ++z) {
+        voxmap_walk::visit_entry(view, *entry++,
+                                 {view.directory_origin[0] + x * kUpperNodeEdge,
+                                  view.directory_origin[1] + y * kUpperNodeEdge,
+                                  view.directory_origin[2] + z * kUpperNodeEdge},
+                                 kUpperNodeEdge, visit);
+      }
+    }
+  }
+}
+
+}  // namespace forcelayer
