@@ -55,7 +55,7 @@ class HeaderReader {
     } else if (keyword == "comment" || keyword == "obj_info") {
       cursor_.skip_to_line_end();
     } else if (!keyword.empty()) {
-      fail(quoted(keyword) + " is no line of a PLY header");
+      fail(in_quotes(keyword) + " is no line of a PLY header");
     }
     end_line();
   }
@@ -69,7 +69,7 @@ class HeaderReader {
     } else if (encoding == "binary_big_endian") {
       header_.encoding = PlyEncoding::kBigEndian;
     } else {
-      fail("unknown encoding " + quoted(encoding));
+      fail("unknown encoding " + in_quotes(encoding));
     }
     if (cursor_.word() != "1.0") fail("not version 1.0 of the PLY format");
     has_format_ = true;
@@ -94,7 +94,7 @@ class HeaderReader {
     for (const NamedType& type : kTypes) {
       if (name == type.name || name == type.other_name) return type.type;
     }
-    fail("unknown type " + quoted(name));
+    fail("unknown type " + in_quotes(name));
   }
 
   void end_line() {

@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <cctype>
-#include <fstream>
 #include <new>
 
+#include "formats/mapped_file.h"
 #include "formats/mesh/mesh.h"
 #include "formats/mesh/reader.h"
 
@@ -12,15 +12,16 @@ namespace {
 struct Format {
   const char* name;
   std::string_view signature;   // first bytes of the file; empty where the format has none
-  std::string_view extensions;  // ".a.b." each between dots
+  std::string_view extensions;  // each between dots
+  bool has_nodes;               // whether "#NODE" makes sense
   Assembly (*read)(const SourceFile&);
 };
 
 constexpr Format kFormats[] = {
-    {"PLY", "ply", ".ply.", read_ply},
-    {"STL", "", ".stl.", read_stl},
-    {"OBJ", "", ".obj.", read_obj},
-    {"OFF", "", ".off.", read_off},
+    {"glTF", "glTF", ".glb.gltf.", true, read_gltf}, {"Draco", "DRACO", ".drc.", false, read_drc},
+    {"PLY", "ply", ".ply.", false, read_ply},        {"STL", "", ".stl.", false, read_stl},
+    {"OBJ", "", ".obj.", false, read_obj},           {"OFF", "", ".off.", false, read_off},
+    {"STEP", "", ".step.stp.", true, read_step},     {"IGES", "", ".iges.igs.", true, read_step},
 };
 
 std::string extension_of(const std::string& path) {
@@ -36,30 +37,19 @@ const Format& format_of(const SourceFile& file) {
   }
   const std::string extension = extension_of(file.path);
   for (const Format& format : kFormats) {
-    if (extension.size() > 1 && format.extensions.find(extension + ".") != std::string::npos) {
-      return format;
-    }
+    const bool named = format.extensions.find(extension + ".") != std::string::npos;
+    if (named && extension.size() > 1) return format;
   }
   fail_read(file, ErrorCode::kMeshUnsupported, "",
-            "'" + extension + "' is not the extension of a mesh format that is read here",
-            "use stl, obj, ply, off");
+            in_quotes(extension) + " is not the extension of a mesh format that is read here",
+            "use stl, obj, ply, off, om, drc, glb, gltf or step");
 }
 
-std::string read_whole(const std::string& path) {
-  if (!std::filesystem::is_regular_file(path)) {
-    throw ReadFailure{{ErrorCode::kFileNotFound, path, "", "no such file", ""}};
-  }
-  std::ifstream stream(path, std::ios::binary);
-  std::string bytes(std::filesystem::file_size(path), '\0');
-  if (!stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()))) {
-    throw ReadFailure{{ErrorCode::kReadFailed, path, "", "cannot be read", ""}};
-  }
-  return bytes;
-}
-
+// "FILE#NODE", unless a file of that whole name exists.
 SourceFile split_node(const std::string& path) {
   const auto hash = path.rfind('#');
-  if (hash == std::string::npos || std::filesystem::exists(path)) return {path, "", {}};
+  std::error_code ignored;
+  if (hash == std::string::npos || std::filesystem::exists(path, ignored)) return {path, "", {}};
   return {path.substr(0, hash), path.substr(hash + 1), {}};
 }
 
@@ -68,10 +58,11 @@ SourceFile split_node(const std::string& path) {
 Result<Assembly> read_assembly(const std::string& path) {
   SourceFile file = split_node(path);
   try {
-    const std::string bytes = read_whole(file.path);
-    file.bytes = bytes;
+    const Result<MappedFile> mapped = MappedFile::open(file.path);
+    if (!mapped) return mapped.error();
+    file.bytes = text_of(*mapped);
     const Format& format = format_of(file);
-    if (!file.node.empty()) {
+    if (!file.node.empty() && !format.has_nodes) {
       fail_read(file, ErrorCode::kSceneInvalid, "#" + file.node,
                 std::string(format.name) + " files have no nodes", "leave the part after # out");
     }

@@ -41,7 +41,7 @@ class ObjReader {
     if (keyword == "l" || keyword == "p") ++lines_and_points_;
     if (keyword == "curv" || keyword == "surf" || keyword == "call") {
       cursor_.fail(ErrorCode::kMeshUnsupported,
-                   quoted(keyword) + " (free-form surface or included file) is not read",
+                   in_quotes(keyword) + " (free-form surface or included file) is not read",
                    "export the mesh as polygons in one file");
     }
   }

@@ -129,14 +129,14 @@ class AsciiReader {
   }
 
   void expect(std::string_view keyword) {
-    const std::string expected = quoted(keyword);
+    const std::string expected = in_quotes(keyword);
     const std::string_view word = next_word(expected);
     if (!equal_ignoring_case(word, keyword)) fail_word(word, expected);
   }
 
   [[noreturn]] void fail_word(std::string_view word, const std::string& expected) {
-    cursor_.fail(ErrorCode::kMeshUnreadable, quoted(word) + " where " + expected + " should stand",
-                 "export the mesh again");
+    cursor_.fail(ErrorCode::kMeshUnreadable,
+                 in_quotes(word) + " where " + expected + " should stand", "export the mesh again");
   }
 
   const SourceFile& file_;

@@ -5,6 +5,10 @@
 
 namespace forcelayer {
 
+std::string_view text_of(const MappedFile& file) {
+  return {reinterpret_cast<const char*>(file.bytes().data()), file.bytes().size()};
+}
+
 void fail_read(const SourceFile& file, ErrorCode code, std::string where, std::string what,
                std::string mend) {
   throw ReadFailure{{code, file.path, std::move(where), std::move(what), std::move(mend)}};
@@ -19,11 +23,12 @@ void check_count(const SourceFile& file, std::uint64_t count, const char* what) 
             "split the mesh into several files");
 }
 
-void check_finite(const SourceFile& file, const Mesh& mesh) {
+void check_finite(const SourceFile& file, const Mesh& mesh, const std::string& where) {
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
     const auto& [x, y, z] = mesh.vertices[i];
     if (std::isfinite(x) && std::isfinite(y) && std::isfinite(z)) continue;
-    fail_read(file, ErrorCode::kMeshUnreadable, "vertex " + std::to_string(i),
+    fail_read(file, ErrorCode::kMeshUnreadable,
+              (where.empty() ? "" : where + " ") + "vertex " + std::to_string(i),
               "a coordinate is not a finite number", "export the mesh again");
   }
 }
@@ -44,7 +49,7 @@ Assembly assembly_of(const SourceFile& file, Mesh mesh) {
   return assembly;
 }
 
-std::string quoted(std::string_view word) {
+std::string in_quotes(std::string_view word) {
   constexpr std::size_t kLongest = 40;
   std::string text = "'";
   text += word.substr(0, kLongest);

@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 
+#include "formats/mapped_file.h"
 #include "formats/mesh/mesh.h"
 #include "formats/result.h"
 
@@ -18,6 +19,9 @@ struct SourceFile {
   std::string node;        // after "#"; empty for the whole file
   std::string_view bytes;  // all of it
 };
+
+// The bytes of a mapped file as text; valid as long as the file is.
+std::string_view text_of(const MappedFile& file);
 
 struct ReadFailure {
   Error error;
@@ -31,15 +35,16 @@ std::string at_byte(std::uint64_t offset);
 // Vertex and triangle counts are 32-bit indices in Mesh: throws kMeshUnsupported beyond.
 void check_count(const SourceFile& file, std::uint64_t count, const char* what);
 
-// Throws where a vertex is not a finite number, kMeshEmpty where there are no triangles.
-void check_finite(const SourceFile& file, const Mesh& mesh);
+// Throws where a vertex is not a finite number (`where`: the mesh's place in the file), kMeshEmpty
+// where there are no triangles.
+void check_finite(const SourceFile& file, const Mesh& mesh, const std::string& where = {});
 void check_not_empty(const SourceFile& file, const Mesh& mesh);
 
 // One mesh, standing once at the origin under the file's stem.
 Assembly assembly_of(const SourceFile& file, Mesh mesh);
 
 // 'word', shortened where it is long.
-std::string quoted(std::string_view word);
+std::string in_quotes(std::string_view word);
 
 // "1 polygon", "3 polygons".
 std::string counted(std::uint64_t count, const char* singular);
@@ -48,5 +53,8 @@ Assembly read_stl(const SourceFile& file);
 Assembly read_obj(const SourceFile& file);
 Assembly read_ply(const SourceFile& file);
 Assembly read_off(const SourceFile& file);
+Assembly read_drc(const SourceFile& file);
+Assembly read_gltf(const SourceFile& file);
+Assembly read_step(const SourceFile& file);
 
 }  // namespace forcelayer

@@ -75,7 +75,7 @@ void TextCursor::fail_number(const char* what) const {
   }
   fail(ErrorCode::kMeshUnreadable,
        word.empty() ? std::string(what) + " is missing"
-                    : std::string(what) + " " + quoted(word) + " is not a number");
+                    : std::string(what) + " " + in_quotes(word) + " is not a number");
 }
 
 }  // namespace forcelayer
