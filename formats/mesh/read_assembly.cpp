@@ -21,7 +21,8 @@ constexpr Format kFormats[] = {
     {"glTF", "glTF", ".glb.gltf.", true, read_gltf}, {"Draco", "DRACO", ".drc.", false, read_drc},
     {"PLY", "ply", ".ply.", false, read_ply},        {"STL", "", ".stl.", false, read_stl},
     {"OBJ", "", ".obj.", false, read_obj},           {"OFF", "", ".off.", false, read_off},
-    {"STEP", "", ".step.stp.", true, read_step},     {"IGES", "", ".iges.igs.", true, read_step},
+    {"OpenMesh", "", ".om.", false, read_om},        {"STEP", "", ".step.stp.", true, read_step},
+    {"IGES", "", ".iges.igs.", true, read_step},
 };
 
 std::string extension_of(const std::string& path) {

@@ -53,6 +53,7 @@ Assembly read_stl(const SourceFile& file);
 Assembly read_obj(const SourceFile& file);
 Assembly read_ply(const SourceFile& file);
 Assembly read_off(const SourceFile& file);
+Assembly read_om(const SourceFile& file);
 Assembly read_drc(const SourceFile& file);
 Assembly read_gltf(const SourceFile& file);
 Assembly read_step(const SourceFile& file);

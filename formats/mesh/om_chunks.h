@@ -1,0 +1,23 @@
+// The chunks of an OpenMesh file (.om), walked over without the library.
+#pragma once
+
+#include <string>
+
+#include "formats/mesh/reader.h"
+
+namespace forcelayer {
+
+struct OmContent {
+  std::uint32_t vertices = 0;  // as the header announces
+  std::uint32_t faces = 0;
+  std::uint32_t edges = 0;
+  bool single_precision = true;
+  // The file again, with its positions and its topology alone, every chunk of them whole: all that
+  // a mesh needs, and nothing that could make the library's reader run beyond the data.
+  std::string stripped;
+};
+
+// Throws ReadFailure where a chunk is cut short, unknown, missing or there twice.
+OmContent read_om_chunks(const SourceFile& file);
+
+}  // namespace forcelayer

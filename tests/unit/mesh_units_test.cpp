@@ -1,0 +1,74 @@
+// Units of mesh files, and vertices that 32-bit floats make coarse.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "formats/mesh/units.h"
+
+namespace forcelayer {
+namespace {
+
+Assembly triangle_at(double x) {
+  Assembly assembly;
+  assembly.meshes.push_back({{{x, 0, 0}, {x + 1, 0, 0}, {x, 1, 0}}, {{0, 1, 2}}, true});
+  assembly.instances.push_back({0, "triangle", {}});
+  return assembly;
+}
+
+TEST(MeshUnits, AreRequiredWhereTheFormatHasNone) {
+  std::vector<std::string> warnings;
+  const auto unit = metres_per_unit(triangle_at(0), "a.stl", std::nullopt, warnings);
+  ASSERT_FALSE(unit);
+  EXPECT_EQ(unit.error().code, ErrorCode::kUsage);
+  EXPECT_NE(to_line(unit.error()).find("--units"), std::string::npos);
+}
+
+TEST(MeshUnits, AreTheChosenOnesWithoutAWarningWhereTheFormatHasNone) {
+  std::vector<std::string> warnings;
+  EXPECT_EQ(*metres_per_unit(triangle_at(0), "a.stl", 0.001, warnings), 0.001);
+  EXPECT_TRUE(warnings.empty());
+}
+
+TEST(MeshUnits, OfTheFormatAreOverriddenWithAWarning) {
+  Assembly assembly = triangle_at(0);
+  assembly.metres_per_unit = 1.0;
+  std::vector<std::string> warnings;
+  EXPECT_EQ(*metres_per_unit(assembly, "a.glb", std::nullopt, warnings), 1.0);
+  EXPECT_EQ(*metres_per_unit(assembly, "a.glb", 1.0, warnings), 1.0);
+  EXPECT_TRUE(warnings.empty());
+  EXPECT_EQ(*metres_per_unit(assembly, "a.glb", 0.001, warnings), 0.001);
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_NE(warnings[0].find("a.glb"), std::string::npos);
+}
+
+TEST(FloatSpacing, IsTheDistanceToTheNextFloat) {
+  for (const float value : {1.0f, 1.5f, -16.0f, 745.25f, 1e-30f, 3e-39f}) {
+    const float magnitude = std::abs(value);
+    const double step = static_cast<double>(std::nextafter(magnitude, 1e30f)) - magnitude;
+    EXPECT_EQ(float_spacing(value), step) << value;
+  }
+  EXPECT_EQ(float_spacing(0), 0);
+}
+
+// Floats near 20 000 lie 2^-9 apart: 2 um where the unit is mm.
+TEST(VertexSpacing, FollowsUnitAndPlacing) {
+  Assembly assembly = triangle_at(20000);
+  EXPECT_DOUBLE_EQ(vertex_spacing_m(assembly, 0.001), std::ldexp(0.001, -9));
+  assembly.instances[0].assembly_from_mesh.linear = {0, -3, 0, 2, 0, 0, 0, 0, 1};
+  EXPECT_DOUBLE_EQ(vertex_spacing_m(assembly, 0.001), 3 * std::ldexp(0.001, -9));
+  assembly.meshes[0].single_precision = false;
+  EXPECT_EQ(vertex_spacing_m(assembly, 0.001), 0);
+}
+
+TEST(VertexSpacing, DrawsAWarningBeyondAThousandthOfAVoxel) {
+  const Assembly assembly = triangle_at(20000);
+  std::vector<std::string> warnings;
+  warn_of_coarse_vertices(assembly, "a.stl", 0.001, 2e-3, warnings);
+  EXPECT_TRUE(warnings.empty());
+  warn_of_coarse_vertices(assembly, "a.stl", 0.001, 1.9e-3, warnings);
+  EXPECT_EQ(warnings.size(), 1u);
+}
+
+}  // namespace
+}  // namespace forcelayer
