@@ -14,6 +14,7 @@ enum class Model {
 // Which field gives a point's depth and direction.
 enum class ForceKind {
   kTangentPlane,  // paper 3
+  kLevel,         // the two-bit values as a continuous field (level_field.h)
 };
 
 // All that the step computes with. Complete and consistent once derive_parameters() made it.
