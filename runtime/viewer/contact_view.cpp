@@ -1,6 +1,7 @@
 #include "runtime/viewer/contact_view.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace forcelayer {
 
@@ -34,8 +35,9 @@ Pose world_from_center(const Pose& world_from_part, const Pshell& shell) {
   return world_from_part * Pose{{center_m[0], center_m[1], center_m[2]}, {1, 0, 0, 0}};
 }
 
-ContactProbe::ContactProbe(const Voxmap& voxmap, const Pshell& shell, ForceKind force)
-    : shell_(shell), query_(voxmap, shell), field_(make_force_field(force, voxmap)) {
+ContactProbe::ContactProbe(const Voxmap& voxmap, const Pshell& shell,
+                           std::unique_ptr<ForceField> field)
+    : shell_(shell), query_(voxmap, shell), field_(std::move(field)) {
   points_.reserve(shell.view().point_count);
   samples_.reserve(shell.view().point_count);
 }

@@ -40,8 +40,7 @@ struct ContactView {
 // Computes ContactViews for one map and one shell, both of which must outlive it.
 class ContactProbe {
  public:
-  ContactProbe(const Voxmap& voxmap, const Pshell& shell,
-               ForceKind force = ForceKind::kTangentPlane);
+  ContactProbe(const Voxmap& voxmap, const Pshell& shell, std::unique_ptr<ForceField> field);
 
   ContactView at(const Pose& world_from_part);
 

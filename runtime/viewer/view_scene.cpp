@@ -5,6 +5,8 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
+#include "formats/mesh/units.h"
+
 namespace forcelayer {
 namespace {
 
@@ -25,16 +27,10 @@ Result<PlacedAssembly> read_placed(const std::string& path, std::optional<double
                                    std::vector<std::string>& warnings) {
   auto assembly = read_assembly(path);
   if (!assembly) return assembly.error();
-  if (!unit_m && !assembly->metres_per_unit) {
-    return Error{ErrorCode::kUsage, path, "", "the format does not say its unit of length",
-                 "give --units, as in --units mm"};
-  }
+  const auto scale = metres_per_unit(*assembly, path, unit_m, warnings);
+  if (!scale) return scale.error();
   for (const std::string& warning : assembly->warnings) warnings.push_back(path + ": " + warning);
-  if (unit_m && assembly->metres_per_unit && *unit_m != *assembly->metres_per_unit) {
-    warnings.push_back(path + ": --units replaces the unit that the format defines");
-  }
-  const double scale = unit_m ? *unit_m : *assembly->metres_per_unit;
-  return PlacedAssembly{std::move(*assembly), scale};
+  return PlacedAssembly{std::move(*assembly), *scale};
 }
 
 glm::dvec3 place(const PlacedAssembly& placed, const MeshInstance& instance, const Vec3d& vertex) {

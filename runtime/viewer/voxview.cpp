@@ -78,7 +78,10 @@ Result<std::optional<Moment>> moment_of(const Options& options, const ViewScene&
                             glm::length(row.on_hand.force_n), glm::length(row.on_hand.torque_nm)));
   }
   if (moment && scene.voxmap && scene.shell) {
-    moment->contacts = ContactProbe(*scene.voxmap, *scene.shell).at(moment->world_from_part);
+    auto field = make_force_field(Model::kPaper, ForceKind::kTangentPlane, *scene.voxmap);
+    if (!field) return field.error();
+    ContactProbe probe(*scene.voxmap, *scene.shell, std::move(*field));
+    moment->contacts = probe.at(moment->world_from_part);
     const ContactView& view = moment->contacts;
     title.push_back(
         text_of("%s    %u contacts, deepest %.2f mm    points: %u force layer, %u "
