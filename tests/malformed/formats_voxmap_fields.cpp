@@ -15,7 +15,10 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-AlignedBytes scene_bytes() { return dense_voxmap_bytes(golden_voxels(), golden_voxmap_options()); }
+AlignedBytes scene_bytes() {
+  static const AlignedBytes scene = dense_voxmap_bytes(golden_voxels(), golden_voxmap_options());
+  return AlignedBytes(scene.bytes());
+}
 
 AlignedBytes wide_scene_bytes() { return AlignedBytes(voxmap_bytes(GoldenWideVoxmap().content())); }
 
