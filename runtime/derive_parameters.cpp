@@ -14,8 +14,8 @@ namespace {
 constexpr double kApparentMassKg = 0.012;     // paper 5.1
 constexpr double kComfortableLoad = 1.0 / 4;  // h sqrt(k_T / m): the spring alone loads h^2 k + 2 h
                                               // b < 4 to 27%, "comfortably consistent" (paper 5.1)
-constexpr double kFieldMargin = 0.9;    // of the largest stable K_ff
-constexpr double kAveragedPoints = 10;  // paper 5.2
+constexpr double kFieldMargin = 0.9;          // of the largest stable K_ff
+constexpr double kAveragedPoints = 10;        // paper 5.2
 
 constexpr ParameterInfo kTable[] = {
     {"mass_kg", "--mass", "apparent mass of the part, kg", &Parameters::mass_kg},

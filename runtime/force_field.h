@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "formats/pshell.h"
-#include "formats/result.h"
 #include "formats/voxmap.h"
 #include "runtime/contact_query.h"
 #include "runtime/parameters.h"
@@ -32,21 +31,11 @@ class ForceField {
   virtual ~ForceField() = default;
 
   // Fills `samples` from `points` (both with room for all points). No allocation, lock or system
-  // call. A point in value 1 that the field cannot measure gets half a voxel along its normal.
+  // call. A point in value 1 that the field cannot measure is given the field's greatest depth.
   virtual void evaluate(const CollectedPoints& points, FieldSamples& samples) const noexcept = 0;
 };
 
-// The field that a model uses where the user names none: the paper's for `paper`; else the level
-// field where the map can give it.
-ForceKind usual_force(Model model, const Voxmap& voxmap);
-
-// The field of `kind` over `voxmap`, which must outlive it. Errors: kUsage where the model or the
-// map and the field do not go together.
-Result<std::unique_ptr<ForceField>> make_force_field(Model model, ForceKind kind,
-                                                     const Voxmap& voxmap);
-
-// Mean area that a shell point stands for, m^2. A point's weight over this is its share of force
-// in a sum over contacts: 1 on average, whatever the number of points.
-double mean_point_area_m2(const Pshell& shell);
+// The field of `kind` over `voxmap`, which must outlive it.
+std::unique_ptr<ForceField> make_force_field(ForceKind kind, const Voxmap& voxmap);
 
 }  // namespace forcelayer

@@ -68,7 +68,8 @@ Simulation::Simulation(Voxmap voxmap, Pshell shell, const Parameters& parameters
     : voxmap_(std::move(voxmap)),
       shell_(std::move(shell)),
       parameters_(parameters),
-      query_(voxmap_, shell_) {
+      query_(voxmap_, shell_),
+      field_(make_force_field(parameters.force, voxmap_)) {
   points_.reserve(shell_.view().point_count);
   samples_.reserve(shell_.view().point_count);
 }
@@ -81,12 +82,8 @@ Result<std::unique_ptr<Simulation>> Simulation::create(Voxmap voxmap, Pshell she
                  "the part is more than a million voxels of the scene across",
                  "check the units that scene and part were baked with"};
   }
-  std::unique_ptr<Simulation> simulation(
+  return std::unique_ptr<Simulation>(
       new Simulation(std::move(voxmap), std::move(shell), parameters));
-  auto field = make_force_field(parameters.model, parameters.force, simulation->voxmap_);
-  if (!field) return field.error();
-  simulation->field_ = std::move(*field);
-  return simulation;
 }
 
 Pose Simulation::world_from_part(const Pose& world_from_center) const {

@@ -26,8 +26,7 @@ struct StepContext {
 // arguments and of what create() was given: two calls with equal arguments give equal bits.
 class Simulation {
  public:
-  // Takes over both files. Errors: kFilesDoNotMatch where the part is too large for the voxel size;
-  // kUsage where model, force and map do not go together.
+  // Takes over both files. Errors: kFilesDoNotMatch where the part is too large for the voxel size.
   static Result<std::unique_ptr<Simulation>> create(Voxmap voxmap, Pshell shell,
                                                     const Parameters& parameters);
 
