@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <limits>
 
+#include "runtime/principal_inertia.h"
 #include "runtime/stability.h"
 
 namespace forcelayer {
@@ -16,6 +17,16 @@ constexpr double kComfortableLoad = 1.0 / 4;  // h sqrt(k_T / m): the spring alo
                                               // b < 4 to 27%, "comfortably consistent" (paper 5.1)
 constexpr double kFieldMargin = 0.9;          // of the largest stable K_ff
 constexpr double kAveragedPoints = 10;        // paper 5.2
+
+// Of the default model.
+constexpr double kUnratedStiffness = 1000;  // N/m, for a device that says nothing of itself
+constexpr double kHoldDepthVoxels = 0.15;   // the field has s/8 at a convex corner, s/2 at a face
+constexpr double kFieldOverCoupling = 5;
+constexpr double kContactDampingRatio = 0.6;
+constexpr double kThrowMps = 3;
+constexpr double kRecoveryMps = 0.05;
+constexpr double kAllowanceFadeS = 0.01;
+constexpr double kLeastMomentShare = 1e-3;  // of the largest principal moment
 
 constexpr ParameterInfo kTable[] = {
     {"mass_kg", "--mass", "apparent mass of the part, kg", &Parameters::mass_kg},
@@ -33,6 +44,15 @@ constexpr ParameterInfo kTable[] = {
      &Parameters::coupling_torque_limit_nm},
     {"field_n_per_m", "--field-stiffness", "force field stiffness K_ff, N/m",
      &Parameters::field_n_per_m},
+    {"contact_damping_ratio", "--contact-damping", "damping of a contact over sqrt(K_ff m)",
+     &Parameters::contact_damping_ratio},
+    {"look_ups", "--look-ups", "most motions of up to s/2 in a frame", &Parameters::look_ups},
+    {"recovery_mps", "--recovery-speed", "at which a part that starts inside is led out, m/s",
+     &Parameters::recovery_mps},
+    {"allowance_j", "--allowance",
+     "energy by which the scene may lift a part that the hand moves, J", &Parameters::allowance_j},
+    {"allowance_fade_s", "--allowance-fade", "time in which that fades while the hand rests, s",
+     &Parameters::allowance_fade_s},
     {"max_force_n", "--max-force", "largest force at the device, N", &Parameters::max_force_n},
     {"max_torque_nm", "--max-torque", "largest torque at the device, N m",
      &Parameters::max_torque_nm},
@@ -175,6 +195,93 @@ void derive_paper(const ParameterRequest& request, const Pshell& shell,
   choose_field(request, largest_contact_arm_m(shell), derived);
 }
 
+// The shell's inertia for `mass_kg`, its principal moments kept within what a part of this radius
+// on this grid can have: a sheet, a wire or a soup without volume may have almost none.
+glm::dmat3 shell_inertia_kgm2(const PshellHeader& shell, double mass_kg, double radius_m,
+                              double voxel_size_m) {
+  const auto& i = shell.inertia_m2;  // xx yy zz xy xz yz
+  PrincipalInertia inertia =
+      principal_inertia(glm::dmat3(i[0], i[3], i[4], i[3], i[1], i[5], i[4], i[5], i[2]));
+  const double largest_m2 = std::max({inertia.moments.x, inertia.moments.y, inertia.moments.z});
+  const double least_m2 = std::max(kLeastMomentShare * largest_m2, voxel_size_m * voxel_size_m / 4);
+  for (int axis = 0; axis < 3; ++axis) {
+    inertia.moments[axis] =
+        mass_kg * std::max(least_m2, std::min(inertia.moments[axis], radius_m * radius_m));
+  }
+  return tensor_of(inertia);
+}
+
+double mean_moment(const glm::dmat3& inertia) {
+  return (inertia[0][0] + inertia[1][1] + inertia[2][2]) / 3;
+}
+
+void choose_default_coupling(const ParameterRequest& request, const DeviceCapabilities& device,
+                             DerivedParameters& derived) {
+  Choice choice(request, derived);
+  Parameters& p = derived.values;
+  const double dt_s = 1 / p.rate_hz;
+  const double bound =
+      stiffness_bound(device.max_stiffness_n_per_m, device.damping_ns_per_m, device.delay_s, dt_s) /
+      request.motion_scale;
+  const bool bounded = std::isfinite(bound);
+  choice.set("coupling_n_per_m", bounded ? bound : kUnratedStiffness,
+             bounded ? "the stiffness that " + device.name +
+                           " bears, b / (delay + dt / 2) or its rating, over the motion scale"
+                     : device.name + " states no stiffness and no damping");
+  choice.set("coupling_ns_per_m", 2 * std::sqrt(p.mass_kg * p.coupling_n_per_m),
+             "2 sqrt(m k_T): critically damped (paper 5.1)");
+  const double bound_rot = stiffness_bound(device.max_stiffness_nm_per_rad,
+                                           device.damping_nms_per_rad, device.delay_s, dt_s);
+  const double same_frequency = p.coupling_n_per_m * mean_moment(p.inertia_kgm2) / p.mass_kg;
+  choice.set("coupling_nm_per_rad", std::min(same_frequency, bound_rot),
+             bound_rot < same_frequency ? "the rotational stiffness that " + device.name + " bears"
+                                        : "k_T I / m, I the mean moment: the frequency of the "
+                                          "translation");
+  const PrincipalInertia inertia = principal_inertia(p.inertia_kgm2);
+  const double largest = std::max({inertia.moments.x, inertia.moments.y, inertia.moments.z});
+  choice.set("coupling_nms_per_rad", 2 * std::sqrt(largest * p.coupling_nm_per_rad),
+             "2 sqrt(I k_R), I the largest moment: critically damped about every principal axis");
+  choice.set("coupling_force_limit_n", p.max_force_n, "what the device can bear");
+  choice.set("coupling_torque_limit_nm", p.max_torque_nm, "what the device can bear");
+  if (p.coupling_n_per_m > bound) {
+    derived.warnings.push_back(
+        format("--coupling-stiffness %g N/m is above the %g N/m", p.coupling_n_per_m, bound) +
+        " that " + device.name +
+        " can render stably: b / (delay + dt / 2), or its rating, over the motion scale");
+  }
+}
+
+// What the default model has beside the paper's; derived for both, so that a report shows all.
+void choose_guard(const ParameterRequest& request, DerivedParameters& derived) {
+  Choice choice(request, derived);
+  Parameters& p = derived.values;
+  choice.set("contact_damping_ratio", kContactDampingRatio, "calms a single point in two frames");
+  // At 3 m/s a hand throws; a look-up costs much, so there are at most eight in a millisecond.
+  const double dt_s = 1 / p.rate_hz;
+  choice.set("look_ups",
+             std::clamp(std::ceil(2 * kThrowMps * dt_s / p.voxel_size_m), 2.0,
+                        std::max(2.0, std::ceil(8000 * dt_s))),
+             "follows a hand at 3 m/s, within eight look-ups a millisecond");
+  choice.set("recovery_mps", kRecoveryMps, "slow enough to let go");
+  choice.set("allowance_j", p.coupling_force_limit_n * p.voxel_size_m,
+             "the force limit over a voxel: more than a voxel's step can take");
+  choice.set("allowance_fade_s", kAllowanceFadeS, "rest within a second");
+}
+
+void derive_default(const ParameterRequest& request, const Pshell& shell,
+                    const DeviceCapabilities& device, DerivedParameters& derived) {
+  Choice choice(request, derived);
+  Parameters& p = derived.values;
+  choice.set("mass_kg", kApparentMassKg, "apparent mass of the paper (5.1)");
+  p.inertia_kgm2 = shell_inertia_kgm2(shell.header(), p.mass_kg, p.part_radius_m, p.voxel_size_m);
+  choose_default_coupling(request, device, derived);
+  const double hold = p.coupling_force_limit_n / (kHoldDepthVoxels * p.voxel_size_m);
+  const double stiff = kFieldOverCoupling * p.coupling_n_per_m;
+  choice.set("field_n_per_m", std::max(hold, stiff),
+             hold > stiff ? "one point holds the coupling's force limit at 0.15 voxel"
+                          : "5 k_T: the part gives way a fifth of the hand's way at most");
+}
+
 }  // namespace
 
 std::span<const ParameterInfo> parameter_table() { return kTable; }
@@ -208,7 +315,11 @@ Result<DerivedParameters> derive_parameters(const ParameterRequest& request, con
     case Model::kPaper:
       derive_paper(request, shell, device, derived);
       break;
+    case Model::kDefault:
+      derive_default(request, shell, device, derived);
+      break;
   }
+  choose_guard(request, derived);
   return derived;
 }
 

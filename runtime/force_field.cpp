@@ -1,5 +1,6 @@
 #include "runtime/force_field.h"
 
+#include "runtime/level_field.h"
 #include "runtime/tangent_plane.h"
 
 namespace forcelayer {
@@ -9,12 +10,30 @@ void FieldSamples::reserve(std::uint64_t points) {
   for (auto* values : {&depth_m, &dx, &dy, &dz}) values->resize(points);
 }
 
-std::unique_ptr<ForceField> make_force_field(ForceKind kind, const Voxmap& voxmap) {
-  switch (kind) {
-    case ForceKind::kTangentPlane:
-      break;
+ForceKind usual_force(Model model, const Voxmap& voxmap) {
+  if (model == Model::kPaper || LevelField::unreadable(voxmap)) return ForceKind::kTangentPlane;
+  return ForceKind::kLevel;
+}
+
+Result<std::unique_ptr<ForceField>> make_force_field(Model model, ForceKind kind,
+                                                     const Voxmap& voxmap) {
+  if (model == Model::kPaper && kind != ForceKind::kTangentPlane) {
+    return Error{ErrorCode::kUsage, "", "--force",
+                 "the paper's model knows the tangent-plane force only",
+                 "leave --force out, or choose --model default"};
   }
-  return std::make_unique<TangentPlaneField>(voxmap.voxel_size_m());
+  if (kind == ForceKind::kLevel) {
+    if (auto reason = LevelField::unreadable(voxmap)) return *reason;
+    return std::unique_ptr<ForceField>(std::make_unique<LevelField>(voxmap));
+  }
+  return std::unique_ptr<ForceField>(std::make_unique<TangentPlaneField>(voxmap.voxel_size_m()));
+}
+
+double mean_point_area_m2(const Pshell& shell) {
+  const PshellView& view = shell.view();
+  double sum_m2 = 0;
+  for (std::uint64_t i = 0; i < view.point_count; ++i) sum_m2 += view.weight_m2[i];
+  return sum_m2 / static_cast<double>(view.point_count);
 }
 
 }  // namespace forcelayer

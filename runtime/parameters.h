@@ -2,32 +2,21 @@
 // voxel size, the shell, the rate and the device; derive_parameters() says by which rule.
 #pragma once
 
-#include <cstdint>
 #include <glm/mat3x3.hpp>
-#include <optional>
-#include <string_view>
 
 namespace forcelayer {
 
-// Which dynamic model moves the part. The numbers stand in recordings.
-enum class Model : std::uint32_t {
-  kPaper = 0,  // the 1999 method to the letter (DESIGN 6)
+// Which dynamic model moves the part.
+enum class Model {
+  kPaper,    // the 1999 method to the letter (DESIGN 6)
+  kDefault,  // implicit, guarded, at rest when the hand rests (default_model.h)
 };
 
-// Which field gives a point's depth and direction. The numbers stand in recordings.
-enum class ForceKind : std::uint32_t {
-  kTangentPlane = 0,  // paper 3
+// Which field gives a point's depth and direction.
+enum class ForceKind {
+  kTangentPlane,  // paper 3
+  kLevel,         // the two-bit values as a continuous field (level_field.h)
 };
-
-inline constexpr Model kDefaultModel = Model::kPaper;
-
-// Their names on command lines and in reports; none where there is no such thing.
-std::string_view to_text(Model model);
-std::string_view to_text(ForceKind force);
-std::optional<Model> parse_model(std::string_view name);
-std::optional<ForceKind> parse_force(std::string_view name);
-bool is_known_model(std::uint32_t number);
-bool is_known_force(std::uint32_t number);
 
 // All that the step computes with. Complete and consistent once derive_parameters() made it.
 struct Parameters {
@@ -44,10 +33,17 @@ struct Parameters {
   double coupling_n_per_m = 0;        // k_T
   double coupling_ns_per_m = 0;       // b_T
   double coupling_nm_per_rad = 0;     // k_R
-  double coupling_nms_per_rad = 0;    // b_R
+  double coupling_nms_per_rad = 0;    // b_R; default model: about the axis of the largest moment
   double coupling_force_limit_n = 0;  // clamp of the coupling's force (paper: spring only, k_T s/2)
   double coupling_torque_limit_nm = 0;  // clamp of its torque (paper: infinite)
   double field_n_per_m = 0;             // K_ff
+
+  // Of the default model alone.
+  double contact_damping_ratio = 0;  // of a contact: damping over sqrt(K_ff m)
+  double look_ups = 0;               // most motions in a frame, of at most s/2 each
+  double recovery_mps = 0;           // at which a part that started inside is led out
+  double allowance_j = 0;            // motion_allowance.h
+  double allowance_fade_s = 0;       // motion_allowance.h
 
   double max_force_n = 0;    // of the wrench at the device
   double max_torque_nm = 0;  // of the wrench at the device

@@ -68,8 +68,7 @@ Simulation::Simulation(Voxmap voxmap, Pshell shell, const Parameters& parameters
     : voxmap_(std::move(voxmap)),
       shell_(std::move(shell)),
       parameters_(parameters),
-      query_(voxmap_, shell_),
-      field_(make_force_field(parameters.force, voxmap_)) {
+      query_(voxmap_, shell_) {
   points_.reserve(shell_.view().point_count);
   samples_.reserve(shell_.view().point_count);
 }
@@ -82,8 +81,18 @@ Result<std::unique_ptr<Simulation>> Simulation::create(Voxmap voxmap, Pshell she
                  "the part is more than a million voxels of the scene across",
                  "check the units that scene and part were baked with"};
   }
-  return std::unique_ptr<Simulation>(
+  std::unique_ptr<Simulation> simulation(
       new Simulation(std::move(voxmap), std::move(shell), parameters));
+  auto field = make_force_field(parameters.model, parameters.force, simulation->voxmap_);
+  if (!field) return field.error();
+  simulation->field_ = std::move(*field);
+  if (parameters.model == Model::kDefault) simulation->make_default_model();
+  return simulation;
+}
+
+void Simulation::make_default_model() {
+  probe_ = std::make_unique<FieldProbe>(query_, *field_, points_, samples_);
+  default_ = std::make_unique<DefaultModel>(parameters_, *probe_, shell_.view().point_count);
 }
 
 Pose Simulation::world_from_part(const Pose& world_from_center) const {
@@ -115,6 +124,9 @@ StepResult Simulation::step(State& state, const StepInput& input, double dt_s) n
   switch (parameters_.model) {
     case Model::kPaper:
       result = paper_step(context, state, input, dt_s);
+      break;
+    case Model::kDefault:
+      result = default_->step(state, input, dt_s);
       break;
   }
   if (!finite(state.world_from_center) || !finite(state.velocity) || !finite(result.wrench)) {

@@ -7,6 +7,8 @@
 #include "formats/result.h"
 #include "formats/voxmap.h"
 #include "runtime/contact_query.h"
+#include "runtime/default_model.h"
+#include "runtime/field_probe.h"
 #include "runtime/force_field.h"
 #include "runtime/parameters.h"
 #include "runtime/step.h"
@@ -26,7 +28,8 @@ struct StepContext {
 // arguments and of what create() was given: two calls with equal arguments give equal bits.
 class Simulation {
  public:
-  // Takes over both files. Errors: kFilesDoNotMatch where the part is too large for the voxel size.
+  // Takes over both files. Errors: kFilesDoNotMatch where the part is too large for the voxel size;
+  // kUsage where model, force and map do not go together.
   static Result<std::unique_ptr<Simulation>> create(Voxmap voxmap, Pshell shell,
                                                     const Parameters& parameters);
 
@@ -48,6 +51,7 @@ class Simulation {
 
  private:
   Simulation(Voxmap voxmap, Pshell shell, const Parameters& parameters);
+  void make_default_model();
 
   Voxmap voxmap_;
   Pshell shell_;
@@ -56,6 +60,8 @@ class Simulation {
   std::unique_ptr<ForceField> field_;
   CollectedPoints points_;
   FieldSamples samples_;
+  std::unique_ptr<FieldProbe> probe_;  // of the default model
+  std::unique_ptr<DefaultModel> default_;
 };
 
 }  // namespace forcelayer

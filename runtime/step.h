@@ -31,7 +31,15 @@ struct State {
   double episode_energy_j = 0;  // given to the hand since the part left free space
   double episode_peak_j = 0;    // highest value of that since then, at least 0
   double generated_j = 0;       // sum of the peaks of past episodes (see StepReport)
-  std::uint64_t frame = 0;      // steps done
+
+  // Memory of the default model.
+  Pose target;                       // of the frame before: world_from_handle * grip
+  Twist target_velocity;             // of the same
+  glm::dvec3 coupling_angle_rad{0};  // part to target, continuous past pi (coupling_angle.h)
+  double allowance_j = 0;            // motion_allowance.h
+  std::uint32_t has_target = 0;      // 1: the target above is one
+  std::uint32_t settled = 0;         // 1: the part rests until the handle moves
+  std::uint64_t frame = 0;           // steps done
 };
 static_assert(std::is_trivially_copyable_v<State>);
 

@@ -15,6 +15,9 @@ class TangentPlaneField final : public ForceField {
 
   void evaluate(const CollectedPoints& points, FieldSamples& samples) const noexcept override;
 
+  // In front of the plane a point's depth is negative; a point in value 3 has a whole layer to go.
+  void measure(const CollectedPoints& points, FieldSamples& samples) const noexcept override;
+
  private:
   float voxel_size_m_;
 };

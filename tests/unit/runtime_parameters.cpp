@@ -116,10 +116,14 @@ TEST_F(ParametersTest, TakeSettingsAndWarnBeyondABound) {
 }
 
 TEST_F(ParametersTest, EveryParameterHasAReason) {
-  const DerivedParameters derived = derive({});
-  for (const ParameterInfo& info : parameter_table()) {
-    EXPECT_TRUE(derived.reasons.contains(std::string(info.name))) << info.name;
-    EXPECT_GT(derived.values.*(info.member), 0) << info.name;
+  for (const Model model : {Model::kPaper, Model::kDefault}) {
+    ParameterRequest request;
+    request.model = model;
+    const DerivedParameters derived = derive(request);
+    for (const ParameterInfo& info : parameter_table()) {
+      EXPECT_TRUE(derived.reasons.contains(std::string(info.name))) << info.name;
+      EXPECT_GT(derived.values.*(info.member), 0) << info.name;
+    }
   }
 }
 

@@ -1,0 +1,82 @@
+#include "runtime/contact_force.h"
+
+#include <algorithm>
+#include <glm/geometric.hpp>
+
+namespace forcelayer {
+namespace {
+
+constexpr double kAveragingStart = 10;      // contacts from which forces are averaged (paper 5.2)
+constexpr double kFullDepthVoxels = 0.125;  // depth from which a contact counts fully
+
+}  // namespace
+
+double area_average(const ContactSet& set, double voxel_size_m) noexcept {
+  const double full_m = kFullDepthVoxels * voxel_size_m;
+  double contacts = 0;
+  for (std::uint32_t i = 0; i < set.count; ++i) {
+    const Contact& c = set.contacts[i];
+    contacts += c.weight * std::clamp(c.depth_m / full_m, 0.0, 1.0);
+  }
+  return kAveragingStart / std::max(kAveragingStart, contacts);
+}
+
+double contact_energy_j(const ContactSet& set, const ContactLaw& law) noexcept {
+  double sum = 0;
+  for (std::uint32_t i = 0; i < set.count; ++i) {
+    const double depth_m = std::max(0.0f, set.contacts[i].depth_m);
+    sum += set.contacts[i].weight * depth_m * depth_m;
+  }
+  return 0.5 * law.stiffness_n_per_m * area_average(set, law.voxel_size_m) * sum;
+}
+
+Vector6 separation_row(const Contact& contact) noexcept {
+  const glm::dvec3 push(contact.direction);
+  return vector6(push, glm::cross(glm::dvec3(contact.arm_m), push));
+}
+
+ContactRow spring_row(const Contact& contact, double depth_m, double average, const ContactLaw& law,
+                      double dt_s) noexcept {
+  const double stiffness = law.stiffness_n_per_m * contact.weight * average;
+  const double damping = depth_m > 0 ? law.damping_ns_per_m * contact.weight * average : 0;
+  ContactRow row;
+  row.j = separation_row(contact);
+  row.weight = dt_s * (dt_s * stiffness + damping);
+  row.onset = dt_s * stiffness * depth_m / row.weight;
+  return row;
+}
+
+std::size_t contact_rows(const ContactSet& set, const ContactLaw& law, double dt_s, double reach_m,
+                         std::span<ContactRow> rows) noexcept {
+  const double average = area_average(set, law.voxel_size_m);
+  std::size_t count = 0;
+  for (std::uint32_t i = 0; i < set.count; ++i) {
+    const Contact& c = set.contacts[i];
+    if (-c.depth_m > reach_m) continue;
+    rows[count++] = spring_row(c, c.depth_m, average, law, dt_s);
+  }
+  return count;
+}
+
+bool braking_row(const ContactSet& set, const Symmetric6& inertia, const Vector6& velocity,
+                 double dt_s, ContactRow& row) noexcept {
+  Vector6 sum{};
+  double allowed = 0;  // approach along S that still stops in time
+  for (std::uint32_t i = 0; i < set.count; ++i) {
+    const Contact& c = set.contacts[i];
+    if (c.depth_m >= 0) continue;
+    const Vector6 j = separation_row(c);
+    const double allowed_mps = -c.depth_m / (kBrakeFrames * dt_s);
+    const double excess_mps = -dot(j, velocity) - allowed_mps;
+    if (!(excess_mps > 0)) continue;
+    const double share = c.weight * excess_mps;
+    for (int k = 0; k < 6; ++k) sum[k] += share * j[k];
+    allowed += share * allowed_mps;
+  }
+  const double mobility = dot(sum, solve(inertia, sum));  // one over the mass along S
+  if (!(mobility > 0)) return false;
+  row = {sum, 0.5 / mobility, -allowed};
+  return true;
+}
+
+}  // namespace forcelayer

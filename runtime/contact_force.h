@@ -1,0 +1,50 @@
+// The contact forces of the default model: springs of the force layer, averaged by area, and
+// pre-contact braking, as rows of the implicit solve.
+#pragma once
+
+#include <span>
+
+#include "runtime/contact_set.h"
+#include "runtime/contact_solver.h"
+
+namespace forcelayer {
+
+struct ContactLaw {
+  double stiffness_n_per_m = 0;  // of one point of mean area
+  double damping_ns_per_m = 0;   // of the same
+  double voxel_size_m = 0;
+};
+
+// The factor that keeps many contacts from adding up without bound (the place of the paper's N/10,
+// 5.2): one up to ten contacts of mean area and some depth, their number over ten beyond. Counting
+// by area and depth makes it continuous: a point enters with nothing.
+double area_average(const ContactSet& set, double voxel_size_m) noexcept;
+
+// Energy stored in the contact springs, J.
+double contact_energy_j(const ContactSet& set, const ContactLaw& law) noexcept;
+
+// Separation speed of a contact per velocity of the part: [u; r x u].
+Vector6 separation_row(const Contact& contact) noexcept;
+
+// One contact over a step of `dt_s`, with the depth it would have after no motion. Touching ones
+// are springs with dampers; the others stop the part where their gap ends.
+ContactRow spring_row(const Contact& contact, double depth_m, double average, const ContactLaw& law,
+                      double dt_s) noexcept;
+
+// Rows of all contacts of `set` that a motion of at most `reach_m` could bring to touch. Returns
+// their number; `rows` has room for set.count.
+std::size_t contact_rows(const ContactSet& set, const ContactLaw& law, double dt_s, double reach_m,
+                         std::span<ContactRow> rows) noexcept;
+
+// Pre-contact braking (paper 5.3) of force and torque in one: S is the sum, over the points in
+// value 3, of their rows times the speed by which they approach too fast to stop within
+// kBrakeFrames frames. The impulse along S takes half of the momentum of that excess (the paper's
+// half of the kinetic energy over dt), with the mass that the part shows along S, rotation
+// included. It acts on the velocity after it, so it never reverses one; below that speed it does
+// nothing, so it neither creeps nor drags. Returns false where no point approaches too fast.
+bool braking_row(const ContactSet& set, const Symmetric6& inertia, const Vector6& velocity,
+                 double dt_s, ContactRow& row) noexcept;
+
+inline constexpr double kBrakeFrames = 4;
+
+}  // namespace forcelayer

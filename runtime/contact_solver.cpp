@@ -1,0 +1,76 @@
+#include "runtime/contact_solver.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace forcelayer {
+namespace {
+
+constexpr int kMaxIterations = 12;
+constexpr double kConverged = 1e-10;  // change of the velocity over its size: ends the iterations
+
+// The quadratic part at a fixed secant: v A v / 2 - b v.
+struct Quadratic {
+  Symmetric6 matrix;
+  Vector6 impulse{};
+};
+
+Quadratic smooth_part(const StepSystem& system, const Vector6& guess) {
+  Quadratic q{system.inertia, system.momentum};
+  add_implicit(system.translation, system.displacement, linear_part(guess), system.dt_s, 0,
+               q.matrix, q.impulse);
+  add_implicit(system.rotation, system.angle, angular_part(guess), system.dt_s, 3, q.matrix,
+               q.impulse);
+  return q;
+}
+
+double objective(const Quadratic& q, std::span<const ContactRow> rows, const Vector6& v) {
+  double sum = 0.5 * dot(v, q.matrix * v) - dot(v, q.impulse);
+  for (const ContactRow& row : rows) {
+    const double short_of = row.onset - dot(row.j, v);
+    if (short_of > 0) sum += 0.5 * row.weight * short_of * short_of;
+  }
+  return sum;
+}
+
+Vector6 newton_target(Quadratic q, std::span<const ContactRow> rows, const Vector6& v) {
+  for (const ContactRow& row : rows) {
+    if (!(dot(row.j, v) < row.onset)) continue;
+    q.matrix.add_outer(row.j, row.weight);
+    for (int i = 0; i < 6; ++i) q.impulse[i] += row.weight * row.onset * row.j[i];
+  }
+  return solve(q.matrix, q.impulse);
+}
+
+Vector6 between(const Vector6& a, const Vector6& b, double share) {
+  Vector6 v;
+  for (int i = 0; i < 6; ++i) v[i] = a[i] + share * (b[i] - a[i]);
+  return v;
+}
+
+}  // namespace
+
+Vector6 solve_velocity(const StepSystem& system, std::span<const ContactRow> rows,
+                       const Vector6& guess) noexcept {
+  Vector6 v = guess;
+  for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
+    const Quadratic q = smooth_part(system, v);
+    Vector6 next = newton_target(q, rows, v);
+    // The objective is convex and the step descends: halving ends.
+    const double before = objective(q, rows, v);
+    for (int halving = 0; halving < 8 && !(objective(q, rows, next) <= before); ++halving) {
+      next = between(v, next, 0.5);
+    }
+    double change = 0, size = 0;
+    for (int i = 0; i < 6; ++i) {
+      const double mass = system.inertia.lower[Symmetric6::at(i, i)];
+      change += mass * (next[i] - v[i]) * (next[i] - v[i]);
+      size += mass * next[i] * next[i];
+    }
+    v = next;
+    if (!(change > kConverged * kConverged * size)) break;
+  }
+  return v;
+}
+
+}  // namespace forcelayer

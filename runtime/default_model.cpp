@@ -1,0 +1,302 @@
+#include "runtime/default_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+
+#include "runtime/coupling_angle.h"
+#include "runtime/motion_allowance.h"
+#include "runtime/principal_inertia.h"
+
+namespace forcelayer {
+namespace {
+
+constexpr int kResolves = 2;                // new solves with the contacts found where a motion led
+constexpr int kHalvings = 2;                // shortenings after that; then the part stays
+constexpr double kTravelMargin = 1 - 1e-9;  // keeps s/2 from being reached by rounding
+
+// A motion shorter than this share of a voxel is not made while the hand rests.
+constexpr double kLeastTravelVoxels = 1e-9;
+// While the hand rests, a motion must lower the energy by this share of k_T times its square.
+constexpr double kDescentShare = 1e-4;
+
+// Where an interior point must end, behind the middle of the force layer.
+constexpr double kGuardDepthVoxels = 0.4;
+// At least so far it is pushed back per new solve.
+constexpr double kGuardPushVoxels = 0.15;
+// Stiffness of a guard's row over that of a contact: hard, but well-conditioned.
+constexpr double kGuardHardness = 100;
+
+// How b_R is shared among the axes: critical damping about each, 2 sqrt(I k_R), over its largest.
+glm::dmat3 critical_damping_shape(const glm::dmat3& inertia_kgm2) {
+  PrincipalInertia inertia = principal_inertia(inertia_kgm2);
+  const glm::dvec3 m = inertia.moments;
+  const double largest = std::max({m.x, m.y, m.z});
+  for (int axis = 0; axis < 3; ++axis) inertia.moments[axis] = std::sqrt(m[axis] / largest);
+  return tensor_of(inertia);
+}
+
+template <typename T>
+bool same_bits(const T& a, const T& b) {
+  static_assert(std::is_trivially_copyable_v<T>);
+  return std::memcmp(&a, &b, sizeof(T)) == 0;
+}
+
+}  // namespace
+
+// One sub-step in the making.
+struct DefaultModel::Motion {
+  StepSystem system;
+  Vector6 start{};     // velocity before
+  Vector6 velocity{};  // velocity of the motion
+  double energy_before_j = 0;
+  std::size_t row_count = 0;
+};
+
+DefaultModel::DefaultModel(const Parameters& parameters, ContactProbe& probe, std::uint64_t points)
+    : parameters_(parameters), probe_(probe) {
+  mass_ = {parameters.mass_kg, parameters.inertia_kgm2, glm::inverse(parameters.inertia_kgm2)};
+  contact_ = {
+      parameters.field_n_per_m,
+      parameters.contact_damping_ratio * std::sqrt(parameters.field_n_per_m * parameters.mass_kg),
+      parameters.voxel_size_m};
+  translation_ = {parameters.coupling_n_per_m, glm::dmat3(parameters.coupling_ns_per_m),
+                  parameters.coupling_force_limit_n};
+  rotation_ = {parameters.coupling_nm_per_rad, glm::dmat3(0), parameters.coupling_torque_limit_nm};
+  rotation_damping_ =
+      parameters.coupling_nms_per_rad * critical_damping_shape(parameters.inertia_kgm2);
+  here_.reserve(points);
+  there_.reserve(points);
+  // The contacts here, those found by each new solve, and the brake.
+  rows_.resize((1 + kResolves) * points + 1);
+}
+
+StepResult DefaultModel::step(State& state, const StepInput& input, double dt_s) noexcept {
+  StepResult result;
+  const CouplingTarget target = coupling_target(state, input);
+  look_up_here(state.world_from_center);
+  const bool hand_still = state.has_target != 0 &&
+                          same_bits(target.world_from_center, state.target) &&
+                          same_bits(target.velocity, state.target_velocity);
+  remember_target(state, target, dt_s);
+  if (!hand_still) state.settled = 0;
+  if (state.settled == 0) move(state, target, dt_s, result.report);
+  result.wrench = wrench_on_hand(state, target, result.report);
+  StepReport& report = result.report;
+  report.world_from_center = state.world_from_center;
+  report.interior = here_.interior;
+  report.surface = here_.surface;
+  report.proximity = here_.proximity;
+  report.contacts = here_.touching();
+  report.outside_map = here_.outside_map ? 1 : 0;
+  return result;
+}
+
+void DefaultModel::look_up_here(const Pose& pose) noexcept {
+  if (here_known_ && same_bits(pose, here_pose_)) return;
+  probe_.look_up(pose, here_);
+  here_pose_ = pose;
+  here_known_ = true;
+}
+
+void DefaultModel::remember_target(State& state, const CouplingTarget& target,
+                                   double dt_s) const noexcept {
+  double work_j = 0;
+  if (state.has_target != 0) {
+    const Pose& now = target.world_from_center;
+    const Pose& last = state.target;
+    const double stretch_m = glm::length(now.position_m - state.world_from_center.position_m) +
+                             glm::length(now.position_m - last.position_m);
+    const double force_n = std::min(translation_.limit, translation_.stiffness * stretch_m);
+    const double torque_nm = std::min(
+        rotation_.limit, rotation_.stiffness * (glm::length(state.coupling_angle_rad) + 1));
+    work_j = handle_work_j(last, now, force_n, torque_nm);
+  }
+  const AllowanceLaw law{parameters_.allowance_j, parameters_.allowance_fade_s};
+  state.allowance_j = faded_allowance_j(state.allowance_j, work_j, law, dt_s);
+  state.target = target.world_from_center;
+  state.target_velocity = target.velocity;
+  state.has_target = 1;
+}
+
+// One frame: motions of at most s/2 until the time or the look-ups are used up. What is left of the
+// time then is not made up: the part lags, and follows in the next frames.
+void DefaultModel::move(State& state, const CouplingTarget& target, double dt_s,
+                        StepReport& report) noexcept {
+  double remaining_s = dt_s;
+  for (int look_ups = 0; look_ups < parameters_.look_ups && remaining_s > 1e-9 * dt_s; ++look_ups) {
+    Motion motion = prepare(state, target, dt_s);
+    choose(motion, remaining_s);
+    if (!make(state, motion, target, report)) {
+      state.velocity = {};
+      state.settled = 1;
+      return;
+    }
+    remaining_s -= motion.system.dt_s;
+  }
+}
+
+DefaultModel::Motion DefaultModel::prepare(const State& state, const CouplingTarget& target,
+                                           double dt_s) const noexcept {
+  Motion motion;
+  StepSystem& system = motion.system;
+  const glm::dmat3 inertia = turned(mass_.inertia_kgm2, state.world_from_center.orientation);
+  for (int row = 0; row < 3; ++row) {
+    system.inertia.lower[Symmetric6::at(row, row)] = mass_.mass_kg;
+    for (int column = 0; column <= row; ++column) {
+      system.inertia.lower[Symmetric6::at(3 + row, 3 + column)] = inertia[column][row];
+    }
+  }
+  motion.start = vector6(state.velocity.linear_mps, state.velocity.angular_radps);
+  system.momentum = system.inertia * motion.start;
+  system.translation = translation_;
+  system.rotation = rotation_;
+  system.rotation.damping = turned(rotation_damping_, state.world_from_center.orientation);
+  system.displacement = {target.world_from_center.position_m - state.world_from_center.position_m,
+                         target.velocity.linear_mps};
+  system.angle = {
+      continuous_angle(state.world_from_center, target.world_from_center, state.coupling_angle_rad),
+      target.velocity.angular_radps};
+  system.dt_s = dt_s;
+  motion.energy_before_j =
+      kinetic_energy_j(mass_, state.world_from_center.orientation, state.velocity) +
+      potential_j(system.displacement.displacement, system.angle.displacement, here_);
+  return motion;
+}
+
+// Solves for all of the remaining time; where that would travel beyond s/2, for an even share of
+// it.
+void DefaultModel::choose(Motion& motion, double remaining_s) noexcept {
+  solve_motion(motion, remaining_s);
+  const double shares = std::ceil(travel_m(motion.velocity, remaining_s) /
+                                  (0.5 * kTravelMargin * parameters_.voxel_size_m));
+  if (shares > 1) solve_motion(motion, remaining_s / shares);
+  limit_travel(motion);
+}
+
+void DefaultModel::solve_motion(Motion& motion, double dt_s) noexcept {
+  motion.system.dt_s = dt_s;
+  motion.row_count = contact_rows(here_, contact_, dt_s, 0.5 * parameters_.voxel_size_m, rows_);
+  if (parameters_.braking &&
+      braking_row(here_, motion.system.inertia, motion.start, dt_s, rows_[motion.row_count])) {
+    ++motion.row_count;
+  }
+  motion.velocity = solve_velocity(motion.system, {rows_.data(), motion.row_count}, motion.start);
+}
+
+// Looks up where the motion leads and keeps it, or mends it until it can be kept. False: the part
+// stays where it is.
+bool DefaultModel::make(State& state, Motion& motion, const CouplingTarget& target,
+                        StepReport& report) noexcept {
+  const double dt_s = motion.system.dt_s;
+  const double least_m = state.allowance_j == 0 ? kLeastTravelVoxels * parameters_.voxel_size_m : 0;
+  for (int attempt = 0; attempt <= kResolves + kHalvings; ++attempt) {
+    if (!(travel_m(motion.velocity, dt_s) > least_m)) return false;
+    Twist velocity{linear_part(motion.velocity), angular_part(motion.velocity)};
+    const double kinetic_j = kinetic_energy_j(mass_, state.world_from_center.orientation, velocity);
+    const Pose candidate = advance(mass_, state.world_from_center, velocity, dt_s);
+    probe_.look_up(candidate, there_);
+    double rise_j = 0;
+    if (acceptable(state, motion, target, candidate, kinetic_j, rise_j)) {
+      state.allowance_j = std::max(0.0, state.allowance_j - rise_j);
+      state.coupling_angle_rad =
+          continuous_angle(candidate, target.world_from_center, state.coupling_angle_rad);
+      state.world_from_center = here_pose_ = candidate;
+      state.velocity = velocity;
+      std::swap(here_, there_);
+      return true;
+    }
+    if (attempt < kResolves) {
+      add_found_contacts(motion);
+      motion.velocity =
+          solve_velocity(motion.system, {rows_.data(), motion.row_count}, motion.velocity);
+      limit_travel(motion);
+    } else {
+      ++report.guard_cuts;
+      for (double& component : motion.velocity) component *= 0.5;
+    }
+  }
+  return false;
+}
+
+bool DefaultModel::acceptable(const State& state, const Motion& motion,
+                              const CouplingTarget& target, const Pose& candidate, double kinetic_j,
+                              double& rise_j) const noexcept {
+  if (!no_new_interior(here_, there_)) return false;
+  if (here_.interior > 0) return true;  // led out: slow, and its energy is not the scene's
+  const glm::dvec3 angle_rad =
+      continuous_angle(candidate, target.world_from_center, state.coupling_angle_rad);
+  const double energy_j =
+      kinetic_j +
+      potential_j(target.world_from_center.position_m - candidate.position_m, angle_rad, there_);
+  const double travel = travel_m(motion.velocity, motion.system.dt_s);
+  const double descent_j = kDescentShare * parameters_.coupling_n_per_m * travel * travel;
+  rise_j = energy_j + descent_j - motion.energy_before_j;
+  return rise_j <= state.allowance_j;
+}
+
+// What the motion ran into, linearised where it led: contacts as springs, interior points as hard
+// rows that take them back into the force layer.
+void DefaultModel::add_found_contacts(Motion& motion) noexcept {
+  const double dt_s = motion.system.dt_s, s = parameters_.voxel_size_m;
+  const double average = area_average(there_, s);
+  for (std::uint32_t i = 0; i < there_.count && motion.row_count < rows_.size(); ++i) {
+    const Contact& c = there_.contacts[i];
+    if (!(c.depth_m > 0)) continue;
+    ContactRow& row = rows_[motion.row_count++];
+    const double separation = dot(separation_row(c), motion.velocity);
+    if (c.interior == 0) {
+      row = spring_row(c, c.depth_m + dt_s * separation, average, contact_, dt_s);
+      continue;
+    }
+    row.j = separation_row(c);
+    row.weight = kGuardHardness * dt_s * dt_s * contact_.stiffness_n_per_m + 1e3 * mass_.mass_kg;
+    row.onset =
+        separation + std::max(kGuardPushVoxels * s, c.depth_m - kGuardDepthVoxels * s) / dt_s;
+  }
+}
+
+void DefaultModel::limit_travel(Motion& motion) const noexcept {
+  const double dt_s = motion.system.dt_s;
+  double limit_m = 0.5 * kTravelMargin * parameters_.voxel_size_m;
+  if (here_.interior > 0) limit_m = std::min(limit_m, parameters_.recovery_mps * dt_s);
+  const double travel = travel_m(motion.velocity, dt_s);
+  if (!(travel > limit_m)) return;
+  for (double& component : motion.velocity) component *= limit_m / travel;
+}
+
+// Longest way that any point of the shell can go: its arc is at most the centroid's way and the
+// angle times the radius.
+double DefaultModel::travel_m(const Vector6& velocity, double dt_s) const noexcept {
+  return dt_s * (glm::length(linear_part(velocity)) +
+                 parameters_.part_radius_m * glm::length(angular_part(velocity)));
+}
+
+double DefaultModel::potential_j(const glm::dvec3& displacement_m, const glm::dvec3& angle_rad,
+                                 const ContactSet& set) const noexcept {
+  return spring_energy_j(translation_, displacement_m) + spring_energy_j(rotation_, angle_rad) +
+         contact_energy_j(set, contact_);
+}
+
+Wrench DefaultModel::wrench_on_hand(const State& state, const CouplingTarget& target,
+                                    StepReport& report) const noexcept {
+  if (here_.in_free_space()) return {};
+  const Pose& part = state.world_from_center;
+  CouplingHalf rotation = rotation_;
+  rotation.damping = turned(rotation_damping_, part.orientation);
+  const HalfStretch displacement{target.world_from_center.position_m - part.position_m,
+                                 target.velocity.linear_mps};
+  const HalfStretch angle{
+      continuous_angle(part, target.world_from_center, state.coupling_angle_rad),
+      target.velocity.angular_radps};
+  const glm::dvec3 force_n = coupling_force(translation_, displacement, state.velocity.linear_mps);
+  const glm::dvec3 torque_nm = coupling_force(rotation, angle, state.velocity.angular_radps);
+  constexpr double kAtLimit = 1 - 1e-12;  // a clamped length is the limit but for rounding
+  report.saturated = glm::length(force_n) >= kAtLimit * translation_.limit ||
+                     glm::length(torque_nm) >= kAtLimit * rotation_.limit;
+  return {-force_n, -torque_nm};
+}
+
+}  // namespace forcelayer

@@ -1,0 +1,26 @@
+// The default model's view of a baked scene: contact query and force field in one look-up.
+#pragma once
+
+#include "runtime/contact_query.h"
+#include "runtime/contact_set.h"
+#include "runtime/force_field.h"
+
+namespace forcelayer {
+
+class FieldProbe final : public ContactProbe {
+ public:
+  // All must outlive the probe; `points` and `samples` have room for every shell point.
+  FieldProbe(ContactQuery& query, const ForceField& field, CollectedPoints& points,
+             FieldSamples& samples);
+
+  void look_up(const Pose& world_from_center, ContactSet& out) noexcept override;
+
+ private:
+  ContactQuery& query_;
+  const ForceField& field_;
+  CollectedPoints& points_;
+  FieldSamples& samples_;
+  float mean_area_m2_;
+};
+
+}  // namespace forcelayer

@@ -1,0 +1,51 @@
+#include "runtime/rigid_body.h"
+
+#include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
+#include <glm/matrix.hpp>
+
+#include "runtime/coupling.h"
+
+namespace forcelayer {
+
+namespace {
+
+// Fixed-point iterations of the midpoint rule. The guard keeps a step's rotation small, and each
+// iteration gains a factor of about that rotation.
+constexpr int kMidpointIterations = 3;
+
+}  // namespace
+
+glm::dmat3 turned(const glm::dmat3& body, const glm::dquat& orientation) noexcept {
+  const glm::dmat3 rotation = glm::mat3_cast(orientation);
+  return rotation * body * glm::transpose(rotation);
+}
+
+double kinetic_energy_j(const MassProperties& mass, const glm::dquat& orientation,
+                        const Twist& velocity) noexcept {
+  const glm::dvec3 body_radps = glm::conjugate(orientation) * velocity.angular_radps;
+  return 0.5 * mass.mass_kg * glm::dot(velocity.linear_mps, velocity.linear_mps) +
+         0.5 * glm::dot(body_radps, mass.inertia_kgm2 * body_radps);
+}
+
+Pose advance(const MassProperties& mass, const Pose& world_from_center, Twist& velocity,
+             double dt_s) noexcept {
+  Pose moved = world_from_center;
+  moved.position_m += velocity.linear_mps * dt_s;
+  if (velocity.angular_radps == glm::dvec3(0)) return moved;
+
+  const glm::dquat& start = world_from_center.orientation;
+  const glm::dvec3 momentum = turned(mass.inertia_kgm2, start) * velocity.angular_radps;
+  const auto angular_at = [&](const glm::dquat& orientation) {
+    return orientation * (mass.inverse_inertia_1pkgm2 * (glm::conjugate(orientation) * momentum));
+  };
+  glm::dvec3 middle_radps = velocity.angular_radps;
+  for (int i = 0; i < kMidpointIterations; ++i) {
+    middle_radps = angular_at(rotation_by(middle_radps * (0.5 * dt_s)) * start);
+  }
+  moved.orientation = glm::normalize(rotation_by(middle_radps * dt_s) * start);
+  velocity.angular_radps = angular_at(moved.orientation);
+  return moved;
+}
+
+}  // namespace forcelayer

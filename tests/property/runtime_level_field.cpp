@@ -1,0 +1,300 @@
+// The level field: bit for bit its scalar twin, which is its definition; pushes only in values 1
+// and 2; continuous; never attracts a thin sheet or wire.
+#include "runtime/level_field.h"
+
+#include <gtest/gtest.h>
+
+#include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
+
+#include "runtime/tangent_plane.h"
+#include "tests/support/random_scenes.h"
+#include "tests/support/reference_level.h"
+
+namespace forcelayer::test {
+namespace {
+
+std::array<float, 3> as_floats(const glm::dvec3& v) {
+  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
+}
+
+// Boxes, planks and loose voxels, offset by k layers that are whole: the box has room for them. It
+// lies across brick, node and block edges.
+VoxelScene layered_scene(Random& random, std::int64_t k) {
+  Voxel min{}, dims{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::int64_t edge = std::array<std::int64_t, 4>{0, 8, 64, 512}[random() % 4];
+    min[axis] = edge * integer(random, -2, 2) - integer(random, 4, 20);
+    dims[axis] = integer(random, 20, 34);
+  }
+  std::vector<std::array<Voxel, 2>> boxes(static_cast<std::size_t>(integer(random, 1, 5)));
+  for (auto& box : boxes)
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const auto a = integer(random, k + 3, dims[axis] - k - 4);
+      const auto b = random() % 3 ? integer(random, k + 3, dims[axis] - k - 4) : a;
+      box[0][axis] = min[axis] + std::min(a, b);
+      box[1][axis] = min[axis] + std::max(a, b);
+    }
+  const std::uint64_t salt = random() % 8;
+  return offset_scene(0.003, min, dims, k, [&](Voxel v) {
+    return std::any_of(boxes.begin(), boxes.end(), [&](const auto& box) {
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        if (v[axis] < box[0][axis] || v[axis] > box[1][axis]) return false;
+      const auto hash =
+          static_cast<std::uint64_t>(v[0] * 73856093 ^ v[1] * 19349663 ^ v[2] * 83492791);
+      return salt > 1 || hash % 7 <= salt;  // a quarter of the scenes are crumbs
+    });
+  });
+}
+
+// A voxel in or just outside the scene's box.
+Voxel random_voxel(Random& random, const VoxelScene& scene) {
+  Voxel v{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    v[axis] = scene.min[axis] + integer(random, -3, scene.dims[axis] + 2);
+  }
+  return v;
+}
+
+std::array<float, 3> random_fraction(Random& random) {
+  std::array<float, 3> f{};
+  for (float& x : f) {
+    // Faces and centres of voxels too: that is where a mistake would show.
+    x = random() % 8 == 0 ? 0.5f * static_cast<float>(random() % 2)
+                          : static_cast<float>(integer(random, 0, (1 << 24) - 1)) * 0x1p-24f;
+  }
+  return f;
+}
+
+struct Sampled {
+  std::vector<float> depth_m;  // 0 where the field gave nothing
+  std::vector<std::array<float, 3>> direction;
+};
+
+Sampled sampled(const LevelField& field, const CollectedPoints& points) {
+  FieldSamples samples;
+  samples.reserve(points.count);
+  field.evaluate(points, samples);
+  Sampled all{std::vector<float>(points.count, 0.0f),
+              std::vector<std::array<float, 3>>(points.count)};
+  for (std::uint32_t i = 0; i < samples.count; ++i) {
+    EXPECT_TRUE(i == 0 || samples.at[i - 1] < samples.at[i]) << "order of the collected points";
+    all.depth_m[samples.at[i]] = samples.depth_m[i];
+    all.direction[samples.at[i]] = {samples.dx[i], samples.dy[i], samples.dz[i]};
+  }
+  return all;
+}
+
+TEST(LevelField, EqualsItsScalarTwinBitForBit) {
+  std::uint32_t pushed = 0;
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    Random random(seed);
+    const VoxelScene scene = layered_scene(random, integer(random, 1, 3));
+    const auto cropped = static_cast<std::uint32_t>(random() % 2 ? random() % 64 : 0);
+    const Voxmap voxmap = make_voxmap(scene, cropped);
+    const LevelField field(voxmap);
+    CollectedPoints points;
+    const auto count = static_cast<std::uint32_t>(integer(random, 0, 3000));
+    points.reserve(count);
+    std::vector<TwinPush> twins;
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const Voxel v = random_voxel(random, scene);
+      const auto fraction = random_fraction(random);
+      const auto normal = as_floats(random_direction(random));
+      const bool skipped = random() % 5 == 0;
+      collect(points, voxmap, v, skipped ? VoxelValue::kProximity : VoxelValue::kSurface, fraction,
+              normal);
+      twins.push_back(skipped ? TwinPush{} : float_push(scene, v, fraction, normal, cropped));
+    }
+    const Sampled found = sampled(field, points);
+    for (std::uint32_t i = 0; i < count; ++i) {
+      ASSERT_EQ(found.depth_m[i], twins[i].depth_voxels * static_cast<float>(scene.voxel_size_m))
+          << "point " << i;
+      ASSERT_EQ(found.direction[i], twins[i].direction) << "point " << i;
+      pushed += found.depth_m[i] > 0;
+    }
+  }
+  EXPECT_GT(pushed, 1000u);
+}
+
+TEST(LevelField, TwinIsTheWeightedSumOverTwentySevenVoxels) {
+  Random random(5);
+  const VoxelScene scene = layered_scene(random, 2);
+  for (int i = 0; i < 20000; ++i) {
+    const Voxel v = random_voxel(random, scene);
+    const auto fraction = random_fraction(random);
+    const ExactLevels exact = exact_levels(scene, v, fraction);
+    // Seven interpolations of sums up to 16 in single precision: 7 * 16 * 2^-24 at most.
+    EXPECT_NEAR(float_push(scene, v, fraction, {0, 0, 1}).phi, exact.phi, 7e-6);
+  }
+}
+
+TEST(LevelField, PushesOnlyPointsInValuesOneAndTwo) {
+  for (std::uint64_t seed = 1; seed <= 30; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    Random random(seed);
+    const VoxelScene scene = layered_scene(random, integer(random, 1, 3));
+    const Voxmap voxmap = make_voxmap(scene);
+    const LevelField field(voxmap);
+    constexpr std::uint32_t kCount = 20000;
+    CollectedPoints points;
+    points.reserve(kCount);
+    std::vector<VoxelValue> values;
+    for (std::uint32_t i = 0; i < kCount; ++i) {
+      const Voxel v = random_voxel(random, scene);
+      values.push_back(scene.at(v));
+      // Told that every point is in value 2, the field has only phi to go by.
+      collect(points, voxmap, v, VoxelValue::kSurface, random_fraction(random),
+              as_floats(random_direction(random)));
+    }
+    const Sampled found = sampled(field, points);
+    std::uint32_t pushed = 0;
+    for (std::uint32_t i = 0; i < kCount; ++i) {
+      if (found.depth_m[i] == 0) continue;
+      ++pushed;
+      ASSERT_TRUE(values[i] == VoxelValue::kInterior || values[i] == VoxelValue::kSurface);
+      ASSERT_NEAR(std::hypot(found.direction[i][0], found.direction[i][1], found.direction[i][2]),
+                  1, 1e-6);
+      ASSERT_LE(found.depth_m[i], 1.7321 * scene.voxel_size_m);
+    }
+    EXPECT_GT(pushed, 0u);
+  }
+}
+
+TEST(LevelField, PushIsContinuousAcrossVoxels) {
+  // Per voxel of motion phi changes by at most sqrt(3) and the slope by 6 (Frobenius norm of its
+  // derivatives); v divides slope changes by 0.1 at the least, with w'(cosine) <= 7.5 on top: below
+  // 1000 in all. A voxel of jump, even a thousandth, would be far above a step of 2e-6 voxels.
+  constexpr double kStep = 2e-6, kBound = 1000 * kStep + 1e-4;  // the latter for single precision
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    Random random(seed);
+    const VoxelScene scene = layered_scene(random, integer(random, 1, 3));
+    for (int i = 0; i < 5000; ++i) {
+      const Voxel v = random_voxel(random, scene);
+      const auto normal = as_floats(random_direction(random));
+      auto here = random_fraction(random), there = here;
+      Voxel next = v;
+      const auto axis = static_cast<std::size_t>(random() % 3);
+      if (random() % 2) {  // across a face
+        here[axis] = 1 - 0x1p-24f;
+        there[axis] = 0;
+        ++next[axis];
+      } else {
+        there[axis] = std::min(here[axis] + static_cast<float>(kStep), 1 - 0x1p-24f);
+      }
+      const TwinPush a = float_push(scene, v, here, normal);
+      const TwinPush b = float_push(scene, next, there, normal);
+      for (std::size_t d = 0; d < 3; ++d) {
+        ASSERT_NEAR(a.depth_voxels * a.direction[d], b.depth_voxels * b.direction[d], kBound)
+            << "voxel " << v[0] << " " << v[1] << " " << v[2] << " fraction " << here[0] << " "
+            << here[1] << " " << here[2] << " axis " << axis;
+      }
+    }
+  }
+}
+
+// A half-space below the plane n . x = 0 through the origin, with whole layers in the box.
+VoxelScene half_space(const glm::dvec3& n, std::int64_t k) {
+  const double reach = 0.5 * (std::abs(n.x) + std::abs(n.y) + std::abs(n.z));
+  return offset_scene(0.01, {-14, -14, -14}, {28, 28, 28}, k, [&](Voxel v) {
+    const glm::dvec3 c(static_cast<double>(v[0]) + 0.5, static_cast<double>(v[1]) + 0.5,
+                       static_cast<double>(v[2]) + 0.5);
+    return glm::dot(n, c) <= reach;
+  });
+}
+
+struct Surface {
+  std::vector<glm::dvec3> points, normals;  // voxels; inward
+};
+
+// Both sides of a square sheet.
+Surface sheet(double edge, double thickness) {
+  Surface s;
+  for (double x = -edge / 2; x <= edge / 2; x += 0.4)
+    for (double y = -edge / 2; y <= edge / 2; y += 0.4)
+      for (const double side : {-0.5, 0.5}) {
+        s.points.emplace_back(x, y, side * thickness);
+        s.normals.emplace_back(0, 0, side > 0 ? -1 : 1);
+      }
+  return s;
+}
+
+Surface wire(double length, double thickness) {
+  Surface s;
+  for (double z = -length / 2; z <= length / 2; z += 0.3)
+    for (int i = 0; i < 6; ++i) {
+      const double a = M_PI / 3 * i;
+      s.points.emplace_back(thickness / 2 * std::cos(a), thickness / 2 * std::sin(a), z);
+      s.normals.emplace_back(-std::cos(a), -std::sin(a), 0);
+    }
+  return s;
+}
+
+// Sum over the surface of depth * direction, in voxels.
+glm::dvec3 total_push(const ForceField& field, const Voxmap& voxmap, const VoxelScene& scene,
+                      const Surface& surface, const glm::dquat& turn, const glm::dvec3& place) {
+  CollectedPoints points;
+  points.reserve(surface.points.size());
+  for (std::size_t i = 0; i < surface.points.size(); ++i) {
+    const glm::dvec3 p = turn * surface.points[i] + place;
+    const glm::dvec3 whole = glm::floor(p);
+    const Voxel v{static_cast<std::int64_t>(whole.x), static_cast<std::int64_t>(whole.y),
+                  static_cast<std::int64_t>(whole.z)};
+    if (scene.at(v) == VoxelValue::kFree) continue;
+    collect(points, voxmap, v, scene.at(v), as_floats(p - whole),
+            as_floats(turn * surface.normals[i]));
+  }
+  FieldSamples samples;
+  samples.reserve(points.count);
+  field.evaluate(points, samples);
+  glm::dvec3 sum(0);
+  for (std::uint32_t i = 0; i < samples.count; ++i) {
+    sum += double{samples.depth_m[i]} * glm::dvec3(samples.dx[i], samples.dy[i], samples.dz[i]);
+  }
+  return sum / scene.voxel_size_m;
+}
+
+TEST(LevelField, NeverAttractsASheetOrAWireThinnerThanAVoxel) {
+  double worst = 0, worst_tangent_plane = 0;
+  int pushed = 0;
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    Random random(seed);
+    const glm::dvec3 n = random_direction(random);
+    const auto k = integer(random, 1, 3);
+    const VoxelScene scene = half_space(n, k);
+    const Voxmap voxmap = make_voxmap(scene);
+    const LevelField level(voxmap);
+    const TangentPlaneField tangent_plane(scene.voxel_size_m);
+    const double slant = std::abs(n.x) + std::abs(n.y) + std::abs(n.z);
+    for (int i = 0; i < 60; ++i) {
+      const double thickness = uniform(random, 0, 1);
+      const Surface part = random() % 2 ? sheet(4, thickness) : wire(4, thickness);
+      // Parallel to the wall, or any way round; from before the force layer to buried.
+      glm::dquat turn = random_orientation(random);
+      if (random() % 2) {
+        const glm::dvec3 axis = glm::cross(glm::dvec3(0, 0, 1), n);
+        turn = glm::angleAxis(std::atan2(glm::length(axis), n.z),
+                              glm::normalize(axis + glm::dvec3(1e-12, 0, 0)));
+      }
+      const double depth = uniform(random, -1, 2.5) * slant;
+      const glm::dvec3 place = n * (static_cast<double>(k) * slant + 0.5 * slant - depth) +
+                               random_direction(random) * uniform(random, 0, 0.7);
+      const double along = glm::dot(n, total_push(level, voxmap, scene, part, turn, place));
+      pushed += along > 0.1;
+      worst = std::min(worst, along);
+      worst_tangent_plane =
+          std::min(worst_tangent_plane,
+                   glm::dot(n, total_push(tangent_plane, voxmap, scene, part, turn, place)));
+      // Single precision: a few hundred terms of at most sqrt(3), relative error below 1e-6.
+      ASSERT_GE(along, -1e-3) << "seed " << seed << " pose " << i << " thickness " << thickness
+                              << " depth " << depth << " k " << k;
+    }
+  }
+  EXPECT_GT(pushed, 500);
+  EXPECT_LT(worst_tangent_plane, -0.1) << "the test has lost its teeth";
+}
+
+}  // namespace
+}  // namespace forcelayer::test

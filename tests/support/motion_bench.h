@@ -1,0 +1,97 @@
+// A simulation with its state and a handle that a test moves: for tests of motion.
+#pragma once
+
+#include <glm/gtc/quaternion.hpp>
+#include <map>
+#include <memory>
+#include <random>
+#include <stdexcept>
+#include <string>
+
+#include "runtime/coupling.h"
+#include "runtime/derive_parameters.h"
+#include "runtime/simulation.h"
+#include "tests/support/shape_scene.h"
+
+namespace forcelayer::test {
+
+// The device that the paper was run with (6.4), with the damping and delay of such devices.
+inline DeviceCapabilities paper_device() {
+  DeviceCapabilities device;
+  device.name = "test";
+  device.max_force_n = 15;
+  device.max_torque_nm = 0.1;
+  device.damping_ns_per_m = 2;
+  device.damping_nms_per_rad = 0.005;
+  device.delay_s = 0.001;
+  return device;
+}
+
+struct BenchOptions {
+  Model model = Model::kDefault;
+  double rate_hz = 1000;
+  bool braking = true;
+  std::map<std::string, double> settings;
+};
+
+class MotionBench {
+ public:
+  MotionBench(const VoxelScene& scene, const PointPart& part, const Pose& start,
+              const BenchOptions& options = {}) {
+    Voxmap voxmap = make_voxmap(scene);
+    Pshell shell = make_pshell(part);
+    ParameterRequest request;
+    request.model = options.model;
+    request.force = usual_force(options.model, voxmap);
+    request.rate_hz = options.rate_hz;
+    request.braking = options.braking;
+    request.settings = options.settings;
+    auto derived = derive_parameters(request, voxmap, shell, paper_device());
+    if (!derived) throw std::runtime_error(to_line(derived.error()));
+    auto made = Simulation::create(std::move(voxmap), std::move(shell), derived->values);
+    if (!made) throw std::runtime_error(to_line(made.error()));
+    simulation = std::move(*made);
+    dt_s = 1 / options.rate_hz;
+    state = simulation->registered(start, start);
+    input.valid = 1;
+    input.world_from_handle = start;
+  }
+
+  // One frame with the handle at `pose`; its velocity is that from the frame before.
+  StepResult step_to(const Pose& pose) {
+    const Pose& last = input.world_from_handle;
+    input.handle_velocity = {
+        (pose.position_m - last.position_m) / dt_s,
+        rotation_vector(pose.orientation * glm::conjugate(last.orientation)) / dt_s};
+    input.world_from_handle = pose;
+    return simulation->step(state, input, dt_s);
+  }
+
+  // One frame with the handle where it is, at rest.
+  StepResult hold() { return step_to(input.world_from_handle); }
+
+  const Pose& handle() const { return input.world_from_handle; }
+  const Pose& part() const { return state.world_from_center; }
+  const Parameters& parameters() const { return simulation->parameters(); }
+
+  std::unique_ptr<Simulation> simulation;
+  State state;
+  StepInput input;
+  double dt_s = 0.001;
+};
+
+inline glm::dvec3 random_direction(std::mt19937_64& random) {
+  std::normal_distribution<double> normal;
+  return glm::normalize(glm::dvec3(normal(random), normal(random), normal(random)));
+}
+
+inline glm::dquat random_orientation(std::mt19937_64& random) {
+  std::normal_distribution<double> normal;
+  return glm::normalize(glm::dquat(normal(random), normal(random), normal(random), normal(random)));
+}
+
+inline double uniform(std::mt19937_64& random, double low, double high) {
+  return std::uniform_real_distribution<double>(low, high)(random);
+}
+
+}  // namespace forcelayer::test
