@@ -111,9 +111,9 @@ GltfDocument::Accessor GltfDocument::accessor(std::uint64_t accessor_index) cons
   }
   if (json.contains("bufferView")) {
     accessor.place(*this, index(json, "bufferView"), index_or(json, "byteOffset", 0));
-  } else if (accessor.count > buffer_bytes_) {
-    // Elements of zero take no bytes in the file; more of them than the whole file are no mesh.
-    fail(ErrorCode::kMeshUnreadable, accessor.where, "announces elements without data");
+  } else if (!json.contains("sparse") || accessor.count > buffer_bytes_) {
+    // Zeros that nothing replaces, or more of them than the whole file has bytes, are no mesh.
+    fail(ErrorCode::kMeshIncomplete, accessor.where, "announces elements without data");
   }
   return accessor;
 }

@@ -1,0 +1,294 @@
+// What is legal in glTF: containers, node trees, accessors, primitives.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/support/mesh_files.h"
+
+namespace forcelayer {
+namespace {
+
+using namespace test;
+
+Assembly read_nodes(const std::string& nodes, const std::string& node = "",
+                    const std::string& more = "") {
+  const Mesh mesh = cube();
+  const auto assembly =
+      read_bytes(as_glb(gltf_json(mesh, nodes, more), gltf_binary(mesh)), ".glb", node);
+  EXPECT_TRUE(assembly) << to_line(assembly.error());
+  return assembly ? *assembly : Assembly{};
+}
+
+std::vector<std::string> names_of(const Assembly& assembly) {
+  std::vector<std::string> names;
+  for (const MeshInstance& instance : assembly.instances) names.push_back(instance.name);
+  return names;
+}
+
+Vec3d origin_of(const Assembly& assembly, std::size_t instance) {
+  return assembly.instances[instance].assembly_from_mesh.translation;
+}
+
+void expect_near(const Vec3d& a, const Vec3d& b) {
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(a[i], b[i], 1e-12);  // a few roundings
+}
+
+TEST(GltfReader, SharesOneMeshBetweenNodes) {
+  const Assembly assembly = read_nodes(
+      R"([{"name":"frame","children":[1,2],"translation":[1,0,0]},{"name":"left","mesh":0},
+          {"name":"right","mesh":0,"translation":[0,5,0]}])");
+  ASSERT_EQ(assembly.meshes.size(), 1u);
+  EXPECT_EQ(names_of(assembly), (std::vector<std::string>{"frame/left", "frame/right"}));
+  EXPECT_EQ(origin_of(assembly, 0), (Vec3d{1, 0, 0}));
+  EXPECT_EQ(origin_of(assembly, 1), (Vec3d{1, 5, 0}));
+  EXPECT_EQ(assembly.triangle_count(), 24u);
+  EXPECT_EQ(assembly.metres_per_unit, 1.0);
+  EXPECT_TRUE(assembly.warnings.empty());
+}
+
+// A quarter turn about z (written with the rounding that files have), then a stretch.
+TEST(GltfReader, ComposesTranslationRotationScaleAsTheMatrixDoes) {
+  const Assembly parts = read_nodes(R"([{"mesh":0,"translation":[1,2,3],
+      "rotation":[0,0,0.70710677,0.70710677],"scale":[2,3,-4]}])");
+  const Assembly matrix =
+      read_nodes(R"([{"mesh":0,"matrix":[0,2,0,0, -3,0,0,0, 0,0,-4,0, 1,2,3,1]}])");
+  const Corners a = corners_of(parts), b = corners_of(matrix);
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    for (std::size_t corner = 0; corner < 3; ++corner) expect_near(a[i][corner], b[i][corner]);
+  }
+  const Affine& placing = matrix.instances[0].assembly_from_mesh;
+  const Vec3d corner{1, 1, 1};
+  EXPECT_EQ(apply(placing, corner), (Vec3d{-2, 4, -1}));
+}
+
+TEST(GltfReader, TellsSiblingsOfOneNameApart) {
+  const std::string nodes = R"([{"name":"row","children":[1,2,3,4]},{"name":"bolt","mesh":0},
+      {"name":"bolt","mesh":0},{"mesh":0},{"name":"bolt:2","mesh":0}])";
+  EXPECT_EQ(names_of(read_nodes(nodes)),
+            (std::vector<std::string>{"row/bolt", "row/bolt:2", "row/node3", "row/bolt:2:2"}));
+}
+
+TEST(GltfReader, SelectsASubTreeWhereItStands) {
+  const std::string nodes = R"([{"name":"plane","children":[1,4],"translation":[1,0,0]},
+      {"name":"wing","children":[2,3],"translation":[0,1,0]},{"name":"rib","mesh":0},
+      {"name":"spar","mesh":0},{"name":"tail","children":[5]},{"name":"rib","mesh":0}])";
+  EXPECT_EQ(names_of(read_nodes(nodes, "#wing")),
+            (std::vector<std::string>{"plane/wing/rib", "plane/wing/spar"}));
+  EXPECT_EQ(origin_of(read_nodes(nodes, "#wing"), 0), (Vec3d{1, 1, 0}));
+  EXPECT_EQ(names_of(read_nodes(nodes, "#spar")), (std::vector<std::string>{"plane/wing/spar"}));
+  EXPECT_EQ(names_of(read_nodes(nodes, "#plane/tail/rib")),
+            (std::vector<std::string>{"plane/tail/rib"}));
+  EXPECT_EQ(read_nodes(nodes, "#plane").instances.size(), 3u);
+}
+
+TEST(GltfReader, ReadsTheDefaultSceneAndSaysWhatItLeavesOut) {
+  const Mesh mesh = cube();
+  std::string json = gltf_json(mesh, R"([{"mesh":0},{"mesh":1}])");
+  json.replace(json.find("\"meshes\":["), 10,
+               R"("meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]},)");
+  const auto assembly = read_bytes(as_glb(json, gltf_binary(mesh)), ".glb");
+  ASSERT_TRUE(assembly) << to_line(assembly.error());
+  EXPECT_EQ(assembly->instances.size(), 1u);
+  ASSERT_EQ(assembly->warnings.size(), 1u);
+  EXPECT_NE(assembly->warnings[0].find("1 of 2 meshes left out"), std::string::npos);
+}
+
+TEST(GltfReader, TakesAllRootsWhereThereIsNoScene) {
+  const Mesh mesh = cube();
+  std::string json = gltf_json(mesh, R"([{"children":[1]},{"mesh":0},{"mesh":0}])");
+  const std::string scene = R"("scene":0,"scenes":[{"nodes":[0]}],)";
+  json.erase(json.find(scene), scene.size());
+  EXPECT_EQ(read_bytes(as_glb(json, gltf_binary(mesh)), ".glb")->instances.size(), 2u);
+}
+
+std::string base64(const std::string& bytes) {
+  constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    std::uint32_t bits = 0;
+    for (std::size_t j = 0; j < 3; ++j) {
+      bits = bits << 8 | (i + j < bytes.size() ? static_cast<unsigned char>(bytes[i + j]) : 0u);
+    }
+    for (std::size_t j = 0; j < 4; ++j) {
+      text += i + j <= bytes.size() ? kDigits[bits >> (18 - 6 * j) & 63] : '=';
+    }
+  }
+  return text;
+}
+
+std::string json_with_uri(const Mesh& mesh, const std::string& uri) {
+  std::string json = gltf_json(mesh);
+  return json.insert(json.rfind("{\"byteLength\"") + 1, "\"uri\":\"" + uri + "\",");
+}
+
+TEST(GltfReader, TakesBuffersFromDataUrisAndFilesBesideIt) {
+  const Mesh mesh = cube();
+  const auto inside = read_bytes(
+      json_with_uri(mesh, "data:application/octet-stream;base64," + base64(gltf_binary(mesh))),
+      ".gltf");
+  ASSERT_TRUE(inside) << to_line(inside.error());
+  EXPECT_EQ(corners_of(*inside), corners_of(mesh));
+  const ScratchFolder folder;
+  write_file(folder / "my data.bin", gltf_binary(mesh));
+  const auto beside =
+      read_assembly(write_file(folder / "mesh.gltf", json_with_uri(mesh, "my%20data.bin")));
+  ASSERT_TRUE(beside) << to_line(beside.error());
+  EXPECT_EQ(corners_of(*beside), corners_of(mesh));
+}
+
+// One primitive over hand-made accessors: `binary` holds what `views` and `accessors` describe.
+struct Handmade {
+  std::string primitive, accessors, views, binary, more;
+
+  Result<Assembly> read() const {
+    return read_bytes(
+        as_glb(R"({"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],)"
+               R"("meshes":[{"primitives":[)" +
+                   primitive + R"(]}],"accessors":[)" + accessors + R"(],"bufferViews":[)" + views +
+                   R"(],"buffers":[{"byteLength":)" + std::to_string(binary.size()) + "}]" + more +
+                   "}",
+               binary),
+        ".glb");
+  }
+};
+
+const Vec3d kO{0, 0, 0}, kX{1, 0, 0}, kY{0, 1, 0}, kXY{1, 1, 0}, kZ{0, 0, 1};
+
+// Five positions as floats, and the view and accessor 0 for them.
+Handmade five_points(const std::string& primitive) {
+  Handmade made;
+  made.primitive = primitive;
+  for (const Vec3d& point : {kO, kX, kY, kXY, kZ}) {
+    for (const double coordinate : point) put(made.binary, static_cast<float>(coordinate));
+  }
+  made.views = R"({"buffer":0,"byteLength":60})";
+  made.accessors = R"({"bufferView":0,"componentType":5126,"type":"VEC3","count":5})";
+  return made;
+}
+
+Corners corners_in(const Handmade& made) {
+  const auto assembly = made.read();
+  EXPECT_TRUE(assembly) << to_line(assembly.error());
+  return assembly ? corners_of(*assembly) : Corners{};
+}
+
+TEST(GltfReader, TakesStripsFansAndUnindexedTriangles) {
+  EXPECT_EQ(corners_in(five_points(R"({"attributes":{"POSITION":0},"mode":5})")),
+            (Corners{{kO, kX, kY}, {kX, kXY, kY}, {kY, kXY, kZ}}));
+  EXPECT_EQ(corners_in(five_points(R"({"attributes":{"POSITION":0},"mode":6})")),
+            (Corners{{kO, kX, kY}, {kO, kY, kXY}, {kO, kXY, kZ}}));
+  Handmade plain = five_points(R"({"attributes":{"POSITION":0}})");
+  plain.accessors = R"({"bufferView":0,"componentType":5126,"type":"VEC3","count":3})";
+  EXPECT_EQ(corners_in(plain), (Corners{{kO, kX, kY}}));
+}
+
+TEST(GltfReader, TakesIndicesOfEverySize) {
+  for (const int component : {5121, 5123, 5125}) {
+    Handmade made = five_points(R"({"attributes":{"POSITION":0},"indices":1})");
+    for (const unsigned index : {4u, 0u, 3u}) {
+      if (component == 5121) put(made.binary, static_cast<std::uint8_t>(index));
+      if (component == 5123) put(made.binary, static_cast<std::uint16_t>(index));
+      if (component == 5125) put(made.binary, static_cast<std::uint32_t>(index));
+    }
+    made.views += R"(,{"buffer":0,"byteOffset":60,"byteLength":)" +
+                  std::to_string(made.binary.size() - 60) + "}";
+    made.accessors += R"(,{"bufferView":1,"type":"SCALAR","count":3,"componentType":)" +
+                      std::to_string(component) + "}";
+    EXPECT_EQ(corners_in(made), (Corners{{kZ, kO, kXY}})) << component;
+  }
+}
+
+TEST(GltfReader, StepsOverInterleavedData) {
+  Handmade made;
+  made.primitive = R"({"attributes":{"POSITION":0}})";
+  for (const Vec3d& point : {kO, kX, kZ}) {
+    put(made.binary, 99.0f);
+    for (const double coordinate : point) put(made.binary, static_cast<float>(coordinate));
+  }
+  made.views = R"({"buffer":0,"byteLength":48,"byteStride":16})";
+  made.accessors =
+      R"({"bufferView":0,"byteOffset":4,"componentType":5126,"type":"VEC3","count":3})";
+  EXPECT_EQ(corners_in(made), (Corners{{kO, kX, kZ}}));
+}
+
+TEST(GltfReader, ReplacesTheElementsOfASparseAccessor) {
+  Handmade made = five_points(R"({"attributes":{"POSITION":0}})");
+  put(made.binary, std::uint16_t{1});
+  put(made.binary, std::uint16_t{0});  // padding
+  for (const float coordinate : {7.f, 8.f, 9.f}) put(made.binary, coordinate);
+  made.views += R"(,{"buffer":0,"byteOffset":60,"byteLength":2},
+                    {"buffer":0,"byteOffset":64,"byteLength":12})";
+  const std::string sparse = R"("sparse":{"count":1,
+      "indices":{"bufferView":1,"componentType":5123},"values":{"bufferView":2}})";
+  made.accessors =
+      R"({"bufferView":0,"componentType":5126,"type":"VEC3","count":3,)" + sparse + "}";
+  EXPECT_EQ(corners_in(made), (Corners{{kO, {7, 8, 9}, kY}}));
+  made.accessors = R"({"componentType":5126,"type":"VEC3","count":3,)" + sparse + "}";
+  EXPECT_EQ(corners_in(made), (Corners{{kO, {7, 8, 9}, kO}}));
+}
+
+TEST(GltfReader, TakesQuantisedPositionsWithAWarning) {
+  Handmade made;
+  made.primitive = R"({"attributes":{"POSITION":0}})";
+  for (const int value : {0, 0, 0, 32767, 0, 0, 0, -32768, 16384}) {
+    put(made.binary, static_cast<std::int16_t>(value));
+  }
+  made.views = R"({"buffer":0,"byteLength":18})";
+  made.accessors =
+      R"({"bufferView":0,"componentType":5122,"normalized":true,"type":"VEC3","count":3})";
+  made.more = R"(,"extensionsRequired":["KHR_mesh_quantization"])";
+  EXPECT_EQ(corners_in(made), (Corners{{kO, kX, {0, -1, 16384 / 32767.0}}}));
+  ASSERT_EQ(made.read()->warnings.size(), 1u);
+  made.accessors = R"({"bufferView":0,"componentType":5122,"type":"VEC3","count":3})";
+  EXPECT_EQ(corners_in(made), (Corners{{kO, {32767, 0, 0}, {0, -32768, 16384}}}));
+}
+
+TEST(GltfReader, MakesOneMeshOfThePrimitivesOfAMesh) {
+  Handmade made = five_points(R"({"attributes":{"POSITION":0},"indices":1},
+      {"attributes":{"POSITION":0},"mode":1},{"attributes":{"POSITION":0},"indices":1})");
+  for (const unsigned index : {0u, 1u, 2u}) put(made.binary, static_cast<std::uint8_t>(index));
+  made.views += R"(,{"buffer":0,"byteOffset":60,"byteLength":3})";
+  made.accessors += R"(,{"bufferView":1,"type":"SCALAR","count":3,"componentType":5121})";
+  const auto assembly = made.read();
+  ASSERT_TRUE(assembly) << to_line(assembly.error());
+  ASSERT_EQ(assembly->meshes.size(), 1u);
+  EXPECT_EQ(assembly->meshes[0].vertices.size(), 5u);  // the shared accessor, once
+  EXPECT_EQ(assembly->triangle_count(), 2u);
+  ASSERT_EQ(assembly->warnings.size(), 1u);
+  EXPECT_NE(assembly->warnings[0].find("1 primitive of points or lines"), std::string::npos);
+}
+
+TEST(GltfReader, PlacesEveryGpuInstance) {
+  Handmade made = five_points(R"({"attributes":{"POSITION":0},"mode":5})");
+  for (const float number : {1.f, 0.f, 0.f, 0.f, 2.f, 0.f}) put(made.binary, number);  // moves
+  for (const float number : {2.f, 2.f, 2.f, 3.f, 3.f, 3.f}) put(made.binary, number);  // scales
+  made.views += R"(,{"buffer":0,"byteOffset":60,"byteLength":48})";
+  made.accessors += R"(,{"bufferView":1,"componentType":5126,"type":"VEC3","count":2},
+      {"bufferView":1,"byteOffset":24,"componentType":5126,"type":"VEC3","count":2})";
+  made.more = R"(,"extensionsRequired":["EXT_mesh_gpu_instancing"])";
+  const std::string instancing = R"("mesh":0,"name":"bolts","translation":[10,0,0],
+      "extensions":{"EXT_mesh_gpu_instancing":{"attributes":{"TRANSLATION":1,"SCALE":2}}})";
+  std::string json = R"({"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[{)" +
+                     instancing + R"(}],"meshes":[{"primitives":[)" + made.primitive +
+                     R"(]}],"accessors":[)" + made.accessors + R"(],"bufferViews":[)" + made.views +
+                     R"(],"buffers":[{"byteLength":)" + std::to_string(made.binary.size()) + "}]" +
+                     made.more + "}";
+  const auto assembly = read_bytes(as_glb(json, made.binary), ".glb");
+  ASSERT_TRUE(assembly) << to_line(assembly.error());
+  EXPECT_EQ(names_of(*assembly), (std::vector<std::string>{"bolts/0", "bolts/1"}));
+  EXPECT_EQ(apply(assembly->instances[0].assembly_from_mesh, kX), (Vec3d{13, 0, 0}));
+  EXPECT_EQ(apply(assembly->instances[1].assembly_from_mesh, kX), (Vec3d{13, 2, 0}));
+}
+
+TEST(GltfReader, SaysThatSkinsAndMorphTargetsAreLeftOut) {
+  Handmade made = five_points(R"({"attributes":{"POSITION":0},"mode":5,"targets":[{}]})");
+  ASSERT_EQ(made.read()->warnings.size(), 1u);
+  EXPECT_NE(made.read()->warnings[0].find("morph"), std::string::npos);
+  const Assembly skinned = read_nodes(R"([{"mesh":0,"skin":0}])");
+  ASSERT_EQ(skinned.warnings.size(), 1u);
+  EXPECT_NE(skinned.warnings[0].find("skin"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace forcelayer
