@@ -2,6 +2,7 @@
 // ("tristrips", -1 between strips). Other elements and properties are stepped over.
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstring>
 #include <vector>
 
@@ -119,7 +120,8 @@ class TextValues {
   std::int64_t integer(PlyType) {
     cursor_.skip_blanks();
     const double value = cursor_.number("a whole number");
-    if (value != static_cast<double>(static_cast<std::int64_t>(value))) {
+    constexpr double kExact = 9007199254740992;  // 2^53
+    if (!(std::abs(value) < kExact) || value != std::floor(value)) {
       cursor_.fail(ErrorCode::kMeshUnreadable, "a whole number is wanted here");
     }
     return static_cast<std::int64_t>(value);

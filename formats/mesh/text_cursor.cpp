@@ -5,7 +5,9 @@
 namespace forcelayer {
 
 const char* parse_number_slow(const char* at, const char* end, double& number) {
-  if (at != end && *at == '+') ++at;
+  if (at != end && *at == '+') {
+    if (++at != end && *at == '-') return nullptr;
+  }
   const auto [after, failure] = std::from_chars(at, end, number);
   if (failure == std::errc::result_out_of_range) {
     const std::string_view text(at, static_cast<std::size_t>(after - at));

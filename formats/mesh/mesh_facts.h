@@ -1,0 +1,32 @@
+// What a mesh is like as a surface: what its user should know before it is baked.
+#pragma once
+
+#include <cstdint>
+
+#include "formats/mesh/mesh.h"
+
+namespace forcelayer {
+
+// Counts are of the mesh as it stands, after vertices of equal coordinates are taken as one. An
+// edge is a pair of such vertices; triangles with two equal corners have none.
+struct MeshFacts {
+  std::uint64_t triangles = 0;
+  std::uint64_t vertices = 0;
+  std::uint64_t distinct_vertices = 0;
+  std::uint64_t degenerate_triangles = 0;  // no area: equal corners, or corners in a line
+  std::uint64_t duplicate_triangles = 0;   // the corners of an earlier triangle, either way round
+  std::uint64_t boundary_edges = 0;        // of one triangle
+  std::uint64_t non_manifold_edges = 0;    // of more than two
+  std::uint64_t flipped_edges = 0;         // of two triangles that run along it the same way
+  bool closed = false;                     // every edge has an even number of triangles
+  bool consistently_oriented = false;      // but for the boundary, edges run as often either way
+  Vec3d min{0, 0, 0};                      // file units, mesh frame
+  Vec3d max{0, 0, 0};
+  double area = 0;           // file units^2
+  double signed_volume = 0;  // file units^3; positive where a closed mesh faces outwards
+};
+
+// Looks at every triangle and edge once: a sort of three edges a triangle.
+MeshFacts mesh_facts(const Mesh& mesh);
+
+}  // namespace forcelayer
