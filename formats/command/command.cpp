@@ -91,8 +91,9 @@ std::uint64_t peak_rss_bytes() {
 
 ProgressLine::ProgressLine(bool quiet) : active_(!quiet && isatty(2) == 1), started_s_(now_s()) {}
 
-ProgressLine::~ProgressLine() {
+void ProgressLine::clear() {
   if (active_ && last_shown_s_ >= 0) std::fputs("\r\x1b[K", stderr);
+  last_shown_s_ = -1;
 }
 
 void ProgressLine::show(const std::string& stage, double share_done) {

@@ -38,8 +38,10 @@ std::uint64_t peak_rss_bytes();
 class ProgressLine {
  public:
   explicit ProgressLine(bool quiet);
-  ~ProgressLine();                                         // wipes the line
+  ~ProgressLine() { clear(); }
   void show(const std::string& stage, double share_done);  // share in [0, 1]; rate-limited
+  void clear();                                            // wipes the line
+
  private:
   bool active_;
   double started_s_;

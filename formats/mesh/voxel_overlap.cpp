@@ -211,11 +211,12 @@ BrickMask TriangleOverlap::tested_cells(const VoxelIndex& corner, int log2_cell)
 
 std::vector<VoxelIndex> overlapped_voxels(const LatticeTriangle& triangle) {
   std::vector<VoxelIndex> voxels;
-  for_each_brick(TriangleOverlap(triangle), [&](const VoxelIndex& corner, const BrickMask& mask) {
-    for_each_cell(mask, [&](std::int64_t x, std::int64_t y, std::int64_t z) {
-      voxels.push_back({corner[0] + x, corner[1] + y, corner[2] + z});
-    });
-  });
+  for_each_group(TriangleOverlap(triangle), 0,
+                 [&](const VoxelIndex& corner, const BrickMask& mask) {
+                   for_each_cell(mask, [&](std::int64_t x, std::int64_t y, std::int64_t z) {
+                     voxels.push_back({corner[0] + x, corner[1] + y, corner[2] + z});
+                   });
+                 });
   return voxels;
 }
 

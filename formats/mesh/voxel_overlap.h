@@ -86,10 +86,11 @@ class TriangleOverlap {
   bool degenerate_ = true;
 };
 
-// Calls f(corner, mask) once for every 8-aligned brick of voxels that the triangle hits; `corner`
-// is the brick's lowest voxel. The work is proportional to the bricks hit, whatever the extent.
+// Calls f(corner, mask) for every group of 8x8x8 cells of 2^log2_cell voxels that the triangle
+// hits, once, with the hit ones; `corner` is the group's lowest voxel, a multiple of 8 cells. The
+// work is proportional to the groups hit, whatever the extent.
 template <class F>
-void for_each_brick(const TriangleOverlap& triangle, F&& f);
+void for_each_group(const TriangleOverlap& triangle, int log2_cell, F&& f);
 
 // Every voxel that the triangle hits, each once.
 std::vector<VoxelIndex> overlapped_voxels(const LatticeTriangle& triangle);
@@ -97,9 +98,10 @@ std::vector<VoxelIndex> overlapped_voxels(const LatticeTriangle& triangle);
 namespace detail {
 
 template <class F>
-void descend(const TriangleOverlap& triangle, const VoxelIndex& corner, int log2_cell, F& f) {
+void descend(const TriangleOverlap& triangle, const VoxelIndex& corner, int log2_cell,
+             int log2_last, F& f) {
   const BrickMask hit = triangle.cells(corner, log2_cell);
-  if (log2_cell == 0) {
+  if (log2_cell == log2_last) {
     if (hit.any()) f(corner, hit);
     return;
   }
@@ -107,26 +109,27 @@ void descend(const TriangleOverlap& triangle, const VoxelIndex& corner, int log2
     descend(
         triangle,
         {corner[0] + (x << log2_cell), corner[1] + (y << log2_cell), corner[2] + (z << log2_cell)},
-        log2_cell - 3, f);
+        log2_cell - 3, log2_last, f);
   });
 }
 
 }  // namespace detail
 
 template <class F>
-void for_each_brick(const TriangleOverlap& triangle, F&& f) {
-  // The smallest cell of which eight in a row, from an aligned start, cover the triangle's box.
-  int log2_cell = 3;
+void for_each_group(const TriangleOverlap& triangle, int log2_cell, F&& f) {
+  // The smallest cells, each a group of the level below, of which eight in a row from an aligned
+  // start cover the triangle's box.
+  int log2_start = log2_cell + 3;
   VoxelIndex corner;
-  for (;; log2_cell += 3) {
+  for (;; log2_start += 3) {
     bool covered = true;
-    for (int d = 0; d < 3; ++d) {
-      corner[d] = triangle.min_voxel()[d] >> log2_cell << log2_cell;
-      covered &= ((triangle.max_voxel()[d] - corner[d]) >> log2_cell) < 8;
+    for (std::size_t d = 0; d < 3; ++d) {
+      corner[d] = triangle.min_voxel()[d] >> log2_start << log2_start;
+      covered &= (triangle.max_voxel()[d] - corner[d]) >> log2_start < 8;
     }
     if (covered) break;
   }
-  detail::descend(triangle, corner, log2_cell, f);
+  detail::descend(triangle, corner, log2_start, log2_cell, f);
 }
 
 }  // namespace forcelayer

@@ -1,0 +1,50 @@
+// A static scene as the user names it: mesh files, assemblies, folders, or a JSON manifest.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "formats/mesh/mesh.h"
+#include "formats/result.h"
+
+namespace forcelayer {
+
+// One object: a mesh in its final pose.
+struct ScenePart {
+  std::string name;                 // unique in the scene
+  std::string file;                 // as the user gave it
+  std::uint32_t assembly = 0;       // index into Scene::assemblies
+  std::uint32_t mesh = 0;           // index into Assembly::meshes
+  Affine world_from_mesh;           // to metres: the unit is part of it
+  std::vector<Vec3d> free_seeds_m;  // world
+  double deviation_m = 0;           // that the manifest declares for this part
+};
+
+struct Scene {
+  std::vector<Assembly> assemblies;
+  std::vector<ScenePart> parts;       // a part per instance
+  std::vector<std::string> warnings;  // a line each, with file
+  // What a manifest may set; the command line has the last word.
+  std::optional<double> voxel_size_m;
+  std::optional<std::uint32_t> layers;
+  std::optional<std::array<double, 6>> roi_m;
+  std::vector<Vec3d> free_seeds_m;
+
+  const Mesh& mesh_of(const ScenePart& part) const {
+    return assemblies[part.assembly].meshes[part.mesh];
+  }
+};
+
+// Reads every input: a mesh or assembly file (`FILE#NODE` for a sub-tree), a folder (the mesh files
+// in it, sorted by name), or a manifest (`.json`; described in README.md). `metres_per_unit`
+// is the user's unit: required where a format defines none (else kUsage), and a warning where it
+// overrides one. It does not apply to a manifest's parts, which name theirs. Errors of a manifest
+// (kSceneInvalid) name the key.
+Result<Scene> read_scene(std::span<const std::string> inputs,
+                         std::optional<double> metres_per_unit);
+
+}  // namespace forcelayer

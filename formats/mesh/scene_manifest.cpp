@@ -1,0 +1,249 @@
+#include "formats/mesh/scene_manifest.h"
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <initializer_list>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string_view>
+
+#include "formats/command/quantity.h"
+#include "formats/mapped_file.h"
+
+namespace forcelayer {
+namespace {
+
+using Json = nlohmann::json;
+
+// Thrown inside this file, caught at its door.
+struct BadKey {
+  std::string key, what, mend;
+};
+
+std::string joined(const std::string& parent, const std::string& key) {
+  return parent.empty() ? key : parent + "." + key;
+}
+
+// A JSON object whose keys are all known, with the path that leads to it.
+class Fields {
+ public:
+  Fields(const Json& json, std::string path, std::initializer_list<const char*> known)
+      : json_(json), path_(std::move(path)) {
+    if (!json.is_object()) throw BadKey{path_, "is not an object", ""};
+    const std::set<std::string> names(known.begin(), known.end());
+    std::string list;
+    for (const char* name : known) list += list.empty() ? name : std::string(", ") + name;
+    for (const auto& [key, value] : json.items()) {
+      if (!names.contains(key))
+        throw BadKey{joined(path_, key), "is not a known key", "use one of " + list};
+    }
+  }
+
+  const Json* find(const char* key) const {
+    const auto found = json_.find(key);
+    return found == json_.end() ? nullptr : &*found;
+  }
+  std::string path(const char* key) const { return joined(path_, key); }
+
+ private:
+  const Json& json_;
+  std::string path_;
+};
+
+double finite_number(const Json& json, const std::string& key) {
+  if (!json.is_number() || !std::isfinite(json.get<double>()))
+    throw BadKey{key, "is not a finite number", ""};
+  return json.get<double>();
+}
+
+std::string text(const Json& json, const std::string& key) {
+  if (!json.is_string() || json.get_ref<const std::string&>().empty()) {
+    throw BadKey{key, "is not a text, or is empty", ""};
+  }
+  return json.get<std::string>();
+}
+
+template <class T>
+T parsed(Result<T> result, const std::string& key) {
+  if (!result) throw BadKey{key, result.error().what, result.error().mend};
+  return std::move(*result);
+}
+
+// A text with a unit, or a bare number of metres.
+double length(const Json& json, const std::string& key) {
+  if (json.is_number()) return finite_number(json, key);
+  return parsed(parse_length(text(json, key)), key);
+}
+
+template <std::size_t N>
+std::array<double, N> lengths(const Json& json, const std::string& key) {
+  if (!json.is_array() || json.size() != N) {
+    throw BadKey{key, "is not a list of " + std::to_string(N) + " lengths", ""};
+  }
+  std::array<double, N> values;
+  for (std::size_t i = 0; i < N; ++i)
+    values[i] = length(json[i], key + "[" + std::to_string(i) + "]");
+  return values;
+}
+
+template <std::size_t N>
+std::array<double, N> numbers(const Json& json, const std::string& key) {
+  if (!json.is_array() || json.size() != N) {
+    throw BadKey{key, "is not a list of " + std::to_string(N) + " numbers", ""};
+  }
+  std::array<double, N> values;
+  for (std::size_t i = 0; i < N; ++i) {
+    values[i] = finite_number(json[i], key + "[" + std::to_string(i) + "]");
+  }
+  return values;
+}
+
+std::vector<Vec3d> points(const Json& json, const std::string& key) {
+  if (!json.is_array()) throw BadKey{key, "is not a list of points", ""};
+  std::vector<Vec3d> list;
+  for (std::size_t i = 0; i < json.size(); ++i) {
+    list.push_back(lengths<3>(json[i], key + "[" + std::to_string(i) + "]"));
+  }
+  return list;
+}
+
+// Four rows of four numbers; the last row is 0 0 0 1; the translation in metres.
+Affine matrix(const Json& json, const std::string& key) {
+  if (!json.is_array() || json.size() != 4) throw BadKey{key, "is not a list of four rows", ""};
+  Affine affine;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const std::string row_key = key + "[" + std::to_string(i) + "]";
+    const auto row = numbers<4>(json[i], row_key);
+    if (i == 3) {
+      if (row != std::array<double, 4>{0, 0, 0, 1}) {
+        throw BadKey{row_key, "is not 0, 0, 0, 1",
+                     "give the matrix row by row, the translation last in each row"};
+      }
+      continue;
+    }
+    for (std::size_t j = 0; j < 3; ++j) affine.linear[i * 3 + j] = row[j];
+    affine.translation[i] = row[3];
+  }
+  return affine;
+}
+
+// Row-major matrix of a quaternion w, x, y, z, which is normalised.
+std::array<double, 9> rotation(const Json& json, const std::string& key) {
+  auto q = numbers<4>(json, key);
+  const double norm = std::hypot(std::hypot(q[0], q[1]), std::hypot(q[2], q[3]));
+  if (!(norm > 0) || !std::isfinite(norm))
+    throw BadKey{key, "is a quaternion (w, x, y, z) of length zero", ""};
+  for (double& c : q) c /= norm;
+  const auto [w, x, y, z] = q;
+  return {1 - 2 * (y * y + z * z), 2 * (x * y - w * z),     2 * (x * z + w * y),
+          2 * (x * y + w * z),     1 - 2 * (x * x + z * z), 2 * (y * z - w * x),
+          2 * (x * z - w * y),     2 * (y * z + w * x),     1 - 2 * (x * x + y * y)};
+}
+
+Vec3d scale(const Json& json, const std::string& key) {
+  if (json.is_number()) {
+    const double factor = finite_number(json, key);
+    return {factor, factor, factor};
+  }
+  return numbers<3>(json, key);
+}
+
+Affine placement(const Fields& fields) {
+  const Json *whole = fields.find("matrix"), *moved = fields.find("translation"),
+             *turned = fields.find("rotation"), *scaled = fields.find("scale");
+  if (whole != nullptr) {
+    if (moved != nullptr || turned != nullptr || scaled != nullptr) {
+      throw BadKey{fields.path("matrix"), "stands beside translation, rotation or scale",
+                   "give one or the other"};
+    }
+    return matrix(*whole, fields.path("matrix"));
+  }
+  Affine affine;
+  if (turned != nullptr) affine.linear = rotation(*turned, fields.path("rotation"));
+  if (scaled != nullptr) {
+    const Vec3d factor = scale(*scaled, fields.path("scale"));
+    for (std::size_t i = 0; i < 9; ++i) affine.linear[i] *= factor[i % 3];
+  }
+  if (moved != nullptr) affine.translation = lengths<3>(*moved, fields.path("translation"));
+  return affine;
+}
+
+ManifestPart read_manifest_part(const Json& json, const std::string& key,
+                                const std::filesystem::path& folder) {
+  const Fields fields(json, key,
+                      {"name", "mesh", "units", "matrix", "translation", "rotation", "scale",
+                       "free_seeds", "mesh_deviation"});
+  ManifestPart part;
+  const Json* mesh = fields.find("mesh");
+  if (mesh == nullptr) throw BadKey{fields.path("mesh"), "is missing", "name the part's mesh file"};
+  part.mesh = (folder / text(*mesh, fields.path("mesh"))).string();
+  if (const Json* name = fields.find("name")) part.name = text(*name, fields.path("name"));
+  if (const Json* units = fields.find("units")) {
+    part.metres_per_unit =
+        parsed(parse_unit(text(*units, fields.path("units"))), fields.path("units"));
+  }
+  part.world_from_part = placement(fields);
+  if (const Json* seeds = fields.find("free_seeds"))
+    part.free_seeds_m = points(*seeds, fields.path("free_seeds"));
+  if (const Json* deviation = fields.find("mesh_deviation")) {
+    part.deviation_m = length(*deviation, fields.path("mesh_deviation"));
+    if (part.deviation_m < 0) throw BadKey{fields.path("mesh_deviation"), "is negative", ""};
+  }
+  return part;
+}
+
+std::array<double, 6> box(const Json& json, const std::string& key) {
+  const auto values = lengths<6>(json, key);
+  for (std::size_t d = 0; d < 3; ++d) {
+    if (!(values[d] < values[d + 3]))
+      throw BadKey{key, "is not x0, y0, z0, x1, y1, z1 with each 0 below its 1", ""};
+  }
+  return values;
+}
+
+Manifest read_fields(const Json& json, const std::filesystem::path& folder) {
+  const Fields fields(json, "", {"voxel_size", "layers", "roi", "free_seeds", "parts"});
+  Manifest manifest;
+  if (const Json* size = fields.find("voxel_size")) {
+    manifest.voxel_size_m = length(*size, "voxel_size");
+    if (!(*manifest.voxel_size_m > 0)) throw BadKey{"voxel_size", "is not positive", ""};
+  }
+  if (const Json* layers = fields.find("layers")) {
+    if (!layers->is_number_unsigned() || layers->get<std::uint64_t>() > UINT32_MAX) {
+      throw BadKey{"layers", "is not a whole number of zero or more", ""};
+    }
+    manifest.layers = layers->get<std::uint32_t>();
+  }
+  if (const Json* roi = fields.find("roi")) manifest.roi_m = box(*roi, "roi");
+  if (const Json* seeds = fields.find("free_seeds"))
+    manifest.free_seeds_m = points(*seeds, "free_seeds");
+  const Json* parts = fields.find("parts");
+  if (parts == nullptr || !parts->is_array() || parts->empty()) {
+    throw BadKey{"parts", "is missing, no list, or empty", "list at least one part with its mesh"};
+  }
+  for (std::size_t i = 0; i < parts->size(); ++i) {
+    manifest.parts.push_back(
+        read_manifest_part((*parts)[i], "parts[" + std::to_string(i) + "]", folder));
+  }
+  return manifest;
+}
+
+}  // namespace
+
+Result<Manifest> read_manifest(const std::string& path) {
+  const auto file = MappedFile::open(path);
+  if (!file) return file.error();
+  const auto* first = reinterpret_cast<const char*>(file->bytes().data());
+  try {
+    const Json json = Json::parse(first, first + file->bytes().size());
+    return read_fields(json, std::filesystem::path(path).parent_path());
+  } catch (const Json::parse_error& error) {
+    return Error{ErrorCode::kSceneInvalid, path, "byte " + std::to_string(error.byte),
+                 "is no valid JSON here", ""};
+  } catch (const BadKey& bad) {
+    return Error{ErrorCode::kSceneInvalid, path, bad.key, bad.what, bad.mend};
+  }
+}
+
+}  // namespace forcelayer

@@ -1,0 +1,146 @@
+#!/usr/bin/env bash
+# voxelize as a user meets it: outputs, exit statuses, one-line errors, nothing left behind.
+set -u
+bin=$FORCELAYER_BIN_DIR
+data=$FORCELAYER_SOURCE_DIR/sample_data
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+cd "$work" || exit 1
+failures=0
+
+fail() {
+  echo "FAILED: $*" >&2
+  failures=$((failures + 1))
+}
+
+# expect STATUS TEXT ARGUMENTS...: voxelize ends with STATUS, one line on stderr that holds TEXT, and
+# no scene.vox.
+expect() {
+  local status=$1 text=$2
+  shift 2
+  rm -f scene.vox
+  "$bin/voxelize" "$@" >out 2>err
+  local got=$?
+  [ $got = "$status" ] || fail "status $got instead of $status: voxelize $*: $(cat err)"
+  [ "$(wc -l <err)" = 1 ] || fail "not one line on stderr: voxelize $*: $(cat err)"
+  grep -qF -- "$text" err || fail "no '$text' on stderr: voxelize $*: $(cat err)"
+  [ ! -e scene.vox ] || fail "an output file was left: voxelize $*"
+  [ -z "$(ls -A | grep -v -E '^(out|err|cube.obj|scene.json|kept.vox|report.json|.*\.(stl|json))$')" ] ||
+    fail "files were left behind: $(ls -A)"
+}
+
+# A closed cube of 1 unit, and meshes and manifests that are wrong.
+cat >cube.obj <<'EOF'
+v 0 0 0
+v 1 0 0
+v 0 1 0
+v 1 1 0
+v 0 0 1
+v 1 0 1
+v 0 1 1
+v 1 1 1
+f 1 3 4 2
+f 5 6 8 7
+f 1 2 6 5
+f 3 7 8 4
+f 1 5 7 3
+f 2 4 8 6
+EOF
+printf 'solid nothing\nendsolid nothing\n' >empty.stl
+
+# What works.
+"$bin/voxelize" cube.obj --units cm --voxel-size 1mm -o scene.vox --json report.json >out 2>err || fail "cube: $(cat err)"
+[ -s err ] && fail "noise on stderr in a pipe: $(cat err)"
+"$bin/voxinfo" verify scene.vox >out || fail "the scene is not valid"
+python3 - report.json <<'EOF' || fail "report"
+import json, sys
+r = json.load(open(sys.argv[1]))
+assert r["voxel_size_m"] == 0.001 and r["layers"] == 2 and r["triangles"] == 12, r
+assert r["origin_voxel"] == [-3, -3, -3] and r["dims"] == [17, 17, 17], r
+assert abs(r["origin_m"][0] + 0.003) < 1e-12, r
+# Faces on voxel faces mark one layer: the cube's surface lies in voxels 0 and 10.
+assert r["counts"]["interior"] == 13**3, r
+assert r["counts"]["surface"] == 15**3 - 13**3, r
+assert r["counts"]["proximity"] == 17**3 - 15**3, r
+assert r["parts"][0]["interior_voxels"] == 9**3 and r["parts"][0]["name"] == "cube", r
+assert r["file_bytes"] > 0 and r["peak_rss_bytes"] > 0 and r["threads"] > 0, r
+for stage in ["read", "scan", "flood", "tree", "write", "total"]: assert r["seconds"][stage] >= 0, r
+EOF
+printf '0.005 0.005 0.005\n-0.0025 0.005 0.005\n-0.0015 0.005 0.005\n-0.0035 0.005 0.005\n' |
+  "$bin/voxinfo" sample scene.vox >out || fail "sample"
+[ "$(tr '\n' ' ' <out)" = "1 3 2 0 " ] || fail "wrong values along x: $(cat out)"
+
+"$bin/voxelize" cube.obj --units cm --voxel-size 1mm -o kept.vox --quiet --threads 3 >out 2>err || fail "quiet run"
+[ -s out ] || [ -s err ] && fail "--quiet prints"
+cmp -s scene.vox kept.vox || fail "another number of threads gives other bytes"
+
+# A free seed opens the cube.
+"$bin/voxelize" cube.obj --units cm --voxel-size 1mm -o scene.vox --quiet --free-seed 5mm,5mm,5mm || fail "free seed"
+echo '0.005 0.005 0.005' | "$bin/voxinfo" sample scene.vox >out
+[ "$(cat out)" = 0 ] || fail "the free seed opened nothing"
+
+# A manifest, the sample scene, a folder.
+cat >scene.json <<'EOF'
+{"voxel_size": "1mm", "layers": 1,
+ "parts": [{"name": "a", "mesh": "cube.obj", "units": "cm"},
+           {"name": "b", "mesh": "cube.obj", "units": "cm", "translation": ["3cm", 0, 0],
+            "rotation": [0.7071067811865476, 0, 0, 0.7071067811865476], "scale": [1, 2, 1]}]}
+EOF
+"$bin/voxelize" scene.json -o scene.vox --json report.json --quiet || fail "manifest"
+python3 - report.json <<'EOF' || fail "manifest report"
+import json, sys
+r = json.load(open(sys.argv[1]))
+assert [p["name"] for p in r["parts"]] == ["a", "b"], r
+# b spans x 10..30 mm (its y, doubled and turned), y 0..10 mm.
+assert r["origin_voxel"] == [-2, -2, -2] and r["layers"] == 1, r
+assert r["dims"][0] in (34, 35) and r["dims"][1] in (15, 16) and r["dims"][2] == 15, r
+EOF
+"$bin/voxelize" "$data/bay.json" -o scene.vox --voxel-size 20mm --quiet || fail "sample scene"
+"$bin/voxinfo" verify scene.vox --quiet || fail "the sample scene is not valid"
+mkdir folder && cp cube.obj folder/b.obj && cp cube.obj folder/a.OBJ
+"$bin/voxelize" folder --units cm --voxel-size 1mm -o scene.vox --json report.json --quiet || fail "folder"
+grep -q '"triangles": 24' report.json || fail "the folder's files were not both read"
+rm -rf folder
+
+# What does not.
+expect 2 "--voxel-size" cube.obj --units cm -o scene.vox
+expect 2 "unit" cube.obj --units cm --voxel-size 5 -o scene.vox
+expect 2 "--units" cube.obj --voxel-size 1mm -o scene.vox
+expect 2 "--units" cube.obj --units parsec --voxel-size 1mm -o scene.vox
+expect 2 "layers" cube.obj --units cm --voxel-size 1mm --layers 31 -o scene.vox
+expect 2 "--free-seed" cube.obj --units cm --voxel-size 1mm --free-seed 1,2 -o scene.vox
+expect 2 "" cube.obj --units cm --voxel-size 1mm
+expect 2 "" --units cm --voxel-size 1mm -o scene.vox
+expect 2 "--no-such-option" cube.obj --no-such-option -o scene.vox
+expect 1 "missing.stl" missing.stl --units mm --voxel-size 1mm -o scene.vox
+expect 1 "no/such/folder" cube.obj --units cm --voxel-size 1mm -o no/such/folder/scene.vox
+expect 3 "no triangles" empty.stl --units mm --voxel-size 1mm -o scene.vox
+expect 3 "directory" cube.obj --units km --voxel-size 1um -o scene.vox
+grep -q "use --voxel-size .*m or more" err || fail "no voxel size that would fit: $(cat err)"
+expect 3 "free seed" cube.obj --units cm --voxel-size 1mm --free-seed 0,5mm,5mm -o scene.vox
+expect 3 "directory" cube.obj --units km --voxel-size 2mm -o scene.vox
+
+# Errors of manifests name the key.
+manifest_error() {
+  printf '%s' "$2" >bad.json
+  expect 3 "$1" bad.json --voxel-size 1mm -o scene.vox
+}
+manifest_error "2^52" '{"parts": [{"mesh": "cube.obj", "units": "cm", "translation": [1e15, 0, 0]}]}'
+manifest_error "byte" '{"parts": ['
+manifest_error "parts: " '{"voxel_size": "1mm"}'
+manifest_error "parts[0].mesh" '{"parts": [{"units": "mm"}]}'
+manifest_error "parts[1].unit: is not a known key" '{"parts": [{"mesh": "cube.obj", "units": "cm"}, {"mesh": "cube.obj", "unit": "cm"}]}'
+manifest_error "parts[0].units" '{"parts": [{"mesh": "cube.obj", "units": "parsec"}]}'
+manifest_error "parts[0]" '{"parts": [{"mesh": "cube.obj"}]}'
+manifest_error "parts[0].matrix[3]" '{"parts": [{"mesh": "cube.obj", "units": "cm", "matrix": [[1,0,0,0],[0,1,0,0],[0,0,1,0],[5,0,0,1]]}]}'
+manifest_error "parts[0].rotation" '{"parts": [{"mesh": "cube.obj", "units": "cm", "rotation": [0,0,0,0]}]}'
+manifest_error "voxel_size" '{"voxel_size": "5", "parts": [{"mesh": "cube.obj", "units": "cm"}]}'
+manifest_error "layers" '{"layers": -1, "parts": [{"mesh": "cube.obj", "units": "cm"}]}'
+
+# A failed bake leaves the old file as it was.
+sum=$(sha256sum <kept.vox)
+"$bin/voxelize" empty.stl --units mm --voxel-size 1mm -o kept.vox 2>/dev/null && fail "an empty mesh was baked"
+[ "$sum" = "$(sha256sum <kept.vox)" ] || fail "a failed bake touched the old file"
+
+[ $failures = 0 ] && echo "all good"
+exit $((failures > 0))

@@ -1,0 +1,275 @@
+// The bake against the dense reference, voxel for voxel.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "tests/support/baked_scene.h"
+#include "tests/support/reference_bake.h"
+#include "tests/support/soups.h"
+
+namespace forcelayer {
+namespace {
+
+using reference::BakedScene;
+using reference::LatticeMesh;
+using reference::Random;
+using reference::real;
+using reference::whole;
+
+// Meshes in voxels of 1 m.
+struct TestScene {
+  std::vector<Mesh> meshes;
+  std::vector<Vec3d> seeds_m;
+
+  std::vector<SceneObject> objects() const {
+    std::vector<SceneObject> list;
+    for (const Mesh& mesh : meshes) list.push_back({"object", &mesh, Affine{}, {}, 0});
+    return list;
+  }
+  std::vector<LatticeMesh> lattice() const {
+    std::vector<LatticeMesh> list;
+    for (const Mesh& mesh : meshes) list.push_back(reference::snapped(mesh, Affine{}, 1));
+    return list;
+  }
+};
+
+TestScene random_scene(Random& random, double extent) {
+  TestScene scene;
+  // Around a place where blocks, nodes and bricks meet more often than not.
+  Vec3d place;
+  for (double& x : place)
+    x = static_cast<double>(whole(random, -3, 3) * 512 + whole(random, -8, 8));
+  for (std::int64_t n = whole(random, 1, 4); n > 0; --n) {
+    Vec3d centre = place;
+    for (double& x : centre) x += real(random, -extent / 3, extent / 3);
+    scene.meshes.push_back(reference::random_object(random, centre, real(random, 1, extent)));
+  }
+  return scene;
+}
+
+std::vector<VoxelIndex> voxels_of(const std::vector<Vec3d>& points_m) {
+  std::vector<VoxelIndex> voxels;
+  for (const Vec3d& p : points_m) {
+    voxels.push_back({static_cast<std::int64_t>(std::floor(p[0])),
+                      static_cast<std::int64_t>(std::floor(p[1])),
+                      static_cast<std::int64_t>(std::floor(p[2]))});
+  }
+  return voxels;
+}
+
+BakeOptions options_with(std::uint32_t layers) {
+  BakeOptions options;
+  options.voxel_size_m = 1;
+  options.layers = layers;
+  options.threads = 2;
+  return options;
+}
+
+TEST(Bake, EqualsTheReferenceOnRandomScenes) {
+  for (std::uint64_t seed = 1; seed <= 160; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    Random random(seed);
+    const TestScene scene = random_scene(random, seed % 4 == 0 ? 70 : 24);
+    const auto layers = static_cast<std::uint32_t>(whole(random, 0, 3));
+    const auto expected = reference::offset_scene(
+        reference::united_scene(scene.lattice(), {}, layers + 2), static_cast<int>(layers));
+    const BakedScene baked(scene.objects(), options_with(layers));
+    reference::expect_equal(baked.map(), expected);
+    if (HasFatalFailure()) return;
+  }
+}
+
+TEST(Bake, EqualsTheReferenceWithManyLayers) {
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    Random random(seed);
+    const TestScene scene = random_scene(random, 12);
+    const auto layers = static_cast<std::uint32_t>(whole(random, 4, kMaxBakedLayers));
+    const auto expected = reference::offset_scene(
+        reference::united_scene(scene.lattice(), {}, layers + 2), static_cast<int>(layers));
+    const BakedScene baked(scene.objects(), options_with(layers));
+    reference::expect_equal(baked.map(), expected);
+    if (HasFatalFailure()) return;
+  }
+}
+
+TEST(Bake, FreeSeedsOpenWhatEnclosesThem) {
+  int opened = 0;
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    Random random(seed);
+    TestScene scene = random_scene(random, 30);
+    const auto without = reference::united_scene(scene.lattice(), {}, 4);
+    // Seeds anywhere in the box but in the surface of an object.
+    for (int attempt = 0; attempt < 40 && scene.seeds_m.size() < 3; ++attempt) {
+      VoxelIndex voxel;
+      for (std::size_t d = 0; d < 3; ++d) {
+        voxel[d] = whole(random, without.geometry.low()[d], without.geometry.high()[d]);
+      }
+      if (without.geometry.at(voxel) == 1) continue;
+      if (attempt < 30 && without.interior.at(voxel) == 0) continue;
+      opened += without.interior.at(voxel);
+      scene.seeds_m.push_back({static_cast<double>(voxel[0]) + 0.5,
+                               static_cast<double>(voxel[1]) + 0.25,
+                               static_cast<double>(voxel[2])});
+    }
+    const auto expected = reference::offset_scene(
+        reference::united_scene(scene.lattice(), voxels_of(scene.seeds_m), 4), 2);
+    BakeOptions options = options_with(2);
+    options.free_seeds_m = scene.seeds_m;
+    reference::expect_equal(BakedScene(scene.objects(), options).map(), expected);
+    if (HasFatalFailure()) return;
+  }
+  EXPECT_GT(opened, 30) << "the test has lost its seeds inside solids";
+}
+
+// Merging by precedence: interior > surface > proximity > free.
+std::uint8_t merged(std::uint8_t a, std::uint8_t b) {
+  constexpr int kRank[4] = {0, 3, 2, 1};
+  return kRank[a] > kRank[b] ? a : b;
+}
+
+TEST(Bake, OffsettingEachObjectAndMergingGivesTheSame) {
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    Random random(seed);
+    const TestScene scene = random_scene(random, 20);
+    const int layers = static_cast<int>(whole(random, 0, 3));
+    const auto meshes = scene.lattice();
+    reference::DenseGrid all = reference::grid_around(meshes, layers + 2);
+    for (const LatticeMesh& mesh : meshes) {
+      reference::ReferenceScene object{reference::grid_around(meshes, layers + 2),
+                                       reference::grid_around(meshes, layers + 2)};
+      reference::DenseGrid marks = reference::grid_around(meshes, layers + 2);
+      reference::mark_geometry(mesh, marks);
+      reference::mark_free({}, marks);
+      marks.for_each([&](const VoxelIndex& v) {
+        object.geometry.at(v) = marks.at(v) == 1;
+        object.interior.at(v) = marks.at(v) == 0;
+      });
+      const auto values = reference::offset_scene(object, layers);
+      values.for_each([&](const VoxelIndex& v) { all.at(v) = merged(all.at(v), values.at(v)); });
+    }
+    const BakedScene baked(scene.objects(), options_with(static_cast<std::uint32_t>(layers)));
+    reference::expect_equal(baked.map(), all);
+    if (HasFatalFailure()) return;
+  }
+}
+
+// Solids whose inside holds whole nodes and blocks without surface.
+TEST(Bake, DeepInteriorAndEnclosedFreeSpaceAreRight) {
+  TestScene scene;
+  Mesh& mesh = scene.meshes.emplace_back();
+  constexpr double kLow = -777, kHigh = 901;  // 1679 voxels: a block of 512 lies inside
+  reference::add_box(mesh, {kLow, kLow, kLow}, {kHigh + 0.5, kHigh + 0.5, kHigh + 0.5});
+  const auto expect_inside = [&](const Voxmap& map, VoxelValue inside, int layers) {
+    Random random(7);
+    for (int n = 0; n < 200000; ++n) {
+      VoxelIndex v;
+      std::int64_t outside = INT64_MIN;  // Chebyshev distance beyond the box, negative inside
+      for (std::size_t d = 0; d < 3; ++d) {
+        v[d] = n % 2 == 0 ? whole(random, -800, 920)
+                          : whole(random, 0, 1) * 1678 - 777 + whole(random, -6, 6);
+        outside = std::max({outside, -777 - v[d], v[d] - 901});
+      }
+      VoxelValue expected = VoxelValue::kFree;
+      const std::int64_t c = std::abs(outside);
+      if (outside < 0 && c > layers + 1) expected = inside;
+      if (c == layers + 1)
+        expected = outside < 0 && inside == VoxelValue::kInterior ? inside : VoxelValue::kProximity;
+      if (c == layers)
+        expected = outside < 0 && inside == VoxelValue::kInterior ? inside : VoxelValue::kSurface;
+      if (c < layers) expected = VoxelValue::kInterior;
+      ASSERT_EQ(map.value(v[0], v[1], v[2]), expected) << v[0] << ' ' << v[1] << ' ' << v[2];
+    }
+  };
+  const BakedScene solid(scene.objects(), options_with(2));
+  expect_inside(solid.map(), VoxelValue::kInterior, 2);
+  const std::uint64_t side = 1679 + 2 * 1;  // the box and what lies at most k-1 outside
+  EXPECT_EQ(solid.map().header().interior_voxels, side * side * side);
+
+  BakeOptions options = options_with(2);
+  options.free_seeds_m = {{10, -20, 30}};
+  expect_inside(BakedScene(scene.objects(), options).map(), VoxelValue::kFree, 2);
+}
+
+TEST(Bake, SameBytesForAnyNumberOfThreadsAndOrderOfObjectsAndTriangles) {
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    Random random(seed);
+    TestScene scene = random_scene(random, 200);
+    BakeOptions options = options_with(2);
+    options.threads = 1;
+    const std::string expected = BakedScene(scene.objects(), options).bytes();
+    for (const int threads : {2, 4, 16}) {
+      options.threads = threads;
+      ASSERT_EQ(BakedScene(scene.objects(), options).bytes(), expected) << threads << " threads";
+    }
+    std::shuffle(scene.meshes.begin(), scene.meshes.end(), random);
+    for (Mesh& mesh : scene.meshes) {
+      std::shuffle(mesh.triangles.begin(), mesh.triangles.end(), random);
+      for (Triangle& triangle : mesh.triangles) {
+        std::rotate(triangle.begin(), triangle.begin() + whole(random, 0, 2), triangle.end());
+        if (whole(random, 0, 1) == 0) std::swap(triangle[0], triangle[1]);
+      }
+    }
+    ASSERT_EQ(BakedScene(scene.objects(), options).bytes(), expected) << "shuffled";
+    // Duplicated triangles change the number of triangles and nothing else.
+    for (Mesh& mesh : scene.meshes) {
+      const auto triangles = mesh.triangles;
+      mesh.triangles.insert(mesh.triangles.end(), triangles.begin(), triangles.end());
+    }
+    auto doubled = bake(scene.objects(), options);
+    ASSERT_TRUE(doubled);
+    doubled->header.triangles /= 2;
+    test::ScratchFolder folder;
+    ASSERT_TRUE(write_voxmap(folder / "doubled.vox", doubled->content("{}")));
+    std::ifstream file(folder / "doubled.vox", std::ios::binary);
+    const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+    ASSERT_EQ(bytes, expected) << "duplicated triangles";
+  }
+}
+
+// The real meshes of the models folder at 128 voxels across.
+class BakeModels : public testing::TestWithParam<const char*> {};
+
+TEST_P(BakeModels, EqualTheReferenceAt128Voxels) {
+  const std::string path = std::string(FORCELAYER_SOURCE_DIR "/../shared/models/") + GetParam();
+  if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not there";
+  const auto assembly = read_assembly(path);
+  ASSERT_TRUE(assembly) << to_line(assembly.error());
+  ASSERT_EQ(assembly->meshes.size(), 1u);
+  const Mesh& mesh = assembly->meshes.front();
+  Vec3d low = mesh.vertices.front(), high = low;
+  for (const Vec3d& v : mesh.vertices) {
+    for (std::size_t d = 0; d < 3; ++d) {
+      low[d] = std::min(low[d], v[d]);
+      high[d] = std::max(high[d], v[d]);
+    }
+  }
+  const double size = std::max({high[0] - low[0], high[1] - low[1], high[2] - low[2]}) / 128;
+  const LatticeMesh lattice = reference::snapped(mesh, Affine{}, size);
+  const auto scene = reference::united_scene({lattice}, {}, 5);
+  for (const std::uint32_t layers : {0u, 1u, 2u, 3u}) {
+    SCOPED_TRACE(testing::Message() << layers << " layers");
+    BakeOptions options = options_with(layers);
+    options.voxel_size_m = size;
+    const BakedScene baked({{"model", &mesh, Affine{}, {}, 0}}, options);
+    reference::expect_equal(baked.map(), reference::offset_scene(scene, static_cast<int>(layers)));
+    if (HasFatalFailure()) return;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Models, BakeModels,
+                         testing::Values("scan/stanford-bunny.obj", "cad/counter.unitsmm.stl",
+                                         "scan/dragon-100k.obj", "cad/large_block.stl"),
+                         [](const testing::TestParamInfo<const char*>& model) {
+                           std::string name = std::filesystem::path(model.param).stem().string();
+                           std::erase_if(name, [](char c) {
+                             return !std::isalnum(static_cast<unsigned char>(c));
+                           });
+                           return name;
+                         });
+
+}  // namespace
+}  // namespace forcelayer

@@ -1,0 +1,77 @@
+// A bake as a reader of its file sees it, for tests.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "formats/voxmap.h"
+#include "formats/voxmap_writer.h"
+#include "tests/support/reference_bake.h"
+#include "tests/support/scratch_folder.h"
+#include "voxelize/bake.h"
+
+namespace forcelayer::reference {
+
+// Bakes, writes, and reads back with every check on.
+class BakedScene {
+ public:
+  BakedScene(const std::vector<SceneObject>& objects, const BakeOptions& options) {
+    const auto result = bake(objects, options);
+    if (!result) throw std::runtime_error(to_line(result.error()));
+    const auto path = folder_ / "scene.vox";
+    if (const auto written = write_voxmap(path, result->content("{}")); !written) {
+      throw std::runtime_error(to_line(written.error()));
+    }
+    auto map = Voxmap::open(path, Verify::kStructureAndChecksums);
+    if (!map) throw std::runtime_error(to_line(map.error()));
+    map_.emplace(std::move(*map));
+  }
+
+  const Voxmap& map() const { return *map_; }
+  std::string bytes() const {
+    return {reinterpret_cast<const char*>(map_->bytes().data()), map_->bytes().size()};
+  }
+
+ private:
+  test::ScratchFolder folder_;
+  std::optional<Voxmap> map_;
+};
+
+// Every voxel of the grid equals the map's, the grid's border is free, and the header's box and
+// counts are those of the grid.
+inline void expect_equal(const Voxmap& map, const DenseGrid& expected) {
+  std::array<std::uint64_t, 4> counts{};
+  VoxelIndex low{INT64_MAX, INT64_MAX, INT64_MAX}, high{INT64_MIN, INT64_MIN, INT64_MIN};
+  std::uint64_t wrong = 0;
+  VoxelIndex first_wrong{};
+  expected.for_each([&](const VoxelIndex& v) {
+    const std::uint8_t value = expected.at(v);
+    ++counts[value];
+    for (std::size_t d = 0; d < 3 && value != 0; ++d) {
+      low[d] = std::min(low[d], v[d]);
+      high[d] = std::max(high[d], v[d]);
+    }
+    if (static_cast<std::uint8_t>(map.value(v[0], v[1], v[2])) == value) return;
+    if (wrong++ == 0) first_wrong = v;
+  });
+  ASSERT_EQ(wrong, 0u) << "first at " << first_wrong[0] << ' ' << first_wrong[1] << ' '
+                       << first_wrong[2] << ": expected " << int{expected.at(first_wrong)}
+                       << ", found "
+                       << static_cast<int>(
+                              map.value(first_wrong[0], first_wrong[1], first_wrong[2]));
+  const VoxmapHeader& header = map.header();
+  EXPECT_EQ(header.interior_voxels, counts[1]);
+  EXPECT_EQ(header.surface_voxels, counts[2]);
+  EXPECT_EQ(header.proximity_voxels, counts[3]);
+  EXPECT_EQ(header.origin_voxel, low);
+  for (std::size_t d = 0; d < 3; ++d) {
+    EXPECT_EQ(header.dims_voxels[d], static_cast<std::uint64_t>(high[d] - low[d] + 1));
+  }
+}
+
+}  // namespace forcelayer::reference

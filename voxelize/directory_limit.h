@@ -1,0 +1,22 @@
+// The .vox format's limits, checked before a bake takes any memory.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "formats/result.h"
+#include "voxelize/snap.h"
+
+namespace forcelayer {
+
+// The blocks of 512^3 voxels that hold a box of voxels.
+struct Directory {
+  VoxelIndex origin{};                  // lowest voxel, a multiple of 512
+  std::array<std::uint32_t, 3> dims{};  // blocks
+};
+
+// The directory over `box`, which is not empty. kBakeTooLarge, with the numbers and a voxel size
+// that would fit, where it would have more than 2^28 entries or 2^21 on an axis.
+Result<Directory> fit_directory(const VoxelBox& box, double voxel_size_m);
+
+}  // namespace forcelayer

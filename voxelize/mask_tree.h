@@ -1,0 +1,64 @@
+// Sets of voxels between the stages of a bake: OpenVDB mask trees in the shape of the 512-tree.
+//
+// Voxels are counted from the scene's origin, a multiple of 512 voxels on each axis. An active tile
+// is a uniform box of the set. A leaf's 512 bits are eight words as in BrickMask.
+#pragma once
+
+#include <openvdb/tree/Tree.h>
+#include <openvdb/tree/ValueAccessor.h>
+
+#include <array>
+#include <cstdint>
+#include <memory>
+
+#include "formats/mesh/voxel_overlap.h"
+
+namespace forcelayer {
+
+using MaskTree = openvdb::tree::Tree4<openvdb::ValueMask, 3, 3, 3>::Type;
+using UpperMaskNode = MaskTree::RootNodeType::ChildNodeType;  // 512^3 voxels
+using LowerMaskNode = UpperMaskNode::ChildNodeType;           // 64^3 voxels
+using MaskLeaf = MaskTree::LeafNodeType;                      // 8^3 voxels: a brick
+using MaskReader = openvdb::tree::ValueAccessor<const MaskTree, /*IsSafe=*/false>;
+using openvdb::Coord;
+
+inline std::uint64_t* words_of(MaskLeaf& leaf) { return leaf.buffer().data(); }
+inline const std::uint64_t* words_of(const MaskLeaf& leaf) { return leaf.buffer().data(); }
+
+inline BrickMask brick_of(const MaskLeaf& leaf) {
+  BrickMask mask;
+  const std::uint64_t* words = words_of(leaf);
+  for (int x = 0; x < 8; ++x) mask.words[x] = words[x];
+  return mask;
+}
+
+inline void assign(MaskLeaf& leaf, const BrickMask& mask) {
+  std::uint64_t* words = words_of(leaf);
+  for (int x = 0; x < 8; ++x) words[x] = mask.words[x];
+}
+
+// The 512 bits of a node's own mask (children or active tiles), in the order of BrickMask.
+template <class NodeMask>
+BrickMask mask_of(const NodeMask& node_mask) {
+  BrickMask mask;
+  for (openvdb::Index x = 0; x < 8; ++x) {
+    mask.words[x] = node_mask.template getWord<std::uint64_t>(x);
+  }
+  return mask;
+}
+
+// Lowest voxel of entry n (0..511) of a node at `origin` with entries of `edge` voxels.
+inline Coord entry_origin(const Coord& origin, unsigned n, int edge) {
+  return origin.offsetBy(static_cast<int>(n >> 6) * edge, static_cast<int>(n >> 3 & 7) * edge,
+                         static_cast<int>(n & 7) * edge);
+}
+
+// Puts `node` into the tree in place of what stands there.
+void add_node(MaskTree& tree, std::unique_ptr<LowerMaskNode> node);
+
+// Adds the voxels of `other`, whose nodes are moved where they can be.
+void unite(MaskTree& tree, MaskTree&& other);
+
+std::uint64_t voxel_count(const MaskTree& tree);
+
+}  // namespace forcelayer

@@ -1,0 +1,45 @@
+// Meshes on the lattice of the scene: vertices rounded to 2^-10 voxel.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "formats/mesh/mesh.h"
+#include "formats/mesh/voxel_overlap.h"
+#include "formats/result.h"
+
+namespace forcelayer {
+
+// Box of voxels in world voxel indices, `high` inclusive; empty where low > high.
+struct VoxelBox {
+  VoxelIndex low{INT64_MAX, INT64_MAX, INT64_MAX};
+  VoxelIndex high{INT64_MIN, INT64_MIN, INT64_MIN};
+
+  bool empty() const { return low[0] > high[0]; }
+  void include(const VoxelBox& other);
+  VoxelBox grown(std::int64_t voxels) const;
+};
+
+// One object with its vertices on the lattice, in units of 2^-10 voxel from the world's origin.
+struct SnappedObject {
+  std::vector<LatticePoint> vertices;   // [vertices of the mesh]
+  std::span<const Triangle> triangles;  // of the mesh, not owned
+  VoxelBox box;                         // of the voxels that hold corners of triangles
+  double snap_error_m = 0;              // bound on how far a point of the surface was moved
+
+  LatticeTriangle triangle(std::size_t index) const {
+    const Triangle& corners = triangles[index];
+    return {vertices[corners[0]], vertices[corners[1]], vertices[corners[2]]};
+  }
+};
+
+// Vertices beyond 2^52 voxels from the origin are an error (kSceneInvalid) with the mesh's `name`.
+Result<SnappedObject> snap_object(const Mesh& mesh, const Affine& world_from_mesh,
+                                  double voxel_size_m, const std::string& name);
+
+// Triangles that have no area on the lattice.
+std::uint64_t degenerate_triangles(const SnappedObject& object);
+
+}  // namespace forcelayer
