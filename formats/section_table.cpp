@@ -175,24 +175,46 @@ Error table_error(std::string_view name, const std::string& section, std::size_t
           std::move(what), "bake or copy it again"};
 }
 
-// Place and size of one section, after the previous one's end.
-Status check_placement(const SectionEntry& entry, std::size_t index, std::string_view name,
-                       const std::string& section, std::uint64_t previous_end,
-                       std::uint64_t file_bytes) {
-  if (entry.offset % kSectionAlignment != 0) {
-    return table_error(name, section, index,
-                       "offset " + std::to_string(entry.offset) + " is not a multiple of " +
-                           std::to_string(kSectionAlignment));
+// A table entry as the checks see it.
+struct PlacedEntry {
+  const SectionEntry& entry;
+  std::size_t index;
+  const SectionRule* rule;  // null where this version does not know the section
+
+  Error error(std::string_view name, std::string what) const {
+    return table_error(name, rule ? rule->name : "", index, std::move(what));
   }
+};
+
+Status check_identity(const PlacedEntry& placed, std::span<const SectionEntry> table, bool newer,
+                      std::string_view name) {
+  const SectionEntry& entry = placed.entry;
+  if (!placed.rule && !newer) {
+    return placed.error(name, "unknown section " + std::to_string(entry.id));
+  }
+  if (placed.index > 0 && entry.id <= table[placed.index - 1].id) {
+    return placed.error(name, "sections are not in ascending order of id");
+  }
+  const std::uint32_t wanted = placed.rule ? placed.rule->element_bytes : entry.element_bytes;
+  if (entry.element_bytes != wanted || wanted == 0 || entry.bytes % wanted != 0) {
+    return placed.error(name, std::to_string(entry.bytes) + " bytes in elements of " +
+                                  std::to_string(entry.element_bytes) + " where elements of " +
+                                  std::to_string(wanted) + " are wanted");
+  }
+  return {};
+}
+
+// The section starts where the one before it ends, up to alignment, and lies in the file.
+Status check_placement(const PlacedEntry& placed, std::uint64_t previous_end,
+                       std::uint64_t file_bytes, std::string_view name) {
+  const SectionEntry& entry = placed.entry;
   if (entry.offset != aligned_offset(previous_end)) {
-    return table_error(name, section, index,
-                       "starts at byte " + std::to_string(entry.offset) + " instead of " +
-                           std::to_string(aligned_offset(previous_end)));
+    return placed.error(name, "starts at byte " + std::to_string(entry.offset) + " instead of " +
+                                  std::to_string(aligned_offset(previous_end)));
   }
   if (entry.offset > file_bytes || entry.bytes > file_bytes - entry.offset) {
-    return table_error(name, section, index,
-                       "its " + std::to_string(entry.bytes) + " bytes at byte " +
-                           std::to_string(entry.offset) + " reach past the end of the file");
+    return placed.error(name, "its " + std::to_string(entry.bytes) + " bytes at byte " +
+                                  std::to_string(entry.offset) + " reach past the end of the file");
   }
   return {};
 }
@@ -212,6 +234,18 @@ const SectionRule* find_rule(std::span<const SectionRule> rules, std::uint32_t i
   const auto found = std::find_if(rules.begin(), rules.end(),
                                   [id](const SectionRule& rule) { return rule.id == id; });
   return found == rules.end() ? nullptr : &*found;
+}
+
+Status check_required(std::span<const SectionEntry> table, std::span<const SectionRule> rules,
+                      std::string_view name) {
+  for (const SectionRule& rule : rules) {
+    const bool present = std::any_of(
+        table.begin(), table.end(), [&](const SectionEntry& entry) { return entry.id == rule.id; });
+    if (present || !rule.required) continue;
+    return Error{ErrorCode::kSectionInvalid, std::string(name), "section table",
+                 std::string("section ") + rule.name + " is missing", "bake or copy it again"};
+  }
+  return {};
 }
 
 }  // namespace
@@ -237,54 +271,25 @@ Result<std::vector<std::span<const std::byte>>> check_sections(std::span<const s
   const FileHeader header = read_file_header(bytes);
   const auto table = section_table(bytes);
   std::vector<std::span<const std::byte>> sections(rules.size());
-  std::vector<bool> present(rules.size(), false);
-  std::uint64_t previous_end = table_end(header);
+  std::uint64_t end = table_end(header);
   for (std::size_t index = 0; index < table.size(); ++index) {
-    const SectionEntry& entry = table[index];
-    const SectionRule* rule = find_rule(rules, entry.id);
-    const std::string section = rule ? rule->name : "";
-    if (!rule && !is_newer_minor(header)) {
-      return table_error(name, section, index, "unknown section " + std::to_string(entry.id));
+    const PlacedEntry placed{table[index], index, find_rule(rules, table[index].id)};
+    if (Status s = check_identity(placed, table, is_newer_minor(header), name); !s) {
+      return s.error();
     }
-    if (index > 0 && entry.id <= table[index - 1].id) {
-      return table_error(name, section, index, "sections are not in ascending order of id");
-    }
-    const std::uint32_t element_bytes = rule ? rule->element_bytes : entry.element_bytes;
-    if (entry.element_bytes != element_bytes || element_bytes == 0 ||
-        entry.bytes % element_bytes != 0) {
-      return table_error(name, section, index,
-                         std::to_string(entry.bytes) + " bytes in elements of " +
-                             std::to_string(entry.element_bytes) + " where elements of " +
-                             std::to_string(element_bytes) + " are wanted");
-    }
-    if (Status placed =
-            check_placement(entry, index, name, section, previous_end, header.file_bytes);
-        !placed) {
-      return placed.error();
-    }
-    if (Status padding = check_padding(bytes, previous_end, entry.offset, name); !padding) {
-      return padding.error();
-    }
-    previous_end = entry.offset + entry.bytes;
-    if (!rule) continue;
-    const auto which = static_cast<std::size_t>(rule - rules.data());
-    sections[which] = bytes.subspan(entry.offset, entry.bytes);
-    present[which] = true;
+    if (Status s = check_placement(placed, end, header.file_bytes, name); !s) return s.error();
+    if (Status s = check_padding(bytes, end, placed.entry.offset, name); !s) return s.error();
+    end = placed.entry.offset + placed.entry.bytes;
+    if (!placed.rule) continue;
+    sections[static_cast<std::size_t>(placed.rule - rules.data())] =
+        bytes.subspan(placed.entry.offset, placed.entry.bytes);
   }
-  for (std::size_t which = 0; which < rules.size(); ++which) {
-    if (rules[which].required && !present[which]) {
-      return Error{ErrorCode::kSectionInvalid, std::string(name), "section table",
-                   std::string("section ") + rules[which].name + " is missing",
-                   "bake or copy it again"};
-    }
-  }
-  if (previous_end != header.file_bytes) {
-    return Error{ErrorCode::kSectionInvalid, std::string(name), "section table",
-                 "the last section ends at byte " + std::to_string(previous_end) +
-                     " and the file at byte " + std::to_string(header.file_bytes),
-                 "bake or copy it again"};
-  }
-  return sections;
+  if (Status s = check_required(table, rules, name); !s) return s.error();
+  if (end == header.file_bytes) return sections;
+  return Error{ErrorCode::kSectionInvalid, std::string(name), "section table",
+               "the last section ends at byte " + std::to_string(end) + " and the file at byte " +
+                   std::to_string(header.file_bytes),
+               "bake or copy it again"};
 }
 
 Status check_section_checksums(std::span<const std::byte> bytes, std::string_view name,

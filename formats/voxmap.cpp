@@ -209,7 +209,12 @@ Status check_directory_size(const VoxmapHeader& h, std::size_t entries, std::str
                "bake or copy it again"};
 }
 
-Status check_compliance(std::span<const float> forces, std::string_view name) {
+Status check_compliance(const VoxmapHeader& h, std::span<const float> forces,
+                        std::string_view name) {
+  if (!forces.empty() && h.bits_per_voxel == 2) {
+    return Error{ErrorCode::kSectionInvalid, std::string(name), "compliance",
+                 "two bits a voxel have no depth for it", "bake or copy it again"};
+  }
   for (std::size_t i = 0; i < forces.size(); ++i) {
     if (std::isfinite(forces[i]) && forces[i] >= (i == 0 ? 0.0f : forces[i - 1])) continue;
     return Error{
@@ -250,7 +255,7 @@ Result<Voxmap> Voxmap::from_bytes(std::span<const std::byte> bytes, std::string_
   map.compliance_ = elements_of<float>((*sections)[4]);
   map.provenance_ = {reinterpret_cast<const char*>((*sections)[5].data()), (*sections)[5].size()};
   if (Status s = map.check_tree(directory, upper_nodes, lower_nodes, name); !s) return s.error();
-  if (Status s = check_compliance(map.compliance_, name); !s) return s.error();
+  if (Status s = check_compliance(h, map.compliance_, name); !s) return s.error();
   if (verify == Verify::kStructureAndChecksums) {
     if (Status s = check_section_checksums(bytes, name, rules); !s) return s.error();
   }

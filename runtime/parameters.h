@@ -2,21 +2,34 @@
 // voxel size, the shell, the rate and the device; derive_parameters() says by which rule.
 #pragma once
 
+#include <cstdint>
 #include <glm/mat3x3.hpp>
+#include <optional>
+#include <string_view>
 
 namespace forcelayer {
 
-// Which dynamic model moves the part.
-enum class Model {
-  kPaper,    // the 1999 method to the letter (DESIGN 6)
-  kDefault,  // implicit, guarded, at rest when the hand rests (default_model.h)
+// Which dynamic model moves the part. The numbers stand in recordings.
+enum class Model : std::uint32_t {
+  kPaper = 0,    // the 1999 method to the letter (DESIGN 6)
+  kDefault = 1,  // implicit, guarded, at rest when the hand rests (default_model.h)
 };
 
-// Which field gives a point's depth and direction.
-enum class ForceKind {
-  kTangentPlane,  // paper 3
-  kLevel,         // the two-bit values as a continuous field (level_field.h)
+// Which field gives a point's depth and direction. The numbers stand in recordings.
+enum class ForceKind : std::uint32_t {
+  kTangentPlane = 0,  // paper 3
+  kLevel = 1,         // the two-bit values as a continuous field (level_field.h)
 };
+
+inline constexpr Model kDefaultModel = Model::kDefault;
+
+// Their names on command lines and in reports; none where there is no such thing.
+std::string_view to_text(Model model);
+std::string_view to_text(ForceKind force);
+std::optional<Model> parse_model(std::string_view name);
+std::optional<ForceKind> parse_force(std::string_view name);
+bool is_known_model(std::uint32_t number);
+bool is_known_force(std::uint32_t number);
 
 // All that the step computes with. Complete and consistent once derive_parameters() made it.
 struct Parameters {

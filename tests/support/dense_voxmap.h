@@ -152,8 +152,8 @@ class DenseTree {
   void count(const VoxelIndex& v) {
     const VoxelValue value = voxels_.value(v[0], v[1], v[2]);
     if (value == VoxelValue::kFree) return;
-    if (non_free_.empty()) tight_ = {v, v};
-    non_free_.push_back(v);
+    if (boundary_.empty()) tight_ = {v, v};
+    if (has_free_neighbour(v)) boundary_.push_back(v);
     for (std::size_t axis = 0; axis < 3; ++axis) {
       tight_.low[axis] = std::min(tight_.low[axis], v[axis]);
       tight_.high[axis] = std::max(tight_.high[axis], v[axis] + 1);
@@ -161,6 +161,15 @@ class DenseTree {
     header_.interior_voxels += value == VoxelValue::kInterior;
     header_.surface_voxels += value == VoxelValue::kSurface;
     header_.proximity_voxels += value == VoxelValue::kProximity;
+  }
+
+  bool has_free_neighbour(const VoxelIndex& v) const {
+    bool found = false;
+    for_each_voxel({{v[0] - 1, v[1] - 1, v[2] - 1}, {v[0] + 2, v[1] + 2, v[2] + 2}},
+                   [&](const VoxelIndex& n) {
+                     found |= voxels_.value(n[0], n[1], n[2]) == VoxelValue::kFree;
+                   });
+    return found;
   }
 
   void fill_header() {
@@ -172,7 +181,7 @@ class DenseTree {
     const VoxelBox& valid = options_.valid_box.empty() ? tight_ : options_.valid_box;
     header_.valid_min_voxel = valid.low;
     header_.valid_max_voxel = valid.high;
-    if (non_free_.empty()) return;
+    if (boundary_.empty()) return;
     header_.origin_voxel = tight_.low;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const std::int64_t first = block_of(tight_.low[axis]), last = block_of(tight_.high[axis] - 1);
@@ -199,11 +208,18 @@ class DenseTree {
     return {uniform && (!reaches_outside || first == VoxelValue::kFree), first};
   }
 
-  // At most max_clearance.
+  // The Chebyshev distance to the nearest voxel that is not free or, beyond a cropped side,
+  // unknown; at most max_clearance.
   std::uint32_t clearance_of(const VoxelBox& box) const {
     std::int64_t nearest = options_.max_clearance;
-    for (const VoxelIndex& v : non_free_) nearest = std::min(nearest, voxel_distance(box, v));
-    return static_cast<std::uint32_t>(nearest);
+    for (const VoxelIndex& v : boundary_) nearest = std::min(nearest, voxel_distance(box, v));
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const std::int64_t below = box.low[axis] - header_.valid_min_voxel[axis] + 1;
+      const std::int64_t above = header_.valid_max_voxel[axis] - box.high[axis] + 1;
+      if (options_.cropped_sides & (1u << (2 * axis))) nearest = std::min(nearest, below);
+      if (options_.cropped_sides & (2u << (2 * axis))) nearest = std::min(nearest, above);
+    }
+    return static_cast<std::uint32_t>(std::max<std::int64_t>(nearest, 0));
   }
 
   // The entry of the box of `edge` voxels at `low`; stores the nodes and bricks below it.
@@ -246,7 +262,9 @@ class DenseTree {
   const DenseVoxels& voxels_;
   DenseVoxmapOptions options_;
   VoxmapHeader header_{};
-  std::vector<VoxelIndex> non_free_;
+  // The non-free voxels beside a free one: of a nearest voxel to a free box, the next one towards
+  // the box is free.
+  std::vector<VoxelIndex> boundary_;
   VoxelBox tight_{};
   std::vector<std::uint32_t> directory_;
   Level upper_, lower_, bricks_;

@@ -71,7 +71,7 @@ inline BoundingSphere bounding_sphere(const PointPart& part, std::size_t begin, 
   return sphere;
 }
 
-inline Pshell make_pshell(const PointPart& part) {
+inline void save_pshell(const std::filesystem::path& path, const PointPart& part) {
   std::array<std::vector<float>, 7> columns;
   double bounding_radius_m = 0;
   for (std::size_t i = 0; i < part.points.size(); ++i) {
@@ -114,9 +114,12 @@ inline Pshell make_pshell(const PointPart& part) {
   content.blocks = blocks;
   content.super_blocks = super_blocks;
 
-  const ScratchFolder folder;
-  const auto written = write_pshell(folder / "part.pshell", content);
-  if (!written) throw std::runtime_error(to_line(written.error()));
+  save_bytes(path, pshell_bytes(content));
+}
+
+inline Pshell make_pshell(const PointPart& part) {
+  const ScratchFolder folder;  // the mapping outlives the file's name
+  save_pshell(folder / "part.pshell", part);
   auto shell = Pshell::open(folder / "part.pshell", Verify::kStructureAndChecksums);
   if (!shell) throw std::runtime_error(to_line(shell.error()));
   return std::move(*shell);

@@ -1,13 +1,15 @@
 // A folder of its own for a test, removed with everything in it.
 #pragma once
 
-#include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cstddef>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 namespace forcelayer::test {
 
@@ -31,5 +33,13 @@ class ScratchFolder {
  private:
   std::filesystem::path path_;
 };
+
+// Writes a file without waiting for the disk, as the atomic writers would.
+inline void save_bytes(const std::filesystem::path& path, const std::vector<std::byte>& bytes) {
+  std::ofstream file(path, std::ios::binary);
+  file.write(reinterpret_cast<const char*>(bytes.data()),
+             static_cast<std::streamsize>(bytes.size()));
+  if (!file.flush()) throw std::runtime_error("cannot write " + path.string());
+}
 
 }  // namespace forcelayer::test

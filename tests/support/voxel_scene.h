@@ -228,11 +228,15 @@ class SceneTree {
   std::vector<std::uint32_t> directory_, upper_, lower_, bricks_;
 };
 
+inline void save_voxmap(const std::filesystem::path& path, const VoxelScene& scene,
+                        std::uint32_t cropped_sides = 0) {
+  const SceneTree tree(scene);
+  save_bytes(path, voxmap_bytes(tree.content(cropped_sides)));
+}
+
 inline Voxmap make_voxmap(const VoxelScene& scene, std::uint32_t cropped_sides = 0) {
   const ScratchFolder folder;  // the mapping outlives the file's name
-  const SceneTree tree(scene);
-  const auto written = write_voxmap(folder / "scene.vox", tree.content(cropped_sides));
-  if (!written) throw std::runtime_error(to_line(written.error()));
+  save_voxmap(folder / "scene.vox", scene, cropped_sides);
   auto voxmap = Voxmap::open(folder / "scene.vox", Verify::kStructureAndChecksums);
   if (!voxmap) throw std::runtime_error(to_line(voxmap.error()));
   return std::move(*voxmap);

@@ -1,0 +1,41 @@
+// A scripted hand: poses over time, read from a CSV file.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "formats/result.h"
+#include "runtime/pose.h"
+
+namespace forcelayer {
+
+// world_from_handle at ascending times; between them positions go straight and orientations the
+// short way round at constant speed, before the first and after the last they stand still.
+class MotionScript {
+ public:
+  struct Row {
+    double time_s;
+    Pose world_from_handle;
+  };
+
+  // Reads a CSV with the header line t_s,x_m,y_m,z_m,qw,qx,qy,qz. Quaternions are normalised.
+  // Errors: kFileNotFound, kReadFailed, and kUsage with the line for anything that is no such file.
+  static Result<MotionScript> read(const std::filesystem::path& path);
+
+  // A hand that holds still.
+  static MotionScript still(const Pose& world_from_handle);
+
+  // At least one row, times ascending, quaternions unit.
+  explicit MotionScript(std::vector<Row> rows);
+
+  Pose pose(double time_s) const noexcept;
+  Twist velocity(double time_s) const noexcept;  // of the handle's origin, world axes
+  double end_s() const { return rows_.back().time_s; }
+
+ private:
+  std::size_t segment(double time_s) const noexcept;  // row that begins it
+
+  std::vector<Row> rows_;
+};
+
+}  // namespace forcelayer

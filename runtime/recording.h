@@ -1,0 +1,88 @@
+// Recording a run, and playing it again bit for bit.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <span>
+
+#include "formats/atomic_file.h"
+#include "formats/mapped_file.h"
+#include "formats/result.h"
+#include "runtime/frame.h"
+#include "runtime/input_source.h"
+#include "runtime/recording_format.h"
+#include "runtime/simulation.h"
+
+namespace forcelayer {
+
+// What a recording says of the run as a whole.
+struct RecordedRun {
+  Parameters parameters;
+  State start;
+  DevicePlacement placement;
+  std::uint64_t voxmap_checksum = 0, shell_checksum = 0;
+};
+
+RecordedRun describe_run(const Simulation& simulation, const State& start,
+                         const DevicePlacement& placement);
+
+// Writes a recording as the frames come. Not for the loop's thread. The file appears with finish();
+// without it nothing is left behind.
+class RecordingWriter {
+ public:
+  static Result<RecordingWriter> create(const std::filesystem::path& path, const RecordedRun& run);
+
+  Status add(const Frame& frame);
+  Status finish(std::uint64_t lost_frames);
+
+ private:
+  explicit RecordingWriter(AtomicFile file) : file_(std::move(file)) {}
+  Status flush();
+
+  AtomicFile file_;
+  std::vector<RecordedFrame> pending_;
+  std::uint64_t frames_ = 0;
+};
+
+// A mapped recording, checked: every size, field and name.
+class Recording {
+ public:
+  // Errors: file codes (1xx) and baked-file codes (4xx).
+  static Result<Recording> open(const std::filesystem::path& path);
+
+  // kFilesDoNotMatch where the run was made with other files.
+  Status check_files(const Voxmap& voxmap, const Pshell& shell) const;
+
+  const RecordedRun& run() const { return run_; }
+  std::span<const RecordedFrame> frames() const { return frames_; }
+
+ private:
+  MappedFile file_;
+  RecordedRun run_;
+  std::span<const RecordedFrame> frames_;
+  std::string name_;
+};
+
+// The inputs of a recording, frame by frame. Counts the frames whose outcome differs from the
+// recorded one.
+class ReplayInput final : public InputSource {
+ public:
+  // `recording` must outlive this.
+  explicit ReplayInput(const Recording& recording) : recording_(recording) {}
+
+  bool next(double time_s, double dt_s, StepInput& input) noexcept override;
+  void output(const Frame& frame) noexcept override;
+  void silence() noexcept override {}
+  const DevicePlacement& placement() const override { return recording_.run().placement; }
+
+  std::uint64_t differing_frames() const { return differing_; }
+  std::uint64_t first_difference() const { return first_difference_; }
+
+ private:
+  const Recording& recording_;
+  std::size_t at_ = 0;
+  std::uint64_t differing_ = 0;
+  std::uint64_t first_difference_ = 0;
+};
+
+}  // namespace forcelayer

@@ -1,0 +1,31 @@
+// Colours and their names in the legend. Told apart by brightness and shape too, not by hue alone;
+// hues from the colour-blind-safe set of Okabe and Ito.
+#pragma once
+
+#include <array>
+
+namespace forcelayer {
+
+using Colour = std::array<double, 3>;  // red, green, blue, 0 to 1
+
+inline constexpr Colour kPaper = {1.0, 1.0, 1.0};
+inline constexpr Colour kInk = {0.13, 0.15, 0.18};
+inline constexpr Colour kSceneColour = {0.78, 0.79, 0.80};
+inline constexpr Colour kEdgeColour = {0.35, 0.37, 0.40};
+inline constexpr Colour kForceLayerColour = {0.34, 0.71, 0.91};
+inline constexpr Colour kInteriorColour = {0.62, 0.64, 0.66};
+inline constexpr Colour kProximityColour = {0.94, 0.89, 0.26};
+inline constexpr Colour kPartColour = {0.90, 0.62, 0.0};
+inline constexpr Colour kContactColour = {0.70, 0.08, 0.05};
+inline constexpr Colour kPenetrationColour = {0.55, 0.0, 0.55};
+inline constexpr Colour kGhostColour = {0.0, 0.45, 0.70};
+inline constexpr Colour kNetForceColour = {0.05, 0.05, 0.05};
+inline constexpr Colour kAddedColour = {0.0, 0.45, 0.70};
+inline constexpr Colour kRemovedColour = {0.84, 0.37, 0.0};
+
+inline constexpr double kForceLayerOpacity = 0.28;
+inline constexpr double kProximityOpacity = 0.12;
+inline constexpr double kPartOpacity = 1.0;
+inline constexpr double kGhostOpacity = 0.9;
+
+}  // namespace forcelayer

@@ -1,0 +1,48 @@
+// Words and keys over a picture: title, state, legend, scale bar.
+#pragma once
+
+#include <vtkRenderer.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "runtime/viewer/style.h"
+
+namespace forcelayer {
+
+// What a legend entry draws before its label, as its mark looks in the picture.
+enum class Swatch { kSquare, kDot, kSmallSquare, kDiamond, kArrow, kLine, kCoil };
+
+struct LegendEntry {
+  Swatch swatch;
+  Colour colour;
+  double opacity;
+  std::string label;
+};
+
+class Overlay {
+ public:
+  // `scale`: pixels of the picture per pixel of the design (2 where the picture is shrunk by 2).
+  Overlay(vtkRenderer* renderer, double scale);
+  ~Overlay();
+
+  void set_title(const std::vector<std::string>& lines);     // top left, the first one larger
+  void set_legend(const std::vector<LegendEntry>& entries);  // top right
+  // Draws everything anew for a picture of that many pixels, one of which is `metres_per_pixel`.
+  void lay_out(int width, int height, double metres_per_pixel);
+
+ private:
+  struct Drawing;
+  std::unique_ptr<Drawing> drawing_;
+};
+
+// The length of 1, 2 or 5 times a power of ten that is nearest below `wanted_m`, and its name, as
+// in "50 mm".
+struct ScaleLength {
+  double length_m;
+  std::string name;
+};
+ScaleLength round_length(double wanted_m);
+
+}  // namespace forcelayer

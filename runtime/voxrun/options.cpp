@@ -1,0 +1,138 @@
+#include "runtime/voxrun/options.h"
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+
+#include "formats/command/quantity.h"
+#include "runtime/derive_parameters.h"
+
+namespace forcelayer::voxrun {
+namespace {
+
+constexpr double kMinRateHz = 1, kMaxRateHz = 100'000;
+
+Error usage(std::string where, std::string what, std::string mend) {
+  return {ErrorCode::kUsage, "", std::move(where), std::move(what), std::move(mend)};
+}
+
+// The error of a parser, with the option that it is about.
+Error about(const char* option, Error error) {
+  error.where = option;
+  return error;
+}
+
+Status read_pose(const char* option, const std::string& text, Pose& pose) {
+  const auto parsed = parse_pose(text);
+  if (!parsed) return about(option, parsed.error());
+  const auto& [p, q] = *parsed;
+  pose = {{p[0], p[1], p[2]}, glm::dquat(q[0], q[1], q[2], q[3])};
+  return {};
+}
+
+}  // namespace
+
+OptionParser::OptionParser(CLI::App& app) : app_(app) {
+  app.add_option("scene", options_.scene, "the scene, a .vox file")->required();
+  app.add_option("part", options_.part, "the moving part, a .pshell file")->required();
+  app.add_option("--device", options_.device, "sim (a scripted hand) or replay")
+      ->check(CLI::IsMember({"sim", "replay"}));
+  app.add_option("--duration", texts_.duration, "how long to run, like 10s or 2min");
+  app.add_option("--rate", options_.rate_hz, "frames a second")
+      ->check(CLI::Range(kMinRateHz, kMaxRateHz));
+  app.add_option("--model", texts_.model, "dynamic model: default or paper");
+  app.add_option("--force", texts_.force, "force field: tangent-plane or level (the model's own)");
+  app.add_flag("--no-braking", texts_.no_braking, "no pre-contact braking");
+  app.add_flag("--as-fast-as-possible", options_.as_fast_as_possible,
+               "no clock: every frame follows the last at once");
+  app.add_option("--motion", options_.motion, "CSV of hand poses for the sim device");
+  app.add_option("--start", texts_.start, "world_from_part at the start: x,y,z[,qw,qx,qy,qz]");
+  app.add_option("--grip", texts_.grip, "handle_from_part, in the same way");
+  app.add_option("--world-from-device", texts_.world_from_device, "place of the device");
+  app.add_option("--motion-scale", options_.motion_scale, "scene metres a metre of the device");
+  app.add_option("--json", options_.json, "write a report");
+  app.add_option("--trace", options_.trace, "write a CSV line a frame");
+  app.add_option("--record", options_.record, "write a recording for --replay");
+  app.add_option("--replay", options_.replay, "repeat a recording bit for bit");
+  app.add_flag("--without-guarantee", options_.without_guarantee,
+               "start even where no separation is guaranteed");
+  app.add_flag("--quiet", options_.quiet, "no report on the terminal");
+  for (const ParameterInfo& info : parameter_table()) {
+    app.add_option(std::string(info.option), settings_[std::string(info.option)],
+                   std::string(info.what))
+        ->group("Physical parameters");
+  }
+}
+
+Status OptionParser::read_texts(Options& options) const {
+  if (!texts_.duration.empty()) {
+    const auto seconds = parse_duration(texts_.duration);
+    if (!seconds) return about("--duration", seconds.error());
+    if (!(*seconds > 0)) return usage("--duration", "must be above zero", "");
+    options.duration_s = *seconds;
+  }
+  if (!texts_.model.empty()) {
+    const auto model = parse_model(texts_.model);
+    if (!model) return usage("--model", "'" + texts_.model + "' is no model", "see --help");
+    options.model = *model;
+  }
+  if (!texts_.force.empty()) {
+    options.force = parse_force(texts_.force);
+    if (!options.force) {
+      return usage("--force", "'" + texts_.force + "' is no force field", "see --help");
+    }
+  }
+  if (!texts_.start.empty()) {
+    options.world_from_part.emplace();
+    if (Status s = read_pose("--start", texts_.start, *options.world_from_part); !s) return s;
+  }
+  if (!texts_.grip.empty()) {
+    options.handle_from_part.emplace();
+    if (Status s = read_pose("--grip", texts_.grip, *options.handle_from_part); !s) return s;
+  }
+  if (texts_.world_from_device.empty()) return {};
+  return read_pose("--world-from-device", texts_.world_from_device, options.world_from_device);
+}
+
+Status OptionParser::check(const Options& options) const {
+  if (!(options.motion_scale > 0) || !std::isfinite(options.motion_scale)) {
+    return usage("--motion-scale", "must be above zero", "");
+  }
+  if (!options.motion.empty() && options.device != "sim") {
+    return usage("--motion", "is for the sim device", "leave out --device");
+  }
+  if ((options.device == "replay") != !options.replay.empty()) {
+    return usage("--replay", "and --device replay go together", "give both");
+  }
+  if (options.replay.empty()) {
+    const bool endless = !options.duration_s && options.motion.empty();
+    if (options.as_fast_as_possible && endless) {
+      return usage("--as-fast-as-possible", "would never end", "give --duration or --motion");
+    }
+    return {};
+  }
+  const char* const fixed[] = {"--model", "--force", "--no-braking",        "--rate",
+                               "--start", "--grip",  "--world-from-device", "--motion-scale"};
+  for (const char* option : fixed) {
+    if (app_.count(option) > 0) {
+      return usage(option, "is part of the recording", "leave it out with --replay");
+    }
+  }
+  if (!options.settings.empty()) {
+    return usage("--replay", "takes its physical parameters from the recording", "leave them out");
+  }
+  return {};
+}
+
+Result<Options> OptionParser::finish() const {
+  Options options = options_;
+  options.braking = !texts_.no_braking;
+  for (const ParameterInfo& info : parameter_table()) {
+    if (app_.count(std::string(info.option)) == 0) continue;
+    options.settings[std::string(info.name)] = settings_.at(std::string(info.option));
+  }
+  if (Status read = read_texts(options); !read) return read.error();
+  if (Status sound = check(options); !sound) return sound.error();
+  return options;
+}
+
+}  // namespace forcelayer::voxrun

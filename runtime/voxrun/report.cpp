@@ -1,0 +1,153 @@
+#include "runtime/voxrun/report.h"
+
+#include <cmath>
+#include <cstdarg>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "formats/command/command.h"
+
+namespace forcelayer::voxrun {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+[[gnu::format(printf, 1, 2)]] std::string text(const char* pattern, ...) {
+  char line[512];
+  std::va_list arguments;
+  va_start(arguments, pattern);
+  std::vsnprintf(line, sizeof line, pattern, arguments);
+  va_end(arguments);
+  return line;
+}
+
+std::string length_text(const std::optional<double>& length_m) {
+  return length_m ? text("%.3g mm", *length_m * 1000) : "none";
+}
+
+std::optional<double> penetration_ratio(const LoopStatistics& s) {
+  if (s.force_layer_frames == 0) return std::nullopt;
+  return static_cast<double>(s.penetration_frames) / static_cast<double>(s.force_layer_frames);
+}
+
+// Numbers that JSON cannot hold become null.
+Json number(const std::optional<double>& value) {
+  return value && std::isfinite(*value) ? Json(*value) : Json(nullptr);
+}
+
+Json percentiles(const DurationHistogram& h) {
+  return {{"p50", h.quantile_ns(0.5)},
+          {"p99", h.quantile_ns(0.99)},
+          {"p999", h.quantile_ns(0.999)},
+          {"max", h.max_ns()}};
+}
+
+Json parameters_json(const Parameters& p) {
+  Json json;
+  for (const ParameterInfo& info : parameter_table()) {
+    json[std::string(info.name)] = number(p.*(info.member));
+  }
+  json["rate_hz"] = p.rate_hz;
+  json["voxel_size_m"] = p.voxel_size_m;
+  json["part_radius_m"] = p.part_radius_m;
+  json["inertia_kgm2"] = {p.inertia_kgm2[0][0], p.inertia_kgm2[1][1], p.inertia_kgm2[2][2],
+                          p.inertia_kgm2[0][1], p.inertia_kgm2[0][2], p.inertia_kgm2[1][2]};
+  json["braking"] = p.braking;
+  return json;
+}
+
+}  // namespace
+
+std::string guarantee_text(const SeparationGuarantee& guarantee) {
+  return length_text(guarantee.tested_m) + " at every frame, " + length_text(guarantee.swept_m) +
+         " between frames whose points travel at most half a voxel";
+}
+
+std::string start_text(const Simulation& simulation, const RunFacts& facts) {
+  const VoxmapHeader& map = simulation.voxmap().header();
+  const PshellHeader& shell = simulation.shell().header();
+  const Parameters& p = facts.parameters;
+  return text("scene: voxels of %.4g mm, %u offset layers, %llu force-layer voxels\n",
+              map.voxel_size_m * 1000, map.offset_layers,
+              static_cast<unsigned long long>(map.surface_voxels)) +
+         text("part: %llu points, covering radius %.4g mm, %.4g mm across\n",
+              static_cast<unsigned long long>(shell.point_count), shell.covering_radius_m * 1000,
+              2000 * shell.bounding_radius_m) +
+         text("model %s, force %s, %.6g Hz, device %s: coupling %.4g N/m, field %.4g N/m, %.3g g\n",
+              std::string(to_text(p.model)).c_str(), std::string(to_text(p.force)).c_str(),
+              p.rate_hz, facts.device.c_str(), p.coupling_n_per_m, p.field_n_per_m,
+              p.mass_kg * 1000) +
+         "guaranteed separation: " + guarantee_text(facts.guarantee) + "\n";
+}
+
+std::string end_text(const RunFacts& facts, const LoopStatistics& s) {
+  const auto ratio = penetration_ratio(s);
+  const auto us = [](std::uint64_t ns) { return static_cast<double>(ns) / 1000; };
+  std::string lines = text("frames %llu, in the force layer %llu, penetrating %llu, PR %s\n",
+                           static_cast<unsigned long long>(s.frames),
+                           static_cast<unsigned long long>(s.force_layer_frames),
+                           static_cast<unsigned long long>(s.penetration_frames),
+                           ratio ? text("%.3g", *ratio).c_str() : "none") +
+                      text("step p50 %.1f us, p99 %.1f us, p99.9 %.1f us, max %.1f us\n",
+                           us(s.step.quantile_ns(0.5)), us(s.step.quantile_ns(0.99)),
+                           us(s.step.quantile_ns(0.999)), us(s.step.max_ns())) +
+                      text("largest force %.3g N, torque %.3g N m; energy generated %.3g J\n",
+                           s.max_force_n, s.max_torque_nm, s.generated_j);
+  if (!facts.options.as_fast_as_possible) {
+    lines += text("deadline misses %llu, woke late by p99 %.1f us, max %.1f us\n",
+                  static_cast<unsigned long long>(s.deadline_misses),
+                  us(s.wakeup.quantile_ns(0.99)), us(s.wakeup.max_ns()));
+  }
+  if (s.outside_map_frames > 0) {
+    lines += text("%llu frames beyond a cropped side: no guarantee there\n",
+                  static_cast<unsigned long long>(s.outside_map_frames));
+  }
+  if (facts.output_trips > 0) {
+    lines += text("output tripped %llu times, last: %s\n",
+                  static_cast<unsigned long long>(facts.output_trips), facts.last_trip.c_str());
+  }
+  return lines;
+}
+
+Json report_json(const RunFacts& facts, const LoopStatistics& s) {
+  Json json;
+  json["version"] = kVersion;
+  json["scene"] = facts.options.scene;
+  json["part"] = facts.options.part;
+  json["device"] = facts.device;
+  json["model"] = to_text(facts.parameters.model);
+  json["force"] = to_text(facts.parameters.force);
+  json["frames"] = s.frames;
+  json["force_layer_frames"] = s.force_layer_frames;
+  json["penetration_frames"] = s.penetration_frames;
+  json["penetration_ratio"] = number(penetration_ratio(s));
+  json["contact_frames"] = s.contact_frames;
+  json["guard_cuts"] = s.guard_cuts;
+  json["outside_map_frames"] = s.outside_map_frames;
+  json["saturated_frames"] = s.saturated_frames;
+  json["faulty_frames"] = s.faulty_frames;
+  json["guaranteed_separation_m"] = number(facts.guarantee.tested_m);
+  json["guaranteed_swept_separation_m"] = number(facts.guarantee.swept_m);
+  json["pose_error_m"] = facts.pose_error_m;
+  json["step_ns"] = percentiles(s.step);
+  json["as_fast_as_possible"] = facts.options.as_fast_as_possible;
+  json["wakeup_ns"] = percentiles(s.wakeup);
+  json["deadline_misses"] = s.deadline_misses;
+  json["skipped_ticks"] = s.skipped_ticks;
+  json["dropped_frames"] = s.dropped_frames;
+  json["max_force_n"] = s.max_force_n;
+  json["max_torque_nm"] = s.max_torque_nm;
+  json["max_device_force_n"] = s.max_device_force_n;
+  json["max_device_torque_nm"] = s.max_device_torque_nm;
+  json["output_trips"] = facts.output_trips;
+  json["energy_generated_j"] = s.generated_j;
+  json["outcome_hash"] = text("%016llx", static_cast<unsigned long long>(s.outcome_hash));
+  json["wall_s"] = facts.wall_s;
+  json["peak_rss_bytes"] = peak_rss_bytes();
+  json["parameters"] = parameters_json(facts.parameters);
+  json["parameter_reasons"] = facts.reasons;
+  json["warnings"] = facts.warnings;
+  return json;
+}
+
+}  // namespace forcelayer::voxrun

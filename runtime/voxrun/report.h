@@ -1,0 +1,37 @@
+// What voxrun says: at the start, at the end, and in --json.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "runtime/derive_parameters.h"
+#include "runtime/loop.h"
+#include "runtime/separation.h"
+#include "runtime/simulation.h"
+#include "runtime/voxrun/options.h"
+
+namespace forcelayer::voxrun {
+
+// All that a report is about.
+struct RunFacts {
+  Options options;
+  Parameters parameters;
+  std::map<std::string, std::string> reasons;  // of the parameters, by name
+  SeparationGuarantee guarantee;
+  double pose_error_m = 0;
+  std::string device;
+  std::uint64_t output_trips = 0;
+  std::string last_trip;
+  double wall_s = 0;
+  std::vector<std::string> warnings;
+};
+
+// "0.67 mm at every frame, 0.51 mm between frames", or "none ...".
+std::string guarantee_text(const SeparationGuarantee& guarantee);
+
+std::string start_text(const Simulation& simulation, const RunFacts& facts);
+std::string end_text(const RunFacts& facts, const LoopStatistics& statistics);
+nlohmann::ordered_json report_json(const RunFacts& facts, const LoopStatistics& statistics);
+
+}  // namespace forcelayer::voxrun

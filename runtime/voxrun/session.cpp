@@ -1,0 +1,279 @@
+#include "runtime/voxrun/session.h"
+
+#include <cmath>
+#include <cstdio>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "formats/command/command.h"
+#include "runtime/derive_parameters.h"
+#include "runtime/devices/sim_device.h"
+#include "runtime/force_field.h"
+#include "runtime/loop.h"
+#include "runtime/real_time.h"
+#include "runtime/recording.h"
+#include "runtime/separation.h"
+#include "runtime/servo.h"
+#include "runtime/voxrun/frame_sinks.h"
+#include "runtime/voxrun/report.h"
+#include "runtime/voxrun/trace_writer.h"
+
+namespace forcelayer::voxrun {
+namespace {
+
+constexpr std::size_t kRingFrames = 1 << 14;  // 16 s of a stalled disk at 1 kHz
+constexpr double kSizeRatioWarning = 100;     // DESIGN 2: units are the likely cause
+
+// Everything that a run needs, in the order in which it is built.
+struct Session {
+  RunFacts facts;
+  DevicePlacement placement;
+  std::optional<Recording> recording;
+  std::unique_ptr<SimDevice> device;
+  std::optional<double> motion_end_s;
+  std::unique_ptr<InputSource> input;
+  ReplayInput* replay = nullptr;  // the input, where it is one
+  std::unique_ptr<Simulation> simulation;
+  State start;
+};
+
+Status make_device(const Options& options, Session& session) {
+  session.placement = {options.world_from_device, options.motion_scale};
+  MotionScript script = MotionScript::still({});
+  if (!options.motion.empty()) {
+    auto read = MotionScript::read(options.motion);
+    if (!read) return read.error();
+    script = std::move(*read);
+    session.motion_end_s = script.end_s();
+  }
+  session.device = std::make_unique<SimDevice>(std::move(script), session.placement);
+  session.input = std::make_unique<DeviceInput>(*session.device, session.placement);
+  session.facts.device = options.device;
+  return session.device->start();
+}
+
+Status open_recording(const Options& options, const Voxmap& voxmap, const Pshell& shell,
+                      Session& session) {
+  auto recording = Recording::open(options.replay);
+  if (!recording) return recording.error();
+  if (Status same = recording->check_files(voxmap, shell); !same) return same;
+  session.recording = std::move(*recording);
+  auto replay = std::make_unique<ReplayInput>(*session.recording);
+  session.replay = replay.get();
+  session.input = std::move(replay);
+  session.placement = session.recording->run().placement;
+  session.facts.device = options.device;
+  return {};
+}
+
+void warn_of_sizes(const Voxmap& voxmap, const Pshell& shell, std::vector<std::string>& warnings) {
+  const VoxmapHeader& map = voxmap.header();
+  const PshellHeader& part = shell.header();
+  if (part.covering_radius_m > map.voxel_size_m * std::sqrt(3.0) / 2 * 1.000001) {
+    warnings.push_back(
+        "the shell is coarser than the scene's voxels: small features may pass between its points");
+  }
+  double extent_m = 0;
+  for (const std::uint64_t dim : map.dims_voxels) {
+    extent_m = std::max(extent_m, static_cast<double>(dim) * map.voxel_size_m);
+  }
+  const double part_m = 2 * part.bounding_radius_m;
+  if (extent_m > 0 && part_m > 0 &&
+      (part_m > kSizeRatioWarning * extent_m || extent_m > kSizeRatioWarning * part_m)) {
+    warnings.push_back("scene and part differ more than a hundredfold in size: check their units");
+  }
+}
+
+Status check_guarantee(const Options& options, Session& session) {
+  RunFacts& facts = session.facts;
+  facts.pose_error_m = session.simulation->query().rounding_bound_m();
+  facts.guarantee = separation_guarantee(session.simulation->voxmap().header(),
+                                         session.simulation->shell().header(), facts.pose_error_m);
+  if ((facts.guarantee.tested_m && facts.guarantee.swept_m) || options.without_guarantee) return {};
+  return Error{
+      ErrorCode::kFilesDoNotMatch, options.part, "",
+      "no separation is guaranteed with this scene (" + guarantee_text(facts.guarantee) + ")",
+      "bake the scene with two layers or more, the part with a smaller --covering-radius, "
+      "or give --without-guarantee"};
+}
+
+// Registers the part where it starts, with no stretch unless both ends are given (DESIGN 6).
+State start_state(const Options& options, const Simulation& simulation, const Pose& handle) {
+  if (!options.world_from_part) {
+    return simulation.registered(handle * options.handle_from_part.value_or(Pose{}), handle);
+  }
+  State state = simulation.registered(*options.world_from_part, handle);
+  if (options.handle_from_part) {
+    state.handle_from_center = simulation.world_from_center(*options.handle_from_part);
+  }
+  return state;
+}
+
+Status prepare_simulation(const Options& options, Session& session) {
+  auto voxmap = Voxmap::open(options.scene);
+  if (!voxmap) return voxmap.error();
+  auto shell = Pshell::open(options.part);
+  if (!shell) return shell.error();
+  RunFacts& facts = session.facts;
+  warn_of_sizes(*voxmap, *shell, facts.warnings);
+  if (!options.replay.empty()) {
+    if (Status s = open_recording(options, *voxmap, *shell, session); !s) return s;
+    facts.parameters = session.recording->run().parameters;
+  } else {
+    if (Status s = make_device(options, session); !s) return s;
+    const ParameterRequest request{
+        options.model,        options.force.value_or(usual_force(options.model, *voxmap)),
+        options.braking,      options.rate_hz,
+        options.motion_scale, options.settings};
+    auto derived = derive_parameters(request, *voxmap, *shell, session.device->capabilities());
+    if (!derived) return derived.error();
+    facts.parameters = derived->values;
+    facts.reasons = derived->reasons;
+    facts.warnings.insert(facts.warnings.end(), derived->warnings.begin(), derived->warnings.end());
+  }
+  auto simulation = Simulation::create(std::move(*voxmap), std::move(*shell), facts.parameters);
+  if (!simulation) return simulation.error();
+  session.simulation = std::move(*simulation);
+  if (session.recording) {
+    session.start = session.recording->run().start;
+  } else {
+    const DeviceSample first = session.device->read(0);
+    session.start = start_state(options, *session.simulation,
+                                session.placement.world_from_handle(first.device_from_handle));
+  }
+  return {};
+}
+
+LoopOptions loop_options(const Options& options, const Session& session,
+                         const std::atomic<int>& stop) {
+  LoopOptions loop;
+  loop.as_fast_as_possible = options.as_fast_as_possible;
+  loop.stop = &stop;
+  const auto seconds = options.duration_s ? options.duration_s : session.motion_end_s;
+  // A millionth of a frame more, so that 0.3 s at 1 kHz is 300 frames and not 301.
+  if (seconds) {
+    loop.frames =
+        static_cast<std::uint64_t>(std::ceil(*seconds * session.facts.parameters.rate_hz - 1e-6));
+  }
+  return loop;
+}
+
+void make_real_time(const Options& options, std::vector<std::string>& warnings) {
+  if (options.as_fast_as_possible) return;
+  for (const auto& ask : {lock_memory, take_real_time_priority}) {
+    const auto refused = ask();
+    warnings.insert(warnings.end(), refused.begin(), refused.end());
+  }
+}
+
+OutputLimits output_limits(const Parameters& parameters) {
+  OutputLimits limits;
+  limits.max_force_n = parameters.max_force_n;
+  limits.max_torque_nm = parameters.max_torque_nm;
+  return limits;
+}
+
+void print_warnings(const RunFacts& facts, std::size_t first) {
+  for (std::size_t i = first; i < facts.warnings.size(); ++i) {
+    std::fprintf(stderr, "voxrun: warning: %s\n", facts.warnings[i].c_str());
+  }
+}
+
+// The files that frames are written to while the loop runs.
+struct FrameFiles {
+  std::optional<TraceWriter> trace;
+  std::optional<RecordingWriter> recording;
+
+  Status open(const Options& options, const Session& session) {
+    if (!options.trace.empty()) {
+      auto writer = TraceWriter::create(options.trace, *session.simulation);
+      if (!writer) return writer.error();
+      trace = std::move(*writer);
+    }
+    if (options.record.empty()) return {};
+    auto writer = RecordingWriter::create(
+        options.record, describe_run(*session.simulation, session.start, session.placement));
+    if (!writer) return writer.error();
+    recording.emplace(std::move(*writer));
+    return {};
+  }
+
+  std::vector<FrameSink> sinks() {
+    std::vector<FrameSink> all;
+    if (trace) all.push_back([this](const Frame& frame) { return trace->add(frame); });
+    if (recording) all.push_back([this](const Frame& frame) { return recording->add(frame); });
+    return all;
+  }
+
+  Status finish(std::uint64_t lost_frames) {
+    if (trace) {
+      if (Status s = trace->finish(); !s) return s;
+    }
+    return recording ? recording->finish(lost_frames) : Status{};
+  }
+};
+
+Status check_replay(const Session& session) {
+  if (session.replay == nullptr || session.replay->differing_frames() == 0) return {};
+  return Error{ErrorCode::kInternal, session.facts.options.replay,
+               "frame " + std::to_string(session.replay->first_difference()),
+               "gave another outcome than was recorded",
+               "replay with the program and on the kind of machine that recorded it"};
+}
+
+FrameSink progress_sink(const Options& options, const LoopOptions& loop, ProgressLine& line) {
+  return [&options, frames = loop.frames, &line](const Frame& frame) -> Status {
+    if (frames) line.show("running", static_cast<double>(frame.number) / double(*frames));
+    return {};
+  };
+}
+
+Status run_frames(const Options& options, Session& session, std::atomic<int>& stop,
+                  LoopStatistics& statistics) {
+  FrameFiles files;
+  if (Status opened = files.open(options, session); !opened) return opened;
+  const LoopOptions loop = loop_options(options, session, stop);
+  ProgressLine progress(options.quiet);
+  auto sinks = files.sinks();
+  sinks.push_back(progress_sink(options, loop, progress));
+  SpscRing<Frame> ring(kRingFrames);
+  FrameSinks frame_sinks(ring, std::move(sinks), stop);
+  Servo servo(*session.simulation, *session.input, session.start,
+              output_limits(session.facts.parameters));
+  const std::size_t warned = session.facts.warnings.size();
+  make_real_time(options, session.facts.warnings);
+  print_warnings(session.facts, warned);
+  const long long begin_ns = monotonic_ns();
+  run_loop(servo, loop, &ring, statistics);
+  session.facts.wall_s = static_cast<double>(monotonic_ns() - begin_ns) / 1e9;
+  session.facts.output_trips = servo.output().trips();
+  session.facts.last_trip = to_text(servo.output().last_trip());
+  if (Status drained = frame_sinks.finish(); !drained) return drained;
+  return files.finish(statistics.dropped_frames);
+}
+
+}  // namespace
+
+Status run_session(const Options& options, std::atomic<int>& stop) {
+  Session session;
+  session.facts.options = options;
+  if (Status s = prepare_simulation(options, session); !s) return s;
+  if (Status s = check_guarantee(options, session); !s) return s;
+  if (!options.quiet) {
+    std::cout << start_text(*session.simulation, session.facts) << std::flush;
+  }
+  print_warnings(session.facts, 0);
+  const auto statistics = std::make_unique<LoopStatistics>();
+  if (Status s = run_frames(options, session, stop, *statistics); !s) return s;
+  if (session.device) session.device->stop();
+  if (!options.quiet) std::cout << end_text(session.facts, *statistics) << std::flush;
+  if (!options.json.empty()) {
+    if (Status s = write_report(options.json, report_json(session.facts, *statistics)); !s) {
+      return s;
+    }
+  }
+  return check_replay(session);
+}
+
+}  // namespace forcelayer::voxrun

@@ -1,0 +1,15 @@
+// A run of voxrun, from the files to the report.
+#pragma once
+
+#include <atomic>
+
+#include "formats/result.h"
+#include "runtime/voxrun/options.h"
+
+namespace forcelayer::voxrun {
+
+// Runs until the duration, the motion or the recording ends, or `stop` is not 0 (then everything is
+// written all the same). Errors: of files, usage, device.
+Status run_session(const Options& options, std::atomic<int>& stop);
+
+}  // namespace forcelayer::voxrun

@@ -1,0 +1,95 @@
+#!/usr/bin/env bash
+# voxrun as a user meets it: runs, files, exit statuses, one line per error.
+set -euo pipefail
+bin=$FORCELAYER_BIN_DIR
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+cd "$scratch"
+"$bin/make_runtime_files" .
+
+fail() { echo "FAILED: $*" >&2; exit 1; }
+
+# expect STATUS PATTERN ARGUMENTS...: that exit status, and one line on stderr that matches.
+expect() {
+  local wanted=$1 pattern=$2 status=0
+  shift 2
+  "$bin/voxrun" "$@" >out.txt 2>err.txt || status=$?
+  [ "$status" -eq "$wanted" ] || { cat err.txt; fail "status $status instead of $wanted: $*"; }
+  if [ "$wanted" -ne 0 ]; then
+    [ "$(wc -l <err.txt)" -eq 1 ] || { cat err.txt; fail "not one line on stderr: $*"; }
+  fi
+  grep -qE -e "$pattern" err.txt out.txt || { cat out.txt err.txt; fail "no '$pattern': $*"; }
+}
+
+fast=(--device sim --motion press.csv --as-fast-as-possible)
+expect 0 'guaranteed separation: [0-9.]+ mm' floor.vox ball.pshell "${fast[@]}" \
+  --json run.json --trace run.csv --record run.flr
+expect 0 'PR' floor.vox ball.pshell --device replay --replay run.flr --as-fast-as-possible \
+  --json again.json --trace again.csv
+
+python3 - <<'PYTHON'
+import csv, json, math
+run, again = json.load(open("run.json")), json.load(open("again.json"))
+for key in """model frames force_layer_frames penetration_frames penetration_ratio guard_cuts
+outside_map_frames saturated_frames guaranteed_separation_m guaranteed_swept_separation_m step_ns
+deadline_misses max_force_n max_torque_nm energy_generated_j parameters""".split():
+    assert key in run, key
+assert all(k in run["step_ns"] for k in ("p50", "p99", "p999", "max"))
+assert run["frames"] == 700 and run["force_layer_frames"] > 100, run["frames"]
+assert run["outcome_hash"] == again["outcome_hash"]
+rho, e_pose = math.sqrt(3) / 2 * 0.005, run["pose_error_m"]
+assert abs(run["guaranteed_separation_m"] - (0.005 - 0.866 * 0.005 - e_pose)) < 1e-12
+rows, again_rows = list(csv.DictReader(open("run.csv"))), list(csv.DictReader(open("again.csv")))
+header = """t_s handle_x_m handle_y_m handle_z_m handle_qw handle_qx handle_qy handle_qz part_x_m
+part_y_m part_z_m part_qw part_qx part_qy part_qz force_x_n force_y_n force_z_n torque_x_nm
+torque_y_nm torque_z_nm points_proximity points_surface points_interior contacts guard_cuts
+step_ns""".split()
+assert list(rows[0]) == header
+for a, b in zip(rows, again_rows, strict=True):
+    assert all(a[k] == b[k] for k in header if k != "step_ns"), (a, b)
+touching = [r for r in rows if int(r["points_surface"]) + int(r["points_interior"]) > 0]
+assert len(touching) == run["force_layer_frames"]
+free = [r for r in rows if all(int(r["points_" + k]) == 0
+                               for k in ("proximity", "surface", "interior"))]
+assert free and all(float(r["force_z_n"]) == 0 and float(r["torque_x_nm"]) == 0 for r in free)
+assert max(float(r["force_z_n"]) for r in touching) > 0.5  # the slab pushes the hand up
+assert float(rows[0]["part_z_m"]) == 0.06 and rows[0]["t_s"] == "0"
+PYTHON
+
+# The clock: half a second in real time, neither much less nor more.
+begin=$(date +%s%N)
+expect 0 'deadline misses' floor.vox ball.pshell --duration 500ms --start 0.1,0.1,0.2
+took=$((($(date +%s%N) - begin) / 1000000))
+[ "$took" -ge 499 ] || fail "500 ms took $took ms"
+
+expect 1 'no such|not found|cannot|missing' none.vox ball.pshell "${fast[@]}"
+expect 1 'motion' floor.vox ball.pshell --motion none.csv
+expect 4 'ball.pshell' ball.pshell ball.pshell "${fast[@]}"
+expect 4 'floor.vox' floor.vox floor.vox "${fast[@]}"
+expect 4 'none' unlayered.vox ball.pshell "${fast[@]}"
+expect 4 'none' floor.vox coarse.pshell "${fast[@]}"
+expect 0 'coarser' floor.vox coarse.pshell "${fast[@]}" --without-guarantee
+expect 2 'required' floor.vox
+expect 2 '--model' floor.vox ball.pshell --model fancy
+expect 2 'duration' floor.vox ball.pshell --duration 5
+expect 2 'never end' floor.vox ball.pshell --as-fast-as-possible
+expect 2 'above zero' floor.vox ball.pshell "${fast[@]}" --mass -1
+expect 2 'line 3' floor.vox ball.pshell --motion <(printf 't_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0,0,1,0,0,0\n0,0,0,0,1,0,0,0\n') --as-fast-as-possible
+expect 2 'recording' floor.vox ball.pshell --device replay --replay run.flr --model paper
+head -c 5000 run.flr >cut.flr
+expect 4 'cut off' floor.vox ball.pshell --device replay --replay cut.flr
+
+# A replay with another scene is refused.
+expect 4 'recorded with' unlayered.vox ball.pshell --device replay --replay run.flr
+
+# Errors leave no output behind; a signal ends the run in order, with its report.
+rm -f bad.json bad.csv
+expect 4 'none' floor.vox coarse.pshell "${fast[@]}" --json bad.json --trace bad.csv
+[ ! -e bad.json ] && [ ! -e bad.csv ] || fail "output left behind"
+"$bin/voxrun" floor.vox ball.pshell --start 0.1,0.1,0.2 --json signal.json --quiet 2>err.txt &
+sleep 0.5
+kill -TERM $!
+status=0
+wait $! || status=$?
+[ "$status" -eq 143 ] || fail "status $status after SIGTERM"
+[ -s signal.json ] || fail "no report after SIGTERM"

@@ -1,0 +1,200 @@
+// Fields and points of a .pshell that lie, under right checksums.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "tests/support/file_surgery.h"
+#include "tests/support/golden_content.h"
+
+namespace forcelayer::testing {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr float kFloatNan = std::numeric_limits<float>::quiet_NaN();
+constexpr float kFloatInfinity = std::numeric_limits<float>::infinity();
+
+AlignedBytes shell_bytes() {
+  const auto [points, normals] = golden_points();
+  return AlignedBytes(pshell_bytes(TestShell(points, normals, golden_shell_options()).content()));
+}
+
+template <typename T>
+Result<Pshell> open_with(AlignedBytes& bytes, std::size_t offset, T value) {
+  write_at(bytes.bytes(), offset, value);
+  resign(bytes.bytes());
+  return Pshell::from_bytes(bytes.bytes(), "part.pshell", Verify::kStructureAndChecksums);
+}
+
+template <typename T>
+void expect_refused(std::size_t offset, T value, const char* field) {
+  SCOPED_TRACE(std::string(field) + " = " + std::to_string(value));
+  AlignedBytes bytes = shell_bytes();
+  const auto shell = open_with(bytes, offset, value);
+  ASSERT_FALSE(shell);
+  EXPECT_EQ(shell.error().code, ErrorCode::kFieldInvalid) << to_line(shell.error());
+  EXPECT_NE(shell.error().where.find(field), std::string::npos) << to_line(shell.error());
+}
+
+#define AT(field) offsetof(PshellHeader, field)
+
+TEST(PshellFields, Counts) {
+  for (const std::uint64_t wrong : {std::uint64_t{0}, kMaxShellPoints + 1, ~std::uint64_t{0}}) {
+    expect_refused(AT(point_count), wrong, "point_count");
+  }
+  expect_refused(AT(point_count), std::uint64_t{64}, "block_count");
+  expect_refused(AT(point_count), std::uint64_t{129}, "block_count");
+  for (const std::uint32_t wrong : {0u, 8u, 63u, 4112u, ~0u}) {
+    expect_refused(AT(block_points), wrong, "block_points");
+  }
+  expect_refused(AT(block_points), 128u, "block_count");
+  expect_refused(AT(super_block_blocks), 0u, "super_block_blocks");
+  expect_refused(AT(super_block_blocks), 4097u, "super_block_blocks");
+  expect_refused(AT(super_block_blocks), 2u, "super_block_count");
+  expect_refused(AT(block_count), ~std::uint64_t{0}, "block_count");
+  expect_refused(AT(super_block_count), std::uint64_t{0}, "super_block_count");
+}
+
+TEST(PshellFields, Numbers) {
+  for (const double wrong : {-1e-9, kInfinity, kNan}) {
+    expect_refused(AT(covering_radius_m), wrong, "covering_radius_m");
+    expect_refused(AT(bounding_radius_m), wrong, "bounding_radius_m");
+    expect_refused(AT(part_deviation_m), wrong, "part_deviation_m");
+    expect_refused(AT(area_m2), wrong, "area_m2");
+    expect_refused(AT(inertia_m2) + 16, wrong, "inertia_m2");
+    expect_refused(AT(voxel_size_m), wrong, "voxel_size_m");
+  }
+  expect_refused(AT(voxel_size_m), 0.0, "voxel_size_m");
+  for (const double wrong : {kInfinity, kNan}) {
+    expect_refused(AT(center_m) + 8, wrong, "center_m");
+    expect_refused(AT(inertia_m2) + 40, wrong, "inertia_m2");
+  }
+  for (const double wrong : {1.0, -1.0, kNan}) expect_refused(AT(volume_m3), wrong, "volume_m3");
+  expect_refused(AT(mass_source), 0u, "volume_m3");
+  expect_refused(AT(mass_source), 2u, "mass_source");
+  expect_refused(AT(method), 2u, "method");
+  expect_refused(AT(reserved) + 23, std::uint8_t{1}, "reserved");
+}
+
+#undef AT
+
+std::size_t element(const AlignedBytes& bytes, PshellSection section, std::size_t index,
+                    std::size_t element_bytes = 4) {
+  return section_offset(bytes.bytes(), static_cast<std::uint32_t>(section)) + element_bytes * index;
+}
+
+void expect_bad_element(PshellSection section, std::size_t index, float value,
+                        const std::string& where) {
+  SCOPED_TRACE(where + " = " + std::to_string(value));
+  AlignedBytes bytes = shell_bytes();
+  const auto shell = open_with(bytes, element(bytes, section, index), value);
+  ASSERT_FALSE(shell);
+  EXPECT_EQ(shell.error().code, ErrorCode::kEntryInvalid);
+  EXPECT_EQ(shell.error().where, where) << to_line(shell.error());
+}
+
+TEST(PshellElements, Points) {
+  for (const float wrong : {kFloatNan, kFloatInfinity, 3e38f, 1.0f}) {
+    expect_bad_element(PshellSection::kPositionX, 0, wrong, "x, y, z entry 0");
+    expect_bad_element(PshellSection::kPositionY, 63, wrong, "x, y, z entry 63");
+    expect_bad_element(PshellSection::kPositionZ, 99, wrong, "x, y, z entry 99");
+  }
+}
+
+TEST(PshellElements, Normals) {
+  for (const float wrong : {kFloatNan, kFloatInfinity, 0.5f, 2.0f}) {
+    expect_bad_element(PshellSection::kNormalX, 1, wrong, "normals entry 1");
+    expect_bad_element(PshellSection::kNormalZ, 98, wrong, "normals entry 98");
+  }
+}
+
+TEST(PshellElements, WeightsAndCones) {
+  for (const float wrong : {kFloatNan, kFloatInfinity, -1e-9f}) {
+    expect_bad_element(PshellSection::kWeight, 5, wrong, "weight entry 5");
+  }
+  for (const float wrong : {kFloatNan, -1.5f, 1.01f}) {
+    expect_bad_element(PshellSection::kNormalCones, 5, wrong, "normal cones entry 5");
+  }
+}
+
+TEST(PshellElements, Padding) {
+  expect_bad_element(PshellSection::kPositionX, 100, 0.25f, "point sections entry 100");
+  expect_bad_element(PshellSection::kNormalY, 127, 0.25f, "point sections entry 127");
+  expect_bad_element(PshellSection::kWeight, 110, 1e-9f, "point sections entry 110");
+  expect_bad_element(PshellSection::kWeight, 110, -0.0f, "point sections entry 110");
+}
+
+TEST(PshellElements, Spheres) {
+  for (std::size_t index = 0; index < 2; ++index) {
+    for (std::size_t part = 0; part < 4; ++part) {
+      for (const float wrong : {kFloatNan, kFloatInfinity, -0.5f}) {
+        const std::string number = std::to_string(index);
+        expect_bad_element(PshellSection::kBlocks, 4 * index + part, wrong,
+                           "blocks entry " + number);
+        expect_bad_element(PshellSection::kSuperBlocks, 4 * index + part, wrong,
+                           "super-blocks entry " + number);
+      }
+    }
+  }
+}
+
+// The next smaller radius that a float can hold no longer holds the farthest point.
+TEST(PshellElements, SpheresThatJustMissAPoint) {
+  const AlignedBytes whole = shell_bytes();
+  const auto shell = Pshell::from_bytes(whole.bytes(), "part.pshell");
+  ASSERT_TRUE(shell);
+  const PshellView& v = shell->view();
+  const BoundingSphere sphere = v.blocks[0];
+  double farthest = 0;
+  for (std::size_t i = 0; i < v.block_points; ++i) {
+    const double dx = double{v.x[i]} - sphere.x, dy = double{v.y[i]} - sphere.y,
+                 dz = double{v.z[i]} - sphere.z;
+    farthest = std::max(farthest, dx * dx + dy * dy + dz * dz);
+  }
+  auto radius = static_cast<float>(std::sqrt(farthest));
+  while (double{radius} * radius >= farthest) radius = std::nextafter(radius, 0.0f);
+  expect_bad_element(PshellSection::kBlocks, 3, radius, "blocks entry 0");
+  AlignedBytes bytes = shell_bytes();
+  EXPECT_TRUE(
+      open_with(bytes, element(bytes, PshellSection::kBlocks, 3), std::nextafter(radius, 1.0f)));
+}
+
+TEST(PshellCorruption, IsRefusedOrHarmless) {
+  const AlignedBytes whole = shell_bytes();
+  int accepted = 0, refused = 0;
+  for (std::uint64_t seed = 1; seed <= 3000; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    std::mt19937_64 random(seed);
+    AlignedBytes bytes(whole.bytes());
+    const std::size_t limit = seed % 2 ? bytes.bytes().size() : 700;
+    for (std::uint64_t place = 0; place <= random() % 3; ++place) {
+      const std::size_t at = 64 + random() % (limit - 64);
+      bytes.bytes()[at] ^= static_cast<std::byte>(1u << (random() % 8));
+    }
+    resign(bytes.bytes());
+    const auto shell =
+        Pshell::from_bytes(bytes.bytes(), "part.pshell", Verify::kStructureAndChecksums);
+    if (!shell) {
+      EXPECT_EQ(exit_status(shell.error().code), 4);
+      EXPECT_FALSE(shell.error().where.empty());
+      ++refused;
+      continue;
+    }
+    const PshellView& v = shell->view();
+    double sum = 0;
+    for (std::size_t i = 0; i < v.block_count * v.block_points; ++i) {
+      sum += v.x[i] + v.y[i] + v.z[i] + v.nx[i] + v.ny[i] + v.nz[i] + v.weight_m2[i];
+      if (v.cone_cos) sum += v.cone_cos[i];
+    }
+    for (std::size_t i = 0; i < v.block_count; ++i) sum += v.blocks[i].radius;
+    EXPECT_TRUE(std::isfinite(sum));
+    ++accepted;
+  }
+  EXPECT_GT(accepted, 50);
+  EXPECT_GT(refused, 50);
+}
+
+}  // namespace
+}  // namespace forcelayer::testing

@@ -1,0 +1,179 @@
+// Recordings: there and back, bit for bit; and everything that a broken file can be.
+#include "runtime/recording.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "runtime/derive_parameters.h"
+#include "runtime/devices/sim_device.h"
+#include "runtime/loop.h"
+#include "tests/support/random_scenes.h"
+#include "tests/support/scratch_folder.h"
+
+namespace forcelayer::test {
+namespace {
+
+constexpr double kS = 0.005;
+
+std::unique_ptr<Simulation> simulation() {
+  Voxmap voxmap =
+      make_voxmap(offset_scene(kS, {0, 0, -2}, {32, 32, 8}, 2, [](Voxel v) { return v[2] <= 0; }));
+  Pshell shell = make_pshell(sphere_part(0.02, 200, kS));
+  const auto derived = derive_parameters({}, voxmap, shell, sim_capabilities());
+  EXPECT_TRUE(derived);
+  auto created = Simulation::create(std::move(voxmap), std::move(shell), derived->values);
+  EXPECT_TRUE(created);
+  return std::move(*created);
+}
+
+// A wild hand: jumps, turns, broken samples.
+class WildInput final : public InputSource {
+ public:
+  explicit WildInput(std::uint64_t seed) : random_(seed) {}
+  bool next(double, double, StepInput& input) noexcept override {
+    Pose& pose = input.world_from_handle;
+    pose.position_m = {0.08, 0.08, uniform(random_, 0.02, 0.06)};
+    pose.orientation = random_orientation(random_);
+    input.handle_velocity = {random_direction(random_), random_direction(random_)};
+    input.valid = random_() % 20 != 0;
+    input.buttons = static_cast<std::uint32_t>(random_());
+    if (random_() % 50 == 0) pose.position_m.x = std::numeric_limits<double>::quiet_NaN();
+    return true;
+  }
+  void output(const Frame&) noexcept override {}
+  void silence() noexcept override {}
+  const DevicePlacement& placement() const override { return placement_; }
+
+ private:
+  Random random_;
+  DevicePlacement placement_;
+};
+
+void record(const std::filesystem::path& path, std::uint64_t seed, int frames,
+            std::uint64_t lost_frames = 0) {
+  auto sim = simulation();
+  WildInput input(seed);
+  const Pose start{{0.08, 0.08, 0.05}, {1, 0, 0, 0}};
+  const State state = sim->registered(start, start);
+  auto writer = RecordingWriter::create(path, describe_run(*sim, state, {}));
+  ASSERT_TRUE(writer);
+  Servo servo(*sim, input, state, {});
+  Frame frame;
+  for (int i = 0; i < frames; ++i) {
+    servo.tick(frame);
+    ASSERT_TRUE(writer->add(frame));
+  }
+  ASSERT_TRUE(writer->finish(lost_frames));
+}
+
+std::string read_bytes(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+Result<Recording> open_bytes(const std::string& bytes) {
+  const ScratchFolder folder;
+  std::ofstream(folder / "cut.flr", std::ios::binary) << bytes;
+  return Recording::open(folder / "cut.flr");
+}
+
+TEST(Recording, ReplaysBitForBit) {
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    const ScratchFolder folder;
+    record(folder / "run.flr", seed, 3000);
+    const auto recording = Recording::open(folder / "run.flr");
+    ASSERT_TRUE(recording);
+    EXPECT_EQ(recording->frames().size(), 3000u);
+    auto sim = simulation();
+    ASSERT_TRUE(recording->check_files(sim->voxmap(), sim->shell()));
+    ReplayInput input(*recording);
+    Servo servo(*sim, input, recording->run().start, {});
+    LoopOptions options;
+    options.as_fast_as_possible = true;
+    const auto statistics = std::make_unique<LoopStatistics>();
+    run_loop(servo, options, nullptr, *statistics);
+    EXPECT_EQ(statistics->frames, 3000u);
+    EXPECT_GT(statistics->faulty_frames, 100u);
+    EXPECT_GT(statistics->force_layer_frames, 50u);
+    EXPECT_EQ(input.differing_frames(), 0u) << "seed " << seed;
+  }
+}
+
+// The comparison itself must see a difference of one bit.
+TEST(Recording, AReplayThatDiffersIsSeen) {
+  const ScratchFolder folder;
+  record(folder / "run.flr", 7, 100);
+  auto bytes = read_bytes(folder / "run.flr");
+  const std::size_t frame_50 = bytes.size() - sizeof(RecordingTrailer) - 50 * sizeof(RecordedFrame);
+  bytes[frame_50 + offsetof(RecordedFrame, world_from_handle)] ^= 1;  // lowest bit of x
+  const auto recording = open_bytes(bytes);
+  ASSERT_TRUE(recording);
+  auto sim = simulation();
+  ReplayInput input(*recording);
+  Servo servo(*sim, input, recording->run().start, {});
+  Frame frame;
+  while (servo.tick(frame)) {
+  }
+  EXPECT_GT(input.differing_frames(), 0u);
+  EXPECT_GE(input.first_difference(), 50u);
+}
+
+TEST(Recording, EveryPrefixAndEveryTrailIsAnError) {
+  const ScratchFolder folder;
+  record(folder / "run.flr", 1, 3);
+  const std::string bytes = read_bytes(folder / "run.flr");
+  ASSERT_TRUE(open_bytes(bytes));
+  for (std::size_t size = bytes.size(); size-- > 0;) {
+    std::filesystem::resize_file(folder / "run.flr", size);
+    const auto cut = Recording::open(folder / "run.flr");
+    ASSERT_FALSE(cut) << size;
+    EXPECT_EQ(exit_status(cut.error().code), 4) << size;
+  }
+  EXPECT_FALSE(open_bytes(bytes + '\0'));
+  EXPECT_FALSE(open_bytes(bytes + std::string(128, '\0')));
+}
+
+TEST(Recording, FieldsOutOfRangeAreNamed) {
+  const ScratchFolder folder;
+  record(folder / "run.flr", 1, 3);
+  const std::string bytes = read_bytes(folder / "run.flr");
+  const struct {
+    std::size_t offset;
+    char value;
+    ErrorCode code;
+  } cases[] = {
+      {0, 'x', ErrorCode::kNotThisFormat},  {8, 0x01, ErrorCode::kWrongEndianness},
+      {12, 2, ErrorCode::kUnknownVersion},  {16, 17, ErrorCode::kFieldInvalid},
+      {21, 127, ErrorCode::kFieldInvalid},   // parameter_count beyond the limit
+      {24, 64, ErrorCode::kFieldInvalid},    // frame_bytes
+      {28, 99, ErrorCode::kFieldInvalid},    // model
+      {32, 99, ErrorCode::kFieldInvalid},    // force
+      {36, 2, ErrorCode::kFieldInvalid},     // braking
+      {87, 0x7f, ErrorCode::kFieldInvalid},  // a quaternion that is not unit
+      {231, -1, ErrorCode::kFieldInvalid},   // negative motion scale
+      {240, 1, ErrorCode::kFieldInvalid},    // reserved
+      {256, 'X', ErrorCode::kFieldInvalid},  // an unknown name where a needed one stood
+  };
+  for (const auto& c : cases) {
+    std::string broken = bytes;
+    broken[c.offset] = c.value;
+    const auto opened = open_bytes(broken);
+    ASSERT_FALSE(opened) << c.offset;
+    EXPECT_EQ(opened.error().code, c.code) << c.offset;
+  }
+  std::string newer = bytes;
+  newer[14] = 1;  // a higher minor version is read
+  EXPECT_TRUE(open_bytes(newer));
+}
+
+TEST(Recording, LostFramesMakeItUseless) {
+  const ScratchFolder folder;
+  record(folder / "run.flr", 1, 3, 2);
+  const auto recording = Recording::open(folder / "run.flr");
+  ASSERT_FALSE(recording);
+  EXPECT_NE(recording.error().what.find("2 frames were lost"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace forcelayer::test

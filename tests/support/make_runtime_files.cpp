@@ -1,0 +1,48 @@
+// make_runtime_files FOLDER: writes floor.vox (a slab, 5 mm voxels, two layers: the force layer is
+// z in [10, 15) mm), unlayered.vox (the same without layers), ball.pshell (a sphere of 20 mm),
+// coarse.pshell (the same, a covering radius of two voxels), press.csv (a hand that comes down on
+// the slab, slides and leaves) in FOLDER.
+#include <cstdio>
+#include <fstream>
+
+#include "tests/support/point_part.h"
+#include "tests/support/voxel_scene.h"
+
+namespace forcelayer::test {
+namespace {
+
+constexpr double kVoxelSizeM = 0.005;
+
+void write_motion(const std::filesystem::path& path) {
+  std::ofstream file(path);
+  file << "t_s,x_m,y_m,z_m,qw,qx,qy,qz\n"
+          "0,0.1,0.1,0.06,1,0,0,0\n"
+          "0.2,0.1,0.1,0.03,1,0,0,0\n"
+          "0.5,0.14,0.1,0.03,0.98,0,0,0.2\n"
+          "0.7,0.14,0.1,0.07,1,0,0,0\n";
+}
+
+int run(const std::filesystem::path& folder) {
+  const auto slab = [](Voxel v) { return v[2] <= 0; };
+  VoxelScene floor = offset_scene(kVoxelSizeM, {0, 0, -2}, {48, 40, 8}, 2, slab);
+  save_voxmap(folder / "floor.vox", floor);
+  save_voxmap(folder / "unlayered.vox",
+              offset_scene(kVoxelSizeM, {0, 0, -2}, {48, 40, 8}, 0, slab));
+  PointPart ball = sphere_part(0.02, 400, kVoxelSizeM);
+  save_pshell(folder / "ball.pshell", ball);
+  ball.covering_radius_m = 2 * kVoxelSizeM;
+  save_pshell(folder / "coarse.pshell", ball);
+  write_motion(folder / "press.csv");
+  return 0;
+}
+
+}  // namespace
+}  // namespace forcelayer::test
+
+int main(int argc, char** argv) {
+  if (argc != 2) {
+    std::fprintf(stderr, "usage: make_runtime_files FOLDER\n");
+    return 2;
+  }
+  return forcelayer::test::run(argv[1]);
+}

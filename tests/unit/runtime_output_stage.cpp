@@ -1,0 +1,124 @@
+// Arming, limits and failing of the output.
+#include "runtime/output_stage.h"
+
+#include <gtest/gtest.h>
+
+#include <glm/geometric.hpp>
+#include <limits>
+
+namespace forcelayer::test {
+namespace {
+
+constexpr double kDt = 0.001;
+
+OutputLimits limits() {
+  OutputLimits l;
+  l.max_force_n = 10;
+  l.max_torque_nm = 0.5;
+  return l;
+}
+
+OutputFrame frame(double force_n) {
+  OutputFrame f;
+  f.wanted.force_n = {force_n, 0, 0};
+  f.free_of_contact = true;
+  return f;
+}
+
+// A stage that has ramped in and holds `force_n`.
+OutputStage armed(double force_n) {
+  OutputStage stage(limits());
+  for (int i = 0; i < 300; ++i) stage.pass(frame(force_n), kDt);
+  EXPECT_EQ(stage.state(), OutputState::kArmed);
+  return stage;
+}
+
+TEST(OutputStage, RampsInOver200Milliseconds) {
+  OutputStage stage(limits());
+  double last = 0;
+  for (int i = 1; i <= 200; ++i) {
+    const double x = stage.pass(frame(4), kDt).force_n.x;
+    EXPECT_NEAR(x, 4 * i / 200.0, 1e-12);
+    EXPECT_GE(x, last);
+    last = x;
+  }
+  EXPECT_EQ(stage.pass(frame(4), kDt).force_n.x, 4);
+}
+
+TEST(OutputStage, DoesNotArmInAStretchedContact) {
+  OutputStage stage(limits());
+  OutputFrame f = frame(4);
+  f.free_of_contact = false;
+  for (int i = 0; i < 10; ++i) EXPECT_EQ(stage.pass(f, kDt).force_n.x, 0);
+  EXPECT_EQ(stage.state(), OutputState::kWaiting);
+  f.unstretched = true;
+  EXPECT_GT(stage.pass(f, kDt).force_n.x, 0);
+}
+
+TEST(OutputStage, NeverExceedsTheLimits) {
+  OutputStage stage = armed(1);
+  OutputFrame f = frame(0);
+  f.wanted = {{300, -400, 0}, {0, 0, -7}};
+  Wrench out;
+  for (int i = 0; i < 50; ++i) {
+    out = stage.pass(f, kDt);
+    EXPECT_LE(glm::length(out.force_n), 10 * (1 + 1e-15));
+    EXPECT_LE(glm::length(out.torque_nm), 0.5 * (1 + 1e-15));
+  }
+  EXPECT_NEAR(glm::length(out.force_n - glm::dvec3(6, -8, 0)), 0, 1e-12);
+}
+
+TEST(OutputStage, LimitsHowFastTheOutputRisesButNotHowFastItVanishes) {
+  OutputStage stage = armed(0);
+  EXPECT_NEAR(stage.pass(frame(10), kDt).force_n.x, 2, 1e-12);  // 10 N in 5 ms
+  EXPECT_NEAR(stage.pass(frame(10), kDt).force_n.x, 4, 1e-12);
+  EXPECT_EQ(stage.pass(frame(0), kDt).force_n.x, 0);
+}
+
+TEST(OutputStage, ASingleFaultyFrameIsABlip) {
+  OutputStage stage = armed(1);
+  OutputFrame f = frame(0);
+  f.faulty = true;
+  EXPECT_EQ(stage.pass(f, kDt).force_n.x, 0);
+  EXPECT_EQ(stage.state(), OutputState::kArmed);
+  EXPECT_EQ(stage.pass(frame(1), kDt).force_n.x, 1);
+}
+
+TEST(OutputStage, LastingFaultsTripAndArmAgainWithARamp) {
+  OutputStage stage = armed(1);
+  OutputFrame f = frame(0);
+  f.faulty = true;
+  for (int i = 0; i < 7; ++i) EXPECT_EQ(stage.pass(f, kDt).force_n.x, 0);
+  EXPECT_EQ(stage.state(), OutputState::kTripped);
+  EXPECT_EQ(stage.last_trip(), TripCause::kStaleInput);
+  EXPECT_NEAR(stage.pass(frame(1), kDt).force_n.x, 1 / 200.0, 1e-12);
+}
+
+TEST(OutputStage, WhatIsNotFiniteNeverPasses) {
+  for (const double bad :
+       {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    OutputStage stage = armed(1);
+    OutputFrame f = frame(0);
+    f.wanted.torque_nm.y = bad;
+    const Wrench out = stage.pass(f, kDt);
+    EXPECT_EQ(out.force_n, glm::dvec3(0));
+    EXPECT_EQ(out.torque_nm, glm::dvec3(0));
+    EXPECT_EQ(stage.last_trip(), TripCause::kNotFinite);
+  }
+}
+
+TEST(OutputStage, AHandTooFastTripsAndStaysTripped) {
+  OutputLimits l = limits();
+  l.rearm_alone = false;
+  OutputStage stage(l);
+  for (int i = 0; i < 300; ++i) stage.pass(frame(1), kDt);
+  OutputFrame f = frame(1);
+  f.speed_mps = 6;
+  EXPECT_EQ(stage.pass(f, kDt).force_n.x, 0);
+  EXPECT_EQ(stage.last_trip(), TripCause::kOverSpeed);
+  for (int i = 0; i < 300; ++i) EXPECT_EQ(stage.pass(frame(1), kDt).force_n.x, 0);
+  EXPECT_EQ(stage.trips(), 1u);
+}
+
+}  // namespace
+}  // namespace forcelayer::test

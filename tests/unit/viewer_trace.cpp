@@ -1,0 +1,71 @@
+// The reader of traces.
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "runtime/viewer/trace.h"
+#include "tests/support/scratch_folder.h"
+
+namespace forcelayer {
+namespace {
+
+const std::string kHeader =
+    "t_s,handle_x_m,handle_y_m,handle_z_m,handle_qw,handle_qx,handle_qy,handle_qz,part_x_m,"
+    "part_y_m,part_z_m,part_qw,part_qx,part_qy,part_qz,force_x_n,force_y_n,force_z_n,torque_x_nm,"
+    "torque_y_nm,torque_z_nm,points_proximity,points_surface,points_interior,contacts,guard_cuts,"
+    "step_ns,more";
+
+std::string row(double time_s, double force_n) {
+  return std::to_string(time_s) + ",1,2,3,1,0,0,0,4,5,6,0,0,0,2," + std::to_string(force_n) +
+         ",0,0,0.1,0.2,0.3,7,8,9,10,11,1200.5,x";
+}
+
+Result<std::vector<TraceRow>> read_text(const std::string& text) {
+  const test::ScratchFolder folder;
+  std::ofstream(folder / "trace.csv") << text;
+  return read_trace(folder / "trace.csv");
+}
+
+TEST(Trace, ReadsEveryColumnByName) {
+  const auto rows = read_text(kHeader + "\r\n" + row(0.5, 2) + "\r\n" + row(0.501, -3) + "\n");
+  ASSERT_TRUE(rows) << to_line(rows.error());
+  ASSERT_EQ(rows->size(), 2u);
+  const TraceRow& first = rows->front();
+  EXPECT_EQ(first.time_s, 0.5);
+  EXPECT_EQ(first.world_from_handle.position_m, glm::dvec3(1, 2, 3));
+  EXPECT_EQ(first.world_from_part.position_m, glm::dvec3(4, 5, 6));
+  EXPECT_EQ(first.world_from_part.orientation.z, 1);  // normalised
+  EXPECT_EQ(first.on_hand.force_n, glm::dvec3(2, 0, 0));
+  EXPECT_EQ(first.on_hand.torque_nm, glm::dvec3(0.1, 0.2, 0.3));
+  EXPECT_EQ(first.points_proximity, 7u);
+  EXPECT_EQ(first.points_surface, 8u);
+  EXPECT_EQ(first.points_interior, 9u);
+  EXPECT_EQ(first.contacts, 10u);
+  EXPECT_EQ(first.guard_cuts, 11u);
+  EXPECT_EQ(first.step_ns, 1200.5);
+  EXPECT_EQ(strongest_row(*rows), 1u);
+}
+
+TEST(Trace, FindsTheRowAtATime) {
+  const auto rows = read_text(kHeader + "\n" + row(1, 0) + "\n" + row(2, 0) + "\n" + row(3, 0));
+  ASSERT_TRUE(rows);
+  EXPECT_EQ(row_at(*rows, 0), 0u);
+  EXPECT_EQ(row_at(*rows, 2), 1u);
+  EXPECT_EQ(row_at(*rows, 2.9), 1u);
+  EXPECT_EQ(row_at(*rows, 99), 2u);
+}
+
+TEST(Trace, RefusesWhatItCannotRead) {
+  EXPECT_EQ(read_trace("/nowhere/trace.csv").error().code, ErrorCode::kFileNotFound);
+  EXPECT_EQ(read_text("").error().code, ErrorCode::kNotThisFormat);
+  EXPECT_EQ(read_text("t_s,force\n1,2\n").error().code, ErrorCode::kNotThisFormat);
+  EXPECT_EQ(read_text(kHeader + "\n").error().code, ErrorCode::kNotThisFormat);
+  const auto cut = read_text(kHeader + "\n" + row(1, 0) + "\n1,2,3\n");
+  EXPECT_EQ(cut.error().code, ErrorCode::kFieldInvalid);
+  EXPECT_EQ(cut.error().where, "line 3");
+  EXPECT_EQ(read_text(kHeader + "\nnan" + row(1, 0).substr(8)).error().code,
+            ErrorCode::kFieldInvalid);
+}
+
+}  // namespace
+}  // namespace forcelayer
