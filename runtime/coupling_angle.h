@@ -1,6 +1,8 @@
 // The coupling's angle as a continuous function of the motion, past half a turn.
 #pragma once
 
+#include <cmath>
+
 #include "runtime/pose.h"
 
 namespace forcelayer {
@@ -10,5 +12,15 @@ namespace forcelayer {
 // the hand turns on past pi is still pulled back the way it came.
 glm::dvec3 continuous_angle(const Pose& world_from_center, const Pose& world_from_target,
                             const glm::dvec3& last) noexcept;
+
+// Share of the coupling's torque at an angle: all of it up to three quarters of a turn, fading to
+// nothing at a whole turn, where the part is at its target again and no axis is left. So the torque
+// is continuous there too.
+double torque_share(double angle_rad) noexcept;
+
+// Integral of the above from three quarters of a turn to `angle_rad`, rad; 0 below.
+double faded_angle_rad(double angle_rad) noexcept;
+
+inline constexpr double kFullTorqueRad = 1.5 * M_PI;
 
 }  // namespace forcelayer

@@ -8,6 +8,7 @@
 
 #include "runtime/coupling_angle.h"
 #include "runtime/motion_allowance.h"
+#include "runtime/passivity.h"
 #include "runtime/principal_inertia.h"
 
 namespace forcelayer {
@@ -80,10 +81,10 @@ StepResult DefaultModel::step(State& state, const StepInput& input, double dt_s)
   const bool hand_still = state.has_target != 0 &&
                           same_bits(target.world_from_center, state.target) &&
                           same_bits(target.velocity, state.target_velocity);
-  remember_target(state, target, dt_s);
+  refill_allowance(state, target, dt_s);
   if (!hand_still) state.settled = 0;
   if (state.settled == 0) move(state, target, dt_s, result.report);
-  result.wrench = wrench_on_hand(state, target, result.report);
+  result.wrench = wrench_on_hand(state, target, dt_s, result.report);
   StepReport& report = result.report;
   report.world_from_center = state.world_from_center;
   report.interior = here_.interior;
@@ -101,8 +102,8 @@ void DefaultModel::look_up_here(const Pose& pose) noexcept {
   here_known_ = true;
 }
 
-void DefaultModel::remember_target(State& state, const CouplingTarget& target,
-                                   double dt_s) const noexcept {
+void DefaultModel::refill_allowance(State& state, const CouplingTarget& target,
+                                    double dt_s) const noexcept {
   double work_j = 0;
   if (state.has_target != 0) {
     const Pose& now = target.world_from_center;
@@ -116,9 +117,6 @@ void DefaultModel::remember_target(State& state, const CouplingTarget& target,
   }
   const AllowanceLaw law{parameters_.allowance_j, parameters_.allowance_fade_s};
   state.allowance_j = faded_allowance_j(state.allowance_j, work_j, law, dt_s);
-  state.target = target.world_from_center;
-  state.target_velocity = target.velocity;
-  state.has_target = 1;
 }
 
 // One frame: motions of at most s/2 until the time or the look-ups are used up. What is left of the
@@ -152,13 +150,12 @@ DefaultModel::Motion DefaultModel::prepare(const State& state, const CouplingTar
   motion.start = vector6(state.velocity.linear_mps, state.velocity.angular_radps);
   system.momentum = system.inertia * motion.start;
   system.translation = translation_;
-  system.rotation = rotation_;
-  system.rotation.damping = turned(rotation_damping_, state.world_from_center.orientation);
   system.displacement = {target.world_from_center.position_m - state.world_from_center.position_m,
                          target.velocity.linear_mps};
   system.angle = {
       continuous_angle(state.world_from_center, target.world_from_center, state.coupling_angle_rad),
       target.velocity.angular_radps};
+  system.rotation = rotation_at(system.angle.displacement, state.world_from_center.orientation);
   system.dt_s = dt_s;
   motion.energy_before_j =
       kinetic_energy_j(mass_, state.world_from_center.orientation, state.velocity) +
@@ -226,6 +223,7 @@ bool DefaultModel::acceptable(const State& state, const Motion& motion,
                               double& rise_j) const noexcept {
   if (!no_new_interior(here_, there_)) return false;
   if (here_.interior > 0) return true;  // led out: slow, and its energy is not the scene's
+  if (here_.in_free_space() && there_.in_free_space()) return true;  // nothing to gain it from
   const glm::dvec3 angle_rad =
       continuous_angle(candidate, target.world_from_center, state.coupling_angle_rad);
   const double energy_j =
@@ -276,23 +274,52 @@ double DefaultModel::travel_m(const Vector6& velocity, double dt_s) const noexce
 
 double DefaultModel::potential_j(const glm::dvec3& displacement_m, const glm::dvec3& angle_rad,
                                  const ContactSet& set) const noexcept {
-  return spring_energy_j(translation_, displacement_m) + spring_energy_j(rotation_, angle_rad) +
+  return spring_energy_j(translation_, displacement_m) + angle_energy_j(angle_rad) +
          contact_energy_j(set, contact_);
 }
 
-Wrench DefaultModel::wrench_on_hand(const State& state, const CouplingTarget& target,
-                                    StepReport& report) const noexcept {
-  if (here_.in_free_space()) return {};
-  const Pose& part = state.world_from_center;
+// The rotational half at an angle and an orientation of the part.
+CouplingHalf DefaultModel::rotation_at(const glm::dvec3& angle_rad,
+                                       const glm::dquat& orientation) const noexcept {
   CouplingHalf rotation = rotation_;
-  rotation.damping = turned(rotation_damping_, part.orientation);
-  const HalfStretch displacement{target.world_from_center.position_m - part.position_m,
-                                 target.velocity.linear_mps};
-  const HalfStretch angle{
-      continuous_angle(part, target.world_from_center, state.coupling_angle_rad),
-      target.velocity.angular_radps};
-  const glm::dvec3 force_n = coupling_force(translation_, displacement, state.velocity.linear_mps);
-  const glm::dvec3 torque_nm = coupling_force(rotation, angle, state.velocity.angular_radps);
+  rotation.damping = turned(rotation_damping_, orientation);
+  const double angle = glm::length(angle_rad);
+  if (angle > kFullTorqueRad) {
+    rotation.limit = std::min(rotation_.limit, rotation_.stiffness * kFullTorqueRad);
+    rotation.limit *= torque_share(angle);
+  }
+  return rotation;
+}
+
+double DefaultModel::angle_energy_j(const glm::dvec3& angle_rad) const noexcept {
+  const double angle = glm::length(angle_rad);
+  if (angle <= kFullTorqueRad) return spring_energy_j(rotation_, angle_rad);
+  const double torque_nm = std::min(rotation_.limit, rotation_.stiffness * kFullTorqueRad);
+  return spring_energy_j(rotation_, angle_rad * (kFullTorqueRad / angle)) +
+         torque_nm * faded_angle_rad(angle);
+}
+
+// The coupling's reaction on the hand, less the stretch that the hand never paid for.
+Wrench DefaultModel::wrench_on_hand(State& state, const CouplingTarget& target, double dt_s,
+                                    StepReport& report) const noexcept {
+  const bool entering = state.in_contact == 0;
+  state.in_contact = here_.in_free_space() ? 0 : 1;
+  if (state.in_contact == 0) return {};
+  const Pose& part = state.world_from_center;
+  const glm::dvec3 stretch_m = target.world_from_center.position_m - part.position_m;
+  const glm::dvec3 angle_rad =
+      continuous_angle(part, target.world_from_center, state.coupling_angle_rad);
+  if (entering) {
+    state.held_back_m = stretch_m;
+    state.held_back_rad = angle_rad;
+  }
+  const glm::dvec3 felt_m = felt_stretch(stretch_m, state.held_back_m, dt_s);
+  const glm::dvec3 felt_rad = felt_stretch(angle_rad, state.held_back_rad, dt_s);
+  const glm::dvec3 force_n =
+      coupling_force(translation_, {felt_m, target.velocity.linear_mps}, state.velocity.linear_mps);
+  const glm::dvec3 torque_nm =
+      coupling_force(rotation_at(angle_rad, part.orientation),
+                     {felt_rad, target.velocity.angular_radps}, state.velocity.angular_radps);
   constexpr double kAtLimit = 1 - 1e-12;  // a clamped length is the limit but for rounding
   report.saturated = glm::length(force_n) >= kAtLimit * translation_.limit ||
                      glm::length(torque_nm) >= kAtLimit * rotation_.limit;

@@ -30,7 +30,7 @@ class DefaultModel {
   struct Motion;  // one sub-step in the making
 
   void look_up_here(const Pose& pose) noexcept;
-  void remember_target(State& state, const CouplingTarget& target, double dt_s) const noexcept;
+  void refill_allowance(State& state, const CouplingTarget& target, double dt_s) const noexcept;
   void move(State& state, const CouplingTarget& target, double dt_s, StepReport& report) noexcept;
   Motion prepare(const State& state, const CouplingTarget& target, double dt_s) const noexcept;
   void choose(Motion& motion, double remaining_s) noexcept;
@@ -44,11 +44,14 @@ class DefaultModel {
   double travel_m(const Vector6& velocity, double dt_s) const noexcept;
   double potential_j(const glm::dvec3& displacement_m, const glm::dvec3& angle_rad,
                      const ContactSet& set) const noexcept;
-  Wrench wrench_on_hand(const State& state, const CouplingTarget& target,
+  CouplingHalf rotation_at(const glm::dvec3& angle_rad,
+                           const glm::dquat& orientation) const noexcept;
+  double angle_energy_j(const glm::dvec3& angle_rad) const noexcept;
+  Wrench wrench_on_hand(State& state, const CouplingTarget& target, double dt_s,
                         StepReport& report) const noexcept;
 
   Parameters parameters_;
-  MassProperties mass_;
+  RigidMass mass_;
   ContactLaw contact_;
   CouplingHalf translation_, rotation_;
   glm::dmat3 rotation_damping_;  // N m s/rad, axes of the part

@@ -43,7 +43,10 @@ PrincipalInertia principal_inertia(const glm::dmat3& tensor) {
 glm::dmat3 tensor_of(const PrincipalInertia& inertia) {
   glm::dmat3 scaled = inertia.axes;
   for (int i = 0; i < 3; ++i) scaled[i] *= inertia.moments[i];
-  return scaled * glm::transpose(inertia.axes);
+  glm::dmat3 tensor = scaled * glm::transpose(inertia.axes);
+  for (int i = 1; i < 3; ++i)
+    for (int j = 0; j < i; ++j) tensor[i][j] = tensor[j][i];
+  return tensor;
 }
 
 }  // namespace forcelayer

@@ -15,7 +15,7 @@ struct PrincipalInertia {
 // By Jacobi rotations; for symmetric tensors.
 PrincipalInertia principal_inertia(const glm::dmat3& tensor);
 
-// axes * diag(moments) * axes^T
+// axes * diag(moments) * axes^T, symmetric to the last bit
 glm::dmat3 tensor_of(const PrincipalInertia& inertia);
 
 }  // namespace forcelayer

@@ -21,14 +21,14 @@ glm::dmat3 turned(const glm::dmat3& body, const glm::dquat& orientation) noexcep
   return rotation * body * glm::transpose(rotation);
 }
 
-double kinetic_energy_j(const MassProperties& mass, const glm::dquat& orientation,
+double kinetic_energy_j(const RigidMass& mass, const glm::dquat& orientation,
                         const Twist& velocity) noexcept {
   const glm::dvec3 body_radps = glm::conjugate(orientation) * velocity.angular_radps;
   return 0.5 * mass.mass_kg * glm::dot(velocity.linear_mps, velocity.linear_mps) +
          0.5 * glm::dot(body_radps, mass.inertia_kgm2 * body_radps);
 }
 
-Pose advance(const MassProperties& mass, const Pose& world_from_center, Twist& velocity,
+Pose advance(const RigidMass& mass, const Pose& world_from_center, Twist& velocity,
              double dt_s) noexcept {
   Pose moved = world_from_center;
   moved.position_m += velocity.linear_mps * dt_s;

@@ -7,8 +7,8 @@
 
 namespace forcelayer {
 
-// About the centroid, axes of the body.
-struct MassProperties {
+// What a rigid body resists motion with: about the centroid, axes of the body.
+struct RigidMass {
   double mass_kg = 1;
   glm::dmat3 inertia_kgm2{1};
   glm::dmat3 inverse_inertia_1pkgm2{1};
@@ -18,7 +18,7 @@ struct MassProperties {
 glm::dmat3 turned(const glm::dmat3& body, const glm::dquat& orientation) noexcept;
 
 // m v^2 / 2 + w I w / 2, at the given orientation.
-double kinetic_energy_j(const MassProperties& mass, const glm::dquat& orientation,
+double kinetic_energy_j(const RigidMass& mass, const glm::dquat& orientation,
                         const Twist& velocity) noexcept;
 
 // Moves a body for `dt_s` by a velocity that an impulse has just set: translation straight, and
@@ -26,7 +26,7 @@ double kinetic_energy_j(const MassProperties& mass, const glm::dquat& orientatio
 // midpoint rule on SO(3): second order, time-reversible, momentum exact). `velocity.angular_radps`
 // becomes that at the end of the motion; the orientation is renormalised. A zero velocity leaves
 // every bit as it was.
-Pose advance(const MassProperties& mass, const Pose& world_from_center, Twist& velocity,
+Pose advance(const RigidMass& mass, const Pose& world_from_center, Twist& velocity,
              double dt_s) noexcept;
 
 }  // namespace forcelayer

@@ -6,6 +6,7 @@
 
 #include "runtime/coupling.h"
 #include "runtime/paper_model.h"
+#include "runtime/passivity.h"
 
 namespace forcelayer {
 namespace {
@@ -39,27 +40,29 @@ std::uint32_t input_faults(const StepInput& input) {
 StepResult stopped(State& state, const State& before, std::uint32_t faults) {
   state = before;
   state.velocity = {};
+  state.wrench = {};
   StepResult result;
   result.report.world_from_center = before.world_from_center;
   result.report.faults = faults;
-  result.report.generated_j = before.generated_j + before.episode_peak_j;
+  result.report.generated_j = total_generated_j(before.energy);
   return result;
 }
 
-// Energy given to the hand, per contact episode: an episode ends in free space, where the wrench is
-// exactly zero, and takes its credit with it.
-void observe_energy(State& state, const StepInput& input, double dt_s, StepResult& result) {
+// The energy that the wrench of the frame before gave to the hand until now, and the frame's wrench
+// for the next.
+void observe_energy(State& state, const StepInput& input, StepResult& result) {
   const CouplingTarget target = coupling_target(state, input);
   StepReport& report = result.report;
-  report.to_hand_j = dt_s * (glm::dot(result.wrench.force_n, target.velocity.linear_mps) +
-                             glm::dot(result.wrench.torque_nm, target.velocity.angular_radps));
-  if (report.interior + report.surface + report.proximity == 0) {
-    state.generated_j += state.episode_peak_j;
-    state.episode_energy_j = state.episode_peak_j = 0;
+  if (state.has_target != 0) {
+    report.to_hand_j = held_work_j(state.wrench, state.target, target.world_from_center);
+    add_given(state.energy, report.to_hand_j);
   }
-  state.episode_energy_j += report.to_hand_j;
-  state.episode_peak_j = std::max(state.episode_peak_j, state.episode_energy_j);
-  report.generated_j = state.generated_j + state.episode_peak_j;
+  if (report.interior + report.surface + report.proximity == 0) end_episode(state.energy);
+  report.generated_j = total_generated_j(state.energy);
+  state.target = target.world_from_center;
+  state.target_velocity = target.velocity;
+  state.wrench = result.wrench;
+  state.has_target = 1;
 }
 
 }  // namespace
@@ -132,7 +135,7 @@ StepResult Simulation::step(State& state, const StepInput& input, double dt_s) n
   if (!finite(state.world_from_center) || !finite(state.velocity) || !finite(result.wrench)) {
     result = stopped(state, before, kFaultNonFiniteState);
   } else {
-    observe_energy(state, input, dt_s, result);
+    observe_energy(state, input, result);
   }
   ++state.frame;
   return result;

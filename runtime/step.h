@@ -22,24 +22,36 @@ struct StepInput {
 };
 static_assert(std::is_trivially_copyable_v<StepInput> && sizeof(StepInput) == 112);
 
+// Energy that the coupling gives to the hand, by contact episode (passivity.h), J.
+struct EpisodeEnergy {
+  double given_j = 0;      // since the episode began; negative: the hand paid
+  double peak_j = 0;       // highest of that since then, at least 0
+  double generated_j = 0;  // sum of the peaks of past episodes
+};
+
 // Everything that evolves from frame to frame. Copy it to branch a simulation. Models keep their
 // own memory here too: a step depends on nothing else.
 struct State {
-  Pose world_from_center;       // where the part is
-  Twist velocity;               // of the centroid, world axes
-  Pose handle_from_center;      // the grip: the coupling pulls towards world_from_handle * this
-  double episode_energy_j = 0;  // given to the hand since the part left free space
-  double episode_peak_j = 0;    // highest value of that since then, at least 0
-  double generated_j = 0;       // sum of the peaks of past episodes (see StepReport)
+  Pose world_from_center;   // where the part is
+  Twist velocity;           // of the centroid, world axes
+  Pose handle_from_center;  // the grip: the coupling pulls towards world_from_handle * this
+
+  // What the hand saw in the frame before.
+  Pose target;            // world_from_handle * handle_from_center
+  Twist target_velocity;  // of the centroid there, world axes
+  Wrench wrench;          // on the hand, held until the next frame
+  EpisodeEnergy energy;
+  std::uint32_t has_target = 0;  // 0: no frame yet
 
   // Memory of the default model.
-  Pose target;                       // of the frame before: world_from_handle * grip
-  Twist target_velocity;             // of the same
-  glm::dvec3 coupling_angle_rad{0};  // part to target, continuous past pi (coupling_angle.h)
-  double allowance_j = 0;            // motion_allowance.h
-  std::uint32_t has_target = 0;      // 1: the target above is one
   std::uint32_t settled = 0;         // 1: the part rests until the handle moves
-  std::uint64_t frame = 0;           // steps done
+  std::uint64_t in_contact = 0;      // 1: a point was not in free space
+  glm::dvec3 coupling_angle_rad{0};  // part to target, continuous past pi (coupling_angle.h)
+  glm::dvec3 held_back_m{0};         // stretch that is not felt (passivity.h)
+  glm::dvec3 held_back_rad{0};       // the same of the angle
+  double allowance_j = 0;            // motion_allowance.h
+
+  std::uint64_t frame = 0;  // steps done
 };
 static_assert(std::is_trivially_copyable_v<State>);
 
@@ -61,7 +73,7 @@ struct StepReport {
   std::uint32_t faults = 0;       // Fault bits
   std::uint32_t saturated = 0;    // 1: the coupling's clamp was at work
   std::uint32_t outside_map = 0;  // 1: a point lay beyond a cropped side: no guarantee
-  double to_hand_j = 0;           // energy given to the hand in this frame: wrench . velocity . dt
+  double to_hand_j = 0;           // work of the wrench that was held until this frame, on the hand
   double generated_j = 0;  // sum over contact episodes of the peak of the energy given to the hand:
                            // what a passive scene, which stores none at first, could not give
 };

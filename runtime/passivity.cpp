@@ -1,0 +1,37 @@
+#include "runtime/passivity.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
+
+#include "runtime/coupling.h"
+
+namespace forcelayer {
+
+double held_work_j(const Wrench& wrench, const Pose& from, const Pose& to) noexcept {
+  return glm::dot(wrench.force_n, to.position_m - from.position_m) +
+         glm::dot(wrench.torque_nm,
+                  rotation_vector(to.orientation * glm::conjugate(from.orientation)));
+}
+
+void add_given(EpisodeEnergy& energy, double to_hand_j) noexcept {
+  energy.given_j += to_hand_j;
+  energy.peak_j = std::max(energy.peak_j, energy.given_j);
+}
+
+void end_episode(EpisodeEnergy& energy) noexcept {
+  energy.generated_j += energy.peak_j;
+  energy.given_j = energy.peak_j = 0;
+}
+
+glm::dvec3 felt_stretch(const glm::dvec3& stretch, glm::dvec3& held_back, double dt_s) noexcept {
+  const double held = glm::length(held_back);
+  if (!(held > 0)) return stretch;
+  const glm::dvec3 direction = held_back / held;
+  const double along = std::clamp(glm::dot(stretch, direction), 0.0, held);
+  held_back = direction * (along * std::exp(-dt_s / kHeldBackFadeS));
+  return stretch - direction * along;
+}
+
+}  // namespace forcelayer
