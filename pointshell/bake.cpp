@@ -1,0 +1,236 @@
+#include "pointshell/bake.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <optional>
+
+#include "pointshell/certificate.h"
+#include "pointshell/hole_filling.h"
+#include "pointshell/mass_properties.h"
+#include "pointshell/normals.h"
+#include "pointshell/order.h"
+#include "pointshell/parallel.h"
+#include "pointshell/triangle_tree.h"
+#include "pointshell/voxel_centers.h"
+#include "pointshell/weights.h"
+
+namespace forcelayer {
+namespace {
+
+// Planar bound: no covering of a plane by discs needs fewer than 0.385 points per squared radius.
+constexpr double kLeastPointsPerArea = 0.3849001794597505;  // 2 / (3 sqrt 3)
+
+class Stages {
+ public:
+  Stages(BakedShell& shell, const BakeProgress& progress) : shell_(shell), progress_(progress) {}
+
+  void begin(const std::string& name) {
+    end();
+    name_ = name;
+    started_ = std::chrono::steady_clock::now();
+    progress_(name, 0);
+  }
+
+  void end() {
+    if (name_.empty()) return;
+    const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - started_;
+    shell_.stage_seconds.push_back({name_, spent.count()});
+    name_.clear();
+  }
+
+ private:
+  BakedShell& shell_;
+  const BakeProgress& progress_;
+  std::string name_;
+  std::chrono::steady_clock::time_point started_;
+};
+
+// Working memory for each point of a bake, with room to spare.
+constexpr double kBytesPerPoint = 400;
+// What the methods need at most, as multiples of the planar bound.
+constexpr double kMostOfBound = 3;
+
+double physical_memory_bytes() {
+  return static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
+}
+
+// Refuses at the door what would run for hours and then out of memory.
+Status check_size(const MassProperties& mass, double radius) {
+  const double points = kMostOfBound * kLeastPointsPerArea * mass.area_m2 / (radius * radius);
+  if (points < static_cast<double>(kMaxShellPoints) &&
+      points * kBytesPerPoint < physical_memory_bytes()) {
+    return {};
+  }
+  char what[160];
+  std::snprintf(what, sizeof what,
+                "the shell would need about %.2g points, more than this machine's memory or the "
+                "format holds",
+                points / kMostOfBound);
+  return Error{ErrorCode::kBakeTooLarge, "", "", what,
+               "use a larger voxel size or covering radius, and check --units"};
+}
+
+// Voxel centres reach sqrt(3)/2 voxel; their rounding to floats is added to that.
+double rounded_centre_radius(double voxel_size_m, const Part& centred) {
+  double extent = voxel_size_m;
+  for (const Vec3& v : centred.vertices) extent = std::max(extent, max_abs(v) + voxel_size_m);
+  return std::sqrt(0.75) * (voxel_size_m + extent * 0x1p-22) * (1 + 1e-6);
+}
+
+// Adds the centres of the voxels that hold the holes; false where all are there already.
+bool add_voxel_centers_at(const std::vector<Hole>& holes, const Vec3& center, double voxel_size_m,
+                          std::vector<Vec3>& points) {
+  std::vector<Vec3> wanted, added;
+  for (const Hole& hole : holes) {
+    wanted.push_back(voxel_center_at(hole.position, voxel_size_m, center));
+  }
+  std::sort(wanted.begin(), wanted.end(), lexicographic_less);
+  wanted.erase(std::unique(wanted.begin(), wanted.end()), wanted.end());
+  std::sort(points.begin(), points.end(), lexicographic_less);
+  std::set_difference(wanted.begin(), wanted.end(), points.begin(), points.end(),
+                      std::back_inserter(added), lexicographic_less);
+  points.insert(points.end(), added.begin(), added.end());
+  return !added.empty();
+}
+
+// The centres, and those of the few more voxels that only the mesh before snapping touches.
+Result<CoveringProof> cover_by_voxel_centers(const Part& part, const Part& centred,
+                                             const Vec3& center, double voxel_size_m, double radius,
+                                             std::vector<Vec3>& points) {
+  auto centers = voxel_centers(part, voxel_size_m, center);
+  if (!centers) return centers.error();
+  points = std::move(*centers);
+  for (;;) {
+    CoveringProof proof = prove_covering(centred, points, radius);
+    if (proof.proven) return proof;
+    if (!add_voxel_centers_at(proof.holes, center, voxel_size_m, points)) {
+      return Error{ErrorCode::kInternal, "", "", "voxel centres do not cover the part", ""};
+    }
+  }
+}
+
+double norm_rounded_up(std::span<const Vec3> points) {
+  double squared = 0;
+  for (const Vec3& p : points) squared = std::max(squared, length_squared(p));
+  return std::sqrt(squared) * (1 + 0x1p-40);
+}
+
+void fill_points(std::span<const Vec3> points, const ShellNormals& normals,
+                 std::span<const double> weights, BakedShell& shell) {
+  for (std::size_t n = 0; n < points.size(); ++n) {
+    shell.x.push_back(static_cast<float>(points[n].x));
+    shell.y.push_back(static_cast<float>(points[n].y));
+    shell.z.push_back(static_cast<float>(points[n].z));
+    shell.nx.push_back(static_cast<float>(normals.inward[n].x));
+    shell.ny.push_back(static_cast<float>(normals.inward[n].y));
+    shell.nz.push_back(static_cast<float>(normals.inward[n].z));
+    shell.weight_m2.push_back(static_cast<float>(weights[n]));
+    shell.cone_cos.push_back(static_cast<float>(normals.cone_cos[n]));
+  }
+}
+
+void fill_blocks(std::span<const Vec3> points, BakedShell& shell) {
+  shell.blocks = bounding_spheres(points, kDefaultBlockPoints);
+  shell.super_blocks =
+      bounding_spheres(points, std::size_t{kDefaultBlockPoints} * kDefaultSuperBlockBlocks);
+  double sum = 0;
+  for (const BoundingSphere& block : shell.blocks) sum += block.radius;
+  shell.mean_block_radius_m = sum / static_cast<double>(shell.blocks.size());
+}
+
+void fill_header(const BakeOptions& options, const MassProperties& mass,
+                 std::span<const Vec3> points, double radius, std::uint64_t triangles,
+                 BakedShell& shell) {
+  PshellHeader& header = shell.header;
+  header.point_count = points.size();
+  header.block_points = kDefaultBlockPoints;
+  header.super_block_blocks = kDefaultSuperBlockBlocks;
+  header.block_count = shell.blocks.size();
+  header.super_block_count = shell.super_blocks.size();
+  header.covering_radius_m = radius;
+  header.voxel_size_m = options.voxel_size_m;
+  header.bounding_radius_m = norm_rounded_up(points);
+  header.part_deviation_m = options.mesh_deviation_m;
+  header.center_m = {mass.centroid.x, mass.centroid.y, mass.centroid.z};
+  header.area_m2 = mass.area_m2;
+  header.volume_m3 = mass.volume_m3;
+  header.inertia_m2 = mass.inertia_m2;
+  header.mass_source = static_cast<std::uint32_t>(mass.source);
+  header.method = static_cast<std::uint32_t>(options.method);
+  header.triangles = triangles;
+}
+
+Result<BakedShell> bake(Part part, const BakeOptions& options, const BakeProgress& progress) {
+  BakedShell shell;
+  Stages stages(shell, progress);
+  double radius = requested_covering_radius(options);
+
+  stages.begin("orientation");
+  const auto orientation = orient_outwards(part, radius);
+  if (!orientation) return orientation.error();
+  shell.orientation = *orientation;
+  const MassProperties mass = mass_properties(part);
+  if (const Status fits = check_size(mass, radius); !fits) return fits.error();
+  const Part centred = relative_to(part, mass.centroid);
+
+  stages.begin("points");
+  std::vector<Vec3> points;
+  std::optional<CoveringProof> proof;
+  if (options.method == ShellMethod::kVoxelCenters) {
+    radius = rounded_centre_radius(options.voxel_size_m, centred);
+    auto covered =
+        cover_by_voxel_centers(part, centred, mass.centroid, options.voxel_size_m, radius, points);
+    if (!covered) return covered.error();
+    proof = std::move(*covered);
+  } else {
+    proof = fill_holes(centred, radius, points);
+  }
+  shell.certificate_pieces = proof->pieces;
+
+  stages.begin("order");
+  std::vector<Vec3> ordered;
+  ordered.reserve(points.size());
+  for (const std::uint32_t n : hilbert_order(points)) ordered.push_back(points[n]);
+  fill_blocks(ordered, shell);
+
+  stages.begin("normals");
+  const TriangleTree tree(centred);
+  const ShellNormals normals = shell_normals(tree, ordered, radius);
+  stages.begin("weights");
+  fill_points(ordered, normals, area_weights(centred, ordered, radius), shell);
+  fill_header(options, mass, ordered, radius, part.input_triangles, shell);
+  stages.end();
+  return shell;
+}
+
+}  // namespace
+
+double requested_covering_radius(const BakeOptions& options) {
+  return options.covering_radius_m > 0 ? options.covering_radius_m
+                                       : std::sqrt(0.75) * options.voxel_size_m;
+}
+
+Result<BakedShell> bake_shell(Part part, const BakeOptions& options, const BakeProgress& progress) {
+  std::optional<Result<BakedShell>> shell;
+  with_threads(options.threads, [&] { shell = bake(std::move(part), options, progress); });
+  return std::move(*shell);
+}
+
+PshellContent BakedShell::content() const {
+  PshellContent content;
+  content.header = header;
+  content.x = x, content.y = y, content.z = z;
+  content.nx = nx, content.ny = ny, content.nz = nz;
+  content.weight_m2 = weight_m2;
+  content.cone_cos = cone_cos;
+  content.blocks = blocks;
+  content.super_blocks = super_blocks;
+  return content;
+}
+
+}  // namespace forcelayer

@@ -1,0 +1,50 @@
+// From a part to its point shell.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "formats/pshell_writer.h"
+#include "formats/result.h"
+#include "pointshell/orientation.h"
+#include "pointshell/part.h"
+
+namespace forcelayer {
+
+enum class Effort { kFast, kFull };
+
+struct BakeOptions {
+  double voxel_size_m = 0;
+  double covering_radius_m = 0;  // 0: sqrt(3)/2 voxel, that of voxel centres
+  ShellMethod method = ShellMethod::kSurface;
+  Effort effort = Effort::kFull;
+  double mesh_deviation_m = 0;  // of the mesh from the true part, as the user declares
+  unsigned threads = 0;         // 0: all
+};
+
+// The radius that the options ask for, m.
+double requested_covering_radius(const BakeOptions& options);
+
+// A shell with the arrays that its content refers to.
+struct BakedShell {
+  PshellHeader header{};
+  std::vector<float> x, y, z, nx, ny, nz, weight_m2, cone_cos;
+  std::vector<BoundingSphere> blocks, super_blocks;
+
+  OrientationReport orientation;
+  std::uint64_t certificate_pieces = 0;
+  double mean_block_radius_m = 0;
+  std::vector<std::pair<std::string, double>> stage_seconds;
+
+  PshellContent content() const;  // valid while this lives and stays
+};
+
+// Tells what is going on: the stage and the share of it that is done.
+using BakeProgress = std::function<void(const std::string& stage, double share_done)>;
+
+// Errors: kMeshUnorientable, kBakeTooLarge. The same shell for any number of threads.
+Result<BakedShell> bake_shell(Part part, const BakeOptions& options, const BakeProgress& progress);
+
+}  // namespace forcelayer

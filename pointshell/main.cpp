@@ -1,0 +1,242 @@
+// The pointshell command: bakes the moving part, and proves a baked part again.
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "formats/command/command.h"
+#include "formats/command/quantity.h"
+#include "formats/pshell.h"
+#include "formats/pshell_writer.h"
+#include "pointshell/bake.h"
+#include "pointshell/parallel.h"
+#include "pointshell/part_files.h"
+#include "pointshell/report.h"
+#include "pointshell/verify.h"
+
+namespace forcelayer {
+namespace {
+
+// The command line as typed.
+struct Arguments {
+  std::vector<std::string> inputs;
+  std::string output, voxel_size, units, covering_radius, mesh_deviation, json;
+  std::string method = "surface", effort = "full";
+  unsigned threads = 0;
+  bool quiet = false;
+  bool verify = false;
+  std::string shell;  // verify: the .pshell file
+};
+
+void declare_bake(CLI::App& app, Arguments& arguments) {
+  app.add_option(
+      "INPUT", arguments.inputs,
+      "mesh files of the part: stl, obj, ply, off, om, drc, gltf, glb (file.glb#Node for "
+      "a sub-tree)");
+  app.add_option("-o,--output", arguments.output, "the .pshell file to write");
+  app.add_option("--voxel-size", arguments.voxel_size, "of the scene it will move in, like 5mm");
+  app.add_option("--units", arguments.units,
+                 "unit of the mesh files (nm, um, mm, cm, dm, m, km, in, ft, yd)");
+  app.add_option("--method", arguments.method, "surface (default) or voxel-centers")
+      ->check(CLI::IsMember({"surface", "voxel-centers"}));
+  app.add_option("--covering-radius", arguments.covering_radius,
+                 "every surface point is this close to a shell point (default: sqrt(3)/2 voxel)");
+  app.add_option("--effort", arguments.effort, "fast, or full (default) for fewer points")
+      ->check(CLI::IsMember({"fast", "full"}));
+  app.add_option("--mesh-deviation", arguments.mesh_deviation,
+                 "how far the mesh may be from the true part (default: 0)");
+  app.add_option("--threads", arguments.threads, "at most this many (default: all)");
+  app.add_option("--json", arguments.json, "write a machine-readable report to this file");
+  app.add_flag("--quiet", arguments.quiet, "no progress line, no summary, no warnings");
+}
+
+void declare_verify(CLI::App& app, Arguments& arguments) {
+  CLI::App* verify =
+      app.add_subcommand("verify", "prove a shell's covering radius again from the files alone");
+  verify->add_option("PART", arguments.shell, "the .pshell file")->required();
+  verify->add_option("MESH", arguments.inputs, "the mesh files it was made from")->required();
+  verify->add_option("--units", arguments.units, "unit of the mesh files");
+  verify->add_option("--threads", arguments.threads, "at most this many (default: all)");
+  verify->add_option("--json", arguments.json, "write a machine-readable report to this file");
+  verify->add_flag("--quiet", arguments.quiet, "no summary, no warnings");
+  verify->callback([&arguments] { arguments.verify = true; });
+}
+
+Error usage(std::string what, std::string mend) {
+  return {ErrorCode::kUsage, "", "", std::move(what), std::move(mend)};
+}
+
+// A positive length, or `absent` where the option was not given.
+Result<double> length_option(const std::string& text, const char* option, double absent,
+                             bool zero_allowed) {
+  if (text.empty()) return absent;
+  const auto length = parse_length(text);
+  if (!length) return length.error();
+  if (*length < 0 || (*length == 0 && !zero_allowed)) {
+    return usage(std::string(option) + " must be a positive length", "write it like 5mm");
+  }
+  return *length;
+}
+
+Result<std::optional<double>> units_option(const std::string& text) {
+  if (text.empty()) return std::optional<double>();
+  const auto unit = parse_unit(text);
+  if (!unit) return unit.error();
+  return std::optional<double>(*unit);
+}
+
+Result<BakeOptions> bake_options(const Arguments& arguments) {
+  BakeOptions options;
+  if (arguments.inputs.empty()) return usage("no mesh given", "see pointshell --help");
+  if (arguments.output.empty()) return usage("no output given", "add -o part.pshell");
+  if (arguments.voxel_size.empty()) {
+    return usage("no voxel size given", "add --voxel-size, for example --voxel-size 5mm");
+  }
+  const auto voxel = length_option(arguments.voxel_size, "--voxel-size", 0, false);
+  if (!voxel) return voxel.error();
+  const auto radius = length_option(arguments.covering_radius, "--covering-radius", 0, false);
+  if (!radius) return radius.error();
+  const auto deviation = length_option(arguments.mesh_deviation, "--mesh-deviation", 0, true);
+  if (!deviation) return deviation.error();
+  options.voxel_size_m = *voxel;
+  options.covering_radius_m = *radius;
+  options.mesh_deviation_m = *deviation;
+  options.method =
+      arguments.method == "surface" ? ShellMethod::kSurface : ShellMethod::kVoxelCenters;
+  options.effort = arguments.effort == "fast" ? Effort::kFast : Effort::kFull;
+  options.threads = arguments.threads;
+  if (options.method == ShellMethod::kVoxelCenters && options.covering_radius_m > 0) {
+    return usage("--covering-radius does not go with --method voxel-centers",
+                 "its radius is sqrt(3)/2 voxel; choose the voxel size instead");
+  }
+  return options;
+}
+
+void warn(const Arguments& arguments, const std::string& text) {
+  if (!arguments.quiet) std::fprintf(stderr, "pointshell: warning: %s\n", text.c_str());
+}
+
+Result<Part> load_part(const Arguments& arguments) {
+  const auto units = units_option(arguments.units);
+  if (!units) return units.error();
+  auto files = read_part(arguments.inputs, *units);
+  if (!files) return files.error();
+  for (const std::string& warning : files->warnings) warn(arguments, warning);
+  return std::move(files->part);
+}
+
+void print_summary(const Arguments& arguments, const BakedShell& shell) {
+  const PshellHeader& header = shell.header;
+  if (arguments.quiet) return;
+  std::printf(
+      "%s: %llu points (%s), covering radius %.6g m proven (%.4f voxels), %.3f of the "
+      "planar bound\n",
+      arguments.output.c_str(), static_cast<unsigned long long>(header.point_count),
+      arguments.method.c_str(), header.covering_radius_m,
+      header.covering_radius_m / header.voxel_size_m, points_over_bound(header));
+  if (shell.orientation.flipped_triangles > 0) {
+    std::printf("%llu triangles turned to face outwards\n",
+                static_cast<unsigned long long>(shell.orientation.flipped_triangles));
+  }
+}
+
+double now_s() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+Status bake_command(const Arguments& arguments) {
+  const double started_s = now_s();
+  const auto options = bake_options(arguments);
+  if (!options) return options.error();
+  ProgressLine progress(arguments.quiet);
+  progress.show("read", 0);
+  auto part = load_part(arguments);
+  if (!part) return part.error();
+  const std::string imprecise = precision_warning(*part, options->voxel_size_m);
+  if (!imprecise.empty()) warn(arguments, imprecise);
+  const double read_s = now_s() - started_s;
+  auto shell = bake_shell(*part, *options, [&](const std::string& stage, double share_done) {
+    progress.show(stage, share_done);
+  });
+  if (!shell) return shell.error();
+  PshellContent content = shell->content();
+  const std::string origin = provenance(*part, *options);
+  content.provenance = origin;
+  const double write_started_s = now_s();
+  const auto written = write_pshell(arguments.output, content);
+  if (!written) return written.error();
+  shell->stage_seconds.insert(shell->stage_seconds.begin(), {"read", read_s});
+  shell->stage_seconds.push_back({"write", now_s() - write_started_s});
+  print_summary(arguments, *shell);
+  if (arguments.json.empty()) return {};
+  nlohmann::ordered_json report = bake_report(*shell, *options, *part);
+  report["peak_rss_bytes"] = peak_rss_bytes();
+  report["file_bytes"] = *written;
+  report["threads"] = arguments.threads;
+  return write_report(arguments.json, report);
+}
+
+Error not_covered(const Arguments& arguments, const Pshell& shell, const CoveringProof& proof) {
+  const Hole* deepest = &proof.holes.front();
+  for (const Hole& hole : proof.holes) {
+    if (hole.distance > deepest->distance) deepest = &hole;
+  }
+  const auto& center = shell.header().center_m;
+  char what[200];
+  std::snprintf(what, sizeof what,
+                "the surface at (%.6g, %.6g, %.6g) m is not proven to be within the covering "
+                "radius %.6g m of a shell point",
+                deepest->position.x + center[0], deepest->position.y + center[1],
+                deepest->position.z + center[2], shell.header().covering_radius_m);
+  return {ErrorCode::kFilesDoNotMatch, arguments.shell, "", what,
+          "bake the part again from this mesh in this unit"};
+}
+
+Status verify_command(const Arguments& arguments) {
+  const double started_s = now_s();
+  const auto shell = Pshell::open(arguments.shell, Verify::kStructureAndChecksums);
+  if (!shell) return shell.error();
+  const auto part = load_part(arguments);
+  if (!part) return part.error();
+  CoveringProof proof;
+  with_threads(arguments.threads, [&] { proof = verify_shell(*shell, *part); });
+  if (!arguments.json.empty()) {
+    const nlohmann::ordered_json report{{"proven", proof.proven},
+                                        {"points", shell->header().point_count},
+                                        {"covering_radius_m", shell->header().covering_radius_m},
+                                        {"voxel_size_m", shell->header().voxel_size_m},
+                                        {"triangles", part->input_triangles},
+                                        {"certificate_pieces", proof.pieces},
+                                        {"holes", proof.holes.size()},
+                                        {"seconds", {{"total", now_s() - started_s}}},
+                                        {"peak_rss_bytes", peak_rss_bytes()}};
+    if (Status written = write_report(arguments.json, report); !written) return written;
+  }
+  if (!proof.proven) return not_covered(arguments, *shell, proof);
+  if (!arguments.quiet) {
+    std::printf("%s: proven: every point of the surface is within %.6g m of one of %llu points\n",
+                arguments.shell.c_str(), shell->header().covering_radius_m,
+                static_cast<unsigned long long>(shell->header().point_count));
+  }
+  return {};
+}
+
+}  // namespace
+}  // namespace forcelayer
+
+int main(int argc, char** argv) {
+  using namespace forcelayer;
+  CLI::App app("Bakes the moving part of a haptic scene into a .pshell file", "pointshell");
+  Arguments arguments;
+  declare_bake(app, arguments);
+  declare_verify(app, arguments);
+  int exit_code = 0;
+  if (!parse_arguments(app, argc, argv, exit_code)) return exit_code;
+  exit_cleanly_on_signals();
+  return run_command("pointshell", [&] {
+    return arguments.verify ? verify_command(arguments) : bake_command(arguments);
+  });
+}

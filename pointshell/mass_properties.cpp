@@ -1,0 +1,115 @@
+#include "pointshell/mass_properties.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+namespace forcelayer {
+namespace {
+
+// Second moments: xx yy zz xy xz yz.
+using Moments = std::array<double, 6>;
+
+Moments products(const Vec3& a, const Vec3& b) {
+  return {a.x * b.x,
+          a.y * b.y,
+          a.z * b.z,
+          (a.x * b.y + a.y * b.x) / 2,
+          (a.x * b.z + a.z * b.x) / 2,
+          (a.y * b.z + a.z * b.y) / 2};
+}
+
+// Integrals of 1, x and x x^T over simplices.
+struct Integrals {
+  double measure = 0;
+  Vec3 first;
+  Moments second{};
+
+  // Adds a simplex of the given measure with these corners. Over a simplex of n corners the mean of
+  // x is the corners' mean, that of x x^T is (sum c c^T + (sum c)(sum c)^T) / (n (n + 1)).
+  template <std::size_t kCorners>
+  void add(double simplex_measure, const std::array<Vec3, kCorners>& corners) {
+    Vec3 sum;
+    Moments moments{};
+    for (const Vec3& corner : corners) {
+      sum += corner;
+      accumulate(moments, products(corner, corner), 1);
+    }
+    accumulate(moments, products(sum, sum), 1);
+    measure += simplex_measure;
+    first += (simplex_measure / kCorners) * sum;
+    accumulate(second, moments, simplex_measure / (kCorners * (kCorners + 1)));
+  }
+
+  static void accumulate(Moments& into, const Moments& from, double factor) {
+    for (std::size_t n = 0; n < into.size(); ++n) into[n] += factor * from[n];
+  }
+};
+
+// Inertia per unit mass about the centroid, from integrals about an origin.
+std::array<double, 6> inertia_about_centroid(const Integrals& integrals, const Vec3& centroid) {
+  Moments m = integrals.second;
+  for (double& moment : m) moment /= integrals.measure;
+  Integrals::accumulate(m, products(centroid, centroid), -1);
+  return {m[1] + m[2], m[0] + m[2], m[0] + m[1], -m[3], -m[4], -m[5]};
+}
+
+Vec3 middle_of_box(const Part& part) {
+  Vec3 low = part.vertices.front(), high = low;
+  for (const Vec3& v : part.vertices) {
+    low = {std::min(low.x, v.x), std::min(low.y, v.y), std::min(low.z, v.z)};
+    high = {std::max(high.x, v.x), std::max(high.y, v.y), std::max(high.z, v.z)};
+  }
+  return 0.5 * (low + high);
+}
+
+}  // namespace
+
+bool is_closed(const Part& part) {
+  // Every edge as (low vertex, high vertex) with the count of its direction; sorted, each edge must
+  // add up to zero.
+  std::vector<std::pair<std::uint64_t, int>> edges;
+  edges.reserve(3 * part.triangles.size());
+  for (const Triangle& t : part.triangles) {
+    for (int corner = 0; corner < 3; ++corner) {
+      const std::uint64_t from = t[corner], to = t[(corner + 1) % 3];
+      if (from < to) edges.push_back({from << 32 | to, 1});
+      if (to < from) edges.push_back({to << 32 | from, -1});
+    }
+  }
+  std::sort(edges.begin(), edges.end());
+  for (std::size_t n = 0; n < edges.size();) {
+    int balance = 0;
+    const std::uint64_t edge = edges[n].first;
+    for (; n < edges.size() && edges[n].first == edge; ++n) balance += edges[n].second;
+    if (balance != 0) return false;
+  }
+  return true;
+}
+
+MassProperties mass_properties(const Part& part) {
+  const Vec3 origin = middle_of_box(part);
+  Integrals surface, solid;
+  for (std::size_t t = 0; t < part.triangles.size(); ++t) {
+    const Triangle& corners = part.triangles[t];
+    const Vec3 a = part.vertices[corners[0]] - origin, b = part.vertices[corners[1]] - origin,
+               c = part.vertices[corners[2]] - origin;
+    surface.add<3>(length(doubled_area_normal(part, t)) / 2, {a, b, c});
+    solid.add<4>(dot(a, cross(b, c)) / 6, {Vec3{}, a, b, c});
+  }
+  MassProperties properties;
+  properties.area_m2 = surface.measure;
+  // A volume that is only rounding belongs to a sheet folded onto itself.
+  const bool solid_enough = solid.measure > 1e-9 * std::pow(surface.measure, 1.5);
+  const bool from_volume = solid_enough && is_closed(part);
+  const Integrals& integrals = from_volume ? solid : surface;
+  properties.source = from_volume ? MassSource::kVolume : MassSource::kArea;
+  properties.volume_m3 = from_volume ? solid.measure : 0;
+  const Vec3 centroid = (1 / integrals.measure) * integrals.first;
+  properties.centroid = origin + centroid;
+  properties.inertia_m2 = inertia_about_centroid(integrals, centroid);
+  return properties;
+}
+
+}  // namespace forcelayer

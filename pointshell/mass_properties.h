@@ -1,0 +1,31 @@
+// Area, volume, centroid and inertia of a part.
+#pragma once
+
+#include <array>
+
+#include "formats/pshell_format.h"
+#include "pointshell/part.h"
+#include "pointshell/vec3.h"
+
+namespace forcelayer {
+
+struct MassProperties {
+  MassSource source = MassSource::kArea;
+  double area_m2 = 0;
+  double volume_m3 = 0;  // 0 where the source is the area
+  Vec3 centroid;         // m, part frame
+  // Inertia tensor about the centroid per unit mass, part axes: xx yy zz xy xz yz, m^2. The
+  // off-diagonal elements are the tensor's own, -integral of xy and so on.
+  std::array<double, 6> inertia_m2{};
+};
+
+// Whether every edge is run through as often forwards as backwards, so that the divergence theorem
+// holds for the part.
+bool is_closed(const Part& part);
+
+// From the volume where the part is closed and the volume is positive (its triangles must face
+// outwards), else from the area as of a thin sheet. Integrals of Eberly, "Polyhedral Mass
+// Properties", 2002, taken over tetrahedra about a point of the part.
+MassProperties mass_properties(const Part& part);
+
+}  // namespace forcelayer

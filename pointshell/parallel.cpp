@@ -1,0 +1,30 @@
+#include "pointshell/parallel.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/info.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+
+namespace forcelayer {
+
+void parallel_ranges(std::size_t count, std::size_t grain,
+                     const std::function<void(std::size_t, std::size_t)>& body) {
+  if (count == 0) return;
+  tbb::parallel_for(
+      tbb::blocked_range<std::size_t>(0, count, std::max<std::size_t>(grain, 1)),
+      [&body](const tbb::blocked_range<std::size_t>& range) { body(range.begin(), range.end()); },
+      tbb::simple_partitioner());
+}
+
+void with_threads(unsigned threads, const std::function<void()>& body) {
+  // More threads than the machine runs at once would only draw a warning from the library.
+  const int most = tbb::info::default_concurrency();
+  tbb::task_arena arena(threads == 0 ? most : std::min(static_cast<int>(threads), most));
+  arena.execute(body);
+}
+
+unsigned threads_in_use() { return static_cast<unsigned>(tbb::this_task_arena::max_concurrency()); }
+
+}  // namespace forcelayer

@@ -1,0 +1,133 @@
+#include "pointshell/part.h"
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+#include <tuple>
+
+namespace forcelayer {
+namespace {
+
+// All triangles of all instances with their own three corners each.
+struct CornerSoup {
+  std::vector<Vec3> corners;        // [3 * triangles]
+  std::vector<std::uint32_t> body;  // [triangles]
+};
+
+double determinant(const std::array<double, 9>& m) {
+  return m[0] * (m[4] * m[8] - m[5] * m[7]) - m[1] * (m[3] * m[8] - m[5] * m[6]) +
+         m[2] * (m[3] * m[7] - m[4] * m[6]);
+}
+
+void append_instance(const Mesh& mesh, const Affine& assembly_from_mesh, double metres_per_unit,
+                     std::uint32_t body, CornerSoup& soup) {
+  std::vector<Vec3> placed;
+  placed.reserve(mesh.vertices.size());
+  for (const Vec3d& vertex : mesh.vertices) {
+    const Vec3d moved = apply(assembly_from_mesh, vertex);
+    // Adding zero turns -0 into +0, so that equal places have equal bits.
+    placed.push_back({moved[0] * metres_per_unit + 0.0, moved[1] * metres_per_unit + 0.0,
+                      moved[2] * metres_per_unit + 0.0});
+  }
+  // A mirrored placing turns every triangle inside out; its corners are taken the other way round.
+  const bool mirrored = determinant(assembly_from_mesh.linear) < 0;
+  for (Triangle triangle : mesh.triangles) {
+    if (mirrored) std::swap(triangle[1], triangle[2]);
+    for (const std::uint32_t corner : triangle) soup.corners.push_back(placed[corner]);
+    soup.body.push_back(body);
+  }
+}
+
+// Fills part.vertices and part.triangles (in the soup's order) with equal corners merged.
+void weld(const CornerSoup& soup, Part& part) {
+  std::vector<std::uint32_t> order(soup.corners.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return lexicographic_less(soup.corners[a], soup.corners[b]);
+  });
+  part.triangles.resize(soup.body.size());
+  for (const std::uint32_t corner : order) {
+    const Vec3& position = soup.corners[corner];
+    if (part.vertices.empty() || !(part.vertices.back() == position)) {
+      part.vertices.push_back(position);
+    }
+    part.triangles[corner / 3][corner % 3] = static_cast<std::uint32_t>(part.vertices.size() - 1);
+  }
+}
+
+// Rotates every triangle to its lowest vertex, sorts, and drops exact duplicates within a body.
+void sort_triangles(Part& part) {
+  for (Triangle& t : part.triangles) {
+    std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
+  }
+  std::vector<std::uint32_t> order(part.triangles.size());
+  std::iota(order.begin(), order.end(), 0u);
+  const auto key = [&](std::uint32_t t) { return std::tie(part.triangles[t], part.body[t]); };
+  std::sort(order.begin(), order.end(),
+            [&](std::uint32_t a, std::uint32_t b) { return key(a) < key(b); });
+  order.erase(std::unique(order.begin(), order.end(),
+                          [&](std::uint32_t a, std::uint32_t b) { return key(a) == key(b); }),
+              order.end());
+  part.duplicate_triangles = part.triangles.size() - order.size();
+  std::vector<Triangle> triangles;
+  std::vector<std::uint32_t> body;
+  triangles.reserve(order.size());
+  body.reserve(order.size());
+  for (const std::uint32_t t : order) {
+    triangles.push_back(part.triangles[t]);
+    body.push_back(part.body[t]);
+  }
+  part.triangles = std::move(triangles);
+  part.body = std::move(body);
+}
+
+void measure(Part& part) {
+  for (const Vec3& vertex : part.vertices) {
+    part.largest_coordinate = std::max(part.largest_coordinate, max_abs(vertex));
+  }
+  for (std::size_t t = 0; t < part.triangles.size(); ++t) {
+    if (length_squared(doubled_area_normal(part, t)) == 0) ++part.degenerate_triangles;
+  }
+}
+
+Error no_triangles(const char* what) {
+  return {ErrorCode::kMeshEmpty, "", "", what, "give a mesh that has a surface"};
+}
+
+}  // namespace
+
+Result<Part> assemble_part(std::span<const PartInput> inputs) {
+  CornerSoup soup;
+  Part part;
+  for (const PartInput& input : inputs) {
+    for (const MeshInstance& instance : input.assembly->instances) {
+      const Mesh& mesh = input.assembly->meshes[instance.mesh];
+      append_instance(mesh, instance.assembly_from_mesh, input.metres_per_unit,
+                      static_cast<std::uint32_t>(part.body_names.size()), soup);
+      part.body_names.push_back(instance.name);
+      part.single_precision |= mesh.single_precision;
+    }
+  }
+  if (soup.body.empty()) return no_triangles("the part has no triangles");
+  if (soup.corners.size() > std::numeric_limits<std::uint32_t>::max()) {
+    return Error{ErrorCode::kBakeTooLarge, "", "", "the part has more than 2^32 / 3 triangles",
+                 "give a coarser mesh"};
+  }
+  part.input_triangles = soup.body.size();
+  part.body = std::move(soup.body);
+  soup.body.resize(part.body.size());
+  weld(soup, part);
+  sort_triangles(part);
+  measure(part);
+  if (part.degenerate_triangles == part.triangles.size()) {
+    return no_triangles("no triangle of the part has an area");
+  }
+  return part;
+}
+
+Part relative_to(Part part, const Vec3& origin) {
+  for (Vec3& vertex : part.vertices) vertex = vertex - origin;
+  return part;
+}
+
+}  // namespace forcelayer

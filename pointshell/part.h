@@ -1,0 +1,50 @@
+// The moving part as one canonical triangle soup in metres.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "formats/mesh/mesh.h"
+#include "formats/result.h"
+#include "pointshell/vec3.h"
+
+namespace forcelayer {
+
+// One rigid part. Equal vertices are one vertex; vertices, and triangles rotated to start at their
+// lowest vertex, stand in ascending order. So two files that hold the same triangles in another
+// order give the same part.
+struct Part {
+  std::vector<Vec3> vertices;       // [n] distinct, lexicographically ascending, m, part frame
+  std::vector<Triangle> triangles;  // [m] vertex indices, as oriented in the file
+  std::vector<std::uint32_t> body;  // [m] index into body_names
+  std::vector<std::string> body_names;
+  std::uint64_t input_triangles = 0;       // over all instances
+  std::uint64_t duplicate_triangles = 0;   // dropped: same corners, orientation and body as another
+  std::uint64_t degenerate_triangles = 0;  // kept: no area, yet they are covered
+  double largest_coordinate = 0;           // m, absolute, of any vertex as given
+  bool single_precision = false;           // whether any file stores 32-bit vertices
+};
+
+// One mesh file's content and the unit to read it in.
+struct PartInput {
+  const Assembly* assembly = nullptr;
+  double metres_per_unit = 1;
+};
+
+// Unites all instances of all inputs. An error (kMeshEmpty) when there is no triangle at all or
+// none with an area.
+Result<Part> assemble_part(std::span<const PartInput> inputs);
+
+// Twice the area times the unit normal (right-hand rule) of triangle `t`, m^2.
+inline Vec3 doubled_area_normal(const Part& part, std::size_t t) {
+  const Triangle& corners = part.triangles[t];
+  const Vec3& a = part.vertices[corners[0]];
+  return cross(part.vertices[corners[1]] - a, part.vertices[corners[2]] - a);
+}
+
+// The part moved by -`origin`: shells are made and proven relative to their centre.
+Part relative_to(Part part, const Vec3& origin);
+
+}  // namespace forcelayer

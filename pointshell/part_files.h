@@ -1,0 +1,27 @@
+// Reading the mesh files of a part.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "formats/result.h"
+#include "pointshell/part.h"
+
+namespace forcelayer {
+
+struct PartFiles {
+  Part part;
+  std::vector<std::string> warnings;  // a line each
+};
+
+// Reads all files and unites them. `metres_per_unit` is the user's choice of unit: required (else
+// kUsage) where a format does not define its own, and with a warning in place of the format's own
+// where it does. Other errors: those of read_assembly and assemble_part, with the file's name.
+Result<PartFiles> read_part(const std::vector<std::string>& paths,
+                            std::optional<double> metres_per_unit);
+
+// A warning where the file's 32-bit vertices are coarser than a thousandth of a voxel; else empty.
+std::string precision_warning(const Part& part, double voxel_size_m);
+
+}  // namespace forcelayer

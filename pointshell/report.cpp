@@ -1,0 +1,86 @@
+#include "pointshell/report.h"
+
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+namespace forcelayer {
+
+std::string part_hash(const Part& part) {
+  XXH64_hash_t hash = XXH3_64bits(part.vertices.data(), part.vertices.size() * sizeof(Vec3));
+  hash =
+      XXH3_64bits_withSeed(part.triangles.data(), part.triangles.size() * sizeof(Triangle), hash);
+  hash = XXH3_64bits_withSeed(part.body.data(), part.body.size() * sizeof(std::uint32_t), hash);
+  char text[17];
+  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(hash));
+  return text;
+}
+
+const char* method_name(ShellMethod method) {
+  return method == ShellMethod::kSurface ? "surface" : "voxel-centers";
+}
+
+const char* effort_name(Effort effort) { return effort == Effort::kFast ? "fast" : "full"; }
+
+std::string provenance(const Part& part, const BakeOptions& options) {
+  nlohmann::ordered_json json{{"tool", "pointshell"},
+                              {"part_xxh3", part_hash(part)},
+                              {"method", method_name(options.method)},
+                              {"voxel_size_m", options.voxel_size_m},
+                              {"covering_radius_m", requested_covering_radius(options)},
+                              {"mesh_deviation_m", options.mesh_deviation_m}};
+  if (options.method == ShellMethod::kSurface) json["effort"] = effort_name(options.effort);
+  return json.dump();
+}
+
+double points_over_bound(const PshellHeader& header) {
+  const double bound = 2 / (3 * std::sqrt(3.0)) * header.area_m2 /
+                       (header.covering_radius_m * header.covering_radius_m);
+  return static_cast<double>(header.point_count) / bound;
+}
+
+nlohmann::ordered_json bake_report(const BakedShell& shell, const BakeOptions& options,
+                                   const Part& part) {
+  const PshellHeader& header = shell.header;
+  nlohmann::ordered_json seconds;
+  double total = 0;
+  for (const auto& [stage, spent] : shell.stage_seconds) {
+    seconds[stage] = spent;
+    total += spent;
+  }
+  seconds["total"] = total;
+  nlohmann::ordered_json report{
+      {"points", header.point_count},
+      {"method", method_name(options.method)},
+      {"covering_radius_m", header.covering_radius_m},
+      {"area_m2", header.area_m2},
+      {"voxel_size_m", header.voxel_size_m},
+      {"points_over_planar_bound", points_over_bound(header)},
+      {"triangles", header.triangles},
+      {"bodies", part.body_names.size()},
+      {"duplicate_triangles", part.duplicate_triangles},
+      {"degenerate_triangles", part.degenerate_triangles},
+      {"orientation",
+       {{"patches", shell.orientation.patches},
+        {"flipped_triangles", shell.orientation.flipped_triangles},
+        {"hidden_triangles", shell.orientation.hidden_triangles},
+        {"undecided_triangles", shell.orientation.undecided_triangles},
+        {"boundary_edges", shell.orientation.boundary_edges},
+        {"nonmanifold_edges", shell.orientation.nonmanifold_edges}}},
+      {"mass_source", header.mass_source == 0 ? "volume" : "area"},
+      {"volume_m3", header.volume_m3},
+      {"center_m", header.center_m},
+      {"inertia_m2", header.inertia_m2},
+      {"bounding_radius_m", header.bounding_radius_m},
+      {"part_deviation_m", header.part_deviation_m},
+      {"mean_block_radius_voxels", shell.mean_block_radius_m / header.voxel_size_m},
+      {"certificate_pieces", shell.certificate_pieces}};
+  if (options.method == ShellMethod::kSurface) report["effort"] = effort_name(options.effort);
+  report["seconds"] = seconds;
+  return report;
+}
+
+}  // namespace forcelayer

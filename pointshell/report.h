@@ -1,0 +1,28 @@
+// What a bake tells: the JSON report and the provenance that goes into the file.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "pointshell/bake.h"
+#include "pointshell/part.h"
+
+namespace forcelayer {
+
+// A hash of the part's vertices and triangles in metres, 16 hexadecimal digits: the same for files
+// that hold the same triangles in any order.
+std::string part_hash(const Part& part);
+
+// The content hash and the options that affect the shell, as JSON.
+std::string provenance(const Part& part, const BakeOptions& options);
+
+const char* method_name(ShellMethod method);
+const char* effort_name(Effort effort);
+
+// Points per planar bound (2 / (3 sqrt 3) points per squared radius): 1 is a perfect covering.
+double points_over_bound(const PshellHeader& header);
+
+nlohmann::ordered_json bake_report(const BakedShell& shell, const BakeOptions& options,
+                                   const Part& part);
+
+}  // namespace forcelayer

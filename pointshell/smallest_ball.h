@@ -1,0 +1,19 @@
+// The smallest ball around a set of points.
+#pragma once
+
+#include <span>
+
+#include "pointshell/vec3.h"
+
+namespace forcelayer {
+
+struct Ball {
+  Vec3 centre;
+  double radius = 0;
+};
+
+// The smallest ball around `points` (at least one), up to rounding: by pivoting on the farthest
+// point as in Gaertner, "Fast and robust smallest enclosing balls", 1999.
+Ball smallest_ball(std::span<const Vec3> points);
+
+}  // namespace forcelayer

@@ -1,0 +1,15 @@
+// Positions as a .pshell file stores them.
+#pragma once
+
+#include "pointshell/vec3.h"
+
+namespace forcelayer {
+
+// `position`, relative to the shell's centre, with its coordinates rounded to floats. Everything
+// that is proven of a shell is proven of such positions.
+inline Vec3 as_stored(const Vec3& position) {
+  return {static_cast<float>(position.x), static_cast<float>(position.y),
+          static_cast<float>(position.z)};
+}
+
+}  // namespace forcelayer

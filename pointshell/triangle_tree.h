@@ -1,0 +1,98 @@
+// A bounding-box tree over the triangles of a part: nearest surface point, triangles near a place.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "pointshell/part.h"
+#include "pointshell/vec3.h"
+
+namespace forcelayer {
+
+// The point of triangle a, b, c nearest to `place`; any triangle will do, also one without area.
+Vec3 nearest_on_triangle(const Vec3& place, const Vec3& a, const Vec3& b, const Vec3& c);
+
+struct SurfacePoint {
+  Vec3 position;
+  std::uint32_t triangle = 0;  // index into Part::triangles
+};
+
+struct Box {
+  Vec3 low{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(),
+           std::numeric_limits<double>::infinity()};
+  Vec3 high = -low;
+
+  void grow(const Vec3& p);
+  double distance_squared(const Vec3& p) const {
+    const double x = std::max({low.x - p.x, 0.0, p.x - high.x});
+    const double y = std::max({low.y - p.y, 0.0, p.y - high.y});
+    const double z = std::max({low.z - p.z, 0.0, p.z - high.z});
+    return x * x + y * y + z * z;
+  }
+};
+
+class TriangleTree {
+ public:
+  // A node with count > 0 is a leaf over ordered_triangles()[first, first + count); else its
+  // children are the next node and node `first`.
+  struct Node {
+    Box box;
+    std::uint32_t first = 0, count = 0;
+  };
+
+  // `part` must outlive the tree. Over all of its triangles, or the given ones (at least one).
+  explicit TriangleTree(const Part& part);
+  TriangleTree(const Part& part, std::vector<std::uint32_t> triangles);
+
+  // The surface point nearest to `place`, of those within `radius`; `found` is false when none is.
+  // Of equally near triangles, the one of the lowest index.
+  struct Nearest {
+    SurfacePoint point;
+    double distance_squared = 0;
+    bool found = false;
+  };
+  Nearest nearest(const Vec3& place, double radius = std::numeric_limits<double>::infinity()) const;
+
+  // Whether the ray from `origin` along `direction` meets a triangle other than `excluded`, farther
+  // than `least_distance` directions from its origin.
+  bool ray_hits(const Vec3& origin, const Vec3& direction, std::uint32_t excluded,
+                double least_distance) const;
+
+  // Calls visit(triangle) for every triangle whose box is within `radius` of `place`.
+  template <typename Visit>
+  void visit_near(const Vec3& place, double radius, const Visit& visit) const {
+    std::array<std::uint32_t, kMaxDepth> stack;
+    std::size_t depth = 0;
+    stack[depth++] = 0;
+    while (depth > 0) {
+      const std::uint32_t at = stack[--depth];
+      const Node& node = nodes_[at];
+      if (node.box.distance_squared(place) > radius * radius) continue;
+      for (std::uint32_t n = 0; n < node.count; ++n) visit(ordered_[node.first + n]);
+      if (node.count == 0) {
+        stack[depth++] = node.first;
+        stack[depth++] = at + 1;
+      }
+    }
+  }
+
+  const Part& part() const { return *part_; }
+  std::span<const Node> nodes() const { return nodes_; }
+  std::span<const std::uint32_t> ordered_triangles() const { return ordered_; }
+
+ private:
+  static constexpr std::size_t kMaxDepth = 96;  // of a tree over 2^32 triangles, halved each time
+
+  void build(std::span<std::uint32_t> triangles, std::uint32_t first,
+             const std::vector<Vec3>& centroids);
+  Box box_of(std::span<const std::uint32_t> triangles) const;
+
+  const Part* part_;
+  std::vector<std::uint32_t> ordered_;
+  std::vector<Node> nodes_;
+};
+
+}  // namespace forcelayer

@@ -1,0 +1,52 @@
+// Points and directions of the part's frame, in double precision.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+namespace forcelayer {
+
+struct Vec3 {
+  double x = 0, y = 0, z = 0;
+
+  friend bool operator==(const Vec3&, const Vec3&) = default;
+  friend Vec3 operator+(const Vec3& a, const Vec3& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+  friend Vec3 operator-(const Vec3& a, const Vec3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+  friend Vec3 operator-(const Vec3& a) { return {-a.x, -a.y, -a.z}; }
+  friend Vec3 operator*(double s, const Vec3& a) { return {s * a.x, s * a.y, s * a.z}; }
+  Vec3& operator+=(const Vec3& b) { return *this = *this + b; }
+};
+
+inline double dot(const Vec3& a, const Vec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+
+inline Vec3 cross(const Vec3& a, const Vec3& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+inline double length_squared(const Vec3& a) { return dot(a, a); }
+inline double length(const Vec3& a) { return std::sqrt(length_squared(a)); }
+
+// `a` scaled to length 1; zero where `a` is zero.
+inline Vec3 normalized(const Vec3& a) {
+  const double norm = length(a);
+  return norm > 0 ? (1 / norm) * a : Vec3{};
+}
+
+// Largest absolute coordinate.
+inline double max_abs(const Vec3& a) {
+  return std::max({std::abs(a.x), std::abs(a.y), std::abs(a.z)});
+}
+
+// Some unit vector at a right angle to the unit vector `n`.
+inline Vec3 any_perpendicular(const Vec3& n) {
+  return normalized(std::abs(n.x) < 0.5 ? cross(n, {1, 0, 0}) : cross(n, {0, 1, 0}));
+}
+
+// Lexicographic: a total order for finite coordinates.
+inline bool lexicographic_less(const Vec3& a, const Vec3& b) {
+  if (a.x != b.x) return a.x < b.x;
+  if (a.y != b.y) return a.y < b.y;
+  return a.z < b.z;
+}
+
+}  // namespace forcelayer

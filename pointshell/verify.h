@@ -1,0 +1,14 @@
+// Proving a shell's covering radius again from the files alone.
+#pragma once
+
+#include "formats/pshell.h"
+#include "pointshell/certificate.h"
+#include "pointshell/part.h"
+
+namespace forcelayer {
+
+// Proves that the points of `shell`, as the file stores them, cover `part` (in its own frame)
+// within the radius that the file's header gives.
+CoveringProof verify_shell(const Pshell& shell, const Part& part);
+
+}  // namespace forcelayer

@@ -1,0 +1,21 @@
+// The point shell of the 1999 paper (section 4.1): the centres of the surface voxels.
+#pragma once
+
+#include <vector>
+
+#include "formats/result.h"
+#include "pointshell/part.h"
+#include "pointshell/vec3.h"
+
+namespace forcelayer {
+
+// The centres, relative to `center`, of all half-open voxels of size `voxel_size_m` that contain a
+// point of the part; the lattice is anchored in the part frame's origin. `part` is in the part
+// frame. Vertices are snapped to 2^-10 voxel. kBakeTooLarge where the lattice or the shell would be
+// larger than the format holds.
+Result<std::vector<Vec3>> voxel_centers(const Part& part, double voxel_size_m, const Vec3& center);
+
+// The same for the single voxel that holds `place`, which is relative to `center`.
+Vec3 voxel_center_at(const Vec3& place, double voxel_size_m, const Vec3& center);
+
+}  // namespace forcelayer

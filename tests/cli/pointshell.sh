@@ -1,0 +1,109 @@
+#!/usr/bin/env bash
+# The pointshell command as a user meets it: exit statuses, one line on stderr, no output left behind,
+# and a shell that it proves itself and refuses once the mesh is another.
+set -u
+bin=${FORCELAYER_BIN_DIR:?}
+data=${FORCELAYER_SOURCE_DIR:?}/sample_data
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+failures=0
+
+fail() {
+  echo "FAILED: $*" >&2
+  failures=$((failures + 1))
+}
+
+# expect STATUS DESCRIPTION ARGUMENTS...: the exit status; for errors one line on stderr and no
+# $work/out.pshell.
+expect() {
+  local status=$1 description=$2
+  shift 2
+  "$bin/pointshell" "$@" >"$work/stdout" 2>"$work/stderr"
+  local actual=$?
+  [ "$actual" -eq "$status" ] || fail "$description: status $actual instead of $status: $(cat "$work/stderr")"
+  [ "$status" -eq 0 ] && return
+  [ "$(wc -l <"$work/stderr")" -eq 1 ] || fail "$description: stderr is not one line: $(cat "$work/stderr")"
+  grep -q '^pointshell: ' "$work/stderr" || fail "$description: stderr does not name the command"
+  [ -z "$(find "$work" -name 'out*')" ] || fail "$description: left an output behind"
+}
+
+cat >"$work/box.obj" <<'OBJ'
+v 0 0 0
+v 10 0 0
+v 0 20 0
+v 10 20 0
+v 0 0 30
+v 10 0 30
+v 0 20 30
+v 10 20 30
+f 1 3 4 2
+f 5 6 8 7
+f 1 2 6 5
+f 3 7 8 4
+f 1 5 7 3
+f 2 4 8 6
+OBJ
+printf 'v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\n' >"$work/sheet.obj"
+printf 'v 0 0 0\nv 1 0 0\nv 1 1 0\n' >"$work/points.obj"
+box=("$work/box.obj" --units mm --quiet)
+out=(-o "$work/out.pshell")
+
+expect 0 "help" --help
+expect 0 "version" --version
+expect 2 "no arguments"
+expect 2 "no output" "${box[@]}" --voxel-size 1mm
+expect 2 "no voxel size" "${box[@]}" "${out[@]}"
+expect 2 "voxel size without a unit" "${box[@]}" "${out[@]}" --voxel-size 1
+expect 2 "negative voxel size" "${box[@]}" "${out[@]}" --voxel-size -1mm
+expect 2 "no units" "$work/box.obj" "${out[@]}" --voxel-size 1mm
+expect 2 "unknown unit" "$work/box.obj" "${out[@]}" --voxel-size 1mm --units parsec
+expect 2 "unknown method" "${box[@]}" "${out[@]}" --voxel-size 1mm --method magic
+expect 2 "unknown effort" "${box[@]}" "${out[@]}" --voxel-size 1mm --effort lots
+expect 2 "unknown option" "${box[@]}" "${out[@]}" --voxel-size 1mm --colour
+expect 2 "radius for voxel centres" "${box[@]}" "${out[@]}" --voxel-size 1mm --method voxel-centers --covering-radius 1mm
+expect 1 "missing mesh" "$work/none.obj" "${out[@]}" --units mm --voxel-size 1mm
+expect 1 "unwritable output" "${box[@]}" -o "$work/none/out.pshell" --voxel-size 1mm
+expect 3 "mesh without triangles" "$work/points.obj" "${out[@]}" --units mm --voxel-size 1mm
+expect 3 "sheet" "$work/sheet.obj" "${out[@]}" --units mm --voxel-size 0.1mm
+expect 3 "too large" "${box[@]}" "${out[@]}" --voxel-size 1nm
+expect 3 "too large for voxel centres" "${box[@]}" "${out[@]}" --voxel-size 1nm --method voxel-centers
+expect 2 "verify without a mesh" verify "$work/part.pshell"
+expect 4 "verify of a mesh as shell" verify "$work/box.obj" "$work/box.obj" --units mm
+expect 1 "verify of a missing shell" verify "$work/none.pshell" "$work/box.obj" --units mm
+
+for method in surface voxel-centers; do
+  part=$work/$method.pshell
+  expect 0 "bake $method" "${box[@]}" -o "$part" --voxel-size 1mm --method $method --json "$work/$method.json"
+  for key in points method covering_radius_m area_m2 voxel_size_m seconds total peak_rss_bytes; do
+    grep -q "\"$key\"" "$work/$method.json" || fail "report of $method has no $key"
+  done
+  expect 0 "verify $method" verify "$part" "${box[@]}" --json "$work/verify.json"
+  grep -q '"proven": true' "$work/verify.json" || fail "verify of $method reports no proof"
+  # The mesh in another unit is another part.
+  expect 4 "verify $method in centimetres" verify "$part" "$work/box.obj" --units cm
+  cp "$part" "$work/damaged.pshell"
+  printf 'x' | dd of="$work/damaged.pshell" bs=1 seek=2000 conv=notrunc status=none
+  expect 4 "verify of a damaged $method" verify "$work/damaged.pshell" "${box[@]}"
+done
+
+# The same bytes for any number of threads, and from a file with its faces in another order.
+{ grep '^v' "$work/box.obj"; grep '^f' "$work/box.obj" | tac; } >"$work/reordered.obj"
+expect 0 "one thread" "${box[@]}" -o "$work/one.pshell" --voxel-size 1mm --threads 1
+expect 0 "reordered" "$work/reordered.obj" --units mm --quiet -o "$work/two.pshell" --voxel-size 1mm --threads 2
+cmp -s "$work/one.pshell" "$work/two.pshell" || fail "bytes depend on threads or the order of faces"
+cmp -s "$work/one.pshell" "$work/surface.pshell" || fail "bytes depend on the run"
+
+# Warnings go to stderr, the summary to stdout, and --quiet silences both.
+"$bin/pointshell" "$work/box.obj" --units mm -o "$work/part.pshell" --voxel-size 1mm >"$work/stdout" 2>"$work/stderr" ||
+  fail "bake with summary"
+grep -q 'proven' "$work/stdout" || fail "no summary on stdout"
+[ -s "$work/stderr" ] && fail "noise on stderr: $(cat "$work/stderr")"
+"$bin/pointshell" "${box[@]}" -o "$work/part.pshell" --voxel-size 1mm >"$work/stdout" 2>&1
+[ -s "$work/stdout" ] && fail "--quiet prints: $(cat "$work/stdout")"
+
+# The sample part.
+expect 0 "sample part" "$data/part.obj" --units mm --quiet -o "$work/sample.pshell" --voxel-size 5mm
+expect 0 "verify the sample part" verify "$work/sample.pshell" "$data/part.obj" --units mm
+
+[ "$failures" -eq 0 ] && echo "all passed"
+exit $((failures > 0))

@@ -1,0 +1,142 @@
+// Shells cover what they say they cover, and the certificate finds out when they do not.
+#include <gtest/gtest.h>
+
+#include "pointshell/bake.h"
+#include "pointshell/certificate.h"
+#include "pointshell/point_grid.h"
+#include "pointshell/report.h"
+#include "tests/support/part_support.h"
+
+namespace forcelayer {
+namespace {
+
+using namespace testing;
+
+struct Case {
+  const char* name;
+  Part part;
+  double voxel_size_m;
+};
+
+std::vector<Case> shapes() {
+  std::vector<Case> cases;
+  cases.push_back({"sphere", part_of(sphere_mesh(1, 60)), 0.11});
+  cases.push_back({"torus", part_of(torus_mesh(1, 0.3, 30)), 0.06});
+  cases.push_back({"box", part_of(box_mesh(1, 2, 3)), 0.1});
+  cases.push_back({"box on the lattice", part_of(box_mesh(1.5, 1, 0.5)), 0.125});
+  cases.push_back({"cylinder", part_of(cylinder_mesh(0.5, 2, 48)), 0.07});
+  cases.push_back({"cone", part_of(cone_mesh(0.5, 0, 2, 48)), 0.07});
+  cases.push_back({"thin plate", part_of(box_mesh(2, 1, 0.001)), 0.05});
+  cases.push_back({"needle", part_of(box_mesh(2, 1e-4, 1e-4)), 0.05});
+  cases.push_back({"smaller than a voxel", part_of(box_mesh(0.1, 0.1, 0.1)), 1});
+  cases.push_back({"two bodies", part_of({box_mesh(1, 1, 1), sphere_mesh(0.7, 20)}), 0.09});
+  Mesh spiked = box_mesh(1, 1, 1);  // with triangles that are a segment and a point
+  spiked.vertices.insert(spiked.vertices.end(), {{0.5, 0.5, 2}, {0.2, 0.2, 0.7}});
+  spiked.triangles.insert(spiked.triangles.end(), {{7, 8, 7}, {9, 9, 9}, {0, 2, 3}});
+  cases.push_back({"degenerate", part_of(spiked), 0.1});
+  return cases;
+}
+
+BakedShell bake(const Case& c, ShellMethod method, Effort effort = Effort::kFull) {
+  BakeOptions options;
+  options.voxel_size_m = c.voxel_size_m;
+  options.method = method;
+  options.effort = effort;
+  auto shell = bake_shell(c.part, options, [](const std::string&, double) {});
+  EXPECT_TRUE(shell.ok()) << (shell ? "" : to_line(shell.error()));
+  return std::move(*shell);
+}
+
+std::vector<Vec3> positions(const BakedShell& shell) {
+  std::vector<Vec3> points;
+  for (std::size_t n = 0; n < shell.x.size(); ++n) {
+    points.push_back({shell.x[n], shell.y[n], shell.z[n]});
+  }
+  return points;
+}
+
+Vec3 center(const BakedShell& shell) {
+  const auto& c = shell.header.center_m;
+  return {c[0], c[1], c[2]};
+}
+
+// No sampled place is farther than the proven radius, but for the rounding of this very test.
+void expect_sampled_covering(const Part& part, const BakedShell& shell, int samples) {
+  constexpr std::uint64_t kSeed = 20240611;
+  SurfaceDice dice(part, kSeed);
+  const double radius = shell.header.covering_radius_m;
+  const std::vector<Vec3> points = positions(shell);
+  const PointGrid grid(points, radius);
+  for (int n = 0; n < samples; ++n) {
+    const Vec3 place = dice.throw_once() - center(shell);
+    ASSERT_LE(grid.nearest_distance(place, 1.1 * radius), radius * (1 + 1e-12))
+        << "seed " << kSeed << ", sample " << n;
+  }
+}
+
+TEST(Covering, HoldsAtRandomPlaces) {
+  for (const Case& c : shapes()) {
+    SCOPED_TRACE(c.name);
+    for (const ShellMethod method : {ShellMethod::kSurface, ShellMethod::kVoxelCenters}) {
+      SCOPED_TRACE(method_name(method));
+      expect_sampled_covering(c.part, bake(c, method), 20000);
+    }
+    expect_sampled_covering(c.part, bake(c, ShellMethod::kSurface, Effort::kFast), 20000);
+  }
+}
+
+TEST(Covering, RadiusIsTheOneAskedFor) {
+  for (const Case& c : shapes()) {
+    SCOPED_TRACE(c.name);
+    const double asked = std::sqrt(0.75) * c.voxel_size_m;
+    EXPECT_EQ(bake(c, ShellMethod::kSurface).header.covering_radius_m, asked);
+    // The rounding of centres to floats is added: below 1e-4 voxel for parts of this size.
+    EXPECT_NEAR(bake(c, ShellMethod::kVoxelCenters).header.covering_radius_m, asked, 1e-4 * asked);
+  }
+}
+
+// Removing any point that alone covers some place is noticed, and the hole is where it says.
+TEST(Covering, FailsWithoutANeededPoint) {
+  const Case torus{"torus", part_of(torus_mesh(1, 0.3, 30)), 0.12};
+  const BakedShell shell = bake(torus, ShellMethod::kSurface);
+  const Part centred = relative_to(torus.part, center(shell));
+  const std::vector<Vec3> points = positions(shell);
+  const double radius = shell.header.covering_radius_m;
+  ASSERT_TRUE(prove_covering(centred, points, radius).proven);
+  SurfaceDice dice(centred, 7);
+  std::vector<Vec3> samples(20000);
+  for (Vec3& place : samples) place = dice.throw_once();
+  int needed = 0;
+  for (std::size_t removed = 0; removed < points.size(); removed += 7) {
+    std::vector<Vec3> rest = points;
+    rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(removed));
+    const PointGrid grid(rest, radius);
+    const bool sampled_hole = std::any_of(samples.begin(), samples.end(), [&](const Vec3& place) {
+      return grid.nearest_distance(place, 1.1 * radius) > radius;
+    });
+    const CoveringProof proof = prove_covering(centred, rest, radius);
+    if (sampled_hole) {
+      ++needed;
+      EXPECT_FALSE(proof.proven) << removed;
+    }
+    for (const Hole& hole : proof.holes) {
+      EXPECT_GE(grid.nearest_distance(hole.position, 1.1 * radius), radius * (1 - 1e-6));
+    }
+  }
+  EXPECT_GT(needed, 10);
+}
+
+TEST(Covering, IsNotProvenForASmallerRadius) {
+  const Case box{"box", part_of(box_mesh(1, 2, 3)), 0.2};
+  const BakedShell shell = bake(box, ShellMethod::kSurface);
+  EXPECT_FALSE(prove_covering(relative_to(box.part, center(shell)), positions(shell),
+                              0.9 * shell.header.covering_radius_m)
+                   .proven);
+}
+
+TEST(Covering, OfNoPointsFails) {
+  EXPECT_FALSE(prove_covering(part_of(box_mesh(1, 1, 1)), {}, 10).proven);
+}
+
+}  // namespace
+}  // namespace forcelayer

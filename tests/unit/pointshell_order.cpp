@@ -1,0 +1,93 @@
+#include "pointshell/order.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "pointshell/smallest_ball.h"
+#include "pointshell/stored_position.h"
+
+namespace forcelayer {
+namespace {
+
+std::vector<Vec3> random_points(std::size_t count, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  std::vector<Vec3> points(count);
+  for (Vec3& p : points) p = as_stored({unit(random), unit(random), unit(random)});
+  return points;
+}
+
+TEST(HilbertOrder, VisitsAGridInUnitSteps) {
+  std::vector<Vec3> points;
+  for (int n = 0; n < 16 * 16 * 16; ++n) {
+    points.push_back({double(n % 16), double(n / 16 % 16), double(n / 256)});
+  }
+  const auto order = hilbert_order(points);
+  for (std::size_t n = 1; n < order.size(); ++n) {
+    EXPECT_EQ(length(points[order[n]] - points[order[n - 1]]), 1) << n;
+  }
+}
+
+TEST(HilbertOrder, DependsOnTheSetOfPointsAlone) {
+  std::vector<Vec3> points = random_points(1000, 3);
+  points.insert(points.end(), points.begin(), points.begin() + 10);
+  std::vector<Vec3> reversed(points.rbegin(), points.rend());
+  const auto order = hilbert_order(points), other = hilbert_order(reversed);
+  for (std::size_t n = 0; n < order.size(); ++n) {
+    EXPECT_EQ(points[order[n]], reversed[other[n]]);
+  }
+}
+
+TEST(BoundingSpheres, HoldTheirPoints) {
+  for (const std::size_t count : {1u, 63u, 64u, 65u, 1000u}) {
+    const std::vector<Vec3> points = random_points(count, count);
+    const auto spheres = bounding_spheres(points, 64);
+    ASSERT_EQ(spheres.size(), (count + 63) / 64);
+    for (std::size_t n = 0; n < count; ++n) {
+      const BoundingSphere& s = spheres[n / 64];
+      EXPECT_LE(length(points[n] - Vec3{s.x, s.y, s.z}), s.radius);
+    }
+  }
+}
+
+// The smallest ball through two, three or four of the points that holds them all.
+double smallest_radius_by_trying(const std::vector<Vec3>& points) {
+  double best = std::numeric_limits<double>::infinity();
+  const std::size_t count = points.size();
+  for (unsigned chosen = 1; chosen < 1u << count; ++chosen) {
+    if (__builtin_popcount(chosen) > 4) continue;
+    std::vector<Vec3> support;
+    for (std::size_t n = 0; n < count; ++n) {
+      if (chosen >> n & 1) support.push_back(points[n]);
+    }
+    const Ball ball = smallest_ball(support);
+    bool holds = true;
+    for (const Vec3& p : points) holds &= length(p - ball.centre) <= ball.radius + 1e-9;
+    if (holds) best = std::min(best, ball.radius);
+  }
+  return best;
+}
+
+TEST(SmallestBall, OfFewPointsIsThatOfSomeFourOfThem) {
+  for (std::uint64_t seed = 1; seed <= 50; ++seed) {
+    SCOPED_TRACE(seed);
+    const std::vector<Vec3> points = random_points(8, seed);
+    const Ball ball = smallest_ball(points);
+    for (const Vec3& p : points) EXPECT_LE(length(p - ball.centre), ball.radius * (1 + 1e-11));
+    EXPECT_NEAR(ball.radius, smallest_radius_by_trying(points), 1e-8);
+  }
+}
+
+TEST(SmallestBall, TakesPointsOnALineInAPlaneAndEqualOnes) {
+  EXPECT_EQ(smallest_ball(std::vector<Vec3>{{1, 2, 3}}).radius, 0);
+  EXPECT_EQ(smallest_ball(std::vector<Vec3>{{1, 2, 3}, {1, 2, 3}}).radius, 0);
+  std::vector<Vec3> line, square;
+  for (int n = 0; n <= 10; ++n) line.push_back({0.1 * n, 0.2 * n, 0.2 * n});
+  EXPECT_NEAR(smallest_ball(line).radius, 1.5, 1e-12);
+  for (int n = 0; n < 25; ++n) square.push_back({double(n % 5), double(n / 5), 0});
+  EXPECT_NEAR(smallest_ball(square).radius, 2 * std::sqrt(2.0), 1e-12);
+}
+
+}  // namespace
+}  // namespace forcelayer

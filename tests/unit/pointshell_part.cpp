@@ -1,0 +1,77 @@
+#include "pointshell/part.h"
+
+#include <gtest/gtest.h>
+
+#include "pointshell/stored_position.h"
+#include "tests/support/part_support.h"
+
+namespace forcelayer {
+namespace {
+
+using namespace testing;
+
+TEST(Part, IsTheSameForAnyOrderOfTriangles) {
+  const Mesh mesh = torus_mesh(1, 0.3, 12);
+  const Part part = part_of(mesh);
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    const Part other = part_of(shuffled(mesh, seed));
+    EXPECT_EQ(part.vertices, other.vertices);
+    EXPECT_EQ(part.triangles, other.triangles);
+  }
+}
+
+TEST(Part, DropsDuplicatesWithinABodyAndCountsThem) {
+  Mesh mesh = box_mesh(1, 1, 1);
+  mesh.triangles.push_back({3, 0, 2});  // the first, from another corner
+  mesh.triangles.push_back({0, 3, 2});  // the first, turned round: another triangle
+  const Part part = part_of(mesh);
+  EXPECT_EQ(part.input_triangles, 14u);
+  EXPECT_EQ(part.duplicate_triangles, 1u);
+  EXPECT_EQ(part.triangles.size(), 13u);
+}
+
+TEST(Part, WeldsEqualVerticesWhateverTheSignOfZero) {
+  Mesh mesh;
+  mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-0.0, 0, -0.0}, {0, 0, 1}};
+  mesh.triangles = {{0, 1, 2}, {3, 1, 4}};
+  EXPECT_EQ(part_of(mesh).vertices.size(), 4u);
+}
+
+TEST(Part, AMirroredPlacingStillFacesOutwards) {
+  Assembly assembly = assembly_of({box_mesh(1, 1, 1)});
+  assembly.instances[0].assembly_from_mesh.linear = {-1, 0, 0, 0, 1, 0, 0, 0, 1};
+  const PartInput input{&assembly, 1};
+  const Part part = std::move(assemble_part({&input, 1})).value();
+  for (std::size_t t = 0; t < part.triangles.size(); ++t) {
+    EXPECT_GT(dot(doubled_area_normal(part, t), part.vertices[part.triangles[t][0]]), 0);
+  }
+}
+
+TEST(Part, WithoutAreaIsAnError) {
+  Mesh mesh;
+  mesh.vertices = {{0, 0, 0}, {1, 1, 1}, {2, 2, 2}};
+  mesh.triangles = {{0, 1, 2}};
+  const Assembly assembly = assembly_of({mesh});
+  const PartInput input{&assembly, 1};
+  const auto part = assemble_part({&input, 1});
+  ASSERT_FALSE(part.ok());
+  EXPECT_EQ(part.error().code, ErrorCode::kMeshEmpty);
+}
+
+// gcc 12 drops this rounding unless it is kept from vectorising straight-line code.
+TEST(StoredPosition, HasFloatsAsCoordinates) {
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  for (int n = 0; n < 1000; ++n) {
+    const Vec3 given{unit(random), unit(random), unit(random)};
+    const Vec3 stored = as_stored(given);
+    const volatile float x = static_cast<float>(given.x), y = static_cast<float>(given.y),
+                         z = static_cast<float>(given.z);
+    EXPECT_EQ(stored.x, x);
+    EXPECT_EQ(stored.y, y);
+    EXPECT_EQ(stored.z, z);
+  }
+}
+
+}  // namespace
+}  // namespace forcelayer
