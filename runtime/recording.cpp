@@ -8,20 +8,12 @@
 #include <string>
 
 #include "runtime/derive_parameters.h"
+#include "runtime/pose_datagram.h"
 
 namespace forcelayer {
 namespace {
 
 constexpr std::size_t kFlushFrames = 1024;
-
-std::array<double, 7> to_numbers(const Pose& pose) {
-  const auto& [p, q] = pose;
-  return {p.x, p.y, p.z, q.w, q.x, q.y, q.z};
-}
-
-Pose to_pose(const std::array<double, 7>& n) {
-  return {{n[0], n[1], n[2]}, glm::dquat(n[3], n[4], n[5], n[6])};
-}
 
 // Every number that the step computes with, by name.
 struct NamedNumber {
@@ -173,7 +165,7 @@ class Reader {
     const auto valid = [](const std::array<double, 7>& n) {
       constexpr double kUnitTolerance = 1e-6;  // far above rounding, as the step's own
       return std::all_of(n.begin(), n.end(), [](double x) { return std::isfinite(x); }) &&
-             std::abs(glm::length(to_pose(n).orientation) - 1) < kUnitTolerance;
+             std::abs(glm::length(pose_from_numbers(n).orientation) - 1) < kUnitTolerance;
     };
     return valid(h.world_from_center) && valid(h.handle_from_center) && valid(h.world_from_device);
   }
@@ -216,9 +208,9 @@ Result<RecordingWriter> RecordingWriter::create(const std::filesystem::path& pat
   h.braking = run.parameters.braking ? 1 : 0;
   h.voxmap_checksum = run.voxmap_checksum;
   h.shell_checksum = run.shell_checksum;
-  h.world_from_center = to_numbers(run.start.world_from_center);
-  h.handle_from_center = to_numbers(run.start.handle_from_center);
-  h.world_from_device = to_numbers(run.placement.world_from_device);
+  h.world_from_center = pose_numbers(run.start.world_from_center);
+  h.handle_from_center = pose_numbers(run.start.handle_from_center);
+  h.world_from_device = pose_numbers(run.placement.world_from_device);
   h.motion_scale = run.placement.motion_scale;
   if (Status written = file->write(bytes_of(h)); !written) return written.error();
   if (Status written = file->write(bytes_of(parameters)); !written) return written.error();
@@ -228,7 +220,7 @@ Result<RecordingWriter> RecordingWriter::create(const std::filesystem::path& pat
 Status RecordingWriter::add(const Frame& frame) {
   const StepInput& in = frame.input;
   const auto& [v, w] = in.handle_velocity;
-  pending_.push_back({to_numbers(in.world_from_handle),
+  pending_.push_back({pose_numbers(in.world_from_handle),
                       {v.x, v.y, v.z, w.x, w.y, w.z},
                       in.buttons,
                       in.valid,
@@ -263,9 +255,9 @@ Result<Recording> Recording::open(const std::filesystem::path& path) {
   if (!frames) return frames.error();
   Recording recording;
   recording.run_.parameters = *parameters;
-  recording.run_.start.world_from_center = to_pose(header->world_from_center);
-  recording.run_.start.handle_from_center = to_pose(header->handle_from_center);
-  recording.run_.placement = {to_pose(header->world_from_device), header->motion_scale};
+  recording.run_.start.world_from_center = pose_from_numbers(header->world_from_center);
+  recording.run_.start.handle_from_center = pose_from_numbers(header->handle_from_center);
+  recording.run_.placement = {pose_from_numbers(header->world_from_device), header->motion_scale};
   recording.run_.voxmap_checksum = header->voxmap_checksum;
   recording.run_.shell_checksum = header->shell_checksum;
   recording.frames_ = *frames;
@@ -287,7 +279,7 @@ bool ReplayInput::next(double, double, StepInput& input) noexcept {
   if (at_ == recording_.frames().size()) return false;
   const RecordedFrame& frame = recording_.frames()[at_++];
   const auto& v = frame.handle_velocity;
-  input.world_from_handle = to_pose(frame.world_from_handle);
+  input.world_from_handle = pose_from_numbers(frame.world_from_handle);
   input.handle_velocity = {{v[0], v[1], v[2]}, {v[3], v[4], v[5]}};
   input.buttons = frame.buttons;
   input.valid = frame.valid;

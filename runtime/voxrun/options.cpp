@@ -53,6 +53,7 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
   app.add_option("--trace", options_.trace, "write a CSV line a frame");
   app.add_option("--record", options_.record, "write a recording for --replay");
   app.add_option("--replay", options_.replay, "repeat a recording bit for bit");
+  app.add_option("--udp", options_.udp, "send the pose stream to [HOST:]PORT");
   app.add_flag("--without-guarantee", options_.without_guarantee,
                "start even where no separation is guaranteed");
   app.add_flag("--quiet", options_.quiet, "no report on the terminal");

@@ -26,7 +26,7 @@ struct Options {
   bool as_fast_as_possible = false;
   bool without_guarantee = false;
   bool quiet = false;
-  std::string motion, json, trace, record, replay;
+  std::string motion, json, trace, record, replay, udp;
   std::optional<Pose> world_from_part;   // --start
   std::optional<Pose> handle_from_part;  // --grip
   Pose world_from_device;

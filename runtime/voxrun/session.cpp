@@ -11,6 +11,7 @@
 #include "runtime/devices/sim_device.h"
 #include "runtime/force_field.h"
 #include "runtime/loop.h"
+#include "runtime/pose_sender.h"
 #include "runtime/real_time.h"
 #include "runtime/recording.h"
 #include "runtime/separation.h"
@@ -38,9 +39,15 @@ struct Session {
   State start;
 };
 
+// Where the hand of a run without --motion holds still: at the part's start.
+Pose resting_handle(const Options& options) {
+  if (!options.world_from_part) return options.world_from_device;
+  return *options.world_from_part * inverse(options.handle_from_part.value_or(Pose{}));
+}
+
 Status make_device(const Options& options, Session& session) {
   session.placement = {options.world_from_device, options.motion_scale};
-  MotionScript script = MotionScript::still({});
+  MotionScript script = MotionScript::still(resting_handle(options));
   if (!options.motion.empty()) {
     auto read = MotionScript::read(options.motion);
     if (!read) return read.error();
@@ -180,16 +187,22 @@ void print_warnings(const RunFacts& facts, std::size_t first) {
   }
 }
 
-// The files that frames are written to while the loop runs.
-struct FrameFiles {
+// Where frames go while the loop runs.
+struct FrameOutputs {
   std::optional<TraceWriter> trace;
   std::optional<RecordingWriter> recording;
+  std::optional<PoseSender> poses;
 
   Status open(const Options& options, const Session& session) {
     if (!options.trace.empty()) {
       auto writer = TraceWriter::create(options.trace, *session.simulation);
       if (!writer) return writer.error();
       trace = std::move(*writer);
+    }
+    if (!options.udp.empty()) {
+      auto sender = PoseSender::create(options.udp, *session.simulation);
+      if (!sender) return sender.error();
+      poses.emplace(std::move(*sender));
     }
     if (options.record.empty()) return {};
     auto writer = RecordingWriter::create(
@@ -203,6 +216,12 @@ struct FrameFiles {
     std::vector<FrameSink> all;
     if (trace) all.push_back([this](const Frame& frame) { return trace->add(frame); });
     if (recording) all.push_back([this](const Frame& frame) { return recording->add(frame); });
+    if (poses) {
+      all.push_back([this](const Frame& frame) -> Status {
+        poses->offer(frame);
+        return {};
+      });
+    }
     return all;
   }
 
@@ -231,11 +250,11 @@ FrameSink progress_sink(const Options& options, const LoopOptions& loop, Progres
 
 Status run_frames(const Options& options, Session& session, std::atomic<int>& stop,
                   LoopStatistics& statistics) {
-  FrameFiles files;
-  if (Status opened = files.open(options, session); !opened) return opened;
+  FrameOutputs outputs;
+  if (Status opened = outputs.open(options, session); !opened) return opened;
   const LoopOptions loop = loop_options(options, session, stop);
   ProgressLine progress(options.quiet);
-  auto sinks = files.sinks();
+  auto sinks = outputs.sinks();
   sinks.push_back(progress_sink(options, loop, progress));
   SpscRing<Frame> ring(kRingFrames);
   FrameSinks frame_sinks(ring, std::move(sinks), stop);
@@ -250,7 +269,7 @@ Status run_frames(const Options& options, Session& session, std::atomic<int>& st
   session.facts.output_trips = servo.output().trips();
   session.facts.last_trip = to_text(servo.output().last_trip());
   if (Status drained = frame_sinks.finish(); !drained) return drained;
-  return files.finish(statistics.dropped_frames);
+  return outputs.finish(statistics.dropped_frames);
 }
 
 }  // namespace

@@ -3,7 +3,7 @@
 add_library(forcelayer_options INTERFACE)
 # No contraction into FMA: the scalar twins in the tests must agree with the fast paths bit for bit.
 target_compile_options(forcelayer_options INTERFACE
-  $<BUILD_INTERFACE:-Wall -Wextra -Wpedantic -Wshadow -ffp-contract=off>
+  $<BUILD_INTERFACE:-Wall -Wextra -Wpedantic -Wshadow -ffp-contract=off -ffunction-sections>
   # gcc 12 sees overlapping copies in `"text" + std::string` where there are none (its bug 105651).
   $<$<CXX_COMPILER_ID:GNU>:$<BUILD_INTERFACE:-Wno-restrict>>
   # gcc 12 at -O2 drops the rounding of neighbouring doubles to float and back (struct members x, y

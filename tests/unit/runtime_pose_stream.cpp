@@ -1,0 +1,176 @@
+// The pose stream over a real loopback socket.
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstring>
+#include <thread>
+
+#include "runtime/derive_parameters.h"
+#include "runtime/pose_receiver.h"
+#include "runtime/pose_sender.h"
+#include "tests/support/random_scenes.h"
+
+namespace forcelayer::test {
+namespace {
+
+std::unique_ptr<Simulation> simulation() {
+  Voxmap voxmap = make_voxmap(
+      offset_scene(0.01, {0, 0, 0}, {12, 12, 12}, 2, [](Voxel v) { return v[2] == 4; }));
+  PointPart part = sphere_part(0.02, 50, 0.01);
+  part.center_m = {0.5, 0, 0};
+  Pshell shell = make_pshell(part);
+  DeviceCapabilities device;
+  device.max_force_n = device.max_torque_nm = 1;
+  const auto derived = derive_parameters({}, voxmap, shell, device);
+  auto created = Simulation::create(std::move(voxmap), std::move(shell), derived->values);
+  return std::move(*created);
+}
+
+// Sends bytes to a local port.
+void send_to(std::uint16_t port, const void* bytes, std::size_t size) {
+  const int descriptor = socket(AF_INET, SOCK_DGRAM, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(port);
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  EXPECT_EQ(sendto(descriptor, bytes, size, 0, reinterpret_cast<const sockaddr*>(&address),
+                   sizeof address),
+            static_cast<ssize_t>(size));
+  close(descriptor);
+}
+
+PoseDatagram valid_datagram(std::uint64_t session, std::uint64_t sequence) {
+  PoseDatagram d{};
+  d.magic = kPoseMagic;
+  d.version = kPoseVersion;
+  d.bytes = sizeof d;
+  d.session = session;
+  d.sequence = sequence;
+  d.world_from_part[3] = d.world_from_handle[3] = 1;
+  return d;
+}
+
+TEST(PoseStream, CarriesAFrame) {
+  const auto sim = simulation();
+  auto receiver = PoseReceiver::open(0);
+  ASSERT_TRUE(receiver);
+  auto sender = PoseSender::create(std::to_string(receiver->port()), *sim);
+  ASSERT_TRUE(sender);
+  Frame frame;
+  frame.number = 77;
+  frame.time_s = 0.077;
+  frame.result.wrench.force_n = {1, 2, 3};
+  frame.result.report.contacts = 5;
+  frame.result.report.guard_cuts = 1;
+  frame.result.report.world_from_center.position_m = {1, 1, 1};
+  frame.output = OutputState::kArmed;
+  sender->offer(frame);
+  ASSERT_TRUE(receiver->wait(2000));
+  const auto received = receiver->newest();
+  ASSERT_TRUE(received);
+  EXPECT_EQ(received->frame, 77u);
+  EXPECT_EQ(received->sequence, 1u);
+  EXPECT_EQ(received->world_from_part[0], 0.5);  // the mesh's origin, not the centroid
+  EXPECT_EQ(received->force_n[2], 3);
+  EXPECT_EQ(received->contacts, 5u);
+  EXPECT_EQ(received->output, 1u);
+  EXPECT_EQ(received->flags, std::uint32_t{kPoseGuardCut});
+  EXPECT_FALSE(receiver->newest());
+}
+
+TEST(PoseStream, SendsSixtyASecondHoweverManyFramesAreOffered) {
+  const auto sim = simulation();
+  auto receiver = PoseReceiver::open(0);
+  auto sender = PoseSender::create("127.0.0.1:" + std::to_string(receiver->port()), *sim);
+  ASSERT_TRUE(sender);
+  const auto end = std::chrono::steady_clock::now() + std::chrono::milliseconds(300);
+  while (std::chrono::steady_clock::now() < end) {
+    sender->offer({});
+    std::this_thread::sleep_for(std::chrono::microseconds(200));
+  }
+  const auto last = receiver->newest();
+  ASSERT_TRUE(last);
+  EXPECT_LE(last->sequence, 20u);  // 18 and the first
+  EXPECT_GE(last->sequence, 5u);   // on a machine that is busy with other things
+}
+
+TEST(PoseStream, NobodyListeningIsNoError) {
+  const auto sim = simulation();
+  auto sender = PoseSender::create("127.0.0.1:9", *sim);
+  ASSERT_TRUE(sender);
+  for (int i = 0; i < 3; ++i) {
+    sender->offer({});
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+}
+
+TEST(PoseStream, ReceiverTakesTheNewestAndCountsWhatIsMissing) {
+  auto receiver = PoseReceiver::open(0);
+  ASSERT_TRUE(receiver);
+  for (const auto& [session, sequence] :
+       {std::pair{5, 1}, {5, 4}, {5, 3}, {6, 1}, {5, 9}, {6, 2}, {6, 2}}) {
+    const PoseDatagram d =
+        valid_datagram(static_cast<std::uint64_t>(session), static_cast<std::uint64_t>(sequence));
+    send_to(receiver->port(), &d, sizeof d);
+  }
+  ASSERT_TRUE(receiver->wait(2000));
+  const auto newest = receiver->newest();
+  ASSERT_TRUE(newest);
+  EXPECT_EQ(newest->session, 6u);
+  EXPECT_EQ(newest->sequence, 2u);
+  EXPECT_EQ(receiver->lost(), 2u);     // 5/2 and 5/3, which came too late
+  EXPECT_EQ(receiver->ignored(), 3u);  // 5/3, 5/9, the second 6/2
+}
+
+TEST(PoseStream, MalformedDatagramsDoNothing) {
+  auto receiver = PoseReceiver::open(0);
+  ASSERT_TRUE(receiver);
+  std::uint64_t sent = 0;
+  const auto send = [&](const void* bytes, std::size_t size) {
+    send_to(receiver->port(), bytes, size);
+    ++sent;
+  };
+  const PoseDatagram good = valid_datagram(1, 1);
+  for (std::size_t size = 0; size < sizeof good; size += 7) send(&good, size);
+  const std::vector<std::byte> large(5000);
+  send(large.data(), large.size());
+  PoseDatagram bad = good;
+  bad.magic ^= 1;
+  send(&bad, sizeof bad);
+  bad = good;
+  bad.version = 2;
+  send(&bad, sizeof bad);
+  bad = good;
+  bad.bytes = 300;
+  send(&bad, sizeof bad);
+  bad = good;
+  bad.world_from_part[0] = std::nan("");
+  send(&bad, sizeof bad);
+  bad = good;
+  bad.world_from_handle[3] = 0;
+  send(&bad, sizeof bad);
+  bad = good;
+  bad.torque_nm[1] = 1 / 0.0;
+  send(&bad, sizeof bad);
+  bad = good;
+  bad.output = 3;
+  send(&bad, sizeof bad);
+  EXPECT_FALSE(receiver->newest());
+  EXPECT_EQ(receiver->ignored(), sent);
+}
+
+TEST(PoseStream, WhatIsNoAddressIsAnError) {
+  const auto sim = simulation();
+  for (const char* target : {"", ":", "host:", "127.0.0.1:port", "no such host:7000"}) {
+    const auto sender = PoseSender::create(target, *sim);
+    ASSERT_FALSE(sender) << target;
+    EXPECT_EQ(sender.error().code, ErrorCode::kUsage) << target;
+  }
+  EXPECT_FALSE(PoseReceiver::open(7000, "somewhere"));
+}
+
+}  // namespace
+}  // namespace forcelayer::test
