@@ -93,6 +93,34 @@ TEST(Bake, EqualsTheReferenceWithManyLayers) {
   }
 }
 
+TEST(Bake, ClearanceIsExactOnEveryLevel) {
+  for (std::uint64_t seed = 1; seed <= 25; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    Random random(seed);
+    TestScene scene = random_scene(random, seed % 2 == 0 ? 4 : 16);
+    if (seed % 3 == 0) {  // two small things far apart, for distances across nodes and blocks
+      Mesh far = scene.meshes.front();
+      Vec3d step;
+      for (double& x : step) x = static_cast<double>(whole(random, -2, 2) * whole(random, 0, 700));
+      for (Vec3d& vertex : far.vertices) {
+        for (std::size_t d = 0; d < 3; ++d) vertex[d] += step[d];
+      }
+      scene.meshes = {scene.meshes.front(), far};
+    }
+    std::vector<LatticeMesh> meshes = scene.lattice();
+    const BakedScene baked(scene.objects(), options_with(1));
+    std::vector<VoxelIndex> held;  // object by object: the grid around both would be large
+    for (const LatticeMesh& mesh : meshes) {
+      const auto values = reference::offset_scene(reference::united_scene({mesh}, {}, 3), 1);
+      values.for_each([&](const VoxelIndex& v) {
+        if (values.at(v) != 0) held.push_back(v);
+      });
+    }
+    reference::expect_exact_clearance(baked.map(), held);
+    if (HasFatalFailure()) return;
+  }
+}
+
 TEST(Bake, FreeSeedsOpenWhatEnclosesThem) {
   int opened = 0;
   for (std::uint64_t seed = 1; seed <= 60; ++seed) {

@@ -74,4 +74,52 @@ inline void expect_equal(const Voxmap& map, const DenseGrid& expected) {
   }
 }
 
+// Every uniform free entry promises its exact clearance: the Chebyshev distance from its box to the
+// nearest voxel that is not free. `held` are all voxels of the map that are not free.
+inline void expect_exact_clearance(const Voxmap& map, const std::vector<VoxelIndex>& held) {
+  const VoxmapHeader& header = map.header();
+  const auto lookup = [&](const VoxelIndex& v) {
+    const auto& origin = header.directory_origin;
+    return map.view().lookup(static_cast<std::int32_t>(v[0] - origin[0]),
+                             static_cast<std::int32_t>(v[1] - origin[1]),
+                             static_cast<std::int32_t>(v[2] - origin[2]));
+  };
+  const auto edge_at = [&](const VoxelIndex& v) { return std::int64_t{lookup(v).edge_voxels}; };
+  const auto check_entry = [&](const VoxelIndex& low, std::int64_t edge) {
+    const VoxelLookup found = lookup(low);
+    if (found.code != 0 || found.edge_voxels != edge) return;
+    std::int64_t nearest = INT64_MAX;
+    for (const VoxelIndex& v : held) {
+      std::int64_t distance = 0;
+      for (std::size_t d = 0; d < 3; ++d) {
+        distance = std::max({distance, low[d] - v[d], v[d] - (low[d] + edge - 1)});
+      }
+      nearest = std::min(nearest, distance);
+    }
+    ASSERT_EQ(std::int64_t{found.clearance}, nearest)
+        << "entry of " << edge << " voxels at " << low[0] << ' ' << low[1] << ' ' << low[2];
+  };
+  // Every entry of every level: 512, then 64 and 8 voxels an edge where the one above has a child.
+  const auto walk = [&](const auto& self, const VoxelIndex& low, std::int64_t edge) -> void {
+    check_entry(low, edge);
+    if (testing::Test::HasFatalFailure() || edge == 8 || edge_at(low) == edge) return;
+    for (std::int64_t n = 0; n < 512; ++n) {
+      self(self,
+           {low[0] + (n >> 6) * (edge / 8), low[1] + (n >> 3 & 7) * (edge / 8),
+            low[2] + (n & 7) * (edge / 8)},
+           edge / 8);
+      if (testing::Test::HasFatalFailure()) return;
+    }
+  };
+  const auto& dims = header.directory_dims;
+  for (std::int64_t n = 0; n < std::int64_t{dims[0]} * dims[1] * dims[2]; ++n) {
+    walk(walk,
+         {header.directory_origin[0] + n / dims[2] / dims[1] * 512,
+          header.directory_origin[1] + n / dims[2] % dims[1] * 512,
+          header.directory_origin[2] + n % dims[2] * 512},
+         512);
+    if (testing::Test::HasFatalFailure()) return;
+  }
+}
+
 }  // namespace forcelayer::reference
