@@ -56,12 +56,8 @@ SourceFile split_node(const std::string& path) {
 
 }  // namespace
 
-Result<Assembly> read_assembly(const std::string& path) {
-  SourceFile file = split_node(path);
+Result<Assembly> read_source(const SourceFile& file) {
   try {
-    const Result<MappedFile> mapped = MappedFile::open(file.path);
-    if (!mapped) return mapped.error();
-    file.bytes = text_of(*mapped);
     const Format& format = format_of(file);
     if (!file.node.empty() && !format.has_nodes) {
       fail_read(file, ErrorCode::kSceneInvalid, "#" + file.node,
@@ -73,6 +69,14 @@ Result<Assembly> read_assembly(const std::string& path) {
   } catch (const std::bad_alloc&) {
     return Error{ErrorCode::kOutOfMemory, file.path, "", "not enough memory to read this mesh", ""};
   }
+}
+
+Result<Assembly> read_assembly(const std::string& path) {
+  SourceFile file = split_node(path);
+  const Result<MappedFile> mapped = MappedFile::open(file.path);
+  if (!mapped) return mapped.error();
+  file.bytes = text_of(*mapped);
+  return read_source(file);
 }
 
 }  // namespace forcelayer

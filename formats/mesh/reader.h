@@ -49,6 +49,9 @@ std::string in_quotes(std::string_view word);
 // "1 polygon", "3 polygons".
 std::string counted(std::uint64_t count, const char* singular);
 
+// read_assembly() of a file that is in memory already.
+Result<Assembly> read_source(const SourceFile& file);
+
 Assembly read_stl(const SourceFile& file);
 Assembly read_obj(const SourceFile& file);
 Assembly read_ply(const SourceFile& file);

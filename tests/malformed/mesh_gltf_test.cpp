@@ -153,9 +153,9 @@ TEST(DamagedGltf, RefusesTransformsThatAreNone) {
 TEST(DamagedGltf, SaysWhichNodesThereAre) {
   const std::string nodes = R"([{"name":"root","children":[1,2]},{"name":"a","mesh":0},
                                 {"name":"b","children":[3]},{"name":"a","mesh":0}])";
-  expect_error(read_nodes(nodes, "#c"), ErrorCode::kSceneInvalid, "#c",
+  expect_error(read_nodes(nodes, "c"), ErrorCode::kSceneInvalid, "#c",
                "no node of this name; use one of: root, root/a, root/b, root/b/a");
-  expect_error(read_nodes(nodes, "#a"), ErrorCode::kSceneInvalid, "#a",
+  expect_error(read_nodes(nodes, "a"), ErrorCode::kSceneInvalid, "#a",
                "several nodes of this name; use one of: root/a, root/b/a");
 }
 

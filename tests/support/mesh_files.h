@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "formats/mesh/mesh.h"
+#include "formats/mesh/reader.h"
 #include "tests/support/scratch_folder.h"
 
 namespace forcelayer::test {
@@ -217,11 +218,10 @@ inline std::string write_file(const std::filesystem::path& path, std::string_vie
   return path.string();
 }
 
-// Reads `bytes` as a file of the name "mesh" and `extension`.
+// Reads `bytes` as a file of the name "mesh" and `extension`, with "#" and `node` where given.
 inline Result<Assembly> read_bytes(std::string_view bytes, const std::string& extension,
                                    const std::string& node = "") {
-  const ScratchFolder folder;
-  return read_assembly(write_file(folder / ("mesh" + extension), bytes) + node);
+  return read_source({"mesh" + extension, node, bytes});
 }
 
 }  // namespace forcelayer::test

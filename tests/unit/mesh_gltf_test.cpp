@@ -73,13 +73,13 @@ TEST(GltfReader, SelectsASubTreeWhereItStands) {
   const std::string nodes = R"([{"name":"plane","children":[1,4],"translation":[1,0,0]},
       {"name":"wing","children":[2,3],"translation":[0,1,0]},{"name":"rib","mesh":0},
       {"name":"spar","mesh":0},{"name":"tail","children":[5]},{"name":"rib","mesh":0}])";
-  EXPECT_EQ(names_of(read_nodes(nodes, "#wing")),
+  EXPECT_EQ(names_of(read_nodes(nodes, "wing")),
             (std::vector<std::string>{"plane/wing/rib", "plane/wing/spar"}));
-  EXPECT_EQ(origin_of(read_nodes(nodes, "#wing"), 0), (Vec3d{1, 1, 0}));
-  EXPECT_EQ(names_of(read_nodes(nodes, "#spar")), (std::vector<std::string>{"plane/wing/spar"}));
-  EXPECT_EQ(names_of(read_nodes(nodes, "#plane/tail/rib")),
+  EXPECT_EQ(origin_of(read_nodes(nodes, "wing"), 0), (Vec3d{1, 1, 0}));
+  EXPECT_EQ(names_of(read_nodes(nodes, "spar")), (std::vector<std::string>{"plane/wing/spar"}));
+  EXPECT_EQ(names_of(read_nodes(nodes, "plane/tail/rib")),
             (std::vector<std::string>{"plane/tail/rib"}));
-  EXPECT_EQ(read_nodes(nodes, "#plane").instances.size(), 3u);
+  EXPECT_EQ(read_nodes(nodes, "plane").instances.size(), 3u);
 }
 
 TEST(GltfReader, ReadsTheDefaultSceneAndSaysWhatItLeavesOut) {

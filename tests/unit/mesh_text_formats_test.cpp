@@ -164,7 +164,7 @@ TEST(ReadAssembly, SaysWhatItCannotOpen) {
   EXPECT_EQ(read_assembly("/").error().code, ErrorCode::kFileNotFound);
   EXPECT_EQ(read_bytes("x", ".txt").error().code, ErrorCode::kMeshUnsupported);
   EXPECT_EQ(read_bytes("x", "").error().code, ErrorCode::kMeshUnsupported);
-  EXPECT_EQ(read_bytes(as_obj(cube()), ".obj", "#part").error().code, ErrorCode::kSceneInvalid);
+  EXPECT_EQ(read_bytes(as_obj(cube()), ".obj", "part").error().code, ErrorCode::kSceneInvalid);
 }
 
 TEST(ReadAssembly, TakesAHashInAFilesName) {
