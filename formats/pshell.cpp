@@ -72,9 +72,10 @@ Status check_header_fields(const PshellHeader& h, std::string_view name) {
   checks.require(is_finite_not_negative(h.covering_radius_m),
                  offsetof(PshellHeader, covering_radius_m), "covering_radius_m",
                  "is not a finite length");
-  checks.require(is_finite_not_negative(h.bounding_radius_m),
+  checks.require(is_finite_not_negative(h.bounding_radius_m) &&
+                     h.bounding_radius_m <= kMaxRadiusVoxels * h.voxel_size_m,
                  offsetof(PshellHeader, bounding_radius_m), "bounding_radius_m",
-                 "is not a finite length");
+                 "is not a length, or above 2^20 voxels");
   checks.require(is_finite_not_negative(h.part_deviation_m),
                  offsetof(PshellHeader, part_deviation_m), "part_deviation_m",
                  "is not a finite length");

@@ -21,6 +21,8 @@ inline constexpr std::uint32_t kDefaultSuperBlockBlocks = 64;
 inline constexpr std::uint32_t kBlockPointsMultiple = 16;  // 64 bytes of float32
 inline constexpr std::uint32_t kMaxBlockPoints = 4096;
 inline constexpr std::uint32_t kMaxSuperBlockBlocks = 4096;
+// Single precision then still places a point to a sixteenth of a voxel.
+inline constexpr double kMaxRadiusVoxels = 1 << 20;
 inline constexpr std::uint64_t kMaxShellPoints = std::uint64_t{1} << 31;
 
 enum class PshellSection : std::uint32_t {

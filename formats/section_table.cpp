@@ -71,9 +71,8 @@ Error wrong_magic(std::span<const std::byte> bytes, std::string_view name,
 
 Status check_magic(std::span<const std::byte> bytes, std::string_view name,
                    const std::array<std::uint8_t, 8>& magic) {
-  const std::size_t present = std::min(bytes.size(), magic.size());
-  if (present == magic.size() ? !starts_with(bytes, magic)
-                              : std::memcmp(bytes.data(), magic.data(), present) != 0) {
+  const auto present = bytes.first(std::min(bytes.size(), magic.size()));
+  if (!std::equal(present.begin(), present.end(), std::as_bytes(std::span(magic)).begin())) {
     return wrong_magic(bytes, name, magic);
   }
   if (bytes.size() >= sizeof(FileHeader)) return {};

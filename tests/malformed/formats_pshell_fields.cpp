@@ -67,6 +67,7 @@ TEST(PshellFields, Numbers) {
     expect_refused(AT(voxel_size_m), wrong, "voxel_size_m");
   }
   expect_refused(AT(voxel_size_m), 0.0, "voxel_size_m");
+  expect_refused(AT(bounding_radius_m), 0.0025 * ((1 << 20) + 1), "bounding_radius_m");
   for (const double wrong : {kInfinity, kNan}) {
     expect_refused(AT(center_m) + 8, wrong, "center_m");
     expect_refused(AT(inertia_m2) + 40, wrong, "inertia_m2");
