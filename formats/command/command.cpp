@@ -35,6 +35,7 @@ extern "C" void end_on_signal(int number) {
 }  // namespace
 
 void exit_cleanly_on_signals() {
+  signal(SIGXFSZ, SIG_IGN);  // a file beyond the user's limit is a failed write with its own line
   for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGPIPE}) {
     struct sigaction current {};
     sigaction(number, nullptr, &current);
