@@ -105,6 +105,7 @@ Result<AtomicFile> AtomicFile::create(const fs::path& target) {
   }
   struct stat status {};
   const bool exists = ::stat(file.target_.c_str(), &status) == 0;
+  if (!exists && errno != ENOENT) return file.write_error(errno);
   if (exists && S_ISDIR(status.st_mode)) return file.write_error(EISDIR);
   if (exists && !S_ISREG(status.st_mode)) {
     file.descriptor_ = ::open(file.target_.c_str(), O_WRONLY | O_CLOEXEC);

@@ -1,23 +1,28 @@
 #include "formats/command/quantity.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <span>
 #include <string>
 #include <vector>
 
 namespace forcelayer {
 namespace {
 
-struct NamedFactor {
+// A unit is `factor` times ten to the `exponent` of the base unit. The power of ten is applied to
+// the number's text, so that 1.1mm and 0.0011m are the same double.
+struct Unit {
   std::string_view name;
+  int exponent;
   double factor;
 };
 
-constexpr NamedFactor kLengthUnits[] = {{"nm", 1e-9},   {"um", 1e-6},  {"mm", 1e-3}, {"cm", 1e-2},
-                                        {"dm", 1e-1},   {"m", 1.0},    {"km", 1e3},  {"in", 0.0254},
-                                        {"ft", 0.3048}, {"yd", 0.9144}};
-constexpr NamedFactor kTimeUnits[] = {
-    {"us", 1e-6}, {"ms", 1e-3}, {"s", 1.0}, {"min", 60.0}, {"h", 3600.0}};
+constexpr Unit kLengthUnits[] = {
+    {"nm", -9, 1}, {"um", -6, 1}, {"mm", -3, 1},     {"cm", -2, 1},     {"dm", -1, 1},
+    {"m", 0, 1},   {"km", 3, 1},  {"in", 0, 0.0254}, {"ft", 0, 0.3048}, {"yd", 0, 0.9144}};
+constexpr Unit kTimeUnits[] = {
+    {"us", -6, 1}, {"ms", -3, 1}, {"s", 0, 1}, {"min", 0, 60}, {"h", 0, 3600}};
 
 Error usage(std::string what, std::string mend) {
   return {ErrorCode::kUsage, "", "", std::move(what), std::move(mend)};
@@ -31,21 +36,62 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(" \t") - first + 1);
 }
 
-// A number and the rest of the text after it.
+Error not_a_number(std::string_view text) {
+  return usage(quoted(text) + " is not a finite number", "write it like 5mm or 0.005m");
+}
+
+// A finite number, its text, and what follows it.
 struct NumberAndRest {
   double number;
+  std::string_view text;
   std::string_view rest;
 };
 
 Result<NumberAndRest> split_number(std::string_view text) {
   text = trimmed(text);
-  if (!text.empty() && text.front() == '+') text.remove_prefix(1);
+  std::string_view digits = text;
+  if (digits.size() > 1 && digits[0] == '+' && digits[1] != '-') digits.remove_prefix(1);
   double number = 0;
-  const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (failure != std::errc{} || !std::isfinite(number)) {
-    return usage(quoted(text) + " is not a finite number", "write it like 5mm or 0.005m");
+  const auto [end, failure] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
+  if (failure != std::errc{} || !std::isfinite(number)) return not_a_number(text);
+  const auto length = static_cast<std::size_t>(end - digits.data());
+  return NumberAndRest{number, digits.substr(0, length), trimmed(digits.substr(length))};
+}
+
+// The number of `split` in base units, correctly rounded where the unit is a power of ten.
+Result<double> scaled(const NumberAndRest& split, const Unit& unit) {
+  const auto e = split.text.find_first_of("eE");
+  int exponent = unit.exponent;
+  if (e != std::string_view::npos) {
+    const std::size_t sign = split.text[e + 1] == '+' ? 1 : 0;
+    int own = 0;  // in range: the number is finite, and a tiny one was parsed as such
+    std::from_chars(split.text.data() + e + 1 + sign, split.text.data() + split.text.size(), own);
+    exponent += own;
   }
-  return NumberAndRest{number, trimmed(text.substr(static_cast<std::size_t>(end - text.data())))};
+  const std::string shifted = std::string(split.text.substr(0, e)) + "e" + std::to_string(exponent);
+  double number = 0;
+  const auto parsed = std::from_chars(shifted.data(), shifted.data() + shifted.size(), number);
+  number *= unit.factor;
+  if (parsed.ec != std::errc{} || !std::isfinite(number)) {
+    return not_a_number(std::string(split.text) + std::string(unit.name));
+  }
+  return number;
+}
+
+const Unit* find_unit(std::span<const Unit> units, std::string_view name) {
+  const auto found = std::find_if(units.begin(), units.end(),
+                                  [name](const Unit& unit) { return unit.name == name; });
+  return found == units.end() ? nullptr : &*found;
+}
+
+Error unknown_length_unit(std::string_view name) {
+  return usage(quoted(name) + " is not a unit of length",
+               "use one of nm, um, mm, cm, dm, m, km, in, ft, yd");
+}
+
+Result<double> scaled_length(const NumberAndRest& split) {
+  const Unit* unit = find_unit(kLengthUnits, split.rest);
+  return unit ? scaled(split, *unit) : Result<double>(unknown_length_unit(split.rest));
 }
 
 std::vector<std::string_view> split_commas(std::string_view text) {
@@ -63,9 +109,7 @@ Result<double> parse_component(std::string_view text) {
   const auto split = split_number(text);
   if (!split) return split.error();
   if (split->rest.empty()) return split->number;
-  const auto unit = parse_unit(split->rest);
-  if (!unit) return unit.error();
-  return split->number * *unit;
+  return scaled_length(*split);
 }
 
 template <std::size_t kCount>
@@ -85,26 +129,43 @@ Result<std::array<double, kCount>> parse_components(std::string_view text, const
   return values;
 }
 
+// Four bare numbers, normalised; `pose` is the whole text, for errors.
+Result<std::array<double, 4>> parse_quaternion(std::span<const std::string_view> parts,
+                                               std::string_view pose) {
+  std::array<double, 4> wxyz{};
+  double norm2 = 0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const auto number = split_number(parts[i]);
+    if (!number) return number.error();
+    if (!number->rest.empty()) {
+      return usage("the quaternion of pose " + quoted(pose) + " has a unit",
+                   "write it as x,y,z,qw,qx,qy,qz");
+    }
+    wxyz[i] = number->number;
+    norm2 += number->number * number->number;
+  }
+  if (!(norm2 > 1e-24) || !std::isfinite(norm2)) {
+    return usage("the quaternion of pose " + quoted(pose) + " has no direction",
+                 "the identity is 1,0,0,0");
+  }
+  for (double& component : wxyz) component /= std::sqrt(norm2);
+  return wxyz;
+}
+
 }  // namespace
 
 Result<double> parse_unit(std::string_view unit) {
-  for (const auto& [name, metres] : kLengthUnits) {
-    if (unit == name) return metres;
-  }
-  return usage(quoted(unit) + " is not a unit of length",
-               "use one of nm, um, mm, cm, dm, m, km, in, ft, yd");
+  const Unit* found = find_unit(kLengthUnits, unit);
+  if (!found) return unknown_length_unit(unit);
+  return scaled({1, "1", ""}, *found);
 }
 
 Result<double> parse_length(std::string_view text) {
   const auto split = split_number(text);
   if (!split) return split.error();
-  if (split->rest.empty()) {
-    if (split->number == 0) return 0.0;
-    return usage("length " + quoted(text) + " has no unit", "write it like 5mm or 0.005m");
-  }
-  const auto unit = parse_unit(split->rest);
-  if (!unit) return unit.error();
-  return split->number * *unit;
+  if (!split->rest.empty()) return scaled_length(*split);
+  if (split->number == 0) return 0.0;
+  return usage("length " + quoted(text) + " has no unit", "write it like 5mm or 0.005m");
 }
 
 Result<std::array<double, 3>> parse_point(std::string_view text) {
@@ -123,50 +184,35 @@ Result<std::array<double, 6>> parse_box(std::string_view text) {
 }
 
 Result<PoseText> parse_pose(std::string_view text) {
-  PoseText pose;
-  if (split_commas(text).size() == 3) {
-    const auto position = parse_point(text);
-    if (!position) return position.error();
-    pose.position_m = *position;
-    return pose;
-  }
   const auto parts = split_commas(text);
-  if (parts.size() != 7) {
+  if (parts.size() != 3 && parts.size() != 7) {
     return usage("pose " + quoted(text) + " has " + std::to_string(parts.size()) + " numbers",
                  "write it as x,y,z or x,y,z,qw,qx,qy,qz");
   }
-  double norm2 = 0;
-  for (std::size_t i = 0; i < 7; ++i) {
-    if (i < 3) {
-      const auto metres = parse_component(parts[i]);
-      if (!metres) return metres.error();
-      pose.position_m[i] = *metres;
-      continue;
-    }
-    const auto number = split_number(parts[i]);
-    if (!number) return number.error();
-    if (!number->rest.empty()) {
-      return usage("the quaternion of pose " + quoted(text) + " has a unit",
-                   "write it as x,y,z,qw,qx,qy,qz");
-    }
-    pose.orientation_wxyz[i - 3] = number->number;
-    norm2 += number->number * number->number;
+  PoseText pose;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto metres = parse_component(parts[axis]);
+    if (!metres) return metres.error();
+    pose.position_m[axis] = *metres;
   }
-  if (!(norm2 > 1e-24) || !std::isfinite(norm2)) {
-    return usage("the quaternion of pose " + quoted(text) + " has no direction",
-                 "the identity is 1,0,0,0");
-  }
-  for (double& component : pose.orientation_wxyz) component /= std::sqrt(norm2);
+  if (parts.size() == 3) return pose;
+  const auto orientation = parse_quaternion(std::span(parts).subspan(3), text);
+  if (!orientation) return orientation.error();
+  pose.orientation_wxyz = *orientation;
   return pose;
 }
 
 Result<double> parse_duration(std::string_view text) {
   const auto split = split_number(text);
   if (!split) return split.error();
-  for (const auto& [name, seconds] : kTimeUnits) {
-    if (split->rest == name) return split->number * seconds;
+  const Unit* unit = find_unit(kTimeUnits, split->rest);
+  if (!unit) {
+    return usage("duration " + quoted(text) + " has no unit of time", "write it like 10s or 500ms");
   }
-  return usage("duration " + quoted(text) + " has no unit of time", "write it like 10s or 500ms");
+  if (split->number < 0) {
+    return usage("duration " + quoted(text) + " is negative", "write it like 10s or 500ms");
+  }
+  return scaled(*split, *unit);
 }
 
 }  // namespace forcelayer

@@ -1,0 +1,156 @@
+// Old bytes or all the new ones.
+#include "formats/atomic_file.h"
+
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <sstream>
+#include <string_view>
+
+#include "formats/mapped_file.h"
+#include "tests/support/scratch_folder.h"
+
+namespace forcelayer::testing {
+namespace {
+
+namespace fs = std::filesystem;
+using test::ScratchFolder;
+
+std::span<const std::byte> bytes_of(std::string_view text) {
+  return std::as_bytes(std::span(text.data(), text.size()));
+}
+
+std::string content_of(const fs::path& path) {
+  std::stringstream text;
+  text << std::ifstream(path).rdbuf();
+  return text.str();
+}
+
+std::ptrdiff_t entries_of(const fs::path& folder) {
+  return std::distance(fs::directory_iterator(folder), fs::directory_iterator());
+}
+
+void write_text(const fs::path& path, std::string_view text) {
+  auto file = AtomicFile::create(path);
+  ASSERT_TRUE(file) << to_line(file.error());
+  ASSERT_TRUE(file->write(bytes_of(text)));
+  ASSERT_TRUE(file->commit());
+}
+
+TEST(AtomicFile, ReplacesOnCommitAndNotBefore) {
+  const ScratchFolder folder;
+  const fs::path path = folder.path() / "scene.vox";
+  write_text(path, "old");
+  auto file = AtomicFile::create(path);
+  ASSERT_TRUE(file);
+  ASSERT_TRUE(file->write(bytes_of("new ")));
+  ASSERT_TRUE(file->write(bytes_of("bytes")));
+  EXPECT_EQ(content_of(path), "old");
+  ASSERT_TRUE(file->commit());
+  EXPECT_EQ(content_of(path), "new bytes");
+  EXPECT_EQ(entries_of(folder.path()), 1);
+}
+
+TEST(AtomicFile, LeavesTheOldFileWithoutCommit) {
+  const ScratchFolder folder;
+  const fs::path path = folder.path() / "scene.vox";
+  write_text(path, "old");
+  {
+    auto file = AtomicFile::create(path);
+    ASSERT_TRUE(file && file->write(bytes_of("new")));
+  }
+  EXPECT_EQ(content_of(path), "old");
+  EXPECT_EQ(entries_of(folder.path()), 1);
+}
+
+TEST(AtomicFile, MovesWithItsTemporary) {
+  const ScratchFolder folder;
+  const fs::path path = folder.path() / "scene.vox";
+  auto created = AtomicFile::create(path);
+  ASSERT_TRUE(created);
+  AtomicFile moved = std::move(*created);
+  AtomicFile again = std::move(moved);
+  ASSERT_TRUE(again.write(bytes_of("new")));
+  ASSERT_TRUE(again.commit());
+  EXPECT_EQ(content_of(path), "new");
+  EXPECT_EQ(entries_of(folder.path()), 1);
+}
+
+// A reader that mapped the old file keeps it while it is replaced.
+TEST(AtomicFile, KeepsTheMappedOldFileAlive) {
+  const ScratchFolder folder;
+  const fs::path path = folder.path() / "scene.vox";
+  write_text(path, "old");
+  const auto mapped = MappedFile::open(path);
+  ASSERT_TRUE(mapped);
+  write_text(path, "n");
+  EXPECT_EQ(static_cast<char>(mapped->bytes()[2]), 'd');
+}
+
+TEST(AtomicFile, FollowsASymbolicLink) {
+  const ScratchFolder folder;
+  fs::create_directory(folder.path() / "real");
+  fs::create_symlink("real/scene.vox", folder.path() / "link.vox");
+  write_text(folder.path() / "link.vox", "first");  // the link's target does not exist yet
+  write_text(folder.path() / "link.vox", "second");
+  EXPECT_TRUE(fs::is_symlink(folder.path() / "link.vox"));
+  EXPECT_EQ(content_of(folder.path() / "real" / "scene.vox"), "second");
+  EXPECT_EQ(entries_of(folder.path() / "real"), 1);
+}
+
+TEST(AtomicFile, HasTheModeOfAnOrdinaryFile) {
+  const ScratchFolder folder;
+  const mode_t before = ::umask(022);
+  write_text(folder.path() / "scene.vox", "x");
+  ::umask(before);
+  struct stat status {};
+  ASSERT_EQ(::stat((folder.path() / "scene.vox").c_str(), &status), 0);
+  EXPECT_EQ(status.st_mode & 0777, 0644u);
+}
+
+TEST(AtomicFile, TakesLongNames) {
+  const ScratchFolder folder;
+  const fs::path path = folder.path() / std::string(255, 'x');
+  write_text(path, "x");
+  EXPECT_EQ(content_of(path), "x");
+}
+
+TEST(AtomicFile, RefusesWhatIsNoFile) {
+  const ScratchFolder folder;
+  for (const fs::path& path : {folder.path(), folder.path() / "no" / "scene.vox", fs::path(),
+                               folder.path() / std::string(256, 'x')}) {
+    const auto file = AtomicFile::create(path);
+    ASSERT_FALSE(file) << path;
+    EXPECT_EQ(file.error().code, ErrorCode::kWriteFailed);
+    EXPECT_EQ(file.error().file, path.string());
+  }
+  EXPECT_EQ(entries_of(folder.path()), 0);
+}
+
+TEST(AtomicFile, WritesThroughDevicesAndDescriptors) {
+  write_text("/dev/null", "x");
+  EXPECT_TRUE(fs::is_character_file("/dev/null"));
+  const ScratchFolder folder;
+  const fs::path path = folder.path() / "redirected";
+  std::FILE* redirected = std::fopen(path.c_str(), "w");
+  std::fputs("before ", redirected);
+  std::fflush(redirected);
+  write_text("/dev/fd/" + std::to_string(::fileno(redirected)), "report");
+  std::fputs(" after", redirected);
+  std::fclose(redirected);
+  EXPECT_EQ(content_of(path), "before report after");
+}
+
+TEST(AtomicFile, ReportsAFullDisk) {
+  auto full = AtomicFile::create("/dev/full");
+  if (!full) GTEST_SKIP() << "no /dev/full here";
+  const Status written = full->write(bytes_of("x"));
+  ASSERT_FALSE(written);
+  EXPECT_EQ(written.error().code, ErrorCode::kWriteFailed);
+  EXPECT_EQ(written.error().mend, "free space or write elsewhere");
+}
+
+}  // namespace
+}  // namespace forcelayer::testing
