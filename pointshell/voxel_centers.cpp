@@ -38,7 +38,7 @@ BrickMap surface_bricks(const Part& part, double voxel_size_m) {
     const std::size_t end = std::min((task + 1) * kTrianglesPerTask, part.triangles.size());
     for (std::size_t t = task * kTrianglesPerTask; t < end; ++t) {
       const TriangleOverlap triangle(snapped(part, t, voxel_size_m));
-      for_each_brick(triangle, [&](const VoxelIndex& corner, const BrickMask& mask) {
+      for_each_group(triangle, 0, [&](const VoxelIndex& corner, const BrickMask& mask) {
         merge(mask, of_task[task][corner]);
       });
     }
