@@ -4,10 +4,16 @@
 #include "runtime/tangent_plane.h"
 
 namespace forcelayer {
+namespace {
+
+constexpr std::size_t kLanePadding = 64;  // elements that a vector store may spill behind the last
+
+}  // namespace
 
 void FieldSamples::reserve(std::uint64_t points) {
-  at.resize(points);
-  for (auto* values : {&depth_m, &dx, &dy, &dz}) values->resize(points);
+  const std::size_t room = points + kLanePadding;
+  at.resize(room);
+  for (auto* values : {&depth_m, &dx, &dy, &dz}) values->resize(room);
 }
 
 ForceKind usual_force(Model model, const Voxmap& voxmap) {

@@ -17,16 +17,19 @@
 //     so phi falls almost evenly with the depth: by 1 over |n|_1 s. The quadratic B-spline over the
 //     same 27 voxels has 0.18 there, trilinear interpolation over 8 voxels 0.32.
 //
-// Push. With n the point's inward normal, g the slope, both along which a point may be pushed:
-//   v = f (w n + (1 - w) g/|g|) + (1 - f) h n/2,  depth = s |v|_1 max(0, -phi) along v/|v|
-//   w: 1 where the cosine of n and g is at least 0.9, 0 where it is at most 0.7, smooth between
-//   f = min(1, |g| / 0.1): where g vanishes it has no direction. No plane, edge or corner has so
-//       small a slope in the force layer; the middle of a narrow gap has, and the deep interior,
-//   h: 0 for phi >= -1/2, 1 for phi <= -3/4: in the interior, where all 27 voxels agree and only
-//      the normal is left, a point gets half a voxel along it, as the tangent plane gives.
-// |v|_1 turns the Chebyshev distance into a Euclidean one in front of a plane (in maps of Euclidean
-// layers it is |v|). The push is continuous in position and normal. It is not the gradient of a
-// potential: who needs passivity must see to it himself.
+// Push. With n the point's inward normal and g the slope:
+//   u = (w + 0.05 h) n + (1 - w) g
+//   depth = s max(0, -phi) |d|_1 min(1, 10 |u|) along d = u/|u|
+//   w: 1 where n and g agree, 0 where they do not: smoothstep of 16 (q |q| - 9/16 |g|^2), q = n .
+//   g.
+//      It begins at a cosine of 3/4 and ends at 0.8 to 0.95, the closer to 1 the less g is sure.
+//   h: 0 for phi >= -1/2, 1 for phi <= -3/4. Deep inside, where all 27 voxels agree, g vanishes,
+//   and
+//      a point gets half a voxel along its normal, as the tangent plane gives.
+// |d|_1 turns the Chebyshev distance into a Euclidean one in front of a plane (maps of Euclidean
+// layers do without it). Where g vanishes halfway between two walls, the push fades to nothing. The
+// push is continuous in position and normal. It is not the gradient of a potential: who needs
+// passivity must see to it himself.
 //
 // Normal or slope? Measured by force_bench (tests/bench/METHOD.md):
 //   - On flush and smooth contacts the normal is right, and g alone is off by 1 to 2 degrees with
@@ -43,6 +46,8 @@
 
 #include "formats/result.h"
 #include "runtime/force_field.h"
+#include "runtime/level_bricks.h"
+#include "runtime/level_push.h"
 
 namespace forcelayer {
 
@@ -52,25 +57,16 @@ class LevelField final : public ForceField {
   // interior to proximity), or more than two bits. A kUsage error.
   static std::optional<Error> unreadable(const Voxmap& voxmap);
 
-  // The map must be readable and outlive the field.
+  // The map must be readable and outlive the field. Takes 5 MB for decoded bricks.
   explicit LevelField(const Voxmap& voxmap);
 
+  // As ForceField says; by one thread at a time.
   void evaluate(const CollectedPoints& points, FieldSamples& samples) const noexcept override;
   void measure(const CollectedPoints& points, FieldSamples& samples) const noexcept override;
 
  private:
-  struct Measured {
-    float depth_m;  // signed
-    std::array<float, 3> direction;
-  };
-  Measured measured(const CollectedPoints& points, std::uint32_t i) const noexcept;
-  int level(std::int64_t x, std::int64_t y, std::int64_t z) const noexcept;
-
-  VoxmapView map_;
-  float voxel_size_m_;
-  bool euclidean_layers_;
-  // Box of the voxels that are known, relative to the directory; unbounded where nothing was cut.
-  std::array<std::int64_t, 3> known_min_{}, known_max_{};  // inclusive, exclusive
+  LevelScale scale_;
+  mutable LevelBricks bricks_;  // a memo: no answer depends on it
 };
 
 }  // namespace forcelayer

@@ -4,8 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include <hwy/targets.h>
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
+#include <map>
 
 #include "runtime/tangent_plane.h"
 #include "tests/support/random_scenes.h"
@@ -47,11 +49,16 @@ VoxelScene layered_scene(Random& random, std::int64_t k) {
   });
 }
 
-// A voxel in or just outside the scene's box.
+// A voxel in or just outside the scene's box, in its directory, and half the time not free.
 Voxel random_voxel(Random& random, const VoxelScene& scene) {
   Voxel v{};
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    v[axis] = scene.min[axis] + integer(random, -3, scene.dims[axis] + 2);
+  const int tries = random() % 2 ? 1 : 20;
+  for (int i = 0; i < tries; ++i) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const std::int64_t low = scene.min[axis], high = low + scene.dims[axis] - 1;
+      v[axis] = std::clamp(integer(random, low - 3, high + 3), low & ~511, high | 511);
+    }
+    if (scene.at(v) != VoxelValue::kFree) break;
   }
   return v;
 }
@@ -71,12 +78,8 @@ struct Sampled {
   std::vector<std::array<float, 3>> direction;
 };
 
-Sampled sampled(const LevelField& field, const CollectedPoints& points) {
-  FieldSamples samples;
-  samples.reserve(points.count);
-  field.evaluate(points, samples);
-  Sampled all{std::vector<float>(points.count, 0.0f),
-              std::vector<std::array<float, 3>>(points.count)};
+Sampled sampled(const FieldSamples& samples, std::uint32_t points) {
+  Sampled all{std::vector<float>(points, 0.0f), std::vector<std::array<float, 3>>(points)};
   for (std::uint32_t i = 0; i < samples.count; ++i) {
     EXPECT_TRUE(i == 0 || samples.at[i - 1] < samples.at[i]) << "order of the collected points";
     all.depth_m[samples.at[i]] = samples.depth_m[i];
@@ -85,37 +88,101 @@ Sampled sampled(const LevelField& field, const CollectedPoints& points) {
   return all;
 }
 
-TEST(LevelField, EqualsItsScalarTwinBitForBit) {
-  std::uint32_t pushed = 0;
-  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+// Random points of a scene, one in five told to be in value 3, and what the twin says of them.
+struct Probe {
+  CollectedPoints points;
+  std::vector<TwinPush> twins;
+
+  Probe(Random& random, const VoxelScene& scene, const Voxmap& voxmap, std::uint32_t cropped,
+        std::uint32_t count) {
+    points.reserve(count);
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const Voxel v = random_voxel(random, scene);
+      const auto fraction = random_fraction(random);
+      const auto normal = as_floats(random_direction(random));
+      collect(points, voxmap, v, random() % 5 ? VoxelValue::kSurface : VoxelValue::kProximity,
+              fraction, normal);
+      twins.push_back(float_push(scene, v, fraction, normal, cropped));
+    }
+  }
+};
+
+// evaluate() and measure() of one field against the twin; how many points were pushed.
+std::uint32_t compare_with_twin(const LevelField& field, const Probe& probe) {
+  const std::uint32_t count = probe.points.count;
+  FieldSamples samples;
+  samples.reserve(count);
+  field.evaluate(probe.points, samples);
+  const Sampled pushed = sampled(samples, count);
+  const std::uint32_t pushes = samples.count;
+  field.measure(probe.points, samples);
+  EXPECT_EQ(samples.count, count);
+  const Sampled measured = sampled(samples, count);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const TwinPush& twin = probe.twins[i];
+    const bool pushes_here = twin.depth_m > 0 && probe.points.value[i] != 3;
+    EXPECT_EQ(measured.depth_m[i], twin.depth_m) << "point " << i;
+    EXPECT_EQ(measured.direction[i], twin.direction) << "point " << i;
+    EXPECT_EQ(pushed.depth_m[i], pushes_here ? twin.depth_m : 0) << "point " << i;
+    if (pushes_here) {
+      EXPECT_EQ(pushed.direction[i], twin.direction) << "point " << i;
+    }
+    if (testing::Test::HasFailure()) break;
+  }
+  return pushes;
+}
+
+// Every width of vectors that this machine has, one after the other.
+class LevelFieldOnEveryTarget : public testing::TestWithParam<std::int64_t> {
+ protected:
+  void SetUp() override { use(GetParam()); }
+  void TearDown() override { use(0); }
+  static void use(std::int64_t targets) {  // 0: all
+    hwy::SetSupportedTargetsForTest(targets);
+    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Targets, LevelFieldOnEveryTarget,
+                         testing::ValuesIn(hwy::SupportedAndGeneratedTargets()),
+                         [](const auto& target) { return hwy::TargetName(target.param); });
+
+TEST_P(LevelFieldOnEveryTarget, EqualsItsScalarTwinBitForBit) {
+  std::uint32_t pushes = 0;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     Random random(seed);
     const VoxelScene scene = layered_scene(random, integer(random, 1, 3));
     const auto cropped = static_cast<std::uint32_t>(random() % 2 ? random() % 64 : 0);
     const Voxmap voxmap = make_voxmap(scene, cropped);
     const LevelField field(voxmap);
-    CollectedPoints points;
-    const auto count = static_cast<std::uint32_t>(integer(random, 0, 3000));
-    points.reserve(count);
-    std::vector<TwinPush> twins;
-    for (std::uint32_t i = 0; i < count; ++i) {
-      const Voxel v = random_voxel(random, scene);
-      const auto fraction = random_fraction(random);
-      const auto normal = as_floats(random_direction(random));
-      const bool skipped = random() % 5 == 0;
-      collect(points, voxmap, v, skipped ? VoxelValue::kProximity : VoxelValue::kSurface, fraction,
-              normal);
-      twins.push_back(skipped ? TwinPush{} : float_push(scene, v, fraction, normal, cropped));
-    }
-    const Sampled found = sampled(field, points);
-    for (std::uint32_t i = 0; i < count; ++i) {
-      ASSERT_EQ(found.depth_m[i], twins[i].depth_voxels * static_cast<float>(scene.voxel_size_m))
-          << "point " << i;
-      ASSERT_EQ(found.direction[i], twins[i].direction) << "point " << i;
-      pushed += found.depth_m[i] > 0;
+    for (int frame = 0; frame < 3; ++frame) {  // the second finds its bricks decoded
+      const auto count = static_cast<std::uint32_t>(integer(random, 0, 900));
+      pushes += compare_with_twin(field, Probe(random, scene, voxmap, cropped, count));
+      ASSERT_FALSE(HasFailure());
     }
   }
-  EXPECT_GT(pushed, 1000u);
+  EXPECT_GT(pushes, 1000u);
+}
+
+TEST_P(LevelFieldOnEveryTarget, HoldsWhereBricksReplaceEachOther) {
+  // Noise, so that no brick equals another; enough bricks that some share a slot.
+  Random random(7);
+  const VoxelScene scene = VoxelScene::filled(0.003, {-64, 0, 100}, {400, 400, 12},
+                                              [&](Voxel) { return VoxelValue(random() % 4); });
+  std::map<std::uint32_t, int> slots_used;
+  const Voxmap voxmap = make_voxmap(scene);
+  const auto& origin = voxmap.header().directory_origin;
+  const auto strides = LevelBricks(voxmap).strides();
+  for (std::int64_t i = 0; i < 50; ++i)
+    for (std::int64_t j = 0; j < 50; ++j) {
+      const auto bx = static_cast<std::uint32_t>((scene.min[0] - origin[0]) / 8 + i);
+      const auto by = static_cast<std::uint32_t>((scene.min[1] - origin[1]) / 8 + j);
+      const auto bz = static_cast<std::uint32_t>((scene.min[2] - origin[2]) / 8);
+      ++slots_used[LevelBricks::slot(bx * strides[0] + by * strides[1] + bz)];
+    }
+  ASSERT_LT(slots_used.size(), 2450u) << "2500 bricks, and none shares a slot";
+  const LevelField field(voxmap);
+  EXPECT_GT(compare_with_twin(field, Probe(random, scene, voxmap, 0, 20000)), 0u);
 }
 
 TEST(LevelField, TwinIsTheWeightedSumOverTwentySevenVoxels) {
@@ -148,7 +215,10 @@ TEST(LevelField, PushesOnlyPointsInValuesOneAndTwo) {
       collect(points, voxmap, v, VoxelValue::kSurface, random_fraction(random),
               as_floats(random_direction(random)));
     }
-    const Sampled found = sampled(field, points);
+    FieldSamples samples;
+    samples.reserve(kCount);
+    field.evaluate(points, samples);
+    const Sampled found = sampled(samples, kCount);
     std::uint32_t pushed = 0;
     for (std::uint32_t i = 0; i < kCount; ++i) {
       if (found.depth_m[i] == 0) continue;
@@ -163,10 +233,11 @@ TEST(LevelField, PushesOnlyPointsInValuesOneAndTwo) {
 }
 
 TEST(LevelField, PushIsContinuousAcrossVoxels) {
-  // Per voxel of motion phi changes by at most sqrt(3) and the slope by 6 (Frobenius norm of its
-  // derivatives); v divides slope changes by 0.1 at the least, with w'(cosine) <= 7.5 on top: below
-  // 1000 in all. A voxel of jump, even a thousandth, would be far above a step of 2e-6 voxels.
-  constexpr double kStep = 2e-6, kBound = 1000 * kStep + 1e-4;  // the latter for single precision
+  // Per voxel of motion phi changes by at most sqrt(3), the slope by 6 (Frobenius norm of its
+  // derivatives) and w by 1.5 * 16 * 4 * 6; a direction by that over |u| >= 0.1, below which the
+  // push fades: in all below 10^4. A jump, be it a hundredth of a voxel, would be far above that
+  // times a step of 10^-7 voxels.
+  constexpr double kStep = 1e-7, kBound = 1e4 * kStep + 1e-4;  // the latter for single precision
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     Random random(seed);
@@ -187,7 +258,8 @@ TEST(LevelField, PushIsContinuousAcrossVoxels) {
       const TwinPush a = float_push(scene, v, here, normal);
       const TwinPush b = float_push(scene, next, there, normal);
       for (std::size_t d = 0; d < 3; ++d) {
-        ASSERT_NEAR(a.depth_voxels * a.direction[d], b.depth_voxels * b.direction[d], kBound)
+        ASSERT_NEAR(std::max(a.depth_m, 0.0f) * a.direction[d] / scene.voxel_size_m,
+                    std::max(b.depth_m, 0.0f) * b.direction[d] / scene.voxel_size_m, kBound)
             << "voxel " << v[0] << " " << v[1] << " " << v[2] << " fraction " << here[0] << " "
             << here[1] << " " << here[2] << " axis " << axis;
       }

@@ -34,8 +34,8 @@ inline int level_of(const VoxelScene& scene, Voxel v, std::uint32_t cropped_side
 }
 
 struct TwinPush {
-  float phi = 0;  // voxels
-  float depth_voxels = 0;
+  float phi = 0;      // voxels
+  float depth_m = 0;  // signed: negative in front of the force layer's middle
   std::array<float, 3> direction{};
 };
 
@@ -54,7 +54,7 @@ inline float trilinear(const std::array<int, 8>& c, const std::array<float, 3>& 
 
 }  // namespace detail
 
-// Depth (0 where nothing is pushed) and direction at `fraction` of a world voxel.
+// What ForceField::measure gives at `fraction` of a world voxel.
 inline TwinPush float_push(const VoxelScene& scene, const Voxel& voxel,
                            const std::array<float, 3>& fraction, const std::array<float, 3>& n,
                            std::uint32_t cropped_sides = 0) {
@@ -70,28 +70,34 @@ inline TwinPush float_push(const VoxelScene& scene, const Voxel& voxel,
       dz[c] += v & 1 ? l : -l;
     }
   }
+  const auto voxel_size_m = static_cast<float>(scene.voxel_size_m);
   TwinPush twin;
   twin.phi = detail::trilinear(level, fraction) * 0.125f;
   const float gx = detail::trilinear(dx, fraction) * 0.25f;
   const float gy = detail::trilinear(dy, fraction) * 0.25f;
   const float gz = detail::trilinear(dz, fraction) * 0.25f;
 
-  const float steepness = std::sqrt(gx * gx + gy * gy + gz * gz);
-  const float inverse = 1.0f / std::max(steepness, 1e-6f);
-  const float cosine = (gx * n[0] + gy * n[1] + gz * n[2]) * inverse;
-  const float t = std::min(std::max((cosine - 0.7f) * (1.0f / (0.9f - 0.7f)), 0.0f), 1.0f);
+  const float along = gx * n[0] + gy * n[1] + gz * n[2];
+  const float steepness2 = gx * gx + gy * gy + gz * gz;
+  const float agreement = 16.0f * (along * std::abs(along) - 0.5625f * steepness2);
+  const float t = std::min(std::max(agreement, 0.0f), 1.0f);
   const float w = t * t * (3.0f - 2.0f * t);
-  const float f = std::min(steepness * (1.0f / 0.1f), 1.0f);
   const float h = std::min(std::max((-0.5f - twin.phi) * 4.0f, 0.0f), 1.0f);
-  const float on_n = f * w + (0.5f - 0.5f * f) * h;
-  const float on_g = (f - f * w) * inverse;
+  const float on_n = w + 0.05f * h, on_g = 1.0f - w;
   const std::array<float, 3> u{on_n * n[0] + on_g * gx, on_n * n[1] + on_g * gy,
                                on_n * n[2] + on_g * gz};
   const float length = std::sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
-  if (!(twin.phi < 0.0f && length > 1e-6f)) return twin;
-  twin.depth_voxels = -twin.phi * (std::abs(u[0]) + std::abs(u[1]) + std::abs(u[2]));
+  if (!(length > 1e-6f)) {
+    twin.depth_m = twin.phi < 0.0f ? 0.0f : -twin.phi * voxel_size_m;
+    twin.direction = n;
+    return twin;
+  }
   const float per_length = 1.0f / length;
   for (std::size_t axis = 0; axis < 3; ++axis) twin.direction[axis] = u[axis] * per_length;
+  const auto& d = twin.direction;
+  const float strength = std::min(length * 10.0f, 1.0f);
+  twin.depth_m =
+      -twin.phi * strength * voxel_size_m * (std::abs(d[0]) + std::abs(d[1]) + std::abs(d[2]));
   return twin;
 }
 
