@@ -56,8 +56,9 @@ CameraView frame_box(const WorldBox& box, const glm::dvec3& direction, double as
 
 glm::dvec3 clearest_direction(const Voxmap& voxmap, const std::vector<glm::dvec3>& points_m,
                               const glm::dvec3& forces, double reach_m) {
-  // What the usual direction and a view across the forces are worth, in share of points seen.
-  constexpr double kHabit = 0.25, kAcross = 0.3;
+  // What the usual direction, a view across the forces and the usual height are worth, in share of
+  // points seen.
+  constexpr double kHabit = 0.25, kAcross = 0.3, kSteep = 0.2;
   const double length = glm::length(forces);
   const glm::dvec3 force = length > 0 ? forces / length : glm::dvec3(0);
   glm::dvec3 best = default_direction();
@@ -71,7 +72,8 @@ glm::dvec3 clearest_direction(const Voxmap& voxmap, const std::vector<glm::dvec3
       const double share =
           points_m.empty() ? 0 : static_cast<double>(seen) / static_cast<double>(points_m.size());
       const double score = share + kHabit * 0.5 * (1 + glm::dot(direction, default_direction())) -
-                           kAcross * std::abs(glm::dot(direction, force));
+                           kAcross * std::abs(glm::dot(direction, force)) -
+                           kSteep * std::abs(direction.z - default_direction().z);
       if (score > best_score) {
         best_score = score;
         best = direction;

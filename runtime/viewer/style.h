@@ -25,7 +25,6 @@ inline constexpr Colour kRemovedColour = {0.84, 0.37, 0.0};
 
 inline constexpr double kForceLayerOpacity = 0.28;
 inline constexpr double kProximityOpacity = 0.12;
-inline constexpr double kPartOpacity = 1.0;
-inline constexpr double kGhostOpacity = 0.9;
+inline constexpr double kUnchangedOpacity = 0.08;  // of the force layer where changes are shown
 
 }  // namespace forcelayer

@@ -1,20 +1,14 @@
 #include "runtime/viewer/view_scene.h"
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <glm/common.hpp>
-#include <glm/geometric.hpp>
 
-#include "formats/mesh/units.h"
+#include "formats/mesh/scene.h"
 
 namespace forcelayer {
 namespace {
-
-// A mesh file, its instances still apart.
-struct PlacedAssembly {
-  Assembly assembly;
-  double unit_m = 1;
-};
 
 std::string extension_of(const std::string& path) {
   std::string extension = std::filesystem::path(path).extension().string();
@@ -23,42 +17,27 @@ std::string extension_of(const std::string& path) {
   return extension;
 }
 
-Result<PlacedAssembly> read_placed(const std::string& path, std::optional<double> unit_m,
-                                   std::vector<std::string>& warnings) {
-  auto assembly = read_assembly(path);
-  if (!assembly) return assembly.error();
-  const auto scale = metres_per_unit(*assembly, path, unit_m, warnings);
-  if (!scale) return scale.error();
-  for (const std::string& warning : assembly->warnings) warnings.push_back(path + ": " + warning);
-  return PlacedAssembly{std::move(*assembly), *scale};
+glm::dvec3 place(const ScenePart& part, const Vec3d& vertex) {
+  const Vec3d p = apply(part.world_from_mesh, vertex);
+  return {p[0], p[1], p[2]};
 }
 
-glm::dvec3 place(const PlacedAssembly& placed, const MeshInstance& instance, const Vec3d& vertex) {
-  const Vec3d p = apply(instance.assembly_from_mesh, vertex);
-  return placed.unit_m * glm::dvec3(p[0], p[1], p[2]);
-}
-
-void add_bounds(const PlacedAssembly& placed, WorldBox& box) {
-  for (const MeshInstance& instance : placed.assembly.instances) {
-    for (const Vec3d& vertex : placed.assembly.meshes[instance.mesh].vertices) {
-      box.add(place(placed, instance, vertex));
-    }
+void add_bounds(const Scene& scene, WorldBox& box) {
+  for (const ScenePart& part : scene.parts) {
+    for (const Vec3d& vertex : scene.mesh_of(part).vertices) box.add(place(part, vertex));
   }
 }
 
-void add_meshes(const PlacedAssembly& placed, const glm::dvec3& origin_m,
-                std::vector<ViewMesh>& meshes) {
-  for (const MeshInstance& instance : placed.assembly.instances) {
-    const Mesh& mesh = placed.assembly.meshes[instance.mesh];
-    ViewMesh view{instance.name, {}, mesh.triangles};
-    view.points.reserve(mesh.vertices.size());
-    for (const Vec3d& vertex : mesh.vertices) {
-      const glm::dvec3 p = place(placed, instance, vertex) - origin_m;
-      view.points.push_back(
-          {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)});
-    }
-    meshes.push_back(std::move(view));
+ViewMesh view_mesh_of(const Scene& scene, const ScenePart& part, const glm::dvec3& origin_m) {
+  const Mesh& mesh = scene.mesh_of(part);
+  ViewMesh view{part.name, {}, mesh.triangles};
+  view.points.reserve(mesh.vertices.size());
+  for (const Vec3d& vertex : mesh.vertices) {
+    const glm::dvec3 p = place(part, vertex) - origin_m;
+    view.points.push_back(
+        {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)});
   }
+  return view;
 }
 
 Error twice(const std::string& path, const char* kind) {
@@ -74,27 +53,51 @@ Status load_baked(const std::string& path, ViewScene& scene) {
     if (!voxmap) return voxmap.error();
     scene.voxmap = std::move(*voxmap);
     scene.voxmap_name = name;
+    scene.voxmap_path = path;
   } else {
     if (scene.shell) return twice(path, "shell");
     auto shell = Pshell::open(path);
     if (!shell) return shell.error();
     scene.shell = std::move(*shell);
     scene.shell_name = name;
+    scene.shell_path = path;
   }
   return {};
 }
 
+Status load_before(const std::string& path, ViewScene& scene) {
+  if (path.empty()) return {};
+  if (!scene.voxmap) {
+    return Error{ErrorCode::kUsage, path, "", "nothing to compare it with",
+                 "give the later .vox too, as in --compare before.vox after.vox"};
+  }
+  auto before = Voxmap::open(path);
+  if (!before) return before.error();
+  scene.before = std::move(*before);
+  scene.before_name = std::filesystem::path(path).filename().string();
+  return {};
+}
+
+void add_box(const std::optional<Voxmap>& voxmap, WorldBox& bounds) {
+  if (!voxmap) return;
+  const WorldBox box = voxmap_box(*voxmap);
+  if (box.empty) return;
+  bounds.add(box.low_m);
+  bounds.add(box.high_m);
+}
+
+// The meshes of the part as one, in its frame.
 Status load_part(const ViewInputs& inputs, ViewScene& scene) {
   const auto unit_m = inputs.part_unit_m ? inputs.part_unit_m : inputs.unit_m;
-  auto placed = read_placed(inputs.part, unit_m, scene.warnings);
-  if (!placed) return placed.error();
-  std::vector<ViewMesh> pieces;
-  add_meshes(*placed, glm::dvec3(0), pieces);
+  const auto part = read_scene(std::array{inputs.part}, unit_m);
+  if (!part) return part.error();
+  scene.warnings.insert(scene.warnings.end(), part->warnings.begin(), part->warnings.end());
   ViewMesh whole{inputs.part, {}, {}};
-  for (const ViewMesh& piece : pieces) {
+  for (const ScenePart& piece : part->parts) {
+    const ViewMesh mesh = view_mesh_of(*part, piece, glm::dvec3(0));
     const auto base = static_cast<std::uint32_t>(whole.points.size());
-    whole.points.insert(whole.points.end(), piece.points.begin(), piece.points.end());
-    for (const Triangle& t : piece.triangles) {
+    whole.points.insert(whole.points.end(), mesh.points.begin(), mesh.points.end());
+    for (const Triangle& t : mesh.triangles) {
       whole.triangles.push_back({t[0] + base, t[1] + base, t[2] + base});
     }
   }
@@ -126,33 +129,31 @@ WorldBox voxmap_box(const Voxmap& voxmap) {
 }
 
 Result<ViewScene> load_view_scene(const ViewInputs& inputs) {
-  ViewScene scene;
-  std::vector<PlacedAssembly> assemblies;
+  ViewScene view;
+  std::vector<std::string> mesh_inputs;
   for (const std::string& path : inputs.inputs) {
     const std::string extension = extension_of(path);
-    if (extension == ".vox" || extension == ".pshell") {
-      if (Status loaded = load_baked(path, scene); !loaded) return loaded.error();
-      continue;
-    }
-    auto placed = read_placed(path, inputs.unit_m, scene.warnings);
-    if (!placed) return placed.error();
-    add_bounds(*placed, scene.bounds);
-    assemblies.push_back(std::move(*placed));
-  }
-  if (scene.voxmap) {
-    if (const WorldBox box = voxmap_box(*scene.voxmap); !box.empty) {
-      scene.bounds.add(box.low_m);
-      scene.bounds.add(box.high_m);
+    if (extension != ".vox" && extension != ".pshell") {
+      mesh_inputs.push_back(path);
+    } else if (Status loaded = load_baked(path, view); !loaded) {
+      return loaded.error();
     }
   }
-  scene.origin_m = scene.bounds.middle_m();
-  for (const PlacedAssembly& placed : assemblies) {
-    add_meshes(placed, scene.origin_m, scene.meshes);
+  if (Status loaded = load_before(inputs.before, view); !loaded) return loaded.error();
+  const auto scene = read_scene(mesh_inputs, inputs.unit_m);
+  if (!scene) return scene.error();
+  view.warnings = scene->warnings;
+  add_bounds(*scene, view.bounds);
+  add_box(view.voxmap, view.bounds);
+  add_box(view.before, view.bounds);
+  view.origin_m = view.bounds.middle_m();
+  for (const ScenePart& part : scene->parts) {
+    view.meshes.push_back(view_mesh_of(*scene, part, view.origin_m));
   }
   if (!inputs.part.empty()) {
-    if (Status loaded = load_part(inputs, scene); !loaded) return loaded.error();
+    if (Status loaded = load_part(inputs, view); !loaded) return loaded.error();
   }
-  return scene;
+  return view;
 }
 
 }  // namespace forcelayer

@@ -40,14 +40,18 @@ struct ViewScene {
   std::vector<ViewMesh> meshes;
   std::optional<ViewMesh> part;
   std::optional<Voxmap> voxmap;
+  std::optional<Voxmap> before;  // what `voxmap` is compared with
   std::optional<Pshell> shell;
-  std::string voxmap_name, shell_name;  // file names without folder
-  std::vector<std::string> warnings;    // a line each
+  std::string voxmap_path, shell_path;               // as given
+  std::string voxmap_name, before_name, shell_name;  // without folder
+  std::vector<std::string> warnings;                 // a line each
 };
 
-// What to read. `inputs` are meshes, at most one .vox and at most one .pshell, in any order.
+// What to read. `inputs` are what voxelize takes (meshes, folders, manifests), at most one .vox and
+// at most one .pshell, in any order.
 struct ViewInputs {
   std::vector<std::string> inputs;
+  std::string before;                 // the .vox to compare with; empty: none
   std::string part;                   // mesh of the moving part; empty: none
   std::optional<double> unit_m;       // metres per file unit of the meshes; empty: not given
   std::optional<double> part_unit_m;  // the same for `part`; empty: as `unit_m`
@@ -57,7 +61,7 @@ struct ViewInputs {
 // whose format does not say its unit when none was given.
 Result<ViewScene> load_view_scene(const ViewInputs& inputs);
 
-// World box of the non-free voxels.
+// World box of the non-free voxels; empty where all is free.
 WorldBox voxmap_box(const Voxmap& voxmap);
 
 }  // namespace forcelayer

@@ -10,7 +10,7 @@
 
 #include "formats/pshell.h"
 #include "runtime/viewer/contact_view.h"
-#include "runtime/viewer/layer_surface.h"
+#include "runtime/viewer/quad_surface.h"
 #include "runtime/viewer/view_scene.h"
 
 namespace forcelayer {

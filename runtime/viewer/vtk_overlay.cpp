@@ -89,6 +89,11 @@ void draw_swatch(Shapes& shapes, const LegendEntry& entry, double x, double y, d
       shapes.box(x + 1, y + 1, x + size - 1, y + size - 1, kPaper, 1);
       shapes.box(x + 1, y + 1, x + size - 1, y + size - 1, entry.colour, entry.opacity);
       break;
+    case Swatch::kFramedSquare:
+      shapes.box(x, y, x + size, y + size, kInk, 1);
+      shapes.box(x + 0.16 * size, y + 0.16 * size, x + 0.84 * size, y + 0.84 * size, entry.colour,
+                 entry.opacity);
+      break;
     case Swatch::kDot:
       round_shape(0.3 * size, 16);
       break;

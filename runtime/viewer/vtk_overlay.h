@@ -7,19 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "runtime/viewer/style.h"
+#include "runtime/viewer/legend.h"
 
 namespace forcelayer {
-
-// What a legend entry draws before its label, as its mark looks in the picture.
-enum class Swatch { kSquare, kDot, kSmallSquare, kDiamond, kArrow, kLine, kCoil };
-
-struct LegendEntry {
-  Swatch swatch;
-  Colour colour;
-  double opacity;
-  std::string label;
-};
 
 class Overlay {
  public:

@@ -19,6 +19,7 @@
 #include "formats/atomic_file.h"
 #include "runtime/viewer/style.h"
 #include "runtime/viewer/vtk_overlay.h"
+#include "runtime/viewer/vtk_stage.h"
 
 namespace forcelayer {
 namespace {
@@ -33,7 +34,7 @@ void add_triad(vtkRenderWindow* window, const CameraView& view) {
   axes->SetZAxisLabelText("z");
   for (vtkCaptionActor2D* caption : {axes->GetXAxisCaptionActor2D(), axes->GetYAxisCaptionActor2D(),
                                      axes->GetZAxisCaptionActor2D()}) {
-    caption->GetCaptionTextProperty()->SetColor(kInk.data());
+    caption->GetCaptionTextProperty()->SetColor(kInk[0], kInk[1], kInk[2]);
     caption->GetCaptionTextProperty()->ItalicOff();
     caption->GetCaptionTextProperty()->ShadowOff();
   }
@@ -49,44 +50,6 @@ void add_triad(vtkRenderWindow* window, const CameraView& view) {
   renderer->ResetCamera(-1.2, 1.2, -1.2, 1.2, -1.2, 1.2);
   camera->SetParallelScale(1.5);
   window->AddRenderer(renderer);
-}
-
-std::vector<LegendEntry> legend_of(const ViewScene& scene, const std::optional<Moment>& moment,
-                                   const ShownSet& shown) {
-  const auto on = [&](Shown what) { return shown[static_cast<unsigned>(what)]; };
-  std::vector<LegendEntry> legend;
-  if (!scene.meshes.empty() && on(Shown::kMeshes)) {
-    legend.push_back({Swatch::kSquare, kSceneColour, 1, "scene (mesh)"});
-  }
-  if (scene.voxmap && on(Shown::kInterior)) {
-    legend.push_back({Swatch::kSquare, kInteriorColour, 1, "interior voxels"});
-  }
-  if (scene.voxmap && on(Shown::kForceLayer)) {
-    legend.push_back({Swatch::kSquare, kForceLayerColour, 0.5, "force layer (value 2)"});
-  }
-  if (scene.voxmap && on(Shown::kProximity)) {
-    legend.push_back({Swatch::kSquare, kProximityColour, 0.4, "proximity (value 3)"});
-  }
-  if (!moment) return legend;
-  if (scene.part && on(Shown::kPart)) {
-    legend.push_back({Swatch::kSquare, kPartColour, 1, "part (mesh)"});
-  } else if (scene.shell && on(Shown::kShell)) {
-    legend.push_back({Swatch::kSquare, kPartColour, 1, "part (point shell)"});
-  }
-  if (moment->world_from_target && on(Shown::kHandle)) {
-    legend.push_back({Swatch::kLine, kGhostColour, 1, "where the hand holds it"});
-    legend.push_back({Swatch::kCoil, kGhostColour, 1, "virtual coupling"});
-  }
-  if (scene.voxmap && scene.shell && on(Shown::kContacts)) {
-    legend.push_back({Swatch::kArrow, kContactColour, 1, "contact: force on the part"});
-    legend.push_back({Swatch::kDot, kForceLayerColour, 1, "point in the force layer, depth 0"});
-    legend.push_back({Swatch::kSmallSquare, kProximityColour, 1, "point in proximity"});
-    legend.push_back({Swatch::kDiamond, kPenetrationColour, 1, "point in interior"});
-  }
-  if (moment->on_hand && on(Shown::kContacts)) {
-    legend.push_back({Swatch::kArrow, kNetForceColour, 1, "force on the hand"});
-  }
-  return legend;
 }
 
 void place(Stage& stage, const ViewScene& scene, const Moment& moment) {
@@ -141,48 +104,59 @@ Status write_png(const std::filesystem::path& path, vtkImageData* image) {
   return file->commit();
 }
 
+// The renderers of a picture: the world, marks over it, words over both.
+struct Layers {
+  vtkNew<vtkRenderer> world, marks, words;
+  vtkNew<vtkRenderWindow> window;
+
+  Layers(int width, int height) {
+    window->SetOffScreenRendering(1);
+    window->SetMultiSamples(0);
+    window->SetAlphaBitPlanes(1);
+    window->SetNumberOfLayers(3);
+    window->SetSize(width, height);
+    world->SetBackground(kPaper[0], kPaper[1], kPaper[2]);
+    world->SetUseDepthPeeling(1);
+    world->SetMaximumNumberOfPeels(4);  // two sheets a peel; more cannot be told apart
+    marks->SetLayer(1);
+    words->SetLayer(2);
+    for (vtkRenderer* renderer : {world.Get(), marks.Get(), words.Get()}) {
+      window->AddRenderer(renderer);
+    }
+  }
+};
+
+ShownSet without_moment(ShownSet shown) {
+  for (const Shown what : {Shown::kPart, Shown::kShell, Shown::kContacts, Shown::kHandle}) {
+    shown.set(what, false);
+  }
+  return shown;
+}
+
 }  // namespace
 
 Status write_picture(const std::filesystem::path& path, const ViewScene& scene,
-                     const std::optional<Moment>& moment, const PictureOptions& options) {
-  const int sampling = options.plain ? 1 : kOversampling;
-  const int width = options.width * sampling, height = options.height * sampling;
-  vtkNew<vtkRenderer> world, marks, words;
-  vtkNew<vtkRenderWindow> window;
-  window->SetOffScreenRendering(1);
-  window->SetMultiSamples(0);
-  window->SetAlphaBitPlanes(1);
-  window->SetNumberOfLayers(3);
-  window->SetSize(width, height);
-  world->SetBackground(kPaper.data());
-  world->SetUseDepthPeeling(1);
-  world->SetMaximumNumberOfPeels(4);
-  marks->SetLayer(1);
-  words->SetLayer(2);
-  for (vtkRenderer* renderer : {world.Get(), marks.Get(), words.Get()}) {
-    window->AddRenderer(renderer);
+                     const PicturePlan& plan) {
+  const int sampling = plan.plain ? 1 : kOversampling;
+  const int width = plan.width * sampling, height = plan.height * sampling;
+  const Layers layers(width, height);
+  Stage stage(scene, plan.change, layers.world, layers.marks);
+  const bool placed = plan.moment || scene.bounds.empty;  // a shell alone stands where it is
+  stage.show(placed ? plan.shown : without_moment(plan.shown));
+  if (plan.moment) place(stage, scene, *plan.moment);
+  stage.cut(plan.cut);
+  if (plan.plain) stage.make_plain();
+  stage.aim(plan.camera);
+  Overlay overlay(layers.words, sampling);
+  if (!plan.plain) {
+    add_triad(layers.window, plan.camera);
+    overlay.set_title(plan.title);
+    overlay.set_legend(legend_of(plan, scene));
+    overlay.lay_out(width, height, plan.metres_per_pixel() / sampling);
   }
-  Stage stage(scene, world, marks);
-  ShownSet shown = options.shown;
-  if (!moment) {
-    for (const Shown what : {Shown::kPart, Shown::kShell, Shown::kContacts, Shown::kHandle}) {
-      shown[static_cast<unsigned>(what)] = false;
-    }
-  }
-  stage.show(shown);
-  if (moment) place(stage, scene, *moment);
-  if (options.plain) stage.make_plain();
-  stage.aim(options.camera);
-  Overlay overlay(words, sampling);
-  if (!options.plain) {
-    add_triad(window, options.camera);
-    overlay.set_title(options.title);
-    overlay.set_legend(legend_of(scene, moment, shown));
-    overlay.lay_out(width, height, 2 * options.camera.half_height_m / height);
-  }
-  window->Render();
+  layers.window->Render();
   vtkNew<vtkWindowToImageFilter> grab;
-  grab->SetInput(window);
+  grab->SetInput(layers.window);
   grab->ReadFrontBufferOff();
   grab->SetInputBufferTypeToRGB();
   grab->Update();

@@ -9,6 +9,7 @@
 #include <vtkLightKit.h>
 #include <vtkMatrix4x4.h>
 #include <vtkNew.h>
+#include <vtkPlane.h>
 #include <vtkPlatonicSolidSource.h>
 #include <vtkPolyDataAlgorithm.h>
 #include <vtkPolyDataMapper.h>
@@ -16,10 +17,12 @@
 #include <vtkSphereSource.h>
 
 #include <algorithm>
+#include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
 #include <vector>
 
+#include "runtime/viewer/layer_surface.h"
 #include "runtime/viewer/style.h"
 #include "runtime/viewer/vtk_geometry.h"
 
@@ -46,8 +49,8 @@ void replace_data(const Actor& actor, const PolyData& data) {
 Actor surface_actor(const PolyData& data, const Colour& colour, double opacity = 1) {
   Actor actor = actor_of(data, colour);
   actor->GetProperty()->SetOpacity(opacity);
-  actor->GetProperty()->SetAmbient(0.25);
-  actor->GetProperty()->SetDiffuse(0.8);
+  actor->GetProperty()->SetAmbient(0.35);
+  actor->GetProperty()->SetDiffuse(0.75);
   return actor;
 }
 
@@ -97,11 +100,11 @@ vtkSmartPointer<vtkSphereSource> sphere() {
   return source;
 }
 
-vtkSmartPointer<vtkArrowSource> arrow() {
+vtkSmartPointer<vtkArrowSource> arrow(double slenderness) {
   auto source = vtkSmartPointer<vtkArrowSource>::New();
-  source->SetTipLength(0.3);
-  source->SetTipRadius(0.09);
-  source->SetShaftRadius(0.03);
+  source->SetTipLength(2.7 / slenderness);
+  source->SetTipRadius(0.8 / slenderness);
+  source->SetShaftRadius(0.25 / slenderness);
   source->SetTipResolution(16);
   source->SetShaftResolution(12);
   return source;
@@ -125,79 +128,96 @@ vtkSmartPointer<vtkMatrix4x4> matrix_of(const Pose& a_from_b, const glm::dvec3& 
   return matrix;
 }
 
-bool is_shown(const ShownSet& shown, Shown what) { return shown[static_cast<unsigned>(what)]; }
-
 }  // namespace
 
 struct Stage::Actors {
-  std::vector<Actor> meshes;
-  Actor interior, force_layer, proximity;
-  std::vector<Actor> part, target;
-  Actor shell, spring;
+  std::vector<Actor> meshes, mesh_edges;
+  Actor interior, force_layer, proximity, added, removed;
+  Actor part, part_edges, target, shell, spring;
+  // Of a cut: the voxels that it opens, by value.
+  Actor cut_interior = surface_actor(PolyData::New(), kInteriorColour);
+  Actor cut_force_layer = surface_actor(PolyData::New(), kForceLayerColour);
+  Actor cut_proximity = surface_actor(PolyData::New(), kProximityColour);
   Glyphs contact_points{sphere(), kContactColour, false};
-  Glyphs contact_forces{arrow(), kContactColour, true};
+  Glyphs contact_forces{arrow(9), kContactColour, true};
   Glyphs layer_points{sphere(), kForceLayerColour, false};
   Glyphs proximity_points{vtkSmartPointer<vtkCubeSource>::New(), kProximityColour, false};
   Glyphs interior_points{octahedron(), kPenetrationColour, false};
-  Glyphs net_force{arrow(), kNetForceColour, true};
+  Glyphs net_force{arrow(20), kNetForceColour, true};
+
+  std::array<Glyphs*, 6> glyphs() {
+    return {&contact_points,   &contact_forces,  &layer_points,
+            &proximity_points, &interior_points, &net_force};
+  }
+  std::array<Actor*, 3> cuts() { return {&cut_interior, &cut_force_layer, &cut_proximity}; }
 };
 
-ShownSet default_shown(const ViewScene& scene) {
-  ShownSet shown{};
-  const auto set = [&](Shown what, bool on) { shown[static_cast<unsigned>(what)] = on; };
-  set(Shown::kMeshes, true);
-  set(Shown::kInterior, scene.meshes.empty());
-  set(Shown::kForceLayer, true);
-  set(Shown::kPart, true);
-  set(Shown::kShell, !scene.part);
-  set(Shown::kContacts, true);
-  set(Shown::kHandle, true);
-  return shown;
-}
-
-Stage::Stage(const ViewScene& scene, vtkRenderer* world, vtkRenderer* marks)
+Stage::Stage(const ViewScene& scene, const std::optional<LayerChange>& change, vtkRenderer* world,
+             vtkRenderer* marks)
     : scene_(scene), world_(world), marks_(marks), actors_(std::make_unique<Actors>()) {
-  Actors& a = *actors_;
-  for (const ViewMesh& mesh : scene.meshes) {
-    const PolyData data = poly_data_of(mesh);
-    a.meshes.push_back(surface_actor(data, kSceneColour));
-    a.meshes.push_back(line_actor(feature_edges_of(data), kEdgeColour, 1.5));
-  }
-  const auto layer = [&](VoxelValue value, const Colour& colour, double opacity) {
-    const PolyData data = scene.voxmap
-                              ? poly_data_of(layer_surface(*scene.voxmap, value, scene.origin_m))
-                              : PolyData::New();
-    return surface_actor(data, colour, opacity);
-  };
-  a.interior = layer(VoxelValue::kInterior, kInteriorColour, 1);
-  a.force_layer = layer(VoxelValue::kSurface, kForceLayerColour, kForceLayerOpacity);
-  a.proximity = layer(VoxelValue::kProximity, kProximityColour, kProximityOpacity);
-  a.force_layer->GetProperty()->BackfaceCullingOn();  // seen from outside, one sheet is enough
-  a.proximity->GetProperty()->BackfaceCullingOn();
-  if (scene.part) {
-    const PolyData data = poly_data_of(*scene.part);
-    const PolyData edges = feature_edges_of(data);
-    a.part = {surface_actor(data, kPartColour, kPartOpacity), line_actor(edges, kInk, 1.5)};
-    a.target = {line_actor(edges, kGhostColour, 2)};
-  }
-  if (scene.shell) {
-    a.shell = surface_actor(discs_of(*scene.shell), kPartColour);
-    a.shell->GetProperty()->SetPointSize(4);
-  }
-  a.spring = line_actor(PolyData::New(), kGhostColour, 3);
-  for (const auto& list : {a.meshes, a.part, a.target}) {
-    for (const Actor& actor : list) world_->AddActor(actor);
-  }
-  for (const Actor& actor : {a.interior, a.force_layer, a.proximity, a.shell, a.spring}) {
-    if (actor != nullptr) world_->AddActor(actor);
-  }
-  for (const Glyphs* glyphs : {&a.contact_points, &a.contact_forces, &a.layer_points,
-                               &a.proximity_points, &a.interior_points, &a.net_force}) {
-    marks_->AddActor(glyphs->actor);
-  }
+  build_scene();
+  build_layers(change);
+  build_part();
+  for (Glyphs* glyphs : actors_->glyphs()) marks_->AddActor(glyphs->actor);
+  for (Actor* actor : actors_->cuts()) world_->AddActor(*actor);
   vtkNew<vtkLightKit> lights;
   lights->AddLightsToRenderer(world_);
   marks_->SetActiveCamera(world_->GetActiveCamera());
+}
+
+void Stage::build_scene() {
+  for (const ViewMesh& mesh : scene_.meshes) {
+    const PolyData data = poly_data_of(mesh);
+    actors_->meshes.push_back(surface_actor(data, kSceneColour));
+    actors_->mesh_edges.push_back(line_actor(feature_edges_of(data), kEdgeColour, 1.5));
+    world_->AddActor(actors_->meshes.back());
+    world_->AddActor(actors_->mesh_edges.back());
+  }
+}
+
+void Stage::build_layers(const std::optional<LayerChange>& change) {
+  if (!scene_.voxmap) return;
+  const auto layer = [&](VoxelValue value, const Colour& colour, double opacity) {
+    const PolyData data = poly_data_of(layer_surface(*scene_.voxmap, value, scene_.origin_m));
+    Actor actor = surface_actor(data, colour, opacity);
+    world_->AddActor(actor);
+    return actor;
+  };
+  Actors& a = *actors_;
+  a.interior = layer(VoxelValue::kInterior, kInteriorColour, 1);
+  a.force_layer = layer(VoxelValue::kSurface, kForceLayerColour,
+                        change ? kUnchangedOpacity : kForceLayerOpacity);
+  a.proximity = layer(VoxelValue::kProximity, kProximityColour, kProximityOpacity);
+  for (const Actor& actor : {a.force_layer, a.proximity}) {
+    actor->GetProperty()->BackfaceCullingOn();  // seen from outside, one sheet is enough
+  }
+  if (!change) return;
+  a.added = surface_actor(poly_data_of(change->added_surface), kAddedColour);
+  a.removed = surface_actor(poly_data_of(change->removed_surface), kRemovedColour);
+  // What is gone is drawn with its edges, so that the two differ in more than hue.
+  a.removed->GetProperty()->EdgeVisibilityOn();
+  a.removed->GetProperty()->SetEdgeColor(kInk[0], kInk[1], kInk[2]);
+  world_->AddActor(a.added);
+  world_->AddActor(a.removed);
+}
+
+void Stage::build_part() {
+  Actors& a = *actors_;
+  if (scene_.part) {
+    const PolyData data = poly_data_of(*scene_.part);
+    const PolyData edges = feature_edges_of(data);
+    a.part = surface_actor(data, kPartColour);
+    a.part_edges = line_actor(edges, kInk, 1.5);
+    a.target = line_actor(edges, kGhostColour, 2);
+  }
+  if (scene_.shell) {
+    a.shell = surface_actor(discs_of(*scene_.shell), kPartColour);
+    a.shell->GetProperty()->SetPointSize(4);
+  }
+  a.spring = line_actor(PolyData::New(), kGhostColour, 3);
+  for (const Actor& actor : {a.part, a.part_edges, a.target, a.shell, a.spring}) {
+    if (actor != nullptr) world_->AddActor(actor);
+  }
 }
 
 Stage::~Stage() = default;
@@ -205,20 +225,52 @@ Stage::~Stage() = default;
 void Stage::show(const ShownSet& shown) {
   Actors& a = *actors_;
   const auto set = [&](const Actor& actor, Shown what) {
-    if (actor != nullptr) actor->SetVisibility(is_shown(shown, what));
+    if (actor != nullptr) actor->SetVisibility(shown[what]);
   };
   for (const Actor& actor : a.meshes) set(actor, Shown::kMeshes);
-  for (const Actor& actor : a.part) set(actor, Shown::kPart);
-  for (const Actor& actor : a.target) set(actor, Shown::kHandle);
-  set(a.interior, Shown::kInterior);
-  set(a.force_layer, Shown::kForceLayer);
-  set(a.proximity, Shown::kProximity);
+  for (const Actor& actor : a.mesh_edges) set(actor, Shown::kMeshes);
+  for (const Actor& actor : {a.part, a.part_edges}) set(actor, Shown::kPart);
+  for (const Actor& actor : {a.target, a.spring}) set(actor, Shown::kHandle);
+  for (const Actor& actor : {a.interior, a.cut_interior}) set(actor, Shown::kInterior);
+  for (const Actor& actor : {a.force_layer, a.cut_force_layer}) set(actor, Shown::kForceLayer);
+  for (const Actor& actor : {a.proximity, a.cut_proximity}) set(actor, Shown::kProximity);
   set(a.shell, Shown::kShell);
-  set(a.spring, Shown::kHandle);
-  for (const Glyphs* glyphs : {&a.contact_points, &a.contact_forces, &a.layer_points,
-                               &a.proximity_points, &a.interior_points, &a.net_force}) {
-    set(glyphs->actor, Shown::kContacts);
+  for (const Glyphs* glyphs : a.glyphs()) set(glyphs->actor, Shown::kContacts);
+}
+
+void Stage::cut(const std::optional<Cut>& cut) {
+  Actors& a = *actors_;
+  std::vector<Actor> bodies = {a.interior, a.force_layer, a.proximity, a.added, a.removed};
+  bodies.insert(bodies.end(), a.meshes.begin(), a.meshes.end());
+  bodies.insert(bodies.end(), a.mesh_edges.begin(), a.mesh_edges.end());
+  vtkNew<vtkPlane> plane;
+  if (cut) {
+    double normal[3] = {0, 0, 0}, origin[3] = {0, 0, 0};
+    normal[cut->axis] = cut->keep_low ? -1 : 1;
+    origin[cut->axis] = cut->at_m - scene_.origin_m[cut->axis];
+    plane->SetNormal(normal);
+    plane->SetOrigin(origin);
   }
+  for (const Actor& actor : bodies) {
+    if (actor == nullptr) continue;
+    actor->GetMapper()->RemoveAllClippingPlanes();
+    if (cut) actor->GetMapper()->AddClippingPlane(plane);
+  }
+  const std::array<VoxelValue, 3> values = {VoxelValue::kInterior, VoxelValue::kSurface,
+                                            VoxelValue::kProximity};
+  for (std::size_t n = 0; n < values.size(); ++n) {
+    const bool open = cut && scene_.voxmap;
+    replace_data(*a.cuts()[n], open ? cut_sheet(*cut, values[n]) : PolyData::New());
+  }
+}
+
+PolyData Stage::cut_sheet(const Cut& cut, VoxelValue value) const {
+  // The voxels just on the side that stays.
+  const double place = cut.at_m / scene_.voxmap->voxel_size_m();
+  const auto index =
+      static_cast<std::int64_t>(cut.keep_low ? std::ceil(place) - 1 : std::floor(place));
+  return poly_data_of(slice_surface(*scene_.voxmap, value, cut.axis, index, cut.keep_low ? 1 : -1,
+                                    scene_.origin_m));
 }
 
 void Stage::aim(const CameraView& view) {
@@ -236,23 +288,30 @@ void Stage::aim(const CameraView& view) {
 }
 
 void Stage::make_plain() {
+  Actors& a = *actors_;
   vtkActorCollection* all = world_->GetActors();
   all->InitTraversal();
   while (vtkActor* actor = all->GetNextActor()) {
     actor->GetProperty()->LightingOff();
+    actor->GetProperty()->SetAmbient(0);
+    actor->GetProperty()->SetDiffuse(1);
+    actor->GetProperty()->EdgeVisibilityOff();
     actor->GetProperty()->SetOpacity(1);
   }
+  for (const Actor& actor : a.mesh_edges) actor->SetVisibility(0);
+  if (a.part_edges != nullptr) a.part_edges->SetVisibility(0);
 }
 
 void Stage::place_part(const Pose& world_from_part) {
   const auto matrix = matrix_of(world_from_part, scene_.origin_m);
-  for (const Actor& actor : actors_->part) actor->SetUserMatrix(matrix);
-  if (actors_->shell != nullptr) actors_->shell->SetUserMatrix(matrix);
+  for (const Actor& actor : {actors_->part, actors_->part_edges, actors_->shell}) {
+    if (actor != nullptr) actor->SetUserMatrix(matrix);
+  }
 }
 
 void Stage::place_target(const Pose& world_from_part, const Pose& world_from_target) {
   const auto matrix = matrix_of(world_from_target, scene_.origin_m);
-  for (const Actor& actor : actors_->target) actor->SetUserMatrix(matrix);
+  if (actors_->target != nullptr) actors_->target->SetUserMatrix(matrix);
   if (!scene_.shell) return;
   const double width_m = 0.25 * scene_.shell->header().bounding_radius_m;
   replace_data(actors_->spring,

@@ -1,46 +1,37 @@
 // The three-dimensional things of a picture: scene, layers, part, contacts.
 #pragma once
 
+#include <vtkPolyData.h>
 #include <vtkRenderer.h>
 #include <vtkSmartPointer.h>
 
 #include <array>
+#include <cstdint>
 #include <memory>
+#include <optional>
 
 #include "runtime/viewer/camera.h"
 #include "runtime/viewer/contact_view.h"
+#include "runtime/viewer/cut.h"
+#include "runtime/viewer/layer_change.h"
+#include "runtime/viewer/shown.h"
 #include "runtime/viewer/view_scene.h"
 
 namespace forcelayer {
-
-// What can be switched on and off.
-enum class Shown : unsigned {
-  kMeshes,
-  kInterior,
-  kForceLayer,
-  kProximity,
-  kPart,
-  kShell,
-  kContacts,
-  kHandle,
-  kCount
-};
-using ShownSet = std::array<bool, static_cast<unsigned>(Shown::kCount)>;
-
-// What is shown unless the user says otherwise: voxels' interior only where there is no mesh of the
-// scene, shell points only where there is no mesh of the part; never proximity.
-ShownSet default_shown(const ViewScene& scene);
 
 // Fills two renderers that share a camera: `world`, and above it `marks`, which is never hidden
 // behind the world (contact points and forces). `scene` must outlive the stage.
 class Stage {
  public:
-  Stage(const ViewScene& scene, vtkRenderer* world, vtkRenderer* marks);
+  // `change` is drawn in place of the layers where there is one.
+  Stage(const ViewScene& scene, const std::optional<LayerChange>& change, vtkRenderer* world,
+        vtkRenderer* marks);
   ~Stage();
 
   void show(const ShownSet& shown);
   void aim(const CameraView& camera);
-  void make_plain();  // flat opaque colours without light: every pixel tells what it shows
+  void cut(const std::optional<Cut>& cut);
+  void make_plain();  // flat opaque colours without light or edges: a pixel tells what it shows
   void place_part(const Pose& world_from_part);
   // Where the part would be without contact, as an outline, with a spring to where it is.
   void place_target(const Pose& world_from_part, const Pose& world_from_target);
@@ -51,6 +42,11 @@ class Stage {
 
  private:
   struct Actors;
+  void build_scene();
+  void build_layers(const std::optional<LayerChange>& change);
+  void build_part();
+  vtkSmartPointer<vtkPolyData> cut_sheet(const Cut& cut, VoxelValue value) const;
+
   const ViewScene& scene_;
   vtkRenderer* world_;
   vtkRenderer* marks_;

@@ -1,0 +1,21 @@
+// A cut across a world axis.
+#pragma once
+
+#include <string_view>
+
+#include "formats/result.h"
+
+namespace forcelayer {
+
+// What lies beyond `at_m`, on the side of growing (`keep_low`) or falling coordinates, is taken
+// away, and the voxels at the cut are shown by value.
+struct Cut {
+  int axis = 0;     // 0 x, 1 y, 2 z
+  double at_m = 0;  // world
+  bool keep_low = true;
+};
+
+// Reads "z<0.3" or "z<300mm" (what lies below stays) or "x>0". Error: kUsage.
+Result<Cut> parse_cut(std::string_view text);
+
+}  // namespace forcelayer

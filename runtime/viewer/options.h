@@ -1,0 +1,62 @@
+// The command line of voxview.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "formats/result.h"
+#include "runtime/parameters.h"
+#include "runtime/pose.h"
+#include "runtime/viewer/cut.h"
+#include "runtime/viewer/shown.h"
+#include "runtime/viewer/view_scene.h"
+
+namespace CLI {
+class App;
+}
+
+namespace forcelayer {
+
+enum class Focus { kAuto, kPart, kScene };
+
+struct ViewOptions {
+  ViewInputs inputs;
+  std::string screenshot, json;
+  int width = 1600, height = 1000;  // pixels
+  std::string run;                  // trace or recording
+  std::optional<double> at_s;
+  std::optional<Pose> world_from_part;   // --part-pose
+  std::optional<Pose> handle_from_part;  // --grip
+  Model model = kDefaultModel;
+  std::optional<ForceKind> force;
+  std::optional<glm::dvec3> to_eye;
+  Focus focus = Focus::kAuto;
+  std::optional<int> pixels_per_voxel;
+  std::optional<Cut> cut;
+  std::optional<ShownSet> shown;
+  bool plain = false;
+};
+
+// What CLI11 fills in; finish() turns it into ViewOptions and finds what contradicts itself.
+class ViewOptionParser {
+ public:
+  explicit ViewOptionParser(CLI::App& app);
+
+  // Errors: kUsage.
+  Result<ViewOptions> finish() const;
+
+ private:
+  struct Texts {
+    std::string units, part_units, size = "1600x1000", at, part_pose, grip, model, force;
+    std::string view_from, focus = "auto", cut, shown;
+    int pixels_per_voxel = 0;
+  };
+  Status read_units(ViewOptions& options) const;
+  Status read_moment(ViewOptions& options) const;
+  Status read_camera(ViewOptions& options) const;
+
+  ViewOptions options_;
+  Texts texts_;
+};
+
+}  // namespace forcelayer

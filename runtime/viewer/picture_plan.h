@@ -1,0 +1,43 @@
+// What a picture will show and from where, before anything is drawn.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "formats/result.h"
+#include "runtime/viewer/camera.h"
+#include "runtime/viewer/layer_change.h"
+#include "runtime/viewer/moment.h"
+#include "runtime/viewer/options.h"
+#include "runtime/viewer/view_scene.h"
+
+namespace forcelayer {
+
+struct PicturePlan {
+  int width = 0, height = 0;  // pixels
+  std::vector<std::string> title;
+  CameraView camera;
+  ShownSet shown;
+  std::optional<Cut> cut;
+  std::optional<Moment> moment;
+  std::optional<LayerChange> change;  // of the force layer
+  bool plain = false;
+
+  double metres_per_pixel() const { return 2 * camera.half_height_m / height; }
+};
+
+// Computes the moment, its contacts, the change and the camera that `options` ask for.
+Result<PicturePlan> plan_picture(const ViewOptions& options, const ViewScene& scene);
+
+// The probe of the contacts of `scene`, which must have both a voxmap and a shell.
+Result<ContactProbe> make_probe(const ViewOptions& options, const ViewScene& scene);
+
+// One line on the files that are shown.
+std::string describe(const ViewScene& scene);
+
+// The plan in numbers, for scripts.
+nlohmann::ordered_json report_of(const PicturePlan& plan, const ViewScene& scene);
+
+}  // namespace forcelayer

@@ -1,0 +1,101 @@
+#!/usr/bin/env bash
+# voxview without a screen: plain pictures equal the voxels pixel by pixel, contacts equal the run's
+# own, and what cannot be shown is an error that leaves no picture.
+set -euo pipefail
+bin=$FORCELAYER_BIN_DIR data=$FORCELAYER_SOURCE_DIR/sample_data
+[ -x "$bin/voxview" ] || { echo "skipped: built without voxview"; exit 77; }
+command -v xvfb-run >/dev/null || { echo "skipped: no xvfb-run"; exit 77; }
+python=/usr/bin/python3
+"$python" -c 'import matplotlib, numpy' 2>/dev/null || { echo "skipped: no matplotlib"; exit 77; }
+check() { "$python" "$FORCELAYER_SOURCE_DIR/tests/cli/voxview_check.py" "$@"; }
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+cd "$folder"
+unset DISPLAY  # so that voxview finds its own virtual screen
+
+fail() { echo "FAILED: $*" >&2; exit 1; }
+
+# The bay, and the same with the hydraulic line 30 mm higher.
+"$bin/voxelize" "$data/bay.json" -o bay.vox --voxel-size 8mm --quiet
+"$python" - "$data" >moved.json <<'END'
+import json, sys
+scene = json.load(open(sys.argv[1] + "/bay.json"))
+for part in scene["parts"]:
+    part["mesh"] = sys.argv[1] + "/" + part["mesh"]
+    if part["name"] == "hydraulic_line":
+        part["translation"] = [0, 0, 0.03]
+print(json.dumps(scene))
+END
+"$bin/voxelize" moved.json -o moved.vox --voxel-size 8mm --quiet
+"$bin/voxinfo" export bay.vox bay.csv
+"$bin/voxinfo" export moved.vox moved.csv
+
+# Layers from all sides.
+plain=(--plain --pixels-per-voxel 4 --size 800x600 --json facts.json --screenshot picture.png)
+for direction in 1,0,0 -1,0,0 0,1,0 0,-1,0 0,0,1 0,0,-1; do
+  "$bin/voxview" bay.vox "${plain[@]}" --view-from $direction --show force-layer
+  check layer picture.png facts.json 0.008 bay.csv 2
+done
+"$bin/voxview" bay.vox "${plain[@]}" --view-from 0,0,1 --show interior
+check layer picture.png facts.json 0.008 bay.csv 1
+"$bin/voxview" bay.vox "${plain[@]}" --view-from 0,1,0 --show proximity
+check layer picture.png facts.json 0.008 bay.csv 3
+
+# A cut: what is seen from the side that was taken away.
+"$bin/voxview" bay.vox "${plain[@]}" --view-from 0,0,1 --cut z\<200mm \
+  --show interior,force-layer,proximity
+check cut picture.png facts.json 0.008 bay.csv 2 24
+"$bin/voxview" bay.vox "${plain[@]}" --view-from 1,0,0 --cut x\<-3mm \
+  --show interior,force-layer,proximity
+check cut picture.png facts.json 0.008 bay.csv 0 -1
+
+# A change.
+"$bin/voxview" --compare bay.vox moved.vox "${plain[@]}" --view-from 0.0,1,0 --show part
+check change picture.png facts.json 0.008 bay.csv moved.csv
+
+# A picture for people: the size asked for, light paper, and neither empty nor full.
+"$bin/voxview" "$data/bay.json" bay.vox --size 640x400 --screenshot people.png
+"$python" - <<'END'
+from matplotlib import image
+picture = image.imread("people.png")
+assert picture.shape[:2] == (400, 640), picture.shape
+paper = (picture[:, :, :3] == 1).all(axis=2).mean()
+assert 0.2 < paper < 0.9, paper
+END
+
+if [ -d "$FORCELAYER_SOURCE_DIR/../shared/models" ]; then
+  "$bin/voxelize" "$FORCELAYER_SOURCE_DIR/../shared/models/cad/2CylinderEngine.glb" --units mm \
+    -o engine.vox --voxel-size 6mm --quiet
+  "$bin/voxinfo" export engine.vox engine.csv
+  "$bin/voxview" engine.vox "${plain[@]}" --view-from 0,1,0 --show force-layer
+  check layer picture.png facts.json 0.006 engine.csv 2
+else
+  echo "no models beside the project: the engine is left out"
+fi
+
+expect() {  # STATUS WORDS ARGUMENTS...
+  local status=$1 words=$2 got=0
+  shift 2
+  "$bin/voxview" "$@" --screenshot bad.png 2>error.txt || got=$?
+  [ "$got" = "$status" ] || fail "status $got, not $status: $* ($(cat error.txt))"
+  grep -qF -- "$words" error.txt || fail "not said: $words ($(cat error.txt))"
+  [ "$(wc -l <error.txt)" = 1 ] || fail "more than one line: $(cat error.txt)"
+  [ ! -e bad.png ] || fail "a picture in spite of: $*"
+}
+head -c 1000 bay.vox >cut.vox
+cp bay.vox wrong.pshell
+"$bin/voxelize" "$data/skin.stl" --units mm -o coarse.vox --voxel-size 20mm --quiet
+expect 1 nowhere.vox nowhere.vox
+expect 4 cut.vox cut.vox
+expect 4 wrong.pshell wrong.pshell
+expect 2 'a second voxmap' bay.vox moved.vox
+expect 2 --units "$data/skin.stl"
+expect 2 'no picture size' bay.vox --size 10
+expect 2 'is no cut' bay.vox --cut z200
+expect 2 'is not known' bay.vox --show layer
+expect 2 'no length' bay.vox --view-from 0,0,0
+expect 2 'nothing to show'
+expect 4 'the voxel sizes differ' --compare bay.vox coarse.vox
+got=0
+"$bin/voxview" bay.vox --size 64x64 --screenshot nowhere/picture.png 2>error.txt || got=$?
+[ "$got" = 1 ] || fail "status $got for a folder that is missing"
