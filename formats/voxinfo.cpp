@@ -8,6 +8,7 @@
 #include "formats/voxinfo_export.h"
 #include "formats/voxinfo_facts.h"
 #include "formats/voxinfo_sample.h"
+#include "formats/voxmap_audit.h"
 
 namespace forcelayer {
 namespace {
@@ -31,7 +32,14 @@ Status show_facts(const std::string& path, const std::string& json_path, bool qu
 Status verify_file(const std::string& path, bool quiet) {
   const auto file = open_baked_file(path, Verify::kStructureAndChecksums);
   if (!file) return file.error();
-  if (!quiet) std::cout << path << ": valid; structure and checksums hold\n";
+  const Voxmap* map = std::get_if<Voxmap>(&*file);
+  if (map) {
+    if (Status audited = audit_voxmap(*map, path); !audited) return audited;
+  }
+  if (!quiet) {
+    std::cout << path << ": valid; structure and checksums hold"
+              << (map ? ", counts, box and clearances are true\n" : "\n");
+  }
   return flush_stdout();
 }
 
@@ -63,7 +71,8 @@ int run(int argc, char** argv) {
   app.add_option("--json", json_path, "write the facts to this file as JSON");
   app.add_flag("--quiet", quiet, "print nothing but errors");
   app.require_subcommand(0, 1);
-  auto* verify = app.add_subcommand("verify", "check every structure and checksum of a file");
+  auto* verify =
+      app.add_subcommand("verify", "check every structure, checksum and promised fact of a file");
   verify->add_option("FILE", path, "a .vox or .pshell file")->required();
   auto* sample = app.add_subcommand(
       "sample", "read `x y z` lines in metres and print each point's voxel value, 0 to 3");

@@ -138,6 +138,25 @@ cp "$golden/v1.vox" damaged.vox
 printf '\377' | dd of=damaged.vox bs=1 seek=11000 conv=notrunc status=none
 expect_refused 4 "damaged" "$voxinfo" verify damaged.vox
 
+# A fact that is not true, under right checksums: one surface voxel too many.
+if "$python" - "$golden/v1.vox" liar.vox <<'PYTHON'
+import struct, sys
+try:
+    import xxhash
+except ImportError:
+    sys.exit(1)
+data = bytearray(open(sys.argv[1], "rb").read())
+struct.pack_into("<Q", data, 232, struct.unpack_from("<Q", data, 232)[0] + 1)
+struct.pack_into("<Q", data, 48, 0)
+front = 384 + 32 * struct.unpack_from("<I", data, 20)[0]
+struct.pack_into("<Q", data, 48, xxhash.xxh3_64_intdigest(bytes(data[:front])))
+open(sys.argv[2], "wb").write(data)
+PYTHON
+then
+  "$voxinfo" liar.vox --quiet
+  expect_refused 4 "surface_voxels" "$voxinfo" verify liar.vox
+fi
+
 # What could not be written is not there, and an old file stays.
 echo old >old.csv
 expect_refused 4 "cut off" "$voxinfo" export cut.vox old.csv

@@ -1,0 +1,263 @@
+#include "formats/voxmap_audit.h"
+
+#include <algorithm>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "formats/voxmap_walk.h"
+
+namespace forcelayer {
+namespace {
+
+using Voxel = std::array<std::int64_t, 3>;
+
+// Half-open, relative to the directory's origin or to a node's lowest voxel.
+struct Box {
+  Voxel low{0, 0, 0};
+  Voxel high{0, 0, 0};
+
+  bool empty() const { return low[0] >= high[0] || low[1] >= high[1] || low[2] >= high[2]; }
+};
+
+Box intersection(const Box& a, const Box& b) {
+  Box both;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    both.low[axis] = std::max(a.low[axis], b.low[axis]);
+    both.high[axis] = std::min(a.high[axis], b.high[axis]);
+  }
+  return both;
+}
+
+Box shifted(Box box, const Voxel& by, std::int64_t sign) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    box.low[axis] += sign * by[axis];
+    box.high[axis] += sign * by[axis];
+  }
+  return box;
+}
+
+Box cube(std::int64_t edge) { return {{0, 0, 0}, {edge, edge, edge}}; }
+
+// What a node or brick holds: voxels by value (of 1, 2, 3) and the tight box of those, relative to
+// its lowest voxel.
+struct Summary {
+  std::array<std::uint64_t, 3> counts{};
+  Box tight{};
+
+  void add(const Summary& part, const Voxel& at) {
+    if (part.tight.empty()) return;
+    const Box box = shifted(part.tight, at, 1);
+    if (tight.empty()) tight = box;
+    for (std::size_t n = 0; n < 3; ++n) {
+      counts[n] += part.counts[n];
+      tight.low[n] = std::min(tight.low[n], box.low[n]);
+      tight.high[n] = std::max(tight.high[n], box.high[n]);
+    }
+  }
+};
+
+// The summaries of all stored elements, from the bricks up; shared ones are looked at once.
+class Summaries {
+ public:
+  explicit Summaries(const Voxmap& map) : map_(map), view_(map.view()) {
+    bricks_.reserve(map.brick_count());
+    for (std::uint32_t b = 0; b < map.brick_count(); ++b) bricks_.push_back(of_brick(b));
+    lower_ = of_nodes(view_.lower_nodes, map.lower_node_count(), kBrickEdge, bricks_);
+    upper_ = of_nodes(view_.upper_nodes, map.upper_node_count(), kLowerNodeEdge, lower_);
+    const auto& dims = view_.directory_dims;
+    std::size_t entry = 0;
+    for (std::int64_t x = 0; x < dims[0]; ++x) {
+      for (std::int64_t y = 0; y < dims[1]; ++y) {
+        for (std::int64_t z = 0; z < dims[2]; ++z) {
+          scene_.add(of_entry(view_.directory[entry++], kUpperNodeEdge, upper_),
+                     {x * kUpperNodeEdge, y * kUpperNodeEdge, z * kUpperNodeEdge});
+        }
+      }
+    }
+  }
+
+  const Summary& scene() const { return scene_; }
+
+  // Whether a box, relative to the directory's origin, holds a voxel that is not free.
+  bool holds_non_free(const Box& box) const {
+    const Box part = intersection(box, scene_.tight);
+    if (part.empty()) return false;
+    const auto& dims = view_.directory_dims;
+    for (std::int64_t x = part.low[0] >> 9; x <= (part.high[0] - 1) >> 9; ++x) {
+      for (std::int64_t y = part.low[1] >> 9; y <= (part.high[1] - 1) >> 9; ++y) {
+        for (std::int64_t z = part.low[2] >> 9; z <= (part.high[2] - 1) >> 9; ++z) {
+          const std::uint32_t entry = view_.directory[(x * dims[1] + y) * dims[2] + z];
+          const Voxel at{x * kUpperNodeEdge, y * kUpperNodeEdge, z * kUpperNodeEdge};
+          if (entry_holds_non_free(entry, kUpperNodeEdge, shifted(part, at, -1))) return true;
+        }
+      }
+    }
+    return false;
+  }
+
+ private:
+  Summary of_brick(std::uint32_t brick) const {
+    Summary summary;
+    for (std::uint32_t n = 0; n < kNodeEntries; ++n) {
+      const VoxelValue value = voxel_value(map_.header(), brick_code(view_, brick, n));
+      if (value != VoxelValue::kFree) {
+        summary.add(full(value, 1), voxmap_walk::child_low({0, 0, 0}, n, 1));
+      }
+    }
+    return summary;
+  }
+
+  static Summary full(VoxelValue value, std::int64_t edge) {
+    Summary summary;
+    if (value == VoxelValue::kFree) return summary;
+    summary.counts[static_cast<std::size_t>(value) - 1] =
+        static_cast<std::uint64_t>(edge * edge * edge);
+    summary.tight = cube(edge);
+    return summary;
+  }
+
+  Summary of_entry(std::uint32_t entry, std::int64_t edge,
+                   const std::vector<Summary>& children) const {
+    if (!is_uniform(entry)) return children[entry];
+    return full(voxel_value(map_.header(), uniform_value(entry)), edge);
+  }
+
+  std::vector<Summary> of_nodes(const std::uint32_t* entries, std::uint64_t count,
+                                std::int64_t entry_edge,
+                                const std::vector<Summary>& children) const {
+    std::vector<Summary> summaries(count);
+    for (std::uint64_t node = 0; node < count; ++node) {
+      for (std::uint32_t n = 0; n < kNodeEntries; ++n) {
+        summaries[node].add(of_entry(entries[node * kNodeEntries + n], entry_edge, children),
+                            voxmap_walk::child_low({0, 0, 0}, n, entry_edge));
+      }
+    }
+    return summaries;
+  }
+
+  // `box` is relative to the entry's lowest voxel.
+  bool entry_holds_non_free(std::uint32_t entry, std::int64_t edge, const Box& box) const {
+    if (is_uniform(entry)) {
+      const bool free = voxel_value(map_.header(), uniform_value(entry)) == VoxelValue::kFree;
+      return !free && !intersection(box, cube(edge)).empty();
+    }
+    const std::vector<Summary>& level = edge == kUpperNodeEdge   ? upper_
+                                        : edge == kLowerNodeEdge ? lower_
+                                                                 : bricks_;
+    const Box part = intersection(box, level[entry].tight);
+    if (part.empty()) return false;
+    const std::int64_t child_edge = edge / 8;
+    for (std::int64_t x = part.low[0] / child_edge; x * child_edge < part.high[0]; ++x) {
+      for (std::int64_t y = part.low[1] / child_edge; y * child_edge < part.high[1]; ++y) {
+        for (std::int64_t z = part.low[2] / child_edge; z * child_edge < part.high[2]; ++z) {
+          const auto n = static_cast<std::uint32_t>(x * 64 + y * 8 + z);
+          const Voxel at{x * child_edge, y * child_edge, z * child_edge};
+          if (child_holds_non_free(entry, n, edge, shifted(part, at, -1))) return true;
+        }
+      }
+    }
+    return false;
+  }
+
+  bool child_holds_non_free(std::uint32_t node, std::uint32_t n, std::int64_t edge,
+                            const Box& box) const {
+    if (edge == kBrickEdge) {
+      return voxel_value(map_.header(), brick_code(view_, node, n)) != VoxelValue::kFree;
+    }
+    const std::uint32_t* entries = edge == kUpperNodeEdge ? view_.upper_nodes : view_.lower_nodes;
+    return entry_holds_non_free(entries[std::uint64_t{node} * kNodeEntries + n], edge / 8, box);
+  }
+
+  const Voxmap& map_;
+  const VoxmapView& view_;
+  std::vector<Summary> bricks_, lower_, upper_;
+  Summary scene_;
+};
+
+Error untrue(std::string_view name, std::string where, std::string what) {
+  return {ErrorCode::kEntryInvalid, std::string(name), std::move(where), std::move(what),
+          "bake it again"};
+}
+
+Status audit_counts(const VoxmapHeader& h, const Summary& scene, std::string_view name) {
+  const struct {
+    const char* field;
+    std::uint64_t said, counted;
+  } facts[] = {{"interior_voxels", h.interior_voxels, scene.counts[0]},
+               {"surface_voxels", h.surface_voxels, scene.counts[1]},
+               {"proximity_voxels", h.proximity_voxels, scene.counts[2]}};
+  for (const auto& [field, said, counted] : facts) {
+    if (said == counted) continue;
+    return untrue(name, std::string("header (") + field + ")",
+                  "says " + std::to_string(said) + ", the tree holds " + std::to_string(counted));
+  }
+  return {};
+}
+
+Status audit_tight_box(const VoxmapHeader& h, const Summary& scene, std::string_view name) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::int64_t extent = scene.tight.high[axis] - scene.tight.low[axis];
+    const std::int64_t low = extent == 0 ? 0 : h.directory_origin[axis] + scene.tight.low[axis];
+    if (h.origin_voxel[axis] == low && h.dims_voxels[axis] == static_cast<std::uint64_t>(extent)) {
+      continue;
+    }
+    return untrue(name, "header (origin_voxel, dims_voxels)",
+                  "not the tight box of the voxels: along axis " + std::to_string(axis) +
+                      " it is " + std::to_string(extent) + " voxels from " + std::to_string(low));
+  }
+  return {};
+}
+
+// Whether a box of world voxels lies inside the valid box at all cropped sides.
+bool is_known(const VoxmapHeader& h, const Box& world) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::uint32_t min_side = 1u << (2 * axis), max_side = 2u << (2 * axis);
+    if ((h.cropped_sides & min_side) && world.low[axis] < h.valid_min_voxel[axis]) return false;
+    if ((h.cropped_sides & max_side) && world.high[axis] > h.valid_max_voxel[axis]) return false;
+  }
+  return true;
+}
+
+// Why the region's clearance is not true, or nothing.
+std::optional<std::string> untrue_clearance(const VoxmapHeader& h, const Summaries& summaries,
+                                            const VoxmapRegion& region) {
+  const std::int64_t clearance = uniform_clearance(region.entry);
+  if (region.is_brick || clearance == 0) return std::nullopt;
+  Box reach;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    reach.low[axis] = region.low[axis] - (clearance - 1);
+    reach.high[axis] = region.low[axis] + region.edge_voxels + (clearance - 1);
+  }
+  if (!is_known(h, reach)) return "reaches across a cropped side";
+  if (!summaries.holds_non_free(shifted(reach, h.directory_origin, -1))) return std::nullopt;
+  return "a voxel within its reach is not free";
+}
+
+Status audit_clearances(const Voxmap& map, const Summaries& summaries, std::string_view name) {
+  Status status;
+  for_each_region(map.view(), [&](const VoxmapRegion& region) {
+    if (!status) return;
+    const auto reason = untrue_clearance(map.header(), summaries, region);
+    if (!reason) return;
+    const Voxel& low = region.low;
+    status = untrue(name,
+                    "free box of " + std::to_string(region.edge_voxels) + " voxels at voxel " +
+                        std::to_string(low[0]) + " " + std::to_string(low[1]) + " " +
+                        std::to_string(low[2]),
+                    "its clearance " + std::to_string(uniform_clearance(region.entry)) +
+                        " is not true: " + *reason);
+  });
+  return status;
+}
+
+}  // namespace
+
+Status audit_voxmap(const Voxmap& map, std::string_view name) {
+  const Summaries summaries(map);
+  if (Status s = audit_counts(map.header(), summaries.scene(), name); !s) return s;
+  if (Status s = audit_tight_box(map.header(), summaries.scene(), name); !s) return s;
+  return audit_clearances(map, summaries, name);
+}
+
+}  // namespace forcelayer
