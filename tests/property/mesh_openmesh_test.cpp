@@ -1,27 +1,19 @@
 // The readers of STL, OBJ, PLY and OFF against OpenMesh's, on files that OpenMesh reads right.
-#include <OpenMesh/Core/IO/MeshIO.hh>
-#include <OpenMesh/Core/Mesh/PolyMesh_ArrayKernelT.hh>
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "tests/support/mesh_files.h"
+#include "tests/support/om_files.h"
 
 namespace forcelayer {
 namespace {
 
 using namespace test;
 
-struct DoubleTraits : OpenMesh::DefaultTraits {
-  using Point = OpenMesh::Vec3d;
-};
-using OmMesh = OpenMesh::PolyMesh_ArrayKernelT<DoubleTraits>;
-
 // Takes faces as they come, before OpenMesh drops what it cannot connect.
-class FaceTaker : public OpenMesh::IO::ImporterT<OmMesh> {
+class FaceTaker : public OpenMesh::IO::ImporterT<DoubleMesh> {
  public:
-  explicit FaceTaker(OmMesh& mesh) : ImporterT(mesh), om_mesh(mesh) {}
+  explicit FaceTaker(DoubleMesh& mesh) : ImporterT(mesh), om_mesh(mesh) {}
 
   OpenMesh::FaceHandle add_face(const VHandles& corners) override {
     ++polygons;
@@ -42,13 +34,13 @@ class FaceTaker : public OpenMesh::IO::ImporterT<OmMesh> {
   void add_face_texcoords(OpenMesh::FaceHandle, OpenMesh::VertexHandle,
                           const std::vector<OpenMesh::Vec3f>&) override {}
 
-  OmMesh& om_mesh;
+  DoubleMesh& om_mesh;
   std::size_t polygons = 0;
   Corners triangles;
 };
 
 Corners read_by_openmesh(const std::string& path) {
-  OmMesh mesh;
+  DoubleMesh mesh;
   FaceTaker taker(mesh);
   OpenMesh::IO::Options options;
   if (!OpenMesh::IO::IOManager().read(path, taker, options)) return {};
