@@ -26,8 +26,8 @@ say "pressing the part against the scene for ten seconds"
   --duration 10s --json "$out/voxrun.json" --trace "$out/trace.csv"
 
 say "drawing"
-"$bin/voxview" "$data/bay.json" "$out/bay.vox" "$out/part.pshell" --trace "$out/trace.csv" \
-  --screenshot "$out/contact.png"
+"$bin/voxview" "$data/bay.json" "$out/bay.vox" "$out/part.pshell" --part "$data/part.obj" --part-units mm \
+  --trace "$out/trace.csv" --screenshot "$out/contact.png"
 
 say "left in $out"
 ls -l "$out"
