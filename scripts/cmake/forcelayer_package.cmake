@@ -3,7 +3,9 @@ include(CMakePackageConfigHelpers)
 
 install(DIRECTORY formats runtime DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/forcelayer
         FILES_MATCHING PATTERN "*.h" PATTERN "mesh" EXCLUDE PATTERN "command" EXCLUDE
-        PATTERN "viewer" EXCLUDE)
+        PATTERN "viewer" EXCLUDE PATTERN "voxinfo*" EXCLUDE
+        # Inside formats/ only: what readers and writers share.
+        REGEX "/formats/(section_table|field_check|voxmap_sections|pshell_sections|temporary_files)" EXCLUDE)
 install(FILES LICENSE README.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(DIRECTORY formats/ DESTINATION ${CMAKE_INSTALL_DOCDIR} FILES_MATCHING PATTERN "*_format.md"
         PATTERN "mesh" EXCLUDE PATTERN "command" EXCLUDE)
