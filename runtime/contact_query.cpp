@@ -1,14 +1,18 @@
 #include "runtime/contact_query.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstring>
 #include <glm/gtc/quaternion.hpp>
 #include <limits>
 
 namespace forcelayer {
 namespace {
 
-constexpr std::size_t kLanePadding = 64;  // elements that a vector store may spill behind the last
+constexpr std::size_t kLanePadding = 128;  // elements that a vector store may spill behind the last
+constexpr std::size_t kChunksPerThread = 8;  // so that a slow thread holds up little
+constexpr std::size_t kSharedBlocks = 256;   // fewer are done before a helper takes part
 constexpr float kBelowOne = 0x1.fffffep-1f;
 
 // VoxelValue of every stored code of a map (voxmap_format.md, bricks).
@@ -30,6 +34,82 @@ std::array<std::uint8_t, 256> value_table(const VoxmapHeader& header) {
   return table;
 }
 
+// Indices beyond 2^30 voxels from the directory are never met (VoxelPose::within_reach).
+std::int32_t to_int32(std::int64_t index) {
+  return static_cast<std::int32_t>(std::clamp<std::int64_t>(
+      index, std::numeric_limits<std::int32_t>::min(), std::numeric_limits<std::int32_t>::max()));
+}
+
+KernelMap kernel_map(const Voxmap& voxmap) {
+  const VoxmapHeader& header = voxmap.header();
+  const VoxmapView& view = voxmap.view();
+  KernelMap map;
+  map.directory = view.directory;
+  map.upper_nodes = view.upper_nodes;
+  map.lower_nodes = view.lower_nodes;
+  map.bricks = view.bricks;
+  map.dims = view.directory_dims;
+  for (unsigned axis = 0; axis < 3; ++axis) {
+    const std::int64_t low = header.origin_voxel[axis] - header.directory_origin[axis];
+    map.tight_min[axis] = to_int32(low);
+    map.tight_max[axis] = to_int32(low + static_cast<std::int64_t>(header.dims_voxels[axis]));
+  }
+  map.cropped = header.cropped_sides != 0;
+  map.log2_bits = static_cast<std::uint32_t>(std::countr_zero(header.bits_per_voxel));
+  map.surface_code = header.surface_code;
+  map.proximity_code = header.proximity_code;
+  map.free_code = header.free_code;
+  map.voxel_size_m = static_cast<float>(voxmap.voxel_size_m());
+  return map;
+}
+
+KernelShell kernel_shell(const Pshell& shell) {
+  const PshellView& v = shell.view();
+  return {v.x,           v.y, v.z, v.nx, v.ny, v.nz, static_cast<std::uint32_t>(v.point_count),
+          v.block_points};
+}
+
+// The kernels that survey spheres need the same reach as those that collect points.
+SkipOptions skip_options(const QueryOptions& options, bool use_kernel) {
+  SkipOptions skip = options.skip;
+  skip.clearance = skip.clearance && use_kernel;
+  return skip;
+}
+
+// The columns of `out` from element `at` on.
+PointColumns columns(CollectedPoints& out, std::size_t at) {
+  PointColumns c;
+  c.index = &out.index[at];
+  c.value = &out.value[at];
+  c.vx = &out.vx[at], c.vy = &out.vy[at], c.vz = &out.vz[at];
+  c.fx = &out.fx[at], c.fy = &out.fy[at], c.fz = &out.fz[at];
+  c.rx = &out.rx[at], c.ry = &out.ry[at], c.rz = &out.rz[at];
+  c.nx = &out.nx[at], c.ny = &out.ny[at], c.nz = &out.nz[at];
+  return c;
+}
+
+// Adds the counts of `c`, whose points stand where they belong in `out`.
+void take_counts(const PointColumns& c, CollectedPoints& out) {
+  out.count += c.count;
+  out.interior_count += c.count_of_value[1];
+  out.surface_count += c.count_of_value[2];
+  out.proximity_count += c.count_of_value[3];
+  out.outside_map = out.outside_map || c.outside_map;
+}
+
+// Moves the points of `c`, which stand at or behind `to`, to `to`.
+void close_up(const PointColumns& c, const PointColumns& to) {
+  const auto move = [&](auto* from, auto* target) {
+    if (from != target) std::memmove(target, from, c.count * sizeof *from);
+  };
+  move(c.index, to.index);
+  move(c.value, to.value);
+  move(c.vx, to.vx), move(c.vy, to.vy), move(c.vz, to.vz);
+  move(c.fx, to.fx), move(c.fy, to.fy), move(c.fz, to.fz);
+  move(c.rx, to.rx), move(c.ry, to.ry), move(c.rz, to.rz);
+  move(c.nx, to.nx), move(c.ny, to.ny), move(c.nz, to.nz);
+}
+
 float dot(const std::array<float, 3>& row, float x, float y, float z) {
   return row[0] * x + row[1] * y + row[2] * z;
 }
@@ -49,12 +129,19 @@ void CollectedPoints::clear() noexcept {
   outside_map = false;
 }
 
-ContactQuery::ContactQuery(const Voxmap& voxmap, const Pshell& shell)
+ContactQuery::ContactQuery(const Voxmap& voxmap, const Pshell& shell, const QueryOptions& options)
     : voxmap_(voxmap),
       shell_(shell),
       radius_voxels_(shell.header().bounding_radius_m / voxmap.voxel_size_m()),
       voxel_size_m_(static_cast<float>(voxmap.voxel_size_m())),
-      value_of_code_(value_table(voxmap.header())) {
+      value_of_code_(value_table(voxmap.header())),
+      kernel_map_(kernel_map(voxmap)),
+      kernel_shell_(kernel_shell(shell)),
+      use_kernel_(options.vector &&
+                  kernel_reaches(voxmap.upper_node_count(), voxmap.lower_node_count(),
+                                 voxmap.brick_count(), voxmap.header().bits_per_voxel)),
+      all_free_(voxmap.header().dims_voxels[0] == 0),
+      skipper_(shell, voxmap.voxel_size_m(), skip_options(options, use_kernel_)) {
   const VoxmapHeader& header = voxmap.header();
   for (unsigned axis = 0; axis < 3; ++axis) {
     const bool cut_min = (header.cropped_sides >> (2 * axis)) & 1u;
@@ -64,6 +151,12 @@ ContactQuery::ContactQuery(const Voxmap& voxmap, const Pshell& shell)
         cut_min ? header.valid_min_voxel[axis] - origin : std::numeric_limits<std::int64_t>::min();
     known_max_[axis] =
         cut_max ? header.valid_max_voxel[axis] - origin : std::numeric_limits<std::int64_t>::max();
+    kernel_map_.known_min[axis] = to_int32(known_min_[axis]);
+    kernel_map_.known_max[axis] = to_int32(known_max_[axis]);
+  }
+  if (options.threads > 1) {
+    workers_ = std::make_unique<QueryWorkers>(options.threads - 1);
+    chunks_.resize(kChunksPerThread * options.threads);
   }
 }
 
@@ -93,19 +186,22 @@ VoxelPose ContactQuery::voxel_pose(const Pose& world_from_center) const noexcept
   return pose;
 }
 
+// Per axis, u = 2^-24, R the radius: rounding the matrix, three products and two sums costs at most
+// 4u R (Cauchy-Schwarz on the row), rounding the fraction u, adding it u (R + 1); doubled for
+// higher orders.
+double ContactQuery::rounding_voxels() const {
+  return std::ldexp(2 * (5 * radius_voxels_ + 2), -24);
+}
+
 double ContactQuery::rounding_bound_m() const {
-  // Per axis, in voxels, u = 2^-24, R the radius: rounding the matrix, three products and two sums
-  // costs at most 4u R (Cauchy-Schwarz on the row), rounding the fraction u, adding it u (R + 1);
-  // doubled for higher orders. The centre itself is double: 2^-52 of the largest index at reach.
+  // The centre itself is double: 2^-52 of the largest index at reach.
   const VoxmapView& map = voxmap_.view();
-  const double u = std::ldexp(1.0, -24);
   double error2 = 0;
   for (int axis = 0; axis < 3; ++axis) {
     const double origin = static_cast<double>(map.directory_origin[axis]);
     const double far =
         std::max(std::abs(origin), std::abs(origin + 512.0 * map.directory_dims[axis]));
-    const double error =
-        2 * u * (5 * radius_voxels_ + 2) + std::ldexp(far + radius_voxels_ + 2, -52);
+    const double error = rounding_voxels() + std::ldexp(far + radius_voxels_ + 2, -52);
     error2 += error * error;
   }
   return std::sqrt(error2) * voxmap_.voxel_size_m();
@@ -129,7 +225,7 @@ bool ContactQuery::sphere_beyond_cropped_side(const glm::dvec3& center_m) const 
 }
 
 void ContactQuery::collect_point(const VoxelPose& pose, std::uint32_t point,
-                                 CollectedPoints& out) noexcept {
+                                 PointColumns& out) const noexcept {
   const PshellView& shell = shell_.view();
   std::array<float, 3> offset{}, fraction{};  // voxels, from the centre; in the point's voxel
   std::array<std::int32_t, 3> voxel{};
@@ -157,20 +253,84 @@ void ContactQuery::collect_point(const VoxelPose& pose, std::uint32_t point,
   out.nx[at] = dot(pose.rotation[0], shell.nx[point], shell.ny[point], shell.nz[point]);
   out.ny[at] = dot(pose.rotation[1], shell.nx[point], shell.ny[point], shell.nz[point]);
   out.nz[at] = dot(pose.rotation[2], shell.nx[point], shell.ny[point], shell.nz[point]);
-  out.interior_count += value == 1;
-  out.surface_count += value == 2;
-  out.proximity_count += value == 3;
+  ++out.count_of_value[value];
+}
+
+void ContactQuery::collect_block(const VoxelPose& pose, std::uint32_t block,
+                                 PointColumns& out) const noexcept {
+  const std::uint32_t begin = block * kernel_shell_.block_points;
+  const std::uint32_t end = std::min(begin + kernel_shell_.block_points, kernel_shell_.point_count);
+  for (std::uint32_t point = begin; point < end; ++point) collect_point(pose, point, out);
+}
+
+void ContactQuery::collect(const VoxelPose& pose, std::span<const std::uint32_t> blocks,
+                           PointColumns& out) const noexcept {
+  if (use_kernel_) {
+    collect_blocks(kernel_map_, kernel_shell_, pose, blocks.data(),
+                   static_cast<std::uint32_t>(blocks.size()), out);
+    return;
+  }
+  for (const std::uint32_t block : blocks) collect_block(pose, block, out);
+}
+
+// The blocks in chunks, each thread taking the next one; a chunk's points go where they would stand
+// if all points of the blocks before it were collected, and are closed up in order at the end. So
+// the result does not depend on who did what.
+void ContactQuery::collect_shared(const VoxelPose& pose, std::span<const std::uint32_t> blocks,
+                                  CollectedPoints& out) noexcept {
+  struct Share {
+    const ContactQuery* query;
+    const VoxelPose* pose;
+    std::span<const std::uint32_t> blocks;
+    PointColumns* chunks;
+    std::size_t chunk_count;
+    std::size_t begin_of(std::size_t chunk) const { return blocks.size() * chunk / chunk_count; }
+  };
+  Share share{this, &pose, blocks, chunks_.data(), chunks_.size()};
+  const std::size_t block_points = kernel_shell_.block_points;
+  for (std::size_t chunk = 0; chunk < chunks_.size(); ++chunk) {
+    chunks_[chunk] = columns(out, share.begin_of(chunk) * block_points);
+  }
+  workers_->run(
+      [](void* context, std::uint32_t chunk) noexcept {
+        const Share& s = *static_cast<const Share*>(context);
+        const std::size_t begin = s.begin_of(chunk), end = s.begin_of(chunk + 1);
+        s.query->collect(*s.pose, s.blocks.subspan(begin, end - begin), s.chunks[chunk]);
+      },
+      &share, static_cast<std::uint32_t>(chunks_.size()));
+  for (const PointColumns& chunk : chunks_) {
+    close_up(chunk, columns(out, out.count));
+    take_counts(chunk, out);
+  }
+}
+
+void ContactQuery::wake() noexcept {
+  if (workers_) workers_->wake();
+}
+
+void ContactQuery::rest() noexcept {
+  if (workers_) workers_->rest();
 }
 
 void ContactQuery::run(const Pose& world_from_center, CollectedPoints& out) noexcept {
   out.clear();
+  points_looked_at_ = 0;
   const VoxelPose pose = voxel_pose(world_from_center);
   if (!pose.within_reach) {
     out.outside_map = sphere_beyond_cropped_side(world_from_center.position_m);
     return;
   }
-  const auto points = static_cast<std::uint32_t>(shell_.view().point_count);
-  for (std::uint32_t point = 0; point < points; ++point) collect_point(pose, point, out);
+  if (all_free_ && !kernel_map_.cropped) return;
+  const auto blocks = skipper_.candidates(kernel_map_, world_from_center, pose, rounding_voxels());
+  points_looked_at_ = std::min<std::uint64_t>(blocks.size() * kernel_shell_.block_points,
+                                              kernel_shell_.point_count);
+  if (workers_ && blocks.size() >= kSharedBlocks) {
+    collect_shared(pose, blocks, out);
+    return;
+  }
+  PointColumns all = columns(out, 0);
+  collect(pose, blocks, all);
+  take_counts(all, out);
 }
 
 }  // namespace forcelayer

@@ -4,11 +4,15 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "formats/pshell.h"
 #include "formats/voxmap.h"
+#include "runtime/block_skipper.h"
 #include "runtime/pose.h"
+#include "runtime/query_kernel.h"
+#include "runtime/query_workers.h"
 
 namespace forcelayer {
 
@@ -44,13 +48,20 @@ struct VoxelPose {
   bool within_reach = false;                     // false: no point can be in the directory
 };
 
+// How the query works; what it finds is the same whatever is chosen here.
+struct QueryOptions {
+  SkipOptions skip;
+  bool vector = true;    // the vectorised kernel, where the map's size allows it
+  unsigned threads = 1;  // that share the work of one run, the caller's included
+};
+
 // Finds the collected points of one shell in one voxmap. Precision: the rotation acts in float on
 // offsets from the part's centre; the centre's place is double, split into whole voxels (integer)
 // and a fraction (DESIGN 2).
 class ContactQuery {
  public:
   // Both files must outlive the query. The shell's radius must stay below kMaxRadiusVoxels voxels.
-  ContactQuery(const Voxmap& voxmap, const Pshell& shell);
+  ContactQuery(const Voxmap& voxmap, const Pshell& shell, const QueryOptions& options = {});
 
   // Collects with the part's centroid frame at `world_from_center` into `out` (reserved for the
   // shell's points). A pose that is not finite collects nothing. No allocation, lock or system
@@ -63,13 +74,28 @@ class ContactQuery {
 
   VoxelPose voxel_pose(const Pose& world_from_center) const noexcept;
 
+  // Helper threads, where there are any: wake() before a step in which they should take part,
+  // rest() after it. Both call the system; without them run() does everything on the caller's
+  // thread.
+  void wake() noexcept;
+  void rest() noexcept;
+
+  // Points that the last run looked at: those of the blocks that were not skipped.
+  std::uint64_t points_looked_at() const { return points_looked_at_; }
+
   const Voxmap& voxmap() const { return voxmap_; }
   const Pshell& shell() const { return shell_; }
 
   static constexpr double kMaxRadiusVoxels = 1 << 20;  // float leaves 1/16 voxel there
 
  private:
-  void collect_point(const VoxelPose& pose, std::uint32_t point, CollectedPoints& out) noexcept;
+  double rounding_voxels() const;
+  void collect_block(const VoxelPose& pose, std::uint32_t block, PointColumns& out) const noexcept;
+  void collect_point(const VoxelPose& pose, std::uint32_t point, PointColumns& out) const noexcept;
+  void collect(const VoxelPose& pose, std::span<const std::uint32_t> blocks,
+               PointColumns& out) const noexcept;
+  void collect_shared(const VoxelPose& pose, std::span<const std::uint32_t> blocks,
+                      CollectedPoints& out) noexcept;
   bool beyond_cropped_side(std::int32_t x, std::int32_t y, std::int32_t z) const noexcept;
   bool sphere_beyond_cropped_side(const glm::dvec3& center_m) const noexcept;
 
@@ -80,6 +106,14 @@ class ContactQuery {
   std::array<std::uint8_t, 256> value_of_code_{};  // VoxelValue of a stored code
   // Box of the voxels that are known, relative to the directory; unbounded where nothing was cut.
   std::array<std::int64_t, 3> known_min_{}, known_max_{};
+  KernelMap kernel_map_;
+  KernelShell kernel_shell_;
+  bool use_kernel_;
+  bool all_free_;
+  BlockSkipper skipper_;
+  std::unique_ptr<QueryWorkers> workers_;
+  std::vector<PointColumns> chunks_;  // of collect_shared()
+  std::uint64_t points_looked_at_ = 0;
 };
 
 }  // namespace forcelayer

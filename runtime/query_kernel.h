@@ -1,0 +1,78 @@
+// The vectorised inner loops of the contact query, dispatched at run time to the machine's
+// instruction set (Highway: AVX-512, AVX2, SSE4, SSSE3, NEON). Plain pointers in and out.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+namespace forcelayer {
+
+struct VoxelPose;
+
+// The map as the kernels read it. Voxels are relative to the directory.
+struct KernelMap {
+  const std::uint32_t* directory = nullptr;
+  const std::uint32_t* upper_nodes = nullptr;
+  const std::uint32_t* lower_nodes = nullptr;
+  const std::uint32_t* bricks = nullptr;
+  std::array<std::int32_t, 3> dims{};       // blocks of 512 voxels
+  std::array<std::int32_t, 3> tight_min{};  // box of the non-free voxels
+  std::array<std::int32_t, 3> tight_max{};  // exclusive
+  std::array<std::int32_t, 3> known_min{};  // box of the known voxels, where sides are cropped
+  std::array<std::int32_t, 3> known_max{};  // exclusive
+  bool cropped = false;
+  std::uint32_t log2_bits = 1;  // of the bits per voxel
+  // Lowest codes of values 2, 3 and 0 at 4 and 8 bits (voxmap_format.md).
+  std::uint32_t surface_code = 0, proximity_code = 0, free_code = 0;
+  float voxel_size_m = 0;
+};
+
+// The shell's columns, each of whole blocks.
+struct KernelShell {
+  const float *x = nullptr, *y = nullptr, *z = nullptr;     // m
+  const float *nx = nullptr, *ny = nullptr, *nz = nullptr;  // unit
+  std::uint32_t point_count = 0;
+  std::uint32_t block_points = 0;  // a multiple of 16
+};
+
+// Where collected points go: the columns of CollectedPoints from some element on, each with room
+// for all points of the blocks and a vector behind them.
+struct PointColumns {
+  std::uint32_t* index = nullptr;
+  std::uint8_t* value = nullptr;
+  std::int32_t *vx = nullptr, *vy = nullptr, *vz = nullptr;
+  float *fx = nullptr, *fy = nullptr, *fz = nullptr;
+  float *rx = nullptr, *ry = nullptr, *rz = nullptr;
+  float *nx = nullptr, *ny = nullptr, *nz = nullptr;
+  std::uint32_t count = 0;
+  std::array<std::uint32_t, 4> count_of_value{};  // 1, 2, 3
+  bool outside_map = false;
+};
+
+// Whether the kernels' 32-bit gathers reach everything in a map of these counts.
+bool kernel_reaches(std::uint64_t upper_nodes, std::uint64_t lower_nodes, std::uint64_t bricks,
+                    std::uint32_t bits_per_voxel);
+
+// Appends the points of `blocks` (ascending block numbers) that lie in values 1, 2 and 3 to `out`,
+// bit for bit as ContactQuery::collect_point() does.
+void collect_blocks(const KernelMap& map, const KernelShell& shell, const VoxelPose& pose,
+                    const std::uint32_t* blocks, std::uint32_t block_count,
+                    PointColumns& out) noexcept;
+
+// What a sphere's computed voxels are bounded by, beside its radius.
+struct SphereMargin {
+  float radius_scale = 1;  // voxels a metre, rounded up
+  float voxels = 0;        // added
+};
+
+// For spheres [begin, end) of x, y, z, radius quadruples: how far, in voxels, each may still move
+// before one of its points can lie in a voxel that is not free (or not known); at most 0 where that
+// cannot be told from one look-up of its centre.
+void survey_spheres(const KernelMap& map, const VoxelPose& pose, const SphereMargin& margin,
+                    const float* spheres, std::uint32_t begin, std::uint32_t end,
+                    float* slack_voxels) noexcept;
+
+// Name of the instruction set in use, for reports.
+const char* kernel_target();
+
+}  // namespace forcelayer

@@ -1,0 +1,248 @@
+// Every way of working of the contact query finds the same points: skipping, coherence, threads,
+// instruction sets, in all combinations, along motions.
+#include <gtest/gtest.h>
+#include <hwy/targets.h>
+
+#include <glm/gtc/quaternion.hpp>
+
+#include "runtime/contact_query.h"
+#include "runtime/coupling.h"
+#include "tests/support/random_scenes.h"
+
+namespace forcelayer::test {
+namespace {
+
+// A query under test with its own output.
+struct Variant {
+  std::string name;
+  QueryOptions options;
+  std::unique_ptr<ContactQuery> query;
+  CollectedPoints found;
+  std::uint64_t looked_at = 0;
+};
+
+QueryOptions options_of(unsigned bits, unsigned threads) {
+  QueryOptions options;
+  options.skip.clearance = (bits & 1) != 0;
+  options.skip.super_blocks = (bits & 2) != 0;
+  options.skip.coherence = (bits & 4) != 0;
+  options.threads = threads;
+  return options;
+}
+
+// The scalar query without any skipping, which the twins in runtime_contact_query.cpp vouch for.
+QueryOptions plain_options() {
+  QueryOptions options = options_of(0, 1);
+  options.vector = false;
+  return options;
+}
+
+std::vector<Variant> make_variants(const Voxmap& voxmap, const Pshell& shell) {
+  std::vector<Variant> variants;
+  const auto add = [&](std::string name, const QueryOptions& options) {
+    Variant v;
+    v.name = std::move(name);
+    v.options = options;
+    v.query = std::make_unique<ContactQuery>(voxmap, shell, options);
+    v.found.reserve(shell.view().point_count);
+    variants.push_back(std::move(v));
+  };
+  for (unsigned bits = 0; bits < 8; ++bits) {
+    add("skip " + std::to_string(bits), options_of(bits, 1));
+  }
+  add("two threads", options_of(7, 2));
+  add("three threads, no skipping", options_of(0, 3));
+  return variants;
+}
+
+template <typename T>
+bool equal(const std::vector<T>& a, const std::vector<T>& b, std::size_t count) {
+  return std::equal(a.begin(), a.begin() + static_cast<std::ptrdiff_t>(count), b.begin());
+}
+
+// As the loop does it: helpers awake for the run alone, and now and then not at all.
+void run_variant(Random& random, const Pose& pose, Variant& v) {
+  if (random() % 8 != 0) v.query->wake();
+  v.query->run(pose, v.found);
+  v.query->rest();
+}
+
+bool same(const CollectedPoints& a, const CollectedPoints& b) {
+  const std::size_t n = a.count;
+  return a.count == b.count && a.interior_count == b.interior_count &&
+         a.surface_count == b.surface_count && a.proximity_count == b.proximity_count &&
+         a.outside_map == b.outside_map && equal(a.index, b.index, n) &&
+         equal(a.value, b.value, n) && equal(a.vx, b.vx, n) && equal(a.vy, b.vy, n) &&
+         equal(a.vz, b.vz, n) && equal(a.fx, b.fx, n) && equal(a.fy, b.fy, n) &&
+         equal(a.fz, b.fz, n) && equal(a.rx, b.rx, n) && equal(a.ry, b.ry, n) &&
+         equal(a.rz, b.rz, n) && equal(a.nx, b.nx, n) && equal(a.ny, b.ny, n) &&
+         equal(a.nz, b.nz, n);
+}
+
+// Motions of every kind: rest, creeping, sliding, spinning, jumps, full turns, far away and back,
+// and poses that are none.
+Pose next_pose(Random& random, const VoxelScene& scene, const Pose& now) {
+  const double s = scene.voxel_size_m;
+  Pose next = now;
+  switch (random() % 16) {
+    case 0:
+      return random_pose(random, scene);
+    case 1:
+      next.orientation = random_orientation(random);
+      break;
+    case 2:
+      next.position_m += random_direction(random) * s * uniform(random, 0, 2000);
+      break;
+    case 3:
+      next.position_m = random_direction(random) * 1e5;
+      break;
+    case 4:
+      next.orientation = glm::angleAxis(2 * M_PI, random_direction(random)) * now.orientation;
+      break;
+    case 5:
+      return now;
+    case 6:
+      next.position_m.x = random() % 2 ? std::numeric_limits<double>::quiet_NaN() : 1e300;
+      break;
+    case 7:
+      next.orientation = now.orientation * (1 + 1e-5);  // no longer unit
+      break;
+    default: {
+      const double scale = std::exp(uniform(random, -12, 0.5));
+      next.position_m += random_direction(random) * s * scale;
+      next.orientation =
+          glm::normalize(glm::angleAxis(uniform(random, 0, 0.1) * scale, random_direction(random)) *
+                         now.orientation);
+    }
+  }
+  return next;
+}
+
+bool is_sound(const Pose& pose) {
+  return std::isfinite(pose.position_m.x) && std::abs(pose.position_m.x) < 1e6 &&
+         std::abs(glm::length(pose.orientation) - 1) < 1e-9;
+}
+
+// A part of many small blocks, up to several times as large as the scene.
+PointPart blocky_part(Random& random, const VoxelScene& scene) {
+  const double radius = scene.voxel_size_m * std::exp(uniform(random, 0, 5));
+  PointPart part =
+      sphere_part(radius, static_cast<std::size_t>(integer(random, 1, 9000)), scene.voxel_size_m);
+  part.block_points = random() % 2 ? 16 : 64;
+  part.super_block_blocks = static_cast<std::uint32_t>(integer(random, 1, 20));
+  return part;
+}
+
+void compare_along_a_motion(std::uint64_t seed, int poses, std::uint64_t& looked_at,
+                            std::uint64_t& points) {
+  Random random(seed);
+  const VoxelScene scene = random_scene(random, seed % 3 == 0 ? 20'000'000 : 0);
+  const auto cropped = static_cast<std::uint32_t>(seed % 4 == 0 ? random() % 64 : 0);
+  const Voxmap voxmap = make_voxmap(scene, cropped);
+  const Pshell shell = make_pshell(blocky_part(random, scene));
+  ContactQuery plain(voxmap, shell, plain_options());
+  CollectedPoints wanted;
+  wanted.reserve(shell.view().point_count);
+  std::vector<Variant> variants = make_variants(voxmap, shell);
+  Pose pose = random_pose(random, scene);
+  for (int i = 0; i < poses; ++i) {
+    plain.run(pose, wanted);
+    for (Variant& v : variants) {
+      run_variant(random, pose, v);
+      ASSERT_TRUE(same(v.found, wanted)) << "seed " << seed << ", pose " << i << ", " << v.name;
+    }
+    looked_at += variants[7].query->points_looked_at();
+    points += shell.view().point_count;
+    const Pose moved = next_pose(random, scene, pose);
+    pose = is_sound(pose) || is_sound(moved) ? moved : random_pose(random, scene);
+  }
+}
+
+TEST(QueryVariants, FindTheSamePointsAlongEveryMotion) {
+  std::uint64_t looked_at = 0, points = 0;
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    compare_along_a_motion(seed, 60, looked_at, points);
+    if (HasFatalFailure()) return;
+  }
+  EXPECT_LT(looked_at, points / 2);  // skipping must have happened
+}
+
+// A bar that turns about its middle and nothing else: its ends must be found as they come into the
+// layer, so the slack must be spent by the whole arc.
+TEST(QueryVariants, FindTheEndsOfATurningBar) {
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    Random random(seed);
+    const VoxelScene scene = random_scene(random);
+    PointPart part;
+    part.voxel_size_m = scene.voxel_size_m;
+    part.block_points = 16;
+    part.super_block_blocks = 4;
+    const double half_m = scene.voxel_size_m * uniform(random, 10, 60);
+    for (int i = -200; i <= 200; ++i) part.add({half_m * i / 200.0, 0, 0}, {0, 0, 1});
+    const Voxmap voxmap = make_voxmap(scene);
+    const Pshell shell = make_pshell(part);
+    ContactQuery plain(voxmap, shell, plain_options());
+    CollectedPoints wanted;
+    wanted.reserve(shell.view().point_count);
+    std::vector<Variant> variants = make_variants(voxmap, shell);
+    Pose pose = random_pose(random, scene);
+    const glm::dquat step = rotation_by(random_direction(random) * uniform(random, 0.002, 0.03));
+    for (int i = 0; i < 200; ++i) {
+      plain.run(pose, wanted);
+      for (Variant& v : variants) {
+        run_variant(random, pose, v);
+        ASSERT_TRUE(same(v.found, wanted)) << "seed " << seed << ", pose " << i << ", " << v.name;
+      }
+      pose.orientation = glm::normalize(step * pose.orientation);
+    }
+  }
+}
+
+TEST(QueryVariants, FindTheSamePointsWithEveryInstructionSet) {
+  const std::int64_t all = hwy::SupportedTargets();
+  int targets = 0;
+  for (std::int64_t target = 1; target > 0; target <<= 1) {
+    if ((all & target) == 0) continue;
+    hwy::SetSupportedTargetsForTest(target);
+    SCOPED_TRACE(kernel_target());
+    std::uint64_t looked_at = 0, points = 0;
+    for (std::uint64_t seed = 101; seed <= 108; ++seed) {
+      compare_along_a_motion(seed, 30, looked_at, points);
+      if (HasFatalFailure()) break;
+    }
+    ++targets;
+  }
+  hwy::SetSupportedTargetsForTest(0);
+  EXPECT_GE(targets, 1);
+}
+
+// Uniform boxes of every value, a map that is free everywhere, and one of a single voxel.
+TEST(QueryVariants, FindTheSamePointsInUniformAndEmptyMaps) {
+  const VoxelScene scenes[] = {
+      VoxelScene::filled(0.01, {0, 0, 0}, {64, 64, 64},
+                         [](Voxel) { return VoxelValue::kInterior; }),
+      VoxelScene::filled(0.01, {0, 0, 0}, {8, 8, 8}, [](Voxel) { return VoxelValue::kSurface; }),
+      VoxelScene::filled(0.01, {0, 0, 0}, {8, 8, 8}, [](Voxel) { return VoxelValue::kFree; }),
+      VoxelScene::filled(0.01, {-3, -3, -3}, {1, 1, 1},
+                         [](Voxel) { return VoxelValue::kSurface; })};
+  Random random(1);
+  const Pshell shell = make_pshell(sphere_part(0.06, 2000, 0.01));
+  for (const VoxelScene& scene : scenes) {
+    const Voxmap voxmap = make_voxmap(scene);
+    ContactQuery plain(voxmap, shell, plain_options());
+    CollectedPoints wanted;
+    wanted.reserve(shell.view().point_count);
+    std::vector<Variant> variants = make_variants(voxmap, shell);
+    for (int i = 0; i < 50; ++i) {
+      const Pose pose = random_pose(random, scene);
+      plain.run(pose, wanted);
+      for (Variant& v : variants) {
+        run_variant(random, pose, v);
+        ASSERT_TRUE(same(v.found, wanted)) << v.name;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace forcelayer::test
