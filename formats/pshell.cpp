@@ -216,6 +216,9 @@ Result<Pshell> Pshell::from_bytes(std::span<const std::byte> bytes, std::string_
   const auto rules = pshell_section_rules();
   const auto sections = check_sections(bytes, name, rules);
   if (!sections) return sections.error();
+  if (verify == Verify::kStructureAndChecksums) {
+    if (Status s = check_section_checksums(bytes, name, rules); !s) return s.error();
+  }
   const auto& all = *sections;
   if (Status s = check_section_sizes(h, all, rules, name); !s) return s.error();
   const auto column = [&](std::size_t i) { return elements_of<float>(all[i]).data(); };
@@ -236,9 +239,6 @@ Result<Pshell> Pshell::from_bytes(std::span<const std::byte> bytes, std::string_
                  .cone_cos = all[9].empty() ? nullptr : column(9)};
   shell.provenance_ = {reinterpret_cast<const char*>(all[10].data()), all[10].size()};
   if (Status s = check_elements(shell.view_, h, name); !s) return s.error();
-  if (verify == Verify::kStructureAndChecksums) {
-    if (Status s = check_section_checksums(bytes, name, rules); !s) return s.error();
-  }
   return shell;
 }
 

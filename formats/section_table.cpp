@@ -299,7 +299,8 @@ Status check_section_checksums(std::span<const std::byte> bytes, std::string_vie
     const SectionRule* rule = find_rule(rules, entry.id);
     return Error{ErrorCode::kChecksumMismatch, std::string(name),
                  rule ? rule->name : "section " + std::to_string(entry.id),
-                 "is damaged: its checksum is " + hex(actual) + " and not " + hex(entry.checksum),
+                 "the section is damaged: its checksum is " + hex(actual) + " and not " +
+                     hex(entry.checksum),
                  "bake or copy it again"};
   }
   return {};

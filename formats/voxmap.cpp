@@ -246,6 +246,9 @@ Result<Voxmap> Voxmap::from_bytes(std::span<const std::byte> bytes, std::string_
   const auto rules = voxmap_section_rules(h.bits_per_voxel);
   const auto sections = check_sections(bytes, name, rules);
   if (!sections) return sections.error();
+  if (verify == Verify::kStructureAndChecksums) {
+    if (Status s = check_section_checksums(bytes, name, rules); !s) return s.error();
+  }
   const auto directory = elements_of<std::uint32_t>((*sections)[0]);
   const auto upper_nodes = elements_of<std::uint32_t>((*sections)[1]);
   const auto lower_nodes = elements_of<std::uint32_t>((*sections)[2]);
@@ -256,9 +259,6 @@ Result<Voxmap> Voxmap::from_bytes(std::span<const std::byte> bytes, std::string_
   map.provenance_ = {reinterpret_cast<const char*>((*sections)[5].data()), (*sections)[5].size()};
   if (Status s = map.check_tree(directory, upper_nodes, lower_nodes, name); !s) return s.error();
   if (Status s = check_compliance(h, map.compliance_, name); !s) return s.error();
-  if (verify == Verify::kStructureAndChecksums) {
-    if (Status s = check_section_checksums(bytes, name, rules); !s) return s.error();
-  }
   map.view_ = {directory.data(),   upper_nodes.data(),
                lower_nodes.data(), elements_of<std::uint32_t>((*sections)[3]).data(),
                h.directory_origin, {},
