@@ -78,7 +78,11 @@ void run_loop(Servo& servo, const LoopOptions& options, SpscRing<Frame>* ring,
   for (std::uint64_t n = 0; !options.frames || n < *options.frames; ++n) {
     if (options.stop != nullptr && options.stop->load(std::memory_order_relaxed) != 0) break;
     if (!options.as_fast_as_possible) pacer.wait_for_tick(statistics);
-    if (!servo.tick(frame)) break;
+    const bool helped = servo.wants_helpers();
+    if (helped) servo.wake_helpers();
+    const bool ticked = servo.tick(frame);
+    if (helped) servo.rest_helpers();
+    if (!ticked) break;
     if (!options.as_fast_as_possible) pacer.frame_done(statistics);
     count(frame, statistics);
     if (ring != nullptr) hand_over(frame, options.as_fast_as_possible, *ring, statistics);

@@ -18,6 +18,14 @@ class Servo {
   // apart). Fills `frame`; false at the input's end.
   bool tick(Frame& frame) noexcept;
 
+  // Around a tick in which the query's helper threads should take part; both call the system, so
+  // they are not in tick() itself. wants_helpers(): whether the last tick looked at enough points.
+  bool wants_helpers() const noexcept {
+    return simulation_.query().points_looked_at() > kPointsWorthHelp;
+  }
+  void wake_helpers() noexcept { simulation_.wake_helpers(); }
+  void rest_helpers() noexcept { simulation_.rest_helpers(); }
+
   // Zero to the device, at the end or whenever the caller must fail.
   void silence() noexcept { input_.silence(); }
 
@@ -26,6 +34,8 @@ class Servo {
   double dt_s() const { return dt_s_; }
 
  private:
+  static constexpr std::uint64_t kPointsWorthHelp = 16384;  // some 40 us of one core
+
   OutputFrame output_frame(const StepInput& input, const StepResult& result) const noexcept;
 
   Simulation& simulation_;

@@ -67,17 +67,19 @@ void observe_energy(State& state, const StepInput& input, StepResult& result) {
 
 }  // namespace
 
-Simulation::Simulation(Voxmap voxmap, Pshell shell, const Parameters& parameters)
+Simulation::Simulation(Voxmap voxmap, Pshell shell, const Parameters& parameters,
+                       const QueryOptions& query)
     : voxmap_(std::move(voxmap)),
       shell_(std::move(shell)),
       parameters_(parameters),
-      query_(voxmap_, shell_) {
+      query_(voxmap_, shell_, query) {
   points_.reserve(shell_.view().point_count);
   samples_.reserve(shell_.view().point_count);
 }
 
 Result<std::unique_ptr<Simulation>> Simulation::create(Voxmap voxmap, Pshell shell,
-                                                       const Parameters& parameters) {
+                                                       const Parameters& parameters,
+                                                       const QueryOptions& query) {
   const double radius_voxels = shell.header().bounding_radius_m / voxmap.voxel_size_m();
   if (!(radius_voxels < ContactQuery::kMaxRadiusVoxels)) {
     return Error{ErrorCode::kFilesDoNotMatch, "", "bounding radius",
@@ -85,7 +87,7 @@ Result<std::unique_ptr<Simulation>> Simulation::create(Voxmap voxmap, Pshell she
                  "check the units that scene and part were baked with"};
   }
   std::unique_ptr<Simulation> simulation(
-      new Simulation(std::move(voxmap), std::move(shell), parameters));
+      new Simulation(std::move(voxmap), std::move(shell), parameters, query));
   auto field = make_force_field(parameters.model, parameters.force, simulation->voxmap_);
   if (!field) return field.error();
   simulation->field_ = std::move(*field);

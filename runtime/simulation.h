@@ -31,7 +31,8 @@ class Simulation {
   // Takes over both files. Errors: kFilesDoNotMatch where the part is too large for the voxel size;
   // kUsage where model, force and map do not go together.
   static Result<std::unique_ptr<Simulation>> create(Voxmap voxmap, Pshell shell,
-                                                    const Parameters& parameters);
+                                                    const Parameters& parameters,
+                                                    const QueryOptions& query = {});
 
   // A part at rest at `world_from_part`, gripped without stretch by a handle at
   // `world_from_handle`.
@@ -39,6 +40,10 @@ class Simulation {
 
   // One frame of `dt_s` seconds. Never throws, allocates, locks, logs or calls the system.
   StepResult step(State& state, const StepInput& input, double dt_s) noexcept;
+
+  // Around a step in which the query's helper threads should take part. Both call the system.
+  void wake_helpers() noexcept { query_.wake(); }
+  void rest_helpers() noexcept { query_.rest(); }
 
   // The part's frame (its mesh's) from its centroid frame, and back.
   Pose world_from_part(const Pose& world_from_center) const;
@@ -50,7 +55,7 @@ class Simulation {
   const ContactQuery& query() const { return query_; }
 
  private:
-  Simulation(Voxmap voxmap, Pshell shell, const Parameters& parameters);
+  Simulation(Voxmap voxmap, Pshell shell, const Parameters& parameters, const QueryOptions& query);
   void make_default_model();
 
   Voxmap voxmap_;

@@ -39,6 +39,8 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
   app.add_option("--duration", texts_.duration, "how long to run, like 10s or 2min");
   app.add_option("--rate", options_.rate_hz, "frames a second")
       ->check(CLI::Range(kMinRateHz, kMaxRateHz));
+  app.add_option("--threads", options_.threads, "that share the contact query")
+      ->check(CLI::Range(1, 256));
   app.add_option("--model", texts_.model, "dynamic model: default or paper");
   app.add_option("--force", texts_.force, "force field: tangent-plane or level (the model's own)");
   app.add_flag("--no-braking", texts_.no_braking, "no pre-contact braking");

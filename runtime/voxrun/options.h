@@ -20,6 +20,7 @@ struct Options {
   std::string device = "sim";
   std::optional<double> duration_s;
   double rate_hz = 1000;
+  unsigned threads = 1;  // of the contact query
   Model model = kDefaultModel;
   std::optional<ForceKind> force;  // none: the model's own
   bool braking = true;

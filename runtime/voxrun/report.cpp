@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/command/command.h"
+#include "runtime/query_kernel.h"
 
 namespace forcelayer::voxrun {
 namespace {
@@ -130,6 +131,8 @@ Json report_json(const RunFacts& facts, const LoopStatistics& s) {
   json["guaranteed_swept_separation_m"] = number(facts.guarantee.swept_m);
   json["pose_error_m"] = facts.pose_error_m;
   json["step_ns"] = percentiles(s.step);
+  json["threads"] = facts.options.threads;
+  json["instruction_set"] = kernel_target();
   json["as_fast_as_possible"] = facts.options.as_fast_as_possible;
   json["wakeup_ns"] = percentiles(s.wakeup);
   json["deadline_misses"] = s.deadline_misses;

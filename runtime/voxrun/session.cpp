@@ -139,7 +139,10 @@ Status prepare_simulation(const Options& options, Session& session) {
     facts.reasons = derived->reasons;
     facts.warnings.insert(facts.warnings.end(), derived->warnings.begin(), derived->warnings.end());
   }
-  auto simulation = Simulation::create(std::move(*voxmap), std::move(*shell), facts.parameters);
+  QueryOptions query;
+  query.threads = options.threads;
+  auto simulation =
+      Simulation::create(std::move(*voxmap), std::move(*shell), facts.parameters, query);
   if (!simulation) return simulation.error();
   session.simulation = std::move(*simulation);
   if (session.recording) {

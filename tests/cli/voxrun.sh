@@ -24,7 +24,7 @@ expect() {
 fast=(--device sim --motion press.csv --as-fast-as-possible)
 expect 0 'guaranteed separation: [0-9.]+ mm' floor.vox ball.pshell "${fast[@]}" \
   --json run.json --trace run.csv --record run.flr
-expect 0 'PR' floor.vox ball.pshell --device replay --replay run.flr --as-fast-as-possible \
+expect 0 'PR' floor.vox ball.pshell --device replay --replay run.flr --as-fast-as-possible --threads 2 \
   --json again.json --trace again.csv
 
 python3 - <<'PYTHON'
