@@ -29,7 +29,7 @@ refuse "formats sees more than the standard library and a checksum" \
 refuse "voxelize sees pointshell or runtime" '#include *[<"](pointshell|runtime)/' "${voxelize[@]}"
 refuse "pointshell sees voxelize or runtime" '#include *[<"](voxelize|runtime)/' "${pointshell[@]}"
 
-hidapi_users=$(grep -lE '#include *[<"](hidapi/)?hidapi' -r runtime | wc -l)
+hidapi_users=$(sources runtime | xargs grep -lE '#include *[<"](hidapi/)?hidapi' | wc -l) || true
 [ "$hidapi_users" -le 1 ] || { echo "FAILED: $hidapi_users files include hidapi.h" >&2; fail=1; }
 
 for command in voxrun voxinfo; do
