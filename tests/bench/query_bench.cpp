@@ -12,6 +12,7 @@
 #include <cstdio>
 #include <functional>
 #include <glm/gtc/quaternion.hpp>
+#include <random>
 
 #include "runtime/contact_query.h"
 #include "runtime/query_kernel.h"
@@ -121,16 +122,20 @@ nlohmann::ordered_json measure(const VoxelScene& scene, const Voxmap& map, std::
   ways.found.reserve(points);
   add_methods(map, shell, peer, ways);
   std::uint64_t found = 0;
+  std::mt19937_64 random(1);
+  std::vector<std::size_t> order(ways.methods.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
   for (int frame = 0; frame < frames; ++frame) {
     const Pose pose = pose_of(frame, radius_voxels);
     std::uint32_t first = 0;
-    // Another method first at every frame: the first one meets the shell in colder caches.
-    for (std::size_t turn = 0; turn < ways.methods.size(); ++turn) {
-      Method& method = ways.methods[(turn + static_cast<std::size_t>(frame)) % ways.methods.size()];
+    // In another order at every frame: who comes after the peer meets the shell in cold caches.
+    std::shuffle(order.begin(), order.end(), random);
+    for (const std::size_t turn : order) {
+      Method& method = ways.methods[turn];
       const double begin = now_s();
       const std::uint32_t count = method.run(pose);
       method.ns.push_back((now_s() - begin) * 1e9);
-      if (turn == 0) first = count;
+      if (turn == order.front()) first = count;
       if (count != first) throw std::runtime_error(method.name + " found other points");
     }
     found += first;
