@@ -27,16 +27,23 @@ install_packages() {
     apt-get install -qy --no-install-recommends "${missing[@]}"
 }
 
-# build PRESET [cmake arguments ...]: configures build/PRESET and builds everything in it.
-build() {
+# configure PRESET [cmake arguments ...]: sets up build/PRESET.
+configure() {
   local preset=$1
   shift
-  say "building $preset"
+  say "configuring $preset"
   (cd "$root" && cmake --preset "$preset" "$@" >"$root/build/$preset.configure.log" 2>&1) || {
     cat "$root/build/$preset.configure.log" >&2
     return 1
   }
-  cmake --build "$root/build/$preset"
+}
+
+# build PRESET [targets ...]: builds everything, or only these, in build/PRESET.
+build() {
+  local preset=$1
+  shift
+  say "building $preset"
+  cmake --build "$root/build/$preset" ${1:+--target "$@"}
 }
 
 mkdir -p "$root/build"

@@ -5,7 +5,8 @@
 source "$(dirname "$0")/common.sh"
 
 install_packages
-build release
+configure release
+build release voxelize pointshell voxinfo voxrun voxview
 bin=$root/build/release/bin
 out=$root/build/demo
 data=$root/sample_data

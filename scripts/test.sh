@@ -29,7 +29,8 @@ check_runtime_only() {
   for package in OpenVDB OpenMesh draco TBB VTK; do
     without+=("-DCMAKE_DISABLE_FIND_PACKAGE_$package=ON")
   done
-  build runtime-only "${without[@]}"
+  configure runtime-only "${without[@]}"
+  build runtime-only
   if ninja -C "$root/build/runtime-only" -t deps | grep -E '/(openvdb|OpenMesh|draco|tbb|oneapi)/'; then
     echo "the runtime-only build read headers of the offline tools" >&2
     return 1
@@ -39,8 +40,10 @@ check_runtime_only() {
 
 install_packages
 check_format
+configure release
 build release
 run_tests release
+configure asan
 build asan
 run_tests asan
 check_runtime_only
@@ -48,9 +51,11 @@ check_runtime_only
 if [ "$full" = yes ]; then
   export FORCELAYER_LONG_TESTS=1
   run_tests release
+  configure tsan
   build tsan
   run_tests tsan
-  build debug -DCMAKE_CXX_COMPILER=clang++ -DCMAKE_C_COMPILER=clang
+  configure debug -DCMAKE_CXX_COMPILER=clang++ -DCMAKE_C_COMPILER=clang
+  build debug
   run_tests debug
 fi
 say "all tests passed"
