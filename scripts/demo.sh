@@ -29,6 +29,7 @@ say "pressing the part against the scene for ten seconds"
 say "drawing"
 "$bin/voxview" "$data/bay.json" "$out/bay.vox" "$out/part.pshell" --part "$data/part.obj" --part-units mm \
   --trace "$out/trace.csv" --screenshot "$out/contact.png"
+"$root/scripts/plot_run.py" "$out/trace.csv" -o "$out/run.svg"
 
 say "left in $out"
 ls -l "$out"

@@ -60,6 +60,11 @@ ViewOptionParser::ViewOptionParser(CLI::App& app) {
                              "the run to show: a trace or a recording of voxrun");
   app.add_option("--at", texts_.at, "time in the run (2.5s); default: the strongest force")
       ->needs(run);
+  app.add_option("--listen", options_.listen,
+                 "follow a run: [ADDRESS:]PORT that voxrun --udp sends to")
+      ->excludes(run);
+  app.add_option("--duration", texts_.duration,
+                 "close the window, or take the picture, after this");
   app.add_option("--part-pose", texts_.part_pose, "world_from_part: x,y,z or x,y,z,qw,qx,qy,qz")
       ->excludes(run);
   app.add_option("--grip", texts_.grip, "handle_from_part, where voxrun was given one")->needs(run);
@@ -97,6 +102,11 @@ Status ViewOptionParser::read_moment(ViewOptions& options) const {
     const auto at_s = parse_duration(texts_.at);
     if (!at_s) return at_s.error();
     options.at_s = *at_s;
+  }
+  if (!texts_.duration.empty()) {
+    const auto duration_s = parse_duration(texts_.duration);
+    if (!duration_s) return duration_s.error();
+    options.duration_s = *duration_s;
   }
   if (!texts_.model.empty()) {
     const auto model = parse_model(texts_.model);

@@ -25,6 +25,8 @@ struct ViewOptions {
   int width = 1600, height = 1000;  // pixels
   std::string run;                  // trace or recording
   std::optional<double> at_s;
+  std::string listen;                    // [ADDRESS:]PORT of a pose stream
+  std::optional<double> duration_s;      // of the window, or of listening before a picture
   std::optional<Pose> world_from_part;   // --part-pose
   std::optional<Pose> handle_from_part;  // --grip
   Model model = kDefaultModel;
@@ -47,7 +49,7 @@ class ViewOptionParser {
 
  private:
   struct Texts {
-    std::string units, part_units, size = "1600x1000", at, part_pose, grip, model, force;
+    std::string units, part_units, size = "1600x1000", at, duration, part_pose, grip, model, force;
     std::string view_from, focus = "auto", cut, shown;
     int pixels_per_voxel = 0;
   };

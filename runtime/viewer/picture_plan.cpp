@@ -22,11 +22,6 @@ Result<std::optional<Moment>> plan_moment(const ViewOptions& options, const View
     const std::size_t at = options.at_s ? row_at(*rows, *options.at_s) : strongest_row(*rows);
     moment = moment_of((*rows)[at], options.handle_from_part.value_or(grip_of(rows->front())));
   }
-  if (moment && scene.voxmap && scene.shell) {
-    auto probe = make_probe(options, scene);
-    if (!probe) return probe.error();
-    moment->contacts = probe->at(moment->world_from_part);
-  }
   return moment;
 }
 
@@ -131,6 +126,19 @@ std::string describe(const ViewScene& scene) {
   return line;
 }
 
+Status add_moment(const ViewOptions& options, const ViewScene& scene, Moment moment,
+                  PicturePlan& plan) {
+  if (scene.voxmap && scene.shell) {
+    auto probe = make_probe(options, scene);
+    if (!probe) return probe.error();
+    moment.contacts = probe->at(moment.world_from_part);
+  }
+  for (const std::string& line : describe(moment)) plan.title.push_back(line);
+  plan.moment = std::move(moment);
+  plan.camera = plan_camera(options, scene, plan.moment);
+  return {};
+}
+
 Result<PicturePlan> plan_picture(const ViewOptions& options, const ViewScene& scene) {
   PicturePlan plan;
   plan.width = options.width;
@@ -141,14 +149,15 @@ Result<PicturePlan> plan_picture(const ViewOptions& options, const ViewScene& sc
   plan.title = {describe(scene)};
   auto moment = plan_moment(options, scene);
   if (!moment) return moment.error();
-  plan.moment = std::move(*moment);
-  if (plan.moment) {
-    for (const std::string& line : describe(*plan.moment)) plan.title.push_back(line);
-  }
   if (scene.before) {
     if (Status change = plan_change(scene, plan); !change) return change.error();
   }
   plan.camera = plan_camera(options, scene, plan.moment);
+  if (*moment) {
+    if (Status added = add_moment(options, scene, std::move(**moment), plan); !added) {
+      return added.error();
+    }
+  }
   return plan;
 }
 

@@ -31,6 +31,10 @@ struct PicturePlan {
 // Computes the moment, its contacts, the change and the camera that `options` ask for.
 Result<PicturePlan> plan_picture(const ViewOptions& options, const ViewScene& scene);
 
+// Sets the moment of `plan`, with its contacts, words and camera.
+Status add_moment(const ViewOptions& options, const ViewScene& scene, Moment moment,
+                  PicturePlan& plan);
+
 // The probe of the contacts of `scene`, which must have both a voxmap and a shell.
 Result<ContactProbe> make_probe(const ViewOptions& options, const ViewScene& scene);
 

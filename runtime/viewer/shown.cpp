@@ -16,6 +16,13 @@ ShownSet default_shown(const ViewScene& scene) {
   return shown;
 }
 
+ShownSet without_moment(ShownSet shown) {
+  for (const Shown what : {Shown::kPart, Shown::kShell, Shown::kContacts, Shown::kHandle}) {
+    shown.set(what, false);
+  }
+  return shown;
+}
+
 Result<ShownSet> parse_shown(std::string_view list) {
   ShownSet shown;
   while (true) {

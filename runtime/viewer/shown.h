@@ -38,6 +38,9 @@ class ShownSet {
 // scene, shell points only where there is no mesh of the part; never proximity.
 ShownSet default_shown(const ViewScene& scene);
 
+// The same without what belongs to a moment: part, shell, contacts and handle.
+ShownSet without_moment(ShownSet shown);
+
 // Reads a list as "meshes,force-layer". Error: kUsage with the name that is unknown.
 Result<ShownSet> parse_shown(std::string_view list);
 

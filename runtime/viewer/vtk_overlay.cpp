@@ -172,14 +172,19 @@ struct Overlay::Drawing {
     shapes.clear();
   }
 
+  double title_right = 0, title_bottom = 0;  // of what draw_title() wrote
+
   void draw_title(int height) {
     constexpr double kLarge = 20, kSmall = 15;
+    title_right = 0;
     double y = height - 14 * scale;
     for (std::size_t n = 0; n < title.size(); ++n) {
       const double size = n == 0 ? kLarge : kSmall;
       y -= 1.45 * size * scale;
-      write(title[n], 18 * scale, y, size, n == 0);
+      title_right =
+          std::max(title_right, 18 * scale + write(title[n], 18 * scale, y, size, n == 0));
     }
+    title_bottom = y;
   }
 
   void draw_legend(int width, int height) {
@@ -191,6 +196,7 @@ struct Overlay::Drawing {
     const double key = kSize * scale, gap = 10 * scale, margin = 16 * scale;
     const double left = width - margin - widest - gap - key;
     double y = height - margin - 4 * scale;
+    if (title_right > left - 2 * gap) y = title_bottom - margin;  // no room beside the title
     if (!legend.empty()) {
       shapes.box(left - gap, y - (kLine * static_cast<double>(legend.size()) + 2) * scale,
                  width - margin + gap / 2, y + 4 * scale, kPaper, 0.8);
@@ -202,10 +208,10 @@ struct Overlay::Drawing {
     }
   }
 
-  void draw_scale_bar(int width, double metres_per_pixel) {
+  void draw_scale_bar(int width, double metres_per_pixel, int reserved) {
     const ScaleLength bar = round_length(0.2 * width * metres_per_pixel);
     const double length = bar.length_m / metres_per_pixel;
-    const double x = width - 24 * scale - length, y = 22 * scale, thick = 5 * scale;
+    const double x = width - 24 * scale - length, y = 22 * scale + reserved, thick = 5 * scale;
     shapes.box(x - 2 * scale, y - 2 * scale, x + length + 2 * scale, y + thick + 2 * scale, kPaper,
                1);
     for (int n = 0; n < 4; ++n) {
@@ -230,11 +236,11 @@ void Overlay::set_title(const std::vector<std::string>& lines) { drawing_->title
 
 void Overlay::set_legend(const std::vector<LegendEntry>& entries) { drawing_->legend = entries; }
 
-void Overlay::lay_out(int width, int height, double metres_per_pixel) {
+void Overlay::lay_out(int width, int height, double metres_per_pixel, int reserved) {
   drawing_->clear();
   drawing_->draw_title(height);
   drawing_->draw_legend(width, height);
-  if (metres_per_pixel > 0) drawing_->draw_scale_bar(width, metres_per_pixel);
+  if (metres_per_pixel > 0) drawing_->draw_scale_bar(width, metres_per_pixel, reserved);
 }
 
 ScaleLength round_length(double wanted_m) {

@@ -19,8 +19,9 @@ class Overlay {
 
   void set_title(const std::vector<std::string>& lines);     // top left, the first one larger
   void set_legend(const std::vector<LegendEntry>& entries);  // top right
-  // Draws everything anew for a picture of that many pixels, one of which is `metres_per_pixel`.
-  void lay_out(int width, int height, double metres_per_pixel);
+  // Draws everything anew for a picture of that many pixels, one of which is `metres_per_pixel`;
+  // the lowest `reserved` pixels are left free.
+  void lay_out(int width, int height, double metres_per_pixel, int reserved = 0);
 
  private:
   struct Drawing;

@@ -52,20 +52,6 @@ void add_triad(vtkRenderWindow* window, const CameraView& view) {
   window->AddRenderer(renderer);
 }
 
-void place(Stage& stage, const ViewScene& scene, const Moment& moment) {
-  stage.place_part(moment.world_from_part);
-  if (moment.world_from_target) {
-    stage.place_target(moment.world_from_part, *moment.world_from_target);
-  }
-  if (!scene.shell) return;
-  const double radius_m = scene.shell->header().bounding_radius_m;
-  stage.place_contacts(moment.contacts, 0.5 * radius_m);
-  if (moment.on_hand && glm::length(moment.on_hand->force_n) > 0) {
-    stage.place_net_force(world_from_center(moment.world_from_part, *scene.shell).position_m,
-                          moment.on_hand->force_n, 1.2 * radius_m);
-  }
-}
-
 // Every pixel the mean of a square of `factor` x `factor` pixels.
 vtkSmartPointer<vtkImageData> shrunk(vtkImageData* image, int factor) {
   if (factor == 1) return image;
@@ -126,13 +112,6 @@ struct Layers {
   }
 };
 
-ShownSet without_moment(ShownSet shown) {
-  for (const Shown what : {Shown::kPart, Shown::kShell, Shown::kContacts, Shown::kHandle}) {
-    shown.set(what, false);
-  }
-  return shown;
-}
-
 }  // namespace
 
 Status write_picture(const std::filesystem::path& path, const ViewScene& scene,
@@ -143,7 +122,7 @@ Status write_picture(const std::filesystem::path& path, const ViewScene& scene,
   Stage stage(scene, plan.change, layers.world, layers.marks);
   const bool placed = plan.moment || scene.bounds.empty;  // a shell alone stands where it is
   stage.show(placed ? plan.shown : without_moment(plan.shown));
-  if (plan.moment) place(stage, scene, *plan.moment);
+  if (plan.moment) place_moment(stage, scene, *plan.moment);
   stage.cut(plan.cut);
   if (plan.plain) stage.make_plain();
   stage.aim(plan.camera);

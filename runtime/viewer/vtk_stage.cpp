@@ -348,4 +348,18 @@ void Stage::place_net_force(const glm::dvec3& at_m, const glm::dvec3& direction,
   }
 }
 
+void place_moment(Stage& stage, const ViewScene& scene, const Moment& moment) {
+  stage.place_part(moment.world_from_part);
+  if (moment.world_from_target) {
+    stage.place_target(moment.world_from_part, *moment.world_from_target);
+  }
+  if (!scene.shell) return;
+  const double radius_m = scene.shell->header().bounding_radius_m;
+  stage.place_contacts(moment.contacts, 0.5 * radius_m);
+  if (moment.on_hand && glm::length(moment.on_hand->force_n) > 0) {
+    stage.place_net_force(world_from_center(moment.world_from_part, *scene.shell).position_m,
+                          moment.on_hand->force_n, 1.2 * radius_m);
+  }
+}
+
 }  // namespace forcelayer

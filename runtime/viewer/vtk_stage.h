@@ -14,6 +14,7 @@
 #include "runtime/viewer/contact_view.h"
 #include "runtime/viewer/cut.h"
 #include "runtime/viewer/layer_change.h"
+#include "runtime/viewer/moment.h"
 #include "runtime/viewer/shown.h"
 #include "runtime/viewer/view_scene.h"
 
@@ -52,5 +53,8 @@ class Stage {
   vtkRenderer* marks_;
   std::unique_ptr<Actors> actors_;
 };
+
+// Places all that a moment shows.
+void place_moment(Stage& stage, const ViewScene& scene, const Moment& moment);
 
 }  // namespace forcelayer

@@ -53,6 +53,36 @@ check cut picture.png facts.json 0.008 bay.csv 0 -1
 "$bin/voxview" --compare bay.vox moved.vox "${plain[@]}" --view-from 0.0,1,0 --show part
 check change picture.png facts.json 0.008 bay.csv moved.csv
 
+# A run: the contacts of the picture are those that the run counted at that frame, from the trace
+# and from the recording; a stream is followed while the run goes on.
+"$bin/pointshell" "$data/part.obj" --units mm -o part.pshell --voxel-size 8mm --quiet
+run=("$bin/voxrun" bay.vox part.pshell --device sim --motion "$data/press.csv" --duration 10s --quiet)
+"${run[@]}" --as-fast-as-possible --trace trace.csv --record run.rec
+tiny=(--size 64x64 --plain --json facts.json --screenshot picture.png)
+for source in trace.csv run.rec; do
+  "$bin/voxview" bay.vox part.pshell --replay $source --at 2.2s "${tiny[@]}"
+  "$python" - <<'END'
+import csv, json
+shown = json.load(open("facts.json"))["moment"]
+row = min(csv.DictReader(open("trace.csv")), key=lambda r: abs(float(r["t_s"]) - shown["t_s"]))
+assert abs(shown["t_s"] - 2.2) < 0.002, shown
+for name in ("points_proximity", "points_surface", "points_interior", "contacts"):
+    assert int(row[name]) == shown[name], (name, row[name], shown)
+assert int(row["contacts"]) > 0
+END
+done
+"${run[@]}" --udp 127.0.0.1:47219 & sender=$!
+"$bin/voxview" bay.vox part.pshell --listen 47219 --duration 2s "${tiny[@]}"
+"$python" - <<'END'
+import json
+assert json.load(open("facts.json"))["moment"]["t_s"] > 0
+END
+kill -0 $sender || fail "the run did not outlive its viewer"
+kill $sender
+wait $sender || true
+"$bin/voxview" "$data/bay.json" bay.vox part.pshell --trace trace.csv --size 320x240 --duration 1s ||
+  fail "the window"
+
 # A picture for people: the size asked for, light paper, and neither empty nor full.
 "$bin/voxview" "$data/bay.json" bay.vox --size 640x400 --screenshot people.png
 "$python" - <<'END'
@@ -96,6 +126,9 @@ expect 2 'is not known' bay.vox --show layer
 expect 2 'no length' bay.vox --view-from 0,0,0
 expect 2 'nothing to show'
 expect 4 'the voxel sizes differ' --compare bay.vox coarse.vox
+got=0
+"$bin/voxview" bay.vox 2>error.txt || got=$?
+[ "$got" = 5 ] || fail "status $got for a window without a display"
 got=0
 "$bin/voxview" bay.vox --size 64x64 --screenshot nowhere/picture.png 2>error.txt || got=$?
 [ "$got" = 1 ] || fail "status $got for a folder that is missing"

@@ -1,0 +1,19 @@
+// Moments of a run that is going on elsewhere, from its pose stream.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "formats/result.h"
+#include "runtime/pose_receiver.h"
+#include "runtime/viewer/trace.h"
+
+namespace forcelayer {
+
+// Opens "PORT" or "ADDRESS:PORT". Errors: kUsage, kReadFailed.
+Result<PoseReceiver> listen_at(const std::string& text);
+
+// A datagram as a row of a trace.
+TraceRow row_of(const PoseDatagram& datagram);
+
+}  // namespace forcelayer
