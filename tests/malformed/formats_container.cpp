@@ -23,17 +23,10 @@ Status open_as(std::span<const std::byte> bytes, Verify verify) {
   return file ? Status() : Status(file.error());
 }
 
-AlignedBytes golden_shell_bytes() {
-  const auto [points, normals] = golden_points();
-  return AlignedBytes(pshell_bytes(TestShell(points, normals, golden_shell_options()).content()));
-}
-
 const Format kFormats[] = {
-    {"vox", [] { return dense_voxmap_bytes(golden_voxels(), golden_voxmap_options()); },
-     open_as<Voxmap>},
-    {"wide vox", [] { return AlignedBytes(voxmap_bytes(GoldenWideVoxmap().content())); },
-     open_as<Voxmap>},
-    {"pshell", golden_shell_bytes, open_as<Pshell>}};
+    {"vox", [] { return golden_file_bytes("v1.vox"); }, open_as<Voxmap>},
+    {"wide vox", [] { return golden_file_bytes("v1_wide.vox"); }, open_as<Voxmap>},
+    {"pshell", [] { return golden_file_bytes("v1.pshell"); }, open_as<Pshell>}};
 
 class DamagedFile : public ::testing::TestWithParam<Format> {
  protected:
@@ -235,8 +228,8 @@ INSTANTIATE_TEST_SUITE_P(Formats, DamagedFile, ::testing::ValuesIn(kFormats),
                          });
 
 TEST(OtherFormat, APshellGivenAsVoxAndTheOtherWayRound) {
-  const AlignedBytes shell = golden_shell_bytes();
-  const AlignedBytes scene = dense_voxmap_bytes(golden_voxels(), golden_voxmap_options());
+  const AlignedBytes shell = golden_file_bytes("v1.pshell");
+  const AlignedBytes scene = golden_file_bytes("v1.vox");
   const auto as_scene = Voxmap::from_bytes(shell.bytes(), "part.pshell");
   ASSERT_FALSE(as_scene);
   EXPECT_EQ(as_scene.error().code, ErrorCode::kNotThisFormat);
@@ -260,7 +253,7 @@ TEST(OtherFormat, MissingFolderAndEmptyFile) {
 }
 
 TEST(OtherFormat, UnalignedMemoryIsRefused) {
-  AlignedBytes scene = dense_voxmap_bytes(golden_voxels(), golden_voxmap_options());
+  AlignedBytes scene = golden_file_bytes("v1.vox");
   std::vector<std::byte> shifted(scene.bytes().size() + 8);
   std::copy(scene.bytes().begin(), scene.bytes().end(), shifted.begin() + 8);
   AlignedBytes moved(shifted);

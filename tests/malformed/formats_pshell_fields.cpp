@@ -16,10 +16,7 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr float kFloatNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kFloatInfinity = std::numeric_limits<float>::infinity();
 
-AlignedBytes shell_bytes() {
-  const auto [points, normals] = golden_points();
-  return AlignedBytes(pshell_bytes(TestShell(points, normals, golden_shell_options()).content()));
-}
+AlignedBytes shell_bytes() { return golden_file_bytes("v1.pshell"); }
 
 template <typename T>
 Result<Pshell> open_with(AlignedBytes& bytes, std::size_t offset, T value) {

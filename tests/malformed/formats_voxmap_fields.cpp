@@ -15,12 +15,9 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-AlignedBytes scene_bytes() {
-  static const AlignedBytes scene = dense_voxmap_bytes(golden_voxels(), golden_voxmap_options());
-  return AlignedBytes(scene.bytes());
-}
+AlignedBytes scene_bytes() { return golden_file_bytes("v1.vox"); }
 
-AlignedBytes wide_scene_bytes() { return AlignedBytes(voxmap_bytes(GoldenWideVoxmap().content())); }
+AlignedBytes wide_scene_bytes() { return golden_file_bytes("v1_wide.vox"); }
 
 template <typename T>
 Result<Voxmap> open_with(AlignedBytes& bytes, std::size_t offset, T value) {
@@ -196,7 +193,8 @@ TEST(VoxmapEntries, Compliance) {
 }
 
 TEST(VoxmapEntries, ComplianceNeedsDepth) {
-  const DenseVoxels voxels = golden_voxels();
+  DenseVoxels voxels({0, 0, 0}, {8, 8, 8}, 0.001);
+  voxels.set(3, 3, 3, VoxelValue::kSurface);
   const DenseTree tree(voxels, {});
   VoxmapContent content = tree.content();
   const std::vector<float> forces{0, 1};

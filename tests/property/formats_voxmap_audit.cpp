@@ -58,9 +58,9 @@ TEST(VoxmapAudit, AcceptsTheTruth) {
 }
 
 TEST(VoxmapAudit, AcceptsGoldenFilesAndAnEmptyScene) {
-  AlignedBytes golden = dense_voxmap_bytes(golden_voxels(), golden_voxmap_options());
+  AlignedBytes golden = golden_file_bytes("v1.vox");
   EXPECT_TRUE(audit(golden));
-  AlignedBytes wide(voxmap_bytes(GoldenWideVoxmap().content()));
+  AlignedBytes wide = golden_file_bytes("v1_wide.vox");
   EXPECT_TRUE(audit(wide));
   AlignedBytes empty = dense_voxmap_bytes(DenseVoxels({0, 0, 0}, {1, 1, 1}, 0.001));
   EXPECT_TRUE(audit(empty));
@@ -104,12 +104,11 @@ TEST(VoxmapAudit, NoticesEveryClearanceThatIsTooLarge) {
 }
 
 TEST(VoxmapAudit, NoticesWrongCountsAndBoxes) {
-  const DenseVoxels voxels = golden_voxels();
   for (const std::size_t at :
        {offsetof(VoxmapHeader, interior_voxels), offsetof(VoxmapHeader, surface_voxels),
         offsetof(VoxmapHeader, proximity_voxels), offsetof(VoxmapHeader, dims_voxels),
         offsetof(VoxmapHeader, dims_voxels) + 16, offsetof(VoxmapHeader, origin_voxel) + 8}) {
-    AlignedBytes bytes = dense_voxmap_bytes(voxels, golden_voxmap_options());
+    AlignedBytes bytes = golden_file_bytes("v1.vox");
     write_at(bytes.bytes(), at, read_at<std::uint64_t>(bytes.bytes(), at) + 1);
     const Status status = audit(bytes);
     ASSERT_FALSE(status) << at;

@@ -2,10 +2,13 @@
 #pragma once
 
 #include <cmath>
+#include <filesystem>
 #include <numbers>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "formats/mapped_file.h"
 #include "tests/support/dense_voxmap.h"
 #include "tests/support/make_pshell.h"
 
@@ -122,5 +125,13 @@ class GoldenWideVoxmap {
   std::vector<std::uint32_t> upper_, lower_, bricks_;
   std::vector<float> compliance_{0.0f, 0.25f, 0.75f, 1.75f};
 };
+
+// A committed file's bytes: quicker than building its content again. Throws where it is missing.
+inline AlignedBytes golden_file_bytes(const char* name) {
+  const auto file =
+      MappedFile::open(std::filesystem::path(FORCELAYER_SOURCE_DIR) / "tests" / "golden" / name);
+  if (!file) throw std::runtime_error(to_line(file.error()));
+  return AlignedBytes(file->bytes());
+}
 
 }  // namespace forcelayer::testing
