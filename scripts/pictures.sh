@@ -11,4 +11,5 @@ mkdir -p "$pictures"
 
 "$bin/voxview" "$data/bay.json" "$demo/bay.vox" --size 1200x750 --screenshot "$pictures/bay.png"
 "$bin/voxview" "$data/bay.json" "$demo/bay.vox" "$demo/part.pshell" --part "$data/part.obj" \
-  --part-units mm --trace "$demo/trace.csv" --size 1200x750 --screenshot "$pictures/contact.png"
+  --part-units mm --trace "$demo/trace.csv" --at 2.2s --view-from 1,-0.45,0.35 \
+  --size 1200x750 --screenshot "$pictures/contact.png"
