@@ -40,6 +40,12 @@ std::int32_t to_int32(std::int64_t index) {
       index, std::numeric_limits<std::int32_t>::min(), std::numeric_limits<std::int32_t>::max()));
 }
 
+// A map that is free everywhere may have no directory: nothing for the kernels to gather from.
+bool directory_is_empty(const Voxmap& voxmap) {
+  const auto& dims = voxmap.header().directory_dims;
+  return dims[0] == 0 || dims[1] == 0 || dims[2] == 0;
+}
+
 KernelMap kernel_map(const Voxmap& voxmap) {
   const VoxmapHeader& header = voxmap.header();
   const VoxmapView& view = voxmap.view();
@@ -137,7 +143,7 @@ ContactQuery::ContactQuery(const Voxmap& voxmap, const Pshell& shell, const Quer
       value_of_code_(value_table(voxmap.header())),
       kernel_map_(kernel_map(voxmap)),
       kernel_shell_(kernel_shell(shell)),
-      use_kernel_(options.vector &&
+      use_kernel_(options.vector && !directory_is_empty(voxmap) &&
                   kernel_reaches(voxmap.upper_node_count(), voxmap.lower_node_count(),
                                  voxmap.brick_count(), voxmap.header().bits_per_voxel)),
       all_free_(voxmap.header().dims_voxels[0] == 0),
