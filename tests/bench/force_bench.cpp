@@ -1,0 +1,265 @@
+// How true and how smooth each force model is, against contacts with a closed formula, and what a
+// point in the band costs. METHOD.md says what the oracle is and where it is not to be trusted.
+//
+//   force_bench [--fast | --s S] [--json FILE]     S: one voxel size, in units of 10 mm
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <map>
+#include <string>
+
+#include "runtime/level_field.h"
+#include "runtime/tangent_plane.h"
+#include "tests/bench/bench_report.h"
+#include "tests/bench/force_bench_case.h"
+#include "tests/support/point_part.h"
+
+namespace forcelayer::bench {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kUnitM = 0.01;  // s = 1; the paper's 5 mm is s = 1/2
+constexpr double kPaperCover = 0.8661;
+
+std::vector<Combination> combinations() {
+  using enum Part;
+  using enum Stance;
+  using Body = StaticKind;
+  const double right = M_PI / 2, narrow = M_PI / 3, convex = 1.5 * M_PI;
+  return {
+      {"sphere on plane", kSphere, kAnyWay, Body::kPlane},
+      {"box face on plane", kBox, kFaceDown, Body::kPlane},
+      {"cylinder side on plane", kCylinder, kFaceDown, Body::kPlane},
+      {"cylinder cap on plane", kCylinder, kCapDown, Body::kPlane},
+      {"sphere on sphere", kSphere, kAnyWay, Body::kSphere, 0.2},
+      {"cylinder side on sphere", kCylinder, kFaceDown, Body::kSphere, 0.2},
+      {"box face on sphere", kBox, kFaceDown, Body::kSphere, 0.2},
+      {"sphere in bore", kSphere, kAnyWay, Body::kBore, 0.2},
+      {"cylinder in bore", kCylinder, kAlongBore, Body::kBore, 0.15},
+      {"box corner on plane", kBox, kAnyWay, Body::kPlane, 0, 0, false},
+      {"box edge on plane", kBox, kEdgeDown, Body::kPlane, 0, 0, false},
+      {"sphere on edge", kSphere, kAnyWay, Body::kWedge, 0, convex, false},
+      {"box face on edge", kBox, kFaceDown, Body::kWedge, 0, convex, false},
+      {"sphere in wedge 90", kSphere, kAnyWay, Body::kWedge, 0, right, false, true},
+      {"sphere in wedge 60", kSphere, kAnyWay, Body::kWedge, 0, narrow, false, true},
+      {"cylinder in wedge 90", kCylinder, kAlongWedge, Body::kWedge, 0, right, false, true},
+      {"box edge in wedge 90", kBox, kEdgeDown, Body::kWedge, 0, right, false, true},
+      {"sphere in wedge 90, one offset", kSphere, kAnyWay, Body::kWedge, 0, right, false},
+      {"cylinder in wedge 90, one offset", kCylinder, kAlongWedge, Body::kWedge, 0, right, false},
+  };
+}
+
+AnalyticShell shell_of(Part part, double covering_radius_m) {
+  if (part == Part::kSphere) return sphere_shell(0.1, covering_radius_m);
+  if (part == Part::kBox) return box_shell({0.1, 0.075, 0.05}, covering_radius_m);
+  return cylinder_shell(0.06, 0.1, covering_radius_m);
+}
+
+// Qualities of all random orientations, one list per quality, in Quality's order.
+using Sample = std::array<std::vector<double>, 6>;
+constexpr const char* kColumns[6] = {"stiffness",     "bias",   "noise",
+                                     "direction_deg", "torque", "step"};
+
+void add(Sample& sample, const Quality& q) {
+  const double values[6] = {q.stiffness, q.bias, q.noise, q.direction_deg, q.torque, q.step};
+  for (std::size_t i = 0; i < 6; ++i) {
+    if (std::isfinite(values[i])) sample[i].push_back(values[i]);
+  }
+}
+
+double share(std::vector<double> values, double at) {
+  if (values.empty()) return NAN;
+  std::sort(values.begin(), values.end());
+  return values[static_cast<std::size_t>(at * static_cast<double>(values.size() - 1) + 0.5)];
+}
+
+Json to_json(const Sample& sample) {
+  Json json;
+  for (std::size_t i = 0; i < 6; ++i) {
+    json[kColumns[i]] = {{"median", share(sample[i], 0.5)},
+                         {"p10", share(sample[i], 0.1)},
+                         {"p90", share(sample[i], 0.9)}};
+  }
+  json["cases"] = sample[0].size();
+  return json;
+}
+
+void print(const std::string& name, const Sample& q) {
+  const auto at = [&](std::size_t i) { return share(q[i], 0.5); };
+  std::printf("  %-26s %5.2f (%.2f-%.2f) %7.1f%% %6.1f%% %7.2f %8.4f %8.3f%%\n", name.c_str(),
+              at(0), share(q[0], 0.1), share(q[0], 0.9), 100 * at(1), 100 * at(2), at(3), at(4),
+              100 * at(5));
+}
+
+void print_header(const std::string& title) {
+  std::printf("%s\n  %-26s %17s %8s %7s %7s %8s %9s\n", title.c_str(), "", "stiffness (p10-p90)",
+              "bias", "noise", "deg", "torque", "step");
+}
+
+// All combinations at one voxel size and shell density.
+Json judge_all(double s_units, double cover, int orientations) {
+  const double s = s_units * kUnitM;
+  std::map<Part, PartShells> shells;
+  for (const Part part : {Part::kSphere, Part::kBox, Part::kCylinder}) {
+    shells[part] = {shell_of(part, cover * s), shell_of(part, std::clamp(0.2 * s, 0.0007, 0.002))};
+  }
+  std::map<Method, Sample> medians;
+  Json contacts;
+  std::mt19937_64 random(20260101);
+  for (const Combination& combination : combinations()) {
+    std::map<Method, Sample> own;
+    for (int i = 0; i < orientations; ++i) {
+      const ContactCase contact(combination, shells[combination.part], s, random);
+      for (const Method method : kMethods) {
+        const Quality q = contact.judge(method);
+        add(own[method], q);
+        if (combination.smooth) add(medians[method], q);
+      }
+    }
+    for (const Method method : kMethods) {
+      contacts[combination.name][name_of(method)] = to_json(own[method]);
+    }
+    if (!combination.smooth && s_units == 0.5) {
+      print_header(combination.name);
+      for (const Method method : kMethods) print(name_of(method), own[method]);
+    }
+  }
+  char title[128];
+  std::snprintf(title, sizeof title,
+                "flush and smooth contacts, oblique: s = %g (%g mm), covering radius %.3g s",
+                s_units, 1000 * s, cover);
+  print_header(title);
+  Json overall;
+  for (const Method method : kMethods) {
+    print(name_of(method), medians[method]);
+    overall[name_of(method)] = to_json(medians[method]);
+  }
+  return {{"s", s_units},
+          {"voxel_size_m", s},
+          {"covering_radius_voxels", cover},
+          {"orientations", orientations},
+          {"flush_and_smooth", overall},
+          {"contacts", contacts}};
+}
+
+// Least time of a call in ns: other work on the machine can only add.
+template <class Call>
+double least_ns(int repeats, Call call) {
+  double least = 1e300;
+  for (int i = 0; i < repeats; ++i) {
+    const double start = now_s();
+    call();
+    least = std::min(least, now_s() - start);
+  }
+  return 1e9 * least;
+}
+
+// A part of the bench's shell lying on an oblique plane, halfway into the force layer.
+Json measure_cost(const char* name, const AnalyticShell& shell, double height_m) {
+  const double s = 0.0025;
+  AnalyticStatic plane;
+  plane.rotation = glm::mat3_cast(glm::normalize(glm::dquat(0.9, 0.3, -0.2, 0.25)));
+  const glm::dvec3 normal = plane.rotation[2];
+  const test::VoxelScene scene = bake(plane, s, 2, glm::dvec3(-0.11), glm::dvec3(0.11));
+  const Voxmap voxmap = test::make_voxmap(scene);
+  test::PointPart part;
+  part.voxel_size_m = s;
+  for (std::size_t i = 0; i < shell.points_m.size(); ++i) {
+    const auto& p = shell.points_m[i];
+    const auto& n = shell.normals[i];
+    part.add({p.x, p.y, p.z}, {n.x, n.y, n.z});
+  }
+  const Pshell pshell = test::make_pshell(part);
+  ContactQuery query(voxmap, pshell);
+  CollectedPoints points;
+  points.reserve(shell.points_m.size());
+  Pose pose;
+  pose.orientation = glm::quat_cast(plane.rotation);
+  pose.position_m = normal * (height_m + 1.75 * norm1(normal) * s);
+  query.run(pose, points);
+  FieldSamples samples;
+  samples.reserve(points.count);
+  const double band = points.surface_count + points.interior_count;
+  const LevelField level(voxmap);
+  const TangentPlaneField tangent_plane(s);
+  constexpr int kRepeats = 2000;
+  const double level_ns = least_ns(kRepeats, [&] { level.evaluate(points, samples); });
+  const double tangent_ns = least_ns(kRepeats, [&] { tangent_plane.evaluate(points, samples); });
+  const double query_ns = least_ns(kRepeats / 10, [&] { query.run(pose, points); });
+  LevelField cold(voxmap);
+  const double cold_ns = least_ns(1, [&] { cold.evaluate(points, samples); });
+  const double ratio = (query_ns + level_ns) / (query_ns + tangent_ns);
+  std::printf(
+      "cost of %s, one core: %zu points, %.0f in the band; per point in the band level %.2f ns "
+      "(every brick new: %.1f), tangent plane %.2f ns; query %.1f us; frame, level over tangent "
+      "plane: %.3f\n",
+      name, shell.points_m.size(), band, level_ns / band, cold_ns / band, tangent_ns / band,
+      query_ns / 1000, ratio);
+  return {{"part", name},
+          {"shell_points", shell.points_m.size()},
+          {"collected_points", points.count},
+          {"band_points", band},
+          {"level_ns_per_band_point", level_ns / band},
+          {"level_every_brick_new_ns_per_band_point", cold_ns / band},
+          {"tangent_plane_ns_per_band_point", tangent_ns / band},
+          {"query_ns", query_ns},
+          {"frame_level_over_tangent_plane", ratio}};
+}
+
+// Finer voxels mean more points, which average over the lattice as more orientations do.
+int orientations_at(double s_units) { return s_units > 0.3 ? 4 : s_units > 0.2 ? 2 : 1; }
+
+int run(int argc, char** argv) {
+  bool fast = false;
+  double only_s = 0;  // 0: all
+  std::string path;
+  for (int i = 1; i < argc; ++i) {
+    if (std::strcmp(argv[i], "--fast") == 0) {
+      fast = true;
+    } else if (std::strcmp(argv[i], "--s") == 0 && i + 1 < argc && std::atof(argv[i + 1]) > 0) {
+      only_s = std::atof(argv[++i]);
+    } else if (std::strcmp(argv[i], "--json") == 0 && i + 1 < argc) {
+      path = argv[++i];
+    } else {
+      std::fprintf(stderr, "usage: force_bench [--fast | --s S] [--json FILE]\n");
+      return 2;
+    }
+  }
+  const Json about = machine();
+  std::printf("%s, %s\n", about["cpu"].get<std::string>().c_str(),
+              about["date"].get<std::string>().c_str());
+  Json results;
+  results["cost"].push_back(
+      measure_cost("a box lying flush", box_shell({0.08, 0.06, 0.04}, kPaperCover * 0.0025), 0.04));
+  results["cost"].push_back(measure_cost("a sphere", sphere_shell(0.1, kPaperCover * 0.0025), 0.1));
+  const double start = cpu_s();
+  if (fast) {
+    results["sizes"].push_back(judge_all(0.5, kPaperCover, 2));
+  } else if (only_s > 0) {
+    results["sizes"].push_back(judge_all(only_s, kPaperCover, orientations_at(only_s)));
+  } else {
+    for (const double s : {1.0, 0.5, 0.25, 0.125}) {
+      results["sizes"].push_back(judge_all(s, kPaperCover, orientations_at(s)));
+    }
+    results["sizes"].push_back(judge_all(0.5, kPaperCover / 2, 2));
+  }
+  results["cpu_seconds"] = cpu_s() - start;
+  std::printf("%.1f CPU seconds\n", cpu_s() - start);
+  write_report(only_s > 0 || fast ? "force_part" : "force", argc, argv, results, path);
+  return 0;
+}
+
+}  // namespace
+}  // namespace forcelayer::bench
+
+int main(int argc, char** argv) {
+  try {
+    return forcelayer::bench::run(argc, argv);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "force_bench: %s\n", error.what());
+    return 1;
+  }
+}

@@ -1,0 +1,477 @@
+#include "tests/bench/force_bench_case.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
+#include <glm/matrix.hpp>
+
+#include "runtime/level_field.h"
+#include "tests/bench/bench_report.h"
+#include "tests/support/reference_level.h"
+
+namespace forcelayer::bench {
+namespace {
+
+constexpr double kSlideMps = 0.05, kFrameS = 0.001;
+constexpr int kSlideFrames = 400;
+
+double uniform(std::mt19937_64& random, double low, double high) {
+  return std::uniform_real_distribution<double>(low, high)(random);
+}
+
+glm::dmat3 turn(double angle, const glm::dvec3& axis) {
+  return glm::mat3_cast(glm::angleAxis(angle, axis));
+}
+
+glm::dmat3 any_turn(std::mt19937_64& random) {
+  std::normal_distribution<double> normal;
+  return glm::mat3_cast(
+      glm::normalize(glm::dquat(normal(random), normal(random), normal(random), normal(random))));
+}
+
+double median(std::vector<double> values) { return percentiles(std::move(values)).p50; }
+
+double degrees_between(const glm::dvec3& a, const glm::dvec3& b) {
+  const double lengths = glm::length(a) * glm::length(b);
+  if (!(lengths > 0)) return 90;
+  return std::acos(std::clamp(glm::dot(a, b) / lengths, -1.0, 1.0)) * 180 / M_PI;
+}
+
+// phi (voxels) and slope (per voxel) by per-axis weights over `at` of the voxels around a point.
+struct Reading {
+  double phi = 0;
+  glm::dvec3 slope{0};
+};
+
+template <class At>
+Reading trilinear(const glm::dvec3& voxels, At at) {
+  const glm::dvec3 shifted = voxels - 0.5, whole = glm::floor(shifted), f = shifted - whole;
+  Reading sum;
+  for (int n = 0; n < 8; ++n) {
+    const glm::ivec3 corner(n & 1, n >> 1 & 1, n >> 2);
+    glm::dvec3 w, d;
+    for (int a = 0; a < 3; ++a) w[a] = corner[a] ? f[a] : 1 - f[a], d[a] = corner[a] ? 1 : -1;
+    const double value = at(glm::ivec3(whole) + corner);
+    sum.phi += value * w.x * w.y * w.z;
+    sum.slope += value * glm::dvec3(d.x * w.y * w.z, w.x * d.y * w.z, w.x * w.y * d.z);
+  }
+  return sum;
+}
+
+Reading b_spline(const glm::dvec3& voxels, const DenseFields& dense) {
+  const glm::dvec3 whole = glm::floor(voxels), f = voxels - whole;
+  const auto weight = [&](int axis, int tap) {
+    const double x = f[axis];
+    if (tap == 0) return 0.5 * (1 - x) * (1 - x);
+    return tap == 1 ? 0.75 - (x - 0.5) * (x - 0.5) : 0.5 * x * x;
+  };
+  Reading sum;
+  for (int n = 0; n < 27; ++n) {
+    const glm::ivec3 tap(n / 9, n / 3 % 3, n % 3);
+    sum.phi += dense.level(glm::ivec3(whole) + tap - 1) * weight(0, tap.x) * weight(1, tap.y) *
+               weight(2, tap.z);
+  }
+  return sum;
+}
+
+// Moves the points of `shell` that lie within `reach_m` in front of the body at this pose.
+AnalyticShell near_points(const AnalyticShell& shell, const std::function<double(glm::dvec3)>& at,
+                          double reach_m, double mean_area_m2) {
+  AnalyticShell near;
+  for (std::size_t i = 0; i < shell.points_m.size(); ++i) {
+    if (at(shell.points_m[i]) > reach_m) continue;
+    near.points_m.push_back(shell.points_m[i]);
+    near.normals.push_back(shell.normals[i]);
+    near.areas_m2.push_back(shell.areas_m2[i] / mean_area_m2);
+  }
+  return near;
+}
+
+}  // namespace
+
+const char* name_of(Method method) {
+  switch (method) {
+    case Method::kTangentPlane:
+      return "tangent plane, sum";
+    case Method::kTangentPlaneAveraged:
+      return "tangent plane, N/10";
+    case Method::kTrilinear:
+      return "levels, trilinear 8";
+    case Method::kBSpline:
+      return "levels, B-spline 27";
+    case Method::kSlopeOnly:
+      return "level field, along slope";
+    case Method::kLevel:
+      return "level field";
+    case Method::kDistance:
+      return "float distance, trilinear";
+  }
+  return "";
+}
+
+// Sums over the fine shell, per depth and per offset of the exact offset surface.
+struct ContactCase::Truth {
+  double first_m, step_m;
+  std::vector<std::vector<Wrench>> wrench;  // [depth][offset], local axes, K = 1
+  std::vector<std::vector<double>> points;  // that the contact area stands for
+};
+
+ContactCase::~ContactCase() = default;
+
+ContactCase::ContactCase(const Combination& combination, const PartShells& shells,
+                         double voxel_size_m, std::mt19937_64& random)
+    : combination_(combination),
+      s_(voxel_size_m),
+      tested_(shells.tested),
+      fine_(shells.fine),
+      part_radius_m_(shells.tested.radius_m) {
+  orient(random);
+  if (combination.wall_by_wall) offset_walls();
+  const double touching = height_at(0.5 * s_);
+  glm::dvec3 normal(0);
+  double least = 1e9;
+  const Placed at = place(touching, 0, 0);
+  for (const auto& p : fine_.points_m) {
+    glm::dvec3 g;
+    const double d = body_.distance_m(at.rotation * p + at.position_m, &g);
+    if (d < least) least = d, normal = g;
+  }
+  double slant = norm1(normal);
+  if (combination.body == StaticKind::kWedge && combination.free_angle < M_PI) {
+    slant = std::max(norm1(body_.wall_normal(0)), norm1(body_.wall_normal(1)));
+    rate_ = 1 / std::sin(combination.free_angle / 2);
+  }
+  thickness_m_ = slant * s_, middle_m_ = kLayers * slant * s_;
+  for (std::size_t d = 0; d < kDepths; ++d) {
+    const double share = (static_cast<double>(d) + 0.5) / kDepths - 0.5;
+    heights_m_.push_back(height_at(middle_m_ + share * thickness_m_));
+  }
+  const double mean_area_m2 = tested_.area_m2 / static_cast<double>(tested_.points_m.size());
+  const auto distance = [&](glm::dvec3 p) {
+    return body_.distance_m(at.rotation * p + at.position_m);
+  };
+  tested_ = near_points(tested_, distance, 9 * s_, mean_area_m2);
+  fine_ = near_points(fine_, distance, 9 * s_, mean_area_m2);
+  for (std::size_t i = 0; i < kShifts; ++i) {
+    shifts_m_.push_back({uniform(random, -1, 1) * s_, uniform(random, -1, 1) * s_});
+  }
+  bake_around();
+  tabulate_truth();
+}
+
+void ContactCase::orient(std::mt19937_64& random) {
+  body_.kind = combination_.body;
+  body_.radius_m = combination_.radius_m;
+  body_.free_angle = combination_.free_angle;
+  body_.rotation = any_turn(random);
+  for (int axis = 0; axis < 3; ++axis) body_.origin_m[axis] = uniform(random, 0, 1) * s_;
+  if (body_.kind == StaticKind::kBore) approach_ = {-1, 0, 0};
+  const glm::dmat3 spin = turn(uniform(random, 0, 2 * M_PI), {0, 0, 1});
+  const glm::dmat3 roll = turn(uniform(random, 0, 2 * M_PI), {0, 0, 1});
+  switch (combination_.stance) {
+    case Stance::kAnyWay:
+      part_rotation_ = any_turn(random);
+      break;
+    case Stance::kFaceDown:
+      part_rotation_ =
+          combination_.part == Part::kCylinder ? spin * turn(M_PI / 2, {0, 1, 0}) * roll : spin;
+      break;
+    case Stance::kCapDown:
+      break;
+    case Stance::kAlongBore:
+      part_rotation_ = spin;
+      break;
+    case Stance::kAlongWedge:
+      part_rotation_ = turn(M_PI / 2, {1, 0, 0}) * roll;
+      break;
+    case Stance::kEdgeDown:
+      part_rotation_ = turn(M_PI / 4, {0, 1, 0});
+      break;
+  }
+}
+
+// Standoffs differ from wall to wall by k (|n|_1 - |m|_1) s: the exact offset surface takes that
+// over, and the approach starts where the two offset walls meet, so that both are reached at once.
+void ContactCase::offset_walls() {
+  const glm::dvec3 n0 = body_.wall_normal(0), n1 = body_.wall_normal(1);
+  const double l0 = norm1(n0), l1 = norm1(n1), most = std::max(l0, l1);
+  body_.wall_shift_m = {kLayers * (most - l0) * s_, kLayers * (most - l1) * s_};
+  const double sine = std::cos(combination_.free_angle / 2);
+  const double cosine = std::sin(combination_.free_angle / 2);
+  // Where -sine x + cosine z = -shift 0 and sine x + cosine z = -shift 1.
+  base_m_.x = (body_.wall_shift_m[0] - body_.wall_shift_m[1]) / (2 * sine);
+  base_m_.z = -(body_.wall_shift_m[0] + body_.wall_shift_m[1]) / (2 * cosine);
+}
+
+double ContactCase::least_distance(double height_m) const {
+  const Placed at = place(height_m, 0, 0);
+  double least = 1e9;
+  for (const auto& p : fine_.points_m) {
+    least = std::min(least, body_.distance_m(at.rotation * p + at.position_m));
+  }
+  return least;
+}
+
+// The height at which the part's nearest point has this distance, by bisection.
+double ContactCase::height_at(double distance_m) const {
+  const double r = combination_.radius_m;
+  double low = 0, high = 1;
+  if (body_.kind == StaticKind::kSphere) low = r, high = r + 1;
+  if (body_.kind == StaticKind::kBore) low = -r, high = 0;
+  if (!heights_m_.empty()) low = heights_m_.front(), high = low + 2 * thickness_m_ * rate_;
+  for (int i = 0; i < 28; ++i) {
+    const double middle = (low + high) / 2;
+    (least_distance(middle) < distance_m ? low : high) = middle;
+  }
+  return high;
+}
+
+void ContactCase::bake_around() {
+  const double slide = 0.5 * kSlideFrames * kSlideMps * kFrameS + 2 * s_;
+  glm::dvec3 low(1e9), high(-1e9);
+  for (const double a : {-slide, 0.0, slide})
+    for (const double b : {-slide, 0.0, slide}) {
+      const Placed at = place(heights_m_[0], a, b);
+      for (const auto& p : tested_.points_m) {
+        const glm::dvec3 x = at.rotation * p + at.position_m;
+        low = glm::min(low, x), high = glm::max(high, x);
+      }
+    }
+  AnalyticStatic surface = body_;
+  surface.wall_shift_m = glm::dvec2(0);
+  scene_ =
+      std::make_unique<test::VoxelScene>(bake(surface, s_, kLayers, low - 2 * s_, high + 2 * s_));
+  voxmap_ = std::make_unique<Voxmap>(test::make_voxmap(*scene_));
+  dense_ = std::make_unique<DenseFields>(body_, *scene_);
+  level_ = std::make_unique<LevelField>(*voxmap_);
+}
+
+// The body looks the same after any of these motions, so what is true stays true: a and b along
+// the surface.
+glm::dmat3 ContactCase::symmetry(double a_m, double b_m) const {
+  if (body_.kind == StaticKind::kSphere) {
+    return turn(a_m / body_.radius_m, {0, 1, 0}) * turn(b_m / body_.radius_m, {1, 0, 0});
+  }
+  if (body_.kind == StaticKind::kBore) return turn(a_m / body_.radius_m, {0, 0, 1});
+  return glm::dmat3(1);
+}
+
+ContactCase::Placed ContactCase::place(double height_m, double a_m, double b_m) const {
+  const glm::dmat3 moved = symmetry(a_m, b_m);
+  glm::dvec3 position = moved * (base_m_ + approach_ * height_m);
+  if (body_.kind == StaticKind::kPlane) position += glm::dvec3(a_m, b_m, 0);
+  if (body_.kind == StaticKind::kBore) position.z += b_m;
+  if (body_.kind == StaticKind::kWedge) position.y += a_m;
+  return {body_.rotation * moved * part_rotation_, body_.rotation * position + body_.origin_m};
+}
+
+template <class Push>
+Wrench ContactCase::sum(const Placed& placed, Push push) const {
+  Wrench total;
+  for (std::size_t i = 0; i < tested_.points_m.size(); ++i) {
+    const glm::dvec3 arm = placed.rotation * tested_.points_m[i];
+    const glm::dvec3 f =
+        push(arm + placed.position_m, placed.rotation * tested_.normals[i], tested_.areas_m2[i]);
+    total.force_n += f;
+    total.torque_nm += glm::cross(arm, f);
+  }
+  return total;
+}
+
+// Through the runtime's own field, as a step would.
+Wrench ContactCase::level_force(const Placed& placed) const {
+  static thread_local CollectedPoints points;
+  static thread_local FieldSamples samples;
+  points.reserve(tested_.points_m.size());
+  samples.reserve(tested_.points_m.size());
+  points.clear();
+  std::vector<glm::dvec3> arms;
+  std::vector<double> weights;
+  for (std::size_t i = 0; i < tested_.points_m.size(); ++i) {
+    const glm::dvec3 arm = placed.rotation * tested_.points_m[i];
+    const glm::dvec3 x = (arm + placed.position_m) / s_, whole = glm::floor(x);
+    const test::Voxel v{static_cast<std::int64_t>(whole.x), static_cast<std::int64_t>(whole.y),
+                        static_cast<std::int64_t>(whole.z)};
+    const VoxelValue value = scene_->at(v);
+    if (value == VoxelValue::kFree) continue;
+    const glm::vec3 f(x - whole), n(placed.rotation * tested_.normals[i]);
+    test::collect(points, *voxmap_, v, value, {f.x, f.y, f.z}, {n.x, n.y, n.z});
+    arms.push_back(arm);
+    weights.push_back(tested_.areas_m2[i]);
+  }
+  level_->evaluate(points, samples);
+  Wrench total;
+  for (std::uint32_t i = 0; i < samples.count; ++i) {
+    const std::uint32_t at = samples.at[i];
+    const glm::dvec3 f = weights[at] * double{samples.depth_m[i]} *
+                         glm::dvec3(samples.dx[i], samples.dy[i], samples.dz[i]);
+    total.force_n += f;
+    total.torque_nm += glm::cross(arms[at], f);
+  }
+  return total;
+}
+
+Wrench ContactCase::force(Method method, const Placed& placed) const {
+  if (method == Method::kLevel) return level_force(placed);
+  if (method == Method::kDistance) {
+    return sum(placed, [&](const glm::dvec3& x, const glm::dvec3&, double weight) {
+      const auto at = [&](const glm::ivec3& v) { return double{dense_->distance_at(v)}; };
+      const Reading r = trilinear(x / s_, at);
+      if (!(r.phi < middle_m_)) return glm::dvec3(0);
+      return weight * (middle_m_ - r.phi) * glm::normalize(r.slope);
+    });
+  }
+  int intersections = 0;
+  Wrench total =
+      sum(placed, [&](const glm::dvec3& x, const glm::dvec3& n, double weight) -> glm::dvec3 {
+        const glm::dvec3 voxels = x / s_, whole = glm::floor(voxels), f = voxels - whole;
+        const int level = dense_->level(glm::ivec3(whole));
+        if (level > 0) return glm::dvec3(0);
+        const auto at = [&](const glm::ivec3& v) { return double(dense_->level(v)); };
+        if (method == Method::kTrilinear) {
+          return weight * s_ * std::max(0.0, -trilinear(voxels, at).phi) * n;
+        }
+        if (method == Method::kBSpline) {
+          return weight * s_ * std::max(0.0, -b_spline(voxels, *dense_).phi) * n;
+        }
+        if (method == Method::kSlopeOnly) {
+          const test::ExactLevels e = test::exact_levels(
+              *scene_, {std::int64_t(whole.x), std::int64_t(whole.y), std::int64_t(whole.z)},
+              {float(f.x), float(f.y), float(f.z)});
+          if (!(e.phi < 0) || !(glm::length(e.slope) > 1e-6)) return glm::dvec3(0);
+          const glm::dvec3 d = glm::normalize(e.slope);
+          return weight * s_ * -e.phi * norm1(d) * d;
+        }
+        if (level < 0) return glm::dvec3(0);  // the paper: points in value 1 press nothing
+        ++intersections;
+        return s_ * std::max(0.0, glm::dot(n, 0.5 - f)) * n;
+      });
+  if (method == Method::kTangentPlaneAveraged && intersections >= 10) {
+    total.force_n *= 10.0 / intersections;
+    total.torque_nm *= 10.0 / intersections;
+  }
+  return total;
+}
+
+void ContactCase::tabulate_truth() {
+  constexpr std::size_t kOffsets = 121;
+  truth_ = std::make_unique<Truth>();
+  truth_->first_m = middle_m_ - 1.5 * thickness_m_;
+  truth_->step_m = 3 * thickness_m_ / (kOffsets - 1);
+  const glm::dmat3 local = glm::transpose(body_.rotation);
+  for (const double height : heights_m_) {
+    const Placed at = place(height, 0, 0);
+    // Per bin of distance: sum of area * direction, and of that times the distance.
+    std::vector<Wrench> plain(kOffsets), by_distance(kOffsets);
+    std::vector<double> area(kOffsets);
+    for (std::size_t i = 0; i < fine_.points_m.size(); ++i) {
+      const glm::dvec3 arm = at.rotation * fine_.points_m[i];
+      glm::dvec3 g;
+      const double d = body_.distance_m(arm + at.position_m, &g);
+      const double bin = std::max(0.0, std::ceil((d - truth_->first_m) / truth_->step_m));
+      if (bin >= kOffsets) continue;
+      const auto b = static_cast<std::size_t>(bin);
+      const glm::dvec3 f = local * (fine_.areas_m2[i] * g);
+      const glm::dvec3 t = glm::cross(local * arm, f);
+      plain[b].force_n += f, plain[b].torque_nm += t;
+      by_distance[b].force_n += d * f, by_distance[b].torque_nm += d * t;
+      area[b] += fine_.areas_m2[i];
+    }
+    std::vector<Wrench> wrench;
+    Wrench a, b;
+    for (std::size_t o = 0; o < kOffsets; ++o) {
+      a.force_n += plain[o].force_n, a.torque_nm += plain[o].torque_nm;
+      b.force_n += by_distance[o].force_n, b.torque_nm += by_distance[o].torque_nm;
+      if (o > 0) area[o] += area[o - 1];
+      const double offset = truth_->first_m + static_cast<double>(o) * truth_->step_m;
+      wrench.push_back({offset * a.force_n - b.force_n, offset * a.torque_nm - b.torque_nm});
+    }
+    truth_->wrench.push_back(wrench);
+    truth_->points.push_back(area);
+  }
+}
+
+Wrench ContactCase::truth_at(Method method, std::size_t depth, double offset_m) const {
+  const auto& table = truth_->wrench[depth];
+  const double last = static_cast<double>(table.size()) - 1.001;
+  const double x = std::clamp((offset_m - truth_->first_m) / truth_->step_m, 0.0, last);
+  const auto i = static_cast<std::size_t>(x);
+  const double f = x - static_cast<double>(i);
+  Wrench w{table[i].force_n * (1 - f) + table[i + 1].force_n * f,
+           table[i].torque_nm * (1 - f) + table[i + 1].torque_nm * f};
+  const double points = truth_->points[depth][i] * (1 - f) + truth_->points[depth][i + 1] * f;
+  if (method == Method::kTangentPlaneAveraged && points >= 10) {
+    w.force_n *= 10 / points, w.torque_nm *= 10 / points;
+  }
+  return w;
+}
+
+double ContactCase::worst_step(Method method) const {
+  const double height = height_at(middle_m_ - 0.3 * thickness_m_);
+  double sum_n = 0, largest = 0;
+  glm::dvec3 before(0);
+  for (int i = 0; i < kSlideFrames; ++i) {
+    const double along = (i - 0.5 * kSlideFrames) * kSlideMps * kFrameS;
+    const double a = body_.kind == StaticKind::kWedge ? along : 0.8 * along;
+    const double b = body_.kind == StaticKind::kWedge ? 0 : 0.6 * along;
+    const glm::dmat3 back = glm::transpose(body_.rotation * symmetry(a, b));
+    const glm::dvec3 f = back * force(method, place(height, a, b)).force_n;
+    sum_n += glm::length(f);
+    if (i > 0) largest = std::max(largest, glm::length(f - before));
+    before = f;
+  }
+  return sum_n > 0 ? largest / (sum_n / kSlideFrames) : NAN;
+}
+
+Quality ContactCase::judge(Method method) const {
+  std::vector<std::array<Wrench, kShifts>> measured(kDepths);
+  std::vector<glm::dvec3> mean(kDepths, glm::dvec3(0));
+  for (std::size_t d = 0; d < kDepths; ++d)
+    for (std::size_t i = 0; i < kShifts; ++i) {
+      const auto [a, b] = shifts_m_[i];
+      const Wrench w = force(method, place(heights_m_[d], a, b));
+      const glm::dmat3 back = glm::transpose(body_.rotation * symmetry(a, b));
+      measured[d][i] = {back * w.force_n, back * w.torque_nm};
+      mean[d] += measured[d][i].force_n / double(kShifts);
+    }
+  // The offset, once with and once without a free stiffness.
+  double best = 1e300, best_free = 1e300, offset = 0, stiffness = 0;
+  for (double at = truth_->first_m; at < truth_->first_m + 3 * thickness_m_; at += 0.01 * s_) {
+    double mm = 0, mt = 0, tt = 0;
+    for (std::size_t d = 0; d < kDepths; ++d) {
+      const glm::dvec3 t = truth_at(method, d, at).force_n;
+      mm += glm::dot(mean[d], mean[d]), mt += glm::dot(mean[d], t), tt += glm::dot(t, t);
+    }
+    if (mm - 2 * mt + tt < best) best = mm - 2 * mt + tt, offset = at;
+    if (tt > 0 && mm - mt * mt / tt < best_free) best_free = mm - mt * mt / tt, stiffness = mt / tt;
+  }
+  double true2 = 0, bias2 = 0, noise2 = 0, most = 0;
+  for (std::size_t d = 0; d < kDepths; ++d) {
+    const glm::dvec3 t = truth_at(method, d, offset).force_n;
+    const double length = glm::length(t);
+    const double error = glm::length(mean[d]) - length;
+    true2 += length * length, bias2 += error * error, most = std::max(most, length);
+    for (const Wrench& w : measured[d]) {
+      const double spread = glm::length(w.force_n) - glm::length(mean[d]);
+      noise2 += spread * spread / kShifts;
+    }
+  }
+  std::vector<double> direction, torque;
+  for (std::size_t d = 0; d < kDepths; ++d) {
+    const Wrench t = truth_at(method, d, offset);
+    const double length = glm::length(t.force_n);
+    if (length < 0.1 * most) continue;  // too little force to have a direction
+    for (const Wrench& w : measured[d]) {
+      direction.push_back(degrees_between(w.force_n, t.force_n));
+      const double f = glm::length(w.force_n);
+      if (!(f > 0)) continue;
+      torque.push_back(glm::length(w.torque_nm / f - t.torque_nm / length) / part_radius_m_);
+    }
+  }
+  return {stiffness,         std::sqrt(bias2 / true2), std::sqrt(noise2 / true2),
+          median(direction), median(torque),           worst_step(method)};
+}
+
+}  // namespace forcelayer::bench

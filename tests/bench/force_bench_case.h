@@ -1,0 +1,114 @@
+// One contact between a part and a static body: its poses, what is true there, and how a force
+// model differs from it (METHOD.md).
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "runtime/contact_query.h"
+#include "runtime/force_field.h"
+#include "tests/bench/force_bench_scene.h"
+#include "tests/bench/force_bench_shell.h"
+
+namespace forcelayer::bench {
+
+enum class Part { kSphere, kBox, kCylinder };
+enum class Stance { kAnyWay, kFaceDown, kCapDown, kAlongBore, kAlongWedge, kEdgeDown };
+
+struct Combination {
+  std::string name;
+  Part part;
+  Stance stance;
+  StaticKind body;
+  double radius_m = 0;
+  double free_angle = 0;
+  bool smooth = true;         // flush or smooth: counts in the medians
+  bool wall_by_wall = false;  // the exact offset surface has its own offset at each wall
+};
+
+enum class Method {
+  kTangentPlane,
+  kTangentPlaneAveraged,  // the paper's N/10
+  kTrilinear,             // of the eight nearest levels, along the normal
+  kBSpline,               // quadratic, of 27 levels, along the normal
+  kSlopeOnly,             // the level field's phi, along its slope everywhere
+  kLevel,                 // runtime/level_field.h, as voxrun uses it
+  kDistance,              // trilinear float distance to the exact surface, along its gradient
+};
+inline constexpr Method kMethods[] = {Method::kTangentPlane, Method::kTangentPlaneAveraged,
+                                      Method::kTrilinear,    Method::kBSpline,
+                                      Method::kSlopeOnly,    Method::kLevel,
+                                      Method::kDistance};
+const char* name_of(Method method);
+
+// Shells of one part at one voxel size: the one that is judged, and a dense one for the truth.
+struct PartShells {
+  AnalyticShell tested, fine;
+};
+
+struct Quality {
+  double stiffness;      // over nominal, offset fitted too
+  double bias;           // RMS error of the mean force over depths, over the true RMS force
+  double noise;          // RMS of the force about its mean at a depth, over the same
+  double direction_deg;  // median
+  double torque;         // median of |T/F - true T/F| over the part's radius
+  double step;           // largest change in one frame of a 50 mm/s slide, over the mean force
+};
+
+// A contact at one random orientation of the static body (and of the part where its stance leaves
+// that open). Metres; part poses are of its centre.
+class ContactCase {
+ public:
+  ContactCase(const Combination& combination, const PartShells& shells, double voxel_size_m,
+              std::mt19937_64& random);
+  ~ContactCase();
+
+  Quality judge(Method method) const;
+
+ private:
+  struct Truth;
+  struct Placed {
+    glm::dmat3 rotation;
+    glm::dvec3 position_m;
+  };
+
+  void orient(std::mt19937_64& random);
+  void offset_walls();
+  double least_distance(double height_m) const;
+  double height_at(double distance_m) const;
+  void bake_around();
+  Placed place(double height_m, double a_m, double b_m) const;
+  glm::dmat3 symmetry(double a_m, double b_m) const;
+  Wrench force(Method method, const Placed& placed) const;
+  Wrench level_force(const Placed& placed) const;
+  template <class Push>
+  Wrench sum(const Placed& placed, Push push) const;
+  void tabulate_truth();
+  Wrench truth_at(Method method, std::size_t depth, double offset_m) const;
+  double worst_step(Method method) const;
+
+  static constexpr std::size_t kDepths = 12, kShifts = 12;
+  static constexpr int kLayers = 2;
+
+  Combination combination_;
+  double s_;
+  AnalyticStatic body_;
+  AnalyticShell tested_, fine_;  // the points that can come near; areas over the mean
+  double part_radius_m_;
+  glm::dmat3 part_rotation_{1};               // local_from_part
+  glm::dvec3 base_m_{0}, approach_{0, 0, 1};  // local: where height 0 is, and the way out
+  double thickness_m_ = 0, middle_m_ = 0;     // of the force layer; its distance from the surface
+  double rate_ = 1;                           // height over distance
+  std::vector<double> heights_m_;
+  std::vector<std::array<double, 2>> shifts_m_;
+  std::unique_ptr<test::VoxelScene> scene_;
+  std::unique_ptr<Voxmap> voxmap_;
+  std::unique_ptr<DenseFields> dense_;
+  std::unique_ptr<ForceField> level_;
+  std::unique_ptr<Truth> truth_;
+};
+
+}  // namespace forcelayer::bench

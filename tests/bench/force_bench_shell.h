@@ -1,0 +1,22 @@
+// Point shells of a sphere, a box and a cylinder whose covering radius follows from their
+// construction, and whose weights are exact areas.
+#pragma once
+
+#include <glm/vec3.hpp>
+#include <vector>
+
+namespace forcelayer::bench {
+
+struct AnalyticShell {
+  std::vector<glm::dvec3> points_m, normals;  // about the centre; inward
+  std::vector<double> areas_m2;
+  double covering_radius_m = 0;
+  double radius_m = 0;  // of all points
+  double area_m2 = 0;
+};
+
+AnalyticShell sphere_shell(double radius_m, double covering_radius_m);
+AnalyticShell box_shell(const glm::dvec3& half_m, double covering_radius_m);
+AnalyticShell cylinder_shell(double radius_m, double half_length_m, double covering_radius_m);
+
+}  // namespace forcelayer::bench
