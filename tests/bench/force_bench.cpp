@@ -189,8 +189,11 @@ Json measure_cost(const char* name, const AnalyticShell& shell, double height_m)
   const double level_ns = least_ns(kRepeats, [&] { level.evaluate(points, samples); });
   const double tangent_ns = least_ns(kRepeats, [&] { tangent_plane.evaluate(points, samples); });
   const double query_ns = least_ns(kRepeats / 10, [&] { query.run(pose, points); });
-  LevelField cold(voxmap);
-  const double cold_ns = least_ns(1, [&] { cold.evaluate(points, samples); });
+  double cold_ns = 1e300;
+  for (int i = 0; i < 20; ++i) {
+    const LevelField fresh(voxmap);
+    cold_ns = std::min(cold_ns, least_ns(1, [&] { fresh.evaluate(points, samples); }));
+  }
   const double ratio = (query_ns + level_ns) / (query_ns + tangent_ns);
   std::printf(
       "cost of %s, one core: %zu points, %.0f in the band; per point in the band level %.2f ns "
