@@ -7,9 +7,6 @@
 namespace forcelayer {
 namespace {
 
-// Deeper trees are damage, and their paths would take memory with the square of the depth.
-constexpr std::size_t kDeepest = 1000;
-
 std::string in_nodes(std::uint64_t index) { return "nodes[" + std::to_string(index) + "]"; }
 
 // A list of exactly `values.size()` numbers under `key`; leaves `values` where there is none.
@@ -74,7 +71,7 @@ Affine parent_from_node(const GltfDocument& document, std::uint64_t index) {
 
 GltfNodes::GltfNodes(const GltfDocument& document) : document_(document) {
   walk();
-  if (!document.file().node.empty()) select(document.file().node);
+  select();
 }
 
 std::vector<std::uint64_t> GltfNodes::indices(const nlohmann::json& object, const char* key) const {
@@ -124,7 +121,7 @@ std::vector<std::uint64_t> GltfNodes::roots() const {
   return found;
 }
 
-std::string GltfNodes::label_of(std::uint64_t index) const {
+std::string GltfNodes::name_of(std::uint64_t index) const {
   const nlohmann::json& node = document_.element("nodes", index);
   std::string name = node.value("name", "");
   if (name.empty() && node.contains("mesh")) {
@@ -139,15 +136,9 @@ std::vector<GltfNodes::Node> GltfNodes::siblings(const std::vector<std::uint64_t
   std::vector<Node> level;
   std::set<std::string> used;
   for (const std::uint64_t index : indices) {
-    const std::string label = label_of(index);
-    std::string unique = label;
-    for (int number = 2; !used.insert(unique).second; ++number) {
-      unique = label + ":" + std::to_string(number);
-    }
     const Affine from_node = parent_from_node(document_, index);
     level.push_back(
-        {index, unique, parent == nullptr ? unique : parent->path + "/" + unique,
-         parent == nullptr ? 0 : parent->depth + 1,
+        {index, name_node(name_of(index), parent == nullptr ? nullptr : &parent->name, used),
          parent == nullptr ? from_node : compose(parent->assembly_from_node, from_node)});
   }
   return level;
@@ -160,9 +151,9 @@ void GltfNodes::walk() {
     nodes_.push_back(std::move(stack.back()));
     stack.pop_back();
     const Node& node = nodes_.back();
-    if (node.depth > kDeepest) {
+    if (node.name.depth > kDeepestNode) {
       document_.fail(ErrorCode::kMeshUnsupported, in_nodes(node.index),
-                     "is nested deeper than " + std::to_string(kDeepest) + " levels");
+                     "is nested deeper than " + std::to_string(kDeepestNode) + " levels");
     }
     std::vector<Node> children =
         siblings(indices(document_.element("nodes", node.index), "children"), &node);
@@ -172,31 +163,12 @@ void GltfNodes::walk() {
   }
 }
 
-void GltfNodes::select(const std::string& name) {
-  std::vector<std::size_t> found;
-  for (std::size_t i = 0; i < nodes_.size(); ++i) {
-    if (nodes_[i].path == name) {
-      found = {i};
-      break;
-    }
-    if (nodes_[i].label == name) found.push_back(i);
-  }
-  if (found.size() != 1) {
-    constexpr std::size_t kListed = 8;
-    const std::size_t choices = found.empty() ? nodes_.size() : found.size();
-    std::string list;
-    for (std::size_t i = 0; i < std::min(choices, kListed); ++i) {
-      list += (i == 0 ? "" : ", ") + nodes_[found.empty() ? i : found[i]].path;
-    }
-    if (choices > kListed) list += ", ...";
-    document_.fail(ErrorCode::kSceneInvalid, "#" + name,
-                   found.empty() ? "no node of this name" : "several nodes of this name",
-                   "use one of: " + list);
-  }
-  const auto first = nodes_.begin() + static_cast<std::ptrdiff_t>(found[0]);
-  const auto last = std::find_if(first + 1, nodes_.end(),
-                                 [&](const Node& node) { return node.depth <= first->depth; });
-  nodes_ = std::vector<Node>(first, last);
+void GltfNodes::select() {
+  std::vector<NodeName> names;
+  for (const Node& node : nodes_) names.push_back(node.name);
+  const auto [first, last] = find_sub_tree(document_.file(), names);
+  nodes_ = std::vector<Node>(nodes_.begin() + static_cast<std::ptrdiff_t>(first),
+                             nodes_.begin() + static_cast<std::ptrdiff_t>(last));
 }
 
 // node_from_instance of EXT_mesh_gpu_instancing; the identity where the node has no such extension.
@@ -237,7 +209,7 @@ std::vector<GltfPlacing> GltfNodes::placings() const {
     const std::vector<Affine> instances = instancing_of(json);
     for (std::size_t i = 0; i < instances.size(); ++i) {
       const std::string path =
-          instances.size() == 1 ? node.path : node.path + "/" + std::to_string(i);
+          instances.size() == 1 ? node.name.path : node.name.path + "/" + std::to_string(i);
       placings.push_back({mesh, path, compose(node.assembly_from_node, instances[i])});
     }
   }

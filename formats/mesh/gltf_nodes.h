@@ -7,6 +7,7 @@
 
 #include "formats/mesh/gltf_document.h"
 #include "formats/mesh/mesh.h"
+#include "formats/mesh/node_names.h"
 
 namespace forcelayer {
 
@@ -31,9 +32,7 @@ class GltfNodes {
  private:
   struct Node {
     std::uint64_t index;  // glTF's
-    std::string label;
-    std::string path;
-    std::size_t depth;
+    NodeName name;
     Affine assembly_from_node;
   };
 
@@ -42,8 +41,8 @@ class GltfNodes {
   std::vector<std::uint64_t> indices(const nlohmann::json& object, const char* key) const;
   void walk();
   std::vector<Node> siblings(const std::vector<std::uint64_t>& indices, const Node* parent) const;
-  std::string label_of(std::uint64_t index) const;
-  void select(const std::string& name);
+  std::string name_of(std::uint64_t index) const;
+  void select();
   std::vector<Affine> instancing_of(const nlohmann::json& node) const;
 
   const GltfDocument& document_;

@@ -43,14 +43,20 @@ struct Assembly {
   std::vector<Mesh> meshes;
   std::vector<MeshInstance> instances;
   std::optional<double> metres_per_unit;  // where the format or file defines it (glTF: 1)
-  std::vector<std::string> warnings;      // a line each: what is odd in the file but was read
-  std::uint64_t triangle_count() const;   // over all instances
+  // How far the triangles may lie from exact surfaces that the file holds (STEP, IGES), file units.
+  double deviation_units = 0;
+  std::vector<std::string> warnings;     // a line each: what is odd in the file but was read
+  std::uint64_t triangle_count() const;  // over all instances
+};
+
+struct ReadOptions {
+  double deflection_m = 1e-4;  // of triangles from exact surfaces (STEP, IGES)
 };
 
 // Reads STL, OBJ, PLY, OFF, OM, DRC, glTF/GLB (by content where the format has a signature, else by
-// extension). `path` may end in "#NODE" for the sub-tree of that name in an assembly format. Never
-// loses a face: what cannot be read whole is an error with file, place and reason (kMesh* codes). A
-// file with no triangles is kMeshEmpty.
-Result<Assembly> read_assembly(const std::string& path);
+// extension), STEP and IGES where built with OpenCASCADE. `path` may end in "#NODE" for the
+// sub-tree of that name in an assembly format. Never loses a face: what cannot be read whole is an
+// error with file, place and reason (kMesh* codes). A file with no triangles is kMeshEmpty.
+Result<Assembly> read_assembly(const std::string& path, const ReadOptions& options = {});
 
 }  // namespace forcelayer

@@ -71,8 +71,9 @@ Result<Assembly> read_source(const SourceFile& file) {
   }
 }
 
-Result<Assembly> read_assembly(const std::string& path) {
+Result<Assembly> read_assembly(const std::string& path, const ReadOptions& options) {
   SourceFile file = split_node(path);
+  file.options = options;
   const Result<MappedFile> mapped = MappedFile::open(file.path);
   if (!mapped) return mapped.error();
   file.bytes = text_of(*mapped);

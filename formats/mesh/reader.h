@@ -18,6 +18,7 @@ struct SourceFile {
   std::string path;        // as the user gave it, without "#NODE"
   std::string node;        // after "#"; empty for the whole file
   std::string_view bytes;  // all of it
+  ReadOptions options = {};
 };
 
 // The bytes of a mapped file as text; valid as long as the file is.

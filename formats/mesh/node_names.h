@@ -1,0 +1,33 @@
+// Names in the node trees of assembly formats: labels, paths, and the sub-tree behind "#NODE".
+#pragma once
+
+#include <cstdint>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "formats/mesh/reader.h"
+
+namespace forcelayer {
+
+struct NodeName {
+  std::string label;  // unique among its siblings
+  std::string path;   // labels from the root on, "/" between
+  std::size_t depth;  // 0 for roots
+};
+
+// Deeper trees are damage, and their paths would take memory with the square of the depth.
+inline constexpr std::size_t kDeepestNode = 1000;
+
+// The name of a node called `name` under `parent` (null for roots), whose earlier children bear the
+// labels `used`: "name", else "name:2", "name:3".
+NodeName name_node(const std::string& name, const NodeName* parent, std::set<std::string>& used);
+
+// First and last (exclusive) node of the sub-tree that `file.node` names by its path, or by its
+// label where only one node has that; `nodes` stand each before its children. All nodes where
+// `file.node` is empty. Throws kSceneInvalid, listing nodes, where there is none or several.
+std::pair<std::size_t, std::size_t> find_sub_tree(const SourceFile& file,
+                                                  const std::vector<NodeName>& nodes);
+
+}  // namespace forcelayer
