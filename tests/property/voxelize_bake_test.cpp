@@ -2,9 +2,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <filesystem>
+#include <fstream>
 
 #include "tests/support/baked_scene.h"
 #include "tests/support/reference_bake.h"
+#include "tests/support/scratch_folder.h"
 #include "tests/support/soups.h"
 
 namespace forcelayer {
@@ -67,7 +70,7 @@ BakeOptions options_with(std::uint32_t layers) {
 
 TEST(Bake, EqualsTheReferenceOnRandomScenes) {
   for (std::uint64_t seed = 1; seed <= 160; ++seed) {
-    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
     Random random(seed);
     const TestScene scene = random_scene(random, seed % 4 == 0 ? 70 : 24);
     const auto layers = static_cast<std::uint32_t>(whole(random, 0, 3));
@@ -81,7 +84,7 @@ TEST(Bake, EqualsTheReferenceOnRandomScenes) {
 
 TEST(Bake, EqualsTheReferenceWithManyLayers) {
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
-    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
     Random random(seed);
     const TestScene scene = random_scene(random, 12);
     const auto layers = static_cast<std::uint32_t>(whole(random, 4, kMaxBakedLayers));
@@ -95,7 +98,7 @@ TEST(Bake, EqualsTheReferenceWithManyLayers) {
 
 TEST(Bake, ClearanceIsExactOnEveryLevel) {
   for (std::uint64_t seed = 1; seed <= 25; ++seed) {
-    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
     Random random(seed);
     TestScene scene = random_scene(random, seed % 2 == 0 ? 4 : 16);
     if (seed % 3 == 0) {  // two small things far apart, for distances across nodes and blocks
@@ -124,7 +127,7 @@ TEST(Bake, ClearanceIsExactOnEveryLevel) {
 TEST(Bake, FreeSeedsOpenWhatEnclosesThem) {
   int opened = 0;
   for (std::uint64_t seed = 1; seed <= 60; ++seed) {
-    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
     Random random(seed);
     TestScene scene = random_scene(random, 30);
     const auto without = reference::united_scene(scene.lattice(), {}, 4);
@@ -159,7 +162,7 @@ std::uint8_t merged(std::uint8_t a, std::uint8_t b) {
 
 TEST(Bake, OffsettingEachObjectAndMergingGivesTheSame) {
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
-    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
     Random random(seed);
     const TestScene scene = random_scene(random, 20);
     const int layers = static_cast<int>(whole(random, 0, 3));
@@ -223,7 +226,7 @@ TEST(Bake, DeepInteriorAndEnclosedFreeSpaceAreRight) {
 
 TEST(Bake, SameBytesForAnyNumberOfThreadsAndOrderOfObjectsAndTriangles) {
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
-    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
     Random random(seed);
     TestScene scene = random_scene(random, 200);
     BakeOptions options = options_with(2);
@@ -259,7 +262,7 @@ TEST(Bake, SameBytesForAnyNumberOfThreadsAndOrderOfObjectsAndTriangles) {
 }
 
 // The real meshes of the models folder at 128 voxels across.
-class BakeModels : public testing::TestWithParam<const char*> {};
+class BakeModels : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(BakeModels, EqualTheReferenceAt128Voxels) {
   const std::string path = std::string(FORCELAYER_SOURCE_DIR "/../shared/models/") + GetParam();
@@ -279,7 +282,7 @@ TEST_P(BakeModels, EqualTheReferenceAt128Voxels) {
   const LatticeMesh lattice = reference::snapped(mesh, Affine{}, size);
   const auto scene = reference::united_scene({lattice}, {}, 5);
   for (const std::uint32_t layers : {0u, 1u, 2u, 3u}) {
-    SCOPED_TRACE(testing::Message() << layers << " layers");
+    SCOPED_TRACE(::testing::Message() << layers << " layers");
     BakeOptions options = options_with(layers);
     options.voxel_size_m = size;
     const BakedScene baked({{"model", &mesh, Affine{}, {}, 0}}, options);
@@ -289,9 +292,9 @@ TEST_P(BakeModels, EqualTheReferenceAt128Voxels) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Models, BakeModels,
-                         testing::Values("scan/stanford-bunny.obj", "cad/counter.unitsmm.stl",
-                                         "scan/dragon-100k.obj", "cad/large_block.stl"),
-                         [](const testing::TestParamInfo<const char*>& model) {
+                         ::testing::Values("scan/stanford-bunny.obj", "cad/counter.unitsmm.stl",
+                                           "scan/dragon-100k.obj", "cad/large_block.stl"),
+                         [](const ::testing::TestParamInfo<const char*>& model) {
                            std::string name = std::filesystem::path(model.param).stem().string();
                            std::erase_if(name, [](char c) {
                              return !std::isalnum(static_cast<unsigned char>(c));

@@ -4,30 +4,27 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
-#include <filesystem>
-#include <fstream>
+
 #include <string>
 #include <vector>
 
 #include "formats/voxmap.h"
 #include "formats/voxmap_writer.h"
+#include "tests/support/aligned_bytes.h"
 #include "tests/support/reference_bake.h"
-#include "tests/support/scratch_folder.h"
 #include "voxelize/bake.h"
 
 namespace forcelayer::reference {
 
-// Bakes, writes, and reads back with every check on.
+// Bakes, and reads the file's bytes back with every check on.
 class BakedScene {
  public:
   BakedScene(const std::vector<SceneObject>& objects, const BakeOptions& options) {
     const auto result = bake(objects, options);
     if (!result) throw std::runtime_error(to_line(result.error()));
-    const auto path = folder_ / "scene.vox";
-    if (const auto written = write_voxmap(path, result->content("{}")); !written) {
-      throw std::runtime_error(to_line(written.error()));
-    }
-    auto map = Voxmap::open(path, Verify::kStructureAndChecksums);
+    bytes_ = testing::AlignedBytes(voxmap_bytes(result->content("{}")));
+    auto map = Voxmap::from_bytes(std::as_const(bytes_).bytes(), "baked scene",
+                                  Verify::kStructureAndChecksums);
     if (!map) throw std::runtime_error(to_line(map.error()));
     map_.emplace(std::move(*map));
   }
@@ -38,7 +35,7 @@ class BakedScene {
   }
 
  private:
-  test::ScratchFolder folder_;
+  testing::AlignedBytes bytes_;
   std::optional<Voxmap> map_;
 };
 
@@ -102,13 +99,13 @@ inline void expect_exact_clearance(const Voxmap& map, const std::vector<VoxelInd
   // Every entry of every level: 512, then 64 and 8 voxels an edge where the one above has a child.
   const auto walk = [&](const auto& self, const VoxelIndex& low, std::int64_t edge) -> void {
     check_entry(low, edge);
-    if (testing::Test::HasFatalFailure() || edge == 8 || edge_at(low) == edge) return;
+    if (::testing::Test::HasFatalFailure() || edge == 8 || edge_at(low) == edge) return;
     for (std::int64_t n = 0; n < 512; ++n) {
       self(self,
            {low[0] + (n >> 6) * (edge / 8), low[1] + (n >> 3 & 7) * (edge / 8),
             low[2] + (n & 7) * (edge / 8)},
            edge / 8);
-      if (testing::Test::HasFatalFailure()) return;
+      if (::testing::Test::HasFatalFailure()) return;
     }
   };
   const auto& dims = header.directory_dims;
@@ -118,7 +115,7 @@ inline void expect_exact_clearance(const Voxmap& map, const std::vector<VoxelInd
           header.directory_origin[1] + n / dims[2] % dims[1] * 512,
           header.directory_origin[2] + n % dims[2] * 512},
          512);
-    if (testing::Test::HasFatalFailure()) return;
+    if (::testing::Test::HasFatalFailure()) return;
   }
 }
 

@@ -1,0 +1,326 @@
+#include "voxelize/small_triangles.h"
+
+// Compiled once for every instruction set that Highway supports; draw() picks one at run time.
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "voxelize/small_triangles.cpp"
+#include <hwy/foreach_target.h>
+// After foreach_target.h, as Highway wants it.
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <bit>
+
+HWY_BEFORE_NAMESPACE();
+namespace forcelayer::HWY_NAMESPACE {
+namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
+using hn::Add;
+using hn::And;
+using hn::IfThenElse;
+using hn::Lt;
+using hn::Max;
+using hn::Min;
+using hn::Mul;
+using hn::Neg;
+using hn::ShiftRight;
+using hn::Sub;
+
+constexpr hn::CappedTag<std::int32_t, SmallTriangles::kCapacity> kLanes;
+using Vector = hn::Vec<decltype(kLanes)>;
+using Vector3 = std::array<Vector, 3>;
+using Lanes = SmallTriangles::Lanes;
+
+// Every triangle's tests in its own window, which starts at the lowest of its voxels. Units and
+// derivation are those of TriangleOverlap.
+struct alignas(64) Prepared {
+  std::array<Lanes, 3> low;     // lowest voxel, from the node's lowest
+  std::array<Lanes, 3> span;    // voxels beyond the lowest
+  std::array<Lanes, 3> normal;  // twice the area vector
+  std::array<Lanes, 3> anchor;  // corner 0 in the window, lattice units
+  struct Edge {
+    Lanes a, b, below;  // a cell (u, w) passes where a u + b w > below
+  };
+  std::array<std::array<Edge, 3>, 3> edges;  // of the projections along x, y and z
+};
+
+constexpr std::size_t kU[3] = {1, 0, 0}, kW[3] = {2, 2, 1};  // axes of the projections
+
+HWY_INLINE Vector load(const Lanes& lanes, std::size_t first) {
+  return hn::Load(kLanes, lanes.data() + first);
+}
+HWY_INLINE void store(Vector value, Lanes& lanes, std::size_t first) {
+  hn::Store(value, kLanes, lanes.data() + first);
+}
+
+HWY_INLINE void prepare_edge(Vector a, Vector b, Vector u0, Vector w0, std::size_t first,
+                             Prepared::Edge& edge) {
+  const Vector zero = hn::Zero(kLanes);
+  const Vector reach = Add(Max(a, zero), Max(b, zero));
+  const Vector value = Add(Mul(a, u0), Mul(b, w0));
+  // The least a u + b w is ceil((value + open) / 2^10) - reach, open = 1 where reach > 0.
+  const Vector open = Min(reach, hn::Set(kLanes, 1));
+  const Vector rounded =
+      ShiftRight<kSnapBits>(Add(Add(value, open), hn::Set(kLanes, int{kSnapUnits} - 1)));
+  store(a, edge.a, first);
+  store(b, edge.b, first);
+  store(Sub(rounded, Add(reach, hn::Set(kLanes, 1))), edge.below, first);
+}
+
+// Edges of one projection; `area` is twice its signed area. A shadow without area is a segment: its
+// line bounds it from both sides, and the third edge lets everything pass.
+HWY_INLINE void prepare_projection(const std::array<Vector3, 3>& corners,
+                                   const std::array<Vector3, 3>& sides, Vector area, std::size_t d,
+                                   std::size_t first, Prepared& prepared) {
+  const std::size_t u = kU[d], w = kW[d];
+  const Vector zero = hn::Zero(kLanes);
+  const auto negative = Lt(area, zero);
+  const auto flat = hn::Eq(area, zero);
+  const auto short_edge = hn::Eq(hn::Or(sides[0][u], sides[0][w]), zero);
+  const Vector line_u = IfThenElse(short_edge, sides[1][u], sides[0][u]);
+  const Vector line_w = IfThenElse(short_edge, sides[1][w], sides[0][w]);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vector side_u = sides[k][u], side_w = sides[k][w];
+    Vector a = IfThenElse(negative, side_w, Neg(side_w));
+    Vector b = IfThenElse(negative, Neg(side_u), side_u);
+    const Vector flat_a = k == 0 ? Neg(line_w) : k == 1 ? line_w : zero;
+    const Vector flat_b = k == 0 ? line_u : k == 1 ? Neg(line_u) : zero;
+    a = IfThenElse(flat, flat_a, a);
+    b = IfThenElse(flat, flat_b, b);
+    const Vector u0 = IfThenElse(flat, corners[0][u], corners[k][u]);
+    const Vector w0 = IfThenElse(flat, corners[0][w], corners[k][w]);
+    prepare_edge(a, b, u0, w0, first, prepared.edges[d][k]);
+  }
+}
+
+HWY_INLINE void prepare(const SmallTriangles::Corners& units, std::size_t first,
+                        Prepared& prepared) {
+  std::array<Vector3, 3> corners, sides;
+  for (std::size_t d = 0; d < 3; ++d) {
+    for (std::size_t k = 0; k < 3; ++k) corners[k][d] = load(units[k][d], first);
+    const Vector least = Min(corners[0][d], Min(corners[1][d], corners[2][d]));
+    const Vector most = Max(corners[0][d], Max(corners[1][d], corners[2][d]));
+    const Vector low = ShiftRight<kSnapBits>(least);
+    store(low, prepared.low[d], first);
+    store(Sub(ShiftRight<kSnapBits>(most), low), prepared.span[d], first);
+    for (std::size_t k = 0; k < 3; ++k) {
+      corners[k][d] = Sub(corners[k][d], hn::ShiftLeft<kSnapBits>(low));
+    }
+    for (std::size_t k = 0; k < 3; ++k) sides[k][d] = Sub(corners[(k + 1) % 3][d], corners[k][d]);
+    store(corners[0][d], prepared.anchor[d], first);
+  }
+  // sides[2] runs from corner 2 back to corner 0.
+  const auto area = [&](std::size_t u, std::size_t w) {
+    return Sub(Mul(sides[0][w], sides[2][u]), Mul(sides[0][u], sides[2][w]));
+  };
+  const Vector3 areas = {area(1, 2), area(0, 2), area(0, 1)};
+  store(areas[0], prepared.normal[0], first);
+  store(Neg(areas[1]), prepared.normal[1], first);
+  store(areas[2], prepared.normal[2], first);
+  for (std::size_t d = 0; d < 3; ++d) {
+    prepare_projection(corners, sides, areas[d], d, first, prepared);
+  }
+}
+
+// kSide x kSide cells (i, j) as bits i*kSide + j, a vector of consecutive cells at a time.
+template <unsigned kSide>
+struct Square {
+  static constexpr std::size_t kCells = kSide * kSide;
+  static constexpr int kLog2Side = kSide == 8 ? 3 : 2;
+  static constexpr hn::CappedTag<std::int32_t, 16> kTag{};
+  using V = hn::Vec<decltype(kTag)>;
+
+  V i, j;  // of the cells from `first` on
+  HWY_INLINE explicit Square(std::size_t first) {
+    const V n = hn::Iota(kTag, static_cast<std::int32_t>(first));
+    i = ShiftRight<kLog2Side>(n);
+    j = And(n, hn::Set(kTag, static_cast<std::int32_t>(kSide) - 1));
+  }
+
+  HWY_INLINE hn::Mask<decltype(kTag)> passes(const Prepared::Edge& edge, std::size_t t) const {
+    const V value = Add(Mul(hn::Set(kTag, edge.a[t]), i), Mul(hn::Set(kTag, edge.b[t]), j));
+    return hn::Gt(value, hn::Set(kTag, edge.below[t]));
+  }
+
+  template <class Mask>
+  static HWY_INLINE std::uint64_t bits(Mask mask, std::size_t first) {
+    std::uint64_t part = 0;
+    hn::StoreMaskBits(kTag, mask, reinterpret_cast<std::uint8_t*>(&part));
+    return part << first;
+  }
+
+  // Where triangle t's shadow is.
+  static HWY_INLINE std::uint64_t shadow(const std::array<Prepared::Edge, 3>& edges,
+                                         std::size_t t) {
+    std::uint64_t all = 0;
+    for (std::size_t first = 0; first < kCells; first += hn::Lanes(kTag)) {
+      const Square cells(first);
+      const auto mask =
+          And(And(cells.passes(edges[0], t), cells.passes(edges[1], t)), cells.passes(edges[2], t));
+      all |= bits(mask, first);
+    }
+    return all;
+  }
+
+  // Where lo <= a i + b j <= hi.
+  static HWY_INLINE std::uint64_t slab(std::int32_t a, std::int32_t b, std::int32_t lo,
+                                       std::int32_t hi) {
+    std::uint64_t all = 0;
+    for (std::size_t first = 0; first < kCells; first += hn::Lanes(kTag)) {
+      const Square cells(first);
+      const V value = Add(Mul(hn::Set(kTag, a), cells.i), Mul(hn::Set(kTag, b), cells.j));
+      all |=
+          bits(And(hn::Gt(value, hn::Set(kTag, lo - 1)), Lt(value, hn::Set(kTag, hi + 1))), first);
+    }
+    return all;
+  }
+};
+
+// A triangle's window, cell (x, y, z) as bit y*8 + z of word x.
+using Window = std::array<std::uint64_t, 8>;
+
+// Four rows of four bits to four rows of eight.
+HWY_INLINE std::uint64_t widen_rows(std::uint64_t bits) {
+  return (bits & 0xf) | (bits & 0xf0) << 4 | (bits & 0xf00) << 8 | (bits & 0xf000) << 12;
+}
+template <unsigned kSide>
+HWY_INLINE std::uint64_t rows_of(std::uint64_t bits) {
+  return kSide == 8 ? bits : widen_rows(bits);
+}
+
+constexpr std::uint64_t kFirstColumn = 0x0101010101010101u;
+
+// Bit i of the low eight fills byte i.
+HWY_INLINE std::uint64_t fill_rows(std::uint64_t bits) {
+  const std::uint64_t picked = (bits & 0xff) * kFirstColumn & 0x8040201008040201u;
+  return ((picked + 0x7f7f7f7f7f7f7f7fu) >> 7 & kFirstColumn) * 0xff;
+}
+
+// The bounds of n . i over the window's cells that the triangle's plane crosses.
+struct Bounds {
+  std::int32_t lo, hi;
+};
+HWY_INLINE Bounds plane_bounds(const Prepared& prepared, std::size_t t) {
+  std::int64_t value = 0, up = 0, down = 0;
+  for (std::size_t d = 0; d < 3; ++d) {
+    const std::int64_t n = prepared.normal[d][t];
+    value += n * prepared.anchor[d][t];
+    up += std::max<std::int64_t>(n, 0);
+    down += std::min<std::int64_t>(n, 0);
+  }
+  const std::int64_t lo = ((value + (up > 0 ? 1 : 0) + kSnapUnits - 1) >> kSnapBits) - up;
+  const std::int64_t hi = ((value - (down < 0 ? 1 : 0)) >> kSnapBits) - down;
+  return {static_cast<std::int32_t>(lo), static_cast<std::int32_t>(hi)};
+}
+
+// The hit cells of a triangle of at most kSide voxels along every axis.
+template <unsigned kSide>
+HWY_INLINE void find_cells(const Prepared& prepared, std::size_t t, Window& window) {
+  constexpr std::uint64_t kRow = (1u << kSide) - 1;
+  const unsigned span_x = static_cast<unsigned>(prepared.span[0][t]);
+  const std::uint64_t rows_y = (std::uint64_t{2} << prepared.span[1][t]) - 1;
+  const std::uint64_t columns_z = (std::uint64_t{2} << prepared.span[2][t]) - 1;
+  const std::uint64_t along_x = rows_of<kSide>(Square<kSide>::shadow(prepared.edges[0], t));
+  const std::uint64_t along_y = Square<kSide>::shadow(prepared.edges[1], t);  // x*kSide + z
+  const std::uint64_t along_z = Square<kSide>::shadow(prepared.edges[2], t);  // x*kSide + y
+  const Bounds bounds = plane_bounds(prepared, t);
+  const std::int32_t nx = prepared.normal[0][t], ny = prepared.normal[1][t],
+                     nz = prepared.normal[2][t];
+  for (unsigned x = 0; x <= span_x; ++x) {
+    const std::uint64_t y = along_z >> (kSide * x) & kRow & rows_y;
+    const std::uint64_t z = along_y >> (kSide * x) & kRow & columns_z;
+    const std::int32_t offset = nx * static_cast<std::int32_t>(x);
+    window[x] = along_x & fill_rows(y) & z * kFirstColumn &
+                rows_of<kSide>(Square<kSide>::slab(ny, nz, bounds.lo - offset, bounds.hi - offset));
+  }
+}
+
+// Moves a window into the bricks of the canvas below it.
+class WindowMover {
+ public:
+  HWY_INLINE WindowMover(const Prepared& prepared, std::size_t t, NodeCanvas& canvas)
+      : canvas_(canvas) {
+    for (std::size_t d = 0; d < 3; ++d) {
+      low_[d] = prepared.low[d][t];
+      span_[d] = prepared.span[d][t];
+    }
+  }
+
+  HWY_INLINE void move(const Window& window) {
+    const int oy = low_[1] & 7, oz = low_[2] & 7;
+    const int by = low_[1] >> 3, bz = low_[2] >> 3;
+    const bool crosses_y = oy + span_[1] > 7, crosses_z = oz + span_[2] > 7;
+    const std::uint64_t stays = (0xffu >> oz) * kFirstColumn;  // columns that stay in the brick
+    for (int x = 0; x <= span_[0]; ++x) {
+      const std::uint64_t word = window[static_cast<std::size_t>(x)];
+      const std::uint64_t near = (word & stays) << oz;
+      add(low_[0] + x, by, bz, near << 8 * oy);
+      if (crosses_y) add(low_[0] + x, by + 1, bz, near >> (64 - 8 * oy));
+      if (!crosses_z) continue;
+      const std::uint64_t far = (word & ~stays) >> (8 - oz);
+      add(low_[0] + x, by, bz + 1, far << 8 * oy);
+      if (crosses_y) add(low_[0] + x, by + 1, bz + 1, far >> (64 - 8 * oy));
+    }
+  }
+
+ private:
+  // Voxels of plane x of the node, in brick row (by, bz); beyond the node they are lost.
+  HWY_INLINE void add(int x, int by, int bz, std::uint64_t word) {
+    if (word == 0 || static_cast<unsigned>(x) > 63 || static_cast<unsigned>(by) > 7 ||
+        static_cast<unsigned>(bz) > 7) {
+      return;
+    }
+    canvas_
+        .brick(static_cast<unsigned>(x) >> 3, static_cast<unsigned>(by), static_cast<unsigned>(bz))
+        .words[static_cast<unsigned>(x) & 7] |= word;
+  }
+
+  NodeCanvas& canvas_;
+  std::array<int, 3> low_, span_;
+};
+
+// A triangle that leaves its lowest voxel along one axis at most hits every voxel of its box.
+HWY_INLINE void fill_box(const Prepared& prepared, std::size_t t, Window& window) {
+  const std::uint64_t rows = (std::uint64_t{2} << prepared.span[1][t]) - 1;
+  const std::uint64_t columns = (std::uint64_t{2} << prepared.span[2][t]) - 1;
+  for (int x = 0; x <= prepared.span[0][t]; ++x) {
+    window[static_cast<std::size_t>(x)] = fill_rows(rows) & columns * kFirstColumn;
+  }
+}
+
+void draw_batch(const SmallTriangles::Corners& corners, std::size_t count, NodeCanvas& canvas) {
+  Prepared prepared;
+  for (std::size_t first = 0; first < count; first += hn::Lanes(kLanes)) {
+    prepare(corners, first, prepared);
+  }
+  Window window;
+  for (std::size_t t = 0; t < count; ++t) {
+    const int x = prepared.span[0][t], y = prepared.span[1][t], z = prepared.span[2][t];
+    if ((x > 0) + (y > 0) + (z > 0) <= 1) {
+      fill_box(prepared, t, window);
+    } else if ((x | y | z) < 4) {
+      find_cells<4>(prepared, t, window);
+    } else {
+      find_cells<8>(prepared, t, window);
+    }
+    WindowMover(prepared, t, canvas).move(window);
+  }
+}
+
+}  // namespace
+}  // namespace forcelayer::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace forcelayer {
+namespace {
+HWY_EXPORT(draw_batch);
+}  // namespace
+
+void SmallTriangles::draw(NodeCanvas& canvas) {
+  HWY_DYNAMIC_DISPATCH(draw_batch)(corners_, count_, canvas);
+  count_ = 0;
+}
+
+}  // namespace forcelayer
+#endif
