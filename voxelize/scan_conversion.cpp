@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "voxelize/brick_bits.h"
+#include "voxelize/large_triangle.h"
 #include "voxelize/node_bins.h"
 #include "voxelize/node_canvas.h"
 #include "voxelize/small_triangles.h"
@@ -24,24 +25,25 @@ class NodeDrawing {
   }
 
   void draw(const LatticeTriangle& triangle) {
-    std::array<std::array<std::int32_t, 3>, 3> corners;
-    bool small = true;
+    LatticeTriangle corners;  // from the node's lowest corner
+    std::int64_t most_voxels = 0, extent = 0;
     for (std::size_t d = 0; d < 3; ++d) {
-      const std::int64_t origin = origin_[d] << kSnapBits;
-      const std::int64_t a = triangle[0][d] - origin, b = triangle[1][d] - origin,
-                         c = triangle[2][d] - origin;
-      small &= (std::max({a, b, c}) >> kSnapBits) - (std::min({a, b, c}) >> kSnapBits) <
-               SmallTriangles::kMaxVoxels;
-      corners[0][d] = static_cast<std::int32_t>(a);
-      corners[1][d] = static_cast<std::int32_t>(b);
-      corners[2][d] = static_cast<std::int32_t>(c);
+      for (std::size_t k = 0; k < 3; ++k) {
+        corners[k][d] = triangle[k][d] - (origin_[d] << kSnapBits);
+      }
+      const std::int64_t low = std::min({corners[0][d], corners[1][d], corners[2][d]});
+      const std::int64_t high = std::max({corners[0][d], corners[1][d], corners[2][d]});
+      most_voxels = std::max(most_voxels, (high >> kSnapBits) - (low >> kSnapBits) + 1);
+      extent = std::max(extent, high - low);
     }
-    if (!small) {
-      draw_large(TriangleOverlap(triangle));
-      return;
+    if (most_voxels <= SmallTriangles::kMaxVoxels) {
+      small_.add(corners);
+      if (small_.full()) small_.draw(canvas_);
+    } else if (extent <= kLargeTriangleUnits) {
+      draw_large_triangle(corners, canvas_);
+    } else {
+      draw_huge(TriangleOverlap(triangle));
     }
-    small_.add(corners);
-    if (small_.full()) small_.draw(canvas_);
   }
 
   // What was drawn as a node at `origin`, voxels of the scene.
@@ -57,8 +59,8 @@ class NodeDrawing {
   }
 
  private:
-  // Which bricks of the node the triangle hits, then brick by brick.
-  void draw_large(const TriangleOverlap& triangle) {
+  // Of any extent: which bricks of the node the triangle hits, then brick by brick.
+  void draw_huge(const TriangleOverlap& triangle) {
     for_each_cell(triangle.cells(origin_, 3), [&](unsigned x, unsigned y, unsigned z) {
       const BrickMask mask =
           triangle.cells({origin_[0] + 8 * x, origin_[1] + 8 * y, origin_[2] + 8 * z});

@@ -7,6 +7,8 @@
 // After foreach_target.h, as Highway wants it.
 #include <hwy/highway.h>
 
+#include "voxelize/square_cells-inl.h"
+
 #include <algorithm>
 #include <bit>
 
@@ -14,9 +16,7 @@ HWY_BEFORE_NAMESPACE();
 namespace forcelayer::HWY_NAMESPACE {
 namespace {
 
-namespace hn = hwy::HWY_NAMESPACE;
 using hn::Add;
-using hn::And;
 using hn::IfThenElse;
 using hn::Lt;
 using hn::Max;
@@ -122,59 +122,16 @@ HWY_INLINE void prepare(const SmallTriangles::Corners& units, std::size_t first,
   }
 }
 
-// kSide x kSide cells (i, j) as bits i*kSide + j, a vector of consecutive cells at a time.
+HWY_INLINE HalfPlane half_plane(const Prepared::Edge& edge, std::size_t t) {
+  return {edge.a[t], edge.b[t], edge.below[t]};
+}
+
+// Where triangle t's shadow is, as bits u*kSide + w.
 template <unsigned kSide>
-struct Square {
-  static constexpr std::size_t kCells = kSide * kSide;
-  static constexpr int kLog2Side = kSide == 8 ? 3 : 2;
-  static constexpr hn::CappedTag<std::int32_t, 16> kTag{};
-  using V = hn::Vec<decltype(kTag)>;
-
-  V i, j;  // of the cells from `first` on
-  HWY_INLINE explicit Square(std::size_t first) {
-    const V n = hn::Iota(kTag, static_cast<std::int32_t>(first));
-    i = ShiftRight<kLog2Side>(n);
-    j = And(n, hn::Set(kTag, static_cast<std::int32_t>(kSide) - 1));
-  }
-
-  HWY_INLINE hn::Mask<decltype(kTag)> passes(const Prepared::Edge& edge, std::size_t t) const {
-    const V value = Add(Mul(hn::Set(kTag, edge.a[t]), i), Mul(hn::Set(kTag, edge.b[t]), j));
-    return hn::Gt(value, hn::Set(kTag, edge.below[t]));
-  }
-
-  template <class Mask>
-  static HWY_INLINE std::uint64_t bits(Mask mask, std::size_t first) {
-    std::uint64_t part = 0;
-    hn::StoreMaskBits(kTag, mask, reinterpret_cast<std::uint8_t*>(&part));
-    return part << first;
-  }
-
-  // Where triangle t's shadow is.
-  static HWY_INLINE std::uint64_t shadow(const std::array<Prepared::Edge, 3>& edges,
-                                         std::size_t t) {
-    std::uint64_t all = 0;
-    for (std::size_t first = 0; first < kCells; first += hn::Lanes(kTag)) {
-      const Square cells(first);
-      const auto mask =
-          And(And(cells.passes(edges[0], t), cells.passes(edges[1], t)), cells.passes(edges[2], t));
-      all |= bits(mask, first);
-    }
-    return all;
-  }
-
-  // Where lo <= a i + b j <= hi.
-  static HWY_INLINE std::uint64_t slab(std::int32_t a, std::int32_t b, std::int32_t lo,
-                                       std::int32_t hi) {
-    std::uint64_t all = 0;
-    for (std::size_t first = 0; first < kCells; first += hn::Lanes(kTag)) {
-      const Square cells(first);
-      const V value = Add(Mul(hn::Set(kTag, a), cells.i), Mul(hn::Set(kTag, b), cells.j));
-      all |=
-          bits(And(hn::Gt(value, hn::Set(kTag, lo - 1)), Lt(value, hn::Set(kTag, hi + 1))), first);
-    }
-    return all;
-  }
-};
+HWY_INLINE std::uint64_t shadow(const std::array<Prepared::Edge, 3>& edges, std::size_t t) {
+  return SquareCells<kSide>::inside(half_plane(edges[0], t), half_plane(edges[1], t),
+                                    half_plane(edges[2], t));
+}
 
 // A triangle's window, cell (x, y, z) as bit y*8 + z of word x.
 using Window = std::array<std::uint64_t, 8>;
@@ -186,14 +143,6 @@ HWY_INLINE std::uint64_t widen_rows(std::uint64_t bits) {
 template <unsigned kSide>
 HWY_INLINE std::uint64_t rows_of(std::uint64_t bits) {
   return kSide == 8 ? bits : widen_rows(bits);
-}
-
-constexpr std::uint64_t kFirstColumn = 0x0101010101010101u;
-
-// Bit i of the low eight fills byte i.
-HWY_INLINE std::uint64_t fill_rows(std::uint64_t bits) {
-  const std::uint64_t picked = (bits & 0xff) * kFirstColumn & 0x8040201008040201u;
-  return ((picked + 0x7f7f7f7f7f7f7f7fu) >> 7 & kFirstColumn) * 0xff;
 }
 
 // The bounds of n . i over the window's cells that the triangle's plane crosses.
@@ -220,9 +169,9 @@ HWY_INLINE void find_cells(const Prepared& prepared, std::size_t t, Window& wind
   const unsigned span_x = static_cast<unsigned>(prepared.span[0][t]);
   const std::uint64_t rows_y = (std::uint64_t{2} << prepared.span[1][t]) - 1;
   const std::uint64_t columns_z = (std::uint64_t{2} << prepared.span[2][t]) - 1;
-  const std::uint64_t along_x = rows_of<kSide>(Square<kSide>::shadow(prepared.edges[0], t));
-  const std::uint64_t along_y = Square<kSide>::shadow(prepared.edges[1], t);  // x*kSide + z
-  const std::uint64_t along_z = Square<kSide>::shadow(prepared.edges[2], t);  // x*kSide + y
+  const std::uint64_t along_x = rows_of<kSide>(shadow<kSide>(prepared.edges[0], t));
+  const std::uint64_t along_y = shadow<kSide>(prepared.edges[1], t);  // x*kSide + z
+  const std::uint64_t along_z = shadow<kSide>(prepared.edges[2], t);  // x*kSide + y
   const Bounds bounds = plane_bounds(prepared, t);
   const std::int32_t nx = prepared.normal[0][t], ny = prepared.normal[1][t],
                      nz = prepared.normal[2][t];
@@ -230,8 +179,9 @@ HWY_INLINE void find_cells(const Prepared& prepared, std::size_t t, Window& wind
     const std::uint64_t y = along_z >> (kSide * x) & kRow & rows_y;
     const std::uint64_t z = along_y >> (kSide * x) & kRow & columns_z;
     const std::int32_t offset = nx * static_cast<std::int32_t>(x);
-    window[x] = along_x & fill_rows(y) & z * kFirstColumn &
-                rows_of<kSide>(Square<kSide>::slab(ny, nz, bounds.lo - offset, bounds.hi - offset));
+    window[x] =
+        along_x & fill_rows(y) & z * kFirstColumn &
+        rows_of<kSide>(SquareCells<kSide>::between(ny, nz, bounds.lo - offset, bounds.hi - offset));
   }
 }
 

@@ -21,9 +21,11 @@ class SmallTriangles {
   bool full() const { return count_ == kCapacity; }
 
   // Corners in lattice units from the node's lowest corner.
-  void add(const std::array<std::array<std::int32_t, 3>, 3>& corners) {
+  void add(const LatticeTriangle& corners) {
     for (std::size_t k = 0; k < 3; ++k) {
-      for (std::size_t d = 0; d < 3; ++d) corners_[k][d][count_] = corners[k][d];
+      for (std::size_t d = 0; d < 3; ++d) {
+        corners_[k][d][count_] = static_cast<std::int32_t>(corners[k][d]);
+      }
     }
     ++count_;
   }
