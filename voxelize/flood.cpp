@@ -203,7 +203,7 @@ Flood::Flood(const MaskTree& geometry) {
   std::array<std::int64_t, 3> high;
   low_.fill(INT64_MAX);
   high.fill(INT64_MIN);
-  for (auto block = geometry.root().cbeginChildOn(); block; ++block) {
+  for (auto block = geometry.cbeginChildOn(); block; ++block) {
     const Coord origin = block->origin();
     for (std::size_t d = 0; d < 3; ++d) {
       const std::int64_t at = origin[d] >> 9;
@@ -217,7 +217,7 @@ Flood::Flood(const MaskTree& geometry) {
 }
 
 void Flood::add_nodes(const MaskTree& geometry) {
-  for (auto upper = geometry.root().cbeginChildOn(); upper; ++upper) {
+  for (auto upper = geometry.cbeginChildOn(); upper; ++upper) {
     const std::size_t block = block_at(upper->origin());
     states_[block] = static_cast<std::int32_t>(blocks_.size());
     FloodBlock& flood_block = blocks_.emplace_back();
@@ -457,7 +457,7 @@ std::unique_ptr<MaskTree> Flood::interior() const {
     const Coord origin = block_origin(index);
     const FloodBlock* block = surface_block(index);
     if (block == nullptr) {
-      if (states_[index] == kUnreached) tree->root().addTile(origin, true, true);
+      if (states_[index] == kUnreached) tree->addTile(origin, true, true);
       continue;
     }
     auto upper = std::make_unique<UpperMaskNode>(origin, false, false);
@@ -470,7 +470,7 @@ std::unique_ptr<MaskTree> Flood::interior() const {
       any = true;
       upper->addChild(node.release());
     });
-    if (any) tree->root().addChild(upper.release());
+    if (any) tree->addChild(upper.release());
   }
   return tree;
 }
@@ -478,7 +478,7 @@ std::unique_ptr<MaskTree> Flood::interior() const {
 }  // namespace
 
 std::unique_ptr<MaskTree> flood_interior(const MaskTree& geometry, std::span<const Coord> seeds) {
-  if (geometry.root().empty()) return std::make_unique<MaskTree>();
+  if (geometry.empty()) return std::make_unique<MaskTree>();
   Flood flood(geometry);
   flood.run(seeds);
   return flood.interior();

@@ -47,35 +47,34 @@ void unite_blocks(UpperMaskNode& block, UpperMaskNode& other) {
 
 void add_node(MaskTree& tree, std::unique_ptr<LowerMaskNode> node) {
   const Coord origin = node->origin();
-  UpperMaskNode* block = tree.root().probeNode<UpperMaskNode>(origin);
+  UpperMaskNode* block = tree.probeNode<UpperMaskNode>(origin);
   if (block == nullptr) {
     block = new UpperMaskNode(origin, false, false);
-    tree.root().addChild(block);
+    tree.addChild(block);
   }
   block->addChild(node.release());
 }
 
 void unite(MaskTree& tree, MaskTree&& other) {
   std::vector<Coord> full_blocks, blocks;
-  for (auto tile = other.root().cbeginValueOn(); tile; ++tile) {
+  for (auto tile = other.cbeginValueOn(); tile; ++tile) {
     full_blocks.push_back(tile.getCoord());
   }
-  for (auto block = other.root().cbeginChildOn(); block; ++block) blocks.push_back(block->origin());
-  for (const Coord& origin : full_blocks) tree.root().addTile(origin, true, true);
+  for (auto block = other.cbeginChildOn(); block; ++block) blocks.push_back(block->origin());
+  for (const Coord& origin : full_blocks) tree.addTile(origin, true, true);
   for (const Coord& origin : blocks) {
-    if (tree.root().isValueOn(origin) &&
-        tree.root().probeConstNode<UpperMaskNode>(origin) == nullptr) {
+    if (tree.isValueOn(origin) && tree.probeConstNode<UpperMaskNode>(origin) == nullptr) {
       continue;  // a full block
     }
-    UpperMaskNode* other_block = other.root().probeNode<UpperMaskNode>(origin);
-    if (UpperMaskNode* block = tree.root().probeNode<UpperMaskNode>(origin)) {
+    UpperMaskNode* other_block = other.probeNode<UpperMaskNode>(origin);
+    if (UpperMaskNode* block = tree.probeNode<UpperMaskNode>(origin)) {
       unite_blocks(*block, *other_block);
     } else {
-      tree.root().addChild(other.root().stealNode<UpperMaskNode>(origin, false, false));
+      tree.addChild(other.stealNode<UpperMaskNode>(origin, false, false));
     }
   }
 }
 
-std::uint64_t voxel_count(const MaskTree& tree) { return tree.activeVoxelCount(); }
+std::uint64_t voxel_count(const MaskTree& tree) { return tree.onVoxelCount(); }
 
 }  // namespace forcelayer

@@ -4,8 +4,9 @@
 // is a uniform box of the set. A leaf's 512 bits are eight words as in BrickMask.
 #pragma once
 
-#include <openvdb/tree/Tree.h>
-#include <openvdb/tree/ValueAccessor.h>
+#include <openvdb/tree/InternalNode.h>
+#include <openvdb/tree/LeafNodeMask.h>
+#include <openvdb/tree/RootNode.h>
 
 #include <array>
 #include <cstdint>
@@ -15,11 +16,12 @@
 
 namespace forcelayer {
 
-using MaskTree = openvdb::tree::Tree4<openvdb::ValueMask, 3, 3, 3>::Type;
-using UpperMaskNode = MaskTree::RootNodeType::ChildNodeType;  // 512^3 voxels
-using LowerMaskNode = UpperMaskNode::ChildNodeType;           // 64^3 voxels
-using MaskLeaf = MaskTree::LeafNodeType;                      // 8^3 voxels: a brick
-using MaskReader = openvdb::tree::ValueAccessor<const MaskTree, /*IsSafe=*/false>;
+using MaskLeaf = openvdb::tree::LeafNode<openvdb::ValueMask, 3>;      // 8^3 voxels: a brick
+using LowerMaskNode = openvdb::tree::InternalNode<MaskLeaf, 3>;       // 64^3 voxels
+using UpperMaskNode = openvdb::tree::InternalNode<LowerMaskNode, 3>;  // 512^3 voxels
+// The root of an openvdb::tree::Tree4<openvdb::ValueMask, 3, 3, 3>::Type. The tree class around it
+// would add input and output alone, and with them the loading of the whole library at every start.
+using MaskTree = openvdb::tree::RootNode<UpperMaskNode>;
 using openvdb::Coord;
 
 inline std::uint64_t* words_of(MaskLeaf& leaf) { return leaf.buffer().data(); }

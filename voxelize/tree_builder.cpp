@@ -30,7 +30,7 @@ struct OffsetNodes {
 
 OffsetNodes offset_nodes(const LayerOffset& offset) {
   struct Scratch {
-    LayerOffset::Scratch offset;
+    NodeHalo halo;
     NodeCodes codes;
     ValueCounts counts;
   };
@@ -40,7 +40,7 @@ OffsetNodes offset_nodes(const LayerOffset& offset) {
   tbb::enumerable_thread_specific<Scratch> scratches;
   tbb::parallel_for(std::size_t{0}, result.nodes.size(), [&](std::size_t i) {
     Scratch& scratch = scratches.local();
-    scratch.counts += offset.codes(result.origins[i], scratch.offset, scratch.codes);
+    scratch.counts += offset.codes(result.origins[i], scratch.halo, scratch.codes);
     result.nodes[i] = cut_into_bricks(scratch.codes);
   });
   for (const Scratch& scratch : scratches) result.counts += scratch.counts;
@@ -106,7 +106,7 @@ std::uint32_t TreeAssembly::add_block(const Entries& entries) {
 
 BuiltTree TreeAssembly::run(OffsetNodes&& nodes, ValueCounts& counts) {
   counts = nodes.counts;
-  for (auto tile = interior_.root().cbeginValueOn(); tile; ++tile) {
+  for (auto tile = interior_.cbeginValueOn(); tile; ++tile) {
     tree_.directory[block_at(tile.getCoord())] = kInteriorEntry;
     counts.interior += 512 * kNodeVoxels;
   }
@@ -116,8 +116,7 @@ BuiltTree TreeAssembly::run(OffsetNodes&& nodes, ValueCounts& counts) {
     if (tree_.directory[block] == kInteriorEntry) counts.interior -= 512 * kNodeVoxels;
     Entries entries;
     entries.fill(tree_.directory[block]);
-    if (const auto* tiles =
-            interior_.root().probeConstNode<UpperMaskNode>(nodes.origins[order[i].node])) {
+    if (const auto* tiles = interior_.probeConstNode<UpperMaskNode>(nodes.origins[order[i].node])) {
       for_each_set(mask_of(tiles->getValueMask()),
                    [&](unsigned n) { entries[n] = kInteriorEntry; });
     }
