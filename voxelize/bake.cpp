@@ -69,7 +69,7 @@ class Pipeline {
                  static_cast<int>(voxel[1] - directory_.origin[1]),
                  static_cast<int>(voxel[2] - directory_.origin[2]));
   }
-  void fill_header(const VoxelTree& tree);
+  void fill_header(const ValueCounts& counts);
   void progress(const char* stage, double share) const {
     if (options_.progress) options_.progress(stage, share);
   }
@@ -161,7 +161,7 @@ Status Pipeline::add_object(std::size_t index) {
   return {};
 }
 
-void Pipeline::fill_header(const VoxelTree& tree) {
+void Pipeline::fill_header(const ValueCounts& counts) {
   VoxmapHeader& header = bake_.header;
   header.voxel_size_m = options_.voxel_size_m;
   header.origin_voxel = header.valid_min_voxel = box_.low;
@@ -174,9 +174,9 @@ void Pipeline::fill_header(const VoxelTree& tree) {
   header.bits_per_voxel = 2;
   header.directory_origin = directory_.origin;
   header.directory_dims = directory_.dims;
-  header.interior_voxels = tree.counts.interior;
-  header.surface_voxels = tree.counts.surface;
-  header.proximity_voxels = tree.counts.proximity;
+  header.interior_voxels = counts.interior;
+  header.surface_voxels = counts.surface;
+  header.proximity_voxels = counts.proximity;
   for (const ObjectReport& object : bake_.objects) header.triangles += object.triangles;
   header.static_deviation_m = deviation_m_ + options_.mesh_deviation_m;
 }
@@ -196,10 +196,11 @@ Result<Bake> Pipeline::run() {
   watch.lap();
   progress("force layer", 0.7);
   const openvdb::CoordBBox box(in_scene(box_.low), in_scene(box_.high));
+  ValueCounts counts;
   VoxelTree tree = build_tree(LayerOffset(geometry_, interior_, options_.layers, box), interior_,
-                              directory_.dims);
+                              directory_.dims, counts);
   bake_.seconds.tree = watch.lap();
-  fill_header(tree);
+  fill_header(counts);
   bake_.directory = std::move(tree.directory);
   bake_.upper_nodes = std::move(tree.upper_nodes);
   bake_.lower_nodes = std::move(tree.lower_nodes);

@@ -106,7 +106,9 @@ BuiltNode cut_into_bricks(const NodeCodes& codes) {
       BrickColumn column(codes, bx, by);
       if (!column.all_uniform()) column.transpose();
       for (unsigned bz = 0; bz < 8; ++bz) {
-        std::uint32_t& entry = node.entries[bx * 64 + by * 8 + bz];
+        const unsigned n = bx * 64 + by * 8 + bz;
+        std::uint32_t& entry = node.entries[n];
+        if (column.uniform(bz) != 0) set(node.held, n);
         if (column.uniform(bz) >= 0) {
           entry = uniform_entry(static_cast<std::uint32_t>(column.uniform(bz)));
         } else {

@@ -14,12 +14,16 @@ using Entries = std::array<std::uint32_t, kNodeEntries>;  // of a node, as in th
 using Brick = std::array<std::uint32_t, 32>;              // 512 two-bit values
 
 inline constexpr std::uint32_t kFreeEntry = uniform_entry(0);
+constexpr bool is_free(std::uint32_t entry) {
+  return is_uniform(entry) && uniform_value(entry) == 0;
+}
 inline constexpr std::uint32_t kInteriorEntry =
     uniform_entry(static_cast<std::uint32_t>(VoxelValue::kInterior));
 
 // A node of 64^3 voxels.
 struct BuiltNode {
   Entries entries;                      // uniform, or the number of a brick below
+  BrickMask held;                       // entries that are not free
   std::vector<Brick> bricks;            // ascending by entry
   std::vector<BrickNearness> nearness;  // of the bricks' non-free voxels
 };

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "voxelize/brick_bits.h"
+#include "voxelize/distance_spread.h"
 
 namespace forcelayer {
 namespace {
@@ -18,10 +19,6 @@ namespace {
 // and distance to a union is the least of the distances. In a node that holds something, no cell is
 // 8 cells away from it, so nothing beyond the neighbouring nodes ever matters.
 
-constexpr bool is_free(std::uint32_t entry) {
-  return is_uniform(entry) && uniform_value(entry) == 0;
-}
-
 struct Offset {
   int x, y, z;
 };
@@ -30,138 +27,164 @@ constexpr Offset offset_of(unsigned direction) {
           static_cast<int>(direction % 3) - 1};
 }
 
-// A cube of cells with its origin in the middle 8x8x8.
-template <class T, int kMargin>
-struct Window {
-  static constexpr int kWidth = 8 + 2 * kMargin;
-  std::array<T, std::size_t{kWidth} * kWidth * kWidth> cells;
+using Place = std::array<std::int64_t, 3>;  // of a parent, in parents from the directory's origin
 
-  T& at(int x, int y, int z) {
-    return cells[static_cast<std::size_t>(((x + kMargin) * kWidth + y + kMargin) * kWidth + z +
-                                          kMargin)];
-  }
-  static constexpr std::ptrdiff_t step(const Offset& d) {
-    return (std::ptrdiff_t{d.x} * kWidth + d.y) * kWidth + d.z;
-  }
-};
-
-// Places of a window along one axis that lie in the neighbouring node at d (-1, 0, 1).
-struct Range {
-  int first, last;  // last exclusive
-};
-constexpr Range range_of(int d, int margin) {
-  return d < 0 ? Range{-margin, 0} : d > 0 ? Range{8, 8 + margin} : Range{0, 8};
+Place neighbor(const Place& place, unsigned direction) {
+  const Offset d = offset_of(direction);
+  return {place[0] + d.x, place[1] + d.y, place[2] + d.z};
 }
 
-// Calls f(x, y, z, n) for the window's places in the neighbouring node in `direction`; n is the
-// place's entry in that node.
-template <class F>
-void for_each_place(unsigned direction, int margin, F&& f) {
-  const Offset d = offset_of(direction);
-  const Range xs = range_of(d.x, margin), ys = range_of(d.y, margin), zs = range_of(d.z, margin);
-  for (int x = xs.first; x < xs.last; ++x) {
-    for (int y = ys.first; y < ys.last; ++y) {
-      for (int z = zs.first; z < zs.last; ++z) {
-        f(x, y, z, static_cast<unsigned>((x & 7) << 6 | (y & 7) << 3 | (z & 7)));
+// A level of the tree: parents, and what their 512 cells hold.
+struct BrickLevel {
+  using Distance = std::uint8_t;  // at most 7 bricks
+  static constexpr unsigned kEdge = kBrickEdge;
+
+  const BuiltTree& tree;
+
+  std::size_t parents() const { return tree.lower.size(); }
+  std::uint32_t parent(const Place& p) const { return tree.node(p[0], p[1], p[2]); }
+  const BrickMask& held(std::uint32_t parent) const { return tree.lower[parent].held; }
+  const Entries& entries(std::uint32_t parent) const { return tree.lower[parent].entries; }
+  const BrickNearness& nearness(std::uint32_t parent, std::uint32_t entry) const {
+    return tree.lower[parent].nearness[entry];
+  }
+};
+
+struct NodeLevel {
+  using Distance = std::uint16_t;  // at most 7 nodes
+  static constexpr unsigned kEdge = kLowerNodeEdge;
+
+  const BuiltTree& tree;
+  const std::vector<NodeNearness>& of_lower;  // [lower nodes]
+  std::vector<BrickMask> held_nodes;          // [upper nodes]
+
+  NodeLevel(const BuiltTree& built, const std::vector<NodeNearness>& nearness_of_lower)
+      : tree(built), of_lower(nearness_of_lower), held_nodes(built.upper.size()) {
+    for (std::size_t i = 0; i < built.upper.size(); ++i) {
+      for (unsigned n = 0; n < kNodeEntries; ++n) {
+        if (!is_free(built.upper[i][n])) set(held_nodes[i], n);
       }
     }
   }
-}
 
-// Distances of a node's cells as far as their neighbours tell: 0 where not free, up to the edge of
-// a cell where a neighbour holds something, else kFar.
+  std::size_t parents() const { return tree.upper.size(); }
+  std::uint32_t parent(const Place& p) const { return tree.block(p[0], p[1], p[2]); }
+  const BrickMask& held(std::uint32_t parent) const { return held_nodes[parent]; }
+  const Entries& entries(std::uint32_t parent) const { return tree.upper[parent]; }
+  const NodeNearness& nearness(std::uint32_t, std::uint32_t entry) const { return of_lower[entry]; }
+};
+
+// Distances of a parent's cells as far as their neighbours tell: 0 where not free, up to the edge
+// of a cell where a neighbour holds something, else kFar.
 template <class T>
 using Near = std::array<T, kNodeEntries>;
 template <class T>
 constexpr T kFar = std::numeric_limits<T>::max();
 
-// A level of the tree: what its cells hold. A null nearness is a free cell.
-struct BrickLevel {
-  using Nearness = BrickNearness;
-  using Distance = std::uint8_t;
-  static constexpr unsigned kEdge = kBrickEdge;
+// Cells of a mask that lie in the outermost layer towards a neighbour from which the mask lies in
+// `direction`: a side, an edge or a corner; the whole mask where the direction is kSelf.
+BrickMask facing_cells(unsigned direction) { return detail::kShells[direction][0]; }
 
-  const BuiltTree& tree;
-  std::uint32_t parent(std::int64_t x, std::int64_t y, std::int64_t z) const {
-    return tree.node(x, y, z);
-  }
-  const Entries& entries(std::uint32_t node) const { return tree.lower[node].entries; }
-  const Nearness* nearness(std::uint32_t node, std::uint32_t entry) const {
-    return &tree.lower[node].nearness[entry];
-  }
-};
-
-struct NodeLevel {
-  using Nearness = NodeNearness;
-  using Distance = std::uint16_t;
-  static constexpr unsigned kEdge = kLowerNodeEdge;
-
-  const BuiltTree& tree;
-  const std::vector<NodeNearness>& of_lower;  // of every lower node
-  std::uint32_t parent(std::int64_t x, std::int64_t y, std::int64_t z) const {
-    return tree.block(x, y, z);
-  }
-  const Entries& entries(std::uint32_t block) const { return tree.upper[block]; }
-  const Nearness* nearness(std::uint32_t, std::uint32_t entry) const { return &of_lower[entry]; }
-};
-
-using Place = std::array<std::int64_t, 3>;  // of a parent, in parents from the directory's origin
-
-// The nearness of the cells of the parent at `place`, and of one layer around them.
+// The distances that the cells of a parent, and of one layer around it, tell their neighbours.
 template <class Level>
-void gather_nearness(const Level& level, const Place& place,
-                     Window<const typename Level::Nearness*, 1>& window) {
-  static const typename Level::Nearness kSolid{};  // non-free up to every side
-  for (unsigned direction = 0; direction < kDirections; ++direction) {
-    const Offset d = offset_of(direction);
-    const std::uint32_t parent = level.parent(place[0] + d.x, place[1] + d.y, place[2] + d.z);
-    for_each_place(direction, 1, [&](int x, int y, int z, unsigned n) {
-      const std::uint32_t entry = is_uniform(parent) ? parent : level.entries(parent)[n];
-      window.at(x, y, z) = is_free(entry)      ? nullptr
-                           : is_uniform(entry) ? &kSolid
-                                               : level.nearness(parent, entry);
-    });
-  }
-}
-
-template <class Level>
-Near<typename Level::Distance> near_of(const Level& level, const Place& place) {
+class NearCells {
+ public:
   using Distance = typename Level::Distance;
-  Window<const typename Level::Nearness*, 1> window;
-  gather_nearness(level, place, window);
-  Near<Distance> near;
-  for_each_place(kSelf, 0, [&](int x, int y, int z, unsigned n) {
-    const auto* cell = &window.at(x, y, z);
-    near[n] = *cell != nullptr ? Distance{0} : kFar<Distance>;
-    if (*cell != nullptr) return;
-    for (unsigned direction = 0; direction < kDirections; ++direction) {
-      const auto* neighbor = cell[window.step(offset_of(direction))];
-      if (neighbor == nullptr) continue;
-      near[n] = std::min(near[n], static_cast<Distance>(neighbor->towards(direction) + 1));
-    }
-  });
-  return near;
-}
 
-// near_of() for the parents that hold something and for their free neighbours.
+  NearCells(const Level& level, const Place& place) {
+    cells_.fill(kFar<Distance>);
+    for (unsigned direction = 0; direction < kDirections; ++direction) {
+      const std::uint32_t parent = level.parent(neighbor(place, direction));
+      if (is_free(parent)) continue;
+      const BrickMask facing = facing_cells(direction);
+      if (is_uniform(parent)) {
+        for_each_set(facing, [&](unsigned n) { tell_of_solid(place_of(direction, n)); });
+      } else {
+        for_each_set(facing & level.held(parent), [&](unsigned n) {
+          const std::uint32_t entry = level.entries(parent)[n];
+          const std::size_t at = place_of(direction, n);
+          is_uniform(entry) ? tell_of_solid(at) : tell_of(level.nearness(parent, entry), at);
+        });
+      }
+    }
+  }
+
+  // The parent's own cells, of which `held` are not free.
+  Near<Distance> result(const BrickMask& held) const {
+    Near<Distance> near;
+    for (unsigned n = 0; n < kNodeEntries; ++n) near[n] = cells_[place_of(kSelf, n)];
+    for_each_set(held, [&](unsigned n) { near[n] = 0; });
+    return near;
+  }
+
+ private:
+  static constexpr int kMargin = 2;  // the layer around the parent, and a layer that it tells
+  static constexpr int kWidth = 8 + 2 * kMargin;
+  static constexpr std::ptrdiff_t flat(int x, int y, int z) {
+    return (std::ptrdiff_t{x} * kWidth + y) * kWidth + z;
+  }
+
+  // Cell n of the neighbour in `direction`.
+  static std::size_t place_of(unsigned direction, unsigned n) {
+    const Offset d = offset_of(direction);
+    return static_cast<std::size_t>(flat(static_cast<int>(n >> 6) + 8 * d.x + kMargin,
+                                         static_cast<int>(n >> 3 & 7) + 8 * d.y + kMargin,
+                                         static_cast<int>(n & 7) + 8 * d.z + kMargin));
+  }
+
+  // Whoever lies against `direction` of the cell at `at` sees it in that direction.
+  template <class Nearness>
+  void tell_of(const Nearness& nearness, std::size_t at) {
+    for (unsigned direction = 0; direction < kDirections; ++direction) {
+      const Offset d = offset_of(direction);
+      Distance& cell = cells_[at - static_cast<std::size_t>(flat(d.x, d.y, d.z))];
+      cell = std::min(cell, static_cast<Distance>(nearness.towards(direction) + 1));
+    }
+  }
+  void tell_of_solid(std::size_t at) {
+    for (unsigned direction = 0; direction < kDirections; ++direction) {
+      const Offset d = offset_of(direction);
+      cells_[at - static_cast<std::size_t>(flat(d.x, d.y, d.z))] = 1;
+    }
+  }
+
+  std::array<Distance, kWidth * kWidth * kWidth> cells_;
+};
+
+struct PlaceHash {
+  std::size_t operator()(const Place& place) const {
+    std::uint64_t hash = 0;
+    for (const std::int64_t x : place) {
+      hash = (hash ^ static_cast<std::uint64_t>(x)) * 0x9e3779b97f4a7c15u;
+      hash ^= hash >> 32;
+    }
+    return hash;
+  }
+};
+
+// The near distances of the parents that hold something and of their free neighbours.
 template <class Level>
 class NearMap {
  public:
   using Distance = typename Level::Distance;
 
   NearMap(const Level& level, const std::vector<Place>& mixed_parents) {
+    std::vector<Place> places;
+    index_.reserve(mixed_parents.size() * 3);
     for (const Place& place : mixed_parents) {
       for (unsigned direction = 0; direction < kDirections; ++direction) {
-        const Offset d = offset_of(direction);
-        const Place next = {place[0] + d.x, place[1] + d.y, place[2] + d.z};
-        const std::uint32_t parent = level.parent(next[0], next[1], next[2]);
+        const Place next = neighbor(place, direction);
+        const std::uint32_t parent = level.parent(next);
         if (is_uniform(parent) && !is_free(parent)) continue;
-        if (index_.try_emplace(next, places_.size()).second) places_.push_back(next);
+        if (index_.try_emplace(next, places.size()).second) places.push_back(next);
       }
     }
-    near_.resize(places_.size());
-    tbb::parallel_for(std::size_t{0}, places_.size(),
-                      [&](std::size_t i) { near_[i] = near_of(level, places_[i]); });
+    near_.resize(places.size());
+    tbb::parallel_for(std::size_t{0}, places.size(), [&](std::size_t i) {
+      const std::uint32_t parent = level.parent(places[i]);
+      near_[i] = NearCells<Level>(level, places[i])
+                     .result(is_uniform(parent) ? BrickMask{} : level.held(parent));
+    });
   }
 
   // Null where the parent is none of them.
@@ -171,31 +194,9 @@ class NearMap {
   }
 
  private:
-  struct PlaceHash {
-    std::size_t operator()(const Place& place) const {
-      std::uint64_t hash = 0;
-      for (const std::int64_t x : place) {
-        hash = (hash ^ static_cast<std::uint64_t>(x)) * 0x9e3779b97f4a7c15u;
-        hash ^= hash >> 32;
-      }
-      return hash;
-    }
-  };
   std::unordered_map<Place, std::size_t, PlaceHash> index_;
-  std::vector<Place> places_;
   std::vector<Near<Distance>> near_;
 };
-
-// The non-free cells of a parent.
-template <class Level>
-BrickMask held_cells(const Level& level, std::uint32_t parent) {
-  BrickMask held;
-  const Entries& entries = level.entries(parent);
-  for (unsigned n = 0; n < kNodeEntries; ++n) {
-    if (!is_free(entries[n])) set(held, n);
-  }
-  return held;
-}
 
 // Steps to a neighbour (of 26) after which the held cells have reached all 512.
 int reach_of(BrickMask held) {
@@ -206,76 +207,50 @@ int reach_of(BrickMask held) {
   return steps;
 }
 
-// A cube of distances: a parent's 8x8x8 cells and `margin` more on each side.
+// Copies the cells of the neighbour in `direction` into a field, as far as the margin reaches. A
+// null `near` stands for cells that are all `uniform`.
 template <class Distance>
-class DistanceField {
- public:
-  void resize(int margin) {
-    margin_ = margin;
-    width_ = 8 + 2 * margin;
-    border_ = width_ * width_;  // room for steps beyond both ends
-    for (auto* cells : {&cells_, &least_, &next_}) {
-      cells->assign(static_cast<std::size_t>(width_ * width_ * width_ + 2 * border_),
-                    kFar<Distance>);
+void place_neighbor(unsigned direction, const Near<Distance>* near, Distance uniform,
+                    DistanceField<Distance>& field) {
+  struct Range {
+    int first, last;  // last exclusive
+  };
+  const int margin = field.margin();
+  const auto range = [margin](int d) {
+    return d < 0 ? Range{-margin, 0} : d > 0 ? Range{8, 8 + margin} : Range{0, 8};
+  };
+  const Offset d = offset_of(direction);
+  const Range xs = range(d.x), ys = range(d.y), zs = range(d.z);
+  for (int x = xs.first; x < xs.last; ++x) {
+    for (int y = ys.first; y < ys.last; ++y) {
+      Distance* to = field.row(x, y) + zs.first;
+      if (near == nullptr) {
+        std::fill_n(to, zs.last - zs.first, uniform);
+      } else {
+        std::copy_n(near->data() + ((x & 7) * 64 + (y & 7) * 8 + (zs.first & 7)),
+                    zs.last - zs.first, to);
+      }
     }
   }
-  Distance& at(int x, int y, int z) {
-    return cells_[static_cast<std::size_t>(
-        border_ + ((x + margin_) * width_ + y + margin_) * width_ + z + margin_)];
-  }
-
-  // Every cell becomes at most `edge` more than the least of its neighbours. Along the field's own
-  // border that goes wrong, for the margin's outermost layer the first time, one layer more each
-  // time: the middle stays right for `margin` times.
-  void spread(Distance edge) {
-    take_least(cells_, least_, 1);
-    take_least(least_, next_, width_);
-    take_least(next_, least_, width_ * width_);
-    const auto count = static_cast<std::size_t>(width_ * width_ * width_);
-    Distance* cell = cells_.data() + border_;
-    const Distance* least = least_.data() + border_;
-    for (std::size_t i = 0; i < count; ++i) {
-      const Distance reached = least[i] > kFar<Distance> - edge
-                                   ? kFar<Distance>
-                                   : static_cast<Distance>(least[i] + edge);
-      cell[i] = std::min(cell[i], reached);
-    }
-  }
-
- private:
-  void take_least(const std::vector<Distance>& from, std::vector<Distance>& to, int step) const {
-    const Distance* in = from.data() + border_;
-    Distance* out = to.data() + border_;
-    for (int i = 0; i < width_ * width_ * width_; ++i) {
-      out[i] = std::min(in[i], std::min(in[i - step], in[i + step]));
-    }
-  }
-
-  int margin_ = 0, width_ = 0, border_ = 0;
-  std::vector<Distance> cells_, least_, next_;
-};
+}
 
 // The distances of all cells of a parent that holds something, into its free entries.
 template <class Level>
 void fill_entries(const Level& level, const NearMap<Level>& near_map, const Place& place,
                   Entries& entries) {
   using Distance = typename Level::Distance;
-  const int margin = reach_of(held_cells(level, level.parent(place[0], place[1], place[2])));
-  thread_local DistanceField<Distance> field;
-  field.resize(margin);
+  DistanceField<Distance> field(reach_of(level.held(level.parent(place))));
   for (unsigned direction = 0; direction < kDirections; ++direction) {
-    const Offset d = offset_of(direction);
-    const Place next = {place[0] + d.x, place[1] + d.y, place[2] + d.z};
+    const Place next = neighbor(place, direction);
     const Near<Distance>* near = near_map.find(next);
-    const bool solid = near == nullptr && !is_free(level.parent(next[0], next[1], next[2]));
-    for_each_place(direction, margin, [&](int x, int y, int z, unsigned n) {
-      field.at(x, y, z) = near != nullptr ? (*near)[n] : solid ? Distance{0} : kFar<Distance>;
-    });
+    const bool solid = near == nullptr && !is_free(level.parent(next));
+    place_neighbor(direction, near, solid ? Distance{0} : kFar<Distance>, field);
   }
-  for (int step = 0; step < margin; ++step) field.spread(static_cast<Distance>(Level::kEdge));
-  for_each_place(kSelf, 0, [&](int x, int y, int z, unsigned n) {
-    if (is_free(entries[n])) entries[n] = uniform_entry(0, field.at(x, y, z));
-  });
+  field.spread(static_cast<Distance>(Level::kEdge));
+  for (int n = 0; n < static_cast<int>(kNodeEntries); ++n) {
+    std::uint32_t& entry = entries[static_cast<std::size_t>(n)];
+    if (is_free(entry)) entry = uniform_entry(0, field.row(n >> 6, n >> 3 & 7)[n & 7]);
+  }
 }
 
 template <class Level>
@@ -286,18 +261,16 @@ void fill_level(const Level& level, const std::vector<Place>& parents,
                     [&](std::size_t i) { fill_entries(level, near_map, parents[i], *entries[i]); });
 }
 
-// How near a node's or block's non-free voxels come to its sides.
+// How near the voxels of every parent come to its sides.
 template <class Level>
-std::vector<NodeNearness> nearness_of_parents(const Level& level, std::size_t count) {
-  std::vector<NodeNearness> nearness(count);
-  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+std::vector<NodeNearness> nearness_of_parents(const Level& level) {
+  std::vector<NodeNearness> nearness(level.parents());
+  tbb::parallel_for(std::size_t{0}, nearness.size(), [&](std::size_t i) {
     const auto parent = static_cast<std::uint32_t>(i);
     const Entries& entries = level.entries(parent);
-    nearness[i] =
-        combined(held_cells(level, parent), Level::kEdge, [&](unsigned n, unsigned direction) {
-          return is_uniform(entries[n]) ? 0u
-                                        : level.nearness(parent, entries[n])->towards(direction);
-        });
+    nearness[i] = combined(level.held(parent), Level::kEdge, [&](unsigned n, unsigned direction) {
+      return is_uniform(entries[n]) ? 0u : level.nearness(parent, entries[n]).towards(direction);
+    });
   });
   return nearness;
 }
@@ -391,9 +364,9 @@ void add_clearance(BuiltTree& tree) {
   for (Entries& entries : tree.upper) upper.push_back(&entries);
 
   const BrickLevel bricks{tree};
-  const auto of_lower = nearness_of_parents(bricks, tree.lower.size());
-  const NodeLevel nodes{tree, of_lower};
-  const auto of_upper = nearness_of_parents(nodes, tree.upper.size());
+  const auto of_lower = nearness_of_parents(bricks);
+  const NodeLevel nodes(tree, of_lower);
+  const auto of_upper = nearness_of_parents(nodes);
   fill_level(bricks, node_places, lower);
   fill_level(nodes, block_places, upper);
   DirectoryDistances(tree, of_upper).fill_entries();

@@ -4,13 +4,13 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <string_view>
-#include <unordered_map>
+#include <utility>
 
 #include "voxelize/brick_bits.h"
 #include "voxelize/brick_cutter.h"
 #include "voxelize/built_tree.h"
 #include "voxelize/clearance.h"
+#include "voxelize/sharing.h"
 
 namespace forcelayer {
 namespace {
@@ -133,64 +133,13 @@ BuiltTree TreeAssembly::run(OffsetNodes&& nodes, ValueCounts& counts) {
   return std::move(tree_);
 }
 
-// Appends records of `kWords` words to an array, each different one once.
-template <std::size_t kWords>
-class UniqueRecords {
- public:
-  explicit UniqueRecords(std::vector<std::uint32_t>& array) : array_(array) {}
-
-  std::uint32_t add(const std::array<std::uint32_t, kWords>& record) {
-    const std::string_view bytes(reinterpret_cast<const char*>(record.data()), sizeof record);
-    const auto number = static_cast<std::uint32_t>(array_.size() / kWords);
-    auto& same_hash = numbers_[std::hash<std::string_view>()(bytes)];
-    for (const std::uint32_t candidate : same_hash) {
-      if (std::equal(record.begin(), record.end(),
-                     array_.begin() + std::ptrdiff_t{candidate} * kWords)) {
-        return candidate;
-      }
-    }
-    same_hash.push_back(number);
-    array_.insert(array_.end(), record.begin(), record.end());
-    return number;
-  }
-
- private:
-  std::vector<std::uint32_t>& array_;
-  std::unordered_map<std::size_t, std::vector<std::uint32_t>> numbers_;
-};
-
-// The tree with equal bricks and equal nodes stored once, numbered by first use.
-void share_equal(const BuiltTree& built, VoxelTree& tree) {
-  UniqueRecords<32> bricks(tree.bricks);
-  UniqueRecords<kNodeEntries> lower_nodes(tree.lower_nodes), upper_nodes(tree.upper_nodes);
-  std::vector<std::uint32_t> lower_number;
-  for (const BuiltNode& node : built.lower) {
-    Entries entries = node.entries;
-    for (std::uint32_t& entry : entries) {
-      if (!is_uniform(entry)) entry = bricks.add(node.bricks[entry]);
-    }
-    lower_number.push_back(lower_nodes.add(entries));
-  }
-  tree.directory = built.directory;
-  for (std::uint32_t& block : tree.directory) {
-    if (is_uniform(block)) continue;
-    Entries entries = built.upper[block];
-    for (std::uint32_t& entry : entries) {
-      if (!is_uniform(entry)) entry = lower_number[entry];
-    }
-    block = upper_nodes.add(entries);
-  }
-}
-
 }  // namespace
 
 VoxelTree build_tree(const LayerOffset& offset, const MaskTree& interior,
-                     const std::array<std::uint32_t, 3>& directory_dims) {
-  VoxelTree tree;
-  BuiltTree built = TreeAssembly(interior, directory_dims).run(offset_nodes(offset), tree.counts);
+                     const std::array<std::uint32_t, 3>& directory_dims, ValueCounts& counts) {
+  BuiltTree built = TreeAssembly(interior, directory_dims).run(offset_nodes(offset), counts);
   add_clearance(built);
-  share_equal(built, tree);
-  return tree;
+  return share_equal(std::move(built));
 }
 
 }  // namespace forcelayer

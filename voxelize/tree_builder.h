@@ -3,25 +3,17 @@
 
 #include <array>
 #include <cstdint>
-#include <vector>
 
 #include "voxelize/mask_tree.h"
 #include "voxelize/offset.h"
+#include "voxelize/sharing.h"
 
 namespace forcelayer {
-
-struct VoxelTree {
-  std::vector<std::uint32_t> directory;    // [dims x][dims y][dims z]
-  std::vector<std::uint32_t> upper_nodes;  // [count][512]
-  std::vector<std::uint32_t> lower_nodes;  // [count][512]
-  std::vector<std::uint32_t> bricks;       // [count][32]
-  ValueCounts counts;
-};
 
 // The offset scene as a tree over `directory_dims` blocks of 512^3 voxels from the scene's origin.
 // Uniform boxes are collapsed, equal bricks and equal nodes stored once, and numbers follow the
 // order of the tree, so that the arrays depend on the voxels alone.
 VoxelTree build_tree(const LayerOffset& offset, const MaskTree& interior,
-                     const std::array<std::uint32_t, 3>& directory_dims);
+                     const std::array<std::uint32_t, 3>& directory_dims, ValueCounts& counts);
 
 }  // namespace forcelayer
