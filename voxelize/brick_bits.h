@@ -63,13 +63,88 @@ constexpr bool lies_on(unsigned n, int side) {
 }
 
 // The cells of `mask` on `side`, where they are.
-BrickMask side_cells(const BrickMask& mask, int side);
+inline BrickMask side_cells(const BrickMask& mask, int side) {
+  BrickMask cells;
+  if (side < 2) {
+    const std::size_t x = side == 0 ? 0 : 7;
+    cells.words[x] = mask.words[x];
+    return cells;
+  }
+  constexpr std::uint64_t kCells[] = {0xff, kAllBits << 56, kFirstColumn, kFirstColumn << 7};
+  const std::uint64_t on_side = kCells[side - 2];
+  for (std::size_t x = 0; x < 8; ++x) cells.words[x] = mask.words[x] & on_side;
+  return cells;
+}
 
-// The cells on `side` of a mask that touch the set cells of its `neighbor` across that side.
-BrickMask across(const BrickMask& neighbor, int side);
+// Whether `mask` has a cell on `side`.
+inline bool any_on_side(const BrickMask& mask, int side) {
+  if (side < 2) return mask.words[side == 0 ? 0 : 7] != 0;
+  std::uint64_t all = 0;
+  for (const std::uint64_t word : mask.words) all |= word;
+  constexpr std::uint64_t kCells[] = {0xff, kAllBits << 56, kFirstColumn, kFirstColumn << 7};
+  return (all & kCells[side - 2]) != 0;
+}
+
+// Adds the cells on `side` that touch the set cells of a `neighbor` across that side.
+inline void add_across(const BrickMask& neighbor, int side, BrickMask& cells) {
+  switch (side) {
+    case 0:
+      cells.words[0] |= neighbor.words[7];
+      return;
+    case 1:
+      cells.words[7] |= neighbor.words[0];
+      return;
+    case 2:
+      for (std::size_t x = 0; x < 8; ++x) cells.words[x] |= neighbor.words[x] >> 56;
+      return;
+    case 3:
+      for (std::size_t x = 0; x < 8; ++x) cells.words[x] |= neighbor.words[x] << 56;
+      return;
+    case 4:
+      for (std::size_t x = 0; x < 8; ++x) {
+        cells.words[x] |= neighbor.words[x] >> 7 & kFirstColumn;
+      }
+      return;
+    default:
+      for (std::size_t x = 0; x < 8; ++x) {
+        cells.words[x] |= (neighbor.words[x] & kFirstColumn) << 7;
+      }
+  }
+}
+inline BrickMask across(const BrickMask& neighbor, int side) {
+  BrickMask cells;
+  add_across(neighbor, side, cells);
+  return cells;
+}
 
 // The cells next to set cells across `side`; those that leave the mask are lost.
-BrickMask shifted(const BrickMask& mask, int side);
+inline BrickMask shifted(const BrickMask& mask, int side) {
+  BrickMask result;
+  switch (side) {
+    case 0:
+      for (std::size_t x = 0; x < 7; ++x) result.words[x] = mask.words[x + 1];
+      return result;
+    case 1:
+      for (std::size_t x = 1; x < 8; ++x) result.words[x] = mask.words[x - 1];
+      return result;
+    case 2:
+      for (std::size_t x = 0; x < 8; ++x) result.words[x] = mask.words[x] >> 8;
+      return result;
+    case 3:
+      for (std::size_t x = 0; x < 8; ++x) result.words[x] = mask.words[x] << 8;
+      return result;
+    case 4:
+      for (std::size_t x = 0; x < 8; ++x) {
+        result.words[x] = (mask.words[x] & ~kFirstColumn) >> 1;
+      }
+      return result;
+    default:
+      for (std::size_t x = 0; x < 8; ++x) {
+        result.words[x] = (mask.words[x] & ~(kFirstColumn << 7)) << 1;
+      }
+      return result;
+  }
+}
 
 // The cells of `open` that a 6-connected walk inside `open` reaches from `seeds`.
 BrickMask flooded(const BrickMask& seeds, const BrickMask& open);

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "voxelize/built_tree.h"
-#include "voxelize/offset.h"
+#include "voxelize/dilation.h"
 
 namespace forcelayer {
 

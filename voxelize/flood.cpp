@@ -1,5 +1,6 @@
 #include "voxelize/flood.h"
 
+#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
 #include <atomic>
@@ -19,23 +20,23 @@ namespace {
 // A node that holds surface.
 struct FloodNode {
   const LowerMaskNode* geometry = nullptr;
-  BrickMask surface_bricks;                      // that hold surface
-  BrickMask reached_bricks;                      // of those without
-  std::vector<BrickMask> reached;                // [surface bricks, ascending] voxels
-  std::array<std::uint16_t, 8> first_in_word{};  // number of each word's first surface brick
-  std::size_t block = 0;                         // where the node stands
+  BrickMask surface_bricks;                  // that hold surface
+  BrickMask reached_bricks;                  // of those without
+  std::vector<BrickMask> reached;            // [surface bricks, ascending] voxels
+  std::array<std::uint16_t, 512> number_of;  // of each surface brick
+  std::size_t block = 0;                     // where the node stands
   unsigned place = 0;
   unsigned woken_sides = 0;    // bit per side whose neighbour changed
   unsigned changed_sides = 0;  // bit per side that the last fill changed
-  BrickMask seeded;            // bricks to look at although no neighbour changed
+  struct Seed {
+    unsigned brick, voxel;
+  };
+  std::vector<Seed> seeds;  // to flood from in the next fill
 
-  std::size_t number(unsigned n) const {
-    const std::uint64_t below = (std::uint64_t{1} << (n & 63)) - 1;
-    return first_in_word[n >> 6] +
-           static_cast<std::size_t>(std::popcount(surface_bricks.words[n >> 6] & below));
-  }
-  BrickMask surface_voxels(unsigned n) const {
-    return brick_of(*geometry->getTable()[n].getChild());
+  BrickMask& reached_voxels(unsigned n) { return reached[number_of[n]]; }
+  const BrickMask& reached_voxels(unsigned n) const { return reached[number_of[n]]; }
+  const std::uint64_t* surface_words(unsigned n) const {
+    return words_of(*geometry->getTable()[n].getChild());
   }
 };
 
@@ -75,84 +76,97 @@ struct Neighbor {
   // The reached voxels of its brick n.
   BrickMask brick(unsigned n) const {
     if (node == nullptr) return reached ? full_mask() : BrickMask{};
-    if (test(node->surface_bricks, n)) return load(node->reached[node->number(n)]);
+    if (test(node->surface_bricks, n)) return load(node->reached_voxels(n));
     return test(load(node->reached_bricks), n) ? full_mask() : BrickMask{};
   }
 };
 
-// The flood inside one node, until nothing more is reached.
+// The flood inside one node, until nothing more is reached. What a brick gains is pushed to the
+// bricks next to it, as far as it is new to them.
 class NodeFill {
  public:
-  NodeFill(FloodNode& node, const std::array<Neighbor, kSides>& neighbors)
-      : node_(node), neighbors_(neighbors), dirty_(node.seeded) {
-    for (int side = 0; side < kSides; ++side) {
-      if (node.woken_sides >> side & 1) dirty_ = dirty_ | side_cells(full_mask(), side);
+  // Voxels of a node's surface bricks to flood from; any content.
+  using Pending = std::array<BrickMask, 512>;
+
+  NodeFill(FloodNode& node, Pending& pending) : node_(node), pending_(pending) {}
+
+  // Takes in what the node across `side` has reached.
+  void pull(int side, const Neighbor& neighbor) {
+    for_each_set(side_cells(~node_.reached_bricks, side), [&](unsigned n) {
+      if (test(node_.surface_bricks, n) && !any_on_side(unreached_voxels(n), side)) return;
+      push(n, across(neighbor.brick(stepped(n, side)), side));
+    });
+  }
+
+  // Reaches the open voxels among `voxels` of brick n.
+  void push(unsigned n, const BrickMask& voxels) {
+    if (!test(node_.surface_bricks, n)) {
+      if (!test(node_.reached_bricks, n) && voxels.any()) set(empty_seeds_, n);
+      return;
     }
-    node.seeded = {};
-    node.woken_sides = node.changed_sides = 0;
+    const std::uint64_t* surface = node_.surface_words(n);
+    const BrickMask& reached = node_.reached_voxels(n);
+    BrickMask& pending = pending_[node_.number_of[n]];
+    if (!test(dirty_, n)) pending = {};
+    std::uint64_t any = 0;
+    for (std::size_t x = 0; x < 8; ++x) {
+      const std::uint64_t fresh = voxels.words[x] & ~(surface[x] | reached.words[x]);
+      pending.words[x] |= fresh;
+      any |= fresh;
+    }
+    if (any != 0) set(dirty_, n);
   }
 
   void run() {
-    while (dirty_.any()) {
-      fill_empty_bricks();
-      const BrickMask todo = dirty_ & node_.surface_bricks;
-      dirty_ = {};
+    for (;;) {
+      if (empty_seeds_.any()) fill_empty_bricks();
+      const BrickMask todo = dirty_;
+      if (!todo.any()) return;
       for_each_set(todo, [&](unsigned n) { fill_surface_brick(n); });
     }
   }
 
  private:
-  // The voxels of brick n that its six neighbours have reached the other side of.
-  BrickMask inflow(unsigned n) const {
-    BrickMask seeds;
-    for (int side = 0; side < kSides; ++side) {
-      const unsigned next = stepped(n, side);
-      if (lies_on(n, side)) {
-        seeds = seeds | across(neighbors_[static_cast<std::size_t>(side)].brick(next), side);
-      } else if (test(node_.surface_bricks, next)) {
-        seeds = seeds | across(node_.reached[node_.number(next)], side);
-      } else if (test(node_.reached_bricks, next)) {
-        seeds = seeds | across(full_mask(), side);
-      }
-    }
-    return seeds;
+  // Of a surface brick, neither surface nor reached.
+  BrickMask unreached_voxels(unsigned n) const {
+    const std::uint64_t* surface = node_.surface_words(n);
+    const BrickMask& reached = node_.reached_voxels(n);
+    BrickMask voxels;
+    for (std::size_t x = 0; x < 8; ++x) voxels.words[x] = ~(surface[x] | reached.words[x]);
+    return voxels;
   }
 
   void fill_empty_bricks() {
     const BrickMask unreached = ~(node_.surface_bricks | node_.reached_bricks);
-    BrickMask seeds;
-    for_each_set(dirty_ & unreached, [&](unsigned n) {
-      if (inflow(n).any()) set(seeds, n);
-    });
-    if (!seeds.any()) return;
-    const BrickMask added = flooded(seeds, unreached);
+    const BrickMask added = flooded(empty_seeds_, unreached);
+    empty_seeds_ = {};
     store(node_.reached_bricks, node_.reached_bricks | added);
     for (int side = 0; side < kSides; ++side) {
-      dirty_ = dirty_ | shifted(added, side);
-      if (side_cells(added, side).any()) node_.changed_sides |= 1u << side;
+      const BrickMask flow = across(full_mask(), opposite(side));
+      for_each_set(shifted(added, side) & node_.surface_bricks, [&](unsigned n) { push(n, flow); });
+      if (any_on_side(added, side)) node_.changed_sides |= 1u << side;
     }
   }
 
   void fill_surface_brick(unsigned n) {
-    BrickMask& reached = node_.reached[node_.number(n)];
-    const BrickMask open = ~node_.surface_voxels(n);
-    const BrickMask seeds = inflow(n) & open & ~reached;
-    if (!seeds.any()) return;
-    const BrickMask added = flooded(seeds, open & ~reached);
+    BrickMask& reached = node_.reached_voxels(n);
+    const BrickMask added = flooded(pending_[node_.number_of[n]], unreached_voxels(n));
+    dirty_.words[n >> 6] &= ~(std::uint64_t{1} << (n & 63));
     store(reached, reached | added);
     for (int side = 0; side < kSides; ++side) {
-      if (!side_cells(added, side).any()) continue;
+      if (!any_on_side(added, side)) continue;
       if (lies_on(n, side)) {
         node_.changed_sides |= 1u << side;
       } else {
-        set(dirty_, stepped(n, side));
+        push(stepped(n, side), across(added, opposite(side)));
       }
     }
   }
 
   FloodNode& node_;
-  const std::array<Neighbor, kSides>& neighbors_;
-  BrickMask dirty_;  // bricks to look at
+  BrickMask dirty_;        // surface bricks with something pending
+  BrickMask empty_seeds_;  // bricks without surface that something has reached
+  Pending& pending_;       // [surface bricks] set where dirty
 };
 
 class Flood {
@@ -184,6 +198,7 @@ class Flood {
   void add_nodes(const MaskTree& geometry);
   void seed(const Coord& voxel);
   void seed_node(std::uint32_t number, unsigned brick, unsigned voxel);
+  void fill(FloodNode& node, NodeFill::Pending& pending) const;
   void open_border();
   void wake(std::uint32_t node, int side);
   void wake_all(std::size_t block, const BrickMask& places, int side);
@@ -234,10 +249,7 @@ void Flood::add_nodes(const MaskTree& geometry) {
     FloodNode& node = nodes_[i];
     node.surface_bricks = mask_of(node.geometry->getChildMask());
     std::uint16_t number = 0;
-    for (std::size_t x = 0; x < 8; ++x) {
-      node.first_in_word[x] = number;
-      number += static_cast<std::uint16_t>(std::popcount(node.surface_bricks.words[x]));
-    }
+    for_each_set(node.surface_bricks, [&](unsigned n) { node.number_of[n] = number++; });
     node.reached.resize(number);
   });
 }
@@ -281,7 +293,7 @@ Neighbor Flood::neighbor(const FloodNode& node, int side) const {
 }
 
 void Flood::wake(std::uint32_t node, int side) {
-  if (nodes_[node].woken_sides == 0 && !nodes_[node].seeded.any()) awake_.push_back(node);
+  if (nodes_[node].woken_sides == 0 && nodes_[node].seeds.empty()) awake_.push_back(node);
   nodes_[node].woken_sides |= 1u << side;
 }
 
@@ -297,7 +309,7 @@ void Flood::wake_all(std::size_t block, const BrickMask& places, int side) {
 void Flood::announce(std::size_t block, const BrickMask& added) {
   for (int side = 0; side < kSides; ++side) {
     wake_all(block, shifted(added, side), opposite(side));
-    if (!side_cells(added, side).any()) continue;
+    if (!any_on_side(added, side)) continue;
     const std::size_t next = block_across(block, side);
     if (next == kOutside) continue;
     wake_all(next, across(added, opposite(side)), opposite(side));
@@ -387,44 +399,37 @@ void Flood::seed(const Coord& voxel) {
 
 void Flood::seed_node(std::uint32_t number, unsigned brick, unsigned voxel) {
   FloodNode& node = nodes_[number];
-  BrickMask added = full_mask();
-  if (test(node.surface_bricks, brick)) {
-    BrickMask point;
-    set(point, voxel);
-    BrickMask& reached = node.reached[node.number(brick)];
-    added = flooded(point, ~node.surface_voxels(brick));
-    reached = reached | added;
-  } else {
-    set(node.reached_bricks, brick);
-  }
-  if (node.woken_sides == 0 && !node.seeded.any()) awake_.push_back(number);
-  set(node.seeded, brick);
+  if (node.woken_sides == 0 && node.seeds.empty()) awake_.push_back(number);
+  node.seeds.push_back({brick, voxel});
+}
+
+// One round of a node's flood.
+void Flood::fill(FloodNode& node, NodeFill::Pending& pending) const {
+  NodeFill fill(node, pending);
+  node.changed_sides = 0;
   for (int side = 0; side < kSides; ++side) {
-    if (!side_cells(added, side).any()) continue;
-    if (lies_on(brick, side)) {
-      node.changed_sides |= 1u << side;
-    } else {
-      set(node.seeded, stepped(brick, side));
-    }
+    if (node.woken_sides >> side & 1) fill.pull(side, neighbor(node, side));
   }
+  for (const FloodNode::Seed& seed : node.seeds) {
+    BrickMask point;
+    set(point, seed.voxel);
+    fill.push(seed.brick, point);
+  }
+  node.woken_sides = 0;
+  node.seeds.clear();
+  fill.run();
 }
 
 void Flood::run(std::span<const Coord> seeds) {
   open_border();
   for (const Coord& voxel : seeds) seed(voxel);
-  for (std::size_t i = 0; i < awake_.size(); ++i) tell_neighbors(nodes_[awake_[i]]);  // may grow
   spread_blocks();
+  tbb::enumerable_thread_specific<NodeFill::Pending> pending;
   while (!awake_.empty()) {
     const std::vector<std::uint32_t> round = std::move(awake_);
     awake_.clear();
-    tbb::parallel_for(std::size_t{0}, round.size(), [&](std::size_t i) {
-      FloodNode& node = nodes_[round[i]];
-      std::array<Neighbor, kSides> neighbors;
-      for (int side = 0; side < kSides; ++side) {
-        neighbors[static_cast<std::size_t>(side)] = neighbor(node, side);
-      }
-      NodeFill(node, neighbors).run();
-    });
+    tbb::parallel_for(std::size_t{0}, round.size(),
+                      [&](std::size_t i) { fill(nodes_[round[i]], pending.local()); });
     for (const std::uint32_t node : round) tell_neighbors(nodes_[node]);
     spread_blocks();
   }
@@ -437,7 +442,8 @@ std::unique_ptr<LowerMaskNode> interior_node(const FloodNode& node, const Coord&
   bool any = unreached.any();
   for_each_set(unreached, [&](unsigned n) { result->addTile(n, true, true); });
   for_each_set(node.surface_bricks, [&](unsigned n) {
-    const BrickMask voxels = ~(node.reached[node.number(n)] | node.surface_voxels(n));
+    const BrickMask voxels =
+        ~(node.reached_voxels(n) | brick_of(*node.geometry->getTable()[n].getChild()));
     if (!voxels.any()) return;
     any = true;
     auto leaf = std::make_unique<MaskLeaf>(entry_origin(origin, n, 8), false);

@@ -47,6 +47,20 @@ class LargeTriangle {
     for (std::int64_t z = 0; z < 8; ++z) along_z_[static_cast<std::size_t>(z)] = normal_[2] * z;
   }
 
+  // The bricks of the node in the triangle's box, both ends inclusive.
+  struct Bricks {
+    std::array<unsigned, 3> first, last;
+  };
+  HWY_INLINE Bricks bricks() const {
+    Bricks box;
+    for (std::size_t d = 0; d < 3; ++d) {
+      if (high_[d] < 0 || low_[d] > 63) return {{1, 1, 1}, {0, 0, 0}};
+      box.first[d] = static_cast<unsigned>(std::max<std::int64_t>(low_[d], 0) >> 3);
+      box.last[d] = static_cast<unsigned>(std::min<std::int64_t>(high_[d], 63) >> 3);
+    }
+    return box;
+  }
+
   // The hit ones of 8x8x8 cells of 2^log2_cell voxels an edge; `corner` is the lowest voxel. False
   // where there is none.
   HWY_INLINE bool find_cells(const std::array<std::int64_t, 3>& corner, int log2_cell,
@@ -123,7 +137,9 @@ class LargeTriangle {
     const std::int64_t lo = ceil_shift(value + (up_ > 0 ? 1 : 0), shift) - up_;
     const std::int64_t hi = ((value - (down_ < 0 ? 1 : 0)) >> shift) - down_;
     if (lo > 7 * up_ || hi < 7 * down_) return false;
-    const bool narrow = 7 * (up_ - down_) < INT32_MAX / 2;
+    // Sums of cells lie between 7 down and 7 up; wrapped to 32 bits, they must not come around to
+    // the far side of lo..hi, which is at most as wide as up - down + 1.
+    const bool narrow = 8 * (up_ - down_) + 1 < (std::int64_t{1} << 32);
     std::uint64_t any = 0;
     hit = {};
     for (unsigned x = 0; x < 8; ++x) {
@@ -133,7 +149,10 @@ class LargeTriangle {
       std::uint64_t word = shadow[0] & fill_rows(over_y) & over_z * kFirstColumn;
       if (word == 0) continue;
       const std::int64_t offset = normal_[0] * x;
-      word &= narrow ? between_narrow(lo - offset, hi - offset)
+      word &= narrow ? SquareCells<8>::between(static_cast<std::int32_t>(normal_[1]),
+                                               static_cast<std::int32_t>(normal_[2]),
+                                               static_cast<std::uint32_t>(lo - offset),
+                                               static_cast<std::uint32_t>(hi - lo))
                      : between_wide(word, lo - offset, hi - offset);
       hit.words[x] = word;
       any |= word;
@@ -141,16 +160,8 @@ class LargeTriangle {
     return any != 0;
   }
 
-  // Cells y*8 + z with lo <= ny y + nz z <= hi; the sums fit 31 bits.
-  HWY_INLINE std::uint64_t between_narrow(std::int64_t lo, std::int64_t hi) const {
-    constexpr std::int64_t kLimit = INT32_MAX - 1;
-    return SquareCells<8>::between(static_cast<std::int32_t>(normal_[1]),
-                                   static_cast<std::int32_t>(normal_[2]),
-                                   static_cast<std::int32_t>(std::clamp(lo, -kLimit, kLimit)),
-                                   static_cast<std::int32_t>(std::clamp(hi, -kLimit, kLimit)));
-  }
-
-  // The same among the cells of `wanted`, for larger sums: row by row in 64-bit lanes.
+  // The cells y*8 + z among those `wanted` with lo <= ny y + nz z <= hi, row by row in 64-bit
+  // lanes.
   HWY_INLINE std::uint64_t between_wide(std::uint64_t wanted, std::int64_t lo,
                                         std::int64_t hi) const {
     constexpr hn::CappedTag<std::int64_t, 8> kTag{};
@@ -181,15 +192,32 @@ class LargeTriangle {
   alignas(64) std::array<std::int64_t, 8> along_z_;
 };
 
+// Marks the voxels of one brick.
+HWY_INLINE void draw_brick(const LargeTriangle& triangle, unsigned x, unsigned y, unsigned z,
+                           NodeCanvas& canvas) {
+  BrickMask voxels;
+  if (!triangle.find_cells({8 * x, 8 * y, 8 * z}, 0, voxels)) return;
+  BrickMask& target = canvas.brick(x, y, z);
+  for (std::size_t i = 0; i < 8; ++i) target.words[i] |= voxels.words[i];
+}
+
 void draw_triangle(const LatticeTriangle& corners, NodeCanvas& canvas) {
+  constexpr unsigned kFewBricks = 8;  // not worth a test of their own
   const LargeTriangle triangle(corners);
-  BrickMask bricks, voxels;
-  if (!triangle.find_cells({0, 0, 0}, 3, bricks)) return;
-  for_each_cell(bricks, [&](unsigned x, unsigned y, unsigned z) HWY_ATTR {
-    if (!triangle.find_cells({8 * x, 8 * y, 8 * z}, 0, voxels)) return;
-    BrickMask& target = canvas.brick(x, y, z);
-    for (std::size_t i = 0; i < 8; ++i) target.words[i] |= voxels.words[i];
-  });
+  const auto [first, last] = triangle.bricks();
+  if (first[0] > last[0] || first[1] > last[1] || first[2] > last[2]) return;
+  if ((last[0] - first[0] + 1) * (last[1] - first[1] + 1) * (last[2] - first[2] + 1) > kFewBricks) {
+    BrickMask bricks;
+    if (!triangle.find_cells({0, 0, 0}, 3, bricks)) return;
+    for_each_cell(bricks, [&](unsigned x, unsigned y, unsigned z)
+                              HWY_ATTR { draw_brick(triangle, x, y, z, canvas); });
+    return;
+  }
+  for (unsigned x = first[0]; x <= last[0]; ++x) {
+    for (unsigned y = first[1]; y <= last[1]; ++y) {
+      for (unsigned z = first[2]; z <= last[2]; ++z) draw_brick(triangle, x, y, z, canvas);
+    }
+  }
 }
 
 }  // namespace

@@ -50,7 +50,7 @@ detail::Shells make_shells() {
 const detail::Shells detail::kShells = make_shells();
 
 BrickNearness::BrickNearness(const BrickMask& non_free) {
-  // words within n steps of the far side, of any, and of the near side along x
+  // Planes within n steps of the near end, of any, and of the far end along x.
   std::array<std::array<std::uint64_t, 8>, 3> along_x;
   std::uint64_t from_low = 0, from_high = 0;
   for (std::size_t n = 0; n < 8; ++n) {
@@ -61,11 +61,11 @@ BrickNearness::BrickNearness(const BrickMask& non_free) {
   for (unsigned direction = 0; direction < kDirections; ++direction) {
     const auto& words = along_x[direction / 9];
     const auto& facing = kFacing.within[direction % 9];
-    unsigned missed = 0;  // bit n: nothing within n steps
-    for (unsigned n = 0; n < 8; ++n)
-      missed |= static_cast<unsigned>((words[n] & facing[n]) == 0) << n;
-    nibbles_[direction >> 4] |= std::uint64_t{static_cast<unsigned>(std::popcount(missed))}
-                                << 4 * (direction & 15);
+    // Something lies within n steps from some n on: found in three questions.
+    unsigned steps = (words[3] & facing[3]) != 0 ? 0 : 4;
+    steps += (words[steps + 1] & facing[steps + 1]) != 0 ? 0 : 2;
+    steps += (words[steps] & facing[steps]) != 0 ? 0 : 1;
+    nibbles_[direction >> 4] |= std::uint64_t{steps} << 4 * (direction & 15);
   }
 }
 

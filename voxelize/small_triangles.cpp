@@ -145,9 +145,10 @@ HWY_INLINE std::uint64_t rows_of(std::uint64_t bits) {
   return kSide == 8 ? bits : widen_rows(bits);
 }
 
-// The bounds of n . i over the window's cells that the triangle's plane crosses.
+// The bounds of n . i over the window's cells that the triangle's plane crosses: lo .. lo + width.
 struct Bounds {
-  std::int32_t lo, hi;
+  std::int32_t lo;
+  std::uint32_t width;
 };
 HWY_INLINE Bounds plane_bounds(const Prepared& prepared, std::size_t t) {
   std::int64_t value = 0, up = 0, down = 0;
@@ -159,7 +160,7 @@ HWY_INLINE Bounds plane_bounds(const Prepared& prepared, std::size_t t) {
   }
   const std::int64_t lo = ((value + (up > 0 ? 1 : 0) + kSnapUnits - 1) >> kSnapBits) - up;
   const std::int64_t hi = ((value - (down < 0 ? 1 : 0)) >> kSnapBits) - down;
-  return {static_cast<std::int32_t>(lo), static_cast<std::int32_t>(hi)};
+  return {static_cast<std::int32_t>(lo), static_cast<std::uint32_t>(hi - lo)};
 }
 
 // The hit cells of a triangle of at most kSide voxels along every axis.
@@ -178,10 +179,9 @@ HWY_INLINE void find_cells(const Prepared& prepared, std::size_t t, Window& wind
   for (unsigned x = 0; x <= span_x; ++x) {
     const std::uint64_t y = along_z >> (kSide * x) & kRow & rows_y;
     const std::uint64_t z = along_y >> (kSide * x) & kRow & columns_z;
-    const std::int32_t offset = nx * static_cast<std::int32_t>(x);
-    window[x] =
-        along_x & fill_rows(y) & z * kFirstColumn &
-        rows_of<kSide>(SquareCells<kSide>::between(ny, nz, bounds.lo - offset, bounds.hi - offset));
+    const auto lo = static_cast<std::uint32_t>(bounds.lo - nx * static_cast<std::int32_t>(x));
+    window[x] = along_x & fill_rows(y) & z * kFirstColumn &
+                rows_of<kSide>(SquareCells<kSide>::between(ny, nz, lo, bounds.width));
   }
 }
 

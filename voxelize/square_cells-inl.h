@@ -29,33 +29,31 @@ class SquareCells {
   // Where all three pass.
   static HWY_INLINE std::uint64_t inside(const HalfPlane& p, const HalfPlane& q,
                                          const HalfPlane& r) {
-    std::uint64_t all = 0;
-    for (std::size_t first = 0; first < kCells; first += hn::Lanes(kTag)) {
-      const SquareCells cells(first);
-      all |= bits(hn::And(hn::And(cells.passes(p), cells.passes(q)), cells.passes(r)), first);
-    }
-    return all;
+    Sums of_p(p.a, p.b), of_q(q.a, q.b), of_r(r.a, r.b);
+    const V below_p = set(p.below), below_q = set(q.below), below_r = set(r.below);
+    return for_all_cells([&](std::size_t first) HWY_ATTR {
+      return hn::And(hn::And(hn::Gt(of_p.at(first), below_p), hn::Gt(of_q.at(first), below_q)),
+                     hn::Gt(of_r.at(first), below_r));
+    });
   }
 
   static HWY_INLINE std::uint64_t inside(const HalfPlane& p) {
-    std::uint64_t all = 0;
-    for (std::size_t first = 0; first < kCells; first += hn::Lanes(kTag)) {
-      all |= bits(SquareCells(first).passes(p), first);
-    }
-    return all;
+    Sums sums(p.a, p.b);
+    const V below = set(p.below);
+    return for_all_cells([&](std::size_t first) HWY_ATTR { return hn::Gt(sums.at(first), below); });
   }
 
-  // Where lo <= a i + b j <= hi.
-  static HWY_INLINE std::uint64_t between(std::int32_t a, std::int32_t b, std::int32_t lo,
-                                          std::int32_t hi) {
-    std::uint64_t all = 0;
-    for (std::size_t first = 0; first < kCells; first += hn::Lanes(kTag)) {
-      const V value = SquareCells(first).sum(a, b);
-      all |=
-          bits(hn::And(hn::Gt(value, hn::Set(kTag, lo - 1)), hn::Lt(value, hn::Set(kTag, hi + 1))),
-               first);
-    }
-    return all;
+  // Where lo <= a i + b j <= hi, for lo <= hi. Sums may wrap around: what counts is that no true
+  // sum lies 2^32 - (hi - lo) or more from lo.
+  static HWY_INLINE std::uint64_t between(std::int32_t a, std::int32_t b, std::uint32_t lo,
+                                          std::uint32_t width) {
+    Sums sums(a, b);
+    const V first_inside = set(static_cast<std::int32_t>(lo));
+    const auto beyond = hn::Set(kUnsigned, width);
+    return for_all_cells([&](std::size_t first) HWY_ATTR {
+      const auto above_lo = hn::BitCast(kUnsigned, hn::Sub(sums.at(first), first_inside));
+      return hn::RebindMask(kTag, hn::Not(hn::Gt(above_lo, beyond)));
+    });
   }
 
  private:
@@ -63,28 +61,44 @@ class SquareCells {
   static constexpr int kLog2Side = kSide == 8 ? 3 : 2;
   static_assert(kSide == 4 || kSide == 8);
   static constexpr hn::CappedTag<std::int32_t, 16> kTag{};
+  static constexpr hn::RebindToUnsigned<decltype(kTag)> kUnsigned{};
   using V = hn::Vec<decltype(kTag)>;
-  using M = hn::Mask<decltype(kTag)>;
 
-  HWY_INLINE explicit SquareCells(std::size_t first) {
-    const V n = hn::Iota(kTag, static_cast<std::int32_t>(first));
-    i_ = hn::ShiftRight<kLog2Side>(n);
-    j_ = hn::And(n, hn::Set(kTag, static_cast<std::int32_t>(kSide) - 1));
-  }
+  static HWY_INLINE V set(std::int32_t value) { return hn::Set(kTag, value); }
 
-  HWY_INLINE V sum(std::int32_t a, std::int32_t b) const {
-    return hn::Add(hn::Mul(hn::Set(kTag, a), i_), hn::Mul(hn::Set(kTag, b), j_));
-  }
-  HWY_INLINE M passes(const HalfPlane& p) const {
-    return hn::Gt(sum(p.a, p.b), hn::Set(kTag, p.below));
-  }
-  static HWY_INLINE std::uint64_t bits(M mask, std::size_t first) {
-    std::uint64_t part = 0;
-    hn::StoreMaskBits(kTag, mask, reinterpret_cast<std::uint8_t*>(&part));
-    return part << first;
-  }
+  // The sums a i + b j of a vector of cells. at() is called for ascending cells.
+  class Sums {
+   public:
+    HWY_INLINE Sums(std::int32_t a, std::int32_t b) : a_(a), b_(b) { value_ = computed(0); }
+    HWY_INLINE V at(std::size_t first) {
+      const std::size_t lanes = hn::Lanes(kTag);
+      if (lanes < kSide) return computed(first);
+      const V value = value_;  // whole rows: the next vector is some steps along i further
+      value_ = hn::Add(value_, set(a_ * static_cast<std::int32_t>(lanes / kSide)));
+      return value;
+    }
 
-  V i_, j_;  // of the cells from `first` on
+   private:
+    HWY_INLINE V computed(std::size_t first) const {
+      const V n = hn::Iota(kTag, static_cast<std::int32_t>(first));
+      const V i = hn::ShiftRight<kLog2Side>(n);
+      const V j = hn::And(n, set(static_cast<std::int32_t>(kSide) - 1));
+      return hn::Add(hn::Mul(set(a_), i), hn::Mul(set(b_), j));
+    }
+    std::int32_t a_, b_;
+    V value_;
+  };
+
+  template <class Pass>
+  static HWY_INLINE std::uint64_t for_all_cells(Pass&& pass) {
+    std::uint64_t all = 0;
+    for (std::size_t first = 0; first < kCells; first += hn::Lanes(kTag)) {
+      std::uint64_t part = 0;
+      hn::StoreMaskBits(kTag, pass(first), reinterpret_cast<std::uint8_t*>(&part));
+      all |= part << first;
+    }
+    return all;
+  }
 };
 
 constexpr std::uint64_t kFirstColumn = 0x0101010101010101u;  // bit z = 0 of all eight rows
