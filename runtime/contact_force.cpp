@@ -11,23 +11,30 @@ constexpr double kFullDepthVoxels = 0.125;  // depth from which a contact counts
 
 }  // namespace
 
-double area_average(const ContactSet& set, double voxel_size_m) noexcept {
+LoadSharing::LoadSharing(const ContactSet& set, double voxel_size_m) noexcept {
   const double full_m = kFullDepthVoxels * voxel_size_m;
   double contacts = 0;
   for (std::uint32_t i = 0; i < set.count; ++i) {
     const Contact& c = set.contacts[i];
     contacts += c.weight * std::clamp(c.depth_m / full_m, 0.0, 1.0);
   }
-  return kAveragingStart / std::max(kAveragingStart, contacts);
+  average_ = kAveragingStart / std::max(kAveragingStart, contacts);
+  by_area_ = std::clamp((contacts - 1) / (kAveragingStart - 1), 0.0, 1.0);
+}
+
+double LoadSharing::share(const Contact& contact) const noexcept {
+  const double alone = std::max(1.0f, contact.weight);
+  return average_ * (alone + by_area_ * (contact.weight - alone));
 }
 
 double contact_energy_j(const ContactSet& set, const ContactLaw& law) noexcept {
+  const LoadSharing load(set, law.voxel_size_m);
   double sum = 0;
   for (std::uint32_t i = 0; i < set.count; ++i) {
-    const double depth_m = std::max(0.0f, set.contacts[i].depth_m);
-    sum += set.contacts[i].weight * depth_m * depth_m;
+    const Contact& c = set.contacts[i];
+    if (c.depth_m > 0) sum += load.share(c) * c.depth_m * c.depth_m;
   }
-  return 0.5 * law.stiffness_n_per_m * area_average(set, law.voxel_size_m) * sum;
+  return 0.5 * law.stiffness_n_per_m * sum;
 }
 
 Vector6 separation_row(const Contact& contact) noexcept {
@@ -35,10 +42,11 @@ Vector6 separation_row(const Contact& contact) noexcept {
   return vector6(push, glm::cross(glm::dvec3(contact.arm_m), push));
 }
 
-ContactRow spring_row(const Contact& contact, double depth_m, double average, const ContactLaw& law,
-                      double dt_s) noexcept {
-  const double stiffness = law.stiffness_n_per_m * contact.weight * average;
-  const double damping = depth_m > 0 ? law.damping_ns_per_m * contact.weight * average : 0;
+ContactRow spring_row(const Contact& contact, double depth_m, const LoadSharing& load,
+                      const ContactLaw& law, double dt_s) noexcept {
+  const double share = load.share(contact);
+  const double stiffness = law.stiffness_n_per_m * share;
+  const double damping = depth_m > 0 ? law.damping_ns_per_m * share : 0;
   ContactRow row;
   row.j = separation_row(contact);
   row.weight = dt_s * (dt_s * stiffness + damping);
@@ -48,12 +56,12 @@ ContactRow spring_row(const Contact& contact, double depth_m, double average, co
 
 std::size_t contact_rows(const ContactSet& set, const ContactLaw& law, double dt_s, double reach_m,
                          std::span<ContactRow> rows) noexcept {
-  const double average = area_average(set, law.voxel_size_m);
+  const LoadSharing load(set, law.voxel_size_m);
   std::size_t count = 0;
   for (std::uint32_t i = 0; i < set.count; ++i) {
     const Contact& c = set.contacts[i];
     if (-c.depth_m > reach_m) continue;
-    rows[count++] = spring_row(c, c.depth_m, average, law, dt_s);
+    rows[count++] = spring_row(c, c.depth_m, load, law, dt_s);
   }
   return count;
 }

@@ -15,10 +15,21 @@ struct ContactLaw {
   double voxel_size_m = 0;
 };
 
-// The factor that keeps many contacts from adding up without bound (the place of the paper's N/10,
-// 5.2): one up to ten contacts of mean area and some depth, their number over ten beyond. Counting
-// by area and depth makes it continuous: a point enters with nothing.
-double area_average(const ContactSet& set, double voxel_size_m) noexcept;
+// How many contacts share the load, and so how stiff each is (the place of the paper's N/10, 5.2).
+// Contacts are counted by area, and by depth up to an eighth of a voxel, so that the count is
+// continuous: a point enters with nothing. Few points each hold with the full stiffness, however
+// little area they stand for; of many, each holds by its area; from ten on they share what ten
+// have.
+class LoadSharing {
+ public:
+  LoadSharing(const ContactSet& set, double voxel_size_m) noexcept;
+  // Factor on the stiffness of a contact.
+  double share(const Contact& contact) const noexcept;
+
+ private:
+  double average_;  // 1 up to ten contacts, then ten over their number
+  double by_area_;  // 0 for one contact, 1 from ten on
+};
 
 // Energy stored in the contact springs, J.
 double contact_energy_j(const ContactSet& set, const ContactLaw& law) noexcept;
@@ -28,8 +39,8 @@ Vector6 separation_row(const Contact& contact) noexcept;
 
 // One contact over a step of `dt_s`, with the depth it would have after no motion. Touching ones
 // are springs with dampers; the others stop the part where their gap ends.
-ContactRow spring_row(const Contact& contact, double depth_m, double average, const ContactLaw& law,
-                      double dt_s) noexcept;
+ContactRow spring_row(const Contact& contact, double depth_m, const LoadSharing& load,
+                      const ContactLaw& law, double dt_s) noexcept;
 
 // Rows of all contacts of `set` that a motion of at most `reach_m` could bring to touch. Returns
 // their number; `rows` has room for set.count.

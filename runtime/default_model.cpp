@@ -39,6 +39,12 @@ glm::dmat3 critical_damping_shape(const glm::dmat3& inertia_kgm2) {
   return tensor_of(inertia);
 }
 
+Twist mean_velocity(const Pose& from, const Pose& to, double dt_s) {
+  if (!(dt_s > 0)) return {};
+  return {(to.position_m - from.position_m) / dt_s,
+          rotation_vector(to.orientation * glm::conjugate(from.orientation)) / dt_s};
+}
+
 template <typename T>
 bool same_bits(const T& a, const T& b) {
   static_assert(std::is_trivially_copyable_v<T>);
@@ -83,8 +89,10 @@ StepResult DefaultModel::step(State& state, const StepInput& input, double dt_s)
                           same_bits(target.velocity, state.target_velocity);
   refill_allowance(state, target, dt_s);
   if (!hand_still) state.settled = 0;
+  const Pose before = state.world_from_center;
   if (state.settled == 0) move(state, target, dt_s, result.report);
-  result.wrench = wrench_on_hand(state, target, dt_s, result.report);
+  const Twist way = mean_velocity(before, state.world_from_center, dt_s);
+  result.wrench = wrench_on_hand(state, target, way, dt_s, result.report);
   StepReport& report = result.report;
   report.world_from_center = state.world_from_center;
   report.interior = here_.interior;
@@ -189,6 +197,7 @@ bool DefaultModel::make(State& state, Motion& motion, const CouplingTarget& targ
                         StepReport& report) noexcept {
   const double dt_s = motion.system.dt_s;
   const double least_m = state.allowance_j == 0 ? kLeastTravelVoxels * parameters_.voxel_size_m : 0;
+  bool cut = false;
   for (int attempt = 0; attempt <= kResolves + kHalvings; ++attempt) {
     if (!(travel_m(motion.velocity, dt_s) > least_m)) return false;
     Twist velocity{linear_part(motion.velocity), angular_part(motion.velocity)};
@@ -196,7 +205,8 @@ bool DefaultModel::make(State& state, Motion& motion, const CouplingTarget& targ
     const Pose candidate = advance(mass_, state.world_from_center, velocity, dt_s);
     probe_.look_up(candidate, there_);
     double rise_j = 0;
-    if (acceptable(state, motion, target, candidate, kinetic_j, rise_j)) {
+    const bool clear = no_new_interior(here_, there_);
+    if (clear && affordable(state, motion, target, candidate, kinetic_j, rise_j)) {
       state.allowance_j = std::max(0.0, state.allowance_j - rise_j);
       state.coupling_angle_rad =
           continuous_angle(candidate, target.world_from_center, state.coupling_angle_rad);
@@ -211,17 +221,17 @@ bool DefaultModel::make(State& state, Motion& motion, const CouplingTarget& targ
           solve_velocity(motion.system, {rows_.data(), motion.row_count}, motion.velocity);
       limit_travel(motion);
     } else {
-      ++report.guard_cuts;
+      report.guard_cuts += !clear && !cut ? 1 : 0;
+      cut |= !clear;
       for (double& component : motion.velocity) component *= 0.5;
     }
   }
   return false;
 }
 
-bool DefaultModel::acceptable(const State& state, const Motion& motion,
+bool DefaultModel::affordable(const State& state, const Motion& motion,
                               const CouplingTarget& target, const Pose& candidate, double kinetic_j,
                               double& rise_j) const noexcept {
-  if (!no_new_interior(here_, there_)) return false;
   if (here_.interior > 0) return true;  // led out: slow, and its energy is not the scene's
   if (here_.in_free_space() && there_.in_free_space()) return true;  // nothing to gain it from
   const glm::dvec3 angle_rad =
@@ -239,14 +249,14 @@ bool DefaultModel::acceptable(const State& state, const Motion& motion,
 // rows that take them back into the force layer.
 void DefaultModel::add_found_contacts(Motion& motion) noexcept {
   const double dt_s = motion.system.dt_s, s = parameters_.voxel_size_m;
-  const double average = area_average(there_, s);
+  const LoadSharing load(there_, s);
   for (std::uint32_t i = 0; i < there_.count && motion.row_count < rows_.size(); ++i) {
     const Contact& c = there_.contacts[i];
     if (!(c.depth_m > 0)) continue;
     ContactRow& row = rows_[motion.row_count++];
     const double separation = dot(separation_row(c), motion.velocity);
     if (c.interior == 0) {
-      row = spring_row(c, c.depth_m + dt_s * separation, average, contact_, dt_s);
+      row = spring_row(c, c.depth_m + dt_s * separation, load, contact_, dt_s);
       continue;
     }
     row.j = separation_row(c);
@@ -299,27 +309,34 @@ double DefaultModel::angle_energy_j(const glm::dvec3& angle_rad) const noexcept 
          torque_nm * faded_angle_rad(angle);
 }
 
-// The coupling's reaction on the hand, less the stretch that the hand never paid for.
-Wrench DefaultModel::wrench_on_hand(State& state, const CouplingTarget& target, double dt_s,
-                                    StepReport& report) const noexcept {
+// The coupling's reaction on the hand, less the stretch that the hand never paid for. The damper
+// goes by the part's mean velocity over the frame: where the look-ups end before the time does,
+// that of the last motion is more than the part went.
+Wrench DefaultModel::wrench_on_hand(State& state, const CouplingTarget& target, const Twist& way,
+                                    double dt_s, StepReport& report) const noexcept {
   const bool entering = state.in_contact == 0;
   state.in_contact = here_.in_free_space() ? 0 : 1;
   if (state.in_contact == 0) return {};
   const Pose& part = state.world_from_center;
-  const glm::dvec3 stretch_m = target.world_from_center.position_m - part.position_m;
   const glm::dvec3 angle_rad =
       continuous_angle(part, target.world_from_center, state.coupling_angle_rad);
+  const CouplingHalf rotation = rotation_at(angle_rad, part.orientation);
+  // Spring and damper as one stretch: that of the spring alone with the same force.
+  const glm::dvec3 stretch_m = effective_stretch(
+      translation_,
+      {target.world_from_center.position_m - part.position_m, target.velocity.linear_mps},
+      way.linear_mps);
+  const glm::dvec3 stretch_rad =
+      effective_stretch(rotation, {angle_rad, target.velocity.angular_radps}, way.angular_radps);
   if (entering) {
     state.held_back_m = stretch_m;
-    state.held_back_rad = angle_rad;
+    state.held_back_rad = stretch_rad;
   }
-  const glm::dvec3 felt_m = felt_stretch(stretch_m, state.held_back_m, dt_s);
-  const glm::dvec3 felt_rad = felt_stretch(angle_rad, state.held_back_rad, dt_s);
   const glm::dvec3 force_n =
-      coupling_force(translation_, {felt_m, target.velocity.linear_mps}, state.velocity.linear_mps);
-  const glm::dvec3 torque_nm =
-      coupling_force(rotation_at(angle_rad, part.orientation),
-                     {felt_rad, target.velocity.angular_radps}, state.velocity.angular_radps);
+      clamped(translation_.stiffness * felt_stretch(stretch_m, state.held_back_m, dt_s),
+              translation_.limit);
+  const glm::dvec3 torque_nm = clamped(
+      rotation.stiffness * felt_stretch(stretch_rad, state.held_back_rad, dt_s), rotation.limit);
   constexpr double kAtLimit = 1 - 1e-12;  // a clamped length is the limit but for rounding
   report.saturated = glm::length(force_n) >= kAtLimit * translation_.limit ||
                      glm::length(torque_nm) >= kAtLimit * rotation_.limit;

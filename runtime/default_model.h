@@ -37,7 +37,7 @@ class DefaultModel {
   void solve_motion(Motion& motion, double dt_s) noexcept;
   bool make(State& state, Motion& motion, const CouplingTarget& target,
             StepReport& report) noexcept;
-  bool acceptable(const State& state, const Motion& motion, const CouplingTarget& target,
+  bool affordable(const State& state, const Motion& motion, const CouplingTarget& target,
                   const Pose& candidate, double kinetic_j, double& rise_j) const noexcept;
   void add_found_contacts(Motion& motion) noexcept;
   void limit_travel(Motion& motion) const noexcept;
@@ -47,7 +47,7 @@ class DefaultModel {
   CouplingHalf rotation_at(const glm::dvec3& angle_rad,
                            const glm::dquat& orientation) const noexcept;
   double angle_energy_j(const glm::dvec3& angle_rad) const noexcept;
-  Wrench wrench_on_hand(State& state, const CouplingTarget& target, double dt_s,
+  Wrench wrench_on_hand(State& state, const CouplingTarget& target, const Twist& way, double dt_s,
                         StepReport& report) const noexcept;
 
   Parameters parameters_;

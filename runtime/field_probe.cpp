@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "runtime/surface_directions.h"
+
 namespace forcelayer {
 namespace {
 
@@ -38,6 +40,8 @@ void FieldProbe::look_up(const Pose& world_from_center, ContactSet& out) noexcep
     c.weight = std::clamp(weight_m2[c.point] / mean_area_m2_, kLeastWeight, kMostWeight);
     c.interior = points_.value[at] == static_cast<std::uint8_t>(VoxelValue::kInterior) ? 1 : 0;
   }
+  const auto voxel_size_m = static_cast<float>(query_.voxmap().voxel_size_m());
+  average_directions(points_, samples_, voxel_size_m, -voxel_size_m, out);
 }
 
 }  // namespace forcelayer

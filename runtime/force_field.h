@@ -22,6 +22,7 @@ struct FieldSamples {
   std::vector<std::uint32_t> at;  // index into CollectedPoints
   std::vector<float> depth_m;     // > 0 from evaluate(), signed from measure()
   std::vector<float> dx, dy, dz;  // unit, world axes: out of the static scene
+  std::vector<float> gx, gy, gz;  // from measure(): slope of the field, per voxel, world axes
 
   void reserve(std::uint64_t points);  // set-up only
   void set(std::uint32_t i, std::uint32_t point_at, float depth,

@@ -1,20 +1,30 @@
 // The handle's velocity from its poses, for devices that do not sense it.
 #pragma once
 
+#include <array>
+
 #include "runtime/pose.h"
 
 namespace forcelayer {
 
-// First-order low-pass of the backward difference: v += (dx/dt - v) dt / (dt + tau). Encoder steps
-// of D then make at most D / tau of ripple instead of D / dt. A step that no hand makes (faster
-// than the limits) is a jump, not a motion: it passes as zero velocity.
+// The median of the last three backward differences, component by component, through a first-order
+// low-pass: v += (median - v) dt / (dt + tau).
+//   - A jump in one tick, however far, is no motion: the median does not see it.
+//   - Encoder steps of D make at most D / tau of ripple instead of D / dt.
+//   - The estimate is never against the last motion: lagging behind a hand that turns back, it
+//   would
+//     make the coupling's damper push the hand on.
+//   - What is faster than any hand passes as zero.
+//   - A handle that stays where it is reaches exactly zero, so that what it holds can rest.
 class HandleVelocity {
  public:
   static constexpr double kTimeConstantS = 0.005;
-  static constexpr double kMaxSpeedMps = 10;    // of a hand: a fast throw
-  static constexpr double kMaxTurnRadps = 100;  // the same for the wrist
+  static constexpr double kMaxSpeedMps = 10;       // of a hand: a fast throw
+  static constexpr double kMaxTurnRadps = 100;     // the same for the wrist
+  static constexpr double kLeastSpeedMps = 1e-6;   // of a handle that does not move: zero
+  static constexpr double kLeastTurnRadps = 1e-5;  // the same
 
-  void reset() noexcept { known_ = false; }
+  void reset() noexcept { *this = {}; }
 
   // The velocity after a sample `dt_s` later; zero at the first one.
   Twist update(const Pose& world_from_handle, double dt_s) noexcept;
@@ -22,6 +32,7 @@ class HandleVelocity {
  private:
   bool known_ = false;
   Pose last_;
+  std::array<Twist, 3> differences_{};  // newest first
   Twist velocity_;
 };
 

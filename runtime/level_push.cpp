@@ -278,6 +278,11 @@ class Kernel {
     hn::StoreU(pack(direction[0]), kF, &samples_.dx[to]);
     hn::StoreU(pack(direction[1]), kF, &samples_.dy[to]);
     hn::StoreU(pack(direction[2]), kF, &samples_.dz[to]);
+    if (kAllPoints) {
+      hn::StoreU(pack(hn::Load(kF, chunk_.slope[0] + i)), kF, &samples_.gx[to]);
+      hn::StoreU(pack(hn::Load(kF, chunk_.slope[1] + i)), kF, &samples_.gy[to]);
+      hn::StoreU(pack(hn::Load(kF, chunk_.slope[2] + i)), kF, &samples_.gz[to]);
+    }
     samples_.count += static_cast<std::uint32_t>(pack.count());
   }
 

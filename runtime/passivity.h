@@ -27,6 +27,6 @@ inline double total_generated_j(const EpisodeEnergy& energy) noexcept {
 // held far from a hand that jumped is felt again, gently. Returns what is felt.
 glm::dvec3 felt_stretch(const glm::dvec3& stretch, glm::dvec3& held_back, double dt_s) noexcept;
 
-inline constexpr double kHeldBackFadeS = 0.5;
+inline constexpr double kHeldBackFadeS = 2;
 
 }  // namespace forcelayer

@@ -42,6 +42,9 @@ void TangentPlaneField::measure(const CollectedPoints& points,
     samples.dx[i] = nx;
     samples.dy[i] = ny;
     samples.dz[i] = nz;
+    samples.gx[i] = nx;
+    samples.gy[i] = ny;
+    samples.gz[i] = nz;
   }
   samples.count = points.count;
 }

@@ -9,11 +9,10 @@ glm::dvec3 clamped(const glm::dvec3& v, double limit) noexcept {
   return length > limit ? v * (limit / length) : v;
 }
 
-glm::dvec3 coupling_force(const CouplingHalf& half, const HalfStretch& stretch,
-                          const glm::dvec3& velocity) noexcept {
-  return clamped(
-      half.stiffness * stretch.displacement - half.damping * (velocity - stretch.target_velocity),
-      half.limit);
+glm::dvec3 effective_stretch(const CouplingHalf& half, const HalfStretch& stretch,
+                             const glm::dvec3& velocity) noexcept {
+  return stretch.displacement -
+         half.damping * (velocity - stretch.target_velocity) / half.stiffness;
 }
 
 double spring_energy_j(const CouplingHalf& half, const glm::dvec3& displacement) noexcept {
@@ -25,9 +24,10 @@ double spring_energy_j(const CouplingHalf& half, const glm::dvec3& displacement)
 
 bool add_implicit(const CouplingHalf& half, const HalfStretch& stretch, const glm::dvec3& guess,
                   double dt_s, int first, Symmetric6& matrix, Vector6& impulse) noexcept {
-  // Force at the end of the step: offset - slope v.
+  // Force at the end of the step, the target being where it is: offset - slope v.
   const glm::dmat3 slope = half.damping + glm::dmat3(dt_s * half.stiffness);
-  const glm::dvec3 offset = half.stiffness * stretch.displacement + slope * stretch.target_velocity;
+  const glm::dvec3 offset =
+      half.stiffness * stretch.displacement + half.damping * stretch.target_velocity;
   const double expected = glm::length(offset - slope * guess);
   const double secant = expected > half.limit ? half.limit / expected : 1;
   for (int row = 0; row < 3; ++row) {

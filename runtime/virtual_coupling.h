@@ -25,9 +25,10 @@ struct HalfStretch {
 // v, shortened to `limit` where it is longer.
 glm::dvec3 clamped(const glm::dvec3& v, double limit) noexcept;
 
-// Force on the part: clamp(k d - B (v - v_target)).
-glm::dvec3 coupling_force(const CouplingHalf& half, const HalfStretch& stretch,
-                          const glm::dvec3& velocity) noexcept;
+// Displacement of the spring at which it alone has the force of spring and damper together, before
+// the clamp: d - B (v - v_target) / k.
+glm::dvec3 effective_stretch(const CouplingHalf& half, const HalfStretch& stretch,
+                             const glm::dvec3& velocity) noexcept;
 
 // Energy stored in the clamped spring, J: quadratic up to the clamp, then linear. Its slope is the
 // clamped spring's force.
