@@ -1,0 +1,24 @@
+#include <stdexcept>
+
+#include "formats/voxmap_writer.h"
+#include "tests/stress/baked.h"
+#include "voxelize/bake.h"
+
+namespace forcelayer::stress {
+
+void bake_scene_file(const Mesh& scene, double voxel_size_m, std::uint32_t layers,
+                     const std::filesystem::path& path) {
+  SceneObject object;
+  object.name = "scene";
+  object.mesh = &scene;
+  BakeOptions options;
+  options.voxel_size_m = voxel_size_m;
+  options.layers = layers;
+  options.threads = 1;
+  const auto baked = bake(std::span(&object, 1), options);
+  if (!baked) throw std::runtime_error(to_line(baked.error()));
+  const auto written = write_voxmap(path, baked.value().content(""));
+  if (!written) throw std::runtime_error(to_line(written.error()));
+}
+
+}  // namespace forcelayer::stress

@@ -1,0 +1,77 @@
+#include "tests/stress/exact_distance.h"
+
+#include <fcl/geometry/bvh/BVH_model.h>
+#include <fcl/narrowphase/distance.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
+
+#include "runtime/coupling.h"
+
+namespace forcelayer::stress {
+namespace {
+
+using Model = fcl::BVHModel<fcl::RSSd>;
+
+std::shared_ptr<Model> model_of(const Mesh& mesh) {
+  auto model = std::make_shared<Model>();
+  model->beginModel(static_cast<int>(mesh.triangles.size()),
+                    static_cast<int>(mesh.vertices.size()));
+  const auto vertex = [&](std::uint32_t i) {
+    const Vec3d& v = mesh.vertices[i];
+    return fcl::Vector3d(v[0], v[1], v[2]);
+  };
+  for (const Triangle& t : mesh.triangles) {
+    model->addTriangle(vertex(t[0]), vertex(t[1]), vertex(t[2]));
+  }
+  model->endModel();
+  return model;
+}
+
+fcl::Transform3d transform_of(const Pose& pose) {
+  fcl::Transform3d transform = fcl::Transform3d::Identity();
+  const glm::dquat& q = pose.orientation;
+  transform.linear() = Eigen::Quaterniond(q.w, q.x, q.y, q.z).toRotationMatrix();
+  transform.translation() = fcl::Vector3d(pose.position_m.x, pose.position_m.y, pose.position_m.z);
+  return transform;
+}
+
+}  // namespace
+
+struct ExactDistance::Models {
+  std::shared_ptr<Model> scene, part;
+};
+
+ExactDistance::ExactDistance(const Mesh& scene, const Mesh& part)
+    : models_(new Models{model_of(scene), model_of(part)}) {}
+ExactDistance::~ExactDistance() = default;
+ExactDistance::ExactDistance(ExactDistance&&) noexcept = default;
+
+double ExactDistance::at(const Pose& world_from_part) const {
+  const fcl::DistanceRequestd request(false);
+  fcl::DistanceResultd result;
+  fcl::distance<double>(models_->scene.get(), fcl::Transform3d::Identity(), models_->part.get(),
+                        transform_of(world_from_part), request, result);
+  return std::max(0.0, result.min_distance);
+}
+
+void PathDistance::visit(const Pose& world_from_part, const glm::dvec3& center_m) {
+  ++visited_;
+  if (started_) {
+    const glm::dvec3 way_m = world_from_part.orientation * center_m + world_from_part.position_m -
+                             last_.orientation * center_m - last_.position_m;
+    const double angle = glm::length(
+        rotation_vector(world_from_part.orientation * glm::conjugate(last_.orientation)));
+    at_least_m_ -= glm::length(way_m) + radius_m_ * angle;
+  }
+  last_ = world_from_part;
+  if (started_ && at_least_m_ >= smallest_m_) return;
+  started_ = true;
+  ++measured_;
+  at_least_m_ = exact_.at(world_from_part);
+  smallest_m_ = std::min(smallest_m_, at_least_m_);
+}
+
+}  // namespace forcelayer::stress

@@ -1,0 +1,51 @@
+// Distance between the exact meshes, by a library that knows neither voxels nor points (FCL).
+#pragma once
+
+#include <memory>
+
+#include "formats/mesh/mesh.h"
+#include "runtime/pose.h"
+
+namespace forcelayer::stress {
+
+class ExactDistance {
+ public:
+  // `scene` in world, `part` in the part's frame, m.
+  ExactDistance(const Mesh& scene, const Mesh& part);
+  ~ExactDistance();
+  ExactDistance(ExactDistance&&) noexcept;
+
+  // Smallest distance between the two surfaces, m; 0 where they meet.
+  double at(const Pose& world_from_part) const;
+
+ private:
+  struct Models;
+  std::unique_ptr<Models> models_;
+};
+
+// The smallest distance over a path. Poses whose distance cannot be a new minimum are not measured:
+// a distance changes by at most the way that any point of the part goes.
+class PathDistance {
+ public:
+  explicit PathDistance(const ExactDistance& exact, double part_radius_m)
+      : exact_(exact), radius_m_(part_radius_m) {}
+
+  // Takes the next pose of the path. `center_m` is the point of the part frame that the radius is
+  // about.
+  void visit(const Pose& world_from_part, const glm::dvec3& center_m);
+
+  double smallest_m() const { return smallest_m_; }
+  std::uint64_t visited() const { return visited_; }
+  std::uint64_t measured() const { return measured_; }
+
+ private:
+  const ExactDistance& exact_;
+  double radius_m_;
+  double smallest_m_ = 1e300;
+  double at_least_m_ = 0;  // lower bound of the distance at the pose last visited
+  bool started_ = false;
+  Pose last_;
+  std::uint64_t visited_ = 0, measured_ = 0;
+};
+
+}  // namespace forcelayer::stress
