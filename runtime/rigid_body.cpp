@@ -1,5 +1,6 @@
 #include "runtime/rigid_body.h"
 
+#include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
 #include <glm/matrix.hpp>
@@ -13,6 +14,10 @@ namespace {
 // Fixed-point iterations of the midpoint rule. The guard keeps a step's rotation small, and each
 // iteration gains a factor of about that rotation.
 constexpr int kMidpointIterations = 3;
+
+// A last iteration that changes the rotation by more than this share has not converged: the
+// rotation is too fast for the step, and the rule does not bound its energy.
+constexpr double kConverged = 1e-4;
 
 }  // namespace
 
@@ -40,11 +45,18 @@ Pose advance(const RigidMass& mass, const Pose& world_from_center, Twist& veloci
     return orientation * (mass.inverse_inertia_1pkgm2 * (glm::conjugate(orientation) * momentum));
   };
   glm::dvec3 middle_radps = velocity.angular_radps;
+  glm::dvec3 last_radps = middle_radps;
   for (int i = 0; i < kMidpointIterations; ++i) {
+    last_radps = middle_radps;
     middle_radps = angular_at(rotation_by(middle_radps * (0.5 * dt_s)) * start);
   }
   moved.orientation = glm::normalize(rotation_by(middle_radps * dt_s) * start);
+  const double before = glm::dot(momentum, velocity.angular_radps);  // twice the energy
   velocity.angular_radps = angular_at(moved.orientation);
+  const double after = glm::dot(momentum, velocity.angular_radps);
+  const bool resolved =
+      glm::length(middle_radps - last_radps) <= kConverged * glm::length(middle_radps);
+  if (!resolved && after > before) velocity.angular_radps *= std::sqrt(before / after);
   return moved;
 }
 

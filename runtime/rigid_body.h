@@ -24,7 +24,8 @@ double kinetic_energy_j(const RigidMass& mass, const glm::dquat& orientation,
 // Moves a body for `dt_s` by a velocity that an impulse has just set: translation straight, and
 // rotation with its angular momentum kept, so that an asymmetric body tumbles as it should (the
 // midpoint rule on SO(3): second order, time-reversible, momentum exact). `velocity.angular_radps`
-// becomes that at the end of the motion; the orientation is renormalised. A zero velocity leaves
+// becomes that at the end of the motion; the orientation is renormalised. A rotation too fast for
+// the step loses momentum rather than gain energy. A zero velocity leaves
 // every bit as it was.
 Pose advance(const RigidMass& mass, const Pose& world_from_center, Twist& velocity,
              double dt_s) noexcept;
