@@ -72,7 +72,8 @@ class Reader {
     RecordingHeader h{};
     if (bytes_.size() < sizeof h) {
       const auto shared = std::min(bytes_.size(), kRecordingMagic.size());
-      const bool ours = std::memcmp(bytes_.data(), kRecordingMagic.data(), shared) == 0;
+      const bool ours =
+          shared == 0 || std::memcmp(bytes_.data(), kRecordingMagic.data(), shared) == 0;
       return error(ours ? ErrorCode::kTruncated : ErrorCode::kNotThisFormat, "header",
                    ours ? "is cut off" : "is no recording");
     }

@@ -45,7 +45,7 @@ build release
 run_tests release
 configure asan
 build asan
-run_tests asan
+run_tests asan -LE stress  # the stress tests judge motion, and are slow under sanitizers
 check_runtime_only
 
 if [ "$full" = yes ]; then

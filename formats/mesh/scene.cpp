@@ -5,6 +5,7 @@
 #include <map>
 
 #include "formats/mesh/scene_manifest.h"
+#include "formats/mesh/units.h"
 
 namespace forcelayer {
 namespace {
@@ -51,15 +52,10 @@ Status SceneReader::add(const Placing& placing) {
   const auto index = assembly_of(placing.file);
   if (!index) return index.error();
   const Assembly& assembly = scene_.assemblies[*index];
-  if (!placing.metres_per_unit && !assembly.metres_per_unit) {
-    return Error{ErrorCode::kUsage, placing.file, "", "the format does not define a unit of length",
-                 "add --units, for example --units mm, or units in the manifest"};
-  }
-  const double unit = placing.metres_per_unit.value_or(assembly.metres_per_unit.value_or(1));
-  if (assembly.metres_per_unit && *assembly.metres_per_unit != unit) {
-    scene_.warnings.push_back(placing.file + ": the given units override the file's own");
-  }
-  const Affine world_from_assembly = compose(placing.world_from_part, scaling(unit));
+  const auto unit =
+      metres_per_unit(assembly, placing.file, placing.metres_per_unit, scene_.warnings);
+  if (!unit) return unit.error();
+  const Affine world_from_assembly = compose(placing.world_from_part, scaling(*unit));
   for (const MeshInstance& instance : assembly.instances) {
     ScenePart& part = scene_.parts.emplace_back();
     part.name = placing.name;
@@ -71,7 +67,8 @@ Status SceneReader::add(const Placing& placing) {
     part.mesh = instance.mesh;
     part.world_from_mesh = compose(world_from_assembly, instance.assembly_from_mesh);
     part.free_seeds_m = placing.free_seeds_m;
-    part.deviation_m = placing.deviation_m;
+    part.deviation_m =
+        placing.deviation_m + assembly.deviation_units * largest_stretch(world_from_assembly);
   }
   return {};
 }

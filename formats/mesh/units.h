@@ -18,13 +18,14 @@ Result<double> metres_per_unit(const Assembly& assembly, const std::string& path
 // Distance between neighbouring 32-bit floats at `coordinate`; 0 at 0.
 double float_spacing(double coordinate);
 
-// The coarsest spacing, in metres in the assembly's frame, of the 32-bit vertices of `assembly`
-// where they lie; 0 where none are stored as 32-bit floats.
-double vertex_spacing_m(const Assembly& assembly, double metres_per_unit);
+// How far an error of 1 along an axis of b may become in a.
+double largest_stretch(const Affine& a_from_b);
 
-// Adds a warning where that is more than a thousandth of a voxel.
-void warn_of_coarse_vertices(const Assembly& assembly, const std::string& path,
-                             double metres_per_unit, double voxel_size_m,
-                             std::vector<std::string>& warnings);
+// Distance between neighbouring vertices of `mesh` as 32-bit floats where they lie farthest out, in
+// metres after `world_from_mesh`; 0 where they are not stored as 32-bit floats.
+double vertex_spacing_m(const Mesh& mesh, const Affine& world_from_mesh);
+
+// What to tell the user where that spacing is more than a thousandth of a voxel.
+std::optional<std::string> coarse_vertices_warning(double spacing_m, double voxel_size_m);
 
 }  // namespace forcelayer

@@ -53,21 +53,20 @@ TEST(FloatSpacing, IsTheDistanceToTheNextFloat) {
 
 // Floats near 20 000 lie 2^-9 apart: 2 um where the unit is mm.
 TEST(VertexSpacing, FollowsUnitAndPlacing) {
-  Assembly assembly = triangle_at(20000);
-  EXPECT_DOUBLE_EQ(vertex_spacing_m(assembly, 0.001), std::ldexp(0.001, -9));
-  assembly.instances[0].assembly_from_mesh.linear = {0, -3, 0, 2, 0, 0, 0, 0, 1};
-  EXPECT_DOUBLE_EQ(vertex_spacing_m(assembly, 0.001), 3 * std::ldexp(0.001, -9));
-  assembly.meshes[0].single_precision = false;
-  EXPECT_EQ(vertex_spacing_m(assembly, 0.001), 0);
+  Mesh mesh = triangle_at(20000).meshes[0];
+  Affine metres_from_mm{{0.001, 0, 0, 0, 0.001, 0, 0, 0, 0.001}, {0, 0, 0}};
+  EXPECT_DOUBLE_EQ(vertex_spacing_m(mesh, metres_from_mm), std::ldexp(0.001, -9));
+  const Affine placing{{0, -3, 0, 2, 0, 0, 0, 0, 1}, {0, 0, 0}};
+  EXPECT_DOUBLE_EQ(vertex_spacing_m(mesh, compose(metres_from_mm, placing)),
+                   3 * std::ldexp(0.001, -9));
+  mesh.single_precision = false;
+  EXPECT_EQ(vertex_spacing_m(mesh, metres_from_mm), 0);
 }
 
 TEST(VertexSpacing, DrawsAWarningBeyondAThousandthOfAVoxel) {
-  const Assembly assembly = triangle_at(20000);
-  std::vector<std::string> warnings;
-  warn_of_coarse_vertices(assembly, "a.stl", 0.001, 2e-3, warnings);
-  EXPECT_TRUE(warnings.empty());
-  warn_of_coarse_vertices(assembly, "a.stl", 0.001, 1.9e-3, warnings);
-  EXPECT_EQ(warnings.size(), 1u);
+  EXPECT_FALSE(coarse_vertices_warning(2e-6, 2e-3));
+  ASSERT_TRUE(coarse_vertices_warning(2e-6, 1.9e-3));
+  EXPECT_NE(coarse_vertices_warning(2e-6, 1.9e-3)->find("thousandth"), std::string::npos);
 }
 
 }  // namespace
