@@ -105,13 +105,14 @@ Result<CoveringProof> cover_by_voxel_centers(const Part& part, const Part& centr
   auto centers = voxel_centers(part, voxel_size_m, center);
   if (!centers) return centers.error();
   points = std::move(*centers);
-  for (;;) {
-    CoveringProof proof = prove_covering(centred, points, radius);
-    if (proof.proven) return proof;
+  CoveringProof proof = prove_covering(centred, points, radius);
+  while (!proof.proven) {
     if (!add_voxel_centers_at(proof.holes, center, voxel_size_m, points)) {
       return Error{ErrorCode::kInternal, "", "", "voxel centres do not cover the part", ""};
     }
+    proof = continue_proof(centred, points, radius, proof);
   }
+  return proof;
 }
 
 double norm_rounded_up(std::span<const Vec3> points) {
@@ -179,6 +180,7 @@ Result<BakedShell> bake(Part part, const BakeOptions& options, const BakeProgres
   const Part centred = relative_to(part, mass.centroid);
 
   stages.begin("points");
+  const TriangleTree tree(centred);
   std::vector<Vec3> points;
   std::optional<CoveringProof> proof;
   if (options.method == ShellMethod::kVoxelCenters) {
@@ -188,7 +190,10 @@ Result<BakedShell> bake(Part part, const BakeOptions& options, const BakeProgres
     if (!covered) return covered.error();
     proof = std::move(*covered);
   } else {
-    proof = fill_holes(centred, radius, points);
+    CoveringPoints covering = covering_points(
+        tree, radius, options.effort, [&](double share_done) { progress("points", share_done); });
+    points = std::move(covering.positions);
+    proof = std::move(covering.proof);
   }
   shell.certificate_pieces = proof->pieces;
 
@@ -199,10 +204,11 @@ Result<BakedShell> bake(Part part, const BakeOptions& options, const BakeProgres
   fill_blocks(ordered, shell);
 
   stages.begin("normals");
-  const TriangleTree tree(centred);
-  const ShellNormals normals = shell_normals(tree, ordered, radius);
+  RestrictedCells cells(tree, radius);
+  cells.find_lists(ordered);
+  const ShellNormals normals = shell_normals(cells, ordered, radius);
   stages.begin("weights");
-  fill_points(ordered, normals, area_weights(centred, ordered, radius), shell);
+  fill_points(ordered, normals, area_weights(cells, ordered), shell);
   fill_header(options, mass, ordered, radius, part.input_triangles, shell);
   stages.end();
   return shell;

@@ -8,12 +8,11 @@
 
 #include "formats/pshell_writer.h"
 #include "formats/result.h"
+#include "pointshell/covering_points.h"
 #include "pointshell/orientation.h"
 #include "pointshell/part.h"
 
 namespace forcelayer {
-
-enum class Effort { kFast, kFull };
 
 struct BakeOptions {
   double voxel_size_m = 0;

@@ -1,10 +1,10 @@
 #include "pointshell/certificate.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <limits>
+#include <iterator>
 
+#include "pointshell/convex_polygon.h"
 #include "pointshell/parallel.h"
 #include "pointshell/pieces.h"
 #include "pointshell/point_grid.h"
@@ -12,78 +12,99 @@
 namespace forcelayer {
 namespace {
 
-// Pieces start at most this long (in radii); a ball seldom holds a larger one.
-constexpr double kTileEdge = 1.5;
-// A piece this small (in radii) that is still undecided counts as a hole: the two balls that share
-// it leave less room than this.
-constexpr double kSmallestEdge = 1e-8;
-constexpr std::size_t kTilesPerTask = 128;
+// In radii. Triangles are bisected to this edge before candidates for their balls are gathered.
+constexpr double kTileEdge = 5;
+constexpr double kGridCell = 4;
+constexpr std::size_t kTilesPerTask = 32;
 
 // Proves single tiles; one of it per task, as it keeps scratch memory.
 class TileProver {
  public:
   TileProver(const PointGrid& grid, double radius) : grid_(grid), radius_(radius) {}
 
-  void prove(const Piece& tile) {
+  void prove(std::span<const Vec3> tile) {
+    ConvexPolygon polygon(tile);
+    const Vec3 middle = middle_of(tile);
+    const double reach = radius_ + std::sqrt(polygon.farthest_squared(middle));
     candidates_.clear();
-    const Vec3 middle = centroid(tile);
-    const double reach = radius_ + reach_from(middle, tile);
     grid_.visit_near(middle, reach, [&](std::uint32_t, const Vec3& point) {
       if (length_squared(point - middle) <= reach * reach) candidates_.push_back(point);
     });
-    prove(tile, 0, candidates_.size());
+    prove(polygon, 0, candidates_.size());
   }
 
   std::vector<Hole> holes;
   std::uint64_t pieces = 0;
 
  private:
-  // The candidates of a piece are candidates_[first, last).
-  void prove(const Piece& piece, std::size_t first, std::size_t last) {
+  static Vec3 middle_of(std::span<const Vec3> corners) {
+    Vec3 sum;
+    for (const Vec3& corner : corners) sum += corner;
+    return (1.0 / static_cast<double>(corners.size())) * sum;
+  }
+
+  // The candidate of [first, last), not empty, that is nearest to `place`.
+  std::size_t nearest_candidate(const Vec3& place, std::size_t first, std::size_t last) const {
+    std::size_t nearest = first;
+    double squared = length_squared(candidates_[first] - place);
+    for (std::size_t n = first + 1; n < last; ++n) {
+      const double other = length_squared(candidates_[n] - place);
+      if (other < squared) nearest = n, squared = other;
+    }
+    return nearest;
+  }
+
+  // The candidates of a piece are candidates_[first, last): all points whose balls can reach it,
+  // but for those that are farther from all of it than another candidate is. So a corner's nearest
+  // candidate is its nearest point, and with every cut each side loses a candidate.
+  void prove(ConvexPolygon& piece, std::size_t first, std::size_t last) {
+    if (piece.empty()) return;
     ++pieces;
-    std::array<double, 3> nearest;
-    if (one_ball_holds(piece, first, last, nearest)) return;
-    const auto farthest = std::max_element(nearest.begin(), nearest.end());
-    const LongestEdge longest = longest_edge(piece);
-    const bool too_small =
-        longest.length_squared < kSmallestEdge * kSmallestEdge * radius_ * radius_;
-    if (*farthest > radius_ * radius_ || too_small) {
-      holes.push_back({piece[farthest - nearest.begin()], std::sqrt(*farthest)});
-      return;
+    const Vec3 middle = middle_of(piece.corners());
+    if (first == last) return add_hole(piece, piece.corners().front(), 2 * radius_);
+    const std::size_t inner = nearest_candidate(middle, first, last);
+    const Vec3 inner_point = candidates_[inner];
+    const Vec3* outermost = nullptr;
+    double outermost_squared = radius_ * radius_;
+    for (const Vec3& corner : piece.corners()) {
+      const double squared = length_squared(corner - inner_point);
+      if (squared > outermost_squared) outermost = &corner, outermost_squared = squared;
     }
-    for (const Piece& half : bisected(piece, longest.from)) {
-      const std::size_t half_first = candidates_.size();
-      narrow(half, first, last);
-      prove(half, half_first, candidates_.size());
-      candidates_.resize(half_first);
+    if (!outermost) return;
+    const std::size_t outer = nearest_candidate(*outermost, first, last);
+    const Vec3 outer_point = candidates_[outer];
+    const double distance_squared = length_squared(*outermost - outer_point);
+    if (distance_squared > radius_ * radius_) {
+      return add_hole(piece, *outermost, std::sqrt(distance_squared));
     }
+    if (piece.farthest_squared(outer_point) <= radius_ * radius_) return;
+    // The outermost corner is nearer to the outer point and the middle to the inner one (or the
+    // same to both): the plane between them cuts the piece.
+    const Vec3 normal = outer_point - inner_point;
+    ConvexPolygon rest;
+    piece.split(normal, dot(normal, 0.5 * (inner_point + outer_point)), rest);
+    prove_with(piece, first, last, outer);
+    prove_with(rest, first, last, inner);
   }
 
-  // Whether one candidate is within the radius of all corners; if not, the squared distance of each
-  // corner to its nearest candidate.
-  bool one_ball_holds(const Piece& piece, std::size_t first, std::size_t last,
-                      std::array<double, 3>& nearest) const {
-    const double beyond = 4 * radius_ * radius_;  // farther than the reach of any candidate
-    nearest = {beyond, beyond, beyond};
-    for (std::size_t n = first; n < last; ++n) {
-      const Vec3& point = candidates_[n];
-      const double a = length_squared(piece[0] - point);
-      const double b = length_squared(piece[1] - point);
-      const double c = length_squared(piece[2] - point);
-      if (std::max({a, b, c}) <= radius_ * radius_) return true;
-      nearest = {std::min(nearest[0], a), std::min(nearest[1], b), std::min(nearest[2], c)};
-    }
-    return false;
-  }
-
-  // Appends those of candidates_[first, last) whose balls reach `piece`.
-  void narrow(const Piece& piece, std::size_t first, std::size_t last) {
-    const Vec3 middle = centroid(piece);
-    const double reach = radius_ + reach_from(middle, piece);
+  // Proves `piece` with those of the candidates that can reach it, and without candidate `dropped`.
+  void prove_with(ConvexPolygon& piece, std::size_t first, std::size_t last, std::size_t dropped) {
+    if (piece.empty()) return;
+    const Vec3 middle = middle_of(piece.corners());
+    const double reach = radius_ + std::sqrt(piece.farthest_squared(middle));
+    const std::size_t own_first = candidates_.size();
     for (std::size_t n = first; n < last; ++n) {
       const Vec3 point = candidates_[n];
-      if (length_squared(point - middle) <= reach * reach) candidates_.push_back(point);
+      if (n != dropped && length_squared(point - middle) <= reach * reach) {
+        candidates_.push_back(point);
+      }
     }
+    prove(piece, own_first, candidates_.size());
+    candidates_.resize(own_first);
+  }
+
+  void add_hole(const ConvexPolygon& piece, const Vec3& corner, double distance) {
+    holes.push_back({corner, distance, {piece.corners().begin(), piece.corners().end()}});
   }
 
   const PointGrid& grid_;
@@ -91,16 +112,18 @@ class TileProver {
   std::vector<Vec3> candidates_;  // a stack, one range for every level of the recursion
 };
 
-void prove_batch(std::span<const Piece> tiles, const PointGrid& grid, double radius,
+// Proves tile(0) to tile(count - 1) and adds the outcome to `proof`.
+template <typename Tile>
+void prove_tiles(std::size_t count, const Tile& tile, const PointGrid& grid, double radius,
                  CoveringProof& proof) {
-  const std::size_t tasks = (tiles.size() + kTilesPerTask - 1) / kTilesPerTask;
+  const std::size_t tasks = (count + kTilesPerTask - 1) / kTilesPerTask;
   std::vector<TileProver> provers(tasks, TileProver(grid, radius));
   parallel_for_each_index(tasks, 1, [&](std::size_t task) {
-    const std::size_t end = std::min((task + 1) * kTilesPerTask, tiles.size());
-    for (std::size_t n = task * kTilesPerTask; n < end; ++n) provers[task].prove(tiles[n]);
+    const std::size_t end = std::min((task + 1) * kTilesPerTask, count);
+    for (std::size_t n = task * kTilesPerTask; n < end; ++n) provers[task].prove(tile(n));
   });
-  for (const TileProver& prover : provers) {
-    proof.holes.insert(proof.holes.end(), prover.holes.begin(), prover.holes.end());
+  for (TileProver& prover : provers) {
+    std::move(prover.holes.begin(), prover.holes.end(), std::back_inserter(proof.holes));
     proof.pieces += prover.pieces;
   }
 }
@@ -108,18 +131,33 @@ void prove_batch(std::span<const Piece> tiles, const PointGrid& grid, double rad
 }  // namespace
 
 double proof_margin(const Part& part, double radius) {
-  // Every source of error is a few units in the last place of the largest coordinate; midpoints add
-  // one for each of at most 64 bisections. 2^-44 is 512 units.
+  // Every source of error is a few units in the last place of the largest coordinate; midpoints and
+  // cuts add a few for each of far fewer than 100 in a row. 2^-44 is 512 units.
   return std::ldexp(part.largest_coordinate + radius, -44);
 }
 
 CoveringProof prove_covering(const Part& part, std::span<const Vec3> points, double radius) {
   const double proof_radius = radius - proof_margin(part, radius);
-  const PointGrid grid(points, kTileEdge * radius);
+  const PointGrid grid(points, kGridCell * radius);
   CoveringProof proof;
   for_each_tile_batch(part, kTileEdge * proof_radius, [&](std::span<const Piece> tiles) {
-    prove_batch(tiles, grid, proof_radius, proof);
+    prove_tiles(
+        tiles.size(), [&](std::size_t n) { return std::span<const Vec3>(tiles[n]); }, grid,
+        proof_radius, proof);
   });
+  proof.proven = proof.holes.empty();
+  return proof;
+}
+
+CoveringProof continue_proof(const Part& part, std::span<const Vec3> points, double radius,
+                             const CoveringProof& failed) {
+  const PointGrid grid(points, kGridCell * radius);
+  CoveringProof proof;
+  proof.pieces = failed.pieces;
+  prove_tiles(
+      failed.holes.size(),
+      [&](std::size_t n) { return std::span<const Vec3>(failed.holes[n].piece); }, grid,
+      radius - proof_margin(part, radius), proof);
   proof.proven = proof.holes.empty();
   return proof;
 }

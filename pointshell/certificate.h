@@ -1,9 +1,13 @@
 // The proof that every surface point of a part lies within a radius of some shell point.
 //
-// Every triangle is bisected until each piece has its three corners within the radius of one common
-// shell point. A ball is convex, so it then holds the whole piece. No sampling is involved, and
-// rounding is accounted for: the proof is carried out at a radius that is smaller by more than all
-// errors of the arithmetic together (proof_margin).
+// Every triangle is cut into convex pieces until each has all of its corners within the radius of
+// one common shell point. A ball is convex, so it then holds the whole piece. No sampling is
+// involved, and rounding is accounted for: the proof is carried out at a radius that is smaller by
+// more than all errors of the arithmetic together (proof_margin).
+//
+// Cuts run along the planes half-way between two points, so that after a few of them each piece
+// lies in the Voronoi cell of one point; a piece that is not proven then has a corner that is
+// farther than the radius from every point.
 #pragma once
 
 #include <cstdint>
@@ -15,24 +19,30 @@
 
 namespace forcelayer {
 
-// A place on the surface where the proof failed.
+// A piece of the surface where the proof failed.
 struct Hole {
-  Vec3 position;
-  double distance = 0;  // m, to the nearest point; where none is close, a bound below it
+  Vec3 position;        // the corner that is farthest from all points
+  double distance = 0;  // m, from there to the nearest point; where none is close, a bound below it
+  std::vector<Vec3> piece;  // corners of the convex polygon that is not proven
 };
 
 struct CoveringProof {
   bool proven = false;
-  std::vector<Hole> holes;   // empty when proven; at most one for every piece that failed
+  std::vector<Hole> holes;   // empty when proven; their pieces hold all that is not proven
   std::uint64_t pieces = 0;  // that the proof looked at
 };
 
 // By how much the proof's radius is smaller than the radius it proves, m: more than the rounding of
-// vertices to metres, of the centre's subtraction, of midpoints and of distances.
+// vertices to metres, of the centre's subtraction, of cuts and of distances.
 double proof_margin(const Part& part, double radius);
 
 // Proves that every point of `part` is within `radius` (m) of one of `points`, both relative to the
 // same centre. The same result for any number of threads.
 CoveringProof prove_covering(const Part& part, std::span<const Vec3> points, double radius);
+
+// Takes up a proof of the same part and radius that failed, with more points than it had: only the
+// pieces with holes are looked at again.
+CoveringProof continue_proof(const Part& part, std::span<const Vec3> points, double radius,
+                             const CoveringProof& failed);
 
 }  // namespace forcelayer

@@ -64,12 +64,13 @@ std::vector<Vec3> deepest_holes(std::vector<Hole> holes, double separation) {
 }
 
 CoveringProof fill_holes(const Part& part, double radius, std::vector<Vec3>& points) {
-  for (;;) {
-    CoveringProof proof = prove_covering(part, points, radius);
-    if (proof.proven) return proof;
-    const std::vector<Vec3> added = deepest_holes(std::move(proof.holes), radius);
+  CoveringProof proof = prove_covering(part, points, radius);
+  while (!proof.proven) {
+    const std::vector<Vec3> added = deepest_holes(proof.holes, radius);
     points.insert(points.end(), added.begin(), added.end());
+    proof = continue_proof(part, points, radius, proof);
   }
+  return proof;
 }
 
 }  // namespace forcelayer

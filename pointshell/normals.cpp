@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "pointshell/parallel.h"
+#include "pointshell/pieces.h"
 
 namespace forcelayer {
 namespace {
@@ -13,6 +14,8 @@ constexpr double kNoneCos = 0.5;                 // 60 degrees
 // Triangles whose distance from the point exceeds the nearest one's by less than this share of the
 // radius meet at the point: more than the rounding of positions to floats.
 constexpr double kSamePlace = 1e-4;
+constexpr double kCancelled = 1e-3;     // of normals that add up to less, nothing is left
+constexpr double kFlatCos = 1 - 1e-12;  // one direction but for rounding
 
 struct Point2 {
   double x, y;
@@ -52,7 +55,7 @@ double angle_between(const Vec3& u, const Vec3& v) {
 
 // The angle that a triangle fills around a point of it: pi for a point on a side, less at a corner.
 // A point inside counts as on a side: then it is the only triangle, or one of several in one plane.
-double angle_at(const Vec3& place, const std::array<Vec3, 3>& corners, double same_place) {
+double angle_at(const Vec3& place, const Piece& corners, double same_place) {
   for (int n = 0; n < 3; ++n) {
     if (length(place - corners[n]) <= same_place) {
       return angle_between(corners[(n + 1) % 3] - corners[n], corners[(n + 2) % 3] - corners[n]);
@@ -61,82 +64,113 @@ double angle_at(const Vec3& place, const std::array<Vec3, 3>& corners, double sa
   return std::acos(-1.0);
 }
 
+// Finds the normals of points one by one; one of it per task, as it keeps scratch memory.
 class NormalFinder {
  public:
   NormalFinder(const TriangleTree& tree, double radius)
       : tree_(tree), part_(tree.part()), radius_(radius) {}
 
-  void find(const Vec3& point, Vec3& inward, double& cone_cos) const {
-    const SurfacePoint foot = tree_.nearest(point).point;
+  // `near` holds at least the triangles within the radius of `point`.
+  void find(const Vec3& point, std::span<const std::uint32_t> near, Vec3& inward,
+            double& cone_cos) {
+    const SurfacePoint foot = tree_.nearest(point, near);
+    gather(foot.position, point == foot.position ? near : triangles_near(foot.position));
     const Vec3 seed = seed_at(foot);
-    Vec3 sum;
-    tree_.visit_near(foot.position, radius_, [&](std::uint32_t t) {
-      const Vec3 normal = normalized(doubled_area_normal(part_, t));
-      const double weight = range_weight(dot(normal, seed));
-      if (weight > 0) sum += weight * area_near(foot.position, t) * normal;
-    });
-    const Vec3 outward = length_squared(sum) > 0 ? normalized(sum) : seed;
+    const Vec3 outward = smoothed(foot.position, seed);
     inward = -outward;
     cone_cos = cone_about(foot.position, outward);
   }
 
  private:
-  std::array<Vec3, 3> corners(std::uint32_t t) const {
-    const Triangle& c = part_.triangles[t];
-    return {part_.vertices[c[0]], part_.vertices[c[1]], part_.vertices[c[2]]};
+  struct Face {
+    Piece corners;
+    Vec3 normal;  // unit, or zero where the triangle has no area
+  };
+
+  std::span<const std::uint32_t> triangles_near(const Vec3& place) {
+    triangles_.clear();
+    tree_.visit_near(place, radius_, [&](std::uint32_t t) { triangles_.push_back(t); });
+    return triangles_;
   }
 
-  double area_near(const Vec3& place, std::uint32_t t) const {
-    const auto c = corners(t);
-    return area_within_ball(place, radius_, c[0], c[1], c[2]);
+  void gather(const Vec3& foot, std::span<const std::uint32_t> triangles) {
+    faces_.clear();
+    for (const std::uint32_t t : triangles) {
+      const Piece corners = triangle_piece(part_, t);
+      const Vec3 normal = normalized(cross(corners[1] - corners[0], corners[2] - corners[0]));
+      if (std::abs(dot(normal, foot - corners[0])) < radius_) faces_.push_back({corners, normal});
+    }
   }
 
   Vec3 seed_at(const SurfacePoint& foot) const {
     const double same_place = kSamePlace * radius_;
     Vec3 sum;
-    tree_.visit_near(foot.position, same_place, [&](std::uint32_t t) {
-      const auto c = corners(t);
-      const Vec3 nearest = nearest_on_triangle(foot.position, c[0], c[1], c[2]);
-      if (length_squared(nearest - foot.position) > same_place * same_place) return;
-      sum += angle_at(nearest, c, same_place) * normalized(doubled_area_normal(part_, t));
-    });
+    for (const Face& face : faces_) {
+      if (std::abs(dot(face.normal, foot.position - face.corners[0])) > same_place) continue;
+      const Vec3 nearest =
+          nearest_on_triangle(foot.position, face.corners[0], face.corners[1], face.corners[2]);
+      if (length_squared(nearest - foot.position) > same_place * same_place) continue;
+      sum += angle_at(nearest, face.corners, same_place) * face.normal;
+    }
     // Faces back to back cancel: then the triangle that the point was found on decides.
-    if (length(sum) > 1e-3) return normalized(sum);
+    if (length(sum) > kCancelled) return normalized(sum);
     return nearest_area_normal(foot);
   }
 
   // The normal of the foot's triangle or, where that has no area, of the nearest one that has.
   Vec3 nearest_area_normal(const SurfacePoint& foot) const {
-    const Vec3 normal = normalized(doubled_area_normal(part_, foot.triangle));
-    if (length_squared(normal) > 0) return normal;
+    const Vec3 own = normalized(doubled_area_normal(part_, foot.triangle));
+    if (length_squared(own) > 0) return own;
     for (double reach = kSamePlace * radius_;; reach *= 4) {
       Vec3 best;
       double best_squared = reach * reach;
       tree_.visit_near(foot.position, reach, [&](std::uint32_t t) {
-        const auto c = corners(t);
-        const Vec3 candidate = normalized(doubled_area_normal(part_, t));
-        const double squared =
-            length_squared(nearest_on_triangle(foot.position, c[0], c[1], c[2]) - foot.position);
-        if (length_squared(candidate) == 0 || squared > best_squared) return;
-        best = candidate;
+        const Piece corners = triangle_piece(part_, t);
+        const Vec3 normal = normalized(doubled_area_normal(part_, t));
+        const Vec3 nearest = nearest_on_triangle(foot.position, corners[0], corners[1], corners[2]);
+        const double squared = length_squared(nearest - foot.position);
+        if (length_squared(normal) == 0 || squared > best_squared) return;
+        best = normal;
         best_squared = squared;
       });
       if (length_squared(best) > 0) return best;
     }
   }
 
+  Vec3 smoothed(const Vec3& place, const Vec3& seed) const {
+    // On a flat neighbourhood the areas need not be known.
+    const bool flat = std::all_of(faces_.begin(), faces_.end(), [&](const Face& face) {
+      const double cosine = dot(face.normal, seed);
+      return cosine <= kNoneCos || cosine >= kFlatCos;
+    });
+    if (flat) return seed;
+    Vec3 sum;
+    for (const Face& face : faces_) {
+      const double weight = range_weight(dot(face.normal, seed));
+      if (weight > 0) sum += weight * area_near(place, face) * face.normal;
+    }
+    return length_squared(sum) > 0 ? normalized(sum) : seed;
+  }
+
   double cone_about(const Vec3& place, const Vec3& outward) const {
     double cosine = 1;
-    tree_.visit_near(place, radius_, [&](std::uint32_t t) {
-      const double c = dot(normalized(doubled_area_normal(part_, t)), outward);
-      if (c < cosine && area_near(place, t) > 0) cosine = c;
-    });
+    for (const Face& face : faces_) {
+      if (length_squared(face.normal) == 0) continue;
+      const double c = dot(face.normal, outward);
+      if (c < cosine && area_near(place, face) > 0) cosine = c;
+    }
     return std::max(cosine, -1.0);
+  }
+
+  double area_near(const Vec3& place, const Face& face) const {
+    return area_within_ball(place, radius_, face.corners[0], face.corners[1], face.corners[2]);
   }
 
   const TriangleTree& tree_;
   const Part& part_;
   const double radius_;
+  std::vector<std::uint32_t> triangles_;
+  std::vector<Face> faces_;  // near the foot
 };
 
 }  // namespace
@@ -166,13 +200,16 @@ double area_within_ball(const Vec3& centre, double radius, const Vec3& a, const 
   return std::max(area, 0.0);
 }
 
-ShellNormals shell_normals(const TriangleTree& tree, std::span<const Vec3> points, double radius) {
+ShellNormals shell_normals(const RestrictedCells& cells, std::span<const Vec3> points,
+                           double radius) {
   ShellNormals normals;
   normals.inward.resize(points.size());
   normals.cone_cos.resize(points.size());
-  const NormalFinder finder(tree, radius);
-  parallel_for_each_index(points.size(), 256, [&](std::size_t n) {
-    finder.find(points[n], normals.inward[n], normals.cone_cos[n]);
+  parallel_ranges(points.size(), 256, [&](std::size_t begin, std::size_t end) {
+    NormalFinder finder(cells.tree(), radius);
+    for (std::size_t n = begin; n < end; ++n) {
+      finder.find(points[n], cells.triangles_near(n), normals.inward[n], normals.cone_cos[n]);
+    }
   });
   return normals;
 }

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "pointshell/triangle_tree.h"
+#include "pointshell/restricted_cells.h"
 #include "pointshell/vec3.h"
 
 namespace forcelayer {
@@ -15,7 +15,7 @@ struct ShellNormals {
                                  // normals of all triangles within the radius of the point
 };
 
-// The part's triangles must face outwards.
+// The part's triangles must face outwards; `cells` must have been made for all of `points`.
 //
 // Rule. (1) The seed is the normal at the nearest surface point: the face's, and on edges and
 // corners the angle-weighted mean of the faces that meet there (Baerentzen and Aanaes, "Signed
@@ -25,7 +25,8 @@ struct ShellNormals {
 // Fu, Au and Tai 2011; without the angle's weight it is the integral invariant of Pottmann,
 // Wallner, Huang and Yang 2009). The mean is exact, so it changes continuously from point to point:
 // the facets of a curved surface blend, while the faces at a real edge do not see each other.
-ShellNormals shell_normals(const TriangleTree& tree, std::span<const Vec3> points, double radius);
+ShellNormals shell_normals(const RestrictedCells& cells, std::span<const Vec3> points,
+                           double radius);
 
 // Area of the part of triangle a, b, c that lies within `radius` of `centre`.
 double area_within_ball(const Vec3& centre, double radius, const Vec3& a, const Vec3& b,

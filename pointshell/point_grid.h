@@ -54,9 +54,8 @@ class PointGrid {
   };
 
   Cell cell_of(const Vec3& p) const {
-    return {static_cast<std::int64_t>(std::floor(p.x * inverse_cell_size_)),
-            static_cast<std::int64_t>(std::floor(p.y * inverse_cell_size_)),
-            static_cast<std::int64_t>(std::floor(p.z * inverse_cell_size_))};
+    return {floor_to_int(p.x * inverse_cell_size_), floor_to_int(p.y * inverse_cell_size_),
+            floor_to_int(p.z * inverse_cell_size_)};
   }
   // 21 bits an axis. Cells 2^21 apart share a key: a query then visits some points too many.
   static std::uint64_t key_of(const Cell& cell) {

@@ -64,14 +64,15 @@ std::optional<Ball> through_chosen(const Support& support, unsigned chosen) {
   return through(p[0], p[1], p[2], p[3]);
 }
 
-// The smallest ball of at most five points by trying every choice of two to four of them; the
-// support becomes that choice.
+// The smallest ball of at most five points, the last of which lies on it, by trying every choice of
+// one to three others; the support becomes that choice.
 std::optional<Ball> smallest_of_few(Support& support) {
   std::optional<Ball> best;
   unsigned best_chosen = 0;
-  for (unsigned chosen = 1; chosen < 1u << support.count; ++chosen) {
-    const int size = __builtin_popcount(chosen);
-    if (size < 2 || size > 4) continue;
+  const unsigned last = 1u << (support.count - 1);
+  for (unsigned others = 1; others < last; ++others) {
+    const unsigned chosen = others | last;
+    if (chosen == 0b11111u) continue;
     const auto ball = through_chosen(support, chosen);
     if (!ball || !holds(*ball, support) || (best && ball->radius >= best->radius)) continue;
     best = ball;

@@ -6,7 +6,22 @@
 namespace forcelayer {
 namespace {
 
-constexpr std::size_t kLeafTriangles = 4;
+constexpr std::size_t kLeafTriangles = 2;
+
+// Square of the sine of a triangle's angle below which its plane is not to be trusted.
+constexpr double kFlat = 1e-20;
+
+float rounded_down(double x) {
+  const float nearest = static_cast<float>(x);
+  return nearest <= x ? nearest : std::nextafter(nearest, -std::numeric_limits<float>::infinity());
+}
+
+TriangleTree::Node node_around(const Box& box, std::uint32_t first, std::uint32_t count) {
+  return {{rounded_down(box.low.x), rounded_down(box.low.y), rounded_down(box.low.z)},
+          {-rounded_down(-box.high.x), -rounded_down(-box.high.y), -rounded_down(-box.high.z)},
+          first,
+          count};
+}
 
 Vec3 nearest_on_segment(const Vec3& place, const Vec3& a, const Vec3& b) {
   const Vec3 along = b - a;
@@ -28,7 +43,7 @@ int longest_axis(const Box& box) {
 }
 
 // Whether the ray meets the box beyond its origin; `inverse` is 1 / direction, by component.
-bool ray_meets_box(const Vec3& origin, const Vec3& inverse, const Box& box) {
+bool ray_meets_box(const Vec3& origin, const Vec3& inverse, const TriangleTree::Node& box) {
   double enter = 0, leave = std::numeric_limits<double>::infinity();
   const auto clip = [&](double from, double factor, double low, double high) {
     const double a = (low - from) * factor, b = (high - from) * factor;
@@ -36,9 +51,9 @@ bool ray_meets_box(const Vec3& origin, const Vec3& inverse, const Box& box) {
     enter = std::fmax(enter, std::fmin(a, b));
     leave = std::fmin(leave, std::fmax(a, b));
   };
-  clip(origin.x, inverse.x, box.low.x, box.high.x);
-  clip(origin.y, inverse.y, box.low.y, box.high.y);
-  clip(origin.z, inverse.z, box.low.z, box.high.z);
+  clip(origin.x, inverse.x, box.low[0], box.high[0]);
+  clip(origin.y, inverse.y, box.low[1], box.high[1]);
+  clip(origin.z, inverse.z, box.low[2], box.high[2]);
   return enter <= leave;
 }
 
@@ -56,23 +71,19 @@ bool ray_meets_triangle(const Vec3& origin, const Vec3& direction, double least_
 
 }  // namespace
 
-void Box::grow(const Vec3& p) {
-  low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-  high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-}
-
 Vec3 nearest_on_triangle(const Vec3& place, const Vec3& a, const Vec3& b, const Vec3& c) {
-  const Vec3 normal = cross(b - a, c - a);
-  const double squared = length_squared(normal);
-  // Inside all three edge planes (they contain the normal), the foot on the plane is the answer.
-  // Where the normal vanishes so do the three products, and the edges decide.
-  if (squared > 0 && dot(cross(b - a, place - a), normal) >= 0 &&
-      dot(cross(c - b, place - b), normal) >= 0 && dot(cross(a - c, place - c), normal) >= 0) {
-    return place - (dot(place - a, normal) / squared) * normal;
+  // By the barycentric coordinates of the foot on the plane (Ericson, "Real-time collision
+  // detection", 2005, section 5.1.5). A triangle without area has none and goes to its edges.
+  const Vec3 ab = b - a, ac = c - a, ap = place - a;
+  const double bb = dot(ab, ab), bc = dot(ab, ac), cc = dot(ac, ac);
+  const double pb = dot(ap, ab), pc = dot(ap, ac);
+  const double scale = bb * cc - bc * bc;
+  const double v = cc * pb - bc * pc, w = bb * pc - bc * pb;
+  if (v >= 0 && w >= 0 && v + w <= scale && scale > kFlat * bb * cc) {
+    return a + (v / scale) * ab + (w / scale) * ac;
   }
-  const Vec3 ab = nearest_on_segment(place, a, b);
-  const Vec3 bc = nearest_on_segment(place, b, c);
-  return nearer(place, nearer(place, ab, bc), nearest_on_segment(place, c, a));
+  const Vec3 on_ab = nearest_on_segment(place, a, b), on_bc = nearest_on_segment(place, b, c);
+  return nearer(place, nearer(place, on_ab, on_bc), nearest_on_segment(place, c, a));
 }
 
 TriangleTree::TriangleTree(const Part& part) : part_(&part), ordered_(part.triangles.size()) {
@@ -103,7 +114,8 @@ Box TriangleTree::box_of(std::span<const std::uint32_t> triangles) const {
 void TriangleTree::build(std::span<std::uint32_t> triangles, std::uint32_t first,
                          const std::vector<Vec3>& centroids) {
   const std::size_t at = nodes_.size();
-  nodes_.push_back({box_of(triangles), first, static_cast<std::uint32_t>(triangles.size())});
+  nodes_.push_back(
+      node_around(box_of(triangles), first, static_cast<std::uint32_t>(triangles.size())));
   if (triangles.size() <= kLeafTriangles) return;
   Box of_centroids;
   for (const std::uint32_t t : triangles) of_centroids.grow(centroids[t]);
@@ -131,7 +143,7 @@ bool TriangleTree::ray_hits(const Vec3& origin, const Vec3& direction, std::uint
   while (depth > 0) {
     const std::uint32_t at = stack[--depth];
     const Node& node = nodes_[at];
-    if (!ray_meets_box(origin, inverse, node.box)) continue;
+    if (!ray_meets_box(origin, inverse, node)) continue;
     for (std::uint32_t n = 0; n < node.count; ++n) {
       const std::uint32_t t = ordered_[node.first + n];
       const Triangle& corners = part_->triangles[t];
@@ -158,7 +170,7 @@ TriangleTree::Nearest TriangleTree::nearest(const Vec3& place, double radius) co
   };
   std::array<Entry, kMaxDepth> stack;
   std::size_t depth = 0;
-  stack[depth++] = {0, nodes_[0].box.distance_squared(place)};
+  stack[depth++] = {0, nodes_[0].distance_squared(place)};
   while (depth > 0) {
     const Entry entry = stack[--depth];
     if (entry.distance_squared > best.distance_squared) continue;
@@ -175,11 +187,28 @@ TriangleTree::Nearest TriangleTree::nearest(const Vec3& place, double radius) co
       best = {{foot, t}, squared, true};
     }
     if (node.count > 0) continue;
-    Entry near{entry.node + 1, nodes_[entry.node + 1].box.distance_squared(place)};
-    Entry far{node.first, nodes_[node.first].box.distance_squared(place)};
+    Entry near{entry.node + 1, nodes_[entry.node + 1].distance_squared(place)};
+    Entry far{node.first, nodes_[node.first].distance_squared(place)};
     if (far.distance_squared < near.distance_squared) std::swap(near, far);
     stack[depth++] = far;
     stack[depth++] = near;
+  }
+  return best;
+}
+
+SurfacePoint TriangleTree::nearest(const Vec3& place,
+                                   std::span<const std::uint32_t> triangles) const {
+  SurfacePoint best;
+  double best_squared = std::numeric_limits<double>::infinity();
+  for (const std::uint32_t t : triangles) {
+    const Triangle& c = part_->triangles[t];
+    const Vec3 foot = nearest_on_triangle(place, part_->vertices[c[0]], part_->vertices[c[1]],
+                                          part_->vertices[c[2]]);
+    const double squared = length_squared(foot - place);
+    if (squared < best_squared || (squared == best_squared && t < best.triangle)) {
+      best = {foot, t};
+      best_squared = squared;
+    }
   }
   return best;
 }

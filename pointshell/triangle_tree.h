@@ -20,16 +20,20 @@ struct SurfacePoint {
   std::uint32_t triangle = 0;  // index into Part::triangles
 };
 
+// The box around some points.
 struct Box {
   Vec3 low{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(),
            std::numeric_limits<double>::infinity()};
   Vec3 high = -low;
 
-  void grow(const Vec3& p);
+  void grow(const Vec3& p) {
+    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+  }
   double distance_squared(const Vec3& p) const {
-    const double x = std::max({low.x - p.x, 0.0, p.x - high.x});
-    const double y = std::max({low.y - p.y, 0.0, p.y - high.y});
-    const double z = std::max({low.z - p.z, 0.0, p.z - high.z});
+    const double x = std::max(std::max(low.x - p.x, p.x - high.x), 0.0);
+    const double y = std::max(std::max(low.y - p.y, p.y - high.y), 0.0);
+    const double z = std::max(std::max(low.z - p.z, p.z - high.z), 0.0);
     return x * x + y * y + z * z;
   }
 };
@@ -37,10 +41,23 @@ struct Box {
 class TriangleTree {
  public:
   // A node with count > 0 is a leaf over ordered_triangles()[first, first + count); else its
-  // children are the next node and node `first`.
+  // children are the next node and node `first`. The box is rounded outwards.
   struct Node {
-    Box box;
+    std::array<float, 3> low, high;
     std::uint32_t first = 0, count = 0;
+
+    double distance_squared(const Vec3& p) const {
+      const double x = std::max(std::max(low[0] - p.x, p.x - high[0]), 0.0);
+      const double y = std::max(std::max(low[1] - p.y, p.y - high[1]), 0.0);
+      const double z = std::max(std::max(low[2] - p.z, p.z - high[2]), 0.0);
+      return x * x + y * y + z * z;
+    }
+    // Whether the cube of this half-edge about `p` meets the box.
+    bool meets_cube(const Vec3& p, double half_edge) const {
+      return std::max(low[0] - p.x, p.x - high[0]) <= half_edge &&
+             std::max(low[1] - p.y, p.y - high[1]) <= half_edge &&
+             std::max(low[2] - p.z, p.z - high[2]) <= half_edge;
+    }
   };
 
   // `part` must outlive the tree. Over all of its triangles, or the given ones (at least one).
@@ -56,27 +73,26 @@ class TriangleTree {
   };
   Nearest nearest(const Vec3& place, double radius = std::numeric_limits<double>::infinity()) const;
 
+  // The point nearest to `place` on one of `triangles` (at least one).
+  SurfacePoint nearest(const Vec3& place, std::span<const std::uint32_t> triangles) const;
+
   // Whether the ray from `origin` along `direction` meets a triangle other than `excluded`, farther
   // than `least_distance` directions from its origin.
   bool ray_hits(const Vec3& origin, const Vec3& direction, std::uint32_t excluded,
                 double least_distance) const;
 
-  // Calls visit(triangle) for every triangle whose box is within `radius` of `place`.
+  // Calls visit(triangle) for every triangle whose box is within `radius` of `place`, and some
+  // more.
   template <typename Visit>
   void visit_near(const Vec3& place, double radius, const Visit& visit) const {
-    std::array<std::uint32_t, kMaxDepth> stack;
-    std::size_t depth = 0;
-    stack[depth++] = 0;
-    while (depth > 0) {
-      const std::uint32_t at = stack[--depth];
-      const Node& node = nodes_[at];
-      if (node.box.distance_squared(place) > radius * radius) continue;
-      for (std::uint32_t n = 0; n < node.count; ++n) visit(ordered_[node.first + n]);
-      if (node.count == 0) {
-        stack[depth++] = node.first;
-        stack[depth++] = at + 1;
-      }
-    }
+    visit_where([&](const Node& node) { return node.distance_squared(place) <= radius * radius; },
+                visit);
+  }
+
+  // The same for the cube of this half-edge about `middle`.
+  template <typename Visit>
+  void visit_near_box(const Vec3& middle, double half_edge, const Visit& visit) const {
+    visit_where([&](const Node& node) { return node.meets_cube(middle, half_edge); }, visit);
   }
 
   const Part& part() const { return *part_; }
@@ -86,6 +102,22 @@ class TriangleTree {
  private:
   static constexpr std::size_t kMaxDepth = 96;  // of a tree over 2^32 triangles, halved each time
 
+  template <typename Test, typename Visit>
+  void visit_where(const Test& test, const Visit& visit) const {
+    std::array<std::uint32_t, kMaxDepth> stack;
+    std::size_t depth = 0;
+    stack[depth++] = 0;
+    while (depth > 0) {
+      const std::uint32_t at = stack[--depth];
+      const Node& node = nodes_[at];
+      if (!test(node)) continue;
+      for (std::uint32_t n = 0; n < node.count; ++n) visit(ordered_[node.first + n]);
+      if (node.count == 0) {
+        stack[depth++] = node.first;
+        stack[depth++] = at + 1;
+      }
+    }
+  }
   void build(std::span<std::uint32_t> triangles, std::uint32_t first,
              const std::vector<Vec3>& centroids);
   Box box_of(std::span<const std::uint32_t> triangles) const;

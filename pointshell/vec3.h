@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 namespace forcelayer {
 
@@ -35,6 +36,13 @@ inline Vec3 normalized(const Vec3& a) {
 // Largest absolute coordinate.
 inline double max_abs(const Vec3& a) {
   return std::max({std::abs(a.x), std::abs(a.y), std::abs(a.z)});
+}
+
+// The largest integer not above `x`, |x| < 2^62. Without the call that std::floor is where the
+// compiler may not assume SSE4.1.
+inline std::int64_t floor_to_int(double x) {
+  const auto truncated = static_cast<std::int64_t>(x);
+  return truncated - (x < static_cast<double>(truncated));
 }
 
 // Some unit vector at a right angle to the unit vector `n`.

@@ -4,14 +4,14 @@
 #include <span>
 #include <vector>
 
-#include "pointshell/part.h"
+#include "pointshell/restricted_cells.h"
 #include "pointshell/vec3.h"
 
 namespace forcelayer {
 
-// For each of `points`, the area of the surface that is nearer to it than to any other (its Voronoi
-// cell restricted to the surface), m^2. The sum is the part's area up to rounding. Every surface
-// point must be within `radius` of a point.
-std::vector<double> area_weights(const Part& part, std::span<const Vec3> points, double radius);
+// For each of `points`, the area of the surface that is nearer to it than to any other (its
+// restricted Voronoi cell), m^2. The sum is the part's area up to rounding where the points cover
+// the part within the radius of `cells`, which must have been made for all of them.
+std::vector<double> area_weights(const RestrictedCells& cells, std::span<const Vec3> points);
 
 }  // namespace forcelayer

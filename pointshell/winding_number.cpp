@@ -12,10 +12,10 @@ constexpr double kFar = 5;
 // Below this share of the product of the distances the triangle is seen edge-on.
 constexpr double kEdgeOn = 1e-12;
 
-Vec3 farthest_offset(const Box& box, const Vec3& from) {
-  return {std::max(box.high.x - from.x, from.x - box.low.x),
-          std::max(box.high.y - from.y, from.y - box.low.y),
-          std::max(box.high.z - from.z, from.z - box.low.z)};
+Vec3 farthest_offset(const TriangleTree::Node& box, const Vec3& from) {
+  return {std::max(box.high[0] - from.x, from.x - box.low[0]),
+          std::max(box.high[1] - from.y, from.y - box.low[1]),
+          std::max(box.high[2] - from.z, from.z - box.low[2])};
 }
 
 }  // namespace
@@ -58,8 +58,8 @@ void WindingNumber::fill(std::uint32_t at) {
     }
   }
   dipole.centre =
-      areas_[at] > 0 ? (1 / areas_[at]) * weighted : 0.5 * (node.box.low + node.box.high);
-  dipole.radius = length(farthest_offset(node.box, dipole.centre));
+      areas_[at] > 0 ? (1 / areas_[at]) * weighted : Vec3{node.low[0], node.low[1], node.low[2]};
+  dipole.radius = length(farthest_offset(node, dipole.centre));
 }
 
 double WindingNumber::at_leaf(const TriangleTree::Node& node, const Vec3& place) const {
