@@ -1,0 +1,350 @@
+// The bake beside what people use today: one run, one machine, same mesh, resolution and threads.
+//
+//   bake_bench [--case NAME]... [--voxels N]... [--repeat N] [--models FOLDER] [--json FILE]
+//
+// For every case: the whole bake from triangles in memory to the finished file, checksums and
+// provenance included, and the whole command, beside `vdb_tool -mesh2ls` (which writes a level set,
+// no classification); and the scan conversion alone beside meshToVolume and beside the
+// straightforward way, which has the same output. Every figure is the least of the repetitions,
+// which alternate between the programs: other work on the machine only ever adds time. The
+// one-thread scans are compared by CPU time.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <limits>
+#include <optional>
+#include <stdexcept>
+#include <thread>
+
+#include <unistd.h>
+
+#include "formats/mesh/scene.h"
+#include "formats/voxmap_writer.h"
+#include "tests/bench/bake_bench_peers.h"
+#include "tests/bench/bake_bench_process.h"
+#include "tests/bench/bench_report.h"
+#include "voxelize/bake.h"
+#include "voxelize/provenance.h"
+
+namespace forcelayer::bench {
+namespace {
+
+using Json = nlohmann::ordered_json;
+namespace fs = std::filesystem;
+
+struct Model {
+  const char* name;
+  const char* file;   // in the models folder
+  const char* units;  // empty: the file has its own
+};
+constexpr Model kModels[] = {{"bunny", "scan/stanford-bunny.obj", "m"},
+                             {"dragon", "scan/dragon-100k.obj", "m"},
+                             {"counter", "cad/counter.unitsmm.stl", "mm"},
+                             {"engine", "cad/2CylinderEngine.glb", ""}};
+
+// Targets of the ratio to vdb_tool, by voxels across.
+struct Targets {
+  double in_memory, command;
+};
+constexpr Targets targets_at(int voxels) {
+  return voxels >= 1024 ? Targets{60, 30} : Targets{40, 15};
+}
+constexpr double kTargetRss = 0.25, kTargetMeshToVolume = 50, kTargetStraightforward = 5;
+
+struct Best {
+  double wall_s = std::numeric_limits<double>::infinity();
+  double cpu_s = wall_s;
+  void add(double wall, double cpu) {
+    wall_s = std::min(wall_s, wall);
+    cpu_s = std::min(cpu_s, cpu);
+  }
+};
+Json to_json(const Best& best) { return {{"wall_s", best.wall_s}, {"cpu_s", best.cpu_s}}; }
+
+template <class T>
+T value_of(Result<T> result) {
+  if (!result) throw std::runtime_error(to_line(result.error()));
+  return std::move(*result);
+}
+
+// Every triangle of a scene in one indexed mesh, scaled.
+Mesh merged(const Scene& scene, double scale) {
+  Mesh mesh;
+  for (const ScenePart& part : scene.parts) {
+    const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+    for (const Vec3d& vertex : scene.mesh_of(part).vertices) {
+      Vec3d world = apply(part.world_from_mesh, vertex);
+      for (double& x : world) x *= scale;
+      mesh.vertices.push_back(world);
+    }
+    for (const Triangle& t : scene.mesh_of(part).triangles) {
+      mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+    }
+  }
+  return mesh;
+}
+
+double longest_side(const Mesh& mesh) {
+  double longest = 0;
+  for (std::size_t d = 0; d < 3; ++d) {
+    const auto by_axis = [d](const Vec3d& a, const Vec3d& b) { return a[d] < b[d]; };
+    const auto [low, high] =
+        std::minmax_element(mesh.vertices.begin(), mesh.vertices.end(), by_axis);
+    longest = std::max(longest, (*high)[d] - (*low)[d]);
+  }
+  return longest;
+}
+
+void write_binary_ply(const fs::path& path, const Mesh& mesh) {
+  std::ofstream file(path, std::ios::binary);
+  file << "ply\nformat binary_little_endian 1.0\nelement vertex " << mesh.vertices.size()
+       << "\nproperty float x\nproperty float y\nproperty float z\nelement face "
+       << mesh.triangles.size() << "\nproperty list uchar int vertex_indices\nend_header\n";
+  for (const Vec3d& v : mesh.vertices) {
+    const float xyz[3] = {static_cast<float>(v[0]), static_cast<float>(v[1]),
+                          static_cast<float>(v[2])};
+    file.write(reinterpret_cast<const char*>(xyz), sizeof xyz);
+  }
+  for (const Triangle& t : mesh.triangles) {
+    file.put(3);
+    file.write(reinterpret_cast<const char*>(t.data()), sizeof t);
+  }
+  if (!file.flush()) throw std::runtime_error("cannot write " + path.string());
+}
+
+// "... completed in 1 second and 62.4 milliseconds (1062.4ms)" of a vdb_tool stage, seconds.
+double vdb_tool_stage_s(const std::string& output, const std::string& stage) {
+  const std::size_t at = output.find(stage);
+  const std::size_t line_end = output.find('\n', at);
+  if (at == std::string::npos) throw std::runtime_error("vdb_tool does not report " + stage);
+  const std::string line = output.substr(at, line_end - at);
+  const std::size_t open = line.rfind('(');
+  const std::size_t plain = line.find("completed in ");
+  const std::size_t number = open != std::string::npos ? open + 1 : plain + 13;
+  return std::stod(line.substr(number)) * 1e-3;
+}
+
+// One model at one resolution.
+class Case {
+ public:
+  Case(const Model& model, const fs::path& models, const fs::path& folder, int voxels)
+      : model_(model), path_((models / model.file).string()), folder_(folder), voxels_(voxels) {
+    std::optional<double> unit;
+    if (model.units[0] != '\0') unit = std::string_view(model.units) == "mm" ? 1e-3 : 1.0;
+    scene_ = value_of(read_scene(std::span(&path_, 1), unit));
+    const Mesh metres = merged(scene_, 1);
+    voxel_size_m_ = longest_side(metres) / voxels;
+    peer_mesh_ = merged(scene_, 1 / voxel_size_m_);
+    // vdb_tool reads no GLB: that model is converted to one PLY, in metres, for both.
+    peer_path_ = path_;
+    peer_units_ = model.units;
+    peer_voxel_ = voxel_size_m_ / unit.value_or(1);
+    if (model.units[0] == '\0') {
+      peer_path_ = (folder / (std::string(model.name) + ".ply")).string();
+      peer_units_ = "m";
+      write_binary_ply(peer_path_, metres);
+    }
+  }
+
+  Json run(int repeat) {
+    for (int i = 0; i < repeat; ++i) {
+      run_in_memory();
+      run_command();
+      run_vdb_tool();
+      scan_one_thread_.add(run_scan_conversion(peer_mesh_, 1));
+      scan_all_threads_.add(run_scan_conversion(peer_mesh_, threads()));
+      scan_straightforward_.add(run_straightforward(peer_mesh_));
+      if (i == 0) scan_mesh_to_volume_.add(run_mesh_to_volume(peer_mesh_));  // it takes longest
+    }
+    return report();
+  }
+
+ private:
+  struct Scan {
+    Best best;
+    std::uint64_t voxels = 0;
+    void add(const PeerRun& run) {
+      best.add(run.wall_s, run.cpu_s);
+      voxels = run.voxels;
+    }
+  };
+
+  BakeOptions options(int threads) const {
+    BakeOptions options;
+    options.voxel_size_m = voxel_size_m_;
+    options.threads = threads;
+    return options;
+  }
+
+  void run_in_memory() {
+    std::vector<SceneObject> objects;
+    for (const ScenePart& part : scene_.parts) {
+      objects.push_back({part.name, &scene_.mesh_of(part), part.world_from_mesh, {}, 0});
+    }
+    const double wall_s = now_s(), cpu_start_s = cpu_s();
+    const Bake bake = value_of(forcelayer::bake(objects, options(0)));
+    const std::string provenance = provenance_of(scene_, options(0));
+    file_bytes_ = value_of(write_voxmap(folder_ / "ours.vox", bake.content(provenance)));
+    in_memory_.add(now_s() - wall_s, cpu_s() - cpu_start_s);
+  }
+
+  void run_command() {
+    std::vector<std::string> command = {std::string(FORCELAYER_BIN_DIR) + "/voxelize",
+                                        peer_path_,
+                                        "--quiet",
+                                        "-o",
+                                        (folder_ / "command.vox").string(),
+                                        "--voxel-size",
+                                        number(voxel_size_m_) + "m",
+                                        "--units",
+                                        peer_units_};
+    const ProcessRun run = run_process(command);
+    command_.add(run.wall_s, run.cpu_s);
+    command_rss_ = run.peak_rss_bytes;
+  }
+
+  void run_vdb_tool() {
+    const ProcessRun run =
+        run_process({"vdb_tool", "-read", peer_path_, "-mesh2ls", "voxel=" + number(peer_voxel_),
+                     "width=3", "-write", (folder_ / "peer.vdb").string()});
+    const double read_s = vdb_tool_stage_s(run.output, "Read geometry");
+    vdb_tool_.add(run.wall_s, run.cpu_s);
+    vdb_tool_no_reading_.add(run.wall_s - read_s, run.cpu_s - read_s);
+    vdb_tool_rss_ = run.peak_rss_bytes;
+    vdb_bytes_ = fs::file_size(folder_ / "peer.vdb");
+  }
+
+  static int threads() {
+    return static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  }
+  static std::string number(double value) {
+    char text[40];
+    std::snprintf(text, sizeof text, "%.9g", value);
+    return text;
+  }
+
+  static Json ratio(double ours, double theirs, double target) {
+    return {{"times", theirs / ours}, {"target", target}, {"met", theirs / ours >= target}};
+  }
+
+  Json report() const {
+    const Targets targets = targets_at(voxels_);
+    const double rss = static_cast<double>(command_rss_) / static_cast<double>(vdb_tool_rss_);
+    return {
+        {"model", model_.name},
+        {"triangles", peer_mesh_.triangles.size()},
+        {"objects", scene_.parts.size()},
+        {"voxels_across", voxels_},
+        {"voxel_size_m", voxel_size_m_},
+        {"in_memory_to_file", to_json(in_memory_)},
+        {"command", to_json(command_)},
+        {"command_peak_rss_bytes", command_rss_},
+        {"file_bytes", file_bytes_},
+        {"vdb_tool", to_json(vdb_tool_)},
+        {"vdb_tool_without_reading", to_json(vdb_tool_no_reading_)},
+        {"vdb_tool_peak_rss_bytes", vdb_tool_rss_},
+        {"vdb_bytes", vdb_bytes_},
+        {"scan_one_thread", to_json(scan_one_thread_.best)},
+        {"scan_all_threads", to_json(scan_all_threads_.best)},
+        {"scan_voxels", scan_one_thread_.voxels},
+        {"straightforward_one_thread", to_json(scan_straightforward_.best)},
+        {"straightforward_voxels", scan_straightforward_.voxels},
+        {"mesh_to_volume", to_json(scan_mesh_to_volume_.best)},
+        {"mesh_to_volume_voxels", scan_mesh_to_volume_.voxels},
+        {"ratios",
+         {{"straightforward_scan", ratio(scan_one_thread_.best.cpu_s,
+                                         scan_straightforward_.best.cpu_s, kTargetStraightforward)},
+          {"mesh_to_volume_scan", ratio(scan_all_threads_.best.wall_s,
+                                        scan_mesh_to_volume_.best.wall_s, kTargetMeshToVolume)},
+          {"vdb_tool_in_memory",
+           ratio(in_memory_.wall_s, vdb_tool_no_reading_.wall_s, targets.in_memory)},
+          {"vdb_tool_command", ratio(command_.wall_s, vdb_tool_.wall_s, targets.command)},
+          {"vdb_tool_in_memory_cpu", {{"times", vdb_tool_no_reading_.cpu_s / in_memory_.cpu_s}}},
+          {"vdb_tool_peak_rss",
+           {{"share", rss}, {"target", kTargetRss}, {"met", rss <= kTargetRss}}}}}};
+  }
+
+  const Model& model_;
+  std::string path_;
+  fs::path folder_;
+  int voxels_;
+  Scene scene_;
+  double voxel_size_m_ = 0;
+  Mesh peer_mesh_;  // voxels
+  std::string peer_path_, peer_units_;
+  double peer_voxel_ = 0;  // in the units of the file that vdb_tool reads
+  Best in_memory_, command_, vdb_tool_, vdb_tool_no_reading_;
+  Scan scan_one_thread_, scan_all_threads_, scan_straightforward_, scan_mesh_to_volume_;
+  std::uint64_t command_rss_ = 0, vdb_tool_rss_ = 0, file_bytes_ = 0, vdb_bytes_ = 0;
+};
+
+void print_header() {
+  std::printf("%-8s %6s | %9s %7s | %9s %7s | %9s %9s %7s | %9s %9s %7s | %6s\n", "model", "voxels",
+              "plain ms", "times", "m2v ms", "times", "bake ms", "vdb ms", "times", "cmd ms",
+              "vdb ms", "times", "rss");
+}
+
+void print_row(const Json& row) {
+  const auto ms = [&](const char* key) { return row[key]["wall_s"].get<double>() * 1e3; };
+  const auto times = [&](const char* key) {
+    const Json& ratio = row["ratios"][key];
+    char text[20];
+    std::snprintf(text, sizeof text, "%.1f%s", ratio["times"].get<double>(),
+                  ratio["met"].get<bool>() ? " " : "!");
+    return std::string(text);
+  };
+  std::printf("%-8s %6d | %9.1f %7s | %9.0f %7s | %9.1f %9.0f %7s | %9.1f %9.0f %7s | %5.1f%%\n",
+              row["model"].get<std::string>().c_str(), row["voxels_across"].get<int>(),
+              ms("straightforward_one_thread"), times("straightforward_scan").c_str(),
+              ms("mesh_to_volume"), times("mesh_to_volume_scan").c_str(), ms("in_memory_to_file"),
+              ms("vdb_tool_without_reading"), times("vdb_tool_in_memory").c_str(), ms("command"),
+              ms("vdb_tool"), times("vdb_tool_command").c_str(),
+              row["ratios"]["vdb_tool_peak_rss"]["share"].get<double>() * 100);
+  std::fflush(stdout);
+}
+
+int run(int argc, char** argv) {
+  CLI::App app{"The bake beside what people use today", "bake_bench"};
+  std::vector<std::string> cases;
+  std::vector<int> voxels = {512, 1024};
+  int repeat = 5;
+  std::string models = FORCELAYER_SOURCE_DIR "/../shared/models", json;
+  app.add_option("--case", cases, "bunny, dragon, counter, engine (default: all)");
+  app.add_option("--voxels", voxels, "voxels across the longest side (default 512 1024)");
+  app.add_option("--repeat", repeat, "repetitions, of which the least counts")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--models", models, "folder of the models");
+  app.add_option("--json", json, "where to write the figures");
+  CLI11_PARSE(app, argc, argv);
+
+  const fs::path folder = fs::temp_directory_path() / ("bake_bench_" + std::to_string(::getpid()));
+  fs::create_directories(folder);
+  Json results = Json::array();
+  print_header();
+  for (const Model& model : kModels) {
+    if (!cases.empty() && std::find(cases.begin(), cases.end(), model.name) == cases.end())
+      continue;
+    for (const int n : voxels) {
+      results.push_back(Case(model, models, folder, n).run(repeat));
+      print_row(results.back());
+    }
+  }
+  fs::remove_all(folder);
+  write_report("bake", argc, argv, results, json);
+  return 0;
+}
+
+}  // namespace
+}  // namespace forcelayer::bench
+
+int main(int argc, char** argv) {
+  try {
+    return forcelayer::bench::run(argc, argv);
+  } catch (const std::exception& error) {
+    std::cerr << "bake_bench: " << error.what() << '\n';
+    return 1;
+  }
+}

@@ -1,0 +1,28 @@
+// Scan conversion alone: ours, and what people use today, on triangles in voxel units.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "formats/mesh/mesh.h"
+
+namespace forcelayer::bench {
+
+struct PeerRun {
+  double wall_s = 0, cpu_s = 0;
+  std::uint64_t voxels = 0;  // active in the result
+};
+
+// Ours, from vertices in doubles to the finished mask tree.
+PeerRun run_scan_conversion(const Mesh& mesh, int threads);
+
+// openvdb::tools::meshToVolume, exterior and interior band of 3 voxels, on all threads.
+PeerRun run_mesh_to_volume(const Mesh& mesh);
+
+// The straightforward way: the test of Schwarz and Seidel (2010) in double precision, set up per
+// triangle, and every voxel of the triangle's box that passes written into a 512-tree mask, on one
+// thread.
+PeerRun run_straightforward(const Mesh& mesh);
+
+}  // namespace forcelayer::bench
