@@ -18,21 +18,6 @@ bool finite(const glm::dvec3& v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
-std::unique_ptr<Simulation> make_simulation(const Trial& trial, Model model) {
-  Voxmap voxmap = trial.scene->open();
-  Pshell shell = trial.part->open();
-  ParameterRequest request;
-  request.model = model;
-  request.force = usual_force(model, voxmap);
-  request.rate_hz = trial.rate_hz;
-  request.settings = trial.settings;
-  const auto derived = derive_parameters(request, voxmap, shell, trial.device);
-  if (!derived) throw std::runtime_error(to_line(derived.error()));
-  auto simulation = Simulation::create(std::move(voxmap), std::move(shell), derived->values);
-  if (!simulation) throw std::runtime_error(to_line(simulation.error()));
-  return std::move(*simulation);
-}
-
 // How far any point of a sphere about the centre goes between two poses of the centre.
 double travel_m(const Pose& a, const Pose& b, double radius_m) {
   return glm::length(b.position_m - a.position_m) +
@@ -161,6 +146,22 @@ Pose middle_of(const Pose& a, const Pose& b) {
 }
 
 }  // namespace
+
+std::unique_ptr<Simulation> make_simulation(const Trial& trial, Model model) {
+  Voxmap voxmap = trial.scene->open();
+  Pshell shell = trial.part->open();
+  ParameterRequest request;
+  request.model = model;
+  request.force = usual_force(model, voxmap);
+  request.rate_hz = trial.rate_hz;
+  request.settings = trial.settings;
+  request.braking = trial.braking;
+  const auto derived = derive_parameters(request, voxmap, shell, trial.device);
+  if (!derived) throw std::runtime_error(to_line(derived.error()));
+  auto simulation = Simulation::create(std::move(voxmap), std::move(shell), derived->values);
+  if (!simulation) throw std::runtime_error(to_line(simulation.error()));
+  return std::move(*simulation);
+}
 
 DeviceCapabilities trial_device() {
   DeviceCapabilities device;

@@ -34,6 +34,7 @@ struct Trial {
   std::optional<double> slide_from_s;
   glm::dvec3 slide_direction{1, 0, 0};
   bool exact_distance = true;
+  bool braking = true;
 };
 
 struct Metrics {
@@ -70,6 +71,9 @@ struct Metrics {
   }
   void add(const Metrics& other);
 };
+
+// What a trial runs in. Throws std::runtime_error where it cannot be set up.
+std::unique_ptr<Simulation> make_simulation(const Trial& trial, Model model);
 
 // Runs `trial` under `model`. Throws std::runtime_error where it cannot be set up.
 Metrics run(const Trial& trial, Model model);
