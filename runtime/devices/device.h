@@ -35,8 +35,8 @@ struct DeviceCapabilities {
   double workspace_radius_m = 0;        // about the device frame's origin; 0: unbounded
   double rate_hz = 0;                   // samples a second; 0: any
   bool senses_velocity = false;         // else the loop estimates it
-  bool has_watchdog = false;            // stops by itself when the host does
-  bool needs_real_time = false;         // a clock of its own: cannot run as fast as possible
+  double watchdog_s = 0;  // its motors go to zero when the host is silent for so long; 0: never
+  bool hardware = false;  // a hand holds it: runs in real time only, and a trip stays tripped
 };
 
 // One reading. Frames: `device_from_handle` in the device's base frame.
@@ -44,13 +44,17 @@ struct DeviceSample {
   Pose device_from_handle;
   Twist velocity;              // of the handle's origin, device axes; where sensed
   std::uint32_t buttons = 0;   // bit n: button n
-  bool fresh = false;          // a new reading since the last read()
-  bool present = false;        // the device answers and is calibrated
+  bool fresh = false;          // a new reading since the last read(); a device that is silent
+                               // while nothing moves sets it as long as it is there
+  bool present = false;        // the device answers
+  bool calibrated = true;      // its poses can be trusted
   std::uint64_t sequence = 0;  // counts readings; gaps are losses
 };
 
 // A device as the loop sees it. read() and write() are called from the loop's thread only: they
-// never block, allocate or call out; slow I/O lives on a thread of the device's own.
+// never block, allocate or call out; slow I/O lives on a thread of the device's own, which passes
+// every wrench through an OutputWatch (output_watch.h), so that a loop that stands still is not
+// felt as its last force for ever.
 class Device {
  public:
   virtual ~Device() = default;

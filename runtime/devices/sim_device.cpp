@@ -11,7 +11,7 @@ DeviceCapabilities sim_capabilities() {
   device.damping_nms_per_rad = 0.005;
   device.delay_s = 0.001;
   device.senses_velocity = true;
-  device.has_watchdog = true;  // it cannot outlive the host
+  device.watchdog_s = 0.001;  // it cannot outlive the host
   return device;
 }
 
