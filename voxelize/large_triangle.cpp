@@ -43,7 +43,15 @@ class LargeTriangle {
     for (std::size_t d = 0; d < 3; ++d) {
       up_ += positive(normal_[d]);
       down_ += negative(normal_[d]);
+      plane_ += normal_[d] * corners_[0][d];
     }
+    lo_ = least_sum(plane_, kSnapBits);
+    hi_ = greatest_sum(plane_, kSnapBits);
+    // Sums of cells lie between 7 down and 7 up; wrapped to 32 bits, they must not come around to
+    // the far side of lo..hi, which is at most as wide as up - down + 1.
+    narrow_ = 8 * (up_ - down_) + 1 < (std::int64_t{1} << 32);
+    SquareCells::tabulate(static_cast<std::int32_t>(normal_[1]),
+                          static_cast<std::int32_t>(normal_[2]), plane_sums_);
     for (std::int64_t z = 0; z < 8; ++z) along_z_[static_cast<std::size_t>(z)] = normal_[2] * z;
   }
 
@@ -61,28 +69,60 @@ class LargeTriangle {
     return box;
   }
 
-  // The hit ones of 8x8x8 cells of 2^log2_cell voxels an edge; `corner` is the lowest voxel. False
-  // where there is none.
-  HWY_INLINE bool find_cells(const std::array<std::int64_t, 3>& corner, int log2_cell,
-                             BrickMask& hit) const {
-    std::array<std::uint64_t, 3> range;
-    for (std::size_t d = 0; d < 3; ++d) {
-      range[d] =
-          range_bits((low_[d] - corner[d]) >> log2_cell, (high_[d] - corner[d]) >> log2_cell);
-      if (range[d] == 0) return false;
-    }
+  // The hit voxels of brick (x, y, z) of the node. False where there is none.
+  HWY_INLINE bool find_voxels(unsigned x, unsigned y, unsigned z, BrickMask& hit) const {
+    const std::array<std::int64_t, 3> corner = {8 * x, 8 * y, 8 * z};
+    std::int64_t offset = 0;
+    for (std::size_t d = 0; d < 3; ++d) offset += normal_[d] * corner[d];
+    const std::int64_t lo = lo_ - offset, hi = hi_ - offset;
+    if (lo > 7 * up_ || hi < 7 * down_) return false;
     std::array<std::uint64_t, 3> shadow;
     for (std::size_t d = 0; d < 3; ++d) {
-      shadow[d] = shadow_cells(d, corner, log2_cell);
+      shadow[d] = ~std::uint64_t{0};
+      for (const Edge& e : edges_[d]) {
+        const std::int64_t least = e.least - e.a * corner[kU[d]] - e.b * corner[kW[d]];
+        if (least <= e.all_pass) continue;
+        if (least > e.some_pass) return false;
+        shadow[d] &= SquareCells::above(e.sums, static_cast<std::int32_t>(least - 1));
+      }
       if (shadow[d] == 0) return false;
     }
-    return cut_by_plane(corner, log2_cell, range, shadow, hit);
+    return cut_by_plane(ranges(corner, 0), shadow, lo, hi, hit);
+  }
+
+  // The hit bricks of the node. False where there is none.
+  HWY_INLINE bool find_bricks(BrickMask& hit) const {
+    constexpr int kShift = kSnapBits + 3;
+    const std::int64_t lo = least_sum(plane_, kShift), hi = greatest_sum(plane_, kShift);
+    if (lo > 7 * up_ || hi < 7 * down_) return false;
+    std::array<std::uint64_t, 3> shadow;
+    for (std::size_t d = 0; d < 3; ++d) {
+      shadow[d] = ~std::uint64_t{0};
+      for (const Edge& e : edges_[d]) {
+        const std::int64_t least = e.least_sum(kShift);
+        if (least <= e.all_pass) continue;
+        if (least > e.some_pass) return false;
+        shadow[d] &= SquareCells::above(e.sums, static_cast<std::int32_t>(least - 1));
+      }
+    }
+    return cut_by_plane(ranges({0, 0, 0}, 3), shadow, lo, hi, hit);
   }
 
  private:
   struct Edge {
     std::int64_t a, b;  // a u + b w >= value on the triangle's side
     std::int64_t value;
+    std::int64_t above;  // of the positive ones of a and b: how far up a cell reaches
+
+    // Of cells, counted from the node's lowest: all pass where the least sum that passes is at most
+    // all_pass, none where it is more than some_pass.
+    std::int64_t least;  // of voxels
+    std::int64_t all_pass, some_pass;
+    SquareCells::Table sums;
+
+    HWY_INLINE std::int64_t least_sum(int shift) const {
+      return ceil_shift(value + (above > 0 ? 1 : 0), shift) - above;
+    }
   };
 
   HWY_INLINE void set_up_projection(std::size_t d) {
@@ -90,56 +130,56 @@ class LargeTriangle {
     // sides_[2] runs from corner 2 back to corner 0.
     const std::int64_t area = sides_[0][w] * sides_[2][u] - sides_[0][u] * sides_[2][w];
     normal_[d] = area;
-    for (std::size_t k = 0; k < 3; ++k) {
+    if (area != 0) {
       const std::int64_t sign = area < 0 ? -1 : 1;
-      edges_[d][k] =
-          edge(-sign * sides_[k][w], sign * sides_[k][u], corners_[k][u], corners_[k][w]);
+      for (std::size_t k = 0; k < 3; ++k) {
+        set_up(edges_[d][k], -sign * sides_[k][w], sign * sides_[k][u], corners_[k][u],
+               corners_[k][w]);
+      }
+      return;
     }
-    if (area != 0) return;
     // A shadow without area is a segment: its line bounds it from both sides.
     const std::size_t line = sides_[0][u] == 0 && sides_[0][w] == 0 ? 1 : 0;
     const std::int64_t a = -sides_[line][w], b = sides_[line][u];
-    edges_[d] = {edge(a, b, corners_[0][u], corners_[0][w]),
-                 edge(-a, -b, corners_[0][u], corners_[0][w]), Edge{0, 0, 0}};
+    set_up(edges_[d][0], a, b, corners_[0][u], corners_[0][w]);
+    set_up(edges_[d][1], -a, -b, corners_[0][u], corners_[0][w]);
+    set_up(edges_[d][2], 0, 0, 0, 0);
   }
 
-  static HWY_INLINE Edge edge(std::int64_t a, std::int64_t b, std::int64_t u0, std::int64_t w0) {
-    return {a, b, a * u0 + b * w0};
+  static HWY_INLINE void set_up(Edge& edge, std::int64_t a, std::int64_t b, std::int64_t u0,
+                                std::int64_t w0) {
+    edge.a = a;
+    edge.b = b;
+    edge.value = a * u0 + b * w0;
+    edge.above = positive(a) + positive(b);
+    edge.least = edge.least_sum(kSnapBits);
+    edge.all_pass = 7 * (negative(a) + negative(b));
+    edge.some_pass = 7 * edge.above;
+    SquareCells::tabulate(static_cast<std::int32_t>(a), static_cast<std::int32_t>(b), edge.sums);
   }
 
-  HWY_INLINE std::uint64_t shadow_cells(std::size_t d, const std::array<std::int64_t, 3>& corner,
-                                        int log2_cell) const {
-    const std::int64_t u = corner[kU[d]] * kSnapUnits, w = corner[kW[d]] * kSnapUnits;
-    const int shift = kSnapBits + log2_cell;
-    std::uint64_t cells = ~std::uint64_t{0};
-    for (const Edge& e : edges_[d]) {
-      const std::int64_t above = positive(e.a) + positive(e.b),
-                         under = negative(e.a) + negative(e.b);
-      const std::int64_t value = e.value - e.a * u - e.b * w;
-      const std::int64_t least = ceil_shift(value + (above > 0 ? 1 : 0), shift) - above;
-      if (least <= 7 * under) continue;  // all cells pass
-      if (least > 7 * above) return 0;   // none does
-      cells &=
-          SquareCells<8>::inside({static_cast<std::int32_t>(e.a), static_cast<std::int32_t>(e.b),
-                                  static_cast<std::int32_t>(least - 1)});
-    }
-    return cells;
+  // The least and greatest n . i of a cell i that the plane n . p = `value` crosses.
+  HWY_INLINE std::int64_t least_sum(std::int64_t value, int shift) const {
+    return ceil_shift(value + (up_ > 0 ? 1 : 0), shift) - up_;
+  }
+  HWY_INLINE std::int64_t greatest_sum(std::int64_t value, int shift) const {
+    return ((value - (down_ < 0 ? 1 : 0)) >> shift) - down_;
   }
 
-  HWY_INLINE bool cut_by_plane(const std::array<std::int64_t, 3>& corner, int log2_cell,
-                               const std::array<std::uint64_t, 3>& range,
-                               const std::array<std::uint64_t, 3>& shadow, BrickMask& hit) const {
-    const int shift = kSnapBits + log2_cell;
-    std::int64_t value = 0;
+  // The cells of the triangle's box, along every axis.
+  HWY_INLINE std::array<std::uint64_t, 3> ranges(const std::array<std::int64_t, 3>& corner,
+                                                 int log2_cell) const {
+    std::array<std::uint64_t, 3> range;
     for (std::size_t d = 0; d < 3; ++d) {
-      value += normal_[d] * (corners_[0][d] - corner[d] * kSnapUnits);
+      range[d] =
+          range_bits((low_[d] - corner[d]) >> log2_cell, (high_[d] - corner[d]) >> log2_cell);
     }
-    const std::int64_t lo = ceil_shift(value + (up_ > 0 ? 1 : 0), shift) - up_;
-    const std::int64_t hi = ((value - (down_ < 0 ? 1 : 0)) >> shift) - down_;
-    if (lo > 7 * up_ || hi < 7 * down_) return false;
-    // Sums of cells lie between 7 down and 7 up; wrapped to 32 bits, they must not come around to
-    // the far side of lo..hi, which is at most as wide as up - down + 1.
-    const bool narrow = 8 * (up_ - down_) + 1 < (std::int64_t{1} << 32);
+    return range;
+  }
+
+  HWY_INLINE bool cut_by_plane(const std::array<std::uint64_t, 3>& range,
+                               const std::array<std::uint64_t, 3>& shadow, std::int64_t lo,
+                               std::int64_t hi, BrickMask& hit) const {
     std::uint64_t any = 0;
     hit = {};
     for (unsigned x = 0; x < 8; ++x) {
@@ -149,11 +189,9 @@ class LargeTriangle {
       std::uint64_t word = shadow[0] & fill_rows(over_y) & over_z * kFirstColumn;
       if (word == 0) continue;
       const std::int64_t offset = normal_[0] * x;
-      word &= narrow ? SquareCells<8>::between(static_cast<std::int32_t>(normal_[1]),
-                                               static_cast<std::int32_t>(normal_[2]),
-                                               static_cast<std::uint32_t>(lo - offset),
-                                               static_cast<std::uint32_t>(hi - lo))
-                     : between_wide(word, lo - offset, hi - offset);
+      word &= narrow_ ? SquareCells::between(plane_sums_, static_cast<std::uint32_t>(lo - offset),
+                                             static_cast<std::uint32_t>(hi - lo))
+                      : between_wide(word, lo - offset, hi - offset);
       hit.words[x] = word;
       any |= word;
     }
@@ -189,6 +227,10 @@ class LargeTriangle {
   std::array<std::array<Edge, 3>, 3> edges_;
   std::array<std::int64_t, 3> normal_;
   std::int64_t up_ = 0, down_ = 0;  // sums of the normal's positive and negative parts
+  std::int64_t plane_ = 0;          // n . corner
+  std::int64_t lo_, hi_;            // n . i of voxels that the plane crosses
+  bool narrow_;
+  SquareCells::Table plane_sums_;
   alignas(64) std::array<std::int64_t, 8> along_z_;
 };
 
@@ -196,19 +238,19 @@ class LargeTriangle {
 HWY_INLINE void draw_brick(const LargeTriangle& triangle, unsigned x, unsigned y, unsigned z,
                            NodeCanvas& canvas) {
   BrickMask voxels;
-  if (!triangle.find_cells({8 * x, 8 * y, 8 * z}, 0, voxels)) return;
+  if (!triangle.find_voxels(x, y, z, voxels)) return;
   BrickMask& target = canvas.brick(x, y, z);
   for (std::size_t i = 0; i < 8; ++i) target.words[i] |= voxels.words[i];
 }
 
 void draw_triangle(const LatticeTriangle& corners, NodeCanvas& canvas) {
-  constexpr unsigned kFewBricks = 8;  // not worth a test of their own
+  constexpr unsigned kFewBricks = 18;  // not worth a test of their own
   const LargeTriangle triangle(corners);
   const auto [first, last] = triangle.bricks();
   if (first[0] > last[0] || first[1] > last[1] || first[2] > last[2]) return;
   if ((last[0] - first[0] + 1) * (last[1] - first[1] + 1) * (last[2] - first[2] + 1) > kFewBricks) {
     BrickMask bricks;
-    if (!triangle.find_cells({0, 0, 0}, 3, bricks)) return;
+    if (!triangle.find_bricks(bricks)) return;
     for_each_cell(bricks, [&](unsigned x, unsigned y, unsigned z)
                               HWY_ATTR { draw_brick(triangle, x, y, z, canvas); });
     return;

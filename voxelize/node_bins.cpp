@@ -31,7 +31,12 @@ class ChunkBins {
   };
 
   void add(const NodeIndex& node, std::uint32_t triangle) {
-    if (nodes.empty() || node != nodes[last_]) last_ = index_of(node);
+    // Not by !=, which calls memcmp.
+    if (nodes.empty() ||
+        ((node[0] ^ last_node_[0]) | (node[1] ^ last_node_[1]) | (node[2] ^ last_node_[2])) != 0) {
+      last_ = index_of(node);
+      last_node_ = node;
+    }
     ++counts[last_];
     entries.push_back({last_, triangle});
   }
@@ -52,6 +57,7 @@ class ChunkBins {
 
   std::unordered_map<NodeIndex, std::uint32_t, NodeHash> index_;
   std::uint32_t last_ = 0;
+  NodeIndex last_node_{};
 };
 
 void add_spanning(ChunkBins& bins, const LatticeTriangle& triangle, std::uint32_t number,

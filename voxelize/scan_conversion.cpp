@@ -26,6 +26,7 @@ class NodeDrawing {
 
   void draw(const LatticeTriangle& triangle) {
     LatticeTriangle corners;  // from the node's lowest corner
+    std::array<int, 3> low_voxel, high_voxel;
     std::int64_t most_voxels = 0, extent = 0;
     for (std::size_t d = 0; d < 3; ++d) {
       for (std::size_t k = 0; k < 3; ++k) {
@@ -33,12 +34,13 @@ class NodeDrawing {
       }
       const std::int64_t low = std::min({corners[0][d], corners[1][d], corners[2][d]});
       const std::int64_t high = std::max({corners[0][d], corners[1][d], corners[2][d]});
+      low_voxel[d] = static_cast<int>(low >> kSnapBits);
+      high_voxel[d] = static_cast<int>(high >> kSnapBits);
       most_voxels = std::max(most_voxels, (high >> kSnapBits) - (low >> kSnapBits) + 1);
       extent = std::max(extent, high - low);
     }
     if (most_voxels <= SmallTriangles::kMaxVoxels) {
-      small_.add(corners);
-      if (small_.full()) small_.draw(canvas_);
+      small_.draw(corners, low_voxel, high_voxel, canvas_);
     } else if (extent <= kLargeTriangleUnits) {
       draw_large_triangle(corners, canvas_);
     } else {
@@ -48,7 +50,7 @@ class NodeDrawing {
 
   // What was drawn as a node at `origin`, voxels of the scene.
   std::unique_ptr<LowerMaskNode> finish(const Coord& origin) {
-    small_.draw(canvas_);
+    small_.finish(canvas_);
     auto node = std::make_unique<LowerMaskNode>(origin, false, false);
     for_each_set(canvas_.touched, [&](unsigned n) {
       auto leaf = std::make_unique<MaskLeaf>(entry_origin(origin, n, 8), false);

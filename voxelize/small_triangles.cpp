@@ -126,23 +126,20 @@ HWY_INLINE HalfPlane half_plane(const Prepared::Edge& edge, std::size_t t) {
   return {edge.a[t], edge.b[t], edge.below[t]};
 }
 
-// Where triangle t's shadow is, as bits u*kSide + w.
-template <unsigned kSide>
+// Where triangle t's shadow is, as bits u*8 + w.
 HWY_INLINE std::uint64_t shadow(const std::array<Prepared::Edge, 3>& edges, std::size_t t) {
-  return SquareCells<kSide>::inside(half_plane(edges[0], t), half_plane(edges[1], t),
-                                    half_plane(edges[2], t));
+  return SquareCells::inside(half_plane(edges[0], t), half_plane(edges[1], t),
+                             half_plane(edges[2], t));
 }
 
 // A triangle's window, cell (x, y, z) as bit y*8 + z of word x.
 using Window = std::array<std::uint64_t, 8>;
 
-// Four rows of four bits to four rows of eight.
-HWY_INLINE std::uint64_t widen_rows(std::uint64_t bits) {
-  return (bits & 0xf) | (bits & 0xf0) << 4 | (bits & 0xf00) << 8 | (bits & 0xf000) << 12;
-}
+// Rows of kSide bits to rows of eight.
 template <unsigned kSide>
-HWY_INLINE std::uint64_t rows_of(std::uint64_t bits) {
-  return kSide == 8 ? bits : widen_rows(bits);
+HWY_INLINE std::uint64_t widen_rows(std::uint64_t bits) {
+  if constexpr (kSide == 2) return (bits & 0x3) | (bits & 0xc) << 6;
+  return (bits & 0xf) | (bits & 0xf0) << 4 | (bits & 0xf00) << 8 | (bits & 0xf000) << 12;
 }
 
 // The bounds of n . i over the window's cells that the triangle's plane crosses: lo .. lo + width.
@@ -163,25 +160,126 @@ HWY_INLINE Bounds plane_bounds(const Prepared& prepared, std::size_t t) {
   return {static_cast<std::int32_t>(lo), static_cast<std::uint32_t>(hi - lo)};
 }
 
-// The hit cells of a triangle of at most kSide voxels along every axis.
-template <unsigned kSide>
+// The hit cells of a triangle of at most 8 voxels along every axis.
 HWY_INLINE void find_cells(const Prepared& prepared, std::size_t t, Window& window) {
-  constexpr std::uint64_t kRow = (1u << kSide) - 1;
   const unsigned span_x = static_cast<unsigned>(prepared.span[0][t]);
   const std::uint64_t rows_y = (std::uint64_t{2} << prepared.span[1][t]) - 1;
   const std::uint64_t columns_z = (std::uint64_t{2} << prepared.span[2][t]) - 1;
-  const std::uint64_t along_x = rows_of<kSide>(shadow<kSide>(prepared.edges[0], t));
-  const std::uint64_t along_y = shadow<kSide>(prepared.edges[1], t);  // x*kSide + z
-  const std::uint64_t along_z = shadow<kSide>(prepared.edges[2], t);  // x*kSide + y
+  const std::uint64_t along_x = shadow(prepared.edges[0], t);
+  const std::uint64_t along_y = shadow(prepared.edges[1], t);  // x*8 + z
+  const std::uint64_t along_z = shadow(prepared.edges[2], t);  // x*8 + y
   const Bounds bounds = plane_bounds(prepared, t);
   const std::int32_t nx = prepared.normal[0][t], ny = prepared.normal[1][t],
                      nz = prepared.normal[2][t];
   for (unsigned x = 0; x <= span_x; ++x) {
-    const std::uint64_t y = along_z >> (kSide * x) & kRow & rows_y;
-    const std::uint64_t z = along_y >> (kSide * x) & kRow & columns_z;
+    const std::uint64_t y = along_z >> (8 * x) & rows_y;
+    const std::uint64_t z = along_y >> (8 * x) & columns_z;
     const auto lo = static_cast<std::uint32_t>(bounds.lo - nx * static_cast<std::int32_t>(x));
-    window[x] = along_x & fill_rows(y) & z * kFirstColumn &
-                rows_of<kSide>(SquareCells<kSide>::between(ny, nz, lo, bounds.width));
+    window[x] =
+        along_x & fill_rows(y) & z * kFirstColumn & SquareCells::between(ny, nz, lo, bounds.width);
+  }
+}
+
+// Where all three edges' tests pass, cell (u, w) as bit u*kSide + w, triangle by triangle.
+template <unsigned kSide>
+HWY_INLINE Vector shadows(const std::array<Prepared::Edge, 3>& edges, std::size_t first) {
+  std::array<Vector, 3> row, step_u, step_w;  // values less `below`
+  for (std::size_t k = 0; k < 3; ++k) {
+    step_u[k] = load(edges[k].a, first);
+    step_w[k] = load(edges[k].b, first);
+    row[k] = Neg(load(edges[k].below, first));
+  }
+  const Vector zero = hn::Zero(kLanes);
+  Vector bits = zero;
+  for (unsigned u = 0; u < kSide; ++u) {
+    std::array<Vector, 3> cell = row;
+    for (unsigned w = 0; w < kSide; ++w) {
+      const auto inside = hn::Gt(Min(Min(cell[0], cell[1]), cell[2]), zero);
+      bits = hn::Or(bits, hn::IfThenElseZero(inside, hn::Set(kLanes, 1 << (u * kSide + w))));
+      for (std::size_t k = 0; k < 3; ++k) cell[k] = Add(cell[k], step_w[k]);
+    }
+    for (std::size_t k = 0; k < 3; ++k) row[k] = Add(row[k], step_u[k]);
+  }
+  return bits;
+}
+
+// The bounds of n . i over the cells that a triangle's plane crosses, in 32 bits: with corners in
+// at most 4 voxels, products of a normal's halves and an anchor's fit.
+struct LaneBounds {
+  Vector lo, width;
+};
+HWY_INLINE LaneBounds lane_bounds(const Prepared& prepared, std::size_t first) {
+  const Vector zero = hn::Zero(kLanes), one = hn::Set(kLanes, 1);
+  const Vector fraction = hn::Set(kLanes, int{kSnapUnits} - 1);
+  Vector whole = zero, rest = zero;  // n . anchor is 2^10 whole + rest
+  Vector up = zero, down = zero;
+  for (std::size_t d = 0; d < 3; ++d) {
+    const Vector n = load(prepared.normal[d], first), at = load(prepared.anchor[d], first);
+    const Vector n_high = ShiftRight<kSnapBits>(n), n_low = hn::And(n, fraction);
+    const Vector at_high = ShiftRight<kSnapBits>(at), at_low = hn::And(at, fraction);
+    whole = Add(whole, Add(Mul(n, at_high), Mul(n_high, at_low)));
+    rest = Add(rest, Mul(n_low, at_low));
+    up = Add(up, Max(n, zero));
+    down = Add(down, Min(n, zero));
+  }
+  const Vector open_up = Min(up, one), open_down = Max(down, Neg(one));
+  const Vector lo = Sub(Add(whole, ShiftRight<kSnapBits>(Add(Add(rest, open_up), fraction))), up);
+  const Vector hi = Sub(Add(whole, ShiftRight<kSnapBits>(Add(rest, open_down))), down);
+  return {lo, Sub(hi, lo)};
+}
+
+// One bit for each of kSide cells, in every kSide-th place, and kSide bits for each.
+template <unsigned kSide>
+constexpr std::int32_t kColumn = kSide == 2 ? 0x5 : 0x1111;
+template <unsigned kSide>
+HWY_INLINE Vector filled_rows(Vector bits) {
+  Vector spread = bits;
+  for (unsigned i = 1; i < kSide; ++i) {
+    spread = hn::Or(spread, hn::ShiftLeftSame(bits, static_cast<int>(i * (kSide - 1))));
+  }
+  const Vector firsts = hn::And(spread, hn::Set(kLanes, kColumn<kSide>));
+  return Sub(hn::ShiftLeft<kSide>(firsts), firsts);
+}
+
+// The hit cells of triangles of at most kSide voxels along every axis, kSide 2 or 4: cell (x, y, z)
+// as bit y*kSide + z of the triangle's lane of words[x].
+template <unsigned kSide>
+HWY_INLINE void find_cells_in_lanes(const Prepared& prepared, std::size_t first,
+                                    std::array<Lanes, kSide>& words) {
+  constexpr int kRow = (1 << kSide) - 1;
+  const Vector row = hn::Set(kLanes, kRow), two = hn::Set(kLanes, 2), one = hn::Set(kLanes, 1);
+  const auto range = [&](std::size_t d)
+                         HWY_ATTR { return Sub(hn::Shl(two, load(prepared.span[d], first)), one); };
+  const Vector rows_y = range(1), columns_z = range(2);
+  const Vector along_x = shadows<kSide>(prepared.edges[0], first);
+  Vector along_y = shadows<kSide>(prepared.edges[1], first);  // x*kSide + z
+  Vector along_z = shadows<kSide>(prepared.edges[2], first);  // x*kSide + y
+
+  const LaneBounds bounds = lane_bounds(prepared, first);
+  constexpr hn::RebindToUnsigned<decltype(kLanes)> kUnsigned;
+  const auto width = hn::BitCast(kUnsigned, bounds.width);
+  const Vector nx = load(prepared.normal[0], first), ny = load(prepared.normal[1], first),
+               nz = load(prepared.normal[2], first);
+  Vector plane = Neg(bounds.lo);
+  for (unsigned x = 0; x < kSide; ++x) {
+    Vector bits = hn::Zero(kLanes), line = plane;
+    for (unsigned y = 0; y < kSide; ++y) {
+      Vector cell = line;
+      for (unsigned z = 0; z < kSide; ++z) {
+        const auto outside = hn::RebindMask(kLanes, hn::Gt(hn::BitCast(kUnsigned, cell), width));
+        bits = hn::Or(bits, hn::IfThenZeroElse(outside, hn::Set(kLanes, 1 << (y * kSide + z))));
+        cell = Add(cell, nz);
+      }
+      line = Add(line, ny);
+    }
+    plane = Add(plane, nx);
+    const Vector y = hn::And(hn::And(along_z, row), rows_y);
+    const Vector z = hn::And(hn::And(along_y, row), columns_z);
+    along_z = ShiftRight<kSide>(along_z);
+    along_y = ShiftRight<kSide>(along_y);
+    const Vector columns = Mul(z, hn::Set(kLanes, kColumn<kSide>));
+    store(hn::And(hn::And(bits, along_x), hn::And(filled_rows<kSide>(y), columns)), words[x],
+          first);
   }
 }
 
@@ -229,31 +327,40 @@ class WindowMover {
   std::array<int, 3> low_, span_;
 };
 
-// A triangle that leaves its lowest voxel along one axis at most hits every voxel of its box.
-HWY_INLINE void fill_box(const Prepared& prepared, std::size_t t, Window& window) {
-  const std::uint64_t rows = (std::uint64_t{2} << prepared.span[1][t]) - 1;
-  const std::uint64_t columns = (std::uint64_t{2} << prepared.span[2][t]) - 1;
-  for (int x = 0; x <= prepared.span[0][t]; ++x) {
-    window[static_cast<std::size_t>(x)] = fill_rows(rows) & columns * kFirstColumn;
+template <unsigned kSide>
+HWY_INLINE void draw_prepared(const Prepared& prepared, std::size_t count, NodeCanvas& canvas) {
+  Window window;
+  if constexpr (kSide == 8) {
+    for (std::size_t t = 0; t < count; ++t) {
+      find_cells(prepared, t, window);
+      WindowMover(prepared, t, canvas).move(window);
+    }
+  } else {
+    alignas(64) std::array<Lanes, kSide> words;
+    for (std::size_t first = 0; first < count; first += hn::Lanes(kLanes)) {
+      find_cells_in_lanes<kSide>(prepared, first, words);
+    }
+    for (std::size_t t = 0; t < count; ++t) {
+      for (unsigned x = 0; x < kSide; ++x) {
+        window[x] = widen_rows<kSide>(static_cast<std::uint32_t>(words[x][t]));
+      }
+      WindowMover(prepared, t, canvas).move(window);
+    }
   }
 }
 
-void draw_batch(const SmallTriangles::Corners& corners, std::size_t count, NodeCanvas& canvas) {
+void draw_batch(const SmallTriangles::Batch& batch, unsigned side, NodeCanvas& canvas) {
   Prepared prepared;
-  for (std::size_t first = 0; first < count; first += hn::Lanes(kLanes)) {
-    prepare(corners, first, prepared);
+  for (std::size_t first = 0; first < batch.count; first += hn::Lanes(kLanes)) {
+    prepare(batch.corners, first, prepared);
   }
-  Window window;
-  for (std::size_t t = 0; t < count; ++t) {
-    const int x = prepared.span[0][t], y = prepared.span[1][t], z = prepared.span[2][t];
-    if ((x > 0) + (y > 0) + (z > 0) <= 1) {
-      fill_box(prepared, t, window);
-    } else if ((x | y | z) < 4) {
-      find_cells<4>(prepared, t, window);
-    } else {
-      find_cells<8>(prepared, t, window);
-    }
-    WindowMover(prepared, t, canvas).move(window);
+  switch (side) {
+    case 2:
+      return draw_prepared<2>(prepared, batch.count, canvas);
+    case 4:
+      return draw_prepared<4>(prepared, batch.count, canvas);
+    default:
+      return draw_prepared<8>(prepared, batch.count, canvas);
   }
 }
 
@@ -264,12 +371,49 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace forcelayer {
 namespace {
+
 HWY_EXPORT(draw_batch);
+
+// A triangle whose box is a row of voxels hits them all; those outside the node are lost.
+void draw_row(const std::array<int, 3>& low, const std::array<int, 3>& high, NodeCanvas& canvas) {
+  for (int x = low[0]; x <= high[0]; ++x) {
+    for (int y = low[1]; y <= high[1]; ++y) {
+      for (int z = low[2]; z <= high[2]; ++z) {
+        if (((x | y | z) & ~63) != 0) continue;
+        const auto ux = static_cast<unsigned>(x), uy = static_cast<unsigned>(y),
+                   uz = static_cast<unsigned>(z);
+        canvas.brick(ux >> 3, uy >> 3, uz >> 3).words[ux & 7] |= std::uint64_t{1}
+                                                                 << ((uy & 7) << 3 | (uz & 7));
+      }
+    }
+  }
+}
+
 }  // namespace
 
-void SmallTriangles::draw(NodeCanvas& canvas) {
-  HWY_DYNAMIC_DISPATCH(draw_batch)(corners_, count_, canvas);
-  count_ = 0;
+void SmallTriangles::draw_batch(std::size_t number, NodeCanvas& canvas) {
+  HWY_DYNAMIC_DISPATCH(draw_batch)(batches_[number], 2u << number, canvas);
+  batches_[number].count = 0;
+}
+
+void SmallTriangles::draw(const LatticeTriangle& corners, const std::array<int, 3>& low,
+                          const std::array<int, 3>& high, NodeCanvas& canvas) {
+  const int x = high[0] - low[0], y = high[1] - low[1], z = high[2] - low[2];
+  if ((x > 0) + (y > 0) + (z > 0) <= 1) return draw_row(low, high, canvas);
+  const std::size_t number = (x | y | z) < 2 ? 0 : (x | y | z) < 4 ? 1 : 2;
+  Batch& batch = batches_[number];
+  for (std::size_t k = 0; k < 3; ++k) {
+    for (std::size_t d = 0; d < 3; ++d) {
+      batch.corners[k][d][batch.count] = static_cast<std::int32_t>(corners[k][d]);
+    }
+  }
+  if (++batch.count == kCapacity) draw_batch(number, canvas);
+}
+
+void SmallTriangles::finish(NodeCanvas& canvas) {
+  for (std::size_t number = 0; number < batches_.size(); ++number) {
+    if (batches_[number].count > 0) draw_batch(number, canvas);
+  }
 }
 
 }  // namespace forcelayer

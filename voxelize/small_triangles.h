@@ -15,30 +15,28 @@ namespace forcelayer {
 // 8 voxels, the normal is below 2^27 and 21 times its largest component fits 32 bits.
 class SmallTriangles {
  public:
-  static constexpr std::size_t kCapacity = 16;
   static constexpr std::int64_t kMaxVoxels = 8;
 
-  bool full() const { return count_ == kCapacity; }
+  // Draws a triangle, or keeps it to be drawn with others of its size. Corners in lattice units
+  // from the node's lowest corner, `low` and `high` the lowest and highest of their voxels.
+  void draw(const LatticeTriangle& corners, const std::array<int, 3>& low,
+            const std::array<int, 3>& high, NodeCanvas& canvas);
 
-  // Corners in lattice units from the node's lowest corner.
-  void add(const LatticeTriangle& corners) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      for (std::size_t d = 0; d < 3; ++d) {
-        corners_[k][d][count_] = static_cast<std::int32_t>(corners[k][d]);
-      }
-    }
-    ++count_;
-  }
+  // Draws all that were kept, and forgets them.
+  void finish(NodeCanvas& canvas);
 
-  // Draws all that were added, and forgets them.
-  void draw(NodeCanvas& canvas);
-
+  static constexpr std::size_t kCapacity = 16;
   using Lanes = std::array<std::int32_t, kCapacity>;
   using Corners = std::array<std::array<Lanes, 3>, 3>;  // [corner][axis][triangle]
+  struct Batch {
+    alignas(64) Corners corners{};
+    std::size_t count = 0;
+  };
 
  private:
-  alignas(64) Corners corners_{};
-  std::size_t count_ = 0;
+  void draw_batch(std::size_t number, NodeCanvas& canvas);
+
+  std::array<Batch, 3> batches_;  // of at most 2, 4 and 8 voxels along every axis
 };
 
 }  // namespace forcelayer

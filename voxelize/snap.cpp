@@ -49,15 +49,20 @@ VoxelBox corner_box(const SnappedObject& object) {
   return tbb::parallel_reduce(
       tbb::blocked_range<std::size_t>(0, object.triangles.size(), kGrain), VoxelBox{},
       [&](const tbb::blocked_range<std::size_t>& range, VoxelBox box) {
+        // In locals: the compiler keeps these in registers.
+        auto [x0, y0, z0] = std::array<std::int64_t, 3>{INT64_MAX, INT64_MAX, INT64_MAX};
+        auto [x1, y1, z1] = std::array<std::int64_t, 3>{INT64_MIN, INT64_MIN, INT64_MIN};
         for (std::size_t i = range.begin(); i < range.end(); ++i) {
-          for (const std::uint32_t corner : object.triangles[i]) {
-            for (std::size_t d = 0; d < 3; ++d) {
-              const std::int64_t voxel = object.vertices[corner][d] >> kSnapBits;
-              box.low[d] = std::min(box.low[d], voxel);
-              box.high[d] = std::max(box.high[d], voxel);
-            }
-          }
+          const auto [a, b, c] = object.triangle(i);
+          x0 = std::min(x0, std::min(a[0], std::min(b[0], c[0])));
+          y0 = std::min(y0, std::min(a[1], std::min(b[1], c[1])));
+          z0 = std::min(z0, std::min(a[2], std::min(b[2], c[2])));
+          x1 = std::max(x1, std::max(a[0], std::max(b[0], c[0])));
+          y1 = std::max(y1, std::max(a[1], std::max(b[1], c[1])));
+          z1 = std::max(z1, std::max(a[2], std::max(b[2], c[2])));
         }
+        box.include({{x0 >> kSnapBits, y0 >> kSnapBits, z0 >> kSnapBits},
+                     {x1 >> kSnapBits, y1 >> kSnapBits, z1 >> kSnapBits}});
         return box;
       },
       [](VoxelBox a, const VoxelBox& b) {

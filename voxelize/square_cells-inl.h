@@ -8,6 +8,7 @@
 
 #include <hwy/highway.h>
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 
@@ -22,10 +23,21 @@ struct HalfPlane {
   std::int32_t a, b, below;
 };
 
-// kSide x kSide cells (i, j) as bits i*kSide + j, a vector of consecutive cells at a time.
-template <unsigned kSide>
+// 8x8 cells (i, j) as bits i*8 + j, a vector of consecutive cells at a time.
 class SquareCells {
  public:
+  static constexpr std::size_t kCells = 64;
+  struct alignas(64) Table {  // a i + b j of every cell; sums may wrap around
+    std::array<std::int32_t, kCells> sums;
+  };
+
+  static HWY_INLINE void tabulate(std::int32_t a, std::int32_t b, Table& table) {
+    Sums sums(a, b);
+    for (std::size_t first = 0; first < kCells; first += hn::Lanes(kTag)) {
+      hn::Store(sums.at(first), kTag, table.sums.data() + first);
+    }
+  }
+
   // Where all three pass.
   static HWY_INLINE std::uint64_t inside(const HalfPlane& p, const HalfPlane& q,
                                          const HalfPlane& r) {
@@ -37,34 +49,34 @@ class SquareCells {
     });
   }
 
-  static HWY_INLINE std::uint64_t inside(const HalfPlane& p) {
-    Sums sums(p.a, p.b);
-    const V below = set(p.below);
-    return for_all_cells([&](std::size_t first) HWY_ATTR { return hn::Gt(sums.at(first), below); });
+  // Where the sum is more than `below`.
+  static HWY_INLINE std::uint64_t above(const Table& table, std::int32_t below) {
+    const V limit = set(below);
+    return for_all_cells([&](std::size_t first)
+                             HWY_ATTR { return hn::Gt(loaded(table, first), limit); });
   }
 
-  // Where lo <= a i + b j <= hi, for lo <= hi. Sums may wrap around: what counts is that no true
-  // sum lies 2^32 - (hi - lo) or more from lo.
+  // Where lo <= sum <= lo + width. What counts of sums that wrap around is that no true sum lies
+  // 2^32 - width or more from lo.
+  static HWY_INLINE std::uint64_t between(const Table& table, std::uint32_t lo,
+                                          std::uint32_t width) {
+    return between_of([&](std::size_t first) HWY_ATTR { return loaded(table, first); }, lo, width);
+  }
   static HWY_INLINE std::uint64_t between(std::int32_t a, std::int32_t b, std::uint32_t lo,
                                           std::uint32_t width) {
     Sums sums(a, b);
-    const V first_inside = set(static_cast<std::int32_t>(lo));
-    const auto beyond = hn::Set(kUnsigned, width);
-    return for_all_cells([&](std::size_t first) HWY_ATTR {
-      const auto above_lo = hn::BitCast(kUnsigned, hn::Sub(sums.at(first), first_inside));
-      return hn::RebindMask(kTag, hn::Not(hn::Gt(above_lo, beyond)));
-    });
+    return between_of([&](std::size_t first) HWY_ATTR { return sums.at(first); }, lo, width);
   }
 
  private:
-  static constexpr std::size_t kCells = kSide * kSide;
-  static constexpr int kLog2Side = kSide == 8 ? 3 : 2;
-  static_assert(kSide == 4 || kSide == 8);
   static constexpr hn::CappedTag<std::int32_t, 16> kTag{};
   static constexpr hn::RebindToUnsigned<decltype(kTag)> kUnsigned{};
   using V = hn::Vec<decltype(kTag)>;
 
   static HWY_INLINE V set(std::int32_t value) { return hn::Set(kTag, value); }
+  static HWY_INLINE V loaded(const Table& table, std::size_t first) {
+    return hn::Load(kTag, table.sums.data() + first);
+  }
 
   // The sums a i + b j of a vector of cells. at() is called for ascending cells.
   class Sums {
@@ -72,22 +84,33 @@ class SquareCells {
     HWY_INLINE Sums(std::int32_t a, std::int32_t b) : a_(a), b_(b) { value_ = computed(0); }
     HWY_INLINE V at(std::size_t first) {
       const std::size_t lanes = hn::Lanes(kTag);
-      if (lanes < kSide) return computed(first);
+      if (lanes < 8) return computed(first);
       const V value = value_;  // whole rows: the next vector is some steps along i further
-      value_ = hn::Add(value_, set(a_ * static_cast<std::int32_t>(lanes / kSide)));
+      value_ = hn::Add(value_, set(a_ * static_cast<std::int32_t>(lanes / 8)));
       return value;
     }
 
    private:
     HWY_INLINE V computed(std::size_t first) const {
       const V n = hn::Iota(kTag, static_cast<std::int32_t>(first));
-      const V i = hn::ShiftRight<kLog2Side>(n);
-      const V j = hn::And(n, set(static_cast<std::int32_t>(kSide) - 1));
+      const V i = hn::ShiftRight<3>(n);
+      const V j = hn::And(n, set(7));
       return hn::Add(hn::Mul(set(a_), i), hn::Mul(set(b_), j));
     }
     std::int32_t a_, b_;
     V value_;
   };
+
+  template <class SumsAt>
+  static HWY_INLINE std::uint64_t between_of(SumsAt&& sums_at, std::uint32_t lo,
+                                             std::uint32_t width) {
+    const V first_inside = set(static_cast<std::int32_t>(lo));
+    const auto beyond = hn::Set(kUnsigned, width);
+    return for_all_cells([&](std::size_t first) HWY_ATTR {
+      const auto above_lo = hn::BitCast(kUnsigned, hn::Sub(sums_at(first), first_inside));
+      return hn::RebindMask(kTag, hn::Not(hn::Gt(above_lo, beyond)));
+    });
+  }
 
   template <class Pass>
   static HWY_INLINE std::uint64_t for_all_cells(Pass&& pass) {

@@ -157,6 +157,9 @@ class Case {
       scan_one_thread_.add(run_scan_conversion(peer_mesh_, 1));
       scan_all_threads_.add(run_scan_conversion(peer_mesh_, threads()));
       scan_straightforward_.add(run_straightforward(peer_mesh_));
+      if (scan_straightforward_.voxels != scan_one_thread_.voxels) {
+        throw std::runtime_error("the straightforward scan has other voxels");
+      }
       if (i == 0) scan_mesh_to_volume_.add(run_mesh_to_volume(peer_mesh_));  // it takes longest
     }
     return report();

@@ -17,39 +17,48 @@
 namespace forcelayer::bench {
 namespace {
 
-using Point = openvdb::Vec3d;
 using PeerTree = openvdb::tree::Tree4<openvdb::ValueMask, 3, 3, 3>::Type;
+__extension__ typedef __int128 Int128;
 
-// The set-up of Schwarz and Seidel for one triangle against unit cubes.
+// The set-up of Schwarz and Seidel for one triangle against half-open unit cubes, in integers; Int
+// must hold the cube of the triangle's extent (units of 2^-10 voxel).
+template <class Int>
 class TriangleBoxTest {
  public:
-  TriangleBoxTest(const Point& a, const Point& b, const Point& c) : corner_(a) {
-    const Point corners[3] = {a, b, c};
-    const Point edges[3] = {b - a, c - b, a - c};
-    normal_ = edges[0].cross(edges[1]);
-    const Point critical(normal_[0] > 0, normal_[1] > 0, normal_[2] > 0);
-    near_ = normal_.dot(critical - a);
-    far_ = normal_.dot((Point(1) - critical) - a);
-    for (int d = 0; d < 3; ++d) {
-      const int u = (d + 1) % 3, w = (d + 2) % 3;
-      const double sign = normal_[d] >= 0 ? 1 : -1;
-      for (int k = 0; k < 3; ++k) {
-        Edge& edge = edges_[d][k];
-        edge.u = -edges[k][w] * sign;
-        edge.w = edges[k][u] * sign;
-        edge.offset = -(edge.u * corners[k][u] + edge.w * corners[k][w]) + std::max(0.0, edge.u) +
-                      std::max(0.0, edge.w);
-      }
+  // Corners relative to the lowest voxel of their box.
+  explicit TriangleBoxTest(const LatticeTriangle& corners) {
+    std::array<std::array<Int, 3>, 3> sides;
+    for (std::size_t k = 0; k < 3; ++k) {
+      for (std::size_t d = 0; d < 3; ++d) sides[k][d] = corners[(k + 1) % 3][d] - corners[k][d];
     }
+    Int value = 0, up = 0, down = 0;
+    for (std::size_t d = 0; d < 3; ++d) {
+      const std::size_t u = (d + 1) % 3, w = (d + 2) % 3;
+      normal_[d] = sides[0][u] * sides[1][w] - sides[0][w] * sides[1][u];
+      value += normal_[d] * corners[0][d];
+      (normal_[d] > 0 ? up : down) += normal_[d] * kSnapUnits;
+      for (std::size_t k = 0; k < 3; ++k) {
+        edges_[d][k] = edge(-sides[k][w], sides[k][u], corners[k], u, w, normal_[d] < 0);
+      }
+      if (normal_[d] != 0) continue;
+      // A shadow without area is a segment: its line bounds it from both sides.
+      const std::size_t line = sides[0][u] == 0 && sides[0][w] == 0 ? 1 : 0;
+      const Int a = -sides[line][w], b = sides[line][u];
+      edges_[d] = {edge(a, b, corners[0], u, w, false), edge(a, b, corners[0], u, w, true), {}};
+    }
+    least_ = value - up + (up > 0 ? 1 : 0);
+    greatest_ = value - down - (down < 0 ? 1 : 0);
   }
 
-  bool overlaps(const Point& low) const {
-    const double value = normal_.dot(low);
-    if ((value + near_) * (value + far_) > 0) return false;
-    for (int d = 0; d < 3; ++d) {
-      const double u = low[(d + 1) % 3], w = low[(d + 2) % 3];
-      for (const Edge& edge : edges_[d]) {
-        if (edge.u * u + edge.w * w + edge.offset < 0) return false;
+  bool overlaps(const std::array<std::int64_t, 3>& voxel) const {
+    std::array<Int, 3> low;
+    for (std::size_t d = 0; d < 3; ++d) low[d] = voxel[d] * kSnapUnits;
+    const Int value = normal_[0] * low[0] + normal_[1] * low[1] + normal_[2] * low[2];
+    if (value < least_ || value > greatest_) return false;
+    for (std::size_t d = 0; d < 3; ++d) {
+      const Int u = low[(d + 1) % 3], w = low[(d + 2) % 3];
+      for (const Edge& e : edges_[d]) {
+        if (e.a * u + e.b * w < e.least) return false;
       }
     }
     return true;
@@ -57,27 +66,37 @@ class TriangleBoxTest {
 
  private:
   struct Edge {
-    double u, w, offset;
+    Int a = 0, b = 0, least = 0;  // a cube at (u, w) passes where a u + b w >= least
   };
-  Point corner_, normal_;
-  double near_, far_;
-  Edge edges_[3][3];
+  // The half-plane a (u - u0) + b (w - w0) >= 0, or its opposite. A cube reaches up by a and b
+  // where these are positive, but its far faces are not its own.
+  static Edge edge(Int a, Int b, const LatticePoint& through, std::size_t u, std::size_t w,
+                   bool turned) {
+    if (turned) a = -a, b = -b;
+    const Int reach = (a > 0 ? a : Int{0}) + (b > 0 ? b : Int{0});
+    return {a, b, a * through[u] + b * through[w] - reach * kSnapUnits + (reach > 0 ? 1 : 0)};
+  }
+
+  std::array<Int, 3> normal_;
+  Int least_, greatest_;
+  std::array<std::array<Edge, 3>, 3> edges_;
 };
 
-Point vertex(const Mesh& mesh, std::uint32_t index) { return Point(mesh.vertices[index].data()); }
-
-template <class Accessor>
-void mark(const Point& a, const Point& b, const Point& c, Accessor& accessor) {
-  const TriangleBoxTest test(a, b, c);
-  openvdb::Coord low, high;
-  for (int d = 0; d < 3; ++d) {
-    low[d] = static_cast<int>(std::floor(std::min({a[d], b[d], c[d]})));
-    high[d] = static_cast<int>(std::floor(std::max({a[d], b[d], c[d]})));
+template <class Int, class Accessor>
+void mark(const LatticeTriangle& triangle, const VoxelIndex& low, const VoxelIndex& high,
+          Accessor& accessor) {
+  LatticeTriangle corners = triangle;
+  for (auto& corner : corners) {
+    for (std::size_t d = 0; d < 3; ++d) corner[d] -= low[d] * kSnapUnits;
   }
-  for (int x = low[0]; x <= high[0]; ++x) {
-    for (int y = low[1]; y <= high[1]; ++y) {
-      for (int z = low[2]; z <= high[2]; ++z) {
-        if (test.overlaps(Point(x, y, z))) accessor.setValueOn(openvdb::Coord(x, y, z));
+  const TriangleBoxTest<Int> test(corners);
+  for (std::int64_t x = low[0]; x <= high[0]; ++x) {
+    for (std::int64_t y = low[1]; y <= high[1]; ++y) {
+      for (std::int64_t z = low[2]; z <= high[2]; ++z) {
+        if (test.overlaps({x - low[0], y - low[1], z - low[2]})) {
+          accessor.setValueOn(
+              openvdb::Coord(static_cast<int>(x), static_cast<int>(y), static_cast<int>(z)));
+        }
       }
     }
   }
@@ -119,10 +138,26 @@ PeerRun run_mesh_to_volume(const Mesh& mesh) {
 PeerRun run_straightforward(const Mesh& mesh) {
   PeerRun run;
   const double wall_s = now_s(), cpu_start_s = cpu_s();
+  std::vector<LatticePoint> vertices;
+  vertices.reserve(mesh.vertices.size());
+  for (const Vec3d& vertex : mesh.vertices) vertices.push_back(snap(vertex, 1));
   PeerTree tree;
   openvdb::tree::ValueAccessor<PeerTree> accessor(tree);
   for (const Triangle& t : mesh.triangles) {
-    mark(vertex(mesh, t[0]), vertex(mesh, t[1]), vertex(mesh, t[2]), accessor);
+    const LatticeTriangle triangle = {vertices[t[0]], vertices[t[1]], vertices[t[2]]};
+    VoxelIndex low, high;
+    std::int64_t extent = 0;
+    for (std::size_t d = 0; d < 3; ++d) {
+      low[d] = std::min({triangle[0][d], triangle[1][d], triangle[2][d]}) >> kSnapBits;
+      high[d] = std::max({triangle[0][d], triangle[1][d], triangle[2][d]}) >> kSnapBits;
+      extent = std::max(extent, high[d] - low[d]);
+    }
+    constexpr std::int64_t kMaxExtent64 = 512;  // 6 (2^9 2^10)^3 < 2^63
+    if (extent < kMaxExtent64) {
+      mark<std::int64_t>(triangle, low, high, accessor);
+    } else {
+      mark<Int128>(triangle, low, high, accessor);
+    }
   }
   run.wall_s = now_s() - wall_s;
   run.cpu_s = cpu_s() - cpu_start_s;

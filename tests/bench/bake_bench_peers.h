@@ -20,9 +20,9 @@ PeerRun run_scan_conversion(const Mesh& mesh, int threads);
 // openvdb::tools::meshToVolume, exterior and interior band of 3 voxels, on all threads.
 PeerRun run_mesh_to_volume(const Mesh& mesh);
 
-// The straightforward way: the test of Schwarz and Seidel (2010) in double precision, set up per
-// triangle, and every voxel of the triangle's box that passes written into a 512-tree mask, on one
-// thread.
+// The straightforward way, with the same voxels as ours: vertices snapped to the same lattice, the
+// test of Schwarz and Seidel (2010) set up per triangle in integers, and every voxel of the
+// triangle's box that passes written into a 512-tree mask, on one thread.
 PeerRun run_straightforward(const Mesh& mesh);
 
 }  // namespace forcelayer::bench

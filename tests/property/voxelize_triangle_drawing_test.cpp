@@ -78,11 +78,16 @@ void expect_equal_small(std::uint64_t seed) {
     const LatticeTriangle corners =
         random_triangle(random, std::int64_t{1} << uniform(random, 0, 3));
     if (!is_small(corners)) continue;
-    triangles.add(corners);
-    if (triangles.full()) triangles.draw(fast);
+    std::array<int, 3> low, high;
+    for (std::size_t d = 0; d < 3; ++d) {
+      const auto [least, most] = std::minmax({corners[0][d], corners[1][d], corners[2][d]});
+      low[d] = static_cast<int>(least >> kSnapBits);
+      high[d] = static_cast<int>(most >> kSnapBits);
+    }
+    triangles.draw(corners, low, high, fast);
     draw_slowly(corners, slow);
   }
-  triangles.draw(fast);
+  triangles.finish(fast);
   expect_equal_canvases(fast, slow);
 }
 
