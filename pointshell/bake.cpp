@@ -145,8 +145,7 @@ void fill_blocks(std::span<const Vec3> points, BakedShell& shell) {
 }
 
 void fill_header(const BakeOptions& options, const MassProperties& mass,
-                 std::span<const Vec3> points, double radius, std::uint64_t triangles,
-                 BakedShell& shell) {
+                 std::span<const Vec3> points, double radius, const Part& part, BakedShell& shell) {
   PshellHeader& header = shell.header;
   header.point_count = points.size();
   header.block_points = kDefaultBlockPoints;
@@ -156,14 +155,14 @@ void fill_header(const BakeOptions& options, const MassProperties& mass,
   header.covering_radius_m = radius;
   header.voxel_size_m = options.voxel_size_m;
   header.bounding_radius_m = norm_rounded_up(points);
-  header.part_deviation_m = options.mesh_deviation_m;
+  header.part_deviation_m = options.mesh_deviation_m + part.deviation_m;
   header.center_m = {mass.centroid.x, mass.centroid.y, mass.centroid.z};
   header.area_m2 = mass.area_m2;
   header.volume_m3 = mass.volume_m3;
   header.inertia_m2 = mass.inertia_m2;
   header.mass_source = static_cast<std::uint32_t>(mass.source);
   header.method = static_cast<std::uint32_t>(options.method);
-  header.triangles = triangles;
+  header.triangles = part.input_triangles;
 }
 
 Result<BakedShell> bake(Part part, const BakeOptions& options, const BakeProgress& progress) {
@@ -209,7 +208,7 @@ Result<BakedShell> bake(Part part, const BakeOptions& options, const BakeProgres
   const ShellNormals normals = shell_normals(cells, ordered, radius);
   stages.begin("weights");
   fill_points(ordered, normals, area_weights(cells, ordered), shell);
-  fill_header(options, mass, ordered, radius, part.input_triangles, shell);
+  fill_header(options, mass, ordered, radius, part, shell);
   stages.end();
   return shell;
 }

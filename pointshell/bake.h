@@ -19,7 +19,8 @@ struct BakeOptions {
   double covering_radius_m = 0;  // 0: sqrt(3)/2 voxel, that of voxel centres
   ShellMethod method = ShellMethod::kSurface;
   Effort effort = Effort::kFull;
-  double mesh_deviation_m = 0;  // of the mesh from the true part, as the user declares
+  double mesh_deviation_m = 0;  // of the mesh from the true part, as the user declares; what the
+                                // files themselves tell (Part::deviation_m) is added
   unsigned threads = 0;         // 0: all
 };
 

@@ -100,6 +100,8 @@ Result<Part> assemble_part(std::span<const PartInput> inputs) {
   CornerSoup soup;
   Part part;
   for (const PartInput& input : inputs) {
+    part.deviation_m =
+        std::max(part.deviation_m, input.assembly->deviation_units * input.metres_per_unit);
     for (const MeshInstance& instance : input.assembly->instances) {
       const Mesh& mesh = input.assembly->meshes[instance.mesh];
       append_instance(mesh, instance.assembly_from_mesh, input.metres_per_unit,

@@ -25,6 +25,7 @@ struct Part {
   std::uint64_t degenerate_triangles = 0;  // kept: no area, yet they are covered
   double largest_coordinate = 0;           // m, absolute, of any vertex as given
   bool single_precision = false;           // whether any file stores 32-bit vertices
+  double deviation_m = 0;  // of the triangles from exact surfaces that a file holds (STEP, IGES)
 };
 
 // One mesh file's content and the unit to read it in.

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "pointshell/bake.h"
 #include "pointshell/stored_position.h"
 #include "tests/support/part_support.h"
 
@@ -45,6 +46,21 @@ TEST(Part, AMirroredPlacingStillFacesOutwards) {
   for (std::size_t t = 0; t < part.triangles.size(); ++t) {
     EXPECT_GT(dot(doubled_area_normal(part, t), part.vertices[part.triangles[t][0]]), 0);
   }
+}
+
+// What a STEP reader tells about its triangles reaches the shell's e_part, beside what the user
+// declares.
+TEST(Part, DeviationOfTheFilesCounts) {
+  Assembly exact = assembly_of({box_mesh(1, 1, 1)}), tessellated = exact;
+  tessellated.deviation_units = 0.1;
+  const PartInput inputs[] = {{&exact, 1}, {&tessellated, 1e-3}};
+  const Part part = std::move(assemble_part(inputs)).value();
+  EXPECT_DOUBLE_EQ(part.deviation_m, 1e-4);
+  BakeOptions options;
+  options.voxel_size_m = 0.2;
+  options.mesh_deviation_m = 2e-5;
+  const auto shell = bake_shell(part, options, [](const std::string&, double) {});
+  EXPECT_DOUBLE_EQ(shell.value().header.part_deviation_m, 1.2e-4);
 }
 
 TEST(Part, WithoutAreaIsAnError) {
