@@ -7,9 +7,11 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <numeric>
 #include <optional>
 
 #include "pointshell/certificate.h"
+#include "pointshell/hidden_surface.h"
 #include "pointshell/hole_filling.h"
 #include "pointshell/mass_properties.h"
 #include "pointshell/normals.h"
@@ -194,6 +196,10 @@ Result<BakedShell> bake(Part part, const BakeOptions& options, const BakeProgres
     points = std::move(covering.positions);
     proof = std::move(covering.proof);
   }
+  if (const HiddenSurface hidden(centred); hidden.possible()) {
+    stages.begin("hidden");
+    shell.hidden_points = leave_out_hidden_points(centred, hidden, radius, points, *proof);
+  }
   shell.certificate_pieces = proof->pieces;
 
   stages.begin("order");
@@ -207,7 +213,9 @@ Result<BakedShell> bake(Part part, const BakeOptions& options, const BakeProgres
   cells.find_lists(ordered);
   const ShellNormals normals = shell_normals(cells, ordered, radius);
   stages.begin("weights");
-  fill_points(ordered, normals, area_weights(cells, ordered), shell);
+  const std::vector<double> weights = area_weights(cells, ordered);
+  shell.covered_area_m2 = std::accumulate(weights.begin(), weights.end(), 0.0);
+  fill_points(ordered, normals, weights, shell);
   fill_header(options, mass, ordered, radius, part, shell);
   stages.end();
   return shell;

@@ -35,6 +35,8 @@ struct BakedShell {
 
   OrientationReport orientation;
   std::uint64_t certificate_pieces = 0;
+  std::uint64_t hidden_points = 0;  // left out: they lie inside another of the part's bodies
+  double covered_area_m2 = 0;       // sum of the weights
   double mean_block_radius_m = 0;
   std::vector<std::pair<std::string, double>> stage_seconds;
 

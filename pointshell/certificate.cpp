@@ -5,6 +5,7 @@
 #include <iterator>
 
 #include "pointshell/convex_polygon.h"
+#include "pointshell/hidden_surface.h"
 #include "pointshell/parallel.h"
 #include "pointshell/pieces.h"
 #include "pointshell/point_grid.h"
@@ -16,11 +17,15 @@ namespace {
 constexpr double kTileEdge = 5;
 constexpr double kGridCell = 4;
 constexpr std::size_t kTilesPerTask = 32;
+// In radii. A piece that no point covers and whose ball is smaller than this is not cut any further
+// to see whether it is hidden.
+constexpr double kSmallestHidden = 0.1;
 
 // Proves single tiles; one of it per task, as it keeps scratch memory.
 class TileProver {
  public:
-  TileProver(const PointGrid& grid, double radius) : grid_(grid), radius_(radius) {}
+  TileProver(const PointGrid& grid, double radius, const HiddenSurface* hidden)
+      : grid_(grid), radius_(radius), hidden_(hidden) {}
 
   void prove(std::span<const Vec3> tile) {
     ConvexPolygon polygon(tile);
@@ -61,7 +66,7 @@ class TileProver {
     if (piece.empty()) return;
     ++pieces;
     const Vec3 middle = middle_of(piece.corners());
-    if (first == last) return add_hole(piece, piece.corners().front(), 2 * radius_);
+    if (first == last) return not_covered(piece, piece.corners().front(), 2 * radius_, first, last);
     const std::size_t inner = nearest_candidate(middle, first, last);
     const Vec3 inner_point = candidates_[inner];
     const Vec3* outermost = nullptr;
@@ -75,7 +80,7 @@ class TileProver {
     const Vec3 outer_point = candidates_[outer];
     const double distance_squared = length_squared(*outermost - outer_point);
     if (distance_squared > radius_ * radius_) {
-      return add_hole(piece, *outermost, std::sqrt(distance_squared));
+      return not_covered(piece, *outermost, std::sqrt(distance_squared), first, last);
     }
     if (piece.farthest_squared(outer_point) <= radius_ * radius_) return;
     // The outermost corner is nearer to the outer point and the middle to the inner one (or the
@@ -103,21 +108,43 @@ class TileProver {
     candidates_.resize(own_first);
   }
 
+  // A corner of the piece is out of reach of all points: the piece, or all of its parts that are
+  // not covered, must be hidden. A single hole fails the whole proof, so after one there is no use
+  // in cutting small.
+  void not_covered(ConvexPolygon& piece, const Vec3& corner, double distance, std::size_t first,
+                   std::size_t last) {
+    if (!hidden_ || !holes.empty()) return add_hole(piece, corner, distance);
+    const Vec3 middle = middle_of(piece.corners());
+    const double size = std::sqrt(piece.farthest_squared(middle));
+    if (hidden_->holds_ball(middle, size)) return;
+    if (size <= kSmallestHidden * radius_) return add_hole(piece, corner, distance);
+    Vec3 farthest = middle;
+    for (const Vec3& other : piece.corners()) {
+      if (length_squared(other - middle) > length_squared(farthest - middle)) farthest = other;
+    }
+    ConvexPolygon rest;
+    piece.split(farthest - middle, dot(farthest - middle, middle), rest);
+    if (rest.empty()) return add_hole(piece, corner, distance);  // too many corners to cut
+    prove_with(piece, first, last, last);
+    prove_with(rest, first, last, last);
+  }
+
   void add_hole(const ConvexPolygon& piece, const Vec3& corner, double distance) {
     holes.push_back({corner, distance, {piece.corners().begin(), piece.corners().end()}});
   }
 
   const PointGrid& grid_;
   const double radius_;
+  const HiddenSurface* hidden_;
   std::vector<Vec3> candidates_;  // a stack, one range for every level of the recursion
 };
 
 // Proves tile(0) to tile(count - 1) and adds the outcome to `proof`.
 template <typename Tile>
 void prove_tiles(std::size_t count, const Tile& tile, const PointGrid& grid, double radius,
-                 CoveringProof& proof) {
+                 const HiddenSurface* hidden, CoveringProof& proof) {
   const std::size_t tasks = (count + kTilesPerTask - 1) / kTilesPerTask;
-  std::vector<TileProver> provers(tasks, TileProver(grid, radius));
+  std::vector<TileProver> provers(tasks, TileProver(grid, radius, hidden));
   parallel_for_each_index(tasks, 1, [&](std::size_t task) {
     const std::size_t end = std::min((task + 1) * kTilesPerTask, count);
     for (std::size_t n = task * kTilesPerTask; n < end; ++n) provers[task].prove(tile(n));
@@ -143,21 +170,21 @@ CoveringProof prove_covering(const Part& part, std::span<const Vec3> points, dou
   for_each_tile_batch(part, kTileEdge * proof_radius, [&](std::span<const Piece> tiles) {
     prove_tiles(
         tiles.size(), [&](std::size_t n) { return std::span<const Vec3>(tiles[n]); }, grid,
-        proof_radius, proof);
+        proof_radius, nullptr, proof);
   });
   proof.proven = proof.holes.empty();
   return proof;
 }
 
 CoveringProof continue_proof(const Part& part, std::span<const Vec3> points, double radius,
-                             const CoveringProof& failed) {
+                             const CoveringProof& failed, const HiddenSurface* hidden) {
   const PointGrid grid(points, kGridCell * radius);
   CoveringProof proof;
   proof.pieces = failed.pieces;
   prove_tiles(
       failed.holes.size(),
       [&](std::size_t n) { return std::span<const Vec3>(failed.holes[n].piece); }, grid,
-      radius - proof_margin(part, radius), proof);
+      radius - proof_margin(part, radius), hidden, proof);
   proof.proven = proof.holes.empty();
   return proof;
 }

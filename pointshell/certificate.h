@@ -7,7 +7,9 @@
 //
 // Cuts run along the planes half-way between two points, so that after a few of them each piece
 // lies in the Voronoi cell of one point; a piece that is not proven then has a corner that is
-// farther than the radius from every point.
+// farther than the radius from every point. Where bodies of the part overlap, what lies inside
+// another body may be left out (HiddenSurface): such a piece is cut further until it is proven to
+// lie inside, or too small to be worth it.
 #pragma once
 
 #include <cstdint>
@@ -18,6 +20,8 @@
 #include "pointshell/vec3.h"
 
 namespace forcelayer {
+
+class HiddenSurface;
 
 // A piece of the surface where the proof failed.
 struct Hole {
@@ -41,8 +45,9 @@ double proof_margin(const Part& part, double radius);
 CoveringProof prove_covering(const Part& part, std::span<const Vec3> points, double radius);
 
 // Takes up a proof of the same part and radius that failed, with more points than it had: only the
-// pieces with holes are looked at again.
+// pieces with holes are looked at again. With `hidden`, what that proves to lie inside another body
+// need not be covered.
 CoveringProof continue_proof(const Part& part, std::span<const Vec3> points, double radius,
-                             const CoveringProof& failed);
+                             const CoveringProof& failed, const HiddenSurface* hidden = nullptr);
 
 }  // namespace forcelayer

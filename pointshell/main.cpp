@@ -34,8 +34,8 @@ struct Arguments {
 void declare_bake(CLI::App& app, Arguments& arguments) {
   app.add_option(
       "INPUT", arguments.inputs,
-      "mesh files of the part: stl, obj, ply, off, om, drc, gltf, glb (file.glb#Node for "
-      "a sub-tree)");
+      "mesh files of one rigid part: stl, obj, ply, off, om, drc, gltf, glb (file.glb#Node "
+      "for a sub-tree); step, iges where built with OpenCASCADE");
   app.add_option("-o,--output", arguments.output, "the .pshell file to write");
   app.add_option("--voxel-size", arguments.voxel_size, "of the scene it will move in, like 5mm");
   app.add_option("--units", arguments.units,
@@ -136,7 +136,12 @@ void print_summary(const Arguments& arguments, const BakedShell& shell) {
       "planar bound\n",
       arguments.output.c_str(), static_cast<unsigned long long>(header.point_count),
       arguments.method.c_str(), header.covering_radius_m,
-      header.covering_radius_m / header.voxel_size_m, points_over_bound(header));
+      header.covering_radius_m / header.voxel_size_m,
+      points_over_bound(header, shell.covered_area_m2));
+  if (shell.hidden_points > 0) {
+    std::printf("%llu points left out inside another body of the part\n",
+                static_cast<unsigned long long>(shell.hidden_points));
+  }
   if (shell.orientation.flipped_triangles > 0) {
     std::printf("%llu triangles turned to face outwards\n",
                 static_cast<unsigned long long>(shell.orientation.flipped_triangles));

@@ -66,12 +66,12 @@ Vec3 middle_of_box(const Part& part) {
 
 }  // namespace
 
-bool is_closed(const Part& part) {
+bool is_closed(std::span<const Triangle> triangles) {
   // Every edge as (low vertex, high vertex) with the count of its direction; sorted, each edge must
   // add up to zero.
   std::vector<std::pair<std::uint64_t, int>> edges;
-  edges.reserve(3 * part.triangles.size());
-  for (const Triangle& t : part.triangles) {
+  edges.reserve(3 * triangles.size());
+  for (const Triangle& t : triangles) {
     for (int corner = 0; corner < 3; ++corner) {
       const std::uint64_t from = t[corner], to = t[(corner + 1) % 3];
       if (from < to) edges.push_back({from << 32 | to, 1});
@@ -102,7 +102,7 @@ MassProperties mass_properties(const Part& part) {
   properties.area_m2 = surface.measure;
   // A volume that is only rounding belongs to a sheet folded onto itself.
   const bool solid_enough = solid.measure > 1e-9 * std::pow(surface.measure, 1.5);
-  const bool from_volume = solid_enough && is_closed(part);
+  const bool from_volume = solid_enough && is_closed(part.triangles);
   const Integrals& integrals = from_volume ? solid : surface;
   properties.source = from_volume ? MassSource::kVolume : MassSource::kArea;
   properties.volume_m3 = from_volume ? solid.measure : 0;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <span>
 
 #include "formats/pshell_format.h"
 #include "pointshell/part.h"
@@ -20,8 +21,8 @@ struct MassProperties {
 };
 
 // Whether every edge is run through as often forwards as backwards, so that the divergence theorem
-// holds for the part.
-bool is_closed(const Part& part);
+// holds for the body that they bound.
+bool is_closed(std::span<const Triangle> triangles);
 
 // From the volume where the part is closed and the volume is positive (its triangles must face
 // outwards), else from the area as of a thin sheet. Integrals of Eberly, "Polyhedral Mass

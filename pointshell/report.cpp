@@ -36,9 +36,9 @@ std::string provenance(const Part& part, const BakeOptions& options) {
   return json.dump();
 }
 
-double points_over_bound(const PshellHeader& header) {
-  const double bound = 2 / (3 * std::sqrt(3.0)) * header.area_m2 /
-                       (header.covering_radius_m * header.covering_radius_m);
+double points_over_bound(const PshellHeader& header, double area_m2) {
+  const double bound =
+      2 / (3 * std::sqrt(3.0)) * area_m2 / (header.covering_radius_m * header.covering_radius_m);
   return static_cast<double>(header.point_count) / bound;
 }
 
@@ -58,7 +58,9 @@ nlohmann::ordered_json bake_report(const BakedShell& shell, const BakeOptions& o
       {"covering_radius_m", header.covering_radius_m},
       {"area_m2", header.area_m2},
       {"voxel_size_m", header.voxel_size_m},
-      {"points_over_planar_bound", points_over_bound(header)},
+      {"points_over_planar_bound", points_over_bound(header, shell.covered_area_m2)},
+      {"hidden_points", shell.hidden_points},
+      {"covered_area_m2", shell.covered_area_m2},
       {"triangles", header.triangles},
       {"bodies", part.body_names.size()},
       {"duplicate_triangles", part.duplicate_triangles},

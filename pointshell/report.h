@@ -19,8 +19,9 @@ std::string provenance(const Part& part, const BakeOptions& options);
 const char* method_name(ShellMethod method);
 const char* effort_name(Effort effort);
 
-// Points per planar bound (2 / (3 sqrt 3) points per squared radius): 1 is a perfect covering.
-double points_over_bound(const PshellHeader& header);
+// Points over the planar bound for this area, 2 / (3 sqrt 3) points per squared radius: 1 is a
+// perfect covering.
+double points_over_bound(const PshellHeader& header, double area_m2);
 
 nlohmann::ordered_json bake_report(const BakedShell& shell, const BakeOptions& options,
                                    const Part& part);

@@ -1,11 +1,14 @@
 // Shells cover what they say they cover, and the certificate finds out when they do not.
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+
 #include "pointshell/bake.h"
 #include "pointshell/certificate.h"
 #include "pointshell/point_grid.h"
 #include "pointshell/report.h"
 #include "tests/support/part_support.h"
+#include "tests/support/stored_shell.h"
 
 namespace forcelayer {
 namespace {
@@ -29,7 +32,7 @@ std::vector<Case> shapes() {
   cases.push_back({"thin plate", part_of(box_mesh(2, 1, 0.001)), 0.05});
   cases.push_back({"needle", part_of(box_mesh(2, 1e-4, 1e-4)), 0.05});
   cases.push_back({"smaller than a voxel", part_of(box_mesh(0.1, 0.1, 0.1)), 1});
-  cases.push_back({"two bodies", part_of({box_mesh(1, 1, 1), sphere_mesh(0.7, 20)}), 0.09});
+  cases.push_back({"two bodies", part_of({box_mesh(1, 1, 1), torus_mesh(1.5, 0.3, 20)}), 0.09});
   Mesh spiked = box_mesh(1, 1, 1);  // with triangles that are a segment and a point
   spiked.vertices.insert(spiked.vertices.end(), {{0.5, 0.5, 2}, {0.2, 0.2, 0.7}});
   spiked.triangles.insert(spiked.triangles.end(), {{7, 8, 7}, {9, 9, 9}, {0, 2, 3}});
@@ -47,27 +50,23 @@ BakedShell bake(const Case& c, ShellMethod method, Effort effort = Effort::kFull
   return std::move(*shell);
 }
 
-std::vector<Vec3> positions(const BakedShell& shell) {
-  std::vector<Vec3> points;
-  for (std::size_t n = 0; n < shell.x.size(); ++n) {
-    points.push_back({shell.x[n], shell.y[n], shell.z[n]});
-  }
-  return points;
-}
-
 Vec3 center(const BakedShell& shell) {
   const auto& c = shell.header.center_m;
   return {c[0], c[1], c[2]};
 }
 
+// FORCELAYER_LONG_TESTS=1 throws a million places at every shell.
+bool long_tests() { return std::getenv("FORCELAYER_LONG_TESTS") != nullptr; }
+int samples() { return long_tests() ? 1000000 : 20000; }
+
 // No sampled place is farther than the proven radius, but for the rounding of this very test.
-void expect_sampled_covering(const Part& part, const BakedShell& shell, int samples) {
+void expect_sampled_covering(const Part& part, const BakedShell& shell, int count) {
   constexpr std::uint64_t kSeed = 20240611;
   SurfaceDice dice(part, kSeed);
   const double radius = shell.header.covering_radius_m;
-  const std::vector<Vec3> points = positions(shell);
+  const std::vector<Vec3> points = positions_of(shell);
   const PointGrid grid(points, radius);
-  for (int n = 0; n < samples; ++n) {
+  for (int n = 0; n < count; ++n) {
     const Vec3 place = dice.throw_once() - center(shell);
     ASSERT_LE(grid.nearest_distance(place, 1.1 * radius), radius * (1 + 1e-12))
         << "seed " << kSeed << ", sample " << n;
@@ -79,9 +78,38 @@ TEST(Covering, HoldsAtRandomPlaces) {
     SCOPED_TRACE(c.name);
     for (const ShellMethod method : {ShellMethod::kSurface, ShellMethod::kVoxelCenters}) {
       SCOPED_TRACE(method_name(method));
-      expect_sampled_covering(c.part, bake(c, method), 20000);
+      expect_sampled_covering(c.part, bake(c, method), samples());
     }
-    expect_sampled_covering(c.part, bake(c, ShellMethod::kSurface, Effort::kFast), 20000);
+    expect_sampled_covering(c.part, bake(c, ShellMethod::kSurface, Effort::kFast), samples());
+  }
+}
+
+// CAD and scans as they come: small and at coarse voxels here, all at 128 voxels across in the long
+// run. Each file is one body, so that nothing is hidden.
+TEST(Covering, OfRealMeshesHoldsAtRandomPlaces) {
+  struct Model {
+    const char* file;
+    double metres_per_unit;
+    bool quick;
+  };
+  const Model models[] = {
+      {"cad/plate_holes.stl", 1e-3, true},   {"cad/featuretype.stl", 1e-3, true},
+      {"cad/large_block.stl", 1e-3, false},  {"cad/counter.unitsmm.stl", 1e-3, false},
+      {"scan/stanford-bunny.obj", 1, false}, {"scan/dragon-100k.obj", 1, false},
+      {"scan/teapot.obj", 1, false}};
+  if (!model_exists(models[0].file)) GTEST_SKIP() << "no shared models beside the project";
+  for (const Model& model : models) {
+    if (!model.quick && !long_tests()) continue;
+    SCOPED_TRACE(model.file);
+    Case c{model.file, part_of_model(model.file, model.metres_per_unit), 0};
+    Box box;
+    for (const Vec3& v : c.part.vertices) box.grow(v);
+    const Vec3 size = box.high - box.low;
+    c.voxel_size_m = std::max({size.x, size.y, size.z}) / (long_tests() ? 128 : 48);
+    for (const ShellMethod method : {ShellMethod::kSurface, ShellMethod::kVoxelCenters}) {
+      SCOPED_TRACE(method_name(method));
+      expect_sampled_covering(c.part, bake(c, method), samples());
+    }
   }
 }
 
@@ -100,7 +128,7 @@ TEST(Covering, FailsWithoutANeededPoint) {
   const Case torus{"torus", part_of(torus_mesh(1, 0.3, 30)), 0.12};
   const BakedShell shell = bake(torus, ShellMethod::kSurface);
   const Part centred = relative_to(torus.part, center(shell));
-  const std::vector<Vec3> points = positions(shell);
+  const std::vector<Vec3> points = positions_of(shell);
   const double radius = shell.header.covering_radius_m;
   ASSERT_TRUE(prove_covering(centred, points, radius).proven);
   SurfaceDice dice(centred, 7);
@@ -129,7 +157,7 @@ TEST(Covering, FailsWithoutANeededPoint) {
 TEST(Covering, IsNotProvenForASmallerRadius) {
   const Case box{"box", part_of(box_mesh(1, 2, 3)), 0.2};
   const BakedShell shell = bake(box, ShellMethod::kSurface);
-  EXPECT_FALSE(prove_covering(relative_to(box.part, center(shell)), positions(shell),
+  EXPECT_FALSE(prove_covering(relative_to(box.part, center(shell)), positions_of(shell),
                               0.9 * shell.header.covering_radius_m)
                    .proven);
 }

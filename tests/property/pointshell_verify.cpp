@@ -1,0 +1,77 @@
+// `pointshell verify` on files: proves a shell that is whole, refuses one that lacks a point.
+#include <gtest/gtest.h>
+
+#include <sys/wait.h>
+
+#include <cstdlib>
+
+#include "pointshell/bake.h"
+#include "pointshell/part_files.h"
+#include "pointshell/point_grid.h"
+#include "tests/support/mesh_files.h"
+#include "tests/support/part_support.h"
+#include "tests/support/scratch_folder.h"
+#include "tests/support/stored_shell.h"
+
+namespace forcelayer {
+namespace {
+
+using namespace testing;
+
+// The exit status of `pointshell verify`.
+int verify_status(const std::filesystem::path& shell, const std::filesystem::path& mesh) {
+  const std::string command = std::string(FORCELAYER_BIN_DIR) + "/pointshell verify " +
+                              shell.string() + " " + mesh.string() +
+                              " --units m --quiet 2>/dev/null";
+  return WEXITSTATUS(std::system(command.c_str()));
+}
+
+// A point without which some sampled place is farther than the radius from all others.
+std::size_t needed_point(const Part& part, const BakedShell& shell, std::uint64_t seed) {
+  const double radius = shell.header.covering_radius_m;
+  const auto& c = shell.header.center_m;
+  const std::vector<Vec3> points = positions_of(shell);
+  const PointGrid grid(points, radius);
+  SurfaceDice dice(part, seed);
+  for (int n = 0; n < 100000; ++n) {
+    const Vec3 place = dice.throw_once() - Vec3{c[0], c[1], c[2]};
+    std::vector<std::size_t> within;
+    grid.visit_near(place, radius, [&](std::uint32_t point, const Vec3& p) {
+      if (length(p - place) <= radius) within.push_back(point);
+    });
+    if (within.size() == 1) return within.front();
+  }
+  ADD_FAILURE() << "no point is needed; seed " << seed;
+  return 0;
+}
+
+TEST(Verify, RefusesAFileThatLacksAPoint) {
+  const test::ScratchFolder scratch;
+  const std::pair<const char*, Mesh> shapes[] = {{"torus", torus_mesh(1, 0.3, 24)},
+                                                 {"box", box_mesh(1, 2, 0.5)},
+                                                 {"cone", cone_mesh(0.5, 0, 2, 32)}};
+  for (const auto& [name, mesh] : shapes) {
+    const auto file = scratch / (std::string(name) + ".obj");
+    test::write_file(file, test::as_obj(mesh));
+    const Part part = std::move(read_part({file.string()}, 1.0)).value().part;
+    for (const ShellMethod method : {ShellMethod::kSurface, ShellMethod::kVoxelCenters}) {
+      SCOPED_TRACE(std::string(name) + ", method " + std::to_string(static_cast<int>(method)));
+      BakeOptions options;
+      options.voxel_size_m = 0.1;
+      options.method = method;
+      const BakedShell shell =
+          std::move(bake_shell(part, options, [](const std::string&, double) {})).value();
+      const auto path = scratch / "part.pshell";
+      ASSERT_TRUE(write_pshell(path, shell.content()).ok());
+      EXPECT_EQ(verify_status(path, file), 0);
+      for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+        const std::size_t needed = needed_point(part, shell, seed);
+        ASSERT_TRUE(write_pshell(path, without_point(shell, needed).content()).ok());
+        EXPECT_EQ(verify_status(path, file), 4) << "without point " << needed;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace forcelayer
