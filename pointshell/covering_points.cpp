@@ -28,7 +28,7 @@ struct Recipe {
   double relaxed_reach;    // around holes
 };
 constexpr Recipe kFull{1.60, 8, 1.8, 6, 1.15, 3, 30, 4, 6.5, 4};
-constexpr Recipe kFast{1.55, 2, 1.6, 2, 1.15, 4, 0, 2, 4, 3};
+constexpr Recipe kFast{1.53, 1, 1.5, 1, 1.15, 4, 0, 2, 4, 3};
 
 // How far points move before neighbours are looked up again: first steps are long, later ones
 // short.

@@ -167,7 +167,7 @@ class CubeFront {
     find_neighbour_angles(number, centre, along_x, along_y);
     const auto propose = [&](double angle) {
       const Vec3 direction = std::cos(angle) * along_x + std::sin(angle) * along_y;
-      try_place(centre.place.position + spacing_ * direction, kProjectionReach * spacing_);
+      try_place(centre.place.position + spacing_ * direction, centre.place.triangle);
     };
     if (angles_.empty()) {
       angles_.push_back(0);
@@ -196,9 +196,13 @@ class CubeFront {
     std::sort(angles_.begin(), angles_.end());
   }
 
-  // Adds the surface point nearest to `target`, unless it is farther than `reach`, in another cube
-  // or too close to a point.
-  void try_place(const Vec3& target, double reach) {
+  // Adds the surface point nearest to `target`, unless it is far off, in another cube or too close
+  // to a point. It is no farther than triangle `known`, which keeps the search short.
+  void try_place(const Vec3& target, std::uint32_t known) {
+    const Piece corners = triangle_piece(tree_.part(), known);
+    const Vec3 foot = nearest_on_triangle(target, corners[0], corners[1], corners[2]);
+    constexpr double kRoundedUp = 1 + 1e-12;
+    const double reach = std::min(kRoundedUp * length(foot - target), kProjectionReach * spacing_);
     const TriangleTree::Nearest nearest = tree_.nearest(target, reach);
     if (!nearest.found || cube_of(nearest.point.position, kCubeEdge * spacing_) != index_ ||
         grid_.any_within(nearest.point.position, kClosest * spacing_)) {
@@ -216,10 +220,10 @@ class CubeFront {
     tree_.visit_near(low_ + Vec3{half, half, half}, half_diagonal,
                      [&](std::uint32_t t) { triangles.push_back(t); });
     std::sort(triangles.begin(), triangles.end());
-    for (const std::uint32_t t : triangles) visit_seeds_of(triangle_piece(tree_.part(), t));
+    for (const std::uint32_t t : triangles) visit_seeds_of(triangle_piece(tree_.part(), t), t);
   }
 
-  void visit_seeds_of(const Piece& piece) {
+  void visit_seeds_of(const Piece& piece, std::uint32_t triangle) {
     Box box;
     for (const Vec3& corner : piece) box.grow(corner);
     const double edge = kCubeEdge * spacing_;
@@ -229,12 +233,12 @@ class CubeFront {
     }
     const LongestEdge longest = longest_edge(piece);
     if (longest.length_squared > kSeedEdge * kSeedEdge * spacing_ * spacing_) {
-      for (const Piece& half : bisected(piece, longest.from)) visit_seeds_of(half);
+      for (const Piece& half : bisected(piece, longest.from)) visit_seeds_of(half, triangle);
       return;
     }
     const Vec3 middle = centroid(piece);
     if (grid_.any_within(middle, kClosest * spacing_)) return;
-    try_place(middle, kProjectionReach * spacing_);
+    try_place(middle, triangle);
     advance();
   }
 

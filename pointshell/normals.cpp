@@ -70,11 +70,13 @@ class NormalFinder {
   NormalFinder(const TriangleTree& tree, double radius)
       : tree_(tree), part_(tree.part()), radius_(radius) {}
 
-  // `near` holds at least the triangles within the radius of `point`.
+  // `near` holds at least the triangles within kReach radii of `point`.
   void find(const Vec3& point, std::span<const std::uint32_t> near, Vec3& inward,
             double& cone_cos) {
     const SurfacePoint foot = tree_.nearest(point, near);
-    gather(foot.position, point == foot.position ? near : triangles_near(foot.position));
+    const double listed_reach = (RestrictedCells::kReach - 1) * radius_ * (1 - 1e-9);
+    const bool listed = length(point - foot.position) <= listed_reach;
+    gather(foot.position, listed ? near : triangles_near(foot.position));
     const Vec3 seed = seed_at(foot);
     const Vec3 outward = smoothed(foot.position, seed);
     inward = -outward;
@@ -84,7 +86,8 @@ class NormalFinder {
  private:
   struct Face {
     Piece corners;
-    Vec3 normal;  // unit, or zero where the triangle has no area
+    Vec3 normal;       // unit, or zero where the triangle has no area
+    double area = -1;  // of it within the radius of the foot; negative: not yet known
   };
 
   std::span<const std::uint32_t> triangles_near(const Vec3& place) {
@@ -98,7 +101,9 @@ class NormalFinder {
     for (const std::uint32_t t : triangles) {
       const Piece corners = triangle_piece(part_, t);
       const Vec3 normal = normalized(cross(corners[1] - corners[0], corners[2] - corners[0]));
-      if (std::abs(dot(normal, foot - corners[0])) < radius_) faces_.push_back({corners, normal});
+      if (std::abs(dot(normal, foot - corners[0])) < radius_) {
+        faces_.push_back({corners, normal});
+      }
     }
   }
 
@@ -137,7 +142,7 @@ class NormalFinder {
     }
   }
 
-  Vec3 smoothed(const Vec3& place, const Vec3& seed) const {
+  Vec3 smoothed(const Vec3& place, const Vec3& seed) {
     // On a flat neighbourhood the areas need not be known.
     const bool flat = std::all_of(faces_.begin(), faces_.end(), [&](const Face& face) {
       const double cosine = dot(face.normal, seed);
@@ -145,16 +150,16 @@ class NormalFinder {
     });
     if (flat) return seed;
     Vec3 sum;
-    for (const Face& face : faces_) {
+    for (Face& face : faces_) {
       const double weight = range_weight(dot(face.normal, seed));
       if (weight > 0) sum += weight * area_near(place, face) * face.normal;
     }
     return length_squared(sum) > 0 ? normalized(sum) : seed;
   }
 
-  double cone_about(const Vec3& place, const Vec3& outward) const {
+  double cone_about(const Vec3& place, const Vec3& outward) {
     double cosine = 1;
-    for (const Face& face : faces_) {
+    for (Face& face : faces_) {
       if (length_squared(face.normal) == 0) continue;
       const double c = dot(face.normal, outward);
       if (c < cosine && area_near(place, face) > 0) cosine = c;
@@ -162,8 +167,12 @@ class NormalFinder {
     return std::max(cosine, -1.0);
   }
 
-  double area_near(const Vec3& place, const Face& face) const {
-    return area_within_ball(place, radius_, face.corners[0], face.corners[1], face.corners[2]);
+  double area_near(const Vec3& place, Face& face) const {
+    if (face.area < 0) {
+      face.area =
+          area_within_ball(place, radius_, face.corners[0], face.corners[1], face.corners[2]);
+    }
+    return face.area;
   }
 
   const TriangleTree& tree_;

@@ -9,14 +9,6 @@
 #include "pointshell/point_grid.h"
 
 namespace forcelayer {
-namespace {
-
-// In radii. Cells that reach farther than kReach are cut off in a cube of this half-edge; a cell
-// that covers its part of the surface reaches 1.
-constexpr double kReach = 1.2;
-
-}  // namespace
-
 RestrictedCells::Cutter::Cutter(std::uint32_t point, std::span<const Vec3> positions,
                                 std::span<const std::uint32_t> neighbours, double cell_radius)
     : centre(positions[point]), radius(cell_radius) {

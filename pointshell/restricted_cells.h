@@ -17,6 +17,10 @@ namespace forcelayer {
 // hold while points move by up to `slack`.
 class RestrictedCells {
  public:
+  // In radii. Cells that reach farther are cut off in a cube of this half-edge; a cell that covers
+  // its part of the surface reaches 1.
+  static constexpr double kReach = 1.2;
+
   // Cells reach at most `radius` far; beyond, they are cut off (at 1.2 radius or farther).
   RestrictedCells(const TriangleTree& tree, double radius) : tree_(tree), radius_(radius) {}
 
@@ -43,8 +47,8 @@ class RestrictedCells {
 
   const TriangleTree& tree() const { return tree_; }
 
-  // The triangles that pieces of the cell of point chosen[n] can come from: those within 1.2 radii
-  // and the slack.
+  // The triangles that pieces of the cell of point chosen[n] can come from: those within kReach
+  // radii and the slack.
   std::span<const std::uint32_t> triangles_near(std::size_t n) const {
     return chunks_[n / kChunk].triangles_of(n % kChunk);
   }
