@@ -22,8 +22,12 @@ using Json = nlohmann::ordered_json;
   return line;
 }
 
+// Three digits, rounded down: a guarantee must not be quoted larger than it is.
 std::string length_text(const std::optional<double>& length_m) {
-  return length_m ? text("%.3g mm", *length_m * 1000) : "none";
+  if (!length_m) return "none";
+  const double length_mm = *length_m * 1000;
+  const double last_digit = std::pow(10, std::floor(std::log10(length_mm)) - 2);
+  return text("%.3g mm", std::floor(length_mm / last_digit) * last_digit);
 }
 
 std::optional<double> penetration_ratio(const LoopStatistics& s) {

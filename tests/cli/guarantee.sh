@@ -1,0 +1,44 @@
+#!/usr/bin/env bash
+# From meshes to a quoted distance: both kinds of shell drive voxrun, and the separation that it prints
+# follows from the two files.
+set -euo pipefail
+bin=$FORCELAYER_BIN_DIR
+[ -x "$bin/pointshell" ] && [ -x "$bin/voxelize" ] || { echo "no offline tools in this build"; exit 77; }
+data=$FORCELAYER_SOURCE_DIR/sample_data
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+cd "$scratch"
+
+"$bin/voxelize" "$data/bay.json" -o bay.vox --quiet --mesh-deviation 0.05mm
+"$bin/voxinfo" bay.vox --json bay.json >facts
+bake() { "$bin/pointshell" "$data/part.obj" --units mm -o "$1.pshell" --voxel-size 5mm --quiet "${@:2}"; }
+bake full --mesh-deviation 0.1mm
+bake fast --effort fast
+bake fine --covering-radius 2mm
+bake centers --method voxel-centers
+
+for shell in full fast fine centers; do
+  "$bin/pointshell" verify $shell.pshell "$data/part.obj" --units mm --quiet
+  "$bin/voxinfo" $shell.pshell --json $shell.json >facts
+  "$bin/voxrun" bay.vox $shell.pshell --device sim --motion "$data/press.csv" --duration 2s \
+    --as-fast-as-possible --json $shell.run.json >$shell.txt 2>&1 || { cat $shell.txt; exit 1; }
+  python3 - $shell <<'PYTHON'
+import json, math, re, sys
+shell = sys.argv[1]
+part, scene, run = (json.load(open(name)) for name in (shell + ".json", "bay.json", shell + ".run.json"))
+s, k = scene["voxel_size_m"], scene["layers"]
+spent = (part["covering_radius_m"] + scene["static_deviation_m"] + part["part_deviation_m"]
+         + run["pose_error_m"])
+rested = (k - 1) * s - spent
+swept = math.sqrt((k - 1) ** 2 - 1 / 16) * s - s * s / (32 * part["bounding_radius_m"]) - spent
+assert abs(run["guaranteed_separation_m"] - rested) < 1e-12, (shell, run, rested)
+assert abs(run["guaranteed_swept_separation_m"] - swept) < 1e-12, (shell, run, swept)
+printed = re.search(r"guaranteed separation: ([0-9.]+) mm", open(shell + ".txt").read())
+assert printed and 0.98 * rested < 1e-3 * float(printed[1]) <= rested, (shell, printed, rested)
+assert run["frames"] == 2000 and run["force_layer_frames"] > 100, (shell, run["frames"])
+assert run["penetration_frames"] == 0, shell
+asked = 0.002 if shell == "fine" else math.sqrt(0.75) * s
+assert asked <= part["covering_radius_m"] < asked * 1.0001, shell
+PYTHON
+done
+echo "all passed"
