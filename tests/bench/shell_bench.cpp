@@ -1,0 +1,340 @@
+// What the shells are worth: points, proof, normals, time and memory of both methods.
+//
+//   shell_bench [--mesh NAME]... [--voxels N]... [--models FOLDER] [--json FILE]
+//
+// First table, by mesh and voxels across: the `pointshell` command as a user runs it (full and fast
+// effort, and voxel centres), its shell proven again by `pointshell verify`, and what the file
+// holds. Second table, by analytic shape and voxel size: normals and places against closed forms.
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <iostream>
+#include <numbers>
+#include <numeric>
+#include <optional>
+#include <stdexcept>
+
+#include "formats/pshell.h"
+#include "pointshell/bake.h"
+#include "pointshell/part_files.h"
+#include "pointshell/report.h"
+#include "pointshell/triangle_tree.h"
+#include "tests/bench/bake_bench_process.h"
+#include "tests/bench/bench_report.h"
+#include "tests/bench/shell_bench_shapes.h"
+
+namespace forcelayer::bench {
+namespace {
+
+using Json = nlohmann::ordered_json;
+namespace fs = std::filesystem;
+
+struct Model {
+  const char* name;
+  const char* file;  // in the models folder; the project's own in its sample_data
+  const char* units;
+  bool scan;
+};
+constexpr Model kModels[] = {{"bunny", "scan/stanford-bunny.obj", "m", true},
+                             {"dragon", "scan/dragon-100k.obj", "m", true},
+                             {"counter", "cad/counter.unitsmm.stl", "mm", false},
+                             {"block", "cad/large_block.stl", "mm", false},
+                             {"part", nullptr, "mm", false}};
+
+struct Method {
+  const char* name;
+  std::vector<std::string> options;
+  double most_of_bound;  // target; 0: none
+};
+const std::vector<Method>& methods() {
+  static const std::vector<Method> all = {{"surface", {}, 1.25},
+                                          {"fast", {"--effort", "fast"}, 1.4},
+                                          {"centers", {"--method", "voxel-centers"}, 0}};
+  return all;
+}
+constexpr double kMostOfCenters = 0.45;  // target on scans
+
+template <class T>
+T value_of(Result<T> result) {
+  if (!result) throw std::runtime_error(to_line(result.error()));
+  return std::move(*result);
+}
+
+double angle_deg(const Vec3& a, const Vec3& b) {
+  return std::atan2(length(cross(a, b)), dot(a, b)) * 180 / std::numbers::pi;
+}
+
+double longest_side(const Part& part) {
+  Box box;
+  for (const Vec3& v : part.vertices) box.grow(v);
+  const Vec3 size = box.high - box.low;
+  return std::max({size.x, size.y, size.z});
+}
+
+std::string number(double value) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.9g", value);
+  return text;
+}
+
+// The normal that the mesh itself has at the place nearest to a point: the mean of the faces that
+// meet there, weighted by their angles. Slow and plain; nothing of the shell's own smoothing.
+std::optional<Vec3> mesh_normal(const TriangleTree& tree, const Vec3& place, double same_place) {
+  const Part& part = tree.part();
+  const Vec3 foot = tree.nearest(place).point.position;
+  Vec3 sum;
+  tree.visit_near(foot, same_place, [&](std::uint32_t t) {
+    const Triangle& c = part.triangles[t];
+    const Vec3 corners[3] = {part.vertices[c[0]], part.vertices[c[1]], part.vertices[c[2]]};
+    const Vec3 nearest = nearest_on_triangle(foot, corners[0], corners[1], corners[2]);
+    const Vec3 normal = normalized(doubled_area_normal(part, t));
+    if (length(nearest - foot) > same_place || length_squared(normal) == 0) return;
+    double angle = std::numbers::pi;
+    for (int n = 0; n < 3; ++n) {
+      if (length(corners[n] - foot) > same_place) continue;
+      angle = angle_deg(corners[(n + 1) % 3] - corners[n], corners[(n + 2) % 3] - corners[n]) *
+              std::numbers::pi / 180;
+    }
+    sum += angle * normal;
+  });
+  if (length(sum) < 1e-3) return std::nullopt;  // faces back to back
+  return normalized(sum);
+}
+
+// What a shell's file holds.
+struct ShellFacts {
+  double weight_sum_m2 = 0;
+  double mean_block_radius_m = 0;
+  std::vector<double> normal_error_deg;  // against the mesh where each point stands
+};
+
+ShellFacts facts_of(const PshellView& view, const Vec3& center, const TriangleTree& tree,
+                    double radius) {
+  ShellFacts facts;
+  for (std::uint64_t n = 0; n < view.point_count; ++n) {
+    facts.weight_sum_m2 += view.weight_m2[n];
+    const Vec3 place = center + Vec3{view.x[n], view.y[n], view.z[n]};
+    const auto normal = mesh_normal(tree, place, 1e-4 * radius);
+    const Vec3 outward{-view.nx[n], -view.ny[n], -view.nz[n]};
+    if (normal) facts.normal_error_deg.push_back(angle_deg(outward, *normal));
+  }
+  for (std::uint64_t b = 0; b < view.block_count; ++b) {
+    facts.mean_block_radius_m += view.blocks[b].radius / static_cast<double>(view.block_count);
+  }
+  return facts;
+}
+
+// One mesh at one resolution.
+class MeshCase {
+ public:
+  MeshCase(const Model& model, const fs::path& models, const fs::path& folder, int voxels)
+      : model_(model),
+        mesh_(model.file ? (models / model.file).string()
+                         : FORCELAYER_SOURCE_DIR "/sample_data/part.obj"),
+        shell_((folder / "part.pshell").string()),
+        voxels_(voxels),
+        part_(value_of(read_part({mesh_}, std::string_view(model.units) == "mm" ? 1e-3 : 1)).part),
+        voxel_size_m_(longest_side(part_) / voxels) {
+    value_of(orient_outwards(part_, voxel_size_m_));
+  }
+
+  void run(Json& rows) const {
+    std::vector<Json> of_mesh;
+    for (const Method& method : methods()) of_mesh.push_back(run(method));
+    const double centers = of_mesh.back()["points"];
+    for (Json& row : of_mesh) {
+      const double share = row["points"].get<double>() / centers;
+      row["share_of_voxel_centers"] = share;
+      if (model_.scan && row["method"] == "surface") {
+        row["targets"]["share_met"] = share < kMostOfCenters;
+      }
+      print(row);
+      rows.push_back(std::move(row));
+    }
+  }
+
+  static void print_header() {
+    std::printf("%-8s %6s %-8s | %8s %6s %6s %6s | %7s %7s %7s | %8s %7s | %7s %7s %6s %7s\n",
+                "mesh", "voxels", "method", "points", "rho/s", "bound", "share", "n50 deg", "n99",
+                "max", "weights", "block/s", "wall s", "cpu s", "MB", "proof s");
+  }
+
+ private:
+  Json run(const Method& method) const {
+    std::vector<std::string> command = {std::string(FORCELAYER_BIN_DIR) + "/pointshell",
+                                        mesh_,
+                                        "--units",
+                                        model_.units,
+                                        "-o",
+                                        shell_,
+                                        "--quiet",
+                                        "--voxel-size",
+                                        number(voxel_size_m_) + "m"};
+    command.insert(command.end(), method.options.begin(), method.options.end());
+    const ProcessRun bake = run_process(command);
+    const ProcessRun proof = run_process({std::string(FORCELAYER_BIN_DIR) + "/pointshell", "verify",
+                                          shell_, mesh_, "--units", model_.units, "--quiet"});
+    const Pshell shell = value_of(Pshell::open(shell_));
+    const PshellHeader& header = shell.header();
+    const TriangleTree tree(part_);
+    const Vec3 center{header.center_m[0], header.center_m[1], header.center_m[2]};
+    const ShellFacts facts = facts_of(shell.view(), center, tree, header.covering_radius_m);
+    const double of_bound = points_over_bound(header, header.area_m2);
+    Json row{
+        {"mesh", model_.name},
+        {"triangles", header.triangles},
+        {"voxels_across", voxels_},
+        {"voxel_size_m", voxel_size_m_},
+        {"method", method.name},
+        {"points", header.point_count},
+        {"covering_radius_m", header.covering_radius_m},
+        {"covering_radius_voxels", header.covering_radius_m / header.voxel_size_m},
+        {"proven_again", true},  // `pointshell verify` fails otherwise, and run_process with it
+        {"points_over_planar_bound", of_bound},
+        {"normal_error_deg", to_json(percentiles(facts.normal_error_deg))},
+        {"weight_sum_over_area", facts.weight_sum_m2 / header.area_m2},
+        {"mean_block_radius_voxels", facts.mean_block_radius_m / header.voxel_size_m},
+        {"wall_s", bake.wall_s},
+        {"cpu_s", bake.cpu_s},
+        {"peak_rss_bytes", bake.peak_rss_bytes},
+        {"proof_wall_s", proof.wall_s},
+        {"proof_cpu_s", proof.cpu_s},
+        {"file_bytes", fs::file_size(shell_)}};
+    if (method.most_of_bound > 0) {
+      row["targets"]["points_over_planar_bound"] = method.most_of_bound;
+      row["targets"]["bound_met"] = of_bound <= method.most_of_bound;
+    }
+    return row;
+  }
+
+  static void print(const Json& row) {
+    const bool missed = row.contains("targets") && (!row["targets"].value("bound_met", true) ||
+                                                    !row["targets"].value("share_met", true));
+    const auto get = [&](const char* key) { return row[key].get<double>(); };
+    const Json& normals = row["normal_error_deg"];
+    std::printf(
+        "%-8s %6d %-8s | %8.0f %6.4f %5.3f%s %5.1f%% | %7.2f %7.2f %7.2f | %8.5f %7.2f | %7.2f "
+        "%7.2f %6.0f %7.2f\n",
+        row["mesh"].get<std::string>().c_str(), row["voxels_across"].get<int>(),
+        row["method"].get<std::string>().c_str(), get("points"), get("covering_radius_voxels"),
+        get("points_over_planar_bound"), missed ? "!" : " ", 100 * get("share_of_voxel_centers"),
+        normals["p50"].get<double>(), normals["p99"].get<double>(), normals["max"].get<double>(),
+        get("weight_sum_over_area"), get("mean_block_radius_voxels"), get("wall_s"), get("cpu_s"),
+        get("peak_rss_bytes") / 1e6, get("proof_wall_s"));
+    std::fflush(stdout);
+  }
+
+  const Model& model_;
+  const std::string mesh_, shell_;
+  const int voxels_;
+  Part part_;
+  const double voxel_size_m_;
+};
+
+// A shape's shell against its closed form. Points within a covering radius of an edge or tip are
+// judged apart: there a normal between those of the two faces is what the rule asks for.
+Json shape_row(const AnalyticShape& shape, int voxels, ShellMethod method) {
+  const Assembly assembly{{shape.mesh}, {{0, shape.name, {}}}, 1, 0, {}};
+  const PartInput input{&assembly, 1};
+  const Part part = value_of(assemble_part({&input, 1}));
+  BakeOptions options;
+  options.voxel_size_m = longest_side(part) / voxels;
+  options.method = method;
+  const BakedShell shell = value_of(bake_shell(part, options, [](const std::string&, double) {}));
+  const auto& c = shell.header.center_m;
+  const double radius = shell.header.covering_radius_m, s = options.voxel_size_m;
+  std::vector<double> smooth_deg, edge_deg, distance_voxels;
+  for (std::size_t n = 0; n < shell.x.size(); ++n) {
+    const Vec3 outward{-shell.nx[n], -shell.ny[n], -shell.nz[n]};
+    const std::vector<FaceTruth> faces =
+        shape.faces({shell.x[n] + c[0], shell.y[n] + c[1], shell.z[n] + c[2]});
+    distance_voxels.push_back(faces[0].distance / s);
+    double error_deg = angle_deg(outward, faces[0].outward);
+    bool at_edge = false;
+    for (std::size_t f = 1; f < faces.size() && faces[f].distance < radius; ++f) {
+      at_edge = true;
+      error_deg = std::min(error_deg, angle_deg(outward, faces[f].outward));
+    }
+    (at_edge ? edge_deg : smooth_deg).push_back(error_deg);
+  }
+  Json row{{"shape", shape.name},
+           {"voxels_across", voxels},
+           {"method", method_name(method)},
+           {"points", shell.x.size()},
+           {"normal_error_deg", to_json(percentiles(smooth_deg))},
+           {"points_near_edges", edge_deg.size()}};
+  if (!edge_deg.empty()) row["near_edges_deg"] = to_json(percentiles(edge_deg));
+  row["distance_voxels"] = to_json(percentiles(distance_voxels));
+  return row;
+}
+
+void run_shapes(Json& rows) {
+  std::printf("\n%-8s %6s %-13s | %7s | %-23s | %-23s | %-23s\n", "shape", "voxels", "method",
+              "points", "normal deg 50  99  max", "near edges 50  99  max",
+              "distance/s 50  99  max");
+  const auto triple = [](const Json& p) {
+    char text[40] = "";
+    if (!p.is_null()) {
+      std::snprintf(text, sizeof text, "%7.3f %7.3f %7.3f", p["p50"].get<double>(),
+                    p["p99"].get<double>(), p["max"].get<double>());
+    }
+    return std::string(text);
+  };
+  for (const AnalyticShape& shape : analytic_shapes()) {
+    for (const int voxels : {16, 32, 64, 128}) {
+      for (const ShellMethod method : {ShellMethod::kSurface, ShellMethod::kVoxelCenters}) {
+        const Json row = shape_row(shape, voxels, method);
+        std::printf("%-8s %6d %-13s | %7zu | %-23s | %-23s | %-23s\n", shape.name, voxels,
+                    method_name(method), row["points"].get<std::size_t>(),
+                    triple(row["normal_error_deg"]).c_str(),
+                    triple(row.value("near_edges_deg", Json())).c_str(),
+                    triple(row["distance_voxels"]).c_str());
+        rows.push_back(row);
+      }
+    }
+  }
+}
+
+int run(int argc, char** argv) {
+  CLI::App app{"Points, proof, normals, time and memory of point shells", "shell_bench"};
+  std::vector<std::string> meshes;
+  std::vector<int> voxels = {128, 256};
+  std::string models = FORCELAYER_SOURCE_DIR "/../shared/models", json;
+  app.add_option("--mesh", meshes,
+                 "bunny, dragon, counter, block, part (default: all, and shapes)");
+  app.add_option("--voxels", voxels, "voxels across the longest side (default 128 256)");
+  app.add_option("--models", models, "folder of the models");
+  app.add_option("--json", json, "where to write the figures");
+  CLI11_PARSE(app, argc, argv);
+
+  const fs::path folder = fs::temp_directory_path() / ("shell_bench_" + std::to_string(::getpid()));
+  fs::create_directories(folder);
+  Json results{{"meshes", Json::array()}, {"shapes", Json::array()}};
+  MeshCase::print_header();
+  for (const Model& model : kModels) {
+    if (!meshes.empty() && std::find(meshes.begin(), meshes.end(), model.name) == meshes.end()) {
+      continue;
+    }
+    for (const int n : voxels) MeshCase(model, models, folder, n).run(results["meshes"]);
+  }
+  if (meshes.empty()) run_shapes(results["shapes"]);
+  fs::remove_all(folder);
+  write_report("shell", argc, argv, results, json);
+  return 0;
+}
+
+}  // namespace
+}  // namespace forcelayer::bench
+
+int main(int argc, char** argv) {
+  try {
+    return forcelayer::bench::run(argc, argv);
+  } catch (const std::exception& error) {
+    std::cerr << "shell_bench: " << error.what() << '\n';
+    return 1;
+  }
+}
