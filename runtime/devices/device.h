@@ -48,6 +48,7 @@ struct DeviceSample {
                                // while nothing moves sets it as long as it is there
   bool present = false;        // the device answers
   bool calibrated = true;      // its poses can be trusted
+  bool output_held = false;    // its own side keeps the motors at zero: watchdog or OutputWatch
   std::uint64_t sequence = 0;  // counts readings; gaps are losses
 };
 

@@ -1,0 +1,257 @@
+// The hid device against the reference firmware on a bus in this process. The clock is the
+// machine's, so that limits on time are generous here: what is judged is the order of events.
+#include <gtest/gtest.h>
+
+#include <glm/geometric.hpp>
+
+#include "runtime/devices/hid_device.h"
+#include "tests/support/fake_hid_bus.h"
+
+namespace forcelayer::test {
+namespace {
+
+using Fault = VirtualHapticDevice::Fault;
+constexpr long long kMs = 1'000'000;
+
+// A host that reads and writes once a millisecond until `done`, for ten seconds at most.
+template <typename Done>
+bool host_runs(HidDevice& host, const Wrench& wrench, DeviceSample& sample, Done done) {
+  const long long begin_ns = monotonic_ns();
+  for (long long tick_ns = begin_ns; tick_ns < begin_ns + 10'000 * kMs; tick_ns += kMs) {
+    sleep_until_ns(tick_ns);
+    sample = host.read(0);
+    host.write(wrench);
+    if (done()) return true;
+  }
+  return false;
+}
+
+struct HidDeviceTest : testing::Test {
+  // Starts the host, and brings it to where its wrench is on the motors.
+  void felt(const Wrench& wrench) {
+    ASSERT_TRUE(host.start());
+    ASSERT_TRUE(host_runs(host, {}, sample, [&] { return sample.present && !sample.output_held; }));
+    ASSERT_TRUE(host_runs(host, wrench, sample, [&] { return !is_zero(unit.device.motors()); }));
+  }
+
+  HidDeviceTest() { unit.run(); }
+
+  FakeHapticUnit unit;
+  HidDevice host{std::make_unique<FakeHidBus>(std::vector{unit.socket}), {}};
+  DeviceSample sample;
+  const Wrench push{{1.25, -0.5, 3}, {0.01, 0, -0.02}};
+};
+
+TEST_F(HidDeviceTest, CarriesPosesInAndWrenchesOut) {
+  const Pose pose{{0.012345678, -0.1, 0.25}, glm::normalize(glm::dquat(0.8, 0.2, -0.4, 0.1))};
+  unit.device.hand = [&](double) { return pose; };
+  felt(push);
+  EXPECT_EQ(host.capabilities().max_force_n, 12);
+  EXPECT_EQ(host.capabilities().max_torque_nm, 0.2);
+  EXPECT_EQ(host.capabilities().watchdog_s, 0.02);
+  EXPECT_TRUE(host.capabilities().hardware);
+  EXPECT_TRUE(sample.calibrated);
+  EXPECT_LT(glm::length(sample.device_from_handle.position_m - pose.position_m), 1e-8);
+  EXPECT_NEAR(glm::dot(sample.device_from_handle.orientation, pose.orientation), 1, 1e-9);
+  const HapticWrench motors = unit.device.motors();
+  EXPECT_EQ(motors.force_un[0], 1'250'000);
+  EXPECT_EQ(motors.force_un[1], -500'000);
+  EXPECT_EQ(motors.torque_unm[2], -20'000);
+  int fresh = 0;
+  host_runs(host, push, sample, [&] { return (fresh += sample.fresh) == 200; });
+  host.stop();
+  EXPECT_TRUE(is_zero(unit.device.motors()));  // at once: stop() says so itself
+  EXPECT_EQ(unit.device.refused(), 0u);
+  const HidStatistics statistics = host.statistics();
+  EXPECT_GE(statistics.states, 200u);
+  EXPECT_EQ(statistics.malformed, 0u);
+}
+
+TEST_F(HidDeviceTest, TakesTheNewestOfManyAndCountsWhatItMissed) {
+  felt(push);
+  unit.device.set_fault(Fault::kSilent);
+  std::array<std::uint8_t, HAPTIC_REPORT_BYTES> report{};
+  HapticFirmware twin;  // goes on where the device was: a burst, every third report lost
+  const HapticDeviceRatings ratings = virtual_ratings();
+  haptic_init(&twin, &ratings);
+  twin.latched = 0;
+  ASSERT_TRUE(host_runs(host, push, sample, [&] { return !sample.fresh; }));
+  twin.sequence = static_cast<std::uint32_t>(sample.sequence);
+  const std::uint64_t gaps = host.statistics().gaps;
+  HapticReading reading = reading_of({});
+  for (int i = 1; i <= 30; ++i) {
+    reading.position_10nm[0] = i;
+    twin.command_us = unit.device.now_us();
+    haptic_next_report(&twin, &reading, unit.device.now_us() + static_cast<std::uint32_t>(i),
+                       report.data());
+    twin.latched = 0;
+    if (i % 3 != 1) unit.socket->send(report);
+  }
+  ASSERT_TRUE(host_runs(host, push, sample,
+                        [&] { return sample.device_from_handle.position_m.x == 30 * 1e-8; }));
+  EXPECT_EQ(host.statistics().gaps - gaps, 10u);
+}
+
+TEST_F(HidDeviceTest, AnUnpluggedDeviceIsZeroAndComesBackFromZero) {
+  felt(push);
+  unit.socket->plug(false);
+  ASSERT_TRUE(host_runs(host, push, sample, [&] {
+    return !sample.present && host.trouble() == "the device was unplugged";
+  })) << host.trouble();
+  // The device's own watchdog: nobody tells it anything any more.
+  ASSERT_TRUE(host_runs(host, push, sample, [&] { return unit.device.watchdog_holds(); }));
+  EXPECT_TRUE(is_zero(unit.device.motors()));
+  unit.socket->plug(true);
+  ASSERT_TRUE(host_runs(host, push, sample, [&] { return sample.present && sample.fresh; }));
+  // The host that goes on pushing is not felt before it has been at zero.
+  EXPECT_TRUE(sample.output_held);
+  for (int i = 0; i < 50; ++i) {
+    sleep_until_ns(monotonic_ns() + kMs);
+    host.write(push);
+    ASSERT_TRUE(is_zero(unit.device.motors()));
+  }
+  ASSERT_TRUE(host_runs(host, {}, sample, [&] { return !sample.output_held; }));
+  ASSERT_TRUE(host_runs(host, push, sample, [&] { return !is_zero(unit.device.motors()); }));
+  EXPECT_GE(host.statistics().losses, 1u);
+}
+
+TEST_F(HidDeviceTest, AFrozenDeviceGivesNoFreshPoseAndItsReason) {
+  const struct {
+    Fault fault;
+    const char* reason;
+  } cases[] = {{Fault::kSilent, "sends no reports"},
+               {Fault::kRepeating, "repeats its reports"},
+               {Fault::kClockStill, "repeats its reports"},
+               {Fault::kDamaged, "not sound"}};
+  felt(push);
+  for (const auto& c : cases) {
+    unit.device.set_fault(c.fault);
+    int fresh_after = 0;
+    ASSERT_TRUE(host_runs(host, push, sample,
+                          [&] {
+                            fresh_after += sample.fresh;
+                            return !sample.present &&
+                                   host.trouble().find(c.reason) != std::string::npos;
+                          }))
+        << c.reason << ", but " << host.trouble();
+    EXPECT_LE(fresh_after, 3) << c.reason;  // what was on its way
+    unit.device.set_fault(Fault::kNone);
+    ASSERT_TRUE(host_runs(host, {}, sample, [&] { return sample.present && !sample.output_held; }))
+        << c.reason << ": " << host.trouble();
+    ASSERT_TRUE(host_runs(host, push, sample, [&] { return !is_zero(unit.device.motors()); }));
+  }
+}
+
+TEST_F(HidDeviceTest, AFaultThatTheDeviceReportsTakesItAway) {
+  felt(push);
+  unit.device.set_fault(Fault::kReported);
+  ASSERT_TRUE(host_runs(host, push, sample, [&] { return !sample.present; }));
+  EXPECT_EQ(host.trouble(), "the device reports a fault");
+  EXPECT_TRUE(is_zero(unit.device.motors()));
+}
+
+TEST_F(HidDeviceTest, ALoopThatStandsStillIsFadedOut) {
+  felt(push);
+  sleep_until_ns(monotonic_ns() + 100 * kMs);  // no write()
+  EXPECT_TRUE(is_zero(unit.device.motors()));
+  bool fading = false;
+  for (const auto& taken : unit.device.log()) fading |= (taken.flags & 2) != 0;
+  EXPECT_TRUE(fading);  // the host's side did it, not only the device's watchdog
+  sample = host.read(0);
+  EXPECT_TRUE(sample.output_held);
+}
+
+TEST_F(HidDeviceTest, AHostThatSleepsIsSeenByTheDevicesWatchdog) {
+  felt(push);
+  auto write = unit.socket->on_write;
+  std::atomic<bool> asleep{true};
+  unit.socket->on_write = [&](std::span<const std::uint8_t> report) {
+    if (!asleep) write(report);
+  };
+  ASSERT_TRUE(host_runs(host, push, sample, [&] { return unit.device.watchdog_holds(); }));
+  EXPECT_TRUE(is_zero(unit.device.motors()));
+  ASSERT_TRUE(host_runs(host, push, sample, [&] { return !sample.present; }));
+  EXPECT_EQ(host.trouble(), "the device's watchdog tripped");
+  asleep = false;
+  for (int i = 0; i < 30; ++i) {
+    sleep_until_ns(monotonic_ns() + kMs);
+    host.write(push);
+    ASSERT_TRUE(is_zero(unit.device.motors()));
+  }
+  ASSERT_TRUE(host_runs(host, {}, sample, [&] { return sample.present; }));
+  host.stop();
+}
+
+TEST(HidDeviceStart, RefusesWhatIsNoSoundHapticDevice) {
+  const auto start = [](const HapticDeviceRatings& ratings, Fault fault, auto change) {
+    FakeHapticUnit unit(ratings);
+    unit.device.set_fault(fault);
+    change(*unit.socket);
+    unit.run();
+    HidDevice host(std::make_unique<FakeHidBus>(std::vector{unit.socket}),
+                   {0x16c0, 0x0486, "", ""});
+    const Status status = host.start();
+    EXPECT_FALSE(status);
+    return status.ok() ? Error{} : status.error();
+  };
+  const auto as_it_is = [](FakeSocket&) {};
+  const auto expect = [](const Error& error, ErrorCode code, const char* what) {
+    EXPECT_EQ(error.code, code) << to_line(error);
+    EXPECT_NE(error.what.find(what), std::string::npos) << to_line(error);
+    EXPECT_NE(error.file.find("16c0:0486"), std::string::npos) << to_line(error);
+    EXPECT_NE(error.mend, "");
+  };
+  const HapticDeviceRatings sound = virtual_ratings();
+  expect(start(sound, Fault::kNone, [](FakeSocket& s) { s.descriptor[1] = 0x00; }),
+         ErrorCode::kDeviceRefused, "descriptor");
+  expect(start(sound, Fault::kNone, [](FakeSocket& s) { s.descriptor[15] = 0x20; }),
+         ErrorCode::kDeviceRefused, "descriptor");
+  expect(start(sound, Fault::kNone, [](FakeSocket& s) { s.descriptor.resize(9); }),
+         ErrorCode::kDeviceRefused, "descriptor");
+  HapticDeviceRatings ratings = sound;
+  ratings.watchdog_us = 0;
+  expect(start(ratings, Fault::kNone, as_it_is), ErrorCode::kDeviceRefused, "watchdog");
+  ratings = sound;
+  ratings.watchdog_us = 200'000;
+  expect(start(ratings, Fault::kNone, as_it_is), ErrorCode::kDeviceRefused, "watchdog");
+  ratings = sound;
+  ratings.sensed_axes = 7;
+  expect(start(ratings, Fault::kNone, as_it_is), ErrorCode::kDeviceRefused, "six axes");
+  ratings = sound;
+  ratings.max_force_un = 0;
+  expect(start(ratings, Fault::kNone, as_it_is), ErrorCode::kDeviceRefused, "ratings");
+  expect(start(sound, Fault::kSilent, as_it_is), ErrorCode::kDeviceFailed, "what it can do");
+  expect(start(sound, Fault::kDamaged, as_it_is), ErrorCode::kDeviceFailed, "not sound");
+  expect(start(sound, Fault::kReported, as_it_is), ErrorCode::kDeviceFailed, "fault");
+}
+
+TEST(HidSelection, FindsByUsageNameSerialAndPath) {
+  const auto socket = [](const char* path, std::uint16_t product, const char* serial,
+                         std::uint32_t usage) {
+    auto made = std::make_shared<FakeSocket>();
+    made->info = {path, 0x16c0, product, serial, "unit", usage};
+    return made;
+  };
+  FakeHidBus bus({socket("/dev/h0", 1, "a", 0x0001'0006), socket("/dev/h1", 2, "b", kHapticUsage),
+                  socket("/dev/h2", 3, "c", kHapticUsage), socket("/dev/h3", 3, "d", 1)});
+  const auto find = [&](const char* text) {
+    const auto selector = parse_hid_selector(text);
+    EXPECT_TRUE(selector) << text;
+    return find_hid_device(bus, *selector, {}, kHapticUsage, "device");
+  };
+  EXPECT_EQ(find("16c0:0002")->path, "/dev/h1");
+  EXPECT_EQ(find("16C0:3:d")->path, "/dev/h3");
+  EXPECT_EQ(find("16c0:3")->path, "/dev/h2");  // the right usage before the wrong one
+  EXPECT_EQ(find("/dev/h0")->path, "/dev/h0");
+  EXPECT_EQ(find("16c0:9").error().code, ErrorCode::kDeviceNotFound);
+  EXPECT_EQ(find("/dev/none").error().code, ErrorCode::kDeviceNotFound);
+  const auto any = find_hid_device(bus, {}, {}, kHapticUsage, "device");
+  EXPECT_EQ(any.error().code, ErrorCode::kUsage);
+  EXPECT_NE(any.error().what.find("/dev/h2"), std::string::npos);
+  for (const char* text : {"", "16c0", ":", "16c0:", "16c0:12345", "0x16:1", "16c0:-1", "dev"}) {
+    EXPECT_FALSE(parse_hid_selector(text)) << text;
+  }
+}
+
+}  // namespace
+}  // namespace forcelayer::test
