@@ -114,6 +114,7 @@ class VirtualHapticDevice {
   }
   bool watchdog_holds() {
     const std::lock_guard lock(mutex_);
+    (void)haptic_motors(&firmware_, fault_ == Fault::kReported, now_us());  // its motor loop's tick
     return firmware_.latched != 0;
   }
   std::vector<Taken> log() {
