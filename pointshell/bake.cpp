@@ -205,7 +205,9 @@ Result<BakedShell> bake(Part part, const BakeOptions& options, const BakeProgres
   stages.begin("order");
   std::vector<Vec3> ordered;
   ordered.reserve(points.size());
-  for (const std::uint32_t n : hilbert_order(points)) ordered.push_back(points[n]);
+  for (const std::uint32_t n : block_order(points, kDefaultBlockPoints, kDefaultSuperBlockBlocks)) {
+    ordered.push_back(points[n]);
+  }
   fill_blocks(ordered, shell);
 
   stages.begin("normals");

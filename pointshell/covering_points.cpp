@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "formats/pshell_format.h"
 #include "pointshell/front_sampling.h"
 #include "pointshell/hole_filling.h"
 #include "pointshell/order.h"
@@ -62,13 +63,16 @@ class CoveringBuilder {
   }
 
  private:
-  // The front's points along a Hilbert curve: what is near in space is then near in memory.
+  // The front's points in the order of the shell's: what is near in space is then near in memory.
   std::vector<SurfacePoint> spread(const TriangleTree& tree) const {
     const std::vector<SurfacePoint> front = hexagonal_front(tree, recipe_.spacing * radius_);
     std::vector<Vec3> positions;
     for (const SurfacePoint& point : front) positions.push_back(point.position);
     std::vector<SurfacePoint> ordered;
-    for (const std::uint32_t n : hilbert_order(positions)) ordered.push_back(front[n]);
+    for (const std::uint32_t n :
+         block_order(positions, kDefaultBlockPoints, kDefaultSuperBlockBlocks)) {
+      ordered.push_back(front[n]);
+    }
     return ordered;
   }
 

@@ -1,11 +1,10 @@
 #include "pointshell/order.h"
 
-#include <tbb/parallel_sort.h>
+#include <tbb/parallel_invoke.h>
 
-#include <array>
+#include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 #include "pointshell/parallel.h"
 #include "pointshell/smallest_ball.h"
@@ -15,34 +14,45 @@
 namespace forcelayer {
 namespace {
 
-constexpr int kBits = 21;
+struct Place {
+  Vec3 position;
+  std::uint32_t index;
+};
 
-// Place along the Hilbert curve of a cell with kBits an axis (Skilling's transposed form, then its
-// bits interleaved).
-std::uint64_t hilbert_index(std::array<std::uint32_t, 3> x) {
-  for (std::uint32_t q = 1u << (kBits - 1); q > 1; q >>= 1) {
-    const std::uint32_t p = q - 1;
-    for (int i = 0; i < 3; ++i) {
-      if (x[i] & q) {
-        x[0] ^= p;
-      } else {
-        const std::uint32_t t = (x[0] ^ x[i]) & p;
-        x[0] ^= t;
-        x[i] ^= t;
-      }
-    }
+double coordinate(const Vec3& p, int axis) { return axis == 0 ? p.x : axis == 1 ? p.y : p.z; }
+
+// Along an axis; a total order of positions.
+struct BeforeAlong {
+  int axis;
+  bool operator()(const Place& a, const Place& b) const {
+    const double x = coordinate(a.position, axis), y = coordinate(b.position, axis);
+    if (x != y) return x < y;
+    if (!(a.position == b.position)) return lexicographic_less(a.position, b.position);
+    return a.index < b.index;
   }
-  x[1] ^= x[0];
-  x[2] ^= x[1];
-  std::uint32_t t = 0;
-  for (std::uint32_t q = 1u << (kBits - 1); q > 1; q >>= 1) {
-    if (x[2] & q) t ^= q - 1;
-  }
-  std::uint64_t index = 0;
-  for (int bit = kBits - 1; bit >= 0; --bit) {
-    for (int i = 0; i < 3; ++i) index = index << 1 | ((x[i] ^ t) >> bit & 1u);
-  }
-  return index;
+};
+
+int longest_side(std::span<const Place> places) {
+  Box box;
+  for (const Place& place : places) box.grow(place.position);
+  const Vec3 size = box.high - box.low;
+  if (size.x >= size.y && size.x >= size.z) return 0;
+  return size.y >= size.z ? 1 : 2;
+}
+
+void halve(std::span<Place> places, std::size_t block, std::size_t super_block) {
+  const BeforeAlong before{longest_side(places)};
+  if (places.size() <= block) return std::sort(places.begin(), places.end(), before);
+  const std::size_t unit = places.size() > block * super_block ? block * super_block : block;
+  const std::size_t units = (places.size() + unit - 1) / unit;
+  const std::size_t half = (units + 1) / 2 * unit;
+  std::nth_element(places.begin(), places.begin() + static_cast<std::ptrdiff_t>(half), places.end(),
+                   before);
+  const auto first = [&] { halve(places.first(half), block, super_block); };
+  const auto second = [&] { halve(places.subspan(half), block, super_block); };
+  constexpr std::size_t kWorthATask = 1 << 14;
+  if (places.size() < kWorthATask) return first(), second();
+  tbb::parallel_invoke(first, second);
 }
 
 float rounded_up(double value) {
@@ -65,32 +75,13 @@ BoundingSphere sphere_around(std::span<const Vec3> points) {
 
 }  // namespace
 
-std::vector<std::uint32_t> hilbert_order(std::span<const Vec3> points) {
-  Box box;
-  for (const Vec3& p : points) box.grow(p);
-  const Vec3 size = points.empty() ? Vec3{} : box.high - box.low;
-  const double edge = std::max({size.x, size.y, size.z, std::numeric_limits<double>::min()});
-  constexpr double kLast = (1u << kBits) - 1;
-  const auto cell = [&](double offset) {
-    return static_cast<std::uint32_t>(std::min(offset / edge * kLast, kLast));
-  };
-  struct Keyed {
-    std::uint64_t key;
-    std::uint32_t index;
-  };
-  std::vector<Keyed> keyed(points.size());
-  parallel_for_each_index(points.size(), 4096, [&](std::size_t n) {
-    const Vec3 offset = points[n] - box.low;
-    keyed[n] = {hilbert_index({cell(offset.x), cell(offset.y), cell(offset.z)}),
-                static_cast<std::uint32_t>(n)};
-  });
-  tbb::parallel_sort(keyed.begin(), keyed.end(), [&](const Keyed& a, const Keyed& b) {
-    if (a.key != b.key) return a.key < b.key;
-    const Vec3 &p = points[a.index], &q = points[b.index];
-    return p == q ? a.index < b.index : lexicographic_less(p, q);
-  });
+std::vector<std::uint32_t> block_order(std::span<const Vec3> points, std::size_t block,
+                                       std::size_t super_block) {
+  std::vector<Place> places(points.size());
+  for (std::uint32_t n = 0; n < places.size(); ++n) places[n] = {points[n], n};
+  halve(places, block, super_block);
   std::vector<std::uint32_t> order(points.size());
-  for (std::size_t n = 0; n < order.size(); ++n) order[n] = keyed[n].index;
+  for (std::size_t n = 0; n < order.size(); ++n) order[n] = places[n].index;
   return order;
 }
 

@@ -10,10 +10,12 @@
 
 namespace forcelayer {
 
-// Indices of `points` along a Hilbert curve through their bounding cube (Skilling, "Programming the
-// Hilbert curve", 2004; 21 bits an axis). Points in one cell of the curve are in lexicographic
-// order, so that the order depends on the set of points alone.
-std::vector<std::uint32_t> hilbert_order(std::span<const Vec3> points);
+// Indices of `points` in an order in which every `block` consecutive ones are close together, and
+// every `super_block` blocks: the points are halved again and again across the longest side of
+// their box, at a multiple of a super-block and then of a block. The blocks' spheres come out about
+// a quarter smaller than along a Hilbert curve. Depends on the set of points alone.
+std::vector<std::uint32_t> block_order(std::span<const Vec3> points, std::size_t block,
+                                       std::size_t super_block);
 
 // The smallest spheres around each `group` successive points, rounded so that they hold them.
 // Positions must be floats.

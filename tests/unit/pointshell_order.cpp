@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
 
 #include "pointshell/smallest_ball.h"
@@ -18,22 +19,35 @@ std::vector<Vec3> random_points(std::size_t count, std::uint64_t seed) {
   return points;
 }
 
-TEST(HilbertOrder, VisitsAGridInUnitSteps) {
+// A square of 128 x 128 points falls into squares of 8 x 8, and those into squares of 64 x 64.
+TEST(BlockOrder, HalvesASquareIntoSquares) {
   std::vector<Vec3> points;
-  for (int n = 0; n < 16 * 16 * 16; ++n) {
-    points.push_back({double(n % 16), double(n / 16 % 16), double(n / 256)});
+  for (int n = 0; n < 128 * 128; ++n) points.push_back({double(n % 128), double(n / 128), 0});
+  std::vector<Vec3> ordered;
+  for (const std::uint32_t n : block_order(points, 64, 64)) ordered.push_back(points[n]);
+  for (const BoundingSphere& s : bounding_spheres(ordered, 64)) {
+    EXPECT_NEAR(s.radius, 7 * std::sqrt(0.5), 1e-5);
   }
-  const auto order = hilbert_order(points);
-  for (std::size_t n = 1; n < order.size(); ++n) {
-    EXPECT_EQ(length(points[order[n]] - points[order[n - 1]]), 1) << n;
+  for (const BoundingSphere& s : bounding_spheres(ordered, 4096)) {
+    EXPECT_NEAR(s.radius, 63 * std::sqrt(0.5), 1e-4);
   }
 }
 
-TEST(HilbertOrder, DependsOnTheSetOfPointsAlone) {
-  std::vector<Vec3> points = random_points(1000, 3);
+TEST(BlockOrder, HoldsEveryPointOnce) {
+  for (const std::size_t count : {1u, 64u, 65u, 4096u, 4097u, 40000u}) {
+    std::vector<std::uint32_t> order = block_order(random_points(count, count), 64, 64);
+    std::sort(order.begin(), order.end());
+    ASSERT_EQ(order.size(), count);
+    for (std::uint32_t n = 0; n < count; ++n) ASSERT_EQ(order[n], n);
+  }
+  EXPECT_TRUE(block_order({}, 64, 64).empty());
+}
+
+TEST(BlockOrder, DependsOnTheSetOfPointsAlone) {
+  std::vector<Vec3> points = random_points(20000, 3);
   points.insert(points.end(), points.begin(), points.begin() + 10);
   std::vector<Vec3> reversed(points.rbegin(), points.rend());
-  const auto order = hilbert_order(points), other = hilbert_order(reversed);
+  const auto order = block_order(points, 64, 64), other = block_order(reversed, 64, 64);
   for (std::size_t n = 0; n < order.size(); ++n) {
     EXPECT_EQ(points[order[n]], reversed[other[n]]);
   }
