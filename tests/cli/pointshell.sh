@@ -93,6 +93,20 @@ expect 0 "reordered" "$work/reordered.obj" --units mm --quiet -o "$work/two.pshe
 cmp -s "$work/one.pshell" "$work/two.pshell" || fail "bytes depend on threads or the order of faces"
 cmp -s "$work/one.pshell" "$work/surface.pshell" || fail "bytes depend on the run"
 
+# Several meshes make one part. What lies inside another of them is left out, which needs both to be
+# proven again; a sub-tree of an assembly is a part too.
+sed -e 's/^v 0 /v -5 /; s/^v 10 /v 15 /' "$work/box.obj" |
+  awk '$1 == "v" { $3 = $3 / 2 + 5; $4 = $4 / 3 + 10 } { print }' >"$work/bar.obj"
+both=("$work/box.obj" "$work/bar.obj" --units mm --quiet)
+expect 0 "two meshes" "${both[@]}" -o "$work/both.pshell" --voxel-size 1mm --json "$work/both.json"
+grep -q '"bodies": 2' "$work/both.json" || fail "two meshes are not two bodies"
+grep -Eq '"hidden_points": [1-9][0-9]' "$work/both.json" || fail "nothing inside another mesh was left out"
+expect 0 "verify two meshes" verify "$work/both.pshell" "${both[@]}"
+expect 4 "verify two meshes by one" verify "$work/both.pshell" "${box[@]}"
+expect 0 "sub-tree" "$data/structure.glb#frame_1" --quiet -o "$work/frame.pshell" --voxel-size 10mm
+expect 0 "verify the sub-tree" verify "$work/frame.pshell" "$data/structure.glb#frame_1" --quiet
+expect 4 "verify the sub-tree by all" verify "$work/frame.pshell" "$data/structure.glb" --quiet
+
 # Warnings go to stderr, the summary to stdout, and --quiet silences both.
 "$bin/pointshell" "$work/box.obj" --units mm -o "$work/part.pshell" --voxel-size 1mm >"$work/stdout" 2>"$work/stderr" ||
   fail "bake with summary"
