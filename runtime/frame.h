@@ -15,6 +15,7 @@ struct Frame {
   StepResult result;
   Wrench device_wrench;            // after arming and limits: about the handle, device axes
   std::uint64_t outcome_hash = 0;  // of the wrench and the state after the step
+  Pose world_from_target;          // of the centroid: where the coupling pulls the part
   std::int64_t step_ns = 0;        // of the step alone
   OutputState output = OutputState::kWaiting;
 };

@@ -38,7 +38,8 @@ std::optional<PoseDatagram> parse_pose_datagram(std::span<const std::byte> bytes
   std::memcpy(&d, bytes.data(), sizeof d);
   const bool ours = d.magic == kPoseMagic && d.version == kPoseVersion && d.bytes == bytes.size();
   const bool sound = is_pose(d.world_from_part) && is_pose(d.world_from_handle) &&
-                     all_finite(d.force_n) && all_finite(d.torque_nm) && std::isfinite(d.time_s);
+                     is_pose(d.world_from_target) && all_finite(d.force_n) &&
+                     all_finite(d.torque_nm) && std::isfinite(d.time_s);
   if (!ours || !sound || d.output > 2) return std::nullopt;
   return d;
 }

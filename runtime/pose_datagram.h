@@ -32,11 +32,13 @@ struct PoseDatagram {                       // offset
   std::uint32_t contacts;                   // 212
   std::uint32_t output;                     // 216  OutputState
   std::uint32_t flags;                      // 220  PoseFlag bits
+  std::array<double, 7> world_from_target;  // 224
 };
-static_assert(sizeof(PoseDatagram) == 224);
+static_assert(sizeof(PoseDatagram) == 280);
 static_assert(offsetof(PoseDatagram, world_from_part) == 40);
 static_assert(offsetof(PoseDatagram, force_n) == 152);
 static_assert(offsetof(PoseDatagram, flags) == 220);
+static_assert(offsetof(PoseDatagram, world_from_target) == 224);
 
 enum PoseFlag : std::uint32_t {
   kPoseGuardCut = 1,

@@ -61,21 +61,23 @@ bool PoseReceiver::accept(const PoseDatagram& d) {
   return true;
 }
 
-std::optional<PoseDatagram> PoseReceiver::newest() {
-  std::optional<PoseDatagram> newest;
+std::optional<PoseDatagram> PoseReceiver::next() {
   std::byte bytes[kLargestDatagram];
   for (;;) {
     const ssize_t size = recv(socket_, bytes, sizeof bytes, MSG_TRUNC);
-    if (size < 0) return newest;
+    if (size < 0) return std::nullopt;
     const auto d = static_cast<std::size_t>(size) <= sizeof bytes
                        ? parse_pose_datagram({bytes, static_cast<std::size_t>(size)})
                        : std::nullopt;
-    if (d && accept(*d)) {
-      newest = d;
-    } else {
-      ++ignored_;
-    }
+    if (d && accept(*d)) return d;
+    ++ignored_;
   }
+}
+
+std::optional<PoseDatagram> PoseReceiver::newest() {
+  std::optional<PoseDatagram> newest;
+  while (const auto d = next()) newest = d;
+  return newest;
 }
 
 bool PoseReceiver::wait(int milliseconds) const {

@@ -20,6 +20,10 @@ class PoseReceiver {
   PoseReceiver& operator=(PoseReceiver&& other) noexcept;
   ~PoseReceiver();
 
+  // Takes one of the datagrams that have arrived, without waiting: the next that is newer than what
+  // was given before, or nothing.
+  std::optional<PoseDatagram> next();
+
   // Takes everything that has arrived, without waiting. The newest datagram, or nothing where none
   // came that is newer than what was given before.
   std::optional<PoseDatagram> newest();

@@ -107,6 +107,7 @@ PoseDatagram PoseSender::datagram(const Frame& frame) noexcept {
   d.time_s = frame.time_s;
   d.world_from_part = pose_numbers(simulation_->world_from_part(report.world_from_center));
   d.world_from_handle = pose_numbers(frame.input.world_from_handle);
+  d.world_from_target = pose_numbers(simulation_->world_from_part(frame.world_from_target));
   for (int axis = 0; axis < 3; ++axis) {
     d.force_n[static_cast<std::size_t>(axis)] = wrench.force_n[axis];
     d.torque_nm[static_cast<std::size_t>(axis)] = wrench.torque_nm[axis];

@@ -59,6 +59,7 @@ bool Servo::tick(Frame& frame) noexcept {
   frame.step_ns = now_ns() - begin_ns;
   frame.device_wrench = output_.pass(output_frame(frame.input, frame.result), dt_s_);
   frame.output = output_.state();
+  frame.world_from_target = coupling_target(state_, frame.input).world_from_center;
   frame.outcome_hash = outcome_hash(frame.result, state_);
   input_.output(frame);
   return true;

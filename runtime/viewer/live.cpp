@@ -24,6 +24,7 @@ TraceRow row_of(const PoseDatagram& datagram) {
   row.time_s = datagram.time_s;
   row.world_from_part = pose_from_numbers(datagram.world_from_part);
   row.world_from_handle = pose_from_numbers(datagram.world_from_handle);
+  row.world_from_target = pose_from_numbers(datagram.world_from_target);
   row.on_hand = {{f[0], f[1], f[2]}, {t[0], t[1], t[2]}};
   row.points_proximity = datagram.points_proximity;
   row.points_surface = datagram.points_surface;

@@ -1,7 +1,6 @@
 // Moments of a run that is going on elsewhere, from its pose stream.
 #pragma once
 
-#include <optional>
 #include <string>
 
 #include "formats/result.h"

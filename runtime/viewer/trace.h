@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 #include "formats/result.h"
@@ -15,7 +16,8 @@ struct TraceRow {
   double time_s = 0;
   Pose world_from_handle;
   Pose world_from_part;
-  Wrench on_hand;  // about the part's centroid, world axes
+  std::optional<Pose> world_from_target;  // where the hand wants the part, if it was said
+  Wrench on_hand;                         // about the part's centroid, world axes
   std::uint32_t points_proximity = 0, points_surface = 0, points_interior = 0;
   std::uint32_t contacts = 0;
   std::uint32_t guard_cuts = 0;

@@ -102,7 +102,7 @@ s.bind(("127.0.0.1", 0))
 open("port", "w").write(f"{s.getsockname()[1]}\n")
 s.settimeout(20)
 data = s.recv(2048)
-assert len(data) == 224 and struct.unpack_from("<IHH", data) == (0x53504C46, 1, 224)
+assert len(data) == 280 and struct.unpack_from("<IHH", data) == (0x53504C46, 1, 280)
 handle = struct.unpack_from("<3d", data, 96)
 assert all(abs(a - b) < 1e-12 for a, b in zip(handle, (0.1, 0.1, 0.2))), handle
 PYTHON

@@ -49,7 +49,7 @@ PoseDatagram valid_datagram(std::uint64_t session, std::uint64_t sequence) {
   d.bytes = sizeof d;
   d.session = session;
   d.sequence = sequence;
-  d.world_from_part[3] = d.world_from_handle[3] = 1;
+  d.world_from_part[3] = d.world_from_handle[3] = d.world_from_target[3] = 1;
   return d;
 }
 
@@ -66,6 +66,7 @@ TEST(PoseStream, CarriesAFrame) {
   frame.result.report.contacts = 5;
   frame.result.report.guard_cuts = 1;
   frame.result.report.world_from_center.position_m = {1, 1, 1};
+  frame.world_from_target.position_m = {2, 1, 1};
   frame.output = OutputState::kArmed;
   sender->offer(frame);
   ASSERT_TRUE(receiver->wait(2000));
@@ -73,7 +74,8 @@ TEST(PoseStream, CarriesAFrame) {
   ASSERT_TRUE(received);
   EXPECT_EQ(received->frame, 77u);
   EXPECT_EQ(received->sequence, 1u);
-  EXPECT_EQ(received->world_from_part[0], 0.5);  // the mesh's origin, not the centroid
+  EXPECT_EQ(received->world_from_part[0], 0.5);    // the mesh's origin, not the centroid
+  EXPECT_EQ(received->world_from_target[0], 1.5);  // of the mesh's origin too
   EXPECT_EQ(received->force_n[2], 3);
   EXPECT_EQ(received->contacts, 5u);
   EXPECT_EQ(received->output, 1u);
