@@ -49,6 +49,24 @@ void add_moment(const PicturePlan& plan, const ViewScene& scene, std::vector<Leg
 
 }  // namespace
 
+Colour colour_of(FrameKind kind) {
+  switch (kind) {
+    case FrameKind::kFree:
+      return kSceneColour;
+    case FrameKind::kProximity:
+      return kProximityColour;
+    case FrameKind::kForceLayer:
+      return kForceLayerColour;
+    case FrameKind::kContact:
+      return kContactColour;
+    case FrameKind::kGuardCut:
+      return kRemovedColour;
+    case FrameKind::kPenetration:
+      break;
+  }
+  return kPenetrationColour;
+}
+
 std::vector<LegendEntry> legend_of(const PicturePlan& plan, const ViewScene& scene) {
   std::vector<LegendEntry> legend;
   add_scene(plan, scene, legend);

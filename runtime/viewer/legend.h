@@ -20,6 +20,9 @@ struct LegendEntry {
   std::string label;
 };
 
+// What marks a frame beside its name and its height.
+Colour colour_of(FrameKind kind);
+
 // The entries for what the plan shows.
 std::vector<LegendEntry> legend_of(const PicturePlan& plan, const ViewScene& scene);
 

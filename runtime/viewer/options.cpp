@@ -54,6 +54,8 @@ ViewOptionParser::ViewOptionParser(CLI::App& app) {
   app.add_option("--units", texts_.units, "unit of the meshes' coordinates (mm, cm, m, in ...)");
   app.add_option("--part-units", texts_.part_units, "unit of --part where it is another");
   app.add_option("--screenshot", options_.screenshot, "write a picture (PNG) and end");
+  app.add_option("--frame-times", options_.frame_times,
+                 "turn the scene once in the window, write how long frames took (JSON) and end");
   app.add_option("--json", options_.json, "write what the picture shows, in numbers");
   app.add_option("--size", texts_.size, "of the picture in pixels")->capture_default_str();
   auto* run = app.add_option("--trace,--replay", options_.run,

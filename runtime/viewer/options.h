@@ -21,7 +21,7 @@ enum class Focus { kAuto, kPart, kScene };
 
 struct ViewOptions {
   ViewInputs inputs;
-  std::string screenshot, json;
+  std::string screenshot, json, frame_times;
   int width = 1600, height = 1000;  // pixels
   std::string run;                  // trace or recording
   std::optional<double> at_s;

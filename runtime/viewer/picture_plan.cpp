@@ -4,23 +4,17 @@
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 
-#include "runtime/viewer/run_rows.h"
-
 namespace forcelayer {
 namespace {
 
-constexpr double kPartFocus = 2.2;  // half of a picture's height, in radii of the part
-
-Result<std::optional<Moment>> plan_moment(const ViewOptions& options, const ViewScene& scene) {
+std::optional<Moment> plan_moment(const ViewOptions& options, const std::vector<TraceRow>& rows) {
   std::optional<Moment> moment;
   if (options.world_from_part) {
     moment.emplace();
     moment->world_from_part = *options.world_from_part;
-  } else if (!options.run.empty()) {
-    const auto rows = read_run(options.run, scene.voxmap_path, scene.shell_path);
-    if (!rows) return rows.error();
-    const std::size_t at = options.at_s ? row_at(*rows, *options.at_s) : strongest_row(*rows);
-    moment = moment_of((*rows)[at], options.handle_from_part.value_or(grip_of(rows->front())));
+  } else if (!rows.empty()) {
+    const std::size_t at = options.at_s ? row_at(rows, *options.at_s) : strongest_row(rows);
+    moment = moment_of(rows[at], options.handle_from_part.value_or(grip_of(rows.front())));
   }
   return moment;
 }
@@ -59,16 +53,6 @@ CameraView part_camera(const ViewOptions& options, const ViewScene& scene, const
   return view;
 }
 
-// The scene's box, or the part where there is nothing else.
-WorldBox box_of(const ViewScene& scene) {
-  if (!scene.bounds.empty) return scene.bounds;
-  WorldBox box;
-  const double radius_m = scene.shell ? scene.shell->header().bounding_radius_m : 1;
-  box.add(glm::dvec3(-radius_m));
-  box.add(glm::dvec3(radius_m));
-  return box;
-}
-
 CameraView plan_camera(const ViewOptions& options, const ViewScene& scene,
                        const std::optional<Moment>& moment) {
   const bool on_part = options.focus != Focus::kScene && moment && scene.shell;
@@ -102,6 +86,15 @@ nlohmann::ordered_json numbers(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
 
 }  // namespace
 
+WorldBox box_of(const ViewScene& scene) {
+  if (!scene.bounds.empty) return scene.bounds;
+  WorldBox box;
+  const double radius_m = scene.shell ? scene.shell->header().bounding_radius_m : 1;
+  box.add(glm::dvec3(-radius_m));
+  box.add(glm::dvec3(radius_m));
+  return box;
+}
+
 Result<ContactProbe> make_probe(const ViewOptions& options, const ViewScene& scene) {
   const ForceKind force = options.force.value_or(usual_force(options.model, *scene.voxmap));
   auto field = make_force_field(options.model, force, *scene.voxmap);
@@ -131,7 +124,7 @@ Status add_moment(const ViewOptions& options, const ViewScene& scene, Moment mom
   if (scene.voxmap && scene.shell) {
     auto probe = make_probe(options, scene);
     if (!probe) return probe.error();
-    moment.contacts = probe->at(moment.world_from_part);
+    set_contacts(moment, probe->at(moment.world_from_part));
   }
   for (const std::string& line : describe(moment)) plan.title.push_back(line);
   plan.moment = std::move(moment);
@@ -139,7 +132,8 @@ Status add_moment(const ViewOptions& options, const ViewScene& scene, Moment mom
   return {};
 }
 
-Result<PicturePlan> plan_picture(const ViewOptions& options, const ViewScene& scene) {
+Result<PicturePlan> plan_picture(const ViewOptions& options, const ViewScene& scene,
+                                 const std::vector<TraceRow>& rows) {
   PicturePlan plan;
   plan.width = options.width;
   plan.height = options.height;
@@ -147,14 +141,13 @@ Result<PicturePlan> plan_picture(const ViewOptions& options, const ViewScene& sc
   plan.cut = options.cut;
   plan.plain = options.plain;
   plan.title = {describe(scene)};
-  auto moment = plan_moment(options, scene);
-  if (!moment) return moment.error();
+  std::optional<Moment> moment = plan_moment(options, rows);
   if (scene.before) {
     if (Status change = plan_change(scene, plan); !change) return change.error();
   }
   plan.camera = plan_camera(options, scene, plan.moment);
-  if (*moment) {
-    if (Status added = add_moment(options, scene, std::move(**moment), plan); !added) {
+  if (moment) {
+    if (Status added = add_moment(options, scene, std::move(*moment), plan); !added) {
       return added.error();
     }
   }

@@ -28,8 +28,15 @@ struct PicturePlan {
   double metres_per_pixel() const { return 2 * camera.half_height_m / height; }
 };
 
-// Computes the moment, its contacts, the change and the camera that `options` ask for.
-Result<PicturePlan> plan_picture(const ViewOptions& options, const ViewScene& scene);
+inline constexpr double kPartFocus = 2.2;  // half of a picture's height, in radii of the part
+
+// The scene's box, or the part's at its own origin where there is nothing else.
+WorldBox box_of(const ViewScene& scene);
+
+// Computes the moment, its contacts, the change and the camera that `options` ask for; `rows` are
+// those of options.run, if there is one.
+Result<PicturePlan> plan_picture(const ViewOptions& options, const ViewScene& scene,
+                                 const std::vector<TraceRow>& rows);
 
 // Sets the moment of `plan`, with its contacts, words and camera.
 Status add_moment(const ViewOptions& options, const ViewScene& scene, Moment moment,

@@ -36,6 +36,7 @@ void QuadWriter::rectangle(const RelativeVoxel& tile, int axis, int side, std::a
     }
     surface_.corners.push_back(point);
   }
+  surface_.directions.push_back(static_cast<std::uint8_t>(2 * axis + (side > 0 ? 1 : 0)));
 }
 
 }  // namespace forcelayer

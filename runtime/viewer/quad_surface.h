@@ -18,6 +18,7 @@ namespace forcelayer {
 struct QuadSurface {
   glm::dvec3 origin_m{0, 0, 0};               // world; corners are relative to it
   std::vector<std::array<float, 3>> corners;  // [4 * quads] m
+  std::vector<std::uint8_t> directions;       // [quads] 2 axis + (1 where the side is upper)
   std::uint64_t voxel_faces = 0;              // unit faces that the rectangles cover
 
   std::uint64_t quad_count() const { return corners.size() / 4; }

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <fstream>
 
+#include "runtime/coupling.h"
 #include "runtime/recording.h"
 #include "runtime/simulation.h"
 
@@ -18,11 +19,13 @@ bool is_recording(const std::filesystem::path& path) {
   return file && magic == kRecordingMagic;
 }
 
-TraceRow row_of(const Simulation& simulation, const StepInput& input, const StepResult& result) {
+TraceRow row_of(const Simulation& simulation, const StepInput& input, const StepResult& result,
+                const Pose& target) {
   const StepReport& report = result.report;
   TraceRow row;
   row.world_from_handle = input.world_from_handle;
   row.world_from_part = simulation.world_from_part(report.world_from_center);
+  row.world_from_target = simulation.world_from_part(target);
   row.on_hand = result.wrench;
   row.points_proximity = report.proximity;
   row.points_surface = report.surface;
@@ -45,7 +48,8 @@ Result<std::vector<TraceRow>> replayed(const Recording& recording, Simulation& s
     const auto before = Clock::now();
     const StepResult result = simulation.step(state, step_input, dt_s);
     const std::chrono::duration<double, std::nano> took = Clock::now() - before;
-    rows.push_back(row_of(simulation, step_input, result));
+    const Pose target = coupling_target(state, step_input).world_from_center;
+    rows.push_back(row_of(simulation, step_input, result, target));
     rows.back().time_s = time_s;
     rows.back().step_ns = took.count();
   }

@@ -8,7 +8,7 @@ namespace forcelayer {
 
 using Colour = std::array<double, 3>;  // red, green, blue, 0 to 1
 
-inline constexpr Colour kPaper = {1.0, 1.0, 1.0};
+inline constexpr Colour kBackground = {1.0, 1.0, 1.0};
 inline constexpr Colour kInk = {0.13, 0.15, 0.18};
 inline constexpr Colour kSceneColour = {0.78, 0.79, 0.80};
 inline constexpr Colour kEdgeColour = {0.35, 0.37, 0.40};
@@ -22,6 +22,10 @@ inline constexpr Colour kGhostColour = {0.0, 0.45, 0.70};
 inline constexpr Colour kNetForceColour = {0.05, 0.05, 0.05};
 inline constexpr Colour kAddedColour = {0.0, 0.45, 0.70};
 inline constexpr Colour kRemovedColour = {0.84, 0.37, 0.0};
+
+// Towards the light, in the camera's axes: to the right, up, towards the eye. It falls from above
+// the eye's left shoulder.
+inline constexpr std::array<double, 3> kToLight = {-0.2, 0.35, 0.915};
 
 inline constexpr double kForceLayerOpacity = 0.28;
 inline constexpr double kProximityOpacity = 0.12;

@@ -57,40 +57,45 @@ Status take_picture(const ViewOptions& options, const ViewScene& scene, PictureP
   return options.json.empty() ? Status{} : write_report(options.json, report_of(plan, scene));
 }
 
-Status draw(const ViewOptions& options, const ViewScene& scene, char** argv) {
-  auto plan = plan_picture(options, scene);
+Status draw(const ViewOptions& options, const ViewScene& scene, RunFeed feed) {
+  auto plan = plan_picture(options, scene, feed.rows);
   if (!plan) return plan.error();
-  const char* display = std::getenv("DISPLAY");
-  const bool endless = options.screenshot.empty() && !options.duration_s;
-  if (endless && (display == nullptr || *display == '\0')) {
-    return Error{ErrorCode::kDeviceNotFound, "", "", "no display to open a window on",
-                 "set DISPLAY, or give --screenshot FILE"};
-  }
-  if (Status screen = ensure_screen(argv); !screen) return screen;
-  RunFeed feed;
   if (!options.listen.empty()) {
     auto receiver = listen_at(options.listen);
     if (!receiver) return receiver.error();
     feed.receiver = std::move(*receiver);
   }
   if (!options.screenshot.empty()) return take_picture(options, scene, *plan, feed);
-  if (!options.run.empty()) {
-    auto rows = read_run(options.run, scene.voxmap_path, scene.shell_path);
-    if (!rows) return rows.error();
-    feed.rows = std::move(*rows);
-  }
   return show_window(scene, options, *plan, std::move(feed));
+}
+
+Status find_screen(const ViewOptions& options, char** argv) {
+  const char* display = std::getenv("DISPLAY");
+  const bool endless =
+      options.screenshot.empty() && options.frame_times.empty() && !options.duration_s;
+  if (endless && (display == nullptr || *display == '\0')) {
+    return Error{ErrorCode::kDeviceNotFound, "", "", "no display to open a window on",
+                 "set DISPLAY, or give --screenshot FILE"};
+  }
+  return ensure_screen(argv);
 }
 
 Status run(const ViewOptionParser& parser, char** argv) {
   const auto options = parser.finish();
   if (!options) return options.error();
+  if (Status screen = find_screen(*options, argv); !screen) return screen;
   const auto scene = load_view_scene(options->inputs);
   if (!scene) return scene.error();
   for (const std::string& warning : scene->warnings) {
     std::fprintf(stderr, "voxview: warning: %s\n", warning.c_str());
   }
-  return draw(*options, *scene, argv);
+  RunFeed feed;
+  if (!options->run.empty()) {
+    auto rows = read_run(options->run, scene->voxmap_path, scene->shell_path);
+    if (!rows) return rows.error();
+    feed.rows = std::move(*rows);
+  }
+  return draw(*options, *scene, std::move(feed));
 }
 
 }  // namespace

@@ -66,18 +66,21 @@ PolyData poly_data_of(const ViewMesh& mesh) {
   return data;
 }
 
-PolyData poly_data_of(const QuadSurface& surface) {
+PolyData poly_data_of(const QuadSurface& surface, int direction) {
+  std::vector<std::array<float, 3>> corners;
+  for (std::size_t n = 0; n < surface.corners.size(); ++n) {
+    if (surface.directions[n / 4] == direction) corners.push_back(surface.corners[n]);
+  }
   auto data = PolyData::New();
-  data->SetPoints(points_of(surface.corners));
-  data->SetPolys(cells_of(surface.quad_count(), 4, [](std::size_t n) { return n; }));
+  data->SetPoints(points_of(corners));
+  data->SetPolys(cells_of(corners.size() / 4, 4, [](std::size_t n) { return n; }));
   return data;
 }
 
 PolyData feature_edges_of(const PolyData& mesh) {
-  vtkNew<vtkStaticCleanPolyData> clean;  // an STL's facets share no points
+  // An STL's facets share no points; slivers become lines, which have no edges.
+  vtkNew<vtkStaticCleanPolyData> clean;
   clean->SetInputData(mesh);
-  clean->ConvertLinesToPointsOff();
-  clean->ConvertPolysToLinesOff();
   vtkNew<vtkFeatureEdges> edges;
   edges->SetInputConnection(clean->GetOutputPort());
   edges->SetFeatureAngle(30);

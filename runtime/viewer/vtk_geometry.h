@@ -18,7 +18,8 @@ namespace forcelayer {
 using PolyData = vtkSmartPointer<vtkPolyData>;
 
 PolyData poly_data_of(const ViewMesh& mesh);
-PolyData poly_data_of(const QuadSurface& surface);
+// The rectangles of one direction (QuadSurface::directions).
+PolyData poly_data_of(const QuadSurface& surface, int direction);
 
 // Edges where a mesh turns by more than 30 degrees or ends.
 PolyData feature_edges_of(const PolyData& mesh);

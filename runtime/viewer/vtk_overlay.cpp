@@ -1,77 +1,19 @@
 #include "runtime/viewer/vtk_overlay.h"
 
-#include <vtkActor2D.h>
-#include <vtkCellArray.h>
-#include <vtkCellData.h>
 #include <vtkNew.h>
-#include <vtkPoints.h>
-#include <vtkPolyData.h>
-#include <vtkPolyDataMapper2D.h>
 #include <vtkSmartPointer.h>
 #include <vtkTextActor.h>
 #include <vtkTextProperty.h>
-#include <vtkUnsignedCharArray.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <numbers>
 
+#include "runtime/viewer/vtk_shapes.h"
+
 namespace forcelayer {
 namespace {
-
-struct Pixel {
-  double x, y;
-};
-
-// Flat shapes in pixels, each in one colour.
-class Shapes {
- public:
-  Shapes() {
-    colours_->SetNumberOfComponents(4);
-    data_->SetPoints(points_);
-    data_->SetLines(lines_);
-    data_->SetPolys(polygons_);
-    data_->GetCellData()->SetScalars(colours_);
-    mapper_->SetInputData(data_);
-    actor_->SetMapper(mapper_);
-  }
-
-  vtkActor2D* actor() { return actor_; }
-
-  void clear() {
-    points_->Reset();
-    polygons_->Reset();
-    colours_->Reset();
-  }
-
-  void polygon(const std::vector<Pixel>& corners, const Colour& colour, double opacity) {
-    std::vector<vtkIdType> ids;
-    for (const Pixel& corner : corners) {
-      ids.push_back(points_->InsertNextPoint(corner.x, corner.y, 0));
-    }
-    polygons_->InsertNextCell(static_cast<vtkIdType>(ids.size()), ids.data());
-    for (const double value : {colour[0], colour[1], colour[2], opacity}) {
-      colours_->InsertNextValue(static_cast<unsigned char>(std::lround(255 * value)));
-    }
-    points_->Modified();
-    polygons_->Modified();
-    colours_->Modified();
-    data_->Modified();
-  }
-
-  void box(double x0, double y0, double x1, double y1, const Colour& colour, double opacity) {
-    polygon({{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}}, colour, opacity);
-  }
-
- private:
-  vtkNew<vtkPoints> points_;
-  vtkNew<vtkCellArray> lines_, polygons_;
-  vtkNew<vtkUnsignedCharArray> colours_;
-  vtkNew<vtkPolyData> data_;
-  vtkNew<vtkPolyDataMapper2D> mapper_;
-  vtkNew<vtkActor2D> actor_;
-};
 
 void draw_swatch(Shapes& shapes, const LegendEntry& entry, double x, double y, double size) {
   const double r = size / 2;
@@ -86,7 +28,7 @@ void draw_swatch(Shapes& shapes, const LegendEntry& entry, double x, double y, d
   switch (entry.swatch) {
     case Swatch::kSquare:
       shapes.box(x, y, x + size, y + size, kInk, 1);
-      shapes.box(x + 1, y + 1, x + size - 1, y + size - 1, kPaper, 1);
+      shapes.box(x + 1, y + 1, x + size - 1, y + size - 1, kBackground, 1);
       shapes.box(x + 1, y + 1, x + size - 1, y + size - 1, entry.colour, entry.opacity);
       break;
     case Swatch::kFramedSquare:
@@ -135,6 +77,7 @@ struct Overlay::Drawing {
   std::vector<vtkSmartPointer<vtkTextActor>> texts;
   std::vector<std::string> title;
   std::vector<LegendEntry> legend;
+  std::optional<FrameKind> state;
 
   // A text whose lower left corner stands at (x, y); returns its width in pixels.
   double write(const std::string& words, double x, double y, double size, bool bold,
@@ -146,7 +89,7 @@ struct Overlay::Drawing {
     look->SetFontSize(static_cast<int>(std::lround(size * scale)));
     look->SetColor(kInk.data());
     look->SetBold(bold);
-    look->SetBackgroundColor(kPaper.data());
+    look->SetBackgroundColor(kBackground.data());
     look->SetBackgroundOpacity(0.75);
     double extent[2] = {0, 0};
     text->GetSize(renderer, extent);
@@ -174,11 +117,31 @@ struct Overlay::Drawing {
 
   double title_right = 0, title_bottom = 0;  // of what draw_title() wrote
 
+  // A row of cells, more of them filled the weightier the frame, and its name; returns the new y.
+  double draw_state(double y) {
+    constexpr double kCell = 15, kGap = 4, kSize = 18;
+    y -= 1.6 * kSize * scale;
+    const double left = 18 * scale, low = y + 3 * scale;
+    const int cells = static_cast<int>(FrameKind::kPenetration);
+    for (int n = 0; n < cells; ++n) {
+      const double x = left + n * (kCell + kGap) * scale, side = kCell * scale, rim = 1.5 * scale;
+      shapes.box(x, low, x + side, low + side, kInk, 1);
+      const bool filled = n < static_cast<int>(*state);
+      shapes.box(x + rim, low + rim, x + side - rim, low + side - rim,
+                 filled ? colour_of(*state) : kBackground, 1);
+    }
+    const double words = left + (cells * (kCell + kGap) + 6) * scale;
+    title_right =
+        std::max(title_right, words + write(frame_kind_name(*state), words, y, kSize, true));
+    return y;
+  }
+
   void draw_title(int height) {
     constexpr double kLarge = 20, kSmall = 15;
     title_right = 0;
     double y = height - 14 * scale;
     for (std::size_t n = 0; n < title.size(); ++n) {
+      if (n == 1 && state) y = draw_state(y);
       const double size = n == 0 ? kLarge : kSmall;
       y -= 1.45 * size * scale;
       title_right =
@@ -199,7 +162,7 @@ struct Overlay::Drawing {
     if (title_right > left - 2 * gap) y = title_bottom - margin;  // no room beside the title
     if (!legend.empty()) {
       shapes.box(left - gap, y - (kLine * static_cast<double>(legend.size()) + 2) * scale,
-                 width - margin + gap / 2, y + 4 * scale, kPaper, 0.8);
+                 width - margin + gap / 2, y + 4 * scale, kBackground, 0.8);
     }
     for (const LegendEntry& entry : legend) {
       y -= kLine * scale;
@@ -212,11 +175,11 @@ struct Overlay::Drawing {
     const ScaleLength bar = round_length(0.2 * width * metres_per_pixel);
     const double length = bar.length_m / metres_per_pixel;
     const double x = width - 24 * scale - length, y = 22 * scale + reserved, thick = 5 * scale;
-    shapes.box(x - 2 * scale, y - 2 * scale, x + length + 2 * scale, y + thick + 2 * scale, kPaper,
-               1);
+    shapes.box(x - 2 * scale, y - 2 * scale, x + length + 2 * scale, y + thick + 2 * scale,
+               kBackground, 1);
     for (int n = 0; n < 4; ++n) {
       shapes.box(x + length * n / 4, y, x + length * (n + 1) / 4, y + thick,
-                 n % 2 == 0 ? kInk : kPaper, 1);
+                 n % 2 == 0 ? kInk : kBackground, 1);
     }
     shapes.box(x, y + thick - scale, x + length, y + thick, kInk, 1);
     shapes.box(x, y, x + length, y + scale, kInk, 1);
@@ -233,6 +196,8 @@ Overlay::Overlay(vtkRenderer* renderer, double scale) : drawing_(std::make_uniqu
 Overlay::~Overlay() = default;
 
 void Overlay::set_title(const std::vector<std::string>& lines) { drawing_->title = lines; }
+
+void Overlay::set_state(std::optional<FrameKind> state) { drawing_->state = state; }
 
 void Overlay::set_legend(const std::vector<LegendEntry>& entries) { drawing_->legend = entries; }
 

@@ -4,9 +4,11 @@
 #include <vtkRenderer.h>
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "runtime/viewer/contact_view.h"
 #include "runtime/viewer/legend.h"
 
 namespace forcelayer {
@@ -18,6 +20,7 @@ class Overlay {
   ~Overlay();
 
   void set_title(const std::vector<std::string>& lines);     // top left, the first one larger
+  void set_state(std::optional<FrameKind> state);            // under its first line; none: no
   void set_legend(const std::vector<LegendEntry>& entries);  // top right
   // Draws everything anew for a picture of that many pixels, one of which is `metres_per_pixel`;
   // the lowest `reserved` pixels are left free.

@@ -1,56 +1,27 @@
 #include "runtime/viewer/vtk_picture.h"
 
-#include <vtkAxesActor.h>
-#include <vtkCamera.h>
-#include <vtkCaptionActor2D.h>
 #include <vtkImageData.h>
 #include <vtkNew.h>
 #include <vtkPNGWriter.h>
 #include <vtkRenderWindow.h>
 #include <vtkRenderer.h>
-#include <vtkTextProperty.h>
 #include <vtkUnsignedCharArray.h>
 #include <vtkWindowToImageFilter.h>
 
 #include <cstddef>
-#include <glm/geometric.hpp>
+#include <optional>
 #include <span>
 
 #include "formats/atomic_file.h"
 #include "runtime/viewer/style.h"
 #include "runtime/viewer/vtk_overlay.h"
 #include "runtime/viewer/vtk_stage.h"
+#include "runtime/viewer/vtk_triad.h"
 
 namespace forcelayer {
 namespace {
 
 constexpr int kOversampling = 2;  // rendered larger and shrunk: smooth edges with depth peeling
-
-// The directions of the world's axes, in a corner.
-void add_triad(vtkRenderWindow* window, const CameraView& view) {
-  vtkNew<vtkAxesActor> axes;
-  axes->SetXAxisLabelText("x");
-  axes->SetYAxisLabelText("y");
-  axes->SetZAxisLabelText("z");
-  for (vtkCaptionActor2D* caption : {axes->GetXAxisCaptionActor2D(), axes->GetYAxisCaptionActor2D(),
-                                     axes->GetZAxisCaptionActor2D()}) {
-    caption->GetCaptionTextProperty()->SetColor(kInk[0], kInk[1], kInk[2]);
-    caption->GetCaptionTextProperty()->ItalicOff();
-    caption->GetCaptionTextProperty()->ShadowOff();
-  }
-  vtkNew<vtkRenderer> renderer;
-  renderer->SetLayer(1);
-  renderer->SetViewport(0, 0, 0.13, 0.2);
-  renderer->AddActor(axes);
-  vtkCamera* camera = renderer->GetActiveCamera();
-  camera->SetParallelProjection(1);
-  camera->SetPosition(view.to_eye.x, view.to_eye.y, view.to_eye.z);
-  camera->SetFocalPoint(0, 0, 0);
-  camera->SetViewUp(view.up.x, view.up.y, view.up.z);
-  renderer->ResetCamera(-1.2, 1.2, -1.2, 1.2, -1.2, 1.2);
-  camera->SetParallelScale(1.5);
-  window->AddRenderer(renderer);
-}
 
 // Every pixel the mean of a square of `factor` x `factor` pixels.
 vtkSmartPointer<vtkImageData> shrunk(vtkImageData* image, int factor) {
@@ -101,7 +72,7 @@ struct Layers {
     window->SetAlphaBitPlanes(1);
     window->SetNumberOfLayers(3);
     window->SetSize(width, height);
-    world->SetBackground(kPaper[0], kPaper[1], kPaper[2]);
+    world->SetBackground(kBackground[0], kBackground[1], kBackground[2]);
     world->SetUseDepthPeeling(1);
     world->SetMaximumNumberOfPeels(4);  // two sheets a peel; more cannot be told apart
     marks->SetLayer(1);
@@ -126,10 +97,13 @@ Status write_picture(const std::filesystem::path& path, const ViewScene& scene,
   stage.cut(plan.cut);
   if (plan.plain) stage.make_plain();
   stage.aim(plan.camera);
+  std::optional<Triad> triad;
   Overlay overlay(layers.words, sampling);
   if (!plan.plain) {
-    add_triad(layers.window, plan.camera);
+    triad.emplace(layers.window, 1);
+    triad->aim(plan.camera.to_eye, plan.camera.up, width, height, 150 * sampling);
     overlay.set_title(plan.title);
+    if (plan.moment) overlay.set_state(plan.moment->kind());
     overlay.set_legend(legend_of(plan, scene));
     overlay.lay_out(width, height, plan.metres_per_pixel() / sampling);
   }

@@ -2,11 +2,13 @@
 
 #include <vtkActor.h>
 #include <vtkActorCollection.h>
+#include <vtkAppendPolyData.h>
 #include <vtkArrowSource.h>
+#include <vtkCallbackCommand.h>
 #include <vtkCamera.h>
 #include <vtkCubeSource.h>
 #include <vtkGlyph3D.h>
-#include <vtkLightKit.h>
+#include <vtkLight.h>
 #include <vtkMatrix4x4.h>
 #include <vtkNew.h>
 #include <vtkPlane.h>
@@ -25,6 +27,7 @@
 #include "runtime/viewer/layer_surface.h"
 #include "runtime/viewer/style.h"
 #include "runtime/viewer/vtk_geometry.h"
+#include "runtime/viewer/vtk_voxel_faces.h"
 
 namespace forcelayer {
 namespace {
@@ -46,11 +49,10 @@ void replace_data(const Actor& actor, const PolyData& data) {
   vtkPolyDataMapper::SafeDownCast(actor->GetMapper())->SetInputData(data);
 }
 
-Actor surface_actor(const PolyData& data, const Colour& colour, double opacity = 1) {
+Actor surface_actor(const PolyData& data, const Colour& colour) {
   Actor actor = actor_of(data, colour);
-  actor->GetProperty()->SetOpacity(opacity);
-  actor->GetProperty()->SetAmbient(0.35);
-  actor->GetProperty()->SetDiffuse(0.75);
+  actor->GetProperty()->SetAmbient(0.45);
+  actor->GetProperty()->SetDiffuse(0.6);
   return actor;
 }
 
@@ -131,13 +133,12 @@ vtkSmartPointer<vtkMatrix4x4> matrix_of(const Pose& a_from_b, const glm::dvec3& 
 }  // namespace
 
 struct Stage::Actors {
-  std::vector<Actor> meshes, mesh_edges;
-  Actor interior, force_layer, proximity, added, removed;
+  // Drawn in this order, inner ones first: without depth peeling, what is translucent is blended as
+  // it comes.
+  VoxelFaces cut_interior, interior, added, removed;
+  VoxelFaces cut_force_layer, cut_proximity, force_layer, proximity;
+  Actor meshes, mesh_edges;
   Actor part, part_edges, target, shell, spring;
-  // Of a cut: the voxels that it opens, by value.
-  Actor cut_interior = surface_actor(PolyData::New(), kInteriorColour);
-  Actor cut_force_layer = surface_actor(PolyData::New(), kForceLayerColour);
-  Actor cut_proximity = surface_actor(PolyData::New(), kProximityColour);
   Glyphs contact_points{sphere(), kContactColour, false};
   Glyphs contact_forces{arrow(9), kContactColour, true};
   Glyphs layer_points{sphere(), kForceLayerColour, false};
@@ -149,56 +150,81 @@ struct Stage::Actors {
     return {&contact_points,   &contact_forces,  &layer_points,
             &proximity_points, &interior_points, &net_force};
   }
-  std::array<Actor*, 3> cuts() { return {&cut_interior, &cut_force_layer, &cut_proximity}; }
+  std::array<VoxelFaces*, 3> cuts() { return {&cut_interior, &cut_force_layer, &cut_proximity}; }
+  std::array<VoxelFaces*, 5> bodies() {
+    return {&interior, &force_layer, &proximity, &added, &removed};
+  }
+
+  Actors(vtkRenderer* world, bool change)
+      : cut_interior(world, kInteriorColour, 1),
+        interior(world, kInteriorColour, 1),
+        added(world, kAddedColour, 1),
+        removed(world, kRemovedColour, 1),
+        cut_force_layer(world, kForceLayerColour, 1),
+        cut_proximity(world, kProximityColour, 1),
+        force_layer(world, kForceLayerColour, change ? kUnchangedOpacity : kForceLayerOpacity),
+        proximity(world, kProximityColour, kProximityOpacity) {}
 };
 
 Stage::Stage(const ViewScene& scene, const std::optional<LayerChange>& change, vtkRenderer* world,
              vtkRenderer* marks)
-    : scene_(scene), world_(world), marks_(marks), actors_(std::make_unique<Actors>()) {
+    : scene_(scene),
+      world_(world),
+      marks_(marks),
+      actors_(std::make_unique<Actors>(world, change.has_value())) {
   build_scene();
   build_layers(change);
   build_part();
   for (Glyphs* glyphs : actors_->glyphs()) marks_->AddActor(glyphs->actor);
-  for (Actor* actor : actors_->cuts()) world_->AddActor(*actor);
-  vtkNew<vtkLightKit> lights;
-  lights->AddLightsToRenderer(world_);
+  for (vtkRenderer* renderer : {world_, marks_}) {
+    vtkNew<vtkLight> light;
+    light->SetLightTypeToCameraLight();
+    light->SetPosition(kToLight[0], kToLight[1], kToLight[2]);
+    light->SetFocalPoint(0, 0, 0);
+    renderer->AddLight(light);
+  }
   marks_->SetActiveCamera(world_->GetActiveCamera());
+  vtkNew<vtkCallbackCommand> start;
+  start->SetClientData(this);
+  start->SetCallback([](vtkObject*, unsigned long, void* self, void*) {
+    static_cast<Stage*>(self)->face_camera();
+  });
+  observer_ = world_->AddObserver(vtkCommand::StartEvent, start);
 }
 
 void Stage::build_scene() {
+  if (scene_.meshes.empty()) return;
+  // One actor for all: an assembly of hundreds of parts turns as fast as one part. Edges mesh by
+  // mesh: where two parts touch, both keep theirs.
+  vtkNew<vtkAppendPolyData> meshes, edges;
   for (const ViewMesh& mesh : scene_.meshes) {
     const PolyData data = poly_data_of(mesh);
-    actors_->meshes.push_back(surface_actor(data, kSceneColour));
-    actors_->mesh_edges.push_back(line_actor(feature_edges_of(data), kEdgeColour, 1.5));
-    world_->AddActor(actors_->meshes.back());
-    world_->AddActor(actors_->mesh_edges.back());
+    meshes->AddInputData(data);
+    edges->AddInputData(feature_edges_of(data));
   }
+  meshes->Update();
+  edges->Update();
+  actors_->meshes = surface_actor(meshes->GetOutput(), kSceneColour);
+  actors_->mesh_edges = line_actor(edges->GetOutput(), kEdgeColour, 1);
+  world_->AddActor(actors_->meshes);
+  world_->AddActor(actors_->mesh_edges);
 }
 
 void Stage::build_layers(const std::optional<LayerChange>& change) {
   if (!scene_.voxmap) return;
-  const auto layer = [&](VoxelValue value, const Colour& colour, double opacity) {
-    const PolyData data = poly_data_of(layer_surface(*scene_.voxmap, value, scene_.origin_m));
-    Actor actor = surface_actor(data, colour, opacity);
-    world_->AddActor(actor);
-    return actor;
-  };
   Actors& a = *actors_;
-  a.interior = layer(VoxelValue::kInterior, kInteriorColour, 1);
-  a.force_layer = layer(VoxelValue::kSurface, kForceLayerColour,
-                        change ? kUnchangedOpacity : kForceLayerOpacity);
-  a.proximity = layer(VoxelValue::kProximity, kProximityColour, kProximityOpacity);
-  for (const Actor& actor : {a.force_layer, a.proximity}) {
-    actor->GetProperty()->BackfaceCullingOn();  // seen from outside, one sheet is enough
-  }
+  const auto build = [&](VoxelValue value, VoxelFaces& faces) {
+    const QuadSurface surface = layer_surface(*scene_.voxmap, value, scene_.origin_m);
+    voxel_rectangles_ += surface.quad_count();
+    faces.set(surface);
+  };
+  build(VoxelValue::kInterior, a.interior);
+  build(VoxelValue::kSurface, a.force_layer);
+  build(VoxelValue::kProximity, a.proximity);
   if (!change) return;
-  a.added = surface_actor(poly_data_of(change->added_surface), kAddedColour);
-  a.removed = surface_actor(poly_data_of(change->removed_surface), kRemovedColour);
-  // What is gone is drawn with its edges, so that the two differ in more than hue.
-  a.removed->GetProperty()->EdgeVisibilityOn();
-  a.removed->GetProperty()->SetEdgeColor(kInk[0], kInk[1], kInk[2]);
-  world_->AddActor(a.added);
-  world_->AddActor(a.removed);
+  a.added.set(change->added_surface);
+  a.removed.set(change->removed_surface);
+  a.removed.draw_edges(kInk);  // so that the two differ in more than hue
 }
 
 void Stage::build_part() {
@@ -220,29 +246,27 @@ void Stage::build_part() {
   }
 }
 
-Stage::~Stage() = default;
+Stage::~Stage() { world_->RemoveObserver(observer_); }
 
 void Stage::show(const ShownSet& shown) {
   Actors& a = *actors_;
   const auto set = [&](const Actor& actor, Shown what) {
     if (actor != nullptr) actor->SetVisibility(shown[what]);
   };
-  for (const Actor& actor : a.meshes) set(actor, Shown::kMeshes);
-  for (const Actor& actor : a.mesh_edges) set(actor, Shown::kMeshes);
+  for (const Actor& actor : {a.meshes, a.mesh_edges}) set(actor, Shown::kMeshes);
   for (const Actor& actor : {a.part, a.part_edges}) set(actor, Shown::kPart);
   for (const Actor& actor : {a.target, a.spring}) set(actor, Shown::kHandle);
-  for (const Actor& actor : {a.interior, a.cut_interior}) set(actor, Shown::kInterior);
-  for (const Actor& actor : {a.force_layer, a.cut_force_layer}) set(actor, Shown::kForceLayer);
-  for (const Actor& actor : {a.proximity, a.cut_proximity}) set(actor, Shown::kProximity);
+  for (VoxelFaces* faces : {&a.interior, &a.cut_interior}) faces->show(shown[Shown::kInterior]);
+  for (VoxelFaces* faces : {&a.force_layer, &a.cut_force_layer}) {
+    faces->show(shown[Shown::kForceLayer]);
+  }
+  for (VoxelFaces* faces : {&a.proximity, &a.cut_proximity}) faces->show(shown[Shown::kProximity]);
   set(a.shell, Shown::kShell);
   for (const Glyphs* glyphs : a.glyphs()) set(glyphs->actor, Shown::kContacts);
 }
 
 void Stage::cut(const std::optional<Cut>& cut) {
   Actors& a = *actors_;
-  std::vector<Actor> bodies = {a.interior, a.force_layer, a.proximity, a.added, a.removed};
-  bodies.insert(bodies.end(), a.meshes.begin(), a.meshes.end());
-  bodies.insert(bodies.end(), a.mesh_edges.begin(), a.mesh_edges.end());
   vtkNew<vtkPlane> plane;
   if (cut) {
     double normal[3] = {0, 0, 0}, origin[3] = {0, 0, 0};
@@ -251,26 +275,39 @@ void Stage::cut(const std::optional<Cut>& cut) {
     plane->SetNormal(normal);
     plane->SetOrigin(origin);
   }
-  for (const Actor& actor : bodies) {
+  for (const Actor& actor : {a.meshes, a.mesh_edges}) {
     if (actor == nullptr) continue;
     actor->GetMapper()->RemoveAllClippingPlanes();
     if (cut) actor->GetMapper()->AddClippingPlane(plane);
   }
+  for (VoxelFaces* faces : a.bodies()) faces->cut(cut ? plane.Get() : nullptr);
   const std::array<VoxelValue, 3> values = {VoxelValue::kInterior, VoxelValue::kSurface,
                                             VoxelValue::kProximity};
   for (std::size_t n = 0; n < values.size(); ++n) {
     const bool open = cut && scene_.voxmap;
-    replace_data(*a.cuts()[n], open ? cut_sheet(*cut, values[n]) : PolyData::New());
+    a.cuts()[n]->set(open ? cut_sheet(*cut, values[n]) : QuadSurface{});
   }
 }
 
-PolyData Stage::cut_sheet(const Cut& cut, VoxelValue value) const {
+QuadSurface Stage::cut_sheet(const Cut& cut, VoxelValue value) const {
   // The voxels just on the side that stays.
   const double place = cut.at_m / scene_.voxmap->voxel_size_m();
   const auto index =
       static_cast<std::int64_t>(cut.keep_low ? std::ceil(place) - 1 : std::floor(place));
-  return poly_data_of(slice_surface(*scene_.voxmap, value, cut.axis, index, cut.keep_low ? 1 : -1,
-                                    scene_.origin_m));
+  return slice_surface(*scene_.voxmap, value, cut.axis, index, cut.keep_low ? 1 : -1,
+                       scene_.origin_m);
+}
+
+void Stage::face_camera() {
+  vtkCamera* camera = world_->GetActiveCamera();
+  const double* along = camera->GetDirectionOfProjection();
+  double up[3];
+  camera->GetViewUp(up);
+  const glm::dvec3 to_eye = -glm::dvec3(along[0], along[1], along[2]);
+  const glm::dvec3 sky(up[0], up[1], up[2]);
+  const glm::dvec3 across = glm::normalize(sky - glm::dot(sky, to_eye) * to_eye);
+  for (VoxelFaces* faces : actors_->bodies()) faces->face_camera(to_eye, across);
+  for (VoxelFaces* faces : actors_->cuts()) faces->face_camera(to_eye, across);
 }
 
 void Stage::aim(const CameraView& view) {
@@ -298,8 +335,11 @@ void Stage::make_plain() {
     actor->GetProperty()->EdgeVisibilityOff();
     actor->GetProperty()->SetOpacity(1);
   }
-  for (const Actor& actor : a.mesh_edges) actor->SetVisibility(0);
-  if (a.part_edges != nullptr) a.part_edges->SetVisibility(0);
+  for (VoxelFaces* faces : a.bodies()) faces->make_plain();
+  for (VoxelFaces* faces : a.cuts()) faces->make_plain();
+  for (const Actor& actor : {a.mesh_edges, a.part_edges}) {
+    if (actor != nullptr) actor->SetVisibility(0);
+  }
 }
 
 void Stage::place_part(const Pose& world_from_part) {

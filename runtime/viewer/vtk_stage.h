@@ -1,9 +1,7 @@
 // The three-dimensional things of a picture: scene, layers, part, contacts.
 #pragma once
 
-#include <vtkPolyData.h>
 #include <vtkRenderer.h>
-#include <vtkSmartPointer.h>
 
 #include <array>
 #include <cstdint>
@@ -29,6 +27,7 @@ class Stage {
         vtkRenderer* marks);
   ~Stage();
 
+  std::uint64_t voxel_rectangles() const { return voxel_rectangles_; }  // of all layers
   void show(const ShownSet& shown);
   void aim(const CameraView& camera);
   void cut(const std::optional<Cut>& cut);
@@ -46,12 +45,15 @@ class Stage {
   void build_scene();
   void build_layers(const std::optional<LayerChange>& change);
   void build_part();
-  vtkSmartPointer<vtkPolyData> cut_sheet(const Cut& cut, VoxelValue value) const;
+  QuadSurface cut_sheet(const Cut& cut, VoxelValue value) const;
+  void face_camera();
 
   const ViewScene& scene_;
   vtkRenderer* world_;
   vtkRenderer* marks_;
   std::unique_ptr<Actors> actors_;
+  std::uint64_t voxel_rectangles_ = 0;
+  unsigned long observer_ = 0;  // of the start of a rendering
 };
 
 // Places all that a moment shows.

@@ -12,15 +12,19 @@
 
 #include <algorithm>
 
+#include "runtime/viewer/legend.h"
 #include "runtime/viewer/moment.h"
 #include "runtime/viewer/style.h"
+#include "runtime/viewer/vtk_shapes.h"
 
 namespace forcelayer {
 namespace {
 
-static_assert(Strip::kTopPixel == 90 + 14);
-constexpr int kHeight = 90, kLeft = 150, kRight = 30, kBottom = 14;  // pixels
-constexpr std::size_t kLargestCurve = 2000;                          // points
+constexpr int kHeight = 104, kLeft = 150, kRight = 30, kBottom = 14;  // pixels
+constexpr int kBarStep = 5, kBars = 5 * kBarStep + 2;                 // pixels
+static_assert(Strip::kTopPixel == kHeight + kBottom);
+static_assert(static_cast<int>(FrameKind::kPenetration) * kBarStep < kBars);
+constexpr std::size_t kLargestCurve = 2000;  // points
 
 // One set of lines or polygons in pixels.
 struct Shape {
@@ -57,31 +61,18 @@ struct Shape {
   }
 };
 
-Colour colour_of(FrameKind kind) {
-  switch (kind) {
-    case FrameKind::kFree:
-      return kSceneColour;
-    case FrameKind::kProximity:
-      return kProximityColour;
-    case FrameKind::kForceLayer:
-      return kForceLayerColour;
-    case FrameKind::kContact:
-      return kContactColour;
-    case FrameKind::kGuardCut:
-      return kRemovedColour;
-    case FrameKind::kPenetration:
-      break;
-  }
-  return kPenetrationColour;
-}
+// Shapes that are drawn where they are declared among others.
+struct Bars : Shapes {
+  explicit Bars(vtkRenderer* renderer) { renderer->AddActor2D(actor()); }
+};
 
 }  // namespace
 
 struct Strip::Drawing {
   explicit Drawing(vtkRenderer* renderer)
-      : paper(renderer, kPaper, true),
-        bar(renderer, kInk, true),
+      : paper(renderer, kBackground, true),
         frame(renderer, kEdgeColour, false),
+        bars(renderer),
         curve(renderer, kInk, false),
         now(renderer, kContactColour, false) {
     paper.actor->GetProperty()->SetOpacity(0.85);
@@ -91,7 +82,9 @@ struct Strip::Drawing {
     renderer->AddActor2D(text);
   }
 
-  Shape paper, bar, frame, curve, now;
+  Shape paper, frame;
+  Bars bars;
+  Shape curve, now;
   vtkNew<vtkTextActor> text;
   double begin_s = 0, end_s = 1;
   int width = 1;
@@ -101,46 +94,60 @@ Strip::Strip(vtkRenderer* renderer) : drawing_(std::make_unique<Drawing>(rendere
 Strip::~Strip() = default;
 
 void Strip::draw(const std::vector<StripPoint>& points, double begin_s, double end_s, double now_s,
-                 FrameKind kind, int width, int height) {
+                 int width) {
   Drawing& d = *drawing_;
   d.begin_s = begin_s;
   d.end_s = std::max(end_s, begin_s + 1e-3);
   d.width = width;
   double highest_n = 1e-3;
   for (const StripPoint& point : points) highest_n = std::max(highest_n, point.force_n);
-  const double span = width - kLeft - kRight;
+  const double span = std::max(1, width - kLeft - kRight);
   const auto x_of = [&](double t) {
     return kLeft + span * std::clamp((t - d.begin_s) / (d.end_s - d.begin_s), 0.0, 1.0);
   };
-  const auto y_of = [&](double n) { return kBottom + (kHeight - 22) * n / highest_n; };
+  constexpr double kForceHeight = kHeight - kBars - 22;
+  const auto y_of = [&](double n) { return kBottom + kBars + kForceHeight * n / highest_n; };
   std::vector<std::array<double, 2>> curve;
+  d.bars.clear();
   const std::size_t stride = 1 + points.size() / kLargestCurve;
+  double bar_from = kLeft;
+  FrameKind bar_kind = FrameKind::kFree;
+  const auto end_bar = [&](double x) {
+    if (bar_kind != FrameKind::kFree) {
+      d.bars.box(bar_from, kBottom, std::max(x, bar_from + 1),
+                 kBottom + kBarStep * static_cast<double>(bar_kind), colour_of(bar_kind), 1);
+    }
+    bar_from = x;
+  };
   for (std::size_t n = 0; n < points.size(); n += stride) {
-    double group_n = 0;  // no peak is lost
+    double group_n = 0;  // no peak is lost, and no short frame
+    FrameKind group_kind = FrameKind::kFree;
     for (std::size_t m = n; m < std::min(points.size(), n + stride); ++m) {
       group_n = std::max(group_n, points[m].force_n);
+      group_kind = std::max(group_kind, points[m].kind);
     }
-    curve.push_back({x_of(points[n].time_s), y_of(group_n)});
+    const double x = x_of(points[n].time_s);
+    curve.push_back({x, y_of(group_n)});
+    if (group_kind == bar_kind) continue;
+    end_bar(x);
+    bar_kind = group_kind;
   }
+  if (!points.empty()) end_bar(x_of(points.back().time_s));
   d.curve.set(curve);
-  const double right = width - kRight, top = kBottom + kHeight;
+  const double right = kLeft + span, top = kBottom + kHeight;
   d.paper.set({{kLeft, kBottom}, {right, kBottom}, {right, top}, {kLeft, top}});
   d.frame.set({{kLeft, kBottom}, {right, kBottom}, {right, top}, {kLeft, top}, {kLeft, kBottom}});
   d.now.set({{x_of(now_s), kBottom}, {x_of(now_s), top}});
-  // The weightier the frame, the wider the bar: it is read without its colour.
-  const double bar = 2 + 3 * static_cast<double>(kind);
-  const Colour colour = colour_of(kind);
-  d.bar.actor->GetProperty()->SetColor(colour[0], colour[1], colour[2]);
-  d.bar.set(
-      {{0, 0}, {bar, 0}, {bar, static_cast<double>(height)}, {0, static_cast<double>(height)}});
   d.text->SetInput(
-      text_of("force on the hand, to %.3g N    %.2f to %.2f s", highest_n, d.begin_s, d.end_s)
+      text_of("force on the hand, to %.3g N    bars: near, force layer, contact, guard, "
+              "penetration    %.2f to %.2f s",
+              highest_n, d.begin_s, d.end_s)
           .c_str());
 }
 
-double Strip::time_at(int x, int y) const {
+std::optional<double> Strip::time_at(int x, int y) const {
   const Drawing& d = *drawing_;
-  if (y > kBottom + kHeight || x < kLeft || x > d.width - kRight) return -1;
+  if (y > kBottom + kHeight || x < kLeft || x > d.width - kRight) return std::nullopt;
   const double share = static_cast<double>(x - kLeft) / (d.width - kLeft - kRight);
   return d.begin_s + share * (d.end_s - d.begin_s);
 }

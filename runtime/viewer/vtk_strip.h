@@ -4,6 +4,7 @@
 #include <vtkRenderer.h>
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "runtime/viewer/contact_view.h"
@@ -13,22 +14,23 @@ namespace forcelayer {
 struct StripPoint {
   double time_s;
   double force_n;
+  FrameKind kind;
 };
 
 class Strip {
  public:
-  static constexpr int kTopPixel = 104;  // of the window's lower edge that it takes
+  static constexpr int kTopPixel = 118;  // of the window's lower edge that it takes
 
   explicit Strip(vtkRenderer* renderer);
   ~Strip();
 
-  // The curve of `points` over [begin_s, end_s] with a mark at `now_s`; `kind` is drawn as a bar at
-  // the left whose width and colour tell the frame's kind.
+  // The force of `points` over [begin_s, end_s] with a mark at `now_s`, over bars that are the
+  // higher the weightier the frames.
   void draw(const std::vector<StripPoint>& points, double begin_s, double end_s, double now_s,
-            FrameKind kind, int width, int height);
+            int width);
 
-  // The time at a pixel of the window, or a negative number above the strip.
-  double time_at(int x, int y) const;
+  // The time at a pixel of the window; none beside the strip.
+  std::optional<double> time_at(int x, int y) const;
 
  private:
   struct Drawing;
