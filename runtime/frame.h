@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "runtime/input_health.h"
 #include "runtime/output_stage.h"
 #include "runtime/step.h"
 
@@ -12,12 +13,14 @@ struct Frame {
   std::uint64_t number = 0;  // from 0
   double time_s = 0;         // number * dt
   StepInput input;
+  InputHealth health;  // of the input
   StepResult result;
   Wrench device_wrench;            // after arming and limits: about the handle, device axes
   std::uint64_t outcome_hash = 0;  // of the wrench and the state after the step
   Pose world_from_target;          // of the centroid: where the coupling pulls the part
   std::int64_t step_ns = 0;        // of the step alone
   OutputState output = OutputState::kWaiting;
+  TripCause last_trip = TripCause::kNone;
 };
 
 }  // namespace forcelayer

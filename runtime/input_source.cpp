@@ -1,20 +1,90 @@
 #include "runtime/input_source.h"
 
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+
 namespace forcelayer {
+namespace {
+
+constexpr double kUnitTolerance = 1e-3;  // of a quaternion's length: floats of a device have 1e-7
+constexpr double kLeastPeriods = 2.5;    // of a slow device, that a reading may be old
+constexpr double kLeastJumpM = 0.001;    // noise and quantisation of the coarsest device
+
+bool finite(const Pose& pose) {
+  const glm::dquat& q = pose.orientation;
+  const glm::dvec3& p = pose.position_m;
+  return std::isfinite(p.x + p.y + p.z) && std::abs(glm::length(q) - 1) < kUnitTolerance;
+}
+
+bool finite(const Twist& twist) {
+  return std::isfinite(glm::dot(twist.linear_mps, glm::dvec3(1)) +
+                       glm::dot(twist.angular_radps, glm::dvec3(1)));
+}
+
+}  // namespace
+
+bool outside_workspace(const DeviceCapabilities& device, const glm::dvec3& position_m,
+                       double reach) noexcept {
+  return device.workspace_radius_m > 0 &&
+         !(glm::length(position_m) <= reach * device.workspace_radius_m);
+}
+
+DeviceInput::DeviceInput(Device& device, const DevicePlacement& placement,
+                         const InputLimits& limits)
+    : device_(device), placement_(placement), limits_(limits) {
+  const double rate_hz = device.capabilities().rate_hz;
+  if (rate_hz > 0) limits_.stale_s = std::max(limits_.stale_s, kLeastPeriods / rate_hz);
+}
+
+InputTrouble DeviceInput::trouble(const DeviceSample& sample, double dt_s) noexcept {
+  const DeviceCapabilities& device = device_.capabilities();
+  const Pose& pose = sample.device_from_handle;
+  if (!sample.present) return InputTrouble::kDeviceLost;
+  if (!sample.calibrated) return InputTrouble::kNotCalibrated;
+  if (age_s_ > limits_.stale_s) return InputTrouble::kFrozen;
+  if (!finite(pose) || (device.senses_velocity && !finite(sample.velocity))) {
+    return InputTrouble::kNotFinite;
+  }
+  if (outside_workspace(device, pose.position_m, limits_.workspace_reach)) {
+    return InputTrouble::kImplausible;
+  }
+  const double reach_m = kLeastJumpM + limits_.max_jump_mps * (since_good_s_ + dt_s);
+  const bool jumped =
+      device.hardware && has_good_ && glm::length(pose.position_m - last_good_m_) > reach_m;
+  return jumped ? InputTrouble::kImplausible : InputTrouble::kNone;
+}
 
 bool DeviceInput::next(double time_s, double dt_s, StepInput& input) noexcept {
-  const DeviceSample sample = device_.read(time_s);
+  DeviceSample sample = device_.read(time_s);
+  age_s_ = sample.fresh ? 0 : age_s_ + dt_s;
+  health_ = {};
+  health_.trouble = trouble(sample, dt_s);
+  health_.age_share = static_cast<float>(std::min(1.0, age_s_ / limits_.stale_s));
+  health_.output_held = sample.output_held;
+  // What a device sends in few bits is made unit; what is unit already keeps its bits.
+  glm::dquat& q = sample.device_from_handle.orientation;
+  const bool inexact = std::abs(glm::dot(q, q) - 1) > 1e-12;
+  if (inexact && health_.trouble == InputTrouble::kNone) q = glm::normalize(q);
   input.world_from_handle = placement_.world_from_handle(sample.device_from_handle);
   input.buttons = sample.buttons;
-  input.valid = sample.present ? 1 : 0;
-  if (!sample.present) {
-    velocity_.reset();
+  input.valid = kInputValid;
+  if (health_.trouble != InputTrouble::kNone) {
+    input.valid = kInputInvalid;
     input.handle_velocity = {};
-  } else if (device_.capabilities().senses_velocity) {
-    input.handle_velocity = placement_.world_twist(sample.velocity);
-  } else {
-    input.handle_velocity = velocity_.update(input.world_from_handle, dt_s);
+    velocity_.reset();
+    // A device that comes back may come back anywhere; one that only sends nonsense may not.
+    has_good_ = has_good_ && health_.trouble != InputTrouble::kDeviceLost &&
+                health_.trouble != InputTrouble::kNotCalibrated;
+    since_good_s_ += dt_s;
+    return true;
   }
+  has_good_ = true;
+  last_good_m_ = sample.device_from_handle.position_m;
+  since_good_s_ = age_s_;
+  input.handle_velocity = device_.capabilities().senses_velocity
+                              ? placement_.world_twist(sample.velocity)
+                              : velocity_.update(input.world_from_handle, dt_s);
   return true;
 }
 

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "runtime/devices/device.h"
+#include "runtime/devices/output_watch.h"
 #include "runtime/frame.h"
 #include "runtime/handle_velocity.h"
 #include "runtime/placement.h"
@@ -18,6 +19,9 @@ class InputSource {
   // never blocks. False at the end, where there is one.
   virtual bool next(double time_s, double dt_s, StepInput& input) noexcept = 0;
 
+  // What is the matter with that input.
+  virtual InputHealth health() const noexcept { return {}; }
+
   // What came of that frame, its device wrench to be felt. Once a frame, after next().
   virtual void output(const Frame& frame) noexcept = 0;
 
@@ -27,22 +31,43 @@ class InputSource {
   virtual const DevicePlacement& placement() const = 0;
 };
 
-// A device, placed in the scene; estimates the velocity where the device does not sense it.
+// When a device's readings are not to be believed.
+struct InputLimits {
+  double stale_s = OutputWatch::kStaleS;  // without a fresh reading; at least 2.5 of its periods
+  double max_jump_mps = HandleVelocity::kMaxSpeedMps;  // between readings of hardware
+  double workspace_reach = 2;  // farther out than so many radii is another unit
+};
+
+// A device, placed in the scene; estimates the velocity where the device does not sense it, and
+// refuses readings that are old or cannot be.
 class DeviceInput final : public InputSource {
  public:
   // `device` must be started, and outlive this.
-  DeviceInput(Device& device, const DevicePlacement& placement)
-      : device_(device), placement_(placement) {}
+  DeviceInput(Device& device, const DevicePlacement& placement, const InputLimits& limits = {});
 
   bool next(double time_s, double dt_s, StepInput& input) noexcept override;
+  InputHealth health() const noexcept override { return health_; }
   void output(const Frame& frame) noexcept override { device_.write(frame.device_wrench); }
   void silence() noexcept override { device_.write({}); }
   const DevicePlacement& placement() const override { return placement_; }
 
  private:
+  InputTrouble trouble(const DeviceSample& sample, double dt_s) noexcept;
+
   Device& device_;
   DevicePlacement placement_;
+  InputLimits limits_;
   HandleVelocity velocity_;
+  InputHealth health_;
+  double age_s_ = 0;           // of the reading
+  double since_good_s_ = 0;    // of the last one that was believed
+  glm::dvec3 last_good_m_{0};  // its position
+  bool has_good_ = false;
 };
+
+// Whether `position_m`, device axes, lies so far outside the workspace that its unit must be wrong.
+// Never where the device declares no workspace.
+bool outside_workspace(const DeviceCapabilities& device, const glm::dvec3& position_m,
+                       double reach) noexcept;
 
 }  // namespace forcelayer

@@ -2,33 +2,10 @@
 
 #include <sched.h>
 
-#include <algorithm>
-#include <glm/geometric.hpp>
-
 #include "runtime/real_time.h"
 
 namespace forcelayer {
 namespace {
-
-void count(const Frame& frame, LoopStatistics& s) noexcept {
-  const StepReport& report = frame.result.report;
-  ++s.frames;
-  s.force_layer_frames += report.surface + report.interior > 0;
-  s.penetration_frames += report.interior > 0;
-  s.contact_frames += report.contacts > 0;
-  s.guard_cuts += report.guard_cuts;
-  s.outside_map_frames += report.outside_map;
-  s.saturated_frames += report.saturated;
-  s.faulty_frames += report.faults != 0;
-  s.outcome_hash = (s.outcome_hash ^ frame.outcome_hash) * 0x100000001b3u;
-  s.max_force_n = std::max(s.max_force_n, glm::length(frame.result.wrench.force_n));
-  s.max_torque_nm = std::max(s.max_torque_nm, glm::length(frame.result.wrench.torque_nm));
-  s.max_device_force_n = std::max(s.max_device_force_n, glm::length(frame.device_wrench.force_n));
-  s.max_device_torque_nm =
-      std::max(s.max_device_torque_nm, glm::length(frame.device_wrench.torque_nm));
-  s.generated_j = report.generated_j;
-  s.step.record(frame.step_ns);
-}
 
 void hand_over(const Frame& frame, bool may_wait, SpscRing<Frame>& ring,
                LoopStatistics& s) noexcept {
@@ -47,7 +24,8 @@ class Pacer {
   explicit Pacer(double dt_s)
       : period_ns_(static_cast<long long>(dt_s * 1e9 + 0.5)), tick_ns_(monotonic_ns()) {}
 
-  void wait_for_tick(LoopStatistics& s) noexcept {
+  // Sleeps until the next tick, and gives its time.
+  long long wait_for_tick(LoopStatistics& s) noexcept {
     tick_ns_ += period_ns_;
     const long long late_ns = monotonic_ns() - tick_ns_;
     if (late_ns > 0) {
@@ -56,16 +34,63 @@ class Pacer {
       s.skipped_ticks += static_cast<std::uint64_t>(passed);
     }
     sleep_until_ns(tick_ns_);
-    s.wakeup.record(monotonic_ns() - tick_ns_);
+    return tick_ns_;
   }
 
-  void frame_done(LoopStatistics& s) const noexcept {
-    s.deadline_misses += monotonic_ns() - tick_ns_ > period_ns_;
-  }
+  long long period_ns() const { return period_ns_; }
 
  private:
   long long period_ns_;
   long long tick_ns_;  // time of the current tick
+};
+
+// Runs ticks; with a clock, notes what each one cost.
+class Runner {
+ public:
+  Runner(Servo& servo, const LoopOptions& options, LoopStatistics& statistics)
+      : servo_(servo), options_(options), statistics_(statistics), pacer_(servo.dt_s()) {}
+
+  bool tick(Frame& frame) noexcept {
+    if (options_.as_fast_as_possible) {
+      if (!tick_with_helpers(frame)) return false;
+      statistics_.count(frame);
+      return true;
+    }
+    meter_.woke(pacer_.wait_for_tick(statistics_));
+    notice_lateness();
+    if (!tick_with_helpers(frame)) return false;
+    statistics_.count(frame, meter_.end(), pacer_.period_ns());
+    return true;
+  }
+
+  bool at_end(const Frame& frame) const noexcept {
+    const bool map_lost = (frame.result.report.faults & kFaultMapLost) != 0;
+    return map_lost || (options_.end_on_trip && servo_.output().trips() > 0);
+  }
+
+ private:
+  // The device hears nothing for a period and the delay.
+  void notice_lateness() noexcept {
+    const long long now_ns = monotonic_ns();
+    const long long since_ns = now_ns - last_ns_ - pacer_.period_ns();
+    if (last_ns_ != 0 && static_cast<double>(since_ns) > options_.stale_s * 1e9) servo_.note_late();
+    last_ns_ = now_ns;
+  }
+
+  bool tick_with_helpers(Frame& frame) noexcept {
+    const bool helped = servo_.wants_helpers();
+    if (helped) servo_.wake_helpers();
+    const bool ticked = servo_.tick(frame);
+    if (helped) servo_.rest_helpers();
+    return ticked;
+  }
+
+  Servo& servo_;
+  const LoopOptions& options_;
+  LoopStatistics& statistics_;
+  Pacer pacer_;
+  TickMeter meter_;
+  long long last_ns_ = 0;  // when the last tick began
 };
 
 }  // namespace
@@ -74,18 +99,12 @@ void run_loop(Servo& servo, const LoopOptions& options, SpscRing<Frame>* ring,
               LoopStatistics& statistics) noexcept {
   flush_denormals();
   Frame frame;
-  Pacer pacer(servo.dt_s());
+  Runner runner(servo, options, statistics);
   for (std::uint64_t n = 0; !options.frames || n < *options.frames; ++n) {
     if (options.stop != nullptr && options.stop->load(std::memory_order_relaxed) != 0) break;
-    if (!options.as_fast_as_possible) pacer.wait_for_tick(statistics);
-    const bool helped = servo.wants_helpers();
-    if (helped) servo.wake_helpers();
-    const bool ticked = servo.tick(frame);
-    if (helped) servo.rest_helpers();
-    if (!ticked) break;
-    if (!options.as_fast_as_possible) pacer.frame_done(statistics);
-    count(frame, statistics);
+    if (!runner.tick(frame)) break;
     if (ring != nullptr) hand_over(frame, options.as_fast_as_possible, *ring, statistics);
+    if (runner.at_end(frame)) break;
   }
   servo.silence();
 }

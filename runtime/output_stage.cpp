@@ -4,8 +4,13 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "runtime/devices/output_watch.h"
+
 namespace forcelayer {
 namespace {
+
+// The device's side reports late that it has let go of the motors again.
+constexpr double kHeldGraceS = 0.05;
 
 // v, or v shortened to `limit`.
 glm::dvec3 at_most(const glm::dvec3& v, double limit) {
@@ -29,16 +34,56 @@ bool finite(const Wrench& wrench) {
 
 const char* to_text(TripCause cause) {
   switch (cause) {
-    case TripCause::kStaleInput:
-      return "no valid input";
+    case TripCause::kDeviceLost:
+      return "the device does not answer";
+    case TripCause::kNotCalibrated:
+      return "the device is not calibrated";
+    case TripCause::kFrozen:
+      return "no fresh reading from the device";
+    case TripCause::kInputNotFinite:
+      return "the device's pose is not finite";
+    case TripCause::kImplausible:
+      return "the device's pose cannot be: far outside its workspace, or a jump";
     case TripCause::kOverSpeed:
-      return "hand too fast";
+      return "the hand is too fast";
     case TripCause::kNotFinite:
-      return "wrench not finite";
+      return "the wrench is not finite";
+    case TripCause::kLoopLate:
+      return "the loop was late";
+    case TripCause::kOutputHeld:
+      return "the device's side took the motors to zero by itself";
+    case TripCause::kMapLost:
+      return "a baked file was cut short while it was in use";
     case TripCause::kNone:
       break;
   }
   return "none";
+}
+
+const char* how_to_mend(TripCause cause) {
+  switch (cause) {
+    case TripCause::kDeviceLost:
+      return "look at plug and power";
+    case TripCause::kNotCalibrated:
+      return "calibrate it";
+    case TripCause::kFrozen:
+      return "look at the device and its driver";
+    case TripCause::kInputNotFinite:
+      return "look at the device's driver";
+    case TripCause::kImplausible:
+      return "look at the driver's units (metres) and at the encoders";
+    case TripCause::kOverSpeed:
+      return "was the device let go or overpowered?";
+    case TripCause::kLoopLate:
+    case TripCause::kOutputHeld:
+      return "see voxrun doctor";
+    case TripCause::kMapLost:
+      return "bake it again, into a new file";
+    case TripCause::kNotFinite:
+    case TripCause::kNone:
+      break;
+  }
+  return "";
 }
 
 void OutputStage::trip(TripCause cause) noexcept {
@@ -48,8 +93,31 @@ void OutputStage::trip(TripCause cause) noexcept {
 }
 
 bool OutputStage::may_arm(const OutputFrame& frame) const noexcept {
+  if (frame.faulty || !finite(frame.wanted) || cause_to_trip(frame) != TripCause::kNone) {
+    return false;
+  }
+  if (frame.health.clutch) return true;  // the part is gripped anew, without stretch
   if (state_ == OutputState::kTripped && !limits_.rearm_alone) return false;
-  return frame.speed_mps <= limits_.max_speed_mps && (frame.free_of_contact || frame.unstretched);
+  return frame.free_of_contact || frame.unstretched;
+}
+
+// Why an armed output may not go on.
+TripCause OutputStage::cause_to_trip(const OutputFrame& frame) const noexcept {
+  const InputTrouble trouble = frame.health.trouble;
+  if (frame.map_lost) return TripCause::kMapLost;
+  if (trouble == InputTrouble::kDeviceLost) return TripCause::kDeviceLost;
+  if (trouble == InputTrouble::kNotCalibrated) return TripCause::kNotCalibrated;
+  if (trouble == InputTrouble::kFrozen) return TripCause::kFrozen;  // that took its time already
+  if (frame.health.loop_late) return TripCause::kLoopLate;
+  if (!frame.faulty && !finite(frame.wanted)) return TripCause::kNotFinite;
+  if (faulty_s_ > limits_.stale_s) {
+    if (trouble == InputTrouble::kImplausible) return TripCause::kImplausible;
+    return trouble == InputTrouble::kNotFinite ? TripCause::kInputNotFinite : TripCause::kFrozen;
+  }
+  if (frame.speed_mps > limits_.max_speed_mps) return TripCause::kOverSpeed;
+  const bool settled = state_ == OutputState::kArmed && armed_s_ > kHeldGraceS;
+  if (settled && frame.health.output_held) return TripCause::kOutputHeld;
+  return TripCause::kNone;
 }
 
 Wrench OutputStage::limited(const Wrench& wanted, double gain) const noexcept {
@@ -65,25 +133,24 @@ Wrench OutputStage::slewed(const Wrench& wanted, double dt_s) const noexcept {
 
 Wrench OutputStage::pass(const OutputFrame& frame, double dt_s) noexcept {
   faulty_s_ = frame.faulty ? faulty_s_ + dt_s : 0;
+  bool arming = false;
   if (state_ == OutputState::kArmed) {
-    if (!finite(frame.wanted)) {
-      trip(TripCause::kNotFinite);
-    } else if (faulty_s_ > limits_.stale_s) {
-      trip(TripCause::kStaleInput);
-    } else if (frame.speed_mps > limits_.max_speed_mps) {
-      trip(TripCause::kOverSpeed);
-    }
-  } else if (!frame.faulty && finite(frame.wanted) && may_arm(frame)) {
+    const TripCause cause = cause_to_trip(frame);
+    if (cause != TripCause::kNone) trip(cause);
+  } else if (may_arm(frame)) {
     state_ = OutputState::kArmed;
     armed_s_ = 0;
+    arming = true;
   }
-  if (state_ != OutputState::kArmed || frame.faulty) {
+  if (state_ != OutputState::kArmed || arming) gain_ = 0;
+  if (state_ != OutputState::kArmed || frame.faulty || arming) {
     last_ = {};
     return last_;
   }
   armed_s_ += dt_s;
-  const double gain = std::min(1.0, armed_s_ / limits_.ramp_s);
-  last_ = slewed(limited(frame.wanted, gain), dt_s);
+  gain_ = frame.health.clutch ? std::max(0.0, gain_ - dt_s / limits_.fade_s)
+                              : std::min(1.0, gain_ + dt_s / limits_.ramp_s);
+  last_ = slewed(limited(frame.wanted, gain_ * late_gain(frame.health.age_share)), dt_s);
   return last_;
 }
 

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 
+#include "runtime/input_health.h"
 #include "runtime/pose.h"
 
 namespace forcelayer {
@@ -11,11 +12,13 @@ namespace forcelayer {
 struct OutputLimits {
   double max_force_n = 0;
   double max_torque_nm = 0;
-  double ramp_s = 0.2;       // from zero to full output after arming
+  double ramp_s = 0.2;       // from zero to full output after arming and after the clutch
+  double fade_s = 0.05;      // from full output to zero when the clutch is pressed
   double slew_s = 0.005;     // full output cannot rise from zero in less
   double max_speed_mps = 5;  // of the handle at the device: beyond it the output trips
-  double stale_s = 0.005;    // input may be missing for so long before the output trips
-  bool rearm_alone = true;   // arm again without the user once a trip's cause is gone
+  double stale_s = 0.005;    // input may be invalid for so long before the output trips
+  bool rearm_alone = false;  // arm again without the user once a trip's cause is gone: for
+                             // simulated hands, never with a motor
 };
 
 enum class OutputState : std::uint32_t {
@@ -25,15 +28,31 @@ enum class OutputState : std::uint32_t {
 };
 
 // Why the output tripped last.
-enum class TripCause : std::uint32_t { kNone, kStaleInput, kOverSpeed, kNotFinite };
+enum class TripCause : std::uint32_t {
+  kNone,
+  kDeviceLost,
+  kNotCalibrated,
+  kFrozen,
+  kInputNotFinite,
+  kImplausible,
+  kOverSpeed,
+  kNotFinite,
+  kLoopLate,
+  kOutputHeld,
+  kMapLost,
+};
 
+// What happened, and what to do about it, each a part of a sentence.
 const char* to_text(TripCause cause);
+const char* how_to_mend(TripCause cause);
 
 // What the stage must know of a frame.
 struct OutputFrame {
   Wrench wanted;         // about the handle's origin, device axes
   double speed_mps = 0;  // of the handle at the device
+  InputHealth health;    // clutch: pressed, or something else that wants the output at zero
   bool faulty = false;   // the step reported a fault: bad input, or none
+  bool map_lost = false;
   bool free_of_contact = false;
   bool unstretched = false;  // the part is registered where the coupling holds it
 };
@@ -42,16 +61,23 @@ class OutputStage {
  public:
   explicit OutputStage(const OutputLimits& limits) : limits_(limits) {}
 
-  // The wrench for the device, once a frame of `dt_s`. A fault gives zero in the same frame; where
-  // it lasts longer than stale_s, or the wrench is not finite, or the hand too fast, zero until the
-  // stage is armed again: when the frame is sound and the part free of contact or unstretched.
+  // The wrench for the device, once a frame of `dt_s`.
+  // - Armed where the frame is sound and the part free of contact or unstretched; that frame still
+  //   gives exactly zero (OutputWatch), the next ones ramp in.
+  // - A fault gives zero in the same frame. Where it lasts longer than stale_s, and at once where
+  //   the device is gone, the loop late, the map lost, the wrench not finite or the hand too fast,
+  //   the output trips: zero until armed again, by itself where the limits say so, else by the
+  //   clutch, which the user presses and releases.
+  // - The clutch fades to zero and ramps back in when it is released; pressed, it arms.
   Wrench pass(const OutputFrame& frame, double dt_s) noexcept;
 
   OutputState state() const { return state_; }
+  bool at_zero() const { return gain_ == 0; }  // whatever the wrench
   TripCause last_trip() const { return last_trip_; }
   std::uint64_t trips() const { return trips_; }
 
  private:
+  TripCause cause_to_trip(const OutputFrame& frame) const noexcept;
   void trip(TripCause cause) noexcept;
   bool may_arm(const OutputFrame& frame) const noexcept;
   Wrench limited(const Wrench& wanted, double gain) const noexcept;
@@ -61,6 +87,7 @@ class OutputStage {
   OutputState state_ = OutputState::kWaiting;
   TripCause last_trip_ = TripCause::kNone;
   std::uint64_t trips_ = 0;
+  double gain_ = 0;  // of the ramp
   double armed_s_ = 0;
   double faulty_s_ = 0;
   Wrench last_;

@@ -4,7 +4,9 @@
 #include <sched.h>
 #include <sys/mman.h>
 #include <time.h>
+#include <unistd.h>
 
+#include <cstdio>
 #include <cstring>
 
 #if defined(__SSE2__)
@@ -58,6 +60,15 @@ long long monotonic_ns() noexcept {
   timespec now{};
   clock_gettime(CLOCK_MONOTONIC, &now);
   return now.tv_sec * kNsPerS + now.tv_nsec;
+}
+
+double steal_seconds() {
+  std::FILE* const file = std::fopen("/proc/stat", "re");
+  if (file == nullptr) return 0;
+  unsigned long long stolen = 0;
+  const int read = std::fscanf(file, "cpu %*u %*u %*u %*u %*u %*u %*u %llu", &stolen);
+  std::fclose(file);
+  return read == 1 ? static_cast<double>(stolen) / static_cast<double>(sysconf(_SC_CLK_TCK)) : 0;
 }
 
 void sleep_until_ns(long long deadline_ns) noexcept {

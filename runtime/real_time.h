@@ -24,4 +24,8 @@ void sleep_until_ns(long long deadline_ns) noexcept;
 
 long long monotonic_ns() noexcept;
 
+// Seconds that the host of a virtual machine has taken from all cores since the start (/proc/stat);
+// 0 where it does not say.
+double steal_seconds();
+
 }  // namespace forcelayer

@@ -218,6 +218,28 @@ Result<RecordingWriter> RecordingWriter::create(const std::filesystem::path& pat
   return RecordingWriter(std::move(*file));
 }
 
+namespace {
+
+std::uint32_t recorded_health(const InputHealth& health) {
+  return static_cast<std::uint32_t>(health.trouble) | (health.clutch ? kRecordedClutch : 0u) |
+         (health.output_held ? kRecordedOutputHeld : 0u) |
+         (health.loop_late ? kRecordedLoopLate : 0u);
+}
+
+InputHealth health_of(const RecordedFrame& frame) {
+  const std::uint32_t trouble = frame.health & kRecordedTroubleMask;
+  InputHealth health;
+  health.trouble =
+      trouble < kInputTroubles ? static_cast<InputTrouble>(trouble) : InputTrouble::kDeviceLost;
+  health.age_share = frame.age_share >= 0 && frame.age_share <= 1 ? frame.age_share : 1;
+  health.clutch = (frame.health & kRecordedClutch) != 0;
+  health.output_held = (frame.health & kRecordedOutputHeld) != 0;
+  health.loop_late = (frame.health & kRecordedLoopLate) != 0;
+  return health;
+}
+
+}  // namespace
+
 Status RecordingWriter::add(const Frame& frame) {
   const StepInput& in = frame.input;
   const auto& [v, w] = in.handle_velocity;
@@ -226,7 +248,8 @@ Status RecordingWriter::add(const Frame& frame) {
                       in.buttons,
                       in.valid,
                       frame.outcome_hash,
-                      0});
+                      frame.health.age_share,
+                      recorded_health(frame.health)});
   ++frames_;
   return pending_.size() < kFlushFrames ? Status{} : flush();
 }
@@ -284,6 +307,7 @@ bool ReplayInput::next(double, double, StepInput& input) noexcept {
   input.handle_velocity = {{v[0], v[1], v[2]}, {v[3], v[4], v[5]}};
   input.buttons = frame.buttons;
   input.valid = frame.valid;
+  health_ = health_of(frame);
   return true;
 }
 

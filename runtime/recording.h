@@ -71,6 +71,7 @@ class ReplayInput final : public InputSource {
   explicit ReplayInput(const Recording& recording) : recording_(recording) {}
 
   bool next(double time_s, double dt_s, StepInput& input) noexcept override;
+  InputHealth health() const noexcept override { return health_; }
   void output(const Frame& frame) noexcept override;
   void silence() noexcept override {}
   const DevicePlacement& placement() const override { return recording_.run().placement; }
@@ -80,6 +81,7 @@ class ReplayInput final : public InputSource {
 
  private:
   const Recording& recording_;
+  InputHealth health_;
   std::size_t at_ = 0;
   std::uint64_t differing_ = 0;
   std::uint64_t first_difference_ = 0;

@@ -16,7 +16,7 @@ inline constexpr std::array<std::uint8_t, 8> kRecordingEndMagic = {0x89, 'F',  '
                                                                    '\r', '\n', 0x1a, '\n'};
 inline constexpr std::uint32_t kRecordingEndianTag = 0x01020304;
 inline constexpr std::uint16_t kRecordingMajor = 1;
-inline constexpr std::uint16_t kRecordingMinor = 0;
+inline constexpr std::uint16_t kRecordingMinor = 1;
 inline constexpr std::uint32_t kMaxRecordedParameters = 256;
 
 struct RecordingHeader {                     // offset
@@ -52,11 +52,19 @@ struct RecordedFrame {                      // offset
   std::array<double, 7> world_from_handle;  //   0  x y z (m), qw qx qy qz
   std::array<double, 6> handle_velocity;    //  56  linear (m/s), angular (rad/s)
   std::uint32_t buttons;                    // 104
-  std::uint32_t valid;                      // 108  0 or 1
+  std::uint32_t valid;                      // 108  InputUse
   std::uint64_t outcome_hash;               // 112  of the wrench and the state after the step
-  std::uint64_t reserved;                   // 120  zero
+  float age_share;                          // 120  InputHealth::age_share
+  std::uint32_t health;                     // 124  InputTrouble, and RecordedHealth bits
 };
 static_assert(sizeof(RecordedFrame) == 128);
+
+enum RecordedHealth : std::uint32_t {
+  kRecordedTroubleMask = 0xff,
+  kRecordedClutch = 0x100,
+  kRecordedOutputHeld = 0x200,
+  kRecordedLoopLate = 0x400,
+};
 
 struct RecordingTrailer {             // offset
   std::array<std::uint8_t, 8> magic;  //  0

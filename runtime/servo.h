@@ -2,6 +2,8 @@
 // call tick() at a constant rate from one thread.
 #pragma once
 
+#include <atomic>
+
 #include "runtime/frame.h"
 #include "runtime/input_source.h"
 #include "runtime/output_stage.h"
@@ -18,17 +20,38 @@ class Servo {
   // apart). Fills `frame`; false at the input's end.
   bool tick(Frame& frame) noexcept;
 
+  // Device buttons, a bit each, of which any one is the clutch. Before the first tick.
+  void set_clutch_buttons(std::uint32_t buttons) { clutch_buttons_ = buttons; }
+
+  // The clutch, from any thread, beside the buttons. Pressed: the output fades to zero, then the
+  // part stays where it is, in contact or not, while the hand goes anywhere. Released: the hand
+  // holds the part as it then is, without stretch, and the output ramps in. It also arms a tripped
+  // output: the user's way to go on.
+  void set_clutch(bool pressed) noexcept { clutch_.store(pressed, std::memory_order_relaxed); }
+
+  // Swaps part or scene without a restart, from any thread: the output fades to zero, the next tick
+  // goes on with `next` and its part at `world_from_part`, gripped without stretch, and ramps in.
+  // `next` must outlive the servo or the next swap; the old simulation is free once swapping() is
+  // false. False where a swap is under way already or the rate is another.
+  bool request_swap(Simulation& next, const Pose& world_from_part) noexcept;
+  bool swapping() const noexcept { return next_.load(std::memory_order_acquire) != nullptr; }
+
+  // For the caller's clock, before a tick: it begins later than the stale limit allows. The output
+  // trips in it, as the device's side has let go by now.
+  void note_late() noexcept { late_ = true; }
+
   // Around a tick in which the query's helper threads should take part; both call the system, so
   // they are not in tick() itself. wants_helpers(): whether the last tick looked at enough points.
   bool wants_helpers() const noexcept {
-    return simulation_.query().points_looked_at() > kPointsWorthHelp;
+    return simulation_->query().points_looked_at() > kPointsWorthHelp;
   }
-  void wake_helpers() noexcept { simulation_.wake_helpers(); }
-  void rest_helpers() noexcept { simulation_.rest_helpers(); }
+  void wake_helpers() noexcept { simulation_->wake_helpers(); }
+  void rest_helpers() noexcept { simulation_->rest_helpers(); }
 
   // Zero to the device, at the end or whenever the caller must fail.
   void silence() noexcept { input_.silence(); }
 
+  const Simulation& simulation() const { return *simulation_; }
   const State& state() const { return state_; }
   const OutputStage& output() const { return output_; }
   double dt_s() const { return dt_s_; }
@@ -36,13 +59,20 @@ class Servo {
  private:
   static constexpr std::uint64_t kPointsWorthHelp = 16384;  // some 40 us of one core
 
-  OutputFrame output_frame(const StepInput& input, const StepResult& result) const noexcept;
+  void take_health(const StepInput& input, InputHealth& health) noexcept;
+  void take_swap(const StepInput& input) noexcept;
+  OutputFrame output_frame(const Frame& frame) const noexcept;
 
-  Simulation& simulation_;
+  Simulation* simulation_;
   InputSource& input_;
   State state_;
   OutputStage output_;
   double dt_s_;
+  std::uint32_t clutch_buttons_ = 0;
+  bool late_ = false;
+  std::atomic<bool> clutch_{false};
+  std::atomic<Simulation*> next_{nullptr};  // to be swapped in, at next_start_
+  Pose next_start_;                         // world_from_part; written before next_
 };
 
 }  // namespace forcelayer

@@ -5,6 +5,7 @@
 #include <glm/geometric.hpp>
 
 #include "runtime/coupling.h"
+#include "runtime/map_loss.h"
 #include "runtime/paper_model.h"
 #include "runtime/passivity.h"
 
@@ -28,7 +29,7 @@ bool finite(const Twist& twist) { return finite(twist.linear_mps) && finite(twis
 bool finite(const Wrench& wrench) { return finite(wrench.force_n) && finite(wrench.torque_nm); }
 
 std::uint32_t input_faults(const StepInput& input) {
-  if (input.valid == 0) return kFaultInvalidInput;
+  if (input.valid != kInputValid && input.valid != kInputClutched) return kFaultInvalidInput;
   if (!finite(input.world_from_handle) || !finite(input.handle_velocity) ||
       !(std::abs(glm::length(input.world_from_handle.orientation) - 1) < kUnitTolerance)) {
     return kFaultNonFiniteInput;
@@ -45,6 +46,21 @@ StepResult stopped(State& state, const State& before, std::uint32_t faults) {
   result.report.world_from_center = before.world_from_center;
   result.report.faults = faults;
   result.report.generated_j = total_generated_j(before.energy);
+  return result;
+}
+
+// The part where it was, at rest, and gripped by the hand as it is now. What the models remember of
+// the hand and of the contact begins anew.
+StepResult regripped(const State& before, const StepInput& input, State& state) {
+  state = {};
+  state.world_from_center = before.world_from_center;
+  state.handle_from_center = inverse(input.world_from_handle) * before.world_from_center;
+  state.energy = before.energy;
+  end_episode(state.energy);
+  state.frame = before.frame;
+  StepResult result;
+  result.report.world_from_center = before.world_from_center;
+  result.report.generated_j = total_generated_j(state.energy);
   return result;
 }
 
@@ -72,6 +88,8 @@ Simulation::Simulation(Voxmap voxmap, Pshell shell, const Parameters& parameters
     : voxmap_(std::move(voxmap)),
       shell_(std::move(shell)),
       parameters_(parameters),
+      voxmap_watch_(voxmap_.bytes()),
+      shell_watch_(shell_.bytes()),
       query_(voxmap_, shell_, query) {
   points_.reserve(shell_.view().point_count);
   samples_.reserve(shell_.view().point_count);
@@ -124,6 +142,11 @@ StepResult Simulation::step(State& state, const StepInput& input, double dt_s) n
     ++state.frame;
     return result;
   }
+  if (input.valid == kInputClutched) {
+    StepResult result = regripped(before, input, state);
+    ++state.frame;
+    return result;
+  }
   const StepContext context{parameters_, query_, *field_, points_, samples_};
   StepResult result;
   switch (parameters_.model) {
@@ -134,7 +157,10 @@ StepResult Simulation::step(State& state, const StepInput& input, double dt_s) n
       result = default_->step(state, input, dt_s);
       break;
   }
-  if (!finite(state.world_from_center) || !finite(state.velocity) || !finite(result.wrench)) {
+  if (map_lost()) {
+    result = stopped(state, before, kFaultMapLost);
+  } else if (!finite(state.world_from_center) || !finite(state.velocity) ||
+             !finite(result.wrench)) {
     result = stopped(state, before, kFaultNonFiniteState);
   } else {
     observe_energy(state, input, result);

@@ -10,6 +10,7 @@
 #include "runtime/default_model.h"
 #include "runtime/field_probe.h"
 #include "runtime/force_field.h"
+#include "runtime/map_loss.h"
 #include "runtime/parameters.h"
 #include "runtime/step.h"
 
@@ -61,6 +62,7 @@ class Simulation {
   Voxmap voxmap_;
   Pshell shell_;
   Parameters parameters_;
+  WatchedMapping voxmap_watch_, shell_watch_;
   ContactQuery query_;
   std::unique_ptr<ForceField> field_;
   CollectedPoints points_;

@@ -13,12 +13,20 @@
 
 namespace forcelayer {
 
+// What an input is good for: StepInput::valid.
+enum InputUse : std::uint32_t {
+  kInputInvalid = 0,   // no pose: part frozen, wrench zero
+  kInputValid = 1,     // fresh and meant
+  kInputClutched = 2,  // moves nothing: part frozen and gripped anew where the handle is, without
+                       // stretch; wrench zero
+};
+
 // What the device's side knows at one frame.
 struct StepInput {
   Pose world_from_handle;
   Twist handle_velocity;      // of the handle's origin, world axes
   std::uint32_t buttons = 0;  // bit n: button n
-  std::uint32_t valid = 0;    // 1: the pose is fresh and meant; 0: no output but zero
+  std::uint32_t valid = 0;    // InputUse
 };
 static_assert(std::is_trivially_copyable_v<StepInput> && sizeof(StepInput) == 112);
 
@@ -57,9 +65,10 @@ static_assert(std::is_trivially_copyable_v<State>);
 
 // What went wrong in a frame; the output is defined all the same.
 enum Fault : std::uint32_t {
-  kFaultInvalidInput = 1,    // StepInput::valid was 0: part frozen, wrench zero
+  kFaultInvalidInput = 1,    // StepInput::valid was 0 or unknown: part frozen, wrench zero
   kFaultNonFiniteInput = 2,  // NaN, infinity or no unit quaternion: part frozen, wrench zero
   kFaultNonFiniteState = 4,  // the motion overflowed: part stopped where it was, wrench zero
+  kFaultMapLost = 8,         // a mapped file was cut short (map_loss.h): nothing can be trusted
 };
 
 // What happened in a frame. Counts are those at `world_from_center`.

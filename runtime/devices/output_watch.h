@@ -8,24 +8,29 @@
 
 namespace forcelayer {
 
+// Share of the output that something `age_share` of its stale limit old deserves: all of it up to
+// kLateGrace (two periods of 1 kHz in 5 ms: a late frame is a blip), from there in a line to none.
+inline constexpr double kLateGrace = 0.4;
+inline double late_gain(double age_share) noexcept {
+  if (age_share <= kLateGrace) return 1;
+  return age_share < 1 ? (1 - age_share) / (1 - kLateGrace) : 0;
+}
+
 class OutputWatch {
  public:
-  static constexpr double kStaleS = 0.005;    // the host's stale limit (DESIGN 7)
-  static constexpr double kGraceShare = 0.4;  // of it: two periods at 1 kHz, a late frame is a blip
+  static constexpr double kStaleS = 0.005;  // the host's stale limit (DESIGN 7)
 
   explicit OutputWatch(double stale_s = kStaleS) : stale_s_(stale_s) {}
 
-  // The wrench for the motors now: `newest` is the loop's last, written `age_s` ago. Full up
-  // to kGraceShare of stale_s, from there falling in a line to zero at stale_s, and from then on
-  // zero until the loop has written exactly zero: it does so in every frame in which it is not
-  // armed, and ramps from there.
+  // The wrench for the motors now: `newest` is the loop's last, written `age_s` ago. Less with age
+  // (late_gain), zero beyond the stale limit, and from then on zero until the loop has written
+  // exactly zero: it does so in every frame in which it is not armed, and ramps from there.
   Wrench pass(const Wrench& newest, double age_s) noexcept {
     if (!(age_s <= stale_s_)) latched_ = true;
     const bool zero = newest.force_n == glm::dvec3(0) && newest.torque_nm == glm::dvec3(0);
     if (latched_ && age_s <= stale_s_ && zero) latched_ = false;
     if (latched_) return {};
-    const double grace_s = kGraceShare * stale_s_;
-    const double gain = age_s <= grace_s ? 1 : (stale_s_ - age_s) / (stale_s_ - grace_s);
+    const double gain = late_gain(age_s / stale_s_);
     return {newest.force_n * gain, newest.torque_nm * gain};
   }
 

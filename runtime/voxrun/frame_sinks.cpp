@@ -2,6 +2,8 @@
 
 #include <chrono>
 
+#include "runtime/map_loss.h"
+
 namespace forcelayer::voxrun {
 
 FrameSinks::FrameSinks(SpscRing<Frame>& ring, std::vector<FrameSink> sinks, std::atomic<int>& stop)
@@ -25,6 +27,7 @@ void FrameSinks::drain() {
 void FrameSinks::run() {
   while (!ended_.load(std::memory_order_acquire)) {
     drain();
+    probe_mappings();
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   drain();

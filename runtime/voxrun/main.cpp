@@ -3,8 +3,10 @@
 
 #include <CLI/CLI.hpp>
 #include <atomic>
+#include <string_view>
 
 #include "formats/command/command.h"
+#include "runtime/voxrun/doctor.h"
 #include "runtime/voxrun/options.h"
 #include "runtime/voxrun/session.h"
 
@@ -16,6 +18,7 @@ extern "C" void stop_on_signal(int number) { stop_signal.store(number, std::memo
 
 // The loop ends at its next tick, with the output at zero and every file written.
 void end_loop_on_signals() {
+  signal(SIGPIPE, SIG_IGN);  // nobody reads what we say: no reason to let go of the motors
   for (const int number : {SIGINT, SIGTERM, SIGHUP}) {
     struct sigaction action {};
     action.sa_handler = stop_on_signal;
@@ -24,10 +27,26 @@ void end_loop_on_signals() {
   }
 }
 
+// voxrun doctor [...]: argv begins with "doctor".
+int doctor(int argc, char** argv) {
+  CLI::App app{"Says what of this machine stands in the way of a quiet loop, and how to mend it",
+               "voxrun doctor"};
+  forcelayer::voxrun::DoctorOptions options;
+  app.add_option("--json", options.json, "write a report");
+  app.add_option("--clock", options.clock_s, "seconds for which the clock is measured; 0: not")
+      ->check(CLI::Range(0.0, 3600.0));
+  int status = 0;
+  if (!forcelayer::parse_arguments(app, argc, argv, status)) return status;
+  return forcelayer::run_command("voxrun doctor",
+                                 [&] { return forcelayer::voxrun::run_doctor(options); });
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (argc > 1 && std::string_view(argv[1]) == "doctor") return doctor(argc - 1, argv + 1);
   CLI::App app{"Runs the haptic loop between a .vox scene and a .pshell part", "voxrun"};
+  app.footer("voxrun doctor says what of this machine stands in the way of a quiet loop.");
   forcelayer::voxrun::OptionParser parser(app);
   int status = 0;
   if (!forcelayer::parse_arguments(app, argc, argv, status)) return status;

@@ -34,8 +34,10 @@ Status read_pose(const char* option, const std::string& text, Pose& pose) {
 OptionParser::OptionParser(CLI::App& app) : app_(app) {
   app.add_option("scene", options_.scene, "the scene, a .vox file")->required();
   app.add_option("part", options_.part, "the moving part, a .pshell file")->required();
-  app.add_option("--device", options_.device, "sim (a scripted hand) or replay")
-      ->check(CLI::IsMember({"sim", "replay"}));
+  app.add_option("--device", options_.device, "sim (a scripted hand), plugin or replay")
+      ->check(CLI::IsMember({"sim", "plugin", "replay"}));
+  app.add_option("--plugin", options_.plugin, "library of the device plugin");
+  app.add_option("--plugin-args", options_.plugin_args, "text for the plugin");
   app.add_option("--duration", texts_.duration, "how long to run, like 10s or 2min");
   app.add_option("--rate", options_.rate_hz, "frames a second")
       ->check(CLI::Range(kMinRateHz, kMaxRateHz));
@@ -58,6 +60,20 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
   app.add_option("--udp", options_.udp, "send the pose stream to [HOST:]PORT");
   app.add_flag("--without-guarantee", options_.without_guarantee,
                "start even where no separation is guaranteed");
+  app.add_option("--after-trip", texts_.after_trip,
+                 "when the output had to go to zero: end the run, wait for the clutch, or (sim) "
+                 "rearm; the default is end, for sim and replay rearm")
+      ->check(CLI::IsMember({"end", "wait", "rearm"}));
+  app.add_option("--clutch-button", texts_.clutch_button,
+                 "device button that holds the part while the hand moves (hardware: 0)")
+      ->check(CLI::Range(0, 31));
+  app.add_option("--stale-limit", texts_.stale,
+                 "how long device or loop may be silent before the output trips (5ms)");
+  app.add_option("--max-speed", options_.max_speed_mps,
+                 "of the handle, m/s; faster trips the output")
+      ->check(CLI::PositiveNumber);
+  app.add_flag("--without-watchdog", options_.without_watchdog,
+               "use a device with motors that does not stop by itself");
   app.add_flag("--quiet", options_.quiet, "no report on the terminal");
   for (const ParameterInfo& info : parameter_table()) {
     app.add_option(std::string(info.option), settings_[std::string(info.option)],
@@ -96,9 +112,29 @@ Status OptionParser::read_texts(Options& options) const {
   return read_pose("--world-from-device", texts_.world_from_device, options.world_from_device);
 }
 
+Status OptionParser::read_safety(Options& options) const {
+  if (app_.count("--clutch-button") > 0) options.clutch_button = texts_.clutch_button;
+  if (texts_.after_trip == "end") options.after_trip = AfterTrip::kEnd;
+  if (texts_.after_trip == "wait") options.after_trip = AfterTrip::kWait;
+  if (texts_.after_trip == "rearm") options.after_trip = AfterTrip::kRearm;
+  if (texts_.stale.empty()) return {};
+  const auto seconds = parse_duration(texts_.stale);
+  if (!seconds) return about("--stale-limit", seconds.error());
+  if (!(*seconds > 0)) return usage("--stale-limit", "must be above zero", "");
+  options.stale_s = *seconds;
+  return {};
+}
+
 Status OptionParser::check(const Options& options) const {
+  const bool simulated = options.device == "sim" || options.device == "replay";
+  if (options.after_trip == AfterTrip::kRearm && !simulated) {
+    return usage("--after-trip", "rearm is for simulated hands", "give end or wait");
+  }
   if (!(options.motion_scale > 0) || !std::isfinite(options.motion_scale)) {
     return usage("--motion-scale", "must be above zero", "");
+  }
+  if ((options.device == "plugin") != !options.plugin.empty()) {
+    return usage("--plugin", "and --device plugin go together", "give both");
   }
   if (!options.motion.empty() && options.device != "sim") {
     return usage("--motion", "is for the sim device", "leave out --device");
@@ -134,6 +170,7 @@ Result<Options> OptionParser::finish() const {
     options.settings[std::string(info.name)] = settings_.at(std::string(info.option));
   }
   if (Status read = read_texts(options); !read) return read.error();
+  if (Status read = read_safety(options); !read) return read.error();
   if (Status sound = check(options); !sound) return sound.error();
   return options;
 }

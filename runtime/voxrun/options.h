@@ -15,6 +15,13 @@ class App;
 
 namespace forcelayer::voxrun {
 
+// What follows when the output trips.
+enum class AfterTrip {
+  kEnd,    // the run ends with status 5
+  kWait,   // zero until the user presses the clutch and releases it
+  kRearm,  // it arms again by itself: simulated hands only
+};
+
 struct Options {
   std::string scene, part;
   std::string device = "sim";
@@ -26,12 +33,18 @@ struct Options {
   bool braking = true;
   bool as_fast_as_possible = false;
   bool without_guarantee = false;
+  bool without_watchdog = false;
   bool quiet = false;
+  std::string plugin, plugin_args;  // of the device "plugin"
   std::string motion, json, trace, record, replay, udp;
   std::optional<Pose> world_from_part;   // --start
   std::optional<Pose> handle_from_part;  // --grip
   Pose world_from_device;
   double motion_scale = 1;
+  std::optional<AfterTrip> after_trip;    // none: the device's own
+  std::optional<unsigned> clutch_button;  // none: the device's own
+  double stale_s = 0.005;
+  double max_speed_mps = 5;
   std::map<std::string, double> settings;  // parameters by ParameterInfo::name
 };
 
@@ -45,10 +58,12 @@ class OptionParser {
 
  private:
   struct Texts {
-    std::string duration, model, force, start, grip, world_from_device;
+    std::string duration, model, force, start, grip, world_from_device, after_trip, stale;
+    unsigned clutch_button = 0;
     bool no_braking = false;
   };
   Status read_texts(Options& options) const;
+  Status read_safety(Options& options) const;
   Status check(const Options& options) const;
 
   CLI::App& app_;

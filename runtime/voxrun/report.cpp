@@ -1,5 +1,6 @@
 #include "runtime/voxrun/report.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdarg>
 #include <cstdio>
@@ -61,6 +62,83 @@ Json parameters_json(const Parameters& p) {
   return json;
 }
 
+// Causes of the deadline misses, most frequent last, and the worst one.
+std::string misses_text(const LoopStatistics& s) {
+  std::string causes;
+  for (std::size_t i = 0; i < kMissCauses; ++i) {
+    if (s.misses_by_cause[i] == 0) continue;
+    causes += text("%s%s %llu", causes.empty() ? "" : ", ", to_text(static_cast<MissCause>(i)),
+                   static_cast<unsigned long long>(s.misses_by_cause[i]));
+  }
+  const MissedFrame* worst = &s.worst[0];
+  for (std::size_t i = 1; i < s.worst.size(); ++i) {
+    if (s.worst[i].late_ns > worst->late_ns) worst = &s.worst[i];
+  }
+  return "  " + causes +
+         text("; worst: frame %llu, %.3f ms late\n", static_cast<unsigned long long>(worst->frame),
+              static_cast<double>(worst->late_ns) / 1e6);
+}
+
+Json misses_json(const LoopStatistics& s) {
+  Json json;
+  for (std::size_t i = 0; i < kMissCauses; ++i) {
+    json[to_text(static_cast<MissCause>(i))] = s.misses_by_cause[i];
+  }
+  return json;
+}
+
+Json worst_json(const LoopStatistics& s) {
+  std::vector<MissedFrame> frames;
+  for (std::size_t i = 0; i < s.worst.size(); ++i) frames.push_back(s.worst[i]);
+  std::sort(frames.begin(), frames.end(),
+            [](const auto& a, const auto& b) { return a.late_ns > b.late_ns; });
+  Json json = Json::array();
+  for (const MissedFrame& f : frames) {
+    json.push_back({{"frame", f.frame},
+                    {"cause", to_text(f.cause)},
+                    {"late_ns", f.late_ns},
+                    {"woke_late_ns", f.cost.woke_late_ns},
+                    {"tick_ns", f.cost.tick_ns},
+                    {"step_ns", f.step_ns},
+                    {"cpu_ns", f.cost.cpu_ns},
+                    {"minor_faults", f.cost.minor_faults},
+                    {"major_faults", f.cost.major_faults},
+                    {"voluntary_switches", f.cost.voluntary_switches},
+                    {"involuntary_switches", f.cost.involuntary_switches}});
+  }
+  return json;
+}
+
+// What only a loop with a clock can tell.
+void add_clock(const RunFacts& facts, const LoopStatistics& s, Json& json) {
+  json["tick_ns"] = percentiles(s.tick);
+  json["wakeup_ns"] = percentiles(s.wakeup);
+  json["deadline_misses"] = s.deadline_misses;
+  json["miss_causes"] = misses_json(s);
+  json["worst_frames"] = worst_json(s);
+  json["skipped_ticks"] = s.skipped_ticks;
+  json["dropped_frames"] = s.dropped_frames;
+  json["minor_faults"] = s.minor_faults;
+  json["major_faults"] = s.major_faults;
+  json["voluntary_switches"] = s.voluntary_switches;
+  json["involuntary_switches"] = s.involuntary_switches;
+  json["steal_s"] = facts.steal_s;
+}
+
+void add_output(const RunFacts& facts, const LoopStatistics& s, Json& json) {
+  json["max_device_force_n"] = s.max_device_force_n;
+  json["max_device_torque_nm"] = s.max_device_torque_nm;
+  json["held_readings"] = s.held_readings;
+  json["clutched_frames"] = s.clutched_frames;
+  json["output_trips"] = facts.output_trips;
+  json["last_trip"] = facts.output_trips > 0 ? Json(to_text(facts.last_trip)) : Json(nullptr);
+  json["ended_tripped"] = facts.ended_tripped;
+  json["events"] = Json::array();
+  for (const OutputEvent& event : facts.events) {
+    json["events"].push_back({{"t_s", event.time_s}, {"event", event.what}});
+  }
+}
+
 }  // namespace
 
 std::string guarantee_text(const SeparationGuarantee& guarantee) {
@@ -102,6 +180,7 @@ std::string end_text(const RunFacts& facts, const LoopStatistics& s) {
     lines += text("deadline misses %llu, woke late by p99 %.1f us, max %.1f us\n",
                   static_cast<unsigned long long>(s.deadline_misses),
                   us(s.wakeup.quantile_ns(0.99)), us(s.wakeup.max_ns()));
+    if (s.deadline_misses > 0) lines += misses_text(s);
   }
   if (s.outside_map_frames > 0) {
     lines += text("%llu frames beyond a cropped side: no guarantee there\n",
@@ -109,7 +188,7 @@ std::string end_text(const RunFacts& facts, const LoopStatistics& s) {
   }
   if (facts.output_trips > 0) {
     lines += text("output tripped %llu times, last: %s\n",
-                  static_cast<unsigned long long>(facts.output_trips), facts.last_trip.c_str());
+                  static_cast<unsigned long long>(facts.output_trips), to_text(facts.last_trip));
   }
   return lines;
 }
@@ -138,15 +217,10 @@ Json report_json(const RunFacts& facts, const LoopStatistics& s) {
   json["threads"] = facts.options.threads;
   json["instruction_set"] = kernel_target();
   json["as_fast_as_possible"] = facts.options.as_fast_as_possible;
-  json["wakeup_ns"] = percentiles(s.wakeup);
-  json["deadline_misses"] = s.deadline_misses;
-  json["skipped_ticks"] = s.skipped_ticks;
-  json["dropped_frames"] = s.dropped_frames;
+  add_clock(facts, s, json);
   json["max_force_n"] = s.max_force_n;
   json["max_torque_nm"] = s.max_torque_nm;
-  json["max_device_force_n"] = s.max_device_force_n;
-  json["max_device_torque_nm"] = s.max_device_torque_nm;
-  json["output_trips"] = facts.output_trips;
+  add_output(facts, s, json);
   json["energy_generated_j"] = s.generated_j;
   json["outcome_hash"] = text("%016llx", static_cast<unsigned long long>(s.outcome_hash));
   json["wall_s"] = facts.wall_s;

@@ -10,6 +10,7 @@
 #include "runtime/separation.h"
 #include "runtime/simulation.h"
 #include "runtime/voxrun/options.h"
+#include "runtime/voxrun/output_events.h"
 
 namespace forcelayer::voxrun {
 
@@ -22,7 +23,11 @@ struct RunFacts {
   double pose_error_m = 0;
   std::string device;
   std::uint64_t output_trips = 0;
-  std::string last_trip;
+  TripCause last_trip = TripCause::kNone;
+  double last_trip_s = 0;
+  bool ended_tripped = false;
+  std::vector<OutputEvent> events;
+  double steal_s = 0;  // that the host of a virtual machine took from all cores
   double wall_s = 0;
   std::vector<std::string> warnings;
 };

@@ -8,14 +8,15 @@
 
 #include "formats/command/command.h"
 #include "runtime/derive_parameters.h"
-#include "runtime/devices/sim_device.h"
 #include "runtime/force_field.h"
 #include "runtime/loop.h"
+#include "runtime/map_loss.h"
 #include "runtime/pose_sender.h"
 #include "runtime/real_time.h"
 #include "runtime/recording.h"
 #include "runtime/separation.h"
 #include "runtime/servo.h"
+#include "runtime/voxrun/device_choice.h"
 #include "runtime/voxrun/frame_sinks.h"
 #include "runtime/voxrun/report.h"
 #include "runtime/voxrun/trace_writer.h"
@@ -31,33 +32,41 @@ struct Session {
   RunFacts facts;
   DevicePlacement placement;
   std::optional<Recording> recording;
-  std::unique_ptr<SimDevice> device;
-  std::optional<double> motion_end_s;
+  ChosenDevice device;  // none in a replay
+  AfterTrip after_trip = AfterTrip::kRearm;
+  std::uint32_t clutch_buttons = 0;
   std::unique_ptr<InputSource> input;
   ReplayInput* replay = nullptr;  // the input, where it is one
   std::unique_ptr<Simulation> simulation;
   State start;
+
+  ~Session() {
+    if (device.device) device.device->stop();
+  }
 };
 
-// Where the hand of a run without --motion holds still: at the part's start.
-Pose resting_handle(const Options& options) {
-  if (!options.world_from_part) return options.world_from_device;
-  return *options.world_from_part * inverse(options.handle_from_part.value_or(Pose{}));
-}
-
-Status make_device(const Options& options, Session& session) {
+Status make_input(const Options& options, Session& session) {
   session.placement = {options.world_from_device, options.motion_scale};
-  MotionScript script = MotionScript::still(resting_handle(options));
-  if (!options.motion.empty()) {
-    auto read = MotionScript::read(options.motion);
-    if (!read) return read.error();
-    script = std::move(*read);
-    session.motion_end_s = script.end_s();
-  }
-  session.device = std::make_unique<SimDevice>(std::move(script), session.placement);
-  session.input = std::make_unique<DeviceInput>(*session.device, session.placement);
+  auto chosen = choose_device(options, session.placement);
+  if (!chosen) return chosen.error();
+  session.device = std::move(*chosen);
+  InputLimits limits;
+  limits.stale_s = options.stale_s;
+  session.input = std::make_unique<DeviceInput>(*session.device.device, session.placement, limits);
   session.facts.device = options.device;
-  return session.device->start();
+  const DeviceCapabilities& known = session.device.device->capabilities();
+  session.after_trip =
+      options.after_trip.value_or(known.hardware ? AfterTrip::kEnd : AfterTrip::kRearm);
+  if (known.hardware && options.as_fast_as_possible) {
+    return Error{ErrorCode::kUsage, "", "--as-fast-as-possible",
+                 "makes no sense with " + known.name + ", which has a clock of its own", ""};
+  }
+  if (options.clutch_button) {
+    session.clutch_buttons = 1u << *options.clutch_button;
+  } else if (known.hardware) {
+    session.clutch_buttons = 1;
+  }
+  return {};
 }
 
 Status open_recording(const Options& options, const Voxmap& voxmap, const Pshell& shell,
@@ -71,6 +80,7 @@ Status open_recording(const Options& options, const Voxmap& voxmap, const Pshell
   session.input = std::move(replay);
   session.placement = session.recording->run().placement;
   session.facts.device = options.device;
+  session.after_trip = options.after_trip.value_or(AfterTrip::kRearm);
   return {};
 }
 
@@ -128,12 +138,13 @@ Status prepare_simulation(const Options& options, Session& session) {
     if (Status s = open_recording(options, *voxmap, *shell, session); !s) return s;
     facts.parameters = session.recording->run().parameters;
   } else {
-    if (Status s = make_device(options, session); !s) return s;
+    if (Status s = make_input(options, session); !s) return s;
     const ParameterRequest request{
         options.model,        options.force.value_or(usual_force(options.model, *voxmap)),
         options.braking,      options.rate_hz,
         options.motion_scale, options.settings};
-    auto derived = derive_parameters(request, *voxmap, *shell, session.device->capabilities());
+    auto derived =
+        derive_parameters(request, *voxmap, *shell, session.device.device->capabilities());
     if (!derived) return derived.error();
     facts.parameters = derived->values;
     facts.reasons = derived->reasons;
@@ -148,9 +159,10 @@ Status prepare_simulation(const Options& options, Session& session) {
   if (session.recording) {
     session.start = session.recording->run().start;
   } else {
-    const DeviceSample first = session.device->read(0);
+    const auto first = first_reading(*session.device.device);
+    if (!first) return first.error();
     session.start = start_state(options, *session.simulation,
-                                session.placement.world_from_handle(first.device_from_handle));
+                                session.placement.world_from_handle(first->device_from_handle));
   }
   return {};
 }
@@ -160,7 +172,9 @@ LoopOptions loop_options(const Options& options, const Session& session,
   LoopOptions loop;
   loop.as_fast_as_possible = options.as_fast_as_possible;
   loop.stop = &stop;
-  const auto seconds = options.duration_s ? options.duration_s : session.motion_end_s;
+  loop.stale_s = options.stale_s;
+  loop.end_on_trip = session.after_trip == AfterTrip::kEnd;
+  const auto seconds = options.duration_s ? options.duration_s : session.device.motion_end_s;
   // A millionth of a frame more, so that 0.3 s at 1 kHz is 300 frames and not 301.
   if (seconds) {
     loop.frames =
@@ -177,10 +191,13 @@ void make_real_time(const Options& options, std::vector<std::string>& warnings) 
   }
 }
 
-OutputLimits output_limits(const Parameters& parameters) {
+OutputLimits output_limits(const Options& options, const Session& session) {
   OutputLimits limits;
-  limits.max_force_n = parameters.max_force_n;
-  limits.max_torque_nm = parameters.max_torque_nm;
+  limits.max_force_n = session.facts.parameters.max_force_n;
+  limits.max_torque_nm = session.facts.parameters.max_torque_nm;
+  limits.max_speed_mps = options.max_speed_mps;
+  limits.stale_s = options.stale_s;
+  limits.rearm_alone = session.after_trip == AfterTrip::kRearm;
   return limits;
 }
 
@@ -244,6 +261,18 @@ Status check_replay(const Session& session) {
                "replay with the program and on the kind of machine that recorded it"};
 }
 
+// A run that ends with the output tripped did not end well, and says so.
+Status check_output(const RunFacts& facts) {
+  if (!facts.ended_tripped) return {};
+  char when[32];
+  std::snprintf(when, sizeof when, "at %.3f s", facts.last_trip_s);
+  const bool map_lost = facts.last_trip == TripCause::kMapLost;
+  return Error{map_lost ? ErrorCode::kTruncated : ErrorCode::kDeviceFailed,
+               map_lost ? facts.options.scene + " or " + facts.options.part : facts.device, when,
+               std::string("output to zero: ") + to_text(facts.last_trip),
+               how_to_mend(facts.last_trip)};
+}
+
 FrameSink progress_sink(const Options& options, const LoopOptions& loop, ProgressLine& line) {
   return [&options, frames = loop.frames, &line](const Frame& frame) -> Status {
     if (frames) line.show("running", static_cast<double>(frame.number) / double(*frames));
@@ -258,20 +287,31 @@ Status run_frames(const Options& options, Session& session, std::atomic<int>& st
   const LoopOptions loop = loop_options(options, session, stop);
   ProgressLine progress(options.quiet);
   auto sinks = outputs.sinks();
+  OutputEvents events;
+  sinks.push_back([&events](const Frame& frame) -> Status {
+    events.see(frame);
+    return {};
+  });
   sinks.push_back(progress_sink(options, loop, progress));
   SpscRing<Frame> ring(kRingFrames);
   FrameSinks frame_sinks(ring, std::move(sinks), stop);
-  Servo servo(*session.simulation, *session.input, session.start,
-              output_limits(session.facts.parameters));
+  Servo servo(*session.simulation, *session.input, session.start, output_limits(options, session));
+  servo.set_clutch_buttons(session.clutch_buttons);
   const std::size_t warned = session.facts.warnings.size();
   make_real_time(options, session.facts.warnings);
   print_warnings(session.facts, warned);
+  const double stolen_s = steal_seconds();
   const long long begin_ns = monotonic_ns();
   run_loop(servo, loop, &ring, statistics);
+  session.facts.steal_s = steal_seconds() - stolen_s;
   session.facts.wall_s = static_cast<double>(monotonic_ns() - begin_ns) / 1e9;
-  session.facts.output_trips = servo.output().trips();
-  session.facts.last_trip = to_text(servo.output().last_trip());
+  if (session.device.device) session.device.device->stop();
   if (Status drained = frame_sinks.finish(); !drained) return drained;
+  session.facts.output_trips = servo.output().trips();
+  session.facts.last_trip = servo.output().last_trip();
+  session.facts.last_trip_s = events.last_trip_s();
+  session.facts.events = events.events();
+  session.facts.ended_tripped = servo.output().state() == OutputState::kTripped;
   return outputs.finish(statistics.dropped_frames);
 }
 
@@ -280,6 +320,7 @@ Status run_frames(const Options& options, Session& session, std::atomic<int>& st
 Status run_session(const Options& options, std::atomic<int>& stop) {
   Session session;
   session.facts.options = options;
+  contain_map_loss();
   if (Status s = prepare_simulation(options, session); !s) return s;
   if (Status s = check_guarantee(options, session); !s) return s;
   if (!options.quiet) {
@@ -288,13 +329,13 @@ Status run_session(const Options& options, std::atomic<int>& stop) {
   print_warnings(session.facts, 0);
   const auto statistics = std::make_unique<LoopStatistics>();
   if (Status s = run_frames(options, session, stop, *statistics); !s) return s;
-  if (session.device) session.device->stop();
   if (!options.quiet) std::cout << end_text(session.facts, *statistics) << std::flush;
   if (!options.json.empty()) {
     if (Status s = write_report(options.json, report_json(session.facts, *statistics)); !s) {
       return s;
     }
   }
+  if (Status sound = check_output(session.facts); !sound) return sound;
   return check_replay(session);
 }
 

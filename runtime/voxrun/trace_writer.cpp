@@ -11,7 +11,9 @@ constexpr const char* kHeader =
     "t_s,handle_x_m,handle_y_m,handle_z_m,handle_qw,handle_qx,handle_qy,handle_qz,"
     "part_x_m,part_y_m,part_z_m,part_qw,part_qx,part_qy,part_qz,"
     "force_x_n,force_y_n,force_z_n,torque_x_nm,torque_y_nm,torque_z_nm,"
-    "points_proximity,points_surface,points_interior,contacts,guard_cuts,step_ns\n";
+    "points_proximity,points_surface,points_interior,contacts,guard_cuts,step_ns,"
+    "device_force_x_n,device_force_y_n,device_force_z_n,"
+    "device_torque_x_nm,device_torque_y_nm,device_torque_z_nm,output\n";
 
 }  // namespace
 
@@ -56,6 +58,9 @@ Status TraceWriter::add(const Frame& frame) {
     put(std::int64_t{n});
   }
   put(frame.step_ns);
+  for (int axis = 0; axis < 3; ++axis) put(frame.device_wrench.force_n[axis]);
+  for (int axis = 0; axis < 3; ++axis) put(frame.device_wrench.torque_nm[axis]);
+  put(static_cast<std::int64_t>(frame.output));
   text_.back() = '\n';
   return text_.size() < kFlushBytes ? Status{} : flush();
 }

@@ -43,7 +43,8 @@ rows, again_rows = list(csv.DictReader(open("run.csv"))), list(csv.DictReader(op
 header = """t_s handle_x_m handle_y_m handle_z_m handle_qw handle_qx handle_qy handle_qz part_x_m
 part_y_m part_z_m part_qw part_qx part_qy part_qz force_x_n force_y_n force_z_n torque_x_nm
 torque_y_nm torque_z_nm points_proximity points_surface points_interior contacts guard_cuts
-step_ns""".split()
+step_ns device_force_x_n device_force_y_n device_force_z_n device_torque_x_nm device_torque_y_nm
+device_torque_z_nm output""".split()
 assert list(rows[0]) == header
 for a, b in zip(rows, again_rows, strict=True):
     assert all(a[k] == b[k] for k in header if k != "step_ns"), (a, b)

@@ -35,6 +35,7 @@ OutputStage armed(double force_n) {
 
 TEST(OutputStage, RampsInOver200Milliseconds) {
   OutputStage stage(limits());
+  EXPECT_EQ(stage.pass(frame(4), kDt).force_n.x, 0);  // the frame that arms: OutputWatch wants it
   double last = 0;
   for (int i = 1; i <= 200; ++i) {
     const double x = stage.pass(frame(4), kDt).force_n.x;
@@ -52,6 +53,7 @@ TEST(OutputStage, DoesNotArmInAStretchedContact) {
   for (int i = 0; i < 10; ++i) EXPECT_EQ(stage.pass(f, kDt).force_n.x, 0);
   EXPECT_EQ(stage.state(), OutputState::kWaiting);
   f.unstretched = true;
+  stage.pass(f, kDt);
   EXPECT_GT(stage.pass(f, kDt).force_n.x, 0);
 }
 
@@ -85,12 +87,16 @@ TEST(OutputStage, ASingleFaultyFrameIsABlip) {
 }
 
 TEST(OutputStage, LastingFaultsTripAndArmAgainWithARamp) {
-  OutputStage stage = armed(1);
+  OutputLimits l = limits();
+  l.rearm_alone = true;
+  OutputStage stage(l);
+  for (int i = 0; i < 300; ++i) stage.pass(frame(1), kDt);
   OutputFrame f = frame(0);
   f.faulty = true;
   for (int i = 0; i < 7; ++i) EXPECT_EQ(stage.pass(f, kDt).force_n.x, 0);
   EXPECT_EQ(stage.state(), OutputState::kTripped);
-  EXPECT_EQ(stage.last_trip(), TripCause::kStaleInput);
+  EXPECT_EQ(stage.last_trip(), TripCause::kFrozen);
+  EXPECT_EQ(stage.pass(frame(1), kDt).force_n.x, 0);
   EXPECT_NEAR(stage.pass(frame(1), kDt).force_n.x, 1 / 200.0, 1e-12);
 }
 
@@ -108,16 +114,100 @@ TEST(OutputStage, WhatIsNotFiniteNeverPasses) {
 }
 
 TEST(OutputStage, AHandTooFastTripsAndStaysTripped) {
-  OutputLimits l = limits();
-  l.rearm_alone = false;
-  OutputStage stage(l);
-  for (int i = 0; i < 300; ++i) stage.pass(frame(1), kDt);
+  OutputStage stage = armed(1);
   OutputFrame f = frame(1);
   f.speed_mps = 6;
   EXPECT_EQ(stage.pass(f, kDt).force_n.x, 0);
   EXPECT_EQ(stage.last_trip(), TripCause::kOverSpeed);
   for (int i = 0; i < 300; ++i) EXPECT_EQ(stage.pass(frame(1), kDt).force_n.x, 0);
   EXPECT_EQ(stage.trips(), 1u);
+}
+
+TEST(OutputStage, EachCauseTripsInItsFrameAndIsNamed) {
+  const auto with = [](auto change) {
+    OutputFrame f = frame(1);
+    change(f);
+    return f;
+  };
+  const auto trouble = [&](InputTrouble t) {
+    return with([t](OutputFrame& f) {
+      f.faulty = true;
+      f.health.trouble = t;
+    });
+  };
+  const std::pair<OutputFrame, TripCause> cases[] = {
+      {trouble(InputTrouble::kDeviceLost), TripCause::kDeviceLost},
+      {trouble(InputTrouble::kNotCalibrated), TripCause::kNotCalibrated},
+      {trouble(InputTrouble::kFrozen), TripCause::kFrozen},
+      {with([](OutputFrame& f) { f.health.loop_late = true; }), TripCause::kLoopLate},
+      {with([](OutputFrame& f) { f.health.output_held = true; }), TripCause::kOutputHeld},
+      {with([](OutputFrame& f) { f.map_lost = f.faulty = true; }), TripCause::kMapLost},
+      {with([](OutputFrame& f) { f.speed_mps = 6; }), TripCause::kOverSpeed},
+  };
+  for (const auto& [bad, cause] : cases) {
+    OutputStage stage = armed(1);
+    EXPECT_EQ(stage.pass(bad, kDt).force_n.x, 0) << to_text(cause);
+    EXPECT_EQ(stage.state(), OutputState::kTripped) << to_text(cause);
+    EXPECT_EQ(stage.last_trip(), cause);
+    for (int i = 0; i < 300; ++i) EXPECT_EQ(stage.pass(frame(1), kDt).force_n.x, 0);
+  }
+}
+
+TEST(OutputStage, NonsenseTripsAfterTheStaleLimit) {
+  for (const auto& [trouble, cause] :
+       {std::pair{InputTrouble::kNotFinite, TripCause::kInputNotFinite},
+        std::pair{InputTrouble::kImplausible, TripCause::kImplausible}}) {
+    OutputStage stage = armed(1);
+    OutputFrame f = frame(0);
+    f.faulty = true;
+    f.health.trouble = trouble;
+    for (int i = 0; i < 5; ++i) {
+      EXPECT_EQ(stage.pass(f, kDt).force_n.x, 0);
+      EXPECT_EQ(stage.state(), OutputState::kArmed);
+    }
+    stage.pass(f, kDt);
+    EXPECT_EQ(stage.last_trip(), cause);
+  }
+}
+
+TEST(OutputStage, AReadingThatGrowsOldFades) {
+  OutputStage stage = armed(1);
+  OutputFrame f = frame(1);
+  for (const auto& [age, force] : {std::pair{0.2f, 1.0}, {0.4f, 1.0}, {0.7f, 0.5}, {1.0f, 0.0}}) {
+    f.health.age_share = age;
+    EXPECT_NEAR(stage.pass(f, kDt).force_n.x, force, 1e-6) << age;  // the age is a float
+  }
+}
+
+TEST(OutputStage, TheClutchFadesOutAndRampsBackIn) {
+  OutputStage stage = armed(1);
+  OutputFrame f = frame(1);
+  f.health.clutch = true;
+  for (int i = 1; i <= 50; ++i) {
+    EXPECT_NEAR(stage.pass(f, kDt).force_n.x, 1 - i / 50.0, 1e-12);
+  }
+  EXPECT_TRUE(stage.at_zero());
+  for (int i = 1; i <= 200; ++i) {
+    EXPECT_NEAR(stage.pass(frame(1), kDt).force_n.x, i / 200.0, 1e-12);
+  }
+  EXPECT_EQ(stage.trips(), 0u);
+}
+
+TEST(OutputStage, TheClutchArmsATrippedOutputButNotWhileTheCauseLasts) {
+  OutputStage stage = armed(1);
+  OutputFrame gone = frame(1);
+  gone.faulty = true;
+  gone.health.trouble = InputTrouble::kDeviceLost;
+  stage.pass(gone, kDt);
+  gone.health.clutch = true;
+  stage.pass(gone, kDt);
+  EXPECT_EQ(stage.state(), OutputState::kTripped);
+  OutputFrame pressed = frame(1);
+  pressed.free_of_contact = false;
+  pressed.health.clutch = true;
+  for (int i = 0; i < 5; ++i) EXPECT_EQ(stage.pass(pressed, kDt).force_n.x, 0);
+  EXPECT_EQ(stage.state(), OutputState::kArmed);
+  EXPECT_NEAR(stage.pass(frame(1), kDt).force_n.x, 1 / 200.0, 1e-12);
 }
 
 }  // namespace

@@ -1,0 +1,33 @@
+// A tiny receiver of the pose stream: example_pose_receiver PORT [SECONDS] prints where the part
+// is.
+#include <cstdio>
+#include <cstdlib>
+
+#include "runtime/pose_receiver.h"
+#include "runtime/real_time.h"
+
+int main(int argc, char** argv) {
+  const int port = argc > 1 ? std::atoi(argv[1]) : 0;
+  if (port <= 0 || port > 65535) {
+    std::fprintf(stderr, "usage: example_pose_receiver PORT [SECONDS]\n");
+    return 2;
+  }
+  auto receiver = forcelayer::PoseReceiver::open(static_cast<std::uint16_t>(port));
+  if (!receiver) {
+    std::fprintf(stderr, "example_pose_receiver: %s\n", to_line(receiver.error()).c_str());
+    return 1;
+  }
+  const double seconds = argc > 2 ? std::atof(argv[2]) : 1e9;
+  const long long until_ns = forcelayer::monotonic_ns() + static_cast<long long>(seconds * 1e9);
+  while (forcelayer::monotonic_ns() < until_ns) {
+    receiver->wait(100);
+    const auto newest = receiver->newest();
+    if (!newest) continue;
+    const auto& part = newest->world_from_part;
+    std::printf("%8.3f s  part %8.4f %8.4f %8.4f m  force %6.2f %6.2f %6.2f N  lost %llu\n",
+                newest->time_s, part[0], part[1], part[2], newest->force_n[0], newest->force_n[1],
+                newest->force_n[2], static_cast<unsigned long long>(receiver->lost()));
+    std::fflush(stdout);
+  }
+  return 0;
+}

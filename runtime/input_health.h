@@ -1,0 +1,28 @@
+// What is the matter with an input beside its numbers: what makes the output fail, and what a
+// recording keeps of it so that a replay fails in the same frames.
+#pragma once
+
+#include <cstdint>
+
+namespace forcelayer {
+
+// Why a reading is not used. The numbers are those of recordings.
+enum class InputTrouble : std::uint32_t {
+  kNone = 0,
+  kDeviceLost = 1,     // it does not answer
+  kNotCalibrated = 2,  // it answers, but its poses cannot be trusted
+  kFrozen = 3,         // no fresh reading within the stale limit
+  kNotFinite = 4,      // NaN, infinity, or no unit quaternion
+  kImplausible = 5,    // far outside the workspace, or faster there than any hand
+};
+inline constexpr std::uint32_t kInputTroubles = 6;
+
+struct InputHealth {
+  InputTrouble trouble = InputTrouble::kNone;  // else the input is invalid
+  float age_share = 0;                         // age of the reading over its stale limit; 0: fresh
+  bool clutch = false;                         // the user holds the clutch
+  bool output_held = false;                    // the device's own side keeps the motors at zero
+  bool loop_late = false;                      // the frame began later than the stale limit allows
+};
+
+}  // namespace forcelayer

@@ -1,0 +1,100 @@
+#include "runtime/voxrun/device_choice.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <glm/geometric.hpp>
+#include <utility>
+
+#include "runtime/devices/plugin_device.h"
+#include "runtime/devices/sim_device.h"
+#include "runtime/input_source.h"
+#include "runtime/real_time.h"
+
+namespace forcelayer::voxrun {
+namespace {
+
+constexpr long long kFirstReadingNs = 3'000'000'000;
+constexpr double kLeastLoopPeriods = 2.5;  // of a slow loop, that its wrench may be old
+constexpr long long kPollNs = 1'000'000;
+
+// Where the hand of a run without --motion holds still: at the part's start.
+Pose resting_handle(const Options& options) {
+  if (!options.world_from_part) return options.world_from_device;
+  return *options.world_from_part * inverse(options.handle_from_part.value_or(Pose{}));
+}
+
+Result<ChosenDevice> make_sim(const Options& options, const DevicePlacement& placement) {
+  ChosenDevice chosen;
+  MotionScript script = MotionScript::still(resting_handle(options));
+  if (!options.motion.empty()) {
+    auto read = MotionScript::read(options.motion);
+    if (!read) return read.error();
+    script = std::move(*read);
+    chosen.motion_end_s = script.end_s();
+  }
+  chosen.device = std::make_unique<SimDevice>(std::move(script), placement);
+  return chosen;
+}
+
+Result<ChosenDevice> make_device(const Options& options, const DevicePlacement& placement) {
+  if (options.device == "plugin") {
+    ChosenDevice chosen;
+    PluginOptions plugin;
+    plugin.library = options.plugin;
+    plugin.arguments = options.plugin_args;
+    plugin.stale_s = std::max(options.stale_s, kLeastLoopPeriods / options.rate_hz);
+    chosen.device = std::make_unique<PluginDevice>(plugin);
+    return chosen;
+  }
+  return make_sim(options, placement);
+}
+
+Status check_watchdog(const Options& options, const DeviceCapabilities& device) {
+  const bool safe = device.actuated_axes == 0 || device.watchdog_s > 0;
+  if (safe || options.without_watchdog) return {};
+  return Error{ErrorCode::kDeviceRefused, "", device.name,
+               "has motors and no watchdog of its own: when its driver dies, its last force stays",
+               "give --without-watchdog if somebody stands at its switch"};
+}
+
+}  // namespace
+
+Result<ChosenDevice> choose_device(const Options& options, const DevicePlacement& placement) {
+  auto chosen = make_device(options, placement);
+  if (!chosen) return chosen.error();
+  if (Status started = chosen->device->start(); !started) return started.error();
+  if (Status safe = check_watchdog(options, chosen->device->capabilities()); !safe) {
+    chosen->device->stop();
+    return safe.error();
+  }
+  return chosen;
+}
+
+Result<DeviceSample> first_reading(Device& device) {
+  const DeviceCapabilities& known = device.capabilities();
+  const long long begin_ns = monotonic_ns();
+  DeviceSample sample = device.read(0);
+  while (!(sample.present && sample.fresh && sample.calibrated)) {
+    if (monotonic_ns() - begin_ns > kFirstReadingNs) {
+      if (sample.present && !sample.calibrated) {
+        return Error{ErrorCode::kDeviceRefused, "", known.name, "is not calibrated",
+                     "calibrate it and start again"};
+      }
+      return Error{ErrorCode::kDeviceFailed, "", known.name, "gives no readings",
+                   "look at plug and power"};
+    }
+    sleep_until_ns(monotonic_ns() + kPollNs);
+    sample = device.read(0);
+  }
+  const glm::dvec3& p = sample.device_from_handle.position_m;
+  if (!outside_workspace(known, p, InputLimits{}.workspace_reach)) return sample;
+  char text[160];
+  std::snprintf(text, sizeof text,
+                "reports a handle %.4g m from its origin, in a workspace of %.4g m around it",
+                glm::length(p), known.workspace_radius_m);
+  return Error{ErrorCode::kDeviceRefused, "", known.name, text,
+               "does its driver give millimetres? Poses are in metres"};
+}
+
+}  // namespace forcelayer::voxrun

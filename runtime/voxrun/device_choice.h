@@ -1,0 +1,27 @@
+// The device that the command line names.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "formats/result.h"
+#include "runtime/devices/device.h"
+#include "runtime/placement.h"
+#include "runtime/voxrun/options.h"
+
+namespace forcelayer::voxrun {
+
+struct ChosenDevice {
+  std::unique_ptr<Device> device;      // started
+  std::optional<double> motion_end_s;  // of a scripted hand
+};
+
+// Makes and starts it. Errors: kUsage, of files, of devices; kDeviceRefused for a device with
+// motors and no watchdog, unless the options allow it.
+Result<ChosenDevice> choose_device(const Options& options, const DevicePlacement& placement);
+
+// Waits until the device gives a reading that can be used, and returns it. Errors: kDeviceFailed
+// where none comes, kDeviceRefused where it is not calibrated or its pose cannot be in metres.
+Result<DeviceSample> first_reading(Device& device);
+
+}  // namespace forcelayer::voxrun

@@ -1,0 +1,28 @@
+#include "runtime/voxrun/output_events.h"
+
+#include <cstdio>
+#include <utility>
+
+namespace forcelayer::voxrun {
+
+void OutputEvents::add(double time_s, std::string what, bool say) {
+  if (say) std::fprintf(stderr, "voxrun: at %.3f s: %s\n", time_s, what.c_str());
+  if (events_.size() < kKept) events_.push_back({time_s, std::move(what)});
+}
+
+void OutputEvents::see(const Frame& frame) {
+  const bool clutched = frame.input.valid == kInputClutched;
+  if (clutched != clutched_) add(frame.time_s, clutched ? "clutched" : "clutch released", false);
+  clutched_ = clutched;
+  if (frame.output == state_) return;
+  const bool again = state_ == OutputState::kTripped;
+  state_ = frame.output;
+  if (state_ == OutputState::kTripped) {
+    last_trip_s_ = frame.time_s;
+    add(frame.time_s, std::string("output to zero: ") + to_text(frame.last_trip), true);
+  } else if (state_ == OutputState::kArmed) {
+    add(frame.time_s, "output armed", again);
+  }
+}
+
+}  // namespace forcelayer::voxrun

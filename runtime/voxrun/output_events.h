@@ -1,0 +1,34 @@
+// What became of the output while the loop ran: armed, tripped, clutched, and when.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "runtime/frame.h"
+
+namespace forcelayer::voxrun {
+
+struct OutputEvent {
+  double time_s = 0;
+  std::string what;
+};
+
+// Watches frames in order, off the loop's thread, and says each change on stderr.
+class OutputEvents {
+ public:
+  static constexpr std::size_t kKept = 1000;  // later ones are said, not kept
+
+  void see(const Frame& frame);
+  const std::vector<OutputEvent>& events() const { return events_; }
+  double last_trip_s() const { return last_trip_s_; }
+
+ private:
+  void add(double time_s, std::string what, bool say);
+
+  OutputState state_ = OutputState::kWaiting;
+  bool clutched_ = false;
+  double last_trip_s_ = 0;
+  std::vector<OutputEvent> events_;
+};
+
+}  // namespace forcelayer::voxrun

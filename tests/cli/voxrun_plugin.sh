@@ -1,0 +1,10 @@
+#!/usr/bin/env bash
+# Every way in which a device with motors can fail, with voxrun as a user runs it; what the motors did
+# is what the device itself wrote down (tests/support/fault_plugin.c).
+set -euo pipefail
+bin=$FORCELAYER_BIN_DIR
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+cd "$scratch"
+"$bin/make_runtime_files" .
+FORCELAYER_BIN_DIR=$bin exec python3 "$FORCELAYER_SOURCE_DIR/tests/cli/voxrun_plugin_check.py"

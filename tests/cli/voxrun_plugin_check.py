@@ -1,0 +1,213 @@
+"""The body of voxrun_plugin.sh: runs voxrun on the fault plugin, injects each fault, and reads what
+the device's motors did. Limits are wide (a machine that does other things too, sanitizers): what is
+exact, the tick in which the force goes to zero, is tested in tests/unit/runtime_servo.cpp."""
+
+import concurrent.futures
+import json
+import os
+import signal
+import subprocess
+import time
+
+BIN = os.environ["FORCELAYER_BIN_DIR"]
+SLACK_S = 0.4  # beside the stale limit, for everything to be noticed and to pass
+STALE_S = 0.25
+
+
+def command(name, arguments, extra=()):
+    return [f"{BIN}/voxrun", "floor.vox", "ball.pshell", "--device", "plugin", "--plugin",
+            f"{BIN}/fault_plugin.so", "--plugin-args", f"log={name}.csv {arguments}",
+            "--world-from-device", "0.1,0.1,0.06", "--json", f"{name}.json", "--quiet",
+            "--stale-limit", f"{int(STALE_S * 1000)}ms", *extra]
+
+
+STARTED = []
+
+
+def run(arguments, **more):
+    STARTED.append(subprocess.Popen(arguments, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL,
+                                    text=True, **more))
+    return STARTED[-1]
+
+
+def start(name, arguments, extra=(), mode="pull"):
+    environment = dict(os.environ, FAULT_PLUGIN_MODE=mode)
+    return run(command(name, arguments, extra), env=environment)
+
+
+def finish(process, status):
+    error = process.communicate(timeout=60)[1]
+    assert process.returncode == status, (process.args, process.returncode, error)
+    return error
+
+
+def motors(name):
+    """(time, force, fault injected) of each millisecond at the device."""
+    deadline = time.monotonic() + 20
+    while not os.path.exists(f"{name}.csv"):
+        assert time.monotonic() < deadline, f"{name}: the device wrote no log"
+        time.sleep(0.02)
+    rows = []
+    for line in open(f"{name}.csv"):
+        t, force, fault = line.split(",")
+        rows.append((float(t), float(force), int(fault)))
+    return rows
+
+
+def check_motors(name, fault_s=None, limit_s=SLACK_S):
+    """They pushed before the fault, and are at zero soon after it, for good."""
+    rows = motors(name)
+    if fault_s is None:
+        fault_s = next(t for t, _, fault in rows if fault)
+    before = [force for t, force, _ in rows if t < fault_s]
+    after = [force for t, force, _ in rows if t > fault_s + limit_s]
+    assert max(before) > 0.5, (name, max(before))
+    assert before[0] == 0 and max(abs(f) for f in before) <= 8.001, name
+    assert after and all(force == 0 for force in after), (name, max(after, default=None))
+    late = [force for t, force, _ in rows if t > fault_s]
+    assert max(late, default=0) <= max(before) * 1.05 + 0.1, (name, "the force rose")
+    return rows
+
+
+def events(name):
+    return [e["event"] for e in json.load(open(f"{name}.json"))["events"]]
+
+
+def device_faults():
+    expected = {
+        "unplug": "does not answer",
+        "freeze": "no fresh reading",
+        "nan": "not finite",
+        "absurd": "units",
+        "uncalibrated": "not calibrated",
+        "crash": "does not answer",
+        "hang": "no fresh reading",
+    }
+    running = {fault: start(fault, f"fault={fault} at=0.8") for fault in expected}
+    for fault, text in expected.items():
+        error = finish(running[fault], 5)
+        last = error.strip().splitlines()[-1]
+        assert text in last and "output to zero" in last, (fault, error)
+        if fault != "hang":  # a driver that hangs is killed, and its device stops by its watchdog
+            check_motors(fault, limit_s=STALE_S + SLACK_S)
+        happened = events(fault)
+        assert happened[0] == "output armed" and happened[-1].startswith("output to zero"), happened
+        assert json.load(open(f"{fault}.json"))["ended_tripped"], fault
+    check_motors("hang", limit_s=STALE_S + SLACK_S)
+
+
+def push_mode():
+    process = start("push", "fault=unplug at=0.8", mode="push")
+    assert "does not answer" in finish(process, 5)
+    check_motors("push", limit_s=STALE_S + SLACK_S)
+
+
+def a_late_reading_is_a_blip():
+    finish(start("blip", "fault=blip at=0.8", ["--duration", "1.2s"]), 0)
+    report = json.load(open("blip.json"))
+    assert report["output_trips"] == 0 and report["max_device_force_n"] > 0.5, report
+
+
+def signals():
+    for number in (signal.SIGTERM, signal.SIGINT):
+        name = f"signal{int(number)}"
+        process = start(name, "")
+        time.sleep(1.5)
+        sent_s = time.monotonic()
+        process.send_signal(number)
+        finish(process, 128 + number)
+        check_motors(name, sent_s)
+        assert json.load(open(f"{name}.json"))["output_trips"] == 0
+
+
+def a_host_that_stands_still():
+    """SIGSTOP: the loop can do nothing; the device's side must see it. After SIGCONT, too, the loop
+    does not go on as if nothing had been."""
+    process = start("stop", "")
+    time.sleep(1.5)
+    stopped_s = time.monotonic()
+    process.send_signal(signal.SIGSTOP)
+    time.sleep(STALE_S + SLACK_S + 0.5)
+    woken_s = time.monotonic()
+    process.send_signal(signal.SIGCONT)
+    error = finish(process, 5)
+    assert "the loop was late" in error, error
+    rows = check_motors("stop", stopped_s, STALE_S + SLACK_S)
+    still = [f for t, f, _ in rows if stopped_s + STALE_S + SLACK_S < t < woken_s]
+    assert len(still) > 10 and all(f == 0 for f in still), still
+
+
+def a_host_that_dies():
+    process = start("kill", "")
+    time.sleep(1.5)
+    killed_s = time.monotonic()
+    process.kill()
+    finish(process, -signal.SIGKILL)
+    check_motors("kill", killed_s)
+
+
+def a_file_that_is_cut_short():
+    with open("floor.vox", "rb") as whole:
+        bytes_ = whole.read()
+    open("short.vox", "wb").write(bytes_)
+    arguments = command("cut", "")
+    arguments[1] = "short.vox"
+    process = run(arguments)
+    time.sleep(1.5)
+    cut_s = time.monotonic()
+    os.truncate("short.vox", 0)
+    error = finish(process, 4)
+    assert "cut short" in error and "short.vox" in error, error
+    check_motors("cut", cut_s)
+
+
+def a_trip_that_waits():
+    """--after-trip wait: zero until the clutch; the run ends with status 5 all the same."""
+    process = start("wait", "fault=freeze at=0.8", ["--after-trip", "wait", "--duration", "2s"])
+    error = finish(process, 5)
+    check_motors("wait", limit_s=STALE_S + SLACK_S)
+    assert json.load(open("wait.json"))["frames"] == 2000, error
+
+
+def refusals():
+    for arguments, status, text in (
+            ("no-si", 5, "SI units"),
+            ("left-handed", 5, "right-handed"),
+            ("old-abi", 5, "version"),
+            ("no-watchdog", 5, "--without-watchdog"),
+            ("fault=mm", 5, "millimetres")):
+        name = "refused-" + arguments.replace("=", "-")
+        error = finish(start(name, arguments), status)
+        assert text in error and len(error.splitlines()) <= 1 + error.count("warning"), error
+        assert all(force == 0 for _, force, _ in motors(name)), name
+    finish(start("allowed", "no-watchdog", ["--without-watchdog", "--duration", "100ms"]), 0)
+    for plugin, text in (("none.so", "no such file"), ("floor.vox", "cannot be loaded")):
+        arguments = command("x", "")
+        arguments[arguments.index("--plugin") + 1] = plugin
+        process = run(arguments)
+        assert text in finish(process, 5), plugin
+    process = start("usage", "", ["--as-fast-as-possible", "--duration", "1s"])
+    assert "clock of its own" in finish(process, 2)
+    process = start("usage", "", ["--after-trip", "rearm"])
+    assert "simulated hands" in finish(process, 2)
+
+
+def the_example():
+    finish(run(
+        [f"{BIN}/voxrun", "floor.vox", "ball.pshell", "--device", "plugin", "--plugin",
+         f"{BIN}/spring_plugin.so", "--world-from-device", "0.1,0.1,0.055", "--duration", "1.5s",
+         "--stale-limit", "250ms", "--json", "example.json", "--quiet"]), 0)
+    report = json.load(open("example.json"))
+    assert report["max_device_force_n"] > 0.3 and report["output_trips"] == 0, report
+
+
+CHECKS = (device_faults, push_mode, a_late_reading_is_a_blip, signals, a_host_that_stands_still,
+          a_host_that_dies, a_file_that_is_cut_short, a_trip_that_waits, refusals, the_example)
+try:
+    with concurrent.futures.ThreadPoolExecutor(len(CHECKS)) as pool:
+        for check in [pool.submit(check) for check in CHECKS]:
+            check.result()
+finally:
+    for process in STARTED:
+        if process.poll() is None:
+            process.kill()

@@ -1,0 +1,183 @@
+/* A device plugin that fails on request, and the device behind it: a process of its own with a
+ * watchdog of 20 ms, which writes down what its motors do, as an oscilloscope would.
+ *
+ * Arguments, separated by spaces: log=FILE (required), fault=KIND, at=SECONDS, and for
+ * the handshake no-si, left-handed, no-watchdog, old-abi. KIND: unplug, freeze, blip (three
+ * readings missing), nan, absurd (millimetres from then on), mm (from the start), uncalibrated,
+ * crash, hang. FAULT_PLUGIN_MODE=push in the environment: push mode. The hand comes down 30 mm in
+ * 0.3 s and stays.
+ *
+ * The log appears when the device ends: lines of "t_s,motor_force_z_n,fault" with t_s of
+ * CLOCK_MONOTONIC, one a millisecond; fault is 1 from when the fault was injected. */
+#define _GNU_SOURCE
+#include <math.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "forcelayer_plugin.h"
+
+struct wire { /* between driver and device */
+  volatile double force_z_n;
+  volatile unsigned long written;
+  volatile int fault, closed;
+};
+
+struct driver {
+  struct wire* wire;
+  char fault[32];
+  double fault_at_s, begin_s;
+  long calls, missing;
+};
+
+static double now_s(void) {
+  struct timespec t;
+  clock_gettime(CLOCK_MONOTONIC, &t);
+  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static void sleep_ms(long ms) {
+  const struct timespec t = {ms / 1000, ms % 1000 * 1000000};
+  nanosleep(&t, NULL);
+}
+
+/* The device: motors, and a watchdog that knows nothing of the driver but its writes. */
+static void be_the_device(struct wire* wire, const char* path) {
+  char unfinished[512];
+  snprintf(unfinished, sizeof unfinished, "%s.part", path);
+  FILE* log = fopen(unfinished, "w");
+  if (log == NULL) _exit(1);
+  const pid_t driver = getppid();
+  unsigned long seen = 0;
+  double heard_s = 0, end_s = 0;
+  for (;;) {
+    const double t_s = now_s();
+    if (wire->written != seen) {
+      seen = wire->written;
+      heard_s = t_s;
+    }
+    const double motor_n = t_s - heard_s < 0.02 ? wire->force_z_n : 0;
+    fprintf(log, "%.6f,%.9g,%d\n", t_s, motor_n, wire->fault);
+    if (end_s == 0 && (wire->closed || getppid() != driver)) end_s = t_s + 0.8;
+    if (end_s != 0 && t_s > end_s) break;
+    sleep_ms(1);
+  }
+  fclose(log);
+  rename(unfinished, path);
+  _exit(0);
+}
+
+static const char* value_of(const char* arguments, const char* name, char* value, size_t bytes) {
+  const char* at = strstr(arguments, name);
+  value[0] = 0;
+  if (at == NULL) return value;
+  at += strlen(name);
+  const size_t length = strcspn(at, " ");
+  snprintf(value, bytes, "%.*s", (int)length, at);
+  return value;
+}
+
+static int open_device(const char* arguments, forcelayer_plugin_info* info, void** out, char* error,
+                       size_t error_bytes) {
+  static struct driver driver;
+  char path[400], at[32];
+  value_of(arguments, "log=", path, sizeof path);
+  value_of(arguments, "fault=", driver.fault, sizeof driver.fault);
+  driver.fault_at_s = atof(value_of(arguments, "at=", at, sizeof at));
+  if (path[0] == 0) {
+    snprintf(error, error_bytes, "needs log=FILE");
+    return 1;
+  }
+  driver.wire =
+      mmap(NULL, sizeof *driver.wire, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+  if (fork() == 0) {
+    setsid();
+    for (int number = 1; number < 32; ++number) signal(number, SIG_DFL);
+    close(0);
+    close(1);
+    close(2);
+    be_the_device(driver.wire, path);
+  }
+  driver.begin_s = now_s();
+  const int old = strstr(arguments, "old-abi") != NULL;
+  info->abi = old ? 99 : FORCELAYER_PLUGIN_ABI;
+  info->si_units = strstr(arguments, "no-si") != NULL ? 0 : FORCELAYER_PLUGIN_SI_UNITS;
+  info->right_handed =
+      strstr(arguments, "left-handed") != NULL ? 0 : FORCELAYER_PLUGIN_RIGHT_HANDED;
+  info->sensed_axes = info->actuated_axes = 63;
+  snprintf(info->name, sizeof info->name, "fault plugin");
+  info->rate_hz = 1000;
+  info->max_force_n = 8;
+  info->max_torque_nm = 0.1;
+  info->damping_ns_per_m = 2;
+  info->damping_nms_per_rad = 0.005;
+  info->delay_s = 0.001;
+  info->workspace_radius_m = 0.2;
+  info->watchdog_s = strstr(arguments, "no-watchdog") != NULL ? 0 : 0.02;
+  *out = &driver;
+  return 0;
+}
+
+static int is(const struct driver* d, const char* fault) { return strcmp(d->fault, fault) == 0; }
+
+static int read_device(void* opaque, forcelayer_plugin_reading* reading) {
+  struct driver* d = opaque;
+  const double t_s = now_s() - d->begin_s;
+  memset(reading, 0, sizeof *reading);
+  reading->position_m[2] = -0.03 * fmin(1, t_s / 0.3);
+  reading->orientation_wxyz[0] = 1;
+  reading->status = FORCELAYER_PLUGIN_CALIBRATED;
+  if (is(d, "mm")) reading->position_m[0] = 130;
+  if (d->fault[0] == 0 || t_s < d->fault_at_s) return 1;
+  d->wire->fault = 1;
+  if (is(d, "unplug")) return -1;
+  if (is(d, "freeze")) return 0;
+  if (is(d, "blip") && d->missing++ < 3) return 0;
+  if (is(d, "nan")) reading->position_m[1] = NAN;
+  if (is(d, "absurd")) reading->position_m[2] *= 1000;
+  if (is(d, "uncalibrated")) reading->status = 0;
+  if (is(d, "crash")) abort();
+  while (is(d, "hang")) sleep_ms(1000);
+  return 1;
+}
+
+static int write_device(void* opaque, const forcelayer_plugin_wrench* wrench) {
+  struct driver* d = opaque;
+  d->wire->force_z_n = wrench->force_n[2];
+  ++d->wire->written;
+  return 0;
+}
+
+/* A servo thread of the SDK's own. */
+static int run_device(void* opaque, const forcelayer_plugin_host* host) {
+  forcelayer_plugin_reading reading;
+  forcelayer_plugin_wrench wrench = {{0, 0, 0}, {0, 0, 0}};
+  int end = 0;
+  while (!end) {
+    const int read = read_device(opaque, &reading);
+    if (read != 0) end = host->exchange(host->context, read > 0 ? &reading : NULL, &wrench);
+    write_device(opaque, &wrench);
+    sleep_ms(1);
+  }
+  return 0;
+}
+
+static void close_device(void* opaque) {
+  struct driver* d = opaque;
+  d->wire->force_z_n = 0;
+  d->wire->closed = 1;
+}
+
+static const forcelayer_plugin kPull = {open_device, read_device, write_device, NULL, close_device};
+static const forcelayer_plugin kPush = {open_device, NULL, NULL, run_device, close_device};
+
+/* The mode is chosen before open(), so by the environment. */
+const forcelayer_plugin* forcelayer_plugin_entry(uint32_t host_abi) {
+  if (host_abi != FORCELAYER_PLUGIN_ABI) return NULL;
+  const char* mode = getenv("FAULT_PLUGIN_MODE");
+  return mode != NULL && strcmp(mode, "push") == 0 ? &kPush : &kPull;
+}

@@ -1,0 +1,403 @@
+// The servo with a device that misbehaves, the clutch, and the swap of part and scene.
+#include "runtime/servo.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <functional>
+#include <glm/geometric.hpp>
+
+#include "runtime/coupling.h"
+#include "runtime/derive_parameters.h"
+#include "runtime/loop.h"
+#include "runtime/real_time.h"
+#include "runtime/recording.h"
+#include "tests/support/random_scenes.h"
+#include "tests/support/scratch_folder.h"
+
+namespace forcelayer::test {
+namespace {
+
+constexpr double kS = 0.005;
+constexpr double kDt = 0.001;
+
+DeviceCapabilities motor() {
+  DeviceCapabilities device;
+  device.name = "motor";
+  device.max_force_n = 10;
+  device.max_torque_nm = 0.1;
+  device.damping_ns_per_m = 2;
+  device.damping_nms_per_rad = 0.005;
+  device.delay_s = 0.001;
+  device.workspace_radius_m = 0.5;
+  device.rate_hz = 1000;
+  device.watchdog_s = 0.02;
+  device.hardware = true;
+  return device;
+}
+
+// A device whose readings a test writes.
+class PuppetDevice final : public Device {
+ public:
+  const DeviceCapabilities& capabilities() const override { return capabilities_; }
+  Status start() override { return {}; }
+  DeviceSample read(double) noexcept override { return sample; }
+  void write(const Wrench& wrench) noexcept override { felt = wrench; }
+  void stop() noexcept override { felt = {}; }
+
+  DeviceSample sample;
+  Wrench felt;
+
+ private:
+  DeviceCapabilities capabilities_ = motor();
+};
+
+// A slab whose force layer begins at z = 15 mm, and a ball of 20 mm.
+std::unique_ptr<Simulation> simulation(double ball_m = 0.02) {
+  Voxmap voxmap =
+      make_voxmap(offset_scene(kS, {0, 0, -2}, {48, 48, 8}, 2, [](Voxel v) { return v[2] <= 0; }));
+  Pshell shell = make_pshell(sphere_part(ball_m, 300, kS));
+  const auto derived = derive_parameters({}, voxmap, shell, motor());
+  EXPECT_TRUE(derived);
+  auto created = Simulation::create(std::move(voxmap), std::move(shell), derived->values);
+  EXPECT_TRUE(created);
+  return std::move(*created);
+}
+
+OutputLimits limits() {
+  OutputLimits l;
+  l.max_force_n = 10;
+  l.max_torque_nm = 0.1;
+  return l;
+}
+
+// A hand at the device, above the slab at first.
+struct Bench {
+  std::unique_ptr<Simulation> sim = simulation();
+  PuppetDevice device;
+  DeviceInput input{device, {}};
+  Pose hand{{0.1, 0.1, 0.05}, {1, 0, 0, 0}};
+  Servo servo{*sim, input, sim->registered(hand, hand), limits()};
+  Frame frame;
+
+  Bench() {
+    device.sample.present = device.sample.fresh = true;
+    device.sample.device_from_handle = hand;
+  }
+  Wrench tick() {
+    device.sample.device_from_handle = hand;
+    EXPECT_TRUE(servo.tick(frame));
+    return device.felt;
+  }
+  // Moves the hand to height z at 0.1 m/s and waits there.
+  void go_to(double z, int wait = 300) {
+    while (std::abs(hand.position_m.z - z) > 1e-9) {
+      hand.position_m.z += std::clamp(z - hand.position_m.z, -1e-4, 1e-4);
+      tick();
+    }
+    for (int i = 0; i < wait; ++i) tick();
+  }
+  double stretch_m() const {
+    const Pose target = hand * servo.state().handle_from_center;
+    return glm::length(target.position_m - servo.state().world_from_center.position_m);
+  }
+};
+
+TEST(Servo, PressesAndEveryFaultOfTheInputTakesTheForceToZeroInTheSameTick) {
+  using Change = std::function<void(DeviceSample&)>;
+  const double nan = std::nan("");
+  const struct {
+    const char* name;
+    Change change;
+    int late_ticks;  // until the output trips
+    TripCause cause;
+  } cases[] = {
+      {"unplugged", [](auto& s) { s.present = false; }, 1, TripCause::kDeviceLost},
+      {"not calibrated", [](auto& s) { s.calibrated = false; }, 1, TripCause::kNotCalibrated},
+      {"frozen", [](auto& s) { s.fresh = false; }, 6, TripCause::kFrozen},
+      {"not finite", [=](auto& s) { s.device_from_handle.position_m.x = nan; }, 6,
+       TripCause::kInputNotFinite},
+      {"no rotation",
+       [](auto& s) {
+         s.device_from_handle.orientation = {0, 0, 0, 0};
+       },
+       6, TripCause::kInputNotFinite},
+      {"millimetres", [](auto& s) { s.device_from_handle.position_m *= 1000.0; }, 6,
+       TripCause::kImplausible},
+  };
+  for (const auto& c : cases) {
+    SCOPED_TRACE(c.name);
+    Bench bench;
+    bench.go_to(0.03);
+    ASSERT_GT(bench.device.felt.force_n.z, 1);
+    const Pose part = bench.servo.state().world_from_center;
+    double last = bench.device.felt.force_n.z;
+    int ticks = 0;
+    while (bench.servo.output().state() == OutputState::kArmed && ticks < 20) {
+      bench.device.sample.device_from_handle = bench.hand;
+      c.change(bench.device.sample);
+      bench.servo.tick(bench.frame);
+      const double felt = bench.device.felt.force_n.z;
+      EXPECT_LE(felt, last + 1e-9);
+      last = felt;
+      ++ticks;
+      // A frozen device is known only after a while; until then the force fades.
+      if (c.cause != TripCause::kFrozen || ticks == c.late_ticks) {
+        EXPECT_EQ(felt, 0);
+      }
+    }
+    EXPECT_EQ(ticks, c.late_ticks);
+    EXPECT_EQ(bench.servo.output().last_trip(), c.cause);
+    EXPECT_LT(glm::length(bench.servo.state().world_from_center.position_m - part.position_m),
+              1e-3);
+    // Sound again: still zero, until the clutch was pressed and released.
+    bench.device.sample.present = bench.device.sample.fresh = bench.device.sample.calibrated = true;
+    for (int i = 0; i < 400; ++i) EXPECT_EQ(bench.tick().force_n.z, 0);
+    bench.servo.set_clutch(true);
+    for (int i = 0; i < 10; ++i) EXPECT_EQ(bench.tick().force_n.z, 0);
+    bench.servo.set_clutch(false);
+    EXPECT_EQ(bench.servo.output().state(), OutputState::kArmed);
+    bench.go_to(0.028);
+    EXPECT_GT(bench.device.felt.force_n.z, 0.5);
+  }
+}
+
+TEST(Servo, ASingleLateReadingIsABlip) {
+  Bench bench;
+  bench.go_to(0.03);
+  const double before = bench.device.felt.force_n.z;
+  constexpr double kCreepN = 1e-4;  // the part still settles
+  for (const int missing : {1, 2}) {
+    bench.device.sample.fresh = false;
+    for (int i = 0; i < missing; ++i) EXPECT_NEAR(bench.tick().force_n.z, before, kCreepN);
+    bench.device.sample.fresh = true;
+    EXPECT_NEAR(bench.tick().force_n.z, before, kCreepN);
+  }
+  EXPECT_EQ(bench.servo.output().trips(), 0u);
+}
+
+TEST(Servo, AJumpOfTheReadingIsNotFollowed) {
+  Bench bench;
+  bench.go_to(0.03);
+  const Pose good = bench.hand;
+  bench.hand.position_m.x += 0.05;
+  EXPECT_EQ(bench.tick().force_n.z, 0);
+  EXPECT_EQ(bench.frame.health.trouble, InputTrouble::kImplausible);
+  bench.hand = good;
+  EXPECT_GT(bench.tick().force_n.z, 0);  // one bad reading is a blip
+  EXPECT_EQ(bench.servo.output().trips(), 0u);
+}
+
+TEST(Servo, AHandTooFastTrips) {
+  Bench bench;
+  for (int i = 0; i < 250; ++i) bench.tick();
+  for (int i = 0; i < 40; ++i) {
+    bench.hand.position_m.y += 0.006;  // 6 m/s
+    bench.tick();
+  }
+  EXPECT_EQ(bench.servo.output().last_trip(), TripCause::kOverSpeed);
+  EXPECT_EQ(bench.device.felt.force_n, glm::dvec3(0));
+}
+
+TEST(Servo, ALateLoopTrips) {
+  Bench bench;
+  bench.go_to(0.03);
+  bench.servo.note_late();
+  EXPECT_EQ(bench.tick().force_n.z, 0);
+  EXPECT_EQ(bench.servo.output().last_trip(), TripCause::kLoopLate);
+}
+
+TEST(Servo, TheClutchFreezesThePartInContactAndRegripsWithoutStretch) {
+  Bench bench;
+  bench.go_to(0.03);
+  double last = bench.device.felt.force_n.z;
+  ASSERT_GT(last, 1);
+  bench.servo.set_clutch(true);
+  for (int i = 0; i < 50; ++i) {
+    const double felt = bench.tick().force_n.z;
+    EXPECT_LE(felt, last);
+    last = felt;
+  }
+  EXPECT_EQ(last, 0);
+  bench.tick();
+  const Pose part = bench.servo.state().world_from_center;
+  bench.go_to(0.06);
+  bench.hand.orientation = rotation_by({0, 0, 0.3});
+  bench.go_to(0.05);
+  const Pose held = bench.servo.state().world_from_center;
+  EXPECT_EQ(held.position_m, part.position_m);
+  EXPECT_EQ(held.orientation, part.orientation);
+  EXPECT_EQ(bench.device.felt.force_n, glm::dvec3(0));
+  bench.servo.set_clutch(false);
+  EXPECT_LT(bench.stretch_m(), 1e-12);
+  // In contact still: what pushes the part out is felt, and ramps in.
+  double largest = 0;
+  for (int i = 1; i <= 100; ++i) {
+    const double felt = glm::length(bench.tick().force_n);
+    EXPECT_LE(felt, 10 * i / 200.0 + 1e-9);
+    largest = std::max(largest, felt);
+  }
+  EXPECT_LT(largest, 2.5);  // no blow: less than what pressed before the clutch
+  bench.go_to(0.045);
+  EXPECT_GT(bench.device.felt.force_n.z, 1);
+}
+
+TEST(Servo, AButtonOfTheDeviceIsTheClutch) {
+  Bench bench;
+  bench.servo.set_clutch_buttons(4);
+  bench.go_to(0.03);
+  bench.device.sample.buttons = 3;
+  EXPECT_GT(bench.tick().force_n.z, 1);
+  bench.device.sample.buttons = 6;
+  for (int i = 0; i < 60; ++i) bench.tick();
+  EXPECT_EQ(bench.frame.input.valid, kInputClutched);
+}
+
+TEST(Servo, ThePartIsSwappedWithoutARestart) {
+  Bench bench;
+  bench.go_to(0.03);
+  const auto larger = simulation(0.03);
+  auto parameters = larger->parameters();
+  parameters.rate_hz = 500;
+  Voxmap slab =
+      make_voxmap(offset_scene(kS, {0, 0, -2}, {8, 8, 8}, 2, [](Voxel v) { return v[2] <= 0; }));
+  auto slower =
+      Simulation::create(std::move(slab), make_pshell(sphere_part(0.02, 50, kS)), parameters);
+  ASSERT_TRUE(slower);
+  const Pose above{{0.1, 0.1, 0.08}, {1, 0, 0, 0}};
+  EXPECT_FALSE(bench.servo.request_swap(**slower, above));
+  ASSERT_TRUE(bench.servo.request_swap(*larger, above));
+  EXPECT_FALSE(bench.servo.request_swap(*larger, above));
+  double last = bench.device.felt.force_n.z;
+  int ticks = 0;
+  while (bench.servo.swapping()) {
+    const double felt = bench.tick().force_n.z;
+    EXPECT_LE(felt, last);
+    last = felt;
+    ASSERT_LT(++ticks, 100);
+  }
+  bench.sim.reset();  // the old one is free
+  EXPECT_EQ(&bench.servo.simulation(), larger.get());
+  EXPECT_LT(bench.stretch_m(), 1e-12);
+  EXPECT_LT(glm::length(bench.servo.state().world_from_center.position_m - above.position_m),
+            1e-12);
+  for (int i = 0; i < 300; ++i) EXPECT_EQ(bench.tick().force_n.z, 0);  // nothing touches
+  bench.go_to(bench.hand.position_m.z - 0.05);
+  EXPECT_GT(bench.device.felt.force_n.z, 1);
+  EXPECT_EQ(bench.servo.output().trips(), 0u);
+}
+
+// With the limits of the run, a replay gives the device's wrench again, faults and clutch included.
+TEST(Servo, AReplayGivesTheDevicesWrenchAgain) {
+  const ScratchFolder folder;
+  std::vector<Wrench> felt;
+  {
+    Bench bench;
+    auto writer = RecordingWriter::create(
+        folder / "run.flr", describe_run(*bench.sim, bench.servo.state(), DevicePlacement{}));
+    ASSERT_TRUE(writer);
+    const auto tick = [&] {
+      felt.push_back(bench.tick());
+      ASSERT_TRUE(writer->add(bench.frame));
+    };
+    for (int i = 0; i < 1500; ++i) {
+      if (i >= 250 && i < 450) bench.hand.position_m.z -= 1e-4;
+      bench.device.sample.fresh = i % 7 != 0 && (i < 600 || i > 603);
+      bench.device.sample.present = i < 1200 || i > 1203;
+      bench.servo.set_clutch((i > 700 && i < 800) || (i > 1300 && i < 1310));
+      if (i == 1000) bench.servo.note_late();
+      if (i == 1100) bench.servo.set_clutch(true);
+      tick();
+    }
+    ASSERT_TRUE(writer->finish(0));
+    EXPECT_GE(bench.servo.output().trips(), 2u);
+  }
+  const auto recording = Recording::open(folder / "run.flr");
+  ASSERT_TRUE(recording);
+  const auto sim = simulation();
+  ReplayInput input(*recording);
+  Servo servo(*sim, input, recording->run().start, limits());
+  Frame frame;
+  for (std::size_t i = 0; i < felt.size(); ++i) {
+    ASSERT_TRUE(servo.tick(frame));
+    ASSERT_EQ(frame.device_wrench.force_n, felt[i].force_n) << i;
+    ASSERT_EQ(frame.device_wrench.torque_nm, felt[i].torque_nm) << i;
+  }
+  EXPECT_FALSE(servo.tick(frame));
+  EXPECT_EQ(input.differing_frames(), 0u);
+}
+
+// The fake device stands still in the loop's clock: a pause of the loop is noticed by the loop.
+TEST(Loop, APauseTripsAndEveryMissHasACause) {
+  Bench bench;
+  class PausingInput final : public InputSource {
+   public:
+    explicit PausingInput(InputSource& inner) : inner_(inner) {}
+    bool next(double t, double dt, StepInput& input) noexcept override {
+      if (++frames_ == 300) sleep_until_ns(monotonic_ns() + 60'000'000);
+      return inner_.next(t, dt, input);
+    }
+    InputHealth health() const noexcept override { return inner_.health(); }
+    void output(const Frame& frame) noexcept override { inner_.output(frame); }
+    void silence() noexcept override { inner_.silence(); }
+    const DevicePlacement& placement() const override { return inner_.placement(); }
+
+   private:
+    InputSource& inner_;
+    int frames_ = 0;
+  } input(bench.input);
+  Servo servo(*bench.sim, input, bench.servo.state(), limits());
+  LoopOptions options;
+  options.frames = 400;
+  options.stale_s = 0.05;  // a busy machine alone shall not reach it
+  options.end_on_trip = true;
+  const auto statistics = std::make_unique<LoopStatistics>();
+  run_loop(servo, options, nullptr, *statistics);
+  EXPECT_EQ(servo.output().last_trip(), TripCause::kLoopLate);
+  EXPECT_GE(statistics->deadline_misses, 1u);
+  std::uint64_t sum = 0;
+  for (const std::uint64_t n : statistics->misses_by_cause) sum += n;
+  EXPECT_EQ(sum, statistics->deadline_misses);
+  bool found = false;
+  for (std::size_t i = 0; i < statistics->worst.size(); ++i) {
+    found |= statistics->worst[i].frame == 299 && statistics->worst[i].cause == MissCause::kBlocked;
+  }
+  EXPECT_TRUE(found);
+}
+
+TEST(Loop, TheCauseOfAMissIsTheFirstThatApplies) {
+  TickCost cost;
+  cost.woke_late_ns = 2'000'000;
+  cost.tick_ns = cost.cpu_ns = 100'000;
+  EXPECT_EQ(cause_of(cost), MissCause::kWokeLate);
+  cost.woke_late_ns = 0;
+  cost.tick_ns = 5'000'000;
+  cost.cpu_ns = 5'000'000;
+  EXPECT_EQ(cause_of(cost), MissCause::kLongTick);
+  cost.minor_faults = 3;
+  EXPECT_EQ(cause_of(cost), MissCause::kMinorFault);
+  cost.cpu_ns = 100'000;
+  EXPECT_EQ(cause_of(cost), MissCause::kStoodStill);
+  cost.voluntary_switches = 1;
+  EXPECT_EQ(cause_of(cost), MissCause::kBlocked);
+  cost.involuntary_switches = 1;
+  EXPECT_EQ(cause_of(cost), MissCause::kPreempted);
+  cost.major_faults = 1;
+  EXPECT_EQ(cause_of(cost), MissCause::kMajorFault);
+}
+
+TEST(Loop, TheWorstFramesAreKept) {
+  WorstFrames worst;
+  for (int i = 0; i < 1000; ++i) {
+    MissedFrame frame;
+    frame.late_ns = (i * 7919) % 1000;
+    worst.add(frame);
+  }
+  ASSERT_EQ(worst.size(), WorstFrames::kKept);
+  for (std::size_t i = 0; i < worst.size(); ++i) EXPECT_GE(worst[i].late_ns, 984);
+}
+
+}  // namespace
+}  // namespace forcelayer::test
