@@ -9,6 +9,7 @@
 #include "formats/command/quantity.h"
 #include "formats/mesh/scene.h"
 #include "voxelize/bake.h"
+#include "voxelize/plan.h"
 #include "voxelize/provenance.h"
 #include "voxelize/report.h"
 #include "voxelize/warnings.h"
@@ -23,6 +24,7 @@ struct Arguments {
   std::optional<std::uint32_t> layers;
   std::vector<std::string> free_seeds;
   int threads = 0;
+  bool plan = false;
   bool quiet = false;
 };
 
@@ -31,7 +33,7 @@ void declare(CLI::App& app, Arguments& arguments) {
          "INPUT", arguments.inputs,
          "mesh files, assemblies (FILE.glb#Node for a sub-tree), folders, or a manifest (.json)")
       ->required();
-  app.add_option("-o,--output", arguments.output, "the .vox file to write")->required();
+  app.add_option("-o,--output", arguments.output, "the .vox file to write");
   app.add_option("--voxel-size", arguments.voxel_size, "edge of a voxel, such as 5mm");
   app.add_option("--units", arguments.units,
                  "unit of meshes whose format defines none: mm, cm, m, in, ...");
@@ -44,6 +46,9 @@ void declare(CLI::App& app, Arguments& arguments) {
                  "how far the meshes may lie from the true surfaces, such as 0.1mm");
   app.add_option("--threads", arguments.threads, "threads (default: all)")
       ->check(CLI::Range(1, 1024));
+  app.add_flag(
+      "--plan", arguments.plan,
+      "bake nothing: print what the voxel size, its half and its quarter would give and cost");
   app.add_option("--json", arguments.json_path, "write a report to this file");
   app.add_flag("--quiet", arguments.quiet, "print nothing but errors");
 }
@@ -84,6 +89,12 @@ Result<BakeOptions> options_of(const Arguments& arguments, const Scene& scene) {
 
 // Everything of the command line that can be checked before a file is read.
 Status check_early(const Arguments& arguments) {
+  if (arguments.plan && !arguments.output.empty()) {
+    return Error{ErrorCode::kUsage, "", "--output", "has no meaning with --plan", "leave it out"};
+  }
+  if (!arguments.plan && arguments.output.empty()) {
+    return Error{ErrorCode::kUsage, "", "--output", "is missing", "add -o FILE.vox"};
+  }
   Scene unknown;
   unknown.voxel_size_m = 1;  // a manifest may give it
   const auto options = options_of(arguments, unknown);
@@ -129,6 +140,15 @@ void print_summary(const std::string& output, const Bake& bake, const RunFacts& 
       static_cast<double>(run.file_bytes) * 1e-6, run.total_s);
 }
 
+Status print_plan(const Arguments& arguments, std::span<const SceneObject> objects,
+                  const BakeOptions& options) {
+  const auto plan = plan_bakes(objects, options);
+  if (!plan) return plan.error();
+  if (!arguments.quiet) std::fputs(table_of(*plan).c_str(), stdout);
+  if (arguments.json_path.empty()) return {};
+  return write_report(arguments.json_path, report_of(*plan));
+}
+
 Status voxelize(const Arguments& arguments) {
   if (Status checked = check_early(arguments); !checked) return checked;
   Clock clock;
@@ -150,6 +170,10 @@ Status voxelize(const Arguments& arguments) {
 
   options->progress = [&](const char* stage, double share) { progress.show(stage, 0.95 * share); };
   const std::vector<SceneObject> objects = objects_of(*scene);
+  if (arguments.plan) {
+    progress.clear();
+    return print_plan(arguments, objects, *options);
+  }
   const auto bake = forcelayer::bake(objects, *options);
   if (!bake) return bake.error();
   clock.lap_s();

@@ -1,0 +1,39 @@
+#!/usr/bin/env bash
+# voxelize --plan as a user meets it: figures for three sizes, no file, and a shell as large as promised.
+set -euo pipefail
+bin=$FORCELAYER_BIN_DIR
+data=$FORCELAYER_SOURCE_DIR/sample_data
+[ -x "$bin/voxelize" ] || { echo "skipped: no voxelize in this build"; exit 77; }
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+cd "$work"
+
+fail() {
+  echo "FAILED: $*" >&2
+  exit 1
+}
+
+"$bin/voxelize" "$data/bay.json" --plan --voxel-size 10mm --json plan.json >out
+[ "$(ls)" = "$(printf 'out\nplan.json')" ] || fail "files were left: $(ls)"
+grep -q '2.5 mm' out || fail "no quarter of the voxel size"
+"$bin/voxelize" "$data/bay.json" --voxel-size 5mm -o bay.vox --quiet
+"$bin/pointshell" "$data/part.obj" --units mm --voxel-size 5mm -o part.pshell --quiet --json part.json
+python3 - <<'EOF' || fail "the plan's figures"
+import json, os
+plan = json.load(open("plan.json"))["plan"]
+assert [p["voxel_size_m"] for p in plan] == [0.01, 0.005, 0.0025], plan
+assert [round(p["standoff_m"], 9) for p in plan] == [0.02, 0.01, 0.005], plan
+assert [round(p["narrowest_gap_m"], 9) for p in plan] == [0.06, 0.03, 0.015], plan
+assert all(p["fits"] and p["bake_s"] > 0 for p in plan), plan
+size = os.path.getsize("bay.vox")
+assert 0.5 < plan[1]["file_bytes"] / size < 2, (plan[1], size)
+part = json.load(open("part.json"))
+promised = plan[1]["shell_points_per_m2"] * part["area_m2"]
+assert 0.8 < promised / part["points"] < 1.25, (promised, part["points"])
+EOF
+status=0
+"$bin/voxelize" "$data/bay.json" --plan -o x.vox 2>err || status=$?
+[ $status = 2 ] && grep -q -- '--plan' err && [ ! -e x.vox ] || fail "--plan with an output: $(cat err)"
+status=0
+"$bin/voxelize" "$data/bay.json" 2>err || status=$?
+[ $status = 2 ] && grep -q -- '-o' err || fail "neither --plan nor an output: $(cat err)"

@@ -1,0 +1,148 @@
+// What --plan promises: figures that follow from the definitions, and estimates against real bakes.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "formats/mesh/scene.h"
+#include "tests/support/baked_scene.h"
+#include "tests/support/reference_bake.h"
+#include "tests/support/soups.h"
+#include "voxelize/plan.h"
+
+namespace forcelayer {
+namespace {
+
+using reference::BakedScene;
+using reference::Random;
+using reference::real;
+
+// The estimated file size holds within this factor, either way. Measured on the sample scene and
+// the models: 0.6 to 1.4 of the true size; the curve knows nothing of which bricks will be equal.
+constexpr double kSizeFactor = 2;
+
+void expect_size_is_estimated(const std::vector<SceneObject>& objects, double voxel_size_m) {
+  BakeOptions options;
+  options.voxel_size_m = voxel_size_m;
+  const auto plan = plan_bakes(objects, options);
+  ASSERT_TRUE(plan) << to_line(plan.error());
+  for (const PlannedSize& size : plan->sizes) {
+    options.voxel_size_m = size.voxel_size_m;
+    const auto baked = bake(objects, options);
+    ASSERT_TRUE(baked) << to_line(baked.error());
+    const auto bytes = static_cast<double>(voxmap_bytes(baked->content({})).size());
+    EXPECT_LT(size.file_bytes, bytes * kSizeFactor) << size.voxel_size_m;
+    EXPECT_GT(size.file_bytes, bytes / kSizeFactor) << size.voxel_size_m;
+    EXPECT_GT(size.bake_s, 0);
+    EXPECT_TRUE(size.fits);
+  }
+}
+
+std::vector<SceneObject> objects_of(const Scene& scene) {
+  std::vector<SceneObject> objects;
+  for (const ScenePart& part : scene.parts) {
+    objects.push_back({part.name, &scene.mesh_of(part), part.world_from_mesh, {}, 0});
+  }
+  return objects;
+}
+
+TEST(Plan, FileSizeOfTheSampleSceneIsEstimated) {
+  const std::string path = FORCELAYER_SOURCE_DIR "/sample_data/bay.json";
+  const auto scene = read_scene(std::span(&path, 1), std::nullopt);
+  ASSERT_TRUE(scene) << to_line(scene.error());
+  expect_size_is_estimated(objects_of(*scene), 0.01);
+}
+
+TEST(Plan, FileSizesOfModelsAreEstimated) {
+  const std::string models = FORCELAYER_SOURCE_DIR "/../shared/models/";
+  if (!std::filesystem::exists(models)) GTEST_SKIP() << models << " is not there";
+  const std::pair<const char*, double> files[] = {{"scan/stanford-bunny.obj", 0.1557 / 200},
+                                                  {"scan/dragon-100k.obj", 2.0 / 200},
+                                                  {"cad/counter.unitsmm.stl", 304.8 / 200}};
+  for (const auto& [file, voxel_size_m] : files) {
+    SCOPED_TRACE(file);
+    const std::string path = models + file;
+    const auto scene = read_scene(std::span(&path, 1), 1.0);
+    ASSERT_TRUE(scene) << to_line(scene.error());
+    expect_size_is_estimated(objects_of(*scene), voxel_size_m);
+  }
+}
+
+TEST(Plan, TooLargeSizesAreMarked) {
+  Random random(1);
+  const Mesh mesh = reference::random_object(random, {0, 0, 0}, 1e6);
+  BakeOptions options;
+  options.voxel_size_m = 0.001;
+  const auto plan = plan_bakes(std::vector<SceneObject>{{"big", &mesh, Affine{}, {}, 0}}, options);
+  ASSERT_TRUE(plan) << to_line(plan.error());
+  EXPECT_FALSE(plan->sizes[0].fits);
+  EXPECT_GT(plan->probe_sizes_m[1], 100);  // coarse, whatever was asked for
+}
+
+// A plate on each side of a gap along x, in voxels of 1 m.
+Mesh plates(double first_end, double gap) {
+  const auto box = [](Mesh& mesh, double x0, double x1) {
+    const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+    for (const double x : {x0, x1}) {
+      for (const double y : {0.0, 20.0}) {
+        for (const double z : {0.0, 20.0}) mesh.vertices.push_back({x, y, z});
+      }
+    }
+    constexpr std::array<Triangle, 12> kFaces = {{{0, 1, 3},
+                                                  {0, 3, 2},
+                                                  {4, 6, 7},
+                                                  {4, 7, 5},
+                                                  {0, 4, 5},
+                                                  {0, 5, 1},
+                                                  {2, 3, 7},
+                                                  {2, 7, 6},
+                                                  {0, 2, 6},
+                                                  {0, 6, 4},
+                                                  {1, 5, 7},
+                                                  {1, 7, 3}}};
+    for (const Triangle& t : kFaces) {
+      mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+    }
+  };
+  Mesh mesh;
+  box(mesh, first_end - 3, first_end);
+  box(mesh, first_end + gap, first_end + gap + 3);
+  return mesh;
+}
+
+// Voxels of neither the force layer nor the interior between the plates.
+int passable_voxels(const Mesh& mesh, std::uint32_t layers, double first_end, double gap) {
+  BakeOptions options;
+  options.voxel_size_m = 1;
+  options.layers = layers;
+  const BakedScene baked({{"plates", &mesh, Affine{}, {}, 0}}, options);
+  int passable = 0;
+  for (double x = std::floor(first_end); x <= first_end + gap; ++x) {
+    const VoxelValue value = baked.map().value(static_cast<std::int64_t>(x), 10, 10);
+    passable += value == VoxelValue::kFree || value == VoxelValue::kProximity ? 1 : 0;
+  }
+  return passable;
+}
+
+TEST(Plan, TheNarrowestGapIsPassableWhereverItLiesAndNoNarrowerOneIs) {
+  for (std::uint32_t layers = 0; layers <= 3; ++layers) {
+    const double gap = 2 * layers + 2;
+    BakeOptions options;
+    options.voxel_size_m = 1;
+    options.layers = layers;
+    const Mesh some = plates(3, 5);
+    const auto plan = plan_bakes(std::vector<SceneObject>{{"p", &some, Affine{}, {}, 0}}, options);
+    ASSERT_TRUE(plan) << to_line(plan.error());
+    ASSERT_EQ(plan->sizes[0].narrowest_gap_m, gap);
+    bool narrower_is_closed = false;
+    for (int step = 0; step < 16; ++step) {
+      const double end = 5 + step / 16.0;
+      EXPECT_GT(passable_voxels(plates(end, gap), layers, end, gap), 0) << layers << ' ' << end;
+      const double narrower = gap - 1.0 / 16;
+      narrower_is_closed |= passable_voxels(plates(end, narrower), layers, end, narrower) == 0;
+    }
+    EXPECT_TRUE(narrower_is_closed) << layers;
+  }
+}
+
+}  // namespace
+}  // namespace forcelayer

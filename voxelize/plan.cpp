@@ -1,0 +1,158 @@
+#include "voxelize/plan.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "voxelize/directory_limit.h"
+
+namespace forcelayer {
+namespace {
+
+// Voxels across the scene of the finer of the two bakes: a fraction of a second, and fine enough
+// that surfaces count for more than what a file has anyway.
+constexpr double kProbeVoxels = 512;
+
+// Points per s^2 of surface of a shell with the default covering radius of sqrt(3)/2 s: 1.15 times
+// the planar bound of 2 / (3 sqrt(3) rho^2).
+constexpr double kShellPointsPerVoxelFace = 0.59;
+
+struct Probe {
+  double voxel_size_m = 0, file_bytes = 0, bake_s = 0;
+  VoxelBox box;  // of what is not free
+};
+
+double longest_side_m(std::span<const SceneObject> objects) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  Vec3d low{kInfinity, kInfinity, kInfinity}, high{-kInfinity, -kInfinity, -kInfinity};
+  for (const SceneObject& object : objects) {
+    for (const Vec3d& vertex : object.mesh->vertices) {
+      const Vec3d world = apply(object.world_from_mesh, vertex);
+      for (std::size_t d = 0; d < 3; ++d) {
+        low[d] = std::min(low[d], world[d]);
+        high[d] = std::max(high[d], world[d]);
+      }
+    }
+  }
+  double longest = 0;
+  for (std::size_t d = 0; d < 3; ++d) longest = std::max(longest, high[d] - low[d]);
+  return longest;
+}
+
+// A free seed may lie in geometry at the coarse size; what it opens changes size and time little.
+Result<Probe> probe(std::span<const SceneObject> objects, BakeOptions options,
+                    double voxel_size_m) {
+  std::vector<SceneObject> unseeded(objects.begin(), objects.end());
+  for (SceneObject& object : unseeded) object.free_seeds_m.clear();
+  options.free_seeds_m.clear();
+  options.progress = nullptr;
+  options.voxel_size_m = voxel_size_m;
+  const auto start = std::chrono::steady_clock::now();
+  const auto baked = bake(unseeded, options);
+  if (!baked) return baked.error();
+  Probe result;
+  result.voxel_size_m = voxel_size_m;
+  result.file_bytes = static_cast<double>(voxmap_bytes(baked->content({})).size());
+  result.bake_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const VoxmapHeader& h = baked->header;
+  result.box.low = h.origin_voxel;
+  for (std::size_t d = 0; d < 3; ++d) {
+    result.box.high[d] = h.origin_voxel[d] + static_cast<std::int64_t>(h.dims_voxels[d]) - 1;
+  }
+  return result;
+}
+
+// The curve a x^p + b x^q through two points, neither part falling, at x.
+struct Curve {
+  double x0, y0, x1, y1, p, q;
+  double at(double x) const {
+    const double xp0 = std::pow(x0, p), xq0 = std::pow(x0, q), xp1 = std::pow(x1, p),
+                 xq1 = std::pow(x1, q);
+    const double a = (y1 * xq0 - y0 * xq1) / (xp1 * xq0 - xp0 * xq1);
+    const double b = (y0 - a * xp0) / xq0;
+    if (a < 0) return y1 / xq1 * std::pow(x, q);
+    if (b < 0) return y1 / xp1 * std::pow(x, p);
+    return a * std::pow(x, p) + b * std::pow(x, q);
+  }
+};
+
+// Whether the format could hold the scene: the probe's box, at another size.
+bool fits(const Probe& coarse, double voxel_size_m) {
+  const double ratio = coarse.voxel_size_m / voxel_size_m;
+  VoxelBox box;
+  for (std::size_t d = 0; d < 3; ++d) {
+    box.low[d] = std::llround(std::floor(static_cast<double>(coarse.box.low[d]) * ratio));
+    box.high[d] = std::llround(std::ceil(static_cast<double>(coarse.box.high[d] + 1) * ratio));
+  }
+  return static_cast<bool>(fit_directory(box, voxel_size_m));
+}
+
+}  // namespace
+
+Result<Plan> plan_bakes(std::span<const SceneObject> objects, const BakeOptions& options) {
+  Plan plan;
+  const double fine =
+      std::clamp(longest_side_m(objects) / kProbeVoxels, kMinVoxelSizeM, kMaxVoxelSizeM / 2);
+  plan.probe_sizes_m = {2 * fine, fine};
+  const auto coarse = probe(objects, options, plan.probe_sizes_m[0]);
+  if (!coarse) return coarse.error();
+  const auto finer = probe(objects, options, plan.probe_sizes_m[1]);
+  if (!finer) return finer.error();
+
+  // In 1/s: surfaces grow with its square, edges and rods with itself, triangles not at all.
+  const double x0 = 1 / coarse->voxel_size_m, x1 = 1 / finer->voxel_size_m;
+  const Curve bytes{x0, coarse->file_bytes, x1, finer->file_bytes, 2, 1};
+  const Curve seconds{x0, coarse->bake_s, x1, finer->bake_s, 2, 0};
+  for (std::size_t i = 0; i < plan.sizes.size(); ++i) {
+    PlannedSize& size = plan.sizes[i];
+    const double s = options.voxel_size_m / static_cast<double>(1u << i), k = options.layers;
+    size.voxel_size_m = s;
+    size.standoff_m = k * s;
+    size.narrowest_gap_m = (2 * k + 2) * s;
+    size.shell_points_per_m2 = kShellPointsPerVoxelFace / (s * s);
+    size.file_bytes = bytes.at(1 / s);
+    size.bake_s = seconds.at(1 / s);
+    size.fits = fits(*finer, s);
+  }
+  return plan;
+}
+
+std::string table_of(const Plan& plan) {
+  char line[200];
+  std::snprintf(line, sizeof line, "%10s %10s %10s %18s %10s %10s\n", "voxel", "standoff", "gap",
+                "shell points/dm2", "file", "bake");
+  std::string table = line;
+  for (const PlannedSize& size : plan.sizes) {
+    std::snprintf(line, sizeof line, "%7.4g mm %7.4g mm %7.4g mm %18.0f %7.3g MB %8.2g s%s\n",
+                  size.voxel_size_m * 1e3, size.standoff_m * 1e3, size.narrowest_gap_m * 1e3,
+                  size.shell_points_per_m2 * 1e-2, size.file_bytes * 1e-6, size.bake_s,
+                  size.fits ? "" : "  too large for a .vox file");
+    table += line;
+  }
+  std::snprintf(line, sizeof line,
+                "standoff: of a resting contact, per side; gap: what a thin part passes without "
+                "contact, add its thickness\nfile and bake: extrapolated from bakes at %.4g and "
+                "%.4g mm\n",
+                plan.probe_sizes_m[0] * 1e3, plan.probe_sizes_m[1] * 1e3);
+  return table + line;
+}
+
+nlohmann::ordered_json report_of(const Plan& plan) {
+  using Json = nlohmann::ordered_json;
+  Json sizes = Json::array();
+  for (const PlannedSize& size : plan.sizes) {
+    sizes.push_back({{"voxel_size_m", size.voxel_size_m},
+                     {"standoff_m", size.standoff_m},
+                     {"narrowest_gap_m", size.narrowest_gap_m},
+                     {"shell_points_per_m2", size.shell_points_per_m2},
+                     {"file_bytes", std::round(size.file_bytes)},
+                     {"bake_s", size.bake_s},
+                     {"fits", size.fits}});
+  }
+  return {{"plan", sizes}, {"probe_sizes_m", plan.probe_sizes_m}};
+}
+
+}  // namespace forcelayer

@@ -1,0 +1,44 @@
+// What a voxel size would give and cost, before anything is baked at it.
+//
+// Standoff, gap and shell points follow from the definitions; file size and time are extrapolated
+// from two bakes at sizes so coarse that they cost little.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <nlohmann/json_fwd.hpp>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "voxelize/bake.h"
+
+namespace forcelayer {
+
+struct PlannedSize {
+  double voxel_size_m = 0;
+  // How far a resting contact holds a point of the part off a surface, on average over where the
+  // surface lies in its voxel: to the middle of the force layer, k voxels. Half a voxel less at
+  // worst.
+  double standoff_m = 0;
+  // The narrowest gap between parallel walls along the lattice that a thin part passes without
+  // contact, wherever it lies: 2k + 2 voxels. A part of thickness t needs t more.
+  double narrowest_gap_m = 0;
+  double shell_points_per_m2 = 0;  // of the moving part's surface, at pointshell's default radius
+  double file_bytes = 0;           // estimated
+  double bake_s = 0;               // estimated: without reading, on as many threads as the bake has
+  bool fits = true;                // whether the format's directory could hold it
+};
+
+struct Plan {
+  std::array<PlannedSize, 3> sizes;     // at the voxel size, its half and its quarter
+  std::array<double, 2> probe_sizes_m;  // at which was baked to know
+};
+
+// Errors are those of bake().
+Result<Plan> plan_bakes(std::span<const SceneObject> objects, const BakeOptions& options);
+
+std::string table_of(const Plan& plan);
+nlohmann::ordered_json report_of(const Plan& plan);
+
+}  // namespace forcelayer
