@@ -9,6 +9,7 @@
 
 #include "runtime/callback_servo.h"
 #include "runtime/derive_parameters.h"
+#include "runtime/real_time.h"
 
 using namespace forcelayer;
 
@@ -59,10 +60,14 @@ int main(int argc, char** argv) {
   // The device's origin stands 60 mm above the middle of the floor, and so does the part.
   DevicePlacement placement;
   placement.world_from_device.position_m = {0.1, 0.1, 0.06};
+  OutputLimits limits = output_limits(derived->values);
+  limits.stale_s = 0.1;  // a shared machine and no motors; else leave it
   CallbackServo servo(**simulation, my_device(), placement, placement.world_from_device,
-                      my_reading(0), output_limits(derived->values));
+                      my_reading(0), limits);
 
-  // Your servo thread. The wrench goes to the motors: newtons and newton metres, device axes.
+  // Your servo thread, with real-time priority where it is granted. The wrench goes to the motors:
+  // newtons and newton metres, device axes.
+  take_real_time_priority();
   double largest_n = 0;
   auto tick = std::chrono::steady_clock::now();
   for (int frame = 0; frame < 1000; ++frame) {

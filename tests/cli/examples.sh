@@ -1,0 +1,79 @@
+#!/usr/bin/env bash
+# The examples of runtime/examples, as somebody would try them: the loop in another program's servo
+# thread (C++ and C, with a part swapped while it runs), and the receiver of the pose stream.
+set -euo pipefail
+bin=$FORCELAYER_BIN_DIR
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+cd "$scratch"
+"$bin/make_runtime_files" .
+
+fail() { echo "FAILED: $*" >&2; exit 1; }
+
+lines=$(grep -c '' "$FORCELAYER_SOURCE_DIR/runtime/examples/embed.cpp")
+[ "$lines" -lt 100 ] || fail "the example has $lines lines"
+
+# A machine that is busy with other things may be late by more than the examples' 0.1 s. Then they
+# stand at zero, as they should, and are tried again.
+for try in 1 2 3 4 5; do
+  "$bin/example_embed" floor.vox ball.pshell >embed.txt
+  grep -q 'trips 0' embed.txt && break
+done
+grep -qE 'largest force [1-8]\.[0-9]+ N, [1-9][0-9]* of 1000 frames in contact, 0 penetrating' embed.txt ||
+  fail "$(cat embed.txt)"
+status=0
+"$bin/example_embed" none.vox ball.pshell 2>error.txt || status=$?
+[ "$status" -eq 1 ] && grep -q 'none.vox' error.txt || fail "status $status: $(cat error.txt)"
+
+for try in 1 2 3 4 5; do
+  "$bin/example_embed_c" floor.vox ball.pshell ball.pshell >embed_c.txt || fail "$(cat embed_c.txt)"
+  grep -q 'last trip none' embed_c.txt && break
+done
+grep -qE 'before: output 1, largest force [1-9]' embed_c.txt || fail "$(cat embed_c.txt)"
+# Swapped in at z = 60 mm, away from the floor, and armed again.
+grep -qE 'at the end: output 1, part at z = 0\.060 m, last trip none' embed_c.txt ||
+  fail "$(cat embed_c.txt)"
+status=0
+"$bin/example_embed_c" floor.vox none.pshell 2>error.txt || status=$?
+[ "$status" -eq 1 ] && grep -q 'none.pshell' error.txt || fail "status $status: $(cat error.txt)"
+
+# A free port, taken and given back.
+port=$(python3 -c 'import socket; s = socket.socket(socket.AF_INET, socket.SOCK_DGRAM); s.bind(("127.0.0.1", 0)); print(s.getsockname()[1])')
+"$bin/example_pose_receiver" "$port" 3 >poses.txt &
+"$bin/voxrun" floor.vox ball.pshell --start 0.1,0.1,0.2 --duration 2s --udp "$port" --quiet
+wait $!
+[ "$(grep -c 'part   0.1000   0.1000   0.2000 m' poses.txt)" -ge 10 ] || fail "$(cat poses.txt)"
+
+# A plugin needs one header and a C compiler.
+cc -std=c11 -shared -fPIC -I "$FORCELAYER_SOURCE_DIR/runtime/devices" \
+  "$FORCELAYER_SOURCE_DIR/runtime/examples/spring_plugin.c" -o spring_plugin.so -lm
+"$bin/voxrun" floor.vox ball.pshell --device plugin --plugin ./spring_plugin.so --quiet \
+  --plugin-args depth=0.01 --world-from-device 0.1,0.1,0.1 --duration 200ms --stale-limit 250ms ||
+  fail "the plugin"
+status=0
+"$bin/voxrun" floor.vox ball.pshell --device plugin --plugin ./spring_plugin.so --quiet \
+  --plugin-args nonsense 2>error.txt || status=$?
+[ "$status" -eq 5 ] && grep -q 'depth=METRES' error.txt || fail "status $status: $(cat error.txt)"
+
+# doctor names what it looked at; whatever the machine, it ends with status 0.
+"$bin/voxrun" doctor --clock 100ms >/dev/null 2>&1 && fail "a length of time without its option's form"
+"$bin/voxrun" doctor --clock 0.2 --json doctor.json >doctor.txt || fail "doctor: status $?"
+for what in 'real-time priority' 'memory locking' 'kernel preemption' 'frequency governor' \
+  'virtual machine' 'udev rules' 'clock'; do
+  grep -q "$what:" doctor.txt || fail "doctor says nothing of $what"
+done
+python3 - <<'PYTHON'
+import json
+findings = json.load(open("doctor.json"))["findings"]
+assert all(f["verdict"] in ("good", "note", "change") and f["seen"] for f in findings)
+assert all(f["mend"] for f in findings if f["verdict"] == "change")
+PYTHON
+# What is refused is named with what to do about it (as a user without privileges).
+if [ "$(id -u)" -eq 0 ]; then
+  chmod 755 "$scratch"
+  (ulimit -r 0 -l 64; setpriv --reuid=65534 --clear-groups --bounding-set=-all "$bin/voxrun" doctor \
+    --clock 0 >refused.txt) || fail "doctor without privileges"
+  grep -q 'change real-time priority: refused' refused.txt || fail "$(cat refused.txt)"
+  grep -q 'change memory locking' refused.txt || fail "$(cat refused.txt)"
+  grep -q '@realtime - rtprio 90' refused.txt || fail "$(cat refused.txt)"
+fi
