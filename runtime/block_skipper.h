@@ -14,7 +14,7 @@ namespace forcelayer {
 
 // What is skipped; each can be switched off to measure what it saves.
 struct SkipOptions {
-  bool clearance = true;     // blocks whose sphere lies in known free space
+  bool clearance = true;     // blocks whose points lie in known free space
   bool super_blocks = true;  // the same for whole super-blocks first
   bool coherence = true;     // neither is looked at before it can have moved far enough
 };
@@ -33,15 +33,16 @@ class BlockSkipper {
                                             const VoxelPose& pose, double rounding_voxels) noexcept;
 
  private:
-  // Spheres of one level with what is known of each.
+  // Runs of points at one level, each in a disc (KernelDiscs), with what is known of it.
   struct Level {
-    const BoundingSphere* spheres = nullptr;
     std::uint32_t count = 0;
+    std::vector<float> place, shape;  // of the discs
     std::vector<float> reach_voxels;  // of the farthest point from the centroid
-    std::vector<float> free_until;    // spent motion (voxels) up to which the sphere is known free
+    std::vector<float> free_until;    // spent motion (voxels) up to which the disc is known free
   };
 
-  Level make_level(const BoundingSphere* spheres, std::uint64_t count) const;
+  Level make_level(const PshellView& shell, const BoundingSphere* spheres, std::uint64_t count,
+                   std::uint64_t run_points) const;
   void spend_motion(const Pose& world_from_center) noexcept;
   void forget() noexcept;
   bool all_known_free(const Level& level, std::uint32_t begin, std::uint32_t end) const noexcept;
@@ -57,7 +58,7 @@ class BlockSkipper {
   Level blocks_, super_blocks_;
   double radius_voxels_;
   std::vector<std::uint32_t> candidates_;
-  SphereMargin margin_;
+  DiscMargin margin_;
   bool has_last_ = false;
   Pose last_;
   double travel_voxels_ = 0;  // of the centroid, since forget()

@@ -253,14 +253,14 @@ HWY_INLINE VF inside_by(VF low, VF high, VF from, VF to) {
   return hn::Min(hn::Sub(low, from), hn::Sub(to, high));
 }
 
-// A voxel bound relative to the centre's voxel, as a float rounded against the sphere.
+// A voxel bound relative to the centre's voxel, as a float rounded against the disc.
 HWY_INLINE float bound_from(std::int32_t bound, std::int32_t center, float direction) {
   const float distance = static_cast<float>(static_cast<double>(bound) - center);
   const float rounding = (distance < 0 ? -distance : distance) * 0x1p-22f;
   return distance + direction * rounding;
 }
 
-// How far spheres lie outside the box of the non-free voxels: the largest gap on any axis.
+// How far discs lie outside the box of the non-free voxels: the largest gap on any axis.
 HWY_INLINE VF outside_tight_box(const KernelMap& map, const VoxelPose& pose, const Three& low,
                                 const Three& high) {
   const F f;
@@ -272,7 +272,7 @@ HWY_INLINE VF outside_tight_box(const KernelMap& map, const VoxelPose& pose, con
   return hn::Max(gap(low.x, high.x, 0), hn::Max(gap(low.y, high.y, 1), gap(low.z, high.z, 2)));
 }
 
-// How far spheres lie inside the box of the known voxels.
+// How far discs lie inside the box of the known voxels.
 HWY_INLINE VF inside_known_box(const KernelMap& map, const VoxelPose& pose, const Three& low,
                                const Three& high) {
   const F f;
@@ -285,7 +285,7 @@ HWY_INLINE VF inside_known_box(const KernelMap& map, const VoxelPose& pose, cons
                  hn::Min(depth(low.y, high.y, 1), depth(low.z, high.z, 2)));
 }
 
-// How far spheres lie inside the free surroundings of the entry that holds their centre: its box
+// How far discs lie inside the free surroundings of the entry that holds their centre: its box
 // and clearance - 1 voxels around it. Negative where the entry is not uniformly free.
 HWY_INLINE VF inside_clearance(const KernelMap& map, const VoxelPose& pose, const Placed& center,
                                const Three& low, const Three& high) {
@@ -314,29 +314,48 @@ HWY_INLINE VF inside_clearance(const KernelMap& map, const VoxelPose& pose, cons
   return hn::IfThenElse(hn::RebindMask(f, free), slack, hn::Set(f, -1.0f));
 }
 
-void SurveySpheres(const KernelMap& map, const VoxelPose& pose, const SphereMargin& margin,
-                   const float* spheres, std::uint32_t begin, std::uint32_t end, float* slack) {
+// Half the extent of discs along one world axis, m, `along` being their axes' components on it. The
+// term under the root covers what single precision does to the component's square.
+HWY_INLINE VF half_extent(VF radius, VF half_height, VF along) {
+  const F f;
+  const VF across = hn::Sub(hn::Set(f, 1.0f + 2e-6f), hn::Mul(along, along));
+  return hn::Add(hn::Mul(radius, hn::Sqrt(hn::Max(across, hn::Zero(f)))),
+                 hn::Mul(half_height, hn::Abs(along)));
+}
+
+void SurveyDiscs(const KernelMap& map, const VoxelPose& pose, const DiscMargin& margin,
+                 const KernelDiscs& discs, std::uint32_t begin, std::uint32_t end, float* slack) {
   const F f;
   constexpr std::uint32_t kLanes = static_cast<std::uint32_t>(hn::MaxLanes(f));
-  HWY_ALIGN float tail[4 * kLanes] = {};
+  HWY_ALIGN float tail[2][4 * kLanes] = {};
   HWY_ALIGN float result[kLanes];
   for (std::uint32_t first = begin; first < end; first += kLanes) {
     const std::uint32_t count = end - first < kLanes ? end - first : kLanes;
-    const float* from = spheres + std::size_t{4} * first;
+    const float* place_from = discs.place + std::size_t{4} * first;
+    const float* shape_from = discs.shape + std::size_t{4} * first;
     if (count < kLanes) {
-      for (std::uint32_t n = 0; n < 4 * count; ++n) tail[n] = from[n];
-      from = tail;
+      for (std::uint32_t n = 0; n < 4 * count; ++n) {
+        tail[0][n] = place_from[n];
+        tail[1][n] = shape_from[n];
+      }
+      place_from = tail[0];
+      shape_from = tail[1];
     }
-    Three center;
-    VF radius;
-    hn::LoadInterleaved4(f, from, center.x, center.y, center.z, radius);
+    Three center, axis;
+    VF radius, half_height;
+    hn::LoadInterleaved4(f, place_from, center.x, center.y, center.z, radius);
+    hn::LoadInterleaved4(f, shape_from, axis.x, axis.y, axis.z, half_height);
     const Placed p = place(pose, center);
-    const VF reach =
-        hn::Add(hn::Mul(radius, hn::Set(f, margin.radius_scale)), hn::Set(f, margin.voxels));
-    const Three low = {hn::Sub(p.position.x, reach), hn::Sub(p.position.y, reach),
-                       hn::Sub(p.position.z, reach)};
-    const Three high = {hn::Add(p.position.x, reach), hn::Add(p.position.y, reach),
-                        hn::Add(p.position.z, reach)};
+    const Three along = times(pose.rotation, axis);
+    const auto reach = [&](VF component) HWY_ATTR {
+      return hn::Add(hn::Mul(half_extent(radius, half_height, component), hn::Set(f, margin.scale)),
+                     hn::Set(f, margin.voxels));
+    };
+    const Three reaches = {reach(along.x), reach(along.y), reach(along.z)};
+    const Three low = {hn::Sub(p.position.x, reaches.x), hn::Sub(p.position.y, reaches.y),
+                       hn::Sub(p.position.z, reaches.z)};
+    const Three high = {hn::Add(p.position.x, reaches.x), hn::Add(p.position.y, reaches.y),
+                        hn::Add(p.position.z, reaches.z)};
     VF by =
         hn::Max(inside_clearance(map, pose, p, low, high), outside_tight_box(map, pose, low, high));
     if (map.cropped) by = hn::Min(by, inside_known_box(map, pose, low, high));
@@ -359,7 +378,7 @@ HWY_AFTER_NAMESPACE();
 namespace forcelayer {
 
 HWY_EXPORT(CollectBlocks);
-HWY_EXPORT(SurveySpheres);
+HWY_EXPORT(SurveyDiscs);
 HWY_EXPORT(TargetName);
 
 bool kernel_reaches(std::uint64_t upper_nodes, std::uint64_t lower_nodes, std::uint64_t bricks,
@@ -375,10 +394,10 @@ void collect_blocks(const KernelMap& map, const KernelShell& shell, const VoxelP
   HWY_DYNAMIC_DISPATCH(CollectBlocks)(map, shell, pose, blocks, block_count, out);
 }
 
-void survey_spheres(const KernelMap& map, const VoxelPose& pose, const SphereMargin& margin,
-                    const float* spheres, std::uint32_t begin, std::uint32_t end,
-                    float* slack_voxels) noexcept {
-  HWY_DYNAMIC_DISPATCH(SurveySpheres)(map, pose, margin, spheres, begin, end, slack_voxels);
+void survey_discs(const KernelMap& map, const VoxelPose& pose, const DiscMargin& margin,
+                  const KernelDiscs& discs, std::uint32_t begin, std::uint32_t end,
+                  float* slack_voxels) noexcept {
+  HWY_DYNAMIC_DISPATCH(SurveyDiscs)(map, pose, margin, discs, begin, end, slack_voxels);
 }
 
 const char* kernel_target() { return HWY_DYNAMIC_DISPATCH(TargetName)(); }

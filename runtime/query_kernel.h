@@ -1,5 +1,6 @@
 // The vectorised inner loops of the contact query, dispatched at run time to the machine's
-// instruction set (Highway: AVX-512, AVX2, SSE4, SSSE3, NEON). Plain pointers in and out.
+// instruction set (Highway: AVX-512, AVX2, SSE4, SSSE3; NEON too by Highway's account, which nobody
+// has compiled or run here). Plain pointers in and out.
 #pragma once
 
 #include <array>
@@ -59,18 +60,25 @@ void collect_blocks(const KernelMap& map, const KernelShell& shell, const VoxelP
                     const std::uint32_t* blocks, std::uint32_t block_count,
                     PointColumns& out) noexcept;
 
-// What a sphere's computed voxels are bounded by, beside its radius.
-struct SphereMargin {
-  float radius_scale = 1;  // voxels a metre, rounded up
-  float voxels = 0;        // added
+// Flat cylinders that hold the points of one block each, as quadruples: a shell is locally flat, so
+// that they are much thinner than spheres. Part frame, m.
+struct KernelDiscs {
+  const float* place = nullptr;  // center x, y, z; radius
+  const float* shape = nullptr;  // unit axis x, y, z; half the height
 };
 
-// For spheres [begin, end) of x, y, z, radius quadruples: how far, in voxels, each may still move
-// before one of its points can lie in a voxel that is not free (or not known); at most 0 where that
-// cannot be told from one look-up of its centre.
-void survey_spheres(const KernelMap& map, const VoxelPose& pose, const SphereMargin& margin,
-                    const float* spheres, std::uint32_t begin, std::uint32_t end,
-                    float* slack_voxels) noexcept;
+// What a disc's computed voxels are bounded by, beside its extent.
+struct DiscMargin {
+  float scale = 1;   // voxels a metre, rounded up
+  float voxels = 0;  // added
+};
+
+// For discs [begin, end): how far, in voxels, each may still move before one of its points can lie
+// in a voxel that is not free (or not known); at most 0 where that cannot be told from one look-up
+// of its centre.
+void survey_discs(const KernelMap& map, const VoxelPose& pose, const DiscMargin& margin,
+                  const KernelDiscs& discs, std::uint32_t begin, std::uint32_t end,
+                  float* slack_voxels) noexcept;
 
 // Name of the instruction set in use, for reports.
 const char* kernel_target();
