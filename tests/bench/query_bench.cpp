@@ -1,97 +1,76 @@
-// The contact query against a wall, by shell size and way of working, beside an OpenVDB
-// ValueAccessor on the same tree: all methods in turn at every frame of one motion.
+// The contact query by motion, shell size and way of working, beside peers: an OpenVDB
+// ValueAccessor on the same tree, a trilinear OpenVDB level set, and FCL, mesh against mesh. All
+// take turns along the same recorded poses (METHOD.md).
 //
-//   query_bench [--frames N] [--largest POINTS] [--json FILE]
-//
-// Spheres of 0.63 points per squared voxel (what certified surface shells spend) slide and turn on
-// a wall of 320 x 320 voxels, their lowest points in the force layer. What the peer leaves out, in
-// its favour: it collects nothing, it only counts.
+//   query_bench [--motion NAME]... [--from POINTS] [--largest POINTS] [--seconds S] [--no-peers]
+//               [--json FILE]
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <functional>
-#include <glm/gtc/quaternion.hpp>
 #include <random>
+
+#if defined(__SSE2__)
+#include <emmintrin.h>
+#endif
 
 #include "runtime/contact_query.h"
 #include "runtime/query_kernel.h"
 #include "tests/bench/bench_report.h"
-#include "tests/bench/query_bench_accessor.h"
-#include "tests/support/point_part.h"
-#include "tests/support/voxel_scene.h"
+#include "tests/bench/query_bench_fcl.h"
+#include "tests/bench/query_bench_openvdb.h"
+#include "tests/bench/query_bench_setting.h"
+#include "tests/stress/baked.h"
 
 namespace forcelayer::bench {
 namespace {
 
-using test::PointPart;
-using test::Voxel;
-using test::VoxelScene;
+using Json = nlohmann::ordered_json;
 
-constexpr double kVoxelSizeM = 0.001;
-constexpr double kPointsPerVoxelArea = 0.63;
-constexpr double kLayerTopVoxels = 3;  // the wall fills z < 1, the force layer is z in [2, 3)
+constexpr std::size_t kFrames = 100'000;
+constexpr std::size_t kStretch = 50;  // frames that a method runs before the next one does
+constexpr std::size_t kColdFrames = 200;
+constexpr std::size_t kLargestLevelSet = 100'000;   // points; beyond, building it takes minutes
+constexpr std::uint32_t kNotCompared = UINT32_MAX;  // of methods that count something else
 
-// Interleaves the bits of three 10-bit numbers.
-std::uint32_t morton(const std::array<float, 3>& p, float radius) {
-  std::uint32_t code = 0;
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto cell = static_cast<std::uint32_t>((p[axis] / radius * 0.499f + 0.5f) * 1023);
-    for (std::uint32_t bit = 0; bit < 10; ++bit) code |= ((cell >> bit) & 1u) << (3 * bit + axis);
-  }
-  return code;
-}
-
-// A sphere whose points stand along a space-filling curve, as pointshell writes them.
-PointPart curve_sphere(std::size_t points, double& radius_voxels) {
-  radius_voxels = std::sqrt(double(points) / (4 * M_PI * kPointsPerVoxelArea));
-  const PointPart spiral = test::sphere_part(radius_voxels * kVoxelSizeM, points, kVoxelSizeM);
-  std::vector<std::size_t> order(points);
-  for (std::size_t i = 0; i < points; ++i) order[i] = i;
-  const auto radius_m = static_cast<float>(radius_voxels * kVoxelSizeM);
-  std::vector<std::uint32_t> codes;
-  for (const auto& p : spiral.points) codes.push_back(morton(p, radius_m));
-  std::sort(order.begin(), order.end(), [&](auto a, auto b) { return codes[a] < codes[b]; });
-  PointPart part = spiral;
-  for (std::size_t i = 0; i < points; ++i) {
-    part.points[i] = spiral.points[order[i]];
-    part.normals[i] = spiral.normals[order[i]];
-  }
-  return part;
-}
-
-// Frame n of the motion: a hand at 50 mm/s and 0.5 rad/s at 1 kHz, half a voxel up and down.
-Pose pose_of(int frame, double radius_voxels) {
-  Pose pose;
-  const double z = kLayerTopVoxels - 0.5 + 0.5 * std::sin(0.01 * frame) + radius_voxels;
-  pose.position_m = glm::dvec3(0.05 * std::fmod(frame, 1000.0) - 25, 3, z) * kVoxelSizeM;
-  pose.orientation = glm::angleAxis(0.0005 * frame, glm::normalize(glm::dvec3(0.3, 1, 0.2)));
-  return pose;
-}
+struct Choice {
+  std::vector<std::string> motions;
+  std::size_t from = 100, largest = 1'000'000;
+  double seconds = 0.5;  // a method may take, per motion and size
+  bool peers = true;
+  std::string json;
+};
 
 // One way of answering the query; returns the number of points found.
 struct Method {
   std::string name;
   std::function<std::uint32_t(const Pose&)> run;
+  std::function<void()> before, after;  // a run, unmeasured; may be empty
   std::vector<double> ns;
+  std::vector<std::uint32_t> found;
+  double spent_s = 0;
 };
 
-struct Ways {
+// Everything of one part in one setting.
+struct Contest {
+  Contest(const Setting& setting, const SpherePart& part, bool with_peers);
+
+  void add(const std::string& name, const QueryOptions& options);
+  void add_peers(const Setting& setting, const SpherePart& part);
+  void run_frame(Method& method, const Pose& pose);
+
+  Voxmap map;
+  const Pshell& shell;
+  CollectedPoints collected;
   std::vector<std::unique_ptr<ContactQuery>> queries;
-  CollectedPoints found;
+  std::unique_ptr<AccessorQuery> accessor;
+  std::unique_ptr<LevelSetQuery> level_set;
+  std::unique_ptr<FclQuery> fcl, grown_fcl;
   std::vector<Method> methods;
-
-  void add(const char* name, const Voxmap& map, const Pshell& shell, const QueryOptions& options) {
-    queries.push_back(std::make_unique<ContactQuery>(map, shell, options));
-    ContactQuery* query = queries.back().get();
-    methods.push_back({name,
-                       [this, query](const Pose& pose) {
-                         query->run(pose, found);
-                         return found.count;
-                       },
-                       {}});
-  }
 };
+
+Voxmap baked(const Mesh& scene) { return stress::BakedScene(scene, kVoxelSizeM).open(); }
 
 QueryOptions ways_of(bool clearance, bool super_blocks, bool coherence) {
   QueryOptions options;
@@ -99,87 +78,272 @@ QueryOptions ways_of(bool clearance, bool super_blocks, bool coherence) {
   return options;
 }
 
-void add_methods(const Voxmap& map, const Pshell& shell, const AccessorQuery& peer, Ways& ways) {
-  ways.add("all skipping", map, shell, ways_of(true, true, true));
-  ways.add("no coherence", map, shell, ways_of(true, true, false));
-  ways.add("no super-blocks", map, shell, ways_of(true, false, true));
-  ways.add("no skipping", map, shell, ways_of(false, false, false));
+Contest::Contest(const Setting& setting, const SpherePart& part, bool with_peers)
+    : map(baked(setting.scene)), shell(part.shell) {
+  collected.reserve(shell.view().point_count);
+  add("all skipping", ways_of(true, true, true));
+  add("no coherence", ways_of(true, true, false));
+  add("no super-blocks", ways_of(true, false, true));
+  QueryOptions shared = ways_of(true, true, true);
+  shared.threads = 2;
+  add("all skipping, 2 threads", shared);
+  add("no skipping", ways_of(false, false, false));
   QueryOptions scalar = ways_of(false, false, false);
   scalar.vector = false;
-  ways.add("scalar, no skipping", map, shell, scalar);
-  const ContactQuery* query = ways.queries.back().get();
-  ways.methods.push_back({"openvdb ValueAccessor",
-                          [query, &peer](const Pose& pose) { return peer.count(*query, pose); },
-                          {}});
+  add("scalar, no skipping", scalar);
+  if (with_peers) add_peers(setting, part);
 }
 
-nlohmann::ordered_json measure(const VoxelScene& scene, const Voxmap& map, std::size_t points,
-                               int frames) {
-  double radius_voxels = 0;
-  const Pshell shell = test::make_pshell(curve_sphere(points, radius_voxels));
-  const AccessorQuery peer(scene);
-  Ways ways;
-  ways.found.reserve(points);
-  add_methods(map, shell, peer, ways);
-  std::uint64_t found = 0;
+void Contest::add(const std::string& name, const QueryOptions& options) {
+  queries.push_back(std::make_unique<ContactQuery>(map, shell, options));
+  ContactQuery* query = queries.back().get();
+  Method method;
+  method.name = name;
+  method.run = [this, query](const Pose& pose) {
+    query->run(pose, collected);
+    return collected.count;
+  };
+  if (options.threads > 1) {
+    method.before = [query] { query->wake(); };
+    method.after = [query] { query->rest(); };
+  }
+  methods.push_back(std::move(method));
+}
+
+void Contest::add_peers(const Setting& setting, const SpherePart& part) {
+  const ContactQuery& query = *queries.back();
+  const auto add_peer = [this](const char* name, std::function<std::uint32_t(const Pose&)> run) {
+    Method method;
+    method.name = name;
+    method.run = std::move(run);
+    methods.push_back(std::move(method));
+  };
+  accessor = std::make_unique<AccessorQuery>(map);
+  add_peer("OpenVDB ValueAccessor", [&](const Pose& pose) { return accessor->count(query, pose); });
+  if (shell.view().point_count <= kLargestLevelSet) {
+    level_set = std::make_unique<LevelSetQuery>(setting.scene, kVoxelSizeM);
+    add_peer("OpenVDB level set, trilinear", [&](const Pose& pose) {
+      level_set->count(query, pose);
+      return kNotCompared;
+    });
+  }
+  const Mesh mesh = sphere_mesh(part.radius_m);
+  fcl = std::make_unique<FclQuery>(setting.scene, mesh);
+  grown_fcl = std::make_unique<FclQuery>(setting.grown, mesh);
+  add_peer("FCL meshes, contacts", [&](const Pose& pose) {
+    grown_fcl->contacts(pose);
+    return kNotCompared;
+  });
+  add_peer("FCL meshes, distance", [&](const Pose& pose) {
+    fcl->distance_m(pose);
+    return kNotCompared;
+  });
+}
+
+void Contest::run_frame(Method& method, const Pose& pose) {
+  if (method.before) method.before();
+  const double begin = now_s();
+  const std::uint32_t found = method.run(pose);
+  const double took = now_s() - begin;
+  if (method.after) method.after();
+  method.ns.push_back(took * 1e9);
+  method.found.push_back(found);
+  method.spent_s += took;
+}
+
+// Stretches of frames in random order, so that no method always follows the same one, and caches
+// are as warm as a loop that does nothing else would find them.
+void run_warm(Contest& contest, const Setting& setting, double seconds) {
   std::mt19937_64 random(1);
-  std::vector<std::size_t> order(ways.methods.size());
-  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-  for (int frame = 0; frame < frames; ++frame) {
-    const Pose pose = pose_of(frame, radius_voxels);
-    std::uint32_t first = 0;
-    // In another order at every frame: who comes after the peer meets the shell in cold caches.
-    std::shuffle(order.begin(), order.end(), random);
-    for (const std::size_t turn : order) {
-      Method& method = ways.methods[turn];
-      const double begin = now_s();
-      const std::uint32_t count = method.run(pose);
-      method.ns.push_back((now_s() - begin) * 1e9);
-      if (turn == order.front()) first = count;
-      if (count != first) throw std::runtime_error(method.name + " found other points");
+  std::vector<Method*> left;
+  for (Method& method : contest.methods) left.push_back(&method);
+  while (!left.empty()) {
+    std::shuffle(left.begin(), left.end(), random);
+    for (Method* method : left) {
+      for (std::size_t i = 0; i < kStretch && method->ns.size() < setting.poses.size(); ++i) {
+        contest.run_frame(*method, setting.poses[method->ns.size()]);
+        if (method->spent_s > seconds && method->ns.size() >= 20) break;
+      }
     }
-    found += first;
+    std::erase_if(left, [&](const Method* method) {
+      return method->ns.size() >= setting.poses.size() ||
+             (method->spent_s > seconds && method->ns.size() >= 20);
+    });
   }
-  nlohmann::ordered_json row = {{"points", points},
-                                {"frames", frames},
-                                {"mean_points_in_band", double(found) / frames},
-                                {"methods", nlohmann::ordered_json::object()}};
-  for (const Method& method : ways.methods) {
+}
+
+// Every method that counts the same finds the same in each frame.
+void compare(const Contest& contest, const Setting& setting) {
+  const Method& first = contest.methods.front();
+  for (const Method& method : contest.methods) {
+    for (std::size_t i = 0; i < std::min(method.found.size(), first.found.size()); ++i) {
+      if (method.found[i] == kNotCompared || method.found[i] == first.found[i]) continue;
+      throw std::runtime_error(setting.name + ", frame " + std::to_string(i) + ": " + method.name +
+                               " found " + std::to_string(method.found[i]) + " points instead of " +
+                               std::to_string(first.found[i]));
+    }
+  }
+}
+
+// Throws the bytes out of all caches. False where this machine offers no way.
+bool evict(const void* begin, std::size_t bytes) {
+#if defined(__SSE2__)
+  for (std::size_t at = 0; at < bytes; at += 64) {
+    _mm_clflush(static_cast<const char*>(begin) + at);
+  }
+  return true;
+#else
+  (void)begin, (void)bytes;
+  return false;
+#endif
+}
+
+template <class T>
+bool evict(const std::vector<T>& values) {
+  return evict(values.data(), values.size() * sizeof(T));
+}
+
+bool evict_all(const Contest& contest) {
+  const CollectedPoints& c = contest.collected;
+  bool done = evict(contest.map.bytes().data(), contest.map.bytes().size());
+  done = done && evict(contest.shell.bytes().data(), contest.shell.bytes().size());
+  done = done && evict(c.index) && evict(c.value);
+  for (const auto* v : {&c.vx, &c.vy, &c.vz}) done = done && evict(*v);
+  for (const auto* v : {&c.fx, &c.fy, &c.fz, &c.rx, &c.ry, &c.rz, &c.nx, &c.ny, &c.nz}) {
+    done = done && evict(*v);
+  }
+  return done;
+}
+
+// The same motion with map, shell and results out of the caches before every frame. What the
+// skipper keeps of each block stays warm.
+void add_cold(Contest& contest, const Setting& setting) {
+  Method cold;
+  cold.name = "all skipping, cold";
+  cold.run = contest.methods.front().run;
+  for (std::size_t i = 0; i < std::min(kColdFrames, setting.poses.size()); ++i) {
+    if (!evict_all(contest)) return;
+    contest.run_frame(cold, setting.poses[i]);
+  }
+  contest.methods.push_back(std::move(cold));
+}
+
+Json row_of(const Setting& setting, std::size_t points, const Contest& contest) {
+  const std::vector<std::uint32_t>& found = contest.methods.front().found;
+  double sum = 0;
+  for (const std::uint32_t n : found) sum += n;
+  Json row = {{"motion", setting.name},
+              {"points", points},
+              {"mean_points_in_band", sum / double(found.size())},
+              {"scene_triangles", setting.scene.triangles.size()},
+              {"methods", Json::object()}};
+  for (const Method& method : contest.methods) {
     const Percentiles p = percentiles(method.ns);
-    row["methods"][method.name] = {{"frame_ns", to_json(p)},
+    row["methods"][method.name] = {{"frames", method.ns.size()},
+                                   {"frame_ns", to_json(p)},
                                    {"ns_per_point", p.p50 / double(points)}};
-    std::printf("%9zu  %-22s p50 %10.1f us  p99 %10.1f us  %7.3f ns a point\n", points,
-                method.name.c_str(), p.p50 / 1e3, p.p99 / 1e3, p.p50 / double(points));
+    std::printf("%-10s %9zu  %-28s %6zu frames  p50 %11.2f us  p99 %11.2f us  %8.3f ns a point\n",
+                setting.name.c_str(), points, method.name.c_str(), method.ns.size(), p.p50 / 1e3,
+                p.p99 / 1e3, p.p50 / double(points));
   }
+  std::fflush(stdout);
   return row;
 }
 
-void run(int frames, std::size_t largest, const std::string& json, int argc, char** argv) {
-  const VoxelScene scene = test::offset_scene(kVoxelSizeM, {-160, -160, -2}, {320, 320, 8}, 2,
-                                              [](Voxel v) { return v[2] < 1; });
-  const Voxmap map = test::make_voxmap(scene);
-  nlohmann::ordered_json results = {{"instruction_set", kernel_target()},
-                                    {"rows", nlohmann::ordered_json::array()}};
-  std::printf("instruction set %s, %d frames\n", kernel_target(), frames);
-  for (std::size_t points = 100; points <= largest; points *= 10) {
-    const int share = std::max(20, static_cast<int>(frames / std::max(1.0, double(points) / 1e4)));
-    results["rows"].push_back(measure(scene, map, points, share));
+// p50 (or another percentile) of a method in a row, NAN where it is not there.
+double ns_of(const Json& rows, const std::string& motion, std::size_t points, const char* method,
+             const char* percentile) {
+  for (const Json& row : rows) {
+    if (row["motion"] != motion || row["points"] != points) continue;
+    if (row["methods"].contains(method)) return row["methods"][method]["frame_ns"][percentile];
   }
-  write_report("query", argc, argv, results, json);
+  return NAN;
+}
+
+// Each target beside what was measured.
+Json targets_of(const Json& rows) {
+  Json targets = Json::array();
+  const auto add = [&](const std::string& what, double measured, double target, bool at_least) {
+    if (std::isnan(measured)) return;
+    const bool met = at_least ? measured >= target : measured <= target;
+    targets.push_back({{"what", what}, {"measured", measured}, {"target", target}, {"met", met}});
+    std::printf("%-66s %10.3f, target %s %g: %s\n", what.c_str(), measured,
+                at_least ? ">=" : "<=", target, met ? "met" : "MISSED");
+  };
+  double slowest = INFINITY;
+  for (const Json& row : rows) {
+    if (row["points"].get<std::size_t>() < 1000) continue;
+    const auto n = row["points"].get<std::size_t>();
+    const std::string motion = row["motion"];
+    const double ratio = ns_of(rows, motion, n, "OpenVDB ValueAccessor", "p50") /
+                         ns_of(rows, motion, n, "no skipping", "p50");
+    if (!std::isnan(ratio)) slowest = std::min(slowest, ratio);
+  }
+  if (std::isfinite(slowest)) {
+    add("ValueAccessor over no skipping, p50, least of all motions, 10^3 up", slowest, 3.5, true);
+  }
+  const auto at = [&](const char* motion, std::size_t points, const char* percentile) {
+    return ns_of(rows, motion, points, "all skipping", percentile);
+  };
+  add("10^6 points against a wall, p99, us", at("wall", 1'000'000, "p99") / 1e3, 100, false);
+  add("10^7 points against a wall, p99, us", at("wall", 10'000'000, "p99") / 1e3, 1000, false);
+  for (std::size_t n = 10'000; n < 10'000'000; n *= 10) {
+    add("exponent of time over points, post, 10^" + std::to_string(int(std::log10(n))) + " to 10^" +
+            std::to_string(int(std::log10(n)) + 1),
+        std::log10(at("post", 10 * n, "p50") / at("post", n, "p50")), 0.5, false);
+  }
+  for (std::size_t n = 10'000; n <= 10'000'000; n *= 10) {
+    for (const char* percentile : {"p50", "max"}) {
+      add("worst frame over brute force, tumbling, 10^" + std::to_string(int(std::log10(n))) +
+              ", " + percentile,
+          at("tumbling", n, percentile) / ns_of(rows, "tumbling", n, "no skipping", percentile),
+          1.2, false);
+    }
+  }
+  return targets;
+}
+
+void run(const Choice& choice, int argc, char** argv) {
+  Json results = {{"instruction_set", kernel_target()}, {"rows", Json::array()}};
+  std::printf("instruction set %s\n", kernel_target());
+  for (std::size_t points = choice.from; points <= choice.largest; points *= 10) {
+    const SpherePart part(points);
+    for (const std::string& motion : choice.motions) {
+      const Setting setting = make_setting(motion, part.radius_m, kFrames);
+      Contest contest(setting, part, choice.peers);
+      run_warm(contest, setting, choice.seconds);
+      compare(contest, setting);
+      if (motion == "wall") add_cold(contest, setting);
+      results["rows"].push_back(row_of(setting, points, contest));
+    }
+  }
+  results["targets"] = targets_of(results["rows"]);
+  write_report("query", argc, argv, results, choice.json);
 }
 
 }  // namespace
 }  // namespace forcelayer::bench
 
 int main(int argc, char** argv) {
-  CLI::App app{"The contact query against a wall", "query_bench"};
-  int frames = 20000;
-  std::size_t largest = 1'000'000;
-  std::string json;
-  app.add_option("--frames", frames, "frames for shells of up to 10^4 points, fewer beyond");
-  app.add_option("--largest", largest, "points of the largest shell");
-  app.add_option("--json", json, "report; by default under tests/bench/results");
+  using namespace forcelayer::bench;
+  CLI::App app{"The contact query, its ways of working and its peers", "query_bench"};
+  Choice choice;
+  app.add_option("--motion", choice.motions, "motions; all by default")
+      ->check(CLI::IsMember(
+          std::vector<std::string>(std::begin(kSettingNames), std::end(kSettingNames))));
+  app.add_option("--from", choice.from, "points of the smallest shell");
+  app.add_option("--largest", choice.largest, "points of the largest shell");
+  app.add_option("--seconds", choice.seconds, "that a method may take per motion and size");
+  app.add_flag("!--no-peers", choice.peers, "our own ways of working alone");
+  app.add_option("--json", choice.json, "report; by default under tests/bench/results");
   CLI11_PARSE(app, argc, argv);
-  forcelayer::bench::run(frames, largest, json, argc, argv);
+  if (choice.motions.empty())
+    choice.motions.assign(std::begin(kSettingNames), std::end(kSettingNames));
+  try {
+    run(choice, argc, argv);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "query_bench: %s\n", error.what());
+    return 1;
+  }
   return 0;
 }

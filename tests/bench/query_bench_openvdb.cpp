@@ -1,0 +1,145 @@
+#include "tests/bench/query_bench_openvdb.h"
+
+#include <openvdb/openvdb.h>
+#include <openvdb/tools/Interpolation.h>
+#include <openvdb/tools/MeshToVolume.h>
+#include <openvdb/tree/Tree.h>
+#include <openvdb/tree/ValueAccessor.h>
+
+#include <cmath>
+
+namespace forcelayer::bench {
+namespace {
+
+using ByteTree = openvdb::tree::Tree4<std::uint8_t, 3, 3, 3>::Type;
+
+// Copies the entries below one node of the voxmap, `edge` voxels an entry.
+class TreeCopy {
+ public:
+  TreeCopy(const Voxmap& voxmap, ByteTree& tree) : view_(voxmap.view()), tree_(tree) {}
+
+  void copy() {
+    const auto& dims = view_.directory_dims;
+    const std::uint32_t* entry = view_.directory;
+    for (int x = 0; x < dims[0]; ++x)
+      for (int y = 0; y < dims[1]; ++y)
+        for (int z = 0; z < dims[2]; ++z)
+          copy_entry(*entry++, origin(512 * x, 512 * y, 512 * z), 3);
+  }
+
+ private:
+  openvdb::Coord origin(int x, int y, int z) const {
+    const auto& from = view_.directory_origin;
+    return {x + static_cast<int>(from[0]), y + static_cast<int>(from[1]),
+            z + static_cast<int>(from[2])};
+  }
+
+  void copy_entry(std::uint32_t entry, const openvdb::Coord& at, unsigned level) {
+    if (is_uniform(entry)) {
+      const auto value = static_cast<std::uint8_t>(uniform_value(entry));
+      if (value != 0) tree_.addTile(level, at, value, true);
+      return;
+    }
+    if (level == 1) {
+      copy_brick(entry, at);
+      return;
+    }
+    const std::uint32_t* entries =
+        (level == 3 ? view_.upper_nodes : view_.lower_nodes) + std::uint64_t{entry} * kNodeEntries;
+    const int edge = level == 3 ? 64 : 8;
+    for (int n = 0; n < 512; ++n) {
+      copy_entry(entries[n], at.offsetBy(edge * (n >> 6), edge * (n >> 3 & 7), edge * (n & 7)),
+                 level - 1);
+    }
+  }
+
+  void copy_brick(std::uint32_t brick, const openvdb::Coord& at) {
+    auto* leaf = tree_.touchLeaf(at);
+    for (unsigned n = 0; n < 512; ++n) {
+      const std::uint32_t word = view_.bricks[std::uint64_t{brick} * 32 + n / 16];
+      const auto value = static_cast<std::uint8_t>(word >> (2 * (n % 16)) & 3);
+      if (value != 0) leaf->setValueOn(n, value);
+    }
+  }
+
+  const VoxmapView& view_;
+  ByteTree& tree_;
+};
+
+// Calls at(x, y, z) with the position of every point, in voxels from the directory's origin.
+template <class At>
+void place_points(const ContactQuery& query, const Pose& world_from_center, At at) {
+  const VoxelPose pose = query.voxel_pose(world_from_center);
+  const PshellView& shell = query.shell().view();
+  for (std::uint64_t n = 0; n < shell.point_count; ++n) {
+    float position[3];
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto& row = pose.turn[axis];
+      position[axis] =
+          row[0] * shell.x[n] + row[1] * shell.y[n] + row[2] * shell.z[n] + pose.fraction[axis];
+    }
+    at(pose, position);
+  }
+}
+
+}  // namespace
+
+struct AccessorQuery::Tree {
+  ByteTree tree{0};
+};
+
+AccessorQuery::AccessorQuery(const Voxmap& voxmap) : tree_(std::make_unique<Tree>()) {
+  TreeCopy(voxmap, tree_->tree).copy();
+}
+AccessorQuery::~AccessorQuery() = default;
+
+std::uint32_t AccessorQuery::count(const ContactQuery& query, const Pose& world_from_center) const {
+  const auto& origin = query.voxmap().header().directory_origin;
+  openvdb::tree::ValueAccessor<const ByteTree> accessor(tree_->tree);
+  std::uint32_t found = 0;
+  place_points(query, world_from_center, [&](const VoxelPose& pose, const float(&position)[3]) {
+    openvdb::Coord voxel;
+    for (int axis = 0; axis < 3; ++axis) {
+      voxel[axis] = pose.whole[axis] + static_cast<std::int32_t>(std::floor(position[axis])) +
+                    static_cast<std::int32_t>(origin[axis]);
+    }
+    found += accessor.getValue(voxel) != 0;
+  });
+  return found;
+}
+
+struct LevelSetQuery::Grid {
+  openvdb::FloatGrid::Ptr grid;
+};
+
+LevelSetQuery::LevelSetQuery(const Mesh& scene, double voxel_size_m)
+    : grid_(std::make_unique<Grid>()) {
+  openvdb::initialize();
+  std::vector<openvdb::Vec3s> points;
+  std::vector<openvdb::Vec3I> triangles;
+  for (const Vec3d& v : scene.vertices) points.emplace_back(v[0], v[1], v[2]);
+  for (const Triangle& t : scene.triangles) triangles.emplace_back(t[0], t[1], t[2]);
+  // Voxel centres where the voxmap has them.
+  const auto transform = openvdb::math::Transform::createLinearTransform(voxel_size_m);
+  transform->postTranslate(openvdb::Vec3d(voxel_size_m / 2));
+  grid_->grid =
+      openvdb::tools::meshToLevelSet<openvdb::FloatGrid>(*transform, points, triangles, 4);
+}
+LevelSetQuery::~LevelSetQuery() = default;
+
+std::uint32_t LevelSetQuery::count(const ContactQuery& query, const Pose& world_from_center) const {
+  const auto& origin = query.voxmap().header().directory_origin;
+  const auto near = static_cast<float>(3.5 * query.voxmap().voxel_size_m());
+  const auto accessor = grid_->grid->getConstAccessor();
+  std::uint32_t found = 0;
+  place_points(query, world_from_center, [&](const VoxelPose& pose, const float(&position)[3]) {
+    openvdb::Vec3d index;
+    for (int axis = 0; axis < 3; ++axis) {
+      index[axis] = static_cast<double>(pose.whole[axis] + origin[axis]) + position[axis] - 0.5;
+    }
+    found += openvdb::tools::BoxSampler::sample(accessor, index) < near;
+  });
+  return found;
+}
+
+}  // namespace forcelayer::bench
