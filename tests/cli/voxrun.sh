@@ -72,6 +72,11 @@ expect 4 'none' floor.vox coarse.pshell "${fast[@]}"
 expect 0 'coarser' floor.vox coarse.pshell "${fast[@]}" --without-guarantee
 expect 2 'required' floor.vox
 expect 2 '--model' floor.vox ball.pshell --model fancy
+expect 2 'no force field' floor.vox ball.pshell --force fancy
+expect 2 'tangent-plane force only' floor.vox ball.pshell --model paper --force level
+expect 2 'no offset layers' unlayered.vox ball.pshell "${fast[@]}" --force level --without-guarantee
+expect 0 'frames' floor.vox ball.pshell "${fast[@]}" --force tangent-plane
+expect 0 'frames' floor.vox ball.pshell "${fast[@]}" --model paper --force tangent-plane
 expect 2 'duration' floor.vox ball.pshell --duration 5
 expect 2 'never end' floor.vox ball.pshell --as-fast-as-possible
 expect 2 'above zero' floor.vox ball.pshell "${fast[@]}" --mass -1
