@@ -149,5 +149,23 @@ TEST(Hidden, BallsAreInsideOnlyWithTheirWholeRadius) {
   EXPECT_FALSE(hidden.holds_ball({0.5, 0.5, 0}, 0.01));  // on both surfaces
 }
 
+// A piece that no point covers is let pass only where all of it is inside.
+TEST(Hidden, APieceThatLooksOutIsAHole) {
+  Part part = part_of({box_mesh(1, 1, 1), moved(box_mesh(1, 1, 1), {0.5, 0, 0})});
+  ASSERT_TRUE(orient_outwards(part, 0.1).ok());
+  const HiddenSurface hidden(part);
+  const auto passes = [&](const Vec3& a, const Vec3& b, const Vec3& c) {
+    CoveringProof failed;
+    failed.holes.push_back({a, 1, {a, b, c}});
+    return continue_proof(part, {}, 0.2, failed, &hidden).proven;
+  };
+  EXPECT_TRUE(passes({0.1, -0.1, 0}, {0.9, 0, 0}, {0.3, 0.3, 0}));
+  EXPECT_TRUE(passes({-0.4, 0.4, 0.4}, {0.4, 0.4, 0.4}, {0, -0.4, -0.4}));
+  EXPECT_FALSE(passes({0.5, 0, 0}, {0.5, 0.2, 0}, {1.05, 0.1, 0}));  // its middle is inside
+  EXPECT_FALSE(passes({1.1, 0, 0}, {1.2, 0.2, 0}, {1.3, 0.1, 0}));
+  // Each half in another body, and the seam of both between.
+  EXPECT_FALSE(passes({-0.3, 0.4, 0}, {0.8, 0.4, 0}, {0.2, 0.6, 0}));
+}
+
 }  // namespace
 }  // namespace forcelayer
