@@ -1,13 +1,14 @@
 // How true and how smooth each force model is, against contacts with a closed formula, and what a
 // point in the band costs. METHOD.md says what the oracle is and where it is not to be trusted.
 //
-//   force_bench [--fast | --s S] [--json FILE]     S: one voxel size, in units of 10 mm
+//   force_bench [--fast | --s S | --cost] [--json FILE]     S: one voxel size, in units of 10 mm
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <map>
+#include <optional>
 #include <string>
 
 #include "runtime/level_field.h"
@@ -39,10 +40,12 @@ std::vector<Combination> combinations() {
       {"box face on sphere", kBox, kFaceDown, Body::kSphere, 0.2},
       {"sphere in bore", kSphere, kAnyWay, Body::kBore, 0.2},
       {"cylinder in bore", kCylinder, kAlongBore, Body::kBore, 0.15},
+      {"box edge in bore", kBox, kAlongBore, Body::kBore, 0.2, 0, false},
       {"box corner on plane", kBox, kAnyWay, Body::kPlane, 0, 0, false},
       {"box edge on plane", kBox, kEdgeDown, Body::kPlane, 0, 0, false},
       {"sphere on edge", kSphere, kAnyWay, Body::kWedge, 0, convex, false},
       {"box face on edge", kBox, kFaceDown, Body::kWedge, 0, convex, false},
+      {"cylinder side on edge", kCylinder, kFaceDown, Body::kWedge, 0, convex, false},
       {"sphere in wedge 90", kSphere, kAnyWay, Body::kWedge, 0, right, false, true},
       {"sphere in wedge 60", kSphere, kAnyWay, Body::kWedge, 0, narrow, false, true},
       {"cylinder in wedge 90", kCylinder, kAlongWedge, Body::kWedge, 0, right, false, true},
@@ -215,43 +218,70 @@ Json measure_cost(const char* name, const AnalyticShell& shell, double height_m)
 // Finer voxels mean more points, which average over the lattice as more orientations do.
 int orientations_at(double s_units) { return s_units > 0.3 ? 4 : s_units > 0.2 ? 2 : 1; }
 
-int run(int argc, char** argv) {
-  bool fast = false;
+struct Choice {
+  bool fast = false, cost = false;
   double only_s = 0;  // 0: all
-  std::string path;
+  std::string json;
+};
+
+std::optional<Choice> read_choice(int argc, char** argv) {
+  Choice choice;
   for (int i = 1; i < argc; ++i) {
     if (std::strcmp(argv[i], "--fast") == 0) {
-      fast = true;
+      choice.fast = true;
+    } else if (std::strcmp(argv[i], "--cost") == 0) {
+      choice.cost = true;
     } else if (std::strcmp(argv[i], "--s") == 0 && i + 1 < argc && std::atof(argv[i + 1]) > 0) {
-      only_s = std::atof(argv[++i]);
+      choice.only_s = std::atof(argv[++i]);
     } else if (std::strcmp(argv[i], "--json") == 0 && i + 1 < argc) {
-      path = argv[++i];
+      choice.json = argv[++i];
     } else {
-      std::fprintf(stderr, "usage: force_bench [--fast | --s S] [--json FILE]\n");
-      return 2;
+      return std::nullopt;
     }
+  }
+  if (choice.fast + choice.cost + (choice.only_s > 0) > 1) return std::nullopt;
+  return choice;
+}
+
+Json judge_sizes(const Choice& choice) {
+  Json sizes;
+  if (choice.fast) {
+    sizes.push_back(judge_all(0.5, kPaperCover, 2));
+  } else if (choice.only_s > 0) {
+    sizes.push_back(judge_all(choice.only_s, kPaperCover, orientations_at(choice.only_s)));
+  } else {
+    for (const double s : {1.0, 0.5, 0.25, 0.125}) {
+      sizes.push_back(judge_all(s, kPaperCover, orientations_at(s)));
+    }
+    sizes.push_back(judge_all(0.5, kPaperCover / 2, 2));
+  }
+  return sizes;
+}
+
+int run(int argc, char** argv) {
+  const std::optional<Choice> choice = read_choice(argc, argv);
+  if (!choice) {
+    std::fprintf(stderr, "usage: force_bench [--fast | --s S | --cost] [--json FILE]\n");
+    return 2;
   }
   const Json about = machine();
   std::printf("%s, %s\n", about["cpu"].get<std::string>().c_str(),
               about["date"].get<std::string>().c_str());
   Json results;
-  results["cost"].push_back(
-      measure_cost("a box lying flush", box_shell({0.08, 0.06, 0.04}, kPaperCover * 0.0025), 0.04));
-  results["cost"].push_back(measure_cost("a sphere", sphere_shell(0.1, kPaperCover * 0.0025), 0.1));
-  const double start = cpu_s();
-  if (fast) {
-    results["sizes"].push_back(judge_all(0.5, kPaperCover, 2));
-  } else if (only_s > 0) {
-    results["sizes"].push_back(judge_all(only_s, kPaperCover, orientations_at(only_s)));
-  } else {
-    for (const double s : {1.0, 0.5, 0.25, 0.125}) {
-      results["sizes"].push_back(judge_all(s, kPaperCover, orientations_at(s)));
-    }
-    results["sizes"].push_back(judge_all(0.5, kPaperCover / 2, 2));
+  if (choice->cost) {
+    const double cover_m = kPaperCover * 0.0025;
+    results.push_back(
+        measure_cost("a box lying flush", box_shell({0.08, 0.06, 0.04}, cover_m), 0.04));
+    results.push_back(measure_cost("a sphere", sphere_shell(0.1, cover_m), 0.1));
+    write_report("force_cost", argc, argv, results, choice->json);
+    return 0;
   }
+  const double start = cpu_s();
+  results["sizes"] = judge_sizes(*choice);
   results["cpu_seconds"] = cpu_s() - start;
   std::printf("%.1f CPU seconds\n", cpu_s() - start);
-  write_report(only_s > 0 || fast ? "force_part" : "force", argc, argv, results, path);
+  write_report(choice->only_s > 0 || choice->fast ? "force_part" : "force", argc, argv, results,
+               choice->json);
   return 0;
 }
 

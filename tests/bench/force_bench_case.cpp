@@ -8,7 +8,9 @@
 #include <glm/matrix.hpp>
 
 #include "runtime/level_field.h"
+#include "runtime/surface_directions.h"
 #include "tests/bench/bench_report.h"
+#include "tests/support/curve_order.h"
 #include "tests/support/reference_level.h"
 
 namespace forcelayer::bench {
@@ -80,6 +82,7 @@ Reading b_spline(const glm::dvec3& voxels, const DenseFields& dense) {
 AnalyticShell near_points(const AnalyticShell& shell, const std::function<double(glm::dvec3)>& at,
                           double reach_m, double mean_area_m2) {
   AnalyticShell near;
+  near.radius_m = shell.radius_m;
   for (std::size_t i = 0; i < shell.points_m.size(); ++i) {
     if (at(shell.points_m[i]) > reach_m) continue;
     near.points_m.push_back(shell.points_m[i]);
@@ -87,6 +90,18 @@ AnalyticShell near_points(const AnalyticShell& shell, const std::function<double
     near.areas_m2.push_back(shell.areas_m2[i] / mean_area_m2);
   }
   return near;
+}
+
+// In the order of a space-filling curve, as pointshell writes shells.
+AnalyticShell along_curve(const AnalyticShell& shell) {
+  const auto order = test::curve_order(shell.points_m, shell.radius_m);
+  AnalyticShell sorted = shell;
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    sorted.points_m[i] = shell.points_m[order[i]];
+    sorted.normals[i] = shell.normals[order[i]];
+    sorted.areas_m2[i] = shell.areas_m2[order[i]];
+  }
+  return sorted;
 }
 
 }  // namespace
@@ -105,8 +120,12 @@ const char* name_of(Method method) {
       return "level field, along slope";
     case Method::kLevel:
       return "level field";
+    case Method::kContacts:
+      return "level, default's contacts";
     case Method::kDistance:
       return "float distance, trilinear";
+    case Method::kStandoff:
+      return "exact, the map's standoff";
   }
   return "";
 }
@@ -154,6 +173,7 @@ ContactCase::ContactCase(const Combination& combination, const PartShells& shell
   };
   tested_ = near_points(tested_, distance, 9 * s_, mean_area_m2);
   fine_ = near_points(fine_, distance, 9 * s_, mean_area_m2);
+  tested_ = along_curve(tested_);
   for (std::size_t i = 0; i < kShifts; ++i) {
     shifts_m_.push_back({uniform(random, -1, 1) * s_, uniform(random, -1, 1) * s_});
   }
@@ -280,15 +300,20 @@ Wrench ContactCase::sum(const Placed& placed, Push push) const {
   return total;
 }
 
-// Through the runtime's own field, as a step would.
-Wrench ContactCase::level_force(const Placed& placed) const {
-  static thread_local CollectedPoints points;
-  static thread_local FieldSamples samples;
-  points.reserve(tested_.points_m.size());
-  samples.reserve(tested_.points_m.size());
-  points.clear();
-  std::vector<glm::dvec3> arms;
+// The points in values 1 to 3 at a pose, as the contact query would hand them to a field.
+struct ContactCase::Collected {
+  CollectedPoints points;
+  FieldSamples samples;
+  std::vector<glm::dvec3> arms_m;
   std::vector<double> weights;
+};
+
+void ContactCase::collect(const Placed& placed, Collected& c) const {
+  c.points.reserve(tested_.points_m.size());
+  c.samples.reserve(tested_.points_m.size());
+  c.points.clear();
+  c.arms_m.clear();
+  c.weights.clear();
   for (std::size_t i = 0; i < tested_.points_m.size(); ++i) {
     const glm::dvec3 arm = placed.rotation * tested_.points_m[i];
     const glm::dvec3 x = (arm + placed.position_m) / s_, whole = glm::floor(x);
@@ -297,24 +322,72 @@ Wrench ContactCase::level_force(const Placed& placed) const {
     const VoxelValue value = scene_->at(v);
     if (value == VoxelValue::kFree) continue;
     const glm::vec3 f(x - whole), n(placed.rotation * tested_.normals[i]);
-    test::collect(points, *voxmap_, v, value, {f.x, f.y, f.z}, {n.x, n.y, n.z});
-    arms.push_back(arm);
-    weights.push_back(tested_.areas_m2[i]);
+    const std::uint32_t at = c.points.count;
+    test::collect(c.points, *voxmap_, v, value, {f.x, f.y, f.z}, {n.x, n.y, n.z});
+    c.points.rx[at] = static_cast<float>(arm.x);
+    c.points.ry[at] = static_cast<float>(arm.y);
+    c.points.rz[at] = static_cast<float>(arm.z);
+    c.arms_m.push_back(arm);
+    c.weights.push_back(tested_.areas_m2[i]);
   }
-  level_->evaluate(points, samples);
+}
+
+// Through the runtime's own field, and with `averaged` with the directions of the default model.
+Wrench ContactCase::level_force(const Placed& placed, bool averaged) const {
+  static thread_local Collected c;
+  collect(placed, c);
+  if (averaged) {
+    level_->measure(c.points, c.samples);
+  } else {
+    level_->evaluate(c.points, c.samples);
+  }
+  ContactSet set;
+  set.reserve(c.samples.count);
+  set.count = c.samples.count;
+  for (std::uint32_t i = 0; i < set.count; ++i) {
+    set.contacts[i].direction = {c.samples.dx[i], c.samples.dy[i], c.samples.dz[i]};
+    set.contacts[i].depth_m = c.samples.depth_m[i];
+  }
+  const auto s = static_cast<float>(s_);
+  if (averaged) average_directions(c.points, c.samples, s, -s, set);
   Wrench total;
-  for (std::uint32_t i = 0; i < samples.count; ++i) {
-    const std::uint32_t at = samples.at[i];
-    const glm::dvec3 f = weights[at] * double{samples.depth_m[i]} *
-                         glm::dvec3(samples.dx[i], samples.dy[i], samples.dz[i]);
+  for (std::uint32_t i = 0; i < set.count; ++i) {
+    const Contact& contact = set.contacts[i];
+    const std::uint32_t at = c.samples.at[i];
+    // The default model's contacts are those in values 1 and 2 too, though it measures all.
+    if (!(contact.depth_m > 0)) continue;
+    const glm::dvec3 f = c.weights[at] * double{contact.depth_m} * glm::dvec3(contact.direction);
     total.force_n += f;
-    total.torque_nm += glm::cross(arms[at], f);
+    total.torque_nm += glm::cross(c.arms_m[at], f);
   }
   return total;
 }
 
+// Exact geometry behind the map's own standoff: k |n|_1 s in front of a surface with normal n.
+glm::dvec3 ContactCase::standoff_force(const glm::dvec3& x) const {
+  if (body_.kind == StaticKind::kWedge && body_.free_angle < M_PI) {
+    glm::dvec3 force(0);
+    double deepest = 0;
+    for (const int wall : {0, 1}) {
+      const glm::dvec3 n = body_.wall_normal(wall);
+      const double depth = kLayers * norm1(n) * s_ - glm::dot(n, x - body_.origin_m);
+      if (depth > deepest) deepest = depth, force = depth * n;
+    }
+    return force;
+  }
+  glm::dvec3 n;
+  const double distance = body_.distance_m(x, &n);
+  return std::max(0.0, kLayers * norm1(n) * s_ - distance) * n;
+}
+
 Wrench ContactCase::force(Method method, const Placed& placed) const {
-  if (method == Method::kLevel) return level_force(placed);
+  if (method == Method::kLevel) return level_force(placed, false);
+  if (method == Method::kContacts) return level_force(placed, true);
+  if (method == Method::kStandoff) {
+    return sum(placed, [&](const glm::dvec3& x, const glm::dvec3&, double weight) {
+      return weight * standoff_force(x);
+    });
+  }
   if (method == Method::kDistance) {
     return sum(placed, [&](const glm::dvec3& x, const glm::dvec3&, double weight) {
       const auto at = [&](const glm::ivec3& v) { return double{dense_->distance_at(v)}; };

@@ -36,12 +36,15 @@ enum class Method {
   kBSpline,               // quadratic, of 27 levels, along the normal
   kSlopeOnly,             // the level field's phi, along its slope everywhere
   kLevel,                 // runtime/level_field.h, as voxrun uses it
+  kContacts,              // the level field as the default model uses it: directions averaged
   kDistance,              // trilinear float distance to the exact surface, along its gradient
+  kStandoff,              // exact, but each wall as far off as the map's layers hold it
 };
 inline constexpr Method kMethods[] = {Method::kTangentPlane, Method::kTangentPlaneAveraged,
                                       Method::kTrilinear,    Method::kBSpline,
                                       Method::kSlopeOnly,    Method::kLevel,
-                                      Method::kDistance};
+                                      Method::kContacts,     Method::kDistance,
+                                      Method::kStandoff};
 const char* name_of(Method method);
 
 // Shells of one part at one voxel size: the one that is judged, and a dense one for the truth.
@@ -83,7 +86,10 @@ class ContactCase {
   Placed place(double height_m, double a_m, double b_m) const;
   glm::dmat3 symmetry(double a_m, double b_m) const;
   Wrench force(Method method, const Placed& placed) const;
-  Wrench level_force(const Placed& placed) const;
+  struct Collected;
+  void collect(const Placed& placed, Collected& collected) const;
+  Wrench level_force(const Placed& placed, bool averaged) const;
+  glm::dvec3 standoff_force(const glm::dvec3& x) const;
   template <class Push>
   Wrench sum(const Placed& placed, Push push) const;
   void tabulate_truth();
