@@ -73,45 +73,54 @@ void expect_sampled_covering(const Part& part, const BakedShell& shell, int coun
   }
 }
 
-TEST(Covering, HoldsAtRandomPlaces) {
-  for (const Case& c : shapes()) {
-    SCOPED_TRACE(c.name);
-    for (const ShellMethod method : {ShellMethod::kSurface, ShellMethod::kVoxelCenters}) {
-      SCOPED_TRACE(method_name(method));
-      expect_sampled_covering(c.part, bake(c, method), samples());
-    }
-    expect_sampled_covering(c.part, bake(c, ShellMethod::kSurface, Effort::kFast), samples());
+// A test for each shape and model, so that a time limit counts for one.
+class CoveringOfShape : public ::testing::TestWithParam<std::size_t> {};
+
+TEST_P(CoveringOfShape, HoldsAtRandomPlaces) {
+  const Case c = std::move(shapes()[GetParam()]);
+  SCOPED_TRACE(c.name);
+  for (const ShellMethod method : {ShellMethod::kSurface, ShellMethod::kVoxelCenters}) {
+    SCOPED_TRACE(method_name(method));
+    expect_sampled_covering(c.part, bake(c, method), samples());
   }
+  expect_sampled_covering(c.part, bake(c, ShellMethod::kSurface, Effort::kFast), samples());
 }
+
+INSTANTIATE_TEST_SUITE_P(, CoveringOfShape, ::testing::Range<std::size_t>(0, shapes().size()));
 
 // CAD and scans as they come: small and at coarse voxels here, all at 128 voxels across in the long
 // run. Each file is one body, so that nothing is hidden.
-TEST(Covering, OfRealMeshesHoldsAtRandomPlaces) {
-  struct Model {
-    const char* file;
-    double metres_per_unit;
-    bool quick;
-  };
-  const Model models[] = {
-      {"cad/plate_holes.stl", 1e-3, true},   {"cad/featuretype.stl", 1e-3, true},
-      {"cad/large_block.stl", 1e-3, false},  {"cad/counter.unitsmm.stl", 1e-3, false},
-      {"scan/stanford-bunny.obj", 1, false}, {"scan/dragon-100k.obj", 1, false},
-      {"scan/teapot.obj", 1, false}};
-  if (!model_exists(models[0].file)) GTEST_SKIP() << "no shared models beside the project";
-  for (const Model& model : models) {
-    if (!model.quick && !long_tests()) continue;
-    SCOPED_TRACE(model.file);
-    Case c{model.file, part_of_model(model.file, model.metres_per_unit), 0};
-    Box box;
-    for (const Vec3& v : c.part.vertices) box.grow(v);
-    const Vec3 size = box.high - box.low;
-    c.voxel_size_m = std::max({size.x, size.y, size.z}) / (long_tests() ? 128 : 48);
-    for (const ShellMethod method : {ShellMethod::kSurface, ShellMethod::kVoxelCenters}) {
-      SCOPED_TRACE(method_name(method));
-      expect_sampled_covering(c.part, bake(c, method), samples());
-    }
+struct Model {
+  const char* file;
+  double metres_per_unit;
+  bool quick;
+};
+
+const Model kModels[] = {
+    {"cad/plate_holes.stl", 1e-3, true},   {"cad/featuretype.stl", 1e-3, true},
+    {"cad/large_block.stl", 1e-3, false},  {"cad/counter.unitsmm.stl", 1e-3, false},
+    {"scan/stanford-bunny.obj", 1, false}, {"scan/dragon-100k.obj", 1, false},
+    {"scan/teapot.obj", 1, false}};
+
+class CoveringOfModel : public ::testing::TestWithParam<std::size_t> {};
+
+TEST_P(CoveringOfModel, HoldsAtRandomPlaces) {
+  const Model& model = kModels[GetParam()];
+  if (!model_exists(model.file)) GTEST_SKIP() << "no shared models beside the project";
+  if (!model.quick && !long_tests()) GTEST_SKIP() << "only with FORCELAYER_LONG_TESTS=1";
+  SCOPED_TRACE(model.file);
+  Case c{model.file, part_of_model(model.file, model.metres_per_unit), 0};
+  Box box;
+  for (const Vec3& v : c.part.vertices) box.grow(v);
+  const Vec3 size = box.high - box.low;
+  c.voxel_size_m = std::max({size.x, size.y, size.z}) / (long_tests() ? 128 : 48);
+  for (const ShellMethod method : {ShellMethod::kSurface, ShellMethod::kVoxelCenters}) {
+    SCOPED_TRACE(method_name(method));
+    expect_sampled_covering(c.part, bake(c, method), samples());
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(, CoveringOfModel, ::testing::Range<std::size_t>(0, std::size(kModels)));
 
 TEST(Covering, RadiusIsTheOneAskedFor) {
   for (const Case& c : shapes()) {
