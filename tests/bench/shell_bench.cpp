@@ -319,6 +319,10 @@ int run(int argc, char** argv) {
     if (!meshes.empty() && std::find(meshes.begin(), meshes.end(), model.name) == meshes.end()) {
       continue;
     }
+    if (model.file && !fs::exists(fs::path(models) / model.file)) {
+      std::printf("%-8s left out: no %s in %s\n", model.name, model.file, models.c_str());
+      continue;
+    }
     for (const int n : voxels) MeshCase(model, models, folder, n).run(results["meshes"]);
   }
   if (meshes.empty()) run_shapes(results["shapes"]);
