@@ -29,6 +29,76 @@ HWY_INLINE std::uint64_t range_bits(std::int64_t first, std::int64_t last) {
          (std::uint64_t{0xff} >> (7 - std::min<std::int64_t>(last, 7)));
 }
 
+struct Edge {
+  std::int64_t a, b;  // a u + b w >= value on the triangle's side
+  std::int64_t value;
+  std::int64_t above;  // of the positive ones of a and b: how far up a cell reaches
+
+  // Of cells, counted from the node's lowest: all pass where the least sum that passes is at most
+  // all_pass, none where it is more than some_pass.
+  std::int64_t least;  // of voxels
+  std::int64_t all_pass, some_pass;
+  SquareCells::Table sums;
+
+  HWY_INLINE void set_up(std::int64_t of_u, std::int64_t of_w, std::int64_t u0, std::int64_t w0) {
+    a = of_u;
+    b = of_w;
+    value = a * u0 + b * w0;
+    above = positive(a) + positive(b);
+    least = least_sum(kSnapBits);
+    all_pass = 7 * (negative(a) + negative(b));
+    some_pass = 7 * above;
+    SquareCells::tabulate(static_cast<std::int32_t>(a), static_cast<std::int32_t>(b), sums);
+  }
+  HWY_INLINE std::int64_t least_sum(int shift) const {
+    return ceil_shift(value + (above > 0 ? 1 : 0), shift) - above;
+  }
+};
+using Edges = std::array<Edge, 3>;
+using Sides = std::array<std::array<std::int64_t, 3>, 3>;
+
+HWY_INLINE Sides sides_of(const LatticeTriangle& corners) {
+  Sides sides;
+  for (std::size_t k = 0; k < 3; ++k) {
+    for (std::size_t d = 0; d < 3; ++d) sides[k][d] = corners[(k + 1) % 3][d] - corners[k][d];
+  }
+  return sides;
+}
+
+// The edges of the projection along d. Returns twice its signed area.
+HWY_INLINE std::int64_t set_up_projection(const LatticeTriangle& corners, const Sides& sides,
+                                          std::size_t d, Edges& edges) {
+  const std::size_t u = kU[d], w = kW[d];
+  // sides[2] runs from corner 2 back to corner 0.
+  const std::int64_t area = sides[0][w] * sides[2][u] - sides[0][u] * sides[2][w];
+  if (area != 0) {
+    const std::int64_t sign = area < 0 ? -1 : 1;
+    for (std::size_t k = 0; k < 3; ++k) {
+      edges[k].set_up(-sign * sides[k][w], sign * sides[k][u], corners[k][u], corners[k][w]);
+    }
+    return area;
+  }
+  // A shadow without area is a segment: its line bounds it from both sides.
+  const std::size_t line = sides[0][u] == 0 && sides[0][w] == 0 ? 1 : 0;
+  const std::int64_t a = -sides[line][w], b = sides[line][u];
+  edges[0].set_up(a, b, corners[0][u], corners[0][w]);
+  edges[1].set_up(-a, -b, corners[0][u], corners[0][w]);
+  edges[2].set_up(0, 0, 0, 0);
+  return 0;
+}
+
+// The voxels (u, w) of 8x8 from (u, w), multiples of 8, that pass all three edges.
+HWY_INLINE std::uint64_t shadow_of(const Edges& edges, std::int64_t u, std::int64_t w) {
+  std::uint64_t shadow = ~std::uint64_t{0};
+  for (const Edge& e : edges) {
+    const std::int64_t least = e.least - e.a * u - e.b * w;
+    if (least <= e.all_pass) continue;
+    if (least > e.some_pass) return 0;
+    shadow &= SquareCells::above(e.sums, static_cast<std::int32_t>(least - 1));
+  }
+  return shadow;
+}
+
 // Units and derivation are those of TriangleOverlap.
 class LargeTriangle {
  public:
@@ -36,9 +106,11 @@ class LargeTriangle {
     for (std::size_t d = 0; d < 3; ++d) {
       low_[d] = std::min({corners[0][d], corners[1][d], corners[2][d]}) >> kSnapBits;
       high_[d] = std::max({corners[0][d], corners[1][d], corners[2][d]}) >> kSnapBits;
-      for (std::size_t k = 0; k < 3; ++k) sides_[k][d] = corners[(k + 1) % 3][d] - corners[k][d];
     }
-    for (std::size_t d = 0; d < 3; ++d) set_up_projection(d);
+    const Sides sides = sides_of(corners);
+    for (std::size_t d = 0; d < 3; ++d) {
+      normal_[d] = set_up_projection(corners, sides, d, edges_[d]);
+    }
     normal_[1] = -normal_[1];
     for (std::size_t d = 0; d < 3; ++d) {
       up_ += positive(normal_[d]);
@@ -78,13 +150,7 @@ class LargeTriangle {
     if (lo > 7 * up_ || hi < 7 * down_) return false;
     std::array<std::uint64_t, 3> shadow;
     for (std::size_t d = 0; d < 3; ++d) {
-      shadow[d] = ~std::uint64_t{0};
-      for (const Edge& e : edges_[d]) {
-        const std::int64_t least = e.least - e.a * corner[kU[d]] - e.b * corner[kW[d]];
-        if (least <= e.all_pass) continue;
-        if (least > e.some_pass) return false;
-        shadow[d] &= SquareCells::above(e.sums, static_cast<std::int32_t>(least - 1));
-      }
+      shadow[d] = shadow_of(edges_[d], corner[kU[d]], corner[kW[d]]);
       if (shadow[d] == 0) return false;
     }
     return cut_by_plane(ranges(corner, 0), shadow, lo, hi, hit);
@@ -109,55 +175,6 @@ class LargeTriangle {
   }
 
  private:
-  struct Edge {
-    std::int64_t a, b;  // a u + b w >= value on the triangle's side
-    std::int64_t value;
-    std::int64_t above;  // of the positive ones of a and b: how far up a cell reaches
-
-    // Of cells, counted from the node's lowest: all pass where the least sum that passes is at most
-    // all_pass, none where it is more than some_pass.
-    std::int64_t least;  // of voxels
-    std::int64_t all_pass, some_pass;
-    SquareCells::Table sums;
-
-    HWY_INLINE std::int64_t least_sum(int shift) const {
-      return ceil_shift(value + (above > 0 ? 1 : 0), shift) - above;
-    }
-  };
-
-  HWY_INLINE void set_up_projection(std::size_t d) {
-    const std::size_t u = kU[d], w = kW[d];
-    // sides_[2] runs from corner 2 back to corner 0.
-    const std::int64_t area = sides_[0][w] * sides_[2][u] - sides_[0][u] * sides_[2][w];
-    normal_[d] = area;
-    if (area != 0) {
-      const std::int64_t sign = area < 0 ? -1 : 1;
-      for (std::size_t k = 0; k < 3; ++k) {
-        set_up(edges_[d][k], -sign * sides_[k][w], sign * sides_[k][u], corners_[k][u],
-               corners_[k][w]);
-      }
-      return;
-    }
-    // A shadow without area is a segment: its line bounds it from both sides.
-    const std::size_t line = sides_[0][u] == 0 && sides_[0][w] == 0 ? 1 : 0;
-    const std::int64_t a = -sides_[line][w], b = sides_[line][u];
-    set_up(edges_[d][0], a, b, corners_[0][u], corners_[0][w]);
-    set_up(edges_[d][1], -a, -b, corners_[0][u], corners_[0][w]);
-    set_up(edges_[d][2], 0, 0, 0, 0);
-  }
-
-  static HWY_INLINE void set_up(Edge& edge, std::int64_t a, std::int64_t b, std::int64_t u0,
-                                std::int64_t w0) {
-    edge.a = a;
-    edge.b = b;
-    edge.value = a * u0 + b * w0;
-    edge.above = positive(a) + positive(b);
-    edge.least = edge.least_sum(kSnapBits);
-    edge.all_pass = 7 * (negative(a) + negative(b));
-    edge.some_pass = 7 * edge.above;
-    SquareCells::tabulate(static_cast<std::int32_t>(a), static_cast<std::int32_t>(b), edge.sums);
-  }
-
   // The least and greatest n . i of a cell i that the plane n . p = `value` crosses.
   HWY_INLINE std::int64_t least_sum(std::int64_t value, int shift) const {
     return ceil_shift(value + (up_ > 0 ? 1 : 0), shift) - up_;
@@ -180,6 +197,9 @@ class LargeTriangle {
   HWY_INLINE bool cut_by_plane(const std::array<std::uint64_t, 3>& range,
                                const std::array<std::uint64_t, 3>& shadow, std::int64_t lo,
                                std::int64_t hi, BrickMask& hit) const {
+    // Of the sums of a plane of cells.
+    const std::int64_t most = 7 * (positive(normal_[1]) + positive(normal_[2]));
+    const std::int64_t least = 7 * (negative(normal_[1]) + negative(normal_[2]));
     std::uint64_t any = 0;
     hit = {};
     for (unsigned x = 0; x < 8; ++x) {
@@ -189,6 +209,7 @@ class LargeTriangle {
       std::uint64_t word = shadow[0] & fill_rows(over_y) & over_z * kFirstColumn;
       if (word == 0) continue;
       const std::int64_t offset = normal_[0] * x;
+      if (lo - offset > most || hi - offset < least) continue;
       word &= narrow_ ? SquareCells::between(plane_sums_, static_cast<std::uint32_t>(lo - offset),
                                              static_cast<std::uint32_t>(hi - lo))
                       : between_wide(word, lo - offset, hi - offset);
@@ -223,8 +244,7 @@ class LargeTriangle {
 
   const LatticeTriangle& corners_;
   std::array<std::int64_t, 3> low_, high_;  // voxels
-  std::array<std::array<std::int64_t, 3>, 3> sides_;
-  std::array<std::array<Edge, 3>, 3> edges_;
+  std::array<Edges, 3> edges_;
   std::array<std::int64_t, 3> normal_;
   std::int64_t up_ = 0, down_ = 0;  // sums of the normal's positive and negative parts
   std::int64_t plane_ = 0;          // n . corner
@@ -232,6 +252,58 @@ class LargeTriangle {
   bool narrow_;
   SquareCells::Table plane_sums_;
   alignas(64) std::array<std::int64_t, 8> along_z_;
+};
+
+// A triangle that lies in one layer of voxels across axis `d` hits those below its projection.
+class FlatTriangle {
+ public:
+  HWY_INLINE FlatTriangle(const LatticeTriangle& corners, std::size_t d) : d_(d) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      low_[axis] = std::min({corners[0][axis], corners[1][axis], corners[2][axis]}) >> kSnapBits;
+      high_[axis] = std::max({corners[0][axis], corners[1][axis], corners[2][axis]}) >> kSnapBits;
+    }
+    set_up_projection(corners, sides_of(corners), d, edges_);
+  }
+
+  HWY_INLINE void draw(NodeCanvas& canvas) const {
+    const std::size_t u = kU[d_], w = kW[d_];
+    if (low_[d_] < 0 || low_[d_] > 63 || high_[u] < 0 || low_[u] > 63 || high_[w] < 0 ||
+        low_[w] > 63) {
+      return;
+    }
+    const std::int64_t last_u = std::min<std::int64_t>(high_[u], 63) & ~7,
+                       last_w = std::min<std::int64_t>(high_[w], 63) & ~7;
+    for (std::int64_t at_u = std::max<std::int64_t>(low_[u], 0) & ~7; at_u <= last_u; at_u += 8) {
+      for (std::int64_t at_w = std::max<std::int64_t>(low_[w], 0) & ~7; at_w <= last_w; at_w += 8) {
+        const std::uint64_t cells = shadow_of(edges_, at_u, at_w) &
+                                    fill_rows(range_bits(low_[u] - at_u, high_[u] - at_u)) &
+                                    range_bits(low_[w] - at_w, high_[w] - at_w) * kFirstColumn;
+        if (cells != 0) {
+          add(cells, static_cast<unsigned>(at_u >> 3), static_cast<unsigned>(at_w >> 3), canvas);
+        }
+      }
+    }
+  }
+
+ private:
+  // Voxels (u, w) of brick (u, w), in the triangle's layer.
+  HWY_INLINE void add(std::uint64_t cells, unsigned u, unsigned w, NodeCanvas& canvas) const {
+    const auto layer = static_cast<unsigned>(low_[d_]);
+    if (d_ == 0) {
+      canvas.brick(layer >> 3, u, w).words[layer & 7] |= cells;
+      return;
+    }
+    BrickMask& brick = d_ == 1 ? canvas.brick(u, layer >> 3, w) : canvas.brick(u, w, layer >> 3);
+    for (unsigned x = 0; x < 8; ++x) {
+      const std::uint64_t row = cells >> (8 * x) & 0xff;
+      brick.words[x] |=
+          d_ == 1 ? row << (8 * (layer & 7)) : fill_rows(row) & kFirstColumn << (layer & 7);
+    }
+  }
+
+  std::size_t d_;
+  std::array<std::int64_t, 3> low_, high_;  // voxels
+  Edges edges_;
 };
 
 // Marks the voxels of one brick.
@@ -244,6 +316,12 @@ HWY_INLINE void draw_brick(const LargeTriangle& triangle, unsigned x, unsigned y
 }
 
 void draw_triangle(const LatticeTriangle& corners, NodeCanvas& canvas) {
+  for (std::size_t d = 0; d < 3; ++d) {
+    const std::int64_t layer = corners[0][d] >> kSnapBits;
+    if (corners[1][d] >> kSnapBits == layer && corners[2][d] >> kSnapBits == layer) {
+      return FlatTriangle(corners, d).draw(canvas);
+    }
+  }
   constexpr unsigned kFewBricks = 18;  // not worth a test of their own
   const LargeTriangle triangle(corners);
   const auto [first, last] = triangle.bricks();

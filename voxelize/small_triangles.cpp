@@ -165,6 +165,21 @@ HWY_INLINE void find_cells(const Prepared& prepared, std::size_t t, Window& wind
   const unsigned span_x = static_cast<unsigned>(prepared.span[0][t]);
   const std::uint64_t rows_y = (std::uint64_t{2} << prepared.span[1][t]) - 1;
   const std::uint64_t columns_z = (std::uint64_t{2} << prepared.span[2][t]) - 1;
+  // A triangle in one layer of voxels hits those below its projection.
+  if (span_x == 0) {
+    window[0] = shadow(prepared.edges[0], t) & fill_rows(rows_y) & columns_z * kFirstColumn;
+    return;
+  }
+  if (prepared.span[1][t] == 0) {
+    const std::uint64_t cells = shadow(prepared.edges[1], t) & columns_z * kFirstColumn;
+    for (unsigned x = 0; x <= span_x; ++x) window[x] = cells >> (8 * x) & 0xff;
+    return;
+  }
+  if (prepared.span[2][t] == 0) {
+    const std::uint64_t cells = shadow(prepared.edges[2], t) & rows_y * kFirstColumn;
+    for (unsigned x = 0; x <= span_x; ++x) window[x] = fill_rows(cells >> (8 * x)) & kFirstColumn;
+    return;
+  }
   const std::uint64_t along_x = shadow(prepared.edges[0], t);
   const std::uint64_t along_y = shadow(prepared.edges[1], t);  // x*8 + z
   const std::uint64_t along_z = shadow(prepared.edges[2], t);  // x*8 + y

@@ -21,27 +21,28 @@ def times(row, key):
     return text if ratio["met"] else f"{text} (of {ratio['target']:g})"
 
 
-def ms(row, key, clock="wall_s"):
-    return f"{row[key][clock] * 1e3:.0f}"
+def pair(row, peer, ours, clock="wall_s"):
+    return " / ".join(f"{row[key][clock] * 1e3:.0f}" for key in (peer, ours))
 
 
 def cells(row):
     reading = row["vdb_tool"]["wall_s"] - row["vdb_tool_without_reading"]["wall_s"]
+    rest = row["command"]["wall_s"] - row["in_memory_to_file"]["wall_s"]
+    memory = [row[key] / 1e6 for key in ("vdb_tool_peak_rss_bytes", "command_peak_rss_bytes")]
     share = row["ratios"]["vdb_tool_peak_rss"]["share"]
-    return [f"{row['model']} {row['voxels_across']}", ms(row, "straightforward_one_thread", "cpu_s"),
-            ms(row, "scan_one_thread", "cpu_s"), times(row, "straightforward_scan"),
-            ms(row, "mesh_to_volume"), times(row, "mesh_to_volume_scan"),
-            ms(row, "in_memory_to_file"), ms(row, "vdb_tool_without_reading"),
-            times(row, "vdb_tool_in_memory"),
-            f"{(row['command']['wall_s'] - row['in_memory_to_file']['wall_s']) * 1e3:.0f}",
-            f"{reading * 1e3:.0f}", times(row, "vdb_tool_command"),
-            f"{row['command_peak_rss_bytes'] / 1e6:.0f}",
-            f"{row['vdb_tool_peak_rss_bytes'] / 1e6:.0f}", f"{share * 100:.0f}%"]
+    return [f"{row['model']} {row['voxels_across']}",
+            pair(row, "straightforward_one_thread", "scan_one_thread", "cpu_s"),
+            times(row, "straightforward_scan"),
+            pair(row, "mesh_to_volume", "scan_all_threads"), times(row, "mesh_to_volume_scan"),
+            pair(row, "vdb_tool_without_reading", "in_memory_to_file"),
+            times(row, "vdb_tool_in_memory"), pair(row, "vdb_tool", "command"),
+            times(row, "vdb_tool_command"), f"{reading * 1e3:.0f} / {max(0, rest) * 1e3:.0f}",
+            f"{memory[0]:.0f} / {memory[1]:.0f}", f"{share * 100:.0f}%"]
 
 
-HEADER = ["model, voxels across", "straightforward scan ms", "our scan ms", "times",
-          "meshToVolume ms", "times", "bake ms", "vdb_tool ms", "times", "rest of command ms",
-          "vdb_tool reading ms", "command, times", "MB", "vdb_tool MB", "share"]
+HEADER = ["voxels across", "scan: straightforward / ours, ms", "times", "scan: meshToVolume / ours, ms",
+          "times", "bake: vdb_tool / ours, ms", "times", "whole command, ms", "times",
+          "of it reading and start, ms", "peak MB", "share"]
 
 
 def main():
