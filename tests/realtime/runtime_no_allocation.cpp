@@ -1,21 +1,45 @@
-// The step takes no memory: operator new is trapped around many steps of both models.
+// The step takes no memory and makes no system call: operator new, malloc and its kin, and every
+// system call of the stepping thread are trapped around 10^5 steps of both models.
 #include <gtest/gtest.h>
+#include <linux/filter.h>
+#include <linux/seccomp.h>
+#include <sys/prctl.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
+#include <cerrno>
+#include <csignal>
+#include <cstddef>
 #include <cstdlib>
+#include <cstring>
 #include <new>
+#include <utility>
 
 #include "runtime/derive_parameters.h"
 #include "runtime/servo.h"
 #include "tests/support/random_scenes.h"
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define FORCELAYER_TEST_SANITIZED 1  // malloc is the sanitizer's, and system calls are too
+#else
+#define FORCELAYER_TEST_SANITIZED 0
+#endif
 
 namespace {
 
 thread_local bool trap_armed = false;
 thread_local std::uint64_t trapped = 0;
 
-void* take(std::size_t size) {
+void note_allocation() {
   if (trap_armed) ++trapped;
+}
+
+void* take(std::size_t size) {
+  note_allocation();
+  const bool armed = std::exchange(trap_armed, false);  // counted once, not in malloc again
   void* memory = std::malloc(size);
+  trap_armed = armed;
   if (memory == nullptr) throw std::bad_alloc();
   return memory;
 }
@@ -29,8 +53,46 @@ void operator delete[](void* memory) noexcept { std::free(memory); }
 void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 void operator delete[](void* memory, std::size_t) noexcept { std::free(memory); }
 
+#if !FORCELAYER_TEST_SANITIZED
+// The C library's own, under the names that it leaves for this.
+extern "C" {
+void* __libc_malloc(std::size_t size);
+void* __libc_calloc(std::size_t count, std::size_t size);
+void* __libc_realloc(void* memory, std::size_t size);
+void* __libc_memalign(std::size_t alignment, std::size_t size);
+
+void* malloc(std::size_t size) {
+  note_allocation();
+  return __libc_malloc(size);
+}
+void* calloc(std::size_t count, std::size_t size) {
+  note_allocation();
+  return __libc_calloc(count, size);
+}
+void* realloc(void* memory, std::size_t size) {
+  note_allocation();
+  return __libc_realloc(memory, size);
+}
+void* memalign(std::size_t alignment, std::size_t size) {
+  note_allocation();
+  return __libc_memalign(alignment, size);
+}
+void* aligned_alloc(std::size_t alignment, std::size_t size) {
+  note_allocation();
+  return __libc_memalign(alignment, size);
+}
+int posix_memalign(void** memory, std::size_t alignment, std::size_t size) {
+  note_allocation();
+  *memory = __libc_memalign(alignment, size);
+  return *memory == nullptr ? ENOMEM : 0;
+}
+}  // extern "C"
+#endif
+
 namespace forcelayer::test {
 namespace {
+
+constexpr int kSteps = FORCELAYER_TEST_SANITIZED ? 10'000 : 100'000;
 
 // A hand that presses, slides, turns, jumps and sends nonsense.
 class TryingInput final : public InputSource {
@@ -55,50 +117,166 @@ class TryingInput final : public InputSource {
   DevicePlacement placement_;
 };
 
-std::uint64_t allocations(Model model, int frames, std::uint64_t& touching) {
-  Voxmap voxmap = make_voxmap(
-      offset_scene(0.005, {0, 0, -2}, {32, 32, 8}, 2, [](Voxel v) { return v[2] <= 0; }));
-  Pshell shell = make_pshell(sphere_part(0.02, 200, 0.005));
-  ParameterRequest request;
-  request.model = model;
-  request.force = usual_force(model, voxmap);
-  DeviceCapabilities device;
-  device.max_force_n = 15;
-  device.max_torque_nm = 0.1;
-  const auto derived = derive_parameters(request, voxmap, shell, device);
-  auto simulation = Simulation::create(std::move(voxmap), std::move(shell), derived->values);
-  TryingInput input(1);
-  const Pose start{{0.08, 0.08, 0.05}, {1, 0, 0, 0}};
-  Servo servo(**simulation, input, (*simulation)->registered(start, start), {});
-  Frame frame;
-  trapped = 0;
-  trap_armed = true;
-  for (int i = 0; i < frames; ++i) {
-    servo.tick(frame);
-    touching += frame.result.report.surface > 0;
+// A ball above a floor, driven by TryingInput.
+class Stepping {
+ public:
+  Stepping(Model model, std::size_t points, unsigned threads) : input_(1) {
+    Voxmap voxmap = make_voxmap(
+        offset_scene(0.005, {0, 0, -2}, {32, 32, 8}, 2, [](Voxel v) { return v[2] <= 0; }));
+    Pshell shell = make_pshell(sphere_part(0.02, points, 0.005));
+    ParameterRequest request;
+    request.model = model;
+    request.force = usual_force(model, voxmap);
+    DeviceCapabilities device;
+    device.max_force_n = 15;
+    device.max_torque_nm = 0.1;
+    const auto derived = derive_parameters(request, voxmap, shell, device);
+    QueryOptions query;
+    query.threads = threads;
+    auto made = Simulation::create(std::move(voxmap), std::move(shell), derived->values, query);
+    simulation_ = std::move(*made);
+    const Pose start{{0.08, 0.08, 0.05}, {1, 0, 0, 0}};
+    servo_ = std::make_unique<Servo>(*simulation_, input_, simulation_->registered(start, start),
+                                     OutputLimits{});
   }
-  trap_armed = false;
-  return trapped;
-}
+
+  Simulation& simulation() { return *simulation_; }
+
+  // Returns the frames that touched.
+  int run(int steps) noexcept {
+    int touching = 0;
+    for (int i = 0; i < steps; ++i) {
+      servo_->tick(frame_);
+      touching += frame_.result.report.surface > 0;
+    }
+    return touching;
+  }
+
+ private:
+  TryingInput input_;
+  std::unique_ptr<Simulation> simulation_;
+  std::unique_ptr<Servo> servo_;
+  Frame frame_;
+};
 
 TEST(StepMemory, TheTrapWorks) {
   trapped = 0;
   trap_armed = true;
   const auto number = std::make_unique<std::vector<int>>(100);
   trap_armed = false;
-  EXPECT_GE(trapped, 2u);
+  EXPECT_EQ(trapped, 2u);
+  if (FORCELAYER_TEST_SANITIZED) return;
+  trap_armed = true;
+  void* volatile memory = std::malloc(8);
+  trap_armed = false;
+  std::free(memory);
+  EXPECT_EQ(trapped, 3u);
 }
 
-TEST(StepMemory, NoStepOfThePaperModelAllocates) {
-  std::uint64_t touching = 0;
-  EXPECT_EQ(allocations(Model::kPaper, 100'000, touching), 0u);
-  EXPECT_GT(touching, 10'000u);
+void expect_no_allocation(Model model) {
+  Stepping stepping(model, 200, 1);
+  trapped = 0;
+  trap_armed = true;
+  const int touching = stepping.run(kSteps);
+  trap_armed = false;
+  EXPECT_EQ(trapped, 0u);
+  EXPECT_GT(touching, kSteps / 10);
 }
 
-TEST(StepMemory, NoStepOfTheDefaultModelAllocates) {
-  std::uint64_t touching = 0;
-  EXPECT_EQ(allocations(Model::kDefault, 20'000, touching), 0u);
-  EXPECT_GT(touching, 2'000u);
+TEST(StepMemory, NoStepOfThePaperModelAllocates) { expect_no_allocation(Model::kPaper); }
+TEST(StepMemory, NoStepOfTheDefaultModelAllocates) { expect_no_allocation(Model::kDefault); }
+
+// What the child below tells the test.
+struct CallReport {
+  int refused = 0;  // errno, where the filter cannot be set
+  int touching = 0;
+  int calls = 0;
+  int first_call = -1;
+};
+
+volatile sig_atomic_t calls_trapped = 0, first_call_trapped = -1;
+
+void note_call(int, siginfo_t* info, void*) {
+  if (calls_trapped == 0) first_call_trapped = info->si_syscall;
+  calls_trapped = calls_trapped + 1;
+}
+
+// From here on every system call of this thread but those that end it raises SIGSYS instead. False
+// where the system has no filters.
+bool trap_system_calls() {
+  struct sigaction action {};
+  action.sa_sigaction = note_call;
+  action.sa_flags = SA_SIGINFO;
+  sigaction(SIGSYS, &action, nullptr);
+  sock_filter program[] = {
+      BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, nr)),
+      BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, SYS_write, 2, 0),  // the report
+      BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, SYS_rt_sigreturn, 1, 0),
+      BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, SYS_exit_group, 0, 1),
+      BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ALLOW),
+      BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_TRAP),
+  };
+  const sock_fprog filter{sizeof program / sizeof *program, program};
+  return prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0 &&
+         prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &filter) == 0;
+}
+
+// Runs `steps` steps in a child under the filter; with `provoke`, one system call among them.
+CallReport steps_under_filter(Model model, unsigned threads, int steps, bool provoke) {
+  int ends[2] = {};
+  if (pipe(ends) != 0) throw std::runtime_error("pipe");
+  const pid_t child = fork();
+  if (child < 0) throw std::runtime_error("fork");
+  if (child == 0) {
+    CallReport report;
+    // Enough points for the helpers to have something to do.
+    Stepping stepping(model, threads > 1 ? 40'000 : 200, threads);
+    stepping.simulation().wake_helpers();
+    if (trap_system_calls()) {
+      report.touching = stepping.run(steps);
+      if (provoke) getppid();
+    } else {
+      report.refused = errno;
+    }
+    report.calls = calls_trapped;
+    report.first_call = first_call_trapped;
+    const bool written = write(ends[1], &report, sizeof report) == sizeof report;
+    _exit(written ? 0 : 1);
+  }
+  close(ends[1]);
+  CallReport report;
+  const bool whole = read(ends[0], &report, sizeof report) == sizeof report;
+  close(ends[0]);
+  int status = 0;
+  waitpid(child, &status, 0);
+  if (!whole || status != 0) throw std::runtime_error("the child ended early");
+  return report;
+}
+
+void expect_no_system_call(Model model, unsigned threads, int steps) {
+  if (FORCELAYER_TEST_SANITIZED) GTEST_SKIP() << "a sanitizer makes system calls of its own";
+  const CallReport report = steps_under_filter(model, threads, steps, false);
+  if (report.refused != 0) GTEST_SKIP() << "no seccomp here: " << std::strerror(report.refused);
+  EXPECT_EQ(report.calls, 0) << "the first was number " << report.first_call;
+  EXPECT_GT(report.touching, steps / 50);
+}
+
+TEST(StepSystemCalls, TheTrapWorks) {
+  if (FORCELAYER_TEST_SANITIZED) GTEST_SKIP() << "a sanitizer makes system calls of its own";
+  const CallReport report = steps_under_filter(Model::kPaper, 1, 10, true);
+  if (report.refused != 0) GTEST_SKIP() << "no seccomp here: " << std::strerror(report.refused);
+  EXPECT_EQ(report.calls, 1);
+  EXPECT_EQ(report.first_call, SYS_getppid);
+}
+
+TEST(StepSystemCalls, NoStepOfThePaperModelCallsTheSystem) {
+  expect_no_system_call(Model::kPaper, 1, 100'000);
+}
+TEST(StepSystemCalls, NoStepOfTheDefaultModelCallsTheSystem) {
+  expect_no_system_call(Model::kDefault, 1, 100'000);
+}
+TEST(StepSystemCalls, NoStepWithHelpersCallsTheSystem) {
+  expect_no_system_call(Model::kPaper, 2, 500);
 }
 
 }  // namespace
