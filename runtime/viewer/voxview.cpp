@@ -2,15 +2,15 @@
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>
-#include <cstdlib>
 #include <nlohmann/json.hpp>
 
 #include "formats/command/command.h"
+#include "runtime/viewer/keys.h"
 #include "runtime/viewer/live.h"
 #include "runtime/viewer/options.h"
 #include "runtime/viewer/picture_plan.h"
 #include "runtime/viewer/run_rows.h"
-#include "runtime/viewer/virtual_screen.h"
+#include "runtime/viewer/voxview_screen.h"
 #include "runtime/viewer/vtk_picture.h"
 #include "runtime/viewer/vtk_window.h"
 
@@ -70,10 +70,9 @@ Status draw(const ViewOptions& options, const ViewScene& scene, RunFeed feed) {
 }
 
 Status find_screen(const ViewOptions& options, char** argv) {
-  const char* display = std::getenv("DISPLAY");
   const bool endless =
       options.screenshot.empty() && options.frame_times.empty() && !options.duration_s;
-  if (endless && (display == nullptr || *display == '\0')) {
+  if (endless && !display_is_set()) {
     return Error{ErrorCode::kDeviceNotFound, "", "", "no display to open a window on",
                  "set DISPLAY, or give --screenshot FILE"};
   }
@@ -102,8 +101,15 @@ Status run(const ViewOptionParser& parser, char** argv) {
 }  // namespace forcelayer
 
 int main(int argc, char** argv) {
-  CLI::App app{"Show scenes, baked files and runs", "voxview"};
+  CLI::App app{
+      "Show meshes, baked files and runs: in a window, or with --screenshot as a picture. Without "
+      "a\n"
+      "display, pictures are drawn under xvfb-run.",
+      "voxview"};
   const forcelayer::ViewOptionParser parser(app);
+  std::string keys = "In the window:\n";
+  for (const std::string_view line : forcelayer::kKeyLines) keys += "  " + std::string(line) + "\n";
+  app.footer(keys);
   int exit_code = 0;
   if (!forcelayer::parse_arguments(app, argc, argv, exit_code)) return exit_code;
   return forcelayer::run_command("voxview", [&] { return forcelayer::run(parser, argv); });

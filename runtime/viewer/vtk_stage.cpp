@@ -396,10 +396,9 @@ void place_moment(Stage& stage, const ViewScene& scene, const Moment& moment) {
   if (!scene.shell) return;
   const double radius_m = scene.shell->header().bounding_radius_m;
   stage.place_contacts(moment.contacts, 0.5 * radius_m);
-  if (moment.on_hand && glm::length(moment.on_hand->force_n) > 0) {
-    stage.place_net_force(world_from_center(moment.world_from_part, *scene.shell).position_m,
-                          moment.on_hand->force_n, 1.2 * radius_m);
-  }
+  const glm::dvec3 force_n = moment.on_hand ? moment.on_hand->force_n : glm::dvec3(0);
+  stage.place_net_force(world_from_center(moment.world_from_part, *scene.shell).position_m, force_n,
+                        glm::length(force_n) > 0 ? 1.2 * radius_m : 0);
 }
 
 }  // namespace forcelayer

@@ -139,8 +139,7 @@ void Strip::draw(const std::vector<StripPoint>& points, double begin_s, double e
   d.frame.set({{kLeft, kBottom}, {right, kBottom}, {right, top}, {kLeft, top}, {kLeft, kBottom}});
   d.now.set({{x_of(now_s), kBottom}, {x_of(now_s), top}});
   d.text->SetInput(
-      text_of("force on the hand, to %.3g N    bars: near, force layer, contact, guard, "
-              "penetration    %.2f to %.2f s",
+      text_of("force on the hand, to %.3g N    %.2f to %.2f s    bars: as the cells above",
               highest_n, d.begin_s, d.end_s)
           .c_str());
 }

@@ -1,4 +1,4 @@
-#include "runtime/viewer/virtual_screen.h"
+#include "runtime/viewer/voxview_screen.h"
 
 #include <unistd.h>
 
@@ -6,11 +6,28 @@
 #include <string>
 #include <vector>
 
+// Last, for its macros.
+#include <X11/Xlib.h>
+#undef Status
+
 namespace forcelayer {
 
-Status ensure_screen(char** argv) {
+bool display_is_set() {
   const char* display = std::getenv("DISPLAY");
-  if (display != nullptr && *display != '\0') return {};
+  return display != nullptr && *display != '\0';
+}
+
+Status ensure_screen(char** argv) {
+  if (display_is_set()) {
+    // VTK aborts the program where this fails.
+    if (Display* display = XOpenDisplay(nullptr); display != nullptr) {
+      XCloseDisplay(display);
+      return {};
+    }
+    return Error{ErrorCode::kDeviceNotFound, "", "",
+                 "the display '" + std::string(std::getenv("DISPLAY")) + "' does not open",
+                 "set DISPLAY to one that does, or unset it and give --screenshot FILE"};
+  }
   std::string self = "/proc/self/exe", screen = "-screen 0 1280x1024x24";
   if (char* path = realpath("/proc/self/exe", nullptr); path != nullptr) {
     self = path;

@@ -1,0 +1,16 @@
+// Whether there is a screen to draw on.
+#pragma once
+
+#include "formats/result.h"
+
+namespace forcelayer {
+
+// Returns when there is a display to draw on: DISPLAY names one that opens. Without DISPLAY, starts
+// this program anew with the same arguments under xvfb-run, and returns only if that cannot be had.
+// Error: kDeviceNotFound with what to set or to install.
+Status ensure_screen(char** argv);
+
+// Whether DISPLAY names a display, be it one that opens or not.
+bool display_is_set();
+
+}  // namespace forcelayer

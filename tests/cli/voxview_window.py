@@ -1,0 +1,288 @@
+"""Drives voxview's window on a virtual screen: keys, mouse, closing, a run beside it.
+
+Usage: voxview_window.py BIN_FOLDER SAMPLE_DATA      (in a scratch folder that holds bay.vox,
+       part.pshell and trace.csv)
+
+Events are sent through libX11, the screen is read from the file that `Xvfb -fbdir` keeps.
+"""
+
+import ctypes
+import json
+import os
+import pathlib
+import re
+import signal
+import subprocess
+import sys
+import time
+
+import numpy
+
+BIN, DATA = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2])
+STYLE = pathlib.Path(__file__).resolve().parents[2] / "runtime/viewer/style.h"
+WIDTH, HEIGHT = 800, 600
+PATIENCE_S = 60  # for what takes a second on a quiet machine
+PORT = "47221"
+
+
+class XEvent(ctypes.Structure):
+    """XKeyEvent, XButtonEvent and XMotionEvent, which agree as far as is needed here."""
+    _fields_ = [("type", ctypes.c_int), ("serial", ctypes.c_ulong), ("send_event", ctypes.c_int),
+                ("display", ctypes.c_void_p), ("window", ctypes.c_ulong), ("root", ctypes.c_ulong),
+                ("subwindow", ctypes.c_ulong), ("time", ctypes.c_ulong), ("x", ctypes.c_int),
+                ("y", ctypes.c_int), ("x_root", ctypes.c_int), ("y_root", ctypes.c_int),
+                ("state", ctypes.c_uint), ("detail", ctypes.c_uint), ("same_screen", ctypes.c_int),
+                ("room", ctypes.c_long * 24)]
+
+
+class XClientMessage(ctypes.Structure):
+    _fields_ = [("type", ctypes.c_int), ("serial", ctypes.c_ulong), ("send_event", ctypes.c_int),
+                ("display", ctypes.c_void_p), ("window", ctypes.c_ulong),
+                ("message_type", ctypes.c_ulong), ("format", ctypes.c_int),
+                ("data", ctypes.c_long * 5), ("room", ctypes.c_long * 24)]
+
+
+KEY_PRESS, BUTTON_PRESS, BUTTON_RELEASE, MOTION, CLIENT_MESSAGE = 2, 4, 5, 6, 33
+
+
+class Screen:
+    """A virtual X server, its one window, and what is seen of it."""
+
+    def __init__(self):
+        pathlib.Path("screen").mkdir()
+        read, write = os.pipe()
+        self.server = subprocess.Popen(
+            ["Xvfb", "-displayfd", str(write), "-screen", "0", "1024x768x24", "-fbdir", "screen"],
+            pass_fds=[write], stderr=subprocess.DEVNULL)
+        os.close(write)
+        self.name = ":" + os.read(read, 20).decode().strip()
+        x = ctypes.CDLL("libX11.so.6")
+        for function, result in (("XOpenDisplay", ctypes.c_void_p),
+                                 ("XDefaultRootWindow", ctypes.c_ulong),
+                                 ("XInternAtom", ctypes.c_ulong),
+                                 ("XStringToKeysym", ctypes.c_ulong)):
+            getattr(x, function).restype = result
+        self.x, self.display = x, ctypes.c_void_p(x.XOpenDisplay(self.name.encode()))
+        assert self.display, "no connection to Xvfb"
+        self.root = ctypes.c_ulong(x.XDefaultRootWindow(self.display))
+
+    def window(self):
+        """The window of voxview: the only child of the root."""
+        root, parent = ctypes.c_ulong(), ctypes.c_ulong()
+        children, count = ctypes.POINTER(ctypes.c_ulong)(), ctypes.c_uint()
+        self.x.XQueryTree(self.display, self.root, ctypes.byref(root), ctypes.byref(parent),
+                          ctypes.byref(children), ctypes.byref(count))
+        windows = [children[n] for n in range(count.value)]
+        return windows[-1] if windows else None
+
+    def picture(self):
+        """What is on the screen, as [768][1024][3]."""
+        data = pathlib.Path("screen/Xvfb_screen0").read_bytes()
+        header = numpy.frombuffer(data[:100], ">u4")
+        start, width, height, line = (int(header[n]) for n in (0, 4, 5, 12))
+        start += 12 * int(header[19])
+        pixels = numpy.frombuffer(data[start:start + line * height], numpy.uint8)
+        return pixels.reshape(height, line // 4, 4)[:, :width, 2::-1].astype(int)
+
+    def send(self, event):
+        self.x.XSendEvent(self.display, ctypes.c_ulong(self.window()), 0, ctypes.c_long(0),
+                          ctypes.byref(event))
+        self.x.XSync(self.display, 0)
+
+    def event(self, kind, x=0, y=0, detail=0, state=0):
+        self.send(XEvent(type=kind, display=self.display, window=self.window(), root=self.root,
+                         x=x, y=y, x_root=x, y_root=y, detail=detail, state=state, same_screen=1))
+
+    def key(self, name, state=0):
+        symbol = ctypes.c_ulong(self.x.XStringToKeysym(name.encode()))
+        code = self.x.XKeysymToKeycode(self.display, symbol) & 0xff
+        self.event(KEY_PRESS, 10, 10, code, state)  # no release: q leaves no window for one
+
+    def drag(self, button, from_xy, to_xy, state=0):
+        self.event(BUTTON_PRESS, *from_xy, button, state)
+        for n in range(1, 5):
+            at = [a + (b - a) * n // 4 for a, b in zip(from_xy, to_xy)]
+            self.event(MOTION, *at, 0, state | (128 << button))
+        self.event(BUTTON_RELEASE, *to_xy, button, state)
+
+    def close_window(self):
+        """What a window manager's button does."""
+        protocols = self.x.XInternAtom(self.display, b"WM_PROTOCOLS", 0)
+        delete = self.x.XInternAtom(self.display, b"WM_DELETE_WINDOW", 0)
+        message = XClientMessage(type=CLIENT_MESSAGE, display=self.display, window=self.window(),
+                                 message_type=protocols, format=32)
+        message.data[0] = delete
+        self.send(message)
+
+    def wait(self, wanted, what):
+        """Until wanted(picture) holds in two looks running; returns that picture."""
+        end, last = time.monotonic() + PATIENCE_S, None
+        while time.monotonic() < end:
+            now = self.picture()
+            if last is not None and (now == last).all() and wanted(now):
+                return now
+            last = now
+            time.sleep(0.2)
+        raise AssertionError("not seen: " + what)
+
+    def changed(self, before, what):
+        return self.wait(lambda now: (now != before).any(), what)
+
+    def same(self, before, what):
+        return self.wait(lambda now: (now == before).all(), what)
+
+
+def colour(name):
+    numbers = re.search(rf"k{name}Colour = {{([^}}]*)}}", STYLE.read_text()).group(1)
+    return numpy.round(255 * numpy.array([float(n) for n in numbers.split(",")]))
+
+
+def count(picture, name):
+    return int((abs(picture - colour(name)) <= 1).all(axis=2).sum())
+
+
+def viewer(screen, *arguments):
+    environment = {**os.environ, "DISPLAY": screen.name}
+    return subprocess.Popen(
+        [BIN / "voxview", "bay.vox", "part.pshell", "--size", f"{WIDTH}x{HEIGHT}", *arguments],
+        env=environment)
+
+
+def run(*arguments):
+    return subprocess.Popen(
+        [BIN / "voxrun", "bay.vox", "part.pshell", "--device", "sim", "--motion",
+         DATA / "press.csv", "--duration", "2s", "--quiet", *arguments])
+
+
+def ends(process, status, what):
+    got = process.wait(PATIENCE_S)
+    assert got == status, f"{what}: status {got}, not {status}"
+
+
+def drawn(picture):
+    return (picture[:HEIGHT, :WIDTH] > 0).any(axis=2).mean() > 0.9
+
+
+def check_replay(screen):
+    """Keys and mouse on a run that is over."""
+    process = viewer(screen, "--trace", "trace.csv", "--at", "0.5s")
+    first = screen.wait(drawn, "the window")
+    for key, name in (("2", "interior"), ("3", "force layer"), ("4", "proximity"), ("6", "shell"),
+                      ("h", "keys")):
+        screen.key(key)
+        screen.changed(first, name)
+        screen.key(key)
+        screen.same(first, name + " as before")
+    for axis in "xyz":
+        before = screen.picture()
+        screen.key("c")
+        cut = screen.changed(before, "a cut across " + axis)
+        screen.key("period")
+        screen.changed(cut, "a cut that moves")
+    screen.key("c")
+    screen.same(first, "no cut")
+
+    screen.key("n")
+    contact = screen.changed(first, "the next contact")
+    assert count(contact, "Contact") > count(first, "Contact") + 300, "no contact is seen"
+    screen.key("g")  # this run has no guard cut: stays
+    screen.key("Right")
+    step = screen.changed(contact, "a frame later")
+    screen.key("Left")
+    screen.same(contact, "the frame before")
+    screen.key("Home")
+    screen.changed(step, "the first frame")
+    screen.key("space")
+    time.sleep(1)
+    screen.key("space")
+    played = screen.changed(first, "playing")
+    middle = (WIDTH // 2, HEIGHT - 40)
+    screen.drag(1, (200, HEIGHT - 40), middle)
+    scrubbed = screen.changed(played, "scrubbing")
+    screen.key("End")
+    last = screen.changed(scrubbed, "the last frame, in free space")
+    # Neither title nor strip: the arrow of the force on the hand is gone with the force.
+    assert (last[170:400, :500] > 60).any(axis=2).all(), "a black arrow without a force"
+
+    screen.key("x")
+    side = screen.wait(drawn, "a view along x")
+    screen.drag(1, (300, 200), (360, 230))
+    turned = screen.changed(side, "turning")
+    screen.drag(2, (300, 200), (320, 230))
+    moved = screen.changed(turned, "moving")
+    screen.event(BUTTON_PRESS, 300, 200, 4)
+    screen.event(BUTTON_RELEASE, 300, 200, 4)
+    screen.changed(moved, "zooming")
+    screen.key("x")
+    screen.same(side, "along x again")
+
+    screen.x.XResizeWindow(screen.display, ctypes.c_ulong(screen.window()), 900, 700)
+    screen.x.XSync(screen.display, 0)
+    # The strip, on its light ground, reaches as far as the window.
+    screen.wait(lambda now: (now[600:660, 840:868] > 200).all(axis=2).mean() > 0.8,
+                "a larger window, laid out anew")
+    screen.close_window()
+    ends(process, 0, "the window's button")
+
+
+def check_live(screen):
+    """A run beside the window: ending either harms the other in nothing."""
+    reference = run("--json", "reference.json")
+    ends(reference, 0, "a run alone")
+    process = viewer(screen, "--listen", PORT)
+    waiting = screen.wait(drawn, "the window")
+    sender = run("--udp", PORT, "--json", "watched.json")
+    end = time.monotonic() + PATIENCE_S
+    while (screen.picture() == waiting).all():
+        assert time.monotonic() < end, "the part does not move"
+        time.sleep(0.1)
+    process.send_signal(signal.SIGKILL)
+    ends(process, -signal.SIGKILL, "the viewer")
+    ends(sender, 0, "the run whose viewer was killed")
+    alone, watched = (json.loads(pathlib.Path(name).read_text())
+                      for name in ("reference.json", "watched.json"))
+    for fact in ("frames", "outcome_hash"):
+        assert alone[fact] == watched[fact], (fact, alone[fact], watched[fact])
+
+    process = viewer(screen, "--listen", PORT)
+    waiting = screen.wait(drawn, "the window")
+    sender = run("--udp", PORT)
+    time.sleep(1)
+    sender.send_signal(signal.SIGKILL)
+    ends(sender, -signal.SIGKILL, "the run")
+    silent = screen.changed(waiting, "what came before the run was killed")
+    screen.key("f")
+    assert process.poll() is None, "the viewer did not outlive the run"
+    sender = run("--udp", PORT)  # and follows the next one
+    screen.changed(silent, "the next run")
+    ends(sender, 0, "the next run")
+    screen.key("q")
+    ends(process, 0, "q")
+
+
+def check_ends(screen):
+    process = viewer(screen)
+    screen.wait(drawn, "the window")
+    process.terminate()
+    ends(process, -signal.SIGTERM, "SIGTERM")
+    process = viewer(screen)
+    screen.wait(drawn, "the window")
+    screen.server.terminate()
+    ends(process, 1, "a screen that went away")
+    nowhere = subprocess.run([BIN / "voxview", "bay.vox"], capture_output=True, text=True,
+                             env={**os.environ, "DISPLAY": screen.name})
+    assert nowhere.returncode == 5 and nowhere.stderr.count("\n") == 1, nowhere
+    assert "does not open" in nowhere.stderr, nowhere.stderr
+
+
+def main():
+    screen = Screen()
+    try:
+        check_replay(screen)
+        check_live(screen)
+        check_ends(screen)
+    finally:
+        screen.server.terminate()
+
+
+main()
