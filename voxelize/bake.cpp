@@ -10,9 +10,13 @@
 #include <mutex>
 #include <thread>
 
+#include "voxelize/cavities.h"
 #include "voxelize/directory_limit.h"
 #include "voxelize/flood.h"
+#include "voxelize/node_memory.h"
 #include "voxelize/offset.h"
+#include "voxelize/part_cache.h"
+#include "voxelize/region.h"
 #include "voxelize/scan_conversion.h"
 #include "voxelize/snap.h"
 #include "voxelize/tree_builder.h"
@@ -33,7 +37,7 @@ class Stopwatch {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-Status check(std::span<const SceneObject> objects, const BakeOptions& options) {
+Status check(const BakeOptions& options) {
   if (!(options.voxel_size_m >= kMinVoxelSizeM && options.voxel_size_m <= kMaxVoxelSizeM)) {
     return Error{ErrorCode::kUsage, "", "voxel size", "is not between 1e-9 and 1e6 metres", ""};
   }
@@ -44,130 +48,338 @@ Status check(std::span<const SceneObject> objects, const BakeOptions& options) {
   if (!(options.mesh_deviation_m >= 0 && std::isfinite(options.mesh_deviation_m))) {
     return Error{ErrorCode::kUsage, "", "mesh deviation", "is not a length of zero or more", ""};
   }
-  const bool any = std::any_of(objects.begin(), objects.end(), [](const SceneObject& object) {
-    return !object.mesh->triangles.empty();
-  });
-  if (!any) return Error{ErrorCode::kMeshEmpty, "", "", "the scene has no triangles", ""};
   return {};
 }
+
+// The free seeds that matter to one object.
+class ObjectSeeds {
+ public:
+  ObjectSeeds(const SceneObject& object, const BakeOptions& options, const VoxelBox& box)
+      : object_(object), voxel_size_m_(options.voxel_size_m) {
+    for (const auto* seeds_m : {&options.free_seeds_m, &object.free_seeds_m}) {
+      for (const Vec3d& seed_m : *seeds_m) add(seed_m, box);
+    }
+  }
+
+  // The seeds as voxels counted from `origin`; kSceneInvalid where one lies in the surface.
+  Result<std::vector<Coord>> voxels(const MaskTree& geometry, const VoxelIndex& origin) const {
+    std::vector<Coord> result;
+    for (const Seed& seed : seeds_) {
+      const Coord voxel(static_cast<int>(seed.voxel[0] - origin[0]),
+                        static_cast<int>(seed.voxel[1] - origin[1]),
+                        static_cast<int>(seed.voxel[2] - origin[2]));
+      if (geometry.isValueOn(voxel)) return in_surface(seed.seed_m);
+      result.push_back(voxel);
+    }
+    return result;
+  }
+
+ private:
+  struct Seed {
+    Vec3d seed_m;
+    VoxelIndex voxel;
+  };
+
+  // A seed outside the object's box is free anyway.
+  void add(const Vec3d& seed_m, const VoxelBox& box) {
+    Seed seed{seed_m, {}};
+    for (std::size_t d = 0; d < 3; ++d) {
+      const double at = std::floor(seed_m[d] / voxel_size_m_);
+      if (!(at >= static_cast<double>(box.low[d]) && at <= static_cast<double>(box.high[d]))) {
+        return;
+      }
+      seed.voxel[d] = static_cast<std::int64_t>(at);
+    }
+    seeds_.push_back(seed);
+  }
+
+  Error in_surface(const Vec3d& seed_m) const {
+    char where[120];
+    std::snprintf(where, sizeof where, "free seed %g,%g,%g", seed_m[0], seed_m[1], seed_m[2]);
+    return {ErrorCode::kSceneInvalid, "", where,
+            "lies in a voxel that the surface of " + object_.name + " passes through",
+            "move it into the open, or use a smaller voxel size"};
+  }
+
+  const SceneObject& object_;
+  double voxel_size_m_;
+  std::vector<Seed> seeds_;
+};
 
 // One bake, from objects to the tree.
 class Pipeline {
  public:
   Pipeline(std::span<const SceneObject> objects, const BakeOptions& options)
-      : objects_(objects), options_(options) {}
+      : objects_(objects), options_(options), parts_(objects.size()) {}
 
   Result<Bake> run();
+  Result<Bake> run_parts_only();
 
  private:
-  Status snap();
+  // An object on its way into the scene: found in the cache, or snapped.
+  struct Part {
+    PartFacts facts;
+    std::optional<Digest> key;
+    std::vector<Cavity> cavities;
+    std::optional<CachedPart> cached;
+    const Mesh* mesh = nullptr;  // where it is not cached
+    SnappedObject snapped;
+  };
+
+  Status prepare();
+  void look_up();
+  bool knows_enough(const PartFacts& facts) const;
+  void find_cavities(std::size_t index, const MaskTree& interior);
+  void find_narrow_passages(std::size_t index);
+  template <class AddObject>
+  Status for_each_object(AddObject&& add_object);
+  Status snap(std::size_t index);
+  Status choose_region();
+  Result<PartVoxels> part_voxels(std::size_t index);
+  Result<PartVoxels> bake_part(std::size_t index);
   Status add_object(std::size_t index);
-  Status check_seeds(std::span<const Vec3d> seeds_m, const MaskTree& geometry,
-                     const SceneObject& object, std::vector<Coord>& seeds) const;
+  void report_object(std::size_t index);
   Coord in_scene(const VoxelIndex& voxel) const {
     return Coord(static_cast<int>(voxel[0] - directory_.origin[0]),
                  static_cast<int>(voxel[1] - directory_.origin[1]),
                  static_cast<int>(voxel[2] - directory_.origin[2]));
   }
-  void fill_header(const ValueCounts& counts);
+  void build();
+  void fill_header(const VoxelBox& tight, const ValueCounts& counts);
   void progress(const char* stage, double share) const {
     if (options_.progress) options_.progress(stage, share);
   }
 
   std::span<const SceneObject> objects_;
   const BakeOptions& options_;
-  std::vector<SnappedObject> snapped_;
-  VoxelBox box_;  // of all non-free voxels
-  Directory directory_;
+  std::vector<Part> parts_;  // [objects]
+  Region region_;
+  Directory directory_;  // of the region; empty where nothing can be in it
   double deviation_m_ = 0;
   Bake bake_;
 
   std::mutex mutex_;  // guards what follows and bake_.seconds while objects are added
   MaskTree geometry_, interior_;
   std::size_t objects_done_ = 0;
+
+  std::mutex reading_;  // SceneObject::read_mesh is called under it
 };
 
-Status Pipeline::snap() {
-  VoxelBox box;
-  for (const SceneObject& object : objects_) {
-    auto snapped =
-        snap_object(*object.mesh, object.world_from_mesh, options_.voxel_size_m, object.name);
-    if (!snapped) return snapped.error();
-    box.include(snapped->box);
-    deviation_m_ = std::max(deviation_m_, snapped->snap_error_m + object.deviation_m);
-    ObjectReport& report = bake_.objects.emplace_back();
-    report.name = object.name;
-    report.triangles = object.mesh->triangles.size();
-    report.degenerate_triangles = degenerate_triangles(*snapped);
-    snapped_.push_back(std::move(*snapped));
+void Pipeline::look_up() {
+  if (options_.cache == nullptr) return;
+  tbb::parallel_for(std::size_t{0}, objects_.size(), [&](std::size_t i) {
+    Part& part = parts_[i];
+    part.key = part_key(objects_[i], options_);
+    if (part.key) part.cached = CachedPart::find(*options_.cache, *part.key);
+    if (!part.cached) return;
+    if (!knows_enough(part.cached->facts())) {
+      part.cached.reset();
+      return;
+    }
+    part.facts = part.cached->facts();
+    part.cavities = part.cached->cavities();
+  });
+}
+
+bool Pipeline::knows_enough(const PartFacts& facts) const {
+  return (!options_.find_cavities || (facts.knows & PartFacts::kCavities) != 0) &&
+         (!options_.find_narrow_passages || (facts.knows & PartFacts::kNarrowPassages) != 0);
+}
+
+Status Pipeline::snap(std::size_t index) {
+  const SceneObject& object = objects_[index];
+  const Mesh* mesh = object.mesh;
+  if (mesh == nullptr) {
+    const std::lock_guard lock(reading_);
+    const auto read = object.read_mesh();
+    if (!read) return read.error();
+    mesh = *read;
   }
-  box_ = box.grown(options_.layers + 1);
-  const auto directory = fit_directory(box_, options_.voxel_size_m);
+  Part& part = parts_[index];
+  auto snapped = snap_object(*mesh, object.world_from_mesh, options_.voxel_size_m, object.name);
+  if (!snapped) return snapped.error();
+  part.mesh = mesh;
+  part.snapped = std::move(*snapped);
+  part.facts = {};
+  part.facts.triangles = mesh->triangles.size();
+  part.facts.degenerate_triangles = degenerate_triangles(part.snapped);
+  part.facts.box = part.snapped.box;
+  part.facts.snap_error_m = part.snapped.snap_error_m;
+  return {};
+}
+
+// Every object's box and facts: from the cache, or by snapping it.
+Status Pipeline::prepare() {
+  look_up();
+  for (std::size_t i = 0; i < objects_.size(); ++i) {
+    bake_.objects.emplace_back().name = objects_[i].name;
+    if (!parts_[i].cached) {
+      if (Status snapped = snap(i); !snapped) return snapped;
+    }
+    deviation_m_ = std::max(deviation_m_, parts_[i].facts.snap_error_m + objects_[i].deviation_m);
+  }
+  return {};
+}
+
+// What of the scene is kept. Objects that cannot touch it are left out; the others are filled from
+// all of their triangles.
+Status Pipeline::choose_region() {
+  VoxelBox scene;
+  const bool empty = std::all_of(parts_.begin(), parts_.end(),
+                                 [](const Part& part) { return part.facts.triangles == 0; });
+  if (empty) return Error{ErrorCode::kMeshEmpty, "", "", "the scene has no triangles", ""};
+  for (const Part& part : parts_) scene.include(part.facts.box);
+  region_ = region_of(scene.grown(options_.layers + 1), options_.roi_m, options_.voxel_size_m);
+  const VoxelBox reach = region_.box.grown(options_.layers + 2);
+  bool any = false;
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    const VoxelBox& box = parts_[i].facts.box;
+    ObjectReport& report = bake_.objects[i];
+    report.skipped = region_.cropped_sides != 0 && !box.overlaps(reach);
+    if (report.skipped || box.empty()) continue;
+    any = true;
+    // The whole object is flooded, and counted from the region's directory.
+    if (region_.cropped_sides == 0) continue;
+    const auto fits = fit_directory(box.joined(reach), options_.voxel_size_m);
+    if (!fits) return fits.error();
+  }
+  if (!any) return {};
+  const auto directory = fit_directory(region_.box, options_.voxel_size_m);
   if (!directory) return directory.error();
   directory_ = *directory;
   return {};
 }
 
-// The voxels of the scene in which the seeds lie.
-Status Pipeline::check_seeds(std::span<const Vec3d> seeds_m, const MaskTree& geometry,
-                             const SceneObject& object, std::vector<Coord>& seeds) const {
-  for (const Vec3d& seed_m : seeds_m) {
-    Coord voxel;
-    bool inside = true;
-    for (std::size_t d = 0; d < 3; ++d) {
-      const double at =
-          std::floor(seed_m[d] / options_.voxel_size_m) - static_cast<double>(directory_.origin[d]);
-      inside &= at >= 0 && at < static_cast<double>(directory_.dims[d]) * kUpperNodeEdge;
-      if (inside) voxel[static_cast<int>(d)] = static_cast<int>(at);
-    }
-    if (!inside) continue;  // free anyway
-    if (geometry.isValueOn(voxel)) {
-      char where[120];
-      std::snprintf(where, sizeof where, "free seed %g,%g,%g", seed_m[0], seed_m[1], seed_m[2]);
-      return Error{ErrorCode::kSceneInvalid, "", where,
-                   "lies in a voxel that the surface of " + object.name + " passes through",
-                   "move it into the open, or use a smaller voxel size"};
-    }
-    seeds.push_back(voxel);
+Result<PartVoxels> Pipeline::bake_part(std::size_t index) {
+  Part& part = parts_[index];
+  Stopwatch watch;
+  PartVoxels voxels;
+  voxels.geometry = scan_convert(part.snapped, directory_.origin);
+  part.snapped = {};
+  const double scan_s = watch.lap();
+  const auto seeds = ObjectSeeds(objects_[index], options_, part.facts.box)
+                         .voxels(*voxels.geometry, directory_.origin);
+  if (!seeds) return seeds.error();
+  voxels.interior = flood_interior(*voxels.geometry, *seeds);
+  part.facts.geometry_voxels = voxel_count(*voxels.geometry);
+  part.facts.interior_voxels = voxel_count(*voxels.interior);
+  const double flood_s = watch.lap();
+  if (options_.find_cavities || options_.find_narrow_passages) {
+    find_cavities(index, *voxels.interior);
   }
-  return {};
+  if (options_.find_narrow_passages) find_narrow_passages(index);
+  const double cavities_s = watch.lap();
+  if (part.key) {
+    keep_part(*options_.cache, *part.key, part.facts, part.cavities, voxels, directory_.origin);
+  }
+  const std::lock_guard lock(mutex_);
+  bake_.seconds.scan += scan_s;
+  bake_.seconds.flood += flood_s;
+  bake_.seconds.cavities += cavities_s;
+  bake_.seconds.cache += watch.lap();
+  return voxels;
+}
+
+void Pipeline::find_cavities(std::size_t index, const MaskTree& interior) {
+  Part& part = parts_[index];
+  const std::vector<InteriorPiece> pieces = interior_pieces(interior);
+  part.facts.knows |= PartFacts::kCavities;
+  part.facts.cavity_count = pieces.size();
+  for (const InteriorPiece& piece : pieces) {
+    if (part.cavities.size() == kMaxReportedCavities) break;
+    Cavity& cavity = part.cavities.emplace_back();
+    cavity.voxels = piece.voxels;
+    for (std::size_t d = 0; d < 3; ++d) {
+      cavity.seed_voxel[d] = piece.seed[static_cast<int>(d)] + directory_.origin[d];
+    }
+  }
+}
+
+// Floods the object again at half the voxel size. A piece of the interior touches no surface, so
+// all of it is reached there as soon as one voxel is.
+void Pipeline::find_narrow_passages(std::size_t index) {
+  Part& part = parts_[index];
+  part.facts.knows |= PartFacts::kNarrowPassages;
+  if (part.cavities.empty()) return;
+  BakeOptions halved = options_;
+  halved.voxel_size_m /= 2;
+  const SceneObject& object = objects_[index];
+  const auto snapped =
+      snap_object(*part.mesh, object.world_from_mesh, halved.voxel_size_m, object.name);
+  if (!snapped) return;
+  const auto directory = fit_directory(snapped->box, halved.voxel_size_m);
+  if (!directory) return;
+  const auto geometry = scan_convert(*snapped, directory->origin);
+  const auto seeds = ObjectSeeds(object, halved, snapped->box).voxels(*geometry, directory->origin);
+  if (!seeds) return;
+  const auto interior = flood_interior(*geometry, *seeds);
+  for (Cavity& cavity : part.cavities) {
+    Coord voxel;  // at the middle of the cavity's seed voxel
+    for (std::size_t d = 0; d < 3; ++d) {
+      voxel[static_cast<int>(d)] =
+          static_cast<int>(2 * cavity.seed_voxel[d] + 1 - directory->origin[d]);
+    }
+    cavity.opens_at_half_size = !interior->isValueOn(voxel) && !geometry->isValueOn(voxel);
+  }
+}
+
+Result<PartVoxels> Pipeline::part_voxels(std::size_t index) {
+  Part& part = parts_[index];
+  if (part.cached) {
+    Stopwatch watch;
+    auto voxels = part.cached->voxels(directory_.origin);
+    part.cached.reset();
+    if (voxels) {
+      bake_.objects[index].from_cache = true;
+      const std::lock_guard lock(mutex_);
+      bake_.seconds.cache += watch.lap();
+      return std::move(*voxels);
+    }
+    if (Status snapped = snap(index); !snapped) return snapped.error();
+  }
+  return bake_part(index);
 }
 
 Status Pipeline::add_object(std::size_t index) {
-  const SceneObject& object = objects_[index];
-  ObjectReport& report = bake_.objects[index];
-  Stopwatch watch;
-  auto geometry = scan_convert(snapped_[index], directory_.origin);
-  snapped_[index] = {};
-  const double scan_s = watch.lap();
-  std::vector<Coord> seeds;
-  for (const auto& seeds_m : {std::span<const Vec3d>(options_.free_seeds_m),
-                              std::span<const Vec3d>(object.free_seeds_m)}) {
-    if (Status checked = check_seeds(seeds_m, *geometry, object, seeds); !checked) return checked;
+  if (bake_.objects[index].skipped) {
+    report_object(index);
+    return {};
   }
-  auto interior = flood_interior(*geometry, seeds);
-  report.geometry_voxels = voxel_count(*geometry);
-  report.interior_voxels = voxel_count(*interior);
-  const double flood_s = watch.lap();
-
+  auto voxels = part_voxels(index);
+  if (!voxels) return voxels.error();
+  report_object(index);
+  Stopwatch watch;
   const std::lock_guard lock(mutex_);
-  unite(geometry_, std::move(*geometry));
-  unite(interior_, std::move(*interior));
-  bake_.seconds.scan += scan_s;
-  bake_.seconds.flood += flood_s;
+  watch.lap();
+  unite(geometry_, std::move(*voxels->geometry));
+  unite(interior_, std::move(*voxels->interior));
   bake_.seconds.unite += watch.lap();
   progress("voxels",
            0.7 * static_cast<double>(++objects_done_) / static_cast<double>(objects_.size()));
   return {};
 }
 
-void Pipeline::fill_header(const ValueCounts& counts) {
+void Pipeline::report_object(std::size_t index) {
+  const PartFacts& facts = parts_[index].facts;
+  ObjectReport& report = bake_.objects[index];
+  report.triangles = facts.triangles;
+  report.degenerate_triangles = facts.degenerate_triangles;
+  report.geometry_voxels = facts.geometry_voxels;
+  report.interior_voxels = facts.interior_voxels;
+  report.cavity_count = facts.cavity_count;
+  report.cavities = parts_[index].cavities;
+}
+
+void Pipeline::fill_header(const VoxelBox& tight, const ValueCounts& counts) {
   VoxmapHeader& header = bake_.header;
   header.voxel_size_m = options_.voxel_size_m;
-  header.origin_voxel = header.valid_min_voxel = box_.low;
+  header.valid_min_voxel = region_.box.low;
+  header.cropped_sides = region_.cropped_sides;
   for (std::size_t d = 0; d < 3; ++d) {
-    header.valid_max_voxel[d] = box_.high[d] + 1;
-    header.dims_voxels[d] = static_cast<std::uint64_t>(box_.high[d] - box_.low[d] + 1);
+    header.valid_max_voxel[d] = region_.box.high[d] + 1;
+    if (tight.empty()) continue;
+    header.origin_voxel[d] = tight.low[d];
+    header.dims_voxels[d] = static_cast<std::uint64_t>(tight.high[d] - tight.low[d] + 1);
   }
   header.offset_layers = options_.layers;
   header.metric = static_cast<std::uint32_t>(Metric::kChebyshev);
@@ -181,38 +393,94 @@ void Pipeline::fill_header(const ValueCounts& counts) {
   header.static_deviation_m = deviation_m_ + options_.mesh_deviation_m;
 }
 
-Result<Bake> Pipeline::run() {
-  Stopwatch watch;
-  progress("reading vertices", 0);
-  if (Status snapped = snap(); !snapped) return snapped.error();
-  bake_.seconds.snap = watch.lap();
-
+// The first error by the order of the objects, whichever thread met it.
+template <class AddObject>
+Status Pipeline::for_each_object(AddObject&& add_object) {
   std::vector<Status> added(objects_.size());
   tbb::parallel_for(std::size_t{0}, objects_.size(),
                     [&](std::size_t i) { added[i] = add_object(i); });
   for (const Status& status : added) {
-    if (!status) return status.error();
+    if (!status) return status;
   }
+  return {};
+}
+
+// The tree of the region, and the header.
+void Pipeline::build() {
+  ValueCounts counts;
+  VoxelBox tight;
+  if (!directory_.empty()) {
+    const KeptBox kept{{in_scene(region_.box.low), in_scene(region_.box.high)},
+                       region_.cropped_sides};
+    std::optional<NodeMemory> memory;
+    if (options_.cache != nullptr && !options_.scene_name.empty() && !kept.cropped()) {
+      memory.emplace(*options_.cache, options_.scene_name, options_.voxel_size_m);
+    }
+    const NodeMemory* nodes = memory ? &*memory : nullptr;
+    VoxelTree tree = build_tree(LayerOffset(geometry_, interior_, options_.layers, kept),
+                                directory_.dims, nodes, counts);
+    if (memory) {
+      bake_.nodes = memory->asked();
+      bake_.reused_nodes = memory->found();
+    }
+    // Where nothing is cropped, the region ends where the last voxels are not free.
+    tight =
+        kept.cropped() ? tight_box(tree, directory_.dims).shifted(directory_.origin) : region_.box;
+    bake_.directory = std::move(tree.directory);
+    bake_.upper_nodes = std::move(tree.upper_nodes);
+    bake_.lower_nodes = std::move(tree.lower_nodes);
+    bake_.bricks = std::move(tree.bricks);
+  }
+  fill_header(tight, counts);
+}
+
+Result<Bake> Pipeline::run() {
+  Stopwatch watch;
+  progress("reading vertices", 0);
+  if (Status prepared = prepare(); !prepared) return prepared.error();
+  if (Status chosen = choose_region(); !chosen) return chosen.error();
+  bake_.seconds.snap = watch.lap();
+  const Status added = for_each_object([&](std::size_t i) { return add_object(i); });
+  if (!added) return added.error();
   watch.lap();
   progress("force layer", 0.7);
-  const openvdb::CoordBBox box(in_scene(box_.low), in_scene(box_.high));
-  ValueCounts counts;
-  VoxelTree tree = build_tree(LayerOffset(geometry_, interior_, options_.layers, box), interior_,
-                              directory_.dims, counts);
+  build();
   bake_.seconds.tree = watch.lap();
-  fill_header(counts);
-  bake_.directory = std::move(tree.directory);
-  bake_.upper_nodes = std::move(tree.upper_nodes);
-  bake_.lower_nodes = std::move(tree.lower_nodes);
-  bake_.bricks = std::move(tree.bricks);
   progress("force layer", 1);
   return std::move(bake_);
 }
 
-}  // namespace
+Result<Bake> Pipeline::run_parts_only() {
+  Stopwatch watch;
+  if (Status prepared = prepare(); !prepared) return prepared.error();
+  bake_.seconds.snap = watch.lap();
+  bake_.header.voxel_size_m = options_.voxel_size_m;
+  VoxelBox scene;
+  for (const Part& part : parts_) scene.include(part.facts.box);
+  if (scene.empty()) return std::move(bake_);
+  const auto directory = fit_directory(scene, options_.voxel_size_m);
+  if (!directory) return directory.error();
+  directory_ = *directory;
+  const Status added = for_each_object([&](std::size_t i) -> Status {
+    if (parts_[i].cached) {
+      bake_.objects[i].from_cache = true;
+    } else if (auto voxels = bake_part(i); !voxels) {
+      return voxels.error();
+    }
+    report_object(i);
+    const std::lock_guard lock(mutex_);
+    progress("voxels", static_cast<double>(++objects_done_) / static_cast<double>(objects_.size()));
+    return {};
+  });
+  if (!added) return added.error();
+  return std::move(bake_);
+}
 
-Result<Bake> bake(std::span<const SceneObject> objects, const BakeOptions& options) {
-  if (Status checked = check(objects, options); !checked) return checked.error();
+// Runs a bake on as many threads as the options say.
+template <class Run>
+Result<Bake> on_threads(std::span<const SceneObject> objects, const BakeOptions& options,
+                        Run&& run) {
+  if (Status checked = check(options); !checked) return checked.error();
   const int threads = options.threads > 0
                           ? options.threads
                           : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
@@ -220,8 +488,21 @@ Result<Bake> bake(std::span<const SceneObject> objects, const BakeOptions& optio
                                   static_cast<std::size_t>(threads));
   tbb::task_arena arena(threads);
   std::optional<Result<Bake>> result;
-  arena.execute([&] { result.emplace(Pipeline(objects, options).run()); });
+  arena.execute([&] {
+    Pipeline pipeline(objects, options);
+    result.emplace(run(pipeline));
+  });
   return std::move(*result);
+}
+
+}  // namespace
+
+Result<Bake> bake(std::span<const SceneObject> objects, const BakeOptions& options) {
+  return on_threads(objects, options, [](Pipeline& pipeline) { return pipeline.run(); });
+}
+
+Result<Bake> bake_parts(std::span<const SceneObject> objects, const BakeOptions& options) {
+  return on_threads(objects, options, [](Pipeline& pipeline) { return pipeline.run_parts_only(); });
 }
 
 }  // namespace forcelayer

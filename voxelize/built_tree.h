@@ -26,6 +26,10 @@ struct BuiltNode {
   BrickMask held;                       // entries that are not free
   std::vector<Brick> bricks;            // ascending by entry
   std::vector<BrickNearness> nearness;  // of the bricks' non-free voxels
+  // Taken over from an earlier bake: its entries hold their clearance, its reach is known, and the
+  // nearness of its bricks is not.
+  bool finished = false;
+  NodeNearness reach;  // of its non-free voxels, as add_clearance() finds it
 };
 
 struct BuiltTree {

@@ -48,6 +48,9 @@ struct BrickLevel {
   const BrickNearness& nearness(std::uint32_t parent, std::uint32_t entry) const {
     return tree.lower[parent].nearness[entry];
   }
+  const NodeNearness* known(std::uint32_t parent) const {
+    return tree.lower[parent].finished ? &tree.lower[parent].reach : nullptr;
+  }
 };
 
 struct NodeLevel {
@@ -72,6 +75,7 @@ struct NodeLevel {
   const BrickMask& held(std::uint32_t parent) const { return held_nodes[parent]; }
   const Entries& entries(std::uint32_t parent) const { return tree.upper[parent]; }
   const NodeNearness& nearness(std::uint32_t, std::uint32_t entry) const { return of_lower[entry]; }
+  const NodeNearness* known(std::uint32_t) const { return nullptr; }
 };
 
 // Distances of a parent's cells as far as their neighbours tell: 0 where not free, up to the edge
@@ -267,12 +271,49 @@ std::vector<NodeNearness> nearness_of_parents(const Level& level) {
   std::vector<NodeNearness> nearness(level.parents());
   tbb::parallel_for(std::size_t{0}, nearness.size(), [&](std::size_t i) {
     const auto parent = static_cast<std::uint32_t>(i);
+    if (const NodeNearness* known = level.known(parent)) {
+      nearness[i] = *known;
+      return;
+    }
     const Entries& entries = level.entries(parent);
     nearness[i] = combined(level.held(parent), Level::kEdge, [&](unsigned n, unsigned direction) {
       return is_uniform(entries[n]) ? 0u : level.nearness(parent, entries[n]).towards(direction);
     });
   });
   return nearness;
+}
+
+// The voxels of a brick that are not free: of each two bits, whether one is set.
+BrickMask non_free(const Brick& brick) {
+  BrickMask mask;
+  for (std::size_t n = 0; n < brick.size(); ++n) {
+    std::uint32_t bits = (brick[n] | brick[n] >> 1) & 0x55555555u;
+    bits = (bits | bits >> 1) & 0x33333333u;
+    bits = (bits | bits >> 2) & 0x0f0f0f0fu;
+    bits = (bits | bits >> 4) & 0x00ff00ffu;
+    bits = (bits | bits >> 8) & 0x0000ffffu;
+    mask.words[n / 4] |= std::uint64_t{bits} << (n % 4 * 16);
+  }
+  return mask;
+}
+
+// The nearness of the bricks of finished nodes, where nodes at `places` that are not will ask for
+// it: up to two nodes away.
+void restore_nearness(BuiltTree& tree, const std::vector<Place>& places) {
+  std::vector<std::uint32_t> asked;
+  for (const Place& place : places) {
+    for (std::int64_t n = 0; n < 125; ++n) {
+      const std::uint32_t node =
+          tree.node(place[0] + n / 25 - 2, place[1] + n / 5 % 5 - 2, place[2] + n % 5 - 2);
+      if (!is_uniform(node) && tree.lower[node].finished) asked.push_back(node);
+    }
+  }
+  std::sort(asked.begin(), asked.end());
+  asked.erase(std::unique(asked.begin(), asked.end()), asked.end());
+  tbb::parallel_for(std::size_t{0}, asked.size(), [&](std::size_t i) {
+    BuiltNode& node = tree.lower[asked[i]];
+    for (const Brick& brick : node.bricks) node.nearness.emplace_back(non_free(brick));
+  });
 }
 
 // The distances of free blocks, over the whole directory: two sweeps, each block looking at the 13
@@ -359,15 +400,22 @@ void add_clearance(BuiltTree& tree) {
                                  block[2] * 8 + (n & 7)};
     }
   }
+  std::vector<Place> new_places;
   std::vector<Entries*> lower, upper;
-  for (BuiltNode& node : tree.lower) lower.push_back(&node.entries);
+  for (std::size_t i = 0; i < tree.lower.size(); ++i) {
+    if (tree.lower[i].finished) continue;
+    new_places.push_back(node_places[i]);
+    lower.push_back(&tree.lower[i].entries);
+  }
   for (Entries& entries : tree.upper) upper.push_back(&entries);
+  if (lower.size() < tree.lower.size()) restore_nearness(tree, new_places);
 
   const BrickLevel bricks{tree};
   const auto of_lower = nearness_of_parents(bricks);
+  for (std::size_t i = 0; i < tree.lower.size(); ++i) tree.lower[i].reach = of_lower[i];
   const NodeLevel nodes(tree, of_lower);
   const auto of_upper = nearness_of_parents(nodes);
-  fill_level(bricks, node_places, lower);
+  fill_level(bricks, new_places, lower);
   fill_level(nodes, block_places, upper);
   DirectoryDistances(tree, of_upper).fill_entries();
 }

@@ -13,6 +13,8 @@ namespace forcelayer {
 struct Directory {
   VoxelIndex origin{};                  // lowest voxel, a multiple of 512
   std::array<std::uint32_t, 3> dims{};  // blocks
+
+  bool empty() const { return dims[0] == 0; }
 };
 
 // The directory over `box`, which is not empty. kBakeTooLarge, with the numbers and a voxel size

@@ -1,5 +1,7 @@
 // voxelize: bakes a static scene into a .vox file.
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <charconv>
 #include <chrono>
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -9,6 +11,8 @@
 #include "formats/command/quantity.h"
 #include "formats/mesh/scene.h"
 #include "voxelize/bake.h"
+#include "voxelize/cache_folder.h"
+#include "voxelize/mesh_source.h"
 #include "voxelize/plan.h"
 #include "voxelize/provenance.h"
 #include "voxelize/report.h"
@@ -17,13 +21,18 @@
 namespace forcelayer {
 namespace {
 
+// Shares of the progress line.
+constexpr double kReadingShare = 0.15, kWritingShare = 0.95;
+
 struct Arguments {
   std::vector<std::string> inputs;
   std::string output, json_path;
-  std::string voxel_size, units, mesh_deviation;
+  std::string voxel_size, units, mesh_deviation, roi;
+  std::string cache, share;
   std::optional<std::uint32_t> layers;
   std::vector<std::string> free_seeds;
   int threads = 0;
+  bool narrow_passages = false;
   bool plan = false;
   bool quiet = false;
 };
@@ -44,6 +53,14 @@ void declare(CLI::App& app, Arguments& arguments) {
       "x,y,z of a point whose surroundings are free, such as the inside of a cabin (repeatable)");
   app.add_option("--mesh-deviation", arguments.mesh_deviation,
                  "how far the meshes may lie from the true surfaces, such as 0.1mm");
+  app.add_option("--roi", arguments.roi,
+                 "x0,y0,z0,x1,y1,z1 of a region; what lies outside it is left out of the file");
+  app.add_option("--cache", arguments.cache,
+                 "folder in which parts that did not change are found again");
+  app.add_option("--shard", arguments.share,
+                 "I/N: bake the I-th of N shares of the parts into the cache, and no file");
+  app.add_flag("--narrow-passages", arguments.narrow_passages,
+               "report which cavities open again at half the voxel size (slow)");
   app.add_option("--threads", arguments.threads, "threads (default: all)")
       ->check(CLI::Range(1, 1024));
   app.add_flag(
@@ -81,20 +98,62 @@ Result<BakeOptions> options_of(const Arguments& arguments, const Scene& scene) {
     if (!deviation) return usage("--mesh-deviation", deviation.error());
     options.mesh_deviation_m = *deviation;
   }
+  options.roi_m = scene.roi_m;
+  if (!arguments.roi.empty()) {
+    const auto roi = parse_box(arguments.roi);
+    if (!roi) return usage("--roi", roi.error());
+    options.roi_m = *roi;
+  }
+  // In a cache always: a later bake may want to report them.
+  options.find_cavities = !arguments.json_path.empty() || !arguments.cache.empty();
+  options.find_narrow_passages = arguments.narrow_passages;
+  for (const std::string& input : arguments.inputs) options.scene_name += input + "\n";
   options.threads = arguments.threads > 0
                         ? arguments.threads
                         : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   return options;
 }
 
+// "I/N", 1 to N.
+Result<SceneShare> share_of(const Arguments& arguments) {
+  SceneShare share;
+  if (arguments.share.empty()) return share;
+  const std::string_view text = arguments.share;
+  const auto slash = text.find('/');
+  const auto number = [](std::string_view digits, std::uint32_t& value) {
+    const auto [end, failure] =
+        std::from_chars(digits.data(), digits.data() + digits.size(), value);
+    return failure == std::errc{} && end == digits.data() + digits.size() && value > 0;
+  };
+  if (slash == std::string_view::npos || !number(text.substr(0, slash), share.index) ||
+      !number(text.substr(slash + 1), share.count) || share.index > share.count) {
+    return Error{ErrorCode::kUsage, "", "--shard", "'" + arguments.share + "' is not I/N",
+                 "write for example 1/4 to 4/4"};
+  }
+  --share.index;
+  return share;
+}
+
 // Everything of the command line that can be checked before a file is read.
 Status check_early(const Arguments& arguments) {
-  if (arguments.plan && !arguments.output.empty()) {
-    return Error{ErrorCode::kUsage, "", "--output", "has no meaning with --plan", "leave it out"};
+  const bool shard = !arguments.share.empty();
+  if (shard && arguments.cache.empty()) {
+    return Error{ErrorCode::kUsage, "", "--shard", "needs a place for what it bakes",
+                 "add --cache FOLDER"};
   }
-  if (!arguments.plan && arguments.output.empty()) {
+  if (shard && arguments.plan) {
+    return Error{ErrorCode::kUsage, "", "--shard", "has no meaning with --plan", "leave it out"};
+  }
+  const bool writes_file = !shard && !arguments.plan;
+  if (!writes_file && !arguments.output.empty()) {
+    return Error{ErrorCode::kUsage, "", "--output",
+                 std::string("has no meaning with ") + (shard ? "--shard" : "--plan"),
+                 "leave it out"};
+  }
+  if (writes_file && arguments.output.empty()) {
     return Error{ErrorCode::kUsage, "", "--output", "is missing", "add -o FILE.vox"};
   }
+  if (const auto share = share_of(arguments); !share) return share.error();
   Scene unknown;
   unknown.voxel_size_m = 1;  // a manifest may give it
   const auto options = options_of(arguments, unknown);
@@ -117,11 +176,16 @@ class Clock {
   double lap_start_s_ = 0;
 };
 
-std::vector<SceneObject> objects_of(const Scene& scene) {
+std::vector<SceneObject> objects_of(const Scene& scene, MeshSource& meshes) {
   std::vector<SceneObject> objects;
   for (const ScenePart& part : scene.parts) {
-    objects.push_back({part.name, &scene.mesh_of(part), part.world_from_mesh, part.free_seeds_m,
-                       part.deviation_m});
+    SceneObject& object = objects.emplace_back();
+    object.name = part.name;
+    object.world_from_mesh = part.world_from_mesh;
+    object.free_seeds_m = part.free_seeds_m;
+    object.deviation_m = part.deviation_m;
+    object.read_mesh = [&] { return meshes.mesh(part); };
+    object.mesh_digest = meshes.outline(part).digest();
   }
   return objects;
 }
@@ -140,13 +204,73 @@ void print_summary(const std::string& output, const Bake& bake, const RunFacts& 
       static_cast<double>(run.file_bytes) * 1e-6, run.total_s);
 }
 
-Status print_plan(const Arguments& arguments, std::span<const SceneObject> objects,
-                  const BakeOptions& options) {
+// The plan looks at the meshes themselves, and leaves the cache alone.
+Status print_plan(const Arguments& arguments, const Scene& scene, MeshSource& meshes,
+                  BakeOptions options) {
+  options.cache = nullptr;
+  std::vector<SceneObject> objects = objects_of(scene, meshes);
+  for (SceneObject& object : objects) {
+    const auto mesh = object.read_mesh();
+    if (!mesh) return mesh.error();
+    object.mesh = *mesh;
+  }
   const auto plan = plan_bakes(objects, options);
   if (!plan) return plan.error();
   if (!arguments.quiet) std::fputs(table_of(*plan).c_str(), stdout);
   if (arguments.json_path.empty()) return {};
   return write_report(arguments.json_path, report_of(*plan));
+}
+
+void print_share(const Arguments& arguments, const Bake& bake) {
+  const auto found = std::count_if(bake.objects.begin(), bake.objects.end(),
+                                   [](const ObjectReport& object) { return object.from_cache; });
+  std::printf("share %s: %zu parts, %zu baked, %zu found in %s\n", arguments.share.c_str(),
+              bake.objects.size(), bake.objects.size() - static_cast<std::size_t>(found),
+              static_cast<std::size_t>(found), arguments.cache.c_str());
+}
+
+Result<Scene> read_inputs(const Arguments& arguments, MeshSource& meshes, ProgressLine& progress) {
+  std::optional<double> unit;
+  if (!arguments.units.empty()) {
+    const auto parsed = parse_unit(arguments.units);
+    if (!parsed) return usage("--units", parsed.error());
+    unit = *parsed;
+  }
+  SceneReading reading;
+  if (!arguments.voxel_size.empty()) {
+    const auto size = parse_length(arguments.voxel_size);
+    if (!size) return usage("--voxel-size", size.error());
+    reading.voxel_size_m = *size;
+  }
+  const auto share = share_of(arguments);
+  if (!share) return share.error();
+  reading.share = *share;
+  reading.read = [&](const std::string& path, const ReadOptions& options) {
+    return meshes.read(path, options);
+  };
+  reading.progress = [&](double done) { progress.show("reading", kReadingShare * done); };
+  return read_scene(arguments.inputs, unit, reading);
+}
+
+Result<std::vector<MeshFacts>> facts_of(const Scene& scene, MeshSource& meshes) {
+  std::vector<MeshFacts> all;
+  for (const ScenePart& part : scene.parts) {
+    const auto facts = meshes.facts(part);
+    if (!facts) return facts.error();
+    all.push_back(*facts);
+  }
+  return all;
+}
+
+void print_warnings(const Scene& scene, const MeshSource& meshes, const BakeOptions& options,
+                    const CacheFolder* cache) {
+  std::vector<std::string> warnings = all_warnings(scene, meshes.outlines(scene), options);
+  if (cache != nullptr && cache->trouble()) {
+    warnings.push_back("nothing was kept in the cache " + *cache->trouble());
+  }
+  for (const std::string& warning : warnings) {
+    std::fprintf(stderr, "voxelize: warning: %s\n", warning.c_str());
+  }
 }
 
 Status voxelize(const Arguments& arguments) {
@@ -155,46 +279,53 @@ Status voxelize(const Arguments& arguments) {
   RunFacts run;
   ProgressLine progress(arguments.quiet);
   progress.show("reading", 0);
-  std::optional<double> unit;
-  if (!arguments.units.empty()) {
-    const auto parsed = parse_unit(arguments.units);
-    if (!parsed) return usage("--units", parsed.error());
-    unit = *parsed;
+  std::optional<CacheFolder> cache;
+  if (!arguments.cache.empty()) {
+    auto folder = CacheFolder::open(arguments.cache);
+    if (!folder) return folder.error();
+    cache.emplace(std::move(*folder));
   }
-  const auto scene = read_scene(arguments.inputs, unit);
+  MeshSource meshes(cache ? &*cache : nullptr);
+  const auto scene = read_inputs(arguments, meshes, progress);
   if (!scene) return scene.error();
   auto options = options_of(arguments, *scene);
   if (!options) return options.error();
+  options->cache = cache ? &*cache : nullptr;
   run.threads = options->threads;
   run.read_s = clock.lap_s();
 
-  options->progress = [&](const char* stage, double share) { progress.show(stage, 0.95 * share); };
-  const std::vector<SceneObject> objects = objects_of(*scene);
   if (arguments.plan) {
     progress.clear();
-    return print_plan(arguments, objects, *options);
+    return print_plan(arguments, *scene, meshes, *options);
   }
-  const auto bake = forcelayer::bake(objects, *options);
+  options->progress = [&](const char* stage, double share) {
+    progress.show(stage, kReadingShare + (kWritingShare - kReadingShare) * share);
+  };
+  const std::vector<SceneObject> objects = objects_of(*scene, meshes);
+  const bool shard = !arguments.share.empty();
+  const auto bake = shard ? bake_parts(objects, *options) : forcelayer::bake(objects, *options);
   if (!bake) return bake.error();
   clock.lap_s();
 
-  progress.show("writing", 0.95);
-  const auto written =
-      write_voxmap(arguments.output, bake->content(provenance_of(*scene, *options)));
-  if (!written) return written.error();
-  run.file_bytes = *written;
-  run.write_s = clock.lap_s();
+  if (!shard) {
+    progress.show("writing", kWritingShare);
+    const auto written = write_voxmap(
+        arguments.output, bake->content(provenance_of(*scene, meshes.outlines(*scene), *options)));
+    if (!written) return written.error();
+    run.file_bytes = *written;
+    run.write_s = clock.lap_s();
+  }
   run.total_s = clock.total_s();
   progress.clear();
 
   if (!arguments.quiet) {
-    for (const std::string& warning : all_warnings(*scene, *options)) {
-      std::fprintf(stderr, "voxelize: warning: %s\n", warning.c_str());
-    }
-    print_summary(arguments.output, *bake, run);
+    print_warnings(*scene, meshes, *options, options->cache);
+    shard ? print_share(arguments, *bake) : print_summary(arguments.output, *bake, run);
   }
   if (arguments.json_path.empty()) return {};
-  return write_report(arguments.json_path, report_of(*bake, run));
+  const auto facts = facts_of(*scene, meshes);
+  if (!facts) return facts.error();
+  return write_report(arguments.json_path, report_of(*bake, *facts, run));
 }
 
 int run(int argc, char** argv) {

@@ -68,11 +68,58 @@ void interior_rows(const MaskTree& interior, const Coord& origin,
   });
 }
 
+openvdb::CoordBBox node_box(const Coord& origin) {
+  return openvdb::CoordBBox::createCube(origin, kEdge);
+}
+
+// Bits low..high of a row, each clamped to 0..63; none where the range misses the row.
+std::uint64_t row_bits(int low, int high) {
+  if (low > 63 || high < 0 || low > high) return 0;
+  return kAllBits << std::max(low, 0) & kAllBits >> (63 - std::min(high, 63));
+}
+
+// Leaves nothing of the node at `origin` outside the box; what is left by value.
+ValueCounts crop(const Coord& origin, const openvdb::CoordBBox& box, NodeCodes& codes) {
+  const Coord low = box.min() - origin, high = box.max() - origin;
+  const std::uint64_t z_bits = row_bits(low.z(), high.z());
+  ValueCounts counts;
+  for (int x = 0; x < kEdge; ++x) {
+    for (int y = 0; y < kEdge; ++y) {
+      const bool inside = x >= low.x() && x <= high.x() && y >= low.y() && y <= high.y();
+      const std::uint64_t kept = inside ? z_bits : 0;
+      std::uint64_t& l = codes.low[static_cast<std::size_t>(x * kEdge + y)];
+      std::uint64_t& h = codes.high[static_cast<std::size_t>(x * kEdge + y)];
+      l &= kept;
+      h &= kept;
+      counts.interior += static_cast<std::uint64_t>(std::popcount(l & ~h));
+      counts.surface += static_cast<std::uint64_t>(std::popcount(h & ~l));
+      counts.proximity += static_cast<std::uint64_t>(std::popcount(l & h));
+    }
+  }
+  return counts;
+}
+
 }  // namespace
 
 LayerOffset::LayerOffset(const MaskTree& geometry, const MaskTree& interior, unsigned layers,
-                         const openvdb::CoordBBox& box)
-    : geometry_(geometry), interior_(interior), layers_(static_cast<int>(layers)), box_(box) {}
+                         const KeptBox& kept)
+    : geometry_(geometry), interior_(interior), layers_(static_cast<int>(layers)), kept_(kept) {}
+
+// The nodes at the kept box's border that lie in a solid and only partly in the box.
+void LayerOffset::add_cut_solids(std::vector<Coord>& origins) const {
+  const Coord low = kept_.box.min() >> 6, high = kept_.box.max() >> 6;
+  for (int x = low.x(); x <= high.x(); ++x) {
+    for (int y = low.y(); y <= high.y(); ++y) {
+      const bool border = x == low.x() || x == high.x() || y == low.y() || y == high.y();
+      for (int z = low.z(); z <= high.z(); z += border || z == high.z() ? 1 : high.z() - low.z()) {
+        const Coord origin(x * kEdge, y * kEdge, z * kEdge);
+        if (kept_.box.isInside(node_box(origin))) continue;
+        if (interior_.probeConstNode<LowerMaskNode>(origin) != nullptr) continue;
+        if (interior_.isValueOn(origin)) origins.push_back(origin);
+      }
+    }
+  }
+}
 
 std::vector<Coord> LayerOffset::nodes() const {
   const int reach = layers_ + 1;
@@ -85,7 +132,7 @@ std::vector<Coord> LayerOffset::nodes() const {
         box.expand(openvdb::CoordBBox::createCube(entry_origin(node->origin(), n, 8), 8));
       });
       box.expand(reach);
-      box.intersect(box_);
+      box.intersect(kept_.box);
       for (int x = box.min().x() >> 6; x <= box.max().x() >> 6; ++x) {
         for (int y = box.min().y() >> 6; y <= box.max().y() >> 6; ++y) {
           for (int z = box.min().z() >> 6; z <= box.max().z() >> 6; ++z) {
@@ -95,6 +142,7 @@ std::vector<Coord> LayerOffset::nodes() const {
       }
     }
   }
+  if (kept_.cropped()) add_cut_solids(origins);
   std::sort(origins.begin(), origins.end());
   origins.erase(std::unique(origins.begin(), origins.end()), origins.end());
   return origins;
@@ -104,7 +152,9 @@ ValueCounts LayerOffset::codes(const Coord& origin, NodeHalo& halo, NodeCodes& c
   interior_rows(interior_, origin, codes.low);
   halo.begin(layers_ + 1);
   gather(geometry_, origin, halo);
-  return offset_node(halo, codes);
+  const ValueCounts counts = offset_node(halo, codes);
+  if (!kept_.cropped() || kept_.box.isInside(node_box(origin))) return counts;
+  return crop(origin, kept_.box, codes);
 }
 
 }  // namespace forcelayer

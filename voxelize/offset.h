@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "voxelize/dilation.h"
+#include "voxelize/kept_box.h"
 #include "voxelize/mask_tree.h"
 
 namespace forcelayer {
@@ -13,23 +14,30 @@ namespace forcelayer {
 // is free. The trees must outlive the object; codes() may run on many threads.
 class LayerOffset {
  public:
-  // `box` holds every voxel that the offset does not leave free.
+  // What lies outside `kept` is free.
   LayerOffset(const MaskTree& geometry, const MaskTree& interior, unsigned layers,
-              const openvdb::CoordBBox& box);
+              const KeptBox& kept);
 
-  // Origins of the nodes of the box that can hold a voxel within k+1 of the geometry, sorted by x,
-  // y, z. All others are uniform: interior where an active tile of `interior` covers them, else
-  // free.
+  // Origins of the nodes of the kept box that can hold a voxel within k+1 of the geometry, or that
+  // a cropped side cuts inside a solid, sorted by x, y, z. All others are uniform: interior where
+  // an active tile of `interior` covers them and they are kept, else free.
   std::vector<Coord> nodes() const;
+
+  const MaskTree& geometry() const { return geometry_; }
+  const MaskTree& interior() const { return interior_; }
+  int layers() const { return layers_; }
+  const KeptBox& kept() const { return kept_; }
 
   // The values of the node at `origin`; `halo` is scratch space that may be used again.
   ValueCounts codes(const Coord& origin, NodeHalo& halo, NodeCodes& codes) const;
 
  private:
+  void add_cut_solids(std::vector<Coord>& origins) const;
+
   const MaskTree& geometry_;
   const MaskTree& interior_;
   int layers_;
-  openvdb::CoordBBox box_;
+  KeptBox kept_;
 };
 
 }  // namespace forcelayer

@@ -1,9 +1,5 @@
 #include "voxelize/provenance.h"
 
-#define XXH_INLINE_ALL
-#include <xxhash.h>
-
-#include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "formats/command/command.h"
@@ -11,40 +7,34 @@
 namespace forcelayer {
 namespace {
 
-std::string hex(XXH128_hash_t hash) {
-  char text[33];
-  std::snprintf(text, sizeof text, "%016llx%016llx", static_cast<unsigned long long>(hash.high64),
-                static_cast<unsigned long long>(hash.low64));
-  return text;
-}
-
 // Hash of a mesh in its pose: vertices, triangles and transform.
-std::string content_hash(const Mesh& mesh, const Affine& world_from_mesh) {
-  const XXH128_hash_t parts[] = {
-      XXH3_128bits(mesh.vertices.data(), mesh.vertices.size() * sizeof(Vec3d)),
-      XXH3_128bits(mesh.triangles.data(), mesh.triangles.size() * sizeof(Triangle)),
-      XXH3_128bits(world_from_mesh.linear.data(), sizeof world_from_mesh.linear),
-      XXH3_128bits(world_from_mesh.translation.data(), sizeof world_from_mesh.translation)};
-  return hex(XXH3_128bits(parts, sizeof parts));
+std::string content_hash(const MeshOutline& mesh, const Affine& world_from_mesh) {
+  const Digest parts[] = {mesh.vertices, mesh.triangles,
+                          digest_of(std::as_bytes(std::span(world_from_mesh.linear))),
+                          digest_of(std::as_bytes(std::span(world_from_mesh.translation)))};
+  return digest_of(std::as_bytes(std::span(parts))).hex();
 }
 
 }  // namespace
 
-std::string provenance_of(const Scene& scene, const BakeOptions& options) {
+std::string provenance_of(const Scene& scene, std::span<const MeshOutline> meshes,
+                          const BakeOptions& options) {
   using Json = nlohmann::ordered_json;
   Json parts = Json::array();
-  for (const ScenePart& part : scene.parts) {
+  for (std::size_t i = 0; i < scene.parts.size(); ++i) {
+    const ScenePart& part = scene.parts[i];
     parts.push_back({{"name", part.name},
-                     {"xxh128", content_hash(scene.mesh_of(part), part.world_from_mesh)},
+                     {"xxh128", content_hash(meshes[i], part.world_from_mesh)},
                      {"free_seeds_m", part.free_seeds_m},
                      {"mesh_deviation_m", part.deviation_m}});
   }
-  const Json json = {{"tool", std::string("voxelize ") + kVersion},
-                     {"voxel_size_m", options.voxel_size_m},
-                     {"layers", options.layers},
-                     {"free_seeds_m", options.free_seeds_m},
-                     {"mesh_deviation_m", options.mesh_deviation_m},
-                     {"parts", parts}};
+  Json json = {{"tool", std::string("voxelize ") + kVersion},
+               {"voxel_size_m", options.voxel_size_m},
+               {"layers", options.layers},
+               {"free_seeds_m", options.free_seeds_m},
+               {"mesh_deviation_m", options.mesh_deviation_m},
+               {"parts", parts}};
+  if (options.roi_m) json["roi_m"] = *options.roi_m;
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 

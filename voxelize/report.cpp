@@ -7,22 +7,53 @@
 
 namespace forcelayer {
 
-nlohmann::ordered_json report_of(const Bake& bake, const RunFacts& run) {
-  using Json = nlohmann::ordered_json;
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json cavities_of(const ObjectReport& object, double voxel_size_m) {
+  Json cavities = Json::array();
+  for (const Cavity& cavity : object.cavities) {
+    Vec3d seed_m;
+    for (std::size_t d = 0; d < 3; ++d) {
+      seed_m[d] = (static_cast<double>(cavity.seed_voxel[d]) + 0.5) * voxel_size_m;
+    }
+    cavities.push_back(
+        {{"volume_m3", static_cast<double>(cavity.voxels) * std::pow(voxel_size_m, 3)},
+         {"free_seed_m", seed_m},
+         {"opens_at_half_voxel_size", cavity.opens_at_half_size}});
+  }
+  return cavities;
+}
+
+Json part_of(const ObjectReport& object, const MeshFacts& facts, double voxel_size_m) {
+  return {{"name", object.name},
+          {"triangles", object.triangles},
+          {"degenerate_triangles", object.degenerate_triangles},
+          {"duplicate_triangles", facts.duplicate_triangles},
+          {"boundary_edges", facts.boundary_edges},
+          {"non_manifold_edges", facts.non_manifold_edges},
+          {"flipped_edges", facts.flipped_edges},
+          {"geometry_voxels", object.geometry_voxels},
+          {"interior_voxels", object.interior_voxels},
+          {"interior_m3", static_cast<double>(object.interior_voxels) * std::pow(voxel_size_m, 3)},
+          {"cavity_count", object.cavity_count},
+          {"cavities", cavities_of(object, voxel_size_m)},
+          {"from_cache", object.from_cache},
+          {"outside_roi", object.skipped}};
+}
+
+}  // namespace
+
+Json report_of(const Bake& bake, std::span<const MeshFacts> facts, const RunFacts& run) {
   const VoxmapHeader& header = bake.header;
-  const double voxel_m3 = std::pow(header.voxel_size_m, 3);
   Json origin_m = Json::array();
   for (const std::int64_t voxel : header.origin_voxel) {
     origin_m.push_back(static_cast<double>(voxel) * header.voxel_size_m);
   }
   Json parts = Json::array();
-  for (const ObjectReport& object : bake.objects) {
-    parts.push_back({{"name", object.name},
-                     {"triangles", object.triangles},
-                     {"degenerate_triangles", object.degenerate_triangles},
-                     {"geometry_voxels", object.geometry_voxels},
-                     {"interior_voxels", object.interior_voxels},
-                     {"interior_m3", static_cast<double>(object.interior_voxels) * voxel_m3}});
+  for (std::size_t i = 0; i < bake.objects.size(); ++i) {
+    parts.push_back(part_of(bake.objects[i], facts[i], header.voxel_size_m));
   }
   const StageSeconds& seconds = bake.seconds;
   return {{"voxel_size_m", header.voxel_size_m},
@@ -34,14 +65,21 @@ nlohmann::ordered_json report_of(const Bake& bake, const RunFacts& run) {
            {{"interior", header.interior_voxels},
             {"surface", header.surface_voxels},
             {"proximity", header.proximity_voxels}}},
+          {"valid_min_voxel", header.valid_min_voxel},
+          {"valid_max_voxel", header.valid_max_voxel},
+          {"cropped_sides", header.cropped_sides},
           {"triangles", header.triangles},
           {"static_deviation_m", header.static_deviation_m},
+          {"nodes", bake.nodes},
+          {"nodes_from_cache", bake.reused_nodes},
           {"parts", parts},
           {"seconds",
            {{"read", run.read_s},
             {"snap", seconds.snap},
             {"scan", seconds.scan},
             {"flood", seconds.flood},
+            {"cavities", seconds.cavities},
+            {"cache", seconds.cache},
             {"unite", seconds.unite},
             {"tree", seconds.tree},
             {"write", run.write_s},

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
+#include <span>
 
+#include "formats/mesh/mesh_facts.h"
 #include "voxelize/bake.h"
 
 namespace forcelayer {
@@ -13,6 +15,8 @@ struct RunFacts {
   int threads = 0;
 };
 
-nlohmann::ordered_json report_of(const Bake& bake, const RunFacts& run);
+// `facts` are those of the meshes, an object each.
+nlohmann::ordered_json report_of(const Bake& bake, std::span<const MeshFacts> facts,
+                                 const RunFacts& run);
 
 }  // namespace forcelayer

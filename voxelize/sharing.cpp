@@ -139,19 +139,19 @@ std::vector<std::uint32_t> share_nodes(std::size_t count, const EntriesOf& entri
 
 }  // namespace
 
-VoxelTree share_equal(BuiltTree&& built) {
+VoxelTree share_equal(BuiltTree&& built, std::vector<std::uint32_t>& lower_numbers) {
   VoxelTree tree;
   for (BuiltNode& node : built.lower) node.nearness = {};
   tree.bricks = share_bricks(built.lower);
-  std::vector<std::uint32_t> numbers;
   tree.lower_nodes = share_nodes(
       built.lower.size(), [&](std::size_t i) -> const Entries& { return built.lower[i].entries; },
-      numbers);
+      lower_numbers);
   for (Entries& entries : built.upper) {
     for (std::uint32_t& entry : entries) {
-      if (!is_uniform(entry)) entry = numbers[entry];
+      if (!is_uniform(entry)) entry = lower_numbers[entry];
     }
   }
+  std::vector<std::uint32_t> numbers;
   tree.upper_nodes = share_nodes(
       built.upper.size(), [&](std::size_t i) -> const Entries& { return built.upper[i]; }, numbers);
   tree.directory = std::move(built.directory);

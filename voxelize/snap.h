@@ -20,6 +20,9 @@ struct VoxelBox {
   bool empty() const { return low[0] > high[0]; }
   void include(const VoxelBox& other);
   VoxelBox grown(std::int64_t voxels) const;
+  VoxelBox shifted(const VoxelIndex& by) const;
+  VoxelBox joined(const VoxelBox& other) const;
+  bool overlaps(const VoxelBox& other) const;
 };
 
 // One object with its vertices on the lattice, in units of 2^-10 voxel from the world's origin.

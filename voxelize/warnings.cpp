@@ -6,11 +6,13 @@
 
 namespace forcelayer {
 
-std::vector<std::string> all_warnings(const Scene& scene, const BakeOptions& options) {
+std::vector<std::string> all_warnings(const Scene& scene, std::span<const MeshOutline> meshes,
+                                      const BakeOptions& options) {
   std::vector<std::string> warnings = scene.warnings;
   std::set<std::string> coarse_files;
-  for (const ScenePart& part : scene.parts) {
-    const double spacing_m = vertex_spacing_m(scene.mesh_of(part), part.world_from_mesh);
+  for (std::size_t i = 0; i < scene.parts.size(); ++i) {
+    const ScenePart& part = scene.parts[i];
+    const double spacing_m = vertex_spacing_m(meshes[i].float_coordinate, part.world_from_mesh);
     const auto coarse = coarse_vertices_warning(spacing_m, options.voxel_size_m);
     if (coarse && coarse_files.insert(part.file).second) {
       warnings.push_back(part.file + ": " + *coarse);

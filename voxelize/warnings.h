@@ -1,16 +1,19 @@
 // What a user should know about a scene's meshes, a line each.
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
 #include "formats/mesh/scene.h"
 #include "voxelize/bake.h"
+#include "voxelize/mesh_source.h"
 
 namespace forcelayer {
 
 // The scene's own warnings, and those that depend on the voxel size: 32-bit vertices that are
-// coarser than a thousandth of a voxel where they lie.
-std::vector<std::string> all_warnings(const Scene& scene, const BakeOptions& options);
+// coarser than a thousandth of a voxel where they lie. `meshes` are those of the parts.
+std::vector<std::string> all_warnings(const Scene& scene, std::span<const MeshOutline> meshes,
+                                      const BakeOptions& options);
 
 }  // namespace forcelayer

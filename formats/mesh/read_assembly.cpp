@@ -46,15 +46,14 @@ const Format& format_of(const SourceFile& file) {
             "use stl, obj, ply, off, om, drc, glb, gltf or step");
 }
 
-// "FILE#NODE", unless a file of that whole name exists.
-SourceFile split_node(const std::string& path) {
+}  // namespace
+
+SourceFile named_file(const std::string& path) {
   const auto hash = path.rfind('#');
   std::error_code ignored;
   if (hash == std::string::npos || std::filesystem::exists(path, ignored)) return {path, "", {}};
   return {path.substr(0, hash), path.substr(hash + 1), {}};
 }
-
-}  // namespace
 
 Result<Assembly> read_source(const SourceFile& file) {
   try {
@@ -72,7 +71,7 @@ Result<Assembly> read_source(const SourceFile& file) {
 }
 
 Result<Assembly> read_assembly(const std::string& path, const ReadOptions& options) {
-  SourceFile file = split_node(path);
+  SourceFile file = named_file(path);
   file.options = options;
   const Result<MappedFile> mapped = MappedFile::open(file.path);
   if (!mapped) return mapped.error();

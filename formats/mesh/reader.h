@@ -21,6 +21,9 @@ struct SourceFile {
   ReadOptions options = {};
 };
 
+// The file that a user names: "FILE#NODE", unless a file of that whole name exists. Not read.
+SourceFile named_file(const std::string& path);
+
 // The bytes of a mapped file as text; valid as long as the file is.
 std::string_view text_of(const MappedFile& file);
 

@@ -22,8 +22,22 @@ struct Placing {
 
 Affine scaling(double factor) { return {{factor, 0, 0, 0, factor, 0, 0, 0, factor}, {0, 0, 0}}; }
 
+// The instances of these stand in one file. Other formats hold one mesh, which stands once.
+bool is_assembly_format(const std::string& file) {
+  const std::string path = file.substr(0, file.rfind('#'));
+  std::string extension = std::filesystem::path(path).extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  for (const char* single : {".stl", ".obj", ".ply", ".off", ".om", ".drc"}) {
+    if (extension == single) return false;
+  }
+  return true;
+}
+
 class SceneReader {
  public:
+  explicit SceneReader(const SceneReading& reading) : reading_(reading) {}
+
   Status add(const Placing& placing);
   Status add_manifest(const std::string& path);
   Status add_folder(const std::string& path, std::optional<double> metres_per_unit);
@@ -31,15 +45,29 @@ class SceneReader {
 
  private:
   Result<std::uint32_t> assembly_of(const std::string& file);
+  bool is_ours(std::size_t number) const {
+    return number % reading_.share.count == reading_.share.index;
+  }
 
+  void show_progress(std::size_t done, std::size_t all) const {
+    if (reading_.progress) {
+      reading_.progress(static_cast<double>(done) / static_cast<double>(all));
+    }
+  }
+
+  const SceneReading& reading_;
   Scene scene_;
+  std::size_t inputs_ = 0;                     // placings so far
   std::map<std::string, std::uint32_t> read_;  // files read so far
 };
 
 // A file that stands in a manifest several times is read once.
 Result<std::uint32_t> SceneReader::assembly_of(const std::string& file) {
   if (const auto found = read_.find(file); found != read_.end()) return found->second;
-  auto assembly = read_assembly(file);
+  ReadOptions options;
+  const auto voxel_size_m = reading_.voxel_size_m ? reading_.voxel_size_m : scene_.voxel_size_m;
+  if (voxel_size_m) options.deflection_m = kDeflectionVoxels * *voxel_size_m;
+  auto assembly = reading_.read(file, options);
   if (!assembly) return assembly.error();
   for (const std::string& warning : assembly->warnings) {
     scene_.warnings.push_back(file + ": " + warning);
@@ -49,6 +77,8 @@ Result<std::uint32_t> SceneReader::assembly_of(const std::string& file) {
 }
 
 Status SceneReader::add(const Placing& placing) {
+  std::size_t number = inputs_++;
+  if (!is_ours(number) && !is_assembly_format(placing.file)) return {};
   const auto index = assembly_of(placing.file);
   if (!index) return index.error();
   const Assembly& assembly = scene_.assemblies[*index];
@@ -57,6 +87,7 @@ Status SceneReader::add(const Placing& placing) {
   if (!unit) return unit.error();
   const Affine world_from_assembly = compose(placing.world_from_part, scaling(*unit));
   for (const MeshInstance& instance : assembly.instances) {
+    if (!is_ours(number++)) continue;
     ScenePart& part = scene_.parts.emplace_back();
     part.name = placing.name;
     if (part.name.empty() || assembly.instances.size() > 1) {
@@ -82,6 +113,7 @@ Status SceneReader::add_manifest(const std::string& path) {
   scene_.free_seeds_m.insert(scene_.free_seeds_m.end(), manifest->free_seeds_m.begin(),
                              manifest->free_seeds_m.end());
   for (std::size_t i = 0; i < manifest->parts.size(); ++i) {
+    show_progress(i, manifest->parts.size());
     const ManifestPart& part = manifest->parts[i];
     const Status added = add({part.mesh, part.name, part.metres_per_unit, part.world_from_part,
                               part.free_seeds_m, part.deviation_m});
@@ -113,6 +145,7 @@ Status SceneReader::add_folder(const std::string& path, std::optional<double> me
   }
   std::sort(files.begin(), files.end());
   for (const std::string& file : files) {
+    show_progress(static_cast<std::size_t>(&file - files.data()), files.size());
     if (Status added = add({file, "", metres_per_unit, {}, {}, 0}); !added) return added;
   }
   return {};
@@ -134,9 +167,9 @@ bool is_manifest(const std::string& input) {
 
 }  // namespace
 
-Result<Scene> read_scene(std::span<const std::string> inputs,
-                         std::optional<double> metres_per_unit) {
-  SceneReader reader;
+Result<Scene> read_scene(std::span<const std::string> inputs, std::optional<double> metres_per_unit,
+                         const SceneReading& reading) {
+  SceneReader reader(reading);
   for (const std::string& input : inputs) {
     std::error_code ignored;
     Status added;

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -39,12 +40,31 @@ struct Scene {
   }
 };
 
+// A share of a scene's parts, to be baked on a machine of its own: part i of an input belongs to
+// share (number of the input + i) % count.
+struct SceneShare {
+  std::uint32_t index = 0;
+  std::uint32_t count = 1;
+};
+
+struct SceneReading {
+  std::optional<double> voxel_size_m;  // over a manifest's; exact surfaces are tessellated to it
+  SceneShare share;                    // other parts are left out, and not read where that is known
+  // Reads each file once, in the order of Scene::assemblies.
+  std::function<Result<Assembly>(const std::string& path, const ReadOptions& options)> read =
+      read_assembly;
+  std::function<void(double share_done)> progress;  // may be empty
+};
+
+// Triangles of exact surfaces (STEP, IGES) deviate from them by at most this share of a voxel.
+inline constexpr double kDeflectionVoxels = 0.01;
+
 // Reads every input: a mesh or assembly file (`FILE#NODE` for a sub-tree), a folder (the mesh files
 // in it, sorted by name), or a manifest (`.json`; described in README.md). `metres_per_unit`
 // is the user's unit: required where a format defines none (else kUsage), and a warning where it
 // overrides one. It does not apply to a manifest's parts, which name theirs. Errors of a manifest
 // (kSceneInvalid) name the key.
-Result<Scene> read_scene(std::span<const std::string> inputs,
-                         std::optional<double> metres_per_unit);
+Result<Scene> read_scene(std::span<const std::string> inputs, std::optional<double> metres_per_unit,
+                         const SceneReading& reading = {});
 
 }  // namespace forcelayer

@@ -13,14 +13,6 @@ std::string text_of(double number) {
   return text.str();
 }
 
-double largest_coordinate(const Mesh& mesh) {
-  double largest = 0;
-  for (const Vec3d& vertex : mesh.vertices) {
-    for (const double coordinate : vertex) largest = std::max(largest, std::abs(coordinate));
-  }
-  return largest;
-}
-
 }  // namespace
 
 Result<double> metres_per_unit(const Assembly& assembly, const std::string& path,
@@ -53,9 +45,17 @@ double largest_stretch(const Affine& a_from_b) {
   return largest;
 }
 
-double vertex_spacing_m(const Mesh& mesh, const Affine& world_from_mesh) {
+double float_coordinate(const Mesh& mesh) {
   if (!mesh.single_precision) return 0;
-  return float_spacing(largest_coordinate(mesh)) * largest_stretch(world_from_mesh);
+  double largest = 0;
+  for (const Vec3d& vertex : mesh.vertices) {
+    for (const double coordinate : vertex) largest = std::max(largest, std::abs(coordinate));
+  }
+  return largest;
+}
+
+double vertex_spacing_m(double float_coordinate, const Affine& world_from_mesh) {
+  return float_spacing(float_coordinate) * largest_stretch(world_from_mesh);
 }
 
 std::optional<std::string> coarse_vertices_warning(double spacing_m, double voxel_size_m) {

@@ -21,9 +21,12 @@ double float_spacing(double coordinate);
 // How far an error of 1 along an axis of b may become in a.
 double largest_stretch(const Affine& a_from_b);
 
-// Distance between neighbouring vertices of `mesh` as 32-bit floats where they lie farthest out, in
-// metres after `world_from_mesh`; 0 where they are not stored as 32-bit floats.
-double vertex_spacing_m(const Mesh& mesh, const Affine& world_from_mesh);
+// The largest |coordinate| of a mesh whose vertices are stored as 32-bit floats, else 0.
+double float_coordinate(const Mesh& mesh);
+
+// Distance between neighbouring 32-bit floats at such a coordinate, in metres after
+// `world_from_mesh`.
+double vertex_spacing_m(double float_coordinate, const Affine& world_from_mesh);
 
 // What to tell the user where that spacing is more than a thousandth of a voxel.
 std::optional<std::string> coarse_vertices_warning(double spacing_m, double voxel_size_m);

@@ -189,7 +189,9 @@ class Case {
     }
     const double wall_s = now_s(), cpu_start_s = cpu_s();
     const Bake bake = value_of(forcelayer::bake(objects, options(0)));
-    const std::string provenance = provenance_of(scene_, options(0));
+    std::vector<MeshOutline> outlines;
+    for (const ScenePart& part : scene_.parts) outlines.push_back(outline_of(scene_.mesh_of(part)));
+    const std::string provenance = provenance_of(scene_, outlines, options(0));
     file_bytes_ = value_of(write_voxmap(folder_ / "ours.vox", bake.content(provenance)));
     in_memory_.add(now_s() - wall_s, cpu_s() - cpu_start_s);
   }

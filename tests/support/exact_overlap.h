@@ -37,17 +37,18 @@ bool feasible_in_s(const std::vector<Constraint<Int>>& constraints) {
   return true;
 }
 
-// Whether the closed triangle has a point p with low <= p < high in every coordinate. `Int` must
-// hold products of four extents.
+// Whether the closed triangle has a point p with low <= p < high in every coordinate, or low < p <=
+// high where `high_closed`. `Int` must hold products of four extents.
 template <class Int>
-bool overlaps(const LatticeTriangle& triangle, const LatticePoint& low, const LatticePoint& high) {
+bool overlaps(const LatticeTriangle& triangle, const LatticePoint& low, const LatticePoint& high,
+              const std::array<bool, 3>& high_closed = {}) {
   // p = v0 + s (v1 - v0) + t (v2 - v0) with s, t >= 0 and s + t <= 1.
   std::vector<Constraint<Int>> all = {{1, 0, 0, false}, {0, 1, 0, false}, {-1, -1, -1, false}};
   for (std::size_t d = 0; d < 3; ++d) {
     const Int a = Int(triangle[1][d]) - triangle[0][d];
     const Int b = Int(triangle[2][d]) - triangle[0][d];
-    all.push_back({a, b, Int(low[d]) - triangle[0][d], false});
-    all.push_back({-a, -b, Int(triangle[0][d]) - high[d], true});
+    all.push_back({a, b, Int(low[d]) - triangle[0][d], high_closed[d]});
+    all.push_back({-a, -b, Int(triangle[0][d]) - high[d], !high_closed[d]});
   }
   std::vector<Constraint<Int>> in_s;  // with t eliminated
   for (const auto& p : all) {

@@ -55,12 +55,12 @@ TEST(FloatSpacing, IsTheDistanceToTheNextFloat) {
 TEST(VertexSpacing, FollowsUnitAndPlacing) {
   Mesh mesh = triangle_at(20000).meshes[0];
   Affine metres_from_mm{{0.001, 0, 0, 0, 0.001, 0, 0, 0, 0.001}, {0, 0, 0}};
-  EXPECT_DOUBLE_EQ(vertex_spacing_m(mesh, metres_from_mm), std::ldexp(0.001, -9));
+  EXPECT_DOUBLE_EQ(vertex_spacing_m(float_coordinate(mesh), metres_from_mm), std::ldexp(0.001, -9));
   const Affine placing{{0, -3, 0, 2, 0, 0, 0, 0, 1}, {0, 0, 0}};
-  EXPECT_DOUBLE_EQ(vertex_spacing_m(mesh, compose(metres_from_mm, placing)),
+  EXPECT_DOUBLE_EQ(vertex_spacing_m(float_coordinate(mesh), compose(metres_from_mm, placing)),
                    3 * std::ldexp(0.001, -9));
   mesh.single_precision = false;
-  EXPECT_EQ(vertex_spacing_m(mesh, metres_from_mm), 0);
+  EXPECT_EQ(vertex_spacing_m(float_coordinate(mesh), metres_from_mm), 0);
 }
 
 TEST(VertexSpacing, DrawsAWarningBeyondAThousandthOfAVoxel) {

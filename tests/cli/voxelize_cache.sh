@@ -1,0 +1,154 @@
+#!/usr/bin/env bash
+# voxelize --cache, --shard, --roi and the report as a user meets them.
+set -u
+bin=$FORCELAYER_BIN_DIR
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+cd "$work" || exit 1
+failures=0
+
+fail() {
+  echo "FAILED: $*" >&2
+  failures=$((failures + 1))
+}
+
+# Twelve boxes in a manifest, each a mesh file of its own; and a box with a box-shaped cabin in it.
+python3 - <<'PYTHON' || exit 1
+import json
+FACES = ["1 3 4 2", "5 6 8 7", "1 2 6 5", "3 7 8 4", "1 5 7 3", "2 4 8 6"]
+def box(name, low, high, more=None):
+    with open(name, "w") as f:
+        for n, (low, high) in enumerate([(low, high)] + (more or [])):
+            for k in range(8):
+                f.write("v %g %g %g\n" % tuple(high[d] if k >> d & 1 else low[d] for d in range(3)))
+            for face in FACES:
+                f.write("f " + " ".join(str(int(i) + 8 * n) for i in face.split()) + "\n")
+parts = []
+for i in range(12):
+    box("box%d.obj" % i, (0, 0, 0), (20 + i, 30, 25))
+    parts.append({"name": "box %d" % i, "mesh": "box%d.obj" % i, "units": "mm",
+                  "translation": ["%dmm" % (45 * (i % 4)), "%dmm" % (50 * (i // 4)), 0]})
+box("cabin.obj", (0, 0, 0), (60, 60, 60), [((20, 20, 20), (40, 40, 40))])
+parts.append({"name": "cabin", "mesh": "cabin.obj", "units": "mm", "translation": [0.3, 0, 0]})
+json.dump({"voxel_size": "1mm", "parts": parts}, open("scene.json", "w"))
+PYTHON
+
+bake() {  # bake OUTPUT ARGUMENTS...
+  local output=$1
+  shift
+  "$bin/voxelize" scene.json -o "$output" --quiet "$@" 2>err || fail "voxelize $*: $(cat err)"
+}
+same() { cmp -s "$1" "$2" || fail "$3: other bytes"; }
+cached_parts() { python3 -c 'import json,sys; print(sum(p["from_cache"] for p in json.load(open(sys.argv[1]))["parts"]))' "$1"; }
+
+# Cold, warm, with another number of threads, and after one part has changed.
+bake plain.vox
+bake cold.vox --cache cache --json cold.json
+same cold.vox plain.vox "cold cache"
+[ "$(cached_parts cold.json)" = 0 ] || fail "a cold cache holds parts"
+for threads in 1 2 4 16; do
+  bake warm.vox --cache cache --threads $threads --json warm.json
+  same warm.vox plain.vox "warm cache, $threads threads"
+  [ "$(cached_parts warm.json)" = 13 ] || fail "not all parts were found"
+  bake threads.vox --threads $threads
+  same threads.vox plain.vox "$threads threads"
+done
+sed -i 's/^v 25 /v 26 /' box5.obj
+bake plain.vox
+bake warm.vox --cache cache --json warm.json
+same warm.vox plain.vox "one part changed"
+[ "$(cached_parts warm.json)" = 12 ] || fail "more or less than one part was baked again"
+python3 -c 'import json; r = json.load(open("warm.json")); assert 0 < r["nodes_from_cache"] < r["nodes"], r' ||
+  fail "the nodes away from the change were not found"
+# Another order of parts, and another place of the cache's folder: found all the same.
+python3 - <<'PYTHON'
+import json
+scene = json.load(open("scene.json"))
+scene["parts"].reverse()
+json.dump(scene, open("turned.json", "w"))
+PYTHON
+mv cache moved
+"$bin/voxelize" turned.json -o turned.vox --quiet --cache moved --json turned.json.out || fail "turned"
+[ "$(cached_parts turned.json.out)" = 13 ] || fail "another order loses the cache"
+# --quiet is quiet; a cache that cannot be written to costs a warning and nothing else.
+printf x >file
+"$bin/voxelize" scene.json -o out.vox --cache file >out 2>err && fail "a file was taken as a cache"
+[ "$(wc -l <err)" = 1 ] && grep -q "cannot be used as a cache" err || fail "no such line: $(cat err)"
+
+# Shards: separate processes at once, then one that unites.
+for share in 1 2 3 4 5; do
+  "$bin/voxelize" scene.json --cache shards --shard $share/5 >share$share.out 2>&1 &
+done
+wait
+grep -hq "share 3/5: 3 parts, 3 baked" share3.out || fail "share 3: $(cat share3.out)"
+cat share?.out | grep -c baked | grep -qx 5 || fail "shares: $(cat share?.out)"
+bake united.vox --cache shards --json united.json
+same united.vox plain.vox "shards"
+[ "$(cached_parts united.json)" = 13 ] || fail "the shards did not bake all parts"
+"$bin/voxelize" scene.json --cache shards --shard 20/20 >out 2>err || fail "an empty share: $(cat err)"
+
+expect() {  # expect STATUS TEXT ARGUMENTS...
+  local status=$1 text=$2
+  shift 2
+  "$bin/voxelize" "$@" >out 2>err
+  [ $? = "$status" ] || fail "not status $status: voxelize $*"
+  [ "$(wc -l <err)" = 1 ] && grep -qF -- "$text" err || fail "no '$text': voxelize $*: $(cat err)"
+}
+expect 2 "--cache" scene.json --shard 1/4
+expect 2 "--shard" scene.json --cache shards --shard 5/4
+expect 2 "--shard" scene.json --cache shards --shard 0/4
+expect 2 "--shard" scene.json --cache shards --shard 1
+expect 2 "--output" scene.json --cache shards --shard 1/4 -o out.vox
+expect 2 "--output" scene.json
+expect 2 "--roi" scene.json -o out.vox --roi 0,0,0,1,1
+[ ! -e out.vox ] || fail "an output file was left"
+
+# A region: by the command line and by the manifest, with and without the cache.
+bake region.vox --roi 10mm,10mm,5mm,80mm,70mm,15mm --json region.json
+"$bin/voxinfo" verify region.vox --quiet || fail "the region is not valid"
+bake cached.vox --roi 10mm,10mm,5mm,80mm,70mm,15mm --cache moved
+same cached.vox region.vox "a region from the cache"
+python3 - <<'PYTHON' || fail "region"
+import json
+scene = json.load(open("scene.json"))
+scene["roi"] = ["10mm", "10mm", "5mm", "80mm", "70mm", "15mm"]
+json.dump(scene, open("region_scene.json", "w"))
+r = json.load(open("region.json"))
+assert r["valid_min_voxel"] == [10, 10, 5] and r["valid_max_voxel"] == [80, 70, 15], r
+assert r["cropped_sides"] == 63, r
+skipped = {p["name"] for p in r["parts"] if p["outside_roi"]}
+assert "box 11" in skipped and "box 0" not in skipped and "cabin" in skipped, skipped
+PYTHON
+"$bin/voxelize" region_scene.json -o manifest.vox --quiet || fail "roi in a manifest"
+same manifest.vox region.vox "roi in a manifest"
+paste -d' ' <(seq 12 3 78) <(seq 12 2 60) | awk 'NF==2 {print $1*1e-3, $2*1e-3, 0.010}' >points
+"$bin/voxinfo" sample region.vox <points >inside && "$bin/voxinfo" sample plain.vox <points >full
+cmp -s inside full || fail "the region differs from the whole bake"
+
+# The report: what a part encloses, and a seed that opens it.
+python3 - <<'PYTHON' || fail "report"
+import json
+r = json.load(open("cold.json"))
+cabin = r["parts"][12]
+assert cabin["triangles"] == 24 and cabin["degenerate_triangles"] == 0, cabin
+assert cabin["boundary_edges"] == 0 and cabin["non_manifold_edges"] == 0, cabin
+assert cabin["cavity_count"] == 2, cabin
+shell, inside = cabin["cavities"]
+assert inside["volume_m3"] == 19 ** 3 * 1e-9 or abs(inside["volume_m3"] - 19 ** 3 * 1e-9) < 1e-15, inside
+x, y, z = inside["free_seed_m"]
+assert 0.320 < x < 0.341 and 0.020 < y < 0.041 and 0.020 < z < 0.041, inside
+open("seed", "w").write("%.9g,%.9g,%.9g" % (x, y, z))
+assert abs(r["parts"][0]["interior_m3"] - 19 * 29 * 24 * 1e-9) < 1e-12, r["parts"][0]
+PYTHON
+bake opened.vox --free-seed "$(cat seed)"
+echo "$(tr , ' ' <seed)" | "$bin/voxinfo" sample opened.vox | grep -qx 0 || fail "the seed opened nothing"
+
+# e_static: the declared deviation is in the file.
+bake declared.vox --mesh-deviation 0.2mm --json declared.json
+python3 -c '
+import json
+a, b = (json.load(open(n))["static_deviation_m"] for n in ("cold.json", "declared.json"))
+assert 0 < a < 1e-6 and abs(b - a - 2e-4) < 1e-12, (a, b)' || fail "e_static"
+
+[ $failures = 0 ] && echo "all good"
+exit $((failures > 0))

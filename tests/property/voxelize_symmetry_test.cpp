@@ -1,0 +1,213 @@
+// Whole bakes under symmetries of the lattice: the same voxels, moved along.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "tests/support/baked_scene.h"
+#include "tests/support/soups.h"
+
+namespace forcelayer {
+namespace {
+
+using reference::BakedScene;
+using reference::DenseGrid;
+using reference::Int128;
+using reference::LatticeMesh;
+using reference::Random;
+using reference::real;
+using reference::whole;
+
+// One of the 24 rotations of the cube, or 24 reflections: world axis d is `sign[d]` times axis
+// `from[d]` of before.
+struct Symmetry {
+  std::array<std::size_t, 3> from;
+  std::array<int, 3> sign;
+
+  // Voxels whose low side was half-open towards minus have it towards plus on a mirrored axis: a
+  // voxel i of before is voxel -1 - i there, and holds its high side, not its low one.
+  VoxelIndex voxel(const VoxelIndex& v) const {
+    VoxelIndex result;
+    for (std::size_t d = 0; d < 3; ++d) result[d] = sign[d] > 0 ? v[from[d]] : -1 - v[from[d]];
+    return result;
+  }
+  LatticeTriangle triangle(const LatticeTriangle& t) const {
+    LatticeTriangle result;
+    for (std::size_t k = 0; k < 3; ++k) {
+      for (std::size_t d = 0; d < 3; ++d) result[k][d] = sign[d] * t[k][from[d]];
+    }
+    return result;
+  }
+};
+
+std::vector<Symmetry> symmetries() {
+  std::vector<Symmetry> all;
+  std::array<std::size_t, 3> from = {0, 1, 2};
+  do {
+    for (int n = 0; n < 8; ++n)
+      all.push_back({from, {n & 1 ? -1 : 1, n & 2 ? -1 : 1, n & 4 ? -1 : 1}});
+  } while (std::next_permutation(from.begin(), from.end()));
+  return all;
+}
+
+// G of the moved mesh by the reference, with the half-open rule moved along: on a mirrored axis a
+// voxel holds its high side and not its low one.
+bool overlaps_moved_voxel(const LatticeTriangle& triangle, const VoxelIndex& voxel,
+                          const Symmetry& symmetry) {
+  LatticePoint low, high;
+  std::array<bool, 3> high_closed;
+  for (std::size_t d = 0; d < 3; ++d) {
+    low[d] = voxel[d] * kSnapUnits;
+    high[d] = low[d] + kSnapUnits;
+    high_closed[d] = symmetry.sign[d] < 0;
+  }
+  return reference::overlaps<Int128>(triangle, low, high, high_closed);
+}
+
+// The whole reference bake in the moved frame.
+DenseGrid moved_reference(const std::vector<LatticeMesh>& meshes, const Symmetry& symmetry,
+                          int layers) {
+  std::vector<LatticeMesh> moved = meshes;
+  for (LatticeMesh& mesh : moved) {
+    for (LatticeTriangle& triangle : mesh) triangle = symmetry.triangle(triangle);
+  }
+  const std::int64_t margin = layers + 3;
+  reference::ReferenceScene scene{reference::grid_around(moved, margin),
+                                  reference::grid_around(moved, margin)};
+  for (const LatticeMesh& mesh : moved) {
+    DenseGrid object = reference::grid_around(moved, margin);
+    for (const LatticeTriangle& triangle : mesh) {
+      VoxelIndex low, high;
+      for (std::size_t d = 0; d < 3; ++d) {
+        // A corner on a face may belong to the voxel below.
+        low[d] = (std::min({triangle[0][d], triangle[1][d], triangle[2][d]}) >> kSnapBits) - 1;
+        high[d] = std::max({triangle[0][d], triangle[1][d], triangle[2][d]}) >> kSnapBits;
+      }
+      DenseGrid(low, high).for_each([&](const VoxelIndex& v) {
+        if (object.at(v) == 0 && overlaps_moved_voxel(triangle, v, symmetry)) object.at(v) = 1;
+      });
+    }
+    reference::mark_free({}, object);
+    object.for_each([&](const VoxelIndex& v) {
+      if (object.at(v) == 1) scene.geometry.at(v) = 1;
+      if (object.at(v) == 0) scene.interior.at(v) = 1;
+    });
+  }
+  return reference::offset_scene(scene, layers);
+}
+
+// Meshes in voxels of 1 m, on the snapping lattice, so that moving them rounds nothing.
+std::vector<Mesh> lattice_scene(Random& random, double extent) {
+  std::vector<Mesh> meshes;
+  for (std::int64_t n = whole(random, 1, 3); n > 0; --n) {
+    Vec3d centre;
+    for (double& x : centre) x = real(random, -extent / 3, extent / 3);
+    Mesh& mesh = meshes.emplace_back(reference::random_object(random, centre, extent));
+    for (Vec3d& vertex : mesh.vertices) {
+      for (double& x : vertex) x = std::round(x * kSnapUnits) / kSnapUnits;
+    }
+  }
+  return meshes;
+}
+
+std::vector<SceneObject> objects_of(const std::vector<Mesh>& meshes, const Affine& placing = {}) {
+  std::vector<SceneObject> list;
+  for (const Mesh& mesh : meshes) list.push_back({"object", &mesh, placing, {}, 0});
+  return list;
+}
+
+BakeOptions options_with(std::uint32_t layers) {
+  BakeOptions options;
+  options.voxel_size_m = 1;
+  options.layers = layers;
+  options.threads = 2;
+  return options;
+}
+
+TEST(BakeSymmetry, TurnedAndMirroredReferencesAgree) {
+  const std::vector<Symmetry> all = symmetries();
+  ASSERT_EQ(all.size(), 48u);
+  for (std::uint64_t seed = 1; seed <= 48; ++seed) {
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
+    Random random(seed);
+    const std::vector<Mesh> meshes = lattice_scene(random, 10);
+    std::vector<LatticeMesh> lattice;
+    for (const Mesh& mesh : meshes) lattice.push_back(reference::snapped(mesh, Affine{}, 1));
+    const int layers = static_cast<int>(whole(random, 0, 2));
+    const Symmetry& symmetry = all[seed - 1];
+    const DenseGrid moved = moved_reference(lattice, symmetry, layers);
+    const BakedScene baked(objects_of(meshes), options_with(static_cast<std::uint32_t>(layers)));
+    std::uint64_t wrong = 0, held = 0;
+    reference::grid_around(lattice, layers + 2).for_each([&](const VoxelIndex& v) {
+      const auto value = static_cast<std::uint8_t>(baked.map().value(v[0], v[1], v[2]));
+      wrong += value != moved.at(symmetry.voxel(v));
+      held += value != 0;
+    });
+    ASSERT_EQ(wrong, 0u);
+    ASSERT_GT(held, 0u);
+  }
+}
+
+// The same tree elsewhere: shifts by whole blocks change the origin alone.
+TEST(BakeSymmetry, ShiftsByWholeVoxels) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
+    Random random(seed);
+    const std::vector<Mesh> meshes = lattice_scene(random, 40);
+    const BakedScene baked(objects_of(meshes), options_with(2));
+    const VoxmapHeader& header = baked.map().header();
+    // Near, 1e5 m away, and far enough that a voxel is a small part of a coordinate.
+    for (const std::int64_t far : {3, 700, 100'000, 1'000'000'000}) {
+      VoxelIndex shift;
+      for (std::int64_t& x : shift) x = whole(random, -far, far);
+      Affine placing;
+      for (std::size_t d = 0; d < 3; ++d) placing.translation[d] = static_cast<double>(shift[d]);
+      const BakedScene moved(objects_of(meshes, placing), options_with(2));
+      const VoxmapHeader& other = moved.map().header();
+      std::uint64_t wrong = 0;
+      VoxelIndex low, high;
+      for (std::size_t d = 0; d < 3; ++d) {
+        ASSERT_EQ(other.origin_voxel[d], header.origin_voxel[d] + shift[d]);
+        low[d] = header.origin_voxel[d] - 1;
+        high[d] = header.origin_voxel[d] + static_cast<std::int64_t>(header.dims_voxels[d]);
+      }
+      ASSERT_EQ(other.dims_voxels, header.dims_voxels);
+      DenseGrid(low, high).for_each([&](const VoxelIndex& v) {
+        wrong += moved.map().value(v[0] + shift[0], v[1] + shift[1], v[2] + shift[2]) !=
+                 baked.map().value(v[0], v[1], v[2]);
+      });
+      ASSERT_EQ(wrong, 0u) << "shifted by up to " << far;
+    }
+  }
+}
+
+// A scene 1e5 m from the origin with voxels of 5 mm, placed by its transform: exact to the voxel.
+TEST(BakeSymmetry, FarFromTheOriginInMillimetres) {
+  Random random(11);
+  const std::vector<Mesh> meshes = lattice_scene(random, 40);  // in voxels
+  const double size = 1.0 / 256;                               // of about 4 mm, exact in binary
+  Affine near_placing, far_placing;
+  near_placing.linear = far_placing.linear = {size, 0, 0, 0, size, 0, 0, 0, size};
+  far_placing.translation = {1e5, -1e5, 1e5};
+  BakeOptions options = options_with(2);
+  options.voxel_size_m = size;
+  const BakedScene near(objects_of(meshes, near_placing), options);
+  const BakedScene far(objects_of(meshes, far_placing), options);
+  const VoxmapHeader& header = near.map().header();
+  VoxelIndex low, high;
+  for (std::size_t d = 0; d < 3; ++d) {
+    low[d] = header.origin_voxel[d] - 1;
+    high[d] = header.origin_voxel[d] + static_cast<std::int64_t>(header.dims_voxels[d]);
+  }
+  const std::int64_t shift = 25'600'000;  // 1e5 m
+  std::uint64_t wrong = 0;
+  DenseGrid(low, high).for_each([&](const VoxelIndex& v) {
+    wrong += far.map().value(v[0] + shift, v[1] - shift, v[2] + shift) !=
+             near.map().value(v[0], v[1], v[2]);
+  });
+  EXPECT_EQ(wrong, 0u);
+  // What placing it there rounds off is counted into the guarantee.
+  EXPECT_GT(far.map().header().static_deviation_m, header.static_deviation_m);
+}
+
+}  // namespace
+}  // namespace forcelayer
