@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "formats/result.h"
 #include "runtime/pose.h"
@@ -52,6 +53,11 @@ struct DeviceSample {
   std::uint64_t sequence = 0;  // counts readings; gaps are losses
 };
 
+struct DeviceCounter {
+  const char* name;
+  std::uint64_t value;
+};
+
 // A device as the loop sees it. read() and write() are called from the loop's thread only: they
 // never block, allocate or call out; slow I/O lives on a thread of the device's own, which passes
 // every wrench through an OutputWatch (output_watch.h), so that a loop that stands still is not
@@ -73,6 +79,13 @@ class Device {
 
   // Takes the output to zero and disconnects. Safe to call twice.
   virtual void stop() noexcept = 0;
+
+  // What its own side counted since start(), for the report.
+  virtual std::vector<DeviceCounter> counters() const { return {}; }
+
+  // Why the device was last absent, for a message; empty where it never was. Not for the loop's
+  // thread.
+  virtual std::string trouble() const { return {}; }
 };
 
 }  // namespace forcelayer

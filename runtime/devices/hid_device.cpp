@@ -8,7 +8,6 @@
 #include <glm/geometric.hpp>
 
 #include "runtime/devices/hid_report_descriptor.h"
-#include "runtime/devices/output_watch.h"
 #include "runtime/real_time.h"
 
 namespace forcelayer {
@@ -54,8 +53,9 @@ Status check_descriptor(HidPort& port, const HidDeviceInfo& info) {
 
 }  // namespace
 
-HidDevice::HidDevice(std::unique_ptr<HidBus> bus, HidSelector selector)
+HidDevice::HidDevice(std::unique_ptr<HidBus> bus, HidSelector selector, double stale_s)
     : bus_(std::move(bus)),
+      stale_s_(stale_s),
       link_(*bus_, {"haptic HID device", {}, kHapticUsage}, std::move(selector), *this) {
   sem_init(&written_, 0, 0);
 }
@@ -291,7 +291,7 @@ bool HidDevice::send_command(HidPort& port, const Outgoing& newest, const Wrench
 
 void HidDevice::run_writer(HidPort& port) noexcept {
   (void)take_real_time_priority();
-  OutputWatch watch;
+  OutputWatch watch(stale_s_);
   bool lost = false;
   for (long long next_ns = monotonic_ns(); !lost && !writer_stop_.load();) {
     const timespec until{next_ns / 1'000'000'000, static_cast<long>(next_ns % 1'000'000'000)};
@@ -321,6 +321,18 @@ HidStatistics HidDevice::statistics() const {
   s.losses = link_.losses();
   s.longest_write_ns = longest_write_ns_.load();
   return s;
+}
+
+std::vector<DeviceCounter> HidDevice::counters() const {
+  const HidStatistics s = statistics();
+  return {{"states", s.states},
+          {"sequence_gaps", s.gaps},
+          {"repeated", s.repeated},
+          {"malformed", s.malformed},
+          {"commands", s.commands},
+          {"faded_commands", s.faded},
+          {"connection_losses", s.losses},
+          {"longest_write_ns", s.longest_write_ns}};
 }
 
 std::string HidDevice::trouble() const {

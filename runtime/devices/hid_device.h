@@ -10,6 +10,7 @@
 #include "runtime/devices/device.h"
 #include "runtime/devices/hid_haptic_report.h"
 #include "runtime/devices/hid_link.h"
+#include "runtime/devices/output_watch.h"
 #include "runtime/latest_value.h"
 
 namespace forcelayer {
@@ -29,8 +30,9 @@ struct HidStatistics {
 // read() and write() hand over to a thread that reads and one that writes.
 class HidDevice final : public Device, private HidLinkClient {
  public:
-  // `bus`: make_hid_bus(), or a test's own.
-  HidDevice(std::unique_ptr<HidBus> bus, HidSelector selector);
+  // `bus`: make_hid_bus(), or a test's own. `stale_s`: how old the loop's last wrench may be.
+  HidDevice(std::unique_ptr<HidBus> bus, HidSelector selector,
+            double stale_s = OutputWatch::kStaleS);
   ~HidDevice() override;
 
   const DeviceCapabilities& capabilities() const override { return capabilities_; }
@@ -41,8 +43,8 @@ class HidDevice final : public Device, private HidLinkClient {
 
   HidStatistics statistics() const;
 
-  // Why the device was last absent; empty where it never was. Not for the loop's thread.
-  std::string trouble() const;
+  std::vector<DeviceCounter> counters() const override;
+  std::string trouble() const override;
 
  private:
   // A wrench of the loop on its way to the writer.
@@ -76,6 +78,7 @@ class HidDevice final : public Device, private HidLinkClient {
                     bool motors_on) noexcept;
 
   std::unique_ptr<HidBus> bus_;
+  double stale_s_;
   DeviceCapabilities capabilities_;
   bool known_ = false;  // capabilities_ are those of a device that was attached
   Watch watch_;

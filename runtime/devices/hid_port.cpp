@@ -56,16 +56,16 @@ Result<HidDeviceInfo> find_hid_device(HidBus& bus, const HidSelector& selector,
     return !named && (info.usage != usage || !maker);
   });
   // One device may have several collections; the right one stands for it.
-  std::stable_partition(found.begin(), found.end(),
-                        [&](const HidDeviceInfo& info) { return info.usage == usage; });
+  const bool right = std::any_of(found.begin(), found.end(),
+                                 [&](const HidDeviceInfo& info) { return info.usage == usage; });
+  if (right) std::erase_if(found, [&](const HidDeviceInfo& info) { return info.usage != usage; });
   if (found.empty()) {
     return Error{ErrorCode::kDeviceNotFound, "", selector.path,
                  "no " + kind + (named ? " of that name" : "") + " is plugged in",
                  named ? "see lsusb and ls /dev/hidraw*" : "plug it in, or name it with --hid"};
   }
   const bool several = std::any_of(found.begin(), found.end(), [&](const HidDeviceInfo& info) {
-    return info.path != found.front().path &&
-           (info.usage == usage) == (found.front().usage == usage);
+    return info.path != found.front().path;
   });
   if (several) {
     return Error{ErrorCode::kUsage, "", "",

@@ -57,8 +57,7 @@ class SpaceMouse final : public Device, private HidLinkClient {
   void write(const Wrench&) noexcept override {}  // there are no motors
   void stop() noexcept override { link_.stop(); }
 
-  // Why the device was last absent; empty where it never was. Not for the loop's thread.
-  std::string trouble() const { return link_.trouble(); }
+  std::string trouble() const override { return link_.trouble(); }
 
  private:
   struct Received {

@@ -47,6 +47,12 @@ Result<ChosenDevice> make_device(const Options& options, const DevicePlacement& 
     chosen.device = std::make_unique<PluginDevice>(plugin);
     return chosen;
   }
+  if (is_hid(options.device)) {
+    const double stale_s = std::max(options.stale_s, kLeastLoopPeriods / options.rate_hz);
+    ChosenDevice chosen;
+    chosen.device = make_hid_device(options.hid, options.device, stale_s);
+    return chosen;
+  }
   return make_sim(options, placement);
 }
 

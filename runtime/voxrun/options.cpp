@@ -34,8 +34,10 @@ Status read_pose(const char* option, const std::string& text, Pose& pose) {
 OptionParser::OptionParser(CLI::App& app) : app_(app) {
   app.add_option("scene", options_.scene, "the scene, a .vox file")->required();
   app.add_option("part", options_.part, "the moving part, a .pshell file")->required();
-  app.add_option("--device", options_.device, "sim (a scripted hand), plugin or replay")
-      ->check(CLI::IsMember({"sim", "plugin", "replay"}));
+  app.add_option("--device", options_.device,
+                 "sim (a scripted hand), hid, spacemouse, plugin or replay")
+      ->check(CLI::IsMember({"sim", "hid", "spacemouse", "plugin", "replay"}));
+  add_hid_options(app, options_.hid);
   app.add_option("--plugin", options_.plugin, "library of the device plugin");
   app.add_option("--plugin-args", options_.plugin_args, "text for the plugin");
   app.add_option("--duration", texts_.duration, "how long to run, like 10s or 2min");
@@ -130,6 +132,7 @@ Status OptionParser::check(const Options& options) const {
   if (options.after_trip == AfterTrip::kRearm && !simulated) {
     return usage("--after-trip", "rearm is for simulated hands", "give end or wait");
   }
+  if (Status hid = check_hid_options(app_, options.hid, options.device); !hid) return hid;
   if (!(options.motion_scale > 0) || !std::isfinite(options.motion_scale)) {
     return usage("--motion-scale", "must be above zero", "");
   }

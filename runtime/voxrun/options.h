@@ -8,6 +8,7 @@
 #include "formats/result.h"
 #include "runtime/parameters.h"
 #include "runtime/pose.h"
+#include "runtime/voxrun/hid_choice.h"
 
 namespace CLI {
 class App;
@@ -36,6 +37,7 @@ struct Options {
   bool without_watchdog = false;
   bool quiet = false;
   std::string plugin, plugin_args;  // of the device "plugin"
+  HidOptions hid;                   // of the devices "hid" and "spacemouse"
   std::string motion, json, trace, record, replay, udp;
   std::optional<Pose> world_from_part;   // --start
   std::optional<Pose> handle_from_part;  // --grip

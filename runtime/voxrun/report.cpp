@@ -131,6 +131,10 @@ void add_output(const RunFacts& facts, const LoopStatistics& s, Json& json) {
   json["held_readings"] = s.held_readings;
   json["clutched_frames"] = s.clutched_frames;
   json["output_trips"] = facts.output_trips;
+  if (!facts.device_counters.empty()) {
+    Json& counters = json["device_counters"];
+    for (const auto& [name, value] : facts.device_counters) counters[name] = value;
+  }
   json["last_trip"] = facts.output_trips > 0 ? Json(to_text(facts.last_trip)) : Json(nullptr);
   json["ended_tripped"] = facts.ended_tripped;
   json["events"] = Json::array();

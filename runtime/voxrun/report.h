@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "runtime/derive_parameters.h"
+#include "runtime/devices/device.h"
 #include "runtime/loop.h"
 #include "runtime/separation.h"
 #include "runtime/simulation.h"
@@ -25,6 +26,8 @@ struct RunFacts {
   std::uint64_t output_trips = 0;
   TripCause last_trip = TripCause::kNone;
   double last_trip_s = 0;
+  std::string device_trouble;  // why the device was last absent, in its own words
+  std::vector<DeviceCounter> device_counters;
   bool ended_tripped = false;
   std::vector<OutputEvent> events;
   double steal_s = 0;  // that the host of a virtual machine took from all cores

@@ -55,6 +55,9 @@ Status make_input(const Options& options, Session& session) {
   session.input = std::make_unique<DeviceInput>(*session.device.device, session.placement, limits);
   session.facts.device = options.device;
   const DeviceCapabilities& known = session.device.device->capabilities();
+  if (known.actuated_axes == 0) {
+    session.facts.warnings.push_back(known.name + " has no motors: no force will be felt");
+  }
   session.after_trip =
       options.after_trip.value_or(known.hardware ? AfterTrip::kEnd : AfterTrip::kRearm);
   if (known.hardware && options.as_fast_as_possible) {
@@ -269,7 +272,8 @@ Status check_output(const RunFacts& facts) {
   const bool map_lost = facts.last_trip == TripCause::kMapLost;
   return Error{map_lost ? ErrorCode::kTruncated : ErrorCode::kDeviceFailed,
                map_lost ? facts.options.scene + " or " + facts.options.part : facts.device, when,
-               std::string("output to zero: ") + to_text(facts.last_trip),
+               std::string("output to zero: ") + to_text(facts.last_trip) +
+                   (facts.device_trouble.empty() ? "" : " (" + facts.device_trouble + ")"),
                how_to_mend(facts.last_trip)};
 }
 
@@ -308,6 +312,10 @@ Status run_frames(const Options& options, Session& session, std::atomic<int>& st
   if (session.device.device) session.device.device->stop();
   if (Status drained = frame_sinks.finish(); !drained) return drained;
   session.facts.output_trips = servo.output().trips();
+  if (session.device.device) {
+    session.facts.device_trouble = session.device.device->trouble();
+    session.facts.device_counters = session.device.device->counters();
+  }
   session.facts.last_trip = servo.output().last_trip();
   session.facts.last_trip_s = events.last_trip_s();
   session.facts.events = events.events();

@@ -65,7 +65,7 @@ class VirtualHapticDevice {
     haptic_init(&firmware_, &ratings);
   }
 
-  // The hand's pose at a device time in seconds.
+  // The hand's pose, so many seconds after the loop's first wrench came; 0 until then.
   std::function<Pose(double)> hand = [](double) { return Pose{}; };
 
   void set_fault(Fault fault) {
@@ -74,7 +74,7 @@ class VirtualHapticDevice {
     still_us_ = now_us();
   }
 
-  // A report from the host. Its motor wrench after it goes to the log.
+  // A report from the host. What it did goes to the log, from the loop's first wrench on.
   void receive(std::span<const std::uint8_t> report) {
     const std::lock_guard lock(mutex_);
     if (fault_ == Fault::kSilent) return;
@@ -88,7 +88,7 @@ class VirtualHapticDevice {
     taken.wrench = firmware_.wrench;
     taken.motors = haptic_motors(&firmware_, fault_ == Fault::kReported, now_us());
     taken.time_us = now_us();
-    log_.push_back(taken);
+    if (taken.frame > 0) log_.push_back(taken);
   }
 
   // The next report for the host; false where the device is silent.
@@ -96,7 +96,8 @@ class VirtualHapticDevice {
     const std::lock_guard lock(mutex_);
     if (fault_ == Fault::kSilent) return false;
     if (fault_ != Fault::kRepeating || !sent_) {
-      HapticReading reading = reading_of(hand(now_us() * 1e-6));
+      const std::uint32_t felt_us = log_.empty() ? 0 : now_us() - log_.front().time_us;
+      HapticReading reading = reading_of(hand(felt_us * 1e-6));
       reading.fault = fault_ == Fault::kReported;
       haptic_next_report(&firmware_, &reading, fault_ == Fault::kClockStill ? still_us_ : now_us(),
                          last_.data());

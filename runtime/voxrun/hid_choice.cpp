@@ -1,0 +1,74 @@
+#include "runtime/voxrun/hid_choice.h"
+
+#include <CLI/CLI.hpp>
+
+#include "runtime/devices/hid_device.h"
+
+namespace forcelayer::voxrun {
+namespace {
+
+constexpr const char* kSpaceMouseOptions[] = {"--control",        "--dead-zone", "--cap-speed",
+                                              "--cap-turn-speed", "--cap-reach", "--cap-turn"};
+
+}  // namespace
+
+void add_hid_options(CLI::App& app, HidOptions& options) {
+  const char* const group = "HID devices (hid, spacemouse)";
+  SpaceMouseOptions& cap = options.spacemouse;
+  app.add_option("--hid", options.which,
+                 "which one: VENDOR:PRODUCT[:SERIAL] in hexadecimal, or /dev/hidrawN")
+      ->group(group);
+  app.add_option("--control", options.control,
+                 "spacemouse: rate (its deflection is a speed) or position (it is a place)")
+      ->check(CLI::IsMember({"rate", "position"}))
+      ->group(group);
+  app.add_option("--dead-zone", cap.dead_zone, "spacemouse: share of full deflection that is rest")
+      ->check(CLI::Range(0.0, 0.9))
+      ->group(group);
+  app.add_option("--cap-speed", cap.speed_mps, "spacemouse, rate: m/s at full deflection")
+      ->check(CLI::PositiveNumber)
+      ->group(group);
+  app.add_option("--cap-turn-speed", cap.turn_radps, "spacemouse, rate: rad/s at full deflection")
+      ->check(CLI::PositiveNumber)
+      ->group(group);
+  app.add_option("--cap-reach", cap.reach_m, "spacemouse, position: m at full deflection")
+      ->check(CLI::PositiveNumber)
+      ->group(group);
+  app.add_option("--cap-turn", cap.reach_rad, "spacemouse, position: rad at full deflection")
+      ->check(CLI::PositiveNumber)
+      ->group(group);
+}
+
+Status check_hid_options(const CLI::App& app, const HidOptions& options,
+                         const std::string& device) {
+  const auto usage = [](const char* option, const char* what, const char* mend) {
+    return Error{ErrorCode::kUsage, "", option, what, mend};
+  };
+  if (!options.which.empty()) {
+    if (!is_hid(device)) {
+      return usage("--hid", "is for hid and spacemouse", "give --device hid or spacemouse");
+    }
+    if (const auto selector = parse_hid_selector(options.which); !selector) {
+      return usage("--hid", selector.error().what.c_str(), selector.error().mend.c_str());
+    }
+  }
+  for (const char* option : kSpaceMouseOptions) {
+    if (app.count(option) > 0 && device != "spacemouse") {
+      return usage(option, "is for the spacemouse", "give --device spacemouse");
+    }
+  }
+  return {};
+}
+
+std::unique_ptr<Device> make_hid_device(const HidOptions& options, const std::string& device,
+                                        double stale_s) {
+  HidSelector selector;
+  if (!options.which.empty()) selector = *parse_hid_selector(options.which);
+  if (device == "hid") return std::make_unique<HidDevice>(make_hid_bus(), selector, stale_s);
+  SpaceMouseOptions cap = options.spacemouse;
+  cap.control =
+      options.control == "position" ? SpaceMouseControl::kPosition : SpaceMouseControl::kRate;
+  return std::make_unique<SpaceMouse>(make_hid_bus(), selector, cap);
+}
+
+}  // namespace forcelayer::voxrun
