@@ -60,6 +60,22 @@ const std::uint8_t* row(const std::uint8_t* values, int x, int y) {
   return values + 16 * x + 2 * y;
 }
 
+// Three rows of levels, of two bits each, in the bytes of one.
+void pack_rows(const std::uint8_t* low, const std::uint8_t* middle, const std::uint8_t* high,
+               std::uint8_t* out) {
+  const auto pack = [&](auto word, std::uint32_t at) {
+    auto a = word, b = word, c = word;
+    std::memcpy(&a, low + at, sizeof a);
+    std::memcpy(&b, middle + at, sizeof b);
+    std::memcpy(&c, high + at, sizeof c);
+    word = a | b << 2 | c << 4;
+    std::memcpy(out + at, &word, sizeof word);
+  };
+  static_assert(LevelBricks::kRowBytes == 12);
+  pack(std::uint64_t{}, 0);
+  pack(std::uint32_t{}, 8);
+}
+
 }  // namespace
 
 LevelBricks::LevelBricks(const Voxmap& voxmap)
@@ -135,26 +151,33 @@ std::array<const std::uint8_t*, 27> LevelBricks::values_around(
   return values;
 }
 
-// Row by row: the last value of the brick before, the eight of this one, the first of the next.
+// Plane by plane: ten rows of raised levels (the last of the brick before, the eight of this one,
+// the first of the next), then each three neighbours in one.
 void LevelBricks::decode(const BrickIndex& brick, std::uint8_t* levels) const noexcept {
   const auto values = values_around(brick);
   for (int x = -1; x <= 8; ++x) {
+    std::uint8_t rows[10][kRowBytes] = {};
     for (int y = -1; y <= 8; ++y) {
       const std::uint8_t* const* along_z = &values[9 * ((x + 8) >> 3) + 3 * ((y + 8) >> 3)];
       const std::uint8_t* before = row(along_z[0], x & 7, y & 7);
       const std::uint8_t* own = row(along_z[1], x & 7, y & 7);
       const std::uint8_t* after = row(along_z[2], x & 7, y & 7);
-      std::uint8_t* out = levels + (x + 1) * int{kPlaneBytes} + (y + 1) * int{kRowBytes};
+      std::uint8_t* out = rows[y + 1];
       out[0] = kLevelsOfByte[before[1]][3];
       std::memcpy(out + 1, kLevelsOfByte[own[0]].data(), 4);
       std::memcpy(out + 5, kLevelsOfByte[own[1]].data(), 4);
       out[9] = kLevelsOfByte[after[0]][0];
+    }
+    for (int y = 0; y < 8; ++y) {
+      pack_rows(rows[y], rows[y + 1], rows[y + 2],
+                levels + (x + 1) * int{kPlaneBytes} + y * int{kRowBytes});
     }
   }
 }
 
 // The same voxel by voxel, with the nearest known voxel in the place of every unknown one.
 void LevelBricks::decode_voxelwise(const BrickIndex& brick, std::uint8_t* levels) const noexcept {
+  std::memset(levels, 0, kBrickBytes);
   for (int n = 0; n < 1000; ++n) {
     const std::array<int, 3> in_halo{n / 100, n / 10 % 10, n % 10};
     std::array<std::int64_t, 3> voxel{};
@@ -167,8 +190,13 @@ void LevelBricks::decode_voxelwise(const BrickIndex& brick, std::uint8_t* levels
     const std::uint8_t* values =
         row(values_of(holder), static_cast<int>(voxel[0] & 7), static_cast<int>(voxel[1] & 7));
     const int z = static_cast<int>(voxel[2] & 7);
-    levels[in_halo[0] * int{kPlaneBytes} + in_halo[1] * int{kRowBytes} + in_halo[2]] =
-        kLevelsOfByte[values[z >> 2]][static_cast<std::size_t>(z & 3)];
+    const int level = kLevelsOfByte[values[z >> 2]][static_cast<std::size_t>(z & 3)];
+    for (int third = 0; third < 3; ++third) {
+      const int y = in_halo[1] - third;
+      if (y < 0 || y > 7) continue;
+      std::uint8_t& byte = levels[in_halo[0] * int{kPlaneBytes} + y * int{kRowBytes} + in_halo[2]];
+      byte = static_cast<std::uint8_t>(byte | level << (2 * third));
+    }
   }
 }
 

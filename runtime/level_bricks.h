@@ -18,15 +18,17 @@ inline constexpr std::array<std::uint8_t, 4> kRaisedLevel{3, 0, 1, 2};
 // all look-ups find their brick; else the brick replaces another one. What is found never depends
 // on what was asked before. Not for use by two threads at once.
 //
-// A decoded brick holds 10x10 rows (x, y) of 10 raised levels (z); row (1, 1) holds the brick's own
-// first voxels from byte 1 on. So the 27 levels around voxel (x, y, z) of the brick are bytes z to
-// z+2 of rows (x, y) to (x+2, y+2); reading byte z+3 along with them stays inside the row's bytes.
+// A decoded brick holds 10 planes (x) of 8 rows (y) of 10 bytes (z); each byte holds the raised
+// levels of three voxels along y, those at y-1, y and y+1 in bits 0, 2 and 4, with y running over
+// the brick's own voxels and x and z over the halo too. So the 27 levels around voxel (x, y, z) of
+// the brick are bytes z to z+2 of row y in planes x to x+2; reading byte z+3 along with them stays
+// inside the row's bytes.
 class LevelBricks {
  public:
   static constexpr int kSlotBits = 12;
   static constexpr std::uint32_t kSlots = 1u << kSlotBits;
   static constexpr std::uint32_t kRowBytes = 12;
-  static constexpr std::uint32_t kPlaneBytes = 128;  // 10 rows
+  static constexpr std::uint32_t kPlaneBytes = 8 * kRowBytes;
   static constexpr std::uint32_t kBrickBytes = 10 * kPlaneBytes;
 
   // The map has two bits per voxel and outlives this.

@@ -61,7 +61,7 @@ class LevelField final : public ForceField {
   // interior to proximity), or more than two bits. A kUsage error.
   static std::optional<Error> unreadable(const Voxmap& voxmap);
 
-  // The map must be readable and outlive the field. Takes 5 MB for decoded bricks.
+  // The map must be readable and outlive the field. Takes 4 MB for decoded bricks.
   explicit LevelField(const Voxmap& voxmap);
 
   // As ForceField says; by one thread at a time.

@@ -51,7 +51,7 @@ struct Corners {
 // A byte, which is b, as the float 2^23 + b: exact, and cheaper than a conversion.
 constexpr std::int32_t kTwoTo23 = 0x4b000000;
 HWY_INLINE VF byte_over_two_to_23(VI lanes) {
-  return hn::BitCast(kF, hn::Or(hn::And(lanes, hn::Set(kI, 0xff)), hn::Set(kI, kTwoTo23)));
+  return hn::BitCast(kF, hn::OrAnd(hn::Set(kI, kTwoTo23), lanes, hn::Set(kI, 0xff)));
 }
 
 HWY_INLINE VF mix_z(VI sums, int raise, VF share) {
@@ -66,19 +66,22 @@ HWY_INLINE VF between_corners(const Corners& corners, const VF (&fraction)[3]) {
   return mix(mix(at[0], at[1], fraction[1]), mix(at[2], at[3], fraction[1]), fraction[0]);
 }
 
-// Raised levels around `kLanes` points: lanes of words[3 x + y] hold those at z-1, z, z+1 in bytes
-// 0 to 2.
-struct Rows {
-  VI words[9];
+// Raised levels around `kLanes` points: lanes of words[x] hold those at z-1, z, z+1 in bytes 0 to 2
+// and, within a byte, those at y-1, y, y+1 in bits 0, 2 and 4.
+struct Planes {
+  VI words[3];
 };
 
 // phi (voxels) and its slope (per voxel).
-HWY_INLINE void sample(const Rows& rows, const VF (&fraction)[3], VF& phi, VF (&slope)[3]) {
+HWY_INLINE void sample(const Planes& planes, const VF (&fraction)[3], VF& phi, VF (&slope)[3]) {
   VI sum_y[3][2], step_y[3][2];  // over and across the two rows at each corner's y
   for (int x = 0; x < 3; ++x) {
+    const VI all = planes.words[x], level = in_bytes(3);
+    const VI rows[3] = {hn::And(all, level), hn::And(hn::ShiftRight<2>(all), level),
+                        hn::And(hn::ShiftRight<4>(all), level)};
     for (int y = 0; y < 2; ++y) {
-      sum_y[x][y] = hn::Add(rows.words[3 * x + y], rows.words[3 * x + y + 1]);
-      step_y[x][y] = raised_difference(rows.words[3 * x + y + 1], rows.words[3 * x + y], 4);
+      sum_y[x][y] = hn::Add(rows[y], rows[y + 1]);
+      step_y[x][y] = raised_difference(rows[y + 1], rows[y], 4);
     }
   }
   Corners level{{}, 8}, along_x{{}, 16}, along_y{{}, 16}, along_z{{}, 16};
@@ -165,8 +168,16 @@ class Packing {
 };
 #endif
 
-// Points on their way through the kernel, in full vectors.
-struct Chunk {
+// A vector of points on their way through the kernel.
+struct Lanes {
+  VI at;  // index into CollectedPoints
+  VI voxel[3];
+  VF fraction[3], normal[3];
+  hn::Mask<Ints> wanted;
+};
+
+// Points that were picked out, until they fill vectors.
+struct Picked {
   static constexpr std::size_t kPoints = 256;
   static constexpr std::size_t kRoom = kPoints + kLanes;
 
@@ -174,8 +185,6 @@ struct Chunk {
   HWY_ALIGN std::int32_t voxel[3][kRoom] = {};
   HWY_ALIGN float fraction[3][kRoom] = {};
   HWY_ALIGN float normal[3][kRoom] = {};
-  HWY_ALIGN float phi[kRoom];
-  HWY_ALIGN float slope[3][kRoom];
   std::size_t count = 0;
 };
 
@@ -187,68 +196,83 @@ class Kernel {
          FieldSamples& samples)
       : points_(points), scale_(scale), bricks_(bricks), samples_(samples) {}
 
+  // Picking the points out first is worth its while only where many are not wanted.
   HWY_INLINE void run() {
     samples_.count = 0;
+    const std::uint32_t band = points_.surface_count + points_.interior_count;
+    if (kAllPoints || band >= points_.count - points_.count / 4) {
+      for (std::uint32_t first = 0; first < points_.count; first += kLanes) {
+        push_lanes(load(first, wanted_of(first)));
+      }
+      return;
+    }
+    Picked picked;
     for (std::uint32_t first = 0; first < points_.count;) {
-      chunk_.count = 0;
-      for (; first < points_.count && chunk_.count < Chunk::kPoints; first += kLanes) append(first);
-      for (std::size_t i = 0; i < chunk_.count; i += kLanes) sample_lanes(i);
-      for (std::size_t i = 0; i < chunk_.count; i += kLanes) push_lanes(i);
+      picked.count = 0;
+      for (; first < points_.count && picked.count < Picked::kPoints; first += kLanes) {
+        pick(first, picked);
+      }
+      for (std::size_t i = 0; i < picked.count; i += kLanes) push_lanes(load(picked, i));
     }
   }
 
  private:
-  // Appends the next lanes' points in values 1 and 2 to the chunk.
-  HWY_INLINE void append(std::uint32_t first) {
+  HWY_INLINE hn::Mask<Ints> wanted_of(std::uint32_t first) const {
+    const auto real = hn::FirstN(kI, points_.count - first);
+    if (kAllPoints) return real;
     const hn::Rebind<std::uint8_t, Ints> d8;
     const VI value = hn::PromoteTo(kI, hn::LoadU(d8, &points_.value[first]));
-    auto wanted = hn::FirstN(kI, points_.count - first);
-    if (!kAllPoints) {
-      const VI proximity = hn::Set(kI, static_cast<int>(VoxelValue::kProximity));
-      wanted = hn::And(wanted, hn::Lt(value, proximity));
-    }
-    if (hn::AllTrue(kI, wanted)) {
-      copy(first, [](auto v) { return v; });
-      chunk_.count += kLanes;
-    } else if (!hn::AllFalse(kI, wanted)) {
-      const Packing pack(hn::RebindMask(kF, wanted));
-      copy(first, pack);
-      chunk_.count += pack.count();
-    }
+    return hn::And(real, hn::Lt(value, hn::Set(kI, static_cast<int>(VoxelValue::kProximity))));
   }
 
-  // Copies the lanes that `pack` moves to the front to the chunk's end.
-  template <class Pack>
-  HWY_INLINE void copy(std::uint32_t first, const Pack& pack) {
-    const std::size_t to = chunk_.count;
-    hn::StoreU(pack(hn::Iota(kI, static_cast<std::int32_t>(first))), kI, chunk_.at + to);
+  HWY_INLINE Lanes load(std::uint32_t first, hn::Mask<Ints> wanted) const {
+    Lanes lanes;
+    lanes.at = hn::Iota(kI, static_cast<std::int32_t>(first));
     const std::int32_t* voxel[3] = {points_.vx.data(), points_.vy.data(), points_.vz.data()};
     const float* fraction[3] = {points_.fx.data(), points_.fy.data(), points_.fz.data()};
     const float* normal[3] = {points_.nx.data(), points_.ny.data(), points_.nz.data()};
     for (int axis = 0; axis < 3; ++axis) {
-      hn::StoreU(pack(hn::LoadU(kI, voxel[axis] + first)), kI, chunk_.voxel[axis] + to);
-      hn::StoreU(pack(hn::LoadU(kF, fraction[axis] + first)), kF, chunk_.fraction[axis] + to);
-      hn::StoreU(pack(hn::LoadU(kF, normal[axis] + first)), kF, chunk_.normal[axis] + to);
+      lanes.voxel[axis] = hn::LoadU(kI, voxel[axis] + first);
+      lanes.fraction[axis] = hn::LoadU(kF, fraction[axis] + first);
+      lanes.normal[axis] = hn::LoadU(kF, normal[axis] + first);
     }
+    lanes.wanted = wanted;
+    return lanes;
   }
 
-  HWY_INLINE void sample_lanes(std::size_t i) {
-    const Rows rows = gather(i);
-    VF fraction[3], slope[3], phi;
-    for (int axis = 0; axis < 3; ++axis) fraction[axis] = hn::Load(kF, chunk_.fraction[axis] + i);
-    sample(rows, fraction, phi, slope);
-    hn::Store(phi, kF, chunk_.phi + i);
-    for (int axis = 0; axis < 3; ++axis) hn::Store(slope[axis], kF, chunk_.slope[axis] + i);
-  }
-
-  HWY_INLINE void push_lanes(std::size_t i) {
-    VF normal[3], slope[3], u[3];
-    const VF phi = hn::Load(kF, chunk_.phi + i);
+  static HWY_INLINE Lanes load(const Picked& picked, std::size_t i) {
+    Lanes lanes;
+    lanes.at = hn::Load(kI, picked.at + i);
     for (int axis = 0; axis < 3; ++axis) {
-      normal[axis] = hn::Load(kF, chunk_.normal[axis] + i);
-      slope[axis] = hn::Load(kF, chunk_.slope[axis] + i);
+      lanes.voxel[axis] = hn::Load(kI, picked.voxel[axis] + i);
+      lanes.fraction[axis] = hn::Load(kF, picked.fraction[axis] + i);
+      lanes.normal[axis] = hn::Load(kF, picked.normal[axis] + i);
     }
-    push(phi, slope, normal, u);
+    lanes.wanted = hn::FirstN(kI, picked.count - i);
+    return lanes;
+  }
+
+  // Appends the next lanes' points in values 1 and 2.
+  HWY_INLINE void pick(std::uint32_t first, Picked& picked) const {
+    const auto wanted = wanted_of(first);
+    if (hn::AllFalse(kI, wanted)) return;
+    const Packing pack(hn::RebindMask(kF, wanted));
+    const Lanes lanes = load(first, wanted);
+    const std::size_t to = picked.count;
+    hn::StoreU(pack(lanes.at), kI, picked.at + to);
+    for (int axis = 0; axis < 3; ++axis) {
+      hn::StoreU(pack(lanes.voxel[axis]), kI, picked.voxel[axis] + to);
+      hn::StoreU(pack(lanes.fraction[axis]), kF, picked.fraction[axis] + to);
+      hn::StoreU(pack(lanes.normal[axis]), kF, picked.normal[axis] + to);
+    }
+    picked.count += pack.count();
+  }
+
+  HWY_INLINE void push_lanes(const Lanes& lanes) {
+    if (!kAllPoints && hn::AllFalse(kI, lanes.wanted)) return;
+    VF slope[3], phi, u[3];
+    sample(gather(lanes), lanes.fraction, phi, slope);
+    push(phi, slope, lanes.normal, u);
     const VF one = hn::Set(kF, 1.0f), size_m = hn::Set(kF, scale_.voxel_size_m);
     const VF length = hn::Sqrt(dot(u, u));
     const auto directed = hn::Gt(length, hn::Set(kF, kTiny));
@@ -259,40 +283,39 @@ class Kernel {
     if (!scale_.euclidean_layers) {
       depth_m = hn::Mul(depth_m, hn::Add(hn::Add(hn::Abs(u[0]), hn::Abs(u[1])), hn::Abs(u[2])));
     }
-    auto kept = hn::FirstN(kF, chunk_.count - i);
+    auto kept = hn::RebindMask(kF, lanes.wanted);
     if (kAllPoints) {
       const VF nothing = hn::Neg(hn::Mul(hn::Max(phi, hn::Zero(kF)), size_m));
       depth_m = hn::IfThenElse(directed, depth_m, nothing);
-      for (int n = 0; n < 3; ++n) u[n] = hn::IfThenElse(directed, u[n], normal[n]);
+      for (int n = 0; n < 3; ++n) u[n] = hn::IfThenElse(directed, u[n], lanes.normal[n]);
     } else {
       kept = hn::And(kept, hn::And(hn::Lt(phi, hn::Zero(kF)), directed));
     }
-    store(i, Packing(kept), depth_m, u);
+    store(Packing(kept), lanes.at, depth_m, u, slope);
   }
 
-  HWY_INLINE void store(std::size_t i, const Packing& pack, VF depth_m, const VF (&direction)[3]) {
+  HWY_INLINE void store(const Packing& pack, VI at, VF depth_m, const VF (&direction)[3],
+                        const VF (&slope)[3]) {
     const std::uint32_t to = samples_.count;
     const hn::RebindToUnsigned<Ints> u32;
-    hn::StoreU(hn::BitCast(u32, pack(hn::Load(kI, chunk_.at + i))), u32, &samples_.at[to]);
+    hn::StoreU(hn::BitCast(u32, pack(at)), u32, &samples_.at[to]);
     hn::StoreU(pack(depth_m), kF, &samples_.depth_m[to]);
     hn::StoreU(pack(direction[0]), kF, &samples_.dx[to]);
     hn::StoreU(pack(direction[1]), kF, &samples_.dy[to]);
     hn::StoreU(pack(direction[2]), kF, &samples_.dz[to]);
     if (kAllPoints) {
-      hn::StoreU(pack(hn::Load(kF, chunk_.slope[0] + i)), kF, &samples_.gx[to]);
-      hn::StoreU(pack(hn::Load(kF, chunk_.slope[1] + i)), kF, &samples_.gy[to]);
-      hn::StoreU(pack(hn::Load(kF, chunk_.slope[2] + i)), kF, &samples_.gz[to]);
+      hn::StoreU(pack(slope[0]), kF, &samples_.gx[to]);
+      hn::StoreU(pack(slope[1]), kF, &samples_.gy[to]);
+      hn::StoreU(pack(slope[2]), kF, &samples_.gz[to]);
     }
     samples_.count += static_cast<std::uint32_t>(pack.count());
   }
 
-  // The 27 levels around the points at `i`.
-  HWY_INLINE Rows gather(std::size_t i) {
-    VI voxel[3], brick[3];
-    for (int axis = 0; axis < 3; ++axis) {
-      voxel[axis] = hn::Load(kI, chunk_.voxel[axis] + i);
-      brick[axis] = hn::ShiftRight<3>(voxel[axis]);
-    }
+  // The 27 levels around the points.
+  HWY_INLINE Planes gather(const Lanes& lanes) {
+    const VI(&voxel)[3] = lanes.voxel;
+    VI brick[3];
+    for (int axis = 0; axis < 3; ++axis) brick[axis] = hn::ShiftRight<3>(voxel[axis]);
     const auto& strides = bricks_.strides();
     const VI key = hn::Add(
         hn::Add(hn::Mul(brick[0], constant(strides[0])), hn::Mul(brick[1], constant(strides[1]))),
@@ -305,22 +328,24 @@ class Kernel {
     if (HWY_UNLIKELY(!bricks_.keys_are_unique())) held = hn::And(held, tags_match(slot, brick));
 
     // Shifts and sums rather than products, which are slow for this width.
-    static_assert(LevelBricks::kBrickBytes == 1280 && LevelBricks::kPlaneBytes == 128 &&
+    static_assert(LevelBricks::kBrickBytes == 960 && LevelBricks::kPlaneBytes == 96 &&
                   LevelBricks::kRowBytes == 12);
     const VI seven = hn::Set(kI, 7);
     const VI x = hn::And(voxel[0], seven), y = hn::And(voxel[1], seven);
-    const VI at_brick = hn::Add(hn::ShiftLeft<10>(slot), hn::ShiftLeft<8>(slot));
-    const VI at_row =
-        hn::Add(hn::ShiftLeft<7>(x), hn::Add(hn::ShiftLeft<3>(y), hn::ShiftLeft<2>(y)));
-    const VI offset = hn::Add(hn::Add(at_brick, at_row), hn::And(voxel[2], seven));
-    Rows rows;
-    for (std::uint32_t row = 0; row < 9; ++row) {
-      const std::uint8_t* base = bricks_.levels() + row_offset(row);
-      rows.words[row] = hn::GatherOffset(kI, reinterpret_cast<const std::int32_t*>(base), offset);
+    const VI at_brick = hn::Sub(hn::ShiftLeft<10>(slot), hn::ShiftLeft<6>(slot));
+    const VI at_plane = hn::Add(hn::ShiftLeft<6>(x), hn::ShiftLeft<5>(x));
+    const VI at_row = hn::Add(hn::ShiftLeft<3>(y), hn::ShiftLeft<2>(y));
+    const VI offset =
+        hn::Add(hn::Add(at_brick, at_plane), hn::Add(at_row, hn::And(voxel[2], seven)));
+    Planes planes;
+    for (std::uint32_t plane = 0; plane < 3; ++plane) {
+      const std::uint8_t* base = bricks_.levels() + plane * LevelBricks::kPlaneBytes;
+      planes.words[plane] =
+          hn::GatherOffset(kI, reinterpret_cast<const std::int32_t*>(base), offset);
     }
-    const auto missing = hn::AndNot(held, hn::FirstN(kI, chunk_.count - i));
-    if (HWY_UNLIKELY(!hn::AllFalse(kI, missing))) fetch_missing(i, missing, rows);
-    return rows;
+    const auto missing = hn::AndNot(held, lanes.wanted);
+    if (HWY_UNLIKELY(!hn::AllFalse(kI, missing))) fetch_missing(lanes, missing, planes);
+    return planes;
   }
 
   HWY_INLINE hn::Mask<Ints> tags_match(VI slot, const VI (&brick)[3]) {
@@ -332,38 +357,33 @@ class Kernel {
 
   // Decodes the bricks that were not held. One of them may replace another, so each point's words
   // are taken while its brick is there.
-  HWY_NOINLINE void fetch_missing(std::size_t i, hn::Mask<Ints> missing, Rows& rows) {
-    HWY_ALIGN std::int32_t words[9][kLanes];
+  HWY_NOINLINE void fetch_missing(const Lanes& lanes, hn::Mask<Ints> missing, Planes& planes) {
+    HWY_ALIGN std::int32_t words[3][kLanes], voxel[3][kLanes];
     HWY_ALIGN std::int32_t wanted[kLanes];
-    for (int row = 0; row < 9; ++row) hn::Store(rows.words[row], kI, words[row]);
+    for (int plane = 0; plane < 3; ++plane) hn::Store(planes.words[plane], kI, words[plane]);
+    for (int axis = 0; axis < 3; ++axis) hn::Store(lanes.voxel[axis], kI, voxel[axis]);
     hn::Store(hn::VecFromMask(kI, missing), kI, wanted);
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
       if (wanted[lane] == 0) continue;
-      const std::int32_t x = chunk_.voxel[0][i + lane], y = chunk_.voxel[1][i + lane],
-                         z = chunk_.voxel[2][i + lane];
+      const std::int32_t x = voxel[0][lane], y = voxel[1][lane], z = voxel[2][lane];
       const std::uint8_t* levels = bricks_.hold(x >> 3, y >> 3, z >> 3);
       levels += (x & 7) * std::int32_t{LevelBricks::kPlaneBytes} +
                 (y & 7) * std::int32_t{LevelBricks::kRowBytes} + (z & 7);
-      for (std::uint32_t row = 0; row < 9; ++row) {
-        hwy::CopyBytes<4>(levels + row_offset(row), &words[row][lane]);
+      for (std::uint32_t plane = 0; plane < 3; ++plane) {
+        hwy::CopyBytes<4>(levels + plane * LevelBricks::kPlaneBytes, &words[plane][lane]);
       }
     }
-    for (int row = 0; row < 9; ++row) rows.words[row] = hn::Load(kI, words[row]);
+    for (int plane = 0; plane < 3; ++plane) planes.words[plane] = hn::Load(kI, words[plane]);
   }
 
   static HWY_INLINE VI constant(std::uint32_t value) {
     return hn::Set(kI, static_cast<std::int32_t>(value));
   }
 
-  static constexpr std::uint32_t row_offset(std::uint32_t row) {
-    return row / 3 * LevelBricks::kPlaneBytes + row % 3 * LevelBricks::kRowBytes;
-  }
-
   const CollectedPoints& points_;
   const LevelScale& scale_;
   LevelBricks& bricks_;
   FieldSamples& samples_;
-  Chunk chunk_;
 };
 
 void push_on_target(const CollectedPoints& points, const LevelScale& scale, LevelBricks& bricks,

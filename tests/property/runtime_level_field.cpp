@@ -88,7 +88,7 @@ Sampled sampled(const FieldSamples& samples, std::uint32_t points) {
   return all;
 }
 
-// Random points of a scene, one in five told to be in value 3, and what the twin says of them.
+// Random points of a scene, some told to be in value 3, and what the twin says of them.
 struct Probe {
   CollectedPoints points;
   std::vector<TwinPush> twins;
@@ -96,12 +96,14 @@ struct Probe {
   Probe(Random& random, const VoxelScene& scene, const Voxmap& voxmap, std::uint32_t cropped,
         std::uint32_t count) {
     points.reserve(count);
+    const std::uint64_t near_in_ten = random() % 10;  // many: the others are picked out first
     for (std::uint32_t i = 0; i < count; ++i) {
       const Voxel v = random_voxel(random, scene);
       const auto fraction = random_fraction(random);
       const auto normal = as_floats(random_direction(random));
-      collect(points, voxmap, v, random() % 5 ? VoxelValue::kSurface : VoxelValue::kProximity,
-              fraction, normal);
+      const bool near = random() % 10 < near_in_ten;
+      collect(points, voxmap, v, near ? VoxelValue::kProximity : VoxelValue::kSurface, fraction,
+              normal);
       twins.push_back(float_push(scene, v, fraction, normal, cropped));
     }
   }

@@ -139,6 +139,9 @@ inline void collect(CollectedPoints& points, const Voxmap& voxmap, const Voxel& 
   const auto& origin = voxmap.header().directory_origin;
   points.index[at] = at;
   points.value[at] = static_cast<std::uint8_t>(value);
+  points.interior_count += value == VoxelValue::kInterior;
+  points.surface_count += value == VoxelValue::kSurface;
+  points.proximity_count += value == VoxelValue::kProximity;
   points.vx[at] = static_cast<std::int32_t>(voxel[0] - origin[0]);
   points.vy[at] = static_cast<std::int32_t>(voxel[1] - origin[1]);
   points.vz[at] = static_cast<std::int32_t>(voxel[2] - origin[2]);
