@@ -1,7 +1,9 @@
 // How true and how smooth each force model is, against contacts with a closed formula, and what a
 // point in the band costs. METHOD.md says what the oracle is and where it is not to be trusted.
 //
-//   force_bench [--fast | --s S | --cost] [--json FILE]     S: one voxel size, in units of 10 mm
+//   force_bench [--fast | --s S [--cover C] | --cost] [--json FILE]
+//
+// S is one voxel size, in units of 10 mm, C the shell's covering radius in voxels.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -221,6 +223,7 @@ int orientations_at(double s_units) { return s_units > 0.3 ? 4 : s_units > 0.2 ?
 struct Choice {
   bool fast = false, cost = false;
   double only_s = 0;  // 0: all
+  double cover = kPaperCover;
   std::string json;
 };
 
@@ -233,6 +236,8 @@ std::optional<Choice> read_choice(int argc, char** argv) {
       choice.cost = true;
     } else if (std::strcmp(argv[i], "--s") == 0 && i + 1 < argc && std::atof(argv[i + 1]) > 0) {
       choice.only_s = std::atof(argv[++i]);
+    } else if (std::strcmp(argv[i], "--cover") == 0 && i + 1 < argc && std::atof(argv[i + 1]) > 0) {
+      choice.cover = std::atof(argv[++i]);
     } else if (std::strcmp(argv[i], "--json") == 0 && i + 1 < argc) {
       choice.json = argv[++i];
     } else {
@@ -240,6 +245,7 @@ std::optional<Choice> read_choice(int argc, char** argv) {
     }
   }
   if (choice.fast + choice.cost + (choice.only_s > 0) > 1) return std::nullopt;
+  if (choice.cover != kPaperCover && !(choice.only_s > 0)) return std::nullopt;
   return choice;
 }
 
@@ -248,7 +254,7 @@ Json judge_sizes(const Choice& choice) {
   if (choice.fast) {
     sizes.push_back(judge_all(0.5, kPaperCover, 2));
   } else if (choice.only_s > 0) {
-    sizes.push_back(judge_all(choice.only_s, kPaperCover, orientations_at(choice.only_s)));
+    sizes.push_back(judge_all(choice.only_s, choice.cover, orientations_at(choice.only_s)));
   } else {
     for (const double s : {1.0, 0.5, 0.25, 0.125}) {
       sizes.push_back(judge_all(s, kPaperCover, orientations_at(s)));
@@ -261,7 +267,8 @@ Json judge_sizes(const Choice& choice) {
 int run(int argc, char** argv) {
   const std::optional<Choice> choice = read_choice(argc, argv);
   if (!choice) {
-    std::fprintf(stderr, "usage: force_bench [--fast | --s S | --cost] [--json FILE]\n");
+    std::fprintf(stderr,
+                 "usage: force_bench [--fast | --s S [--cover C] | --cost] [--json FILE]\n");
     return 2;
   }
   const Json about = machine();
