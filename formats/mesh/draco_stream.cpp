@@ -132,14 +132,17 @@ std::unique_ptr<draco::Mesh> decode(const Stream& stream) {
                   (reason.empty() ? "" : " (" + reason + ")"));
 }
 
-const draco::PointAttribute& positions_of(const Stream& stream, const draco::Mesh& mesh,
+const draco::PointAttribute& positions_of(const Stream& stream, draco::Mesh& mesh,
                                           std::optional<std::uint32_t> position_id) {
-  const draco::PointAttribute* const positions =
-      position_id ? mesh.GetAttributeByUniqueId(*position_id)
-                  : mesh.GetNamedAttribute(draco::GeometryAttribute::POSITION);
+  const int id = position_id ? mesh.GetAttributeIdByUniqueId(*position_id)
+                             : mesh.GetNamedAttributeId(draco::GeometryAttribute::POSITION);
+  draco::PointAttribute* const positions = id < 0 ? nullptr : mesh.attribute(id);
   if (positions == nullptr || positions->num_components() != 3) {
     stream.fail(ErrorCode::kMeshUnreadable, "no three-dimensional positions in the Draco stream");
   }
+  // Coordinates are numbers as they stand; and Draco reads this flag from the stream as it is, so
+  // that it need not even be a bool.
+  positions->set_normalized(false);
   return *positions;
 }
 

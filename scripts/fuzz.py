@@ -1,0 +1,107 @@
+#!/usr/bin/env python3
+"""Fuzzes the readers with libFuzzer (clang) and keeps account.
+
+    scripts/fuzz.py                       every target for a minute
+    scripts/fuzz.py --seconds 600 stl om  these for ten minutes each
+    scripts/fuzz.py --table               writes the table of tests/fuzz/README.md again
+
+New inputs that reach new code stay in build/fuzz/corpus, so that campaigns add up; figures go to
+tests/fuzz/campaigns.json. A crash, a hang (10 s for one input) or more than 2 GiB of memory is left
+in build/fuzz/found, named on stderr, and makes the status 1.
+"""
+import argparse
+import datetime
+import json
+import pathlib
+import re
+import subprocess
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+FUZZ = ROOT / "tests" / "fuzz"
+BUILD = ROOT / "build" / "fuzz"
+CAMPAIGNS = FUZZ / "campaigns.json"
+README = FUZZ / "README.md"
+BEGIN, END = "<!-- table by scripts/fuzz.py -->", "<!-- end of table -->"
+
+
+def targets():
+    return sorted(folder.name for folder in (FUZZ / "corpus").iterdir() if folder.is_dir())
+
+
+def build(names):
+    subprocess.run(["cmake", "--preset", "fuzz"], cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
+    subprocess.run(["cmake", "--build", BUILD, "--target", *(f"fuzz_{name}" for name in names)],
+                   cwd=ROOT, check=True)
+
+
+def fuzz(name, seconds):
+    """One campaign of one target: its figures."""
+    grown, found = BUILD / "corpus" / name, BUILD / "found" / name
+    grown.mkdir(parents=True, exist_ok=True)
+    found.mkdir(parents=True, exist_ok=True)
+    before = set(found.iterdir())
+    run = subprocess.run(
+        [BUILD / "bin" / f"fuzz_{name}", grown, FUZZ / "corpus" / name, f"-max_total_time={seconds}",
+         "-timeout=10", "-rss_limit_mb=2048", "-malloc_limit_mb=1024", "-max_len=65536",
+         "-print_final_stats=1", f"-artifact_prefix={found}/"],
+        stderr=subprocess.PIPE, text=True, errors="replace", check=False)
+    stats = dict(re.findall(r"stat::(\w+):\s+(\d+)", run.stderr))
+    covered = re.findall(r"cov: (\d+) ", run.stderr)
+    if "number_of_executed_units" not in stats:
+        sys.exit(f"fuzz_{name} ended without figures:\n{run.stderr[-2000:]}")
+    new = sorted(str(path) for path in set(found.iterdir()) - before)
+    for path in new:
+        print(f"{name}: found {path}\n{run.stderr[-3000:]}", file=sys.stderr)
+    return {"date": datetime.date.today().isoformat(), "target": name, "seconds": seconds,
+            "executions": int(stats["number_of_executed_units"]),
+            "edges": int(covered[-1]) if covered else 0,
+            "inputs": len(list(grown.iterdir())), "found": len(new)}
+
+
+def table(campaigns):
+    lines = ["| target | campaigns | hours | executions | edges reached | inputs kept | found in the last |",
+             "|---|---|---|---|---|---|---|"]
+    for name in sorted({campaign["target"] for campaign in campaigns}):
+        own = [campaign for campaign in campaigns if campaign["target"] == name]
+        lines.append(f"| {name} | {len(own)} | {sum(c['seconds'] for c in own) / 3600:.2f} "
+                     f"| {sum(c['executions'] for c in own):,} | {max(c['edges'] for c in own):,} "
+                     f"| {own[-1]['inputs']:,} | {own[-1]['found']} |")
+    return "\n".join(lines)
+
+
+def write_table(campaigns):
+    text = README.read_text()
+    head, rest = text.split(BEGIN)
+    README.write_text(head + BEGIN + "\n" + table(campaigns) + "\n" + END + rest.split(END)[1])
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("targets", nargs="*", help="of tests/fuzz/corpus; all if none is named")
+    parser.add_argument("--seconds", type=int, default=60, help="for each target")
+    parser.add_argument("--table", action="store_true", help="only write the table again")
+    arguments = parser.parse_args()
+    names = arguments.targets or targets()
+    unknown = sorted(set(names) - set(targets()))
+    if unknown:
+        parser.error(f"no such target: {', '.join(unknown)}; there are {', '.join(targets())}")
+
+    campaigns = json.loads(CAMPAIGNS.read_text()) if CAMPAIGNS.exists() else []
+    found = 0
+    if not arguments.table:
+        build(names)
+        for name in names:
+            campaign = fuzz(name, arguments.seconds)
+            found += campaign["found"]
+            campaigns.append(campaign)
+            CAMPAIGNS.write_text(json.dumps(campaigns, indent=1) + "\n")
+            print(f"{name}: {campaign['executions']:,} executions, {campaign['edges']:,} edges, "
+                  f"{campaign['found']} found", flush=True)
+    write_table(campaigns)
+    return 1 if found else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,22 @@
+// A motion file of the simulated hand.
+#include <cmath>
+
+#include "runtime/devices/motion_script.h"
+#include "tests/fuzz/fuzz_target.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace forcelayer;
+  const fuzz::MemoryFile file(fuzz::bytes_of(data, size));
+  const auto script = MotionScript::read(file.path());
+  if (!script) {
+    fuzz::require(!script.error().what.empty(), "an error says what is wrong");
+    return 0;
+  }
+  for (const double part : {-0.5, 0.0, 0.3, 1.0, 1.5}) {
+    const Pose pose = script->pose(part * script->end_s());
+    fuzz::require(std::isfinite(pose.position_m.x) && std::isfinite(pose.orientation.w),
+                  "poses are finite");
+    (void)script->velocity(part * script->end_s());
+  }
+  return 0;
+}

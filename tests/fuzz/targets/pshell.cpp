@@ -1,0 +1,53 @@
+// A .pshell file: what opens can be read to its last point, and felt in a small scene.
+#include "formats/pshell.h"
+
+#include "runtime/derive_parameters.h"
+#include "runtime/devices/sim_device.h"
+#include "runtime/simulation.h"
+#include "tests/fuzz/baked_mutator.h"
+#include "tests/support/aligned_bytes.h"
+#include "tests/support/random_scenes.h"
+
+namespace forcelayer::fuzz {
+namespace {
+
+using namespace forcelayer::test;
+
+void feel(Pshell shell) {
+  const double s = shell.header().voxel_size_m;
+  if (!(s > 1e-9 && s < 1e3)) return;
+  Voxmap map =
+      make_voxmap(offset_scene(s, {0, 0, -2}, {16, 16, 4}, 2, [](Voxel v) { return v[2] <= 0; }));
+  const auto derived = derive_parameters({}, map, shell, sim_capabilities());
+  if (!derived) return;
+  auto simulation = Simulation::create(std::move(map), std::move(shell), derived->values);
+  if (!simulation) return;
+  const Pose start{{8 * s, 8 * s, 6 * s}, {1, 0, 0, 0}};
+  State state = (*simulation)->registered(start, start);
+  for (int frame = 0; frame < 4; ++frame) {
+    StepInput input;
+    input.world_from_handle = start;
+    input.world_from_handle.position_m.z -= frame * s;
+    input.valid = 1;
+    const StepResult result = (*simulation)->step(state, input, 0.001);
+    require(std::isfinite(result.wrench.force_n.z), "a finite force");
+  }
+}
+
+}  // namespace
+}  // namespace forcelayer::fuzz
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace forcelayer;
+  const testing::AlignedBytes bytes(fuzz::bytes_of(data, size));
+  for (const Verify verify : {Verify::kStructureAndChecksums, Verify::kStructure}) {
+    auto shell = Pshell::from_bytes(bytes.bytes(), "fuzz.pshell", verify);
+    if (!shell) continue;
+    const PshellView& view = shell->view();
+    double sum = 0;
+    for (std::uint64_t i = 0; i < view.point_count; ++i) sum += view.x[i] + view.weight_m2[i];
+    fuzz::require(std::isfinite(sum), "finite points");
+    fuzz::feel(std::move(*shell));
+  }
+  return 0;
+}

@@ -1,0 +1,73 @@
+// A .vox file: what opens can be looked up anywhere, audited, and felt by a part, without a fault.
+#include "formats/voxmap.h"
+
+#include "formats/voxmap_audit.h"
+#include "runtime/derive_parameters.h"
+#include "runtime/devices/sim_device.h"
+#include "runtime/simulation.h"
+#include "tests/fuzz/baked_mutator.h"
+#include "tests/support/aligned_bytes.h"
+#include "tests/support/make_pshell.h"
+#include "tests/support/point_part.h"
+#include "tests/support/random_scenes.h"
+
+namespace forcelayer::fuzz {
+namespace {
+
+using namespace forcelayer::test;
+
+void look_up(const Voxmap& map, Random& random) {
+  const auto& origin = map.view().directory_origin;
+  for (int n = 0; n < 64; ++n) {
+    std::array<std::int64_t, 3> voxel{};
+    for (int axis = 0; axis < 3; ++axis) {
+      const std::int64_t span = std::int64_t{map.view().directory_dims[axis]} * kUpperNodeEdge;
+      voxel[axis] = origin[axis] - 8 + static_cast<std::int64_t>(random() % (span + 16));
+    }
+    require(static_cast<unsigned>(map.value(voxel[0], voxel[1], voxel[2])) < 4, "four values");
+  }
+}
+
+// A few frames of a small part about the middle of the map.
+void feel(Voxmap map, Random& random) {
+  const double s = map.voxel_size_m();
+  Pshell shell = make_pshell(sphere_part(4 * s, 60, s));
+  const auto derived = derive_parameters({}, map, shell, sim_capabilities());
+  if (!derived) return;
+  glm::dvec3 middle_m;
+  for (int axis = 0; axis < 3; ++axis) {
+    middle_m[axis] = s * (static_cast<double>(map.header().origin_voxel[axis]) +
+                          0.5 * static_cast<double>(map.header().dims_voxels[axis]));
+  }
+  auto simulation = Simulation::create(std::move(map), std::move(shell), derived->values);
+  if (!simulation) return;
+  const Pose start{middle_m, random_orientation(random)};
+  State state = (*simulation)->registered(start, start);
+  for (int frame = 0; frame < 8; ++frame) {
+    StepInput input;
+    input.world_from_handle = start;
+    input.world_from_handle.position_m += random_direction(random) * (20 * s);
+    input.valid = 1;
+    const StepResult result = (*simulation)->step(state, input, 0.001);
+    require(std::isfinite(result.wrench.force_n.x), "a finite force");
+  }
+}
+
+}  // namespace
+}  // namespace forcelayer::fuzz
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace forcelayer;
+  const testing::AlignedBytes bytes(fuzz::bytes_of(data, size));
+  for (const Verify verify : {Verify::kStructureAndChecksums, Verify::kStructure}) {
+    auto map = Voxmap::from_bytes(bytes.bytes(), "fuzz.vox", verify);
+    if (!map) continue;
+    fuzz::Random random(size);
+    fuzz::look_up(*map, random);
+    // Time of the audit grows with the directory: that of a baked scene is small.
+    const auto& dims = map->view().directory_dims;
+    if (std::int64_t{dims[0]} * dims[1] * dims[2] <= 4096) (void)audit_voxmap(*map, "fuzz.vox");
+    fuzz::feel(std::move(*map), random);
+  }
+  return 0;
+}
