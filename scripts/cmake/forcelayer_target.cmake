@@ -9,7 +9,14 @@ target_compile_options(forcelayer_options INTERFACE
   # gcc 12 at -O2 drops the rounding of neighbouring doubles to float and back (struct members x, y
   # set from (float)a, (float)b): the points that a shell proves would not be those that it stores.
   $<$<CXX_COMPILER_ID:GNU>:$<BUILD_INTERFACE:-fno-tree-slp-vectorize>>
-  $<$<BOOL:${FORCELAYER_WARNINGS_AS_ERRORS}>:-Werror>)
+  $<$<BOOL:${FORCELAYER_WARNINGS_AS_ERRORS}>:-Werror>
+  # The same bytes wherever the sources lie.
+  $<BUILD_INTERFACE:-ffile-prefix-map=${PROJECT_SOURCE_DIR}/=>
+  # What ships is hardened: it reads other people's files and holds a motor.
+  $<$<CONFIG:Release>:$<BUILD_INTERFACE:-fstack-protector-strong;-fstack-clash-protection;-U_FORTIFY_SOURCE;-D_FORTIFY_SOURCE=2>>
+  $<$<AND:$<CONFIG:Release>,$<STREQUAL:${CMAKE_SYSTEM_PROCESSOR},x86_64>>:$<BUILD_INTERFACE:-fcf-protection>>)
+include(CheckPIESupported)
+check_pie_supported()
 
 # forcelayer_library(NAME SOURCES ... [PUBLIC libs] [PRIVATE libs] [INSTALL])
 # makes the static library forcelayer_NAME with the alias forcelayer::NAME.
@@ -25,14 +32,25 @@ function(forcelayer_library name)
   target_link_libraries(forcelayer_${name} PUBLIC ${ARG_PUBLIC}
                         PRIVATE $<BUILD_INTERFACE:forcelayer_options> ${ARG_PRIVATE})
   if(ARG_INSTALL)
-    install(TARGETS forcelayer_${name} EXPORT forcelayer)
+    install(TARGETS forcelayer_${name} EXPORT forcelayer COMPONENT development)
   endif()
 endfunction()
 
-# forcelayer_command(NAME SOURCES ... LIBRARIES ...) makes and installs the executable NAME.
+# forcelayer_command(NAME [INTERNAL] COMPONENT package SOURCES ... LIBRARIES ...)
+# makes and installs the executable NAME, with a man page where help2man is there to write it and
+# users start it themselves (not INTERNAL).
+find_program(HELP2MAN help2man)
 function(forcelayer_command name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;LIBRARIES" ${ARGN})
+  cmake_parse_arguments(ARG "INTERNAL" "COMPONENT" "SOURCES;LIBRARIES" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE forcelayer_options ${ARG_LIBRARIES})
-  install(TARGETS ${name})
+  target_link_options(${name} PRIVATE $<$<CONFIG:Release>:LINKER:-z,relro,-z,now>)
+  install(TARGETS ${name} COMPONENT ${ARG_COMPONENT})
+  if(HELP2MAN AND FORCELAYER_MAN_PAGES AND NOT ARG_INTERNAL)
+    set(page ${CMAKE_BINARY_DIR}/man/${name}.1)
+    add_custom_command(OUTPUT ${page} DEPENDS ${name} ${PROJECT_SOURCE_DIR}/scripts/man_page.sh VERBATIM
+      COMMAND ${PROJECT_SOURCE_DIR}/scripts/man_page.sh $<TARGET_FILE:${name}> ${page})
+    add_custom_target(${name}_man ALL DEPENDS ${page})
+    install(FILES ${page} DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT ${ARG_COMPONENT})
+  endif()
 endfunction()
