@@ -32,6 +32,12 @@ struct DeviceCapabilities {
   double max_stiffness_nm_per_rad = 0;  // the same for rotation
   double damping_ns_per_m = 0;          // physical, that the loop may count on
   double damping_nms_per_rad = 0;       // the same for rotation
+  double friction_n = 0;                // Coulomb, that the loop may count on; 0: not declared
+  double friction_nm = 0;               // the same for rotation
+  double encoder_step_m = 0;            // of the position; 0: not declared
+  double encoder_step_rad = 0;          // the same for rotation
+  double apparent_mass_kg = 0;          // of the handle without a hand; 0: not declared
+  double apparent_inertia_kgm2 = 0;     // the same for rotation
   double delay_s = 0;                   // from sensing to force, beside the loop's own frame
   double workspace_radius_m = 0;        // about the device frame's origin; 0: unbounded
   double rate_hz = 0;                   // samples a second; 0: any

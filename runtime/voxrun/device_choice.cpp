@@ -8,6 +8,7 @@
 
 #include "runtime/devices/plugin_device.h"
 #include "runtime/devices/sim_device.h"
+#include "runtime/devices/sim_hand_device.h"
 #include "runtime/input_source.h"
 #include "runtime/real_time.h"
 
@@ -33,7 +34,12 @@ Result<ChosenDevice> make_sim(const Options& options, const DevicePlacement& pla
     script = std::move(*read);
     chosen.motion_end_s = script.end_s();
   }
-  chosen.device = std::make_unique<SimDevice>(std::move(script), placement);
+  if (options.hand.empty()) {
+    chosen.device = std::make_unique<SimDevice>(std::move(script), placement);
+  } else {
+    chosen.device = std::make_unique<SimHandDevice>(
+        std::move(script), placement, options.hand == "loose" ? loose_grip() : SimHandParameters());
+  }
   return chosen;
 }
 

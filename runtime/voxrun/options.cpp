@@ -51,6 +51,11 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
   app.add_flag("--as-fast-as-possible", options_.as_fast_as_possible,
                "no clock: every frame follows the last at once");
   app.add_option("--motion", options_.motion, "CSV of hand poses for the sim device");
+  app.add_option(
+         "--hand", options_.hand,
+         "a simulated hand that feels the sim device: firm or loose; --motion is then where "
+         "it wants to be")
+      ->check(CLI::IsMember({"firm", "loose"}));
   app.add_option("--start", texts_.start, "world_from_part at the start: x,y,z[,qw,qx,qy,qz]");
   app.add_option("--grip", texts_.grip, "handle_from_part, in the same way");
   app.add_option("--world-from-device", texts_.world_from_device, "place of the device");
@@ -141,6 +146,9 @@ Status OptionParser::check(const Options& options) const {
   }
   if (!options.motion.empty() && options.device != "sim") {
     return usage("--motion", "is for the sim device", "leave out --device");
+  }
+  if (!options.hand.empty() && options.device != "sim") {
+    return usage("--hand", "is for the sim device", "leave out --device");
   }
   if ((options.device == "replay") != !options.replay.empty()) {
     return usage("--replay", "and --device replay go together", "give both");

@@ -38,6 +38,7 @@ struct Options {
   bool quiet = false;
   std::string plugin, plugin_args;  // of the device "plugin"
   HidOptions hid;                   // of the devices "hid" and "spacemouse"
+  std::string hand;  // that holds the sim device; empty: the script moves it, whatever it feels
   std::string motion, json, trace, record, replay, udp;
   std::optional<Pose> world_from_part;   // --start
   std::optional<Pose> handle_from_part;  // --grip
