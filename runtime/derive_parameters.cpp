@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <limits>
 
+#include "runtime/handle_velocity.h"
 #include "runtime/principal_inertia.h"
 #include "runtime/stability.h"
 
@@ -17,6 +18,9 @@ constexpr double kComfortableLoad = 1.0 / 4;  // h sqrt(k_T / m): the spring alo
                                               // b < 4 to 27%, "comfortably consistent" (paper 5.1)
 constexpr double kFieldMargin = 0.9;          // of the largest stable K_ff
 constexpr double kAveragedPoints = 10;        // paper 5.2
+
+// Of the stiffness that the device bears: a default lies inside the bound, not on it.
+constexpr double kBoundShare = 0.9;
 
 // Of the default model.
 constexpr double kUnratedStiffness = 1000;  // N/m, for a device that says nothing of itself
@@ -53,6 +57,9 @@ constexpr ParameterInfo kTable[] = {
      "energy by which the scene may lift a part that the hand moves, J", &Parameters::allowance_j},
     {"allowance_fade_s", "--allowance-fade", "time in which that fades while the hand rests, s",
      &Parameters::allowance_fade_s},
+    {"passivity_damping_ns_per_m", "--passivity-damping",
+     "most damping that a passivity controller may inject at the device, N s/m",
+     &Parameters::passivity_damping_ns_per_m},
     {"max_force_n", "--max-force", "largest force at the device, N", &Parameters::max_force_n},
     {"max_torque_nm", "--max-torque", "largest torque at the device, N m",
      &Parameters::max_torque_nm},
@@ -99,9 +106,79 @@ Status check_settings(const ParameterRequest& request) {
   return {};
 }
 
-double stiffness_bound(double rated, double damping, double delay_s, double dt_s) {
-  const double renderable = renderable_stiffness(damping, delay_s, dt_s);
-  return rated > 0 ? std::min(rated, renderable) : renderable;
+// The largest value that the device loop bears, and why.
+struct Bound {
+  double value = std::numeric_limits<double>::infinity();
+  std::string source;
+
+  void lower_to(double other, const char* why) {
+    if (!(other < value)) return;
+    value = other;
+    source = why;
+  }
+};
+
+constexpr const char* kRated = "its maker's rating";
+constexpr const char* kDamped = "b / (delay + dt / 2), b its own damping (Colgate and Schenkel)";
+constexpr const char* kQuantised =
+    "2 f / D, f its friction and D its encoder's step (Abbott and Okamura)";
+constexpr const char* kInertial =
+    "M / (delay + dt / 2 + the velocity estimate's lag), M its apparent inertia: a phase margin of "
+    "33 degrees";
+
+// Stiffness at the handle, in scene coordinates: the hand feels it times the motion scale.
+Bound stiffness_bound(const DeviceCapabilities& device, double dt_s, double motion_scale) {
+  Bound bound;
+  if (device.max_stiffness_n_per_m > 0) bound.lower_to(device.max_stiffness_n_per_m, kRated);
+  bound.lower_to(renderable_stiffness(device.damping_ns_per_m, device.delay_s, dt_s), kDamped);
+  bound.lower_to(dissipated_stiffness(device.friction_n, device.encoder_step_m), kQuantised);
+  bound.value /= motion_scale;
+  return bound;
+}
+
+Bound rotation_bound(const DeviceCapabilities& device, double dt_s) {
+  Bound bound;
+  if (device.max_stiffness_nm_per_rad > 0) bound.lower_to(device.max_stiffness_nm_per_rad, kRated);
+  bound.lower_to(renderable_stiffness(device.damping_nms_per_rad, device.delay_s, dt_s), kDamped);
+  bound.lower_to(dissipated_stiffness(device.friction_nm, device.encoder_step_rad), kQuantised);
+  return bound;
+}
+
+Bound damping_bound(const DeviceCapabilities& device, double inertia, double dt_s, double scale) {
+  Bound bound;
+  const double lag_s = device.senses_velocity ? 0 : HandleVelocity::kTimeConstantS;
+  bound.lower_to(renderable_damping(inertia, device.delay_s + lag_s, dt_s), kInertial);
+  bound.value /= scale;
+  return bound;
+}
+
+// Warns where a setting is beyond its bound.
+void warn_beyond(const Bound& bound, const char* option, double value, const char* unit,
+                 const DeviceCapabilities& device, DerivedParameters& derived) {
+  if (!(value > bound.value * (1 + 1e-9))) return;
+  char text[256];
+  std::snprintf(text, sizeof text, "%s %g %s is above the %g %s that ", option, value, unit,
+                bound.value, unit);
+  derived.warnings.push_back(text + device.name + " can render stably: " + bound.source);
+}
+
+void warn_of_coupling(const ParameterRequest& request, const DeviceCapabilities& device,
+                      DerivedParameters& derived) {
+  const Parameters& p = derived.values;
+  const double dt_s = 1 / p.rate_hz, scale = request.motion_scale;
+  warn_beyond(stiffness_bound(device, dt_s, scale), "--coupling-stiffness", p.coupling_n_per_m,
+              "N/m", device, derived);
+  warn_beyond(rotation_bound(device, dt_s), "--coupling-stiffness-rot", p.coupling_nm_per_rad,
+              "N m/rad", device, derived);
+  warn_beyond(damping_bound(device, device.apparent_mass_kg, dt_s, scale), "--coupling-damping",
+              p.coupling_ns_per_m, "N s/m", device, derived);
+  warn_beyond(damping_bound(device, device.apparent_inertia_kgm2, dt_s, 1),
+              "--coupling-damping-rot", p.coupling_nms_per_rad, "N m s/rad", device, derived);
+}
+
+std::string borne_reason(const DeviceCapabilities& device, const Bound& bound) {
+  return format("%g of the stiffness that ", kBoundShare) + device.name +
+         " bears over the motion scale: " + bound.source;
 }
 
 // Device limits: the user's, never above the ratings.
@@ -126,30 +203,22 @@ void choose_coupling(const ParameterRequest& request, const DeviceCapabilities& 
   Parameters& p = derived.values;
   const double dt_s = 1 / p.rate_hz, inertia_kgm2 = p.inertia_kgm2[0][0];
   const double comfortable = kComfortableLoad * kComfortableLoad * p.mass_kg / (dt_s * dt_s);
-  const double bound =
-      stiffness_bound(device.max_stiffness_n_per_m, device.damping_ns_per_m, device.delay_s, dt_s) /
-      request.motion_scale;
-  choice.set("coupling_n_per_m", std::min(comfortable, bound),
-             bound < comfortable
-                 ? "the stiffness that " + device.name + " bears, over the motion scale"
-                 : "(m / 16 dt^2): comfortably stable at this rate (paper 5.1)");
+  const Bound bound = stiffness_bound(device, dt_s, request.motion_scale);
+  const double borne = kBoundShare * bound.value;
+  choice.set("coupling_n_per_m", std::min(comfortable, borne),
+             borne < comfortable ? borne_reason(device, bound)
+                                 : "(m / 16 dt^2): comfortably stable at this rate (paper 5.1)");
   choice.set("coupling_ns_per_m", 2 * std::sqrt(p.mass_kg * p.coupling_n_per_m),
              "2 sqrt(m k_T): critically damped (paper 5.1)");
-  const double bound_rot = stiffness_bound(device.max_stiffness_nm_per_rad,
-                                           device.damping_nms_per_rad, device.delay_s, dt_s);
+  const Bound bound_rot = rotation_bound(device, dt_s);
+  const double borne_rot = kBoundShare * bound_rot.value;
   const double same_frequency = p.coupling_n_per_m * inertia_kgm2 / p.mass_kg;
-  choice.set("coupling_nm_per_rad", std::min(same_frequency, bound_rot),
-             bound_rot < same_frequency ? "the rotational stiffness that " + device.name + " bears"
+  choice.set("coupling_nm_per_rad", std::min(same_frequency, borne_rot),
+             borne_rot < same_frequency ? borne_reason(device, bound_rot)
                                         : "k_T I / m: the frequency of the translation");
   choice.set("coupling_nms_per_rad", 2 * std::sqrt(inertia_kgm2 * p.coupling_nm_per_rad),
              "2 sqrt(I k_R): critically damped (paper 5.1)");
-  if (p.coupling_n_per_m > bound) {
-    derived.warnings.push_back(
-        format("--coupling-stiffness %g N/m is above the %g N/m", p.coupling_n_per_m, bound) +
-        " that " + device.name +
-        " can render stably: b / (delay + dt / 2), or its rating, over the "
-        "motion scale");
-  }
+  warn_of_coupling(request, device, derived);
 }
 
 // K_ff of paper 5.2: the largest value consistent with stable operation, for up to 10 forces at
@@ -220,35 +289,27 @@ void choose_default_coupling(const ParameterRequest& request, const DeviceCapabi
   Choice choice(request, derived);
   Parameters& p = derived.values;
   const double dt_s = 1 / p.rate_hz;
-  const double bound =
-      stiffness_bound(device.max_stiffness_n_per_m, device.damping_ns_per_m, device.delay_s, dt_s) /
-      request.motion_scale;
-  const bool bounded = std::isfinite(bound);
-  choice.set("coupling_n_per_m", bounded ? bound : kUnratedStiffness,
-             bounded ? "the stiffness that " + device.name +
-                           " bears, b / (delay + dt / 2) or its rating, over the motion scale"
-                     : device.name + " states no stiffness and no damping");
+  const Bound bound = stiffness_bound(device, dt_s, request.motion_scale);
+  const bool bounded = std::isfinite(bound.value);
+  choice.set(
+      "coupling_n_per_m", bounded ? kBoundShare * bound.value : kUnratedStiffness,
+      bounded ? borne_reason(device, bound) : device.name + " states no stiffness and no damping");
   choice.set("coupling_ns_per_m", 2 * std::sqrt(p.mass_kg * p.coupling_n_per_m),
              "2 sqrt(m k_T): critically damped (paper 5.1)");
-  const double bound_rot = stiffness_bound(device.max_stiffness_nm_per_rad,
-                                           device.damping_nms_per_rad, device.delay_s, dt_s);
+  const Bound bound_rot = rotation_bound(device, dt_s);
+  const double borne_rot = kBoundShare * bound_rot.value;
   const double same_frequency = p.coupling_n_per_m * mean_moment(p.inertia_kgm2) / p.mass_kg;
-  choice.set("coupling_nm_per_rad", std::min(same_frequency, bound_rot),
-             bound_rot < same_frequency ? "the rotational stiffness that " + device.name + " bears"
-                                        : "k_T I / m, I the mean moment: the frequency of the "
-                                          "translation");
+  choice.set("coupling_nm_per_rad", std::min(same_frequency, borne_rot),
+             borne_rot < same_frequency
+                 ? borne_reason(device, bound_rot)
+                 : "k_T I / m, I the mean moment: the frequency of the translation");
   const PrincipalInertia inertia = principal_inertia(p.inertia_kgm2);
   const double largest = std::max({inertia.moments.x, inertia.moments.y, inertia.moments.z});
   choice.set("coupling_nms_per_rad", 2 * std::sqrt(largest * p.coupling_nm_per_rad),
              "2 sqrt(I k_R), I the largest moment: critically damped about every principal axis");
   choice.set("coupling_force_limit_n", p.max_force_n, "what the device can bear");
   choice.set("coupling_torque_limit_nm", p.max_torque_nm, "what the device can bear");
-  if (p.coupling_n_per_m > bound) {
-    derived.warnings.push_back(
-        format("--coupling-stiffness %g N/m is above the %g N/m", p.coupling_n_per_m, bound) +
-        " that " + device.name +
-        " can render stably: b / (delay + dt / 2), or its rating, over the motion scale");
-  }
+  warn_of_coupling(request, device, derived);
 }
 
 // What the default model has beside the paper's; derived for both, so that a report shows all.
@@ -266,6 +327,20 @@ void choose_guard(const ParameterRequest& request, DerivedParameters& derived) {
   choice.set("allowance_j", p.coupling_force_limit_n * p.voxel_size_m,
              "the force limit over a voxel: more than a voxel's step can take");
   choice.set("allowance_fade_s", kAllowanceFadeS, "rest within a second");
+}
+
+// The passivity controller, for both models. A damper that the hand feels late may itself be active
+// beyond the device's own damping: b > |B| (Colgate and Schenkel 1994, with K = 0).
+void choose_control(const ParameterRequest& request, const DeviceCapabilities& device,
+                    DerivedParameters& derived) {
+  Choice choice(request, derived);
+  choice.set("passivity_damping_ns_per_m", 0, "off unless asked for");
+  if (!(device.damping_ns_per_m > 0)) return;
+  Bound bound;
+  bound.lower_to(device.damping_ns_per_m / request.motion_scale,
+                 "b > |B|, b its own damping (Colgate and Schenkel)");
+  warn_beyond(bound, "--passivity-damping", derived.values.passivity_damping_ns_per_m, "N s/m",
+              device, derived);
 }
 
 void derive_default(const ParameterRequest& request, const Pshell& shell,
@@ -320,6 +395,7 @@ Result<DerivedParameters> derive_parameters(const ParameterRequest& request, con
       break;
   }
   choose_guard(request, derived);
+  choose_control(request, device, derived);
   return derived;
 }
 

@@ -90,9 +90,11 @@ struct LoopStatistics {
   std::uint64_t outcome_hash = 0;             // of all frames in order
   double max_force_n = 0, max_torque_nm = 0;  // of the step's wrench
   double max_device_force_n = 0, max_device_torque_nm = 0;  // of the device's
-  double generated_j = 0;
-  DurationHistogram step;    // ns of the step
-  DurationHistogram tick;    // ns from waking to the output
+  double generated_j = 0;                                   // over all contact episodes
+  std::uint64_t contact_episodes = 0;                       // from free space to free space
+  double worst_episode_generated_j = 0;                     // the most of one of them
+  DurationHistogram step;                                   // ns of the step
+  DurationHistogram tick;                                   // ns from waking to the output
   DurationHistogram wakeup;  // ns by which the loop woke late: its jitter
   std::array<std::uint64_t, kMissCauses> misses_by_cause{};  // sum: deadline_misses
   WorstFrames worst;
@@ -102,6 +104,12 @@ struct LoopStatistics {
   void count(const Frame& frame) noexcept;
   // Only of a loop with a clock; `period_ns` is its period.
   void count(const Frame& frame, const TickCost& cost, std::int64_t period_ns) noexcept;
+
+ private:
+  void count_energy(const StepReport& report) noexcept;
+
+  double past_episodes_generated_j_ = 0;
+  bool in_episode_ = false;
 };
 
 }  // namespace forcelayer

@@ -58,6 +58,8 @@ struct Parameters {
   double allowance_j = 0;            // motion_allowance.h
   double allowance_fade_s = 0;       // motion_allowance.h
 
+  double passivity_damping_ns_per_m = 0;  // most that the passivity controller injects; 0: none
+
   double max_force_n = 0;    // of the wrench at the device
   double max_torque_nm = 0;  // of the wrench at the device
 };

@@ -29,4 +29,14 @@ glm::dvec3 felt_stretch(const glm::dvec3& stretch, glm::dvec3& held_back, double
 
 inline constexpr double kHeldBackFadeS = 2;
 
+// The passivity controller: what the hand was given beyond what it paid in this episode is taken
+// back by a damper at the handle, no stronger than `limit_ns_per_m`. Its strength follows the need
+// within kControlS, up and down, so that it cannot buzz; it never drives, and vanishes with the
+// episode's debt. `radius_m` weighs turning against going: the damper of the rotation is the
+// same times radius squared.
+Wrench passivity_damping(EpisodeEnergy& energy, const Twist& handle_velocity, double radius_m,
+                         double limit_ns_per_m, double dt_s) noexcept;
+
+inline constexpr double kControlS = 0.005;
+
 }  // namespace forcelayer

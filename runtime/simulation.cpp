@@ -8,6 +8,7 @@
 #include "runtime/map_loss.h"
 #include "runtime/paper_model.h"
 #include "runtime/passivity.h"
+#include "runtime/virtual_coupling.h"
 
 namespace forcelayer {
 namespace {
@@ -64,16 +65,34 @@ StepResult regripped(const State& before, const StepInput& input, State& state) 
   return result;
 }
 
+// Adds the passivity controller's damper, within the larger of the device's limit and the wrench
+// that there is.
+void add_control(const Parameters& parameters, State& state, const Twist& velocity, double dt_s,
+                 Wrench& wrench) {
+  const Wrench damper = passivity_damping(state.energy, velocity, parameters.part_radius_m,
+                                          parameters.passivity_damping_ns_per_m, dt_s);
+  const auto sum = [](const glm::dvec3& a, const glm::dvec3& b, double limit) {
+    return clamped(a + b, std::max(limit, glm::length(a)));
+  };
+  wrench = {sum(wrench.force_n, damper.force_n, parameters.max_force_n),
+            sum(wrench.torque_nm, damper.torque_nm, parameters.max_torque_nm)};
+}
+
 // The energy that the wrench of the frame before gave to the hand until now, and the frame's wrench
 // for the next.
-void observe_energy(State& state, const StepInput& input, StepResult& result) {
+void observe_energy(const Parameters& parameters, State& state, const StepInput& input, double dt_s,
+                    StepResult& result) {
   const CouplingTarget target = coupling_target(state, input);
   StepReport& report = result.report;
   if (state.has_target != 0) {
     report.to_hand_j = held_work_j(state.wrench, state.target, target.world_from_center);
     add_given(state.energy, report.to_hand_j);
   }
-  if (report.interior + report.surface + report.proximity == 0) end_episode(state.energy);
+  if (report.interior + report.surface + report.proximity == 0) {
+    end_episode(state.energy);
+  } else if (parameters.passivity_damping_ns_per_m > 0 && dt_s > 0) {
+    add_control(parameters, state, target.velocity, dt_s, result.wrench);
+  }
   report.generated_j = total_generated_j(state.energy);
   state.target = target.world_from_center;
   state.target_velocity = target.velocity;
@@ -163,7 +182,7 @@ StepResult Simulation::step(State& state, const StepInput& input, double dt_s) n
              !finite(result.wrench)) {
     result = stopped(state, before, kFaultNonFiniteState);
   } else {
-    observe_energy(state, input, result);
+    observe_energy(parameters_, state, input, dt_s, result);
   }
   ++state.frame;
   return result;

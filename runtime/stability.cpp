@@ -14,4 +14,14 @@ double renderable_stiffness(double damping, double delay_s, double dt_s) {
   return damping / (delay_s + dt_s / 2);
 }
 
+double dissipated_stiffness(double friction, double encoder_step) {
+  if (!(friction > 0) || !(encoder_step > 0)) return std::numeric_limits<double>::infinity();
+  return 2 * friction / encoder_step;
+}
+
+double renderable_damping(double inertia, double delay_s, double dt_s) {
+  if (!(inertia > 0)) return std::numeric_limits<double>::infinity();
+  return inertia / (delay_s + dt_s / 2);
+}
+
 }  // namespace forcelayer

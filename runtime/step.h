@@ -32,9 +32,10 @@ static_assert(std::is_trivially_copyable_v<StepInput> && sizeof(StepInput) == 11
 
 // Energy that the coupling gives to the hand, by contact episode (passivity.h), J.
 struct EpisodeEnergy {
-  double given_j = 0;      // since the episode began; negative: the hand paid
-  double peak_j = 0;       // highest of that since then, at least 0
-  double generated_j = 0;  // sum of the peaks of past episodes
+  double given_j = 0;           // since the episode began; negative: the hand paid
+  double peak_j = 0;            // highest of that since then, at least 0
+  double generated_j = 0;       // sum of the peaks of past episodes
+  double damping_ns_per_m = 0;  // that the passivity controller injects now
 };
 
 // Everything that evolves from frame to frame. Copy it to branch a simulation. Models keep their

@@ -170,16 +170,19 @@ std::string start_text(const Simulation& simulation, const RunFacts& facts) {
 std::string end_text(const RunFacts& facts, const LoopStatistics& s) {
   const auto ratio = penetration_ratio(s);
   const auto us = [](std::uint64_t ns) { return static_cast<double>(ns) / 1000; };
-  std::string lines = text("frames %llu, in the force layer %llu, penetrating %llu, PR %s\n",
-                           static_cast<unsigned long long>(s.frames),
-                           static_cast<unsigned long long>(s.force_layer_frames),
-                           static_cast<unsigned long long>(s.penetration_frames),
-                           ratio ? text("%.3g", *ratio).c_str() : "none") +
-                      text("step p50 %.1f us, p99 %.1f us, p99.9 %.1f us, max %.1f us\n",
-                           us(s.step.quantile_ns(0.5)), us(s.step.quantile_ns(0.99)),
-                           us(s.step.quantile_ns(0.999)), us(s.step.max_ns())) +
-                      text("largest force %.3g N, torque %.3g N m; energy generated %.3g J\n",
-                           s.max_force_n, s.max_torque_nm, s.generated_j);
+  std::string lines =
+      text("frames %llu, in the force layer %llu, penetrating %llu, PR %s\n",
+           static_cast<unsigned long long>(s.frames),
+           static_cast<unsigned long long>(s.force_layer_frames),
+           static_cast<unsigned long long>(s.penetration_frames),
+           ratio ? text("%.3g", *ratio).c_str() : "none") +
+      text("step p50 %.1f us, p99 %.1f us, p99.9 %.1f us, max %.1f us\n",
+           us(s.step.quantile_ns(0.5)), us(s.step.quantile_ns(0.99)), us(s.step.quantile_ns(0.999)),
+           us(s.step.max_ns())) +
+      text("largest force %.3g N, torque %.3g N m\n", s.max_force_n, s.max_torque_nm) +
+      text("energy generated %.3g J in %llu contact episodes, at most %.3g J in one\n",
+           s.generated_j, static_cast<unsigned long long>(s.contact_episodes),
+           s.worst_episode_generated_j);
   if (!facts.options.as_fast_as_possible) {
     lines += text("deadline misses %llu, woke late by p99 %.1f us, max %.1f us\n",
                   static_cast<unsigned long long>(s.deadline_misses),
@@ -226,6 +229,8 @@ Json report_json(const RunFacts& facts, const LoopStatistics& s) {
   json["max_torque_nm"] = s.max_torque_nm;
   add_output(facts, s, json);
   json["energy_generated_j"] = s.generated_j;
+  json["contact_episodes"] = s.contact_episodes;
+  json["energy_generated_worst_episode_j"] = s.worst_episode_generated_j;
   json["outcome_hash"] = text("%016llx", static_cast<unsigned long long>(s.outcome_hash));
   json["wall_s"] = facts.wall_s;
   json["peak_rss_bytes"] = peak_rss_bytes();

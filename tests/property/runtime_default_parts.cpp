@@ -226,6 +226,46 @@ TEST(Passivity, EntryIsContinuousAndWhatIsHeldBackOnlyShrinks) {
   EXPECT_EQ(held.x, 0);
 }
 
+// The controller's damper takes no more than what was given, never drives, keeps within its limit,
+// and follows the need within its time constant.
+TEST(Passivity, TheControllerTakesBackWhatWasGivenAndNoMore) {
+  for (std::uint64_t seed = 1; seed <= 300; ++seed) {
+    SCOPED_TRACE(seed);
+    std::mt19937_64 random(seed);
+    const double limit = uniform(random, 0.1, 5), radius_m = uniform(random, 0.01, 0.1);
+    EpisodeEnergy energy;
+    Twist v{random_direction(random) * uniform(random, 0, 1),
+            random_direction(random) * uniform(random, 0, 10)};
+    double last = 0;
+    for (int frame = 0; frame < 200; ++frame) {
+      if (frame % 50 == 0) add_given(energy, uniform(random, -1e-3, 1e-3));
+      const double before_j = energy.given_j;
+      const Wrench damper = passivity_damping(energy, v, radius_m, limit, 0.001);
+      const double power_w =
+          glm::dot(damper.force_n, v.linear_mps) + glm::dot(damper.torque_nm, v.angular_radps);
+      EXPECT_LE(power_w, 0);
+      EXPECT_LE(-power_w * 0.001, std::max(0.0, before_j) * (1 + 1e-12));
+      EXPECT_LE(glm::length(damper.force_n), limit * glm::length(v.linear_mps) * (1 + 1e-12));
+      EXPECT_LE(std::abs(energy.damping_ns_per_m - last), limit * 0.001 / 0.006 * (1 + 1e-12));
+      last = energy.damping_ns_per_m;
+      add_given(energy, power_w * 0.001);
+    }
+    EXPECT_LE(energy.given_j, 1e-3);
+  }
+}
+
+// With the hand at rest, or before any energy was given, it does nothing.
+TEST(Passivity, TheControllerRestsWithTheHand) {
+  EpisodeEnergy energy;
+  add_given(energy, -1);
+  const Wrench none = passivity_damping(energy, {{1, 0, 0}, {0, 0, 0}}, 0.1, 2, 0.001);
+  EXPECT_EQ(none.force_n, glm::dvec3(0));
+  add_given(energy, 2);
+  const Wrench still = passivity_damping(energy, {}, 0.1, 2, 0.001);
+  EXPECT_EQ(still.force_n, glm::dvec3(0));
+  EXPECT_EQ(still.torque_nm, glm::dvec3(0));
+}
+
 TEST(HandleVelocityEstimate, DoesNotSeeAJumpAndEndsAtZero) {
   HandleVelocity estimate;
   Pose pose;

@@ -215,5 +215,65 @@ TEST(DefaultModel, TheCouplingsAngleIsContinuousPastHalfATurn) {
   }
 }
 
+// Remembers what was looked up, and what was there.
+class WatchedProbe final : public ContactProbe {
+ public:
+  explicit WatchedProbe(ContactProbe& probe) : probe_(probe) {}
+  void look_up(const Pose& pose, ContactSet& out) noexcept override {
+    probe_.look_up(pose, out);
+    if (out.interior == 0) clear.push_back(pose);
+  }
+  std::vector<Pose> clear;  // poses with no point in the interior
+
+ private:
+  ContactProbe& probe_;
+};
+
+// The guard by construction: whatever the hand does, the pose that is kept is one that was looked
+// up and found clear, bit for bit.
+TEST(DefaultModel, KeepsOnlyPosesThatWereLookedUpAndClear) {
+  const std::uint64_t seed = 20240612;
+  SCOPED_TRACE(seed);
+  std::mt19937_64 random(seed);
+  const Pose start = at(glm::dvec3(3, 2, 14) * kS);
+  MotionBench bench(floor_scene(kS), box_part(glm::dvec3(4, 2, 1.5) * kS, kS, kS), start);
+  const Simulation& simulation = *bench.simulation;
+  ContactQuery query(simulation.voxmap(), simulation.shell(), {});
+  const auto field = make_force_field(Model::kDefault, ForceKind::kLevel, simulation.voxmap());
+  ASSERT_TRUE(field);
+  CollectedPoints points;
+  FieldSamples samples;
+  points.reserve(simulation.shell().view().point_count);
+  samples.reserve(simulation.shell().view().point_count);
+  FieldProbe probe(query, **field, points, samples);
+  WatchedProbe watched(probe);
+  DefaultModel model(simulation.parameters(), watched, simulation.shell().view().point_count);
+  State state = bench.state;
+  StepInput input = bench.input;
+  Pose goal = start;
+  std::uint32_t touching = 0;
+  for (int frame = 0; frame < 20000; ++frame) {
+    if (frame % 200 == 0) {
+      goal = {start.position_m + random_direction(random) * uniform(random, 0, 20) * kS,
+              random_orientation(random)};
+    }
+    Pose& handle = input.world_from_handle;
+    const double share = frame % 3000 < 100 ? 1 : 0.03;
+    handle.position_m += share * (goal.position_m - handle.position_m);
+    handle.orientation = glm::normalize(glm::slerp(handle.orientation, goal.orientation, share));
+    const Pose before = state.world_from_center;
+    watched.clear.clear();
+    const StepResult result = model.step(state, input, 0.001);
+    const auto same = [&](const Pose& pose) {
+      return std::memcmp(&pose, &state.world_from_center, sizeof(Pose)) == 0;
+    };
+    ASSERT_TRUE(same(before) || std::any_of(watched.clear.begin(), watched.clear.end(), same))
+        << frame;
+    ASSERT_TRUE(same(result.report.world_from_center)) << frame;
+    touching += result.report.contacts > 0;
+  }
+  EXPECT_GT(touching, 5000u);
+}
+
 }  // namespace
 }  // namespace forcelayer::test

@@ -93,11 +93,39 @@ TEST_F(ParametersTest, StayWithinWhatTheDeviceBears) {
   device.damping_ns_per_m = 0.6;
   device.delay_s = 0.001;
   ParameterRequest request;
-  EXPECT_DOUBLE_EQ(derive(request, device).values.coupling_n_per_m, 0.6 / 0.0015);
+  // Inside the bound, not on it.
+  EXPECT_DOUBLE_EQ(derive(request, device).values.coupling_n_per_m, 0.9 * 0.6 / 0.0015);
   request.motion_scale = 2;  // the hand feels twice the stiffness
-  EXPECT_DOUBLE_EQ(derive(request, device).values.coupling_n_per_m, 0.3 / 0.0015);
+  EXPECT_DOUBLE_EQ(derive(request, device).values.coupling_n_per_m, 0.9 * 0.3 / 0.0015);
   request.settings["coupling_n_per_m"] = 700;
   EXPECT_EQ(derive(request, device).warnings.size(), 1u);
+}
+
+// Each bound of the device loop draws a warning of its own, with the number and where it is from.
+TEST_F(ParametersTest, WarnOfEveryBoundOfTheDeviceLoop) {
+  DeviceCapabilities device = strong_device();
+  device.damping_ns_per_m = 2;                               // 4000 N/m without delay
+  device.friction_n = 0.025, device.encoder_step_m = 25e-6;  // 2000 N/m
+  device.damping_nms_per_rad = 0.005;                        // 10 N m/rad
+  device.apparent_mass_kg = 0.2;                             // 0.2 kg / (5.5 ms) = 36.4 N s/m
+  const struct {
+    const char* name;
+    double below, above;
+    const char* says;
+  } cases[] = {{"coupling_n_per_m", 1999, 2001, "above the 2000 N/m"},
+               {"coupling_nm_per_rad", 9.9, 10.1, "above the 10 N m/rad"},
+               {"coupling_ns_per_m", 36, 37, "above the 36.3636 N s/m"},
+               {"passivity_damping_ns_per_m", 1.9, 2.1, "above the 2 N s/m"}};
+  for (const auto& c : cases) {
+    ParameterRequest request;
+    request.model = Model::kDefault;
+    request.settings[c.name] = c.below;
+    EXPECT_TRUE(derive(request, device).warnings.empty()) << c.name;
+    request.settings[c.name] = c.above;
+    const auto warnings = derive(request, device).warnings;
+    ASSERT_EQ(warnings.size(), 1u) << c.name;
+    EXPECT_NE(warnings[0].find(c.says), std::string::npos) << warnings[0];
+  }
 }
 
 TEST_F(ParametersTest, TakeSettingsAndWarnBeyondABound) {
@@ -122,7 +150,8 @@ TEST_F(ParametersTest, EveryParameterHasAReason) {
     const DerivedParameters derived = derive(request);
     for (const ParameterInfo& info : parameter_table()) {
       EXPECT_TRUE(derived.reasons.contains(std::string(info.name))) << info.name;
-      EXPECT_GT(derived.values.*(info.member), 0) << info.name;
+      const bool may_be_off = info.name == "passivity_damping_ns_per_m";
+      EXPECT_TRUE(derived.values.*(info.member) > 0 || may_be_off) << info.name;
     }
   }
 }
