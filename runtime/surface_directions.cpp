@@ -23,9 +23,16 @@ using VF = hn::Vec<Floats>;
 constexpr Floats kF;
 constexpr std::uint32_t kLanes = HWY_LANES(float);
 
-// Neighbours are summed in 16 columns, and the columns one after the other, whatever the width.
+// Neighbours are summed in 16 columns, and the columns in halves, whatever the width.
 constexpr std::uint32_t kColumns = 16, kWindow = 2 * kColumns;
 constexpr std::uint32_t kVectors = kColumns / kLanes;
+
+float sum_of_columns(const float* columns) {
+  float half[8];
+  for (int i = 0; i < 8; ++i) half[i] = columns[i] + columns[i + 8];
+  for (int i = 0; i < 4; ++i) half[i] += half[i + 4];
+  return (half[0] + half[2]) + (half[1] + half[3]);
+}
 
 // Sum of the weighted slopes around sample i.
 glm::vec3 slope_around(const CollectedPoints& points, const FieldSamples& samples, std::uint32_t i,
@@ -67,10 +74,8 @@ glm::vec3 slope_around(const CollectedPoints& points, const FieldSamples& sample
     }
     for (int axis = 0; axis < 3; ++axis) hn::Store(sum[axis], kF, &columns[axis][v * kLanes]);
   }
-  glm::vec3 total(0);
-  for (std::uint32_t column = 0; column < kColumns; ++column) {
-    for (int axis = 0; axis < 3; ++axis) total[axis] += columns[axis][column];
-  }
+  glm::vec3 total;
+  for (int axis = 0; axis < 3; ++axis) total[axis] = sum_of_columns(columns[axis]);
   return total;
 }
 

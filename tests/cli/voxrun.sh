@@ -57,6 +57,22 @@ assert max(float(r["force_z_n"]) for r in touching) > 0.5  # the slab pushes the
 assert abs(float(rows[0]["part_z_m"]) - 0.06) < 0.001 and rows[0]["t_s"] == "0"
 PYTHON
 
+# A hand that feels the loop gives way, where one that feels nothing goes on to where it wants to be.
+for hand in firm loose; do
+  expect 0 'contact episodes' floor.vox ball.pshell "${fast[@]}" --hand $hand \
+    --passivity-damping 1.5 --json hand.json --trace hand.csv
+  python3 - <<'PYTHON'
+import csv, json
+run, prescribed = json.load(open("hand.json")), json.load(open("run.json"))
+assert run["penetration_frames"] == 0 and run["contact_episodes"] >= 1
+assert 0 <= run["energy_generated_worst_episode_j"] <= run["energy_generated_j"]
+assert run["parameters"]["passivity_damping_ns_per_m"] == 1.5
+lowest = [min(float(r["handle_z_m"]) for r in csv.DictReader(open(f))) for f in ("hand.csv", "run.csv")]
+assert lowest[0] > lowest[1] + 0.0002, lowest
+PYTHON
+done
+expect 2 'is for the sim device' floor.vox ball.pshell --device replay --replay run.flr --hand firm
+
 # The clock: half a second in real time, neither much less nor more.
 begin=$(date +%s%N)
 expect 0 'deadline misses' floor.vox ball.pshell --duration 500ms --start 0.1,0.1,0.2

@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "runtime/coupling.h"
+#include "tests/stress/collisions.h"
 #include "tests/stress/shapes.h"
 
 namespace forcelayer::stress {
@@ -399,6 +400,48 @@ Trial nut_on_bolt(std::uint64_t seed) {
   return trial;
 }
 
+// A device that fails in every way: NaN, infinities, denormals and huge numbers anywhere in the
+// input, jumps of up to a metre, lost frames, and a clock that stands still or leaps.
+Trial bad_input(std::uint64_t seed) {
+  Random random(seed);
+  Trial trial = random_hand(seed);
+  trial.duration_s = 2;
+  trial.disturb = [random = Random(seed)](StepInput& input, double& dt_s) mutable {
+    if (choice(random, 20) != 0) return;
+    constexpr double kBad[] = {NAN, INFINITY, -INFINITY, 5e-324, 1e-310, 1e300, -1e300, 1e18};
+    const double bad = kBad[choice(random, 8)];
+    const int axis = choice(random, 3);
+    switch (choice(random, 8)) {
+      case 0:
+        input.world_from_handle.position_m[axis] = bad;
+        break;
+      case 1:
+        input.world_from_handle.orientation[axis] = bad;
+        break;
+      case 2:
+        input.handle_velocity.linear_mps[axis] = bad;
+        break;
+      case 3:
+        input.handle_velocity.angular_radps[axis] = bad;
+        break;
+      case 4:
+        input.world_from_handle.position_m += random_direction(random) * uniform(random, 0, 1);
+        break;
+      case 5:
+        input.world_from_handle.orientation = random_turn(random);
+        break;
+      case 6:
+        input.valid = 0;
+        break;
+      default: {
+        constexpr double kTimes[] = {0, 5e-324, 1e-12, 0.1, 10};
+        dt_s = kTimes[choice(random, 5)];
+      }
+    }
+  };
+  return trial;
+}
+
 // The paper's setting at the far ends of what a user may set.
 Trial extremes(std::uint64_t seed) {
   Random random(seed);
@@ -411,7 +454,7 @@ Trial extremes(std::uint64_t seed) {
   return trial;
 }
 
-constexpr std::array<Case, 16> kCases{{
+constexpr std::array<Case, 18> kCases{{
     {"press-hold", "a part pressed onto an oblique plane and held", press_hold},
     {"fast-impact", "a plane hit at 0.3 to 10 m/s, again and again", fast_impact},
     {"slide-plane", "slid over an oblique plane, 1 or 8 voxels deep", slide_plane},
@@ -426,6 +469,10 @@ constexpr std::array<Case, 16> kCases{{
     {"shaking-hand", "shaken in a congested scene", shaking},
     {"nut-on-bolt", "a nut turned and pulled on a bolt", nut_on_bolt},
     {"random-hand", "a hand that wanders through a congested scene", random_hand},
+    {"bad-input", "NaN, infinities, denormals, jumps, lost frames, a clock that stands or leaps",
+     bad_input},
+    {"collisions", "a simulated hand strikes a pump against an aircraft bay, 0.05 to 0.5 m/s",
+     collision_trial},
     {"rest", "a random part on a plane, in a wedge or a pit, and held", rest_trial},
     {"extremes", "rest with any mass, stiffness, damping and rate", extremes},
 }};
@@ -460,7 +507,7 @@ Trial rest_trial(std::uint64_t seed) {
       frame * Pose{aside + glm::dvec3(0, 0, surface == 0 ? -depth : 4 * kS - depth), {1, 0, 0, 0}};
   end.orientation = nudge * start.orientation;
   trial.start = start;
-  trial.duration_s = 2.4;
+  trial.duration_s = 3.4;
   trial.hold_from_s = 0.4;
   trial.target = [=](double t) { return glide(start, end, 0, 0.4, t); };
   return trial;

@@ -49,9 +49,10 @@ ExactDistance::ExactDistance(const Mesh& scene, const Mesh& part)
 ExactDistance::~ExactDistance() = default;
 ExactDistance::ExactDistance(ExactDistance&&) noexcept = default;
 
-double ExactDistance::at(const Pose& world_from_part) const {
+double ExactDistance::at(const Pose& world_from_part, double at_most_m) const {
   const fcl::DistanceRequestd request(false);
-  fcl::DistanceResultd result;
+  // The search leaves out what is farther apart than the result so far.
+  fcl::DistanceResultd result(at_most_m);
   fcl::distance<double>(models_->scene.get(), fcl::Transform3d::Identity(), models_->part.get(),
                         transform_of(world_from_part), request, result);
   return std::max(0.0, result.min_distance);
@@ -70,7 +71,7 @@ void PathDistance::visit(const Pose& world_from_part, const glm::dvec3& center_m
   if (started_ && at_least_m_ >= smallest_m_) return;
   started_ = true;
   ++measured_;
-  at_least_m_ = exact_.at(world_from_part);
+  at_least_m_ = exact_.at(world_from_part, smallest_m_ + kSlackM);
   smallest_m_ = std::min(smallest_m_, at_least_m_);
 }
 

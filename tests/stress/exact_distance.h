@@ -15,8 +15,9 @@ class ExactDistance {
   ~ExactDistance();
   ExactDistance(ExactDistance&&) noexcept;
 
-  // Smallest distance between the two surfaces, m; 0 where they meet.
-  double at(const Pose& world_from_part) const;
+  // Smallest distance between the two surfaces, or `at_most_m` where that is less; 0 where they
+  // meet.
+  double at(const Pose& world_from_part, double at_most_m = 1e300) const;
 
  private:
   struct Models;
@@ -24,7 +25,8 @@ class ExactDistance {
 };
 
 // The smallest distance over a path. Poses whose distance cannot be a new minimum are not measured:
-// a distance changes by at most the way that any point of the part goes.
+// a distance changes by at most the way that any point of the part goes. Nor is a distance measured
+// to the end that is above the minimum by more than kSlackM.
 class PathDistance {
  public:
   explicit PathDistance(const ExactDistance& exact, double part_radius_m)
@@ -39,6 +41,8 @@ class PathDistance {
   std::uint64_t measured() const { return measured_; }
 
  private:
+  static constexpr double kSlackM = 0.002;
+
   const ExactDistance& exact_;
   double radius_m_;
   double smallest_m_ = 1e300;

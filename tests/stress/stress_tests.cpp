@@ -2,21 +2,31 @@
 // trials by twenty. Every failure names the case and the seed.
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <string>
 
+#include "runtime/coupling.h"
 #include "tests/stress/cases.h"
+#include "tests/stress/exact_distance.h"
+#include "tests/stress/shapes.h"
 
 namespace forcelayer::stress {
 namespace {
 
-std::uint64_t trials(std::uint64_t small) {
-  return std::getenv("FORCELAYER_LONG_TESTS") != nullptr ? 20 * small : small;
-}
+bool long_run() { return std::getenv("FORCELAYER_LONG_TESTS") != nullptr; }
+
+std::uint64_t trials(std::uint64_t small) { return long_run() ? 20 * small : small; }
 
 // What no trial may break: never inside, never beyond the limits, never a value that is not finite,
-// and the exact meshes never nearer than the printed guarantee.
+// the exact meshes never nearer than the printed guarantee, and nothing that grows while the hand
+// is held still.
 void expect_safe(const Metrics& m, const std::string& what) {
+  for (std::size_t i = 0; i < m.swing_last_voxels.size(); ++i) {
+    // A thousandth of a voxel: far below what a hand feels, far above rounding.
+    EXPECT_LE(m.swing_last_voxels[i], std::max(1e-3, m.swing_third_voxels[i])) << what;
+  }
   EXPECT_EQ(m.penetration_frames, 0u) << what;
   EXPECT_EQ(m.non_finite, 0u) << what;
   EXPECT_EQ(m.over_limit, 0u) << what;
@@ -26,11 +36,32 @@ void expect_safe(const Metrics& m, const std::string& what) {
   }
 }
 
+// The judge itself: two faceted spheres against what the spheres would have, and a bound on the
+// search changes nothing below it.
+TEST(ExactDistance, IsThatOfTheMeshesWithAndWithoutABound) {
+  const Mesh ball = sphere(0.02, 48);
+  const ExactDistance exact(ball, ball);
+  for (int i = 0; i < 40; ++i) {
+    const double gap_m = 0.0005 * i;
+    const Pose pose{rotation_by({0.1 * i, 0.2, 0.3}) * glm::dvec3(0, 0, 0.04 + gap_m),
+                    rotation_by({0.3, 0.1 * i, 0})};
+    const double distance_m = exact.at(pose);
+    // Chords of 48 segments lie up to r (1 - cos(pi/48)) inside the sphere, on either side.
+    EXPECT_GE(distance_m, gap_m - 1e-12);
+    EXPECT_LE(distance_m, gap_m + 4 * 0.02 * (1 - std::cos(M_PI / 48)));
+    for (const double bound_m : {0.001, 0.005, 0.02}) {
+      EXPECT_DOUBLE_EQ(exact.at(pose, bound_m), std::min(distance_m, bound_m));
+    }
+  }
+}
+
 class EveryCase : public ::testing::TestWithParam<Case> {};
 
 TEST_P(EveryCase, StaysOutsideWithinLimitsAndApart) {
-  // The nut's threads are close to the bolt's all the way: thousands of exact distances in a trial.
-  const std::uint64_t few = GetParam().name == "nut-on-bolt" ? 1 : 3;
+  // The nut's threads are close to the bolt's all the way: thousands of exact distances in a trial;
+  // and a trial of collisions is twenty seconds long.
+  const bool dear = GetParam().name == "nut-on-bolt" || GetParam().name == "collisions";
+  const std::uint64_t few = dear ? 1 : 3;
   for (std::uint64_t seed = 1; seed <= trials(few); ++seed) {
     const std::string what = std::string(GetParam().name) + " seed " + std::to_string(seed);
     expect_safe(run(GetParam().make(seed), Model::kDefault), what);
@@ -43,6 +74,22 @@ std::string test_name(const ::testing::TestParamInfo<Case>& info) {
   return name;
 }
 INSTANTIATE_TEST_SUITE_P(Stress, EveryCase, ::testing::ValuesIn(all_cases()), test_name);
+
+// Hands of every temper through congested scenes: a hundred million frames in the long run.
+TEST(RandomHands, NeverGetInside) {
+  const std::uint64_t frames = long_run() ? 100'000'000 : 100'000;
+  Metrics sum;
+  for (std::uint64_t seed = 1000; sum.frames < frames; ++seed) {
+    Trial trial = case_named("random-hand").make(seed);
+    trial.exact_distance = false;
+    const Metrics m = run(trial, Model::kDefault);
+    expect_safe(m, "random hand seed " + std::to_string(seed));
+    sum.frames += m.frames;
+    sum.force_layer_frames += m.force_layer_frames;
+  }
+  std::printf("%llu frames, %llu in the force layer\n", static_cast<unsigned long long>(sum.frames),
+              static_cast<unsigned long long>(sum.force_layer_frames));
+}
 
 // Position peak to peak below 1e-6 voxel and force below 1e-6 N, from every start.
 TEST(Rest, IsQuietInEveryTrial) {
@@ -107,6 +154,24 @@ TEST(Passivity, ASlowHandIsGivenNothing) {
       trial.exact_distance = false;
       EXPECT_LT(run(trial, Model::kDefault).generated_j, 1e-6) << name << " seed " << seed;
     }
+  }
+}
+
+// On request a controller takes back energy that the scene gave to the hand: less is generated with
+// it than without, whatever the model, and the hand feels no more than the device's limit.
+TEST(Passivity, TheControllerLowersWhatIsGenerated) {
+  for (const Model model : {Model::kPaper, Model::kDefault}) {
+    double without_j = 0, with_j = 0;
+    for (std::uint64_t seed = 1; seed <= trials(2); ++seed) {
+      Trial trial = case_named("shaking-hand").make(seed);
+      trial.exact_distance = false;
+      without_j += run(trial, model).generated_j;
+      trial.settings["passivity_damping_ns_per_m"] = 2;
+      const Metrics controlled = run(trial, model);
+      with_j += controlled.generated_j;
+      if (model == Model::kDefault) expect_safe(controlled, "controlled");
+    }
+    EXPECT_LT(with_j, without_j);
   }
 }
 

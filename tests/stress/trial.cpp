@@ -8,6 +8,8 @@
 
 #include "runtime/coupling.h"
 #include "runtime/handle_velocity.h"
+#include "runtime/output_stage.h"
+#include "runtime/placement.h"
 #include "runtime/separation.h"
 #include "tests/stress/exact_distance.h"
 
@@ -23,6 +25,29 @@ double travel_m(const Pose& a, const Pose& b, double radius_m) {
   return glm::length(b.position_m - a.position_m) +
          radius_m * glm::length(rotation_vector(b.orientation * glm::conjugate(a.orientation)));
 }
+
+// Peak to peak of a pose about the first one seen: the place, and the angle times a radius.
+class Extent {
+ public:
+  void see(const Pose& pose) {
+    if (!first_) first_ = pose;
+    const glm::dvec3 way_m = pose.position_m - first_->position_m;
+    const glm::dvec3 turn = rotation_vector(pose.orientation * glm::conjugate(first_->orientation));
+    low_m_ = glm::min(low_m_, way_m);
+    high_m_ = glm::max(high_m_, way_m);
+    low_rad_ = glm::min(low_rad_, turn);
+    high_rad_ = glm::max(high_rad_, turn);
+  }
+
+  double length_m(double radius_m) const {
+    if (!first_) return 0;
+    return glm::length(high_m_ - low_m_) + radius_m * glm::length(high_rad_ - low_rad_);
+  }
+
+ private:
+  std::optional<Pose> first_;
+  glm::dvec3 low_m_{1e300}, high_m_{-1e300}, low_rad_{1e300}, high_rad_{-1e300};
+};
 
 // Watches a part while the handle is held still.
 class HoldWatch {
@@ -41,10 +66,8 @@ class HoldWatch {
     // Rest is what the model promises: less than a millionth of a voxel and of a newton.
     if (way > 1e-6 || force_step > 1e-6) settle_s_ = t_s - from_s_;
     if (t_s >= middle_s_) {
-      if (!reference_) reference_ = part;
-      const double swing = travel_m(*reference_, part, radius_m_) / s_;
-      cycle_ = std::max(cycle_, swing);
-      if (t_s < (middle_s_ + to_s_) / 2) early_cycle_ = std::max(early_cycle_, swing);
+      (t_s < (middle_s_ + to_s_) / 2 ? third_ : last_quarter_).see(part);
+      both_.see(part);
       low_n_ = glm::min(low_n_, wrench.force_n);
       high_n_ = glm::max(high_n_, wrench.force_n);
       count_reversals(part);
@@ -58,9 +81,10 @@ class HoldWatch {
   void report(Metrics& metrics) const {
     metrics.rest_force_n.push_back(glm::length(last_force_n_));
     metrics.settle_s.push_back(settle_s_);
-    metrics.cycle_voxels.push_back(2 * cycle_);
-    metrics.cycle_growth_voxels.push_back(2 * (cycle_ - early_cycle_));
-    metrics.cycle_force_n.push_back(reference_ ? glm::length(high_n_ - low_n_) : 0);
+    metrics.cycle_voxels.push_back(both_.length_m(radius_m_) / s_);
+    metrics.swing_third_voxels.push_back(third_.length_m(radius_m_) / s_);
+    metrics.swing_last_voxels.push_back(last_quarter_.length_m(radius_m_) / s_);
+    metrics.cycle_force_n.push_back(last_s_ > 0 ? glm::length(high_n_ - low_n_) : 0);
     const double seconds = last_s_ - middle_s_;
     metrics.cycle_hz.push_back(seconds > 0 ? 0.5 * reversals_ / seconds : 0);
   }
@@ -78,8 +102,8 @@ class HoldWatch {
   bool started_ = false;
   Pose last_;
   glm::dvec3 last_force_n_{0}, low_n_{1e300}, high_n_{-1e300}, last_step_m_{0};
-  std::optional<Pose> reference_;
-  double cycle_ = 0, early_cycle_ = 0, settle_s_ = 0, last_s_ = 0;
+  Extent third_, last_quarter_, both_;
+  double settle_s_ = 0, last_s_ = 0;
   int reversals_ = 0;
 };
 
@@ -124,6 +148,7 @@ void count_frame(const StepResult& result, const Parameters& limits, Metrics& me
   metrics.penetration_frames += report.interior > 0;
   metrics.guard_cuts += report.guard_cuts;
   metrics.saturated_frames += report.saturated;
+  metrics.overflows += (report.faults & kFaultNonFiniteState) != 0;
   if (!finite(result.wrench.force_n) || !finite(result.wrench.torque_nm) ||
       !finite(report.world_from_center.position_m)) {
     ++metrics.non_finite;
@@ -137,6 +162,44 @@ void count_frame(const StepResult& result, const Parameters& limits, Metrics& me
   metrics.over_limit +=
       force_n > limits.max_force_n * (1 + 1e-9) || torque_nm > limits.max_torque_nm * (1 + 1e-9);
 }
+
+// What moves the handle: the trial's script, or a hand that wants to follow it and feels the
+// device's output, itself within the device's limits.
+class Handle {
+ public:
+  Handle(const Trial& trial, const Parameters& parameters)
+      : trial_(trial), output_(limits_of(parameters)) {
+    if (trial.hand) hand_.emplace(*trial.hand, trial.target(0));
+  }
+
+  Pose next(double t_s, double dt_s) {
+    const Pose wanted = trial_.target(t_s);
+    return hand_ ? hand_->step(wanted, felt_, dt_s) : wanted;
+  }
+
+  // The wrench of the step, about the part's centroid where the coupling wants it.
+  void feel(const Wrench& wrench, const glm::dvec3& target_m, const StepInput& input, double dt_s) {
+    if (!hand_) return;
+    OutputFrame frame;
+    frame.wanted =
+        DevicePlacement{}.device_wrench(wrench, target_m, input.world_from_handle.position_m);
+    frame.unstretched = true;  // armed from the start
+    felt_ = output_.pass(frame, dt_s);
+  }
+
+ private:
+  static OutputLimits limits_of(const Parameters& parameters) {
+    OutputLimits limits;
+    limits.max_force_n = parameters.max_force_n;
+    limits.max_torque_nm = parameters.max_torque_nm;
+    return limits;
+  }
+
+  const Trial& trial_;
+  std::optional<SimHand> hand_;
+  OutputStage output_;
+  Wrench felt_;
+};
 
 Pose middle_of(const Pose& a, const Pose& b) {
   return {0.5 * (a.position_m + b.position_m),
@@ -183,6 +246,7 @@ void Metrics::add(const Metrics& other) {
   guard_cuts += other.guard_cuts;
   saturated_frames += other.saturated_frames;
   non_finite += other.non_finite;
+  overflows += other.overflows;
   over_limit += other.over_limit;
   generated_j += other.generated_j;
   distances_visited += other.distances_visited;
@@ -192,10 +256,10 @@ void Metrics::add(const Metrics& other) {
   worst_generated_j = std::max(worst_generated_j, other.worst_generated_j);
   smallest_distance_m = std::min(smallest_distance_m, other.smallest_distance_m);
   guaranteed_m = std::min(guaranteed_m, other.guaranteed_m);
-  for (auto member :
-       {&Metrics::rest_force_n, &Metrics::cycle_voxels, &Metrics::cycle_force_n, &Metrics::cycle_hz,
-        &Metrics::settle_s, &Metrics::cycle_growth_voxels, &Metrics::progress,
-        &Metrics::stuck_share, &Metrics::lag_m, &Metrics::force_steps_n}) {
+  for (auto member : {&Metrics::rest_force_n, &Metrics::cycle_voxels, &Metrics::cycle_force_n,
+                      &Metrics::cycle_hz, &Metrics::settle_s, &Metrics::swing_third_voxels,
+                      &Metrics::swing_last_voxels, &Metrics::approach_mps, &Metrics::progress,
+                      &Metrics::stuck_share, &Metrics::lag_m, &Metrics::force_steps_n}) {
     const auto& from = other.*member;
     (this->*member).insert((this->*member).end(), from.begin(), from.end());
   }
@@ -225,6 +289,7 @@ Metrics run(const Trial& trial, Model model) {
 
   State state = simulation->registered(trial.start, trial.start);
   const glm::dvec3 center_m(shell.center_m[0], shell.center_m[1], shell.center_m[2]);
+  Handle handle(trial, simulation->parameters());
   HandleVelocity velocity;
   StepInput input;
   input.valid = 1;
@@ -234,9 +299,12 @@ Metrics run(const Trial& trial, Model model) {
   for (std::uint64_t frame = 0; frame < frames; ++frame) {
     const double t_s = static_cast<double>(frame) * dt_s;
     const Pose before = frame > 0 ? last.report.world_from_center : state.world_from_center;
-    input.world_from_handle = trial.target(t_s);
+    input.world_from_handle = handle.next(t_s, dt_s);
     input.handle_velocity = velocity.update(input.world_from_handle, dt_s);
-    const StepResult result = simulation->step(state, input, dt_s);
+    StepInput seen = input;
+    double passed_s = dt_s;
+    if (trial.disturb) trial.disturb(seen, passed_s);
+    const StepResult result = simulation->step(state, seen, passed_s);
     if (frame == 0 && result.report.interior > 0) {
       // Not the model's doing: such a trial says nothing of it.
       metrics.starts_inside = 1;
@@ -251,6 +319,11 @@ Metrics run(const Trial& trial, Model model) {
       distance->visit(simulation->world_from_part(part), center_m);
     }
     const Pose target = simulation->world_from_center(input.world_from_handle);
+    handle.feel(result.wrench, target.position_m, input, dt_s);
+    if (frame > 0 && result.report.surface + result.report.interior > 0 &&
+        last.report.surface + last.report.interior == 0) {
+      metrics.approach_mps.push_back(travel_m(before, part, radius_m) / dt_s);
+    }
     if (hold) hold->see(t_s, part, result.wrench);
     if (slide) slide->see(t_s, part, target);
     if (frame > 0 && voxel_of(before, s) != voxel_of(part, s) && slide && result.report.contacts) {

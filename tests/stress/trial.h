@@ -1,4 +1,5 @@
-// One run of a model against a prescribed handle, and everything that is measured on it.
+// One run of a model against a prescribed handle, or against a simulated hand on a simulated
+// device, and everything that is measured on it.
 #pragma once
 
 #include <functional>
@@ -9,6 +10,7 @@
 #include <vector>
 
 #include "runtime/derive_parameters.h"
+#include "runtime/devices/sim_hand.h"
 #include "runtime/simulation.h"
 #include "tests/stress/baked.h"
 
@@ -27,6 +29,11 @@ struct Trial {
   std::function<Pose(double)> target;  // world_from_part that the handle asks for, by time
   std::map<std::string, double> settings;
   DeviceCapabilities device = trial_device();
+  // Closes the loop: the hand wants the handle at `target`, and feels what the device outputs.
+  std::optional<SimHandParameters> hand;
+
+  // Spoils an input, or the time that passes, before the step sees it.
+  std::function<void(StepInput& input, double& dt_s)> disturb;
 
   // The handle is still from here to the end; rest is measured in the last half of that.
   std::optional<double> hold_from_s;
@@ -43,6 +50,7 @@ struct Metrics {
   std::uint64_t force_layer_frames = 0, penetration_frames = 0;
   std::uint64_t guard_cuts = 0, saturated_frames = 0;
   std::uint64_t non_finite = 0;  // frames with a value that is not finite
+  std::uint64_t overflows = 0;   // frames whose motion overflowed, so that the part was stopped
   std::uint64_t over_limit = 0;  // frames with a wrench above the limits
   double peak_force_n = 0, peak_torque_nm = 0;
   double generated_j = 0;        // sum over trials
@@ -52,15 +60,17 @@ struct Metrics {
   std::uint64_t distances_visited = 0, distances_measured = 0;
 
   // One value for each trial that has one.
-  std::vector<double> rest_force_n;         // at the end of a hold
-  std::vector<double> cycle_voxels;         // peak to peak of any shell point while held
-  std::vector<double> cycle_force_n;        // peak to peak of the force while held
-  std::vector<double> cycle_hz;             // 0 where nothing moves
-  std::vector<double> settle_s;             // from the start of the hold to the last motion
-  std::vector<double> cycle_growth_voxels;  // of the cycle, last quarter of the hold over the third
-  std::vector<double> progress;             // tangential, of the handle's
-  std::vector<double> stuck_share;          // of the sliding frames: below 5% of the handle's speed
-  std::vector<double> lag_m;                // largest distance to the handle in free space
+  std::vector<double> rest_force_n;        // at the end of a hold
+  std::vector<double> cycle_voxels;        // peak to peak of any shell point while held
+  std::vector<double> cycle_force_n;       // peak to peak of the force while held
+  std::vector<double> cycle_hz;            // 0 where nothing moves
+  std::vector<double> settle_s;            // from the start of the hold to the last motion
+  std::vector<double> swing_third_voxels;  // peak to peak in the third quarter of the hold
+  std::vector<double> swing_last_voxels;   // the same in the last
+  std::vector<double> approach_mps;        // speed of the part when it enters the force layer
+  std::vector<double> progress;            // tangential, of the handle's
+  std::vector<double> stuck_share;         // of the sliding frames: below 5% of the handle's speed
+  std::vector<double> lag_m;               // largest distance to the handle in free space
 
   std::vector<double> force_steps_n;  // at frames in which the centroid changes its voxel
 

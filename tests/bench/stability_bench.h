@@ -1,0 +1,28 @@
+// The tables of stability_bench; each prints its rows and returns them.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "tests/stress/trial.h"
+
+namespace forcelayer::stress {
+
+using Json = nlohmann::ordered_json;
+
+inline constexpr Model kBothModels[] = {Model::kPaper, Model::kDefault};
+inline const char* name_of(Model model) { return model == Model::kPaper ? "paper" : "default"; }
+
+// Every stress case, both models, `trials` seeds each.
+Json case_table(std::uint64_t trials);
+// `trials` random rest trials of both models.
+Json rest_table(std::uint64_t trials);
+// The paper's Table 2 and the default model beside it, each until `contact_frames` are counted.
+Json table2(std::uint64_t contact_frames);
+// Quiet, moving and unstable settings: stiffness, mass and rate; a prescribed handle.
+Json setting_map();
+// The same loop closed by a simulated hand and device, beside the bounds that defaults obey.
+Json device_table();
+// Time of the default model's step beyond its contact queries, with some 200 contacts.
+Json step_cost();
+
+}  // namespace forcelayer::stress

@@ -1,0 +1,125 @@
+// What a step of the default model costs beyond its contact queries.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+
+#include "runtime/default_model.h"
+#include "runtime/field_probe.h"
+#include "runtime/force_field.h"
+#include "runtime/handle_velocity.h"
+#include "runtime/simulation.h"
+#include "tests/bench/bench_report.h"
+#include "tests/bench/stability_bench.h"
+#include "tests/stress/shapes.h"
+
+namespace forcelayer::stress {
+namespace {
+
+constexpr double kS = 0.005, kDtS = 0.001;
+
+double us_since(std::chrono::steady_clock::time_point begin) {
+  return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - begin)
+      .count();
+}
+
+// Times the look-ups of a step, and of these the query: that is run a second time, at the same
+// pose, and its time is what is taken off.
+class TimedProbe final : public ContactProbe {
+ public:
+  TimedProbe(ContactProbe& probe, ContactQuery& query, CollectedPoints& points)
+      : probe_(probe), query_(query), points_(points) {}
+
+  void look_up(const Pose& pose, ContactSet& out) noexcept override {
+    ++look_ups;
+    query_.run(pose, points_);  // what block skipping finds new is found here
+    const auto begin = std::chrono::steady_clock::now();
+    query_.run(pose, points_);
+    const double one_us = us_since(begin);
+    probe_.look_up(pose, out);
+    const double all_us = us_since(begin);
+    query_us += one_us;
+    field_us += all_us - 2 * one_us;
+  }
+
+  void reset() { query_us = field_us = 0, look_ups = 0; }
+
+  double query_us = 0;
+  double field_us = 0;  // of the rest of the look-ups
+  int look_ups = 0;
+
+ private:
+  ContactProbe& probe_;
+  ContactQuery& query_;
+  CollectedPoints& points_;
+};
+
+}  // namespace
+
+// A plate that lies flat on a floor and slides: two hundred points and more touch.
+Json step_cost() {
+  Trial trial;
+  trial.scene = std::make_shared<BakedScene>(box(glm::dvec3(40, 40, 4) * kS), kS);
+  trial.part = std::make_shared<BakedPart>(box(glm::dvec3(7, 7, 2) * kS), kS);
+  const auto simulation = make_simulation(trial, Model::kDefault);
+  const Pshell& shell = simulation->shell();
+  ContactQuery query(simulation->voxmap(), shell, {});
+  const auto field = make_force_field(Model::kDefault, ForceKind::kLevel, simulation->voxmap());
+  if (!field) throw std::runtime_error(to_line(field.error()));
+  CollectedPoints points;
+  FieldSamples samples;
+  points.reserve(shell.view().point_count);
+  samples.reserve(shell.view().point_count);
+  FieldProbe probe(query, **field, points, samples);
+  TimedProbe timed(probe, query, points);
+  DefaultModel model(simulation->parameters(), timed, shell.view().point_count);
+
+  const Pose start{{-20 * kS, 0, 16 * kS}, {1, 0, 0, 0}};
+  State state = simulation->registered(start, start);
+  HandleVelocity velocity;
+  StepInput input;
+  input.valid = 1;
+  std::vector<double> solve_us, field_us, query_us, contacts, look_ups;
+  for (int n = 0; n < 20000; ++n) {
+    const double t = n * kDtS;
+    const double down = std::min(1.0, t / 0.5) * 14 * kS;
+    const double along = 20 * kS * (1 - std::cos(std::max(0.0, t - 1) * 0.6));
+    input.world_from_handle.position_m = start.position_m + glm::dvec3(along, 0, -down);
+    input.handle_velocity = velocity.update(input.world_from_handle, kDtS);
+    timed.reset();
+    const auto begin = std::chrono::steady_clock::now();
+    const double measuring_us = us_since(begin);  // of the clock itself
+    const StepResult result = model.step(state, input, kDtS);
+    const double all_us = us_since(begin) - measuring_us;
+    // As Simulation does: what the hand saw.
+    state.target = simulation->world_from_center(input.world_from_handle);
+    state.target_velocity = input.handle_velocity;
+    state.has_target = 1;
+    if (t < 1) continue;
+    solve_us.push_back(all_us - timed.field_us - 3 * timed.query_us);
+    field_us.push_back(timed.field_us);
+    query_us.push_back(timed.query_us);
+    contacts.push_back(result.report.contacts);
+    look_ups.push_back(timed.look_ups);
+  }
+  Json report{{"points", shell.view().point_count},
+              {"contacts_p10", percentile(contacts, 10)},
+              {"contacts_p50", percentile(contacts, 50)},
+              {"look_ups_p99", percentile(look_ups, 99)}};
+  std::printf("a step with %.0f contacts (p50; p10 %.0f), %.0f look-up (p99), us: p50 p99\n",
+              percentile(contacts, 50), percentile(contacts, 10), percentile(look_ups, 99));
+  const auto add = [&](const char* what, const std::vector<double>& us) {
+    const auto p = bench::percentiles(us);
+    std::printf("  %-12s %6.1f %6.1f\n", what, p.p50, p.p99);
+    report[std::string(what) + "_us"] = bench::to_json(p);
+  };
+  add("query", query_us);
+  add("field", field_us);
+  add("solve", solve_us);
+  std::vector<double> beyond(solve_us);
+  for (std::size_t i = 0; i < beyond.size(); ++i) beyond[i] += field_us[i];
+  add("beyond_query", beyond);
+  return report;
+}
+
+}  // namespace forcelayer::stress
