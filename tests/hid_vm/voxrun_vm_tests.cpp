@@ -78,10 +78,10 @@ struct VoxrunVm : testing::Test {
   void SetUp() override {
     // Comes down on the slab, slides and leaves: the ball's lower end is in the force layer at 30
     // mm.
-    unit.device.hand = [](double t_s) {
+    unit.device.set_hand([](double t_s) {
       const double down = (1 - std::cos(4 * t_s)) / 2;
       return Pose{{0.1 + 0.01 * down * down, 0.1, 0.045 - 0.018 * down}, {1, 0, 0, 0}};
-    };
+    });
     unit.plug();
     ASSERT_TRUE(unit.created());
   }

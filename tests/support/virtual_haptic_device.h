@@ -66,7 +66,10 @@ class VirtualHapticDevice {
   }
 
   // The hand's pose, so many seconds after the loop's first wrench came; 0 until then.
-  std::function<Pose(double)> hand = [](double) { return Pose{}; };
+  void set_hand(std::function<Pose(double)> hand) {
+    const std::lock_guard lock(mutex_);
+    hand_ = std::move(hand);
+  }
 
   void set_fault(Fault fault) {
     const std::lock_guard lock(mutex_);
@@ -97,7 +100,7 @@ class VirtualHapticDevice {
     if (fault_ == Fault::kSilent) return false;
     if (fault_ != Fault::kRepeating || !sent_) {
       const std::uint32_t felt_us = log_.empty() ? 0 : now_us() - log_.front().time_us;
-      HapticReading reading = reading_of(hand(felt_us * 1e-6));
+      HapticReading reading = reading_of(hand_(felt_us * 1e-6));
       reading.fault = fault_ == Fault::kReported;
       haptic_next_report(&firmware_, &reading, fault_ == Fault::kClockStill ? still_us_ : now_us(),
                          last_.data());
@@ -138,6 +141,7 @@ class VirtualHapticDevice {
   }
 
   std::mutex mutex_;
+  std::function<Pose(double)> hand_ = [](double) { return Pose{}; };
   HapticFirmware firmware_{};
   Fault fault_ = Fault::kNone;
   std::uint32_t still_us_ = 0;

@@ -44,7 +44,7 @@ struct HidDeviceTest : testing::Test {
 
 TEST_F(HidDeviceTest, CarriesPosesInAndWrenchesOut) {
   const Pose pose{{0.012345678, -0.1, 0.25}, glm::normalize(glm::dquat(0.8, 0.2, -0.4, 0.1))};
-  unit.device.hand = [&](double) { return pose; };
+  unit.device.set_hand([pose](double) { return pose; });
   felt(push);
   EXPECT_EQ(host.capabilities().max_force_n, 12);
   EXPECT_EQ(host.capabilities().max_torque_nm, 0.2);
