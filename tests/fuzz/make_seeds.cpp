@@ -79,10 +79,13 @@ void hid_seeds() {
     seed("hid_report", name, {reinterpret_cast<const char*>(bytes), kHapticReportBytes});
   };
   HapticFirmware device;
-  const HapticDeviceRatings ratings{.max_force_un = 5000000, .watchdog_us = 20000};
+  HapticDeviceRatings ratings{};
+  ratings.max_force_un = 5000000;
+  ratings.watchdog_us = 20000;
   haptic_init(&device, &ratings);
-  const HapticReading reading{.position_10nm = {100, 200, 300},
-                              .orientation_q30 = {1 << 30, 0, 0, 0}};
+  HapticReading reading{};
+  reading.position_10nm[0] = 100;
+  reading.orientation_q30[0] = 1 << 30;
   std::uint8_t answer[HAPTIC_REPORT_BYTES];
   haptic_next_report(&device, &reading, 1, answer);
   report("state", answer);

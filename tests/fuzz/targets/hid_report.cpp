@@ -24,7 +24,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
 
   HapticFirmware device;
-  const HapticDeviceRatings ratings_of_device{.max_force_un = 1000000, .watchdog_us = 20000};
+  HapticDeviceRatings ratings_of_device{};
+  ratings_of_device.max_force_un = 1000000;
+  ratings_of_device.watchdog_us = 20000;
   haptic_init(&device, &ratings_of_device);
   if (haptic_receive(&device, data, static_cast<std::uint32_t>(size), 1) == 1) {
     const HapticWrench wrench = haptic_motors(&device, 0, 2);
