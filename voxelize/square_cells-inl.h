@@ -85,8 +85,10 @@ class SquareCells {
     HWY_INLINE V at(std::size_t first) {
       const std::size_t lanes = hn::Lanes(kTag);
       if (lanes < 8) return computed(first);
-      const V value = value_;  // whole rows: the next vector is some steps along i further
-      value_ = hn::Add(value_, set(a_ * static_cast<std::int32_t>(lanes / 8)));
+      // Whole rows: the next vector is some steps along i further. Sums may wrap around.
+      const V value = value_;
+      const auto step = static_cast<std::uint32_t>(a_) * static_cast<std::uint32_t>(lanes / 8);
+      value_ = hn::Add(value_, set(static_cast<std::int32_t>(step)));
       return value;
     }
 

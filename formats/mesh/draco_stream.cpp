@@ -132,17 +132,18 @@ std::unique_ptr<draco::Mesh> decode(const Stream& stream) {
                   (reason.empty() ? "" : " (" + reason + ")"));
 }
 
-const draco::PointAttribute& positions_of(const Stream& stream, draco::Mesh& mesh,
+const draco::PointAttribute& positions_of(const Stream& stream, const draco::Mesh& mesh,
                                           std::optional<std::uint32_t> position_id) {
-  const int id = position_id ? mesh.GetAttributeIdByUniqueId(*position_id)
-                             : mesh.GetNamedAttributeId(draco::GeometryAttribute::POSITION);
-  draco::PointAttribute* const positions = id < 0 ? nullptr : mesh.attribute(id);
+  const draco::PointAttribute* const positions =
+      position_id ? mesh.GetAttributeByUniqueId(*position_id)
+                  : mesh.GetNamedAttribute(draco::GeometryAttribute::POSITION);
   if (positions == nullptr || positions->num_components() != 3) {
     stream.fail(ErrorCode::kMeshUnreadable, "no three-dimensional positions in the Draco stream");
   }
-  // Coordinates are numbers as they stand; and Draco reads this flag from the stream as it is, so
-  // that it need not even be a bool.
-  positions->set_normalized(false);
+  // Draco would read any byte as a bool, which it need not be.
+  if (positions->data_type() == draco::DT_BOOL) {
+    stream.fail(ErrorCode::kMeshUnreadable, "positions that are truth values, not numbers");
+  }
   return *positions;
 }
 
