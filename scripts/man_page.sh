@@ -1,23 +1,24 @@
 #!/usr/bin/env bash
-# man_page.sh COMMAND PAGE: writes the man page of a built command from its --help, subcommands included.
+# man_page.sh COMMAND PAGE.gz: writes the man page of a built command from its --help, subcommands included.
 set -euo pipefail
 command=$1 page=$2
 mkdir -p "$(dirname "$page")"
 extra=$(mktemp)
 trap 'rm -f "$extra"' EXIT
 
-summary=$("$command" --help | head -n 1)
+help=$("$command" --help)
+summary=${help%%$'\n'*}
 {
   echo '[EXIT STATUS]'
   echo '0 done; 1 internal or I/O failure; 2 wrong usage; 3 unusable mesh or scene, or a bake too large;'
   echo '4 unusable baked file; 5 device failure; 128+n ended by signal n.'
   # Options stand in the summary's own layout: they are read as they are.
-  for subcommand in $("$command" --help | sed -n '/^Subcommands:/,$p' | awk 'NR > 1 && NF {print $1}'); do
+  for subcommand in $(sed -n '/^Subcommands:/,$p' <<<"$help" | awk 'NR > 1 && NF {print $1}'); do
     echo "[SUBCOMMAND ${subcommand^^}]"
     echo '.nf'
     "$command" "$subcommand" --help | sed 's/\\/\\e/g; s/^\./\\\&./'
     echo '.fi'
   done
 } >"$extra"
-help2man --no-info --name "${summary,}" --include "$extra" --source Forcelayer "$command" >"$page.new"
+help2man --no-info --name "${summary,}" --include "$extra" --source Forcelayer "$command" | gzip -9n >"$page.new"
 mv "$page.new" "$page"

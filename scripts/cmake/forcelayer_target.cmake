@@ -47,7 +47,7 @@ function(forcelayer_command name)
   target_link_options(${name} PRIVATE $<$<CONFIG:Release>:LINKER:-z,relro,-z,now>)
   install(TARGETS ${name} COMPONENT ${ARG_COMPONENT})
   if(HELP2MAN AND FORCELAYER_MAN_PAGES AND NOT ARG_INTERNAL)
-    set(page ${CMAKE_BINARY_DIR}/man/${name}.1)
+    set(page ${CMAKE_BINARY_DIR}/man/${name}.1.gz)
     add_custom_command(OUTPUT ${page} DEPENDS ${name} ${PROJECT_SOURCE_DIR}/scripts/man_page.sh VERBATIM
       COMMAND ${PROJECT_SOURCE_DIR}/scripts/man_page.sh $<TARGET_FILE:${name}> ${page})
     add_custom_target(${name}_man ALL DEPENDS ${page})
