@@ -71,7 +71,7 @@ for n in range(kills):
     if n % 10 == 5:  # the cache serves whatever was killed
         assert bake("check.vox", "--cache", "cache").wait() == 0
         assert digest("check.vox") == good[n % 2], "other bytes from the cache after kill %d" % n
-assert killed > 0, "no bake was killed: %d of %d" % (killed, kills)
+assert killed > kills // 10, "hardly any bake was killed: %d of %d" % (killed, kills)
 
 # Ctrl-C, and its kin, leave nothing half-written either, and no temporary file.
 for path in glob.glob(".*.tmp") + glob.glob("cache/tmp/*"):
