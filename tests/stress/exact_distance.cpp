@@ -1,6 +1,5 @@
 #include "tests/stress/exact_distance.h"
 
-#include <fcl/geometry/bvh/BVH_model.h>
 #include <fcl/narrowphase/distance.h>
 
 #include <algorithm>
@@ -9,34 +8,14 @@
 #include <glm/gtc/quaternion.hpp>
 
 #include "runtime/coupling.h"
+#include "tests/support/fcl_model.h"
 
 namespace forcelayer::stress {
 namespace {
 
+using testing::fcl_model;
+using testing::fcl_transform;
 using Model = fcl::BVHModel<fcl::RSSd>;
-
-std::shared_ptr<Model> model_of(const Mesh& mesh) {
-  auto model = std::make_shared<Model>();
-  model->beginModel(static_cast<int>(mesh.triangles.size()),
-                    static_cast<int>(mesh.vertices.size()));
-  const auto vertex = [&](std::uint32_t i) {
-    const Vec3d& v = mesh.vertices[i];
-    return fcl::Vector3d(v[0], v[1], v[2]);
-  };
-  for (const Triangle& t : mesh.triangles) {
-    model->addTriangle(vertex(t[0]), vertex(t[1]), vertex(t[2]));
-  }
-  model->endModel();
-  return model;
-}
-
-fcl::Transform3d transform_of(const Pose& pose) {
-  fcl::Transform3d transform = fcl::Transform3d::Identity();
-  const glm::dquat& q = pose.orientation;
-  transform.linear() = Eigen::Quaterniond(q.w, q.x, q.y, q.z).toRotationMatrix();
-  transform.translation() = fcl::Vector3d(pose.position_m.x, pose.position_m.y, pose.position_m.z);
-  return transform;
-}
 
 }  // namespace
 
@@ -45,7 +24,7 @@ struct ExactDistance::Models {
 };
 
 ExactDistance::ExactDistance(const Mesh& scene, const Mesh& part)
-    : models_(new Models{model_of(scene), model_of(part)}) {}
+    : models_(new Models{fcl_model<fcl::RSSd>(scene), fcl_model<fcl::RSSd>(part)}) {}
 ExactDistance::~ExactDistance() = default;
 ExactDistance::ExactDistance(ExactDistance&&) noexcept = default;
 
@@ -54,7 +33,7 @@ double ExactDistance::at(const Pose& world_from_part, double at_most_m) const {
   // The search leaves out what is farther apart than the result so far.
   fcl::DistanceResultd result(at_most_m);
   fcl::distance<double>(models_->scene.get(), fcl::Transform3d::Identity(), models_->part.get(),
-                        transform_of(world_from_part), request, result);
+                        fcl_transform(world_from_part), request, result);
   return std::max(0.0, result.min_distance);
 }
 
