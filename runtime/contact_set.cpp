@@ -1,10 +1,15 @@
 #include "runtime/contact_set.h"
 
+#include <algorithm>
+
 namespace forcelayer {
 
-std::uint32_t ContactSet::touching() const noexcept {
-  std::uint32_t touching = 0;
-  for (std::uint32_t i = 0; i < count; ++i) touching += contacts[i].depth_m > 0;
+Touching ContactSet::touching() const noexcept {
+  Touching touching;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    touching.count += contacts[i].depth_m > 0;
+    touching.depth_m = std::max(touching.depth_m, contacts[i].depth_m);
+  }
   return touching;
 }
 

@@ -19,6 +19,12 @@ struct Contact {
   std::uint32_t interior = 0;  // 1: in value 1, behind the force layer
 };
 
+// The contacts of a set: points with depth > 0.
+struct Touching {
+  std::uint32_t count = 0;
+  float depth_m = 0;  // of the deepest
+};
+
 struct ContactSet {
   std::vector<Contact> contacts;  // [room for every shell point], `count` of them are meant
   std::uint32_t count = 0;
@@ -28,7 +34,7 @@ struct ContactSet {
   bool outside_map = false;     // a point lay beyond a cropped side
 
   void reserve(std::uint64_t points) { contacts.resize(points); }  // set-up only
-  std::uint32_t touching() const noexcept;                         // contacts with depth > 0
+  Touching touching() const noexcept;
   bool in_free_space() const noexcept { return interior + surface + proximity == 0; }
 };
 

@@ -98,7 +98,9 @@ StepResult DefaultModel::step(State& state, const StepInput& input, double dt_s)
   report.interior = here_.interior;
   report.surface = here_.surface;
   report.proximity = here_.proximity;
-  report.contacts = here_.touching();
+  const Touching touching = here_.touching();
+  report.contacts = touching.count;
+  report.depth_m = double{touching.depth_m};
   report.outside_map = here_.outside_map ? 1 : 0;
   return result;
 }

@@ -1,5 +1,6 @@
 #include "runtime/paper_model.h"
 
+#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
@@ -12,8 +13,8 @@ namespace {
 constexpr double kAveragingStart = 10;  // paper 5.2: intersections from which forces are averaged
 
 // Sum of the forces of all intersections, averaged from N = 10 on (paper 3, 5.2). About the
-// centroid. Counts the contacts. Points in value 1 press nothing.
-Wrench field_wrench(const StepContext& context, std::uint32_t& contacts) {
+// centroid. Reports the contacts. Points in value 1 press nothing.
+Wrench field_wrench(const StepContext& context, StepReport& report) {
   const CollectedPoints& points = context.points;
   const FieldSamples& samples = context.samples;
   Wrench sum;
@@ -24,7 +25,8 @@ Wrench field_wrench(const StepContext& context, std::uint32_t& contacts) {
                                glm::dvec3(samples.dx[i], samples.dy[i], samples.dz[i]);
     sum.force_n += force_n;
     sum.torque_nm += glm::cross(glm::dvec3(points.rx[at], points.ry[at], points.rz[at]), force_n);
-    ++contacts;
+    ++report.contacts;
+    report.depth_m = std::max(report.depth_m, double{samples.depth_m[i]});
   }
   const double intersections = points.surface_count;
   if (intersections >= kAveragingStart) {
@@ -99,7 +101,7 @@ StepResult paper_step(const StepContext& context, State& state, const StepInput&
   report.proximity = context.points.proximity_count;
   report.outside_map = context.points.outside_map ? 1 : 0;
 
-  Wrench on_part = field_wrench(context, report.contacts);
+  Wrench on_part = field_wrench(context, report);
   if (parameters.braking) on_part.force_n += braking_force(context, state.velocity, dt_s);
   const Wrench coupling = coupling_wrench(
       parameters, coupling_stretch(state, coupling_target(state, input)), report.saturated);

@@ -29,8 +29,8 @@ from matplotlib import pyplot, ticker  # noqa: E402  (the backend is chosen firs
 COLUMNS = (["t_s"] + [f"{frame}_{n}" for frame in ("handle", "part")
                       for n in ("x_m", "y_m", "z_m", "qw", "qx", "qy", "qz")]
            + [f"force_{n}_n" for n in "xyz"] + [f"torque_{n}_nm" for n in "xyz"]
-           + ["points_proximity", "points_surface", "points_interior", "contacts", "guard_cuts",
-              "step_ns"])
+           + ["points_proximity", "points_surface", "points_interior", "contacts", "depth_m",
+              "guard_cuts", "step_ns"])
 AXIS_LOOKS = {"x": ("#0072b2", "-"), "y": ("#d55e00", "--"), "z": ("#009e73", "-.")}
 LARGEST_POINTS = 2000  # of a curve: more cannot be told apart on a page
 
@@ -125,14 +125,13 @@ def plot_vector(axes, trace, names, unit, what):
 
 
 def plot_depth(axes, trace):
-    stretch = stretch_mm(trace)
-    axes.plot(*thinned(trace["t_s"], stretch), color="black", lw=1.2,
+    depth, stretch = [1000 * d for d in trace["depth_m"]], stretch_mm(trace)
+    axes.plot(*thinned(trace["t_s"], depth), color="black", lw=1.2, label="deepest contact")
+    axes.plot(*thinned(trace["t_s"], stretch), "--", color="#d55e00", lw=1,
               label="coupling stretch")
-    if "depth_m" in trace:
-        axes.plot(*thinned(trace["t_s"], [1000 * d for d in trace["depth_m"]]), "--",
-                  color="#d55e00", lw=1, label="deepest contact")
     axes.set_ylabel("depth\n(mm)")
-    axes.set_title(f"greatest stretch {max(stretch):.4g} mm", loc="right", fontsize=8)
+    axes.set_title(f"greatest depth {max(depth):.4g} mm, stretch {max(stretch):.4g} mm",
+                   loc="right", fontsize=8)
 
 
 def plot_points(axes, trace):

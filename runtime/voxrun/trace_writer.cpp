@@ -11,7 +11,7 @@ constexpr const char* kHeader =
     "t_s,handle_x_m,handle_y_m,handle_z_m,handle_qw,handle_qx,handle_qy,handle_qz,"
     "part_x_m,part_y_m,part_z_m,part_qw,part_qx,part_qy,part_qz,"
     "force_x_n,force_y_n,force_z_n,torque_x_nm,torque_y_nm,torque_z_nm,"
-    "points_proximity,points_surface,points_interior,contacts,guard_cuts,step_ns,"
+    "points_proximity,points_surface,points_interior,contacts,depth_m,guard_cuts,step_ns,"
     "device_force_x_n,device_force_y_n,device_force_z_n,"
     "device_torque_x_nm,device_torque_y_nm,device_torque_z_nm,output\n";
 
@@ -54,9 +54,11 @@ Status TraceWriter::add(const Frame& frame) {
   for (int axis = 0; axis < 3; ++axis) put(frame.result.wrench.force_n[axis]);
   for (int axis = 0; axis < 3; ++axis) put(frame.result.wrench.torque_nm[axis]);
   for (const std::uint32_t n :
-       {report.proximity, report.surface, report.interior, report.contacts, report.guard_cuts}) {
+       {report.proximity, report.surface, report.interior, report.contacts}) {
     put(std::int64_t{n});
   }
+  put(report.depth_m);
+  put(std::int64_t{report.guard_cuts});
   put(frame.step_ns);
   for (int axis = 0; axis < 3; ++axis) put(frame.device_wrench.force_n[axis]);
   for (int axis = 0; axis < 3; ++axis) put(frame.device_wrench.torque_nm[axis]);

@@ -10,10 +10,7 @@
 
 namespace forcelayer::voxrun {
 
-// Columns: t_s; handle pose; part pose (world_from_part, at which the counts hold); the wrench on
-// the hand about the part's centroid in world axes, before the device's limits; counts; step_ns;
-// the wrench that the device got, about the handle in device axes; the output's state (0 waiting,
-// 1 armed, 2 tripped).
+// Its columns: trace.md.
 class TraceWriter {
  public:
   // `simulation` must outlive the writer.

@@ -11,13 +11,13 @@ cd "$folder"
 fail() { echo "FAILED: $*" >&2; exit 1; }
 
 # 5000 frames; a force of (3, 0, 4) N in frame 1234 alone; a turned grip that must not look like
-# stretch; 7 mm of stretch in frame 2000; penetration in 3 frames, guard cuts in 2.
+# stretch; 7 mm of stretch in frame 2000, 3.4 mm of depth in frame 777; penetration in 3 frames, guard cuts in 2.
 "$python" - >trace.csv <<'END'
 header = (["t_s"] + [f"{f}_{n}" for f in ("handle", "part")
           for n in ("x_m", "y_m", "z_m", "qw", "qx", "qy", "qz")]
           + [f"force_{n}_n" for n in "xyz"] + [f"torque_{n}_nm" for n in "xyz"]
-          + ["points_proximity", "points_surface", "points_interior", "contacts", "guard_cuts",
-             "step_ns"])
+          + ["points_proximity", "points_surface", "points_interior", "contacts", "depth_m",
+             "guard_cuts", "step_ns"])
 print(",".join(header))
 half = 0.5 ** 0.5
 for n in range(5000):
@@ -26,12 +26,12 @@ for n in range(5000):
     part = [handle[0], 0.05, stretch, 1, 0, 0, 0]           # 50 mm along the handle's own x
     force = [3, 0, 4] if n == 1234 else [0, 0, 0]
     row = [n / 1000, *handle, *part, *force, 0, 0, 0.25 if n == 99 else 0, 4, 3,
-           int(n in (5, 6, 7)), 2, int(n in (8, 9)), 1000 if n != 4000 else 50000]
+           int(n in (5, 6, 7)), 2, 0.0034 if n == 777 else 0.001, int(n in (8, 9)), 1000 if n != 4000 else 50000]
     print(",".join(map(repr, row)))
 END
 
 "$plot" trace.csv -o run.svg
-for words in 'greatest 5 N<' 'greatest 0.25 N m' 'greatest stretch 7 mm' \
+for words in 'greatest 5 N<' 'greatest 0.25 N m' 'greatest depth 3.4 mm, stretch 7 mm' \
              '3 penetration frames, 2 frames cut' 'p50 1 us, p99 1 us, p99.9 1 us, max 50 us' \
              'time (s)'; do
   grep -qF "$words" run.svg || fail "no '$words' in the picture"
@@ -52,9 +52,11 @@ expect() {  # STATUS WORDS ARGUMENTS...
 }
 sed '1s/force_x_n/power/' trace.csv >header.csv
 sed '3s/0.001/one/' trace.csv >word.csv
+sed '1s/depth_m/depth/' trace.csv >old.csv
 head -n 1 trace.csv >empty.csv
 head -c 3000 trace.csv >cut.csv
 expect 4 "line 1: no column 'force_x_n'" header.csv
+expect 4 "line 1: no column 'depth_m'" old.csv
 expect 4 'line 3: ' word.csv
 expect 4 'no row' empty.csv
 expect 4 'another length' cut.csv

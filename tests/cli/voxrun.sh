@@ -42,12 +42,14 @@ assert abs(run["guaranteed_separation_m"] - (0.005 - 0.866 * 0.005 - e_pose)) < 
 rows, again_rows = list(csv.DictReader(open("run.csv"))), list(csv.DictReader(open("again.csv")))
 header = """t_s handle_x_m handle_y_m handle_z_m handle_qw handle_qx handle_qy handle_qz part_x_m
 part_y_m part_z_m part_qw part_qx part_qy part_qz force_x_n force_y_n force_z_n torque_x_nm
-torque_y_nm torque_z_nm points_proximity points_surface points_interior contacts guard_cuts
-step_ns device_force_x_n device_force_y_n device_force_z_n device_torque_x_nm device_torque_y_nm
+torque_y_nm torque_z_nm points_proximity points_surface points_interior contacts depth_m
+guard_cuts step_ns device_force_x_n device_force_y_n device_force_z_n device_torque_x_nm device_torque_y_nm
 device_torque_z_nm output""".split()
 assert list(rows[0]) == header
 for a, b in zip(rows, again_rows, strict=True):
     assert all(a[k] == b[k] for k in header if k != "step_ns"), (a, b)
+for r in rows:  # the floor's force layer is one voxel deep
+    assert (int(r["contacts"]) > 0) == (0 < float(r["depth_m"]) <= 0.005), r
 touching = [r for r in rows if int(r["points_surface"]) + int(r["points_interior"]) > 0]
 assert len(touching) == run["force_layer_frames"]
 free = [r for r in rows if all(int(r["points_" + k]) == 0

@@ -245,6 +245,8 @@ TEST(DefaultModel, KeepsOnlyPosesThatWereLookedUpAndClear) {
   FieldSamples samples;
   points.reserve(simulation.shell().view().point_count);
   samples.reserve(simulation.shell().view().point_count);
+  ContactSet looked_up;
+  looked_up.reserve(simulation.shell().view().point_count);
   FieldProbe probe(query, **field, points, samples);
   WatchedProbe watched(probe);
   DefaultModel model(simulation.parameters(), watched, simulation.shell().view().point_count);
@@ -271,6 +273,12 @@ TEST(DefaultModel, KeepsOnlyPosesThatWereLookedUpAndClear) {
         << frame;
     ASSERT_TRUE(same(result.report.world_from_center)) << frame;
     touching += result.report.contacts > 0;
+    probe.look_up(result.report.world_from_center, looked_up);
+    double deepest_m = 0;
+    for (std::uint32_t i = 0; i < looked_up.count; ++i) {
+      deepest_m = std::max(deepest_m, double{looked_up.contacts[i].depth_m});
+    }
+    ASSERT_EQ(result.report.depth_m, deepest_m) << frame;
   }
   EXPECT_GT(touching, 1000u);
 }

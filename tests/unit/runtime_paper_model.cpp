@@ -73,6 +73,7 @@ TEST(PaperModel, ForceIsStiffnessTimesDepthBelowTheVoxelsCentre) {
   const StepResult result = b.simulation->step(b.state, b.input, kDt);
   EXPECT_EQ(result.report.surface, 1u);
   EXPECT_EQ(result.report.contacts, 1u);
+  EXPECT_NEAR(result.report.depth_m, 0.25 * kS, 1e-6 * kS);
   const double expected_n = b.simulation->parameters().field_n_per_m * 0.25 * kS;
   // Single precision of the depth: 2^-24 of a voxel over a quarter of one, a few roundings.
   EXPECT_NEAR(force_from_velocity(b, before).z, expected_n, 1e-6 * expected_n);
@@ -83,6 +84,7 @@ TEST(PaperModel, APointAboveTheTangentPlaneIsAnIntersectionButNoContact) {
   const StepResult result = b.simulation->step(b.state, b.input, kDt);
   EXPECT_EQ(result.report.surface, 1u);
   EXPECT_EQ(result.report.contacts, 0u);
+  EXPECT_EQ(result.report.depth_m, 0);
   EXPECT_EQ(b.state.velocity.linear_mps, glm::dvec3(0));
 }
 
