@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <fstream>
 
 #include "tests/support/baked_scene.h"
@@ -260,47 +259,6 @@ TEST(Bake, SameBytesForAnyNumberOfThreadsAndOrderOfObjectsAndTriangles) {
     ASSERT_EQ(bytes, expected) << "duplicated triangles";
   }
 }
-
-// The real meshes of the models folder at 128 voxels across.
-class BakeModels : public ::testing::TestWithParam<const char*> {};
-
-TEST_P(BakeModels, EqualTheReferenceAt128Voxels) {
-  const std::string path = std::string(FORCELAYER_SOURCE_DIR "/../shared/models/") + GetParam();
-  if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not there";
-  const auto assembly = read_assembly(path);
-  ASSERT_TRUE(assembly) << to_line(assembly.error());
-  ASSERT_EQ(assembly->meshes.size(), 1u);
-  const Mesh& mesh = assembly->meshes.front();
-  Vec3d low = mesh.vertices.front(), high = low;
-  for (const Vec3d& v : mesh.vertices) {
-    for (std::size_t d = 0; d < 3; ++d) {
-      low[d] = std::min(low[d], v[d]);
-      high[d] = std::max(high[d], v[d]);
-    }
-  }
-  const double size = std::max({high[0] - low[0], high[1] - low[1], high[2] - low[2]}) / 128;
-  const LatticeMesh lattice = reference::snapped(mesh, Affine{}, size);
-  const auto scene = reference::united_scene({lattice}, {}, 5);
-  for (const std::uint32_t layers : {0u, 1u, 2u, 3u}) {
-    SCOPED_TRACE(::testing::Message() << layers << " layers");
-    BakeOptions options = options_with(layers);
-    options.voxel_size_m = size;
-    const BakedScene baked({{"model", &mesh, Affine{}, {}, 0}}, options);
-    reference::expect_equal(baked.map(), reference::offset_scene(scene, static_cast<int>(layers)));
-    if (HasFatalFailure()) return;
-  }
-}
-
-INSTANTIATE_TEST_SUITE_P(Models, BakeModels,
-                         ::testing::Values("scan/stanford-bunny.obj", "cad/counter.unitsmm.stl",
-                                           "scan/dragon-100k.obj", "cad/large_block.stl"),
-                         [](const ::testing::TestParamInfo<const char*>& model) {
-                           std::string name = std::filesystem::path(model.param).stem().string();
-                           std::erase_if(name, [](char c) {
-                             return !std::isalnum(static_cast<unsigned char>(c));
-                           });
-                           return name;
-                         });
 
 }  // namespace
 }  // namespace forcelayer

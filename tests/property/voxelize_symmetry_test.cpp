@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "tests/support/baked_scene.h"
+#include "tests/support/lattice_symmetry.h"
 #include "tests/support/soups.h"
 
 namespace forcelayer {
@@ -11,89 +12,11 @@ namespace {
 
 using reference::BakedScene;
 using reference::DenseGrid;
-using reference::Int128;
 using reference::LatticeMesh;
 using reference::Random;
 using reference::real;
+using reference::Symmetry;
 using reference::whole;
-
-// One of the 24 rotations of the cube, or 24 reflections: world axis d is `sign[d]` times axis
-// `from[d]` of before.
-struct Symmetry {
-  std::array<std::size_t, 3> from;
-  std::array<int, 3> sign;
-
-  // Voxels whose low side was half-open towards minus have it towards plus on a mirrored axis: a
-  // voxel i of before is voxel -1 - i there, and holds its high side, not its low one.
-  VoxelIndex voxel(const VoxelIndex& v) const {
-    VoxelIndex result;
-    for (std::size_t d = 0; d < 3; ++d) result[d] = sign[d] > 0 ? v[from[d]] : -1 - v[from[d]];
-    return result;
-  }
-  LatticeTriangle triangle(const LatticeTriangle& t) const {
-    LatticeTriangle result;
-    for (std::size_t k = 0; k < 3; ++k) {
-      for (std::size_t d = 0; d < 3; ++d) result[k][d] = sign[d] * t[k][from[d]];
-    }
-    return result;
-  }
-};
-
-std::vector<Symmetry> symmetries() {
-  std::vector<Symmetry> all;
-  std::array<std::size_t, 3> from = {0, 1, 2};
-  do {
-    for (int n = 0; n < 8; ++n)
-      all.push_back({from, {n & 1 ? -1 : 1, n & 2 ? -1 : 1, n & 4 ? -1 : 1}});
-  } while (std::next_permutation(from.begin(), from.end()));
-  return all;
-}
-
-// G of the moved mesh by the reference, with the half-open rule moved along: on a mirrored axis a
-// voxel holds its high side and not its low one.
-bool overlaps_moved_voxel(const LatticeTriangle& triangle, const VoxelIndex& voxel,
-                          const Symmetry& symmetry) {
-  LatticePoint low, high;
-  std::array<bool, 3> high_closed;
-  for (std::size_t d = 0; d < 3; ++d) {
-    low[d] = voxel[d] * kSnapUnits;
-    high[d] = low[d] + kSnapUnits;
-    high_closed[d] = symmetry.sign[d] < 0;
-  }
-  return reference::overlaps<Int128>(triangle, low, high, high_closed);
-}
-
-// The whole reference bake in the moved frame.
-DenseGrid moved_reference(const std::vector<LatticeMesh>& meshes, const Symmetry& symmetry,
-                          int layers) {
-  std::vector<LatticeMesh> moved = meshes;
-  for (LatticeMesh& mesh : moved) {
-    for (LatticeTriangle& triangle : mesh) triangle = symmetry.triangle(triangle);
-  }
-  const std::int64_t margin = layers + 3;
-  reference::ReferenceScene scene{reference::grid_around(moved, margin),
-                                  reference::grid_around(moved, margin)};
-  for (const LatticeMesh& mesh : moved) {
-    DenseGrid object = reference::grid_around(moved, margin);
-    for (const LatticeTriangle& triangle : mesh) {
-      VoxelIndex low, high;
-      for (std::size_t d = 0; d < 3; ++d) {
-        // A corner on a face may belong to the voxel below.
-        low[d] = (std::min({triangle[0][d], triangle[1][d], triangle[2][d]}) >> kSnapBits) - 1;
-        high[d] = std::max({triangle[0][d], triangle[1][d], triangle[2][d]}) >> kSnapBits;
-      }
-      DenseGrid(low, high).for_each([&](const VoxelIndex& v) {
-        if (object.at(v) == 0 && overlaps_moved_voxel(triangle, v, symmetry)) object.at(v) = 1;
-      });
-    }
-    reference::mark_free({}, object);
-    object.for_each([&](const VoxelIndex& v) {
-      if (object.at(v) == 1) scene.geometry.at(v) = 1;
-      if (object.at(v) == 0) scene.interior.at(v) = 1;
-    });
-  }
-  return reference::offset_scene(scene, layers);
-}
 
 // Meshes in voxels of 1 m, on the snapping lattice, so that moving them rounds nothing.
 std::vector<Mesh> lattice_scene(Random& random, double extent) {
@@ -124,7 +47,7 @@ BakeOptions options_with(std::uint32_t layers) {
 }
 
 TEST(BakeSymmetry, TurnedAndMirroredReferencesAgree) {
-  const std::vector<Symmetry> all = symmetries();
+  const std::vector<Symmetry> all = reference::symmetries();
   ASSERT_EQ(all.size(), 48u);
   for (std::uint64_t seed = 1; seed <= 48; ++seed) {
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
@@ -134,7 +57,7 @@ TEST(BakeSymmetry, TurnedAndMirroredReferencesAgree) {
     for (const Mesh& mesh : meshes) lattice.push_back(reference::snapped(mesh, Affine{}, 1));
     const int layers = static_cast<int>(whole(random, 0, 2));
     const Symmetry& symmetry = all[seed - 1];
-    const DenseGrid moved = moved_reference(lattice, symmetry, layers);
+    const DenseGrid moved = reference::moved_reference(lattice, symmetry, layers);
     const BakedScene baked(objects_of(meshes), options_with(static_cast<std::uint32_t>(layers)));
     std::uint64_t wrong = 0, held = 0;
     reference::grid_around(lattice, layers + 2).for_each([&](const VoxelIndex& v) {

@@ -126,7 +126,8 @@ inline ReferenceScene united_scene(const std::vector<LatticeMesh>& meshes,
                                    const std::vector<VoxelIndex>& seeds, std::int64_t margin) {
   ReferenceScene scene{grid_around(meshes, margin), grid_around(meshes, margin)};
   for (const LatticeMesh& mesh : meshes) {
-    DenseGrid object = grid_around(meshes, margin);
+    if (mesh.empty()) continue;
+    DenseGrid object = grid_around({mesh}, 1);  // all beyond is free
     mark_geometry(mesh, object);
     mark_free(seeds, object);
     object.for_each([&](const VoxelIndex& v) {
