@@ -74,6 +74,53 @@ TEST_F(StepReader, DeclaresItsDeflection) {
   EXPECT_LT(fine->deviation_units, coarse->deviation_units);
 }
 
+double dot(const Vec3d& a, const Vec3d& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+Vec3d minus(const Vec3d& a, const Vec3d& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+
+double distance_to_segment(const Vec3d& p, const Vec3d& a, const Vec3d& b) {
+  const Vec3d side = minus(b, a), to_p = minus(p, a);
+  const double length2 = dot(side, side);
+  const double t = length2 > 0 ? std::clamp(dot(to_p, side) / length2, 0.0, 1.0) : 0;
+  const Vec3d off = {to_p[0] - t * side[0], to_p[1] - t * side[1], to_p[2] - t * side[2]};
+  return std::sqrt(dot(off, off));
+}
+
+double distance_to_triangle(const Vec3d& p, const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+  const double to_sides = std::min(
+      {distance_to_segment(p, a, b), distance_to_segment(p, b, c), distance_to_segment(p, c, a)});
+  // Over the inside of the triangle it is the distance from the plane.
+  const Vec3d u = minus(b, a), v = minus(c, a), w = minus(p, a);
+  const double uu = dot(u, u), uv = dot(u, v), vv = dot(v, v), wu = dot(w, u), wv = dot(w, v);
+  const double area2 = uu * vv - uv * uv;
+  if (!(area2 > 0)) return to_sides;
+  const double s = (vv * wu - uv * wv) / area2, t = (uu * wv - uv * wu) / area2;
+  if (s < 0 || t < 0 || s + t > 1) return to_sides;
+  return std::sqrt(std::max(0.0, dot(w, w) - s * wu - t * wv));
+}
+
+// A tessellation a hundred times as fine stands for the true surface: the guarantee counts on no
+// point of it being farther from the coarse triangles than the coarse reading declares, but for
+// what the fine one deviates itself.
+TEST_F(StepReader, StaysWithinTheDeviationThatItDeclares) {
+  const auto coarse = read_assembly(model("featuretype.step"), {.deflection_m = 1e-3});
+  const auto fine = read_assembly(model("featuretype.step"), {.deflection_m = 1e-5});
+  ASSERT_TRUE(coarse && fine);
+  const Mesh& triangles = coarse->meshes[0];
+  double farthest = 0;
+  for (std::size_t i = 0; i < fine->meshes[0].vertices.size(); i += 5) {
+    const Vec3d& p = fine->meshes[0].vertices[i];
+    double nearest = 1e300;
+    for (const Triangle& t : triangles.triangles) {
+      nearest = std::min(nearest,
+                         distance_to_triangle(p, triangles.vertices[t[0]], triangles.vertices[t[1]],
+                                              triangles.vertices[t[2]]));
+    }
+    farthest = std::max(farthest, nearest);
+  }
+  EXPECT_LE(farthest, coarse->deviation_units + fine->deviation_units);
+  EXPECT_GT(farthest, 0.01);  // or the test has found nothing that curves
+}
+
 TEST(StepReaderOfDamage, SaysWhatItCannotParse) {
   const ScratchFolder folder;
   const auto nothing = read_assembly(write_file(folder / "a.step", "no STEP file"));
