@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 
 HWY_BEFORE_NAMESPACE();
 namespace forcelayer::HWY_NAMESPACE {
@@ -87,16 +88,23 @@ HWY_INLINE std::int64_t set_up_projection(const LatticeTriangle& corners, const 
   return 0;
 }
 
+// The cells of 8x8 that pass all three edges, where least[k] is the least sum that passes edge k.
+// Without branches: which edges cut the cells is too irregular to be foreseen.
+HWY_INLINE std::uint64_t passing(const Edges& edges, const std::array<std::int64_t, 3>& least) {
+  std::array<std::int32_t, 3> below;
+  for (std::size_t k = 0; k < 3; ++k) {
+    below[k] = static_cast<std::int32_t>(
+        std::clamp(least[k], edges[k].all_pass, edges[k].some_pass + 1) - 1);
+  }
+  return SquareCells::above(edges[0].sums, below[0], edges[1].sums, below[1], edges[2].sums,
+                            below[2]);
+}
+
 // The voxels (u, w) of 8x8 from (u, w), multiples of 8, that pass all three edges.
 HWY_INLINE std::uint64_t shadow_of(const Edges& edges, std::int64_t u, std::int64_t w) {
-  std::uint64_t shadow = ~std::uint64_t{0};
-  for (const Edge& e : edges) {
-    const std::int64_t least = e.least - e.a * u - e.b * w;
-    if (least <= e.all_pass) continue;
-    if (least > e.some_pass) return 0;
-    shadow &= SquareCells::above(e.sums, static_cast<std::int32_t>(least - 1));
-  }
-  return shadow;
+  std::array<std::int64_t, 3> least;
+  for (std::size_t k = 0; k < 3; ++k) least[k] = edges[k].least - edges[k].a * u - edges[k].b * w;
+  return passing(edges, least);
 }
 
 // Units and derivation are those of TriangleOverlap.
@@ -163,13 +171,9 @@ class LargeTriangle {
     if (lo > 7 * up_ || hi < 7 * down_) return false;
     std::array<std::uint64_t, 3> shadow;
     for (std::size_t d = 0; d < 3; ++d) {
-      shadow[d] = ~std::uint64_t{0};
-      for (const Edge& e : edges_[d]) {
-        const std::int64_t least = e.least_sum(kShift);
-        if (least <= e.all_pass) continue;
-        if (least > e.some_pass) return false;
-        shadow[d] &= SquareCells::above(e.sums, static_cast<std::int32_t>(least - 1));
-      }
+      std::array<std::int64_t, 3> least;
+      for (std::size_t k = 0; k < 3; ++k) least[k] = edges_[d][k].least_sum(kShift);
+      shadow[d] = passing(edges_[d], least);
     }
     return cut_by_plane(ranges({0, 0, 0}, 3), shadow, lo, hi, hit);
   }
@@ -197,23 +201,17 @@ class LargeTriangle {
   HWY_INLINE bool cut_by_plane(const std::array<std::uint64_t, 3>& range,
                                const std::array<std::uint64_t, 3>& shadow, std::int64_t lo,
                                std::int64_t hi, BrickMask& hit) const {
-    // Of the sums of a plane of cells.
-    const std::int64_t most = 7 * (positive(normal_[1]) + positive(normal_[2]));
-    const std::int64_t least = 7 * (negative(normal_[1]) + negative(normal_[2]));
+    unsigned planes =
+        cells_below(shadow[0], shadow[1] & range[2] * kFirstColumn,
+                    shadow[2] & range[1] * kFirstColumn & fill_rows(range[0]), hit.words);
     std::uint64_t any = 0;
-    hit = {};
-    for (unsigned x = 0; x < 8; ++x) {
-      if ((range[0] >> x & 1) == 0) continue;
-      const std::uint64_t over_y = shadow[2] >> (8 * x) & range[1];
-      const std::uint64_t over_z = shadow[1] >> (8 * x) & range[2];
-      std::uint64_t word = shadow[0] & fill_rows(over_y) & over_z * kFirstColumn;
-      if (word == 0) continue;
+    for (; planes != 0; planes &= planes - 1) {
+      const auto x = static_cast<unsigned>(std::countr_zero(planes));
+      std::uint64_t& word = hit.words[x];
       const std::int64_t offset = normal_[0] * x;
-      if (lo - offset > most || hi - offset < least) continue;
-      word &= narrow_ ? SquareCells::between(plane_sums_, static_cast<std::uint32_t>(lo - offset),
-                                             static_cast<std::uint32_t>(hi - lo))
+      word &= narrow_ ? ~SquareCells::outside(plane_sums_, static_cast<std::uint32_t>(lo - offset),
+                                              static_cast<std::uint32_t>(hi - lo))
                       : between_wide(word, lo - offset, hi - offset);
-      hit.words[x] = word;
       any |= word;
     }
     return any != 0;

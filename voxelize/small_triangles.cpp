@@ -186,12 +186,15 @@ HWY_INLINE void find_cells(const Prepared& prepared, std::size_t t, Window& wind
   const Bounds bounds = plane_bounds(prepared, t);
   const std::int32_t nx = prepared.normal[0][t], ny = prepared.normal[1][t],
                      nz = prepared.normal[2][t];
-  for (unsigned x = 0; x <= span_x; ++x) {
-    const std::uint64_t y = along_z >> (8 * x) & rows_y;
-    const std::uint64_t z = along_y >> (8 * x) & columns_z;
+  unsigned planes = cells_below(
+      along_x, along_y & columns_z * kFirstColumn,
+      along_z & rows_y * kFirstColumn & (~std::uint64_t{0} >> (56 - 8 * span_x)), window);
+  SquareCells::Table plane_sums;
+  SquareCells::tabulate(ny, nz, plane_sums);
+  for (; planes != 0; planes &= planes - 1) {
+    const auto x = static_cast<unsigned>(std::countr_zero(planes));
     const auto lo = static_cast<std::uint32_t>(bounds.lo - nx * static_cast<std::int32_t>(x));
-    window[x] =
-        along_x & fill_rows(y) & z * kFirstColumn & SquareCells::between(ny, nz, lo, bounds.width);
+    window[x] &= ~SquareCells::outside(plane_sums, lo, bounds.width);
   }
 }
 

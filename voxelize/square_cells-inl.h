@@ -49,23 +49,27 @@ class SquareCells {
     });
   }
 
-  // Where the sum is more than `below`.
-  static HWY_INLINE std::uint64_t above(const Table& table, std::int32_t below) {
-    const V limit = set(below);
-    return for_all_cells([&](std::size_t first)
-                             HWY_ATTR { return hn::Gt(loaded(table, first), limit); });
+  // Where the sum is more than `below`, in all three tables.
+  static HWY_INLINE std::uint64_t above(const Table& p, std::int32_t below_p, const Table& q,
+                                        std::int32_t below_q, const Table& r,
+                                        std::int32_t below_r) {
+    const V limit_p = set(below_p), limit_q = set(below_q), limit_r = set(below_r);
+    return for_all_cells([&](std::size_t first) HWY_ATTR {
+      return hn::And(hn::And(hn::Gt(loaded(p, first), limit_p), hn::Gt(loaded(q, first), limit_q)),
+                     hn::Gt(loaded(r, first), limit_r));
+    });
   }
 
-  // Where lo <= sum <= lo + width. What counts of sums that wrap around is that no true sum lies
-  // 2^32 - width or more from lo.
-  static HWY_INLINE std::uint64_t between(const Table& table, std::uint32_t lo,
+  // Where not lo <= sum <= lo + width. What counts of sums that wrap around is that no true sum
+  // lies 2^32 - width or more from lo.
+  static HWY_INLINE std::uint64_t outside(const Table& table, std::uint32_t lo,
                                           std::uint32_t width) {
-    return between_of([&](std::size_t first) HWY_ATTR { return loaded(table, first); }, lo, width);
-  }
-  static HWY_INLINE std::uint64_t between(std::int32_t a, std::int32_t b, std::uint32_t lo,
-                                          std::uint32_t width) {
-    Sums sums(a, b);
-    return between_of([&](std::size_t first) HWY_ATTR { return sums.at(first); }, lo, width);
+    const V first_inside = set(static_cast<std::int32_t>(lo));
+    const auto beyond = hn::Set(kUnsigned, width);
+    return for_all_cells([&](std::size_t first) HWY_ATTR {
+      const auto above_lo = hn::BitCast(kUnsigned, hn::Sub(loaded(table, first), first_inside));
+      return hn::RebindMask(kTag, hn::Gt(above_lo, beyond));
+    });
   }
 
  private:
@@ -103,24 +107,13 @@ class SquareCells {
     V value_;
   };
 
-  template <class SumsAt>
-  static HWY_INLINE std::uint64_t between_of(SumsAt&& sums_at, std::uint32_t lo,
-                                             std::uint32_t width) {
-    const V first_inside = set(static_cast<std::int32_t>(lo));
-    const auto beyond = hn::Set(kUnsigned, width);
-    return for_all_cells([&](std::size_t first) HWY_ATTR {
-      const auto above_lo = hn::BitCast(kUnsigned, hn::Sub(sums_at(first), first_inside));
-      return hn::RebindMask(kTag, hn::Not(hn::Gt(above_lo, beyond)));
-    });
-  }
-
   template <class Pass>
   static HWY_INLINE std::uint64_t for_all_cells(Pass&& pass) {
     std::uint64_t all = 0;
     for (std::size_t first = 0; first < kCells; first += hn::Lanes(kTag)) {
-      std::uint64_t part = 0;
+      std::uint16_t part = 0;  // as wide as the widest vector's mask: nothing is left to clear
       hn::StoreMaskBits(kTag, pass(first), reinterpret_cast<std::uint8_t*>(&part));
-      all |= part << first;
+      all |= std::uint64_t{part} << first;
     }
     return all;
   }
@@ -132,6 +125,42 @@ constexpr std::uint64_t kFirstColumn = 0x0101010101010101u;  // bit z = 0 of all
 HWY_INLINE std::uint64_t fill_rows(std::uint64_t bits) {
   const std::uint64_t picked = (bits & 0xff) * kFirstColumn & 0x8040201008040201u;
   return ((picked + 0x7f7f7f7f7f7f7f7fu) >> 7 & kFirstColumn) * 0xff;
+}
+
+// The cells (x, y, z) of a cube of 8, as bit y*8 + z of word x, over which all three shadows lie:
+// along x as bits y*8 + z, along y as bits x*8 + z, along z as bits x*8 + y. Returns the words that
+// have any, as bits.
+HWY_INLINE unsigned cells_below(std::uint64_t along_x, std::uint64_t along_y, std::uint64_t along_z,
+                                std::array<std::uint64_t, 8>& words) {
+  unsigned any = 0;
+#if HWY_TARGET == HWY_SCALAR
+  for (unsigned x = 0; x < 8; ++x) {
+    words[x] = along_x & fill_rows(along_z >> (8 * x)) & (along_y >> (8 * x) & 0xff) * kFirstColumn;
+    any |= unsigned{words[x] != 0} << x;
+  }
+#else
+  constexpr hn::CappedTag<std::uint8_t, 64> kBytes{};
+  constexpr hn::Repartition<std::uint64_t, decltype(kBytes)> kWords{};
+  alignas(64) static constexpr std::array<std::uint8_t, 64> kWordOfByte = {
+      0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1, 2, 2, 2, 2, 2, 2,
+      2, 2, 3, 3, 3, 3, 3, 3, 3, 3, 4, 4, 4, 4, 4, 4, 4, 4, 5, 5, 5, 5,
+      5, 5, 5, 5, 6, 6, 6, 6, 6, 6, 6, 6, 7, 7, 7, 7, 7, 7, 7, 7};
+  const auto over_x = hn::Set(kWords, along_x);
+  const auto over_y = hn::BitCast(kBytes, hn::Set(kWords, along_y));
+  for (std::size_t first = 0; first < 64; first += hn::Lanes(kBytes)) {
+    // Byte 8 x + y of a vector is row y of word x.
+    const std::uint64_t some_rows = along_z >> first;
+    const auto rows = hn::VecFromMask(
+        kBytes, hn::LoadMaskBits(kBytes, reinterpret_cast<const std::uint8_t*>(&some_rows)));
+    const auto columns = hn::TableLookupBytes(over_y, hn::Load(kBytes, kWordOfByte.data() + first));
+    const auto cells = hn::And(over_x, hn::BitCast(kWords, hn::And(rows, columns)));
+    hn::StoreU(cells, kWords, words.data() + first / 8);
+    std::uint8_t part = 0;
+    hn::StoreMaskBits(kWords, hn::Ne(cells, hn::Zero(kWords)), &part);
+    any |= unsigned{part} << first / 8;
+  }
+#endif
+  return any;
 }
 
 }  // namespace
