@@ -28,7 +28,7 @@ class CallbackServo::Supplied final : public Device {
 };
 
 CallbackServo::CallbackServo(Simulation& simulation, const DeviceCapabilities& device,
-                             const DevicePlacement& placement, const Pose& world_from_part,
+                             const DevicePlacement& placement, const PartStart& start,
                              const DeviceSample& first, const OutputLimits& limits,
                              const InputLimits& input_limits)
     : stale_s_(limits.stale_s),
@@ -36,8 +36,8 @@ CallbackServo::CallbackServo(Simulation& simulation, const DeviceCapabilities& d
       input_(std::make_unique<DeviceInput>(*device_, placement, input_limits)),
       statistics_(std::make_unique<LoopStatistics>()) {
   const Pose world_from_handle = placement.world_from_handle(first.device_from_handle);
-  servo_ = std::make_unique<Servo>(
-      simulation, *input_, simulation.registered(world_from_part, world_from_handle), limits);
+  servo_ = std::make_unique<Servo>(simulation, *input_,
+                                   simulation.registered(start, world_from_handle), limits);
 }
 
 CallbackServo::~CallbackServo() = default;

@@ -15,12 +15,11 @@ OutputLimits output_limits(const Parameters& parameters);
 
 class CallbackServo {
  public:
-  // The part begins at `world_from_part`, at rest, gripped without stretch by the handle where
-  // `first` has it. `simulation` must outlive this, and runs at its parameters' rate.
+  // The part begins as `start` has it, at rest, the handle being where `first` has it.
+  // `simulation` must outlive this, and runs at its parameters' rate.
   CallbackServo(Simulation& simulation, const DeviceCapabilities& device,
-                const DevicePlacement& placement, const Pose& world_from_part,
-                const DeviceSample& first, const OutputLimits& limits,
-                const InputLimits& input_limits = {});
+                const DevicePlacement& placement, const PartStart& start, const DeviceSample& first,
+                const OutputLimits& limits, const InputLimits& input_limits = {});
 
   ~CallbackServo();
 

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstring>
 #include <exception>
-#include <new>
 
 #include "runtime/callback_servo.h"
 #include "runtime/derive_parameters.h"
@@ -29,6 +29,34 @@ Pose pose_from(const double numbers[7]) {
   std::array<double, 7> n{};
   std::copy_n(numbers, 7, n.begin());
   return pose_from_numbers(n);
+}
+
+// The pose that `numbers` are, of whatever length its quaternion is.
+Result<Pose> checked_pose(const double numbers[7], const char* name) {
+  Pose pose = pose_from(numbers);
+  const glm::dvec3& p = pose.position_m;
+  const double length = glm::length(pose.orientation);
+  if (std::isfinite(p.x + p.y + p.z) && std::isfinite(length) && length > 0) {
+    pose.orientation /= length;
+    return pose;
+  }
+  return Error{ErrorCode::kUsage, "", name, "is no pose", "give x y z in metres and qw qx qy qz"};
+}
+
+// The start of a part; NULL: not given.
+Result<PartStart> checked_start(const double* world_from_part, const double* handle_from_part) {
+  PartStart start;
+  if (world_from_part != nullptr) {
+    const auto pose = checked_pose(world_from_part, "world_from_part");
+    if (!pose) return pose.error();
+    start.world_from_part = *pose;
+  }
+  if (handle_from_part != nullptr) {
+    const auto pose = checked_pose(handle_from_part, "handle_from_part");
+    if (!pose) return pose.error();
+    start.handle_from_part = *pose;
+  }
+  return start;
 }
 
 void put(const glm::dvec3& v, double* out) {
@@ -102,11 +130,26 @@ Status take_options(const forcelayer_options& o, forcelayer_runtime& runtime) {
   d.workspace_radius_m = o.workspace_radius_m;
   d.senses_velocity = o.senses_velocity != 0;
   d.hardware = true;
-  runtime.placement = {pose_from(o.world_from_device), o.motion_scale};
+  const auto world_from_device = checked_pose(o.world_from_device, "world_from_device");
+  if (!world_from_device) return world_from_device.error();
+  runtime.placement = {*world_from_device, o.motion_scale};
   runtime.rate_hz = o.rate_hz;
   runtime.input_limits.stale_s = o.stale_s;
   runtime.max_speed_mps = o.max_speed_mps;
   return {};
+}
+
+// A run does not begin with a reading that cannot be used.
+Status check_first(const forcelayer_runtime& runtime, const forcelayer_reading& first) {
+  const auto pose = checked_pose(first.device_from_handle, "device_from_handle");
+  if (!pose) return pose.error();
+  if (first.present == 0 || first.calibrated == 0) {
+    return Error{ErrorCode::kDeviceRefused, "", "the first reading",
+                 first.present == 0 ? "is of a device that does not answer"
+                                    : "is of a device that is not calibrated",
+                 "begin once it answers and is calibrated"};
+  }
+  return check_workspace(runtime.device, *pose);
 }
 
 }  // namespace
@@ -141,14 +184,18 @@ forcelayer_runtime* forcelayer_open(const char* scene, const char* part,
 }
 
 int forcelayer_start(forcelayer_runtime* runtime, const double world_from_part[7],
-                     const forcelayer_reading* first) {
-  return guarded(nullptr, 0, [&]() -> Status {
+                     const double handle_from_part[7], const forcelayer_reading* first, char* error,
+                     size_t error_bytes) {
+  return guarded(error, error_bytes, [&]() -> Status {
+    const auto start = checked_start(world_from_part, handle_from_part);
+    if (!start) return start.error();
+    if (Status usable = check_first(*runtime, *first); !usable) return usable;
     OutputLimits limits = output_limits(runtime->simulation->parameters());
     limits.stale_s = runtime->input_limits.stale_s;
     limits.max_speed_mps = runtime->max_speed_mps;
-    runtime->servo = std::make_unique<CallbackServo>(
-        *runtime->simulation, runtime->device, runtime->placement, pose_from(world_from_part),
-        sample_from(*first), limits, runtime->input_limits);
+    runtime->servo =
+        std::make_unique<CallbackServo>(*runtime->simulation, runtime->device, runtime->placement,
+                                        *start, sample_from(*first), limits, runtime->input_limits);
     return {};
   });
 }
@@ -181,9 +228,11 @@ const char* forcelayer_last_trip(const forcelayer_runtime* runtime) {
 }
 
 int forcelayer_swap(forcelayer_runtime* runtime, const char* scene, const char* part,
-                    const double world_from_part[7], double timeout_s, char* error,
-                    size_t error_bytes) {
+                    const double world_from_part[7], const double handle_from_part[7],
+                    double timeout_s, char* error, size_t error_bytes) {
   return guarded(error, error_bytes, [&]() -> Status {
+    const auto start = checked_start(world_from_part, handle_from_part);
+    if (!start) return start.error();
     if (runtime->servo == nullptr) {
       return Error{ErrorCode::kUsage, "", "forcelayer_swap", "before forcelayer_start()", ""};
     }
@@ -192,11 +241,11 @@ int forcelayer_swap(forcelayer_runtime* runtime, const char* scene, const char* 
       return Error{ErrorCode::kUsage, "", "forcelayer_swap", "another swap is still waiting", ""};
     }
     // What a swap that timed out left behind is taken by now, and what it replaced is free.
-    if (runtime->next) std::swap(runtime->simulation, runtime->next);
+    if (runtime->next) runtime->simulation = std::move(runtime->next);
     auto loaded = load(*runtime, scene, part);
     if (!loaded) return loaded.error();
     runtime->next = std::move(*loaded);
-    if (!servo.request_swap(*runtime->next, pose_from(world_from_part))) {
+    if (!servo.request_swap(*runtime->next, *start)) {
       return Error{ErrorCode::kInternal, "", "forcelayer_swap", "is not possible now", ""};
     }
     const long long until_ns = monotonic_ns() + static_cast<long long>(timeout_s * 1e9);

@@ -62,10 +62,15 @@ forcelayer_runtime* forcelayer_open(const char* scene, const char* part,
                                     const forcelayer_options* options, char* error,
                                     size_t error_bytes);
 
-/* Registers the part at `world_from_part`, held without stretch by the handle at `first`. Before
- * the first step; again, to begin anew. 0 on success. */
+/* Registers the part, before the first step; again, to begin anew. The handle is where `first` has
+ * it. `world_from_part` is the part's place in the scene, NULL: where the grip has it.
+ * `handle_from_part` is the grip, NULL: whatever holds the part without stretch, and the identity
+ * where no place is given either. With both, the handle pulls the part to where the grip has it,
+ * and the output arms once the part is free of contact. (voxrun's --start and --grip; its
+ * --world-from-device and --motion-scale are in the options.) 0 on success. */
 int forcelayer_start(forcelayer_runtime* runtime, const double world_from_part[7],
-                     const forcelayer_reading* first);
+                     const double handle_from_part[7], const forcelayer_reading* first, char* error,
+                     size_t error_bytes);
 
 /* One period, from the servo thread alone. Never blocks, allocates, locks or logs. 0 on success;
  * without forcelayer_start() the result is zero and the return is not 0. */
@@ -77,15 +82,17 @@ int forcelayer_step(forcelayer_runtime* runtime, const forcelayer_reading* readi
  * releasing it is also how a tripped output is armed again. */
 void forcelayer_set_clutch(forcelayer_runtime* runtime, int pressed);
 
-/* Why the output tripped last, as text; "none". */
+/* Why the output tripped last, as text; "none". From the servo thread. */
 const char* forcelayer_last_trip(const forcelayer_runtime* runtime);
 
-/* Swaps scene and part while the loop runs, from another thread than the servo's: loads both, lets
- * the output fade, registers the part at `world_from_part` and ramps in. Returns when that is done,
- * or after `timeout_s`: not 0, and the files so far go on. */
+/* Swaps scene and part while the loop runs, from one other thread than the servo's: loads both,
+ * lets the output fade, registers the part as forcelayer_start() does (with both a place and a
+ * grip, the place counts: it is gripped there without stretch) and ramps in. Returns when that is
+ * done. Not 0: the files so far go on, and where the servo thread did not come within `timeout_s`,
+ * the new ones follow when it does. */
 int forcelayer_swap(forcelayer_runtime* runtime, const char* scene, const char* part,
-                    const double world_from_part[7], double timeout_s, char* error,
-                    size_t error_bytes);
+                    const double world_from_part[7], const double handle_from_part[7],
+                    double timeout_s, char* error, size_t error_bytes);
 
 /* After the last step. NULL is fine. */
 void forcelayer_close(forcelayer_runtime* runtime);

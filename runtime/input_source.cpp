@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <glm/geometric.hpp>
 
 namespace forcelayer {
@@ -28,6 +29,17 @@ bool outside_workspace(const DeviceCapabilities& device, const glm::dvec3& posit
                        double reach) noexcept {
   return device.workspace_radius_m > 0 &&
          !(glm::length(position_m) <= reach * device.workspace_radius_m);
+}
+
+Status check_workspace(const DeviceCapabilities& device, const Pose& device_from_handle) {
+  const glm::dvec3& position_m = device_from_handle.position_m;
+  if (!outside_workspace(device, position_m, InputLimits{}.workspace_reach)) return {};
+  char text[160];
+  std::snprintf(text, sizeof text,
+                "reports a handle %.4g m from its origin, in a workspace of %.4g m around it",
+                glm::length(position_m), device.workspace_radius_m);
+  return Error{ErrorCode::kDeviceRefused, "", device.name, text,
+               "does its driver give millimetres? Poses are in metres"};
 }
 
 DeviceInput::DeviceInput(Device& device, const DevicePlacement& placement,

@@ -70,4 +70,7 @@ class DeviceInput final : public InputSource {
 bool outside_workspace(const DeviceCapabilities& device, const glm::dvec3& position_m,
                        double reach) noexcept;
 
+// The same for the pose with which a run begins: kDeviceRefused, with a hint at units.
+Status check_workspace(const DeviceCapabilities& device, const Pose& device_from_handle);
+
 }  // namespace forcelayer

@@ -1,6 +1,8 @@
 // Placing the device in the scene, and carrying the wrench back to it (DESIGN 6, Frames).
 #pragma once
 
+#include <optional>
+
 #include "runtime/pose.h"
 
 namespace forcelayer {
@@ -18,6 +20,15 @@ struct DevicePlacement {
   // stiffness times motion_scale.
   Wrench device_wrench(const Wrench& on_hand, const glm::dvec3& point_m,
                        const glm::dvec3& handle_m) const noexcept;
+};
+
+// Where the part begins: in the scene, in the hand, or both. With one of them, or none, the hand
+// holds it without stretch; with both, the coupling pulls it to where the grip has it, and the
+// output does not arm before the part is free of contact.
+struct PartStart {
+  std::optional<Pose> world_from_part;   // none: where the grip has it
+  std::optional<Pose> handle_from_part;  // the grip; none: whatever holds it without stretch, and
+                                         // the identity where the place is not given either
 };
 
 }  // namespace forcelayer

@@ -24,9 +24,9 @@ Servo::Servo(Simulation& simulation, InputSource& input, const State& start,
       output_(limits),
       dt_s_(1 / simulation.parameters().rate_hz) {}
 
-bool Servo::request_swap(Simulation& next, const Pose& world_from_part) noexcept {
+bool Servo::request_swap(Simulation& next, const PartStart& start) noexcept {
   if (swapping() || 1 / next.parameters().rate_hz != dt_s_) return false;
-  next_start_ = world_from_part;
+  next_start_ = start;
   next_.store(&next, std::memory_order_release);
   return true;
 }

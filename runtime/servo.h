@@ -30,10 +30,11 @@ class Servo {
   void set_clutch(bool pressed) noexcept { clutch_.store(pressed, std::memory_order_relaxed); }
 
   // Swaps part or scene without a restart, from any thread: the output fades to zero, the next tick
-  // goes on with `next` and its part at `world_from_part`, gripped without stretch, and ramps in.
-  // `next` must outlive the servo or the next swap; the old simulation is free once swapping() is
-  // false. False where a swap is under way already or the rate is another.
-  bool request_swap(Simulation& next, const Pose& world_from_part) noexcept;
+  // goes on with `next` and its part as `start` has it, gripped without stretch (with both a place
+  // and a grip, the place counts), and ramps in. `next` must outlive the servo or the next swap;
+  // the old simulation is free once swapping() is false. False where a swap is under way already
+  // or the rate is another.
+  bool request_swap(Simulation& next, const PartStart& start) noexcept;
   bool swapping() const noexcept { return next_.load(std::memory_order_acquire) != nullptr; }
 
   // For the caller's clock, before a tick: it begins later than the stale limit allows. The output
@@ -43,7 +44,7 @@ class Servo {
   // Around a tick in which the query's helper threads should take part; both call the system, so
   // they are not in tick() itself. wants_helpers(): whether the last tick looked at enough points.
   bool wants_helpers() const noexcept {
-    return simulation_->query().points_looked_at() > kPointsWorthHelp;
+    return !swapping() && simulation_->query().points_looked_at() > kPointsWorthHelp;
   }
   void wake_helpers() noexcept { simulation_->wake_helpers(); }
   void rest_helpers() noexcept { simulation_->rest_helpers(); }
@@ -72,7 +73,7 @@ class Servo {
   bool late_ = false;
   std::atomic<bool> clutch_{false};
   std::atomic<Simulation*> next_{nullptr};  // to be swapped in, at next_start_
-  Pose next_start_;                         // world_from_part; written before next_
+  PartStart next_start_;                    // of its part; written before next_
 };
 
 }  // namespace forcelayer

@@ -154,6 +154,13 @@ State Simulation::registered(const Pose& world_from_part, const Pose& world_from
   return state;
 }
 
+State Simulation::registered(const PartStart& start, const Pose& world_from_handle) const {
+  const Pose held = world_from_handle * start.handle_from_part.value_or(Pose{});
+  State state = registered(start.world_from_part.value_or(held), world_from_handle);
+  if (start.handle_from_part) state.handle_from_center = world_from_center(*start.handle_from_part);
+  return state;
+}
+
 StepResult Simulation::step(State& state, const StepInput& input, double dt_s) noexcept {
   const State before = state;
   if (const std::uint32_t faults = input_faults(input)) {

@@ -12,6 +12,7 @@
 #include "runtime/force_field.h"
 #include "runtime/map_loss.h"
 #include "runtime/parameters.h"
+#include "runtime/placement.h"
 #include "runtime/step.h"
 
 namespace forcelayer {
@@ -38,6 +39,9 @@ class Simulation {
   // A part at rest at `world_from_part`, gripped without stretch by a handle at
   // `world_from_handle`.
   State registered(const Pose& world_from_part, const Pose& world_from_handle) const;
+
+  // The same for a start that may name the grip: what --start and --grip of voxrun mean.
+  State registered(const PartStart& start, const Pose& world_from_handle) const;
 
   // One frame of `dt_s` seconds. Never throws, allocates, locks, logs or calls the system.
   StepResult step(State& state, const StepInput& input, double dt_s) noexcept;

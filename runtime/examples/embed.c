@@ -30,7 +30,7 @@ static void* swap_part(void* argument) {
   struct swap* swap = argument;
   char error[256] = "";
   swap->failed =
-      forcelayer_swap(swap->runtime, swap->scene, swap->part, kStart, 5, error, sizeof error);
+      forcelayer_swap(swap->runtime, swap->scene, swap->part, kStart, NULL, 5, error, sizeof error);
   if (swap->failed) fprintf(stderr, "example_embed_c: %s\n", error);
   return NULL;
 }
@@ -51,7 +51,10 @@ int main(int argc, char** argv) {
     return 1;
   }
   forcelayer_reading reading = reading_at(0);
-  forcelayer_start(runtime, kStart, &reading);
+  if (forcelayer_start(runtime, kStart, NULL, &reading, error, sizeof error) != 0) {
+    fprintf(stderr, "example_embed_c: %s\n", error);
+    return 1;
+  }
 
   struct swap swap = {runtime, argv[1], argc == 4 ? argv[3] : NULL, 0};
   pthread_t thread;

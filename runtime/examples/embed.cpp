@@ -62,8 +62,9 @@ int main(int argc, char** argv) {
   placement.world_from_device.position_m = {0.1, 0.1, 0.06};
   OutputLimits limits = output_limits(derived->values);
   limits.stale_s = 0.1;  // a shared machine and no motors; else leave it
-  CallbackServo servo(**simulation, my_device(), placement, placement.world_from_device,
-                      my_reading(0), limits);
+  PartStart start;
+  start.world_from_part = placement.world_from_device;
+  CallbackServo servo(**simulation, my_device(), placement, start, my_reading(0), limits);
 
   // Your servo thread, with real-time priority where it is granted. The wrench goes to the motors:
   // newtons and newton metres, device axes.

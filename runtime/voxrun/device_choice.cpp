@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <glm/geometric.hpp>
 #include <utility>
 
 #include "runtime/devices/plugin_device.h"
@@ -21,8 +19,9 @@ constexpr long long kPollNs = 1'000'000;
 
 // Where the hand of a run without --motion holds still: at the part's start.
 Pose resting_handle(const Options& options) {
-  if (!options.world_from_part) return options.world_from_device;
-  return *options.world_from_part * inverse(options.handle_from_part.value_or(Pose{}));
+  const PartStart& start = options.start;
+  if (!start.world_from_part) return options.world_from_device;
+  return *start.world_from_part * inverse(start.handle_from_part.value_or(Pose{}));
 }
 
 Result<ChosenDevice> make_sim(const Options& options, const DevicePlacement& placement) {
@@ -99,14 +98,10 @@ Result<DeviceSample> first_reading(Device& device) {
     sleep_until_ns(monotonic_ns() + kPollNs);
     sample = device.read(0);
   }
-  const glm::dvec3& p = sample.device_from_handle.position_m;
-  if (!outside_workspace(known, p, InputLimits{}.workspace_reach)) return sample;
-  char text[160];
-  std::snprintf(text, sizeof text,
-                "reports a handle %.4g m from its origin, in a workspace of %.4g m around it",
-                glm::length(p), known.workspace_radius_m);
-  return Error{ErrorCode::kDeviceRefused, "", known.name, text,
-               "does its driver give millimetres? Poses are in metres"};
+  if (Status inside = check_workspace(known, sample.device_from_handle); !inside) {
+    return inside.error();
+  }
+  return sample;
 }
 
 }  // namespace forcelayer::voxrun

@@ -108,12 +108,12 @@ Status OptionParser::read_texts(Options& options) const {
     }
   }
   if (!texts_.start.empty()) {
-    options.world_from_part.emplace();
-    if (Status s = read_pose("--start", texts_.start, *options.world_from_part); !s) return s;
+    options.start.world_from_part.emplace();
+    if (Status s = read_pose("--start", texts_.start, *options.start.world_from_part); !s) return s;
   }
   if (!texts_.grip.empty()) {
-    options.handle_from_part.emplace();
-    if (Status s = read_pose("--grip", texts_.grip, *options.handle_from_part); !s) return s;
+    options.start.handle_from_part.emplace();
+    if (Status s = read_pose("--grip", texts_.grip, *options.start.handle_from_part); !s) return s;
   }
   if (texts_.world_from_device.empty()) return {};
   return read_pose("--world-from-device", texts_.world_from_device, options.world_from_device);

@@ -7,7 +7,7 @@
 
 #include "formats/result.h"
 #include "runtime/parameters.h"
-#include "runtime/pose.h"
+#include "runtime/placement.h"
 #include "runtime/voxrun/hid_choice.h"
 
 namespace CLI {
@@ -40,8 +40,7 @@ struct Options {
   HidOptions hid;                   // of the devices "hid" and "spacemouse"
   std::string hand;  // that holds the sim device; empty: the script moves it, whatever it feels
   std::string motion, json, trace, record, replay, udp;
-  std::optional<Pose> world_from_part;   // --start
-  std::optional<Pose> handle_from_part;  // --grip
+  PartStart start;  // --start and --grip
   Pose world_from_device;
   double motion_scale = 1;
   std::optional<AfterTrip> after_trip;    // none: the device's own

@@ -118,18 +118,6 @@ Status check_guarantee(const Options& options, Session& session) {
       "or give --without-guarantee"};
 }
 
-// Registers the part where it starts, with no stretch unless both ends are given (DESIGN 6).
-State start_state(const Options& options, const Simulation& simulation, const Pose& handle) {
-  if (!options.world_from_part) {
-    return simulation.registered(handle * options.handle_from_part.value_or(Pose{}), handle);
-  }
-  State state = simulation.registered(*options.world_from_part, handle);
-  if (options.handle_from_part) {
-    state.handle_from_center = simulation.world_from_center(*options.handle_from_part);
-  }
-  return state;
-}
-
 Status prepare_simulation(const Options& options, Session& session) {
   auto voxmap = Voxmap::open(options.scene);
   if (!voxmap) return voxmap.error();
@@ -164,8 +152,8 @@ Status prepare_simulation(const Options& options, Session& session) {
   } else {
     const auto first = first_reading(*session.device.device);
     if (!first) return first.error();
-    session.start = start_state(options, *session.simulation,
-                                session.placement.world_from_handle(first->device_from_handle));
+    session.start = session.simulation->registered(
+        options.start, session.placement.world_from_handle(first->device_from_handle));
   }
   return {};
 }

@@ -59,6 +59,19 @@ assert max(float(r["force_z_n"]) for r in touching) > 0.5  # the slab pushes the
 assert abs(float(rows[0]["part_z_m"]) - 0.06) < 0.001 and rows[0]["t_s"] == "0"
 PYTHON
 
+# Where the part begins: at its place, else where the grip has it; with both, the hand pulls it from
+# the one to the other.
+part_goes() { python3 -c 'import csv, sys; rows = list(csv.DictReader(open("still_run.csv")))
+for row, z in zip((rows[0], rows[-1]), map(float, sys.argv[1:])):
+    assert abs(float(row["part_z_m"]) - z) < 2.5e-3, (row, z)  # pulled by half a voxel in a frame' "$@"; }
+printf 't_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0.1,0.1,0.1,1,0,0,0\n1,0.1,0.1,0.1,1,0,0,0\n' >still.csv
+still=(--device sim --motion still.csv --as-fast-as-possible --trace still_run.csv)
+expect 0 'frames' floor.vox ball.pshell "${still[@]}" && part_goes 0.1 0.1
+expect 0 'frames' floor.vox ball.pshell "${still[@]}" --grip 0,0,20mm && part_goes 0.12 0.12
+expect 0 'frames' floor.vox ball.pshell "${still[@]}" --start 0.1,0.1,0.15 && part_goes 0.15 0.15
+expect 0 'frames' floor.vox ball.pshell "${still[@]}" --start 0.1,0.1,0.15 --grip 0,0,20mm &&
+  part_goes 0.15 0.12
+
 # A hand that feels the loop gives way, where one that feels nothing goes on to where it wants to be.
 for hand in firm loose; do
   expect 0 'contact episodes' floor.vox ball.pshell "${fast[@]}" --hand $hand \

@@ -267,9 +267,9 @@ TEST(Servo, ThePartIsSwappedWithoutARestart) {
       Simulation::create(std::move(slab), make_pshell(sphere_part(0.02, 50, kS)), parameters);
   ASSERT_TRUE(slower);
   const Pose above{{0.1, 0.1, 0.08}, {1, 0, 0, 0}};
-  EXPECT_FALSE(bench.servo.request_swap(**slower, above));
-  ASSERT_TRUE(bench.servo.request_swap(*larger, above));
-  EXPECT_FALSE(bench.servo.request_swap(*larger, above));
+  EXPECT_FALSE(bench.servo.request_swap(**slower, {above, {}}));
+  ASSERT_TRUE(bench.servo.request_swap(*larger, {above, {}}));
+  EXPECT_FALSE(bench.servo.request_swap(*larger, {above, {}}));
   double last = bench.device.felt.force_n.z;
   int ticks = 0;
   while (bench.servo.swapping()) {

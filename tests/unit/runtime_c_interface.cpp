@@ -1,0 +1,281 @@
+// The C header: where the part begins, what is refused, and the swap of scene and part from another
+// thread while the servo thread goes on.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <thread>
+
+#include "runtime/coupling.h"
+#include "runtime/forcelayer.h"
+#include "runtime/real_time.h"
+#include "tests/support/random_scenes.h"
+#include "tests/support/scratch_folder.h"
+
+namespace forcelayer::test {
+namespace {
+
+using Numbers = std::array<double, 7>;
+
+Numbers numbers(const Pose& pose) {
+  const glm::dvec3& p = pose.position_m;
+  const glm::dquat& q = pose.orientation;
+  return {p.x, p.y, p.z, q.w, q.x, q.y, q.z};
+}
+
+Pose pose(const double* n) { return {{n[0], n[1], n[2]}, glm::dquat(n[3], n[4], n[5], n[6])}; }
+
+double distance_m(const Pose& a, const Pose& b) { return glm::length(a.position_m - b.position_m); }
+double angle_rad(const Pose& a, const Pose& b) {
+  return glm::length(rotation_vector(a.orientation * glm::conjugate(b.orientation)));
+}
+
+forcelayer_reading reading_at(const Pose& device_from_handle) {
+  forcelayer_reading reading{};
+  const Numbers n = numbers(device_from_handle);
+  std::copy(n.begin(), n.end(), reading.device_from_handle);
+  reading.fresh = reading.present = reading.calibrated = 1;
+  return reading;
+}
+
+// A slab whose force layer is z in [10, 15) mm, a ball of 20 mm and one of 30 mm.
+struct CInterface : testing::Test {
+  CInterface() {
+    const auto slab = [](Voxel v) { return v[2] <= 0; };
+    save_voxmap(folder / "floor.vox", offset_scene(0.005, {0, 0, -2}, {48, 40, 8}, 2, slab));
+    save_pshell(folder / "ball.pshell", sphere_part(0.02, 400, 0.005));
+    save_pshell(folder / "large.pshell", sphere_part(0.03, 900, 0.005));
+    forcelayer_default_options(&options);
+    options.stale_s = 1000;  // nothing here is about the clock
+  }
+  ~CInterface() override { forcelayer_close(runtime); }
+
+  std::string file(const char* name) const { return (folder / name).string(); }
+  void open() {
+    forcelayer_close(runtime);
+    runtime = forcelayer_open(file("floor.vox").c_str(), file("ball.pshell").c_str(), &options,
+                              error, sizeof error);
+    ASSERT_NE(runtime, nullptr) << error;
+  }
+  int start(const Pose* world_from_part, const Pose* handle_from_part,
+            const forcelayer_reading& first) {
+    Numbers part{}, grip{};
+    if (world_from_part != nullptr) part = numbers(*world_from_part);
+    if (handle_from_part != nullptr) grip = numbers(*handle_from_part);
+    return forcelayer_start(runtime, world_from_part ? part.data() : nullptr,
+                            handle_from_part ? grip.data() : nullptr, &first, error, sizeof error);
+  }
+  int swap(const char* scene, const char* part, const Pose& world_from_part,
+           double timeout_s = 60) {
+    error[0] = 0;
+    return forcelayer_swap(runtime, file(scene).c_str(), file(part).c_str(),
+                           numbers(world_from_part).data(), nullptr, timeout_s, error,
+                           sizeof error);
+  }
+
+  ScratchFolder folder;
+  forcelayer_options options{};
+  forcelayer_runtime* runtime = nullptr;
+  char error[256] = "";
+};
+
+// Against the definition, written out: world_from_device * (scaled reading) is the handle; the part
+// begins at its place, else where the grip has it; the hand then pulls it to where the grip has it.
+TEST_F(CInterface, PlacesDeviceGripAndPart) {
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    SCOPED_TRACE(seed);
+    Random random(seed);
+    const Pose world_from_device{random_direction(random), random_orientation(random)};
+    const Numbers placed = numbers(world_from_device);
+    std::copy(placed.begin(), placed.end(), options.world_from_device);
+    options.motion_scale = uniform(random, 0.3, 3);
+    open();
+    // Far above the slab: nothing touches.
+    const Pose world_from_handle{glm::dvec3(0.1, 0.1, 0.8) + 0.2 * random_direction(random),
+                                 random_orientation(random)};
+    Pose device_from_handle = inverse(world_from_device) * world_from_handle;
+    device_from_handle.position_m /= options.motion_scale;
+    const Pose grip{0.05 * random_direction(random), random_orientation(random)};
+    const Pose place{world_from_handle.position_m + 0.01 * random_direction(random),
+                     world_from_handle.orientation * rotation_by(0.2 * random_direction(random))};
+    const forcelayer_reading reading = reading_at(device_from_handle);
+    const struct {
+      const Pose *place, *grip;
+      Pose first, last;
+    } cases[] = {
+        {nullptr, nullptr, world_from_handle, world_from_handle},
+        {&place, nullptr, place, place},
+        {nullptr, &grip, world_from_handle * grip, world_from_handle * grip},
+        {&place, &grip, place, world_from_handle * grip},
+    };
+    for (const auto& c : cases) {
+      SCOPED_TRACE(std::string(c.place ? "a place " : "") + (c.grip ? "a grip" : ""));
+      ASSERT_EQ(start(c.place, c.grip, reading), 0) << error;
+      forcelayer_result result;
+      ASSERT_EQ(forcelayer_step(runtime, &reading, &result), 0);
+      // In its first frame a part that is pulled moves by less than 2 mm.
+      const bool pulled = c.place != nullptr && c.grip != nullptr;
+      EXPECT_LT(distance_m(pose(result.world_from_part), c.first), pulled ? 2e-3 : 1e-12);
+      EXPECT_EQ(result.output, unsigned{FORCELAYER_ARMED});
+      for (int i = 0; i < 1500; ++i) forcelayer_step(runtime, &reading, &result);
+      // What is not pulled stays; what is comes near (1e-5: the coupling creeps up on it).
+      EXPECT_LT(distance_m(pose(result.world_from_part), c.last), pulled ? 1e-5 : 1e-12);
+      EXPECT_LT(angle_rad(pose(result.world_from_part), c.last), pulled ? 1e-3 : 1e-12);
+    }
+  }
+}
+
+TEST_F(CInterface, RefusesWhatIsNoPoseAndNoReading) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  options.world_from_device[3] = 0;
+  EXPECT_EQ(forcelayer_open(file("floor.vox").c_str(), file("ball.pshell").c_str(), &options, error,
+                            sizeof error),
+            nullptr);
+  EXPECT_NE(std::string(error).find("world_from_device"), std::string::npos) << error;
+  options.world_from_device[3] = 1;
+  options.workspace_radius_m = 0.2;
+  open();
+  forcelayer_result result;
+  const Pose high{{0, 0, 0.1}, {1, 0, 0, 0}}, bad{{0, nan, 0}, {1, 0, 0, 0}};
+  const Pose none{{0, 0, 0}, {0, 0, 0, 0}};
+  const forcelayer_reading sound = reading_at(high);
+  EXPECT_NE(forcelayer_step(runtime, &sound, &result), 0);  // not started
+  EXPECT_EQ(result.force_n[2], 0);
+  forcelayer_reading absent = sound, raw = sound;
+  absent.present = 0;
+  raw.calibrated = 0;
+  const struct {
+    const Pose *place, *grip;
+    forcelayer_reading first;
+    const char* says;
+  } cases[] = {
+      {&bad, nullptr, sound, "world_from_part"},
+      {nullptr, &none, sound, "handle_from_part"},
+      {nullptr, nullptr, reading_at(bad), "device_from_handle"},
+      {nullptr, nullptr, reading_at({{0, 0, 100}, {1, 0, 0, 0}}), "millimetres"},
+      {nullptr, nullptr, absent, "does not answer"},
+      {nullptr, nullptr, raw, "not calibrated"},
+  };
+  for (const auto& c : cases) {
+    EXPECT_NE(start(c.place, c.grip, c.first), 0) << c.says;
+    EXPECT_NE(std::string(error).find(c.says), std::string::npos) << c.says << ": " << error;
+    EXPECT_NE(forcelayer_step(runtime, &sound, &result), 0) << c.says;
+  }
+  EXPECT_EQ(start(&high, nullptr, sound), 0) << error;
+  EXPECT_EQ(forcelayer_step(runtime, &sound, &result), 0);
+}
+
+// A servo thread that brings the hand to a height at 0.1 m/s, and looks at what the motors get.
+class ServoThread {
+ public:
+  ServoThread(forcelayer_runtime* runtime, double z_m)
+      : runtime_(runtime), z_m_(z_m), goal_m_(z_m) {}
+  ~ServoThread() { stop(); }
+
+  void run() {
+    stop_ = false;
+    thread_ = std::thread([this] {
+      while (!stop_) {
+        tick();
+        sleep_until_ns(monotonic_ns() + 50'000);
+      }
+    });
+  }
+  void stop() {
+    stop_ = true;
+    if (thread_.joinable()) thread_.join();
+  }
+  void go_to(double z_m) { goal_m_ = z_m; }
+
+  // Waits for a minute at most.
+  template <typename Done>
+  bool soon(Done done) const {
+    const long long until_ns = monotonic_ns() + 60'000'000'000;
+    while (!done()) {
+      if (monotonic_ns() > until_ns) return false;
+      sleep_until_ns(monotonic_ns() + 1'000'000);
+    }
+    return true;
+  }
+
+  std::atomic<double> force_n{0}, part_z_m{0};
+  std::atomic<std::uint32_t> output{0};
+  std::atomic<int> jumps{0}, blows{0};  // of the part; of the force at and after such a jump
+
+ private:
+  void tick() {
+    z_m_ += std::clamp(goal_m_.load() - z_m_, -1e-4, 1e-4);
+    const forcelayer_reading reading = reading_at({{0.1, 0.1, z_m_}, {1, 0, 0, 0}});
+    forcelayer_result result;
+    ASSERT_EQ(forcelayer_step(runtime_, &reading, &result), 0);
+    const glm::dvec3 force(result.force_n[0], result.force_n[1], result.force_n[2]);
+    const double now_n = glm::length(force), z_m = result.world_from_part[2];
+    ++since_jump_;
+    if (part_z_m != 0 && std::abs(z_m - part_z_m) > 0.01) {
+      ++jumps;
+      since_jump_ = 0;
+    }
+    // A ramp over 200 ms from zero, whatever is felt: at most its share of 15 N.
+    if (since_jump_ < 100 && now_n > 15 * since_jump_ / 200.0 + 1e-9) ++blows;
+    force_n = now_n;
+    part_z_m = z_m;
+    output = result.output;
+  }
+
+  forcelayer_runtime* runtime_;
+  double z_m_;
+  int since_jump_ = 1000;
+  std::atomic<double> goal_m_;
+  std::atomic<bool> stop_{false};
+  std::thread thread_;
+};
+
+TEST_F(CInterface, SceneAndPartAreSwappedByAnotherThreadWhileTheLoopRuns) {
+  open();
+  const Pose low{{0.1, 0.1, 0.05}, {1, 0, 0, 0}}, above{{0.1, 0.1, 0.08}, {1, 0, 0, 0}},
+      higher{{0.1, 0.1, 0.1}, {1, 0, 0, 0}};
+  ASSERT_EQ(start(&low, nullptr, reading_at(low)), 0) << error;
+  ServoThread servo(runtime, 0.05);
+  servo.run();
+  servo.go_to(0.03);
+  ASSERT_TRUE(servo.soon([&] { return servo.force_n > 1; }));
+
+  // The larger ball, from the air; then felt: it touches where the small one did not.
+  ASSERT_EQ(swap("floor.vox", "large.pshell", above), 0) << error;
+  ASSERT_TRUE(servo.soon([&] { return servo.jumps == 1; }));
+  EXPECT_NEAR(servo.part_z_m, 0.08, 1e-9);
+  servo.go_to(-0.012);  // the part would be at 38 mm: the large ball's lower end at 8 mm
+  ASSERT_TRUE(servo.soon([&] { return servo.force_n > 1; }));
+
+  // What cannot be loaded changes nothing.
+  EXPECT_NE(swap("none.vox", "ball.pshell", above), 0);
+  EXPECT_NE(std::string(error).find("none.vox"), std::string::npos) << error;
+  EXPECT_GT(servo.force_n, 1);
+
+  // Nobody calls the loop: the swap is still waiting, and another cannot begin.
+  for (int round = 0; round < 2; ++round) {
+    servo.stop();
+    EXPECT_NE(swap("floor.vox", "ball.pshell", higher, 0.01), 0);
+    EXPECT_NE(std::string(error).find("not taken"), std::string::npos) << error;
+    EXPECT_NE(swap("floor.vox", "ball.pshell", higher), 0);
+    EXPECT_NE(std::string(error).find("still waiting"), std::string::npos) << error;
+    const int jumps = servo.jumps;
+    servo.run();
+    ASSERT_TRUE(servo.soon([&] { return servo.jumps > jumps; }));
+    // The one that came late is the one in use from now on, whatever fails after it.
+    EXPECT_NE(swap("none.vox", "ball.pshell", above), 0);
+    EXPECT_NE(swap("none.vox", "ball.pshell", above), 0);
+    servo.go_to(-0.012 - 0.07 * (round + 1));
+    ASSERT_TRUE(servo.soon([&] { return servo.force_n > 1; }));
+    ASSERT_EQ(swap("floor.vox", "large.pshell", above), 0) << error;
+    ASSERT_TRUE(servo.soon([&] { return servo.output == FORCELAYER_ARMED; }));
+  }
+  servo.stop();
+  EXPECT_EQ(servo.blows, 0);
+  EXPECT_STREQ(forcelayer_last_trip(runtime), "none");
+}
+
+}  // namespace
+}  // namespace forcelayer::test
