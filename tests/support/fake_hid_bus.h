@@ -41,10 +41,25 @@ class FakeSocket {
     return plugs_;
   }
   void send(std::span<const std::uint8_t> report) {
+    send_all({std::vector(report.begin(), report.end())});
+  }
+  // All at once: no reader comes between.
+  void send_all(const std::vector<std::vector<std::uint8_t>>& reports) {
     const std::lock_guard lock(mutex_);
-    if (!plugged_ || queue_.size() == kQueue) return;
-    queue_.emplace_back(report.begin(), report.end());
+    if (!plugged_) return;
+    for (const auto& report : reports) {
+      if (queue_.size() < kQueue) {
+        queue_.push_back(report);
+      } else {
+        ++lost_;
+      }
+    }
     news_.notify_all();
+  }
+  // Reports for which there was no room.
+  std::uint64_t lost() {
+    const std::lock_guard lock(mutex_);
+    return lost_;
   }
   int receive(std::span<std::uint8_t> report, int timeout_ms, std::uint64_t plugs) {
     std::unique_lock lock(mutex_);
@@ -64,7 +79,7 @@ class FakeSocket {
   std::condition_variable news_;
   std::deque<std::vector<std::uint8_t>> queue_;
   bool plugged_ = true;
-  std::uint64_t plugs_ = 0;
+  std::uint64_t plugs_ = 0, lost_ = 0;
 };
 
 class FakeHidBus final : public HidBus {
@@ -138,16 +153,34 @@ class FakeHapticUnit {
       std::array<std::uint8_t, HAPTIC_REPORT_BYTES> report{};
       for (long long tick_ns = monotonic_ns(); !stop_; tick_ns += 1'000'000) {
         sleep_until_ns(tick_ns);
+        if (burst_.exchange(false)) socket->send_all(make_burst());
         if (device.next_report(report)) socket->send(report);
       }
     });
   }
 
+  // Soon, between two reports of the stream: thirty at once, every third of them lost on the way.
+  static constexpr int kBurst = 30, kBurstLost = kBurst / 3;
+  void burst() { burst_ = true; }
+  bool bursting() const { return burst_; }
+
   VirtualHapticDevice device;
   std::shared_ptr<FakeSocket> socket;
 
  private:
-  std::atomic<bool> stop_{false};
+  std::vector<std::vector<std::uint8_t>> make_burst() {
+    std::vector<std::vector<std::uint8_t>> kept;
+    std::array<std::uint8_t, HAPTIC_REPORT_BYTES> report{};
+    for (int i = 0; i < kBurst; ++i) {
+      // The device's clock goes on from report to report: one that stands still is a fault.
+      for (const std::uint32_t now_us = device.now_us(); device.now_us() == now_us;) {
+      }
+      if (device.next_report(report) && i % 3 != 1) kept.emplace_back(report.begin(), report.end());
+    }
+    return kept;
+  }
+
+  std::atomic<bool> stop_{false}, burst_{false};
   std::thread thread_;
 };
 
