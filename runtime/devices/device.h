@@ -64,6 +64,12 @@ struct DeviceCounter {
   std::uint64_t value;
 };
 
+// Why a device was last absent, or took its motors to zero, and what to do about it: each a part of
+// a sentence, empty where there was nothing.
+struct DeviceTrouble {
+  std::string what, mend;
+};
+
 // A device as the loop sees it. read() and write() are called from the loop's thread only: they
 // never block, allocate or call out; slow I/O lives on a thread of the device's own, which passes
 // every wrench through an OutputWatch (output_watch.h), so that a loop that stands still is not
@@ -89,9 +95,8 @@ class Device {
   // What its own side counted since start(), for the report.
   virtual std::vector<DeviceCounter> counters() const { return {}; }
 
-  // Why the device was last absent, for a message; empty where it never was. Not for the loop's
-  // thread.
-  virtual std::string trouble() const { return {}; }
+  // For a message. Not for the loop's thread.
+  virtual DeviceTrouble trouble() const { return {}; }
 };
 
 }  // namespace forcelayer

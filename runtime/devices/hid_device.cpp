@@ -16,7 +16,7 @@ namespace {
 constexpr long long kNsPerMs = 1'000'000;
 constexpr int kGreetMs = 1000, kHelloMs = 50, kFirstStateMs = 500;
 constexpr long long kSilentNs = 100 * kNsPerMs;  // without a new state: the connection is lost
-constexpr long long kAbsentNs = 20 * kNsPerMs;   // after a fault: longer than the stage's patience
+constexpr long long kShownNs = 20 * kNsPerMs;    // of a fault or watchdog, so that the loop sees it
 constexpr long long kResendNs = 1 * kNsPerMs;    // of a fading wrench
 constexpr long long kHeartbeatNs = 10 * kNsPerMs;  // of zero, below any sensible watchdog
 constexpr std::uint32_t kWatchdogUs = 20'000;      // DESIGN 7
@@ -79,9 +79,10 @@ DeviceSample HidDevice::read(double) noexcept {
   sample.buttons = state_.buttons;
   sample.sequence = state_.sequence;
   sample.calibrated = (state_.status & kHapticCalibrated) != 0;
-  sample.output_held = held_.load(std::memory_order_relaxed);
-  sample.present =
-      link_.connected() && monotonic_ns() >= absent_until_ns_.load(std::memory_order_relaxed);
+  const long long now_ns = monotonic_ns();
+  sample.output_held = held_.load(std::memory_order_relaxed) ||
+                       now_ns < held_until_ns_.load(std::memory_order_relaxed);
+  sample.present = link_.connected() && now_ns >= absent_until_ns_.load(std::memory_order_relaxed);
   return sample;
 }
 
@@ -248,20 +249,27 @@ void HidDevice::note_status(std::uint16_t status, long long now_ns) noexcept {
   const std::uint16_t bad = status & (kHapticWatchdog | kHapticFault);
   if (bad == 0) return;
   bad_status_.store(bad, std::memory_order_relaxed);
-  absent_until_ns_.store(now_ns + kAbsentNs, std::memory_order_relaxed);
+  bad_losses_.store(link_.losses(), std::memory_order_relaxed);
+  std::atomic<long long>& until_ns = (bad & kHapticFault) != 0 ? absent_until_ns_ : held_until_ns_;
+  until_ns.store(now_ns + kShownNs, std::memory_order_relaxed);
 }
 
-const char* HidDevice::look(long long now_ns) noexcept {
+HidLoss HidDevice::look(long long now_ns) noexcept {
   if (!watch_.taken) {
     watch_.taken = true;
     known_state_.store(watch_.newest.sequence, std::memory_order_relaxed);
     states_.put(watch_.newest);
   }
-  if (write_failed_.load(std::memory_order_relaxed)) return "the device takes no commands";
-  if (now_ns - watch_.newest_ns <= kSilentNs) return nullptr;
-  if (watch_.malformed > 0) return "the device's reports are not sound";
-  if (watch_.repeated > 0) return "the device is frozen: it repeats its reports";
-  return "the device is frozen: it sends no reports";
+  if (write_failed_.load(std::memory_order_relaxed)) {
+    return {"the device takes no commands", "look at plug and power"};
+  }
+  if (now_ns - watch_.newest_ns <= kSilentNs) return {};
+  if (watch_.malformed > 0) {
+    return {"the device's reports are not sound", "look at its cable and its firmware"};
+  }
+  const char* const mend = "switch it off and on, and look at its firmware";
+  if (watch_.repeated > 0) return {"the device is frozen: it repeats its reports", mend};
+  return {"the device is frozen: it sends no reports", mend};
 }
 
 void HidDevice::detach() noexcept {
@@ -335,12 +343,17 @@ std::vector<DeviceCounter> HidDevice::counters() const {
           {"longest_write_ns", s.longest_write_ns}};
 }
 
-std::string HidDevice::trouble() const {
-  if (std::string link = link_.trouble(); !link.empty()) return link;
-  const std::uint16_t bad = bad_status_.load();
-  if ((bad & kHapticFault) != 0) return "the device reports a fault";
-  if ((bad & kHapticWatchdog) != 0) return "the device's watchdog tripped";
-  return {};
+DeviceTrouble HidDevice::trouble() const {
+  // What it reported, unless the connection was lost since.
+  const std::uint16_t bad = bad_losses_.load() == link_.losses() ? bad_status_.load() : 0;
+  if ((bad & kHapticFault) != 0) {
+    return {"the device reports a fault", "look it up in its manual, and switch it off and on"};
+  }
+  if ((bad & kHapticWatchdog) != 0) {
+    return {"the device's watchdog tripped",
+            "it heard nothing in time: see voxrun doctor, and leave its USB bus to it alone"};
+  }
+  return link_.trouble();
 }
 
 }  // namespace forcelayer

@@ -44,7 +44,7 @@ class HidDevice final : public Device, private HidLinkClient {
   HidStatistics statistics() const;
 
   std::vector<DeviceCounter> counters() const override;
-  std::string trouble() const override;
+  DeviceTrouble trouble() const override;
 
  private:
   // A wrench of the loop on its way to the writer.
@@ -64,7 +64,7 @@ class HidDevice final : public Device, private HidLinkClient {
 
   Status attach(HidPort& port, const HidDeviceInfo& info) override;
   void take_report(std::span<const std::uint8_t> report, long long now_ns) noexcept override;
-  const char* look(long long now_ns) noexcept override;
+  HidLoss look(long long now_ns) noexcept override;
   void detach() noexcept override;
 
   Status greet(HidPort& port, const HidDeviceInfo& info);
@@ -93,8 +93,10 @@ class HidDevice final : public Device, private HidLinkClient {
   std::atomic<bool> writer_stop_{false}, write_failed_{false};
   std::atomic<bool> held_{true};               // the writer sends zero whatever it is given
   std::atomic<std::uint32_t> known_state_{0};  // newest sequence, for the writer
-  std::atomic<std::uint16_t> bad_status_{0};   // that took the device away last
-  std::atomic<long long> absent_until_ns_{0};  // after a fault or watchdog
+  std::atomic<std::uint16_t> bad_status_{0};   // watchdog or fault: the last that it reported
+  std::atomic<std::uint64_t> bad_losses_{0};   // link_.losses() at that time
+  std::atomic<long long> absent_until_ns_{0};  // after a fault
+  std::atomic<long long> held_until_ns_{0};    // after its watchdog
   std::atomic<std::uint64_t> count_states_{0}, count_gaps_{0}, count_repeated_{0},
       count_malformed_{0}, count_commands_{0}, count_faded_{0}, longest_write_ns_{0};
   HidLink link_;

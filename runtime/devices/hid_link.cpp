@@ -1,6 +1,7 @@
 #include "runtime/devices/hid_link.h"
 
 #include <array>
+#include <utility>
 
 #include "runtime/real_time.h"
 
@@ -10,6 +11,11 @@ namespace {
 constexpr std::size_t kMaxReportBytes = 4096;
 constexpr int kMaxDrained = 256;  // four full queues of the kernel: then a look is due
 constexpr int kStopLookMs = 10;   // how soon a wait sees that it is to stop
+
+DeviceTrouble described(Error error) {
+  std::string mend = std::exchange(error.mend, {});
+  return {to_line(error), std::move(mend)};
+}
 
 }  // namespace
 
@@ -38,12 +44,12 @@ void HidLink::stop() noexcept {
   if (thread_.joinable()) thread_.join();
 }
 
-std::string HidLink::trouble() const {
+DeviceTrouble HidLink::trouble() const {
   const std::lock_guard lock(trouble_mutex_);
   return trouble_;
 }
 
-void HidLink::lose(const std::string& why) noexcept {
+void HidLink::lose(const DeviceTrouble& why) noexcept {
   const std::lock_guard lock(trouble_mutex_);
   trouble_ = why;
 }
@@ -55,12 +61,12 @@ void HidLink::wait_to_retry() noexcept {
 }
 
 // The kernel's queue keeps the oldest reports when it is full: it is emptied every time.
-const char* HidLink::read_round() noexcept {
+HidLoss HidLink::read_round() noexcept {
   std::array<std::uint8_t, kMaxReportBytes> report;
   int wait_ms = kReadWaitMs;
   for (int i = 0; i < kMaxDrained; ++i, wait_ms = 0) {
     const int bytes = port_->read(report, wait_ms);
-    if (bytes < 0) return "the device was unplugged";
+    if (bytes < 0) return {"the device was unplugged", "look at plug and power"};
     if (bytes == 0) break;
     client_.take_report(std::span(report).first(static_cast<std::size_t>(bytes)), monotonic_ns());
   }
@@ -73,12 +79,15 @@ void HidLink::run() noexcept {
     if (port_ == nullptr) {
       wait_to_retry();
       if (stop_.load()) break;
-      if (const Status again = connect(); !again) lose(to_line(again.error()));
+      const Status again = connect();
+      // That it is not plugged in says no more than why it was lost.
+      if (!again && again.error().code != ErrorCode::kDeviceNotFound)
+        lose(described(again.error()));
       continue;
     }
-    const char* const lost = read_round();
-    if (lost == nullptr) continue;
-    lose(lost);
+    const HidLoss lost = read_round();
+    if (lost.what == nullptr) continue;
+    lose({lost.what, lost.mend});
     losses_.fetch_add(1, std::memory_order_relaxed);
     connected_.store(false, std::memory_order_release);
     client_.detach();

@@ -6,9 +6,16 @@
 #include <string>
 #include <thread>
 
+#include "runtime/devices/device.h"
 #include "runtime/devices/hid_port.h"
 
 namespace forcelayer {
+
+// Why a connection ends, as in DeviceTrouble; nullptr where it does not.
+struct HidLoss {
+  const char* what = nullptr;
+  const char* mend = nullptr;
+};
 
 // What a driver does with its device. Everything but the first attach() of HidLink::start() is
 // called on the link's thread.
@@ -22,8 +29,8 @@ class HidLinkClient {
   virtual void take_report(std::span<const std::uint8_t> report, long long now_ns) noexcept = 0;
 
   // After all that waited was taken, and at least every kReadWaitMs. Why the connection is to be
-  // given up, or nullptr.
-  virtual const char* look(long long now_ns) noexcept = 0;
+  // given up; else nothing.
+  virtual HidLoss look(long long now_ns) noexcept = 0;
 
   virtual void detach() noexcept = 0;
 };
@@ -58,13 +65,13 @@ class HidLink {
 
   // Why the device was lost last or cannot be had again; empty where it never was. Not for the
   // loop's thread.
-  std::string trouble() const;
+  DeviceTrouble trouble() const;
 
  private:
   Status connect();
   void run() noexcept;
-  const char* read_round() noexcept;
-  void lose(const std::string& why) noexcept;
+  HidLoss read_round() noexcept;
+  void lose(const DeviceTrouble& why) noexcept;
   void wait_to_retry() noexcept;
 
   HidBus& bus_;
@@ -77,7 +84,7 @@ class HidLink {
   std::atomic<bool> connected_{false};
   std::atomic<std::uint64_t> losses_{0};
   mutable std::mutex trouble_mutex_;
-  std::string trouble_;
+  DeviceTrouble trouble_;
 };
 
 }  // namespace forcelayer

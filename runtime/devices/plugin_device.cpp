@@ -217,9 +217,26 @@ void PluginDevice::stop() noexcept {
   while (!ended_.load(std::memory_order_acquire) && monotonic_ns() < until_ns) {
     sleep_until_ns(monotonic_ns() + kPollNs);
   }
-  if (!ended_.load(std::memory_order_acquire)) kill(process_, SIGKILL);
+  if (!ended_.load(std::memory_order_acquire)) {
+    killed_ = true;
+    kill(process_, SIGKILL);
+  }
   waiter_.join();
   process_ = -1;
+}
+
+// How its process ended says it, unless it ended because it was asked to.
+DeviceTrouble PluginDevice::trouble() const {
+  if (link_ == nullptr) return {};
+  if (killed_) {
+    return {"the plugin hung and was killed", "one of its functions, or its SDK, does not return"};
+  }
+  if (link_->state.load() == PluginState::kLost) {
+    return {"the plugin lost its device", "look at plug and power"};
+  }
+  const bool crashed = ended_.load() && link_->state.load() != PluginState::kClosed;
+  if (!crashed) return {};
+  return {"the plugin crashed: " + end_text(exit_status_), "look at the plugin, or its SDK"};
 }
 
 }  // namespace forcelayer

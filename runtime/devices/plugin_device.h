@@ -41,6 +41,8 @@ class PluginDevice final : public Device {
   // Asks the process to close the device, and waits for up to two seconds before it is killed.
   void stop() noexcept override;
 
+  DeviceTrouble trouble() const override;
+
  private:
   Status launch();
   Status shake_hands();
@@ -53,6 +55,7 @@ class PluginDevice final : public Device {
   std::thread waiter_;  // reaps the process
   std::atomic<bool> ended_{false};
   int exit_status_ = 0;  // of waitpid; read after ended_
+  bool killed_ = false;  // by stop(), as it did not close its device
   PluginReading last_{};
 };
 

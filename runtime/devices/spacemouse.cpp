@@ -26,7 +26,6 @@ DeviceCapabilities spacemouse_capabilities() {
   device.delay_s = 0.001;
   device.rate_hz = 100;
   device.senses_velocity = true;
-  device.watchdog_s = 0.001;  // nothing to switch off
   device.hardware = true;
   return device;
 }
@@ -115,10 +114,10 @@ void SpaceMouse::take_report(std::span<const std::uint8_t> report, long long now
   news_ = true;
 }
 
-const char* SpaceMouse::look(long long) noexcept {
+HidLoss SpaceMouse::look(long long) noexcept {
   if (news_) handed_.put(received_);
   news_ = false;
-  return nullptr;
+  return {};
 }
 
 void SpaceMouse::detach() noexcept {

@@ -57,7 +57,7 @@ class SpaceMouse final : public Device, private HidLinkClient {
   void write(const Wrench&) noexcept override {}  // there are no motors
   void stop() noexcept override { link_.stop(); }
 
-  std::string trouble() const override { return link_.trouble(); }
+  DeviceTrouble trouble() const override { return link_.trouble(); }
 
  private:
   struct Received {
@@ -67,7 +67,7 @@ class SpaceMouse final : public Device, private HidLinkClient {
 
   Status attach(HidPort& port, const HidDeviceInfo& info) override;
   void take_report(std::span<const std::uint8_t> report, long long now_ns) noexcept override;
-  const char* look(long long now_ns) noexcept override;
+  HidLoss look(long long now_ns) noexcept override;
   void detach() noexcept override;
   void light(bool on) noexcept;
 

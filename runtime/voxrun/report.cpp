@@ -1,6 +1,7 @@
 #include "runtime/voxrun/report.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdarg>
 #include <cstdio>
@@ -60,6 +61,58 @@ Json parameters_json(const Parameters& p) {
                           p.inertia_kgm2[0][1], p.inertia_kgm2[0][2], p.inertia_kgm2[1][2]};
   json["braking"] = p.braking;
   return json;
+}
+
+bool drives_force(const DeviceCapabilities& c) {
+  return (c.actuated_axes & (kAxisX | kAxisY | kAxisZ)) != 0;
+}
+bool drives_torque(const DeviceCapabilities& c) {
+  return (c.actuated_axes & (kAxisRotX | kAxisRotY | kAxisRotZ)) != 0;
+}
+
+// What a device declares; null: not declared, or none.
+Json capabilities_json(const DeviceCapabilities& c) {
+  const auto axes = [](std::uint32_t bits) {
+    const char* const names[] = {"x", "y", "z", "rot_x", "rot_y", "rot_z"};
+    Json json = Json::array();
+    for (int i = 0; i < 6; ++i) {
+      if ((bits >> i & 1) != 0) json.push_back(names[i]);
+    }
+    return json;
+  };
+  const auto declared = [](double value) { return value > 0 ? Json(value) : Json(nullptr); };
+  return {{"name", c.name},
+          {"sensed_axes", axes(c.sensed_axes)},
+          {"actuated_axes", axes(c.actuated_axes)},
+          {"max_force_n", drives_force(c) ? c.max_force_n : 0},
+          {"max_torque_nm", drives_torque(c) ? c.max_torque_nm : 0},
+          {"max_stiffness_n_per_m", declared(c.max_stiffness_n_per_m)},
+          {"max_stiffness_nm_per_rad", declared(c.max_stiffness_nm_per_rad)},
+          {"damping_ns_per_m", c.damping_ns_per_m},
+          {"damping_nms_per_rad", c.damping_nms_per_rad},
+          {"friction_n", declared(c.friction_n)},
+          {"friction_nm", declared(c.friction_nm)},
+          {"encoder_step_m", declared(c.encoder_step_m)},
+          {"encoder_step_rad", declared(c.encoder_step_rad)},
+          {"apparent_mass_kg", declared(c.apparent_mass_kg)},
+          {"apparent_inertia_kgm2", declared(c.apparent_inertia_kgm2)},
+          {"delay_s", c.delay_s},
+          {"workspace_radius_m", declared(c.workspace_radius_m)},
+          {"rate_hz", declared(c.rate_hz)},
+          {"senses_velocity", c.senses_velocity},
+          {"watchdog_s", declared(c.watchdog_s)},
+          {"hardware", c.hardware}};
+}
+
+std::string capabilities_text(const DeviceCapabilities& c) {
+  std::string line =
+      text("device %s: senses %d axes, drives %d, at most %.4g N and %.4g N m", c.name.c_str(),
+           std::popcount(c.sensed_axes), std::popcount(c.actuated_axes),
+           drives_force(c) ? c.max_force_n : 0, drives_torque(c) ? c.max_torque_nm : 0);
+  if (c.workspace_radius_m > 0) line += text(", workspace %.3g m about it", c.workspace_radius_m);
+  if (c.rate_hz > 0) line += text(", %.6g Hz", c.rate_hz);
+  if (c.hardware && c.watchdog_s > 0) line += text(", watchdog %.3g ms", c.watchdog_s * 1000);
+  return line + "\n";
 }
 
 // Causes of the deadline misses, most frequent last, and the worst one.
@@ -164,6 +217,7 @@ std::string start_text(const Simulation& simulation, const RunFacts& facts) {
               std::string(to_text(p.model)).c_str(), std::string(to_text(p.force)).c_str(),
               p.rate_hz, facts.device.c_str(), p.coupling_n_per_m, p.field_n_per_m,
               p.mass_kg * 1000) +
+         (facts.capabilities ? capabilities_text(*facts.capabilities) : std::string()) +
          "guaranteed separation: " + guarantee_text(facts.guarantee) + "\n";
 }
 
@@ -206,6 +260,8 @@ Json report_json(const RunFacts& facts, const LoopStatistics& s) {
   json["scene"] = facts.options.scene;
   json["part"] = facts.options.part;
   json["device"] = facts.device;
+  json["device_capabilities"] =
+      facts.capabilities ? capabilities_json(*facts.capabilities) : Json(nullptr);
   json["model"] = to_text(facts.parameters.model);
   json["force"] = to_text(facts.parameters.force);
   json["frames"] = s.frames;

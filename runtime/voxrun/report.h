@@ -23,10 +23,11 @@ struct RunFacts {
   SeparationGuarantee guarantee;
   double pose_error_m = 0;
   std::string device;
+  std::optional<DeviceCapabilities> capabilities;  // none in a replay
   std::uint64_t output_trips = 0;
   TripCause last_trip = TripCause::kNone;
   double last_trip_s = 0;
-  std::string device_trouble;  // why the device was last absent, in its own words
+  DeviceTrouble device_trouble;
   std::vector<DeviceCounter> device_counters;
   bool ended_tripped = false;
   std::vector<OutputEvent> events;

@@ -55,6 +55,7 @@ Status make_input(const Options& options, Session& session) {
   session.input = std::make_unique<DeviceInput>(*session.device.device, session.placement, limits);
   session.facts.device = options.device;
   const DeviceCapabilities& known = session.device.device->capabilities();
+  session.facts.capabilities = known;
   if (known.actuated_axes == 0) {
     session.facts.warnings.push_back(known.name + " has no motors: no force will be felt");
   }
@@ -252,17 +253,25 @@ Status check_replay(const Session& session) {
                "replay with the program and on the kind of machine that recorded it"};
 }
 
+bool is_of_device(TripCause cause) {
+  return cause == TripCause::kDeviceLost || cause == TripCause::kFrozen ||
+         cause == TripCause::kOutputHeld;
+}
+
 // A run that ends with the output tripped did not end well, and says so.
 Status check_output(const RunFacts& facts) {
   if (!facts.ended_tripped) return {};
+  // What its own side has to say, where the trip is about that side.
+  DeviceTrouble trouble;
+  if (is_of_device(facts.last_trip)) trouble = facts.device_trouble;
   char when[32];
   std::snprintf(when, sizeof when, "at %.3f s", facts.last_trip_s);
   const bool map_lost = facts.last_trip == TripCause::kMapLost;
   return Error{map_lost ? ErrorCode::kTruncated : ErrorCode::kDeviceFailed,
                map_lost ? facts.options.scene + " or " + facts.options.part : facts.device, when,
                std::string("output to zero: ") + to_text(facts.last_trip) +
-                   (facts.device_trouble.empty() ? "" : " (" + facts.device_trouble + ")"),
-               how_to_mend(facts.last_trip)};
+                   (trouble.what.empty() ? "" : " (" + trouble.what + ")"),
+               trouble.mend.empty() ? how_to_mend(facts.last_trip) : trouble.mend};
 }
 
 FrameSink progress_sink(const Options& options, const LoopOptions& loop, ProgressLine& line) {

@@ -37,6 +37,11 @@ deadline_misses max_force_n max_torque_nm energy_generated_j parameters""".split
 assert all(k in run["step_ns"] for k in ("p50", "p99", "p999", "max"))
 assert run["frames"] == 700 and run["force_layer_frames"] > 100, run["frames"]
 assert run["outcome_hash"] == again["outcome_hash"]
+device = run["device_capabilities"]
+assert device["name"] == "sim" and device["max_force_n"] == 15 and device["max_torque_nm"] == 0.1
+assert device["sensed_axes"] == device["actuated_axes"] == ["x", "y", "z", "rot_x", "rot_y", "rot_z"]
+assert device["damping_ns_per_m"] > 0 and device["workspace_radius_m"] is None
+assert again["device_capabilities"] is None
 rho, e_pose = math.sqrt(3) / 2 * 0.005, run["pose_error_m"]
 assert abs(run["guaranteed_separation_m"] - (0.005 - 0.866 * 0.005 - e_pose)) < 1e-12
 rows, again_rows = list(csv.DictReader(open("run.csv"))), list(csv.DictReader(open("again.csv")))

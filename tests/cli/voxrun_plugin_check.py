@@ -75,13 +75,13 @@ def events(name):
 
 def device_faults():
     expected = {
-        "unplug": "does not answer",
+        "unplug": "does not answer (the plugin lost its device); look at plug and power",
         "freeze": "no fresh reading",
         "nan": "not finite",
         "absurd": "units",
         "uncalibrated": "not calibrated",
-        "crash": "does not answer",
-        "hang": "no fresh reading",
+        "crash": "does not answer (the plugin crashed: its process was ended by signal",
+        "hang": "no fresh reading from the device (the plugin hung and was killed); one of its",
     }
     running = {fault: start(fault, f"fault={fault} at=0.8") for fault in expected}
     for fault, text in expected.items():

@@ -116,13 +116,13 @@ TEST_F(HidVm, AnUnpluggedDeviceIsZeroAndComesBackFromZero) {
   felt();
   unit.unplug();
   ASSERT_TRUE(host_runs(host, push, sample, [&] {
-    return !sample.present && host.trouble() == "the device was unplugged";
-  })) << host.trouble();
+    return !sample.present && host.trouble().what == "the device was unplugged";
+  })) << host.trouble().what;
   ASSERT_TRUE(host_runs(host, push, sample, [&] { return unit.device.watchdog_holds(); }));
   const std::size_t logged = unit.device.log().size();
   unit.plug();
   ASSERT_TRUE(host_runs(host, push, sample, [&] { return sample.present && sample.fresh; }))
-      << host.trouble();
+      << host.trouble().what;
   ASSERT_TRUE(sample.output_held);
   for (int i = 0; i < 100; ++i) host_runs(host, push, sample, [] { return true; });
   ASSERT_TRUE(host_runs(host, {}, sample, [&] { return !sample.output_held; }));
@@ -146,11 +146,11 @@ TEST_F(HidVm, AFrozenDeviceGivesNoFreshPoseAndItsReason) {
     unit.device.set_fault(c.fault);
     ASSERT_TRUE(host_runs(
         host, push, sample,
-        [&] { return !sample.present && host.trouble().find(c.reason) != std::string::npos; }))
-        << c.reason << ", but " << host.trouble();
+        [&] { return !sample.present && host.trouble().what.find(c.reason) != std::string::npos; }))
+        << c.reason << ", but " << host.trouble().what;
     unit.device.set_fault(Fault::kNone);
     ASSERT_TRUE(host_runs(host, {}, sample, [&] { return sample.present && !sample.output_held; }))
-        << c.reason << ": " << host.trouble();
+        << c.reason << ": " << host.trouble().what;
     ASSERT_TRUE(host_runs(host, push, sample, [&] { return !is_zero(unit.device.motors()); }));
   }
 }
@@ -218,7 +218,7 @@ void follow(const UhidIdentity& identity, const Descriptor& descriptor,
   device.reset();
   EXPECT_TRUE(host_runs(mouse, {}, sample, [&] { return !sample.present; }));
   device = std::make_unique<UhidDevice>(identity, descriptor, [](auto) {});
-  EXPECT_TRUE(host_runs(mouse, {}, sample, [&] { return sample.present; })) << mouse.trouble();
+  EXPECT_TRUE(host_runs(mouse, {}, sample, [&] { return sample.present; })) << mouse.trouble().what;
   mouse.stop();
   const std::lock_guard lock(mutex);
   ASSERT_GE(written.size(), 1u);

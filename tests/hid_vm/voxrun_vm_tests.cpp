@@ -11,6 +11,7 @@
 #include <sstream>
 
 #include "tests/hid_vm/uhid_device.h"
+#include "tests/support/hid_descriptors.h"
 
 namespace forcelayer::test {
 namespace {
@@ -189,6 +190,68 @@ TEST_F(VoxrunVm, AFrozenDeviceEndsTheRun) {
   EXPECT_EQ(run.wait(), 5) << run.said();
   std::printf("frozen, voxrun said: %s", run.said().c_str());
   EXPECT_TRUE(is_zero(unit.device.motors()));
+}
+
+TEST_F(VoxrunVm, AWatchdogThatTripsIsSaidWithWhatToDo) {
+  Voxrun run("--device hid --duration 60s");
+  ASSERT_TRUE(felt());
+  unit.device.set_fault(VirtualHapticDevice::Fault::kDeaf);
+  EXPECT_EQ(run.wait(), 5) << run.said();
+  std::printf("unheard, voxrun said: %s", run.said().c_str());
+  EXPECT_NE(run.said().find("watchdog tripped"), std::string::npos) << run.said();
+  EXPECT_NE(run.said().find("doctor"), std::string::npos) << run.said();
+  EXPECT_TRUE(is_zero(unit.device.motors()));
+}
+
+// A cap that is pushed down: the part comes down on the slab and stays on it; nothing is felt, and
+// that is said; a replay is the same.
+TEST(VoxrunVmSpaceMouse, MovesThePartOntoTheWall) {
+  std::mutex mutex;
+  std::vector<std::vector<std::uint8_t>> written;
+  UhidDevice cap({"SpaceMouse Pro", "", 0x256f, 0xc635}, combined_spacemouse(), [&](auto report) {
+    const std::lock_guard lock(mutex);
+    written.emplace_back(report.begin(), report.end());
+  });
+  ASSERT_TRUE(cap.created());
+  std::atomic<bool> stop{false};
+  std::thread hand([&] {
+    const std::vector<std::uint8_t> down{1, 0, 0, 0, 0, 0x5e, 1, 0, 0, 0, 0, 0, 0};  // all the way
+    for (; !stop; sleep_until_ns(monotonic_ns() + 10 * kMs)) cap.send(down);
+  });
+  Voxrun run(
+      "--device spacemouse --world-from-device 0.1,0.1,0.1 --duration 1s --record cap.flr "
+      "--trace cap.csv --json cap.json");
+  const int status = run.wait();
+  stop = true;
+  hand.join();
+  ASSERT_EQ(status, 0) << run.said();
+  EXPECT_NE(run.said().find("no force will be felt"), std::string::npos) << run.said();
+  const auto rows = read_trace("cap.csv");
+  ASSERT_EQ(rows.size(), 1000u);
+  std::printf("voxrun --device spacemouse: the cap went to z = %.1f mm, the part to %.1f mm\n",
+              1e3 * rows.back().at("handle_z_m"), 1e3 * rows.back().at("part_z_m"));
+  EXPECT_NEAR(rows.front().at("part_z_m"), 0.1, 1e-3);
+  EXPECT_LT(rows.back().at("handle_z_m"), 0.025);  // at 0.1 m/s
+  EXPECT_GT(rows.back().at("part_z_m"), 0.03);     // the ball's lower end: in the force layer
+  EXPECT_GT(rows.back().at("force_z_n"), 1);
+  std::ifstream file("cap.json");
+  const std::string report(std::istreambuf_iterator<char>(file), {});
+  EXPECT_NE(report.find("\"actuated_axes\": []"), std::string::npos) << report;
+
+  Voxrun replay("--device replay --replay cap.flr --as-fast-as-possible --trace again.csv --quiet");
+  ASSERT_EQ(replay.wait(), 0) << replay.said();
+  const auto again = read_trace("again.csv");
+  ASSERT_EQ(again.size(), rows.size());
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    for (const auto& [column, value] : rows[i]) {
+      if (column == "step_ns") continue;
+      ASSERT_EQ(again[i].at(column), value) << column << " of row " << i;
+    }
+  }
+  const std::lock_guard lock(mutex);
+  ASSERT_GE(written.size(), 2u);  // its LED: on, then off
+  EXPECT_EQ(written.front(), (std::vector<std::uint8_t>{4, 1}));
+  EXPECT_EQ(written.back(), (std::vector<std::uint8_t>{4, 0}));
 }
 
 TEST(VoxrunVmStart, SaysWhatIsMissing) {

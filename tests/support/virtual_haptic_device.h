@@ -52,6 +52,7 @@ class VirtualHapticDevice {
     kClockStill,  // counts on, but its clock stands still
     kDamaged,     // one bit of every report is wrong
     kReported,    // says itself that its motors are off
+    kDeaf,        // sends, but takes nothing
   };
   // A command as it came, and what the motors had right after it.
   struct Taken {
@@ -80,7 +81,7 @@ class VirtualHapticDevice {
   // A report from the host. What it did goes to the log, from the loop's first wrench on.
   void receive(std::span<const std::uint8_t> report) {
     const std::lock_guard lock(mutex_);
-    if (fault_ == Fault::kSilent) return;
+    if (fault_ == Fault::kSilent || fault_ == Fault::kDeaf) return;
     const auto bytes = static_cast<std::uint32_t>(report.size());
     if (haptic_receive(&firmware_, report.data(), bytes, now_us()) == 0 || report[0] != 0x81)
       return;

@@ -161,7 +161,7 @@ TEST(SpaceMouse, FollowsItsReportsLightsUpAndLetsGoOfASilentCap) {
   EXPECT_TRUE(until([&] { return sample.velocity.linear_mps.x == 0; }, {}));
   socket->plug(false);
   EXPECT_TRUE(until([&] { return !sample.present; }, {}));
-  EXPECT_EQ(mouse.trouble(), "the device was unplugged");
+  EXPECT_EQ(mouse.trouble().what, "the device was unplugged");
   socket->plug(true);
   EXPECT_TRUE(until([&] { return sample.present; }, {}));
   mouse.stop();
