@@ -1,5 +1,6 @@
 #include "runtime/level_push.h"
 
+#include <algorithm>
 #include <array>
 
 // Vectors stand in arrays here, which those of unknown size cannot.
@@ -24,47 +25,11 @@ constexpr Floats kF;
 constexpr Ints kI;
 constexpr std::size_t kLanes = HWY_LANES(float);
 
-// `value` in each of the four bytes of a lane. Bytes never leave [0, 255], so that sums and
-// differences of lanes are those of their bytes; differences are raised to stay positive.
-HWY_INLINE VI in_bytes(int value) { return hn::Set(kI, value * 0x01010101); }
-HWY_INLINE VI raised_difference(VI a, VI b, int raise) {
-  return hn::Sub(hn::Add(a, in_bytes(raise)), b);
-}
-// Byte n+1 of each lane in the place of byte n.
-HWY_INLINE VI next_byte(VI a) { return hn::ShiftRight<8>(a); }
-
-HWY_INLINE VF mix(VF a, VF b, VF share) { return hn::Add(a, hn::Mul(share, hn::Sub(b, a))); }
-
 HWY_INLINE VF dot(const VF (&a)[3], const VF (&b)[3]) {
   return hn::Add(hn::Add(hn::Mul(a[0], b[0]), hn::Mul(a[1], b[1])), hn::Mul(a[2], b[2]));
 }
 
 HWY_INLINE VF clamp01(VF x) { return hn::Min(hn::Max(x, hn::Zero(kF)), hn::Set(kF, 1.0f)); }
-
-// Sums over the eight voxels around the corners at one x and y of a voxel, raised by `raise`; those
-// at z and z+1 are bytes 0 and 1 of each lane.
-struct Corners {
-  VI sums[4];  // [2 x + y]
-  int raise;
-};
-
-// A byte, which is b, as the float 2^23 + b: exact, and cheaper than a conversion.
-constexpr std::int32_t kTwoTo23 = 0x4b000000;
-HWY_INLINE VF byte_over_two_to_23(VI lanes) {
-  return hn::BitCast(kF, hn::OrAnd(hn::Set(kI, kTwoTo23), lanes, hn::Set(kI, 0xff)));
-}
-
-HWY_INLINE VF mix_z(VI sums, int raise, VF share) {
-  const VF low = byte_over_two_to_23(sums), high = byte_over_two_to_23(next_byte(sums));
-  const VF base = hn::Set(kF, 8388608.0f + static_cast<float>(raise));
-  return hn::Add(hn::Sub(low, base), hn::Mul(share, hn::Sub(high, low)));
-}
-
-HWY_INLINE VF between_corners(const Corners& corners, const VF (&fraction)[3]) {
-  VF at[4];
-  for (int i = 0; i < 4; ++i) at[i] = mix_z(corners.sums[i], corners.raise, fraction[2]);
-  return mix(mix(at[0], at[1], fraction[1]), mix(at[2], at[3], fraction[1]), fraction[0]);
-}
 
 // Raised levels around `kLanes` points: lanes of words[x] hold those at z-1, z, z+1 in bytes 0 to 2
 // and, within a byte, those at y-1, y, y+1 in bits 0, 2 and 4.
@@ -72,36 +37,143 @@ struct Planes {
   VI words[3];
 };
 
+// Sums of levels are kept in 16 bits with as many digits as fit: those of eight raised levels, and
+// the differences of such sums, stay below 2^15.
+constexpr int kUnit = 1024;
+
+#if HWY_TARGET == HWY_SCALAR
+// The sums at the eight corners, times kUnit, between them along y and x.
+struct Corners {
+  std::int32_t sums[4][2] = {};  // [2 x + y][z]
+
+  std::int32_t at(int z, std::int32_t share_x, std::int32_t share_y) const {
+    return mix(mix(sums[0][z], sums[1][z], share_y), mix(sums[2][z], sums[3][z], share_y), share_x);
+  }
+
+ private:
+  static std::int32_t mix(std::int32_t a, std::int32_t b, std::int32_t share) {
+    return a + (((b - a) * share + 0x4000) >> 15);
+  }
+};
+
+HWY_INLINE VF between_corners(const Corners& corners, const VF (&fraction)[3], float scale) {
+  const auto share_x = static_cast<std::int32_t>(fraction[0].raw * 32768.0f);
+  const auto share_y = static_cast<std::int32_t>(fraction[1].raw * 32768.0f);
+  const auto low = static_cast<float>(corners.at(0, share_x, share_y));
+  const auto high = static_cast<float>(corners.at(1, share_x, share_y));
+  return VF((low + fraction[2].raw * (high - low)) * scale);
+}
+
+// phi (voxels) and its slope (per voxel): one point, where the machine has no vectors.
+HWY_INLINE void sample(const Planes& planes, const VF (&fraction)[3], VF& phi, VF (&slope)[3]) {
+  Corners level, along[3];
+  for (int corner = 0; corner < 8; ++corner) {
+    for (int voxel = 0; voxel < 8; ++voxel) {
+      const int up[3] = {voxel >> 2, voxel >> 1 & 1, voxel & 1};
+      const int x = (corner >> 2) + up[0], y = (corner >> 1 & 1) + up[1], z = (corner & 1) + up[2];
+      const std::int32_t raised = planes.words[x].raw >> (8 * z + 2 * y) & 3;
+      level.sums[corner >> 1][corner & 1] += kUnit * raised;
+      for (int axis = 0; axis < 3; ++axis) {
+        along[axis].sums[corner >> 1][corner & 1] += up[axis] ? kUnit * raised : -kUnit * raised;
+      }
+    }
+  }
+  phi = VF(between_corners(level, fraction, 1.0f / (8 * kUnit)).raw - 1.0f);
+  for (int axis = 0; axis < 3; ++axis) {
+    slope[axis] = between_corners(along[axis], fraction, 1.0f / (4 * kUnit));
+  }
+}
+#else
+// The same bits as numbers of 16 bits, two a lane, and of 8 bits, four a lane.
+using Halves = hn::Repartition<std::int16_t, Ints>;
+using Bytes = hn::Repartition<std::int8_t, Ints>;
+using VH = hn::Vec<Halves>;
+using VB = hn::Vec<Bytes>;
+constexpr Halves kH;
+constexpr Bytes kB;
+
+// Bytes kFirst and kFirst + 1 of each lane in the high bytes of its two halves: 256 times as much.
+template <int kFirst>
+HWY_INLINE VH two_bytes(VB lanes) {
+  constexpr auto kFrom = [] {
+    std::array<std::int8_t, 16> from{};
+    for (int n = 0; n < 16; ++n) {
+      from[static_cast<std::size_t>(n)] =
+          n % 2 == 0 ? std::int8_t{-1} : static_cast<std::int8_t>(n / 4 * 4 + kFirst + n % 4 / 2);
+    }
+    return from;
+  }();
+  return hn::BitCast(kH, hn::TableLookupBytesOr0(lanes, hn::LoadDup128(kB, kFrom.data())));
+}
+
+// Per corner of a voxel at one x and y a sum over the voxels around it, times kUnit; those at z
+// and z+1 are the halves of each lane.
+struct Corners {
+  VH sums[4];  // [2 x + y]
+};
+
+// Four times the levels in bits 2 and 3 of the bytes; two_bytes() makes kUnit of it.
+HWY_INLINE VB level_bytes(VI word) {
+  static_assert(kUnit == 4 * 256);
+  return hn::BitCast(kB, hn::And(word, hn::Set(kI, 0x0c0c0c0c)));
+}
+
+HWY_INLINE VH mix(VH a, VH b, VH share) {
+  return hn::Add(a, hn::MulFixedPoint15(hn::Sub(b, a), share));
+}
+
+// A fraction in 2^-15, rounded down, in both halves.
+HWY_INLINE VH fixed_share(VF fraction) {
+  const VI share = hn::ConvertTo(kI, hn::Mul(fraction, hn::Set(kF, 32768.0f)));
+  return hn::BitCast(kH, hn::Or(share, hn::ShiftLeft<16>(share)));
+}
+
+// Between the eight corners, times kUnit * 2^16.
+HWY_INLINE VF between_corners(const Corners& corners, VH share_x, VH share_y, VF share_z) {
+  const VH both = mix(mix(corners.sums[0], corners.sums[1], share_y),
+                      mix(corners.sums[2], corners.sums[3], share_y), share_x);
+  const VI lanes = hn::BitCast(kI, both);
+  const VF low = hn::ConvertTo(kF, hn::ShiftLeft<16>(lanes));
+  const VF high = hn::ConvertTo(kF, hn::And(lanes, hn::Set(kI, ~0xffff)));
+  return hn::Add(low, hn::Mul(share_z, hn::Sub(high, low)));
+}
+
 // phi (voxels) and its slope (per voxel).
 HWY_INLINE void sample(const Planes& planes, const VF (&fraction)[3], VF& phi, VF (&slope)[3]) {
-  VI sum_y[3][2], step_y[3][2];  // over and across the two rows at each corner's y
+  VB sum_y[3][2], step_y[3][2];  // over and across the two rows at each corner's y
   for (int x = 0; x < 3; ++x) {
-    const VI all = planes.words[x], level = in_bytes(3);
-    const VI rows[3] = {hn::And(all, level), hn::And(hn::ShiftRight<2>(all), level),
-                        hn::And(hn::ShiftRight<4>(all), level)};
+    const VI all = planes.words[x];
+    const VB rows[3] = {level_bytes(hn::ShiftLeft<2>(all)), level_bytes(all),
+                        level_bytes(hn::ShiftRight<2>(all))};
     for (int y = 0; y < 2; ++y) {
       sum_y[x][y] = hn::Add(rows[y], rows[y + 1]);
-      step_y[x][y] = raised_difference(rows[y + 1], rows[y], 4);
+      step_y[x][y] = hn::Sub(rows[y + 1], rows[y]);
     }
   }
-  Corners level{{}, 8}, along_x{{}, 16}, along_y{{}, 16}, along_z{{}, 16};
+  Corners level, along_x, along_y, along_z;
   for (int x = 0; x < 2; ++x) {
     for (int y = 0; y < 2; ++y) {
-      const VI column = hn::Add(sum_y[x][y], sum_y[x + 1][y]);
-      const VI across_x = raised_difference(sum_y[x + 1][y], sum_y[x][y], 8);
-      const VI across_y = hn::Add(step_y[x][y], step_y[x + 1][y]);
-      level.sums[2 * x + y] = hn::Add(column, next_byte(column));
-      along_x.sums[2 * x + y] = hn::Add(across_x, next_byte(across_x));
-      along_y.sums[2 * x + y] = hn::Add(across_y, next_byte(across_y));
-      along_z.sums[2 * x + y] = raised_difference(next_byte(column), column, 16);
+      const VB column = hn::Add(sum_y[x][y], sum_y[x + 1][y]);
+      const VB across_x = hn::Sub(sum_y[x + 1][y], sum_y[x][y]);
+      const VB across_y = hn::Add(step_y[x][y], step_y[x + 1][y]);
+      const VH below = two_bytes<0>(column), above = two_bytes<1>(column);
+      level.sums[2 * x + y] = hn::Add(below, above);
+      along_z.sums[2 * x + y] = hn::Sub(above, below);
+      along_x.sums[2 * x + y] = hn::Add(two_bytes<0>(across_x), two_bytes<1>(across_x));
+      along_y.sums[2 * x + y] = hn::Add(two_bytes<0>(across_y), two_bytes<1>(across_y));
     }
   }
-  const VF quarter = hn::Set(kF, 0.25f);
-  phi = hn::Mul(between_corners(level, fraction), hn::Set(kF, 0.125f));
-  slope[0] = hn::Mul(between_corners(along_x, fraction), quarter);
-  slope[1] = hn::Mul(between_corners(along_y, fraction), quarter);
-  slope[2] = hn::Mul(between_corners(along_z, fraction), quarter);
+  const VH share_x = fixed_share(fraction[0]), share_y = fixed_share(fraction[1]);
+  constexpr float kScale = 1.0f / (65536.0f * kUnit);
+  const VF per_level = hn::Set(kF, kScale / 8), per_step = hn::Set(kF, kScale / 4);
+  phi = hn::Sub(hn::Mul(between_corners(level, share_x, share_y, fraction[2]), per_level),
+                hn::Set(kF, 1.0f));
+  const Corners* along[3] = {&along_x, &along_y, &along_z};
+  for (int axis = 0; axis < 3; ++axis) {
+    slope[axis] = hn::Mul(between_corners(*along[axis], share_x, share_y, fraction[2]), per_step);
+  }
 }
+#endif
 
 // The vector u of level_field.h.
 HWY_INLINE void push(VF phi, const VF (&g)[3], const VF (&n)[3], VF (&u)[3]) {
@@ -176,10 +248,26 @@ struct Lanes {
   hn::Mask<Ints> wanted;
 };
 
+// Points go through the kernel in chunks, stage by stage: one vector's way is long, and processors
+// look ahead far enough to overlap several vectors only where each stage is short.
+constexpr std::size_t kChunk = 256;
+
+constexpr auto kNumbers = [] {
+  std::array<std::int32_t, kLanes> numbers{};
+  for (std::size_t i = 0; i < kLanes; ++i) numbers[i] = static_cast<std::int32_t>(i);
+  return numbers;
+}();
+
+// What the stages hand on for the points of a chunk.
+struct Stages {
+  HWY_ALIGN std::int32_t words[3][kChunk];  // Planes
+  HWY_ALIGN float phi[kChunk];
+  HWY_ALIGN float slope[3][kChunk];
+};
+
 // Points that were picked out, until they fill vectors.
 struct Picked {
-  static constexpr std::size_t kPoints = 256;
-  static constexpr std::size_t kRoom = kPoints + kLanes;
+  static constexpr std::size_t kRoom = kChunk + kLanes;
 
   HWY_ALIGN std::int32_t at[kRoom] = {};
   HWY_ALIGN std::int32_t voxel[3][kRoom] = {};
@@ -201,18 +289,22 @@ class Kernel {
     samples_.count = 0;
     const std::uint32_t band = points_.surface_count + points_.interior_count;
     if (kAllPoints || band >= points_.count - points_.count / 4) {
-      for (std::uint32_t first = 0; first < points_.count; first += kLanes) {
-        push_lanes(load(first, wanted_of(first)));
+      for (std::uint32_t first = 0; first < points_.count; first += kChunk) {
+        const auto from = [&](std::size_t i) HWY_ATTR {
+          const auto at = static_cast<std::uint32_t>(first + i);
+          return load(at, wanted_of(at));
+        };
+        push_chunk(std::min<std::size_t>(kChunk, points_.count - first), from);
       }
       return;
     }
     Picked picked;
     for (std::uint32_t first = 0; first < points_.count;) {
       picked.count = 0;
-      for (; first < points_.count && picked.count < Picked::kPoints; first += kLanes) {
+      for (; first < points_.count && picked.count + kLanes <= kChunk; first += kLanes) {
         pick(first, picked);
       }
-      for (std::size_t i = 0; i < picked.count; i += kLanes) push_lanes(load(picked, i));
+      push_chunk(picked.count, [&](std::size_t i) HWY_ATTR { return load(picked, i); });
     }
   }
 
@@ -227,7 +319,9 @@ class Kernel {
 
   HWY_INLINE Lanes load(std::uint32_t first, hn::Mask<Ints> wanted) const {
     Lanes lanes;
-    lanes.at = hn::Iota(kI, static_cast<std::int32_t>(first));
+    // Highway's own Iota is written to memory number by number.
+    lanes.at =
+        hn::Add(hn::Set(kI, static_cast<std::int32_t>(first)), hn::LoadU(kI, kNumbers.data()));
     const std::int32_t* voxel[3] = {points_.vx.data(), points_.vy.data(), points_.vz.data()};
     const float* fraction[3] = {points_.fx.data(), points_.fy.data(), points_.fz.data()};
     const float* normal[3] = {points_.nx.data(), points_.ny.data(), points_.nz.data()};
@@ -268,10 +362,31 @@ class Kernel {
     picked.count += pack.count();
   }
 
-  HWY_INLINE void push_lanes(const Lanes& lanes) {
-    if (!kAllPoints && hn::AllFalse(kI, lanes.wanted)) return;
-    VF slope[3], phi, u[3];
-    sample(gather(lanes), lanes.fraction, phi, slope);
+  // The first `count` points that load(i), load(i + kLanes), ... give.
+  template <class Load>
+  HWY_INLINE void push_chunk(std::size_t count, const Load& load) {
+    Stages& s = stages_;
+    for (std::size_t i = 0; i < count; i += kLanes) {
+      const Planes planes = gather(load(i));
+      for (int x = 0; x < 3; ++x) hn::Store(planes.words[x], kI, s.words[x] + i);
+    }
+    for (std::size_t i = 0; i < count; i += kLanes) {
+      Planes planes;
+      for (int x = 0; x < 3; ++x) planes.words[x] = hn::Load(kI, s.words[x] + i);
+      VF phi, slope[3];
+      sample(planes, load(i).fraction, phi, slope);
+      hn::Store(phi, kF, s.phi + i);
+      for (int axis = 0; axis < 3; ++axis) hn::Store(slope[axis], kF, s.slope[axis] + i);
+    }
+    for (std::size_t i = 0; i < count; i += kLanes) {
+      VF slope[3];
+      for (int axis = 0; axis < 3; ++axis) slope[axis] = hn::Load(kF, s.slope[axis] + i);
+      push_lanes(load(i), hn::Load(kF, s.phi + i), slope);
+    }
+  }
+
+  HWY_INLINE void push_lanes(const Lanes& lanes, VF phi, const VF (&slope)[3]) {
+    VF u[3];
     push(phi, slope, lanes.normal, u);
     const VF one = hn::Set(kF, 1.0f), size_m = hn::Set(kF, scale_.voxel_size_m);
     const VF length = hn::Sqrt(dot(u, u));
@@ -384,6 +499,7 @@ class Kernel {
   const LevelScale& scale_;
   LevelBricks& bricks_;
   FieldSamples& samples_;
+  Stages stages_;
 };
 
 void push_on_target(const CollectedPoints& points, const LevelScale& scale, LevelBricks& bricks,

@@ -25,6 +25,13 @@ using VI = hn::Vec<I>;
 using VU = hn::Vec<U>;
 using Mask = hn::Mask<U>;
 
+// first, first + 1, ... Highway's own Iota is written to memory number by number.
+HWY_INLINE VU numbers_from(std::uint32_t first) {
+  HWY_ALIGN static constexpr std::uint32_t kNumbers[16] = {0, 1, 2,  3,  4,  5,  6,  7,
+                                                           8, 9, 10, 11, 12, 13, 14, 15};
+  return hn::Add(hn::Set(U(), first), hn::Load(U(), kNumbers));
+}
+
 struct Three {
   VF x, y, z;
 };
@@ -197,7 +204,7 @@ HWY_INLINE void append(const KernelMap& map, const KernelShell& shell, const Vox
   const auto mf = hn::RebindMask(f, mask);
   const auto mi = hn::RebindMask(i, mask);
   const std::uint32_t at = out.count;
-  hn::CompressStore(hn::Iota(u, first), mask, u, &out.index[at]);
+  hn::CompressStore(numbers_from(first), mask, u, &out.index[at]);
   const hn::Rebind<std::uint8_t, U> bytes;
   hn::StoreU(hn::DemoteTo(bytes, hn::BitCast(i, hn::Compress(value, mask))), bytes, &out.value[at]);
   put(p.voxel.x, mi, &out.vx[at]);
@@ -236,7 +243,7 @@ void CollectBlocks(const KernelMap& map, const KernelShell& shell, const VoxelPo
     for (std::uint32_t first = begin; first < end; first += kLanes) {
       const Placed p = place(pose, {hn::LoadU(f, shell.x + first), hn::LoadU(f, shell.y + first),
                                     hn::LoadU(f, shell.z + first)});
-      const Mask real = hn::Lt(hn::Iota(u, first), hn::Set(u, shell.point_count));
+      const Mask real = hn::Lt(numbers_from(first), hn::Set(u, shell.point_count));
       if (map.cropped) {
         out.outside_map |= !hn::AllFalse(u, hn::And(real, outside_known(map, p.voxel)));
       }

@@ -17,6 +17,7 @@
 #include "runtime/tangent_plane.h"
 #include "tests/bench/bench_report.h"
 #include "tests/bench/force_bench_case.h"
+#include "tests/support/curve_order.h"
 #include "tests/support/point_part.h"
 
 namespace forcelayer::bench {
@@ -150,19 +151,22 @@ Json judge_all(double s_units, double cover, int orientations) {
           {"contacts", contacts}};
 }
 
-// Least time of a call in ns: other work on the machine can only add.
+// Least time of a call in ns, over so many seconds: other work on the machine and a slower clock
+// can only add.
 template <class Call>
-double least_ns(int repeats, Call call) {
+double least_ns(double seconds, Call call) {
   double least = 1e300;
-  for (int i = 0; i < repeats; ++i) {
+  const double end = now_s() + seconds;
+  do {
     const double start = now_s();
     call();
     least = std::min(least, now_s() - start);
-  }
+  } while (now_s() < end);
   return 1e9 * least;
 }
 
-// A part of the bench's shell lying on an oblique plane, halfway into the force layer.
+// A part of the bench's shell, in pointshell's order, lying on an oblique plane, halfway into the
+// force layer.
 Json measure_cost(const char* name, const AnalyticShell& shell, double height_m) {
   const double s = 0.0025;
   AnalyticStatic plane;
@@ -172,7 +176,7 @@ Json measure_cost(const char* name, const AnalyticShell& shell, double height_m)
   const Voxmap voxmap = test::make_voxmap(scene);
   test::PointPart part;
   part.voxel_size_m = s;
-  for (std::size_t i = 0; i < shell.points_m.size(); ++i) {
+  for (const std::size_t i : test::curve_order(shell.points_m, shell.radius_m)) {
     const auto& p = shell.points_m[i];
     const auto& n = shell.normals[i];
     part.add({p.x, p.y, p.z}, {n.x, n.y, n.z});
@@ -190,14 +194,19 @@ Json measure_cost(const char* name, const AnalyticShell& shell, double height_m)
   const double band = points.surface_count + points.interior_count;
   const LevelField level(voxmap);
   const TangentPlaneField tangent_plane(s);
-  constexpr int kRepeats = 2000;
-  const double level_ns = least_ns(kRepeats, [&] { level.evaluate(points, samples); });
-  const double tangent_ns = least_ns(kRepeats, [&] { tangent_plane.evaluate(points, samples); });
-  const double query_ns = least_ns(kRepeats / 10, [&] { query.run(pose, points); });
+  // In turns, so that all meet the machine in the same states.
+  double level_ns = 1e300, tangent_ns = 1e300, query_ns = 1e300;
+  for (int turn = 0; turn < 20; ++turn) {
+    constexpr double kTurnS = 0.1;
+    level_ns = std::min(level_ns, least_ns(kTurnS, [&] { level.evaluate(points, samples); }));
+    tangent_ns =
+        std::min(tangent_ns, least_ns(kTurnS, [&] { tangent_plane.evaluate(points, samples); }));
+    query_ns = std::min(query_ns, least_ns(kTurnS, [&] { query.run(pose, points); }));
+  }
   double cold_ns = 1e300;
   for (int i = 0; i < 20; ++i) {
     const LevelField fresh(voxmap);
-    cold_ns = std::min(cold_ns, least_ns(1, [&] { fresh.evaluate(points, samples); }));
+    cold_ns = std::min(cold_ns, least_ns(0, [&] { fresh.evaluate(points, samples); }));
   }
   const double ratio = (query_ns + level_ns) / (query_ns + tangent_ns);
   std::printf(

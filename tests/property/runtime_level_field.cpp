@@ -184,7 +184,7 @@ TEST_P(LevelFieldOnEveryTarget, HoldsWhereBricksReplaceEachOther) {
     }
   ASSERT_LT(slots_used.size(), 2450u) << "2500 bricks, and none shares a slot";
   const LevelField field(voxmap);
-  EXPECT_GT(compare_with_twin(field, Probe(random, scene, voxmap, 0, 20000)), 0u);
+  EXPECT_GT(compare_with_twin(field, Probe(random, scene, voxmap, 0, 5000)), 0u);
 }
 
 TEST(LevelField, TwinIsTheWeightedSumOverTwentySevenVoxels) {
@@ -194,8 +194,9 @@ TEST(LevelField, TwinIsTheWeightedSumOverTwentySevenVoxels) {
     const Voxel v = random_voxel(random, scene);
     const auto fraction = random_fraction(random);
     const ExactLevels exact = exact_levels(scene, v, fraction);
-    // Seven interpolations of sums up to 16 in single precision: 7 * 16 * 2^-24 at most.
-    EXPECT_NEAR(float_push(scene, v, fraction, {0, 0, 1}).phi, exact.phi, 7e-6);
+    // Shares along x and y lose up to 2^-15 each, at one per voxel; two interpolations are rounded
+    // to 2^-13, half of which they may be off; what single precision adds is a hundredth of that.
+    EXPECT_NEAR(float_push(scene, v, fraction, {0, 0, 1}).phi, exact.phi, 0x1p-14 + 0x1p-13 + 2e-6);
   }
 }
 

@@ -41,15 +41,19 @@ struct TwinPush {
 
 namespace detail {
 
-inline float mix(float a, float b, float share) { return a + share * (b - a); }
+// a + share * (b - a), the product rounded to the nearest, `share` in 2^-15.
+inline int mix(int a, int b, int share) { return a + (((b - a) * share + 0x4000) >> 15); }
 
-// Trilinear between eight corners (4 x + 2 y + z), z first.
+// Trilinear between eight corners (4 x + 2 y + z): y and x in integers of 1/1024, z in floats.
 inline float trilinear(const std::array<int, 8>& c, const std::array<float, 3>& f) {
-  std::array<float, 4> along_z{};
-  for (std::size_t i = 0; i < 4; ++i) {
-    along_z[i] = mix(static_cast<float>(c[2 * i]), static_cast<float>(c[2 * i + 1]), f[2]);
+  const int x = static_cast<int>(f[0] * 32768.0f), y = static_cast<int>(f[1] * 32768.0f);
+  std::array<float, 2> at_z{};
+  for (std::size_t z = 0; z < 2; ++z) {
+    const int low = mix(1024 * c[z], 1024 * c[2 + z], y);
+    const int high = mix(1024 * c[4 + z], 1024 * c[6 + z], y);
+    at_z[z] = static_cast<float>(mix(low, high, x)) * (1.0f / 1024);
   }
-  return mix(mix(along_z[0], along_z[1], f[1]), mix(along_z[2], along_z[3], f[1]), f[0]);
+  return at_z[0] + f[2] * (at_z[1] - at_z[0]);
 }
 
 }  // namespace detail
@@ -64,7 +68,7 @@ inline TwinPush float_push(const VoxelScene& scene, const Voxel& voxel,
       const Voxel at{voxel[0] - 1 + (c >> 2) + (v >> 2), voxel[1] - 1 + (c >> 1 & 1) + (v >> 1 & 1),
                      voxel[2] - 1 + (c & 1) + (v & 1)};
       const int l = level_of(scene, at, cropped_sides);
-      level[c] += l;
+      level[c] += l + 1;  // raised: none is negative
       dx[c] += v & 4 ? l : -l;
       dy[c] += v & 2 ? l : -l;
       dz[c] += v & 1 ? l : -l;
@@ -72,7 +76,7 @@ inline TwinPush float_push(const VoxelScene& scene, const Voxel& voxel,
   }
   const auto voxel_size_m = static_cast<float>(scene.voxel_size_m);
   TwinPush twin;
-  twin.phi = detail::trilinear(level, fraction) * 0.125f;
+  twin.phi = detail::trilinear(level, fraction) * 0.125f - 1.0f;
   const float gx = detail::trilinear(dx, fraction) * 0.25f;
   const float gy = detail::trilinear(dy, fraction) * 0.25f;
   const float gz = detail::trilinear(dz, fraction) * 0.25f;
