@@ -25,6 +25,7 @@ struct Arguments {
   std::vector<std::string> inputs;
   std::string output, voxel_size, units, covering_radius, mesh_deviation, json;
   std::string method = "surface", effort = "full";
+  TrustOptions trust;
   unsigned threads = 0;
   bool quiet = false;
   bool verify = false;
@@ -48,6 +49,7 @@ void declare_bake(CLI::App& app, Arguments& arguments) {
       ->check(CLI::IsMember({"fast", "full"}));
   app.add_option("--mesh-deviation", arguments.mesh_deviation,
                  "how far the mesh may be from the true part (default: 0)");
+  arguments.trust.declare(app);
   app.add_option("--threads", arguments.threads, "at most this many (default: all)");
   app.add_option("--json", arguments.json, "write a machine-readable report to this file");
   app.add_flag("--quiet", arguments.quiet, "no progress line, no summary, no warnings");
@@ -59,6 +61,7 @@ void declare_verify(CLI::App& app, Arguments& arguments) {
   verify->add_option("PART", arguments.shell, "the .pshell file")->required();
   verify->add_option("MESH", arguments.inputs, "the mesh files it was made from")->required();
   verify->add_option("--units", arguments.units, "unit of the mesh files");
+  arguments.trust.declare(*verify);
   verify->add_option("--threads", arguments.threads, "at most this many (default: all)");
   verify->add_option("--json", arguments.json, "write a machine-readable report to this file");
   verify->add_flag("--quiet", arguments.quiet, "no summary, no warnings");
@@ -122,7 +125,9 @@ void warn(const Arguments& arguments, const std::string& text) {
 Result<Part> load_part(const Arguments& arguments) {
   const auto units = units_option(arguments.units);
   if (!units) return units.error();
-  auto files = read_part(arguments.inputs, *units);
+  const auto reader = arguments.trust.reader();
+  if (!reader) return reader.error();
+  auto files = read_part(arguments.inputs, *units, *reader);
   if (!files) return files.error();
   for (const std::string& warning : files->warnings) warn(arguments, warning);
   return std::move(files->part);
@@ -234,6 +239,7 @@ Status verify_command(const Arguments& arguments) {
 
 int main(int argc, char** argv) {
   using namespace forcelayer;
+  if (const auto status = run_as_sandbox(argc, argv)) return *status;
   CLI::App app("Bakes the moving part of a haptic scene into a .pshell file", "pointshell");
   Arguments arguments;
   declare_bake(app, arguments);

@@ -4,12 +4,12 @@
 
 namespace forcelayer {
 Result<PartFiles> read_part(const std::vector<std::string>& paths,
-                            std::optional<double> chosen_unit_m) {
+                            std::optional<double> chosen_unit_m, const AssemblyReader& read) {
   PartFiles files;
   std::vector<Assembly> assemblies;
   std::vector<double> units;
   for (const std::string& path : paths) {
-    auto assembly = read_assembly(path);
+    auto assembly = read(path, {});
     if (!assembly) return assembly.error();
     for (const std::string& warning : assembly->warnings) {
       files.warnings.push_back(path + ": " + warning);

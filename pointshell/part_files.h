@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "formats/mesh/trust_options.h"
 #include "formats/result.h"
 #include "pointshell/part.h"
 
@@ -19,7 +20,8 @@ struct PartFiles {
 // kUsage) where a format does not define its own, and with a warning in place of the format's own
 // where it does. Other errors: those of read_assembly and assemble_part, with the file's name.
 Result<PartFiles> read_part(const std::vector<std::string>& paths,
-                            std::optional<double> metres_per_unit);
+                            std::optional<double> metres_per_unit,
+                            const AssemblyReader& read = read_assembly);
 
 // A warning where the file's 32-bit vertices are coarser than a thousandth of a voxel; else empty.
 std::string precision_warning(const Part& part, double voxel_size_m);

@@ -13,6 +13,7 @@
 #include "voxelize/cavities.h"
 #include "voxelize/directory_limit.h"
 #include "voxelize/flood.h"
+#include "voxelize/memory_limit.h"
 #include "voxelize/node_memory.h"
 #include "voxelize/offset.h"
 #include "voxelize/part_cache.h"
@@ -252,6 +253,9 @@ Status Pipeline::choose_region() {
 
 Result<PartVoxels> Pipeline::bake_part(std::size_t index) {
   Part& part = parts_[index];
+  const Status fits =
+      fit_memory(part.snapped, objects_[index].name, options_.voxel_size_m, available_bytes());
+  if (!fits) return fits.error();
   Stopwatch watch;
   PartVoxels voxels;
   voxels.geometry = scan_convert(part.snapped, directory_.origin);

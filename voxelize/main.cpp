@@ -10,6 +10,7 @@
 #include "formats/command/command.h"
 #include "formats/command/quantity.h"
 #include "formats/mesh/scene.h"
+#include "formats/mesh/trust_options.h"
 #include "voxelize/bake.h"
 #include "voxelize/cache_folder.h"
 #include "voxelize/mesh_source.h"
@@ -30,6 +31,7 @@ struct Arguments {
   std::string voxel_size, units, mesh_deviation, roi;
   std::string cache, share;
   std::optional<std::uint32_t> layers;
+  TrustOptions trust;
   std::vector<std::string> free_seeds;
   int threads = 0;
   bool narrow_passages = false;
@@ -59,6 +61,7 @@ void declare(CLI::App& app, Arguments& arguments) {
                  "folder in which parts that did not change are found again");
   app.add_option("--shard", arguments.share,
                  "I/N: bake the I-th of N shares of the parts into the cache, and no file");
+  arguments.trust.declare(app);
   app.add_flag("--narrow-passages", arguments.narrow_passages,
                "report which cavities open again at half the voxel size (slow)");
   app.add_option("--threads", arguments.threads, "threads (default: all)")
@@ -154,6 +157,7 @@ Status check_early(const Arguments& arguments) {
     return Error{ErrorCode::kUsage, "", "--output", "is missing", "add -o FILE.vox"};
   }
   if (const auto share = share_of(arguments); !share) return share.error();
+  if (const auto reader = arguments.trust.reader(); !reader) return reader.error();
   Scene unknown;
   unknown.voxel_size_m = 1;  // a manifest may give it
   const auto options = options_of(arguments, unknown);
@@ -245,6 +249,7 @@ Result<Scene> read_inputs(const Arguments& arguments, MeshSource& meshes, Progre
   const auto share = share_of(arguments);
   if (!share) return share.error();
   reading.share = *share;
+  reading.allow_outside = arguments.trust.allow_outside;
   reading.read = [&](const std::string& path, const ReadOptions& options) {
     return meshes.read(path, options);
   };
@@ -285,7 +290,7 @@ Status voxelize(const Arguments& arguments) {
     if (!folder) return folder.error();
     cache.emplace(std::move(*folder));
   }
-  MeshSource meshes(cache ? &*cache : nullptr);
+  MeshSource meshes(cache ? &*cache : nullptr, *arguments.trust.reader());
   const auto scene = read_inputs(arguments, meshes, progress);
   if (!scene) return scene.error();
   auto options = options_of(arguments, *scene);
@@ -341,6 +346,7 @@ int run(int argc, char** argv) {
 }  // namespace forcelayer
 
 int main(int argc, char** argv) {
+  if (const auto status = forcelayer::run_as_sandbox(argc, argv)) return *status;
   forcelayer::exit_cleanly_on_signals();
   return forcelayer::run(argc, argv);
 }

@@ -161,7 +161,7 @@ Result<Assembly> MeshSource::read(const std::string& path, const ReadOptions& op
       }
     }
   }
-  auto assembly = read_assembly(path, options);
+  auto assembly = read_(path, options);
   if (!assembly) return assembly;
   file.outlines = outlines_of(*assembly);
   // Kept under what was hashed: a file that changed in between is not.
@@ -182,7 +182,7 @@ std::vector<MeshOutline> MeshSource::outlines(const Scene& scene) const {
 Result<const Mesh*> MeshSource::mesh(const ScenePart& part) {
   File& file = files_[part.assembly];
   if (file.meshes.empty()) {
-    auto assembly = read_assembly(file.path, file.options);
+    auto assembly = read_(file.path, file.options);
     if (!assembly) return assembly.error();
     const std::vector<MeshOutline> outlines = outlines_of(*assembly);
     const bool same =

@@ -9,6 +9,7 @@
 #include "formats/mesh/mesh.h"
 #include "formats/mesh/mesh_facts.h"
 #include "formats/mesh/scene.h"
+#include "formats/mesh/trust_options.h"
 #include "formats/result.h"
 #include "voxelize/cache_folder.h"
 #include "voxelize/digest.h"
@@ -27,7 +28,9 @@ MeshOutline outline_of(const Mesh& mesh);
 
 class MeshSource {
  public:
-  explicit MeshSource(const CacheFolder* cache) : cache_(cache) {}  // may be null
+  // `cache` may be null. `read` reads what it does not hold.
+  explicit MeshSource(const CacheFolder* cache, AssemblyReader read = read_assembly)
+      : cache_(cache), read_(std::move(read)) {}
 
   // SceneReading::read. The assembly's meshes come empty: get them here, by the assembly's number
   // in the scene.
@@ -51,6 +54,7 @@ class MeshSource {
   };
 
   const CacheFolder* cache_;
+  AssemblyReader read_;
   std::vector<File> files_;  // [assemblies of the scene]
 };
 

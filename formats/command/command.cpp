@@ -5,12 +5,15 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <cerrno>
 #include <chrono>
 #include <cstdio>
+#include <cstring>
 #include <exception>
 #include <iostream>
 #include <new>
 #include <nlohmann/json.hpp>
+#include <string_view>
 
 #include "formats/atomic_file.h"
 #include "formats/temporary_files.h"
@@ -32,10 +35,22 @@ extern "C" void end_on_signal(int number) {
   _exit(128 + number);
 }
 
+// The kernel's answer to a read of a mapped file beyond its new end.
+extern "C" void end_on_bus_error(int) {
+  remove_temporary_files();
+  constexpr std::string_view kMessage =
+      ": an input file was cut short while it was being read; start again\n";
+  const char* const name = program_invocation_short_name;
+  bool said = ::write(2, name, std::strlen(name)) >= 0;
+  said = ::write(2, kMessage.data(), kMessage.size()) >= 0 && said;
+  _exit(exit_status(ErrorCode::kReadFailed));
+}
+
 }  // namespace
 
 void exit_cleanly_on_signals() {
   signal(SIGXFSZ, SIG_IGN);  // a file beyond the user's limit is a failed write with its own line
+  signal(SIGBUS, end_on_bus_error);
   for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGPIPE}) {
     struct sigaction current {};
     sigaction(number, nullptr, &current);

@@ -29,7 +29,8 @@ Status write_report(const std::string& path, const nlohmann::ordered_json& repor
 
 // Ends the process on SIGINT, SIGTERM, SIGHUP and SIGPIPE with status 128+n after removing the
 // temporary files of the AtomicFiles in progress. A signal that the caller ignores stays ignored.
-// A write beyond the file-size limit becomes an error of that write.
+// A write beyond the file-size limit becomes an error of that write. A file that is cut short while
+// it is mapped ends the process with one line and status 1.
 void exit_cleanly_on_signals();
 
 // Highest resident set of this process so far.

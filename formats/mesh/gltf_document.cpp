@@ -6,6 +6,8 @@
 #include <cstring>
 #include <filesystem>
 
+#include "formats/mesh/confined_path.h"
+
 namespace forcelayer {
 namespace {
 
@@ -230,10 +232,20 @@ std::string_view GltfDocument::load_buffer(const nlohmann::json& buffer, std::ui
          "the buffer " + in_quotes(uri) + " is not a local file",
          "put the buffer beside the .gltf file");
   }
-  const auto path = std::filesystem::path(file_.path).parent_path() / decode_percent(uri);
+  const auto folder = std::filesystem::path(file_.path).parent_path();
+  const auto path = folder / decode_percent(uri);
+  if (!file_.options.allow_outside && !lies_under(path, folder)) {
+    fail(ErrorCode::kMeshUnsupported, where, "the buffer " + in_quotes(uri) + " " + kOutsideWhat,
+         kOutsideMend);
+  }
   auto mapped = MappedFile::open(path);
   if (!mapped) throw ReadFailure{mapped.error()};
   return text_of(mapped_buffers_.emplace_back(std::move(*mapped)));
+}
+
+std::uint64_t GltfDocument::most_unfolded() const {
+  constexpr std::uint64_t kAlways = 1'000'000, kPerByte = 32;
+  return kAlways + kPerByte * (file_.bytes.size() + buffer_bytes_);
 }
 
 std::string_view GltfDocument::buffer_view(std::uint64_t view_index) const {

@@ -34,6 +34,9 @@ class GltfDocument {
 
   std::string_view buffer_view(std::uint64_t index) const;
 
+  // How often accessors, meshes and instances that share their data may unfold what the file holds.
+  std::uint64_t most_unfolded() const;
+
   // An accessor of type SCALAR with unsigned integers.
   std::vector<std::uint32_t> read_indices(std::uint64_t accessor) const;
   // An accessor of floats or normalised or plain integers, [count][components].
@@ -61,6 +64,7 @@ class GltfDocument {
   std::deque<MappedFile> mapped_buffers_;    // of files beside this one
   std::vector<std::string_view> buffers_;
   std::uint64_t buffer_bytes_ = 0;  // of all buffers
+  mutable std::uint64_t numbers_read_ = 0;
 };
 
 }  // namespace forcelayer

@@ -207,6 +207,11 @@ std::vector<GltfPlacing> GltfNodes::placings() const {
     if (!json.contains("mesh")) continue;
     const std::uint64_t mesh = document_.index(json, "mesh");
     const std::vector<Affine> instances = instancing_of(json);
+    if (placings.size() + instances.size() > document_.most_unfolded()) {
+      document_.fail(
+          ErrorCode::kMeshUnsupported, in_nodes(node.index),
+          "brings the file's instances to over " + std::to_string(document_.most_unfolded()));
+    }
     for (std::size_t i = 0; i < instances.size(); ++i) {
       const std::string path =
           instances.size() == 1 ? node.name.path : node.name.path + "/" + std::to_string(i);

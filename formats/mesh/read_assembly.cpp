@@ -1,3 +1,5 @@
+#include <sys/stat.h>
+
 #include <algorithm>
 #include <cctype>
 #include <new>
@@ -46,6 +48,30 @@ const Format& format_of(const SourceFile& file) {
             "use stl, obj, ply, off, om, drc, glb, gltf or step");
 }
 
+// What stays the same while nobody writes to a file.
+struct FileStamp {
+  explicit FileStamp(const std::string& path) {
+    struct stat status {};
+    if (::stat(path.c_str(), &status) != 0) return;
+    device = status.st_dev;
+    file = status.st_ino;
+    bytes = status.st_size;
+    modified = status.st_mtim;
+  }
+
+  // Not of a file that another took the place of: the old one stays whole while it is mapped.
+  bool written_since(const FileStamp& before) const {
+    return device == before.device && file == before.file &&
+           (bytes != before.bytes || modified.tv_sec != before.modified.tv_sec ||
+            modified.tv_nsec != before.modified.tv_nsec);
+  }
+
+  dev_t device = 0;
+  ino_t file = 0;
+  off_t bytes = 0;
+  timespec modified{};
+};
+
 }  // namespace
 
 SourceFile named_file(const std::string& path) {
@@ -73,10 +99,16 @@ Result<Assembly> read_source(const SourceFile& file) {
 Result<Assembly> read_assembly(const std::string& path, const ReadOptions& options) {
   SourceFile file = named_file(path);
   file.options = options;
+  const FileStamp before(file.path);
   const Result<MappedFile> mapped = MappedFile::open(file.path);
   if (!mapped) return mapped.error();
   file.bytes = text_of(*mapped);
-  return read_source(file);
+  Result<Assembly> assembly = read_source(file);
+  if (FileStamp(file.path).written_since(before)) {
+    return Error{ErrorCode::kReadFailed, file.path, "", "has changed while it was being read",
+                 "start again"};
+  }
+  return assembly;
 }
 
 }  // namespace forcelayer

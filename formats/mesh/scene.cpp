@@ -4,6 +4,8 @@
 #include <filesystem>
 #include <map>
 
+#include "formats/mesh/confined_path.h"
+#include "formats/mesh/reader.h"
 #include "formats/mesh/scene_manifest.h"
 #include "formats/mesh/units.h"
 
@@ -32,6 +34,16 @@ bool is_assembly_format(const std::string& file) {
     if (extension == single) return false;
   }
   return true;
+}
+
+Status check_inside(const std::string& path, const Manifest& manifest) {
+  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+  for (std::size_t i = 0; i < manifest.parts.size(); ++i) {
+    if (lies_under(named_file(manifest.parts[i].mesh).path, folder)) continue;
+    return Error{ErrorCode::kSceneInvalid, path, "parts[" + std::to_string(i) + "].mesh",
+                 kOutsideWhat, kOutsideMend};
+  }
+  return {};
 }
 
 class SceneReader {
@@ -107,6 +119,9 @@ Status SceneReader::add(const Placing& placing) {
 Status SceneReader::add_manifest(const std::string& path) {
   auto manifest = read_manifest(path);
   if (!manifest) return manifest.error();
+  if (!reading_.allow_outside) {
+    if (Status inside = check_inside(path, *manifest); !inside) return inside;
+  }
   scene_.voxel_size_m = manifest->voxel_size_m;
   scene_.layers = manifest->layers;
   scene_.roi_m = manifest->roi_m;

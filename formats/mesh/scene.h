@@ -49,6 +49,7 @@ struct SceneShare {
 
 struct SceneReading {
   std::optional<double> voxel_size_m;  // over a manifest's; exact surfaces are tessellated to it
+  bool allow_outside = false;          // whether a manifest may name files outside its own folder
   SceneShare share;                    // other parts are left out, and not read where that is known
   // Reads each file once, in the order of Scene::assemblies.
   std::function<Result<Assembly>(const std::string& path, const ReadOptions& options)> read =

@@ -26,7 +26,7 @@ for part in scene["parts"]:
         part["translation"] = [0, 0, 0.03]
 print(json.dumps(scene))
 END
-"$bin/voxelize" moved.json -o moved.vox --voxel-size 8mm --quiet
+"$bin/voxelize" moved.json -o moved.vox --voxel-size 8mm --quiet --allow-outside
 "$bin/voxinfo" export bay.vox bay.csv
 "$bin/voxinfo" export moved.vox moved.csv
 

@@ -1,0 +1,169 @@
+#include "formats/mesh/sandbox.h"
+
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <charconv>
+#include <chrono>
+#include <cstdio>
+#include <cstring>
+#include <system_error>
+
+#include "formats/mesh/assembly_stream.h"
+
+namespace forcelayer {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr const char* kChildOption = "--read-mesh-for-sandbox";
+constexpr int kResultDescriptor = 3;
+constexpr int kNotStarted = 127;
+
+// Sanitizers reserve terabytes of addresses, which no limit on them survives.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool kLimitsMemory = false;
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+constexpr bool kLimitsMemory = false;
+#else
+constexpr bool kLimitsMemory = true;
+#endif
+#else
+constexpr bool kLimitsMemory = true;
+#endif
+
+bool main_is_ready = false;
+
+std::string exact_text(double number) {
+  char digits[64];
+  return {digits, std::to_chars(digits, digits + sizeof digits, number).ptr};
+}
+
+void limit(__rlimit_resource_t resource, std::uint64_t amount) {
+  const rlimit both{amount, amount};
+  ::setrlimit(resource, &both);
+}
+
+// Between fork and exec, in a child of a process with threads: system calls and nothing else.
+[[noreturn]] void become_reader(int result, pid_t parent, const SandboxLimits& limits,
+                                char* const* arguments) {
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (::getppid() != parent) ::_exit(kNotStarted);  // it died before the line above
+  const int null = ::open("/dev/null", O_RDWR);
+  for (int number = 0; number < 3; ++number) ::dup2(null, number);
+  // dup2 onto itself would leave it to be closed by exec.
+  if (result == kResultDescriptor) {
+    ::fcntl(result, F_SETFD, 0);
+  } else {
+    ::dup2(result, kResultDescriptor);
+  }
+  ::close_range(kResultDescriptor + 1, ~0u, 0);
+  limit(RLIMIT_CORE, 0);
+  limit(RLIMIT_FSIZE, 0);
+  if (kLimitsMemory) limit(RLIMIT_AS, limits.memory_bytes);
+  ::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0);
+  ::execv("/proc/self/exe", arguments);
+  ::_exit(kNotStarted);
+}
+
+Error no_child(const std::string& path, int number) {
+  return {ErrorCode::kInternal, path, "",
+          "no sandbox can be started for it: " + std::generic_category().message(number), ""};
+}
+
+std::string in_gib(std::uint64_t bytes) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.3g GiB", static_cast<double>(bytes) * 0x1p-30);
+  return text;
+}
+
+Error too_much_memory(const std::string& path, const SandboxLimits& limits) {
+  return {ErrorCode::kMeshUnreadable, path, "",
+          "reading it takes more than the sandbox's " + in_gib(limits.memory_bytes),
+          "raise --sandbox-memory if you trust the file"};
+}
+
+Error too_late(const std::string& path, const SandboxLimits& limits) {
+  return {ErrorCode::kMeshUnreadable, path, "",
+          "reading it takes longer than the sandbox's " + exact_text(limits.time_s) + " s",
+          "raise --sandbox-time if you trust the file"};
+}
+
+// What the end of a child says that did not deliver.
+Error broken(const std::string& path, int status) {
+  std::string what = "its reader sent no sound mesh";
+  if (WIFSIGNALED(status) && WTERMSIG(status) == SIGBUS) {
+    return {ErrorCode::kReadFailed, path, "", "was cut short while it was being read",
+            "start again"};
+  }
+  if (WIFSIGNALED(status)) {
+    what = std::string("its reader crashed (") + ::strsignal(WTERMSIG(status)) + ")";
+  } else if (WIFEXITED(status) && WEXITSTATUS(status) == kNotStarted) {
+    return {ErrorCode::kInternal, path, "", "its sandbox did not start", "raise --sandbox-memory"};
+  } else if (WIFEXITED(status) && WEXITSTATUS(status) != 0) {
+    what = "its reader ended with status " + std::to_string(WEXITSTATUS(status));
+  }
+  return {ErrorCode::kMeshUnreadable, path, "", what,
+          "export the mesh again, or in another format"};
+}
+
+}  // namespace
+
+std::optional<int> run_as_sandbox(int argc, char** argv) {
+  main_is_ready = true;
+  if (argc != 5 || std::strcmp(argv[1], kChildOption) != 0) return std::nullopt;
+  ReadOptions options;
+  const char* const number = argv[3];
+  std::from_chars(number, number + std::strlen(number), options.deflection_m);
+  options.allow_outside = std::strcmp(argv[4], "allow-outside") == 0;
+  return send_assembly(kResultDescriptor, read_assembly(argv[2], options)) ? 0 : 1;
+}
+
+Result<Assembly> read_in_sandbox(const std::string& path, const ReadOptions& options,
+                                 const SandboxLimits& limits) {
+  if (!main_is_ready) {
+    return Error{ErrorCode::kInternal, path, "", "this program has no sandbox", ""};
+  }
+  int pipe[2];
+  if (::pipe2(pipe, O_CLOEXEC) != 0) return no_child(path, errno);
+  const std::string name = "sandbox", option = kChildOption,
+                    deflection = exact_text(options.deflection_m),
+                    outside = options.allow_outside ? "allow-outside" : "stay-inside";
+  char* const arguments[] = {
+      const_cast<char*>(name.c_str()),    const_cast<char*>(option.c_str()),
+      const_cast<char*>(path.c_str()),    const_cast<char*>(deflection.c_str()),
+      const_cast<char*>(outside.c_str()), nullptr};
+  const pid_t parent = ::getpid();
+  const pid_t child = ::fork();
+  if (child == 0) become_reader(pipe[1], parent, limits, arguments);
+  const int fork_error = errno;
+  ::close(pipe[1]);
+  if (child < 0) {
+    ::close(pipe[0]);
+    return no_child(path, fork_error);
+  }
+  const auto deadline = Clock::now() + std::chrono::duration_cast<Clock::duration>(
+                                           std::chrono::duration<double>(limits.time_s));
+  ReceivedAssembly received = receive_assembly(pipe[0], limits.memory_bytes, deadline);
+  ::close(pipe[0]);
+  ::kill(child, SIGKILL);  // of a child that has ended this changes nothing, nor what it ended by
+  int status = 0;
+  while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  if (received.assembly && !*received.assembly &&
+      received.assembly->error().code == ErrorCode::kOutOfMemory) {
+    return too_much_memory(path, limits);
+  }
+  if (received.assembly) return std::move(*received.assembly);
+  if (received.broken == BrokenStream::kTooLate) return too_late(path, limits);
+  if (received.broken == BrokenStream::kTooLong) return too_much_memory(path, limits);
+  return broken(path, received.broken == BrokenStream::kEnded ? status : 0);
+}
+
+}  // namespace forcelayer

@@ -1,0 +1,47 @@
+#include "formats/mesh/trust_options.h"
+
+#include <CLI/CLI.hpp>
+
+#include "formats/command/quantity.h"
+
+namespace forcelayer {
+
+void TrustOptions::declare(CLI::App& app) {
+  // Less would not even load the program.
+  constexpr std::uint64_t kLeastMemoryBytes = std::uint64_t{256} << 20;
+  app.add_flag("--sandbox", sandbox,
+               "read each mesh file in a process of its own: a crash, a hang or too much memory is "
+               "an error about that file");
+  app.add_option("--sandbox-memory", sandbox_memory_bytes,
+                 "memory of that process, such as 2GiB (default 8GiB)")
+      ->transform(CLI::AsSizeValue(false))
+      ->check(CLI::Range(kLeastMemoryBytes, std::uint64_t{1} << 46));
+  app.add_option("--sandbox-time", sandbox_time, "time for one file, such as 30s (default 5min)");
+  app.add_flag("--allow-outside", allow_outside,
+               "let a manifest or a glTF file name files outside its own folder");
+}
+
+Result<AssemblyReader> TrustOptions::reader() const {
+  SandboxLimits limits;
+  limits.memory_bytes = sandbox_memory_bytes;
+  if (!sandbox_time.empty()) {
+    const auto time_s = parse_duration(sandbox_time);
+    if (!time_s) {
+      return Error{ErrorCode::kUsage, "", "--sandbox-time", time_s.error().what,
+                   time_s.error().mend};
+    }
+    constexpr double kLongestS = 1e6;
+    if (!(*time_s > 0 && *time_s <= kLongestS)) {
+      return Error{ErrorCode::kUsage, "", "--sandbox-time", "is not between 0 and 1e6 seconds", ""};
+    }
+    limits.time_s = *time_s;
+  }
+  const bool outside = allow_outside, in_child = sandbox;
+  return AssemblyReader([=](const std::string& path, const ReadOptions& options) {
+    ReadOptions own = options;
+    own.allow_outside = outside;
+    return in_child ? read_in_sandbox(path, own, limits) : read_assembly(path, own);
+  });
+}
+
+}  // namespace forcelayer

@@ -1,0 +1,33 @@
+// The options by which a command's user says how far the mesh files and manifests are trusted.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+
+#include "formats/mesh/mesh.h"
+#include "formats/mesh/sandbox.h"
+#include "formats/result.h"
+
+namespace CLI {
+class App;
+}
+
+namespace forcelayer {
+
+using AssemblyReader =
+    std::function<Result<Assembly>(const std::string& path, const ReadOptions& options)>;
+
+struct TrustOptions {
+  bool sandbox = false;
+  std::uint64_t sandbox_memory_bytes = SandboxLimits{}.memory_bytes;
+  std::string sandbox_time;  // as typed; empty for the default
+  bool allow_outside = false;
+
+  void declare(CLI::App& app);
+
+  // read_assembly(), or read_in_sandbox() with these limits. kUsage for a time that is none.
+  Result<AssemblyReader> reader() const;
+};
+
+}  // namespace forcelayer

@@ -1,0 +1,143 @@
+/* Faults on request, by LD_PRELOAD:
+ *
+ *   in the child of --sandbox, on opening a file named
+ *     crash.*     the reader meets a null pointer
+ *     abort.*     the reader aborts
+ *     quit.*      the reader calls exit
+ *     hang.*      the reader waits for ever
+ *     mute.*      the reader closes its pipe, then waits for ever
+ *     nonsense.*  the reader sends noise in place of a mesh
+ *   in any process, once a file is open and its size is asked, one named
+ *     cut.*       is cut to nothing
+ *     changed.*   is written to
+ *   FAULT_WRITE_ERRNO=N   writing to regular files fails with errno N ...
+ *   FAULT_WRITE_AFTER=B   ... after B bytes
+ *   FAULT_CLOCK_JUMPS=1   the wall clock jumps a year ahead or back at every look
+ */
+#define _GNU_SOURCE
+#include <dlfcn.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <time.h>
+#include <unistd.h>
+
+static int in_sandbox(void) {
+  char line[4096] = "";
+  const int file = (int)syscall(SYS_openat, AT_FDCWD, "/proc/self/cmdline", O_RDONLY);
+  const ssize_t size = read(file, line, sizeof line - 1);
+  close(file);
+  return size > 0 && strcmp(line + strlen(line) + 1, "--read-mesh-for-sandbox") == 0;
+}
+
+static int named(const char* path, const char* stem) {
+  const char* const slash = strrchr(path, '/');
+  const char* const name = slash ? slash + 1 : path;
+  const size_t length = strlen(stem);
+  return strncmp(name, stem, length) == 0 && name[length] == '.';
+}
+
+static void wait_for_ever(void) {
+  while (1) pause();
+}
+
+static void fail_as_named(const char* path) {
+  if (!named(path, "crash") && !named(path, "abort") && !named(path, "quit") &&
+      !named(path, "hang") && !named(path, "mute") && !named(path, "nonsense")) {
+    return;
+  }
+  if (!in_sandbox()) return;
+  signal(SIGSEGV, SIG_DFL); /* a sanitizer would end the process in its own way */
+  signal(SIGABRT, SIG_DFL);
+  if (named(path, "crash")) raise(SIGSEGV);
+  if (named(path, "abort")) abort();
+  if (named(path, "quit")) _exit(9);
+  if (named(path, "mute")) close(3);
+  if (named(path, "nonsense")) {
+    unsigned state = 1;
+    for (int i = 0; i < 100000; ++i) {
+      state = state * 1664525u + 1013904223u;
+      if (write(3, &state, sizeof state) < 0) break;
+    }
+    _exit(0);
+  }
+  wait_for_ever();
+}
+
+static int opened(const char* path, int flags, mode_t mode) {
+  fail_as_named(path);
+  return (int)syscall(SYS_openat, AT_FDCWD, path, flags, mode);
+}
+
+int open(const char* path, int flags, ...) {
+  va_list more;
+  va_start(more, flags);
+  const mode_t mode = flags & (O_CREAT | O_TMPFILE) ? va_arg(more, mode_t) : 0;
+  va_end(more);
+  return opened(path, flags, mode);
+}
+
+int open64(const char* path, int flags, ...) {
+  va_list more;
+  va_start(more, flags);
+  const mode_t mode = flags & (O_CREAT | O_TMPFILE) ? va_arg(more, mode_t) : 0;
+  va_end(more);
+  return opened(path, flags, mode);
+}
+
+int fstat(int file, struct stat* status) {
+  int (*const real)(int, struct stat*) = (int (*)(int, struct stat*))dlsym(RTLD_NEXT, "fstat");
+  const int result = real(file, status);
+  char link[64], path[4096] = "";
+  snprintf(link, sizeof link, "/proc/self/fd/%d", file);
+  if (result != 0 || readlink(link, path, sizeof path - 1) < 0) return result;
+  if (named(path, "cut") && truncate(path, 0) != 0) abort();
+  if (named(path, "changed")) {
+    const int writing = (int)syscall(SYS_openat, AT_FDCWD, path, O_WRONLY);
+    if (pwrite(writing, "S", 1, 0) < 0) futimens(writing, NULL); /* a sandbox may write nothing */
+    close(writing);
+  }
+  return result;
+}
+
+ssize_t write(int file, const void* bytes, size_t count) {
+  static atomic_llong written;
+  const char* const wanted = getenv("FAULT_WRITE_ERRNO");
+  struct stat status;
+  if (wanted != NULL && syscall(SYS_fstat, file, &status) == 0 && S_ISREG(status.st_mode)) {
+    const char* const after = getenv("FAULT_WRITE_AFTER");
+    if (atomic_fetch_add(&written, (long long)count) + (long long)count >
+        (after ? atoll(after) : 0)) {
+      errno = atoi(wanted);
+      return -1;
+    }
+  }
+  return syscall(SYS_write, file, bytes, count);
+}
+
+static time_t jump_s(void) {
+  static atomic_int calls;
+  const time_t year_s = 365 * 24 * 3600;
+  if (getenv("FAULT_CLOCK_JUMPS") == NULL) return 0;
+  return atomic_fetch_add(&calls, 1) % 2 ? year_s : -year_s;
+}
+
+int clock_gettime(clockid_t clock, struct timespec* now) {
+  const int result = (int)syscall(SYS_clock_gettime, clock, now);
+  if (result == 0 && clock == CLOCK_REALTIME) now->tv_sec += jump_s();
+  return result;
+}
+
+time_t time(time_t* out) {
+  struct timespec now;
+  clock_gettime(CLOCK_REALTIME, &now);
+  if (out != NULL) *out = now.tv_sec;
+  return now.tv_sec;
+}
