@@ -1,0 +1,181 @@
+#!/usr/bin/env bash
+# Broken machines under a running loop: the run ends with a clear line and without a force, and what it
+# wrote is whole or not there; machines that are merely odd change no bit of the outcome.
+set -u
+source "$FORCELAYER_SOURCE_DIR/tests/support/faults.sh"
+voxrun=$bin/voxrun
+run=(floor.vox ball.pshell --device sim --motion press.csv --as-fast-as-possible --quiet)
+
+files() {
+  "$bin/make_runtime_files" .
+  # A hand that presses and stays.
+  printf "t_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0.1,0.1,0.06,1,0,0,0\n0.4,0.1,0.1,0.03,1,0,0,0\n100,0.12,0.1,0.03,1,0,0,0\n" >hold.csv
+}
+reference() {
+  files
+  good "$voxrun" "${run[@]}" --json good.json --trace good.csv --record good.flr
+}
+
+# same_outcome JSON: as in good.json, bit for bit.
+same_outcome() {
+  python3 -c 'import json, sys; a, b = (json.load(open(n)) for n in ("good.json", sys.argv[1])); assert a["outcome_hash"] == b["outcome_hash"] and a["frames"] == b["frames"], (a, b)' "$1" || fail "another outcome: $1"
+}
+
+disk_full() {
+  files
+  local option errno
+  for option in --trace --record --json; do
+    echo old >old
+    for errno in 28 122 5; do  # full, quota, broken
+      LD_PRELOAD=$shim FAULT_WRITE_ERRNO=$errno FAULT_WRITE_AFTER=500 expect 1 'old: cannot be written' "$voxrun" "${run[@]}" $option old
+      echo old | cmp -s - old || fail "$option: the old file was touched"
+    done
+    expect 1 'No space left' "$voxrun" "${run[@]}" $option /dev/full
+  done
+  # In the middle of a run with a clock: it ends there, not at its end.
+  local begin=$SECONDS
+  LD_PRELOAD=$shim FAULT_WRITE_ERRNO=28 FAULT_WRITE_AFTER=5000 expect 1 'No space left' "$voxrun" floor.vox ball.pshell --start 0.1,0.1,0.2 \
+    --duration 60s --quiet --trace long.csv
+  [ $((SECONDS - begin)) -lt 40 ] || fail "the run went on for $((SECONDS - begin)) s"
+  no_leftovers
+}
+
+read_only_target() {
+  files
+  can_mount || { skip "mounting takes root"; return; }
+  mkdir closed
+  export -f expect fail
+  export fault scratch voxrun
+  unshare --mount bash -c '
+    mount -t tmpfs none closed && mount -o remount,ro closed || exit 1
+    for option in --trace --record --json; do
+      expect 1 "Read-only file system" "$voxrun" floor.vox ball.pshell --device sim --motion press.csv --as-fast-as-possible --quiet $option closed/new
+    done' || fail "in the namespace"
+}
+
+# Either baked file is cut short while the loop reads it: status 4, the file named, the last force zero.
+# (In the frame that notices; tests/unit/runtime_map_loss.cpp looks at that frame.)
+map_cut_while_running() {
+  sanitized && { skip "a sanitizer takes SIGBUS for itself"; return; }
+  local file bytes status
+  for file in floor.vox ball.pshell; do
+    for bytes in 0 4096; do
+      files
+      "$voxrun" floor.vox ball.pshell --motion hold.csv --duration 60s --after-trip end --quiet --trace run.csv >out.txt 2>err.txt &
+      local pid=$!
+      sleep 1
+      truncate -s $bytes $file
+      wait $pid
+      status=$?
+      tail -n 1 err.txt >"$scratch/err.txt"  # after warnings and events
+      [ $status = 4 ] || fail "status $status after $file was cut to $bytes: $(cat err.txt)"
+      grep -q "floor.vox or ball.pshell: at .* s: output to zero: .*cut" "$scratch/err.txt" ||
+        fail "$file cut to $bytes: $(cat "$scratch/err.txt")"
+      python3 - <<'PYTHON' || fail "the trace's last frame, $file cut to $bytes"
+import csv
+rows = list(csv.DictReader(open("run.csv")))
+force = [max(abs(float(r["device_force_%s_n" % a])) for a in "xyz") for r in rows]
+assert max(force) > 0.1, max(force)  # it was pressing
+assert force[-1] == 0, force[-5:]
+PYTHON
+    done
+  done
+}
+
+# kill -9 at any moment: what has a name is whole.
+kill_at_any_moment() {
+  files
+  python3 - "$voxrun" <<'PYTHON' || fail "after kill -9"
+import json, os, random, signal, subprocess, sys, time
+voxrun, dice = sys.argv[1], random.Random(1)
+run = [voxrun, "floor.vox", "ball.pshell", "--device", "sim", "--motion", "press.csv", "--as-fast-as-possible", "--quiet"]
+ends = {0: 0, -9: 0}
+for n in range(30):
+    for name in ("run.csv", "run.flr", "run.json"):
+        if os.path.exists(name): os.remove(name)
+    process = subprocess.Popen(run + ["--trace", "run.csv", "--record", "run.flr", "--json", "run.json"])
+    time.sleep(dice.uniform(0, 0.1))
+    process.send_signal(signal.SIGKILL)
+    ends[process.wait()] += 1
+    if os.path.exists("run.json"): assert json.load(open("run.json"))["frames"] == 700
+    if os.path.exists("run.csv"): assert open("run.csv").read().count("\n") == 701
+    if os.path.exists("run.flr"):
+        subprocess.run(run[:3] + ["--device", "replay", "--replay", "run.flr", "--as-fast-as-possible", "--quiet"], check=True)
+print(ends)
+assert ends[-9] > 3, ends
+PYTHON
+}
+
+address_space_limit() {
+  sanitized && { skip "a sanitizer holds terabytes of addresses"; return; }
+  reference
+  local kib status good=0 bad=0
+  for kib in 8000 12000 16000 20000 24000 32000 48000 64000 100000 200000 2000000; do
+    rm -f run.json
+    (ulimit -v $kib; exec timeout 60 "$voxrun" "${run[@]}" --json run.json >out.txt 2>err.txt)
+    status=$?
+    if [ $status = 0 ]; then
+      same_outcome run.json
+      good=$((good + 1))
+    elif [ $status != 127 ]; then
+      bad=$((bad + 1))
+      [ $status = 1 ] && [ "$(wc -l <err.txt)" = 1 ] && [ ! -e run.json ] || fail "status $status with $kib KiB: $(cat err.txt)"
+    fi
+  done
+  [ $good -gt 0 ] && [ $bad -gt 0 ] || fail "$good runs and $bad refusals"
+}
+
+more_threads_than_cores() {
+  reference
+  local threads
+  for threads in 3 16 64; do
+    good "$voxrun" "${run[@]}" --threads $threads --json run.json
+    same_outcome run.json
+  done
+}
+
+clock_jumps() {
+  reference
+  LD_PRELOAD=$shim FAULT_CLOCK_JUMPS=1 good "$voxrun" "${run[@]}" --json run.json --trace run.csv
+  same_outcome run.json
+  # With a clock: half a second is half a second.
+  local begin
+  begin=$(date +%s%N)
+  LD_PRELOAD=$shim FAULT_CLOCK_JUMPS=1 timeout 60 "$voxrun" floor.vox ball.pshell --start 0.1,0.1,0.2 --duration 500ms --quiet --json run.json 2>err.txt ||
+    fail "status $?: $(cat err.txt)"
+  [ $((($(date +%s%N) - begin) / 1000000)) -ge 499 ] || fail "500 ms took less"
+  python3 -c 'import json; r = json.load(open("run.json")); assert r["frames"] == 500, r["frames"]' || fail "frames"
+}
+
+decimal_comma() {
+  command -v localedef >/dev/null && localedef -i de_DE -f UTF-8 ./de_DE.UTF-8 2>/dev/null || { skip "no localedef, or no de_DE to make"; return; }
+  reference
+  { export LOCPATH=$PWD LC_ALL=de_DE.UTF-8; } 2>/dev/null
+  [ "$(env printf '%.1f' 1,5 2>/dev/null)" = 1,5 ] || { skip "the locale does not take"; return; }
+  good "$voxrun" "${run[@]}" --json run.json --trace run.csv --max-force 3.5
+  good "$voxrun" "${run[@]}" --json run.json --trace run.csv
+  same_outcome run.json
+  good "$voxrun" floor.vox ball.pshell --device replay --replay good.flr --as-fast-as-possible --quiet --json run.json
+  same_outcome run.json
+  local without_time='{ $27 = ""; print }'
+  same <(awk -F, "$without_time" good.csv) <(awk -F, "$without_time" run.csv) "trace with decimal commas"
+}
+
+odd_names() {
+  reference
+  local name
+  for name in 'with space' $'with\nline end' 'täst-テスト-проба' "quo'te\"s\\" $'bad\xff\xfeutf8' '*?[x]$(true)' '-dash'; do
+    mkdir -p "./$name" && cp floor.vox "./$name/$name.vox" && cp ball.pshell "./$name/$name.pshell" && cp press.csv "./$name/$name.csv" ||
+      { skip "the file system refuses '$name'"; continue; }
+    good "$voxrun" "./$name/$name.vox" "./$name/$name.pshell" --device sim --motion "./$name/$name.csv" --as-fast-as-possible --quiet \
+      --json "./$name/run.json" --trace "./$name/trace.csv" --record "./$name/$name.flr"
+    same_outcome "./$name/run.json"
+    good "$voxrun" "./$name/$name.vox" "./$name/$name.pshell" --device replay --replay "./$name/$name.flr" --as-fast-as-possible --quiet
+    expect 1 'no such file' "$voxrun" "./$name/none.vox" ball.pshell --duration 1s
+    LC_ALL=C grep -q '[[:cntrl:]]' "$scratch/err.txt" && fail "control characters in the line about '$name'"
+  done
+  no_leftovers
+}
+
+run_faults disk_full read_only_target map_cut_while_running kill_at_any_moment address_space_limit \
+  more_threads_than_cores clock_jumps decimal_comma odd_names
