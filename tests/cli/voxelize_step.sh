@@ -30,7 +30,7 @@ fi
 bake() {  # bake OUTPUT INPUT ARGUMENTS...
   local output=$1
   shift
-  "$bin/voxelize" "$@" -o "$output.vox" --quiet --json "$output.json" 2>err || fail "voxelize $*: $(cat err)"
+  "$bin/voxelize" "$@" -o "$output.vox" --quiet --allow-outside --json "$output.json" 2>err || fail "voxelize $*: $(cat err)"
 }
 rows() { "$bin/voxinfo" export "$1.vox" "$1.csv" >/dev/null && cat "$1.csv"; }
 
