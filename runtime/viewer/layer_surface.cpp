@@ -5,23 +5,22 @@
 namespace forcelayer {
 namespace {
 
-// How far out a value lies: a face belongs to the voxel of the lower rank.
-constexpr int rank_of(VoxelValue value) {
-  constexpr std::array<int, 4> kRank = {3, 0, 1, 2};  // free, interior, surface, proximity
-  return kRank[static_cast<unsigned>(value)];
-}
-
 struct Layer {
   const Voxmap& voxmap;
   VoxelValue value;
 
   bool contains(const RelativeVoxel& v) const { return relative_value(voxmap, v) == value; }
   bool borders(const RelativeVoxel& v) const {
-    return rank_of(relative_value(voxmap, v)) > rank_of(value);
+    return lies_further_out(relative_value(voxmap, v), value);
   }
 };
 
 }  // namespace
+
+bool lies_further_out(VoxelValue a, VoxelValue b) {
+  constexpr std::array<int, 4> kRank = {3, 0, 1, 2};  // free, interior, surface, proximity
+  return kRank[static_cast<unsigned>(a)] > kRank[static_cast<unsigned>(b)];
+}
 
 QuadSurface layer_surface(const Voxmap& voxmap, VoxelValue layer, const glm::dvec3& origin_m,
                           Faces faces) {

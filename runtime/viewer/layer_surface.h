@@ -5,9 +5,11 @@
 
 namespace forcelayer {
 
-// The faces at which `layer` (interior, surface or proximity) borders on a value further out, in
-// the order interior, surface, proximity, free. `origin_m`: world point that corners are given
-// from.
+// Whether `a` lies further out than `b`, in the order interior, surface, proximity, free.
+bool lies_further_out(VoxelValue a, VoxelValue b);
+
+// The faces at which `layer` (interior, surface or proximity) borders on a value further out: a
+// face belongs to the voxel further in. `origin_m`: world point that corners are given from.
 QuadSurface layer_surface(const Voxmap& voxmap, VoxelValue layer, const glm::dvec3& origin_m,
                           Faces faces = Faces::kMerged);
 

@@ -22,6 +22,7 @@ class CadStyle : public vtkInteractorStyleTrackballCamera {
   std::function<void(int, int)> on_drag;
 
   void OnChar() override {}
+  void OnTimer() override {}  // else the last motion is repeated while a button is held
   void OnKeyPress() override;
   void OnLeftButtonDown() override;
   void OnLeftButtonUp() override;

@@ -24,6 +24,7 @@
 #include <glm/gtc/quaternion.hpp>
 #include <vector>
 
+#include "runtime/viewer/coarse_layers.h"
 #include "runtime/viewer/layer_surface.h"
 #include "runtime/viewer/style.h"
 #include "runtime/viewer/vtk_geometry.h"
@@ -33,6 +34,12 @@ namespace forcelayer {
 namespace {
 
 using Actor = vtkSmartPointer<vtkActor>;
+
+// The order of everything that is kept per layer.
+constexpr std::array<VoxelValue, 3> kLayers = {VoxelValue::kInterior, VoxelValue::kSurface,
+                                               VoxelValue::kProximity};
+// Rectangles of a layer that cost little beside filling the window without a graphics card.
+constexpr std::uint64_t kQuickRectangles = 20000;
 
 Actor actor_of(const PolyData& data, const Colour& colour) {
   vtkNew<vtkPolyDataMapper> mapper;
@@ -136,7 +143,9 @@ struct Stage::Actors {
   // Drawn in this order, inner ones first: without depth peeling, what is translucent is blended as
   // it comes.
   VoxelFaces cut_interior, interior, added, removed;
+  VoxelFaces quick_interior;
   VoxelFaces cut_force_layer, cut_proximity, force_layer, proximity;
+  VoxelFaces quick_force_layer, quick_proximity;
   Actor meshes, mesh_edges;
   Actor part, part_edges, target, shell, spring;
   Glyphs contact_points{sphere(), kContactColour, false};
@@ -151,8 +160,13 @@ struct Stage::Actors {
             &proximity_points, &interior_points, &net_force};
   }
   std::array<VoxelFaces*, 3> cuts() { return {&cut_interior, &cut_force_layer, &cut_proximity}; }
-  std::array<VoxelFaces*, 5> bodies() {
-    return {&interior, &force_layer, &proximity, &added, &removed};
+  std::array<VoxelFaces*, 3> layers() { return {&interior, &force_layer, &proximity}; }
+  std::array<VoxelFaces*, 3> quick_layers() {
+    return {&quick_interior, &quick_force_layer, &quick_proximity};
+  }
+  std::array<VoxelFaces*, 8> bodies() {
+    return {&interior, &force_layer,    &proximity,         &added,
+            &removed,  &quick_interior, &quick_force_layer, &quick_proximity};
   }
 
   Actors(vtkRenderer* world, bool change)
@@ -160,10 +174,14 @@ struct Stage::Actors {
         interior(world, kInteriorColour, 1),
         added(world, kAddedColour, 1),
         removed(world, kRemovedColour, 1),
+        quick_interior(world, kInteriorColour, 1),
         cut_force_layer(world, kForceLayerColour, 1),
         cut_proximity(world, kProximityColour, 1),
         force_layer(world, kForceLayerColour, change ? kUnchangedOpacity : kForceLayerOpacity),
-        proximity(world, kProximityColour, kProximityOpacity) {}
+        proximity(world, kProximityColour, kProximityOpacity),
+        quick_force_layer(world, kForceLayerColour,
+                          change ? kUnchangedOpacity : kForceLayerOpacity),
+        quick_proximity(world, kProximityColour, kProximityOpacity) {}
 };
 
 Stage::Stage(const ViewScene& scene, const std::optional<LayerChange>& change, vtkRenderer* world,
@@ -213,18 +231,35 @@ void Stage::build_scene() {
 void Stage::build_layers(const std::optional<LayerChange>& change) {
   if (!scene_.voxmap) return;
   Actors& a = *actors_;
-  const auto build = [&](VoxelValue value, VoxelFaces& faces) {
-    const QuadSurface surface = layer_surface(*scene_.voxmap, value, scene_.origin_m);
+  for (std::size_t n = 0; n < kLayers.size(); ++n) {
+    const QuadSurface surface = layer_surface(*scene_.voxmap, kLayers[n], scene_.origin_m);
     voxel_rectangles_ += surface.quad_count();
-    faces.set(surface);
-  };
-  build(VoxelValue::kInterior, a.interior);
-  build(VoxelValue::kSurface, a.force_layer);
-  build(VoxelValue::kProximity, a.proximity);
+    most_rectangles_ = std::max(most_rectangles_, surface.quad_count());
+    a.layers()[n]->set(surface);
+  }
   if (!change) return;
   a.added.set(change->added_surface);
   a.removed.set(change->removed_surface);
   a.removed.draw_edges(kInk);  // so that the two differ in more than hue
+}
+
+void Stage::build_quick_layers() {
+  if (!scene_.voxmap || most_rectangles_ <= kQuickRectangles) return;
+  int edge = 2;  // each doubling leaves about a quarter of the faces
+  while (edge < CoarseLayers::kLargestEdge &&
+         most_rectangles_ > kQuickRectangles * static_cast<std::uint64_t>(edge * edge)) {
+    edge *= 2;
+  }
+  const CoarseLayers coarse(*scene_.voxmap, edge);
+  for (std::size_t n = 0; n < kLayers.size(); ++n) {
+    actors_->quick_layers()[n]->set(coarse.surface(kLayers[n], scene_.origin_m));
+  }
+  has_quick_ = true;
+}
+
+void Stage::draw_quickly(bool quickly) {
+  quickly_ = quickly;
+  show_layers();
 }
 
 void Stage::build_part() {
@@ -256,13 +291,21 @@ void Stage::show(const ShownSet& shown) {
   for (const Actor& actor : {a.meshes, a.mesh_edges}) set(actor, Shown::kMeshes);
   for (const Actor& actor : {a.part, a.part_edges}) set(actor, Shown::kPart);
   for (const Actor& actor : {a.target, a.spring}) set(actor, Shown::kHandle);
-  for (VoxelFaces* faces : {&a.interior, &a.cut_interior}) faces->show(shown[Shown::kInterior]);
-  for (VoxelFaces* faces : {&a.force_layer, &a.cut_force_layer}) {
-    faces->show(shown[Shown::kForceLayer]);
-  }
-  for (VoxelFaces* faces : {&a.proximity, &a.cut_proximity}) faces->show(shown[Shown::kProximity]);
+  shown_ = shown;
+  show_layers();
   set(a.shell, Shown::kShell);
   for (const Glyphs* glyphs : a.glyphs()) set(glyphs->actor, Shown::kContacts);
+}
+
+void Stage::show_layers() {
+  constexpr std::array<Shown, 3> kNames = {Shown::kInterior, Shown::kForceLayer, Shown::kProximity};
+  const bool quickly = quickly_ && has_quick_;
+  for (std::size_t n = 0; n < kNames.size(); ++n) {
+    const bool shown = shown_[kNames[n]];
+    actors_->cuts()[n]->show(shown);
+    actors_->layers()[n]->show(shown && !quickly);
+    actors_->quick_layers()[n]->show(shown && quickly);
+  }
 }
 
 void Stage::cut(const std::optional<Cut>& cut) {
@@ -281,11 +324,9 @@ void Stage::cut(const std::optional<Cut>& cut) {
     if (cut) actor->GetMapper()->AddClippingPlane(plane);
   }
   for (VoxelFaces* faces : a.bodies()) faces->cut(cut ? plane.Get() : nullptr);
-  const std::array<VoxelValue, 3> values = {VoxelValue::kInterior, VoxelValue::kSurface,
-                                            VoxelValue::kProximity};
-  for (std::size_t n = 0; n < values.size(); ++n) {
+  for (std::size_t n = 0; n < kLayers.size(); ++n) {
     const bool open = cut && scene_.voxmap;
-    a.cuts()[n]->set(open ? cut_sheet(*cut, values[n]) : QuadSurface{});
+    a.cuts()[n]->set(open ? cut_sheet(*cut, kLayers[n]) : QuadSurface{});
   }
 }
 

@@ -29,6 +29,10 @@ class Stage {
 
   std::uint64_t voxel_rectangles() const { return voxel_rectangles_; }  // of all layers
   void show(const ShownSet& shown);
+  // Makes ready what draw_quickly() shows, where the layers have too many faces to turn smoothly.
+  void build_quick_layers();
+  // Layers in cells of several voxels, until told otherwise: for frames that must not take long.
+  void draw_quickly(bool quickly);
   void aim(const CameraView& camera);
   void cut(const std::optional<Cut>& cut);
   void make_plain();  // flat opaque colours without light or edges: a pixel tells what it shows
@@ -47,12 +51,16 @@ class Stage {
   void build_part();
   QuadSurface cut_sheet(const Cut& cut, VoxelValue value) const;
   void face_camera();
+  void show_layers();
 
   const ViewScene& scene_;
   vtkRenderer* world_;
   vtkRenderer* marks_;
   std::unique_ptr<Actors> actors_;
   std::uint64_t voxel_rectangles_ = 0;
+  std::uint64_t most_rectangles_ = 0;  // of one layer
+  ShownSet shown_;
+  bool has_quick_ = false, quickly_ = false;
   unsigned long observer_ = 0;  // of the start of a rendering
 };
 

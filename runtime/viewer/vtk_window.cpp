@@ -13,6 +13,7 @@
 #include <cmath>
 #include <deque>
 #include <glm/geometric.hpp>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -22,6 +23,7 @@
 #include "runtime/viewer/live.h"
 #include "runtime/viewer/playback.h"
 #include "runtime/viewer/style.h"
+#include "runtime/viewer/vtk_blending_renderer.h"
 #include "runtime/viewer/vtk_cad_style.h"
 #include "runtime/viewer/vtk_overlay.h"
 #include "runtime/viewer/vtk_stage.h"
@@ -32,7 +34,10 @@ namespace forcelayer {
 namespace {
 
 constexpr unsigned long kTimerMs = 16;
-constexpr double kLiveSpanS = 5;   // of the strip while following a run
+constexpr double kLiveSpanS = 5;  // of the strip while following a run
+// Slower frames are drawn in coarser voxels while the camera moves and for kRestS after.
+constexpr double kSmoothS = 0.03;
+constexpr double kRestS = 0.2;
 constexpr double kSilenceS = 1;    // after which a stream has ended
 constexpr int kTriadPixels = 130;  // beside the strip
 
@@ -91,9 +96,9 @@ class Window {
     words_->SetLayer(2);
     words_->InteractiveOff();
     marks_->InteractiveOff();
-    for (vtkRenderer* renderer : {world_.Get(), marks_.Get(), words_.Get()}) {
-      window_->AddRenderer(renderer);
-    }
+    window_->AddRenderer(world_);
+    window_->AddRenderer(marks_);
+    window_->AddRenderer(words_);
     interactor_->SetRenderWindow(window_);
     interactor_->EnableRenderOff();  // events mark what has changed, tick() draws it once
     style_->on_key = [this](const std::string& key) { press(key); };
@@ -108,6 +113,7 @@ class Window {
     triad_.emplace(window_, 1);
     overlay_.emplace(words_, 1.0);
     strip_.emplace(words_);
+    stage_->build_quick_layers();
     stage_->aim(plan_.camera);
     stage_->cut(cut_);
     refresh();
@@ -117,6 +123,7 @@ class Window {
     calls_.push_back({this, call});
     vtkNew<vtkCallbackCommand> command;
     command->SetClientData(&calls_.back());
+    command->PassiveObserverOn();  // else nothing is told while the style holds a mouse button
     command->SetCallback([](vtkObject*, unsigned long, void* data, void*) {
       const auto& [window, function] = *static_cast<Call*>(data);
       function(*window);
@@ -138,6 +145,7 @@ class Window {
       changed_ = true;
     }
     if (feed_.receiver) listen();
+    if (quick_ && seconds_since(moved_) > kRestS) changed_ = true;
     if (changed_) refresh();
   }
 
@@ -220,7 +228,33 @@ class Window {
     overlay_->set_state(moment_ ? std::optional(moment_->kind()) : std::nullopt);
     overlay_->set_legend(legend_of(now, scene_));
     world_->ResetCameraClippingRange();
+    render();
+  }
+
+  // Quickly where the camera moves and a whole frame is not smooth.
+  void render() {
+    const auto begin = Clock::now();
+    if (camera_moved()) moved_ = begin;
+    quick_ = full_frame_s_ > smooth_s_ && seconds_since(moved_) < kRestS;
+    stage_->draw_quickly(quick_);
     window_->Render();
+    if (!quick_) full_frame_s_ = seconds_since(begin);
+  }
+
+  // Whether the camera is not where it was at the last call, by what can be seen.
+  bool camera_moved() {
+    vtkCamera* now = world_->GetActiveCamera();
+    const auto numbers = [](const double* v) { return glm::dvec3(v[0], v[1], v[2]); };
+    const std::array<glm::dvec3, 3> place = {numbers(now->GetPosition()),
+                                             numbers(now->GetFocalPoint()),
+                                             numbers(now->GetViewUp()) * now->GetParallelScale()};
+    const double pixel_m = 2 * now->GetParallelScale() / window_->GetSize()[1];
+    bool moved = false;
+    for (std::size_t n = 0; n < place.size(); ++n) {
+      moved = moved || glm::length(place[n] - camera_place_[n]) > 0.25 * pixel_m;
+    }
+    if (moved) camera_place_ = place;
+    return moved;
   }
 
   glm::dvec3 part_center_m() const {
@@ -355,25 +389,40 @@ class Window {
     if (key == "g" || key == "G") playback_->jump_to_guard_cut(key == "g");
   }
 
-  // Turns the scene once and writes how long the frames took.
-  Status measure_turning() {
+  // Turns the scene once; percentiles of how long the frames took.
+  nlohmann::ordered_json turn() {
     constexpr int kFrames = 72;
     std::vector<double> frame_ms;
+    int quick = 0;
     for (int n = 0; n < kFrames; ++n) {
       const auto begin = Clock::now();
       world_->GetActiveCamera()->Azimuth(360.0 / kFrames);
       refresh();
-      if (n > 1) frame_ms.push_back(1e3 * seconds_since(begin));  // the first ones fill buffers
+      if (n < 2) continue;  // they fill buffers
+      frame_ms.push_back(1e3 * seconds_since(begin));
+      quick += quick_;
     }
     std::sort(frame_ms.begin(), frame_ms.end());
     const auto at = [&](double share) {
       return frame_ms[static_cast<std::size_t>(share * static_cast<double>(frame_ms.size() - 1))];
     };
+    return {{"frames", frame_ms.size()},
+            {"in_coarser_voxels", quick},
+            {"p50", at(0.5)},
+            {"p90", at(0.9)},
+            {"p99", at(0.99)},
+            {"max", at(1)}};
+  }
+
+  // How long frames take while the camera turns: as a user sees them, and whole ones.
+  Status measure_turning() {
     nlohmann::ordered_json report = report_of(plan_, scene_);
     if (scene_.voxmap) report["force_layer_voxels"] = scene_.voxmap->header().surface_voxels;
     report["rectangles"] = stage_->voxel_rectangles();
-    report["frames"] = frame_ms.size();
-    report["frame_ms"] = {{"p50", at(0.5)}, {"p90", at(0.9)}, {"p99", at(0.99)}, {"max", at(1)}};
+    refresh();  // so that it is known whether whole frames are slow
+    report["frame_ms"] = turn();
+    smooth_s_ = std::numeric_limits<double>::infinity();
+    report["whole_frame_ms"] = turn();
     return write_report(options_.frame_times, report);
   }
 
@@ -396,12 +445,18 @@ class Window {
   double speed_ = 1;  // of playing, in run time per time
   std::vector<StripPoint> strip_points_;
   bool help_ = false;
-  bool changed_ = false;              // what is shown is not what is so
+  bool changed_ = false;        // what is shown is not what is so
+  bool quick_ = false;          // the last frame was drawn in coarser voxels
+  double smooth_s_ = kSmoothS;  // what a whole frame may take while the camera moves
+  double full_frame_s_ = 0;     // how long the last whole frame took
+  Clock::time_point moved_;     // when the camera moved last
+  std::array<glm::dvec3, 3> camera_place_{};
   bool silent_ = false;               // a stream that was heard is heard no more
   Clock::time_point started_, last_;  // of the window, of the last tick
   Clock::time_point heard_;           // when a pose came last
   std::deque<Call> calls_;
-  vtkNew<vtkRenderer> world_, marks_, words_;
+  vtkNew<BlendingRenderer> world_;
+  vtkNew<vtkRenderer> marks_, words_;
   vtkNew<vtkRenderWindow> window_;
   vtkNew<vtkRenderWindowInteractor> interactor_;
   vtkNew<CadStyle> style_;

@@ -6,6 +6,7 @@
 #include <set>
 #include <tuple>
 
+#include "runtime/viewer/coarse_layers.h"
 #include "runtime/viewer/layer_surface.h"
 #include "tests/support/dense_voxmap.h"
 
@@ -122,6 +123,59 @@ TEST(LayerSurface, CoversEachFaceOnceAndNoOther) {
           EXPECT_EQ(surface.quad_count(), expected.size());
         }
       }
+    }
+  }
+}
+
+// The cells of `edge` voxels, each with the value that CoarseLayers promises.
+DenseVoxels coarse_cells(const DenseVoxels& voxels, std::int64_t edge) {
+  const auto cell_of = [&](std::int64_t at) { return (at - (at < 0 ? edge - 1 : 0)) / edge; };
+  VoxelIndex low{}, dims{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    low[axis] = cell_of(voxels.box().low[axis]);
+    dims[axis] = cell_of(voxels.box().high[axis] - 1) + 1 - low[axis];
+  }
+  DenseVoxels cells(low, dims, 0.005 * static_cast<double>(edge));
+  for (const VoxelValue value :  // what is last wins
+       {VoxelValue::kProximity, VoxelValue::kInterior, VoxelValue::kSurface}) {
+    for_each_voxel(voxels.box(), [&](const VoxelIndex& v) {
+      if (voxels.value(v[0], v[1], v[2]) != value) return;
+      const VoxelIndex cell = {cell_of(v[0]), cell_of(v[1]), cell_of(v[2])};
+      cells.fill(cell, {cell[0] + 1, cell[1] + 1, cell[2] + 1}, value);
+    });
+  }
+  return cells;
+}
+
+TEST(CoarseLayers, CoverEachFaceOfACellOnceAndNoOther) {
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    std::mt19937_64 random(seed);
+    const DenseVoxels voxels = random_voxels(random);
+    const BuiltVoxmap built(voxels);
+    for (const int edge : {2, 4, 8}) {
+      const DenseVoxels cells = coarse_cells(voxels, edge);
+      const CoarseLayers coarse(built.voxmap(), edge);
+      for (const VoxelValue layer :
+           {VoxelValue::kInterior, VoxelValue::kSurface, VoxelValue::kProximity}) {
+        const QuadSurface surface = coarse.surface(layer, {0.1, -2.5, 0.07});
+        EXPECT_EQ(covered_faces(surface, 0.005 * edge), expected_faces(cells, layer));
+      }
+    }
+  }
+}
+
+TEST(CoarseLayers, ReadUniformBlocks) {
+  DenseVoxels voxels({0, 0, 0}, {64, 64, 72}, 0.005);
+  voxels.fill({0, 0, 0}, {64, 64, 64}, VoxelValue::kInterior);  // one entry of a lower node
+  voxels.fill({0, 0, 64}, {64, 64, 72}, VoxelValue::kSurface);  // uniform bricks
+  const BuiltVoxmap built(voxels);
+  for (const int edge : {2, 4, 8}) {
+    const DenseVoxels cells = coarse_cells(voxels, edge);
+    const CoarseLayers coarse(built.voxmap(), edge);
+    for (const VoxelValue layer : {VoxelValue::kInterior, VoxelValue::kSurface}) {
+      const QuadSurface surface = coarse.surface(layer, {0, 0, 0});
+      EXPECT_EQ(covered_faces(surface, 0.005 * edge), expected_faces(cells, layer));
     }
   }
 }
