@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <thread>
@@ -208,6 +209,27 @@ void print_summary(const std::string& output, const Bake& bake, const RunFacts& 
       static_cast<double>(run.file_bytes) * 1e-6, run.total_s);
 }
 
+// A line for each cavity that is closed only because a gap is narrower than the voxels.
+void print_narrow_passages(const Bake& bake) {
+  constexpr int kMostLines = 20;
+  const double size_m = bake.header.voxel_size_m;
+  int found = 0;
+  for (const ObjectReport& object : bake.objects) {
+    for (const Cavity& cavity : object.cavities) {
+      if (!cavity.opens_at_half_size || ++found > kMostLines) continue;
+      const auto& [i, j, k] = cavity.seed_voxel;
+      const auto centre_m = [&](std::int64_t n) { return (static_cast<double>(n) + 0.5) * size_m; };
+      std::printf(
+          "%s: a cavity of %.3g cm3 is closed only by a passage narrower than %g mm; "
+          "--free-seed %.9g,%.9g,%.9g opens it, and so does half the voxel size\n",
+          object.name.c_str(), static_cast<double>(cavity.voxels) * std::pow(size_m * 1e2, 3),
+          size_m * 1e3, centre_m(i), centre_m(j), centre_m(k));
+    }
+  }
+  if (found > kMostLines) std::printf("... and %d more: see --json\n", found - kMostLines);
+  if (found == 0) std::printf("no cavity opens at half the voxel size\n");
+}
+
 // The plan looks at the meshes themselves, and leaves the cache alone.
 Status print_plan(const Arguments& arguments, const Scene& scene, MeshSource& meshes,
                   BakeOptions options) {
@@ -326,6 +348,7 @@ Status voxelize(const Arguments& arguments) {
   if (!arguments.quiet) {
     print_warnings(*scene, meshes, *options, options->cache);
     shard ? print_share(arguments, *bake) : print_summary(arguments.output, *bake, run);
+    if (arguments.narrow_passages) print_narrow_passages(*bake);
   }
   if (arguments.json_path.empty()) return {};
   const auto facts = facts_of(*scene, meshes);

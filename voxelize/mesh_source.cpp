@@ -8,15 +8,13 @@
 #include "formats/mesh/reader.h"
 #include "formats/mesh/units.h"
 #include "voxelize/byte_pack.h"
+#include "voxelize/cache_versions.h"
 
 namespace forcelayer {
 namespace {
 
 constexpr const char* kAssemblyKind = "assembly";
 constexpr const char* kFactsKind = "facts";
-// To be raised whenever a reader gives another mesh for the same file, or the records change.
-constexpr std::uint32_t kAssemblyVersion = 1;
-constexpr std::uint32_t kFactsVersion = 1;
 
 std::vector<MeshOutline> outlines_of(const Assembly& assembly) {
   std::vector<MeshOutline> outlines;
@@ -48,7 +46,7 @@ std::optional<Digest> assembly_key(const std::string& path, const ReadOptions& o
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   if (may_refer_to_files(text_of(*mapped), extension)) return std::nullopt;
   DigestBuilder digest;
-  digest.text(kAssemblyKind).value(kAssemblyVersion);
+  digest.text(kAssemblyKind).value(kAssemblyCacheVersion);
   digest.text(name.string()).text(source.node);  // nodes without names are called by the file's
   if (extension.starts_with(".st") || extension.starts_with(".ig")) {
     if (extension != ".stl") digest.value(options.deflection_m);
@@ -202,8 +200,11 @@ Result<MeshFacts> MeshSource::facts(const ScenePart& part) {
   file.facts.resize(file.outlines.size());
   std::optional<MeshFacts>& facts = file.facts[part.mesh];
   if (facts) return *facts;
-  const Digest key =
-      DigestBuilder().text(kFactsKind).value(kFactsVersion).value(outline(part).digest()).finish();
+  const Digest key = DigestBuilder()
+                         .text(kFactsKind)
+                         .value(kFactsCacheVersion)
+                         .value(outline(part).digest())
+                         .finish();
   if (cache_ != nullptr) {
     const auto entry = cache_->find(kFactsKind, key);
     if (entry && entry->bytes().size() == sizeof(FactsRecord)) {

@@ -7,13 +7,12 @@
 #include <unordered_map>
 
 #include "voxelize/brick_bits.h"
+#include "voxelize/cache_versions.h"
 
 namespace forcelayer {
 namespace {
 
 constexpr int kEdge = 64;
-// To be raised whenever offset, bricks or clearance come out differently for the same G and I.
-constexpr std::uint64_t kVersion = 1;
 
 struct CoordHash {
   std::size_t operator()(const Coord& c) const {
@@ -94,7 +93,7 @@ class NodeKeys {
     std::vector<Digest> result(origins.size());
     tbb::parallel_for(std::size_t{0}, origins.size(), [&](std::size_t i) {
       std::array<Digest, 28> parts;
-      parts[27] = {kVersion, static_cast<std::uint64_t>(offset_.layers())};
+      parts[27] = {kNodeCacheVersion, static_cast<std::uint64_t>(offset_.layers())};
       for (int n = 0; n < 27; ++n) {
         parts[static_cast<std::size_t>(n)] = digest_at(
             origins[i].offsetBy((n / 9 - 1) * kEdge, (n / 3 % 3 - 1) * kEdge, (n % 3 - 1) * kEdge));

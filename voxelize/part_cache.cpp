@@ -1,15 +1,13 @@
 #include "voxelize/part_cache.h"
 
 #include "voxelize/byte_pack.h"
+#include "voxelize/cache_versions.h"
 #include "voxelize/mask_pack.h"
 
 namespace forcelayer {
 namespace {
 
 constexpr const char* kKind = "part";
-// To be raised whenever snap, scan conversion or flood give other voxels for the same input, or
-// their record here changes.
-constexpr std::uint32_t kVersion = 1;
 
 struct CavityRecord {
   std::uint64_t voxels;
@@ -26,7 +24,7 @@ void add_seeds(DigestBuilder& digest, const std::vector<Vec3d>& seeds_m) {
 std::optional<Digest> part_key(const SceneObject& object, const BakeOptions& options) {
   if (!object.mesh_digest) return std::nullopt;
   DigestBuilder digest;
-  digest.text(kKind).value(kVersion).value(*object.mesh_digest);
+  digest.text(kKind).value(kPartCacheVersion).value(*object.mesh_digest);
   for (const double x : object.world_from_mesh.linear) digest.value(x);
   for (const double x : object.world_from_mesh.translation) digest.value(x);
   digest.value(options.voxel_size_m);

@@ -143,6 +143,39 @@ PYTHON
 bake opened.vox --free-seed "$(cat seed)"
 echo "$(tr , ' ' <seed)" | "$bin/voxinfo" sample opened.vox | grep -qx 0 || fail "the seed opened nothing"
 
+# Narrow passages: a lid with a slot of 0.7 mm over a box, which voxels of 1 mm close and those of 0.5 mm do not.
+cat >slotted.obj <<'OBJ'
+v 0 0 0
+v 20 0 0
+v 0 20 0
+v 20 20 0
+v 0 0 20
+v 20 0 20
+v 0 20 20
+v 20 20 20
+v 10.4 0 20
+v 10.4 20 20
+v 11.1 0 20
+v 11.1 20 20
+f 1 3 4 2
+f 1 2 6 5
+f 3 7 8 4
+f 1 5 7 3
+f 2 4 8 6
+f 5 9 10 7
+f 11 6 8 12
+OBJ
+passages() { "$bin/voxelize" slotted.obj --units mm --voxel-size "$1" -o slotted.vox --narrow-passages "${@:2}" >out 2>err; }
+passages 1mm --json slotted.json || fail "narrow passages: $(cat err)"
+grep -q "slotted: a cavity of 6.86 cm3 is closed only by a passage narrower than 1 mm; --free-seed" out ||
+  fail "no line about the narrow passage: $(cat out)"
+seed=$(sed -n 's/.*--free-seed \([^ ]*\) opens.*/\1/p' out)
+passages 1mm --free-seed "$seed" || fail "the seed of the line: $(cat err)"
+grep -qx "no cavity opens at half the voxel size" out || fail "the line's seed opens nothing: $(cat out)"
+passages 0.5mm || fail "half the size: $(cat err)"
+grep -qx "no cavity opens at half the voxel size" out || fail "half the size leaves it closed: $(cat out)"
+bake opened.vox --narrow-passages && [ -z "$(cat err)" ] || fail "--quiet is not quiet"
+
 # e_static: the declared deviation is in the file.
 bake declared.vox --mesh-deviation 0.2mm --json declared.json
 python3 -c '
