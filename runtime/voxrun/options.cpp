@@ -60,6 +60,10 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
   app.add_option("--grip", texts_.grip, "handle_from_part, in the same way");
   app.add_option("--world-from-device", texts_.world_from_device, "place of the device");
   app.add_option("--motion-scale", options_.motion_scale, "scene metres a metre of the device");
+  app.add_option("--reach", texts_.reach,
+                 "x0,y0,z0,x1,y1,z1: box of the scene that the part can reach; its pages of the "
+                 "map, and no others, are read before the start (what the device's workspace "
+                 "allows, where that is known; else all)");
   app.add_option("--json", options_.json, "write a report");
   app.add_option("--trace", options_.trace, "write a CSV line a frame");
   app.add_option("--record", options_.record, "write a recording for --replay");
@@ -115,8 +119,18 @@ Status OptionParser::read_texts(Options& options) const {
     options.start.handle_from_part.emplace();
     if (Status s = read_pose("--grip", texts_.grip, *options.start.handle_from_part); !s) return s;
   }
+  if (Status s = read_reach(options); !s) return s;
   if (texts_.world_from_device.empty()) return {};
   return read_pose("--world-from-device", texts_.world_from_device, options.world_from_device);
+}
+
+Status OptionParser::read_reach(Options& options) const {
+  if (texts_.reach.empty()) return {};
+  const auto box = parse_box(texts_.reach);
+  if (!box) return about("--reach", box.error());
+  const auto& b = *box;
+  options.reach = ReachBox{{b[0], b[1], b[2]}, {b[3], b[4], b[5]}};
+  return {};
 }
 
 Status OptionParser::read_safety(Options& options) const {

@@ -8,6 +8,7 @@
 #include "formats/result.h"
 #include "runtime/parameters.h"
 #include "runtime/placement.h"
+#include "runtime/prefault.h"
 #include "runtime/voxrun/hid_choice.h"
 
 namespace CLI {
@@ -43,6 +44,7 @@ struct Options {
   PartStart start;  // --start and --grip
   Pose world_from_device;
   double motion_scale = 1;
+  std::optional<ReachBox> reach;          // --reach: none: what the handle's workspace allows
   std::optional<AfterTrip> after_trip;    // none: the device's own
   std::optional<unsigned> clutch_button;  // none: the device's own
   double stale_s = 0.005;
@@ -60,11 +62,12 @@ class OptionParser {
 
  private:
   struct Texts {
-    std::string duration, model, force, start, grip, world_from_device, after_trip, stale;
+    std::string duration, model, force, start, grip, world_from_device, reach, after_trip, stale;
     unsigned clutch_button = 0;
     bool no_braking = false;
   };
   Status read_texts(Options& options) const;
+  Status read_reach(Options& options) const;
   Status read_safety(Options& options) const;
   Status check(const Options& options) const;
 

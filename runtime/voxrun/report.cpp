@@ -237,6 +237,10 @@ std::string end_text(const RunFacts& facts, const LoopStatistics& s) {
       text("energy generated %.3g J in %llu contact episodes, at most %.3g J in one\n",
            s.generated_j, static_cast<unsigned long long>(s.contact_episodes),
            s.worst_episode_generated_j);
+  const auto mib = [](std::uint64_t bytes) { return static_cast<double>(bytes) / (1 << 20); };
+  lines +=
+      text("scene in memory %.3g of %.3g MiB, %.3g of them read before the start\n",
+           mib(facts.resident_bytes), mib(facts.scene_file_bytes), mib(facts.prefaulted_bytes));
   if (!facts.options.as_fast_as_possible) {
     lines += text("deadline misses %llu, woke late by p99 %.1f us, max %.1f us\n",
                   static_cast<unsigned long long>(s.deadline_misses),
@@ -290,6 +294,9 @@ Json report_json(const RunFacts& facts, const LoopStatistics& s) {
   json["outcome_hash"] = text("%016llx", static_cast<unsigned long long>(s.outcome_hash));
   json["wall_s"] = facts.wall_s;
   json["peak_rss_bytes"] = peak_rss_bytes();
+  json["scene_file_bytes"] = facts.scene_file_bytes;
+  json["scene_prefaulted_bytes"] = facts.prefaulted_bytes;
+  json["scene_resident_bytes"] = facts.resident_bytes;
   json["parameters"] = parameters_json(facts.parameters);
   json["parameter_reasons"] = facts.reasons;
   json["warnings"] = facts.warnings;

@@ -31,6 +31,9 @@ struct RunFacts {
   std::vector<DeviceCounter> device_counters;
   bool ended_tripped = false;
   std::vector<OutputEvent> events;
+  std::uint64_t prefaulted_bytes = 0;  // of the scene's file: pages read before the start
+  std::uint64_t resident_bytes = 0;    // of the scene's file, in memory at the end
+  std::uint64_t scene_file_bytes = 0;
   double steal_s = 0;  // that the host of a virtual machine took from all cores
   double wall_s = 0;
   std::vector<std::string> warnings;

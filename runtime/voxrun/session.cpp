@@ -159,6 +159,21 @@ Status prepare_simulation(const Options& options, Session& session) {
   return {};
 }
 
+// What the part can reach where the user does not say it: the handle's workspace with all of the
+// part that the grip may swing around in it, or everything.
+ReachBox reach_of(const Options& options, const Session& session) {
+  if (options.reach) return *options.reach;
+  const double workspace_m =
+      session.device.device ? session.device.device->capabilities().workspace_radius_m : 0;
+  if (!(workspace_m > 0)) return {glm::dvec3(-INFINITY), glm::dvec3(INFINITY)};
+  const State& start = session.start;
+  const double grip_m = glm::length(start.handle_from_center.position_m);
+  const double reach_m = workspace_m * session.placement.motion_scale + grip_m +
+                         session.simulation->shell().header().bounding_radius_m;
+  const glm::dvec3 center_m = session.placement.world_from_device.position_m;
+  return {center_m - reach_m, center_m + reach_m};
+}
+
 LoopOptions loop_options(const Options& options, const Session& session,
                          const std::atomic<int>& stop) {
   LoopOptions loop;
@@ -298,6 +313,9 @@ Status run_frames(const Options& options, Session& session, std::atomic<int>& st
   FrameSinks frame_sinks(ring, std::move(sinks), stop);
   Servo servo(*session.simulation, *session.input, session.start, output_limits(options, session));
   servo.set_clutch_buttons(session.clutch_buttons);
+  const Voxmap& voxmap = session.simulation->voxmap();
+  session.facts.scene_file_bytes = voxmap.bytes().size();
+  session.facts.prefaulted_bytes = prefault(voxmap, reach_of(options, session));
   const std::size_t warned = session.facts.warnings.size();
   make_real_time(options, session.facts.warnings);
   print_warnings(session.facts, warned);
@@ -306,6 +324,7 @@ Status run_frames(const Options& options, Session& session, std::atomic<int>& st
   run_loop(servo, loop, &ring, statistics);
   session.facts.steal_s = steal_seconds() - stolen_s;
   session.facts.wall_s = static_cast<double>(monotonic_ns() - begin_ns) / 1e9;
+  session.facts.resident_bytes = resident_bytes(voxmap.bytes());
   if (session.device.device) session.device.device->stop();
   if (Status drained = frame_sinks.finish(); !drained) return drained;
   session.facts.output_trips = servo.output().trips();

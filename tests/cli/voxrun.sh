@@ -37,6 +37,9 @@ deadline_misses max_force_n max_torque_nm energy_generated_j parameters""".split
 assert all(k in run["step_ns"] for k in ("p50", "p99", "p999", "max"))
 assert run["frames"] == 700 and run["force_layer_frames"] > 100, run["frames"]
 assert run["outcome_hash"] == again["outcome_hash"]
+# Without --reach, and with no workspace, the part can be anywhere: all of the map is read.
+assert 0 < run["scene_prefaulted_bytes"] <= run["scene_resident_bytes"], run["scene_resident_bytes"]
+assert run["scene_file_bytes"] > 0
 device = run["device_capabilities"]
 assert device["name"] == "sim" and device["max_force_n"] == 15 and device["max_torque_nm"] == 0.1
 assert device["sensed_axes"] == device["actuated_axes"] == ["x", "y", "z", "rot_x", "rot_y", "rot_z"]
@@ -113,6 +116,8 @@ expect 2 'tangent-plane force only' floor.vox ball.pshell --model paper --force 
 expect 2 'no offset layers' unlayered.vox ball.pshell "${fast[@]}" --force level --without-guarantee
 expect 0 'frames' floor.vox ball.pshell "${fast[@]}" --force tangent-plane
 expect 0 'frames' floor.vox ball.pshell "${fast[@]}" --model paper --force tangent-plane
+expect 2 'reach' floor.vox ball.pshell "${fast[@]}" --reach 0,0,0,1,1
+expect 0 'scene in memory' floor.vox ball.pshell "${fast[@]}" --reach 50,50,50,51,51,51 --json far.json
 expect 2 'duration' floor.vox ball.pshell --duration 5
 expect 2 'never end' floor.vox ball.pshell --as-fast-as-possible
 expect 2 'above zero' floor.vox ball.pshell "${fast[@]}" --mass -1
