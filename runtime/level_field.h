@@ -6,8 +6,9 @@
 //
 // phi. At each corner of the voxel lattice stand the mean of the eight levels around it and, along
 // each axis, the mean difference of the four pairs across it. Inside a voxel all four are
-// interpolated trilinearly between its eight corners: phi in voxels, and a slope per axis. That
-// reads the 27 voxels around a point, with the trapezoid (box of 1 * box of 2 voxels) as kernel.
+// interpolated trilinearly between its eight corners: phi in voxels, and a slope per axis (along x
+// and y in 16 bits, which moves phi by less than 2^-12 voxel). That reads the 27 voxels around a
+// point, with the trapezoid (box of 1 * box of 2 voxels) as kernel.
 //   - phi and the slope are continuous; along an axis they change by at most 1 and 2 per voxel.
 //   - phi < 0 needs a voxel of level -1 among the 27, so the point's own voxel has level -1 or 0:
 //     only points in values 1 and 2 are pushed, as in the paper; guard and guarantee stay the same.

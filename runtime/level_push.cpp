@@ -367,8 +367,7 @@ class Kernel {
   HWY_INLINE void push_chunk(std::size_t count, const Load& load) {
     Stages& s = stages_;
     for (std::size_t i = 0; i < count; i += kLanes) {
-      const Planes planes = gather(load(i));
-      for (int x = 0; x < 3; ++x) hn::Store(planes.words[x], kI, s.words[x] + i);
+      gather(load(i), i);
     }
     for (std::size_t i = 0; i < count; i += kLanes) {
       Planes planes;
@@ -426,8 +425,8 @@ class Kernel {
     samples_.count += static_cast<std::uint32_t>(pack.count());
   }
 
-  // The 27 levels around the points.
-  HWY_INLINE Planes gather(const Lanes& lanes) {
+  // The 27 levels around the points, to words[.][i] on.
+  HWY_INLINE void gather(const Lanes& lanes, std::size_t i) {
     const VI(&voxel)[3] = lanes.voxel;
     VI brick[3];
     for (int axis = 0; axis < 3; ++axis) brick[axis] = hn::ShiftRight<3>(voxel[axis]);
@@ -452,15 +451,13 @@ class Kernel {
     const VI at_row = hn::Add(hn::ShiftLeft<3>(y), hn::ShiftLeft<2>(y));
     const VI offset =
         hn::Add(hn::Add(at_brick, at_plane), hn::Add(at_row, hn::And(voxel[2], seven)));
-    Planes planes;
     for (std::uint32_t plane = 0; plane < 3; ++plane) {
-      const std::uint8_t* base = bricks_.levels() + plane * LevelBricks::kPlaneBytes;
-      planes.words[plane] =
-          hn::GatherOffset(kI, reinterpret_cast<const std::int32_t*>(base), offset);
+      const auto* base = reinterpret_cast<const std::int32_t*>(bricks_.levels() +
+                                                               plane * LevelBricks::kPlaneBytes);
+      hn::Store(hn::GatherOffset(kI, base, offset), kI, stages_.words[plane] + i);
     }
     const auto missing = hn::AndNot(held, lanes.wanted);
-    if (HWY_UNLIKELY(!hn::AllFalse(kI, missing))) fetch_missing(lanes, missing, planes);
-    return planes;
+    if (HWY_UNLIKELY(!hn::AllFalse(kI, missing))) fetch_missing(lanes, missing, i);
   }
 
   HWY_INLINE hn::Mask<Ints> tags_match(VI slot, const VI (&brick)[3]) {
@@ -472,10 +469,9 @@ class Kernel {
 
   // Decodes the bricks that were not held. One of them may replace another, so each point's words
   // are taken while its brick is there.
-  HWY_NOINLINE void fetch_missing(const Lanes& lanes, hn::Mask<Ints> missing, Planes& planes) {
-    HWY_ALIGN std::int32_t words[3][kLanes], voxel[3][kLanes];
+  HWY_NOINLINE void fetch_missing(const Lanes& lanes, hn::Mask<Ints> missing, std::size_t i) {
+    HWY_ALIGN std::int32_t voxel[3][kLanes];
     HWY_ALIGN std::int32_t wanted[kLanes];
-    for (int plane = 0; plane < 3; ++plane) hn::Store(planes.words[plane], kI, words[plane]);
     for (int axis = 0; axis < 3; ++axis) hn::Store(lanes.voxel[axis], kI, voxel[axis]);
     hn::Store(hn::VecFromMask(kI, missing), kI, wanted);
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
@@ -485,10 +481,10 @@ class Kernel {
       levels += (x & 7) * std::int32_t{LevelBricks::kPlaneBytes} +
                 (y & 7) * std::int32_t{LevelBricks::kRowBytes} + (z & 7);
       for (std::uint32_t plane = 0; plane < 3; ++plane) {
-        hwy::CopyBytes<4>(levels + plane * LevelBricks::kPlaneBytes, &words[plane][lane]);
+        hwy::CopyBytes<4>(levels + plane * LevelBricks::kPlaneBytes,
+                          &stages_.words[plane][i + lane]);
       }
     }
-    for (int plane = 0; plane < 3; ++plane) planes.words[plane] = hn::Load(kI, words[plane]);
   }
 
   static HWY_INLINE VI constant(std::uint32_t value) {

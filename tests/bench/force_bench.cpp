@@ -53,6 +53,12 @@ std::vector<Combination> combinations() {
       {"sphere in wedge 60", kSphere, kAnyWay, Body::kWedge, 0, narrow, false, true},
       {"cylinder in wedge 90", kCylinder, kAlongWedge, Body::kWedge, 0, right, false, true},
       {"box edge in wedge 90", kBox, kEdgeDown, Body::kWedge, 0, right, false, true},
+      {"sphere on edge, standoff", kSphere, kAnyWay, Body::kWedge, 0, convex, false, false, true},
+      {"box face on edge, standoff", kBox, kFaceDown, Body::kWedge, 0, convex, false, false, true},
+      {"cylinder side on edge, standoff", kCylinder, kFaceDown, Body::kWedge, 0, convex, false,
+       false, true},
+      {"cylinder in bore, standoff", kCylinder, kAlongBore, Body::kBore, 0.15, 0, false, false,
+       true},
       {"sphere in wedge 90, one offset", kSphere, kAnyWay, Body::kWedge, 0, right, false},
       {"cylinder in wedge 90, one offset", kCylinder, kAlongWedge, Body::kWedge, 0, right, false},
   };

@@ -442,7 +442,8 @@ void ContactCase::tabulate_truth() {
     for (std::size_t i = 0; i < fine_.points_m.size(); ++i) {
       const glm::dvec3 arm = at.rotation * fine_.points_m[i];
       glm::dvec3 g;
-      const double d = body_.distance_m(arm + at.position_m, &g);
+      double d = body_.distance_m(arm + at.position_m, &g);
+      if (combination_.standoff) d += middle_m_ - kLayers * norm1(g) * s_;
       const double bin = std::max(0.0, std::ceil((d - truth_->first_m) / truth_->step_m));
       if (bin >= kOffsets) continue;
       const auto b = static_cast<std::size_t>(bin);

@@ -27,6 +27,7 @@ struct Combination {
   double free_angle = 0;
   bool smooth = true;         // flush or smooth: counts in the medians
   bool wall_by_wall = false;  // the exact offset surface has its own offset at each wall
+  bool standoff = false;      // the exact offset surface is k |n|_1 s off, and the fitted distance
 };
 
 enum class Method {
