@@ -4,6 +4,7 @@
 
 #include <functional>
 
+#include "tests/support/address_limit.h"
 #include "tests/support/file_surgery.h"
 #include "tests/support/golden_content.h"
 
@@ -226,6 +227,24 @@ INSTANTIATE_TEST_SUITE_P(Formats, DamagedFile, ::testing::ValuesIn(kFormats),
                            std::erase(name, ' ');
                            return name;
                          });
+
+// Whatever number stands in a header or a table, no memory is asked for that the file does not
+// have.
+TEST_P(DamagedFile, NoCountAsksForMemory) {
+  const auto header = read_at<FileHeader>(whole_.bytes(), 0);
+  const std::size_t end = header.header_bytes + header.section_count * sizeof(SectionEntry);
+  constexpr std::uint64_t kNumbers[] = {0x7fffffff,         0xffffffff,         0x100000000,
+                                        0x7fffffffffffffff, 0xfffffffffffffff8, 0xffffffffffffffff};
+  for (std::size_t at = 0; at + 8 <= end; at += 4) {
+    for (const std::uint64_t number : kNumbers) {
+      const AlignedBytes bytes = with_field(at, number);
+      const test::AddressLimit limit(std::uint64_t{16} << 20);
+      const Status status = GetParam().open(bytes.bytes(), Verify::kStructureAndChecksums);
+      EXPECT_TRUE(status || exit_status(status.error().code) == 4)
+          << "byte " << at << ": " << to_line(status.error());
+    }
+  }
+}
 
 TEST(OtherFormat, APshellGivenAsVoxAndTheOtherWayRound) {
   const AlignedBytes shell = golden_file_bytes("v1.pshell");

@@ -3,11 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include <cstring>
 #include <fstream>
 
 #include "runtime/derive_parameters.h"
 #include "runtime/devices/sim_device.h"
 #include "runtime/loop.h"
+#include "tests/support/address_limit.h"
 #include "tests/support/random_scenes.h"
 #include "tests/support/scratch_folder.h"
 
@@ -165,6 +167,22 @@ TEST(Recording, FieldsOutOfRangeAreNamed) {
   std::string newer = bytes;
   newer[14] = 1;  // a higher minor version is read
   EXPECT_TRUE(open_bytes(newer));
+}
+
+TEST(Recording, NoCountAsksForMemory) {
+  const ScratchFolder folder;
+  record(folder / "run.flr", 1, 3);
+  const std::string bytes = read_bytes(folder / "run.flr");
+  for (std::size_t at = 0; at + 8 <= bytes.size(); at += 4) {
+    for (const std::uint64_t number : {0x7fffffff7fffffffull, 0xffffffffffffffffull}) {
+      std::string broken = bytes;
+      std::memcpy(broken.data() + at, &number, sizeof number);
+      std::ofstream(folder / "broken.flr", std::ios::binary) << broken;
+      const AddressLimit limit(std::uint64_t{16} << 20);
+      const auto opened = Recording::open(folder / "broken.flr");
+      EXPECT_TRUE(opened || exit_status(opened.error().code) == 4) << at;
+    }
+  }
 }
 
 TEST(Recording, LostFramesMakeItUseless) {

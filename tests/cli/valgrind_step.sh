@@ -1,0 +1,23 @@
+#!/usr/bin/env bash
+# The loop under valgrind: every model and force field steps through contact without reading what was
+# never written, touching what is not its own, or leaking.
+set -euo pipefail
+command -v valgrind >/dev/null || { echo "skipped: no valgrind here"; exit 77; }
+if grep -q '^CMAKE_CXX_FLAGS:.*-fsanitize' "$FORCELAYER_BUILD_DIR/CMakeCache.txt"; then
+  echo "skipped: valgrind and sanitizers do not mix"
+  exit 77
+fi
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+cd "$scratch"
+"$FORCELAYER_BIN_DIR/make_runtime_files" .
+check() {
+  valgrind --quiet --error-exitcode=9 --leak-check=full --errors-for-leak-kinds=definite,indirect \
+    "$FORCELAYER_BIN_DIR/voxrun" floor.vox ball.pshell --device sim --motion press.csv --as-fast-as-possible --quiet "$@"
+}
+check --json run.json --trace run.csv --record run.flr
+check --model paper
+check --force tangent-plane --hand firm --threads 2
+check --duration 100ms --udp 127.0.0.1:9
+python3 -c 'import json; r = json.load(open("run.json")); assert r["force_layer_frames"] > 100, r'
+echo "no error in four runs"
