@@ -14,6 +14,7 @@ import datetime
 import json
 import pathlib
 import re
+import resource
 import subprocess
 import sys
 
@@ -41,6 +42,7 @@ def fuzz(name, seconds):
     grown.mkdir(parents=True, exist_ok=True)
     found.mkdir(parents=True, exist_ok=True)
     before = set(found.iterdir())
+    cpu_before_s = children_cpu_s()
     run = subprocess.run(
         [BUILD / "bin" / f"fuzz_{name}", grown, FUZZ / "corpus" / name, f"-max_total_time={seconds}",
          "-timeout=10", "-rss_limit_mb=2048", "-malloc_limit_mb=1024", "-max_len=65536",
@@ -54,17 +56,24 @@ def fuzz(name, seconds):
     for path in new:
         print(f"{name}: found {path}\n{run.stderr[-3000:]}", file=sys.stderr)
     return {"date": datetime.date.today().isoformat(), "target": name, "seconds": seconds,
+            "cpu_seconds": round(children_cpu_s() - cpu_before_s, 1),
             "executions": int(stats["number_of_executed_units"]),
             "edges": int(covered[-1]) if covered else 0,
             "inputs": len(list(grown.iterdir())), "found": len(new)}
 
 
+def children_cpu_s():
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
 def table(campaigns):
-    lines = ["| target | campaigns | hours | executions | edges reached | inputs kept | found in the last |",
-             "|---|---|---|---|---|---|---|"]
+    lines = ["| target | campaigns | CPU minutes | of the last | executions | edges reached | inputs kept | found in the last |",
+             "|---|---|---|---|---|---|---|---|"]
     for name in sorted({campaign["target"] for campaign in campaigns}):
         own = [campaign for campaign in campaigns if campaign["target"] == name]
-        lines.append(f"| {name} | {len(own)} | {sum(c['seconds'] for c in own) / 3600:.2f} "
+        lines.append(f"| {name} | {len(own)} | {sum(c['cpu_seconds'] for c in own) / 60:.1f} "
+                     f"| {own[-1]['cpu_seconds'] / 60:.1f} "
                      f"| {sum(c['executions'] for c in own):,} | {max(c['edges'] for c in own):,} "
                      f"| {own[-1]['inputs']:,} | {own[-1]['found']} |")
     return "\n".join(lines)
