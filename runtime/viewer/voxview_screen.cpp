@@ -2,15 +2,31 @@
 
 #include <unistd.h>
 
+#include <cstdio>
 #include <cstdlib>
 #include <string>
 #include <vector>
+
+#include "formats/temporary_files.h"
 
 // Last, for its macros.
 #include <X11/Xlib.h>
 #undef Status
 
 namespace forcelayer {
+namespace {
+
+// The window was killed (xkill) or its server ended. Xlib ends the program after this whatever it
+// does, with words and a status of its own.
+int end_without_display(Display*) {
+  const Error error{ErrorCode::kDeviceFailed, "", "", "the display closed the connection",
+                    "the window was killed or its X server ended; a run that it showed goes on"};
+  std::fprintf(stderr, "voxview: %s\n", to_line(error).c_str());
+  remove_temporary_files();
+  _exit(exit_status(error.code));
+}
+
+}  // namespace
 
 bool display_is_set() {
   const char* display = std::getenv("DISPLAY");
@@ -22,6 +38,7 @@ Status ensure_screen(char** argv) {
     // VTK aborts the program where this fails.
     if (Display* display = XOpenDisplay(nullptr); display != nullptr) {
       XCloseDisplay(display);
+      XSetIOErrorHandler(end_without_display);
       return {};
     }
     return Error{ErrorCode::kDeviceNotFound, "", "",

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstdio>
 #include <numbers>
+#include <string_view>
 
 #include "runtime/viewer/vtk_shapes.h"
 
@@ -72,7 +73,8 @@ void draw_swatch(Shapes& shapes, const LegendEntry& entry, double x, double y, d
 
 struct Overlay::Drawing {
   vtkRenderer* renderer;
-  double scale;
+  double full_scale;  // in a picture that is large enough
+  double scale = 1;
   Shapes shapes;
   std::vector<vtkSmartPointer<vtkTextActor>> texts;
   std::vector<std::string> title;
@@ -136,21 +138,42 @@ struct Overlay::Drawing {
     return y;
   }
 
-  void draw_title(int height) {
+  // The parts of a line, which four spaces divide, on as many lines as the width asks for.
+  std::vector<std::string> broken(const std::string& words, double size, double width) {
+    constexpr std::string_view kGap = "    ";
+    std::vector<std::string> lines;
+    for (std::size_t from = 0; from <= words.size();) {
+      const std::size_t to = std::min(words.find(kGap, from), words.size());
+      const std::string part = words.substr(from, to - from);
+      from = to + kGap.size();
+      const std::string longer = lines.empty() ? part : lines.back() + std::string(kGap) + part;
+      if (!lines.empty() && text_width(longer, size) <= width) {
+        lines.back() = longer;
+      } else {
+        lines.push_back(part);
+      }
+    }
+    return lines;
+  }
+
+  void draw_title(int width, int height) {
     constexpr double kLarge = 20, kSmall = 15;
+    const double margin = 18 * scale;
     title_right = 0;
     double y = height - 14 * scale;
     for (std::size_t n = 0; n < title.size(); ++n) {
       if (n == 1 && state) y = draw_state(y);
       const double size = n == 0 ? kLarge : kSmall;
-      y -= 1.45 * size * scale;
-      title_right =
-          std::max(title_right, 18 * scale + write(title[n], 18 * scale, y, size, n == 0));
+      for (const std::string& line :
+           broken(title[n], size, (n == 0 ? 0.9 : 1) * (width - margin))) {
+        y -= 1.45 * size * scale;
+        title_right = std::max(title_right, margin + write(line, margin, y, size, n == 0));
+      }
     }
     title_bottom = y;
   }
 
-  void draw_legend(int width, int height) {
+  void draw_legend(int width, int height, int reserved) {
     constexpr double kSize = 14, kLine = 23;
     double widest = 0;
     for (const LegendEntry& entry : legend) {
@@ -160,14 +183,21 @@ struct Overlay::Drawing {
     const double left = width - margin - widest - gap - key;
     double y = height - margin - 4 * scale;
     if (title_right > left - 2 * gap) y = title_bottom - margin;  // no room beside the title
-    if (!legend.empty()) {
-      shapes.box(left - gap, y - (kLine * static_cast<double>(legend.size()) + 2) * scale,
-                 width - margin + gap / 2, y + 4 * scale, kBackground, 0.8);
-    }
-    for (const LegendEntry& entry : legend) {
+    const double lowest = reserved + 60 * scale;                  // above the scale bar
+    auto room = static_cast<std::size_t>(std::max(0.0, (y - lowest) / (kLine * scale)));
+    if (legend.empty() || room < 2) return;
+    const bool whole = legend.size() <= room;
+    if (whole) room = legend.size();
+    shapes.box(left - gap, y - (kLine * static_cast<double>(room) + 2) * scale,
+               width - margin + gap / 2, y + 4 * scale, kBackground, 0.8);
+    for (std::size_t n = 0; n < room; ++n) {
       y -= kLine * scale;
-      draw_swatch(shapes, entry, left, y, key);
-      write(entry.label, left + key + gap, y, kSize, false);
+      if (!whole && n + 1 == room) {
+        write("more in a larger window", left, y, kSize, false);
+        break;
+      }
+      draw_swatch(shapes, legend[n], left, y, key);
+      write(legend[n].label, left + key + gap, y, kSize, false);
     }
   }
 
@@ -189,7 +219,7 @@ struct Overlay::Drawing {
 
 Overlay::Overlay(vtkRenderer* renderer, double scale) : drawing_(std::make_unique<Drawing>()) {
   drawing_->renderer = renderer;
-  drawing_->scale = scale;
+  drawing_->full_scale = scale;
   renderer->AddActor2D(drawing_->shapes.actor());
 }
 
@@ -202,10 +232,14 @@ void Overlay::set_state(std::optional<FrameKind> state) { drawing_->state = stat
 void Overlay::set_legend(const std::vector<LegendEntry>& entries) { drawing_->legend = entries; }
 
 void Overlay::lay_out(int width, int height, double metres_per_pixel, int reserved) {
-  drawing_->clear();
-  drawing_->draw_title(height);
-  drawing_->draw_legend(width, height);
-  if (metres_per_pixel > 0) drawing_->draw_scale_bar(width, metres_per_pixel, reserved);
+  constexpr double kWidth = 800, kHeight = 600, kSmallest = 0.75;  // of words that can be read
+  Drawing& d = *drawing_;
+  const double share = std::min(width / kWidth, height / kHeight) / d.full_scale;
+  d.scale = d.full_scale * std::clamp(share, kSmallest, 1.0);
+  d.clear();
+  d.draw_title(width, height);
+  d.draw_legend(width, height, reserved);
+  if (metres_per_pixel > 0) d.draw_scale_bar(width, metres_per_pixel, reserved);
 }
 
 ScaleLength round_length(double wanted_m) {

@@ -23,7 +23,8 @@ class Overlay {
   void set_state(std::optional<FrameKind> state);            // under its first line; none: no
   void set_legend(const std::vector<LegendEntry>& entries);  // top right
   // Draws everything anew for a picture of that many pixels, one of which is `metres_per_pixel`;
-  // the lowest `reserved` pixels are left free.
+  // the lowest `reserved` pixels are left free. In a small picture words are smaller, long lines
+  // are broken, and the legend ends where there is no more room.
   void lay_out(int width, int height, double metres_per_pixel, int reserved = 0);
 
  private:

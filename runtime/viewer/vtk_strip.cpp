@@ -11,6 +11,8 @@
 #include <vtkTextProperty.h>
 
 #include <algorithm>
+#include <array>
+#include <string>
 
 #include "runtime/viewer/legend.h"
 #include "runtime/viewer/moment.h"
@@ -69,12 +71,13 @@ struct Bars : Shapes {
 }  // namespace
 
 struct Strip::Drawing {
-  explicit Drawing(vtkRenderer* renderer)
-      : paper(renderer, kBackground, true),
-        frame(renderer, kEdgeColour, false),
-        bars(renderer),
-        curve(renderer, kInk, false),
-        now(renderer, kContactColour, false) {
+  explicit Drawing(vtkRenderer* words)
+      : renderer(words),
+        paper(words, kBackground, true),
+        frame(words, kEdgeColour, false),
+        bars(words),
+        curve(words, kInk, false),
+        now(words, kContactColour, false) {
     paper.actor->GetProperty()->SetOpacity(0.85);
     text->GetTextProperty()->SetFontSize(13);
     text->GetTextProperty()->SetColor(kInk[0], kInk[1], kInk[2]);
@@ -82,6 +85,7 @@ struct Strip::Drawing {
     renderer->AddActor2D(text);
   }
 
+  vtkRenderer* renderer;
   Shape paper, frame;
   Bars bars;
   Shape curve, now;
@@ -138,14 +142,32 @@ void Strip::draw(const std::vector<StripPoint>& points, double begin_s, double e
   d.paper.set({{kLeft, kBottom}, {right, kBottom}, {right, top}, {kLeft, top}});
   d.frame.set({{kLeft, kBottom}, {right, kBottom}, {right, top}, {kLeft, top}, {kLeft, kBottom}});
   d.now.set({{x_of(now_s), kBottom}, {x_of(now_s), top}});
-  d.text->SetInput(
-      text_of("force on the hand, to %.3g N    %.2f to %.2f s    bars: as the cells above",
-              highest_n, d.begin_s, d.end_s)
-          .c_str());
+  const std::array<std::string, 3> parts = {text_of("force on the hand, to %.3g N", highest_n),
+                                            text_of("    %.2f to %.2f s", d.begin_s, d.end_s),
+                                            "    bars: as the cells above"};
+  std::string words;
+  for (const std::string& part : parts) {
+    d.text->SetInput((words + part).c_str());
+    double extent[2] = {0, 0};
+    d.text->GetSize(d.renderer, extent);
+    if (extent[0] > span - 8) break;
+    words += part;
+  }
+  d.text->SetInput(words.c_str());
+}
+
+void Strip::show(bool shown) {
+  Drawing& d = *drawing_;
+  for (vtkActor2D* actor : {d.paper.actor.Get(), d.frame.actor.Get(), d.bars.actor(),
+                            d.curve.actor.Get(), d.now.actor.Get()}) {
+    actor->SetVisibility(shown);
+  }
+  d.text->SetVisibility(shown);
 }
 
 std::optional<double> Strip::time_at(int x, int y) const {
   const Drawing& d = *drawing_;
+  if (!d.text->GetVisibility()) return std::nullopt;
   if (y > kBottom + kHeight || x < kLeft || x > d.width - kRight) return std::nullopt;
   const double share = static_cast<double>(x - kLeft) / (d.width - kLeft - kRight);
   return d.begin_s + share * (d.end_s - d.begin_s);

@@ -20,6 +20,7 @@ struct StripPoint {
 class Strip {
  public:
   static constexpr int kTopPixel = 118;  // of the window's lower edge that it takes
+  static constexpr int kLeastWidth = 320, kLeastHeight = 300;  // of a window that has room for it
 
   explicit Strip(vtkRenderer* renderer);
   ~Strip();
@@ -28,6 +29,7 @@ class Strip {
   // higher the weightier the frames.
   void draw(const std::vector<StripPoint>& points, double begin_s, double end_s, double now_s,
             int width);
+  void show(bool shown);
 
   // The time at a pixel of the window; none beside the strip.
   std::optional<double> time_at(int x, int y) const;

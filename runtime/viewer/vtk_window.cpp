@@ -276,10 +276,13 @@ class Window {
   void lay_out() {
     const int width = window_->GetSize()[0], height = window_->GetSize()[1];
     vtkCamera* camera = world_->GetActiveCamera();
+    const bool strip_shown =
+        !strip_points_.empty() && width >= Strip::kLeastWidth && height >= Strip::kLeastHeight;
     overlay_->lay_out(width, height, 2 * camera->GetParallelScale() / height,
-                      strip_points_.empty() ? 0 : Strip::kTopPixel);
+                      strip_shown ? Strip::kTopPixel : 0);
     triad_->aim(to_eye(), up(), width, height, kTriadPixels);
-    if (strip_points_.empty()) return;
+    strip_->show(strip_shown);
+    if (!strip_shown) return;
     const double newest_s = strip_points_.back().time_s;
     const double begin_s =
         feed_.receiver ? std::max(0.0, newest_s - kLiveSpanS) : strip_points_.front().time_s;

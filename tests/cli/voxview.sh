@@ -95,12 +95,25 @@ paper = (picture[:, :, :3] == 1).all(axis=2).mean()
 assert 0.2 < paper < 0.9, paper
 END
 
-if [ -d "$FORCELAYER_SOURCE_DIR/../shared/models" ]; then
-  "$bin/voxelize" "$FORCELAYER_SOURCE_DIR/../shared/models/cad/2CylinderEngine.glb" --units mm \
-    -o engine.vox --voxel-size 6mm --quiet
-  "$bin/voxinfo" export engine.vox engine.csv
+# An engine with a part on its cylinder, which moves by 30 and 20 mm between two bakes.
+engine=$FORCELAYER_SOURCE_DIR/../shared/models/cad/2CylinderEngine.glb
+if [ -f "$engine" ]; then
+  for bake in "engine 0.15,0,0.13" "engine_moved 0.18,0.02,0.13"; do
+    read -r name place <<<"$bake"
+    cat >$name.json <<END
+{"parts": [{"mesh": "$engine", "units": "mm"},
+           {"mesh": "$data/part.obj", "units": "mm", "translation": [$place]}]}
+END
+    "$bin/voxelize" $name.json -o $name.vox --voxel-size 6mm --allow-outside --quiet
+    "$bin/voxinfo" export $name.vox $name.csv
+  done
   "$bin/voxview" engine.vox "${plain[@]}" --view-from 0,1,0 --show force-layer
   check layer picture.png facts.json 0.006 engine.csv 2
+  for direction in 0,0,1 0,1,0; do
+    "$bin/voxview" --compare engine.vox engine_moved.vox "${plain[@]}" --view-from $direction \
+      --show part
+    check change picture.png facts.json 0.006 engine.csv engine_moved.csv
+  done
 else
   echo "no models beside the project: the engine is left out"
 fi

@@ -133,6 +133,11 @@ class Screen:
         message.data[0] = delete
         self.send(message)
 
+    def kill_client(self):
+        """What xkill does."""
+        self.x.XKillClient(self.display, ctypes.c_ulong(self.window()))
+        self.x.XSync(self.display, 0)
+
     def wait(self, wanted, what):
         """Until wanted(picture) holds in two looks running; returns that picture."""
         end, last = time.monotonic() + PATIENCE_S, None
@@ -143,6 +148,12 @@ class Screen:
             last = now
             time.sleep(0.2)
         raise AssertionError("not seen: " + what)
+
+    def seen_moving(self, before):
+        end = time.monotonic() + PATIENCE_S
+        while (self.picture() == before).all():
+            assert time.monotonic() < end, "the part does not move"
+            time.sleep(0.1)
 
     def changed(self, before, what):
         return self.wait(lambda now: (now != before).any(), what)
@@ -160,11 +171,11 @@ def count(picture, name):
     return int((abs(picture - colour(name)) <= 1).all(axis=2).sum())
 
 
-def viewer(screen, *arguments):
+def viewer(screen, *arguments, stderr=None):
     environment = {**os.environ, "DISPLAY": screen.name}
     return subprocess.Popen(
         [BIN / "voxview", "bay.vox", "part.pshell", "--size", f"{WIDTH}x{HEIGHT}", *arguments],
-        env=environment)
+        env=environment, stderr=stderr, text=True)
 
 
 def run(*arguments):
@@ -221,7 +232,7 @@ def check_replay(screen):
     screen.key("End")
     last = screen.changed(scrubbed, "the last frame, in free space")
     # Neither title nor strip: the arrow of the force on the hand is gone with the force.
-    assert (last[170:400, :500] > 60).any(axis=2).all(), "a black arrow without a force"
+    assert (last[200:400, :500] > 60).any(axis=2).all(), "a black arrow without a force"
 
     screen.key("x")
     side = screen.wait(drawn, "a view along x")
@@ -250,10 +261,7 @@ def check_live(screen):
     process = viewer(screen, "--listen", PORT)
     waiting = screen.wait(drawn, "the window")
     sender = run("--udp", PORT, "--json", "watched.json")
-    end = time.monotonic() + PATIENCE_S
-    while (screen.picture() == waiting).all():
-        assert time.monotonic() < end, "the part does not move"
-        time.sleep(0.1)
+    screen.seen_moving(waiting)
     process.send_signal(signal.SIGKILL)
     ends(process, -signal.SIGKILL, "the viewer")
     ends(sender, 0, "the run whose viewer was killed")
@@ -261,6 +269,14 @@ def check_live(screen):
                       for name in ("reference.json", "watched.json"))
     for fact in ("frames", "outcome_hash"):
         assert alone[fact] == watched[fact], (fact, alone[fact], watched[fact])
+
+    process = viewer(screen, "--listen", PORT, stderr=subprocess.PIPE)
+    waiting = screen.wait(drawn, "the window")
+    sender = run("--udp", PORT)
+    screen.seen_moving(waiting)
+    screen.kill_client()
+    ends_without_display(process, "xkill")
+    ends(sender, 0, "the run whose viewer was killed by xkill")
 
     process = viewer(screen, "--listen", PORT)
     waiting = screen.wait(drawn, "the window")
@@ -278,15 +294,21 @@ def check_live(screen):
     ends(process, 0, "q")
 
 
+def ends_without_display(process, what):
+    words = process.communicate(timeout=PATIENCE_S)[1]
+    assert process.returncode == 5, f"{what}: status {process.returncode}: {words}"
+    assert words.count("\n") == 1 and "the display closed the connection" in words, words
+
+
 def check_ends(screen):
     process = viewer(screen)
     screen.wait(drawn, "the window")
     process.terminate()
     ends(process, -signal.SIGTERM, "SIGTERM")
-    process = viewer(screen)
+    process = viewer(screen, stderr=subprocess.PIPE)
     screen.wait(drawn, "the window")
     screen.server.terminate()
-    ends(process, 1, "a screen that went away")
+    ends_without_display(process, "a screen that went away")
     nowhere = subprocess.run([BIN / "voxview", "bay.vox"], capture_output=True, text=True,
                              env={**os.environ, "DISPLAY": screen.name})
     assert nowhere.returncode == 5 and nowhere.stderr.count("\n") == 1, nowhere
