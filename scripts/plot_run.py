@@ -127,8 +127,11 @@ def plot_vector(axes, trace, names, unit, what):
 def plot_depth(axes, trace):
     depth, stretch = [1000 * d for d in trace["depth_m"]], stretch_mm(trace)
     axes.plot(*thinned(trace["t_s"], depth), color="black", lw=1.2, label="deepest contact")
-    axes.plot(*thinned(trace["t_s"], stretch), "--", color="#d55e00", lw=1,
-              label="coupling stretch")
+    # On a scale of its own: it is tens of times the depth, which would look like nothing.
+    beside = axes.twinx()
+    beside.plot(*thinned(trace["t_s"], stretch), "--", color="#d55e00", lw=1)
+    beside.set_ylabel("stretch (mm)", color="#d55e00")
+    axes.plot([], [], "--", color="#d55e00", lw=1, label="coupling stretch (right)")
     axes.set_ylabel("depth\n(mm)")
     axes.set_title(f"greatest depth {max(depth):.4g} mm, stretch {max(stretch):.4g} mm",
                    loc="right", fontsize=8)
