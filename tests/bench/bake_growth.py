@@ -121,10 +121,15 @@ def plot(rows, machine):
     for line in axes:
         for axis in line:
             axis.set(xscale="log", yscale="log")
+            axis.yaxis.set_major_locator(ticker.LogLocator(subs=(1, 2, 5)))
+            axis.yaxis.set_major_formatter(ticker.FormatStrFormatter("%g"))
+            axis.yaxis.set_minor_locator(ticker.NullLocator())
             axis.grid(True, which="major", lw=0.4)
             axis.legend(fontsize=8)
         line[1].set_xticks(ACROSS_AIRCRAFT, [str(n) for n in ACROSS_AIRCRAFT], minor=False)
         line[1].xaxis.set_minor_locator(ticker.NullLocator())
+        line[0].set_xticks(POLYGONS, [f"{n / 1e6:.2g} M" for n in POLYGONS], minor=False)
+        line[0].xaxis.set_minor_locator(ticker.NullLocator())
         line[0].set_xlabel("triangles")
         line[1].set_xlabel("voxels across the longest side (~ 1/s)")
     for axis in axes[0]:
