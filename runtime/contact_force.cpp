@@ -1,8 +1,5 @@
 #include "runtime/contact_force.h"
 
-#include <algorithm>
-#include <glm/geometric.hpp>
-
 namespace forcelayer {
 namespace {
 
@@ -22,24 +19,14 @@ LoadSharing::LoadSharing(const ContactSet& set, double voxel_size_m) noexcept {
   by_area_ = std::clamp((contacts - 1) / (kAveragingStart - 1), 0.0, 1.0);
 }
 
-double LoadSharing::share(const Contact& contact) const noexcept {
-  const double alone = std::max(1.0f, contact.weight);
-  return average_ * (alone + by_area_ * (contact.weight - alone));
-}
-
-double contact_energy_j(const ContactSet& set, const ContactLaw& law) noexcept {
-  const LoadSharing load(set, law.voxel_size_m);
+double contact_energy_j(const ContactSet& set, const LoadSharing& load,
+                        const ContactLaw& law) noexcept {
   double sum = 0;
   for (std::uint32_t i = 0; i < set.count; ++i) {
     const Contact& c = set.contacts[i];
     if (c.depth_m > 0) sum += load.share(c) * c.depth_m * c.depth_m;
   }
   return 0.5 * law.stiffness_n_per_m * sum;
-}
-
-Vector6 separation_row(const Contact& contact) noexcept {
-  const glm::dvec3 push(contact.direction);
-  return vector6(push, glm::cross(glm::dvec3(contact.arm_m), push));
 }
 
 ContactRow spring_row(const Contact& contact, double depth_m, const LoadSharing& load,
@@ -54,16 +41,13 @@ ContactRow spring_row(const Contact& contact, double depth_m, const LoadSharing&
   return row;
 }
 
-std::size_t contact_rows(const ContactSet& set, const ContactLaw& law, double dt_s, double reach_m,
-                         std::span<ContactRow> rows) noexcept {
-  const LoadSharing load(set, law.voxel_size_m);
-  std::size_t count = 0;
+void add_contact_rows(const ContactSet& set, const LoadSharing& load, const ContactLaw& law,
+                      double dt_s, double reach_m, ContactRows& rows) noexcept {
   for (std::uint32_t i = 0; i < set.count; ++i) {
     const Contact& c = set.contacts[i];
     if (-c.depth_m > reach_m) continue;
-    rows[count++] = spring_row(c, c.depth_m, load, law, dt_s);
+    rows.add(spring_row(c, c.depth_m, load, law, dt_s));
   }
-  return count;
 }
 
 bool braking_row(const ContactSet& set, const Symmetric6& inertia, const Vector6& velocity,

@@ -2,7 +2,8 @@
 // pre-contact braking, as rows of the implicit solve.
 #pragma once
 
-#include <span>
+#include <algorithm>
+#include <glm/geometric.hpp>
 
 #include "runtime/contact_set.h"
 #include "runtime/contact_solver.h"
@@ -22,30 +23,37 @@ struct ContactLaw {
 // have.
 class LoadSharing {
  public:
+  LoadSharing() = default;  // one contact
   LoadSharing(const ContactSet& set, double voxel_size_m) noexcept;
   // Factor on the stiffness of a contact.
-  double share(const Contact& contact) const noexcept;
+  double share(const Contact& contact) const noexcept {
+    const double alone = std::max(1.0f, contact.weight);
+    return average_ * (alone + by_area_ * (contact.weight - alone));
+  }
 
  private:
-  double average_;  // 1 up to ten contacts, then ten over their number
-  double by_area_;  // 0 for one contact, 1 from ten on
+  double average_ = 1;  // 1 up to ten contacts, then ten over their number
+  double by_area_ = 0;  // 0 for one contact, 1 from ten on
 };
 
 // Energy stored in the contact springs, J.
-double contact_energy_j(const ContactSet& set, const ContactLaw& law) noexcept;
+double contact_energy_j(const ContactSet& set, const LoadSharing& load,
+                        const ContactLaw& law) noexcept;
 
 // Separation speed of a contact per velocity of the part: [u; r x u].
-Vector6 separation_row(const Contact& contact) noexcept;
+inline Vector6 separation_row(const Contact& contact) noexcept {
+  const glm::dvec3 push(contact.direction);
+  return vector6(push, glm::cross(glm::dvec3(contact.arm_m), push));
+}
 
 // One contact over a step of `dt_s`, with the depth it would have after no motion. Touching ones
 // are springs with dampers; the others stop the part where their gap ends.
 ContactRow spring_row(const Contact& contact, double depth_m, const LoadSharing& load,
                       const ContactLaw& law, double dt_s) noexcept;
 
-// Rows of all contacts of `set` that a motion of at most `reach_m` could bring to touch. Returns
-// their number; `rows` has room for set.count.
-std::size_t contact_rows(const ContactSet& set, const ContactLaw& law, double dt_s, double reach_m,
-                         std::span<ContactRow> rows) noexcept;
+// Adds a row for every contact of `set` that a motion of at most `reach_m` could bring to touch.
+void add_contact_rows(const ContactSet& set, const LoadSharing& load, const ContactLaw& law,
+                      double dt_s, double reach_m, ContactRows& rows) noexcept;
 
 // Pre-contact braking (paper 5.3) of force and torque in one: S is the sum, over the points in
 // value 3, of their rows times the speed by which they approach too fast to stop within

@@ -24,21 +24,14 @@ Quadratic smooth_part(const StepSystem& system, const Vector6& guess) {
   return q;
 }
 
-double objective(const Quadratic& q, std::span<const ContactRow> rows, const Vector6& v) {
-  double sum = 0.5 * dot(v, q.matrix * v) - dot(v, q.impulse);
-  for (const ContactRow& row : rows) {
-    const double short_of = row.onset - dot(row.j, v);
-    if (short_of > 0) sum += 0.5 * row.weight * short_of * short_of;
-  }
-  return sum;
+double energy_j(const Quadratic& q, const Vector6& v) {
+  return 0.5 * dot(v, q.matrix * v) - dot(v, q.impulse);
 }
 
-Vector6 newton_target(Quadratic q, std::span<const ContactRow> rows, const Vector6& v) {
-  for (const ContactRow& row : rows) {
-    if (!(dot(row.j, v) < row.onset)) continue;
-    q.matrix.add_outer(row.j, row.weight);
-    for (int i = 0; i < 6; ++i) q.impulse[i] += row.weight * row.onset * row.j[i];
-  }
+// The minimum of `q` and of the rows that push.
+Vector6 newton_target(Quadratic q, const ContactRowSum& rows) {
+  for (std::size_t i = 0; i < q.matrix.lower.size(); ++i) q.matrix.lower[i] += rows.matrix.lower[i];
+  for (std::size_t i = 0; i < 6; ++i) q.impulse[i] += rows.impulse[i];
   return solve(q.matrix, q.impulse);
 }
 
@@ -50,16 +43,18 @@ Vector6 between(const Vector6& a, const Vector6& b, double share) {
 
 }  // namespace
 
-Vector6 solve_velocity(const StepSystem& system, std::span<const ContactRow> rows,
-                       const Vector6& guess) noexcept {
+Vector6 solve_velocity(const StepSystem& system, ContactRows& rows, const Vector6& guess) noexcept {
   Vector6 v = guess;
+  double rows_j = rows.energy_j(v);
   for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
     const Quadratic q = smooth_part(system, v);
-    Vector6 next = newton_target(q, rows, v);
+    Vector6 next = newton_target(q, rows.pushing());
     // The objective is convex and the step descends: halving ends.
-    const double before = objective(q, rows, v);
-    for (int halving = 0; halving < 8 && !(objective(q, rows, next) <= before); ++halving) {
+    const double before = energy_j(q, v) + rows_j;
+    rows_j = rows.energy_j(next);
+    for (int halving = 0; halving < 8 && !(energy_j(q, next) + rows_j <= before); ++halving) {
       next = between(v, next, 0.5);
+      rows_j = rows.energy_j(next);
     }
     double change = 0, size = 0;
     for (int i = 0; i < 6; ++i) {

@@ -59,7 +59,6 @@ struct DefaultModel::Motion {
   Vector6 start{};     // velocity before
   Vector6 velocity{};  // velocity of the motion
   double energy_before_j = 0;
-  std::size_t row_count = 0;
 };
 
 DefaultModel::DefaultModel(const Parameters& parameters, ContactProbe& probe, std::uint64_t points)
@@ -77,7 +76,7 @@ DefaultModel::DefaultModel(const Parameters& parameters, ContactProbe& probe, st
   here_.reserve(points);
   there_.reserve(points);
   // The contacts here, those found by each new solve, and the brake.
-  rows_.resize((1 + kResolves) * points + 1);
+  rows_.reserve((1 + kResolves) * points + 1);
 }
 
 StepResult DefaultModel::step(State& state, const StepInput& input, double dt_s) noexcept {
@@ -105,9 +104,15 @@ StepResult DefaultModel::step(State& state, const StepInput& input, double dt_s)
   return result;
 }
 
+void DefaultModel::look_up(const Pose& pose, Looked& out) noexcept {
+  probe_.look_up(pose, out);
+  out.load = LoadSharing(out, parameters_.voxel_size_m);
+  out.energy_j = contact_energy_j(out, out.load, contact_);
+}
+
 void DefaultModel::look_up_here(const Pose& pose) noexcept {
   if (here_known_ && same_bits(pose, here_pose_)) return;
-  probe_.look_up(pose, here_);
+  look_up(pose, here_);
   here_pose_ = pose;
   here_known_ = true;
 }
@@ -185,12 +190,13 @@ void DefaultModel::choose(Motion& motion, double remaining_s) noexcept {
 
 void DefaultModel::solve_motion(Motion& motion, double dt_s) noexcept {
   motion.system.dt_s = dt_s;
-  motion.row_count = contact_rows(here_, contact_, dt_s, 0.5 * parameters_.voxel_size_m, rows_);
-  if (parameters_.braking &&
-      braking_row(here_, motion.system.inertia, motion.start, dt_s, rows_[motion.row_count])) {
-    ++motion.row_count;
+  rows_.clear();
+  add_contact_rows(here_, here_.load, contact_, dt_s, 0.5 * parameters_.voxel_size_m, rows_);
+  ContactRow brake;
+  if (parameters_.braking && braking_row(here_, motion.system.inertia, motion.start, dt_s, brake)) {
+    rows_.add(brake);
   }
-  motion.velocity = solve_velocity(motion.system, {rows_.data(), motion.row_count}, motion.start);
+  motion.velocity = solve_velocity(motion.system, rows_, motion.start);
 }
 
 // Looks up where the motion leads and keeps it, or mends it until it can be kept. False: the part
@@ -205,7 +211,7 @@ bool DefaultModel::make(State& state, Motion& motion, const CouplingTarget& targ
     Twist velocity{linear_part(motion.velocity), angular_part(motion.velocity)};
     const double kinetic_j = kinetic_energy_j(mass_, state.world_from_center.orientation, velocity);
     const Pose candidate = advance(mass_, state.world_from_center, velocity, dt_s);
-    probe_.look_up(candidate, there_);
+    look_up(candidate, there_);
     double rise_j = 0;
     const bool clear = no_new_interior(here_, there_);
     if (clear && affordable(state, motion, target, candidate, kinetic_j, rise_j)) {
@@ -219,8 +225,7 @@ bool DefaultModel::make(State& state, Motion& motion, const CouplingTarget& targ
     }
     if (attempt < kResolves) {
       add_found_contacts(motion);
-      motion.velocity =
-          solve_velocity(motion.system, {rows_.data(), motion.row_count}, motion.velocity);
+      motion.velocity = solve_velocity(motion.system, rows_, motion.velocity);
       limit_travel(motion);
     } else {
       report.guard_cuts += !clear && !cut ? 1 : 0;
@@ -251,20 +256,20 @@ bool DefaultModel::affordable(const State& state, const Motion& motion,
 // rows that take them back into the force layer.
 void DefaultModel::add_found_contacts(Motion& motion) noexcept {
   const double dt_s = motion.system.dt_s, s = parameters_.voxel_size_m;
-  const LoadSharing load(there_, s);
-  for (std::uint32_t i = 0; i < there_.count && motion.row_count < rows_.size(); ++i) {
+  for (std::uint32_t i = 0; i < there_.count; ++i) {
     const Contact& c = there_.contacts[i];
     if (!(c.depth_m > 0)) continue;
-    ContactRow& row = rows_[motion.row_count++];
     const double separation = dot(separation_row(c), motion.velocity);
     if (c.interior == 0) {
-      row = spring_row(c, c.depth_m + dt_s * separation, load, contact_, dt_s);
+      rows_.add(spring_row(c, c.depth_m + dt_s * separation, there_.load, contact_, dt_s));
       continue;
     }
+    ContactRow row;
     row.j = separation_row(c);
     row.weight = kGuardHardness * dt_s * dt_s * contact_.stiffness_n_per_m + 1e3 * mass_.mass_kg;
     row.onset =
         separation + std::max(kGuardPushVoxels * s, c.depth_m - kGuardDepthVoxels * s) / dt_s;
+    rows_.add(row);
   }
 }
 
@@ -285,9 +290,9 @@ double DefaultModel::travel_m(const Vector6& velocity, double dt_s) const noexce
 }
 
 double DefaultModel::potential_j(const glm::dvec3& displacement_m, const glm::dvec3& angle_rad,
-                                 const ContactSet& set) const noexcept {
+                                 const Looked& looked) const noexcept {
   return spring_energy_j(translation_, displacement_m) + angle_energy_j(angle_rad) +
-         contact_energy_j(set, contact_);
+         looked.energy_j;
 }
 
 // The rotational half at an angle and an orientation of the part.

@@ -7,8 +7,6 @@
 // that fails is solved again with the contacts found where it led, then shortened, then dropped.
 #pragma once
 
-#include <vector>
-
 #include "runtime/contact_force.h"
 #include "runtime/contact_set.h"
 #include "runtime/parameters.h"
@@ -29,6 +27,14 @@ class DefaultModel {
  private:
   struct Motion;  // one sub-step in the making
 
+  // A look-up and what follows from it.
+  struct Looked : ContactSet {
+    LoadSharing load;
+    double energy_j = 0;  // of the contact springs
+  };
+
+  void look_up(const Pose& pose, Looked& out) noexcept;
+
   void look_up_here(const Pose& pose) noexcept;
   void refill_allowance(State& state, const CouplingTarget& target, double dt_s) const noexcept;
   void move(State& state, const CouplingTarget& target, double dt_s, StepReport& report) noexcept;
@@ -43,7 +49,7 @@ class DefaultModel {
   void limit_travel(Motion& motion) const noexcept;
   double travel_m(const Vector6& velocity, double dt_s) const noexcept;
   double potential_j(const glm::dvec3& displacement_m, const glm::dvec3& angle_rad,
-                     const ContactSet& set) const noexcept;
+                     const Looked& looked) const noexcept;
   CouplingHalf rotation_at(const glm::dvec3& angle_rad,
                            const glm::dquat& orientation) const noexcept;
   double angle_energy_j(const glm::dvec3& angle_rad) const noexcept;
@@ -56,10 +62,10 @@ class DefaultModel {
   CouplingHalf translation_, rotation_;
   glm::dmat3 rotation_damping_;  // N m s/rad, axes of the part
   ContactProbe& probe_;
-  ContactSet here_, there_;  // at the part's pose, and where a motion would lead
+  Looked here_, there_;  // at the part's pose, and where a motion would lead
   Pose here_pose_;
   bool here_known_ = false;
-  std::vector<ContactRow> rows_;
+  ContactRows rows_;
 };
 
 }  // namespace forcelayer

@@ -1,5 +1,6 @@
 // The parts of the default model, each against what it must be.
 #include <gtest/gtest.h>
+#include <hwy/targets.h>
 
 #include <cmath>
 #include <cstring>
@@ -59,6 +60,64 @@ std::vector<ContactRow> random_rows(std::mt19937_64& random) {
   return rows;
 }
 
+ContactRows columns_of(const std::vector<ContactRow>& rows) {
+  ContactRows columns;
+  columns.reserve(rows.size());
+  for (const ContactRow& row : rows) columns.add(row);
+  return columns;
+}
+
+void use_vectors(std::int64_t targets) {  // 0: all
+  hwy::SetSupportedTargetsForTest(targets);
+  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+}
+
+// Every vector width gives the bits of the narrowest, and these are what one row after the other
+// gives, but for the order of the sums; a set of rows that push that comes again, or changes, is
+// noticed.
+TEST(ContactRows, AreSummedAsOneAfterTheOther) {
+  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+    SCOPED_TRACE(seed);
+    std::mt19937_64 random(seed);
+    const std::vector<ContactRow> rows = random_rows(random);
+    const Vector6 velocities[] = {random_vector(random), random_vector(random)};
+    std::vector<double> energies_j;  // of the first width, then of all others
+    std::vector<ContactRowSum> sums;
+    for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
+      use_vectors(target);
+      ContactRows columns = columns_of(rows);
+      const bool first = energies_j.size() < 4;
+      for (const int at : {0, 1, 2, 3}) {
+        const int which = at == 1 || at == 2;
+        const Vector6& v = velocities[which];
+        double energy_j = 0;
+        ContactRowSum sum;
+        for (const ContactRow& row : rows) {
+          const double short_of = row.onset - dot(row.j, v);
+          if (!(short_of > 0)) continue;
+          energy_j += 0.5 * row.weight * short_of * short_of;
+          sum.matrix.add_outer(row.j, row.weight);
+          for (int i = 0; i < 6; ++i) sum.impulse[i] += row.weight * row.onset * row.j[i];
+        }
+        const double found_j = columns.energy_j(v);
+        const ContactRowSum& found = columns.pushing();
+        EXPECT_NEAR(found_j, energy_j, 1e-14 * energy_j);
+        const double scale = sum.matrix.lower[0] + sum.matrix.lower[2] + sum.matrix.lower[5];
+        for (std::size_t i = 0; i < 21; ++i) {
+          EXPECT_NEAR(found.matrix.lower[i], sum.matrix.lower[i], 1e-14 * scale) << i;
+        }
+        for (std::size_t i = 0; i < 6; ++i) {
+          EXPECT_NEAR(found.impulse[i], sum.impulse[i], 1e-14 * scale) << i;
+        }
+        if (first) energies_j.push_back(found_j), sums.push_back(found);
+        EXPECT_EQ(found_j, energies_j[at]);
+        EXPECT_EQ(0, std::memcmp(&found, &sums[at], sizeof found));
+      }
+    }
+    use_vectors(0);
+  }
+}
+
 // At the solution the impulses balance: M (v - v0) = dt (coupling at v) + sum of contact impulses,
 // with the clamp's secant at v itself.
 TEST(ContactSolver, BalancesImpulsesAtTheEndOfTheStep) {
@@ -67,7 +126,8 @@ TEST(ContactSolver, BalancesImpulsesAtTheEndOfTheStep) {
     std::mt19937_64 random(seed);
     const StepSystem system = random_system(random);
     const std::vector<ContactRow> rows = random_rows(random);
-    const Vector6 v = solve_velocity(system, rows, random_vector(random));
+    ContactRows columns = columns_of(rows);
+    const Vector6 v = solve_velocity(system, columns, random_vector(random));
     Symmetric6 matrix = system.inertia;
     Vector6 residual = system.momentum;
     add_implicit(system.translation, system.displacement, linear_part(v), system.dt_s, 0, matrix,
@@ -183,7 +243,8 @@ TEST(Braking, OnlyRemovesEnergyAndNeverReverses) {
     }
     ContactRow row;
     if (!braking_row(set, system.inertia, before, system.dt_s, row)) continue;
-    const Vector6 after = solve_velocity(system, {&row, 1}, before);
+    ContactRows rows = columns_of({row});
+    const Vector6 after = solve_velocity(system, rows, before);
     EXPECT_LE(dot(after, system.inertia * after),
               dot(before, system.inertia * before) * (1 + 1e-12));
     const double approach_before = -dot(row.j, before), approach_after = -dot(row.j, after);
