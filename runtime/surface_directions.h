@@ -17,10 +17,11 @@ namespace forcelayer {
 // Sets the direction of every contact of `set` that is deeper than `least_depth_m`. `samples` are
 // the field's measure() of `points`, and contact n of `set` is sample n.
 //
-// The average runs over the 32 samples around in the shell's order, which keeps neighbours
-// together, with the weight max(0, 1 - r^2 / R^2)^2 max(0, g . g_i)^2 for slope g at the distance
-// r, R = kNeighbourVoxels voxels: a wall that faces another way does not count. Where the slopes
-// cancel, the field's own direction takes over. The same bits for any vector width.
+// The average runs over the 32 samples around in the shell's order (16 before, 15 after; at the
+// ends of the list its first or last 32), which keeps neighbours together, with the weight max(0, 1
+// - r^2 / R^2)^2 max(0, g . g_i)^2 for slope g at the distance r, R = kNeighbourVoxels voxels: a
+// wall that faces another way does not count. Where the slopes cancel, the field's own direction
+// takes over. The same bits for any vector width.
 void average_directions(const CollectedPoints& points, const FieldSamples& samples,
                         float voxel_size_m, float least_depth_m, ContactSet& set) noexcept;
 
