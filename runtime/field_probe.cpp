@@ -23,6 +23,10 @@ FieldProbe::FieldProbe(ContactQuery& query, const ForceField& field, CollectedPo
 
 void FieldProbe::look_up(const Pose& world_from_center, ContactSet& out) noexcept {
   query_.run(world_from_center, points_);
+  read(out);
+}
+
+void FieldProbe::read(ContactSet& out) noexcept {
   field_.measure(points_, samples_);
   out.count = samples_.count;
   out.interior = points_.interior_count;

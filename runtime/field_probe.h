@@ -14,6 +14,8 @@ class FieldProbe final : public ContactProbe {
              FieldSamples& samples);
 
   void look_up(const Pose& world_from_center, ContactSet& out) noexcept override;
+  // The half of it after the query: depth and direction of the points that it collected.
+  void read(ContactSet& out) noexcept;
 
  private:
   ContactQuery& query_;

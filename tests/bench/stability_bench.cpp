@@ -2,16 +2,19 @@
 //   stability_bench cases [TRIALS]    every stress case (3 trials each)
 //   stability_bench rest [TRIALS]     random rest trials (500)
 //   stability_bench table2 [FRAMES]   the paper's Table 2, beside default (1000000 contact frames)
+//   stability_bench hands [FRAMES]    hands of every temper in congested scenes (100000000 frames);
+//                                     Ctrl-C ends it with what there is
 //   stability_bench map               stable and unstable settings: stiffness, mass and rate
 //   stability_bench device            the loop closed by a simulated hand and device
-//   stability_bench step              cost of a step with some 200 contacts
-//   stability_bench all               all of them
+//   stability_bench step [STEPS]      cost of a step with 200 contacts and more (100000)
+//   stability_bench all               all of them but hands, which take hours
 // Each writes stability_NAME.json (bench_report.h); --json FILE writes another file. Seeds run from
 // 1. scripts/stability.sh runs all and draws the plots.
 #include "tests/bench/stability_bench.h"
 
 #include <algorithm>
 #include <cmath>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <functional>
@@ -77,20 +80,38 @@ void print_header() {
               "stuck", "step50", "step99", "dist mm", "guar mm", "lag mm", "NaN");
 }
 
+// A number of the table, with a blank before it. A run that has overflowed says nothing by its
+// digits: what no device and no scene has is ">1e6".
+std::string cell(int width, const char* format, double value) {
+  char digits[64];
+  std::snprintf(digits, sizeof digits, std::abs(value) < 1e6 ? format : ">1e6", value);
+  char text[80];
+  std::snprintf(text, sizeof text, "%*s", width, digits);
+  return text;
+}
+
 void print_row(const char* model, const Metrics& m) {
-  std::printf("  %-8s%8.1g%7llu%8.2f%8.2f%9.1e%9.3g%9.3f%9.1e%9.3f%6.2f%8.1e%8.1e", model,
-              m.penetration_ratio(), count(m.guard_cuts), m.peak_force_n,
-              percentile(m.rest_force_n, 50), largest(m.cycle_voxels), percentile(m.cycle_hz, 50),
-              largest(m.settle_s), m.worst_generated_j, percentile(m.progress, 10),
-              percentile(m.stuck_share, 50), percentile(m.force_steps_n, 50),
-              percentile(m.force_steps_n, 99));
-  if (m.distances_visited > 0) {
-    std::printf("%9.3f", m.smallest_distance_m * 1e3);
-  } else {
-    std::printf("%9s", "-");
-  }
-  std::printf("%8.3f%8.1f%6llu\n", m.guaranteed_m * 1e3, largest(m.lag_m) * 1e3,
-              count(m.non_finite));
+  const bool measured = m.distances_visited > 0;
+  const std::string cells[] = {
+      cell(8, "%.1g", m.penetration_ratio()),
+      cell(7, "%.0f", static_cast<double>(m.guard_cuts)),
+      cell(8, "%.2f", m.peak_force_n),
+      cell(8, "%.2f", percentile(m.rest_force_n, 50)),
+      cell(9, "%.1e", largest(m.cycle_voxels)),
+      cell(9, "%.3g", percentile(m.cycle_hz, 50)),
+      cell(9, "%.3f", largest(m.settle_s)),
+      cell(9, "%.1e", m.worst_generated_j),
+      cell(9, "%.3f", percentile(m.progress, 10)),
+      cell(6, "%.2f", percentile(m.stuck_share, 50)),
+      cell(8, "%.1e", percentile(m.force_steps_n, 50)),
+      cell(8, "%.1e", percentile(m.force_steps_n, 99)),
+      measured ? cell(9, "%.3f", m.smallest_distance_m * 1e3) : cell(9, "-", 0),
+      cell(8, "%.3f", m.guaranteed_m * 1e3),
+      cell(8, "%.1f", largest(m.lag_m) * 1e3),
+      cell(6, "%.0f", static_cast<double>(m.non_finite))};
+  std::printf("  %-8s", model);
+  for (const std::string& text : cells) std::printf("%s", text.c_str());
+  std::printf("\n");
   std::fflush(stdout);
 }
 
@@ -183,6 +204,7 @@ Json table2(std::uint64_t contact_frames) {
     for (Table2Row& row : rows) {
       trial.braking = row.braking;
       trial.exact_distance = row.model == Model::kDefault;
+      trial.distance_below_m = row.sum.smallest_distance_m;
       row.sum.add(run(trial, row.model));
       least = std::min(least, row.sum.force_layer_frames);
     }
@@ -195,6 +217,36 @@ Json table2(std::uint64_t contact_frames) {
     report[row.title] = to_json(row.sum);
   }
   return report;
+}
+
+namespace {
+
+volatile std::sig_atomic_t interrupted = 0;
+
+}  // namespace
+
+Json random_hands(std::uint64_t frames) {
+  std::signal(SIGINT, [](int) { interrupted = 1; });
+  std::printf("hands that wander through congested scenes, default model\n");
+  const Case& hands = case_named("random-hand");
+  Metrics sum;
+  std::uint64_t shown = 0;
+  for (std::uint64_t seed = 1; sum.frames < frames && interrupted == 0; ++seed) {
+    Trial trial = hands.make(seed);
+    trial.distance_below_m = sum.smallest_distance_m;
+    sum.add(run(trial, Model::kDefault));
+    if (sum.frames < std::min(frames, shown + 1'000'000) && interrupted == 0) continue;
+    shown = sum.frames;
+    std::printf(
+        "  seeds 1-%llu: %llu frames, %llu in the force layer, %llu penetrating, %llu not finite, "
+        "%llu over the limits, %llu guard cuts; smallest distance %.3f mm, guaranteed %.3f mm\n",
+        count(seed), count(sum.frames), count(sum.force_layer_frames),
+        count(sum.penetration_frames), count(sum.non_finite), count(sum.over_limit),
+        count(sum.guard_cuts), sum.smallest_distance_m * 1e3, sum.guaranteed_m * 1e3);
+    std::fflush(stdout);
+  }
+  std::signal(SIGINT, SIG_DFL);
+  return {{"default", to_json(sum)}};
 }
 
 namespace {
@@ -265,13 +317,14 @@ int main(int argc, char** argv) {
       {"cases", [&] { return case_table(amount(3)); }},
       {"rest", [&] { return rest_table(amount(500)); }},
       {"table2", [&] { return table2(amount(1'000'000)); }},
+      {"hands", [&] { return random_hands(amount(100'000'000)); }},
       {"map", setting_map},
       {"device", device_table},
-      {"step", step_cost}};
+      {"step", [&] { return step_cost(amount(100'000)); }}};
   bool known = false;
   try {
     for (const auto& [name, table] : tables) {
-      if (what != "all" && what != name) continue;
+      if (what == "all" ? name == std::string("hands") : what != name) continue;
       known = true;
       forcelayer::bench::write_report(std::string("stability_") + name, argc, argv, table(), path);
     }

@@ -18,11 +18,13 @@ Json case_table(std::uint64_t trials);
 Json rest_table(std::uint64_t trials);
 // The paper's Table 2 and the default model beside it, each until `contact_frames` are counted.
 Json table2(std::uint64_t contact_frames);
+// Random hands in congested scenes, the default model, until `frames` are counted.
+Json random_hands(std::uint64_t frames);
 // Quiet, moving and unstable settings: stiffness, mass and rate; a prescribed handle.
 Json setting_map();
 // The same loop closed by a simulated hand and device, beside the bounds that defaults obey.
 Json device_table();
-// Time of the default model's step beyond its contact queries, with some 200 contacts.
-Json step_cost();
+// Time of the default model's step beyond its contact queries, with 200 contacts and more.
+Json step_cost(std::uint64_t steps);
 
 }  // namespace forcelayer::stress

@@ -29,13 +29,16 @@ class ExactDistance {
 // to the end that is above the minimum by more than kSlackM.
 class PathDistance {
  public:
-  explicit PathDistance(const ExactDistance& exact, double part_radius_m)
-      : exact_(exact), radius_m_(part_radius_m) {}
+  // Of a campaign of several paths only the smallest distance of all is asked for: `below_m` is
+  // that of the paths before, and what is above it is not looked for.
+  PathDistance(const ExactDistance& exact, double part_radius_m, double below_m = 1e300)
+      : exact_(exact), radius_m_(part_radius_m), smallest_m_(below_m) {}
 
   // Takes the next pose of the path. `center_m` is the point of the part frame that the radius is
   // about.
   void visit(const Pose& world_from_part, const glm::dvec3& center_m);
 
+  // The smallest distance of the path, or `below_m` where no pose is nearer.
   double smallest_m() const { return smallest_m_; }
   std::uint64_t visited() const { return visited_; }
   std::uint64_t measured() const { return measured_; }
@@ -45,7 +48,7 @@ class PathDistance {
 
   const ExactDistance& exact_;
   double radius_m_;
-  double smallest_m_ = 1e300;
+  double smallest_m_;
   double at_least_m_ = 0;  // lower bound of the distance at the pose last visited
   bool started_ = false;
   Pose last_;

@@ -280,7 +280,7 @@ Metrics run(const Trial& trial, Model model) {
   std::optional<PathDistance> distance;
   if (trial.exact_distance) {
     exact.emplace(trial.scene->mesh(), trial.part->mesh());
-    distance.emplace(*exact, radius_m);
+    distance.emplace(*exact, radius_m, trial.distance_below_m);
   }
   std::optional<HoldWatch> hold;
   if (trial.hold_from_s) hold.emplace(*trial.hold_from_s, trial.duration_s, radius_m, s);

@@ -41,6 +41,7 @@ struct Trial {
   std::optional<double> slide_from_s;
   glm::dvec3 slide_direction{1, 0, 0};
   bool exact_distance = true;
+  double distance_below_m = 1e300;  // exact distances above this are of no interest
   bool braking = true;
 };
 
