@@ -106,11 +106,9 @@ HWY_INLINE VH two_bytes(VB lanes) {
   return hn::BitCast(kH, hn::TableLookupBytesOr0(lanes, hn::LoadDup128(kB, kFrom.data())));
 }
 
-// Per corner of a voxel at one x and y a sum over the voxels around it, times kUnit; those at z
-// and z+1 are the halves of each lane.
-struct Corners {
-  VH sums[4];  // [2 x + y]
-};
+// Per corner of a voxel at one x and y ([2 x + y]) a sum over the voxels around it, times kUnit;
+// those at z and z+1 are the halves of each lane.
+using Corners = VH[4];
 
 // Four times the levels in bits 2 and 3 of the bytes; two_bytes() makes kUnit of it.
 HWY_INLINE VB level_bytes(VI word) {
@@ -130,8 +128,8 @@ HWY_INLINE VH fixed_share(VF fraction) {
 
 // Between the eight corners, times kUnit * 2^16.
 HWY_INLINE VF between_corners(const Corners& corners, VH share_x, VH share_y, VF share_z) {
-  const VH both = mix(mix(corners.sums[0], corners.sums[1], share_y),
-                      mix(corners.sums[2], corners.sums[3], share_y), share_x);
+  const VH both =
+      mix(mix(corners[0], corners[1], share_y), mix(corners[2], corners[3], share_y), share_x);
   const VI lanes = hn::BitCast(kI, both);
   const VF low = hn::ConvertTo(kF, hn::ShiftLeft<16>(lanes));
   const VF high = hn::ConvertTo(kF, hn::And(lanes, hn::Set(kI, ~0xffff)));
@@ -150,17 +148,17 @@ HWY_INLINE void sample(const Planes& planes, const VF (&fraction)[3], VF& phi, V
       step_y[x][y] = hn::Sub(rows[y + 1], rows[y]);
     }
   }
-  Corners level, along_x, along_y, along_z;
+  Corners level, along[3];
   for (int x = 0; x < 2; ++x) {
     for (int y = 0; y < 2; ++y) {
       const VB column = hn::Add(sum_y[x][y], sum_y[x + 1][y]);
       const VB across_x = hn::Sub(sum_y[x + 1][y], sum_y[x][y]);
       const VB across_y = hn::Add(step_y[x][y], step_y[x + 1][y]);
       const VH below = two_bytes<0>(column), above = two_bytes<1>(column);
-      level.sums[2 * x + y] = hn::Add(below, above);
-      along_z.sums[2 * x + y] = hn::Sub(above, below);
-      along_x.sums[2 * x + y] = hn::Add(two_bytes<0>(across_x), two_bytes<1>(across_x));
-      along_y.sums[2 * x + y] = hn::Add(two_bytes<0>(across_y), two_bytes<1>(across_y));
+      level[2 * x + y] = hn::Add(below, above);
+      along[2][2 * x + y] = hn::Sub(above, below);
+      along[0][2 * x + y] = hn::Add(two_bytes<0>(across_x), two_bytes<1>(across_x));
+      along[1][2 * x + y] = hn::Add(two_bytes<0>(across_y), two_bytes<1>(across_y));
     }
   }
   const VH share_x = fixed_share(fraction[0]), share_y = fixed_share(fraction[1]);
@@ -168,9 +166,8 @@ HWY_INLINE void sample(const Planes& planes, const VF (&fraction)[3], VF& phi, V
   const VF per_level = hn::Set(kF, kScale / 8), per_step = hn::Set(kF, kScale / 4);
   phi = hn::Sub(hn::Mul(between_corners(level, share_x, share_y, fraction[2]), per_level),
                 hn::Set(kF, 1.0f));
-  const Corners* along[3] = {&along_x, &along_y, &along_z};
   for (int axis = 0; axis < 3; ++axis) {
-    slope[axis] = hn::Mul(between_corners(*along[axis], share_x, share_y, fraction[2]), per_step);
+    slope[axis] = hn::Mul(between_corners(along[axis], share_x, share_y, fraction[2]), per_step);
   }
 }
 #endif

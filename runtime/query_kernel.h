@@ -1,6 +1,6 @@
 // The vectorised inner loops of the contact query, dispatched at run time to the machine's
-// instruction set (Highway: AVX-512, AVX2, SSE4, SSSE3; NEON too by Highway's account, which nobody
-// has compiled or run here). Plain pointers in and out.
+// instruction set (Highway: AVX-512, AVX2, SSE4, SSSE3; NEON, which scripts/test_neon.sh runs in an
+// emulator). Plain pointers in and out.
 #pragma once
 
 #include <array>
