@@ -66,7 +66,7 @@ class TreeCopy {
   ByteTree& tree_;
 };
 
-// Calls at(x, y, z) with the position of every point, in voxels from the directory's origin.
+// Calls at(pose, position, point) with the position of every point, in voxels from the centre's.
 template <class At>
 void place_points(const ContactQuery& query, const Pose& world_from_center, At at) {
   const VoxelPose pose = query.voxel_pose(world_from_center);
@@ -78,7 +78,7 @@ void place_points(const ContactQuery& query, const Pose& world_from_center, At a
       position[axis] =
           row[0] * shell.x[n] + row[1] * shell.y[n] + row[2] * shell.z[n] + pose.fraction[axis];
     }
-    at(pose, position);
+    at(pose, position, n);
   }
 }
 
@@ -97,15 +97,56 @@ std::uint32_t AccessorQuery::count(const ContactQuery& query, const Pose& world_
   const auto& origin = query.voxmap().header().directory_origin;
   openvdb::tree::ValueAccessor<const ByteTree> accessor(tree_->tree);
   std::uint32_t found = 0;
-  place_points(query, world_from_center, [&](const VoxelPose& pose, const float(&position)[3]) {
-    openvdb::Coord voxel;
-    for (int axis = 0; axis < 3; ++axis) {
-      voxel[axis] = pose.whole[axis] + static_cast<std::int32_t>(std::floor(position[axis])) +
-                    static_cast<std::int32_t>(origin[axis]);
-    }
-    found += accessor.getValue(voxel) != 0;
-  });
+  place_points(query, world_from_center,
+               [&](const VoxelPose& pose, const float(&position)[3], std::uint64_t) {
+                 openvdb::Coord voxel;
+                 for (int axis = 0; axis < 3; ++axis) {
+                   voxel[axis] = pose.whole[axis] +
+                                 static_cast<std::int32_t>(std::floor(position[axis])) +
+                                 static_cast<std::int32_t>(origin[axis]);
+                 }
+                 found += accessor.getValue(voxel) != 0;
+               });
   return found;
+}
+
+std::uint32_t AccessorQuery::collect(const ContactQuery& query, const Pose& world_from_center,
+                                     CollectedPoints& out) const {
+  const auto& origin = query.voxmap().header().directory_origin;
+  const auto s = static_cast<float>(query.voxmap().voxel_size_m());
+  const PshellView& shell = query.shell().view();
+  openvdb::tree::ValueAccessor<const ByteTree> accessor(tree_->tree);
+  out.clear();
+  place_points(query, world_from_center,
+               [&](const VoxelPose& pose, const float(&position)[3], std::uint64_t n) {
+                 openvdb::Coord voxel;
+                 std::int32_t relative[3];
+                 float fraction[3];
+                 for (int axis = 0; axis < 3; ++axis) {
+                   const float whole = std::floor(position[axis]);
+                   relative[axis] = pose.whole[axis] + static_cast<std::int32_t>(whole);
+                   fraction[axis] = position[axis] - whole;
+                   voxel[axis] = relative[axis] + static_cast<std::int32_t>(origin[axis]);
+                 }
+                 const std::uint8_t value = accessor.getValue(voxel);
+                 if (value == 0) return;
+                 const std::uint32_t at = out.count++;
+                 out.index[at] = static_cast<std::uint32_t>(n);
+                 out.value[at] = value;
+                 out.vx[at] = relative[0], out.vy[at] = relative[1], out.vz[at] = relative[2];
+                 out.fx[at] = fraction[0], out.fy[at] = fraction[1], out.fz[at] = fraction[2];
+                 out.rx[at] = (position[0] - pose.fraction[0]) * s;
+                 out.ry[at] = (position[1] - pose.fraction[1]) * s;
+                 out.rz[at] = (position[2] - pose.fraction[2]) * s;
+                 float normal[3];
+                 for (int axis = 0; axis < 3; ++axis) {
+                   const auto& row = pose.rotation[axis];
+                   normal[axis] =
+                       row[0] * shell.nx[n] + row[1] * shell.ny[n] + row[2] * shell.nz[n];
+                 }
+                 out.nx[at] = normal[0], out.ny[at] = normal[1], out.nz[at] = normal[2];
+               });
+  return out.count;
 }
 
 struct LevelSetQuery::Grid {
@@ -132,13 +173,15 @@ std::uint32_t LevelSetQuery::count(const ContactQuery& query, const Pose& world_
   const auto near = static_cast<float>(3.5 * query.voxmap().voxel_size_m());
   const auto accessor = grid_->grid->getConstAccessor();
   std::uint32_t found = 0;
-  place_points(query, world_from_center, [&](const VoxelPose& pose, const float(&position)[3]) {
-    openvdb::Vec3d index;
-    for (int axis = 0; axis < 3; ++axis) {
-      index[axis] = static_cast<double>(pose.whole[axis] + origin[axis]) + position[axis] - 0.5;
-    }
-    found += openvdb::tools::BoxSampler::sample(accessor, index) < near;
-  });
+  place_points(query, world_from_center,
+               [&](const VoxelPose& pose, const float(&position)[3], std::uint64_t) {
+                 openvdb::Vec3d index;
+                 for (int axis = 0; axis < 3; ++axis) {
+                   index[axis] =
+                       static_cast<double>(pose.whole[axis] + origin[axis]) + position[axis] - 0.5;
+                 }
+                 found += openvdb::tools::BoxSampler::sample(accessor, index) < near;
+               });
   return found;
 }
 

@@ -19,6 +19,10 @@ class AccessorQuery {
   // values 1, 2 and 3.
   std::uint32_t count(const ContactQuery& query, const Pose& world_from_center) const;
 
+  // The same, and what the contact query does: hands on all that a force field reads of them.
+  std::uint32_t collect(const ContactQuery& query, const Pose& world_from_center,
+                        CollectedPoints& out) const;
+
  private:
   struct Tree;
   std::unique_ptr<Tree> tree_;
