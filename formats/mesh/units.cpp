@@ -36,13 +36,31 @@ double float_spacing(double coordinate) {
   return std::ldexp(1.0, std::max(std::ilogb(coordinate), kLowestExponent) - kMantissaBits);
 }
 
+// The largest singular value: the root of the largest eigenvalue of A^T A, in closed form (Smith
+// 1961, "Eigenvalues of a symmetric 3 x 3 matrix").
 double largest_stretch(const Affine& a_from_b) {
   const auto& linear = a_from_b.linear;
-  double largest = 0;
-  for (std::size_t column = 0; column < 3; ++column) {
-    largest = std::max(largest, std::hypot(linear[column], linear[column + 3], linear[column + 6]));
+  double scale = 0;  // so that squares neither overflow nor vanish
+  for (const double x : linear) scale = std::max(scale, std::abs(x));
+  if (scale == 0) return 0;
+  double m[3][3] = {};
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t j = 0; j < 3; ++j) {
+      for (std::size_t k = 0; k < 9; k += 3)
+        m[i][j] += linear[k + i] / scale * (linear[k + j] / scale);
+    }
   }
-  return largest;
+  const double mean = (m[0][0] + m[1][1] + m[2][2]) / 3;
+  const double off = m[0][1] * m[0][1] + m[0][2] * m[0][2] + m[1][2] * m[1][2];
+  const double a = m[0][0] - mean, b = m[1][1] - mean, c = m[2][2] - mean;
+  const double spread = std::sqrt((a * a + b * b + c * c + 2 * off) / 6);
+  if (spread == 0) return scale * std::sqrt(mean);
+  const double determinant = a * (b * c - m[1][2] * m[1][2]) -
+                             m[0][1] * (m[0][1] * c - m[1][2] * m[0][2]) +
+                             m[0][2] * (m[0][1] * m[1][2] - b * m[0][2]);
+  const double cosine = std::clamp(determinant / (2 * spread * spread * spread), -1.0, 1.0);
+  const double largest = mean + 2 * spread * std::cos(std::acos(cosine) / 3);
+  return scale * std::sqrt(largest) * (1 + 1e-12);  // above the rounding of these steps
 }
 
 double float_coordinate(const Mesh& mesh) {
@@ -55,7 +73,12 @@ double float_coordinate(const Mesh& mesh) {
 }
 
 double vertex_spacing_m(double float_coordinate, const Affine& world_from_mesh) {
-  return float_spacing(float_coordinate) * largest_stretch(world_from_mesh);
+  const auto& linear = world_from_mesh.linear;
+  double longest = 0;  // of the images of the mesh's axes
+  for (std::size_t column = 0; column < 3; ++column) {
+    longest = std::max(longest, std::hypot(linear[column], linear[column + 3], linear[column + 6]));
+  }
+  return float_spacing(float_coordinate) * longest;
 }
 
 std::optional<std::string> coarse_vertices_warning(double spacing_m, double voxel_size_m) {

@@ -18,14 +18,14 @@ Result<double> metres_per_unit(const Assembly& assembly, const std::string& path
 // Distance between neighbouring 32-bit floats at `coordinate`; 0 at 0.
 double float_spacing(double coordinate);
 
-// How far an error of 1 along an axis of b may become in a.
+// How long a vector of length 1 of b may become in a: the largest singular value, rounded up.
 double largest_stretch(const Affine& a_from_b);
 
 // The largest |coordinate| of a mesh whose vertices are stored as 32-bit floats, else 0.
 double float_coordinate(const Mesh& mesh);
 
-// Distance between neighbouring 32-bit floats at such a coordinate, in metres after
-// `world_from_mesh`.
+// Distance along an axis of the mesh between neighbouring 32-bit floats at such a coordinate, in
+// metres after `world_from_mesh`.
 double vertex_spacing_m(double float_coordinate, const Affine& world_from_mesh);
 
 // What to tell the user where that spacing is more than a thousandth of a voxel.

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <limits>
+#include <random>
 
 #include "formats/mesh/units.h"
 
@@ -49,6 +50,37 @@ TEST(FloatSpacing, IsTheDistanceToTheNextFloat) {
     EXPECT_EQ(float_spacing(value), step) << value;
   }
   EXPECT_EQ(float_spacing(0), 0);
+}
+
+// Against the longest image of many directions, which can only be shorter.
+TEST(LargestStretch, IsThatOfTheWorstDirection) {
+  std::mt19937_64 random(11);
+  std::normal_distribution<double> normal;
+  for (int trial = 0; trial < 200; ++trial) {
+    Affine affine;
+    const double scale = std::exp(10 * normal(random));
+    for (double& x : affine.linear) x = scale * normal(random);
+    if (trial % 4 == 0) affine.linear[4] = affine.linear[7] = affine.linear[1] = 0;  // of rank two
+    double longest = 0;
+    for (int n = 0; n < 4000; ++n) {
+      const double x = normal(random), y = normal(random), z = normal(random);
+      const Vec3d image = apply(affine, {x, y, z});
+      longest = std::max(longest, std::hypot(image[0], image[1], image[2]) / std::hypot(x, y, z));
+    }
+    const double stretch = largest_stretch(affine);
+    EXPECT_GE(stretch, longest);
+    EXPECT_LE(stretch, 1.02 * longest);  // 4000 directions come within ten degrees of the worst
+  }
+}
+
+TEST(LargestStretch, OfScaledAndOfTurnedFrames) {
+  const double half = std::sqrt(0.5);
+  const Affine turned_then_scaled{{10 * half, -10 * half, 0, half, half, 0, 0, 0, 1}, {0, 0, 0}};
+  EXPECT_NEAR(largest_stretch(turned_then_scaled), 10, 1e-9);
+  EXPECT_NEAR(largest_stretch(Affine{}), 1, 1e-11);
+  EXPECT_EQ(largest_stretch(Affine{{}, {0, 0, 0}}), 0);
+  const Affine millimetres{{0, -1e-3, 0, 1e-3, 0, 0, 0, 0, 1e-3}, {5, 6, 7}};
+  EXPECT_NEAR(largest_stretch(millimetres), 1e-3, 1e-14);
 }
 
 // Floats near 20 000 lie 2^-9 apart: 2 um where the unit is mm.
