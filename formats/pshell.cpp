@@ -148,6 +148,7 @@ Status check_spheres(const PshellView& v, std::span<const BoundingSphere> sphere
 
 Status check_points(const PshellView& v, double bounding_radius_m, std::string_view name) {
   const double limit = bounding_radius_m * bounding_radius_m * (1 + kSphereTolerance);
+  double area_m2 = 0;
   for (std::size_t i = 0; i < v.point_count; ++i) {
     if (!(squared_distance(v, i, BoundingSphere{0, 0, 0, 0}) <= limit)) {
       return entry_error(name, "x, y, z", i, "point is not finite or beyond the bounding radius");
@@ -159,9 +160,13 @@ Status check_points(const PshellView& v, double bounding_radius_m, std::string_v
     if (!(std::isfinite(v.weight_m2[i]) && v.weight_m2[i] >= 0)) {
       return entry_error(name, "weight", i, "weight is not a finite area");
     }
+    area_m2 += v.weight_m2[i];
     if (v.cone_cos && !(v.cone_cos[i] >= -1 && v.cone_cos[i] <= 1)) {
       return entry_error(name, "normal cones", i, "cosine is not between -1 and 1");
     }
+  }
+  if (!(area_m2 > 0)) {
+    return entry_error(name, "weight", 0, "no point has an area: no contact would have a force");
   }
   return {};
 }

@@ -117,6 +117,19 @@ TEST(PshellElements, WeightsAndCones) {
   }
 }
 
+// A shell without any area would have no mean to share force by.
+TEST(PshellElements, WeightsThatAreAllZero) {
+  AlignedBytes bytes = shell_bytes();
+  for (std::size_t i = 0; i < 100; ++i) {
+    write_at(bytes.bytes(), element(bytes, PshellSection::kWeight, i), 0.0f);
+  }
+  resign(bytes.bytes());
+  const auto shell = Pshell::from_bytes(bytes.bytes(), "part.pshell");
+  ASSERT_FALSE(shell);
+  EXPECT_EQ(shell.error().code, ErrorCode::kEntryInvalid);
+  EXPECT_EQ(shell.error().where, "weight entry 0");
+}
+
 TEST(PshellElements, Padding) {
   expect_bad_element(PshellSection::kPositionX, 100, 0.25f, "point sections entry 100");
   expect_bad_element(PshellSection::kNormalY, 127, 0.25f, "point sections entry 127");
