@@ -123,8 +123,8 @@ class TileProver {
       if (length_squared(other - middle) > length_squared(farthest - middle)) farthest = other;
     }
     ConvexPolygon rest;
-    piece.split(farthest - middle, dot(farthest - middle, middle), rest);
-    if (rest.empty()) return add_hole(piece, corner, distance);  // too many corners to cut
+    const bool cut = piece.split(farthest - middle, dot(farthest - middle, middle), rest);
+    if (!cut || rest.empty()) return add_hole(piece, corner, distance);
     prove_with(piece, first, last, last);
     prove_with(rest, first, last, last);
   }
@@ -163,14 +163,23 @@ double proof_margin(const Part& part, double radius) {
   return std::ldexp(part.largest_coordinate + radius, -44);
 }
 
-CoveringProof prove_covering(const Part& part, std::span<const Vec3> points, double radius) {
+CoveringProof prove_covering(const Part& part, std::span<const Vec3> points, double radius,
+                             std::size_t most_holes) {
   const double proof_radius = radius - proof_margin(part, radius);
-  const PointGrid grid(points, kGridCell * radius);
   CoveringProof proof;
+  if (!(proof_radius > 0)) {
+    const Piece piece = triangle_piece(part, 0);
+    proof.holes.push_back({piece[0], 0, {piece.begin(), piece.end()}});
+    proof.given_up = true;
+    return proof;
+  }
+  const PointGrid grid(points, kGridCell * radius);
   for_each_tile_batch(part, kTileEdge * proof_radius, [&](std::span<const Piece> tiles) {
     prove_tiles(
         tiles.size(), [&](std::size_t n) { return std::span<const Vec3>(tiles[n]); }, grid,
         proof_radius, nullptr, proof);
+    proof.given_up = proof.holes.size() > most_holes;
+    return !proof.given_up;
   });
   proof.proven = proof.holes.empty();
   return proof;

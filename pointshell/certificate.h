@@ -12,6 +12,7 @@
 // lie inside, or too small to be worth it.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -32,6 +33,7 @@ struct Hole {
 
 struct CoveringProof {
   bool proven = false;
+  bool given_up = false;     // there may be more holes than these
   std::vector<Hole> holes;   // empty when proven; their pieces hold all that is not proven
   std::uint64_t pieces = 0;  // that the proof looked at
 };
@@ -41,8 +43,10 @@ struct CoveringProof {
 double proof_margin(const Part& part, double radius);
 
 // Proves that every point of `part` is within `radius` (m) of one of `points`, both relative to the
-// same centre. The same result for any number of threads.
-CoveringProof prove_covering(const Part& part, std::span<const Vec3> points, double radius);
+// same centre. Gives up, not proven, once more than `most_holes` are known, and for a radius that
+// rounding alone exceeds. The same result for any number of threads.
+CoveringProof prove_covering(const Part& part, std::span<const Vec3> points, double radius,
+                             std::size_t most_holes = SIZE_MAX);
 
 // Takes up a proof of the same part and radius that failed, with more points than it had: only the
 // pieces with holes are looked at again. With `hidden`, what that proves to lie inside another body

@@ -30,11 +30,11 @@ bool ConvexPolygon::cut(const double* side) {
   return true;
 }
 
-void ConvexPolygon::split(const Vec3& normal, double offset, ConvexPolygon& rest) {
+bool ConvexPolygon::split(const Vec3& normal, double offset, ConvexPolygon& rest) {
   rest.count_ = count_;
   std::copy(corners_, corners_ + count_, rest.corners_);
-  rest.clip(-normal, -offset, false);
-  clip(normal, offset, true);
+  const bool rest_is_less = rest.clip(-normal, -offset, false);
+  return clip(normal, offset, true) || rest_is_less;
 }
 
 }  // namespace forcelayer

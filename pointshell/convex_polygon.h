@@ -26,8 +26,9 @@ class ConvexPolygon {
   // `keep_in_plane` decides. Returns whether anything was cut off.
   bool clip(const Vec3& normal, double offset, bool keep_in_plane);
 
-  // Cuts the polygon in two: this keeps what clip() would, `rest` gets the other side.
-  void split(const Vec3& normal, double offset, ConvexPolygon& rest);
+  // Cuts the polygon in two: this keeps what clip() would, `rest` gets the other side. False where
+  // it has too many corners to be cut: then both are whole.
+  bool split(const Vec3& normal, double offset, ConvexPolygon& rest);
 
   bool empty() const { return count_ == 0; }
   std::span<const Vec3> corners() const { return {corners_, count_}; }

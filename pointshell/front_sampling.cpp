@@ -59,6 +59,7 @@ std::vector<Cube> cubes_of(const Part& part, double edge) {
     }
     std::sort(indices.begin(), indices.end());
     indices.erase(std::unique(indices.begin(), indices.end()), indices.end());
+    return true;
   });
   std::vector<Cube> cubes;
   for (const CubeIndex& index : indices) cubes.push_back({index, {}});

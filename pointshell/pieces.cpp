@@ -3,7 +3,7 @@
 namespace forcelayer {
 
 void for_each_tile_batch(const Part& part, double longest_edge_m,
-                         const std::function<void(std::span<const Piece>)>& take) {
+                         const std::function<bool(std::span<const Piece>)>& take) {
   constexpr std::size_t kTilesPerBatch = 1 << 16;
   std::vector<Piece> stack, tiles;
   tiles.reserve(kTilesPerBatch);
@@ -20,7 +20,7 @@ void for_each_tile_batch(const Part& part, double longest_edge_m,
       }
       tiles.push_back(piece);
       if (tiles.size() < kTilesPerBatch) continue;
-      take(tiles);
+      if (!take(tiles)) return;
       tiles.clear();
     }
   }

@@ -52,8 +52,9 @@ inline Piece triangle_piece(const Part& part, std::size_t t) {
 }
 
 // Bisects all triangles into tiles with no edge longer than `longest_edge_m`, and hands them to
-// `take` in batches, always the same for the same part, so that memory stays bounded.
+// `take` in batches, always the same for the same part, so that memory stays bounded. Ends early
+// where `take` returns false.
 void for_each_tile_batch(const Part& part, double longest_edge_m,
-                         const std::function<void(std::span<const Piece>)>& take);
+                         const std::function<bool(std::span<const Piece>)>& take);
 
 }  // namespace forcelayer

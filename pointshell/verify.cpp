@@ -6,6 +6,15 @@
 #include "pointshell/orientation.h"
 
 namespace forcelayer {
+namespace {
+
+// A file can claim a radius so small that the part has more pieces than any machine can look at. A
+// shell that is whole has about a point per piece, and hidden surface of a few times that.
+std::size_t most_holes(std::size_t points, std::size_t triangles) {
+  return 1'000'000 + 100 * points + triangles;
+}
+
+}  // namespace
 
 CoveringProof verify_shell(const Pshell& shell, const Part& part) {
   const PshellView& view = shell.view();
@@ -17,9 +26,13 @@ CoveringProof verify_shell(const Pshell& shell, const Part& part) {
   }
   const double radius = shell.header().covering_radius_m;
   Part centred = relative_to(part, {center_m[0], center_m[1], center_m[2]});
-  const CoveringProof proof = prove_covering(centred, points, radius);
+  const CoveringProof proof =
+      prove_covering(centred, points, radius, most_holes(points.size(), part.triangles.size()));
   // What is not covered may still be hidden, where there is more than one body.
-  if (proof.proven || part.body_names.size() < 2 || !orient_outwards(centred, radius)) return proof;
+  if (proof.proven || proof.given_up || part.body_names.size() < 2 ||
+      !orient_outwards(centred, radius)) {
+    return proof;
+  }
   const HiddenSurface hidden(centred);
   return hidden.possible() ? continue_proof(centred, points, radius, proof, &hidden) : proof;
 }

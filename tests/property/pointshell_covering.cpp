@@ -171,6 +171,19 @@ TEST(Covering, IsNotProvenForASmallerRadius) {
                    .proven);
 }
 
+// The pieces of a part without number, for a radius that only a hostile file would name.
+TEST(Covering, GivesUpOnARadiusFarTooSmall) {
+  const Case box{"box", part_of(box_mesh(1, 2, 3)), 0.2};
+  const BakedShell shell = bake(box, ShellMethod::kSurface);
+  const Part centred = relative_to(box.part, center(shell));
+  for (const double radius : {1e-9, 1e-15, 1e-300, 0.0}) {
+    const CoveringProof proof = prove_covering(centred, positions_of(shell), radius, 1000);
+    EXPECT_FALSE(proof.proven) << radius;
+    EXPECT_TRUE(proof.given_up) << radius;
+    EXPECT_FALSE(proof.holes.empty()) << radius;
+  }
+}
+
 TEST(Covering, OfNoPointsFails) {
   EXPECT_FALSE(prove_covering(part_of(box_mesh(1, 1, 1)), {}, 10).proven);
 }

@@ -73,5 +73,22 @@ TEST(Verify, RefusesAFileThatLacksAPoint) {
   }
 }
 
+TEST(Verify, EndsForARadiusThatNoShellHas) {
+  const test::ScratchFolder scratch;
+  const auto file = scratch / "box.obj";
+  test::write_file(file, test::as_obj(box_mesh(1, 2, 0.5)));
+  const Part part = std::move(read_part({file.string()}, 1.0)).value().part;
+  BakeOptions options;
+  options.voxel_size_m = 0.1;
+  BakedShell shell =
+      std::move(bake_shell(part, options, [](const std::string&, double) {})).value();
+  for (const double radius : {1e-6, 1e-300, 0.0}) {
+    shell.header.covering_radius_m = radius;
+    const auto path = scratch / "part.pshell";
+    ASSERT_TRUE(write_pshell(path, shell.content()).ok());
+    EXPECT_EQ(verify_status(path, file), 4) << radius;
+  }
+}
+
 }  // namespace
 }  // namespace forcelayer
