@@ -16,6 +16,13 @@
 namespace forcelayer::test {
 namespace {
 
+// Sanitizers keep a shadow of what is read, whose pages have faults of their own.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool kFaultsAreOurs = false;
+#else
+constexpr bool kFaultsAreOurs = true;
+#endif
+
 constexpr double kS = 0.001;
 constexpr std::int64_t kLong = 4096, kWide = 32;
 
@@ -86,7 +93,9 @@ TEST(Prefault, ReadsWhatThePartCanReachAndLittleElse) {
   EXPECT_LT(after, file * 3 / 4);
   const long faults = page_faults();
   EXPECT_GT(sum_of_values(bar.voxmap, from, to), 0u);
-  EXPECT_EQ(page_faults(), faults) << "a page of the reach was not there";
+  if (kFaultsAreOurs) {
+    EXPECT_EQ(page_faults(), faults) << "a page of the reach was not there";
+  }
   sum_of_values(bar.voxmap, 0, kLong);
   EXPECT_GT(page_faults(), faults) << "the test has lost its teeth: everything was there";
   EXPECT_GE(resident_bytes(bar.voxmap.bytes()), file * 7 / 8);
@@ -100,7 +109,9 @@ TEST(Prefault, AnEndlessReachIsTheWholeMapAndOneElsewhereNothing) {
             bar.voxmap.brick_count() * 128);
   const long faults = page_faults();
   sum_of_values(bar.voxmap, 0, kLong);
-  EXPECT_EQ(page_faults(), faults);
+  if (kFaultsAreOurs) {
+    EXPECT_EQ(page_faults(), faults);
+  }
 }
 
 }  // namespace
