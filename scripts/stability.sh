@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Measures stability and accuracy of motion anew, both models side by side, and draws the plots: an
-# hour on one core. tests/bench/METHOD.md says how; results go to tests/bench/results/<cpu>/.
+# Measures stability and accuracy of motion anew, both models side by side, and draws the plots: three
+# minutes on two idle cores. tests/bench/METHOD.md says how; results go to tests/bench/results/<cpu>/.
 source "$(dirname "$0")/common.sh"
 
 install_packages
