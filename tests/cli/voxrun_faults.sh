@@ -58,29 +58,38 @@ read_only_target() {
 # (In the frame that notices; tests/unit/runtime_map_loss.cpp looks at that frame.)
 map_cut_while_running() {
   sanitized && { skip "a sanitizer takes SIGBUS for itself"; return; }
-  local file bytes status
+  local file bytes attempt
   for file in floor.vox ball.pshell; do
     for bytes in 0 4096; do
-      files
-      "$voxrun" floor.vox ball.pshell --motion hold.csv --duration 60s --after-trip end --quiet --trace run.csv >out.txt 2>err.txt &
-      local pid=$!
-      sleep 1
-      truncate -s $bytes $file
-      wait $pid
-      status=$?
-      tail -n 1 err.txt >"$scratch/err.txt"  # after warnings and events
-      [ $status = 4 ] || fail "status $status after $file was cut to $bytes: $(cat err.txt)"
-      grep -q "floor.vox or ball.pshell: at .* s: output to zero: .*cut" "$scratch/err.txt" ||
-        fail "$file cut to $bytes: $(cat "$scratch/err.txt")"
-      python3 - <<'PYTHON' || fail "the trace's last frame, $file cut to $bytes"
+      # On a machine with more to do the loop may be late, which takes the output to zero as well.
+      for attempt in 1 2 3 4 5; do
+        cut_once $file $bytes && break
+      done 2>"$scratch/err.txt" || fail "$file cut to $bytes: $(tail -n 3 "$scratch/err.txt" err.txt)"
+    done
+  done
+}
+
+cut_once() {  # FILE BYTES, in the middle of a contact
+  files
+  rm -f out.txt
+  "$voxrun" floor.vox ball.pshell --motion hold.csv --duration 60s --trace run.csv >out.txt 2>err.txt &
+  local pid=$! i
+  for i in $(seq 100); do
+    [ -s out.txt ] && break
+    sleep 0.1
+  done
+  sleep 0.8
+  truncate -s "$2" "$1"
+  wait $pid
+  [ $? = 4 ] || return 1
+  tail -n 1 err.txt | grep -q "floor.vox or ball.pshell: at .* s: output to zero: .*cut" || return 1
+  python3 - <<'PYTHON'
 import csv
 rows = list(csv.DictReader(open("run.csv")))
 force = [max(abs(float(r["device_force_%s_n" % a])) for a in "xyz") for r in rows]
-assert max(force) > 0.1, max(force)  # it was pressing
+assert max(force[-50:]) > 0.1, max(force)  # it was pressing
 assert force[-1] == 0, force[-5:]
 PYTHON
-    done
-  done
 }
 
 # kill -9 at any moment: what has a name is whole.
