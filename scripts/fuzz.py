@@ -68,12 +68,12 @@ def children_cpu_s():
 
 
 def table(campaigns):
-    lines = ["| target | campaigns | CPU minutes | of the last | executions | edges reached | inputs kept | found in the last |",
+    lines = ["| target | campaigns | CPU seconds | of the last | executions | edges reached | inputs kept | found in the last |",
              "|---|---|---|---|---|---|---|---|"]
     for name in sorted({campaign["target"] for campaign in campaigns}):
         own = [campaign for campaign in campaigns if campaign["target"] == name]
-        lines.append(f"| {name} | {len(own)} | {sum(c['cpu_seconds'] for c in own) / 60:.1f} "
-                     f"| {own[-1]['cpu_seconds'] / 60:.1f} "
+        lines.append(f"| {name} | {len(own)} | {sum(c['cpu_seconds'] for c in own):.1f} "
+                     f"| {own[-1]['cpu_seconds']:.1f} "
                      f"| {sum(c['executions'] for c in own):,} | {max(c['edges'] for c in own):,} "
                      f"| {own[-1]['inputs']:,} | {own[-1]['found']} |")
     return "\n".join(lines)
