@@ -4,7 +4,6 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <charconv>
 #include <chrono>
@@ -50,7 +49,8 @@ std::uint64_t now_us() {
 
 }  // namespace
 
-Result<PoseSender> PoseSender::create(const std::string& target, const Simulation& simulation) {
+Result<PoseSender> PoseSender::create(const std::string& target, const Simulation& simulation,
+                                      double rate_hz) {
   const HostAndPort address = split_target(target);
   if (!is_port(address.port)) return address_error(target, "the port is not between 1 and 65535");
   addrinfo hints{};
@@ -68,15 +68,19 @@ Result<PoseSender> PoseSender::create(const std::string& target, const Simulatio
     if (descriptor >= 0) close(descriptor);
     return Error{ErrorCode::kInternal, "", "--udp", "no socket to '" + target + "': " + reason, ""};
   }
-  return PoseSender(descriptor, simulation);
+  return PoseSender(descriptor, simulation, rate_hz);
 }
 
-PoseSender::PoseSender(int socket, const Simulation& simulation)
-    : socket_(socket), simulation_(&simulation), session_(now_us()) {}
+PoseSender::PoseSender(int socket, const Simulation& simulation, double rate_hz)
+    : socket_(socket),
+      simulation_(&simulation),
+      period_ns_(static_cast<long long>(1e9 / rate_hz)),
+      session_(now_us()) {}
 
 PoseSender::PoseSender(PoseSender&& other) noexcept
     : socket_(std::exchange(other.socket_, -1)),
       simulation_(other.simulation_),
+      period_ns_(other.period_ns_),
       session_(other.session_),
       sequence_(other.sequence_),
       next_ns_(other.next_ns_) {}
@@ -84,6 +88,7 @@ PoseSender::PoseSender(PoseSender&& other) noexcept
 PoseSender& PoseSender::operator=(PoseSender&& other) noexcept {
   std::swap(socket_, other.socket_);
   simulation_ = other.simulation_;
+  period_ns_ = other.period_ns_;
   session_ = other.session_;
   sequence_ = other.sequence_;
   next_ns_ = other.next_ns_;
@@ -124,10 +129,11 @@ PoseDatagram PoseSender::datagram(const Frame& frame) noexcept {
 }
 
 void PoseSender::offer(const Frame& frame) noexcept {
-  constexpr long long kPeriodNs = static_cast<long long>(1e9 / kRateHz);
   const long long now_ns = monotonic_ns();
   if (now_ns < next_ns_) return;
-  next_ns_ = std::max(next_ns_ + kPeriodNs, now_ns);
+  // In step with the clock, but never two at once to make up for a pause.
+  next_ns_ += period_ns_;
+  if (next_ns_ <= now_ns) next_ns_ = now_ns + period_ns_;
   const PoseDatagram d = datagram(frame);
   // Nobody listening, a full buffer: the next datagram replaces this one anyway.
   static_cast<void>(send(socket_, &d, sizeof d, MSG_NOSIGNAL));

@@ -141,7 +141,7 @@ Status HidDevice::greet(HidPort& port, const HidDeviceInfo& info) {
     ratings.capabilities.name = "hid";
     ratings.capabilities.hardware = true;
     if (Status fit = check_ratings(ratings.capabilities, info); !fit) return fit;
-    capabilities_ = ratings.capabilities;
+    if (!known_) capabilities_ = ratings.capabilities;  // else the loop reads them by now
     known_ = true;
     return {};
   }

@@ -23,6 +23,7 @@ bool host_runs(HidDevice& host, const Wrench& wrench, DeviceSample& sample, Done
     sleep_until_ns(tick_ns);
     sample = host.read(0);
     host.write(wrench);
+    EXPECT_EQ(host.capabilities().max_force_n, 12);  // the loop looks at them in every frame
     if (done()) return true;
   }
   return false;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstring>
 #include <thread>
+#include <tuple>
 
 #include "runtime/derive_parameters.h"
 #include "runtime/pose_receiver.h"
@@ -97,6 +98,24 @@ TEST(PoseStream, SendsSixtyASecondHoweverManyFramesAreOffered) {
   ASSERT_TRUE(last);
   EXPECT_LE(last->sequence, 20u);  // 18 and the first
   EXPECT_GE(last->sequence, 5u);   // on a machine that is busy with other things
+}
+
+TEST(PoseStream, SendsAsOftenAsItIsAsked) {
+  const auto sim = simulation();
+  for (const auto& [rate_hz, least, most] : {std::tuple{1e6, 10u, 10u}, {0.01, 1u, 1u}}) {
+    auto receiver = PoseReceiver::open(0);
+    auto sender = PoseSender::create(std::to_string(receiver->port()), *sim, rate_hz);
+    ASSERT_TRUE(sender);
+    PoseSender moved = std::move(*sender);
+    for (int i = 0; i < 10; ++i) {
+      moved.offer({});
+      std::this_thread::sleep_for(std::chrono::microseconds(10));
+    }
+    const auto last = receiver->newest();
+    ASSERT_TRUE(last);
+    EXPECT_GE(last->sequence, least);
+    EXPECT_LE(last->sequence, most);
+  }
 }
 
 TEST(PoseStream, NobodyListeningIsNoError) {
