@@ -24,7 +24,9 @@ constexpr double kBoundShare = 0.9;
 
 // Of the default model.
 constexpr double kUnratedStiffness = 1000;  // N/m, for a device that says nothing of itself
-constexpr double kHoldDepthVoxels = 0.15;   // the field has s/8 at a convex corner, s/2 at a face
+// For a device without motors, or without those of an axis: the paper's (5).
+constexpr double kUnratedForceN = 15, kUnratedTorqueNm = 0.1;
+constexpr double kHoldDepthVoxels = 0.15;  // the field has s/8 at a convex corner, s/2 at a face
 constexpr double kFieldOverCoupling = 5;
 constexpr double kContactDampingRatio = 0.6;
 constexpr double kThrowMps = 3;
@@ -99,8 +101,16 @@ Status check_settings(const ParameterRequest& request) {
     if (info == std::end(kTable)) {
       return Error{ErrorCode::kInternal, "", name, "is no parameter", ""};
     }
-    if (!(value > 0)) {
-      return Error{ErrorCode::kUsage, "", std::string(info->option), "must be above zero", ""};
+    const bool may_be_infinite = info->member == &Parameters::max_force_n ||
+                                 info->member == &Parameters::max_torque_nm ||
+                                 info->member == &Parameters::coupling_force_limit_n ||
+                                 info->member == &Parameters::coupling_torque_limit_nm;
+    const bool may_be_zero = info->member == &Parameters::passivity_damping_ns_per_m;
+    if (!(value > 0 || (may_be_zero && value == 0)) ||
+        (!may_be_infinite && !std::isfinite(value))) {
+      return Error{
+          ErrorCode::kUsage, "", std::string(info->option),
+          may_be_zero ? "must be zero or above, and finite" : "must be above zero, and finite", ""};
     }
   }
   return {};
@@ -307,8 +317,12 @@ void choose_default_coupling(const ParameterRequest& request, const DeviceCapabi
   const double largest = std::max({inertia.moments.x, inertia.moments.y, inertia.moments.z});
   choice.set("coupling_nms_per_rad", 2 * std::sqrt(largest * p.coupling_nm_per_rad),
              "2 sqrt(I k_R), I the largest moment: critically damped about every principal axis");
-  choice.set("coupling_force_limit_n", p.max_force_n, "what the device can bear");
-  choice.set("coupling_torque_limit_nm", p.max_torque_nm, "what the device can bear");
+  // A device that renders none still moves and turns the part: the output stage keeps it at zero.
+  const bool forces = p.max_force_n > 0, torques = p.max_torque_nm > 0;
+  choice.set("coupling_force_limit_n", forces ? p.max_force_n : kUnratedForceN,
+             forces ? "what the device can bear" : "the device renders no force");
+  choice.set("coupling_torque_limit_nm", torques ? p.max_torque_nm : kUnratedTorqueNm,
+             torques ? "what the device can bear" : "the device renders no torque");
   warn_of_coupling(request, device, derived);
 }
 

@@ -190,6 +190,9 @@ int forcelayer_start(forcelayer_runtime* runtime, const double world_from_part[7
     const auto start = checked_start(world_from_part, handle_from_part);
     if (!start) return start.error();
     if (Status usable = check_first(*runtime, *first); !usable) return usable;
+    runtime->servo.reset();
+    // A swap that nobody waited for any more: the user wants what it brings.
+    if (runtime->next) runtime->simulation = std::move(runtime->next);
     OutputLimits limits = output_limits(runtime->simulation->parameters());
     limits.stale_s = runtime->input_limits.stale_s;
     limits.max_speed_mps = runtime->max_speed_mps;

@@ -26,16 +26,16 @@ glm::dvec3 not_against(const glm::dvec3& estimate, const glm::dvec3& motion) {
 
 }  // namespace
 
-Twist HandleVelocity::update(const Pose& world_from_handle, double dt_s) noexcept {
+Twist HandleVelocity::update(const Pose& device_from_handle, double dt_s) noexcept {
   if (!known_) {
     known_ = true;
-    last_ = world_from_handle;
+    last_ = device_from_handle;
     return velocity_;
   }
   const Twist now{
-      (world_from_handle.position_m - last_.position_m) / dt_s,
-      rotation_vector(world_from_handle.orientation * glm::conjugate(last_.orientation)) / dt_s};
-  last_ = world_from_handle;
+      (device_from_handle.position_m - last_.position_m) / dt_s,
+      rotation_vector(device_from_handle.orientation * glm::conjugate(last_.orientation)) / dt_s};
+  last_ = device_from_handle;
   differences_ = {now, differences_[0], differences_[1]};
   const auto& d = differences_;
   const glm::dvec3 linear_mps =

@@ -26,8 +26,9 @@ class HandleVelocity {
 
   void reset() noexcept { *this = {}; }
 
-  // The velocity after a sample `dt_s` later; zero at the first one.
-  Twist update(const Pose& world_from_handle, double dt_s) noexcept;
+  // The velocity after a new reading `dt_s` after the last one, in the frame of the poses: the
+  // device's own, in which hands are as fast as hands are. Zero at the first reading.
+  Twist update(const Pose& device_from_handle, double dt_s) noexcept;
 
  private:
   bool known_ = false;

@@ -21,6 +21,7 @@ struct InputHealth {
   InputTrouble trouble = InputTrouble::kNone;  // else the input is invalid
   float age_share = 0;                         // age of the reading over its stale limit; 0: fresh
   bool clutch = false;                         // the user holds the clutch
+  bool swapping = false;                       // part and scene wait to be replaced, at zero output
   bool output_held = false;                    // the device's own side keeps the motors at zero
   bool loop_late = false;                      // the frame began later than the stale limit allows
 };

@@ -67,6 +67,17 @@ InputTrouble DeviceInput::trouble(const DeviceSample& sample, double dt_s) noexc
   return jumped ? InputTrouble::kImplausible : InputTrouble::kNone;
 }
 
+// Between the readings of a device that is slower than the loop the hand goes on as it went.
+Twist DeviceInput::velocity(const DeviceSample& sample, double dt_s) noexcept {
+  if (device_.capabilities().senses_velocity) return sample.velocity;
+  since_fresh_s_ += dt_s;
+  if (sample.fresh) {
+    estimate_ = velocity_.update(sample.device_from_handle, since_fresh_s_);
+    since_fresh_s_ = 0;
+  }
+  return estimate_;
+}
+
 bool DeviceInput::next(double time_s, double dt_s, StepInput& input) noexcept {
   DeviceSample sample = device_.read(time_s);
   age_s_ = sample.fresh ? 0 : age_s_ + dt_s;
@@ -85,6 +96,8 @@ bool DeviceInput::next(double time_s, double dt_s, StepInput& input) noexcept {
     input.valid = kInputInvalid;
     input.handle_velocity = {};
     velocity_.reset();
+    estimate_ = {};
+    since_fresh_s_ = 0;
     // A device that comes back may come back anywhere; one that only sends nonsense may not.
     has_good_ = has_good_ && health_.trouble != InputTrouble::kDeviceLost &&
                 health_.trouble != InputTrouble::kNotCalibrated;
@@ -94,9 +107,7 @@ bool DeviceInput::next(double time_s, double dt_s, StepInput& input) noexcept {
   has_good_ = true;
   last_good_m_ = sample.device_from_handle.position_m;
   since_good_s_ = age_s_;
-  input.handle_velocity = device_.capabilities().senses_velocity
-                              ? placement_.world_twist(sample.velocity)
-                              : velocity_.update(input.world_from_handle, dt_s);
+  input.handle_velocity = placement_.world_twist(velocity(sample, dt_s));
   return true;
 }
 

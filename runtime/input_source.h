@@ -53,11 +53,14 @@ class DeviceInput final : public InputSource {
 
  private:
   InputTrouble trouble(const DeviceSample& sample, double dt_s) noexcept;
+  Twist velocity(const DeviceSample& sample, double dt_s) noexcept;  // device axes
 
   Device& device_;
   DevicePlacement placement_;
   InputLimits limits_;
   HandleVelocity velocity_;
+  Twist estimate_;            // of the last fresh reading, device axes
+  double since_fresh_s_ = 0;  // of that reading
   InputHealth health_;
   double age_s_ = 0;           // of the reading
   double since_good_s_ = 0;    // of the last one that was believed

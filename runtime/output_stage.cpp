@@ -148,8 +148,9 @@ Wrench OutputStage::pass(const OutputFrame& frame, double dt_s) noexcept {
     return last_;
   }
   armed_s_ += dt_s;
-  gain_ = frame.health.clutch ? std::max(0.0, gain_ - dt_s / limits_.fade_s)
-                              : std::min(1.0, gain_ + dt_s / limits_.ramp_s);
+  gain_ = frame.health.clutch || frame.health.swapping
+              ? std::max(0.0, gain_ - dt_s / limits_.fade_s)
+              : std::min(1.0, gain_ + dt_s / limits_.ramp_s);
   last_ = slewed(limited(frame.wanted, gain_ * late_gain(frame.health.age_share)), dt_s);
   return last_;
 }

@@ -50,8 +50,8 @@ const char* how_to_mend(TripCause cause);
 struct OutputFrame {
   Wrench wanted;         // about the handle's origin, device axes
   double speed_mps = 0;  // of the handle at the device
-  InputHealth health;    // clutch: pressed, or something else that wants the output at zero
-  bool faulty = false;   // the step reported a fault: bad input, or none
+  InputHealth health;
+  bool faulty = false;  // the step reported a fault: bad input, or none
   bool map_lost = false;
   bool free_of_contact = false;
   bool unstretched = false;  // the part is registered where the coupling holds it
@@ -68,7 +68,9 @@ class OutputStage {
   //   the device is gone, the loop late, the map lost, the wrench not finite or the hand too fast,
   //   the output trips: zero until armed again, by itself where the limits say so, else by the
   //   clutch, which the user presses and releases.
-  // - The clutch fades to zero and ramps back in when it is released; pressed, it arms.
+  // - The clutch fades to zero and ramps back in when it is released; pressed, it arms. A swap
+  // fades
+  //   and ramps in the same way, and arms nothing: that is for the user.
   Wrench pass(const OutputFrame& frame, double dt_s) noexcept;
 
   OutputState state() const { return state_; }

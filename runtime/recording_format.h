@@ -64,6 +64,7 @@ enum RecordedHealth : std::uint32_t {
   kRecordedClutch = 0x100,
   kRecordedOutputHeld = 0x200,
   kRecordedLoopLate = 0x400,
+  kRecordedSwapping = 0x800,
 };
 
 struct RecordingTrailer {             // offset

@@ -34,8 +34,9 @@ bool Servo::request_swap(Simulation& next, const PartStart& start) noexcept {
 void Servo::take_health(const StepInput& input, InputHealth& health) noexcept {
   health = input_.health();
   health.loop_late |= std::exchange(late_, false);
-  health.clutch |= clutch_.load(std::memory_order_relaxed) || swapping() ||
-                   (input.buttons & clutch_buttons_) != 0;
+  health.clutch |=
+      clutch_.load(std::memory_order_relaxed) || (input.buttons & clutch_buttons_) != 0;
+  health.swapping |= swapping();
 }
 
 void Servo::take_swap(const StepInput& input) noexcept {
@@ -78,7 +79,8 @@ bool Servo::tick(Frame& frame) noexcept {
   frame.time_s = static_cast<double>(state_.frame) * dt_s_;
   if (!input_.next(frame.time_s, dt_s_, frame.input)) return false;
   take_health(frame.input, frame.health);
-  if (frame.health.clutch && output_.at_zero() && frame.input.valid == kInputValid) {
+  const bool regrip = frame.health.clutch || frame.health.swapping;
+  if (regrip && output_.at_zero() && frame.input.valid == kInputValid) {
     take_swap(frame.input);
     frame.input.valid = kInputClutched;
   }

@@ -162,8 +162,10 @@ class Parser {
 
   const char* usage_range(std::uint32_t last) {
     if (last < locals_.usage_min) return "a usage range that runs backwards";
-    if (last - locals_.usage_min >= kMaxUsages - locals_.usages.size()) return "too many usages";
-    for (std::uint32_t u = locals_.usage_min; u <= last; ++u) locals_.usages.push_back(u);
+    const std::uint32_t after_first = last - locals_.usage_min;
+    if (after_first >= kMaxUsages - locals_.usages.size()) return "too many usages";
+    for (std::uint32_t n = 0; n <= after_first; ++n)
+      locals_.usages.push_back(locals_.usage_min + n);
     return nullptr;
   }
 

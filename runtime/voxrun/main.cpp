@@ -18,7 +18,9 @@ extern "C" void stop_on_signal(int number) { stop_signal.store(number, std::memo
 
 // The loop ends at its next tick, with the output at zero and every file written.
 void end_loop_on_signals() {
-  signal(SIGPIPE, SIG_IGN);  // nobody reads what we say: no reason to let go of the motors
+  // Nobody reads what we say, or a trace meets a limit: no reason to let go of the motors.
+  signal(SIGPIPE, SIG_IGN);
+  signal(SIGXFSZ, SIG_IGN);
   for (const int number : {SIGINT, SIGTERM, SIGHUP}) {
     struct sigaction action {};
     action.sa_handler = stop_on_signal;

@@ -120,5 +120,15 @@ TEST(HidReportDescriptor, RefusesWhatWouldNotFit) {
   }
 }
 
+// Counting on beyond the last number that there is would never end.
+TEST(HidReportDescriptor, UsagesMayEndAtTheLargestNumber) {
+  const Descriptor bytes = {0x1b, 0xf0, 0xff, 0xff, 0xff, 0x2b, 0xff, 0xff, 0xff, 0xff,
+                            0x15, 0x00, 0x25, 0x01, 0x75, 0x01, 0x95, 0x10, 0x81, 0x02};
+  const auto parsed = parse_hid_report_descriptor(bytes);
+  ASSERT_TRUE(parsed) << to_line(parsed.error());
+  ASSERT_EQ(parsed->fields.size(), 16u);
+  EXPECT_EQ(parsed->fields.back().usage, 0xffffffffu);
+}
+
 }  // namespace
 }  // namespace forcelayer::test

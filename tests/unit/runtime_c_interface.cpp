@@ -200,7 +200,7 @@ class ServoThread {
     return true;
   }
 
-  std::atomic<double> force_n{0}, part_z_m{0};
+  std::atomic<double> force_n{0}, part_z_m{0}, jumped_to_m{0};
   std::atomic<std::uint32_t> output{0};
   std::atomic<int> jumps{0}, blows{0};  // of the part; of the force at and after such a jump
 
@@ -214,6 +214,7 @@ class ServoThread {
     const double now_n = glm::length(force), z_m = result.world_from_part[2];
     ++since_jump_;
     if (part_z_m != 0 && std::abs(z_m - part_z_m) > 0.01) {
+      jumped_to_m = z_m;
       ++jumps;
       since_jump_ = 0;
     }
@@ -245,7 +246,7 @@ TEST_F(CInterface, SceneAndPartAreSwappedByAnotherThreadWhileTheLoopRuns) {
   // The larger ball, from the air; then felt: it touches where the small one did not.
   ASSERT_EQ(swap("floor.vox", "large.pshell", above), 0) << error;
   ASSERT_TRUE(servo.soon([&] { return servo.jumps == 1; }));
-  EXPECT_NEAR(servo.part_z_m, 0.08, 0.005);  // the hand may still be on its way down
+  EXPECT_NEAR(servo.jumped_to_m, 0.08, 1e-9);  // in that frame: the coupling takes over from there
   servo.go_to(-0.012);  // the part would be at 38 mm: the large ball's lower end at 8 mm
   ASSERT_TRUE(servo.soon([&] { return servo.force_n > 1; }));
 
@@ -275,6 +276,25 @@ TEST_F(CInterface, SceneAndPartAreSwappedByAnotherThreadWhileTheLoopRuns) {
   servo.stop();
   EXPECT_EQ(servo.blows, 0);
   EXPECT_STREQ(forcelayer_last_trip(runtime), "none");
+}
+
+// Begun anew after a swap that nobody took, the loop runs with what that brings, and the next swap
+// finds nothing of the old in use.
+TEST_F(CInterface, BeginsAnewAfterASwapThatWasNotTaken) {
+  open();
+  const Pose low{{0.1, 0.1, 0.05}, {1, 0, 0, 0}}, above{{0.1, 0.1, 0.08}, {1, 0, 0, 0}};
+  for (int round = 0; round < 2; ++round) {
+    ASSERT_EQ(start(&low, nullptr, reading_at(low)), 0) << error;
+    EXPECT_NE(swap("floor.vox", "large.pshell", above, 0.01), 0);
+    EXPECT_NE(std::string(error).find("not taken"), std::string::npos) << error;
+    ASSERT_EQ(start(&above, nullptr, reading_at(above)), 0) << error;
+    ServoThread servo(runtime, 0.08);
+    servo.run();
+    ASSERT_EQ(swap("floor.vox", "ball.pshell", low), 0) << error;
+    ASSERT_TRUE(servo.soon([&] { return servo.output == FORCELAYER_ARMED; }));
+    servo.stop();
+    EXPECT_EQ(servo.blows, 0);
+  }
 }
 
 }  // namespace

@@ -193,6 +193,25 @@ TEST(OutputStage, TheClutchFadesOutAndRampsBackIn) {
   EXPECT_EQ(stage.trips(), 0u);
 }
 
+// Nobody's hand says that it is ready when another thread loads a scene.
+TEST(OutputStage, ASwapFadesLikeTheClutchButArmsNothing) {
+  OutputStage stage = armed(1);
+  OutputFrame f = frame(1);
+  f.health.swapping = true;
+  for (int i = 1; i <= 50; ++i) EXPECT_NEAR(stage.pass(f, kDt).force_n.x, 1 - i / 50.0, 1e-12);
+  EXPECT_TRUE(stage.at_zero());
+  EXPECT_NEAR(stage.pass(frame(1), kDt).force_n.x, 1 / 200.0, 1e-12);
+
+  OutputFrame gone = frame(1);
+  gone.faulty = true;
+  gone.health.trouble = InputTrouble::kDeviceLost;
+  stage.pass(gone, kDt);
+  ASSERT_EQ(stage.state(), OutputState::kTripped);
+  for (int i = 0; i < 300; ++i) EXPECT_EQ(stage.pass(f, kDt).force_n.x, 0);
+  for (int i = 0; i < 300; ++i) EXPECT_EQ(stage.pass(frame(1), kDt).force_n.x, 0);
+  EXPECT_EQ(stage.state(), OutputState::kTripped);
+}
+
 TEST(OutputStage, TheClutchArmsATrippedOutputButNotWhileTheCauseLasts) {
   OutputStage stage = armed(1);
   OutputFrame gone = frame(1);

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 #include "runtime/derive_parameters.h"
 #include "runtime/stability.h"
@@ -10,6 +11,8 @@
 
 namespace forcelayer::test {
 namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 DeviceCapabilities strong_device() {
   DeviceCapabilities device;
@@ -137,10 +140,34 @@ TEST_F(ParametersTest, TakeSettingsAndWarnBeyondABound) {
   EXPECT_EQ(derived.reasons.at("field_n_per_m"), "set");
   EXPECT_EQ(derived.values.max_force_n, 20);  // never above the rating
   EXPECT_EQ(derived.warnings.size(), 2u);
-  request.settings["mass_kg"] = -1;
-  const auto refused = derive_parameters(request, voxmap_, shell_, strong_device());
-  ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().code, ErrorCode::kUsage);
+  for (const double wrong : {-1.0, 0.0, kInfinity, std::nan("")}) {
+    request.settings["mass_kg"] = wrong;
+    const auto refused = derive_parameters(request, voxmap_, shell_, strong_device());
+    ASSERT_FALSE(refused) << wrong;
+    EXPECT_EQ(refused.error().code, ErrorCode::kUsage);
+  }
+  request.settings.erase("mass_kg");
+  request.settings["coupling_force_limit_n"] = kInfinity;
+  request.settings["passivity_damping_ns_per_m"] = 0;
+  EXPECT_EQ(derive(request).values.coupling_force_limit_n, kInfinity);
+}
+
+// The part turns with the wrist all the same; what the hand feels is the output stage's affair.
+TEST_F(ParametersTest, ADeviceWithoutMotorsStillMovesAndTurnsThePart) {
+  DeviceCapabilities device = strong_device();
+  device.max_torque_nm = 0;
+  ParameterRequest request;
+  request.model = Model::kDefault;
+  Parameters p = derive(request, device).values;
+  EXPECT_EQ(p.max_torque_nm, 0);
+  EXPECT_GT(p.coupling_torque_limit_nm, 0.01);
+  EXPECT_GT(p.coupling_nm_per_rad, 0);
+  EXPECT_EQ(p.coupling_force_limit_n, device.max_force_n);
+  device.max_force_n = 0;
+  p = derive(request, device).values;
+  EXPECT_EQ(p.max_force_n, 0);
+  EXPECT_GT(p.coupling_force_limit_n, 1);
+  EXPECT_GT(p.coupling_n_per_m, 0);
 }
 
 TEST_F(ParametersTest, EveryParameterHasAReason) {

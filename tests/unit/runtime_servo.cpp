@@ -47,6 +47,8 @@ class PuppetDevice final : public Device {
   void write(const Wrench& wrench) noexcept override { felt = wrench; }
   void stop() noexcept override { felt = {}; }
 
+  void rate(double hz) { capabilities_.rate_hz = hz; }
+
   DeviceSample sample;
   Wrench felt;
 
@@ -199,6 +201,33 @@ TEST(Servo, AHandTooFastTrips) {
   }
   EXPECT_EQ(bench.servo.output().last_trip(), TripCause::kOverSpeed);
   EXPECT_EQ(bench.device.felt.force_n, glm::dvec3(0));
+}
+
+// The estimate is of the hand: neither the device's rate nor the scene's size changes it.
+TEST(DeviceInput, TheHandIsAsFastAsItIsForASlowDeviceAndALargeScale) {
+  constexpr double kSpeedMps = 1.5;
+  for (const int periods : {1, 2, 3, 4, 7}) {
+    for (const double scale : {0.1, 1.0, 10.0}) {
+      SCOPED_TRACE(testing::Message() << periods << " periods, scale " << scale);
+      PuppetDevice device;
+      device.rate(1000.0 / periods);
+      device.sample.present = device.sample.calibrated = true;
+      DevicePlacement placement;
+      placement.motion_scale = scale;
+      DeviceInput input(device, placement);
+      StepInput step;
+      for (int i = 0; i < 150; ++i) {
+        device.sample.fresh = i % periods == 0;
+        if (device.sample.fresh) {
+          device.sample.device_from_handle.position_m.y = kSpeedMps * kDt * (i - 75);
+        }
+        ASSERT_TRUE(input.next(i * kDt, kDt, step));
+        ASSERT_EQ(step.valid, kInputValid);
+      }
+      // After twenty time constants what is left is rounding.
+      EXPECT_NEAR(step.handle_velocity.linear_mps.y / scale, kSpeedMps, 1e-3);
+    }
+  }
 }
 
 TEST(Servo, ALateLoopTrips) {
