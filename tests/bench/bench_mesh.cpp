@@ -1,0 +1,32 @@
+#include "tests/bench/bench_mesh.h"
+
+#include <algorithm>
+
+namespace forcelayer::bench {
+
+Mesh merged(const Scene& scene) {
+  Mesh mesh;
+  for (const ScenePart& part : scene.parts) {
+    const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+    for (const Vec3d& vertex : scene.mesh_of(part).vertices) {
+      mesh.vertices.push_back(apply(part.world_from_mesh, vertex));
+    }
+    for (const Triangle& t : scene.mesh_of(part).triangles) {
+      mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+    }
+  }
+  return mesh;
+}
+
+double longest_side(const Mesh& mesh) {
+  double longest = 0;
+  for (std::size_t d = 0; d < 3; ++d) {
+    const auto by_axis = [d](const Vec3d& a, const Vec3d& b) { return a[d] < b[d]; };
+    const auto [low, high] =
+        std::minmax_element(mesh.vertices.begin(), mesh.vertices.end(), by_axis);
+    longest = std::max(longest, (*high)[d] - (*low)[d]);
+  }
+  return longest;
+}
+
+}  // namespace forcelayer::bench

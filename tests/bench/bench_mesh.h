@@ -1,0 +1,14 @@
+// A scene's triangles in one mesh, for measurements that know no parts.
+#pragma once
+
+#include "formats/mesh/scene.h"
+
+namespace forcelayer::bench {
+
+// Every triangle of a scene, world frame, m.
+Mesh merged(const Scene& scene);
+
+// Longest side of the vertices' box, in the mesh's unit.
+double longest_side(const Mesh& mesh);
+
+}  // namespace forcelayer::bench
