@@ -17,6 +17,7 @@
 #include "runtime/tangent_plane.h"
 #include "tests/bench/bench_report.h"
 #include "tests/bench/force_bench_case.h"
+#include "tests/bench/force_bench_contacts.h"
 #include "tests/support/curve_order.h"
 #include "tests/support/point_part.h"
 
@@ -24,51 +25,6 @@ namespace forcelayer::bench {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-constexpr double kUnitM = 0.01;  // s = 1; the paper's 5 mm is s = 1/2
-constexpr double kPaperCover = 0.8661;
-
-std::vector<Combination> combinations() {
-  using enum Part;
-  using enum Stance;
-  using Body = StaticKind;
-  const double right = M_PI / 2, narrow = M_PI / 3, convex = 1.5 * M_PI;
-  return {
-      {"sphere on plane", kSphere, kAnyWay, Body::kPlane},
-      {"box face on plane", kBox, kFaceDown, Body::kPlane},
-      {"cylinder side on plane", kCylinder, kFaceDown, Body::kPlane},
-      {"cylinder cap on plane", kCylinder, kCapDown, Body::kPlane},
-      {"sphere on sphere", kSphere, kAnyWay, Body::kSphere, 0.2},
-      {"cylinder side on sphere", kCylinder, kFaceDown, Body::kSphere, 0.2},
-      {"box face on sphere", kBox, kFaceDown, Body::kSphere, 0.2},
-      {"sphere in bore", kSphere, kAnyWay, Body::kBore, 0.2},
-      {"cylinder in bore", kCylinder, kAlongBore, Body::kBore, 0.15},
-      {"box edge in bore", kBox, kAlongBore, Body::kBore, 0.2, 0, false},
-      {"box corner on plane", kBox, kAnyWay, Body::kPlane, 0, 0, false},
-      {"box edge on plane", kBox, kEdgeDown, Body::kPlane, 0, 0, false},
-      {"sphere on edge", kSphere, kAnyWay, Body::kWedge, 0, convex, false},
-      {"box face on edge", kBox, kFaceDown, Body::kWedge, 0, convex, false},
-      {"cylinder side on edge", kCylinder, kFaceDown, Body::kWedge, 0, convex, false},
-      {"sphere in wedge 90", kSphere, kAnyWay, Body::kWedge, 0, right, false, true},
-      {"sphere in wedge 60", kSphere, kAnyWay, Body::kWedge, 0, narrow, false, true},
-      {"cylinder in wedge 90", kCylinder, kAlongWedge, Body::kWedge, 0, right, false, true},
-      {"box edge in wedge 90", kBox, kEdgeDown, Body::kWedge, 0, right, false, true},
-      {"sphere on edge, standoff", kSphere, kAnyWay, Body::kWedge, 0, convex, false, false, true},
-      {"box face on edge, standoff", kBox, kFaceDown, Body::kWedge, 0, convex, false, false, true},
-      {"cylinder side on edge, standoff", kCylinder, kFaceDown, Body::kWedge, 0, convex, false,
-       false, true},
-      {"cylinder in bore, standoff", kCylinder, kAlongBore, Body::kBore, 0.15, 0, false, false,
-       true},
-      {"sphere in wedge 90, one offset", kSphere, kAnyWay, Body::kWedge, 0, right, false},
-      {"cylinder in wedge 90, one offset", kCylinder, kAlongWedge, Body::kWedge, 0, right, false},
-  };
-}
-
-AnalyticShell shell_of(Part part, double covering_radius_m) {
-  if (part == Part::kSphere) return sphere_shell(0.1, covering_radius_m);
-  if (part == Part::kBox) return box_shell({0.1, 0.075, 0.05}, covering_radius_m);
-  return cylinder_shell(0.06, 0.1, covering_radius_m);
-}
 
 // Qualities of all random orientations, one list per quality, in Quality's order.
 using Sample = std::array<std::vector<double>, 6>;
@@ -116,7 +72,7 @@ Json judge_all(double s_units, double cover, int orientations) {
   const double s = s_units * kUnitM;
   std::map<Part, PartShells> shells;
   for (const Part part : {Part::kSphere, Part::kBox, Part::kCylinder}) {
-    shells[part] = {shell_of(part, cover * s), shell_of(part, std::clamp(0.2 * s, 0.0007, 0.002))};
+    shells[part] = shells_of(part, s, cover);
   }
   std::map<Method, Sample> medians;
   Json contacts;

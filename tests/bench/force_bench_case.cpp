@@ -482,16 +482,31 @@ Wrench ContactCase::truth_at(Method method, std::size_t depth, double offset_m) 
   return w;
 }
 
-double ContactCase::worst_step(Method method) const {
+// How far the slide has gone at a frame, along a and b.
+std::array<double, 2> ContactCase::along_slide(int frame) const {
+  const double along = (frame - 0.5 * kSlideFrames) * kSlideMps * kFrameS;
+  if (body_.kind == StaticKind::kWedge) return {along, 0};
+  return {0.8 * along, 0.6 * along};
+}
+
+std::vector<ContactCase::Placed> ContactCase::slide() const {
   const double height = height_at(middle_m_ - 0.3 * thickness_m_);
+  std::vector<Placed> frames;
+  for (int i = 0; i < kSlideFrames; ++i) {
+    const auto [a, b] = along_slide(i);
+    frames.push_back(place(height, a, b));
+  }
+  return frames;
+}
+
+double ContactCase::worst_step(const WrenchAt& wrench_at) const {
+  const std::vector<Placed> frames = slide();
   double sum_n = 0, largest = 0;
   glm::dvec3 before(0);
   for (int i = 0; i < kSlideFrames; ++i) {
-    const double along = (i - 0.5 * kSlideFrames) * kSlideMps * kFrameS;
-    const double a = body_.kind == StaticKind::kWedge ? along : 0.8 * along;
-    const double b = body_.kind == StaticKind::kWedge ? 0 : 0.6 * along;
+    const auto [a, b] = along_slide(i);
     const glm::dmat3 back = glm::transpose(body_.rotation * symmetry(a, b));
-    const glm::dvec3 f = back * force(method, place(height, a, b)).force_n;
+    const glm::dvec3 f = back * wrench_at(frames[static_cast<std::size_t>(i)]).force_n;
     sum_n += glm::length(f);
     if (i > 0) largest = std::max(largest, glm::length(f - before));
     before = f;
@@ -500,30 +515,47 @@ double ContactCase::worst_step(Method method) const {
 }
 
 Quality ContactCase::judge(Method method) const {
+  return judge([&](const Placed& placed) { return force(method, placed); }, method);
+}
+
+Quality ContactCase::judge(const WrenchAt& wrench_at) const {
+  return judge(wrench_at, Method::kStandoff);
+}
+
+Quality ContactCase::judge(const WrenchAt& wrench_at, Method truth) const {
   std::vector<std::array<Wrench, kShifts>> measured(kDepths);
   std::vector<glm::dvec3> mean(kDepths, glm::dvec3(0));
   for (std::size_t d = 0; d < kDepths; ++d)
     for (std::size_t i = 0; i < kShifts; ++i) {
       const auto [a, b] = shifts_m_[i];
-      const Wrench w = force(method, place(heights_m_[d], a, b));
+      const Wrench w = wrench_at(place(heights_m_[d], a, b));
       const glm::dmat3 back = glm::transpose(body_.rotation * symmetry(a, b));
       measured[d][i] = {back * w.force_n, back * w.torque_nm};
       mean[d] += measured[d][i].force_n / double(kShifts);
     }
   // The offset, once with and once without a free stiffness.
-  double best = 1e300, best_free = 1e300, offset = 0, stiffness = 0;
+  double best = 1e300, best_free = 1e300, offset = 0, offset_free = 0, stiffness = 0;
   for (double at = truth_->first_m; at < truth_->first_m + 3 * thickness_m_; at += 0.01 * s_) {
     double mm = 0, mt = 0, tt = 0;
     for (std::size_t d = 0; d < kDepths; ++d) {
-      const glm::dvec3 t = truth_at(method, d, at).force_n;
+      const glm::dvec3 t = truth_at(truth, d, at).force_n;
       mm += glm::dot(mean[d], mean[d]), mt += glm::dot(mean[d], t), tt += glm::dot(t, t);
     }
     if (mm - 2 * mt + tt < best) best = mm - 2 * mt + tt, offset = at;
-    if (tt > 0 && mm - mt * mt / tt < best_free) best_free = mm - mt * mt / tt, stiffness = mt / tt;
+    if (tt > 0 && mm - mt * mt / tt < best_free) {
+      best_free = mm - mt * mt / tt, stiffness = mt / tt, offset_free = at;
+    }
+  }
+  double error2 = 0, free2 = 0;  // against the truth at that offset, times that stiffness
+  for (std::size_t d = 0; d < kDepths; ++d) {
+    const glm::dvec3 t = stiffness * truth_at(truth, d, offset_free).force_n;
+    for (const Wrench& w : measured[d]) {
+      error2 += glm::dot(w.force_n - t, w.force_n - t), free2 += glm::dot(t, t);
+    }
   }
   double true2 = 0, bias2 = 0, noise2 = 0, most = 0;
   for (std::size_t d = 0; d < kDepths; ++d) {
-    const glm::dvec3 t = truth_at(method, d, offset).force_n;
+    const glm::dvec3 t = truth_at(truth, d, offset).force_n;
     const double length = glm::length(t);
     const double error = glm::length(mean[d]) - length;
     true2 += length * length, bias2 += error * error, most = std::max(most, length);
@@ -534,7 +566,7 @@ Quality ContactCase::judge(Method method) const {
   }
   std::vector<double> direction, torque;
   for (std::size_t d = 0; d < kDepths; ++d) {
-    const Wrench t = truth_at(method, d, offset);
+    const Wrench t = truth_at(truth, d, offset);
     const double length = glm::length(t.force_n);
     if (length < 0.1 * most) continue;  // too little force to have a direction
     for (const Wrench& w : measured[d]) {
@@ -544,8 +576,8 @@ Quality ContactCase::judge(Method method) const {
       torque.push_back(glm::length(w.torque_nm / f - t.torque_nm / length) / part_radius_m_);
     }
   }
-  return {stiffness,         std::sqrt(bias2 / true2), std::sqrt(noise2 / true2),
-          median(direction), median(torque),           worst_step(method)};
+  return {stiffness,      std::sqrt(bias2 / true2), std::sqrt(noise2 / true2), median(direction),
+          median(torque), worst_step(wrench_at),    std::sqrt(error2 / free2)};
 }
 
 }  // namespace forcelayer::bench

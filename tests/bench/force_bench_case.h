@@ -2,6 +2,7 @@
 // model differs from it (METHOD.md).
 #pragma once
 
+#include <array>
 #include <functional>
 #include <memory>
 #include <random>
@@ -60,6 +61,7 @@ struct Quality {
   double direction_deg;  // median
   double torque;         // median of |T/F - true T/F| over the part's radius
   double step;           // largest change in one frame of a 50 mm/s slide, over the mean force
+  double force_error;    // RMS error of the force vector over the true RMS, offset and gain fitted
 };
 
 // A contact at one random orientation of the static body (and of the part where its stance leaves
@@ -70,14 +72,25 @@ class ContactCase {
               std::mt19937_64& random);
   ~ContactCase();
 
-  Quality judge(Method method) const;
-
- private:
-  struct Truth;
-  struct Placed {
+  struct Placed {  // world_from_part
     glm::dmat3 rotation;
     glm::dvec3 position_m;
   };
+  using WrenchAt = std::function<Wrench(const Placed&)>;
+
+  Quality judge(Method method) const;
+
+  // The same of any other way to a wrench; its unit of force may be any.
+  Quality judge(const WrenchAt& wrench_at) const;
+
+  std::vector<Placed> slide() const;  // the frames of the slide
+  const AnalyticStatic& body() const { return body_; }
+  const Voxmap& voxmap() const { return *voxmap_; }
+  const DenseFields& dense() const { return *dense_; }
+  double middle_m() const { return middle_m_; }  // of the force layer, from the surface
+
+ private:
+  struct Truth;
 
   void orient(std::mt19937_64& random);
   void offset_walls();
@@ -95,7 +108,9 @@ class ContactCase {
   Wrench sum(const Placed& placed, Push push) const;
   void tabulate_truth();
   Wrench truth_at(Method method, std::size_t depth, double offset_m) const;
-  double worst_step(Method method) const;
+  std::array<double, 2> along_slide(int frame) const;
+  double worst_step(const WrenchAt& wrench_at) const;
+  Quality judge(const WrenchAt& wrench_at, Method truth) const;
 
   static constexpr std::size_t kDepths = 12, kShifts = 12;
   static constexpr int kLayers = 2;

@@ -1,0 +1,26 @@
+// Contact wrenches from meshes, as the collision libraries give their contacts: at every contact a
+// force along its normal, in proportion to its depth.
+#pragma once
+
+#include <memory>
+
+#include "formats/mesh/mesh.h"
+#include "tests/bench/force_bench_case.h"
+
+namespace forcelayer::bench {
+
+// A part's and a static scene's wrench by some library. The unit of force is the library's metre of
+// depth; torque is about the part's origin, world axes.
+class MeshContacts {
+ public:
+  virtual ~MeshContacts() = default;
+  virtual Wrench at(const ContactCase::Placed& world_from_part) = 0;
+};
+
+// FCL 0.7: collide() of OBBRSS trees with all contacts. `scene` in world, `part` in its frame, m.
+std::unique_ptr<MeshContacts> fcl_contacts(const Mesh& scene, const Mesh& part);
+
+// Bullet 3: a GImpact mesh in a static triangle mesh, all contact points, margins of a micrometre.
+std::unique_ptr<MeshContacts> bullet_contacts(const Mesh& scene, const Mesh& part);
+
+}  // namespace forcelayer::bench
