@@ -349,6 +349,7 @@ void Stage::face_camera() {
   const glm::dvec3 across = glm::normalize(sky - glm::dot(sky, to_eye) * to_eye);
   for (VoxelFaces* faces : actors_->bodies()) faces->face_camera(to_eye, across);
   for (VoxelFaces* faces : actors_->cuts()) faces->face_camera(to_eye, across);
+  world_->ResetCameraClippingRange();  // to what is visible from now on
 }
 
 void Stage::aim(const CameraView& view) {

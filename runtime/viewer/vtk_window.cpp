@@ -227,7 +227,6 @@ class Window {
     overlay_->set_title(title());
     overlay_->set_state(moment_ ? std::optional(moment_->kind()) : std::nullopt);
     overlay_->set_legend(legend_of(now, scene_));
-    world_->ResetCameraClippingRange();
     render();
   }
 
