@@ -1,8 +1,10 @@
 // voxrun: runs the haptic loop between a baked scene and a baked part.
 #include <signal.h>
+#include <string.h>
 
 #include <CLI/CLI.hpp>
 #include <atomic>
+#include <cstdio>
 #include <string_view>
 
 #include "formats/command/command.h"
@@ -59,5 +61,7 @@ int main(int argc, char** argv) {
     return forcelayer::voxrun::run_session(*options, stop_signal);
   });
   const int ended_by = stop_signal.load();
-  return status == 0 && ended_by > 0 ? 128 + ended_by : status;
+  if (status != 0 || ended_by <= 0) return status;
+  std::fprintf(stderr, "voxrun: ended by signal %d (%s)\n", ended_by, strsignal(ended_by));
+  return 128 + ended_by;
 }

@@ -69,6 +69,8 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
   app.add_option("--record", options_.record, "write a recording for --replay");
   app.add_option("--replay", options_.replay, "repeat a recording bit for bit");
   app.add_option("--udp", options_.udp, "send the pose stream to [HOST:]PORT");
+  app.add_option("--udp-rate", options_.udp_rate_hz, "datagrams of the pose stream a second")
+      ->check(CLI::Range(kMinRateHz, kMaxRateHz));
   app.add_flag("--without-guarantee", options_.without_guarantee,
                "start even where no separation is guaranteed");
   app.add_option("--after-trip", texts_.after_trip,

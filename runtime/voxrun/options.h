@@ -41,6 +41,7 @@ struct Options {
   HidOptions hid;                   // of the devices "hid" and "spacemouse"
   std::string hand;  // that holds the sim device; empty: the script moves it, whatever it feels
   std::string motion, json, trace, record, replay, udp;
+  double udp_rate_hz = 60;
   PartStart start;  // --start and --grip
   Pose world_from_device;
   double motion_scale = 1;

@@ -227,7 +227,7 @@ struct FrameOutputs {
       trace = std::move(*writer);
     }
     if (!options.udp.empty()) {
-      auto sender = PoseSender::create(options.udp, *session.simulation);
+      auto sender = PoseSender::create(options.udp, *session.simulation, options.udp_rate_hz);
       if (!sender) return sender.error();
       poses.emplace(std::move(*sender));
     }

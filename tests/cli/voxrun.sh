@@ -140,6 +140,7 @@ status=0
 wait $! || status=$?
 [ "$status" -eq 143 ] || fail "status $status after SIGTERM"
 [ -s signal.json ] || fail "no report after SIGTERM"
+grep -q 'ended by signal 15' err.txt || fail "no reason after SIGTERM: $(cat err.txt)"
 
 # The pose stream: something arrives while the loop runs.
 python3 - <<'PYTHON' &
