@@ -98,7 +98,13 @@ std::uint64_t peak_rss_bytes() {
 void write_report(const std::string& benchmark, int argc, char** argv,
                   const nlohmann::ordered_json& results, const std::string& path) {
   std::string command = file_name(argv[0]);
-  for (int i = 1; i < argc; ++i) command += std::string(" ") + argv[i];
+  for (int i = 1; i < argc; ++i) {
+    if (std::string(argv[i]) == "--json") {
+      ++i;  // where a figure was written says nothing of it
+    } else {
+      command += std::string(" ") + argv[i];
+    }
+  }
   const nlohmann::ordered_json report = {
       {"benchmark", benchmark}, {"command", command}, {"machine", machine()}, {"results", results}};
   std::filesystem::path target = path;
