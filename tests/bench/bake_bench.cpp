@@ -25,6 +25,7 @@
 #include "formats/voxmap_writer.h"
 #include "tests/bench/bake_bench_peers.h"
 #include "tests/bench/bake_bench_process.h"
+#include "tests/bench/bench_mesh.h"
 #include "tests/bench/bench_report.h"
 #include "voxelize/bake.h"
 #include "voxelize/provenance.h"
@@ -70,34 +71,6 @@ T value_of(Result<T> result) {
   return std::move(*result);
 }
 
-// Every triangle of a scene in one indexed mesh, scaled.
-Mesh merged(const Scene& scene, double scale) {
-  Mesh mesh;
-  for (const ScenePart& part : scene.parts) {
-    const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
-    for (const Vec3d& vertex : scene.mesh_of(part).vertices) {
-      Vec3d world = apply(part.world_from_mesh, vertex);
-      for (double& x : world) x *= scale;
-      mesh.vertices.push_back(world);
-    }
-    for (const Triangle& t : scene.mesh_of(part).triangles) {
-      mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
-    }
-  }
-  return mesh;
-}
-
-double longest_side(const Mesh& mesh) {
-  double longest = 0;
-  for (std::size_t d = 0; d < 3; ++d) {
-    const auto by_axis = [d](const Vec3d& a, const Vec3d& b) { return a[d] < b[d]; };
-    const auto [low, high] =
-        std::minmax_element(mesh.vertices.begin(), mesh.vertices.end(), by_axis);
-    longest = std::max(longest, (*high)[d] - (*low)[d]);
-  }
-  return longest;
-}
-
 void write_binary_ply(const fs::path& path, const Mesh& mesh) {
   std::ofstream file(path, std::ios::binary);
   file << "ply\nformat binary_little_endian 1.0\nelement vertex " << mesh.vertices.size()
@@ -135,7 +108,7 @@ class Case {
     std::optional<double> unit;
     if (model.units[0] != '\0') unit = std::string_view(model.units) == "mm" ? 1e-3 : 1.0;
     scene_ = value_of(read_scene(std::span(&path_, 1), unit));
-    const Mesh metres = merged(scene_, 1);
+    const Mesh metres = merged(scene_);
     voxel_size_m_ = longest_side(metres) / voxels;
     peer_mesh_ = merged(scene_, 1 / voxel_size_m_);
     // vdb_tool reads no GLB: that model is converted to one PLY, in metres, for both.

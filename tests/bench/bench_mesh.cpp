@@ -4,12 +4,14 @@
 
 namespace forcelayer::bench {
 
-Mesh merged(const Scene& scene) {
+Mesh merged(const Scene& scene, double scale) {
   Mesh mesh;
   for (const ScenePart& part : scene.parts) {
     const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
     for (const Vec3d& vertex : scene.mesh_of(part).vertices) {
-      mesh.vertices.push_back(apply(part.world_from_mesh, vertex));
+      Vec3d world = apply(part.world_from_mesh, vertex);
+      for (double& x : world) x *= scale;
+      mesh.vertices.push_back(world);
     }
     for (const Triangle& t : scene.mesh_of(part).triangles) {
       mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});

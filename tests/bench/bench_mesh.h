@@ -5,8 +5,8 @@
 
 namespace forcelayer::bench {
 
-// Every triangle of a scene, world frame, m.
-Mesh merged(const Scene& scene);
+// Every triangle of a scene, world frame, m times `scale`.
+Mesh merged(const Scene& scene, double scale = 1);
 
 // Longest side of the vertices' box, in the mesh's unit.
 double longest_side(const Mesh& mesh);

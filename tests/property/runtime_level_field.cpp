@@ -10,6 +10,7 @@
 #include <map>
 
 #include "runtime/tangent_plane.h"
+#include "tests/support/every_target.h"
 #include "tests/support/random_scenes.h"
 #include "tests/support/reference_level.h"
 
@@ -135,15 +136,7 @@ std::uint32_t compare_with_twin(const LevelField& field, const Probe& probe) {
 }
 
 // Every width of vectors that this machine has, one after the other.
-class LevelFieldOnEveryTarget : public testing::TestWithParam<std::int64_t> {
- protected:
-  void SetUp() override { use(GetParam()); }
-  void TearDown() override { use(0); }
-  static void use(std::int64_t targets) {  // 0: all
-    hwy::SetSupportedTargetsForTest(targets);
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-  }
-};
+class LevelFieldOnEveryTarget : public EveryTarget {};
 INSTANTIATE_TEST_SUITE_P(Targets, LevelFieldOnEveryTarget,
                          testing::ValuesIn(hwy::SupportedAndGeneratedTargets()),
                          [](const auto& target) { return hwy::TargetName(target.param); });

@@ -6,6 +6,7 @@
 
 #include <cmath>
 
+#include "tests/support/every_target.h"
 #include "tests/support/random_scenes.h"
 
 namespace forcelayer::test {
@@ -73,15 +74,7 @@ glm::vec3 twin(const Collected& c, std::uint32_t i, float s) {
   return {sum[0] / size, sum[1] / size, sum[2] / size};
 }
 
-class SurfaceDirectionsOnEveryTarget : public testing::TestWithParam<std::int64_t> {
- protected:
-  void SetUp() override { use(GetParam()); }
-  void TearDown() override { use(0); }
-  static void use(std::int64_t targets) {  // 0: all
-    hwy::SetSupportedTargetsForTest(targets);
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-  }
-};
+class SurfaceDirectionsOnEveryTarget : public EveryTarget {};
 INSTANTIATE_TEST_SUITE_P(Targets, SurfaceDirectionsOnEveryTarget,
                          testing::ValuesIn(hwy::SupportedAndGeneratedTargets()),
                          [](const auto& target) { return hwy::TargetName(target.param); });
