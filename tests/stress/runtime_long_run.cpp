@@ -1,5 +1,5 @@
-// Days of contact and thousands of openings: memory stays flat, the part comes home, and a second run
-// gives the same bits. FORCELAYER_LONG_TESTS=1 runs 24 hours of simulated time, or as many as
+// Days of contact and thousands of openings: memory stays flat, the part comes home, and a second
+// run gives the same bits. FORCELAYER_LONG_TESTS=1 runs 24 hours of simulated time, or as many as
 // FORCELAYER_LONG_HOURS says.
 #include <gtest/gtest.h>
 
