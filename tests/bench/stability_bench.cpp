@@ -143,6 +143,7 @@ Json rest_table(std::uint64_t trials) {
     for (std::uint64_t seed = 1; seed <= trials; ++seed) {
       Trial trial = rest_trial(seed);
       trial.exact_distance = false;
+      trial.rest_place = true;
       const Metrics m = run(trial, model);
       if (largest(m.cycle_voxels) < 1e-6 && largest(m.cycle_force_n) < 1e-6) {
         ++quiet;
@@ -154,10 +155,21 @@ Json rest_table(std::uint64_t trials) {
     print_row(name_of(model), sum);
     std::printf("           quiet %llu of %llu", count(quiet), count(trials));
     if (!restless.empty()) std::printf(", first not quiet: seed %llu", count(restless[0]));
+    Json row = to_json(sum);
+    if (!sum.place_error_voxels.empty()) {
+      const auto near = static_cast<std::uint64_t>(
+          std::count_if(sum.place_error_voxels.begin(), sum.place_error_voxels.end(),
+                        [](double voxels) { return voxels <= 0.25; }));
+      const bench::Percentiles error = bench::percentiles(sum.place_error_voxels);
+      std::printf("; %llu within 0.25 voxel of where the energy is least, p50 %.3f, p99 %.3f",
+                  count(near), error.p50, error.p99);
+      row["within_quarter_voxel"] = near;
+      row["place_error_voxels"] = bench::to_json(error);
+    }
     std::printf("\n");
-    report[name_of(model)] = to_json(sum);
-    report[name_of(model)]["restless_seeds"] = restless;
-    report[name_of(model)]["quiet"] = quiet;
+    row["restless_seeds"] = restless;
+    row["quiet"] = quiet;
+    report[name_of(model)] = row;
   }
   return report;
 }

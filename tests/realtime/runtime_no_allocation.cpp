@@ -1,8 +1,12 @@
-// The step takes no memory and makes no system call: operator new, malloc and its kin, and every
-// system call of the stepping thread are trapped around 10^5 steps of both models.
+// The step takes no memory and no lock and makes no system call: operator new, malloc and its kin,
+// the locks of the C library, and every system call of the stepping thread are trapped around 10^5
+// steps of both models.
+#include <dlfcn.h>
 #include <gtest/gtest.h>
 #include <linux/filter.h>
 #include <linux/seccomp.h>
+#include <pthread.h>
+#include <semaphore.h>
 #include <sys/prctl.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
@@ -13,7 +17,9 @@
 #include <cstddef>
 #include <cstdlib>
 #include <cstring>
+#include <mutex>
 #include <new>
+#include <shared_mutex>
 #include <utility>
 
 #include "runtime/derive_parameters.h"
@@ -30,6 +36,7 @@ namespace {
 
 thread_local bool trap_armed = false;
 thread_local std::uint64_t trapped = 0;
+thread_local std::uint64_t locks_trapped = 0;
 
 void note_allocation() {
   if (trap_armed) ++trapped;
@@ -86,6 +93,23 @@ int posix_memalign(void** memory, std::size_t alignment, std::size_t size) {
   *memory = __libc_memalign(alignment, size);
   return *memory == nullptr ? ENOMEM : 0;
 }
+
+// Locks, by the names that std::mutex and its kin call them; a waiting atomic calls the system.
+#define FORCELAYER_TRAP_LOCK(name, type)                              \
+  int name(type* lock) {                                              \
+    static const auto next = (int (*)(type*))dlsym(RTLD_NEXT, #name); \
+    if (trap_armed) ++locks_trapped;                                  \
+    return next(lock);                                                \
+  }
+FORCELAYER_TRAP_LOCK(pthread_mutex_lock, pthread_mutex_t)
+FORCELAYER_TRAP_LOCK(pthread_mutex_trylock, pthread_mutex_t)
+FORCELAYER_TRAP_LOCK(pthread_rwlock_rdlock, pthread_rwlock_t)
+FORCELAYER_TRAP_LOCK(pthread_rwlock_tryrdlock, pthread_rwlock_t)
+FORCELAYER_TRAP_LOCK(pthread_rwlock_wrlock, pthread_rwlock_t)
+FORCELAYER_TRAP_LOCK(pthread_rwlock_trywrlock, pthread_rwlock_t)
+FORCELAYER_TRAP_LOCK(sem_wait, sem_t)
+FORCELAYER_TRAP_LOCK(sem_trywait, sem_t)
+#undef FORCELAYER_TRAP_LOCK
 }  // extern "C"
 #endif
 
@@ -173,18 +197,38 @@ TEST(StepMemory, TheTrapWorks) {
   EXPECT_EQ(trapped, 3u);
 }
 
-void expect_no_allocation(Model model) {
+TEST(StepLocks, TheTrapWorks) {
+  if (FORCELAYER_TEST_SANITIZED) GTEST_SKIP() << "a sanitizer takes locks of its own";
+  std::mutex one;
+  std::shared_mutex other;
+  locks_trapped = 0;
+  trap_armed = true;
+  one.lock(), one.unlock();
+  const bool taken = one.try_lock();
+  other.lock_shared();
+  trap_armed = false;
+  EXPECT_TRUE(taken);
+  one.unlock(), other.unlock_shared();
+  EXPECT_EQ(locks_trapped, 3u);
+}
+
+void expect_no_allocation_or_lock(Model model) {
   Stepping stepping(model, 200, 1);
-  trapped = 0;
+  trapped = locks_trapped = 0;
   trap_armed = true;
   const int touching = stepping.run(kSteps);
   trap_armed = false;
   EXPECT_EQ(trapped, 0u);
+  EXPECT_EQ(locks_trapped, 0u);
   EXPECT_GT(touching, kSteps / 10);
 }
 
-TEST(StepMemory, NoStepOfThePaperModelAllocates) { expect_no_allocation(Model::kPaper); }
-TEST(StepMemory, NoStepOfTheDefaultModelAllocates) { expect_no_allocation(Model::kDefault); }
+TEST(StepMemory, NoStepOfThePaperModelAllocatesOrLocks) {
+  expect_no_allocation_or_lock(Model::kPaper);
+}
+TEST(StepMemory, NoStepOfTheDefaultModelAllocatesOrLocks) {
+  expect_no_allocation_or_lock(Model::kDefault);
+}
 
 // What the child below tells the test.
 struct CallReport {

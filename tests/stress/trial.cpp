@@ -12,6 +12,7 @@
 #include "runtime/placement.h"
 #include "runtime/separation.h"
 #include "tests/stress/exact_distance.h"
+#include "tests/stress/rest_place.h"
 
 namespace forcelayer::stress {
 namespace {
@@ -256,10 +257,11 @@ void Metrics::add(const Metrics& other) {
   worst_generated_j = std::max(worst_generated_j, other.worst_generated_j);
   smallest_distance_m = std::min(smallest_distance_m, other.smallest_distance_m);
   guaranteed_m = std::min(guaranteed_m, other.guaranteed_m);
-  for (auto member : {&Metrics::rest_force_n, &Metrics::cycle_voxels, &Metrics::cycle_force_n,
-                      &Metrics::cycle_hz, &Metrics::settle_s, &Metrics::swing_third_voxels,
-                      &Metrics::swing_last_voxels, &Metrics::approach_mps, &Metrics::progress,
-                      &Metrics::stuck_share, &Metrics::lag_m, &Metrics::force_steps_n}) {
+  for (auto member :
+       {&Metrics::rest_force_n, &Metrics::cycle_voxels, &Metrics::cycle_force_n, &Metrics::cycle_hz,
+        &Metrics::settle_s, &Metrics::swing_third_voxels, &Metrics::swing_last_voxels,
+        &Metrics::approach_mps, &Metrics::progress, &Metrics::place_error_voxels,
+        &Metrics::stuck_share, &Metrics::lag_m, &Metrics::force_steps_n}) {
     const auto& from = other.*member;
     (this->*member).insert((this->*member).end(), from.begin(), from.end());
   }
@@ -337,6 +339,13 @@ Metrics run(const Trial& trial, Model model) {
   metrics.generated_j = metrics.worst_generated_j = last.report.generated_j;
   metrics.lag_m.push_back(lag_m);
   if (hold) hold->report(metrics);
+  if (trial.rest_place && model == Model::kDefault) {
+    const Pose& part = last.report.world_from_center;
+    const Pose target = simulation->world_from_center(input.world_from_handle);
+    const RestPlace place = nearest_rest_place(*simulation, target, part);
+    metrics.place_error_voxels.push_back(
+        glm::length(part.position_m - place.world_from_center.position_m) / s);
+  }
   if (slide) slide->report(metrics);
   if (distance) {
     metrics.smallest_distance_m = distance->smallest_m();

@@ -40,6 +40,8 @@ struct Trial {
   // The handle slides from here on along `slide_direction`.
   std::optional<double> slide_from_s;
   glm::dvec3 slide_direction{1, 0, 0};
+  // At the end, looks for the place where the held part should be (default model alone).
+  bool rest_place = false;
   bool exact_distance = true;
   double distance_below_m = 1e300;  // exact distances above this are of no interest
   bool braking = true;
@@ -66,6 +68,7 @@ struct Metrics {
   std::vector<double> cycle_force_n;       // peak to peak of the force while held
   std::vector<double> cycle_hz;            // 0 where nothing moves
   std::vector<double> settle_s;            // from the start of the hold to the last motion
+  std::vector<double> place_error_voxels;  // of the centroid, from nearest_rest_place()
   std::vector<double> swing_third_voxels;  // peak to peak in the third quarter of the hold
   std::vector<double> swing_last_voxels;   // the same in the last
   std::vector<double> approach_mps;        // speed of the part when it enters the force layer

@@ -1,0 +1,100 @@
+#include "tests/stress/rest_place.h"
+
+#include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
+#include <stdexcept>
+
+#include "runtime/contact_force.h"
+#include "runtime/coupling.h"
+#include "runtime/field_probe.h"
+#include "runtime/force_field.h"
+#include "runtime/virtual_coupling.h"
+
+namespace forcelayer::stress {
+namespace {
+
+// Energy of the two springs at a pose.
+class RestEnergy {
+ public:
+  RestEnergy(const Simulation& simulation, const Pose& target)
+      : parameters_(simulation.parameters()),
+        target_(target),
+        query_(simulation.voxmap(), simulation.shell(), {}),
+        field_(field_of(simulation)),
+        probe_(query_, *field_, points_, samples_) {
+    const std::uint64_t count = simulation.shell().view().point_count;
+    points_.reserve(count);
+    samples_.reserve(count);
+    contacts_.reserve(count);
+    translation_ = {parameters_.coupling_n_per_m, glm::dmat3(0),
+                    parameters_.coupling_force_limit_n};
+    rotation_ = {parameters_.coupling_nm_per_rad, glm::dmat3(0),
+                 parameters_.coupling_torque_limit_nm};
+    law_ = {parameters_.field_n_per_m, 0, parameters_.voxel_size_m};
+  }
+
+  // Infinite with a point in the interior.
+  double operator()(const Pose& pose) {
+    probe_.look_up(pose, contacts_);
+    if (contacts_.interior > 0) return INFINITY;
+    const LoadSharing load(contacts_, parameters_.voxel_size_m);
+    return spring_energy_j(translation_, target_.position_m - pose.position_m) +
+           spring_energy_j(
+               rotation_, rotation_vector(target_.orientation * glm::conjugate(pose.orientation))) +
+           contact_energy_j(contacts_, load, law_);
+  }
+
+ private:
+  static std::unique_ptr<ForceField> field_of(const Simulation& simulation) {
+    auto field =
+        make_force_field(Model::kDefault, simulation.parameters().force, simulation.voxmap());
+    if (!field) throw std::runtime_error(to_line(field.error()));
+    return std::move(*field);
+  }
+
+  const Parameters& parameters_;
+  Pose target_;
+  ContactQuery query_;
+  std::unique_ptr<ForceField> field_;
+  CollectedPoints points_;
+  FieldSamples samples_;
+  FieldProbe probe_;
+  ContactSet contacts_;
+  CouplingHalf translation_, rotation_;
+  ContactLaw law_;
+};
+
+}  // namespace
+
+RestPlace nearest_rest_place(const Simulation& simulation, const Pose& target, const Pose& start) {
+  constexpr double kFirstVoxels = 0.25, kLastVoxels = 0.005;
+  RestEnergy energy(simulation, target);
+  const Parameters& parameters = simulation.parameters();
+  RestPlace place{start, energy(start), 0};
+  place.start_energy_j = place.energy_j;
+  for (double step = kFirstVoxels; step >= kLastVoxels; step /= 2) {
+    const double way_m = step * parameters.voxel_size_m;
+    for (bool better = true; better;) {
+      better = false;
+      for (int motion = 0; motion < 12; ++motion) {
+        glm::dvec3 axis(0);
+        axis[motion % 3] = motion % 2 == 0 ? 1 : -1;
+        Pose pose = place.world_from_center;
+        if (motion < 6) {
+          pose.position_m += way_m * axis;
+        } else {
+          pose.orientation = glm::normalize(rotation_by(way_m / parameters.part_radius_m * axis) *
+                                            pose.orientation);
+        }
+        const double energy_j = energy(pose);
+        if (!(energy_j < place.energy_j)) continue;
+        place.world_from_center = pose;
+        place.energy_j = energy_j;
+        better = true;
+      }
+    }
+  }
+  return place;
+}
+
+}  // namespace forcelayer::stress
