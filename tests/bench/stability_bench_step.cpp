@@ -152,6 +152,13 @@ Json step_cost(std::uint64_t steps) {
   for (std::size_t i = 0; i < beyond.size(); ++i) beyond[i] += field_us[i];
   add("beyond_query", beyond);
   add("control", control_us);
+  const double machine = percentile(control_us, 99) / percentile(control_us, 50);
+  std::printf(
+      "  the control loop's 99th percentile is %.2f times its median; without that, beyond the "
+      "query: %.1f us\n",
+      machine, percentile(beyond, 99) / machine);
+  report["control_p99_over_p50"] = machine;
+  report["beyond_query_p99_over_control_us"] = percentile(beyond, 99) / machine;
   return report;
 }
 
