@@ -13,7 +13,6 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
-#include <iostream>
 #include <limits>
 #include <optional>
 #include <stdexcept>
@@ -24,9 +23,9 @@
 #include "formats/mesh/scene.h"
 #include "formats/voxmap_writer.h"
 #include "tests/bench/bake_bench_peers.h"
-#include "tests/bench/bake_bench_process.h"
 #include "tests/bench/bench_mesh.h"
 #include "tests/bench/bench_report.h"
+#include "tests/bench/process_run.h"
 #include "voxelize/bake.h"
 #include "voxelize/provenance.h"
 
@@ -305,6 +304,10 @@ int run(int argc, char** argv) {
   for (const Model& model : kModels) {
     if (!cases.empty() && std::find(cases.begin(), cases.end(), model.name) == cases.end())
       continue;
+    if (!fs::exists(fs::path(models) / model.file)) {
+      std::printf("%-8s left out: no %s in %s\n", model.name, model.file, models.c_str());
+      continue;
+    }
     for (const int n : voxels) {
       results.push_back(Case(model, models, folder, n).run(repeat));
       print_row(results.back());
@@ -319,10 +322,5 @@ int run(int argc, char** argv) {
 }  // namespace forcelayer::bench
 
 int main(int argc, char** argv) {
-  try {
-    return forcelayer::bench::run(argc, argv);
-  } catch (const std::exception& error) {
-    std::cerr << "bake_bench: " << error.what() << '\n';
-    return 1;
-  }
+  return forcelayer::bench::run_benchmark("bake_bench", forcelayer::bench::run, argc, argv);
 }

@@ -1,11 +1,11 @@
 #!/usr/bin/python3
 """How the time and memory of a bake grow: with triangles, and with 1/s.
 
-Usage: bake_growth.py [--bin FOLDER] [--repeat N] [--json FILE] [--plot FILE.svg]
+Usage: bake_growth.py [--bin FOLDER] [--short] [--repeat N] [--json FILE] [--plot FILE.svg]
 
 Bakes the generated aircraft bay at 2 mm (4000 voxels across) with 150 thousand to 10.5 million
 triangles, then the bay of 593,409 and the models of ../shared/models at 128 to 4096 voxels across,
-every bake a process of its own. Prints a table with the exponents of growth; writes JSON and a plot.
+every bake a process of its own; --short: up to 1.2 million triangles and 1024 voxels. Prints a table with the exponents of growth; writes JSON and a plot.
 """
 
 import argparse
@@ -40,7 +40,7 @@ def row(series, scene, voxel_size_m, facts):
             "surface_voxels": facts["counts"]["surface"]}
 
 
-def measure(bin_folder, repeat):
+def measure(bin_folder, repeat, short):
     rows = []
 
     def add(series, scene, voxel_size_m, output):
@@ -52,15 +52,15 @@ def measure(bin_folder, repeat):
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         output = folder / "growth.vox"
-        for polygons in POLYGONS:
+        for polygons in POLYGONS[:4] if short else POLYGONS:
             scene = bench_scenes.aircraft_scene(folder / "bay", polygons)
             add("triangles", scene, POLYGONS_VOXEL_M, output)
         scene = bench_scenes.aircraft_scene(folder / "bay")
         add("paper", scene, PAPER["voxel_size_m"], output)
-        for across in ACROSS_AIRCRAFT:
+        for across in ACROSS_AIRCRAFT[:4] if short else ACROSS_AIRCRAFT:
             add("resolution", scene, scene.longest_m / across, output)
         for scene in bench_scenes.model_scenes():
-            for across in ACROSS:
+            for across in ACROSS[:4] if short else ACROSS:
                 add("resolution", scene, scene.longest_m / across, output)
     return rows
 
@@ -99,7 +99,7 @@ def print_summary(rows):
               f"x^{exponent(curve, x, 'file_bytes'):.2f}")
     by_count = {r["triangles"]: r for r in rows if r["series"] == "triangles"}
     paper = next(r for r in rows if r["series"] == "paper")
-    small, large = by_count[POLYGONS[2]], by_count[POLYGONS[-1]]
+    small, large = by_count[POLYGONS[2]], by_count[max(by_count)]
     each = [r["cpu_s"] / r["triangles"] * 1e9 for r in (paper, small, large)]
     print(f"{paper['triangles']} polygons at 5 mm: {paper['wall_s']:.2f} s, "
           f"{paper['file_bytes'] / 1e6:.1f} MB, peak {paper['peak_rss_bytes'] / 1e6:.0f} MB "
@@ -144,11 +144,12 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0], prog="bake_growth.py")
     results = bench_scenes.results_folder()
     parser.add_argument("--bin", type=pathlib.Path, default=bench_scenes.ROOT / "build/release/bin")
+    parser.add_argument("--short", action="store_true", help="fewer sizes, each once")
     parser.add_argument("--repeat", type=int, default=3)
     parser.add_argument("--json", type=pathlib.Path, default=results / "bake_growth.json")
     parser.add_argument("--plot", type=pathlib.Path, default=results / "bake_growth.svg")
     arguments = parser.parse_args()
-    rows = measure(arguments.bin, arguments.repeat)
+    rows = measure(arguments.bin, 1 if arguments.short else arguments.repeat, arguments.short)
     print_summary(rows)
     bench_scenes.write_report("bake_growth", rows, arguments.json)
     machine = json.loads(arguments.json.read_text())["machine"]

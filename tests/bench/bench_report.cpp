@@ -119,4 +119,13 @@ void write_report(const std::string& benchmark, int argc, char** argv,
   std::printf("wrote %s\n", target.c_str());
 }
 
+int run_benchmark(const char* name, int (*run)(int argc, char** argv), int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s: %s\n", name, error.what());
+    return 1;
+  }
+}
+
 }  // namespace forcelayer::bench

@@ -32,4 +32,7 @@ std::uint64_t peak_rss_bytes();
 void write_report(const std::string& benchmark, int argc, char** argv,
                   const nlohmann::ordered_json& results, const std::string& path = "");
 
+// The whole of a benchmark's main(): its exit status, and one line on stderr where it throws.
+int run_benchmark(const char* name, int (*run)(int argc, char** argv), int argc, char** argv);
+
 }  // namespace forcelayer::bench

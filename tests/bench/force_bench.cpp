@@ -267,10 +267,5 @@ int run(int argc, char** argv) {
 }  // namespace forcelayer::bench
 
 int main(int argc, char** argv) {
-  try {
-    return forcelayer::bench::run(argc, argv);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "force_bench: %s\n", error.what());
-    return 1;
-  }
+  return forcelayer::bench::run_benchmark("force_bench", forcelayer::bench::run, argc, argv);
 }

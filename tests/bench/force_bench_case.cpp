@@ -9,7 +9,7 @@
 
 #include "runtime/level_field.h"
 #include "runtime/surface_directions.h"
-#include "tests/bench/bench_report.h"
+#include "tests/bench/force_bench_contacts.h"
 #include "tests/support/curve_order.h"
 #include "tests/support/reference_level.h"
 
@@ -31,14 +31,6 @@ glm::dmat3 any_turn(std::mt19937_64& random) {
   std::normal_distribution<double> normal;
   return glm::mat3_cast(
       glm::normalize(glm::dquat(normal(random), normal(random), normal(random), normal(random))));
-}
-
-double median(std::vector<double> values) { return percentiles(std::move(values)).p50; }
-
-double degrees_between(const glm::dvec3& a, const glm::dvec3& b) {
-  const double lengths = glm::length(a) * glm::length(b);
-  if (!(lengths > 0)) return 90;
-  return std::acos(std::clamp(glm::dot(a, b) / lengths, -1.0, 1.0)) * 180 / M_PI;
 }
 
 // phi (voxels) and slope (per voxel) by per-axis weights over `at` of the voxels around a point.
@@ -130,13 +122,6 @@ const char* name_of(Method method) {
   return "";
 }
 
-// Sums over the fine shell, per depth and per offset of the exact offset surface.
-struct ContactCase::Truth {
-  double first_m, step_m;
-  std::vector<std::vector<Wrench>> wrench;  // [depth][offset], local axes, K = 1
-  std::vector<std::vector<double>> points;  // that the contact area stands for
-};
-
 ContactCase::~ContactCase() = default;
 
 ContactCase::ContactCase(const Combination& combination, const PartShells& shells,
@@ -195,8 +180,11 @@ void ContactCase::orient(std::mt19937_64& random) {
       part_rotation_ = any_turn(random);
       break;
     case Stance::kFaceDown:
-      part_rotation_ =
-          combination_.part == Part::kCylinder ? spin * turn(M_PI / 2, {0, 1, 0}) * roll : spin;
+      part_rotation_ = spin;
+      if (combination_.part == Part::kCylinder) part_rotation_ *= turn(M_PI / 2, {0, 1, 0}) * roll;
+      if (combination_.part == Part::kCone) {
+        part_rotation_ *= turn(M_PI / 2 + kConeHalfAngle, {0, 1, 0}) * roll;
+      }
       break;
     case Stance::kCapDown:
       break;
@@ -429,53 +417,25 @@ Wrench ContactCase::force(Method method, const Placed& placed) const {
 }
 
 void ContactCase::tabulate_truth() {
-  constexpr std::size_t kOffsets = 121;
-  truth_ = std::make_unique<Truth>();
-  truth_->first_m = middle_m_ - 1.5 * thickness_m_;
-  truth_->step_m = 3 * thickness_m_ / (kOffsets - 1);
   const glm::dmat3 local = glm::transpose(body_.rotation);
+  const double first_m = middle_m_ - 1.5 * thickness_m_;
   for (const double height : heights_m_) {
     const Placed at = place(height, 0, 0);
-    // Per bin of distance: sum of area * direction, and of that times the distance.
-    std::vector<Wrench> plain(kOffsets), by_distance(kOffsets);
-    std::vector<double> area(kOffsets);
+    std::vector<SurfaceSample> samples;
     for (std::size_t i = 0; i < fine_.points_m.size(); ++i) {
       const glm::dvec3 arm = at.rotation * fine_.points_m[i];
       glm::dvec3 g;
       double d = body_.distance_m(arm + at.position_m, &g);
       if (combination_.standoff) d += middle_m_ - kLayers * norm1(g) * s_;
-      const double bin = std::max(0.0, std::ceil((d - truth_->first_m) / truth_->step_m));
-      if (bin >= kOffsets) continue;
-      const auto b = static_cast<std::size_t>(bin);
-      const glm::dvec3 f = local * (fine_.areas_m2[i] * g);
-      const glm::dvec3 t = glm::cross(local * arm, f);
-      plain[b].force_n += f, plain[b].torque_nm += t;
-      by_distance[b].force_n += d * f, by_distance[b].torque_nm += d * t;
-      area[b] += fine_.areas_m2[i];
+      samples.push_back({d, fine_.areas_m2[i], local * g, local * arm});
     }
-    std::vector<Wrench> wrench;
-    Wrench a, b;
-    for (std::size_t o = 0; o < kOffsets; ++o) {
-      a.force_n += plain[o].force_n, a.torque_nm += plain[o].torque_nm;
-      b.force_n += by_distance[o].force_n, b.torque_nm += by_distance[o].torque_nm;
-      if (o > 0) area[o] += area[o - 1];
-      const double offset = truth_->first_m + static_cast<double>(o) * truth_->step_m;
-      wrench.push_back({offset * a.force_n - b.force_n, offset * a.torque_nm - b.torque_nm});
-    }
-    truth_->wrench.push_back(wrench);
-    truth_->points.push_back(area);
+    truth_.emplace_back(samples, first_m, first_m + 3 * thickness_m_);
   }
 }
 
 Wrench ContactCase::truth_at(Method method, std::size_t depth, double offset_m) const {
-  const auto& table = truth_->wrench[depth];
-  const double last = static_cast<double>(table.size()) - 1.001;
-  const double x = std::clamp((offset_m - truth_->first_m) / truth_->step_m, 0.0, last);
-  const auto i = static_cast<std::size_t>(x);
-  const double f = x - static_cast<double>(i);
-  Wrench w{table[i].force_n * (1 - f) + table[i + 1].force_n * f,
-           table[i].torque_nm * (1 - f) + table[i + 1].torque_nm * f};
-  const double points = truth_->points[depth][i] * (1 - f) + truth_->points[depth][i + 1] * f;
+  Wrench w = truth_[depth].wrench_at(offset_m);
+  const double points = truth_[depth].area_at(offset_m);
   if (method == Method::kTangentPlaneAveraged && points >= 10) {
     w.force_n *= 10 / points, w.torque_nm *= 10 / points;
   }
@@ -523,61 +483,23 @@ Quality ContactCase::judge(const WrenchAt& wrench_at) const {
 }
 
 Quality ContactCase::judge(const WrenchAt& wrench_at, Method truth) const {
-  std::vector<std::array<Wrench, kShifts>> measured(kDepths);
-  std::vector<glm::dvec3> mean(kDepths, glm::dvec3(0));
+  Measured measured(kDepths);
   for (std::size_t d = 0; d < kDepths; ++d)
     for (std::size_t i = 0; i < kShifts; ++i) {
       const auto [a, b] = shifts_m_[i];
       const Wrench w = wrench_at(place(heights_m_[d], a, b));
       const glm::dmat3 back = glm::transpose(body_.rotation * symmetry(a, b));
-      measured[d][i] = {back * w.force_n, back * w.torque_nm};
-      mean[d] += measured[d][i].force_n / double(kShifts);
+      measured[d].push_back({back * w.force_n, back * w.torque_nm});
     }
-  // The offset, once with and once without a free stiffness.
-  double best = 1e300, best_free = 1e300, offset = 0, offset_free = 0, stiffness = 0;
-  for (double at = truth_->first_m; at < truth_->first_m + 3 * thickness_m_; at += 0.01 * s_) {
-    double mm = 0, mt = 0, tt = 0;
-    for (std::size_t d = 0; d < kDepths; ++d) {
-      const glm::dvec3 t = truth_at(truth, d, at).force_n;
-      mm += glm::dot(mean[d], mean[d]), mt += glm::dot(mean[d], t), tt += glm::dot(t, t);
-    }
-    if (mm - 2 * mt + tt < best) best = mm - 2 * mt + tt, offset = at;
-    if (tt > 0 && mm - mt * mt / tt < best_free) {
-      best_free = mm - mt * mt / tt, stiffness = mt / tt, offset_free = at;
-    }
+  std::vector<double> offsets_m;
+  const double first_m = truth_[0].first_m;
+  for (double at = first_m; at < first_m + 3 * thickness_m_; at += 0.01 * s_) {
+    offsets_m.push_back(at);
   }
-  double error2 = 0, free2 = 0;  // against the truth at that offset, times that stiffness
-  for (std::size_t d = 0; d < kDepths; ++d) {
-    const glm::dvec3 t = stiffness * truth_at(truth, d, offset_free).force_n;
-    for (const Wrench& w : measured[d]) {
-      error2 += glm::dot(w.force_n - t, w.force_n - t), free2 += glm::dot(t, t);
-    }
-  }
-  double true2 = 0, bias2 = 0, noise2 = 0, most = 0;
-  for (std::size_t d = 0; d < kDepths; ++d) {
-    const glm::dvec3 t = truth_at(truth, d, offset).force_n;
-    const double length = glm::length(t);
-    const double error = glm::length(mean[d]) - length;
-    true2 += length * length, bias2 += error * error, most = std::max(most, length);
-    for (const Wrench& w : measured[d]) {
-      const double spread = glm::length(w.force_n) - glm::length(mean[d]);
-      noise2 += spread * spread / kShifts;
-    }
-  }
-  std::vector<double> direction, torque;
-  for (std::size_t d = 0; d < kDepths; ++d) {
-    const Wrench t = truth_at(truth, d, offset);
-    const double length = glm::length(t.force_n);
-    if (length < 0.1 * most) continue;  // too little force to have a direction
-    for (const Wrench& w : measured[d]) {
-      direction.push_back(degrees_between(w.force_n, t.force_n));
-      const double f = glm::length(w.force_n);
-      if (!(f > 0)) continue;
-      torque.push_back(glm::length(w.torque_nm / f - t.torque_nm / length) / part_radius_m_);
-    }
-  }
-  return {stiffness,      std::sqrt(bias2 / true2), std::sqrt(noise2 / true2), median(direction),
-          median(torque), worst_step(wrench_at),    std::sqrt(error2 / free2)};
+  const TruthAt true_wrench = [&](std::size_t d, double at) { return truth_at(truth, d, at); };
+  Quality quality = judged(measured, true_wrench, offsets_m, part_radius_m_);
+  quality.step = worst_step(wrench_at);
+  return quality;
 }
 
 }  // namespace forcelayer::bench

@@ -11,12 +11,13 @@
 
 #include "runtime/contact_query.h"
 #include "runtime/force_field.h"
+#include "tests/bench/force_bench_fit.h"
 #include "tests/bench/force_bench_scene.h"
 #include "tests/bench/force_bench_shell.h"
 
 namespace forcelayer::bench {
 
-enum class Part { kSphere, kBox, kCylinder };
+enum class Part { kSphere, kBox, kCylinder, kCone, kTorus };
 enum class Stance { kAnyWay, kFaceDown, kCapDown, kAlongBore, kAlongWedge, kEdgeDown };
 
 struct Combination {
@@ -54,16 +55,6 @@ struct PartShells {
   AnalyticShell tested, fine;
 };
 
-struct Quality {
-  double stiffness;      // over nominal, offset fitted too
-  double bias;           // RMS error of the mean force over depths, over the true RMS force
-  double noise;          // RMS of the force about its mean at a depth, over the same
-  double direction_deg;  // median
-  double torque;         // median of |T/F - true T/F| over the part's radius
-  double step;           // largest change in one frame of a 50 mm/s slide, over the mean force
-  double force_error;    // RMS error of the force vector over the true RMS, offset and gain fitted
-};
-
 // A contact at one random orientation of the static body (and of the part where its stance leaves
 // that open). Metres; part poses are of its centre.
 class ContactCase {
@@ -90,8 +81,6 @@ class ContactCase {
   double middle_m() const { return middle_m_; }  // of the force layer, from the surface
 
  private:
-  struct Truth;
-
   void orient(std::mt19937_64& random);
   void offset_walls();
   double least_distance(double height_m) const;
@@ -130,7 +119,7 @@ class ContactCase {
   std::unique_ptr<Voxmap> voxmap_;
   std::unique_ptr<DenseFields> dense_;
   std::unique_ptr<ForceField> level_;
-  std::unique_ptr<Truth> truth_;
+  std::vector<TruthTable> truth_;  // [depth]; areas over the mean: points
 };
 
 }  // namespace forcelayer::bench

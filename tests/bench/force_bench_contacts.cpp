@@ -41,9 +41,32 @@ std::vector<Combination> combinations() {
   };
 }
 
+std::vector<Combination> wide_combinations() {
+  using enum Part;
+  using enum Stance;
+  using Body = StaticKind;
+  std::vector<Combination> all = combinations();
+  const Combination wide[] = {
+      {"cone side on plane", kCone, kFaceDown, Body::kPlane},
+      {"cone base on plane", kCone, kCapDown, Body::kPlane},
+      {"cone side on sphere", kCone, kFaceDown, Body::kSphere, 0.2},
+      {"torus flat on plane", kTorus, kCapDown, Body::kPlane},
+      {"torus on plane", kTorus, kAnyWay, Body::kPlane},
+      {"torus seated on sphere", kTorus, kCapDown, Body::kSphere, 0.2},
+      {"torus in bore", kTorus, kAlongBore, Body::kBore, 0.15},
+      {"cone on plane", kCone, kAnyWay, Body::kPlane, 0, 0, false},
+      {"torus on edge", kTorus, kAnyWay, Body::kWedge, 0, 1.5 * M_PI, false},
+      {"torus in wedge 90", kTorus, kAnyWay, Body::kWedge, 0, M_PI / 2, false, true},
+  };
+  all.insert(all.end(), std::begin(wide), std::end(wide));
+  return all;
+}
+
 AnalyticShell shell_of(Part part, double covering_radius_m) {
   if (part == Part::kSphere) return sphere_shell(kSphereRadiusM, covering_radius_m);
   if (part == Part::kBox) return box_shell(kBoxHalfM, covering_radius_m);
+  if (part == Part::kCone) return cone_shell(kConeRadiusM, kConeHeightM, covering_radius_m);
+  if (part == Part::kTorus) return torus_shell(kTorusRingM, kTorusTubeM, covering_radius_m);
   return cylinder_shell(kCylinderRadiusM, kCylinderHalfM, covering_radius_m);
 }
 

@@ -114,6 +114,48 @@ void add(AnalyticShell& shell, const glm::dvec3& point, const glm::dvec3& normal
   shell.areas_m2.push_back(area_m2);
 }
 
+// A disc about the origin: triangular lattice, exact areas but for the polygon of equal area that
+// stands for the circle where cells are clipped.
+FlatShell disc(double radius, double rho) {
+  constexpr int kSides = 128;
+  const double a = 2 * M_PI / kSides, corner = radius * std::sqrt(a / std::sin(a));
+  const glm::dvec2 r(radius);
+  Region region{
+      {},
+      -r,
+      r,
+      [=](glm::dvec2 p) { return glm::length(p) > radius ? p * (radius / glm::length(p)) : p; },
+      false};
+  for (int i = 0; i < kSides; ++i) {
+    region.polygon.push_back(corner * glm::dvec2(std::cos(a * i), std::sin(a * i)));
+  }
+  return cover(region, rho, std::sqrt(3.0) * rho);
+}
+
+// The sector of a disc about the origin between the angles -half and half, at most a right one: the
+// side of a cone, unrolled. Of its arc, a polygon of equal area.
+FlatShell sector(double radius, double half, double rho) {
+  constexpr int kSides = 128;
+  const glm::dvec2 edge(std::cos(half), std::sin(half));
+  const auto nearest = [=](glm::dvec2 p) {
+    const glm::dvec2 q(p.x, std::abs(p.y));  // mirrored into the upper half
+    glm::dvec2 on = q;
+    if (glm::dot(glm::dvec2(-edge.y, edge.x), q) > 0) {  // beyond the straight edge
+      on = std::clamp(glm::dot(q, edge), 0.0, radius) * edge;
+    } else if (glm::length(q) > radius) {
+      on = q * (radius / glm::length(q));
+    }
+    return glm::dvec2(on.x, p.y < 0 ? -on.y : on.y);
+  };
+  Region region{{{0, 0}}, {0, -radius * edge.y}, {radius, radius * edge.y}, nearest, false};
+  const double a = 2 * half / kSides, corner = radius * std::sqrt(a / std::sin(a));
+  for (int i = 0; i <= kSides; ++i) {
+    const double angle = -half + a * i;
+    region.polygon.push_back(corner * glm::dvec2(std::cos(angle), std::sin(angle)));
+  }
+  return cover(region, rho, std::sqrt(3.0) * rho);
+}
+
 constexpr std::array<std::array<int, 3>, 20> kIcosahedron{
     {{0, 11, 5},  {0, 5, 1},  {0, 1, 7},  {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
      {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
@@ -229,24 +271,64 @@ AnalyticShell cylinder_shell(double radius_m, double half_length_m, double rho) 
     const glm::dvec3 out(std::cos(a), std::sin(a), 0);
     add(shell, out * radius_m + glm::dvec3(0, 0, rolled.points[i].y), -out, rolled.areas[i]);
   }
-  constexpr int kSides = 128;  // of the polygon of equal area that stands for a cap
-  const double a = 2 * M_PI / kSides, corner = radius_m * std::sqrt(a / std::sin(a));
-  const glm::dvec2 r(radius_m);
-  Region cap{
-      {},
-      -r,
-      r,
-      [=](glm::dvec2 p) { return glm::length(p) > radius_m ? p * (radius_m / glm::length(p)) : p; },
-      false};
-  for (int i = 0; i < kSides; ++i) {
-    cap.polygon.push_back(corner * glm::dvec2(std::cos(a * i), std::sin(a * i)));
-  }
-  const FlatShell flat = cover(cap, rho, std::sqrt(3.0) * rho);
+  const FlatShell flat = disc(radius_m, rho);
   for (const double end : {-1.0, 1.0})
     for (std::size_t i = 0; i < flat.points.size(); ++i) {
       add(shell, {flat.points[i].x, flat.points[i].y, end * half_length_m}, {0, 0, -end},
           flat.areas[i]);
     }
+  finish(shell, rho);
+  return shell;
+}
+
+AnalyticShell cone_shell(double radius_m, double height_m, double rho) {
+  AnalyticShell shell;
+  const double slant = std::hypot(radius_m, height_m), base = -height_m / 4;
+  const double half = M_PI * radius_m / slant;  // of the unrolled side's angle
+  // Unrolling only lengthens chords: what is covered in the plane is covered on the cone.
+  const FlatShell side = sector(slant, half, rho);
+  for (std::size_t i = 0; i < side.points.size(); ++i) {
+    const double from_tip = glm::length(side.points[i]);
+    const double turn = std::atan2(side.points[i].y, side.points[i].x) * slant / radius_m;
+    const glm::dvec3 out(std::cos(turn), std::sin(turn), 0);
+    add(shell,
+        out * (from_tip * radius_m / slant) +
+            glm::dvec3(0, 0, base + height_m * (1 - from_tip / slant)),
+        -(out * height_m + glm::dvec3(0, 0, radius_m)) / slant, side.areas[i]);
+  }
+  const FlatShell flat = disc(radius_m, rho);
+  for (std::size_t i = 0; i < flat.points.size(); ++i) {
+    add(shell, {flat.points[i].x, flat.points[i].y, base}, {0, 0, 1}, flat.areas[i]);
+  }
+  finish(shell, rho);
+  return shell;
+}
+
+// Rings of points, each the middle of a cell. A point of the cell whose distance from the axis is
+// a, at angles du and dv from the cell's middle (distance b), lies within sqrt((tube dv)^2 + a b
+// du^2) of it: a chord is shorter than its arc.
+AnalyticShell torus_shell(double ring_m, double tube_m, double rho) {
+  AnalyticShell shell;
+  const int rings = static_cast<int>(std::ceil(M_PI * tube_m * std::sqrt(2.0) / rho));
+  const double dv = 2 * M_PI / rings;
+  for (int j = 0; j < rings; ++j) {
+    const double v = j * dv, b = ring_m + tube_m * std::cos(v);
+    // The farthest from the axis that the cell reaches.
+    const double nearest_v = std::clamp(0.0, std::min(v, 2 * M_PI - v) - dv / 2, M_PI);
+    const double a = ring_m + tube_m * std::cos(nearest_v);
+    const double half_v = tube_m * dv / 2;
+    const double half_u = std::sqrt((rho * rho - half_v * half_v) / (a * b));
+    const int points = static_cast<int>(std::ceil(M_PI / half_u));
+    const double du = 2 * M_PI / points;
+    const double area =
+        du * tube_m * (ring_m * dv + tube_m * (std::sin(v + dv / 2) - std::sin(v - dv / 2)));
+    for (int i = 0; i < points; ++i) {
+      const double u = (i + 0.5 * (j & 1)) * du;
+      const glm::dvec3 radial(std::cos(u), std::sin(u), 0);
+      const glm::dvec3 out = std::cos(v) * radial + glm::dvec3(0, 0, std::sin(v));
+      add(shell, ring_m * radial + tube_m * out, -out, area);
+    }
+  }
   finish(shell, rho);
   return shell;
 }

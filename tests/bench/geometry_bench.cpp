@@ -188,10 +188,5 @@ int run(int argc, char** argv) {
 }  // namespace forcelayer::bench
 
 int main(int argc, char** argv) {
-  try {
-    return forcelayer::bench::run(argc, argv);
-  } catch (const std::exception& error) {
-    std::cerr << "geometry_bench: " << error.what() << '\n';
-    return 1;
-  }
+  return forcelayer::bench::run_benchmark("geometry_bench", forcelayer::bench::run, argc, argv);
 }

@@ -207,15 +207,14 @@ Json all() {
   return report;
 }
 
+int run(int argc, char** argv) {
+  bench::write_report("motion", argc, argv, all(), argc > 1 ? argv[1] : "");
+  return 0;
+}
+
 }  // namespace
 }  // namespace forcelayer::test
 
 int main(int argc, char** argv) {
-  try {
-    const auto results = forcelayer::test::all();
-    forcelayer::bench::write_report("motion", argc, argv, results, argc > 1 ? argv[1] : "");
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "motion_bench: %s\n", error.what());
-    return 1;
-  }
+  return forcelayer::bench::run_benchmark("motion_bench", forcelayer::test::run, argc, argv);
 }

@@ -332,7 +332,7 @@ Json targets_of(const Json& rows) {
   return targets;
 }
 
-void run(const Choice& choice, int argc, char** argv) {
+void measure(const Choice& choice, int argc, char** argv) {
   Json results = {{"instruction_set", kernel_target()}, {"rows", Json::array()}};
   std::printf("instruction set %s\n", kernel_target());
   for (std::size_t points = choice.from; points <= choice.largest; points *= 10) {
@@ -350,11 +350,7 @@ void run(const Choice& choice, int argc, char** argv) {
   write_report("query", argc, argv, results, choice.json);
 }
 
-}  // namespace
-}  // namespace forcelayer::bench
-
-int main(int argc, char** argv) {
-  using namespace forcelayer::bench;
+int run(int argc, char** argv) {
   CLI::App app{"The contact query, its ways of working and its peers", "query_bench"};
   Choice choice;
   app.add_option("--motion", choice.motions, "motions; all by default")
@@ -369,11 +365,13 @@ int main(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
   if (choice.motions.empty())
     choice.motions.assign(std::begin(kSettingNames), std::end(kSettingNames));
-  try {
-    run(choice, argc, argv);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "query_bench: %s\n", error.what());
-    return 1;
-  }
+  measure(choice, argc, argv);
   return 0;
+}
+
+}  // namespace
+}  // namespace forcelayer::bench
+
+int main(int argc, char** argv) {
+  return forcelayer::bench::run_benchmark("query_bench", forcelayer::bench::run, argc, argv);
 }

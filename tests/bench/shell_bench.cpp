@@ -12,7 +12,6 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <iostream>
 #include <numbers>
 #include <numeric>
 #include <optional>
@@ -23,8 +22,8 @@
 #include "pointshell/part_files.h"
 #include "pointshell/report.h"
 #include "pointshell/triangle_tree.h"
-#include "tests/bench/bake_bench_process.h"
 #include "tests/bench/bench_report.h"
+#include "tests/bench/process_run.h"
 #include "tests/bench/shell_bench_shapes.h"
 
 namespace forcelayer::bench {
@@ -335,10 +334,5 @@ int run(int argc, char** argv) {
 }  // namespace forcelayer::bench
 
 int main(int argc, char** argv) {
-  try {
-    return forcelayer::bench::run(argc, argv);
-  } catch (const std::exception& error) {
-    std::cerr << "shell_bench: " << error.what() << '\n';
-    return 1;
-  }
+  return forcelayer::bench::run_benchmark("shell_bench", forcelayer::bench::run, argc, argv);
 }

@@ -9,7 +9,7 @@
 //   stability_bench step [STEPS]      cost of a step with 200 contacts and more (100000)
 //   stability_bench all               all of them but hands, which take hours
 // Each writes stability_NAME.json (bench_report.h); --json FILE writes another file. Seeds run from
-// 1. scripts/stability.sh runs all and draws the plots.
+// 1. `scripts/bench.sh stability motion` draws the plots too.
 #include "tests/bench/stability_bench.h"
 
 #include <algorithm>
@@ -169,6 +169,8 @@ Json rest_table(std::uint64_t trials) {
     std::printf("\n");
     row["restless_seeds"] = restless;
     row["quiet"] = quiet;
+    row["quiet_share"] =
+        static_cast<double>(quiet) / static_cast<double>(std::max<std::uint64_t>(1, trials));
     report[name_of(model)] = row;
   }
   return report;
@@ -311,10 +313,9 @@ Json setting_map() {
   return report;
 }
 
-}  // namespace forcelayer::stress
+namespace {
 
-int main(int argc, char** argv) {
-  using namespace forcelayer::stress;
+int run_tables(int argc, char** argv) {
   std::vector<std::string> words(argv + 1, argv + argc);
   std::string path;
   if (words.size() >= 2 && words[words.size() - 2] == "--json") {
@@ -334,17 +335,20 @@ int main(int argc, char** argv) {
       {"device", device_table},
       {"step", [&] { return step_cost(amount(100'000)); }}};
   bool known = false;
-  try {
-    for (const auto& [name, table] : tables) {
-      if (what == "all" ? name == std::string("hands") : what != name) continue;
-      known = true;
-      forcelayer::bench::write_report(std::string("stability_") + name, argc, argv, table(), path);
-    }
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "stability_bench: %s\n", error.what());
-    return 1;
+  for (const auto& [name, table] : tables) {
+    if (what == "all" ? name == std::string("hands") : what != name) continue;
+    known = true;
+    bench::write_report(std::string("stability_") + name, argc, argv, table(), path);
   }
   if (known) return 0;
   std::fprintf(stderr, "stability_bench: no table is called %s\n", what.c_str());
   return 2;
+}
+
+}  // namespace
+}  // namespace forcelayer::stress
+
+int main(int argc, char** argv) {
+  return forcelayer::bench::run_benchmark("stability_bench", forcelayer::stress::run_tables, argc,
+                                          argv);
 }

@@ -4,6 +4,7 @@
 #include <btBulletCollisionCommon.h>
 
 #include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
 
 #include "tests/bench/wrench_bench_peers.h"
 
@@ -79,8 +80,8 @@ class BulletContacts : public MeshContacts {
     world_.removeCollisionObject(&scene_);
   }
 
-  Wrench at(const ContactCase::Placed& world_from_part) override {
-    const glm::dmat3& r = world_from_part.rotation;
+  Wrench at(const Pose& world_from_part) override {
+    const glm::dmat3 r = glm::mat3_cast(world_from_part.orientation);
     btMatrix3x3 basis;
     for (int row = 0; row < 3; ++row) {
       basis[row] = bullet({r[0][row], r[1][row], r[2][row]});

@@ -1,7 +1,6 @@
 #include <fcl/narrowphase/collision.h>
 
 #include <glm/geometric.hpp>
-#include <glm/gtc/quaternion.hpp>
 
 #include "tests/bench/wrench_bench_peers.h"
 #include "tests/support/fcl_model.h"
@@ -17,13 +16,12 @@ class FclContacts : public MeshContacts {
       : scene_(testing::fcl_model<fcl::OBBRSSd>(scene)),
         part_(testing::fcl_model<fcl::OBBRSSd>(part)) {}
 
-  Wrench at(const ContactCase::Placed& world_from_part) override {
+  Wrench at(const Pose& world_from_part) override {
     constexpr std::size_t kAll = 1'000'000;
     const fcl::CollisionRequestd request(kAll, true);
     fcl::CollisionResultd result;
-    const Pose pose{world_from_part.position_m, glm::quat_cast(world_from_part.rotation)};
     fcl::collide<double>(scene_.get(), fcl::Transform3d::Identity(), part_.get(),
-                         testing::fcl_transform(pose), request, result);
+                         testing::fcl_transform(world_from_part), request, result);
     Wrench sum;
     for (std::size_t i = 0; i < result.numContacts(); ++i) {
       const auto& contact = result.getContact(i);  // its normal goes from the scene to the part

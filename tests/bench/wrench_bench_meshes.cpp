@@ -66,6 +66,20 @@ Mesh wedge_mesh(const AnalyticStatic& body, double offset_m, double deviation_m)
 
 Mesh part_mesh(Part part, double deviation_m) {
   if (part == Part::kBox) return stress::box(kBoxHalfM);
+  if (part == Part::kCone) {
+    const double low = -kConeHeightM / 4;
+    return stress::revolved({{0, low}, {kConeRadiusM, low}, {0, low + kConeHeightM}},
+                            segments_of(kConeRadiusM, deviation_m));
+  }
+  if (part == Part::kTorus) {
+    const int around = segments_of(kTorusTubeM, deviation_m);
+    std::vector<glm::dvec2> circle;
+    for (int i = 0; i < around; ++i) {
+      const double v = 2 * M_PI * i / around;
+      circle.push_back({kTorusRingM + kTorusTubeM * std::cos(v), kTorusTubeM * std::sin(v)});
+    }
+    return stress::revolved(circle, segments_of(kTorusRingM + kTorusTubeM, deviation_m));
+  }
   const double radius_m = part == Part::kSphere ? kSphereRadiusM : kCylinderRadiusM;
   const int segments = segments_of(radius_m, deviation_m);
   if (part == Part::kSphere) return stress::sphere(radius_m, segments);

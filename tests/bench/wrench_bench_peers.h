@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "formats/mesh/mesh.h"
-#include "tests/bench/force_bench_case.h"
+#include "runtime/pose.h"
 
 namespace forcelayer::bench {
 
@@ -14,7 +14,7 @@ namespace forcelayer::bench {
 class MeshContacts {
  public:
   virtual ~MeshContacts() = default;
-  virtual Wrench at(const ContactCase::Placed& world_from_part) = 0;
+  virtual Wrench at(const Pose& world_from_part) = 0;
 };
 
 // FCL 0.7: collide() of OBBRSS trees with all contacts. `scene` in world, `part` in its frame, m.

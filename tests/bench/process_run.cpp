@@ -1,4 +1,4 @@
-#include "tests/bench/bake_bench_process.h"
+#include "tests/bench/process_run.h"
 
 #include <sys/wait.h>
 #include <unistd.h>

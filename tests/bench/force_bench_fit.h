@@ -1,0 +1,57 @@
+// What a force model's wrenches are worth beside the true ones: shared by the contacts with a
+// closed formula and by those between meshes.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <glm/vec3.hpp>
+#include <vector>
+
+#include "runtime/pose.h"
+
+namespace forcelayer::bench {
+
+struct Quality {
+  double stiffness;      // over nominal, offset fitted too
+  double bias;           // RMS error of the mean force over depths, over the true RMS force
+  double noise;          // RMS of the force about its mean at a depth, over the same
+  double direction_deg;  // median
+  double torque;         // median of |T/F - true T/F| over the part's radius
+  double step;           // largest change in one frame of a 50 mm/s slide, over the mean force
+  double force_error;    // RMS error of the force vector over the true RMS, offset and gain fitted
+  double deviation;      // of that, what the mean over shifts has; the rest is noise
+  double torque_error;   // as force_error, of the torque; NAN where the truth has next to none
+};
+
+// A piece of the part's exact surface at some pose.
+struct SurfaceSample {
+  double distance_m;     // from the static body's exact surface
+  double area;           // in any unit
+  glm::dvec3 direction;  // gradient of the distance
+  glm::dvec3 arm_m;      // from the part's centre
+};
+
+// The true wrench at one pose (K = 1), tabulated over the distance of the exact offset surface from
+// the body's: the first, and so much between two.
+struct TruthTable {
+  double first_m = 0, step_m = 0;
+  std::vector<Wrench> wrench;
+  std::vector<double> area;  // of the samples within the offset surface
+
+  TruthTable(const std::vector<SurfaceSample>& samples, double first_m, double last_m);
+  Wrench wrench_at(double offset_m) const;  // linear between entries, the last ones beyond them
+  double area_at(double offset_m) const;
+
+ private:
+  double entry_of(double offset_m) const;
+};
+
+// All wrenches are about the part's centre, in axes in which the truth does not change with shifts.
+using Measured = std::vector<std::vector<Wrench>>;  // [depth][shift]
+using TruthAt = std::function<Wrench(std::size_t depth, double offset_m)>;
+
+// Fits one offset of `offsets_m` and judges; `step` is left NAN.
+Quality judged(const Measured& measured, const TruthAt& truth_at,
+               const std::vector<double>& offsets_m, double part_radius_m);
+
+}  // namespace forcelayer::bench

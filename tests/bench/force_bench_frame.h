@@ -1,0 +1,44 @@
+// A frame of the force models as the runtime computes it, from pose to wrench, to be timed.
+#pragma once
+
+#include <vector>
+
+#include "formats/pshell.h"
+#include "runtime/contact_query.h"
+#include "runtime/contact_set.h"
+#include "runtime/force_field.h"
+#include "tests/bench/force_bench_shell.h"
+
+namespace forcelayer::bench {
+
+// The .pshell of these points, in the order in which pointshell writes them.
+Pshell pshell_of(const AnalyticShell& shell, double voxel_size_m);
+
+// What is averaged: nothing, directions as in the default model, or the force by N/10 (paper 5.2).
+enum class Averaging { kNone, kDirections, kByTen };
+
+// Query, field and sum over the whole shell.
+class ModelFrame {
+ public:
+  // All must outlive this.
+  ModelFrame(const Voxmap& voxmap, const Pshell& shell, const ForceField& field,
+             Averaging averaging);
+
+  // Every point counts by its area over the mean; without this, all count alike.
+  void weigh_by_area();
+
+  Wrench at(const Pose& world_from_center);  // per N/m of stiffness, about the centre, world axes
+
+ private:
+  ContactQuery query_;
+  const ForceField& field_;
+  Averaging averaging_;
+  const Pshell& shell_;
+  std::vector<float> weights_;  // by shell point
+  float voxel_size_m_;
+  CollectedPoints points_;
+  FieldSamples samples_;
+  ContactSet set_;
+};
+
+}  // namespace forcelayer::bench
