@@ -33,6 +33,8 @@ struct PshellView {
 class Pshell {
  public:
   static Result<Pshell> open(const std::filesystem::path& path, Verify verify = Verify::kStructure);
+  static Result<Pshell> from_file(MappedFile file, std::string_view name,
+                                  Verify verify = Verify::kStructure);
   static Result<Pshell> from_bytes(std::span<const std::byte> bytes, std::string_view name,
                                    Verify verify = Verify::kStructure);
 
@@ -40,9 +42,12 @@ class Pshell {
   const PshellView& view() const { return view_; }
   std::string_view provenance() const { return provenance_; }
   std::span<const std::byte> bytes() const { return bytes_; }
+  const FileStamp& stamp() const { return file_.stamp(); }  // of no file: of bytes in memory
 
  private:
   Pshell() = default;
+  static Result<Pshell> read(std::span<const std::byte> bytes, std::string_view name, Verify verify,
+                             const MappedFile* file);
 
   MappedFile file_;
   std::span<const std::byte> bytes_;

@@ -292,9 +292,12 @@ Result<std::vector<std::span<const std::byte>>> check_sections(std::span<const s
 }
 
 Status check_section_checksums(std::span<const std::byte> bytes, std::string_view name,
-                               std::span<const SectionRule> rules) {
+                               std::span<const SectionRule> rules, const MappedFile* file) {
   for (const SectionEntry& entry : section_table(bytes)) {
-    const std::uint64_t actual = checksum(bytes.subspan(entry.offset, entry.bytes));
+    const auto sum = file != nullptr ? checksum(*file, entry.offset, entry.bytes)
+                                     : checksum(bytes.subspan(entry.offset, entry.bytes));
+    if (!sum) return sum.error();
+    const std::uint64_t actual = *sum;
     if (actual == entry.checksum) continue;
     const SectionRule* rule = find_rule(rules, entry.id);
     return Error{ErrorCode::kChecksumMismatch, std::string(name),

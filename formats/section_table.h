@@ -12,12 +12,17 @@
 #include <vector>
 
 #include "formats/file_format.h"
+#include "formats/mapped_file.h"
 #include "formats/result.h"
 
 namespace forcelayer {
 
 // XXH3-64 with seed 0.
 std::uint64_t checksum(std::span<const std::byte> bytes);
+
+// The same of a piece of a file that is kept open, read in small pieces: nothing of it is in this
+// process's memory afterwards.
+Result<std::uint64_t> checksum(const MappedFile& file, std::uint64_t offset, std::uint64_t bytes);
 
 // The smallest multiple of kSectionAlignment that is not below `offset`.
 constexpr std::uint64_t aligned_offset(std::uint64_t offset) {
@@ -51,9 +56,10 @@ Result<std::vector<std::span<const std::byte>>> check_sections(std::span<const s
                                                                std::string_view name,
                                                                std::span<const SectionRule> rules);
 
-// Checks every section's checksum against the table; the table has been checked.
+// Checks every section's checksum against the table; the table has been checked. Where `bytes` are
+// a mapping of `file`, the sections are read from the file.
 Status check_section_checksums(std::span<const std::byte> bytes, std::string_view name,
-                               std::span<const SectionRule> rules);
+                               std::span<const SectionRule> rules, const MappedFile* file);
 
 // Whether the file was written to a minor version that this reader does not know: it may then give
 // meaning to bytes that are reserved here, append to the header and bring sections of its own.

@@ -227,15 +227,24 @@ Status check_compliance(const VoxmapHeader& h, std::span<const float> forces,
 }  // namespace
 
 Result<Voxmap> Voxmap::open(const std::filesystem::path& path, Verify verify) {
-  auto file = MappedFile::open(path);
+  auto file = MappedFile::open_for_long(path);
   if (!file) return file.error();
-  auto voxmap = from_bytes(file->bytes(), path.string(), verify);
-  if (voxmap) voxmap->file_ = std::move(*file);
-  return voxmap;
+  return from_file(std::move(*file), path.string(), verify);
+}
+
+Result<Voxmap> Voxmap::from_file(MappedFile file, std::string_view name, Verify verify) {
+  auto map = read(file.bytes(), name, verify, &file);
+  if (map) map->file_ = std::move(file);
+  return map;
 }
 
 Result<Voxmap> Voxmap::from_bytes(std::span<const std::byte> bytes, std::string_view name,
                                   Verify verify) {
+  return read(bytes, name, verify, nullptr);
+}
+
+Result<Voxmap> Voxmap::read(std::span<const std::byte> bytes, std::string_view name, Verify verify,
+                            const MappedFile* file) {
   if (Status s = check_file_header(bytes, name, kVoxmapHeaderRule); !s) return s.error();
   Voxmap map;
   map.bytes_ = bytes;
@@ -247,7 +256,7 @@ Result<Voxmap> Voxmap::from_bytes(std::span<const std::byte> bytes, std::string_
   const auto sections = check_sections(bytes, name, rules);
   if (!sections) return sections.error();
   if (verify == Verify::kStructureAndChecksums) {
-    if (Status s = check_section_checksums(bytes, name, rules); !s) return s.error();
+    if (Status s = check_section_checksums(bytes, name, rules, file); !s) return s.error();
   }
   const auto directory = elements_of<std::uint32_t>((*sections)[0]);
   const auto upper_nodes = elements_of<std::uint32_t>((*sections)[1]);

@@ -59,6 +59,8 @@ struct VoxmapView {
 
 // How much of a file open() verifies. Structure is everything that a reader of the tree trusts:
 // sizes, alignment, every entry's child index or value, reserved bits. Neither is optional.
+// Checksums are of everything: the whole file is read once, but for bytes in memory in small pieces
+// that leave nothing behind in the process.
 enum class Verify { kStructure, kStructureAndChecksums };
 
 // A mapped .vox file. Movable; views and spans live as long as it does.
@@ -68,7 +70,11 @@ class Voxmap {
   // byte or entry.
   static Result<Voxmap> open(const std::filesystem::path& path, Verify verify = Verify::kStructure);
 
-  // The same from bytes in memory, which must stay and be 64-byte aligned. `name` is for errors.
+  // The same from a file that was opened for long. `name` is for errors.
+  static Result<Voxmap> from_file(MappedFile file, std::string_view name,
+                                  Verify verify = Verify::kStructure);
+
+  // The same from bytes in memory, which must stay and be 64-byte aligned.
   static Result<Voxmap> from_bytes(std::span<const std::byte> bytes, std::string_view name,
                                    Verify verify = Verify::kStructure);
 
@@ -85,9 +91,12 @@ class Voxmap {
   std::span<const float> compliance() const { return compliance_; }  // [steps], N; may be empty
   std::string_view provenance() const { return provenance_; }        // JSON text
   std::span<const std::byte> bytes() const { return bytes_; }        // the whole file
+  const FileStamp& stamp() const { return file_.stamp(); }  // of no file: of bytes in memory
 
  private:
   Voxmap() = default;
+  static Result<Voxmap> read(std::span<const std::byte> bytes, std::string_view name, Verify verify,
+                             const MappedFile* file);
   Status check_tree(std::span<const std::uint32_t> directory,
                     std::span<const std::uint32_t> upper_nodes,
                     std::span<const std::uint32_t> lower_nodes, std::string_view name) const;

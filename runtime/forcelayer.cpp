@@ -6,10 +6,13 @@
 #include <cstring>
 #include <exception>
 
+#include "runtime/baked_files.h"
 #include "runtime/callback_servo.h"
 #include "runtime/derive_parameters.h"
+#include "runtime/map_loss.h"
 #include "runtime/pose_datagram.h"
 #include "runtime/real_time.h"
+#include "runtime/separation.h"
 
 using namespace forcelayer;
 
@@ -18,6 +21,7 @@ struct forcelayer_runtime {
   DevicePlacement placement;
   double rate_hz = 1000;
   InputLimits input_limits;
+  bool without_guarantee = false;
   double max_speed_mps = 5;
   std::unique_ptr<Simulation> simulation, next;
   std::unique_ptr<CallbackServo> servo;
@@ -85,9 +89,9 @@ DeviceSample sample_from(const forcelayer_reading& r) {
 
 Result<std::unique_ptr<Simulation>> load(const forcelayer_runtime& runtime, const char* scene,
                                          const char* part) {
-  auto voxmap = Voxmap::open(scene);
+  auto voxmap = open_scene(scene);
   if (!voxmap) return voxmap.error();
-  auto shell = Pshell::open(part);
+  auto shell = open_part(part);
   if (!shell) return shell.error();
   ParameterRequest request;
   request.force = usual_force(request.model, *voxmap);
@@ -95,7 +99,13 @@ Result<std::unique_ptr<Simulation>> load(const forcelayer_runtime& runtime, cons
   request.motion_scale = runtime.placement.motion_scale;
   const auto derived = derive_parameters(request, *voxmap, *shell, runtime.device);
   if (!derived) return derived.error();
-  return Simulation::create(std::move(*voxmap), std::move(*shell), derived->values);
+  auto simulation = Simulation::create(std::move(*voxmap), std::move(*shell), derived->values);
+  if (!simulation || runtime.without_guarantee) return simulation;
+  const auto guarantee = separation_guarantee((*simulation)->voxmap().header(),
+                                              (*simulation)->shell().header(),
+                                              (*simulation)->query().rounding_bound_m());
+  if (Status s = require_guarantee(guarantee, part, "set without_guarantee"); !s) return s.error();
+  return simulation;
 }
 
 // Runs what may fail or throw; 0 on success.
@@ -134,6 +144,7 @@ Status take_options(const forcelayer_options& o, forcelayer_runtime& runtime) {
   if (!world_from_device) return world_from_device.error();
   runtime.placement = {*world_from_device, o.motion_scale};
   runtime.rate_hz = o.rate_hz;
+  runtime.without_guarantee = o.without_guarantee != 0;
   runtime.input_limits.stale_s = o.stale_s;
   runtime.max_speed_mps = o.max_speed_mps;
   return {};
@@ -263,5 +274,9 @@ int forcelayer_swap(forcelayer_runtime* runtime, const char* scene, const char* 
     return {};
   });
 }
+
+void forcelayer_contain_map_loss(void) { contain_map_loss(); }
+
+int forcelayer_check_files(void) { return check_mappings(); }
 
 void forcelayer_close(forcelayer_runtime* runtime) { delete runtime; }

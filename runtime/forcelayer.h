@@ -32,6 +32,7 @@ typedef struct forcelayer_options {
   double motion_scale;             /* scene metres a metre of the device */
   double stale_s;                  /* silence of device or caller that takes the output to zero */
   double max_speed_mps;            /* of the handle: faster trips the output */
+  int without_guarantee;           /* 1: open also files that guarantee no separation */
 } forcelayer_options;
 
 typedef struct forcelayer_reading {
@@ -57,7 +58,8 @@ typedef struct forcelayer_result {
 
 void forcelayer_default_options(forcelayer_options* options);
 
-/* Maps and checks both files and derives the physical parameters. NULL on failure. */
+/* Maps and checks both files, every checksum too, and derives the physical parameters. NULL on
+ * failure, and, as voxrun does, where the two files guarantee no separation (options). */
 forcelayer_runtime* forcelayer_open(const char* scene, const char* part,
                                     const forcelayer_options* options, char* error,
                                     size_t error_bytes);
@@ -93,6 +95,21 @@ const char* forcelayer_last_trip(const forcelayer_runtime* runtime);
 int forcelayer_swap(forcelayer_runtime* runtime, const char* scene, const char* part,
                     const double world_from_part[7], const double handle_from_part[7],
                     double timeout_s, char* error, size_t error_bytes);
+
+/* A baked file must not be written to while it is in use: bake into a new file, as the commands
+ * do. Where one is cut short all the same, the kernel answers a read beyond its new end with
+ * SIGBUS, and the process ends with a force on the hand. After this call a SIGBUS in a baked file
+ * is answered instead: the step goes on, harmless, the output trips in it and stays at zero until
+ * whole files are opened anew, or swapped in and armed by the clutch. Any other SIGBUS goes to
+ * whoever handled it before. For the whole process; call it once, after handlers of your own are
+ * in place. */
+void forcelayer_contain_map_loss(void);
+
+/* Asks the system whether the files in use still are as they were opened, and counts those that
+ * are not; the next step of a runtime that uses one trips its output. So a file that is written to
+ * in place is noticed too. From any thread but the servo's, best every few milliseconds; takes
+ * microseconds and reads nothing of the files. */
+int forcelayer_check_files(void);
 
 /* After the last step. NULL is fine. */
 void forcelayer_close(forcelayer_runtime* runtime);

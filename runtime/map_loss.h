@@ -1,9 +1,12 @@
-// Files that are cut short while they are mapped. The kernel answers a read beyond the new end with
-// SIGBUS, in the middle of a step; the default is that the process dies with a force on the hand.
+// Baked files that are cut short or written to while they are mapped. A read beyond a file's new
+// end is answered by the kernel with SIGBUS, in the middle of a step; the default is that the
+// process dies with a force on the hand.
 #pragma once
 
 #include <cstddef>
 #include <span>
+
+#include "formats/mapped_file.h"
 
 namespace forcelayer {
 
@@ -13,21 +16,23 @@ namespace forcelayer {
 // whole process; commands call it, a library's user may.
 void contain_map_loss();
 
-// Whether a watched mapping lost a page that somebody wanted to read. Stays true.
-bool map_lost() noexcept;
-
-// Reads the last byte of every watched mapping, so that a cut is noticed while the loop reads
-// nothing of it (a part at rest). Not for the loop's thread, and not while a mapping is being
-// closed.
-void probe_mappings() noexcept;
+// Asks the system whether the watched files still are as they were mapped, and counts those that
+// are not: so a file that is written to in place, or cut while the loop reads nothing of it (a part
+// at rest), is noticed. From any thread but the loop's, as often as wanted: it calls the system, a
+// microsecond a file, and touches no page.
+int check_mappings() noexcept;
 
 // Watches a mapping while it lives. Beyond 64 at once nothing is watched.
 class WatchedMapping {
  public:
-  explicit WatchedMapping(std::span<const std::byte> bytes) noexcept;
+  // `file` is the mapping's, and outlives this; one without a descriptor: bytes in memory.
+  WatchedMapping(std::span<const std::byte> bytes, const FileStamp& file) noexcept;
   WatchedMapping(const WatchedMapping&) = delete;
   WatchedMapping& operator=(const WatchedMapping&) = delete;
   ~WatchedMapping();
+
+  // Whether it lost a page that somebody wanted to read, or its file was found changed. Stays true.
+  bool lost() const noexcept;
 
  private:
   int slot_ = -1;

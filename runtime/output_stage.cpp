@@ -53,7 +53,7 @@ const char* to_text(TripCause cause) {
     case TripCause::kOutputHeld:
       return "the device's side took the motors to zero by itself";
     case TripCause::kMapLost:
-      return "a baked file was cut short while it was in use";
+      return "a baked file was cut short or written to while it was in use";
     case TripCause::kNone:
       break;
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 namespace forcelayer {
 namespace {
@@ -18,6 +19,16 @@ double arc_deviation_m(double voxel_size_m, double radius_m) {
   return std::min(voxel_size_m * voxel_size_m / (32 * radius_m), 2 * radius_m);
 }
 
+// Three digits, rounded down: a guarantee must not be quoted larger than it is.
+std::string length_text(const std::optional<double>& length_m) {
+  if (!length_m) return "none";
+  const double length_mm = *length_m * 1000;
+  const double last_digit = std::pow(10, std::floor(std::log10(length_mm)) - 2);
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g mm", std::floor(length_mm / last_digit) * last_digit);
+  return text;
+}
+
 }  // namespace
 
 SeparationGuarantee separation_guarantee(const VoxmapHeader& voxmap, const PshellHeader& shell,
@@ -31,6 +42,21 @@ SeparationGuarantee separation_guarantee(const VoxmapHeader& voxmap, const Pshel
   const double chord_m = std::sqrt(layers * layers - 1.0 / 16) * s;
   return {positive(layers * s - spent_m),
           positive(chord_m - spent_m - arc_deviation_m(s, shell.bounding_radius_m))};
+}
+
+std::string guarantee_text(const SeparationGuarantee& guarantee) {
+  return length_text(guarantee.tested_m) + " at every frame, " + length_text(guarantee.swept_m) +
+         " between frames whose points travel at most half a voxel";
+}
+
+Status require_guarantee(const SeparationGuarantee& guarantee, const std::string& part,
+                         const char* otherwise) {
+  if (guarantee.tested_m && guarantee.swept_m) return {};
+  return Error{ErrorCode::kFilesDoNotMatch, part, "",
+               "no separation is guaranteed with this scene (" + guarantee_text(guarantee) + ")",
+               "bake the scene with two layers or more, the part with a smaller "
+               "--covering-radius, or " +
+                   std::string(otherwise)};
 }
 
 }  // namespace forcelayer

@@ -5,7 +5,6 @@
 #include <glm/geometric.hpp>
 
 #include "runtime/coupling.h"
-#include "runtime/map_loss.h"
 #include "runtime/paper_model.h"
 #include "runtime/passivity.h"
 #include "runtime/virtual_coupling.h"
@@ -107,8 +106,8 @@ Simulation::Simulation(Voxmap voxmap, Pshell shell, const Parameters& parameters
     : voxmap_(std::move(voxmap)),
       shell_(std::move(shell)),
       parameters_(parameters),
-      voxmap_watch_(voxmap_.bytes()),
-      shell_watch_(shell_.bytes()),
+      voxmap_watch_(voxmap_.bytes(), voxmap_.stamp()),
+      shell_watch_(shell_.bytes(), shell_.stamp()),
       query_(voxmap_, shell_, query) {
   points_.reserve(shell_.view().point_count);
   samples_.reserve(shell_.view().point_count);
@@ -183,7 +182,7 @@ StepResult Simulation::step(State& state, const StepInput& input, double dt_s) n
       result = default_->step(state, input, dt_s);
       break;
   }
-  if (map_lost()) {
+  if (voxmap_watch_.lost() || shell_watch_.lost()) {
     result = stopped(state, before, kFaultMapLost);
   } else if (!finite(state.world_from_center) || !finite(state.velocity) ||
              !finite(result.wrench)) {

@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 #include <thread>
 
+#include "runtime/baked_files.h"
 #include "runtime/callback_servo.h"
 #include "runtime/derive_parameters.h"
 #include "runtime/real_time.h"
@@ -48,9 +49,9 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "usage: example_embed SCENE.vox PART.pshell\n");
     return 2;
   }
-  auto voxmap = Voxmap::open(argv[1]);
+  auto voxmap = open_scene(argv[1]);
   if (!voxmap) return complain(voxmap.error());
-  auto shell = Pshell::open(argv[2]);
+  auto shell = open_part(argv[2]);
   if (!shell) return complain(shell.error());
   const auto derived = derive_parameters({}, *voxmap, *shell, my_device());
   if (!derived) return complain(derived.error());

@@ -27,7 +27,7 @@ void FrameSinks::drain() {
 void FrameSinks::run() {
   while (!ended_.load(std::memory_order_acquire)) {
     drain();
-    probe_mappings();
+    check_mappings();
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   drain();

@@ -24,14 +24,6 @@ using Json = nlohmann::ordered_json;
   return line;
 }
 
-// Three digits, rounded down: a guarantee must not be quoted larger than it is.
-std::string length_text(const std::optional<double>& length_m) {
-  if (!length_m) return "none";
-  const double length_mm = *length_m * 1000;
-  const double last_digit = std::pow(10, std::floor(std::log10(length_mm)) - 2);
-  return text("%.3g mm", std::floor(length_mm / last_digit) * last_digit);
-}
-
 std::optional<double> penetration_ratio(const LoopStatistics& s) {
   if (s.force_layer_frames == 0) return std::nullopt;
   return static_cast<double>(s.penetration_frames) / static_cast<double>(s.force_layer_frames);
@@ -198,11 +190,6 @@ void add_output(const RunFacts& facts, const LoopStatistics& s, Json& json) {
 
 }  // namespace
 
-std::string guarantee_text(const SeparationGuarantee& guarantee) {
-  return length_text(guarantee.tested_m) + " at every frame, " + length_text(guarantee.swept_m) +
-         " between frames whose points travel at most half a voxel";
-}
-
 std::string start_text(const Simulation& simulation, const RunFacts& facts) {
   const VoxmapHeader& map = simulation.voxmap().header();
   const PshellHeader& shell = simulation.shell().header();
@@ -239,7 +226,7 @@ std::string end_text(const RunFacts& facts, const LoopStatistics& s) {
            s.worst_episode_generated_j);
   const auto mib = [](std::uint64_t bytes) { return static_cast<double>(bytes) / (1 << 20); };
   lines +=
-      text("scene in memory %.3g of %.3g MiB, %.3g of them read before the start\n",
+      text("scene in memory %.3g of %.3g MiB, %.3g of them brought in before the start\n",
            mib(facts.resident_bytes), mib(facts.scene_file_bytes), mib(facts.prefaulted_bytes));
   if (!facts.options.as_fast_as_possible) {
     lines += text("deadline misses %llu, woke late by p99 %.1f us, max %.1f us\n",

@@ -31,16 +31,13 @@ struct RunFacts {
   std::vector<DeviceCounter> device_counters;
   bool ended_tripped = false;
   std::vector<OutputEvent> events;
-  std::uint64_t prefaulted_bytes = 0;  // of the scene's file: pages read before the start
+  std::uint64_t prefaulted_bytes = 0;  // of the scene's file: pages brought in before the start
   std::uint64_t resident_bytes = 0;    // of the scene's file, in memory at the end
   std::uint64_t scene_file_bytes = 0;
   double steal_s = 0;  // that the host of a virtual machine took from all cores
   double wall_s = 0;
   std::vector<std::string> warnings;
 };
-
-// "0.67 mm at every frame, 0.51 mm between frames", or "none ...".
-std::string guarantee_text(const SeparationGuarantee& guarantee);
 
 std::string start_text(const Simulation& simulation, const RunFacts& facts);
 std::string end_text(const RunFacts& facts, const LoopStatistics& statistics);

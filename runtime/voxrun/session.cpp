@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "formats/command/command.h"
+#include "runtime/baked_files.h"
 #include "runtime/derive_parameters.h"
 #include "runtime/force_field.h"
 #include "runtime/loop.h"
@@ -111,18 +112,14 @@ Status check_guarantee(const Options& options, Session& session) {
   facts.pose_error_m = session.simulation->query().rounding_bound_m();
   facts.guarantee = separation_guarantee(session.simulation->voxmap().header(),
                                          session.simulation->shell().header(), facts.pose_error_m);
-  if ((facts.guarantee.tested_m && facts.guarantee.swept_m) || options.without_guarantee) return {};
-  return Error{
-      ErrorCode::kFilesDoNotMatch, options.part, "",
-      "no separation is guaranteed with this scene (" + guarantee_text(facts.guarantee) + ")",
-      "bake the scene with two layers or more, the part with a smaller --covering-radius, "
-      "or give --without-guarantee"};
+  if (options.without_guarantee) return {};
+  return require_guarantee(facts.guarantee, options.part, "give --without-guarantee");
 }
 
 Status prepare_simulation(const Options& options, Session& session) {
-  auto voxmap = Voxmap::open(options.scene);
+  auto voxmap = open_scene(options.scene);
   if (!voxmap) return voxmap.error();
-  auto shell = Pshell::open(options.part);
+  auto shell = open_part(options.part);
   if (!shell) return shell.error();
   RunFacts& facts = session.facts;
   warn_of_sizes(*voxmap, *shell, facts.warnings);

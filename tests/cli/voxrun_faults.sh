@@ -69,7 +69,51 @@ map_cut_while_running() {
   done
 }
 
-cut_once() {  # FILE BYTES, in the middle of a contact
+# Either is written to in place: one byte by another program, and another bake copied over it.
+map_written_while_running() {
+  local file how attempt
+  for file in floor.vox ball.pshell; do
+    for how in 'dd of=FILE bs=1 count=1 seek=1000 conv=notrunc if=/dev/zero status=none' 'dd of=FILE if=copy conv=notrunc status=none'; do
+      for attempt in 1 2 3 4 5; do
+        changed_once "${how/FILE/$file}" && break
+      done 2>"$scratch/err.txt" || fail "$how, $file: $(tail -n 3 "$scratch/err.txt" err.txt)"
+    done
+  done
+}
+
+# One bit of any section of either file: refused before the loop begins.
+bit_rot() {
+  files
+  local file rotten
+  for file in floor.vox ball.pshell; do
+    cp $file whole
+    python3 - $file <<'PYTHON' || fail "sections of $file"
+import struct, sys
+data = open(sys.argv[1], "rb").read()
+header_bytes, sections = struct.unpack_from("<II", data, 16)
+for n in range(sections):
+    offset, size = struct.unpack_from("<8xQQ", data, header_bytes + 32 * n)
+    if size:
+        rotten = bytearray(data)
+        rotten[offset + size // 2] ^= 64
+        open("rotten%d" % n, "wb").write(rotten)
+PYTHON
+    for rotten in rotten*; do
+      cp "$rotten" $file
+      expect 4 "the section is damaged" "$voxrun" "${run[@]}"
+    done
+    [ "$(ls rotten* | wc -l)" -ge 4 ] || fail "only $(ls rotten*)"
+    rm rotten*
+    cp whole $file
+  done
+  good "$voxrun" "${run[@]}"
+}
+
+cut_once() {  # FILE BYTES
+  changed_once "truncate -s $2 $1"
+}
+
+changed_once() {  # COMMAND, in the middle of a contact
   files
   rm -f out.txt
   "$voxrun" floor.vox ball.pshell --motion hold.csv --duration 60s --trace run.csv >out.txt 2>err.txt &
@@ -79,10 +123,11 @@ cut_once() {  # FILE BYTES, in the middle of a contact
     sleep 0.1
   done
   sleep 0.8
-  truncate -s "$2" "$1"
+  cp ball.pshell copy
+  eval "$1"
   wait $pid
   [ $? = 4 ] || return 1
-  tail -n 1 err.txt | grep -q "floor.vox or ball.pshell: at .* s: output to zero: .*cut" || return 1
+  tail -n 1 err.txt | grep -q "floor.vox or ball.pshell: at .* s: output to zero: .*cut short or written to" || return 1
   python3 - <<'PYTHON'
 import csv
 rows = list(csv.DictReader(open("run.csv")))
@@ -194,5 +239,6 @@ odd_names() {
   no_leftovers
 }
 
-run_faults disk_full read_only_target map_cut_while_running kill_at_any_moment address_space_limit \
+run_faults disk_full read_only_target map_cut_while_running map_written_while_running bit_rot \
+  kill_at_any_moment address_space_limit \
   more_threads_than_cores clock_jumps decimal_comma odd_names

@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
 #include <cmath>
+#include <fstream>
 #include <glm/geometric.hpp>
 #include <limits>
 #include <thread>
@@ -78,7 +80,7 @@ struct CInterface : testing::Test {
   ScratchFolder folder;
   forcelayer_options options{};
   forcelayer_runtime* runtime = nullptr;
-  char error[256] = "";
+  char error[512] = "";
 };
 
 // Against the definition, written out: world_from_device * (scaled reading) is the handle; the part
@@ -165,6 +167,73 @@ TEST_F(CInterface, RefusesWhatIsNoPoseAndNoReading) {
   }
   EXPECT_EQ(start(&high, nullptr, sound), 0) << error;
   EXPECT_EQ(forcelayer_step(runtime, &sound, &result), 0);
+}
+
+std::string bytes_of(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+TEST_F(CInterface, RefusesDamagedFilesAndThoseWithoutAGuarantee) {
+  const auto refusal = [&](const char* scene, const char* part) -> std::string {
+    runtime = forcelayer_open(file(scene).c_str(), file(part).c_str(), &options, error,
+                              sizeof error);
+    const std::string said = runtime == nullptr ? error : "";
+    forcelayer_close(runtime);
+    runtime = nullptr;
+    return said;
+  };
+  EXPECT_EQ(refusal("floor.vox", "ball.pshell"), "");
+  for (const char* name : {"floor.vox", "ball.pshell"}) {
+    const std::string whole = bytes_of(file(name));
+    for (const double share : {0.55, 0.75, 0.95}) {
+      std::string rotten = whole;
+      rotten[static_cast<std::size_t>(share * static_cast<double>(whole.size()))] ^= 1;
+      std::ofstream(file(name), std::ios::binary) << rotten;
+      EXPECT_NE(refusal("floor.vox", "ball.pshell").find("damaged"), std::string::npos)
+          << name << " at " << share << ": " << error;
+    }
+    std::ofstream(file(name), std::ios::binary) << whole;
+  }
+  PointPart coarse = sphere_part(0.02, 400, 0.005);
+  coarse.covering_radius_m = 0.01;
+  save_pshell(folder / "coarse.pshell", coarse);
+  EXPECT_NE(refusal("floor.vox", "coarse.pshell").find("coarse.pshell: no separation"),
+            std::string::npos)
+      << error;
+  EXPECT_NE(std::string(error).find("without_guarantee"), std::string::npos) << error;
+  options.without_guarantee = 1;
+  EXPECT_EQ(refusal("floor.vox", "coarse.pshell"), "");
+}
+
+// A file that is written to in place trips the output; opened anew, it is in order.
+TEST_F(CInterface, FilesThatAreWrittenToTripTheOutput) {
+  forcelayer_contain_map_loss();
+  open();
+  const Pose low{{0.1, 0.1, 0.05}, {1, 0, 0, 0}};
+  const forcelayer_reading reading = reading_at(low);
+  ASSERT_EQ(start(&low, nullptr, reading), 0) << error;
+  forcelayer_result result;
+  ASSERT_EQ(forcelayer_step(runtime, &reading, &result), 0);
+  EXPECT_EQ(result.output, unsigned{FORCELAYER_ARMED});
+  EXPECT_EQ(forcelayer_check_files(), 0);
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));  // the grain of a file's time
+  const std::string same = bytes_of(file("ball.pshell"));
+  std::fstream(file("ball.pshell"), std::ios::in | std::ios::out | std::ios::binary) << same;
+  EXPECT_EQ(forcelayer_check_files(), 1);
+  for (int i = 0; i < 3; ++i) {
+    ASSERT_EQ(forcelayer_step(runtime, &reading, &result), 0);
+    EXPECT_EQ(result.output, unsigned{FORCELAYER_TRIPPED});
+    EXPECT_EQ(result.force_n[2], 0);
+  }
+  EXPECT_NE(std::string(forcelayer_last_trip(runtime)).find("written to"), std::string::npos);
+  forcelayer_close(runtime);
+  runtime = nullptr;
+  EXPECT_EQ(forcelayer_check_files(), 0);
+  open();
+  ASSERT_EQ(start(&low, nullptr, reading), 0) << error;
+  ASSERT_EQ(forcelayer_step(runtime, &reading, &result), 0);
+  EXPECT_EQ(result.output, unsigned{FORCELAYER_ARMED});
 }
 
 // A servo thread that brings the hand to a height at 0.1 m/s, and looks at what the motors get.

@@ -1,0 +1,20 @@
+// Opening a scene and a part for a loop.
+#pragma once
+
+#include <filesystem>
+
+#include "formats/pshell.h"
+#include "formats/result.h"
+#include "formats/voxmap.h"
+
+namespace forcelayer {
+
+// Maps a file and checks everything, section checksums too: what a disk or a network turned over
+// must not be felt. Checksums are read from the file in small pieces, so that only the pages that
+// a run needs are mapped; an unreadable file is an error here, before a motor has a force. A file
+// that is cut short or written to meanwhile is an error as well, where contain_map_loss() is in
+// force.
+Result<Voxmap> open_scene(const std::filesystem::path& path);
+Result<Pshell> open_part(const std::filesystem::path& path);
+
+}  // namespace forcelayer
