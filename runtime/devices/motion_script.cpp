@@ -74,12 +74,13 @@ Result<MotionScript> MotionScript::read(const std::filesystem::path& path) {
   }
   std::ifstream file(path);
   std::vector<Row> rows;
-  std::string line;
+  std::array<char, kMaxLine + 1> line{};  // no more of a file without line ends is held
   std::size_t number = 0;
-  while (std::getline(file, line)) {
+  while (file.getline(line.data(), line.size()) || file.gcount() > 0) {
     ++number;
-    if (line.size() > kMaxLine) return line_error(path, number, "is longer than 4096 bytes");
-    const std::string_view text = without_line_end(line);
+    if (!file && !file.eof()) return line_error(path, number, "is longer than 4096 bytes");
+    const auto length = static_cast<std::size_t>(file.gcount()) - (file.eof() ? 0 : 1);
+    const std::string_view text = without_line_end({line.data(), length});
     if (number == 1) {
       if (text != kHeader) return line_error(path, number, "is not the header line");
       continue;

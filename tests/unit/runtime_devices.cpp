@@ -9,6 +9,7 @@
 #include "runtime/devices/sim_device.h"
 #include "runtime/handle_velocity.h"
 #include "runtime/input_source.h"
+#include "tests/support/address_limit.h"
 #include "tests/support/random_scenes.h"
 #include "tests/support/scratch_folder.h"
 
@@ -59,6 +60,46 @@ TEST(MotionScript, NamesTheLineThatIsWrong) {
     EXPECT_EQ(script.error().where, c.where) << c.text;
   }
   EXPECT_EQ(MotionScript::read("/nowhere/motion.csv").error().code, ErrorCode::kFileNotFound);
+}
+
+// Small files of every kind: every way to end the last line, every place to cut a file at.
+TEST(MotionScript, SmallFilesAreReadWholeOrRefused) {
+  const std::string header(kHeader), row = "0,1,2,3,1,0,0,0", next = "1,4,5,6,1,0,0,0";
+  for (const std::string end : {"", "\n", "\r\n", "\n\n", "\r", "\n\r\n"}) {
+    const auto one = read_text(header + row + end);
+    ASSERT_TRUE(one) << end;
+    EXPECT_EQ(one->end_s(), 0);
+    EXPECT_EQ(one->pose(7).position_m, glm::dvec3(1, 2, 3));
+    EXPECT_EQ(one->velocity(0).linear_mps, glm::dvec3(0));
+    const auto two = read_text(header + row + '\n' + next + end);
+    ASSERT_TRUE(two) << end;
+    EXPECT_EQ(two->end_s(), 1);
+    EXPECT_EQ(two->pose(1).position_m, glm::dvec3(4, 5, 6));
+  }
+  const std::string whole = header + row + '\n' + next + '\n';
+  for (std::size_t bytes = 0; bytes < whole.size(); ++bytes) {
+    const auto cut = read_text(whole.substr(0, bytes));
+    // Without its end the last line is no row, or one with the last number cut: these end in "0".
+    const std::size_t first_end = header.size() + row.size(), second_end = whole.size() - 1;
+    const bool sound = bytes == first_end || bytes == first_end + 1 || bytes == second_end;
+    EXPECT_EQ(cut.ok(), sound) << whole.substr(0, bytes);
+    if (!cut) {
+      EXPECT_EQ(cut.error().code, ErrorCode::kUsage);
+    }
+  }
+  EXPECT_FALSE(read_text(header + row + std::string(1, '\0')));
+  EXPECT_FALSE(read_text(std::string(1, '\0') + header + row));
+  EXPECT_FALSE(read_text("\xef\xbb\xbf" + header + row));
+  // A line of 4096 bytes is read, blanks and all; a longer one is refused before it is held.
+  const auto padded = [&](std::size_t bytes) {
+    return header + std::string(bytes - row.size(), ' ') + row + '\n';
+  };
+  EXPECT_TRUE(read_text(padded(4096)));
+  const auto longer = read_text(padded(4097));
+  ASSERT_FALSE(longer);
+  EXPECT_NE(longer.error().what.find("4096"), std::string::npos);
+  const AddressLimit limit(std::uint64_t{64} << 20);
+  EXPECT_FALSE(MotionScript::read("/dev/zero"));
 }
 
 TEST(Placement, ThereAndBackIsTheSamePose) {
