@@ -40,10 +40,9 @@ std::array<std::int64_t, 3> voxel_of(const std::array<double, 3>& point_m, doubl
 }
 
 bool is_beyond_cropped_side(const VoxmapHeader& h, const std::array<std::int64_t, 3>& voxel) {
+  const KnownBox known = known_box(h);
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const std::uint32_t min_side = 1u << (2 * axis), max_side = 2u << (2 * axis);
-    if ((h.cropped_sides & min_side) && voxel[axis] < h.valid_min_voxel[axis]) return true;
-    if ((h.cropped_sides & max_side) && voxel[axis] >= h.valid_max_voxel[axis]) return true;
+    if (voxel[axis] < known.low[axis] || voxel[axis] >= known.high[axis]) return true;
   }
   return false;
 }

@@ -211,10 +211,9 @@ Status audit_tight_box(const VoxmapHeader& h, const Summary& scene, std::string_
 
 // Whether a box of world voxels lies inside the valid box at all cropped sides.
 bool is_known(const VoxmapHeader& h, const Box& world) {
+  const KnownBox known = known_box(h);
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const std::uint32_t min_side = 1u << (2 * axis), max_side = 2u << (2 * axis);
-    if ((h.cropped_sides & min_side) && world.low[axis] < h.valid_min_voxel[axis]) return false;
-    if ((h.cropped_sides & max_side) && world.high[axis] > h.valid_max_voxel[axis]) return false;
+    if (world.low[axis] < known.low[axis] || world.high[axis] > known.high[axis]) return false;
   }
   return true;
 }

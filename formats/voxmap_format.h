@@ -7,6 +7,8 @@
 // a brick holds 8^3 voxels. Inside nodes and bricks, entry n = x*64 + y*8 + z (z runs fastest).
 #pragma once
 
+#include <limits>
+
 #include "formats/file_format.h"
 
 namespace forcelayer {
@@ -99,6 +101,25 @@ static_assert(offsetof(VoxmapHeader, directory_origin) == 184);
 static_assert(offsetof(VoxmapHeader, interior_voxels) == 224);
 static_assert(offsetof(VoxmapHeader, static_deviation_m) == 256);
 static_assert(offsetof(VoxmapHeader, reserved) == 296);
+
+// The voxels that a file tells of, counted from the world voxel `origin`: all, but for those beyond
+// cropped sides, which read as free and are not known.
+struct KnownBox {
+  std::array<std::int64_t, 3> low{}, high{};  // inclusive, exclusive
+};
+constexpr KnownBox known_box(const VoxmapHeader& header,
+                             const std::array<std::int64_t, 3>& origin = {}) {
+  KnownBox box;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const bool cut_low = (header.cropped_sides >> (2 * axis)) & 1u;
+    const bool cut_high = (header.cropped_sides >> (2 * axis + 1)) & 1u;
+    box.low[axis] = cut_low ? header.valid_min_voxel[axis] - origin[axis]
+                            : std::numeric_limits<std::int64_t>::min();
+    box.high[axis] = cut_high ? header.valid_max_voxel[axis] - origin[axis]
+                              : std::numeric_limits<std::int64_t>::max();
+  }
+  return box;
+}
 
 // Bytes of a brick.
 constexpr std::uint32_t brick_bytes(std::uint32_t bits_per_voxel) {

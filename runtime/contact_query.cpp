@@ -148,17 +148,10 @@ ContactQuery::ContactQuery(const Voxmap& voxmap, const Pshell& shell, const Quer
                                  voxmap.brick_count(), voxmap.header().bits_per_voxel)),
       all_free_(voxmap.header().dims_voxels[0] == 0),
       skipper_(shell, voxmap.voxel_size_m(), skip_options(options, use_kernel_)) {
-  const VoxmapHeader& header = voxmap.header();
+  known_ = known_box(voxmap.header(), voxmap.header().directory_origin);
   for (unsigned axis = 0; axis < 3; ++axis) {
-    const bool cut_min = (header.cropped_sides >> (2 * axis)) & 1u;
-    const bool cut_max = (header.cropped_sides >> (2 * axis + 1)) & 1u;
-    const std::int64_t origin = header.directory_origin[axis];
-    known_min_[axis] =
-        cut_min ? header.valid_min_voxel[axis] - origin : std::numeric_limits<std::int64_t>::min();
-    known_max_[axis] =
-        cut_max ? header.valid_max_voxel[axis] - origin : std::numeric_limits<std::int64_t>::max();
-    kernel_map_.known_min[axis] = to_int32(known_min_[axis]);
-    kernel_map_.known_max[axis] = to_int32(known_max_[axis]);
+    kernel_map_.known_min[axis] = to_int32(known_.low[axis]);
+    kernel_map_.known_max[axis] = to_int32(known_.high[axis]);
   }
   if (options.threads > 1) {
     workers_ = std::make_unique<QueryWorkers>(options.threads - 1);
@@ -215,8 +208,8 @@ double ContactQuery::rounding_bound_m() const {
 
 bool ContactQuery::beyond_cropped_side(std::int32_t x, std::int32_t y,
                                        std::int32_t z) const noexcept {
-  return x < known_min_[0] || x >= known_max_[0] || y < known_min_[1] || y >= known_max_[1] ||
-         z < known_min_[2] || z >= known_max_[2];
+  return x < known_.low[0] || x >= known_.high[0] || y < known_.low[1] || y >= known_.high[1] ||
+         z < known_.low[2] || z >= known_.high[2];
 }
 
 bool ContactQuery::sphere_beyond_cropped_side(const glm::dvec3& center_m) const noexcept {
@@ -224,8 +217,8 @@ bool ContactQuery::sphere_beyond_cropped_side(const glm::dvec3& center_m) const 
     const double relative = center_m[axis] / voxmap_.voxel_size_m() -
                             static_cast<double>(voxmap_.view().directory_origin[axis]);
     const double low = relative - radius_voxels_ - 1, high = relative + radius_voxels_ + 1;
-    if (low < static_cast<double>(known_min_[axis])) return true;
-    if (high >= static_cast<double>(known_max_[axis])) return true;
+    if (low < static_cast<double>(known_.low[axis])) return true;
+    if (high >= static_cast<double>(known_.high[axis])) return true;
   }
   return false;
 }
@@ -316,6 +309,10 @@ void ContactQuery::wake() noexcept {
 
 void ContactQuery::rest() noexcept {
   if (workers_) workers_->rest();
+}
+
+std::vector<std::string> ContactQuery::give_helpers_real_time_priority() {
+  return workers_ ? workers_->take_real_time_priority() : std::vector<std::string>();
 }
 
 void ContactQuery::run(const Pose& world_from_center, CollectedPoints& out) noexcept {

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "formats/pshell.h"
@@ -80,6 +81,9 @@ class ContactQuery {
   void wake() noexcept;
   void rest() noexcept;
 
+  // Real-time priority for them, a step below the loop's; returns warnings.
+  std::vector<std::string> give_helpers_real_time_priority();
+
   // Points that the last run looked at: those of the blocks that were not skipped.
   std::uint64_t points_looked_at() const { return points_looked_at_; }
 
@@ -105,7 +109,7 @@ class ContactQuery {
   float voxel_size_m_;
   std::array<std::uint8_t, 256> value_of_code_{};  // VoxelValue of a stored code
   // Box of the voxels that are known, relative to the directory; unbounded where nothing was cut.
-  std::array<std::int64_t, 3> known_min_{}, known_max_{};
+  KnownBox known_;
   KernelMap kernel_map_;
   KernelShell kernel_shell_;
   bool use_kernel_;

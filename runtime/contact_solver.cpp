@@ -7,6 +7,7 @@ namespace forcelayer {
 namespace {
 
 constexpr int kMaxIterations = 12;
+constexpr int kMaxHalvings = 8;
 constexpr double kConverged = 1e-10;  // change of the velocity over its size: ends the iterations
 
 // The quadratic part at a fixed secant: v A v / 2 - b v.
@@ -49,13 +50,17 @@ Vector6 solve_velocity(const StepSystem& system, ContactRows& rows, const Vector
   for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
     const Quadratic q = smooth_part(system, v);
     Vector6 next = newton_target(q, rows.pushing());
-    // The objective is convex and the step descends: halving ends.
+    // The objective is convex and the step descends: halving leads to a better one. Where it does
+    // not within reason, rounding has the last word, and `v` stays.
     const double before = energy_j(q, v) + rows_j;
-    rows_j = rows.energy_j(next);
-    for (int halving = 0; halving < 8 && !(energy_j(q, next) + rows_j <= before); ++halving) {
+    double next_j = rows.energy_j(next);
+    for (int halving = 0; halving < kMaxHalvings && !(energy_j(q, next) + next_j <= before);
+         ++halving) {
       next = between(v, next, 0.5);
-      rows_j = rows.energy_j(next);
+      next_j = rows.energy_j(next);
     }
+    if (!(energy_j(q, next) + next_j <= before)) break;
+    rows_j = next_j;
     double change = 0, size = 0;
     for (int i = 0; i < 6; ++i) {
       const double mass = system.inertia.lower[Symmetric6::at(i, i)];

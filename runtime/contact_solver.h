@@ -20,7 +20,9 @@ struct StepSystem {
 // Minimises the step's convex energy
 //   (v - v0) M (v - v0) / 2 + coupling(v) + rows.energy_j(v)
 // by Newton's method on the active set, from `guess`. The result is finite for finite input, and
-// never worse than `guess`.
+// never worse than `guess` (but for the rounding of the energies themselves): a clamped coupling
+// enters with a quadratic that touches its energy at the velocity so far and lies above it
+// elsewhere, and a step that does not lower the sum is not made.
 Vector6 solve_velocity(const StepSystem& system, ContactRows& rows, const Vector6& guess) noexcept;
 
 }  // namespace forcelayer

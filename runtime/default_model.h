@@ -48,6 +48,7 @@ class DefaultModel {
   void add_found_contacts(Motion& motion) noexcept;
   void limit_travel(Motion& motion) const noexcept;
   double travel_m(const Vector6& velocity, double dt_s) const noexcept;
+  double most_turn_rad(const Twist& velocity, double dt_s) const noexcept;
   double potential_j(const glm::dvec3& displacement_m, const glm::dvec3& angle_rad,
                      const Looked& looked) const noexcept;
   CouplingHalf rotation_at(const glm::dvec3& angle_rad,

@@ -13,6 +13,7 @@
 #include "runtime/pose_datagram.h"
 #include "runtime/real_time.h"
 #include "runtime/separation.h"
+#include "runtime/step_arithmetic.h"
 
 using namespace forcelayer;
 
@@ -101,16 +102,17 @@ Result<std::unique_ptr<Simulation>> load(const forcelayer_runtime& runtime, cons
   if (!derived) return derived.error();
   auto simulation = Simulation::create(std::move(*voxmap), std::move(*shell), derived->values);
   if (!simulation || runtime.without_guarantee) return simulation;
-  const auto guarantee = separation_guarantee((*simulation)->voxmap().header(),
-                                              (*simulation)->shell().header(),
-                                              (*simulation)->query().rounding_bound_m());
+  const auto guarantee =
+      separation_guarantee((*simulation)->voxmap().header(), (*simulation)->shell().header(),
+                           (*simulation)->query().rounding_bound_m());
   if (Status s = require_guarantee(guarantee, part, "set without_guarantee"); !s) return s.error();
   return simulation;
 }
 
-// Runs what may fail or throw; 0 on success.
+// Runs what may fail or throw, on a host's thread; 0 on success.
 template <typename Body>
 int guarded(char* error, size_t error_bytes, const Body& body) {
+  const StepArithmetic arithmetic;
   try {
     const Status done = body();
     if (done) return 0;
@@ -219,6 +221,7 @@ int forcelayer_step(forcelayer_runtime* runtime, const forcelayer_reading* readi
   *result = {};
   result->world_from_part[3] = 1;
   if (runtime->servo == nullptr) return 1;
+  const StepArithmetic arithmetic;
   const Wrench wrench = runtime->servo->call(sample_from(*reading));
   const Frame& frame = runtime->servo->frame();
   const StepReport& step = frame.result.report;

@@ -5,23 +5,14 @@
 #include <cstdio>
 #include <glm/geometric.hpp>
 
+#include "runtime/vectors.h"
+
 namespace forcelayer {
 namespace {
 
 constexpr double kUnitTolerance = 1e-3;  // of a quaternion's length: floats of a device have 1e-7
 constexpr double kLeastPeriods = 2.5;    // of a slow device, that a reading may be old
 constexpr double kLeastJumpM = 0.001;    // noise and quantisation of the coarsest device
-
-bool finite(const Pose& pose) {
-  const glm::dquat& q = pose.orientation;
-  const glm::dvec3& p = pose.position_m;
-  return std::isfinite(p.x + p.y + p.z) && std::abs(glm::length(q) - 1) < kUnitTolerance;
-}
-
-bool finite(const Twist& twist) {
-  return std::isfinite(glm::dot(twist.linear_mps, glm::dvec3(1)) +
-                       glm::dot(twist.angular_radps, glm::dvec3(1)));
-}
 
 }  // namespace
 
@@ -55,7 +46,8 @@ InputTrouble DeviceInput::trouble(const DeviceSample& sample, double dt_s) noexc
   if (!sample.present) return InputTrouble::kDeviceLost;
   if (!sample.calibrated) return InputTrouble::kNotCalibrated;
   if (age_s_ > limits_.stale_s) return InputTrouble::kFrozen;
-  if (!finite(pose) || (device.senses_velocity && !finite(sample.velocity))) {
+  if (!is_finite(pose) || !is_unit(pose.orientation, kUnitTolerance) ||
+      (device.senses_velocity && !is_finite(sample.velocity))) {
     return InputTrouble::kNotFinite;
   }
   if (outside_workspace(device, pose.position_m, limits_.workspace_reach)) {

@@ -4,10 +4,10 @@
 #include <memory>
 
 #include "runtime/devices/device.h"
-#include "runtime/devices/output_watch.h"
 #include "runtime/frame.h"
 #include "runtime/handle_velocity.h"
 #include "runtime/placement.h"
+#include "runtime/stale_limit.h"
 
 namespace forcelayer {
 
@@ -33,7 +33,7 @@ class InputSource {
 
 // When a device's readings are not to be believed.
 struct InputLimits {
-  double stale_s = OutputWatch::kStaleS;  // without a fresh reading; at least 2.5 of its periods
+  double stale_s = kStaleLimitS;  // without a fresh reading; at least 2.5 of its periods
   double max_jump_mps = HandleVelocity::kMaxSpeedMps;  // between readings of hardware
   double workspace_reach = 2;  // farther out than so many radii is another unit
 };

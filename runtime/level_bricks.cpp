@@ -87,15 +87,7 @@ LevelBricks::LevelBricks(const Voxmap& voxmap)
   const auto& blocks = header.directory_dims;
   strides_ = {blocks[1] * blocks[2] * 64 * 64, blocks[2] * 64, 1};
   keys_are_unique_ = std::uint64_t{blocks[0]} * blocks[1] * blocks[2] < kNoKey / (64 * 64 * 64);
-  for (unsigned axis = 0; axis < 3; ++axis) {
-    const bool cut_min = (header.cropped_sides >> (2 * axis)) & 1u;
-    const bool cut_max = (header.cropped_sides >> (2 * axis + 1)) & 1u;
-    const std::int64_t origin = header.directory_origin[axis];
-    known_min_[axis] =
-        cut_min ? header.valid_min_voxel[axis] - origin : std::numeric_limits<std::int64_t>::min();
-    known_max_[axis] =
-        cut_max ? header.valid_max_voxel[axis] - origin : std::numeric_limits<std::int64_t>::max();
-  }
+  known_ = known_box(header, header.directory_origin);
 }
 
 const std::uint8_t* LevelBricks::hold(std::int32_t bx, std::int32_t by, std::int32_t bz) noexcept {
@@ -120,7 +112,7 @@ const std::uint8_t* LevelBricks::hold(std::int32_t bx, std::int32_t by, std::int
 bool LevelBricks::near_cropped_side(const BrickIndex& brick) const noexcept {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const std::int64_t low = std::int64_t{8} * brick[axis];
-    if (low - 1 < known_min_[axis] || low + 9 > known_max_[axis]) return true;
+    if (low - 1 < known_.low[axis] || low + 9 > known_.high[axis]) return true;
   }
   return false;
 }
@@ -184,7 +176,7 @@ void LevelBricks::decode_voxelwise(const BrickIndex& brick, std::uint8_t* levels
     BrickIndex holder{};
     for (std::size_t axis = 0; axis < 3; ++axis) {
       voxel[axis] = std::int64_t{8} * brick[axis] + in_halo[axis] - 1;
-      voxel[axis] = std::min(std::max(voxel[axis], known_min_[axis]), known_max_[axis] - 1);
+      voxel[axis] = std::min(std::max(voxel[axis], known_.low[axis]), known_.high[axis] - 1);
       holder[axis] = static_cast<std::int32_t>(voxel[axis] >> 3);
     }
     const std::uint8_t* values =

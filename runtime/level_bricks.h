@@ -70,7 +70,7 @@ class LevelBricks {
   std::array<std::uint32_t, 3> strides_{};
   bool keys_are_unique_ = false;
   // Box of the voxels that are known, relative to the directory; unbounded where nothing was cut.
-  std::array<std::int64_t, 3> known_min_{}, known_max_{};  // inclusive, exclusive
+  KnownBox known_;
   std::vector<std::uint32_t> keys_;
   std::vector<std::int32_t> tags_;
   std::vector<std::uint8_t> levels_;

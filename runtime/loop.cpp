@@ -97,7 +97,6 @@ class Runner {
 
 void run_loop(Servo& servo, const LoopOptions& options, SpscRing<Frame>* ring,
               LoopStatistics& statistics) noexcept {
-  flush_denormals();
   Frame frame;
   Runner runner(servo, options, statistics);
   for (std::uint64_t n = 0; !options.frames || n < *options.frames; ++n) {

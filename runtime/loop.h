@@ -9,6 +9,7 @@
 #include "runtime/loop_statistics.h"
 #include "runtime/servo.h"
 #include "runtime/spsc_ring.h"
+#include "runtime/stale_limit.h"
 
 namespace forcelayer {
 
@@ -16,7 +17,7 @@ struct LoopOptions {
   std::optional<std::uint64_t> frames;     // how many; none: until the input ends or stop is set
   bool as_fast_as_possible = false;        // no clock: every frame follows the last at once
   const std::atomic<int>* stop = nullptr;  // ends the loop once it is not 0
-  double stale_s = 0.005;                  // a frame that begins later than this trips the output
+  double stale_s = kStaleLimitS;           // a frame that begins later than this trips the output
   bool end_on_trip = false;                // the first trip ends the loop
 };
 

@@ -1,10 +1,10 @@
 #include "runtime/output_stage.h"
 
 #include <algorithm>
-#include <cmath>
 #include <glm/geometric.hpp>
 
 #include "runtime/devices/output_watch.h"
+#include "runtime/vectors.h"
 
 namespace forcelayer {
 namespace {
@@ -12,22 +12,10 @@ namespace {
 // The device's side reports late that it has let go of the motors again.
 constexpr double kHeldGraceS = 0.05;
 
-// v, or v shortened to `limit`.
-glm::dvec3 at_most(const glm::dvec3& v, double limit) {
-  const double length = glm::length(v);
-  return length > limit ? v * (limit / length) : v;
-}
-
 // `last` moved towards `wanted` by at most `step`; towards zero at once.
 glm::dvec3 moved(const glm::dvec3& last, const glm::dvec3& wanted, double step) {
   if (glm::dot(wanted, wanted) == 0) return wanted;
-  return last + at_most(wanted - last, step);
-}
-
-bool finite(const Wrench& wrench) {
-  const double sum =
-      glm::dot(wrench.force_n, glm::dvec3(1)) + glm::dot(wrench.torque_nm, glm::dvec3(1));
-  return std::isfinite(sum);
+  return last + clamped(wanted - last, step);
 }
 
 }  // namespace
@@ -93,7 +81,7 @@ void OutputStage::trip(TripCause cause) noexcept {
 }
 
 bool OutputStage::may_arm(const OutputFrame& frame) const noexcept {
-  if (frame.faulty || !finite(frame.wanted) || cause_to_trip(frame) != TripCause::kNone) {
+  if (frame.faulty || !is_finite(frame.wanted) || cause_to_trip(frame) != TripCause::kNone) {
     return false;
   }
   if (frame.health.clutch) return true;  // the part is gripped anew, without stretch
@@ -109,7 +97,7 @@ TripCause OutputStage::cause_to_trip(const OutputFrame& frame) const noexcept {
   if (trouble == InputTrouble::kNotCalibrated) return TripCause::kNotCalibrated;
   if (trouble == InputTrouble::kFrozen) return TripCause::kFrozen;  // that took its time already
   if (frame.health.loop_late) return TripCause::kLoopLate;
-  if (!frame.faulty && !finite(frame.wanted)) return TripCause::kNotFinite;
+  if (!frame.faulty && !is_finite(frame.wanted)) return TripCause::kNotFinite;
   if (faulty_s_ > limits_.stale_s) {
     if (trouble == InputTrouble::kImplausible) return TripCause::kImplausible;
     return trouble == InputTrouble::kNotFinite ? TripCause::kInputNotFinite : TripCause::kFrozen;
@@ -121,8 +109,8 @@ TripCause OutputStage::cause_to_trip(const OutputFrame& frame) const noexcept {
 }
 
 Wrench OutputStage::limited(const Wrench& wanted, double gain) const noexcept {
-  return {at_most(wanted.force_n, limits_.max_force_n) * gain,
-          at_most(wanted.torque_nm, limits_.max_torque_nm) * gain};
+  return {clamped(wanted.force_n, limits_.max_force_n) * gain,
+          clamped(wanted.torque_nm, limits_.max_torque_nm) * gain};
 }
 
 Wrench OutputStage::slewed(const Wrench& wanted, double dt_s) const noexcept {
@@ -148,6 +136,10 @@ Wrench OutputStage::pass(const OutputFrame& frame, double dt_s) noexcept {
     return last_;
   }
   armed_s_ += dt_s;
+  if (armed_s_ + 0.5 * dt_s < limits_.zero_s) {
+    last_ = {};
+    return last_;
+  }
   gain_ = frame.health.clutch || frame.health.swapping
               ? std::max(0.0, gain_ - dt_s / limits_.fade_s)
               : std::min(1.0, gain_ + dt_s / limits_.ramp_s);

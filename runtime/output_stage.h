@@ -6,19 +6,22 @@
 
 #include "runtime/input_health.h"
 #include "runtime/pose.h"
+#include "runtime/stale_limit.h"
 
 namespace forcelayer {
 
 struct OutputLimits {
   double max_force_n = 0;
   double max_torque_nm = 0;
-  double ramp_s = 0.2;       // from zero to full output after arming and after the clutch
-  double fade_s = 0.05;      // from full output to zero when the clutch is pressed
-  double slew_s = 0.005;     // full output cannot rise from zero in less
-  double max_speed_mps = 5;  // of the handle at the device: beyond it the output trips
-  double stale_s = 0.005;    // input may be invalid for so long before the output trips
-  bool rearm_alone = false;  // arm again without the user once a trip's cause is gone: for
-                             // simulated hands, never with a motor
+  double zero_s = 0.02;   // zero for so long once armed: the device's side holds its own zero until
+                          // it has seen the loop's, and a write of its has been seen to take 14 ms
+  double ramp_s = 0.2;    // from zero to full output after arming and after the clutch
+  double fade_s = 0.05;   // from full output to zero when the clutch is pressed
+  double slew_s = 0.005;  // full output cannot rise from zero in less
+  double max_speed_mps = 5;       // of the handle at the device: beyond it the output trips
+  double stale_s = kStaleLimitS;  // input may be invalid for so long before the output trips
+  bool rearm_alone = false;       // arm again without the user once a trip's cause is gone: for
+                                  // simulated hands, never with a motor
 };
 
 enum class OutputState : std::uint32_t {
@@ -62,8 +65,9 @@ class OutputStage {
   explicit OutputStage(const OutputLimits& limits) : limits_(limits) {}
 
   // The wrench for the device, once a frame of `dt_s`.
-  // - Armed where the frame is sound and the part free of contact or unstretched; that frame still
-  //   gives exactly zero (OutputWatch), the next ones ramp in.
+  // - Armed where the frame is sound and the part free of contact or unstretched; that frame and
+  //   those of zero_s still give exactly zero (OutputWatch), the next ones ramp in. A trip gives at
+  //   least as much zero: its own frames, and those of arming again.
   // - A fault gives zero in the same frame. Where it lasts longer than stale_s, and at once where
   //   the device is gone, the loop late, the map lost, the wrench not finite or the hand too fast,
   //   the output trips: zero until armed again, by itself where the limits say so, else by the

@@ -1,6 +1,7 @@
 #include "runtime/query_workers.h"
 
 #include "runtime/real_time.h"
+#include "runtime/step_arithmetic.h"
 
 #if defined(__SSE2__)
 #include <emmintrin.h>
@@ -43,6 +44,10 @@ void QueryWorkers::wake() noexcept {
 
 void QueryWorkers::rest() noexcept { awake_.store(0); }
 
+std::vector<std::string> QueryWorkers::take_real_time_priority() {
+  return give_real_time_priority(threads_);
+}
+
 // Takes the next chunk of the job at hand and does it. False where none is left.
 bool QueryWorkers::take_chunk() noexcept {
   std::uint64_t ticket = ticket_.load(std::memory_order_acquire);
@@ -57,7 +62,7 @@ bool QueryWorkers::take_chunk() noexcept {
 }
 
 void QueryWorkers::help() noexcept {
-  flush_denormals();
+  const StepArithmetic arithmetic;
   while (!ended_.load(std::memory_order_relaxed)) {
     if (awake_.load(std::memory_order_relaxed) == 0) {
       awake_.wait(0);

@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -27,6 +28,9 @@ class QueryWorkers {
   // Runs job(context, 0..chunks-1) on this thread and on the helpers that are awake; returns when
   // all are done. `chunks` at most kMostChunks.
   void run(Job job, void* context, std::uint32_t chunks) noexcept;
+
+  // For the helpers, once; returns warnings (real_time.h).
+  std::vector<std::string> take_real_time_priority();
 
   unsigned helpers() const { return static_cast<unsigned>(threads_.size()); }
 

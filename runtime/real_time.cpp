@@ -1,6 +1,7 @@
 #include "runtime/real_time.h"
 
 #include <errno.h>
+#include <pthread.h>
 #include <sched.h>
 #include <sys/mman.h>
 #include <time.h>
@@ -8,10 +9,6 @@
 
 #include <cstdio>
 #include <cstring>
-
-#if defined(__SSE2__)
-#include <xmmintrin.h>
-#endif
 
 namespace forcelayer {
 namespace {
@@ -26,17 +23,13 @@ void prefault_stack() noexcept {
   asm volatile("" : : "r"(stack) : "memory");  // keeps the compiler from dropping it
 }
 
-}  // namespace
-
-void flush_denormals() noexcept {
-#if defined(__SSE2__)
-  _mm_setcsr(_mm_getcsr() | 0x8040u);  // FTZ and DAZ
-#elif defined(__aarch64__)
-  unsigned long long control = 0;
-  asm volatile("mrs %0, fpcr" : "=r"(control));
-  asm volatile("msr fpcr, %0" : : "r"(control | (1ull << 24)));
-#endif
+std::vector<std::string> no_priority(int number, const char* whose) {
+  return {std::string("no real-time priority") + whose + " (" + std::strerror(number) +
+          "): other programs will delay the loop; raise the rtprio limit "
+          "(/etc/security/limits.d: @realtime - rtprio 90)"};
 }
+
+}  // namespace
 
 std::vector<std::string> lock_memory() {
   prefault_stack();
@@ -51,9 +44,24 @@ std::vector<std::string> take_real_time_priority() {
   sched_param parameters{};
   parameters.sched_priority = kPriority;
   if (sched_setscheduler(0, SCHED_FIFO | SCHED_RESET_ON_FORK, &parameters) == 0) return {};
-  return {std::string("no real-time priority (") + std::strerror(errno) +
-          "): other programs will delay the loop; raise the rtprio limit "
-          "(/etc/security/limits.d: @realtime - rtprio 90)"};
+  return no_priority(errno, "");
+}
+
+std::vector<std::string> give_real_time_priority(std::span<std::thread> helpers) {
+  cpu_set_t cores;
+  if (sched_getaffinity(0, sizeof cores, &cores) == 0 &&
+      static_cast<std::size_t>(CPU_COUNT(&cores)) <= helpers.size()) {
+    return {"no real-time priority for the query's helper threads: " +
+            std::to_string(helpers.size() + 1) + " threads on " +
+            std::to_string(CPU_COUNT(&cores)) + " cores; give fewer --threads"};
+  }
+  sched_param parameters{};
+  parameters.sched_priority = kPriority - 1;
+  for (std::thread& helper : helpers) {
+    const int refused = pthread_setschedparam(helper.native_handle(), SCHED_FIFO, &parameters);
+    if (refused != 0) return no_priority(refused, " for the query's helper threads");
+  }
+  return {};
 }
 
 long long monotonic_ns() noexcept {

@@ -1,15 +1,13 @@
-// Asking the system for real time: scheduling, locked memory, flushed denormals. Each is degraded
-// with a line that says what to do about it.
+// Asking the system for real time: scheduling, locked memory. Each is degraded with a line that
+// says what to do about it.
 #pragma once
 
+#include <span>
 #include <string>
+#include <thread>
 #include <vector>
 
 namespace forcelayer {
-
-// Denormal results and operands count as zero in this thread from now on: they cost hundreds of
-// cycles each.
-void flush_denormals() noexcept;
 
 // Locks what the process touches from now on, and faults in 256 KiB of this thread's stack.
 // Returns warnings.
@@ -17,6 +15,12 @@ std::vector<std::string> lock_memory();
 
 // SCHED_FIFO for this thread. Returns warnings.
 std::vector<std::string> take_real_time_priority();
+
+// The same for threads that help this one while it waits for them, a step below it: it is never
+// held up by a helper that only looks for work. They keep their ordinary priority where this thread
+// and they are more than the cores it may use: a helper that waits for a core could not be waited
+// for without taking it from everybody. Returns warnings.
+std::vector<std::string> give_real_time_priority(std::span<std::thread> helpers);
 
 // Sleeps until CLOCK_MONOTONIC reaches `deadline_ns`; returns at once where it has. Signals do not
 // cut it short unless they set what the caller looks at.

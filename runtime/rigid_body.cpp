@@ -33,8 +33,8 @@ double kinetic_energy_j(const RigidMass& mass, const glm::dquat& orientation,
          0.5 * glm::dot(body_radps, mass.inertia_kgm2 * body_radps);
 }
 
-Pose advance(const RigidMass& mass, const Pose& world_from_center, Twist& velocity,
-             double dt_s) noexcept {
+Pose advance(const RigidMass& mass, const Pose& world_from_center, Twist& velocity, double dt_s,
+             double most_turn_rad) noexcept {
   Pose moved = world_from_center;
   moved.position_m += velocity.linear_mps * dt_s;
   if (velocity.angular_radps == glm::dvec3(0)) return moved;
@@ -50,13 +50,18 @@ Pose advance(const RigidMass& mass, const Pose& world_from_center, Twist& veloci
     last_radps = middle_radps;
     middle_radps = angular_at(rotation_by(middle_radps * (0.5 * dt_s)) * start);
   }
-  moved.orientation = glm::normalize(rotation_by(middle_radps * dt_s) * start);
+  const bool resolved =
+      glm::length(middle_radps - last_radps) <= kConverged * glm::length(middle_radps);
+  glm::dvec3 turn_rad = middle_radps * dt_s;
+  const double angle_rad = glm::length(turn_rad);
+  const bool held = angle_rad > most_turn_rad;
+  if (held) turn_rad *= most_turn_rad / angle_rad;
+  moved.orientation = glm::normalize(rotation_by(turn_rad) * start);
   const double before = glm::dot(momentum, velocity.angular_radps);  // twice the energy
   velocity.angular_radps = angular_at(moved.orientation);
   const double after = glm::dot(momentum, velocity.angular_radps);
-  const bool resolved =
-      glm::length(middle_radps - last_radps) <= kConverged * glm::length(middle_radps);
-  if (!resolved && after > before) velocity.angular_radps *= std::sqrt(before / after);
+  // A rotation that was held ends where the rule would not: it bounds no energy there.
+  if ((held || !resolved) && after > before) velocity.angular_radps *= std::sqrt(before / after);
   return moved;
 }
 

@@ -6,6 +6,7 @@
 #include "runtime/coupling.h"
 #include "runtime/outcome_hash.h"
 #include "runtime/real_time.h"
+#include "runtime/step_arithmetic.h"
 
 namespace forcelayer {
 namespace {
@@ -75,6 +76,7 @@ OutputFrame Servo::output_frame(const Frame& frame) const noexcept {
 }
 
 bool Servo::tick(Frame& frame) noexcept {
+  const StepArithmetic arithmetic;
   frame.number = state_.frame;
   frame.time_s = static_cast<double>(state_.frame) * dt_s_;
   if (!input_.next(frame.time_s, dt_s_, frame.input)) return false;

@@ -1,37 +1,23 @@
 #include "runtime/simulation.h"
 
 #include <algorithm>
-#include <cmath>
 #include <glm/geometric.hpp>
 
 #include "runtime/coupling.h"
 #include "runtime/paper_model.h"
 #include "runtime/passivity.h"
-#include "runtime/virtual_coupling.h"
+#include "runtime/step_arithmetic.h"
+#include "runtime/vectors.h"
 
 namespace forcelayer {
 namespace {
 
 constexpr double kUnitTolerance = 1e-6;  // of a quaternion's length: far above rounding
 
-bool finite(const glm::dvec3& v) {
-  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
-
-bool finite(const glm::dquat& q) {
-  return std::isfinite(q.w) && std::isfinite(q.x) && std::isfinite(q.y) && std::isfinite(q.z);
-}
-
-bool finite(const Pose& pose) { return finite(pose.position_m) && finite(pose.orientation); }
-
-bool finite(const Twist& twist) { return finite(twist.linear_mps) && finite(twist.angular_radps); }
-
-bool finite(const Wrench& wrench) { return finite(wrench.force_n) && finite(wrench.torque_nm); }
-
 std::uint32_t input_faults(const StepInput& input) {
   if (input.valid != kInputValid && input.valid != kInputClutched) return kFaultInvalidInput;
-  if (!finite(input.world_from_handle) || !finite(input.handle_velocity) ||
-      !(std::abs(glm::length(input.world_from_handle.orientation) - 1) < kUnitTolerance)) {
+  if (!is_finite(input.world_from_handle) || !is_finite(input.handle_velocity) ||
+      !is_unit(input.world_from_handle.orientation, kUnitTolerance)) {
     return kFaultNonFiniteInput;
   }
   return 0;
@@ -161,6 +147,7 @@ State Simulation::registered(const PartStart& start, const Pose& world_from_hand
 }
 
 StepResult Simulation::step(State& state, const StepInput& input, double dt_s) noexcept {
+  const StepArithmetic arithmetic;
   const State before = state;
   if (const std::uint32_t faults = input_faults(input)) {
     StepResult result = stopped(state, before, faults);
@@ -184,8 +171,8 @@ StepResult Simulation::step(State& state, const StepInput& input, double dt_s) n
   }
   if (voxmap_watch_.lost() || shell_watch_.lost()) {
     result = stopped(state, before, kFaultMapLost);
-  } else if (!finite(state.world_from_center) || !finite(state.velocity) ||
-             !finite(result.wrench)) {
+  } else if (!is_finite(state.world_from_center) || !is_finite(state.velocity) ||
+             !is_finite(result.wrench)) {
     result = stopped(state, before, kFaultNonFiniteState);
   } else {
     observe_energy(parameters_, state, input, dt_s, result);

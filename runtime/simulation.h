@@ -27,7 +27,8 @@ struct StepContext {
 };
 
 // Owns the map, the shell and the memory that a step needs. step() is a pure function of its
-// arguments and of what create() was given: two calls with equal arguments give equal bits.
+// arguments and of what create() was given: two calls with equal arguments give equal bits,
+// whatever the calling thread rounds or flushes (step_arithmetic.h).
 class Simulation {
  public:
   // Takes over both files. Errors: kFilesDoNotMatch where the part is too large for the voxel size;
@@ -49,6 +50,9 @@ class Simulation {
   // Around a step in which the query's helper threads should take part. Both call the system.
   void wake_helpers() noexcept { query_.wake(); }
   void rest_helpers() noexcept { query_.rest(); }
+  std::vector<std::string> give_helpers_real_time_priority() {
+    return query_.give_helpers_real_time_priority();
+  }
 
   // The part's frame (its mesh's) from its centroid frame, and back.
   Pose world_from_part(const Pose& world_from_center) const;

@@ -4,11 +4,6 @@
 
 namespace forcelayer {
 
-glm::dvec3 clamped(const glm::dvec3& v, double limit) noexcept {
-  const double length = glm::length(v);
-  return length > limit ? v * (limit / length) : v;
-}
-
 glm::dvec3 effective_stretch(const CouplingHalf& half, const HalfStretch& stretch,
                              const glm::dvec3& velocity) noexcept {
   return stretch.displacement -

@@ -22,9 +22,6 @@ struct HalfStretch {
   glm::dvec3 target_velocity{0};
 };
 
-// v, shortened to `limit` where it is longer.
-glm::dvec3 clamped(const glm::dvec3& v, double limit) noexcept;
-
 // Displacement of the spring at which it alone has the force of spring and damper together, before
 // the clamp: d - B (v - v_target) / k.
 glm::dvec3 effective_stretch(const CouplingHalf& half, const HalfStretch& stretch,

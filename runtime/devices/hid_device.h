@@ -31,8 +31,7 @@ struct HidStatistics {
 class HidDevice final : public Device, private HidLinkClient {
  public:
   // `bus`: make_hid_bus(), or a test's own. `stale_s`: how old the loop's last wrench may be.
-  HidDevice(std::unique_ptr<HidBus> bus, HidSelector selector,
-            double stale_s = OutputWatch::kStaleS);
+  HidDevice(std::unique_ptr<HidBus> bus, HidSelector selector, double stale_s = kStaleLimitS);
   ~HidDevice() override;
 
   const DeviceCapabilities& capabilities() const override { return capabilities_; }

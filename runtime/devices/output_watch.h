@@ -5,6 +5,7 @@
 #include <glm/vec3.hpp>
 
 #include "runtime/pose.h"
+#include "runtime/stale_limit.h"
 
 namespace forcelayer {
 
@@ -18,13 +19,12 @@ inline double late_gain(double age_share) noexcept {
 
 class OutputWatch {
  public:
-  static constexpr double kStaleS = 0.005;  // the host's stale limit (DESIGN 7)
-
-  explicit OutputWatch(double stale_s = kStaleS) : stale_s_(stale_s) {}
+  explicit OutputWatch(double stale_s = kStaleLimitS) : stale_s_(stale_s) {}
 
   // The wrench for the motors now: `newest` is the loop's last, written `age_s` ago. Less with age
   // (late_gain), zero beyond the stale limit, and from then on zero until the loop has written
-  // exactly zero: it does so in every frame in which it is not armed, and ramps from there.
+  // exactly zero: it does so in every frame in which it is not armed, for zero_s longer
+  // (OutputLimits), and ramps from there.
   Wrench pass(const Wrench& newest, double age_s) noexcept {
     if (!(age_s <= stale_s_)) latched_ = true;
     const bool zero = newest.force_n == glm::dvec3(0) && newest.torque_nm == glm::dvec3(0);

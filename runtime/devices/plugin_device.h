@@ -11,6 +11,7 @@
 
 #include "runtime/devices/device.h"
 #include "runtime/devices/plugin_link.h"
+#include "runtime/stale_limit.h"
 
 namespace forcelayer {
 
@@ -18,7 +19,7 @@ struct PluginOptions {
   std::filesystem::path library;  // the plugin
   std::string arguments;          // for its open()
   std::filesystem::path host;     // the program voxrun-plugin; empty: beside the running program
-  double stale_s = 0.005;         // of the loop, as the plugin's process sees it
+  double stale_s = kStaleLimitS;  // of the loop, as the plugin's process sees it
   double open_s = 20;             // what open() may take: some devices calibrate first
 };
 

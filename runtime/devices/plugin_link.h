@@ -8,6 +8,7 @@
 
 #include "runtime/devices/forcelayer_plugin.h"
 #include "runtime/latest_value.h"
+#include "runtime/stale_limit.h"
 
 namespace forcelayer {
 
@@ -34,7 +35,7 @@ struct PluginCommand {
 
 struct PluginLink {
   std::uint32_t version = kPluginLinkVersion;
-  double stale_s = 0.005;
+  double stale_s = kStaleLimitS;
   std::atomic<PluginState> state{PluginState::kStarting};
   std::atomic<std::uint32_t> stop{0};  // by the host
   std::array<char, 256> error{};

@@ -6,17 +6,13 @@
 #include <glm/geometric.hpp>
 
 #include "runtime/coupling.h"
+#include "runtime/vectors.h"
 
 namespace forcelayer {
 namespace {
 
 glm::dvec3 in_steps(const glm::dvec3& value, double step) {
   return step > 0 ? glm::floor(value / step + 0.5) * step : value;
-}
-
-glm::dvec3 at_most(const glm::dvec3& v, double limit) {
-  const double length = glm::length(v);
-  return length > limit ? v * (limit / length) : v;
 }
 
 // A velocity after `h` under `push`: implicit in the damping, and with Coulomb friction that stops
@@ -56,7 +52,7 @@ Wrench SimHand::delayed(const Wrench& wrench) noexcept {
 
 void SimHand::turn(const Pose& wanted, const glm::dvec3& torque_nm, double h) noexcept {
   const glm::dvec3 pull_nm =
-      at_most(p_.hand_stiffness_nm_per_rad * turn_between(pose_.orientation, wanted.orientation),
+      clamped(p_.hand_stiffness_nm_per_rad * turn_between(pose_.orientation, wanted.orientation),
               p_.hand_torque_nm);
   velocity_.angular_radps = after_push(
       velocity_.angular_radps, pull_nm + torque_nm, p_.device_inertia_kgm2 + p_.hand_inertia_kgm2,
@@ -77,7 +73,7 @@ Pose SimHand::step(const Pose& wanted, const Wrench& on_hand, double dt_s) noexc
   const double h = dt_s / substeps;
   for (int i = 0; i < substeps; ++i) {
     const Wrench felt = delayed(output);
-    const glm::dvec3 pull_n = at_most(
+    const glm::dvec3 pull_n = clamped(
         p_.hand_stiffness_n_per_m * (wanted.position_m - pose_.position_m), p_.hand_force_n);
     velocity_.linear_mps =
         after_push(velocity_.linear_mps, pull_n + felt.force_n, p_.device_mass_kg + p_.hand_mass_kg,

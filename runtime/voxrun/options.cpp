@@ -60,10 +60,11 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
   app.add_option("--grip", texts_.grip, "handle_from_part, in the same way");
   app.add_option("--world-from-device", texts_.world_from_device, "place of the device");
   app.add_option("--motion-scale", options_.motion_scale, "scene metres a metre of the device");
-  app.add_option("--reach", texts_.reach,
-                 "x0,y0,z0,x1,y1,z1: box of the scene that the part can reach; its pages of the "
-                 "map, and no others, are kept in memory from the start (what the device's workspace "
-                 "allows, where that is known; else all)");
+  app.add_option(
+      "--reach", texts_.reach,
+      "x0,y0,z0,x1,y1,z1: box of the scene that the part can reach; its pages of the "
+      "map, and no others, are kept in memory from the start (what the device's workspace "
+      "allows, where that is known; else all)");
   app.add_option("--json", options_.json, "write a report");
   app.add_option("--trace", options_.trace, "write a CSV line a frame");
   app.add_option("--record", options_.record, "write a recording for --replay");

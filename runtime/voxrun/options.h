@@ -9,6 +9,7 @@
 #include "runtime/parameters.h"
 #include "runtime/placement.h"
 #include "runtime/prefault.h"
+#include "runtime/stale_limit.h"
 #include "runtime/voxrun/hid_choice.h"
 
 namespace CLI {
@@ -48,7 +49,7 @@ struct Options {
   std::optional<ReachBox> reach;          // --reach: none: what the handle's workspace allows
   std::optional<AfterTrip> after_trip;    // none: the device's own
   std::optional<unsigned> clutch_button;  // none: the device's own
-  double stale_s = 0.005;
+  double stale_s = kStaleLimitS;
   double max_speed_mps = 5;
   std::map<std::string, double> settings;  // parameters by ParameterInfo::name
 };

@@ -187,10 +187,11 @@ LoopOptions loop_options(const Options& options, const Session& session,
   return loop;
 }
 
-void make_real_time(const Options& options, std::vector<std::string>& warnings) {
+void make_real_time(const Options& options, Simulation& simulation,
+                    std::vector<std::string>& warnings) {
   if (options.as_fast_as_possible) return;
-  for (const auto& ask : {lock_memory, take_real_time_priority}) {
-    const auto refused = ask();
+  for (const auto& refused :
+       {lock_memory(), take_real_time_priority(), simulation.give_helpers_real_time_priority()}) {
     warnings.insert(warnings.end(), refused.begin(), refused.end());
   }
 }
@@ -314,7 +315,7 @@ Status run_frames(const Options& options, Session& session, std::atomic<int>& st
   session.facts.scene_file_bytes = voxmap.bytes().size();
   session.facts.prefaulted_bytes = prefault(voxmap, reach_of(options, session));
   const std::size_t warned = session.facts.warnings.size();
-  make_real_time(options, session.facts.warnings);
+  make_real_time(options, *session.simulation, session.facts.warnings);
   print_warnings(session.facts, warned);
   const double stolen_s = steal_seconds();
   const long long begin_ns = monotonic_ns();

@@ -176,8 +176,8 @@ std::string bytes_of(const std::string& path) {
 
 TEST_F(CInterface, RefusesDamagedFilesAndThoseWithoutAGuarantee) {
   const auto refusal = [&](const char* scene, const char* part) -> std::string {
-    runtime = forcelayer_open(file(scene).c_str(), file(part).c_str(), &options, error,
-                              sizeof error);
+    runtime =
+        forcelayer_open(file(scene).c_str(), file(part).c_str(), &options, error, sizeof error);
     const std::string said = runtime == nullptr ? error : "";
     forcelayer_close(runtime);
     runtime = nullptr;

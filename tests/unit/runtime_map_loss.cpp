@@ -24,8 +24,8 @@ namespace {
 
 constexpr double kS = 0.005;
 
-// A run of 600 frames that presses on the slab; after 300 the files are changed and, as beside every
-// loop, looked at, where that is not left to the SIGBUS.
+// A run of 600 frames that presses on the slab; after 300 the files are changed and, as beside
+// every loop, looked at, where that is not left to the SIGBUS.
 struct MappedRun {
   ScratchFolder folder;
   std::unique_ptr<Simulation> sim;
@@ -76,8 +76,9 @@ struct MappedRun {
   }
 
   bool stopped_at_zero() const {
-    return frames < (looks ? 302 : 600) && output == OutputState::kTripped && trip == TripCause::kMapLost &&
-           last_wrench.force_n == glm::dvec3(0) && last_wrench.torque_nm == glm::dvec3(0);
+    return frames < (looks ? 302 : 600) && output == OutputState::kTripped &&
+           trip == TripCause::kMapLost && last_wrench.force_n == glm::dvec3(0) &&
+           last_wrench.torque_nm == glm::dvec3(0);
   }
 };
 
@@ -143,8 +144,7 @@ TEST(MapLossDeathTest, NoThreadReadsAPageThatIsHalfMade) {
     const auto file = MappedFile::open_for_long(path);
     const WatchedMapping watch(file->bytes(), file->stamp());
     std::filesystem::resize_file(path, 0);
-    const auto* const words =
-        reinterpret_cast<const volatile std::uint32_t*>(file->bytes().data());
+    const auto* const words = reinterpret_cast<const volatile std::uint32_t*>(file->bytes().data());
     std::atomic<std::size_t> arrived{0}, wrong{0};
     std::vector<std::thread> threads;
     for (int n = 0; n < kThreads; ++n) {

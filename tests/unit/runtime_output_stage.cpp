@@ -6,6 +6,8 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
+#include "runtime/devices/output_watch.h"
+
 namespace forcelayer::test {
 namespace {
 
@@ -25,6 +27,18 @@ OutputFrame frame(double force_n) {
   return f;
 }
 
+// Zero for 20 ms once armed: a device's side that writes for milliseconds sees it all the same.
+constexpr int kZeroFrames = 20;
+
+void expect_zero(OutputStage& stage, const OutputFrame& frame, int frames) {
+  for (int i = 0; i < frames; ++i) {
+    const Wrench out = stage.pass(frame, kDt);
+    EXPECT_EQ(out.force_n, glm::dvec3(0)) << i;
+    EXPECT_EQ(out.torque_nm, glm::dvec3(0)) << i;
+    EXPECT_TRUE(stage.at_zero());
+  }
+}
+
 // A stage that has ramped in and holds `force_n`.
 OutputStage armed(double force_n) {
   OutputStage stage(limits());
@@ -35,7 +49,7 @@ OutputStage armed(double force_n) {
 
 TEST(OutputStage, RampsInOver200Milliseconds) {
   OutputStage stage(limits());
-  EXPECT_EQ(stage.pass(frame(4), kDt).force_n.x, 0);  // the frame that arms: OutputWatch wants it
+  expect_zero(stage, frame(4), kZeroFrames);  // from the frame that arms: OutputWatch wants it
   double last = 0;
   for (int i = 1; i <= 200; ++i) {
     const double x = stage.pass(frame(4), kDt).force_n.x;
@@ -53,7 +67,7 @@ TEST(OutputStage, DoesNotArmInAStretchedContact) {
   for (int i = 0; i < 10; ++i) EXPECT_EQ(stage.pass(f, kDt).force_n.x, 0);
   EXPECT_EQ(stage.state(), OutputState::kWaiting);
   f.unstretched = true;
-  stage.pass(f, kDt);
+  expect_zero(stage, f, kZeroFrames);
   EXPECT_GT(stage.pass(f, kDt).force_n.x, 0);
 }
 
@@ -96,8 +110,40 @@ TEST(OutputStage, LastingFaultsTripAndArmAgainWithARamp) {
   for (int i = 0; i < 7; ++i) EXPECT_EQ(stage.pass(f, kDt).force_n.x, 0);
   EXPECT_EQ(stage.state(), OutputState::kTripped);
   EXPECT_EQ(stage.last_trip(), TripCause::kFrozen);
-  EXPECT_EQ(stage.pass(frame(1), kDt).force_n.x, 0);
+  expect_zero(stage, frame(1), kZeroFrames);
   EXPECT_NEAR(stage.pass(frame(1), kDt).force_n.x, 1 / 200.0, 1e-12);
+}
+
+TEST(OutputStage, TheZeroIsATimeAndNotANumberOfFrames) {
+  for (const auto& [dt_s, frames] : {std::pair{0.05, 1}, {0.01, 2}, {0.00025, 80}}) {
+    OutputStage stage(limits());
+    for (int i = 0; i < frames; ++i) EXPECT_EQ(stage.pass(frame(1), dt_s).force_n.x, 0) << dt_s;
+    EXPECT_GT(stage.pass(frame(1), dt_s).force_n.x, 0) << dt_s;
+  }
+}
+
+// A device's side whose writes take 14 ms takes every so many frames what is newest. It never
+// gets stuck at its own zero, whenever the output arms or trips and arms again.
+TEST(OutputStage, ADevicesSideThatIsSlowSeesTheZero) {
+  for (int first = 0; first < 14; ++first) {
+    OutputLimits l = limits();
+    l.rearm_alone = true;
+    OutputStage stage(l);
+    OutputWatch watch;
+    double felt_n = 0;
+    int latched_frames = 0;
+    for (int i = 0; i < 2000; ++i) {
+      OutputFrame f = frame(1);
+      if (i % 700 == 350) f.health.loop_late = true;  // trips, and arms again in the next frame
+      const Wrench out = stage.pass(f, kDt);
+      if (f.health.loop_late) watch.pass(out, 1);  // its own side let go as well
+      if (i % 14 != first) continue;
+      felt_n = watch.pass(out, 0).force_n.x;
+      latched_frames += watch.latched() ? 1 : 0;
+    }
+    EXPECT_EQ(felt_n, 1) << first;
+    EXPECT_LE(latched_frames, 4) << first;
+  }
 }
 
 TEST(OutputStage, WhatIsNotFiniteNeverPasses) {
@@ -224,7 +270,7 @@ TEST(OutputStage, TheClutchArmsATrippedOutputButNotWhileTheCauseLasts) {
   OutputFrame pressed = frame(1);
   pressed.free_of_contact = false;
   pressed.health.clutch = true;
-  for (int i = 0; i < 5; ++i) EXPECT_EQ(stage.pass(pressed, kDt).force_n.x, 0);
+  expect_zero(stage, pressed, kZeroFrames);
   EXPECT_EQ(stage.state(), OutputState::kArmed);
   EXPECT_NEAR(stage.pass(frame(1), kDt).force_n.x, 1 / 200.0, 1e-12);
 }

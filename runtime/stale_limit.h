@@ -1,0 +1,9 @@
+// The stale limit that the loop, its output and every device's side begin with.
+#pragma once
+
+namespace forcelayer {
+
+// The host's: older than this, neither a reading nor a wrench counts (DESIGN 7).
+inline constexpr double kStaleLimitS = 0.005;
+
+}  // namespace forcelayer
