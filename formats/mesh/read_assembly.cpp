@@ -49,8 +49,8 @@ const Format& format_of(const SourceFile& file) {
 }
 
 // What stays the same while nobody writes to a file.
-struct FileStamp {
-  explicit FileStamp(const std::string& path) {
+struct PathStamp {
+  explicit PathStamp(const std::string& path) {
     struct stat status {};
     if (::stat(path.c_str(), &status) != 0) return;
     device = status.st_dev;
@@ -60,7 +60,7 @@ struct FileStamp {
   }
 
   // Not of a file that another took the place of: the old one stays whole while it is mapped.
-  bool written_since(const FileStamp& before) const {
+  bool written_since(const PathStamp& before) const {
     return device == before.device && file == before.file &&
            (bytes != before.bytes || modified.tv_sec != before.modified.tv_sec ||
             modified.tv_nsec != before.modified.tv_nsec);
@@ -99,12 +99,12 @@ Result<Assembly> read_source(const SourceFile& file) {
 Result<Assembly> read_assembly(const std::string& path, const ReadOptions& options) {
   SourceFile file = named_file(path);
   file.options = options;
-  const FileStamp before(file.path);
+  const PathStamp before(file.path);
   const Result<MappedFile> mapped = MappedFile::open(file.path);
   if (!mapped) return mapped.error();
   file.bytes = text_of(*mapped);
   Result<Assembly> assembly = read_source(file);
-  if (FileStamp(file.path).written_since(before)) {
+  if (PathStamp(file.path).written_since(before)) {
     return Error{ErrorCode::kReadFailed, file.path, "", "has changed while it was being read",
                  "start again"};
   }
