@@ -16,6 +16,7 @@
 #include <system_error>
 #include <utility>
 
+#include "formats/descriptor.h"
 #include "formats/temporary_files.h"
 
 namespace forcelayer {
@@ -133,13 +134,8 @@ Status AtomicFile::open_temporary() {
 }
 
 Status AtomicFile::write(std::span<const std::byte> bytes) {
-  constexpr std::size_t kMaxPiece = std::size_t{1} << 30;  // write() takes less than 2 GiB
-  while (!bytes.empty()) {
-    const auto written = ::write(descriptor_, bytes.data(), std::min(bytes.size(), kMaxPiece));
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) return write_error(errno);
-    bytes = bytes.subspan(static_cast<std::size_t>(written));
-  }
+  const int failed = write_all(descriptor_, bytes);
+  if (failed != 0) return write_error(failed);
   return {};
 }
 

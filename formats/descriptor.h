@@ -1,8 +1,12 @@
-// A file descriptor that its owner closes.
+// A file descriptor that its owner closes, and writing to one.
 #pragma once
 
 #include <unistd.h>
 
+#include <algorithm>
+#include <cerrno>
+#include <cstddef>
+#include <span>
 #include <utility>
 
 namespace forcelayer {
@@ -26,5 +30,17 @@ class Descriptor {
  private:
   int number_ = -1;
 };
+
+// Writes all of `bytes`; 0, or the system's error number.
+inline int write_all(int descriptor, std::span<const std::byte> bytes) {
+  constexpr std::size_t kMaxPiece = std::size_t{1} << 30;  // write() takes less than 2 GiB
+  while (!bytes.empty()) {
+    const auto written = ::write(descriptor, bytes.data(), std::min(bytes.size(), kMaxPiece));
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) return errno;
+    bytes = bytes.subspan(static_cast<std::size_t>(written));
+  }
+  return 0;
+}
 
 }  // namespace forcelayer

@@ -146,7 +146,7 @@ void fill_blocks(std::span<const Vec3> points, BakedShell& shell) {
   shell.mean_block_radius_m = sum / static_cast<double>(shell.blocks.size());
 }
 
-void fill_header(const BakeOptions& options, const MassProperties& mass,
+void fill_header(const ShellOptions& options, const MassProperties& mass,
                  std::span<const Vec3> points, double radius, const Part& part, BakedShell& shell) {
   PshellHeader& header = shell.header;
   header.point_count = points.size();
@@ -167,7 +167,7 @@ void fill_header(const BakeOptions& options, const MassProperties& mass,
   header.triangles = part.input_triangles;
 }
 
-Result<BakedShell> bake(Part part, const BakeOptions& options, const BakeProgress& progress) {
+Result<BakedShell> bake(Part part, const ShellOptions& options, const BakeProgress& progress) {
   BakedShell shell;
   Stages stages(shell, progress);
   double radius = requested_covering_radius(options);
@@ -225,12 +225,13 @@ Result<BakedShell> bake(Part part, const BakeOptions& options, const BakeProgres
 
 }  // namespace
 
-double requested_covering_radius(const BakeOptions& options) {
+double requested_covering_radius(const ShellOptions& options) {
   return options.covering_radius_m > 0 ? options.covering_radius_m
                                        : std::sqrt(0.75) * options.voxel_size_m;
 }
 
-Result<BakedShell> bake_shell(Part part, const BakeOptions& options, const BakeProgress& progress) {
+Result<BakedShell> bake_shell(Part part, const ShellOptions& options,
+                              const BakeProgress& progress) {
   std::optional<Result<BakedShell>> shell;
   with_threads(options.threads, [&] { shell = bake(std::move(part), options, progress); });
   return std::move(*shell);

@@ -14,7 +14,7 @@
 
 namespace forcelayer {
 
-struct BakeOptions {
+struct ShellOptions {
   double voxel_size_m = 0;
   double covering_radius_m = 0;  // 0: sqrt(3)/2 voxel, that of voxel centres
   ShellMethod method = ShellMethod::kSurface;
@@ -25,7 +25,7 @@ struct BakeOptions {
 };
 
 // The radius that the options ask for, m.
-double requested_covering_radius(const BakeOptions& options);
+double requested_covering_radius(const ShellOptions& options);
 
 // A shell with the arrays that its content refers to.
 struct BakedShell {
@@ -47,6 +47,6 @@ struct BakedShell {
 using BakeProgress = std::function<void(const std::string& stage, double share_done)>;
 
 // Errors: kMeshUnorientable, kBakeTooLarge. The same shell for any number of threads.
-Result<BakedShell> bake_shell(Part part, const BakeOptions& options, const BakeProgress& progress);
+Result<BakedShell> bake_shell(Part part, const ShellOptions& options, const BakeProgress& progress);
 
 }  // namespace forcelayer

@@ -91,8 +91,8 @@ Result<std::optional<double>> units_option(const std::string& text) {
   return std::optional<double>(*unit);
 }
 
-Result<BakeOptions> bake_options(const Arguments& arguments) {
-  BakeOptions options;
+Result<ShellOptions> bake_options(const Arguments& arguments) {
+  ShellOptions options;
   if (arguments.inputs.empty()) return usage("no mesh given", "see pointshell --help");
   if (arguments.output.empty()) return usage("no output given", "add -o part.pshell");
   if (arguments.voxel_size.empty()) {

@@ -25,7 +25,7 @@ const char* method_name(ShellMethod method) {
 
 const char* effort_name(Effort effort) { return effort == Effort::kFast ? "fast" : "full"; }
 
-std::string provenance(const Part& part, const BakeOptions& options) {
+std::string provenance(const Part& part, const ShellOptions& options) {
   nlohmann::ordered_json json{{"tool", "pointshell"},
                               {"part_xxh3", part_hash(part)},
                               {"method", method_name(options.method)},
@@ -42,7 +42,7 @@ double points_over_bound(const PshellHeader& header, double area_m2) {
   return static_cast<double>(header.point_count) / bound;
 }
 
-nlohmann::ordered_json bake_report(const BakedShell& shell, const BakeOptions& options,
+nlohmann::ordered_json bake_report(const BakedShell& shell, const ShellOptions& options,
                                    const Part& part) {
   const PshellHeader& header = shell.header;
   nlohmann::ordered_json seconds;

@@ -14,7 +14,7 @@ namespace forcelayer {
 std::string part_hash(const Part& part);
 
 // The content hash and the options that affect the shell, as JSON.
-std::string provenance(const Part& part, const BakeOptions& options);
+std::string provenance(const Part& part, const ShellOptions& options);
 
 const char* method_name(ShellMethod method);
 const char* effort_name(Effort effort);
@@ -23,7 +23,7 @@ const char* effort_name(Effort effort);
 // perfect covering.
 double points_over_bound(const PshellHeader& header, double area_m2);
 
-nlohmann::ordered_json bake_report(const BakedShell& shell, const BakeOptions& options,
+nlohmann::ordered_json bake_report(const BakedShell& shell, const ShellOptions& options,
                                    const Part& part);
 
 }  // namespace forcelayer

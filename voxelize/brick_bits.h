@@ -16,17 +16,21 @@ inline constexpr std::uint64_t kAllBits = ~std::uint64_t{0};
 inline constexpr int kSides = 6;
 constexpr int opposite(int side) { return side ^ 1; }
 
-inline BrickMask operator|(BrickMask a, const BrickMask& b) {
-  for (std::size_t x = 0; x < 8; ++x) a.words[x] |= b.words[x];
-  return a;
+// Masks go by reference: gcc notes that passing 64-byte aligned ones by value is not what 4.5 did.
+inline BrickMask operator|(const BrickMask& a, const BrickMask& b) {
+  BrickMask mask;
+  for (std::size_t x = 0; x < 8; ++x) mask.words[x] = a.words[x] | b.words[x];
+  return mask;
 }
-inline BrickMask operator&(BrickMask a, const BrickMask& b) {
-  for (std::size_t x = 0; x < 8; ++x) a.words[x] &= b.words[x];
-  return a;
+inline BrickMask operator&(const BrickMask& a, const BrickMask& b) {
+  BrickMask mask;
+  for (std::size_t x = 0; x < 8; ++x) mask.words[x] = a.words[x] & b.words[x];
+  return mask;
 }
-inline BrickMask operator~(BrickMask a) {
-  for (std::uint64_t& word : a.words) word = ~word;
-  return a;
+inline BrickMask operator~(const BrickMask& a) {
+  BrickMask mask;
+  for (std::size_t x = 0; x < 8; ++x) mask.words[x] = ~a.words[x];
+  return mask;
 }
 
 inline BrickMask full_mask() {

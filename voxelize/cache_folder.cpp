@@ -15,6 +15,7 @@
 #include <system_error>
 #include <utility>
 
+#include "formats/descriptor.h"
 #include "formats/temporary_files.h"
 
 namespace forcelayer {
@@ -38,21 +39,6 @@ struct EntryHeader {
 };
 static_assert(sizeof(EntryHeader) == 64);
 
-class Descriptor {
- public:
-  explicit Descriptor(int number) : number_(number) {}
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  ~Descriptor() {
-    if (number_ >= 0) ::close(number_);
-  }
-  int number() const { return number_; }
-  bool valid() const { return number_ >= 0; }
-
- private:
-  int number_;
-};
-
 EntryHeader header_of(const char* kind, const Digest& key, std::span<const std::byte> content) {
   EntryHeader header;
   std::memcpy(header.kind.data(), kind, std::min(std::strlen(kind), header.kind.size()));
@@ -67,17 +53,6 @@ std::string sub_folder(const Digest& key) { return key.hex().substr(0, 2); }
 // A folder inside the cache, itself no link.
 int open_folder(int parent, const char* name) {
   return ::openat(parent, name, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
-}
-
-bool write_all(int descriptor, std::span<const std::byte> bytes) {
-  constexpr std::size_t kMaxPiece = std::size_t{1} << 30;
-  while (!bytes.empty()) {
-    const auto written = ::write(descriptor, bytes.data(), std::min(bytes.size(), kMaxPiece));
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) return false;
-    bytes = bytes.subspan(static_cast<std::size_t>(written));
-  }
-  return true;
 }
 
 // Entries in use look young, so that old ones can be removed by their time.
@@ -188,8 +163,8 @@ void CacheFolder::keep(const char* kind, const Digest& key,
   const Descriptor file(::openat(folder.number(), temporary.c_str(),
                                  O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666));
   const EntryHeader header = header_of(kind, key, content);
-  bool done = file.valid() && write_all(file.number(), std::as_bytes(std::span(&header, 1))) &&
-              write_all(file.number(), content);
+  bool done = file.valid() && write_all(file.number(), std::as_bytes(std::span(&header, 1))) == 0 &&
+              write_all(file.number(), content) == 0;
   if (done) {
     const std::string sub_name = sub_folder(key);
     ::mkdirat(folder_, sub_name.c_str(), 0777);

@@ -24,7 +24,8 @@ struct Cluster {
 
 // The 6-connected sets of a mask.
 template <class F>
-void for_each_cluster(BrickMask rest, F&& f) {
+void for_each_cluster(const BrickMask& mask, F&& f) {
+  BrickMask rest = mask;
   while (rest.any()) {
     BrickMask seed;
     for (std::size_t x = 0; x < 8; ++x) {

@@ -203,7 +203,8 @@ class NearMap {
 };
 
 // Steps to a neighbour (of 26) after which the held cells have reached all 512.
-int reach_of(BrickMask held) {
+int reach_of(const BrickMask& first) {
+  BrickMask held = first;
   int steps = 0;
   for (; held != full_mask(); ++steps) {
     for (const int side : {4, 2, 0}) held = held | shifted(held, side) | shifted(held, side + 1);

@@ -195,7 +195,7 @@ std::vector<SceneObject> objects_of(const Scene& scene, MeshSource& meshes) {
   return objects;
 }
 
-void print_summary(const std::string& output, const Bake& bake, const RunFacts& run) {
+void print_summary(const std::string& output, const Bake& bake, const BakeFacts& run) {
   const VoxmapHeader& h = bake.header;
   std::printf(
       "%s: %llu x %llu x %llu voxels of %g mm, %llu interior, %llu force layer, %llu proximity; "
@@ -303,7 +303,7 @@ void print_warnings(const Scene& scene, const MeshSource& meshes, const BakeOpti
 Status voxelize(const Arguments& arguments) {
   if (Status checked = check_early(arguments); !checked) return checked;
   Clock clock;
-  RunFacts run;
+  BakeFacts run;
   ProgressLine progress(arguments.quiet);
   progress.show("reading", 0);
   std::optional<CacheFolder> cache;

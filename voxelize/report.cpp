@@ -45,7 +45,7 @@ Json part_of(const ObjectReport& object, const MeshFacts& facts, double voxel_si
 
 }  // namespace
 
-Json report_of(const Bake& bake, std::span<const MeshFacts> facts, const RunFacts& run) {
+Json report_of(const Bake& bake, std::span<const MeshFacts> facts, const BakeFacts& run) {
   const VoxmapHeader& header = bake.header;
   Json origin_m = Json::array();
   for (const std::int64_t voxel : header.origin_voxel) {

@@ -9,7 +9,7 @@
 
 namespace forcelayer {
 
-struct RunFacts {
+struct BakeFacts {
   double read_s = 0, write_s = 0, total_s = 0;
   std::uint64_t file_bytes = 0;
   int threads = 0;
@@ -17,6 +17,6 @@ struct RunFacts {
 
 // `facts` are those of the meshes, an object each.
 nlohmann::ordered_json report_of(const Bake& bake, std::span<const MeshFacts> facts,
-                                 const RunFacts& run);
+                                 const BakeFacts& run);
 
 }  // namespace forcelayer

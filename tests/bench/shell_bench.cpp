@@ -240,7 +240,7 @@ Json shape_row(const AnalyticShape& shape, int voxels, ShellMethod method) {
   const Assembly assembly{{shape.mesh}, {{0, shape.name, {}}}, 1, 0, {}};
   const PartInput input{&assembly, 1};
   const Part part = value_of(assemble_part({&input, 1}));
-  BakeOptions options;
+  ShellOptions options;
   options.voxel_size_m = longest_side(part) / voxels;
   options.method = method;
   const BakedShell shell = value_of(bake_shell(part, options, [](const std::string&, double) {}));

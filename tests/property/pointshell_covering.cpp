@@ -41,7 +41,7 @@ std::vector<Case> shapes() {
 }
 
 BakedShell bake(const Case& c, ShellMethod method, Effort effort = Effort::kFull) {
-  BakeOptions options;
+  ShellOptions options;
   options.voxel_size_m = c.voxel_size_m;
   options.method = method;
   options.effort = effort;

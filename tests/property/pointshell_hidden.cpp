@@ -37,7 +37,7 @@ Mesh joined(Mesh a, const Mesh& b) {
 }
 
 BakedShell bake(const Part& part, double voxel_size_m, ShellMethod method) {
-  BakeOptions options;
+  ShellOptions options;
   options.voxel_size_m = voxel_size_m;
   options.method = method;
   auto shell = bake_shell(part, options, [](const std::string&, double) {});

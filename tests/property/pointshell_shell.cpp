@@ -16,7 +16,7 @@ namespace {
 using namespace testing;
 
 BakedShell bake(Part part, double voxel_size_m, ShellMethod method, unsigned threads = 0) {
-  BakeOptions options;
+  ShellOptions options;
   options.voxel_size_m = voxel_size_m;
   options.method = method;
   options.threads = threads;

@@ -56,7 +56,7 @@ TEST(Verify, RefusesAFileThatLacksAPoint) {
     const Part part = std::move(read_part({file.string()}, 1.0)).value().part;
     for (const ShellMethod method : {ShellMethod::kSurface, ShellMethod::kVoxelCenters}) {
       SCOPED_TRACE(std::string(name) + ", method " + std::to_string(static_cast<int>(method)));
-      BakeOptions options;
+      ShellOptions options;
       options.voxel_size_m = 0.1;
       options.method = method;
       const BakedShell shell =
@@ -78,7 +78,7 @@ TEST(Verify, EndsForARadiusThatNoShellHas) {
   const auto file = scratch / "box.obj";
   test::write_file(file, test::as_obj(box_mesh(1, 2, 0.5)));
   const Part part = std::move(read_part({file.string()}, 1.0)).value().part;
-  BakeOptions options;
+  ShellOptions options;
   options.voxel_size_m = 0.1;
   BakedShell shell =
       std::move(bake_shell(part, options, [](const std::string&, double) {})).value();

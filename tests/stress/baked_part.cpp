@@ -13,7 +13,7 @@ void bake_part_file(const Mesh& part, double voxel_size_m, const std::filesystem
   const PartInput input{&assembly, 1};
   auto assembled = assemble_part(std::span(&input, 1));
   if (!assembled) throw std::runtime_error(to_line(assembled.error()));
-  BakeOptions options;
+  ShellOptions options;
   options.voxel_size_m = voxel_size_m;
   options.effort = Effort::kFast;
   options.threads = 1;

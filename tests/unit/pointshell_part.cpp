@@ -56,7 +56,7 @@ TEST(Part, DeviationOfTheFilesCounts) {
   const PartInput inputs[] = {{&exact, 1}, {&tessellated, 1e-3}};
   const Part part = std::move(assemble_part(inputs)).value();
   EXPECT_DOUBLE_EQ(part.deviation_m, 1e-4);
-  BakeOptions options;
+  ShellOptions options;
   options.voxel_size_m = 0.2;
   options.mesh_deviation_m = 2e-5;
   const auto shell = bake_shell(part, options, [](const std::string&, double) {});
