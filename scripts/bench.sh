@@ -46,7 +46,7 @@ part_bake() {
   local model
   for model in bunny dragon counter engine; do
     # shellcheck disable=SC2046
-    "$bin/bake_bench" --case $model $(either "--voxels 512 --repeat 2" "--repeat 3 --voxels 512 1024") \
+    "$bin/bake_bench" --case $model $(either "--voxels 512 --repeat 1" "--repeat 3 --voxels 512 1024") \
       $([ $long$model != yescounter ] || echo 2048) --json "$out/bake_$model.json"
   done
   python3 "$bench/bake_table.py" "$out"/bake_{bunny,dragon,counter,engine}.json
@@ -65,7 +65,7 @@ part_shell() {
   [ $long = no ] || "$bin/shell_bench" --mesh dragon --voxels 985 --json "$out/shell_dragon_985.json"
 }
 part_cover() {
-  "$bin/cover_bench" $(either "--orientations 1 --radius 0.5 0.866 1.7" "") --json "$out/cover.json"
+  "$bin/cover_bench" $(either "--orientations 1 --radius 0.5 0.866" "") --json "$out/cover.json"
   "$bench/plot_cover.py" "$out/cover.json"
 }
 part_query() {
@@ -101,7 +101,7 @@ part_trajectory() {
 }
 part_stability() {
   local table
-  for table in $(either "cases:1 rest:50 table2:100000 device map step:20000" "cases rest table2 device map step"); do
+  for table in $(either "rest:50 table2:100000 device map step:20000" "cases rest table2 device map step"); do
     "$bin/stability_bench" ${table/:/ } --json "$out/stability_${table%:*}.json"
   done
   "$root/scripts/plot_stability.py" "$out"

@@ -86,14 +86,24 @@ def results_folder():
     return ROOT / "tests/bench/results" / re.sub(r"[^a-z0-9]+", "-", _cpu_model().lower()).strip("-")
 
 
+def _command():
+    """This run's command, without files and folders: where a figure was written says nothing of it."""
+    words, rest = [pathlib.Path(sys.argv[0]).name], iter(sys.argv[1:])
+    for word in rest:
+        if word in ("--json", "--plot", "--bin", "--collisions"):
+            next(rest, None)
+        elif "/" not in word:
+            words.append(word)
+    return " ".join(words)
+
+
 def write_report(benchmark, results, path):
     memory = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") / 2 ** 30
     machine = {"cpu": _cpu_model(), "cores": os.cpu_count(), "memory_gib": round(memory),
                "system": f"{platform.system()} {platform.machine()}",
                "date": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime())}
-    command = " ".join([pathlib.Path(sys.argv[0]).name, *sys.argv[1:]])
     path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(json.dumps({"benchmark": benchmark, "command": command, "machine": machine,
+    path.write_text(json.dumps({"benchmark": benchmark, "command": _command(), "machine": machine,
                                 "results": results}, indent=1) + "\n")
     print(f"wrote {path}")
 

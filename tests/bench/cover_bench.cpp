@@ -123,7 +123,7 @@ Json row_of(const Making& making, double radius_voxels, int orientations) {
                              {contact.voxmap(), pshell, level, Averaging::kDirections}};
       for (std::size_t m = 0; m < std::size(kModels); ++m) {
         const auto& [name, method] = kModels[m];
-        samples[name][kGroups[combination.smooth ? 0 : 1]].add(contact.judge(method));
+        samples[name][kGroups[combination.smooth ? 0 : 1]].add(contact.judge(method, false));
         for (const ContactCase::Placed& placed : contact.slide()) {
           const Pose pose{placed.position_m, glm::quat_cast(placed.rotation)};
           const double start_s = now_s();

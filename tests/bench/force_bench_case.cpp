@@ -474,8 +474,11 @@ double ContactCase::worst_step(const WrenchAt& wrench_at) const {
   return sum_n > 0 ? largest / (sum_n / kSlideFrames) : NAN;
 }
 
-Quality ContactCase::judge(Method method) const {
-  return judge([&](const Placed& placed) { return force(method, placed); }, method);
+Quality ContactCase::judge(Method method, bool with_step) const {
+  const WrenchAt wrench_at = [&](const Placed& placed) { return force(method, placed); };
+  Quality quality = judge(wrench_at, method);
+  if (with_step) quality.step = worst_step(wrench_at);
+  return quality;
 }
 
 Quality ContactCase::judge(const WrenchAt& wrench_at) const {
@@ -497,9 +500,7 @@ Quality ContactCase::judge(const WrenchAt& wrench_at, Method truth) const {
     offsets_m.push_back(at);
   }
   const TruthAt true_wrench = [&](std::size_t d, double at) { return truth_at(truth, d, at); };
-  Quality quality = judged(measured, true_wrench, offsets_m, part_radius_m_);
-  quality.step = worst_step(wrench_at);
-  return quality;
+  return judged(measured, true_wrench, offsets_m, part_radius_m_);
 }
 
 }  // namespace forcelayer::bench

@@ -69,9 +69,10 @@ class ContactCase {
   };
   using WrenchAt = std::function<Wrench(const Placed&)>;
 
-  Quality judge(Method method) const;
+  // The step takes longer than all the rest: NAN where it is not asked for.
+  Quality judge(Method method, bool with_step = true) const;
 
-  // The same of any other way to a wrench; its unit of force may be any.
+  // The same of any other way to a wrench, but for the step; its unit of force may be any.
   Quality judge(const WrenchAt& wrench_at) const;
 
   std::vector<Placed> slide() const;  // the frames of the slide

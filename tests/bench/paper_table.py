@@ -69,7 +69,7 @@ def ladder(bin_folder, folder, short):
     data = bench_scenes.ROOT / "sample_data"
     run(bin_folder / "voxelize", data / "bay.json", "-o", folder / "bay.vox", "--quiet", "--voxel-size", f"{VOXEL_M}m")
     rows = []
-    for halvings in range(0, 5 if short else 7):
+    for halvings in range(0, 5 if short else 6):
         run(bin_folder / "pointshell", data / "part.obj", "--units", "mm", "-o", folder / "pump.pshell", "--quiet",
             "--voxel-size", f"{VOXEL_M}m", "--covering-radius", f"{0.866 * VOXEL_M / 2 ** halvings}m", "--effort", "fast",
             "--json", folder / "pump.json")

@@ -18,8 +18,8 @@ import matplotlib  # noqa: E402
 matplotlib.use("Agg")
 from matplotlib import pyplot, ticker  # noqa: E402
 
-MARKERS = "osv^DX"
-GROUPS = ("flush and smooth", "corners and wedges")
+MARKERS = "osv^DXP*<>"
+GROUPS = ("flush and smooth", "corners and wedges", "mesh pairs")
 NOTICEABLE_FORCE = 7  # percent: the least of the published range (METHOD.md)
 
 
@@ -35,8 +35,10 @@ def front(points):
 
 def plot(report):
     sizes = report["results"]
-    figure, axes = pyplot.subplots(1, 2, figsize=(10, 5), sharey=True)
-    for axis, group in zip(axes, GROUPS):
+    groups = [group for group in GROUPS if group in sizes[0]["contacts"]]
+    figure, axes = pyplot.subplots(1, len(groups), figsize=(4.6 * len(groups) + 0.6, 5), sharey=True, squeeze=False)
+    axes = axes[0]
+    for axis, group in zip(axes, groups):
         methods = sizes[0]["contacts"][group]
         every = []
         for name, marker in zip(methods, MARKERS):
@@ -59,8 +61,8 @@ def plot(report):
     axes[0].set_ylabel("error of the force vector (percent, one gain and offset fitted)")
     figure.legend(*axes[0].get_legend_handles_labels(), loc="lower center", ncols=4, fontsize=8)
     figure.suptitle(f"Contact wrench: time against error, dotted: the least that a hand can notice\n"
-                    f"{report['machine']['cpu']}", fontsize=10)
-    figure.subplots_adjust(left=0.07, right=0.99, top=0.86, bottom=0.22, wspace=0.05)
+                    f"{report['machine']['cpu']}, {report['machine']['date'][:10]}", fontsize=10)
+    figure.subplots_adjust(left=0.07, right=0.99, top=0.86, bottom=0.22, wspace=0.04)
     return figure
 
 
