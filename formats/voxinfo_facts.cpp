@@ -49,6 +49,12 @@ std::array<double, 3> origin_m(const VoxmapHeader& h) {
   return metres;
 }
 
+// At 4 and 8 bits: how far from the static mesh the surface runs from which distances are counted
+// (voxmap_format.md, 6).
+double zero_force_m(const VoxmapHeader& h) {
+  return (h.offset_layers + 0.8660254037844386 + 0.001) * h.voxel_size_m;
+}
+
 ordered_json report_of_voxmap(const Voxmap& map) {
   const VoxmapHeader& h = map.header();
   ordered_json report;
@@ -62,6 +68,7 @@ ordered_json report_of_voxmap(const Voxmap& map) {
   report["metric"] = kMetricNames[h.metric];
   report["bits_per_voxel"] = h.bits_per_voxel;
   if (h.bits_per_voxel != 2) {
+    report["zero_force_m"] = zero_force_m(h);
     report["range_m"] = h.range_m;
     report["quantum_m"] = h.quantum_m;
     report["codes"] = {{"zero", h.zero_code},
@@ -149,6 +156,12 @@ std::string summary_of_voxmap(const Voxmap& map, const std::string& path) {
   add_line(text, "  lowest voxel      %" PRId64 " %" PRId64 " %" PRId64 ", at %.9g %.9g %.9g m",
            h.origin_voxel[0], h.origin_voxel[1], h.origin_voxel[2], low[0], low[1], low[2]);
   add_line(text, "  offset layers     %u", h.offset_layers);
+  if (h.bits_per_voxel != 2) {
+    add_line(
+        text,
+        "  zero force        %.4g mm off; distances down to %.4g mm below it, in steps of %.3g mm",
+        1e3 * zero_force_m(h), 1e3 * h.range_m, 1e3 * h.quantum_m);
+  }
   add_line(text,
            "  voxels            %" PRIu64 " interior, %" PRIu64 " surface, %" PRIu64 " proximity",
            h.interior_voxels, h.surface_voxels, h.proximity_voxels);

@@ -14,6 +14,7 @@
 #include "voxelize/directory_limit.h"
 #include "voxelize/flood.h"
 #include "voxelize/memory_limit.h"
+#include "voxelize/near_voxels.h"
 #include "voxelize/node_memory.h"
 #include "voxelize/offset.h"
 #include "voxelize/part_cache.h"
@@ -38,6 +39,30 @@ class Stopwatch {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
+// Metric, bits and range.
+Status check_kind(const BakeOptions& options) {
+  const auto wrong = [](const char* what, std::string why, const char* mend) {
+    return Error{ErrorCode::kUsage, "", what, std::move(why), mend};
+  };
+  if (options.bits != 2 && options.bits != 4 && options.bits != 8) {
+    return wrong("bits", "are not 2, 4 or 8", "");
+  }
+  if (options.metric != Metric::kEuclidean && options.bits != 2) {
+    return wrong("bits", "of more than 2 store Euclidean distances", "add --metric euclidean");
+  }
+  if (options.metric == Metric::kEuclidean && options.layers == 0) {
+    return wrong("layers", "are none: there is nothing for the metric to measure",
+                 "use --layers 1 or more");
+  }
+  if (options.range_m == 0) return {};
+  if (options.bits == 2) return wrong("range", "has no meaning at 2 bits", "leave it out");
+  const double voxels = options.range_m / options.voxel_size_m;
+  if (!(voxels >= kLeastRangeVoxels && voxels <= kMostRangeVoxels)) {
+    return wrong("range", "is not between 2 and 32 voxels", "");
+  }
+  return {};
+}
+
 Status check(const BakeOptions& options) {
   if (!(options.voxel_size_m >= kMinVoxelSizeM && options.voxel_size_m <= kMaxVoxelSizeM)) {
     return Error{ErrorCode::kUsage, "", "voxel size", "is not between 1e-9 and 1e6 metres", ""};
@@ -46,6 +71,7 @@ Status check(const BakeOptions& options) {
     return Error{ErrorCode::kUsage, "", "layers",
                  "are more than " + std::to_string(kMaxBakedLayers), ""};
   }
+  if (Status kind = check_kind(options); !kind) return kind;
   if (!(options.mesh_deviation_m >= 0 && std::isfinite(options.mesh_deviation_m))) {
     return Error{ErrorCode::kUsage, "", "mesh deviation", "is not a length of zero or more", ""};
   }
@@ -146,6 +172,10 @@ class Pipeline {
                  static_cast<int>(voxel[2] - directory_.origin[2]));
   }
   void build();
+  bool is_wide() const { return options_.bits != 2; }
+  DistanceScale scale() const;
+  int reach() const;
+  VoxelTree distance_tree(const KeptBox& kept, ValueCounts& counts);
   void fill_header(const VoxelBox& tight, const ValueCounts& counts);
   void progress(const char* stage, double share) const {
     if (options_.progress) options_.progress(stage, share);
@@ -230,8 +260,8 @@ Status Pipeline::choose_region() {
                                  [](const Part& part) { return part.facts.triangles == 0; });
   if (empty) return Error{ErrorCode::kMeshEmpty, "", "", "the scene has no triangles", ""};
   for (const Part& part : parts_) scene.include(part.facts.box);
-  region_ = region_of(scene.grown(options_.layers + 1), options_.roi_m, options_.voxel_size_m);
-  const VoxelBox reach = region_.box.grown(options_.layers + 2);
+  region_ = region_of(scene.grown(this->reach()), options_.roi_m, options_.voxel_size_m);
+  const VoxelBox reach = region_.box.grown(this->reach() + 1);
   bool any = false;
   for (std::size_t i = 0; i < parts_.size(); ++i) {
     const VoxelBox& box = parts_[i].facts.box;
@@ -259,7 +289,6 @@ Result<PartVoxels> Pipeline::bake_part(std::size_t index) {
   Stopwatch watch;
   PartVoxels voxels;
   voxels.geometry = scan_convert(part.snapped, directory_.origin);
-  part.snapped = {};
   const double scan_s = watch.lap();
   const auto seeds = ObjectSeeds(objects_[index], options_, part.facts.box)
                          .voxels(*voxels.geometry, directory_.origin);
@@ -268,6 +297,12 @@ Result<PartVoxels> Pipeline::bake_part(std::size_t index) {
   part.facts.geometry_voxels = voxel_count(*voxels.geometry);
   part.facts.interior_voxels = voxel_count(*voxels.interior);
   const double flood_s = watch.lap();
+  if (grows_surface(options_)) {
+    voxels.geometry = near_voxels(part.snapped, *voxels.geometry, *voxels.interior,
+                                  static_cast<int>(options_.layers) - 1, directory_.origin);
+  }
+  const double near_s = watch.lap();
+  if (!is_wide()) part.snapped = {};
   if (options_.find_cavities || options_.find_narrow_passages) {
     find_cavities(index, *voxels.interior);
   }
@@ -278,6 +313,7 @@ Result<PartVoxels> Pipeline::bake_part(std::size_t index) {
   }
   const std::lock_guard lock(mutex_);
   bake_.seconds.scan += scan_s;
+  bake_.seconds.near += near_s;
   bake_.seconds.flood += flood_s;
   bake_.seconds.cavities += cavities_s;
   bake_.seconds.cache += watch.lap();
@@ -333,6 +369,11 @@ Result<PartVoxels> Pipeline::part_voxels(std::size_t index) {
     Stopwatch watch;
     auto voxels = part.cached->voxels(directory_.origin);
     part.cached.reset();
+    if (voxels && is_wide()) {
+      const PartFacts facts = part.facts;
+      if (Status snapped = snap(index); !snapped) return snapped.error();
+      part.facts = facts;
+    }
     if (voxels) {
       bake_.objects[index].from_cache = true;
       const std::lock_guard lock(mutex_);
@@ -386,8 +427,17 @@ void Pipeline::fill_header(const VoxelBox& tight, const ValueCounts& counts) {
     header.dims_voxels[d] = static_cast<std::uint64_t>(tight.high[d] - tight.low[d] + 1);
   }
   header.offset_layers = options_.layers;
-  header.metric = static_cast<std::uint32_t>(Metric::kChebyshev);
-  header.bits_per_voxel = 2;
+  header.metric = static_cast<std::uint32_t>(options_.metric);
+  header.bits_per_voxel = options_.bits;
+  if (is_wide()) {
+    const DistanceScale scale = this->scale();
+    header.range_m = scale.range * options_.voxel_size_m;
+    header.quantum_m = scale.quantum * options_.voxel_size_m;
+    header.zero_code = scale.zero_code;
+    header.surface_code = scale.surface_code;
+    header.proximity_code = scale.proximity_code;
+    header.free_code = scale.free_code;
+  }
   header.directory_origin = directory_.origin;
   header.directory_dims = directory_.dims;
   header.interior_voxels = counts.interior;
@@ -409,6 +459,28 @@ Status Pipeline::for_each_object(AddObject&& add_object) {
   return {};
 }
 
+DistanceScale Pipeline::scale() const {
+  const double range = options_.range_m > 0 ? options_.range_m / options_.voxel_size_m
+                                            : default_range_voxels(options_.bits);
+  return distance_scale(options_.layers, options_.bits, range);
+}
+
+// How many voxels around the geometry may be anything but free.
+int Pipeline::reach() const {
+  return is_wide() ? DistanceNodes::reach(scale()) : static_cast<int>(options_.layers) + 1;
+}
+
+VoxelTree Pipeline::distance_tree(const KeptBox& kept, ValueCounts& counts) {
+  std::vector<const SnappedObject*> objects;
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    if (!bake_.objects[i].skipped) objects.push_back(&parts_[i].snapped);
+  }
+  const LayerOffset around(geometry_, interior_, static_cast<unsigned>(reach() - 1), kept);
+  const DistanceNodes distances(std::move(objects), directory_.origin, geometry_, interior_,
+                                scale(), kept);
+  return build_distance_tree(around, distances, directory_.dims, counts);
+}
+
 // The tree of the region, and the header.
 void Pipeline::build() {
   ValueCounts counts;
@@ -417,19 +489,28 @@ void Pipeline::build() {
     const KeptBox kept{{in_scene(region_.box.low), in_scene(region_.box.high)},
                        region_.cropped_sides};
     std::optional<NodeMemory> memory;
-    if (options_.cache != nullptr && !options_.scene_name.empty() && !kept.cropped()) {
+    if (options_.cache != nullptr && !options_.scene_name.empty() && !kept.cropped() &&
+        !is_wide()) {
       memory.emplace(*options_.cache, options_.scene_name, options_.voxel_size_m);
     }
     const NodeMemory* nodes = memory ? &*memory : nullptr;
-    VoxelTree tree = build_tree(LayerOffset(geometry_, interior_, options_.layers, kept),
-                                directory_.dims, nodes, counts);
+    // Euclidean layers: the geometry has been grown already.
+    const unsigned layers = grows_surface(options_) ? 1 : options_.layers;
+    VoxelTree tree = is_wide() ? distance_tree(kept, counts)
+                               : build_tree(LayerOffset(geometry_, interior_, layers, kept),
+                                            directory_.dims, nodes, counts);
     if (memory) {
       bake_.nodes = memory->asked();
       bake_.reused_nodes = memory->found();
     }
-    // Where nothing is cropped, the region ends where the last voxels are not free.
-    tight =
-        kept.cropped() ? tight_box(tree, directory_.dims).shifted(directory_.origin) : region_.box;
+    // Where nothing is cropped, Chebyshev layers end where the region does.
+    if (!kept.cropped() && options_.metric == Metric::kChebyshev) {
+      tight = region_.box;
+    } else {
+      const std::uint32_t free_code = is_wide() ? scale().free_code : 0;
+      tight = tight_box(tree, directory_.dims, options_.bits, free_code).shifted(directory_.origin);
+    }
+    if (is_wide()) name_codes(tree, scale());
     bake_.directory = std::move(tree.directory);
     bake_.upper_nodes = std::move(tree.upper_nodes);
     bake_.lower_nodes = std::move(tree.lower_nodes);

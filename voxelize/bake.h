@@ -3,6 +3,9 @@
 //   snap -> scan conversion (G) -> flood (F, hence I), each object by itself
 //        -> unite -> offset by layers -> 512-tree with clearance
 //
+// Euclidean layers of two bits start from near_voxels() in place of G and are one layer then; wider
+// voxels take the united sets and the snapped meshes.
+//
 // The sets are those of the paper's sections 4.1 and 4.2; the result is the same for any number of
 // threads and any order of objects and triangles.
 #pragma once
@@ -41,7 +44,11 @@ struct SceneObject {
 
 struct BakeOptions {
   double voxel_size_m = 0;
-  std::uint32_t layers = 2;         // k, at most kMaxBakedLayers
+  std::uint32_t layers = 2;            // k, at most kMaxBakedLayers
+  Metric metric = Metric::kChebyshev;  // Euclidean layers need k of 1 or more
+  std::uint32_t bits = 2;              // 4 and 8: quantised distances; Euclidean only
+  // How deep distances inside the zero force are kept (4, 8 bits); 0: default_range_voxels().
+  double range_m = 0;
   std::vector<Vec3d> free_seeds_m;  // world; they open every object that encloses them
   double mesh_deviation_m = 0;      // declared deviation of all meshes from the truth
   // World box x0, y0, z0, x1, y1, z1: what lies outside the voxels that it touches is left out.
@@ -53,6 +60,11 @@ struct BakeOptions {
   std::string scene_name = {};         // with a cache: bakes of this name share unchanged nodes
   std::function<void(const char* stage, double share_done)> progress;  // may be empty
 };
+
+// Whether an object's voxels are those nearer than k - 1 voxels (near_voxels()) in place of G.
+inline bool grows_surface(const BakeOptions& options) {
+  return options.metric == Metric::kEuclidean && options.bits == 2 && options.layers > 1;
+}
 
 // A connected piece of an object's interior: solid, or the inside of a closed shell. The voxels
 // alone cannot tell; a free seed opens it.
@@ -79,7 +91,7 @@ struct ObjectReport {
 // Wall time by stage; objects are baked side by side, and then scan, flood, cavities, cache and
 // unite add up theirs.
 struct StageSeconds {
-  double snap = 0, scan = 0, flood = 0, cavities = 0, cache = 0, unite = 0, tree = 0;
+  double snap = 0, scan = 0, flood = 0, near = 0, cavities = 0, cache = 0, unite = 0, tree = 0;
 };
 
 // A finished bake, which owns what VoxmapContent points to.

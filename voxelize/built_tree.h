@@ -11,7 +11,8 @@
 namespace forcelayer {
 
 using Entries = std::array<std::uint32_t, kNodeEntries>;  // of a node, as in the file
-using Brick = std::array<std::uint32_t, 32>;              // 512 two-bit values
+using Brick = std::array<std::uint32_t, 32>;              // 512 two-bit values, or a part of
+                                                          // wider ones
 
 inline constexpr std::uint32_t kFreeEntry = uniform_entry(0);
 constexpr bool is_free(std::uint32_t entry) {
@@ -24,7 +25,7 @@ inline constexpr std::uint32_t kInteriorEntry =
 struct BuiltNode {
   Entries entries;                      // uniform, or the number of a brick below
   BrickMask held;                       // entries that are not free
-  std::vector<Brick> bricks;            // ascending by entry
+  std::vector<Brick> bricks;            // ascending by entry, BuiltTree::brick_parts each
   std::vector<BrickNearness> nearness;  // of the bricks' non-free voxels
   // Taken over from an earlier bake: its entries hold their clearance, its reach is known, and the
   // nearness of its bricks is not.
@@ -37,6 +38,7 @@ struct BuiltTree {
   std::vector<std::uint32_t> directory;  // uniform, or the number of an upper node
   std::vector<Entries> upper;            // uniform, or the number of a lower node
   std::vector<BuiltNode> lower;
+  std::uint32_t brick_parts = 1;  // 128 bytes each: 2 at 4 bits, 4 at 8
 
   // Entry of the block (x, y, z), any; free outside the directory.
   std::uint32_t block(std::int64_t x, std::int64_t y, std::int64_t z) const {

@@ -47,7 +47,8 @@ void clip(std::uint32_t& entry, const Voxel& low, std::int64_t edge, const KeptB
 // The smallest box, found by looking only at what could make it larger.
 class TightBox {
  public:
-  explicit TightBox(const VoxelTree& tree) : tree_(tree) {}
+  TightBox(const VoxelTree& tree, std::uint32_t bits, std::uint32_t free_code)
+      : tree_(tree), bits_(bits), free_code_(free_code) {}
 
   void look_at(std::uint32_t entry, const Voxel& low, std::int64_t edge) {
     if (is_free(entry) || inside(low, edge)) return;
@@ -68,10 +69,11 @@ class TightBox {
 
  private:
   void look_at_brick(std::uint32_t brick, const Voxel& low) {
-    constexpr std::size_t kWordVoxels = 16, kWords = kNodeEntries / kWordVoxels;
+    const std::size_t word_voxels = 32 / bits_, words = kNodeEntries / word_voxels;
     for (std::size_t n = 0; n < kNodeEntries; ++n) {
-      const std::uint32_t word = tree_.bricks[brick * kWords + n / kWordVoxels];
-      if ((word >> 2 * (n % kWordVoxels) & 3) != 0) include(child_low(low, n, 1), 1);
+      const std::uint32_t word = tree_.bricks[brick * words + n / word_voxels];
+      const std::uint32_t code = word >> bits_ * (n % word_voxels) & ((1u << bits_) - 1);
+      if (bits_ == 2 ? code != 0 : code < free_code_) include(child_low(low, n, 1), 1);
     }
   }
 
@@ -87,6 +89,7 @@ class TightBox {
   }
 
   const VoxelTree& tree_;
+  std::uint32_t bits_, free_code_;
   VoxelBox box_;
 };
 
@@ -110,8 +113,9 @@ void clip_clearance(BuiltTree& tree, const KeptBox& kept) {
   });
 }
 
-VoxelBox tight_box(const VoxelTree& tree, const std::array<std::uint32_t, 3>& directory_dims) {
-  TightBox tight(tree);
+VoxelBox tight_box(const VoxelTree& tree, const std::array<std::uint32_t, 3>& directory_dims,
+                   std::uint32_t bits, std::uint32_t free_code) {
+  TightBox tight(tree, bits, free_code);
   for (std::size_t i = 0; i < tree.directory.size(); ++i) {
     tight.look_at(tree.directory[i], block_low(i, directory_dims), kUpperNodeEdge);
   }

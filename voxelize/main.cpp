@@ -32,6 +32,8 @@ struct Arguments {
   std::string voxel_size, units, mesh_deviation, roi;
   std::string cache, share;
   std::optional<std::uint32_t> layers;
+  std::string metric, range;
+  std::uint32_t bits = 2;
   TrustOptions trust;
   std::vector<std::string> free_seeds;
   int threads = 0;
@@ -51,6 +53,15 @@ void declare(CLI::App& app, Arguments& arguments) {
                  "unit of meshes whose format defines none: mm, cm, m, in, ...");
   app.add_option("--layers", arguments.layers,
                  "voxel layers by which the force layer is offset (default 2)");
+  app.add_option("--metric", arguments.metric,
+                 "how the offset is measured: chebyshev or euclidean (default chebyshev; euclidean "
+                 "with --bits 4 and 8)")
+      ->check(CLI::IsMember({"chebyshev", "euclidean"}));
+  app.add_option("--bits", arguments.bits,
+                 "bits per voxel: 2 for the four values, 4 or 8 for distances (default 2)")
+      ->check(CLI::IsMember({2, 4, 8}));
+  app.add_option("--range", arguments.range,
+                 "how deep distances are kept with --bits 4 and 8 (default 2 and 4 voxels)");
   app.add_option(
       "--free-seed", arguments.free_seeds,
       "x,y,z of a point whose surroundings are free, such as the inside of a cabin (repeatable)");
@@ -91,6 +102,26 @@ Result<BakeOptions> options_of(const Arguments& arguments, const Scene& scene) {
                  "add it, for example --voxel-size 5mm"};
   }
   options.layers = arguments.layers.value_or(scene.layers.value_or(2));
+  options.bits = arguments.bits;
+  const bool wide = arguments.bits != 2;
+  if (wide && arguments.metric == "chebyshev") {
+    return Error{ErrorCode::kUsage, "", "--metric", "chebyshev knows two bits only",
+                 "leave --metric out, or --bits"};
+  }
+  if (wide || arguments.metric == "euclidean") options.metric = Metric::kEuclidean;
+  if (options.metric == Metric::kEuclidean && options.layers == 0) {
+    return Error{ErrorCode::kUsage, "", "--layers", "0 leaves the metric nothing to measure",
+                 "use --layers 1 or more, or --metric chebyshev"};
+  }
+  if (!arguments.range.empty()) {
+    const auto range = parse_length(arguments.range);
+    if (!range) return usage("--range", range.error());
+    if (!wide) {
+      return Error{ErrorCode::kUsage, "", "--range", "has no meaning at 2 bits",
+                   "leave it out, or add --bits 8"};
+    }
+    options.range_m = *range;
+  }
   options.free_seeds_m = scene.free_seeds_m;
   for (const std::string& text : arguments.free_seeds) {
     const auto point = parse_point(text);

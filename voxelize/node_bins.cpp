@@ -60,11 +60,28 @@ class ChunkBins {
   NodeIndex last_node_{};
 };
 
+// The 26 nodes around each of `nodes` too, as far as they lie in the box; each once.
+void add_neighbors(const NodeIndex& low, const NodeIndex& high, std::vector<NodeIndex>& nodes) {
+  std::vector<NodeIndex> all;
+  for (const NodeIndex& node : nodes) {
+    for (int n = 0; n < 27; ++n) {
+      const NodeIndex next{node[0] + n / 9 - 1, node[1] + n / 3 % 3 - 1, node[2] + n % 3 - 1};
+      bool inside = true;
+      for (std::size_t d = 0; d < 3; ++d) inside &= next[d] >= low[d] && next[d] <= high[d];
+      if (inside) all.push_back(next);
+    }
+  }
+  std::sort(all.begin(), all.end());
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+  nodes = std::move(all);
+}
+
 void add_spanning(ChunkBins& bins, const LatticeTriangle& triangle, std::uint32_t number,
-                  const NodeIndex& low, const NodeIndex& high) {
+                  const NodeIndex& low, const NodeIndex& high, int reach) {
   const std::int64_t span =
       (high[0] - low[0] + 1) * (high[1] - low[1] + 1) * (high[2] - low[2] + 1);
-  if (span <= 4) {  // cheaper to draw it in a node that it misses than to find that out here
+  // Cheaper to draw it in a node that it misses than to find that out here.
+  if (span <= (reach == 0 ? 4 : 8)) {
     for (std::int64_t x = low[0]; x <= high[0]; ++x) {
       for (std::int64_t y = low[1]; y <= high[1]; ++y) {
         for (std::int64_t z = low[2]; z <= high[2]; ++z) bins.add({x, y, z}, number);
@@ -73,29 +90,33 @@ void add_spanning(ChunkBins& bins, const LatticeTriangle& triangle, std::uint32_
     return;
   }
   constexpr int kLog2Node = 6;
+  std::vector<NodeIndex> nodes;
   for_each_group(TriangleOverlap(triangle), kLog2Node,
                  [&](const VoxelIndex& corner, const BrickMask& hit) {
                    for_each_cell(hit, [&](std::int64_t x, std::int64_t y, std::int64_t z) {
-                     bins.add({(corner[0] >> kLog2Node) + x, (corner[1] >> kLog2Node) + y,
-                               (corner[2] >> kLog2Node) + z},
-                              number);
+                     nodes.push_back({(corner[0] >> kLog2Node) + x, (corner[1] >> kLog2Node) + y,
+                                      (corner[2] >> kLog2Node) + z});
                    });
                  });
+  if (reach > 0) add_neighbors(low, high, nodes);
+  for (const NodeIndex& node : nodes) bins.add(node, number);
 }
 
-void bin_chunk(const SnappedObject& object, std::size_t first, std::size_t last, ChunkBins& bins) {
+void bin_chunk(const SnappedObject& object, int reach, std::size_t first, std::size_t last,
+               ChunkBins& bins) {
   bins.entries.reserve(last - first);
   for (std::size_t i = first; i < last; ++i) {
     const LatticeTriangle triangle = object.triangle(i);
     NodeIndex low, high;
     for (std::size_t d = 0; d < 3; ++d) {
-      low[d] = std::min({triangle[0][d], triangle[1][d], triangle[2][d]}) >> kLog2NodeUnits;
-      high[d] = std::max({triangle[0][d], triangle[1][d], triangle[2][d]}) >> kLog2NodeUnits;
+      const auto [least, most] = std::minmax({triangle[0][d], triangle[1][d], triangle[2][d]});
+      low[d] = (least - reach * kSnapUnits) >> kLog2NodeUnits;
+      high[d] = (most + reach * kSnapUnits) >> kLog2NodeUnits;
     }
     if (low == high) {
       bins.add(low, static_cast<std::uint32_t>(i));
     } else {
-      add_spanning(bins, triangle, static_cast<std::uint32_t>(i), low, high);
+      add_spanning(bins, triangle, static_cast<std::uint32_t>(i), low, high, reach);
     }
   }
 }
@@ -131,11 +152,12 @@ void place_entries(std::vector<ChunkBins>& chunks, NodeBins& bins) {
 
 }  // namespace
 
-NodeBins bin_triangles(const SnappedObject& object) {
+NodeBins bin_triangles(const SnappedObject& object, int reach) {
   const std::size_t count = object.triangles.size();
   std::vector<ChunkBins> chunks((count + kChunkTriangles - 1) / kChunkTriangles);
   tbb::parallel_for(std::size_t{0}, chunks.size(), [&](std::size_t c) {
-    bin_chunk(object, c * kChunkTriangles, std::min(count, (c + 1) * kChunkTriangles), chunks[c]);
+    bin_chunk(object, reach, c * kChunkTriangles, std::min(count, (c + 1) * kChunkTriangles),
+              chunks[c]);
   });
 
   NodeBins bins;

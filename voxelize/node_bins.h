@@ -17,8 +17,8 @@ struct NodeBins {
   std::vector<std::uint32_t> triangles;  // triangle numbers, ascending within a node
 };
 
-// A triangle is listed in every node that it hits and, where its box spans few nodes, in some that
-// it misses.
-NodeBins bin_triangles(const SnappedObject& object);
+// A triangle is listed in every node that it hits or comes nearer to than `reach` voxels (at most
+// 64) and, where its box spans few nodes, in some that it misses.
+NodeBins bin_triangles(const SnappedObject& object, int reach = 0);
 
 }  // namespace forcelayer

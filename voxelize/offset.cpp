@@ -4,6 +4,7 @@
 #include <bit>
 
 #include "voxelize/brick_bits.h"
+#include "voxelize/node_rows.h"
 
 namespace forcelayer {
 namespace {
@@ -46,26 +47,6 @@ void gather(const MaskTree& geometry, const Coord& origin, NodeHalo& halo) {
       }
     }
   }
-}
-
-// Rows of a node of `interior`.
-void interior_rows(const MaskTree& interior, const Coord& origin,
-                   std::array<std::uint64_t, 4096>& rows) {
-  const auto* node = interior.probeConstNode<LowerMaskNode>(origin);
-  if (node == nullptr) {
-    rows.fill(interior.isValueOn(origin) ? kAllBits : 0);
-    return;
-  }
-  rows.fill(0);
-  const BrickMask leaves = mask_of(node->getChildMask());
-  for_each_set(leaves | mask_of(node->getValueMask()), [&](unsigned n) {
-    const std::uint64_t* words =
-        test(leaves, n) ? words_of(*node->getTable()[n].getChild()) : nullptr;
-    std::uint64_t* first = rows.data() + (n >> 6) * 8 * kEdge + (n >> 3 & 7) * 8;
-    for (int x = 0; x < 8; ++x) {
-      write_rows(words == nullptr ? kAllBits : words[x], first + x * kEdge, n & 7);
-    }
-  });
 }
 
 openvdb::CoordBBox node_box(const Coord& origin) {
@@ -149,7 +130,7 @@ std::vector<Coord> LayerOffset::nodes() const {
 }
 
 ValueCounts LayerOffset::codes(const Coord& origin, NodeHalo& halo, NodeCodes& codes) const {
-  interior_rows(interior_, origin, codes.low);
+  node_rows(interior_, origin, codes.low);
   halo.begin(layers_ + 1);
   gather(geometry_, origin, halo);
   const ValueCounts counts = offset_node(halo, codes);

@@ -30,6 +30,7 @@ std::optional<Digest> part_key(const SceneObject& object, const BakeOptions& opt
   digest.value(options.voxel_size_m);
   add_seeds(digest, options.free_seeds_m);
   add_seeds(digest, object.free_seeds_m);
+  if (grows_surface(options)) digest.text("euclidean").value(options.layers);
   return digest.finish();
 }
 

@@ -24,11 +24,13 @@ struct PartFacts {
   std::uint64_t cavity_count = 0;
 };
 struct PartVoxels {
-  std::unique_ptr<MaskTree> geometry, interior;  // G and I, counted from the scene's origin
+  std::unique_ptr<MaskTree> geometry,
+      interior;  // G (or near_voxels()) and I, counted from the scene's origin
 };
 
 // The digest of everything that an object's voxels depend on; nothing where the object does not
-// say what its mesh is. The scene, its layers and its region of interest are no part of it.
+// say what its mesh is. The scene, its layers (but where grows_surface()) and its region of
+// interest are no part of it.
 std::optional<Digest> part_key(const SceneObject& object, const BakeOptions& options);
 
 // An object found in the cache. Reading its voxels is left for later.

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "voxelize/directory_limit.h"
+#include "voxelize/distance_scale.h"
 
 namespace forcelayer {
 namespace {
@@ -50,6 +51,7 @@ Result<Probe> probe(std::span<const SceneObject> objects, BakeOptions options,
   for (SceneObject& object : unseeded) object.free_seeds_m.clear();
   options.free_seeds_m.clear();
   options.progress = nullptr;
+  options.range_m *= voxel_size_m / options.voxel_size_m;  // as many voxels
   options.voxel_size_m = voxel_size_m;
   Probe result;
   result.voxel_size_m = voxel_size_m;
@@ -119,8 +121,11 @@ Result<Plan> plan_bakes(std::span<const SceneObject> objects, const BakeOptions&
     PlannedSize& size = plan.sizes[i];
     const double s = options.voxel_size_m / static_cast<double>(1u << i), k = options.layers;
     size.voxel_size_m = s;
-    size.standoff_m = k * s;
-    size.narrowest_gap_m = (2 * k + 2) * s;
+    // Distances are zero at the same height in every direction, the values' layers along the axes.
+    const double standoff =
+        options.bits == 2 ? k : distance_scale(options.layers, options.bits, 4).zero;
+    size.standoff_m = standoff * s;
+    size.narrowest_gap_m = (2 * standoff + 2) * s;
     size.shell_points_per_m2 = kShellPointsPerVoxelFace / (s * s);
     size.file_bytes = bytes.at(1 / s);
     size.bake_s = seconds.at(1 / s);

@@ -35,6 +35,9 @@ std::string provenance_of(const Scene& scene, std::span<const MeshOutline> meshe
                {"mesh_deviation_m", options.mesh_deviation_m},
                {"parts", parts}};
   if (options.roi_m) json["roi_m"] = *options.roi_m;
+  if (options.metric == Metric::kEuclidean) json["metric"] = "euclidean";
+  if (options.bits != 2) json["bits"] = options.bits;
+  if (options.range_m > 0) json["range_m"] = options.range_m;
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 

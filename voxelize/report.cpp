@@ -61,6 +61,9 @@ Json report_of(const Bake& bake, std::span<const MeshFacts> facts, const BakeFac
           {"origin_m", origin_m},
           {"dims", header.dims_voxels},
           {"layers", header.offset_layers},
+          {"metric", header.metric == static_cast<std::uint32_t>(Metric::kEuclidean) ? "euclidean"
+                                                                                     : "chebyshev"},
+          {"bits_per_voxel", header.bits_per_voxel},
           {"counts",
            {{"interior", header.interior_voxels},
             {"surface", header.surface_voxels},
@@ -78,6 +81,7 @@ Json report_of(const Bake& bake, std::span<const MeshFacts> facts, const BakeFac
             {"snap", seconds.snap},
             {"scan", seconds.scan},
             {"flood", seconds.flood},
+            {"near", seconds.near},
             {"cavities", seconds.cavities},
             {"cache", seconds.cache},
             {"unite", seconds.unite},

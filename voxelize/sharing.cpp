@@ -86,33 +86,35 @@ struct BrickPlace {
 };
 
 // Shares the bricks: entries of lower nodes become numbers of the result's bricks.
-std::vector<std::uint32_t> share_bricks(std::vector<BuiltNode>& nodes) {
+std::vector<std::uint32_t> share_bricks(std::vector<BuiltNode>& nodes, std::uint32_t parts) {
   std::vector<std::uint32_t> first_brick(nodes.size() + 1, 0);
   for (std::size_t i = 0; i < nodes.size(); ++i) {
-    first_brick[i + 1] = first_brick[i] + static_cast<std::uint32_t>(nodes[i].bricks.size());
+    first_brick[i + 1] =
+        first_brick[i] + static_cast<std::uint32_t>(nodes[i].bricks.size()) / parts;
   }
   std::vector<BrickPlace> places(first_brick.back());
   tbb::parallel_for(std::size_t{0}, nodes.size(), [&](std::size_t i) {
-    for (std::uint32_t b = 0; b < nodes[i].bricks.size(); ++b) {
+    for (std::uint32_t b = 0; b < nodes[i].bricks.size() / parts; ++b) {
       places[first_brick[i] + b] = {static_cast<std::uint32_t>(i), b};
     }
   });
+  const std::size_t words = std::tuple_size_v<Brick> * parts;
   const auto brick = [&](std::size_t i) -> const Brick& {
-    return nodes[places[i].node].bricks[places[i].brick];
+    return nodes[places[i].node].bricks[std::size_t{places[i].brick} * parts];
   };
-  const FirstOfEqual equal(places.size(), sizeof(Brick),
+  const FirstOfEqual equal(places.size(), sizeof(Brick) * parts,
                            [&](std::size_t i) { return brick(i).data(); });
   std::vector<std::uint32_t> numbers;
   const std::uint32_t count = equal.number(numbers);
 
-  std::vector<std::uint32_t> bricks(std::size_t{count} * std::tuple_size_v<Brick>);
+  std::vector<std::uint32_t> bricks(count * words);
   tbb::parallel_for(std::size_t{0}, nodes.size(), [&](std::size_t i) {
     BuiltNode& node = nodes[i];
-    for (std::uint32_t b = 0; b < node.bricks.size(); ++b) {
+    for (std::uint32_t b = 0; b < node.bricks.size() / parts; ++b) {
       const std::uint32_t at = first_brick[i] + b;
       if (equal.first(at) != at) continue;
-      std::memcpy(bricks.data() + std::size_t{numbers[at]} * std::tuple_size_v<Brick>,
-                  node.bricks[b].data(), sizeof(Brick));
+      std::memcpy(bricks.data() + numbers[at] * words, node.bricks[std::size_t{b} * parts].data(),
+                  sizeof(Brick) * parts);
     }
     for (std::uint32_t& entry : node.entries) {
       if (!is_uniform(entry)) entry = numbers[first_brick[i] + entry];
@@ -142,7 +144,7 @@ std::vector<std::uint32_t> share_nodes(std::size_t count, const EntriesOf& entri
 VoxelTree share_equal(BuiltTree&& built, std::vector<std::uint32_t>& lower_numbers) {
   VoxelTree tree;
   for (BuiltNode& node : built.lower) node.nearness = {};
-  tree.bricks = share_bricks(built.lower);
+  tree.bricks = share_bricks(built.lower, built.brick_parts);
   tree.lower_nodes = share_nodes(
       built.lower.size(), [&](std::size_t i) -> const Entries& { return built.lower[i].entries; },
       lower_numbers);

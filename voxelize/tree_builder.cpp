@@ -31,6 +31,18 @@ struct OffsetNodes {
   std::vector<std::uint32_t> entries;  // of the nodes in the tree that is built
 };
 
+OffsetNodes distance_nodes(const LayerOffset& around, const DistanceNodes& distances) {
+  OffsetNodes result;
+  result.origins = around.nodes();
+  result.nodes.resize(result.origins.size());
+  result.counts.resize(result.origins.size());
+  result.entries.resize(result.origins.size());
+  tbb::parallel_for(std::size_t{0}, result.nodes.size(), [&](std::size_t i) {
+    result.nodes[i] = distances.node(result.origins[i], result.counts[i]);
+  });
+  return result;
+}
+
 OffsetNodes offset_nodes(const LayerOffset& offset, const NodeMemory* memory) {
   struct Scratch {
     NodeHalo halo;
@@ -196,15 +208,42 @@ std::vector<NodeMemo> memos_of(const OffsetNodes& nodes, const BuiltTree& built)
   return memos;
 }
 
-}  // namespace
-
-VoxelTree build_tree(const LayerOffset& offset, const std::array<std::uint32_t, 3>& directory_dims,
-                     const NodeMemory* memory, ValueCounts& counts) {
-  OffsetNodes nodes = offset_nodes(offset, memory);
+// The finished tree of the nodes, whose entries are then numbered as in it.
+BuiltTree assemble(const LayerOffset& offset, const std::array<std::uint32_t, 3>& directory_dims,
+                   OffsetNodes& nodes, ValueCounts& counts) {
   BuiltTree built =
       TreeAssembly(offset.interior(), offset.kept(), directory_dims).run(nodes, counts);
   add_clearance(built);
   if (offset.kept().cropped()) clip_clearance(built, offset.kept());
+  return built;
+}
+
+}  // namespace
+
+VoxelTree build_distance_tree(const LayerOffset& around, const DistanceNodes& distances,
+                              const std::array<std::uint32_t, 3>& directory_dims,
+                              ValueCounts& counts) {
+  OffsetNodes nodes = distance_nodes(around, distances);
+  BuiltTree built = assemble(around, directory_dims, nodes, counts);
+  built.brick_parts = distances.scale().bits / 2;
+  std::vector<std::uint32_t> lower_numbers;
+  return share_equal(std::move(built), lower_numbers);
+}
+
+void name_codes(VoxelTree& tree, const DistanceScale& scale) {
+  for (auto* entries : {&tree.directory, &tree.upper_nodes, &tree.lower_nodes}) {
+    for (std::uint32_t& entry : *entries) {
+      if (!is_uniform(entry)) continue;
+      entry = uniform_value(entry) == 0 ? uniform_entry(scale.free_code, uniform_clearance(entry))
+                                        : uniform_entry(0);
+    }
+  }
+}
+
+VoxelTree build_tree(const LayerOffset& offset, const std::array<std::uint32_t, 3>& directory_dims,
+                     const NodeMemory* memory, ValueCounts& counts) {
+  OffsetNodes nodes = offset_nodes(offset, memory);
+  BuiltTree built = assemble(offset, directory_dims, nodes, counts);
   std::vector<NodeMemo> memos = memos_of(nodes, built);
   std::vector<std::uint32_t> lower_numbers;
   VoxelTree tree = share_equal(std::move(built), lower_numbers);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 
+#include "voxelize/distance_nodes.h"
 #include "voxelize/mask_tree.h"
 #include "voxelize/node_memory.h"
 #include "voxelize/offset.h"
@@ -18,5 +19,13 @@ namespace forcelayer {
 // tree.
 VoxelTree build_tree(const LayerOffset& offset, const std::array<std::uint32_t, 3>& directory_dims,
                      const NodeMemory* memory, ValueCounts& counts);
+
+// The same of wider voxels, from the nodes of `around`: its layers are one less than the voxels
+// around the geometry that matter. Uniform entries read as at two bits (see DistanceNodes::node);
+// name_codes() gives them the codes of the file.
+VoxelTree build_distance_tree(const LayerOffset& around, const DistanceNodes& distances,
+                              const std::array<std::uint32_t, 3>& directory_dims,
+                              ValueCounts& counts);
+void name_codes(VoxelTree& tree, const DistanceScale& scale);
 
 }  // namespace forcelayer

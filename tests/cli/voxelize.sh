@@ -79,6 +79,27 @@ cmp -s scene.vox kept.vox || fail "another number of threads gives other bytes"
 echo '0.005 0.005 0.005' | "$bin/voxinfo" sample scene.vox >out
 [ "$(cat out)" = 0 ] || fail "the free seed opened nothing"
 
+# The other kinds of voxels: Euclidean layers are rounder at the corners, and distances count from
+# 2.867 voxels off.
+"$bin/voxelize" cube.obj --units cm --voxel-size 1mm -o scene.vox --quiet --metric euclidean --json report.json || fail "euclidean"
+"$bin/voxinfo" verify scene.vox --quiet || fail "the Euclidean scene is not valid"
+python3 - report.json <<'EOF' || fail "euclidean report"
+import json, sys
+r = json.load(open(sys.argv[1]))
+assert r["metric"] == "euclidean" and r["bits_per_voxel"] == 2 and r["layers"] == 2, r
+assert 11**3 < r["counts"]["interior"] < 13**3, r
+EOF
+for bits in 4 8; do
+  "$bin/voxelize" cube.obj --units cm --voxel-size 1mm -o scene.vox --quiet --bits $bits || fail "$bits bits"
+  "$bin/voxinfo" verify scene.vox --quiet || fail "the scene of $bits bits is not valid"
+  "$bin/voxinfo" scene.vox --json report.json >out
+  grep -q 'zero force        2.867 mm' out || fail "facts of $bits bits: $(cat out)"
+  grep -q "\"bits_per_voxel\": $bits" report.json || fail "bits of $bits"
+  printf '0.005 0.005 0.005\n-0.0015 0.005 0.005\n-0.0035 0.005 0.005\n-0.0045 0.005 0.005\n-0.0075 0.005 0.005\n' |
+    "$bin/voxinfo" sample scene.vox >out || fail "sample"
+  [ "$(tr '\n' ' ' <out)" = "1 1 2 3 0 " ] || fail "wrong values along x at $bits bits: $(cat out)"
+done
+
 # A manifest, the sample scene, a folder.
 cat >scene.json <<'EOF'
 {"voxel_size": "1mm", "layers": 1,
@@ -108,6 +129,12 @@ expect 2 "unit" cube.obj --units cm --voxel-size 5 -o scene.vox
 expect 2 "--units" cube.obj --voxel-size 1mm -o scene.vox
 expect 2 "--units" cube.obj --units parsec --voxel-size 1mm -o scene.vox
 expect 2 "layers" cube.obj --units cm --voxel-size 1mm --layers 31 -o scene.vox
+expect 2 "--metric" cube.obj --units cm --voxel-size 1mm --metric manhattan -o scene.vox
+expect 2 "--bits" cube.obj --units cm --voxel-size 1mm --bits 3 -o scene.vox
+expect 2 "--metric" cube.obj --units cm --voxel-size 1mm --metric chebyshev --bits 8 -o scene.vox
+expect 2 "--layers" cube.obj --units cm --voxel-size 1mm --bits 8 --layers 0 -o scene.vox
+expect 2 "--range" cube.obj --units cm --voxel-size 1mm --range 4mm -o scene.vox
+expect 2 "range" cube.obj --units cm --voxel-size 1mm --bits 8 --range 1mm -o scene.vox
 expect 2 "--free-seed" cube.obj --units cm --voxel-size 1mm --free-seed 1,2 -o scene.vox
 expect 2 "" cube.obj --units cm --voxel-size 1mm
 expect 2 "" --units cm --voxel-size 1mm -o scene.vox

@@ -9,7 +9,7 @@
 namespace forcelayer::test {
 
 // The parameter is one of hwy::SupportedAndGeneratedTargets().
-class EveryTarget : public testing::TestWithParam<std::int64_t> {
+class EveryTarget : public ::testing::TestWithParam<std::int64_t> {
  protected:
   void SetUp() override { use(GetParam()); }
   void TearDown() override { use(0); }

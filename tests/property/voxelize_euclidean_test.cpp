@@ -1,0 +1,221 @@
+// Euclidean layers of two bits against the dense reference, and the exact test behind them.
+#include <gtest/gtest.h>
+
+#include "tests/support/baked_scene.h"
+#include "tests/support/reference_distance.h"
+#include "tests/support/soups.h"
+#include "voxelize/cube_distance.h"
+
+namespace forcelayer {
+namespace {
+
+using reference::BakedScene;
+using reference::LatticeMesh;
+using reference::Random;
+using reference::whole;
+
+// Corners on fine and on coarse lattices (so that distances tie), some of them equal, some large.
+LatticeTriangle random_triangle(Random& random) {
+  const std::int64_t grid = std::int64_t{1} << whole(random, 0, kSnapBits);
+  const std::int64_t extent = random() % 8 == 0 ? 4000 : whole(random, 1, 6);
+  LatticeTriangle triangle;
+  for (LatticePoint& corner : triangle) {
+    for (std::int64_t& x : corner) {
+      x = whole(random, -extent * kSnapUnits / grid, extent * kSnapUnits / grid) * grid;
+    }
+  }
+  if (random() % 6 == 0) triangle[1] = triangle[0];
+  if (random() % 6 == 0) {
+    for (std::size_t d = 0; d < 3; ++d) triangle[2][d] = (triangle[0][d] + triangle[1][d]) / 2;
+  }
+  return triangle;
+}
+
+// A voxel that the triangle passes by: somewhere on it, and a few voxels off.
+VoxelIndex voxel_near(Random& random, const LatticeTriangle& triangle, int radius) {
+  double s = reference::real(random, 0, 1), t = reference::real(random, 0, 1);
+  if (s + t > 1) s = 1 - s, t = 1 - t;
+  VoxelIndex voxel;
+  for (std::size_t d = 0; d < 3; ++d) {
+    const double at = static_cast<double>(triangle[0][d]) +
+                      s * static_cast<double>(triangle[1][d] - triangle[0][d]) +
+                      t * static_cast<double>(triangle[2][d] - triangle[0][d]);
+    voxel[d] =
+        (static_cast<std::int64_t>(at) >> kSnapBits) + whole(random, -radius - 1, radius + 1);
+  }
+  return voxel;
+}
+
+TEST(CubeDistance, EqualsTheSearchOverTheTriangle) {
+  int near = 0, far = 0, ties = 0;
+  for (std::uint64_t seed = 1; seed <= 3000; ++seed) {
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
+    Random random(seed);
+    const LatticeTriangle triangle = random_triangle(random);
+    const int radius = static_cast<int>(whole(random, 1, 3));
+    const VoxelIndex voxel = voxel_near(random, triangle, radius);
+    const double distance = reference::cube_distance(triangle, voxel);
+    if (distance == 0 || reference::overlaps_cell<reference::Int128>(triangle, voxel)) continue;
+    const bool tie = std::abs(distance - radius) < 1e-9;
+    const bool expected = distance < radius && !tie;
+    ASSERT_EQ(comes_nearer(triangle, voxel, radius), expected) << "distance " << distance;
+    ++(tie ? ties : expected ? near : far);
+  }
+  EXPECT_GT(near, 500);
+  EXPECT_GT(far, 500);
+  EXPECT_GT(ties, 15);
+}
+
+BakeOptions options_with(std::uint32_t layers) {
+  BakeOptions options;
+  options.voxel_size_m = 1;
+  options.layers = layers;
+  options.metric = Metric::kEuclidean;
+  options.threads = 2;
+  return options;
+}
+
+struct TestScene {
+  std::vector<Mesh> meshes;
+
+  TestScene(Random& random, double extent) {
+    Vec3d place;
+    for (double& x : place) {
+      x = static_cast<double>(whole(random, -3, 3) * 512 + whole(random, -8, 8));
+    }
+    for (std::int64_t n = whole(random, 1, 3); n > 0; --n) {
+      Vec3d centre = place;
+      for (double& x : centre) x += reference::real(random, -extent / 3, extent / 3);
+      meshes.push_back(
+          reference::random_object(random, centre, reference::real(random, 1, extent)));
+    }
+  }
+  std::vector<SceneObject> objects() const {
+    std::vector<SceneObject> list;
+    for (const Mesh& mesh : meshes) list.push_back({"object", &mesh, Affine{}, {}, 0});
+    return list;
+  }
+  std::vector<LatticeMesh> lattice() const {
+    std::vector<LatticeMesh> list;
+    for (const Mesh& mesh : meshes) list.push_back(reference::snapped(mesh, Affine{}, 1));
+    return list;
+  }
+};
+
+TEST(EuclideanBake, EqualsTheReferenceOnRandomScenes) {
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
+    Random random(seed);
+    const TestScene scene(random, seed % 5 == 0 ? 30 : 12);
+    const auto layers = static_cast<std::uint32_t>(whole(random, 1, 4));
+    const std::vector<LatticeMesh> meshes = scene.lattice();
+    const auto expected = reference::euclidean_scene(
+        meshes, reference::united_scene(meshes, {}, layers + 2), static_cast<int>(layers));
+    const BakedScene baked(scene.objects(), options_with(layers));
+    EXPECT_EQ(baked.map().header().metric, static_cast<std::uint32_t>(Metric::kEuclidean));
+    EXPECT_EQ(baked.map().header().offset_layers, layers);
+    reference::expect_equal(baked.map(), expected);
+    if (HasFatalFailure()) return;
+  }
+}
+
+// A large triangle is cut where it leaves a node's surroundings, and decided on whole.
+TEST(EuclideanBake, LargeTrianglesAreExact) {
+  Mesh mesh;
+  reference::add_triangle(mesh, {-400.25, -300.5, 3.75}, {500.5, -200.125, 40.5},
+                          {20.25, 600.75, -70.5});
+  const std::vector<SceneObject> objects{{"object", &mesh, Affine{}, {}, 0}};
+  const BakedScene baked(objects, options_with(3));
+  const LatticeMesh lattice = reference::snapped(mesh, Affine{}, 1);
+  Random random(5);
+  int near = 0;
+  for (int n = 0; n < 1500; ++n) {
+    const VoxelIndex voxel = voxel_near(random, lattice[0], 3);
+    const VoxelValue value = baked.map().value(voxel[0], voxel[1], voxel[2]);
+    const bool expected = reference::overlaps_cell<reference::Int128>(lattice[0], voxel) ||
+                          reference::is_near(lattice[0], voxel, 2);
+    ASSERT_EQ(value == VoxelValue::kInterior, expected);
+    near += expected;
+  }
+  EXPECT_GT(near, 300);
+  EXPECT_LT(near, 1300);
+}
+
+// The guarantee (voxmap_format.md, section 7): no point of a voxel that is not interior is nearer
+// than k - 1 voxels; and the layers are one voxel deep in all 26 directions.
+TEST(EuclideanBake, KeepsTheStandoffAndWholeLayers) {
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
+    Random random(seed);
+    const TestScene scene(random, 12);
+    const std::vector<LatticeMesh> meshes = scene.lattice();
+    const int layers = static_cast<int>(whole(random, 2, 3));
+    const BakedScene baked(scene.objects(), options_with(static_cast<std::uint32_t>(layers)));
+    const Voxmap& map = baked.map();
+    const auto grid = reference::grid_around(meshes, layers + 2);
+    const auto level = [&](const VoxelIndex& v) {
+      constexpr int kLevels[4] = {2, -1, 0, 1};
+      return kLevels[static_cast<int>(map.value(v[0], v[1], v[2]))];
+    };
+    for (int n = 0; n < 2000; ++n) {
+      VoxelIndex v;
+      for (std::size_t d = 0; d < 3; ++d) v[d] = whole(random, grid.low()[d], grid.high()[d]);
+      if (level(v) < 0) continue;
+      reference::Point p = reference::center_of(v);
+      for (double& x : p) x += reference::real(random, -0.5, 0.5);
+      for (const LatticeMesh& mesh : meshes) {
+        for (const LatticeTriangle& triangle : mesh) {
+          ASSERT_GE(reference::point_distance(triangle, p), layers - 1 - 1e-9);
+        }
+      }
+      VoxelIndex next = v;
+      for (std::int64_t& x : next) x += whole(random, -1, 1);
+      ASSERT_LE(std::abs(level(v) - level(next)), 1);
+    }
+  }
+}
+
+TEST(EuclideanBake, SameBytesForAnyNumberOfThreadsAndOrder) {
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    Random random(seed);
+    TestScene scene(random, 150);
+    BakeOptions options = options_with(2);
+    options.threads = 1;
+    const std::string expected = BakedScene(scene.objects(), options).bytes();
+    options.threads = 4;
+    std::shuffle(scene.meshes.begin(), scene.meshes.end(), random);
+    for (Mesh& mesh : scene.meshes) {
+      std::shuffle(mesh.triangles.begin(), mesh.triangles.end(), random);
+      for (Triangle& triangle : mesh.triangles) {
+        std::rotate(triangle.begin(), triangle.begin() + whole(random, 0, 2), triangle.end());
+      }
+    }
+    ASSERT_EQ(BakedScene(scene.objects(), options).bytes(), expected) << "seed " << seed;
+  }
+}
+
+TEST(EuclideanBake, RefusesWhatHasNoMeaning) {
+  Mesh mesh;
+  reference::add_box(mesh, {0, 0, 0}, {4, 4, 4});
+  const std::vector<SceneObject> objects{{"object", &mesh, Affine{}, {}, 0}};
+  const auto refused = [&](const BakeOptions& options) {
+    const auto baked = bake(objects, options);
+    return !baked && baked.error().code == ErrorCode::kUsage;
+  };
+  EXPECT_TRUE(refused(options_with(0)));
+  BakeOptions options = options_with(2);
+  options.bits = 3;
+  EXPECT_TRUE(refused(options));
+  options.bits = 8;
+  options.metric = Metric::kChebyshev;
+  EXPECT_TRUE(refused(options));
+  options.metric = Metric::kEuclidean;
+  options.range_m = 1;
+  EXPECT_TRUE(refused(options));
+  options.bits = 2;
+  options.range_m = 4;
+  EXPECT_TRUE(refused(options));
+}
+
+}  // namespace
+}  // namespace forcelayer

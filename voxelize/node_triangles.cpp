@@ -1,0 +1,112 @@
+#include "voxelize/node_triangles.h"
+
+#include <algorithm>
+
+namespace forcelayer {
+namespace {
+
+constexpr double kNodeUnits = 64 * static_cast<double>(kSnapUnits);
+constexpr std::int64_t kWholeUnits = 128 * kSnapUnits;  // larger triangles are cut
+
+using Point = std::array<double, 3>;
+
+// What of a convex polygon lies in front of the plane where coordinate `axis` times `side` is
+// `bound`.
+void cut(std::vector<Point>& polygon, std::size_t axis, double side, double bound) {
+  std::vector<Point> kept;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const Point& a = polygon[i];
+    const Point& b = polygon[(i + 1) % polygon.size()];
+    const double from = side * a[axis] - bound, to = side * b[axis] - bound;
+    if (from >= 0) kept.push_back(a);
+    if ((from < 0) == (to < 0)) continue;
+    const double t = from / (from - to);
+    Point at;
+    for (std::size_t d = 0; d < 3; ++d) at[d] = a[d] + t * (b[d] - a[d]);
+    at[axis] = side * bound;
+    kept.push_back(at);
+  }
+  polygon = std::move(kept);
+}
+
+std::array<Point, 3> relative(const LatticeTriangle& triangle, const NodeIndex& node) {
+  std::array<Point, 3> corners;
+  for (std::size_t k = 0; k < 3; ++k) {
+    for (std::size_t d = 0; d < 3; ++d) {
+      corners[k][d] = static_cast<double>(triangle[k][d] - node[d] * 64 * kSnapUnits);
+    }
+  }
+  return corners;
+}
+
+bool is_large(const LatticeTriangle& triangle) {
+  for (std::size_t d = 0; d < 3; ++d) {
+    const auto [least, most] = std::minmax({triangle[0][d], triangle[1][d], triangle[2][d]});
+    if (most - least > kWholeUnits) return true;
+  }
+  return false;
+}
+
+void add_cut(const std::array<Point, 3>& corners, int reach, std::uint32_t source,
+             std::vector<NearTriangle>& near) {
+  std::vector<Point> polygon(corners.begin(), corners.end());
+  const double margin = static_cast<double>(reach + 1) * static_cast<double>(kSnapUnits);
+  for (std::size_t d = 0; d < 3; ++d) {
+    cut(polygon, d, 1, -margin);
+    cut(polygon, d, -1, -(kNodeUnits + margin));
+  }
+  for (std::size_t i = 2; i < polygon.size(); ++i) {
+    near.push_back(near_triangle({polygon[0], polygon[i - 1], polygon[i]}, source));
+  }
+}
+
+}  // namespace
+
+SceneTriangles::SceneTriangles(std::vector<const SnappedObject*> objects, int reach)
+    : objects_(std::move(objects)), reach_(reach) {
+  struct Place {
+    NodeIndex node;
+    Bin bin;
+  };
+  std::vector<Place> places;
+  for (std::uint32_t i = 0; i < objects_.size(); ++i) {
+    bins_.push_back(bin_triangles(*objects_[i], reach));
+    const NodeBins& bins = bins_.back();
+    for (std::uint32_t n = 0; n < bins.nodes.size(); ++n) places.push_back({bins.nodes[n], {i, n}});
+  }
+  std::stable_sort(places.begin(), places.end(),
+                   [](const Place& a, const Place& b) { return a.node < b.node; });
+  for (const Place& place : places) {
+    if (nodes_.empty() || nodes_.back() != place.node) {
+      nodes_.push_back(place.node);
+      first_.push_back(of_node_.size());
+    }
+    of_node_.push_back(place.bin);
+  }
+  first_.push_back(of_node_.size());
+}
+
+void SceneTriangles::gather(const NodeIndex& node, NodeTriangles& out) const {
+  out.near.clear();
+  out.whole.clear();
+  const auto found = std::lower_bound(nodes_.begin(), nodes_.end(), node);
+  if (found == nodes_.end() || *found != node) return;
+  const auto at = static_cast<std::size_t>(found - nodes_.begin());
+  for (std::size_t i = first_[at]; i < first_[at + 1]; ++i) {
+    const auto [object, bin] = of_node_[i];
+    const NodeBins& bins = bins_[object];
+    for (std::uint64_t t = bins.first[bin]; t < bins.first[bin + 1]; ++t) {
+      const LatticeTriangle triangle = objects_[object]->triangle(bins.triangles[t]);
+      const auto source = static_cast<std::uint32_t>(out.whole.size());
+      out.whole.push_back(triangle);
+      const std::array<Point, 3> corners = relative(triangle, node);
+      if (is_large(triangle)) {
+        add_cut(corners, reach_, source, out.near);
+      } else {
+        out.near.push_back(near_triangle(corners, source));
+      }
+    }
+  }
+}
+
+}  // namespace forcelayer

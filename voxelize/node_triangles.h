@@ -1,0 +1,44 @@
+// The triangles that come near a 64^3-voxel node.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "voxelize/node_bins.h"
+#include "voxelize/triangle_distance.h"
+
+namespace forcelayer {
+
+// Near a node, in lattice units from its lowest corner. Triangles that reach far beyond are cut to
+// what lies near, so that single precision can hold them.
+struct NodeTriangles {
+  std::vector<NearTriangle> near;      // `source` is an index into `whole`
+  std::vector<LatticeTriangle> whole;  // world lattice, each once
+};
+
+// The triangles of some objects, by the nodes that they come near to.
+class SceneTriangles {
+ public:
+  // Nearer than `reach` voxels (1..64). The objects must outlive this.
+  SceneTriangles(std::vector<const SnappedObject*> objects, int reach);
+
+  // In ascending order.
+  const std::vector<NodeIndex>& nodes() const { return nodes_; }
+
+  // Those that come near `node`; empty for one that is not in nodes().
+  void gather(const NodeIndex& node, NodeTriangles& out) const;
+
+ private:
+  struct Bin {
+    std::uint32_t object, bin;
+  };
+
+  std::vector<const SnappedObject*> objects_;
+  int reach_;
+  std::vector<NodeBins> bins_;      // [objects]
+  std::vector<NodeIndex> nodes_;    // [n]
+  std::vector<std::size_t> first_;  // [n + 1] offsets into of_node_
+  std::vector<Bin> of_node_;
+};
+
+}  // namespace forcelayer

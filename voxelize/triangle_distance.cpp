@@ -1,0 +1,389 @@
+#include "voxelize/triangle_distance.h"
+
+// Compiled once for every instruction set that Highway supports, picked at run time.
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "voxelize/triangle_distance.cpp"
+#include <hwy/foreach_target.h>
+// After foreach_target.h, as Highway wants it.
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "voxelize/distance_scale.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace forcelayer::HWY_NAMESPACE {
+namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+constexpr hn::CappedTag<float, 16> kF{};
+constexpr hn::RebindToUnsigned<decltype(kF)> kU{};
+using V = hn::Vec<decltype(kF)>;
+
+HWY_INLINE std::size_t lanes() { return hn::Lanes(kF); }
+HWY_INLINE V set(float value) { return hn::Set(kF, value); }
+
+HWY_INLINE V dot(const std::array<float, 3>& a, V x, V y, V z) {
+  return hn::Add(hn::Add(hn::Mul(set(a[0]), x), hn::Mul(set(a[1]), y)), hn::Mul(set(a[2]), z));
+}
+
+// Coordinates of a cube's points.
+class Points {
+ public:
+  HWY_INLINE explicit Points(const PointCube& cube) {
+    for (std::size_t n = 0; n < kCubePoints; ++n) {
+      const std::size_t at[3] = {n >> 4, n >> 2 & 3, n & 3};
+      for (std::size_t d = 0; d < 3; ++d) {
+        values_[d][n] = cube.first[d] + cube.step * static_cast<float>(at[d]);
+      }
+    }
+  }
+  HWY_INLINE V at(int axis, std::size_t n) const { return hn::Load(kF, values_[axis] + n); }
+
+ private:
+  HWY_ALIGN float values_[3][kCubePoints];
+};
+
+// From the nearest point of a triangle to the point.
+struct Away {
+  V squared, x, y, z;
+};
+
+HWY_INLINE Away off_edge(const std::array<float, 3>& edge, float inverse_length2, V x, V y, V z) {
+  const V along = hn::Mul(dot(edge, x, y, z), set(inverse_length2));
+  const V t = hn::Min(hn::Max(along, hn::Zero(kF)), set(1.0f));
+  Away away;
+  away.x = hn::Sub(x, hn::Mul(t, set(edge[0])));
+  away.y = hn::Sub(y, hn::Mul(t, set(edge[1])));
+  away.z = hn::Sub(z, hn::Mul(t, set(edge[2])));
+  away.squared =
+      hn::Add(hn::Add(hn::Mul(away.x, away.x), hn::Mul(away.y, away.y)), hn::Mul(away.z, away.z));
+  return away;
+}
+
+// Calls take(away) for each edge, then for the inside: of the latter squared is infinite where the
+// point is not beside it.
+template <class Take>
+HWY_INLINE void for_each_feature(const NearTriangle& t, V px, V py, V pz, const Take& take) {
+  const V x = hn::Sub(px, set(t.corner[0])), y = hn::Sub(py, set(t.corner[1])),
+          z = hn::Sub(pz, set(t.corner[2]));
+  take(off_edge(t.edge_1, t.inverse_length2[0], x, y, z));
+  take(off_edge(t.edge_2, t.inverse_length2[1], x, y, z));
+  const V x1 = hn::Sub(x, set(t.edge_1[0])), y1 = hn::Sub(y, set(t.edge_1[1])),
+          z1 = hn::Sub(z, set(t.edge_1[2]));
+  take(off_edge(t.edge_3, t.inverse_length2[2], x1, y1, z1));
+  const V beside = hn::Min(hn::Min(dot(t.into[0], x, y, z), dot(t.into[1], x, y, z)),
+                           hn::Add(dot(t.into[2], x1, y1, z1), set(t.nothing)));
+  const V height = dot(t.normal, x, y, z);
+  Away away;
+  away.squared = hn::IfThenElse(hn::Ge(beside, hn::Zero(kF)), hn::Mul(height, height), set(1e30f));
+  away.x = hn::Mul(height, set(t.normal[0]));
+  away.y = hn::Mul(height, set(t.normal[1]));
+  away.z = hn::Mul(height, set(t.normal[2]));
+  take(away);
+}
+
+// Of a point (u, v) from an edge that begins at the origin, in the plane: its squared distance, and
+// how far inwards of the edge's line it lies (to the left).
+HWY_INLINE V off_planar_edge(const std::array<float, 2>& direction, float length, V u, V v,
+                             V& inwards) {
+  const V x = set(direction[0]), y = set(direction[1]);
+  const V along = hn::Add(hn::Mul(x, u), hn::Mul(y, v));
+  inwards = hn::Sub(hn::Mul(x, v), hn::Mul(y, u));
+  const V beyond = hn::Sub(along, hn::Min(hn::Max(along, hn::Zero(kF)), set(length)));
+  return hn::Add(hn::Mul(beyond, beyond), hn::Mul(inwards, inwards));
+}
+
+HWY_INLINE V squared_distance(const NearTriangle& t, V px, V py, V pz) {
+  const V x = hn::Sub(px, set(t.corner[0])), y = hn::Sub(py, set(t.corner[1])),
+          z = hn::Sub(pz, set(t.corner[2]));
+  const V u = dot(t.along, x, y, z), v = dot(t.across, x, y, z), height = dot(t.normal, x, y, z);
+  const V beyond = hn::Sub(u, hn::Min(hn::Max(u, hn::Zero(kF)), set(t.length_1)));
+  const V from_1 = hn::Add(hn::Mul(beyond, beyond), hn::Mul(v, v));
+  V left_2, left_3;
+  const V from_2 = off_planar_edge(t.direction_2, t.length_2, u, v, left_2);
+  const V from_3 =
+      off_planar_edge(t.direction_3, t.length_3, hn::Sub(u, set(t.length_1)), v, left_3);
+  // Edge 2 leads away from corner 0: the inside is to its right.
+  const V least = hn::Min(hn::Min(from_1, from_2), from_3);
+  const V inside = hn::Min(hn::Min(v, hn::Neg(left_2)), hn::Add(left_3, set(t.nothing)));
+  const V planar = hn::IfThenElseZero(hn::Lt(inside, hn::Zero(kF)), least);
+  return hn::Add(planar, hn::Mul(height, height));
+}
+
+void distances(const NearCandidate* triangles, std::size_t count, const PointCube& cube,
+               CubeValues* squared, CubeValues& least) {
+  const Points points(cube);
+  for (std::size_t n = 0; n < kCubePoints; n += lanes()) {
+    const V x = points.at(0, n), y = points.at(1, n), z = points.at(2, n);
+    V best = set(1e30f);
+    for (std::size_t i = 0; i < count; ++i) {
+      const V d = squared_distance(*triangles[i].triangle, x, y, z);
+      hn::StoreU(d, kF, squared[i].data() + n);
+      best = hn::Min(best, d);
+    }
+    hn::StoreU(best, kF, least.data() + n);
+  }
+}
+
+HWY_INLINE std::uint64_t bits_of(hn::Mask<decltype(kF)> mask) {
+  std::uint8_t bits[8] = {};
+  hn::StoreMaskBits(kF, mask, bits);
+  return std::uint64_t{bits[0]} | std::uint64_t{bits[1]} << 8;
+}
+
+std::uint64_t within(const CubeValues& values, const CubeValues& limits) {
+  std::uint64_t bits = 0;
+  for (std::size_t n = 0; n < kCubePoints; n += lanes()) {
+    const V value = hn::LoadU(kF, values.data() + n), limit = hn::LoadU(kF, limits.data() + n);
+    bits |= bits_of(hn::Le(value, limit)) << n;
+  }
+  return bits;
+}
+
+void nearest(const NearCandidate* triangles, std::size_t count, const PointCube& cube,
+             CubeValues& least, std::uint32_t* which) {
+  const Points points(cube);
+  for (std::size_t n = 0; n < kCubePoints; n += lanes()) {
+    const V x = points.at(0, n), y = points.at(1, n), z = points.at(2, n);
+    V best = set(1e30f);
+    auto best_at = hn::Zero(kU);
+    for (std::size_t i = 0; i < count; ++i) {
+      if (hn::AllTrue(kF, hn::Le(best, set(triangles[i].least_squared)))) continue;
+      const V d = squared_distance(*triangles[i].triangle, x, y, z);
+      const auto better = hn::Lt(d, best);
+      best = hn::IfThenElse(better, d, best);
+      best_at = hn::IfThenElse(hn::RebindMask(kU, better),
+                               hn::Set(kU, static_cast<std::uint32_t>(i)), best_at);
+    }
+    hn::StoreU(best, kF, least.data() + n);
+    hn::StoreU(best_at, kU, which + n);
+  }
+}
+
+void codes(const CubeValues& squared, std::uint64_t negative, const DistanceScale& scale,
+           std::uint8_t* out) {
+  constexpr hn::RebindToSigned<decltype(kF)> kI{};
+  constexpr hn::Rebind<std::uint8_t, decltype(kI)> kBytes{};
+  const auto code = [&](std::uint32_t c) HWY_ATTR { return hn::Set(kI, static_cast<int>(c)); };
+  // Distances that are taken for no more than this have the highest code anyway.
+  const V most = set(4 * static_cast<float>(kMostRangeVoxels));
+  for (std::size_t n = 0; n < kCubePoints; n += lanes()) {
+    const V root = hn::Sqrt(hn::LoadU(kF, squared.data() + n));
+    const V length = hn::Min(hn::Mul(root, set(1.0f / static_cast<float>(kSnapUnits))), most);
+    const std::uint8_t bits[8] = {static_cast<std::uint8_t>(negative >> n),
+                                  static_cast<std::uint8_t>(n + 8 < 64 ? negative >> (n + 8) : 0)};
+    const V d = hn::IfThenElse(hn::LoadMaskBits(kF, bits), hn::Neg(length), length);
+    const V steps = hn::Mul(hn::Sub(d, set(static_cast<float>(scale.zero))),
+                            set(static_cast<float>(1 / scale.quantum)));
+    auto nearest = hn::Add(hn::NearestInt(steps), code(scale.zero_code));
+    // The nearest code of the value that the distance has.
+    const auto below = [&](double bound) HWY_ATTR {
+      return hn::RebindMask(kI, hn::Lt(d, set(static_cast<float>(bound))));
+    };
+    const auto interior = below(scale.interior_below), surface = below(scale.surface_below),
+               proximity = below(scale.proximity_below);
+    const auto pick = [&](std::uint32_t in_interior, std::uint32_t in_surface,
+                          std::uint32_t in_proximity, std::uint32_t in_free) HWY_ATTR {
+      const auto outer = hn::IfThenElse(proximity, code(in_proximity), code(in_free));
+      return hn::IfThenElse(interior, code(in_interior),
+                            hn::IfThenElse(surface, code(in_surface), outer));
+    };
+    nearest = hn::Max(nearest, pick(0, scale.surface_code, scale.proximity_code, scale.free_code));
+    nearest = hn::Min(nearest, pick(scale.surface_code - 1, scale.proximity_code - 1,
+                                    scale.free_code - 1, scale.free_code));
+    hn::StoreU(hn::DemoteTo(kBytes, nearest), kBytes, out + n);
+  }
+}
+
+// How far the cube about the point reaches past `away` towards the triangle, at most to it.
+HWY_INLINE V gap(V away) {
+  constexpr float kHalf = static_cast<float>(kSnapUnits) / 2;
+  return hn::Max(hn::Sub(hn::Abs(away), set(kHalf)), hn::Zero(kF));
+}
+
+std::uint64_t near_cubes(const NearCandidate* triangles, std::size_t count, const PointCube& cube,
+                         float radius_voxels, std::uint64_t* unsure) {
+  constexpr float kUnits = static_cast<float>(kSnapUnits);
+  const V near_below = set((radius_voxels - kDistanceErrorVoxels) * kUnits);
+  const V far_from = set((radius_voxels + kDistanceErrorVoxels) * kUnits);
+  const Points points(cube);
+  std::uint64_t near = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    unsure[i] = 0;
+    for (std::size_t n = 0; n < kCubePoints; n += lanes()) {
+      Away away{set(1e30f), hn::Zero(kF), hn::Zero(kF), hn::Zero(kF)};
+      const auto take = [&](const Away& feature) HWY_ATTR {
+        const auto better = hn::Lt(feature.squared, away.squared);
+        away.squared = hn::IfThenElse(better, feature.squared, away.squared);
+        away.x = hn::IfThenElse(better, feature.x, away.x);
+        away.y = hn::IfThenElse(better, feature.y, away.y);
+        away.z = hn::IfThenElse(better, feature.z, away.z);
+      };
+      for_each_feature(*triangles[i].triangle, points.at(0, n), points.at(1, n), points.at(2, n),
+                       take);
+      // From above: the distance of the triangle's nearest point to the cube. From below: the
+      // triangle, which is convex, lies behind the plane through that point across `away`; the cube
+      // reaches half of |away|_1 / |away| towards it.
+      const V gx = gap(away.x), gy = gap(away.y), gz = gap(away.z);
+      const V above = hn::Add(hn::Add(hn::Mul(gx, gx), hn::Mul(gy, gy)), hn::Mul(gz, gz));
+      near |= bits_of(hn::Lt(above, hn::Mul(near_below, near_below))) << n;
+      const V length = hn::Sqrt(away.squared);
+      const V sum = hn::Add(hn::Add(hn::Abs(away.x), hn::Abs(away.y)), hn::Abs(away.z));
+      const V below = hn::Sub(away.squared, hn::Mul(sum, set(kUnits / 2)));
+      unsure[i] |= bits_of(hn::Lt(below, hn::Mul(far_from, length))) << n;
+    }
+  }
+  return near;
+}
+
+}  // namespace
+}  // namespace forcelayer::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace forcelayer {
+namespace {
+
+HWY_EXPORT(distances);
+HWY_EXPORT(within);
+HWY_EXPORT(nearest);
+HWY_EXPORT(near_cubes);
+HWY_EXPORT(codes);
+
+using Vec = std::array<double, 3>;
+
+Vec minus(const Vec& a, const Vec& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+double dot(const Vec& a, const Vec& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+Vec cross(const Vec& a, const Vec& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+std::array<float, 3> rounded(const Vec& v, double scale = 1) {
+  return {static_cast<float>(v[0] * scale), static_cast<float>(v[1] * scale),
+          static_cast<float>(v[2] * scale)};
+}
+
+Vec unit(const Vec& v) {
+  const double length = std::sqrt(dot(v, v));
+  return {v[0] / length, v[1] / length, v[2] / length};
+}
+
+// The coordinates of the plane. Without area they are any around the longest edge.
+void set_planar(NearTriangle& t, const Vec (&edges)[3], const Vec& normal) {
+  Vec along{1, 0, 0}, across{0, 1, 0}, height{0, 0, 1};
+  const double area2 = dot(normal, normal);
+  if (area2 > 0) {
+    along = unit(edges[0]);
+    height = unit(normal);
+    across = cross(height, along);
+  } else {
+    const Vec* longest = &edges[0];
+    for (const Vec& edge : edges) {
+      if (dot(edge, edge) > dot(*longest, *longest)) longest = &edge;
+    }
+    if (dot(*longest, *longest) > 0) {
+      along = unit(*longest);
+      const std::size_t least =
+          std::min_element(along.begin(), along.end(),
+                           [](double a, double b) { return std::abs(a) < std::abs(b); }) -
+          along.begin();
+      Vec axis{};
+      axis[least] = 1;
+      across = unit(cross(along, axis));
+      height = cross(along, across);
+    }
+  }
+  t.along = rounded(along);
+  t.across = rounded(across);
+  if (area2 == 0) t.normal = rounded(height);
+  const auto planar = [&](const Vec& edge, std::array<float, 2>& direction, float& length) {
+    const double u = dot(edge, along), v = dot(edge, across), l = std::hypot(u, v);
+    length = static_cast<float>(l);
+    direction = l > 0 ? std::array<float, 2>{static_cast<float>(u / l), static_cast<float>(v / l)}
+                      : std::array<float, 2>{1, 0};
+  };
+  std::array<float, 2> direction_1;
+  planar(edges[0], direction_1, t.length_1);
+  planar(edges[1], t.direction_2, t.length_2);
+  planar(edges[2], t.direction_3, t.length_3);
+}
+
+}  // namespace
+
+NearTriangle near_triangle(std::array<Vec, 3> corners, std::uint32_t source) {
+  std::sort(corners.begin(), corners.end());  // so that rounding does not depend on their order
+  const Vec edges[3] = {minus(corners[1], corners[0]), minus(corners[2], corners[0]),
+                        minus(corners[2], corners[1])};
+  const Vec normal = cross(edges[0], edges[1]);
+  const double area2 = dot(normal, normal);
+  NearTriangle t{};
+  t.corner = rounded(corners[0]);
+  t.edge_1 = rounded(edges[0]);
+  t.edge_2 = rounded(edges[1]);
+  t.edge_3 = rounded(edges[2]);
+  t.source = source;
+  t.nothing = area2 > 0 ? 0.0f : -1.0f;
+  const Vec across[3] = {cross(normal, edges[0]), cross(edges[1], normal), cross(normal, edges[2])};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double length2 = dot(edges[k], edges[k]);
+    t.inverse_length2[k] = length2 > 0 ? static_cast<float>(1 / length2) : 0.0f;
+    if (area2 > 0) t.into[k] = rounded(across[k], 1 / std::sqrt(dot(across[k], across[k])));
+  }
+  if (area2 > 0) t.normal = rounded(normal, 1 / std::sqrt(area2));
+  set_planar(t, edges, normal);
+  return t;
+}
+
+void squared_distances(std::span<const NearCandidate> triangles, const PointCube& points,
+                       CubeValues* squared, CubeValues& least) {
+  HWY_DYNAMIC_DISPATCH(distances)(triangles.data(), triangles.size(), points, squared, least);
+}
+
+std::uint64_t bits_within(const CubeValues& values, const CubeValues& limits) {
+  return HWY_DYNAMIC_DISPATCH(within)(values, limits);
+}
+
+void nearest_triangles(std::span<const NearCandidate> triangles, const PointCube& points,
+                       CubeValues& least, std::array<std::uint32_t, kCubePoints>& which) {
+  HWY_DYNAMIC_DISPATCH(nearest)(triangles.data(), triangles.size(), points, least, which.data());
+}
+
+std::array<double, 3> way_from(const NearTriangle& t, const std::array<double, 3>& point) {
+  const auto vec = [](const std::array<float, 3>& v) { return Vec{v[0], v[1], v[2]}; };
+  Vec best{};
+  double least = 1e300;
+  const auto take = [&](const Vec& away) {
+    if (dot(away, away) < least) least = dot(away, away), best = away;
+  };
+  const auto off_edge = [&](const Vec& w, const Vec& edge) {
+    const double length2 = dot(edge, edge);
+    const double at = length2 > 0 ? std::clamp(dot(w, edge) / length2, 0.0, 1.0) : 0;
+    take({w[0] - at * edge[0], w[1] - at * edge[1], w[2] - at * edge[2]});
+  };
+  const Vec w = minus(point, vec(t.corner)), w1 = minus(w, vec(t.edge_1));
+  off_edge(w, vec(t.edge_1));
+  off_edge(w, vec(t.edge_2));
+  off_edge(w1, vec(t.edge_3));
+  if (t.nothing == 0 && dot(w, vec(t.into[0])) >= 0 && dot(w, vec(t.into[1])) >= 0 &&
+      dot(w1, vec(t.into[2])) >= 0) {
+    const double height = dot(w, vec(t.normal));
+    take({height * t.normal[0], height * t.normal[1], height * t.normal[2]});
+  }
+  return best;
+}
+
+void codes_of_distances(const CubeValues& squared, std::uint64_t negative,
+                        const DistanceScale& scale, std::uint8_t* codes) {
+  HWY_DYNAMIC_DISPATCH(codes)(squared, negative, scale, codes);
+}
+
+std::uint64_t cubes_near(std::span<const NearCandidate> triangles, const PointCube& points,
+                         float radius_voxels, std::uint64_t* unsure) {
+  return HWY_DYNAMIC_DISPATCH(near_cubes)(triangles.data(), triangles.size(), points, radius_voxels,
+                                          unsure);
+}
+
+}  // namespace forcelayer
+#endif

@@ -1,0 +1,84 @@
+// Distances of many points from many triangles, in vectors.
+//
+// Single precision on exact differences of lattice coordinates: below 1e-4 voxel of error for
+// triangles of up to 128 voxels and points that are up to 64 away. A result depends on the
+// differences alone, so that it is the same wherever on the lattice the scene lies, and every width
+// of vectors gives the same bits.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "formats/mesh/voxel_overlap.h"
+
+namespace forcelayer {
+
+struct DistanceScale;
+
+inline constexpr float kDistanceErrorVoxels = 1e-3f;  // ten times what is ever seen
+
+// A triangle as the kernels read it: lattice units from some origin, a whole number of voxels.
+struct NearTriangle {
+  std::array<float, 3> corner;               // corner 0
+  std::array<float, 3> edge_1, edge_2;       // to corners 1 and 2
+  std::array<float, 3> edge_3;               // from corner 1 to corner 2
+  std::array<float, 3> inverse_length2;      // of the three edges; 0 where it has no length
+  std::array<float, 3> normal;               // unit; zero where there is no area: then `across`
+                                             // and this span what is perpendicular to `along`
+  std::array<std::array<float, 3>, 3> into;  // unit, in the plane, from each edge inwards
+  float nothing;                             // -1 where there is no area, else 0
+  // The same in the triangle's plane: coordinates along edge 1 and across it, inwards, from corner
+  // 0; where corner 2 lies, and the unit directions and lengths of edges 2 and 3.
+  std::array<float, 3> along, across;  // unit
+  float length_1;
+  std::array<float, 2> direction_2, direction_3;
+  float length_2, length_3;
+  std::uint32_t source;  // whose triangle it is
+};
+
+// `corners` relative to the same origin; their order does not matter.
+NearTriangle near_triangle(std::array<std::array<double, 3>, 3> corners, std::uint32_t source);
+
+// A triangle that may matter to a cube of points, and a bound from below on its squared distance
+// from any of them.
+struct NearCandidate {
+  const NearTriangle* triangle;
+  float least_squared;
+};
+
+// 4 x 4 x 4 points `step` lattice units apart: point x*16 + y*4 + z at first + step (x, y, z).
+struct PointCube {
+  std::array<float, 3> first;
+  float step;
+};
+inline constexpr std::size_t kCubePoints = 64;
+using CubeValues = std::array<float, kCubePoints>;
+
+// Squared distances, [triangles]; `least` is the least of each point's.
+void squared_distances(std::span<const NearCandidate> triangles, const PointCube& points,
+                       CubeValues* squared, CubeValues& least);
+
+// Bits of the points whose value is at most the limit.
+std::uint64_t bits_within(const CubeValues& values, const CubeValues& limits);
+
+// The least of each point's squared distances, and which of `triangles` gives it (the first). The
+// fastest where the first are the nearest.
+void nearest_triangles(std::span<const NearCandidate> triangles, const PointCube& points,
+                       CubeValues& least, std::array<std::uint32_t, kCubePoints>& which);
+
+// From the nearest point of a triangle to `point`, lattice units.
+std::array<double, 3> way_from(const NearTriangle& triangle, const std::array<double, 3>& point);
+
+// The codes of voxels whose centres have these squared distances, negative ones where the bit is
+// set.
+void codes_of_distances(const CubeValues& squared, std::uint64_t negative,
+                        const DistanceScale& scale, std::uint8_t* codes);
+
+// For the voxels about the points: bits of those of which a triangle is surely nearer than
+// `radius_voxels` to the closed cube; in unsure[i] those where triangle i may or may not be.
+std::uint64_t cubes_near(std::span<const NearCandidate> triangles, const PointCube& points,
+                         float radius_voxels, std::uint64_t* unsure);
+
+}  // namespace forcelayer
