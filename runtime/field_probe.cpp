@@ -44,6 +44,7 @@ void FieldProbe::read(ContactSet& out) noexcept {
     c.weight = std::clamp(weight_m2[c.point] / mean_area_m2_, kLeastWeight, kMostWeight);
     c.interior = points_.value[at] == static_cast<std::uint8_t>(VoxelValue::kInterior) ? 1 : 0;
   }
+  if (field_.has_exact_slopes()) return;
   const auto voxel_size_m = static_cast<float>(query_.voxmap().voxel_size_m());
   average_directions(points_, samples_, voxel_size_m, -voxel_size_m, out);
 }

@@ -1,5 +1,6 @@
 #include "runtime/force_field.h"
 
+#include "runtime/distance_field.h"
 #include "runtime/level_field.h"
 #include "runtime/tangent_plane.h"
 
@@ -17,8 +18,9 @@ void FieldSamples::reserve(std::uint64_t points) {
 }
 
 ForceKind usual_force(Model model, const Voxmap& voxmap) {
-  if (model == Model::kPaper || LevelField::unreadable(voxmap)) return ForceKind::kTangentPlane;
-  return ForceKind::kLevel;
+  if (model == Model::kPaper) return ForceKind::kTangentPlane;
+  if (!DistanceField::unreadable(voxmap)) return ForceKind::kDistance;
+  return LevelField::unreadable(voxmap) ? ForceKind::kTangentPlane : ForceKind::kLevel;
 }
 
 Result<std::unique_ptr<ForceField>> make_force_field(Model model, ForceKind kind,
@@ -32,7 +34,11 @@ Result<std::unique_ptr<ForceField>> make_force_field(Model model, ForceKind kind
     if (auto reason = LevelField::unreadable(voxmap)) return *reason;
     return std::unique_ptr<ForceField>(std::make_unique<LevelField>(voxmap));
   }
-  return std::unique_ptr<ForceField>(std::make_unique<TangentPlaneField>(voxmap.voxel_size_m()));
+  if (kind == ForceKind::kDistance) {
+    if (auto reason = DistanceField::unreadable(voxmap)) return *reason;
+    return std::unique_ptr<ForceField>(std::make_unique<DistanceField>(voxmap));
+  }
+  return std::unique_ptr<ForceField>(std::make_unique<TangentPlaneField>(voxmap));
 }
 
 double mean_point_area_m2(const Pshell& shell) {

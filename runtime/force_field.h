@@ -46,10 +46,14 @@ class ForceField {
   // The same for every collected point, those of value 3 too, with signed depth: negative is how
   // far a point is from having depth, as far as the field can tell.
   virtual void measure(const CollectedPoints& points, FieldSamples& samples) const noexcept = 0;
+
+  // Whether the directions of measure() are the scene's, so that there is nothing to gain from
+  // averaging them over neighbours (surface_directions.h).
+  virtual bool has_exact_slopes() const noexcept { return false; }
 };
 
-// The field that a model uses where the user names none: the paper's for `paper`; else the level
-// field where the map can give it.
+// The field that a model uses where the user names none: the paper's for `paper`; else the distance
+// or the level field, whichever the map can give.
 ForceKind usual_force(Model model, const Voxmap& voxmap);
 
 // The field of `kind` over `voxmap`, which must outlive it. Errors: kUsage where the model or the

@@ -10,7 +10,7 @@ std::optional<Error> LevelField::unreadable(const Voxmap& voxmap) {
     return Error{ErrorCode::kUsage, "", "level field",
                  "the scene stores distances of " + std::to_string(header.bits_per_voxel) +
                      " bits, the level field reads two-bit values",
-                 "bake the scene with --bits 2, or use --force tangent-plane"};
+                 "leave --force out or use --force distance, or bake the scene with --bits 2"};
   }
   if (header.offset_layers == 0) {
     return Error{ErrorCode::kUsage, "", "level field",
@@ -21,16 +21,14 @@ std::optional<Error> LevelField::unreadable(const Voxmap& voxmap) {
 }
 
 LevelField::LevelField(const Voxmap& voxmap)
-    : scale_{static_cast<float>(voxmap.voxel_size_m()),
-             voxmap.header().metric == static_cast<std::uint32_t>(Metric::kEuclidean)},
-      bricks_(voxmap) {}
+    : voxel_size_m_(static_cast<float>(voxmap.voxel_size_m())), bricks_(voxmap) {}
 
 void LevelField::evaluate(const CollectedPoints& points, FieldSamples& samples) const noexcept {
-  push_by_levels(points, scale_, bricks_, samples);
+  push_by_levels(points, voxel_size_m_, bricks_, samples);
 }
 
 void LevelField::measure(const CollectedPoints& points, FieldSamples& samples) const noexcept {
-  measure_by_levels(points, scale_, bricks_, samples);
+  measure_by_levels(points, voxel_size_m_, bricks_, samples);
 }
 
 }  // namespace forcelayer

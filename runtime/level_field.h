@@ -27,10 +27,10 @@
 //   h: 0 for phi >= -1/2, 1 for phi <= -3/4. Deep inside, where all 27 voxels agree, g vanishes,
 //   and
 //      a point gets half a voxel along its normal, as the tangent plane gives.
-// |d|_1 turns the Chebyshev distance into a Euclidean one in front of a plane (maps of Euclidean
-// layers do without it). Where g vanishes halfway between two walls, the push fades to nothing. The
-// push is continuous in position and normal. It is not the gradient of a potential: who needs
-// passivity must see to it himself.
+// |d|_1 turns the Chebyshev distance into a Euclidean one in front of a plane; the layers of
+// Euclidean maps too are one voxel deep in all 26 directions. Where g vanishes halfway between two
+// walls, the push fades to nothing. The push is continuous in position and normal. It is not the
+// gradient of a potential: who needs passivity must see to it himself.
 //
 // Normal or slope? Measured by force_bench at 5 mm (tests/bench/METHOD.md), medians:
 //   - Flush and smooth contacts: force along g alone is off by 2.3 degrees and 0.028 in torque,
@@ -70,7 +70,7 @@ class LevelField final : public ForceField {
   void measure(const CollectedPoints& points, FieldSamples& samples) const noexcept override;
 
  private:
-  LevelScale scale_;
+  float voxel_size_m_;
   mutable LevelBricks bricks_;  // a memo: no answer depends on it
 };
 

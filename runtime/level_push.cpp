@@ -1,6 +1,5 @@
 #include "runtime/level_push.h"
 
-#include <algorithm>
 #include <array>
 
 // Vectors stand in arrays here, which those of unknown size cannot.
@@ -8,28 +7,15 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "runtime/level_push.cpp"
 #include <hwy/foreach_target.h>
+// Behind foreach_target.h, as Highway wants it.
 #include <hwy/highway.h>
+
+#include "runtime/field_kernel-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace forcelayer {
 namespace HWY_NAMESPACE {
 namespace {
-
-namespace hn = hwy::HWY_NAMESPACE;
-
-using Floats = hn::ScalableTag<float>;
-using Ints = hn::RebindToSigned<Floats>;
-using VF = hn::Vec<Floats>;
-using VI = hn::Vec<Ints>;
-constexpr Floats kF;
-constexpr Ints kI;
-constexpr std::size_t kLanes = HWY_LANES(float);
-
-HWY_INLINE VF dot(const VF (&a)[3], const VF (&b)[3]) {
-  return hn::Add(hn::Add(hn::Mul(a[0], b[0]), hn::Mul(a[1], b[1])), hn::Mul(a[2], b[2]));
-}
-
-HWY_INLINE VF clamp01(VF x) { return hn::Min(hn::Max(x, hn::Zero(kF)), hn::Set(kF, 1.0f)); }
 
 // Raised levels around `kLanes` points: lanes of words[x] hold those at z-1, z, z+1 in bytes 0 to 2
 // and, within a byte, those at y-1, y, y+1 in bits 0, 2 and 4.
@@ -188,73 +174,6 @@ HWY_INLINE void push(VF phi, const VF (&g)[3], const VF (&n)[3], VF (&u)[3]) {
   }
 }
 
-// Moves the lanes of a mask together. Highway's own Compress copies its tables to the stack on
-// every call where there is no instruction for it.
-#if HWY_TARGET <= HWY_AVX3
-class Packing {
- public:
-  explicit HWY_INLINE Packing(hn::Mask<Floats> kept) : kept_(kept) {}
-  HWY_INLINE VF operator()(VF v) const { return hn::Compress(v, kept_); }
-  HWY_INLINE VI operator()(VI v) const { return hn::Compress(v, hn::RebindMask(kI, kept_)); }
-  HWY_INLINE std::size_t count() const { return hn::CountTrue(kF, kept_); }
-
- private:
-  hn::Mask<Floats> kept_;
-};
-#else
-// Per bit pattern of a mask the numbers of its set bits, then zeros.
-constexpr auto kSetBits = [] {
-  std::array<std::array<std::uint8_t, 8>, 256> table{};
-  for (std::size_t bits = 0; bits < 256; ++bits) {
-    std::size_t count = 0;
-    for (std::uint8_t bit = 0; bit < 8; ++bit) {
-      if (bits >> bit & 1) table[bits][count++] = bit;
-    }
-  }
-  return table;
-}();
-
-class Packing {
- public:
-  explicit HWY_INLINE Packing(hn::Mask<Floats> kept) {
-    std::uint8_t bits[8] = {};
-    hn::StoreMaskBits(kF, kept, bits);
-    count_ = hn::CountTrue(kF, kept);
-    const hn::Rebind<std::uint8_t, Ints> d8;
-    from_ = hn::PromoteTo(kI, hn::LoadU(d8, kSetBits[bits[0]].data()));
-  }
-  HWY_INLINE VF operator()(VF v) const {
-    return hn::TableLookupLanes(v, hn::IndicesFromVec(kF, from_));
-  }
-  HWY_INLINE VI operator()(VI v) const {
-    return hn::TableLookupLanes(v, hn::IndicesFromVec(kI, from_));
-  }
-  HWY_INLINE std::size_t count() const { return count_; }
-
- private:
-  VI from_;
-  std::size_t count_;
-};
-#endif
-
-// A vector of points on their way through the kernel.
-struct Lanes {
-  VI at;  // index into CollectedPoints
-  VI voxel[3];
-  VF fraction[3], normal[3];
-  hn::Mask<Ints> wanted;
-};
-
-// Points go through the kernel in chunks, stage by stage: one vector's way is long, and processors
-// look ahead far enough to overlap several vectors only where each stage is short.
-constexpr std::size_t kChunk = 256;
-
-constexpr auto kNumbers = [] {
-  std::array<std::int32_t, kLanes> numbers{};
-  for (std::size_t i = 0; i < kLanes; ++i) numbers[i] = static_cast<std::int32_t>(i);
-  return numbers;
-}();
-
 // What the stages hand on for the points of a chunk.
 struct Stages {
   HWY_ALIGN std::int32_t words[3][kChunk];  // Planes
@@ -262,102 +181,16 @@ struct Stages {
   HWY_ALIGN float slope[3][kChunk];
 };
 
-// Points that were picked out, until they fill vectors.
-struct Picked {
-  static constexpr std::size_t kRoom = kChunk + kLanes;
-
-  HWY_ALIGN std::int32_t at[kRoom] = {};
-  HWY_ALIGN std::int32_t voxel[3][kRoom] = {};
-  HWY_ALIGN float fraction[3][kRoom] = {};
-  HWY_ALIGN float normal[3][kRoom] = {};
-  std::size_t count = 0;
-};
-
 // Pushes the points in values 1 and 2, or measures all points (ForceField::measure).
 template <bool kAllPoints>
-class Kernel {
+class Kernel : public FieldKernel<Kernel<kAllPoints>, LevelBricks, kAllPoints> {
+  using Base = FieldKernel<Kernel<kAllPoints>, LevelBricks, kAllPoints>;
+  using Base::bricks_;
+
  public:
-  Kernel(const CollectedPoints& points, const LevelScale& scale, LevelBricks& bricks,
+  Kernel(const CollectedPoints& points, float voxel_size_m, LevelBricks& bricks,
          FieldSamples& samples)
-      : points_(points), scale_(scale), bricks_(bricks), samples_(samples) {}
-
-  // Picking the points out first is worth its while only where many are not wanted.
-  HWY_INLINE void run() {
-    samples_.count = 0;
-    const std::uint32_t band = points_.surface_count + points_.interior_count;
-    if (kAllPoints || band >= points_.count - points_.count / 4) {
-      for (std::uint32_t first = 0; first < points_.count; first += kChunk) {
-        const auto from = [&](std::size_t i) HWY_ATTR {
-          const auto at = static_cast<std::uint32_t>(first + i);
-          return load(at, wanted_of(at));
-        };
-        push_chunk(std::min<std::size_t>(kChunk, points_.count - first), from);
-      }
-      return;
-    }
-    Picked picked;
-    for (std::uint32_t first = 0; first < points_.count;) {
-      picked.count = 0;
-      for (; first < points_.count && picked.count + kLanes <= kChunk; first += kLanes) {
-        pick(first, picked);
-      }
-      push_chunk(picked.count, [&](std::size_t i) HWY_ATTR { return load(picked, i); });
-    }
-  }
-
- private:
-  HWY_INLINE hn::Mask<Ints> wanted_of(std::uint32_t first) const {
-    const auto real = hn::FirstN(kI, points_.count - first);
-    if (kAllPoints) return real;
-    const hn::Rebind<std::uint8_t, Ints> d8;
-    const VI value = hn::PromoteTo(kI, hn::LoadU(d8, &points_.value[first]));
-    return hn::And(real, hn::Lt(value, hn::Set(kI, static_cast<int>(VoxelValue::kProximity))));
-  }
-
-  HWY_INLINE Lanes load(std::uint32_t first, hn::Mask<Ints> wanted) const {
-    Lanes lanes;
-    // Highway's own Iota is written to memory number by number.
-    lanes.at =
-        hn::Add(hn::Set(kI, static_cast<std::int32_t>(first)), hn::LoadU(kI, kNumbers.data()));
-    const std::int32_t* voxel[3] = {points_.vx.data(), points_.vy.data(), points_.vz.data()};
-    const float* fraction[3] = {points_.fx.data(), points_.fy.data(), points_.fz.data()};
-    const float* normal[3] = {points_.nx.data(), points_.ny.data(), points_.nz.data()};
-    for (int axis = 0; axis < 3; ++axis) {
-      lanes.voxel[axis] = hn::LoadU(kI, voxel[axis] + first);
-      lanes.fraction[axis] = hn::LoadU(kF, fraction[axis] + first);
-      lanes.normal[axis] = hn::LoadU(kF, normal[axis] + first);
-    }
-    lanes.wanted = wanted;
-    return lanes;
-  }
-
-  static HWY_INLINE Lanes load(const Picked& picked, std::size_t i) {
-    Lanes lanes;
-    lanes.at = hn::Load(kI, picked.at + i);
-    for (int axis = 0; axis < 3; ++axis) {
-      lanes.voxel[axis] = hn::Load(kI, picked.voxel[axis] + i);
-      lanes.fraction[axis] = hn::Load(kF, picked.fraction[axis] + i);
-      lanes.normal[axis] = hn::Load(kF, picked.normal[axis] + i);
-    }
-    lanes.wanted = hn::FirstN(kI, picked.count - i);
-    return lanes;
-  }
-
-  // Appends the next lanes' points in values 1 and 2.
-  HWY_INLINE void pick(std::uint32_t first, Picked& picked) const {
-    const auto wanted = wanted_of(first);
-    if (hn::AllFalse(kI, wanted)) return;
-    const Packing pack(hn::RebindMask(kF, wanted));
-    const Lanes lanes = load(first, wanted);
-    const std::size_t to = picked.count;
-    hn::StoreU(pack(lanes.at), kI, picked.at + to);
-    for (int axis = 0; axis < 3; ++axis) {
-      hn::StoreU(pack(lanes.voxel[axis]), kI, picked.voxel[axis] + to);
-      hn::StoreU(pack(lanes.fraction[axis]), kF, picked.fraction[axis] + to);
-      hn::StoreU(pack(lanes.normal[axis]), kF, picked.normal[axis] + to);
-    }
-    picked.count += pack.count();
-  }
+      : Base(points, bricks, samples), voxel_size_m_(voxel_size_m) {}
 
   // The first `count` points that load(i), load(i + kLanes), ... give.
   template <class Load>
@@ -381,19 +214,18 @@ class Kernel {
     }
   }
 
+ private:
   HWY_INLINE void push_lanes(const Lanes& lanes, VF phi, const VF (&slope)[3]) {
     VF u[3];
     push(phi, slope, lanes.normal, u);
-    const VF one = hn::Set(kF, 1.0f), size_m = hn::Set(kF, scale_.voxel_size_m);
+    const VF one = hn::Set(kF, 1.0f), size_m = hn::Set(kF, voxel_size_m_);
     const VF length = hn::Sqrt(dot(u, u));
     const auto directed = hn::Gt(length, hn::Set(kF, kTiny));
     const VF per_length = hn::Div(one, length);
     const VF strength = hn::Min(hn::Mul(length, hn::Set(kF, kWeak)), one);
     for (int axis = 0; axis < 3; ++axis) u[axis] = hn::Mul(u[axis], per_length);
     VF depth_m = hn::Mul(hn::Mul(hn::Neg(phi), strength), size_m);
-    if (!scale_.euclidean_layers) {
-      depth_m = hn::Mul(depth_m, hn::Add(hn::Add(hn::Abs(u[0]), hn::Abs(u[1])), hn::Abs(u[2])));
-    }
+    depth_m = hn::Mul(depth_m, hn::Add(hn::Add(hn::Abs(u[0]), hn::Abs(u[1])), hn::Abs(u[2])));
     auto kept = hn::RebindMask(kF, lanes.wanted);
     if (kAllPoints) {
       const VF nothing = hn::Neg(hn::Mul(hn::Max(phi, hn::Zero(kF)), size_m));
@@ -402,42 +234,13 @@ class Kernel {
     } else {
       kept = hn::And(kept, hn::And(hn::Lt(phi, hn::Zero(kF)), directed));
     }
-    store(Packing(kept), lanes.at, depth_m, u, slope);
-  }
-
-  HWY_INLINE void store(const Packing& pack, VI at, VF depth_m, const VF (&direction)[3],
-                        const VF (&slope)[3]) {
-    const std::uint32_t to = samples_.count;
-    const hn::RebindToUnsigned<Ints> u32;
-    hn::StoreU(hn::BitCast(u32, pack(at)), u32, &samples_.at[to]);
-    hn::StoreU(pack(depth_m), kF, &samples_.depth_m[to]);
-    hn::StoreU(pack(direction[0]), kF, &samples_.dx[to]);
-    hn::StoreU(pack(direction[1]), kF, &samples_.dy[to]);
-    hn::StoreU(pack(direction[2]), kF, &samples_.dz[to]);
-    if (kAllPoints) {
-      hn::StoreU(pack(slope[0]), kF, &samples_.gx[to]);
-      hn::StoreU(pack(slope[1]), kF, &samples_.gy[to]);
-      hn::StoreU(pack(slope[2]), kF, &samples_.gz[to]);
-    }
-    samples_.count += static_cast<std::uint32_t>(pack.count());
+    this->store(Packing(kept), lanes.at, depth_m, u, slope);
   }
 
   // The 27 levels around the points, to words[.][i] on.
   HWY_INLINE void gather(const Lanes& lanes, std::size_t i) {
     const VI(&voxel)[3] = lanes.voxel;
-    VI brick[3];
-    for (int axis = 0; axis < 3; ++axis) brick[axis] = hn::ShiftRight<3>(voxel[axis]);
-    const auto& strides = bricks_.strides();
-    const VI key = hn::Add(
-        hn::Add(hn::Mul(brick[0], constant(strides[0])), hn::Mul(brick[1], constant(strides[1]))),
-        brick[2]);
-    const hn::RebindToUnsigned<Ints> u32;
-    const VI slot = hn::BitCast(kI, hn::ShiftRight<32 - LevelBricks::kSlotBits>(hn::BitCast(
-                                        u32, hn::Mul(key, constant(LevelBricks::kHash)))));
-    const auto* keys = reinterpret_cast<const std::int32_t*>(bricks_.keys());
-    auto held = hn::Eq(hn::GatherIndex(kI, keys, slot), key);
-    if (HWY_UNLIKELY(!bricks_.keys_are_unique())) held = hn::And(held, tags_match(slot, brick));
-
+    const auto [slot, held] = this->find(voxel);
     // Shifts and sums rather than products, which are slow for this width.
     static_assert(LevelBricks::kBrickBytes == 960 && LevelBricks::kPlaneBytes == 96 &&
                   LevelBricks::kRowBytes == 12);
@@ -455,13 +258,6 @@ class Kernel {
     }
     const auto missing = hn::AndNot(held, lanes.wanted);
     if (HWY_UNLIKELY(!hn::AllFalse(kI, missing))) fetch_missing(lanes, missing, i);
-  }
-
-  HWY_INLINE hn::Mask<Ints> tags_match(VI slot, const VI (&brick)[3]) {
-    const VI at = hn::ShiftLeft<2>(slot);
-    auto match = hn::Eq(hn::GatherIndex(kI, bricks_.tags(), at), brick[0]);
-    match = hn::And(match, hn::Eq(hn::GatherIndex(kI, bricks_.tags() + 1, at), brick[1]));
-    return hn::And(match, hn::Eq(hn::GatherIndex(kI, bricks_.tags() + 2, at), brick[2]));
   }
 
   // Decodes the bricks that were not held. One of them may replace another, so each point's words
@@ -484,25 +280,18 @@ class Kernel {
     }
   }
 
-  static HWY_INLINE VI constant(std::uint32_t value) {
-    return hn::Set(kI, static_cast<std::int32_t>(value));
-  }
-
-  const CollectedPoints& points_;
-  const LevelScale& scale_;
-  LevelBricks& bricks_;
-  FieldSamples& samples_;
+  float voxel_size_m_;
   Stages stages_;
 };
 
-void push_on_target(const CollectedPoints& points, const LevelScale& scale, LevelBricks& bricks,
+void push_on_target(const CollectedPoints& points, float voxel_size_m, LevelBricks& bricks,
                     FieldSamples& samples) {
-  Kernel<false>(points, scale, bricks, samples).run();
+  Kernel<false>(points, voxel_size_m, bricks, samples).run();
 }
 
-void measure_on_target(const CollectedPoints& points, const LevelScale& scale, LevelBricks& bricks,
+void measure_on_target(const CollectedPoints& points, float voxel_size_m, LevelBricks& bricks,
                        FieldSamples& samples) {
-  Kernel<true>(points, scale, bricks, samples).run();
+  Kernel<true>(points, voxel_size_m, bricks, samples).run();
 }
 
 }  // namespace
@@ -516,14 +305,14 @@ namespace forcelayer {
 HWY_EXPORT(push_on_target);
 HWY_EXPORT(measure_on_target);
 
-void push_by_levels(const CollectedPoints& points, const LevelScale& scale, LevelBricks& bricks,
+void push_by_levels(const CollectedPoints& points, float voxel_size_m, LevelBricks& bricks,
                     FieldSamples& samples) noexcept {
-  HWY_DYNAMIC_DISPATCH(push_on_target)(points, scale, bricks, samples);
+  HWY_DYNAMIC_DISPATCH(push_on_target)(points, voxel_size_m, bricks, samples);
 }
 
-void measure_by_levels(const CollectedPoints& points, const LevelScale& scale, LevelBricks& bricks,
+void measure_by_levels(const CollectedPoints& points, float voxel_size_m, LevelBricks& bricks,
                        FieldSamples& samples) noexcept {
-  HWY_DYNAMIC_DISPATCH(measure_on_target)(points, scale, bricks, samples);
+  HWY_DYNAMIC_DISPATCH(measure_on_target)(points, voxel_size_m, bricks, samples);
 }
 
 }  // namespace forcelayer

@@ -14,7 +14,8 @@ struct Named {
 
 constexpr Named<Model> kModels[] = {{Model::kPaper, "paper"}, {Model::kDefault, "default"}};
 constexpr Named<ForceKind> kForces[] = {{ForceKind::kTangentPlane, "tangent-plane"},
-                                        {ForceKind::kLevel, "level"}};
+                                        {ForceKind::kLevel, "level"},
+                                        {ForceKind::kDistance, "distance"}};
 
 template <typename T, std::size_t kCount>
 std::string_view name_of(const Named<T> (&names)[kCount], T value) {

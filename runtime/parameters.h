@@ -19,6 +19,7 @@ enum class Model : std::uint32_t {
 enum class ForceKind : std::uint32_t {
   kTangentPlane = 0,  // paper 3
   kLevel = 1,         // the two-bit values as a continuous field (level_field.h)
+  kDistance = 2,      // stored distances, interpolated (distance_field.h)
 };
 
 inline constexpr Model kDefaultModel = Model::kDefault;

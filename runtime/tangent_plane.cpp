@@ -1,8 +1,30 @@
 #include "runtime/tangent_plane.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace forcelayer {
+
+TangentPlaneField::TangentPlaneField(const Voxmap& voxmap)
+    : voxel_size_m_(static_cast<float>(voxmap.voxel_size_m())) {
+  const VoxmapHeader& header = voxmap.header();
+  if (header.bits_per_voxel == 2) return;
+  distances_ = &voxmap.view();
+  zero_code_ = static_cast<float>(header.zero_code);
+  voxels_per_code_ = static_cast<float>(header.quantum_m / header.voxel_size_m);
+}
+
+// Of a point behind its plane, value 1 at two bits apart.
+float TangentPlaneField::depth_voxels(const CollectedPoints& points,
+                                      std::uint32_t i) const noexcept {
+  const float from_center = points.nx[i] * (0.5f - points.fx[i]) +
+                            points.ny[i] * (0.5f - points.fy[i]) +
+                            points.nz[i] * (0.5f - points.fz[i]);
+  if (distances_ == nullptr) return from_center;
+  const auto code =
+      static_cast<float>(distances_->lookup(points.vx[i], points.vy[i], points.vz[i]).code);
+  return from_center + (zero_code_ - code) * voxels_per_code_;
+}
 
 void TangentPlaneField::evaluate(const CollectedPoints& points,
                                  FieldSamples& samples) const noexcept {
@@ -10,14 +32,11 @@ void TangentPlaneField::evaluate(const CollectedPoints& points,
   for (std::uint32_t i = 0; i < points.count; ++i) {
     const auto value = static_cast<VoxelValue>(points.value[i]);
     if (value == VoxelValue::kProximity) continue;
-    const float depth_voxels = value == VoxelValue::kInterior
-                                   ? 0.5f
-                                   : points.nx[i] * (0.5f - points.fx[i]) +
-                                         points.ny[i] * (0.5f - points.fy[i]) +
-                                         points.nz[i] * (0.5f - points.fz[i]);
-    if (!(depth_voxels > 0.0f)) continue;
+    const bool behind = value == VoxelValue::kInterior && distances_ == nullptr;
+    const float depth = behind ? 0.5f : depth_voxels(points, i);
+    if (!(depth > 0.0f)) continue;
     samples.at[count] = i;
-    samples.depth_m[count] = depth_voxels * voxel_size_m_;
+    samples.depth_m[count] = depth * voxel_size_m_;
     samples.dx[count] = points.nx[i];
     samples.dy[count] = points.ny[i];
     samples.dz[count] = points.nz[i];
@@ -30,15 +49,16 @@ void TangentPlaneField::measure(const CollectedPoints& points,
                                 FieldSamples& samples) const noexcept {
   for (std::uint32_t i = 0; i < points.count; ++i) {
     const float nx = points.nx[i], ny = points.ny[i], nz = points.nz[i];
-    float depth_voxels =
-        nx * (0.5f - points.fx[i]) + ny * (0.5f - points.fy[i]) + nz * (0.5f - points.fz[i]);
+    float depth = depth_voxels(points, i);
     const auto value = static_cast<VoxelValue>(points.value[i]);
-    if (value == VoxelValue::kInterior) depth_voxels = 0.5f;
-    if (value == VoxelValue::kProximity) {
-      depth_voxels -= std::abs(nx) + std::abs(ny) + std::abs(nz);
+    if (distances_ == nullptr) {
+      if (value == VoxelValue::kInterior) depth = 0.5f;
+      if (value == VoxelValue::kProximity) depth -= std::abs(nx) + std::abs(ny) + std::abs(nz);
+    } else if (value == VoxelValue::kProximity) {
+      depth = std::min(depth, 0.0f);
     }
     samples.at[i] = i;
-    samples.depth_m[i] = depth_voxels * voxel_size_m_;
+    samples.depth_m[i] = depth * voxel_size_m_;
     samples.dx[i] = nx;
     samples.dy[i] = ny;
     samples.dz[i] = nz;

@@ -71,7 +71,8 @@ ViewOptionParser::ViewOptionParser(CLI::App& app) {
       ->excludes(run);
   app.add_option("--grip", texts_.grip, "handle_from_part, where voxrun was given one")->needs(run);
   app.add_option("--model", texts_.model, "whose contacts to show: default or paper");
-  app.add_option("--force", texts_.force, "the field of their depths: tangent-plane or level");
+  app.add_option("--force", texts_.force,
+                 "the field of their depths: tangent-plane, level or distance");
   app.add_option("--view-from", texts_.view_from, "direction towards the eye, as 1,-1,0.5");
   app.add_option("--focus", texts_.focus, "part or scene; auto: the part where there is one")
       ->check(CLI::IsMember({"auto", "part", "scene"}))
@@ -119,7 +120,8 @@ Status ViewOptionParser::read_moment(ViewOptions& options) const {
   if (!texts_.force.empty()) {
     options.force = parse_force(texts_.force);
     if (!options.force) {
-      return usage("--force", "no force '" + texts_.force + "'", "choose tangent-plane or level");
+      return usage("--force", "no force '" + texts_.force + "'",
+                   "choose tangent-plane, level or distance");
     }
   }
   return {};

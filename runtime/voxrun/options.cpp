@@ -46,7 +46,8 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
   app.add_option("--threads", options_.threads, "that share the contact query")
       ->check(CLI::Range(1, 256));
   app.add_option("--model", texts_.model, "dynamic model: default or paper");
-  app.add_option("--force", texts_.force, "force field: tangent-plane or level (the model's own)");
+  app.add_option("--force", texts_.force,
+                 "force field: tangent-plane, level or distance (the model's own)");
   app.add_flag("--no-braking", texts_.no_braking, "no pre-contact braking");
   app.add_flag("--as-fast-as-possible", options_.as_fast_as_possible,
                "no clock: every frame follows the last at once");

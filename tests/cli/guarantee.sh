@@ -17,6 +17,16 @@ bake fast --effort fast
 bake fine --covering-radius 2mm
 bake centers --method voxel-centers
 
+# All kinds of voxels keep the same distance, whatever the force.
+"$bin/voxelize" "$data/bay.json" -o euclidean.vox --quiet --mesh-deviation 0.05mm --metric euclidean
+for bits in 4 8; do
+  "$bin/voxelize" "$data/bay.json" -o distance$bits.vox --quiet --mesh-deviation 0.05mm --bits $bits
+done
+for kind in euclidean distance4 distance8; do
+  "$bin/voxrun" $kind.vox fast.pshell --device sim --motion "$data/press.csv" --duration 2s \
+    --as-fast-as-possible --json $kind.run.json >$kind.txt 2>&1 || { cat $kind.txt; exit 1; }
+done
+
 for shell in full fast fine centers; do
   "$bin/pointshell" verify $shell.pshell "$data/part.obj" --units mm --quiet
   "$bin/voxinfo" $shell.pshell --json $shell.json >facts
@@ -39,6 +49,10 @@ assert run["frames"] == 2000 and run["force_layer_frames"] > 100, (shell, run["f
 assert run["penetration_frames"] == 0, shell
 asked = 0.002 if shell == "fine" else math.sqrt(0.75) * s
 assert asked <= part["covering_radius_m"] < asked * 1.0001, shell
+for kind in ("euclidean", "distance4", "distance8") if shell == "fast" else ():
+    other = json.load(open(kind + ".run.json"))
+    assert abs(other["guaranteed_separation_m"] - rested) < 1e-12, (kind, other, rested)
+    assert other["force_layer_frames"] > 100 and other["penetration_frames"] == 0, (kind, other)
 PYTHON
 done
 echo "all passed"

@@ -26,10 +26,22 @@ struct VoxelScene {
   Voxel dims{};
   std::uint32_t layers = 2;
   std::vector<std::uint8_t> values;  // z fastest
+  Metric metric = Metric::kChebyshev;
+
+  // At 4 and 8 bits: what the header says, and the codes beside the values.
+  struct Wide {
+    std::uint32_t bits = 2;
+    double range_m = 0, quantum_m = 0;
+    std::uint32_t zero_code = 0, surface_code = 0, proximity_code = 0, free_code = 0;
+  } wide{};
+  std::vector<std::uint8_t> codes;
 
   static VoxelScene filled(double voxel_size_m, Voxel min, Voxel dims,
                            const std::function<VoxelValue(Voxel)>& value) {
-    VoxelScene scene{voxel_size_m, min, dims, 2, {}};
+    VoxelScene scene;
+    scene.voxel_size_m = voxel_size_m;
+    scene.min = min;
+    scene.dims = dims;
     scene.values.resize(static_cast<std::size_t>(dims[0] * dims[1] * dims[2]));
     for (std::int64_t i = 0; i < dims[0]; ++i)
       for (std::int64_t j = 0; j < dims[1]; ++j)
@@ -40,13 +52,27 @@ struct VoxelScene {
   }
 
   VoxelValue at(const Voxel& v) const {
+    const std::int64_t index = index_of(v);
+    return index < 0 ? VoxelValue::kFree
+                     : static_cast<VoxelValue>(values[static_cast<std::size_t>(index)]);
+  }
+
+  // What the file stores: the value at two bits.
+  std::uint32_t code_at(const Voxel& v) const {
+    const std::int64_t index = index_of(v);
+    if (index < 0) return wide.free_code;
+    return wide.bits == 2 ? values[static_cast<std::size_t>(index)]
+                          : codes[static_cast<std::size_t>(index)];
+  }
+
+ private:
+  std::int64_t index_of(const Voxel& v) const {  // -1 outside
     Voxel r{};
     for (int axis = 0; axis < 3; ++axis) {
       r[axis] = v[axis] - min[axis];
-      if (r[axis] < 0 || r[axis] >= dims[axis]) return VoxelValue::kFree;
+      if (r[axis] < 0 || r[axis] >= dims[axis]) return -1;
     }
-    return static_cast<VoxelValue>(
-        values[static_cast<std::size_t>((r[0] * dims[1] + r[1]) * dims[2] + r[2])]);
+    return (r[0] * dims[1] + r[1]) * dims[2] + r[2];
   }
 };
 
@@ -109,7 +135,15 @@ class SceneTree {
     VoxmapHeader& h = content.header;
     h.voxel_size_m = scene_.voxel_size_m;
     h.offset_layers = scene_.layers;
-    h.bits_per_voxel = 2;
+    h.metric =
+        static_cast<std::uint32_t>(scene_.wide.bits == 2 ? scene_.metric : Metric::kEuclidean);
+    h.bits_per_voxel = scene_.wide.bits;
+    h.range_m = scene_.wide.range_m;
+    h.quantum_m = scene_.wide.quantum_m;
+    h.zero_code = scene_.wide.zero_code;
+    h.surface_code = scene_.wide.surface_code;
+    h.proximity_code = scene_.wide.proximity_code;
+    h.free_code = scene_.wide.free_code;
     h.cropped_sides = cropped_sides;
     fill_tight_box(h);
     for (int axis = 0; axis < 3; ++axis) {
@@ -139,25 +173,28 @@ class SceneTree {
     for (std::int64_t i = scene_.min[0] & ~7; i < scene_.min[0] + scene_.dims[0]; i += 8)
       for (std::int64_t j = scene_.min[1] & ~7; j < scene_.min[1] + scene_.dims[1]; j += 8)
         for (std::int64_t k = scene_.min[2] & ~7; k < scene_.min[2] + scene_.dims[2]; k += 8)
-          if (uniform_value_of({i, j, k}, 8) != 0) occupied_.push_back({{i, j, k}});
+          if (uniform_code_of({i, j, k}, 8) != scene_.wide.free_code)
+            occupied_.push_back({{i, j, k}});
   }
 
-  // 0..3 where the whole box has one value, else 4.
-  std::uint32_t uniform_value_of(const Voxel& min, std::int64_t edge) const {
+  static constexpr std::uint32_t kMixed = 256;
+
+  // Where the whole box has one code, that.
+  std::uint32_t uniform_code_of(const Voxel& min, std::int64_t edge) const {
     bool outside_free = false;
     Voxel low{}, high{};
     for (int axis = 0; axis < 3; ++axis) {
       low[axis] = std::max(min[axis], scene_.min[axis]);
       high[axis] = std::min(min[axis] + edge, scene_.min[axis] + scene_.dims[axis]);
-      if (low[axis] >= high[axis]) return 0;
+      if (low[axis] >= high[axis]) return scene_.wide.free_code;
       if (high[axis] - low[axis] < edge) outside_free = true;
     }
-    const VoxelValue first = outside_free ? VoxelValue::kFree : scene_.at(low);
+    const std::uint32_t first = outside_free ? scene_.wide.free_code : scene_.code_at(low);
     for (std::int64_t i = low[0]; i < high[0]; ++i)
       for (std::int64_t j = low[1]; j < high[1]; ++j)
         for (std::int64_t k = low[2]; k < high[2]; ++k)
-          if (scene_.at({i, j, k}) != first) return 4;
-    return static_cast<std::uint32_t>(first);
+          if (scene_.code_at({i, j, k}) != first) return kMixed;
+    return first;
   }
 
   std::uint32_t clearance(const Voxel& min, std::int64_t edge) const {
@@ -174,9 +211,9 @@ class SceneTree {
   }
 
   std::uint32_t entry(const Voxel& min, std::int64_t edge) {
-    const std::uint32_t value = uniform_value_of(min, edge);
-    if (value == 0) return uniform_entry(0, clearance(min, edge));
-    if (value < 4) return uniform_entry(value);
+    const std::uint32_t code = uniform_code_of(min, edge);
+    if (code == scene_.wide.free_code) return uniform_entry(code, clearance(min, edge));
+    if (code != kMixed) return uniform_entry(code);
     if (edge == 8) return brick(min);
     auto& nodes = edge == 512 ? upper_ : lower_;
     std::vector<std::uint32_t> children(kNodeEntries);
@@ -193,13 +230,15 @@ class SceneTree {
 
   std::uint32_t brick(const Voxel& min) {
     const std::size_t first = bricks_.size();
-    bricks_.resize(first + 32);
+    const std::uint32_t bits = scene_.wide.bits, in_word = 32 / bits,
+                        words = kNodeEntries / in_word;
+    bricks_.resize(first + words);
     for (std::uint32_t slot = 0; slot < kNodeEntries; ++slot) {
-      const auto value = static_cast<std::uint32_t>(
-          scene_.at({min[0] + (slot >> 6), min[1] + ((slot >> 3) & 7), min[2] + (slot & 7)}));
-      bricks_[first + slot / 16] |= value << (2 * (slot % 16));
+      const std::uint32_t code =
+          scene_.code_at({min[0] + (slot >> 6), min[1] + ((slot >> 3) & 7), min[2] + (slot & 7)});
+      bricks_[first + slot / in_word] |= code << (bits * (slot % in_word));
     }
-    return static_cast<std::uint32_t>(first / 32);
+    return static_cast<std::uint32_t>(first / words);
   }
 
   void fill_tight_box(VoxmapHeader& h) const {

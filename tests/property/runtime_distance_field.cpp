@@ -1,0 +1,337 @@
+// The distance field: bit for bit its scalar twin; exact in front of walls; pushes only in values 1
+// and 2; leads out from inside; nearest voxel and tangent plane beside it.
+#include "runtime/distance_field.h"
+
+#include <gtest/gtest.h>
+
+#include <hwy/targets.h>
+#include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
+
+#include "runtime/tangent_plane.h"
+#include "tests/support/distance_scene.h"
+#include "tests/support/every_target.h"
+#include "tests/support/random_scenes.h"
+#include "tests/support/reference_level.h"
+
+namespace forcelayer::test {
+namespace {
+
+using Floats = std::array<float, 3>;
+
+Floats as_floats(const glm::dvec3& v) {
+  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
+}
+
+// The code of a world voxel; beyond the sides in `cropped_sides` that of the nearest known voxel.
+float code_of(const VoxelScene& scene, Voxel v, std::uint32_t cropped_sides) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::int64_t low = scene.min[axis], high = low + scene.dims[axis] - 1;
+    if (cropped_sides >> (2 * axis) & 1) v[axis] = std::max(v[axis], low);
+    if (cropped_sides >> (2 * axis + 1) & 1) v[axis] = std::min(v[axis], high);
+  }
+  return static_cast<float>(scene.code_at(v));
+}
+
+struct Twin {
+  float phi = 0, depth_m = 0;  // signed
+  Floats direction{}, slope{};
+};
+
+// What ForceField::measure gives at `fraction` of a world voxel: the arithmetic of the kernel, word
+// by word, without tree or vectors.
+Twin twin_of(const VoxelScene& scene, const Voxel& voxel, const Floats& fraction, const Floats& n,
+             std::uint32_t cropped_sides = 0) {
+  Voxel low = voxel;
+  Floats share{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    share[axis] = fraction[axis] - 0.5f;
+    if (fraction[axis] < 0.5f) share[axis] += 1.0f, --low[axis];
+  }
+  const auto at = [&](int x, int y, int z) {
+    return code_of(scene, {low[0] + x, low[1] + y, low[2] + z}, cropped_sides);
+  };
+  const auto mix = [](float a, float b, float t) { return a + t * (b - a); };
+  float at_x[2], step_y[2], step_z[2];
+  for (int x = 0; x < 2; ++x) {
+    const float z0 = at(x, 0, 1) - at(x, 0, 0), z1 = at(x, 1, 1) - at(x, 1, 0);
+    const float y0 = at(x, 0, 0) + share[2] * z0, y1 = at(x, 1, 0) + share[2] * z1;
+    step_y[x] = y1 - y0;
+    at_x[x] = y0 + share[1] * step_y[x];
+    step_z[x] = mix(z0, z1, share[1]);
+  }
+  const auto step = static_cast<float>(scene.wide.quantum_m / scene.voxel_size_m);
+  const auto size_m = static_cast<float>(scene.voxel_size_m);
+  const float step_x = at_x[1] - at_x[0];
+  Twin twin;
+  twin.phi = (at_x[0] + share[0] * step_x - static_cast<float>(scene.wide.zero_code)) * step;
+  twin.slope = {step_x * step, mix(step_y[0], step_y[1], share[0]) * step,
+                mix(step_z[0], step_z[1], share[0]) * step};
+  const auto length_of = [](const Floats& v) {
+    return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+  };
+  const auto clamp01 = [](float x) { return std::min(std::max(x, 0.0f), 1.0f); };
+  const float depth = -twin.phi, buried = clamp01((depth - 1.5f) * 2.0f);
+  Floats u{};
+  for (std::size_t a = 0; a < 3; ++a) u[a] = twin.slope[a] + 0.05f * buried * n[a];
+  const float length = length_of(u);
+  if (!(length > 1e-6f)) {
+    twin.depth_m = std::min(depth, 0.0f) * size_m;
+    twin.direction = n;
+    return twin;
+  }
+  const float per_length = 1.0f / length, gain = 1 / 0.1f;
+  for (std::size_t a = 0; a < 3; ++a) twin.direction[a] = u[a] * per_length;
+  const float certain = std::min(length_of(twin.slope) * gain, 1.0f);
+  const float beyond = std::max(depth - 1.0f, 0.0f) * certain;
+  twin.depth_m = (std::min(depth, 1.0f) + beyond) * std::min(length * gain, 1.0f) * size_m;
+  return twin;
+}
+
+// Boxes, spheres and loose codes across brick, node and block edges.
+VoxelScene random_distances(Random& random) {
+  Voxel min{}, dims{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::int64_t edge = std::array<std::int64_t, 4>{0, 8, 64, 512}[random() % 4];
+    min[axis] = edge * integer(random, -2, 2) - integer(random, 4, 20);
+    dims[axis] = integer(random, 20, 34);
+  }
+  const double s = 0.003;
+  std::vector<glm::dvec4> spheres;
+  for (std::int64_t n = integer(random, 1, 4); n > 0; --n) {
+    glm::dvec4 sphere;
+    for (int a = 0; a < 3; ++a) {
+      const auto i = static_cast<std::size_t>(a);
+      sphere[a] =
+          s * (static_cast<double>(min[i]) + uniform(random, 0, 1) * static_cast<double>(dims[i]));
+    }
+    sphere.w = s * uniform(random, 0, 8);
+    spheres.push_back(sphere);
+  }
+  const bool noise = random() % 4 == 0;
+  const std::uint32_t bits = random() % 2 ? 8 : 4;
+  const DistanceDefinition definition(static_cast<std::uint32_t>(integer(random, 1, 3)), bits,
+                                      uniform(random, 2, 6));
+  return distance_scene(
+      s, min, dims,
+      [&](const glm::dvec3& p) {
+        double least = 1;
+        for (const glm::dvec4& sphere : spheres) {
+          least = std::min(least, glm::length(p - glm::dvec3(sphere)) - sphere.w);
+        }
+        return noise ? s * uniform(random, -3, 8) : least;
+      },
+      2, definition);
+}
+
+Voxel random_voxel(Random& random, const VoxelScene& scene) {
+  Voxel v{};
+  const int tries = random() % 2 ? 1 : 20;
+  for (int i = 0; i < tries; ++i) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const std::int64_t low = scene.min[axis], high = low + scene.dims[axis] - 1;
+      v[axis] = std::clamp(integer(random, low - 3, high + 3), low & ~511, high | 511);
+    }
+    if (scene.at(v) != VoxelValue::kFree) break;
+  }
+  return v;
+}
+
+Floats random_fraction(Random& random) {
+  Floats f{};
+  for (float& x : f) {
+    // Faces and centres of voxels too: that is where a mistake would show.
+    x = random() % 8 == 0 ? 0.5f * static_cast<float>(random() % 2)
+                          : static_cast<float>(integer(random, 0, (1 << 24) - 1)) * 0x1p-24f;
+  }
+  return f;
+}
+
+class DistanceFieldOnEveryTarget : public EveryTarget {};
+INSTANTIATE_TEST_SUITE_P(Targets, DistanceFieldOnEveryTarget,
+                         testing::ValuesIn(hwy::SupportedAndGeneratedTargets()),
+                         [](const auto& target) { return hwy::TargetName(target.param); });
+
+TEST_P(DistanceFieldOnEveryTarget, EqualsItsScalarTwinBitForBit) {
+  std::uint32_t pushes = 0;
+  for (std::uint64_t seed = 1; seed <= 24; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    Random random(seed);
+    const VoxelScene scene = random_distances(random);
+    const auto cropped = static_cast<std::uint32_t>(random() % 2 ? random() % 64 : 0);
+    const Voxmap voxmap = make_voxmap(scene, cropped);
+    const DistanceField field(voxmap);
+    for (int frame = 0; frame < 3; ++frame) {  // the second finds its bricks decoded
+      const auto count = static_cast<std::uint32_t>(integer(random, 0, 900));
+      CollectedPoints points;
+      points.reserve(count);
+      std::vector<Twin> twins;
+      const std::uint64_t near_in_ten = random() % 10;
+      for (std::uint32_t i = 0; i < count; ++i) {
+        const Voxel v = random_voxel(random, scene);
+        const Floats fraction = random_fraction(random),
+                     normal = as_floats(random_direction(random));
+        const bool near = random() % 10 < near_in_ten;
+        collect(points, voxmap, v, near ? VoxelValue::kProximity : VoxelValue::kSurface, fraction,
+                normal);
+        twins.push_back(twin_of(scene, v, fraction, normal, cropped));
+      }
+      FieldSamples samples;
+      samples.reserve(count);
+      field.measure(points, samples);
+      ASSERT_EQ(samples.count, count);
+      for (std::uint32_t i = 0; i < count; ++i) {
+        ASSERT_EQ(samples.at[i], i);
+        ASSERT_EQ(samples.depth_m[i], twins[i].depth_m) << "point " << i;
+        ASSERT_EQ((Floats{samples.dx[i], samples.dy[i], samples.dz[i]}), twins[i].direction);
+        ASSERT_EQ((Floats{samples.gx[i], samples.gy[i], samples.gz[i]}), twins[i].slope);
+      }
+      field.evaluate(points, samples);
+      std::uint32_t expected = 0;
+      for (std::uint32_t i = 0; i < count; ++i) {
+        if (points.value[i] == 3 || !(twins[i].depth_m > 0)) continue;
+        ASSERT_LT(expected, samples.count);
+        ASSERT_EQ(samples.at[expected], i);
+        ASSERT_EQ(samples.depth_m[expected], twins[i].depth_m);
+        ASSERT_EQ(samples.dx[expected], twins[i].direction[0]);
+        ++expected;
+      }
+      ASSERT_EQ(samples.count, expected);
+      pushes += expected;
+    }
+  }
+  EXPECT_GT(pushes, 1000u);
+}
+
+TEST_P(DistanceFieldOnEveryTarget, HoldsWhereBricksReplaceEachOther) {
+  static const VoxelScene scene = [] {  // noise; 2500 bricks, of which some share a slot
+    Random random(7);
+    return distance_scene(
+        0.003, {-64, 0, 100}, {400, 400, 12},
+        [&](const glm::dvec3&) { return 0.003 * static_cast<double>(random() % 9); }, 2,
+        DistanceDefinition(2, 8, 4));
+  }();
+  static const Voxmap voxmap = make_voxmap(scene);
+  Random random(8);
+  const DistanceField field(voxmap);
+  CollectedPoints points;
+  points.reserve(5000);
+  std::vector<Twin> twins;
+  for (int i = 0; i < 5000; ++i) {
+    const Voxel v = random_voxel(random, scene);
+    const Floats fraction = random_fraction(random), normal = as_floats(random_direction(random));
+    collect(points, voxmap, v, VoxelValue::kSurface, fraction, normal);
+    twins.push_back(twin_of(scene, v, fraction, normal));
+  }
+  FieldSamples samples;
+  samples.reserve(5000);
+  field.measure(points, samples);
+  for (std::uint32_t i = 0; i < 5000; ++i) ASSERT_EQ(samples.depth_m[i], twins[i].depth_m);
+}
+
+// A half-space behind n . x = 0.
+VoxelScene half_space(const glm::dvec3& n, const DistanceDefinition& definition) {
+  return distance_scene(
+      0.01, {-14, -14, -14}, {28, 28, 28}, [&](const glm::dvec3& p) { return glm::dot(n, p); }, 2,
+      definition);
+}
+
+TEST(DistanceField, IsExactInFrontOfAPlaneButForTheQuantum) {
+  for (const std::uint32_t bits : {4u, 8u}) {
+    const DistanceDefinition definition(2, bits, bits == 8 ? 4 : 2);
+    for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+      Random random(seed);
+      const glm::dvec3 n = random_direction(random);
+      const VoxelScene scene = half_space(n, definition);
+      for (int i = 0; i < 200; ++i) {
+        const double height = uniform(random, definition.zero - 1, definition.zero + 0.5);
+        glm::dvec3 p = random_direction(random) * uniform(random, 0, 6);
+        p += n * (height - glm::dot(n, p));
+        const glm::dvec3 whole = glm::floor(p);
+        const Voxel v{static_cast<std::int64_t>(whole.x), static_cast<std::int64_t>(whole.y),
+                      static_cast<std::int64_t>(whole.z)};
+        const Twin twin = twin_of(scene, v, as_floats(p - whole), as_floats(-n));
+        // Half a step, and up to one where a value's threshold cuts a code off.
+        EXPECT_NEAR(twin.phi, height - definition.zero, 1.0 * definition.quantum + 1e-5);
+        for (int a = 0; a < 3; ++a) {
+          EXPECT_NEAR(twin.direction[static_cast<std::size_t>(a)], n[a], 3 * definition.quantum);
+        }
+      }
+    }
+  }
+}
+
+TEST(DistanceField, LeadsOutFromInsideAndHalfAVoxelBeyond) {
+  const DistanceDefinition definition(2, 8, 4);
+  const glm::dvec3 n(0, 0, 1);
+  const VoxelScene scene = half_space(n, definition);
+  const Voxmap voxmap = make_voxmap(scene);
+  const DistanceField field(voxmap);
+  const auto push_at = [&](std::int64_t z, const Floats& normal) {
+    CollectedPoints points;
+    points.reserve(1);
+    collect(points, voxmap, {2, 3, z}, VoxelValue::kInterior, {0.5f, 0.5f, 0.5f}, normal);
+    FieldSamples samples;
+    samples.reserve(1);
+    field.evaluate(points, samples);
+    EXPECT_EQ(samples.count, 1u);
+    return samples;
+  };
+  // A voxel behind the mesh, 3.4 behind the zero force: straight up, whatever the part's normal.
+  const FieldSamples near = push_at(-1, {1, 0, 0});
+  EXPECT_GT(near.dz[0], 0.99f);
+  EXPECT_NEAR(near.depth_m[0], 0.01 * (definition.zero + 0.5), 0.0004);
+  // Where all codes are 0: the normal, and half a voxel.
+  const FieldSamples deep = push_at(-9, {0.6f, 0, 0.8f});
+  EXPECT_FLOAT_EQ(deep.dx[0], 0.6f);
+  EXPECT_FLOAT_EQ(deep.dz[0], 0.8f);
+  EXPECT_NEAR(deep.depth_m[0], 0.005, 1e-6);
+}
+
+TEST(DistanceField, TangentPlaneLiesWhereTheNearestVoxelSays) {
+  const DistanceDefinition definition(2, 8, 4);
+  Random random(11);
+  const glm::dvec3 n = random_direction(random);
+  const VoxelScene scene = half_space(n, definition);
+  const Voxmap voxmap = make_voxmap(scene);
+  const TangentPlaneField field(voxmap);
+  CollectedPoints points;
+  points.reserve(300);
+  std::vector<double> depths;
+  for (int i = 0; i < 300; ++i) {
+    const double height = uniform(random, definition.zero - 1, definition.zero - 0.05);
+    glm::dvec3 p = random_direction(random) * uniform(random, 0, 6);
+    p += n * (height - glm::dot(n, p));
+    const glm::dvec3 whole = glm::floor(p);
+    const Voxel v{static_cast<std::int64_t>(whole.x), static_cast<std::int64_t>(whole.y),
+                  static_cast<std::int64_t>(whole.z)};
+    collect(points, voxmap, v, scene.at(v), as_floats(p - whole), as_floats(n));
+    depths.push_back(definition.zero - height);
+  }
+  FieldSamples samples;
+  samples.reserve(300);
+  field.measure(points, samples);
+  for (std::uint32_t i = 0; i < 300; ++i) {
+    EXPECT_NEAR(samples.depth_m[i] / 0.01, depths[i], definition.quantum + 1e-5);
+  }
+}
+
+TEST(DistanceField, IsTheUsualOneWhereDistancesAre) {
+  const VoxelScene scene = half_space({0, 0, 1}, DistanceDefinition(2, 8, 4));
+  const Voxmap wide = make_voxmap(scene);
+  const Voxmap two_bits =
+      make_voxmap(offset_scene(0.01, {0, 0, 0}, {8, 8, 8}, 1, [](Voxel v) { return v[2] < 2; }));
+  EXPECT_EQ(usual_force(Model::kDefault, wide), ForceKind::kDistance);
+  EXPECT_EQ(usual_force(Model::kPaper, wide), ForceKind::kTangentPlane);
+  EXPECT_EQ(usual_force(Model::kDefault, two_bits), ForceKind::kLevel);
+  EXPECT_TRUE(make_force_field(Model::kDefault, ForceKind::kDistance, wide));
+  for (const auto& [map, kind] :
+       {std::pair(&wide, ForceKind::kLevel), std::pair(&two_bits, ForceKind::kDistance)}) {
+    const auto refused = make_force_field(Model::kDefault, kind, *map);
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(exit_status(refused.error().code), 2);
+  }
+}
+
+}  // namespace
+}  // namespace forcelayer::test
