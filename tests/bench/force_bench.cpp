@@ -13,6 +13,7 @@
 #include <optional>
 #include <string>
 
+#include "runtime/distance_field.h"
 #include "runtime/level_field.h"
 #include "runtime/tangent_plane.h"
 #include "tests/bench/bench_report.h"
@@ -80,11 +81,18 @@ Json judge_all(double s_units, double cover, int orientations) {
   for (const Combination& combination : combinations()) {
     std::map<Method, Sample> own;
     for (int i = 0; i < orientations; ++i) {
-      const ContactCase contact(combination, shells[combination.part], s, random);
-      for (const Method method : kMethods) {
-        const Quality q = contact.judge(method);
-        add(own[method], q);
-        if (combination.smooth) add(medians[method], q);
+      // The same contact in maps of every kind.
+      const std::mt19937_64 same = random;
+      for (const VoxelKind kind : {VoxelKind::kChebyshev, VoxelKind::kEuclidean,
+                                   VoxelKind::kDistance4, VoxelKind::kDistance8}) {
+        random = same;
+        const ContactCase contact(combination, shells[combination.part], s, random, kind);
+        for (const Method method : kMethods) {
+          if (kind_of(method) != kind) continue;
+          const Quality q = contact.judge(method);
+          add(own[method], q);
+          if (combination.smooth) add(medians[method], q);
+        }
       }
     }
     for (const Method method : kMethods) {
@@ -127,6 +135,59 @@ double least_ns(double seconds, Call call) {
   return 1e9 * least;
 }
 
+// The same part and plane in a map of distances: what a point in the band costs there, beside the
+// level field in turns.
+Json measure_distance_cost(VoxelKind kind, const AnalyticStatic& plane, double s,
+                           const Pshell& pshell, double height_m, const ForceField& level,
+                           const CollectedPoints& level_points) {
+  const test::VoxelScene scene = bake(kind, plane, s, 2, glm::dvec3(-0.11), glm::dvec3(0.11));
+  const Voxmap voxmap = test::make_voxmap(scene);
+  const glm::dvec3 normal = plane.rotation[2];
+  ContactQuery query(voxmap, pshell);
+  CollectedPoints points;
+  points.reserve(pshell.view().point_count);
+  Pose pose;
+  pose.orientation = glm::quat_cast(plane.rotation);
+  // As deep as in the layers: a quarter of a voxel along the slant.
+  const double zero = zero_force_voxels(kind, 2, normal);
+  pose.position_m = normal * (height_m + (zero - 0.25 * norm1(normal)) * s);
+  query.run(pose, points);
+  FieldSamples samples;
+  samples.reserve(points.count + level_points.count);
+  const double band = points.surface_count + points.interior_count;
+  const double level_band = level_points.surface_count + level_points.interior_count;
+  const DistanceField distance(voxmap);
+  const TangentPlaneField nearest(voxmap);
+  double distance_ns = 1e300, nearest_ns = 1e300, level_ns = 1e300, query_ns = 1e300;
+  for (int turn = 0; turn < 20; ++turn) {
+    constexpr double kTurnS = 0.05;
+    distance_ns =
+        std::min(distance_ns, least_ns(kTurnS, [&] { distance.evaluate(points, samples); }));
+    level_ns = std::min(level_ns, least_ns(kTurnS, [&] { level.evaluate(level_points, samples); }));
+    nearest_ns = std::min(nearest_ns, least_ns(kTurnS, [&] { nearest.evaluate(points, samples); }));
+    query_ns = std::min(query_ns, least_ns(kTurnS, [&] { query.run(pose, points); }));
+  }
+  double cold_ns = 1e300;
+  for (int i = 0; i < 20; ++i) {
+    const DistanceField fresh(voxmap);
+    cold_ns = std::min(cold_ns, least_ns(0, [&] { fresh.evaluate(points, samples); }));
+  }
+  std::printf(
+      "  %u bits: %u collected, %.0f in the band; per point in the band distance %.2f ns (every "
+      "brick new: %.1f), nearest and tangent plane %.2f ns, level beside it %.2f ns; query %.1f "
+      "us\n",
+      scene.wide.bits, points.count, band, distance_ns / band, cold_ns / band, nearest_ns / band,
+      level_ns / level_band, query_ns / 1000);
+  return {{"bits", scene.wide.bits},
+          {"collected_points", points.count},
+          {"band_points", band},
+          {"distance_ns_per_band_point", distance_ns / band},
+          {"distance_every_brick_new_ns_per_band_point", cold_ns / band},
+          {"nearest_ns_per_band_point", nearest_ns / band},
+          {"level_ns_per_band_point", level_ns / level_band},
+          {"query_ns", query_ns}};
+}
+
 // A part of the bench's shell, in pointshell's order, lying on an oblique plane, halfway into the
 // force layer.
 Json measure_cost(const char* name, const AnalyticShell& shell, double height_m) {
@@ -155,7 +216,7 @@ Json measure_cost(const char* name, const AnalyticShell& shell, double height_m)
   samples.reserve(points.count);
   const double band = points.surface_count + points.interior_count;
   const LevelField level(voxmap);
-  const TangentPlaneField tangent_plane(s);
+  const TangentPlaneField tangent_plane(voxmap);
   // In turns, so that all meet the machine in the same states.
   double level_ns = 1e300, tangent_ns = 1e300, query_ns = 1e300;
   for (int turn = 0; turn < 20; ++turn) {
@@ -177,15 +238,19 @@ Json measure_cost(const char* name, const AnalyticShell& shell, double height_m)
       "plane: %.3f\n",
       name, shell.points_m.size(), band, level_ns / band, cold_ns / band, tangent_ns / band,
       query_ns / 1000, ratio);
-  return {{"part", name},
-          {"shell_points", shell.points_m.size()},
-          {"collected_points", points.count},
-          {"band_points", band},
-          {"level_ns_per_band_point", level_ns / band},
-          {"level_every_brick_new_ns_per_band_point", cold_ns / band},
-          {"tangent_plane_ns_per_band_point", tangent_ns / band},
-          {"query_ns", query_ns},
-          {"frame_level_over_tangent_plane", ratio}};
+  return {
+      {"part", name},
+      {"shell_points", shell.points_m.size()},
+      {"collected_points", points.count},
+      {"band_points", band},
+      {"level_ns_per_band_point", level_ns / band},
+      {"level_every_brick_new_ns_per_band_point", cold_ns / band},
+      {"tangent_plane_ns_per_band_point", tangent_ns / band},
+      {"query_ns", query_ns},
+      {"frame_level_over_tangent_plane", ratio},
+      {"distances",
+       {measure_distance_cost(VoxelKind::kDistance8, plane, s, pshell, height_m, level, points),
+        measure_distance_cost(VoxelKind::kDistance4, plane, s, pshell, height_m, level, points)}}};
 }
 
 // Finer voxels mean more points, which average over the lattice as more orientations do.

@@ -7,8 +7,10 @@
 #include <glm/gtc/quaternion.hpp>
 #include <glm/matrix.hpp>
 
+#include "runtime/distance_field.h"
 #include "runtime/level_field.h"
 #include "runtime/surface_directions.h"
+#include "runtime/tangent_plane.h"
 #include "tests/bench/force_bench_contacts.h"
 #include "tests/support/curve_order.h"
 #include "tests/support/reference_level.h"
@@ -118,15 +120,41 @@ const char* name_of(Method method) {
       return "float distance, trilinear";
     case Method::kStandoff:
       return "exact, the map's standoff";
+    case Method::kEuclideanLevel:
+      return "2-bit Euclidean, level";
+    case Method::kEuclideanContacts:
+      return "2-bit Euclidean, default's";
+    case Method::kDistance4:
+      return "4-bit distance, trilinear";
+    case Method::kNearest8:
+      return "8-bit nearest, tangent pl.";
+    case Method::kDistance8:
+      return "8-bit distance, trilinear";
   }
   return "";
+}
+
+VoxelKind kind_of(Method method) {
+  switch (method) {
+    case Method::kEuclideanLevel:
+    case Method::kEuclideanContacts:
+      return VoxelKind::kEuclidean;
+    case Method::kDistance4:
+      return VoxelKind::kDistance4;
+    case Method::kNearest8:
+    case Method::kDistance8:
+      return VoxelKind::kDistance8;
+    default:
+      return VoxelKind::kChebyshev;
+  }
 }
 
 ContactCase::~ContactCase() = default;
 
 ContactCase::ContactCase(const Combination& combination, const PartShells& shells,
-                         double voxel_size_m, std::mt19937_64& random)
+                         double voxel_size_m, std::mt19937_64& random, VoxelKind kind)
     : combination_(combination),
+      kind_(kind),
       s_(voxel_size_m),
       tested_(shells.tested),
       fine_(shells.fine),
@@ -142,12 +170,13 @@ ContactCase::ContactCase(const Combination& combination, const PartShells& shell
     const double d = body_.distance_m(at.rotation * p + at.position_m, &g);
     if (d < least) least = d, normal = g;
   }
-  double slant = norm1(normal);
   if (combination.body == StaticKind::kWedge && combination.free_angle < M_PI) {
-    slant = std::max(norm1(body_.wall_normal(0)), norm1(body_.wall_normal(1)));
+    const int steeper = norm1(body_.wall_normal(0)) > norm1(body_.wall_normal(1)) ? 0 : 1;
+    normal = body_.wall_normal(steeper);
     rate_ = 1 / std::sin(combination.free_angle / 2);
   }
-  thickness_m_ = slant * s_, middle_m_ = kLayers * slant * s_;
+  thickness_m_ = norm1(normal) * s_;
+  middle_m_ = zero_force_voxels(kind_, kLayers, normal) * s_;
   for (std::size_t d = 0; d < kDepths; ++d) {
     const double share = (static_cast<double>(d) + 0.5) / kDepths - 0.5;
     heights_m_.push_back(height_at(middle_m_ + share * thickness_m_));
@@ -200,12 +229,14 @@ void ContactCase::orient(std::mt19937_64& random) {
   }
 }
 
-// Standoffs differ from wall to wall by k (|n|_1 - |m|_1) s: the exact offset surface takes that
+// Standoffs differ from wall to wall (zero_force_voxels()): the exact offset surface takes that
 // over, and the approach starts where the two offset walls meet, so that both are reached at once.
 void ContactCase::offset_walls() {
   const glm::dvec3 n0 = body_.wall_normal(0), n1 = body_.wall_normal(1);
-  const double l0 = norm1(n0), l1 = norm1(n1), most = std::max(l0, l1);
-  body_.wall_shift_m = {kLayers * (most - l0) * s_, kLayers * (most - l1) * s_};
+  const double l0 = zero_force_voxels(kind_, kLayers, n0),
+               l1 = zero_force_voxels(kind_, kLayers, n1);
+  const double most = std::max(l0, l1);
+  body_.wall_shift_m = {(most - l0) * s_, (most - l1) * s_};
   const double sine = std::cos(combination_.free_angle / 2);
   const double cosine = std::sin(combination_.free_angle / 2);
   // Where -sine x + cosine z = -shift 0 and sine x + cosine z = -shift 1.
@@ -249,11 +280,16 @@ void ContactCase::bake_around() {
     }
   AnalyticStatic surface = body_;
   surface.wall_shift_m = glm::dvec2(0);
-  scene_ =
-      std::make_unique<test::VoxelScene>(bake(surface, s_, kLayers, low - 2 * s_, high + 2 * s_));
+  scene_ = std::make_unique<test::VoxelScene>(
+      bake(kind_, surface, s_, kLayers, low - 2 * s_, high + 2 * s_));
   voxmap_ = std::make_unique<Voxmap>(test::make_voxmap(*scene_));
   dense_ = std::make_unique<DenseFields>(body_, *scene_);
-  level_ = std::make_unique<LevelField>(*voxmap_);
+  if (scene_->wide.bits == 2) {
+    field_ = std::make_unique<LevelField>(*voxmap_);
+  } else {
+    field_ = std::make_unique<DistanceField>(*voxmap_);
+    nearest_ = std::make_unique<TangentPlaneField>(*voxmap_);
+  }
 }
 
 // The body looks the same after any of these motions, so what is true stays true: a and b along
@@ -321,13 +357,14 @@ void ContactCase::collect(const Placed& placed, Collected& c) const {
 }
 
 // Through the runtime's own field, and with `averaged` with the directions of the default model.
-Wrench ContactCase::level_force(const Placed& placed, bool averaged) const {
+Wrench ContactCase::field_force(const ForceField& field, const Placed& placed,
+                                bool averaged) const {
   static thread_local Collected c;
   collect(placed, c);
   if (averaged) {
-    level_->measure(c.points, c.samples);
+    field.measure(c.points, c.samples);
   } else {
-    level_->evaluate(c.points, c.samples);
+    field.evaluate(c.points, c.samples);
   }
   ContactSet set;
   set.reserve(c.samples.count);
@@ -351,26 +388,39 @@ Wrench ContactCase::level_force(const Placed& placed, bool averaged) const {
   return total;
 }
 
-// Exact geometry behind the map's own standoff: k |n|_1 s in front of a surface with normal n.
+// Exact geometry behind the map's own standoff in front of a surface with normal n.
 glm::dvec3 ContactCase::standoff_force(const glm::dvec3& x) const {
   if (body_.kind == StaticKind::kWedge && body_.free_angle < M_PI) {
     glm::dvec3 force(0);
     double deepest = 0;
     for (const int wall : {0, 1}) {
       const glm::dvec3 n = body_.wall_normal(wall);
-      const double depth = kLayers * norm1(n) * s_ - glm::dot(n, x - body_.origin_m);
+      const double depth =
+          zero_force_voxels(kind_, kLayers, n) * s_ - glm::dot(n, x - body_.origin_m);
       if (depth > deepest) deepest = depth, force = depth * n;
     }
     return force;
   }
   glm::dvec3 n;
   const double distance = body_.distance_m(x, &n);
-  return std::max(0.0, kLayers * norm1(n) * s_ - distance) * n;
+  return std::max(0.0, zero_force_voxels(kind_, kLayers, n) * s_ - distance) * n;
 }
 
 Wrench ContactCase::force(Method method, const Placed& placed) const {
-  if (method == Method::kLevel) return level_force(placed, false);
-  if (method == Method::kContacts) return level_force(placed, true);
+  switch (method) {
+    case Method::kLevel:
+    case Method::kEuclideanLevel:
+    case Method::kDistance4:
+    case Method::kDistance8:
+      return field_force(*field_, placed, false);
+    case Method::kContacts:
+    case Method::kEuclideanContacts:
+      return field_force(*field_, placed, true);
+    case Method::kNearest8:
+      return field_force(*nearest_, placed, false);
+    default:
+      break;
+  }
   if (method == Method::kStandoff) {
     return sum(placed, [&](const glm::dvec3& x, const glm::dvec3&, double weight) {
       return weight * standoff_force(x);
@@ -426,7 +476,7 @@ void ContactCase::tabulate_truth() {
       const glm::dvec3 arm = at.rotation * fine_.points_m[i];
       glm::dvec3 g;
       double d = body_.distance_m(arm + at.position_m, &g);
-      if (combination_.standoff) d += middle_m_ - kLayers * norm1(g) * s_;
+      if (combination_.standoff) d += middle_m_ - zero_force_voxels(kind_, kLayers, g) * s_;
       samples.push_back({d, fine_.areas_m2[i], local * g, local * arm});
     }
     truth_.emplace_back(samples, first_m, first_m + 3 * thickness_m_);

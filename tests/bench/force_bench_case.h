@@ -42,12 +42,21 @@ enum class Method {
   kContacts,              // the level field as the default model uses it: directions averaged
   kDistance,              // trilinear float distance to the exact surface, along its gradient
   kStandoff,              // exact, but each wall as far off as the map's layers hold it
+  // In maps of other kinds.
+  kEuclideanLevel,     // the level field in Euclidean layers
+  kEuclideanContacts,  // ... with averaged directions
+  kDistance4,          // runtime/distance_field.h at 4 bits
+  kNearest8,           // nearest voxel of 8 bits and tangent plane
+  kDistance8,          // runtime/distance_field.h at 8 bits
 };
-inline constexpr Method kMethods[] = {Method::kTangentPlane, Method::kTangentPlaneAveraged,
-                                      Method::kTrilinear,    Method::kBSpline,
-                                      Method::kSlopeOnly,    Method::kLevel,
-                                      Method::kContacts,     Method::kDistance,
-                                      Method::kStandoff};
+VoxelKind kind_of(Method method);
+inline constexpr Method kMethods[] = {Method::kTangentPlane,      Method::kTangentPlaneAveraged,
+                                      Method::kTrilinear,         Method::kBSpline,
+                                      Method::kSlopeOnly,         Method::kLevel,
+                                      Method::kContacts,          Method::kDistance,
+                                      Method::kStandoff,          Method::kEuclideanLevel,
+                                      Method::kEuclideanContacts, Method::kDistance4,
+                                      Method::kNearest8,          Method::kDistance8};
 const char* name_of(Method method);
 
 // Shells of one part at one voxel size: the one that is judged, and a dense one for the truth.
@@ -60,7 +69,7 @@ struct PartShells {
 class ContactCase {
  public:
   ContactCase(const Combination& combination, const PartShells& shells, double voxel_size_m,
-              std::mt19937_64& random);
+              std::mt19937_64& random, VoxelKind kind = VoxelKind::kChebyshev);
   ~ContactCase();
 
   struct Placed {  // world_from_part
@@ -92,7 +101,7 @@ class ContactCase {
   Wrench force(Method method, const Placed& placed) const;
   struct Collected;
   void collect(const Placed& placed, Collected& collected) const;
-  Wrench level_force(const Placed& placed, bool averaged) const;
+  Wrench field_force(const ForceField& field, const Placed& placed, bool averaged) const;
   glm::dvec3 standoff_force(const glm::dvec3& x) const;
   template <class Push>
   Wrench sum(const Placed& placed, Push push) const;
@@ -106,6 +115,7 @@ class ContactCase {
   static constexpr int kLayers = 2;
 
   Combination combination_;
+  VoxelKind kind_;
   double s_;
   AnalyticStatic body_;
   AnalyticShell tested_, fine_;  // the points that can come near; areas over the mean
@@ -119,7 +129,7 @@ class ContactCase {
   std::unique_ptr<test::VoxelScene> scene_;
   std::unique_ptr<Voxmap> voxmap_;
   std::unique_ptr<DenseFields> dense_;
-  std::unique_ptr<ForceField> level_;
+  std::unique_ptr<ForceField> field_, nearest_;
   std::vector<TruthTable> truth_;  // [depth]; areas over the mean: points
 };
 

@@ -6,6 +6,9 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
+#include "tests/support/distance_scene.h"
+#include "tests/support/shape_scene.h"
+
 namespace forcelayer::bench {
 namespace {
 
@@ -113,6 +116,91 @@ bool AnalyticStatic::meets_cube(const glm::dvec3& center, double half) const {
     if (half_plane_meets(c, half, rotation * normal, rotation * along)) return true;
   }
   return false;
+}
+
+// Every shape's distance is concave over a cube in free space, so that a corner is nearest, but for
+// what bulges into it: a sphere, and a convex edge.
+double AnalyticStatic::cube_distance_m(const glm::dvec3& center, double half) const {
+  if (kind == StaticKind::kSphere) {
+    const glm::dvec3 gap = glm::max(glm::abs(center - origin_m) - half, glm::dvec3(0));
+    return glm::length(gap) - radius_m;
+  }
+  std::array<glm::dvec3, 8> corners;
+  double least = 1e300;
+  for (int n = 0; n < 8; ++n) {
+    corners[n] = center + half * glm::dvec3(n & 1 ? 1 : -1, n & 2 ? 1 : -1, n & 4 ? 1 : -1);
+    least = std::min(least, distance_m(corners[n]));
+  }
+  if (kind != StaticKind::kWedge || free_angle < M_PI) return least;
+  // The apex, which is a line along y of the local frame, from the cube's edges.
+  for (int n = 0; n < 8; ++n) {
+    for (int axis = 0; axis < 3; ++axis) {
+      if (n >> axis & 1) continue;
+      const glm::dvec3 a = glm::transpose(rotation) * (corners[n] - origin_m);
+      const glm::dvec3 b = glm::transpose(rotation) * (corners[n | 1 << axis] - origin_m);
+      const glm::dvec2 from(a.x, a.z), along = glm::dvec2(b.x, b.z) - from;
+      const double length2 = glm::dot(along, along);
+      const double t = length2 > 0 ? std::clamp(-glm::dot(from, along) / length2, 0.0, 1.0) : 0;
+      least = std::min(least, glm::length(from + t * along));
+    }
+  }
+  return least;
+}
+
+double zero_force_voxels(VoxelKind kind, int layers, const glm::dvec3& n) {
+  if (kind == VoxelKind::kChebyshev) return layers * norm1(n);
+  if (kind == VoxelKind::kEuclidean) return layers - 1 + norm1(n);
+  return test::DistanceDefinition(static_cast<std::uint32_t>(layers), 8, 4).zero;
+}
+
+namespace {
+
+// The box of voxels around [low, high].
+void box_around(const glm::dvec3& low, const glm::dvec3& high, double s, int pad, test::Voxel& min,
+                test::Voxel& dims) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto i = static_cast<std::size_t>(axis);
+    min[i] = static_cast<std::int64_t>(std::floor(low[axis] / s)) - pad;
+    dims[i] = static_cast<std::int64_t>(std::floor(high[axis] / s)) + pad + 1 - min[i];
+  }
+}
+
+test::VoxelScene bake_euclidean(const AnalyticStatic& body, double s, int layers,
+                                const glm::dvec3& low, const glm::dvec3& high) {
+  test::Voxel min{}, dims{};
+  box_around(low, high, s, layers + 3, min, dims);
+  test::VoxelScene scene = test::VoxelScene::filled(s, min, dims, [&](test::Voxel v) {
+    const glm::dvec3 c = (glm::dvec3(v[0], v[1], v[2]) + 0.5) * s;
+    const double distance = body.distance_m(c);
+    if (distance > (layers - 1 + 0.8661) * s) return VoxelValue::kFree;
+    const bool near = distance <= 0 || body.meets_cube(c, s / 2) ||
+                      body.cube_distance_m(c, s / 2) < (layers - 1) * s;
+    return near ? VoxelValue::kInterior : VoxelValue::kFree;
+  });
+  scene.layers = static_cast<std::uint32_t>(layers);
+  scene.metric = Metric::kEuclidean;
+  for (const VoxelValue value : {VoxelValue::kSurface, VoxelValue::kProximity}) {
+    const std::vector<std::uint8_t> grown = test::grown(scene.values, dims);
+    for (std::size_t i = 0; i < grown.size(); ++i) {
+      if (grown[i] && scene.values[i] == 0) scene.values[i] = static_cast<std::uint8_t>(value);
+    }
+  }
+  return scene;
+}
+
+}  // namespace
+
+test::VoxelScene bake(VoxelKind kind, const AnalyticStatic& body, double s, int layers,
+                      const glm::dvec3& low, const glm::dvec3& high) {
+  if (kind == VoxelKind::kChebyshev) return bake(body, s, layers, low, high);
+  if (kind == VoxelKind::kEuclidean) return bake_euclidean(body, s, layers, low, high);
+  test::Voxel min{}, dims{};
+  box_around(low, high, s, layers + 5, min, dims);
+  const auto k = static_cast<std::uint32_t>(layers);
+  const bool eight = kind == VoxelKind::kDistance8;
+  return test::distance_scene(
+      s, min, dims, [&](const glm::dvec3& p) { return body.distance_m(p); }, k,
+      test::DistanceDefinition(k, eight ? 8 : 4, eight ? 4 : 2));
 }
 
 test::VoxelScene bake(const AnalyticStatic& body, double s, int layers, const glm::dvec3& low,

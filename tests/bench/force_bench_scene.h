@@ -31,12 +31,26 @@ struct AnalyticStatic {
   // Whether the surface has a point in the closed cube of half edge `half_m` about `center`.
   bool meets_cube(const glm::dvec3& center, double half_m) const;
 
+  // Distance of the closed cube from the surface, where it lies in free space.
+  double cube_distance_m(const glm::dvec3& center, double half_m) const;
+
   // Outward normal of a wedge's wall, world: 0 for x > 0, 1 for x < 0.
   glm::dvec3 wall_normal(int wall) const;
 };
 
 // Sum of the absolute components.
 inline double norm1(const glm::dvec3& v) { return std::abs(v.x) + std::abs(v.y) + std::abs(v.z); }
+
+// The kinds of voxels that a scene can be baked to.
+enum class VoxelKind { kChebyshev, kEuclidean, kDistance4, kDistance8 };
+
+// How far in front of a surface with unit normal n the force begins, in voxels: on average over the
+// surface's place on the lattice, or everywhere (distances).
+double zero_force_voxels(VoxelKind kind, int layers, const glm::dvec3& n);
+
+// The voxmap over the world box [low, high] in one of the kinds, by its definition.
+test::VoxelScene bake(VoxelKind kind, const AnalyticStatic& body, double voxel_size_m, int layers,
+                      const glm::dvec3& low, const glm::dvec3& high);
 
 // The voxmap's values over the world box [low, high], by the definition of the bake: geometric
 // surface where meets_cube(), interior elsewhere inside, then k Chebyshev layers.
