@@ -136,8 +136,8 @@ TEST(MapLossDeathTest, NoThreadReadsAPageThatIsHalfMade) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   const auto race = [] {
     contain_map_loss();
-    constexpr std::size_t kPages = 2000, kPageWords = 4096 / sizeof(std::uint32_t);
-    constexpr int kThreads = 4;
+    constexpr std::size_t kPages = 500, kPageWords = 4096 / sizeof(std::uint32_t);
+    constexpr int kThreads = 2;
     const ScratchFolder folder;
     const auto path = folder / "file";
     std::ofstream(path, std::ios::binary) << std::string(kPages * 4096, '\xff');
@@ -180,12 +180,10 @@ TEST(MapLossDeathTest, FilesThatAreCutShortStopTheRunAtZero) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   for (const char* file : {"scene.vox", "part.pshell"}) {
     for (const std::uintmax_t bytes : {0, 4096, 8192}) {
-      for (const bool looks : {false, true}) {
-        EXPECT_EXIT(cut(file, bytes, looks), testing::ExitedWithCode(0), "")
-            << file << " " << bytes << (looks ? ", looked at" : "");
-      }
+      EXPECT_EXIT(cut(file, bytes, false), testing::ExitedWithCode(0), "") << file << " " << bytes;
     }
   }
+  EXPECT_EXIT(cut("scene.vox", 4096, true), testing::ExitedWithCode(0), "") << "looked at";
 }
 
 // What is not ours dies as ever.
