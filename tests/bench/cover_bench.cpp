@@ -51,7 +51,7 @@ T value_of(Result<T> result) {
 AnalyticShell baked_shell(Part part, const Making& making, double radius_voxels) {
   const Assembly assembly{{part_mesh(part, kDeviationVoxels * kS)}, {{0, "part", {}}}, 1, 0, {}};
   const PartInput input{&assembly, 1};
-  BakeOptions options;
+  ShellOptions options;
   options.voxel_size_m = kS;
   options.method = making.method;
   options.effort = making.effort;
