@@ -280,7 +280,7 @@ CLAIMS = [
      shell),
     ("The scan is meant to be five times as fast. It is so for {met}, {fine} times for the others at 1024 and more, and "
      "{coarse} times at 512, where a triangle covers few voxels and what it costs by itself weighs most", scan_target),
-    ("Every other target is {other}. `scripts/bench.sh bake` measures it", scan_target),
+    ("The other targets are {other}. `scripts/bench.sh bake` measures it", scan_target),
     ("What a finer voxel costs and buys, on {scenes} scenes at 32 to 256 voxels across, each as one object. Finding the "
      "voxels that the mesh touches takes `meshToVolume` {volume} times, and `vtkVoxelModeller` {vtk} times, as long "
      "as the whole bake into the file takes us. Against the exact test, voxel by voxel, ours has none wrong; "
