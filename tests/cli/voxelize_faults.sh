@@ -229,13 +229,18 @@ writer.start()
 seen = {}
 for n in range(25):
     more = ["--sandbox"] if n % 2 else []
-    run = subprocess.run([voxelize, "live.stl", "--units", "mm", "--voxel-size", "20mm", "--quiet", "-o", "out.vox", *more],
-                         capture_output=True, timeout=60)
+    try:
+        run = subprocess.run([voxelize, "live.stl", "--units", "mm", "--voxel-size", "20mm", "--quiet", "-o", "out.vox", *more],
+                             capture_output=True, timeout=20)
+    except subprocess.TimeoutExpired:
+        seen["slow"] = seen.get("slow", 0) + 1  # bytes that make a part of ten thousand kilometres: a bake like any other
+        continue
     seen[run.returncode] = seen.get(run.returncode, 0) + 1
     lines = run.stderr.count(b"\n")
     assert run.returncode in (0, 1, 3) and lines == (run.returncode != 0), (run.returncode, run.stderr[-500:])
 stop.set()
 writer.join()
+assert seen.get("slow", 0) < 5, seen
 print("statuses", seen)
 PYTHON
 }
