@@ -24,7 +24,11 @@ class TangentPlaneField final : public ForceField {
   void measure(const CollectedPoints& points, FieldSamples& samples) const noexcept override;
 
  private:
+  // Each of them once for maps of two bits, whose points then ask nothing of the map.
+  template <bool kDistances>
   float depth_voxels(const CollectedPoints& points, std::uint32_t i) const noexcept;
+  template <bool kDistances>
+  void evaluate_all(const CollectedPoints& points, FieldSamples& samples) const noexcept;
 
   float voxel_size_m_;
   const VoxmapView* distances_ = nullptr;  // null at two bits
