@@ -8,6 +8,7 @@
 #include "tests/support/reference_bake.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/soups.h"
+#include "tests/support/test_scene.h"
 
 namespace forcelayer {
 namespace {
@@ -17,37 +18,6 @@ using reference::LatticeMesh;
 using reference::Random;
 using reference::real;
 using reference::whole;
-
-// Meshes in voxels of 1 m.
-struct TestScene {
-  std::vector<Mesh> meshes;
-  std::vector<Vec3d> seeds_m;
-
-  std::vector<SceneObject> objects() const {
-    std::vector<SceneObject> list;
-    for (const Mesh& mesh : meshes) list.push_back({"object", &mesh, Affine{}, {}, 0});
-    return list;
-  }
-  std::vector<LatticeMesh> lattice() const {
-    std::vector<LatticeMesh> list;
-    for (const Mesh& mesh : meshes) list.push_back(reference::snapped(mesh, Affine{}, 1));
-    return list;
-  }
-};
-
-TestScene random_scene(Random& random, double extent) {
-  TestScene scene;
-  // Around a place where blocks, nodes and bricks meet more often than not.
-  Vec3d place;
-  for (double& x : place)
-    x = static_cast<double>(whole(random, -3, 3) * 512 + whole(random, -8, 8));
-  for (std::int64_t n = whole(random, 1, 4); n > 0; --n) {
-    Vec3d centre = place;
-    for (double& x : centre) x += real(random, -extent / 3, extent / 3);
-    scene.meshes.push_back(reference::random_object(random, centre, real(random, 1, extent)));
-  }
-  return scene;
-}
 
 std::vector<VoxelIndex> voxels_of(const std::vector<Vec3d>& points_m) {
   std::vector<VoxelIndex> voxels;
@@ -71,7 +41,7 @@ TEST(Bake, EqualsTheReferenceOnRandomScenes) {
   for (std::uint64_t seed = 1; seed <= 160; ++seed) {
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
     Random random(seed);
-    const TestScene scene = random_scene(random, seed % 4 == 0 ? 70 : 24);
+    const reference::TestScene scene = reference::random_scene(random, seed % 4 == 0 ? 70 : 24, 4);
     const auto layers = static_cast<std::uint32_t>(whole(random, 0, 3));
     const auto expected = reference::offset_scene(
         reference::united_scene(scene.lattice(), {}, layers + 2), static_cast<int>(layers));
@@ -85,7 +55,7 @@ TEST(Bake, EqualsTheReferenceWithManyLayers) {
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
     Random random(seed);
-    const TestScene scene = random_scene(random, 12);
+    const reference::TestScene scene = reference::random_scene(random, 12, 4);
     const auto layers = static_cast<std::uint32_t>(whole(random, 4, kMaxBakedLayers));
     const auto expected = reference::offset_scene(
         reference::united_scene(scene.lattice(), {}, layers + 2), static_cast<int>(layers));
@@ -99,7 +69,7 @@ TEST(Bake, ClearanceIsExactOnEveryLevel) {
   for (std::uint64_t seed = 1; seed <= 25; ++seed) {
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
     Random random(seed);
-    TestScene scene = random_scene(random, seed % 2 == 0 ? 4 : 16);
+    reference::TestScene scene = reference::random_scene(random, seed % 2 == 0 ? 4 : 16, 4);
     if (seed % 3 == 0) {  // two small things far apart, for distances across nodes and blocks
       Mesh far = scene.meshes.front();
       Vec3d step;
@@ -128,7 +98,7 @@ TEST(Bake, FreeSeedsOpenWhatEnclosesThem) {
   for (std::uint64_t seed = 1; seed <= 60; ++seed) {
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
     Random random(seed);
-    TestScene scene = random_scene(random, 30);
+    reference::TestScene scene = reference::random_scene(random, 30, 4);
     const auto without = reference::united_scene(scene.lattice(), {}, 4);
     // Seeds anywhere in the box but in the surface of an object.
     for (int attempt = 0; attempt < 40 && scene.seeds_m.size() < 3; ++attempt) {
@@ -163,7 +133,7 @@ TEST(Bake, OffsettingEachObjectAndMergingGivesTheSame) {
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
     Random random(seed);
-    const TestScene scene = random_scene(random, 20);
+    const reference::TestScene scene = reference::random_scene(random, 20, 4);
     const int layers = static_cast<int>(whole(random, 0, 3));
     const auto meshes = scene.lattice();
     reference::DenseGrid all = reference::grid_around(meshes, layers + 2);
@@ -188,7 +158,7 @@ TEST(Bake, OffsettingEachObjectAndMergingGivesTheSame) {
 
 // Solids whose inside holds whole nodes and blocks without surface.
 TEST(Bake, DeepInteriorAndEnclosedFreeSpaceAreRight) {
-  TestScene scene;
+  reference::TestScene scene;
   Mesh& mesh = scene.meshes.emplace_back();
   constexpr double kLow = -777, kHigh = 901;  // 1679 voxels: a block of 512 lies inside
   reference::add_box(mesh, {kLow, kLow, kLow}, {kHigh + 0.5, kHigh + 0.5, kHigh + 0.5});
@@ -227,7 +197,7 @@ TEST(Bake, SameBytesForAnyNumberOfThreadsAndOrderOfObjectsAndTriangles) {
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
     Random random(seed);
-    TestScene scene = random_scene(random, 200);
+    reference::TestScene scene = reference::random_scene(random, 200, 4);
     BakeOptions options = options_with(2);
     options.threads = 1;
     const std::string expected = BakedScene(scene.objects(), options).bytes();

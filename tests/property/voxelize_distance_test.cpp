@@ -6,6 +6,7 @@
 #include "tests/support/every_target.h"
 #include "tests/support/reference_distance.h"
 #include "tests/support/soups.h"
+#include "tests/support/test_scene.h"
 
 namespace forcelayer {
 namespace {
@@ -28,33 +29,6 @@ BakeOptions options_with(std::uint32_t layers, std::uint32_t bits, double range_
   options.threads = 2;
   return options;
 }
-
-struct TestScene {
-  std::vector<Mesh> meshes;
-
-  TestScene(Random& random, double extent) {
-    Vec3d place;
-    for (double& x : place) {
-      x = static_cast<double>(whole(random, -3, 3) * 512 + whole(random, -8, 8));
-    }
-    for (std::int64_t n = whole(random, 1, 3); n > 0; --n) {
-      Vec3d centre = place;
-      for (double& x : centre) x += reference::real(random, -extent / 3, extent / 3);
-      meshes.push_back(
-          reference::random_object(random, centre, reference::real(random, 1, extent)));
-    }
-  }
-  std::vector<SceneObject> objects() const {
-    std::vector<SceneObject> list;
-    for (const Mesh& mesh : meshes) list.push_back({"object", &mesh, Affine{}, {}, 0});
-    return list;
-  }
-  std::vector<LatticeMesh> lattice() const {
-    std::vector<LatticeMesh> list;
-    for (const Mesh& mesh : meshes) list.push_back(reference::snapped(mesh, Affine{}, 1));
-    return list;
-  }
-};
 
 // The definition of voxmap_format.md, section 6, in doubles.
 class Definition {
@@ -109,7 +83,7 @@ TEST(DistanceBake, EqualsTheReferenceOnRandomScenes) {
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
     Random random(seed);
-    const TestScene scene(random, seed % 4 == 0 ? 30 : 12);
+    const reference::TestScene scene = reference::random_scene(random, seed % 4 == 0 ? 30 : 12, 3);
     const auto layers = static_cast<std::uint32_t>(whole(random, 1, 3));
     const std::uint32_t bits = random() % 2 ? 8 : 4;
     const double range = random() % 2 ? 0 : reference::real(random, 2, 9);
@@ -149,7 +123,7 @@ TEST(DistanceBake, KeepsTheStandoffAndWholeLayers) {
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
     Random random(seed);
-    const TestScene scene(random, 12);
+    const reference::TestScene scene = reference::random_scene(random, 12, 3);
     const std::vector<LatticeMesh> meshes = scene.lattice();
     const auto layers = static_cast<std::uint32_t>(whole(random, 2, 3));
     const BakedScene baked(scene.objects(), options_with(layers, random() % 2 ? 8 : 4));
@@ -176,7 +150,7 @@ TEST(DistanceBake, TheZeroForceLiesInTheForceLayer) {
   for (std::uint64_t seed = 1; seed <= 16; ++seed) {
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
     Random random(seed);
-    const TestScene scene(random, 10);
+    const reference::TestScene scene = reference::random_scene(random, 10, 3);
     const BakedScene baked(scene.objects(), options_with(2, random() % 2 ? 8 : 4));
     const VoxmapHeader& header = baked.map().header();
     const auto grid = reference::grid_around(scene.lattice(), 8);
@@ -236,7 +210,7 @@ TEST(DistanceBake, SameBytesForAnyNumberOfThreadsOrderAndWholeVoxelShift) {
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
     Random random(seed);
-    TestScene scene(random, 100);
+    reference::TestScene scene = reference::random_scene(random, 100, 3);
     BakeOptions options = options_with(2, 8);
     options.threads = 1;
     const BakedScene first(scene.objects(), options);
@@ -275,7 +249,7 @@ class DistanceBakeOnEveryTarget : public test::EveryTarget {
  protected:
   static std::string bytes(std::uint32_t bits) {
     Random random(21);
-    const TestScene scene(random, 60);
+    const reference::TestScene scene = reference::random_scene(random, 60, 3);
     return BakedScene(scene.objects(), options_with(2, bits)).bytes();
   }
 };
@@ -296,7 +270,7 @@ TEST(DistanceBake, ARegionHasTheVoxelsOfTheWhole) {
   for (std::uint64_t seed = 1; seed <= 8; ++seed) {
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
     Random random(seed);
-    const TestScene scene(random, 24);
+    const reference::TestScene scene = reference::random_scene(random, 24, 3);
     BakeOptions options = options_with(2, random() % 2 ? 8 : 4);
     const BakedScene all(scene.objects(), options);
     const VoxmapHeader& header = all.map().header();

@@ -4,6 +4,7 @@
 #include "tests/support/baked_scene.h"
 #include "tests/support/reference_distance.h"
 #include "tests/support/soups.h"
+#include "tests/support/test_scene.h"
 #include "voxelize/cube_distance.h"
 
 namespace forcelayer {
@@ -75,38 +76,11 @@ BakeOptions options_with(std::uint32_t layers) {
   return options;
 }
 
-struct TestScene {
-  std::vector<Mesh> meshes;
-
-  TestScene(Random& random, double extent) {
-    Vec3d place;
-    for (double& x : place) {
-      x = static_cast<double>(whole(random, -3, 3) * 512 + whole(random, -8, 8));
-    }
-    for (std::int64_t n = whole(random, 1, 3); n > 0; --n) {
-      Vec3d centre = place;
-      for (double& x : centre) x += reference::real(random, -extent / 3, extent / 3);
-      meshes.push_back(
-          reference::random_object(random, centre, reference::real(random, 1, extent)));
-    }
-  }
-  std::vector<SceneObject> objects() const {
-    std::vector<SceneObject> list;
-    for (const Mesh& mesh : meshes) list.push_back({"object", &mesh, Affine{}, {}, 0});
-    return list;
-  }
-  std::vector<LatticeMesh> lattice() const {
-    std::vector<LatticeMesh> list;
-    for (const Mesh& mesh : meshes) list.push_back(reference::snapped(mesh, Affine{}, 1));
-    return list;
-  }
-};
-
 TEST(EuclideanBake, EqualsTheReferenceOnRandomScenes) {
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
     Random random(seed);
-    const TestScene scene(random, seed % 5 == 0 ? 30 : 12);
+    const reference::TestScene scene = reference::random_scene(random, seed % 5 == 0 ? 30 : 12, 3);
     const auto layers = static_cast<std::uint32_t>(whole(random, 1, 4));
     const std::vector<LatticeMesh> meshes = scene.lattice();
     const auto expected = reference::euclidean_scene(
@@ -147,7 +121,7 @@ TEST(EuclideanBake, KeepsTheStandoffAndWholeLayers) {
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
     Random random(seed);
-    const TestScene scene(random, 12);
+    const reference::TestScene scene = reference::random_scene(random, 12, 3);
     const std::vector<LatticeMesh> meshes = scene.lattice();
     const int layers = static_cast<int>(whole(random, 2, 3));
     const BakedScene baked(scene.objects(), options_with(static_cast<std::uint32_t>(layers)));
@@ -178,7 +152,7 @@ TEST(EuclideanBake, KeepsTheStandoffAndWholeLayers) {
 TEST(EuclideanBake, SameBytesForAnyNumberOfThreadsAndOrder) {
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
     Random random(seed);
-    TestScene scene(random, 150);
+    reference::TestScene scene = reference::random_scene(random, 150, 3);
     BakeOptions options = options_with(2);
     options.threads = 1;
     const std::string expected = BakedScene(scene.objects(), options).bytes();

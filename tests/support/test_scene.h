@@ -1,0 +1,44 @@
+// Random scenes for the bake's property tests.
+#pragma once
+
+#include <vector>
+
+#include "tests/support/baked_scene.h"
+#include "tests/support/soups.h"
+
+namespace forcelayer::reference {
+
+// Meshes in voxels of 1 m.
+struct TestScene {
+  std::vector<Mesh> meshes;
+  std::vector<Vec3d> seeds_m;
+
+  std::vector<SceneObject> objects() const {
+    std::vector<SceneObject> list;
+    for (const Mesh& mesh : meshes) list.push_back({"object", &mesh, Affine{}, {}, 0});
+    return list;
+  }
+  std::vector<LatticeMesh> lattice() const {
+    std::vector<LatticeMesh> list;
+    for (const Mesh& mesh : meshes) list.push_back(snapped(mesh, Affine{}, 1));
+    return list;
+  }
+};
+
+// Up to `most` objects of up to `extent` voxels, around a place where blocks, nodes and bricks meet
+// more often than not.
+inline TestScene random_scene(Random& random, double extent, std::int64_t most) {
+  TestScene scene;
+  Vec3d place;
+  for (double& x : place) {
+    x = static_cast<double>(whole(random, -3, 3) * 512 + whole(random, -8, 8));
+  }
+  for (std::int64_t n = whole(random, 1, most); n > 0; --n) {
+    Vec3d centre = place;
+    for (double& x : centre) x += real(random, -extent / 3, extent / 3);
+    scene.meshes.push_back(random_object(random, centre, real(random, 1, extent)));
+  }
+  return scene;
+}
+
+}  // namespace forcelayer::reference
