@@ -7,6 +7,7 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
+#include "tests/support/voxel_kind.h"
 #include "tests/support/voxel_scene.h"
 
 namespace forcelayer::bench {
@@ -41,8 +42,7 @@ struct AnalyticStatic {
 // Sum of the absolute components.
 inline double norm1(const glm::dvec3& v) { return std::abs(v.x) + std::abs(v.y) + std::abs(v.z); }
 
-// The kinds of voxels that a scene can be baked to.
-enum class VoxelKind { kChebyshev, kEuclidean, kDistance4, kDistance8 };
+using test::VoxelKind;
 
 // How far in front of a surface with unit normal n the force begins, in voxels: on average over the
 // surface's place on the lattice, or everywhere (distances).

@@ -22,9 +22,10 @@ bake centers --method voxel-centers
 for bits in 4 8; do
   "$bin/voxelize" "$data/bay.json" -o distance$bits.vox --quiet --mesh-deviation 0.05mm --bits $bits
 done
-for kind in euclidean distance4 distance8; do
-  "$bin/voxrun" $kind.vox fast.pshell --device sim --motion "$data/press.csv" --duration 2s \
-    --as-fast-as-possible --json $kind.run.json >$kind.txt 2>&1 || { cat $kind.txt; exit 1; }
+for kind in euclidean:level distance4:distance distance8:distance {euclidean,distance4,distance8}:tangent-plane; do
+  scene=${kind%:*}
+  "$bin/voxrun" $scene.vox fast.pshell --force ${kind#*:} --device sim --motion "$data/press.csv" --duration 2s \
+    --as-fast-as-possible --json $kind.run.json >$scene.txt 2>&1 || { cat $scene.txt; exit 1; }
 done
 
 for shell in full fast fine centers; do
@@ -33,7 +34,7 @@ for shell in full fast fine centers; do
   "$bin/voxrun" bay.vox $shell.pshell --device sim --motion "$data/press.csv" --duration 2s \
     --as-fast-as-possible --json $shell.run.json >$shell.txt 2>&1 || { cat $shell.txt; exit 1; }
   python3 - $shell <<'PYTHON'
-import json, math, re, sys
+import glob, json, math, re, sys
 shell = sys.argv[1]
 part, scene, run = (json.load(open(name)) for name in (shell + ".json", "bay.json", shell + ".run.json"))
 s, k = scene["voxel_size_m"], scene["layers"]
@@ -49,8 +50,9 @@ assert run["frames"] == 2000 and run["force_layer_frames"] > 100, (shell, run["f
 assert run["penetration_frames"] == 0, shell
 asked = 0.002 if shell == "fine" else math.sqrt(0.75) * s
 assert asked <= part["covering_radius_m"] < asked * 1.0001, shell
-for kind in ("euclidean", "distance4", "distance8") if shell == "fast" else ():
-    other = json.load(open(kind + ".run.json"))
+assert len(glob.glob("*:*.run.json")) == 6
+for kind in glob.glob("*:*.run.json") if shell == "fast" else ():
+    other = json.load(open(kind))
     assert abs(other["guaranteed_separation_m"] - rested) < 1e-12, (kind, other, rested)
     assert other["force_layer_frames"] > 100 and other["penetration_frames"] == 0, (kind, other)
 PYTHON

@@ -4,13 +4,10 @@
 
 namespace forcelayer::stress {
 
-BakedScene::BakedScene(Mesh mesh, double voxel_size_m, std::uint32_t layers)
-    : mesh_(std::move(mesh)), voxel_size_m_(voxel_size_m) {
-  bake_scene_file(mesh_, voxel_size_m, layers, folder_ / "scene.vox");
-}
-
-Voxmap BakedScene::open() const {
-  auto voxmap = Voxmap::open(folder_ / "scene.vox");
+Voxmap BakedScene::open(test::VoxelKind kind) const {
+  const auto path = folder_ / test::name_of(kind);
+  if (!std::filesystem::exists(path)) bake_scene_file(mesh_, voxel_size_m_, kind, path);
+  auto voxmap = Voxmap::open(path);
   if (!voxmap) throw std::runtime_error(to_line(voxmap.error()));
   return std::move(*voxmap);
 }

@@ -9,16 +9,21 @@
 #include "formats/pshell.h"
 #include "formats/voxmap.h"
 #include "tests/support/scratch_folder.h"
+#include "tests/support/voxel_kind.h"
 
 namespace forcelayer::stress {
 
-// A static scene, its mesh in world, m. Throws std::runtime_error where the bake fails.
+// A static scene, its mesh in world, m. By one thread at a time.
 class BakedScene {
  public:
-  BakedScene(Mesh mesh, double voxel_size_m, std::uint32_t layers = 2);
+  BakedScene(Mesh mesh, double voxel_size_m)
+      : mesh_(std::move(mesh)), voxel_size_m_(voxel_size_m) {}
   const Mesh& mesh() const { return mesh_; }
   double voxel_size_m() const { return voxel_size_m_; }
-  Voxmap open() const;
+
+  // The scene in voxels of a kind, baked when that kind is first asked for. Throws
+  // std::runtime_error where that fails.
+  Voxmap open(test::VoxelKind kind = test::VoxelKind::kChebyshev) const;
 
  private:
   Mesh mesh_;
@@ -39,7 +44,7 @@ class BakedPart {
 };
 
 // The two bakes, in units of their own: both areas name their options alike.
-void bake_scene_file(const Mesh& mesh, double voxel_size_m, std::uint32_t layers,
+void bake_scene_file(const Mesh& mesh, double voxel_size_m, test::VoxelKind kind,
                      const std::filesystem::path& path);
 void bake_part_file(const Mesh& mesh, double voxel_size_m, const std::filesystem::path& path);
 

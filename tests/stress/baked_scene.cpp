@@ -6,14 +6,15 @@
 
 namespace forcelayer::stress {
 
-void bake_scene_file(const Mesh& scene, double voxel_size_m, std::uint32_t layers,
+void bake_scene_file(const Mesh& scene, double voxel_size_m, test::VoxelKind kind,
                      const std::filesystem::path& path) {
   SceneObject object;
   object.name = "scene";
   object.mesh = &scene;
   BakeOptions options;
   options.voxel_size_m = voxel_size_m;
-  options.layers = layers;
+  if (kind != test::VoxelKind::kChebyshev) options.metric = Metric::kEuclidean;
+  options.bits = test::bits_of(kind);
   options.threads = 1;
   const auto baked = bake(std::span(&object, 1), options);
   if (!baked) throw std::runtime_error(to_line(baked.error()));

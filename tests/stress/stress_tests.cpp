@@ -1,5 +1,6 @@
-// The default model under stress, small in the normal run; FORCELAYER_LONG_TESTS=1 multiplies the
-// trials by twenty. Every failure names the case and the seed.
+// The default model under stress, in scenes of every kind of voxels, small in the normal run;
+// FORCELAYER_LONG_TESTS=1 multiplies the trials by twenty. Every failure names the case and the
+// seed.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -8,6 +9,7 @@
 #include <glm/geometric.hpp>
 #include <random>
 #include <string>
+#include <tuple>
 
 #include "runtime/coupling.h"
 #include "tests/stress/cases.h"
@@ -99,34 +101,56 @@ TEST(PathDistance, FindsTheSmallestOfAllPoses) {
   EXPECT_LT(measured, 3 * visited / 4);  // else it leaves nothing out
 }
 
-class EveryCase : public ::testing::TestWithParam<Case> {};
+using KindAndCase = std::tuple<test::VoxelKind, Case>;
+class EveryCase : public ::testing::TestWithParam<KindAndCase> {};
 
 TEST_P(EveryCase, StaysOutsideWithinLimitsAndApart) {
+  const auto& [kind, family] = GetParam();
   // The nut's threads are close to the bolt's all the way: thousands of exact distances in a trial;
   // and a trial of collisions is twenty seconds long.
-  const bool dear = GetParam().name == "nut-on-bolt" || GetParam().name == "collisions";
-  const std::uint64_t few = dear ? 1 : 3;
-  for (std::uint64_t seed = 1; seed <= trials(few); ++seed) {
-    const std::string what = std::string(GetParam().name) + " seed " + std::to_string(seed);
-    expect_safe(run(GetParam().make(seed), Model::kDefault), what);
+  const bool dear = family.name == "nut-on-bolt" || family.name == "collisions";
+  Metrics sum;
+  for (std::uint64_t seed = 1; seed <= trials(dear ? 1 : 3); ++seed) {
+    Trial trial = family.make(seed);
+    trial.voxels = kind;
+    const Metrics m = run(trial, Model::kDefault);
+    expect_safe(m, std::string(family.name) + " seed " + std::to_string(seed));
+    sum.add(m);
   }
+  // A trial that starts inside tells nothing, and neither does one without contact.
+  EXPECT_LT(sum.starts_inside, sum.trials);
+  EXPECT_GT(sum.force_layer_frames, 0u);
 }
 
-std::string test_name(const ::testing::TestParamInfo<Case>& info) {
-  std::string name(info.param.name);
+std::string test_name(const ::testing::TestParamInfo<KindAndCase>& info) {
+  const auto& [kind, family] = info.param;
+  std::string name = test::name_of(kind) + ("_" + std::string(family.name));
   for (char& c : name) c = c == '-' ? '_' : c;
   return name;
 }
-INSTANTIATE_TEST_SUITE_P(Stress, EveryCase, ::testing::ValuesIn(all_cases()), test_name);
+INSTANTIATE_TEST_SUITE_P(Stress, EveryCase,
+                         ::testing::Combine(::testing::ValuesIn(test::kVoxelKinds),
+                                            ::testing::ValuesIn(all_cases())),
+                         test_name);
+
+class EveryKind : public ::testing::TestWithParam<test::VoxelKind> {
+ protected:
+  // As the trial is, but for exact distances, in voxels of the kind.
+  static Metrics run_here(Trial trial) {
+    trial.voxels = GetParam();
+    trial.exact_distance = false;
+    return run(trial, Model::kDefault);
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Stress, EveryKind, ::testing::ValuesIn(test::kVoxelKinds),
+                         [](const auto& kind) { return test::name_of(kind.param); });
 
 // Hands of every temper through congested scenes: a hundred million frames in the long run.
-TEST(RandomHands, NeverGetInside) {
+TEST_P(EveryKind, RandomHandsNeverGetInside) {
   const std::uint64_t frames = long_run() ? 100'000'000 : 100'000;
   Metrics sum;
   for (std::uint64_t seed = 1000; sum.frames < frames; ++seed) {
-    Trial trial = case_named("random-hand").make(seed);
-    trial.exact_distance = false;
-    const Metrics m = run(trial, Model::kDefault);
+    const Metrics m = run_here(case_named("random-hand").make(seed));
     expect_safe(m, "random hand seed " + std::to_string(seed));
     sum.frames += m.frames;
     sum.force_layer_frames += m.force_layer_frames;
@@ -136,11 +160,9 @@ TEST(RandomHands, NeverGetInside) {
 }
 
 // Position peak to peak below 1e-6 voxel and force below 1e-6 N, from every start.
-TEST(Rest, IsQuietInEveryTrial) {
+TEST_P(EveryKind, RestIsQuietInEveryTrial) {
   for (std::uint64_t seed = 1; seed <= trials(60); ++seed) {
-    Trial trial = rest_trial(seed);
-    trial.exact_distance = false;
-    const Metrics m = run(trial, Model::kDefault);
+    const Metrics m = run_here(rest_trial(seed));
     expect_safe(m, "rest seed " + std::to_string(seed));
     for (const double cycle : m.cycle_voxels) EXPECT_LT(cycle, 1e-6) << "seed " << seed;
     for (const double force : m.cycle_force_n) EXPECT_LT(force, 1e-6) << "seed " << seed;
@@ -148,13 +170,11 @@ TEST(Rest, IsQuietInEveryTrial) {
   }
 }
 
-TEST(Slide, KeepsUpWithTheHandAtOneAndEightVoxelsOfDepth) {
+TEST_P(EveryKind, SlidingKeepsUpWithTheHandAtOneAndEightVoxelsOfDepth) {
   for (const double depth : {1.0, 8.0}) {
     Metrics sum;
     for (std::uint64_t seed = 1; seed <= trials(20); ++seed) {
-      Trial trial = slide_trial(seed, depth);
-      trial.exact_distance = false;
-      sum.add(run(trial, Model::kDefault));
+      sum.add(run_here(slide_trial(seed, depth)));
     }
     expect_safe(sum, "slide");
     EXPECT_GE(percentile(sum.progress, 50), depth < 2 ? 0.95 : 0.9) << depth;
@@ -162,13 +182,11 @@ TEST(Slide, KeepsUpWithTheHandAtOneAndEightVoxelsOfDepth) {
   }
 }
 
-TEST(Peg, GoesInFromHalfAVoxelOfClearance) {
+TEST_P(EveryKind, APegGoesInFromHalfAVoxelOfClearance) {
   for (const double clearance : {0.5, 1.0, 2.0, 5.0, 10.0}) {
     Metrics sum;
     for (std::uint64_t seed = 1; seed <= trials(10); ++seed) {
-      Trial trial = peg_trial(seed, clearance);
-      trial.exact_distance = false;
-      sum.add(run(trial, Model::kDefault));
+      sum.add(run_here(peg_trial(seed, clearance)));
     }
     expect_safe(sum, "peg");
     EXPECT_GE(percentile(sum.progress, 10), 0.9) << clearance;
@@ -176,12 +194,10 @@ TEST(Peg, GoesInFromHalfAVoxelOfClearance) {
 }
 
 // The clamp is what the device bears, not a multiple of the voxel: 15 N hold with 5, 2 and 1 mm.
-TEST(Press, HoldsFifteenNewtonsWithEveryVoxelSize) {
+TEST_P(EveryKind, APressHoldsFifteenNewtonsWithEveryVoxelSize) {
   for (const double s : {0.005, 0.002, 0.001}) {
     for (std::uint64_t seed = 1; seed <= trials(4); ++seed) {
-      Trial trial = press_trial(seed, s);
-      trial.exact_distance = false;
-      const Metrics m = run(trial, Model::kDefault);
+      const Metrics m = run_here(press_trial(seed, s));
       expect_safe(m, "press seed " + std::to_string(seed));
       ASSERT_EQ(m.rest_force_n.size(), 1u);
       EXPECT_NEAR(m.rest_force_n[0], 15, 1e-6) << s << " seed " << seed;
@@ -191,12 +207,11 @@ TEST(Press, HoldsFifteenNewtonsWithEveryVoxelSize) {
 }
 
 // A hand that moves slowly enough for the part to follow gets no energy from the scene.
-TEST(Passivity, ASlowHandIsGivenNothing) {
+TEST_P(EveryKind, ASlowHandIsGivenNothing) {
   for (const char* name : {"press-hold", "wedge", "sphere-in-cone"}) {
     for (std::uint64_t seed = 1; seed <= trials(4); ++seed) {
-      Trial trial = case_named(name).make(seed);
-      trial.exact_distance = false;
-      EXPECT_LT(run(trial, Model::kDefault).generated_j, 1e-6) << name << " seed " << seed;
+      EXPECT_LT(run_here(case_named(name).make(seed)).generated_j, 1e-6)
+          << name << " seed " << seed;
     }
   }
 }

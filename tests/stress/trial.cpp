@@ -212,7 +212,7 @@ Pose middle_of(const Pose& a, const Pose& b) {
 }  // namespace
 
 std::unique_ptr<Simulation> make_simulation(const Trial& trial, Model model) {
-  Voxmap voxmap = trial.scene->open();
+  Voxmap voxmap = trial.scene->open(trial.voxels);
   Pshell shell = trial.part->open();
   ParameterRequest request;
   request.model = model;

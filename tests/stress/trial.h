@@ -23,6 +23,7 @@ DeviceCapabilities trial_device();
 struct Trial {
   std::shared_ptr<const BakedScene> scene;
   std::shared_ptr<const BakedPart> part;
+  test::VoxelKind voxels = test::VoxelKind::kChebyshev;  // that the scene is baked to
   Pose start;  // world_from_part, gripped there without stretch
   double rate_hz = 1000;
   double duration_s = 0;
