@@ -51,8 +51,15 @@ std::array<double, 3> origin_m(const VoxmapHeader& h) {
 
 // At 4 and 8 bits: how far from the static mesh the surface runs from which distances are counted
 // (voxmap_format.md, 6).
-double zero_force_m(const VoxmapHeader& h) {
-  return (h.offset_layers + 0.8660254037844386 + 0.001) * h.voxel_size_m;
+double zero_force_m(const Voxmap& map) {
+  const VoxmapHeader& h = map.header();
+  const double layer = map.compliance().empty() ? 1 : force_layer_voxels(h);
+  return (h.offset_layers - 1 + 0.8660254037844386 + 0.001 + layer) * h.voxel_size_m;
+}
+
+// Where a compliance table ends.
+double compliance_depth_m(const Voxmap& map) {
+  return static_cast<double>(map.compliance().size() - 1) * map.header().quantum_m;
 }
 
 ordered_json report_of_voxmap(const Voxmap& map) {
@@ -68,7 +75,7 @@ ordered_json report_of_voxmap(const Voxmap& map) {
   report["metric"] = kMetricNames[h.metric];
   report["bits_per_voxel"] = h.bits_per_voxel;
   if (h.bits_per_voxel != 2) {
-    report["zero_force_m"] = zero_force_m(h);
+    report["zero_force_m"] = zero_force_m(map);
     report["range_m"] = h.range_m;
     report["quantum_m"] = h.quantum_m;
     report["codes"] = {{"zero", h.zero_code},
@@ -90,6 +97,11 @@ ordered_json report_of_voxmap(const Voxmap& map) {
   report["lower_nodes"] = map.lower_node_count();
   report["bricks"] = map.brick_count();
   report["compliance_entries"] = map.compliance().size();
+  if (!map.compliance().empty()) {
+    report["compliance"] = {{"depth_m", compliance_depth_m(map)},
+                            {"force_n", map.compliance().back()},
+                            {"steepest_n_per_m", steepest_n_per_m(map)}};
+  }
   report["file_bytes"] = h.file.file_bytes;
   report["provenance"] = parsed_provenance(map.provenance());
   return report;
@@ -160,7 +172,12 @@ std::string summary_of_voxmap(const Voxmap& map, const std::string& path) {
     add_line(
         text,
         "  zero force        %.4g mm off; distances down to %.4g mm below it, in steps of %.3g mm",
-        1e3 * zero_force_m(h), 1e3 * h.range_m, 1e3 * h.quantum_m);
+        1e3 * zero_force_m(map), 1e3 * h.range_m, 1e3 * h.quantum_m);
+  }
+  if (!map.compliance().empty()) {
+    add_line(text, "  soft covering     a contact point feels %.4g N at %.4g mm, at most %.4g N/m",
+             static_cast<double>(map.compliance().back()), 1e3 * compliance_depth_m(map),
+             steepest_n_per_m(map));
   }
   add_line(text,
            "  voxels            %" PRIu64 " interior, %" PRIu64 " surface, %" PRIu64 " proximity",

@@ -211,16 +211,25 @@ Status check_directory_size(const VoxmapHeader& h, std::size_t entries, std::str
 
 Status check_compliance(const VoxmapHeader& h, std::span<const float> forces,
                         std::string_view name) {
-  if (!forces.empty() && h.bits_per_voxel == 2) {
-    return Error{ErrorCode::kSectionInvalid, std::string(name), "compliance",
-                 "two bits a voxel have no depth for it", "bake or copy it again"};
-  }
+  if (forces.empty()) return {};
+  const auto wrong = [&](const char* what) {
+    return Error{ErrorCode::kSectionInvalid, std::string(name), "compliance", what,
+                 "bake or copy it again"};
+  };
+  if (h.bits_per_voxel == 2) return wrong("two bits a voxel have no depth for it");
+  if (forces.size() > std::size_t{h.zero_code} + 1) return wrong("goes deeper than distances do");
   for (std::size_t i = 0; i < forces.size(); ++i) {
-    if (std::isfinite(forces[i]) && forces[i] >= (i == 0 ? 0.0f : forces[i - 1])) continue;
-    return Error{
-        ErrorCode::kEntryInvalid, std::string(name), "compliance entry " + std::to_string(i),
-        "is not a finite force at least as large as the one before it", "bake or copy it again"};
+    const float least = i == 0 ? 0.0f : forces[i - 1];
+    const float most = i == 0 ? 0.0f : kMostComplianceN;
+    const double steep_n = kMostComplianceNPerM * h.quantum_m;
+    if (forces[i] >= least && forces[i] <= most && forces[i] - least <= steep_n) continue;
+    return Error{ErrorCode::kEntryInvalid, std::string(name),
+                 "compliance entry " + std::to_string(i),
+                 i == 0 ? "is not 0: the force begins at the zero-force surface"
+                        : "is not a force from the one before it up to 1e6 N and 1e12 N/m",
+                 "bake or copy it again"};
   }
+  if (!(forces.back() > 0)) return wrong("has no force at any depth");
   return {};
 }
 
@@ -302,6 +311,15 @@ VoxelValue Voxmap::value(std::int64_t i, std::int64_t j, std::int64_t k) const {
     relative[axis] = static_cast<std::int32_t>(world[axis] - origin);
   }
   return voxel_value(*header_, view_.lookup(relative[0], relative[1], relative[2]).code);
+}
+
+double steepest_n_per_m(const Voxmap& map) {
+  const std::span<const float> forces = map.compliance();
+  double steepest_n = 0;
+  for (std::size_t i = 1; i < forces.size(); ++i) {
+    steepest_n = std::max(steepest_n, double{forces[i]} - double{forces[i - 1]});
+  }
+  return steepest_n / map.header().quantum_m;
 }
 
 }  // namespace forcelayer

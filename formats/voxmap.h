@@ -88,10 +88,12 @@ class Voxmap {
   std::uint64_t upper_node_count() const { return upper_node_count_; }
   std::uint64_t lower_node_count() const { return lower_node_count_; }
   std::uint64_t brick_count() const { return brick_count_; }
-  std::span<const float> compliance() const { return compliance_; }  // [steps], N; may be empty
-  std::string_view provenance() const { return provenance_; }        // JSON text
-  std::span<const std::byte> bytes() const { return bytes_; }        // the whole file
-  const FileStamp& stamp() const { return file_.stamp(); }  // of no file: of bytes in memory
+  // Force of one contact point, N, at depths of 0, 1, 2, ... times quantum_m (voxmap_format.md, 6);
+  // may be empty. From 0 on, not decreasing, above 0 at its end.
+  std::span<const float> compliance() const { return compliance_; }
+  std::string_view provenance() const { return provenance_; }  // JSON text
+  std::span<const std::byte> bytes() const { return bytes_; }  // the whole file
+  const FileStamp& stamp() const { return file_.stamp(); }     // of no file: of bytes in memory
 
  private:
   Voxmap() = default;
@@ -109,5 +111,8 @@ class Voxmap {
   std::span<const float> compliance_;
   std::string_view provenance_;
 };
+
+// The steepest slope of the map's compliance table, N/m; 0 where it has none.
+double steepest_n_per_m(const Voxmap& map);
 
 }  // namespace forcelayer

@@ -121,6 +121,16 @@ constexpr KnownBox known_box(const VoxmapHeader& header,
   return box;
 }
 
+// Of the force that a compliance table gives a contact point at some depth.
+inline constexpr float kMostComplianceN = 1e6f;
+inline constexpr double kMostComplianceNPerM = 1e12;  // of its slope
+
+// At 4 and 8 bits: voxels from the zero-force surface down to the interior, to the nearest step.
+constexpr double force_layer_voxels(const VoxmapHeader& header) {
+  if (header.zero_code <= header.surface_code) return 0;
+  return (header.zero_code - header.surface_code) * header.quantum_m / header.voxel_size_m;
+}
+
 // Bytes of a brick.
 constexpr std::uint32_t brick_bytes(std::uint32_t bits_per_voxel) {
   return kNodeEntries / 8 * bits_per_voxel;

@@ -21,23 +21,26 @@ LoadSharing::LoadSharing(const ContactSet& set, double voxel_size_m) noexcept {
 
 double contact_energy_j(const ContactSet& set, const LoadSharing& load,
                         const ContactLaw& law) noexcept {
+  const bool straight = law.curve.is_straight();
   double sum = 0;
   for (std::uint32_t i = 0; i < set.count; ++i) {
     const Contact& c = set.contacts[i];
-    if (c.depth_m > 0) sum += load.share(c) * c.depth_m * c.depth_m;
+    if (!(c.depth_m > 0)) continue;
+    sum += straight ? load.share(c) * c.depth_m * c.depth_m
+                    : 2 * load.share(c) * law.curve.energy_m2(c.depth_m);
   }
   return 0.5 * law.stiffness_n_per_m * sum;
 }
 
-ContactRow spring_row(const Contact& contact, double depth_m, const LoadSharing& load,
+ContactRow spring_row(const Contact& contact, double force_m, const LoadSharing& load,
                       const ContactLaw& law, double dt_s) noexcept {
   const double share = load.share(contact);
   const double stiffness = law.stiffness_n_per_m * share;
-  const double damping = depth_m > 0 ? law.damping_ns_per_m * share : 0;
+  const double damping = force_m > 0 ? law.damping_ns_per_m * share : 0;
   ContactRow row;
   row.j = separation_row(contact);
   row.weight = dt_s * (dt_s * stiffness + damping);
-  row.onset = dt_s * stiffness * depth_m / row.weight;
+  row.onset = dt_s * stiffness * force_m / row.weight;
   return row;
 }
 
@@ -46,7 +49,7 @@ void add_contact_rows(const ContactSet& set, const LoadSharing& load, const Cont
   for (std::uint32_t i = 0; i < set.count; ++i) {
     const Contact& c = set.contacts[i];
     if (-c.depth_m > reach_m) continue;
-    rows.add(spring_row(c, c.depth_m, load, law, dt_s));
+    rows.add(spring_row(c, law.curve.force_m(c.depth_m), load, law, dt_s));
   }
 }
 

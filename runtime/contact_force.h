@@ -7,13 +7,15 @@
 
 #include "runtime/contact_set.h"
 #include "runtime/contact_solver.h"
+#include "runtime/force_curve.h"
 
 namespace forcelayer {
 
 struct ContactLaw {
-  double stiffness_n_per_m = 0;  // of one point of mean area
+  double stiffness_n_per_m = 0;  // of one point of mean area, where the curve is steepest
   double damping_ns_per_m = 0;   // of the same
   double voxel_size_m = 0;
+  ForceCurve curve;
 };
 
 // How many contacts share the load, and so how stiff each is (the place of the paper's N/10, 5.2).
@@ -46,9 +48,10 @@ inline Vector6 separation_row(const Contact& contact) noexcept {
   return vector6(push, glm::cross(glm::dvec3(contact.arm_m), push));
 }
 
-// One contact over a step of `dt_s`, with the depth it would have after no motion. Touching ones
-// are springs with dampers; the others stop the part where their gap ends.
-ContactRow spring_row(const Contact& contact, double depth_m, const LoadSharing& load,
+// One contact over a step of `dt_s`, with the force (over the stiffness, m) that it would have
+// after no motion, or its gap below zero. Touching ones are springs with dampers; the others stop
+// the part where their gap ends.
+ContactRow spring_row(const Contact& contact, double force_m, const LoadSharing& load,
                       const ContactLaw& law, double dt_s) noexcept;
 
 // Adds a row for every contact of `set` that a motion of at most `reach_m` could bring to touch.

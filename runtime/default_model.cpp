@@ -24,7 +24,7 @@ constexpr double kLeastTravelVoxels = 1e-9;
 // While the hand rests, a motion must lower the energy by this share of k_T times its square.
 constexpr double kDescentShare = 1e-4;
 
-// Where an interior point must end, behind the middle of the force layer.
+// Where an interior point must end, behind the middle of a force layer of one voxel.
 constexpr double kGuardDepthVoxels = 0.4;
 // At least so far it is pushed back per new solve.
 constexpr double kGuardPushVoxels = 0.15;
@@ -62,13 +62,14 @@ struct DefaultModel::Motion {
   double energy_before_j = 0;
 };
 
-DefaultModel::DefaultModel(const Parameters& parameters, ContactProbe& probe, std::uint64_t points)
+DefaultModel::DefaultModel(const Parameters& parameters, ContactProbe& probe, std::uint64_t points,
+                           const ForceCurve& curve)
     : parameters_(parameters), probe_(probe) {
   mass_ = {parameters.mass_kg, parameters.inertia_kgm2, glm::inverse(parameters.inertia_kgm2)};
   contact_ = {
       parameters.field_n_per_m,
       parameters.contact_damping_ratio * std::sqrt(parameters.field_n_per_m * parameters.mass_kg),
-      parameters.voxel_size_m};
+      parameters.voxel_size_m, curve};
   translation_ = {parameters.coupling_n_per_m, glm::dmat3(parameters.coupling_ns_per_m),
                   parameters.coupling_force_limit_n};
   rotation_ = {parameters.coupling_nm_per_rad, glm::dmat3(0), parameters.coupling_torque_limit_nm};
@@ -258,19 +259,20 @@ bool DefaultModel::affordable(const State& state, const Motion& motion,
 // rows that take them back into the force layer.
 void DefaultModel::add_found_contacts(Motion& motion) noexcept {
   const double dt_s = motion.system.dt_s, s = parameters_.voxel_size_m;
+  const double guard_depth_m = kGuardDepthVoxels * s + contact_.curve.deepening_m();
   for (std::uint32_t i = 0; i < there_.count; ++i) {
     const Contact& c = there_.contacts[i];
     if (!(c.depth_m > 0)) continue;
     const double separation = dot(separation_row(c), motion.velocity);
     if (c.interior == 0) {
-      rows_.add(spring_row(c, c.depth_m + dt_s * separation, there_.load, contact_, dt_s));
+      const double force_m = contact_.curve.force_m(c.depth_m) + dt_s * separation;
+      rows_.add(spring_row(c, force_m, there_.load, contact_, dt_s));
       continue;
     }
     ContactRow row;
     row.j = separation_row(c);
     row.weight = kGuardHardness * dt_s * dt_s * contact_.stiffness_n_per_m + 1e3 * mass_.mass_kg;
-    row.onset =
-        separation + std::max(kGuardPushVoxels * s, c.depth_m - kGuardDepthVoxels * s) / dt_s;
+    row.onset = separation + std::max(kGuardPushVoxels * s, c.depth_m - guard_depth_m) / dt_s;
     rows_.add(row);
   }
 }

@@ -18,7 +18,8 @@ namespace forcelayer {
 class DefaultModel {
  public:
   // `probe` must outlive the model; `points` is the shell's number of points.
-  DefaultModel(const Parameters& parameters, ContactProbe& probe, std::uint64_t points);
+  DefaultModel(const Parameters& parameters, ContactProbe& probe, std::uint64_t points,
+               const ForceCurve& curve = {});
 
   // One frame. A pure function of its arguments and of the constructor's. The wrench is the
   // reaction of the coupling on the hand; exactly zero when every point is free.

@@ -357,13 +357,18 @@ void choose_control(const ParameterRequest& request, const DeviceCapabilities& d
               device, derived);
 }
 
-void derive_default(const ParameterRequest& request, const Pshell& shell,
+void derive_default(const ParameterRequest& request, const Voxmap& voxmap, const Pshell& shell,
                     const DeviceCapabilities& device, DerivedParameters& derived) {
   Choice choice(request, derived);
   Parameters& p = derived.values;
   choice.set("mass_kg", kApparentMassKg, "apparent mass of the paper (5.1)");
   p.inertia_kgm2 = shell_inertia_kgm2(shell.header(), p.mass_kg, p.part_radius_m, p.voxel_size_m);
   choose_default_coupling(request, device, derived);
+  const double covering = steepest_n_per_m(voxmap);
+  if (covering > 0) {
+    choice.set("field_n_per_m", covering, "the steepest slope of the scene's soft covering");
+    return;
+  }
   const double hold = p.coupling_force_limit_n / (kHoldDepthVoxels * p.voxel_size_m);
   const double stiff = kFieldOverCoupling * p.coupling_n_per_m;
   choice.set("field_n_per_m", std::max(hold, stiff),
@@ -403,9 +408,14 @@ Result<DerivedParameters> derive_parameters(const ParameterRequest& request, con
   switch (request.model) {
     case Model::kPaper:
       derive_paper(request, shell, device, derived);
+      if (!voxmap.compliance().empty()) {
+        derived.warnings.push_back(
+            "the scene has a soft covering, which the paper's model leaves out: it presses with "
+            "--field-stiffness all the way");
+      }
       break;
     case Model::kDefault:
-      derive_default(request, shell, device, derived);
+      derive_default(request, voxmap, shell, device, derived);
       break;
   }
   choose_guard(request, derived);

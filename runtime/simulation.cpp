@@ -119,7 +119,8 @@ Result<std::unique_ptr<Simulation>> Simulation::create(Voxmap voxmap, Pshell she
 
 void Simulation::make_default_model() {
   probe_ = std::make_unique<FieldProbe>(query_, *field_, points_, samples_);
-  default_ = std::make_unique<DefaultModel>(parameters_, *probe_, shell_.view().point_count);
+  default_ = std::make_unique<DefaultModel>(parameters_, *probe_, shell_.view().point_count,
+                                            ForceCurve(voxmap_));
 }
 
 Pose Simulation::world_from_part(const Pose& world_from_center) const {

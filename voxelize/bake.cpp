@@ -39,6 +39,25 @@ class Stopwatch {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
+// A soft covering and the range that must hold it.
+Status check_covering(const BakeOptions& options) {
+  const auto wrong = [](const char* what, std::string why, const char* mend) {
+    return Error{ErrorCode::kUsage, "", what, std::move(why), mend};
+  };
+  if (options.compliance.empty()) return {};
+  if (options.bits == 2) return wrong("compliance", "needs stored distances", "add --bits 8");
+  if (Status checked = check_compliance(options.compliance); !checked) return checked;
+  const double layer = force_layer_voxels(options);
+  if (!(layer + 1 <= kMostRangeVoxels && options.layers + layer <= kMaxBakedLayers + 1)) {
+    return wrong("compliance", "is too deep: layers and covering take more than 31 voxels",
+                 "use larger voxels");
+  }
+  if (options.range_m > 0 && options.range_m / options.voxel_size_m < layer + 1) {
+    return wrong("range", "ends less than a voxel below the covering", "leave it out");
+  }
+  return {};
+}
+
 // Metric, bits and range.
 Status check_kind(const BakeOptions& options) {
   const auto wrong = [](const char* what, std::string why, const char* mend) {
@@ -54,6 +73,7 @@ Status check_kind(const BakeOptions& options) {
     return wrong("layers", "are none: there is nothing for the metric to measure",
                  "use --layers 1 or more");
   }
+  if (Status covering = check_covering(options); !covering) return covering;
   if (options.range_m == 0) return {};
   if (options.bits == 2) return wrong("range", "has no meaning at 2 bits", "leave it out");
   const double voxels = options.range_m / options.voxel_size_m;
@@ -437,6 +457,7 @@ void Pipeline::fill_header(const VoxelBox& tight, const ValueCounts& counts) {
     header.surface_code = scale.surface_code;
     header.proximity_code = scale.proximity_code;
     header.free_code = scale.free_code;
+    bake_.compliance = compliance_table(options_.compliance, header.quantum_m);
   }
   header.directory_origin = directory_.origin;
   header.directory_dims = directory_.dims;
@@ -460,9 +481,10 @@ Status Pipeline::for_each_object(AddObject&& add_object) {
 }
 
 DistanceScale Pipeline::scale() const {
+  const double layer = force_layer_voxels(options_);
   const double range = options_.range_m > 0 ? options_.range_m / options_.voxel_size_m
-                                            : default_range_voxels(options_.bits);
-  return distance_scale(options_.layers, options_.bits, range);
+                                            : default_range_voxels(options_.bits) + layer - 1;
+  return distance_scale(options_.layers, options_.bits, range, layer);
 }
 
 // How many voxels around the geometry may be anything but free.

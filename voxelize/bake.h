@@ -10,6 +10,7 @@
 // threads and any order of objects and triangles.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <filesystem>
@@ -23,6 +24,7 @@
 #include "formats/mesh/voxel_overlap.h"
 #include "formats/result.h"
 #include "formats/voxmap_writer.h"
+#include "voxelize/compliance.h"
 #include "voxelize/digest.h"
 
 namespace forcelayer {
@@ -49,6 +51,9 @@ struct BakeOptions {
   std::uint32_t bits = 2;              // 4 and 8: quantised distances; Euclidean only
   // How deep distances inside the zero force are kept (4, 8 bits); 0: default_range_voxels().
   double range_m = 0;
+  // Force over depth of a soft covering (4, 8 bits), whose zero force lies as far above the
+  // interior as the covering is deep, and at least a voxel. None: the model's own stiffness.
+  Compliance compliance = {};
   std::vector<Vec3d> free_seeds_m;  // world; they open every object that encloses them
   double mesh_deviation_m = 0;      // declared deviation of all meshes from the truth
   // World box x0, y0, z0, x1, y1, z1: what lies outside the voxels that it touches is left out.
@@ -64,6 +69,12 @@ struct BakeOptions {
 // Whether an object's voxels are those nearer than k - 1 voxels (near_voxels()) in place of G.
 inline bool grows_surface(const BakeOptions& options) {
   return options.metric == Metric::kEuclidean && options.bits == 2 && options.layers > 1;
+}
+
+// How deep the force layer of stored distances is, voxels.
+inline double force_layer_voxels(const BakeOptions& options) {
+  if (options.compliance.empty()) return 1;
+  return std::max(1.0, options.compliance.back().depth_m / options.voxel_size_m);
 }
 
 // A connected piece of an object's interior: solid, or the inside of a closed shell. The voxels
@@ -98,13 +109,14 @@ struct StageSeconds {
 struct Bake {
   VoxmapHeader header{};
   std::vector<std::uint32_t> directory, upper_nodes, lower_nodes, bricks;
+  std::vector<float> compliance;
   std::vector<ObjectReport> objects;  // in the order given
   // With a cache: nodes of 64^3 voxels near surfaces, and how many did not have to be built.
   std::uint64_t nodes = 0, reused_nodes = 0;
   StageSeconds seconds;
 
   VoxmapContent content(std::string_view provenance) const {
-    return {header, directory, upper_nodes, lower_nodes, bricks, {}, provenance};
+    return {header, directory, upper_nodes, lower_nodes, bricks, compliance, provenance};
   }
 };
 

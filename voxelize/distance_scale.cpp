@@ -16,12 +16,14 @@ const double kMeanReach = (3 + 3 * std::sqrt(2.0) + std::sqrt(3.0)) / 8;
 
 }  // namespace
 
-DistanceScale distance_scale(std::uint32_t layers, std::uint32_t bits, double range_voxels) {
+DistanceScale distance_scale(std::uint32_t layers, std::uint32_t bits, double range_voxels,
+                             double layer_voxels) {
   DistanceScale scale;
   scale.bits = bits;
   scale.range = range_voxels;
   scale.interior_below = layers - 1 + kHalfDiagonal + double{kDistanceErrorVoxels};
-  scale.zero = scale.interior_below + 1;
+  scale.layer = layer_voxels;
+  scale.zero = scale.interior_below + layer_voxels;
   const std::uint32_t highest = (1u << bits) - 1;
   scale.free_code = highest;
   // The finest steps of which whole numbers reach from the zero force to the range, and that leave
@@ -36,7 +38,7 @@ DistanceScale distance_scale(std::uint32_t layers, std::uint32_t bits, double ra
     if (up(kept) > highest) continue;
     scale.quantum = quantum;
     scale.zero_code = steps;
-    scale.surface_code = steps - static_cast<std::uint32_t>(std::lround(1 / quantum));
+    scale.surface_code = steps - static_cast<std::uint32_t>(std::lround(layer_voxels / quantum));
     scale.proximity_code = up(surface);
     scale.surface_below = scale.zero + surface;
     break;

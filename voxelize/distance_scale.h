@@ -14,6 +14,7 @@ constexpr double default_range_voxels(std::uint32_t bits) { return bits == 8 ? 4
 struct DistanceScale {
   std::uint32_t bits = 0;
   double zero = 0;            // of the zero-force surface
+  double layer = 0;           // from there down to the interior: 1, or as deep as a soft covering
   double interior_below = 0;  // Table 1 by distance of a voxel's centre
   double surface_below = 0;
   double proximity_below = 0;
@@ -22,7 +23,8 @@ struct DistanceScale {
   std::uint32_t zero_code = 0, surface_code = 0, proximity_code = 0, free_code = 0;
 };
 
-// `layers` at least 1, `bits` 4 or 8.
-DistanceScale distance_scale(std::uint32_t layers, std::uint32_t bits, double range_voxels);
+// `layers` at least 1, `bits` 4 or 8, `layer_voxels` at least 1 and a voxel less than the range.
+DistanceScale distance_scale(std::uint32_t layers, std::uint32_t bits, double range_voxels,
+                             double layer_voxels = 1);
 
 }  // namespace forcelayer

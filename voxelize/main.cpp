@@ -32,7 +32,7 @@ struct Arguments {
   std::string voxel_size, units, mesh_deviation, roi;
   std::string cache, share;
   std::optional<std::uint32_t> layers;
-  std::string metric, range;
+  std::string metric, range, compliance;
   std::uint32_t bits = 2;
   TrustOptions trust;
   std::vector<std::string> free_seeds;
@@ -62,6 +62,9 @@ void declare(CLI::App& app, Arguments& arguments) {
       ->check(CLI::IsMember({2, 4, 8}));
   app.add_option("--range", arguments.range,
                  "how deep distances are kept with --bits 4 and 8 (default 2 and 4 voxels)");
+  app.add_option("--compliance", arguments.compliance,
+                 "DEPTH:FORCE,...: how a soft covering presses back, such as 2mm:0.5N,6mm:4N "
+                 "(with --bits 4 and 8)");
   app.add_option(
       "--free-seed", arguments.free_seeds,
       "x,y,z of a point whose surroundings are free, such as the inside of a cabin (repeatable)");
@@ -121,6 +124,15 @@ Result<BakeOptions> options_of(const Arguments& arguments, const Scene& scene) {
                    "leave it out, or add --bits 8"};
     }
     options.range_m = *range;
+  }
+  if (!arguments.compliance.empty()) {
+    const auto compliance = parse_compliance(arguments.compliance);
+    if (!compliance) return compliance.error();
+    if (!wide) {
+      return Error{ErrorCode::kUsage, "", "--compliance", "has no depth to go by at 2 bits",
+                   "add --bits 8"};
+    }
+    options.compliance = *compliance;
   }
   options.free_seeds_m = scene.free_seeds_m;
   for (const std::string& text : arguments.free_seeds) {

@@ -122,8 +122,12 @@ Result<Plan> plan_bakes(std::span<const SceneObject> objects, const BakeOptions&
     const double s = options.voxel_size_m / static_cast<double>(1u << i), k = options.layers;
     size.voxel_size_m = s;
     // Distances are zero at the same height in every direction, the values' layers along the axes.
+    BakeOptions sized = options;
+    sized.voxel_size_m = s;
     const double standoff =
-        options.bits == 2 ? k : distance_scale(options.layers, options.bits, 4).zero;
+        options.bits == 2
+            ? k
+            : distance_scale(options.layers, options.bits, 4).zero + force_layer_voxels(sized) - 1;
     size.standoff_m = standoff * s;
     size.narrowest_gap_m = (2 * standoff + 2) * s;
     size.shell_points_per_m2 = kShellPointsPerVoxelFace / (s * s);

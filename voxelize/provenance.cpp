@@ -38,6 +38,9 @@ std::string provenance_of(const Scene& scene, std::span<const MeshOutline> meshe
   if (options.metric == Metric::kEuclidean) json["metric"] = "euclidean";
   if (options.bits != 2) json["bits"] = options.bits;
   if (options.range_m > 0) json["range_m"] = options.range_m;
+  for (const auto& [depth_m, force_n] : options.compliance) {
+    json["compliance"].push_back({{"depth_m", depth_m}, {"force_n", force_n}});
+  }
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 

@@ -23,6 +23,7 @@ constexpr Unit kLengthUnits[] = {
     {"m", 0, 1},   {"km", 3, 1},  {"in", 0, 0.0254}, {"ft", 0, 0.3048}, {"yd", 0, 0.9144}};
 constexpr Unit kTimeUnits[] = {
     {"us", -6, 1}, {"ms", -3, 1}, {"s", 0, 1}, {"min", 0, 60}, {"h", 0, 3600}};
+constexpr Unit kForceUnits[] = {{"mN", -3, 1}, {"N", 0, 1}, {"kN", 3, 1}};
 
 Error usage(std::string what, std::string mend) {
   return {ErrorCode::kUsage, "", "", std::move(what), std::move(mend)};
@@ -211,6 +212,16 @@ Result<double> parse_duration(std::string_view text) {
   }
   if (split->number < 0) {
     return usage("duration " + quoted(text) + " is negative", "write it like 10s or 500ms");
+  }
+  return scaled(*split, *unit);
+}
+
+Result<double> parse_force_n(std::string_view text) {
+  const auto split = split_number(text);
+  if (!split) return split.error();
+  const Unit* unit = find_unit(kForceUnits, split->rest);
+  if (!unit) {
+    return usage("force " + quoted(text) + " has no unit of force", "write it like 4N or 500mN");
   }
   return scaled(*split, *unit);
 }

@@ -34,4 +34,7 @@ Result<PoseText> parse_pose(std::string_view text);
 // "10s", "500ms", "2min" in seconds; the unit is required and the number not negative.
 Result<double> parse_duration(std::string_view text);
 
+// "4N", "500mN", "0.1kN" in newtons; the unit is required.
+Result<double> parse_force_n(std::string_view text);
+
 }  // namespace forcelayer

@@ -100,6 +100,24 @@ for bits in 4 8; do
   [ "$(tr '\n' ' ' <out)" = "1 1 2 3 0 " ] || fail "wrong values along x at $bits bits: $(cat out)"
 done
 
+# A soft covering: the zero force lies its depth above the interior, and the file has its table.
+"$bin/voxelize" cube.obj --units cm --voxel-size 1mm -o scene.vox --quiet --bits 8 --compliance 1mm:500mN,3mm:4N || fail "soft covering"
+"$bin/voxinfo" verify scene.vox --quiet || fail "the scene with a soft covering is not valid"
+"$bin/voxinfo" scene.vox --json report.json >out
+grep -q 'soft covering     a contact point feels 4 N at 3' out || fail "facts of a soft covering: $(cat out)"
+python3 - report.json <<'EOF' || fail "report of a soft covering"
+import json, sys
+r = json.load(open(sys.argv[1]))
+c = r["compliance"]
+assert c["force_n"] == 4 and abs(c["depth_m"] - 0.003) <= r["quantum_m"], r
+assert abs(c["steepest_n_per_m"] - 1750) < 1, c
+assert abs(r["zero_force_m"] - 0.004867) <= r["quantum_m"], r
+assert r["provenance"]["compliance"] == [{"depth_m": 0.001, "force_n": 0.5}, {"depth_m": 0.003, "force_n": 4}], r
+EOF
+printf '0.005 0.005 0.005\n-0.0015 0.005 0.005\n-0.0035 0.005 0.005\n-0.0055 0.005 0.005\n-0.0065 0.005 0.005\n-0.0095 0.005 0.005\n' |
+  "$bin/voxinfo" sample scene.vox >out || fail "sample"
+[ "$(tr '\n' ' ' <out)" = "1 1 2 2 3 0 " ] || fail "wrong values along x under a soft covering: $(cat out)"
+
 # A manifest, the sample scene, a folder.
 cat >scene.json <<'EOF'
 {"voxel_size": "1mm", "layers": 1,
@@ -135,6 +153,12 @@ expect 2 "--metric" cube.obj --units cm --voxel-size 1mm --metric chebyshev --bi
 expect 2 "--layers" cube.obj --units cm --voxel-size 1mm --bits 8 --layers 0 -o scene.vox
 expect 2 "--range" cube.obj --units cm --voxel-size 1mm --range 4mm -o scene.vox
 expect 2 "range" cube.obj --units cm --voxel-size 1mm --bits 8 --range 1mm -o scene.vox
+expect 2 "--compliance" cube.obj --units cm --voxel-size 1mm --compliance 2mm:1N -o scene.vox
+for curve in 2mm 2mm:1 2:1N 2mm:1N, 2mm:1N,1mm:2N 1mm:2N,2mm:1N 2mm:0N 2mm:-1N 0mm:1N 2mm:2000kN; do
+  expect 2 "--compliance" cube.obj --units cm --voxel-size 1mm --bits 8 --compliance $curve -o scene.vox
+done
+expect 2 "compliance" cube.obj --units cm --voxel-size 1mm --bits 8 --compliance 40mm:1N -o scene.vox
+expect 2 "range" cube.obj --units cm --voxel-size 1mm --bits 8 --compliance 3mm:1N --range 3mm -o scene.vox
 expect 2 "--free-seed" cube.obj --units cm --voxel-size 1mm --free-seed 1,2 -o scene.vox
 expect 2 "" cube.obj --units cm --voxel-size 1mm
 expect 2 "" --units cm --voxel-size 1mm -o scene.vox

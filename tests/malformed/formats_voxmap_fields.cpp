@@ -192,6 +192,36 @@ TEST(VoxmapEntries, Compliance) {
   }
 }
 
+Result<Voxmap> with_compliance(const std::vector<float>& forces, double quantum_m = 0.0005) {
+  const GoldenWideVoxmap golden;
+  VoxmapContent content = golden.content();
+  content.header.quantum_m = quantum_m;
+  content.compliance = forces;
+  const AlignedBytes bytes(voxmap_bytes(content));
+  return Voxmap::from_bytes(bytes.bytes(), "scene.vox", Verify::kStructureAndChecksums);
+}
+
+TEST(VoxmapEntries, ComplianceIsBounded) {
+  ASSERT_TRUE(with_compliance({0, 0, 1e6f, 1e6f, 1e6f}));
+  ASSERT_TRUE(with_compliance({0, 1}, 1e-12));
+  const struct {
+    std::vector<float> forces;
+    const char* where;
+    double quantum_m = 0.0005;
+  } cases[] = {{{0.5f, 1}, "compliance entry 0"},
+               {{0, 1, 1.1e6f}, "compliance entry 2"},
+               {{0, 1}, "compliance entry 1", 0.9e-12},  // above 1e12 N/m
+               {{0}, "compliance"},
+               {{0, 0, 0}, "compliance"},
+               {{0, 1, 2, 3, 4, 5}, "compliance"}};  // deeper than code 0
+  for (const auto& c : cases) {
+    const auto map = with_compliance(c.forces, c.quantum_m);
+    ASSERT_FALSE(map) << c.where << " of " << c.forces.size();
+    EXPECT_EQ(map.error().where, c.where);
+    EXPECT_EQ(exit_status(map.error().code), 4);
+  }
+}
+
 TEST(VoxmapEntries, ComplianceNeedsDepth) {
   DenseVoxels voxels({0, 0, 0}, {8, 8, 8}, 0.001);
   voxels.set(3, 3, 3, VoxelValue::kSurface);

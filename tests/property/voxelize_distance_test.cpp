@@ -33,9 +33,9 @@ BakeOptions options_with(std::uint32_t layers, std::uint32_t bits, double range_
 // The definition of voxmap_format.md, section 6, in doubles.
 class Definition {
  public:
-  explicit Definition(const VoxmapHeader& header) : h_(header) {
+  explicit Definition(const VoxmapHeader& header, double layer_voxels = 1) : h_(header) {
     interior_ = h_.offset_layers - 1 + std::sqrt(3.0) / 2 + 1e-3;
-    zero_ = interior_ + 1;
+    zero_ = interior_ + layer_voxels;
     surface_ = zero_ + (3 + 3 * std::sqrt(2.0) + std::sqrt(3.0)) / 8 + quantum();
     proximity_ = surface_ + std::sqrt(3.0);
   }
@@ -90,11 +90,22 @@ TEST(DistanceBake, EqualsTheReferenceOnRandomScenes) {
     const std::vector<LatticeMesh> meshes = scene.lattice();
     const int margin = static_cast<int>(layers) + 9;
     const auto sets = reference::united_scene(meshes, {}, margin);
-    const BakedScene baked(scene.objects(), options_with(layers, bits, range));
+    BakeOptions options = options_with(layers, bits, range);
+    // Every third scene has a soft covering, some thinner than a voxel.
+    const double covering = seed % 3 == 0 ? reference::real(random, 0.5, 3) : 0;
+    if (covering > 0) {
+      options.compliance = {{covering / 3, 0.5}, {covering, 4}};
+      if (range > 0) options.range_m = std::max(range, covering + 1);
+    }
+    const double layer = std::max(1.0, covering);
+    const BakedScene baked(scene.objects(), options);
     const VoxmapHeader& header = baked.map().header();
     ASSERT_EQ(header.bits_per_voxel, bits);
     ASSERT_GE(header.zero_code * header.quantum_m, header.range_m * (1 - 1e-9));
-    const Definition definition(header);
+    ASSERT_EQ(header.surface_code,
+              header.zero_code - std::lround(layer * header.voxel_size_m / header.quantum_m));
+    ASSERT_EQ(baked.map().compliance().empty(), covering == 0);
+    const Definition definition(header, layer);
     std::array<std::uint64_t, 4> counts{};
     sets.geometry.for_each([&](const VoxelIndex& v) {
       const std::uint32_t found = code_at(baked.map(), v);

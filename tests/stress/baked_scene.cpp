@@ -6,6 +6,15 @@
 
 namespace forcelayer::stress {
 
+namespace {
+
+// Three voxels of soft foam over a firmer layer, whose foot holds a device's 15 N at one point.
+Compliance covering(double voxel_size_m) {
+  return {{1.5 * voxel_size_m, 1}, {2.5 * voxel_size_m, 6}, {3 * voxel_size_m, 20}};
+}
+
+}  // namespace
+
 void bake_scene_file(const Mesh& scene, double voxel_size_m, test::VoxelKind kind,
                      const std::filesystem::path& path) {
   SceneObject object;
@@ -15,6 +24,7 @@ void bake_scene_file(const Mesh& scene, double voxel_size_m, test::VoxelKind kin
   options.voxel_size_m = voxel_size_m;
   if (kind != test::VoxelKind::kChebyshev) options.metric = Metric::kEuclidean;
   options.bits = test::bits_of(kind);
+  if (kind == test::VoxelKind::kCovered8) options.compliance = covering(voxel_size_m);
   options.threads = 1;
   const auto baked = bake(std::span(&object, 1), options);
   if (!baked) throw std::runtime_error(to_line(baked.error()));

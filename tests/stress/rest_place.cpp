@@ -30,7 +30,8 @@ class RestEnergy {
                     parameters_.coupling_force_limit_n};
     rotation_ = {parameters_.coupling_nm_per_rad, glm::dmat3(0),
                  parameters_.coupling_torque_limit_nm};
-    law_ = {parameters_.field_n_per_m, 0, parameters_.voxel_size_m};
+    law_ = {parameters_.field_n_per_m, 0, parameters_.voxel_size_m,
+            ForceCurve(simulation.voxmap())};
   }
 
   // Infinite with a point in the interior.

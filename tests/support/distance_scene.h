@@ -18,10 +18,12 @@ struct DistanceDefinition {
   double interior = 0, zero = 0, surface = 0, proximity = 0;  // values by distance
   std::uint32_t zero_code = 0, surface_code = 0, proximity_code = 0, free_code = 0;
 
-  DistanceDefinition(std::uint32_t k, std::uint32_t bits_per_voxel, double range_voxels)
+  // `layer_voxels`: how deep the force layer is, more than 1 under a soft covering.
+  DistanceDefinition(std::uint32_t k, std::uint32_t bits_per_voxel, double range_voxels,
+                     double layer_voxels = 1)
       : bits(bits_per_voxel), range(range_voxels) {
     interior = k - 1 + std::sqrt(3.0) / 2 + 1e-3;
-    zero = interior + 1;
+    zero = interior + layer_voxels;
     free_code = (1u << bits) - 1;
     const double reach = (3 + 3 * std::sqrt(2.0) + std::sqrt(3.0)) / 8;
     for (zero_code = free_code; zero_code > 0; --zero_code) {
@@ -31,7 +33,7 @@ struct DistanceDefinition {
       surface = zero + t;
       proximity = surface + std::sqrt(3.0);
       proximity_code = zero_code + static_cast<std::uint32_t>(std::ceil(t / quantum));
-      surface_code = zero_code - static_cast<std::uint32_t>(std::lround(1 / quantum));
+      surface_code = zero_code - static_cast<std::uint32_t>(std::lround(layer_voxels / quantum));
       break;
     }
   }

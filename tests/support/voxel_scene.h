@@ -33,6 +33,7 @@ struct VoxelScene {
     std::uint32_t bits = 2;
     double range_m = 0, quantum_m = 0;
     std::uint32_t zero_code = 0, surface_code = 0, proximity_code = 0, free_code = 0;
+    std::vector<float> compliance = {};
   } wide{};
   std::vector<std::uint8_t> codes;
 
@@ -161,6 +162,7 @@ class SceneTree {
     content.upper_nodes = upper_;
     content.lower_nodes = lower_;
     content.bricks = bricks_;
+    content.compliance = scene_.wide.compliance;
     return content;
   }
 

@@ -104,6 +104,15 @@ TEST(Quantity, Durations) {
   }
 }
 
+TEST(Quantity, Forces) {
+  EXPECT_EQ(*parse_force_n("4N"), 4);
+  EXPECT_EQ(*parse_force_n("500mN"), 0.5);
+  EXPECT_EQ(*parse_force_n(" 0.1 kN"), 100);
+  for (const char* text : {"", "4", "0", "4lbf", "nanN", "1e308kN"}) {
+    expect_usage_error(parse_force_n(text), text);
+  }
+}
+
 // A decimal comma in the user's locale changes nothing.
 class DecimalComma : public std::numpunct<char> {
   char do_decimal_point() const override { return ','; }

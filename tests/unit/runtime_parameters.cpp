@@ -6,6 +6,7 @@
 
 #include "runtime/derive_parameters.h"
 #include "runtime/stability.h"
+#include "tests/support/distance_scene.h"
 #include "tests/support/point_part.h"
 #include "tests/support/voxel_scene.h"
 
@@ -129,6 +130,28 @@ TEST_F(ParametersTest, WarnOfEveryBoundOfTheDeviceLoop) {
     ASSERT_EQ(warnings.size(), 1u) << c.name;
     EXPECT_NE(warnings[0].find(c.says), std::string::npos) << warnings[0];
   }
+}
+
+// The steepest slope of a soft covering is the field's stiffness, unless the user scales it; the
+// paper's model says that it leaves the covering out.
+TEST_F(ParametersTest, FollowASoftCovering) {
+  const DistanceDefinition definition(2, 8, 4);
+  VoxelScene scene = distance_scene(
+      0.005, {0, 0, 0}, {16, 16, 16}, [](const glm::dvec3& p) { return p.z; }, 2, definition);
+  scene.wide.compliance = {0, 0.25f, 2, 2.5f};
+  voxmap_ = make_voxmap(scene);
+  ParameterRequest request;
+  request.model = Model::kDefault;
+  request.force = ForceKind::kDistance;
+  const DerivedParameters derived = derive(request);
+  EXPECT_DOUBLE_EQ(derived.values.field_n_per_m, 1.75 / (0.005 * definition.quantum));
+  EXPECT_NE(derived.reasons.at("field_n_per_m").find("soft covering"), std::string::npos);
+  request.settings["field_n_per_m"] = 5000;
+  EXPECT_EQ(derive(request).values.field_n_per_m, 5000);
+  request = {};
+  const auto warnings = derive(request).warnings;
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_NE(warnings[0].find("soft covering"), std::string::npos) << warnings[0];
 }
 
 TEST_F(ParametersTest, TakeSettingsAndWarnBeyondABound) {

@@ -1,0 +1,45 @@
+// The force of one contact over its depth: straight, or by the compliance table of a scene with a
+// soft covering (formats/voxmap_format.md, 6).
+#pragma once
+
+#include <vector>
+
+#include "formats/voxmap.h"
+
+namespace forcelayer {
+
+// In units of the field's stiffness K_ff, which is that of the steepest place: a table gives the
+// shape, and its very forces where K_ff is steepest_n_per_m() of the map. No slope is above 1, so
+// what is stable with K_ff is stable with the curve.
+class ForceCurve {
+ public:
+  ForceCurve() = default;  // straight: K_ff times the depth
+  explicit ForceCurve(const Voxmap& voxmap);
+
+  bool is_straight() const noexcept { return nodes_.empty(); }
+
+  // By how much the force layer is deeper than a voxel, m.
+  double deepening_m() const noexcept { return deepening_m_; }
+
+  // Force over K_ff at a depth, m; a gap (a negative depth) stays what it is.
+  double force_m(double depth_m) const noexcept {
+    return is_straight() || !(depth_m > 0) ? depth_m : between_nodes(depth_m).force_m;
+  }
+
+  // Energy over K_ff at a depth of 0 or more, m^2: the integral of the force from no depth on.
+  double energy_m2(double depth_m) const noexcept {
+    if (is_straight()) return 0.5 * depth_m * depth_m;
+    return between_nodes(depth_m).energy_m2;
+  }
+
+ private:
+  struct Node {
+    double force_m = 0, energy_m2 = 0;
+  };
+  Node between_nodes(double depth_m) const noexcept;
+
+  double step_m_ = 0, deepening_m_ = 0;
+  std::vector<Node> nodes_;  // at depths of 0, 1, 2, ... steps; the last force holds beyond
+};
+
+}  // namespace forcelayer

@@ -1,0 +1,85 @@
+#include "voxelize/compliance.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "formats/command/quantity.h"
+#include "formats/voxmap_format.h"
+
+namespace forcelayer {
+namespace {
+
+constexpr double kRounding = 1e-12;    // of whole steps
+constexpr double kLeastForceN = 1e-6;  // of the last corner: less is no force
+
+Error wrong(std::string what, std::string mend) {
+  return {ErrorCode::kUsage, "", "--compliance", std::move(what), std::move(mend)};
+}
+
+Result<CompliancePoint> parse_corner(std::string_view text) {
+  const auto colon = text.find(':');
+  if (colon == std::string_view::npos) {
+    return wrong("'" + std::string(text) + "' is not DEPTH:FORCE", "write for example 2mm:0.5N");
+  }
+  const auto depth = parse_length(text.substr(0, colon));
+  if (!depth) return wrong(depth.error().what, depth.error().mend);
+  const auto force = parse_force_n(text.substr(colon + 1));
+  if (!force) return wrong(force.error().what, force.error().mend);
+  return CompliancePoint{*depth, *force};
+}
+
+}  // namespace
+
+Result<Compliance> parse_compliance(std::string_view text) {
+  Compliance curve;
+  for (;;) {
+    const auto comma = text.find(',');
+    const auto corner = parse_corner(text.substr(0, comma));
+    if (!corner) return corner.error();
+    curve.push_back(*corner);
+    if (comma == std::string_view::npos) break;
+    text.remove_prefix(comma + 1);
+  }
+  if (Status checked = check_compliance(curve); !checked) return checked.error();
+  return curve;
+}
+
+Status check_compliance(std::span<const CompliancePoint> curve) {
+  CompliancePoint last;
+  for (const CompliancePoint& point : curve) {
+    if (!(point.depth_m > last.depth_m) || !std::isfinite(point.depth_m)) {
+      return wrong("has depths that do not ascend from above 0", "list the corners by depth");
+    }
+    if (!(point.force_n >= last.force_n && point.force_n <= double{kMostComplianceN})) {
+      return wrong("has a force that is below the one before it or above 1e6 N",
+                   "a covering presses back harder the deeper it is pressed");
+    }
+    if (!(point.force_n - last.force_n <= kMostComplianceNPerM * (point.depth_m - last.depth_m))) {
+      return wrong("rises by more than 1e12 N/m", "");
+    }
+    last = point;
+  }
+  if (!curve.empty() && !(last.force_n >= kLeastForceN)) {
+    return wrong("has no force at any depth", "leave it out, or raise the last force");
+  }
+  return {};
+}
+
+std::vector<float> compliance_table(std::span<const CompliancePoint> curve, double step_m) {
+  std::vector<float> table;
+  CompliancePoint from;
+  for (std::size_t i = 0, corner = 0; corner < curve.size(); ++i) {
+    const double depth_m = static_cast<double>(i) * step_m;
+    while (corner < curve.size() && curve[corner].depth_m < depth_m) from = curve[corner++];
+    const CompliancePoint& to = corner < curve.size() ? curve[corner] : curve.back();
+    const double share =
+        corner < curve.size() ? (depth_m - from.depth_m) / (to.depth_m - from.depth_m) : 1;
+    const auto force_n = static_cast<float>(from.force_n + share * (to.force_n - from.force_n));
+    table.push_back(table.empty() ? force_n : std::max(force_n, table.back()));
+    if (depth_m >= curve.back().depth_m * (1 - kRounding)) break;
+  }
+  return table;
+}
+
+}  // namespace forcelayer
