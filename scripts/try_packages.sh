@@ -12,12 +12,12 @@ trap 'rm -rf "$scratch"' EXIT
 in_tree() {
   local name=$1 list=() script
   shift
-  while [ "$1" != -- ]; do list+=("$packages"/$1_*.deb); shift; done
+  while [ "$1" != -- ]; do list+=(--include="$(echo "$packages"/$1_*.deb)"); shift; done
   script=$2
   printf '\n== %s: %s\n' "$name" "${list[*]##*/}"
   # shellcheck disable=SC2086  # options are words
   mmdebstrap --quiet --variant=minbase --skip=check/empty ${MMDEBSTRAP_OPTIONS:-} \
-    --include="$(printf '%s,' "${list[@]}")" \
+    "${list[@]}" --hook-dir=/usr/share/mmdebstrap/hooks/file-mirror-automount \
     --customize-hook="copy-in $golden /tmp" \
     --customize-hook="chroot \"\$1\" sh -euc '$script'" \
     bookworm /dev/null
