@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <iostream>
 
+#include "formats/mapped_file.h"
 #include "runtime/devices/firmware/haptic_firmware.h"
 #include "runtime/devices/hid_haptic_report.h"
 #include "runtime/pose_datagram.h"
@@ -46,6 +47,18 @@ void mesh_seeds() {
   seed("drc", "edgebreaker", as_drc(mesh, {.position_bits = 10, .edgebreaker = true}));
 }
 
+// Baked files of every kind that were committed once.
+void baked_seeds() {
+  for (const char* name : {"v1.vox", "v1_wide.vox", "baked_euclidean.vox", "baked_distance4.vox",
+                           "baked_distance8.vox", "baked_covered8.vox"}) {
+    const auto file =
+        MappedFile::open(std::filesystem::path(FORCELAYER_SOURCE_DIR) / "tests" / "golden" / name);
+    if (!file) throw std::runtime_error(to_line(file.error()));
+    seed("voxmap", name,
+         {reinterpret_cast<const char*>(file->bytes().data()), file->bytes().size()});
+  }
+}
+
 void manifest_seeds() {
   seed("manifest", "whole",
        R"({"voxel_size": "5mm", "layers": 2, "roi": {"min": [0, 0, 0], "max": [1, 1, 1]},
@@ -69,7 +82,7 @@ void runtime_seeds() {
 }
 
 void hid_seeds() {
-  const auto text = [](const Descriptor& bytes) {
+  const auto text = [](const test::Descriptor& bytes) {
     return std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   };
   seed("hid_descriptor", "separate", text(separate_spacemouse()));
@@ -109,6 +122,7 @@ int main(int argc, char** argv) {
   }
   corpus = argv[1];
   mesh_seeds();
+  baked_seeds();
   manifest_seeds();
   runtime_seeds();
   hid_seeds();

@@ -2,51 +2,29 @@
 // must keep producing the same bytes. FORCELAYER_WRITE_GOLDEN=1 writes those that do not exist yet.
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cstdlib>
-
-#include "formats/atomic_file.h"
+#include "tests/support/golden_bytes.h"
 #include "tests/support/golden_content.h"
 
 namespace forcelayer::testing {
 namespace {
 
-namespace fs = std::filesystem;
-
-fs::path golden(const char* name) {
-  return fs::path(FORCELAYER_SOURCE_DIR) / "tests" / "golden" / name;
-}
-
-// Compares the writer's bytes with the committed file's.
-void expect_same_bytes(const char* name, const std::vector<std::byte>& bytes) {
-  if (std::getenv("FORCELAYER_WRITE_GOLDEN") && !fs::exists(golden(name))) {
-    auto file = AtomicFile::create(golden(name));
-    ASSERT_TRUE(file && file->write(bytes) && file->commit());
-  }
-  const auto committed = MappedFile::open(golden(name));
-  ASSERT_TRUE(committed) << to_line(committed.error());
-  ASSERT_EQ(committed->bytes().size(), bytes.size());
-  const auto [ours, theirs] = std::mismatch(bytes.begin(), bytes.end(), committed->bytes().begin());
-  EXPECT_EQ(ours, bytes.end()) << "first difference at byte " << ours - bytes.begin();
-}
-
 TEST(Golden, VoxmapBytes) {
   const DenseVoxels voxels = golden_voxels();
-  expect_same_bytes("v1.vox", voxmap_bytes(DenseTree(voxels, golden_voxmap_options()).content()));
+  expect_golden_bytes("v1.vox", voxmap_bytes(DenseTree(voxels, golden_voxmap_options()).content()));
 }
 
 TEST(Golden, WideVoxmapBytes) {
-  expect_same_bytes("v1_wide.vox", voxmap_bytes(GoldenWideVoxmap().content()));
+  expect_golden_bytes("v1_wide.vox", voxmap_bytes(GoldenWideVoxmap().content()));
 }
 
 TEST(Golden, PshellBytes) {
   const auto [points, normals] = golden_points();
-  expect_same_bytes("v1.pshell",
-                    pshell_bytes(TestShell(points, normals, golden_shell_options()).content()));
+  expect_golden_bytes("v1.pshell",
+                      pshell_bytes(TestShell(points, normals, golden_shell_options()).content()));
 }
 
 TEST(Golden, VoxmapValues) {
-  const auto map = Voxmap::open(golden("v1.vox"), Verify::kStructureAndChecksums);
+  const auto map = Voxmap::open(golden_path("v1.vox"), Verify::kStructureAndChecksums);
   ASSERT_TRUE(map) << to_line(map.error());
   const DenseVoxels voxels = golden_voxels();
   std::int64_t wrong = 0, non_free = 0;
@@ -60,7 +38,7 @@ TEST(Golden, VoxmapValues) {
 }
 
 TEST(Golden, VoxmapFacts) {
-  const auto map = Voxmap::open(golden("v1.vox"));
+  const auto map = Voxmap::open(golden_path("v1.vox"));
   ASSERT_TRUE(map) << to_line(map.error());
   const VoxmapHeader& h = map->header();
   EXPECT_EQ(h.voxel_size_m, 0.0025);
@@ -82,7 +60,7 @@ TEST(Golden, VoxmapFacts) {
 
 // Clearances of three free boxes, worked out by hand.
 TEST(Golden, VoxmapClearances) {
-  const auto map = Voxmap::open(golden("v1.vox"));
+  const auto map = Voxmap::open(golden_path("v1.vox"));
   ASSERT_TRUE(map) << to_line(map.error());
   const VoxmapView& view = map->view();
   const auto at = [&](int i, int j, int k) { return view.lookup(i + 1024, j, k + 512); };
@@ -98,7 +76,7 @@ TEST(Golden, VoxmapClearances) {
 }
 
 TEST(Golden, WideVoxmapCodes) {
-  const auto map = Voxmap::open(golden("v1_wide.vox"), Verify::kStructureAndChecksums);
+  const auto map = Voxmap::open(golden_path("v1_wide.vox"), Verify::kStructureAndChecksums);
   ASSERT_TRUE(map) << to_line(map.error());
   const VoxmapView& view = map->view();
   for (std::int32_t n = 0; n < 512; ++n) {
@@ -119,7 +97,7 @@ TEST(Golden, WideVoxmapCodes) {
 }
 
 TEST(Golden, PshellValues) {
-  const auto shell = Pshell::open(golden("v1.pshell"), Verify::kStructureAndChecksums);
+  const auto shell = Pshell::open(golden_path("v1.pshell"), Verify::kStructureAndChecksums);
   ASSERT_TRUE(shell) << to_line(shell.error());
   const auto [points, normals] = golden_points();
   const PshellView& v = shell->view();

@@ -28,11 +28,15 @@ void look_up(const Voxmap& map, Random& random) {
   }
 }
 
-// A few frames of a small part about the middle of the map.
-void feel(Voxmap map, Random& random) {
+// A few frames of a small part about the middle of the map, under a model with the force that it
+// has there.
+void feel(Voxmap map, Model model, Random& random) {
   const double s = map.voxel_size_m();
   Pshell shell = make_pshell(sphere_part(4 * s, 60, s));
-  const auto derived = derive_parameters({}, map, shell, sim_capabilities());
+  ParameterRequest request;
+  request.model = model;
+  request.force = usual_force(model, map);
+  const auto derived = derive_parameters(request, map, shell, sim_capabilities());
   if (!derived) return;
   glm::dvec3 middle_m;
   for (int axis = 0; axis < 3; ++axis) {
@@ -60,6 +64,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   using namespace forcelayer;
   const testing::AlignedBytes bytes(fuzz::bytes_of(data, size));
   for (const Verify verify : {Verify::kStructureAndChecksums, Verify::kStructure}) {
+    const bool checked = verify == Verify::kStructureAndChecksums;
     auto map = Voxmap::from_bytes(bytes.bytes(), "fuzz.vox", verify);
     if (!map) continue;
     fuzz::Random random(size);
@@ -67,7 +72,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     // Time of the audit grows with the directory: that of a baked scene is small.
     const auto& dims = map->view().directory_dims;
     if (std::int64_t{dims[0]} * dims[1] * dims[2] <= 4096) (void)audit_voxmap(*map, "fuzz.vox");
-    fuzz::feel(std::move(*map), random);
+    fuzz::feel(std::move(*map), checked ? Model::kPaper : Model::kDefault, random);
   }
   return 0;
 }

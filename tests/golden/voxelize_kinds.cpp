@@ -1,0 +1,86 @@
+// What voxelize bakes of one small scene in every kind of voxels: the same bytes for ever. The
+// files are seeds of the fuzz targets as well.
+#include <gtest/gtest.h>
+
+#include "formats/voxmap_audit.h"
+#include "tests/support/baked_scene.h"
+#include "tests/support/golden_bytes.h"
+
+namespace forcelayer {
+namespace {
+
+// A tilted wedge that is closed, with a sheet beside it; coordinates in 1/64 voxel of 1 mm, so that
+// they are the same on every machine. The far voxels of the widest kind stay in one node.
+Mesh golden_scene() {
+  constexpr double kUnit = 0.001 / 64;
+  Mesh mesh;
+  mesh.vertices = {{1301, 1283, 1290}, {1795, 1340, 1333}, {1380, 1740, 1405}, {1455, 1420, 1801},
+                   {1960, 1500, 1310}, {1980, 1910, 1350}, {1900, 1530, 1777}};
+  for (Vec3d& vertex : mesh.vertices)
+    for (double& x : vertex) x *= kUnit;
+  mesh.triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}, {4, 5, 6}};
+  return mesh;
+}
+
+std::vector<std::byte> baked(BakeOptions options) {
+  const Mesh mesh = golden_scene();
+  const SceneObject object{"object", &mesh, Affine{}, {}, 0};
+  options.voxel_size_m = 0.001;
+  options.threads = 2;
+  const auto result = bake(std::span(&object, 1), options);
+  if (!result) throw std::runtime_error(to_line(result.error()));
+  return voxmap_bytes(result->content("{}"));
+}
+
+BakeOptions wide(std::uint32_t bits) {
+  BakeOptions options;
+  options.metric = Metric::kEuclidean;
+  options.bits = bits;
+  return options;
+}
+
+TEST(GoldenKinds, Chebyshev) { testing::expect_golden_bytes("baked_chebyshev.vox", baked({})); }
+
+TEST(GoldenKinds, Euclidean) {
+  testing::expect_golden_bytes("baked_euclidean.vox", baked(wide(2)));
+}
+
+TEST(GoldenKinds, FourBits) { testing::expect_golden_bytes("baked_distance4.vox", baked(wide(4))); }
+
+TEST(GoldenKinds, EightBits) {
+  testing::expect_golden_bytes("baked_distance8.vox", baked(wide(8)));
+}
+
+TEST(GoldenKinds, SoftCovering) {
+  BakeOptions options = wide(8);
+  options.compliance = {{0.001, 0.5}, {0.0025, 4}};
+  testing::expect_golden_bytes("baked_covered8.vox", baked(options));
+}
+
+// The files say what they are to a reader of today, and all that they say is true.
+TEST(GoldenKinds, AreRead) {
+  const struct {
+    const char* name;
+    Metric metric;
+    std::uint32_t bits;
+    bool covered;
+  } files[] = {{"baked_chebyshev.vox", Metric::kChebyshev, 2, false},
+               {"baked_euclidean.vox", Metric::kEuclidean, 2, false},
+               {"baked_distance4.vox", Metric::kEuclidean, 4, false},
+               {"baked_distance8.vox", Metric::kEuclidean, 8, false},
+               {"baked_covered8.vox", Metric::kEuclidean, 8, true}};
+  for (const auto& file : files) {
+    SCOPED_TRACE(file.name);
+    const auto map = Voxmap::open(testing::golden_path(file.name), Verify::kStructureAndChecksums);
+    ASSERT_TRUE(map) << to_line(map.error());
+    EXPECT_TRUE(audit_voxmap(*map, file.name));
+    EXPECT_EQ(map->header().metric, static_cast<std::uint32_t>(file.metric));
+    EXPECT_EQ(map->header().bits_per_voxel, file.bits);
+    EXPECT_EQ(!map->compliance().empty(), file.covered);
+    EXPECT_GT(map->header().surface_voxels, 500u);
+    EXPECT_EQ(map->lower_node_count(), 1u);
+  }
+}
+
+}  // namespace
+}  // namespace forcelayer
