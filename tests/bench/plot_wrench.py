@@ -18,7 +18,7 @@ import matplotlib  # noqa: E402
 matplotlib.use("Agg")
 from matplotlib import pyplot, ticker  # noqa: E402
 
-MARKERS = "osv^DXP*<>"
+MARKERS = "osv^DXP*<>hp"
 GROUPS = ("flush and smooth", "corners and wedges", "mesh pairs")
 NOTICEABLE_FORCE = 7  # percent: the least of the published range (METHOD.md)
 

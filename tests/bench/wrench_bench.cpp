@@ -139,8 +139,39 @@ struct MethodRun {
   std::optional<Method> judged_as;
 };
 
+// The default model's force in voxels of other kinds, each with the exact offset surface where its
+// force begins.
+struct KindRun {
+  const char* name;
+  VoxelKind voxels;
+  Averaging averaging;
+  Method judged_as;
+};
+constexpr KindRun kKinds[] = {
+    {"default, Euclidean layers", VoxelKind::kEuclidean, Averaging::kDirections,
+     Method::kEuclideanContacts},
+    {"default, 4 bits", VoxelKind::kDistance4, Averaging::kNone, Method::kDistance4},
+    {"default, 8 bits", VoxelKind::kDistance8, Averaging::kNone, Method::kDistance8}};
+
+std::unique_ptr<ForceField> usual_field(const Voxmap& voxmap) {
+  auto field = make_force_field(Model::kDefault, usual_force(Model::kDefault, voxmap), voxmap);
+  if (!field) throw std::runtime_error(to_line(field.error()));
+  return std::move(*field);
+}
+
+void judge(const ContactCase& contact, const Combination& combination, const MethodRun& method,
+           Samples& samples) {
+  Sample own;
+  own.add(method.judged_as ? contact.judge(*method.judged_as, false)
+                           : contact.judge(method.wrench_at));
+  time_frames(contact.slide(), method.wrench_at, own);
+  samples[combination.name][method.name].add(own);
+  samples[combination.smooth ? "flush and smooth" : "corners and wedges"][method.name].add(own);
+}
+
 void judge(const Combination& combination, const PartShells& shells, const Pshell& pshell, double s,
            std::mt19937_64& random, Samples& samples) {
+  const std::mt19937_64 same = random;
   const ContactCase contact(combination, shells, s, random);
   const double deviation_m = kDeviationVoxels * s;
   const Mesh part = part_mesh(combination.part, deviation_m);
@@ -161,13 +192,15 @@ void judge(const Combination& combination, const PartShells& shells, const Pshel
       {kLevelSet, [&](const Placed& p) { return level_set.at(pose_of(p)); }, Method::kDistance},
       {kFcl, [&](const Placed& p) { return fcl->at(pose_of(p)); }, std::nullopt},
       {kBullet, [&](const Placed& p) { return bullet->at(pose_of(p)); }, std::nullopt}};
-  for (const MethodRun& method : methods) {
-    Sample own;
-    own.add(method.judged_as ? contact.judge(*method.judged_as, false)
-                             : contact.judge(method.wrench_at));
-    time_frames(contact.slide(), method.wrench_at, own);
-    samples[combination.name][method.name].add(own);
-    samples[combination.smooth ? "flush and smooth" : "corners and wedges"][method.name].add(own);
+  for (const MethodRun& method : methods) judge(contact, combination, method, samples);
+  for (const KindRun& kind : kKinds) {
+    std::mt19937_64 again = same;
+    const ContactCase other(combination, shells, s, again, kind.voxels);
+    const auto force = usual_field(other.voxmap());
+    ModelFrame frame(other.voxmap(), pshell, *force, kind.averaging);
+    judge(other, combination,
+          {kind.name, [&](const Placed& p) { return frame.at(pose_of(p)); }, kind.judged_as},
+          samples);
   }
 }
 
@@ -175,6 +208,7 @@ void judge(const Combination& combination, const PartShells& shells, const Pshel
 // in voxels.
 double judge(const MeshPair& pair, const PairPart& part, double s, std::mt19937_64& random,
              Samples& samples) {
+  const std::mt19937_64 same = random;
   const PairCase contact(pair, part, s, random);
   const Mesh scene = contact.offset_mesh();
   const auto fcl = fcl_contacts(scene, part.mesh), bullet = bullet_contacts(scene, part.mesh);
@@ -213,6 +247,23 @@ double judge(const MeshPair& pair, const PairPart& part, double s, std::mt19937_
         contact.frames(), [&at = wrench_at](const Pose& p) { return at(0, p); }, own);
     samples[pair.name][name].add(own);
     samples["mesh pairs"][name].add(own);
+  }
+  for (const KindRun& kind : kKinds) {
+    std::mt19937_64 again = same;
+    const PairCase other(pair, part, s, again, kind.voxels);
+    std::vector<std::unique_ptr<ForceField>> fields;
+    std::deque<ModelFrame> frames;
+    for (std::size_t i = 0; i < PairCase::kShifts; ++i) {
+      const Voxmap& voxmap = other.placing(i).voxmap;
+      fields.push_back(usual_field(voxmap));
+      frames.emplace_back(voxmap, part.shell, *fields.back(), kind.averaging).weigh_by_area();
+    }
+    Sample own;
+    own.add(other.judge([&](std::size_t i, const Pose& p) { return frames[i].at(p); }, false));
+    time_frames(
+        other.frames(), [&](const Pose& p) { return frames[0].at(p); }, own);
+    samples[pair.name][kind.name].add(own);
+    samples["mesh pairs"][kind.name].add(own);
   }
   return contact.offset_mesh_deviation_m(scene) / s;
 }

@@ -12,6 +12,7 @@
 
 #include "formats/mesh/scene.h"
 #include "tests/bench/bench_mesh.h"
+#include "tests/bench/force_bench_scene.h"
 #include "tests/stress/shapes.h"
 
 namespace forcelayer::bench {
@@ -34,8 +35,6 @@ T value_of(Result<T> result) {
 glm::dvec3 glm_of(const Vec3d& v) { return {v[0], v[1], v[2]}; }
 glm::dvec3 glm_of(const Vec3& v) { return {v.x, v.y, v.z}; }
 Vec3 vec3_of(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
-
-double norm1(const glm::dvec3& v) { return std::abs(v.x) + std::abs(v.y) + std::abs(v.z); }
 
 glm::dvec3 random_direction(std::mt19937_64& random) {
   std::normal_distribution<double> normal;
@@ -129,10 +128,11 @@ PairPart::PairPart(const MeshPair& pair, double voxel_size_m)
 }
 
 PairCase::PairCase(const MeshPair& pair, const PairPart& part, double voxel_size_m,
-                   std::mt19937_64& random)
+                   std::mt19937_64& random, test::VoxelKind kind)
     : pair_(pair),
       part_(part),
       s_(voxel_size_m),
+      kind_(kind),
       soup_(soup_of(pair.scene)),
       tree_(std::make_unique<TriangleTree>(soup_)),
       world_from_scene_turn_(random_turn(random)),
@@ -212,8 +212,9 @@ bool PairCase::approach(std::mt19937_64& random) {
     const Foot near = foot(pose.orientation * part_.fine_m[i] + pose.position_m);
     if (near.distance_m < least) least = near.distance_m, normal = near.direction;
   }
-  const double slant = norm1(world_from_scene_turn_ * normal);
-  thickness_m_ = slant * s_, middle_m_ = kLayers * slant * s_;
+  const glm::dvec3 slanted = world_from_scene_turn_ * normal;
+  thickness_m_ = norm1(slanted) * s_;
+  middle_m_ = zero_force_voxels(kind_, kLayers, slanted) * s_;
   measured_m_.assign(part_.fine_m.size(), -1e300);
   heights_m_.assign(kDepths, 0);
   double height = touched + 4 * s_;  // above the outermost depth, on a line that was free
@@ -286,7 +287,7 @@ void PairCase::place(std::mt19937_64& random) {
     const Pose world_from_scene{glm::dvec3(x, y, z) * s_, world_from_scene_turn_};
     Mesh placed;
     stress::append(placed, pair_.scene, world_from_scene);
-    placings_.push_back({world_from_scene, stress::BakedScene(placed, s_).open(),
+    placings_.push_back({world_from_scene, stress::BakedScene(placed, s_).open(kind_),
                          distances_around(world_from_scene)});
   }
 }

@@ -45,8 +45,8 @@ struct PairPart {
 // lies at random on the lattice, at several sub-voxel shifts.
 class PairCase {
  public:
-  PairCase(const MeshPair& pair, const PairPart& part, double voxel_size_m,
-           std::mt19937_64& random);
+  PairCase(const MeshPair& pair, const PairPart& part, double voxel_size_m, std::mt19937_64& random,
+           test::VoxelKind kind = test::VoxelKind::kChebyshev);
 
   static constexpr std::size_t kDepths = 12, kShifts = 4, kFrames = 200;
 
@@ -90,6 +90,7 @@ class PairCase {
   const MeshPair& pair_;
   const PairPart& part_;
   double s_;
+  test::VoxelKind kind_;
   forcelayer::Part soup_;
   std::unique_ptr<TriangleTree> tree_;
   glm::dquat world_from_scene_turn_;

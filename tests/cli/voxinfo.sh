@@ -49,8 +49,9 @@ expect_equal method "$(value shell.json '["method"]')" surface
 cmp stdout.json vox.json || fail "--json /dev/stdout"
 expect_equal version "$("$voxinfo" --version | cut -d' ' -f1)" voxinfo
 
-# An independent reader sees the same voxels and points.
-for scene in v1 v1_wide; do
+# An independent reader sees the same voxels and points, in every kind that voxelize bakes too.
+scenes="v1 v1_wide baked_chebyshev baked_euclidean baked_distance4 baked_distance8 baked_covered8"
+for scene in $scenes; do
   "$voxinfo" verify "$golden/$scene.vox" --quiet
   "$voxinfo" export "$golden/$scene.vox" "$scene.csv"
   { echo i,j,k,value; reader "$golden/$scene.vox" --rows; } | cmp - "$scene.csv" || fail "$scene.csv"
@@ -92,7 +93,7 @@ PYTHON
 
 # .vdb: the same voxels, where this build can write it.
 if [ -x "$FORCELAYER_BIN_DIR/vdb_rows" ]; then
-  for scene in v1 v1_wide; do
+  for scene in $scenes; do
     "$voxinfo" export "$golden/$scene.vox" "$scene.vdb"
     size=$(reader "$golden/$scene.vox" | "$python" -c 'import json,sys; print(json.load(sys.stdin)["voxel_size_m"])')
     "$FORCELAYER_BIN_DIR/vdb_rows" "$scene.vdb" "$size" | LC_ALL=C sort >vdb_rows
