@@ -47,9 +47,7 @@ class NodeDistances {
         [&](const std::array<int, 3>& low, int edge) {
           return !all_set(solid_, low, edge) ? outer : inner > 0 ? inner : kNothingMatters;
         },
-        [&](const std::array<int, 3>& low, std::span<const NearCandidate> list) {
-          measure(low, list);
-        });
+        [&](const std::array<int, 3>& low, NearList list) { measure(low, list, outer, inner); });
     if (kept.cropped()) crop(kept);
     return cut(counts);
   }
@@ -76,20 +74,26 @@ class NodeDistances {
     return static_cast<unsigned>(solid_[x * 64 + y] >> (8 * (n & 7)) & 0xff);
   }
 
-  void measure(const std::array<int, 3>& low, std::span<const NearCandidate> list) {
-    const PointCube points = CellSearch::centers(low, 1);
-    CubeValues squared;
-    std::array<std::uint32_t, kCubePoints> which;
-    nearest_triangles(list, points, squared, which);
-    std::uint64_t negative = cell_bits(solid_, low);
-    for (std::uint64_t left = cell_bits(surface_, low) & ~negative; left != 0; left &= left - 1) {
+  void measure(const std::array<int, 3>& low, NearList list, float outer, float inner) {
+    const std::uint64_t solid = cell_bits(solid_, low);
+    std::array<float, kEighths> reach;
+    for (unsigned n = 0; n < kEighths; ++n) {
+      const bool all_solid = (solid & eighth(n)) == eighth(n);
+      reach[n] = (!all_solid  ? outer
+                  : inner > 0 ? inner
+                              : kNothingMatters) *
+                 static_cast<float>(kSnapUnits);
+    }
+    nearest_.find(list, CellSearch::centers(low, 1), reach);
+    std::uint64_t negative = solid;
+    for (std::uint64_t left = cell_bits(surface_, low) & ~solid; left != 0; left &= left - 1) {
       const int n = std::countr_zero(left);
-      if (lies_inside(*list[which[static_cast<std::size_t>(n)]].triangle, low, n)) {
+      if (lies_inside(*list[nearest_.which(static_cast<std::size_t>(n))], low, n)) {
         negative |= std::uint64_t{1} << n;
       }
     }
     std::array<std::uint8_t, kCubePoints> codes;
-    codes_of_distances(squared, negative, *scale_, codes.data());
+    codes_of_distances(nearest_.least(), negative, *scale_, codes.data());
     const auto brick = static_cast<unsigned>((low[0] >> 3) << 6 | (low[1] >> 3) << 3 | low[2] >> 3);
     std::uint8_t* out = touched(brick) + (low[0] & 7) * 64 + (low[1] & 7) * 8 + (low[2] & 7);
     for (int n = 0; n < 16; ++n) {
@@ -108,12 +112,19 @@ class NodeDistances {
     const std::array<double, 3> away = way_from(nearest, center);
     const double length = std::sqrt(away[0] * away[0] + away[1] * away[1] + away[2] * away[2]);
     if (!(length > 0)) return false;
-    Coord onwards = origin_;
+    // From the centre to the next voxel or the one before: by half a voxel.
+    const double half = 0.5 / kOnwards * length;
+    std::array<int, 3> onwards;
+    bool in_node = true;
     for (std::size_t d = 0; d < 3; ++d) {
-      onwards[static_cast<int>(d)] +=
-          static_cast<int>(std::floor(voxel[d] + 0.5 + kOnwards * away[d] / length));
+      onwards[d] = voxel[d] + (away[d] >= half) - (away[d] < -half);
+      in_node = in_node && (onwards[d] & ~63) == 0;
     }
-    return interior_->isValueOn(onwards);
+    if (in_node) {
+      const auto row = static_cast<std::size_t>(onwards[0] * 64 + onwards[1]);
+      return (solid_[row] >> onwards[2] & 1) != 0;
+    }
+    return interior_->isValueOn(origin_ + Coord(onwards[0], onwards[1], onwards[2]));
   }
 
   void crop(const KeptBox& kept) {
@@ -128,29 +139,43 @@ class NodeDistances {
     }
   }
 
+  struct CodeRange {
+    unsigned least, most;
+  };
+  CodeRange range_of(unsigned n) {
+    // A brick in which nothing was measured holds no surface: it is solid or free throughout.
+    if (!test(touched_, n)) {
+      const unsigned code = solid_row(n, 0) != 0 ? 0 : scale_->free_code;
+      return {code, code};
+    }
+    const std::uint8_t* codes = codes_of(static_cast<int>(n));
+    CodeRange range{255, 0};
+    for (unsigned v = 0; v < kBrickVoxels; ++v) {
+      range.least = std::min<unsigned>(range.least, codes[v]);
+      range.most = std::max<unsigned>(range.most, codes[v]);
+    }
+    return range;
+  }
+
   BuiltNode cut(ValueCounts& counts) {
     BuiltNode node;
-    const auto free = static_cast<std::uint8_t>(scale_->free_code);
     const unsigned parts = scale_->bits / 2;
+    std::array<CodeRange, kNodeEntries> ranges;
+    std::size_t bricks = 0;
     for (unsigned n = 0; n < kNodeEntries; ++n) {
-      // A brick in which nothing was measured holds no surface: it is solid or free throughout.
-      const bool measured = test(touched_, n);
+      ranges[n] = range_of(n);
+      bricks += ranges[n].least != scale_->free_code && ranges[n].most != 0;
+    }
+    node.bricks.reserve(bricks * parts);
+    node.nearness.reserve(bricks);
+    for (unsigned n = 0; n < kNodeEntries; ++n) {
       const std::uint8_t* codes = codes_of(static_cast<int>(n));
-      unsigned least = 255, most = 0;
-      if (measured) {
-        for (unsigned v = 0; v < kBrickVoxels; ++v) {
-          least = std::min<unsigned>(least, codes[v]);
-          most = std::max<unsigned>(most, codes[v]);
-        }
-      } else {
-        least = most = solid_row(n, 0) != 0 ? 0 : free;
-      }
-      if (least == free) {
+      if (ranges[n].least == scale_->free_code) {
         node.entries[n] = kFreeEntry;
         continue;
       }
       set(node.held, n);
-      if (most == 0) {
+      if (ranges[n].most == 0) {
         node.entries[n] = kInteriorEntry;
         counts.interior += kBrickVoxels;
         continue;
@@ -158,7 +183,7 @@ class NodeDistances {
       count(codes, counts);
       node.entries[n] = static_cast<std::uint32_t>(node.bricks.size() / parts);
       pack(codes, node.bricks);
-      node.nearness.emplace_back(other_than(codes, free));
+      node.nearness.emplace_back(other_than(codes, static_cast<std::uint8_t>(scale_->free_code)));
     }
     return node;
   }
@@ -211,6 +236,7 @@ class NodeDistances {
   BrickMask touched_;  // bricks whose codes are meant
   NodeTriangles triangles_;
   CellSearch search_;
+  NearestTriangles nearest_;
   std::vector<std::uint8_t> codes_ = std::vector<std::uint8_t>(512 * kBrickVoxels);
 };
 

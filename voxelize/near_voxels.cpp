@@ -31,15 +31,14 @@ class NearNode {
         [&](const std::array<int, 3>& low, int edge) {
           return all_set(settled_, low, edge) ? kNothingMatters : reach;
         },
-        [&](const std::array<int, 3>& low, std::span<const NearCandidate> list) {
+        [&](const std::array<int, 3>& low, NearList list) {
           unsure_.resize(list.size());
           std::uint64_t open = ~cell_bits(settled_, low);
           std::uint64_t bits = open & cubes_near(list, CellSearch::centers(low, 1),
                                                  static_cast<float>(radius), unsure_.data());
           open &= ~bits;
           for (std::size_t i = 0; i < list.size() && open != 0; ++i) {
-            const std::uint64_t found =
-                decided(unsure_[i] & open, *list[i].triangle, node, low, radius);
+            const std::uint64_t found = decided(unsure_[i] & open, *list[i], node, low, radius);
             bits |= found;
             open &= ~found;
           }

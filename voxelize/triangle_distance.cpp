@@ -8,6 +8,7 @@
 #include <hwy/highway.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "voxelize/distance_scale.h"
@@ -19,14 +20,18 @@ namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 
 constexpr hn::CappedTag<float, 16> kF{};
+constexpr hn::CappedTag<float, kEighths> kEight{};
 constexpr hn::RebindToUnsigned<decltype(kF)> kU{};
 using V = hn::Vec<decltype(kF)>;
 
 HWY_INLINE std::size_t lanes() { return hn::Lanes(kF); }
 HWY_INLINE V set(float value) { return hn::Set(kF, value); }
 
-HWY_INLINE V dot(const std::array<float, 3>& a, V x, V y, V z) {
-  return hn::Add(hn::Add(hn::Mul(set(a[0]), x), hn::Mul(set(a[1]), y)), hn::Mul(set(a[2]), z));
+template <class Vector>
+HWY_INLINE Vector dot(const std::array<float, 3>& a, Vector x, Vector y, Vector z) {
+  const hn::DFromV<Vector> d;
+  return hn::Add(hn::Add(hn::Mul(hn::Set(d, a[0]), x), hn::Mul(hn::Set(d, a[1]), y)),
+                 hn::Mul(hn::Set(d, a[2]), z));
 }
 
 // Coordinates of a cube's points.
@@ -87,40 +92,46 @@ HWY_INLINE void for_each_feature(const NearTriangle& t, V px, V py, V pz, const 
 
 // Of a point (u, v) from an edge that begins at the origin, in the plane: its squared distance, and
 // how far inwards of the edge's line it lies (to the left).
-HWY_INLINE V off_planar_edge(const std::array<float, 2>& direction, float length, V u, V v,
-                             V& inwards) {
-  const V x = set(direction[0]), y = set(direction[1]);
-  const V along = hn::Add(hn::Mul(x, u), hn::Mul(y, v));
+template <class Vector>
+HWY_INLINE Vector off_planar_edge(const std::array<float, 2>& direction, float length, Vector u,
+                                  Vector v, Vector& inwards) {
+  const hn::DFromV<Vector> d;
+  const Vector x = hn::Set(d, direction[0]), y = hn::Set(d, direction[1]);
+  const Vector along = hn::Add(hn::Mul(x, u), hn::Mul(y, v));
   inwards = hn::Sub(hn::Mul(x, v), hn::Mul(y, u));
-  const V beyond = hn::Sub(along, hn::Min(hn::Max(along, hn::Zero(kF)), set(length)));
+  const Vector beyond = hn::Sub(along, hn::Min(hn::Max(along, hn::Zero(d)), hn::Set(d, length)));
   return hn::Add(hn::Mul(beyond, beyond), hn::Mul(inwards, inwards));
 }
 
-HWY_INLINE V squared_distance(const NearTriangle& t, V px, V py, V pz) {
-  const V x = hn::Sub(px, set(t.corner[0])), y = hn::Sub(py, set(t.corner[1])),
-          z = hn::Sub(pz, set(t.corner[2]));
-  const V u = dot(t.along, x, y, z), v = dot(t.across, x, y, z), height = dot(t.normal, x, y, z);
-  const V beyond = hn::Sub(u, hn::Min(hn::Max(u, hn::Zero(kF)), set(t.length_1)));
-  const V from_1 = hn::Add(hn::Mul(beyond, beyond), hn::Mul(v, v));
-  V left_2, left_3;
-  const V from_2 = off_planar_edge(t.direction_2, t.length_2, u, v, left_2);
-  const V from_3 =
-      off_planar_edge(t.direction_3, t.length_3, hn::Sub(u, set(t.length_1)), v, left_3);
+template <class Vector>
+HWY_INLINE Vector squared_distance(const NearTriangle& t, Vector px, Vector py, Vector pz) {
+  const hn::DFromV<Vector> d;
+  const Vector x = hn::Sub(px, hn::Set(d, t.corner[0])), y = hn::Sub(py, hn::Set(d, t.corner[1])),
+               z = hn::Sub(pz, hn::Set(d, t.corner[2]));
+  const Vector u = dot(t.along, x, y, z), v = dot(t.across, x, y, z),
+               height = dot(t.normal, x, y, z);
+  const Vector beyond = hn::Sub(u, hn::Min(hn::Max(u, hn::Zero(d)), hn::Set(d, t.length_1)));
+  const Vector from_1 = hn::Add(hn::Mul(beyond, beyond), hn::Mul(v, v));
+  Vector left_2, left_3;
+  const Vector from_2 = off_planar_edge(t.direction_2, t.length_2, u, v, left_2);
+  const Vector from_3 =
+      off_planar_edge(t.direction_3, t.length_3, hn::Sub(u, hn::Set(d, t.length_1)), v, left_3);
   // Edge 2 leads away from corner 0: the inside is to its right.
-  const V least = hn::Min(hn::Min(from_1, from_2), from_3);
-  const V inside = hn::Min(hn::Min(v, hn::Neg(left_2)), hn::Add(left_3, set(t.nothing)));
-  const V planar = hn::IfThenElseZero(hn::Lt(inside, hn::Zero(kF)), least);
+  const Vector least = hn::Min(hn::Min(from_1, from_2), from_3);
+  const Vector inside =
+      hn::Min(hn::Min(v, hn::Neg(left_2)), hn::Add(left_3, hn::Set(d, t.nothing)));
+  const Vector planar = hn::IfThenElseZero(hn::Lt(inside, hn::Zero(d)), least);
   return hn::Add(planar, hn::Mul(height, height));
 }
 
-void distances(const NearCandidate* triangles, std::size_t count, const PointCube& cube,
+void distances(const NearTriangle* const* triangles, std::size_t count, const PointCube& cube,
                CubeValues* squared, CubeValues& least) {
   const Points points(cube);
   for (std::size_t n = 0; n < kCubePoints; n += lanes()) {
     const V x = points.at(0, n), y = points.at(1, n), z = points.at(2, n);
     V best = set(1e30f);
     for (std::size_t i = 0; i < count; ++i) {
-      const V d = squared_distance(*triangles[i].triangle, x, y, z);
+      const V d = squared_distance(*triangles[i], x, y, z);
       hn::StoreU(d, kF, squared[i].data() + n);
       best = hn::Min(best, d);
     }
@@ -134,32 +145,129 @@ HWY_INLINE std::uint64_t bits_of(hn::Mask<decltype(kF)> mask) {
   return std::uint64_t{bits[0]} | std::uint64_t{bits[1]} << 8;
 }
 
-std::uint64_t within(const CubeValues& values, const CubeValues& limits) {
-  std::uint64_t bits = 0;
-  for (std::size_t n = 0; n < kCubePoints; n += lanes()) {
-    const V value = hn::LoadU(kF, values.data() + n), limit = hn::LoadU(kF, limits.data() + n);
-    bits |= bits_of(hn::Le(value, limit)) << n;
+void within(const CubeValues* values, std::size_t count, const CubeValues& limits,
+            std::uint64_t* bits) {
+  for (std::size_t i = 0; i < count; ++i) {
+    bits[i] = 0;
+    for (std::size_t n = 0; n < kCubePoints; n += lanes()) {
+      const V value = hn::LoadU(kF, values[i].data() + n);
+      bits[i] |= bits_of(hn::Le(value, hn::LoadU(kF, limits.data() + n))) << n;
+    }
   }
-  return bits;
 }
 
-void nearest(const NearCandidate* triangles, std::size_t count, const PointCube& cube,
-             CubeValues& least, std::uint32_t* which) {
-  const Points points(cube);
-  for (std::size_t n = 0; n < kCubePoints; n += lanes()) {
-    const V x = points.at(0, n), y = points.at(1, n), z = points.at(2, n);
-    V best = set(1e30f);
-    auto best_at = hn::Zero(kU);
+// The eight points at a distance of `step` from `first` on.
+class EightPoints {
+ public:
+  HWY_INLINE EightPoints(const std::array<float, 3>& first, float step)
+      : first_(first), step_(step) {}
+  template <int kAxis>
+  HWY_INLINE auto at(std::size_t n) const {
+    HWY_ALIGN static constexpr float kSteps[3][kEighths] = {
+        {0, 0, 0, 0, 1, 1, 1, 1}, {0, 0, 1, 1, 0, 0, 1, 1}, {0, 1, 0, 1, 0, 1, 0, 1}};
+    const auto steps = hn::Load(kEight, kSteps[kAxis] + n);
+    return hn::Add(hn::Set(kEight, first_[kAxis]), hn::Mul(hn::Set(kEight, step_), steps));
+  }
+
+ private:
+  std::array<float, 3> first_;
+  float step_;
+};
+
+HWY_INLINE EightPoints middles_of_eighths(const PointCube& cube) {
+  const float half = cube.step / 2;
+  return {{cube.first[0] + half, cube.first[1] + half, cube.first[2] + half}, 2 * cube.step};
+}
+
+// Squared distances from the middles of the eighths, [triangles][eighths], and the least of each.
+HWY_INLINE void from_middles(const NearTriangle* const* triangles, std::size_t count,
+                             const EightPoints& middles, float* squared, float* least) {
+  for (std::size_t n = 0; n < kEighths; n += hn::Lanes(kEight)) {
+    const auto x = middles.at<0>(n), y = middles.at<1>(n), z = middles.at<2>(n);
+    auto best = hn::Set(kEight, 1e30f);
     for (std::size_t i = 0; i < count; ++i) {
-      if (hn::AllTrue(kF, hn::Le(best, set(triangles[i].least_squared)))) continue;
-      const V d = squared_distance(*triangles[i].triangle, x, y, z);
-      const auto better = hn::Lt(d, best);
-      best = hn::IfThenElse(better, d, best);
-      best_at = hn::IfThenElse(hn::RebindMask(kU, better),
-                               hn::Set(kU, static_cast<std::uint32_t>(i)), best_at);
+      const auto d = squared_distance(*triangles[i], x, y, z);
+      hn::StoreU(d, kEight, squared + kEighths * i + n);
+      best = hn::Min(best, d);
     }
-    hn::StoreU(best, kF, least.data() + n);
-    hn::StoreU(best_at, kU, which + n);
+    hn::StoreU(best, kEight, least + n);
+  }
+}
+
+// Per triangle a byte: bits of the eighths in whose limits it lies.
+HWY_INLINE void eighths_within(const float* squared, std::size_t count, const float* limits,
+                               std::uint8_t* eighths) {
+  for (std::size_t i = 0; i < count; ++i) {
+    unsigned bits = 0;
+    for (std::size_t n = 0; n < kEighths; n += hn::Lanes(kEight)) {
+      const auto inside =
+          hn::Le(hn::LoadU(kEight, squared + kEighths * i + n), hn::LoadU(kEight, limits + n));
+      std::uint8_t some[8] = {};
+      hn::StoreMaskBits(kEight, inside, some);
+      bits |= unsigned{some[0]} << n;
+    }
+    eighths[i] = static_cast<std::uint8_t>(bits);
+  }
+}
+
+// Of the eight points of an eighth, from the triangles whose byte has its bit. The eight bytes
+// behind them are zero.
+HWY_INLINE void nearest_of(const NearTriangle* const* triangles, const std::uint8_t* eighths,
+                           std::size_t count, std::size_t eighth, const EightPoints& points,
+                           float* least, std::uint32_t* which) {
+  constexpr hn::RebindToUnsigned<decltype(kEight)> kNumbers{};
+  for (std::size_t n = 0; n < kEighths; n += hn::Lanes(kEight)) {
+    const auto x = points.at<0>(n), y = points.at<1>(n), z = points.at<2>(n);
+    auto best = hn::Set(kEight, 1e30f);
+    auto best_at = hn::Zero(kNumbers);
+    for (std::size_t first = 0; first < count; first += 8) {
+      std::uint64_t bytes;
+      hwy::CopyBytes<8>(eighths + first, &bytes);
+      bytes = bytes >> eighth & 0x0101010101010101u;
+      for (unsigned left = static_cast<unsigned>(bytes * 0x0102040810204080u >> 56); left != 0;
+           left &= left - 1) {
+        const std::size_t i = first + static_cast<std::size_t>(std::countr_zero(left));
+        const auto d = squared_distance(*triangles[i], x, y, z);
+        const auto better = hn::Lt(d, best);
+        best = hn::IfThenElse(better, d, best);
+        best_at = hn::IfThenElse(hn::RebindMask(kNumbers, better),
+                                 hn::Set(kNumbers, static_cast<std::uint32_t>(i)), best_at);
+      }
+    }
+    hn::Store(best, kEight, least + n);
+    hn::Store(best_at, kNumbers, which + n);
+  }
+}
+
+// `squared` has room for eight numbers a triangle, `eighths` for a byte a triangle and eight more.
+void nearest(const NearTriangle* const* triangles, std::size_t count, const PointCube& cube,
+             const float* reach, float* squared, std::uint8_t* eighths, float* least,
+             std::uint32_t* which) {
+  constexpr auto kUnits = static_cast<float>(kSnapUnits);
+  constexpr float kAround = (half_diagonal(2) + kDistanceErrorVoxels) * kUnits;
+  HWY_ALIGN float limits[kEighths];
+  from_middles(triangles, count, middles_of_eighths(cube), squared, limits);
+  for (std::size_t n = 0; n < kEighths; ++n) {
+    const float limit = std::min(reach[n], std::sqrt(limits[n]) + kAround) + kAround;
+    limits[n] = reach[n] < 0 ? -1.0f : limit * limit;
+  }
+  eighths_within(squared, count, limits, eighths);
+  const std::uint64_t none = 0;
+  hwy::CopyBytes<8>(&none, eighths + count);
+  for (std::size_t n = 0; n < kEighths; ++n) {
+    const std::size_t low[3] = {2 * (n >> 2), 2 * (n >> 1 & 1), 2 * (n & 1)};
+    std::array<float, 3> first;
+    for (std::size_t d = 0; d < 3; ++d) {
+      first[d] = cube.first[d] + cube.step * static_cast<float>(low[d]);
+    }
+    HWY_ALIGN float near[kEighths];
+    HWY_ALIGN std::uint32_t number[kEighths];
+    nearest_of(triangles, eighths, count, n, EightPoints(first, cube.step), near, number);
+    for (std::size_t pair = 0; pair < 4; ++pair) {
+      const std::size_t to = (low[0] + (pair >> 1)) * 16 + (low[1] + (pair & 1)) * 4 + low[2];
+      hwy::CopyBytes<8>(near + 2 * pair, least + to);
+      hwy::CopyBytes<8>(number + 2 * pair, which + to);
+    }
   }
 }
 
@@ -204,8 +312,8 @@ HWY_INLINE V gap(V away) {
   return hn::Max(hn::Sub(hn::Abs(away), set(kHalf)), hn::Zero(kF));
 }
 
-std::uint64_t near_cubes(const NearCandidate* triangles, std::size_t count, const PointCube& cube,
-                         float radius_voxels, std::uint64_t* unsure) {
+std::uint64_t near_cubes(const NearTriangle* const* triangles, std::size_t count,
+                         const PointCube& cube, float radius_voxels, std::uint64_t* unsure) {
   constexpr float kUnits = static_cast<float>(kSnapUnits);
   const V near_below = set((radius_voxels - kDistanceErrorVoxels) * kUnits);
   const V far_from = set((radius_voxels + kDistanceErrorVoxels) * kUnits);
@@ -222,8 +330,7 @@ std::uint64_t near_cubes(const NearCandidate* triangles, std::size_t count, cons
         away.y = hn::IfThenElse(better, feature.y, away.y);
         away.z = hn::IfThenElse(better, feature.z, away.z);
       };
-      for_each_feature(*triangles[i].triangle, points.at(0, n), points.at(1, n), points.at(2, n),
-                       take);
+      for_each_feature(*triangles[i], points.at(0, n), points.at(1, n), points.at(2, n), take);
       // From above: the distance of the triangle's nearest point to the cube. From below: the
       // triangle, which is convex, lies behind the plane through that point across `away`; the cube
       // reaches half of |away|_1 / |away| towards it.
@@ -299,7 +406,7 @@ void set_planar(NearTriangle& t, const Vec (&edges)[3], const Vec& normal) {
   t.across = rounded(across);
   if (area2 == 0) t.normal = rounded(height);
   const auto planar = [&](const Vec& edge, std::array<float, 2>& direction, float& length) {
-    const double u = dot(edge, along), v = dot(edge, across), l = std::hypot(u, v);
+    const double u = dot(edge, along), v = dot(edge, across), l = std::sqrt(u * u + v * v);
     length = static_cast<float>(l);
     direction = l > 0 ? std::array<float, 2>{static_cast<float>(u / l), static_cast<float>(v / l)}
                       : std::array<float, 2>{1, 0};
@@ -336,18 +443,26 @@ NearTriangle near_triangle(std::array<Vec, 3> corners, std::uint32_t source) {
   return t;
 }
 
-void squared_distances(std::span<const NearCandidate> triangles, const PointCube& points,
-                       CubeValues* squared, CubeValues& least) {
+void squared_distances(NearList triangles, const PointCube& points, CubeValues* squared,
+                       CubeValues& least) {
   HWY_DYNAMIC_DISPATCH(distances)(triangles.data(), triangles.size(), points, squared, least);
 }
 
-std::uint64_t bits_within(const CubeValues& values, const CubeValues& limits) {
-  return HWY_DYNAMIC_DISPATCH(within)(values, limits);
+void bits_within(const CubeValues* values, std::size_t count, const CubeValues& limits,
+                 std::uint64_t* bits) {
+  HWY_DYNAMIC_DISPATCH(within)(values, count, limits, bits);
 }
 
-void nearest_triangles(std::span<const NearCandidate> triangles, const PointCube& points,
-                       CubeValues& least, std::array<std::uint32_t, kCubePoints>& which) {
-  HWY_DYNAMIC_DISPATCH(nearest)(triangles.data(), triangles.size(), points, least, which.data());
+void NearestTriangles::find(NearList triangles, const PointCube& points,
+                            const std::array<float, kEighths>& reach) {
+  const std::size_t count = triangles.size();
+  if (squared_.size() < kEighths * count) {
+    squared_.resize(kEighths * count);
+    eighths_.resize(count + 8);
+  }
+  HWY_DYNAMIC_DISPATCH(nearest)
+  (triangles.data(), count, points, reach.data(), squared_.data(), eighths_.data(), least_.data(),
+   which_.data());
 }
 
 std::array<double, 3> way_from(const NearTriangle& t, const std::array<double, 3>& point) {
@@ -363,14 +478,19 @@ std::array<double, 3> way_from(const NearTriangle& t, const std::array<double, 3
     take({w[0] - at * edge[0], w[1] - at * edge[1], w[2] - at * edge[2]});
   };
   const Vec w = minus(point, vec(t.corner)), w1 = minus(w, vec(t.edge_1));
+  const double inside =
+      std::min({dot(w, vec(t.into[0])), dot(w, vec(t.into[1])), dot(w1, vec(t.into[2]))});
+  const double height = dot(w, vec(t.normal));
+  const Vec across{height * t.normal[0], height * t.normal[1], height * t.normal[2]};
+  // So far inside that no edge is as near, however the numbers are rounded.
+  constexpr double kSurely = 4;
+  if (t.nothing == 0 && inside > kSurely && std::abs(height) < 4 * double{kSnapUnits}) {
+    return across;
+  }
   off_edge(w, vec(t.edge_1));
   off_edge(w, vec(t.edge_2));
   off_edge(w1, vec(t.edge_3));
-  if (t.nothing == 0 && dot(w, vec(t.into[0])) >= 0 && dot(w, vec(t.into[1])) >= 0 &&
-      dot(w1, vec(t.into[2])) >= 0) {
-    const double height = dot(w, vec(t.normal));
-    take({height * t.normal[0], height * t.normal[1], height * t.normal[2]});
-  }
+  if (t.nothing == 0 && inside >= 0) take(across);
   return best;
 }
 
@@ -379,8 +499,8 @@ void codes_of_distances(const CubeValues& squared, std::uint64_t negative,
   HWY_DYNAMIC_DISPATCH(codes)(squared, negative, scale, codes);
 }
 
-std::uint64_t cubes_near(std::span<const NearCandidate> triangles, const PointCube& points,
-                         float radius_voxels, std::uint64_t* unsure) {
+std::uint64_t cubes_near(NearList triangles, const PointCube& points, float radius_voxels,
+                         std::uint64_t* unsure) {
   return HWY_DYNAMIC_DISPATCH(near_cubes)(triangles.data(), triangles.size(), points, radius_voxels,
                                           unsure);
 }

@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "formats/mesh/voxel_overlap.h"
 
@@ -18,6 +19,11 @@ namespace forcelayer {
 struct DistanceScale;
 
 inline constexpr float kDistanceErrorVoxels = 1e-3f;  // ten times what is ever seen
+
+// Halves of the diagonal of the box of a cube's voxel centres.
+constexpr float half_diagonal(int edge_voxels) {
+  return 0.8660255f * static_cast<float>(edge_voxels - 1);
+}
 
 // A triangle as the kernels read it: lattice units from some origin, a whole number of voxels.
 struct NearTriangle {
@@ -41,12 +47,8 @@ struct NearTriangle {
 // `corners` relative to the same origin; their order does not matter.
 NearTriangle near_triangle(std::array<std::array<double, 3>, 3> corners, std::uint32_t source);
 
-// A triangle that may matter to a cube of points, and a bound from below on its squared distance
-// from any of them.
-struct NearCandidate {
-  const NearTriangle* triangle;
-  float least_squared;
-};
+// Triangles that may matter to a cube of points.
+using NearList = std::span<const NearTriangle* const>;
 
 // 4 x 4 x 4 points `step` lattice units apart: point x*16 + y*4 + z at first + step (x, y, z).
 struct PointCube {
@@ -57,16 +59,36 @@ inline constexpr std::size_t kCubePoints = 64;
 using CubeValues = std::array<float, kCubePoints>;
 
 // Squared distances, [triangles]; `least` is the least of each point's.
-void squared_distances(std::span<const NearCandidate> triangles, const PointCube& points,
-                       CubeValues* squared, CubeValues& least);
+void squared_distances(NearList triangles, const PointCube& points, CubeValues* squared,
+                       CubeValues& least);
 
-// Bits of the points whose value is at most the limit.
-std::uint64_t bits_within(const CubeValues& values, const CubeValues& limits);
+// Per triangle bits of the points whose value is at most the limit: [count].
+void bits_within(const CubeValues* values, std::size_t count, const CubeValues& limits,
+                 std::uint64_t* bits);
 
-// The least of each point's squared distances, and which of `triangles` gives it (the first). The
-// fastest where the first are the nearest.
-void nearest_triangles(std::span<const NearCandidate> triangles, const PointCube& points,
-                       CubeValues& least, std::array<std::uint32_t, kCubePoints>& which);
+// A cube of points as eight of 2 x 2 x 2: bits of the points of number x*4 + y*2 + z.
+constexpr std::uint64_t eighth(unsigned n) {
+  return std::uint64_t{0x330033} << (32 * (n >> 2) + 8 * (n >> 1 & 1) + 2 * (n & 1));
+}
+inline constexpr std::size_t kEighths = 8;
+
+// The least of each point's squared distances, and which of the triangles gives it (the first).
+class NearestTriangles {
+ public:
+  // In the eighths of the cube only triangles within `reach` lattice units of one of its points
+  // matter, or none where that is negative; beyond, a least is that of some triangles, or 1e30.
+  void find(NearList triangles, const PointCube& points, const std::array<float, kEighths>& reach);
+
+  const CubeValues& least() const { return least_; }
+  // Undefined where the least is 1e30.
+  std::uint32_t which(std::size_t point) const { return which_[point]; }
+
+ private:
+  alignas(64) CubeValues least_;
+  alignas(64) std::array<std::uint32_t, kCubePoints> which_;
+  std::vector<float> squared_;         // [triangles][eighths] from their middles
+  std::vector<std::uint8_t> eighths_;  // [triangles] bits of those that it matters to
+};
 
 // From the nearest point of a triangle to `point`, lattice units.
 std::array<double, 3> way_from(const NearTriangle& triangle, const std::array<double, 3>& point);
@@ -78,7 +100,7 @@ void codes_of_distances(const CubeValues& squared, std::uint64_t negative,
 
 // For the voxels about the points: bits of those of which a triangle is surely nearer than
 // `radius_voxels` to the closed cube; in unsure[i] those where triangle i may or may not be.
-std::uint64_t cubes_near(std::span<const NearCandidate> triangles, const PointCube& points,
-                         float radius_voxels, std::uint64_t* unsure);
+std::uint64_t cubes_near(NearList triangles, const PointCube& points, float radius_voxels,
+                         std::uint64_t* unsure);
 
 }  // namespace forcelayer
