@@ -32,8 +32,14 @@ BrickMemo::BrickMemo(const Voxmap& voxmap)
     : keys_(kSlots, kNoKey), tags_(std::size_t{4} * kSlots, kNone) {
   const VoxmapHeader& header = voxmap.header();
   const auto& blocks = header.directory_dims;
-  strides_ = {blocks[1] * blocks[2] * 64 * 64, blocks[2] * 64, 1};
-  keys_are_unique_ = std::uint64_t{blocks[0]} * blocks[1] * blocks[2] < kNoKey / (64 * 64 * 64);
+  const std::uint64_t along[3] = {blocks[0] * std::uint64_t{64} + 1,
+                                  blocks[1] * std::uint64_t{64} + 1,
+                                  blocks[2] * std::uint64_t{64} + 1};
+  strides_ = {static_cast<std::uint32_t>(along[1] * along[2]), static_cast<std::uint32_t>(along[2]),
+              1};
+  // Fewer than half of all keys: then those of bricks before the first, which are negative, meet no
+  // others either. There are at most 2^28 blocks.
+  keys_are_unique_ = along[0] * along[1] * along[2] < kNoKey;
   known_ = known_box(header, header.directory_origin);
 }
 
@@ -53,20 +59,33 @@ std::uint32_t brick_entry(const VoxmapView& map, const BrickMemo::BrickIndex& br
   return entry_below(map, lower_entry(map, brick), brick);
 }
 
-std::array<std::uint32_t, 27> entries_around(const VoxmapView& map,
-                                             const BrickMemo::BrickIndex& brick,
-                                             std::uint32_t outside) noexcept {
-  std::array<std::uint32_t, 27> entries{};
+template <std::size_t kEdge>
+std::array<std::uint32_t, kEdge * kEdge * kEdge> brick_entries(const VoxmapView& map,
+                                                               const BrickMemo::BrickIndex& first,
+                                                               std::uint32_t outside) noexcept {
+  constexpr auto kSteps = static_cast<std::int32_t>(kEdge) - 1;
   bool in_one_node = true;
-  for (const std::int32_t b : brick) in_one_node = in_one_node && (b & 7) > 0 && (b & 7) < 7;
-  const std::uint32_t lower = in_one_node ? lower_entry(map, brick) : 0;
-  for (int n = 0; n < 27; ++n) {
-    const BrickMemo::BrickIndex neighbour{brick[0] + n / 9 - 1, brick[1] + n / 3 % 3 - 1,
-                                          brick[2] + n % 3 - 1};
-    entries[static_cast<std::size_t>(n)] =
-        in_one_node ? entry_below(map, lower, neighbour) : brick_entry(map, neighbour, outside);
+  for (const std::int32_t b : first) in_one_node = in_one_node && b >> 3 == (b + kSteps) >> 3;
+  const std::uint32_t lower = in_one_node ? lower_entry(map, first) : 0;
+  std::array<std::uint32_t, kEdge * kEdge * kEdge> entries;
+  std::size_t n = 0;
+  for (std::int32_t x = 0; x <= kSteps; ++x) {
+    for (std::int32_t y = 0; y <= kSteps; ++y) {
+      for (std::int32_t z = 0; z <= kSteps; ++z) {
+        const BrickMemo::BrickIndex brick{first[0] + x, first[1] + y, first[2] + z};
+        entries[n++] =
+            in_one_node ? entry_below(map, lower, brick) : brick_entry(map, brick, outside);
+      }
+    }
   }
   return entries;
 }
+
+template std::array<std::uint32_t, 8> brick_entries<2>(const VoxmapView&,
+                                                       const BrickMemo::BrickIndex&,
+                                                       std::uint32_t) noexcept;
+template std::array<std::uint32_t, 27> brick_entries<3>(const VoxmapView&,
+                                                        const BrickMemo::BrickIndex&,
+                                                        std::uint32_t) noexcept;
 
 }  // namespace forcelayer

@@ -11,8 +11,9 @@
 
 namespace forcelayer {
 
-// Bricks are named by the number that they have along z, y and x, modulo 2^32: see strides(). The
-// one of that key stands in slot(key), if any.
+// Bricks of the directory, and those before its first ones (brick -1 of an axis), are named by the
+// number that they have along z, y and x, modulo 2^32: see strides(). The one of that key stands in
+// slot(key), if any.
 class BrickMemo {
  public:
   static constexpr int kSlotBits = 12;
@@ -56,7 +57,7 @@ class BrickMemo {
   const KnownBox& known() const { return known_; }
 
  private:
-  static constexpr std::uint32_t kNoKey = UINT32_MAX;
+  static constexpr std::uint32_t kNoKey = 1u << 31;
   static constexpr std::int32_t kNone = INT32_MIN;
 
   std::array<std::uint32_t, 3> strides_{};
@@ -66,14 +67,15 @@ class BrickMemo {
   std::vector<std::int32_t> tags_;
 };
 
-// The entries under which the voxels of the bricks around one and of itself stand (9 x + 3 y + z):
-// uniform, or a brick's number. `outside` beyond the directory.
-std::array<std::uint32_t, 27> entries_around(const VoxmapView& map,
-                                             const BrickMemo::BrickIndex& brick,
-                                             std::uint32_t outside) noexcept;
-
-// The same of one brick. Voxels 8 b to 8 b + 7 are its, relative to the directory.
+// The entry under which a brick's voxels stand, 8 b to 8 b + 7 relative to the directory: uniform,
+// or the brick's number. `outside` beyond the directory.
 std::uint32_t brick_entry(const VoxmapView& map, const BrickMemo::BrickIndex& brick,
                           std::uint32_t outside) noexcept;
+
+// The same of kEdge^3 bricks from `first` on, by x, y and z.
+template <std::size_t kEdge>
+std::array<std::uint32_t, kEdge * kEdge * kEdge> brick_entries(const VoxmapView& map,
+                                                               const BrickMemo::BrickIndex& first,
+                                                               std::uint32_t outside) noexcept;
 
 }  // namespace forcelayer

@@ -10,15 +10,15 @@
 
 namespace forcelayer {
 
-// A decoded brick holds 10 planes (x) of 9 rows (y) of 10 pairs of bytes (z), x and z running over
-// the brick and its halo, y over all of it but the last: a pair holds the codes at y and y + 1. So
-// the codes at the corners of the cell whose lowest voxel is (x, y, z), each -1 to 7, are the four
-// bytes from pair z + 1 of row y + 1 on in the planes x + 1 and x + 2.
+// A decoded brick holds the codes at the corners of cells, which lie between the centres of eight
+// voxels: of those whose lowest voxel is the brick's. It has 8 planes (x) of 8 rows (y) of 9 words
+// (z) of four bytes; byte 2 x' + y' of word z is the code at (x + x', y + y', z). So the codes at
+// the corners of cell (x, y, z) are words z and z + 1 of row y of plane x.
 class DistanceBricks : public BrickMemo {
  public:
-  static constexpr std::uint32_t kRowBytes = 20;
-  static constexpr std::uint32_t kPlaneBytes = 9 * kRowBytes;
-  static constexpr std::uint32_t kBrickBytes = 10 * kPlaneBytes;
+  static constexpr std::uint32_t kRowBytes = 36;
+  static constexpr std::uint32_t kPlaneBytes = 8 * kRowBytes;
+  static constexpr std::uint32_t kBrickBytes = 8 * kPlaneBytes;
 
   // The map has 4 or 8 bits per voxel and outlives this.
   explicit DistanceBricks(const Voxmap& voxmap);
@@ -27,12 +27,18 @@ class DistanceBricks : public BrickMemo {
   const std::uint8_t* codes() const { return codes_.data(); }
 
   // Decodes the brick of voxels 8 b to 8 b + 7, relative to the map's directory_origin and inside
-  // its directory, into its slot unless it stands there already; its codes.
+  // its directory or just before it (-1), into its slot unless it stands there already; its codes.
   const std::uint8_t* hold(std::int32_t bx, std::int32_t by, std::int32_t bz) noexcept;
 
+  // Codes along z: eight of a brick, a byte each, and the one behind.
+  struct Row {
+    std::uint64_t own;
+    std::uint32_t next;
+  };
+
  private:
-  // The brick and its halo, voxel by voxel: [x][y][z], each -1 to 8.
-  using Halo = std::array<std::array<std::array<std::uint8_t, 10>, 10>, 10>;
+  // The brick and the voxels behind it, [x][y].
+  using Halo = std::array<std::array<Row, 9>, 9>;
 
   void gather(const BrickIndex& brick, Halo& halo) const noexcept;
   void gather_known(const BrickIndex& brick, Halo& halo) const noexcept;

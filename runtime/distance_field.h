@@ -29,7 +29,7 @@ class DistanceField final : public ForceField {
   // Why the map stores no distances, if so. A kUsage error.
   static std::optional<Error> unreadable(const Voxmap& voxmap);
 
-  // The map must be readable and outlive the field. Takes 8 MB for decoded bricks.
+  // The map must be readable and outlive the field. Takes 10 MB for decoded bricks.
   explicit DistanceField(const Voxmap& voxmap);
 
   // As ForceField says; by one thread at a time.

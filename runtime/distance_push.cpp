@@ -15,32 +15,37 @@ namespace forcelayer {
 namespace HWY_NAMESPACE {
 namespace {
 
-// A code of four in each lane.
+// Codes in bytes 0 and 1 of the lanes, more by kRaised[kByte]: they are written behind the exponent
+// of that number, where a unit of them is one. Differences need no more than that.
+constexpr float kRaised[2] = {0x1p23f, 0x1p15f};
 template <int kByte>
-HWY_INLINE VF code_at(VI word) {
-  const VI byte = hn::And(hn::ShiftRight<8 * kByte>(word), hn::Set(kI, 255));
-  return hn::ConvertTo(kF, byte);
+HWY_INLINE VF raised(VI words) {
+  const VI bits = hn::And(words, hn::Set(kI, 255 << (8 * kByte)));
+  return hn::BitCast(kF, hn::Or(bits, hn::BitCast(kI, hn::Set(kF, kRaised[kByte]))));
 }
 
 HWY_INLINE VF mix(VF a, VF b, VF share) { return hn::Add(a, hn::Mul(share, hn::Sub(b, a))); }
 
-// Codes between the corners of a cell, and their slope per voxel, from the words of its two planes
-// along x: bytes y + 2 z.
-HWY_INLINE VF between_corners(const VI (&planes)[2], const VF (&share)[3], VF (&slope)[3]) {
-  VF at_y[2][2], step_z[2][2];  // [x][y], z done with
-  for (int x = 0; x < 2; ++x) {
-    const VF c00 = code_at<0>(planes[x]), c10 = code_at<1>(planes[x]), c01 = code_at<2>(planes[x]),
-             c11 = code_at<3>(planes[x]);
-    step_z[x][0] = hn::Sub(c01, c00);
-    step_z[x][1] = hn::Sub(c11, c10);
-    at_y[x][0] = hn::Add(c00, hn::Mul(share[2], step_z[x][0]));
-    at_y[x][1] = hn::Add(c10, hn::Mul(share[2], step_z[x][1]));
-  }
+// Codes at one x and y, between z and z + 1, from the words there; and their step along z.
+template <int kByte>
+HWY_INLINE VF between_words(VI low, VI high, VF share, VF& step) {
+  const VF code = raised<kByte>(low);
+  step = hn::Sub(raised<kByte>(high), code);
+  return hn::Add(hn::Sub(code, hn::Set(kF, kRaised[kByte])), hn::Mul(share, step));
+}
+
+// Codes between the corners of a cell, and their slope per voxel, from the cell's words.
+HWY_INLINE VF between_corners(VI low, VI high, const VF (&share)[3], VF (&slope)[3]) {
   VF at_x[2], step_y[2], step_z_x[2];
   for (int x = 0; x < 2; ++x) {
-    step_y[x] = hn::Sub(at_y[x][1], at_y[x][0]);
-    at_x[x] = hn::Add(at_y[x][0], hn::Mul(share[1], step_y[x]));
-    step_z_x[x] = mix(step_z[x][0], step_z[x][1], share[1]);
+    VF step_z[2];
+    const VF at_y0 = between_words<0>(low, high, share[2], step_z[0]);
+    const VF at_y1 = between_words<1>(low, high, share[2], step_z[1]);
+    step_y[x] = hn::Sub(at_y1, at_y0);
+    at_x[x] = hn::Add(at_y0, hn::Mul(share[1], step_y[x]));
+    step_z_x[x] = mix(step_z[0], step_z[1], share[1]);
+    low = hn::ShiftRight<16>(low);
+    high = hn::ShiftRight<16>(high);
   }
   slope[0] = hn::Sub(at_x[1], at_x[0]);
   slope[1] = mix(step_y[0], step_y[1], share[0]);
@@ -48,9 +53,21 @@ HWY_INLINE VF between_corners(const VI (&planes)[2], const VF (&share)[3], VF (&
   return hn::Add(at_x[0], hn::Mul(share[0], slope[0]));
 }
 
+// Loads pairs of numbers apart. Highway's own LoadInterleaved2 takes twice the shuffles.
+HWY_INLINE void load_pairs(const std::int32_t* pairs, VI& first, VI& second) {
+#if HWY_TARGET == HWY_SCALAR
+  hn::LoadInterleaved2(kI, pairs, first, second);
+#else
+  const VI low = hn::Load(kI, pairs), high = hn::Load(kI, pairs + kLanes);
+  first = hn::ConcatEven(kI, high, low);
+  second = hn::ConcatOdd(kI, high, low);
+#endif
+}
+
 // What the stages hand on for the points of a chunk.
 struct Stages {
-  HWY_ALIGN std::int32_t words[2][kChunk];  // the planes of each point's cell
+  HWY_ALIGN std::int32_t words[2 * kChunk];  // two of each point's cell
+  HWY_ALIGN float share[3][kChunk];          // where between the cell's corners the point lies
 };
 
 // Pushes the points in values 1 and 2, or measures all points (ForceField::measure).
@@ -58,8 +75,11 @@ template <bool kAllPoints>
 class Kernel : public FieldKernel<Kernel<kAllPoints>, DistanceBricks, kAllPoints> {
   using Base = FieldKernel<Kernel<kAllPoints>, DistanceBricks, kAllPoints>;
   using Base::bricks_;
+  using Base::points_;
 
  public:
+  static constexpr bool kPicksNormals = false;
+
   Kernel(const CollectedPoints& points, const DistanceCodes& codes, DistanceBricks& bricks,
          FieldSamples& samples)
       : Base(points, bricks, samples), codes_(codes) {}
@@ -69,24 +89,18 @@ class Kernel : public FieldKernel<Kernel<kAllPoints>, DistanceBricks, kAllPoints
   HWY_INLINE void push_chunk(std::size_t count, const Load& load) {
     for (std::size_t i = 0; i < count; i += kLanes) gather(load(i), i);
     for (std::size_t i = 0; i < count; i += kLanes) {
-      const Lanes lanes = load(i);
-      const VI planes[2] = {hn::Load(kI, stages_.words[0] + i), hn::Load(kI, stages_.words[1] + i)};
-      push_lanes(lanes, planes);
+      VF share[3];
+      for (int n = 0; n < 3; ++n) share[n] = hn::Load(kF, stages_.share[n] + i);
+      VI low, high;
+      load_pairs(stages_.words + 2 * i, low, high);
+      push_lanes(load(i), low, high, share);
     }
   }
 
  private:
-  HWY_INLINE void push_lanes(const Lanes& lanes, const VI (&planes)[2]) {
-    // A cell lies between voxel centres.
-    const VF half = hn::Set(kF, 0.5f), one = hn::Set(kF, 1.0f);
-    VF share[3];
-    for (int n = 0; n < 3; ++n) {
-      const auto low = hn::Lt(lanes.fraction[n], half);
-      const VF shifted = hn::Sub(lanes.fraction[n], half);
-      share[n] = hn::IfThenElse(low, hn::Add(shifted, one), shifted);
-    }
+  HWY_INLINE void push_lanes(const Lanes& lanes, VI low, VI high, const VF (&share)[3]) {
     VF slope[3];
-    const VF code = between_corners(planes, share, slope);
+    const VF code = between_corners(low, high, share, slope);
     const VF step = hn::Set(kF, codes_.voxels_per_code);
     const VF phi = hn::Mul(hn::Sub(code, hn::Set(kF, codes_.zero_code)), step);
     for (int n = 0; n < 3; ++n) slope[n] = hn::Mul(slope[n], step);
@@ -96,20 +110,16 @@ class Kernel : public FieldKernel<Kernel<kAllPoints>, DistanceBricks, kAllPoints
   HWY_INLINE void push(const Lanes& lanes, VF phi, const VF (&slope)[3]) {
     const VF one = hn::Set(kF, 1.0f), size_m = hn::Set(kF, codes_.voxel_size_m);
     const VF depth = hn::Neg(phi);
-    const VF buried =
-        clamp01(hn::Mul(hn::Sub(depth, hn::Set(kF, kBuriedVoxels)), hn::Set(kF, 2.0f)));
-    const VF along_normal = hn::Mul(hn::Set(kF, kBeyondSlope), buried);
-    VF u[3];
-    for (int n = 0; n < 3; ++n) u[n] = hn::Add(slope[n], hn::Mul(along_normal, lanes.normal[n]));
+    VF u[3] = {slope[0], slope[1], slope[2]};
+    // Most contacts are less than a voxel deep. There the normal counts nothing, and nothing lies
+    // beyond: the same numbers without them.
+    VF beyond = hn::Zero(kF);
+    if (HWY_UNLIKELY(!hn::AllFalse(kF, hn::Gt(depth, one)))) beyond = push_deep(lanes, depth, u);
     const VF length = hn::Sqrt(dot(u, u));
     const auto directed = hn::Gt(length, hn::Set(kF, kNoDirection));
     const VF per_length = hn::Div(one, length);
     for (int n = 0; n < 3; ++n) u[n] = hn::Mul(u[n], per_length);
     const VF strength = hn::Min(hn::Mul(length, hn::Set(kF, 1 / kLeastSlope)), one);
-    // Beyond a voxel depth counts as far as it has a slope.
-    const VF certain =
-        hn::Min(hn::Mul(hn::Sqrt(dot(slope, slope)), hn::Set(kF, 1 / kLeastSlope)), one);
-    const VF beyond = hn::Mul(hn::Max(hn::Sub(depth, one), hn::Zero(kF)), certain);
     VF depth_m = hn::Mul(hn::Mul(hn::Add(hn::Min(depth, one), beyond), strength), size_m);
     auto kept = hn::RebindMask(kF, lanes.wanted);
     if (kAllPoints) {
@@ -122,55 +132,49 @@ class Kernel : public FieldKernel<Kernel<kAllPoints>, DistanceBricks, kAllPoints
     this->store(Packing(kept), lanes.at, depth_m, u, slope);
   }
 
-  // From a voxel of a brick to the lowest corner of the cell that holds the point: one voxel less
-  // where the point lies in the lower half; one more for the halo. In bytes of the brick.
-  static HWY_INLINE VI cell_offset(const Lanes& lanes) {
-    const VI seven = hn::Set(kI, 7);
-    VI cell[3];
+  // Adds the part's normal to the slope `u` where it counts; what the depth is beyond a voxel, as
+  // far as it has a slope.
+  HWY_INLINE VF push_deep(const Lanes& lanes, VF depth, VF (&u)[3]) const {
+    const VF one = hn::Set(kF, 1.0f);
+    const VF certain = hn::Min(hn::Mul(hn::Sqrt(dot(u, u)), hn::Set(kF, 1 / kLeastSlope)), one);
+    const VF buried =
+        clamp01(hn::Mul(hn::Sub(depth, hn::Set(kF, kBuriedVoxels)), hn::Set(kF, 2.0f)));
+    const VF along_normal = hn::Mul(hn::Set(kF, kBeyondSlope), buried);
+    const float* normal[3] = {points_.nx.data(), points_.ny.data(), points_.nz.data()};
     for (int n = 0; n < 3; ++n) {
-      const auto upper = hn::RebindMask(kI, hn::Ge(lanes.fraction[n], hn::Set(kF, 0.5f)));
-      cell[n] = hn::Sub(hn::And(lanes.voxel[n], seven), hn::VecFromMask(kI, upper));
+      u[n] = hn::Add(u[n], hn::Mul(along_normal, hn::GatherIndex(kF, normal[n], lanes.at)));
     }
-    static_assert(DistanceBricks::kPlaneBytes == 180 && DistanceBricks::kRowBytes == 20);
-    const VI planes = hn::Add(hn::ShiftLeft<3>(cell[0]), cell[0]);             // 9 x
-    const VI rows = hn::Add(planes, cell[1]);                                  // 9 x + y
-    const VI pairs = hn::Add(hn::ShiftLeft<3>(rows), hn::ShiftLeft<1>(rows));  // 10 (9 x + y)
-    return hn::ShiftLeft<1>(hn::Add(pairs, cell[2]));
+    return hn::Mul(hn::Max(hn::Sub(depth, one), hn::Zero(kF)), certain);
   }
 
-  // The corners of the points' cells, to words[.][i] on.
+  // The shares and the corners of the points' cells, to the stages' numbers from i on.
   HWY_INLINE void gather(const Lanes& lanes, std::size_t i) {
-    const auto [slot, held] = this->find(lanes.voxel);
+    const VF half = hn::Set(kF, 0.5f), one = hn::Set(kF, 1.0f);
+    VI cell[3];  // its lowest voxel: the point's, or the one before it
+    for (int n = 0; n < 3; ++n) {
+      const auto before = hn::Lt(lanes.fraction[n], half);
+      const VF shifted = hn::Sub(lanes.fraction[n], half);
+      hn::Store(hn::IfThenElse(before, hn::Add(shifted, one), shifted), kF, stages_.share[n] + i);
+      cell[n] = hn::Add(lanes.voxel[n], hn::VecFromMask(kI, hn::RebindMask(kI, before)));
+    }
+    const auto [slot, held] = this->find(cell);
+    static_assert(DistanceBricks::kPlaneBytes == 8 * 36 && DistanceBricks::kRowBytes == 36);
+    const VI seven = hn::Set(kI, 7);
+    const VI row = hn::Add(hn::ShiftLeft<3>(hn::And(cell[0], seven)), hn::And(cell[1], seven));
+    const VI word = hn::Add(hn::Add(hn::ShiftLeft<3>(row), row), hn::And(cell[2], seven));
+    const VI in_brick = hn::ShiftLeft<2>(word);
     constexpr auto kBrick = static_cast<std::int32_t>(DistanceBricks::kBrickBytes);
-    const VI offset = hn::Add(hn::Mul(slot, hn::Set(kI, kBrick)), cell_offset(lanes));
-    for (std::uint32_t plane = 0; plane < 2; ++plane) {
-      const auto* base = reinterpret_cast<const std::int32_t*>(bricks_.codes() +
-                                                               plane * DistanceBricks::kPlaneBytes);
-      hn::Store(hn::GatherOffset(kI, base, offset), kI, stages_.words[plane] + i);
+    // Point by point: two words at once, which no gather of this width fetches.
+    HWY_ALIGN std::int32_t offsets[kLanes];
+    hn::Store(hn::Add(hn::Mul(slot, hn::Set(kI, kBrick)), in_brick), kI, offsets);
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+      hwy::CopyBytes<8>(bricks_.codes() + offsets[lane], &stages_.words[2 * (i + lane)]);
     }
     const auto missing = hn::AndNot(held, lanes.wanted);
-    if (HWY_UNLIKELY(!hn::AllFalse(kI, missing))) fetch_missing(lanes, missing, i);
-  }
-
-  // Decodes the bricks that were not held. One of them may replace another, so each point's words
-  // are taken while its brick is there.
-  HWY_NOINLINE void fetch_missing(const Lanes& lanes, hn::Mask<Ints> missing, std::size_t i) {
-    HWY_ALIGN std::int32_t voxel[3][kLanes];
-    HWY_ALIGN std::int32_t offset[kLanes];
-    HWY_ALIGN std::int32_t wanted[kLanes];
-    for (int axis = 0; axis < 3; ++axis) hn::Store(lanes.voxel[axis], kI, voxel[axis]);
-    hn::Store(cell_offset(lanes), kI, offset);
-    hn::Store(hn::VecFromMask(kI, missing), kI, wanted);
-    for (std::size_t lane = 0; lane < kLanes; ++lane) {
-      if (wanted[lane] == 0) continue;
-      const std::uint8_t* codes =
-          bricks_.hold(voxel[0][lane] >> 3, voxel[1][lane] >> 3, voxel[2][lane] >> 3);
-      codes += offset[lane];
-      for (std::uint32_t plane = 0; plane < 2; ++plane) {
-        hwy::CopyBytes<4>(codes + plane * DistanceBricks::kPlaneBytes,
-                          &stages_.words[plane][i + lane]);
-      }
-    }
+    if (HWY_LIKELY(hn::AllFalse(kI, missing))) return;
+    this->fetch(cell, in_brick, missing, [&](std::size_t lane, const std::uint8_t* codes) {
+      hwy::CopyBytes<8>(codes, &stages_.words[2 * (i + lane)]);
+    });
   }
 
   const DistanceCodes& codes_;

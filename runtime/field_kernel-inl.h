@@ -109,15 +109,26 @@ constexpr auto kNumbers = [] {
 struct Picked {
   static constexpr std::size_t kRoom = kChunk + kLanes;
 
-  HWY_ALIGN std::int32_t at[kRoom] = {};
-  HWY_ALIGN std::int32_t voxel[3][kRoom] = {};
-  HWY_ALIGN float fraction[3][kRoom] = {};
-  HWY_ALIGN float normal[3][kRoom] = {};
+  HWY_ALIGN std::int32_t at[kRoom];
+  HWY_ALIGN std::int32_t voxel[3][kRoom];
+  HWY_ALIGN float fraction[3][kRoom];
+  HWY_ALIGN float normal[3][kRoom];
   std::size_t count = 0;
+
+  // The lanes behind the last point, which are read along with it, must hold numbers.
+  HWY_INLINE void close() {
+    hn::StoreU(hn::Zero(kI), kI, at + count);
+    for (int axis = 0; axis < 3; ++axis) {
+      hn::StoreU(hn::Zero(kI), kI, voxel[axis] + count);
+      hn::StoreU(hn::Zero(kF), kF, fraction[axis] + count);
+      hn::StoreU(hn::Zero(kF), kF, normal[axis] + count);
+    }
+  }
 };
 
 // Samples the points in values 1 and 2, or all points (ForceField::measure), with what `Bricks`, a
-// BrickMemo, holds.
+// BrickMemo, holds. Of points that were picked out the lanes have their normals only where
+// Derived::kPicksNormals says so.
 template <class Derived, class Bricks, bool kAllPoints>
 class FieldKernel {
  public:
@@ -143,6 +154,7 @@ class FieldKernel {
       for (; first < points_.count && picked.count + kLanes <= kChunk; first += kLanes) {
         pick(first, picked);
       }
+      picked.close();
       derived().push_chunk(picked.count, [&](std::size_t i) HWY_ATTR { return load(picked, i); });
     }
   }
@@ -192,6 +204,25 @@ class FieldKernel {
     return found;
   }
 
+  // Decodes the bricks of voxels that were not held, and calls take(lane, bytes) with what stands
+  // `offset` bytes into a lane's: one brick may replace another, so it is to be used at once.
+  template <class Take>
+  HWY_NOINLINE void fetch(const VI (&voxel)[3], VI offset, hn::Mask<Ints> missing,
+                          const Take& take) {
+    HWY_ALIGN std::int32_t at[3][kLanes];
+    HWY_ALIGN std::int32_t offsets[kLanes];
+    HWY_ALIGN std::int32_t wanted[kLanes];
+    for (int axis = 0; axis < 3; ++axis) hn::Store(voxel[axis], kI, at[axis]);
+    hn::Store(offset, kI, offsets);
+    hn::Store(hn::VecFromMask(kI, missing), kI, wanted);
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+      if (wanted[lane] == 0) continue;
+      const std::uint8_t* brick =
+          bricks_.hold(at[0][lane] >> 3, at[1][lane] >> 3, at[2][lane] >> 3);
+      take(lane, brick + offsets[lane]);
+    }
+  }
+
   static HWY_INLINE VI constant(std::uint32_t value) {
     return hn::Set(kI, static_cast<std::int32_t>(value));
   }
@@ -234,7 +265,7 @@ class FieldKernel {
     for (int axis = 0; axis < 3; ++axis) {
       lanes.voxel[axis] = hn::Load(kI, picked.voxel[axis] + i);
       lanes.fraction[axis] = hn::Load(kF, picked.fraction[axis] + i);
-      lanes.normal[axis] = hn::Load(kF, picked.normal[axis] + i);
+      if (Derived::kPicksNormals) lanes.normal[axis] = hn::Load(kF, picked.normal[axis] + i);
     }
     lanes.wanted = hn::FirstN(kI, picked.count - i);
     return lanes;
@@ -251,7 +282,9 @@ class FieldKernel {
     for (int axis = 0; axis < 3; ++axis) {
       hn::StoreU(pack(lanes.voxel[axis]), kI, picked.voxel[axis] + to);
       hn::StoreU(pack(lanes.fraction[axis]), kF, picked.fraction[axis] + to);
-      hn::StoreU(pack(lanes.normal[axis]), kF, picked.normal[axis] + to);
+      if (Derived::kPicksNormals) {
+        hn::StoreU(pack(lanes.normal[axis]), kF, picked.normal[axis] + to);
+      }
     }
     picked.count += pack.count();
   }

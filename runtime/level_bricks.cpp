@@ -82,7 +82,8 @@ const std::uint8_t* LevelBricks::values_of(const BrickIndex& brick) const noexce
 // Plane by plane: ten rows of raised levels (the last of the brick before, the eight of this one,
 // the first of the next), then each three neighbours in one.
 void LevelBricks::decode(const BrickIndex& brick, std::uint8_t* levels) const noexcept {
-  const std::array<std::uint32_t, 27> entries = entries_around(map_, brick, uniform_entry(0));
+  const auto entries =
+      brick_entries<3>(map_, {brick[0] - 1, brick[1] - 1, brick[2] - 1}, uniform_entry(0));
   std::array<const std::uint8_t*, 27> values{};
   for (std::size_t n = 0; n < 27; ++n) values[n] = values_of_entry(map_, entries[n]);
   for (int x = -1; x <= 8; ++x) {

@@ -188,6 +188,8 @@ class Kernel : public FieldKernel<Kernel<kAllPoints>, LevelBricks, kAllPoints> {
   using Base::bricks_;
 
  public:
+  static constexpr bool kPicksNormals = true;
+
   Kernel(const CollectedPoints& points, float voxel_size_m, LevelBricks& bricks,
          FieldSamples& samples)
       : Base(points, bricks, samples), voxel_size_m_(voxel_size_m) {}
@@ -249,35 +251,21 @@ class Kernel : public FieldKernel<Kernel<kAllPoints>, LevelBricks, kAllPoints> {
     const VI at_brick = hn::Sub(hn::ShiftLeft<10>(slot), hn::ShiftLeft<6>(slot));
     const VI at_plane = hn::Add(hn::ShiftLeft<6>(x), hn::ShiftLeft<5>(x));
     const VI at_row = hn::Add(hn::ShiftLeft<3>(y), hn::ShiftLeft<2>(y));
-    const VI offset =
-        hn::Add(hn::Add(at_brick, at_plane), hn::Add(at_row, hn::And(voxel[2], seven)));
+    const VI in_brick = hn::Add(hn::Add(at_plane, at_row), hn::And(voxel[2], seven));
+    const VI offset = hn::Add(at_brick, in_brick);
     for (std::uint32_t plane = 0; plane < 3; ++plane) {
       const auto* base = reinterpret_cast<const std::int32_t*>(bricks_.levels() +
                                                                plane * LevelBricks::kPlaneBytes);
       hn::Store(hn::GatherOffset(kI, base, offset), kI, stages_.words[plane] + i);
     }
     const auto missing = hn::AndNot(held, lanes.wanted);
-    if (HWY_UNLIKELY(!hn::AllFalse(kI, missing))) fetch_missing(lanes, missing, i);
-  }
-
-  // Decodes the bricks that were not held. One of them may replace another, so each point's words
-  // are taken while its brick is there.
-  HWY_NOINLINE void fetch_missing(const Lanes& lanes, hn::Mask<Ints> missing, std::size_t i) {
-    HWY_ALIGN std::int32_t voxel[3][kLanes];
-    HWY_ALIGN std::int32_t wanted[kLanes];
-    for (int axis = 0; axis < 3; ++axis) hn::Store(lanes.voxel[axis], kI, voxel[axis]);
-    hn::Store(hn::VecFromMask(kI, missing), kI, wanted);
-    for (std::size_t lane = 0; lane < kLanes; ++lane) {
-      if (wanted[lane] == 0) continue;
-      const std::int32_t x = voxel[0][lane], y = voxel[1][lane], z = voxel[2][lane];
-      const std::uint8_t* levels = bricks_.hold(x >> 3, y >> 3, z >> 3);
-      levels += (x & 7) * std::int32_t{LevelBricks::kPlaneBytes} +
-                (y & 7) * std::int32_t{LevelBricks::kRowBytes} + (z & 7);
+    if (HWY_LIKELY(hn::AllFalse(kI, missing))) return;
+    this->fetch(voxel, in_brick, missing, [&](std::size_t lane, const std::uint8_t* levels) {
       for (std::uint32_t plane = 0; plane < 3; ++plane) {
         hwy::CopyBytes<4>(levels + plane * LevelBricks::kPlaneBytes,
                           &stages_.words[plane][i + lane]);
       }
-    }
+    });
   }
 
   float voxel_size_m_;
