@@ -6,6 +6,7 @@
 #include <OpenMesh/Core/System/omstream.hh>
 #include <mutex>
 #include <sstream>
+#include <stdexcept>
 #include <vector>
 
 #include "formats/mesh/om_chunks.h"
@@ -109,7 +110,13 @@ void decode(const SourceFile& file, const OmContent& content, Collector& collect
   ::omerr().disable();  // what goes wrong is reported below
   std::istringstream stream(content.stripped);
   om::IO::Options options;
-  const bool done = om::IO::OMReader().read(stream, collector, options);
+  bool done = false;
+  try {
+    done = om::IO::OMReader().read(stream, collector, options);
+  } catch (const std::logic_error& what) {  // handles of a width that it has no type for
+    fail_read(file, ErrorCode::kMeshUnsupported, "", std::string("OpenMesh says: ") + what.what(),
+              "write the mesh again");
+  }
   if (!done || collector.n_vertices() != content.vertices || collector.n_faces() != content.faces) {
     fail_read(file, ErrorCode::kMeshIncomplete, "",
               "OpenMesh gives " + std::to_string(collector.n_faces()) + " of " +

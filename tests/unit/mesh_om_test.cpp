@@ -88,5 +88,19 @@ TEST(OmReader, RefusesDeletedFaces) {
   EXPECT_NE(to_line(assembly.error()).find("deleted"), std::string::npos);
 }
 
+// OpenMesh throws at them; found by fuzzing.
+TEST(OmReader, RefusesHandlesOfEightBytes) {
+  std::string bytes = "OMT";
+  bytes += static_cast<char>(2 << 5 | 2);                         // version 2.2
+  for (const std::uint32_t count : {0, 0, 1}) put(bytes, count);  // vertices, faces, edges
+  constexpr unsigned kHalfedge = 6 << 2, kTopology = 7 << 5, k64Bits = 3 << 14;
+  put(bytes, static_cast<std::uint16_t>(kHalfedge | kTopology | k64Bits));
+  bytes.append(2 * 3 * 8, '\0');
+  const auto assembly = read_bytes(bytes, ".om");
+  ASSERT_FALSE(assembly);
+  EXPECT_EQ(assembly.error().code, ErrorCode::kMeshUnsupported);
+  EXPECT_NE(to_line(assembly.error()).find("OpenMesh says"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace forcelayer
