@@ -18,6 +18,20 @@ struct ContactLaw {
   ForceCurve curve;
 };
 
+// What the contacts of a set, those with depth > 0, come to. Sums run in eight columns and are then
+// added in one order: the same bits for any vector width.
+struct ContactTotals {
+  std::uint32_t count = 0;
+  float depth_m = 0;  // of the deepest
+  // Contacts that share the load: by area, each in full from an eighth of a voxel of depth on.
+  double sharing = 0;
+  // Sum of the energies over K_ff of contacts that count as max(1, weight), and what is to be added
+  // to it where they count by their weight.
+  double alone_m2 = 0, rest_m2 = 0;
+};
+
+ContactTotals contact_totals(const ContactSet& set, const ContactLaw& law) noexcept;
+
 // How many contacts share the load, and so how stiff each is (the place of the paper's N/10, 5.2).
 // Contacts are counted by area, and by depth up to an eighth of a voxel, so that the count is
 // continuous: a point enters with nothing. Few points each hold with the full stiffness, however
@@ -26,12 +40,15 @@ struct ContactLaw {
 class LoadSharing {
  public:
   LoadSharing() = default;  // one contact
-  LoadSharing(const ContactSet& set, double voxel_size_m) noexcept;
+  explicit LoadSharing(const ContactTotals& totals) noexcept;
   // Factor on the stiffness of a contact.
   double share(const Contact& contact) const noexcept {
     const double alone = std::max(1.0f, contact.weight);
     return average_ * (alone + by_area_ * (contact.weight - alone));
   }
+
+  double average() const noexcept { return average_; }
+  double by_area() const noexcept { return by_area_; }
 
  private:
   double average_ = 1;  // 1 up to ten contacts, then ten over their number
@@ -39,7 +56,7 @@ class LoadSharing {
 };
 
 // Energy stored in the contact springs, J.
-double contact_energy_j(const ContactSet& set, const LoadSharing& load,
+double contact_energy_j(const ContactTotals& totals, const LoadSharing& load,
                         const ContactLaw& law) noexcept;
 
 // Separation speed of a contact per velocity of the part: [u; r x u].
@@ -54,7 +71,8 @@ inline Vector6 separation_row(const Contact& contact) noexcept {
 ContactRow spring_row(const Contact& contact, double force_m, const LoadSharing& load,
                       const ContactLaw& law, double dt_s) noexcept;
 
-// Adds a row for every contact of `set` that a motion of at most `reach_m` could bring to touch.
+// Adds a row for every contact of `set` that a motion of at most `reach_m` could bring to touch, as
+// spring_row() makes them.
 void add_contact_rows(const ContactSet& set, const LoadSharing& load, const ContactLaw& law,
                       double dt_s, double reach_m, ContactRows& rows) noexcept;
 

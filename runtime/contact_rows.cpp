@@ -2,8 +2,9 @@
 
 #include <algorithm>
 
-// Vectors stand in arrays here, which those of unknown size cannot.
-#define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
+// Vectors stand in arrays here, which those of unknown size cannot. Machines with nothing beyond
+// SSSE3 are served by the code for any machine.
+#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "runtime/contact_rows.cpp"
 #include <hwy/foreach_target.h>
@@ -16,65 +17,65 @@ namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-using Block = ContactRowBlock;
-using Doubles = hn::CappedTag<double, Block::kRows>;
+using Columns = ContactRowColumns;
+constexpr std::size_t kRows = ContactRows::kRowsAtOnce;  // of a block
+using Doubles = hn::CappedTag<double, kRows>;
 using VD = hn::Vec<Doubles>;
 constexpr Doubles kD;
-constexpr std::size_t kLanes = HWY_MIN(HWY_LANES(double), Block::kRows);
-constexpr std::size_t kVectors = Block::kRows / kLanes;  // of a block
+constexpr std::size_t kLanes = HWY_MIN(HWY_LANES(double), kRows);
+constexpr std::size_t kVectors = kRows / kLanes;  // of a block
 
-double sum_of_columns(const double (&c)[Block::kRows]) {
+double sum_of_columns(const double (&c)[kRows]) {
   return ((c[0] + c[4]) + (c[2] + c[6])) + ((c[1] + c[5]) + (c[3] + c[7]));
 }
 
-double energy_on_target(const Block* blocks, std::size_t count, const Vector6& v,
+double energy_on_target(const Columns& rows, std::size_t blocks, const Vector6& v,
                         std::uint8_t* push) {
   VD sum[kVectors];
   for (VD& part : sum) part = hn::Zero(kD);
   const VD zero = hn::Zero(kD), half = hn::Set(kD, 0.5);
-  for (std::size_t b = 0; b < count; ++b) {
-    const auto& columns = blocks[b].columns;
+  for (std::size_t b = 0; b < blocks; ++b) {
     unsigned bits = 0;
     for (std::size_t part = 0; part < kVectors; ++part) {
-      const std::size_t at = part * kLanes;
-      VD speed = hn::Mul(hn::Load(kD, columns[0] + at), hn::Set(kD, v[0]));
+      const std::size_t lane = part * kLanes, at = b * kRows + lane;
+      VD speed = hn::Mul(hn::LoadU(kD, rows.at[0] + at), hn::Set(kD, v[0]));
       for (std::size_t i = 1; i < 6; ++i) {
-        speed = hn::Add(speed, hn::Mul(hn::Load(kD, columns[i] + at), hn::Set(kD, v[i])));
+        speed = hn::Add(speed, hn::Mul(hn::LoadU(kD, rows.at[i] + at), hn::Set(kD, v[i])));
       }
-      const VD short_of = hn::Sub(hn::Load(kD, columns[Block::kOnset] + at), speed);
+      const VD short_of = hn::Sub(hn::LoadU(kD, rows.at[Columns::kOnset] + at), speed);
       const auto pushes = hn::Gt(short_of, zero);
-      const VD weight = hn::Mul(half, hn::Load(kD, columns[Block::kWeight] + at));
+      const VD weight = hn::Mul(half, hn::LoadU(kD, rows.at[Columns::kWeight] + at));
       const VD energy = hn::Mul(weight, hn::Mul(short_of, short_of));
       sum[part] = hn::Add(sum[part], hn::IfThenElseZero(pushes, energy));
       std::uint8_t mask[8] = {};
       hn::StoreMaskBits(kD, pushes, mask);
-      bits |= unsigned{mask[0]} << at;
+      bits |= unsigned{mask[0]} << lane;
     }
     push[b] = static_cast<std::uint8_t>(bits);
   }
-  HWY_ALIGN double columns[Block::kRows];
+  HWY_ALIGN double columns[kRows];
   for (std::size_t part = 0; part < kVectors; ++part) {
     hn::Store(sum[part], kD, columns + part * kLanes);
   }
   return sum_of_columns(columns);
 }
 
-void sum_on_target(const Block* blocks, std::size_t count, const std::uint8_t* push,
+void sum_on_target(const Columns& rows, std::size_t blocks, const std::uint8_t* push,
                    ContactRowSum& out) {
   constexpr std::size_t kSums = 21 + 6;  // lower triangle by rows, impulse
-  HWY_ALIGN double columns[kSums][Block::kRows];
+  HWY_ALIGN double columns[kSums][kRows];
   for (std::size_t part = 0; part < kVectors; ++part) {
-    const std::size_t at = part * kLanes;
+    const std::size_t lane = part * kLanes;
     VD sums[kSums];
     for (VD& sum : sums) sum = hn::Zero(kD);
-    for (std::size_t b = 0; b < count; ++b) {
-      const std::uint8_t mask[8] = {static_cast<std::uint8_t>(push[b] >> at)};
+    for (std::size_t b = 0; b < blocks; ++b) {
+      const std::uint8_t mask[8] = {static_cast<std::uint8_t>(push[b] >> lane)};
       const auto pushes = hn::LoadMaskBits(kD, mask);
-      const auto& c = blocks[b].columns;
-      const VD weight = hn::IfThenElseZero(pushes, hn::Load(kD, c[Block::kWeight] + at));
-      const VD onset = hn::Load(kD, c[Block::kOnset] + at);
+      const std::size_t at = b * kRows + lane;
+      const VD weight = hn::IfThenElseZero(pushes, hn::LoadU(kD, rows.at[Columns::kWeight] + at));
+      const VD onset = hn::LoadU(kD, rows.at[Columns::kOnset] + at);
       VD j[6];
-      for (std::size_t i = 0; i < 6; ++i) j[i] = hn::Load(kD, c[i] + at);
+      for (std::size_t i = 0; i < 6; ++i) j[i] = hn::LoadU(kD, rows.at[i] + at);
       for (std::size_t row = 0, n = 0; row < 6; ++row) {
         const VD weighted = hn::Mul(weight, j[row]);
         for (std::size_t column = 0; column <= row; ++column, ++n) {
@@ -83,7 +84,7 @@ void sum_on_target(const Block* blocks, std::size_t count, const std::uint8_t* p
         sums[21 + row] = hn::Add(sums[21 + row], hn::Mul(weighted, onset));
       }
     }
-    for (std::size_t n = 0; n < kSums; ++n) hn::Store(sums[n], kD, columns[n] + at);
+    for (std::size_t n = 0; n < kSums; ++n) hn::Store(sums[n], kD, columns[n] + lane);
   }
   for (std::size_t n = 0; n < 21; ++n) out.matrix.lower[n] = sum_of_columns(columns[n]);
   for (std::size_t n = 0; n < 6; ++n) out.impulse[n] = sum_of_columns(columns[21 + n]);
@@ -101,8 +102,11 @@ HWY_EXPORT(energy_on_target);
 HWY_EXPORT(sum_on_target);
 
 void ContactRows::reserve(std::size_t rows) {
-  const std::size_t blocks = (rows + ContactRowBlock::kRows - 1) / ContactRowBlock::kRows;
-  blocks_.resize(blocks);
+  const std::size_t blocks = (rows + kRowsAtOnce - 1) / kRowsAtOnce;
+  room_ = rows;
+  // An odd number of cache lines: columns at one distance from a power of two would share few.
+  stride_ = ((blocks + 1) | 1) * kRowsAtOnce;
+  columns_.resize(ContactRowColumns::kColumns * stride_);
   push_.resize(blocks);
   summed_.resize(blocks);
 }
@@ -112,30 +116,43 @@ void ContactRows::clear() noexcept {
   sum_known_ = false;
 }
 
-void ContactRows::add(const ContactRow& row) noexcept {
-  const std::size_t block = count_ / ContactRowBlock::kRows, at = count_ % ContactRowBlock::kRows;
-  if (block == blocks_.size()) return;
-  if (at == 0) blocks_[block] = {};  // rows that are not there yet push nothing
-  auto& columns = blocks_[block].columns;
-  for (std::size_t i = 0; i < 6; ++i) columns[i][at] = row.j[i];
-  columns[ContactRowBlock::kWeight][at] = row.weight;
-  columns[ContactRowBlock::kOnset][at] = row.onset;
-  ++count_;
+ContactRowColumns ContactRows::from(std::size_t row) noexcept {
+  ContactRowColumns columns;
+  for (std::size_t i = 0; i < ContactRowColumns::kColumns; ++i) {
+    columns.at[i] = &columns_[i * stride_ + row];
+  }
+  return columns;
+}
+
+void ContactRows::added(std::size_t rows) noexcept {
+  count_ += rows;
   sum_known_ = false;
+  for (double* column : from(count_).at) std::fill_n(column, kRowsAtOnce, 0.0);
+}
+
+void ContactRows::add(const ContactRow& row) noexcept {
+  if (room() == 0) return;
+  const ContactRowColumns to = next();
+  for (std::size_t i = 0; i < 6; ++i) *to.at[i] = row.j[i];
+  *to.at[ContactRowColumns::kWeight] = row.weight;
+  *to.at[ContactRowColumns::kOnset] = row.onset;
+  added(1);
 }
 
 double ContactRows::energy_j(const Vector6& v) noexcept {
-  return HWY_DYNAMIC_DISPATCH(energy_on_target)(blocks_.data(), blocks(), v, push_.data());
+  return HWY_DYNAMIC_DISPATCH(energy_on_target)(from(0), blocks(), v, push_.data());
+}
+
+bool ContactRows::same_push() const noexcept {
+  return sum_known_ &&
+         std::equal(push_.begin(), push_.begin() + static_cast<std::ptrdiff_t>(blocks()),
+                    summed_.begin());
 }
 
 const ContactRowSum& ContactRows::pushing() noexcept {
-  const std::size_t count = blocks();
-  if (sum_known_ && std::equal(push_.begin(), push_.begin() + static_cast<std::ptrdiff_t>(count),
-                               summed_.begin())) {
-    return sum_;
-  }
-  HWY_DYNAMIC_DISPATCH(sum_on_target)(blocks_.data(), count, push_.data(), sum_);
-  std::copy_n(push_.begin(), count, summed_.begin());
+  if (same_push()) return sum_;
+  HWY_DYNAMIC_DISPATCH(sum_on_target)(from(0), blocks(), push_.data(), sum_);
+  std::copy_n(push_.begin(), blocks(), summed_.begin());
   sum_known_ = true;
   return sum_;
 }

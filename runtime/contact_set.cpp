@@ -1,27 +1,23 @@
 #include "runtime/contact_set.h"
 
-#include <algorithm>
-
 namespace forcelayer {
 
-Touching ContactSet::touching() const noexcept {
-  Touching touching;
-  for (std::uint32_t i = 0; i < count; ++i) {
-    touching.count += contacts[i].depth_m > 0;
-    touching.depth_m = std::max(touching.depth_m, contacts[i].depth_m);
-  }
-  return touching;
+void ContactSet::reserve(std::uint64_t points) {
+  const std::size_t room = points + kPadding;
+  for (auto* values : {&rx, &ry, &rz, &ux, &uy, &uz, &depth_m}) values->resize(room);
+  weight.resize(room, 1);
+  point.resize(room);
+  value.resize(room);
 }
 
 bool no_new_interior(const ContactSet& earlier, const ContactSet& later) noexcept {
   if (later.interior == 0) return true;
   std::uint32_t at = 0;
   for (std::uint32_t i = 0; i < later.count; ++i) {
-    if (later.contacts[i].interior == 0) continue;
-    const std::uint32_t point = later.contacts[i].point;
-    while (at < earlier.count && earlier.contacts[at].point < point) ++at;
-    if (at == earlier.count || earlier.contacts[at].point != point) return false;
-    if (earlier.contacts[at].interior == 0) return false;
+    if (!later.is_interior(i)) continue;
+    while (at < earlier.count && earlier.point[at] < later.point[i]) ++at;
+    if (at == earlier.count || earlier.point[at] != later.point[i]) return false;
+    if (!earlier.is_interior(at)) return false;
   }
   return true;
 }

@@ -5,36 +5,46 @@
 #include <cstdint>
 #include <vector>
 
+#include "formats/voxmap.h"
 #include "runtime/pose.h"
 
 namespace forcelayer {
 
 // One shell point in or near the force layer. Vectors in world axes.
 struct Contact {
-  glm::vec3 arm_m{0};          // from the part's centroid
-  glm::vec3 direction{0};      // unit, out of the static scene: the push on the part
-  float depth_m = 0;           // into the force layer; negative: a gap
-  float weight = 1;            // area that the point stands for, over the shell's mean
-  std::uint32_t point = 0;     // of the shell; ascending in a set
-  std::uint32_t interior = 0;  // 1: in value 1, behind the force layer
+  glm::vec3 arm_m{0};       // from the part's centroid
+  glm::vec3 direction{0};   // unit, out of the static scene: the push on the part
+  float depth_m = 0;        // into the force layer; negative: a gap
+  float weight = 1;         // area that the point stands for, over the shell's mean
+  std::uint32_t point = 0;  // of the shell; ascending in a set
+  bool interior = false;    // in value 1, behind the force layer
 };
 
-// The contacts of a set: points with depth > 0.
-struct Touching {
-  std::uint32_t count = 0;
-  float depth_m = 0;  // of the deepest
-};
-
+// The contacts of a pose in columns, with room for every shell point; `count` of them are meant.
+// Behind the last stand kPadding more elements, of which anything may be read.
 struct ContactSet {
-  std::vector<Contact> contacts;  // [room for every shell point], `count` of them are meant
+  static constexpr std::size_t kPadding = 64;
+
   std::uint32_t count = 0;
   std::uint32_t interior = 0;   // points in value 1
   std::uint32_t surface = 0;    // points in value 2
   std::uint32_t proximity = 0;  // points in value 3
   bool outside_map = false;     // a point lay beyond a cropped side
 
-  void reserve(std::uint64_t points) { contacts.resize(points); }  // set-up only
-  Touching touching() const noexcept;
+  std::vector<float> rx, ry, rz;  // arm_m
+  std::vector<float> ux, uy, uz;  // direction
+  std::vector<float> depth_m, weight;
+  std::vector<std::uint32_t> point;
+  std::vector<std::uint8_t> value;  // VoxelValue: 1, 2 or 3
+
+  void reserve(std::uint64_t points);  // set-up only
+  Contact operator[](std::uint32_t i) const noexcept {
+    return {{rx[i], ry[i], rz[i]}, {ux[i], uy[i], uz[i]}, depth_m[i], weight[i], point[i],
+            is_interior(i)};
+  }
+  bool is_interior(std::uint32_t i) const noexcept {
+    return value[i] == static_cast<std::uint8_t>(VoxelValue::kInterior);
+  }
   bool in_free_space() const noexcept { return interior + surface + proximity == 0; }
 };
 

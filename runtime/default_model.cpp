@@ -99,17 +99,17 @@ StepResult DefaultModel::step(State& state, const StepInput& input, double dt_s)
   report.interior = here_.interior;
   report.surface = here_.surface;
   report.proximity = here_.proximity;
-  const Touching touching = here_.touching();
-  report.contacts = touching.count;
-  report.depth_m = double{touching.depth_m};
+  report.contacts = here_.totals.count;
+  report.depth_m = double{here_.totals.depth_m};
   report.outside_map = here_.outside_map ? 1 : 0;
   return result;
 }
 
 void DefaultModel::look_up(const Pose& pose, Looked& out) noexcept {
   probe_.look_up(pose, out);
-  out.load = LoadSharing(out, parameters_.voxel_size_m);
-  out.energy_j = contact_energy_j(out, out.load, contact_);
+  out.totals = contact_totals(out, contact_);
+  out.load = LoadSharing(out.totals);
+  out.energy_j = contact_energy_j(out.totals, out.load, contact_);
 }
 
 void DefaultModel::look_up_here(const Pose& pose) noexcept {
@@ -261,10 +261,10 @@ void DefaultModel::add_found_contacts(Motion& motion) noexcept {
   const double dt_s = motion.system.dt_s, s = parameters_.voxel_size_m;
   const double guard_depth_m = kGuardDepthVoxels * s + contact_.curve.deepening_m();
   for (std::uint32_t i = 0; i < there_.count; ++i) {
-    const Contact& c = there_.contacts[i];
-    if (!(c.depth_m > 0)) continue;
+    if (!(there_.depth_m[i] > 0)) continue;
+    const Contact c = there_[i];
     const double separation = dot(separation_row(c), motion.velocity);
-    if (c.interior == 0) {
+    if (!c.interior) {
       const double force_m = contact_.curve.force_m(c.depth_m) + dt_s * separation;
       rows_.add(spring_row(c, force_m, there_.load, contact_, dt_s));
       continue;

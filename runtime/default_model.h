@@ -30,6 +30,7 @@ class DefaultModel {
 
   // A look-up and what follows from it.
   struct Looked : ContactSet {
+    ContactTotals totals;
     LoadSharing load;
     double energy_j = 0;  // of the contact springs
   };

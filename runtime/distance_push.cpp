@@ -129,7 +129,7 @@ class Kernel : public FieldKernel<Kernel<kAllPoints>, DistanceBricks, kAllPoints
     } else {
       kept = hn::And(kept, hn::And(hn::Gt(depth, hn::Zero(kF)), directed));
     }
-    this->store(Packing(kept), lanes.at, depth_m, u, slope);
+    this->store(kept, lanes.at, depth_m, u, slope);
   }
 
   // Adds the part's normal to the slope `u` where it counts; what the depth is beyond a voxel, as

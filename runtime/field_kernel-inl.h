@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <array>
+#include <type_traits>
 
 #include "runtime/brick_memo.h"
 #include "runtime/contact_query.h"
@@ -54,10 +55,10 @@ class Packing {
 #else
 // Per bit pattern of a mask the numbers of its set bits, then zeros.
 constexpr auto kSetBits = [] {
-  std::array<std::array<std::uint8_t, 8>, 256> table{};
-  for (std::size_t bits = 0; bits < 256; ++bits) {
+  std::array<std::array<std::uint8_t, 8>, std::size_t{1} << kLanes> table{};
+  for (std::size_t bits = 0; bits < table.size(); ++bits) {
     std::size_t count = 0;
-    for (std::uint8_t bit = 0; bit < 8; ++bit) {
+    for (std::uint8_t bit = 0; bit < kLanes; ++bit) {
       if (bits >> bit & 1) table[bits][count++] = bit;
     }
   }
@@ -86,6 +87,20 @@ class Packing {
   std::size_t count_;
 };
 #endif
+
+// Leaves the lanes of a mask, the first so many, where they are.
+class Unmoved {
+ public:
+  explicit HWY_INLINE Unmoved(hn::Mask<Floats> kept) : count_(hn::CountTrue(kF, kept)) {}
+  template <class V>
+  HWY_INLINE V operator()(V v) const {
+    return v;
+  }
+  HWY_INLINE std::size_t count() const { return count_; }
+
+ private:
+  std::size_t count_;
+};
 
 // A vector of points on their way through the kernel.
 struct Lanes {
@@ -163,8 +178,10 @@ class FieldKernel {
   FieldKernel(const CollectedPoints& points, Bricks& bricks, FieldSamples& samples)
       : points_(points), bricks_(bricks), samples_(samples) {}
 
-  HWY_INLINE void store(const Packing& pack, VI at, VF depth_m, const VF (&direction)[3],
+  // Appends the samples of a mask.
+  HWY_INLINE void store(hn::Mask<Floats> kept, VI at, VF depth_m, const VF (&direction)[3],
                         const VF (&slope)[3]) {
+    const std::conditional_t<kAllPoints, Unmoved, Packing> pack(kept);
     const std::uint32_t to = samples_.count;
     const hn::RebindToUnsigned<Ints> u32;
     hn::StoreU(hn::BitCast(u32, pack(at)), u32, &samples_.at[to]);

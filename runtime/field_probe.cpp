@@ -19,7 +19,13 @@ FieldProbe::FieldProbe(ContactQuery& query, const ForceField& field, CollectedPo
       field_(field),
       points_(points),
       samples_(samples),
-      mean_area_m2_(static_cast<float>(mean_point_area_m2(query.shell()))) {}
+      weight_(query.shell().view().point_count) {
+  const auto mean_m2 = static_cast<float>(mean_point_area_m2(query.shell()));
+  const float* weight_m2 = query.shell().view().weight_m2;
+  for (std::size_t i = 0; i < weight_.size(); ++i) {
+    weight_[i] = std::clamp(weight_m2[i] / mean_m2, kLeastWeight, kMostWeight);
+  }
+}
 
 void FieldProbe::look_up(const Pose& world_from_center, ContactSet& out) noexcept {
   query_.run(world_from_center, points_);
@@ -33,17 +39,15 @@ void FieldProbe::read(ContactSet& out) noexcept {
   out.surface = points_.surface_count;
   out.proximity = points_.proximity_count;
   out.outside_map = points_.outside_map;
-  const float* weight_m2 = query_.shell().view().weight_m2;
-  for (std::uint32_t i = 0; i < samples_.count; ++i) {
-    const std::uint32_t at = samples_.at[i];
-    Contact& c = out.contacts[i];
-    c.arm_m = {points_.rx[at], points_.ry[at], points_.rz[at]};
-    c.direction = {samples_.dx[i], samples_.dy[i], samples_.dz[i]};
-    c.depth_m = samples_.depth_m[i];
-    c.point = points_.index[at];
-    c.weight = std::clamp(weight_m2[c.point] / mean_area_m2_, kLeastWeight, kMostWeight);
-    c.interior = points_.value[at] == static_cast<std::uint8_t>(VoxelValue::kInterior) ? 1 : 0;
-  }
+  const auto copy = [&out](const auto& from, auto& to) {
+    std::copy_n(from.begin(), out.count, to.begin());
+  };
+  copy(points_.rx, out.rx), copy(points_.ry, out.ry), copy(points_.rz, out.rz);
+  copy(samples_.dx, out.ux), copy(samples_.dy, out.uy), copy(samples_.dz, out.uz);
+  copy(samples_.depth_m, out.depth_m);
+  copy(points_.index, out.point);
+  copy(points_.value, out.value);
+  for (std::uint32_t i = 0; i < out.count; ++i) out.weight[i] = weight_[out.point[i]];
   if (field_.has_exact_slopes()) return;
   const auto voxel_size_m = static_cast<float>(query_.voxmap().voxel_size_m());
   average_directions(points_, samples_, voxel_size_m, -voxel_size_m, out);

@@ -1,6 +1,8 @@
 // The default model's view of a baked scene: contact query and force field in one look-up.
 #pragma once
 
+#include <vector>
+
 #include "runtime/contact_query.h"
 #include "runtime/contact_set.h"
 #include "runtime/force_field.h"
@@ -22,7 +24,7 @@ class FieldProbe final : public ContactProbe {
   const ForceField& field_;
   CollectedPoints& points_;
   FieldSamples& samples_;
-  float mean_area_m2_;
+  std::vector<float> weight_;  // of every shell point, as Contact has it
 };
 
 }  // namespace forcelayer

@@ -236,7 +236,7 @@ class Kernel : public FieldKernel<Kernel<kAllPoints>, LevelBricks, kAllPoints> {
     } else {
       kept = hn::And(kept, hn::And(hn::Lt(phi, hn::Zero(kF)), directed));
     }
-    this->store(Packing(kept), lanes.at, depth_m, u, slope);
+    this->store(kept, lanes.at, depth_m, u, slope);
   }
 
   // The 27 levels around the points, to words[.][i] on.

@@ -26,6 +26,8 @@ struct Symmetric6 {
 
   static constexpr int at(int row, int column) { return row * (row + 1) / 2 + column; }
 
+  bool operator==(const Symmetric6&) const = default;
+
   // += weight * j j^T
   void add_outer(const Vector6& j, double weight) {
     for (int row = 0, n = 0; row < 6; ++row) {

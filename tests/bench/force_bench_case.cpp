@@ -370,14 +370,14 @@ Wrench ContactCase::field_force(const ForceField& field, const Placed& placed,
   set.reserve(c.samples.count);
   set.count = c.samples.count;
   for (std::uint32_t i = 0; i < set.count; ++i) {
-    set.contacts[i].direction = {c.samples.dx[i], c.samples.dy[i], c.samples.dz[i]};
-    set.contacts[i].depth_m = c.samples.depth_m[i];
+    set.ux[i] = c.samples.dx[i], set.uy[i] = c.samples.dy[i], set.uz[i] = c.samples.dz[i];
+    set.depth_m[i] = c.samples.depth_m[i];
   }
   const auto s = static_cast<float>(s_);
   if (averaged) average_directions(c.points, c.samples, s, -s, set);
   Wrench total;
   for (std::uint32_t i = 0; i < set.count; ++i) {
-    const Contact& contact = set.contacts[i];
+    const Contact contact = set[i];
     const std::uint32_t at = c.samples.at[i];
     // The default model's contacts are those in values 1 and 2 too, though it measures all.
     if (!(contact.depth_m > 0)) continue;

@@ -47,20 +47,19 @@ Wrench ModelFrame::at(const Pose& world_from_center) {
   directions ? field_.measure(points_, samples_) : field_.evaluate(points_, samples_);
   set_.count = samples_.count;
   for (std::uint32_t i = 0; i < set_.count; ++i) {
-    set_.contacts[i].direction = {samples_.dx[i], samples_.dy[i], samples_.dz[i]};
-    set_.contacts[i].depth_m = samples_.depth_m[i];
+    set_.ux[i] = samples_.dx[i], set_.uy[i] = samples_.dy[i], set_.uz[i] = samples_.dz[i];
+    set_.depth_m[i] = samples_.depth_m[i];
   }
   if (directions) average_directions(points_, samples_, voxel_size_m_, -voxel_size_m_, set_);
   Wrench sum;
   for (std::uint32_t i = 0; i < set_.count; ++i) {
-    if (!(set_.contacts[i].depth_m > 0)) continue;
+    if (!(set_.depth_m[i] > 0)) continue;
     const std::uint32_t at = samples_.at[i];
     // The paper: points in value 1 press nothing.
     const bool surface = points_.value[at] == static_cast<std::uint8_t>(VoxelValue::kSurface);
     if (averaging_ == Averaging::kByTen && !surface) continue;
-    const glm::dvec3 force = double{weights_[points_.index[at]]} *
-                             double{set_.contacts[i].depth_m} *
-                             glm::dvec3(set_.contacts[i].direction);
+    const glm::dvec3 force = double{weights_[points_.index[at]]} * double{set_.depth_m[i]} *
+                             glm::dvec3(set_.ux[i], set_.uy[i], set_.uz[i]);
     const glm::dvec3 arm(points_.rx[at], points_.ry[at], points_.rz[at]);
     sum.force_n += force;
     sum.torque_nm += glm::cross(arm, force);

@@ -38,11 +38,11 @@ class RestEnergy {
   double operator()(const Pose& pose) {
     probe_.look_up(pose, contacts_);
     if (contacts_.interior > 0) return INFINITY;
-    const LoadSharing load(contacts_, parameters_.voxel_size_m);
+    const ContactTotals totals = contact_totals(contacts_, law_);
     return spring_energy_j(translation_, target_.position_m - pose.position_m) +
            spring_energy_j(
                rotation_, rotation_vector(target_.orientation * glm::conjugate(pose.orientation))) +
-           contact_energy_j(contacts_, load, law_);
+           contact_energy_j(totals, LoadSharing(totals), law_);
   }
 
  private:

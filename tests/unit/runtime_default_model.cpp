@@ -276,7 +276,7 @@ TEST(DefaultModel, KeepsOnlyPosesThatWereLookedUpAndClear) {
     probe.look_up(result.report.world_from_center, looked_up);
     double deepest_m = 0;
     for (std::uint32_t i = 0; i < looked_up.count; ++i) {
-      deepest_m = std::max(deepest_m, double{looked_up.contacts[i].depth_m});
+      deepest_m = std::max(deepest_m, double{looked_up.depth_m[i]});
     }
     ASSERT_EQ(result.report.depth_m, deepest_m) << frame;
   }
