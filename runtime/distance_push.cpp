@@ -1,7 +1,7 @@
 #include "runtime/distance_push.h"
 
-// Vectors stand in arrays here, which those of unknown size cannot.
-#define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
+// Compiles what follows once per instruction set.
+#include "runtime/vector_targets.h"
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "runtime/distance_push.cpp"
 #include <hwy/foreach_target.h>

@@ -2,9 +2,8 @@
 
 #include <algorithm>
 
-// Vectors stand in arrays here, which those of unknown size cannot. Machines with nothing beyond
-// SSSE3 are served by the code for any machine.
-#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
+// Compiles what follows once per instruction set.
+#include "runtime/vector_targets.h"
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "runtime/surface_directions.cpp"
 #include <hwy/foreach_target.h>
