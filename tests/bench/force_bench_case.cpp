@@ -128,6 +128,8 @@ const char* name_of(Method method) {
       return "4-bit distance, trilinear";
     case Method::kNearest8:
       return "8-bit nearest, tangent pl.";
+    case Method::kNormal8:
+      return "8-bit trilinear, normal";
     case Method::kDistance8:
       return "8-bit distance, trilinear";
   }
@@ -142,6 +144,7 @@ VoxelKind kind_of(Method method) {
     case Method::kDistance4:
       return VoxelKind::kDistance4;
     case Method::kNearest8:
+    case Method::kNormal8:
     case Method::kDistance8:
       return VoxelKind::kDistance8;
     default:
@@ -432,6 +435,13 @@ Wrench ContactCase::force(Method method, const Placed& placed) const {
       const Reading r = trilinear(x / s_, at);
       if (!(r.phi < middle_m_)) return glm::dvec3(0);
       return weight * (middle_m_ - r.phi) * glm::normalize(r.slope);
+    });
+  }
+  if (method == Method::kNormal8) {
+    return sum(placed, [&](const glm::dvec3& x, const glm::dvec3& n, double weight) {
+      const auto at = [&](const glm::ivec3& v) { return double(scene_->code_at({v.x, v.y, v.z})); };
+      const double codes = scene_->wide.zero_code - trilinear(x / s_, at).phi;
+      return weight * std::max(0.0, codes) * scene_->wide.quantum_m * n;
     });
   }
   int intersections = 0;

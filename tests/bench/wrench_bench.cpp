@@ -268,6 +268,40 @@ double judge(const MeshPair& pair, const PairPart& part, double s, std::mt19937_
   return contact.offset_mesh_deviation_m(scene) / s;
 }
 
+// What the kinds of voxels cost on disk and to bake, on the scenes of the pairs as they are: one
+// thread, from mesh in memory to file, the least of three.
+Json bill_of(const std::vector<MeshPair>& pairs, double s) {
+  Json bill;
+  for (const MeshPair& pair : pairs) {
+    double two_bits_s = 0;
+    for (const VoxelKind kind : {VoxelKind::kChebyshev, VoxelKind::kEuclidean,
+                                 VoxelKind::kDistance4, VoxelKind::kDistance8}) {
+      const test::ScratchFolder folder;
+      double least_s = 1e300;
+      for (int turn = 0; turn < 3; ++turn) {
+        const double start_s = now_s();
+        stress::bake_scene_file(pair.scene, s, kind, folder / "scene.vox");
+        least_s = std::min(least_s, now_s() - start_s);
+      }
+      const auto map = Voxmap::open(folder / "scene.vox");
+      if (!map) throw std::runtime_error(to_line(map.error()));
+      const auto bytes = static_cast<double>(map->header().file.file_bytes);
+      const auto layer = static_cast<double>(map->header().surface_voxels);
+      if (kind == VoxelKind::kChebyshev) two_bits_s = least_s;
+      bill[pair.name][test::name_of(kind)] = {{"file_bytes", bytes},
+                                              {"force_layer_voxels", layer},
+                                              {"bytes_per_force_layer_voxel", bytes / layer},
+                                              {"bake_s", least_s},
+                                              {"bake_of_two_bits", least_s / two_bits_s}};
+      std::printf(
+          "  %-20s %-10s %9.0f bytes, %5.2f a force-layer voxel; bake %7.3f s, %4.1f times\n",
+          pair.name.c_str(), test::name_of(kind), bytes, bytes / layer, least_s,
+          least_s / two_bits_s);
+    }
+  }
+  return bill;
+}
+
 void print(const std::string& group, const Json& rows) {
   std::printf("%s\n  %-32s %8s %8s %7s %7s %8s %9s %9s\n", group.c_str(), "", "force", "deviat.",
               "noise", "deg", "torque", "p50 us", "p99 us");
@@ -341,6 +375,7 @@ Json judge_size(const Choice& choice, const std::vector<MeshPair>& pairs, double
           {"pair_cases", choice.pair_cases},
           {"shell_points", points},
           {"pair_offset_deviation_voxels", deviation_voxels},
+          {"bill", bill_of(pairs, s)},
           {"contacts", groups}};
 }
 
