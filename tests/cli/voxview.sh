@@ -41,6 +41,14 @@ check layer picture.png facts.json 0.008 bay.csv 1
 "$bin/voxview" bay.vox "${plain[@]}" --view-from 0,1,0 --show proximity
 check layer picture.png facts.json 0.008 bay.csv 3
 
+# The other kinds of voxels.
+for kind in "--metric euclidean" "--bits 4" "--bits 8" "--bits 8 --compliance 4mm:1N,20mm:6N"; do
+  "$bin/voxelize" "$data/bay.json" -o kind.vox --voxel-size 8mm --quiet $kind
+  "$bin/voxinfo" export kind.vox kind.csv
+  "$bin/voxview" kind.vox "${plain[@]}" --view-from 0,0,1 --show force-layer
+  check layer picture.png facts.json 0.008 kind.csv 2
+done
+
 # A cut: what is seen from the side that was taken away.
 "$bin/voxview" bay.vox "${plain[@]}" --view-from 0,0,1 --cut z\<200mm \
   --show interior,force-layer,proximity
