@@ -241,6 +241,9 @@ Result<Manifest> read_manifest(const std::string& path) {
   } catch (const Json::parse_error& error) {
     return Error{ErrorCode::kSceneInvalid, path, "byte " + std::to_string(error.byte),
                  "is no valid JSON here", ""};
+  } catch (const Json::out_of_range&) {
+    return Error{ErrorCode::kSceneInvalid, path, "", "a number in it is too large for a double",
+                 "write it smaller"};
   } catch (const BadKey& bad) {
     return Error{ErrorCode::kSceneInvalid, path, bad.key, bad.what, bad.mend};
   }

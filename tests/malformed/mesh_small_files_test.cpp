@@ -138,6 +138,7 @@ TEST(SmallFiles, ManifestsToo) {
   const ScratchFolder folder;
   for (const std::string& text :
        {R"({"layers": 4294967296, "parts": [{"mesh": "a.stl"}]})"s,
+        R"({"voxel_size": 1e999, "parts": [{"mesh": "a.stl"}]})"s,
         R"({"voxel_size": 1e308, "roi": [-1e308, 0, 0, 1e308, 1, 1], "parts": []})"s,
         std::string(100000, '['), std::string(100000, '{')}) {
     std::ofstream(folder / "scene.json") << text;
