@@ -7,34 +7,57 @@
 #include <cmath>
 #include <cstdio>
 
+#include "voxelize/mask_tree.h"
+
 namespace forcelayer {
 namespace {
 
 // A brick of 512 bits with its place in the tree takes 96 bytes, and holds 64 voxels of a plane.
-constexpr double kBytesPerVoxel = 1.5;
+constexpr double kBrickBytes = 96;
+constexpr double kBytesPerVoxelOfAPlane = kBrickBytes / 64;
+// Along a line a brick holds 8 voxels, and a node of the tree, with room for 512 bricks, 64.
+constexpr double kBytesPerVoxelOfALine = kBrickBytes / 8 + sizeof(LowerMaskNode) / 64.0;
 
-// Area of the triangle's largest projection along an axis, in voxels.
-double projected_voxels(const LatticeTriangle& triangle) {
+// What a triangle passes through: at least as many voxels as its largest projection along an axis
+// covers, and as many as it is long along one.
+struct Extent {
+  double area_voxels = 0, length_voxels = 0;
+
+  double bytes() const {
+    return std::max(kBytesPerVoxelOfAPlane * area_voxels, kBytesPerVoxelOfALine * length_voxels);
+  }
+  double voxels() const { return std::max(area_voxels, length_voxels); }
+  // By how much larger voxels must be for `available` bytes.
+  double excess(double available) const {
+    return std::max(std::sqrt(kBytesPerVoxelOfAPlane * area_voxels / available),
+                    kBytesPerVoxelOfALine * length_voxels / available);
+  }
+};
+
+Extent extent_of(const LatticeTriangle& triangle) {
   constexpr double kVoxelUnits = 1 << kSnapBits;
+  Extent extent;
   double edges[2][3];
   for (std::size_t d = 0; d < 3; ++d) {
     edges[0][d] = static_cast<double>(triangle[1][d] - triangle[0][d]) / kVoxelUnits;
     edges[1][d] = static_cast<double>(triangle[2][d] - triangle[0][d]) / kVoxelUnits;
+    const auto [least, most] = std::minmax({0.0, edges[0][d], edges[1][d]});
+    extent.length_voxels = std::max(extent.length_voxels, most - least);
   }
-  double largest = 0;
   for (std::size_t d = 0; d < 3; ++d) {
     const std::size_t e = (d + 1) % 3, f = (d + 2) % 3;
-    largest = std::max(largest, std::abs(edges[0][e] * edges[1][f] - edges[0][f] * edges[1][e]));
+    const double area = std::abs(edges[0][e] * edges[1][f] - edges[0][f] * edges[1][e]) / 2;
+    extent.area_voxels = std::max(extent.area_voxels, area);
   }
-  return largest / 2;
+  return extent;
 }
 
 // No triangle in the box can be larger.
-double largest_side_voxels(const VoxelBox& box) {
+Extent largest_extent(const VoxelBox& box) {
   std::array<double, 3> edges;
   for (std::size_t d = 0; d < 3; ++d) edges[d] = static_cast<double>(box.high[d] - box.low[d] + 1);
   std::sort(edges.begin(), edges.end());
-  return edges[1] * edges[2] / 2;
+  return {edges[1] * edges[2] / 2, edges[2]};
 }
 
 }  // namespace
@@ -53,23 +76,24 @@ double available_bytes() {
 
 Status fit_memory(const SnappedObject& object, const std::string& name, double voxel_size_m,
                   double available) {
-  const double most_voxels = available / kBytesPerVoxel;
-  if (object.box.empty() || largest_side_voxels(object.box) <= most_voxels) return {};
-  double voxels = 0;
+  if (object.box.empty() || largest_extent(object.box).bytes() <= available) return {};
+  Extent most;
   std::size_t largest = 0;
   for (std::size_t i = 0; i < object.triangles.size(); ++i) {
-    const double area = projected_voxels(object.triangle(i));
-    if (area > voxels) largest = i;
-    voxels = std::max(voxels, area);
+    const Extent extent = extent_of(object.triangle(i));
+    if (extent.bytes() <= most.bytes()) continue;
+    most = extent;
+    largest = i;
   }
-  if (voxels <= most_voxels) return {};
-  char what[200], mend[100];
+  if (most.bytes() <= available) return {};
+  char what[200], mend[120];
   std::snprintf(what, sizeof what,
                 "passes through at least %.3g voxels, which take %.3g GB; this process can have "
                 "%.3g GB",
-                voxels, voxels * kBytesPerVoxel * 1e-9, available * 1e-9);
-  std::snprintf(mend, sizeof mend, "check the units, or use --voxel-size %.3gm or more",
-                voxel_size_m * std::sqrt(voxels / most_voxels) * 1.01);
+                most.voxels(), most.bytes() * 1e-9, available * 1e-9);
+  std::snprintf(mend, sizeof mend,
+                "look for a stray vertex, check the units, or use --voxel-size %.3gm or more",
+                voxel_size_m * most.excess(available) * 1.01);
   return Error{ErrorCode::kBakeTooLarge, "", "triangle " + std::to_string(largest) + " of " + name,
                what, mend};
 }

@@ -13,8 +13,9 @@ double available_bytes();
 
 // kBakeTooLarge, with the numbers and a voxel size that might do, where the largest triangle alone
 // passes through so many voxels that marking them takes more than `available` bytes. A triangle
-// passes through as many voxels as its projection along an axis covers, at least. What fits by this
-// may still be too large.
+// passes through as many voxels as its projection along an axis covers, and as it is long along
+// one, at least: a stray vertex gives slivers thinner than a voxel that are millions long. What
+// fits by this may still be too large.
 Status fit_memory(const SnappedObject& object, const std::string& name, double voxel_size_m,
                   double available);
 

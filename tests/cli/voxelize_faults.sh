@@ -141,6 +141,15 @@ immense_triangle() {
   [ ! -e out.vox ] || fail "a file was written"
 }
 
+# One number of garbage in a small part: slivers of half a billion voxels.
+stray_vertex() {
+  sanitized && { skip "a sanitizer holds terabytes of addresses"; return; }
+  printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 1e10\nf 1 2 3\nf 2 4 3\n' >stray.obj
+  # Twenty gigabytes: the same on machines that have more.
+  (ulimit -v 20000000; expect 3 'triangle 1 of stray: passes through at least 5e+08 voxels' timeout 5 "$voxelize" stray.obj --units mm --voxel-size 20mm --quiet -o out.vox)
+  [ ! -e out.vox ] || fail "a file was written"
+}
+
 more_threads_than_cores() {
   reference
   local threads
@@ -246,4 +255,4 @@ PYTHON
 }
 
 run_faults disk_full disk_full_tmpfs quota file_size_limit io_error read_only_target forbidden_target bakes_at_once \
-  address_space_limit immense_triangle more_threads_than_cores clock_jumps decimal_comma odd_names input_changes
+  address_space_limit immense_triangle stray_vertex more_threads_than_cores clock_jumps decimal_comma odd_names input_changes
