@@ -1,10 +1,14 @@
 // The bake beside what people use today: one run, one machine, same mesh, resolution and threads.
 //
-//   bake_bench [--case NAME]... [--voxels N]... [--repeat N] [--models FOLDER] [--json FILE]
+//   bake_bench [--wide] [--case NAME]... [--voxels N]... [--repeat N] [--models FOLDER] [--json
+//   FILE]
 //
-// For every case: the whole bake from triangles in memory to the finished file, checksums and
-// provenance included, and the whole command, beside `vdb_tool -mesh2ls` (which writes a level set,
-// no classification); and the scan conversion alone beside meshToVolume and beside the
+// With --wide: the bakes of Euclidean layers and of voxels that store distances beside the usual
+// one, and beside vdb_tool and meshToVolume making floats of the same distances.
+//
+// Without, for every case: the whole bake from triangles in memory to the finished file, checksums
+// and provenance included, and the whole command, beside `vdb_tool -mesh2ls` (which writes a level
+// set, no classification); and the scan conversion alone beside meshToVolume and beside the
 // straightforward way, which has the same output. Every figure is the least of the repetitions,
 // which alternate between the programs: other work on the machine only ever adds time. The
 // one-thread scans are compared by CPU time.
@@ -52,7 +56,22 @@ struct Targets {
 constexpr Targets targets_at(int voxels) {
   return voxels >= 1024 ? Targets{60, 30} : Targets{40, 15};
 }
+constexpr double kTargetWide = 5;  // at most, over the usual bake
 constexpr double kTargetRss = 0.25, kTargetMeshToVolume = 50, kTargetStraightforward = 5;
+
+// What a bake can store; the usual one first.
+struct Kind {
+  const char* name;
+  Metric metric;
+  std::uint32_t bits;
+};
+constexpr Kind kKinds[] = {{"two bits", Metric::kChebyshev, 2},
+                           {"two bits, euclidean", Metric::kEuclidean, 2},
+                           {"4 bits", Metric::kEuclidean, 4},
+                           {"8 bits", Metric::kEuclidean, 8}};
+// The stored distances lie between these, voxels from the mesh, outside and inside: what the 8 bits
+// of the default range tell apart, rounded up.
+constexpr int kExteriorBand = 5, kInteriorBand = 2;
 
 struct Best {
   double wall_s = std::numeric_limits<double>::infinity();
@@ -123,18 +142,51 @@ class Case {
 
   Json run(int repeat) {
     for (int i = 0; i < repeat; ++i) {
-      run_in_memory();
+      file_bytes_ = bake_in_memory(kKinds[0], in_memory_);
       run_command();
-      run_vdb_tool();
+      run_vdb_tool(3);
       scan_one_thread_.add(run_scan_conversion(peer_mesh_, 1));
       scan_all_threads_.add(run_scan_conversion(peer_mesh_, threads()));
       scan_straightforward_.add(run_straightforward(peer_mesh_));
       if (scan_straightforward_.voxels != scan_one_thread_.voxels) {
         throw std::runtime_error("the straightforward scan has other voxels");
       }
-      if (i == 0) scan_mesh_to_volume_.add(run_mesh_to_volume(peer_mesh_));  // it takes longest
+      if (i == 0)
+        scan_mesh_to_volume_.add(run_mesh_to_volume(peer_mesh_, 3, 3));  // it takes longest
     }
     return report();
+  }
+
+  // Every kind, and the peers once: they take longest.
+  Json run_wide(int repeat) {
+    Best kinds[std::size(kKinds)];
+    std::uint64_t bytes[std::size(kKinds)] = {};
+    for (int i = 0; i < repeat; ++i) {
+      for (std::size_t k = 0; k < std::size(kKinds); ++k) {
+        bytes[k] = bake_in_memory(kKinds[k], kinds[k]);
+      }
+      if (i > 0) continue;
+      run_vdb_tool(kExteriorBand);
+      scan_mesh_to_volume_.add(run_mesh_to_volume(peer_mesh_, kExteriorBand, kInteriorBand));
+    }
+    Json row = {{"model", model_.name},
+                {"triangles", peer_mesh_.triangles.size()},
+                {"voxels_across", voxels_},
+                {"voxel_size_m", voxel_size_m_},
+                {"vdb_tool_without_reading", to_json(vdb_tool_no_reading_)},
+                {"vdb_bytes", vdb_bytes_},
+                {"mesh_to_volume", to_json(scan_mesh_to_volume_.best)}};
+    for (std::size_t k = 0; k < std::size(kKinds); ++k) {
+      const double times = kinds[k].cpu_s / kinds[0].cpu_s;
+      row["kinds"][kKinds[k].name] = {
+          {"in_memory_to_file", to_json(kinds[k])},
+          {"file_bytes", bytes[k]},
+          {"over_two_bits",
+           {{"times", times}, {"target", kTargetWide}, {"met", times <= kTargetWide}}},
+          {"vdb_tool_times", vdb_tool_no_reading_.wall_s / kinds[k].wall_s},
+          {"mesh_to_volume_times", scan_mesh_to_volume_.best.wall_s / kinds[k].wall_s}};
+    }
+    return row;
   }
 
  private:
@@ -147,25 +199,29 @@ class Case {
     }
   };
 
-  BakeOptions options(int threads) const {
+  BakeOptions options(const Kind& kind) const {
     BakeOptions options;
     options.voxel_size_m = voxel_size_m_;
-    options.threads = threads;
+    options.metric = kind.metric;
+    options.bits = kind.bits;
     return options;
   }
 
-  void run_in_memory() {
+  // The file's size.
+  std::uint64_t bake_in_memory(const Kind& kind, Best& best) const {
     std::vector<SceneObject> objects;
     for (const ScenePart& part : scene_.parts) {
       objects.push_back({part.name, &scene_.mesh_of(part), part.world_from_mesh, {}, 0});
     }
     const double wall_s = now_s(), cpu_start_s = cpu_s();
-    const Bake bake = value_of(forcelayer::bake(objects, options(0)));
+    const Bake bake = value_of(forcelayer::bake(objects, options(kind)));
     std::vector<MeshOutline> outlines;
     for (const ScenePart& part : scene_.parts) outlines.push_back(outline_of(scene_.mesh_of(part)));
-    const std::string provenance = provenance_of(scene_, outlines, options(0));
-    file_bytes_ = value_of(write_voxmap(folder_ / "ours.vox", bake.content(provenance)));
-    in_memory_.add(now_s() - wall_s, cpu_s() - cpu_start_s);
+    const std::string provenance = provenance_of(scene_, outlines, options(kind));
+    const std::uint64_t bytes =
+        value_of(write_voxmap(folder_ / "ours.vox", bake.content(provenance)));
+    best.add(now_s() - wall_s, cpu_s() - cpu_start_s);
+    return bytes;
   }
 
   void run_command() {
@@ -183,10 +239,10 @@ class Case {
     command_rss_ = run.peak_rss_bytes;
   }
 
-  void run_vdb_tool() {
-    const ProcessRun run =
-        run_process({"vdb_tool", "-read", peer_path_, "-mesh2ls", "voxel=" + number(peer_voxel_),
-                     "width=3", "-write", (folder_ / "peer.vdb").string()});
+  void run_vdb_tool(int width_voxels) {
+    const ProcessRun run = run_process(
+        {"vdb_tool", "-read", peer_path_, "-mesh2ls", "voxel=" + number(peer_voxel_),
+         "width=" + std::to_string(width_voxels), "-write", (folder_ / "peer.vdb").string()});
     const double read_s = vdb_tool_stage_s(run.output, "Read geometry");
     vdb_tool_.add(run.wall_s, run.cpu_s);
     vdb_tool_no_reading_.add(run.wall_s - read_s, run.cpu_s - read_s);
@@ -283,13 +339,36 @@ void print_row(const Json& row) {
   std::fflush(stdout);
 }
 
+void print_wide_header() {
+  std::printf("%-8s %6s | %-20s %9s %7s | %8s | %9s %7s | %9s %7s\n", "model", "voxels", "kind",
+              "cpu ms", "times", "MB", "vdb ms", "times", "m2v ms", "times");
+}
+
+void print_wide_row(const Json& row) {
+  for (const auto& [name, kind] : row["kinds"].items()) {
+    std::printf("%-8s %6d | %-20s %9.1f %6.2f%s | %8.2f | %9.0f %7.1f | %9.0f %7.1f\n",
+                row["model"].get<std::string>().c_str(), row["voxels_across"].get<int>(),
+                name.c_str(), kind["in_memory_to_file"]["cpu_s"].get<double>() * 1e3,
+                kind["over_two_bits"]["times"].get<double>(),
+                kind["over_two_bits"]["met"].get<bool>() ? " " : "!",
+                kind["file_bytes"].get<double>() / 1e6,
+                row["vdb_tool_without_reading"]["wall_s"].get<double>() * 1e3,
+                kind["vdb_tool_times"].get<double>(),
+                row["mesh_to_volume"]["wall_s"].get<double>() * 1e3,
+                kind["mesh_to_volume_times"].get<double>());
+  }
+  std::fflush(stdout);
+}
+
 int run(int argc, char** argv) {
   CLI::App app{"The bake beside what people use today", "bake_bench"};
   std::vector<std::string> cases;
   std::vector<int> voxels = {512, 1024};
   int repeat = 5;
+  bool wide = false;
   std::string models = FORCELAYER_SOURCE_DIR "/../shared/models", json;
   app.add_option("--case", cases, "bunny, dragon, counter, engine (default: all)");
+  app.add_flag("--wide", wide, "Euclidean layers and stored distances");
   app.add_option("--voxels", voxels, "voxels across the longest side (default 512 1024)");
   app.add_option("--repeat", repeat, "repetitions, of which the least counts")
       ->check(CLI::PositiveNumber);
@@ -300,7 +379,7 @@ int run(int argc, char** argv) {
   const fs::path folder = fs::temp_directory_path() / ("bake_bench_" + std::to_string(::getpid()));
   fs::create_directories(folder);
   Json results = Json::array();
-  print_header();
+  wide ? print_wide_header() : print_header();
   for (const Model& model : kModels) {
     if (!cases.empty() && std::find(cases.begin(), cases.end(), model.name) == cases.end())
       continue;
@@ -309,12 +388,13 @@ int run(int argc, char** argv) {
       continue;
     }
     for (const int n : voxels) {
-      results.push_back(Case(model, models, folder, n).run(repeat));
-      print_row(results.back());
+      Case one(model, models, folder, n);
+      results.push_back(wide ? one.run_wide(repeat) : one.run(repeat));
+      wide ? print_wide_row(results.back()) : print_row(results.back());
     }
   }
   fs::remove_all(folder);
-  write_report("bake", argc, argv, results, json);
+  write_report(wide ? "bake_wide" : "bake", argc, argv, results, json);
   return 0;
 }
 

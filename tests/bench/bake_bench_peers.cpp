@@ -118,7 +118,7 @@ PeerRun run_scan_conversion(const Mesh& mesh, int threads) {
   return run;
 }
 
-PeerRun run_mesh_to_volume(const Mesh& mesh) {
+PeerRun run_mesh_to_volume(const Mesh& mesh, float exterior, float interior) {
   std::vector<openvdb::Vec3s> points;
   std::vector<openvdb::Vec3I> triangles;
   for (const auto& v : mesh.vertices) points.emplace_back(openvdb::Vec3d(v.data()));
@@ -128,7 +128,8 @@ PeerRun run_mesh_to_volume(const Mesh& mesh) {
   const auto transform = openvdb::math::Transform::createLinearTransform(1);
   PeerRun run;
   const double wall_s = now_s(), cpu_start_s = cpu_s();
-  const auto grid = openvdb::tools::meshToVolume<openvdb::FloatGrid>(adapter, *transform, 3, 3);
+  const auto grid =
+      openvdb::tools::meshToVolume<openvdb::FloatGrid>(adapter, *transform, exterior, interior);
   run.wall_s = now_s() - wall_s;
   run.cpu_s = cpu_s() - cpu_start_s;
   run.voxels = grid->activeVoxelCount();

@@ -17,8 +17,8 @@ struct PeerRun {
 // Ours, from vertices in doubles to the finished mask tree.
 PeerRun run_scan_conversion(const Mesh& mesh, int threads);
 
-// openvdb::tools::meshToVolume, exterior and interior band of 3 voxels, on all threads.
-PeerRun run_mesh_to_volume(const Mesh& mesh);
+// openvdb::tools::meshToVolume with bands of so many voxels, on all threads.
+PeerRun run_mesh_to_volume(const Mesh& mesh, float exterior, float interior);
 
 // The straightforward way, with the same voxels as ours: vertices snapped to the same lattice, the
 // test of Schwarz and Seidel (2010) set up per triangle in integers, and every voxel of the
