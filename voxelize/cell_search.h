@@ -20,7 +20,8 @@ class CellSearch {
  public:
   // Calls leaf(low, triangles) for the cells that something matters to: `low` is the cell's lowest
   // voxel, from the node's. reach_of(low, edge) is asked for cells of 16 and of 4 voxels. With
-  // `nearest_only` a triangle matters only where it may be the nearest to some voxel's centre.
+  // `nearest_only` a triangle matters only where it may be the nearest to some voxel's centre, and
+  // cells come in pairs, the second behind the first along z.
   template <class ReachOf, class Leaf>
   void run(const std::vector<NearTriangle>& near, bool nearest_only, const ReachOf& reach_of,
            const Leaf& leaf) {
@@ -129,7 +130,11 @@ class CellSearch {
       limits[n] = reach < 0 ? -1.0f : limit * limit;
     }
     bits_within(squared_.data(), triangles.size(), limits, within_.data());
-    for (std::size_t i = 0; i < triangles.size(); ++i) add(triangles[i], within_[i], cells_[1]);
+    for (std::size_t i = 0; i < triangles.size(); ++i) {
+      std::uint64_t cells = within_[i];
+      if (nearest_only) cells = (cells | cells >> 1) & 0x5555555555555555u;
+      add(triangles[i], cells, cells_[1]);
+    }
   }
 
   // Squared distances from the middles of cells, to squared_, and the least of each.

@@ -74,26 +74,37 @@ class NodeDistances {
     return static_cast<unsigned>(solid_[x * 64 + y] >> (8 * (n & 7)) & 0xff);
   }
 
+  // Two cells of 4^3 voxels, the second behind the first along z.
   void measure(const std::array<int, 3>& low, NearList list, float outer, float inner) {
-    const std::uint64_t solid = cell_bits(solid_, low);
-    std::array<float, kEighths> reach;
-    for (unsigned n = 0; n < kEighths; ++n) {
-      const bool all_solid = (solid & eighth(n)) == eighth(n);
-      reach[n] = (!all_solid  ? outer
-                  : inner > 0 ? inner
-                              : kNothingMatters) *
-                 static_cast<float>(kSnapUnits);
+    std::array<float, 2 * kEighths> reach;
+    for (std::size_t cell = 0; cell < 2; ++cell) {
+      const std::uint64_t solid =
+          cell_bits(solid_, {low[0], low[1], low[2] + 4 * static_cast<int>(cell)});
+      for (unsigned n = 0; n < kEighths; ++n) {
+        const bool all_solid = (solid & eighth(n)) == eighth(n);
+        reach[cell * kEighths + n] = (!all_solid  ? outer
+                                      : inner > 0 ? inner
+                                                  : kNothingMatters) *
+                                     static_cast<float>(kSnapUnits);
+      }
     }
     nearest_.find(list, CellSearch::centers(low, 1), reach);
+    for (std::size_t cell = 0; cell < 2; ++cell) {
+      encode({low[0], low[1], low[2] + 4 * static_cast<int>(cell)}, cell, list);
+    }
+  }
+
+  void encode(const std::array<int, 3>& low, std::size_t cell, NearList list) {
+    const std::uint64_t solid = cell_bits(solid_, low);
     std::uint64_t negative = solid;
     for (std::uint64_t left = cell_bits(surface_, low) & ~solid; left != 0; left &= left - 1) {
       const int n = std::countr_zero(left);
-      if (lies_inside(*list[nearest_.which(static_cast<std::size_t>(n))], low, n)) {
+      if (lies_inside(*list[nearest_.which(cell, static_cast<std::size_t>(n))], low, n)) {
         negative |= std::uint64_t{1} << n;
       }
     }
     std::array<std::uint8_t, kCubePoints> codes;
-    codes_of_distances(nearest_.least(), negative, *scale_, codes.data());
+    codes_of_distances(nearest_.least(cell), negative, *scale_, codes.data());
     const auto brick = static_cast<unsigned>((low[0] >> 3) << 6 | (low[1] >> 3) << 3 | low[2] >> 3);
     std::uint8_t* out = touched(brick) + (low[0] & 7) * 64 + (low[1] & 7) * 8 + (low[2] & 7);
     for (int n = 0; n < 16; ++n) {

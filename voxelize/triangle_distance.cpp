@@ -20,7 +20,6 @@ namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 
 constexpr hn::CappedTag<float, 16> kF{};
-constexpr hn::CappedTag<float, kEighths> kEight{};
 constexpr hn::RebindToUnsigned<decltype(kF)> kU{};
 using V = hn::Vec<decltype(kF)>;
 
@@ -156,118 +155,146 @@ void within(const CubeValues* values, std::size_t count, const CubeValues& limit
   }
 }
 
-// The eight points at a distance of `step` from `first` on.
-class EightPoints {
+// Eighths are looked at two and two, one behind the other along z, where that fills a vector.
+constexpr std::size_t kTogether = hn::MaxLanes(kF) >= 2 * kEighths ? 2 : 1;
+
+// 2 x 2 x 2 points `step` apart from `first` on, by x*4 + y*2 + z, and another such eight `further`
+// steps on along z.
+class SixteenPoints {
  public:
-  HWY_INLINE EightPoints(const std::array<float, 3>& first, float step)
-      : first_(first), step_(step) {}
-  template <int kAxis>
-  HWY_INLINE auto at(std::size_t n) const {
-    HWY_ALIGN static constexpr float kSteps[3][kEighths] = {
-        {0, 0, 0, 0, 1, 1, 1, 1}, {0, 0, 1, 1, 0, 0, 1, 1}, {0, 1, 0, 1, 0, 1, 0, 1}};
-    const auto steps = hn::Load(kEight, kSteps[kAxis] + n);
-    return hn::Add(hn::Set(kEight, first_[kAxis]), hn::Mul(hn::Set(kEight, step_), steps));
+  HWY_INLINE SixteenPoints(const std::array<float, 3>& first, float step, float further)
+      : first_(first), step_(step), further_(further) {}
+  HWY_INLINE V x(std::size_t n) const { return at(0, n); }
+  HWY_INLINE V y(std::size_t n) const { return at(1, n); }
+  HWY_INLINE V z(std::size_t n) const {
+    HWY_ALIGN static constexpr float kSecond[16] = {0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1};
+    const V second = hn::Mul(set(further_), hn::Load(kF, kSecond + n));
+    return hn::Add(set(first_[2]), hn::Mul(set(step_), hn::Add(steps(2, n), second)));
   }
 
  private:
+  static HWY_INLINE V steps(int axis, std::size_t n) {
+    HWY_ALIGN static constexpr float kSteps[3][16] = {
+        {0, 0, 0, 0, 1, 1, 1, 1, 0, 0, 0, 0, 1, 1, 1, 1},
+        {0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 1, 1},
+        {0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1}};
+    return hn::Load(kF, kSteps[axis] + n);
+  }
+  HWY_INLINE V at(int axis, std::size_t n) const {
+    return hn::Add(set(first_[static_cast<std::size_t>(axis)]),
+                   hn::Mul(set(step_), steps(axis, n)));
+  }
+
   std::array<float, 3> first_;
-  float step_;
+  float step_, further_;
 };
 
-HWY_INLINE EightPoints middles_of_eighths(const PointCube& cube) {
-  const float half = cube.step / 2;
-  return {{cube.first[0] + half, cube.first[1] + half, cube.first[2] + half}, 2 * cube.step};
-}
-
-// Squared distances from the middles of the eighths, [triangles][eighths], and the least of each.
+// Squared distances from the middles of the two cubes' eighths, [triangles][2][eighths], and the
+// least of each.
 HWY_INLINE void from_middles(const NearTriangle* const* triangles, std::size_t count,
-                             const EightPoints& middles, float* squared, float* least) {
-  for (std::size_t n = 0; n < kEighths; n += hn::Lanes(kEight)) {
-    const auto x = middles.at<0>(n), y = middles.at<1>(n), z = middles.at<2>(n);
-    auto best = hn::Set(kEight, 1e30f);
+                             const PointCube& cube, float* squared, float* least) {
+  const float half = cube.step / 2;
+  const SixteenPoints middles({cube.first[0] + half, cube.first[1] + half, cube.first[2] + half},
+                              2 * cube.step, 2);
+  for (std::size_t n = 0; n < 2 * kEighths; n += lanes()) {
+    const V x = middles.x(n), y = middles.y(n), z = middles.z(n);
+    V best = set(1e30f);
     for (std::size_t i = 0; i < count; ++i) {
-      const auto d = squared_distance(*triangles[i], x, y, z);
-      hn::StoreU(d, kEight, squared + kEighths * i + n);
+      const V d = squared_distance(*triangles[i], x, y, z);
+      hn::StoreU(d, kF, squared + 2 * kEighths * i + n);
       best = hn::Min(best, d);
     }
-    hn::StoreU(best, kEight, least + n);
+    hn::StoreU(best, kF, least + n);
   }
 }
 
-// Per triangle a byte: bits of the eighths in whose limits it lies.
+// Per triangle and cube a byte: bits of the eighths in whose limits it lies.
 HWY_INLINE void eighths_within(const float* squared, std::size_t count, const float* limits,
-                               std::uint8_t* eighths) {
+                               std::uint8_t* first, std::uint8_t* second) {
   for (std::size_t i = 0; i < count; ++i) {
-    unsigned bits = 0;
-    for (std::size_t n = 0; n < kEighths; n += hn::Lanes(kEight)) {
-      const auto inside =
-          hn::Le(hn::LoadU(kEight, squared + kEighths * i + n), hn::LoadU(kEight, limits + n));
-      std::uint8_t some[8] = {};
-      hn::StoreMaskBits(kEight, inside, some);
-      bits |= unsigned{some[0]} << n;
+    std::uint64_t bits = 0;
+    for (std::size_t n = 0; n < 2 * kEighths; n += lanes()) {
+      const V value = hn::LoadU(kF, squared + 2 * kEighths * i + n);
+      bits |= bits_of(hn::Le(value, hn::LoadU(kF, limits + n))) << n;
     }
-    eighths[i] = static_cast<std::uint8_t>(bits);
+    first[i] = static_cast<std::uint8_t>(bits);
+    second[i] = static_cast<std::uint8_t>(bits >> 8);
   }
 }
 
-// Of the eight points of an eighth, from the triangles whose byte has its bit. The eight bytes
-// behind them are zero.
+// The least from the points of `kTogether` eighths from number `eighth` on, of the triangles whose
+// byte has a bit of theirs. Behind the bytes stand eight that are zero.
 HWY_INLINE void nearest_of(const NearTriangle* const* triangles, const std::uint8_t* eighths,
-                           std::size_t count, std::size_t eighth, const EightPoints& points,
+                           std::size_t count, std::size_t eighth, const SixteenPoints& points,
                            float* least, std::uint32_t* which) {
-  constexpr hn::RebindToUnsigned<decltype(kEight)> kNumbers{};
-  for (std::size_t n = 0; n < kEighths; n += hn::Lanes(kEight)) {
-    const auto x = points.at<0>(n), y = points.at<1>(n), z = points.at<2>(n);
-    auto best = hn::Set(kEight, 1e30f);
-    auto best_at = hn::Zero(kNumbers);
+  for (std::size_t n = 0; n < kTogether * kEighths; n += lanes()) {
+    const V x = points.x(n), y = points.y(n), z = points.z(n);
+    V best = set(1e30f);
+    auto best_at = hn::Zero(kU);
     for (std::size_t first = 0; first < count; first += 8) {
       std::uint64_t bytes;
       hwy::CopyBytes<8>(eighths + first, &bytes);
-      bytes = bytes >> eighth & 0x0101010101010101u;
+      bytes >>= eighth;
+      if (kTogether == 2) bytes |= bytes >> 1;
+      bytes &= 0x0101010101010101u;
       for (unsigned left = static_cast<unsigned>(bytes * 0x0102040810204080u >> 56); left != 0;
            left &= left - 1) {
         const std::size_t i = first + static_cast<std::size_t>(std::countr_zero(left));
-        const auto d = squared_distance(*triangles[i], x, y, z);
+        const V d = squared_distance(*triangles[i], x, y, z);
         const auto better = hn::Lt(d, best);
         best = hn::IfThenElse(better, d, best);
-        best_at = hn::IfThenElse(hn::RebindMask(kNumbers, better),
-                                 hn::Set(kNumbers, static_cast<std::uint32_t>(i)), best_at);
+        best_at = hn::IfThenElse(hn::RebindMask(kU, better),
+                                 hn::Set(kU, static_cast<std::uint32_t>(i)), best_at);
       }
     }
-    hn::Store(best, kEight, least + n);
-    hn::Store(best_at, kNumbers, which + n);
+    hn::StoreU(best, kF, least + n);
+    hn::StoreU(best_at, kU, which + n);
   }
 }
 
-// `squared` has room for eight numbers a triangle, `eighths` for a byte a triangle and eight more.
-void nearest(const NearTriangle* const* triangles, std::size_t count, const PointCube& cube,
-             const float* reach, float* squared, std::uint8_t* eighths, float* least,
-             std::uint32_t* which) {
-  constexpr auto kUnits = static_cast<float>(kSnapUnits);
-  constexpr float kAround = (half_diagonal(2) + kDistanceErrorVoxels) * kUnits;
-  HWY_ALIGN float limits[kEighths];
-  from_middles(triangles, count, middles_of_eighths(cube), squared, limits);
-  for (std::size_t n = 0; n < kEighths; ++n) {
-    const float limit = std::min(reach[n], std::sqrt(limits[n]) + kAround) + kAround;
-    limits[n] = reach[n] < 0 ? -1.0f : limit * limit;
-  }
-  eighths_within(squared, count, limits, eighths);
-  const std::uint64_t none = 0;
-  hwy::CopyBytes<8>(&none, eighths + count);
-  for (std::size_t n = 0; n < kEighths; ++n) {
+// One of the two cubes.
+HWY_INLINE void nearest_in_cube(const NearTriangle* const* triangles, const std::uint8_t* eighths,
+                                std::size_t count, const PointCube& cube, float* least,
+                                std::uint32_t* which) {
+  for (std::size_t n = 0; n < kEighths; n += kTogether) {
     const std::size_t low[3] = {2 * (n >> 2), 2 * (n >> 1 & 1), 2 * (n & 1)};
     std::array<float, 3> first;
     for (std::size_t d = 0; d < 3; ++d) {
       first[d] = cube.first[d] + cube.step * static_cast<float>(low[d]);
     }
-    HWY_ALIGN float near[kEighths];
-    HWY_ALIGN std::uint32_t number[kEighths];
-    nearest_of(triangles, eighths, count, n, EightPoints(first, cube.step), near, number);
-    for (std::size_t pair = 0; pair < 4; ++pair) {
-      const std::size_t to = (low[0] + (pair >> 1)) * 16 + (low[1] + (pair & 1)) * 4 + low[2];
+    float near[kTogether * kEighths];
+    std::uint32_t number[kTogether * kEighths];
+    nearest_of(triangles, eighths, count, n, SixteenPoints(first, cube.step, 2), near, number);
+    for (std::size_t pair = 0; pair < kTogether * kEighths / 2; ++pair) {
+      const std::size_t to =
+          (low[0] + (pair >> 1 & 1)) * 16 + (low[1] + (pair & 1)) * 4 + low[2] + 2 * (pair >> 2);
       hwy::CopyBytes<8>(near + 2 * pair, least + to);
       hwy::CopyBytes<8>(number + 2 * pair, which + to);
     }
+  }
+}
+
+// `squared` has room for sixteen numbers a triangle, `eighths` for two bytes a triangle and sixteen
+// more.
+void nearest(const NearTriangle* const* triangles, std::size_t count, const PointCube& cube,
+             const float* reach, float* squared, std::uint8_t* eighths, CubeValues* least,
+             std::array<std::uint32_t, kCubePoints>* which) {
+  constexpr auto kUnits = static_cast<float>(kSnapUnits);
+  constexpr float kAround = (half_diagonal(2) + kDistanceErrorVoxels) * kUnits;
+  float limits[2 * kEighths];
+  from_middles(triangles, count, cube, squared, limits);
+  for (std::size_t n = 0; n < 2 * kEighths; ++n) {
+    const float limit = std::min(reach[n], std::sqrt(limits[n]) + kAround) + kAround;
+    limits[n] = reach[n] < 0 ? -1.0f : limit * limit;
+  }
+  std::uint8_t* of_cube[2] = {eighths, eighths + count + 8};
+  eighths_within(squared, count, limits, of_cube[0], of_cube[1]);
+  PointCube one = cube;
+  for (std::size_t k = 0; k < 2; ++k) {
+    const std::uint64_t none = 0;
+    hwy::CopyBytes<8>(&none, of_cube[k] + count);
+    nearest_in_cube(triangles, of_cube[k], count, one, least[k].data(), which[k].data());
+    one.first[2] += 4 * cube.step;
   }
 }
 
@@ -453,15 +480,15 @@ void bits_within(const CubeValues* values, std::size_t count, const CubeValues& 
   HWY_DYNAMIC_DISPATCH(within)(values, count, limits, bits);
 }
 
-void NearestTriangles::find(NearList triangles, const PointCube& points,
-                            const std::array<float, kEighths>& reach) {
+void NearestTriangles::find(NearList triangles, const PointCube& first,
+                            const std::array<float, 2 * kEighths>& reach) {
   const std::size_t count = triangles.size();
-  if (squared_.size() < kEighths * count) {
-    squared_.resize(kEighths * count);
-    eighths_.resize(count + 8);
+  if (squared_.size() < 2 * kEighths * count) {
+    squared_.resize(2 * kEighths * count);
+    eighths_.resize(2 * (count + 8));
   }
   HWY_DYNAMIC_DISPATCH(nearest)
-  (triangles.data(), count, points, reach.data(), squared_.data(), eighths_.data(), least_.data(),
+  (triangles.data(), count, first, reach.data(), squared_.data(), eighths_.data(), least_.data(),
    which_.data());
 }
 

@@ -72,22 +72,24 @@ constexpr std::uint64_t eighth(unsigned n) {
 }
 inline constexpr std::size_t kEighths = 8;
 
-// The least of each point's squared distances, and which of the triangles gives it (the first).
+// For the points of two cubes, the second behind the first along z: the least of each point's
+// squared distances, and which of the triangles gives it (the first).
 class NearestTriangles {
  public:
-  // In the eighths of the cube only triangles within `reach` lattice units of one of its points
+  // In the eighths of the cubes only triangles within `reach` lattice units of one of its points
   // matter, or none where that is negative; beyond, a least is that of some triangles, or 1e30.
-  void find(NearList triangles, const PointCube& points, const std::array<float, kEighths>& reach);
+  void find(NearList triangles, const PointCube& first,
+            const std::array<float, 2 * kEighths>& reach);
 
-  const CubeValues& least() const { return least_; }
+  const CubeValues& least(std::size_t cube) const { return least_[cube]; }
   // Undefined where the least is 1e30.
-  std::uint32_t which(std::size_t point) const { return which_[point]; }
+  std::uint32_t which(std::size_t cube, std::size_t point) const { return which_[cube][point]; }
 
  private:
-  alignas(64) CubeValues least_;
-  alignas(64) std::array<std::uint32_t, kCubePoints> which_;
-  std::vector<float> squared_;         // [triangles][eighths] from their middles
-  std::vector<std::uint8_t> eighths_;  // [triangles] bits of those that it matters to
+  std::array<CubeValues, 2> least_;
+  std::array<std::array<std::uint32_t, kCubePoints>, 2> which_;
+  std::vector<float> squared_;         // [triangles][cubes][eighths] from their middles
+  std::vector<std::uint8_t> eighths_;  // [cubes][triangles] bits of those that it matters to
 };
 
 // From the nearest point of a triangle to `point`, lattice units.
