@@ -25,6 +25,7 @@ class NearNode {
     node_rows(interior, origin, settled_);
     for (std::size_t i = 0; i < settled_.size(); ++i) settled_[i] |= near_[i];
     triangles.gather(node, triangles_);
+    for (NearTriangle& triangle : triangles_.near) add_features(triangle);
     const float reach = static_cast<float>(radius) + kHalfDiagonal;
     search_.run(
         triangles_.near, false,

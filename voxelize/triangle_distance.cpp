@@ -399,6 +399,8 @@ std::array<float, 3> rounded(const Vec& v, double scale = 1) {
           static_cast<float>(v[2] * scale)};
 }
 
+Vec widened(const std::array<float, 3>& v) { return {v[0], v[1], v[2]}; }
+
 Vec unit(const Vec& v) {
   const double length = std::sqrt(dot(v, v));
   return {v[0] / length, v[1] / length, v[2] / length};
@@ -447,7 +449,10 @@ void set_planar(NearTriangle& t, const Vec (&edges)[3], const Vec& normal) {
 }  // namespace
 
 NearTriangle near_triangle(std::array<Vec, 3> corners, std::uint32_t source) {
-  std::sort(corners.begin(), corners.end());  // so that rounding does not depend on their order
+  // Sorted, so that rounding does not depend on their order.
+  if (corners[1] < corners[0]) std::swap(corners[0], corners[1]);
+  if (corners[2] < corners[1]) std::swap(corners[1], corners[2]);
+  if (corners[1] < corners[0]) std::swap(corners[0], corners[1]);
   const Vec edges[3] = {minus(corners[1], corners[0]), minus(corners[2], corners[0]),
                         minus(corners[2], corners[1])};
   const Vec normal = cross(edges[0], edges[1]);
@@ -459,15 +464,21 @@ NearTriangle near_triangle(std::array<Vec, 3> corners, std::uint32_t source) {
   t.edge_3 = rounded(edges[2]);
   t.source = source;
   t.nothing = area2 > 0 ? 0.0f : -1.0f;
-  const Vec across[3] = {cross(normal, edges[0]), cross(edges[1], normal), cross(normal, edges[2])};
-  for (std::size_t k = 0; k < 3; ++k) {
-    const double length2 = dot(edges[k], edges[k]);
-    t.inverse_length2[k] = length2 > 0 ? static_cast<float>(1 / length2) : 0.0f;
-    if (area2 > 0) t.into[k] = rounded(across[k], 1 / std::sqrt(dot(across[k], across[k])));
-  }
   if (area2 > 0) t.normal = rounded(normal, 1 / std::sqrt(area2));
   set_planar(t, edges, normal);
   return t;
+}
+
+void add_features(NearTriangle& t) {
+  const Vec normal = widened(t.normal);
+  const Vec edges[3] = {widened(t.edge_1), widened(t.edge_2), widened(t.edge_3)};
+  const Vec across[3] = {cross(normal, edges[0]), cross(edges[1], normal), cross(normal, edges[2])};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double length2 = dot(edges[k], edges[k]), width2 = dot(across[k], across[k]);
+    t.inverse_length2[k] = length2 > 0 ? static_cast<float>(1 / length2) : 0.0f;
+    t.into[k] = {};
+    if (t.nothing == 0 && width2 > 0) t.into[k] = rounded(across[k], 1 / std::sqrt(width2));
+  }
 }
 
 void squared_distances(NearList triangles, const PointCube& points, CubeValues* squared,
@@ -493,30 +504,34 @@ void NearestTriangles::find(NearList triangles, const PointCube& first,
 }
 
 std::array<double, 3> way_from(const NearTriangle& t, const std::array<double, 3>& point) {
-  const auto vec = [](const std::array<float, 3>& v) { return Vec{v[0], v[1], v[2]}; };
-  Vec best{};
-  double least = 1e300;
-  const auto take = [&](const Vec& away) {
-    if (dot(away, away) < least) least = dot(away, away), best = away;
+  const Vec w = minus(point, widened(t.corner));
+  const double u = dot(w, widened(t.along)), v = dot(w, widened(t.across)),
+               height = dot(w, widened(t.normal));
+  const auto left_of = [](const std::array<float, 2>& direction, double along, double across) {
+    return direction[0] * across - direction[1] * along;
   };
-  const auto off_edge = [&](const Vec& w, const Vec& edge) {
-    const double length2 = dot(edge, edge);
-    const double at = length2 > 0 ? std::clamp(dot(w, edge) / length2, 0.0, 1.0) : 0;
-    take({w[0] - at * edge[0], w[1] - at * edge[1], w[2] - at * edge[2]});
-  };
-  const Vec w = minus(point, vec(t.corner)), w1 = minus(w, vec(t.edge_1));
-  const double inside =
-      std::min({dot(w, vec(t.into[0])), dot(w, vec(t.into[1])), dot(w1, vec(t.into[2]))});
-  const double height = dot(w, vec(t.normal));
-  const Vec across{height * t.normal[0], height * t.normal[1], height * t.normal[2]};
+  const double inside = std::min(
+      {v, -left_of(t.direction_2, u, v), left_of(t.direction_3, u - double{t.length_1}, v)});
+  const Vec across{height * double{t.normal[0]}, height * double{t.normal[1]},
+                   height * double{t.normal[2]}};
   // So far inside that no edge is as near, however the numbers are rounded.
   constexpr double kSurely = 4;
   if (t.nothing == 0 && inside > kSurely && std::abs(height) < 4 * double{kSnapUnits}) {
     return across;
   }
-  off_edge(w, vec(t.edge_1));
-  off_edge(w, vec(t.edge_2));
-  off_edge(w1, vec(t.edge_3));
+  Vec best{};
+  double least = 1e300;
+  const auto take = [&](const Vec& away) {
+    if (dot(away, away) < least) least = dot(away, away), best = away;
+  };
+  const auto off_edge = [&](const Vec& from, const Vec& edge) {
+    const double length2 = dot(edge, edge);
+    const double at = length2 > 0 ? std::clamp(dot(from, edge) / length2, 0.0, 1.0) : 0;
+    take({from[0] - at * edge[0], from[1] - at * edge[1], from[2] - at * edge[2]});
+  };
+  off_edge(w, widened(t.edge_1));
+  off_edge(w, widened(t.edge_2));
+  off_edge(minus(w, widened(t.edge_1)), widened(t.edge_3));
   if (t.nothing == 0 && inside >= 0) take(across);
   return best;
 }

@@ -27,14 +27,12 @@ constexpr float half_diagonal(int edge_voxels) {
 
 // A triangle as the kernels read it: lattice units from some origin, a whole number of voxels.
 struct NearTriangle {
-  std::array<float, 3> corner;               // corner 0
-  std::array<float, 3> edge_1, edge_2;       // to corners 1 and 2
-  std::array<float, 3> edge_3;               // from corner 1 to corner 2
-  std::array<float, 3> inverse_length2;      // of the three edges; 0 where it has no length
-  std::array<float, 3> normal;               // unit; zero where there is no area: then `across`
-                                             // and this span what is perpendicular to `along`
-  std::array<std::array<float, 3>, 3> into;  // unit, in the plane, from each edge inwards
-  float nothing;                             // -1 where there is no area, else 0
+  std::array<float, 3> corner;          // corner 0
+  std::array<float, 3> edge_1, edge_2;  // to corners 1 and 2
+  std::array<float, 3> edge_3;          // from corner 1 to corner 2
+  std::array<float, 3> normal;          // unit; where there is no area: what is perpendicular to
+                                        // `along` and `across`
+  float nothing;                        // -1 where there is no area, else 0
   // The same in the triangle's plane: coordinates along edge 1 and across it, inwards, from corner
   // 0; where corner 2 lies, and the unit directions and lengths of edges 2 and 3.
   std::array<float, 3> along, across;  // unit
@@ -42,10 +40,14 @@ struct NearTriangle {
   std::array<float, 2> direction_2, direction_3;
   float length_2, length_3;
   std::uint32_t source;  // whose triangle it is
+  // What cubes_near() reads beside, set by add_features().
+  std::array<float, 3> inverse_length2;      // of the three edges; 0 where it has no length
+  std::array<std::array<float, 3>, 3> into;  // unit, in the plane, from each edge inwards
 };
 
-// `corners` relative to the same origin; their order does not matter.
+// `corners` relative to the same origin; their order does not matter. Without features.
 NearTriangle near_triangle(std::array<std::array<double, 3>, 3> corners, std::uint32_t source);
+void add_features(NearTriangle& triangle);
 
 // Triangles that may matter to a cube of points.
 using NearList = std::span<const NearTriangle* const>;
@@ -100,8 +102,9 @@ std::array<double, 3> way_from(const NearTriangle& triangle, const std::array<do
 void codes_of_distances(const CubeValues& squared, std::uint64_t negative,
                         const DistanceScale& scale, std::uint8_t* codes);
 
-// For the voxels about the points: bits of those of which a triangle is surely nearer than
-// `radius_voxels` to the closed cube; in unsure[i] those where triangle i may or may not be.
+// Of triangles with features, for the voxels about the points: bits of those of which a triangle is
+// surely nearer than `radius_voxels` to the closed cube; in unsure[i] those where triangle i may or
+// may not be.
 std::uint64_t cubes_near(NearList triangles, const PointCube& points, float radius_voxels,
                          std::uint64_t* unsure);
 
