@@ -50,6 +50,8 @@ part_bake() {
       $([ $long$model != yescounter ] || echo 2048) --json "$out/bake_$model.json"
   done
   python3 "$bench/bake_table.py" "$out"/bake_{bunny,dragon,counter,engine}.json
+  "$bin/bake_bench" --wide $(either "--voxels 512 --repeat 1" "--repeat 9") --json "$out/bake_wide.json"
+  python3 "$bench/bake_table.py" "$out/bake_wide.json"
 }
 part_error() {
   ! without "$bin/geometry_bench" "geometry" "install libvtk9-dev" || return 0

@@ -71,7 +71,7 @@ constexpr Kind kKinds[] = {{"two bits", Metric::kChebyshev, 2},
                            {"8 bits", Metric::kEuclidean, 8}};
 // The stored distances lie between these, voxels from the mesh, outside and inside: what the 8 bits
 // of the default range tell apart, rounded up.
-constexpr int kExteriorBand = 5, kInteriorBand = 2;
+constexpr int kExteriorBand = 6, kInteriorBand = 2;
 
 struct Best {
   double wall_s = std::numeric_limits<double>::infinity();
@@ -177,12 +177,15 @@ class Case {
                 {"vdb_bytes", vdb_bytes_},
                 {"mesh_to_volume", to_json(scan_mesh_to_volume_.best)}};
     for (std::size_t k = 0; k < std::size(kKinds); ++k) {
-      const double times = kinds[k].cpu_s / kinds[0].cpu_s;
+      const double times = kinds[k].wall_s / kinds[0].wall_s;
       row["kinds"][kKinds[k].name] = {
           {"in_memory_to_file", to_json(kinds[k])},
           {"file_bytes", bytes[k]},
           {"over_two_bits",
-           {{"times", times}, {"target", kTargetWide}, {"met", times <= kTargetWide}}},
+           {{"times", times},
+            {"target", kTargetWide},
+            {"met", times <= kTargetWide},
+            {"cpu_times", kinds[k].cpu_s / kinds[0].cpu_s}}},
           {"vdb_tool_times", vdb_tool_no_reading_.wall_s / kinds[k].wall_s},
           {"mesh_to_volume_times", scan_mesh_to_volume_.best.wall_s / kinds[k].wall_s}};
     }
@@ -341,14 +344,14 @@ void print_row(const Json& row) {
 
 void print_wide_header() {
   std::printf("%-8s %6s | %-20s %9s %7s | %8s | %9s %7s | %9s %7s\n", "model", "voxels", "kind",
-              "cpu ms", "times", "MB", "vdb ms", "times", "m2v ms", "times");
+              "ms", "times", "MB", "vdb ms", "times", "m2v ms", "times");
 }
 
 void print_wide_row(const Json& row) {
   for (const auto& [name, kind] : row["kinds"].items()) {
     std::printf("%-8s %6d | %-20s %9.1f %6.2f%s | %8.2f | %9.0f %7.1f | %9.0f %7.1f\n",
                 row["model"].get<std::string>().c_str(), row["voxels_across"].get<int>(),
-                name.c_str(), kind["in_memory_to_file"]["cpu_s"].get<double>() * 1e3,
+                name.c_str(), kind["in_memory_to_file"]["wall_s"].get<double>() * 1e3,
                 kind["over_two_bits"]["times"].get<double>(),
                 kind["over_two_bits"]["met"].get<bool>() ? " " : "!",
                 kind["file_bytes"].get<double>() / 1e6,

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""bake_table.py [FILE...]: what bake_bench measured, as a Markdown table.
+"""bake_table.py [FILE...]: what bake_bench measured, as a Markdown table. Of files that
+`bake_bench --wide` wrote, where there are no others: its table.
 
 Without files: results/*/bake_*.json of bake_bench beside this script. A ratio that misses its target
 is marked with the target.
@@ -12,7 +13,8 @@ import sys
 
 def reports(paths):
     listed = [json.loads(pathlib.Path(path).read_text()) for path in paths]
-    return [report for report in listed if report["benchmark"] == "bake"]
+    usual = [report for report in listed if report["benchmark"] == "bake"]
+    return usual or [report for report in listed if report["benchmark"] == "bake_wide"]
 
 
 def times(row, key):
@@ -40,6 +42,25 @@ def cells(row):
             f"{memory[0]:.0f} / {memory[1]:.0f}", f"{share * 100:.0f}%"]
 
 
+def wide_cells(row):
+    def over(name):
+        ratio = row["kinds"][name]["over_two_bits"]
+        return f"{ratio['times']:.1f}" + ("" if ratio["met"] else f" (of {ratio['target']:g})")
+
+    kinds = row["kinds"]
+    usual, most = kinds["two bits"], kinds["8 bits"]
+    milliseconds = [f"{kinds[name]['in_memory_to_file']['wall_s'] * 1e3:.0f}" for name in WIDE_KINDS]
+    sizes = [row["vdb_bytes"], most["file_bytes"], usual["file_bytes"]]
+    return [f"{row['model']} {row['voxels_across']}", " / ".join(milliseconds),
+            *(over(name) for name in WIDE_KINDS[1:]), f"{row['vdb_tool_without_reading']['wall_s'] * 1e3:.0f}",
+            f"{most['vdb_tool_times']:.0f}", f"{row['mesh_to_volume']['wall_s'] * 1e3:.0f}",
+            f"{most['mesh_to_volume_times']:.0f}", " / ".join(f"{size / 1e6:.1f}" for size in sizes)]
+
+
+WIDE_KINDS = ["two bits", "two bits, euclidean", "4 bits", "8 bits"]
+WIDE_HEADER = ["voxels across", "bake: two bits / euclidean / 4 / 8 bits, ms", "euclidean, times", "4 bits, times",
+               "8 bits, times", "vdb_tool, ms", "over 8 bits", "meshToVolume, ms", "over 8 bits",
+               "MB: .vdb / 8 bits / two bits"]
 HEADER = ["voxels across", "scan: straightforward / ours, ms", "times", "scan: meshToVolume / ours, ms",
           "times", "bake: vdb_tool / ours, ms", "times", "whole command, ms", "times",
           "of it reading and start, ms", "peak MB", "share"]
@@ -50,11 +71,12 @@ def main():
     found = reports(paths)
     if not found:
         sys.exit("bake_table.py: no results of bake_bench")
-    print("| " + " | ".join(HEADER) + " |")
-    print("|---" + "|---:" * (len(HEADER) - 1) + "|")
+    header, line = (WIDE_HEADER, wide_cells) if found[0]["benchmark"] == "bake_wide" else (HEADER, cells)
+    print("| " + " | ".join(header) + " |")
+    print("|---" + "|---:" * (len(header) - 1) + "|")
     for report in found:
         for row in report["results"]:
-            print("| " + " | ".join(cells(row)) + " |")
+            print("| " + " | ".join(line(row)) + " |")
     machine = found[0]["machine"]
     print(f"\n{machine['cores']} cores of {machine['cpu']}, {machine['memory_gib']:.0f} GiB, "
           f"{machine['system']}")

@@ -32,6 +32,7 @@ TIME_NOISE = 1.6
 SAME = 1.001
 COMPARED = {
     "bake": [(r"ratios / .* / times$", 1.6), (r"file_bytes$", SAME), (r"scan_voxels$", SAME)],
+    "bake_wide": [(r"over_two_bits / times$", 1.6), (r"_times$", 1.6), (r"file_bytes$", SAME)],
     "bake_error": [(r"wall_s$", "time"), (r"(missed_voxels|added_voxels|wrong_classes)$", SAME),
                    (r"mid_surface / (rms|max)_voxels$", SAME), (r"peak_rss_bytes$", 1.3)],
     "bake_growth": [(r"cpu_s$", "time"), (r"file_bytes$", SAME), (r"peak_rss_bytes$", 1.3)],
