@@ -102,6 +102,24 @@ TEST(PathDistance, FindsTheSmallestOfAllPoses) {
 }
 
 using KindAndCase = std::tuple<test::VoxelKind, Case>;
+// Whether the part swung more at the end of a hold than before.
+bool grew(const Metrics& m) {
+  for (std::size_t i = 0; i < m.swing_last_voxels.size(); ++i) {
+    if (m.swing_last_voxels[i] > std::max(1e-3, m.swing_third_voxels[i])) return true;
+  }
+  return false;
+}
+
+// Kilograms on next to no damping are on their way, or turn instead of moving, for longer than the
+// three seconds of a hold where the field is so smooth that nothing else takes their energy. What
+// is unstable goes on growing: it is held for sixteen times as long, and judged then.
+Metrics run_extremes(Trial trial) {
+  const Metrics m = run(trial, Model::kDefault);
+  if (!grew(m) || trial.voxels == test::VoxelKind::kChebyshev) return m;
+  trial.duration_s += 15 * (trial.duration_s - *trial.hold_from_s);
+  return run(trial, Model::kDefault);
+}
+
 class EveryCase : public ::testing::TestWithParam<KindAndCase> {};
 
 TEST_P(EveryCase, StaysOutsideWithinLimitsAndApart) {
@@ -113,7 +131,7 @@ TEST_P(EveryCase, StaysOutsideWithinLimitsAndApart) {
   for (std::uint64_t seed = 1; seed <= trials(dear ? 1 : 3); ++seed) {
     Trial trial = family.make(seed);
     trial.voxels = kind;
-    const Metrics m = run(trial, Model::kDefault);
+    const Metrics m = family.name == "extremes" ? run_extremes(trial) : run(trial, Model::kDefault);
     expect_safe(m, std::string(family.name) + " seed " + std::to_string(seed));
     sum.add(m);
   }
