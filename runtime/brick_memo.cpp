@@ -32,13 +32,11 @@ BrickMemo::BrickMemo(const Voxmap& voxmap)
     : keys_(kSlots, kNoKey), tags_(std::size_t{4} * kSlots, kNone) {
   const VoxmapHeader& header = voxmap.header();
   const auto& blocks = header.directory_dims;
-  const std::uint64_t along[3] = {blocks[0] * std::uint64_t{64} + 1,
-                                  blocks[1] * std::uint64_t{64} + 1,
-                                  blocks[2] * std::uint64_t{64} + 1};
+  const std::uint64_t along[3] = {blocks[0] * std::uint64_t{64}, blocks[1] * std::uint64_t{64},
+                                  blocks[2] * std::uint64_t{64}};
   strides_ = {static_cast<std::uint32_t>(along[1] * along[2]), static_cast<std::uint32_t>(along[2]),
               1};
-  // Fewer than half of all keys: then those of bricks before the first, which are negative, meet no
-  // others either. There are at most 2^28 blocks.
+  // Then kNoKey is none of them either. There are at most 2^28 blocks.
   keys_are_unique_ = along[0] * along[1] * along[2] < kNoKey;
   known_ = known_box(header, header.directory_origin);
 }

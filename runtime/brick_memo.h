@@ -11,9 +11,8 @@
 
 namespace forcelayer {
 
-// Bricks of the directory, and those before its first ones (brick -1 of an axis), are named by the
-// number that they have along z, y and x, modulo 2^32: see strides(). The one of that key stands in
-// slot(key), if any.
+// Bricks of the directory are named by the number that they have along z, y and x, modulo 2^32: see
+// strides(). The one of that key stands in slot(key), if any.
 class BrickMemo {
  public:
   static constexpr int kSlotBits = 12;

@@ -30,16 +30,14 @@ std::uint64_t row_of_entry(const VoxmapView& map, std::uint32_t entry, int x, in
   return row_of(map, entry, x, y);
 }
 
-// Words along z, two in one number and the ninth in the last.
+// Words along z, two in one number.
 using Words = std::array<std::uint64_t, 5>;
 
 // The codes of a row in the lowest bytes of words.
 Words spread(const DistanceBricks::Row& row) {
-  const auto two = [&](int z) {
-    const std::uint64_t codes = row.own >> 8 * z & 0xffff;
-    return (codes | codes << 24) & 0x000000ff000000ffu;
-  };
-  return {two(0), two(2), two(4), two(6), row.next};
+  const auto two = [](std::uint64_t codes) { return (codes | codes << 24) & 0x000000ff000000ffu; };
+  const auto at = [&](int n) { return two(row.first >> 8 * n & 0xffff); };
+  return {at(0), at(2), at(4), at(6), two(row.last)};
 }
 
 // Two words in each, the second `shift` bits higher.
@@ -54,13 +52,13 @@ DistanceBricks::DistanceBricks(const Voxmap& voxmap)
     : BrickMemo(voxmap),
       map_(voxmap.view()),
       free_code_((1u << voxmap.header().bits_per_voxel) - 1),
-      codes_(std::size_t{kBrickBytes} * kSlots) {}
+      codes_(std::size_t{kBrickBytes} * kSlots + 2 * kMargin) {}
 
 const std::uint8_t* DistanceBricks::hold(std::int32_t bx, std::int32_t by,
                                          std::int32_t bz) noexcept {
   const BrickIndex brick{bx, by, bz};
   const auto [slot, held] = take(brick);
-  std::uint8_t* codes = &codes_[std::size_t{kBrickBytes} * slot];
+  std::uint8_t* codes = &codes_[kMargin + std::size_t{kBrickBytes} * slot];
   if (held) return codes;
   Halo halo;
   if (near_cropped_side(brick)) {
@@ -69,16 +67,14 @@ const std::uint8_t* DistanceBricks::hold(std::int32_t bx, std::int32_t by,
     gather(brick, halo);
   }
   // Two rows of a plane in one, then two such pairs.
-  std::array<Words, 8> before;
-  for (std::size_t x = 0; x < 9; ++x) {
+  std::array<Words, 9> before;
+  for (std::size_t x = 0; x < 10; ++x) {
     Words row = spread(halo[x][0]);
-    for (std::size_t y = 0; y < 8; ++y) {
+    for (std::size_t y = 0; y < 9; ++y) {
       const Words next = spread(halo[x][y + 1]), pair = joined(row, next, 8);
       if (x > 0) {
         const Words words = joined(before[y], pair, 16);
-        std::uint8_t* out = codes + (x - 1) * kPlaneBytes + y * kRowBytes;
-        for (std::size_t i = 0; i < 4; ++i) std::memcpy(out + 8 * i, &words[i], 8);
-        std::memcpy(out + 32, &words[4], 4);
+        std::memcpy(codes + (x - 1) * kPlaneBytes + y * kRowBytes, words.data(), kRowBytes);
       }
       before[y] = pair;
       row = next;
@@ -87,40 +83,42 @@ const std::uint8_t* DistanceBricks::hold(std::int32_t bx, std::int32_t by,
   return codes;
 }
 
-// From the brick and the seven behind it, row by row. Outside the directory all is free.
+// From the brick and the 26 around it, row by row. Outside the directory all is free.
 void DistanceBricks::gather(const BrickIndex& brick, Halo& halo) const noexcept {
-  const std::array<std::uint32_t, 8> entries =
-      brick_entries<2>(map_, brick, uniform_entry(free_code_));
-  for (int x = 0; x < 9; ++x) {
-    for (int y = 0; y < 9; ++y) {
+  const std::array<std::uint32_t, 27> entries =
+      brick_entries<3>(map_, {brick[0] - 1, brick[1] - 1, brick[2] - 1}, uniform_entry(free_code_));
+  for (int x = 0; x < 10; ++x) {
+    for (int y = 0; y < 10; ++y) {
+      const int in_x = x + 7, in_y = y + 7;  // from the bricks before on
       const std::uint32_t* along_z =
-          &entries[static_cast<std::size_t>(4 * (x >> 3) + 2 * (y >> 3))];
-      const std::uint64_t own = row_of_entry(map_, along_z[0], x & 7, y & 7);
-      const std::uint64_t next = row_of_entry(map_, along_z[1], x & 7, y & 7) & 255;
+          &entries[static_cast<std::size_t>(9 * (in_x >> 3) + 3 * (in_y >> 3))];
+      const std::uint64_t before = row_of_entry(map_, along_z[0], in_x & 7, in_y & 7) >> 56;
+      const std::uint64_t own = row_of_entry(map_, along_z[1], in_x & 7, in_y & 7);
+      const std::uint64_t behind = row_of_entry(map_, along_z[2], in_x & 7, in_y & 7) & 255;
       halo[static_cast<std::size_t>(x)][static_cast<std::size_t>(y)] = {
-          own, static_cast<std::uint32_t>(next)};
+          before | own << 8, static_cast<std::uint32_t>(own >> 56 | behind << 8)};
     }
   }
 }
 
 // Voxel by voxel, with the nearest known voxel in the place of every unknown one.
 void DistanceBricks::gather_known(const BrickIndex& brick, Halo& halo) const noexcept {
-  for (int n = 0; n < 9 * 9 * 9; ++n) {
-    const std::array<int, 3> in_halo{n / 81, n / 9 % 9, n % 9};
+  for (int n = 0; n < 10 * 10 * 10; ++n) {
+    const std::array<int, 3> in_halo{n / 100, n / 10 % 10, n % 10};
     std::array<std::int32_t, 3> voxel{};
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const std::int64_t at = std::int64_t{8} * brick[axis] + in_halo[axis];
+      const std::int64_t at = std::int64_t{8} * brick[axis] + in_halo[axis] - 1;
       voxel[axis] = static_cast<std::int32_t>(
           std::min(std::max(at, known().low[axis]), known().high[axis] - 1));
     }
     const bool inside = map_.contains(voxel[0], voxel[1], voxel[2]);
     const std::uint32_t code = inside ? map_.lookup(voxel[0], voxel[1], voxel[2]).code : free_code_;
     Row& row = halo[static_cast<std::size_t>(in_halo[0])][static_cast<std::size_t>(in_halo[1])];
-    if (in_halo[2] == 0) row.own = 0;
+    if (in_halo[2] == 0) row = {0, 0};
     if (in_halo[2] < 8) {
-      row.own |= std::uint64_t{code} << 8 * in_halo[2];
+      row.first |= std::uint64_t{code} << 8 * in_halo[2];
     } else {
-      row.next = code;
+      row.last |= code << 8 * (in_halo[2] - 8);
     }
   }
 }

@@ -53,6 +53,24 @@ HWY_INLINE VF between_corners(VI low, VI high, const VF (&share)[3], VF (&slope)
   return hn::Add(at_x[0], hn::Mul(share[0], slope[0]));
 }
 
+// Codes on one side of a cell, interpolated across it, from the words at its near edge and the far.
+template <int kNearByte, int kFarByte>
+HWY_INLINE VF between_edges(VI near_low, VI near_high, VF along, VI far_low, VI far_high,
+                            VF across) {
+  VF step;
+  const VF near = between_words<kNearByte>(near_low, near_high, along, step);
+  return mix(near, between_words<kFarByte>(far_low, far_high, along, step), across);
+}
+
+// The slope along an axis between the differences on both sides of the point's voxel centre, each
+// in its middle: from the cell's own, the codes at the point and those beside the cell.
+//   (1 - 3/2 |a| + a^2) cell + a (beside - code), a = share - 1/2
+HWY_INLINE VF continued(VF cell, VF share, VF code, VF beside) {
+  const VF a = hn::Sub(share, hn::Set(kF, 0.5f)), b = hn::Abs(a);
+  const VF kept = hn::Add(hn::Mul(hn::Sub(b, hn::Set(kF, 1.5f)), b), hn::Set(kF, 1.0f));
+  return hn::Add(hn::Mul(kept, cell), hn::Mul(a, hn::Sub(beside, code)));
+}
+
 // Loads pairs of numbers apart. Highway's own LoadInterleaved2 takes twice the shuffles.
 HWY_INLINE void load_pairs(const std::int32_t* pairs, VI& first, VI& second) {
 #if HWY_TARGET == HWY_SCALAR
@@ -64,10 +82,43 @@ HWY_INLINE void load_pairs(const std::int32_t* pairs, VI& first, VI& second) {
 #endif
 }
 
+// Loads fours of numbers apart.
+HWY_INLINE void load_fours(const std::int32_t* fours, VI (&number)[4]) {
+#if HWY_TARGET == HWY_SCALAR
+  hn::LoadInterleaved4(kI, fours, number[0], number[1], number[2], number[3]);
+#else
+  VI even[2], odd[2];
+  for (int half = 0; half < 2; ++half) {
+    const VI low = hn::Load(kI, fours + 2 * kLanes * half);
+    const VI high = hn::Load(kI, fours + 2 * kLanes * half + kLanes);
+    even[half] = hn::ConcatEven(kI, high, low);
+    odd[half] = hn::ConcatOdd(kI, high, low);
+  }
+  number[0] = hn::ConcatEven(kI, even[1], even[0]);
+  number[1] = hn::ConcatEven(kI, odd[1], odd[0]);
+  number[2] = hn::ConcatOdd(kI, even[1], even[0]);
+  number[3] = hn::ConcatOdd(kI, odd[1], odd[0]);
+#endif
+}
+
 // What the stages hand on for the points of a chunk.
 struct Stages {
-  HWY_ALIGN std::int32_t words[2 * kChunk];  // two of each point's cell
-  HWY_ALIGN float share[3][kChunk];          // where between the cell's corners the point lies
+  HWY_ALIGN float share[3][kChunk];  // where between its cell's corners a point lies
+  // What brick it is in, where that is if it is held, and where its words are: those around its
+  // cell along z, those beside it in x, in y.
+  HWY_ALIGN std::int32_t key[kChunk];
+  HWY_ALIGN std::int32_t slot[kChunk];
+  HWY_ALIGN std::int32_t tags_match[kChunk];  // only where keys are not unique
+  HWY_ALIGN std::int32_t around_at[kChunk];
+  HWY_ALIGN std::int32_t beside_x_at[kChunk];
+  HWY_ALIGN std::int32_t beside_y_at[kChunk];
+  // What stands there: the key; four words, of which the middle ones are the cell's; on the side
+  // where the point's voxel is, two words beside the cell in x (codes in bytes 0 and 1), two in y
+  // (bytes 0 and 2).
+  HWY_ALIGN std::int32_t key_there[kChunk];
+  HWY_ALIGN std::int32_t around[4 * kChunk];
+  HWY_ALIGN std::int32_t beside_x[2 * kChunk];
+  HWY_ALIGN std::int32_t beside_y[2 * kChunk];
 };
 
 // Pushes the points in values 1 and 2, or measures all points (ForceField::measure).
@@ -87,23 +138,39 @@ class Kernel : public FieldKernel<Kernel<kAllPoints>, DistanceBricks, kAllPoints
   // The first `count` points that load(i), load(i + kLanes), ... give.
   template <class Load>
   HWY_INLINE void push_chunk(std::size_t count, const Load& load) {
-    for (std::size_t i = 0; i < count; i += kLanes) gather(load(i), i);
-    for (std::size_t i = 0; i < count; i += kLanes) {
-      VF share[3];
-      for (int n = 0; n < 3; ++n) share[n] = hn::Load(kF, stages_.share[n] + i);
-      VI low, high;
-      load_pairs(stages_.words + 2 * i, low, high);
-      push_lanes(load(i), low, high, share);
-    }
+    for (std::size_t i = 0; i < count; i += kLanes) locate(load(i), i);
+    copy(hwy::RoundUpTo(count, kLanes));
+    for (std::size_t i = 0; i < count; i += kLanes) push_lanes(load(i), i);
   }
 
  private:
-  HWY_INLINE void push_lanes(const Lanes& lanes, VI low, VI high, const VF (&share)[3]) {
-    VF slope[3];
-    const VF code = between_corners(low, high, share, slope);
+  // The lanes whose stages' numbers are from i on.
+  HWY_INLINE void push_lanes(const Lanes& lanes, std::size_t i) {
+    auto held = hn::Eq(hn::Load(kI, stages_.key + i), hn::Load(kI, stages_.key_there + i));
+    if (HWY_UNLIKELY(!bricks_.keys_are_unique())) {
+      held = hn::And(held, hn::MaskFromVec(hn::Load(kI, stages_.tags_match + i)));
+    }
+    const auto missing = hn::AndNot(held, lanes.wanted);
+    if (HWY_UNLIKELY(!hn::AllFalse(kI, missing))) replace(lanes, i, missing);
+    VF share[3], slope[3];
+    for (int n = 0; n < 3; ++n) share[n] = hn::Load(kF, stages_.share[n] + i);
+    VI around[4], low, high;
+    load_fours(stages_.around + 4 * i, around);
+    const VF code = between_corners(around[1], around[2], share, slope);
+    load_pairs(stages_.beside_x + 2 * i, low, high);
+    const VF beside_x = between_edges<0, 1>(low, high, share[2], low, high, share[1]);
+    load_pairs(stages_.beside_y + 2 * i, low, high);
+    const VF beside_y = between_edges<0, 0>(low, high, share[2], hn::ShiftRight<16>(low),
+                                            hn::ShiftRight<16>(high), share[0]);
+    const auto from_below = hn::RebindMask(kI, hn::Lt(share[2], hn::Set(kF, 0.5f)));
+    low = hn::IfThenElse(from_below, around[0], around[3]);
+    high = hn::ShiftRight<16>(low);
+    const VF beside_z = between_edges<0, 1>(low, high, share[0], low, high, share[1]);
     const VF step = hn::Set(kF, codes_.voxels_per_code);
+    slope[0] = hn::Mul(continued(slope[0], share[0], code, beside_x), step);
+    slope[1] = hn::Mul(continued(slope[1], share[1], code, beside_y), step);
+    slope[2] = hn::Mul(continued(slope[2], share[2], code, beside_z), step);
     const VF phi = hn::Mul(hn::Sub(code, hn::Set(kF, codes_.zero_code)), step);
-    for (int n = 0; n < 3; ++n) slope[n] = hn::Mul(slope[n], step);
     push(lanes, phi, slope);
   }
 
@@ -147,34 +214,61 @@ class Kernel : public FieldKernel<Kernel<kAllPoints>, DistanceBricks, kAllPoints
     return hn::Mul(hn::Max(hn::Sub(depth, one), hn::Zero(kF)), certain);
   }
 
-  // The shares and the corners of the points' cells, to the stages' numbers from i on.
-  HWY_INLINE void gather(const Lanes& lanes, std::size_t i) {
+  // First stage, from i on: where the points' words are.
+  HWY_INLINE void locate(const Lanes& lanes, std::size_t i) {
+    using Bricks = DistanceBricks;
     const VF half = hn::Set(kF, 0.5f), one = hn::Set(kF, 1.0f);
-    VI cell[3];  // its lowest voxel: the point's, or the one before it
+    const VI seven = hn::Set(kI, 7), size = hn::Set(kI, Bricks::kBrickBytes);
+    constexpr std::int32_t kStrides[3] = {Bricks::kPlaneBytes, Bricks::kRowBytes, 4};
+    // From a cell to the codes beside it: before it, and behind it less the stride. Reading from
+    // a byte on brings those behind to the bytes where those before it stand.
+    constexpr std::int32_t kBehind[2] = {kStrides[0] + 2, kStrides[1] + 1};
+    const VI key = this->key_of(lanes.voxel);
+    const VI slot = this->slot_of(key);
+    VI at = hn::Add(hn::Mul(slot, size), hn::Set(kI, Bricks::kFirstBytes)), beside[2];
     for (int n = 0; n < 3; ++n) {
+      // The cell's lowest voxel is the point's, or the one before it.
       const auto before = hn::Lt(lanes.fraction[n], half);
       const VF shifted = hn::Sub(lanes.fraction[n], half);
       hn::Store(hn::IfThenElse(before, hn::Add(shifted, one), shifted), kF, stages_.share[n] + i);
-      cell[n] = hn::Add(lanes.voxel[n], hn::VecFromMask(kI, hn::RebindMask(kI, before)));
+      const VI stride = hn::Set(kI, kStrides[n]);
+      const auto is_before = hn::RebindMask(kI, before);
+      at = hn::Add(at, hn::Mul(hn::And(lanes.voxel[n], seven), stride));
+      at = hn::Sub(at, hn::IfThenElseZero(is_before, stride));
+      if (n < 2) {
+        beside[n] = hn::IfThenElse(is_before, hn::Set(kI, kBehind[n]), hn::Set(kI, -kStrides[n]));
+      }
     }
-    const auto [slot, held] = this->find(cell);
-    static_assert(DistanceBricks::kPlaneBytes == 8 * 36 && DistanceBricks::kRowBytes == 36);
-    const VI seven = hn::Set(kI, 7);
-    const VI row = hn::Add(hn::ShiftLeft<3>(hn::And(cell[0], seven)), hn::And(cell[1], seven));
-    const VI word = hn::Add(hn::Add(hn::ShiftLeft<3>(row), row), hn::And(cell[2], seven));
-    const VI in_brick = hn::ShiftLeft<2>(word);
-    constexpr auto kBrick = static_cast<std::int32_t>(DistanceBricks::kBrickBytes);
-    // Point by point: two words at once, which no gather of this width fetches.
-    HWY_ALIGN std::int32_t offsets[kLanes];
-    hn::Store(hn::Add(hn::Mul(slot, hn::Set(kI, kBrick)), in_brick), kI, offsets);
-    for (std::size_t lane = 0; lane < kLanes; ++lane) {
-      hwy::CopyBytes<8>(bricks_.codes() + offsets[lane], &stages_.words[2 * (i + lane)]);
+    if (HWY_UNLIKELY(!bricks_.keys_are_unique())) {
+      const auto match = this->tags_match(slot, lanes.voxel);
+      hn::Store(hn::VecFromMask(kI, match), kI, stages_.tags_match + i);
     }
-    const auto missing = hn::AndNot(held, lanes.wanted);
-    if (HWY_LIKELY(hn::AllFalse(kI, missing))) return;
-    this->fetch(cell, in_brick, missing, [&](std::size_t lane, const std::uint8_t* codes) {
-      hwy::CopyBytes<8>(codes, &stages_.words[2 * (i + lane)]);
-    });
+    hn::Store(key, kI, stages_.key + i);
+    hn::Store(slot, kI, stages_.slot + i);
+    hn::Store(hn::Sub(at, hn::Set(kI, 4)), kI, stages_.around_at + i);
+    hn::Store(hn::Add(at, beside[0]), kI, stages_.beside_x_at + i);
+    hn::Store(hn::Add(at, beside[1]), kI, stages_.beside_y_at + i);
+  }
+
+  // Second stage, point by point: words side by side, which no gather of their width fetches.
+  HWY_INLINE void copy(std::size_t count) {
+    const std::uint8_t* codes = bricks_.codes();
+    const std::uint32_t* keys = bricks_.keys();
+    for (std::size_t i = 0; i < count; ++i) {
+      hwy::CopyBytes<4>(keys + stages_.slot[i], stages_.key_there + i);
+      take(codes, i);
+    }
+  }
+  HWY_INLINE void take(const std::uint8_t* codes, std::size_t i) {
+    hwy::CopyBytes<16>(codes + stages_.around_at[i], stages_.around + 4 * i);
+    hwy::CopyBytes<8>(codes + stages_.beside_x_at[i], stages_.beside_x + 2 * i);
+    hwy::CopyBytes<8>(codes + stages_.beside_y_at[i], stages_.beside_y + 2 * i);
+  }
+
+  // Third stage, where bricks were missing: decodes them and takes the points' words.
+  HWY_NOINLINE void replace(const Lanes& lanes, std::size_t i, hn::Mask<Ints> missing) {
+    this->fetch(lanes.voxel, hn::Zero(kI), missing,
+                [&](std::size_t lane, const std::uint8_t*) { take(bricks_.codes(), i + lane); });
   }
 
   const DistanceCodes& codes_;

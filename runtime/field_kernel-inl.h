@@ -203,22 +203,41 @@ class FieldKernel {
     hn::Mask<Ints> held;
   };
   HWY_INLINE Found find(const VI (&voxel)[3]) const {
-    VI brick[3];
-    for (int axis = 0; axis < 3; ++axis) brick[axis] = hn::ShiftRight<3>(voxel[axis]);
-    const auto& strides = bricks_.strides();
-    const VI key = hn::Add(
-        hn::Add(hn::Mul(brick[0], constant(strides[0])), hn::Mul(brick[1], constant(strides[1]))),
-        brick[2]);
-    const hn::RebindToUnsigned<Ints> u32;
+    const VI key = key_of(voxel);
     Found found;
-    found.slot = hn::BitCast(kI, hn::ShiftRight<32 - BrickMemo::kSlotBits>(
-                                     hn::BitCast(u32, hn::Mul(key, constant(BrickMemo::kHash)))));
+    found.slot = slot_of(key);
     const auto* keys = reinterpret_cast<const std::int32_t*>(bricks_.keys());
     found.held = hn::Eq(hn::GatherIndex(kI, keys, found.slot), key);
     if (HWY_UNLIKELY(!bricks_.keys_are_unique())) {
-      found.held = hn::And(found.held, tags_match(found.slot, brick));
+      found.held = hn::And(found.held, tags_match(found.slot, voxel));
     }
     return found;
+  }
+
+  // The keys of voxels' bricks, and where those stand if they are there.
+  HWY_INLINE VI key_of(const VI (&voxel)[3]) const {
+    const auto& strides = bricks_.strides();
+    VI brick[3];
+    for (int axis = 0; axis < 3; ++axis) brick[axis] = hn::ShiftRight<3>(voxel[axis]);
+    return hn::Add(
+        hn::Add(hn::Mul(brick[0], constant(strides[0])), hn::Mul(brick[1], constant(strides[1]))),
+        brick[2]);
+  }
+  static HWY_INLINE VI slot_of(VI key) {
+    const hn::RebindToUnsigned<Ints> u32;
+    return hn::BitCast(kI, hn::ShiftRight<32 - BrickMemo::kSlotBits>(
+                               hn::BitCast(u32, hn::Mul(key, constant(BrickMemo::kHash)))));
+  }
+
+  // Whether the bricks in these slots are those of voxels, not only of the same key.
+  HWY_INLINE hn::Mask<Ints> tags_match(VI slot, const VI (&voxel)[3]) const {
+    const VI at = hn::ShiftLeft<2>(slot);
+    auto match = hn::FirstN(kI, kLanes);
+    for (int axis = 0; axis < 3; ++axis) {
+      const VI tag = hn::GatherIndex(kI, bricks_.tags() + axis, at);
+      match = hn::And(match, hn::Eq(tag, hn::ShiftRight<3>(voxel[axis])));
+    }
+    return match;
   }
 
   // Decodes the bricks of voxels that were not held, and calls take(lane, bytes) with what stands
@@ -304,13 +323,6 @@ class FieldKernel {
       }
     }
     picked.count += pack.count();
-  }
-
-  HWY_INLINE hn::Mask<Ints> tags_match(VI slot, const VI (&brick)[3]) const {
-    const VI at = hn::ShiftLeft<2>(slot);
-    auto match = hn::Eq(hn::GatherIndex(kI, bricks_.tags(), at), brick[0]);
-    match = hn::And(match, hn::Eq(hn::GatherIndex(kI, bricks_.tags() + 1, at), brick[1]));
-    return hn::And(match, hn::Eq(hn::GatherIndex(kI, bricks_.tags() + 2, at), brick[2]));
   }
 };
 

@@ -56,28 +56,6 @@ Reading trilinear(const glm::dvec3& voxels, At at) {
   return sum;
 }
 
-// Differences between neighbouring centres, each in its middle, interpolated between these along
-// the axis and between the centres across it.
-template <class At>
-glm::dvec3 continuous_slope(const glm::dvec3& voxels, At at) {
-  glm::dvec3 slope(0);
-  for (int axis = 0; axis < 3; ++axis) {
-    glm::dvec3 shifted = voxels - 0.5;
-    shifted[axis] -= 0.5;
-    const glm::dvec3 whole = glm::floor(shifted), f = shifted - whole;
-    glm::ivec3 step(0);
-    step[axis] = 1;
-    for (int n = 0; n < 8; ++n) {
-      const glm::ivec3 corner(n & 1, n >> 1 & 1, n >> 2);
-      double weight = 1;
-      for (int a = 0; a < 3; ++a) weight *= corner[a] ? f[a] : 1 - f[a];
-      const glm::ivec3 low = glm::ivec3(whole) + corner;
-      slope[axis] += weight * (at(low + step) - at(low));
-    }
-  }
-  return slope;
-}
-
 Reading b_spline(const glm::dvec3& voxels, const DenseFields& dense) {
   const glm::dvec3 whole = glm::floor(voxels), f = voxels - whole;
   const auto weight = [&](int axis, int tap) {
@@ -147,15 +125,15 @@ const char* name_of(Method method) {
     case Method::kEuclideanContacts:
       return "2-bit Euclidean, default's";
     case Method::kDistance4:
-      return "4-bit distance, trilinear";
+      return "4-bit distance";
     case Method::kNearest8:
       return "8-bit nearest, tangent pl.";
     case Method::kNormal8:
       return "8-bit trilinear, normal";
-    case Method::kSmooth8:
-      return "8-bit, slope of 20 codes";
+    case Method::kCellSlope8:
+      return "8-bit, slope of the cell";
     case Method::kDistance8:
-      return "8-bit distance, trilinear";
+      return "8-bit distance";
   }
   return "";
 }
@@ -169,7 +147,7 @@ VoxelKind kind_of(Method method) {
       return VoxelKind::kDistance4;
     case Method::kNearest8:
     case Method::kNormal8:
-    case Method::kSmooth8:
+    case Method::kCellSlope8:
     case Method::kDistance8:
       return VoxelKind::kDistance8;
     default:
@@ -462,13 +440,13 @@ Wrench ContactCase::force(Method method, const Placed& placed) const {
       return weight * (middle_m_ - r.phi) * glm::normalize(r.slope);
     });
   }
-  if (method == Method::kNormal8 || method == Method::kSmooth8) {
+  if (method == Method::kNormal8 || method == Method::kCellSlope8) {
     return sum(placed, [&](const glm::dvec3& x, const glm::dvec3& n, double weight) {
       const auto at = [&](const glm::ivec3& v) { return double(scene_->code_at({v.x, v.y, v.z})); };
-      const double codes = scene_->wide.zero_code - trilinear(x / s_, at).phi;
+      const Reading read = trilinear(x / s_, at);
+      const double codes = scene_->wide.zero_code - read.phi;
       if (!(codes > 0)) return glm::dvec3(0);
-      const glm::dvec3 along =
-          method == Method::kNormal8 ? n : glm::normalize(continuous_slope(x / s_, at));
+      const glm::dvec3 along = method == Method::kNormal8 ? n : glm::normalize(read.slope);
       return weight * codes * scene_->wide.quantum_m * along;
     });
   }

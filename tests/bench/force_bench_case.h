@@ -48,7 +48,7 @@ enum class Method {
   kDistance4,          // runtime/distance_field.h at 4 bits
   kNearest8,           // nearest voxel of 8 bits and tangent plane
   kNormal8,            // trilinear depth of 8 bits, along the part's normal
-  kSmooth8,            // the same along a slope that is continuous: from 20 codes in place of 8
+  kCellSlope8,         // the same along the slope of that interpolation, which jumps between cells
   kDistance8,          // runtime/distance_field.h at 8 bits
 };
 VoxelKind kind_of(Method method);
@@ -59,7 +59,7 @@ inline constexpr Method kMethods[] = {Method::kTangentPlane,      Method::kTange
                                       Method::kStandoff,          Method::kEuclideanLevel,
                                       Method::kEuclideanContacts, Method::kDistance4,
                                       Method::kNearest8,          Method::kNormal8,
-                                      Method::kSmooth8,           Method::kDistance8};
+                                      Method::kCellSlope8,        Method::kDistance8};
 const char* name_of(Method method);
 
 // Shells of one part at one voxel size: the one that is judged, and a dense one for the truth.
