@@ -90,7 +90,7 @@ part_force() {
 }
 part_wrench() {
   ! without "$bin/wrench_bench" "beside mesh colliders" "install libbullet-dev" || return 0
-  "$bin/wrench_bench" $(either "--s 1 0.5 --orientations 1 --pair-cases 1" "") --json "$out/wrench.json"
+  "$bin/wrench_bench" $(either "--s 0.5 --orientations 1 --pair-cases 2" "") --json "$out/wrench.json"
   "$bench/plot_wrench.py" "$out/wrench.json"
 }
 part_motion() {
