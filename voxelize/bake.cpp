@@ -252,6 +252,7 @@ Status Pipeline::snap(std::size_t index) {
   part.mesh = mesh;
   part.snapped = std::move(*snapped);
   part.facts = {};
+  part.cavities.clear();
   part.facts.triangles = mesh->triangles.size();
   part.facts.degenerate_triangles = degenerate_triangles(part.snapped);
   part.facts.box = part.snapped.box;
@@ -318,8 +319,8 @@ Result<PartVoxels> Pipeline::bake_part(std::size_t index) {
   part.facts.interior_voxels = voxel_count(*voxels.interior);
   const double flood_s = watch.lap();
   if (grows_surface(options_)) {
-    voxels.geometry = near_voxels(part.snapped, *voxels.geometry, *voxels.interior,
-                                  static_cast<int>(options_.layers) - 1, directory_.origin);
+    voxels.geometry = near_voxels(part.snapped, *voxels.interior, static_cast<int>(options_.layers),
+                                  directory_.origin);
   }
   const double near_s = watch.lap();
   if (!is_wide()) part.snapped = {};
@@ -489,7 +490,8 @@ DistanceScale Pipeline::scale() const {
 
 // How many voxels around the geometry may be anything but free.
 int Pipeline::reach() const {
-  return is_wide() ? DistanceNodes::reach(scale()) : static_cast<int>(options_.layers) + 1;
+  if (is_wide()) return DistanceNodes::reach(scale());
+  return static_cast<int>(options_.layers) + (grows_surface(options_) ? 2 : 1);
 }
 
 VoxelTree Pipeline::distance_tree(const KeptBox& kept, ValueCounts& counts) {

@@ -66,9 +66,9 @@ struct BakeOptions {
   std::function<void(const char* stage, double share_done)> progress;  // may be empty
 };
 
-// Whether an object's voxels are those nearer than k - 1 voxels (near_voxels()) in place of G.
+// Whether an object's voxels are those of near_voxels() in place of G.
 inline bool grows_surface(const BakeOptions& options) {
-  return options.metric == Metric::kEuclidean && options.bits == 2 && options.layers > 1;
+  return options.metric == Metric::kEuclidean && options.bits == 2;
 }
 
 // How deep the force layer of stored distances is, voxels.

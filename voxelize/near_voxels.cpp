@@ -3,79 +3,100 @@
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
+#include <bit>
+
 #include "voxelize/brick_bits.h"
 #include "voxelize/cell_search.h"
-#include "voxelize/cube_distance.h"
+#include "voxelize/center_distance.h"
 #include "voxelize/node_rows.h"
 #include "voxelize/node_triangles.h"
 
 namespace forcelayer {
 namespace {
 
-// From the middle of a cube to its corners, voxels, rounded up.
-constexpr float kHalfDiagonal = 0.8661f;
-
 // One 64^3 node at a time.
 class NearNode {
  public:
   std::unique_ptr<LowerMaskNode> run(const SceneTriangles& triangles, const NodeIndex& node,
-                                     const Coord& origin, const MaskTree& geometry,
-                                     const MaskTree& interior, int radius) {
-    node_rows(geometry, origin, near_);
+                                     const Coord& origin, const MaskTree& interior,
+                                     std::int64_t radius_units) {
     node_rows(interior, origin, settled_);
-    for (std::size_t i = 0; i < settled_.size(); ++i) settled_[i] |= near_[i];
+    near_ = {};
     triangles.gather(node, triangles_);
-    for (NearTriangle& triangle : triangles_.near) add_features(triangle);
-    const float reach = static_cast<float>(radius) + kHalfDiagonal;
+    constexpr auto kUnits = static_cast<float>(kSnapUnits);
+    const float radius = static_cast<float>(radius_units) / kUnits;
+    const float reach = radius + kDistanceErrorVoxels;
+    surely_near_ = square((radius - kDistanceErrorVoxels) * kUnits);
+    maybe_near_ = square(reach * kUnits);
     search_.run(
-        triangles_.near, false,
+        triangles_.near, true,
         [&](const std::array<int, 3>& low, int edge) {
           return all_set(settled_, low, edge) ? kNothingMatters : reach;
         },
         [&](const std::array<int, 3>& low, NearList list) {
-          unsure_.resize(list.size());
-          std::uint64_t open = ~cell_bits(settled_, low);
-          std::uint64_t bits = open & cubes_near(list, CellSearch::centers(low, 1),
-                                                 static_cast<float>(radius), unsure_.data());
-          open &= ~bits;
-          for (std::size_t i = 0; i < list.size() && open != 0; ++i) {
-            const std::uint64_t found = decided(unsure_[i] & open, *list[i], node, low, radius);
-            bits |= found;
-            open &= ~found;
-          }
-          add_cell_bits(bits, low, near_);
+          mark_pair(low, list, reach * kUnits, node, radius_units);
         });
     return node_of_rows(near_, origin);
   }
 
  private:
-  // Those of a cell's voxels to which the triangle does come near.
-  std::uint64_t decided(std::uint64_t voxels, const NearTriangle& triangle, const NodeIndex& node,
-                        const std::array<int, 3>& low, int radius) const {
-    std::uint64_t near = 0;
-    for (; voxels != 0; voxels &= voxels - 1) {
-      const int n = std::countr_zero(voxels);
-      const VoxelIndex voxel{node[0] * 64 + low[0] + (n >> 4), node[1] * 64 + low[1] + (n >> 2 & 3),
-                             node[2] * 64 + low[2] + (n & 3)};
-      if (comes_nearer(triangles_.whole[triangle.source], voxel, radius)) {
-        near |= std::uint64_t{1} << n;
+  static float square(float x) { return x * x; }
+
+  // Two cells of 4^3 voxels, the second behind the first along z.
+  void mark_pair(const std::array<int, 3>& low, NearList list, float reach_units,
+                 const NodeIndex& node, std::int64_t radius_units) {
+    std::array<std::array<int, 3>, 2> lows{low, low};
+    lows[1][2] += 4;
+    std::array<float, 2 * kEighths> reach;
+    std::array<std::uint64_t, 2> open;
+    for (std::size_t cell = 0; cell < 2; ++cell) {
+      open[cell] = ~cell_bits(settled_, lows[cell]);
+      for (unsigned n = 0; n < kEighths; ++n) {
+        reach[cell * kEighths + n] = (open[cell] & eighth(n)) != 0 ? reach_units : kNothingMatters;
       }
     }
-    return near;
+    nearest_.find(list, CellSearch::centers(low, 1), reach);
+    for (std::size_t cell = 0; cell < 2; ++cell) {
+      const CubeValues& least = nearest_.least(cell);
+      std::uint64_t near = 0, unsure = 0;
+      for (std::size_t n = 0; n < kCubePoints; ++n) {
+        near |= std::uint64_t{least[n] < surely_near_} << n;
+        unsure |= std::uint64_t{least[n] <= maybe_near_} << n;
+      }
+      unsure &= open[cell] & ~near;
+      near &= open[cell];
+      for (; unsure != 0; unsure &= unsure - 1) {
+        const int n = std::countr_zero(unsure);
+        if (is_near(list, lows[cell], n, node, radius_units)) near |= std::uint64_t{1} << n;
+      }
+      add_cell_bits(near, lows[cell], near_);
+    }
+  }
+
+  // Whether one of the triangles is near to voxel n of a cell.
+  bool is_near(NearList list, const std::array<int, 3>& low, int n, const NodeIndex& node,
+               std::int64_t radius_units) const {
+    const VoxelIndex voxel{node[0] * 64 + low[0] + (n >> 4), node[1] * 64 + low[1] + (n >> 2 & 3),
+                           node[2] * 64 + low[2] + (n & 3)};
+    return std::any_of(list.begin(), list.end(), [&](const NearTriangle* triangle) {
+      return center_is_nearer(triangles_.whole[triangle->source], voxel, radius_units);
+    });
   }
 
   NodeRows near_, settled_;
   NodeTriangles triangles_;
   CellSearch search_;
-  std::vector<std::uint64_t> unsure_;
+  NearestTriangles nearest_;
+  float surely_near_ = 0, maybe_near_ = 0;  // squared lattice units
 };
 
 }  // namespace
 
-std::unique_ptr<MaskTree> near_voxels(const SnappedObject& object, const MaskTree& geometry,
-                                      const MaskTree& interior, int radius_voxels,
-                                      const VoxelIndex& scene_origin) {
-  const SceneTriangles triangles({&object}, radius_voxels);
+std::unique_ptr<MaskTree> near_voxels(const SnappedObject& object, const MaskTree& interior,
+                                      int layers, const VoxelIndex& scene_origin) {
+  const std::int64_t radius_units = interior_radius_units(layers);
+  const SceneTriangles triangles({&object}, layers);  // the radius is below that many voxels
   std::vector<std::unique_ptr<LowerMaskNode>> nodes(triangles.nodes().size());
   tbb::enumerable_thread_specific<NearNode> scratch;
   tbb::parallel_for(std::size_t{0}, nodes.size(), [&](std::size_t i) {
@@ -83,7 +104,7 @@ std::unique_ptr<MaskTree> near_voxels(const SnappedObject& object, const MaskTre
     const Coord origin(static_cast<int>(node[0] * 64 - scene_origin[0]),
                        static_cast<int>(node[1] * 64 - scene_origin[1]),
                        static_cast<int>(node[2] * 64 - scene_origin[2]));
-    nodes[i] = scratch.local().run(triangles, node, origin, geometry, interior, radius_voxels);
+    nodes[i] = scratch.local().run(triangles, node, origin, interior, radius_units);
   });
   auto tree = std::make_unique<MaskTree>();
   for (auto& node : nodes) {

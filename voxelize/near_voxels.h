@@ -8,11 +8,14 @@
 
 namespace forcelayer {
 
-// `geometry` (the voxels that the object passes through) and, of the voxels outside `interior`,
-// those whose closed cube has a point less than `radius_voxels` (1..32) from the object's surface.
-// Decided exactly.
-std::unique_ptr<MaskTree> near_voxels(const SnappedObject& object, const MaskTree& geometry,
-                                      const MaskTree& interior, int radius_voxels,
-                                      const VoxelIndex& scene_origin);
+// The centres of the voxels that are interior with `layers` (k, 1 to kMaxBakedLayers) Euclidean
+// layers are nearer than this to the surface, lattice units: k - 1 voxels, half a diagonal, and a
+// little (voxmap_format.md, section 5).
+constexpr std::int64_t interior_radius_units(int layers) { return (layers - 1) * kSnapUnits + 888; }
+
+// The voxels outside `interior` whose centres are less than interior_radius_units() from the
+// object's surface, those that it passes through among them. Decided exactly.
+std::unique_ptr<MaskTree> near_voxels(const SnappedObject& object, const MaskTree& interior,
+                                      int layers, const VoxelIndex& scene_origin);
 
 }  // namespace forcelayer

@@ -3,6 +3,7 @@
 #include "voxelize/byte_pack.h"
 #include "voxelize/cache_versions.h"
 #include "voxelize/mask_pack.h"
+#include "voxelize/near_voxels.h"
 
 namespace forcelayer {
 namespace {
@@ -30,7 +31,7 @@ std::optional<Digest> part_key(const SceneObject& object, const BakeOptions& opt
   digest.value(options.voxel_size_m);
   add_seeds(digest, options.free_seeds_m);
   add_seeds(digest, object.free_seeds_m);
-  if (grows_surface(options)) digest.text("euclidean").value(options.layers);
+  if (grows_surface(options)) digest.value(interior_radius_units(options.layers));
   return digest.finish();
 }
 
@@ -57,7 +58,8 @@ std::optional<PartVoxels> CachedPart::voxels(const VoxelIndex& scene_origin) con
     unpacker.value<PartFacts>();
     unpacker.list<CavityRecord>();
     PartVoxels voxels;
-    voxels.geometry = unpack(unpacker, scene_origin, facts_.box);
+    // Grown by near_voxels() it reaches beyond the box of the mesh.
+    voxels.geometry = unpack(unpacker, scene_origin, facts_.box.grown(kMaxBakedLayers));
     voxels.interior = unpack(unpacker, scene_origin, facts_.box);
     unpacker.expect_end();
     return voxels;

@@ -9,6 +9,7 @@
 
 #include "voxelize/directory_limit.h"
 #include "voxelize/distance_scale.h"
+#include "voxelize/near_voxels.h"
 
 namespace forcelayer {
 namespace {
@@ -101,6 +102,18 @@ bool fits(const Probe& coarse, double voxel_size_m) {
   return static_cast<bool>(fit_directory(box, voxel_size_m));
 }
 
+// Where the force begins: stored distances are zero at the same height in every direction, the
+// values' layers begin lowest along the axes.
+double standoff_voxels(const BakeOptions& options) {
+  if (options.bits != 2) {
+    return distance_scale(options.layers, options.bits, 4).zero + force_layer_voxels(options) - 1;
+  }
+  if (!grows_surface(options)) return options.layers;
+  return static_cast<double>(interior_radius_units(options.layers)) /
+             static_cast<double>(kSnapUnits) +
+         0.5;
+}
+
 }  // namespace
 
 Result<Plan> plan_bakes(std::span<const SceneObject> objects, const BakeOptions& options) {
@@ -119,15 +132,11 @@ Result<Plan> plan_bakes(std::span<const SceneObject> objects, const BakeOptions&
   const Curve seconds{x0, coarse->bake_s, x1, finer->bake_s, 2, 0};
   for (std::size_t i = 0; i < plan.sizes.size(); ++i) {
     PlannedSize& size = plan.sizes[i];
-    const double s = options.voxel_size_m / static_cast<double>(1u << i), k = options.layers;
+    const double s = options.voxel_size_m / static_cast<double>(1u << i);
     size.voxel_size_m = s;
-    // Distances are zero at the same height in every direction, the values' layers along the axes.
     BakeOptions sized = options;
     sized.voxel_size_m = s;
-    const double standoff =
-        options.bits == 2
-            ? k
-            : distance_scale(options.layers, options.bits, 4).zero + force_layer_voxels(sized) - 1;
+    const double standoff = standoff_voxels(sized);
     size.standoff_m = standoff * s;
     size.narrowest_gap_m = (2 * standoff + 2) * s;
     size.shell_points_per_m2 = kShellPointsPerVoxelFace / (s * s);

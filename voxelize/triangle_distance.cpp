@@ -50,45 +50,6 @@ class Points {
   HWY_ALIGN float values_[3][kCubePoints];
 };
 
-// From the nearest point of a triangle to the point.
-struct Away {
-  V squared, x, y, z;
-};
-
-HWY_INLINE Away off_edge(const std::array<float, 3>& edge, float inverse_length2, V x, V y, V z) {
-  const V along = hn::Mul(dot(edge, x, y, z), set(inverse_length2));
-  const V t = hn::Min(hn::Max(along, hn::Zero(kF)), set(1.0f));
-  Away away;
-  away.x = hn::Sub(x, hn::Mul(t, set(edge[0])));
-  away.y = hn::Sub(y, hn::Mul(t, set(edge[1])));
-  away.z = hn::Sub(z, hn::Mul(t, set(edge[2])));
-  away.squared =
-      hn::Add(hn::Add(hn::Mul(away.x, away.x), hn::Mul(away.y, away.y)), hn::Mul(away.z, away.z));
-  return away;
-}
-
-// Calls take(away) for each edge, then for the inside: of the latter squared is infinite where the
-// point is not beside it.
-template <class Take>
-HWY_INLINE void for_each_feature(const NearTriangle& t, V px, V py, V pz, const Take& take) {
-  const V x = hn::Sub(px, set(t.corner[0])), y = hn::Sub(py, set(t.corner[1])),
-          z = hn::Sub(pz, set(t.corner[2]));
-  take(off_edge(t.edge_1, t.inverse_length2[0], x, y, z));
-  take(off_edge(t.edge_2, t.inverse_length2[1], x, y, z));
-  const V x1 = hn::Sub(x, set(t.edge_1[0])), y1 = hn::Sub(y, set(t.edge_1[1])),
-          z1 = hn::Sub(z, set(t.edge_1[2]));
-  take(off_edge(t.edge_3, t.inverse_length2[2], x1, y1, z1));
-  const V beside = hn::Min(hn::Min(dot(t.into[0], x, y, z), dot(t.into[1], x, y, z)),
-                           hn::Add(dot(t.into[2], x1, y1, z1), set(t.nothing)));
-  const V height = dot(t.normal, x, y, z);
-  Away away;
-  away.squared = hn::IfThenElse(hn::Ge(beside, hn::Zero(kF)), hn::Mul(height, height), set(1e30f));
-  away.x = hn::Mul(height, set(t.normal[0]));
-  away.y = hn::Mul(height, set(t.normal[1]));
-  away.z = hn::Mul(height, set(t.normal[2]));
-  take(away);
-}
-
 // Of a point (u, v) from an edge that begins at the origin, in the plane: its squared distance, and
 // how far inwards of the edge's line it lies (to the left).
 template <class Vector>
@@ -333,46 +294,6 @@ void codes(const CubeValues& squared, std::uint64_t negative, const DistanceScal
   }
 }
 
-// How far the cube about the point reaches past `away` towards the triangle, at most to it.
-HWY_INLINE V gap(V away) {
-  constexpr float kHalf = static_cast<float>(kSnapUnits) / 2;
-  return hn::Max(hn::Sub(hn::Abs(away), set(kHalf)), hn::Zero(kF));
-}
-
-std::uint64_t near_cubes(const NearTriangle* const* triangles, std::size_t count,
-                         const PointCube& cube, float radius_voxels, std::uint64_t* unsure) {
-  constexpr float kUnits = static_cast<float>(kSnapUnits);
-  const V near_below = set((radius_voxels - kDistanceErrorVoxels) * kUnits);
-  const V far_from = set((radius_voxels + kDistanceErrorVoxels) * kUnits);
-  const Points points(cube);
-  std::uint64_t near = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    unsure[i] = 0;
-    for (std::size_t n = 0; n < kCubePoints; n += lanes()) {
-      Away away{set(1e30f), hn::Zero(kF), hn::Zero(kF), hn::Zero(kF)};
-      const auto take = [&](const Away& feature) HWY_ATTR {
-        const auto better = hn::Lt(feature.squared, away.squared);
-        away.squared = hn::IfThenElse(better, feature.squared, away.squared);
-        away.x = hn::IfThenElse(better, feature.x, away.x);
-        away.y = hn::IfThenElse(better, feature.y, away.y);
-        away.z = hn::IfThenElse(better, feature.z, away.z);
-      };
-      for_each_feature(*triangles[i], points.at(0, n), points.at(1, n), points.at(2, n), take);
-      // From above: the distance of the triangle's nearest point to the cube. From below: the
-      // triangle, which is convex, lies behind the plane through that point across `away`; the cube
-      // reaches half of |away|_1 / |away| towards it.
-      const V gx = gap(away.x), gy = gap(away.y), gz = gap(away.z);
-      const V above = hn::Add(hn::Add(hn::Mul(gx, gx), hn::Mul(gy, gy)), hn::Mul(gz, gz));
-      near |= bits_of(hn::Lt(above, hn::Mul(near_below, near_below))) << n;
-      const V length = hn::Sqrt(away.squared);
-      const V sum = hn::Add(hn::Add(hn::Abs(away.x), hn::Abs(away.y)), hn::Abs(away.z));
-      const V below = hn::Sub(away.squared, hn::Mul(sum, set(kUnits / 2)));
-      unsure[i] |= bits_of(hn::Lt(below, hn::Mul(far_from, length))) << n;
-    }
-  }
-  return near;
-}
-
 }  // namespace
 }  // namespace forcelayer::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
@@ -384,7 +305,6 @@ namespace {
 HWY_EXPORT(distances);
 HWY_EXPORT(within);
 HWY_EXPORT(nearest);
-HWY_EXPORT(near_cubes);
 HWY_EXPORT(codes);
 
 using Vec = std::array<double, 3>;
@@ -469,18 +389,6 @@ NearTriangle near_triangle(std::array<Vec, 3> corners, std::uint32_t source) {
   return t;
 }
 
-void add_features(NearTriangle& t) {
-  const Vec normal = widened(t.normal);
-  const Vec edges[3] = {widened(t.edge_1), widened(t.edge_2), widened(t.edge_3)};
-  const Vec across[3] = {cross(normal, edges[0]), cross(edges[1], normal), cross(normal, edges[2])};
-  for (std::size_t k = 0; k < 3; ++k) {
-    const double length2 = dot(edges[k], edges[k]), width2 = dot(across[k], across[k]);
-    t.inverse_length2[k] = length2 > 0 ? static_cast<float>(1 / length2) : 0.0f;
-    t.into[k] = {};
-    if (t.nothing == 0 && width2 > 0) t.into[k] = rounded(across[k], 1 / std::sqrt(width2));
-  }
-}
-
 void squared_distances(NearList triangles, const PointCube& points, CubeValues* squared,
                        CubeValues& least) {
   HWY_DYNAMIC_DISPATCH(distances)(triangles.data(), triangles.size(), points, squared, least);
@@ -539,12 +447,6 @@ std::array<double, 3> way_from(const NearTriangle& t, const std::array<double, 3
 void codes_of_distances(const CubeValues& squared, std::uint64_t negative,
                         const DistanceScale& scale, std::uint8_t* codes) {
   HWY_DYNAMIC_DISPATCH(codes)(squared, negative, scale, codes);
-}
-
-std::uint64_t cubes_near(NearList triangles, const PointCube& points, float radius_voxels,
-                         std::uint64_t* unsure) {
-  return HWY_DYNAMIC_DISPATCH(near_cubes)(triangles.data(), triangles.size(), points, radius_voxels,
-                                          unsure);
 }
 
 }  // namespace forcelayer

@@ -40,14 +40,10 @@ struct NearTriangle {
   std::array<float, 2> direction_2, direction_3;
   float length_2, length_3;
   std::uint32_t source;  // whose triangle it is
-  // What cubes_near() reads beside, set by add_features().
-  std::array<float, 3> inverse_length2;      // of the three edges; 0 where it has no length
-  std::array<std::array<float, 3>, 3> into;  // unit, in the plane, from each edge inwards
 };
 
-// `corners` relative to the same origin; their order does not matter. Without features.
+// `corners` relative to the same origin; their order does not matter.
 NearTriangle near_triangle(std::array<std::array<double, 3>, 3> corners, std::uint32_t source);
-void add_features(NearTriangle& triangle);
 
 // Triangles that may matter to a cube of points.
 using NearList = std::span<const NearTriangle* const>;
@@ -101,11 +97,5 @@ std::array<double, 3> way_from(const NearTriangle& triangle, const std::array<do
 // set.
 void codes_of_distances(const CubeValues& squared, std::uint64_t negative,
                         const DistanceScale& scale, std::uint8_t* codes);
-
-// Of triangles with features, for the voxels about the points: bits of those of which a triangle is
-// surely nearer than `radius_voxels` to the closed cube; in unsure[i] those where triangle i may or
-// may not be.
-std::uint64_t cubes_near(NearList triangles, const PointCube& points, float radius_voxels,
-                         std::uint64_t* unsure);
 
 }  // namespace forcelayer

@@ -3,7 +3,8 @@
 
 Usage: bench_figures.py folder                   where this machine's results stand
        bench_figures.py csv FOLDER               FOLDER/NAME.csv for every FOLDER/NAME.json
-       bench_figures.py compare COMMITTED NEW    which figures of NEW moved by more than noise
+       bench_figures.py compare COMMITTED NEW    which figures of NEW moved by more than noise; where
+                                                 COMMITTED lacks a report, beside the README's
 
 A figure's name is its path in the report, items of lists named by what they are of. What noise is,
 is said by COMPARED: figures that come out the same on every machine must, figures of a smaller
@@ -24,24 +25,26 @@ import bench_scenes
 # What tells the items of a list apart, in this order.
 IDENTITY = ("series", "scene", "model", "mesh", "shape", "part", "pair", "contact", "motion", "program", "method",
             "grip", "what", "s", "covering_radius_voxels", "voxels_across", "delay_s", "mass_kg", "rate_hz",
-            "stiffness_factor", "voxel_size_m", "target_points")
+            "stiffness_factor", "voxel_size_m", "target_points", "orientations")
 
-# Figures that are compared, by benchmark: a pattern of their names, and how far they may move:
-# "time" (by a factor of TIME_NOISE after the report's median), or a factor.
-TIME_NOISE = 1.6
+# Figures that are compared, by benchmark: a pattern of their names, and how far they may move: by a
+# factor that goes with the machine, of NOISE ("time" after dividing by the report's median, "ratio"
+# of times of one run, "memory"), or by one of their own. The latter are compared with another
+# machine's figures where this one has none.
+NOISE = {"time": 1.6, "ratio": 1.6, "memory": 1.3}
 SAME = 1.001
 COMPARED = {
-    "bake": [(r"ratios / .* / times$", 1.6), (r"file_bytes$", SAME), (r"scan_voxels$", SAME)],
-    "bake_wide": [(r"over_two_bits / times$", 1.6), (r"_times$", 1.6), (r"file_bytes$", SAME)],
+    "bake": [(r"ratios / .* / times$", "ratio"), (r"file_bytes$", SAME), (r"scan_voxels$", SAME)],
+    "bake_wide": [(r"over_two_bits / times$", "ratio"), (r"_times$", "ratio"), (r"file_bytes$", SAME)],
     "bake_error": [(r"wall_s$", "time"), (r"(missed_voxels|added_voxels|wrong_classes)$", SAME),
-                   (r"mid_surface / (rms|max)_voxels$", SAME), (r"peak_rss_bytes$", 1.3)],
-    "bake_growth": [(r"cpu_s$", "time"), (r"file_bytes$", SAME), (r"peak_rss_bytes$", 1.3)],
+                   (r"mid_surface / (rms|max)_voxels$", SAME), (r"peak_rss_bytes$", "memory")],
+    "bake_growth": [(r"cpu_s$", "time"), (r"file_bytes$", SAME), (r"peak_rss_bytes$", "memory")],
     "bake_plan": [(r"bytes_ratio$", SAME)],
     "tree_memory": [(r"_bytes", SAME)],
     "shell": [(r"points$|normal_error_deg / p50$|points_over_planar_bound$", SAME), (r"(wall|proof_wall)_s$", "time")],
     "cover": [(r"points$", SAME), (r"force_error$", 1.5), (r"frame_us / p50$", "time")],
     "query": [(r"frame_ns / p50$", "time"), (r"mean_points_in_band$", 1.5)],
-    "force_part": [(r"flush_and_smooth / .* / (stiffness|bias|noise|direction_deg) / median$", 1.6)],
+    "force_part": [(r"/ (stiffness|bias|noise|direction_deg) / (median|p10|p90)$", SAME)],
     "wrench": [(r"(flush and smooth|corners and wedges|mesh pairs) / .* / (force_error|direction_deg)$", 1.6),
                (r"(flush and smooth|corners and wedges|mesh pairs) / .* / frame_us / p50$", "time")],
     "motion": [(r"(pendulum|pendulum, critical|bounce|spin) / .* / error", 1.02)],
@@ -50,7 +53,7 @@ COMPARED = {
     "stability_rest": [(r"quiet_share$", 1.3)],
     "stability_map": [(r"cells$", SAME)],
     "stability_device": [(r"(quiet_to|default|bound)$", SAME)],
-    "skipped": [(r"(tree|left_out|nodes_of_64_voxels) / ", SAME), (r"of_no_skipping$", 1.6)],
+    "skipped": [(r"(tree|left_out|nodes_of_64_voxels) / ", SAME), (r"of_no_skipping$", "ratio")],
     "paper_table": [(r"(points|file_bytes|triangles)$", SAME)],
 }
 
@@ -107,18 +110,20 @@ def pairs_of(committed, new, patterns):
                 break
 
 
-def compare_report(committed, new):
+def compare_report(committed, new, patterns):
     """(how many figures were compared, lines about those that moved, the machine's pace)."""
-    pairs = list(pairs_of(committed, new, COMPARED.get(new["benchmark"], [])))
+    pairs = list(pairs_of(committed, new, patterns))
     ratios = [b / a for _, a, b, allowed in pairs if allowed == "time" and a > 0 and b > 0]
     pace = statistics.median(ratios) if ratios else None
     lines = []
     for name, a, b, allowed in pairs:
-        if allowed == "time" and moved(a * pace, b, TIME_NOISE):
-            lines.append(f"    {name}: {a:.4g}, now {b:.4g} ({b / a / pace:.2f} of what the others would give)")
-        elif allowed != "time" and moved(a, b, allowed):
-            lines.append(f"    {name}: {a if isinstance(a, str) else format(a, '.4g')}, now "
-                         f"{b if isinstance(b, str) else format(b, '.4g')} (noise: {100 * (allowed - 1):.3g}%)")
+        expected, factor = a * pace if allowed == "time" else a, NOISE.get(allowed, allowed)
+        if not moved(expected, b, factor):
+            continue
+        old, now = (x if isinstance(x, str) else format(x, ".4g") for x in (a, b))
+        why = (f"{b / expected:.2f} of what the others would give" if allowed == "time"
+               else f"noise: {100 * (factor - 1):.3g}%")
+        lines.append(f"    {name}: {old}, now {now} ({why})")
     return len(pairs), lines, pace
 
 
@@ -126,14 +131,21 @@ def compare(committed_folder, new_folder):
     total, beyond = 0, 0
     print(f"Beside the committed figures ({committed_folder.name}):")
     for path in sorted(new_folder.glob("*.json")):
-        committed = committed_folder / path.name
+        new = json.loads(path.read_text())
+        patterns = COMPARED.get(new["benchmark"], [])
+        committed, whose = committed_folder / path.name, ""
+        if not committed.exists():
+            readme = (bench_scenes.ROOT / "README.md").read_text()
+            committed = bench_scenes.readme_folder(readme) / path.name
+            patterns = [(name, allowed) for name, allowed in patterns if allowed not in NOISE]
+            whose = f" that go with no machine, beside {committed.parent.name}"
         if not committed.exists():
             print(f"  {path.stem}: nothing committed to compare with")
             continue
-        count, lines, pace = compare_report(json.loads(committed.read_text()), json.loads(path.read_text()))
+        count, lines, pace = compare_report(json.loads(committed.read_text()), new, patterns)
         total, beyond = total + count, beyond + len(lines)
         speed = f", times {pace:.2f} of the committed ones (median)" if pace else ""
-        print(f"  {path.stem}: {count} figures, {len(lines)} moved by more than noise{speed}")
+        print(f"  {path.stem}: {count} figures{whose}, {len(lines)} moved by more than noise{speed}")
         print("\n".join(lines[:12] + ([f"    ... and {len(lines) - 12} more"] if len(lines) > 12 else [])),
               end="\n" if lines else "")
     print(f"{beyond} of {total} figures moved by more than noise")

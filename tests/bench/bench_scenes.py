@@ -86,6 +86,14 @@ def results_folder():
     return ROOT / "tests/bench/results" / re.sub(r"[^a-z0-9]+", "-", _cpu_model().lower()).strip("-")
 
 
+def readme_folder(readme_text):
+    """tests/bench/results/<cpu> of the machine whose plots a README shows."""
+    folders = set(re.findall(r"\(tests/bench/(results/[^/)]+)/[^)]+\.svg\)", readme_text))
+    if len(folders) != 1:
+        sys.exit(f"the README shows plots of {len(folders)} machines, not one")
+    return ROOT / "tests/bench" / folders.pop()
+
+
 def _command():
     """This run's command, without files and folders: where a figure was written says nothing of it."""
     words, rest = [pathlib.Path(sys.argv[0]).name], iter(sys.argv[1:])

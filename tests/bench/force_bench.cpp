@@ -1,17 +1,17 @@
 // How true and how smooth each force model is, against contacts with a closed formula, and what a
 // point in the band costs. METHOD.md says what the oracle is and where it is not to be trusted.
 //
-//   force_bench [--fast | --s S [--cover C] | --cost] [--json FILE]
+//   force_bench [--s S [--cover C]] [--contact NAME]... [--json FILE]
+//   force_bench --cost [--json FILE]
 //
 // S is one voxel size, in units of 10 mm, C the shell's covering radius in voxels.
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
-#include <cstring>
 #include <map>
-#include <optional>
 #include <string>
+#include <vector>
 
 #include "runtime/distance_field.h"
 #include "runtime/level_field.h"
@@ -68,18 +68,42 @@ void print_header(const std::string& title) {
               "bias", "noise", "deg", "torque", "step");
 }
 
-// All combinations at one voxel size and shell density.
-Json judge_all(double s_units, double cover, int orientations) {
+struct Choice {
+  bool cost = false;
+  double only_s = 0;  // 0: all
+  double cover = kPaperCover;
+  std::vector<std::string> only;
+  std::string json;
+
+  bool wants(const std::string& name) const {
+    return only.empty() || std::find(only.begin(), only.end(), name) != only.end();
+  }
+};
+
+// What a contact is pooled with; null for none.
+const char* group_of(const Combination& combination) {
+  if (combination.smooth) return "flush_and_smooth";
+  if (combination.wall_by_wall) return "wedges";
+  const bool wedge = combination.body == StaticKind::kWedge && combination.free_angle < M_PI;
+  return wedge ? "wedges_one_offset" : nullptr;
+}
+
+// The contacts that are asked for at one voxel size and shell density. A contact's draws do not
+// depend on which others are judged.
+Json judge_all(const Choice& choice, double s_units, double cover, int orientations) {
   const double s = s_units * kUnitM;
   std::map<Part, PartShells> shells;
   for (const Part part : {Part::kSphere, Part::kBox, Part::kCylinder}) {
     shells[part] = shells_of(part, s, cover);
   }
-  std::map<Method, Sample> medians;
+  std::map<std::string, std::map<Method, Sample>> pooled;
   Json contacts;
-  std::mt19937_64 random(20260101);
+  std::uint64_t seed = 20260101;
   for (const Combination& combination : combinations()) {
+    std::mt19937_64 random(seed++);
+    if (!choice.wants(combination.name)) continue;
     std::map<Method, Sample> own;
+    const char* const group = group_of(combination);
     for (int i = 0; i < orientations; ++i) {
       // The same contact in maps of every kind.
       const std::mt19937_64 same = random;
@@ -91,7 +115,7 @@ Json judge_all(double s_units, double cover, int orientations) {
           if (kind_of(method) != kind) continue;
           const Quality q = contact.judge(method);
           add(own[method], q);
-          if (combination.smooth) add(medians[method], q);
+          if (group != nullptr) add(pooled[group][method], q);
         }
       }
     }
@@ -103,22 +127,23 @@ Json judge_all(double s_units, double cover, int orientations) {
       for (const Method method : kMethods) print(name_of(method), own[method]);
     }
   }
-  char title[128];
-  std::snprintf(title, sizeof title,
-                "flush and smooth contacts, oblique: s = %g (%g mm), covering radius %.3g s",
-                s_units, 1000 * s, cover);
-  print_header(title);
-  Json overall;
-  for (const Method method : kMethods) {
-    print(name_of(method), medians[method]);
-    overall[name_of(method)] = to_json(medians[method]);
+  Json size = {{"s", s_units},
+               {"voxel_size_m", s},
+               {"covering_radius_voxels", cover},
+               {"orientations", orientations},
+               {"contacts", contacts}};
+  if (!choice.only.empty()) return size;
+  for (const auto& [group, methods] : pooled) {
+    char title[128];
+    std::snprintf(title, sizeof title, "%s, oblique: s = %g (%g mm), covering radius %.3g s",
+                  group.c_str(), s_units, 1000 * s, cover);
+    print_header(title);
+    for (const Method method : kMethods) {
+      print(name_of(method), methods.at(method));
+      size[group][name_of(method)] = to_json(methods.at(method));
+    }
   }
-  return {{"s", s_units},
-          {"voxel_size_m", s},
-          {"covering_radius_voxels", cover},
-          {"orientations", orientations},
-          {"flush_and_smooth", overall},
-          {"contacts", contacts}};
+  return size;
 }
 
 // Least time of a call in ns, over so many seconds: other work on the machine and a slower clock
@@ -254,77 +279,57 @@ Json measure_cost(const char* name, const AnalyticShell& shell, double height_m)
 }
 
 // Finer voxels mean more points, which average over the lattice as more orientations do.
-int orientations_at(double s_units) { return s_units > 0.3 ? 4 : s_units > 0.2 ? 2 : 1; }
-
-struct Choice {
-  bool fast = false, cost = false;
-  double only_s = 0;  // 0: all
-  double cover = kPaperCover;
-  std::string json;
-};
-
-std::optional<Choice> read_choice(int argc, char** argv) {
-  Choice choice;
-  for (int i = 1; i < argc; ++i) {
-    if (std::strcmp(argv[i], "--fast") == 0) {
-      choice.fast = true;
-    } else if (std::strcmp(argv[i], "--cost") == 0) {
-      choice.cost = true;
-    } else if (std::strcmp(argv[i], "--s") == 0 && i + 1 < argc && std::atof(argv[i + 1]) > 0) {
-      choice.only_s = std::atof(argv[++i]);
-    } else if (std::strcmp(argv[i], "--cover") == 0 && i + 1 < argc && std::atof(argv[i + 1]) > 0) {
-      choice.cover = std::atof(argv[++i]);
-    } else if (std::strcmp(argv[i], "--json") == 0 && i + 1 < argc) {
-      choice.json = argv[++i];
-    } else {
-      return std::nullopt;
-    }
-  }
-  if (choice.fast + choice.cost + (choice.only_s > 0) > 1) return std::nullopt;
-  if (choice.cover != kPaperCover && !(choice.only_s > 0)) return std::nullopt;
-  return choice;
-}
+int orientations_at(double s_units) { return s_units > 0.3 ? 8 : s_units > 0.2 ? 4 : 2; }
 
 Json judge_sizes(const Choice& choice) {
   Json sizes;
-  if (choice.fast) {
-    sizes.push_back(judge_all(0.5, kPaperCover, 2));
-  } else if (choice.only_s > 0) {
-    sizes.push_back(judge_all(choice.only_s, choice.cover, orientations_at(choice.only_s)));
-  } else {
-    for (const double s : {1.0, 0.5, 0.25, 0.125}) {
-      sizes.push_back(judge_all(s, kPaperCover, orientations_at(s)));
-    }
-    sizes.push_back(judge_all(0.5, kPaperCover / 2, 2));
+  const auto judge = [&](double s, double cover) {
+    sizes.push_back(judge_all(choice, s, cover, orientations_at(s)));
+  };
+  if (choice.only_s > 0) {
+    judge(choice.only_s, choice.cover);
+    return sizes;
   }
+  for (const double s : {1.0, 0.5, 0.25, 0.125}) judge(s, kPaperCover);
+  judge(0.5, kPaperCover / 2);
   return sizes;
 }
 
 int run(int argc, char** argv) {
-  const std::optional<Choice> choice = read_choice(argc, argv);
-  if (!choice) {
-    std::fprintf(stderr,
-                 "usage: force_bench [--fast | --s S [--cover C] | --cost] [--json FILE]\n");
-    return 2;
-  }
+  CLI::App app{"Force models against exact distances, on analytic contacts", "force_bench"};
+  Choice choice;
+  const auto size =
+      app.add_option("--s", choice.only_s, "voxel size, in units of 10 mm (default: all)")
+          ->check(CLI::PositiveNumber);
+  app.add_option("--cover", choice.cover, "covering radius, voxels")
+      ->check(CLI::PositiveNumber)
+      ->needs(size);
+  std::vector<std::string> names;
+  for (const Combination& combination : combinations()) names.push_back(combination.name);
+  const auto contact =
+      app.add_option("--contact", choice.only, "\"sphere on plane\", ... (default: all)")
+          ->check(CLI::IsMember(names));
+  app.add_flag("--cost", choice.cost, "times instead")->excludes(size)->excludes(contact);
+  app.add_option("--json", choice.json, "where to write the figures");
+  CLI11_PARSE(app, argc, argv);
+
   const Json about = machine();
   std::printf("%s, %s\n", about["cpu"].get<std::string>().c_str(),
               about["date"].get<std::string>().c_str());
   Json results;
-  if (choice->cost) {
+  if (choice.cost) {
     const double cover_m = kPaperCover * 0.0025;
     results.push_back(
         measure_cost("a box lying flush", box_shell({0.08, 0.06, 0.04}, cover_m), 0.04));
     results.push_back(measure_cost("a sphere", sphere_shell(0.1, cover_m), 0.1));
-    write_report("force_cost", argc, argv, results, choice->json);
+    write_report("force_cost", argc, argv, results, choice.json);
     return 0;
   }
   const double start = cpu_s();
-  results["sizes"] = judge_sizes(*choice);
+  results["sizes"] = judge_sizes(choice);
   results["cpu_seconds"] = cpu_s() - start;
   std::printf("%.1f CPU seconds\n", cpu_s() - start);
-  write_report(choice->only_s > 0 || choice->fast ? "force_part" : "force", argc, argv, results,
-               choice->json);
+  write_report(choice.only_s > 0 ? "force_part" : "force", argc, argv, results, choice.json);
   return 0;
 }
 

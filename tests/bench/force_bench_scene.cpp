@@ -118,38 +118,17 @@ bool AnalyticStatic::meets_cube(const glm::dvec3& center, double half) const {
   return false;
 }
 
-// Every shape's distance is concave over a cube in free space, so that a corner is nearest, but for
-// what bulges into it: a sphere, and a convex edge.
-double AnalyticStatic::cube_distance_m(const glm::dvec3& center, double half) const {
-  if (kind == StaticKind::kSphere) {
-    const glm::dvec3 gap = glm::max(glm::abs(center - origin_m) - half, glm::dvec3(0));
-    return glm::length(gap) - radius_m;
-  }
-  std::array<glm::dvec3, 8> corners;
-  double least = 1e300;
-  for (int n = 0; n < 8; ++n) {
-    corners[n] = center + half * glm::dvec3(n & 1 ? 1 : -1, n & 2 ? 1 : -1, n & 4 ? 1 : -1);
-    least = std::min(least, distance_m(corners[n]));
-  }
-  if (kind != StaticKind::kWedge || free_angle < M_PI) return least;
-  // The apex, which is a line along y of the local frame, from the cube's edges.
-  for (int n = 0; n < 8; ++n) {
-    for (int axis = 0; axis < 3; ++axis) {
-      if (n >> axis & 1) continue;
-      const glm::dvec3 a = glm::transpose(rotation) * (corners[n] - origin_m);
-      const glm::dvec3 b = glm::transpose(rotation) * (corners[n | 1 << axis] - origin_m);
-      const glm::dvec2 from(a.x, a.z), along = glm::dvec2(b.x, b.z) - from;
-      const double length2 = glm::dot(along, along);
-      const double t = length2 > 0 ? std::clamp(-glm::dot(from, along) / length2, 0.0, 1.0) : 0;
-      least = std::min(least, glm::length(from + t * along));
-    }
-  }
-  return least;
-}
+namespace {
+
+// How far the centres of the interior's voxels are from the surface with Euclidean layers
+// (voxmap_format.md, section 5).
+double interior_radius_voxels(int layers) { return layers - 1 + 888.0 / 1024; }
+
+}  // namespace
 
 double zero_force_voxels(VoxelKind kind, int layers, const glm::dvec3& n) {
   if (kind == VoxelKind::kChebyshev) return layers * norm1(n);
-  if (kind == VoxelKind::kEuclidean) return layers - 1 + norm1(n);
+  if (kind == VoxelKind::kEuclidean) return interior_radius_voxels(layers) + norm1(n) / 2;
   return test::DistanceDefinition(static_cast<std::uint32_t>(layers), 8, 4).zero;
 }
 
@@ -171,10 +150,7 @@ test::VoxelScene bake_euclidean(const AnalyticStatic& body, double s, int layers
   box_around(low, high, s, layers + 3, min, dims);
   test::VoxelScene scene = test::VoxelScene::filled(s, min, dims, [&](test::Voxel v) {
     const glm::dvec3 c = (glm::dvec3(v[0], v[1], v[2]) + 0.5) * s;
-    const double distance = body.distance_m(c);
-    if (distance > (layers - 1 + 0.8661) * s) return VoxelValue::kFree;
-    const bool near = distance <= 0 || body.meets_cube(c, s / 2) ||
-                      body.cube_distance_m(c, s / 2) < (layers - 1) * s;
+    const bool near = body.distance_m(c) < interior_radius_voxels(layers) * s;
     return near ? VoxelValue::kInterior : VoxelValue::kFree;
   });
   scene.layers = static_cast<std::uint32_t>(layers);

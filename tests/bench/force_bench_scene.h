@@ -32,9 +32,6 @@ struct AnalyticStatic {
   // Whether the surface has a point in the closed cube of half edge `half_m` about `center`.
   bool meets_cube(const glm::dvec3& center, double half_m) const;
 
-  // Distance of the closed cube from the surface, where it lies in free space.
-  double cube_distance_m(const glm::dvec3& center, double half_m) const;
-
   // Outward normal of a wedge's wall, world: 0 for x > 0, 1 for x < 0.
   glm::dvec3 wall_normal(int wall) const;
 };

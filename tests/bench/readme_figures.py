@@ -17,6 +17,8 @@ import re
 import subprocess
 import sys
 
+import bench_scenes
+
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 EPYC = HERE / "results" / "amd-epyc"
@@ -471,14 +473,6 @@ def unclaimed(text, passages):
     return faults
 
 
-def results_of(readme):
-    """The folder that the README's plots come from."""
-    folders = set(re.findall(r"\(tests/bench/(results/[\w.-]+)/", readme))
-    if len(folders) != 1:
-        sys.exit(f"readme_figures.py: the README shows plots of {len(folders)} machines, not one")
-    return HERE / folders.pop()
-
-
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0], prog="readme_figures.py")
     parser.add_argument("--write", action="store_true", help="bring the README up to the results")
@@ -486,7 +480,7 @@ def main():
     parser.add_argument("--results", type=pathlib.Path, help="default: where the README's plots are")
     arguments = parser.parse_args()
     old = arguments.readme.read_text()
-    results = Results(arguments.results or results_of(old))
+    results = Results(arguments.results or bench_scenes.readme_folder(old))
     text, passages, faults = apply_claims(old, results)
     text, table_faults = apply_tables(text, results)
     faults += table_faults

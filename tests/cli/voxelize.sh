@@ -79,7 +79,8 @@ cmp -s scene.vox kept.vox || fail "another number of threads gives other bytes"
 echo '0.005 0.005 0.005' | "$bin/voxinfo" sample scene.vox >out
 [ "$(cat out)" = 0 ] || fail "the free seed opened nothing"
 
-# The other kinds of voxels: Euclidean layers are rounder at the corners, and distances count from
+# The other kinds of voxels: with Euclidean layers the interior is what has its centre less than 1.867
+# voxels from the cube, 14^3 voxels but for the rows along its twelve edges; and distances count from
 # 2.867 voxels off.
 "$bin/voxelize" cube.obj --units cm --voxel-size 1mm -o scene.vox --quiet --metric euclidean --json report.json || fail "euclidean"
 "$bin/voxinfo" verify scene.vox --quiet || fail "the Euclidean scene is not valid"
@@ -87,7 +88,7 @@ python3 - report.json <<'EOF' || fail "euclidean report"
 import json, sys
 r = json.load(open(sys.argv[1]))
 assert r["metric"] == "euclidean" and r["bits_per_voxel"] == 2 and r["layers"] == 2, r
-assert 11**3 < r["counts"]["interior"] < 13**3, r
+assert r["counts"]["interior"] == 14**3 - (12 * 14 - 2 * 8), r
 EOF
 for bits in 4 8; do
   "$bin/voxelize" cube.obj --units cm --voxel-size 1mm -o scene.vox --quiet --bits $bits || fail "$bits bits"

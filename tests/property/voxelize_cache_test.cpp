@@ -83,6 +83,11 @@ class BakeCacheTest : public ::testing::Test {
     cached_.scene_name = "scene";
   }
 
+  void use(std::uint32_t layers, Metric metric) {
+    plain_.layers = cached_.layers = layers;
+    plain_.metric = cached_.metric = metric;
+  }
+
   test::ScratchFolder scratch_;
   std::optional<CacheFolder> cache_;
   BakeOptions plain_, cached_;
@@ -94,7 +99,9 @@ TEST_F(BakeCacheTest, SameBytesColdWarmAndAfterEveryChange) {
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
     Random random(seed);
     CachedScene scene = random_scene(random);
-    plain_.layers = cached_.layers = static_cast<std::uint32_t>(whole(random, 0, 4));
+    const bool euclidean = seed % 3 == 0;
+    use(static_cast<std::uint32_t>(whole(random, euclidean ? 1 : 0, 4)),
+        euclidean ? Metric::kEuclidean : Metric::kChebyshev);
     ASSERT_EQ(bytes_of(baked(scene, cached_)), bytes_of(baked(scene, plain_))) << "cold";
     const Bake warm = baked(scene, cached_);
     ASSERT_EQ(bytes_of(warm), bytes_of(baked(scene, plain_))) << "warm";
@@ -126,6 +133,25 @@ TEST_F(BakeCacheTest, SameBytesColdWarmAndAfterEveryChange) {
 }
 
 // The same bake again after every kind of damage to the cache.
+// What Euclidean layers add to a part reaches beyond the part's box, here into other blocks of 512.
+TEST_F(BakeCacheTest, GrownPartsAreFoundAcrossBlocks) {
+  CachedScene scene;
+  reference::add_box(scene.meshes.emplace_back(), {0, 0, 0}, {12, 12, 12});
+  scene.positions.push_back({0, 512 - 12, 0});
+  for (const std::uint32_t layers : {1u, 2u, 30u}) {
+    SCOPED_TRACE(layers);
+    use(layers, Metric::kEuclidean);
+    cached_.find_cavities = true;
+    const Bake cold = baked(scene, cached_), warm = baked(scene, cached_);
+    EXPECT_EQ(found(cold), 0u);
+    EXPECT_EQ(found(warm), 1u);
+    EXPECT_EQ(bytes_of(cold), bytes_of(baked(scene, plain_)));
+    EXPECT_EQ(bytes_of(warm), bytes_of(cold));
+    EXPECT_EQ(cold.objects[0].cavities.size(), 1u);
+    EXPECT_EQ(warm.objects[0].cavities.size(), 1u);
+  }
+}
+
 TEST_F(BakeCacheTest, DamagedEntriesAreRebuilt) {
   Random random(99);
   const CachedScene scene = random_scene(random);

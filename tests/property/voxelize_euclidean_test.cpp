@@ -5,7 +5,8 @@
 #include "tests/support/reference_distance.h"
 #include "tests/support/soups.h"
 #include "tests/support/test_scene.h"
-#include "voxelize/cube_distance.h"
+#include "voxelize/center_distance.h"
+#include "voxelize/near_voxels.h"
 
 namespace forcelayer {
 namespace {
@@ -18,7 +19,11 @@ using reference::whole;
 // Corners on fine and on coarse lattices (so that distances tie), some of them equal, some large.
 LatticeTriangle random_triangle(Random& random) {
   const std::int64_t grid = std::int64_t{1} << whole(random, 0, kSnapBits);
-  const std::int64_t extent = random() % 8 == 0 ? 4000 : whole(random, 1, 6);
+  // Some around the size from which wider integers are needed.
+  const std::uint64_t size = random() % 8;
+  const std::int64_t extent = size == 0   ? 4000
+                              : size == 1 ? whole(random, 980, 1020)
+                                          : whole(random, 1, 6);
   LatticeTriangle triangle;
   for (LatticePoint& corner : triangle) {
     for (std::int64_t& x : corner) {
@@ -47,24 +52,32 @@ VoxelIndex voxel_near(Random& random, const LatticeTriangle& triangle, int radiu
   return voxel;
 }
 
-TEST(CubeDistance, EqualsTheSearchOverTheTriangle) {
+TEST(CenterDistance, EqualsTheNearestFeatures) {
+  constexpr double kUnit = static_cast<double>(kSnapUnits);
   int near = 0, far = 0, ties = 0;
-  for (std::uint64_t seed = 1; seed <= 3000; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 6000; ++seed) {
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
     Random random(seed);
-    const LatticeTriangle triangle = random_triangle(random);
-    const int radius = static_cast<int>(whole(random, 1, 3));
-    const VoxelIndex voxel = voxel_near(random, triangle, radius);
-    const double distance = reference::cube_distance(triangle, voxel);
-    if (distance == 0 || reference::overlaps_cell<reference::Int128>(triangle, voxel)) continue;
-    const bool tie = std::abs(distance - radius) < 1e-9;
-    const bool expected = distance < radius && !tie;
-    ASSERT_EQ(comes_nearer(triangle, voxel, radius), expected) << "distance " << distance;
+    LatticeTriangle triangle = random_triangle(random);
+    if (seed % 4 == 0) {  // square to an axis, where distances are whole numbers
+      for (LatticePoint& corner : triangle) corner[seed / 4 % 3] = triangle[0][seed / 4 % 3];
+    }
+    std::int64_t radius = interior_radius_units(seed % 8 == 1 ? 30 : whole(random, 1, 3));
+    const VoxelIndex voxel = voxel_near(random, triangle, static_cast<int>(radius / kSnapUnits));
+    const double distance =
+        reference::point_distance(triangle, reference::center_of(voxel)) * kUnit;
+    // Every other radius is the distance itself, or a unit more or less.
+    if (seed % 2 == 0) {
+      radius = std::max<std::int64_t>(std::llround(distance) + whole(random, -1, 1), 1);
+    }
+    const bool tie = std::abs(distance - static_cast<double>(radius)) < 1e-6;
+    const bool expected = distance < static_cast<double>(radius) && !tie;
+    ASSERT_EQ(center_is_nearer(triangle, voxel, radius), expected) << "distance " << distance;
     ++(tie ? ties : expected ? near : far);
   }
-  EXPECT_GT(near, 500);
-  EXPECT_GT(far, 500);
-  EXPECT_GT(ties, 15);
+  EXPECT_GT(near, 1000);
+  EXPECT_GT(far, 1000);
+  EXPECT_GT(ties, 50);
 }
 
 BakeOptions options_with(std::uint32_t layers) {
@@ -81,10 +94,10 @@ TEST(EuclideanBake, EqualsTheReferenceOnRandomScenes) {
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
     Random random(seed);
     const reference::TestScene scene = reference::random_scene(random, seed % 5 == 0 ? 30 : 12, 3);
-    const auto layers = static_cast<std::uint32_t>(whole(random, 1, 4));
+    const auto layers = static_cast<std::uint32_t>(seed == 1 ? 30 : whole(random, 1, 4));
     const std::vector<LatticeMesh> meshes = scene.lattice();
     const auto expected = reference::euclidean_scene(
-        meshes, reference::united_scene(meshes, {}, layers + 2), static_cast<int>(layers));
+        meshes, reference::united_scene(meshes, {}, layers + 3), static_cast<int>(layers));
     const BakedScene baked(scene.objects(), options_with(layers));
     EXPECT_EQ(baked.map().header().metric, static_cast<std::uint32_t>(Metric::kEuclidean));
     EXPECT_EQ(baked.map().header().offset_layers, layers);
@@ -106,8 +119,7 @@ TEST(EuclideanBake, LargeTrianglesAreExact) {
   for (int n = 0; n < 1500; ++n) {
     const VoxelIndex voxel = voxel_near(random, lattice[0], 3);
     const VoxelValue value = baked.map().value(voxel[0], voxel[1], voxel[2]);
-    const bool expected = reference::overlaps_cell<reference::Int128>(lattice[0], voxel) ||
-                          reference::is_near(lattice[0], voxel, 2);
+    const bool expected = reference::is_near(lattice[0], voxel, reference::interior_radius(3));
     ASSERT_EQ(value == VoxelValue::kInterior, expected);
     near += expected;
   }
@@ -126,7 +138,7 @@ TEST(EuclideanBake, KeepsTheStandoffAndWholeLayers) {
     const int layers = static_cast<int>(whole(random, 2, 3));
     const BakedScene baked(scene.objects(), options_with(static_cast<std::uint32_t>(layers)));
     const Voxmap& map = baked.map();
-    const auto grid = reference::grid_around(meshes, layers + 2);
+    const auto grid = reference::grid_around(meshes, layers + 3);
     const auto level = [&](const VoxelIndex& v) {
       constexpr int kLevels[4] = {2, -1, 0, 1};
       return kLevels[static_cast<int>(map.value(v[0], v[1], v[2]))];

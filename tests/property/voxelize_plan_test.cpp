@@ -111,10 +111,7 @@ Mesh plates(double first_end, double gap) {
 }
 
 // Voxels of neither the force layer nor the interior between the plates.
-int passable_voxels(const Mesh& mesh, std::uint32_t layers, double first_end, double gap) {
-  BakeOptions options;
-  options.voxel_size_m = 1;
-  options.layers = layers;
+int passable_voxels(const Mesh& mesh, const BakeOptions& options, double first_end, double gap) {
   const BakedScene baked({{"plates", &mesh, Affine{}, {}, 0}}, options);
   int passable = 0;
   for (double x = std::floor(first_end); x <= first_end + gap; ++x) {
@@ -124,24 +121,31 @@ int passable_voxels(const Mesh& mesh, std::uint32_t layers, double first_end, do
   return passable;
 }
 
+void expect_narrowest_gap(const BakeOptions& options, double gap) {
+  SCOPED_TRACE(::testing::Message() << options.layers << " layers");
+  const Mesh some = plates(3, 5);
+  const auto plan = plan_bakes(std::vector<SceneObject>{{"p", &some, Affine{}, {}, 0}}, options);
+  ASSERT_TRUE(plan) << to_line(plan.error());
+  ASSERT_EQ(plan->sizes[0].narrowest_gap_m, gap);
+  bool narrower_is_closed = false;
+  for (int step = 0; step < 16; ++step) {
+    const double end = 5 + step / 16.0;
+    EXPECT_GT(passable_voxels(plates(end, gap), options, end, gap), 0) << end;
+    const double narrower = gap - 1.0 / 16;
+    narrower_is_closed |= passable_voxels(plates(end, narrower), options, end, narrower) == 0;
+  }
+  EXPECT_TRUE(narrower_is_closed);
+}
+
 TEST(Plan, TheNarrowestGapIsPassableWhereverItLiesAndNoNarrowerOneIs) {
-  for (std::uint32_t layers = 0; layers <= 3; ++layers) {
-    const double gap = 2 * layers + 2;
-    BakeOptions options;
-    options.voxel_size_m = 1;
-    options.layers = layers;
-    const Mesh some = plates(3, 5);
-    const auto plan = plan_bakes(std::vector<SceneObject>{{"p", &some, Affine{}, {}, 0}}, options);
-    ASSERT_TRUE(plan) << to_line(plan.error());
-    ASSERT_EQ(plan->sizes[0].narrowest_gap_m, gap);
-    bool narrower_is_closed = false;
-    for (int step = 0; step < 16; ++step) {
-      const double end = 5 + step / 16.0;
-      EXPECT_GT(passable_voxels(plates(end, gap), layers, end, gap), 0) << layers << ' ' << end;
-      const double narrower = gap - 1.0 / 16;
-      narrower_is_closed |= passable_voxels(plates(end, narrower), layers, end, narrower) == 0;
-    }
-    EXPECT_TRUE(narrower_is_closed) << layers;
+  BakeOptions options;
+  options.voxel_size_m = 1;
+  for (options.layers = 0; options.layers <= 3; ++options.layers) {
+    expect_narrowest_gap(options, 2 * options.layers + 2);
+  }
+  options.metric = Metric::kEuclidean;
+  for (options.layers = 1; options.layers <= 3; ++options.layers) {
+    expect_narrowest_gap(options, 2 * (options.layers - 1 + 888.0 / 1024 + 0.5) + 2);
   }
 }
 

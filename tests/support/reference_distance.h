@@ -1,6 +1,5 @@
-// Distances from triangles, slow and obviously right: of points by the cases of the nearest
-// feature, of cubes by searching the triangle for the point that is nearest to the cube, which is a
-// convex problem. And what Euclidean bakes are by them.
+// Distances of points from triangles, slow and obviously right, by the cases of the nearest
+// feature. And what Euclidean bakes are by them.
 #pragma once
 
 #include <cmath>
@@ -19,41 +18,6 @@ inline Point in_voxels(const LatticePoint& p) {
 
 inline Point between(const Point& a, const Point& b, double t) {
   return {a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]), a[2] + t * (b[2] - a[2])};
-}
-
-// Of a point from the closed cube of a voxel.
-inline double from_cube(const Point& p, const VoxelIndex& voxel) {
-  double sum = 0;
-  for (std::size_t d = 0; d < 3; ++d) {
-    const auto low = static_cast<double>(voxel[d]);
-    const double gap = std::max({0.0, low - p[d], p[d] - low - 1});
-    sum += gap * gap;
-  }
-  return std::sqrt(sum);
-}
-
-// The least of a convex f over [0, 1], by golden sections down to 1e-14.
-template <class F>
-double least_of(F&& f) {
-  constexpr double kShare = 0.6180339887498949;
-  double low = 0, high = 1, a = 1 - kShare, b = kShare, at_a = f(a), at_b = f(b);
-  for (int n = 0; n < 67; ++n) {
-    if (at_a <= at_b) {
-      high = b, b = a, at_b = at_a, a = high - kShare * (high - low), at_a = f(a);
-    } else {
-      low = a, a = b, at_a = at_b, b = low + kShare * (high - low), at_b = f(b);
-    }
-  }
-  return std::min({at_a, at_b, f(0), f(1)});
-}
-
-// Of the closed cube of a voxel from a triangle, voxels.
-inline double cube_distance(const LatticeTriangle& triangle, const VoxelIndex& voxel) {
-  const Point a = in_voxels(triangle[0]), b = in_voxels(triangle[1]), c = in_voxels(triangle[2]);
-  return least_of([&](double s) {
-    const Point p = between(a, b, s), q = between(a, c, s);
-    return least_of([&](double t) { return from_cube(between(p, q, t), voxel); });
-  });
 }
 
 // Of a point from a triangle (Ericson, Real-Time Collision Detection, 5.1.5), voxels.
@@ -91,23 +55,24 @@ inline Point center_of(const VoxelIndex& v) {
           static_cast<double>(v[2]) + 0.5};
 }
 
-// Whether the closed cube is less than `radius` from the triangle. Distances of lattice points that
+// The centres of the interior's voxels are nearer than this to the surface, voxels: k - 1, half a
+// diagonal, and up to the second multiple of 2^-10 above.
+inline double interior_radius(int layers) { return layers - 1 + 888.0 / 1024.0; }
+
+// Whether the centre is less than `radius` from the triangle. Distances of lattice points that
 // differ from the radius by less than 1e-9 are equal to it.
 inline bool is_near(const LatticeTriangle& triangle, const VoxelIndex& voxel, double radius) {
-  const double center = point_distance(triangle, center_of(voxel));
-  if (center < radius + 0.499) return true;
-  if (center > radius + 0.8661) return false;
-  return cube_distance(triangle, voxel) < radius - 1e-9;
+  return point_distance(triangle, center_of(voxel)) < radius - 1e-9;
 }
 
 // The value of every voxel with Euclidean layers (voxmap_format.md, section 5): interior where I,
-// or where the closed cube is less than k - 1 voxels from the surface or passed through by it;
-// surface, then proximity next to that, corners included. The margin must be above layers + 1.
+// or where the centre is less than interior_radius() from the surface; surface, then proximity next
+// to that, corners included. The margin must be above layers + 2.
 inline DenseGrid euclidean_scene(const std::vector<LatticeMesh>& meshes,
                                  const ReferenceScene& scene, int layers) {
   DenseGrid values(scene.geometry.low(), scene.geometry.high());
   values.for_each([&](const VoxelIndex& v) {
-    if (scene.geometry.at(v) == 1 || scene.interior.at(v) == 1) values.at(v) = 1;
+    if (scene.interior.at(v) == 1) values.at(v) = 1;
   });
   for (const LatticeMesh& mesh : meshes) {
     for (const LatticeTriangle& triangle : mesh) {
@@ -118,7 +83,7 @@ inline DenseGrid euclidean_scene(const std::vector<LatticeMesh>& meshes,
         high[d] = (most >> kSnapBits) + layers;
       }
       DenseGrid(low, high).for_each([&](const VoxelIndex& v) {
-        if (layers > 1 && values.at(v) == 0 && is_near(triangle, v, layers - 1)) values.at(v) = 1;
+        if (values.at(v) == 0 && is_near(triangle, v, interior_radius(layers))) values.at(v) = 1;
       });
     }
   }
