@@ -330,7 +330,7 @@ CLAIMS = [
      "triangles in memory to the file, and Euclidean layers {euclidean} times. It is meant to be at most {target} times: by the "
      "clock it is so {clock}, in processor time ({cpu} times at 8 bits) {processor}. `vdb_tool`, which writes the same distances as "
      "floats, takes {vdb} times as long as the bake of 8 bits, into a file {files} times as large (two cores of an AMD EPYC, a "
-     "virtual machine on which others compiled).", wide),
+     "virtual machine that others use too).", wide),
     ("What a finer voxel costs and buys, on {scenes} scenes at 32 to 256 voxels across, each as one object. Finding the "
      "voxels that the mesh touches takes `meshToVolume` {volume} times, and `vtkVoxelModeller` {vtk} times, as long "
      "as the whole bake into the file takes us. Against the exact test, voxel by voxel, ours has none wrong; "
