@@ -100,7 +100,7 @@ def plot(rows, machine):
     axes[0][0].set_ylabel("time (s)")
     axes[1][0].set_ylabel("peak memory (MB)")
     figure.legend(*axes[0][0].get_legend_handles_labels(), loc="lower center", ncols=2, fontsize=8)
-    figure.subplots_adjust(left=0.08, right=0.98, top=0.86, bottom=0.18, wspace=0.08)
+    figure.subplots_adjust(left=1.1 / figure.get_figwidth(), right=0.98, top=0.86, bottom=0.18, wspace=0.08)
     figure.suptitle("Finer voxels to the right; only Forcelayer misses and adds no voxel\n"
                     f"{machine['cores']} cores of {machine['cpu']}", fontsize=10)
     return figure
