@@ -105,7 +105,7 @@ part_trajectory() {
 }
 part_stability() {
   local table
-  for table in $(either "rest:50 table2:100000 device map step:20000" "cases rest table2 device map step"); do
+  for table in $(either "rest:150 table2:300000 device map step:20000" "cases rest table2 device map step"); do
     "$bin/stability_bench" ${table/:/ } --json "$out/stability_${table%:*}.json"
   done
   "$root/scripts/plot_stability.py" "$out"
