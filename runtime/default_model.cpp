@@ -24,7 +24,8 @@ constexpr double kLeastTravelVoxels = 1e-9;
 // While the hand rests, a motion must lower the energy by this share of k_T times its square.
 constexpr double kDescentShare = 1e-4;
 
-// Where an interior point must end, behind the middle of a force layer of one voxel.
+// Where an interior point must end, behind where a force layer of one voxel begins to push. That is
+// 0.1 to 0.6 voxels before the interior, by the kind of map.
 constexpr double kGuardDepthVoxels = 0.4;
 // At least so far it is pushed back per new solve.
 constexpr double kGuardPushVoxels = 0.15;

@@ -141,8 +141,8 @@ struct Picked {
   }
 };
 
-// Samples the points in values 1 and 2, or all points (ForceField::measure), with what `Bricks`, a
-// BrickMemo, holds. Of points that were picked out the lanes have their normals only where
+// Samples the points that may have depth, or all points (ForceField::measure), with what `Bricks`,
+// a BrickMemo, holds. Of points that were picked out the lanes have their normals only where
 // Derived::kPicksNormals says so.
 template <class Derived, class Bricks, bool kAllPoints>
 class FieldKernel {
@@ -152,7 +152,9 @@ class FieldKernel {
   // not wanted.
   HWY_INLINE void run() {
     samples_.count = 0;
-    const std::uint32_t band = points_.surface_count + points_.interior_count;
+    const std::uint32_t band = outermost_ == VoxelValue::kProximity
+                                   ? points_.count
+                                   : points_.surface_count + points_.interior_count;
     if (kAllPoints || band >= points_.count - points_.count / 4) {
       for (std::uint32_t first = 0; first < points_.count; first += kChunk) {
         const auto from = [&](std::size_t i) HWY_ATTR {
@@ -175,8 +177,10 @@ class FieldKernel {
   }
 
  protected:
-  FieldKernel(const CollectedPoints& points, Bricks& bricks, FieldSamples& samples)
-      : points_(points), bricks_(bricks), samples_(samples) {}
+  // `outermost`: the value, 2 or 3, out to which points may have depth.
+  FieldKernel(const CollectedPoints& points, Bricks& bricks, FieldSamples& samples,
+              VoxelValue outermost = VoxelValue::kSurface)
+      : points_(points), bricks_(bricks), samples_(samples), outermost_(outermost) {}
 
   // Appends the samples of a mask.
   HWY_INLINE void store(hn::Mask<Floats> kept, VI at, VF depth_m, const VF (&direction)[3],
@@ -275,7 +279,7 @@ class FieldKernel {
     if (kAllPoints) return real;
     const hn::Rebind<std::uint8_t, Ints> d8;
     const VI value = hn::PromoteTo(kI, hn::LoadU(d8, &points_.value[first]));
-    return hn::And(real, hn::Lt(value, hn::Set(kI, static_cast<int>(VoxelValue::kProximity))));
+    return hn::And(real, hn::Lt(value, hn::Set(kI, static_cast<int>(outermost_) + 1)));
   }
 
   HWY_INLINE Lanes load(std::uint32_t first, hn::Mask<Ints> wanted) const {
@@ -307,7 +311,7 @@ class FieldKernel {
     return lanes;
   }
 
-  // Appends the next lanes' points in values 1 and 2.
+  // Appends the next lanes' wanted points.
   HWY_INLINE void pick(std::uint32_t first, Picked& picked) const {
     const auto wanted = wanted_of(first);
     if (hn::AllFalse(kI, wanted)) return;
@@ -324,6 +328,8 @@ class FieldKernel {
     }
     picked.count += pack.count();
   }
+
+  VoxelValue outermost_;
 };
 
 }  // namespace

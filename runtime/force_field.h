@@ -33,14 +33,16 @@ struct FieldSamples {
   }
 };
 
-// Reads depth and direction at points in values 2 and 1. What lies in which value, and so the
-// guard and the guarantee, does not depend on the field.
+// Reads depth and direction at points in values 2 and 1; with Euclidean layers the level field may
+// reach into value 3 (level_field.h). What lies in which value, and so the guard and the guarantee,
+// does not depend on the field.
 class ForceField {
  public:
   virtual ~ForceField() = default;
 
   // Fills `samples` from `points` (both with room for all points). No allocation, lock or system
-  // call. A point in value 1 that the field cannot measure gets half a voxel along its normal.
+  // call. A point in value 1 that the field cannot measure gets about half a voxel along
+  // its normal.
   virtual void evaluate(const CollectedPoints& points, FieldSamples& samples) const noexcept = 0;
 
   // The same for every collected point, those of value 3 too, with signed depth: negative is how

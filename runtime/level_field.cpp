@@ -4,6 +4,21 @@
 
 namespace forcelayer {
 
+namespace {
+
+LevelScale scale_of(const Voxmap& voxmap) {
+  LevelScale scale;
+  scale.voxel_size_m = static_cast<float>(voxmap.voxel_size_m());
+  if (voxmap.header().metric == static_cast<std::uint32_t>(Metric::kEuclidean)) {
+    scale.a = 0.8660254f;
+    scale.b = 0.5f;
+    scale.outermost = VoxelValue::kProximity;
+  }
+  return scale;
+}
+
+}  // namespace
+
 std::optional<Error> LevelField::unreadable(const Voxmap& voxmap) {
   const VoxmapHeader& header = voxmap.header();
   if (header.bits_per_voxel != 2) {
@@ -20,15 +35,14 @@ std::optional<Error> LevelField::unreadable(const Voxmap& voxmap) {
   return std::nullopt;
 }
 
-LevelField::LevelField(const Voxmap& voxmap)
-    : voxel_size_m_(static_cast<float>(voxmap.voxel_size_m())), bricks_(voxmap) {}
+LevelField::LevelField(const Voxmap& voxmap) : scale_(scale_of(voxmap)), bricks_(voxmap) {}
 
 void LevelField::evaluate(const CollectedPoints& points, FieldSamples& samples) const noexcept {
-  push_by_levels(points, voxel_size_m_, bricks_, samples);
+  push_by_levels(points, scale_, bricks_, samples);
 }
 
 void LevelField::measure(const CollectedPoints& points, FieldSamples& samples) const noexcept {
-  measure_by_levels(points, voxel_size_m_, bricks_, samples);
+  measure_by_levels(points, scale_, bricks_, samples);
 }
 
 }  // namespace forcelayer

@@ -181,7 +181,7 @@ struct Stages {
   HWY_ALIGN float slope[3][kChunk];
 };
 
-// Pushes the points in values 1 and 2, or measures all points (ForceField::measure).
+// Pushes the points that have depth, or measures all points (ForceField::measure).
 template <bool kAllPoints>
 class Kernel : public FieldKernel<Kernel<kAllPoints>, LevelBricks, kAllPoints> {
   using Base = FieldKernel<Kernel<kAllPoints>, LevelBricks, kAllPoints>;
@@ -190,9 +190,9 @@ class Kernel : public FieldKernel<Kernel<kAllPoints>, LevelBricks, kAllPoints> {
  public:
   static constexpr bool kPicksNormals = true;
 
-  Kernel(const CollectedPoints& points, float voxel_size_m, LevelBricks& bricks,
+  Kernel(const CollectedPoints& points, const LevelScale& scale, LevelBricks& bricks,
          FieldSamples& samples)
-      : Base(points, bricks, samples), voxel_size_m_(voxel_size_m) {}
+      : Base(points, bricks, samples, scale.outermost), scale_(scale) {}
 
   // The first `count` points that load(i), load(i + kLanes), ... give.
   template <class Load>
@@ -220,21 +220,23 @@ class Kernel : public FieldKernel<Kernel<kAllPoints>, LevelBricks, kAllPoints> {
   HWY_INLINE void push_lanes(const Lanes& lanes, VF phi, const VF (&slope)[3]) {
     VF u[3];
     push(phi, slope, lanes.normal, u);
-    const VF one = hn::Set(kF, 1.0f), size_m = hn::Set(kF, voxel_size_m_);
+    const VF one = hn::Set(kF, 1.0f), size_m = hn::Set(kF, scale_.voxel_size_m);
     const VF length = hn::Sqrt(dot(u, u));
     const auto directed = hn::Gt(length, hn::Set(kF, kTiny));
     const VF per_length = hn::Div(one, length);
     const VF strength = hn::Min(hn::Mul(length, hn::Set(kF, kWeak)), one);
     for (int axis = 0; axis < 3; ++axis) u[axis] = hn::Mul(u[axis], per_length);
-    VF depth_m = hn::Mul(hn::Mul(hn::Neg(phi), strength), size_m);
+    const VF steps = hn::Neg(hn::Add(phi, hn::Set(kF, scale_.b)));
+    VF depth_m = hn::Mul(hn::Mul(steps, strength), size_m);
     depth_m = hn::Mul(depth_m, hn::Add(hn::Add(hn::Abs(u[0]), hn::Abs(u[1])), hn::Abs(u[2])));
+    depth_m = hn::Add(depth_m, hn::Mul(hn::Mul(hn::Set(kF, scale_.a), strength), size_m));
     auto kept = hn::RebindMask(kF, lanes.wanted);
     if (kAllPoints) {
       const VF nothing = hn::Neg(hn::Mul(hn::Max(phi, hn::Zero(kF)), size_m));
       depth_m = hn::IfThenElse(directed, depth_m, nothing);
       for (int n = 0; n < 3; ++n) u[n] = hn::IfThenElse(directed, u[n], lanes.normal[n]);
     } else {
-      kept = hn::And(kept, hn::And(hn::Lt(phi, hn::Zero(kF)), directed));
+      kept = hn::And(kept, hn::And(hn::Gt(depth_m, hn::Zero(kF)), directed));
     }
     this->store(kept, lanes.at, depth_m, u, slope);
   }
@@ -268,18 +270,18 @@ class Kernel : public FieldKernel<Kernel<kAllPoints>, LevelBricks, kAllPoints> {
     });
   }
 
-  float voxel_size_m_;
+  LevelScale scale_;
   Stages stages_;
 };
 
-void push_on_target(const CollectedPoints& points, float voxel_size_m, LevelBricks& bricks,
+void push_on_target(const CollectedPoints& points, const LevelScale& scale, LevelBricks& bricks,
                     FieldSamples& samples) {
-  Kernel<false>(points, voxel_size_m, bricks, samples).run();
+  Kernel<false>(points, scale, bricks, samples).run();
 }
 
-void measure_on_target(const CollectedPoints& points, float voxel_size_m, LevelBricks& bricks,
+void measure_on_target(const CollectedPoints& points, const LevelScale& scale, LevelBricks& bricks,
                        FieldSamples& samples) {
-  Kernel<true>(points, voxel_size_m, bricks, samples).run();
+  Kernel<true>(points, scale, bricks, samples).run();
 }
 
 }  // namespace
@@ -293,14 +295,14 @@ namespace forcelayer {
 HWY_EXPORT(push_on_target);
 HWY_EXPORT(measure_on_target);
 
-void push_by_levels(const CollectedPoints& points, float voxel_size_m, LevelBricks& bricks,
+void push_by_levels(const CollectedPoints& points, const LevelScale& scale, LevelBricks& bricks,
                     FieldSamples& samples) noexcept {
-  HWY_DYNAMIC_DISPATCH(push_on_target)(points, voxel_size_m, bricks, samples);
+  HWY_DYNAMIC_DISPATCH(push_on_target)(points, scale, bricks, samples);
 }
 
-void measure_by_levels(const CollectedPoints& points, float voxel_size_m, LevelBricks& bricks,
+void measure_by_levels(const CollectedPoints& points, const LevelScale& scale, LevelBricks& bricks,
                        FieldSamples& samples) noexcept {
-  HWY_DYNAMIC_DISPATCH(measure_on_target)(points, voxel_size_m, bricks, samples);
+  HWY_DYNAMIC_DISPATCH(measure_on_target)(points, scale, bricks, samples);
 }
 
 }  // namespace forcelayer

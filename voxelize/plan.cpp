@@ -102,16 +102,26 @@ bool fits(const Probe& coarse, double voxel_size_m) {
   return static_cast<bool>(fit_directory(box, voxel_size_m));
 }
 
-// Where the force begins: stored distances are zero at the same height in every direction, the
-// values' layers begin lowest along the axes.
+// Where the interior of Euclidean layers ends, two bits.
+double interior_radius_voxels(const BakeOptions& options) {
+  return static_cast<double>(interior_radius_units(options.layers)) /
+         static_cast<double>(kSnapUnits);
+}
+
+// Where the force begins: with Chebyshev layers along an axis, where it begins lowest.
 double standoff_voxels(const BakeOptions& options) {
   if (options.bits != 2) {
     return distance_scale(options.layers, options.bits, 4).zero + force_layer_voxels(options) - 1;
   }
   if (!grows_surface(options)) return options.layers;
-  return static_cast<double>(interior_radius_units(options.layers)) /
-             static_cast<double>(kSnapUnits) +
-         0.5;
+  return interior_radius_voxels(options) + std::sqrt(3.0) / 2;
+}
+
+double narrowest_gap_voxels(const BakeOptions& options) {
+  // Three voxels between two walls' interiors, of which the middle one is no force layer: there phi
+  // is 1/2, and the force has not yet begun (runtime/level_field.h).
+  if (options.bits == 2 && grows_surface(options)) return 2 * interior_radius_voxels(options) + 3;
+  return 2 * standoff_voxels(options) + 2;
 }
 
 }  // namespace
@@ -136,9 +146,8 @@ Result<Plan> plan_bakes(std::span<const SceneObject> objects, const BakeOptions&
     size.voxel_size_m = s;
     BakeOptions sized = options;
     sized.voxel_size_m = s;
-    const double standoff = standoff_voxels(sized);
-    size.standoff_m = standoff * s;
-    size.narrowest_gap_m = (2 * standoff + 2) * s;
+    size.standoff_m = standoff_voxels(sized) * s;
+    size.narrowest_gap_m = narrowest_gap_voxels(sized) * s;
     size.shell_points_per_m2 = kShellPointsPerVoxelFace / (s * s);
     size.file_bytes = bytes.at(1 / s);
     size.bake_s = seconds.at(1 / s);

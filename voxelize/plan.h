@@ -18,11 +18,13 @@ namespace forcelayer {
 struct PlannedSize {
   double voxel_size_m = 0;
   // How far a resting contact holds a point of the part off a surface, on average over where the
-  // surface lies in its voxel: to the middle of the force layer, k voxels. Half a voxel less at
-  // worst.
+  // surface lies in its voxel: to where the force begins. k voxels with Chebyshev layers along the
+  // lattice, more elsewhere; k + 0.73 with Euclidean ones; k + 0.87 with stored distances, and what
+  // a covering is deeper than a voxel. Half a voxel less at worst.
   double standoff_m = 0;
   // The narrowest gap between parallel walls along the lattice that a thin part passes without
-  // contact, wherever it lies: 2k + 2 voxels. A part of thickness t needs t more.
+  // contact, wherever it lies: 2k + 2 voxels, 2k + 2.73 with Euclidean layers. A part of thickness
+  // t needs t more.
   double narrowest_gap_m = 0;
   double shell_points_per_m2 = 0;  // of the moving part's surface, at pointshell's default radius
   double file_bytes = 0;           // estimated

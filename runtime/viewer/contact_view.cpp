@@ -60,7 +60,7 @@ ContactView ContactProbe::at(const Pose& world_from_part) {
     ViewPoint& point = view.points[samples_.at[n]];
     point.depth_m = samples_.depth_m[n];
     point.direction = {samples_.dx[n], samples_.dy[n], samples_.dz[n]};
-    if (point.value == VoxelValue::kSurface) ++view.contacts;
+    if (point.value != VoxelValue::kInterior) ++view.contacts;
     view.deepest_m = std::max(view.deepest_m, point.depth_m);
   }
   return view;

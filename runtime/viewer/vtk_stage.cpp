@@ -407,9 +407,9 @@ void Stage::place_contacts(const ContactView& contacts, double arrow_m) {
     std::vector<glm::dvec3> at, vector;
   } contact, layer, proximity, interior;
   for (const ViewPoint& point : contacts.points) {
-    Places* kind = &proximity;
+    Places* kind = point.value == VoxelValue::kSurface ? &layer : &proximity;
+    if (point.depth_m > 0) kind = &contact;
     if (point.value == VoxelValue::kInterior) kind = &interior;
-    if (point.value == VoxelValue::kSurface) kind = point.depth_m > 0 ? &contact : &layer;
     kind->at.push_back(point.position_m);
     kind->vector.push_back(point.depth_m * point.direction);
   }

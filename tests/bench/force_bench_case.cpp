@@ -385,7 +385,7 @@ Wrench ContactCase::field_force(const ForceField& field, const Placed& placed,
   for (std::uint32_t i = 0; i < set.count; ++i) {
     const Contact contact = set[i];
     const std::uint32_t at = c.samples.at[i];
-    // The default model's contacts are those in values 1 and 2 too, though it measures all.
+    // The default model's contacts are those that have depth, though it measures all.
     if (!(contact.depth_m > 0)) continue;
     const glm::dvec3 f = c.weights[at] * double{contact.depth_m} * glm::dvec3(contact.direction);
     total.force_n += f;

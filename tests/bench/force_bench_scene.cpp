@@ -128,7 +128,7 @@ double interior_radius_voxels(int layers) { return layers - 1 + 888.0 / 1024; }
 
 double zero_force_voxels(VoxelKind kind, int layers, const glm::dvec3& n) {
   if (kind == VoxelKind::kChebyshev) return layers * norm1(n);
-  if (kind == VoxelKind::kEuclidean) return interior_radius_voxels(layers) + norm1(n) / 2;
+  if (kind == VoxelKind::kEuclidean) return interior_radius_voxels(layers) + std::sqrt(3.0) / 2;
   return test::DistanceDefinition(static_cast<std::uint32_t>(layers), 8, 4).zero;
 }
 

@@ -145,7 +145,7 @@ TEST(Plan, TheNarrowestGapIsPassableWhereverItLiesAndNoNarrowerOneIs) {
   }
   options.metric = Metric::kEuclidean;
   for (options.layers = 1; options.layers <= 3; ++options.layers) {
-    expect_narrowest_gap(options, 2 * (options.layers - 1 + 888.0 / 1024 + 0.5) + 2);
+    expect_narrowest_gap(options, 2 * (options.layers - 1 + 888.0 / 1024) + 3);
   }
 }
 

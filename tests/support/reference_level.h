@@ -35,7 +35,7 @@ inline int level_of(const VoxelScene& scene, Voxel v, std::uint32_t cropped_side
 
 struct TwinPush {
   float phi = 0;      // voxels
-  float depth_m = 0;  // signed: negative in front of the force layer's middle
+  float depth_m = 0;  // signed: negative in front of where the push begins
   std::array<float, 3> direction{};
 };
 
@@ -100,8 +100,10 @@ inline TwinPush float_push(const VoxelScene& scene, const Voxel& voxel,
   for (std::size_t axis = 0; axis < 3; ++axis) twin.direction[axis] = u[axis] * per_length;
   const auto& d = twin.direction;
   const float strength = std::min(length * 10.0f, 1.0f);
-  twin.depth_m =
-      -twin.phi * strength * voxel_size_m * (std::abs(d[0]) + std::abs(d[1]) + std::abs(d[2]));
+  const bool euclidean = scene.metric == Metric::kEuclidean;
+  const float a = euclidean ? 0.8660254f : 0.0f, b = euclidean ? 0.5f : 0.0f;
+  const float norm1 = std::abs(d[0]) + std::abs(d[1]) + std::abs(d[2]);
+  twin.depth_m = -(twin.phi + b) * strength * voxel_size_m * norm1 + a * strength * voxel_size_m;
   return twin;
 }
 

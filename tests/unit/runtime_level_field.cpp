@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
+
 #include "runtime/simulation.h"
 #include "tests/support/point_part.h"
 #include "tests/support/reference_level.h"
@@ -42,6 +44,61 @@ TEST(LevelField, IsExactAboveAFloorAlongTheGrid) {
     EXPECT_EQ(push_at(voxmap, {2, -5, k}, {0.3f, 0.9f, 0.5f}, {0, 0, 1}).count, 0u);
     EXPECT_EQ(push_at(voxmap, {2, -5, k + 1}, {0.3f, 0.9f, 0.0f}, {0, 0, 1}).count, 0u);
   }
+}
+
+// Where the first interior voxel ends, phi is -1/2: sqrt(3)/2 voxels before that the push begins.
+TEST(LevelField, BeginsEarlierWithEuclideanLayers) {
+  VoxelScene scene = floor_scene(1);
+  scene.metric = Metric::kEuclidean;
+  const Voxmap voxmap = make_voxmap(scene);
+  for (const float f : {0.0f, 0.25f, 0.5f, 0.75f}) {
+    const FieldSamples samples = push_at(voxmap, {2, -5, 1}, {0.3f, 0.9f, f}, {0, 0, 1});
+    ASSERT_EQ(samples.count, 1u);
+    EXPECT_NEAR(samples.depth_m[0], kS * (std::sqrt(3.0) / 2 - f), 1e-6 * kS);
+    EXPECT_EQ(samples.dz[0], 1.0f);
+  }
+  EXPECT_EQ(push_at(voxmap, {2, -5, 1}, {0.3f, 0.9f, 0.875f}, {0, 0, 1}).count, 0u);
+}
+
+// Pushes on a point in value 3 with Chebyshev and with Euclidean layers around `solid`.
+std::array<FieldSamples, 2> pushes_in_proximity(const std::function<bool(Voxel)>& solid, Voxel v,
+                                                std::array<float, 3> fraction,
+                                                std::array<float, 3> normal) {
+  VoxelScene scene = offset_scene(kS, {-8, -8, -8}, {16, 16, 16}, 1, solid);
+  EXPECT_EQ(scene.at(v), VoxelValue::kProximity);
+  std::array<FieldSamples, 2> pushes;
+  for (FieldSamples& samples : pushes) {
+    const Voxmap voxmap = make_voxmap(scene);
+    CollectedPoints points;
+    points.reserve(1);
+    collect(points, voxmap, v, VoxelValue::kProximity, fraction, normal);
+    samples.reserve(1);
+    LevelField(voxmap).evaluate(points, samples);
+    scene.metric = Metric::kEuclidean;
+  }
+  return pushes;
+}
+
+// In a tunnel whose force layers leave one voxel between them, phi is 1/4.
+TEST(LevelField, PushesInANarrowTunnelWithEuclideanLayers) {
+  const auto solid = [](Voxel v) { return std::abs(v[0]) > 1 || std::abs(v[1]) > 1; };
+  const auto [chebyshev, euclidean] =
+      pushes_in_proximity(solid, {0, 0, 0}, {0.125f, 0.5f, 0.5f}, {1, 0, 0});
+  EXPECT_EQ(chebyshev.count, 0u);
+  ASSERT_EQ(euclidean.count, 1u);
+  EXPECT_NEAR(euclidean.depth_m[0], kS * (std::sqrt(3.0) / 2 - 0.75), 1e-6 * kS);
+  EXPECT_EQ(euclidean.dx[0], 1.0f);
+}
+
+// Beside a step of the lattice phi is between that of its lower and its upper side: 0.3 here.
+TEST(LevelField, PushesBesideAStepWithEuclideanLayers) {
+  const auto solid = [](Voxel v) { return v[2] < (v[0] < 0 ? 0 : -1); };
+  const auto [chebyshev, euclidean] =
+      pushes_in_proximity(solid, {1, 0, 0}, {0.2f, 0.5f, 0}, {0, 0, 1});
+  EXPECT_EQ(chebyshev.count, 0u);
+  ASSERT_EQ(euclidean.count, 1u);
+  EXPECT_NEAR(euclidean.depth_m[0], kS * (std::sqrt(3.0) / 2 - 0.8), 1e-4 * kS);
+  EXPECT_EQ(euclidean.dz[0], 1.0f);
 }
 
 TEST(LevelField, NormalThatPointsIntoTheWallIsOverruled) {
