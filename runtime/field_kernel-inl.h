@@ -17,6 +17,7 @@
 #include "runtime/brick_memo.h"
 #include "runtime/contact_query.h"
 #include "runtime/force_field.h"
+#include "runtime/packing-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace forcelayer {
@@ -38,55 +39,6 @@ HWY_INLINE VF dot(const VF (&a)[3], const VF (&b)[3]) {
 }
 
 HWY_INLINE VF clamp01(VF x) { return hn::Min(hn::Max(x, hn::Zero(kF)), hn::Set(kF, 1.0f)); }
-
-// Moves the lanes of a mask together. Highway's own Compress copies its tables to the stack on
-// every call where there is no instruction for it.
-#if HWY_TARGET <= HWY_AVX3
-class Packing {
- public:
-  explicit HWY_INLINE Packing(hn::Mask<Floats> kept) : kept_(kept) {}
-  HWY_INLINE VF operator()(VF v) const { return hn::Compress(v, kept_); }
-  HWY_INLINE VI operator()(VI v) const { return hn::Compress(v, hn::RebindMask(kI, kept_)); }
-  HWY_INLINE std::size_t count() const { return hn::CountTrue(kF, kept_); }
-
- private:
-  hn::Mask<Floats> kept_;
-};
-#else
-// Per bit pattern of a mask the numbers of its set bits, then zeros.
-constexpr auto kSetBits = [] {
-  std::array<std::array<std::uint8_t, 8>, std::size_t{1} << kLanes> table{};
-  for (std::size_t bits = 0; bits < table.size(); ++bits) {
-    std::size_t count = 0;
-    for (std::uint8_t bit = 0; bit < kLanes; ++bit) {
-      if (bits >> bit & 1) table[bits][count++] = bit;
-    }
-  }
-  return table;
-}();
-
-class Packing {
- public:
-  explicit HWY_INLINE Packing(hn::Mask<Floats> kept) {
-    std::uint8_t bits[8] = {};
-    hn::StoreMaskBits(kF, kept, bits);
-    count_ = hn::CountTrue(kF, kept);
-    const hn::Rebind<std::uint8_t, Ints> d8;
-    from_ = hn::PromoteTo(kI, hn::LoadU(d8, kSetBits[bits[0]].data()));
-  }
-  HWY_INLINE VF operator()(VF v) const {
-    return hn::TableLookupLanes(v, hn::IndicesFromVec(kF, from_));
-  }
-  HWY_INLINE VI operator()(VI v) const {
-    return hn::TableLookupLanes(v, hn::IndicesFromVec(kI, from_));
-  }
-  HWY_INLINE std::size_t count() const { return count_; }
-
- private:
-  VI from_;
-  std::size_t count_;
-};
-#endif
 
 // Leaves the lanes of a mask, the first so many, where they are.
 class Unmoved {
@@ -185,7 +137,7 @@ class FieldKernel {
   // Appends the samples of a mask.
   HWY_INLINE void store(hn::Mask<Floats> kept, VI at, VF depth_m, const VF (&direction)[3],
                         const VF (&slope)[3]) {
-    const std::conditional_t<kAllPoints, Unmoved, Packing> pack(kept);
+    const std::conditional_t<kAllPoints, Unmoved, Packing<Floats>> pack(kept);
     const std::uint32_t to = samples_.count;
     const hn::RebindToUnsigned<Ints> u32;
     hn::StoreU(hn::BitCast(u32, pack(at)), u32, &samples_.at[to]);
@@ -315,7 +267,7 @@ class FieldKernel {
   HWY_INLINE void pick(std::uint32_t first, Picked& picked) const {
     const auto wanted = wanted_of(first);
     if (hn::AllFalse(kI, wanted)) return;
-    const Packing pack(hn::RebindMask(kF, wanted));
+    const Packing<Floats> pack(hn::RebindMask(kF, wanted));
     const Lanes lanes = load(first, wanted);
     const std::size_t to = picked.count;
     hn::StoreU(pack(lanes.at), kI, picked.at + to);

@@ -12,6 +12,8 @@
 // Behind foreach_target.h, as Highway wants it.
 #include <hwy/highway.h>
 
+#include "runtime/packing-inl.h"
+
 HWY_BEFORE_NAMESPACE();
 namespace forcelayer {
 namespace HWY_NAMESPACE {
@@ -190,12 +192,6 @@ HWY_INLINE Placed place(const VoxelPose& pose, const Three& point) {
   return p;
 }
 
-HWY_INLINE void put(VF v, hn::Mask<F> mask, float* to) { hn::CompressStore(v, mask, F(), to); }
-
-HWY_INLINE void put(VI v, hn::Mask<I> mask, std::int32_t* to) {
-  hn::CompressStore(v, mask, I(), to);
-}
-
 // Appends the points of `mask`. The columns have room for a whole vector behind their end.
 HWY_INLINE void append(const KernelMap& map, const KernelShell& shell, const VoxelPose& pose,
                        std::uint32_t first, const Placed& p, VU value, Mask mask,
@@ -203,35 +199,36 @@ HWY_INLINE void append(const KernelMap& map, const KernelShell& shell, const Vox
   const F f;
   const I i;
   const U u;
-  const auto mf = hn::RebindMask(f, mask);
-  const auto mi = hn::RebindMask(i, mask);
+  const Packing<F> pack(hn::RebindMask(f, mask));
+  const auto put = [&pack](auto v, auto* to)
+                       HWY_ATTR { hn::StoreU(pack(v), hn::DFromV<decltype(v)>(), to); };
   const std::uint32_t at = out.count;
-  hn::CompressStore(numbers_from(first), mask, u, &out.index[at]);
+  put(numbers_from(first), &out.index[at]);
   const hn::Rebind<std::uint8_t, U> bytes;
-  hn::StoreU(hn::DemoteTo(bytes, hn::BitCast(i, hn::Compress(value, mask))), bytes, &out.value[at]);
-  put(p.voxel.x, mi, &out.vx[at]);
-  put(p.voxel.y, mi, &out.vy[at]);
-  put(p.voxel.z, mi, &out.vz[at]);
+  hn::StoreU(hn::DemoteTo(bytes, hn::BitCast(i, pack(value))), bytes, &out.value[at]);
+  put(p.voxel.x, &out.vx[at]);
+  put(p.voxel.y, &out.vy[at]);
+  put(p.voxel.z, &out.vz[at]);
   const VF below_one = hn::Set(f, 0x1.fffffep-1f);
-  put(hn::Min(hn::Sub(p.position.x, p.whole.x), below_one), mf, &out.fx[at]);
-  put(hn::Min(hn::Sub(p.position.y, p.whole.y), below_one), mf, &out.fy[at]);
-  put(hn::Min(hn::Sub(p.position.z, p.whole.z), below_one), mf, &out.fz[at]);
+  put(hn::Min(hn::Sub(p.position.x, p.whole.x), below_one), &out.fx[at]);
+  put(hn::Min(hn::Sub(p.position.y, p.whole.y), below_one), &out.fy[at]);
+  put(hn::Min(hn::Sub(p.position.z, p.whole.z), below_one), &out.fz[at]);
   const VF s = hn::Set(f, map.voxel_size_m);
-  put(hn::Mul(p.offset.x, s), mf, &out.rx[at]);
-  put(hn::Mul(p.offset.y, s), mf, &out.ry[at]);
-  put(hn::Mul(p.offset.z, s), mf, &out.rz[at]);
+  put(hn::Mul(p.offset.x, s), &out.rx[at]);
+  put(hn::Mul(p.offset.y, s), &out.ry[at]);
+  put(hn::Mul(p.offset.z, s), &out.rz[at]);
   const Three normal =
       times(pose.rotation, {hn::LoadU(f, shell.nx + first), hn::LoadU(f, shell.ny + first),
                             hn::LoadU(f, shell.nz + first)});
-  put(normal.x, mf, &out.nx[at]);
-  put(normal.y, mf, &out.ny[at]);
-  put(normal.z, mf, &out.nz[at]);
+  put(normal.x, &out.nx[at]);
+  put(normal.y, &out.ny[at]);
+  put(normal.z, &out.nz[at]);
   const auto among = [&](std::uint32_t wanted) HWY_ATTR {
     return static_cast<std::uint32_t>(
         hn::CountTrue(u, hn::And(mask, hn::Eq(value, hn::Set(u, wanted)))));
   };
   for (std::uint32_t n = 1; n < 4; ++n) out.count_of_value[n] += among(n);
-  out.count += static_cast<std::uint32_t>(hn::CountTrue(u, mask));
+  out.count += static_cast<std::uint32_t>(pack.count());
 }
 
 void CollectBlocks(const KernelMap& map, const KernelShell& shell, const VoxelPose& pose,
