@@ -4,6 +4,7 @@
 #include <sys/utsname.h>
 #include <unistd.h>
 
+#include <hwy/targets.h>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -23,6 +24,12 @@ std::string cpu_model() {
     if (line.rfind("model name", 0) == 0) return line.substr(line.find(':') + 2);
   }
   return "unknown";
+}
+
+// The widest vectors that it has.
+const char* vectors() {
+  const auto targets = hwy::SupportedTargets();
+  return hwy::TargetName(targets & -targets);
 }
 
 std::string utc_date() {
@@ -58,6 +65,7 @@ nlohmann::ordered_json machine() {
   const double memory_gib =
       double(sysconf(_SC_PHYS_PAGES)) * double(sysconf(_SC_PAGESIZE)) / (1 << 30);
   return {{"cpu", cpu_model()},
+          {"vectors", vectors()},
           {"cores", std::thread::hardware_concurrency()},
           {"memory_gib", std::round(memory_gib)},
           {"system", std::string(system.sysname) + " " + system.machine},
