@@ -27,7 +27,8 @@ for header in hwy glm gtest xxhash.h; do ln -sfn "/usr/include/$header" "$out/in
 
 say "compiling for ARM"  # with the option that runtime/CMakeLists.txt gives the kernels there
 runtime=(contact_query query_kernel query_workers block_skipper brick_memo level_bricks level_field
-         level_push distance_bricks distance_field distance_push force_field tangent_plane coupling real_time)
+         level_push distance_bricks distance_field distance_push force_field tangent_plane coupling real_time
+         step_arithmetic)
 tests=(property/runtime_contact_query property/runtime_query_variants property/runtime_level_field
        property/runtime_distance_field)
 {
