@@ -62,7 +62,7 @@ map_cut_while_running() {
   for file in floor.vox ball.pshell; do
     for bytes in 0 4096; do
       # On a machine with more to do the loop may be late, which takes the output to zero as well.
-      for attempt in 1 2 3 4 5; do
+      for attempt in {1..20}; do
         cut_once $file $bytes && break
       done 2>"$scratch/err.txt" || fail "$file cut to $bytes: $(tail -n 3 "$scratch/err.txt" err.txt)"
     done
@@ -74,7 +74,7 @@ map_written_while_running() {
   local file how attempt
   for file in floor.vox ball.pshell; do
     for how in 'dd of=FILE bs=1 count=1 seek=1000 conv=notrunc if=/dev/zero status=none' 'dd of=FILE if=copy conv=notrunc status=none'; do
-      for attempt in 1 2 3 4 5; do
+      for attempt in {1..20}; do
         changed_once "${how/FILE/$file}" && break
       done 2>"$scratch/err.txt" || fail "$how, $file: $(tail -n 3 "$scratch/err.txt" err.txt)"
     done
