@@ -23,8 +23,8 @@ struct PlannedSize {
   // a covering is deeper than a voxel. Half a voxel less at worst.
   double standoff_m = 0;
   // The narrowest gap between parallel walls along the lattice that a thin part passes without
-  // contact, wherever it lies: 2k + 2 voxels, 2k + 2.73 with Euclidean layers. A part of thickness
-  // t needs t more.
+  // contact, wherever it lies: 2k + 2 voxels, 2k + 2.73 with Euclidean layers, 2k + 3.73 with
+  // stored distances. A part of thickness t needs t more.
   double narrowest_gap_m = 0;
   double shell_points_per_m2 = 0;  // of the moving part's surface, at pointshell's default radius
   double file_bytes = 0;           // estimated

@@ -53,14 +53,16 @@ def wide_cells(row):
     sizes = [row["vdb_bytes"], most["file_bytes"], usual["file_bytes"]]
     return [f"{row['model']} {row['voxels_across']}", " / ".join(milliseconds),
             *(over(name) for name in WIDE_KINDS[1:]),
-            *(f"{kinds[name]['over_two_bits']['command_times']:.1f}" for name in WIDE_KINDS[1:]), f"{row['vdb_tool_without_reading']['wall_s'] * 1e3:.0f}",
+            *(f"{kinds[name]['over_two_bits']['command_times']:.1f}" for name in WIDE_KINDS[1:]),
+            f"{row['vdb_tool_without_reading']['wall_s'] * 1e3:.0f}",
             f"{most['vdb_tool_times']:.0f}", f"{row['mesh_to_volume']['wall_s'] * 1e3:.0f}",
             f"{most['mesh_to_volume_times']:.0f}", " / ".join(f"{size / 1e6:.1f}" for size in sizes)]
 
 
 WIDE_KINDS = ["two bits", "two bits, euclidean", "4 bits", "8 bits"]
 WIDE_HEADER = ["voxels across", "bake: two bits / euclidean / 4 / 8 bits, ms", "euclidean, times", "4 bits, times",
-               "8 bits, times", "command: euclidean, times", "4 bits, times", "8 bits, times", "vdb_tool, ms", "over 8 bits", "meshToVolume, ms", "over 8 bits",
+               "8 bits, times", "command: euclidean, times", "4 bits, times", "8 bits, times", "vdb_tool, ms",
+               "over 8 bits", "meshToVolume, ms", "over 8 bits",
                "MB: .vdb / 8 bits / two bits"]
 HEADER = ["voxels across", "scan: straightforward / ours, ms", "times", "scan: meshToVolume / ours, ms",
           "times", "bake: vdb_tool / ours, ms", "times", "whole command, ms", "times",

@@ -332,9 +332,9 @@ CLAIMS = [
     ("The scan is meant to be five times as fast. It is so for {met}, {fine} times for the others at 1024 and more, and "
      "{coarse} times at 512, where a triangle covers few voxels and what it costs by itself weighs most", scan_target),
     ("The other targets are {other}. `scripts/bench.sh bake` measures it", scan_target),
-    ("Voxels that store distances cost more: from mesh file to `.vox`, of four models at 512 and 1024 voxels across, the command takes {four} times as long at 4 bits, {eight} "
-     "times at 8 bits, as at two bits, and {euclidean} times with Euclidean layers. It is meant to be at most {target} times, and "
-     "is so {command}. The bake alone, from triangles in memory to the file, takes {memory} times as long at 8 bits: at most "
+    ("Voxels that store distances cost more: from mesh file to `.vox`, of four models at 512 and 1024 voxels across, the "
+     "command takes {four} times as long at 4 bits, {eight} times at 8 bits, as at two bits, and {euclidean} times with Euclidean layers. It is meant to be at most {target} times, and "
+     "at these sizes is so {command}. The bake alone, from triangles in memory to the file, takes {memory} times as long at 8 bits: at most "
      "{target} times {bake}, where triangles cover few voxels (two cores of an AMD EPYC without AVX-512, a virtual machine that "
      "others use too; of another with AVX-512 {wider} times). `vdb_tool`, which writes the same distances as floats, takes {vdb} "
      "times as long as the bake of 8 bits, into a file {files} times as large.", wide),

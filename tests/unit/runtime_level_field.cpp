@@ -20,10 +20,10 @@ VoxelScene floor_scene(std::int64_t k) {
 }
 
 FieldSamples push_at(const Voxmap& voxmap, Voxel v, std::array<float, 3> fraction,
-                     std::array<float, 3> normal) {
+                     std::array<float, 3> normal, VoxelValue value = VoxelValue::kSurface) {
   CollectedPoints points;
   points.reserve(1);
-  collect(points, voxmap, v, VoxelValue::kSurface, fraction, normal);
+  collect(points, voxmap, v, value, fraction, normal);
   FieldSamples samples;
   samples.reserve(1);
   LevelField(voxmap).evaluate(points, samples);
@@ -60,45 +60,34 @@ TEST(LevelField, BeginsEarlierWithEuclideanLayers) {
   EXPECT_EQ(push_at(voxmap, {2, -5, 1}, {0.3f, 0.9f, 0.875f}, {0, 0, 1}).count, 0u);
 }
 
-// Pushes on a point in value 3 with Chebyshev and with Euclidean layers around `solid`.
-std::array<FieldSamples, 2> pushes_in_proximity(const std::function<bool(Voxel)>& solid, Voxel v,
-                                                std::array<float, 3> fraction,
-                                                std::array<float, 3> normal) {
+// A point in value 3 beside `solid` is pushed along its normal with Euclidean layers, and not with
+// Chebyshev ones.
+void expect_push_in_proximity(const std::function<bool(Voxel)>& solid, Voxel v,
+                              std::array<float, 3> fraction, std::array<float, 3> normal,
+                              double depth_voxels) {
   VoxelScene scene = offset_scene(kS, {-8, -8, -8}, {16, 16, 16}, 1, solid);
-  EXPECT_EQ(scene.at(v), VoxelValue::kProximity);
-  std::array<FieldSamples, 2> pushes;
-  for (FieldSamples& samples : pushes) {
-    const Voxmap voxmap = make_voxmap(scene);
-    CollectedPoints points;
-    points.reserve(1);
-    collect(points, voxmap, v, VoxelValue::kProximity, fraction, normal);
-    samples.reserve(1);
-    LevelField(voxmap).evaluate(points, samples);
-    scene.metric = Metric::kEuclidean;
+  ASSERT_EQ(scene.at(v), VoxelValue::kProximity);
+  for (const Metric metric : {Metric::kChebyshev, Metric::kEuclidean}) {
+    scene.metric = metric;
+    const FieldSamples samples =
+        push_at(make_voxmap(scene), v, fraction, normal, VoxelValue::kProximity);
+    ASSERT_EQ(samples.count, metric == Metric::kEuclidean ? 1u : 0u);
+    if (samples.count == 0) continue;
+    EXPECT_NEAR(samples.depth_m[0], kS * depth_voxels, 1e-4 * kS);  // shares are in 2^-15
+    EXPECT_EQ((std::array{samples.dx[0], samples.dy[0], samples.dz[0]}), normal);
   }
-  return pushes;
 }
 
 // In a tunnel whose force layers leave one voxel between them, phi is 1/4.
 TEST(LevelField, PushesInANarrowTunnelWithEuclideanLayers) {
-  const auto solid = [](Voxel v) { return std::abs(v[0]) > 1 || std::abs(v[1]) > 1; };
-  const auto [chebyshev, euclidean] =
-      pushes_in_proximity(solid, {0, 0, 0}, {0.125f, 0.5f, 0.5f}, {1, 0, 0});
-  EXPECT_EQ(chebyshev.count, 0u);
-  ASSERT_EQ(euclidean.count, 1u);
-  EXPECT_NEAR(euclidean.depth_m[0], kS * (std::sqrt(3.0) / 2 - 0.75), 1e-6 * kS);
-  EXPECT_EQ(euclidean.dx[0], 1.0f);
+  expect_push_in_proximity([](Voxel v) { return std::abs(v[0]) > 1 || std::abs(v[1]) > 1; },
+                           {0, 0, 0}, {0.125f, 0.5f, 0.5f}, {1, 0, 0}, std::sqrt(3.0) / 2 - 0.75);
 }
 
 // Beside a step of the lattice phi is between that of its lower and its upper side: 0.3 here.
 TEST(LevelField, PushesBesideAStepWithEuclideanLayers) {
-  const auto solid = [](Voxel v) { return v[2] < (v[0] < 0 ? 0 : -1); };
-  const auto [chebyshev, euclidean] =
-      pushes_in_proximity(solid, {1, 0, 0}, {0.2f, 0.5f, 0}, {0, 0, 1});
-  EXPECT_EQ(chebyshev.count, 0u);
-  ASSERT_EQ(euclidean.count, 1u);
-  EXPECT_NEAR(euclidean.depth_m[0], kS * (std::sqrt(3.0) / 2 - 0.8), 1e-4 * kS);
-  EXPECT_EQ(euclidean.dz[0], 1.0f);
+  expect_push_in_proximity([](Voxel v) { return v[2] < (v[0] < 0 ? 0 : -1); }, {1, 0, 0},
+                           {0.2f, 0.5f, 0}, {0, 0, 1}, std::sqrt(3.0) / 2 - 0.8);
 }
 
 TEST(LevelField, NormalThatPointsIntoTheWallIsOverruled) {
