@@ -7,6 +7,7 @@
 #include <cmath>
 #include <vector>
 
+#include "formats/mesh/voxel_overlap.h"
 #include "voxelize/triangle_distance.h"
 
 namespace forcelayer {

@@ -39,11 +39,11 @@ class NodeDistances {
     for (std::size_t d = 0; d < 3; ++d) {
       node[d] = (origin[static_cast<int>(d)] + scene_origin[d]) >> 6;
     }
-    triangles.gather(node, triangles_);
+    triangles.gather(node, near_);
     const float outer = std::max(outer_reach(scale), inner_reach(scale));
     const float inner = inner_reach(scale);
     search_.run(
-        triangles_.near, true,
+        near_, true,
         [&](const std::array<int, 3>& low, int edge) {
           return !all_set(solid_, low, edge) ? outer : inner > 0 ? inner : kNothingMatters;
         },
@@ -99,9 +99,8 @@ class NodeDistances {
     std::uint64_t negative = solid;
     for (std::uint64_t left = cell_bits(surface_, low) & ~solid; left != 0; left &= left - 1) {
       const int n = std::countr_zero(left);
-      if (lies_inside(*list[nearest_.which(cell, static_cast<std::size_t>(n))], low, n)) {
-        negative |= std::uint64_t{1} << n;
-      }
+      const NearTriangle& nearest = *list[nearest_.which(cell, static_cast<std::size_t>(n))];
+      negative |= std::uint64_t{lies_inside(nearest, low, n)} << n;
     }
     std::array<std::uint8_t, kCubePoints> codes;
     codes_of_distances(nearest_.least(cell), negative, *scale_, codes.data());
@@ -160,12 +159,13 @@ class NodeDistances {
       return {code, code};
     }
     const std::uint8_t* codes = codes_of(static_cast<int>(n));
-    CodeRange range{255, 0};
+    // As bytes, so that vectors hold sixteen.
+    std::uint8_t least = 255, most = 0;
     for (unsigned v = 0; v < kBrickVoxels; ++v) {
-      range.least = std::min<unsigned>(range.least, codes[v]);
-      range.most = std::max<unsigned>(range.most, codes[v]);
+      least = std::min(least, codes[v]);
+      most = std::max(most, codes[v]);
     }
-    return range;
+    return {least, most};
   }
 
   BuiltNode cut(ValueCounts& counts) {
@@ -245,7 +245,7 @@ class NodeDistances {
   Coord origin_;
   NodeRows solid_, surface_;
   BrickMask touched_;  // bricks whose codes are meant
-  NodeTriangles triangles_;
+  std::vector<NearTriangle> near_;
   CellSearch search_;
   NearestTriangles nearest_;
   std::vector<std::uint8_t> codes_ = std::vector<std::uint8_t>(512 * kBrickVoxels);

@@ -3,6 +3,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <bit>
 
 #include "formats/voxmap_format.h"
 
@@ -48,12 +49,17 @@ void clip(std::uint32_t& entry, const Voxel& low, std::int64_t edge, const KeptB
 class TightBox {
  public:
   TightBox(const VoxelTree& tree, std::uint32_t bits, std::uint32_t free_code)
-      : tree_(tree), bits_(bits), free_code_(free_code) {}
+      : tree_(tree), bits_(bits) {
+    for (std::uint32_t z = 0; z < kBrickEdge; ++z) {
+      free_row_ |= std::uint64_t{free_code} << z * bits;
+    }
+  }
 
   void look_at(std::uint32_t entry, const Voxel& low, std::int64_t edge) {
-    if (is_free(entry) || inside(low, edge)) return;
+    const VoxelBox box{low, {low[0] + edge - 1, low[1] + edge - 1, low[2] + edge - 1}};
+    if (is_free(entry) || holds(box)) return;
     if (is_uniform(entry)) {
-      include(low, edge);
+      box_.include(box);
     } else if (edge == kBrickEdge) {
       look_at_brick(entry, low);
     } else {
@@ -68,28 +74,44 @@ class TightBox {
   const VoxelBox& box() const { return box_; }
 
  private:
+  // By planes and rows of eight voxels along z.
   void look_at_brick(std::uint32_t brick, const Voxel& low) {
-    const std::size_t word_voxels = 32 / bits_, words = kNodeEntries / word_voxels;
-    for (std::size_t n = 0; n < kNodeEntries; ++n) {
-      const std::uint32_t word = tree_.bricks[brick * words + n / word_voxels];
-      const std::uint32_t code = word >> bits_ * (n % word_voxels) & ((1u << bits_) - 1);
-      if (bits_ == 2 ? code != 0 : code < free_code_) include(child_low(low, n, 1), 1);
+    constexpr std::int64_t kEdge = kBrickEdge;
+    const int code_shift = std::countr_zero(bits_);
+    for (std::int64_t x = 0; x < kEdge; ++x) {
+      const Voxel plane{low[0] + x, low[1], low[2]};
+      if (holds({plane, {plane[0], plane[1] + kEdge - 1, plane[2] + kEdge - 1}})) continue;
+      for (std::int64_t y = 0; y < kEdge; ++y) {
+        const auto row = static_cast<std::size_t>((brick * kEdge + x) * kEdge + y);
+        const std::uint64_t other = row_of_codes(row) ^ free_row_;
+        if (other == 0) continue;
+        VoxelBox box{plane, plane};
+        box.low[1] = box.high[1] = plane[1] + y;
+        box.low[2] += std::countr_zero(other) >> code_shift;
+        box.high[2] += (63 - std::countl_zero(other)) >> code_shift;
+        if (!holds(box)) box_.include(box);
+      }
     }
   }
 
-  bool inside(const Voxel& low, std::int64_t edge) const {
+  // The eight codes of a row of all bricks' rows, the first lowest.
+  std::uint64_t row_of_codes(std::size_t row) const {
+    const std::size_t bit = row * kBrickEdge * bits_;
+    const std::uint32_t word = tree_.bricks[bit / 32];
+    if (bits_ == 2) return word >> bit % 32 & 0xffff;
+    return bits_ == 4 ? word : word | std::uint64_t{tree_.bricks[bit / 32 + 1]} << 32;
+  }
+
+  bool holds(const VoxelBox& box) const {
     for (std::size_t d = 0; d < 3; ++d) {
-      if (low[d] < box_.low[d] || low[d] + edge - 1 > box_.high[d]) return false;
+      if (box.low[d] < box_.low[d] || box.high[d] > box_.high[d]) return false;
     }
     return true;
   }
 
-  void include(const Voxel& low, std::int64_t edge) {
-    box_.include({low, {low[0] + edge - 1, low[1] + edge - 1, low[2] + edge - 1}});
-  }
-
   const VoxelTree& tree_;
-  std::uint32_t bits_, free_code_;
+  std::uint32_t bits_;
+  std::uint64_t free_row_ = 0;
   VoxelBox box_;
 };
 

@@ -24,7 +24,7 @@ struct KeptBox {
 void clip_clearance(BuiltTree& tree, const KeptBox& kept);
 
 // The smallest box of all voxels that are not free, counted from the scene's origin; empty where
-// there are none. Of voxels of more than two bits `free_code` is the lowest code that is free.
+// there are none. `free_code` is the code of free voxels.
 VoxelBox tight_box(const VoxelTree& tree, const std::array<std::uint32_t, 3>& directory_dims,
                    std::uint32_t bits = 2, std::uint32_t free_code = 0);
 

@@ -18,9 +18,11 @@ namespace {
 // One 64^3 node at a time.
 class NearNode {
  public:
-  std::unique_ptr<LowerMaskNode> run(const SceneTriangles& triangles, const NodeIndex& node,
-                                     const Coord& origin, const MaskTree& interior,
-                                     std::int64_t radius_units) {
+  // `triangles` are those of `object` alone.
+  std::unique_ptr<LowerMaskNode> run(const SnappedObject& object, const SceneTriangles& triangles,
+                                     const NodeIndex& node, const Coord& origin,
+                                     const MaskTree& interior, std::int64_t radius_units) {
+    object_ = &object;
     node_rows(interior, origin, settled_);
     near_ = {};
     triangles.gather(node, triangles_);
@@ -30,7 +32,7 @@ class NearNode {
     surely_near_ = square((radius - kDistanceErrorVoxels) * kUnits);
     maybe_near_ = square(reach * kUnits);
     search_.run(
-        triangles_.near, true,
+        triangles_, true,
         [&](const std::array<int, 3>& low, int edge) {
           return all_set(settled_, low, edge) ? kNothingMatters : reach;
         },
@@ -80,12 +82,13 @@ class NearNode {
     const VoxelIndex voxel{node[0] * 64 + low[0] + (n >> 4), node[1] * 64 + low[1] + (n >> 2 & 3),
                            node[2] * 64 + low[2] + (n & 3)};
     return std::any_of(list.begin(), list.end(), [&](const NearTriangle* triangle) {
-      return center_is_nearer(triangles_.whole[triangle->source], voxel, radius_units);
+      return center_is_nearer(object_->triangle(triangle->source), voxel, radius_units);
     });
   }
 
   NodeRows near_, settled_;
-  NodeTriangles triangles_;
+  const SnappedObject* object_ = nullptr;
+  std::vector<NearTriangle> triangles_;
   CellSearch search_;
   NearestTriangles nearest_;
   float surely_near_ = 0, maybe_near_ = 0;  // squared lattice units
@@ -104,7 +107,7 @@ std::unique_ptr<MaskTree> near_voxels(const SnappedObject& object, const MaskTre
     const Coord origin(static_cast<int>(node[0] * 64 - scene_origin[0]),
                        static_cast<int>(node[1] * 64 - scene_origin[1]),
                        static_cast<int>(node[2] * 64 - scene_origin[2]));
-    nodes[i] = scratch.local().run(triangles, node, origin, interior, radius_units);
+    nodes[i] = scratch.local().run(object, triangles, node, origin, interior, radius_units);
   });
   auto tree = std::make_unique<MaskTree>();
   for (auto& node : nodes) {

@@ -1,5 +1,7 @@
 #include "voxelize/node_triangles.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 
 namespace forcelayer {
@@ -48,7 +50,7 @@ bool is_large(const LatticeTriangle& triangle) {
 }
 
 void add_cut(const std::array<Point, 3>& corners, int reach, std::uint32_t source,
-             std::vector<NearTriangle>& near) {
+             TriangleBatch& near) {
   std::vector<Point> polygon(corners.begin(), corners.end());
   const double margin = static_cast<double>(reach + 1) * static_cast<double>(kSnapUnits);
   for (std::size_t d = 0; d < 3; ++d) {
@@ -56,7 +58,7 @@ void add_cut(const std::array<Point, 3>& corners, int reach, std::uint32_t sourc
     cut(polygon, d, -1, -(kNodeUnits + margin));
   }
   for (std::size_t i = 2; i < polygon.size(); ++i) {
-    near.push_back(near_triangle({polygon[0], polygon[i - 1], polygon[i]}, source));
+    near.add({polygon[0], polygon[i - 1], polygon[i]}, source);
   }
 }
 
@@ -68,11 +70,13 @@ SceneTriangles::SceneTriangles(std::vector<const SnappedObject*> objects, int re
     NodeIndex node;
     Bin bin;
   };
+  bins_.resize(objects_.size());
+  tbb::parallel_for(std::size_t{0}, objects_.size(),
+                    [&](std::size_t i) { bins_[i] = bin_triangles(*objects_[i], reach); });
   std::vector<Place> places;
-  for (std::uint32_t i = 0; i < objects_.size(); ++i) {
-    bins_.push_back(bin_triangles(*objects_[i], reach));
-    const NodeBins& bins = bins_.back();
-    for (std::uint32_t n = 0; n < bins.nodes.size(); ++n) places.push_back({bins.nodes[n], {i, n}});
+  for (std::uint32_t i = 0; i < bins_.size(); ++i) {
+    const std::vector<NodeIndex>& nodes = bins_[i].nodes;
+    for (std::uint32_t n = 0; n < nodes.size(); ++n) places.push_back({nodes[n], {i, n}});
   }
   std::stable_sort(places.begin(), places.end(),
                    [](const Place& a, const Place& b) { return a.node < b.node; });
@@ -86,27 +90,33 @@ SceneTriangles::SceneTriangles(std::vector<const SnappedObject*> objects, int re
   first_.push_back(of_node_.size());
 }
 
-void SceneTriangles::gather(const NodeIndex& node, NodeTriangles& out) const {
-  out.near.clear();
-  out.whole.clear();
+void SceneTriangles::gather(const NodeIndex& node, std::vector<NearTriangle>& near) const {
+  near.clear();
   const auto found = std::lower_bound(nodes_.begin(), nodes_.end(), node);
   if (found == nodes_.end() || *found != node) return;
   const auto at = static_cast<std::size_t>(found - nodes_.begin());
+  std::size_t count = 0;
+  for (std::size_t i = first_[at]; i < first_[at + 1]; ++i) {
+    const auto [object, bin] = of_node_[i];
+    count += bins_[object].first[bin + 1] - bins_[object].first[bin];
+  }
+  near.reserve(count);
+  TriangleBatch batch(near);
   for (std::size_t i = first_[at]; i < first_[at + 1]; ++i) {
     const auto [object, bin] = of_node_[i];
     const NodeBins& bins = bins_[object];
     for (std::uint64_t t = bins.first[bin]; t < bins.first[bin + 1]; ++t) {
-      const LatticeTriangle triangle = objects_[object]->triangle(bins.triangles[t]);
-      const auto source = static_cast<std::uint32_t>(out.whole.size());
-      out.whole.push_back(triangle);
+      const std::uint32_t number = bins.triangles[t];
+      const LatticeTriangle triangle = objects_[object]->triangle(number);
       const std::array<Point, 3> corners = relative(triangle, node);
       if (is_large(triangle)) {
-        add_cut(corners, reach_, source, out.near);
+        add_cut(corners, reach_, number, batch);
       } else {
-        out.near.push_back(near_triangle(corners, source));
+        batch.add(corners, number);
       }
     }
   }
+  batch.flush();
 }
 
 }  // namespace forcelayer

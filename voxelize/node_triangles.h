@@ -4,17 +4,10 @@
 #include <cstdint>
 #include <vector>
 
+#include "voxelize/near_triangle.h"
 #include "voxelize/node_bins.h"
-#include "voxelize/triangle_distance.h"
 
 namespace forcelayer {
-
-// Near a node, in lattice units from its lowest corner. Triangles that reach far beyond are cut to
-// what lies near, so that single precision can hold them.
-struct NodeTriangles {
-  std::vector<NearTriangle> near;      // `source` is an index into `whole`
-  std::vector<LatticeTriangle> whole;  // world lattice, each once
-};
 
 // The triangles of some objects, by the nodes that they come near to.
 class SceneTriangles {
@@ -25,8 +18,10 @@ class SceneTriangles {
   // In ascending order.
   const std::vector<NodeIndex>& nodes() const { return nodes_; }
 
-  // Those that come near `node`; empty for one that is not in nodes().
-  void gather(const NodeIndex& node, NodeTriangles& out) const;
+  // Those that come near `node`, in lattice units from its lowest corner, `source` being the number
+  // in their object; empty for one that is not in nodes(). Triangles that reach far beyond are cut
+  // to what lies near, so that single precision can hold them.
+  void gather(const NodeIndex& node, std::vector<NearTriangle>& near) const;
 
  private:
   struct Bin {

@@ -11,6 +11,7 @@
 #include <bit>
 #include <cmath>
 
+#include "formats/mesh/voxel_overlap.h"
 #include "voxelize/distance_scale.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -50,52 +51,99 @@ class Points {
   HWY_ALIGN float values_[3][kCubePoints];
 };
 
-// Of a point (u, v) from an edge that begins at the origin, in the plane: its squared distance, and
-// how far inwards of the edge's line it lies (to the left).
-template <class Vector>
-HWY_INLINE Vector off_planar_edge(const std::array<float, 2>& direction, float length, Vector u,
-                                  Vector v, Vector& inwards) {
-  const hn::DFromV<Vector> d;
-  const Vector x = hn::Set(d, direction[0]), y = hn::Set(d, direction[1]);
-  const Vector along = hn::Add(hn::Mul(x, u), hn::Mul(y, v));
-  inwards = hn::Sub(hn::Mul(x, v), hn::Mul(y, u));
-  const Vector beyond = hn::Sub(along, hn::Min(hn::Max(along, hn::Zero(d)), hn::Set(d, length)));
-  return hn::Add(hn::Mul(beyond, beyond), hn::Mul(inwards, inwards));
+// Where points lie from a triangle: in its plane, above it, and along its edges 2 and 3 and to the
+// left of them. All are linear in the points.
+struct FromTriangle {
+  V u, v, height;
+  V along_2, left_2;
+  V along_3, left_3;
+};
+
+HWY_INLINE void set_along_edges(const NearTriangle& t, V u_from_3, FromTriangle& at) {
+  const V x2 = set(t.direction_2[0]), y2 = set(t.direction_2[1]);
+  at.along_2 = hn::Add(hn::Mul(x2, at.u), hn::Mul(y2, at.v));
+  at.left_2 = hn::Sub(hn::Mul(x2, at.v), hn::Mul(y2, at.u));
+  const V x3 = set(t.direction_3[0]), y3 = set(t.direction_3[1]);
+  at.along_3 = hn::Add(hn::Mul(x3, u_from_3), hn::Mul(y3, at.v));
+  at.left_3 = hn::Sub(hn::Mul(x3, at.v), hn::Mul(y3, u_from_3));
 }
 
-template <class Vector>
-HWY_INLINE Vector squared_distance(const NearTriangle& t, Vector px, Vector py, Vector pz) {
-  const hn::DFromV<Vector> d;
-  const Vector x = hn::Sub(px, hn::Set(d, t.corner[0])), y = hn::Sub(py, hn::Set(d, t.corner[1])),
-               z = hn::Sub(pz, hn::Set(d, t.corner[2]));
-  const Vector u = dot(t.along, x, y, z), v = dot(t.across, x, y, z),
-               height = dot(t.normal, x, y, z);
-  const Vector beyond = hn::Sub(u, hn::Min(hn::Max(u, hn::Zero(d)), hn::Set(d, t.length_1)));
-  const Vector from_1 = hn::Add(hn::Mul(beyond, beyond), hn::Mul(v, v));
-  Vector left_2, left_3;
-  const Vector from_2 = off_planar_edge(t.direction_2, t.length_2, u, v, left_2);
-  const Vector from_3 =
-      off_planar_edge(t.direction_3, t.length_3, hn::Sub(u, hn::Set(d, t.length_1)), v, left_3);
-  // Edge 2 leads away from corner 0: the inside is to its right.
-  const Vector least = hn::Min(hn::Min(from_1, from_2), from_3);
-  const Vector inside =
-      hn::Min(hn::Min(v, hn::Neg(left_2)), hn::Add(left_3, hn::Set(d, t.nothing)));
-  const Vector planar = hn::IfThenElseZero(hn::Lt(inside, hn::Zero(d)), least);
-  return hn::Add(planar, hn::Mul(height, height));
+HWY_INLINE FromTriangle from_triangle(const NearTriangle& t, V px, V py, V pz) {
+  const V x = hn::Sub(px, set(t.corner[0])), y = hn::Sub(py, set(t.corner[1])),
+          z = hn::Sub(pz, set(t.corner[2]));
+  FromTriangle at;
+  at.u = dot(t.along, x, y, z);
+  at.v = dot(t.across, x, y, z);
+  at.height = dot(t.normal, x, y, z);
+  set_along_edges(t, hn::Sub(at.u, set(t.length_1)), at);
+  return at;
 }
 
+// What a step along an axis adds.
+HWY_INLINE FromTriangle step_along(const NearTriangle& t, std::size_t axis, float step) {
+  const V length = set(step);
+  FromTriangle by;
+  by.u = hn::Mul(set(t.along[axis]), length);
+  by.v = hn::Mul(set(t.across[axis]), length);
+  by.height = hn::Mul(set(t.normal[axis]), length);
+  set_along_edges(t, by.u, by);
+  return by;
+}
+
+HWY_INLINE void advance(FromTriangle& at, const FromTriangle& by) {
+  at.u = hn::Add(at.u, by.u);
+  at.v = hn::Add(at.v, by.v);
+  at.height = hn::Add(at.height, by.height);
+  at.along_2 = hn::Add(at.along_2, by.along_2);
+  at.left_2 = hn::Add(at.left_2, by.left_2);
+  at.along_3 = hn::Add(at.along_3, by.along_3);
+  at.left_3 = hn::Add(at.left_3, by.left_3);
+}
+
+// Squared distance in the plane from an edge.
+HWY_INLINE V off_edge(V along, V left, float length) {
+  const V beyond = hn::Sub(along, hn::Min(hn::Max(along, hn::Zero(kF)), set(length)));
+  return hn::Add(hn::Mul(beyond, beyond), hn::Mul(left, left));
+}
+
+HWY_INLINE V squared_distance(const NearTriangle& t, const FromTriangle& at) {
+  const V from_1 = off_edge(at.u, at.v, t.length_1);
+  const V from_2 = off_edge(at.along_2, at.left_2, t.length_2);
+  const V from_3 = off_edge(at.along_3, at.left_3, t.length_3);
+  const V least = hn::Min(hn::Min(from_1, from_2), from_3);
+  // Negative where one of them is. Edge 2 leads away from corner 0: the inside is to its right.
+  const V inside = hn::Or(hn::Or(at.v, hn::Neg(at.left_2)), hn::Add(at.left_3, set(t.nothing)));
+  const auto outside =
+      hn::BroadcastSignBit(hn::BitCast(hn::RebindToSigned<decltype(kF)>(), inside));
+  const V planar = hn::And(hn::BitCast(kF, outside), least);
+  return hn::Add(planar, hn::Mul(at.height, at.height));
+}
+
+// By steps along x, in less than half the time that every point for itself takes: rounding differs.
 void distances(const NearTriangle* const* triangles, std::size_t count, const PointCube& cube,
                CubeValues* squared, CubeValues& least) {
+  constexpr std::size_t kPlane = 16;
   const Points points(cube);
-  for (std::size_t n = 0; n < kCubePoints; n += lanes()) {
-    const V x = points.at(0, n), y = points.at(1, n), z = points.at(2, n);
-    V best = set(1e30f);
-    for (std::size_t i = 0; i < count; ++i) {
-      const V d = squared_distance(*triangles[i], x, y, z);
-      hn::StoreU(d, kF, squared[i].data() + n);
-      best = hn::Min(best, d);
+  HWY_ALIGN float best[kCubePoints];
+  for (std::size_t n = 0; n < kCubePoints; n += lanes()) hn::Store(set(1e30f), kF, best + n);
+  for (std::size_t i = 0; i < count; ++i) {
+    const NearTriangle& t = *triangles[i];
+    const FromTriangle by = step_along(t, 0, cube.step);
+    for (std::size_t first = 0; first < kPlane; first += lanes()) {
+      FromTriangle at =
+          from_triangle(t, points.at(0, first), points.at(1, first), points.at(2, first));
+      for (std::size_t n = first;;) {
+        const V d = squared_distance(t, at);
+        hn::StoreU(d, kF, squared[i].data() + n);
+        hn::Store(hn::Min(hn::Load(kF, best + n), d), kF, best + n);
+        n += kPlane;
+        if (n >= kCubePoints) break;
+        advance(at, by);
+      }
     }
-    hn::StoreU(best, kF, least.data() + n);
+  }
+  for (std::size_t n = 0; n < kCubePoints; n += lanes()) {
+    hn::StoreU(hn::Load(kF, best + n), kF, least.data() + n);
   }
 }
 
@@ -157,15 +205,27 @@ HWY_INLINE void from_middles(const NearTriangle* const* triangles, std::size_t c
   const float half = cube.step / 2;
   const SixteenPoints middles({cube.first[0] + half, cube.first[1] + half, cube.first[2] + half},
                               2 * cube.step, 2);
-  for (std::size_t n = 0; n < 2 * kEighths; n += lanes()) {
+  // Vectors that hold one cube's eighths: a step of four points leads from the first to the second.
+  constexpr bool kOneByOne = hn::MaxLanes(kF) == kEighths;
+  constexpr std::size_t kFirst = kOneByOne ? kEighths : 2 * kEighths;
+  for (std::size_t n = 0; n < kFirst; n += lanes()) {
     const V x = middles.x(n), y = middles.y(n), z = middles.z(n);
-    V best = set(1e30f);
+    V best = set(1e30f), best_second = best;
     for (std::size_t i = 0; i < count; ++i) {
-      const V d = squared_distance(*triangles[i], x, y, z);
+      const NearTriangle& t = *triangles[i];
+      FromTriangle at = from_triangle(t, x, y, z);
+      const V d = squared_distance(t, at);
       hn::StoreU(d, kF, squared + 2 * kEighths * i + n);
       best = hn::Min(best, d);
+      if constexpr (kOneByOne) {
+        advance(at, step_along(t, 2, 4 * cube.step));
+        const V second = squared_distance(t, at);
+        hn::StoreU(second, kF, squared + 2 * kEighths * i + kEighths);
+        best_second = hn::Min(best_second, second);
+      }
     }
     hn::StoreU(best, kF, least + n);
+    if constexpr (kOneByOne) hn::StoreU(best_second, kF, least + kEighths);
   }
 }
 
@@ -183,6 +243,16 @@ HWY_INLINE void eighths_within(const float* squared, std::size_t count, const fl
   }
 }
 
+// Of eight triangles' bytes: bits of those that have a bit of the `kTogether` eighths from number
+// `eighth` on.
+HWY_INLINE std::uint64_t near_of(const std::uint8_t* eighths, std::size_t eighth) {
+  std::uint64_t bytes;
+  hwy::CopyBytes<8>(eighths, &bytes);
+  bytes >>= eighth;
+  if (kTogether == 2) bytes |= bytes >> 1;
+  return (bytes & 0x0101010101010101u) * 0x0102040810204080u >> 56;
+}
+
 // The least from the points of `kTogether` eighths from number `eighth` on, of the triangles whose
 // byte has a bit of theirs. Behind the bytes stand eight that are zero.
 HWY_INLINE void nearest_of(const NearTriangle* const* triangles, const std::uint8_t* eighths,
@@ -192,16 +262,14 @@ HWY_INLINE void nearest_of(const NearTriangle* const* triangles, const std::uint
     const V x = points.x(n), y = points.y(n), z = points.z(n);
     V best = set(1e30f);
     auto best_at = hn::Zero(kU);
-    for (std::size_t first = 0; first < count; first += 8) {
-      std::uint64_t bytes;
-      hwy::CopyBytes<8>(eighths + first, &bytes);
-      bytes >>= eighth;
-      if (kTogether == 2) bytes |= bytes >> 1;
-      bytes &= 0x0101010101010101u;
-      for (unsigned left = static_cast<unsigned>(bytes * 0x0102040810204080u >> 56); left != 0;
-           left &= left - 1) {
-        const std::size_t i = first + static_cast<std::size_t>(std::countr_zero(left));
-        const V d = squared_distance(*triangles[i], x, y, z);
+    for (std::size_t first = 0; first < count; first += 64) {
+      std::uint64_t near = 0;
+      const std::size_t end = std::min<std::size_t>(count - first, 64);
+      for (std::size_t i = 0; i < end; i += 8) near |= near_of(eighths + first + i, eighth) << i;
+      for (; near != 0; near &= near - 1) {
+        const std::size_t i = first + static_cast<std::size_t>(std::countr_zero(near));
+        const NearTriangle& t = *triangles[i];
+        const V d = squared_distance(t, from_triangle(t, x, y, z));
         const auto better = hn::Lt(d, best);
         best = hn::IfThenElse(better, d, best);
         best_at = hn::IfThenElse(hn::RebindMask(kU, better),
@@ -311,83 +379,9 @@ using Vec = std::array<double, 3>;
 
 Vec minus(const Vec& a, const Vec& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
 double dot(const Vec& a, const Vec& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-Vec cross(const Vec& a, const Vec& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-std::array<float, 3> rounded(const Vec& v, double scale = 1) {
-  return {static_cast<float>(v[0] * scale), static_cast<float>(v[1] * scale),
-          static_cast<float>(v[2] * scale)};
-}
-
 Vec widened(const std::array<float, 3>& v) { return {v[0], v[1], v[2]}; }
 
-Vec unit(const Vec& v) {
-  const double length = std::sqrt(dot(v, v));
-  return {v[0] / length, v[1] / length, v[2] / length};
-}
-
-// The coordinates of the plane. Without area they are any around the longest edge.
-void set_planar(NearTriangle& t, const Vec (&edges)[3], const Vec& normal) {
-  Vec along{1, 0, 0}, across{0, 1, 0}, height{0, 0, 1};
-  const double area2 = dot(normal, normal);
-  if (area2 > 0) {
-    along = unit(edges[0]);
-    height = unit(normal);
-    across = cross(height, along);
-  } else {
-    const Vec* longest = &edges[0];
-    for (const Vec& edge : edges) {
-      if (dot(edge, edge) > dot(*longest, *longest)) longest = &edge;
-    }
-    if (dot(*longest, *longest) > 0) {
-      along = unit(*longest);
-      const std::size_t least =
-          std::min_element(along.begin(), along.end(),
-                           [](double a, double b) { return std::abs(a) < std::abs(b); }) -
-          along.begin();
-      Vec axis{};
-      axis[least] = 1;
-      across = unit(cross(along, axis));
-      height = cross(along, across);
-    }
-  }
-  t.along = rounded(along);
-  t.across = rounded(across);
-  if (area2 == 0) t.normal = rounded(height);
-  const auto planar = [&](const Vec& edge, std::array<float, 2>& direction, float& length) {
-    const double u = dot(edge, along), v = dot(edge, across), l = std::sqrt(u * u + v * v);
-    length = static_cast<float>(l);
-    direction = l > 0 ? std::array<float, 2>{static_cast<float>(u / l), static_cast<float>(v / l)}
-                      : std::array<float, 2>{1, 0};
-  };
-  std::array<float, 2> direction_1;
-  planar(edges[0], direction_1, t.length_1);
-  planar(edges[1], t.direction_2, t.length_2);
-  planar(edges[2], t.direction_3, t.length_3);
-}
-
 }  // namespace
-
-NearTriangle near_triangle(std::array<Vec, 3> corners, std::uint32_t source) {
-  // Sorted, so that rounding does not depend on their order.
-  if (corners[1] < corners[0]) std::swap(corners[0], corners[1]);
-  if (corners[2] < corners[1]) std::swap(corners[1], corners[2]);
-  if (corners[1] < corners[0]) std::swap(corners[0], corners[1]);
-  const Vec edges[3] = {minus(corners[1], corners[0]), minus(corners[2], corners[0]),
-                        minus(corners[2], corners[1])};
-  const Vec normal = cross(edges[0], edges[1]);
-  const double area2 = dot(normal, normal);
-  NearTriangle t{};
-  t.corner = rounded(corners[0]);
-  t.edge_1 = rounded(edges[0]);
-  t.edge_2 = rounded(edges[1]);
-  t.edge_3 = rounded(edges[2]);
-  t.source = source;
-  t.nothing = area2 > 0 ? 0.0f : -1.0f;
-  if (area2 > 0) t.normal = rounded(normal, 1 / std::sqrt(area2));
-  set_planar(t, edges, normal);
-  return t;
-}
 
 void squared_distances(NearList triangles, const PointCube& points, CubeValues* squared,
                        CubeValues& least) {

@@ -1,9 +1,10 @@
 // Distances of many points from many triangles, in vectors.
 //
 // Single precision on exact differences of lattice coordinates: below 1e-4 voxel of error for
-// triangles of up to 128 voxels and points that are up to 64 away. A result depends on the
-// differences alone, so that it is the same wherever on the lattice the scene lies, and every width
-// of vectors gives the same bits.
+// triangles of up to 128 voxels and points that are up to 64 away. What is found to be the least
+// depends on the differences alone, so that it is the same wherever on the lattice the scene lies,
+// and every width of vectors gives the same bits. How far triangles are from the middles of cells,
+// which only decides what is looked at, goes by steps from cell to cell and is rounded differently.
 #pragma once
 
 #include <array>
@@ -12,7 +13,7 @@
 #include <span>
 #include <vector>
 
-#include "formats/mesh/voxel_overlap.h"
+#include "voxelize/near_triangle.h"
 
 namespace forcelayer {
 
@@ -25,26 +26,6 @@ constexpr float half_diagonal(int edge_voxels) {
   return 0.8660255f * static_cast<float>(edge_voxels - 1);
 }
 
-// A triangle as the kernels read it: lattice units from some origin, a whole number of voxels.
-struct NearTriangle {
-  std::array<float, 3> corner;          // corner 0
-  std::array<float, 3> edge_1, edge_2;  // to corners 1 and 2
-  std::array<float, 3> edge_3;          // from corner 1 to corner 2
-  std::array<float, 3> normal;          // unit; where there is no area: what is perpendicular to
-                                        // `along` and `across`
-  float nothing;                        // -1 where there is no area, else 0
-  // The same in the triangle's plane: coordinates along edge 1 and across it, inwards, from corner
-  // 0; where corner 2 lies, and the unit directions and lengths of edges 2 and 3.
-  std::array<float, 3> along, across;  // unit
-  float length_1;
-  std::array<float, 2> direction_2, direction_3;
-  float length_2, length_3;
-  std::uint32_t source;  // whose triangle it is
-};
-
-// `corners` relative to the same origin; their order does not matter.
-NearTriangle near_triangle(std::array<std::array<double, 3>, 3> corners, std::uint32_t source);
-
 // Triangles that may matter to a cube of points.
 using NearList = std::span<const NearTriangle* const>;
 
@@ -56,7 +37,7 @@ struct PointCube {
 inline constexpr std::size_t kCubePoints = 64;
 using CubeValues = std::array<float, kCubePoints>;
 
-// Squared distances, [triangles]; `least` is the least of each point's.
+// Squared distances, [triangles], for the middles of cells; `least` is the least of each point's.
 void squared_distances(NearList triangles, const PointCube& points, CubeValues* squared,
                        CubeValues& least);
 
