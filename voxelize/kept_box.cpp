@@ -85,8 +85,8 @@ class TightBox {
         const auto row = static_cast<std::size_t>((brick * kEdge + x) * kEdge + y);
         const std::uint64_t other = row_of_codes(row) ^ free_row_;
         if (other == 0) continue;
-        VoxelBox box{plane, plane};
-        box.low[1] = box.high[1] = plane[1] + y;
+        const Voxel first{plane[0], plane[1] + y, plane[2]};
+        VoxelBox box{first, first};
         box.low[2] += std::countr_zero(other) >> code_shift;
         box.high[2] += (63 - std::countl_zero(other)) >> code_shift;
         if (!holds(box)) box_.include(box);
@@ -94,7 +94,7 @@ class TightBox {
     }
   }
 
-  // The eight codes of a row of all bricks' rows, the first lowest.
+  // The eight codes of a row, counted through all bricks; the first lowest.
   std::uint64_t row_of_codes(std::size_t row) const {
     const std::size_t bit = row * kBrickEdge * bits_;
     const std::uint32_t word = tree_.bricks[bit / 32];

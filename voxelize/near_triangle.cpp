@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <type_traits>
 
 HWY_BEFORE_NAMESPACE();
 namespace forcelayer::HWY_NAMESPACE {
@@ -155,20 +156,13 @@ void prepare(const TriangleVectors& corners, TriangleRows& numbers) {
     sort(a, b);
     const Vec edges[3] = {minus(b, a), minus(c, a), minus(c, b)};
     const Vec product = cross(edges[0], edges[1]);
-    const V area2 = dot(product, product), per_area = hn::Div(hn::Set(kD, 1.0), hn::Sqrt(area2));
-    Vec normal{hn::Mul(product.x, per_area), hn::Mul(product.y, per_area),
-               hn::Mul(product.z, per_area)};
+    const V area2 = dot(product, product);
     Vec axes[3];  // along, across, and what is perpendicular to both
     axes[0] = over(edges[0], hn::Sqrt(dot(edges[0], edges[0])));
     axes[2] = over(product, hn::Sqrt(area2));
     axes[1] = cross(axes[2], axes[0]);
     const auto flat = hn::Eq(area2, hn::Zero(kD));
-    if (HWY_UNLIKELY(!hn::AllFalse(kD, flat))) {
-      set_axes_without_area(flat, edges, axes);
-      normal = {hn::IfThenElse(flat, axes[2].x, normal.x),
-                hn::IfThenElse(flat, axes[2].y, normal.y),
-                hn::IfThenElse(flat, axes[2].z, normal.z)};
-    }
+    if (HWY_UNLIKELY(!hn::AllFalse(kD, flat))) set_axes_without_area(flat, edges, axes);
     const PlanarEdge planar_1 = planar_edge(edges[0], axes[0], axes[1]),
                      planar_2 = planar_edge(edges[1], axes[0], axes[1]),
                      planar_3 = planar_edge(edges[2], axes[0], axes[1]);
@@ -176,8 +170,7 @@ void prepare(const TriangleVectors& corners, TriangleRows& numbers) {
     Rows rows(numbers, at);
     rows.put(a);
     for (const Vec& edge : edges) rows.put(edge);
-    rows.put(normal);
-    rows.put(hn::IfThenElseZero(flat, hn::Set(kD, -1.0)));
+    rows.put(axes[2]);
     rows.put(axes[0]);
     rows.put(axes[1]);
     rows.put(planar_1.length);
@@ -202,7 +195,11 @@ HWY_EXPORT(prepare);
 
 }  // namespace
 
+// As many as prepare() puts.
+static_assert(TriangleBatch::kNumbers == 28 && std::is_trivially_copyable_v<NearTriangle>);
+
 void TriangleBatch::flush() {
+  if (count_ == 0) return;
   Rows rows;
   HWY_DYNAMIC_DISPATCH(prepare)(corners_, rows);
   for (std::size_t i = 0; i < count_; ++i) {

@@ -8,26 +8,29 @@
 
 namespace forcelayer {
 
-// Lattice units from some origin, a whole number of voxels. All but `corner` depends on the
-// differences of its corners alone.
+// Lattice units from some origin, a whole number of voxels. Only `corner` depends on where that is.
 struct NearTriangle {
   std::array<float, 3> corner;          // corner 0
   std::array<float, 3> edge_1, edge_2;  // to corners 1 and 2
   std::array<float, 3> edge_3;          // from corner 1 to corner 2
   std::array<float, 3> normal;          // unit; where there is no area: what is perpendicular to
                                         // `along` and `across`
-  float nothing;                        // -1 where there is no area, else 0
   // The same in the triangle's plane: coordinates along edge 1 and across it, inwards, from corner
   // 0; where corner 2 lies, and the unit directions and lengths of edges 2 and 3.
   std::array<float, 3> along, across;  // unit
   float length_1;
   std::array<float, 2> direction_2, direction_3;
   float length_2, length_3;
-  std::uint32_t source;  // whose triangle it is
+  std::uint32_t source;  // its number in its object
 };
 
-// Some triangles, side by side for vectors; it appends them to a list when it is full and when told
-// to.
+// What is less than this inside of a triangle, in lattice units, is taken for outside, where the
+// edges are as near: more than the rounding of what that is decided by, which beyond a needle's tip
+// passes for inside of all three edges otherwise.
+inline constexpr float kInside = 1.0f / 32;
+
+// Some triangles, side by side for vectors; it appends them to a list when it is full, and the last
+// when flush() is called.
 class TriangleBatch {
  public:
   explicit TriangleBatch(std::vector<NearTriangle>& list) : list_(&list) {}

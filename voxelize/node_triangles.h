@@ -18,9 +18,9 @@ class SceneTriangles {
   // In ascending order.
   const std::vector<NodeIndex>& nodes() const { return nodes_; }
 
-  // Those that come near `node`, in lattice units from its lowest corner, `source` being the number
-  // in their object; empty for one that is not in nodes(). Triangles that reach far beyond are cut
-  // to what lies near, so that single precision can hold them.
+  // Those that come near `node`, in lattice units from its lowest corner; empty for one that is not
+  // in nodes(). Triangles that reach far beyond are cut to what lies near, so that single precision
+  // can hold them.
   void gather(const NodeIndex& node, std::vector<NearTriangle>& near) const;
 
  private:

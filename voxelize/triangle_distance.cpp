@@ -34,12 +34,13 @@ HWY_INLINE Vector dot(const std::array<float, 3>& a, Vector x, Vector y, Vector 
                  hn::Mul(hn::Set(d, a[2]), z));
 }
 
-// Coordinates of a cube's points.
-class Points {
+// Coordinates of a cube's first 16 points, those of its lowest x.
+constexpr std::size_t kPlane = 16;
+class PlanePoints {
  public:
-  HWY_INLINE explicit Points(const PointCube& cube) {
-    for (std::size_t n = 0; n < kCubePoints; ++n) {
-      const std::size_t at[3] = {n >> 4, n >> 2 & 3, n & 3};
+  HWY_INLINE explicit PlanePoints(const PointCube& cube) {
+    for (std::size_t n = 0; n < kPlane; ++n) {
+      const std::size_t at[3] = {0, n >> 2, n & 3};
       for (std::size_t d = 0; d < 3; ++d) {
         values_[d][n] = cube.first[d] + cube.step * static_cast<float>(at[d]);
       }
@@ -48,7 +49,7 @@ class Points {
   HWY_INLINE V at(int axis, std::size_t n) const { return hn::Load(kF, values_[axis] + n); }
 
  private:
-  HWY_ALIGN float values_[3][kCubePoints];
+  HWY_ALIGN float values_[3][kPlane];
 };
 
 // Where points lie from a triangle: in its plane, above it, and along its edges 2 and 3 and to the
@@ -112,7 +113,9 @@ HWY_INLINE V squared_distance(const NearTriangle& t, const FromTriangle& at) {
   const V from_3 = off_edge(at.along_3, at.left_3, t.length_3);
   const V least = hn::Min(hn::Min(from_1, from_2), from_3);
   // Negative where one of them is. Edge 2 leads away from corner 0: the inside is to its right.
-  const V inside = hn::Or(hn::Or(at.v, hn::Neg(at.left_2)), hn::Add(at.left_3, set(t.nothing)));
+  const V margin = set(kInside);
+  const V inside = hn::Or(hn::Or(hn::Sub(at.v, margin), hn::Neg(hn::Add(at.left_2, margin))),
+                          hn::Sub(at.left_3, margin));
   const auto outside =
       hn::BroadcastSignBit(hn::BitCast(hn::RebindToSigned<decltype(kF)>(), inside));
   const V planar = hn::And(hn::BitCast(kF, outside), least);
@@ -122,8 +125,7 @@ HWY_INLINE V squared_distance(const NearTriangle& t, const FromTriangle& at) {
 // By steps along x, in less than half the time that every point for itself takes: rounding differs.
 void distances(const NearTriangle* const* triangles, std::size_t count, const PointCube& cube,
                CubeValues* squared, CubeValues& least) {
-  constexpr std::size_t kPlane = 16;
-  const Points points(cube);
+  const PlanePoints points(cube);
   HWY_ALIGN float best[kCubePoints];
   for (std::size_t n = 0; n < kCubePoints; n += lanes()) hn::Store(set(1e30f), kF, best + n);
   for (std::size_t i = 0; i < count; ++i) {
@@ -220,12 +222,12 @@ HWY_INLINE void from_middles(const NearTriangle* const* triangles, std::size_t c
       if constexpr (kOneByOne) {
         advance(at, step_along(t, 2, 4 * cube.step));
         const V second = squared_distance(t, at);
-        hn::StoreU(second, kF, squared + 2 * kEighths * i + kEighths);
+        hn::StoreU(second, kF, squared + 2 * kEighths * i + kEighths + n);
         best_second = hn::Min(best_second, second);
       }
     }
     hn::StoreU(best, kF, least + n);
-    if constexpr (kOneByOne) hn::StoreU(best_second, kF, least + kEighths);
+    if constexpr (kOneByOne) hn::StoreU(best_second, kF, least + kEighths + n);
   }
 }
 
@@ -418,7 +420,7 @@ std::array<double, 3> way_from(const NearTriangle& t, const std::array<double, 3
                    height * double{t.normal[2]}};
   // So far inside that no edge is as near, however the numbers are rounded.
   constexpr double kSurely = 4;
-  if (t.nothing == 0 && inside > kSurely && std::abs(height) < 4 * double{kSnapUnits}) {
+  if (inside > kSurely && std::abs(height) < 4 * double{kSnapUnits}) {
     return across;
   }
   Vec best{};
@@ -434,7 +436,7 @@ std::array<double, 3> way_from(const NearTriangle& t, const std::array<double, 3
   off_edge(w, widened(t.edge_1));
   off_edge(w, widened(t.edge_2));
   off_edge(minus(w, widened(t.edge_1)), widened(t.edge_3));
-  if (t.nothing == 0 && inside >= 0) take(across);
+  if (inside >= double{kInside}) take(across);
   return best;
 }
 

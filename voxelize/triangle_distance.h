@@ -1,10 +1,10 @@
 // Distances of many points from many triangles, in vectors.
 //
 // Single precision on exact differences of lattice coordinates: below 1e-4 voxel of error for
-// triangles of up to 128 voxels and points that are up to 64 away. What is found to be the least
+// triangles of up to 200 voxels and points that are up to 64 away. What is found to be the least
 // depends on the differences alone, so that it is the same wherever on the lattice the scene lies,
 // and every width of vectors gives the same bits. How far triangles are from the middles of cells,
-// which only decides what is looked at, goes by steps from cell to cell and is rounded differently.
+// which only decides what is looked at, goes by steps, which round differently.
 #pragma once
 
 #include <array>
@@ -55,8 +55,9 @@ inline constexpr std::size_t kEighths = 8;
 // squared distances, and which of the triangles gives it (the first).
 class NearestTriangles {
  public:
-  // In the eighths of the cubes only triangles within `reach` lattice units of one of its points
-  // matter, or none where that is negative; beyond, a least is that of some triangles, or 1e30.
+  // `triangles` are not none. In the eighths of the cubes only triangles within `reach` lattice
+  // units of one of its points matter, or none where that is negative; beyond, a least is that of
+  // some triangles, or 1e30.
   void find(NearList triangles, const PointCube& first,
             const std::array<float, 2 * kEighths>& reach);
 

@@ -1,48 +1,79 @@
-// The kernels that find the nearest triangle, on every width of vectors: against distances in
-// doubles, and against each triangle by itself.
+// What finds the nearest triangle, on every width of vectors: the kernels against distances in
+// doubles and against each triangle by itself, and the search from a node down to its cells.
 #include "voxelize/triangle_distance.h"
 
 #include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
 
 #include "formats/mesh/voxel_overlap.h"
 #include "tests/support/every_target.h"
 #include "tests/support/reference_distance.h"
 #include "tests/support/soups.h"
+#include "voxelize/cell_search.h"
 
 namespace forcelayer {
 namespace {
 
-using reference::Point;
 using reference::Random;
 using reference::whole;
 
 constexpr auto kUnits = static_cast<float>(kSnapUnits);
 constexpr float kEverywhere = 256 * kUnits;  // a reach
 
-// Triangles of all sizes up to 128 voxels, and among them points and lines, in a box of a node of
-// 64 voxels.
+using Voxel = std::array<std::int64_t, 3>;
+
+// Corners anywhere in a box of that many units around `from`, and among them lines and points.
+LatticeTriangle any_triangle(Random& random, const LatticePoint& from) {
+  const std::int64_t size = (kSnapUnits / 4) << whole(random, 0, 8);
+  LatticeTriangle triangle;
+  for (std::size_t d = 0; d < 3; ++d) {
+    for (auto& corner : triangle) corner[d] = from[d] + whole(random, -size, size);
+  }
+  const auto kind = whole(random, 0, 7);
+  if (kind < 2) triangle[2] = triangle[1];
+  if (kind == 0) triangle[1] = triangle[0];
+  return triangle;
+}
+
+// A needle whose tip points at `from`, a few units wide and of up to 128 voxels.
+LatticeTriangle any_needle(Random& random, const LatticePoint& from) {
+  // Small numbers, so that points lie on the line through both long edges but for their rounding.
+  LatticePoint along;
+  do {
+    for (auto& x : along) x = whole(random, -3, 3);
+  } while (along == LatticePoint{});
+  const std::int64_t tip = whole(random, 0, kSnapUnits);
+  const std::int64_t end = tip + (kSnapUnits << whole(random, 0, 5));
+  LatticeTriangle triangle;
+  for (std::size_t d = 0; d < 3; ++d) {
+    triangle[0][d] = from[d] + tip * along[d];
+    triangle[1][d] = from[d] + end * along[d];
+    triangle[2][d] = triangle[1][d] + whole(random, -4, 4);
+  }
+  return triangle;
+}
+
+// Of a box of the node of 64 voxels: anywhere, and at centres of its voxels.
 struct Triangles {
-  Triangles(Random& random, const std::array<std::int64_t, 3>& low_voxel,
-            std::int64_t edge_voxels) {
-    const int count = static_cast<int>(whole(random, 1, 150));
+  Triangles(Random& random, int count, const Voxel& low_voxel, std::int64_t edge_voxels) {
     TriangleBatch batch(near);
     for (int i = 0; i < count; ++i) {
-      const std::int64_t size = (kSnapUnits / 4) << whole(random, 0, 8);
-      LatticeTriangle triangle;
+      LatticePoint from;
+      const bool needle = random() % 4 == 0;
       for (std::size_t d = 0; d < 3; ++d) {
-        const std::int64_t from =
-            low_voxel[d] * kSnapUnits + whole(random, 0, edge_voxels * kSnapUnits);
-        for (auto& corner : triangle) corner[d] = from + whole(random, -size, size);
+        from[d] = low_voxel[d] * kSnapUnits + whole(random, 0, edge_voxels * kSnapUnits - 1);
+        if (needle) from[d] = (from[d] & -kSnapUnits) + kSnapUnits / 2;
       }
-      const auto kind = whole(random, 0, 7);
-      if (kind < 2) triangle[2] = triangle[1];
-      if (kind == 0) triangle[1] = triangle[2] = triangle[0];
+      exact.push_back(needle ? any_needle(random, from) : any_triangle(random, from));
       std::array<std::array<double, 3>, 3> corners;
       for (std::size_t k = 0; k < 3; ++k) {
-        for (std::size_t d = 0; d < 3; ++d) corners[k][d] = static_cast<double>(triangle[k][d]);
+        for (std::size_t d = 0; d < 3; ++d) corners[k][d] = static_cast<double>(exact[i][k][d]);
       }
       batch.add(corners, static_cast<std::uint32_t>(i));
-      exact.push_back(triangle);
     }
     batch.flush();
     for (const NearTriangle& triangle : near) list.push_back(&triangle);
@@ -54,13 +85,13 @@ struct Triangles {
 };
 
 // The lowest voxel of a cell of the node.
-std::array<std::int64_t, 3> random_cell(Random& random, std::int64_t edge) {
-  std::array<std::int64_t, 3> low;
+Voxel random_cell(Random& random, std::int64_t edge) {
+  Voxel low;
   for (std::int64_t& x : low) x = edge * whole(random, 0, 64 / edge - 1);
   return low;
 }
 
-PointCube cube_at(const std::array<std::int64_t, 3>& low_voxel, int step_voxels) {
+PointCube cube_at(const Voxel& low_voxel, int step_voxels) {
   PointCube cube;
   cube.step = static_cast<float>(step_voxels) * kUnits;
   for (std::size_t d = 0; d < 3; ++d) {
@@ -90,10 +121,10 @@ INSTANTIATE_TEST_SUITE_P(Targets, TriangleDistances,
                          [](const auto& target) { return hwy::TargetName(target.param); });
 
 TEST_P(TriangleDistances, OfCellsAreWithinTheErrorThatTheSearchAllows) {
-  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 300; ++seed) {
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
     Random random(seed);
-    const Triangles triangles(random, {0, 0, 0}, 64);
+    const Triangles triangles(random, static_cast<int>(whole(random, 1, 150)), {0, 0, 0}, 64);
     const PointCube cube =
         random() % 2 ? cube_at({0, 0, 0}, 16) : cube_at(random_cell(random, 16), 4);
     std::vector<CubeValues> squared(triangles.list.size());
@@ -113,47 +144,105 @@ TEST_P(TriangleDistances, OfCellsAreWithinTheErrorThatTheSearchAllows) {
   }
 }
 
-// With all triangles in one list and with each by itself: leaving out what is farther than the
-// least, and what is out of reach, changes no bit.
-TEST_P(TriangleDistances, TheNearestIsThatOfTheTrianglesOneByOne) {
-  std::array<float, 2 * kEighths> everywhere;
-  everywhere.fill(kEverywhere);
-  for (std::uint64_t seed = 1; seed <= 400; ++seed) {
-    SCOPED_TRACE(::testing::Message() << "seed " << seed);
-    Random random(seed);
-    // In the cell and beside it, so that many triangles are about as near.
-    const std::array<std::int64_t, 3> low = random_cell(random, 8);
-    const Triangles triangles(random, {low[0] - whole(random, 0, 8), low[1], low[2]}, 8);
-    const PointCube cube = cube_at(low, 1);
-    std::array<float, 2 * kEighths> reach;
-    for (float& r : reach) r = static_cast<float>(whole(random, -1, 12)) * kUnits;
-    NearestTriangles all, within, one;
-    all.find(triangles.list, cube, everywhere);
-    within.find(triangles.list, cube, reach);
-    std::array<CubeValues, 2> least;
-    std::array<std::array<std::uint32_t, kCubePoints>, 2> which{};
+std::array<float, 2 * kEighths> everywhere() {
+  std::array<float, 2 * kEighths> reach;
+  reach.fill(kEverywhere);
+  return reach;
+}
+
+// The least of two cubes' points from each triangle by itself, and the first that gives it.
+struct OneByOne {
+  OneByOne(const Triangles& triangles, const PointCube& cube) {
     for (CubeValues& values : least) values.fill(1e30f);
     for (std::uint32_t i = 0; i < triangles.list.size(); ++i) {
-      one.find(NearList(triangles.list).subspan(i, 1), cube, everywhere);
+      one.find(NearList(triangles.list).subspan(i, 1), cube, everywhere());
       for (std::size_t k = 0; k < 2; ++k) {
         for (std::size_t n = 0; n < kCubePoints; ++n) {
           if (one.least(k)[n] < least[k][n]) least[k][n] = one.least(k)[n], which[k][n] = i;
         }
       }
     }
+  }
+  NearestTriangles one;
+  std::array<CubeValues, 2> least;
+  std::array<std::array<std::uint32_t, kCubePoints>, 2> which{};
+};
+
+// Leaving out what is farther than the least, and what is out of reach, changes no bit.
+TEST_P(TriangleDistances, TheNearestIsThatOfTheTrianglesOneByOne) {
+  for (std::uint64_t seed = 1; seed <= 1500; ++seed) {
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
+    Random random(seed);
+    // In the cell and beside it, so that many triangles are about as near.
+    const Voxel low = random_cell(random, 8);
+    const Triangles triangles(random, static_cast<int>(whole(random, 1, 150)),
+                              {low[0] - whole(random, 0, 8), low[1], low[2]}, 8);
+    const PointCube cube = cube_at(low, 1);
+    std::array<float, 2 * kEighths> reach;
+    for (float& r : reach) r = static_cast<float>(whole(random, -1, 12)) * kUnits;
+    NearestTriangles all, within;
+    all.find(triangles.list, cube, everywhere());
+    within.find(triangles.list, cube, reach);
+    const OneByOne slow(triangles, cube);
     for (std::size_t k = 0; k < 2; ++k) {
       for (std::size_t n = 0; n < kCubePoints; ++n) {
-        ASSERT_EQ(all.least(k)[n], least[k][n]) << "cube " << k << ", point " << n;
-        ASSERT_EQ(all.which(k, n), which[k][n]) << "cube " << k << ", point " << n;
+        ASSERT_EQ(all.least(k)[n], slow.least[k][n]) << "cube " << k << ", point " << n;
+        ASSERT_EQ(all.which(k, n), slow.which[k][n]) << "cube " << k << ", point " << n;
         std::array<float, 3> point = point_of(cube, n);
         if (k == 1) point[2] += 4 * kUnits;
-        EXPECT_NEAR(std::sqrt(least[k][n]) / kUnits,
-                    exact_voxels(triangles.exact[which[k][n]], point), 1e-4);
+        EXPECT_NEAR(std::sqrt(slow.least[k][n]) / kUnits,
+                    exact_voxels(triangles.exact[slow.which[k][n]], point), 1e-4);
         std::size_t in = k * kEighths;
         while ((eighth(static_cast<unsigned>(in % kEighths)) >> n & 1) == 0) ++in;
-        if (std::sqrt(least[k][n]) > reach[in]) continue;
-        ASSERT_EQ(within.least(k)[n], least[k][n]) << "cube " << k << ", point " << n;
-        ASSERT_EQ(within.which(k, n), which[k][n]) << "cube " << k << ", point " << n;
+        if (std::sqrt(slow.least[k][n]) > reach[in]) continue;
+        ASSERT_EQ(within.least(k)[n], slow.least[k][n]) << "cube " << k << ", point " << n;
+        ASSERT_EQ(within.which(k, n), slow.which[k][n]) << "cube " << k << ", point " << n;
+      }
+    }
+  }
+}
+
+// Nor does what the lists of the search leave out. Where it has no list nothing is in reach.
+TEST_P(TriangleDistances, TheSearchLeavesNothingOutThatMatters) {
+  constexpr std::array<float, 3> kReaches{1, 4, 9};
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
+    Random random(seed);
+    const Triangles triangles(random, 24, {0, 0, 0}, 64);
+    const float reach = kReaches[seed - 1];
+    std::array<float, 2 * kEighths> reaches;
+    reaches.fill(reach * kUnits);
+    std::array<bool, 16 * 16 * 8> has_list{};
+    const auto pair_at = [](int x, int y, int z) { return (x * 16 + y) * 8 + z; };
+    const auto slow_at = [&](int x, int y, int z) {
+      return OneByOne(triangles, CellSearch::centers({4 * x, 4 * y, 8 * z}, 1));
+    };
+    NearestTriangles nearest;
+    CellSearch().run(
+        triangles.near, true, [&](const std::array<int, 3>&, int) { return reach; },
+        [&](const std::array<int, 3>& low, NearList list) {
+          const int at[3] = {low[0] / 4, low[1] / 4, low[2] / 8};
+          has_list[static_cast<std::size_t>(pair_at(at[0], at[1], at[2]))] = true;
+          nearest.find(list, CellSearch::centers(low, 1), reaches);
+          const OneByOne slow = slow_at(at[0], at[1], at[2]);
+          for (std::size_t k = 0; k < 2; ++k) {
+            for (std::size_t n = 0; n < kCubePoints; ++n) {
+              if (std::sqrt(slow.least[k][n]) > reach * kUnits) continue;
+              ASSERT_EQ(nearest.least(k)[n], slow.least[k][n])
+                  << low[0] << ' ' << low[1] << ' ' << low[2];
+              ASSERT_EQ(list[nearest.which(k, n)], triangles.list[slow.which[k][n]]);
+            }
+          }
+        });
+    for (int x = 0; x < 16; ++x) {
+      for (int y = 0; y < 16; ++y) {
+        for (int z = 0; z < 8; ++z) {
+          if (has_list[static_cast<std::size_t>(pair_at(x, y, z))]) continue;
+          const OneByOne slow = slow_at(x, y, z);
+          for (const CubeValues& least : slow.least) {
+            EXPECT_GT(std::sqrt(*std::min_element(least.begin(), least.end())), reach * kUnits);
+          }
+        }
       }
     }
   }
