@@ -47,13 +47,17 @@ def wide_cells(row):
         ratio = row["kinds"][name]["over_two_bits"]
         return f"{ratio['times']:.1f}" + ("" if ratio["met"] else f" (of {ratio['target']:g})")
 
+    def by_command(name):  # not with --vectors
+        ratio = row["kinds"][name]["over_two_bits"]
+        return f"{ratio['command_times']:.1f}" if "command_times" in ratio else "-"
+
     kinds = row["kinds"]
     usual, most = kinds["two bits"], kinds["8 bits"]
     milliseconds = [f"{kinds[name]['in_memory_to_file']['wall_s'] * 1e3:.0f}" for name in WIDE_KINDS]
     sizes = [row["vdb_bytes"], most["file_bytes"], usual["file_bytes"]]
     return [f"{row['model']} {row['voxels_across']}", " / ".join(milliseconds),
             *(over(name) for name in WIDE_KINDS[1:]),
-            *(f"{kinds[name]['over_two_bits']['command_times']:.1f}" for name in WIDE_KINDS[1:]),
+            *(by_command(name) for name in WIDE_KINDS[1:]),
             f"{row['vdb_tool_without_reading']['wall_s'] * 1e3:.0f}",
             f"{most['vdb_tool_times']:.0f}", f"{row['mesh_to_volume']['wall_s'] * 1e3:.0f}",
             f"{most['mesh_to_volume_times']:.0f}", " / ".join(f"{size / 1e6:.1f}" for size in sizes)]

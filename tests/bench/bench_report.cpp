@@ -45,6 +45,20 @@ std::string file_name(const std::string& path) {
 
 }  // namespace
 
+void use_vectors(const std::string& target) {
+  std::string known;
+  for (std::int64_t left = hwy::SupportedTargets(); left != 0; left &= left - 1) {
+    const std::int64_t bit = left & -left;  // the narrower, the higher
+    if (hwy::TargetName(bit) == target) {
+      hwy::SetSupportedTargetsForTest(left);
+      hwy::GetChosenTarget().Update(left);
+      return;
+    }
+    known += (known.empty() ? "" : ", ") + std::string(hwy::TargetName(bit));
+  }
+  throw std::runtime_error("no vectors " + target + " here, but " + known);
+}
+
 Percentiles percentiles(std::vector<double> sample) {
   if (sample.empty()) return {NAN, NAN, NAN, NAN};
   std::sort(sample.begin(), sample.end());

@@ -20,6 +20,10 @@ nlohmann::ordered_json machine();
 // The CPU model as a folder name ("intel-xeon-processor").
 std::string cpu_folder();
 
+// From now on this process takes vectors no wider than those of one of Highway's targets ("AVX2"),
+// which machine() then names. Throws std::runtime_error where the machine does not have it.
+void use_vectors(const std::string& target);
+
 // Seconds of a monotonic clock, and CPU seconds of this process (all threads).
 double now_s();
 double cpu_s();

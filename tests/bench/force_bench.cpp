@@ -2,7 +2,7 @@
 // point in the band costs. METHOD.md says what the oracle is and where it is not to be trusted.
 //
 //   force_bench [--s S [--cover C]] [--contact NAME]... [--json FILE]
-//   force_bench --cost [--json FILE]
+//   force_bench --cost [--vectors TARGET] [--json FILE]
 //
 // S is one voxel size, in units of 10 mm, C the shell's covering radius in voxels.
 #include <CLI/CLI.hpp>
@@ -73,6 +73,7 @@ struct Choice {
   double only_s = 0;  // 0: all
   double cover = kPaperCover;
   std::vector<std::string> only;
+  std::string vectors;  // empty: all
   std::string json;
 
   bool wants(const std::string& name) const {
@@ -309,7 +310,9 @@ int run(int argc, char** argv) {
   const auto contact =
       app.add_option("--contact", choice.only, "\"sphere on plane\", ... (default: all)")
           ->check(CLI::IsMember(names));
-  app.add_flag("--cost", choice.cost, "times instead")->excludes(size)->excludes(contact);
+  CLI::Option* const cost =
+      app.add_flag("--cost", choice.cost, "times instead")->excludes(size)->excludes(contact);
+  app.add_option("--vectors", choice.vectors, "AVX2, SSE4, ...: none wider")->needs(cost);
   app.add_option("--json", choice.json, "where to write the figures");
   CLI11_PARSE(app, argc, argv);
 
@@ -317,6 +320,7 @@ int run(int argc, char** argv) {
   std::printf("%s, %s\n", about["cpu"].get<std::string>().c_str(),
               about["date"].get<std::string>().c_str());
   Json results;
+  if (!choice.vectors.empty()) use_vectors(choice.vectors);
   if (choice.cost) {
     const double cover_m = kPaperCover * 0.0025;
     results.push_back(
