@@ -41,6 +41,11 @@ without() {
   echo "$2 left out: no $(basename "$1") ($3)"
 }
 
+# The long form also measures what a processor without AVX-512 would run.
+held_to_avx2() {
+  [ $long = yes ] && grep -qw avx512f /proc/cpuinfo
+}
+
 part_bake() {
   ! without vdb_tool "beside vdb_tool" "install libopenvdb-tools" || return 0
   local model
@@ -52,6 +57,7 @@ part_bake() {
   python3 "$bench/bake_table.py" "$out"/bake_{bunny,dragon,counter,engine}.json
   "$bin/bake_bench" --wide --repeat $(either 3 9) $(either "--voxels 512" "") --json "$out/bake_wide.json"
   python3 "$bench/bake_table.py" "$out/bake_wide.json"
+  ! held_to_avx2 || "$bin/bake_bench" --wide --repeat 9 --vectors AVX2 --json "$out/bake_wide_avx2.json"
 }
 part_error() {
   ! without "$bin/geometry_bench" "geometry" "install libvtk9-dev" || return 0
@@ -89,6 +95,7 @@ part_force() {
     "$bin/force_bench" --s 0.5 --cover 0.43305 --json "$out/force_s0.5_dense.json"
   fi
   "$bin/force_bench" --cost --json "$out/force_cost.json"
+  ! held_to_avx2 || "$bin/force_bench" --cost --vectors AVX2 --json "$out/force_cost_avx2.json"
 }
 part_wrench() {
   ! without "$bin/wrench_bench" "beside mesh colliders" "install libbullet-dev" || return 0

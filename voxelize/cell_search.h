@@ -20,17 +20,16 @@ inline constexpr float kNothingMatters = -1;
 class CellSearch {
  public:
   // Calls leaf(low, triangles) for the cells that something matters to: `low` is the cell's lowest
-  // voxel, from the node's. reach_of(low, edge) is asked for cells of 16 and of 4 voxels. With
-  // `nearest_only` a triangle matters only where it may be the nearest to some voxel's centre, and
-  // cells come in pairs, the second behind the first along z.
+  // voxel, from the node's. reach_of(low, edge) is asked for cells of 16 and of 4 voxels. A
+  // triangle matters only where it may be the nearest to some voxel's centre. Cells come in pairs,
+  // the second behind the first along z.
   template <class ReachOf, class Leaf>
-  void run(const std::vector<NearTriangle>& near, bool nearest_only, const ReachOf& reach_of,
-           const Leaf& leaf) {
+  void run(const std::vector<NearTriangle>& near, const ReachOf& reach_of, const Leaf& leaf) {
     split_node(near, reach_of);
     for (std::size_t n = 0; n < kCubePoints; ++n) {
       if (cells_[0][n].empty()) continue;
       const std::array<int, 3> low = child({0, 0, 0}, n, 16);
-      split_cell(cells_[0][n], low, nearest_only, reach_of);
+      split_cell(cells_[0][n], low, reach_of);
       for (std::size_t m = 0; m < kCubePoints; ++m) {
         if (!cells_[1][m].empty()) leaf(child(low, m, 4), NearList(cells_[1][m]));
       }
@@ -117,24 +116,21 @@ class CellSearch {
 
   // What of a cell of 16 voxels matters to its cells of 4.
   template <class ReachOf>
-  void split_cell(const List& triangles, const std::array<int, 3>& low, bool nearest_only,
-                  const ReachOf& reach_of) {
+  void split_cell(const List& triangles, const std::array<int, 3>& low, const ReachOf& reach_of) {
     for (List& cell : cells_[1]) cell.clear();
     CubeValues least;
     measure(triangles, low, 4, least);
     CubeValues limits;
     for (std::size_t n = 0; n < kCubePoints; ++n) {
       const float reach = reach_of(child(low, n, 4), 4);
-      float limit = limit_of(reach, 4);
-      if (nearest_only) limit = std::min(limit, std::sqrt(least[n]) + 2 * limit_of(0, 4));
+      const float limit = std::min(limit_of(reach, 4), std::sqrt(least[n]) + 2 * limit_of(0, 4));
       // A cell none of whose voxels is in reach needs no triangle at all.
       limits[n] = reach < 0 ? -1.0f : limit * limit;
     }
     bits_within(squared_.data(), triangles.size(), limits, within_.data());
     for (std::size_t i = 0; i < triangles.size(); ++i) {
-      std::uint64_t cells = within_[i];
-      if (nearest_only) cells = (cells | cells >> 1) & 0x5555555555555555u;
-      add(triangles[i], cells, cells_[1]);
+      const std::uint64_t pairs = (within_[i] | within_[i] >> 1) & 0x5555555555555555u;
+      add(triangles[i], pairs, cells_[1]);
     }
   }
 

@@ -43,7 +43,7 @@ class NodeDistances {
     const float outer = std::max(outer_reach(scale), inner_reach(scale));
     const float inner = inner_reach(scale);
     search_.run(
-        near_, true,
+        near_,
         [&](const std::array<int, 3>& low, int edge) {
           return !all_set(solid_, low, edge) ? outer : inner > 0 ? inner : kNothingMatters;
         },

@@ -32,7 +32,7 @@ class NearNode {
     surely_near_ = square((radius - kDistanceErrorVoxels) * kUnits);
     maybe_near_ = square(reach * kUnits);
     search_.run(
-        triangles_, true,
+        triangles_,
         [&](const std::array<int, 3>& low, int edge) {
           return all_set(settled_, low, edge) ? kNothingMatters : reach;
         },

@@ -55,7 +55,7 @@ inline constexpr std::size_t kEighths = 8;
 // squared distances, and which of the triangles gives it (the first).
 class NearestTriangles {
  public:
-  // `triangles` are not none. In the eighths of the cubes only triangles within `reach` lattice
+  // At least one triangle. In the eighths of the cubes only triangles within `reach` lattice
   // units of one of its points matter, or none where that is negative; beyond, a least is that of
   // some triangles, or 1e30.
   void find(NearList triangles, const PointCube& first,

@@ -5,7 +5,7 @@
 //
 // With --wide: the bakes of Euclidean layers and of voxels that store distances beside the usual
 // one, in memory and by the command, and beside vdb_tool and meshToVolume making floats of the same
-// distances. With --vectors, which limits this process alone, not by the command.
+// distances. With --vectors without the commands: it limits this process alone.
 //
 // Without, for every case: the whole bake from triangles in memory to the finished file, checksums
 // and provenance included, and the whole command, beside `vdb_tool -mesh2ls` (which writes a level

@@ -47,7 +47,9 @@ std::string file_name(const std::string& path) {
 
 void use_vectors(const std::string& target) {
   std::string known;
-  for (std::int64_t left = hwy::SupportedTargets(); left != 0; left &= left - 1) {
+  std::int64_t all = 0;  // that the machine has and this program was compiled for
+  for (const std::int64_t bit : hwy::SupportedAndGeneratedTargets()) all |= bit;
+  for (std::int64_t left = all; left != 0; left &= left - 1) {
     const std::int64_t bit = left & -left;  // the narrower, the higher
     if (hwy::TargetName(bit) == target) {
       hwy::SetSupportedTargetsForTest(left);
@@ -56,7 +58,7 @@ void use_vectors(const std::string& target) {
     }
     known += (known.empty() ? "" : ", ") + std::string(hwy::TargetName(bit));
   }
-  throw std::runtime_error("no vectors " + target + " here, but " + known);
+  throw std::runtime_error("no vectors '" + target + "' on this machine; it has " + known);
 }
 
 Percentiles percentiles(std::vector<double> sample) {
