@@ -24,6 +24,12 @@ struct NearTriangle {
   std::uint32_t source;  // its number in its object
 };
 
+// An order in which triangles stay wherever on the lattice they lie.
+inline bool lies_before(const NearTriangle& a, const NearTriangle& b) {
+  if (a.corner != b.corner) return a.corner < b.corner;
+  return a.edge_1 != b.edge_1 ? a.edge_1 < b.edge_1 : a.edge_2 < b.edge_2;
+}
+
 // What is less than this inside of a triangle, in lattice units, is taken for outside, where the
 // edges are as near: more than the rounding of what that is decided by, which beyond a needle's tip
 // passes for inside of all three edges otherwise.

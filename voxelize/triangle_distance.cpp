@@ -256,7 +256,8 @@ HWY_INLINE std::uint64_t near_of(const std::uint8_t* eighths, std::size_t eighth
 }
 
 // The least from the points of `kTogether` eighths from number `eighth` on, of the triangles whose
-// byte has a bit of theirs. Behind the bytes stand eight that are zero.
+// byte has a bit of theirs, and the number of the first that gives it, its highest bit set where
+// others do. Behind the bytes stand eight that are zero.
 HWY_INLINE void nearest_of(const NearTriangle* const* triangles, const std::uint8_t* eighths,
                            std::size_t count, std::size_t eighth, const SixteenPoints& points,
                            float* least, std::uint32_t* which) {
@@ -264,6 +265,7 @@ HWY_INLINE void nearest_of(const NearTriangle* const* triangles, const std::uint
     const V x = points.x(n), y = points.y(n), z = points.z(n);
     V best = set(1e30f);
     auto best_at = hn::Zero(kU);
+    auto tied = hn::Lt(best, best);
     for (std::size_t first = 0; first < count; first += 64) {
       std::uint64_t near = 0;
       const std::size_t end = std::min<std::size_t>(count - first, 64);
@@ -273,14 +275,34 @@ HWY_INLINE void nearest_of(const NearTriangle* const* triangles, const std::uint
         const NearTriangle& t = *triangles[i];
         const V d = squared_distance(t, from_triangle(t, x, y, z));
         const auto better = hn::Lt(d, best);
+        tied = hn::Or(hn::AndNot(better, tied), hn::Eq(d, best));
         best = hn::IfThenElse(better, d, best);
         best_at = hn::IfThenElse(hn::RebindMask(kU, better),
                                  hn::Set(kU, static_cast<std::uint32_t>(i)), best_at);
       }
     }
     hn::StoreU(best, kF, least + n);
+    const auto flag = hn::Set(kU, std::uint32_t{1} << 31);
+    best_at = hn::IfThenElse(hn::RebindMask(kU, tied), hn::Or(best_at, flag), best_at);
     hn::StoreU(best_at, kU, which + n);
   }
+}
+
+// The first by place of the triangles that are so far from a point. `eighth` is the one that the
+// point is in, of the cube whose bytes these are.
+std::uint32_t first_at(const NearTriangle* const* triangles, const std::uint8_t* eighths,
+                       std::size_t count, std::size_t eighth, const std::array<float, 3>& point,
+                       float squared) {
+  const V x = set(point[0]), y = set(point[1]), z = set(point[2]);
+  const NearTriangle* first = nullptr;
+  std::uint32_t number = 0;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    if ((eighths[i] >> eighth & 1) == 0) continue;
+    const NearTriangle& t = *triangles[i];
+    if (hn::GetLane(squared_distance(t, from_triangle(t, x, y, z))) != squared) continue;
+    if (first == nullptr || lies_before(t, *first)) first = &t, number = i;
+  }
+  return number;
 }
 
 // One of the two cubes.
@@ -375,6 +397,7 @@ namespace {
 HWY_EXPORT(distances);
 HWY_EXPORT(within);
 HWY_EXPORT(nearest);
+HWY_EXPORT(first_at);
 HWY_EXPORT(codes);
 
 using Vec = std::array<double, 3>;
@@ -398,6 +421,8 @@ void bits_within(const CubeValues* values, std::size_t count, const CubeValues& 
 void NearestTriangles::find(NearList triangles, const PointCube& first,
                             const std::array<float, 2 * kEighths>& reach) {
   const std::size_t count = triangles.size();
+  triangles_ = triangles;
+  first_ = first;
   if (squared_.size() < 2 * kEighths * count) {
     squared_.resize(2 * kEighths * count);
     eighths_.resize(2 * (count + 8));
@@ -405,6 +430,18 @@ void NearestTriangles::find(NearList triangles, const PointCube& first,
   HWY_DYNAMIC_DISPATCH(nearest)
   (triangles.data(), count, first, reach.data(), squared_.data(), eighths_.data(), least_.data(),
    which_.data());
+}
+
+std::uint32_t NearestTriangles::first_tied(std::size_t cube, std::size_t point) const {
+  const std::size_t at[3] = {point >> 4, point >> 2 & 3, (point & 3) + 4 * cube};
+  std::array<float, 3> place;
+  for (std::size_t d = 0; d < 3; ++d) {
+    place[d] = first_.first[d] + first_.step * static_cast<float>(at[d]);
+  }
+  const std::size_t eighth = at[0] / 2 * 4 + at[1] / 2 * 2 + (point & 3) / 2;
+  const std::size_t count = triangles_.size();
+  return HWY_DYNAMIC_DISPATCH(first_at)(triangles_.data(), eighths_.data() + cube * (count + 8),
+                                        count, eighth, place, least_[cube][point]);
 }
 
 std::array<double, 3> way_from(const NearTriangle& t, const std::array<double, 3>& point) {

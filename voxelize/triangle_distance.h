@@ -52,7 +52,7 @@ constexpr std::uint64_t eighth(unsigned n) {
 inline constexpr std::size_t kEighths = 8;
 
 // For the points of two cubes, the second behind the first along z: the least of each point's
-// squared distances, and which of the triangles gives it (the first).
+// squared distances, and which of the triangles gives it.
 class NearestTriangles {
  public:
   // At least one triangle. In the eighths of the cubes only triangles within `reach` lattice
@@ -62,10 +62,20 @@ class NearestTriangles {
             const std::array<float, 2 * kEighths>& reach);
 
   const CubeValues& least(std::size_t cube) const { return least_[cube]; }
-  // Undefined where the least is 1e30.
-  std::uint32_t which(std::size_t cube, std::size_t point) const { return which_[cube][point]; }
+  // Of several that give it the one that lies before the others, so that their order in the list
+  // does not matter. Undefined where the least is 1e30; reads the list.
+  std::uint32_t which(std::size_t cube, std::size_t point) const {
+    const std::uint32_t number = which_[cube][point];
+    return (number & kTied) == 0 ? number : first_tied(cube, point);
+  }
 
  private:
+  static constexpr std::uint32_t kTied = std::uint32_t{1} << 31;
+
+  std::uint32_t first_tied(std::size_t cube, std::size_t point) const;
+
+  NearList triangles_;  // of the last find()
+  PointCube first_;
   std::array<CubeValues, 2> least_;
   std::array<std::array<std::uint32_t, kCubePoints>, 2> which_;
   std::vector<float> squared_;         // [triangles][cubes][eighths] from their middles

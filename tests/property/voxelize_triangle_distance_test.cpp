@@ -153,7 +153,7 @@ std::array<float, 2 * kEighths> everywhere() {
   return reach;
 }
 
-// The least of two cubes' points from each triangle by itself, and the first that gives it.
+// The least of two cubes' points from each triangle by itself, and which gives it.
 struct OneByOne {
   OneByOne(const Triangles& triangles, const PointCube& cube) {
     for (CubeValues& values : least) values.fill(1e30f);
@@ -161,7 +161,13 @@ struct OneByOne {
       one.find(NearList(triangles.list).subspan(i, 1), cube, everywhere());
       for (std::size_t k = 0; k < 2; ++k) {
         for (std::size_t n = 0; n < kCubePoints; ++n) {
-          if (one.least(k)[n] < least[k][n]) least[k][n] = one.least(k)[n], which[k][n] = i;
+          const float value = one.least(k)[n];
+          std::uint32_t& best = which[k][n];
+          if (value < least[k][n] ||
+              (value == least[k][n] && lies_before(triangles.near[i], triangles.near[best]))) {
+            least[k][n] = value;
+            best = i;
+          }
         }
       }
     }

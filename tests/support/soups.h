@@ -1,7 +1,8 @@
-// Seeded random meshes in voxels: soups, closed and open solids, degenerate triangles.
+// Seeded random meshes in voxels: soups, closed and open solids, degenerate triangles, needles.
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <random>
 #include <vector>
@@ -57,6 +58,22 @@ inline void add_sphere(Mesh& mesh, const Vec3d& centre, double radius, int rings
   }
 }
 
+// A few lattice units wide and up to `length` voxels long along an axis; the line through its long
+// edges leads from its tip through the centre of a voxel near `place`, but for its rounding.
+inline void add_needle(Mesh& mesh, Random& random, const Vec3d& place, double length) {
+  constexpr double kUnit = 1.0 / 1024;
+  Vec3d tip, end, beside;
+  const double from = kUnit * static_cast<double>(whole(random, 0, 1024)),
+               to = real(random, 1, 1 + length);
+  for (std::size_t d = 0; d < 3; ++d) {
+    const auto along = static_cast<double>(whole(random, -3, 3));
+    tip[d] = std::floor(place[d]) + 0.5 + along * from;
+    end[d] = tip[d] + along * std::round(to / 3 / kUnit) * kUnit;
+    beside[d] = end[d] + kUnit * static_cast<double>(whole(random, -4, 4));
+  }
+  add_triangle(mesh, tip, end, beside);
+}
+
 // One object of up to `extent` voxels around `centre`, coordinates in voxels.
 inline Mesh random_object(Random& random, const Vec3d& centre, double extent) {
   Mesh mesh;
@@ -77,7 +94,7 @@ inline Mesh random_object(Random& random, const Vec3d& centre, double extent) {
     }
     add_box(mesh, a, b, missing);
   };
-  switch (whole(random, 0, 6)) {
+  switch (whole(random, 0, 7)) {
     case 0:  // a soup
       for (std::int64_t n = whole(random, 1, 25); n > 0; --n)
         add_triangle(mesh, point(), point(), point());
@@ -102,6 +119,10 @@ inline Mesh random_object(Random& random, const Vec3d& centre, double extent) {
     case 5:
       add_sphere(mesh, centre, real(random, 0.3, extent / 2),
                  static_cast<int>(whole(random, 3, 8)));
+      break;
+    case 6:
+      for (std::int64_t n = whole(random, 1, 12); n > 0; --n)
+        add_needle(mesh, random, point(), extent);
       break;
     default:  // closed walls with a soup inside
       add_sphere(mesh, centre, extent / 2, 6);
