@@ -17,6 +17,10 @@ inline constexpr std::uint32_t kFactsCacheVersion = 1;
 // input, or the record changes.
 inline constexpr std::uint32_t kPartCacheVersion = 1;
 
+// ... near_voxels() finds others: parts of Euclidean layers, beside the version of all parts.
+// 2: needles are not near beyond their tips.
+inline constexpr std::uint32_t kNearVoxelsCacheVersion = 2;
+
 // ... offset, bricks or clearance come out differently for the same voxels.
 inline constexpr std::uint64_t kNodeCacheVersion = 1;
 

@@ -31,7 +31,9 @@ std::optional<Digest> part_key(const SceneObject& object, const BakeOptions& opt
   digest.value(options.voxel_size_m);
   add_seeds(digest, options.free_seeds_m);
   add_seeds(digest, object.free_seeds_m);
-  if (grows_surface(options)) digest.value(interior_radius_units(options.layers));
+  if (grows_surface(options)) {
+    digest.value(interior_radius_units(options.layers)).value(kNearVoxelsCacheVersion);
+  }
   return digest.finish();
 }
 

@@ -29,6 +29,7 @@ constexpr Golden kGolden[] = {
     {"facts", 1, "5969afd315368bd0abbc5d4dca1f187a"},
     {"part", 1, "1c4d57068bd7dcebb03b7856ce94f27c"},
     {"node", 1, "b3fc25335a66c7ce49d0e54e610980d0"},
+    {"near voxels", 2, "90bd1485eae1eddd72590f4c2a8fca18"},
 };
 
 void expect_golden(const std::string& stage, std::uint64_t version, const Digest& found) {
@@ -108,6 +109,23 @@ BakeOptions golden_options(std::uint32_t layers) {
   return options;
 }
 
+// Every voxel's value, whatever the tree looks like.
+void add_values(DigestBuilder& digest, const BakedScene& scene) {
+  const VoxmapHeader& header = scene.map().header();
+  std::vector<std::uint8_t> row(header.dims_voxels[2]);
+  const auto& [x0, y0, z0] = header.origin_voxel;
+  for (std::uint64_t x = 0; x < header.dims_voxels[0]; ++x) {
+    for (std::uint64_t y = 0; y < header.dims_voxels[1]; ++y) {
+      for (std::uint64_t z = 0; z < row.size(); ++z) {
+        row[z] = static_cast<std::uint8_t>(scene.map().value(x0 + static_cast<std::int64_t>(x),
+                                                             y0 + static_cast<std::int64_t>(y),
+                                                             z0 + static_cast<std::int64_t>(z)));
+      }
+      digest.bytes(std::as_bytes(std::span(row)));
+    }
+  }
+}
+
 // Every reader through the sample data: STL, OBJ, PLY, OFF, glTF.
 TEST(CacheVersions, OfAssembliesAndFacts) {
   DigestBuilder meshes, facts;
@@ -168,22 +186,27 @@ TEST(CacheVersions, OfParts) {
       digest.value(cavity.voxels);
       for (const std::int64_t x : cavity.seed_voxel) digest.value(x);
     }
-    const BakedScene scene({object}, golden_options(0));
-    const VoxmapHeader& header = scene.map().header();
-    std::vector<std::uint8_t> row(header.dims_voxels[2]);
-    const auto& [x0, y0, z0] = header.origin_voxel;
-    for (std::uint64_t x = 0; x < header.dims_voxels[0]; ++x) {
-      for (std::uint64_t y = 0; y < header.dims_voxels[1]; ++y) {
-        for (std::uint64_t z = 0; z < row.size(); ++z) {
-          row[z] = static_cast<std::uint8_t>(scene.map().value(x0 + static_cast<std::int64_t>(x),
-                                                               y0 + static_cast<std::int64_t>(y),
-                                                               z0 + static_cast<std::int64_t>(z)));
-        }
-        digest.bytes(std::as_bytes(std::span(row)));
-      }
-    }
+    add_values(digest, BakedScene({object}, golden_options(0)));
   }
   expect_golden("part", kPartCacheVersion, digest.finish());
+}
+
+// What is near by Euclidean distance, on a needle too that points at the centre of a voxel.
+TEST(CacheVersions, OfNearVoxels) {
+  Mesh needle;
+  constexpr double kUnit = 1.0 / 1024;
+  needle.vertices = {{14738 * kUnit, 26002 * kUnit, 52626 * kUnit},
+                     {-19131 * kUnit, -7867 * kUnit, 18757 * kUnit},
+                     {-19131 * kUnit, -7866 * kUnit, 18757 * kUnit}};
+  needle.triangles = {{0, 1, 2}};
+  const std::vector<Mesh> meshes = {needle, golden_sliver(), golden_mesh(1), golden_mesh(2)};
+  BakeOptions options = golden_options(2);
+  options.metric = Metric::kEuclidean;
+  DigestBuilder digest;
+  for (const SceneObject& object : golden_objects(meshes)) {
+    add_values(digest, BakedScene({object}, options));
+  }
+  expect_golden("near voxels", kNearVoxelsCacheVersion, digest.finish());
 }
 
 // The finished tree, bricks and clearance included.
