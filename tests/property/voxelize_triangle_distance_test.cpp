@@ -39,24 +39,6 @@ LatticeTriangle any_triangle(Random& random, const LatticePoint& from) {
   return triangle;
 }
 
-// A needle whose tip points at `from`, a few units wide and of up to 128 voxels along each axis.
-LatticeTriangle any_needle(Random& random, const LatticePoint& from) {
-  // Small numbers, so that the point lies on the line through both long edges but for its rounding.
-  LatticePoint along;
-  do {
-    for (auto& x : along) x = whole(random, -3, 3);
-  } while (along == LatticePoint{});
-  const std::int64_t tip = whole(random, 0, kSnapUnits);
-  const std::int64_t end = tip + (kSnapUnits << whole(random, 0, 5));
-  LatticeTriangle triangle;
-  for (std::size_t d = 0; d < 3; ++d) {
-    triangle[0][d] = from[d] + tip * along[d];
-    triangle[1][d] = from[d] + end * along[d];
-    triangle[2][d] = triangle[1][d] + whole(random, -4, 4);
-  }
-  return triangle;
-}
-
 // Point n of a cube, lattice units.
 std::array<float, 3> point_of(const PointCube& cube, std::size_t n) {
   const std::size_t at[3] = {n >> 4, n >> 2 & 3, n & 3};
@@ -81,7 +63,8 @@ struct Triangles {
         from[d] = needle ? static_cast<std::int64_t>(at[d])
                          : low_voxel[d] * kSnapUnits + whole(random, 0, edge_voxels * kSnapUnits);
       }
-      exact.push_back(needle ? any_needle(random, from) : any_triangle(random, from));
+      exact.push_back(needle ? reference::random_needle(random, from, 96 * kSnapUnits)
+                             : any_triangle(random, from));
       std::array<std::array<double, 3>, 3> corners;
       for (std::size_t k = 0; k < 3; ++k) {
         for (std::size_t d = 0; d < 3; ++d) corners[k][d] = static_cast<double>(exact[i][k][d]);

@@ -58,20 +58,38 @@ inline void add_sphere(Mesh& mesh, const Vec3d& centre, double radius, int rings
   }
 }
 
-// A few lattice units wide and up to `length` voxels long along an axis; the line through its long
-// edges leads from its tip through the centre of a voxel near `place`, but for its rounding.
-inline void add_needle(Mesh& mesh, Random& random, const Vec3d& place, double length) {
-  constexpr double kUnit = 1.0 / 1024;
-  Vec3d tip, end, beside;
-  const double from = kUnit * static_cast<double>(whole(random, 0, 1024)),
-               to = real(random, 1, 1 + length);
+// A triangle a few units wide and up to about `longest` long along an axis. The line through its
+// long edges leads from its tip through a point, but for its rounding.
+inline std::array<std::array<std::int64_t, 3>, 3> random_needle(
+    Random& random, const std::array<std::int64_t, 3>& through, std::int64_t longest) {
+  std::array<std::int64_t, 3>
+      along;  // small numbers, so that what is on the line is a lattice point
+  do {
+    for (std::int64_t& x : along) x = whole(random, -3, 3);
+  } while (along == std::array<std::int64_t, 3>{});
+  const std::int64_t tip = whole(random, 0, 1024);
+  const std::int64_t end = tip + 1 + (longest / 3 >> whole(random, 0, 5));
+  std::array<std::array<std::int64_t, 3>, 3> corners;
   for (std::size_t d = 0; d < 3; ++d) {
-    const auto along = static_cast<double>(whole(random, -3, 3));
-    tip[d] = std::floor(place[d]) + 0.5 + along * from;
-    end[d] = tip[d] + along * std::round(to / 3 / kUnit) * kUnit;
-    beside[d] = end[d] + kUnit * static_cast<double>(whole(random, -4, 4));
+    corners[0][d] = through[d] + tip * along[d];
+    corners[1][d] = through[d] + end * along[d];
+    corners[2][d] = corners[1][d] + whole(random, -4, 4);
   }
-  add_triangle(mesh, tip, end, beside);
+  return corners;
+}
+
+// One in units of 2^-10 voxel, through the centre of a voxel near `place`.
+inline void add_needle(Mesh& mesh, Random& random, const Vec3d& place, double longest) {
+  std::array<std::int64_t, 3> centre;
+  for (std::size_t d = 0; d < 3; ++d) {
+    centre[d] = static_cast<std::int64_t>(std::floor(place[d])) * 1024 + 512;
+  }
+  std::array<Vec3d, 3> corners;
+  const auto units = random_needle(random, centre, static_cast<std::int64_t>(1024 * longest));
+  for (std::size_t k = 0; k < 3; ++k) {
+    for (std::size_t d = 0; d < 3; ++d) corners[k][d] = static_cast<double>(units[k][d]) / 1024;
+  }
+  add_triangle(mesh, corners[0], corners[1], corners[2]);
 }
 
 // One object of up to `extent` voxels around `centre`, coordinates in voxels.
