@@ -8,6 +8,8 @@
 // Behind foreach_target.h, as Highway wants it.
 #include <hwy/highway.h>
 
+#include <bit>
+
 #include "runtime/field_kernel-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -101,6 +103,20 @@ HWY_INLINE void load_fours(const std::int32_t* fours, VI (&number)[4]) {
 #endif
 }
 
+// Copies kBytes from each of two places, at[0] and at[1] times kStride bytes behind `from`, to
+// where they stand side by side. The two numbers are read as one: the memory is what such copies
+// keep busy.
+template <std::size_t kBytes, std::int64_t kStride = 1>
+HWY_INLINE void copy_two(const void* from, const std::int32_t* at, void* to) {
+  static_assert(std::endian::native == std::endian::little, "the first number is the lower half");
+  std::int64_t both;
+  hwy::CopyBytes<8>(at, &both);
+  const auto* bytes = static_cast<const std::uint8_t*>(from);
+  auto* side_by_side = static_cast<std::uint8_t*>(to);
+  hwy::CopyBytes<kBytes>(bytes + static_cast<std::int32_t>(both) * kStride, side_by_side);
+  hwy::CopyBytes<kBytes>(bytes + (both >> 32) * kStride, side_by_side + kBytes);
+}
+
 // What the stages hand on for the points of a chunk.
 struct Stages {
   HWY_ALIGN float share[3][kChunk];  // where between its cell's corners a point lies
@@ -140,18 +156,21 @@ class Kernel : public FieldKernel<Kernel<kAllPoints>, DistanceBricks, kAllPoints
   HWY_INLINE void push_chunk(std::size_t count, const Load& load) {
     for (std::size_t i = 0; i < count; i += kLanes) locate(load(i), i);
     copy(hwy::RoundUpTo(count, kLanes));
-    for (std::size_t i = 0; i < count; i += kLanes) push_lanes(load(i), i);
+    for (std::size_t i = 0; i < count; i += kLanes) push_lanes(load, i);
   }
 
  private:
-  // The lanes whose stages' numbers are from i on.
-  HWY_INLINE void push_lanes(const Lanes& lanes, std::size_t i) {
+  // The lanes that load(i) gives, whose stages' numbers are from i on.
+  template <class Load>
+  HWY_INLINE void push_lanes(const Load& load, std::size_t i) {
+    const Lanes lanes = load(i);
     auto held = hn::Eq(hn::Load(kI, stages_.key + i), hn::Load(kI, stages_.key_there + i));
     if (HWY_UNLIKELY(!bricks_.keys_are_unique())) {
       held = hn::And(held, hn::MaskFromVec(hn::Load(kI, stages_.tags_match + i)));
     }
     const auto missing = hn::AndNot(held, lanes.wanted);
-    if (HWY_UNLIKELY(!hn::AllFalse(kI, missing))) replace(lanes, i, missing);
+    // Loaded anew: `lanes`, handed over by reference, would be written to the stack each time.
+    if (HWY_UNLIKELY(!hn::AllFalse(kI, missing))) replace(load(i), i, missing);
     VF share[3], slope[3];
     for (int n = 0; n < 3; ++n) share[n] = hn::Load(kF, stages_.share[n] + i);
     VI around[4], low, high;
@@ -250,11 +269,18 @@ class Kernel : public FieldKernel<Kernel<kAllPoints>, DistanceBricks, kAllPoints
     hn::Store(hn::Add(at, beside[1]), kI, stages_.beside_y_at + i);
   }
 
-  // Second stage, point by point: words side by side, which no gather of their width fetches.
+  // Second stage, two points at a time: words side by side, which no gather of their width fetches.
   HWY_INLINE void copy(std::size_t count) {
     const std::uint8_t* codes = bricks_.codes();
     const std::uint32_t* keys = bricks_.keys();
-    for (std::size_t i = 0; i < count; ++i) {
+    std::size_t i = 0;
+    for (; i + 1 < count; i += 2) {
+      copy_two<4, 4>(keys, stages_.slot + i, stages_.key_there + i);
+      copy_two<16>(codes, stages_.around_at + i, stages_.around + 4 * i);
+      copy_two<8>(codes, stages_.beside_x_at + i, stages_.beside_x + 2 * i);
+      copy_two<8>(codes, stages_.beside_y_at + i, stages_.beside_y + 2 * i);
+    }
+    if (i < count) {  // the last, where vectors have one lane
       hwy::CopyBytes<4>(keys + stages_.slot[i], stages_.key_there + i);
       take(codes, i);
     }

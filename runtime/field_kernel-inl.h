@@ -82,13 +82,15 @@ struct Picked {
   HWY_ALIGN float normal[3][kRoom];
   std::size_t count = 0;
 
-  // The lanes behind the last point, which are read along with it, must hold numbers.
-  HWY_INLINE void close() {
-    hn::StoreU(hn::Zero(kI), kI, at + count);
+  // So many were picked. The lanes behind the last, which are read along with it, must hold
+  // numbers.
+  HWY_INLINE void close(std::size_t end) {
+    count = end;
+    hn::StoreU(hn::Zero(kI), kI, at + end);
     for (int axis = 0; axis < 3; ++axis) {
-      hn::StoreU(hn::Zero(kI), kI, voxel[axis] + count);
-      hn::StoreU(hn::Zero(kF), kF, fraction[axis] + count);
-      hn::StoreU(hn::Zero(kF), kF, normal[axis] + count);
+      hn::StoreU(hn::Zero(kI), kI, voxel[axis] + end);
+      hn::StoreU(hn::Zero(kF), kF, fraction[axis] + end);
+      hn::StoreU(hn::Zero(kF), kF, normal[axis] + end);
     }
   }
 };
@@ -119,11 +121,11 @@ class FieldKernel {
     }
     Picked picked;
     for (std::uint32_t first = 0; first < points_.count;) {
-      picked.count = 0;
-      for (; first < points_.count && picked.count + kLanes <= kChunk; first += kLanes) {
-        pick(first, picked);
+      std::size_t count = 0;  // not a member, which every store would write back
+      for (; first < points_.count && count + kLanes <= kChunk; first += kLanes) {
+        count += pick(first, picked, count);
       }
-      picked.close();
+      picked.close(count);
       derived().push_chunk(picked.count, [&](std::size_t i) HWY_ATTR { return load(picked, i); });
     }
   }
@@ -263,13 +265,12 @@ class FieldKernel {
     return lanes;
   }
 
-  // Appends the next lanes' wanted points.
-  HWY_INLINE void pick(std::uint32_t first, Picked& picked) const {
+  // Puts the next lanes' wanted points behind the first `to`; their number.
+  HWY_INLINE std::size_t pick(std::uint32_t first, Picked& picked, std::size_t to) const {
     const auto wanted = wanted_of(first);
-    if (hn::AllFalse(kI, wanted)) return;
+    if (hn::AllFalse(kI, wanted)) return 0;
     const Packing<Floats> pack(hn::RebindMask(kF, wanted));
     const Lanes lanes = load(first, wanted);
-    const std::size_t to = picked.count;
     hn::StoreU(pack(lanes.at), kI, picked.at + to);
     for (int axis = 0; axis < 3; ++axis) {
       hn::StoreU(pack(lanes.voxel[axis]), kI, picked.voxel[axis] + to);
@@ -278,7 +279,7 @@ class FieldKernel {
         hn::StoreU(pack(lanes.normal[axis]), kF, picked.normal[axis] + to);
       }
     }
-    picked.count += pack.count();
+    return pack.count();
   }
 
   VoxelValue outermost_;
