@@ -5,6 +5,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <memory>
 #include <vector>
 
 #include "formats/mesh/voxel_overlap.h"
@@ -108,7 +109,7 @@ class CellSearch {
     }
     CubeValues least;
     measure(large_, {0, 0, 0}, 16, least);
-    bits_within(squared_.data(), large_.size(), limits, within_.data());
+    bits_within(squared_.get(), large_.size(), limits, within_.get());
     for (std::size_t i = 0; i < large_.size(); ++i) {
       add(large_[i], within_[i] & open & cells_beside(*large_[i], most), cells_[0]);
     }
@@ -127,7 +128,7 @@ class CellSearch {
       // A cell none of whose voxels is in reach needs no triangle at all.
       limits[n] = reach < 0 ? -1.0f : limit * limit;
     }
-    bits_within(squared_.data(), triangles.size(), limits, within_.data());
+    bits_within(squared_.get(), triangles.size(), limits, within_.get());
     for (std::size_t i = 0; i < triangles.size(); ++i) {
       const std::uint64_t pairs = (within_[i] | within_[i] >> 1) & 0x5555555555555555u;
       add(triangles[i], pairs, cells_[1]);
@@ -136,11 +137,15 @@ class CellSearch {
 
   // Squared distances from the middles of cells, to squared_, and the least of each.
   void measure(const List& triangles, const std::array<int, 3>& low, int edge, CubeValues& least) {
-    if (squared_.size() < triangles.size()) {
-      squared_.resize(triangles.size());
-      within_.resize(triangles.size());
+    if (room_ < triangles.size()) {
+      const std::size_t room = triangles.size() + triangles.size() / 2;
+      room_ = 0;
+      squared_.reset();
+      squared_ = std::make_unique_for_overwrite<CubeValues[]>(room);
+      within_ = std::make_unique_for_overwrite<std::uint64_t[]>(room);
+      room_ = room;
     }
-    squared_distances(triangles, centers(low, edge), squared_.data(), least);
+    squared_distances(triangles, centers(low, edge), squared_.get(), least);
   }
 
   static void add(const NearTriangle* triangle, std::uint64_t cells,
@@ -152,8 +157,11 @@ class CellSearch {
 
   std::array<std::array<List, kCubePoints>, 2> cells_;
   List large_;
-  std::vector<CubeValues> squared_;    // [triangles]
-  std::vector<std::uint64_t> within_;  // [triangles] bits of cells
+  // Of a list that is measured, [triangles], with room for room_. Not vectors: those would write
+  // all of it before, and copy it to grow, and to touch memory for the first time takes longest.
+  std::size_t room_ = 0;
+  std::unique_ptr<CubeValues[]> squared_;
+  std::unique_ptr<std::uint64_t[]> within_;  // bits of cells
 };
 
 }  // namespace forcelayer

@@ -88,6 +88,16 @@ SceneTriangles::SceneTriangles(std::vector<const SnappedObject*> objects, int re
     of_node_.push_back(place.bin);
   }
   first_.push_back(of_node_.size());
+  for (std::size_t n = 0; n < nodes_.size(); ++n) most_near_ = std::max(most_near_, count_near(n));
+}
+
+std::size_t SceneTriangles::count_near(std::size_t n) const {
+  std::size_t count = 0;
+  for (std::size_t i = first_[n]; i < first_[n + 1]; ++i) {
+    const auto [object, bin] = of_node_[i];
+    count += bins_[object].first[bin + 1] - bins_[object].first[bin];
+  }
+  return count;
 }
 
 void SceneTriangles::gather(const NodeIndex& node, std::vector<NearTriangle>& near) const {
@@ -95,12 +105,9 @@ void SceneTriangles::gather(const NodeIndex& node, std::vector<NearTriangle>& ne
   const auto found = std::lower_bound(nodes_.begin(), nodes_.end(), node);
   if (found == nodes_.end() || *found != node) return;
   const auto at = static_cast<std::size_t>(found - nodes_.begin());
-  std::size_t count = 0;
-  for (std::size_t i = first_[at]; i < first_[at + 1]; ++i) {
-    const auto [object, bin] = of_node_[i];
-    count += bins_[object].first[bin + 1] - bins_[object].first[bin];
-  }
-  near.reserve(count);
+  // With room for fuller nodes: to touch memory for the first time takes longest.
+  const std::size_t count = count_near(at);
+  if (near.capacity() < count) near.reserve(std::min(most_near_, count + count / 2));
   TriangleBatch batch(near);
   for (std::size_t i = first_[at]; i < first_[at + 1]; ++i) {
     const auto [object, bin] = of_node_[i];

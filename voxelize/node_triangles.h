@@ -28,12 +28,16 @@ class SceneTriangles {
     std::uint32_t object, bin;
   };
 
+  // Triangles listed for nodes_[n].
+  std::size_t count_near(std::size_t n) const;
+
   std::vector<const SnappedObject*> objects_;
   int reach_;
   std::vector<NodeBins> bins_;      // [objects]
   std::vector<NodeIndex> nodes_;    // [n]
   std::vector<std::size_t> first_;  // [n + 1] offsets into of_node_
   std::vector<Bin> of_node_;
+  std::size_t most_near_ = 0;  // the most that count_near() gives
 };
 
 }  // namespace forcelayer
