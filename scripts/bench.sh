@@ -57,7 +57,11 @@ part_bake() {
   python3 "$bench/bake_table.py" "$out"/bake_{bunny,dragon,counter,engine}.json
   "$bin/bake_bench" --wide --repeat $(either 3 9) $(either "--voxels 512" "") --json "$out/bake_wide.json"
   python3 "$bench/bake_table.py" "$out/bake_wide.json"
-  ! held_to_avx2 || "$bin/bake_bench" --wide --repeat 9 --vectors AVX2 --json "$out/bake_wide_avx2.json"
+  [ $long = no ] || "$bin/bake_bench" --wide --repeat 15 --voxels 128 --json "$out/bake_wide_coarse.json"
+  if held_to_avx2; then
+    "$bin/bake_bench" --wide --repeat 9 --vectors AVX2 --json "$out/bake_wide_avx2.json"
+    "$bin/bake_bench" --wide --repeat 15 --voxels 128 --vectors AVX2 --json "$out/bake_wide_coarse_avx2.json"
+  fi
 }
 part_error() {
   ! without "$bin/geometry_bench" "geometry" "install libvtk9-dev" || return 0
