@@ -12,8 +12,9 @@ trap 'rm -rf "$scratch"' EXIT
 cd "$scratch"
 "$FORCELAYER_BIN_DIR/make_runtime_files" .
 check() {
-  valgrind --quiet --error-exitcode=9 --leak-check=full --errors-for-leak-kinds=definite,indirect \
-    "$FORCELAYER_BIN_DIR/voxrun" floor.vox ball.pshell --device sim --motion press.csv --as-fast-as-possible --quiet "$@"
+  LD_PRELOAD=$FORCELAYER_BIN_DIR/valgrind_clock.so valgrind --quiet --error-exitcode=9 \
+    --leak-check=full --errors-for-leak-kinds=definite,indirect "$FORCELAYER_BIN_DIR/voxrun" \
+    floor.vox ball.pshell --device sim --motion press.csv --as-fast-as-possible --quiet "$@"
 }
 check --json run.json --trace run.csv --record run.flr
 check --model paper
