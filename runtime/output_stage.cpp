@@ -18,6 +18,26 @@ glm::dvec3 moved(const glm::dvec3& last, const glm::dvec3& wanted, double step) 
   return last + clamped(wanted - last, step);
 }
 
+// Of the device or the map: nothing to wait for, where the rest only keeps an output from arming.
+bool ends_the_wait(TripCause cause) {
+  switch (cause) {
+    case TripCause::kDeviceLost:
+    case TripCause::kNotCalibrated:
+    case TripCause::kFrozen:
+    case TripCause::kInputNotFinite:
+    case TripCause::kImplausible:
+    case TripCause::kMapLost:
+      return true;
+    case TripCause::kOverSpeed:
+    case TripCause::kNotFinite:
+    case TripCause::kLoopLate:
+    case TripCause::kOutputHeld:
+    case TripCause::kNone:
+      break;
+  }
+  return false;
+}
+
 }  // namespace
 
 const char* to_text(TripCause cause) {
@@ -89,7 +109,7 @@ bool OutputStage::may_arm(const OutputFrame& frame) const noexcept {
   return frame.free_of_contact || frame.unstretched;
 }
 
-// Why an armed output may not go on.
+// Why an armed output may not go on, nor any be armed.
 TripCause OutputStage::cause_to_trip(const OutputFrame& frame) const noexcept {
   const InputTrouble trouble = frame.health.trouble;
   if (frame.map_lost) return TripCause::kMapLost;
@@ -108,6 +128,11 @@ TripCause OutputStage::cause_to_trip(const OutputFrame& frame) const noexcept {
   return TripCause::kNone;
 }
 
+bool OutputStage::trips_on(TripCause cause) const noexcept {
+  return (state_ == OutputState::kArmed && cause != TripCause::kNone) ||
+         (state_ == OutputState::kWaiting && ends_the_wait(cause));
+}
+
 Wrench OutputStage::limited(const Wrench& wanted, double gain) const noexcept {
   return {clamped(wanted.force_n, limits_.max_force_n) * gain,
           clamped(wanted.torque_nm, limits_.max_torque_nm) * gain};
@@ -122,10 +147,9 @@ Wrench OutputStage::slewed(const Wrench& wanted, double dt_s) const noexcept {
 Wrench OutputStage::pass(const OutputFrame& frame, double dt_s) noexcept {
   faulty_s_ = frame.faulty ? faulty_s_ + dt_s : 0;
   bool arming = false;
-  if (state_ == OutputState::kArmed) {
-    const TripCause cause = cause_to_trip(frame);
-    if (cause != TripCause::kNone) trip(cause);
-  } else if (may_arm(frame)) {
+  if (const TripCause cause = cause_to_trip(frame); trips_on(cause)) {
+    trip(cause);
+  } else if (state_ != OutputState::kArmed && may_arm(frame)) {
     state_ = OutputState::kArmed;
     armed_s_ = 0;
     arming = true;

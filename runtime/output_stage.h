@@ -25,7 +25,7 @@ struct OutputLimits {
 };
 
 enum class OutputState : std::uint32_t {
-  kWaiting,  // not armed: zero
+  kWaiting,  // not armed yet: zero
   kArmed,    // ramping in or at full output
   kTripped,  // latched at zero until armed again
 };
@@ -72,9 +72,10 @@ class OutputStage {
   //   the device is gone, the loop late, the map lost, the wrench not finite or the hand too fast,
   //   the output trips: zero until armed again, by itself where the limits say so, else by the
   //   clutch, which the user presses and releases.
+  // - What is the matter with the device or the map trips an output that still waits, too: it may
+  //   wait for a hand, not for a device that is gone.
   // - The clutch fades to zero and ramps back in when it is released; pressed, it arms. A swap
-  // fades
-  //   and ramps in the same way, and arms nothing: that is for the user.
+  //   fades and ramps in the same way, and arms nothing: that is for the user.
   Wrench pass(const OutputFrame& frame, double dt_s) noexcept;
 
   OutputState state() const { return state_; }
@@ -84,6 +85,7 @@ class OutputStage {
 
  private:
   TripCause cause_to_trip(const OutputFrame& frame) const noexcept;
+  bool trips_on(TripCause cause) const noexcept;
   void trip(TripCause cause) noexcept;
   bool may_arm(const OutputFrame& frame) const noexcept;
   Wrench limited(const Wrench& wanted, double gain) const noexcept;

@@ -14,6 +14,11 @@ void OutputEvents::see(const Frame& frame) {
   const bool clutched = frame.input.valid == kInputClutched;
   if (clutched != clutched_) add(frame.time_s, clutched ? "clutched" : "clutch released", false);
   clutched_ = clutched;
+  const bool waits = frame.output == OutputState::kWaiting && frame.time_s >= kPatienceS;
+  if (waits && !waited_) {
+    add(frame.time_s, "output waits: move the part free of contact, or press the clutch", true);
+  }
+  waited_ = waited_ || waits;
   if (frame.output == state_) return;
   const bool again = state_ == OutputState::kTripped;
   state_ = frame.output;

@@ -1,4 +1,4 @@
-// What became of the output while the loop ran: armed, tripped, clutched, and when.
+// What became of the output while the loop ran: waited, armed, tripped, clutched, and when.
 #pragma once
 
 #include <string>
@@ -17,6 +17,7 @@ struct OutputEvent {
 class OutputEvents {
  public:
   static constexpr std::size_t kKept = 1000;  // later ones are said, not kept
+  static constexpr double kPatienceS = 0.1;   // that the output may wait without a word
 
   void see(const Frame& frame);
   const std::vector<OutputEvent>& events() const { return events_; }
@@ -27,6 +28,7 @@ class OutputEvents {
 
   OutputState state_ = OutputState::kWaiting;
   bool clutched_ = false;
+  bool waited_ = false;
   double last_trip_s_ = 0;
   std::vector<OutputEvent> events_;
 };

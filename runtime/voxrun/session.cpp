@@ -89,6 +89,10 @@ Status open_recording(const Options& options, const Voxmap& voxmap, const Pshell
   return {};
 }
 
+void warn(const std::vector<std::string>& more, std::vector<std::string>& warnings) {
+  warnings.insert(warnings.end(), more.begin(), more.end());
+}
+
 void warn_of_sizes(const Voxmap& voxmap, const Pshell& shell, std::vector<std::string>& warnings) {
   const VoxmapHeader& map = voxmap.header();
   const PshellHeader& part = shell.header();
@@ -116,6 +120,15 @@ Status check_guarantee(const Options& options, Session& session) {
   return require_guarantee(facts.guarantee, options.part, "give --without-guarantee");
 }
 
+// The part is registered where the device has the hand now.
+Status take_hold(const Options& options, Session& session) {
+  const auto first = first_reading(*session.device.device);
+  if (!first) return first.error();
+  session.start = session.simulation->registered(
+      options.start, session.placement.world_from_handle(first->device_from_handle));
+  return {};
+}
+
 Status prepare_simulation(const Options& options, Session& session) {
   auto voxmap = open_scene(options.scene);
   if (!voxmap) return voxmap.error();
@@ -137,7 +150,7 @@ Status prepare_simulation(const Options& options, Session& session) {
     if (!derived) return derived.error();
     facts.parameters = derived->values;
     facts.reasons = derived->reasons;
-    facts.warnings.insert(facts.warnings.end(), derived->warnings.begin(), derived->warnings.end());
+    warn(derived->warnings, facts.warnings);
   }
   QueryOptions query;
   query.threads = options.threads;
@@ -147,13 +160,9 @@ Status prepare_simulation(const Options& options, Session& session) {
   session.simulation = std::move(*simulation);
   if (session.recording) {
     session.start = session.recording->run().start;
-  } else {
-    const auto first = first_reading(*session.device.device);
-    if (!first) return first.error();
-    session.start = session.simulation->registered(
-        options.start, session.placement.world_from_handle(first->device_from_handle));
+    return {};
   }
-  return {};
+  return take_hold(options, session);
 }
 
 // What the part can reach where the user does not say it: the handle's workspace with all of the
@@ -187,13 +196,14 @@ LoopOptions loop_options(const Options& options, const Session& session,
   return loop;
 }
 
+// Once every other thread runs, whose stack would count as locked, and who would have the priority
+// of who starts it.
 void make_real_time(const Options& options, Simulation& simulation,
                     std::vector<std::string>& warnings) {
   if (options.as_fast_as_possible) return;
-  for (const auto& refused :
-       {lock_memory(), take_real_time_priority(), simulation.give_helpers_real_time_priority()}) {
-    warnings.insert(warnings.end(), refused.begin(), refused.end());
-  }
+  warn(lock_memory(), warnings);
+  warn(take_real_time_priority(), warnings);
+  warn(simulation.give_helpers_real_time_priority(), warnings);
 }
 
 OutputLimits output_limits(const Options& options, const Session& session) {
@@ -229,6 +239,11 @@ struct FrameOutputs {
       if (!sender) return sender.error();
       poses.emplace(std::move(*sender));
     }
+    return {};
+  }
+
+  // Before the first frame, with the start that the loop has.
+  Status start_recording(const Options& options, const Session& session) {
     if (options.record.empty()) return {};
     auto writer = RecordingWriter::create(
         options.record, describe_run(*session.simulation, session.start, session.placement));
@@ -240,7 +255,8 @@ struct FrameOutputs {
   std::vector<FrameSink> sinks() {
     std::vector<FrameSink> all;
     if (trace) all.push_back([this](const Frame& frame) { return trace->add(frame); });
-    if (recording) all.push_back([this](const Frame& frame) { return recording->add(frame); });
+    all.push_back(
+        [this](const Frame& frame) { return recording ? recording->add(frame) : Status{}; });
     if (poses) {
       all.push_back([this](const Frame& frame) -> Status {
         poses->offer(frame);
@@ -309,14 +325,19 @@ Status run_frames(const Options& options, Session& session, std::atomic<int>& st
   sinks.push_back(progress_sink(options, loop, progress));
   SpscRing<Frame> ring(kRingFrames);
   FrameSinks frame_sinks(ring, std::move(sinks), stop);
-  Servo servo(*session.simulation, *session.input, session.start, output_limits(options, session));
-  servo.set_clutch_buttons(session.clutch_buttons);
   const Voxmap& voxmap = session.simulation->voxmap();
   session.facts.scene_file_bytes = voxmap.bytes().size();
   session.facts.prefaulted_bytes = prefault(voxmap, reach_of(options, session));
   const std::size_t warned = session.facts.warnings.size();
   make_real_time(options, *session.simulation, session.facts.warnings);
   print_warnings(session.facts, warned);
+  // The hand went on meanwhile: held where it was, the part would be torn to where it is.
+  if (session.device.device) {
+    if (Status held = take_hold(options, session); !held) return held;
+  }
+  if (Status opened = outputs.start_recording(options, session); !opened) return opened;
+  Servo servo(*session.simulation, *session.input, session.start, output_limits(options, session));
+  servo.set_clutch_buttons(session.clutch_buttons);
   const double stolen_s = steal_seconds();
   const long long begin_ns = monotonic_ns();
   run_loop(servo, loop, &ring, statistics);

@@ -3,6 +3,8 @@ the device's motors did. Limits are wide (a machine that does other things too, 
 exact, the tick in which the force goes to zero, is tested in tests/unit/runtime_servo.cpp."""
 
 import concurrent.futures
+import csv
+import functools
 import json
 import os
 import signal
@@ -12,6 +14,7 @@ import time
 BIN = os.environ["FORCELAYER_BIN_DIR"]
 SLACK_S = 0.4  # beside the stale limit, for everything to be noticed and to pass
 STALE_S = 0.25
+AT_ONCE = 4  # runs at a time: each is three processes that wake a thousand times a second
 
 
 def command(name, arguments, extra=()):
@@ -30,9 +33,23 @@ def run(arguments, **more):
     return STARTED[-1]
 
 
-def start(name, arguments, extra=(), mode="pull"):
-    environment = dict(os.environ, FAULT_PLUGIN_MODE=mode)
+def start(name, arguments, extra=(), mode="pull", **variables):
+    environment = dict(os.environ, FAULT_PLUGIN_MODE=mode, **variables)
     return run(command(name, arguments, extra), env=environment)
+
+
+def pushing(name, process):
+    """Waits until the hand stays in a contact, and on: the device's log grows while it runs."""
+    deadline = time.monotonic() + 20
+    while True:
+        try:
+            lines = open(f"{name}.csv.part").read().splitlines()[:-1]
+        except FileNotFoundError:
+            lines = []
+        if len(lines) > 300 and all(float(line.split(",")[1]) > 0.5 for line in lines[-300:]):
+            return
+        assert process.poll() is None and time.monotonic() < deadline, f"{name}: no contact"
+        time.sleep(0.05)
 
 
 def finish(process, status):
@@ -73,46 +90,74 @@ def events(name):
     return [e["event"] for e in json.load(open(f"{name}.json"))["events"]]
 
 
-def device_faults():
-    expected = {
-        "unplug": "does not answer (the plugin lost its device); look at plug and power",
-        "freeze": "no fresh reading",
-        "nan": "not finite",
-        "absurd": "units",
-        "uncalibrated": "not calibrated",
-        "crash": "does not answer (the plugin crashed: its process was ended by signal",
-        "hang": "no fresh reading from the device (the plugin hung and was killed); one of its",
-    }
-    running = {fault: start(fault, f"fault={fault} at=0.8") for fault in expected}
-    for fault, text in expected.items():
-        error = finish(running[fault], 5)
-        last = error.strip().splitlines()[-1]
-        assert text in last and "output to zero" in last, (fault, error)
-        if fault != "hang":  # a driver that hangs is killed, and its device stops by its watchdog
-            check_motors(fault, limit_s=STALE_S + SLACK_S)
-        happened = events(fault)
-        assert happened[0] == "output armed" and happened[-1].startswith("output to zero"), happened
-        assert json.load(open(f"{fault}.json"))["ended_tripped"], fault
-    check_motors("hang", limit_s=STALE_S + SLACK_S)
+FAULTS = {
+    "unplug": "does not answer (the plugin lost its device); look at plug and power",
+    "freeze": "no fresh reading",
+    "nan": "not finite",
+    "absurd": "units",
+    "uncalibrated": "not calibrated",
+    "crash": "does not answer (the plugin crashed: its process was ended by signal",
+    "hang": "no fresh reading from the device (the plugin hung and was killed); one of its",
+}
+
+
+def tripped(name, process, text):
+    """How it ended: with `text` and in order. Its events."""
+    error = finish(process, 5)
+    last = error.strip().splitlines()[-1]
+    assert text in last and "output to zero" in last, (name, error)
+    assert json.load(open(f"{name}.json"))["ended_tripped"], name
+    happened = events(name)
+    assert happened[-1].startswith("output to zero"), (name, happened)
+    return happened
+
+
+def device_fault(fault):
+    happened = tripped(fault, start(fault, f"fault={fault} at=0.3"), FAULTS[fault])
+    assert "output armed" in happened, (fault, happened)
+    check_motors(fault, limit_s=STALE_S + SLACK_S)
+
+
+def fault_while_waiting(fault):
+    """Begun in a contact, the output waits to be armed: what is wrong then is said as well."""
+    name = f"waiting-{fault}"
+    happened = tripped(name, start(name, f"below fault={fault} at=1.5"), FAULTS[fault])
+    assert happened[0].startswith("output waits") and len(happened) == 2, happened
+    assert all(force == 0 for _, force, _ in motors(name)), name
+
+
+def a_file_that_is_cut_short_while_waiting():
+    check_cut("waiting-cut", "below", lambda process: time.sleep(1))
+    assert all(force == 0 for _, force, _ in motors("waiting-cut"))
 
 
 def push_mode():
-    process = start("push", "fault=unplug at=0.8", mode="push")
+    process = start("push", "fault=unplug at=0.3", mode="push")
     assert "does not answer" in finish(process, 5)
     check_motors("push", limit_s=STALE_S + SLACK_S)
 
 
+def a_slow_start():
+    """The hand moves by 25 mm while memory is locked: the part is taken where the hand then is."""
+    finish(start("slow", "", ["--duration", "1s", "--trace", "slow-run.csv"],
+                 LD_PRELOAD=f"{BIN}/fault_shim.so", FAULT_LOCK_MS="250"), 0)
+    first = next(csv.DictReader(open("slow-run.csv")))
+    assert abs(float(first["part_z_m"]) - float(first["handle_z_m"])) < 0.005, first
+    assert "output armed" in events("slow"), events("slow")
+
+
 def a_late_reading_is_a_blip():
-    finish(start("blip", "fault=blip at=0.8", ["--duration", "1.2s"]), 0)
+    finish(start("blip", "fault=blip at=0.3", ["--duration", "3s"]), 0)
     report = json.load(open("blip.json"))
     assert report["output_trips"] == 0 and report["max_device_force_n"] > 0.5, report
+    assert any(fault for _, _, fault in motors("blip")), "there was none"
 
 
 def signals():
     for number in (signal.SIGTERM, signal.SIGINT):
         name = f"signal{int(number)}"
         process = start(name, "")
-        time.sleep(1.5)
+        pushing(name, process)
         sent_s = time.monotonic()
         process.send_signal(number)
         finish(process, 128 + number)
@@ -124,7 +169,7 @@ def a_host_that_stands_still():
     """SIGSTOP: the loop can do nothing; the device's side must see it. After SIGCONT, too, the loop
     does not go on as if nothing had been."""
     process = start("stop", "")
-    time.sleep(1.5)
+    pushing("stop", process)
     stopped_s = time.monotonic()
     process.send_signal(signal.SIGSTOP)
     time.sleep(STALE_S + SLACK_S + 0.5)
@@ -139,34 +184,40 @@ def a_host_that_stands_still():
 
 def a_host_that_dies():
     process = start("kill", "")
-    time.sleep(1.5)
+    pushing("kill", process)
     killed_s = time.monotonic()
     process.kill()
     finish(process, -signal.SIGKILL)
     check_motors("kill", killed_s)
 
 
-def a_file_that_is_cut_short():
+def check_cut(name, hand, wait):
+    scene = f"{name}.vox"
     with open("floor.vox", "rb") as whole:
         bytes_ = whole.read()
-    open("short.vox", "wb").write(bytes_)
-    arguments = command("cut", "")
-    arguments[1] = "short.vox"
+    open(scene, "wb").write(bytes_)
+    arguments = command(name, hand)
+    arguments[1] = scene
     process = run(arguments)
-    time.sleep(1.5)
+    wait(process)
     cut_s = time.monotonic()
-    os.truncate("short.vox", 0)
+    os.truncate(scene, 0)
     error = finish(process, 4)
-    assert "cut short" in error and "short.vox" in error, error
+    assert "cut short" in error and scene in error, error
+    return cut_s
+
+
+def a_file_that_is_cut_short():
+    cut_s = check_cut("cut", "", lambda process: pushing("cut", process))
     check_motors("cut", cut_s)
 
 
 def a_trip_that_waits():
     """--after-trip wait: zero until the clutch; the run ends with status 5 all the same."""
-    process = start("wait", "fault=freeze at=0.8", ["--after-trip", "wait", "--duration", "2s"])
+    process = start("wait", "fault=freeze at=0.3", ["--after-trip", "wait", "--duration", "3s"])
     error = finish(process, 5)
     check_motors("wait", limit_s=STALE_S + SLACK_S)
-    assert json.load(open("wait.json"))["frames"] == 2000, error
+    assert json.load(open("wait.json"))["frames"] == 3000, error
 
 
 def refusals():
@@ -201,10 +252,13 @@ def the_example():
     assert report["max_device_force_n"] > 0.3 and report["output_trips"] == 0, report
 
 
-CHECKS = (device_faults, push_mode, a_late_reading_is_a_blip, signals, a_host_that_stands_still,
-          a_host_that_dies, a_file_that_is_cut_short, a_trip_that_waits, refusals, the_example)
+CHECKS = (*(functools.partial(device_fault, fault) for fault in FAULTS),
+          *(functools.partial(fault_while_waiting, fault) for fault in FAULTS),
+          a_file_that_is_cut_short_while_waiting, push_mode, a_slow_start,
+          a_late_reading_is_a_blip, signals, a_host_that_stands_still, a_host_that_dies,
+          a_file_that_is_cut_short, a_trip_that_waits, refusals, the_example)
 try:
-    with concurrent.futures.ThreadPoolExecutor(len(CHECKS)) as pool:
+    with concurrent.futures.ThreadPoolExecutor(AT_ONCE) as pool:
         for check in [pool.submit(check) for check in CHECKS]:
             check.result()
 finally:

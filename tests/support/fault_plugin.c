@@ -4,11 +4,15 @@
  * Arguments, separated by spaces: log=FILE (required), fault=KIND, at=SECONDS, and for
  * the handshake no-si, left-handed, no-watchdog, old-abi. KIND: unplug, freeze, blip (three
  * readings missing), nan, absurd (millimetres from then on), mm (from the start), uncalibrated,
- * crash, hang. FAULT_PLUGIN_MODE=push in the environment: push mode. The hand comes down 30 mm in
- * 0.3 s and stays.
+ * crash, hang. FAULT_PLUGIN_MODE=push in the environment: push mode.
  *
- * The log appears when the device ends: lines of "t_s,motor_force_z_n,fault" with t_s of
- * CLOCK_MONOTONIC, one a millisecond; fault is 1 from when the fault was injected. */
+ * The hand comes down 30 mm in 0.3 s and goes up again, until the motors push; it then stays there,
+ * and `at` is the time from then. So a loop that begins late finds it out of contact, too. With
+ * `below` among the arguments it is 30 mm down from the start, and `at` the time from there.
+ *
+ * The log is FILE.part while it grows, FILE when the device ended: lines of
+ * "t_s,motor_force_z_n,fault" with t_s of CLOCK_MONOTONIC, one a millisecond; fault is 1 from when
+ * the fault was injected. */
 #define _GNU_SOURCE
 #include <math.h>
 #include <signal.h>
@@ -31,8 +35,13 @@ struct driver {
   struct wire* wire;
   char fault[32];
   double fault_at_s, begin_s;
-  long calls, missing;
+  double stays_s, stays_at; /* since when and how far down, 0: the hand goes on */
+  long missing;
 };
+
+static const double kWayS = 0.3; /* of the hand, down or up */
+static const double kWayM = 0.03;
+static const double kPushN = 0.5; /* of the motors, that is a contact */
 
 static double now_s(void) {
   struct timespec t;
@@ -51,6 +60,7 @@ static void be_the_device(struct wire* wire, const char* path) {
   snprintf(unfinished, sizeof unfinished, "%s.part", path);
   FILE* log = fopen(unfinished, "w");
   if (log == NULL) _exit(1);
+  setvbuf(log, NULL, _IOLBF, 0);
   const pid_t driver = getppid();
   unsigned long seen = 0;
   double heard_s = 0, end_s = 0;
@@ -103,6 +113,10 @@ static int open_device(const char* arguments, forcelayer_plugin_info* info, void
     be_the_device(driver.wire, path);
   }
   driver.begin_s = now_s();
+  if (strstr(arguments, "below") != NULL) {
+    driver.stays_s = driver.begin_s;
+    driver.stays_at = 1;
+  }
   const int old = strstr(arguments, "old-abi") != NULL;
   info->abi = old ? 99 : FORCELAYER_PLUGIN_ABI;
   info->si_units = strstr(arguments, "no-si") != NULL ? 0 : FORCELAYER_PLUGIN_SI_UNITS;
@@ -124,15 +138,26 @@ static int open_device(const char* arguments, forcelayer_plugin_info* info, void
 
 static int is(const struct driver* d, const char* fault) { return strcmp(d->fault, fault) == 0; }
 
+/* How far down the hand is, 0 to 1. */
+static double way_down(struct driver* d) {
+  if (d->stays_s > 0) return d->stays_at;
+  const double t_s = now_s(), ways = fmod((t_s - d->begin_s) / kWayS, 2);
+  if (ways < 1) return ways;
+  if (fabs(d->wire->force_z_n) > kPushN) {
+    d->stays_s = t_s;
+    d->stays_at = 2 - ways;
+  }
+  return 2 - ways;
+}
+
 static int read_device(void* opaque, forcelayer_plugin_reading* reading) {
   struct driver* d = opaque;
-  const double t_s = now_s() - d->begin_s;
   memset(reading, 0, sizeof *reading);
-  reading->position_m[2] = -0.03 * fmin(1, t_s / 0.3);
+  reading->position_m[2] = -kWayM * way_down(d);
   reading->orientation_wxyz[0] = 1;
   reading->status = FORCELAYER_PLUGIN_CALIBRATED;
   if (is(d, "mm")) reading->position_m[0] = 130;
-  if (d->fault[0] == 0 || t_s < d->fault_at_s) return 1;
+  if (d->fault[0] == 0 || d->stays_s == 0 || now_s() - d->stays_s < d->fault_at_s) return 1;
   d->wire->fault = 1;
   if (is(d, "unplug")) return -1;
   if (is(d, "freeze")) return 0;

@@ -13,6 +13,7 @@
  *   FAULT_WRITE_ERRNO=N   writing to regular files fails with errno N ...
  *   FAULT_WRITE_AFTER=B   ... after B bytes
  *   FAULT_CLOCK_JUMPS=1   the wall clock jumps a year ahead or back at every look
+ *   FAULT_LOCK_MS=N       locking memory takes N milliseconds
  */
 #define _GNU_SOURCE
 #include <dlfcn.h>
@@ -24,6 +25,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
 #include <time.h>
@@ -140,4 +142,10 @@ time_t time(time_t* out) {
   clock_gettime(CLOCK_REALTIME, &now);
   if (out != NULL) *out = now.tv_sec;
   return now.tv_sec;
+}
+
+int mlockall(int flags) {
+  const char* const delay_ms = getenv("FAULT_LOCK_MS");
+  if (delay_ms != NULL) usleep((useconds_t)atoi(delay_ms) * 1000);
+  return (int)syscall(SYS_mlockall, flags);
 }

@@ -5,6 +5,7 @@
 
 #include <glm/geometric.hpp>
 #include <limits>
+#include <vector>
 
 #include "runtime/devices/output_watch.h"
 
@@ -169,27 +170,41 @@ TEST(OutputStage, AHandTooFastTripsAndStaysTripped) {
   EXPECT_EQ(stage.trips(), 1u);
 }
 
+OutputFrame with_trouble(InputTrouble trouble) {
+  OutputFrame f = frame(1);
+  f.faulty = true;
+  f.health.trouble = trouble;
+  return f;
+}
+
+struct BadFrame {
+  OutputFrame frame;
+  TripCause cause;
+};
+
+// Of the device or the map.
+std::vector<BadFrame> lost_frames() {
+  OutputFrame map_lost = frame(1);
+  map_lost.map_lost = map_lost.faulty = true;
+  return {{with_trouble(InputTrouble::kDeviceLost), TripCause::kDeviceLost},
+          {with_trouble(InputTrouble::kNotCalibrated), TripCause::kNotCalibrated},
+          {with_trouble(InputTrouble::kFrozen), TripCause::kFrozen},
+          {map_lost, TripCause::kMapLost}};
+}
+
+// Of the loop, the hand or the wrench.
+std::vector<BadFrame> passing_frames() {
+  OutputFrame late = frame(1), held = frame(1), fast = frame(1);
+  late.health.loop_late = true;
+  held.health.output_held = true;
+  fast.speed_mps = 6;
+  return {
+      {late, TripCause::kLoopLate}, {held, TripCause::kOutputHeld}, {fast, TripCause::kOverSpeed}};
+}
+
 TEST(OutputStage, EachCauseTripsInItsFrameAndIsNamed) {
-  const auto with = [](auto change) {
-    OutputFrame f = frame(1);
-    change(f);
-    return f;
-  };
-  const auto trouble = [&](InputTrouble t) {
-    return with([t](OutputFrame& f) {
-      f.faulty = true;
-      f.health.trouble = t;
-    });
-  };
-  const std::pair<OutputFrame, TripCause> cases[] = {
-      {trouble(InputTrouble::kDeviceLost), TripCause::kDeviceLost},
-      {trouble(InputTrouble::kNotCalibrated), TripCause::kNotCalibrated},
-      {trouble(InputTrouble::kFrozen), TripCause::kFrozen},
-      {with([](OutputFrame& f) { f.health.loop_late = true; }), TripCause::kLoopLate},
-      {with([](OutputFrame& f) { f.health.output_held = true; }), TripCause::kOutputHeld},
-      {with([](OutputFrame& f) { f.map_lost = f.faulty = true; }), TripCause::kMapLost},
-      {with([](OutputFrame& f) { f.speed_mps = 6; }), TripCause::kOverSpeed},
-  };
+  std::vector<BadFrame> cases = lost_frames();
+  for (const BadFrame& more : passing_frames()) cases.push_back(more);
   for (const auto& [bad, cause] : cases) {
     OutputStage stage = armed(1);
     EXPECT_EQ(stage.pass(bad, kDt).force_n.x, 0) << to_text(cause);
@@ -199,14 +214,47 @@ TEST(OutputStage, EachCauseTripsInItsFrameAndIsNamed) {
   }
 }
 
+// It waits for the hand to lift the part, not for a device that is gone.
+TEST(OutputStage, WhatIsLostTripsAWaitingOutputToo) {
+  OutputFrame stretched = frame(1);
+  stretched.free_of_contact = false;
+  const auto waiting = [&] {
+    OutputStage stage(limits());
+    expect_zero(stage, stretched, 10);
+    EXPECT_EQ(stage.state(), OutputState::kWaiting);
+    return stage;
+  };
+  for (auto [bad, cause] : lost_frames()) {
+    OutputStage stage = waiting();
+    bad.free_of_contact = false;
+    expect_zero(stage, bad, 1);
+    EXPECT_EQ(stage.state(), OutputState::kTripped) << to_text(cause);
+    EXPECT_EQ(stage.last_trip(), cause);
+    expect_zero(stage, frame(1), 300);
+    EXPECT_EQ(stage.trips(), 1u);
+  }
+  for (auto [bad, cause] : passing_frames()) {
+    OutputStage stage = waiting();
+    bad.free_of_contact = false;
+    expect_zero(stage, bad, 300);
+    EXPECT_EQ(stage.state(), OutputState::kWaiting) << to_text(cause);
+    expect_zero(stage, frame(1), kZeroFrames);
+    EXPECT_GT(stage.pass(frame(1), kDt).force_n.x, 0);
+  }
+  OutputStage stage = waiting();
+  OutputFrame nonsense = with_trouble(InputTrouble::kNotFinite);
+  expect_zero(stage, nonsense, 5);
+  EXPECT_EQ(stage.state(), OutputState::kWaiting);  // a blip
+  expect_zero(stage, nonsense, 1);
+  EXPECT_EQ(stage.last_trip(), TripCause::kInputNotFinite);
+}
+
 TEST(OutputStage, NonsenseTripsAfterTheStaleLimit) {
   for (const auto& [trouble, cause] :
        {std::pair{InputTrouble::kNotFinite, TripCause::kInputNotFinite},
         std::pair{InputTrouble::kImplausible, TripCause::kImplausible}}) {
     OutputStage stage = armed(1);
-    OutputFrame f = frame(0);
-    f.faulty = true;
-    f.health.trouble = trouble;
+    const OutputFrame f = with_trouble(trouble);
     for (int i = 0; i < 5; ++i) {
       EXPECT_EQ(stage.pass(f, kDt).force_n.x, 0);
       EXPECT_EQ(stage.state(), OutputState::kArmed);
@@ -248,9 +296,7 @@ TEST(OutputStage, ASwapFadesLikeTheClutchButArmsNothing) {
   EXPECT_TRUE(stage.at_zero());
   EXPECT_NEAR(stage.pass(frame(1), kDt).force_n.x, 1 / 200.0, 1e-12);
 
-  OutputFrame gone = frame(1);
-  gone.faulty = true;
-  gone.health.trouble = InputTrouble::kDeviceLost;
+  OutputFrame gone = with_trouble(InputTrouble::kDeviceLost);
   stage.pass(gone, kDt);
   ASSERT_EQ(stage.state(), OutputState::kTripped);
   for (int i = 0; i < 300; ++i) EXPECT_EQ(stage.pass(f, kDt).force_n.x, 0);
@@ -260,9 +306,7 @@ TEST(OutputStage, ASwapFadesLikeTheClutchButArmsNothing) {
 
 TEST(OutputStage, TheClutchArmsATrippedOutputButNotWhileTheCauseLasts) {
   OutputStage stage = armed(1);
-  OutputFrame gone = frame(1);
-  gone.faulty = true;
-  gone.health.trouble = InputTrouble::kDeviceLost;
+  OutputFrame gone = with_trouble(InputTrouble::kDeviceLost);
   stage.pass(gone, kDt);
   gone.health.clutch = true;
   stage.pass(gone, kDt);
