@@ -35,7 +35,7 @@ CallbackServo::CallbackServo(Simulation& simulation, const DeviceCapabilities& d
       device_(std::make_unique<Supplied>(device)),
       input_(std::make_unique<DeviceInput>(*device_, placement, input_limits)),
       statistics_(std::make_unique<LoopStatistics>()) {
-  const Pose world_from_handle = placement.world_from_handle(first.device_from_handle);
+  const Pose world_from_handle = placement.world_from_handle(made_unit(first.device_from_handle));
   servo_ = std::make_unique<Servo>(simulation, *input_,
                                    simulation.registered(start, world_from_handle), limits);
 }

@@ -68,9 +68,9 @@ forcelayer_runtime* forcelayer_open(const char* scene, const char* part,
  * it. `world_from_part` is the part's place in the scene, NULL: where the grip has it.
  * `handle_from_part` is the grip, NULL: whatever holds the part without stretch, and the identity
  * where no place is given either. With both, the handle pulls the part to where the grip has it,
- * and the output arms once the part is free of contact. What is wrong with the device trips the
- * output even before it is armed. (voxrun's --start and --grip; its --world-from-device and
- * --motion-scale are in the options.) 0 on success. */
+ * and the output arms once the part is free of contact. What is wrong with the device trips it even
+ * before, and then only the clutch, or beginning anew, arms it. (voxrun's --start and --grip; its
+ * --world-from-device and --motion-scale are in the options.) 0 on success. */
 int forcelayer_start(forcelayer_runtime* runtime, const double world_from_part[7],
                      const double handle_from_part[7], const forcelayer_reading* first, char* error,
                      size_t error_bytes);

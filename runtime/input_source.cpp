@@ -16,6 +16,16 @@ constexpr double kLeastJumpM = 0.001;    // noise and quantisation of the coarse
 
 }  // namespace
 
+bool is_pose(const Pose& device_from_handle) noexcept {
+  return is_finite(device_from_handle) && is_unit(device_from_handle.orientation, kUnitTolerance);
+}
+
+Pose made_unit(const Pose& device_from_handle) noexcept {
+  const glm::dquat& q = device_from_handle.orientation;
+  if (!(std::abs(glm::dot(q, q) - 1) > 1e-12)) return device_from_handle;
+  return {device_from_handle.position_m, glm::normalize(q)};
+}
+
 bool outside_workspace(const DeviceCapabilities& device, const glm::dvec3& position_m,
                        double reach) noexcept {
   return device.workspace_radius_m > 0 &&
@@ -46,8 +56,7 @@ InputTrouble DeviceInput::trouble(const DeviceSample& sample, double dt_s) noexc
   if (!sample.present) return InputTrouble::kDeviceLost;
   if (!sample.calibrated) return InputTrouble::kNotCalibrated;
   if (age_s_ > limits_.stale_s) return InputTrouble::kFrozen;
-  if (!is_finite(pose) || !is_unit(pose.orientation, kUnitTolerance) ||
-      (device.senses_velocity && !is_finite(sample.velocity))) {
+  if (!is_pose(pose) || (device.senses_velocity && !is_finite(sample.velocity))) {
     return InputTrouble::kNotFinite;
   }
   if (outside_workspace(device, pose.position_m, limits_.workspace_reach)) {
@@ -77,10 +86,9 @@ bool DeviceInput::next(double time_s, double dt_s, StepInput& input) noexcept {
   health_.trouble = trouble(sample, dt_s);
   health_.age_share = static_cast<float>(std::min(1.0, age_s_ / limits_.stale_s));
   health_.output_held = sample.output_held;
-  // What a device sends in few bits is made unit; what is unit already keeps its bits.
-  glm::dquat& q = sample.device_from_handle.orientation;
-  const bool inexact = std::abs(glm::dot(q, q) - 1) > 1e-12;
-  if (inexact && health_.trouble == InputTrouble::kNone) q = glm::normalize(q);
+  if (health_.trouble == InputTrouble::kNone) {
+    sample.device_from_handle = made_unit(sample.device_from_handle);
+  }
   input.world_from_handle = placement_.world_from_handle(sample.device_from_handle);
   input.buttons = sample.buttons;
   input.valid = kInputValid;

@@ -68,6 +68,12 @@ class DeviceInput final : public InputSource {
   bool has_good_ = false;
 };
 
+// Whether a device's pose is one: finite, and a rotation but for the few bits in which it came.
+bool is_pose(const Pose& device_from_handle) noexcept;
+
+// That pose with its rotation made unit; what is unit already keeps its bits.
+Pose made_unit(const Pose& device_from_handle) noexcept;
+
 // Whether `position_m`, device axes, lies so far outside the workspace that its unit must be wrong.
 // Never where the device declares no workspace.
 bool outside_workspace(const DeviceCapabilities& device, const glm::dvec3& position_m,

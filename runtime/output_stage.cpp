@@ -18,7 +18,8 @@ glm::dvec3 moved(const glm::dvec3& last, const glm::dvec3& wanted, double step) 
   return last + clamped(wanted - last, step);
 }
 
-// Of the device or the map: nothing to wait for, where the rest only keeps an output from arming.
+// Nothing that an output should wait out, where the rest passes: a late loop, a fast hand, motors
+// that the device's own side holds at zero.
 bool ends_the_wait(TripCause cause) {
   switch (cause) {
     case TripCause::kDeviceLost:
@@ -26,10 +27,10 @@ bool ends_the_wait(TripCause cause) {
     case TripCause::kFrozen:
     case TripCause::kInputNotFinite:
     case TripCause::kImplausible:
+    case TripCause::kNotFinite:
     case TripCause::kMapLost:
       return true;
     case TripCause::kOverSpeed:
-    case TripCause::kNotFinite:
     case TripCause::kLoopLate:
     case TripCause::kOutputHeld:
     case TripCause::kNone:
@@ -116,12 +117,13 @@ TripCause OutputStage::cause_to_trip(const OutputFrame& frame) const noexcept {
   if (trouble == InputTrouble::kDeviceLost) return TripCause::kDeviceLost;
   if (trouble == InputTrouble::kNotCalibrated) return TripCause::kNotCalibrated;
   if (trouble == InputTrouble::kFrozen) return TripCause::kFrozen;  // that took its time already
-  if (frame.health.loop_late) return TripCause::kLoopLate;
   if (!frame.faulty && !is_finite(frame.wanted)) return TripCause::kNotFinite;
   if (faulty_s_ > limits_.stale_s) {
     if (trouble == InputTrouble::kImplausible) return TripCause::kImplausible;
-    return trouble == InputTrouble::kNotFinite ? TripCause::kInputNotFinite : TripCause::kFrozen;
+    if (trouble == InputTrouble::kNotFinite) return TripCause::kInputNotFinite;
+    return frame.not_finite ? TripCause::kNotFinite : TripCause::kFrozen;
   }
+  if (frame.health.loop_late) return TripCause::kLoopLate;
   if (frame.speed_mps > limits_.max_speed_mps) return TripCause::kOverSpeed;
   const bool settled = state_ == OutputState::kArmed && armed_s_ > kHeldGraceS;
   if (settled && frame.health.output_held) return TripCause::kOutputHeld;

@@ -54,7 +54,8 @@ struct OutputFrame {
   Wrench wanted;         // about the handle's origin, device axes
   double speed_mps = 0;  // of the handle at the device
   InputHealth health;
-  bool faulty = false;  // the step reported a fault: bad input, or none
+  bool faulty = false;      // the step reported a fault: bad input, or none
+  bool not_finite = false;  // of such faults: the input's numbers, or the motion overflowed
   bool map_lost = false;
   bool free_of_contact = false;
   bool unstretched = false;  // the part is registered where the coupling holds it
@@ -72,8 +73,8 @@ class OutputStage {
   //   the device is gone, the loop late, the map lost, the wrench not finite or the hand too fast,
   //   the output trips: zero until armed again, by itself where the limits say so, else by the
   //   clutch, which the user presses and releases.
-  // - What is the matter with the device or the map trips an output that still waits, too: it may
-  //   wait for a hand, not for a device that is gone.
+  // - What is the matter with the device, its numbers or the map trips an output that still waits,
+  //   too: it may wait for a hand, not for a device that is gone.
   // - The clutch fades to zero and ramps back in when it is released; pressed, it arms. A swap
   //   fades and ramps in the same way, and arms nothing: that is for the user.
   Wrench pass(const OutputFrame& frame, double dt_s) noexcept;

@@ -191,10 +191,13 @@ RecordedRun describe_run(const Simulation& simulation, const State& start,
           simulation.shell().header().file.header_checksum};
 }
 
-Result<RecordingWriter> RecordingWriter::create(const std::filesystem::path& path,
-                                                const RecordedRun& run) {
+Result<RecordingWriter> RecordingWriter::create(const std::filesystem::path& path) {
   auto file = AtomicFile::create(path);
   if (!file) return file.error();
+  return RecordingWriter(std::move(*file));
+}
+
+void RecordingWriter::begin(const RecordedRun& run) {
   const auto parameters = recorded_parameters(run.parameters);
   RecordingHeader h{};
   h.magic = kRecordingMagic;
@@ -213,9 +216,9 @@ Result<RecordingWriter> RecordingWriter::create(const std::filesystem::path& pat
   h.handle_from_center = pose_numbers(run.start.handle_from_center);
   h.world_from_device = pose_numbers(run.placement.world_from_device);
   h.motion_scale = run.placement.motion_scale;
-  if (Status written = file->write(bytes_of(h)); !written) return written.error();
-  if (Status written = file->write(bytes_of(parameters)); !written) return written.error();
-  return RecordingWriter(std::move(*file));
+  for (const auto& bytes : {bytes_of(h), bytes_of(parameters)}) {
+    head_.insert(head_.end(), bytes.begin(), bytes.end());
+  }
 }
 
 namespace {
@@ -256,6 +259,10 @@ Status RecordingWriter::add(const Frame& frame) {
 }
 
 Status RecordingWriter::flush() {
+  if (!head_.empty()) {
+    if (Status written = file_.write(head_); !written) return written;
+    head_.clear();
+  }
   Status written = file_.write(bytes_of(pending_));
   pending_.clear();
   return written;

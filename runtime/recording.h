@@ -30,7 +30,10 @@ RecordedRun describe_run(const Simulation& simulation, const State& start,
 // without it nothing is left behind.
 class RecordingWriter {
  public:
-  static Result<RecordingWriter> create(const std::filesystem::path& path, const RecordedRun& run);
+  static Result<RecordingWriter> create(const std::filesystem::path& path);
+
+  // Once, before the first frame. Does not touch the file: the loop is about to begin.
+  void begin(const RecordedRun& run);
 
   Status add(const Frame& frame);
   Status finish(std::uint64_t lost_frames);
@@ -40,6 +43,7 @@ class RecordingWriter {
   Status flush();
 
   AtomicFile file_;
+  std::vector<std::byte> head_;  // header and parameters, until they are written
   std::vector<RecordedFrame> pending_;
   std::uint64_t frames_ = 0;
 };

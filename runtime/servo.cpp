@@ -60,6 +60,7 @@ OutputFrame Servo::output_frame(const Frame& frame) const noexcept {
   OutputFrame out;
   out.health = frame.health;
   out.faulty = report.faults != 0;
+  out.not_finite = (report.faults & (kFaultNonFiniteInput | kFaultNonFiniteState)) != 0;
   out.map_lost = (report.faults & kFaultMapLost) != 0;
   out.speed_mps = glm::length(input.handle_velocity.linear_mps) / placement.motion_scale;
   out.free_of_contact = report.interior + report.surface + report.proximity == 0;

@@ -69,6 +69,24 @@ Status check_watchdog(const Options& options, const DeviceCapabilities& device) 
                "give --without-watchdog if somebody stands at its switch"};
 }
 
+// A reading that a run can begin with.
+bool is_usable(const DeviceSample& sample) {
+  return sample.present && sample.fresh && sample.calibrated && is_pose(sample.device_from_handle);
+}
+
+Error no_first_pose(const DeviceCapabilities& device, const DeviceSample& last) {
+  if (last.present && !last.calibrated) {
+    return {ErrorCode::kDeviceRefused, "", device.name, "is not calibrated",
+            "calibrate it and start again"};
+  }
+  if (last.present && last.fresh) {
+    return {ErrorCode::kDeviceRefused, "", device.name,
+            "reports no pose: its numbers are not finite, or its quaternion is not of length 1",
+            "look at the device's driver"};
+  }
+  return {ErrorCode::kDeviceFailed, "", device.name, "gives no readings", "look at plug and power"};
+}
+
 }  // namespace
 
 Result<ChosenDevice> choose_device(const Options& options, const DevicePlacement& placement) {
@@ -82,26 +100,25 @@ Result<ChosenDevice> choose_device(const Options& options, const DevicePlacement
   return chosen;
 }
 
-Result<DeviceSample> first_reading(Device& device) {
+std::optional<Pose> usable_pose(Device& device) {
+  const DeviceSample sample = device.read(0);
+  const Pose& pose = sample.device_from_handle;
+  if (!is_usable(sample) || !check_workspace(device.capabilities(), pose)) return std::nullopt;
+  return made_unit(pose);
+}
+
+Result<Pose> first_pose(Device& device) {
   const DeviceCapabilities& known = device.capabilities();
   const long long begin_ns = monotonic_ns();
   DeviceSample sample = device.read(0);
-  while (!(sample.present && sample.fresh && sample.calibrated)) {
-    if (monotonic_ns() - begin_ns > kFirstReadingNs) {
-      if (sample.present && !sample.calibrated) {
-        return Error{ErrorCode::kDeviceRefused, "", known.name, "is not calibrated",
-                     "calibrate it and start again"};
-      }
-      return Error{ErrorCode::kDeviceFailed, "", known.name, "gives no readings",
-                   "look at plug and power"};
-    }
+  while (!is_usable(sample)) {
+    if (monotonic_ns() - begin_ns > kFirstReadingNs) return no_first_pose(known, sample);
     sleep_until_ns(monotonic_ns() + kPollNs);
     sample = device.read(0);
   }
-  if (Status inside = check_workspace(known, sample.device_from_handle); !inside) {
-    return inside.error();
-  }
-  return sample;
+  const Pose& pose = sample.device_from_handle;
+  if (Status inside = check_workspace(known, pose); !inside) return inside.error();
+  return made_unit(pose);
 }
 
 }  // namespace forcelayer::voxrun

@@ -14,11 +14,12 @@ void OutputEvents::see(const Frame& frame) {
   const bool clutched = frame.input.valid == kInputClutched;
   if (clutched != clutched_) add(frame.time_s, clutched ? "clutched" : "clutch released", false);
   clutched_ = clutched;
-  const bool waits = frame.output == OutputState::kWaiting && frame.time_s >= kPatienceS;
-  if (waits && !waited_) {
-    add(frame.time_s, "output waits: move the part free of contact, or press the clutch", true);
+  const StepReport& step = frame.result.report;
+  const bool near = step.interior + step.surface + step.proximity > 0;
+  if (near && frame.output == OutputState::kWaiting && frame.time_s >= kPatienceS && !waited_) {
+    add(frame.time_s, "output waits: the part is in contact, or close to it; move it free", true);
+    waited_ = true;
   }
-  waited_ = waited_ || waits;
   if (frame.output == state_) return;
   const bool again = state_ == OutputState::kTripped;
   state_ = frame.output;

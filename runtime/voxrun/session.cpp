@@ -120,13 +120,10 @@ Status check_guarantee(const Options& options, Session& session) {
   return require_guarantee(facts.guarantee, options.part, "give --without-guarantee");
 }
 
-// The part is registered where the device has the hand now.
-Status take_hold(const Options& options, Session& session) {
-  const auto first = first_reading(*session.device.device);
-  if (!first) return first.error();
+// The part is registered where the hand is.
+void take_hold(const Options& options, const Pose& device_from_handle, Session& session) {
   session.start = session.simulation->registered(
-      options.start, session.placement.world_from_handle(first->device_from_handle));
-  return {};
+      options.start, session.placement.world_from_handle(device_from_handle));
 }
 
 Status prepare_simulation(const Options& options, Session& session) {
@@ -162,11 +159,16 @@ Status prepare_simulation(const Options& options, Session& session) {
     session.start = session.recording->run().start;
     return {};
   }
-  return take_hold(options, session);
+  const auto device_from_handle = first_pose(*session.device.device);
+  if (!device_from_handle) return device_from_handle.error();
+  take_hold(options, *device_from_handle, session);
+  return {};
 }
 
 // What the part can reach where the user does not say it: the handle's workspace with all of the
-// part that the grip may swing around in it, or everything.
+// part that the grip may swing around in it, or everything. Where a place is given and no grip, the
+// grip is that of the first reading: as far as the hand goes until the loop begins, the part may
+// reach farther.
 ReachBox reach_of(const Options& options, const Session& session) {
   if (options.reach) return *options.reach;
   const double workspace_m =
@@ -196,8 +198,7 @@ LoopOptions loop_options(const Options& options, const Session& session,
   return loop;
 }
 
-// Once every other thread runs, whose stack would count as locked, and who would have the priority
-// of who starts it.
+// Once every other thread runs: the stack of a later one would count as locked, and be refused.
 void make_real_time(const Options& options, Simulation& simulation,
                     std::vector<std::string>& warnings) {
   if (options.as_fast_as_possible) return;
@@ -229,6 +230,11 @@ struct FrameOutputs {
   std::optional<PoseSender> poses;
 
   Status open(const Options& options, const Session& session) {
+    if (!options.record.empty()) {
+      auto writer = RecordingWriter::create(options.record);
+      if (!writer) return writer.error();
+      recording.emplace(std::move(*writer));
+    }
     if (!options.trace.empty()) {
       auto writer = TraceWriter::create(options.trace, *session.simulation);
       if (!writer) return writer.error();
@@ -242,21 +248,10 @@ struct FrameOutputs {
     return {};
   }
 
-  // Before the first frame, with the start that the loop has.
-  Status start_recording(const Options& options, const Session& session) {
-    if (options.record.empty()) return {};
-    auto writer = RecordingWriter::create(
-        options.record, describe_run(*session.simulation, session.start, session.placement));
-    if (!writer) return writer.error();
-    recording.emplace(std::move(*writer));
-    return {};
-  }
-
   std::vector<FrameSink> sinks() {
     std::vector<FrameSink> all;
     if (trace) all.push_back([this](const Frame& frame) { return trace->add(frame); });
-    all.push_back(
-        [this](const Frame& frame) { return recording ? recording->add(frame) : Status{}; });
+    if (recording) all.push_back([this](const Frame& frame) { return recording->add(frame); });
     if (poses) {
       all.push_back([this](const Frame& frame) -> Status {
         poses->offer(frame);
@@ -310,6 +305,14 @@ FrameSink progress_sink(const Options& options, const LoopOptions& loop, Progres
   };
 }
 
+// Where the hand went while the run was made ready: held where it was, the part would be torn to
+// where it is. A device with nothing to say by now is the loop's to judge.
+void take_hold_again(const Options& options, Session& session) {
+  if (!session.device.device) return;
+  const auto device_from_handle = usable_pose(*session.device.device);
+  if (device_from_handle) take_hold(options, *device_from_handle, session);
+}
+
 Status run_frames(const Options& options, Session& session, std::atomic<int>& stop,
                   LoopStatistics& statistics) {
   FrameOutputs outputs;
@@ -331,14 +334,13 @@ Status run_frames(const Options& options, Session& session, std::atomic<int>& st
   const std::size_t warned = session.facts.warnings.size();
   make_real_time(options, *session.simulation, session.facts.warnings);
   print_warnings(session.facts, warned);
-  // The hand went on meanwhile: held where it was, the part would be torn to where it is.
-  if (session.device.device) {
-    if (Status held = take_hold(options, session); !held) return held;
+  const double stolen_s = steal_seconds();
+  take_hold_again(options, session);  // last: the hand moves on
+  if (outputs.recording) {
+    outputs.recording->begin(describe_run(*session.simulation, session.start, session.placement));
   }
-  if (Status opened = outputs.start_recording(options, session); !opened) return opened;
   Servo servo(*session.simulation, *session.input, session.start, output_limits(options, session));
   servo.set_clutch_buttons(session.clutch_buttons);
-  const double stolen_s = steal_seconds();
   const long long begin_ns = monotonic_ns();
   run_loop(servo, loop, &ring, statistics);
   session.facts.steal_s = steal_seconds() - stolen_s;

@@ -58,8 +58,9 @@ void record(const std::filesystem::path& path, std::uint64_t seed, int frames,
   WildInput input(seed);
   const Pose start{{0.08, 0.08, 0.05}, {1, 0, 0, 0}};
   const State state = sim->registered(start, start);
-  auto writer = RecordingWriter::create(path, describe_run(*sim, state, {}));
+  auto writer = RecordingWriter::create(path);
   ASSERT_TRUE(writer);
+  writer->begin(describe_run(*sim, state, {}));
   Servo servo(*sim, input, state, {});
   Frame frame;
   for (int i = 0; i < frames; ++i) {

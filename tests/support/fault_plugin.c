@@ -1,18 +1,19 @@
 /* A device plugin that fails on request, and the device behind it: a process of its own with a
  * watchdog of 20 ms, which writes down what its motors do, as an oscilloscope would.
  *
- * Arguments, separated by spaces: log=FILE (required), fault=KIND, at=SECONDS, and for
+ * Arguments, separated by spaces: log=FILE (required), fault=KIND, at=SECONDS, when=FILE, and for
  * the handshake no-si, left-handed, no-watchdog, old-abi. KIND: unplug, freeze, blip (three
  * readings missing), nan, absurd (millimetres from then on), mm (from the start), uncalibrated,
  * crash, hang. FAULT_PLUGIN_MODE=push in the environment: push mode.
  *
- * The hand comes down 30 mm in 0.3 s and goes up again, until the motors push; it then stays there,
- * and `at` is the time from then. So a loop that begins late finds it out of contact, too. With
- * `below` among the arguments it is 30 mm down from the start, and `at` the time from there.
+ * The hand comes down 30 mm in 0.3 s (way=SECONDS) and goes up again, until it feels the motors
+ * push; it then stays there. So a loop that begins late finds it out of contact, too. With `below`
+ * it is 30 mm down from the start and stays. The fault comes `at` seconds after it stays, and not
+ * before the file `when` exists.
  *
  * The log is FILE.part while it grows, FILE when the device ended: lines of
- * "t_s,motor_force_z_n,fault" with t_s of CLOCK_MONOTONIC, one a millisecond; fault is 1 from when
- * the fault was injected. */
+ * "t_s,motor_force_z_n,fault,stays" with t_s of CLOCK_MONOTONIC, one a millisecond; fault is 1 from
+ * when the fault was injected, stays from when the hand does. */
 #define _GNU_SOURCE
 #include <math.h>
 #include <signal.h>
@@ -28,19 +29,18 @@
 struct wire { /* between driver and device */
   volatile double force_z_n;
   volatile unsigned long written;
-  volatile int fault, closed;
+  volatile int fault, stays, closed;
 };
 
 struct driver {
   struct wire* wire;
-  char fault[32];
-  double fault_at_s, begin_s;
+  char fault[32], when[400];
+  double fault_at_s, begin_s, way_s;
   double stays_s, stays_at; /* since when and how far down, 0: the hand goes on */
   long missing;
 };
 
-static const double kWayS = 0.3; /* of the hand, down or up */
-static const double kWayM = 0.03;
+static const double kWayM = 0.03; /* of the hand, down or up */
 static const double kPushN = 0.5; /* of the motors, that is a contact */
 
 static double now_s(void) {
@@ -71,7 +71,7 @@ static void be_the_device(struct wire* wire, const char* path) {
       heard_s = t_s;
     }
     const double motor_n = t_s - heard_s < 0.02 ? wire->force_z_n : 0;
-    fprintf(log, "%.6f,%.9g,%d\n", t_s, motor_n, wire->fault);
+    fprintf(log, "%.6f,%.9g,%d,%d\n", t_s, motor_n, wire->fault, wire->stays);
     if (end_s == 0 && (wire->closed || getppid() != driver)) end_s = t_s + 0.8;
     if (end_s != 0 && t_s > end_s) break;
     sleep_ms(1);
@@ -91,13 +91,22 @@ static const char* value_of(const char* arguments, const char* name, char* value
   return value;
 }
 
+static void stay(struct driver* d, double t_s, double way) {
+  d->stays_s = t_s;
+  d->stays_at = way;
+  d->wire->stays = 1;
+}
+
 static int open_device(const char* arguments, forcelayer_plugin_info* info, void** out, char* error,
                        size_t error_bytes) {
   static struct driver driver;
-  char path[400], at[32];
+  char path[400], at[32], way[32];
   value_of(arguments, "log=", path, sizeof path);
   value_of(arguments, "fault=", driver.fault, sizeof driver.fault);
   driver.fault_at_s = atof(value_of(arguments, "at=", at, sizeof at));
+  value_of(arguments, "when=", driver.when, sizeof driver.when);
+  driver.way_s = atof(value_of(arguments, "way=", way, sizeof way));
+  if (!(driver.way_s > 0)) driver.way_s = 0.3;
   if (path[0] == 0) {
     snprintf(error, error_bytes, "needs log=FILE");
     return 1;
@@ -114,8 +123,7 @@ static int open_device(const char* arguments, forcelayer_plugin_info* info, void
   }
   driver.begin_s = now_s();
   if (strstr(arguments, "below") != NULL) {
-    driver.stays_s = driver.begin_s;
-    driver.stays_at = 1;
+    stay(&driver, driver.begin_s, 1);
   }
   const int old = strstr(arguments, "old-abi") != NULL;
   info->abi = old ? 99 : FORCELAYER_PLUGIN_ABI;
@@ -138,16 +146,19 @@ static int open_device(const char* arguments, forcelayer_plugin_info* info, void
 
 static int is(const struct driver* d, const char* fault) { return strcmp(d->fault, fault) == 0; }
 
-/* How far down the hand is, 0 to 1. */
+/* How far down the hand is, 0 to 1. It stays just behind the lowest point or not at all: a driver
+ * that slept may hear of a push that is over. */
 static double way_down(struct driver* d) {
   if (d->stays_s > 0) return d->stays_at;
-  const double t_s = now_s(), ways = fmod((t_s - d->begin_s) / kWayS, 2);
+  const double t_s = now_s(), ways = fmod((t_s - d->begin_s) / d->way_s, 2);
   if (ways < 1) return ways;
-  if (fabs(d->wire->force_z_n) > kPushN) {
-    d->stays_s = t_s;
-    d->stays_at = 2 - ways;
-  }
+  if (ways < 1.05 && fabs(d->wire->force_z_n) > kPushN) stay(d, t_s, 2 - ways);
   return 2 - ways;
+}
+
+static int comes(const struct driver* d) {
+  return d->fault[0] != 0 && d->stays_s > 0 && now_s() - d->stays_s >= d->fault_at_s &&
+         (d->when[0] == 0 || access(d->when, F_OK) == 0);
 }
 
 static int read_device(void* opaque, forcelayer_plugin_reading* reading) {
@@ -157,7 +168,7 @@ static int read_device(void* opaque, forcelayer_plugin_reading* reading) {
   reading->orientation_wxyz[0] = 1;
   reading->status = FORCELAYER_PLUGIN_CALIBRATED;
   if (is(d, "mm")) reading->position_m[0] = 130;
-  if (d->fault[0] == 0 || d->stays_s == 0 || now_s() - d->stays_s < d->fault_at_s) return 1;
+  if (!d->wire->fault && !comes(d)) return 1;
   d->wire->fault = 1;
   if (is(d, "unplug")) return -1;
   if (is(d, "freeze")) return 0;

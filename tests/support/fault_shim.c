@@ -13,7 +13,7 @@
  *   FAULT_WRITE_ERRNO=N   writing to regular files fails with errno N ...
  *   FAULT_WRITE_AFTER=B   ... after B bytes
  *   FAULT_CLOCK_JUMPS=1   the wall clock jumps a year ahead or back at every look
- *   FAULT_LOCK_MS=N       locking memory takes N milliseconds
+ *   FAULT_LOCK_MS=N       locking memory takes voxrun itself N milliseconds
  */
 #define _GNU_SOURCE
 #include <dlfcn.h>
@@ -146,6 +146,9 @@ time_t time(time_t* out) {
 
 int mlockall(int flags) {
   const char* const delay_ms = getenv("FAULT_LOCK_MS");
-  if (delay_ms != NULL) usleep((useconds_t)atoi(delay_ms) * 1000);
-  return (int)syscall(SYS_mlockall, flags);
+  int (*const next)(int) = (int (*)(int))dlsym(RTLD_NEXT, "mlockall");
+  if (delay_ms != NULL && strcmp(program_invocation_short_name, "voxrun") == 0) {
+    usleep((useconds_t)atoi(delay_ms) * 1000);
+  }
+  return next(flags);
 }

@@ -83,6 +83,21 @@ struct CInterface : testing::Test {
   char error[512] = "";
 };
 
+// A quaternion of few bits is as long as its rounding makes it: held by the rotation alone, the
+// part stays where it was put.
+TEST_F(CInterface, AQuaternionOfFewBitsDoesNotMoveThePart) {
+  open();
+  const Pose place{{0.2, 0.1, 0.9}, {1, 0, 0, 0}};
+  for (const double length : {0.9995, 1.0005}) {
+    forcelayer_reading reading = reading_at({{0.1, 0.1, 0.8}, glm::dquat(0.6, 0, 0.8, 0)});
+    for (int i = 3; i < 7; ++i) reading.device_from_handle[i] *= length;
+    ASSERT_EQ(start(&place, nullptr, reading), 0) << error;
+    forcelayer_result result;
+    for (int i = 0; i < 300; ++i) ASSERT_EQ(forcelayer_step(runtime, &reading, &result), 0);
+    EXPECT_LT(distance_m(pose(result.world_from_part), place), 1e-12) << length;
+  }
+}
+
 // Against the definition, written out: world_from_device * (scaled reading) is the handle; the part
 // begins at its place, else where the grip has it; the hand then pulls it to where the grip has it.
 TEST_F(CInterface, PlacesDeviceGripAndPart) {

@@ -324,9 +324,9 @@ TEST(Servo, AReplayGivesTheDevicesWrenchAgain) {
   std::vector<Wrench> felt;
   {
     Bench bench;
-    auto writer = RecordingWriter::create(
-        folder / "run.flr", describe_run(*bench.sim, bench.servo.state(), DevicePlacement{}));
+    auto writer = RecordingWriter::create(folder / "run.flr");
     ASSERT_TRUE(writer);
+    writer->begin(describe_run(*bench.sim, bench.servo.state(), DevicePlacement{}));
     const auto tick = [&] {
       felt.push_back(bench.tick());
       ASSERT_TRUE(writer->add(bench.frame));
