@@ -19,8 +19,8 @@ constexpr double kSphereTolerance = 0x1p-50;
 constexpr double kUnitTolerance = 2e-6;
 
 // Where a section's element breaks its rule.
-Error entry_error(std::string_view name, const std::string& section, std::size_t index,
-                  std::string what) {
+[[gnu::cold]] Error entry_error(std::string_view name, const std::string& section,
+                                std::size_t index, std::string what) {
   return {ErrorCode::kEntryInvalid, std::string(name), section + " entry " + std::to_string(index),
           std::move(what), "bake or copy it again"};
 }
@@ -63,7 +63,8 @@ void check_mass_fields(const PshellHeader& h, FieldChecks& checks) {
   }
 }
 
-Status check_header_fields(const PshellHeader& h, std::string_view name) {
+// Cold, and so small: it runs once a file, between loops that run over all of it.
+[[gnu::cold]] Status check_header_fields(const PshellHeader& h, std::string_view name) {
   FieldChecks checks(name);
   check_block_fields(h, checks);
   checks.require(h.voxel_size_m >= kMinVoxelSizeM && h.voxel_size_m <= kMaxVoxelSizeM,

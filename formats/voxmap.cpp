@@ -130,7 +130,8 @@ void check_count_fields(const VoxmapHeader& h, FieldChecks& checks) {
                  "do not agree with dims_voxels on whether all is free");
 }
 
-Status check_header_fields(const VoxmapHeader& h, std::string_view name) {
+// Cold, and so small: it runs once a file, between loops that run over all of it.
+[[gnu::cold]] Status check_header_fields(const VoxmapHeader& h, std::string_view name) {
   FieldChecks checks(name);
   checks.require(h.voxel_size_m >= kMinVoxelSizeM && h.voxel_size_m <= kMaxVoxelSizeM,
                  offsetof(VoxmapHeader, voxel_size_m), "voxel_size_m",
@@ -170,7 +171,7 @@ bool is_bad_entry(std::uint32_t entry, const EntryRule& rule) {
   return is_uniform(entry) ? bad_value : bad_child;
 }
 
-std::string describe_bad_entry(std::uint32_t entry, const EntryRule& rule) {
+[[gnu::cold]] std::string describe_bad_entry(std::uint32_t entry, const EntryRule& rule) {
   if (!is_uniform(entry)) {
     return "child index " + std::to_string(entry) + " of " + std::to_string(rule.child_count) +
            " children";

@@ -154,15 +154,18 @@ Status take_options(const forcelayer_options& o, forcelayer_runtime& runtime) {
 
 // A run does not begin with a reading that cannot be used.
 Status check_first(const forcelayer_runtime& runtime, const forcelayer_reading& first) {
-  const auto pose = checked_pose(first.device_from_handle, "device_from_handle");
-  if (!pose) return pose.error();
+  const Pose pose = pose_from(first.device_from_handle);
+  if (!is_pose(pose)) {
+    return Error{ErrorCode::kUsage, "", "device_from_handle", "is no pose",
+                 "give x y z in metres and qw qx qy qz of length 1"};
+  }
   if (first.present == 0 || first.calibrated == 0) {
     return Error{ErrorCode::kDeviceRefused, "", "the first reading",
                  first.present == 0 ? "is of a device that does not answer"
                                     : "is of a device that is not calibrated",
                  "begin once it answers and is calibrated"};
   }
-  return check_workspace(runtime.device, *pose);
+  return check_workspace(runtime.device, pose);
 }
 
 }  // namespace

@@ -56,7 +56,7 @@ const char* to_text(TripCause cause) {
     case TripCause::kOverSpeed:
       return "the hand is too fast";
     case TripCause::kNotFinite:
-      return "the wrench is not finite";
+      return "the motion or its wrench is not finite";
     case TripCause::kLoopLate:
       return "the loop was late";
     case TripCause::kOutputHeld:
@@ -89,6 +89,7 @@ const char* how_to_mend(TripCause cause) {
     case TripCause::kMapLost:
       return "bake it again, into a new file";
     case TripCause::kNotFinite:
+      return "please report it, with a recording (--record)";
     case TripCause::kNone:
       break;
   }

@@ -13,7 +13,7 @@
 namespace forcelayer::voxrun {
 namespace {
 
-constexpr long long kFirstReadingNs = 3'000'000'000;
+constexpr long long kReadingNs = 3'000'000'000;
 constexpr double kLeastLoopPeriods = 2.5;  // of a slow loop, that its wrench may be old
 constexpr long long kPollNs = 1'000'000;
 
@@ -74,17 +74,22 @@ bool is_usable(const DeviceSample& sample) {
   return sample.present && sample.fresh && sample.calibrated && is_pose(sample.device_from_handle);
 }
 
-Error no_first_pose(const DeviceCapabilities& device, const DeviceSample& last) {
+// Why no reading came that could be used: after the last one, where any was `fresh` before.
+Error no_usable_reading(const Device& device, const DeviceSample& last, bool fresh) {
+  const std::string& name = device.capabilities().name;
   if (last.present && !last.calibrated) {
-    return {ErrorCode::kDeviceRefused, "", device.name, "is not calibrated",
+    return {ErrorCode::kDeviceRefused, "", name, "is not calibrated",
             "calibrate it and start again"};
   }
-  if (last.present && last.fresh) {
-    return {ErrorCode::kDeviceRefused, "", device.name,
+  if (last.present && fresh) {
+    return {ErrorCode::kDeviceRefused, "", name,
             "reports no pose: its numbers are not finite, or its quaternion is not of length 1",
             "look at the device's driver"};
   }
-  return {ErrorCode::kDeviceFailed, "", device.name, "gives no readings", "look at plug and power"};
+  const DeviceTrouble trouble = device.trouble();
+  return {ErrorCode::kDeviceFailed, "", name,
+          "gives no readings" + (trouble.what.empty() ? "" : " (" + trouble.what + ")"),
+          trouble.mend.empty() ? "look at plug and power" : trouble.mend};
 }
 
 }  // namespace
@@ -100,24 +105,18 @@ Result<ChosenDevice> choose_device(const Options& options, const DevicePlacement
   return chosen;
 }
 
-std::optional<Pose> usable_pose(Device& device) {
-  const DeviceSample sample = device.read(0);
-  const Pose& pose = sample.device_from_handle;
-  if (!is_usable(sample) || !check_workspace(device.capabilities(), pose)) return std::nullopt;
-  return made_unit(pose);
-}
-
-Result<Pose> first_pose(Device& device) {
-  const DeviceCapabilities& known = device.capabilities();
+Result<Pose> wait_for_pose(Device& device) {
   const long long begin_ns = monotonic_ns();
   DeviceSample sample = device.read(0);
+  bool fresh = sample.fresh;
   while (!is_usable(sample)) {
-    if (monotonic_ns() - begin_ns > kFirstReadingNs) return no_first_pose(known, sample);
+    if (monotonic_ns() - begin_ns > kReadingNs) return no_usable_reading(device, sample, fresh);
     sleep_until_ns(monotonic_ns() + kPollNs);
     sample = device.read(0);
+    fresh |= sample.fresh;
   }
   const Pose& pose = sample.device_from_handle;
-  if (Status inside = check_workspace(known, pose); !inside) return inside.error();
+  if (Status inside = check_workspace(device.capabilities(), pose); !inside) return inside.error();
   return made_unit(pose);
 }
 

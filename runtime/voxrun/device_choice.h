@@ -20,12 +20,9 @@ struct ChosenDevice {
 // motors and no watchdog, unless the options allow it.
 Result<ChosenDevice> choose_device(const Options& options, const DevicePlacement& placement);
 
-// Where the device has the handle, its rotation made unit; nothing where it has no fresh reading
-// that a run can begin with.
-std::optional<Pose> usable_pose(Device& device);
-
-// Waits for one. Errors: kDeviceFailed where none comes, kDeviceRefused where it is not calibrated
-// or its pose cannot be in metres.
-Result<Pose> first_pose(Device& device);
+// Waits for a reading that a run can begin with: where the device has the handle, its rotation made
+// unit. Errors: kDeviceFailed where none comes, kDeviceRefused where it is not calibrated or its
+// pose is none, or cannot be in metres.
+Result<Pose> wait_for_pose(Device& device);
 
 }  // namespace forcelayer::voxrun

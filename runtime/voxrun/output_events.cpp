@@ -17,7 +17,10 @@ void OutputEvents::see(const Frame& frame) {
   const StepReport& step = frame.result.report;
   const bool near = step.interior + step.surface + step.proximity > 0;
   if (near && frame.output == OutputState::kWaiting && frame.time_s >= kPatienceS && !waited_) {
-    add(frame.time_s, "output waits: the part is in contact, or close to it; move it free", true);
+    add(frame.time_s,
+        std::string("output waits: the part is in contact, or close to it; move it free") +
+            (has_clutch_ ? ", or press and release the clutch" : ""),
+        true);
     waited_ = true;
   }
   if (frame.output == state_) return;

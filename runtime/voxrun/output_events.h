@@ -19,6 +19,8 @@ class OutputEvents {
   static constexpr std::size_t kKept = 1000;  // later ones are said, not kept
   static constexpr double kPatienceS = 0.1;   // that the output may wait without a word
 
+  explicit OutputEvents(bool has_clutch) : has_clutch_(has_clutch) {}
+
   void see(const Frame& frame);
   const std::vector<OutputEvent>& events() const { return events_; }
   double last_trip_s() const { return last_trip_s_; }
@@ -27,6 +29,7 @@ class OutputEvents {
   void add(double time_s, std::string what, bool say);
 
   OutputState state_ = OutputState::kWaiting;
+  bool has_clutch_;
   bool clutched_ = false;
   bool waited_ = false;
   double last_trip_s_ = 0;

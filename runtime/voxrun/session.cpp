@@ -120,10 +120,13 @@ Status check_guarantee(const Options& options, Session& session) {
   return require_guarantee(facts.guarantee, options.part, "give --without-guarantee");
 }
 
-// The part is registered where the hand is.
-void take_hold(const Options& options, const Pose& device_from_handle, Session& session) {
+// Registers the part where the hand is now.
+Status take_hold(const Options& options, Session& session) {
+  const auto device_from_handle = wait_for_pose(*session.device.device);
+  if (!device_from_handle) return device_from_handle.error();
   session.start = session.simulation->registered(
-      options.start, session.placement.world_from_handle(device_from_handle));
+      options.start, session.placement.world_from_handle(*device_from_handle));
+  return {};
 }
 
 Status prepare_simulation(const Options& options, Session& session) {
@@ -159,10 +162,7 @@ Status prepare_simulation(const Options& options, Session& session) {
     session.start = session.recording->run().start;
     return {};
   }
-  const auto device_from_handle = first_pose(*session.device.device);
-  if (!device_from_handle) return device_from_handle.error();
-  take_hold(options, *device_from_handle, session);
-  return {};
+  return take_hold(options, session);
 }
 
 // What the part can reach where the user does not say it: the handle's workspace with all of the
@@ -305,14 +305,6 @@ FrameSink progress_sink(const Options& options, const LoopOptions& loop, Progres
   };
 }
 
-// Where the hand went while the run was made ready: held where it was, the part would be torn to
-// where it is. A device with nothing to say by now is the loop's to judge.
-void take_hold_again(const Options& options, Session& session) {
-  if (!session.device.device) return;
-  const auto device_from_handle = usable_pose(*session.device.device);
-  if (device_from_handle) take_hold(options, *device_from_handle, session);
-}
-
 Status run_frames(const Options& options, Session& session, std::atomic<int>& stop,
                   LoopStatistics& statistics) {
   FrameOutputs outputs;
@@ -320,7 +312,7 @@ Status run_frames(const Options& options, Session& session, std::atomic<int>& st
   const LoopOptions loop = loop_options(options, session, stop);
   ProgressLine progress(options.quiet);
   auto sinks = outputs.sinks();
-  OutputEvents events;
+  OutputEvents events(session.clutch_buttons != 0);
   sinks.push_back([&events](const Frame& frame) -> Status {
     events.see(frame);
     return {};
@@ -335,7 +327,11 @@ Status run_frames(const Options& options, Session& session, std::atomic<int>& st
   make_real_time(options, *session.simulation, session.facts.warnings);
   print_warnings(session.facts, warned);
   const double stolen_s = steal_seconds();
-  take_hold_again(options, session);  // last: the hand moves on
+  // Again, and last: the hand moved on while the run was made ready, and held where it was, the
+  // part would be torn to where it is.
+  if (session.device.device) {
+    if (Status held = take_hold(options, session); !held) return held;
+  }
   if (outputs.recording) {
     outputs.recording->begin(describe_run(*session.simulation, session.start, session.placement));
   }

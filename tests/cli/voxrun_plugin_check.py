@@ -29,10 +29,11 @@ STARTED = []
 
 
 def run(arguments, **more):
-    said = tempfile.TemporaryFile("w+")
-    STARTED.append(subprocess.Popen(arguments, stderr=said, stdout=subprocess.DEVNULL, **more))
-    STARTED[-1].said = said
-    return STARTED[-1]
+    said = tempfile.TemporaryFile("a+")  # what is written there goes to its end, wherever we read
+    process = subprocess.Popen(arguments, stderr=said, stdout=subprocess.DEVNULL, **more)
+    process.said = said
+    STARTED.append(process)
+    return process
 
 
 def said(process):
@@ -159,9 +160,9 @@ def push_mode():
 
 
 def a_slow_start():
-    """The hand comes down by 10 mm while memory is locked: the part is taken where it then is, but
-    for what it moves until the first frame, 2 mm in 0.2 s."""
-    finish(start("slow", "way=3", ["--duration", "0.5s", "--trace", "slow-run.csv"],
+    """The hand comes down by 5 mm while memory is locked: the part is taken where it then is, but for
+    what it moves until the first frame, 2 mm in 0.4 s."""
+    finish(start("slow", "way=6", ["--duration", "0.5s", "--trace", "slow-run.csv"],
                  LD_PRELOAD=f"{BIN}/fault_shim.so", FAULT_LOCK_MS="1000"), 0)
     first = next(csv.DictReader(open("slow-run.csv")))
     assert abs(float(first["part_z_m"]) - float(first["handle_z_m"])) < 0.002, first
@@ -169,7 +170,7 @@ def a_slow_start():
 
 
 def a_late_reading_is_a_blip():
-    finish(start("blip", "fault=blip at=0.3", ["--duration", "3s"]), 0)
+    finish(start("blip", "fault=blip at=0.3", ["--duration", "6s"]), 0)
     report = json.load(open("blip.json"))
     assert report["output_trips"] == 0 and report["max_device_force_n"] > 0.5, report
     assert any(fault for _, _, fault in motors("blip")), "there was none"
@@ -236,10 +237,10 @@ def a_file_that_is_cut_short():
 
 def a_trip_that_waits():
     """--after-trip wait: zero until the clutch; the run ends with status 5 all the same."""
-    process = start("wait", "fault=freeze at=0.3", ["--after-trip", "wait", "--duration", "3s"])
+    process = start("wait", "fault=freeze at=0.3", ["--after-trip", "wait", "--duration", "6s"])
     error = finish(process, 5)
     check_motors("wait", limit_s=STALE_S + SLACK_S)
-    assert json.load(open("wait.json"))["frames"] == 3000, error
+    assert json.load(open("wait.json"))["frames"] == 6000, error
 
 
 def refusals():
@@ -248,8 +249,11 @@ def refusals():
             ("left-handed", 5, "right-handed"),
             ("old-abi", 5, "version"),
             ("no-watchdog", 5, "--without-watchdog"),
+            ("silent", 5, "gives no readings; look at plug and power"),
+            ("no-pose", 5, "reports no pose"),
+            ("fault=unplug below", 5, "gives no readings (the plugin lost its device)"),
             ("fault=mm", 5, "millimetres")):
-        name = "refused-" + arguments.replace("=", "-")
+        name = "refused-" + arguments.replace("=", "-").replace(" ", "-")
         error = finish(start(name, arguments), status)
         assert text in error and len(error.splitlines()) <= 1 + error.count("warning"), error
         assert all(force == 0 for _, force, _ in motors(name)), name

@@ -2,7 +2,8 @@
  * watchdog of 20 ms, which writes down what its motors do, as an oscilloscope would.
  *
  * Arguments, separated by spaces: log=FILE (required), fault=KIND, at=SECONDS, when=FILE, and for
- * the handshake no-si, left-handed, no-watchdog, old-abi. KIND: unplug, freeze, blip (three
+ * the handshake no-si, left-handed, no-watchdog, old-abi; silent (no reading ever), no-pose (a
+ * quaternion of zeros). KIND: unplug, freeze, blip (three
  * readings missing), nan, absurd (millimetres from then on), mm (from the start), uncalibrated,
  * crash, hang. FAULT_PLUGIN_MODE=push in the environment: push mode.
  *
@@ -38,6 +39,7 @@ struct driver {
   double fault_at_s, begin_s, way_s;
   double stays_s, stays_at; /* since when and how far down, 0: the hand goes on */
   long missing;
+  int silent, no_pose;
 };
 
 static const double kWayM = 0.03; /* of the hand, down or up */
@@ -125,6 +127,8 @@ static int open_device(const char* arguments, forcelayer_plugin_info* info, void
   if (strstr(arguments, "below") != NULL) {
     stay(&driver, driver.begin_s, 1);
   }
+  driver.silent = strstr(arguments, "silent") != NULL;
+  driver.no_pose = strstr(arguments, "no-pose") != NULL;
   const int old = strstr(arguments, "old-abi") != NULL;
   info->abi = old ? 99 : FORCELAYER_PLUGIN_ABI;
   info->si_units = strstr(arguments, "no-si") != NULL ? 0 : FORCELAYER_PLUGIN_SI_UNITS;
@@ -165,8 +169,9 @@ static int read_device(void* opaque, forcelayer_plugin_reading* reading) {
   struct driver* d = opaque;
   memset(reading, 0, sizeof *reading);
   reading->position_m[2] = -kWayM * way_down(d);
-  reading->orientation_wxyz[0] = 1;
+  reading->orientation_wxyz[0] = d->no_pose ? 0 : 1;
   reading->status = FORCELAYER_PLUGIN_CALIBRATED;
+  if (d->silent) return 0;
   if (is(d, "mm")) reading->position_m[0] = 130;
   if (!d->wire->fault && !comes(d)) return 1;
   d->wire->fault = 1;

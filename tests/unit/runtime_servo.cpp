@@ -166,6 +166,32 @@ TEST(Servo, PressesAndEveryFaultOfTheInputTakesTheForceToZeroInTheSameTick) {
   }
 }
 
+// A source that believes its own numbers, as a device's input does not.
+TEST(Servo, NumbersThatAreNotFiniteAreNoFrozenDevice) {
+  struct NotFinite final : InputSource {
+    bool next(double, double, StepInput& input) noexcept override {
+      input.world_from_handle = {{std::nan(""), 0.1, 0.05}, {1, 0, 0, 0}};
+      input.valid = kInputValid;
+      return true;
+    }
+    void output(const Frame& frame) noexcept override { felt = frame.device_wrench; }
+    void silence() noexcept override {}
+    const DevicePlacement& placement() const override { return at_home; }
+    DevicePlacement at_home;
+    Wrench felt;
+  } input;
+  const auto sim = simulation();
+  const Pose hand{{0.1, 0.1, 0.05}, {1, 0, 0, 0}};
+  Servo servo(*sim, input, sim->registered(hand, hand), limits());
+  Frame frame;
+  for (int i = 0; i < 6; ++i) {
+    EXPECT_EQ(servo.output().trips(), 0u);
+    ASSERT_TRUE(servo.tick(frame));
+    EXPECT_EQ(input.felt.force_n, glm::dvec3(0));
+  }
+  EXPECT_EQ(servo.output().last_trip(), TripCause::kNotFinite);
+}
+
 TEST(Servo, ASingleLateReadingIsABlip) {
   Bench bench;
   bench.go_to(0.03);
