@@ -67,8 +67,9 @@ Result<std::vector<Vec3>> voxel_centers(const Part& part, double voxel_size_m, c
                         "use a larger voxel size"};
   if (part.largest_coordinate / voxel_size_m > kMostVoxels) return too_large;
   std::vector<Vec3> centers;
-  for (const auto& [corner, mask] : surface_bricks(part, voxel_size_m)) {
-    for_each_cell(mask, [&](std::int64_t x, std::int64_t y, std::int64_t z) {
+  for (const auto& brick : surface_bricks(part, voxel_size_m)) {
+    const auto& corner = brick.first;
+    for_each_cell(brick.second, [&](std::int64_t x, std::int64_t y, std::int64_t z) {
       centers.push_back(
           center_of({corner[0] + x, corner[1] + y, corner[2] + z}, voxel_size_m, center));
     });

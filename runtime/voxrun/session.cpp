@@ -298,8 +298,8 @@ Status check_output(const RunFacts& facts) {
                trouble.mend.empty() ? how_to_mend(facts.last_trip) : trouble.mend};
 }
 
-FrameSink progress_sink(const Options& options, const LoopOptions& loop, ProgressLine& line) {
-  return [&options, frames = loop.frames, &line](const Frame& frame) -> Status {
+FrameSink progress_sink(const LoopOptions& loop, ProgressLine& line) {
+  return [frames = loop.frames, &line](const Frame& frame) -> Status {
     if (frames) line.show("running", static_cast<double>(frame.number) / double(*frames));
     return {};
   };
@@ -317,7 +317,7 @@ Status run_frames(const Options& options, Session& session, std::atomic<int>& st
     events.see(frame);
     return {};
   });
-  sinks.push_back(progress_sink(options, loop, progress));
+  sinks.push_back(progress_sink(loop, progress));
   SpscRing<Frame> ring(kRingFrames);
   FrameSinks frame_sinks(ring, std::move(sinks), stop);
   const Voxmap& voxmap = session.simulation->voxmap();
