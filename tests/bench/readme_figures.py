@@ -350,8 +350,9 @@ CLAIMS = [
      "more than {target} for {missed}, where triangles cover few voxels; on a processor without AVX-512 older code took "
      "{before} times, which has not been measured again. At 128 voxels, where triangles are about as small as one, the command takes "
      "{coarse_command} times as long at 8 bits, while the bake alone misses that: {coarse} times, held to AVX2 {narrow_coarse}. "
-     "All this is of two cores of an AMD EPYC, a virtual machine that others use too; on another of that name, where programs "
-     "start faster and new memory costs less, older code took up to 3.6 times by the command, 4.7 alone and 5.7 held to AVX2. `vdb_tool`, which writes the same distances as floats, takes {vdb} "
+     "All this is of two cores of an AMD EPYC, a virtual machine that others use too; on two others of that name, where programs "
+     "start faster and new memory costs less, the command took up to 3.6 times as long, the bake alone up to 4.7 on one (older code; held to AVX2 5.7) "
+     "and 5.3 on the other (the engine at 512, the rest at most 4.6). `vdb_tool`, which writes the same distances as floats, takes {vdb} "
      "times as long as the bake of 8 bits, into a file {files} times as large.", wide),
     ("What a finer voxel costs and buys, on {scenes} scenes at 32 to 256 voxels across, each as one object. Finding the "
      "voxels that the mesh touches takes `meshToVolume` {volume} times, and `vtkVoxelModeller` {vtk} times, as long "
