@@ -198,7 +198,7 @@ LoopOptions loop_options(const Options& options, const Session& session,
   return loop;
 }
 
-// Once every other thread runs: the stack of a later one would count as locked, and be refused.
+// Once every other thread runs: the stack of a later one would count as locked, and may be refused.
 void make_real_time(const Options& options, Simulation& simulation,
                     std::vector<std::string>& warnings) {
   if (options.as_fast_as_possible) return;

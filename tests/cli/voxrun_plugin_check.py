@@ -132,7 +132,8 @@ def tripped(name, process, text):
 
 def device_fault(fault):
     happened = tripped(fault, start(fault, f"fault={fault} at=0.3"), FAULTS[fault])
-    assert "output armed" in happened, (fault, happened)
+    waited = happened[0].startswith("output waits")  # where the loop began in the hand's contact
+    assert happened[waited] == "output armed" and len(happened) == 2 + waited, (fault, happened)
     check_motors(fault, limit_s=STALE_S + SLACK_S)
 
 

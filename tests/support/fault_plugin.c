@@ -124,9 +124,7 @@ static int open_device(const char* arguments, forcelayer_plugin_info* info, void
     be_the_device(driver.wire, path);
   }
   driver.begin_s = now_s();
-  if (strstr(arguments, "below") != NULL) {
-    stay(&driver, driver.begin_s, 1);
-  }
+  if (strstr(arguments, "below") != NULL) stay(&driver, driver.begin_s, 1);
   driver.silent = strstr(arguments, "silent") != NULL;
   driver.no_pose = strstr(arguments, "no-pose") != NULL;
   const int old = strstr(arguments, "old-abi") != NULL;
