@@ -6,7 +6,7 @@
 #include <span>
 #include <string_view>
 
-#include "formats/mapped_file.h"
+#include "formats/file/mapped_file.h"
 #include "formats/pshell_format.h"
 #include "formats/result.h"
 #include "formats/voxmap.h"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "formats/atomic_file.h"
+#include "formats/file/atomic_file.h"
 
 namespace forcelayer {
 namespace {

@@ -11,8 +11,8 @@
 #include <string_view>
 #include <vector>
 
+#include "formats/file/mapped_file.h"
 #include "formats/file_format.h"
-#include "formats/mapped_file.h"
 #include "formats/result.h"
 
 namespace forcelayer {

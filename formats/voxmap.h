@@ -7,7 +7,7 @@
 #include <span>
 #include <string_view>
 
-#include "formats/mapped_file.h"
+#include "formats/file/mapped_file.h"
 #include "formats/result.h"
 #include "formats/voxmap_format.h"
 

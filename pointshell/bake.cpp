@@ -10,15 +10,15 @@
 #include <numeric>
 #include <optional>
 
-#include "pointshell/certificate.h"
-#include "pointshell/hidden_surface.h"
-#include "pointshell/hole_filling.h"
+#include "pointshell/certificate/certificate.h"
+#include "pointshell/certificate/hidden_surface.h"
+#include "pointshell/certificate/triangle_tree.h"
 #include "pointshell/mass_properties.h"
-#include "pointshell/normals.h"
+#include "pointshell/normals/normals.h"
 #include "pointshell/order.h"
 #include "pointshell/parallel.h"
-#include "pointshell/triangle_tree.h"
-#include "pointshell/voxel_centers.h"
+#include "pointshell/sample/hole_filling.h"
+#include "pointshell/sample/voxel_centers.h"
 #include "pointshell/weights.h"
 
 namespace forcelayer {

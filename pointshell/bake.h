@@ -8,9 +8,9 @@
 
 #include "formats/pshell_writer.h"
 #include "formats/result.h"
-#include "pointshell/covering_points.h"
-#include "pointshell/orientation.h"
+#include "pointshell/normals/orientation.h"
 #include "pointshell/part.h"
+#include "pointshell/sample/covering_points.h"
 
 namespace forcelayer {
 

@@ -6,10 +6,10 @@
 #include <cmath>
 #include <limits>
 
+#include "pointshell/certificate/triangle_tree.h"
 #include "pointshell/parallel.h"
-#include "pointshell/smallest_ball.h"
+#include "pointshell/sample/smallest_ball.h"
 #include "pointshell/stored_position.h"
-#include "pointshell/triangle_tree.h"
 
 namespace forcelayer {
 namespace {

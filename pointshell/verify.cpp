@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "pointshell/hidden_surface.h"
-#include "pointshell/orientation.h"
+#include "pointshell/certificate/hidden_surface.h"
+#include "pointshell/normals/orientation.h"
 
 namespace forcelayer {
 namespace {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "formats/pshell.h"
-#include "pointshell/certificate.h"
+#include "pointshell/certificate/certificate.h"
 #include "pointshell/part.h"
 
 namespace forcelayer {

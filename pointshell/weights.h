@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "pointshell/restricted_cells.h"
+#include "pointshell/sample/restricted_cells.h"
 #include "pointshell/vec3.h"
 
 namespace forcelayer {

@@ -26,22 +26,20 @@ fi
 for header in hwy glm gtest xxhash.h; do ln -sfn "/usr/include/$header" "$out/include/$header"; done
 
 say "compiling for ARM"  # with the option that runtime/CMakeLists.txt gives the kernels there
-runtime=(contact_query query_kernel query_workers block_skipper brick_memo level_bricks level_field
-         level_push distance_bricks distance_field distance_push force_field tangent_plane coupling real_time
-         step_arithmetic)
+runtime=(query/contact_query query/query_kernel query/query_workers query/block_skipper field/brick_memo
+         field/level_bricks field/level_field field/level_push field/distance_bricks field/distance_field
+         field/distance_push field/force_field field/tangent_plane coupling/coupling loop/real_time
+         model/step_arithmetic)
 tests=(property/runtime_contact_query property/runtime_query_variants property/runtime_level_field
        property/runtime_distance_field)
 {
   for name in "${runtime[@]}"; do echo "runtime/$name"; done
-  for file in "$root"/formats/*.cpp; do
-    name=$(basename "$file" .cpp)
-    [[ $name == voxinfo* ]] || echo "formats/$name"
-  done
+  (cd "$root" && ls formats/*.cpp formats/file/*.cpp) | sed 's/[.]cpp$//'
   for name in "${tests[@]}"; do echo "tests/$name"; done
 } >"$out/sources"
 (cd "$root" && xargs -P "$(nproc)" -I{} sh -c \
   'o="$1/objects/$(echo "$2" | tr / _).o"; [ "$o" -nt "$2.cpp" ] || aarch64-linux-gnu-g++ -std=c++20 -march=armv8-a+crypto -O2 -g0 \
-   -ffp-contract=off -Wall -Wno-psabi -DFORCELAYER_VERSION=\"neon\" -I. -isystem "$1/include" -c "$2.cpp" -o "$o"' \
+   -ffp-contract=off -Wall -Wno-psabi -DFORCELAYER_VERSION=\"neon\" -I. -Iruntime -isystem "$1/include" -c "$2.cpp" -o "$o"' \
   sh "$out" {} <"$out/sources")
 
 library="$out/system/usr/lib/aarch64-linux-gnu"

@@ -10,18 +10,18 @@
 #include <mutex>
 #include <thread>
 
-#include "voxelize/cavities.h"
+#include "voxelize/cache/node_memory.h"
+#include "voxelize/cache/part_cache.h"
 #include "voxelize/directory_limit.h"
-#include "voxelize/flood.h"
+#include "voxelize/distance/near_voxels.h"
+#include "voxelize/distance/offset.h"
+#include "voxelize/fill/cavities.h"
+#include "voxelize/fill/flood.h"
 #include "voxelize/memory_limit.h"
-#include "voxelize/near_voxels.h"
-#include "voxelize/node_memory.h"
-#include "voxelize/offset.h"
-#include "voxelize/part_cache.h"
 #include "voxelize/region.h"
-#include "voxelize/scan_conversion.h"
-#include "voxelize/snap.h"
-#include "voxelize/tree_builder.h"
+#include "voxelize/scan/scan_conversion.h"
+#include "voxelize/scan/snap.h"
+#include "voxelize/tree/tree_builder.h"
 
 namespace forcelayer {
 namespace {

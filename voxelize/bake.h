@@ -24,8 +24,8 @@
 #include "formats/mesh/voxel_overlap.h"
 #include "formats/result.h"
 #include "formats/voxmap_writer.h"
+#include "voxelize/cache/digest.h"
 #include "voxelize/compliance.h"
-#include "voxelize/digest.h"
 
 namespace forcelayer {
 

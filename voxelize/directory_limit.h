@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "formats/result.h"
-#include "voxelize/snap.h"
+#include "voxelize/scan/snap.h"
 
 namespace forcelayer {
 

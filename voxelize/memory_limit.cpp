@@ -7,7 +7,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "voxelize/mask_tree.h"
+#include "voxelize/masks/mask_tree.h"
 
 namespace forcelayer {
 namespace {

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "formats/result.h"
-#include "voxelize/snap.h"
+#include "voxelize/scan/snap.h"
 
 namespace forcelayer {
 

@@ -8,8 +8,8 @@
 #include <nlohmann/json.hpp>
 
 #include "voxelize/directory_limit.h"
-#include "voxelize/distance_scale.h"
-#include "voxelize/near_voxels.h"
+#include "voxelize/distance/distance_scale.h"
+#include "voxelize/distance/near_voxels.h"
 
 namespace forcelayer {
 namespace {
@@ -119,7 +119,7 @@ double standoff_voxels(const BakeOptions& options) {
 
 double narrowest_gap_voxels(const BakeOptions& options) {
   // Three voxels between two walls' interiors, of which the middle one is no force layer: there phi
-  // is 1/2, and the force has not yet begun (runtime/level_field.h).
+  // is 1/2, and the force has not yet begun (runtime/field/level_field.h).
   if (options.bits == 2 && grows_surface(options)) return 2 * interior_radius_voxels(options) + 3;
   return 2 * standoff_voxels(options) + 2;
 }

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "voxelize/snap.h"
+#include "voxelize/scan/snap.h"
 
 namespace forcelayer {
 

@@ -7,7 +7,7 @@
 
 #include "formats/mesh/scene.h"
 #include "voxelize/bake.h"
-#include "voxelize/mesh_source.h"
+#include "voxelize/cache/mesh_source.h"
 
 namespace forcelayer {
 

@@ -15,8 +15,8 @@
 #include <nlohmann/json.hpp>
 #include <string_view>
 
-#include "formats/atomic_file.h"
-#include "formats/temporary_files.h"
+#include "formats/file/atomic_file.h"
+#include "formats/file/temporary_files.h"
 
 namespace forcelayer {
 namespace {

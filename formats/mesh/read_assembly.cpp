@@ -4,7 +4,7 @@
 #include <cctype>
 #include <new>
 
-#include "formats/mapped_file.h"
+#include "formats/file/mapped_file.h"
 #include "formats/mesh/mesh.h"
 #include "formats/mesh/reader.h"
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "formats/mapped_file.h"
+#include "formats/file/mapped_file.h"
 #include "formats/mesh/mesh.h"
 #include "formats/result.h"
 

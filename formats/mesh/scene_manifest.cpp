@@ -9,7 +9,7 @@
 #include <string_view>
 
 #include "formats/command/quantity.h"
-#include "formats/mapped_file.h"
+#include "formats/file/mapped_file.h"
 
 namespace forcelayer {
 namespace {

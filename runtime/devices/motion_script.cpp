@@ -10,7 +10,7 @@
 #include <string_view>
 #include <system_error>
 
-#include "runtime/coupling.h"
+#include "runtime/coupling/coupling.h"
 
 namespace forcelayer {
 namespace {

@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <vector>
 
+#include "forcelayer/pose.h"
 #include "formats/result.h"
-#include "runtime/pose.h"
 
 namespace forcelayer {
 

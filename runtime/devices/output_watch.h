@@ -4,8 +4,8 @@
 
 #include <glm/vec3.hpp>
 
-#include "runtime/pose.h"
-#include "runtime/stale_limit.h"
+#include "forcelayer/pose.h"
+#include "forcelayer/stale_limit.h"
 
 namespace forcelayer {
 

@@ -1,9 +1,9 @@
 // The simulated device: a hand that follows a script, and feels nothing.
 #pragma once
 
-#include "runtime/devices/device.h"
+#include "forcelayer/device.h"
+#include "forcelayer/placement.h"
 #include "runtime/devices/motion_script.h"
-#include "runtime/placement.h"
 
 namespace forcelayer {
 

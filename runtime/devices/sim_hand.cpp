@@ -5,8 +5,8 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
-#include "runtime/coupling.h"
-#include "runtime/vectors.h"
+#include "runtime/coupling/coupling.h"
+#include "runtime/model/vectors.h"
 
 namespace forcelayer {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <array>
 
-#include "runtime/pose.h"
+#include "forcelayer/pose.h"
 
 namespace forcelayer {
 

@@ -1,10 +1,10 @@
 // The simulated device with a simulated hand on it: the hand follows a script, and feels the loop.
 #pragma once
 
-#include "runtime/devices/device.h"
+#include "forcelayer/device.h"
+#include "forcelayer/placement.h"
 #include "runtime/devices/motion_script.h"
 #include "runtime/devices/sim_hand.h"
-#include "runtime/placement.h"
 
 namespace forcelayer {
 

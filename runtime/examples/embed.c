@@ -6,7 +6,7 @@
 #include <string.h>
 #include <time.h>
 
-#include "runtime/forcelayer.h"
+#include "forcelayer/forcelayer.h"
 
 static const double kStart[7] = {0.1, 0.1, 0.06, 1, 0, 0, 0};
 

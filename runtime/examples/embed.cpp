@@ -7,10 +7,10 @@
 #include <glm/geometric.hpp>
 #include <thread>
 
-#include "runtime/baked_files.h"
-#include "runtime/callback_servo.h"
-#include "runtime/derive_parameters.h"
-#include "runtime/real_time.h"
+#include "runtime/loop/callback_servo.h"
+#include "runtime/loop/real_time.h"
+#include "runtime/run/baked_files.h"
+#include "runtime/run/derive_parameters.h"
 
 using namespace forcelayer;
 

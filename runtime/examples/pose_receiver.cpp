@@ -3,8 +3,8 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "runtime/pose_receiver.h"
-#include "runtime/real_time.h"
+#include "forcelayer/pose_receiver.h"
+#include "runtime/loop/real_time.h"
 
 int main(int argc, char** argv) {
   const int port = argc > 1 ? std::atoi(argv[1]) : 0;

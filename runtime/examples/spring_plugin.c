@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "forcelayer_plugin.h"
+#include "forcelayer/plugin.h"
 
 #define RATE_HZ 1000.0
 

@@ -4,11 +4,11 @@
 #include <optional>
 #include <string>
 
+#include "forcelayer/parameters.h"
+#include "forcelayer/pose.h"
 #include "formats/result.h"
-#include "runtime/parameters.h"
-#include "runtime/pose.h"
-#include "runtime/viewer/cut.h"
 #include "runtime/viewer/shown.h"
+#include "runtime/viewer/surface/cut.h"
 #include "runtime/viewer/view_scene.h"
 
 namespace CLI {

@@ -8,9 +8,9 @@
 
 #include "formats/result.h"
 #include "runtime/viewer/camera.h"
-#include "runtime/viewer/layer_change.h"
-#include "runtime/viewer/moment.h"
 #include "runtime/viewer/options.h"
+#include "runtime/viewer/run/moment.h"
+#include "runtime/viewer/surface/layer_change.h"
 #include "runtime/viewer/view_scene.h"
 
 namespace forcelayer {

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <utility>
 
-#include "runtime/devices/plugin_device.h"
+#include "runtime/devices/plugin/plugin_device.h"
 #include "runtime/devices/sim_device.h"
 #include "runtime/devices/sim_hand_device.h"
-#include "runtime/input_source.h"
-#include "runtime/real_time.h"
+#include "runtime/loop/input_source.h"
+#include "runtime/loop/real_time.h"
 
 namespace forcelayer::voxrun {
 namespace {

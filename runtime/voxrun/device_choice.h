@@ -4,9 +4,9 @@
 #include <memory>
 #include <optional>
 
+#include "forcelayer/device.h"
+#include "forcelayer/placement.h"
 #include "formats/result.h"
-#include "runtime/devices/device.h"
-#include "runtime/placement.h"
 #include "runtime/voxrun/options.h"
 
 namespace forcelayer::voxrun {

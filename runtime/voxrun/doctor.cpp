@@ -18,9 +18,9 @@
 #include <thread>
 
 #include "formats/command/command.h"
-#include "runtime/histogram.h"
-#include "runtime/query_kernel.h"
-#include "runtime/real_time.h"
+#include "runtime/loop/histogram.h"
+#include "runtime/loop/real_time.h"
+#include "runtime/query/query_kernel.h"
 
 namespace forcelayer::voxrun {
 namespace {

@@ -6,9 +6,9 @@
 #include <thread>
 #include <vector>
 
+#include "forcelayer/frame.h"
 #include "formats/result.h"
-#include "runtime/frame.h"
-#include "runtime/spsc_ring.h"
+#include "runtime/loop/spsc_ring.h"
 
 namespace forcelayer::voxrun {
 

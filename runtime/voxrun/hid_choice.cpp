@@ -2,7 +2,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "runtime/devices/hid_device.h"
+#include "runtime/devices/hid/hid_device.h"
 
 namespace forcelayer::voxrun {
 namespace {

@@ -4,9 +4,9 @@
 #include <memory>
 #include <string>
 
+#include "forcelayer/device.h"
 #include "formats/result.h"
-#include "runtime/devices/device.h"
-#include "runtime/devices/spacemouse.h"
+#include "runtime/devices/hid/spacemouse.h"
 
 namespace CLI {
 class App;

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "formats/command/quantity.h"
-#include "runtime/derive_parameters.h"
+#include "runtime/run/derive_parameters.h"
 
 namespace forcelayer::voxrun {
 namespace {

@@ -5,11 +5,11 @@
 #include <optional>
 #include <string>
 
+#include "forcelayer/parameters.h"
+#include "forcelayer/placement.h"
+#include "forcelayer/stale_limit.h"
 #include "formats/result.h"
-#include "runtime/parameters.h"
-#include "runtime/placement.h"
-#include "runtime/prefault.h"
-#include "runtime/stale_limit.h"
+#include "runtime/loop/prefault.h"
 #include "runtime/voxrun/hid_choice.h"
 
 namespace CLI {

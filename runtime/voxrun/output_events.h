@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "runtime/frame.h"
+#include "forcelayer/frame.h"
 
 namespace forcelayer::voxrun {
 

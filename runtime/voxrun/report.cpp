@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/command/command.h"
-#include "runtime/query_kernel.h"
+#include "runtime/query/query_kernel.h"
 
 namespace forcelayer::voxrun {
 namespace {

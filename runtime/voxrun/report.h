@@ -5,11 +5,11 @@
 #include <string>
 #include <vector>
 
-#include "runtime/derive_parameters.h"
-#include "runtime/devices/device.h"
-#include "runtime/loop.h"
-#include "runtime/separation.h"
-#include "runtime/simulation.h"
+#include "forcelayer/device.h"
+#include "runtime/loop/loop.h"
+#include "runtime/model/simulation.h"
+#include "runtime/run/derive_parameters.h"
+#include "runtime/run/separation.h"
 #include "runtime/voxrun/options.h"
 #include "runtime/voxrun/output_events.h"
 

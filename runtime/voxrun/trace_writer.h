@@ -3,10 +3,10 @@
 
 #include <string>
 
-#include "formats/atomic_file.h"
+#include "forcelayer/frame.h"
+#include "formats/file/atomic_file.h"
 #include "formats/result.h"
-#include "runtime/frame.h"
-#include "runtime/simulation.h"
+#include "runtime/model/simulation.h"
 
 namespace forcelayer::voxrun {
 

@@ -4,7 +4,7 @@ include(CMakePackageConfigHelpers)
 install(DIRECTORY formats runtime DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/forcelayer
         COMPONENT development
         FILES_MATCHING PATTERN "*.h" PATTERN "mesh" EXCLUDE PATTERN "command" EXCLUDE
-        PATTERN "viewer" EXCLUDE PATTERN "voxinfo*" EXCLUDE
+        PATTERN "viewer" EXCLUDE PATTERN "voxinfo" EXCLUDE
         # Inside formats/ only: what readers and writers share.
         REGEX "/formats/(section_table|field_check|voxmap_sections|pshell_sections|temporary_files)" EXCLUDE)
 install(FILES LICENSE README.md DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT development)

@@ -10,9 +10,9 @@
 #include <stdexcept>
 
 #include "tests/bench/bench_report.h"
-#include "voxelize/mask_tree.h"
-#include "voxelize/scan_conversion.h"
-#include "voxelize/snap.h"
+#include "voxelize/masks/mask_tree.h"
+#include "voxelize/scan/scan_conversion.h"
+#include "voxelize/scan/snap.h"
 
 namespace forcelayer::bench {
 namespace {

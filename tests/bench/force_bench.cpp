@@ -13,9 +13,9 @@
 #include <string>
 #include <vector>
 
-#include "runtime/distance_field.h"
-#include "runtime/level_field.h"
-#include "runtime/tangent_plane.h"
+#include "runtime/field/distance_field.h"
+#include "runtime/field/level_field.h"
+#include "runtime/field/tangent_plane.h"
 #include "tests/bench/bench_report.h"
 #include "tests/bench/force_bench_case.h"
 #include "tests/bench/force_bench_contacts.h"

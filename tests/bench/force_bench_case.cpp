@@ -7,10 +7,10 @@
 #include <glm/gtc/quaternion.hpp>
 #include <glm/matrix.hpp>
 
-#include "runtime/distance_field.h"
-#include "runtime/level_field.h"
-#include "runtime/surface_directions.h"
-#include "runtime/tangent_plane.h"
+#include "runtime/field/distance_field.h"
+#include "runtime/field/level_field.h"
+#include "runtime/field/surface_directions.h"
+#include "runtime/field/tangent_plane.h"
 #include "tests/bench/force_bench_contacts.h"
 #include "tests/support/curve_order.h"
 #include "tests/support/reference_level.h"

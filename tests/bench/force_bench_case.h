@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "runtime/contact_query.h"
-#include "runtime/force_field.h"
+#include "runtime/field/force_field.h"
+#include "runtime/query/contact_query.h"
 #include "tests/bench/force_bench_fit.h"
 #include "tests/bench/force_bench_scene.h"
 #include "tests/bench/force_bench_shell.h"
@@ -38,18 +38,18 @@ enum class Method {
   kTrilinear,             // of the eight nearest levels, along the normal
   kBSpline,               // quadratic, of 27 levels, along the normal
   kSlopeOnly,             // the level field's phi, along its slope everywhere
-  kLevel,                 // runtime/level_field.h, as voxrun uses it
+  kLevel,                 // runtime/field/level_field.h, as voxrun uses it
   kContacts,              // the level field as the default model uses it: directions averaged
   kDistance,              // trilinear float distance to the exact surface, along its gradient
   kStandoff,              // exact, but each wall as far off as the map's layers hold it
   // In maps of other kinds.
   kEuclideanLevel,     // the level field in Euclidean layers
   kEuclideanContacts,  // ... with averaged directions
-  kDistance4,          // runtime/distance_field.h at 4 bits
+  kDistance4,          // runtime/field/distance_field.h at 4 bits
   kNearest8,           // nearest voxel of 8 bits and tangent plane
   kNormal8,            // trilinear depth of 8 bits, along the part's normal
   kCellSlope8,         // the same along the slope of that interpolation, which jumps between cells
-  kDistance8,          // runtime/distance_field.h at 8 bits
+  kDistance8,          // runtime/field/distance_field.h at 8 bits
 };
 VoxelKind kind_of(Method method);
 inline constexpr Method kMethods[] = {Method::kTangentPlane,      Method::kTangentPlaneAveraged,

@@ -7,7 +7,7 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
-#include "runtime/pose.h"
+#include "forcelayer/pose.h"
 
 namespace forcelayer::bench {
 

@@ -2,7 +2,7 @@
 
 #include <glm/geometric.hpp>
 
-#include "runtime/surface_directions.h"
+#include "runtime/field/surface_directions.h"
 #include "tests/support/curve_order.h"
 #include "tests/support/point_part.h"
 

@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "formats/pshell.h"
-#include "runtime/contact_query.h"
-#include "runtime/contact_set.h"
-#include "runtime/force_field.h"
+#include "runtime/field/contact_set.h"
+#include "runtime/field/force_field.h"
+#include "runtime/query/contact_query.h"
 #include "tests/bench/force_bench_shell.h"
 
 namespace forcelayer::bench {

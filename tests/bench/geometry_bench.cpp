@@ -25,8 +25,8 @@
 #include "tests/bench/geometry_bench_voxels.h"
 #include "tests/support/reference_bake.h"
 #include "voxelize/bake.h"
-#include "voxelize/scan_conversion.h"
-#include "voxelize/snap.h"
+#include "voxelize/scan/scan_conversion.h"
+#include "voxelize/scan/snap.h"
 
 namespace forcelayer::bench {
 namespace {

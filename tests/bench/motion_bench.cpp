@@ -7,7 +7,7 @@
 #include <functional>
 #include <glm/geometric.hpp>
 
-#include "runtime/rigid_body.h"
+#include "runtime/model/rigid_body.h"
 #include "tests/bench/bench_report.h"
 #include "tests/support/motion_bench.h"
 

@@ -16,8 +16,8 @@
 #include <emmintrin.h>
 #endif
 
-#include "runtime/contact_query.h"
-#include "runtime/query_kernel.h"
+#include "runtime/query/contact_query.h"
+#include "runtime/query/query_kernel.h"
 #include "tests/bench/bench_report.h"
 #include "tests/bench/query_bench_fcl.h"
 #include "tests/bench/query_bench_openvdb.h"

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <memory>
 
+#include "forcelayer/pose.h"
 #include "formats/mesh/mesh.h"
-#include "runtime/pose.h"
 
 namespace forcelayer::bench {
 

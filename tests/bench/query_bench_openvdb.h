@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "formats/mesh/mesh.h"
-#include "runtime/contact_query.h"
+#include "runtime/query/contact_query.h"
 
 namespace forcelayer::bench {
 

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
+#include "forcelayer/pose.h"
 #include "formats/mesh/mesh.h"
 #include "formats/pshell.h"
-#include "runtime/pose.h"
 
 namespace forcelayer::bench {
 

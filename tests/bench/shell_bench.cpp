@@ -19,9 +19,9 @@
 
 #include "formats/pshell.h"
 #include "pointshell/bake.h"
+#include "pointshell/certificate/triangle_tree.h"
 #include "pointshell/part_files.h"
 #include "pointshell/report.h"
-#include "pointshell/triangle_tree.h"
 #include "tests/bench/bench_report.h"
 #include "tests/bench/process_run.h"
 #include "tests/bench/shell_bench_shapes.h"

@@ -16,7 +16,7 @@
 
 #include "formats/pshell.h"
 #include "formats/voxmap.h"
-#include "runtime/contact_query.h"
+#include "runtime/query/contact_query.h"
 #include "tests/bench/bench_report.h"
 
 namespace forcelayer::bench {

@@ -5,12 +5,12 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
-#include "runtime/coupling.h"
+#include "forcelayer/placement.h"
+#include "runtime/coupling/coupling.h"
 #include "runtime/devices/sim_hand_device.h"
-#include "runtime/handle_velocity.h"
-#include "runtime/output_stage.h"
-#include "runtime/placement.h"
-#include "runtime/stability.h"
+#include "runtime/loop/handle_velocity.h"
+#include "runtime/loop/output_stage.h"
+#include "runtime/run/stability.h"
 #include "tests/bench/stability_bench.h"
 #include "tests/stress/cases.h"
 #include "tests/stress/shapes.h"

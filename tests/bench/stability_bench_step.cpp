@@ -4,11 +4,11 @@
 #include <cmath>
 #include <cstdio>
 
-#include "runtime/default_model.h"
-#include "runtime/field_probe.h"
-#include "runtime/force_field.h"
-#include "runtime/handle_velocity.h"
-#include "runtime/simulation.h"
+#include "runtime/field/field_probe.h"
+#include "runtime/field/force_field.h"
+#include "runtime/loop/handle_velocity.h"
+#include "runtime/model/default_model.h"
+#include "runtime/model/simulation.h"
 #include "tests/bench/bench_report.h"
 #include "tests/bench/stability_bench.h"
 #include "tests/stress/shapes.h"

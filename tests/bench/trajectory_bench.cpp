@@ -11,8 +11,8 @@
 #include <functional>
 #include <glm/geometric.hpp>
 
-#include "runtime/coupling.h"
-#include "runtime/handle_velocity.h"
+#include "runtime/coupling/coupling.h"
+#include "runtime/loop/handle_velocity.h"
 #include "tests/bench/bench_report.h"
 #include "tests/stress/cases.h"
 

@@ -15,8 +15,8 @@
 #include <map>
 #include <optional>
 
-#include "runtime/level_field.h"
-#include "runtime/tangent_plane.h"
+#include "runtime/field/level_field.h"
+#include "runtime/field/tangent_plane.h"
 #include "tests/bench/bench_report.h"
 #include "tests/bench/force_bench_contacts.h"
 #include "tests/bench/force_bench_frame.h"

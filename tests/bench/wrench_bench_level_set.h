@@ -4,7 +4,7 @@
 
 #include <openvdb/openvdb.h>
 
-#include "runtime/pose.h"
+#include "forcelayer/pose.h"
 #include "tests/bench/force_bench_shell.h"
 
 namespace forcelayer::bench {

@@ -10,11 +10,11 @@
 #include <string>
 #include <vector>
 
+#include "forcelayer/pose.h"
 #include "formats/mesh/mesh.h"
 #include "formats/pshell.h"
 #include "formats/voxmap.h"
-#include "pointshell/triangle_tree.h"
-#include "runtime/pose.h"
+#include "pointshell/certificate/triangle_tree.h"
 #include "tests/bench/force_bench_fit.h"
 #include "tests/bench/force_bench_shell.h"
 #include "tests/stress/baked.h"

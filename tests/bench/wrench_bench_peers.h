@@ -4,8 +4,8 @@
 
 #include <memory>
 
+#include "forcelayer/pose.h"
 #include "formats/mesh/mesh.h"
-#include "runtime/pose.h"
 
 namespace forcelayer::bench {
 

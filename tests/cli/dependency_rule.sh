@@ -16,7 +16,7 @@ sources() { find "$@" \( -name '*.h' -o -name '*.cpp' -o -name '*.c' \) ; }
 
 mapfile -t runtime < <(sources runtime -not -path 'runtime/viewer/*')
 mapfile -t formats < <(sources formats -not -path 'formats/mesh/*' -not -path 'formats/command/*' \
-                       -not -name 'voxinfo*')
+                       -not -path 'formats/voxinfo/*')
 mapfile -t voxelize < <(sources voxelize)
 mapfile -t pointshell < <(sources pointshell)
 [ ${#runtime[@]} -gt 5 ] && [ ${#formats[@]} -gt 5 ] && [ ${#voxelize[@]} -gt 3 ] &&

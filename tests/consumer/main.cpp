@@ -3,7 +3,7 @@
 
 #include "formats/pshell.h"
 #include "formats/voxmap.h"
-#include "runtime/contact_query.h"
+#include "runtime/query/contact_query.h"
 
 int main(int argc, char** argv) {
   if (argc != 3) {

@@ -3,10 +3,10 @@
 #include <filesystem>
 #include <iostream>
 
-#include "formats/mapped_file.h"
-#include "runtime/devices/firmware/haptic_firmware.h"
-#include "runtime/devices/hid_haptic_report.h"
-#include "runtime/pose_datagram.h"
+#include "forcelayer/pose_datagram.h"
+#include "formats/file/mapped_file.h"
+#include "runtime/devices/hid/firmware/haptic_firmware.h"
+#include "runtime/devices/hid/hid_haptic_report.h"
 #include "tests/support/draco_files.h"
 #include "tests/support/hid_descriptors.h"
 #include "tests/support/mesh_files.h"

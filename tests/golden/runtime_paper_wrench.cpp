@@ -7,7 +7,7 @@
 
 #include <cstring>
 
-#include "runtime/simulation.h"
+#include "runtime/model/simulation.h"
 #include "tests/support/point_part.h"
 #include "tests/support/voxel_scene.h"
 

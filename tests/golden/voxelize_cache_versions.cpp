@@ -1,5 +1,5 @@
 // What goes into a cache, by digest: fails where an algorithm's output has changed and its version
-// in voxelize/cache_versions.h has not, since old entries would then be taken for new ones.
+// in voxelize/cache/cache_versions.h has not, since old entries would then be taken for new ones.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -8,9 +8,9 @@
 #include "formats/mesh/mesh_facts.h"
 #include "formats/mesh/scene.h"
 #include "tests/support/baked_scene.h"
-#include "voxelize/cache_versions.h"
-#include "voxelize/digest.h"
-#include "voxelize/mesh_source.h"
+#include "voxelize/cache/cache_versions.h"
+#include "voxelize/cache/digest.h"
+#include "voxelize/cache/mesh_source.h"
 
 namespace forcelayer {
 namespace {
@@ -37,7 +37,7 @@ void expect_golden(const std::string& stage, std::uint64_t version, const Digest
     if (golden.stage != stage || golden.version != version) continue;
     EXPECT_EQ(found.hex(), golden.digest)
         << "the " << stage << " stage gives something else than version " << version
-        << " did: raise its version in voxelize/cache_versions.h, and add a line here";
+        << " did: raise its version in voxelize/cache/cache_versions.h, and add a line here";
     return;
   }
   ADD_FAILURE() << "add {\"" << stage << "\", " << version << ", \"" << found.hex()

@@ -4,8 +4,8 @@
 
 #include <glm/geometric.hpp>
 
-#include "runtime/devices/hid_device.h"
-#include "runtime/devices/spacemouse.h"
+#include "runtime/devices/hid/hid_device.h"
+#include "runtime/devices/hid/spacemouse.h"
 #include "tests/hid_vm/uhid_device.h"
 #include "tests/support/hid_descriptors.h"
 

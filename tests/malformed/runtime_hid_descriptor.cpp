@@ -1,9 +1,9 @@
 // Report descriptors from devices that are not trusted: fields or an error, never more.
 #include <gtest/gtest.h>
 
-#include "runtime/devices/firmware/haptic_firmware.h"
-#include "runtime/devices/hid_report_descriptor.h"
-#include "runtime/devices/spacemouse_layout.h"
+#include "runtime/devices/hid/firmware/haptic_firmware.h"
+#include "runtime/devices/hid/hid_report_descriptor.h"
+#include "runtime/devices/hid/spacemouse_layout.h"
 #include "tests/support/hid_descriptors.h"
 #include "tests/support/random_scenes.h"
 

@@ -1,14 +1,14 @@
 // Recordings: there and back, bit for bit; and everything that a broken file can be.
-#include "runtime/recording.h"
+#include "runtime/stream/recording.h"
 
 #include <gtest/gtest.h>
 
 #include <cstring>
 #include <fstream>
 
-#include "runtime/derive_parameters.h"
 #include "runtime/devices/sim_device.h"
-#include "runtime/loop.h"
+#include "runtime/loop/loop.h"
+#include "runtime/run/derive_parameters.h"
 #include "tests/support/address_limit.h"
 #include "tests/support/random_scenes.h"
 #include "tests/support/scratch_folder.h"

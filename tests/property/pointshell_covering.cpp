@@ -4,9 +4,9 @@
 #include <cstdlib>
 
 #include "pointshell/bake.h"
-#include "pointshell/certificate.h"
-#include "pointshell/point_grid.h"
+#include "pointshell/certificate/certificate.h"
 #include "pointshell/report.h"
+#include "pointshell/sample/point_grid.h"
 #include "tests/support/part_support.h"
 #include "tests/support/stored_shell.h"
 

@@ -4,10 +4,10 @@
 #include <functional>
 
 #include "pointshell/bake.h"
-#include "pointshell/hidden_surface.h"
-#include "pointshell/orientation.h"
-#include "pointshell/point_grid.h"
+#include "pointshell/certificate/hidden_surface.h"
+#include "pointshell/normals/orientation.h"
 #include "pointshell/report.h"
+#include "pointshell/sample/point_grid.h"
 #include "pointshell/verify.h"
 #include "tests/support/part_support.h"
 #include "tests/support/stored_shell.h"

@@ -4,10 +4,10 @@
 #include <cstring>
 
 #include "pointshell/bake.h"
-#include "pointshell/normals.h"
-#include "pointshell/point_grid.h"
+#include "pointshell/normals/normals.h"
+#include "pointshell/normals/winding_number.h"
+#include "pointshell/sample/point_grid.h"
 #include "pointshell/weights.h"
-#include "pointshell/winding_number.h"
 #include "tests/support/part_support.h"
 
 namespace forcelayer {

@@ -7,7 +7,7 @@
 
 #include "pointshell/bake.h"
 #include "pointshell/part_files.h"
-#include "pointshell/point_grid.h"
+#include "pointshell/sample/point_grid.h"
 #include "tests/support/mesh_files.h"
 #include "tests/support/part_support.h"
 #include "tests/support/scratch_folder.h"

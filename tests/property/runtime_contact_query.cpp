@@ -1,7 +1,7 @@
 // The contact query against its slow twins.
 #include <gtest/gtest.h>
 
-#include "runtime/contact_query.h"
+#include "runtime/query/contact_query.h"
 #include "tests/support/random_scenes.h"
 #include "tests/support/reference_query.h"
 

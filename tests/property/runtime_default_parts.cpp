@@ -7,13 +7,13 @@
 #include <glm/gtc/quaternion.hpp>
 #include <glm/matrix.hpp>
 
-#include "runtime/contact_force.h"
-#include "runtime/coupling_angle.h"
-#include "runtime/handle_velocity.h"
-#include "runtime/motion_allowance.h"
-#include "runtime/passivity.h"
-#include "runtime/principal_inertia.h"
-#include "runtime/rigid_body.h"
+#include "runtime/coupling/coupling_angle.h"
+#include "runtime/coupling/passivity.h"
+#include "runtime/loop/handle_velocity.h"
+#include "runtime/model/contact_force.h"
+#include "runtime/model/motion_allowance.h"
+#include "runtime/model/principal_inertia.h"
+#include "runtime/model/rigid_body.h"
 #include "tests/support/distance_scene.h"
 #include "tests/support/motion_bench.h"
 

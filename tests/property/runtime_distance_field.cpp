@@ -1,6 +1,6 @@
 // The distance field: bit for bit its scalar twin; exact in front of walls; pushes only in values 1
 // and 2; leads out from inside; nearest voxel and tangent plane beside it.
-#include "runtime/distance_field.h"
+#include "runtime/field/distance_field.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
 
-#include "runtime/tangent_plane.h"
+#include "runtime/field/tangent_plane.h"
 #include "tests/support/distance_scene.h"
 #include "tests/support/every_target.h"
 #include "tests/support/random_scenes.h"

@@ -5,8 +5,8 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
-#include "runtime/devices/hid_haptic_report.h"
-#include "runtime/devices/hid_report_descriptor.h"
+#include "runtime/devices/hid/hid_haptic_report.h"
+#include "runtime/devices/hid/hid_report_descriptor.h"
 #include "tests/support/random_scenes.h"
 #include "tests/support/virtual_haptic_device.h"
 

@@ -1,7 +1,7 @@
 // The level field: bit for bit its scalar twin, which is its definition; pushes near the interior
 // alone, with Euclidean layers from one height off every plane; continuous; never attracts a thin
 // sheet or wire.
-#include "runtime/level_field.h"
+#include "runtime/field/level_field.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include <glm/gtc/quaternion.hpp>
 #include <map>
 
-#include "runtime/tangent_plane.h"
+#include "runtime/field/tangent_plane.h"
 #include "tests/support/every_target.h"
 #include "tests/support/random_scenes.h"
 #include "tests/support/reference_level.h"

@@ -1,8 +1,8 @@
 // The paper's model against its double-precision brute-force twin, along random motions.
 #include <gtest/gtest.h>
 
-#include "runtime/derive_parameters.h"
-#include "runtime/simulation.h"
+#include "runtime/model/simulation.h"
+#include "runtime/run/derive_parameters.h"
 #include "tests/support/random_scenes.h"
 #include "tests/support/reference_step.h"
 

@@ -6,8 +6,8 @@
 #include <glm/gtc/quaternion.hpp>
 #include <set>
 
-#include "runtime/contact_query.h"
-#include "runtime/coupling.h"
+#include "runtime/coupling/coupling.h"
+#include "runtime/query/contact_query.h"
 #include "tests/support/random_scenes.h"
 
 namespace forcelayer::test {

@@ -1,5 +1,5 @@
 // Averaged directions: bit for bit their scalar twin, whatever the width of vectors.
-#include "runtime/surface_directions.h"
+#include "runtime/field/surface_directions.h"
 
 #include <gtest/gtest.h>
 #include <hwy/targets.h>

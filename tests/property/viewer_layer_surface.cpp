@@ -6,8 +6,8 @@
 #include <set>
 #include <tuple>
 
-#include "runtime/viewer/coarse_layers.h"
-#include "runtime/viewer/layer_surface.h"
+#include "runtime/viewer/surface/coarse_layers.h"
+#include "runtime/viewer/surface/layer_surface.h"
 #include "tests/support/dense_voxmap.h"
 
 namespace forcelayer::testing {

@@ -22,8 +22,8 @@
 #include <shared_mutex>
 #include <utility>
 
-#include "runtime/derive_parameters.h"
-#include "runtime/servo.h"
+#include "runtime/loop/servo.h"
+#include "runtime/run/derive_parameters.h"
 #include "tests/support/random_scenes.h"
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)

@@ -8,7 +8,7 @@
 #include <random>
 #include <stdexcept>
 
-#include "runtime/coupling.h"
+#include "runtime/coupling/coupling.h"
 #include "tests/stress/collisions.h"
 #include "tests/stress/shapes.h"
 

@@ -8,8 +8,8 @@
 #include <stdexcept>
 
 #include "formats/mesh/scene.h"
-#include "runtime/contact_query.h"
-#include "runtime/coupling.h"
+#include "runtime/coupling/coupling.h"
+#include "runtime/query/contact_query.h"
 #include "tests/stress/shapes.h"
 
 namespace forcelayer::stress {

@@ -7,7 +7,7 @@
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
 
-#include "runtime/coupling.h"
+#include "runtime/coupling/coupling.h"
 #include "tests/support/fcl_model.h"
 
 namespace forcelayer::stress {

@@ -4,11 +4,11 @@
 #include <glm/gtc/quaternion.hpp>
 #include <stdexcept>
 
-#include "runtime/contact_force.h"
-#include "runtime/coupling.h"
-#include "runtime/field_probe.h"
-#include "runtime/force_field.h"
-#include "runtime/virtual_coupling.h"
+#include "runtime/coupling/coupling.h"
+#include "runtime/coupling/virtual_coupling.h"
+#include "runtime/field/field_probe.h"
+#include "runtime/field/force_field.h"
+#include "runtime/model/contact_force.h"
 
 namespace forcelayer::stress {
 namespace {

@@ -2,7 +2,7 @@
 // energy, found by trying motions and nothing else.
 #pragma once
 
-#include "runtime/simulation.h"
+#include "runtime/model/simulation.h"
 
 namespace forcelayer::stress {
 

@@ -9,8 +9,8 @@
 #include <glm/gtc/quaternion.hpp>
 #include <random>
 
-#include "runtime/forcelayer.h"
-#include "runtime/outcome_hash.h"
+#include "forcelayer/forcelayer.h"
+#include "runtime/model/outcome_hash.h"
 #include "tests/support/motion_bench.h"
 #include "tests/support/point_part.h"
 #include "tests/support/scratch_folder.h"

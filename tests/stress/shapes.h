@@ -5,8 +5,8 @@
 #include <glm/vec2.hpp>
 #include <vector>
 
+#include "forcelayer/pose.h"
 #include "formats/mesh/mesh.h"
-#include "runtime/pose.h"
 
 namespace forcelayer::stress {
 

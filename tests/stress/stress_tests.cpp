@@ -11,7 +11,7 @@
 #include <string>
 #include <tuple>
 
-#include "runtime/coupling.h"
+#include "runtime/coupling/coupling.h"
 #include "tests/stress/cases.h"
 #include "tests/stress/exact_distance.h"
 #include "tests/stress/shapes.h"

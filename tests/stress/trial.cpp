@@ -6,11 +6,11 @@
 #include <glm/gtc/quaternion.hpp>
 #include <stdexcept>
 
-#include "runtime/coupling.h"
-#include "runtime/handle_velocity.h"
-#include "runtime/output_stage.h"
-#include "runtime/placement.h"
-#include "runtime/separation.h"
+#include "forcelayer/placement.h"
+#include "runtime/coupling/coupling.h"
+#include "runtime/loop/handle_velocity.h"
+#include "runtime/loop/output_stage.h"
+#include "runtime/run/separation.h"
 #include "tests/stress/exact_distance.h"
 #include "tests/stress/rest_place.h"
 

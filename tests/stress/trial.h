@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "runtime/derive_parameters.h"
 #include "runtime/devices/sim_hand.h"
-#include "runtime/simulation.h"
+#include "runtime/model/simulation.h"
+#include "runtime/run/derive_parameters.h"
 #include "tests/stress/baked.h"
 
 namespace forcelayer::stress {

@@ -11,7 +11,7 @@
 #include <mutex>
 #include <thread>
 
-#include "runtime/devices/hid_port.h"
+#include "runtime/devices/hid/hid_port.h"
 #include "tests/support/virtual_haptic_device.h"
 
 namespace forcelayer::test {

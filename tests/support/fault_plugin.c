@@ -25,7 +25,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "forcelayer_plugin.h"
+#include "forcelayer/plugin.h"
 
 struct wire { /* between driver and device */
   volatile double force_z_n;

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "formats/atomic_file.h"
-#include "formats/mapped_file.h"
+#include "formats/file/atomic_file.h"
+#include "formats/file/mapped_file.h"
 
 namespace forcelayer::testing {
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "formats/mapped_file.h"
+#include "formats/file/mapped_file.h"
 #include "tests/support/dense_voxmap.h"
 #include "tests/support/make_pshell.h"
 

@@ -8,9 +8,9 @@
 #include <stdexcept>
 #include <string>
 
-#include "runtime/coupling.h"
-#include "runtime/derive_parameters.h"
-#include "runtime/simulation.h"
+#include "runtime/coupling/coupling.h"
+#include "runtime/model/simulation.h"
+#include "runtime/run/derive_parameters.h"
 #include "tests/support/shape_scene.h"
 
 namespace forcelayer::test {

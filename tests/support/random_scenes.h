@@ -5,7 +5,7 @@
 #include <glm/gtc/quaternion.hpp>
 #include <random>
 
-#include "runtime/step.h"
+#include "forcelayer/step.h"
 #include "tests/support/point_part.h"
 #include "tests/support/voxel_scene.h"
 

@@ -1,5 +1,5 @@
-// Slow twins of the level field (runtime/level_field.h). `float_push` follows its arithmetic word
-// by word on the dense scene, without tree or vectors; `exact_levels` is its definition as a
+// Slow twins of the level field (runtime/field/level_field.h). `float_push` follows its arithmetic
+// word by word on the dense scene, without tree or vectors; `exact_levels` is its definition as a
 // weighted sum over 27 voxels, in double precision.
 #pragma once
 
@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <glm/vec3.hpp>
 
-#include "runtime/contact_query.h"
+#include "runtime/query/contact_query.h"
 #include "tests/support/voxel_scene.h"
 
 namespace forcelayer::test {

@@ -6,7 +6,7 @@
 #include <glm/gtc/quaternion.hpp>
 #include <vector>
 
-#include "runtime/pose.h"
+#include "forcelayer/pose.h"
 #include "tests/support/point_part.h"
 #include "tests/support/voxel_scene.h"
 

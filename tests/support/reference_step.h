@@ -1,12 +1,12 @@
 // The paper's model in double precision, by brute force over every point, written from the paper
-// and not from runtime/paper_model.cpp.
+// and not from runtime/model/paper_model.cpp.
 #pragma once
 
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
 
-#include "runtime/parameters.h"
-#include "runtime/step.h"
+#include "forcelayer/parameters.h"
+#include "forcelayer/step.h"
 #include "tests/support/reference_query.h"
 
 namespace forcelayer::test {

@@ -10,9 +10,9 @@
 #include <span>
 #include <vector>
 
-#include "runtime/devices/firmware/haptic_firmware.h"
-#include "runtime/pose.h"
-#include "runtime/real_time.h"
+#include "forcelayer/pose.h"
+#include "runtime/devices/hid/firmware/haptic_firmware.h"
+#include "runtime/loop/real_time.h"
 
 namespace forcelayer::test {
 

@@ -1,5 +1,5 @@
 // Old bytes or all the new ones.
-#include "formats/atomic_file.h"
+#include "formats/file/atomic_file.h"
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -9,7 +9,7 @@
 #include <sstream>
 #include <string_view>
 
-#include "formats/mapped_file.h"
+#include "formats/file/mapped_file.h"
 #include "tests/support/scratch_folder.h"
 
 namespace forcelayer::testing {

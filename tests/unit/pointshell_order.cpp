@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <random>
 
-#include "pointshell/smallest_ball.h"
+#include "pointshell/sample/smallest_ball.h"
 #include "pointshell/stored_position.h"
 
 namespace forcelayer {

@@ -1,4 +1,4 @@
-#include "pointshell/orientation.h"
+#include "pointshell/normals/orientation.h"
 
 #include <gtest/gtest.h>
 

@@ -10,9 +10,9 @@
 #include <limits>
 #include <thread>
 
-#include "runtime/coupling.h"
-#include "runtime/forcelayer.h"
-#include "runtime/real_time.h"
+#include "forcelayer/forcelayer.h"
+#include "runtime/coupling/coupling.h"
+#include "runtime/loop/real_time.h"
 #include "tests/support/random_scenes.h"
 #include "tests/support/scratch_folder.h"
 

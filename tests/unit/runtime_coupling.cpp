@@ -1,5 +1,5 @@
 // Rotation vectors and the virtual coupling's target.
-#include "runtime/coupling.h"
+#include "runtime/coupling/coupling.h"
 
 #include <gtest/gtest.h>
 

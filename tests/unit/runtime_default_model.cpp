@@ -1,6 +1,6 @@
 // The default model on cases with a known answer: free space, press, thin wall, start inside, bad
 // input, replay.
-#include "runtime/default_model.h"
+#include "runtime/model/default_model.h"
 
 #include <gtest/gtest.h>
 

@@ -5,10 +5,10 @@
 #include <fstream>
 #include <glm/geometric.hpp>
 
-#include "runtime/coupling.h"
+#include "runtime/coupling/coupling.h"
 #include "runtime/devices/sim_device.h"
-#include "runtime/handle_velocity.h"
-#include "runtime/input_source.h"
+#include "runtime/loop/handle_velocity.h"
+#include "runtime/loop/input_source.h"
 #include "tests/support/address_limit.h"
 #include "tests/support/random_scenes.h"
 #include "tests/support/scratch_folder.h"

@@ -1,5 +1,5 @@
 // Force over depth in scenes with a soft covering: the curve, and what a part feels of it.
-#include "runtime/force_curve.h"
+#include "runtime/field/force_curve.h"
 
 #include <gtest/gtest.h>
 

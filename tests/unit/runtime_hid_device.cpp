@@ -6,7 +6,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "runtime/devices/hid_device.h"
+#include "runtime/devices/hid/hid_device.h"
 #include "tests/support/fake_hid_bus.h"
 
 namespace forcelayer::test {

@@ -1,5 +1,5 @@
 // Histograms of durations, and the ring between threads.
-#include "runtime/histogram.h"
+#include "runtime/loop/histogram.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <thread>
 #include <vector>
 
-#include "runtime/spsc_ring.h"
+#include "runtime/loop/spsc_ring.h"
 
 namespace forcelayer::test {
 namespace {

@@ -1,11 +1,11 @@
 // The level field where its values can be worked out by hand, and what it refuses.
-#include "runtime/level_field.h"
+#include "runtime/field/level_field.h"
 
 #include <gtest/gtest.h>
 
 #include <functional>
 
-#include "runtime/simulation.h"
+#include "runtime/model/simulation.h"
 #include "tests/support/point_part.h"
 #include "tests/support/reference_level.h"
 

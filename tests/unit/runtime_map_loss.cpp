@@ -1,5 +1,5 @@
 // Files that vanish, are cut short or are written to while they are mapped.
-#include "runtime/map_loss.h"
+#include "runtime/loop/map_loss.h"
 
 #include <gtest/gtest.h>
 #include <sys/mman.h>
@@ -11,10 +11,10 @@
 #include <functional>
 #include <thread>
 
-#include "runtime/baked_files.h"
-#include "runtime/derive_parameters.h"
 #include "runtime/devices/sim_device.h"
-#include "runtime/loop.h"
+#include "runtime/loop/loop.h"
+#include "runtime/run/baked_files.h"
+#include "runtime/run/derive_parameters.h"
 #include "tests/support/point_part.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/voxel_scene.h"

@@ -1,5 +1,5 @@
 // Arming, limits and failing of the output.
-#include "runtime/output_stage.h"
+#include "runtime/loop/output_stage.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // The paper's model on cases that can be worked out by hand.
-#include "runtime/paper_model.h"
+#include "runtime/model/paper_model.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
-#include "runtime/derive_parameters.h"
+#include "runtime/run/derive_parameters.h"
 #include "tests/support/point_part.h"
 #include "tests/support/voxel_scene.h"
 

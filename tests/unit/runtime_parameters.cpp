@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "runtime/derive_parameters.h"
-#include "runtime/stability.h"
+#include "runtime/run/derive_parameters.h"
+#include "runtime/run/stability.h"
 #include "tests/support/distance_scene.h"
 #include "tests/support/point_part.h"
 #include "tests/support/voxel_scene.h"

@@ -9,9 +9,9 @@
 #include <thread>
 #include <tuple>
 
-#include "runtime/derive_parameters.h"
-#include "runtime/pose_receiver.h"
-#include "runtime/pose_sender.h"
+#include "forcelayer/pose_receiver.h"
+#include "runtime/run/derive_parameters.h"
+#include "runtime/stream/pose_sender.h"
 #include "tests/support/random_scenes.h"
 
 namespace forcelayer::test {

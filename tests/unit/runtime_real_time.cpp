@@ -1,5 +1,5 @@
 // Real-time priority for the threads that help the loop.
-#include "runtime/real_time.h"
+#include "runtime/loop/real_time.h"
 
 #include <gtest/gtest.h>
 #include <sched.h>
@@ -9,7 +9,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "runtime/query_workers.h"
+#include "runtime/query/query_workers.h"
 
 namespace forcelayer::test {
 namespace {

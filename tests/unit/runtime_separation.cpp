@@ -1,5 +1,5 @@
 // The separation guarantee's arithmetic.
-#include "runtime/separation.h"
+#include "runtime/run/separation.h"
 
 #include <gtest/gtest.h>
 

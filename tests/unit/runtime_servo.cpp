@@ -1,5 +1,5 @@
 // The servo with a device that misbehaves, the clutch, and the swap of part and scene.
-#include "runtime/servo.h"
+#include "runtime/loop/servo.h"
 
 #include <gtest/gtest.h>
 
@@ -9,11 +9,11 @@
 #include <functional>
 #include <glm/geometric.hpp>
 
-#include "runtime/coupling.h"
-#include "runtime/derive_parameters.h"
-#include "runtime/loop.h"
-#include "runtime/real_time.h"
-#include "runtime/recording.h"
+#include "runtime/coupling/coupling.h"
+#include "runtime/loop/loop.h"
+#include "runtime/loop/real_time.h"
+#include "runtime/run/derive_parameters.h"
+#include "runtime/stream/recording.h"
 #include "tests/support/random_scenes.h"
 #include "tests/support/scratch_folder.h"
 

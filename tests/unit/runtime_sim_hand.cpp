@@ -6,7 +6,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "runtime/coupling.h"
+#include "runtime/coupling/coupling.h"
 #include "runtime/devices/sim_hand_device.h"
 
 namespace forcelayer::test {

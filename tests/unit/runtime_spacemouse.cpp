@@ -3,8 +3,8 @@
 
 #include <glm/geometric.hpp>
 
-#include "runtime/coupling.h"
-#include "runtime/devices/spacemouse.h"
+#include "runtime/coupling/coupling.h"
+#include "runtime/devices/hid/spacemouse.h"
 #include "tests/support/fake_hid_bus.h"
 #include "tests/support/hid_descriptors.h"
 

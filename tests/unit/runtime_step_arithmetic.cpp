@@ -1,5 +1,5 @@
 // The host's floating-point state: no bit of a result depends on it, and it is left as it was.
-#include "runtime/step_arithmetic.h"
+#include "runtime/model/step_arithmetic.h"
 
 #include <gtest/gtest.h>
 
@@ -12,8 +12,8 @@
 #include <xmmintrin.h>
 #endif
 
-#include "runtime/forcelayer.h"
-#include "runtime/outcome_hash.h"
+#include "forcelayer/forcelayer.h"
+#include "runtime/model/outcome_hash.h"
 #include "tests/support/motion_bench.h"
 #include "tests/support/scratch_folder.h"
 

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "runtime/viewer/camera.h"
-#include "runtime/viewer/contact_view.h"
+#include "runtime/viewer/run/contact_view.h"
 #include "tests/support/dense_voxmap.h"
 #include "tests/support/make_pshell.h"
 

@@ -3,7 +3,7 @@
 
 #include <fstream>
 
-#include "runtime/viewer/trace.h"
+#include "runtime/viewer/run/trace.h"
 #include "tests/support/scratch_folder.h"
 
 namespace forcelayer {

@@ -1,7 +1,7 @@
 // A report descriptor, read as the SpaceMouse driver does; its own bytes then serve as reports.
 #include <cmath>
 
-#include "runtime/devices/spacemouse_layout.h"
+#include "runtime/devices/hid/spacemouse_layout.h"
 #include "tests/fuzz/fuzz_target.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

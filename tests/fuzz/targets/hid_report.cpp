@@ -1,9 +1,9 @@
 // A report between a host and a haptic HID device: read by either side.
-#include "runtime/devices/hid_haptic_report.h"
+#include "runtime/devices/hid/hid_haptic_report.h"
 
 #include <cmath>
 
-#include "runtime/devices/firmware/haptic_firmware.h"
+#include "runtime/devices/hid/firmware/haptic_firmware.h"
 #include "tests/fuzz/fuzz_target.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -1,5 +1,5 @@
 // A datagram that the pose receiver may get from anyone.
-#include "runtime/pose_datagram.h"
+#include "forcelayer/pose_datagram.h"
 
 #include <cmath>
 

@@ -1,9 +1,9 @@
 // A .pshell file: what opens can be read to its last point, and felt in a small scene.
 #include "formats/pshell.h"
 
-#include "runtime/derive_parameters.h"
 #include "runtime/devices/sim_device.h"
-#include "runtime/simulation.h"
+#include "runtime/model/simulation.h"
+#include "runtime/run/derive_parameters.h"
 #include "tests/fuzz/baked_mutator.h"
 #include "tests/support/aligned_bytes.h"
 #include "tests/support/random_scenes.h"

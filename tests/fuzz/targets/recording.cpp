@@ -1,5 +1,5 @@
 // A recording of voxrun.
-#include "runtime/recording.h"
+#include "runtime/stream/recording.h"
 
 #include "tests/fuzz/fuzz_target.h"
 

@@ -2,9 +2,9 @@
 #include "formats/voxmap.h"
 
 #include "formats/voxmap_audit.h"
-#include "runtime/derive_parameters.h"
 #include "runtime/devices/sim_device.h"
-#include "runtime/simulation.h"
+#include "runtime/model/simulation.h"
+#include "runtime/run/derive_parameters.h"
 #include "tests/fuzz/baked_mutator.h"
 #include "tests/support/aligned_bytes.h"
 #include "tests/support/make_pshell.h"

@@ -1,0 +1,163 @@
+#include "formats/file/atomic_file.h"
+
+#include <fcntl.h>
+#include <sys/random.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <cinttypes>
+#include <cstdint>
+#include <cstdio>
+#include <optional>
+#include <string>
+#include <system_error>
+#include <utility>
+
+#include "formats/file/descriptor.h"
+#include "formats/file/temporary_files.h"
+
+namespace forcelayer {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The number N of a path like /dev/fd/N: an open descriptor of this process. Opening or replacing
+// what it leads to would not be writing to it.
+std::optional<int> descriptor_number(const fs::path& path) {
+  const fs::path folder = path.parent_path();
+  if (folder != "/proc/self/fd" && folder != "/dev/fd") return std::nullopt;
+  const std::string name = path.filename().string();
+  int number = -1;
+  const auto [end, failure] = std::from_chars(name.data(), name.data() + name.size(), number);
+  if (failure != std::errc{} || end != name.data() + name.size()) return std::nullopt;
+  return number;
+}
+
+// Where a chain of symbolic links ends, also where that file does not exist yet; /dev/stdout ends
+// at /proc/self/fd/1.
+fs::path follow_links(fs::path path) {
+  constexpr int kMaxLinks = 40;  // as the kernel
+  std::error_code failure;
+  for (int i = 0; i < kMaxLinks && !descriptor_number(path); ++i) {
+    if (!fs::is_symlink(path, failure)) break;
+    const fs::path next = fs::read_symlink(path, failure);
+    if (failure) break;
+    path = path.parent_path() / next;  // an absolute `next` replaces the folder
+  }
+  return path;
+}
+
+// ".NAME.RANDOM.tmp" beside the target: random, so that two machines on one share never collide.
+fs::path temporary_name(const fs::path& target) {
+  std::uint64_t random = 0;
+  if (::getrandom(&random, sizeof random, 0) != sizeof random) {
+    random = static_cast<std::uint64_t>(::getpid());
+  }
+  char suffix[32];
+  std::snprintf(suffix, sizeof suffix, ".%016" PRIx64 ".tmp", random);
+  constexpr std::size_t kMaxStem = 200;  // names end at 255 bytes
+  const std::string stem = target.filename().string().substr(0, kMaxStem);
+  return target.parent_path() / ("." + stem + suffix);
+}
+
+}  // namespace
+
+AtomicFile::AtomicFile(AtomicFile&& other) noexcept { *this = std::move(other); }
+
+AtomicFile& AtomicFile::operator=(AtomicFile&& other) noexcept {
+  std::swap(descriptor_, other.descriptor_);
+  std::swap(temporary_, other.temporary_);
+  std::swap(target_, other.target_);
+  std::swap(shown_, other.shown_);
+  std::swap(slot_, other.slot_);
+  return *this;
+}
+
+AtomicFile::~AtomicFile() { discard(); }
+
+void AtomicFile::discard() noexcept {
+  if (descriptor_ < 0) return;
+  ::close(std::exchange(descriptor_, -1));
+  if (temporary_.empty()) return;
+  ::unlink(temporary_.c_str());
+  unregister_temporary_file(slot_);
+}
+
+Error AtomicFile::write_error(int number) const {
+  const char* mend = number == ENOSPC || number == EDQUOT ? "free space or write elsewhere"
+                     : number == ENOENT                   ? "create the folder first"
+                                                          : "";
+  return {ErrorCode::kWriteFailed, shown_.string(), "",
+          "cannot be written: " + std::generic_category().message(number), mend};
+}
+
+Result<AtomicFile> AtomicFile::create(const fs::path& target) {
+  AtomicFile file;
+  file.shown_ = target;
+  if (target.empty()) return file.write_error(ENOENT);
+  file.target_ = follow_links(target);
+  if (const auto number = descriptor_number(file.target_)) {
+    file.descriptor_ = ::fcntl(*number, F_DUPFD_CLOEXEC, 0);
+    if (file.descriptor_ < 0) return file.write_error(errno);
+    return file;
+  }
+  struct stat status {};
+  const bool exists = ::stat(file.target_.c_str(), &status) == 0;
+  if (!exists && errno != ENOENT) return file.write_error(errno);
+  if (exists && S_ISDIR(status.st_mode)) return file.write_error(EISDIR);
+  if (exists && !S_ISREG(status.st_mode)) {
+    file.descriptor_ = ::open(file.target_.c_str(), O_WRONLY | O_CLOEXEC);
+    if (file.descriptor_ < 0) return file.write_error(errno);
+    return file;
+  }
+  if (Status opened = file.open_temporary(); !opened) return opened.error();
+  return file;
+}
+
+Status AtomicFile::open_temporary() {
+  temporary_ = temporary_name(target_);
+  // Registered before it exists: there is no moment at which a signal would leave it behind.
+  slot_ = register_temporary_file(temporary_.c_str());
+  if (slot_ == kNoSlot) {
+    return Error{ErrorCode::kInternal, shown_.string(), "", "too many files written at once", ""};
+  }
+  descriptor_ = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  if (descriptor_ < 0) {
+    const int number = errno;
+    unregister_temporary_file(slot_);
+    return write_error(number);
+  }
+  return {};
+}
+
+Status AtomicFile::write(std::span<const std::byte> bytes) {
+  const int failed = write_all(descriptor_, bytes);
+  if (failed != 0) return write_error(failed);
+  return {};
+}
+
+Status AtomicFile::commit() {
+  if (temporary_.empty()) {
+    if (::close(std::exchange(descriptor_, -1)) != 0) return write_error(errno);
+    return {};
+  }
+  if (::fsync(descriptor_) != 0) return write_error(errno);
+  if (::rename(temporary_.c_str(), target_.c_str()) != 0) return write_error(errno);
+  unregister_temporary_file(slot_);
+  const int closed = ::close(std::exchange(descriptor_, -1));
+  if (closed != 0) return write_error(errno);
+  // The rename itself must survive a power cut. Some file systems cannot flush a folder: then the
+  // rename is as durable as they make it.
+  const fs::path parent = target_.parent_path();
+  const int folder = ::open(parent.empty() ? "." : parent.c_str(), O_RDONLY | O_CLOEXEC);
+  if (folder >= 0) {
+    ::fsync(folder);
+    ::close(folder);
+  }
+  return {};
+}
+
+}  // namespace forcelayer

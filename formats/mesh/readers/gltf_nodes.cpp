@@ -1,0 +1,245 @@
+#include "formats/mesh/readers/gltf_nodes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+namespace forcelayer {
+namespace {
+
+std::string in_nodes(std::uint64_t index) { return "nodes[" + std::to_string(index) + "]"; }
+
+// A list of exactly `values.size()` numbers under `key`; leaves `values` where there is none.
+template <std::size_t kCount>
+void read_numbers(const GltfDocument& document, const nlohmann::json& node, std::uint64_t index,
+                  const char* key, std::array<double, kCount>& values) {
+  const auto found = node.find(key);
+  if (found == node.end()) return;
+  if (found->size() != kCount) {
+    document.fail(ErrorCode::kMeshUnreadable, in_nodes(index),
+                  std::string(key) + " does not have " + std::to_string(kCount) + " numbers");
+  }
+  for (std::size_t i = 0; i < kCount; ++i) values[i] = found->at(i).get<double>();
+}
+
+Affine from_matrix(const std::array<double, 16>& m) {  // column-major
+  return {{m[0], m[4], m[8], m[1], m[5], m[9], m[2], m[6], m[10]}, {m[12], m[13], m[14]}};
+}
+
+// Translation * rotation (x, y, z, w; normalised here) * scale.
+Affine from_parts(const Vec3d& translation, const std::array<double, 4>& rotation_xyzw,
+                  const Vec3d& scale) {
+  auto [x, y, z, w] = rotation_xyzw;
+  const double length = std::sqrt(x * x + y * y + z * z + w * w);
+  x /= length, y /= length, z /= length, w /= length;
+  Affine affine{{1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w),
+                 2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w),
+                 2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)},
+                translation};
+  for (std::size_t i = 0; i < 9; ++i) affine.linear[i] *= scale[i % 3];
+  return affine;
+}
+
+bool is_finite(const Affine& affine) {
+  const auto finite = [](double number) { return std::isfinite(number); };
+  return std::all_of(affine.linear.begin(), affine.linear.end(), finite) &&
+         std::all_of(affine.translation.begin(), affine.translation.end(), finite);
+}
+
+Affine parent_from_node(const GltfDocument& document, std::uint64_t index) {
+  const nlohmann::json& node = document.element("nodes", index);
+  std::array<double, 16> matrix{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+  Vec3d translation{0, 0, 0}, scale{1, 1, 1};
+  std::array<double, 4> rotation{0, 0, 0, 1};
+  read_numbers(document, node, index, "matrix", matrix);
+  read_numbers(document, node, index, "translation", translation);
+  read_numbers(document, node, index, "rotation", rotation);
+  read_numbers(document, node, index, "scale", scale);
+  if (matrix[3] != 0 || matrix[7] != 0 || matrix[11] != 0 || matrix[15] != 1) {
+    document.fail(ErrorCode::kMeshUnreadable, in_nodes(index), "has a matrix that is not affine");
+  }
+  const Affine affine =
+      node.contains("matrix") ? from_matrix(matrix) : from_parts(translation, rotation, scale);
+  if (!is_finite(affine)) {
+    document.fail(ErrorCode::kMeshUnreadable, in_nodes(index),
+                  "has a transform that is not finite");
+  }
+  return affine;
+}
+
+}  // namespace
+
+GltfNodes::GltfNodes(const GltfDocument& document) : document_(document) {
+  walk();
+  select();
+}
+
+std::vector<std::uint64_t> GltfNodes::indices(const nlohmann::json& object, const char* key) const {
+  std::vector<std::uint64_t> found;
+  const auto list = object.find(key);
+  if (list == object.end()) return found;
+  for (const auto& entry : *list) {
+    found.push_back(entry.get<std::uint64_t>());
+    document_.element("nodes", found.back());
+  }
+  return found;
+}
+
+// Which nodes are a child of another. Throws where one has two parents, so that a walk from nodes
+// that have none ends.
+std::vector<bool> GltfNodes::find_children() const {
+  std::vector<bool> is_child(document_.count("nodes"), false);
+  for (std::uint64_t i = 0; i < is_child.size(); ++i) {
+    for (const std::uint64_t child : indices(document_.element("nodes", i), "children")) {
+      if (is_child[child]) {
+        document_.fail(ErrorCode::kMeshUnreadable, in_nodes(child), "has two parents");
+      }
+      is_child[child] = true;
+    }
+  }
+  return is_child;
+}
+
+std::vector<std::uint64_t> GltfNodes::roots() const {
+  const std::vector<bool> is_child = find_children();
+  std::vector<std::uint64_t> found;
+  if (document_.count("scenes") == 0) {
+    for (std::uint64_t i = 0; i < is_child.size(); ++i) {
+      if (!is_child[i]) found.push_back(i);
+    }
+    return found;
+  }
+  const std::uint64_t scene = document_.index_or(document_.json(), "scene", 0);
+  found = indices(document_.element("scenes", scene), "nodes");
+  const std::set<std::uint64_t> distinct(found.begin(), found.end());
+  for (const std::uint64_t root : found) {
+    if (is_child[root] || distinct.size() != found.size()) {
+      document_.fail(ErrorCode::kMeshUnreadable, "scenes[" + std::to_string(scene) + "]",
+                     "names a node twice, or one that has a parent");
+    }
+  }
+  return found;
+}
+
+std::string GltfNodes::name_of(std::uint64_t index) const {
+  const nlohmann::json& node = document_.element("nodes", index);
+  std::string name = node.value("name", "");
+  if (name.empty() && node.contains("mesh")) {
+    name = document_.element("meshes", document_.index(node, "mesh")).value("name", "");
+  }
+  return name.empty() ? "node" + std::to_string(index) : name;
+}
+
+// The nodes of one level, under labels of their own. `parent` is null for the roots.
+std::vector<GltfNodes::Node> GltfNodes::siblings(const std::vector<std::uint64_t>& indices,
+                                                 const Node* parent) const {
+  std::vector<Node> level;
+  std::set<std::string> used;
+  for (const std::uint64_t index : indices) {
+    const Affine from_node = parent_from_node(document_, index);
+    level.push_back(
+        {index, name_node(name_of(index), parent == nullptr ? nullptr : &parent->name, used),
+         parent == nullptr ? from_node : compose(parent->assembly_from_node, from_node)});
+  }
+  return level;
+}
+
+void GltfNodes::walk() {
+  std::vector<Node> stack = siblings(roots(), nullptr);
+  std::reverse(stack.begin(), stack.end());
+  while (!stack.empty()) {
+    nodes_.push_back(std::move(stack.back()));
+    stack.pop_back();
+    const Node& node = nodes_.back();
+    if (node.name.depth > kDeepestNode) {
+      document_.fail(ErrorCode::kMeshUnsupported, in_nodes(node.index),
+                     "is nested deeper than " + std::to_string(kDeepestNode) + " levels");
+    }
+    std::vector<Node> children =
+        siblings(indices(document_.element("nodes", node.index), "children"), &node);
+    for (auto child = children.rbegin(); child != children.rend(); ++child) {
+      stack.push_back(std::move(*child));
+    }
+  }
+}
+
+void GltfNodes::select() {
+  std::vector<NodeName> names;
+  for (const Node& node : nodes_) names.push_back(node.name);
+  const auto [first, last] = find_sub_tree(document_.file(), names);
+  nodes_ = std::vector<Node>(nodes_.begin() + static_cast<std::ptrdiff_t>(first),
+                             nodes_.begin() + static_cast<std::ptrdiff_t>(last));
+}
+
+// node_from_instance of EXT_mesh_gpu_instancing; the identity where the node has no such extension.
+std::vector<Affine> GltfNodes::instancing_of(const nlohmann::json& node) const {
+  constexpr const char* kExtension = "EXT_mesh_gpu_instancing";
+  const auto extensions = node.find("extensions");
+  if (extensions == node.end() || !extensions->contains(kExtension)) return {Affine{}};
+  const nlohmann::json& attributes = extensions->at(kExtension).at("attributes");
+  const auto read = [&](const char* key, std::uint64_t components) {
+    if (!attributes.contains(key)) return std::vector<double>{};
+    return document_.read_numbers(document_.index(attributes, key), components);
+  };
+  const auto translations = read("TRANSLATION", 3), rotations = read("ROTATION", 4),
+             scales = read("SCALE", 3);
+  const std::size_t count =
+      std::max({translations.size() / 3, rotations.size() / 4, scales.size() / 3});
+  std::vector<Affine> instances;
+  for (std::size_t i = 0; i < count; ++i) {
+    Vec3d translation{0, 0, 0}, scale{1, 1, 1};
+    std::array<double, 4> rotation{0, 0, 0, 1};
+    if (!translations.empty()) std::copy_n(&translations.at(3 * i), 3, translation.begin());
+    if (!rotations.empty()) std::copy_n(&rotations.at(4 * i), 4, rotation.begin());
+    if (!scales.empty()) std::copy_n(&scales.at(3 * i), 3, scale.begin());
+    instances.push_back(from_parts(translation, rotation, scale));
+    if (!is_finite(instances.back())) {
+      document_.fail(ErrorCode::kMeshUnreadable, kExtension, "has a transform that is not finite");
+    }
+  }
+  return instances;
+}
+
+std::vector<GltfPlacing> GltfNodes::placings() const {
+  std::vector<GltfPlacing> placings;
+  for (const Node& node : nodes_) {
+    const nlohmann::json& json = document_.element("nodes", node.index);
+    if (!json.contains("mesh")) continue;
+    const std::uint64_t mesh = document_.index(json, "mesh");
+    const std::vector<Affine> instances = instancing_of(json);
+    if (placings.size() + instances.size() > document_.most_unfolded()) {
+      document_.fail(
+          ErrorCode::kMeshUnsupported, in_nodes(node.index),
+          "brings the file's instances to over " + std::to_string(document_.most_unfolded()));
+    }
+    for (std::size_t i = 0; i < instances.size(); ++i) {
+      const std::string path =
+          instances.size() == 1 ? node.name.path : node.name.path + "/" + std::to_string(i);
+      placings.push_back({mesh, path, compose(node.assembly_from_node, instances[i])});
+    }
+  }
+  return placings;
+}
+
+void GltfNodes::add_warnings(std::vector<std::string>& warnings) const {
+  std::uint64_t skinned = 0;
+  std::set<std::uint64_t> placed;
+  for (const Node& node : nodes_) {
+    const nlohmann::json& json = document_.element("nodes", node.index);
+    if (!json.contains("mesh")) continue;
+    skinned += json.contains("skin") ? 1 : 0;
+    placed.insert(document_.index(json, "mesh"));
+  }
+  if (skinned > 0) {
+    warnings.push_back(counted(skinned, "node") +
+                       " with a skin: read without it, where the node stands");
+  }
+  const std::uint64_t left_out = document_.count("meshes") - placed.size();
+  if (left_out > 0 && document_.file().node.empty()) {
+    warnings.push_back(std::to_string(left_out) + " of " +
+                       std::to_string(document_.count("meshes")) +
+                       " meshes left out: no node of the default scene places them");
+  }
+}
+
+}  // namespace forcelayer

@@ -1,0 +1,52 @@
+// The node tree of a glTF asset: which mesh stands where, under which name.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "formats/mesh/mesh.h"
+#include "formats/mesh/node_names.h"
+#include "formats/mesh/readers/gltf_document.h"
+
+namespace forcelayer {
+
+// One placing of a glTF mesh.
+struct GltfPlacing {
+  std::uint64_t mesh;  // glTF index
+  std::string path;    // of node labels, "/" between
+  Affine assembly_from_mesh;
+};
+
+// Walks the default scene of `document`, or the sub-tree that its file's "#NODE" selects: a node's
+// path, or its label where only one node has it. A label is the node's name, else its mesh's, else
+// "node7"; siblings of the same label become "label:2", "label:3". Sub-trees keep their place in
+// the assembly.
+class GltfNodes {
+ public:
+  explicit GltfNodes(const GltfDocument& document);  // throws ReadFailure
+
+  std::vector<GltfPlacing> placings() const;
+  void add_warnings(std::vector<std::string>& warnings) const;
+
+ private:
+  struct Node {
+    std::uint64_t index;  // glTF's
+    NodeName name;
+    Affine assembly_from_node;
+  };
+
+  std::vector<bool> find_children() const;
+  std::vector<std::uint64_t> roots() const;
+  std::vector<std::uint64_t> indices(const nlohmann::json& object, const char* key) const;
+  void walk();
+  std::vector<Node> siblings(const std::vector<std::uint64_t>& indices, const Node* parent) const;
+  std::string name_of(std::uint64_t index) const;
+  void select();
+  std::vector<Affine> instancing_of(const nlohmann::json& node) const;
+
+  const GltfDocument& document_;
+  std::vector<Node> nodes_;  // of the scene or sub-tree, each before its children
+};
+
+}  // namespace forcelayer

@@ -1,0 +1,250 @@
+// glTF 2.0, .glb and .gltf: the node tree, with a mesh for each glTF mesh. The primitives of a mesh
+// are one object (they differ in material only) and become one triangle mesh.
+#include <cmath>
+#include <map>
+#include <set>
+#include <sstream>
+
+#include "formats/mesh/reader.h"
+#include "formats/mesh/readers/draco_stream.h"
+#include "formats/mesh/readers/gltf_document.h"
+#include "formats/mesh/readers/gltf_nodes.h"
+
+namespace forcelayer {
+namespace {
+
+enum PrimitiveMode : std::uint64_t { kTriangles = 4, kTriangleStrip = 5, kTriangleFan = 6 };
+
+// The triangles of one glTF mesh.
+class MeshReader {
+ public:
+  MeshReader(const GltfDocument& document, std::uint64_t index)
+      : document_(document), where_("meshes[" + std::to_string(index) + "]") {
+    const nlohmann::json& primitives = document.element("meshes", index).at("primitives");
+    for (std::size_t i = 0; i < primitives.size(); ++i) {
+      primitive_where_ = where_ + ".primitives[" + std::to_string(i) + "]";
+      read_primitive(primitives[i]);
+    }
+    check_finite(document.file(), mesh_, where_);
+  }
+
+  Mesh take() { return std::move(mesh_); }
+  std::uint64_t lines_and_points() const { return lines_and_points_; }
+  bool has_morph_targets() const { return has_morph_targets_; }
+  bool has_integer_positions() const { return has_integer_positions_; }
+  const std::optional<DracoQuantisation>& quantisation() const { return quantisation_; }
+
+ private:
+  void read_primitive(const nlohmann::json& primitive) {
+    const std::uint64_t mode = document_.index_or(primitive, "mode", kTriangles);
+    if (mode < kTriangles) {
+      ++lines_and_points_;
+      return;
+    }
+    if (mode > kTriangleFan) {
+      document_.fail(ErrorCode::kMeshUnreadable, primitive_where_, "has an unknown mode");
+    }
+    has_morph_targets_ = has_morph_targets_ || primitive.contains("targets");
+    const auto extensions = primitive.find("extensions");
+    if (extensions != primitive.end() && extensions->contains("KHR_draco_mesh_compression")) {
+      return read_draco(primitive, extensions->at("KHR_draco_mesh_compression"), mode);
+    }
+    const std::uint64_t positions = position_accessor(primitive);
+    const std::uint32_t first = read_positions(positions);
+    const std::uint64_t vertex_count =
+        document_.index(document_.element("accessors", positions), "count");
+    add_triangles(corners_of(primitive, vertex_count), mode, first);
+  }
+
+  std::uint64_t position_accessor(const nlohmann::json& primitive) const {
+    const auto attributes = primitive.find("attributes");
+    if (attributes == primitive.end() || !attributes->contains("POSITION")) {
+      document_.fail(ErrorCode::kMeshUnreadable, primitive_where_, "has no POSITION");
+    }
+    return document_.index(*attributes, "POSITION");
+  }
+
+  // Appends the accessor's vertices, once where primitives share it; returns the first one's index.
+  std::uint32_t read_positions(std::uint64_t accessor) {
+    const auto [place, is_new] =
+        first_vertices_.try_emplace(accessor, static_cast<std::uint32_t>(mesh_.vertices.size()));
+    if (!is_new) return place->second;
+    constexpr std::uint64_t kFloat = 5126;
+    const nlohmann::json& json = document_.element("accessors", accessor);
+    has_integer_positions_ =
+        has_integer_positions_ || document_.index(json, "componentType") != kFloat;
+    const std::vector<double> numbers = document_.read_numbers(accessor, 3);
+    check_count(document_.file(), mesh_.vertices.size() + numbers.size() / 3, "vertices");
+    for (std::size_t i = 0; i < numbers.size(); i += 3) {
+      mesh_.vertices.push_back({numbers[i], numbers[i + 1], numbers[i + 2]});
+    }
+    return place->second;
+  }
+
+  std::vector<std::uint32_t> corners_of(const nlohmann::json& primitive,
+                                        std::uint64_t vertex_count) const {
+    std::vector<std::uint32_t> corners;
+    if (!primitive.contains("indices")) {
+      for (std::uint64_t i = 0; i < vertex_count; ++i) {
+        corners.push_back(static_cast<std::uint32_t>(i));
+      }
+      return corners;
+    }
+    corners = document_.read_indices(document_.index(primitive, "indices"));
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      if (corners[i] < vertex_count) continue;
+      document_.fail(ErrorCode::kMeshUnreadable, primitive_where_,
+                     "index " + std::to_string(i) + " names vertex " + std::to_string(corners[i]) +
+                         " of " + std::to_string(vertex_count) + " (counted from 0)");
+    }
+    return corners;
+  }
+
+  void add_triangles(const std::vector<std::uint32_t>& corners, std::uint64_t mode,
+                     std::uint32_t first) {
+    const std::size_t count = corners.size();
+    if (count == 0) return;
+    if (mode == kTriangles ? count % 3 != 0 : count < 3) {
+      document_.fail(ErrorCode::kMeshIncomplete, primitive_where_,
+                     counted(count, "corner") + " make no whole number of triangles");
+    }
+    const auto add = [&](std::size_t a, std::size_t b, std::size_t c) {
+      mesh_.triangles.push_back({corners[a] + first, corners[b] + first, corners[c] + first});
+    };
+    if (mode == kTriangles) {
+      for (std::size_t i = 0; i < count; i += 3) add(i, i + 1, i + 2);
+      return;
+    }
+    for (std::size_t i = 0; i + 2 < count; ++i) {
+      if (mode == kTriangleFan) {
+        add(0, i + 1, i + 2);
+      } else {  // every second triangle of a strip is turned over
+        add(i, i + 1 + i % 2, i + 2 - i % 2);
+      }
+    }
+  }
+
+  void read_draco(const nlohmann::json& primitive, const nlohmann::json& extension,
+                  std::uint64_t mode) {
+    const std::uint64_t view = document_.index(extension, "bufferView");
+    const std::uint64_t id = document_.index(extension.at("attributes"), "POSITION");
+    DracoSurface surface = decode_draco(document_.file(), document_.buffer_view(view),
+                                        primitive_where_, static_cast<std::uint32_t>(id));
+    check_draco_count(primitive, mode, surface.triangles.size());
+    check_count(document_.file(), mesh_.vertices.size() + surface.vertices.size(), "vertices");
+    const auto first = static_cast<std::uint32_t>(mesh_.vertices.size());
+    mesh_.vertices.insert(mesh_.vertices.end(), surface.vertices.begin(), surface.vertices.end());
+    for (const auto& [a, b, c] : surface.triangles) {
+      mesh_.triangles.push_back({a + first, b + first, c + first});
+    }
+    const bool coarser = surface.quantisation &&
+                         (!quantisation_ || quantisation_->step < surface.quantisation->step);
+    if (coarser) quantisation_ = surface.quantisation;
+  }
+
+  // The asset repeats the number of corners beside the stream.
+  void check_draco_count(const nlohmann::json& primitive, std::uint64_t mode,
+                         std::uint64_t triangles) const {
+    if (mode != kTriangles || !primitive.contains("indices")) return;
+    const std::uint64_t accessor = document_.index(primitive, "indices");
+    const std::uint64_t announced =
+        document_.index(document_.element("accessors", accessor), "count");
+    if (announced == 3 * triangles) return;
+    document_.fail(ErrorCode::kMeshIncomplete, primitive_where_,
+                   "announces " + counted(announced, "corner") + ", its Draco stream has " +
+                       counted(triangles, "triangle"));
+  }
+
+  const GltfDocument& document_;
+  std::string where_;
+  std::string primitive_where_;
+  Mesh mesh_;
+  std::map<std::uint64_t, std::uint32_t> first_vertices_;  // by accessor
+  std::uint64_t lines_and_points_ = 0;                     // primitives
+  bool has_morph_targets_ = false;
+  bool has_integer_positions_ = false;
+  std::optional<DracoQuantisation> quantisation_;  // the coarsest
+};
+
+class GltfReader {
+ public:
+  explicit GltfReader(const SourceFile& file) : document_(file), nodes_(document_) {}
+
+  Assembly read() {
+    assembly_.metres_per_unit = 1.0;
+    for (const GltfPlacing& placing : nodes_.placings()) place(placing);
+    if (assembly_.instances.empty()) {
+      document_.fail(ErrorCode::kMeshEmpty, "",
+                     lines_and_points_ > 0 ? "no triangles in this file, only points or lines"
+                                           : "no node with a mesh in this file",
+                     "export a surface mesh");
+    }
+    add_warnings();
+    return std::move(assembly_);
+  }
+
+ private:
+  void place(const GltfPlacing& placing) {
+    const auto [known, is_new] = meshes_.try_emplace(placing.mesh, kNoTriangles);
+    if (is_new) known->second = read_mesh(placing.mesh);
+    if (known->second == kNoTriangles) return;
+    assembly_.instances.push_back({known->second, placing.path, placing.assembly_from_mesh});
+  }
+
+  std::uint32_t read_mesh(std::uint64_t index) {
+    MeshReader reader(document_, index);
+    lines_and_points_ += reader.lines_and_points();
+    morphed_ += reader.has_morph_targets() ? 1 : 0;
+    has_integer_positions_ = has_integer_positions_ || reader.has_integer_positions();
+    if (reader.quantisation() &&
+        (!quantisation_ || quantisation_->step < reader.quantisation()->step)) {
+      quantisation_ = reader.quantisation();
+    }
+    Mesh mesh = reader.take();
+    if (mesh.triangles.empty()) return kNoTriangles;
+    assembly_.meshes.push_back(std::move(mesh));
+    return static_cast<std::uint32_t>(assembly_.meshes.size() - 1);
+  }
+
+  void add_warnings() {
+    std::vector<std::string>& warnings = assembly_.warnings;
+    nodes_.add_warnings(warnings);
+    if (lines_and_points_ > 0) {
+      warnings.push_back(counted(lines_and_points_, "primitive") +
+                         " of points or lines left out: they have no surface");
+    }
+    if (morphed_ > 0) {
+      warnings.push_back(counted(morphed_, "mesh") +
+                         " with morph targets: read without them, in the base shape");
+    }
+    if (has_integer_positions_) {
+      warnings.push_back(
+          "positions are stored as rounded integers (KHR_mesh_quantization); declare what the "
+          "rounding cost (see --mesh-deviation)");
+    }
+    if (quantisation_) warnings.push_back(quantisation_warning(*quantisation_));
+  }
+
+  static constexpr std::uint32_t kNoTriangles = 0xffffffff;
+
+  GltfDocument document_;
+  GltfNodes nodes_;
+  Assembly assembly_;
+  std::map<std::uint64_t, std::uint32_t> meshes_;  // glTF mesh to Assembly::meshes
+  std::uint64_t lines_and_points_ = 0;             // primitives
+  std::uint64_t morphed_ = 0;                      // meshes
+  bool has_integer_positions_ = false;
+  std::optional<DracoQuantisation> quantisation_;  // the coarsest
+};
+
+}  // namespace
+
+Assembly read_gltf(const SourceFile& file) {
+  try {
+    return GltfReader(file).read();
+  } catch (const nlohmann::json::exception& error) {  // a field of another type than glTF has
+    fail_read(file, ErrorCode::kMeshUnreadable, "JSON", error.what(), "export the mesh again");
+  }
+}
+
+}  // namespace forcelayer

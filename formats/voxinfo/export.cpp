@@ -1,0 +1,80 @@
+#include "formats/voxinfo/export.h"
+
+#include <charconv>
+#include <filesystem>
+
+#include "formats/voxinfo/output.h"
+#include "formats/voxmap_walk.h"
+
+namespace forcelayer {
+namespace {
+
+void append_row(BufferedOutput& csv, const std::array<std::int64_t, 3>& voxel, VoxelValue value) {
+  char row[80];
+  char* end = row;
+  for (const std::int64_t index : voxel) {
+    end = std::to_chars(end, row + sizeof row, index).ptr;
+    *end++ = ',';
+  }
+  *end++ = static_cast<char>('0' + static_cast<int>(value));
+  *end++ = '\n';
+  csv.append(row, static_cast<std::size_t>(end - row));
+}
+
+void append_uniform_box(BufferedOutput& csv, const VoxmapRegion& region, VoxelValue value) {
+  const std::int64_t edge = region.edge_voxels;
+  for (std::int64_t x = 0; x < edge; ++x) {
+    for (std::int64_t y = 0; y < edge; ++y) {
+      if (csv.failed()) return;
+      for (std::int64_t z = 0; z < edge; ++z) {
+        append_row(csv, {region.low[0] + x, region.low[1] + y, region.low[2] + z}, value);
+      }
+    }
+  }
+}
+
+Error unfit(const std::string& out, const char* what, const char* mend) {
+  return {ErrorCode::kUsage, out, "", what, mend};
+}
+
+Status export_voxmap(const Voxmap& map, const std::string& out, const std::string& ending) {
+  if (ending == ".csv") return export_voxmap_csv(map, out);
+  if (ending == ".ply") return export_voxmap_ply(map, out);
+  if (ending == ".vdb") return export_voxmap_vdb(map, out);
+  return unfit(out, "a scene is exported to .csv, .ply or .vdb", "choose one of these endings");
+}
+
+Status export_pshell(const Pshell& shell, const std::string& out, const std::string& ending) {
+  if (ending == ".ply") return export_pshell_ply(shell, out);
+  return unfit(out, "a part is exported to .ply", "choose this ending");
+}
+
+}  // namespace
+
+Status export_baked_file(const BakedFile& file, const std::string& out) {
+  const std::string ending = std::filesystem::path(out).extension().string();
+  const Voxmap* map = std::get_if<Voxmap>(&file);
+  return map ? export_voxmap(*map, out, ending)
+             : export_pshell(std::get<Pshell>(file), out, ending);
+}
+
+Status export_voxmap_csv(const Voxmap& map, const std::string& out) {
+  auto csv = BufferedOutput::create(out);
+  if (!csv) return csv.error();
+  csv->append("i,j,k,value\n");
+  for_each_region(map.view(), [&](const VoxmapRegion& region) {
+    if (!region.is_brick) {
+      const VoxelValue value = voxel_value(map.header(), uniform_value(region.entry));
+      if (value != VoxelValue::kFree) append_uniform_box(*csv, region, value);
+      return;
+    }
+    for (std::uint32_t n = 0; n < kNodeEntries; ++n) {
+      const VoxelValue value = voxel_value(map.header(), brick_code(map.view(), region.entry, n));
+      if (value == VoxelValue::kFree) continue;
+      append_row(*csv, voxmap_walk::child_low(region.low, n, 1), value);
+    }
+  });
+  return csv->finish();
+}
+
+}  // namespace forcelayer

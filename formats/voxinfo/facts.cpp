@@ -1,0 +1,227 @@
+#include "formats/voxinfo/facts.h"
+
+#include <cinttypes>
+#include <cstdarg>
+#include <cstdio>
+#include <limits>
+
+namespace forcelayer {
+namespace {
+
+using nlohmann::ordered_json;
+
+constexpr const char* kSideNames[] = {"min_x", "max_x", "min_y", "max_y", "min_z", "max_z"};
+constexpr const char* kMetricNames[] = {"chebyshev", "euclidean"};
+constexpr const char* kMethodNames[] = {"voxel-centers", "surface"};
+constexpr const char* kMassSourceNames[] = {"volume", "area"};
+
+std::string version_of(const FileHeader& header) {
+  return std::to_string(header.major) + "." + std::to_string(header.minor);
+}
+
+// Provenance as JSON where it is sound and not nested without end, else as text: it comes from
+// outside and is not checked by the reader.
+ordered_json parsed_provenance(std::string_view text) {
+  constexpr int kMaxDepth = 32;
+  bool too_deep = false;
+  const auto limit_depth = [&](int depth, ordered_json::parse_event_t, ordered_json&) {
+    too_deep |= depth > kMaxDepth;
+    return depth <= kMaxDepth;
+  };
+  if (text.empty()) return nullptr;
+  ordered_json parsed = ordered_json::parse(text, limit_depth, false);
+  return parsed.is_discarded() || too_deep ? ordered_json(std::string(text)) : parsed;
+}
+
+ordered_json cropped_side_names(std::uint32_t sides) {
+  ordered_json names = ordered_json::array();
+  for (std::uint32_t bit = 0; bit < 6; ++bit) {
+    if (sides & (1u << bit)) names.push_back(kSideNames[bit]);
+  }
+  return names;
+}
+
+std::array<double, 3> origin_m(const VoxmapHeader& h) {
+  std::array<double, 3> metres{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    metres[axis] = static_cast<double>(h.origin_voxel[axis]) * h.voxel_size_m;
+  }
+  return metres;
+}
+
+// At 4 and 8 bits: how far from the static mesh the surface runs from which distances are counted
+// (voxmap_format.md, 6).
+double zero_force_m(const Voxmap& map) {
+  const VoxmapHeader& h = map.header();
+  const double layer = map.compliance().empty() ? 1 : force_layer_voxels(h);
+  return (h.offset_layers - 1 + 0.8660254037844386 + 0.001 + layer) * h.voxel_size_m;
+}
+
+// Where a compliance table ends.
+double compliance_depth_m(const Voxmap& map) {
+  return static_cast<double>(map.compliance().size() - 1) * map.header().quantum_m;
+}
+
+ordered_json report_of_voxmap(const Voxmap& map) {
+  const VoxmapHeader& h = map.header();
+  ordered_json report;
+  report["format"] = "vox";
+  report["version"] = version_of(h.file);
+  report["voxel_size_m"] = h.voxel_size_m;
+  report["origin_voxel"] = h.origin_voxel;
+  report["origin_m"] = origin_m(h);
+  report["dims"] = h.dims_voxels;
+  report["layers"] = h.offset_layers;
+  report["metric"] = kMetricNames[h.metric];
+  report["bits_per_voxel"] = h.bits_per_voxel;
+  if (h.bits_per_voxel != 2) {
+    report["zero_force_m"] = zero_force_m(map);
+    report["range_m"] = h.range_m;
+    report["quantum_m"] = h.quantum_m;
+    report["codes"] = {{"zero", h.zero_code},
+                       {"surface", h.surface_code},
+                       {"proximity", h.proximity_code},
+                       {"free", h.free_code}};
+  }
+  report["counts"] = {{"interior", h.interior_voxels},
+                      {"surface", h.surface_voxels},
+                      {"proximity", h.proximity_voxels}};
+  report["triangles"] = h.triangles;
+  report["static_deviation_m"] = h.static_deviation_m;
+  report["valid_min_voxel"] = h.valid_min_voxel;
+  report["valid_max_voxel"] = h.valid_max_voxel;
+  report["cropped_sides"] = cropped_side_names(h.cropped_sides);
+  report["directory_origin_voxel"] = h.directory_origin;
+  report["directory_dims"] = h.directory_dims;
+  report["upper_nodes"] = map.upper_node_count();
+  report["lower_nodes"] = map.lower_node_count();
+  report["bricks"] = map.brick_count();
+  report["compliance_entries"] = map.compliance().size();
+  if (!map.compliance().empty()) {
+    report["compliance"] = {{"depth_m", compliance_depth_m(map)},
+                            {"force_n", map.compliance().back()},
+                            {"steepest_n_per_m", steepest_n_per_m(map)}};
+  }
+  report["file_bytes"] = h.file.file_bytes;
+  report["provenance"] = parsed_provenance(map.provenance());
+  return report;
+}
+
+ordered_json report_of_pshell(const Pshell& shell) {
+  const PshellHeader& h = shell.header();
+  ordered_json report;
+  report["format"] = "pshell";
+  report["version"] = version_of(h.file);
+  report["points"] = h.point_count;
+  report["method"] = kMethodNames[h.method];
+  report["covering_radius_m"] = h.covering_radius_m;
+  report["area_m2"] = h.area_m2;
+  report["voxel_size_m"] = h.voxel_size_m;
+  report["part_deviation_m"] = h.part_deviation_m;
+  report["center_m"] = h.center_m;
+  report["bounding_radius_m"] = h.bounding_radius_m;
+  report["volume_m3"] = h.volume_m3;
+  report["mass_source"] = kMassSourceNames[h.mass_source];
+  report["inertia_m2"] = h.inertia_m2;
+  report["triangles"] = h.triangles;
+  report["block_points"] = h.block_points;
+  report["blocks"] = h.block_count;
+  report["super_block_blocks"] = h.super_block_blocks;
+  report["super_blocks"] = h.super_block_count;
+  report["normal_cones"] = shell.view().cone_cos != nullptr;
+  report["file_bytes"] = h.file.file_bytes;
+  report["provenance"] = parsed_provenance(shell.provenance());
+  return report;
+}
+
+__attribute__((format(printf, 2, 3))) void add_line(std::string& text, const char* format, ...) {
+  char line[256];
+  va_list arguments;
+  va_start(arguments, format);
+  std::vsnprintf(line, sizeof line, format, arguments);
+  va_end(arguments);
+  text += line;
+  text += '\n';
+}
+
+std::string cropped_text(std::uint32_t sides) {
+  if (sides == 0) return "everywhere";
+  std::string text = "up to the cropped sides";
+  for (const auto& name : cropped_side_names(sides)) text += " " + name.get<std::string>();
+  return text;
+}
+
+std::string summary_of_voxmap(const Voxmap& map, const std::string& path) {
+  const VoxmapHeader& h = map.header();
+  const auto low = origin_m(h);
+  const double s = h.voxel_size_m;
+  const auto extent = [&](std::size_t axis) {
+    return static_cast<double>(h.dims_voxels[axis]) * s;
+  };
+  std::string text = path + ": scene, .vox " + version_of(h.file) + "\n";
+  add_line(text, "  voxel size        %.9g m, %u bits a voxel, %s metric", s, h.bits_per_voxel,
+           kMetricNames[h.metric]);
+  add_line(text,
+           "  box               %" PRIu64 " x %" PRIu64 " x %" PRIu64
+           " voxels, %.6g x %.6g x %.6g m",
+           h.dims_voxels[0], h.dims_voxels[1], h.dims_voxels[2], extent(0), extent(1), extent(2));
+  add_line(text, "  lowest voxel      %" PRId64 " %" PRId64 " %" PRId64 ", at %.9g %.9g %.9g m",
+           h.origin_voxel[0], h.origin_voxel[1], h.origin_voxel[2], low[0], low[1], low[2]);
+  add_line(text, "  offset layers     %u", h.offset_layers);
+  if (h.bits_per_voxel != 2) {
+    add_line(
+        text,
+        "  zero force        %.4g mm off; distances down to %.4g mm below it, in steps of %.3g mm",
+        1e3 * zero_force_m(map), 1e3 * h.range_m, 1e3 * h.quantum_m);
+  }
+  if (!map.compliance().empty()) {
+    add_line(text, "  soft covering     a contact point feels %.4g N at %.4g mm, at most %.4g N/m",
+             static_cast<double>(map.compliance().back()), 1e3 * compliance_depth_m(map),
+             steepest_n_per_m(map));
+  }
+  add_line(text,
+           "  voxels            %" PRIu64 " interior, %" PRIu64 " surface, %" PRIu64 " proximity",
+           h.interior_voxels, h.surface_voxels, h.proximity_voxels);
+  add_line(text, "  triangles         %" PRIu64, h.triangles);
+  add_line(text, "  static deviation  %.6g m", h.static_deviation_m);
+  add_line(text, "  valid             %s", cropped_text(h.cropped_sides).c_str());
+  add_line(text,
+           "  tree              %u x %u x %u blocks, %" PRIu64 " upper nodes, %" PRIu64
+           " lower nodes, %" PRIu64 " bricks",
+           h.directory_dims[0], h.directory_dims[1], h.directory_dims[2], map.upper_node_count(),
+           map.lower_node_count(), map.brick_count());
+  add_line(text, "  file              %" PRIu64 " bytes", h.file.file_bytes);
+  return text;
+}
+
+std::string summary_of_pshell(const Pshell& shell, const std::string& path) {
+  const PshellHeader& h = shell.header();
+  std::string text = path + ": part, .pshell " + version_of(h.file) + "\n";
+  add_line(text, "  points            %" PRIu64 ", %s, in %" PRIu64 " blocks of %u", h.point_count,
+           kMethodNames[h.method], h.block_count, h.block_points);
+  add_line(text, "  covering radius   %.9g m", h.covering_radius_m);
+  add_line(text, "  made for voxels   %.9g m", h.voxel_size_m);
+  add_line(text, "  part deviation    %.6g m", h.part_deviation_m);
+  add_line(text, "  area, volume      %.6g m2, %.6g m3; mass from the %s", h.area_m2, h.volume_m3,
+           kMassSourceNames[h.mass_source]);
+  add_line(text, "  centroid          %.9g %.9g %.9g m", h.center_m[0], h.center_m[1],
+           h.center_m[2]);
+  add_line(text, "  bounding radius   %.9g m", h.bounding_radius_m);
+  add_line(text, "  triangles         %" PRIu64, h.triangles);
+  add_line(text, "  file              %" PRIu64 " bytes", h.file.file_bytes);
+  return text;
+}
+
+}  // namespace
+
+ordered_json report_of(const BakedFile& file) {
+  const Voxmap* map = std::get_if<Voxmap>(&file);
+  return map ? report_of_voxmap(*map) : report_of_pshell(std::get<Pshell>(file));
+}
+
+std::string summary_of(const BakedFile& file, const std::string& path) {
+  const Voxmap* map = std::get_if<Voxmap>(&file);
+  return map ? summary_of_voxmap(*map, path) : summary_of_pshell(std::get<Pshell>(file), path);
+}
+
+}  // namespace forcelayer

@@ -1,0 +1,17 @@
+// What a baked file says about itself, for people and for programs.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "formats/voxinfo/files.h"
+
+namespace forcelayer {
+
+// The facts under the names of the other commands' reports.
+nlohmann::ordered_json report_of(const BakedFile& file);
+
+// The same in a few lines of text.
+std::string summary_of(const BakedFile& file, const std::string& path);
+
+}  // namespace forcelayer

@@ -1,0 +1,36 @@
+#include "formats/voxinfo/files.h"
+
+#include <algorithm>
+#include <cstring>
+#include <utility>
+
+namespace forcelayer {
+namespace {
+
+bool is_pshell(std::span<const std::byte> bytes, const std::filesystem::path& path) {
+  const std::size_t present = std::min(bytes.size(), kPshellMagic.size());
+  if (present == kPshellMagic.size() &&
+      std::memcmp(bytes.data(), kVoxmapMagic.data(), present) == 0) {
+    return false;
+  }
+  return (present == kPshellMagic.size() &&
+          std::memcmp(bytes.data(), kPshellMagic.data(), present) == 0) ||
+         path.extension() == ".pshell";
+}
+
+template <typename File>
+Result<BakedFile> as_baked_file(Result<File> file) {
+  if (!file) return file.error();
+  return BakedFile(std::move(*file));
+}
+
+}  // namespace
+
+Result<BakedFile> open_baked_file(const std::string& path, Verify verify) {
+  const auto mapped = MappedFile::open(path);
+  if (!mapped) return mapped.error();
+  return is_pshell(mapped->bytes(), path) ? as_baked_file(Pshell::open(path, verify))
+                                          : as_baked_file(Voxmap::open(path, verify));
+}
+
+}  // namespace forcelayer

@@ -1,0 +1,107 @@
+// voxinfo: what a baked file is, whether it is whole, what it says at points, and what it looks
+// like in other programs.
+#include <CLI/CLI.hpp>
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+#include "formats/command/command.h"
+#include "formats/voxinfo/export.h"
+#include "formats/voxinfo/facts.h"
+#include "formats/voxinfo/sample.h"
+#include "formats/voxmap_audit.h"
+
+namespace forcelayer {
+namespace {
+
+Status flush_stdout() {
+  std::cout.flush();
+  if (std::cout) return {};
+  return Error{ErrorCode::kWriteFailed, "", "standard output", "cannot be written", ""};
+}
+
+Status show_facts(const std::string& path, const std::string& json_path, bool quiet) {
+  const auto file = open_baked_file(path, Verify::kStructure);
+  if (!file) return file.error();
+  if (!json_path.empty()) {
+    if (Status written = write_report(json_path, report_of(*file)); !written) return written;
+  }
+  if (!quiet) std::cout << summary_of(*file, path);
+  return flush_stdout();
+}
+
+Status verify_file(const std::string& path, bool quiet) {
+  const auto file = open_baked_file(path, Verify::kStructureAndChecksums);
+  if (!file) return file.error();
+  const Voxmap* map = std::get_if<Voxmap>(&*file);
+  if (map) {
+    if (Status audited = audit_voxmap(*map, path); !audited) return audited;
+  }
+  if (!quiet) {
+    std::cout << path << ": valid; structure and checksums hold"
+              << (map ? ", counts, box and clearances are true\n" : "\n");
+  }
+  return flush_stdout();
+}
+
+Status sample_file(const std::string& path, bool quiet) {
+  const auto map = Voxmap::open(path);
+  if (!map) return map.error();
+  std::uint64_t outside_points = 0;
+  const Status sampled = sample_voxmap(*map, std::cin, std::cout, outside_points);
+  const Status flushed = flush_stdout();
+  if (!sampled) return sampled;
+  if (outside_points > 0 && !quiet) {
+    std::cerr << "voxinfo: warning: " << outside_points
+              << " points lie beyond a cropped side, where nothing is known\n";
+  }
+  return flushed;
+}
+
+Status export_file(const std::string& path, const std::string& out) {
+  const auto file = open_baked_file(path, Verify::kStructure);
+  if (!file) return file.error();
+  return export_baked_file(*file, out);
+}
+
+int run(int argc, char** argv) {
+  CLI::App app{"Looks into .vox scenes and .pshell parts", "voxinfo"};
+  std::string path, out, json_path;
+  bool quiet = false;
+  app.add_option("FILE", path, "a .vox or .pshell file: prints what it is");
+  app.add_option("--json", json_path, "write the facts to this file as JSON");
+  app.add_flag("--quiet", quiet, "print nothing but errors");
+  app.require_subcommand(0, 1);
+  auto* verify =
+      app.add_subcommand("verify", "check every structure, checksum and promised fact of a file");
+  verify->add_option("FILE", path, "a .vox or .pshell file")->required();
+  auto* sample = app.add_subcommand(
+      "sample", "read `x y z` lines in metres and print each point's voxel value, 0 to 3");
+  sample->add_option("FILE", path, "a .vox file")->required();
+  auto* export_to = app.add_subcommand("export", "write a file in another format");
+  export_to->add_option("FILE", path, "a .vox or .pshell file")->required();
+  export_to->add_option("OUT", out, "a .csv, .ply or .vdb file")->required();
+  for (auto* subcommand : {verify, sample, export_to}) {
+    subcommand->add_flag("--quiet", quiet, "print nothing but errors");
+  }
+
+  int exit_code = 0;
+  if (!parse_arguments(app, argc, argv, exit_code)) return exit_code;
+  return run_command("voxinfo", [&]() -> Status {
+    if (*verify) return verify_file(path, quiet);
+    if (*sample) return sample_file(path, quiet);
+    if (*export_to) return export_file(path, out);
+    if (path.empty()) {
+      return Error{ErrorCode::kUsage, "", "", "no file given", "see voxinfo --help"};
+    }
+    return show_facts(path, json_path, quiet);
+  });
+}
+
+}  // namespace
+}  // namespace forcelayer
+
+int main(int argc, char** argv) {
+  std::ios::sync_with_stdio(false);
+  forcelayer::exit_cleanly_on_signals();
+  return forcelayer::run(argc, argv);
+}

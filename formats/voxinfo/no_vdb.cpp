@@ -1,0 +1,10 @@
+#include "formats/voxinfo/export.h"
+
+namespace forcelayer {
+
+Status export_voxmap_vdb(const Voxmap&, const std::string& out) {
+  return Error{ErrorCode::kUsage, out, "", "this build has no OpenVDB and writes no .vdb",
+               "export .csv or .ply, or use a build with the offline tools"};
+}
+
+}  // namespace forcelayer

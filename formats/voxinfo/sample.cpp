@@ -1,0 +1,71 @@
+#include "formats/voxinfo/sample.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace forcelayer {
+namespace {
+
+constexpr std::string_view kSpace = " \t\r,";
+
+// Exactly three finite numbers.
+std::optional<std::array<double, 3>> parse_point_line(std::string_view line) {
+  std::array<double, 3> point{};
+  for (double& coordinate : point) {
+    line.remove_prefix(std::min(line.find_first_not_of(kSpace), line.size()));
+    if (line.starts_with('+')) line.remove_prefix(1);
+    const auto [end, failure] = std::from_chars(line.data(), line.data() + line.size(), coordinate);
+    if (failure != std::errc{} || !std::isfinite(coordinate)) return std::nullopt;
+    line.remove_prefix(static_cast<std::size_t>(end - line.data()));
+    if (!line.empty() && kSpace.find(line.front()) == std::string_view::npos) return std::nullopt;
+  }
+  if (line.find_first_not_of(kSpace) != std::string_view::npos) return std::nullopt;
+  return point;
+}
+
+// World voxel of a point; coordinates beyond 2^53 voxels stay beyond every map.
+std::array<std::int64_t, 3> voxel_of(const std::array<double, 3>& point_m, double voxel_size_m) {
+  constexpr double kFar = 0x1p53;
+  std::array<std::int64_t, 3> voxel{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double index = std::floor(point_m[axis] / voxel_size_m);
+    voxel[axis] = static_cast<std::int64_t>(std::clamp(index, -kFar, kFar));
+  }
+  return voxel;
+}
+
+bool is_beyond_cropped_side(const VoxmapHeader& h, const std::array<std::int64_t, 3>& voxel) {
+  const KnownBox known = known_box(h);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (voxel[axis] < known.low[axis] || voxel[axis] >= known.high[axis]) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+Status sample_voxmap(const Voxmap& map, std::istream& points, std::ostream& values,
+                     std::uint64_t& outside_points) {
+  outside_points = 0;
+  std::string line;
+  for (std::uint64_t number = 1; std::getline(points, line); ++number) {
+    if (line.find_first_not_of(kSpace) == std::string::npos) continue;
+    const auto point = parse_point_line(line);
+    if (!point) {
+      return Error{ErrorCode::kUsage, "", "input line " + std::to_string(number),
+                   "'" + line.substr(0, 60) + "' is not three finite numbers",
+                   "write x y z in metres"};
+    }
+    const auto voxel = voxel_of(*point, map.voxel_size_m());
+    outside_points += is_beyond_cropped_side(map.header(), voxel);
+    values << static_cast<int>(map.value(voxel[0], voxel[1], voxel[2])) << '\n';
+  }
+  return {};
+}
+
+}  // namespace forcelayer

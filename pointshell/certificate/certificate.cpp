@@ -1,0 +1,201 @@
+#include "pointshell/certificate/certificate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include "pointshell/certificate/hidden_surface.h"
+#include "pointshell/certificate/pieces.h"
+#include "pointshell/parallel.h"
+#include "pointshell/sample/convex_polygon.h"
+#include "pointshell/sample/point_grid.h"
+
+namespace forcelayer {
+namespace {
+
+// In radii. Triangles are bisected to this edge before candidates for their balls are gathered.
+constexpr double kTileEdge = 5;
+constexpr double kGridCell = 4;
+constexpr std::size_t kTilesPerTask = 32;
+// In radii. A piece that no point covers and whose ball is smaller than this is not cut any further
+// to see whether it is hidden.
+constexpr double kSmallestHidden = 0.1;
+
+// Proves single tiles; one of it per task, as it keeps scratch memory.
+class TileProver {
+ public:
+  TileProver(const PointGrid& grid, double radius, const HiddenSurface* hidden)
+      : grid_(grid), radius_(radius), hidden_(hidden) {}
+
+  void prove(std::span<const Vec3> tile) {
+    ConvexPolygon polygon(tile);
+    const Vec3 middle = middle_of(tile);
+    const double reach = radius_ + std::sqrt(polygon.farthest_squared(middle));
+    candidates_.clear();
+    grid_.visit_near(middle, reach, [&](std::uint32_t, const Vec3& point) {
+      if (length_squared(point - middle) <= reach * reach) candidates_.push_back(point);
+    });
+    prove(polygon, 0, candidates_.size());
+  }
+
+  std::vector<Hole> holes;
+  std::uint64_t pieces = 0;
+
+ private:
+  static Vec3 middle_of(std::span<const Vec3> corners) {
+    Vec3 sum;
+    for (const Vec3& corner : corners) sum += corner;
+    return (1.0 / static_cast<double>(corners.size())) * sum;
+  }
+
+  // The candidate of [first, last), not empty, that is nearest to `place`.
+  std::size_t nearest_candidate(const Vec3& place, std::size_t first, std::size_t last) const {
+    std::size_t nearest = first;
+    double squared = length_squared(candidates_[first] - place);
+    for (std::size_t n = first + 1; n < last; ++n) {
+      const double other = length_squared(candidates_[n] - place);
+      if (other < squared) nearest = n, squared = other;
+    }
+    return nearest;
+  }
+
+  // The candidates of a piece are candidates_[first, last): all points whose balls can reach it,
+  // but for those that are farther from all of it than another candidate is. So a corner's nearest
+  // candidate is its nearest point, and with every cut each side loses a candidate.
+  void prove(ConvexPolygon& piece, std::size_t first, std::size_t last) {
+    if (piece.empty()) return;
+    ++pieces;
+    const Vec3 middle = middle_of(piece.corners());
+    if (first == last) return not_covered(piece, piece.corners().front(), 2 * radius_, first, last);
+    const std::size_t inner = nearest_candidate(middle, first, last);
+    const Vec3 inner_point = candidates_[inner];
+    const Vec3* outermost = nullptr;
+    double outermost_squared = radius_ * radius_;
+    for (const Vec3& corner : piece.corners()) {
+      const double squared = length_squared(corner - inner_point);
+      if (squared > outermost_squared) outermost = &corner, outermost_squared = squared;
+    }
+    if (!outermost) return;
+    const std::size_t outer = nearest_candidate(*outermost, first, last);
+    const Vec3 outer_point = candidates_[outer];
+    const double distance_squared = length_squared(*outermost - outer_point);
+    if (distance_squared > radius_ * radius_) {
+      return not_covered(piece, *outermost, std::sqrt(distance_squared), first, last);
+    }
+    if (piece.farthest_squared(outer_point) <= radius_ * radius_) return;
+    // The outermost corner is nearer to the outer point and the middle to the inner one (or the
+    // same to both): the plane between them cuts the piece.
+    const Vec3 normal = outer_point - inner_point;
+    ConvexPolygon rest;
+    piece.split(normal, dot(normal, 0.5 * (inner_point + outer_point)), rest);
+    prove_with(piece, first, last, outer);
+    prove_with(rest, first, last, inner);
+  }
+
+  // Proves `piece` with those of the candidates that can reach it, and without candidate `dropped`.
+  void prove_with(ConvexPolygon& piece, std::size_t first, std::size_t last, std::size_t dropped) {
+    if (piece.empty()) return;
+    const Vec3 middle = middle_of(piece.corners());
+    const double reach = radius_ + std::sqrt(piece.farthest_squared(middle));
+    const std::size_t own_first = candidates_.size();
+    for (std::size_t n = first; n < last; ++n) {
+      const Vec3 point = candidates_[n];
+      if (n != dropped && length_squared(point - middle) <= reach * reach) {
+        candidates_.push_back(point);
+      }
+    }
+    prove(piece, own_first, candidates_.size());
+    candidates_.resize(own_first);
+  }
+
+  // A corner of the piece is out of reach of all points: the piece, or all of its parts that are
+  // not covered, must be hidden. A single hole fails the whole proof, so after one there is no use
+  // in cutting small.
+  void not_covered(ConvexPolygon& piece, const Vec3& corner, double distance, std::size_t first,
+                   std::size_t last) {
+    if (!hidden_ || !holes.empty()) return add_hole(piece, corner, distance);
+    const Vec3 middle = middle_of(piece.corners());
+    const double size = std::sqrt(piece.farthest_squared(middle));
+    if (hidden_->holds_ball(middle, size)) return;
+    if (size <= kSmallestHidden * radius_) return add_hole(piece, corner, distance);
+    Vec3 farthest = middle;
+    for (const Vec3& other : piece.corners()) {
+      if (length_squared(other - middle) > length_squared(farthest - middle)) farthest = other;
+    }
+    ConvexPolygon rest;
+    const bool cut = piece.split(farthest - middle, dot(farthest - middle, middle), rest);
+    if (!cut || rest.empty()) return add_hole(piece, corner, distance);
+    prove_with(piece, first, last, last);
+    prove_with(rest, first, last, last);
+  }
+
+  void add_hole(const ConvexPolygon& piece, const Vec3& corner, double distance) {
+    holes.push_back({corner, distance, {piece.corners().begin(), piece.corners().end()}});
+  }
+
+  const PointGrid& grid_;
+  const double radius_;
+  const HiddenSurface* hidden_;
+  std::vector<Vec3> candidates_;  // a stack, one range for every level of the recursion
+};
+
+// Proves tile(0) to tile(count - 1) and adds the outcome to `proof`.
+template <typename Tile>
+void prove_tiles(std::size_t count, const Tile& tile, const PointGrid& grid, double radius,
+                 const HiddenSurface* hidden, CoveringProof& proof) {
+  const std::size_t tasks = (count + kTilesPerTask - 1) / kTilesPerTask;
+  std::vector<TileProver> provers(tasks, TileProver(grid, radius, hidden));
+  parallel_for_each_index(tasks, 1, [&](std::size_t task) {
+    const std::size_t end = std::min((task + 1) * kTilesPerTask, count);
+    for (std::size_t n = task * kTilesPerTask; n < end; ++n) provers[task].prove(tile(n));
+  });
+  for (TileProver& prover : provers) {
+    std::move(prover.holes.begin(), prover.holes.end(), std::back_inserter(proof.holes));
+    proof.pieces += prover.pieces;
+  }
+}
+
+}  // namespace
+
+double proof_margin(const Part& part, double radius) {
+  // Every source of error is a few units in the last place of the largest coordinate; midpoints and
+  // cuts add a few for each of far fewer than 100 in a row. 2^-44 is 512 units.
+  return std::ldexp(part.largest_coordinate + radius, -44);
+}
+
+CoveringProof prove_covering(const Part& part, std::span<const Vec3> points, double radius,
+                             std::size_t most_holes) {
+  const double proof_radius = radius - proof_margin(part, radius);
+  CoveringProof proof;
+  if (!(proof_radius > 0)) {
+    const Piece piece = triangle_piece(part, 0);
+    proof.holes.push_back({piece[0], 0, {piece.begin(), piece.end()}});
+    proof.given_up = true;
+    return proof;
+  }
+  const PointGrid grid(points, kGridCell * radius);
+  for_each_tile_batch(part, kTileEdge * proof_radius, [&](std::span<const Piece> tiles) {
+    prove_tiles(
+        tiles.size(), [&](std::size_t n) { return std::span<const Vec3>(tiles[n]); }, grid,
+        proof_radius, nullptr, proof);
+    proof.given_up = proof.holes.size() > most_holes;
+    return !proof.given_up;
+  });
+  proof.proven = proof.holes.empty();
+  return proof;
+}
+
+CoveringProof continue_proof(const Part& part, std::span<const Vec3> points, double radius,
+                             const CoveringProof& failed, const HiddenSurface* hidden) {
+  const PointGrid grid(points, kGridCell * radius);
+  CoveringProof proof;
+  proof.pieces = failed.pieces;
+  prove_tiles(
+      failed.holes.size(),
+      [&](std::size_t n) { return std::span<const Vec3>(failed.holes[n].piece); }, grid,
+      radius - proof_margin(part, radius), hidden, proof);
+  proof.proven = proof.holes.empty();
+  return proof;
+}
+
+}  // namespace forcelayer

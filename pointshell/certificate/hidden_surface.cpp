@@ -1,0 +1,73 @@
+#include "pointshell/certificate/hidden_surface.h"
+
+#include <cmath>
+#include <utility>
+
+#include "pointshell/mass_properties.h"
+#include "pointshell/parallel.h"
+
+namespace forcelayer {
+namespace {
+
+// Of the radius: points are dropped only where they lie this deep, so that everything that they
+// alone cover is proven hidden by pieces of a quarter of the radius.
+constexpr double kDroppedDepth = 1.25;
+// The winding number is a whole number off the surface, and in error by less than 0.01.
+constexpr double kInside = 0.5;
+
+std::vector<std::vector<std::uint32_t>> triangles_by_body(const Part& part) {
+  std::vector<std::vector<std::uint32_t>> of_body(part.body_names.size());
+  for (std::uint32_t t = 0; t < part.triangles.size(); ++t) of_body[part.body[t]].push_back(t);
+  return of_body;
+}
+
+bool is_closed_body(const Part& part, const std::vector<std::uint32_t>& triangles) {
+  std::vector<Triangle> corners;
+  for (const std::uint32_t t : triangles) corners.push_back(part.triangles[t]);
+  return is_closed(corners);
+}
+
+}  // namespace
+
+HiddenSurface::Solid::Solid(const Part& part, std::vector<std::uint32_t> triangles)
+    : tree(part, std::move(triangles)), winding(tree) {}
+
+HiddenSurface::HiddenSurface(const Part& part)
+    : rounding_(std::ldexp(part.largest_coordinate, -40)) {
+  if (part.body_names.size() < 2) return;
+  for (std::vector<std::uint32_t>& triangles : triangles_by_body(part)) {
+    if (triangles.empty() || !is_closed_body(part, triangles)) continue;
+    solids_.push_back(std::make_unique<Solid>(part, std::move(triangles)));
+  }
+}
+
+bool HiddenSurface::holds_ball(const Vec3& centre, double radius) const {
+  for (const auto& solid : solids_) {
+    if (solid->tree.nodes()[0].distance_squared(centre) > 0) continue;
+    if (solid->tree.nearest(centre, radius + rounding_).found) continue;
+    if (std::abs(solid->winding.at(centre)) > kInside) return true;
+  }
+  return false;
+}
+
+std::size_t leave_out_hidden_points(const Part& part, const HiddenSurface& hidden, double radius,
+                                    std::vector<Vec3>& points, CoveringProof& proof) {
+  std::vector<char> drop(points.size());
+  parallel_for_each_index(points.size(), 256, [&](std::size_t n) {
+    drop[n] = hidden.holds_ball(points[n], kDroppedDepth * radius);
+  });
+  std::vector<Vec3> kept;
+  for (std::size_t n = 0; n < points.size(); ++n) {
+    if (!drop[n]) kept.push_back(points[n]);
+  }
+  if (kept.size() == points.size()) return 0;
+  CoveringProof outer = prove_covering(part, kept, radius);
+  if (!outer.proven) outer = continue_proof(part, kept, radius, outer, &hidden);
+  if (!outer.proven) return 0;
+  proof = std::move(outer);
+  const std::size_t dropped = points.size() - kept.size();
+  points = std::move(kept);
+  return dropped;
+}
+
+}  // namespace forcelayer

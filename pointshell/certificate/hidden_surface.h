@@ -1,0 +1,45 @@
+// What of a part's surface lies inside another of its bodies, where nothing can touch it.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "pointshell/certificate/certificate.h"
+#include "pointshell/certificate/triangle_tree.h"
+#include "pointshell/normals/winding_number.h"
+#include "pointshell/part.h"
+#include "pointshell/vec3.h"
+
+namespace forcelayer {
+
+// The insides of a part's closed bodies. A body whose edges do not all close hides nothing.
+class HiddenSurface {
+ public:
+  // `part` must be consistently oriented (orient_outwards) and outlive this.
+  explicit HiddenSurface(const Part& part);
+
+  // Whether there are bodies that could hide others.
+  bool possible() const { return !solids_.empty(); }
+
+  // Whether the ball lies inside a single closed body. What the part's surface has in such a ball
+  // belongs to other bodies and is hidden by this one. A proof: false where rounding could matter.
+  bool holds_ball(const Vec3& centre, double radius) const;
+
+ private:
+  struct Solid {
+    Solid(const Part& part, std::vector<std::uint32_t> triangles);
+    TriangleTree tree;
+    WindingNumber winding;
+  };
+  std::vector<std::unique_ptr<Solid>> solids_;  // the winding number keeps its tree's address
+  double rounding_ = 0;                         // m, more than any error of a distance
+};
+
+// Drops the points that lie deeper than the radius inside another body: their balls hold no outer
+// surface, so that this stays covered (`proof`, which is of all points, is replaced by that of the
+// remaining ones). Keeps them all, and the proof, where that cannot be proven. Returns how many
+// were dropped.
+std::size_t leave_out_hidden_points(const Part& part, const HiddenSurface& hidden, double radius,
+                                    std::vector<Vec3>& points, CoveringProof& proof);
+
+}  // namespace forcelayer

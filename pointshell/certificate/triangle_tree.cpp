@@ -1,0 +1,216 @@
+#include "pointshell/certificate/triangle_tree.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace forcelayer {
+namespace {
+
+constexpr std::size_t kLeafTriangles = 2;
+
+// Square of the sine of a triangle's angle below which its plane is not to be trusted.
+constexpr double kFlat = 1e-20;
+
+float rounded_down(double x) {
+  const float nearest = static_cast<float>(x);
+  return nearest <= x ? nearest : std::nextafter(nearest, -std::numeric_limits<float>::infinity());
+}
+
+TriangleTree::Node node_around(const Box& box, std::uint32_t first, std::uint32_t count) {
+  return {{rounded_down(box.low.x), rounded_down(box.low.y), rounded_down(box.low.z)},
+          {-rounded_down(-box.high.x), -rounded_down(-box.high.y), -rounded_down(-box.high.z)},
+          first,
+          count};
+}
+
+Vec3 nearest_on_segment(const Vec3& place, const Vec3& a, const Vec3& b) {
+  const Vec3 along = b - a;
+  const double squared = length_squared(along);
+  if (squared == 0) return a;
+  return a + std::clamp(dot(place - a, along) / squared, 0.0, 1.0) * along;
+}
+
+Vec3 nearer(const Vec3& place, const Vec3& p, const Vec3& q) {
+  return length_squared(q - place) < length_squared(p - place) ? q : p;
+}
+
+double coordinate(const Vec3& p, int axis) { return axis == 0 ? p.x : axis == 1 ? p.y : p.z; }
+
+int longest_axis(const Box& box) {
+  const Vec3 size = box.high - box.low;
+  if (size.x >= size.y && size.x >= size.z) return 0;
+  return size.y >= size.z ? 1 : 2;
+}
+
+// Whether the ray meets the box beyond its origin; `inverse` is 1 / direction, by component.
+bool ray_meets_box(const Vec3& origin, const Vec3& inverse, const TriangleTree::Node& box) {
+  double enter = 0, leave = std::numeric_limits<double>::infinity();
+  const auto clip = [&](double from, double factor, double low, double high) {
+    const double a = (low - from) * factor, b = (high - from) * factor;
+    // 0 * infinity, on a face that the ray runs along, is NaN: fmin and fmax pass over it.
+    enter = std::fmax(enter, std::fmin(a, b));
+    leave = std::fmin(leave, std::fmax(a, b));
+  };
+  clip(origin.x, inverse.x, box.low[0], box.high[0]);
+  clip(origin.y, inverse.y, box.low[1], box.high[1]);
+  clip(origin.z, inverse.z, box.low[2], box.high[2]);
+  return enter <= leave;
+}
+
+// Moeller and Trumbore 1997; false for a triangle seen edge-on.
+bool ray_meets_triangle(const Vec3& origin, const Vec3& direction, double least_distance,
+                        const Vec3& a, const Vec3& b, const Vec3& c) {
+  const Vec3 u = b - a, v = c - a, across = cross(direction, v), from_a = origin - a;
+  const double volume = dot(u, across);
+  if (volume == 0) return false;
+  const double s = dot(from_a, across) / volume;
+  const Vec3 lever = cross(from_a, u);
+  const double t = dot(direction, lever) / volume;
+  return s >= 0 && t >= 0 && s + t <= 1 && dot(v, lever) / volume > least_distance;
+}
+
+}  // namespace
+
+Vec3 nearest_on_triangle(const Vec3& place, const Vec3& a, const Vec3& b, const Vec3& c) {
+  // By the barycentric coordinates of the foot on the plane (Ericson, "Real-time collision
+  // detection", 2005, section 5.1.5). A triangle without area has none and goes to its edges.
+  const Vec3 ab = b - a, ac = c - a, ap = place - a;
+  const double bb = dot(ab, ab), bc = dot(ab, ac), cc = dot(ac, ac);
+  const double pb = dot(ap, ab), pc = dot(ap, ac);
+  const double scale = bb * cc - bc * bc;
+  const double v = cc * pb - bc * pc, w = bb * pc - bc * pb;
+  if (v >= 0 && w >= 0 && v + w <= scale && scale > kFlat * bb * cc) {
+    return a + (v / scale) * ab + (w / scale) * ac;
+  }
+  const Vec3 on_ab = nearest_on_segment(place, a, b), on_bc = nearest_on_segment(place, b, c);
+  return nearer(place, nearer(place, on_ab, on_bc), nearest_on_segment(place, c, a));
+}
+
+TriangleTree::TriangleTree(const Part& part) : part_(&part), ordered_(part.triangles.size()) {
+  std::iota(ordered_.begin(), ordered_.end(), 0u);
+  *this = TriangleTree(part, std::move(ordered_));
+}
+
+TriangleTree::TriangleTree(const Part& part, std::vector<std::uint32_t> triangles)
+    : part_(&part), ordered_(std::move(triangles)) {
+  std::vector<Vec3> centroids(part.triangles.size());
+  for (const std::uint32_t t : ordered_) {
+    const Triangle& corners = part.triangles[t];
+    centroids[t] = (1.0 / 3) * (part.vertices[corners[0]] + part.vertices[corners[1]] +
+                                part.vertices[corners[2]]);
+  }
+  nodes_.reserve(2 * (ordered_.size() / (kLeafTriangles / 2) + 1));
+  build(ordered_, 0, centroids);
+}
+
+Box TriangleTree::box_of(std::span<const std::uint32_t> triangles) const {
+  Box box;
+  for (const std::uint32_t t : triangles) {
+    for (const std::uint32_t corner : part_->triangles[t]) box.grow(part_->vertices[corner]);
+  }
+  return box;
+}
+
+void TriangleTree::build(std::span<std::uint32_t> triangles, std::uint32_t first,
+                         const std::vector<Vec3>& centroids) {
+  const std::size_t at = nodes_.size();
+  nodes_.push_back(
+      node_around(box_of(triangles), first, static_cast<std::uint32_t>(triangles.size())));
+  if (triangles.size() <= kLeafTriangles) return;
+  Box of_centroids;
+  for (const std::uint32_t t : triangles) of_centroids.grow(centroids[t]);
+  const int axis = longest_axis(of_centroids);
+  const std::size_t half = triangles.size() / 2;
+  std::nth_element(triangles.begin(), triangles.begin() + static_cast<std::ptrdiff_t>(half),
+                   triangles.end(), [&](std::uint32_t a, std::uint32_t b) {
+                     const double x = coordinate(centroids[a], axis);
+                     const double y = coordinate(centroids[b], axis);
+                     return x != y ? x < y : a < b;
+                   });
+  build(triangles.first(half), first, centroids);
+  const auto second_child = static_cast<std::uint32_t>(nodes_.size());
+  build(triangles.subspan(half), first + static_cast<std::uint32_t>(half), centroids);
+  nodes_[at].first = second_child;
+  nodes_[at].count = 0;
+}
+
+bool TriangleTree::ray_hits(const Vec3& origin, const Vec3& direction, std::uint32_t excluded,
+                            double least_distance) const {
+  const Vec3 inverse{1 / direction.x, 1 / direction.y, 1 / direction.z};
+  std::array<std::uint32_t, kMaxDepth> stack;
+  std::size_t depth = 0;
+  stack[depth++] = 0;
+  while (depth > 0) {
+    const std::uint32_t at = stack[--depth];
+    const Node& node = nodes_[at];
+    if (!ray_meets_box(origin, inverse, node)) continue;
+    for (std::uint32_t n = 0; n < node.count; ++n) {
+      const std::uint32_t t = ordered_[node.first + n];
+      const Triangle& corners = part_->triangles[t];
+      if (t != excluded &&
+          ray_meets_triangle(origin, direction, least_distance, part_->vertices[corners[0]],
+                             part_->vertices[corners[1]], part_->vertices[corners[2]])) {
+        return true;
+      }
+    }
+    if (node.count == 0) {
+      stack[depth++] = node.first;
+      stack[depth++] = at + 1;
+    }
+  }
+  return false;
+}
+
+TriangleTree::Nearest TriangleTree::nearest(const Vec3& place, double radius) const {
+  Nearest best;
+  best.distance_squared = radius * radius;
+  struct Entry {
+    std::uint32_t node;
+    double distance_squared;
+  };
+  std::array<Entry, kMaxDepth> stack;
+  std::size_t depth = 0;
+  stack[depth++] = {0, nodes_[0].distance_squared(place)};
+  while (depth > 0) {
+    const Entry entry = stack[--depth];
+    if (entry.distance_squared > best.distance_squared) continue;
+    const Node& node = nodes_[entry.node];
+    for (std::uint32_t n = 0; n < node.count; ++n) {
+      const std::uint32_t t = ordered_[node.first + n];
+      const Triangle& corners = part_->triangles[t];
+      const Vec3 foot =
+          nearest_on_triangle(place, part_->vertices[corners[0]], part_->vertices[corners[1]],
+                              part_->vertices[corners[2]]);
+      const double squared = length_squared(foot - place);
+      const bool tie = best.found && squared == best.distance_squared;
+      if (squared > best.distance_squared || (tie && t > best.point.triangle)) continue;
+      best = {{foot, t}, squared, true};
+    }
+    if (node.count > 0) continue;
+    Entry near{entry.node + 1, nodes_[entry.node + 1].distance_squared(place)};
+    Entry far{node.first, nodes_[node.first].distance_squared(place)};
+    if (far.distance_squared < near.distance_squared) std::swap(near, far);
+    stack[depth++] = far;
+    stack[depth++] = near;
+  }
+  return best;
+}
+
+SurfacePoint TriangleTree::nearest(const Vec3& place,
+                                   std::span<const std::uint32_t> triangles) const {
+  SurfacePoint best;
+  double best_squared = std::numeric_limits<double>::infinity();
+  for (const std::uint32_t t : triangles) {
+    const Triangle& c = part_->triangles[t];
+    const Vec3 foot = nearest_on_triangle(place, part_->vertices[c[0]], part_->vertices[c[1]],
+                                          part_->vertices[c[2]]);
+    const double squared = length_squared(foot - place);
+    if (squared < best_squared || (squared == best_squared && t < best.triangle)) {
+      best = {foot, t};
+      best_squared = squared;
+    }
+  }
+  return best;
+}
+
+}  // namespace forcelayer

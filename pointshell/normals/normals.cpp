@@ -1,0 +1,226 @@
+#include "pointshell/normals/normals.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pointshell/certificate/pieces.h"
+#include "pointshell/parallel.h"
+
+namespace forcelayer {
+namespace {
+
+constexpr double kFullCos = 0.8660254037844387;  // 30 degrees
+constexpr double kNoneCos = 0.5;                 // 60 degrees
+// Triangles whose distance from the point exceeds the nearest one's by less than this share of the
+// radius meet at the point: more than the rounding of positions to floats.
+constexpr double kSamePlace = 1e-4;
+constexpr double kCancelled = 1e-3;     // of normals that add up to less, nothing is left
+constexpr double kFlatCos = 1 - 1e-12;  // one direction but for rounding
+
+struct Point2 {
+  double x, y;
+};
+
+double cross2(const Point2& a, const Point2& b) { return a.x * b.y - a.y * b.x; }
+double dot2(const Point2& a, const Point2& b) { return a.x * b.x + a.y * b.y; }
+
+// Signed area of the circular sector between the directions of a and b.
+double sector(const Point2& a, const Point2& b, double radius) {
+  return 0.5 * radius * radius * std::atan2(cross2(a, b), dot2(a, b));
+}
+
+// Signed area of the triangle (origin, a, b) within the circle of this radius about the origin.
+double wedge_in_circle(const Point2& a, const Point2& b, double radius) {
+  const Point2 d{b.x - a.x, b.y - a.y};
+  const double dd = dot2(d, d), ad = dot2(a, d);
+  const double discriminant = ad * ad - dd * (dot2(a, a) - radius * radius);
+  if (dd == 0) return 0;
+  if (discriminant <= 0) return sector(a, b, radius);
+  // The chord's ends, as shares of the way from a to b.
+  const double root = std::sqrt(discriminant);
+  const double enter = std::max((-ad - root) / dd, 0.0), leave = std::min((-ad + root) / dd, 1.0);
+  if (enter >= leave) return sector(a, b, radius);
+  const Point2 p{a.x + enter * d.x, a.y + enter * d.y}, q{a.x + leave * d.x, a.y + leave * d.y};
+  return (enter > 0 ? sector(a, p, radius) : 0) + 0.5 * cross2(p, q) +
+         (leave < 1 ? sector(q, b, radius) : 0);
+}
+
+double range_weight(double cosine) {
+  return std::clamp((cosine - kNoneCos) / (kFullCos - kNoneCos), 0.0, 1.0);
+}
+
+double angle_between(const Vec3& u, const Vec3& v) {
+  return std::atan2(length(cross(u, v)), dot(u, v));
+}
+
+// The angle that a triangle fills around a point of it: pi for a point on a side, less at a corner.
+// A point inside counts as on a side: then it is the only triangle, or one of several in one plane.
+double angle_at(const Vec3& place, const Piece& corners, double same_place) {
+  for (int n = 0; n < 3; ++n) {
+    if (length(place - corners[n]) <= same_place) {
+      return angle_between(corners[(n + 1) % 3] - corners[n], corners[(n + 2) % 3] - corners[n]);
+    }
+  }
+  return std::acos(-1.0);
+}
+
+// Finds the normals of points one by one; one of it per task, as it keeps scratch memory.
+class NormalFinder {
+ public:
+  NormalFinder(const TriangleTree& tree, double radius)
+      : tree_(tree), part_(tree.part()), radius_(radius) {}
+
+  // `near` holds at least the triangles within kReach radii of `point`.
+  void find(const Vec3& point, std::span<const std::uint32_t> near, Vec3& inward,
+            double& cone_cos) {
+    const SurfacePoint foot = tree_.nearest(point, near);
+    const double listed_reach = (RestrictedCells::kReach - 1) * radius_ * (1 - 1e-9);
+    const bool listed = length(point - foot.position) <= listed_reach;
+    gather(foot.position, listed ? near : triangles_near(foot.position));
+    const Vec3 seed = seed_at(foot);
+    const Vec3 outward = smoothed(foot.position, seed);
+    inward = -outward;
+    cone_cos = cone_about(foot.position, outward);
+  }
+
+ private:
+  struct Face {
+    Piece corners;
+    Vec3 normal;       // unit, or zero where the triangle has no area
+    double area = -1;  // of it within the radius of the foot; negative: not yet known
+  };
+
+  std::span<const std::uint32_t> triangles_near(const Vec3& place) {
+    triangles_.clear();
+    tree_.visit_near(place, radius_, [&](std::uint32_t t) { triangles_.push_back(t); });
+    return triangles_;
+  }
+
+  void gather(const Vec3& foot, std::span<const std::uint32_t> triangles) {
+    faces_.clear();
+    for (const std::uint32_t t : triangles) {
+      const Piece corners = triangle_piece(part_, t);
+      const Vec3 normal = normalized(cross(corners[1] - corners[0], corners[2] - corners[0]));
+      if (std::abs(dot(normal, foot - corners[0])) < radius_) {
+        faces_.push_back({corners, normal});
+      }
+    }
+  }
+
+  Vec3 seed_at(const SurfacePoint& foot) const {
+    const double same_place = kSamePlace * radius_;
+    Vec3 sum;
+    for (const Face& face : faces_) {
+      if (std::abs(dot(face.normal, foot.position - face.corners[0])) > same_place) continue;
+      const Vec3 nearest =
+          nearest_on_triangle(foot.position, face.corners[0], face.corners[1], face.corners[2]);
+      if (length_squared(nearest - foot.position) > same_place * same_place) continue;
+      sum += angle_at(nearest, face.corners, same_place) * face.normal;
+    }
+    // Faces back to back cancel: then the triangle that the point was found on decides.
+    if (length(sum) > kCancelled) return normalized(sum);
+    return nearest_area_normal(foot);
+  }
+
+  // The normal of the foot's triangle or, where that has no area, of the nearest one that has.
+  Vec3 nearest_area_normal(const SurfacePoint& foot) const {
+    const Vec3 own = normalized(doubled_area_normal(part_, foot.triangle));
+    if (length_squared(own) > 0) return own;
+    for (double reach = kSamePlace * radius_;; reach *= 4) {
+      Vec3 best;
+      double best_squared = reach * reach;
+      tree_.visit_near(foot.position, reach, [&](std::uint32_t t) {
+        const Piece corners = triangle_piece(part_, t);
+        const Vec3 normal = normalized(doubled_area_normal(part_, t));
+        const Vec3 nearest = nearest_on_triangle(foot.position, corners[0], corners[1], corners[2]);
+        const double squared = length_squared(nearest - foot.position);
+        if (length_squared(normal) == 0 || squared > best_squared) return;
+        best = normal;
+        best_squared = squared;
+      });
+      if (length_squared(best) > 0) return best;
+    }
+  }
+
+  Vec3 smoothed(const Vec3& place, const Vec3& seed) {
+    // On a flat neighbourhood the areas need not be known.
+    const bool flat = std::all_of(faces_.begin(), faces_.end(), [&](const Face& face) {
+      const double cosine = dot(face.normal, seed);
+      return cosine <= kNoneCos || cosine >= kFlatCos;
+    });
+    if (flat) return seed;
+    Vec3 sum;
+    for (Face& face : faces_) {
+      const double weight = range_weight(dot(face.normal, seed));
+      if (weight > 0) sum += weight * area_near(place, face) * face.normal;
+    }
+    return length_squared(sum) > 0 ? normalized(sum) : seed;
+  }
+
+  double cone_about(const Vec3& place, const Vec3& outward) {
+    double cosine = 1;
+    for (Face& face : faces_) {
+      if (length_squared(face.normal) == 0) continue;
+      const double c = dot(face.normal, outward);
+      if (c < cosine && area_near(place, face) > 0) cosine = c;
+    }
+    return std::max(cosine, -1.0);
+  }
+
+  double area_near(const Vec3& place, Face& face) const {
+    if (face.area < 0) {
+      face.area =
+          area_within_ball(place, radius_, face.corners[0], face.corners[1], face.corners[2]);
+    }
+    return face.area;
+  }
+
+  const TriangleTree& tree_;
+  const Part& part_;
+  const double radius_;
+  std::vector<std::uint32_t> triangles_;
+  std::vector<Face> faces_;  // near the foot
+};
+
+}  // namespace
+
+double area_within_ball(const Vec3& centre, double radius, const Vec3& a, const Vec3& b,
+                        const Vec3& c) {
+  const Vec3 doubled = cross(b - a, c - a);
+  const double norm = length(doubled);
+  if (norm == 0) return 0;
+  const Vec3 normal = (1 / norm) * doubled;
+  const double height = dot(a - centre, normal);
+  if (std::abs(height) >= radius) return 0;
+  const double reach = radius * radius;
+  if (std::max({length_squared(a - centre), length_squared(b - centre),
+                length_squared(c - centre)}) <= reach) {
+    return norm / 2;
+  }
+  const Vec3 along_x = normalized(b - a), along_y = cross(normal, along_x);
+  const Vec3 foot = centre + height * normal;
+  const auto flat = [&](const Vec3& p) {
+    return Point2{dot(p - foot, along_x), dot(p - foot, along_y)};
+  };
+  const double circle = std::sqrt(reach - height * height);
+  const Point2 pa = flat(a), pb = flat(b), pc = flat(c);
+  const double area = wedge_in_circle(pa, pb, circle) + wedge_in_circle(pb, pc, circle) +
+                      wedge_in_circle(pc, pa, circle);
+  return std::max(area, 0.0);
+}
+
+ShellNormals shell_normals(const RestrictedCells& cells, std::span<const Vec3> points,
+                           double radius) {
+  ShellNormals normals;
+  normals.inward.resize(points.size());
+  normals.cone_cos.resize(points.size());
+  parallel_ranges(points.size(), 256, [&](std::size_t begin, std::size_t end) {
+    NormalFinder finder(cells.tree(), radius);
+    for (std::size_t n = begin; n < end; ++n) {
+      finder.find(points[n], cells.triangles_near(n), normals.inward[n], normals.cone_cos[n]);
+    }
+  });
+  return normals;
+}
+
+}  // namespace forcelayer

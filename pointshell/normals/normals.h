@@ -1,0 +1,35 @@
+// Inward normals of shell points, smoothed over the covering radius without rounding real edges.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "pointshell/sample/restricted_cells.h"
+#include "pointshell/vec3.h"
+
+namespace forcelayer {
+
+struct ShellNormals {
+  std::vector<Vec3> inward;      // unit
+  std::vector<double> cone_cos;  // of the half-angle of the cone about `inward` that holds the
+                                 // normals of all triangles within the radius of the point
+};
+
+// The part's triangles must face outwards; `cells` must have been made for all of `points`.
+//
+// Rule. (1) The seed is the normal at the nearest surface point: the face's, and on edges and
+// corners the angle-weighted mean of the faces that meet there (Baerentzen and Aanaes, "Signed
+// distance computation using the angle weighted pseudonormal", 2005). (2) The normal is the mean of
+// the normals over the surface within `radius` of that point, weighted by area times a weight of
+// the angle to the seed: 1 up to 30 degrees, falling to 0 at 60 (bilateral normal filtering: Zheng,
+// Fu, Au and Tai 2011; without the angle's weight it is the integral invariant of Pottmann,
+// Wallner, Huang and Yang 2009). The mean is exact, so it changes continuously from point to point:
+// the facets of a curved surface blend, while the faces at a real edge do not see each other.
+ShellNormals shell_normals(const RestrictedCells& cells, std::span<const Vec3> points,
+                           double radius);
+
+// Area of the part of triangle a, b, c that lies within `radius` of `centre`.
+double area_within_ball(const Vec3& centre, double radius, const Vec3& a, const Vec3& b,
+                        const Vec3& c);
+
+}  // namespace forcelayer

@@ -1,0 +1,309 @@
+#include "pointshell/normals/orientation.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+#include <tuple>
+#include <vector>
+
+#include "pointshell/certificate/pieces.h"
+#include "pointshell/certificate/triangle_tree.h"
+#include "pointshell/parallel.h"
+
+namespace forcelayer {
+namespace {
+
+constexpr double kDecisive = 0.15;
+// Share of rays below which a patch counts as hidden: a few that slip through gaps say nothing.
+constexpr double kHidden = 0.005;
+constexpr std::size_t kSamplesPerPatch = 128;
+constexpr int kRaysPerSample = 64;
+// Of the part's size: what lies nearer to a ray's origin is the surface that it starts on.
+constexpr double kSelfHit = 1e-10;
+
+// The side of a triangle that runs between two vertices.
+struct Side {
+  std::uint32_t body, low, high;
+  std::uint32_t triangle;
+  bool forwards;  // from low to high
+
+  bool same_edge(const Side& other) const {
+    return body == other.body && low == other.low && high == other.high;
+  }
+  friend bool operator<(const Side& a, const Side& b) {
+    return std::tie(a.body, a.low, a.high, a.triangle) <
+           std::tie(b.body, b.low, b.high, b.triangle);
+  }
+};
+
+// Two triangles that share an edge of exactly two; `agree` when they run through it in opposite
+// directions, as they do on a consistently oriented surface.
+struct Link {
+  std::uint32_t a, b;
+  bool agree;
+};
+
+std::vector<Side> sorted_sides(const Part& part) {
+  std::vector<Side> sides;
+  sides.reserve(3 * part.triangles.size());
+  for (std::uint32_t t = 0; t < part.triangles.size(); ++t) {
+    const Triangle& corners = part.triangles[t];
+    // A triangle with two equal corners runs through its one edge forwards and backwards.
+    if (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0]) continue;
+    for (int n = 0; n < 3; ++n) {
+      const std::uint32_t from = corners[n], to = corners[(n + 1) % 3];
+      sides.push_back({part.body[t], std::min(from, to), std::max(from, to), t, from < to});
+    }
+  }
+  std::sort(sides.begin(), sides.end());
+  return sides;
+}
+
+std::vector<Link> find_links(const Part& part, OrientationReport& report) {
+  const std::vector<Side> sides = sorted_sides(part);
+  std::vector<Link> links;
+  for (std::size_t first = 0; first < sides.size();) {
+    std::size_t end = first + 1;
+    while (end < sides.size() && sides[end].same_edge(sides[first])) ++end;
+    if (end - first == 1) ++report.boundary_edges;
+    if (end - first > 2) ++report.nonmanifold_edges;
+    if (end - first == 2) {
+      const Side &a = sides[first], &b = sides[first + 1];
+      if (a.triangle != b.triangle) {
+        links.push_back({a.triangle, b.triangle, a.forwards != b.forwards});
+      }
+    }
+    first = end;
+  }
+  return links;
+}
+
+// Triangles by patch, and whether each is turned round in its patch.
+struct Patches {
+  std::vector<std::vector<std::uint32_t>> triangles;  // [patch], ascending
+  std::vector<bool> turned;                           // [triangle]
+};
+
+// Links of each triangle, as one array with offsets.
+struct Neighbours {
+  std::vector<std::size_t> first;                        // [triangles + 1]
+  std::vector<std::pair<std::uint32_t, bool>> to_agree;  // neighbour, agree
+
+  Neighbours(std::size_t triangles, const std::vector<Link>& links)
+      : first(triangles + 1, 0), to_agree(2 * links.size()) {
+    for (const Link& link : links) ++first[link.a + 1], ++first[link.b + 1];
+    for (std::size_t t = 0; t < triangles; ++t) first[t + 1] += first[t];
+    std::vector<std::size_t> next(first.begin(), first.end() - 1);
+    for (const Link& link : links) {
+      to_agree[next[link.a]++] = {link.b, link.agree};
+      to_agree[next[link.b]++] = {link.a, link.agree};
+    }
+  }
+};
+
+// Turns the smaller area of the patch rather than the larger.
+void keep_the_majority(const Part& part, const std::vector<std::uint32_t>& patch,
+                       std::vector<bool>& turned) {
+  double kept_area = 0, turned_area = 0;
+  for (const std::uint32_t t : patch) {
+    (turned[t] ? turned_area : kept_area) += length(doubled_area_normal(part, t));
+  }
+  if (turned_area <= kept_area) return;
+  for (const std::uint32_t t : patch) turned[t] = !turned[t];
+}
+
+Patches find_patches(const Part& part, const std::vector<Link>& links) {
+  const std::size_t count = part.triangles.size();
+  const Neighbours neighbours(count, links);
+  Patches patches;
+  patches.turned.assign(count, false);
+  std::vector<bool> reached(count, false);
+  for (std::uint32_t seed = 0; seed < count; ++seed) {
+    if (reached[seed]) continue;
+    std::vector<std::uint32_t> patch{seed};
+    reached[seed] = true;
+    for (std::size_t n = 0; n < patch.size(); ++n) {
+      const std::uint32_t t = patch[n];
+      for (std::size_t l = neighbours.first[t]; l < neighbours.first[t + 1]; ++l) {
+        const auto [other, agree] = neighbours.to_agree[l];
+        if (reached[other]) continue;
+        reached[other] = true;
+        patches.turned[other] = patches.turned[t] != !agree;
+        patch.push_back(other);
+      }
+    }
+    std::sort(patch.begin(), patch.end());
+    keep_the_majority(part, patch, patches.turned);
+    patches.triangles.push_back(std::move(patch));
+  }
+  return patches;
+}
+
+double area_of(const Part& part, const std::vector<std::uint32_t>& triangles) {
+  double area = 0;
+  for (const std::uint32_t t : triangles) area += length(doubled_area_normal(part, t)) / 2;
+  return area;
+}
+
+void turn(Part& part, std::uint32_t t) { std::swap(part.triangles[t][1], part.triangles[t][2]); }
+
+// Directions spread evenly over the sphere, none along an axis (Fibonacci lattice).
+std::array<Vec3, kRaysPerSample> ray_directions() {
+  std::array<Vec3, kRaysPerSample> directions;
+  for (int n = 0; n < kRaysPerSample; ++n) {
+    const double z = 1 - (2 * n + 1.0) / kRaysPerSample;
+    const double turn = 2 * std::numbers::pi * (n + 0.37) / std::numbers::phi;
+    const double ring = std::sqrt(1 - z * z);
+    directions[n] = {ring * std::cos(turn), ring * std::sin(turn), z};
+  }
+  return directions;
+}
+
+// Shares of the rays from each side of a patch that leave the part.
+struct Sky {
+  double front = 0, back = 0;
+
+  bool hidden() const { return front + back < kHidden; }
+  double decisiveness() const { return hidden() ? 0 : (front - back) / (front + back); }
+};
+
+class SkySampler {
+ public:
+  explicit SkySampler(const Part& part) : part_(part), directions_(ray_directions()) {
+    Box box;
+    for (const Vec3& v : part.vertices) box.grow(v);
+    self_hit_ = kSelfHit * length(box.high - box.low);
+  }
+
+  // What patch `triangles` sees past the triangles of `tree`. Samples stand for equal areas.
+  Sky look(const TriangleTree& tree, const std::vector<std::uint32_t>& triangles) const {
+    const double area = area_of(part_, triangles);
+    const std::size_t samples = std::min(triangles.size(), kSamplesPerPatch);
+    Sky sky;
+    double area_so_far = 0;
+    std::size_t taken = 0;
+    for (const std::uint32_t t : triangles) {
+      area_so_far += length(doubled_area_normal(part_, t)) / 2;
+      // The triangle that the middle of the next equal share of the area falls into.
+      double weight = 0;
+      while (taken < samples && (static_cast<double>(taken) + 0.5) * area <=
+                                    area_so_far * static_cast<double>(samples)) {
+        ++taken;
+        ++weight;
+      }
+      if (weight > 0) add_sample(tree, t, weight, sky);
+    }
+    const double rays = static_cast<double>(taken) * kRaysPerSample / 2;
+    return taken > 0 ? Sky{sky.front / rays, sky.back / rays} : Sky{};
+  }
+
+ private:
+  void add_sample(const TriangleTree& tree, std::uint32_t t, double weight, Sky& sky) const {
+    const Vec3 normal = doubled_area_normal(part_, t), origin = centroid(triangle_piece(part_, t));
+    for (const Vec3& direction : directions_) {
+      if (tree.ray_hits(origin, direction, t, self_hit_)) continue;
+      (dot(direction, normal) > 0 ? sky.front : sky.back) += weight;
+    }
+  }
+
+  const Part& part_;
+  const std::array<Vec3, kRaysPerSample> directions_;
+  double self_hit_ = 0;
+};
+
+// What every patch sees: of the whole part and, where that hides it, of its own body.
+std::vector<Sky> look_around(const Part& part, const Patches& patches) {
+  const SkySampler sampler(part);
+  const TriangleTree whole(part);
+  std::vector<Sky> skies(patches.triangles.size());
+  const auto look = [&](const TriangleTree& tree, std::size_t n) {
+    skies[n] = sampler.look(tree, patches.triangles[n]);
+  };
+  parallel_for_each_index(skies.size(), 1, [&](std::size_t n) { look(whole, n); });
+  if (part.body_names.size() < 2) return skies;
+
+  std::vector<std::vector<std::size_t>> hidden_of_body(part.body_names.size());
+  for (std::size_t n = 0; n < skies.size(); ++n) {
+    if (skies[n].hidden()) hidden_of_body[part.body[patches.triangles[n].front()]].push_back(n);
+  }
+  std::vector<std::vector<std::uint32_t>> of_body(part.body_names.size());
+  for (std::uint32_t t = 0; t < part.triangles.size(); ++t) of_body[part.body[t]].push_back(t);
+  for (std::size_t body = 0; body < of_body.size(); ++body) {
+    const std::vector<std::size_t>& hidden = hidden_of_body[body];
+    if (hidden.empty()) continue;
+    const TriangleTree tree(part, of_body[body]);
+    parallel_for_each_index(hidden.size(), 1, [&](std::size_t n) { look(tree, hidden[n]); });
+  }
+  return skies;
+}
+
+// Turns the patches round that see more sky from behind, and the hidden ones with their bodies.
+void turn_patches(Part& part, const Patches& patches, const std::vector<Sky>& skies) {
+  std::vector<double> area_to_keep(part.body_names.size());  // less that to turn, by body
+  const auto turn_patch = [&](std::size_t n) {
+    for (const std::uint32_t t : patches.triangles[n]) turn(part, t);
+  };
+  for (std::size_t n = 0; n < skies.size(); ++n) {
+    if (std::abs(skies[n].decisiveness()) < kDecisive) continue;
+    const double area = area_of(part, patches.triangles[n]);
+    const bool keep = skies[n].decisiveness() > 0;
+    area_to_keep[part.body[patches.triangles[n].front()]] += keep ? area : -area;
+    if (!keep) turn_patch(n);
+  }
+  for (std::size_t n = 0; n < skies.size(); ++n) {
+    if (skies[n].hidden() && area_to_keep[part.body[patches.triangles[n].front()]] < 0) {
+      turn_patch(n);
+    }
+  }
+}
+
+Box box_of(const Part& part, const std::vector<std::uint32_t>& patch) {
+  Box box;
+  for (const std::uint32_t t : patch) {
+    for (const std::uint32_t corner : part.triangles[t]) box.grow(part.vertices[corner]);
+  }
+  return box;
+}
+
+Error undecided_error(const Part& part, const std::vector<std::uint32_t>& patch) {
+  const Box box = box_of(part, patch);
+  const Vec3 middle = 0.5 * (box.low + box.high);
+  char place[128];
+  std::snprintf(place, sizeof place, "%zu triangles about (%.6g, %.6g, %.6g) m", patch.size(),
+                middle.x, middle.y, middle.z);
+  return {ErrorCode::kMeshUnorientable, "", part.body_names[part.body[patch.front()]],
+          std::string(place) + " form an open sheet that does not say which side is inside",
+          "close the surface or give the sheet a thickness"};
+}
+
+}  // namespace
+
+Result<OrientationReport> orient_outwards(Part& part, double negligible_size_m) {
+  OrientationReport report;
+  const std::vector<Triangle> given = part.triangles;
+  const Patches patches = find_patches(part, find_links(part, report));
+  report.patches = patches.triangles.size();
+  for (std::uint32_t t = 0; t < part.triangles.size(); ++t) {
+    if (patches.turned[t]) turn(part, t);
+  }
+  const std::vector<Sky> skies = look_around(part, patches);
+  for (std::size_t n = 0; n < skies.size(); ++n) {
+    const std::vector<std::uint32_t>& patch = patches.triangles[n];
+    if (area_of(part, patch) == 0) continue;
+    if (skies[n].hidden()) report.hidden_triangles += patch.size();
+    if (skies[n].hidden() || std::abs(skies[n].decisiveness()) >= kDecisive) continue;
+    const Box box = box_of(part, patch);
+    if (length(box.high - box.low) > negligible_size_m) return undecided_error(part, patch);
+    report.undecided_triangles += patch.size();
+  }
+  turn_patches(part, patches, skies);
+  for (std::size_t t = 0; t < given.size(); ++t) {
+    const bool has_area = length_squared(doubled_area_normal(part, t)) > 0;
+    report.flipped_triangles += has_area && given[t] != part.triangles[t];
+  }
+  return report;
+}
+
+}  // namespace forcelayer

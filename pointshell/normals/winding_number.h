@@ -1,0 +1,43 @@
+// Generalized winding numbers of triangle soups (Jacobson, Kavan, Sorkine-Hornung 2013): 1 inside a
+// closed mesh that faces outwards, 0 outside, graded near holes. Far groups of triangles act as one
+// dipole each (Barill, Dickson, Schmidt, Levin, Jacobson 2018).
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "pointshell/certificate/triangle_tree.h"
+#include "pointshell/vec3.h"
+
+namespace forcelayer {
+
+class WindingNumber {
+ public:
+  // `tree` and its part must outlive this; the part's orientation must not change meanwhile.
+  explicit WindingNumber(const TriangleTree& tree);
+
+  // The winding number at `place`. On the surface it is the mean of its two sides there, because a
+  // triangle seen edge-on counts as nothing. Error below about 0.01.
+  double at(const Vec3& place) const;
+
+ private:
+  struct Dipole {
+    Vec3 centre;        // of area
+    Vec3 moment;        // sum of area times normal
+    double radius = 0;  // of the node's box about `centre`
+  };
+
+  void fill(std::uint32_t node);
+  double at_leaf(const TriangleTree::Node& node, const Vec3& place) const;
+
+  const TriangleTree& tree_;
+  std::vector<Dipole> dipoles_;  // [nodes of the tree]
+  std::vector<double> areas_;    // [nodes of the tree]
+};
+
+// The winding number of one triangle at `place`: its signed solid angle over 4 pi (van Oosterom and
+// Strackee 1983); 0 in the triangle's plane.
+double triangle_winding(const Vec3& place, const Vec3& a, const Vec3& b, const Vec3& c);
+
+}  // namespace forcelayer

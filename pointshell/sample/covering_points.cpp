@@ -1,0 +1,137 @@
+#include "pointshell/sample/covering_points.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "formats/pshell_format.h"
+#include "pointshell/order.h"
+#include "pointshell/sample/front_sampling.h"
+#include "pointshell/sample/hole_filling.h"
+#include "pointshell/sample/point_grid.h"
+#include "pointshell/sample/relaxation.h"
+#include "pointshell/stored_position.h"
+
+namespace forcelayer {
+namespace {
+
+// All lengths in covering radii. The perfect covering of a plane has a spacing of sqrt(3) = 1.73;
+// rows that meet need room, so a front of narrower spacing leaves fewer holes to start with.
+struct Recipe {
+  double spacing;
+  int centroid_steps;
+  double centroid_factor;
+  int ball_steps;
+  double ball_factor;
+  int steps_per_look_around;  // neighbours are looked up again after so many steps
+  int rounds;                 // of adding points in holes
+  int round_steps;            // to smallest balls, in each round
+  double hole_separation;  // of the points added in one round: their neighbours can then move over
+  double relaxed_reach;    // around holes
+};
+constexpr Recipe kFull{1.60, 8, 1.8, 6, 1.15, 3, 30, 4, 6.5, 4};
+constexpr Recipe kFast{1.53, 1, 1.5, 1, 1.15, 4, 0, 2, 4, 3};
+
+// How far points move before neighbours are looked up again: first steps are long, later ones
+// short.
+constexpr double kFirstSlack = 0.3, kLaterSlack = 0.1;
+// Relaxation aims a little below the radius: the rest is for rounding positions to floats.
+constexpr double kAim = 0.9998;
+
+class CoveringBuilder {
+ public:
+  CoveringBuilder(const TriangleTree& tree, double radius, const Recipe& recipe,
+                  const std::function<void(double)>& progress)
+      : recipe_(recipe),
+        radius_(radius),
+        aim_(kAim * radius),
+        progress_(progress),
+        relaxation_(tree, radius, spread(tree)) {}
+
+  std::vector<Vec3> build() {
+    for (int n = 0; n < recipe_.centroid_steps; ++n) {
+      step_all(CellCentre::kCentroid, recipe_.centroid_factor);
+    }
+    for (int n = 0; n < recipe_.ball_steps; ++n) {
+      step_all(CellCentre::kSmallestBall, recipe_.ball_factor);
+    }
+    for (int round = 0; round < recipe_.rounds && mend_holes(); ++round) {
+      progress_(0.5 + 0.4 * round / recipe_.rounds);
+    }
+    std::vector<Vec3> positions;
+    for (const Vec3& position : relaxation_.positions()) positions.push_back(as_stored(position));
+    return positions;
+  }
+
+ private:
+  // The front's points in the order of the shell's: what is near in space is then near in memory.
+  std::vector<SurfacePoint> spread(const TriangleTree& tree) const {
+    const std::vector<SurfacePoint> front = hexagonal_front(tree, recipe_.spacing * radius_);
+    std::vector<Vec3> positions;
+    for (const SurfacePoint& point : front) positions.push_back(point.position);
+    std::vector<SurfacePoint> ordered;
+    for (const std::uint32_t n :
+         block_order(positions, kDefaultBlockPoints, kDefaultSuperBlockBlocks)) {
+      ordered.push_back(front[n]);
+    }
+    return ordered;
+  }
+
+  void step_all(CellCentre centre, double factor) {
+    if (steps_done_ % recipe_.steps_per_look_around == 0) {
+      relaxation_.choose_all((steps_done_ == 0 ? kFirstSlack : kLaterSlack) * radius_);
+    }
+    relaxation_.step(centre, factor);
+    ++steps_done_;
+    progress_(0.5 * steps_done_ / (recipe_.centroid_steps + recipe_.ball_steps));
+  }
+
+  // Adds points in holes and relaxes around all of them; false when there are no holes.
+  bool mend_holes() {
+    std::vector<Hole> holes;
+    std::vector<Vec3> places;
+    for (std::size_t n = 0; n < relaxation_.positions().size(); ++n) {
+      if (relaxation_.cell_radius(n) <= aim_) continue;
+      holes.push_back({relaxation_.farthest_place(n), relaxation_.cell_radius(n), {}});
+      places.push_back(holes.back().position);
+    }
+    if (holes.empty()) return false;
+    for (const Vec3& place : deepest_holes(std::move(holes), recipe_.hole_separation * radius_)) {
+      relaxation_.add(place);
+    }
+    relaxation_.choose(points_near(places), kLaterSlack * radius_);
+    for (int n = 0; n < recipe_.round_steps; ++n) {
+      relaxation_.step(CellCentre::kSmallestBall, recipe_.ball_factor);
+    }
+    return true;
+  }
+
+  std::vector<std::uint32_t> points_near(const std::vector<Vec3>& places) const {
+    const double reach = recipe_.relaxed_reach * radius_;
+    const PointGrid grid(places, reach);
+    std::vector<std::uint32_t> near;
+    for (std::uint32_t n = 0; n < relaxation_.positions().size(); ++n) {
+      if (grid.nearest_distance(relaxation_.positions()[n], reach) < reach) near.push_back(n);
+    }
+    return near;
+  }
+
+  const Recipe recipe_;
+  const double radius_, aim_;
+  const std::function<void(double)>& progress_;
+  Relaxation relaxation_;
+  int steps_done_ = 0;
+};
+
+}  // namespace
+
+CoveringPoints covering_points(const TriangleTree& tree, double radius, Effort effort,
+                               const std::function<void(double)>& progress) {
+  const Recipe& recipe = effort == Effort::kFast ? kFast : kFull;
+  CoveringPoints covering;
+  covering.positions = CoveringBuilder(tree, radius, recipe, progress).build();
+  covering.proof = fill_holes(tree.part(), radius, covering.positions);
+  progress(1);
+  return covering;
+}
+
+}  // namespace forcelayer

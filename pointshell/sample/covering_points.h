@@ -1,0 +1,30 @@
+// The `surface` method: few points on the surface whose balls cover it.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "pointshell/certificate/certificate.h"
+#include "pointshell/certificate/triangle_tree.h"
+#include "pointshell/vec3.h"
+
+namespace forcelayer {
+
+enum class Effort { kFast, kFull };
+
+struct CoveringPoints {
+  std::vector<Vec3> positions;  // on the surface, rounded as they are stored
+  CoveringProof proof;          // that they cover the part
+};
+
+// Points on the surface of `tree`'s part that provably cover it within `radius` (m).
+//
+// Hexagonal fronts spread slightly fewer points than are needed; steps to the cells' centroids even
+// them out, steps to the centres of the smallest balls around the cells shrink the largest cells;
+// then, round by round, points are added in the deepest holes, far from each other, and only what
+// is near a hole is relaxed again. Last, points go into whatever the proof still finds open.
+// `progress` is told the share of the work done, in [0, 1].
+CoveringPoints covering_points(const TriangleTree& tree, double radius, Effort effort,
+                               const std::function<void(double)>& progress);
+
+}  // namespace forcelayer

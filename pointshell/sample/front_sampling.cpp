@@ -1,0 +1,294 @@
+#include "pointshell/sample/front_sampling.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "pointshell/certificate/pieces.h"
+#include "pointshell/parallel.h"
+
+namespace forcelayer {
+namespace {
+
+// All in spacings.
+constexpr double kCubeEdge = 24;
+constexpr double kClosest = 0.78;         // no two points are closer
+constexpr double kNeighbourReach = 1.3;   // what counts as a neighbour in the hexagon
+constexpr double kProjectionReach = 0.5;  // a proposed place this far off the surface is dropped
+constexpr double kSeedEdge = 1.0;         // seeds are tried at tiles of this edge
+// Cosine between the normals of neighbours in one hexagon: others lie round a corner.
+constexpr double kSameSideCos = 0.3;
+
+struct CubeIndex {
+  std::int64_t i, j, k;
+  friend auto operator<=>(const CubeIndex&, const CubeIndex&) = default;
+};
+
+struct FrontPoint {
+  SurfacePoint place;
+  Vec3 normal;
+};
+
+// One cube's share: its finished points.
+struct Cube {
+  CubeIndex index;
+  std::vector<FrontPoint> points;
+};
+
+using CubeMap = std::map<CubeIndex, std::size_t>;  // to the number of the cube
+
+CubeIndex cube_of(const Vec3& p, double edge) {
+  return {floor_to_int(p.x / edge), floor_to_int(p.y / edge), floor_to_int(p.z / edge)};
+}
+
+// Every cube that may hold a point of the surface.
+std::vector<Cube> cubes_of(const Part& part, double edge) {
+  std::vector<CubeIndex> indices;
+  for_each_tile_batch(part, edge, [&](std::span<const Piece> tiles) {
+    for (const Piece& tile : tiles) {
+      Box box;
+      for (const Vec3& corner : tile) box.grow(corner);
+      const CubeIndex low = cube_of(box.low, edge), high = cube_of(box.high, edge);
+      for (std::int64_t i = low.i; i <= high.i; ++i) {
+        for (std::int64_t j = low.j; j <= high.j; ++j) {
+          for (std::int64_t k = low.k; k <= high.k; ++k) indices.push_back({i, j, k});
+        }
+      }
+    }
+    std::sort(indices.begin(), indices.end());
+    indices.erase(std::unique(indices.begin(), indices.end()), indices.end());
+    return true;
+  });
+  std::vector<Cube> cubes;
+  for (const CubeIndex& index : indices) cubes.push_back({index, {}});
+  return cubes;
+}
+
+// The points of one cube and of a rim around it in a dense grid of cells as wide as a neighbour is
+// far. Cells hold linked lists.
+class LocalGrid {
+ public:
+  LocalGrid(const Vec3& low, double edge, double cell)
+      : low_{low.x - cell, low.y - cell, low.z - cell},
+        cell_(cell),
+        side_(static_cast<int>(std::ceil(edge / cell)) + 2),
+        head_(static_cast<std::size_t>(side_) * side_ * side_, -1) {}
+
+  // Ignored where it lies beyond the rim.
+  void add(const FrontPoint& point) {
+    const std::array<int, 3> cell = cell_of(point.place.position);
+    for (const int c : cell) {
+      if (c < 0 || c >= side_) return;
+    }
+    int& head = head_[slot(cell[0], cell[1], cell[2])];
+    next_.push_back(head);
+    head = static_cast<int>(points_.size());
+    points_.push_back(point);
+  }
+
+  // Calls visit(number, point) for the points within `reach` of `place`, and some farther ones.
+  template <typename Visit>
+  void visit_near(const Vec3& place, double reach, const Visit& visit) const {
+    const auto low = cell_of(place - Vec3{reach, reach, reach});
+    const auto high = cell_of(place + Vec3{reach, reach, reach});
+    for (int i = std::max(low[0], 0); i <= std::min(high[0], side_ - 1); ++i) {
+      for (int j = std::max(low[1], 0); j <= std::min(high[1], side_ - 1); ++j) {
+        for (int k = std::max(low[2], 0); k <= std::min(high[2], side_ - 1); ++k) {
+          for (int n = head_[slot(i, j, k)]; n >= 0; n = next_[n]) visit(n, points_[n]);
+        }
+      }
+    }
+  }
+
+  bool any_within(const Vec3& place, double distance) const {
+    bool found = false;
+    visit_near(place, distance, [&](int, const FrontPoint& point) {
+      found |= length_squared(point.place.position - place) < distance * distance;
+    });
+    return found;
+  }
+
+  const std::vector<FrontPoint>& points() const { return points_; }
+
+ private:
+  std::array<int, 3> cell_of(const Vec3& p) const {
+    const Vec3 offset = (1 / cell_) * (p - low_);
+    const auto clamped = [](double x) {
+      return static_cast<int>(floor_to_int(std::clamp(x, -1.0, 1e6)));
+    };
+    return std::array<int, 3>{clamped(offset.x), clamped(offset.y), clamped(offset.z)};
+  }
+  std::size_t slot(int i, int j, int k) const {
+    return (static_cast<std::size_t>(i) * side_ + j) * side_ + k;
+  }
+
+  Vec3 low_;
+  double cell_;
+  int side_;
+  std::vector<int> head_, next_;
+  std::vector<FrontPoint> points_;
+};
+
+// Grows the front through one cube.
+class CubeFront {
+ public:
+  CubeFront(const TriangleTree& tree, double spacing, const CubeIndex& index)
+      : tree_(tree),
+        spacing_(spacing),
+        index_(index),
+        low_(kCubeEdge * spacing *
+             Vec3{static_cast<double>(index.i), static_cast<double>(index.j),
+                  static_cast<double>(index.k)}),
+        grid_(low_, kCubeEdge * spacing, kNeighbourReach * spacing) {}
+
+  // Points of finished cubes around: the front starts from those in the rim.
+  void take_from(const Cube& neighbour) {
+    for (const FrontPoint& point : neighbour.points) grid_.add(point);
+  }
+
+  std::vector<FrontPoint> grow() {
+    const std::size_t given = grid_.points().size();
+    advance();
+    visit_seeds();
+    const auto& all = grid_.points();
+    return {all.begin() + static_cast<std::ptrdiff_t>(given), all.end()};
+  }
+
+ private:
+  // Completes the hexagons of all points that have not been looked at.
+  void advance() {
+    for (; looked_at_ < grid_.points().size(); ++looked_at_) complete_hexagon(looked_at_);
+  }
+
+  void complete_hexagon(std::size_t number) {
+    const FrontPoint centre = grid_.points()[number];
+    const Vec3 along_x = any_perpendicular(centre.normal), along_y = cross(centre.normal, along_x);
+    find_neighbour_angles(number, centre, along_x, along_y);
+    const auto propose = [&](double angle) {
+      const Vec3 direction = std::cos(angle) * along_x + std::sin(angle) * along_y;
+      try_place(centre.place.position + spacing_ * direction, centre.place.triangle);
+    };
+    if (angles_.empty()) {
+      angles_.push_back(0);
+      propose(0);
+    }
+    for (std::size_t n = 0; n < angles_.size(); ++n) {
+      const double from = angles_[n];
+      const double to = n + 1 < angles_.size() ? angles_[n + 1] : angles_[0] + 2 * std::numbers::pi;
+      const int steps = static_cast<int>(std::lround((to - from) / (std::numbers::pi / 3)));
+      for (int step = 1; step < steps; ++step) propose(from + (to - from) * step / steps);
+    }
+  }
+
+  void find_neighbour_angles(std::size_t number, const FrontPoint& centre, const Vec3& along_x,
+                             const Vec3& along_y) {
+    angles_.clear();
+    const double reach = kNeighbourReach * spacing_;
+    grid_.visit_near(centre.place.position, reach, [&](int other, const FrontPoint& point) {
+      const Vec3 offset = point.place.position - centre.place.position;
+      if (static_cast<std::size_t>(other) == number || length_squared(offset) > reach * reach ||
+          dot(point.normal, centre.normal) < kSameSideCos) {
+        return;
+      }
+      angles_.push_back(std::atan2(dot(offset, along_y), dot(offset, along_x)));
+    });
+    std::sort(angles_.begin(), angles_.end());
+  }
+
+  // Adds the surface point nearest to `target`, unless it is far off, in another cube or too close
+  // to a point. It is no farther than triangle `known`, which keeps the search short.
+  void try_place(const Vec3& target, std::uint32_t known) {
+    const Piece corners = triangle_piece(tree_.part(), known);
+    const Vec3 foot = nearest_on_triangle(target, corners[0], corners[1], corners[2]);
+    constexpr double kRoundedUp = 1 + 1e-12;
+    const double reach = std::min(kRoundedUp * length(foot - target), kProjectionReach * spacing_);
+    const TriangleTree::Nearest nearest = tree_.nearest(target, reach);
+    if (!nearest.found || cube_of(nearest.point.position, kCubeEdge * spacing_) != index_ ||
+        grid_.any_within(nearest.point.position, kClosest * spacing_)) {
+      return;
+    }
+    const Vec3 normal = normalized(doubled_area_normal(tree_.part(), nearest.point.triangle));
+    grid_.add({nearest.point, normal});
+  }
+
+  // Starts a front on every bare patch: the sweep over tiles leaves none out.
+  void visit_seeds() {
+    const double half_diagonal = std::sqrt(0.75) * kCubeEdge * spacing_;
+    const double half = kCubeEdge * spacing_ / 2;
+    std::vector<std::uint32_t> triangles;
+    tree_.visit_near(low_ + Vec3{half, half, half}, half_diagonal,
+                     [&](std::uint32_t t) { triangles.push_back(t); });
+    std::sort(triangles.begin(), triangles.end());
+    for (const std::uint32_t t : triangles) visit_seeds_of(triangle_piece(tree_.part(), t), t);
+  }
+
+  void visit_seeds_of(const Piece& piece, std::uint32_t triangle) {
+    Box box;
+    for (const Vec3& corner : piece) box.grow(corner);
+    const double edge = kCubeEdge * spacing_;
+    if (box.high.x < low_.x || box.low.x >= low_.x + edge || box.high.y < low_.y ||
+        box.low.y >= low_.y + edge || box.high.z < low_.z || box.low.z >= low_.z + edge) {
+      return;
+    }
+    const LongestEdge longest = longest_edge(piece);
+    if (longest.length_squared > kSeedEdge * kSeedEdge * spacing_ * spacing_) {
+      for (const Piece& half : bisected(piece, longest.from)) visit_seeds_of(half, triangle);
+      return;
+    }
+    const Vec3 middle = centroid(piece);
+    if (grid_.any_within(middle, kClosest * spacing_)) return;
+    try_place(middle, triangle);
+    advance();
+  }
+
+  const TriangleTree& tree_;
+  const double spacing_;
+  const CubeIndex index_;
+  const Vec3 low_;
+  LocalGrid grid_;
+  std::size_t looked_at_ = 0;
+  std::vector<double> angles_;
+};
+
+void grow_cube(const TriangleTree& tree, double spacing, const CubeMap& numbers,
+               std::vector<Cube>& cubes, std::size_t number) {
+  Cube& cube = cubes[number];
+  CubeFront front(tree, spacing, cube.index);
+  for (int di = -1; di <= 1; ++di) {
+    for (int dj = -1; dj <= 1; ++dj) {
+      for (int dk = -1; dk <= 1; ++dk) {
+        const auto found = numbers.find({cube.index.i + di, cube.index.j + dj, cube.index.k + dk});
+        if (found != numbers.end() && found->second != number) {
+          front.take_from(cubes[found->second]);
+        }
+      }
+    }
+  }
+  cube.points = front.grow();
+}
+
+}  // namespace
+
+std::vector<SurfacePoint> hexagonal_front(const TriangleTree& tree, double spacing) {
+  std::vector<Cube> cubes = cubes_of(tree.part(), kCubeEdge * spacing);
+  CubeMap numbers;
+  std::array<std::vector<std::size_t>, 8> turns;
+  for (std::size_t n = 0; n < cubes.size(); ++n) {
+    const CubeIndex& index = cubes[n].index;
+    numbers[index] = n;
+    turns[(index.i & 1) << 2 | (index.j & 1) << 1 | (index.k & 1)].push_back(n);
+  }
+  for (const std::vector<std::size_t>& turn : turns) {
+    parallel_for_each_index(
+        turn.size(), 1, [&](std::size_t n) { grow_cube(tree, spacing, numbers, cubes, turn[n]); });
+  }
+  std::vector<SurfacePoint> points;
+  for (const Cube& cube : cubes) {
+    for (const FrontPoint& point : cube.points) points.push_back(point.place);
+  }
+  return points;
+}
+
+}  // namespace forcelayer

@@ -1,0 +1,117 @@
+#include "pointshell/sample/relaxation.h"
+
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "pointshell/parallel.h"
+#include "pointshell/sample/smallest_ball.h"
+
+namespace forcelayer {
+namespace {
+
+constexpr std::size_t kPointsPerTask = 128;
+// Of the radius: a target this close to the triangle it slid along is on it.
+constexpr double kOnTriangle = 1e-7;
+
+// Area and first moment of the pieces of a cell.
+class Centroid {
+ public:
+  void add(std::span<const Vec3> corners) {
+    for (std::size_t n = 2; n < corners.size(); ++n) {
+      const Vec3 &a = corners[0], &b = corners[n - 1], &c = corners[n];
+      const double area = length(cross(b - a, c - a)) / 2;
+      area_ += area;
+      moment_ += (area / 3) * (a + b + c);
+    }
+  }
+  Vec3 of(const Vec3& without_area) const {
+    return area_ > 0 ? (1 / area_) * moment_ : without_area;
+  }
+
+ private:
+  double area_ = 0;
+  Vec3 moment_;
+};
+
+}  // namespace
+
+Relaxation::Relaxation(const TriangleTree& tree, double radius, std::vector<SurfacePoint> points)
+    : tree_(tree), radius_(radius), cells_(tree, radius) {
+  for (const SurfacePoint& point : points) {
+    positions_.push_back(point.position);
+    triangles_.push_back(point.triangle);
+  }
+  farthest_ = positions_;
+  cell_radius_.resize(positions_.size());
+}
+
+void Relaxation::choose(std::vector<std::uint32_t> points, double slack) {
+  chosen_ = std::move(points);
+  cells_.find_lists(positions_, chosen_, slack);
+}
+
+void Relaxation::choose_all(double slack) {
+  std::vector<std::uint32_t> all(positions_.size());
+  std::iota(all.begin(), all.end(), 0u);
+  choose(std::move(all), slack);
+}
+
+SurfacePoint Relaxation::slide(std::uint32_t triangle, const Vec3& target,
+                               std::span<const std::uint32_t> triangles) const {
+  const SurfacePoint along = tree_.nearest(target, {&triangle, 1});
+  const double on_triangle = kOnTriangle * radius_;
+  if (triangles.empty() || length_squared(along.position - target) <= on_triangle * on_triangle) {
+    return along;
+  }
+  return tree_.nearest(target, triangles);
+}
+
+Relaxation::Move Relaxation::find_move(std::size_t n, CellCentre centre, double factor) const {
+  const std::uint32_t point = chosen_[n];
+  const Vec3& place = positions_[point];
+  Move move{{place, triangles_[point]}, place, 0};
+  Centroid centroid;
+  std::vector<Vec3> corners;
+  double farthest_squared = 0;
+  cells_.visit_cell(n, positions_, [&](const ConvexPolygon& polygon) {
+    for (const Vec3& corner : polygon.corners()) {
+      const double squared = length_squared(corner - place);
+      if (squared > farthest_squared) farthest_squared = squared, move.farthest = corner;
+    }
+    if (centre == CellCentre::kCentroid) {
+      centroid.add(polygon.corners());
+    } else {
+      corners.insert(corners.end(), polygon.corners().begin(), polygon.corners().end());
+    }
+  });
+  move.cell_radius = std::sqrt(farthest_squared);
+  if (farthest_squared == 0) return move;
+  const Vec3 middle =
+      centre == CellCentre::kCentroid ? centroid.of(place) : smallest_ball(corners).centre;
+  move.to = slide(triangles_[point], place + factor * (middle - place), cells_.triangles_near(n));
+  return move;
+}
+
+void Relaxation::step(CellCentre centre, double factor) {
+  moves_.resize(chosen_.size());
+  parallel_for_each_index(chosen_.size(), kPointsPerTask,
+                          [&](std::size_t n) { moves_[n] = find_move(n, centre, factor); });
+  parallel_for_each_index(chosen_.size(), kPointsPerTask, [&](std::size_t n) {
+    const std::uint32_t point = chosen_[n];
+    positions_[point] = moves_[n].to.position;
+    triangles_[point] = moves_[n].to.triangle;
+    farthest_[point] = moves_[n].farthest;
+    cell_radius_[point] = moves_[n].cell_radius;
+  });
+}
+
+void Relaxation::add(const Vec3& place) {
+  const SurfacePoint point = tree_.nearest(place).point;
+  positions_.push_back(point.position);
+  triangles_.push_back(point.triangle);
+  farthest_.push_back(point.position);
+  cell_radius_.push_back(0);
+}
+
+}  // namespace forcelayer

@@ -1,0 +1,65 @@
+// Moving points over a surface so that their cells become round and equally large.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "pointshell/certificate/triangle_tree.h"
+#include "pointshell/sample/restricted_cells.h"
+
+namespace forcelayer {
+
+// Where a point moves to in its cell.
+enum class CellCentre {
+  kCentroid,      // Lloyd: evens out density
+  kSmallestBall,  // the centre of the smallest ball around the cell: reduces the covering radius
+};
+
+class Relaxation {
+ public:
+  // `radius` (m) is the covering radius that is aimed at.
+  Relaxation(const TriangleTree& tree, double radius, std::vector<SurfacePoint> points);
+
+  // Chooses the points that the following steps move, by ascending index, and looks up what is
+  // near them. Good for moves of up to `slack` (m).
+  void choose(std::vector<std::uint32_t> points, double slack);
+  void choose_all(double slack);
+
+  // Moves each chosen point by `factor` times the way to its cell's centre, and to the nearest
+  // place on the surface. All move at once, so the order does not matter.
+  void step(CellCentre centre, double factor);
+
+  // Appends a point at the place on the surface nearest to `place`.
+  void add(const Vec3& place);
+
+  const std::vector<Vec3>& positions() const { return positions_; }
+  std::size_t chosen_count() const { return chosen_.size(); }
+
+  // The place of point `n`'s cell that is farthest from it, and its distance (m), as they were
+  // before the last step that moved it.
+  const Vec3& farthest_place(std::size_t n) const { return farthest_[n]; }
+  double cell_radius(std::size_t n) const { return cell_radius_[n]; }
+
+ private:
+  struct Move {
+    SurfacePoint to;
+    Vec3 farthest;
+    double cell_radius;
+  };
+  Move find_move(std::size_t n, CellCentre centre, double factor) const;
+  // The surface point nearest to `target`, of `triangles` and the one slid along.
+  SurfacePoint slide(std::uint32_t triangle, const Vec3& target,
+                     std::span<const std::uint32_t> triangles) const;
+
+  const TriangleTree& tree_;
+  const double radius_;
+  RestrictedCells cells_;
+  std::vector<Vec3> positions_, farthest_;
+  std::vector<std::uint32_t> triangles_;  // that each point lies on
+  std::vector<double> cell_radius_;
+  std::vector<std::uint32_t> chosen_;
+  std::vector<Move> moves_;
+};
+
+}  // namespace forcelayer

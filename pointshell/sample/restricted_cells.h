@@ -1,0 +1,103 @@
+// The Voronoi cells of points, restricted to a surface: for each point, the pieces of the triangles
+// that are nearer to it than to any other point (Yan, Levy, Liu, Sun and Wang, "Isotropic remeshing
+// with fast and exact computation of restricted Voronoi diagram", 2009).
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "pointshell/certificate/triangle_tree.h"
+#include "pointshell/sample/convex_polygon.h"
+#include "pointshell/vec3.h"
+
+namespace forcelayer {
+
+// Cells of a chosen set of points, found from lists of the points and triangles near each. Lists
+// hold while points move by up to `slack`.
+class RestrictedCells {
+ public:
+  // In radii. Cells that reach farther are cut off in a cube of this half-edge; a cell that covers
+  // its part of the surface reaches 1.
+  static constexpr double kReach = 1.2;
+
+  // Cells reach at most `radius` far; beyond, they are cut off (at 1.2 radius or farther).
+  RestrictedCells(const TriangleTree& tree, double radius) : tree_(tree), radius_(radius) {}
+
+  // Finds what is near the points `chosen` of all `positions`, or near all.
+  void find_lists(std::span<const Vec3> positions, std::span<const std::uint32_t> chosen,
+                  double slack);
+  void find_lists(std::span<const Vec3> positions);
+
+  // Calls visit(polygon) for each piece of the cell of point chosen[n], where `positions` are those
+  // of find_lists, moved by no more than the slack.
+  template <typename Visit>
+  void visit_cell(std::size_t n, std::span<const Vec3> positions, const Visit& visit) const {
+    const Lists& lists = chunks_[n / kChunk];
+    const std::size_t at = n % kChunk;
+    Cutter cutter(lists.centre[at], positions, lists.neighbours_of(at), radius_);
+    for (const std::uint32_t t : lists.triangles_of(at)) {
+      const Triangle& corners = tree_.part().triangles[t];
+      cutter.polygon.assign(tree_.part().vertices[corners[0]], tree_.part().vertices[corners[1]],
+                            tree_.part().vertices[corners[2]]);
+      cutter.cut();
+      if (!cutter.polygon.empty()) visit(cutter.polygon);
+    }
+  }
+
+  const TriangleTree& tree() const { return tree_; }
+
+  // The triangles that pieces of the cell of point chosen[n] can come from: those within kReach
+  // radii and the slack.
+  std::span<const std::uint32_t> triangles_near(std::size_t n) const {
+    return chunks_[n / kChunk].triangles_of(n % kChunk);
+  }
+
+ private:
+  static constexpr std::size_t kChunk = 512;  // points whose lists one task makes
+
+  // What is near the points of one chunk.
+  struct Lists {
+    struct Range {
+      std::uint32_t first = 0, count = 0;
+    };
+    std::vector<std::uint32_t> centre;               // the chosen points
+    std::vector<Range> neighbours_at, triangles_at;  // of each of them, in what follows
+    std::vector<std::uint32_t> neighbours, triangles;
+
+    std::span<const std::uint32_t> neighbours_of(std::size_t at) const {
+      return {neighbours.data() + neighbours_at[at].first, neighbours_at[at].count};
+    }
+    std::span<const std::uint32_t> triangles_of(std::size_t at) const {
+      return {triangles.data() + triangles_at[at].first, triangles_at[at].count};
+    }
+  };
+  class ListMaker;
+
+  // Cuts polygons down to one point's cell.
+  struct Cutter {
+    Cutter(std::uint32_t point, std::span<const Vec3> positions,
+           std::span<const std::uint32_t> neighbours, double radius);
+    void cut();
+    void cut_to_cube();
+
+    static constexpr std::size_t kMostNeighbours = 64;
+    struct Bisector {
+      Vec3 normal;              // from the point to its neighbour
+      double offset;            // of the plane: dot(normal, middle)
+      double distance_squared;  // to the neighbour
+      bool keep_in_plane;
+    };
+    ConvexPolygon polygon;
+    Vec3 centre;
+    double radius;
+    Bisector bisectors[kMostNeighbours];
+    std::size_t bisector_count = 0;
+  };
+
+  const TriangleTree& tree_;
+  const double radius_;
+  std::vector<Lists> chunks_;
+};
+
+}  // namespace forcelayer

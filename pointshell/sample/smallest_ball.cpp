@@ -1,0 +1,114 @@
+#include "pointshell/sample/smallest_ball.h"
+
+#include <array>
+#include <optional>
+
+namespace forcelayer {
+namespace {
+
+constexpr int kMostPivots = 100;
+constexpr double kRelativeSlack = 1e-12;
+
+// Up to four points that the ball goes through, and the one that is to be added.
+struct Support {
+  std::array<Vec3, 5> points;
+  int count = 0;
+};
+
+double squared_distance(const Ball& ball, const Vec3& p) { return length_squared(p - ball.centre); }
+
+Ball through(const Vec3& a, const Vec3& b) {
+  const Vec3 centre = 0.5 * (a + b);
+  return {centre, length(a - centre)};
+}
+
+// Centre in the plane of the three; none when they lie on a line.
+std::optional<Ball> through(const Vec3& a, const Vec3& b, const Vec3& c) {
+  const Vec3 u = b - a, v = c - a, normal = cross(u, v);
+  const double squared = length_squared(normal);
+  if (squared <= 1e-24 * length_squared(u) * length_squared(v)) return std::nullopt;
+  const Vec3 to_centre = (0.5 / squared) * (length_squared(u) * cross(v, normal) +
+                                            length_squared(v) * cross(normal, u));
+  return Ball{a + to_centre, length(to_centre)};
+}
+
+std::optional<Ball> through(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+  const Vec3 u = b - a, v = c - a, w = d - a;
+  const double volume = dot(u, cross(v, w));
+  if (volume * volume <= 1e-24 * length_squared(u) * length_squared(v) * length_squared(w)) {
+    return std::nullopt;
+  }
+  const Vec3 to_centre =
+      (0.5 / volume) * (length_squared(u) * cross(v, w) + length_squared(v) * cross(w, u) +
+                        length_squared(w) * cross(u, v));
+  return Ball{a + to_centre, length(to_centre)};
+}
+
+bool holds(const Ball& ball, const Support& support) {
+  const double reach = ball.radius * ball.radius * (1 + kRelativeSlack);
+  for (int n = 0; n < support.count; ++n) {
+    if (squared_distance(ball, support.points[n]) > reach) return false;
+  }
+  return true;
+}
+
+// The ball through the chosen ones of the support's points.
+std::optional<Ball> through_chosen(const Support& support, unsigned chosen) {
+  std::array<Vec3, 4> p;
+  int count = 0;
+  for (int n = 0; n < support.count; ++n) {
+    if (chosen >> n & 1u) p[count++] = support.points[n];
+  }
+  if (count == 2) return through(p[0], p[1]);
+  if (count == 3) return through(p[0], p[1], p[2]);
+  return through(p[0], p[1], p[2], p[3]);
+}
+
+// The smallest ball of at most five points, the last of which lies on it, by trying every choice of
+// one to three others; the support becomes that choice.
+std::optional<Ball> smallest_of_few(Support& support) {
+  std::optional<Ball> best;
+  unsigned best_chosen = 0;
+  const unsigned last = 1u << (support.count - 1);
+  for (unsigned others = 1; others < last; ++others) {
+    const unsigned chosen = others | last;
+    if (chosen == 0b11111u) continue;
+    const auto ball = through_chosen(support, chosen);
+    if (!ball || !holds(*ball, support) || (best && ball->radius >= best->radius)) continue;
+    best = ball;
+    best_chosen = chosen;
+  }
+  if (!best) return best;
+  Support kept;
+  for (int n = 0; n < support.count; ++n) {
+    if (best_chosen >> n & 1u) kept.points[kept.count++] = support.points[n];
+  }
+  support = kept;
+  return best;
+}
+
+}  // namespace
+
+Ball smallest_ball(std::span<const Vec3> points) {
+  Ball ball{points.front(), 0};
+  Support support;
+  support.points[support.count++] = points.front();
+  for (int pivot = 0; pivot < kMostPivots; ++pivot) {
+    Vec3 farthest = points.front();
+    double squared = 0;
+    for (const Vec3& p : points) {
+      if (const double s = squared_distance(ball, p); s > squared) squared = s, farthest = p;
+    }
+    if (squared <= ball.radius * ball.radius * (1 + kRelativeSlack)) return ball;
+    support.points[support.count++] = farthest;
+    const auto grown = smallest_of_few(support);
+    // No further progress within rounding: grow the ball to hold what it misses.
+    if (!grown || grown->radius <= ball.radius) return {ball.centre, std::sqrt(squared)};
+    ball = *grown;
+  }
+  double squared = 0;
+  for (const Vec3& p : points) squared = std::max(squared, squared_distance(ball, p));
+  return {ball.centre, std::sqrt(squared)};
+}
+
+}  // namespace forcelayer

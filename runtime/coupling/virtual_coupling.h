@@ -1,0 +1,41 @@
+// The default model's virtual coupling: spring and damper clamped together to what the device can
+// bear, in force and in torque (DESIGN 6).
+#pragma once
+
+#include <glm/mat3x3.hpp>
+
+#include "runtime/coupling/coupling.h"
+#include "runtime/model/spatial.h"
+
+namespace forcelayer {
+
+// Stiffness, damping and limits of one half of the coupling; `damping` in world axes.
+struct CouplingHalf {
+  double stiffness = 0;   // N/m or N m/rad
+  glm::dmat3 damping{0};  // N s/m or N m s/rad, positive semi-definite
+  double limit = 0;       // N or N m
+};
+
+// Spring displacement and relative velocity of one half (target less part; part less target).
+struct HalfStretch {
+  glm::dvec3 displacement{0};
+  glm::dvec3 target_velocity{0};
+};
+
+// Displacement of the spring at which it alone has the force of spring and damper together, before
+// the clamp: d - B (v - v_target) / k.
+glm::dvec3 effective_stretch(const CouplingHalf& half, const HalfStretch& stretch,
+                             const glm::dvec3& velocity) noexcept;
+
+// Energy stored in the clamped spring, J: quadratic up to the clamp, then linear. Its slope is the
+// clamped spring's force.
+double spring_energy_j(const CouplingHalf& half, const glm::dvec3& displacement) noexcept;
+
+// Adds this half, implicit over dt, to the block of the 6x6 system that starts at `first` (0 or 3).
+// A clamped force enters with its secant stiffness at `guess` (the velocity expected at the end of
+// the step): the quadratic that touches the clamped energy there and lies above it elsewhere.
+// Returns whether it is clamped.
+bool add_implicit(const CouplingHalf& half, const HalfStretch& stretch, const glm::dvec3& guess,
+                  double dt_s, int first, Symmetric6& matrix, Vector6& impulse) noexcept;
+
+}  // namespace forcelayer

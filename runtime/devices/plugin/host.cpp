@@ -1,0 +1,193 @@
+// voxrun-plugin: the process in which a device plugin runs (runtime/devices/plugin/plugin_device.h
+// starts it). It drives the plugin, keeps watch over the loop, and dies alone.
+//   voxrun-plugin LIBRARY ARGUMENTS PARENT, with the shared memory at descriptor 3
+#include <dlfcn.h>
+#include <signal.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <string>
+#include <thread>
+
+#include "runtime/devices/output_watch.h"
+#include "runtime/devices/plugin/plugin_link.h"
+#include "runtime/loop/real_time.h"
+
+namespace forcelayer {
+namespace {
+
+constexpr int kLinkDescriptor = 3;
+constexpr long long kLookNs = 50'000'000;      // for the loop's process
+constexpr long long kCloseNs = 2'000'000'000;  // that closing may take without it
+
+std::atomic<bool> ended{false};
+extern "C" void end_on_signal(int) { ended.store(true, std::memory_order_relaxed); }
+
+void fail(PluginLink& link, const std::string& what) {
+  std::snprintf(link.error.data(), link.error.size(), "%s", what.c_str());
+  link.state.store(PluginState::kFailed, std::memory_order_release);
+}
+
+// What lies between the plugin and the loop: readings one way, watched wrenches the other.
+class Exchange {
+ public:
+  Exchange(PluginLink& link, pid_t parent) : link_(link), parent_(parent), watch_(link.stale_s) {}
+
+  // The loop says so, or is no more.
+  bool ending() const {
+    return ended.load(std::memory_order_relaxed) ||
+           link_.stop.load(std::memory_order_acquire) != 0 || getppid() != parent_;
+  }
+
+  void give(const forcelayer_plugin_reading& reading) {
+    link_.readings.put({reading, ++sequence_, watch_.latched() ? 1u : 0u});
+  }
+
+  void lose() { link_.state.store(PluginState::kLost, std::memory_order_release); }
+
+  forcelayer_plugin_wrench wrench() {
+    link_.commands.take(command_);
+    forcelayer_plugin_wrench out{};
+    if (ending() || command_.written_ns == 0) return out;
+    const double* f = command_.wrench.force_n;
+    const double* t = command_.wrench.torque_nm;
+    const Wrench watched =
+        watch_.pass({{f[0], f[1], f[2]}, {t[0], t[1], t[2]}},
+                    static_cast<double>(monotonic_ns() - command_.written_ns) / 1e9);
+    for (int axis = 0; axis < 3; ++axis) {
+      out.force_n[axis] = watched.force_n[axis];
+      out.torque_nm[axis] = watched.torque_nm[axis];
+    }
+    return out;
+  }
+
+ private:
+  PluginLink& link_;
+  pid_t parent_;
+  OutputWatch watch_;
+  PluginCommand command_{};
+  std::uint64_t sequence_ = 0;
+};
+
+extern "C" int exchange_once(void* context, const forcelayer_plugin_reading* reading,
+                             forcelayer_plugin_wrench* wrench) {
+  auto& exchange = *static_cast<Exchange*>(context);
+  if (reading != nullptr) {
+    exchange.give(*reading);
+  } else {
+    exchange.lose();
+  }
+  *wrench = exchange.wrench();
+  return exchange.ending() ? 1 : 0;
+}
+
+// Pull mode: the clock is ours.
+void pull(const forcelayer_plugin& plugin, void* device, double rate_hz, Exchange& exchange) {
+  const auto period_ns = static_cast<long long>(1e9 / rate_hz);
+  long long tick_ns = monotonic_ns();
+  while (!exchange.ending()) {
+    forcelayer_plugin_reading reading{};
+    const int read = plugin.read(device, &reading);
+    if (read > 0) exchange.give(reading);
+    const forcelayer_plugin_wrench wrench = exchange.wrench();
+    const int written = plugin.write(device, &wrench);
+    if (read < 0 || written < 0) return exchange.lose();
+    tick_ns = std::max(tick_ns + period_ns, monotonic_ns() - period_ns);
+    sleep_until_ns(tick_ns);
+  }
+  const forcelayer_plugin_wrench zero{};
+  plugin.write(device, &zero);
+}
+
+const forcelayer_plugin* load(const char* library, PluginLink& link) {
+  void* const handle = dlopen(library, RTLD_NOW | RTLD_LOCAL);
+  if (handle == nullptr) {
+    fail(link, std::string("cannot be loaded: ") + dlerror());
+    return nullptr;
+  }
+  const auto entry =
+      reinterpret_cast<forcelayer_plugin_entry_function>(dlsym(handle, "forcelayer_plugin_entry"));
+  const forcelayer_plugin* plugin = entry != nullptr ? entry(FORCELAYER_PLUGIN_ABI) : nullptr;
+  if (entry == nullptr) {
+    fail(link, "is no plugin: it has no function forcelayer_plugin_entry");
+  } else if (plugin == nullptr) {
+    fail(link, "does not speak version 1 of the interface");
+  } else if (plugin->open == nullptr || plugin->close == nullptr ||
+             (plugin->run == nullptr && (plugin->read == nullptr || plugin->write == nullptr))) {
+    fail(link, "lacks functions: open, close, and read with write or run");
+    return nullptr;
+  }
+  return plugin;
+}
+
+// A driver that hangs notices nothing: without the loop it must not hang on for ever.
+void end_after(pid_t parent) {
+  std::thread([parent] {
+    while (getppid() == parent) sleep_until_ns(monotonic_ns() + kLookNs);
+    sleep_until_ns(monotonic_ns() + kCloseNs);
+    _exit(1);
+  }).detach();
+}
+
+int serve(const char* library, const char* arguments, pid_t parent, PluginLink& link) {
+  const forcelayer_plugin* plugin = load(library, link);
+  if (plugin == nullptr) return 1;
+  void* device = nullptr;
+  std::array<char, 200> error{};
+  forcelayer_plugin_info info{};
+  if (plugin->open(arguments, &info, &device, error.data(), error.size()) != 0) {
+    error.back() = 0;
+    fail(link, std::string("does not open: ") + error.data());
+    return 1;
+  }
+  link.info = info;
+  link.state.store(PluginState::kOpen, std::memory_order_release);
+  lock_memory();
+  take_real_time_priority();
+  end_after(parent);
+  Exchange exchange(link, parent);
+  if (plugin->run != nullptr) {
+    const forcelayer_plugin_host host{&exchange, exchange_once};
+    plugin->run(device, &host);
+    if (!exchange.ending()) exchange.lose();
+  } else if (info.rate_hz >= 1) {  // else the host refuses the handshake
+    pull(*plugin, device, info.rate_hz, exchange);
+  }
+  plugin->close(device);
+  PluginState open = PluginState::kOpen;
+  link.state.compare_exchange_strong(open, PluginState::kClosed);
+  return 0;
+}
+
+// A terminal's signals are the loop's affair; ours end in order.
+void end_in_order_on_signals() {
+  for (const int number : {SIGTERM, SIGINT, SIGHUP}) signal(number, end_on_signal);
+  signal(SIGPIPE, SIG_IGN);
+}
+
+}  // namespace
+}  // namespace forcelayer
+
+int main(int argc, char** argv) {
+  using forcelayer::PluginLink;
+  void* const mapped = argc == 4 ? mmap(nullptr, sizeof(PluginLink), PROT_READ | PROT_WRITE,
+                                        MAP_SHARED, forcelayer::kLinkDescriptor, 0)
+                                 : MAP_FAILED;
+  if (mapped == MAP_FAILED) {
+    std::fprintf(stderr, "voxrun-plugin: is started by voxrun --device plugin\n");
+    return 2;
+  }
+  auto& link = *static_cast<PluginLink*>(mapped);
+  if (link.version != forcelayer::kPluginLinkVersion) {
+    forcelayer::fail(link, "voxrun and voxrun-plugin are of different versions");
+    return 1;
+  }
+  forcelayer::end_in_order_on_signals();
+  return forcelayer::serve(argv[1], argv[2], static_cast<pid_t>(std::atoi(argv[3])), link);
+}

@@ -1,0 +1,242 @@
+#include "runtime/devices/plugin/plugin_device.h"
+
+#include <signal.h>
+#include <spawn.h>
+#include <sys/mman.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <new>
+#include <system_error>
+#include <utility>
+
+#include "runtime/loop/real_time.h"
+
+namespace forcelayer {
+namespace {
+
+constexpr long long kPollNs = 2'000'000;
+constexpr long long kCloseNs = 2'000'000'000;
+constexpr int kLinkDescriptor = 3;  // of the shared memory in the process
+
+std::filesystem::path program_folder() {
+  std::error_code failure;
+  return std::filesystem::read_symlink("/proc/self/exe", failure).parent_path();
+}
+
+Error failed(const PluginOptions& options, std::string what, std::string mend = "") {
+  return {ErrorCode::kDeviceFailed, options.library.string(), "", std::move(what), std::move(mend)};
+}
+
+std::string end_text(int status) {
+  if (WIFSIGNALED(status)) {
+    return std::string("its process was ended by signal ") + std::to_string(WTERMSIG(status)) +
+           " (" + strsignal(WTERMSIG(status)) + ")";
+  }
+  return "its process ended with status " + std::to_string(WEXITSTATUS(status));
+}
+
+std::string text_of(const char* characters, std::size_t room) {
+  return {characters, strnlen(characters, room)};
+}
+
+bool sound(double value) { return std::isfinite(value) && value >= 0; }
+
+// What is wrong with a handshake; nothing where it promises what it must.
+const char* flaw(const forcelayer_plugin_info& info) {
+  if (info.abi != FORCELAYER_PLUGIN_ABI) return "was built for another version of the interface";
+  if (info.si_units != FORCELAYER_PLUGIN_SI_UNITS) return "does not promise SI units";
+  if (info.right_handed != FORCELAYER_PLUGIN_RIGHT_HANDED) {
+    return "does not promise right-handed frames";
+  }
+  for (const double value :
+       {info.rate_hz, info.max_force_n, info.max_torque_nm, info.max_stiffness_n_per_m,
+        info.max_stiffness_nm_per_rad, info.damping_ns_per_m, info.damping_nms_per_rad,
+        info.delay_s, info.workspace_radius_m, info.watchdog_s}) {
+    if (!sound(value)) return "declares a rating that is negative or not finite";
+  }
+  if (!(info.rate_hz >= 1 && info.rate_hz <= 100'000)) return "declares no rate of 1 to 100000 Hz";
+  if ((info.actuated_axes & 7u) != 0 && info.max_force_n == 0) return "rates no force";
+  if ((info.actuated_axes & 56u) != 0 && info.max_torque_nm == 0) return "rates no torque";
+  return nullptr;
+}
+
+DeviceCapabilities capabilities_of(const forcelayer_plugin_info& info) {
+  DeviceCapabilities c;
+  c.name = text_of(info.name, sizeof info.name);
+  if (c.name.empty()) c.name = "plugin";
+  c.sensed_axes = info.sensed_axes & kAllAxes;
+  c.actuated_axes = info.actuated_axes & kAllAxes;
+  c.max_force_n = info.max_force_n;
+  c.max_torque_nm = info.max_torque_nm;
+  c.max_stiffness_n_per_m = info.max_stiffness_n_per_m;
+  c.max_stiffness_nm_per_rad = info.max_stiffness_nm_per_rad;
+  c.damping_ns_per_m = info.damping_ns_per_m;
+  c.damping_nms_per_rad = info.damping_nms_per_rad;
+  c.delay_s = info.delay_s;
+  c.workspace_radius_m = info.workspace_radius_m;
+  c.rate_hz = info.rate_hz;
+  c.senses_velocity = info.senses_velocity != 0;
+  c.watchdog_s = info.watchdog_s;
+  c.hardware = true;
+  return c;
+}
+
+}  // namespace
+
+PluginDevice::PluginDevice(PluginOptions options) : options_(std::move(options)) {
+  if (options_.host.empty()) options_.host = program_folder() / "voxrun-plugin";
+}
+
+PluginDevice::~PluginDevice() {
+  stop();
+  if (link_ != nullptr) munmap(link_, sizeof *link_);
+}
+
+Status PluginDevice::launch() {
+  const int memory = memfd_create("forcelayer-plugin", MFD_CLOEXEC);
+  if (memory < 0 || ftruncate(memory, sizeof(PluginLink)) != 0) {
+    if (memory >= 0) close(memory);
+    return failed(options_, "there is no memory to share with its process");
+  }
+  void* const mapped =
+      mmap(nullptr, sizeof(PluginLink), PROT_READ | PROT_WRITE, MAP_SHARED, memory, 0);
+  if (mapped == MAP_FAILED) {
+    close(memory);
+    return failed(options_, "there is no memory to share with its process");
+  }
+  link_ = new (mapped) PluginLink;
+  link_->stale_s = options_.stale_s;
+
+  // In a process group of its own: Ctrl-C and Ctrl-Z are for the loop, which then says what to do.
+  posix_spawn_file_actions_t files;
+  posix_spawnattr_t attributes;
+  posix_spawn_file_actions_init(&files);
+  posix_spawn_file_actions_adddup2(&files, memory, kLinkDescriptor);
+  posix_spawnattr_init(&attributes);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
+  std::string host = options_.host.string(), library = options_.library.string(),
+              parent = std::to_string(getpid());
+  char* const arguments[] = {host.data(), library.data(), options_.arguments.data(), parent.data(),
+                             nullptr};
+  const int failure = posix_spawn(&process_, host.c_str(), &files, &attributes, arguments, environ);
+  posix_spawn_file_actions_destroy(&files);
+  posix_spawnattr_destroy(&attributes);
+  close(memory);
+  if (failure != 0) {
+    process_ = -1;
+    return failed(options_, "its process does not start: " + std::string(std::strerror(failure)));
+  }
+  waiter_ = std::thread([this] { wait_for_end(); });
+  return {};
+}
+
+void PluginDevice::wait_for_end() noexcept {
+  int status = 0;
+  while (waitpid(process_, &status, 0) < 0 && errno == EINTR) {
+  }
+  exit_status_ = status;
+  ended_.store(true, std::memory_order_release);
+}
+
+Status PluginDevice::shake_hands() {
+  const long long until_ns = monotonic_ns() + static_cast<long long>(options_.open_s * 1e9);
+  while (link_->state.load(std::memory_order_acquire) == PluginState::kStarting) {
+    if (ended_.load(std::memory_order_acquire)) {
+      return failed(options_, end_text(exit_status_) + " before the device was open");
+    }
+    if (monotonic_ns() > until_ns) return failed(options_, "does not open its device in time");
+    sleep_until_ns(monotonic_ns() + kPollNs);
+  }
+  if (link_->state.load(std::memory_order_acquire) == PluginState::kFailed) {
+    return failed(options_, text_of(link_->error.data(), link_->error.size()));
+  }
+  if (const char* what = flaw(link_->info)) {
+    return Error{ErrorCode::kDeviceRefused, options_.library.string(), "handshake", what,
+                 "see runtime/devices/plugin/plugin.md"};
+  }
+  capabilities_ = capabilities_of(link_->info);
+  return {};
+}
+
+Status PluginDevice::start() {
+  std::error_code failure;
+  for (const auto* path : {&options_.library, &options_.host}) {
+    if (std::filesystem::is_regular_file(*path, failure)) continue;
+    return Error{ErrorCode::kDeviceNotFound, path->string(), "", "no such file",
+                 path == &options_.host ? "voxrun-plugin is installed beside voxrun"
+                                        : "give the plugin's library with --plugin"};
+  }
+  if (Status launched = launch(); !launched) return launched;
+  if (Status agreed = shake_hands(); !agreed) {
+    stop();
+    return agreed;
+  }
+  return {};
+}
+
+DeviceSample PluginDevice::read(double) noexcept {
+  DeviceSample sample;
+  const bool fresh = link_ != nullptr && link_->readings.take(last_);
+  sample.present = link_ != nullptr && !ended_.load(std::memory_order_relaxed) &&
+                   link_->state.load(std::memory_order_relaxed) == PluginState::kOpen;
+  const forcelayer_plugin_reading& r = last_.reading;
+  const double* q = r.orientation_wxyz;
+  sample.device_from_handle = {{r.position_m[0], r.position_m[1], r.position_m[2]},
+                               glm::dquat(q[0], q[1], q[2], q[3])};
+  sample.velocity = {{r.linear_mps[0], r.linear_mps[1], r.linear_mps[2]},
+                     {r.angular_radps[0], r.angular_radps[1], r.angular_radps[2]}};
+  sample.buttons = r.buttons;
+  sample.fresh = fresh;
+  sample.calibrated = (r.status & FORCELAYER_PLUGIN_CALIBRATED) != 0 || last_.sequence == 0;
+  sample.output_held = last_.output_held != 0 || (r.status & FORCELAYER_PLUGIN_MOTORS_OFF) != 0;
+  sample.sequence = last_.sequence;
+  return sample;
+}
+
+void PluginDevice::write(const Wrench& device_wrench) noexcept {
+  if (link_ == nullptr) return;
+  PluginCommand command{};
+  for (int axis = 0; axis < 3; ++axis) {
+    command.wrench.force_n[axis] = device_wrench.force_n[axis];
+    command.wrench.torque_nm[axis] = device_wrench.torque_nm[axis];
+  }
+  command.written_ns = monotonic_ns();
+  link_->commands.put(command);
+}
+
+void PluginDevice::stop() noexcept {
+  if (process_ < 0) return;
+  write({});
+  link_->stop.store(1, std::memory_order_release);
+  const long long until_ns = monotonic_ns() + kCloseNs;
+  while (!ended_.load(std::memory_order_acquire) && monotonic_ns() < until_ns) {
+    sleep_until_ns(monotonic_ns() + kPollNs);
+  }
+  if (!ended_.load(std::memory_order_acquire)) {
+    killed_ = true;
+    kill(process_, SIGKILL);
+  }
+  waiter_.join();
+  process_ = -1;
+}
+
+// How its process ended says it, unless it ended because it was asked to.
+DeviceTrouble PluginDevice::trouble() const {
+  if (link_ == nullptr) return {};
+  if (killed_) {
+    return {"the plugin hung and was killed", "one of its functions, or its SDK, does not return"};
+  }
+  if (link_->state.load() == PluginState::kLost) {
+    return {"the plugin lost its device", "look at plug and power"};
+  }
+  const bool crashed = ended_.load() && link_->state.load() != PluginState::kClosed;
+  if (!crashed) return {};
+  return {"the plugin crashed: " + end_text(exit_status_), "look at the plugin, or its SDK"};
+}
+
+}  // namespace forcelayer

@@ -1,0 +1,63 @@
+// A device behind a plugin (forcelayer_plugin.h), which runs in a process of its own.
+#pragma once
+
+#include <sys/types.h>
+
+#include <atomic>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include "forcelayer/device.h"
+#include "forcelayer/stale_limit.h"
+#include "runtime/devices/plugin/plugin_link.h"
+
+namespace forcelayer {
+
+struct PluginOptions {
+  std::filesystem::path library;  // the plugin
+  std::string arguments;          // for its open()
+  std::filesystem::path host;     // the program voxrun-plugin; empty: beside the running program
+  double stale_s = kStaleLimitS;  // of the loop, as the plugin's process sees it
+  double open_s = 20;             // what open() may take: some devices calibrate first
+};
+
+class PluginDevice final : public Device {
+ public:
+  explicit PluginDevice(PluginOptions options);
+  ~PluginDevice() override;
+
+  // After start(), what the plugin declared.
+  const DeviceCapabilities& capabilities() const override { return capabilities_; }
+
+  // Starts the process and shakes hands. Errors: kDeviceNotFound where library or program are
+  // missing, kDeviceFailed where the plugin cannot open its device or its process dies,
+  // kDeviceRefused where the handshake does not promise what it must.
+  Status start() override;
+
+  DeviceSample read(double time_s) noexcept override;
+  void write(const Wrench& device_wrench) noexcept override;
+
+  // Asks the process to close the device, and waits for up to two seconds before it is killed.
+  void stop() noexcept override;
+
+  DeviceTrouble trouble() const override;
+
+ private:
+  Status launch();
+  Status shake_hands();
+  void wait_for_end() noexcept;
+
+  PluginOptions options_;
+  DeviceCapabilities capabilities_;
+  PluginLink* link_ = nullptr;  // mapped
+  pid_t process_ = -1;
+  std::thread waiter_;  // reaps the process
+  std::atomic<bool> ended_{false};
+  int exit_status_ = 0;  // of waitpid; read after ended_
+  bool killed_ = false;  // by stop(), as it did not close its device
+  PluginReading last_{};
+};
+
+}  // namespace forcelayer

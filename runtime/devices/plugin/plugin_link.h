@@ -1,0 +1,48 @@
+// The memory that voxrun and its plugin's process share. Both are built from the same source; the
+// version is checked all the same, since the process is found by its path.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+
+#include "forcelayer/plugin.h"
+#include "forcelayer/stale_limit.h"
+#include "runtime/loop/latest_value.h"
+
+namespace forcelayer {
+
+inline constexpr std::uint32_t kPluginLinkVersion = 1;
+
+enum class PluginState : std::uint32_t {
+  kStarting,  // the process has not spoken yet
+  kOpen,      // info is filled in
+  kFailed,    // error is filled in
+  kLost,      // the device went away
+  kClosed,    // ended in order, motors at zero
+};
+
+struct PluginReading {
+  forcelayer_plugin_reading reading;
+  std::uint64_t sequence;     // from 1
+  std::uint32_t output_held;  // 1: the process keeps the motors at zero
+};
+
+struct PluginCommand {
+  forcelayer_plugin_wrench wrench;
+  std::int64_t written_ns;  // CLOCK_MONOTONIC, which both processes share
+};
+
+struct PluginLink {
+  std::uint32_t version = kPluginLinkVersion;
+  double stale_s = kStaleLimitS;
+  std::atomic<PluginState> state{PluginState::kStarting};
+  std::atomic<std::uint32_t> stop{0};  // by the host
+  std::array<char, 256> error{};
+  forcelayer_plugin_info info{};
+  alignas(64) LatestValue<PluginReading> readings;  // process to host
+  alignas(64) LatestValue<PluginCommand> commands;  // host to process
+};
+static_assert(std::atomic<std::uint32_t>::is_always_lock_free);
+
+}  // namespace forcelayer

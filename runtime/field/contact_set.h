@@ -1,0 +1,63 @@
+// What the default model knows of the scene at one pose: the collected points with signed depth
+// and push direction, read from a force field.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "forcelayer/pose.h"
+#include "formats/voxmap.h"
+
+namespace forcelayer {
+
+// One shell point in or near the force layer. Vectors in world axes.
+struct Contact {
+  glm::vec3 arm_m{0};       // from the part's centroid
+  glm::vec3 direction{0};   // unit, out of the static scene: the push on the part
+  float depth_m = 0;        // into the force layer; negative: a gap
+  float weight = 1;         // area that the point stands for, over the shell's mean
+  std::uint32_t point = 0;  // of the shell; ascending in a set
+  bool interior = false;    // in value 1, behind the force layer
+};
+
+// The contacts of a pose in columns, with room for every shell point; `count` of them are meant.
+// Behind the last stand kPadding more elements, of which anything may be read.
+struct ContactSet {
+  static constexpr std::size_t kPadding = 64;
+
+  std::uint32_t count = 0;
+  std::uint32_t interior = 0;   // points in value 1
+  std::uint32_t surface = 0;    // points in value 2
+  std::uint32_t proximity = 0;  // points in value 3
+  bool outside_map = false;     // a point lay beyond a cropped side
+
+  std::vector<float> rx, ry, rz;  // arm_m
+  std::vector<float> ux, uy, uz;  // direction
+  std::vector<float> depth_m, weight;
+  std::vector<std::uint32_t> point;
+  std::vector<std::uint8_t> value;  // VoxelValue: 1, 2 or 3
+
+  void reserve(std::uint64_t points);  // set-up only
+  Contact operator[](std::uint32_t i) const noexcept {
+    return {{rx[i], ry[i], rz[i]}, {ux[i], uy[i], uz[i]}, depth_m[i], weight[i], point[i],
+            is_interior(i)};
+  }
+  bool is_interior(std::uint32_t i) const noexcept {
+    return value[i] == static_cast<std::uint8_t>(VoxelValue::kInterior);
+  }
+  bool in_free_space() const noexcept { return interior + surface + proximity == 0; }
+};
+
+// Whether every interior point of `later` is interior in `earlier` too.
+bool no_new_interior(const ContactSet& earlier, const ContactSet& later) noexcept;
+
+// Where the default model looks the scene up. look_up() never allocates, locks or throws.
+class ContactProbe {
+ public:
+  virtual ~ContactProbe() = default;
+
+  // Every point in values 1, 2 and 3 at this pose.
+  virtual void look_up(const Pose& world_from_center, ContactSet& out) noexcept = 0;
+};
+
+}  // namespace forcelayer

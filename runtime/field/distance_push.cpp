@@ -1,0 +1,336 @@
+#include "runtime/field/distance_push.h"
+
+// Compiles what follows once per instruction set.
+#include "runtime/query/vector_targets.h"
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "runtime/field/distance_push.cpp"
+#include <hwy/foreach_target.h>
+// Behind foreach_target.h, as Highway wants it.
+#include <hwy/highway.h>
+
+#include <bit>
+
+#include "runtime/field/field_kernel-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace forcelayer {
+namespace HWY_NAMESPACE {
+namespace {
+
+// Codes in bytes 0 and 1 of the lanes, more by kRaised[kByte]: they are written behind the exponent
+// of that number, where a unit of them is one. Differences need no more than that.
+constexpr float kRaised[2] = {0x1p23f, 0x1p15f};
+template <int kByte>
+HWY_INLINE VF raised(VI words) {
+  const VI bits = hn::And(words, hn::Set(kI, 255 << (8 * kByte)));
+  return hn::BitCast(kF, hn::Or(bits, hn::BitCast(kI, hn::Set(kF, kRaised[kByte]))));
+}
+
+HWY_INLINE VF mix(VF a, VF b, VF share) { return hn::Add(a, hn::Mul(share, hn::Sub(b, a))); }
+
+// Codes at one x and y, between z and z + 1, from the words there; and their step along z.
+template <int kByte>
+HWY_INLINE VF between_words(VI low, VI high, VF share, VF& step) {
+  const VF code = raised<kByte>(low);
+  step = hn::Sub(raised<kByte>(high), code);
+  return hn::Add(hn::Sub(code, hn::Set(kF, kRaised[kByte])), hn::Mul(share, step));
+}
+
+// Codes between the corners of a cell, and their slope per voxel, from the cell's words.
+HWY_INLINE VF between_corners(VI low, VI high, const VF (&share)[3], VF (&slope)[3]) {
+  VF at_x[2], step_y[2], step_z_x[2];
+  for (int x = 0; x < 2; ++x) {
+    VF step_z[2];
+    const VF at_y0 = between_words<0>(low, high, share[2], step_z[0]);
+    const VF at_y1 = between_words<1>(low, high, share[2], step_z[1]);
+    step_y[x] = hn::Sub(at_y1, at_y0);
+    at_x[x] = hn::Add(at_y0, hn::Mul(share[1], step_y[x]));
+    step_z_x[x] = mix(step_z[0], step_z[1], share[1]);
+    low = hn::ShiftRight<16>(low);
+    high = hn::ShiftRight<16>(high);
+  }
+  slope[0] = hn::Sub(at_x[1], at_x[0]);
+  slope[1] = mix(step_y[0], step_y[1], share[0]);
+  slope[2] = mix(step_z_x[0], step_z_x[1], share[0]);
+  return hn::Add(at_x[0], hn::Mul(share[0], slope[0]));
+}
+
+// Codes on one side of a cell, interpolated across it, from the words at its near edge and the far.
+template <int kNearByte, int kFarByte>
+HWY_INLINE VF between_edges(VI near_low, VI near_high, VF along, VI far_low, VI far_high,
+                            VF across) {
+  VF step;
+  const VF near = between_words<kNearByte>(near_low, near_high, along, step);
+  return mix(near, between_words<kFarByte>(far_low, far_high, along, step), across);
+}
+
+// The slope along an axis between the differences on both sides of the point's voxel centre, each
+// in its middle: from the cell's own, the codes at the point and those beside the cell.
+//   (1 - 3/2 |a| + a^2) cell + a (beside - code), a = share - 1/2
+HWY_INLINE VF continued(VF cell, VF share, VF code, VF beside) {
+  const VF a = hn::Sub(share, hn::Set(kF, 0.5f)), b = hn::Abs(a);
+  const VF kept = hn::Add(hn::Mul(hn::Sub(b, hn::Set(kF, 1.5f)), b), hn::Set(kF, 1.0f));
+  return hn::Add(hn::Mul(kept, cell), hn::Mul(a, hn::Sub(beside, code)));
+}
+
+// Loads pairs of numbers apart. Highway's own LoadInterleaved2 takes twice the shuffles.
+HWY_INLINE void load_pairs(const std::int32_t* pairs, VI& first, VI& second) {
+#if HWY_TARGET == HWY_SCALAR
+  hn::LoadInterleaved2(kI, pairs, first, second);
+#else
+  const VI low = hn::Load(kI, pairs), high = hn::Load(kI, pairs + kLanes);
+  first = hn::ConcatEven(kI, high, low);
+  second = hn::ConcatOdd(kI, high, low);
+#endif
+}
+
+// Loads fours of numbers apart.
+HWY_INLINE void load_fours(const std::int32_t* fours, VI (&number)[4]) {
+#if HWY_TARGET == HWY_SCALAR
+  hn::LoadInterleaved4(kI, fours, number[0], number[1], number[2], number[3]);
+#else
+  VI even[2], odd[2];
+  for (int half = 0; half < 2; ++half) {
+    const VI low = hn::Load(kI, fours + 2 * kLanes * half);
+    const VI high = hn::Load(kI, fours + 2 * kLanes * half + kLanes);
+    even[half] = hn::ConcatEven(kI, high, low);
+    odd[half] = hn::ConcatOdd(kI, high, low);
+  }
+  number[0] = hn::ConcatEven(kI, even[1], even[0]);
+  number[1] = hn::ConcatEven(kI, odd[1], odd[0]);
+  number[2] = hn::ConcatOdd(kI, even[1], even[0]);
+  number[3] = hn::ConcatOdd(kI, odd[1], odd[0]);
+#endif
+}
+
+// Copies kBytes from each of two places, at[0] and at[1] times kStride bytes behind `from`, to
+// where they stand side by side. The two numbers are read as one: the memory is what such copies
+// keep busy.
+template <std::size_t kBytes, std::int64_t kStride = 1>
+HWY_INLINE void copy_two(const void* from, const std::int32_t* at, void* to) {
+  static_assert(std::endian::native == std::endian::little, "the first number is the lower half");
+  std::int64_t both;
+  hwy::CopyBytes<8>(at, &both);
+  const auto* bytes = static_cast<const std::uint8_t*>(from);
+  auto* side_by_side = static_cast<std::uint8_t*>(to);
+  hwy::CopyBytes<kBytes>(bytes + static_cast<std::int32_t>(both) * kStride, side_by_side);
+  hwy::CopyBytes<kBytes>(bytes + (both >> 32) * kStride, side_by_side + kBytes);
+}
+
+// What the stages hand on for the points of a chunk.
+struct Stages {
+  HWY_ALIGN float share[3][kChunk];  // where between its cell's corners a point lies
+  // What brick it is in, where that is if it is held, and where its words are: those around its
+  // cell along z, those beside it in x, in y.
+  HWY_ALIGN std::int32_t key[kChunk];
+  HWY_ALIGN std::int32_t slot[kChunk];
+  HWY_ALIGN std::int32_t tags_match[kChunk];  // only where keys are not unique
+  HWY_ALIGN std::int32_t around_at[kChunk];
+  HWY_ALIGN std::int32_t beside_x_at[kChunk];
+  HWY_ALIGN std::int32_t beside_y_at[kChunk];
+  // What stands there: the key; four words, of which the middle ones are the cell's; on the side
+  // where the point's voxel is, two words beside the cell in x (codes in bytes 0 and 1), two in y
+  // (bytes 0 and 2).
+  HWY_ALIGN std::int32_t key_there[kChunk];
+  HWY_ALIGN std::int32_t around[4 * kChunk];
+  HWY_ALIGN std::int32_t beside_x[2 * kChunk];
+  HWY_ALIGN std::int32_t beside_y[2 * kChunk];
+};
+
+// Pushes the points in values 1 and 2, or measures all points (ForceField::measure).
+template <bool kAllPoints>
+class Kernel : public FieldKernel<Kernel<kAllPoints>, DistanceBricks, kAllPoints> {
+  using Base = FieldKernel<Kernel<kAllPoints>, DistanceBricks, kAllPoints>;
+  using Base::bricks_;
+  using Base::points_;
+
+ public:
+  static constexpr bool kPicksNormals = false;
+
+  Kernel(const CollectedPoints& points, const DistanceCodes& codes, DistanceBricks& bricks,
+         FieldSamples& samples)
+      : Base(points, bricks, samples), codes_(codes) {}
+
+  // The first `count` points that load(i), load(i + kLanes), ... give.
+  template <class Load>
+  HWY_INLINE void push_chunk(std::size_t count, const Load& load) {
+    for (std::size_t i = 0; i < count; i += kLanes) locate(load(i), i);
+    copy(hwy::RoundUpTo(count, kLanes));
+    for (std::size_t i = 0; i < count; i += kLanes) push_lanes(load, i);
+  }
+
+ private:
+  // The lanes that load(i) gives, whose stages' numbers are from i on.
+  template <class Load>
+  HWY_INLINE void push_lanes(const Load& load, std::size_t i) {
+    const Lanes lanes = load(i);
+    auto held = hn::Eq(hn::Load(kI, stages_.key + i), hn::Load(kI, stages_.key_there + i));
+    if (HWY_UNLIKELY(!bricks_.keys_are_unique())) {
+      held = hn::And(held, hn::MaskFromVec(hn::Load(kI, stages_.tags_match + i)));
+    }
+    const auto missing = hn::AndNot(held, lanes.wanted);
+    // Loaded anew: `lanes`, handed over by reference, would be written to the stack each time.
+    if (HWY_UNLIKELY(!hn::AllFalse(kI, missing))) replace(load(i), i, missing);
+    VF share[3], slope[3];
+    for (int n = 0; n < 3; ++n) share[n] = hn::Load(kF, stages_.share[n] + i);
+    VI around[4], low, high;
+    load_fours(stages_.around + 4 * i, around);
+    const VF code = between_corners(around[1], around[2], share, slope);
+    load_pairs(stages_.beside_x + 2 * i, low, high);
+    const VF beside_x = between_edges<0, 1>(low, high, share[2], low, high, share[1]);
+    load_pairs(stages_.beside_y + 2 * i, low, high);
+    const VF beside_y = between_edges<0, 0>(low, high, share[2], hn::ShiftRight<16>(low),
+                                            hn::ShiftRight<16>(high), share[0]);
+    const auto from_below = hn::RebindMask(kI, hn::Lt(share[2], hn::Set(kF, 0.5f)));
+    low = hn::IfThenElse(from_below, around[0], around[3]);
+    high = hn::ShiftRight<16>(low);
+    const VF beside_z = between_edges<0, 1>(low, high, share[0], low, high, share[1]);
+    const VF step = hn::Set(kF, codes_.voxels_per_code);
+    slope[0] = hn::Mul(continued(slope[0], share[0], code, beside_x), step);
+    slope[1] = hn::Mul(continued(slope[1], share[1], code, beside_y), step);
+    slope[2] = hn::Mul(continued(slope[2], share[2], code, beside_z), step);
+    const VF phi = hn::Mul(hn::Sub(code, hn::Set(kF, codes_.zero_code)), step);
+    push(lanes, phi, slope);
+  }
+
+  HWY_INLINE void push(const Lanes& lanes, VF phi, const VF (&slope)[3]) {
+    const VF one = hn::Set(kF, 1.0f), size_m = hn::Set(kF, codes_.voxel_size_m);
+    const VF depth = hn::Neg(phi);
+    VF u[3] = {slope[0], slope[1], slope[2]};
+    // Most contacts are less than a voxel deep. There the normal counts nothing, and nothing lies
+    // beyond: the same numbers without them.
+    VF beyond = hn::Zero(kF);
+    if (HWY_UNLIKELY(!hn::AllFalse(kF, hn::Gt(depth, one)))) beyond = push_deep(lanes, depth, u);
+    const VF length = hn::Sqrt(dot(u, u));
+    const auto directed = hn::Gt(length, hn::Set(kF, kNoDirection));
+    const VF per_length = hn::Div(one, length);
+    for (int n = 0; n < 3; ++n) u[n] = hn::Mul(u[n], per_length);
+    const VF strength = hn::Min(hn::Mul(length, hn::Set(kF, 1 / kLeastSlope)), one);
+    VF depth_m = hn::Mul(hn::Mul(hn::Add(hn::Min(depth, one), beyond), strength), size_m);
+    auto kept = hn::RebindMask(kF, lanes.wanted);
+    if (kAllPoints) {
+      const VF nothing = hn::Mul(hn::Min(depth, hn::Zero(kF)), size_m);
+      depth_m = hn::IfThenElse(directed, depth_m, nothing);
+      for (int n = 0; n < 3; ++n) u[n] = hn::IfThenElse(directed, u[n], lanes.normal[n]);
+    } else {
+      kept = hn::And(kept, hn::And(hn::Gt(depth, hn::Zero(kF)), directed));
+    }
+    this->store(kept, lanes.at, depth_m, u, slope);
+  }
+
+  // Adds the part's normal to the slope `u` where it counts; what the depth is beyond a voxel, as
+  // far as it has a slope.
+  HWY_INLINE VF push_deep(const Lanes& lanes, VF depth, VF (&u)[3]) const {
+    const VF one = hn::Set(kF, 1.0f);
+    const VF certain = hn::Min(hn::Mul(hn::Sqrt(dot(u, u)), hn::Set(kF, 1 / kLeastSlope)), one);
+    const VF buried =
+        clamp01(hn::Mul(hn::Sub(depth, hn::Set(kF, kBuriedVoxels)), hn::Set(kF, 2.0f)));
+    const VF along_normal = hn::Mul(hn::Set(kF, kBeyondSlope), buried);
+    const float* normal[3] = {points_.nx.data(), points_.ny.data(), points_.nz.data()};
+    for (int n = 0; n < 3; ++n) {
+      u[n] = hn::Add(u[n], hn::Mul(along_normal, hn::GatherIndex(kF, normal[n], lanes.at)));
+    }
+    return hn::Mul(hn::Max(hn::Sub(depth, one), hn::Zero(kF)), certain);
+  }
+
+  // First stage, from i on: where the points' words are.
+  HWY_INLINE void locate(const Lanes& lanes, std::size_t i) {
+    using Bricks = DistanceBricks;
+    const VF half = hn::Set(kF, 0.5f), one = hn::Set(kF, 1.0f);
+    const VI seven = hn::Set(kI, 7), size = hn::Set(kI, Bricks::kBrickBytes);
+    constexpr std::int32_t kStrides[3] = {Bricks::kPlaneBytes, Bricks::kRowBytes, 4};
+    // From a cell to the codes beside it: before it, and behind it less the stride. Reading from
+    // a byte on brings those behind to the bytes where those before it stand.
+    constexpr std::int32_t kBehind[2] = {kStrides[0] + 2, kStrides[1] + 1};
+    const VI key = this->key_of(lanes.voxel);
+    const VI slot = this->slot_of(key);
+    VI at = hn::Add(hn::Mul(slot, size), hn::Set(kI, Bricks::kFirstBytes)), beside[2];
+    for (int n = 0; n < 3; ++n) {
+      // The cell's lowest voxel is the point's, or the one before it.
+      const auto before = hn::Lt(lanes.fraction[n], half);
+      const VF shifted = hn::Sub(lanes.fraction[n], half);
+      hn::Store(hn::IfThenElse(before, hn::Add(shifted, one), shifted), kF, stages_.share[n] + i);
+      const VI stride = hn::Set(kI, kStrides[n]);
+      const auto is_before = hn::RebindMask(kI, before);
+      at = hn::Add(at, hn::Mul(hn::And(lanes.voxel[n], seven), stride));
+      at = hn::Sub(at, hn::IfThenElseZero(is_before, stride));
+      if (n < 2) {
+        beside[n] = hn::IfThenElse(is_before, hn::Set(kI, kBehind[n]), hn::Set(kI, -kStrides[n]));
+      }
+    }
+    if (HWY_UNLIKELY(!bricks_.keys_are_unique())) {
+      const auto match = this->tags_match(slot, lanes.voxel);
+      hn::Store(hn::VecFromMask(kI, match), kI, stages_.tags_match + i);
+    }
+    hn::Store(key, kI, stages_.key + i);
+    hn::Store(slot, kI, stages_.slot + i);
+    hn::Store(hn::Sub(at, hn::Set(kI, 4)), kI, stages_.around_at + i);
+    hn::Store(hn::Add(at, beside[0]), kI, stages_.beside_x_at + i);
+    hn::Store(hn::Add(at, beside[1]), kI, stages_.beside_y_at + i);
+  }
+
+  // Second stage, two points at a time: words side by side, which no gather of their width fetches.
+  HWY_INLINE void copy(std::size_t count) {
+    const std::uint8_t* codes = bricks_.codes();
+    const std::uint32_t* keys = bricks_.keys();
+    std::size_t i = 0;
+    for (; i + 1 < count; i += 2) {
+      copy_two<4, 4>(keys, stages_.slot + i, stages_.key_there + i);
+      copy_two<16>(codes, stages_.around_at + i, stages_.around + 4 * i);
+      copy_two<8>(codes, stages_.beside_x_at + i, stages_.beside_x + 2 * i);
+      copy_two<8>(codes, stages_.beside_y_at + i, stages_.beside_y + 2 * i);
+    }
+    if (i < count) {  // the last, where vectors have one lane
+      hwy::CopyBytes<4>(keys + stages_.slot[i], stages_.key_there + i);
+      take(codes, i);
+    }
+  }
+  HWY_INLINE void take(const std::uint8_t* codes, std::size_t i) {
+    hwy::CopyBytes<16>(codes + stages_.around_at[i], stages_.around + 4 * i);
+    hwy::CopyBytes<8>(codes + stages_.beside_x_at[i], stages_.beside_x + 2 * i);
+    hwy::CopyBytes<8>(codes + stages_.beside_y_at[i], stages_.beside_y + 2 * i);
+  }
+
+  // Third stage, where bricks were missing: decodes them and takes the points' words.
+  HWY_NOINLINE void replace(const Lanes& lanes, std::size_t i, hn::Mask<Ints> missing) {
+    this->fetch(lanes.voxel, hn::Zero(kI), missing,
+                [&](std::size_t lane, const std::uint8_t*) { take(bricks_.codes(), i + lane); });
+  }
+
+  const DistanceCodes& codes_;
+  Stages stages_;
+};
+
+void push_on_target(const CollectedPoints& points, const DistanceCodes& codes,
+                    DistanceBricks& bricks, FieldSamples& samples) {
+  Kernel<false>(points, codes, bricks, samples).run();
+}
+
+void measure_on_target(const CollectedPoints& points, const DistanceCodes& codes,
+                       DistanceBricks& bricks, FieldSamples& samples) {
+  Kernel<true>(points, codes, bricks, samples).run();
+}
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace forcelayer
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace forcelayer {
+
+HWY_EXPORT(push_on_target);
+HWY_EXPORT(measure_on_target);
+
+void push_by_distance(const CollectedPoints& points, const DistanceCodes& codes,
+                      DistanceBricks& bricks, FieldSamples& samples) noexcept {
+  HWY_DYNAMIC_DISPATCH(push_on_target)(points, codes, bricks, samples);
+}
+
+void measure_by_distance(const CollectedPoints& points, const DistanceCodes& codes,
+                         DistanceBricks& bricks, FieldSamples& samples) noexcept {
+  HWY_DYNAMIC_DISPATCH(measure_on_target)(points, codes, bricks, samples);
+}
+
+}  // namespace forcelayer
+#endif

@@ -1,0 +1,34 @@
+#include "runtime/field/force_curve.h"
+
+#include <algorithm>
+
+namespace forcelayer {
+
+ForceCurve::ForceCurve(const Voxmap& voxmap) {
+  if (voxmap.compliance().empty()) return;
+  const VoxmapHeader& header = voxmap.header();
+  step_m_ = header.quantum_m;
+  deepening_m_ = std::max(0.0, force_layer_voxels(header) - 1) * header.voxel_size_m;
+  const double per_n = 1 / steepest_n_per_m(voxmap);
+  for (const float force_n : voxmap.compliance()) {
+    Node node{per_n * double{force_n}, 0};
+    if (!nodes_.empty()) {
+      const Node& last = nodes_.back();
+      node.energy_m2 = last.energy_m2 + 0.5 * step_m_ * (last.force_m + node.force_m);
+    }
+    nodes_.push_back(node);
+  }
+}
+
+ForceCurve::Node ForceCurve::between_nodes(double depth_m) const noexcept {
+  const double steps = std::min(depth_m / step_m_, static_cast<double>(nodes_.size() - 1));
+  const auto i = std::min(static_cast<std::size_t>(steps), nodes_.size() - 2);
+  const Node& low = nodes_[i];
+  const double share = steps - static_cast<double>(i);
+  const double force_m = low.force_m + share * (nodes_[i + 1].force_m - low.force_m);
+  const double beyond_m = std::max(0.0, depth_m - steps * step_m_);
+  return {force_m,
+          low.energy_m2 + 0.5 * share * step_m_ * (low.force_m + force_m) + beyond_m * force_m};
+}
+
+}  // namespace forcelayer

@@ -1,0 +1,51 @@
+#include "runtime/field/force_field.h"
+
+#include "runtime/field/distance_field.h"
+#include "runtime/field/level_field.h"
+#include "runtime/field/tangent_plane.h"
+
+namespace forcelayer {
+namespace {
+
+constexpr std::size_t kLanePadding = 64;  // elements that a vector store may spill behind the last
+
+}  // namespace
+
+void FieldSamples::reserve(std::uint64_t points) {
+  const std::size_t room = points + kLanePadding;
+  at.resize(room);
+  for (auto* values : {&depth_m, &dx, &dy, &dz, &gx, &gy, &gz}) values->resize(room);
+}
+
+ForceKind usual_force(Model model, const Voxmap& voxmap) {
+  if (model == Model::kPaper) return ForceKind::kTangentPlane;
+  if (!DistanceField::unreadable(voxmap)) return ForceKind::kDistance;
+  return LevelField::unreadable(voxmap) ? ForceKind::kTangentPlane : ForceKind::kLevel;
+}
+
+Result<std::unique_ptr<ForceField>> make_force_field(Model model, ForceKind kind,
+                                                     const Voxmap& voxmap) {
+  if (model == Model::kPaper && kind != ForceKind::kTangentPlane) {
+    return Error{ErrorCode::kUsage, "", "--force",
+                 "the paper's model knows the tangent-plane force only",
+                 "leave --force out, or choose --model default"};
+  }
+  if (kind == ForceKind::kLevel) {
+    if (auto reason = LevelField::unreadable(voxmap)) return *reason;
+    return std::unique_ptr<ForceField>(std::make_unique<LevelField>(voxmap));
+  }
+  if (kind == ForceKind::kDistance) {
+    if (auto reason = DistanceField::unreadable(voxmap)) return *reason;
+    return std::unique_ptr<ForceField>(std::make_unique<DistanceField>(voxmap));
+  }
+  return std::unique_ptr<ForceField>(std::make_unique<TangentPlaneField>(voxmap));
+}
+
+double mean_point_area_m2(const Pshell& shell) {
+  const PshellView& view = shell.view();
+  double sum_m2 = 0;
+  for (std::uint64_t i = 0; i < view.point_count; ++i) sum_m2 += view.weight_m2[i];
+  return sum_m2 / static_cast<double>(view.point_count);
+}
+
+}  // namespace forcelayer

@@ -1,0 +1,34 @@
+// Placing the device in the scene, and carrying the wrench back to it (DESIGN 6, Frames).
+#pragma once
+
+#include <optional>
+
+#include "forcelayer/pose.h"
+
+namespace forcelayer {
+
+struct DevicePlacement {
+  Pose world_from_device;
+  double motion_scale = 1;  // scene metres a metre of the device; rotations are never scaled
+
+  Pose world_from_handle(const Pose& device_from_handle) const noexcept;
+  Pose device_from_handle(const Pose& world_from_handle) const noexcept;
+  Twist world_twist(const Twist& device_twist) const noexcept;
+
+  // `on_hand` acts at `point_m` (world axes, torque about that point); the result is about the
+  // handle's origin in device axes. The force is not scaled: the hand feels the coupling's
+  // stiffness times motion_scale.
+  Wrench device_wrench(const Wrench& on_hand, const glm::dvec3& point_m,
+                       const glm::dvec3& handle_m) const noexcept;
+};
+
+// Where the part begins: in the scene, in the hand, or both. With one of them, or none, the hand
+// holds it without stretch; with both, the coupling pulls it to where the grip has it, and the
+// output does not arm before the part is free of contact.
+struct PartStart {
+  std::optional<Pose> world_from_part;   // none: where the grip has it
+  std::optional<Pose> handle_from_part;  // the grip; none: whatever holds it without stretch, and
+                                         // the identity where the place is not given either
+};
+
+}  // namespace forcelayer

@@ -1,0 +1,111 @@
+#include "runtime/loop/loop.h"
+
+#include <sched.h>
+
+#include "runtime/loop/real_time.h"
+
+namespace forcelayer {
+namespace {
+
+void hand_over(const Frame& frame, bool may_wait, SpscRing<Frame>& ring,
+               LoopStatistics& s) noexcept {
+  while (!ring.push(frame)) {
+    if (!may_wait) {
+      ++s.dropped_frames;
+      return;
+    }
+    sched_yield();
+  }
+}
+
+// The clock of the ticks. Ticks that passed are skipped, never made up for in a burst.
+class Pacer {
+ public:
+  explicit Pacer(double dt_s)
+      : period_ns_(static_cast<long long>(dt_s * 1e9 + 0.5)), tick_ns_(monotonic_ns()) {}
+
+  // Sleeps until the next tick, and gives its time.
+  long long wait_for_tick(LoopStatistics& s) noexcept {
+    tick_ns_ += period_ns_;
+    const long long late_ns = monotonic_ns() - tick_ns_;
+    if (late_ns > 0) {
+      const long long passed = late_ns / period_ns_;
+      tick_ns_ += passed * period_ns_;
+      s.skipped_ticks += static_cast<std::uint64_t>(passed);
+    }
+    sleep_until_ns(tick_ns_);
+    return tick_ns_;
+  }
+
+  long long period_ns() const { return period_ns_; }
+
+ private:
+  long long period_ns_;
+  long long tick_ns_;  // time of the current tick
+};
+
+// Runs ticks; with a clock, notes what each one cost.
+class Runner {
+ public:
+  Runner(Servo& servo, const LoopOptions& options, LoopStatistics& statistics)
+      : servo_(servo), options_(options), statistics_(statistics), pacer_(servo.dt_s()) {}
+
+  bool tick(Frame& frame) noexcept {
+    if (options_.as_fast_as_possible) {
+      if (!tick_with_helpers(frame)) return false;
+      statistics_.count(frame);
+      return true;
+    }
+    meter_.woke(pacer_.wait_for_tick(statistics_));
+    notice_lateness();
+    if (!tick_with_helpers(frame)) return false;
+    statistics_.count(frame, meter_.end(), pacer_.period_ns());
+    return true;
+  }
+
+  bool at_end(const Frame& frame) const noexcept {
+    const bool map_lost = (frame.result.report.faults & kFaultMapLost) != 0;
+    return map_lost || (options_.end_on_trip && servo_.output().trips() > 0);
+  }
+
+ private:
+  // The device hears nothing for a period and the delay.
+  void notice_lateness() noexcept {
+    const long long now_ns = monotonic_ns();
+    const long long since_ns = now_ns - last_ns_ - pacer_.period_ns();
+    if (last_ns_ != 0 && static_cast<double>(since_ns) > options_.stale_s * 1e9) servo_.note_late();
+    last_ns_ = now_ns;
+  }
+
+  bool tick_with_helpers(Frame& frame) noexcept {
+    const bool helped = servo_.wants_helpers();
+    if (helped) servo_.wake_helpers();
+    const bool ticked = servo_.tick(frame);
+    if (helped) servo_.rest_helpers();
+    return ticked;
+  }
+
+  Servo& servo_;
+  const LoopOptions& options_;
+  LoopStatistics& statistics_;
+  Pacer pacer_;
+  TickMeter meter_;
+  long long last_ns_ = 0;  // when the last tick began
+};
+
+}  // namespace
+
+void run_loop(Servo& servo, const LoopOptions& options, SpscRing<Frame>* ring,
+              LoopStatistics& statistics) noexcept {
+  Frame frame;
+  Runner runner(servo, options, statistics);
+  for (std::uint64_t n = 0; !options.frames || n < *options.frames; ++n) {
+    if (options.stop != nullptr && options.stop->load(std::memory_order_relaxed) != 0) break;
+    if (!runner.tick(frame)) break;
+    if (ring != nullptr) hand_over(frame, options.as_fast_as_possible, *ring, statistics);
+    if (runner.at_end(frame)) break;
+  }
+  servo.silence();
+}
+
+}  // namespace forcelayer

@@ -1,0 +1,140 @@
+#include "runtime/loop/loop_statistics.h"
+
+#include <sys/resource.h>
+#include <time.h>
+
+#include <algorithm>
+#include <glm/geometric.hpp>
+
+#include "runtime/loop/real_time.h"
+
+namespace forcelayer {
+namespace {
+
+std::int64_t thread_cpu_ns() noexcept {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
+}
+
+}  // namespace
+
+const char* to_text(MissCause cause) {
+  switch (cause) {
+    case MissCause::kWokeLate:
+      return "woke late";
+    case MissCause::kMajorFault:
+      return "page read from disk";
+    case MissCause::kPreempted:
+      return "preempted";
+    case MissCause::kBlocked:
+      return "blocked";
+    case MissCause::kStoodStill:
+      return "core stood still";
+    case MissCause::kMinorFault:
+      return "new pages";
+    case MissCause::kLongTick:
+      break;
+  }
+  return "long tick";
+}
+
+TickMeter::Counters TickMeter::now() noexcept {
+  rusage usage{};
+  getrusage(RUSAGE_THREAD, &usage);
+  return {monotonic_ns(),  thread_cpu_ns(), usage.ru_minflt,
+          usage.ru_majflt, usage.ru_nvcsw,  usage.ru_nivcsw};
+}
+
+void TickMeter::woke(std::int64_t tick_ns) noexcept {
+  at_waking_ = now();
+  woke_late_ns_ = at_waking_.wall_ns - tick_ns;
+}
+
+TickCost TickMeter::end() const noexcept {
+  const Counters& a = at_waking_;
+  const Counters b = now();
+  const auto more = [](std::int64_t from, std::int64_t to) {
+    return static_cast<std::uint32_t>(to - from);
+  };
+  return {woke_late_ns_,
+          b.wall_ns - a.wall_ns,
+          b.cpu_ns - a.cpu_ns,
+          more(a.minor_faults, b.minor_faults),
+          more(a.major_faults, b.major_faults),
+          more(a.voluntary, b.voluntary),
+          more(a.involuntary, b.involuntary)};
+}
+
+MissCause cause_of(const TickCost& cost) noexcept {
+  if (cost.woke_late_ns > cost.tick_ns) return MissCause::kWokeLate;
+  if (cost.major_faults > 0) return MissCause::kMajorFault;
+  if (cost.involuntary_switches > 0) return MissCause::kPreempted;
+  if (cost.voluntary_switches > 0) return MissCause::kBlocked;
+  if (cost.cpu_ns < cost.tick_ns / 2) return MissCause::kStoodStill;
+  return cost.minor_faults > 0 ? MissCause::kMinorFault : MissCause::kLongTick;
+}
+
+void WorstFrames::add(const MissedFrame& frame) noexcept {
+  if (size_ < kKept) {
+    frames_[size_++] = frame;
+    return;
+  }
+  const auto least =
+      std::min_element(frames_.begin(), frames_.end(),
+                       [](const auto& a, const auto& b) { return a.late_ns < b.late_ns; });
+  if (least->late_ns < frame.late_ns) *least = frame;
+}
+
+// An episode (passivity.h) begins where the part leaves free space.
+void LoopStatistics::count_energy(const StepReport& report) noexcept {
+  const bool in_contact = report.interior + report.surface + report.proximity > 0;
+  if (in_contact && !in_episode_) {
+    ++contact_episodes;
+    past_episodes_generated_j_ = generated_j;
+  }
+  in_episode_ = in_contact;
+  generated_j = report.generated_j;
+  worst_episode_generated_j =
+      std::max(worst_episode_generated_j, generated_j - past_episodes_generated_j_);
+}
+
+void LoopStatistics::count(const Frame& frame) noexcept {
+  const StepReport& report = frame.result.report;
+  ++frames;
+  force_layer_frames += report.surface + report.interior > 0;
+  penetration_frames += report.interior > 0;
+  contact_frames += report.contacts > 0;
+  guard_cuts += report.guard_cuts;
+  outside_map_frames += report.outside_map;
+  saturated_frames += report.saturated;
+  faulty_frames += report.faults != 0;
+  clutched_frames += frame.input.valid == kInputClutched;
+  held_readings += frame.health.age_share > 0;
+  outcome_hash = (outcome_hash ^ frame.outcome_hash) * 0x100000001b3u;
+  max_force_n = std::max(max_force_n, glm::length(frame.result.wrench.force_n));
+  max_torque_nm = std::max(max_torque_nm, glm::length(frame.result.wrench.torque_nm));
+  max_device_force_n = std::max(max_device_force_n, glm::length(frame.device_wrench.force_n));
+  max_device_torque_nm = std::max(max_device_torque_nm, glm::length(frame.device_wrench.torque_nm));
+  count_energy(report);
+  step.record(frame.step_ns);
+}
+
+void LoopStatistics::count(const Frame& frame, const TickCost& cost,
+                           std::int64_t period_ns) noexcept {
+  count(frame);
+  tick.record(cost.tick_ns);
+  wakeup.record(cost.woke_late_ns);
+  minor_faults += cost.minor_faults;
+  major_faults += cost.major_faults;
+  voluntary_switches += cost.voluntary_switches;
+  involuntary_switches += cost.involuntary_switches;
+  const std::int64_t late_ns = cost.woke_late_ns + cost.tick_ns - period_ns;
+  if (late_ns <= 0) return;
+  const MissCause cause = cause_of(cost);
+  ++deadline_misses;
+  ++misses_by_cause[static_cast<std::size_t>(cause)];
+  worst.add({frame.number, late_ns, frame.step_ns, cost, cause});
+}
+
+}  // namespace forcelayer

@@ -1,0 +1,102 @@
+#include "runtime/loop/servo.h"
+
+#include <glm/geometric.hpp>
+#include <utility>
+
+#include "runtime/coupling/coupling.h"
+#include "runtime/loop/real_time.h"
+#include "runtime/model/outcome_hash.h"
+#include "runtime/model/step_arithmetic.h"
+
+namespace forcelayer {
+namespace {
+
+// A stretch below these is rounding: registered poses reproduce to 1e-15 of the scene's extent.
+constexpr double kNoStretchM = 1e-9;
+constexpr double kNoStretchRad = 1e-9;
+
+}  // namespace
+
+Servo::Servo(Simulation& simulation, InputSource& input, const State& start,
+             const OutputLimits& limits)
+    : simulation_(&simulation),
+      input_(input),
+      state_(start),
+      output_(limits),
+      dt_s_(1 / simulation.parameters().rate_hz) {}
+
+bool Servo::request_swap(Simulation& next, const PartStart& start) noexcept {
+  if (swapping() || 1 / next.parameters().rate_hz != dt_s_) return false;
+  next_start_ = start;
+  next_.store(&next, std::memory_order_release);
+  return true;
+}
+
+void Servo::take_health(const StepInput& input, InputHealth& health) noexcept {
+  health = input_.health();
+  health.loop_late |= std::exchange(late_, false);
+  health.clutch |=
+      clutch_.load(std::memory_order_relaxed) || (input.buttons & clutch_buttons_) != 0;
+  health.swapping |= swapping();
+}
+
+void Servo::take_swap(const StepInput& input) noexcept {
+  Simulation* const next = next_.load(std::memory_order_acquire);
+  if (next == nullptr) return;
+  const std::uint64_t frame = state_.frame;
+  const EpisodeEnergy energy = state_.energy;
+  state_ = next->registered(next_start_, input.world_from_handle);
+  state_.frame = frame;
+  state_.energy = energy;
+  simulation_ = next;
+  next_.store(nullptr, std::memory_order_release);
+}
+
+OutputFrame Servo::output_frame(const Frame& frame) const noexcept {
+  const StepReport& report = frame.result.report;
+  const StepInput& input = frame.input;
+  const DevicePlacement& placement = input_.placement();
+  const CouplingTarget target = coupling_target(state_, input);
+  OutputFrame out;
+  out.health = frame.health;
+  out.faulty = report.faults != 0;
+  out.not_finite = (report.faults & (kFaultNonFiniteInput | kFaultNonFiniteState)) != 0;
+  out.map_lost = (report.faults & kFaultMapLost) != 0;
+  out.speed_mps = glm::length(input.handle_velocity.linear_mps) / placement.motion_scale;
+  out.free_of_contact = report.interior + report.surface + report.proximity == 0;
+  const glm::dvec3 gap_m =
+      target.world_from_center.position_m - report.world_from_center.position_m;
+  const glm::dvec3 turn_rad = rotation_vector(target.world_from_center.orientation *
+                                              glm::conjugate(report.world_from_center.orientation));
+  out.unstretched = glm::length(gap_m) < kNoStretchM && glm::length(turn_rad) < kNoStretchRad;
+  // The coupling holds the hand at its target: there the force acts, so that the power at the
+  // handle is that of the coupling.
+  out.wanted = placement.device_wrench(frame.result.wrench, target.world_from_center.position_m,
+                                       input.world_from_handle.position_m);
+  return out;
+}
+
+bool Servo::tick(Frame& frame) noexcept {
+  const StepArithmetic arithmetic;
+  frame.number = state_.frame;
+  frame.time_s = static_cast<double>(state_.frame) * dt_s_;
+  if (!input_.next(frame.time_s, dt_s_, frame.input)) return false;
+  take_health(frame.input, frame.health);
+  const bool regrip = frame.health.clutch || frame.health.swapping;
+  if (regrip && output_.at_zero() && frame.input.valid == kInputValid) {
+    take_swap(frame.input);
+    frame.input.valid = kInputClutched;
+  }
+  const std::int64_t begin_ns = monotonic_ns();
+  frame.result = simulation_->step(state_, frame.input, dt_s_);
+  frame.step_ns = monotonic_ns() - begin_ns;
+  frame.device_wrench = output_.pass(output_frame(frame), dt_s_);
+  frame.output = output_.state();
+  frame.world_from_target = coupling_target(state_, frame.input).world_from_center;
+  frame.last_trip = output_.last_trip();
+  frame.outcome_hash = outcome_hash(frame.result, state_);
+  input_.output(frame);
+  return true;
+}
+
+}  // namespace forcelayer

@@ -1,0 +1,79 @@
+// One tick of the servo: input in, step, output out. The library's entry for anyone's own loop:
+// call tick() at a constant rate from one thread.
+#pragma once
+
+#include <atomic>
+
+#include "forcelayer/frame.h"
+#include "runtime/loop/input_source.h"
+#include "runtime/loop/output_stage.h"
+#include "runtime/model/simulation.h"
+
+namespace forcelayer {
+
+class Servo {
+ public:
+  // Everything given must outlive the servo. `start` is the state before the first tick.
+  Servo(Simulation& simulation, InputSource& input, const State& start, const OutputLimits& limits);
+
+  // Reads, steps and writes once. Never blocks, allocates, locks or logs (the device's own calls
+  // apart). Fills `frame`; false at the input's end.
+  bool tick(Frame& frame) noexcept;
+
+  // Device buttons, a bit each, of which any one is the clutch. Before the first tick.
+  void set_clutch_buttons(std::uint32_t buttons) { clutch_buttons_ = buttons; }
+
+  // The clutch, from any thread, beside the buttons. Pressed: the output fades to zero, then the
+  // part stays where it is, in contact or not, while the hand goes anywhere. Released: the hand
+  // holds the part as it then is, without stretch, and the output ramps in. It also arms a tripped
+  // output: the user's way to go on.
+  void set_clutch(bool pressed) noexcept { clutch_.store(pressed, std::memory_order_relaxed); }
+
+  // Swaps part or scene without a restart, from any thread: the output fades to zero, the next tick
+  // goes on with `next` and its part as `start` has it, gripped without stretch (with both a place
+  // and a grip, the place counts), and ramps in. `next` must outlive the servo or the next swap;
+  // the old simulation is free once swapping() is false. False where a swap is under way already
+  // or the rate is another.
+  bool request_swap(Simulation& next, const PartStart& start) noexcept;
+  bool swapping() const noexcept { return next_.load(std::memory_order_acquire) != nullptr; }
+
+  // For the caller's clock, before a tick: it begins later than the stale limit allows. The output
+  // trips in it, as the device's side has let go by now.
+  void note_late() noexcept { late_ = true; }
+
+  // Around a tick in which the query's helper threads should take part; both call the system, so
+  // they are not in tick() itself. wants_helpers(): whether the last tick looked at enough points.
+  bool wants_helpers() const noexcept {
+    return !swapping() && simulation_->query().points_looked_at() > kPointsWorthHelp;
+  }
+  void wake_helpers() noexcept { simulation_->wake_helpers(); }
+  void rest_helpers() noexcept { simulation_->rest_helpers(); }
+
+  // Zero to the device, at the end or whenever the caller must fail.
+  void silence() noexcept { input_.silence(); }
+
+  const Simulation& simulation() const { return *simulation_; }
+  const State& state() const { return state_; }
+  const OutputStage& output() const { return output_; }
+  double dt_s() const { return dt_s_; }
+
+ private:
+  static constexpr std::uint64_t kPointsWorthHelp = 16384;  // some 40 us of one core
+
+  void take_health(const StepInput& input, InputHealth& health) noexcept;
+  void take_swap(const StepInput& input) noexcept;
+  OutputFrame output_frame(const Frame& frame) const noexcept;
+
+  Simulation* simulation_;
+  InputSource& input_;
+  State state_;
+  OutputStage output_;
+  double dt_s_;
+  std::uint32_t clutch_buttons_ = 0;
+  bool late_ = false;
+  std::atomic<bool> clutch_{false};
+  std::atomic<Simulation*> next_{nullptr};  // to be swapped in, at next_start_
+  PartStart next_start_;                    // of its part; written before next_
+};
+
+}  // namespace forcelayer

@@ -1,0 +1,67 @@
+// The unilateral rows of one implicit solve, laid out for vectors: which of them push at a
+// velocity, with what energy, and what they add to the 6x6 system.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "runtime/model/spatial.h"
+
+namespace forcelayer {
+
+// One unilateral constraint: pushes with the impulse weight * (onset - j.v) while j.v < onset.
+struct ContactRow {
+  Vector6 j{};        // separation speed per velocity
+  double weight = 0;  // N s per m/s
+  double onset = 0;   // m/s
+};
+
+// Where rows stand, column by column: the six of j, weight, onset.
+struct ContactRowColumns {
+  static constexpr std::size_t kColumns = 8, kWeight = 6, kOnset = 7;
+  double* at[kColumns] = {};
+};
+
+// Sum of weight j j^T, and of weight onset j, over rows.
+struct ContactRowSum {
+  Symmetric6 matrix;
+  Vector6 impulse{};
+};
+
+// Sums run in eight columns and are then added in one order: the same bits for any vector width.
+class ContactRows {
+ public:
+  void reserve(std::size_t rows);  // set-up only
+  void clear() noexcept;
+  void add(const ContactRow& row) noexcept;  // beyond the room that was reserved: left out
+  std::size_t size() const noexcept { return count_; }
+
+  // Many at a time: next() is where the next rows go, at most room() of them, added() says how many
+  // were written there. Up to kRowsAtOnce more elements of a column may be written.
+  ContactRowColumns next() noexcept { return from(count_); }
+  std::size_t room() const noexcept { return room_ - count_; }
+  void added(std::size_t rows) noexcept;
+
+  // Sum of weight max(0, onset - j.v)^2 / 2, J; notes which rows push at `v`.
+  double energy_j(const Vector6& v) noexcept;
+  // Over the rows that pushed at the last energy_j(). Summed anew only where these are others than
+  // the last time.
+  const ContactRowSum& pushing() noexcept;
+  // Whether the rows that pushed at the last energy_j() are those of the last pushing().
+  bool same_push() const noexcept;
+
+  static constexpr std::size_t kRowsAtOnce = 8;
+
+ private:
+  std::size_t blocks() const noexcept { return (count_ + kRowsAtOnce - 1) / kRowsAtOnce; }
+  ContactRowColumns from(std::size_t row) noexcept;
+
+  std::vector<double> columns_;       // each of stride_; rows beyond count_ push nothing
+  std::vector<std::uint8_t> push_;    // [blocks()] bit n: row n of the eight pushes
+  std::vector<std::uint8_t> summed_;  // those of sum_
+  std::size_t room_ = 0, stride_ = 0, count_ = 0;
+  bool sum_known_ = false;
+  ContactRowSum sum_;
+};
+
+}  // namespace forcelayer

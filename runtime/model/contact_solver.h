@@ -1,0 +1,28 @@
+// The velocity at the end of a step, implicit in everything that is stiff: coupling, contacts and
+// braking in one 6x6 system with an active set.
+#pragma once
+
+#include "runtime/coupling/virtual_coupling.h"
+#include "runtime/model/contact_rows.h"
+#include "runtime/model/spatial.h"
+
+namespace forcelayer {
+
+// All but the contacts: inertia, momentum before the step, and the two halves of the coupling.
+struct StepSystem {
+  Symmetric6 inertia;
+  Vector6 momentum{};
+  CouplingHalf translation, rotation;
+  HalfStretch displacement, angle;
+  double dt_s = 0;
+};
+
+// Minimises the step's convex energy
+//   (v - v0) M (v - v0) / 2 + coupling(v) + rows.energy_j(v)
+// by Newton's method on the active set, from `guess`. The result is finite for finite input, and
+// never worse than `guess` (but for the rounding of the energies themselves): a clamped coupling
+// enters with a quadratic that touches its energy at the velocity so far and lies above it
+// elsewhere, and a step that does not lower the sum is not made.
+Vector6 solve_velocity(const StepSystem& system, ContactRows& rows, const Vector6& guess) noexcept;
+
+}  // namespace forcelayer

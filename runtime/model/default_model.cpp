@@ -1,0 +1,366 @@
+#include "runtime/model/default_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+
+#include "runtime/coupling/coupling_angle.h"
+#include "runtime/coupling/passivity.h"
+#include "runtime/model/motion_allowance.h"
+#include "runtime/model/principal_inertia.h"
+#include "runtime/model/vectors.h"
+
+namespace forcelayer {
+namespace {
+
+constexpr int kResolves = 2;                // new solves with the contacts found where a motion led
+constexpr int kHalvings = 2;                // shortenings after that; then the part stays
+constexpr double kTravelMargin = 1 - 1e-9;  // keeps s/2 from being reached by rounding
+
+// A motion shorter than this share of a voxel is not made while the hand rests.
+constexpr double kLeastTravelVoxels = 1e-9;
+// While the hand rests, a motion must lower the energy by this share of k_T times its square.
+constexpr double kDescentShare = 1e-4;
+
+// Where an interior point must end, behind where a force layer of one voxel begins to push. That is
+// 0.1 to 0.6 voxels before the interior, by the kind of map.
+constexpr double kGuardDepthVoxels = 0.4;
+// At least so far it is pushed back per new solve.
+constexpr double kGuardPushVoxels = 0.15;
+// Stiffness of a guard's row over that of a contact: hard, but well-conditioned.
+constexpr double kGuardHardness = 100;
+
+// How b_R is shared among the axes: critical damping about each, 2 sqrt(I k_R), over its largest.
+glm::dmat3 critical_damping_shape(const glm::dmat3& inertia_kgm2) {
+  PrincipalInertia inertia = principal_inertia(inertia_kgm2);
+  const glm::dvec3 m = inertia.moments;
+  const double largest = std::max({m.x, m.y, m.z});
+  for (int axis = 0; axis < 3; ++axis) inertia.moments[axis] = std::sqrt(m[axis] / largest);
+  return tensor_of(inertia);
+}
+
+Twist mean_velocity(const Pose& from, const Pose& to, double dt_s) {
+  if (!(dt_s > 0)) return {};
+  return {(to.position_m - from.position_m) / dt_s,
+          rotation_vector(to.orientation * glm::conjugate(from.orientation)) / dt_s};
+}
+
+template <typename T>
+bool same_bits(const T& a, const T& b) {
+  static_assert(std::is_trivially_copyable_v<T>);
+  return std::memcmp(&a, &b, sizeof(T)) == 0;
+}
+
+}  // namespace
+
+// One sub-step in the making.
+struct DefaultModel::Motion {
+  StepSystem system;
+  Vector6 start{};     // velocity before
+  Vector6 velocity{};  // velocity of the motion
+  double energy_before_j = 0;
+};
+
+DefaultModel::DefaultModel(const Parameters& parameters, ContactProbe& probe, std::uint64_t points,
+                           const ForceCurve& curve)
+    : parameters_(parameters), probe_(probe) {
+  mass_ = {parameters.mass_kg, parameters.inertia_kgm2, glm::inverse(parameters.inertia_kgm2)};
+  contact_ = {
+      parameters.field_n_per_m,
+      parameters.contact_damping_ratio * std::sqrt(parameters.field_n_per_m * parameters.mass_kg),
+      parameters.voxel_size_m, curve};
+  translation_ = {parameters.coupling_n_per_m, glm::dmat3(parameters.coupling_ns_per_m),
+                  parameters.coupling_force_limit_n};
+  rotation_ = {parameters.coupling_nm_per_rad, glm::dmat3(0), parameters.coupling_torque_limit_nm};
+  rotation_damping_ =
+      parameters.coupling_nms_per_rad * critical_damping_shape(parameters.inertia_kgm2);
+  here_.reserve(points);
+  there_.reserve(points);
+  // The contacts here, those found by each new solve, and the brake.
+  rows_.reserve((1 + kResolves) * points + 1);
+}
+
+StepResult DefaultModel::step(State& state, const StepInput& input, double dt_s) noexcept {
+  StepResult result;
+  const CouplingTarget target = coupling_target(state, input);
+  look_up_here(state.world_from_center);
+  const bool hand_still = state.has_target != 0 &&
+                          same_bits(target.world_from_center, state.target) &&
+                          same_bits(target.velocity, state.target_velocity);
+  refill_allowance(state, target, dt_s);
+  if (!hand_still) state.settled = 0;
+  const Pose before = state.world_from_center;
+  if (state.settled == 0) move(state, target, dt_s, result.report);
+  const Twist way = mean_velocity(before, state.world_from_center, dt_s);
+  result.wrench = wrench_on_hand(state, target, way, dt_s, result.report);
+  StepReport& report = result.report;
+  report.world_from_center = state.world_from_center;
+  report.interior = here_.interior;
+  report.surface = here_.surface;
+  report.proximity = here_.proximity;
+  report.contacts = here_.totals.count;
+  report.depth_m = double{here_.totals.depth_m};
+  report.outside_map = here_.outside_map ? 1 : 0;
+  return result;
+}
+
+void DefaultModel::look_up(const Pose& pose, Looked& out) noexcept {
+  probe_.look_up(pose, out);
+  out.totals = contact_totals(out, contact_);
+  out.load = LoadSharing(out.totals);
+  out.energy_j = contact_energy_j(out.totals, out.load, contact_);
+}
+
+void DefaultModel::look_up_here(const Pose& pose) noexcept {
+  if (here_known_ && same_bits(pose, here_pose_)) return;
+  look_up(pose, here_);
+  here_pose_ = pose;
+  here_known_ = true;
+}
+
+void DefaultModel::refill_allowance(State& state, const CouplingTarget& target,
+                                    double dt_s) const noexcept {
+  double work_j = 0;
+  if (state.has_target != 0) {
+    const Pose& now = target.world_from_center;
+    const Pose& last = state.target;
+    const double stretch_m = glm::length(now.position_m - state.world_from_center.position_m) +
+                             glm::length(now.position_m - last.position_m);
+    const double force_n = std::min(translation_.limit, translation_.stiffness * stretch_m);
+    const double torque_nm = std::min(
+        rotation_.limit, rotation_.stiffness * (glm::length(state.coupling_angle_rad) + 1));
+    work_j = handle_work_j(last, now, force_n, torque_nm);
+  }
+  const AllowanceLaw law{parameters_.allowance_j, parameters_.allowance_fade_s};
+  state.allowance_j = faded_allowance_j(state.allowance_j, work_j, law, dt_s);
+}
+
+// One frame: motions of at most s/2 until the time or the look-ups are used up. What is left of the
+// time then is not made up: the part lags, and follows in the next frames.
+void DefaultModel::move(State& state, const CouplingTarget& target, double dt_s,
+                        StepReport& report) noexcept {
+  double remaining_s = dt_s;
+  for (int look_ups = 0; look_ups < parameters_.look_ups && remaining_s > 1e-9 * dt_s; ++look_ups) {
+    Motion motion = prepare(state, target, dt_s);
+    choose(motion, remaining_s);
+    if (!make(state, motion, target, report)) {
+      state.velocity = {};
+      state.settled = 1;
+      return;
+    }
+    remaining_s -= motion.system.dt_s;
+  }
+}
+
+DefaultModel::Motion DefaultModel::prepare(const State& state, const CouplingTarget& target,
+                                           double dt_s) const noexcept {
+  Motion motion;
+  StepSystem& system = motion.system;
+  const glm::dmat3 inertia = turned(mass_.inertia_kgm2, state.world_from_center.orientation);
+  for (int row = 0; row < 3; ++row) {
+    system.inertia.lower[Symmetric6::at(row, row)] = mass_.mass_kg;
+    for (int column = 0; column <= row; ++column) {
+      system.inertia.lower[Symmetric6::at(3 + row, 3 + column)] = inertia[column][row];
+    }
+  }
+  motion.start = vector6(state.velocity.linear_mps, state.velocity.angular_radps);
+  system.momentum = system.inertia * motion.start;
+  system.translation = translation_;
+  system.displacement = {target.world_from_center.position_m - state.world_from_center.position_m,
+                         target.velocity.linear_mps};
+  system.angle = {
+      continuous_angle(state.world_from_center, target.world_from_center, state.coupling_angle_rad),
+      target.velocity.angular_radps};
+  system.rotation = rotation_at(system.angle.displacement, state.world_from_center.orientation);
+  system.dt_s = dt_s;
+  motion.energy_before_j =
+      kinetic_energy_j(mass_, state.world_from_center.orientation, state.velocity) +
+      potential_j(system.displacement.displacement, system.angle.displacement, here_);
+  return motion;
+}
+
+// Solves for all of the remaining time; where that would travel beyond s/2, for an even share of
+// it.
+void DefaultModel::choose(Motion& motion, double remaining_s) noexcept {
+  solve_motion(motion, remaining_s);
+  const double shares = std::ceil(travel_m(motion.velocity, remaining_s) /
+                                  (0.5 * kTravelMargin * parameters_.voxel_size_m));
+  if (shares > 1) solve_motion(motion, remaining_s / shares);
+  limit_travel(motion);
+}
+
+void DefaultModel::solve_motion(Motion& motion, double dt_s) noexcept {
+  motion.system.dt_s = dt_s;
+  rows_.clear();
+  add_contact_rows(here_, here_.load, contact_, dt_s, 0.5 * parameters_.voxel_size_m, rows_);
+  ContactRow brake;
+  if (parameters_.braking && braking_row(here_, motion.system.inertia, motion.start, dt_s, brake)) {
+    rows_.add(brake);
+  }
+  motion.velocity = solve_velocity(motion.system, rows_, motion.start);
+}
+
+// Looks up where the motion leads and keeps it, or mends it until it can be kept. False: the part
+// stays where it is.
+bool DefaultModel::make(State& state, Motion& motion, const CouplingTarget& target,
+                        StepReport& report) noexcept {
+  const double dt_s = motion.system.dt_s;
+  const double least_m = state.allowance_j == 0 ? kLeastTravelVoxels * parameters_.voxel_size_m : 0;
+  bool cut = false;
+  for (int attempt = 0; attempt <= kResolves + kHalvings; ++attempt) {
+    if (!(travel_m(motion.velocity, dt_s) > least_m)) return false;
+    Twist velocity{linear_part(motion.velocity), angular_part(motion.velocity)};
+    const double kinetic_j = kinetic_energy_j(mass_, state.world_from_center.orientation, velocity);
+    const Pose candidate =
+        advance(mass_, state.world_from_center, velocity, dt_s, most_turn_rad(velocity, dt_s));
+    look_up(candidate, there_);
+    double rise_j = 0;
+    const bool clear = no_new_interior(here_, there_);
+    if (clear && affordable(state, motion, target, candidate, kinetic_j, rise_j)) {
+      state.allowance_j = std::max(0.0, state.allowance_j - rise_j);
+      state.coupling_angle_rad =
+          continuous_angle(candidate, target.world_from_center, state.coupling_angle_rad);
+      state.world_from_center = here_pose_ = candidate;
+      state.velocity = velocity;
+      std::swap(here_, there_);
+      return true;
+    }
+    if (attempt < kResolves) {
+      add_found_contacts(motion);
+      motion.velocity = solve_velocity(motion.system, rows_, motion.velocity);
+      limit_travel(motion);
+    } else {
+      report.guard_cuts += !clear && !cut ? 1 : 0;
+      cut |= !clear;
+      for (double& component : motion.velocity) component *= 0.5;
+    }
+  }
+  return false;
+}
+
+bool DefaultModel::affordable(const State& state, const Motion& motion,
+                              const CouplingTarget& target, const Pose& candidate, double kinetic_j,
+                              double& rise_j) const noexcept {
+  if (here_.interior > 0) return true;  // led out: slow, and its energy is not the scene's
+  if (here_.in_free_space() && there_.in_free_space()) return true;  // nothing to gain it from
+  const glm::dvec3 angle_rad =
+      continuous_angle(candidate, target.world_from_center, state.coupling_angle_rad);
+  const double energy_j =
+      kinetic_j +
+      potential_j(target.world_from_center.position_m - candidate.position_m, angle_rad, there_);
+  const double travel = travel_m(motion.velocity, motion.system.dt_s);
+  const double descent_j = kDescentShare * parameters_.coupling_n_per_m * travel * travel;
+  rise_j = energy_j + descent_j - motion.energy_before_j;
+  return rise_j <= state.allowance_j;
+}
+
+// What the motion ran into, linearised where it led: contacts as springs, interior points as hard
+// rows that take them back into the force layer.
+void DefaultModel::add_found_contacts(Motion& motion) noexcept {
+  const double dt_s = motion.system.dt_s, s = parameters_.voxel_size_m;
+  const double guard_depth_m = kGuardDepthVoxels * s + contact_.curve.deepening_m();
+  for (std::uint32_t i = 0; i < there_.count; ++i) {
+    if (!(there_.depth_m[i] > 0)) continue;
+    const Contact c = there_[i];
+    const double separation = dot(separation_row(c), motion.velocity);
+    if (!c.interior) {
+      const double force_m = contact_.curve.force_m(c.depth_m) + dt_s * separation;
+      rows_.add(spring_row(c, force_m, there_.load, contact_, dt_s));
+      continue;
+    }
+    ContactRow row;
+    row.j = separation_row(c);
+    row.weight = kGuardHardness * dt_s * dt_s * contact_.stiffness_n_per_m + 1e3 * mass_.mass_kg;
+    row.onset = separation + std::max(kGuardPushVoxels * s, c.depth_m - guard_depth_m) / dt_s;
+    rows_.add(row);
+  }
+}
+
+void DefaultModel::limit_travel(Motion& motion) const noexcept {
+  const double dt_s = motion.system.dt_s;
+  double limit_m = 0.5 * kTravelMargin * parameters_.voxel_size_m;
+  if (here_.interior > 0) limit_m = std::min(limit_m, parameters_.recovery_mps * dt_s);
+  const double travel = travel_m(motion.velocity, dt_s);
+  if (!(travel > limit_m)) return;
+  for (double& component : motion.velocity) component *= limit_m / travel;
+}
+
+// Longest way that any point of the shell can go: its arc is at most the centroid's way and the
+// angle times the radius.
+double DefaultModel::travel_m(const Vector6& velocity, double dt_s) const noexcept {
+  return dt_s * (glm::length(linear_part(velocity)) +
+                 parameters_.part_radius_m * glm::length(angular_part(velocity)));
+}
+
+// What s/2 leaves to the rotation: a body that tumbles turns by another angle than the velocity it
+// began with says, by a few per cent for long parts.
+double DefaultModel::most_turn_rad(const Twist& velocity, double dt_s) const noexcept {
+  const double left_m =
+      0.5 * kTravelMargin * parameters_.voxel_size_m - dt_s * glm::length(velocity.linear_mps);
+  return std::max(0.0, left_m) / parameters_.part_radius_m;
+}
+
+double DefaultModel::potential_j(const glm::dvec3& displacement_m, const glm::dvec3& angle_rad,
+                                 const Looked& looked) const noexcept {
+  return spring_energy_j(translation_, displacement_m) + angle_energy_j(angle_rad) +
+         looked.energy_j;
+}
+
+// The rotational half at an angle and an orientation of the part.
+CouplingHalf DefaultModel::rotation_at(const glm::dvec3& angle_rad,
+                                       const glm::dquat& orientation) const noexcept {
+  CouplingHalf rotation = rotation_;
+  rotation.damping = turned(rotation_damping_, orientation);
+  const double angle = glm::length(angle_rad);
+  if (angle > kFullTorqueRad) {
+    rotation.limit = std::min(rotation_.limit, rotation_.stiffness * kFullTorqueRad);
+    rotation.limit *= torque_share(angle);
+  }
+  return rotation;
+}
+
+double DefaultModel::angle_energy_j(const glm::dvec3& angle_rad) const noexcept {
+  const double angle = glm::length(angle_rad);
+  if (angle <= kFullTorqueRad) return spring_energy_j(rotation_, angle_rad);
+  const double torque_nm = std::min(rotation_.limit, rotation_.stiffness * kFullTorqueRad);
+  return spring_energy_j(rotation_, angle_rad * (kFullTorqueRad / angle)) +
+         torque_nm * faded_angle_rad(angle);
+}
+
+// The coupling's reaction on the hand, less the stretch that the hand never paid for. The damper
+// goes by the part's mean velocity over the frame: where the look-ups end before the time does,
+// that of the last motion is more than the part went.
+Wrench DefaultModel::wrench_on_hand(State& state, const CouplingTarget& target, const Twist& way,
+                                    double dt_s, StepReport& report) const noexcept {
+  const bool entering = state.in_contact == 0;
+  state.in_contact = here_.in_free_space() ? 0 : 1;
+  if (state.in_contact == 0) return {};
+  const Pose& part = state.world_from_center;
+  const glm::dvec3 angle_rad =
+      continuous_angle(part, target.world_from_center, state.coupling_angle_rad);
+  const CouplingHalf rotation = rotation_at(angle_rad, part.orientation);
+  // Spring and damper as one stretch: that of the spring alone with the same force.
+  const glm::dvec3 stretch_m = effective_stretch(
+      translation_,
+      {target.world_from_center.position_m - part.position_m, target.velocity.linear_mps},
+      way.linear_mps);
+  const glm::dvec3 stretch_rad =
+      effective_stretch(rotation, {angle_rad, target.velocity.angular_radps}, way.angular_radps);
+  if (entering) {
+    state.held_back_m = stretch_m;
+    state.held_back_rad = stretch_rad;
+  }
+  const glm::dvec3 force_n =
+      clamped(translation_.stiffness * felt_stretch(stretch_m, state.held_back_m, dt_s),
+              translation_.limit);
+  const glm::dvec3 torque_nm = clamped(
+      rotation.stiffness * felt_stretch(stretch_rad, state.held_back_rad, dt_s), rotation.limit);
+  constexpr double kAtLimit = 1 - 1e-12;  // a clamped length is the limit but for rounding
+  report.saturated = glm::length(force_n) >= kAtLimit * translation_.limit ||
+                     glm::length(torque_nm) >= kAtLimit * rotation_.limit;
+  return {-force_n, -torque_nm};
+}
+
+}  // namespace forcelayer

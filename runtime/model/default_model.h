@@ -1,0 +1,74 @@
+// The project's own dynamic model (DESIGN 6): implicit in coupling, contacts and braking, guarded,
+// and at rest when the hand rests, whatever the stiffness, mass and rate.
+//
+// A frame is one or more motions of at most s/2 of travel. Each is solved, looked up where it
+// leads, and kept only if no point is in the interior there and its energy is in order
+// (motion_allowance.h); the pose that was looked up is the pose that is kept, bit for bit. A motion
+// that fails is solved again with the contacts found where it led, then shortened, then dropped.
+#pragma once
+
+#include "forcelayer/parameters.h"
+#include "forcelayer/step.h"
+#include "runtime/field/contact_set.h"
+#include "runtime/model/contact_force.h"
+#include "runtime/model/rigid_body.h"
+
+namespace forcelayer {
+
+class DefaultModel {
+ public:
+  // `probe` must outlive the model; `points` is the shell's number of points.
+  DefaultModel(const Parameters& parameters, ContactProbe& probe, std::uint64_t points,
+               const ForceCurve& curve = {});
+
+  // One frame. A pure function of its arguments and of the constructor's. The wrench is the
+  // reaction of the coupling on the hand; exactly zero when every point is free.
+  StepResult step(State& state, const StepInput& input, double dt_s) noexcept;
+
+ private:
+  struct Motion;  // one sub-step in the making
+
+  // A look-up and what follows from it.
+  struct Looked : ContactSet {
+    ContactTotals totals;
+    LoadSharing load;
+    double energy_j = 0;  // of the contact springs
+  };
+
+  void look_up(const Pose& pose, Looked& out) noexcept;
+
+  void look_up_here(const Pose& pose) noexcept;
+  void refill_allowance(State& state, const CouplingTarget& target, double dt_s) const noexcept;
+  void move(State& state, const CouplingTarget& target, double dt_s, StepReport& report) noexcept;
+  Motion prepare(const State& state, const CouplingTarget& target, double dt_s) const noexcept;
+  void choose(Motion& motion, double remaining_s) noexcept;
+  void solve_motion(Motion& motion, double dt_s) noexcept;
+  bool make(State& state, Motion& motion, const CouplingTarget& target,
+            StepReport& report) noexcept;
+  bool affordable(const State& state, const Motion& motion, const CouplingTarget& target,
+                  const Pose& candidate, double kinetic_j, double& rise_j) const noexcept;
+  void add_found_contacts(Motion& motion) noexcept;
+  void limit_travel(Motion& motion) const noexcept;
+  double travel_m(const Vector6& velocity, double dt_s) const noexcept;
+  double most_turn_rad(const Twist& velocity, double dt_s) const noexcept;
+  double potential_j(const glm::dvec3& displacement_m, const glm::dvec3& angle_rad,
+                     const Looked& looked) const noexcept;
+  CouplingHalf rotation_at(const glm::dvec3& angle_rad,
+                           const glm::dquat& orientation) const noexcept;
+  double angle_energy_j(const glm::dvec3& angle_rad) const noexcept;
+  Wrench wrench_on_hand(State& state, const CouplingTarget& target, const Twist& way, double dt_s,
+                        StepReport& report) const noexcept;
+
+  Parameters parameters_;
+  RigidMass mass_;
+  ContactLaw contact_;
+  CouplingHalf translation_, rotation_;
+  glm::dmat3 rotation_damping_;  // N m s/rad, axes of the part
+  ContactProbe& probe_;
+  Looked here_, there_;  // at the part's pose, and where a motion would lead
+  Pose here_pose_;
+  bool here_known_ = false;
+  ContactRows rows_;
+};
+
+}  // namespace forcelayer

@@ -1,0 +1,185 @@
+#include "runtime/model/simulation.h"
+
+#include <algorithm>
+#include <glm/geometric.hpp>
+
+#include "runtime/coupling/coupling.h"
+#include "runtime/coupling/passivity.h"
+#include "runtime/model/paper_model.h"
+#include "runtime/model/step_arithmetic.h"
+#include "runtime/model/vectors.h"
+
+namespace forcelayer {
+namespace {
+
+constexpr double kUnitTolerance = 1e-6;  // of a quaternion's length: far above rounding
+
+std::uint32_t input_faults(const StepInput& input) {
+  if (input.valid != kInputValid && input.valid != kInputClutched) return kFaultInvalidInput;
+  if (!is_finite(input.world_from_handle) || !is_finite(input.handle_velocity) ||
+      !is_unit(input.world_from_handle.orientation, kUnitTolerance)) {
+    return kFaultNonFiniteInput;
+  }
+  return 0;
+}
+
+// The part where it was, at rest, and nothing for the hand.
+StepResult stopped(State& state, const State& before, std::uint32_t faults) {
+  state = before;
+  state.velocity = {};
+  state.wrench = {};
+  StepResult result;
+  result.report.world_from_center = before.world_from_center;
+  result.report.faults = faults;
+  result.report.generated_j = total_generated_j(before.energy);
+  return result;
+}
+
+// The part where it was, at rest, and gripped by the hand as it is now. What the models remember of
+// the hand and of the contact begins anew.
+StepResult regripped(const State& before, const StepInput& input, State& state) {
+  state = {};
+  state.world_from_center = before.world_from_center;
+  state.handle_from_center = inverse(input.world_from_handle) * before.world_from_center;
+  state.energy = before.energy;
+  end_episode(state.energy);
+  state.frame = before.frame;
+  StepResult result;
+  result.report.world_from_center = before.world_from_center;
+  result.report.generated_j = total_generated_j(state.energy);
+  return result;
+}
+
+// Adds the passivity controller's damper, within the larger of the device's limit and the wrench
+// that there is.
+void add_control(const Parameters& parameters, State& state, const Twist& velocity, double dt_s,
+                 Wrench& wrench) {
+  const Wrench damper = passivity_damping(state.energy, velocity, parameters.part_radius_m,
+                                          parameters.passivity_damping_ns_per_m, dt_s);
+  const auto sum = [](const glm::dvec3& a, const glm::dvec3& b, double limit) {
+    return clamped(a + b, std::max(limit, glm::length(a)));
+  };
+  wrench = {sum(wrench.force_n, damper.force_n, parameters.max_force_n),
+            sum(wrench.torque_nm, damper.torque_nm, parameters.max_torque_nm)};
+}
+
+// The energy that the wrench of the frame before gave to the hand until now, and the frame's wrench
+// for the next.
+void observe_energy(const Parameters& parameters, State& state, const StepInput& input, double dt_s,
+                    StepResult& result) {
+  const CouplingTarget target = coupling_target(state, input);
+  StepReport& report = result.report;
+  if (state.has_target != 0) {
+    report.to_hand_j = held_work_j(state.wrench, state.target, target.world_from_center);
+    add_given(state.energy, report.to_hand_j);
+  }
+  if (report.interior + report.surface + report.proximity == 0) {
+    end_episode(state.energy);
+  } else if (parameters.passivity_damping_ns_per_m > 0 && dt_s > 0) {
+    add_control(parameters, state, target.velocity, dt_s, result.wrench);
+  }
+  report.generated_j = total_generated_j(state.energy);
+  state.target = target.world_from_center;
+  state.target_velocity = target.velocity;
+  state.wrench = result.wrench;
+  state.has_target = 1;
+}
+
+}  // namespace
+
+Simulation::Simulation(Voxmap voxmap, Pshell shell, const Parameters& parameters,
+                       const QueryOptions& query)
+    : voxmap_(std::move(voxmap)),
+      shell_(std::move(shell)),
+      parameters_(parameters),
+      voxmap_watch_(voxmap_.bytes(), voxmap_.stamp()),
+      shell_watch_(shell_.bytes(), shell_.stamp()),
+      query_(voxmap_, shell_, query) {
+  points_.reserve(shell_.view().point_count);
+  samples_.reserve(shell_.view().point_count);
+}
+
+Result<std::unique_ptr<Simulation>> Simulation::create(Voxmap voxmap, Pshell shell,
+                                                       const Parameters& parameters,
+                                                       const QueryOptions& query) {
+  const double radius_voxels = shell.header().bounding_radius_m / voxmap.voxel_size_m();
+  if (!(radius_voxels < ContactQuery::kMaxRadiusVoxels)) {
+    return Error{ErrorCode::kFilesDoNotMatch, "", "bounding radius",
+                 "the part is more than a million voxels of the scene across",
+                 "check the units that scene and part were baked with"};
+  }
+  std::unique_ptr<Simulation> simulation(
+      new Simulation(std::move(voxmap), std::move(shell), parameters, query));
+  auto field = make_force_field(parameters.model, parameters.force, simulation->voxmap_);
+  if (!field) return field.error();
+  simulation->field_ = std::move(*field);
+  if (parameters.model == Model::kDefault) simulation->make_default_model();
+  return simulation;
+}
+
+void Simulation::make_default_model() {
+  probe_ = std::make_unique<FieldProbe>(query_, *field_, points_, samples_);
+  default_ = std::make_unique<DefaultModel>(parameters_, *probe_, shell_.view().point_count,
+                                            ForceCurve(voxmap_));
+}
+
+Pose Simulation::world_from_part(const Pose& world_from_center) const {
+  const auto& c = shell_.header().center_m;
+  return world_from_center * Pose{glm::dvec3(-c[0], -c[1], -c[2]), {1, 0, 0, 0}};
+}
+
+Pose Simulation::world_from_center(const Pose& world_from_part) const {
+  const auto& c = shell_.header().center_m;
+  return world_from_part * Pose{glm::dvec3(c[0], c[1], c[2]), {1, 0, 0, 0}};
+}
+
+State Simulation::registered(const Pose& world_from_part, const Pose& world_from_handle) const {
+  State state;
+  state.world_from_center = world_from_center(world_from_part);
+  state.handle_from_center = inverse(world_from_handle) * state.world_from_center;
+  return state;
+}
+
+State Simulation::registered(const PartStart& start, const Pose& world_from_handle) const {
+  const Pose held = world_from_handle * start.handle_from_part.value_or(Pose{});
+  State state = registered(start.world_from_part.value_or(held), world_from_handle);
+  if (start.handle_from_part) state.handle_from_center = world_from_center(*start.handle_from_part);
+  return state;
+}
+
+StepResult Simulation::step(State& state, const StepInput& input, double dt_s) noexcept {
+  const StepArithmetic arithmetic;
+  const State before = state;
+  if (const std::uint32_t faults = input_faults(input)) {
+    StepResult result = stopped(state, before, faults);
+    ++state.frame;
+    return result;
+  }
+  if (input.valid == kInputClutched) {
+    StepResult result = regripped(before, input, state);
+    ++state.frame;
+    return result;
+  }
+  const StepContext context{parameters_, query_, *field_, points_, samples_};
+  StepResult result;
+  switch (parameters_.model) {
+    case Model::kPaper:
+      result = paper_step(context, state, input, dt_s);
+      break;
+    case Model::kDefault:
+      result = default_->step(state, input, dt_s);
+      break;
+  }
+  if (voxmap_watch_.lost() || shell_watch_.lost()) {
+    result = stopped(state, before, kFaultMapLost);
+  } else if (!is_finite(state.world_from_center) || !is_finite(state.velocity) ||
+             !is_finite(result.wrench)) {
+    result = stopped(state, before, kFaultNonFiniteState);
+  } else {
+    observe_energy(parameters_, state, input, dt_s, result);
+  }
+  ++state.frame;
+  return result;
+}
+
+}  // namespace forcelayer

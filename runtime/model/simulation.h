@@ -1,0 +1,82 @@
+// One scene, one part, and the step between them.
+#pragma once
+
+#include <memory>
+
+#include "forcelayer/parameters.h"
+#include "forcelayer/placement.h"
+#include "forcelayer/step.h"
+#include "formats/pshell.h"
+#include "formats/result.h"
+#include "formats/voxmap.h"
+#include "runtime/field/field_probe.h"
+#include "runtime/field/force_field.h"
+#include "runtime/loop/map_loss.h"
+#include "runtime/model/default_model.h"
+#include "runtime/query/contact_query.h"
+
+namespace forcelayer {
+
+// What a model works with in one step. `points` and `samples` have room for every shell point.
+struct StepContext {
+  const Parameters& parameters;
+  ContactQuery& query;
+  const ForceField& field;
+  CollectedPoints& points;
+  FieldSamples& samples;
+};
+
+// Owns the map, the shell and the memory that a step needs. step() is a pure function of its
+// arguments and of what create() was given: two calls with equal arguments give equal bits,
+// whatever the calling thread rounds or flushes (step_arithmetic.h).
+class Simulation {
+ public:
+  // Takes over both files. Errors: kFilesDoNotMatch where the part is too large for the voxel size;
+  // kUsage where model, force and map do not go together.
+  static Result<std::unique_ptr<Simulation>> create(Voxmap voxmap, Pshell shell,
+                                                    const Parameters& parameters,
+                                                    const QueryOptions& query = {});
+
+  // A part at rest at `world_from_part`, gripped without stretch by a handle at
+  // `world_from_handle`.
+  State registered(const Pose& world_from_part, const Pose& world_from_handle) const;
+
+  // The same for a start that may name the grip: what --start and --grip of voxrun mean.
+  State registered(const PartStart& start, const Pose& world_from_handle) const;
+
+  // One frame of `dt_s` seconds. Never throws, allocates, locks, logs or calls the system.
+  StepResult step(State& state, const StepInput& input, double dt_s) noexcept;
+
+  // Around a step in which the query's helper threads should take part. Both call the system.
+  void wake_helpers() noexcept { query_.wake(); }
+  void rest_helpers() noexcept { query_.rest(); }
+  std::vector<std::string> give_helpers_real_time_priority() {
+    return query_.give_helpers_real_time_priority();
+  }
+
+  // The part's frame (its mesh's) from its centroid frame, and back.
+  Pose world_from_part(const Pose& world_from_center) const;
+  Pose world_from_center(const Pose& world_from_part) const;
+
+  const Parameters& parameters() const { return parameters_; }
+  const Voxmap& voxmap() const { return voxmap_; }
+  const Pshell& shell() const { return shell_; }
+  const ContactQuery& query() const { return query_; }
+
+ private:
+  Simulation(Voxmap voxmap, Pshell shell, const Parameters& parameters, const QueryOptions& query);
+  void make_default_model();
+
+  Voxmap voxmap_;
+  Pshell shell_;
+  Parameters parameters_;
+  WatchedMapping voxmap_watch_, shell_watch_;
+  ContactQuery query_;
+  std::unique_ptr<ForceField> field_;
+  CollectedPoints points_;
+  FieldSamples samples_;
+  std::unique_ptr<FieldProbe> probe_;  // of the default model
+  std::unique_ptr<DefaultModel> default_;
+};
+
+}  // namespace forcelayer

@@ -1,0 +1,339 @@
+#include "runtime/query/contact_query.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <glm/gtc/quaternion.hpp>
+#include <limits>
+
+namespace forcelayer {
+namespace {
+
+constexpr std::size_t kLanePadding = 128;  // elements that a vector store may spill behind the last
+constexpr std::size_t kChunksPerThread = 8;  // so that a slow thread holds up little
+constexpr std::size_t kSharedBlocks = 256;   // fewer are done before a helper takes part
+constexpr float kBelowOne = 0x1.fffffep-1f;
+
+// VoxelValue of every stored code of a map (voxmap_format.md, bricks).
+std::array<std::uint8_t, 256> value_table(const VoxmapHeader& header) {
+  std::array<std::uint8_t, 256> table{};
+  for (std::uint32_t code = 0; code < table.size(); ++code) {
+    VoxelValue value = VoxelValue::kFree;
+    if (header.bits_per_voxel == 2) {
+      value = static_cast<VoxelValue>(code & 3u);
+    } else if (code < header.surface_code) {
+      value = VoxelValue::kInterior;
+    } else if (code < header.proximity_code) {
+      value = VoxelValue::kSurface;
+    } else if (code < header.free_code) {
+      value = VoxelValue::kProximity;
+    }
+    table[code] = static_cast<std::uint8_t>(value);
+  }
+  return table;
+}
+
+// Indices beyond 2^30 voxels from the directory are never met (VoxelPose::within_reach).
+std::int32_t to_int32(std::int64_t index) {
+  return static_cast<std::int32_t>(std::clamp<std::int64_t>(
+      index, std::numeric_limits<std::int32_t>::min(), std::numeric_limits<std::int32_t>::max()));
+}
+
+// A map that is free everywhere may have no directory: nothing for the kernels to gather from.
+bool directory_is_empty(const Voxmap& voxmap) {
+  const auto& dims = voxmap.header().directory_dims;
+  return dims[0] == 0 || dims[1] == 0 || dims[2] == 0;
+}
+
+KernelMap kernel_map(const Voxmap& voxmap) {
+  const VoxmapHeader& header = voxmap.header();
+  const VoxmapView& view = voxmap.view();
+  KernelMap map;
+  map.directory = view.directory;
+  map.upper_nodes = view.upper_nodes;
+  map.lower_nodes = view.lower_nodes;
+  map.bricks = view.bricks;
+  map.dims = view.directory_dims;
+  for (unsigned axis = 0; axis < 3; ++axis) {
+    const std::int64_t low = header.origin_voxel[axis] - header.directory_origin[axis];
+    map.tight_min[axis] = to_int32(low);
+    map.tight_max[axis] = to_int32(low + static_cast<std::int64_t>(header.dims_voxels[axis]));
+  }
+  map.cropped = header.cropped_sides != 0;
+  map.log2_bits = static_cast<std::uint32_t>(std::countr_zero(header.bits_per_voxel));
+  map.surface_code = header.surface_code;
+  map.proximity_code = header.proximity_code;
+  map.free_code = header.free_code;
+  map.voxel_size_m = static_cast<float>(voxmap.voxel_size_m());
+  return map;
+}
+
+KernelShell kernel_shell(const Pshell& shell) {
+  const PshellView& v = shell.view();
+  return {v.x,           v.y, v.z, v.nx, v.ny, v.nz, static_cast<std::uint32_t>(v.point_count),
+          v.block_points};
+}
+
+// The kernels that survey spheres need the same reach as those that collect points.
+SkipOptions skip_options(const QueryOptions& options, bool use_kernel) {
+  SkipOptions skip = options.skip;
+  skip.clearance = skip.clearance && use_kernel;
+  return skip;
+}
+
+// The columns of `out` from element `at` on.
+PointColumns columns(CollectedPoints& out, std::size_t at) {
+  PointColumns c;
+  c.index = &out.index[at];
+  c.value = &out.value[at];
+  c.vx = &out.vx[at], c.vy = &out.vy[at], c.vz = &out.vz[at];
+  c.fx = &out.fx[at], c.fy = &out.fy[at], c.fz = &out.fz[at];
+  c.rx = &out.rx[at], c.ry = &out.ry[at], c.rz = &out.rz[at];
+  c.nx = &out.nx[at], c.ny = &out.ny[at], c.nz = &out.nz[at];
+  return c;
+}
+
+// Adds the counts of `c`, whose points stand where they belong in `out`.
+void take_counts(const PointColumns& c, CollectedPoints& out) {
+  out.count += c.count;
+  out.interior_count += c.count_of_value[1];
+  out.surface_count += c.count_of_value[2];
+  out.proximity_count += c.count_of_value[3];
+  out.outside_map = out.outside_map || c.outside_map;
+}
+
+// Moves the points of `c`, which stand at or behind `to`, to `to`.
+void close_up(const PointColumns& c, const PointColumns& to) {
+  const auto move = [&](auto* from, auto* target) {
+    if (from != target) std::memmove(target, from, c.count * sizeof *from);
+  };
+  move(c.index, to.index);
+  move(c.value, to.value);
+  move(c.vx, to.vx), move(c.vy, to.vy), move(c.vz, to.vz);
+  move(c.fx, to.fx), move(c.fy, to.fy), move(c.fz, to.fz);
+  move(c.rx, to.rx), move(c.ry, to.ry), move(c.rz, to.rz);
+  move(c.nx, to.nx), move(c.ny, to.ny), move(c.nz, to.nz);
+}
+
+float dot(const std::array<float, 3>& row, float x, float y, float z) {
+  return row[0] * x + row[1] * y + row[2] * z;
+}
+
+}  // namespace
+
+void CollectedPoints::reserve(std::uint64_t points) {
+  const std::size_t room = points + kLanePadding;
+  index.resize(room);
+  value.resize(room);
+  for (auto* values : {&vx, &vy, &vz}) values->resize(room);
+  for (auto* values : {&fx, &fy, &fz, &rx, &ry, &rz, &nx, &ny, &nz}) values->resize(room);
+}
+
+void CollectedPoints::clear() noexcept {
+  count = interior_count = surface_count = proximity_count = 0;
+  outside_map = false;
+}
+
+ContactQuery::ContactQuery(const Voxmap& voxmap, const Pshell& shell, const QueryOptions& options)
+    : voxmap_(voxmap),
+      shell_(shell),
+      radius_voxels_(shell.header().bounding_radius_m / voxmap.voxel_size_m()),
+      voxel_size_m_(static_cast<float>(voxmap.voxel_size_m())),
+      value_of_code_(value_table(voxmap.header())),
+      kernel_map_(kernel_map(voxmap)),
+      kernel_shell_(kernel_shell(shell)),
+      use_kernel_(options.vector && !directory_is_empty(voxmap) &&
+                  kernel_reaches(voxmap.upper_node_count(), voxmap.lower_node_count(),
+                                 voxmap.brick_count(), voxmap.header().bits_per_voxel)),
+      all_free_(voxmap.header().dims_voxels[0] == 0),
+      skipper_(shell, voxmap.voxel_size_m(), skip_options(options, use_kernel_)) {
+  known_ = known_box(voxmap.header(), voxmap.header().directory_origin);
+  for (unsigned axis = 0; axis < 3; ++axis) {
+    kernel_map_.known_min[axis] = to_int32(known_.low[axis]);
+    kernel_map_.known_max[axis] = to_int32(known_.high[axis]);
+  }
+  if (options.threads > 1) {
+    workers_ = std::make_unique<QueryWorkers>(options.threads - 1);
+    chunks_.resize(kChunksPerThread * options.threads);
+  }
+}
+
+VoxelPose ContactQuery::voxel_pose(const Pose& world_from_center) const noexcept {
+  VoxelPose pose{};
+  const glm::dmat3 rotation = glm::mat3_cast(world_from_center.orientation);  // column-major
+  const double s = voxmap_.voxel_size_m();
+  const VoxmapView& map = voxmap_.view();
+  const double reach = radius_voxels_ + 2;
+  pose.within_reach = true;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (int column = 0; column < 3; ++column) {
+      pose.rotation[axis][column] = static_cast<float>(rotation[column][axis]);
+      pose.turn[axis][column] = static_cast<float>(rotation[column][axis] / s);
+    }
+    const double position = world_from_center.position_m[axis] / s;
+    const double whole = std::floor(position);
+    const double relative = whole - static_cast<double>(map.directory_origin[axis]);
+    const double extent = 512.0 * map.directory_dims[axis];
+    if (!(relative > -reach && relative < extent + reach)) {  // NaN too
+      pose.within_reach = false;
+      continue;
+    }
+    pose.fraction[axis] = static_cast<float>(position - whole);
+    pose.whole[axis] = static_cast<std::int32_t>(relative);
+  }
+  return pose;
+}
+
+// Per axis, u = 2^-24, R the radius: rounding the matrix, three products and two sums costs at most
+// 4u R (Cauchy-Schwarz on the row), rounding the fraction u, adding it u (R + 1); doubled for
+// higher orders.
+double ContactQuery::rounding_voxels() const {
+  return std::ldexp(2 * (5 * radius_voxels_ + 2), -24);
+}
+
+double ContactQuery::rounding_bound_m() const {
+  // The centre itself is double: 2^-52 of the largest index at reach.
+  const VoxmapView& map = voxmap_.view();
+  double error2 = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double origin = static_cast<double>(map.directory_origin[axis]);
+    const double far =
+        std::max(std::abs(origin), std::abs(origin + 512.0 * map.directory_dims[axis]));
+    const double error = rounding_voxels() + std::ldexp(far + radius_voxels_ + 2, -52);
+    error2 += error * error;
+  }
+  return std::sqrt(error2) * voxmap_.voxel_size_m();
+}
+
+bool ContactQuery::beyond_cropped_side(std::int32_t x, std::int32_t y,
+                                       std::int32_t z) const noexcept {
+  return x < known_.low[0] || x >= known_.high[0] || y < known_.low[1] || y >= known_.high[1] ||
+         z < known_.low[2] || z >= known_.high[2];
+}
+
+bool ContactQuery::sphere_beyond_cropped_side(const glm::dvec3& center_m) const noexcept {
+  for (int axis = 0; axis < 3; ++axis) {
+    const double relative = center_m[axis] / voxmap_.voxel_size_m() -
+                            static_cast<double>(voxmap_.view().directory_origin[axis]);
+    const double low = relative - radius_voxels_ - 1, high = relative + radius_voxels_ + 1;
+    if (low < static_cast<double>(known_.low[axis])) return true;
+    if (high >= static_cast<double>(known_.high[axis])) return true;
+  }
+  return false;
+}
+
+void ContactQuery::collect_point(const VoxelPose& pose, std::uint32_t point,
+                                 PointColumns& out) const noexcept {
+  const PshellView& shell = shell_.view();
+  std::array<float, 3> offset{}, fraction{};  // voxels, from the centre; in the point's voxel
+  std::array<std::int32_t, 3> voxel{};
+  for (int axis = 0; axis < 3; ++axis) {
+    offset[axis] = dot(pose.turn[axis], shell.x[point], shell.y[point], shell.z[point]);
+    const float position = offset[axis] + pose.fraction[axis];
+    const float whole = std::floor(position);
+    voxel[axis] = pose.whole[axis] + static_cast<std::int32_t>(whole);
+    fraction[axis] = std::min(position - whole, kBelowOne);
+  }
+  if (beyond_cropped_side(voxel[0], voxel[1], voxel[2])) out.outside_map = true;
+  const VoxmapView& map = voxmap_.view();
+  if (!map.contains(voxel[0], voxel[1], voxel[2])) return;
+  const auto value = value_of_code_[map.lookup(voxel[0], voxel[1], voxel[2]).code & 0xff];
+  if (value == 0) return;
+
+  const std::uint32_t at = out.count++;
+  out.index[at] = point;
+  out.value[at] = value;
+  out.vx[at] = voxel[0], out.vy[at] = voxel[1], out.vz[at] = voxel[2];
+  out.fx[at] = fraction[0], out.fy[at] = fraction[1], out.fz[at] = fraction[2];
+  out.rx[at] = offset[0] * voxel_size_m_;
+  out.ry[at] = offset[1] * voxel_size_m_;
+  out.rz[at] = offset[2] * voxel_size_m_;
+  out.nx[at] = dot(pose.rotation[0], shell.nx[point], shell.ny[point], shell.nz[point]);
+  out.ny[at] = dot(pose.rotation[1], shell.nx[point], shell.ny[point], shell.nz[point]);
+  out.nz[at] = dot(pose.rotation[2], shell.nx[point], shell.ny[point], shell.nz[point]);
+  ++out.count_of_value[value];
+}
+
+void ContactQuery::collect_block(const VoxelPose& pose, std::uint32_t block,
+                                 PointColumns& out) const noexcept {
+  const std::uint32_t begin = block * kernel_shell_.block_points;
+  const std::uint32_t end = std::min(begin + kernel_shell_.block_points, kernel_shell_.point_count);
+  for (std::uint32_t point = begin; point < end; ++point) collect_point(pose, point, out);
+}
+
+void ContactQuery::collect(const VoxelPose& pose, std::span<const std::uint32_t> blocks,
+                           PointColumns& out) const noexcept {
+  if (use_kernel_) {
+    collect_blocks(kernel_map_, kernel_shell_, pose, blocks.data(),
+                   static_cast<std::uint32_t>(blocks.size()), out);
+    return;
+  }
+  for (const std::uint32_t block : blocks) collect_block(pose, block, out);
+}
+
+// The blocks in chunks, each thread taking the next one; a chunk's points go where they would stand
+// if all points of the blocks before it were collected, and are closed up in order at the end. So
+// the result does not depend on who did what.
+void ContactQuery::collect_shared(const VoxelPose& pose, std::span<const std::uint32_t> blocks,
+                                  CollectedPoints& out) noexcept {
+  struct Share {
+    const ContactQuery* query;
+    const VoxelPose* pose;
+    std::span<const std::uint32_t> blocks;
+    PointColumns* chunks;
+    std::size_t chunk_count;
+    std::size_t begin_of(std::size_t chunk) const { return blocks.size() * chunk / chunk_count; }
+  };
+  Share share{this, &pose, blocks, chunks_.data(), chunks_.size()};
+  const std::size_t block_points = kernel_shell_.block_points;
+  for (std::size_t chunk = 0; chunk < chunks_.size(); ++chunk) {
+    chunks_[chunk] = columns(out, share.begin_of(chunk) * block_points);
+  }
+  workers_->run(
+      [](void* context, std::uint32_t chunk) noexcept {
+        const Share& s = *static_cast<const Share*>(context);
+        const std::size_t begin = s.begin_of(chunk), end = s.begin_of(chunk + 1);
+        s.query->collect(*s.pose, s.blocks.subspan(begin, end - begin), s.chunks[chunk]);
+      },
+      &share, static_cast<std::uint32_t>(chunks_.size()));
+  for (const PointColumns& chunk : chunks_) {
+    close_up(chunk, columns(out, out.count));
+    take_counts(chunk, out);
+  }
+}
+
+void ContactQuery::wake() noexcept {
+  if (workers_) workers_->wake();
+}
+
+void ContactQuery::rest() noexcept {
+  if (workers_) workers_->rest();
+}
+
+std::vector<std::string> ContactQuery::give_helpers_real_time_priority() {
+  return workers_ ? workers_->take_real_time_priority() : std::vector<std::string>();
+}
+
+void ContactQuery::run(const Pose& world_from_center, CollectedPoints& out) noexcept {
+  out.clear();
+  points_looked_at_ = 0;
+  const VoxelPose pose = voxel_pose(world_from_center);
+  if (!pose.within_reach) {
+    out.outside_map = sphere_beyond_cropped_side(world_from_center.position_m);
+    return;
+  }
+  if (all_free_ && !kernel_map_.cropped) return;
+  const auto blocks = skipper_.candidates(kernel_map_, world_from_center, pose, rounding_voxels());
+  points_looked_at_ = std::min<std::uint64_t>(blocks.size() * kernel_shell_.block_points,
+                                              kernel_shell_.point_count);
+  if (workers_ && blocks.size() >= kSharedBlocks) {
+    collect_shared(pose, blocks, out);
+    return;
+  }
+  PointColumns all = columns(out, 0);
+  collect(pose, blocks, all);
+  take_counts(all, out);
+}
+
+}  // namespace forcelayer

@@ -1,0 +1,123 @@
+// The contact query: which shell points lie in which voxels (paper 3, 4.3), and nothing about
+// force.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "forcelayer/pose.h"
+#include "formats/pshell.h"
+#include "formats/voxmap.h"
+#include "runtime/query/block_skipper.h"
+#include "runtime/query/query_kernel.h"
+#include "runtime/query/query_workers.h"
+
+namespace forcelayer {
+
+// The shell points that lie in values 1, 2 and 3, in ascending order of point index, as structure
+// of arrays with room for every point. What a force field needs is here; world positions are kept
+// split into whole voxels and a fraction, so that precision does not depend on the scene's size.
+struct CollectedPoints {
+  std::uint32_t count = 0;
+  std::vector<std::uint32_t> index;      // of the shell point
+  std::vector<std::uint8_t> value;       // VoxelValue: 1, 2 or 3
+  std::vector<std::int32_t> vx, vy, vz;  // voxel, relative to the map's directory_origin
+  std::vector<float> fx, fy, fz;         // position in the voxel, in voxels, [0, 1)
+  std::vector<float> rx, ry, rz;         // m, from the part's centre, world axes
+  std::vector<float> nx, ny, nz;         // inward normal, world axes
+
+  std::uint32_t interior_count = 0;   // points in value 1
+  std::uint32_t surface_count = 0;    // points in value 2: the paper's N
+  std::uint32_t proximity_count = 0;  // points in value 3
+  bool outside_map = false;           // a point lay beyond a cropped side: no guarantee this frame
+                                      // (the bounding sphere, where the map is out of reach)
+
+  void reserve(std::uint64_t points);  // set-up only; run() never allocates
+  void clear() noexcept;               // counts and flags
+};
+
+// A pose as the query computes with it: world voxel position of a shell point p (m, from the
+// centre) = whole + floor(turn * p + fraction), all but `whole` in single precision.
+struct VoxelPose {
+  std::array<std::array<float, 3>, 3> rotation;  // row-major
+  std::array<std::array<float, 3>, 3> turn;      // rotation / s: metres to voxels
+  std::array<float, 3> fraction;                 // of the centre in its voxel, voxels
+  std::array<std::int32_t, 3> whole;             // the centre's voxel, relative to the directory
+  bool within_reach = false;                     // false: no point can be in the directory
+};
+
+// How the query works; what it finds is the same whatever is chosen here.
+struct QueryOptions {
+  SkipOptions skip;
+  bool vector = true;    // the vectorised kernel, where the map's size allows it
+  unsigned threads = 1;  // that share the work of one run, the caller's included
+};
+
+// Finds the collected points of one shell in one voxmap. Precision: the rotation acts in float on
+// offsets from the part's centre; the centre's place is double, split into whole voxels (integer)
+// and a fraction (DESIGN 2).
+class ContactQuery {
+ public:
+  // Both files must outlive the query. The shell's radius must stay below kMaxRadiusVoxels voxels.
+  ContactQuery(const Voxmap& voxmap, const Pshell& shell, const QueryOptions& options = {});
+
+  // Collects with the part's centroid frame at `world_from_center` into `out` (reserved for the
+  // shell's points). A pose that is not finite collects nothing. No allocation, lock or system
+  // call.
+  void run(const Pose& world_from_center, CollectedPoints& out) noexcept;
+
+  // e_pose of the separation guarantee: how far the query's arithmetic can misplace a point, for
+  // poses at which the part touches the map.
+  double rounding_bound_m() const;
+
+  VoxelPose voxel_pose(const Pose& world_from_center) const noexcept;
+
+  // Helper threads, where there are any: wake() before a step in which they should take part,
+  // rest() after it. Both call the system; without them run() does everything on the caller's
+  // thread.
+  void wake() noexcept;
+  void rest() noexcept;
+
+  // Real-time priority for them, a step below the loop's; returns warnings.
+  std::vector<std::string> give_helpers_real_time_priority();
+
+  // Points that the last run looked at: those of the blocks that were not skipped.
+  std::uint64_t points_looked_at() const { return points_looked_at_; }
+
+  const Voxmap& voxmap() const { return voxmap_; }
+  const Pshell& shell() const { return shell_; }
+
+  static constexpr double kMaxRadiusVoxels = 1 << 20;  // float leaves 1/16 voxel there
+
+ private:
+  double rounding_voxels() const;
+  void collect_block(const VoxelPose& pose, std::uint32_t block, PointColumns& out) const noexcept;
+  void collect_point(const VoxelPose& pose, std::uint32_t point, PointColumns& out) const noexcept;
+  void collect(const VoxelPose& pose, std::span<const std::uint32_t> blocks,
+               PointColumns& out) const noexcept;
+  void collect_shared(const VoxelPose& pose, std::span<const std::uint32_t> blocks,
+                      CollectedPoints& out) noexcept;
+  bool beyond_cropped_side(std::int32_t x, std::int32_t y, std::int32_t z) const noexcept;
+  bool sphere_beyond_cropped_side(const glm::dvec3& center_m) const noexcept;
+
+  const Voxmap& voxmap_;
+  const Pshell& shell_;
+  double radius_voxels_;
+  float voxel_size_m_;
+  std::array<std::uint8_t, 256> value_of_code_{};  // VoxelValue of a stored code
+  // Box of the voxels that are known, relative to the directory; unbounded where nothing was cut.
+  KnownBox known_;
+  KernelMap kernel_map_;
+  KernelShell kernel_shell_;
+  bool use_kernel_;
+  bool all_free_;
+  BlockSkipper skipper_;
+  std::unique_ptr<QueryWorkers> workers_;
+  std::vector<PointColumns> chunks_;  // of collect_shared()
+  std::uint64_t points_looked_at_ = 0;
+};
+
+}  // namespace forcelayer

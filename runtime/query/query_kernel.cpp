@@ -1,0 +1,412 @@
+#include "runtime/query/query_kernel.h"
+
+#include "formats/voxmap_format.h"
+#include "runtime/query/contact_query.h"
+
+// Compiles what follows once per instruction set. Vectors stand in structures here, which those of
+// unknown size cannot.
+#define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "runtime/query/query_kernel.cpp"
+#include <hwy/foreach_target.h>
+// Behind foreach_target.h, as Highway wants it.
+#include <hwy/highway.h>
+
+#include "runtime/query/packing-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace forcelayer {
+namespace HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+// At most 16 lanes: block_points is a multiple of 16.
+using F = hn::CappedTag<float, 16>;
+using I = hn::RebindToSigned<F>;
+using U = hn::RebindToUnsigned<F>;
+using VF = hn::Vec<F>;
+using VI = hn::Vec<I>;
+using VU = hn::Vec<U>;
+using Mask = hn::Mask<U>;
+
+// first, first + 1, ... Highway's own Iota is written to memory number by number.
+HWY_INLINE VU numbers_from(std::uint32_t first) {
+  HWY_ALIGN static constexpr std::uint32_t kNumbers[16] = {0, 1, 2,  3,  4,  5,  6,  7,
+                                                           8, 9, 10, 11, 12, 13, 14, 15};
+  return hn::Add(hn::Set(U(), first), hn::Load(U(), kNumbers));
+}
+
+struct Three {
+  VF x, y, z;
+};
+
+struct ThreeInts {
+  VI x, y, z;
+};
+
+HWY_INLINE VF dot(const std::array<float, 3>& row, const Three& v) {
+  const F f;
+  return hn::Add(hn::Add(hn::Mul(hn::Set(f, row[0]), v.x), hn::Mul(hn::Set(f, row[1]), v.y)),
+                 hn::Mul(hn::Set(f, row[2]), v.z));
+}
+
+HWY_INLINE Three times(const std::array<std::array<float, 3>, 3>& matrix, const Three& v) {
+  return {dot(matrix[0], v), dot(matrix[1], v), dot(matrix[2], v)};
+}
+
+// entries[index] where `mask` holds, else anything; index must be 0 or more and in range there.
+HWY_INLINE VU gather(const std::uint32_t* entries, VU index, Mask mask) {
+  const I i;
+  const U u;
+  const VI safe = hn::BitCast(i, hn::IfThenElseZero(mask, index));
+  return hn::BitCast(u, hn::GatherIndex(i, reinterpret_cast<const std::int32_t*>(entries), safe));
+}
+
+// Place of a voxel in its node of 8^3 entries, the node's entries being 2^shift voxels wide.
+template <int kShift>
+HWY_INLINE VU slot(const ThreeInts& voxel) {
+  const U u;
+  const VU seven = hn::Set(u, 7);
+  const VU x = hn::And(hn::ShiftRight<kShift>(hn::BitCast(u, voxel.x)), seven);
+  const VU y = hn::And(hn::ShiftRight<kShift>(hn::BitCast(u, voxel.y)), seven);
+  const VU z = hn::And(hn::ShiftRight<kShift>(hn::BitCast(u, voxel.z)), seven);
+  return hn::Or(hn::ShiftLeft<6>(x), hn::Or(hn::ShiftLeft<3>(y), z));
+}
+
+// Whether bit 31 is clear: the entry has a child.
+HWY_INLINE Mask has_child(VU entry) {
+  const I i;
+  return hn::RebindMask(U(), hn::Gt(hn::BitCast(i, entry), hn::Set(i, -1)));
+}
+
+HWY_INLINE Mask in_directory(const KernelMap& map, const ThreeInts& voxel) {
+  const U u;
+  const auto below = [&](VI v, std::int32_t blocks) HWY_ATTR {
+    return hn::Lt(hn::BitCast(u, v), hn::Set(u, static_cast<std::uint32_t>(blocks) << 9));
+  };
+  return hn::And(below(voxel.x, map.dims[0]),
+                 hn::And(below(voxel.y, map.dims[1]), below(voxel.z, map.dims[2])));
+}
+
+// The tree entry at which each voxel's path ends, and how wide its box is: 512, 64, 8 (uniform
+// entries) or 1 (a child index into the bricks).
+struct TreeEnd {
+  VU entry;
+  VI edge;
+  Mask in_brick;
+};
+
+HWY_INLINE TreeEnd descend(const KernelMap& map, const ThreeInts& voxel, Mask valid) {
+  const I i;
+  const U u;
+  TreeEnd end;
+  const auto block = [&](VI v) HWY_ATTR { return hn::ShiftRight<9>(v); };
+  const VI block_index =
+      hn::Add(hn::Mul(hn::Add(hn::Mul(block(voxel.x), hn::Set(i, map.dims[1])), block(voxel.y)),
+                      hn::Set(i, map.dims[2])),
+              block(voxel.z));
+  end.entry = gather(map.directory, hn::BitCast(u, block_index), valid);
+  end.edge = hn::Set(i, 512);
+  Mask pending = hn::And(valid, has_child(end.entry));
+  end.in_brick = pending;
+  if (hn::AllFalse(u, pending)) return end;
+  end.entry = hn::IfThenElse(
+      pending,
+      gather(map.upper_nodes, hn::Add(hn::ShiftLeft<9>(end.entry), slot<6>(voxel)), pending),
+      end.entry);
+  end.edge = hn::IfThenElse(hn::RebindMask(i, pending), hn::Set(i, 64), end.edge);
+  pending = hn::And(pending, has_child(end.entry));
+  end.in_brick = pending;
+  if (hn::AllFalse(u, pending)) return end;
+  end.entry = hn::IfThenElse(
+      pending,
+      gather(map.lower_nodes, hn::Add(hn::ShiftLeft<9>(end.entry), slot<3>(voxel)), pending),
+      end.entry);
+  end.edge = hn::IfThenElse(hn::RebindMask(i, pending), hn::Set(i, 8), end.edge);
+  pending = hn::And(pending, has_child(end.entry));
+  end.in_brick = pending;
+  end.edge = hn::IfThenElse(hn::RebindMask(i, pending), hn::Set(i, 1), end.edge);
+  return end;
+}
+
+// Codes to VoxelValues. At two bits they are the same.
+HWY_INLINE VU value_of(const KernelMap& map, VU code) {
+  const U u;
+  if (map.log2_bits == 1) return code;
+  const auto step = [&](VU value, std::uint32_t below, std::uint32_t then) HWY_ATTR {
+    return hn::IfThenElse(hn::Lt(code, hn::Set(u, below)), hn::Set(u, then), value);
+  };
+  VU value = step(hn::Zero(u), map.free_code, 3);
+  value = step(value, map.proximity_code, 2);
+  return step(value, map.surface_code, 1);
+}
+
+// VoxelValue of each voxel; free where `valid` does not hold.
+HWY_INLINE VU look_up(const KernelMap& map, const ThreeInts& voxel, Mask valid) {
+  const U u;
+  const TreeEnd end = descend(map, voxel, valid);
+  VU code = hn::And(end.entry, hn::Set(u, 0xff));
+  if (!hn::AllFalse(u, end.in_brick)) {
+    const int log2_bits = static_cast<int>(map.log2_bits);
+    const VU bit = hn::ShiftLeftSame(slot<0>(voxel), log2_bits);
+    const VU word = gather(
+        map.bricks, hn::Add(hn::ShiftLeftSame(end.entry, 4 + log2_bits), hn::ShiftRight<5>(bit)),
+        end.in_brick);
+    const VU stored = hn::And(hn::Shr(word, hn::And(bit, hn::Set(u, 31))),
+                              hn::Set(u, (1u << (1u << log2_bits)) - 1));
+    code = hn::IfThenElse(end.in_brick, stored, code);
+  }
+  return hn::IfThenElseZero(valid, value_of(map, code));
+}
+
+HWY_INLINE Mask outside_known(const KernelMap& map, const ThreeInts& voxel) {
+  const I i;
+  const auto beyond = [&](VI v, int axis) HWY_ATTR {
+    return hn::Or(hn::Lt(v, hn::Set(i, map.known_min[axis])),
+                  hn::Gt(v, hn::Set(i, map.known_max[axis] - 1)));
+  };
+  return hn::RebindMask(U(),
+                        hn::Or(beyond(voxel.x, 0), hn::Or(beyond(voxel.y, 1), beyond(voxel.z, 2))));
+}
+
+// Points in the making: what collect_point() computes before the look-up.
+struct Placed {
+  Three offset;     // voxels, from the centre
+  Three whole;      // voxel relative to the centre's, as floats
+  Three position;   // offset + fraction of the centre
+  ThreeInts voxel;  // relative to the directory
+};
+
+HWY_INLINE Placed place(const VoxelPose& pose, const Three& point) {
+  const F f;
+  const I i;
+  Placed p;
+  p.offset = times(pose.turn, point);
+  p.position = {hn::Add(p.offset.x, hn::Set(f, pose.fraction[0])),
+                hn::Add(p.offset.y, hn::Set(f, pose.fraction[1])),
+                hn::Add(p.offset.z, hn::Set(f, pose.fraction[2]))};
+  p.whole = {hn::Floor(p.position.x), hn::Floor(p.position.y), hn::Floor(p.position.z)};
+  p.voxel = {hn::Add(hn::Set(i, pose.whole[0]), hn::ConvertTo(i, p.whole.x)),
+             hn::Add(hn::Set(i, pose.whole[1]), hn::ConvertTo(i, p.whole.y)),
+             hn::Add(hn::Set(i, pose.whole[2]), hn::ConvertTo(i, p.whole.z))};
+  return p;
+}
+
+// Appends the points of `mask`. The columns have room for a whole vector behind their end.
+HWY_INLINE void append(const KernelMap& map, const KernelShell& shell, const VoxelPose& pose,
+                       std::uint32_t first, const Placed& p, VU value, Mask mask,
+                       PointColumns& out) {
+  const F f;
+  const I i;
+  const U u;
+  const Packing<F> pack(hn::RebindMask(f, mask));
+  const auto put = [&pack](auto v, auto* to)
+                       HWY_ATTR { hn::StoreU(pack(v), hn::DFromV<decltype(v)>(), to); };
+  const std::uint32_t at = out.count;
+  put(numbers_from(first), &out.index[at]);
+  const hn::Rebind<std::uint8_t, U> bytes;
+  hn::StoreU(hn::DemoteTo(bytes, hn::BitCast(i, pack(value))), bytes, &out.value[at]);
+  put(p.voxel.x, &out.vx[at]);
+  put(p.voxel.y, &out.vy[at]);
+  put(p.voxel.z, &out.vz[at]);
+  const VF below_one = hn::Set(f, 0x1.fffffep-1f);
+  put(hn::Min(hn::Sub(p.position.x, p.whole.x), below_one), &out.fx[at]);
+  put(hn::Min(hn::Sub(p.position.y, p.whole.y), below_one), &out.fy[at]);
+  put(hn::Min(hn::Sub(p.position.z, p.whole.z), below_one), &out.fz[at]);
+  const VF s = hn::Set(f, map.voxel_size_m);
+  put(hn::Mul(p.offset.x, s), &out.rx[at]);
+  put(hn::Mul(p.offset.y, s), &out.ry[at]);
+  put(hn::Mul(p.offset.z, s), &out.rz[at]);
+  const Three normal =
+      times(pose.rotation, {hn::LoadU(f, shell.nx + first), hn::LoadU(f, shell.ny + first),
+                            hn::LoadU(f, shell.nz + first)});
+  put(normal.x, &out.nx[at]);
+  put(normal.y, &out.ny[at]);
+  put(normal.z, &out.nz[at]);
+  const auto among = [&](std::uint32_t wanted) HWY_ATTR {
+    return static_cast<std::uint32_t>(
+        hn::CountTrue(u, hn::And(mask, hn::Eq(value, hn::Set(u, wanted)))));
+  };
+  for (std::uint32_t n = 1; n < 4; ++n) out.count_of_value[n] += among(n);
+  out.count += static_cast<std::uint32_t>(pack.count());
+}
+
+void CollectBlocks(const KernelMap& map, const KernelShell& shell, const VoxelPose& pose,
+                   const std::uint32_t* blocks, std::uint32_t block_count, PointColumns& out) {
+  const F f;
+  const U u;
+  constexpr std::uint32_t kLanes = static_cast<std::uint32_t>(hn::MaxLanes(f));
+  for (std::uint32_t b = 0; b < block_count; ++b) {
+    const std::uint32_t begin = blocks[b] * shell.block_points;
+    const std::uint32_t end = begin + shell.block_points;
+    for (std::uint32_t first = begin; first < end; first += kLanes) {
+      const Placed p = place(pose, {hn::LoadU(f, shell.x + first), hn::LoadU(f, shell.y + first),
+                                    hn::LoadU(f, shell.z + first)});
+      const Mask real = hn::Lt(numbers_from(first), hn::Set(u, shell.point_count));
+      if (map.cropped) {
+        out.outside_map |= !hn::AllFalse(u, hn::And(real, outside_known(map, p.voxel)));
+      }
+      const VU value = look_up(map, p.voxel, hn::And(real, in_directory(map, p.voxel)));
+      const Mask found = hn::Ne(value, hn::Zero(u));
+      if (hn::AllFalse(u, found)) continue;
+      append(map, shell, pose, first, p, value, found, out);
+    }
+  }
+}
+
+// How far [low, high] on one axis lies inside [from, to), all relative to the centre's voxel.
+HWY_INLINE VF inside_by(VF low, VF high, VF from, VF to) {
+  return hn::Min(hn::Sub(low, from), hn::Sub(to, high));
+}
+
+// A voxel bound relative to the centre's voxel, as a float rounded against the disc.
+HWY_INLINE float bound_from(std::int32_t bound, std::int32_t center, float direction) {
+  const float distance = static_cast<float>(static_cast<double>(bound) - center);
+  const float rounding = (distance < 0 ? -distance : distance) * 0x1p-22f;
+  return distance + direction * rounding;
+}
+
+// How far discs lie outside the box of the non-free voxels: the largest gap on any axis.
+HWY_INLINE VF outside_tight_box(const KernelMap& map, const VoxelPose& pose, const Three& low,
+                                const Three& high) {
+  const F f;
+  const auto gap = [&](VF axis_low, VF axis_high, int axis) HWY_ATTR {
+    const VF min = hn::Set(f, bound_from(map.tight_min[axis], pose.whole[axis], -1));
+    const VF max = hn::Set(f, bound_from(map.tight_max[axis], pose.whole[axis], 1));
+    return hn::Max(hn::Sub(min, axis_high), hn::Sub(axis_low, max));
+  };
+  return hn::Max(gap(low.x, high.x, 0), hn::Max(gap(low.y, high.y, 1), gap(low.z, high.z, 2)));
+}
+
+// How far discs lie inside the box of the known voxels.
+HWY_INLINE VF inside_known_box(const KernelMap& map, const VoxelPose& pose, const Three& low,
+                               const Three& high) {
+  const F f;
+  const auto depth = [&](VF axis_low, VF axis_high, int axis) HWY_ATTR {
+    return inside_by(axis_low, axis_high,
+                     hn::Set(f, bound_from(map.known_min[axis], pose.whole[axis], 1)),
+                     hn::Set(f, bound_from(map.known_max[axis], pose.whole[axis], -1)));
+  };
+  return hn::Min(depth(low.x, high.x, 0),
+                 hn::Min(depth(low.y, high.y, 1), depth(low.z, high.z, 2)));
+}
+
+// How far discs lie inside the free surroundings of the entry that holds their centre: its box
+// and clearance - 1 voxels around it. Negative where the entry is not uniformly free.
+HWY_INLINE VF inside_clearance(const KernelMap& map, const VoxelPose& pose, const Placed& center,
+                               const Three& low, const Three& high) {
+  const F f;
+  const I i;
+  const U u;
+  const Mask valid = in_directory(map, center.voxel);
+  const TreeEnd end = descend(map, center.voxel, valid);
+  const VU code = hn::And(end.entry, hn::Set(u, 0xff));
+  const Mask free =
+      hn::AndNot(end.in_brick, hn::And(valid, hn::Eq(value_of(map, code), hn::Zero(u))));
+  const VI one = hn::Set(i, 1);
+  const VI clearance =
+      hn::BitCast(i, hn::And(hn::ShiftRight<8>(end.entry), hn::Set(u, kMaxClearance)));
+  const VI around = hn::Sub(hn::Max(clearance, one), one);
+  const auto depth = [&](VF axis_low, VF axis_high, VI voxel, int axis) HWY_ATTR {
+    const VI box = hn::And(voxel, hn::Neg(end.edge));  // edges are powers of two
+    const VI center_voxel = hn::Set(i, pose.whole[axis]);
+    const VI from = hn::Sub(hn::Sub(box, around), center_voxel);
+    const VI to = hn::Sub(hn::Add(hn::Add(box, end.edge), around), center_voxel);
+    return inside_by(axis_low, axis_high, hn::ConvertTo(f, from), hn::ConvertTo(f, to));
+  };
+  const VF slack = hn::Min(
+      depth(low.x, high.x, center.voxel.x, 0),
+      hn::Min(depth(low.y, high.y, center.voxel.y, 1), depth(low.z, high.z, center.voxel.z, 2)));
+  return hn::IfThenElse(hn::RebindMask(f, free), slack, hn::Set(f, -1.0f));
+}
+
+// Half the extent of discs along one world axis, m, `along` being their axes' components on it. The
+// term under the root covers what single precision does to the component's square.
+HWY_INLINE VF half_extent(VF radius, VF half_height, VF along) {
+  const F f;
+  const VF across = hn::Sub(hn::Set(f, 1.0f + 2e-6f), hn::Mul(along, along));
+  return hn::Add(hn::Mul(radius, hn::Sqrt(hn::Max(across, hn::Zero(f)))),
+                 hn::Mul(half_height, hn::Abs(along)));
+}
+
+void SurveyDiscs(const KernelMap& map, const VoxelPose& pose, const DiscMargin& margin,
+                 const KernelDiscs& discs, std::uint32_t begin, std::uint32_t end, float* slack) {
+  const F f;
+  constexpr std::uint32_t kLanes = static_cast<std::uint32_t>(hn::MaxLanes(f));
+  HWY_ALIGN float tail[2][4 * kLanes] = {};
+  HWY_ALIGN float result[kLanes];
+  for (std::uint32_t first = begin; first < end; first += kLanes) {
+    const std::uint32_t count = end - first < kLanes ? end - first : kLanes;
+    const float* place_from = discs.place + std::size_t{4} * first;
+    const float* shape_from = discs.shape + std::size_t{4} * first;
+    if (count < kLanes) {
+      for (std::uint32_t n = 0; n < 4 * count; ++n) {
+        tail[0][n] = place_from[n];
+        tail[1][n] = shape_from[n];
+      }
+      place_from = tail[0];
+      shape_from = tail[1];
+    }
+    Three center, axis;
+    VF radius, half_height;
+    hn::LoadInterleaved4(f, place_from, center.x, center.y, center.z, radius);
+    hn::LoadInterleaved4(f, shape_from, axis.x, axis.y, axis.z, half_height);
+    const Placed p = place(pose, center);
+    const Three along = times(pose.rotation, axis);
+    const auto reach = [&](VF component) HWY_ATTR {
+      return hn::Add(hn::Mul(half_extent(radius, half_height, component), hn::Set(f, margin.scale)),
+                     hn::Set(f, margin.voxels));
+    };
+    const Three reaches = {reach(along.x), reach(along.y), reach(along.z)};
+    const Three low = {hn::Sub(p.position.x, reaches.x), hn::Sub(p.position.y, reaches.y),
+                       hn::Sub(p.position.z, reaches.z)};
+    const Three high = {hn::Add(p.position.x, reaches.x), hn::Add(p.position.y, reaches.y),
+                        hn::Add(p.position.z, reaches.z)};
+    VF by =
+        hn::Max(inside_clearance(map, pose, p, low, high), outside_tight_box(map, pose, low, high));
+    if (map.cropped) by = hn::Min(by, inside_known_box(map, pose, low, high));
+    if (count == kLanes) {
+      hn::StoreU(by, f, slack + (first - begin));
+    } else {
+      hn::Store(by, f, result);
+      for (std::uint32_t n = 0; n < count; ++n) slack[first - begin + n] = result[n];
+    }
+  }
+}
+
+const char* TargetName() { return hwy::TargetName(HWY_TARGET); }
+
+}  // namespace HWY_NAMESPACE
+}  // namespace forcelayer
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace forcelayer {
+
+HWY_EXPORT(CollectBlocks);
+HWY_EXPORT(SurveyDiscs);
+HWY_EXPORT(TargetName);
+
+bool kernel_reaches(std::uint64_t upper_nodes, std::uint64_t lower_nodes, std::uint64_t bricks,
+                    std::uint32_t bits_per_voxel) {
+  constexpr std::uint64_t kLargest = std::uint64_t{1} << 31;  // signed indices
+  return upper_nodes * kNodeEntries <= kLargest && lower_nodes * kNodeEntries <= kLargest &&
+         bricks * 16 * bits_per_voxel <= kLargest;
+}
+
+void collect_blocks(const KernelMap& map, const KernelShell& shell, const VoxelPose& pose,
+                    const std::uint32_t* blocks, std::uint32_t block_count,
+                    PointColumns& out) noexcept {
+  HWY_DYNAMIC_DISPATCH(CollectBlocks)(map, shell, pose, blocks, block_count, out);
+}
+
+void survey_discs(const KernelMap& map, const VoxelPose& pose, const DiscMargin& margin,
+                  const KernelDiscs& discs, std::uint32_t begin, std::uint32_t end,
+                  float* slack_voxels) noexcept {
+  HWY_DYNAMIC_DISPATCH(SurveyDiscs)(map, pose, margin, discs, begin, end, slack_voxels);
+}
+
+const char* kernel_target() { return HWY_DYNAMIC_DISPATCH(TargetName)(); }
+
+}  // namespace forcelayer
+#endif  // HWY_ONCE

@@ -1,0 +1,426 @@
+#include "runtime/run/derive_parameters.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+#include "runtime/loop/handle_velocity.h"
+#include "runtime/model/principal_inertia.h"
+#include "runtime/run/stability.h"
+
+namespace forcelayer {
+namespace {
+
+constexpr double kApparentMassKg = 0.012;     // paper 5.1
+constexpr double kComfortableLoad = 1.0 / 4;  // h sqrt(k_T / m): the spring alone loads h^2 k + 2 h
+                                              // b < 4 to 27%, "comfortably consistent" (paper 5.1)
+constexpr double kFieldMargin = 0.9;          // of the largest stable K_ff
+constexpr double kAveragedPoints = 10;        // paper 5.2
+
+// Of the stiffness that the device bears: a default lies inside the bound, not on it.
+constexpr double kBoundShare = 0.9;
+
+// Of the default model.
+constexpr double kUnratedStiffness = 1000;  // N/m, for a device that says nothing of itself
+// For a device without motors, or without those of an axis: the paper's (5).
+constexpr double kUnratedForceN = 15, kUnratedTorqueNm = 0.1;
+constexpr double kHoldDepthVoxels = 0.15;  // the field has s/8 at a convex corner, s/2 at a face
+constexpr double kFieldOverCoupling = 5;
+constexpr double kContactDampingRatio = 0.6;
+constexpr double kThrowMps = 3;
+constexpr double kRecoveryMps = 0.05;
+constexpr double kAllowanceFadeS = 0.01;
+constexpr double kLeastMomentShare = 1e-3;  // of the largest principal moment
+
+constexpr ParameterInfo kTable[] = {
+    {"mass_kg", "--mass", "apparent mass of the part, kg", &Parameters::mass_kg},
+    {"coupling_n_per_m", "--coupling-stiffness", "coupling spring k_T, N/m",
+     &Parameters::coupling_n_per_m},
+    {"coupling_ns_per_m", "--coupling-damping", "coupling damper b_T, N s/m",
+     &Parameters::coupling_ns_per_m},
+    {"coupling_nm_per_rad", "--coupling-stiffness-rot", "coupling spring k_R, N m/rad",
+     &Parameters::coupling_nm_per_rad},
+    {"coupling_nms_per_rad", "--coupling-damping-rot", "coupling damper b_R, N m s/rad",
+     &Parameters::coupling_nms_per_rad},
+    {"coupling_force_limit_n", "--coupling-force-limit", "clamp of the coupling's force, N",
+     &Parameters::coupling_force_limit_n},
+    {"coupling_torque_limit_nm", "--coupling-torque-limit", "clamp of the coupling's torque, N m",
+     &Parameters::coupling_torque_limit_nm},
+    {"field_n_per_m", "--field-stiffness", "force field stiffness K_ff, N/m",
+     &Parameters::field_n_per_m},
+    {"contact_damping_ratio", "--contact-damping", "damping of a contact over sqrt(K_ff m)",
+     &Parameters::contact_damping_ratio},
+    {"look_ups", "--look-ups", "most motions of up to s/2 in a frame", &Parameters::look_ups},
+    {"recovery_mps", "--recovery-speed", "at which a part that starts inside is led out, m/s",
+     &Parameters::recovery_mps},
+    {"allowance_j", "--allowance",
+     "energy by which the scene may lift a part that the hand moves, J", &Parameters::allowance_j},
+    {"allowance_fade_s", "--allowance-fade", "time in which that fades while the hand rests, s",
+     &Parameters::allowance_fade_s},
+    {"passivity_damping_ns_per_m", "--passivity-damping",
+     "most damping that a passivity controller may inject at the device, N s/m",
+     &Parameters::passivity_damping_ns_per_m},
+    {"max_force_n", "--max-force", "largest force at the device, N", &Parameters::max_force_n},
+    {"max_torque_nm", "--max-torque", "largest torque at the device, N m",
+     &Parameters::max_torque_nm},
+};
+
+std::string format(const char* pattern, double a, double b = 0, double c = 0) {
+  char text[256];
+  std::snprintf(text, sizeof text, pattern, a, b, c);
+  return text;
+}
+
+// Takes the user's setting where there is one, else the default with its reason.
+class Choice {
+ public:
+  Choice(const ParameterRequest& request, DerivedParameters& derived)
+      : request_(request), derived_(derived) {}
+
+  void set(std::string_view name, double value, std::string reason) {
+    const auto* info = std::find_if(std::begin(kTable), std::end(kTable),
+                                    [&](const ParameterInfo& i) { return i.name == name; });
+    const auto setting = request_.settings.find(std::string(name));
+    const bool chosen = setting != request_.settings.end();
+    derived_.values.*(info->member) = chosen ? setting->second : value;
+    derived_.reasons[std::string(name)] = chosen ? "set" : std::move(reason);
+  }
+
+ private:
+  const ParameterRequest& request_;
+  DerivedParameters& derived_;
+};
+
+Status check_settings(const ParameterRequest& request) {
+  for (const auto& [name, value] : request.settings) {
+    const auto* info =
+        std::find_if(std::begin(kTable), std::end(kTable),
+                     [&, n = &name](const ParameterInfo& i) { return i.name == *n; });
+    if (info == std::end(kTable)) {
+      return Error{ErrorCode::kInternal, "", name, "is no parameter", ""};
+    }
+    const bool may_be_infinite = info->member == &Parameters::max_force_n ||
+                                 info->member == &Parameters::max_torque_nm ||
+                                 info->member == &Parameters::coupling_force_limit_n ||
+                                 info->member == &Parameters::coupling_torque_limit_nm;
+    const bool may_be_zero = info->member == &Parameters::passivity_damping_ns_per_m;
+    if (!(value > 0 || (may_be_zero && value == 0)) ||
+        (!may_be_infinite && !std::isfinite(value))) {
+      return Error{
+          ErrorCode::kUsage, "", std::string(info->option),
+          may_be_zero ? "must be zero or above, and finite" : "must be above zero, and finite", ""};
+    }
+  }
+  return {};
+}
+
+// The largest value that the device loop bears, and why.
+struct Bound {
+  double value = std::numeric_limits<double>::infinity();
+  std::string source;
+
+  void lower_to(double other, const char* why) {
+    if (!(other < value)) return;
+    value = other;
+    source = why;
+  }
+};
+
+constexpr const char* kRated = "its maker's rating";
+constexpr const char* kDamped = "b / (delay + dt / 2), b its own damping (Colgate and Schenkel)";
+constexpr const char* kQuantised =
+    "2 f / D, f its friction and D its encoder's step (Abbott and Okamura)";
+constexpr const char* kInertial =
+    "M / (delay + dt / 2 + the velocity estimate's lag), M its apparent inertia: a phase margin of "
+    "33 degrees";
+
+// Stiffness at the handle, in scene coordinates: the hand feels it times the motion scale.
+Bound stiffness_bound(const DeviceCapabilities& device, double dt_s, double motion_scale) {
+  Bound bound;
+  if (device.max_stiffness_n_per_m > 0) bound.lower_to(device.max_stiffness_n_per_m, kRated);
+  bound.lower_to(renderable_stiffness(device.damping_ns_per_m, device.delay_s, dt_s), kDamped);
+  bound.lower_to(dissipated_stiffness(device.friction_n, device.encoder_step_m), kQuantised);
+  bound.value /= motion_scale;
+  return bound;
+}
+
+Bound rotation_bound(const DeviceCapabilities& device, double dt_s) {
+  Bound bound;
+  if (device.max_stiffness_nm_per_rad > 0) bound.lower_to(device.max_stiffness_nm_per_rad, kRated);
+  bound.lower_to(renderable_stiffness(device.damping_nms_per_rad, device.delay_s, dt_s), kDamped);
+  bound.lower_to(dissipated_stiffness(device.friction_nm, device.encoder_step_rad), kQuantised);
+  return bound;
+}
+
+Bound damping_bound(const DeviceCapabilities& device, double inertia, double dt_s, double scale) {
+  Bound bound;
+  const double lag_s = device.senses_velocity ? 0 : HandleVelocity::kTimeConstantS;
+  bound.lower_to(renderable_damping(inertia, device.delay_s + lag_s, dt_s), kInertial);
+  bound.value /= scale;
+  return bound;
+}
+
+// Warns where a setting is beyond its bound.
+void warn_beyond(const Bound& bound, const char* option, double value, const char* unit,
+                 const DeviceCapabilities& device, DerivedParameters& derived) {
+  if (!(value > bound.value * (1 + 1e-9))) return;
+  char text[256];
+  std::snprintf(text, sizeof text, "%s %g %s is above the %g %s that ", option, value, unit,
+                bound.value, unit);
+  derived.warnings.push_back(text + device.name + " can render stably: " + bound.source);
+}
+
+void warn_of_coupling(const ParameterRequest& request, const DeviceCapabilities& device,
+                      DerivedParameters& derived) {
+  const Parameters& p = derived.values;
+  const double dt_s = 1 / p.rate_hz, scale = request.motion_scale;
+  warn_beyond(stiffness_bound(device, dt_s, scale), "--coupling-stiffness", p.coupling_n_per_m,
+              "N/m", device, derived);
+  warn_beyond(rotation_bound(device, dt_s), "--coupling-stiffness-rot", p.coupling_nm_per_rad,
+              "N m/rad", device, derived);
+  warn_beyond(damping_bound(device, device.apparent_mass_kg, dt_s, scale), "--coupling-damping",
+              p.coupling_ns_per_m, "N s/m", device, derived);
+  warn_beyond(damping_bound(device, device.apparent_inertia_kgm2, dt_s, 1),
+              "--coupling-damping-rot", p.coupling_nms_per_rad, "N m s/rad", device, derived);
+}
+
+std::string borne_reason(const DeviceCapabilities& device, const Bound& bound) {
+  return format("%g of the stiffness that ", kBoundShare) + device.name +
+         " bears over the motion scale: " + bound.source;
+}
+
+// Device limits: the user's, never above the ratings.
+void choose_limits(const ParameterRequest& request, const DeviceCapabilities& device,
+                   DerivedParameters& derived) {
+  Choice choice(request, derived);
+  Parameters& p = derived.values;
+  choice.set("max_force_n", device.max_force_n, "rating of " + device.name);
+  choice.set("max_torque_nm", device.max_torque_nm, "rating of " + device.name);
+  if (p.max_force_n > device.max_force_n || p.max_torque_nm > device.max_torque_nm) {
+    derived.warnings.push_back("--max-force and --max-torque end at the ratings of " + device.name +
+                               format(": %g N, %g N m", device.max_force_n, device.max_torque_nm));
+  }
+  p.max_force_n = std::min(p.max_force_n, device.max_force_n);
+  p.max_torque_nm = std::min(p.max_torque_nm, device.max_torque_nm);
+}
+
+// k_T, b_T, k_R, b_R of paper 5.1: high but comfortably stable, critically damped.
+void choose_coupling(const ParameterRequest& request, const DeviceCapabilities& device,
+                     DerivedParameters& derived) {
+  Choice choice(request, derived);
+  Parameters& p = derived.values;
+  const double dt_s = 1 / p.rate_hz, inertia_kgm2 = p.inertia_kgm2[0][0];
+  const double comfortable = kComfortableLoad * kComfortableLoad * p.mass_kg / (dt_s * dt_s);
+  const Bound bound = stiffness_bound(device, dt_s, request.motion_scale);
+  const double borne = kBoundShare * bound.value;
+  choice.set("coupling_n_per_m", std::min(comfortable, borne),
+             borne < comfortable ? borne_reason(device, bound)
+                                 : "(m / 16 dt^2): comfortably stable at this rate (paper 5.1)");
+  choice.set("coupling_ns_per_m", 2 * std::sqrt(p.mass_kg * p.coupling_n_per_m),
+             "2 sqrt(m k_T): critically damped (paper 5.1)");
+  const Bound bound_rot = rotation_bound(device, dt_s);
+  const double borne_rot = kBoundShare * bound_rot.value;
+  const double same_frequency = p.coupling_n_per_m * inertia_kgm2 / p.mass_kg;
+  choice.set("coupling_nm_per_rad", std::min(same_frequency, borne_rot),
+             borne_rot < same_frequency ? borne_reason(device, bound_rot)
+                                        : "k_T I / m: the frequency of the translation");
+  choice.set("coupling_nms_per_rad", 2 * std::sqrt(inertia_kgm2 * p.coupling_nm_per_rad),
+             "2 sqrt(I k_R): critically damped (paper 5.1)");
+  warn_of_coupling(request, device, derived);
+}
+
+// K_ff of paper 5.2: the largest value consistent with stable operation, for up to 10 forces at
+// once, each turning the part with at most the shell's largest arm. With mobility
+// mu = 1 + m r^2 / I, symplectic Euler is stable while
+//   h^2 (k_T + 10 mu K_ff) / m + 2 h b_T / m < 4.
+void choose_field(const ParameterRequest& request, double arm_m, DerivedParameters& derived) {
+  Choice choice(request, derived);
+  Parameters& p = derived.values;
+  const double dt_s = 1 / p.rate_hz, inertia_kgm2 = p.inertia_kgm2[0][0];
+  const double mobility_1pkg = 1 / p.mass_kg + arm_m * arm_m / inertia_kgm2;
+  const double stiffness =
+      std::max(p.coupling_n_per_m / p.mass_kg, p.coupling_nm_per_rad / inertia_kgm2);
+  const double damping =
+      std::max(p.coupling_ns_per_m / p.mass_kg, p.coupling_nms_per_rad / inertia_kgm2);
+  const double room = 1 - symplectic_euler_load(stiffness, damping, dt_s);
+  const double largest = 4 * room / (dt_s * dt_s * kAveragedPoints * mobility_1pkg);
+  choice.set("field_n_per_m", room > 0 ? kFieldMargin * largest : p.coupling_n_per_m,
+             "0.9 of the largest stable at 10 intersections (paper 5.2): "
+             "(4 - h^2 k_T/m - 2 h b_T/m) / (10 h^2 (1/m + r^2/I))");
+  if (room <= 0) {
+    derived.warnings.push_back(
+        "the coupling alone is unstable at this rate: h^2 k/m + 2 h b/m reaches 4 (symplectic "
+        "Euler); lower --coupling-stiffness or raise --mass or --rate");
+  } else if (p.field_n_per_m > largest) {
+    derived.warnings.push_back(
+        format("--field-stiffness %g N/m is above the %g N/m", p.field_n_per_m, largest) +
+        " that is stable for ten intersections at this rate (symplectic Euler)");
+  }
+}
+
+void derive_paper(const ParameterRequest& request, const Pshell& shell,
+                  const DeviceCapabilities& device, DerivedParameters& derived) {
+  Choice choice(request, derived);
+  Parameters& p = derived.values;
+  choice.set("mass_kg", kApparentMassKg, "apparent mass of the paper (5.1)");
+  p.inertia_kgm2 = glm::dmat3(0.4 * p.mass_kg * p.part_radius_m * p.part_radius_m);
+  choose_coupling(request, device, derived);
+  choice.set("coupling_force_limit_n", p.coupling_n_per_m * p.voxel_size_m / 2,
+             "k_T s/2, the spring's force only (paper 5.2)");
+  choice.set("coupling_torque_limit_nm", std::numeric_limits<double>::infinity(),
+             "none (paper 5.2)");
+  choose_field(request, largest_contact_arm_m(shell), derived);
+}
+
+// The shell's inertia for `mass_kg`, its principal moments kept within what a part of this radius
+// on this grid can have: a sheet, a wire or a soup without volume may have almost none.
+glm::dmat3 shell_inertia_kgm2(const PshellHeader& shell, double mass_kg, double radius_m,
+                              double voxel_size_m) {
+  const auto& i = shell.inertia_m2;  // xx yy zz xy xz yz
+  PrincipalInertia inertia =
+      principal_inertia(glm::dmat3(i[0], i[3], i[4], i[3], i[1], i[5], i[4], i[5], i[2]));
+  const double largest_m2 = std::max({inertia.moments.x, inertia.moments.y, inertia.moments.z});
+  const double least_m2 = std::max(kLeastMomentShare * largest_m2, voxel_size_m * voxel_size_m / 4);
+  for (int axis = 0; axis < 3; ++axis) {
+    inertia.moments[axis] =
+        mass_kg * std::max(least_m2, std::min(inertia.moments[axis], radius_m * radius_m));
+  }
+  return tensor_of(inertia);
+}
+
+double mean_moment(const glm::dmat3& inertia) {
+  return (inertia[0][0] + inertia[1][1] + inertia[2][2]) / 3;
+}
+
+void choose_default_coupling(const ParameterRequest& request, const DeviceCapabilities& device,
+                             DerivedParameters& derived) {
+  Choice choice(request, derived);
+  Parameters& p = derived.values;
+  const double dt_s = 1 / p.rate_hz;
+  const Bound bound = stiffness_bound(device, dt_s, request.motion_scale);
+  const bool bounded = std::isfinite(bound.value);
+  choice.set(
+      "coupling_n_per_m", bounded ? kBoundShare * bound.value : kUnratedStiffness,
+      bounded ? borne_reason(device, bound) : device.name + " states no stiffness and no damping");
+  choice.set("coupling_ns_per_m", 2 * std::sqrt(p.mass_kg * p.coupling_n_per_m),
+             "2 sqrt(m k_T): critically damped (paper 5.1)");
+  const Bound bound_rot = rotation_bound(device, dt_s);
+  const double borne_rot = kBoundShare * bound_rot.value;
+  const double same_frequency = p.coupling_n_per_m * mean_moment(p.inertia_kgm2) / p.mass_kg;
+  choice.set("coupling_nm_per_rad", std::min(same_frequency, borne_rot),
+             borne_rot < same_frequency
+                 ? borne_reason(device, bound_rot)
+                 : "k_T I / m, I the mean moment: the frequency of the translation");
+  const PrincipalInertia inertia = principal_inertia(p.inertia_kgm2);
+  const double largest = std::max({inertia.moments.x, inertia.moments.y, inertia.moments.z});
+  choice.set("coupling_nms_per_rad", 2 * std::sqrt(largest * p.coupling_nm_per_rad),
+             "2 sqrt(I k_R), I the largest moment: critically damped about every principal axis");
+  // A device that renders none still moves and turns the part: the output stage keeps it at zero.
+  const bool forces = p.max_force_n > 0, torques = p.max_torque_nm > 0;
+  choice.set("coupling_force_limit_n", forces ? p.max_force_n : kUnratedForceN,
+             forces ? "what the device can bear" : "the device renders no force");
+  choice.set("coupling_torque_limit_nm", torques ? p.max_torque_nm : kUnratedTorqueNm,
+             torques ? "what the device can bear" : "the device renders no torque");
+  warn_of_coupling(request, device, derived);
+}
+
+// What the default model has beside the paper's; derived for both, so that a report shows all.
+void choose_guard(const ParameterRequest& request, DerivedParameters& derived) {
+  Choice choice(request, derived);
+  Parameters& p = derived.values;
+  choice.set("contact_damping_ratio", kContactDampingRatio, "calms a single point in two frames");
+  // At 3 m/s a hand throws; a look-up costs much, so there are at most eight in a millisecond.
+  const double dt_s = 1 / p.rate_hz;
+  choice.set("look_ups",
+             std::clamp(std::ceil(2 * kThrowMps * dt_s / p.voxel_size_m), 2.0,
+                        std::max(2.0, std::ceil(8000 * dt_s))),
+             "follows a hand at 3 m/s, within eight look-ups a millisecond");
+  choice.set("recovery_mps", kRecoveryMps, "slow enough to let go");
+  choice.set("allowance_j", p.coupling_force_limit_n * p.voxel_size_m,
+             "the force limit over a voxel: more than a voxel's step can take");
+  choice.set("allowance_fade_s", kAllowanceFadeS, "rest within a second");
+}
+
+// The passivity controller, for both models. A damper that the hand feels late may itself be active
+// beyond the device's own damping: b > |B| (Colgate and Schenkel 1994, with K = 0).
+void choose_control(const ParameterRequest& request, const DeviceCapabilities& device,
+                    DerivedParameters& derived) {
+  Choice choice(request, derived);
+  choice.set("passivity_damping_ns_per_m", 0, "off unless asked for");
+  if (!(device.damping_ns_per_m > 0)) return;
+  Bound bound;
+  bound.lower_to(device.damping_ns_per_m / request.motion_scale,
+                 "b > |B|, b its own damping (Colgate and Schenkel)");
+  warn_beyond(bound, "--passivity-damping", derived.values.passivity_damping_ns_per_m, "N s/m",
+              device, derived);
+}
+
+void derive_default(const ParameterRequest& request, const Voxmap& voxmap, const Pshell& shell,
+                    const DeviceCapabilities& device, DerivedParameters& derived) {
+  Choice choice(request, derived);
+  Parameters& p = derived.values;
+  choice.set("mass_kg", kApparentMassKg, "apparent mass of the paper (5.1)");
+  p.inertia_kgm2 = shell_inertia_kgm2(shell.header(), p.mass_kg, p.part_radius_m, p.voxel_size_m);
+  choose_default_coupling(request, device, derived);
+  const double covering = steepest_n_per_m(voxmap);
+  if (covering > 0) {
+    choice.set("field_n_per_m", covering, "the steepest slope of the scene's soft covering");
+    return;
+  }
+  const double hold = p.coupling_force_limit_n / (kHoldDepthVoxels * p.voxel_size_m);
+  const double stiff = kFieldOverCoupling * p.coupling_n_per_m;
+  choice.set("field_n_per_m", std::max(hold, stiff),
+             hold > stiff ? "one point holds the coupling's force limit at 0.15 voxel"
+                          : "5 k_T: the part gives way a fifth of the hand's way at most");
+}
+
+}  // namespace
+
+std::span<const ParameterInfo> parameter_table() { return kTable; }
+
+double largest_contact_arm_m(const Pshell& shell) {
+  const PshellView& v = shell.view();
+  double largest2 = 0;
+  for (std::uint64_t i = 0; i < v.point_count; ++i) {
+    const double x = double{v.y[i]} * v.nz[i] - double{v.z[i]} * v.ny[i],
+                 y = double{v.z[i]} * v.nx[i] - double{v.x[i]} * v.nz[i],
+                 z = double{v.x[i]} * v.ny[i] - double{v.y[i]} * v.nx[i];
+    largest2 = std::max(largest2, x * x + y * y + z * z);
+  }
+  return std::sqrt(largest2);
+}
+
+Result<DerivedParameters> derive_parameters(const ParameterRequest& request, const Voxmap& voxmap,
+                                            const Pshell& shell, const DeviceCapabilities& device) {
+  if (Status valid = check_settings(request); !valid) return valid.error();
+  DerivedParameters derived;
+  Parameters& p = derived.values;
+  p.model = request.model;
+  p.force = request.force;
+  p.braking = request.braking;
+  p.rate_hz = request.rate_hz;
+  p.voxel_size_m = voxmap.voxel_size_m();
+  // A part of one point has no radius; half a voxel keeps its inertia above zero.
+  p.part_radius_m = std::max(shell.header().bounding_radius_m, p.voxel_size_m / 2);
+  choose_limits(request, device, derived);
+  switch (request.model) {
+    case Model::kPaper:
+      derive_paper(request, shell, device, derived);
+      if (!voxmap.compliance().empty()) {
+        derived.warnings.push_back(
+            "the scene has a soft covering, which the paper's model leaves out: it presses with "
+            "--field-stiffness all the way");
+      }
+      break;
+    case Model::kDefault:
+      derive_default(request, voxmap, shell, device, derived);
+      break;
+  }
+  choose_guard(request, derived);
+  choose_control(request, device, derived);
+  return derived;
+}
+
+}  // namespace forcelayer

@@ -1,0 +1,116 @@
+// voxview: shows scenes, baked files and runs, on a screen or as a picture.
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "formats/command/command.h"
+#include "runtime/viewer/keys.h"
+#include "runtime/viewer/options.h"
+#include "runtime/viewer/picture_plan.h"
+#include "runtime/viewer/run/live.h"
+#include "runtime/viewer/run/run_rows.h"
+#include "runtime/viewer/screen.h"
+#include "runtime/viewer/vtk/picture.h"
+#include "runtime/viewer/vtk/window.h"
+
+namespace forcelayer {
+namespace {
+
+constexpr double kListenS = 3;  // before a picture of a stream, unless the user says otherwise
+
+// Follows the stream for a while; the newest row, where one came.
+std::optional<TraceRow> newest_row(PoseReceiver& receiver, double seconds, Pose& grip) {
+  using Clock = std::chrono::steady_clock;
+  std::optional<TraceRow> newest;
+  const auto end = Clock::now() + std::chrono::duration<double>(seconds);
+  while (Clock::now() < end) {
+    receiver.wait(20);
+    const auto datagram = receiver.newest();
+    if (!datagram) continue;
+    const bool first = !newest;
+    newest = row_of(*datagram);
+    if (first) grip = grip_of(*newest);
+  }
+  return newest;
+}
+
+// The picture of what a stream says at the end of listening.
+Status plan_live(const ViewOptions& options, const ViewScene& scene, PoseReceiver& receiver,
+                 PicturePlan& plan) {
+  Pose grip;
+  const auto row = newest_row(receiver, options.duration_s.value_or(kListenS), grip);
+  if (!row) {
+    return Error{ErrorCode::kReadFailed, "", "--listen " + options.listen, "no pose came",
+                 "start voxrun with --udp and this port"};
+  }
+  Moment moment = moment_of(*row, options.handle_from_part.value_or(grip));
+  return add_moment(options, scene, std::move(moment), plan);
+}
+
+Status take_picture(const ViewOptions& options, const ViewScene& scene, PicturePlan& plan,
+                    RunFeed& feed) {
+  if (feed.receiver) {
+    if (Status live = plan_live(options, scene, *feed.receiver, plan); !live) return live;
+  }
+  if (Status written = write_picture(options.screenshot, scene, plan); !written) return written;
+  return options.json.empty() ? Status{} : write_report(options.json, report_of(plan, scene));
+}
+
+Status draw(const ViewOptions& options, const ViewScene& scene, RunFeed feed) {
+  auto plan = plan_picture(options, scene, feed.rows);
+  if (!plan) return plan.error();
+  if (!options.listen.empty()) {
+    auto receiver = listen_at(options.listen);
+    if (!receiver) return receiver.error();
+    feed.receiver = std::move(*receiver);
+  }
+  if (!options.screenshot.empty()) return take_picture(options, scene, *plan, feed);
+  return show_window(scene, options, *plan, std::move(feed));
+}
+
+Status find_screen(const ViewOptions& options, char** argv) {
+  const bool endless =
+      options.screenshot.empty() && options.frame_times.empty() && !options.duration_s;
+  if (endless && !display_is_set()) {
+    return Error{ErrorCode::kDeviceNotFound, "", "", "no display to open a window on",
+                 "set DISPLAY, or give --screenshot FILE"};
+  }
+  return ensure_screen(argv);
+}
+
+Status run(const ViewOptionParser& parser, char** argv) {
+  const auto options = parser.finish();
+  if (!options) return options.error();
+  if (Status screen = find_screen(*options, argv); !screen) return screen;
+  const auto scene = load_view_scene(options->inputs);
+  if (!scene) return scene.error();
+  for (const std::string& warning : scene->warnings) {
+    std::fprintf(stderr, "voxview: warning: %s\n", warning.c_str());
+  }
+  RunFeed feed;
+  if (!options->run.empty()) {
+    auto rows = read_run(options->run, scene->voxmap_path, scene->shell_path);
+    if (!rows) return rows.error();
+    feed.rows = std::move(*rows);
+  }
+  return draw(*options, *scene, std::move(feed));
+}
+
+}  // namespace
+}  // namespace forcelayer
+
+int main(int argc, char** argv) {
+  CLI::App app{
+      "Show meshes, baked files and runs: in a window, or with --screenshot as a picture. Without "
+      "a\n"
+      "display, pictures are drawn under xvfb-run.",
+      "voxview"};
+  const forcelayer::ViewOptionParser parser(app);
+  std::string keys = "In the window:\n";
+  for (const std::string_view line : forcelayer::kKeyLines) keys += "  " + std::string(line) + "\n";
+  app.footer(keys);
+  int exit_code = 0;
+  if (!forcelayer::parse_arguments(app, argc, argv, exit_code)) return exit_code;
+  return forcelayer::run_command("voxview", [&] { return forcelayer::run(parser, argv); });
+}

@@ -1,0 +1,58 @@
+// The contacts of one pose, computed again from the two files: what a picture shows of a frame.
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <memory>
+#include <vector>
+
+#include "forcelayer/pose.h"
+#include "formats/pshell.h"
+#include "formats/voxmap.h"
+#include "runtime/field/force_field.h"
+#include "runtime/query/contact_query.h"
+
+namespace forcelayer {
+
+// One shell point that lies in value 1, 2 or 3.
+struct ViewPoint {
+  glm::dvec3 position_m;  // world
+  glm::dvec3 normal;      // inward, world axes
+  VoxelValue value;
+  double depth_m = 0;       // > 0: a contact
+  glm::dvec3 direction{0};  // of its force on the part, unit, world axes; zero without a contact
+};
+
+// The most telling thing about a frame, in ascending order of weight.
+enum class FrameKind { kFree, kProximity, kForceLayer, kContact, kGuardCut, kPenetration };
+
+// What a legend calls it.
+const char* frame_kind_name(FrameKind kind);
+
+struct ContactView {
+  std::vector<ViewPoint> points;
+  std::uint32_t proximity = 0, surface = 0, interior = 0, contacts = 0;
+  double deepest_m = 0;
+
+  FrameKind kind() const;  // never kGuardCut: that is known to the run alone
+};
+
+// Computes ContactViews for one map and one shell, both of which must outlive it.
+class ContactProbe {
+ public:
+  ContactProbe(const Voxmap& voxmap, const Pshell& shell, std::unique_ptr<ForceField> field);
+
+  ContactView at(const Pose& world_from_part);
+
+ private:
+  const Pshell& shell_;
+  ContactQuery query_;
+  std::unique_ptr<ForceField> field_;
+  CollectedPoints points_;
+  FieldSamples samples_;
+};
+
+// The part's centroid frame in the world (PshellHeader::center_m is its place in the part's).
+Pose world_from_center(const Pose& world_from_part, const Pshell& shell);
+
+}  // namespace forcelayer

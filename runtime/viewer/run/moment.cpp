@@ -1,0 +1,79 @@
+#include "runtime/viewer/run/moment.h"
+
+#include <algorithm>
+#include <cstdarg>
+#include <cstdio>
+#include <glm/geometric.hpp>
+#include <utility>
+
+namespace forcelayer {
+
+std::string text_of(const char* form, ...) {
+  char text[512];
+  va_list values;
+  va_start(values, form);
+  std::vsnprintf(text, sizeof text, form, values);
+  va_end(values);
+  return text;
+}
+
+FrameKind Moment::kind() const {
+  const FrameKind seen = contacts.kind();
+  return guard_cuts > 0 ? std::max(seen, FrameKind::kGuardCut) : seen;
+}
+
+Moment moment_of(const TraceRow& row, const Pose& handle_from_part) {
+  Moment moment;
+  moment.world_from_part = row.world_from_part;
+  moment.time_s = row.time_s;
+  moment.world_from_target =
+      row.world_from_target.value_or(row.world_from_handle * handle_from_part);
+  moment.on_hand = row.on_hand;
+  moment.guard_cuts = row.guard_cuts;
+  moment.contacts.proximity = row.points_proximity;
+  moment.contacts.surface = row.points_surface;
+  moment.contacts.interior = row.points_interior;
+  moment.contacts.contacts = row.contacts;
+  return moment;
+}
+
+void set_contacts(Moment& moment, ContactView found) {
+  const ContactView& counted = moment.contacts;
+  // A point on a voxel's face may fall on either side when a pose has been written as text.
+  const auto differs = [](std::uint32_t a, std::uint32_t b) {
+    constexpr std::uint32_t kSlack = 2;
+    return std::max(a, b) - std::min(a, b) > kSlack + std::max(a, b) / 10;
+  };
+  moment.other_files = moment.time_s && (differs(counted.surface, found.surface) ||
+                                         differs(counted.proximity, found.proximity) ||
+                                         differs(counted.interior, found.interior));
+  moment.contacts = std::move(found);
+}
+
+FrameKind kind_of(const TraceRow& row) { return moment_of(row, Pose{}).kind(); }
+
+Pose grip_of(const TraceRow& first) {
+  return inverse(first.world_from_handle) * first.world_from_part;
+}
+
+std::vector<std::string> describe(const Moment& moment) {
+  std::vector<std::string> lines;
+  if (moment.time_s && moment.on_hand) {
+    lines.push_back(text_of("t = %.3f s    on the hand: %.2f N, %.4f N m", *moment.time_s,
+                            glm::length(moment.on_hand->force_n),
+                            glm::length(moment.on_hand->torque_nm)));
+  }
+  const ContactView& view = moment.contacts;
+  const std::string deepest =
+      view.deepest_m > 0 ? text_of(", deepest %.2f mm", 1e3 * view.deepest_m) : "";
+  lines.push_back(
+      text_of("%u contact%s%s    points: %u in the force layer, %u in proximity, %u in interior",
+              view.contacts, view.contacts == 1 ? "" : "s", deepest.c_str(), view.surface,
+              view.proximity, view.interior));
+  if (moment.other_files) {
+    lines.push_back("the run counted other points here: these are not the files that it ran with");
+  }
+  return lines;
+}
+
+}  // namespace forcelayer

@@ -1,0 +1,46 @@
+// One moment of a run, and how a picture names it.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "forcelayer/pose.h"
+#include "runtime/viewer/run/contact_view.h"
+#include "runtime/viewer/run/trace.h"
+
+namespace forcelayer {
+
+// The part at one moment.
+struct Moment {
+  Pose world_from_part;
+  std::optional<double> time_s;
+  std::optional<Pose> world_from_target;  // where the hand wants the part
+  std::optional<Wrench> on_hand;          // about the part's centroid, world axes
+  std::uint32_t guard_cuts = 0;
+  // Found from the files and the pose; without both files, the counts of the run alone.
+  ContactView contacts;
+  bool other_files = false;  // what was found is clearly not what the run counted
+
+  FrameKind kind() const;
+};
+
+// The moment of a row; `handle_from_part` is the grip, for rows that do not tell the target.
+Moment moment_of(const TraceRow& row, const Pose& handle_from_part);
+
+// Puts what was found at its pose into a moment that has the counts of its run.
+void set_contacts(Moment& moment, ContactView found);
+
+// What a row says of its frame, without any file.
+FrameKind kind_of(const TraceRow& row);
+
+// The grip of a run: the part starts without stretch, so its first row gives it.
+Pose grip_of(const TraceRow& first);
+
+// A few lines: time, force and torque; contacts and points; what is wrong.
+std::vector<std::string> describe(const Moment& moment);
+
+// printf into a string.
+[[gnu::format(printf, 1, 2)]] std::string text_of(const char* form, ...);
+
+}  // namespace forcelayer

@@ -1,0 +1,86 @@
+#include "runtime/viewer/run/run_rows.h"
+
+#include <array>
+#include <chrono>
+#include <cstring>
+#include <fstream>
+
+#include "runtime/coupling/coupling.h"
+#include "runtime/model/simulation.h"
+#include "runtime/stream/recording.h"
+
+namespace forcelayer {
+namespace {
+
+bool is_recording(const std::filesystem::path& path) {
+  std::array<std::uint8_t, 8> magic{};
+  std::ifstream file(path, std::ios::binary);
+  file.read(reinterpret_cast<char*>(magic.data()), magic.size());
+  return file && magic == kRecordingMagic;
+}
+
+TraceRow row_of(const Simulation& simulation, const StepInput& input, const StepResult& result,
+                const Pose& target) {
+  const StepReport& report = result.report;
+  TraceRow row;
+  row.world_from_handle = input.world_from_handle;
+  row.world_from_part = simulation.world_from_part(report.world_from_center);
+  row.world_from_target = simulation.world_from_part(target);
+  row.on_hand = result.wrench;
+  row.points_proximity = report.proximity;
+  row.points_surface = report.surface;
+  row.points_interior = report.interior;
+  row.contacts = report.contacts;
+  row.guard_cuts = report.guard_cuts;
+  return row;
+}
+
+Result<std::vector<TraceRow>> replayed(const Recording& recording, Simulation& simulation) {
+  using Clock = std::chrono::steady_clock;
+  const double dt_s = 1 / recording.run().parameters.rate_hz;
+  ReplayInput input(recording);
+  State state = recording.run().start;
+  std::vector<TraceRow> rows;
+  StepInput step_input;
+  for (std::size_t n = 0; n < recording.frames().size(); ++n) {
+    const double time_s = static_cast<double>(n) * dt_s;
+    if (!input.next(time_s, dt_s, step_input)) break;
+    const auto before = Clock::now();
+    const StepResult result = simulation.step(state, step_input, dt_s);
+    const std::chrono::duration<double, std::nano> took = Clock::now() - before;
+    const Pose target = coupling_target(state, step_input).world_from_center;
+    rows.push_back(row_of(simulation, step_input, result, target));
+    rows.back().time_s = time_s;
+    rows.back().step_ns = took.count();
+  }
+  return rows;
+}
+
+}  // namespace
+
+Result<std::vector<TraceRow>> read_run(const std::filesystem::path& path,
+                                       const std::filesystem::path& voxmap,
+                                       const std::filesystem::path& shell) {
+  if (!is_recording(path)) return read_trace(path);
+  if (voxmap.empty() || shell.empty()) {
+    return Error{ErrorCode::kUsage, path.string(), "", "a recording is played on its files",
+                 "give the .vox and the .pshell too"};
+  }
+  auto recording = Recording::open(path);
+  if (!recording) return recording.error();
+  auto map = Voxmap::open(voxmap);
+  if (!map) return map.error();
+  auto part = Pshell::open(shell);
+  if (!part) return part.error();
+  if (Status same = recording->check_files(*map, *part); !same) return same.error();
+  auto simulation =
+      Simulation::create(std::move(*map), std::move(*part), recording->run().parameters);
+  if (!simulation) return simulation.error();
+  auto rows = replayed(*recording, **simulation);
+  if (rows && rows->empty()) {
+    return Error{ErrorCode::kFieldInvalid, path.string(), "", "a recording without a frame", ""};
+  }
+  return rows;
+}
+
+}  // namespace forcelayer

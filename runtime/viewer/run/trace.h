@@ -1,0 +1,37 @@
+// Reading the trace CSV that voxrun writes: one row a frame (README, "The trace").
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "forcelayer/pose.h"
+#include "formats/result.h"
+
+namespace forcelayer {
+
+struct TraceRow {
+  double time_s = 0;
+  Pose world_from_handle;
+  Pose world_from_part;
+  std::optional<Pose> world_from_target;  // where the hand wants the part, if it was said
+  Wrench on_hand;                         // about the part's centroid, world axes
+  std::uint32_t points_proximity = 0, points_surface = 0, points_interior = 0;
+  std::uint32_t contacts = 0;
+  std::uint32_t guard_cuts = 0;
+  double step_ns = 0;
+};
+
+// Rows in file order. Columns are found by name, others are passed over. Errors: kFileNotFound,
+// kReadFailed, kNotThisFormat (no such header, or no row), kFieldInvalid with the line.
+Result<std::vector<TraceRow>> read_trace(const std::filesystem::path& path);
+
+// The row at or just before `time_s`; the first where all are later. `rows` must not be empty.
+std::size_t row_at(const std::vector<TraceRow>& rows, double time_s);
+
+// The row of the greatest force on the hand.
+std::size_t strongest_row(const std::vector<TraceRow>& rows);
+
+}  // namespace forcelayer

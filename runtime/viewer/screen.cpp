@@ -1,0 +1,64 @@
+#include "runtime/viewer/screen.h"
+
+#include <unistd.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+#include "formats/file/temporary_files.h"
+
+// Last, for its macros.
+#include <X11/Xlib.h>
+#undef Status
+
+namespace forcelayer {
+namespace {
+
+// The window was killed (xkill) or its server ended. Xlib ends the program after this whatever it
+// does, with words and a status of its own.
+int end_without_display(Display*) {
+  const Error error{ErrorCode::kDeviceFailed, "", "", "the display closed the connection",
+                    "the window was killed or its X server ended; a run that it showed goes on"};
+  std::fprintf(stderr, "voxview: %s\n", to_line(error).c_str());
+  remove_temporary_files();
+  _exit(exit_status(error.code));
+}
+
+}  // namespace
+
+bool display_is_set() {
+  const char* display = std::getenv("DISPLAY");
+  return display != nullptr && *display != '\0';
+}
+
+Status ensure_screen(char** argv) {
+  if (display_is_set()) {
+    // VTK aborts the program where this fails.
+    if (Display* display = XOpenDisplay(nullptr); display != nullptr) {
+      XCloseDisplay(display);
+      XSetIOErrorHandler(end_without_display);
+      return {};
+    }
+    return Error{ErrorCode::kDeviceNotFound, "", "",
+                 "the display '" + std::string(std::getenv("DISPLAY")) + "' does not open",
+                 "set DISPLAY to one that does, or unset it and give --screenshot FILE"};
+  }
+  std::string self = "/proc/self/exe", screen = "-screen 0 1280x1024x24";
+  if (char* path = realpath("/proc/self/exe", nullptr); path != nullptr) {
+    self = path;
+    std::free(path);
+  }
+  std::vector<std::string> words = {"xvfb-run", "-a", "-s", screen, self};
+  for (char** argument = argv + 1; *argument != nullptr; ++argument) words.push_back(*argument);
+  std::vector<char*> command;
+  for (std::string& word : words) command.push_back(word.data());
+  command.push_back(nullptr);
+  execvp(command[0], command.data());
+  return Error{ErrorCode::kDeviceNotFound, "", "",
+               "no display to draw on, and no xvfb-run to make one",
+               "install the packages xvfb and xauth, or set DISPLAY"};
+}
+
+}  // namespace forcelayer

@@ -1,0 +1,119 @@
+#include "runtime/viewer/vtk/picture.h"
+
+#include <vtkImageData.h>
+#include <vtkNew.h>
+#include <vtkPNGWriter.h>
+#include <vtkRenderWindow.h>
+#include <vtkRenderer.h>
+#include <vtkUnsignedCharArray.h>
+#include <vtkWindowToImageFilter.h>
+
+#include <cstddef>
+#include <optional>
+#include <span>
+
+#include "formats/file/atomic_file.h"
+#include "runtime/viewer/style.h"
+#include "runtime/viewer/vtk/overlay.h"
+#include "runtime/viewer/vtk/stage.h"
+#include "runtime/viewer/vtk/triad.h"
+
+namespace forcelayer {
+namespace {
+
+constexpr int kOversampling = 2;  // rendered larger and shrunk: smooth edges with depth peeling
+
+// Every pixel the mean of a square of `factor` x `factor` pixels.
+vtkSmartPointer<vtkImageData> shrunk(vtkImageData* image, int factor) {
+  if (factor == 1) return image;
+  int extent[3];
+  image->GetDimensions(extent);
+  const int width = extent[0] / factor, height = extent[1] / factor;
+  auto result = vtkSmartPointer<vtkImageData>::New();
+  result->SetDimensions(width, height, 1);
+  result->AllocateScalars(VTK_UNSIGNED_CHAR, 3);
+  const auto* from = static_cast<const unsigned char*>(image->GetScalarPointer());
+  auto* to = static_cast<unsigned char*>(result->GetScalarPointer());
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < 3 * width; ++x) {
+      int sum = 0;
+      for (int n = 0; n < factor * factor; ++n) {
+        const int column = (x / 3) * factor + n % factor, row = y * factor + n / factor;
+        sum += from[3 * (row * extent[0] + column) + x % 3];
+      }
+      *to++ = static_cast<unsigned char>(sum / (factor * factor));
+    }
+  }
+  return result;
+}
+
+Status write_png(const std::filesystem::path& path, vtkImageData* image) {
+  vtkNew<vtkPNGWriter> writer;
+  writer->SetInputData(image);
+  writer->WriteToMemoryOn();
+  writer->Write();
+  vtkUnsignedCharArray* bytes = writer->GetResult();
+  auto file = AtomicFile::create(path);
+  if (!file) return file.error();
+  const std::span<const unsigned char> content(bytes->GetPointer(0),
+                                               static_cast<std::size_t>(bytes->GetDataSize()));
+  if (Status written = file->write(std::as_bytes(content)); !written) return written;
+  return file->commit();
+}
+
+// The renderers of a picture: the world, marks over it, words over both.
+struct Layers {
+  vtkNew<vtkRenderer> world, marks, words;
+  vtkNew<vtkRenderWindow> window;
+
+  Layers(int width, int height) {
+    window->SetOffScreenRendering(1);
+    window->SetMultiSamples(0);
+    window->SetAlphaBitPlanes(1);
+    window->SetNumberOfLayers(3);
+    window->SetSize(width, height);
+    world->SetBackground(kBackground[0], kBackground[1], kBackground[2]);
+    world->SetUseDepthPeeling(1);
+    world->SetMaximumNumberOfPeels(4);  // two sheets a peel; more cannot be told apart
+    marks->SetLayer(1);
+    words->SetLayer(2);
+    for (vtkRenderer* renderer : {world.Get(), marks.Get(), words.Get()}) {
+      window->AddRenderer(renderer);
+    }
+  }
+};
+
+}  // namespace
+
+Status write_picture(const std::filesystem::path& path, const ViewScene& scene,
+                     const PicturePlan& plan) {
+  const int sampling = plan.plain ? 1 : kOversampling;
+  const int width = plan.width * sampling, height = plan.height * sampling;
+  const Layers layers(width, height);
+  Stage stage(scene, plan.change, layers.world, layers.marks);
+  const bool placed = plan.moment || scene.bounds.empty;  // a shell alone stands where it is
+  stage.show(placed ? plan.shown : without_moment(plan.shown));
+  if (plan.moment) place_moment(stage, scene, *plan.moment);
+  stage.cut(plan.cut);
+  if (plan.plain) stage.make_plain();
+  stage.aim(plan.camera);
+  std::optional<Triad> triad;
+  Overlay overlay(layers.words, sampling);
+  if (!plan.plain) {
+    triad.emplace(layers.window, 1);
+    triad->aim(plan.camera.to_eye, plan.camera.up, width, height, 150 * sampling);
+    overlay.set_title(plan.title);
+    if (plan.moment) overlay.set_state(plan.moment->kind());
+    overlay.set_legend(legend_of(plan, scene));
+    overlay.lay_out(width, height, plan.metres_per_pixel() / sampling);
+  }
+  layers.window->Render();
+  vtkNew<vtkWindowToImageFilter> grab;
+  grab->SetInput(layers.window);
+  grab->ReadFrontBufferOff();
+  grab->SetInputBufferTypeToRGB();
+  grab->Update();
+  return write_png(path, shrunk(grab->GetOutput(), sampling));
+}
+
+}  // namespace forcelayer

@@ -1,0 +1,446 @@
+#include "runtime/viewer/vtk/stage.h"
+
+#include <vtkActor.h>
+#include <vtkActorCollection.h>
+#include <vtkAppendPolyData.h>
+#include <vtkArrowSource.h>
+#include <vtkCallbackCommand.h>
+#include <vtkCamera.h>
+#include <vtkCubeSource.h>
+#include <vtkGlyph3D.h>
+#include <vtkLight.h>
+#include <vtkMatrix4x4.h>
+#include <vtkNew.h>
+#include <vtkPlane.h>
+#include <vtkPlatonicSolidSource.h>
+#include <vtkPolyDataAlgorithm.h>
+#include <vtkPolyDataMapper.h>
+#include <vtkProperty.h>
+#include <vtkSphereSource.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
+#include <vector>
+
+#include "runtime/viewer/style.h"
+#include "runtime/viewer/surface/coarse_layers.h"
+#include "runtime/viewer/surface/layer_surface.h"
+#include "runtime/viewer/vtk/geometry.h"
+#include "runtime/viewer/vtk/voxel_faces.h"
+
+namespace forcelayer {
+namespace {
+
+using Actor = vtkSmartPointer<vtkActor>;
+
+// The order of everything that is kept per layer.
+constexpr std::array<VoxelValue, 3> kLayers = {VoxelValue::kInterior, VoxelValue::kSurface,
+                                               VoxelValue::kProximity};
+// Rectangles of a layer that cost little beside filling the window without a graphics card.
+constexpr std::uint64_t kQuickRectangles = 20000;
+
+Actor actor_of(const PolyData& data, const Colour& colour) {
+  vtkNew<vtkPolyDataMapper> mapper;
+  mapper->SetInputData(data);
+  mapper->ScalarVisibilityOff();
+  auto actor = Actor::New();
+  actor->SetMapper(mapper);
+  actor->GetProperty()->SetColor(colour[0], colour[1], colour[2]);
+  actor->GetProperty()->SetInterpolationToFlat();
+  return actor;
+}
+
+void replace_data(const Actor& actor, const PolyData& data) {
+  vtkPolyDataMapper::SafeDownCast(actor->GetMapper())->SetInputData(data);
+}
+
+Actor surface_actor(const PolyData& data, const Colour& colour) {
+  Actor actor = actor_of(data, colour);
+  actor->GetProperty()->SetAmbient(0.45);
+  actor->GetProperty()->SetDiffuse(0.6);
+  return actor;
+}
+
+Actor line_actor(const PolyData& data, const Colour& colour, double width) {
+  Actor actor = actor_of(data, colour);
+  actor->GetProperty()->LightingOff();
+  actor->GetProperty()->SetLineWidth(static_cast<float>(width));
+  return actor;
+}
+
+// A shape set at every point of the data that replace_glyphs() gives.
+struct Glyphs {
+  vtkSmartPointer<vtkGlyph3D> glyph = vtkSmartPointer<vtkGlyph3D>::New();
+  Actor actor;
+
+  Glyphs(vtkPolyDataAlgorithm* shape, const Colour& colour, bool by_vector) {
+    glyph->SetSourceConnection(shape->GetOutputPort());
+    glyph->SetVectorModeToUseVector();
+    glyph->SetOrient(by_vector);
+    if (by_vector) {
+      glyph->SetScaleModeToScaleByVector();
+    } else {
+      glyph->SetScaleModeToDataScalingOff();
+    }
+    glyph->SetInputData(PolyData::New());
+    vtkNew<vtkPolyDataMapper> mapper;
+    mapper->SetInputConnection(glyph->GetOutputPort());
+    mapper->ScalarVisibilityOff();
+    actor = Actor::New();
+    actor->SetMapper(mapper);
+    actor->GetProperty()->SetColor(colour[0], colour[1], colour[2]);
+    actor->GetProperty()->SetAmbient(0.35);
+  }
+
+  void set(const std::vector<glm::dvec3>& places_m, const std::vector<glm::dvec3>& vectors,
+           const glm::dvec3& origin_m, double size_m) {
+    glyph->SetInputData(vectors_at(places_m, vectors, origin_m));
+    glyph->SetScaleFactor(size_m);
+  }
+};
+
+vtkSmartPointer<vtkSphereSource> sphere() {
+  auto source = vtkSmartPointer<vtkSphereSource>::New();
+  source->SetRadius(0.5);
+  source->SetThetaResolution(12);
+  source->SetPhiResolution(9);
+  return source;
+}
+
+vtkSmartPointer<vtkArrowSource> arrow(double slenderness) {
+  auto source = vtkSmartPointer<vtkArrowSource>::New();
+  source->SetTipLength(2.7 / slenderness);
+  source->SetTipRadius(0.8 / slenderness);
+  source->SetShaftRadius(0.25 / slenderness);
+  source->SetTipResolution(16);
+  source->SetShaftResolution(12);
+  return source;
+}
+
+vtkSmartPointer<vtkPlatonicSolidSource> octahedron() {
+  auto source = vtkSmartPointer<vtkPlatonicSolidSource>::New();
+  source->SetSolidTypeToOctahedron();
+  return source;
+}
+
+vtkSmartPointer<vtkMatrix4x4> matrix_of(const Pose& a_from_b, const glm::dvec3& origin_m) {
+  auto matrix = vtkSmartPointer<vtkMatrix4x4>::New();
+  const glm::dmat3 rotation = glm::mat3_cast(a_from_b.orientation);
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) {
+      matrix->SetElement(row, column, rotation[column][row]);
+    }
+    matrix->SetElement(row, 3, a_from_b.position_m[row] - origin_m[row]);
+  }
+  return matrix;
+}
+
+}  // namespace
+
+struct Stage::Actors {
+  // Drawn in this order, inner ones first: without depth peeling, what is translucent is blended as
+  // it comes.
+  VoxelFaces cut_interior, interior, added, removed;
+  VoxelFaces quick_interior;
+  VoxelFaces cut_force_layer, cut_proximity, force_layer, proximity;
+  VoxelFaces quick_force_layer, quick_proximity;
+  Actor meshes, mesh_edges;
+  Actor part, part_edges, target, shell, spring;
+  Glyphs contact_points{sphere(), kContactColour, false};
+  Glyphs contact_forces{arrow(9), kContactColour, true};
+  Glyphs layer_points{sphere(), kForceLayerColour, false};
+  Glyphs proximity_points{vtkSmartPointer<vtkCubeSource>::New(), kProximityColour, false};
+  Glyphs interior_points{octahedron(), kPenetrationColour, false};
+  Glyphs net_force{arrow(20), kNetForceColour, true};
+
+  std::array<Glyphs*, 6> glyphs() {
+    return {&contact_points,   &contact_forces,  &layer_points,
+            &proximity_points, &interior_points, &net_force};
+  }
+  std::array<VoxelFaces*, 3> cuts() { return {&cut_interior, &cut_force_layer, &cut_proximity}; }
+  std::array<VoxelFaces*, 3> layers() { return {&interior, &force_layer, &proximity}; }
+  std::array<VoxelFaces*, 3> quick_layers() {
+    return {&quick_interior, &quick_force_layer, &quick_proximity};
+  }
+  std::array<VoxelFaces*, 8> bodies() {
+    return {&interior, &force_layer,    &proximity,         &added,
+            &removed,  &quick_interior, &quick_force_layer, &quick_proximity};
+  }
+
+  Actors(vtkRenderer* world, bool change)
+      : cut_interior(world, kInteriorColour, 1),
+        interior(world, kInteriorColour, 1),
+        added(world, kAddedColour, 1),
+        removed(world, kRemovedColour, 1),
+        quick_interior(world, kInteriorColour, 1),
+        cut_force_layer(world, kForceLayerColour, 1),
+        cut_proximity(world, kProximityColour, 1),
+        force_layer(world, kForceLayerColour, change ? kUnchangedOpacity : kForceLayerOpacity),
+        proximity(world, kProximityColour, kProximityOpacity),
+        quick_force_layer(world, kForceLayerColour,
+                          change ? kUnchangedOpacity : kForceLayerOpacity),
+        quick_proximity(world, kProximityColour, kProximityOpacity) {}
+};
+
+Stage::Stage(const ViewScene& scene, const std::optional<LayerChange>& change, vtkRenderer* world,
+             vtkRenderer* marks)
+    : scene_(scene),
+      world_(world),
+      marks_(marks),
+      actors_(std::make_unique<Actors>(world, change.has_value())) {
+  build_scene();
+  build_layers(change);
+  build_part();
+  for (Glyphs* glyphs : actors_->glyphs()) marks_->AddActor(glyphs->actor);
+  for (vtkRenderer* renderer : {world_, marks_}) {
+    vtkNew<vtkLight> light;
+    light->SetLightTypeToCameraLight();
+    light->SetPosition(kToLight[0], kToLight[1], kToLight[2]);
+    light->SetFocalPoint(0, 0, 0);
+    renderer->AddLight(light);
+  }
+  marks_->SetActiveCamera(world_->GetActiveCamera());
+  vtkNew<vtkCallbackCommand> start;
+  start->SetClientData(this);
+  start->SetCallback([](vtkObject*, unsigned long, void* self, void*) {
+    static_cast<Stage*>(self)->face_camera();
+  });
+  observer_ = world_->AddObserver(vtkCommand::StartEvent, start);
+}
+
+void Stage::build_scene() {
+  if (scene_.meshes.empty()) return;
+  // One actor for all: an assembly of hundreds of parts turns as fast as one part. Edges mesh by
+  // mesh: where two parts touch, both keep theirs.
+  vtkNew<vtkAppendPolyData> meshes, edges;
+  for (const ViewMesh& mesh : scene_.meshes) {
+    const PolyData data = poly_data_of(mesh);
+    meshes->AddInputData(data);
+    edges->AddInputData(feature_edges_of(data));
+  }
+  meshes->Update();
+  edges->Update();
+  actors_->meshes = surface_actor(meshes->GetOutput(), kSceneColour);
+  actors_->mesh_edges = line_actor(edges->GetOutput(), kEdgeColour, 1);
+  world_->AddActor(actors_->meshes);
+  world_->AddActor(actors_->mesh_edges);
+}
+
+void Stage::build_layers(const std::optional<LayerChange>& change) {
+  if (!scene_.voxmap) return;
+  Actors& a = *actors_;
+  for (std::size_t n = 0; n < kLayers.size(); ++n) {
+    const QuadSurface surface = layer_surface(*scene_.voxmap, kLayers[n], scene_.origin_m);
+    voxel_rectangles_ += surface.quad_count();
+    most_rectangles_ = std::max(most_rectangles_, surface.quad_count());
+    a.layers()[n]->set(surface);
+  }
+  if (!change) return;
+  a.added.set(change->added_surface);
+  a.removed.set(change->removed_surface);
+  a.removed.draw_edges(kInk);  // so that the two differ in more than hue
+}
+
+void Stage::build_quick_layers() {
+  if (!scene_.voxmap || most_rectangles_ <= kQuickRectangles) return;
+  int edge = 2;  // each doubling leaves about a quarter of the faces
+  while (edge < CoarseLayers::kLargestEdge &&
+         most_rectangles_ > kQuickRectangles * static_cast<std::uint64_t>(edge * edge)) {
+    edge *= 2;
+  }
+  const CoarseLayers coarse(*scene_.voxmap, edge);
+  for (std::size_t n = 0; n < kLayers.size(); ++n) {
+    actors_->quick_layers()[n]->set(coarse.surface(kLayers[n], scene_.origin_m));
+  }
+  has_quick_ = true;
+}
+
+void Stage::draw_quickly(bool quickly) {
+  quickly_ = quickly;
+  show_layers();
+}
+
+void Stage::build_part() {
+  Actors& a = *actors_;
+  if (scene_.part) {
+    const PolyData data = poly_data_of(*scene_.part);
+    const PolyData edges = feature_edges_of(data);
+    a.part = surface_actor(data, kPartColour);
+    a.part_edges = line_actor(edges, kInk, 1.5);
+    a.target = line_actor(edges, kGhostColour, 2);
+  }
+  if (scene_.shell) {
+    a.shell = surface_actor(discs_of(*scene_.shell), kPartColour);
+    a.shell->GetProperty()->SetPointSize(4);
+  }
+  a.spring = line_actor(PolyData::New(), kGhostColour, 3);
+  for (const Actor& actor : {a.part, a.part_edges, a.target, a.shell, a.spring}) {
+    if (actor != nullptr) world_->AddActor(actor);
+  }
+}
+
+Stage::~Stage() { world_->RemoveObserver(observer_); }
+
+void Stage::show(const ShownSet& shown) {
+  Actors& a = *actors_;
+  const auto set = [&](const Actor& actor, Shown what) {
+    if (actor != nullptr) actor->SetVisibility(shown[what]);
+  };
+  for (const Actor& actor : {a.meshes, a.mesh_edges}) set(actor, Shown::kMeshes);
+  for (const Actor& actor : {a.part, a.part_edges}) set(actor, Shown::kPart);
+  for (const Actor& actor : {a.target, a.spring}) set(actor, Shown::kHandle);
+  shown_ = shown;
+  show_layers();
+  set(a.shell, Shown::kShell);
+  for (const Glyphs* glyphs : a.glyphs()) set(glyphs->actor, Shown::kContacts);
+}
+
+void Stage::show_layers() {
+  constexpr std::array<Shown, 3> kNames = {Shown::kInterior, Shown::kForceLayer, Shown::kProximity};
+  const bool quickly = quickly_ && has_quick_;
+  for (std::size_t n = 0; n < kNames.size(); ++n) {
+    const bool shown = shown_[kNames[n]];
+    actors_->cuts()[n]->show(shown);
+    actors_->layers()[n]->show(shown && !quickly);
+    actors_->quick_layers()[n]->show(shown && quickly);
+  }
+}
+
+void Stage::cut(const std::optional<Cut>& cut) {
+  Actors& a = *actors_;
+  vtkNew<vtkPlane> plane;
+  if (cut) {
+    double normal[3] = {0, 0, 0}, origin[3] = {0, 0, 0};
+    normal[cut->axis] = cut->keep_low ? -1 : 1;
+    origin[cut->axis] = cut->at_m - scene_.origin_m[cut->axis];
+    plane->SetNormal(normal);
+    plane->SetOrigin(origin);
+  }
+  for (const Actor& actor : {a.meshes, a.mesh_edges}) {
+    if (actor == nullptr) continue;
+    actor->GetMapper()->RemoveAllClippingPlanes();
+    if (cut) actor->GetMapper()->AddClippingPlane(plane);
+  }
+  for (VoxelFaces* faces : a.bodies()) faces->cut(cut ? plane.Get() : nullptr);
+  for (std::size_t n = 0; n < kLayers.size(); ++n) {
+    const bool open = cut && scene_.voxmap;
+    a.cuts()[n]->set(open ? cut_sheet(*cut, kLayers[n]) : QuadSurface{});
+  }
+}
+
+QuadSurface Stage::cut_sheet(const Cut& cut, VoxelValue value) const {
+  // The voxels just on the side that stays.
+  const double place = cut.at_m / scene_.voxmap->voxel_size_m();
+  const auto index =
+      static_cast<std::int64_t>(cut.keep_low ? std::ceil(place) - 1 : std::floor(place));
+  return slice_surface(*scene_.voxmap, value, cut.axis, index, cut.keep_low ? 1 : -1,
+                       scene_.origin_m);
+}
+
+void Stage::face_camera() {
+  vtkCamera* camera = world_->GetActiveCamera();
+  const double* along = camera->GetDirectionOfProjection();
+  double up[3];
+  camera->GetViewUp(up);
+  const glm::dvec3 to_eye = -glm::dvec3(along[0], along[1], along[2]);
+  const glm::dvec3 sky(up[0], up[1], up[2]);
+  const glm::dvec3 across = glm::normalize(sky - glm::dot(sky, to_eye) * to_eye);
+  for (VoxelFaces* faces : actors_->bodies()) faces->face_camera(to_eye, across);
+  for (VoxelFaces* faces : actors_->cuts()) faces->face_camera(to_eye, across);
+  world_->ResetCameraClippingRange();  // to what is visible from now on
+}
+
+void Stage::aim(const CameraView& view) {
+  vtkCamera* camera = world_->GetActiveCamera();
+  const glm::dvec3 target = view.target_m - scene_.origin_m;
+  const double distance_m =
+      10 * view.half_height_m + glm::length(scene_.bounds.high_m - scene_.bounds.low_m);
+  const glm::dvec3 eye = target + distance_m * view.to_eye;
+  camera->SetParallelProjection(1);
+  camera->SetFocalPoint(target.x, target.y, target.z);
+  camera->SetPosition(eye.x, eye.y, eye.z);
+  camera->SetViewUp(view.up.x, view.up.y, view.up.z);
+  camera->SetParallelScale(view.half_height_m);
+  world_->ResetCameraClippingRange();
+}
+
+void Stage::make_plain() {
+  Actors& a = *actors_;
+  vtkActorCollection* all = world_->GetActors();
+  all->InitTraversal();
+  while (vtkActor* actor = all->GetNextActor()) {
+    actor->GetProperty()->LightingOff();
+    actor->GetProperty()->SetAmbient(0);
+    actor->GetProperty()->SetDiffuse(1);
+    actor->GetProperty()->EdgeVisibilityOff();
+    actor->GetProperty()->SetOpacity(1);
+  }
+  for (VoxelFaces* faces : a.bodies()) faces->make_plain();
+  for (VoxelFaces* faces : a.cuts()) faces->make_plain();
+  for (const Actor& actor : {a.mesh_edges, a.part_edges}) {
+    if (actor != nullptr) actor->SetVisibility(0);
+  }
+}
+
+void Stage::place_part(const Pose& world_from_part) {
+  const auto matrix = matrix_of(world_from_part, scene_.origin_m);
+  for (const Actor& actor : {actors_->part, actors_->part_edges, actors_->shell}) {
+    if (actor != nullptr) actor->SetUserMatrix(matrix);
+  }
+}
+
+void Stage::place_target(const Pose& world_from_part, const Pose& world_from_target) {
+  const auto matrix = matrix_of(world_from_target, scene_.origin_m);
+  if (actors_->target != nullptr) actors_->target->SetUserMatrix(matrix);
+  if (!scene_.shell) return;
+  const double width_m = 0.25 * scene_.shell->header().bounding_radius_m;
+  replace_data(actors_->spring,
+               spring_between(world_from_center(world_from_part, *scene_.shell).position_m,
+                              world_from_center(world_from_target, *scene_.shell).position_m,
+                              width_m, scene_.origin_m));
+}
+
+void Stage::place_contacts(const ContactView& contacts, double arrow_m) {
+  struct Places {
+    std::vector<glm::dvec3> at, vector;
+  } contact, layer, proximity, interior;
+  for (const ViewPoint& point : contacts.points) {
+    Places* kind = point.value == VoxelValue::kSurface ? &layer : &proximity;
+    if (point.depth_m > 0) kind = &contact;
+    if (point.value == VoxelValue::kInterior) kind = &interior;
+    kind->at.push_back(point.position_m);
+    kind->vector.push_back(point.depth_m * point.direction);
+  }
+  const double dot_m = 0.06 * arrow_m, per_depth = arrow_m / std::max(contacts.deepest_m, 1e-12);
+  Actors& a = *actors_;
+  a.contact_points.set(contact.at, contact.vector, scene_.origin_m, dot_m);
+  a.contact_forces.set(contact.at, contact.vector, scene_.origin_m, per_depth);
+  a.layer_points.set(layer.at, layer.vector, scene_.origin_m, 0.7 * dot_m);
+  a.proximity_points.set(proximity.at, proximity.vector, scene_.origin_m, 0.6 * dot_m);
+  a.interior_points.set(interior.at, interior.vector, scene_.origin_m, 1.2 * dot_m);
+}
+
+void Stage::place_net_force(const glm::dvec3& at_m, const glm::dvec3& direction, double length_m) {
+  if (length_m > 0) {
+    actors_->net_force.set({at_m}, {glm::normalize(direction)}, scene_.origin_m, length_m);
+  } else {
+    actors_->net_force.set({}, {}, scene_.origin_m, 0);
+  }
+}
+
+void place_moment(Stage& stage, const ViewScene& scene, const Moment& moment) {
+  stage.place_part(moment.world_from_part);
+  if (moment.world_from_target) {
+    stage.place_target(moment.world_from_part, *moment.world_from_target);
+  }
+  if (!scene.shell) return;
+  const double radius_m = scene.shell->header().bounding_radius_m;
+  stage.place_contacts(moment.contacts, 0.5 * radius_m);
+  const glm::dvec3 force_n = moment.on_hand ? moment.on_hand->force_n : glm::dvec3(0);
+  stage.place_net_force(world_from_center(moment.world_from_part, *scene.shell).position_m, force_n,
+                        glm::length(force_n) > 0 ? 1.2 * radius_m : 0);
+}
+
+}  // namespace forcelayer

@@ -1,0 +1,70 @@
+// The three-dimensional things of a picture: scene, layers, part, contacts.
+#pragma once
+
+#include <vtkRenderer.h>
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+#include "runtime/viewer/camera.h"
+#include "runtime/viewer/run/contact_view.h"
+#include "runtime/viewer/run/moment.h"
+#include "runtime/viewer/shown.h"
+#include "runtime/viewer/surface/cut.h"
+#include "runtime/viewer/surface/layer_change.h"
+#include "runtime/viewer/view_scene.h"
+
+namespace forcelayer {
+
+// Fills two renderers that share a camera: `world`, and above it `marks`, which is never hidden
+// behind the world (contact points and forces). `scene` must outlive the stage.
+class Stage {
+ public:
+  // `change` is drawn in place of the layers where there is one.
+  Stage(const ViewScene& scene, const std::optional<LayerChange>& change, vtkRenderer* world,
+        vtkRenderer* marks);
+  ~Stage();
+
+  std::uint64_t voxel_rectangles() const { return voxel_rectangles_; }  // of all layers
+  void show(const ShownSet& shown);
+  // Makes ready what draw_quickly() shows, where the layers have too many faces to turn smoothly.
+  void build_quick_layers();
+  // Layers in cells of several voxels, until told otherwise: for frames that must not take long.
+  void draw_quickly(bool quickly);
+  void aim(const CameraView& camera);
+  void cut(const std::optional<Cut>& cut);
+  void make_plain();  // flat opaque colours without light or edges: a pixel tells what it shows
+  void place_part(const Pose& world_from_part);
+  // Where the part would be without contact, as an outline, with a spring to where it is.
+  void place_target(const Pose& world_from_part, const Pose& world_from_target);
+  // Points and forces; the longest arrow, at the greatest depth, is `arrow_m` long.
+  void place_contacts(const ContactView& contacts, double arrow_m);
+  // The force on the hand as one arrow of `length_m` at the part's centroid; zero hides it.
+  void place_net_force(const glm::dvec3& at_m, const glm::dvec3& direction, double length_m);
+
+ private:
+  struct Actors;
+  void build_scene();
+  void build_layers(const std::optional<LayerChange>& change);
+  void build_part();
+  QuadSurface cut_sheet(const Cut& cut, VoxelValue value) const;
+  void face_camera();
+  void show_layers();
+
+  const ViewScene& scene_;
+  vtkRenderer* world_;
+  vtkRenderer* marks_;
+  std::unique_ptr<Actors> actors_;
+  std::uint64_t voxel_rectangles_ = 0;
+  std::uint64_t most_rectangles_ = 0;  // of one layer
+  ShownSet shown_;
+  bool has_quick_ = false, quickly_ = false;
+  unsigned long observer_ = 0;  // of the start of a rendering
+};
+
+// Places all that a moment shows.
+void place_moment(Stage& stage, const ViewScene& scene, const Moment& moment);
+
+}  // namespace forcelayer

@@ -1,0 +1,168 @@
+// Polygons as triangles: the triangles' signed areas sum to the polygon's and none is inverted, so
+// that they cover a simple polygon once and nothing else.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <numeric>
+#include <random>
+
+#include "formats/mesh/readers/polygon_splitter.h"
+#include "tests/support/mesh_files.h"
+
+namespace forcelayer {
+namespace {
+
+struct Flat {
+  double x, y;
+};
+
+double doubled_area(const Flat& a, const Flat& b, const Flat& c) {
+  return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+}
+
+double doubled_area(const std::vector<Flat>& outline) {
+  double sum = 0;
+  for (std::size_t i = 0; i < outline.size(); ++i) {
+    const Flat &a = outline[i], &b = outline[(i + 1) % outline.size()];
+    sum += a.x * b.y - a.y * b.x;
+  }
+  return sum;
+}
+
+// The outline in a plane of the given axes.
+Mesh lift(const std::vector<Flat>& outline, const Vec3d& x_axis, const Vec3d& y_axis) {
+  Mesh mesh;
+  for (const Flat& p : outline) {
+    Vec3d& vertex = mesh.vertices.emplace_back();
+    for (std::size_t i = 0; i < 3; ++i) vertex[i] = p.x * x_axis[i] + p.y * y_axis[i];
+  }
+  return mesh;
+}
+
+void expect_covered(const std::vector<Flat>& outline, const Vec3d& x_axis, const Vec3d& y_axis,
+                    const std::string& which) {
+  Mesh mesh = lift(outline, x_axis, y_axis);
+  std::vector<std::uint32_t> corners(outline.size());
+  std::iota(corners.begin(), corners.end(), 0u);
+  PolygonSplitter splitter;
+  splitter.split(corners, mesh);
+  ASSERT_EQ(mesh.triangles.size(), outline.size() - 2) << which;
+  const double total = doubled_area(outline);
+  double sum = 0;
+  for (const auto& [a, b, c] : mesh.triangles) {
+    const double area = doubled_area(outline[a], outline[b], outline[c]);
+    EXPECT_GE(area, -1e-12 * total) << which;  // rounding of the lifted coordinates
+    sum += area;
+  }
+  EXPECT_NEAR(sum, total, 1e-12 * total) << which;
+  std::vector<std::string> warnings;
+  splitter.add_warnings(warnings);
+  EXPECT_TRUE(warnings.empty()) << which << ": " << warnings[0];
+}
+
+void expect_covered_in_all_planes(const std::vector<Flat>& outline, const std::string& which) {
+  const Vec3d x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};
+  expect_covered(outline, x, y, which + " xy");
+  expect_covered(outline, y, x, which + " yx");
+  expect_covered(outline, y, z, which + " yz");
+  expect_covered(outline, z, x, which + " zx");
+  expect_covered(outline, {0.6, 0.8, 0}, {0, 0.1, 1}, which + " oblique");
+}
+
+// A star-shaped outline around the origin: simple, and as jagged as it gets.
+std::vector<Flat> random_star(std::mt19937_64& random, std::size_t corners) {
+  std::uniform_real_distribution<double> radius(0.1, 10), jitter(0.05, 0.95);
+  std::vector<Flat> outline;
+  for (std::size_t i = 0; i < corners; ++i) {
+    const double angle = 2 * std::numbers::pi * (static_cast<double>(i) + jitter(random)) /
+                         static_cast<double>(corners);
+    const double r = radius(random);
+    outline.push_back({r * std::cos(angle), r * std::sin(angle)});
+  }
+  return outline;
+}
+
+// A comb on whole numbers: many reflex corners, many corners in a line.
+std::vector<Flat> random_comb(std::mt19937_64& random, int teeth) {
+  std::vector<Flat> outline{{0, -1}, {2.0 * teeth, -1}};
+  for (int i = teeth; i-- > 0;) {
+    const double height = static_cast<double>(1 + random() % 5);
+    outline.push_back({2.0 * i + 2, 0});
+    outline.push_back({2.0 * i + 1, height});
+    outline.push_back({2.0 * i + static_cast<double>(random() % 2), 0});
+  }
+  return outline;
+}
+
+TEST(PolygonSplitter, CoversStarsOnce) {
+  for (std::uint64_t seed = 0; seed < 300; ++seed) {
+    std::mt19937_64 random(seed);
+    expect_covered_in_all_planes(random_star(random, 4 + random() % 60),
+                                 "star " + std::to_string(seed));
+  }
+}
+
+TEST(PolygonSplitter, CoversCombsOnce) {
+  for (std::uint64_t seed = 0; seed < 100; ++seed) {
+    std::mt19937_64 random(seed);
+    expect_covered_in_all_planes(random_comb(random, 1 + static_cast<int>(random() % 12)),
+                                 "comb " + std::to_string(seed));
+  }
+}
+
+// A square with a square hole, cut open along a bridge that the outline runs along twice.
+TEST(PolygonSplitter, CoversAPolygonWithABridgeToItsHole) {
+  expect_covered_in_all_planes(
+      {{0, 0}, {4, 0}, {4, 4}, {0, 4}, {0, 0}, {1, 1}, {1, 3}, {3, 3}, {3, 1}, {1, 1}}, "bridge");
+}
+
+TEST(PolygonSplitter, CoversQuadsWithAReflexCornerAnywhere) {
+  const std::vector<Flat> dart{{0, 0}, {4, 1}, {1, 1}, {1, 4}};
+  for (std::size_t first = 0; first < 4; ++first) {
+    std::vector<Flat> outline;
+    for (std::size_t i = 0; i < 4; ++i) outline.push_back(dart[(first + i) % 4]);
+    expect_covered_in_all_planes(outline, "dart " + std::to_string(first));
+  }
+}
+
+TEST(PolygonSplitter, FansAConvexPolygonWithCornersInALine) {
+  expect_covered_in_all_planes({{0, 0}, {1, 0}, {2, 0}, {2, 1}, {2, 2}, {1, 2}, {0, 2}}, "square");
+}
+
+std::vector<std::string> warnings_of(const Mesh& outline) {
+  Mesh mesh = outline;
+  std::vector<std::uint32_t> corners(outline.vertices.size());
+  std::iota(corners.begin(), corners.end(), 0u);
+  PolygonSplitter splitter;
+  splitter.split(corners, mesh);
+  EXPECT_EQ(mesh.triangles.size(), corners.size() - 2);
+  std::vector<std::string> warnings;
+  splitter.add_warnings(warnings);
+  return warnings;
+}
+
+TEST(PolygonSplitter, WarnsOfAPolygonThatIsNotPlanar) {
+  const auto warnings = warnings_of({{{0, 0, 0}, {1, 0, 0}, {1, 1, 0.5}, {0, 1, 0}}, {}, false});
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_NE(warnings[0].find("1 polygon not planar"), std::string::npos) << warnings[0];
+}
+
+TEST(PolygonSplitter, WarnsOfAnOutlineThatCrossesItself) {
+  // A pentagram: five corners that turn the same way, twice around.
+  Mesh star;
+  for (int i = 0; i < 5; ++i) {
+    const double angle = 4 * std::numbers::pi * i / 5;
+    star.vertices.push_back({std::cos(angle), std::sin(angle), 0});
+  }
+  EXPECT_EQ(warnings_of(star).size(), 1u);
+  // A bow tie whose lobes differ, so that it has an area.
+  EXPECT_EQ(warnings_of({{{0, 0, 0}, {3, 3, 0}, {3, 0, 0}, {0, 1, 0}}, {}, false}).size(), 1u);
+}
+
+TEST(PolygonSplitter, KeepsPolygonsWithoutArea) {
+  EXPECT_TRUE(warnings_of({{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {1, 0, 0}}, {}, false}).empty());
+}
+
+}  // namespace
+}  // namespace forcelayer

@@ -1,0 +1,69 @@
+// A folder of results by the digest of all that they were made from, shared by any number of
+// processes and machines.
+//
+//   DIR/ab/abcdef....KIND   an entry: a header of 64 bytes, then its content
+//   DIR/tmp/                what is being written
+//
+// An entry appears whole, by a rename, and is never changed. One that is damaged, cut short or of
+// something else is as good as none. No symbolic link inside the folder is followed. Whoever may
+// write to the folder is trusted: checksums find accidents, not forgeries.
+#pragma once
+
+#include <cstddef>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "formats/result.h"
+#include "voxelize/cache/digest.h"
+
+namespace forcelayer {
+
+// The content of an entry, mapped into memory.
+class CacheEntry {
+ public:
+  CacheEntry(const void* address, std::size_t mapped_bytes, std::span<const std::byte> content)
+      : address_(address), mapped_bytes_(mapped_bytes), content_(content) {}
+  CacheEntry(CacheEntry&& other) noexcept;
+  CacheEntry& operator=(CacheEntry&& other) noexcept;
+  ~CacheEntry();
+
+  std::span<const std::byte> bytes() const { return content_; }  // 8-byte aligned
+
+ private:
+  const void* address_ = nullptr;
+  std::size_t mapped_bytes_ = 0;
+  std::span<const std::byte> content_;
+};
+
+class CacheFolder {
+ public:
+  // Makes the folder where it is missing; kWriteFailed where that cannot be. Removes what killed
+  // writers left behind.
+  static Result<CacheFolder> open(const std::string& path);
+  CacheFolder(CacheFolder&& other) noexcept;
+  CacheFolder& operator=(CacheFolder&&) = delete;
+  ~CacheFolder();
+
+  // `kind` has at most eight letters. Any thread may call these.
+  std::optional<CacheEntry> find(const char* kind, const Digest& key) const;
+  // Failing to write is no error: the next bake does the work again.
+  void keep(const char* kind, const Digest& key, std::span<const std::byte> content) const;
+
+  // The first failure to write, for a warning.
+  std::optional<std::string> trouble() const;
+
+ private:
+  CacheFolder(std::string path, int descriptor) : path_(std::move(path)), folder_(descriptor) {}
+  void remove_leftovers() const;
+  void note_trouble(int number) const;
+
+  std::string path_;
+  int folder_ = -1;  // descriptor
+  mutable std::mutex mutex_;
+  mutable std::optional<std::string> trouble_;
+};
+
+}  // namespace forcelayer

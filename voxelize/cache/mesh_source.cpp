@@ -1,0 +1,225 @@
+#include "voxelize/cache/mesh_source.h"
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <utility>
+
+#include "formats/mesh/reader.h"
+#include "formats/mesh/units.h"
+#include "voxelize/cache/byte_pack.h"
+#include "voxelize/cache/cache_versions.h"
+
+namespace forcelayer {
+namespace {
+
+constexpr const char* kAssemblyKind = "assembly";
+constexpr const char* kFactsKind = "facts";
+
+std::vector<MeshOutline> outlines_of(const Assembly& assembly) {
+  std::vector<MeshOutline> outlines;
+  for (const Mesh& mesh : assembly.meshes) outlines.push_back(outline_of(mesh));
+  return outlines;
+}
+
+bool contains(std::string_view text, std::string_view word) {
+  return text.find(word) != std::string_view::npos;
+}
+
+// Whether all that is read may not lie in the file itself: then its bytes are no key.
+bool may_refer_to_files(std::string_view bytes, const std::string& extension) {
+  if (extension == ".gltf" || extension == ".glb") return contains(bytes, "\"uri\"");
+  if (extension == ".stp" || extension == ".step") {
+    return contains(bytes, "DOCUMENT_FILE") || contains(bytes, "EXTERNAL");
+  }
+  return false;
+}
+
+// The digest of all that reading a file depends on; nothing where that is not the file alone.
+std::optional<Digest> assembly_key(const std::string& path, const ReadOptions& options) {
+  const SourceFile source = named_file(path);
+  const auto mapped = MappedFile::open(source.path);
+  if (!mapped) return std::nullopt;  // reading it will say why
+  const std::filesystem::path name = std::filesystem::path(source.path).filename();
+  std::string extension = name.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (may_refer_to_files(text_of(*mapped), extension)) return std::nullopt;
+  DigestBuilder digest;
+  digest.text(kAssemblyKind).value(kAssemblyCacheVersion);
+  digest.text(name.string()).text(source.node);  // nodes without names are called by the file's
+  if (extension.starts_with(".st") || extension.starts_with(".ig")) {
+    if (extension != ".stl") digest.value(options.deflection_m);
+  }
+  return digest.value(digest_of(mapped->bytes())).finish();
+}
+
+// Everything but the meshes, which are as many as outlines.
+std::vector<std::byte> pack(const Assembly& assembly, const std::vector<MeshOutline>& outlines) {
+  BytePacker packer;
+  packer.list(outlines);
+  packer.value(std::uint64_t{assembly.instances.size()});
+  for (const MeshInstance& instance : assembly.instances) {
+    packer.value(instance.mesh);
+    packer.text(instance.name);
+    packer.value(instance.assembly_from_mesh);
+  }
+  packer.value(std::uint64_t{assembly.metres_per_unit.has_value()});
+  packer.value(assembly.metres_per_unit.value_or(0));
+  packer.value(assembly.deviation_units);
+  packer.value(std::uint64_t{assembly.warnings.size()});
+  for (const std::string& warning : assembly.warnings) packer.text(warning);
+  return packer.bytes();
+}
+
+std::optional<Assembly> unpack(std::span<const std::byte> bytes,
+                               std::vector<MeshOutline>& outlines) {
+  try {
+    ByteUnpacker unpacker(bytes);
+    const auto list = unpacker.list<MeshOutline>();
+    outlines.assign(list.begin(), list.end());
+    Assembly assembly;
+    assembly.meshes.resize(outlines.size());
+    for (auto n = unpacker.value<std::uint64_t>(); n > 0; --n) {
+      MeshInstance& instance = assembly.instances.emplace_back();
+      instance.mesh = unpacker.value<std::uint32_t>();
+      if (instance.mesh >= outlines.size()) return std::nullopt;
+      instance.name = unpacker.text();
+      instance.assembly_from_mesh = unpacker.value<Affine>();
+    }
+    const bool has_unit = unpacker.value<std::uint64_t>() != 0;
+    const auto unit = unpacker.value<double>();
+    if (has_unit) assembly.metres_per_unit = unit;
+    assembly.deviation_units = unpacker.value<double>();
+    for (auto n = unpacker.value<std::uint64_t>(); n > 0; --n) {
+      assembly.warnings.push_back(unpacker.text());
+    }
+    unpacker.expect_end();
+    return assembly;
+  } catch (const BadPack&) {
+    return std::nullopt;
+  }
+}
+
+// Facts are plain numbers: they are kept as they lie in memory.
+struct FactsRecord {
+  std::array<std::uint64_t, 8> counts;
+  std::array<std::uint64_t, 2> flags;
+  std::array<double, 8> measures;
+};
+
+FactsRecord record_of(const MeshFacts& f) {
+  return {{f.triangles, f.vertices, f.distinct_vertices, f.degenerate_triangles,
+           f.duplicate_triangles, f.boundary_edges, f.non_manifold_edges, f.flipped_edges},
+          {f.closed, f.consistently_oriented},
+          {f.min[0], f.min[1], f.min[2], f.max[0], f.max[1], f.max[2], f.area, f.signed_volume}};
+}
+
+MeshFacts facts_of(const FactsRecord& r) {
+  const auto& [triangles, vertices, distinct, degenerate, duplicate, boundary, non_manifold,
+               flipped] = r.counts;
+  const auto& m = r.measures;
+  return {triangles,
+          vertices,
+          distinct,
+          degenerate,
+          duplicate,
+          boundary,
+          non_manifold,
+          flipped,
+          r.flags[0] != 0,
+          r.flags[1] != 0,
+          {m[0], m[1], m[2]},
+          {m[3], m[4], m[5]},
+          m[6],
+          m[7]};
+}
+
+}  // namespace
+
+MeshOutline outline_of(const Mesh& mesh) {
+  return {digest_of(std::as_bytes(std::span(mesh.vertices))),
+          digest_of(std::as_bytes(std::span(mesh.triangles))), mesh.triangles.size(),
+          float_coordinate(mesh)};
+}
+
+Digest MeshOutline::digest() const {
+  return DigestBuilder().value(vertices).value(triangles).finish();
+}
+
+Result<Assembly> MeshSource::read(const std::string& path, const ReadOptions& options) {
+  File file{path, options, {}, {}, {}};
+  std::optional<Digest> key;
+  if (cache_ != nullptr) key = assembly_key(path, options);
+  if (key) {
+    if (const auto entry = cache_->find(kAssemblyKind, *key)) {
+      if (auto assembly = unpack(entry->bytes(), file.outlines)) {
+        files_.push_back(std::move(file));
+        return std::move(*assembly);
+      }
+    }
+  }
+  auto assembly = read_(path, options);
+  if (!assembly) return assembly;
+  file.outlines = outlines_of(*assembly);
+  // Kept under what was hashed: a file that changed in between is not.
+  if (key && key == assembly_key(path, options)) {
+    cache_->keep(kAssemblyKind, *key, pack(*assembly, file.outlines));
+  }
+  file.meshes = std::exchange(assembly->meshes, std::vector<Mesh>(file.outlines.size()));
+  files_.push_back(std::move(file));
+  return assembly;
+}
+
+std::vector<MeshOutline> MeshSource::outlines(const Scene& scene) const {
+  std::vector<MeshOutline> all;
+  for (const ScenePart& part : scene.parts) all.push_back(outline(part));
+  return all;
+}
+
+Result<const Mesh*> MeshSource::mesh(const ScenePart& part) {
+  File& file = files_[part.assembly];
+  if (file.meshes.empty()) {
+    auto assembly = read_(file.path, file.options);
+    if (!assembly) return assembly.error();
+    const std::vector<MeshOutline> outlines = outlines_of(*assembly);
+    const bool same =
+        std::equal(outlines.begin(), outlines.end(), file.outlines.begin(), file.outlines.end(),
+                   [](const auto& a, const auto& b) { return a.digest() == b.digest(); });
+    if (!same) {
+      return Error{ErrorCode::kReadFailed, file.path, "", "has changed while it was being read",
+                   "start again"};
+    }
+    file.meshes = std::move(assembly->meshes);
+  }
+  return &file.meshes[part.mesh];
+}
+
+Result<MeshFacts> MeshSource::facts(const ScenePart& part) {
+  File& file = files_[part.assembly];
+  file.facts.resize(file.outlines.size());
+  std::optional<MeshFacts>& facts = file.facts[part.mesh];
+  if (facts) return *facts;
+  const Digest key = DigestBuilder()
+                         .text(kFactsKind)
+                         .value(kFactsCacheVersion)
+                         .value(outline(part).digest())
+                         .finish();
+  if (cache_ != nullptr) {
+    const auto entry = cache_->find(kFactsKind, key);
+    if (entry && entry->bytes().size() == sizeof(FactsRecord)) {
+      facts = facts_of(ByteUnpacker(entry->bytes()).value<FactsRecord>());
+      return *facts;
+    }
+  }
+  const auto found = mesh(part);
+  if (!found) return found.error();
+  facts = mesh_facts(**found);
+  if (cache_ != nullptr) {
+    const FactsRecord record = record_of(*facts);
+    cache_->keep(kFactsKind, key, std::as_bytes(std::span(&record, 1)));
+  }
+  return *facts;
+}
+
+}  // namespace forcelayer

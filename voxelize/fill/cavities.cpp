@@ -1,0 +1,283 @@
+#include "voxelize/fill/cavities.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <numeric>
+#include <optional>
+#include <unordered_map>
+
+#include "voxelize/masks/brick_bits.h"
+
+namespace forcelayer {
+namespace {
+
+using Id = std::uint32_t;
+
+// A connected set of cells of one 8x8x8 mask: voxels of a brick, whole bricks of a node, whole
+// nodes of a block, or one whole block.
+struct Cluster {
+  Coord origin;  // of the mask
+  int cell = 1;  // edge of a cell in voxels
+  BrickMask cells;
+};
+
+// The 6-connected sets of a mask.
+template <class F>
+void for_each_cluster(const BrickMask& mask, F&& f) {
+  BrickMask rest = mask;
+  while (rest.any()) {
+    BrickMask seed;
+    for (std::size_t x = 0; x < 8; ++x) {
+      if (rest.words[x] == 0) continue;
+      seed.words[x] = rest.words[x] & (~rest.words[x] + 1);
+      break;
+    }
+    const BrickMask cluster = flooded(seed, rest);
+    f(cluster);
+    rest = rest & ~cluster;
+  }
+}
+
+// What stands in a cell of a node or of a block: clusters, or all of one.
+struct CellClusters {
+  std::vector<std::pair<const Cluster*, Id>> parts;  // of a mask inside the cell
+  bool whole = false;
+  Id whole_id = 0;
+};
+
+// The clusters of one 64^3 node.
+struct NodeClusters {
+  std::vector<Cluster> clusters;
+  std::vector<std::uint32_t>
+      first;                 // [513] of each brick's own clusters; those of whole bricks last
+  BrickMask whole, partial;  // bricks
+  Id base = 0;               // of clusters[0]
+  std::vector<std::pair<Id, Id>> unions;
+
+  explicit NodeClusters(const LowerMaskNode& node) {
+    whole = mask_of(node.getValueMask());
+    partial = mask_of(node.getChildMask());
+    first.assign(513, 0);
+    for (unsigned n = 0; n < 512; ++n) {
+      first[n] = static_cast<std::uint32_t>(clusters.size());
+      if (!test(partial, n)) continue;
+      const MaskLeaf& leaf = *node.getTable()[n].getChild();
+      for_each_cluster(brick_of(leaf), [&](const BrickMask& cells) {
+        clusters.push_back({leaf.origin(), 1, cells});
+      });
+    }
+    first[512] = static_cast<std::uint32_t>(clusters.size());
+    for_each_cluster(whole, [&](const BrickMask& cells) {
+      clusters.push_back({node.origin(), 8, cells});
+    });
+  }
+
+  CellClusters at(unsigned n) const {
+    CellClusters result;
+    if (test(whole, n)) {
+      result.whole = true;
+      std::uint32_t i = first[512];
+      while (!test(clusters[i].cells, n)) ++i;
+      result.whole_id = base + i;
+    }
+    for (std::uint32_t i = first[n]; i < first[n + 1]; ++i) {
+      result.parts.emplace_back(&clusters[i], base + i);
+    }
+    return result;
+  }
+};
+
+// Notes which clusters of a cell touch which of the cell across `side`.
+void touch(const CellClusters& a, const CellClusters& b, int side,
+           std::vector<std::pair<Id, Id>>& unions) {
+  if (a.whole && b.whole) unions.emplace_back(a.whole_id, b.whole_id);
+  for (const auto& [part, id] : a.parts) {
+    if (b.whole && any_on_side(part->cells, side)) unions.emplace_back(id, b.whole_id);
+    for (const auto& [other, other_id] : b.parts) {
+      if ((across(part->cells, opposite(side)) & other->cells).any()) {
+        unions.emplace_back(id, other_id);
+      }
+    }
+  }
+  for (const auto& [other, other_id] : b.parts) {
+    if (a.whole && any_on_side(other->cells, opposite(side))) {
+      unions.emplace_back(a.whole_id, other_id);
+    }
+  }
+}
+
+struct CoordHash {
+  std::size_t operator()(const Coord& c) const { return c.hash<20>(); }
+};
+
+class Pieces {
+ public:
+  explicit Pieces(const MaskTree& interior) : interior_(interior) {
+    collect();
+    join();
+  }
+
+  std::vector<InteriorPiece> result();
+
+ private:
+  void collect();
+  void join();
+  void join_node(NodeClusters& node, const Coord& origin) const;
+  void join_blocks();
+  // The cluster of whole nodes or blocks at a voxel; false where it lies in none.
+  bool coarse(const Coord& voxel, Id& id) const;
+  Id root(Id id) {
+    while (parents_[id] != id) id = parents_[id] = parents_[parents_[id]];
+    return id;
+  }
+
+  const MaskTree& interior_;
+  std::vector<Cluster> coarse_;                                     // ids 0..
+  std::unordered_map<Coord, std::vector<Id>, CoordHash> of_block_;  // coarse clusters
+  std::vector<Coord> origins_;                                      // of the nodes
+  std::vector<NodeClusters> nodes_;
+  std::unordered_map<Coord, std::size_t, CoordHash> node_at_;
+  std::vector<Id> parents_;
+};
+
+void Pieces::collect() {
+  for (auto tile = interior_.cbeginValueOn(); tile; ++tile) {
+    BrickMask one;
+    set(one, 0);
+    of_block_[tile.getCoord()].push_back(static_cast<Id>(coarse_.size()));
+    coarse_.push_back({tile.getCoord(), 512, one});
+  }
+  std::vector<const LowerMaskNode*> lower;
+  for (auto block = interior_.cbeginChildOn(); block; ++block) {
+    for_each_cluster(mask_of(block->getValueMask()), [&](const BrickMask& cells) {
+      of_block_[block->origin()].push_back(static_cast<Id>(coarse_.size()));
+      coarse_.push_back({block->origin(), 64, cells});
+    });
+    for (auto node = block->cbeginChildOn(); node; ++node) lower.push_back(&*node);
+  }
+  std::vector<std::optional<NodeClusters>> made(lower.size());
+  tbb::parallel_for(std::size_t{0}, lower.size(),
+                    [&](std::size_t i) { made[i].emplace(*lower[i]); });
+  auto next = static_cast<Id>(coarse_.size());
+  for (std::size_t i = 0; i < lower.size(); ++i) {
+    node_at_.emplace(lower[i]->origin(), i);
+    origins_.push_back(lower[i]->origin());
+    made[i]->base = next;
+    next += static_cast<Id>(made[i]->clusters.size());
+    nodes_.push_back(std::move(*made[i]));
+  }
+  parents_.resize(next);
+  std::iota(parents_.begin(), parents_.end(), Id{0});
+}
+
+bool Pieces::coarse(const Coord& voxel, Id& id) const {
+  const Coord block(voxel.x() & ~511, voxel.y() & ~511, voxel.z() & ~511);
+  const auto found = of_block_.find(block);
+  if (found == of_block_.end()) return false;
+  const unsigned place = UpperMaskNode::coordToOffset(voxel);
+  for (const Id candidate : found->second) {
+    const Cluster& cluster = coarse_[candidate];
+    if (cluster.cell == 512 || test(cluster.cells, place)) {
+      id = candidate;
+      return true;
+    }
+  }
+  return false;
+}
+
+// Inside a node, across its far sides to other nodes, and across all sides to whole ones.
+void Pieces::join_node(NodeClusters& node, const Coord& origin) const {
+  const BrickMask used = node.whole | node.partial;
+  for (int side = 0; side < kSides; ++side) {
+    Coord next_origin = origin;
+    next_origin[side / 2] += side % 2 == 1 ? 64 : -64;
+    const auto found = node_at_.find(next_origin);
+    const NodeClusters* next = found == node_at_.end() ? nullptr : &nodes_[found->second];
+    CellClusters solid;
+    solid.whole = next == nullptr && coarse(next_origin, solid.whole_id);
+    for_each_set(used, [&](unsigned n) {
+      if (!lies_on(n, side)) {
+        const unsigned m = stepped(n, side);
+        if (side % 2 == 1 && test(used, m) && !(test(node.whole, n) && test(node.whole, m))) {
+          touch(node.at(n), node.at(m), side, node.unions);
+        }
+      } else if (next != nullptr && side % 2 == 1) {
+        touch(node.at(n), next->at(stepped(n, side)), side, node.unions);
+      } else if (solid.whole) {
+        touch(node.at(n), solid, side, node.unions);
+      }
+    });
+  }
+}
+
+// Whole nodes and blocks across the far sides of blocks.
+void Pieces::join_blocks() {
+  const auto join_two = [&](Id a, Id b) { parents_[root(a)] = root(b); };
+  for (const auto& [origin, ids] : of_block_) {
+    for (const Id id : ids) {
+      const BrickMask cells = coarse_[id].cell == 512 ? full_mask() : coarse_[id].cells;
+      for (const int side : {1, 3, 5}) {
+        Coord next = origin;
+        next[side / 2] += 512;
+        const auto found = of_block_.find(next);
+        if (found == of_block_.end()) continue;
+        for (const Id other : found->second) {
+          const BrickMask others = coarse_[other].cell == 512 ? full_mask() : coarse_[other].cells;
+          if ((across(cells, opposite(side)) & others).any()) join_two(id, other);
+        }
+      }
+    }
+  }
+}
+
+void Pieces::join() {
+  tbb::parallel_for(std::size_t{0}, nodes_.size(),
+                    [&](std::size_t i) { join_node(nodes_[i], origins_[i]); });
+  for (NodeClusters& node : nodes_) {
+    for (const auto& [a, b] : node.unions) parents_[root(a)] = root(b);
+    node.unions = {};
+  }
+  join_blocks();
+}
+
+std::vector<InteriorPiece> Pieces::result() {
+  struct Found {
+    InteriorPiece piece;
+    int cell = 0;
+  };
+  std::unordered_map<Id, Found> pieces;
+  const auto add = [&](const Cluster& cluster, Id id) {
+    Found& found = pieces[root(id)];
+    const auto cell = static_cast<std::uint64_t>(cluster.cell);
+    found.piece.voxels += static_cast<std::uint64_t>(count(cluster.cells)) * cell * cell * cell;
+    unsigned n = 0;
+    while (!test(cluster.cells, n)) ++n;
+    const Coord seed = entry_origin(cluster.origin, n, cluster.cell).offsetBy(cluster.cell / 2);
+    // The middle of the largest cell; the first of those, so that it depends on the voxels alone.
+    if (cluster.cell > found.cell || (cluster.cell == found.cell && seed < found.piece.seed)) {
+      found.cell = cluster.cell;
+      found.piece.seed = seed;
+    }
+  };
+  for (std::size_t i = 0; i < coarse_.size(); ++i) add(coarse_[i], static_cast<Id>(i));
+  for (const NodeClusters& node : nodes_) {
+    for (std::size_t i = 0; i < node.clusters.size(); ++i) {
+      add(node.clusters[i], node.base + static_cast<Id>(i));
+    }
+  }
+  std::vector<InteriorPiece> result;
+  for (const auto& [id, found] : pieces) result.push_back(found.piece);
+  std::sort(result.begin(), result.end(), [](const InteriorPiece& a, const InteriorPiece& b) {
+    return a.voxels != b.voxels ? a.voxels > b.voxels : a.seed < b.seed;
+  });
+  return result;
+}
+
+}  // namespace
+
+std::vector<InteriorPiece> interior_pieces(const MaskTree& interior) {
+  return Pieces(interior).result();
+}
+
+}  // namespace forcelayer

@@ -1,0 +1,20 @@
+// The connected pieces of an object's interior: what is enclosed, how large it is, and a point in
+// it from which a free seed would open it.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "voxelize/masks/mask_tree.h"
+
+namespace forcelayer {
+
+struct InteriorPiece {
+  std::uint64_t voxels = 0;
+  Coord seed;  // a voxel of the piece, deep inside where it is large; counted as the tree's voxels
+};
+
+// The 6-connected pieces of `interior`, the largest first, then by seed.
+std::vector<InteriorPiece> interior_pieces(const MaskTree& interior);
+
+}  // namespace forcelayer

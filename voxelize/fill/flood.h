@@ -1,0 +1,18 @@
+// F and I of one object: what the outside reaches without entering the surface, and the rest.
+#pragma once
+
+#include <memory>
+
+#include <span>
+
+#include "voxelize/masks/mask_tree.h"
+#include "voxelize/scan/snap.h"
+
+namespace forcelayer {
+
+// The interior: voxels neither in `geometry` nor reached by a 6-connected flood from outside the
+// object's box and from `seeds` (voxels of the scene). Uniform interior comes as active tiles. A
+// seed that lies in `geometry` adds nothing.
+std::unique_ptr<MaskTree> flood_interior(const MaskTree& geometry, std::span<const Coord> seeds);
+
+}  // namespace forcelayer

@@ -1,0 +1,48 @@
+// The voxels of one 64^3 node as rows along z, for steps that look at many of them at once.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+
+#include "voxelize/masks/mask_tree.h"
+
+namespace forcelayer {
+
+using NodeRows = std::array<std::uint64_t, 4096>;  // [x*64 + y], bit z
+
+// The voxels of a tree's node at `origin`, be it there or a tile.
+void node_rows(const MaskTree& tree, const Coord& origin, NodeRows& rows);
+
+// A node with these voxels.
+std::unique_ptr<LowerMaskNode> node_of_rows(const NodeRows& rows, const Coord& origin);
+
+// The 4^3 voxels from `low` on as bits x*16 + y*4 + z.
+inline std::uint64_t cell_bits(const NodeRows& rows, const std::array<int, 3>& low) {
+  std::uint64_t bits = 0;
+  for (int n = 0; n < 16; ++n) {
+    const auto row = static_cast<std::size_t>((low[0] + n / 4) * 64 + low[1] + n % 4);
+    bits |= (rows[row] >> low[2] & 15) << (4 * n);
+  }
+  return bits;
+}
+
+inline void add_cell_bits(std::uint64_t bits, const std::array<int, 3>& low, NodeRows& rows) {
+  for (int n = 0; n < 16; ++n) {
+    const auto row = static_cast<std::size_t>((low[0] + n / 4) * 64 + low[1] + n % 4);
+    rows[row] |= (bits >> (4 * n) & 15) << low[2];
+  }
+}
+
+// Whether all voxels of the cube of `edge` (at most 32) from `low` on are set.
+inline bool all_set(const NodeRows& rows, const std::array<int, 3>& low, int edge) {
+  const std::uint64_t mask = ((std::uint64_t{1} << edge) - 1) << low[2];
+  for (int x = low[0]; x < low[0] + edge; ++x) {
+    for (int y = low[1]; y < low[1] + edge; ++y) {
+      if ((rows[static_cast<std::size_t>(x * 64 + y)] & mask) != mask) return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace forcelayer

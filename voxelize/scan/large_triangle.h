@@ -1,0 +1,20 @@
+// Drawing of a triangle that is not small: which bricks of the node it hits, then brick by brick,
+// cells in vector lanes.
+//
+// It marks exactly the voxels that TriangleOverlap finds, which is its slow twin.
+#pragma once
+
+#include <cstdint>
+
+#include "formats/mesh/voxel_overlap.h"
+#include "voxelize/scan/node_canvas.h"
+
+namespace forcelayer {
+
+// Up to this extent along every axis (512 voxels), 64 bits hold every value of the tests.
+inline constexpr std::int64_t kLargeTriangleUnits = std::int64_t{1} << 19;
+
+// Draws a triangle of at most that extent. Corners in lattice units from the node's lowest corner.
+void draw_large_triangle(const LatticeTriangle& corners, NodeCanvas& canvas);
+
+}  // namespace forcelayer

@@ -1,0 +1,155 @@
+#include "voxelize/scan/snap.h"
+
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "formats/voxmap_format.h"
+
+namespace forcelayer {
+namespace {
+
+constexpr std::size_t kGrain = 4096;  // elements a task
+
+// Largest |coordinate| of the world position that led to a lattice point, in metres.
+double largest_coordinate(const VoxelBox& box, double voxel_size_m) {
+  double largest = 0;
+  for (std::size_t d = 0; d < 3; ++d) {
+    largest = std::max({largest, std::abs(static_cast<double>(box.low[d])),
+                        std::abs(static_cast<double>(box.high[d]) + 1)});
+  }
+  return largest * voxel_size_m;
+}
+
+// Half a lattice step per axis, and what placing and dividing round off: no more than eight
+// roundings of the largest coordinate per axis.
+double snap_error(const VoxelBox& box, double voxel_size_m) {
+  const double step_m = voxel_size_m / static_cast<double>(kSnapUnits);
+  const double rounding_m =
+      8 * std::numeric_limits<double>::epsilon() * largest_coordinate(box, voxel_size_m);
+  return std::sqrt(3.0) * (step_m / 2 + rounding_m);
+}
+
+__extension__ typedef __int128 Int128;
+
+bool has_no_area(const LatticeTriangle& triangle) {
+  const LatticePoint &a = triangle[0], &b = triangle[1], &c = triangle[2];
+  for (std::size_t u = 0; u < 3; ++u) {
+    const std::size_t w = (u + 1) % 3;
+    if (Int128{b[u] - a[u]} * (c[w] - a[w]) != Int128{b[w] - a[w]} * (c[u] - a[u])) return false;
+  }
+  return true;
+}
+
+VoxelBox corner_box(const SnappedObject& object) {
+  return tbb::parallel_reduce(
+      tbb::blocked_range<std::size_t>(0, object.triangles.size(), kGrain), VoxelBox{},
+      [&](const tbb::blocked_range<std::size_t>& range, VoxelBox box) {
+        // In locals: the compiler keeps these in registers.
+        auto [x0, y0, z0] = std::array<std::int64_t, 3>{INT64_MAX, INT64_MAX, INT64_MAX};
+        auto [x1, y1, z1] = std::array<std::int64_t, 3>{INT64_MIN, INT64_MIN, INT64_MIN};
+        for (std::size_t i = range.begin(); i < range.end(); ++i) {
+          const auto [a, b, c] = object.triangle(i);
+          x0 = std::min(x0, std::min(a[0], std::min(b[0], c[0])));
+          y0 = std::min(y0, std::min(a[1], std::min(b[1], c[1])));
+          z0 = std::min(z0, std::min(a[2], std::min(b[2], c[2])));
+          x1 = std::max(x1, std::max(a[0], std::max(b[0], c[0])));
+          y1 = std::max(y1, std::max(a[1], std::max(b[1], c[1])));
+          z1 = std::max(z1, std::max(a[2], std::max(b[2], c[2])));
+        }
+        box.include({{x0 >> kSnapBits, y0 >> kSnapBits, z0 >> kSnapBits},
+                     {x1 >> kSnapBits, y1 >> kSnapBits, z1 >> kSnapBits}});
+        return box;
+      },
+      [](VoxelBox a, const VoxelBox& b) {
+        a.include(b);
+        return a;
+      });
+}
+
+}  // namespace
+
+void VoxelBox::include(const VoxelBox& other) {
+  for (std::size_t d = 0; d < 3; ++d) {
+    low[d] = std::min(low[d], other.low[d]);
+    high[d] = std::max(high[d], other.high[d]);
+  }
+}
+
+VoxelBox VoxelBox::grown(std::int64_t voxels) const {
+  VoxelBox box = *this;
+  for (std::size_t d = 0; d < 3 && !empty(); ++d) {
+    box.low[d] -= voxels;
+    box.high[d] += voxels;
+  }
+  return box;
+}
+
+VoxelBox VoxelBox::shifted(const VoxelIndex& by) const {
+  VoxelBox box = *this;
+  for (std::size_t d = 0; d < 3 && !empty(); ++d) {
+    box.low[d] += by[d];
+    box.high[d] += by[d];
+  }
+  return box;
+}
+
+VoxelBox VoxelBox::joined(const VoxelBox& other) const {
+  VoxelBox box = *this;
+  box.include(other);
+  return box;
+}
+
+bool VoxelBox::overlaps(const VoxelBox& other) const {
+  for (std::size_t d = 0; d < 3; ++d) {
+    if (low[d] > other.high[d] || other.low[d] > high[d]) return false;
+  }
+  return true;
+}
+
+Result<SnappedObject> snap_object(const Mesh& mesh, const Affine& world_from_mesh,
+                                  double voxel_size_m, const std::string& name) {
+  SnappedObject object;
+  object.triangles = mesh.triangles;
+  object.vertices.resize(mesh.vertices.size());
+  const double limit_m = static_cast<double>(kMaxVoxelIndex) * voxel_size_m;
+  const bool inside = tbb::parallel_reduce(
+      tbb::blocked_range<std::size_t>(0, mesh.vertices.size(), kGrain), true,
+      [&](const tbb::blocked_range<std::size_t>& range, bool all_inside) {
+        for (std::size_t i = range.begin(); i < range.end(); ++i) {
+          const Vec3d world = apply(world_from_mesh, mesh.vertices[i]);
+          const bool fits = std::abs(world[0]) < limit_m && std::abs(world[1]) < limit_m &&
+                            std::abs(world[2]) < limit_m;  // false for NaN too
+          all_inside &= fits;
+          if (fits) object.vertices[i] = snap(world, voxel_size_m);
+        }
+        return all_inside;
+      },
+      [](bool a, bool b) { return a && b; });
+  if (!inside) {
+    return Error{ErrorCode::kSceneInvalid, "", name,
+                 "a vertex lies more than 2^52 voxels from the origin, or its transform overflows",
+                 "check units and transforms, or use a larger voxel size"};
+  }
+  object.box = corner_box(object);
+  object.snap_error_m = object.box.empty() ? 0 : snap_error(object.box, voxel_size_m);
+  return object;
+}
+
+std::uint64_t degenerate_triangles(const SnappedObject& object) {
+  return tbb::parallel_reduce(
+      tbb::blocked_range<std::size_t>(0, object.triangles.size(), kGrain), std::uint64_t{0},
+      [&](const tbb::blocked_range<std::size_t>& range, std::uint64_t sum) {
+        for (std::size_t i = range.begin(); i < range.end(); ++i) {
+          sum += has_no_area(object.triangle(i)) ? 1 : 0;
+        }
+        return sum;
+      },
+      std::plus<>());
+}
+
+}  // namespace forcelayer

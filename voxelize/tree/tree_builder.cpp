@@ -1,0 +1,259 @@
+#include "voxelize/tree/tree_builder.h"
+
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "voxelize/cache/node_keys.h"
+#include "voxelize/masks/brick_bits.h"
+#include "voxelize/tree/brick_cutter.h"
+#include "voxelize/tree/built_tree.h"
+#include "voxelize/tree/clearance.h"
+#include "voxelize/tree/sharing.h"
+
+namespace forcelayer {
+namespace {
+
+// All entries uniform and the same.
+bool is_collapsible(const Entries& entries) {
+  return is_uniform(entries[0]) &&
+         std::all_of(entries.begin(), entries.end(),
+                     [&](std::uint32_t entry) { return entry == entries[0]; });
+}
+
+struct OffsetNodes {
+  std::vector<Coord> origins;  // ascending
+  std::vector<BuiltNode> nodes;
+  std::vector<ValueCounts> counts;
+  std::vector<Digest> keys;            // empty where nothing is to be remembered
+  std::vector<std::uint32_t> entries;  // of the nodes in the tree that is built
+};
+
+OffsetNodes distance_nodes(const LayerOffset& around, const DistanceNodes& distances) {
+  OffsetNodes result;
+  result.origins = around.nodes();
+  result.nodes.resize(result.origins.size());
+  result.counts.resize(result.origins.size());
+  result.entries.resize(result.origins.size());
+  tbb::parallel_for(std::size_t{0}, result.nodes.size(), [&](std::size_t i) {
+    result.nodes[i] = distances.node(result.origins[i], result.counts[i]);
+  });
+  return result;
+}
+
+OffsetNodes offset_nodes(const LayerOffset& offset, const NodeMemory* memory) {
+  struct Scratch {
+    NodeHalo halo;
+    NodeCodes codes;
+  };
+  OffsetNodes result;
+  result.origins = offset.nodes();
+  result.nodes.resize(result.origins.size());
+  result.counts.resize(result.origins.size());
+  result.entries.resize(result.origins.size());
+  if (memory != nullptr) result.keys = node_keys(offset, result.origins);
+  tbb::enumerable_thread_specific<Scratch> scratches;
+  tbb::parallel_for(std::size_t{0}, result.nodes.size(), [&](std::size_t i) {
+    const NodeMemo* memo = memory != nullptr ? memory->find(result.keys[i]) : nullptr;
+    if (memo != nullptr) {
+      result.counts[i] = memo->counts();
+      result.nodes[i] = memory->node(*memo);
+      return;
+    }
+    Scratch& scratch = scratches.local();
+    result.counts[i] = offset.codes(result.origins[i], scratch.halo, scratch.codes);
+    result.nodes[i] = cut_into_bricks(scratch.codes);
+  });
+  return result;
+}
+
+// Puts the nodes and the uniform space around them into a tree, collapsed where it is uniform.
+class TreeAssembly {
+ public:
+  TreeAssembly(const MaskTree& interior, const KeptBox& kept,
+               const std::array<std::uint32_t, 3>& dims)
+      : interior_(interior), kept_(kept) {
+    tree_.dims = dims;
+    tree_.directory.assign(std::size_t{dims[0]} * dims[1] * dims[2], kFreeEntry);
+  }
+
+  BuiltTree run(OffsetNodes& nodes, ValueCounts& counts);
+
+ private:
+  struct Placed {  // a node's place in the tree
+    std::size_t block;
+    unsigned entry;
+    std::size_t node;
+    auto operator<=>(const Placed&) const = default;
+  };
+  static constexpr std::uint64_t kNodeVoxels = 64 * 64 * 64;
+
+  std::size_t block_at(const Coord& voxel) const {
+    return (static_cast<std::size_t>(voxel.x() >> 9) * tree_.dims[1] +
+            static_cast<std::size_t>(voxel.y() >> 9)) *
+               tree_.dims[2] +
+           static_cast<std::size_t>(voxel.z() >> 9);
+  }
+  Coord block_origin(std::size_t block) const {
+    return Coord(static_cast<int>(block / tree_.dims[2] / tree_.dims[1]) * 512,
+                 static_cast<int>(block / tree_.dims[2] % tree_.dims[1]) * 512,
+                 static_cast<int>(block % tree_.dims[2]) * 512);
+  }
+  std::vector<Placed> placed(const std::vector<Coord>& origins) const;
+  BrickMask solid_nodes(const Coord& block) const;
+  std::vector<std::size_t> solid_blocks() const;
+  std::uint32_t add_node(BuiltNode&& node);
+  std::uint32_t add_block(const Entries& entries);
+
+  const MaskTree& interior_;
+  const KeptBox& kept_;
+  BuiltTree tree_;
+};
+
+// In the order of the tree: blocks, and nodes within a block.
+std::vector<TreeAssembly::Placed> TreeAssembly::placed(const std::vector<Coord>& origins) const {
+  std::vector<Placed> order;
+  order.reserve(origins.size());
+  for (std::size_t i = 0; i < origins.size(); ++i) {
+    order.push_back({block_at(origins[i]), UpperMaskNode::coordToOffset(origins[i]), i});
+  }
+  std::sort(order.begin(), order.end());
+  return order;
+}
+
+std::uint32_t TreeAssembly::add_node(BuiltNode&& node) {
+  if (is_collapsible(node.entries)) return node.entries[0];
+  tree_.lower.push_back(std::move(node));
+  return static_cast<std::uint32_t>(tree_.lower.size() - 1);
+}
+
+std::uint32_t TreeAssembly::add_block(const Entries& entries) {
+  if (is_collapsible(entries)) return entries[0];
+  tree_.upper.push_back(entries);
+  return static_cast<std::uint32_t>(tree_.upper.size() - 1);
+}
+
+// The nodes of a block that are interior throughout, by their own voxels alone, and kept whole.
+BrickMask TreeAssembly::solid_nodes(const Coord& block) const {
+  const auto* tiles = interior_.probeConstNode<UpperMaskNode>(block);
+  BrickMask solid = tiles != nullptr             ? mask_of(tiles->getValueMask())
+                    : interior_.isValueOn(block) ? full_mask()
+                                                 : BrickMask{};
+  if (!kept_.cropped() || kept_.box.isInside(openvdb::CoordBBox::createCube(block, 512))) {
+    return solid;
+  }
+  BrickMask kept;
+  for_each_set(solid, [&](unsigned n) {
+    if (kept_.box.isInside(openvdb::CoordBBox::createCube(entry_origin(block, n, 64), 64))) {
+      set(kept, n);
+    }
+  });
+  return kept;
+}
+
+// The blocks of the directory that may have solid nodes, ascending.
+std::vector<std::size_t> TreeAssembly::solid_blocks() const {
+  std::vector<std::size_t> blocks;
+  const auto add = [&](const Coord& origin) {
+    if (kept_.box.hasOverlap(openvdb::CoordBBox::createCube(origin, 512))) {
+      blocks.push_back(block_at(origin));
+    }
+  };
+  for (auto tile = interior_.cbeginValueOn(); tile; ++tile) add(tile.getCoord());
+  for (auto block = interior_.cbeginChildOn(); block; ++block) add(block->origin());
+  std::sort(blocks.begin(), blocks.end());
+  return blocks;
+}
+
+BuiltTree TreeAssembly::run(OffsetNodes& nodes, ValueCounts& counts) {
+  for (const ValueCounts& node : nodes.counts) counts += node;
+  const std::vector<Placed> order = placed(nodes.origins);
+  const std::vector<std::size_t> solid = solid_blocks();
+  for (std::size_t i = 0, j = 0; i < order.size() || j < solid.size();) {
+    const std::size_t block = i == order.size()   ? solid[j]
+                              : j == solid.size() ? order[i].block
+                                                  : std::min(order[i].block, solid[j]);
+    if (j < solid.size() && solid[j] == block) ++j;
+    Entries entries;
+    entries.fill(kFreeEntry);
+    BrickMask solid_entries = solid_nodes(block_origin(block));
+    for_each_set(solid_entries, [&](unsigned n) { entries[n] = kInteriorEntry; });
+    for (; i < order.size() && order[i].block == block; ++i) {
+      const unsigned n = order[i].entry;
+      // The node counts its own voxels.
+      solid_entries.words[n >> 6] &= ~(std::uint64_t{1} << (n & 63));
+      entries[n] = add_node(std::move(nodes.nodes[order[i].node]));
+      nodes.entries[order[i].node] = entries[n];
+    }
+    counts.interior += static_cast<std::uint64_t>(count(solid_entries)) * kNodeVoxels;
+    tree_.directory[block] = add_block(entries);
+  }
+  return std::move(tree_);
+}
+
+// What is to be remembered of the nodes: the first part now, the rest when the tree is finished.
+std::vector<NodeMemo> memos_of(const OffsetNodes& nodes, const BuiltTree& built) {
+  std::vector<NodeMemo> memos(nodes.keys.size());
+  for (std::size_t i = 0; i < memos.size(); ++i) {
+    NodeMemo& memo = memos[i];
+    memo.key = nodes.keys[i];
+    memo.entry = nodes.entries[i];
+    memo.interior = static_cast<std::uint32_t>(nodes.counts[i].interior);
+    memo.surface = static_cast<std::uint32_t>(nodes.counts[i].surface);
+    memo.proximity = static_cast<std::uint32_t>(nodes.counts[i].proximity);
+    if (!is_uniform(memo.entry)) memo.reach = built.lower[memo.entry].reach;
+  }
+  return memos;
+}
+
+// The finished tree of the nodes, whose entries are then numbered as in it.
+BuiltTree assemble(const LayerOffset& offset, const std::array<std::uint32_t, 3>& directory_dims,
+                   OffsetNodes& nodes, ValueCounts& counts) {
+  BuiltTree built =
+      TreeAssembly(offset.interior(), offset.kept(), directory_dims).run(nodes, counts);
+  add_clearance(built);
+  if (offset.kept().cropped()) clip_clearance(built, offset.kept());
+  return built;
+}
+
+}  // namespace
+
+VoxelTree build_distance_tree(const LayerOffset& around, const DistanceNodes& distances,
+                              const std::array<std::uint32_t, 3>& directory_dims,
+                              ValueCounts& counts) {
+  OffsetNodes nodes = distance_nodes(around, distances);
+  BuiltTree built = assemble(around, directory_dims, nodes, counts);
+  built.brick_parts = distances.scale().bits / 2;
+  std::vector<std::uint32_t> lower_numbers;
+  return share_equal(std::move(built), lower_numbers);
+}
+
+void name_codes(VoxelTree& tree, const DistanceScale& scale) {
+  for (auto* entries : {&tree.directory, &tree.upper_nodes, &tree.lower_nodes}) {
+    for (std::uint32_t& entry : *entries) {
+      if (!is_uniform(entry)) continue;
+      entry = uniform_value(entry) == 0 ? uniform_entry(scale.free_code, uniform_clearance(entry))
+                                        : uniform_entry(0);
+    }
+  }
+}
+
+VoxelTree build_tree(const LayerOffset& offset, const std::array<std::uint32_t, 3>& directory_dims,
+                     const NodeMemory* memory, ValueCounts& counts) {
+  OffsetNodes nodes = offset_nodes(offset, memory);
+  BuiltTree built = assemble(offset, directory_dims, nodes, counts);
+  std::vector<NodeMemo> memos = memos_of(nodes, built);
+  std::vector<std::uint32_t> lower_numbers;
+  VoxelTree tree = share_equal(std::move(built), lower_numbers);
+  if (memory != nullptr) {
+    for (NodeMemo& memo : memos) {
+      if (!is_uniform(memo.entry)) memo.entry = lower_numbers[memo.entry];
+    }
+    memory->keep(memos, tree);
+  }
+  return tree;
+}
+
+}  // namespace forcelayer
