@@ -14,10 +14,6 @@ DistanceField::DistanceField(const Voxmap& voxmap)
              static_cast<float>(voxmap.header().quantum_m / voxmap.voxel_size_m())},
       bricks_(voxmap) {}
 
-void DistanceField::evaluate(const CollectedPoints& points, FieldSamples& samples) const noexcept {
-  push_by_distance(points, codes_, bricks_, samples);
-}
-
 void DistanceField::measure(const CollectedPoints& points, FieldSamples& samples) const noexcept {
   measure_by_distance(points, codes_, bricks_, samples);
 }

@@ -45,7 +45,6 @@ class DistanceField final : public ForceField {
   explicit DistanceField(const Voxmap& voxmap);
 
   // As ForceField says; by one thread at a time.
-  void evaluate(const CollectedPoints& points, FieldSamples& samples) const noexcept override;
   void measure(const CollectedPoints& points, FieldSamples& samples) const noexcept override;
   bool has_exact_slopes() const noexcept override { return true; }
 

@@ -8,6 +8,7 @@
 // Behind foreach_target.h, as Highway wants it.
 #include <hwy/highway.h>
 
+#include <algorithm>
 #include <bit>
 
 #include "runtime/field/field_kernel-inl.h"
@@ -137,40 +138,33 @@ struct Stages {
   HWY_ALIGN std::int32_t beside_y[2 * kChunk];
 };
 
-// Pushes the points in values 1 and 2, or measures all points (ForceField::measure).
-template <bool kAllPoints>
-class Kernel : public FieldKernel<Kernel<kAllPoints>, DistanceBricks, kAllPoints> {
-  using Base = FieldKernel<Kernel<kAllPoints>, DistanceBricks, kAllPoints>;
-  using Base::bricks_;
-  using Base::points_;
-
+// ForceField::measure.
+class Kernel : public FieldKernel<DistanceBricks> {
  public:
-  static constexpr bool kPicksNormals = false;
-
   Kernel(const CollectedPoints& points, const DistanceCodes& codes, DistanceBricks& bricks,
          FieldSamples& samples)
-      : Base(points, bricks, samples), codes_(codes) {}
+      : FieldKernel(points, bricks, samples), codes_(codes) {}
 
-  // The first `count` points that load(i), load(i + kLanes), ... give.
-  template <class Load>
-  HWY_INLINE void push_chunk(std::size_t count, const Load& load) {
-    for (std::size_t i = 0; i < count; i += kLanes) locate(load(i), i);
-    copy(hwy::RoundUpTo(count, kLanes));
-    for (std::size_t i = 0; i < count; i += kLanes) push_lanes(load, i);
+  HWY_INLINE void run() {
+    for (std::size_t first = 0; first < points_.count; first += kChunk) {
+      const std::size_t count = std::min(kChunk, points_.count - first);
+      for (std::size_t i = 0; i < count; i += kLanes) locate(load(first + i), i);
+      copy(hwy::RoundUpTo(count, kLanes));
+      for (std::size_t i = 0; i < count; i += kLanes) push_lanes(first, i);
+    }
   }
 
  private:
-  // The lanes that load(i) gives, whose stages' numbers are from i on.
-  template <class Load>
-  HWY_INLINE void push_lanes(const Load& load, std::size_t i) {
-    const Lanes lanes = load(i);
+  // Lane i of the chunk from point `first` on, and those behind it.
+  HWY_INLINE void push_lanes(std::size_t first, std::size_t i) {
+    const Lanes lanes = load(first + i);
     auto held = hn::Eq(hn::Load(kI, stages_.key + i), hn::Load(kI, stages_.key_there + i));
     if (HWY_UNLIKELY(!bricks_.keys_are_unique())) {
       held = hn::And(held, hn::MaskFromVec(hn::Load(kI, stages_.tags_match + i)));
     }
-    const auto missing = hn::AndNot(held, lanes.wanted);
+    const auto missing = hn::AndNot(held, lanes.real);
     // Loaded anew: `lanes`, handed over by reference, would be written to the stack each time.
-    if (HWY_UNLIKELY(!hn::AllFalse(kI, missing))) replace(load(i), i, missing);
+    if (HWY_UNLIKELY(!hn::AllFalse(kI, missing))) replace(load(first + i), i, missing);
     VF share[3], slope[3];
     for (int n = 0; n < 3; ++n) share[n] = hn::Load(kF, stages_.share[n] + i);
     VI around[4], low, high;
@@ -190,10 +184,10 @@ class Kernel : public FieldKernel<Kernel<kAllPoints>, DistanceBricks, kAllPoints
     slope[1] = hn::Mul(continued(slope[1], share[1], code, beside_y), step);
     slope[2] = hn::Mul(continued(slope[2], share[2], code, beside_z), step);
     const VF phi = hn::Mul(hn::Sub(code, hn::Set(kF, codes_.zero_code)), step);
-    push(lanes, phi, slope);
+    push(lanes, phi, slope, first + i);
   }
 
-  HWY_INLINE void push(const Lanes& lanes, VF phi, const VF (&slope)[3]) {
+  HWY_INLINE void push(const Lanes& lanes, VF phi, const VF (&slope)[3], std::size_t first) {
     const VF one = hn::Set(kF, 1.0f), size_m = hn::Set(kF, codes_.voxel_size_m);
     const VF depth = hn::Neg(phi);
     VF u[3] = {slope[0], slope[1], slope[2]};
@@ -207,15 +201,10 @@ class Kernel : public FieldKernel<Kernel<kAllPoints>, DistanceBricks, kAllPoints
     for (int n = 0; n < 3; ++n) u[n] = hn::Mul(u[n], per_length);
     const VF strength = hn::Min(hn::Mul(length, hn::Set(kF, 1 / kLeastSlope)), one);
     VF depth_m = hn::Mul(hn::Mul(hn::Add(hn::Min(depth, one), beyond), strength), size_m);
-    auto kept = hn::RebindMask(kF, lanes.wanted);
-    if (kAllPoints) {
-      const VF nothing = hn::Mul(hn::Min(depth, hn::Zero(kF)), size_m);
-      depth_m = hn::IfThenElse(directed, depth_m, nothing);
-      for (int n = 0; n < 3; ++n) u[n] = hn::IfThenElse(directed, u[n], lanes.normal[n]);
-    } else {
-      kept = hn::And(kept, hn::And(hn::Gt(depth, hn::Zero(kF)), directed));
-    }
-    this->store(kept, lanes.at, depth_m, u, slope);
+    const VF nothing = hn::Mul(hn::Min(depth, hn::Zero(kF)), size_m);
+    depth_m = hn::IfThenElse(directed, depth_m, nothing);
+    for (int n = 0; n < 3; ++n) u[n] = hn::IfThenElse(directed, u[n], lanes.normal[n]);
+    store(first, depth_m, u, slope);
   }
 
   // Adds the part's normal to the slope `u` where it counts; what the depth is beyond a voxel, as
@@ -226,10 +215,7 @@ class Kernel : public FieldKernel<Kernel<kAllPoints>, DistanceBricks, kAllPoints
     const VF buried =
         clamp01(hn::Mul(hn::Sub(depth, hn::Set(kF, kBuriedVoxels)), hn::Set(kF, 2.0f)));
     const VF along_normal = hn::Mul(hn::Set(kF, kBeyondSlope), buried);
-    const float* normal[3] = {points_.nx.data(), points_.ny.data(), points_.nz.data()};
-    for (int n = 0; n < 3; ++n) {
-      u[n] = hn::Add(u[n], hn::Mul(along_normal, hn::GatherIndex(kF, normal[n], lanes.at)));
-    }
+    for (int n = 0; n < 3; ++n) u[n] = hn::Add(u[n], hn::Mul(along_normal, lanes.normal[n]));
     return hn::Mul(hn::Max(hn::Sub(depth, one), hn::Zero(kF)), certain);
   }
 
@@ -242,8 +228,8 @@ class Kernel : public FieldKernel<Kernel<kAllPoints>, DistanceBricks, kAllPoints
     // From a cell to the codes beside it: before it, and behind it less the stride. Reading from
     // a byte on brings those behind to the bytes where those before it stand.
     constexpr std::int32_t kBehind[2] = {kStrides[0] + 2, kStrides[1] + 1};
-    const VI key = this->key_of(lanes.voxel);
-    const VI slot = this->slot_of(key);
+    const VI key = key_of(lanes.voxel);
+    const VI slot = slot_of(key);
     VI at = hn::Add(hn::Mul(slot, size), hn::Set(kI, Bricks::kFirstBytes)), beside[2];
     for (int n = 0; n < 3; ++n) {
       // The cell's lowest voxel is the point's, or the one before it.
@@ -259,7 +245,7 @@ class Kernel : public FieldKernel<Kernel<kAllPoints>, DistanceBricks, kAllPoints
       }
     }
     if (HWY_UNLIKELY(!bricks_.keys_are_unique())) {
-      const auto match = this->tags_match(slot, lanes.voxel);
+      const auto match = tags_match(slot, lanes.voxel);
       hn::Store(hn::VecFromMask(kI, match), kI, stages_.tags_match + i);
     }
     hn::Store(key, kI, stages_.key + i);
@@ -293,22 +279,17 @@ class Kernel : public FieldKernel<Kernel<kAllPoints>, DistanceBricks, kAllPoints
 
   // Third stage, where bricks were missing: decodes them and takes the points' words.
   HWY_NOINLINE void replace(const Lanes& lanes, std::size_t i, hn::Mask<Ints> missing) {
-    this->fetch(lanes.voxel, hn::Zero(kI), missing,
-                [&](std::size_t lane, const std::uint8_t*) { take(bricks_.codes(), i + lane); });
+    fetch(lanes.voxel, hn::Zero(kI), missing,
+          [&](std::size_t lane, const std::uint8_t*) { take(bricks_.codes(), i + lane); });
   }
 
   const DistanceCodes& codes_;
   Stages stages_;
 };
 
-void push_on_target(const CollectedPoints& points, const DistanceCodes& codes,
-                    DistanceBricks& bricks, FieldSamples& samples) {
-  Kernel<false>(points, codes, bricks, samples).run();
-}
-
 void measure_on_target(const CollectedPoints& points, const DistanceCodes& codes,
                        DistanceBricks& bricks, FieldSamples& samples) {
-  Kernel<true>(points, codes, bricks, samples).run();
+  Kernel(points, codes, bricks, samples).run();
 }
 
 }  // namespace
@@ -319,13 +300,7 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace forcelayer {
 
-HWY_EXPORT(push_on_target);
 HWY_EXPORT(measure_on_target);
-
-void push_by_distance(const CollectedPoints& points, const DistanceCodes& codes,
-                      DistanceBricks& bricks, FieldSamples& samples) noexcept {
-  HWY_DYNAMIC_DISPATCH(push_on_target)(points, codes, bricks, samples);
-}
 
 void measure_by_distance(const CollectedPoints& points, const DistanceCodes& codes,
                          DistanceBricks& bricks, FieldSamples& samples) noexcept {

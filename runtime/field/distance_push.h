@@ -22,11 +22,7 @@ struct DistanceCodes {
   float voxels_per_code = 0;
 };
 
-// Fills `samples` with the pushes on all points in values 1 and 2.
-void push_by_distance(const CollectedPoints& points, const DistanceCodes& codes,
-                      DistanceBricks& bricks, FieldSamples& samples) noexcept;
-
-// Fills `samples` with every point and its signed depth, as ForceField::measure says.
+// ForceField::measure.
 void measure_by_distance(const CollectedPoints& points, const DistanceCodes& codes,
                          DistanceBricks& bricks, FieldSamples& samples) noexcept;
 

@@ -34,7 +34,7 @@ void FieldProbe::look_up(const Pose& world_from_center, ContactSet& out) noexcep
 
 void FieldProbe::read(ContactSet& out) noexcept {
   field_.measure(points_, samples_);
-  out.count = samples_.count;
+  out.count = points_.count;
   out.interior = points_.interior_count;
   out.surface = points_.surface_count;
   out.proximity = points_.proximity_count;

@@ -13,7 +13,6 @@ constexpr std::size_t kLanePadding = 64;  // elements that a vector store may sp
 
 void FieldSamples::reserve(std::uint64_t points) {
   const std::size_t room = points + kLanePadding;
-  at.resize(room);
   for (auto* values : {&depth_m, &dx, &dy, &dz, &gx, &gy, &gz}) values->resize(room);
 }
 

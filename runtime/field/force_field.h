@@ -2,7 +2,6 @@
 // layer and which way it is pushed.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -15,38 +14,26 @@
 
 namespace forcelayer {
 
-// Collected points with their depth, in the order of CollectedPoints. The force of one is
-// stiffness * depth * direction, on the part at the point.
+// One sample for each of the CollectedPoints, in their order. The force on the part at a point of
+// positive depth is stiffness * depth * direction.
 struct FieldSamples {
-  std::uint32_t count = 0;
-  std::vector<std::uint32_t> at;  // index into CollectedPoints
-  std::vector<float> depth_m;     // > 0 from evaluate(), signed from measure()
-  std::vector<float> dx, dy, dz;  // unit, world axes: out of the static scene
-  std::vector<float> gx, gy, gz;  // from measure(): slope of the field, per voxel, world axes
+  std::vector<float> depth_m;     // signed: negative is how far the point is from having depth
+  std::vector<float> dx, dy, dz;  // direction: unit, world axes, out of the static scene
+  std::vector<float> gx, gy, gz;  // slope of the field, per voxel, world axes
 
   void reserve(std::uint64_t points);  // set-up only
-  void set(std::uint32_t i, std::uint32_t point_at, float depth,
-           const std::array<float, 3>& direction) noexcept {
-    at[i] = point_at;
-    depth_m[i] = depth;
-    dx[i] = direction[0], dy[i] = direction[1], dz[i] = direction[2];
-  }
 };
 
-// Reads depth and direction at points in values 2 and 1; with Euclidean layers the level field may
-// reach into value 3 (level_field.h). What lies in which value, and so the guard and the guarantee,
-// does not depend on the field.
+// How deep each collected point lies and which way it is pushed. Points in values 1 and 2 may have
+// depth; with Euclidean layers the level field may reach into value 3 (level_field.h). Which point
+// lies in which value, and so the guard and the guarantee, does not depend on the field.
 class ForceField {
  public:
   virtual ~ForceField() = default;
 
   // Fills `samples` from `points` (both with room for all points). No allocation, lock or system
-  // call. A point in value 1 that the field cannot measure gets about half a voxel along
-  // its normal.
-  virtual void evaluate(const CollectedPoints& points, FieldSamples& samples) const noexcept = 0;
-
-  // The same for every collected point, those of value 3 too, with signed depth: negative is how
-  // far a point is from having depth, as far as the field can tell.
+  // call. A point in value 1 that the field cannot measure gets about half a voxel along its
+  // normal; the depth in front of the layer is right as far as the field can tell.
   virtual void measure(const CollectedPoints& points, FieldSamples& samples) const noexcept = 0;
 
   // Whether the directions of measure() are the scene's, so that there is nothing to gain from

@@ -12,7 +12,6 @@ LevelScale scale_of(const Voxmap& voxmap) {
   if (voxmap.header().metric == static_cast<std::uint32_t>(Metric::kEuclidean)) {
     scale.a = 0.8660254f;
     scale.b = 0.5f;
-    scale.outermost = VoxelValue::kProximity;
   }
   return scale;
 }
@@ -36,10 +35,6 @@ std::optional<Error> LevelField::unreadable(const Voxmap& voxmap) {
 }
 
 LevelField::LevelField(const Voxmap& voxmap) : scale_(scale_of(voxmap)), bricks_(voxmap) {}
-
-void LevelField::evaluate(const CollectedPoints& points, FieldSamples& samples) const noexcept {
-  push_by_levels(points, scale_, bricks_, samples);
-}
 
 void LevelField::measure(const CollectedPoints& points, FieldSamples& samples) const noexcept {
   measure_by_levels(points, scale_, bricks_, samples);

@@ -79,7 +79,6 @@ class LevelField final : public ForceField {
   explicit LevelField(const Voxmap& voxmap);
 
   // As ForceField says; by one thread at a time.
-  void evaluate(const CollectedPoints& points, FieldSamples& samples) const noexcept override;
   void measure(const CollectedPoints& points, FieldSamples& samples) const noexcept override;
 
  private:

@@ -17,21 +17,15 @@ inline constexpr float kBuriedNormal = 0.05f;  // and how much, beside the slope
 inline constexpr float kWeak = 10.0f;          // over the length below which a push fades
 inline constexpr float kTiny = 1e-6f;          // lengths below are directionless
 
-// What a map's metric says about depth (level_field.h): a - (phi + b) |d|_1 voxels, which is
-// positive in no voxel outside of value `outermost`, 2 or 3.
+// What a map's metric says about depth (level_field.h): a - (phi + b) |d|_1 voxels.
 struct LevelScale {
   float voxel_size_m = 0;
   float a = 0;
   float b = 0;
-  VoxelValue outermost = VoxelValue::kSurface;
 };
 
-// Fills `samples` with the pushes on all points that have depth.
-void push_by_levels(const CollectedPoints& points, const LevelScale& scale, LevelBricks& bricks,
-                    FieldSamples& samples) noexcept;
-
-// Fills `samples` with every point and its signed depth, as ForceField::measure says. Where a push
-// has no direction, the depth is -phi voxels in front of the layer and 0 behind, along the normal.
+// ForceField::measure. Where a push has no direction, the depth is -phi voxels in front of the
+// layer and 0 behind, along the normal.
 void measure_by_levels(const CollectedPoints& points, const LevelScale& scale, LevelBricks& bricks,
                        FieldSamples& samples) noexcept;
 

@@ -28,7 +28,7 @@ Collected random_contacts(Random& random, std::uint32_t count, float s) {
                        &c.samples.gz, &c.samples.dx, &c.samples.dy, &c.samples.dz}) {
     std::fill(values->begin(), values->end(), NAN);
   }
-  c.points.count = c.samples.count = c.set.count = count;
+  c.points.count = c.set.count = count;
   const auto number = [&](double low, double high) {
     return std::uniform_real_distribution<float>(static_cast<float>(low),
                                                  static_cast<float>(high))(random);
@@ -49,7 +49,7 @@ Collected random_contacts(Random& random, std::uint32_t count, float s) {
 
 // What surface_directions.h says, one sample after the other.
 glm::vec3 twin(const Collected& c, std::uint32_t i, float s) {
-  const std::uint32_t count = c.samples.count, last = count > 32 ? count - 32 : 0;
+  const std::uint32_t count = c.points.count, last = count > 32 ? count - 32 : 0;
   const std::uint32_t first = std::min(i > 16 ? i - 16 : 0, last);
   const float radius_m = kNeighbourVoxels * s, per_radius2 = 1.0f / (radius_m * radius_m);
   float sum[3] = {0, 0, 0};
