@@ -1,6 +1,6 @@
-// What the vector kernels of the force fields share: loading points, finding their decoded bricks
+// Shared by the vector kernels of the force fields: loading points, finding their decoded bricks
 // and storing samples. Included once per instruction set, behind Highway, by the files that are
-// compiled for each (level_push.cpp, distance_push.cpp).
+// compiled for each (level_field_kernel.cpp, distance_field_kernel.cpp).
 #if defined(FORCELAYER_FIELD_KERNEL_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef FORCELAYER_FIELD_KERNEL_INL_H
 #undef FORCELAYER_FIELD_KERNEL_INL_H
@@ -10,7 +10,7 @@
 
 #include <hwy/highway.h>
 
-#include "runtime/field/brick_memo.h"
+#include "runtime/field/brick_cache.h"
 #include "runtime/field/force_field.h"
 #include "runtime/query/contact_query.h"
 
@@ -46,7 +46,7 @@ struct Lanes {
 // look ahead far enough to overlap several vectors only where each stage is short.
 constexpr std::size_t kChunk = 256;
 
-// Bricks is the BrickMemo that holds what the field reads.
+// Bricks is the BrickCache that holds what the field reads.
 template <class Bricks>
 class FieldKernel {
  protected:
@@ -80,14 +80,14 @@ class FieldKernel {
     hn::StoreU(slope[2], kF, &samples_.gz[first]);
   }
 
-  // Where the bricks of voxels stand, and whether they are there.
-  struct Found {
+  // The slots of the bricks of voxels, and whether the bricks are there.
+  struct BrickSlots {
     VI slot;
     hn::Mask<Ints> held;
   };
-  HWY_INLINE Found find(const VI (&voxel)[3]) const {
+  HWY_INLINE BrickSlots find_bricks(const VI (&voxel)[3]) const {
     const VI key = key_of(voxel);
-    Found found;
+    BrickSlots found;
     found.slot = slot_of(key);
     const auto* keys = reinterpret_cast<const std::int32_t*>(bricks_.keys());
     found.held = hn::Eq(hn::GatherIndex(kI, keys, found.slot), key);
@@ -97,7 +97,7 @@ class FieldKernel {
     return found;
   }
 
-  // The keys of voxels' bricks, and where those stand if they are there.
+  // The keys of voxels' bricks, and the slots of keys.
   HWY_INLINE VI key_of(const VI (&voxel)[3]) const {
     const auto& strides = bricks_.strides();
     VI brick[3];
@@ -108,11 +108,11 @@ class FieldKernel {
   }
   static HWY_INLINE VI slot_of(VI key) {
     const hn::RebindToUnsigned<Ints> u32;
-    return hn::BitCast(kI, hn::ShiftRight<32 - BrickMemo::kSlotBits>(
-                               hn::BitCast(u32, hn::Mul(key, constant(BrickMemo::kHash)))));
+    return hn::BitCast(kI, hn::ShiftRight<32 - BrickCache::kSlotBits>(
+                               hn::BitCast(u32, hn::Mul(key, constant(BrickCache::kHash)))));
   }
 
-  // Whether the bricks in these slots are those of voxels, not only of the same key.
+  // Whether the bricks in these slots are the voxels' own and not others of the same key.
   HWY_INLINE hn::Mask<Ints> tags_match(VI slot, const VI (&voxel)[3]) const {
     const VI at = hn::ShiftLeft<2>(slot);
     auto match = hn::FirstN(kI, kLanes);
@@ -123,8 +123,9 @@ class FieldKernel {
     return match;
   }
 
-  // Decodes the bricks of voxels that were not held, and calls take(lane, bytes) with what stands
-  // `offset` bytes into a lane's: one brick may replace another, so it is to be used at once.
+  // Decodes the bricks of the lanes in `missing` and calls take(lane, address) for each, the
+  // address being `offset` bytes into the decoded brick. take() must read at once: the next brick
+  // may replace this one.
   template <class Take>
   HWY_NOINLINE void fetch(const VI (&voxel)[3], VI offset, hn::Mask<Ints> missing,
                           const Take& take) {
@@ -137,7 +138,7 @@ class FieldKernel {
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
       if (wanted[lane] == 0) continue;
       const std::uint8_t* brick =
-          bricks_.hold(at[0][lane] >> 3, at[1][lane] >> 3, at[2][lane] >> 3);
+          bricks_.hold_brick(at[0][lane] >> 3, at[1][lane] >> 3, at[2][lane] >> 3);
       take(lane, brick + offsets[lane]);
     }
   }

@@ -2,13 +2,11 @@
 
 #include <algorithm>
 
-#include "runtime/field/surface_directions.h"
-
 namespace forcelayer {
 namespace {
 
-// A point stands for between these shares of the mean area: a shell may hold points of almost no
-// area at its edges, which must still hold the part off.
+// Least and largest weight of a point. A shell may hold points of almost no area at its edges,
+// which must still hold the part off.
 constexpr float kLeastWeight = 0.25f, kMostWeight = 4.0f;
 
 }  // namespace

@@ -7,7 +7,7 @@
 namespace forcelayer {
 namespace {
 
-constexpr std::size_t kLanePadding = 64;  // elements that a vector store may spill behind the last
+constexpr std::size_t kLanePadding = 64;  // elements behind the last that a vector store may write
 
 }  // namespace
 

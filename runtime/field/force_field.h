@@ -1,5 +1,5 @@
-// The interface between the voxels and the force: how deep each collected point lies in the force
-// layer and which way it is pushed.
+// The interface between voxels and force: the depth of each collected point and the direction in
+// which it is pushed.
 #pragma once
 
 #include <cstdint>
@@ -24,25 +24,25 @@ struct FieldSamples {
   void reserve(std::uint64_t points);  // set-up only
 };
 
-// How deep each collected point lies and which way it is pushed. Points in values 1 and 2 may have
-// depth; with Euclidean layers the level field may reach into value 3 (level_field.h). Which point
-// lies in which value, and so the guard and the guarantee, does not depend on the field.
+// Measures collected points. Points in values 1 and 2 may have depth, and in the level field of
+// Euclidean layers some points in value 3 (level_field.h). The field does not decide which point
+// lies in which value, so the guard and the guarantee do not depend on it.
 class ForceField {
  public:
   virtual ~ForceField() = default;
 
-  // Fills `samples` from `points` (both with room for all points). No allocation, lock or system
-  // call. A point in value 1 that the field cannot measure gets about half a voxel along its
-  // normal; the depth in front of the layer is right as far as the field can tell.
+  // Fills `samples` from `points`; both have room for every shell point. No allocation, lock or
+  // system call. A point in value 1 that the field cannot measure gets about half a voxel along its
+  // normal.
   virtual void measure(const CollectedPoints& points, FieldSamples& samples) const noexcept = 0;
 
-  // Whether the directions of measure() are the scene's, so that there is nothing to gain from
-  // averaging them over neighbours (surface_directions.h).
+  // Whether the directions of measure() are exact enough to need no averaging over neighbours
+  // (average_directions() in field_probe.h).
   virtual bool has_exact_slopes() const noexcept { return false; }
 };
 
-// The field that a model uses where the user names none: the paper's for `paper`; else the distance
-// or the level field, whichever the map can give.
+// The field of a model where the user names none: the tangent plane for `paper`; else the distance
+// field or the level field, whichever can read the map.
 ForceKind usual_force(Model model, const Voxmap& voxmap);
 
 // The field of `kind` over `voxmap`, which must outlive it. Errors: kUsage where the model or the

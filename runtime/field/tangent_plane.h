@@ -9,16 +9,16 @@ namespace forcelayer {
 // Depth d = n . (c - p) along the point's inward normal n, c the voxel's centre. A point in value 1
 // lies behind the force layer: it gets half a voxel, the field's nominal depth.
 //
-// Where voxels store distances, the plane lies as far behind the centre as the voxel's own distance
-// says (nearest voxel and tangent plane), in value 1 too.
+// Where voxels store distances, the plane lies as far behind the voxel's centre as the stored
+// distance says, in value 1 too.
 class TangentPlaneField final : public ForceField {
  public:
   explicit TangentPlaneField(const Voxmap& voxmap);
   explicit TangentPlaneField(double voxel_size_m)  // of any map of two bits
       : voxel_size_m_(static_cast<float>(voxel_size_m)) {}
 
-  // In front of the plane a point's depth is negative; at two bits a point in value 3 has a whole
-  // layer to go.
+  // A point in front of the plane has a negative depth. At two bits a point in value 3 lies a whole
+  // layer further out.
   void measure(const CollectedPoints& points, FieldSamples& samples) const noexcept override;
 
  private:

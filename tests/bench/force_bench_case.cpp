@@ -8,8 +8,8 @@
 #include <glm/matrix.hpp>
 
 #include "runtime/field/distance_field.h"
+#include "runtime/field/field_probe.h"
 #include "runtime/field/level_field.h"
-#include "runtime/field/surface_directions.h"
 #include "runtime/field/tangent_plane.h"
 #include "tests/bench/force_bench_contacts.h"
 #include "tests/support/curve_order.h"

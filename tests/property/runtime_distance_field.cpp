@@ -1,5 +1,5 @@
-// The distance field: bit for bit its scalar twin; exact in front of walls; pushes only in values 1
-// and 2; leads out from inside; nearest voxel and tangent plane beside it.
+// The distance field: bit for bit its scalar twin; exact in front of walls; depth in values 1 and 2
+// alone; leads out from inside. The tangent plane over stored distances beside it.
 #include "runtime/field/distance_field.h"
 
 #include <gtest/gtest.h>
@@ -38,8 +38,8 @@ struct Twin {
   Floats direction{}, slope{};
 };
 
-// What ForceField::measure gives at `fraction` of a world voxel: the arithmetic of the kernel, word
-// by word, without tree or vectors.
+// The definition of ForceField::measure at `fraction` of a world voxel: the arithmetic of the
+// kernel, word by word, without tree or vectors.
 Twin twin_of(const VoxelScene& scene, const Voxel& voxel, const Floats& fraction, const Floats& n,
              std::uint32_t cropped_sides = 0) {
   Voxel low = voxel;

@@ -25,8 +25,8 @@ std::array<float, 3> as_floats(const glm::dvec3& v) {
 constexpr std::array kMetrics{Metric::kChebyshev, Metric::kEuclidean};
 
 // Boxes, planks and loose voxels, offset by k layers that are whole: the box has room for them. It
-// lies across brick, node and block edges. To the field an interior of either metric is as good as
-// another: what it reads are the layers around, which are 26-neighbours with both.
+// lies across the edges of bricks, nodes and directory cells. The interior may be that of either
+// metric: the field reads only the layers around it, which are 26-neighbours with both.
 VoxelScene layered_scene(Random& random, std::int64_t k, Metric metric) {
   Voxel min{}, dims{};
   for (std::size_t axis = 0; axis < 3; ++axis) {

@@ -58,7 +58,7 @@ inline float trilinear(const std::array<int, 8>& c, const std::array<float, 3>& 
 
 }  // namespace detail
 
-// What ForceField::measure gives at `fraction` of a world voxel.
+// The definition of ForceField::measure at `fraction` of a world voxel.
 inline TwinPush float_push(const VoxelScene& scene, const Voxel& voxel,
                            const std::array<float, 3>& fraction, const std::array<float, 3>& n,
                            std::uint32_t cropped_sides = 0) {

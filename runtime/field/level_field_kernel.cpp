@@ -1,15 +1,18 @@
-#include "runtime/field/level_push.h"
-
-#include <algorithm>
-#include <array>
+// The level field's arithmetic (level_field.h) for sixteen, eight or four points at a time, by the
+// widest vectors that the machine has. It has no fused multiply-add, so every width gives the same
+// bits.
+#include "runtime/field/level_field.h"
 
 // Compiles what follows once per instruction set.
 #include "runtime/query/vector_targets.h"
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "runtime/field/level_push.cpp"
+#define HWY_TARGET_INCLUDE "runtime/field/level_field_kernel.cpp"
 #include <hwy/foreach_target.h>
 // Behind foreach_target.h, as Highway wants it.
 #include <hwy/highway.h>
+
+#include <algorithm>
+#include <array>
 
 #include "runtime/field/field_kernel-inl.h"
 
@@ -18,14 +21,22 @@ namespace forcelayer {
 namespace HWY_NAMESPACE {
 namespace {
 
-// Raised levels around `kLanes` points: lanes of words[x] hold those at z-1, z, z+1 in bytes 0 to 2
-// and, within a byte, those at y-1, y, y+1 in bits 0, 2 and 4.
+// The constants of the push in level_field.h.
+constexpr float kDisagreeing = 0.5625f;  // squared cosine up to which the slope counts alone
+constexpr float kAgreementGain = 16.0f;
+constexpr float kBuried = -0.5f;  // phi below which the normal begins to count beside the slope
+constexpr float kBuriedNormal = 0.05f;  // and how much
+constexpr float kWeak = 10.0f;          // over the length below which a push fades
+constexpr float kTiny = 1e-6f;          // a shorter vector has no direction
+
+// Raised levels around `kLanes` points. A lane of words[x] holds those at z-1, z and z+1 in bytes 0
+// to 2 and, within a byte, those at y-1, y and y+1 in bits 0, 2 and 4.
 struct Planes {
   VI words[3];
 };
 
-// Sums of levels are kept in 16 bits with as many digits as fit: those of eight raised levels, and
-// the differences of such sums, stay below 2^15.
+// Sums of levels are kept in 16 bits, in units of 1/1024: the sums of eight raised levels, and
+// their differences, stay below 2^15.
 constexpr int kUnit = 1024;
 
 #if HWY_TARGET == HWY_SCALAR
@@ -51,7 +62,7 @@ HWY_INLINE VF between_corners(const Corners& corners, const VF (&fraction)[3], f
   return VF((low + fraction[2].raw * (high - low)) * scale);
 }
 
-// phi (voxels) and its slope (per voxel): one point, where the machine has no vectors.
+// phi (voxels) and its slope (per voxel) of one point, where the machine has no vectors.
 HWY_INLINE void sample(const Planes& planes, const VF (&fraction)[3], VF& phi, VF (&slope)[3]) {
   Corners level, along[3];
   for (int corner = 0; corner < 8; ++corner) {
@@ -71,7 +82,7 @@ HWY_INLINE void sample(const Planes& planes, const VF (&fraction)[3], VF& phi, V
   }
 }
 #else
-// The same bits as numbers of 16 bits, two a lane, and of 8 bits, four a lane.
+// A vector of lanes seen as numbers of 16 bits, two a lane, and of 8 bits, four a lane.
 using Halves = hn::Repartition<std::int16_t, Ints>;
 using Bytes = hn::Repartition<std::int8_t, Ints>;
 using VH = hn::Vec<Halves>;
@@ -175,7 +186,7 @@ HWY_INLINE void push(VF phi, const VF (&g)[3], const VF (&n)[3], VF (&u)[3]) {
   }
 }
 
-// What the stages hand on for the points of a chunk.
+// Results of the stages for the points of a chunk.
 struct Stages {
   HWY_ALIGN std::int32_t words[3][kChunk];  // Planes
   HWY_ALIGN float phi[kChunk];
@@ -237,7 +248,7 @@ class Kernel : public FieldKernel<LevelBricks> {
   // The 27 levels around the points, to words[.][i] on.
   HWY_INLINE void gather(const Lanes& lanes, std::size_t i) {
     const VI(&voxel)[3] = lanes.voxel;
-    const auto [slot, held] = find(voxel);
+    const auto [slot, held] = find_bricks(voxel);
     // Shifts and sums rather than products, which are slow for this width.
     static_assert(LevelBricks::kBrickBytes == 960 && LevelBricks::kPlaneBytes == 96 &&
                   LevelBricks::kRowBytes == 12);
@@ -282,9 +293,8 @@ namespace forcelayer {
 
 HWY_EXPORT(measure_on_target);
 
-void measure_by_levels(const CollectedPoints& points, const LevelScale& scale, LevelBricks& bricks,
-                       FieldSamples& samples) noexcept {
-  HWY_DYNAMIC_DISPATCH(measure_on_target)(points, scale, bricks, samples);
+void LevelField::measure(const CollectedPoints& points, FieldSamples& samples) const noexcept {
+  HWY_DYNAMIC_DISPATCH(measure_on_target)(points, scale_, bricks_, samples);
 }
 
 }  // namespace forcelayer
