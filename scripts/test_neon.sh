@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Compiles the contact query, the level field and their property tests for 64-bit ARM and runs them in
-# an emulator, on any machine: NEON and scalar must find what the twins find. Takes some minutes.
+# Compiles the contact query, the level and distance fields and their property tests for 64-bit ARM and
+# runs them in an emulator, on any machine: NEON and scalar must find what the twins find. Takes some
+# minutes.
 # Needs g++-aarch64-linux-gnu and qemu-user-static; ARM's own libraries are fetched with apt into
 # build/neon and unpacked there, nothing is installed. Arguments go to the tests.
 source "$(dirname "$0")/common.sh"
@@ -26,9 +27,9 @@ fi
 for header in hwy glm gtest xxhash.h; do ln -sfn "/usr/include/$header" "$out/include/$header"; done
 
 say "compiling for ARM"  # with the option that runtime/CMakeLists.txt gives the kernels there
-runtime=(query/contact_query query/query_kernel query/query_workers query/block_skipper field/brick_memo
-         field/level_bricks field/level_field field/level_push field/distance_bricks field/distance_field
-         field/distance_push field/force_field field/tangent_plane coupling/coupling loop/real_time
+runtime=(query/contact_query query/query_kernel query/query_workers query/block_skipper field/brick_cache
+         field/level_field field/level_field_kernel field/distance_field field/distance_field_kernel
+         field/force_field field/tangent_plane coupling/coupling loop/real_time
          model/step_arithmetic)
 tests=(property/runtime_contact_query property/runtime_query_variants property/runtime_level_field
        property/runtime_distance_field)

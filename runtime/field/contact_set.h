@@ -1,5 +1,5 @@
-// What the default model knows of the scene at one pose: the collected points with signed depth
-// and push direction, read from a force field.
+// The contacts of one pose, as the default model sees them: the collected points with their signed
+// depth and direction of push.
 #pragma once
 
 #include <cstdint>
@@ -20,8 +20,8 @@ struct Contact {
   bool interior = false;    // in value 1, behind the force layer
 };
 
-// The contacts of a pose in columns, with room for every shell point; `count` of them are meant.
-// Behind the last stand kPadding more elements, of which anything may be read.
+// The contacts of a pose in columns. A column has room for every shell point and kPadding more; the
+// first `count` elements are the contacts, and the rest may hold anything.
 struct ContactSet {
   static constexpr std::size_t kPadding = 64;
 
@@ -51,12 +51,12 @@ struct ContactSet {
 // Whether every interior point of `later` is interior in `earlier` too.
 bool no_new_interior(const ContactSet& earlier, const ContactSet& later) noexcept;
 
-// Where the default model looks the scene up. look_up() never allocates, locks or throws.
+// Finds the contacts of a pose for the default model.
 class ContactProbe {
  public:
   virtual ~ContactProbe() = default;
 
-  // Every point in values 1, 2 and 3 at this pose.
+  // Every point in values 1, 2 and 3 at this pose. Never allocates, locks or throws.
   virtual void look_up(const Pose& world_from_center, ContactSet& out) noexcept = 0;
 };
 

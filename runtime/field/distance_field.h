@@ -1,40 +1,96 @@
-// The force field of voxels that store a distance (4 and 8 bits; formats/voxmap_format.md, 6).
+// The distance field: depth and direction from stored distances (4 and 8 bits a voxel;
+// formats/voxmap_format.md, section 6).
 //
-// phi, in voxels, is the stored distance from the zero-force surface, interpolated trilinearly
-// between the eight voxel centres around a point. g is its slope there, per voxel: along each axis
-// the difference of neighbouring codes, taken to be that of the middle between their centres, and
-// interpolated between such middles along the axis and between centres across it. So g is
-// continuous, where the gradient of phi jumps from cell to cell; it reads the eight codes of phi's
-// cell and four more beside it along each axis, on the side where the point's voxel is.
-// In front of a smooth wall phi and g are those of the exact distance but for the quantum and the
-// wall's curvature, so that the direction is g's and no normal has to help out. phi is continuous,
-// and negative only in voxels of values 1 and 2 (voxmap_format.md, 6).
+// phi is the stored distance from the zero-force surface, in voxels, interpolated trilinearly
+// between the eight voxel centres around a point. It is continuous, and negative only in voxels of
+// values 1 and 2 (voxmap_format.md, section 6).
 //
-// Where codes end. Where phi < 0 at 8 bits, none of the voxels that g reads is free, whose codes
-// say no more than that: D changes by at most the distance between two points, and a voxel that g
-// reads is at most sqrt(5/2 + 1 + 1) = 2.12 voxels, in the weighted mean, from the eight centres
-// whose codes make phi, but free ones lie 2.85 and more in front of the zero-force surface. At 4
-// bits codes end within the proximity. Inside, g is short of the true slope within 2.12 voxels of
-// where code 0 begins. Cropped sides and the map's own are read as phi reads them: as the nearest
-// known voxel, and free.
+// g is the slope of phi, per voxel. Along an axis it is made of the differences of neighbouring
+// codes: each belongs to the middle between its two centres, and g is interpolated between such
+// middles along the axis and between centres across it. So g is continuous, where the gradient of
+// phi jumps from cell to cell. It reads the eight codes of phi's cell and four more beside it per
+// axis, on the side where the point's voxel is. In front of a smooth wall phi and g are those of
+// the exact distance but for the quantum and the wall's curvature, so the direction is g's and no
+// normal has to help.
+//
+// Where codes end. All free voxels have the same code, whatever their distance. Where phi < 0 at 8
+// bits, g reads no free voxel: the codes that g reads are at most sqrt(5/2 + 1 + 1) = 2.12 voxels,
+// in the weighted mean, from the eight centres that make phi; free voxels lie 2.85 voxels and more
+// in front of the zero-force surface; and D changes by at most the distance between two points. At
+// 4 bits codes end within the proximity. Inside, g is too short within 2.12 voxels of the place
+// where code 0 begins. A voxel beyond a cropped side has the code of the nearest known voxel; one
+// outside the map is free. This holds for phi too.
 //
 // Push. With n the point's inward normal:
 //   u = g + 0.05 b n, along d = u/|u|
-//   depth = s min(1, 10 |u|) (min(e, 1) + max(0, e - 1) min(1, 10 |g|)), e = max(0, -phi)
+//   depth = s min(1, 10 |u|) (min(e, 1) + max(0, e - 1) min(1, 10 |g|)), e = -phi
 //   b: 0 for a depth up to 1.5 voxels, 1 from 2 on.
 // Halfway between two walls g vanishes, and the push with it. Deep inside, where all codes are 0,
-// it is half a voxel along the normal, as the tangent plane gives; where distances are stored, it
-// leads to the nearest way out.
+// the push is half a voxel along the normal, as the tangent plane gives; where distances are
+// stored, it leads to the nearest way out. Where u has no direction, the direction is n and the
+// depth min(e, 0).
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "formats/result.h"
-#include "runtime/field/distance_bricks.h"
-#include "runtime/field/distance_push.h"
+#include "runtime/field/brick_cache.h"
 #include "runtime/field/force_field.h"
 
 namespace forcelayer {
+
+// Bricks decoded with one voxel of halo. A cell lies between the centres of eight voxels. A decoded
+// brick holds the codes at the corners of all cells that touch one of the brick's centres: 9 planes
+// (x) of 9 rows (y) of 10 words (z) of four bytes, from the voxel before the brick on. Byte
+// 2 x' + y' of word z is the code at (x + x', y + y', z). The codes at the corners of cell
+// (x, y, z) are words z and z + 1 of row y of plane x; the codes beside the cell are a word, row or
+// plane before or behind.
+class DistanceBricks : public BrickCache {
+ public:
+  static constexpr std::uint32_t kRowBytes = 40;
+  static constexpr std::uint32_t kPlaneBytes = 9 * kRowBytes;
+  static constexpr std::uint32_t kBrickBytes = 9 * kPlaneBytes;
+  // Offset of the cell between the brick's own first voxel and the seven behind it.
+  static constexpr std::uint32_t kFirstBytes = kPlaneBytes + kRowBytes + 4;
+  static constexpr std::uint32_t kMargin = 8;  // bytes that may be read beyond all bricks
+
+  // The map has 4 or 8 bits per voxel and outlives this.
+  explicit DistanceBricks(const Voxmap& voxmap);
+
+  // Per slot kBrickBytes of codes.
+  const std::uint8_t* codes() const { return codes_.data() + kMargin; }
+
+  // The codes of the brick of voxels 8 b to 8 b + 7, relative to the map's directory_origin and
+  // inside its directory; decoded into the brick's slot unless it is there already.
+  const std::uint8_t* hold_brick(std::int32_t bx, std::int32_t by, std::int32_t bz) noexcept;
+
+  // Codes along z, a byte each, from the one before the brick on.
+  struct Row {
+    std::uint64_t first;  // eight
+    std::uint32_t last;   // two
+  };
+
+ private:
+  // The brick and the voxels around it, [x][y].
+  using Halo = std::array<std::array<Row, 10>, 10>;
+
+  void gather(const BrickIndex& brick, Halo& halo) const noexcept;
+  void gather_voxelwise(const BrickIndex& brick, Halo& halo) const noexcept;
+
+  VoxmapView map_;
+  std::uint32_t free_code_;
+  std::vector<std::uint8_t> codes_;
+};
+
+// From codes to metres.
+struct DistanceScale {
+  float voxel_size_m = 0;
+  float zero_code = 0;
+  float voxels_per_code = 0;
+};
 
 class DistanceField final : public ForceField {
  public:
@@ -44,14 +100,13 @@ class DistanceField final : public ForceField {
   // The map must be readable and outlive the field. Takes 13 MB for decoded bricks.
   explicit DistanceField(const Voxmap& voxmap);
 
-  // As ForceField says; by one thread at a time.
-  void evaluate(const CollectedPoints& points, FieldSamples& samples) const noexcept override;
+  // As ForceField says; by one thread at a time. In distance_field_kernel.cpp.
   void measure(const CollectedPoints& points, FieldSamples& samples) const noexcept override;
   bool has_exact_slopes() const noexcept override { return true; }
 
  private:
-  DistanceCodes codes_;
-  mutable DistanceBricks bricks_;  // a memo: no answer depends on it
+  DistanceScale scale_;
+  mutable DistanceBricks bricks_;  // no answer depends on which bricks are there
 };
 
 }  // namespace forcelayer

@@ -2,13 +2,11 @@
 
 #include <algorithm>
 
-#include "runtime/field/surface_directions.h"
-
 namespace forcelayer {
 namespace {
 
-// A point stands for between these shares of the mean area: a shell may hold points of almost no
-// area at its edges, which must still hold the part off.
+// Least and largest weight of a point. A shell may hold points of almost no area at its edges,
+// which must still hold the part off.
 constexpr float kLeastWeight = 0.25f, kMostWeight = 4.0f;
 
 }  // namespace
@@ -34,7 +32,7 @@ void FieldProbe::look_up(const Pose& world_from_center, ContactSet& out) noexcep
 
 void FieldProbe::read(ContactSet& out) noexcept {
   field_.measure(points_, samples_);
-  out.count = samples_.count;
+  out.count = points_.count;
   out.interior = points_.interior_count;
   out.surface = points_.surface_count;
   out.proximity = points_.proximity_count;

@@ -1,4 +1,5 @@
-// The default model's view of a baked scene: contact query and force field in one look-up.
+// The default model's view of a baked scene: the contact query, the force field, and directions
+// averaged over neighbouring contacts, in one look-up.
 #pragma once
 
 #include <vector>
@@ -16,7 +17,7 @@ class FieldProbe final : public ContactProbe {
              FieldSamples& samples);
 
   void look_up(const Pose& world_from_center, ContactSet& out) noexcept override;
-  // The half of it after the query: depth and direction of the points that it collected.
+  // The second half of look_up(): depth and direction of the points that the query collected.
   void read(ContactSet& out) noexcept;
 
  private:
@@ -24,7 +25,31 @@ class FieldProbe final : public ContactProbe {
   const ForceField& field_;
   CollectedPoints& points_;
   FieldSamples& samples_;
-  std::vector<float> weight_;  // of every shell point, as Contact has it
+  std::vector<float> weight_;  // Contact::weight of every shell point
 };
+
+// The direction in which the static surface faces at a contact: the field's slope, averaged over
+// neighbours.
+//
+// There are two estimates of it. The point's own normal is the part's: where an edge or a tilted
+// face touches, it is off by the tilt, and always to the same side. A part pushed along its normals
+// would push itself along the surface and give the hand energy without end. The slope of the level
+// field is the scene's, but along a plane that is oblique to the grid it is off by ten degrees and
+// more, to all sides. That error has a wave-length of about a voxel, so it averages out over the
+// collected points around, near contacts included.
+//
+// Sets the direction of every contact of `set` that is deeper than `least_depth_m`. `samples` are
+// the field's measure() of `points`, and contact n of `set` is sample n.
+//
+// The average runs over 32 samples in the shell's order, which keeps neighbours together: the 16
+// before the contact, the contact and the 15 after it; at the ends of the list its first or last
+// 32. A slope g_i at the distance r counts with the weight
+//     max(0, 1 - r^2 / R^2)^2 max(0, g . g_i)^2,    R = kNeighbourVoxels voxels,
+// so that a wall that faces another way does not count. Where the slopes cancel, the field's own
+// direction takes over. Vectors of every width give the same bits.
+void average_directions(const CollectedPoints& points, const FieldSamples& samples,
+                        float voxel_size_m, float least_depth_m, ContactSet& set) noexcept;
+
+inline constexpr float kNeighbourVoxels = 5.0f;
 
 }  // namespace forcelayer

@@ -1,5 +1,5 @@
-// The force of one contact over its depth: straight, or by the compliance table of a scene with a
-// soft covering (formats/voxmap_format.md, 6).
+// The force of one contact over its depth: straight, or by the compliance table of a soft scene
+// (formats/voxmap_format.md, section 6).
 #pragma once
 
 #include <vector>
@@ -8,9 +8,9 @@
 
 namespace forcelayer {
 
-// In units of the field's stiffness K_ff, which is that of the steepest place: a table gives the
-// shape, and its very forces where K_ff is steepest_n_per_m() of the map. No slope is above 1, so
-// what is stable with K_ff is stable with the curve.
+// Forces are in units of the field's stiffness K_ff, which belongs to the curve's steepest place: a
+// table gives the curve's shape, and its own forces where K_ff is steepest_n_per_m() of the map. No
+// slope is above 1, so a loop that is stable with K_ff is stable with the curve.
 class ForceCurve {
  public:
   ForceCurve() = default;  // straight: K_ff times the depth
@@ -18,7 +18,7 @@ class ForceCurve {
 
   bool is_straight() const noexcept { return nodes_.empty(); }
 
-  // By how much the force layer is deeper than a voxel, m.
+  // Depth of the force layer beyond one voxel, m.
   double deepening_m() const noexcept { return deepening_m_; }
 
   // Force over K_ff at a depth, m; a gap (a negative depth) stays what it is.

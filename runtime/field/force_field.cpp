@@ -7,13 +7,12 @@
 namespace forcelayer {
 namespace {
 
-constexpr std::size_t kLanePadding = 64;  // elements that a vector store may spill behind the last
+constexpr std::size_t kLanePadding = 64;  // elements behind the last that a vector store may write
 
 }  // namespace
 
 void FieldSamples::reserve(std::uint64_t points) {
   const std::size_t room = points + kLanePadding;
-  at.resize(room);
   for (auto* values : {&depth_m, &dx, &dy, &dz, &gx, &gy, &gz}) values->resize(room);
 }
 

@@ -1,8 +1,7 @@
-// The interface between the voxels and the force: how deep each collected point lies in the force
-// layer and which way it is pushed.
+// The interface between voxels and force: the depth of each collected point and the direction in
+// which it is pushed.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -15,47 +14,35 @@
 
 namespace forcelayer {
 
-// Collected points with their depth, in the order of CollectedPoints. The force of one is
-// stiffness * depth * direction, on the part at the point.
+// One sample for each of the CollectedPoints, in their order. The force on the part at a point of
+// positive depth is stiffness * depth * direction.
 struct FieldSamples {
-  std::uint32_t count = 0;
-  std::vector<std::uint32_t> at;  // index into CollectedPoints
-  std::vector<float> depth_m;     // > 0 from evaluate(), signed from measure()
-  std::vector<float> dx, dy, dz;  // unit, world axes: out of the static scene
-  std::vector<float> gx, gy, gz;  // from measure(): slope of the field, per voxel, world axes
+  std::vector<float> depth_m;     // signed: negative is how far the point is from having depth
+  std::vector<float> dx, dy, dz;  // direction: unit, world axes, out of the static scene
+  std::vector<float> gx, gy, gz;  // slope of the field, per voxel, world axes
 
   void reserve(std::uint64_t points);  // set-up only
-  void set(std::uint32_t i, std::uint32_t point_at, float depth,
-           const std::array<float, 3>& direction) noexcept {
-    at[i] = point_at;
-    depth_m[i] = depth;
-    dx[i] = direction[0], dy[i] = direction[1], dz[i] = direction[2];
-  }
 };
 
-// Reads depth and direction at points in values 2 and 1; with Euclidean layers the level field may
-// reach into value 3 (level_field.h). What lies in which value, and so the guard and the guarantee,
-// does not depend on the field.
+// Measures collected points. Points in values 1 and 2 may have depth, and in the level field of
+// Euclidean layers some points in value 3 (level_field.h). The field does not decide which point
+// lies in which value, so the guard and the guarantee do not depend on it.
 class ForceField {
  public:
   virtual ~ForceField() = default;
 
-  // Fills `samples` from `points` (both with room for all points). No allocation, lock or system
-  // call. A point in value 1 that the field cannot measure gets about half a voxel along
-  // its normal.
-  virtual void evaluate(const CollectedPoints& points, FieldSamples& samples) const noexcept = 0;
-
-  // The same for every collected point, those of value 3 too, with signed depth: negative is how
-  // far a point is from having depth, as far as the field can tell.
+  // Fills `samples` from `points`; both have room for every shell point. No allocation, lock or
+  // system call. A point in value 1 that the field cannot measure gets about half a voxel along its
+  // normal.
   virtual void measure(const CollectedPoints& points, FieldSamples& samples) const noexcept = 0;
 
-  // Whether the directions of measure() are the scene's, so that there is nothing to gain from
-  // averaging them over neighbours (surface_directions.h).
+  // Whether the directions of measure() are exact enough to need no averaging over neighbours
+  // (average_directions() in field_probe.h).
   virtual bool has_exact_slopes() const noexcept { return false; }
 };
 
-// The field that a model uses where the user names none: the paper's for `paper`; else the distance
-// or the level field, whichever the map can give.
+// The field of a model where the user names none: the tangent plane for `paper`; else the distance
+// field or the level field, whichever can read the map.
 ForceKind usual_force(Model model, const Voxmap& voxmap);
 
 // The field of `kind` over `voxmap`, which must outlive it. Errors: kUsage where the model or the

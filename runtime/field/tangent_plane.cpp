@@ -14,51 +14,23 @@ TangentPlaneField::TangentPlaneField(const Voxmap& voxmap)
   voxels_per_code_ = static_cast<float>(header.quantum_m / header.voxel_size_m);
 }
 
-// Of a point behind its plane, value 1 at two bits apart.
-template <bool kDistances>
+// How far a point lies behind its plane.
 inline float TangentPlaneField::depth_voxels(const CollectedPoints& points,
                                              std::uint32_t i) const noexcept {
   const float from_center = points.nx[i] * (0.5f - points.fx[i]) +
                             points.ny[i] * (0.5f - points.fy[i]) +
                             points.nz[i] * (0.5f - points.fz[i]);
-  if constexpr (!kDistances) return from_center;
+  if (distances_ == nullptr) return from_center;
   const auto code =
       static_cast<float>(distances_->lookup(points.vx[i], points.vy[i], points.vz[i]).code);
   return from_center + (zero_code_ - code) * voxels_per_code_;
-}
-
-void TangentPlaneField::evaluate(const CollectedPoints& points,
-                                 FieldSamples& samples) const noexcept {
-  distances_ == nullptr ? evaluate_all<false>(points, samples)
-                        : evaluate_all<true>(points, samples);
-}
-
-template <bool kDistances>
-void TangentPlaneField::evaluate_all(const CollectedPoints& points,
-                                     FieldSamples& samples) const noexcept {
-  std::uint32_t count = 0;
-  for (std::uint32_t i = 0; i < points.count; ++i) {
-    const auto value = static_cast<VoxelValue>(points.value[i]);
-    if (value == VoxelValue::kProximity) continue;
-    const bool behind = !kDistances && value == VoxelValue::kInterior;
-    const float depth = behind ? 0.5f : depth_voxels<kDistances>(points, i);
-    if (!(depth > 0.0f)) continue;
-    samples.at[count] = i;
-    samples.depth_m[count] = depth * voxel_size_m_;
-    samples.dx[count] = points.nx[i];
-    samples.dy[count] = points.ny[i];
-    samples.dz[count] = points.nz[i];
-    ++count;
-  }
-  samples.count = count;
 }
 
 void TangentPlaneField::measure(const CollectedPoints& points,
                                 FieldSamples& samples) const noexcept {
   for (std::uint32_t i = 0; i < points.count; ++i) {
     const float nx = points.nx[i], ny = points.ny[i], nz = points.nz[i];
-    float depth =
-        distances_ == nullptr ? depth_voxels<false>(points, i) : depth_voxels<true>(points, i);
+    float depth = depth_voxels(points, i);
     const auto value = static_cast<VoxelValue>(points.value[i]);
     if (distances_ == nullptr) {
       if (value == VoxelValue::kInterior) depth = 0.5f;
@@ -66,7 +38,6 @@ void TangentPlaneField::measure(const CollectedPoints& points,
     } else if (value == VoxelValue::kProximity) {
       depth = std::min(depth, 0.0f);
     }
-    samples.at[i] = i;
     samples.depth_m[i] = depth * voxel_size_m_;
     samples.dx[i] = nx;
     samples.dy[i] = ny;
@@ -75,7 +46,6 @@ void TangentPlaneField::measure(const CollectedPoints& points,
     samples.gy[i] = ny;
     samples.gz[i] = nz;
   }
-  samples.count = points.count;
 }
 
 }  // namespace forcelayer

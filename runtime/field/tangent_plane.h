@@ -6,29 +6,23 @@
 
 namespace forcelayer {
 
-// Depth d = max(0, n . (c - p)) along the point's inward normal n, c the voxel's centre. A point in
-// value 1 lies behind the force layer: it gets half a voxel, the field's nominal depth.
+// Depth d = n . (c - p) along the point's inward normal n, c the voxel's centre. A point in value 1
+// lies behind the force layer: it gets half a voxel, the field's nominal depth.
 //
-// Where voxels store distances, the plane lies as far behind the centre as the voxel's own distance
-// says (nearest voxel and tangent plane), in value 1 too.
+// Where voxels store distances, the plane lies as far behind the voxel's centre as the stored
+// distance says, in value 1 too.
 class TangentPlaneField final : public ForceField {
  public:
   explicit TangentPlaneField(const Voxmap& voxmap);
   explicit TangentPlaneField(double voxel_size_m)  // of any map of two bits
       : voxel_size_m_(static_cast<float>(voxel_size_m)) {}
 
-  void evaluate(const CollectedPoints& points, FieldSamples& samples) const noexcept override;
-
-  // In front of the plane a point's depth is negative; at two bits a point in value 3 has a whole
-  // layer to go.
+  // A point in front of the plane has a negative depth. At two bits a point in value 3 lies a whole
+  // layer further out.
   void measure(const CollectedPoints& points, FieldSamples& samples) const noexcept override;
 
  private:
-  // Each of them once for maps of two bits, whose points then ask nothing of the map.
-  template <bool kDistances>
   float depth_voxels(const CollectedPoints& points, std::uint32_t i) const noexcept;
-  template <bool kDistances>
-  void evaluate_all(const CollectedPoints& points, FieldSamples& samples) const noexcept;
 
   float voxel_size_m_;
   const VoxmapView* distances_ = nullptr;  // null at two bits

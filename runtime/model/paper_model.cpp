@@ -13,18 +13,18 @@ namespace {
 constexpr double kAveragingStart = 10;  // paper 5.2: intersections from which forces are averaged
 
 // Sum of the forces of all intersections, averaged from N = 10 on (paper 3, 5.2). About the
-// centroid. Reports the contacts. Points in value 1 press nothing.
+// centroid. Reports the contacts, the points of positive depth. Points in value 1 press nothing.
 Wrench field_wrench(const StepContext& context, StepReport& report) {
   const CollectedPoints& points = context.points;
   const FieldSamples& samples = context.samples;
   Wrench sum;
-  for (std::uint32_t i = 0; i < samples.count; ++i) {
-    const std::uint32_t at = samples.at[i];
-    if (points.value[at] != static_cast<std::uint8_t>(VoxelValue::kSurface)) continue;
+  for (std::uint32_t i = 0; i < points.count; ++i) {
+    if (points.value[i] != static_cast<std::uint8_t>(VoxelValue::kSurface)) continue;
+    if (!(samples.depth_m[i] > 0)) continue;
     const glm::dvec3 force_n = context.parameters.field_n_per_m * double{samples.depth_m[i]} *
                                glm::dvec3(samples.dx[i], samples.dy[i], samples.dz[i]);
     sum.force_n += force_n;
-    sum.torque_nm += glm::cross(glm::dvec3(points.rx[at], points.ry[at], points.rz[at]), force_n);
+    sum.torque_nm += glm::cross(glm::dvec3(points.rx[i], points.ry[i], points.rz[i]), force_n);
     ++report.contacts;
     report.depth_m = std::max(report.depth_m, double{samples.depth_m[i]});
   }
@@ -94,7 +94,7 @@ StepResult paper_step(const StepContext& context, State& state, const StepInput&
   StepResult result;
   StepReport& report = result.report;
   context.query.run(state.world_from_center, context.points);
-  context.field.evaluate(context.points, context.samples);
+  context.field.measure(context.points, context.samples);
   report.world_from_center = state.world_from_center;
   report.interior = context.points.interior_count;
   report.surface = context.points.surface_count;

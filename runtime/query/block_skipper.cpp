@@ -11,7 +11,7 @@ namespace forcelayer {
 namespace {
 
 constexpr std::uint32_t kGroup = 16;        // discs looked at together: a vector
-constexpr double kMostMotionVoxels = 4096;  // then everything is forgotten: keeps floats fine
+constexpr double kMostMotionVoxels = 4096;  // then all slack is forgotten, so that floats stay fine
 constexpr float kMotionRounding = 0.01f;    // voxels: float sums of up to 2 * 4096 err by 0.002
 constexpr double kUnitTolerance = 1e-9;     // of an orientation's length, squared; else no skipping
 constexpr double kRadiusRounding = 1 + 1e-6;  // of a float radius in voxels
@@ -21,8 +21,8 @@ bool is_unit(const glm::dquat& q) { return std::abs(glm::dot(q, q) - 1) < kUnitT
 
 constexpr double kDiscRounding = 1 + 1e-6;  // of extents along an axis that is not quite unit
 
-// Appends the disc of points [begin, end) about `center`: across their mean normal, whatever that
-// is worth, and as large as it must be.
+// Appends the disc that holds points [begin, end): about `center`, its axis along their mean
+// normal.
 void append_disc(const PshellView& shell, std::uint64_t begin, std::uint64_t end,
                  const BoundingSphere& center, std::vector<float>& place,
                  std::vector<float>& shape) {
@@ -79,7 +79,7 @@ BlockSkipper::Level BlockSkipper::make_level(const PshellView& shell, const Boun
   return level;
 }
 
-void BlockSkipper::forget() noexcept {
+void BlockSkipper::forget_slack() noexcept {
   for (Level* level : {&blocks_, &super_blocks_}) {
     std::fill(level->free_until.begin(), level->free_until.end(), kNever);
   }
@@ -95,7 +95,7 @@ void BlockSkipper::spend_motion(const Pose& pose) noexcept {
   }
   has_last_ = true;
   last_ = pose;
-  if (!(travel_voxels_ + radius_voxels_ * turn_rad_ < kMostMotionVoxels)) forget();
+  if (!(travel_voxels_ + radius_voxels_ * turn_rad_ < kMostMotionVoxels)) forget_slack();
 }
 
 bool BlockSkipper::all_known_free(const Level& level, std::uint32_t begin,
@@ -109,8 +109,7 @@ bool BlockSkipper::all_known_free(const Level& level, std::uint32_t begin,
   return spent == 0;
 }
 
-// Looks the group's discs up anew. What was known of a disc and still holds is kept where it is
-// better.
+// Surveys the group's discs anew. With coherence, earlier slack that reaches further is kept.
 void BlockSkipper::survey(const KernelMap& map, const VoxelPose& pose, Level& level,
                           std::uint32_t begin, std::uint32_t end) noexcept {
   float slack[kGroup];

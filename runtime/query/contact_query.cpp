@@ -10,9 +10,9 @@
 namespace forcelayer {
 namespace {
 
-constexpr std::size_t kLanePadding = 128;  // elements that a vector store may spill behind the last
+constexpr std::size_t kLanePadding = 128;  // elements behind the last that a vector store may write
 constexpr std::size_t kChunksPerThread = 8;  // so that a slow thread holds up little
-constexpr std::size_t kSharedBlocks = 256;   // fewer are done before a helper takes part
+constexpr std::size_t kSharedBlocks = 256;   // fewer would be done before a helper starts
 constexpr float kBelowOne = 0x1.fffffep-1f;
 
 // VoxelValue of every stored code of a map (voxmap_format.md, bricks).
@@ -34,13 +34,14 @@ std::array<std::uint8_t, 256> value_table(const VoxmapHeader& header) {
   return table;
 }
 
-// Indices beyond 2^30 voxels from the directory are never met (VoxelPose::within_reach).
+// Voxels are looked up only within reach of the directory (VoxelPose::within_reach), so clamping
+// changes no answer.
 std::int32_t to_int32(std::int64_t index) {
   return static_cast<std::int32_t>(std::clamp<std::int64_t>(
       index, std::numeric_limits<std::int32_t>::min(), std::numeric_limits<std::int32_t>::max()));
 }
 
-// A map that is free everywhere may have no directory: nothing for the kernels to gather from.
+// A map that is free everywhere may have an empty directory, from which no kernel may gather.
 bool directory_is_empty(const Voxmap& voxmap) {
   const auto& dims = voxmap.header().directory_dims;
   return dims[0] == 0 || dims[1] == 0 || dims[2] == 0;
@@ -75,7 +76,7 @@ KernelShell kernel_shell(const Pshell& shell) {
           v.block_points};
 }
 
-// The kernels that survey spheres need the same reach as those that collect points.
+// Discs are surveyed by the vector kernel alone.
 SkipOptions skip_options(const QueryOptions& options, bool use_kernel) {
   SkipOptions skip = options.skip;
   skip.clearance = skip.clearance && use_kernel;
@@ -94,7 +95,7 @@ PointColumns columns(CollectedPoints& out, std::size_t at) {
   return c;
 }
 
-// Adds the counts of `c`, whose points stand where they belong in `out`.
+// Adds the counts of `c`, whose points already stand in their place in `out`.
 void take_counts(const PointColumns& c, CollectedPoints& out) {
   out.count += c.count;
   out.interior_count += c.count_of_value[1];
@@ -103,7 +104,7 @@ void take_counts(const PointColumns& c, CollectedPoints& out) {
   out.outside_map = out.outside_map || c.outside_map;
 }
 
-// Moves the points of `c`, which stand at or behind `to`, to `to`.
+// Moves the points of `c` forward to `to`.
 void close_up(const PointColumns& c, const PointColumns& to) {
   const auto move = [&](auto* from, auto* target) {
     if (from != target) std::memmove(target, from, c.count * sizeof *from);
@@ -185,9 +186,9 @@ VoxelPose ContactQuery::voxel_pose(const Pose& world_from_center) const noexcept
   return pose;
 }
 
-// Per axis, u = 2^-24, R the radius: rounding the matrix, three products and two sums costs at most
-// 4u R (Cauchy-Schwarz on the row), rounding the fraction u, adding it u (R + 1); doubled for
-// higher orders.
+// Per axis, with u = 2^-24 and the radius R: rounding the matrix, three products and two sums costs
+// at most 4 u R (Cauchy-Schwarz on the row), rounding the fraction u, adding it u (R + 1). Doubled
+// for terms of higher order.
 double ContactQuery::rounding_voxels() const {
   return std::ldexp(2 * (5 * radius_voxels_ + 2), -24);
 }
@@ -272,12 +273,12 @@ void ContactQuery::collect(const VoxelPose& pose, std::span<const std::uint32_t>
   for (const std::uint32_t block : blocks) collect_block(pose, block, out);
 }
 
-// The blocks in chunks, each thread taking the next one; a chunk's points go where they would stand
-// if all points of the blocks before it were collected, and are closed up in order at the end. So
-// the result does not depend on who did what.
+// Each thread takes the next chunk of blocks. A chunk has room of its own in `out`, behind that of
+// all points of the blocks before it; at the end the chunks are closed up in order. So the result
+// does not depend on which thread did which chunk.
 void ContactQuery::collect_shared(const VoxelPose& pose, std::span<const std::uint32_t> blocks,
                                   CollectedPoints& out) noexcept {
-  struct Share {
+  struct SharedWork {
     const ContactQuery* query;
     const VoxelPose* pose;
     std::span<const std::uint32_t> blocks;
@@ -285,18 +286,18 @@ void ContactQuery::collect_shared(const VoxelPose& pose, std::span<const std::ui
     std::size_t chunk_count;
     std::size_t begin_of(std::size_t chunk) const { return blocks.size() * chunk / chunk_count; }
   };
-  Share share{this, &pose, blocks, chunks_.data(), chunks_.size()};
+  SharedWork work{this, &pose, blocks, chunks_.data(), chunks_.size()};
   const std::size_t block_points = kernel_shell_.block_points;
   for (std::size_t chunk = 0; chunk < chunks_.size(); ++chunk) {
-    chunks_[chunk] = columns(out, share.begin_of(chunk) * block_points);
+    chunks_[chunk] = columns(out, work.begin_of(chunk) * block_points);
   }
   workers_->run(
       [](void* context, std::uint32_t chunk) noexcept {
-        const Share& s = *static_cast<const Share*>(context);
+        const SharedWork& s = *static_cast<const SharedWork*>(context);
         const std::size_t begin = s.begin_of(chunk), end = s.begin_of(chunk + 1);
         s.query->collect(*s.pose, s.blocks.subspan(begin, end - begin), s.chunks[chunk]);
       },
-      &share, static_cast<std::uint32_t>(chunks_.size()));
+      &work, static_cast<std::uint32_t>(chunks_.size()));
   for (const PointColumns& chunk : chunks_) {
     close_up(chunk, columns(out, out.count));
     take_counts(chunk, out);

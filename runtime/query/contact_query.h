@@ -1,5 +1,5 @@
-// The contact query: which shell points lie in which voxels (paper 3, 4.3), and nothing about
-// force.
+// The contact query: which shell points lie in which voxels (paper 3, 4.3). It knows nothing of
+// forces.
 #pragma once
 
 #include <array>
@@ -18,8 +18,8 @@
 namespace forcelayer {
 
 // The shell points that lie in values 1, 2 and 3, in ascending order of point index, as structure
-// of arrays with room for every point. What a force field needs is here; world positions are kept
-// split into whole voxels and a fraction, so that precision does not depend on the scene's size.
+// of arrays with room for every point. A position is split into whole voxels and a fraction, so its
+// precision does not depend on the scene's size.
 struct CollectedPoints {
   std::uint32_t count = 0;
   std::vector<std::uint32_t> index;      // of the shell point
@@ -32,15 +32,15 @@ struct CollectedPoints {
   std::uint32_t interior_count = 0;   // points in value 1
   std::uint32_t surface_count = 0;    // points in value 2: the paper's N
   std::uint32_t proximity_count = 0;  // points in value 3
-  bool outside_map = false;           // a point lay beyond a cropped side: no guarantee this frame
-                                      // (the bounding sphere, where the map is out of reach)
+  bool outside_map = false;           // a point lay beyond a cropped side: no guarantee this frame;
+                                      // of a part out of the map's reach, its bounding sphere
 
   void reserve(std::uint64_t points);  // set-up only; run() never allocates
   void clear() noexcept;               // counts and flags
 };
 
-// A pose as the query computes with it: world voxel position of a shell point p (m, from the
-// centre) = whole + floor(turn * p + fraction), all but `whole` in single precision.
+// A pose as the query computes with it. The voxel of a shell point p (m, from the centre) is
+// whole + floor(turn * p + fraction), all but `whole` in single precision.
 struct VoxelPose {
   std::array<std::array<float, 3>, 3> rotation;  // row-major
   std::array<std::array<float, 3>, 3> turn;      // rotation / s: metres to voxels
@@ -49,42 +49,41 @@ struct VoxelPose {
   bool within_reach = false;                     // false: no point can be in the directory
 };
 
-// How the query works; what it finds is the same whatever is chosen here.
+// How the query works. No choice here changes the result.
 struct QueryOptions {
   SkipOptions skip;
   bool vector = true;    // the vectorised kernel, where the map's size allows it
-  unsigned threads = 1;  // that share the work of one run, the caller's included
+  unsigned threads = 1;  // share the work of one run; the caller's is one of them
 };
 
-// Finds the collected points of one shell in one voxmap. Precision: the rotation acts in float on
-// offsets from the part's centre; the centre's place is double, split into whole voxels (integer)
-// and a fraction (DESIGN 2).
+// Finds the collected points of one shell in one voxmap. The rotation acts in single precision on
+// offsets from the part's centre; the centre's position is in double precision, split into whole
+// voxels (integers) and a fraction.
 class ContactQuery {
  public:
   // Both files must outlive the query. The shell's radius must stay below kMaxRadiusVoxels voxels.
   ContactQuery(const Voxmap& voxmap, const Pshell& shell, const QueryOptions& options = {});
 
-  // Collects with the part's centroid frame at `world_from_center` into `out` (reserved for the
-  // shell's points). A pose that is not finite collects nothing. No allocation, lock or system
+  // Fills `out`, which has room for the shell's points, with the part's centroid frame at
+  // `world_from_center`. A pose that is not finite collects nothing. No allocation, lock or system
   // call.
   void run(const Pose& world_from_center, CollectedPoints& out) noexcept;
 
-  // e_pose of the separation guarantee: how far the query's arithmetic can misplace a point, for
-  // poses at which the part touches the map.
+  // e_pose of the separation guarantee: how far the query's arithmetic can misplace a point, m, at
+  // poses within the map's reach.
   double rounding_bound_m() const;
 
   VoxelPose voxel_pose(const Pose& world_from_center) const noexcept;
 
-  // Helper threads, where there are any: wake() before a step in which they should take part,
-  // rest() after it. Both call the system; without them run() does everything on the caller's
-  // thread.
+  // Around a run() in which the helper threads, if any, take part. Both call the system. Helpers
+  // that are not awake leave all work to the caller's thread.
   void wake() noexcept;
   void rest() noexcept;
 
   // Real-time priority for them, a step below the loop's; returns warnings.
   std::vector<std::string> give_helpers_real_time_priority();
 
-  // Points that the last run looked at: those of the blocks that were not skipped.
+  // Points of the blocks that the last run did not skip.
   std::uint64_t points_looked_at() const { return points_looked_at_; }
 
   const Voxmap& voxmap() const { return voxmap_; }

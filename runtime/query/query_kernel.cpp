@@ -12,8 +12,6 @@
 // Behind foreach_target.h, as Highway wants it.
 #include <hwy/highway.h>
 
-#include "runtime/query/packing-inl.h"
-
 HWY_BEFORE_NAMESPACE();
 namespace forcelayer {
 namespace HWY_NAMESPACE {
@@ -36,25 +34,75 @@ HWY_INLINE VU numbers_from(std::uint32_t first) {
   return hn::Add(hn::Set(U(), first), hn::Load(U(), kNumbers));
 }
 
-struct Three {
+// Moves the lanes of a mask together. Highway's own Compress copies its tables to the stack on
+// every call where there is no instruction for it, which takes longer than all the rest of a query.
+#if HWY_TARGET <= HWY_AVX3
+class Packing {
+ public:
+  explicit HWY_INLINE Packing(hn::Mask<F> kept) : kept_(kept) {}
+  template <class V>
+  HWY_INLINE V operator()(V v) const {
+    return hn::Compress(v, hn::RebindMask(hn::DFromV<V>(), kept_));
+  }
+  HWY_INLINE std::size_t count() const { return hn::CountTrue(F(), kept_); }
+
+ private:
+  hn::Mask<F> kept_;
+};
+#else
+constexpr std::size_t kLaneCount = hn::MaxLanes(F());
+
+// Per bit pattern of a mask the numbers of its set bits, then zeros.
+constexpr auto kSetBits = [] {
+  std::array<std::array<std::uint8_t, 8>, std::size_t{1} << kLaneCount> table{};
+  for (std::size_t bits = 0; bits < table.size(); ++bits) {
+    std::size_t count = 0;
+    for (std::uint8_t bit = 0; bit < kLaneCount; ++bit) {
+      if (bits >> bit & 1) table[bits][count++] = bit;
+    }
+  }
+  return table;
+}();
+
+class Packing {
+ public:
+  explicit HWY_INLINE Packing(hn::Mask<F> kept) : count_(hn::CountTrue(F(), kept)) {
+    std::uint8_t bits[8] = {};
+    hn::StoreMaskBits(F(), kept, bits);
+    const hn::Rebind<std::uint8_t, I> d8;
+    from_ = hn::PromoteTo(I(), hn::LoadU(d8, kSetBits[bits[0]].data()));
+  }
+  template <class V>
+  HWY_INLINE V operator()(V v) const {
+    return hn::TableLookupLanes(v, hn::IndicesFromVec(hn::DFromV<V>(), from_));
+  }
+  HWY_INLINE std::size_t count() const { return count_; }
+
+ private:
+  VI from_;
+  std::size_t count_;
+};
+#endif
+
+struct Float3 {
   VF x, y, z;
 };
 
-struct ThreeInts {
+struct Int3 {
   VI x, y, z;
 };
 
-HWY_INLINE VF dot(const std::array<float, 3>& row, const Three& v) {
+HWY_INLINE VF dot(const std::array<float, 3>& row, const Float3& v) {
   const F f;
   return hn::Add(hn::Add(hn::Mul(hn::Set(f, row[0]), v.x), hn::Mul(hn::Set(f, row[1]), v.y)),
                  hn::Mul(hn::Set(f, row[2]), v.z));
 }
 
-HWY_INLINE Three times(const std::array<std::array<float, 3>, 3>& matrix, const Three& v) {
+HWY_INLINE Float3 multiply(const std::array<std::array<float, 3>, 3>& matrix, const Float3& v) {
   return {dot(matrix[0], v), dot(matrix[1], v), dot(matrix[2], v)};
 }
 
-// entries[index] where `mask` holds, else anything; index must be 0 or more and in range there.
+// entries[index] where `mask` holds, else anything. There the index must be in range.
 HWY_INLINE VU gather(const std::uint32_t* entries, VU index, Mask mask) {
   const I i;
   const U u;
@@ -62,9 +110,9 @@ HWY_INLINE VU gather(const std::uint32_t* entries, VU index, Mask mask) {
   return hn::BitCast(u, hn::GatherIndex(i, reinterpret_cast<const std::int32_t*>(entries), safe));
 }
 
-// Place of a voxel in its node of 8^3 entries, the node's entries being 2^shift voxels wide.
+// Number of a voxel's entry in its node of 8^3 entries, each 2^kShift voxels wide.
 template <int kShift>
-HWY_INLINE VU slot(const ThreeInts& voxel) {
+HWY_INLINE VU slot(const Int3& voxel) {
   const U u;
   const VU seven = hn::Set(u, 7);
   const VU x = hn::And(hn::ShiftRight<kShift>(hn::BitCast(u, voxel.x)), seven);
@@ -79,33 +127,33 @@ HWY_INLINE Mask has_child(VU entry) {
   return hn::RebindMask(U(), hn::Gt(hn::BitCast(i, entry), hn::Set(i, -1)));
 }
 
-HWY_INLINE Mask in_directory(const KernelMap& map, const ThreeInts& voxel) {
+HWY_INLINE Mask in_directory(const KernelMap& map, const Int3& voxel) {
   const U u;
-  const auto below = [&](VI v, std::int32_t blocks) HWY_ATTR {
-    return hn::Lt(hn::BitCast(u, v), hn::Set(u, static_cast<std::uint32_t>(blocks) << 9));
+  const auto below = [&](VI v, std::int32_t cells) HWY_ATTR {
+    return hn::Lt(hn::BitCast(u, v), hn::Set(u, static_cast<std::uint32_t>(cells) << 9));
   };
   return hn::And(below(voxel.x, map.dims[0]),
                  hn::And(below(voxel.y, map.dims[1]), below(voxel.z, map.dims[2])));
 }
 
-// The tree entry at which each voxel's path ends, and how wide its box is: 512, 64, 8 (uniform
-// entries) or 1 (a child index into the bricks).
+// The tree entry at which each voxel's path ends, and the width of its box in voxels: 512, 64 or 8
+// for a uniform entry, 1 for an index into the bricks.
 struct TreeEnd {
   VU entry;
   VI edge;
   Mask in_brick;
 };
 
-HWY_INLINE TreeEnd descend(const KernelMap& map, const ThreeInts& voxel, Mask valid) {
+HWY_INLINE TreeEnd descend(const KernelMap& map, const Int3& voxel, Mask valid) {
   const I i;
   const U u;
   TreeEnd end;
-  const auto block = [&](VI v) HWY_ATTR { return hn::ShiftRight<9>(v); };
-  const VI block_index =
-      hn::Add(hn::Mul(hn::Add(hn::Mul(block(voxel.x), hn::Set(i, map.dims[1])), block(voxel.y)),
+  const auto cell = [&](VI v) HWY_ATTR { return hn::ShiftRight<9>(v); };
+  const VI cell_index =
+      hn::Add(hn::Mul(hn::Add(hn::Mul(cell(voxel.x), hn::Set(i, map.dims[1])), cell(voxel.y)),
                       hn::Set(i, map.dims[2])),
-              block(voxel.z));
-  end.entry = gather(map.directory, hn::BitCast(u, block_index), valid);
+              cell(voxel.z));
+  end.entry = gather(map.directory, hn::BitCast(u, cell_index), valid);
   end.edge = hn::Set(i, 512);
   Mask pending = hn::And(valid, has_child(end.entry));
   end.in_brick = pending;
@@ -142,7 +190,7 @@ HWY_INLINE VU value_of(const KernelMap& map, VU code) {
 }
 
 // VoxelValue of each voxel; free where `valid` does not hold.
-HWY_INLINE VU look_up(const KernelMap& map, const ThreeInts& voxel, Mask valid) {
+HWY_INLINE VU look_up(const KernelMap& map, const Int3& voxel, Mask valid) {
   const U u;
   const TreeEnd end = descend(map, voxel, valid);
   VU code = hn::And(end.entry, hn::Set(u, 0xff));
@@ -159,7 +207,7 @@ HWY_INLINE VU look_up(const KernelMap& map, const ThreeInts& voxel, Mask valid) 
   return hn::IfThenElseZero(valid, value_of(map, code));
 }
 
-HWY_INLINE Mask outside_known(const KernelMap& map, const ThreeInts& voxel) {
+HWY_INLINE Mask outside_known(const KernelMap& map, const Int3& voxel) {
   const I i;
   const auto beyond = [&](VI v, int axis) HWY_ATTR {
     return hn::Or(hn::Lt(v, hn::Set(i, map.known_min[axis])),
@@ -169,19 +217,19 @@ HWY_INLINE Mask outside_known(const KernelMap& map, const ThreeInts& voxel) {
                         hn::Or(beyond(voxel.x, 0), hn::Or(beyond(voxel.y, 1), beyond(voxel.z, 2))));
 }
 
-// Points in the making: what collect_point() computes before the look-up.
-struct Placed {
-  Three offset;     // voxels, from the centre
-  Three whole;      // voxel relative to the centre's, as floats
-  Three position;   // offset + fraction of the centre
-  ThreeInts voxel;  // relative to the directory
+// A vector of points as ContactQuery::collect_point() places them before the look-up.
+struct PlacedPoints {
+  Float3 offset;    // voxels, from the centre
+  Float3 whole;     // voxel relative to the centre's, as floats
+  Float3 position;  // offset + fraction of the centre
+  Int3 voxel;       // relative to the directory
 };
 
-HWY_INLINE Placed place(const VoxelPose& pose, const Three& point) {
+HWY_INLINE PlacedPoints place_points(const VoxelPose& pose, const Float3& point) {
   const F f;
   const I i;
-  Placed p;
-  p.offset = times(pose.turn, point);
+  PlacedPoints p;
+  p.offset = multiply(pose.turn, point);
   p.position = {hn::Add(p.offset.x, hn::Set(f, pose.fraction[0])),
                 hn::Add(p.offset.y, hn::Set(f, pose.fraction[1])),
                 hn::Add(p.offset.z, hn::Set(f, pose.fraction[2]))};
@@ -194,12 +242,12 @@ HWY_INLINE Placed place(const VoxelPose& pose, const Three& point) {
 
 // Appends the points of `mask`. The columns have room for a whole vector behind their end.
 HWY_INLINE void append(const KernelMap& map, const KernelShell& shell, const VoxelPose& pose,
-                       std::uint32_t first, const Placed& p, VU value, Mask mask,
+                       std::uint32_t first, const PlacedPoints& p, VU value, Mask mask,
                        PointColumns& out) {
   const F f;
   const I i;
   const U u;
-  const Packing<F> pack(hn::RebindMask(f, mask));
+  const Packing pack(hn::RebindMask(f, mask));
   const auto put = [&pack](auto v, auto* to)
                        HWY_ATTR { hn::StoreU(pack(v), hn::DFromV<decltype(v)>(), to); };
   const std::uint32_t at = out.count;
@@ -217,9 +265,9 @@ HWY_INLINE void append(const KernelMap& map, const KernelShell& shell, const Vox
   put(hn::Mul(p.offset.x, s), &out.rx[at]);
   put(hn::Mul(p.offset.y, s), &out.ry[at]);
   put(hn::Mul(p.offset.z, s), &out.rz[at]);
-  const Three normal =
-      times(pose.rotation, {hn::LoadU(f, shell.nx + first), hn::LoadU(f, shell.ny + first),
-                            hn::LoadU(f, shell.nz + first)});
+  const Float3 normal =
+      multiply(pose.rotation, {hn::LoadU(f, shell.nx + first), hn::LoadU(f, shell.ny + first),
+                               hn::LoadU(f, shell.nz + first)});
   put(normal.x, &out.nx[at]);
   put(normal.y, &out.ny[at]);
   put(normal.z, &out.nz[at]);
@@ -240,8 +288,9 @@ void CollectBlocks(const KernelMap& map, const KernelShell& shell, const VoxelPo
     const std::uint32_t begin = blocks[b] * shell.block_points;
     const std::uint32_t end = begin + shell.block_points;
     for (std::uint32_t first = begin; first < end; first += kLanes) {
-      const Placed p = place(pose, {hn::LoadU(f, shell.x + first), hn::LoadU(f, shell.y + first),
-                                    hn::LoadU(f, shell.z + first)});
+      const PlacedPoints p =
+          place_points(pose, {hn::LoadU(f, shell.x + first), hn::LoadU(f, shell.y + first),
+                              hn::LoadU(f, shell.z + first)});
       const Mask real = hn::Lt(numbers_from(first), hn::Set(u, shell.point_count));
       if (map.cropped) {
         out.outside_map |= !hn::AllFalse(u, hn::And(real, outside_known(map, p.voxel)));
@@ -254,7 +303,7 @@ void CollectBlocks(const KernelMap& map, const KernelShell& shell, const VoxelPo
   }
 }
 
-// How far [low, high] on one axis lies inside [from, to), all relative to the centre's voxel.
+// How far [low, high] lies inside [from, to) on one axis. All are relative to the centre's voxel.
 HWY_INLINE VF inside_by(VF low, VF high, VF from, VF to) {
   return hn::Min(hn::Sub(low, from), hn::Sub(to, high));
 }
@@ -267,8 +316,8 @@ HWY_INLINE float bound_from(std::int32_t bound, std::int32_t center, float direc
 }
 
 // How far discs lie outside the box of the non-free voxels: the largest gap on any axis.
-HWY_INLINE VF outside_tight_box(const KernelMap& map, const VoxelPose& pose, const Three& low,
-                                const Three& high) {
+HWY_INLINE VF outside_tight_box(const KernelMap& map, const VoxelPose& pose, const Float3& low,
+                                const Float3& high) {
   const F f;
   const auto gap = [&](VF axis_low, VF axis_high, int axis) HWY_ATTR {
     const VF min = hn::Set(f, bound_from(map.tight_min[axis], pose.whole[axis], -1));
@@ -279,8 +328,8 @@ HWY_INLINE VF outside_tight_box(const KernelMap& map, const VoxelPose& pose, con
 }
 
 // How far discs lie inside the box of the known voxels.
-HWY_INLINE VF inside_known_box(const KernelMap& map, const VoxelPose& pose, const Three& low,
-                               const Three& high) {
+HWY_INLINE VF inside_known_box(const KernelMap& map, const VoxelPose& pose, const Float3& low,
+                               const Float3& high) {
   const F f;
   const auto depth = [&](VF axis_low, VF axis_high, int axis) HWY_ATTR {
     return inside_by(axis_low, axis_high,
@@ -291,10 +340,10 @@ HWY_INLINE VF inside_known_box(const KernelMap& map, const VoxelPose& pose, cons
                  hn::Min(depth(low.y, high.y, 1), depth(low.z, high.z, 2)));
 }
 
-// How far discs lie inside the free surroundings of the entry that holds their centre: its box
-// and clearance - 1 voxels around it. Negative where the entry is not uniformly free.
-HWY_INLINE VF inside_clearance(const KernelMap& map, const VoxelPose& pose, const Placed& center,
-                               const Three& low, const Three& high) {
+// How far discs lie inside the free surroundings of the entry that holds their centre: the entry's
+// box and clearance - 1 voxels around it. Negative where the entry is not uniformly free.
+HWY_INLINE VF inside_clearance(const KernelMap& map, const VoxelPose& pose,
+                               const PlacedPoints& center, const Float3& low, const Float3& high) {
   const F f;
   const I i;
   const U u;
@@ -320,8 +369,8 @@ HWY_INLINE VF inside_clearance(const KernelMap& map, const VoxelPose& pose, cons
   return hn::IfThenElse(hn::RebindMask(f, free), slack, hn::Set(f, -1.0f));
 }
 
-// Half the extent of discs along one world axis, m, `along` being their axes' components on it. The
-// term under the root covers what single precision does to the component's square.
+// Half the extent of discs along one world axis, m. `along` is the component of the disc's axis on
+// it; 2e-6 exceeds the rounding of its square.
 HWY_INLINE VF half_extent(VF radius, VF half_height, VF along) {
   const F f;
   const VF across = hn::Sub(hn::Set(f, 1.0f + 2e-6f), hn::Mul(along, along));
@@ -347,21 +396,21 @@ void SurveyDiscs(const KernelMap& map, const VoxelPose& pose, const DiscMargin& 
       place_from = tail[0];
       shape_from = tail[1];
     }
-    Three center, axis;
+    Float3 center, axis;
     VF radius, half_height;
     hn::LoadInterleaved4(f, place_from, center.x, center.y, center.z, radius);
     hn::LoadInterleaved4(f, shape_from, axis.x, axis.y, axis.z, half_height);
-    const Placed p = place(pose, center);
-    const Three along = times(pose.rotation, axis);
+    const PlacedPoints p = place_points(pose, center);
+    const Float3 along = multiply(pose.rotation, axis);
     const auto reach = [&](VF component) HWY_ATTR {
       return hn::Add(hn::Mul(half_extent(radius, half_height, component), hn::Set(f, margin.scale)),
                      hn::Set(f, margin.voxels));
     };
-    const Three reaches = {reach(along.x), reach(along.y), reach(along.z)};
-    const Three low = {hn::Sub(p.position.x, reaches.x), hn::Sub(p.position.y, reaches.y),
-                       hn::Sub(p.position.z, reaches.z)};
-    const Three high = {hn::Add(p.position.x, reaches.x), hn::Add(p.position.y, reaches.y),
-                        hn::Add(p.position.z, reaches.z)};
+    const Float3 reaches = {reach(along.x), reach(along.y), reach(along.z)};
+    const Float3 low = {hn::Sub(p.position.x, reaches.x), hn::Sub(p.position.y, reaches.y),
+                        hn::Sub(p.position.z, reaches.z)};
+    const Float3 high = {hn::Add(p.position.x, reaches.x), hn::Add(p.position.y, reaches.y),
+                         hn::Add(p.position.z, reaches.z)};
     VF by =
         hn::Max(inside_clearance(map, pose, p, low, high), outside_tight_box(map, pose, low, high));
     if (map.cropped) by = hn::Min(by, inside_known_box(map, pose, low, high));

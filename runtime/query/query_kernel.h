@@ -16,7 +16,7 @@ struct KernelMap {
   const std::uint32_t* upper_nodes = nullptr;
   const std::uint32_t* lower_nodes = nullptr;
   const std::uint32_t* bricks = nullptr;
-  std::array<std::int32_t, 3> dims{};       // blocks of 512 voxels
+  std::array<std::int32_t, 3> dims{};       // directory cells of 512^3 voxels
   std::array<std::int32_t, 3> tight_min{};  // box of the non-free voxels
   std::array<std::int32_t, 3> tight_max{};  // exclusive
   std::array<std::int32_t, 3> known_min{};  // box of the known voxels, where sides are cropped
@@ -36,8 +36,8 @@ struct KernelShell {
   std::uint32_t block_points = 0;  // a multiple of 16
 };
 
-// Where collected points go: the columns of CollectedPoints from some element on, each with room
-// for all points of the blocks and a vector behind them.
+// Where collected points go: the columns of CollectedPoints from some element on. Each has room for
+// all points of the blocks and a vector behind them.
 struct PointColumns {
   std::uint32_t* index = nullptr;
   std::uint8_t* value = nullptr;
@@ -60,22 +60,22 @@ void collect_blocks(const KernelMap& map, const KernelShell& shell, const VoxelP
                     const std::uint32_t* blocks, std::uint32_t block_count,
                     PointColumns& out) noexcept;
 
-// Flat cylinders that hold the points of one block each, as quadruples: a shell is locally flat, so
-// that they are much thinner than spheres. Part frame, m.
+// Flat cylinders, each of which holds the points of one block, as quadruples. A shell is locally
+// flat, so they are much thinner than spheres. Part frame, m.
 struct KernelDiscs {
   const float* place = nullptr;  // center x, y, z; radius
   const float* shape = nullptr;  // unit axis x, y, z; half the height
 };
 
-// What a disc's computed voxels are bounded by, beside its extent.
+// From a disc's extent to a bound that includes rounding: times `scale`, plus `voxels`.
 struct DiscMargin {
-  float scale = 1;   // voxels a metre, rounded up
-  float voxels = 0;  // added
+  float scale = 1;   // voxels per metre, rounded up
+  float voxels = 0;  // rounding of places
 };
 
-// For discs [begin, end): how far, in voxels, each may still move before one of its points can lie
-// in a voxel that is not free (or not known); at most 0 where that cannot be told from one look-up
-// of its centre.
+// For discs [begin, end): how far, in voxels, each may move before one of its points can lie in a
+// voxel that is not free or not known. At most 0 where one look-up of the disc's centre cannot
+// tell.
 void survey_discs(const KernelMap& map, const VoxelPose& pose, const DiscMargin& margin,
                   const KernelDiscs& discs, std::uint32_t begin, std::uint32_t end,
                   float* slack_voxels) noexcept;

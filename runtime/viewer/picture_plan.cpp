@@ -95,11 +95,13 @@ WorldBox box_of(const ViewScene& scene) {
   return box;
 }
 
-Result<ContactProbe> make_probe(const ViewOptions& options, const ViewScene& scene) {
+Result<std::unique_ptr<ContactViewSource>> make_contact_source(const ViewOptions& options,
+                                                               const ViewScene& scene) {
   const ForceKind force = options.force.value_or(usual_force(options.model, *scene.voxmap));
   auto field = make_force_field(options.model, force, *scene.voxmap);
   if (!field) return field.error();
-  return ContactProbe(*scene.voxmap, *scene.shell, std::move(*field));
+  return std::make_unique<ContactViewSource>(*scene.voxmap, *scene.shell, options.model,
+                                             std::move(*field));
 }
 
 std::string describe(const ViewScene& scene) {
@@ -122,9 +124,9 @@ std::string describe(const ViewScene& scene) {
 Status add_moment(const ViewOptions& options, const ViewScene& scene, Moment moment,
                   PicturePlan& plan) {
   if (scene.voxmap && scene.shell) {
-    auto probe = make_probe(options, scene);
-    if (!probe) return probe.error();
-    set_contacts(moment, probe->at(moment.world_from_part));
+    auto source = make_contact_source(options, scene);
+    if (!source) return source.error();
+    set_contacts(moment, (*source)->at(moment.world_from_part));
   }
   for (const std::string& line : describe(moment)) plan.title.push_back(line);
   plan.moment = std::move(moment);

@@ -42,8 +42,9 @@ Result<PicturePlan> plan_picture(const ViewOptions& options, const ViewScene& sc
 Status add_moment(const ViewOptions& options, const ViewScene& scene, Moment moment,
                   PicturePlan& plan);
 
-// The probe of the contacts of `scene`, which must have both a voxmap and a shell.
-Result<ContactProbe> make_probe(const ViewOptions& options, const ViewScene& scene);
+// The contacts of `scene`, which must have both a voxmap and a shell.
+Result<std::unique_ptr<ContactViewSource>> make_contact_source(const ViewOptions& options,
+                                                               const ViewScene& scene);
 
 // One line on the files that are shown.
 std::string describe(const ViewScene& scene);

@@ -1,5 +1,5 @@
 // How true and how smooth each force model is, against contacts with a closed formula, and what a
-// point in the band costs. METHOD.md says what the oracle is and where it is not to be trusted.
+// collected point costs. METHOD.md says what the oracle is and where it is not to be trusted.
 //
 //   force_bench [--s S [--cover C]] [--contact NAME]... [--json FILE]
 //   force_bench --cost [--vectors TARGET] [--json FILE]
@@ -165,8 +165,8 @@ double least_ns(double seconds, int calls, Call call) {
 // So many at a time where a call is short (from 0.4 us on) and the same every time.
 constexpr int kCalls = 16;
 
-// The same part and plane in a map of distances: what a point in the band costs there, beside the
-// level field in turns.
+// The same part and plane in a map of distances: what a point costs there, beside the level
+// field in turns.
 Json measure_distance_cost(VoxelKind kind, const AnalyticStatic& plane, double s,
                            const Pshell& pshell, double height_m, const ForceField& level,
                            const CollectedPoints& level_points) {
@@ -184,39 +184,36 @@ Json measure_distance_cost(VoxelKind kind, const AnalyticStatic& plane, double s
   query.run(pose, points);
   FieldSamples samples;
   samples.reserve(points.count + level_points.count);
-  const double band = points.surface_count + points.interior_count;
-  const double level_band = level_points.surface_count + level_points.interior_count;
+  const double count = points.count, level_count = level_points.count;
   const DistanceField distance(voxmap);
   const TangentPlaneField nearest(voxmap);
   double distance_ns = 1e300, nearest_ns = 1e300, level_ns = 1e300, query_ns = 1e300;
   for (int turn = 0; turn < 20; ++turn) {
     constexpr double kTurnS = 0.05;
-    distance_ns = std::min(distance_ns,
-                           least_ns(kTurnS, kCalls, [&] { distance.evaluate(points, samples); }));
-    level_ns = std::min(level_ns,
-                        least_ns(kTurnS, kCalls, [&] { level.evaluate(level_points, samples); }));
+    distance_ns =
+        std::min(distance_ns, least_ns(kTurnS, kCalls, [&] { distance.measure(points, samples); }));
+    level_ns =
+        std::min(level_ns, least_ns(kTurnS, kCalls, [&] { level.measure(level_points, samples); }));
     nearest_ns =
-        std::min(nearest_ns, least_ns(kTurnS, kCalls, [&] { nearest.evaluate(points, samples); }));
+        std::min(nearest_ns, least_ns(kTurnS, kCalls, [&] { nearest.measure(points, samples); }));
     query_ns = std::min(query_ns, least_ns(kTurnS, kCalls, [&] { query.run(pose, points); }));
   }
   double cold_ns = 1e300;
   for (int i = 0; i < 20; ++i) {
     const DistanceField fresh(voxmap);
-    cold_ns = std::min(cold_ns, least_ns(0, 1, [&] { fresh.evaluate(points, samples); }));
+    cold_ns = std::min(cold_ns, least_ns(0, 1, [&] { fresh.measure(points, samples); }));
   }
   std::printf(
-      "  %u bits: %u collected, %.0f in the band; per point in the band distance %.2f ns (every "
-      "brick new: %.1f), nearest and tangent plane %.2f ns, level beside it %.2f ns; query %.1f "
-      "us\n",
-      scene.wide.bits, points.count, band, distance_ns / band, cold_ns / band, nearest_ns / band,
-      level_ns / level_band, query_ns / 1000);
+      "  %u bits: %u points collected; per point distance %.2f ns (every brick new: %.1f), nearest "
+      "and tangent plane %.2f ns, level beside it %.2f ns; query %.1f us\n",
+      scene.wide.bits, points.count, distance_ns / count, cold_ns / count, nearest_ns / count,
+      level_ns / level_count, query_ns / 1000);
   return {{"bits", scene.wide.bits},
           {"collected_points", points.count},
-          {"band_points", band},
-          {"distance_ns_per_band_point", distance_ns / band},
-          {"distance_every_brick_new_ns_per_band_point", cold_ns / band},
-          {"nearest_ns_per_band_point", nearest_ns / band},
-          {"level_ns_per_band_point", level_ns / level_band},
+          {"distance_ns_per_point", distance_ns / count},
+          {"distance_every_brick_new_ns_per_point", cold_ns / count},
+          {"nearest_ns_per_point", nearest_ns / count},
+          {"level_ns_per_point", level_ns / level_count},
           {"query_ns", query_ns}};
 }
 
@@ -246,7 +243,7 @@ Json measure_cost(const char* name, const AnalyticShell& shell, double height_m)
   query.run(pose, points);
   FieldSamples samples;
   samples.reserve(points.count);
-  const double band = points.surface_count + points.interior_count;
+  const double count = points.count;
   const LevelField level(voxmap);
   const TangentPlaneField tangent_plane(voxmap);
   // In turns, so that all meet the machine in the same states.
@@ -254,31 +251,29 @@ Json measure_cost(const char* name, const AnalyticShell& shell, double height_m)
   for (int turn = 0; turn < 20; ++turn) {
     constexpr double kTurnS = 0.1;
     level_ns =
-        std::min(level_ns, least_ns(kTurnS, kCalls, [&] { level.evaluate(points, samples); }));
+        std::min(level_ns, least_ns(kTurnS, kCalls, [&] { level.measure(points, samples); }));
     tangent_ns = std::min(
-        tangent_ns, least_ns(kTurnS, kCalls, [&] { tangent_plane.evaluate(points, samples); }));
+        tangent_ns, least_ns(kTurnS, kCalls, [&] { tangent_plane.measure(points, samples); }));
     query_ns = std::min(query_ns, least_ns(kTurnS, kCalls, [&] { query.run(pose, points); }));
   }
   double cold_ns = 1e300;
   for (int i = 0; i < 20; ++i) {
     const LevelField fresh(voxmap);
-    cold_ns = std::min(cold_ns, least_ns(0, 1, [&] { fresh.evaluate(points, samples); }));
+    cold_ns = std::min(cold_ns, least_ns(0, 1, [&] { fresh.measure(points, samples); }));
   }
   const double ratio = (query_ns + level_ns) / (query_ns + tangent_ns);
   std::printf(
-      "cost of %s, one core: %zu points, %.0f in the band; per point in the band level %.2f ns "
-      "(every brick new: %.1f), tangent plane %.2f ns; query %.1f us; frame, level over tangent "
-      "plane: %.3f\n",
-      name, shell.points_m.size(), band, level_ns / band, cold_ns / band, tangent_ns / band,
-      query_ns / 1000, ratio);
+      "cost of %s, one core: %u of %zu points collected; per point level %.2f ns (every brick new: "
+      "%.1f), tangent plane %.2f ns; query %.1f us; frame, level over tangent plane: %.3f\n",
+      name, points.count, shell.points_m.size(), level_ns / count, cold_ns / count,
+      tangent_ns / count, query_ns / 1000, ratio);
   return {
       {"part", name},
       {"shell_points", shell.points_m.size()},
       {"collected_points", points.count},
-      {"band_points", band},
-      {"level_ns_per_band_point", level_ns / band},
-      {"level_every_brick_new_ns_per_band_point", cold_ns / band},
-      {"tangent_plane_ns_per_band_point", tangent_ns / band},
+      {"level_ns_per_point", level_ns / count},
+      {"level_every_brick_new_ns_per_point", cold_ns / count},
+      {"tangent_plane_ns_per_point", tangent_ns / count},
       {"query_ns", query_ns},
       {"frame_level_over_tangent_plane", ratio},
       {"distances",

@@ -8,8 +8,8 @@
 #include <glm/matrix.hpp>
 
 #include "runtime/field/distance_field.h"
+#include "runtime/field/field_probe.h"
 #include "runtime/field/level_field.h"
-#include "runtime/field/surface_directions.h"
 #include "runtime/field/tangent_plane.h"
 #include "tests/bench/force_bench_contacts.h"
 #include "tests/support/curve_order.h"
@@ -367,14 +367,10 @@ Wrench ContactCase::field_force(const ForceField& field, const Placed& placed,
                                 bool averaged) const {
   static thread_local Collected c;
   collect(placed, c);
-  if (averaged) {
-    field.measure(c.points, c.samples);
-  } else {
-    field.evaluate(c.points, c.samples);
-  }
+  field.measure(c.points, c.samples);
   ContactSet set;
-  set.reserve(c.samples.count);
-  set.count = c.samples.count;
+  set.reserve(c.points.count);
+  set.count = c.points.count;
   for (std::uint32_t i = 0; i < set.count; ++i) {
     set.ux[i] = c.samples.dx[i], set.uy[i] = c.samples.dy[i], set.uz[i] = c.samples.dz[i];
     set.depth_m[i] = c.samples.depth_m[i];
@@ -384,12 +380,10 @@ Wrench ContactCase::field_force(const ForceField& field, const Placed& placed,
   Wrench total;
   for (std::uint32_t i = 0; i < set.count; ++i) {
     const Contact contact = set[i];
-    const std::uint32_t at = c.samples.at[i];
-    // The default model's contacts are those that have depth, though it measures all.
     if (!(contact.depth_m > 0)) continue;
-    const glm::dvec3 f = c.weights[at] * double{contact.depth_m} * glm::dvec3(contact.direction);
+    const glm::dvec3 f = c.weights[i] * double{contact.depth_m} * glm::dvec3(contact.direction);
     total.force_n += f;
-    total.torque_nm += glm::cross(c.arms_m[at], f);
+    total.torque_nm += glm::cross(c.arms_m[i], f);
   }
   return total;
 }

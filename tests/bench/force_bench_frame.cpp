@@ -1,8 +1,8 @@
 #include "tests/bench/force_bench_frame.h"
 
 #include <glm/geometric.hpp>
+#include <tuple>
 
-#include "runtime/field/surface_directions.h"
 #include "tests/support/curve_order.h"
 #include "tests/support/point_part.h"
 
@@ -26,7 +26,7 @@ ModelFrame::ModelFrame(const Voxmap& voxmap, const Pshell& shell, const ForceFie
       averaging_(averaging),
       shell_(shell),
       weights_(shell.header().point_count, 1.0f),
-      voxel_size_m_(static_cast<float>(voxmap.voxel_size_m())) {
+      probe_(query_, field, points_, samples_) {
   points_.reserve(shell.header().point_count);
   samples_.reserve(shell.header().point_count);
   set_.reserve(static_cast<std::uint32_t>(shell.header().point_count));
@@ -42,25 +42,24 @@ void ModelFrame::weigh_by_area() {
 }
 
 Wrench ModelFrame::at(const Pose& world_from_center) {
-  query_.run(world_from_center, points_);
-  const bool directions = averaging_ == Averaging::kDirections;
-  directions ? field_.measure(points_, samples_) : field_.evaluate(points_, samples_);
-  set_.count = samples_.count;
-  for (std::uint32_t i = 0; i < set_.count; ++i) {
-    set_.ux[i] = samples_.dx[i], set_.uy[i] = samples_.dy[i], set_.uz[i] = samples_.dz[i];
-    set_.depth_m[i] = samples_.depth_m[i];
+  const bool averaged = averaging_ == Averaging::kDirections;
+  if (averaged) {
+    probe_.look_up(world_from_center, set_);
+  } else {
+    query_.run(world_from_center, points_);
+    field_.measure(points_, samples_);
   }
-  if (directions) average_directions(points_, samples_, voxel_size_m_, -voxel_size_m_, set_);
+  const auto& [ux, uy, uz] = averaged ? std::tie(set_.ux, set_.uy, set_.uz)
+                                      : std::tie(samples_.dx, samples_.dy, samples_.dz);
   Wrench sum;
-  for (std::uint32_t i = 0; i < set_.count; ++i) {
-    if (!(set_.depth_m[i] > 0)) continue;
-    const std::uint32_t at = samples_.at[i];
+  for (std::uint32_t i = 0; i < points_.count; ++i) {
+    if (!(samples_.depth_m[i] > 0)) continue;
     // The paper: points in value 1 press nothing.
-    const bool surface = points_.value[at] == static_cast<std::uint8_t>(VoxelValue::kSurface);
+    const bool surface = points_.value[i] == static_cast<std::uint8_t>(VoxelValue::kSurface);
     if (averaging_ == Averaging::kByTen && !surface) continue;
-    const glm::dvec3 force = double{weights_[points_.index[at]]} * double{set_.depth_m[i]} *
-                             glm::dvec3(set_.ux[i], set_.uy[i], set_.uz[i]);
-    const glm::dvec3 arm(points_.rx[at], points_.ry[at], points_.rz[at]);
+    const glm::dvec3 force = double{weights_[points_.index[i]]} * double{samples_.depth_m[i]} *
+                             glm::dvec3(ux[i], uy[i], uz[i]);
+    const glm::dvec3 arm(points_.rx[i], points_.ry[i], points_.rz[i]);
     sum.force_n += force;
     sum.torque_nm += glm::cross(arm, force);
   }

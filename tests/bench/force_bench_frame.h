@@ -4,9 +4,7 @@
 #include <vector>
 
 #include "formats/pshell.h"
-#include "runtime/field/contact_set.h"
-#include "runtime/field/force_field.h"
-#include "runtime/query/contact_query.h"
+#include "runtime/field/field_probe.h"
 #include "tests/bench/force_bench_shell.h"
 
 namespace forcelayer::bench {
@@ -14,7 +12,8 @@ namespace forcelayer::bench {
 // The .pshell of these points, in the order in which pointshell writes them.
 Pshell pshell_of(const AnalyticShell& shell, double voxel_size_m);
 
-// What is averaged: nothing, directions as in the default model, or the force by N/10 (paper 5.2).
+// What is averaged: nothing; directions where the default model averages them; or the force by N/10
+// (paper 5.2).
 enum class Averaging { kNone, kDirections, kByTen };
 
 // Query, field and sum over the whole shell.
@@ -23,6 +22,7 @@ class ModelFrame {
   // All must outlive this.
   ModelFrame(const Voxmap& voxmap, const Pshell& shell, const ForceField& field,
              Averaging averaging);
+  ModelFrame(const ModelFrame&) = delete;  // the probe knows the other members
 
   // Every point counts by its area over the mean; without this, all count alike.
   void weigh_by_area();
@@ -35,9 +35,9 @@ class ModelFrame {
   Averaging averaging_;
   const Pshell& shell_;
   std::vector<float> weights_;  // by shell point
-  float voxel_size_m_;
   CollectedPoints points_;
   FieldSamples samples_;
+  FieldProbe probe_;
   ContactSet set_;
 };
 

@@ -144,14 +144,12 @@ struct MethodRun {
 struct KindRun {
   const char* name;
   VoxelKind voxels;
-  Averaging averaging;
   Method judged_as;
 };
 constexpr KindRun kKinds[] = {
-    {"default, Euclidean layers", VoxelKind::kEuclidean, Averaging::kDirections,
-     Method::kEuclideanContacts},
-    {"default, 4 bits", VoxelKind::kDistance4, Averaging::kNone, Method::kDistance4},
-    {"default, 8 bits", VoxelKind::kDistance8, Averaging::kNone, Method::kDistance8}};
+    {"default, Euclidean layers", VoxelKind::kEuclidean, Method::kEuclideanContacts},
+    {"default, 4 bits", VoxelKind::kDistance4, Method::kDistance4},
+    {"default, 8 bits", VoxelKind::kDistance8, Method::kDistance8}};
 
 std::unique_ptr<ForceField> usual_field(const Voxmap& voxmap) {
   auto field = make_force_field(Model::kDefault, usual_force(Model::kDefault, voxmap), voxmap);
@@ -197,7 +195,7 @@ void judge(const Combination& combination, const PartShells& shells, const Pshel
     std::mt19937_64 again = same;
     const ContactCase other(combination, shells, s, again, kind.voxels);
     const auto force = usual_field(other.voxmap());
-    ModelFrame frame(other.voxmap(), pshell, *force, kind.averaging);
+    ModelFrame frame(other.voxmap(), pshell, *force, Averaging::kDirections);
     judge(other, combination,
           {kind.name, [&](const Placed& p) { return frame.at(pose_of(p)); }, kind.judged_as},
           samples);
@@ -256,7 +254,8 @@ double judge(const MeshPair& pair, const PairPart& part, double s, std::mt19937_
     for (std::size_t i = 0; i < PairCase::kShifts; ++i) {
       const Voxmap& voxmap = other.placing(i).voxmap;
       fields.push_back(usual_field(voxmap));
-      frames.emplace_back(voxmap, part.shell, *fields.back(), kind.averaging).weigh_by_area();
+      frames.emplace_back(voxmap, part.shell, *fields.back(), Averaging::kDirections)
+          .weigh_by_area();
     }
     Sample own;
     own.add(other.judge([&](std::size_t i, const Pose& p) { return frames[i].at(p); }, false));

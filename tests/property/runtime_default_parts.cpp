@@ -151,7 +151,7 @@ ForceCurve foam_curve(double voxel_size_m) {
   return ForceCurve(make_voxmap(scene));
 }
 
-// What contact_force.h says of a set, one contact after the other.
+// The definitions in contact_force.h, one contact after the other.
 struct SetTwin {
   ContactTotals totals;
   double energy_j = 0;
@@ -293,7 +293,7 @@ TEST(ContactSolver, BalancesImpulsesAtTheEndOfTheStep) {
   }
 }
 
-// What the solver minimises, written out, for damping that is the same in all directions.
+// The function that the solver minimises, for damping that is the same in all directions.
 double energy_j(const StepSystem& system, const std::vector<ContactRow>& rows, const Vector6& v) {
   double sum = 0.5 * dot(v, system.inertia * v) - dot(v, system.momentum);
   const auto add_coupling = [&](const CouplingHalf& half, const HalfStretch& stretch,
@@ -366,7 +366,7 @@ Wide6 eliminated(WideSystem s) {
   return s.impulse;
 }
 
-// What the solver minimises, for damping that is the same in all directions.
+// The function that the solver minimises, for damping that is the same in all directions.
 long double energy_of(const StepSystem& system, const std::vector<ContactRow>& rows,
                       const Wide6& v) {
   long double sum = 0;
@@ -632,7 +632,7 @@ TEST(Allowance, EndsAtZeroWhenTheHandRests) {
   EXPECT_LE(faded_allowance_j(0, 1e9, law, 0.001), law.limit_j);
 }
 
-// What the coupling had stretched unseen is not felt when contact begins, and never comes back.
+// A stretch of the coupling from before a contact is not felt when the contact begins, nor later.
 TEST(Passivity, EntryIsContinuousAndWhatIsHeldBackOnlyShrinks) {
   glm::dvec3 held(0.01, 0, 0);
   EXPECT_EQ(glm::length(felt_stretch({0.01, 0, 0}, held, 0.001)), 0);

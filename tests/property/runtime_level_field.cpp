@@ -25,8 +25,8 @@ std::array<float, 3> as_floats(const glm::dvec3& v) {
 constexpr std::array kMetrics{Metric::kChebyshev, Metric::kEuclidean};
 
 // Boxes, planks and loose voxels, offset by k layers that are whole: the box has room for them. It
-// lies across brick, node and block edges. To the field an interior of either metric is as good as
-// another: what it reads are the layers around, which are 26-neighbours with both.
+// lies across the edges of bricks, nodes and directory cells. The interior may be that of either
+// metric: the field reads only the layers around it, which are 26-neighbours with both.
 VoxelScene layered_scene(Random& random, std::int64_t k, Metric metric) {
   Voxel min{}, dims{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -80,22 +80,11 @@ std::array<float, 3> random_fraction(Random& random) {
   return f;
 }
 
-struct Sampled {
-  std::vector<float> depth_m;  // 0 where the field gave nothing
-  std::vector<std::array<float, 3>> direction;
-};
-
-Sampled sampled(const FieldSamples& samples, std::uint32_t points) {
-  Sampled all{std::vector<float>(points, 0.0f), std::vector<std::array<float, 3>>(points)};
-  for (std::uint32_t i = 0; i < samples.count; ++i) {
-    EXPECT_TRUE(i == 0 || samples.at[i - 1] < samples.at[i]) << "order of the collected points";
-    all.depth_m[samples.at[i]] = samples.depth_m[i];
-    all.direction[samples.at[i]] = {samples.dx[i], samples.dy[i], samples.dz[i]};
-  }
-  return all;
+std::array<float, 3> direction_of(const FieldSamples& samples, std::uint32_t i) {
+  return {samples.dx[i], samples.dy[i], samples.dz[i]};
 }
 
-// Random points of a scene, some told to be in value 3, and what the twin says of them.
+// Random points of a scene, some told to be in value 3, and the twin's answers.
 struct Probe {
   CollectedPoints points;
   std::vector<TwinPush> twins;
@@ -103,7 +92,7 @@ struct Probe {
   Probe(Random& random, const VoxelScene& scene, const Voxmap& voxmap, std::uint32_t cropped,
         std::uint32_t count) {
     points.reserve(count);
-    const std::uint64_t near_in_ten = random() % 10;  // many: the others are picked out first
+    const std::uint64_t near_in_ten = random() % 10;
     for (std::uint32_t i = 0; i < count; ++i) {
       const Voxel v = random_voxel(random, scene);
       const auto fraction = random_fraction(random);
@@ -116,28 +105,19 @@ struct Probe {
   }
 };
 
-// evaluate() and measure() of one field against the twin; how many points were pushed.
-std::uint32_t compare_with_twin(const LevelField& field, const Probe& probe, Metric metric) {
-  const std::uint32_t count = probe.points.count;
+// One field against the twin; how many points have depth.
+std::uint32_t compare_with_twin(const LevelField& field, const Probe& probe) {
   FieldSamples samples;
-  samples.reserve(count);
-  field.evaluate(probe.points, samples);
-  const Sampled pushed = sampled(samples, count);
-  const std::uint32_t pushes = samples.count;
+  samples.reserve(probe.points.count);
   field.measure(probe.points, samples);
-  EXPECT_EQ(samples.count, count);
-  const Sampled measured = sampled(samples, count);
-  for (std::uint32_t i = 0; i < count; ++i) {
+  std::uint32_t pushes = 0;
+  for (std::uint32_t i = 0; i < probe.points.count; ++i) {
     const TwinPush& twin = probe.twins[i];
-    const bool pushes_here =
-        twin.depth_m > 0 && (metric == Metric::kEuclidean || probe.points.value[i] != 3);
-    EXPECT_EQ(measured.depth_m[i], twin.depth_m) << "point " << i;
-    EXPECT_EQ(measured.direction[i], twin.direction) << "point " << i;
-    EXPECT_EQ(pushed.depth_m[i], pushes_here ? twin.depth_m : 0) << "point " << i;
-    if (pushes_here) {
-      EXPECT_EQ(pushed.direction[i], twin.direction) << "point " << i;
-    }
+    EXPECT_EQ(samples.depth_m[i], twin.depth_m) << "point " << i;
+    EXPECT_EQ(direction_of(samples, i), twin.direction) << "point " << i;
+    EXPECT_EQ((std::array{samples.gx[i], samples.gy[i], samples.gz[i]}), twin.slope) << i;
     if (testing::Test::HasFailure()) break;
+    pushes += twin.depth_m > 0;
   }
   return pushes;
 }
@@ -160,7 +140,7 @@ TEST_P(LevelFieldOnEveryTarget, EqualsItsScalarTwinBitForBit) {
     const LevelField field(voxmap);
     for (int frame = 0; frame < 3; ++frame) {  // the second finds its bricks decoded
       const auto count = static_cast<std::uint32_t>(integer(random, 0, 900));
-      pushes += compare_with_twin(field, Probe(random, scene, voxmap, cropped, count), metric);
+      pushes += compare_with_twin(field, Probe(random, scene, voxmap, cropped, count));
       ASSERT_FALSE(HasFailure());
     }
   }
@@ -185,7 +165,7 @@ TEST_P(LevelFieldOnEveryTarget, HoldsWhereBricksReplaceEachOther) {
     }
   ASSERT_LT(slots_used.size(), 2450u) << "2500 bricks, and none shares a slot";
   const LevelField field(voxmap);
-  EXPECT_GT(compare_with_twin(field, Probe(random, scene, voxmap, 0, 5000), scene.metric), 0u);
+  EXPECT_GT(compare_with_twin(field, Probe(random, scene, voxmap, 0, 5000)), 0u);
 }
 
 TEST(LevelField, TwinIsTheWeightedSumOverTwentySevenVoxels) {
@@ -227,27 +207,25 @@ TEST(LevelField, PushesNoPointsButThoseNearTheInterior) {
     }
     FieldSamples samples;
     samples.reserve(kCount);
-    field.evaluate(points, samples);
-    const Sampled found = sampled(samples, kCount);
+    field.measure(points, samples);
     std::uint32_t pushed = 0, interior = 0;
     for (std::uint32_t i = 0; i < kCount; ++i) {
       // A slope this long leaves a push its whole strength.
       if (values[i] == VoxelValue::kInterior && steepness[i] > 0.2) {
         ++interior;
-        ASSERT_GT(found.depth_m[i], 0.12 * scene.voxel_size_m);
+        ASSERT_GT(samples.depth_m[i], 0.12 * scene.voxel_size_m);
         if (metric == Metric::kEuclidean) {
-          ASSERT_GT(found.depth_m[i], 0.216 * scene.voxel_size_m);
+          ASSERT_GT(samples.depth_m[i], 0.216 * scene.voxel_size_m);
         }
       }
-      if (found.depth_m[i] == 0) continue;
+      if (!(samples.depth_m[i] > 0)) continue;
       ++pushed;
       ASSERT_NE(values[i], VoxelValue::kFree);
       if (values[i] == VoxelValue::kProximity) {
         ASSERT_EQ(metric, Metric::kEuclidean);
       }
-      ASSERT_NEAR(std::hypot(found.direction[i][0], found.direction[i][1], found.direction[i][2]),
-                  1, 1e-6);
-      ASSERT_LE(found.depth_m[i], 1.7321 * scene.voxel_size_m);
+      ASSERT_NEAR(std::hypot(samples.dx[i], samples.dy[i], samples.dz[i]), 1, 1e-6);
+      ASSERT_LE(samples.depth_m[i], 1.7321 * scene.voxel_size_m);
     }
     EXPECT_GT(pushed, 0u);
     EXPECT_GT(interior, 0u);
@@ -378,9 +356,10 @@ glm::dvec3 total_push(const ForceField& field, const Voxmap& voxmap, const Voxel
   }
   FieldSamples samples;
   samples.reserve(points.count);
-  field.evaluate(points, samples);
+  field.measure(points, samples);
   glm::dvec3 sum(0);
-  for (std::uint32_t i = 0; i < samples.count; ++i) {
+  for (std::uint32_t i = 0; i < points.count; ++i) {
+    if (!(samples.depth_m[i] > 0)) continue;
     sum += double{samples.depth_m[i]} * glm::dvec3(samples.dx[i], samples.dy[i], samples.dz[i]);
   }
   return sum / scene.voxel_size_m;

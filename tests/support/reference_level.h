@@ -36,7 +36,7 @@ inline int level_of(const VoxelScene& scene, Voxel v, std::uint32_t cropped_side
 struct TwinPush {
   float phi = 0;      // voxels
   float depth_m = 0;  // signed: negative in front of where the push begins
-  std::array<float, 3> direction{};
+  std::array<float, 3> direction{}, slope{};
 };
 
 namespace detail {
@@ -58,7 +58,7 @@ inline float trilinear(const std::array<int, 8>& c, const std::array<float, 3>& 
 
 }  // namespace detail
 
-// What ForceField::measure gives at `fraction` of a world voxel.
+// The definition of ForceField::measure at `fraction` of a world voxel.
 inline TwinPush float_push(const VoxelScene& scene, const Voxel& voxel,
                            const std::array<float, 3>& fraction, const std::array<float, 3>& n,
                            std::uint32_t cropped_sides = 0) {
@@ -81,6 +81,7 @@ inline TwinPush float_push(const VoxelScene& scene, const Voxel& voxel,
   const float gy = detail::trilinear(dy, fraction) * 0.25f;
   const float gz = detail::trilinear(dz, fraction) * 0.25f;
 
+  twin.slope = {gx, gy, gz};
   const float along = gx * n[0] + gy * n[1] + gz * n[2];
   const float steepness2 = gx * gx + gy * gy + gz * gz;
   const float agreement = 16.0f * (along * std::abs(along) - 0.5625f * steepness2);

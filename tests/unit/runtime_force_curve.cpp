@@ -1,4 +1,4 @@
-// Force over depth in scenes with a soft covering: the curve, and what a part feels of it.
+// Force over depth in soft scenes: the curve of the compliance table, and a part that rests on it.
 #include "runtime/field/force_curve.h"
 
 #include <gtest/gtest.h>
@@ -14,8 +14,8 @@ namespace {
 
 constexpr double kS = 0.005;  // voxel size, m
 
-// A floor at height 0 under a covering of `layer_voxels`, with the table of `force_n` over depth.
-VoxelScene covered_floor(double layer_voxels, const std::function<double(double)>& force_n) {
+// A floor at height 0 under a soft layer of `layer_voxels`, with the table of `force_n` over depth.
+VoxelScene soft_floor(double layer_voxels, const std::function<double(double)>& force_n) {
   const DistanceDefinition definition(2, 8, layer_voxels + 3, layer_voxels);
   VoxelScene scene = distance_scene(
       kS, {-16, -16, -4}, {32, 32, 18}, [](const glm::dvec3& p) { return p.z; }, 2, definition);
@@ -48,7 +48,7 @@ TEST(ForceCurve, IsTheTableAndItsIntegral) {
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
     std::mt19937_64 random(seed);
     std::uniform_real_distribution<double> uniform(0, 1);
-    VoxelScene scene = covered_floor(1 + 4 * uniform(random), [](double) { return 0.0; });
+    VoxelScene scene = soft_floor(1 + 4 * uniform(random), [](double) { return 0.0; });
     double force_n = 0;
     for (float& entry : scene.wide.compliance) {
       entry = static_cast<float>(force_n);
@@ -86,12 +86,12 @@ TEST(ForceCurve, IsTheTableAndItsIntegral) {
   }
 }
 
-// One point, pressed straight down by the coupling: it rests where the covering's force is the
+// One point, pressed straight down by the coupling: it rests where the layer's force is the
 // hand's, and goes deeper than any other force layer would let it.
-TEST(SoftCovering, APressRestsWhereTheTableHoldsIt) {
+TEST(SoftLayer, APressRestsWhereTheTableHoldsIt) {
   PointPart part;
   part.add({0, 0, 0}, {0, 0, -1});
-  const VoxelScene scene = covered_floor(3, foam_n);
+  const VoxelScene scene = soft_floor(3, foam_n);
   double last_depth_m = 0;
   for (const double down_m : {0.002, 0.005, 0.01, 0.014}) {
     const Pose start{{0.001, 0.002, 7 * kS}, {1, 0, 0, 0}};

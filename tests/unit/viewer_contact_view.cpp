@@ -31,8 +31,8 @@ ContactView view_at(double height_m) {
   const BuiltVoxmap scene(half_space());
   const BuiltPshell part = foot();
   auto field = make_force_field(Model::kPaper, ForceKind::kTangentPlane, scene.voxmap());
-  ContactProbe probe(scene.voxmap(), part.pshell(), std::move(*field));
-  return probe.at({{0.004, 0.004, height_m}, {1, 0, 0, 0}});
+  ContactViewSource source(scene.voxmap(), part.pshell(), Model::kPaper, std::move(*field));
+  return source.at({{0.004, 0.004, height_m}, {1, 0, 0, 0}});
 }
 
 TEST(ContactView, NamesEachKindOfFrame) {

@@ -35,32 +35,38 @@ Pose world_from_center(const Pose& world_from_part, const Pshell& shell) {
   return world_from_part * Pose{{center_m[0], center_m[1], center_m[2]}, {1, 0, 0, 0}};
 }
 
-ContactProbe::ContactProbe(const Voxmap& voxmap, const Pshell& shell,
-                           std::unique_ptr<ForceField> field)
-    : shell_(shell), query_(voxmap, shell), field_(std::move(field)) {
+ContactViewSource::ContactViewSource(const Voxmap& voxmap, const Pshell& shell, Model model,
+                                     std::unique_ptr<ForceField> field)
+    : shell_(shell),
+      model_(model),
+      query_(voxmap, shell),
+      field_(std::move(field)),
+      probe_(query_, *field_, points_, samples_) {
   points_.reserve(shell.view().point_count);
   samples_.reserve(shell.view().point_count);
+  contacts_.reserve(shell.view().point_count);
 }
 
-ContactView ContactProbe::at(const Pose& world_from_part) {
+ContactView ContactViewSource::at(const Pose& world_from_part) {
   const Pose pose = world_from_center(world_from_part, shell_);
-  query_.run(pose, points_);
-  field_->evaluate(points_, samples_);
+  probe_.look_up(pose, contacts_);
   ContactView view;
   view.proximity = points_.proximity_count;
   view.surface = points_.surface_count;
   view.interior = points_.interior_count;
   for (std::uint32_t n = 0; n < points_.count; ++n) {
-    view.points.push_back(
-        {pose.position_m + glm::dvec3(points_.rx[n], points_.ry[n], points_.rz[n]),
-         {points_.nx[n], points_.ny[n], points_.nz[n]},
-         static_cast<VoxelValue>(points_.value[n])});
-  }
-  for (std::uint32_t n = 0; n < samples_.count; ++n) {
-    ViewPoint& point = view.points[samples_.at[n]];
-    point.depth_m = samples_.depth_m[n];
-    point.direction = {samples_.dx[n], samples_.dy[n], samples_.dz[n]};
-    if (point.value != VoxelValue::kInterior) ++view.contacts;
+    const Contact contact = contacts_[n];
+    ViewPoint& point =
+        view.points.emplace_back(ViewPoint{pose.position_m + glm::dvec3(contact.arm_m),
+                                           {points_.nx[n], points_.ny[n], points_.nz[n]},
+                                           static_cast<VoxelValue>(points_.value[n])});
+    // The paper's model feels the field's own directions, and nothing in the interior.
+    const bool paper = model_ == Model::kPaper;
+    if (!(contact.depth_m > 0) || (paper && contact.interior)) continue;
+    point.depth_m = contact.depth_m;
+    point.direction = paper ? glm::dvec3(samples_.dx[n], samples_.dy[n], samples_.dz[n])
+                            : glm::dvec3(contact.direction);
+    ++view.contacts;
     view.deepest_m = std::max(view.deepest_m, point.depth_m);
   }
   return view;

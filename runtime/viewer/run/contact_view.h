@@ -6,11 +6,11 @@
 #include <memory>
 #include <vector>
 
+#include "forcelayer/parameters.h"
 #include "forcelayer/pose.h"
 #include "formats/pshell.h"
 #include "formats/voxmap.h"
-#include "runtime/field/force_field.h"
-#include "runtime/query/contact_query.h"
+#include "runtime/field/field_probe.h"
 
 namespace forcelayer {
 
@@ -37,19 +37,24 @@ struct ContactView {
   FrameKind kind() const;  // never kGuardCut: that is known to the run alone
 };
 
-// Computes ContactViews for one map and one shell, both of which must outlive it.
-class ContactProbe {
+// Computes ContactViews for one map and one shell, both of which must outlive it: the contacts that
+// the loop's `model` would feel.
+class ContactViewSource {
  public:
-  ContactProbe(const Voxmap& voxmap, const Pshell& shell, std::unique_ptr<ForceField> field);
+  ContactViewSource(const Voxmap& voxmap, const Pshell& shell, Model model,
+                    std::unique_ptr<ForceField> field);
 
   ContactView at(const Pose& world_from_part);
 
  private:
   const Pshell& shell_;
+  Model model_;
   ContactQuery query_;
   std::unique_ptr<ForceField> field_;
   CollectedPoints points_;
   FieldSamples samples_;
+  FieldProbe probe_;
+  ContactSet contacts_;
 };
 
 // The part's centroid frame in the world (PshellHeader::center_m is its place in the part's).

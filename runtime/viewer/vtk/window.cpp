@@ -59,9 +59,9 @@ class Window {
 
   Status run() {
     if (scene_.voxmap && scene_.shell) {
-      auto probe = make_probe(options_, scene_);
-      if (!probe) return probe.error();
-      probe_.emplace(std::move(*probe));
+      auto source = make_contact_source(options_, scene_);
+      if (!source) return source.error();
+      contact_source_ = std::move(*source);
     }
     build();
     if (!options_.frame_times.empty()) return measure_turning();
@@ -179,7 +179,9 @@ class Window {
     if (options_.handle_from_part) {
       moment_->world_from_target = row.world_from_handle * *options_.handle_from_part;
     }
-    if (probe_) set_contacts(*moment_, probe_->at(moment_->world_from_part));
+    if (contact_source_) {
+      set_contacts(*moment_, contact_source_->at(moment_->world_from_part));
+    }
   }
 
   std::vector<std::string> title() const {
@@ -439,7 +441,7 @@ class Window {
   ShownSet shown_;
   RunFeed feed_;
   std::optional<Playback> playback_;
-  std::optional<ContactProbe> probe_;
+  std::unique_ptr<ContactViewSource> contact_source_;
   std::optional<Moment> moment_;
   std::optional<Cut> cut_;
   std::optional<glm::dvec3> followed_m_;  // where the part was when the camera went with it

@@ -1,14 +1,18 @@
-#include "runtime/field/level_push.h"
-
-#include <array>
+// The level field's arithmetic (level_field.h) for sixteen, eight or four points at a time, by the
+// widest vectors that the machine has. It has no fused multiply-add, so every width gives the same
+// bits.
+#include "runtime/field/level_field.h"
 
 // Compiles what follows once per instruction set.
 #include "runtime/query/vector_targets.h"
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "runtime/field/level_push.cpp"
+#define HWY_TARGET_INCLUDE "runtime/field/level_field_kernel.cpp"
 #include <hwy/foreach_target.h>
 // Behind foreach_target.h, as Highway wants it.
 #include <hwy/highway.h>
+
+#include <algorithm>
+#include <array>
 
 #include "runtime/field/field_kernel-inl.h"
 
@@ -17,14 +21,22 @@ namespace forcelayer {
 namespace HWY_NAMESPACE {
 namespace {
 
-// Raised levels around `kLanes` points: lanes of words[x] hold those at z-1, z, z+1 in bytes 0 to 2
-// and, within a byte, those at y-1, y, y+1 in bits 0, 2 and 4.
+// The constants of the push in level_field.h.
+constexpr float kDisagreeing = 0.5625f;  // squared cosine up to which the slope counts alone
+constexpr float kAgreementGain = 16.0f;
+constexpr float kBuried = -0.5f;  // phi below which the normal begins to count beside the slope
+constexpr float kBuriedNormal = 0.05f;  // and how much
+constexpr float kWeak = 10.0f;          // over the length below which a push fades
+constexpr float kTiny = 1e-6f;          // a shorter vector has no direction
+
+// Raised levels around `kLanes` points. A lane of words[x] holds those at z-1, z and z+1 in bytes 0
+// to 2 and, within a byte, those at y-1, y and y+1 in bits 0, 2 and 4.
 struct Planes {
   VI words[3];
 };
 
-// Sums of levels are kept in 16 bits with as many digits as fit: those of eight raised levels, and
-// the differences of such sums, stay below 2^15.
+// Sums of levels are kept in 16 bits, in units of 1/1024: the sums of eight raised levels, and
+// their differences, stay below 2^15.
 constexpr int kUnit = 1024;
 
 #if HWY_TARGET == HWY_SCALAR
@@ -50,7 +62,7 @@ HWY_INLINE VF between_corners(const Corners& corners, const VF (&fraction)[3], f
   return VF((low + fraction[2].raw * (high - low)) * scale);
 }
 
-// phi (voxels) and its slope (per voxel): one point, where the machine has no vectors.
+// phi (voxels) and its slope (per voxel) of one point, where the machine has no vectors.
 HWY_INLINE void sample(const Planes& planes, const VF (&fraction)[3], VF& phi, VF (&slope)[3]) {
   Corners level, along[3];
   for (int corner = 0; corner < 8; ++corner) {
@@ -70,7 +82,7 @@ HWY_INLINE void sample(const Planes& planes, const VF (&fraction)[3], VF& phi, V
   }
 }
 #else
-// The same bits as numbers of 16 bits, two a lane, and of 8 bits, four a lane.
+// A vector of lanes seen as numbers of 16 bits, two a lane, and of 8 bits, four a lane.
 using Halves = hn::Repartition<std::int16_t, Ints>;
 using Bytes = hn::Repartition<std::int8_t, Ints>;
 using VH = hn::Vec<Halves>;
@@ -174,50 +186,47 @@ HWY_INLINE void push(VF phi, const VF (&g)[3], const VF (&n)[3], VF (&u)[3]) {
   }
 }
 
-// What the stages hand on for the points of a chunk.
+// Results of the stages for the points of a chunk.
 struct Stages {
   HWY_ALIGN std::int32_t words[3][kChunk];  // Planes
   HWY_ALIGN float phi[kChunk];
   HWY_ALIGN float slope[3][kChunk];
 };
 
-// Pushes the points that have depth, or measures all points (ForceField::measure).
-template <bool kAllPoints>
-class Kernel : public FieldKernel<Kernel<kAllPoints>, LevelBricks, kAllPoints> {
-  using Base = FieldKernel<Kernel<kAllPoints>, LevelBricks, kAllPoints>;
-  using Base::bricks_;
-
+// ForceField::measure.
+class Kernel : public FieldKernel<LevelBricks> {
  public:
-  static constexpr bool kPicksNormals = true;
-
   Kernel(const CollectedPoints& points, const LevelScale& scale, LevelBricks& bricks,
          FieldSamples& samples)
-      : Base(points, bricks, samples, scale.outermost), scale_(scale) {}
+      : FieldKernel(points, bricks, samples), scale_(scale) {}
 
-  // The first `count` points that load(i), load(i + kLanes), ... give.
-  template <class Load>
-  HWY_INLINE void push_chunk(std::size_t count, const Load& load) {
-    Stages& s = stages_;
-    for (std::size_t i = 0; i < count; i += kLanes) {
-      gather(load(i), i);
+  HWY_INLINE void run() {
+    for (std::size_t first = 0; first < points_.count; first += kChunk) {
+      measure_chunk(first, std::min(kChunk, points_.count - first));
     }
+  }
+
+ private:
+  HWY_INLINE void measure_chunk(std::size_t first, std::size_t count) {
+    Stages& s = stages_;
+    for (std::size_t i = 0; i < count; i += kLanes) gather(load(first + i), i);
     for (std::size_t i = 0; i < count; i += kLanes) {
       Planes planes;
       for (int x = 0; x < 3; ++x) planes.words[x] = hn::Load(kI, s.words[x] + i);
       VF phi, slope[3];
-      sample(planes, load(i).fraction, phi, slope);
+      sample(planes, load(first + i).fraction, phi, slope);
       hn::Store(phi, kF, s.phi + i);
       for (int axis = 0; axis < 3; ++axis) hn::Store(slope[axis], kF, s.slope[axis] + i);
     }
     for (std::size_t i = 0; i < count; i += kLanes) {
       VF slope[3];
       for (int axis = 0; axis < 3; ++axis) slope[axis] = hn::Load(kF, s.slope[axis] + i);
-      push_lanes(load(i), hn::Load(kF, s.phi + i), slope);
+      push_lanes(first + i, hn::Load(kF, s.phi + i), slope);
     }
   }
 
- private:
-  HWY_INLINE void push_lanes(const Lanes& lanes, VF phi, const VF (&slope)[3]) {
+  HWY_INLINE void push_lanes(std::size_t first, VF phi, const VF (&slope)[3]) {
+    const Lanes lanes = load(first);
     VF u[3];
     push(phi, slope, lanes.normal, u);
     const VF one = hn::Set(kF, 1.0f), size_m = hn::Set(kF, scale_.voxel_size_m);
@@ -230,21 +239,16 @@ class Kernel : public FieldKernel<Kernel<kAllPoints>, LevelBricks, kAllPoints> {
     VF depth_m = hn::Mul(hn::Mul(steps, strength), size_m);
     depth_m = hn::Mul(depth_m, hn::Add(hn::Add(hn::Abs(u[0]), hn::Abs(u[1])), hn::Abs(u[2])));
     depth_m = hn::Add(depth_m, hn::Mul(hn::Mul(hn::Set(kF, scale_.a), strength), size_m));
-    auto kept = hn::RebindMask(kF, lanes.wanted);
-    if (kAllPoints) {
-      const VF nothing = hn::Neg(hn::Mul(hn::Max(phi, hn::Zero(kF)), size_m));
-      depth_m = hn::IfThenElse(directed, depth_m, nothing);
-      for (int n = 0; n < 3; ++n) u[n] = hn::IfThenElse(directed, u[n], lanes.normal[n]);
-    } else {
-      kept = hn::And(kept, hn::And(hn::Gt(depth_m, hn::Zero(kF)), directed));
-    }
-    this->store(kept, lanes.at, depth_m, u, slope);
+    const VF nothing = hn::Neg(hn::Mul(hn::Max(phi, hn::Zero(kF)), size_m));
+    depth_m = hn::IfThenElse(directed, depth_m, nothing);
+    for (int n = 0; n < 3; ++n) u[n] = hn::IfThenElse(directed, u[n], lanes.normal[n]);
+    store(first, depth_m, u, slope);
   }
 
   // The 27 levels around the points, to words[.][i] on.
   HWY_INLINE void gather(const Lanes& lanes, std::size_t i) {
     const VI(&voxel)[3] = lanes.voxel;
-    const auto [slot, held] = this->find(voxel);
+    const auto [slot, held] = find_bricks(voxel);
     // Shifts and sums rather than products, which are slow for this width.
     static_assert(LevelBricks::kBrickBytes == 960 && LevelBricks::kPlaneBytes == 96 &&
                   LevelBricks::kRowBytes == 12);
@@ -260,9 +264,9 @@ class Kernel : public FieldKernel<Kernel<kAllPoints>, LevelBricks, kAllPoints> {
                                                                plane * LevelBricks::kPlaneBytes);
       hn::Store(hn::GatherOffset(kI, base, offset), kI, stages_.words[plane] + i);
     }
-    const auto missing = hn::AndNot(held, lanes.wanted);
+    const auto missing = hn::AndNot(held, lanes.real);
     if (HWY_LIKELY(hn::AllFalse(kI, missing))) return;
-    this->fetch(voxel, in_brick, missing, [&](std::size_t lane, const std::uint8_t* levels) {
+    fetch(voxel, in_brick, missing, [&](std::size_t lane, const std::uint8_t* levels) {
       for (std::uint32_t plane = 0; plane < 3; ++plane) {
         hwy::CopyBytes<4>(levels + plane * LevelBricks::kPlaneBytes,
                           &stages_.words[plane][i + lane]);
@@ -274,14 +278,9 @@ class Kernel : public FieldKernel<Kernel<kAllPoints>, LevelBricks, kAllPoints> {
   Stages stages_;
 };
 
-void push_on_target(const CollectedPoints& points, const LevelScale& scale, LevelBricks& bricks,
-                    FieldSamples& samples) {
-  Kernel<false>(points, scale, bricks, samples).run();
-}
-
 void measure_on_target(const CollectedPoints& points, const LevelScale& scale, LevelBricks& bricks,
                        FieldSamples& samples) {
-  Kernel<true>(points, scale, bricks, samples).run();
+  Kernel(points, scale, bricks, samples).run();
 }
 
 }  // namespace
@@ -292,17 +291,10 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace forcelayer {
 
-HWY_EXPORT(push_on_target);
 HWY_EXPORT(measure_on_target);
 
-void push_by_levels(const CollectedPoints& points, const LevelScale& scale, LevelBricks& bricks,
-                    FieldSamples& samples) noexcept {
-  HWY_DYNAMIC_DISPATCH(push_on_target)(points, scale, bricks, samples);
-}
-
-void measure_by_levels(const CollectedPoints& points, const LevelScale& scale, LevelBricks& bricks,
-                       FieldSamples& samples) noexcept {
-  HWY_DYNAMIC_DISPATCH(measure_on_target)(points, scale, bricks, samples);
+void LevelField::measure(const CollectedPoints& points, FieldSamples& samples) const noexcept {
+  HWY_DYNAMIC_DISPATCH(measure_on_target)(points, scale_, bricks_, samples);
 }
 
 }  // namespace forcelayer

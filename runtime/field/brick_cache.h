@@ -1,6 +1,6 @@
-// Bricks decoded for a force field, kept from frame to frame: a point in contact stays in its brick
-// for many frames, so that almost all look-ups find their brick; else the brick replaces another
-// one. What is found never depends on what was asked before. Not for use by two threads at once.
+// Bricks that a force field has decoded, kept from frame to frame. A point in contact stays in its
+// brick for many frames, so almost every look-up finds its brick decoded; a new brick replaces
+// another one. No answer depends on earlier questions. For one thread at a time.
 #pragma once
 
 #include <array>
@@ -11,9 +11,10 @@
 
 namespace forcelayer {
 
-// Bricks of the directory are named by the number that they have along z, y and x, modulo 2^32: see
-// strides(). The one of that key stands in slot(key), if any.
-class BrickMemo {
+// Where decoded bricks stand. A brick's key is its number in the directory, counted along z, then
+// y, then x, modulo 2^32. A decoded brick stands in slot(key). The derived class holds what is
+// decoded.
+class BrickCache {
  public:
   static constexpr int kSlotBits = 12;
   static constexpr std::uint32_t kSlots = 1u << kSlotBits;
@@ -22,23 +23,23 @@ class BrickMemo {
 
   using BrickIndex = std::array<std::int32_t, 3>;
 
-  explicit BrickMemo(const Voxmap& voxmap);
+  explicit BrickCache(const Voxmap& voxmap);
 
-  // Keys of neighbours along x, y and z differ by this.
+  // Difference of the keys of neighbours along x, y and z.
   const std::array<std::uint32_t, 3>& strides() const { return strides_; }
-  // Per slot the key of the brick in it.
+  // Per slot the key of its brick.
   const std::uint32_t* keys() const { return keys_.data(); }
-  // Per slot the brick coordinates x, y, z, and one unused. They need a look only where the map has
-  // so many bricks that two may have the same key.
+  // Per slot the brick's x, y and z, and one unused element. Needed only where two bricks of the
+  // map can have the same key.
   const std::int32_t* tags() const { return tags_.data(); }
   bool keys_are_unique() const { return keys_are_unique_; }
 
-  // The slot of a brick, and whether it stands there already; from now on it is said to.
+  // Gives a brick its slot; `held` says whether the brick stood there before.
   struct Place {
     std::uint32_t slot;
     bool held;
   };
-  Place take(const BrickIndex& brick) noexcept {
+  Place take_slot(const BrickIndex& brick) noexcept {
     const std::uint32_t key = static_cast<std::uint32_t>(brick[0]) * strides_[0] +
                               static_cast<std::uint32_t>(brick[1]) * strides_[1] +
                               static_cast<std::uint32_t>(brick[2]) * strides_[2];
@@ -50,9 +51,10 @@ class BrickMemo {
     return {at, held};
   }
 
-  // Whether a voxel of the brick or next to it is not known.
+  // Whether a voxel of the brick, or one next to it, lies beyond a cropped side.
   bool near_cropped_side(const BrickIndex& brick) const noexcept;
-  // Box of the voxels that are known, relative to the directory; unbounded where nothing was cut.
+  // Box of the voxels that are known, relative to the directory; unbounded where no side is
+  // cropped.
   const KnownBox& known() const { return known_; }
 
  private:
@@ -66,15 +68,15 @@ class BrickMemo {
   std::vector<std::int32_t> tags_;
 };
 
-// The entry under which a brick's voxels stand, 8 b to 8 b + 7 relative to the directory: uniform,
-// or the brick's number. `outside` beyond the directory.
-std::uint32_t brick_entry(const VoxmapView& map, const BrickMemo::BrickIndex& brick,
+// The tree entry of the brick of voxels 8 b to 8 b + 7, relative to the directory: a uniform value
+// or the index of a stored brick. `outside` beyond the directory.
+std::uint32_t brick_entry(const VoxmapView& map, const BrickCache::BrickIndex& brick,
                           std::uint32_t outside) noexcept;
 
-// The same of kEdge^3 bricks from `first` on, by x, y and z.
+// The entries of kEdge^3 bricks from `first` on, z fastest.
 template <std::size_t kEdge>
 std::array<std::uint32_t, kEdge * kEdge * kEdge> brick_entries(const VoxmapView& map,
-                                                               const BrickMemo::BrickIndex& first,
+                                                               const BrickCache::BrickIndex& first,
                                                                std::uint32_t outside) noexcept;
 
 }  // namespace forcelayer

@@ -1,11 +1,12 @@
-#include "runtime/field/surface_directions.h"
+// average_directions(), for as many contacts at a time as the machine's vectors hold.
+#include "runtime/field/field_probe.h"
 
 #include <algorithm>
 
 // Compiles what follows once per instruction set.
 #include "runtime/query/vector_targets.h"
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "runtime/field/surface_directions.cpp"
+#define HWY_TARGET_INCLUDE "runtime/field/average_directions.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
@@ -28,8 +29,8 @@ constexpr float kWeak = 1e-3f;  // of a sum whose weights are of order one: no d
 constexpr std::size_t kChunk = 128;
 static_assert(kChunk % kLanes == 0 && kBefore % kLanes == 0);
 
-// Columns by address: a store to floats may, for all that the compiler knows, change a vector's
-// own.
+// Columns by address: the compiler must assume that a store of floats can change the address inside
+// a std::vector.
 struct Averaging {
   Averaging(const CollectedPoints& points, const FieldSamples& samples, float voxel_size_m,
             float least_depth, ContactSet& set)
@@ -49,7 +50,7 @@ struct Averaging {
   float least_depth_m, per_radius2_1pm2;
 };
 
-// What the weight of one sample for another depends on, of kLanes samples.
+// Places and slopes of kLanes samples: all that their weights for each other depend on.
 struct Place {
   VF r[3], g[3];
 };

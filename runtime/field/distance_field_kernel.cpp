@@ -1,13 +1,17 @@
-#include "runtime/field/distance_push.h"
+// The distance field's arithmetic (distance_field.h) for sixteen, eight or four points at a time,
+// by the widest vectors that the machine has. It has no fused multiply-add, so every width gives
+// the same bits.
+#include "runtime/field/distance_field.h"
 
 // Compiles what follows once per instruction set.
 #include "runtime/query/vector_targets.h"
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "runtime/field/distance_push.cpp"
+#define HWY_TARGET_INCLUDE "runtime/field/distance_field_kernel.cpp"
 #include <hwy/foreach_target.h>
 // Behind foreach_target.h, as Highway wants it.
 #include <hwy/highway.h>
 
+#include <algorithm>
 #include <bit>
 
 #include "runtime/field/field_kernel-inl.h"
@@ -17,8 +21,15 @@ namespace forcelayer {
 namespace HWY_NAMESPACE {
 namespace {
 
-// Codes in bytes 0 and 1 of the lanes, more by kRaised[kByte]: they are written behind the exponent
-// of that number, where a unit of them is one. Differences need no more than that.
+// The constants of the push in distance_field.h.
+constexpr float kLeastSlope = 0.1f;    // per voxel: a shorter slope's direction is not trusted
+constexpr float kBeyondSlope = 0.05f;  // share of the normal that counts beside the slope
+constexpr float kBuriedVoxels = 1.5f;  // depth from which it begins to; half a voxel later in full
+constexpr float kNoDirection = 1e-6f;  // a shorter vector has no direction
+
+// Codes in byte 0 or 1 of the lanes as floats, plus kRaised[kByte]: the code's bits are put into
+// the mantissa of that number, where the code's lowest bit is worth one. Differences come out
+// exact.
 constexpr float kRaised[2] = {0x1p23f, 0x1p15f};
 template <int kByte>
 HWY_INLINE VF raised(VI words) {
@@ -55,7 +66,7 @@ HWY_INLINE VF between_corners(VI low, VI high, const VF (&share)[3], VF (&slope)
   return hn::Add(at_x[0], hn::Mul(share[0], slope[0]));
 }
 
-// Codes on one side of a cell, interpolated across it, from the words at its near edge and the far.
+// Codes on one side of a cell, interpolated across it, from the words at its near and far edge.
 template <int kNearByte, int kFarByte>
 HWY_INLINE VF between_edges(VI near_low, VI near_high, VF along, VI far_low, VI far_high,
                             VF across) {
@@ -64,8 +75,9 @@ HWY_INLINE VF between_edges(VI near_low, VI near_high, VF along, VI far_low, VI 
   return mix(near, between_words<kFarByte>(far_low, far_high, along, step), across);
 }
 
-// The slope along an axis between the differences on both sides of the point's voxel centre, each
-// in its middle: from the cell's own, the codes at the point and those beside the cell.
+// The slope along an axis, interpolated between the differences on both sides of the point's voxel
+// centre, each of which belongs to the middle between its two centres. `cell` is the difference in
+// the point's cell, `code` the code at the point, `beside` the code beside the cell:
 //   (1 - 3/2 |a| + a^2) cell + a (beside - code), a = share - 1/2
 HWY_INLINE VF continued(VF cell, VF share, VF code, VF beside) {
   const VF a = hn::Sub(share, hn::Set(kF, 0.5f)), b = hn::Abs(a);
@@ -103,9 +115,8 @@ HWY_INLINE void load_fours(const std::int32_t* fours, VI (&number)[4]) {
 #endif
 }
 
-// Copies kBytes from each of two places, at[0] and at[1] times kStride bytes behind `from`, to
-// where they stand side by side. The two numbers are read as one: the memory is what such copies
-// keep busy.
+// Copies kBytes from each of two places, at[0] and at[1] times kStride bytes behind `from`, side by
+// side to `to`. The two numbers are read as one, because memory accesses are the limit here.
 template <std::size_t kBytes, std::int64_t kStride = 1>
 HWY_INLINE void copy_two(const void* from, const std::int32_t* at, void* to) {
   static_assert(std::endian::native == std::endian::little, "the first number is the lower half");
@@ -117,19 +128,19 @@ HWY_INLINE void copy_two(const void* from, const std::int32_t* at, void* to) {
   hwy::CopyBytes<kBytes>(bytes + (both >> 32) * kStride, side_by_side + kBytes);
 }
 
-// What the stages hand on for the points of a chunk.
+// Results of the stages for the points of a chunk.
 struct Stages {
-  HWY_ALIGN float share[3][kChunk];  // where between its cell's corners a point lies
-  // What brick it is in, where that is if it is held, and where its words are: those around its
-  // cell along z, those beside it in x, in y.
+  HWY_ALIGN float share[3][kChunk];  // the point's place between its cell's corners
+  // Key and slot of the point's brick, and the offsets of its words: those around its cell along z,
+  // those beside the cell in x and in y.
   HWY_ALIGN std::int32_t key[kChunk];
   HWY_ALIGN std::int32_t slot[kChunk];
   HWY_ALIGN std::int32_t tags_match[kChunk];  // only where keys are not unique
   HWY_ALIGN std::int32_t around_at[kChunk];
   HWY_ALIGN std::int32_t beside_x_at[kChunk];
   HWY_ALIGN std::int32_t beside_y_at[kChunk];
-  // What stands there: the key; four words, of which the middle ones are the cell's; on the side
-  // where the point's voxel is, two words beside the cell in x (codes in bytes 0 and 1), two in y
+  // Read from there: the slot's key; four words, of which the middle two are the cell's; and on the
+  // side of the point's voxel two words beside the cell in x (codes in bytes 0 and 1) and two in y
   // (bytes 0 and 2).
   HWY_ALIGN std::int32_t key_there[kChunk];
   HWY_ALIGN std::int32_t around[4 * kChunk];
@@ -137,40 +148,33 @@ struct Stages {
   HWY_ALIGN std::int32_t beside_y[2 * kChunk];
 };
 
-// Pushes the points in values 1 and 2, or measures all points (ForceField::measure).
-template <bool kAllPoints>
-class Kernel : public FieldKernel<Kernel<kAllPoints>, DistanceBricks, kAllPoints> {
-  using Base = FieldKernel<Kernel<kAllPoints>, DistanceBricks, kAllPoints>;
-  using Base::bricks_;
-  using Base::points_;
-
+// ForceField::measure.
+class Kernel : public FieldKernel<DistanceBricks> {
  public:
-  static constexpr bool kPicksNormals = false;
-
-  Kernel(const CollectedPoints& points, const DistanceCodes& codes, DistanceBricks& bricks,
+  Kernel(const CollectedPoints& points, const DistanceScale& scale, DistanceBricks& bricks,
          FieldSamples& samples)
-      : Base(points, bricks, samples), codes_(codes) {}
+      : FieldKernel(points, bricks, samples), scale_(scale) {}
 
-  // The first `count` points that load(i), load(i + kLanes), ... give.
-  template <class Load>
-  HWY_INLINE void push_chunk(std::size_t count, const Load& load) {
-    for (std::size_t i = 0; i < count; i += kLanes) locate(load(i), i);
-    copy(hwy::RoundUpTo(count, kLanes));
-    for (std::size_t i = 0; i < count; i += kLanes) push_lanes(load, i);
+  HWY_INLINE void run() {
+    for (std::size_t first = 0; first < points_.count; first += kChunk) {
+      const std::size_t count = std::min(kChunk, points_.count - first);
+      for (std::size_t i = 0; i < count; i += kLanes) locate(load(first + i), i);
+      copy(hwy::RoundUpTo(count, kLanes));
+      for (std::size_t i = 0; i < count; i += kLanes) push_lanes(first, i);
+    }
   }
 
  private:
-  // The lanes that load(i) gives, whose stages' numbers are from i on.
-  template <class Load>
-  HWY_INLINE void push_lanes(const Load& load, std::size_t i) {
-    const Lanes lanes = load(i);
+  // Lane i of the chunk from point `first` on, and those behind it.
+  HWY_INLINE void push_lanes(std::size_t first, std::size_t i) {
+    const Lanes lanes = load(first + i);
     auto held = hn::Eq(hn::Load(kI, stages_.key + i), hn::Load(kI, stages_.key_there + i));
     if (HWY_UNLIKELY(!bricks_.keys_are_unique())) {
       held = hn::And(held, hn::MaskFromVec(hn::Load(kI, stages_.tags_match + i)));
     }
-    const auto missing = hn::AndNot(held, lanes.wanted);
+    const auto missing = hn::AndNot(held, lanes.real);
     // Loaded anew: `lanes`, handed over by reference, would be written to the stack each time.
-    if (HWY_UNLIKELY(!hn::AllFalse(kI, missing))) replace(load(i), i, missing);
+    if (HWY_UNLIKELY(!hn::AllFalse(kI, missing))) replace(load(first + i), i, missing);
     VF share[3], slope[3];
     for (int n = 0; n < 3; ++n) share[n] = hn::Load(kF, stages_.share[n] + i);
     VI around[4], low, high;
@@ -185,20 +189,20 @@ class Kernel : public FieldKernel<Kernel<kAllPoints>, DistanceBricks, kAllPoints
     low = hn::IfThenElse(from_below, around[0], around[3]);
     high = hn::ShiftRight<16>(low);
     const VF beside_z = between_edges<0, 1>(low, high, share[0], low, high, share[1]);
-    const VF step = hn::Set(kF, codes_.voxels_per_code);
+    const VF step = hn::Set(kF, scale_.voxels_per_code);
     slope[0] = hn::Mul(continued(slope[0], share[0], code, beside_x), step);
     slope[1] = hn::Mul(continued(slope[1], share[1], code, beside_y), step);
     slope[2] = hn::Mul(continued(slope[2], share[2], code, beside_z), step);
-    const VF phi = hn::Mul(hn::Sub(code, hn::Set(kF, codes_.zero_code)), step);
-    push(lanes, phi, slope);
+    const VF phi = hn::Mul(hn::Sub(code, hn::Set(kF, scale_.zero_code)), step);
+    push(lanes, phi, slope, first + i);
   }
 
-  HWY_INLINE void push(const Lanes& lanes, VF phi, const VF (&slope)[3]) {
-    const VF one = hn::Set(kF, 1.0f), size_m = hn::Set(kF, codes_.voxel_size_m);
+  HWY_INLINE void push(const Lanes& lanes, VF phi, const VF (&slope)[3], std::size_t first) {
+    const VF one = hn::Set(kF, 1.0f), size_m = hn::Set(kF, scale_.voxel_size_m);
     const VF depth = hn::Neg(phi);
     VF u[3] = {slope[0], slope[1], slope[2]};
-    // Most contacts are less than a voxel deep. There the normal counts nothing, and nothing lies
-    // beyond: the same numbers without them.
+    // Most contacts are less than a voxel deep, where the normal does not count and no depth lies
+    // beyond a voxel: leaving both out gives the same numbers.
     VF beyond = hn::Zero(kF);
     if (HWY_UNLIKELY(!hn::AllFalse(kF, hn::Gt(depth, one)))) beyond = push_deep(lanes, depth, u);
     const VF length = hn::Sqrt(dot(u, u));
@@ -207,43 +211,35 @@ class Kernel : public FieldKernel<Kernel<kAllPoints>, DistanceBricks, kAllPoints
     for (int n = 0; n < 3; ++n) u[n] = hn::Mul(u[n], per_length);
     const VF strength = hn::Min(hn::Mul(length, hn::Set(kF, 1 / kLeastSlope)), one);
     VF depth_m = hn::Mul(hn::Mul(hn::Add(hn::Min(depth, one), beyond), strength), size_m);
-    auto kept = hn::RebindMask(kF, lanes.wanted);
-    if (kAllPoints) {
-      const VF nothing = hn::Mul(hn::Min(depth, hn::Zero(kF)), size_m);
-      depth_m = hn::IfThenElse(directed, depth_m, nothing);
-      for (int n = 0; n < 3; ++n) u[n] = hn::IfThenElse(directed, u[n], lanes.normal[n]);
-    } else {
-      kept = hn::And(kept, hn::And(hn::Gt(depth, hn::Zero(kF)), directed));
-    }
-    this->store(kept, lanes.at, depth_m, u, slope);
+    const VF nothing = hn::Mul(hn::Min(depth, hn::Zero(kF)), size_m);
+    depth_m = hn::IfThenElse(directed, depth_m, nothing);
+    for (int n = 0; n < 3; ++n) u[n] = hn::IfThenElse(directed, u[n], lanes.normal[n]);
+    store(first, depth_m, u, slope);
   }
 
-  // Adds the part's normal to the slope `u` where it counts; what the depth is beyond a voxel, as
-  // far as it has a slope.
+  // Adds the part's normal to the slope `u` where it counts. Returns the depth beyond a voxel, less
+  // where the slope is weak.
   HWY_INLINE VF push_deep(const Lanes& lanes, VF depth, VF (&u)[3]) const {
     const VF one = hn::Set(kF, 1.0f);
     const VF certain = hn::Min(hn::Mul(hn::Sqrt(dot(u, u)), hn::Set(kF, 1 / kLeastSlope)), one);
     const VF buried =
         clamp01(hn::Mul(hn::Sub(depth, hn::Set(kF, kBuriedVoxels)), hn::Set(kF, 2.0f)));
     const VF along_normal = hn::Mul(hn::Set(kF, kBeyondSlope), buried);
-    const float* normal[3] = {points_.nx.data(), points_.ny.data(), points_.nz.data()};
-    for (int n = 0; n < 3; ++n) {
-      u[n] = hn::Add(u[n], hn::Mul(along_normal, hn::GatherIndex(kF, normal[n], lanes.at)));
-    }
+    for (int n = 0; n < 3; ++n) u[n] = hn::Add(u[n], hn::Mul(along_normal, lanes.normal[n]));
     return hn::Mul(hn::Max(hn::Sub(depth, one), hn::Zero(kF)), certain);
   }
 
-  // First stage, from i on: where the points' words are.
+  // First stage, from i on: finds the points' words.
   HWY_INLINE void locate(const Lanes& lanes, std::size_t i) {
     using Bricks = DistanceBricks;
     const VF half = hn::Set(kF, 0.5f), one = hn::Set(kF, 1.0f);
     const VI seven = hn::Set(kI, 7), size = hn::Set(kI, Bricks::kBrickBytes);
     constexpr std::int32_t kStrides[3] = {Bricks::kPlaneBytes, Bricks::kRowBytes, 4};
-    // From a cell to the codes beside it: before it, and behind it less the stride. Reading from
-    // a byte on brings those behind to the bytes where those before it stand.
+    // From a cell to the codes behind it, less the stride. Reading from a later byte on brings them
+    // to the bytes where the codes before the cell stand.
     constexpr std::int32_t kBehind[2] = {kStrides[0] + 2, kStrides[1] + 1};
-    const VI key = this->key_of(lanes.voxel);
-    const VI slot = this->slot_of(key);
+    const VI key = key_of(lanes.voxel);
+    const VI slot = slot_of(key);
     VI at = hn::Add(hn::Mul(slot, size), hn::Set(kI, Bricks::kFirstBytes)), beside[2];
     for (int n = 0; n < 3; ++n) {
       // The cell's lowest voxel is the point's, or the one before it.
@@ -259,7 +255,7 @@ class Kernel : public FieldKernel<Kernel<kAllPoints>, DistanceBricks, kAllPoints
       }
     }
     if (HWY_UNLIKELY(!bricks_.keys_are_unique())) {
-      const auto match = this->tags_match(slot, lanes.voxel);
+      const auto match = tags_match(slot, lanes.voxel);
       hn::Store(hn::VecFromMask(kI, match), kI, stages_.tags_match + i);
     }
     hn::Store(key, kI, stages_.key + i);
@@ -269,7 +265,7 @@ class Kernel : public FieldKernel<Kernel<kAllPoints>, DistanceBricks, kAllPoints
     hn::Store(hn::Add(at, beside[1]), kI, stages_.beside_y_at + i);
   }
 
-  // Second stage, two points at a time: words side by side, which no gather of their width fetches.
+  // Second stage, two points at a time: copies the words, which are wider than a gather's lanes.
   HWY_INLINE void copy(std::size_t count) {
     const std::uint8_t* codes = bricks_.codes();
     const std::uint32_t* keys = bricks_.keys();
@@ -291,24 +287,19 @@ class Kernel : public FieldKernel<Kernel<kAllPoints>, DistanceBricks, kAllPoints
     hwy::CopyBytes<8>(codes + stages_.beside_y_at[i], stages_.beside_y + 2 * i);
   }
 
-  // Third stage, where bricks were missing: decodes them and takes the points' words.
+  // Third stage, where bricks were missing: decodes them and copies the points' words again.
   HWY_NOINLINE void replace(const Lanes& lanes, std::size_t i, hn::Mask<Ints> missing) {
-    this->fetch(lanes.voxel, hn::Zero(kI), missing,
-                [&](std::size_t lane, const std::uint8_t*) { take(bricks_.codes(), i + lane); });
+    fetch(lanes.voxel, hn::Zero(kI), missing,
+          [&](std::size_t lane, const std::uint8_t*) { take(bricks_.codes(), i + lane); });
   }
 
-  const DistanceCodes& codes_;
+  const DistanceScale& scale_;
   Stages stages_;
 };
 
-void push_on_target(const CollectedPoints& points, const DistanceCodes& codes,
-                    DistanceBricks& bricks, FieldSamples& samples) {
-  Kernel<false>(points, codes, bricks, samples).run();
-}
-
-void measure_on_target(const CollectedPoints& points, const DistanceCodes& codes,
+void measure_on_target(const CollectedPoints& points, const DistanceScale& scale,
                        DistanceBricks& bricks, FieldSamples& samples) {
-  Kernel<true>(points, codes, bricks, samples).run();
+  Kernel(points, scale, bricks, samples).run();
 }
 
 }  // namespace
@@ -319,17 +310,10 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace forcelayer {
 
-HWY_EXPORT(push_on_target);
 HWY_EXPORT(measure_on_target);
 
-void push_by_distance(const CollectedPoints& points, const DistanceCodes& codes,
-                      DistanceBricks& bricks, FieldSamples& samples) noexcept {
-  HWY_DYNAMIC_DISPATCH(push_on_target)(points, codes, bricks, samples);
-}
-
-void measure_by_distance(const CollectedPoints& points, const DistanceCodes& codes,
-                         DistanceBricks& bricks, FieldSamples& samples) noexcept {
-  HWY_DYNAMIC_DISPATCH(measure_on_target)(points, codes, bricks, samples);
+void DistanceField::measure(const CollectedPoints& points, FieldSamples& samples) const noexcept {
+  HWY_DYNAMIC_DISPATCH(measure_on_target)(points, scale_, bricks_, samples);
 }
 
 }  // namespace forcelayer

@@ -1,16 +1,16 @@
-#include "runtime/field/brick_memo.h"
+#include "runtime/field/brick_cache.h"
 
 namespace forcelayer {
 namespace {
 
-// Of a node's 512 entries the one that holds a brick, by three bits of each coordinate.
-std::uint64_t entry_number(const BrickMemo::BrickIndex& brick, int shift) {
+// Number of the entry of a node that leads to a brick: three bits of each coordinate.
+std::uint64_t entry_number(const BrickCache::BrickIndex& brick, int shift) {
   const auto digit = [shift](std::int32_t i) { return static_cast<std::uint64_t>(i >> shift & 7); };
   return digit(brick[0]) * 64 + digit(brick[1]) * 8 + digit(brick[2]);
 }
 
-// The entry for the 64^3 voxels around a brick of the directory: a lower node, or uniform.
-std::uint32_t lower_entry(const VoxmapView& map, const BrickMemo::BrickIndex& brick) {
+// The entry of the 64^3 voxels around a brick: a lower node, or uniform.
+std::uint32_t lower_entry(const VoxmapView& map, const BrickCache::BrickIndex& brick) {
   const auto& dims = map.directory_dims;
   const std::uint32_t entry =
       map.directory[(std::int64_t{brick[0] >> 6} * dims[1] + (brick[1] >> 6)) * dims[2] +
@@ -21,27 +21,27 @@ std::uint32_t lower_entry(const VoxmapView& map, const BrickMemo::BrickIndex& br
 
 // The entry of a brick below `lower`, a lower node or uniform.
 std::uint32_t entry_below(const VoxmapView& map, std::uint32_t lower,
-                          const BrickMemo::BrickIndex& brick) {
+                          const BrickCache::BrickIndex& brick) {
   if (is_uniform(lower)) return lower;
   return map.lower_nodes[std::uint64_t{lower} * kNodeEntries + entry_number(brick, 0)];
 }
 
 }  // namespace
 
-BrickMemo::BrickMemo(const Voxmap& voxmap)
+BrickCache::BrickCache(const Voxmap& voxmap)
     : keys_(kSlots, kNoKey), tags_(std::size_t{4} * kSlots, kNone) {
   const VoxmapHeader& header = voxmap.header();
-  const auto& blocks = header.directory_dims;
-  const std::uint64_t along[3] = {blocks[0] * std::uint64_t{64}, blocks[1] * std::uint64_t{64},
-                                  blocks[2] * std::uint64_t{64}};
+  const auto& cells = header.directory_dims;  // of 512^3 voxels: 64^3 bricks
+  const std::uint64_t along[3] = {cells[0] * std::uint64_t{64}, cells[1] * std::uint64_t{64},
+                                  cells[2] * std::uint64_t{64}};
   strides_ = {static_cast<std::uint32_t>(along[1] * along[2]), static_cast<std::uint32_t>(along[2]),
               1};
-  // Then kNoKey is none of them either. There are at most 2^28 blocks.
+  // Then none of them is kNoKey either. There are at most 2^28 directory cells.
   keys_are_unique_ = along[0] * along[1] * along[2] < kNoKey;
   known_ = known_box(header, header.directory_origin);
 }
 
-bool BrickMemo::near_cropped_side(const BrickIndex& brick) const noexcept {
+bool BrickCache::near_cropped_side(const BrickIndex& brick) const noexcept {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const std::int64_t low = std::int64_t{8} * brick[axis];
     if (low - 1 < known_.low[axis] || low + 9 > known_.high[axis]) return true;
@@ -49,7 +49,7 @@ bool BrickMemo::near_cropped_side(const BrickIndex& brick) const noexcept {
   return false;
 }
 
-std::uint32_t brick_entry(const VoxmapView& map, const BrickMemo::BrickIndex& brick,
+std::uint32_t brick_entry(const VoxmapView& map, const BrickCache::BrickIndex& brick,
                           std::uint32_t outside) noexcept {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (brick[axis] < 0 || brick[axis] >> 6 >= map.directory_dims[axis]) return outside;
@@ -59,7 +59,7 @@ std::uint32_t brick_entry(const VoxmapView& map, const BrickMemo::BrickIndex& br
 
 template <std::size_t kEdge>
 std::array<std::uint32_t, kEdge * kEdge * kEdge> brick_entries(const VoxmapView& map,
-                                                               const BrickMemo::BrickIndex& first,
+                                                               const BrickCache::BrickIndex& first,
                                                                std::uint32_t outside) noexcept {
   constexpr auto kSteps = static_cast<std::int32_t>(kEdge) - 1;
   bool in_one_node = true;
@@ -70,7 +70,7 @@ std::array<std::uint32_t, kEdge * kEdge * kEdge> brick_entries(const VoxmapView&
   for (std::int32_t x = 0; x <= kSteps; ++x) {
     for (std::int32_t y = 0; y <= kSteps; ++y) {
       for (std::int32_t z = 0; z <= kSteps; ++z) {
-        const BrickMemo::BrickIndex brick{first[0] + x, first[1] + y, first[2] + z};
+        const BrickCache::BrickIndex brick{first[0] + x, first[1] + y, first[2] + z};
         entries[n++] =
             in_one_node ? entry_below(map, lower, brick) : brick_entry(map, brick, outside);
       }
@@ -80,10 +80,10 @@ std::array<std::uint32_t, kEdge * kEdge * kEdge> brick_entries(const VoxmapView&
 }
 
 template std::array<std::uint32_t, 8> brick_entries<2>(const VoxmapView&,
-                                                       const BrickMemo::BrickIndex&,
+                                                       const BrickCache::BrickIndex&,
                                                        std::uint32_t) noexcept;
 template std::array<std::uint32_t, 27> brick_entries<3>(const VoxmapView&,
-                                                        const BrickMemo::BrickIndex&,
+                                                        const BrickCache::BrickIndex&,
                                                         std::uint32_t) noexcept;
 
 }  // namespace forcelayer

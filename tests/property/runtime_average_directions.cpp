@@ -1,5 +1,5 @@
 // Averaged directions: bit for bit their scalar twin, whatever the width of vectors.
-#include "runtime/field/surface_directions.h"
+#include "runtime/field/field_probe.h"
 
 #include <gtest/gtest.h>
 #include <hwy/targets.h>
@@ -28,7 +28,7 @@ Collected random_contacts(Random& random, std::uint32_t count, float s) {
                        &c.samples.gz, &c.samples.dx, &c.samples.dy, &c.samples.dz}) {
     std::fill(values->begin(), values->end(), NAN);
   }
-  c.points.count = c.samples.count = c.set.count = count;
+  c.points.count = c.set.count = count;
   const auto number = [&](double low, double high) {
     return std::uniform_real_distribution<float>(static_cast<float>(low),
                                                  static_cast<float>(high))(random);
@@ -47,9 +47,9 @@ Collected random_contacts(Random& random, std::uint32_t count, float s) {
   return c;
 }
 
-// What surface_directions.h says, one sample after the other.
+// The definition in field_probe.h, one sample after the other.
 glm::vec3 twin(const Collected& c, std::uint32_t i, float s) {
-  const std::uint32_t count = c.samples.count, last = count > 32 ? count - 32 : 0;
+  const std::uint32_t count = c.points.count, last = count > 32 ? count - 32 : 0;
   const std::uint32_t first = std::min(i > 16 ? i - 16 : 0, last);
   const float radius_m = kNeighbourVoxels * s, per_radius2 = 1.0f / (radius_m * radius_m);
   float sum[3] = {0, 0, 0};
@@ -74,12 +74,12 @@ glm::vec3 twin(const Collected& c, std::uint32_t i, float s) {
   return {sum[0] / size, sum[1] / size, sum[2] / size};
 }
 
-class SurfaceDirectionsOnEveryTarget : public EveryTarget {};
-INSTANTIATE_TEST_SUITE_P(Targets, SurfaceDirectionsOnEveryTarget,
+class AverageDirectionsOnEveryTarget : public EveryTarget {};
+INSTANTIATE_TEST_SUITE_P(Targets, AverageDirectionsOnEveryTarget,
                          testing::ValuesIn(hwy::SupportedAndGeneratedTargets()),
                          [](const auto& target) { return hwy::TargetName(target.param); });
 
-TEST_P(SurfaceDirectionsOnEveryTarget, EqualTheirScalarTwinBitForBit) {
+TEST_P(AverageDirectionsOnEveryTarget, EqualTheirScalarTwinBitForBit) {
   constexpr float kS = 0.005f;
   for (std::uint64_t seed = 1; seed <= 300; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
