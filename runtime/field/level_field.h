@@ -45,7 +45,7 @@
 //     back from a corner of the interior.
 // Values, guard and guarantee know nothing of this.
 //
-// Normal or slope? Measured by force_bench at 5 mm (tests/bench/METHOD.md), medians:
+// Normal or slope? Measured by force_bench at 5 mm (tests/bench/force.md), medians:
 //   - Flush and smooth contacts: force along g alone is off by 2.3 degrees and 0.028 in torque,
 //   this
 //     blend by 0.8 degrees and 0.006. g is an estimate from 27 small integers, the normal is exact.

@@ -1,6 +1,6 @@
 // The contact query by motion, shell size and way of working, beside peers: an OpenVDB
 // ValueAccessor on the same tree, a trilinear OpenVDB level set, and FCL, mesh against mesh. All
-// take turns along the same recorded poses (METHOD.md).
+// take turns along the same recorded poses (query.md).
 //
 //   query_bench [--motion NAME]... [--from POINTS] [--largest POINTS] [--seconds S]
 //               [--our-seconds S] [--no-peers]
@@ -361,7 +361,7 @@ int run(int argc, char** argv) {
   app.add_option("--seconds", choice.seconds, "that a method may take per motion and size");
   app.add_option("--our-seconds", choice.our_seconds, "the same of the query as it is used");
   app.add_flag("!--no-peers", choice.peers, "our own ways of working alone");
-  app.add_option("--json", choice.json, "report; by default under tests/bench/results");
+  app.add_option("--json", choice.json, "report; by default under build/bench");
   CLI11_PARSE(app, argc, argv);
   if (choice.motions.empty())
     choice.motions.assign(std::begin(kSettingNames), std::end(kSettingNames));
