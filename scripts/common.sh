@@ -5,10 +5,12 @@ root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 
 say() { printf '\n== %s\n' "$*"; }
 
-# Installs those packages of packages.txt that are missing, with sudo where we are not root.
+# install_packages [PACKAGE ...]: installs those of packages.txt and of these that are missing, with sudo where we are
+# not root.
 install_packages() {
   local wanted missing=() package sudo=()
   mapfile -t wanted < <(sed 's/#.*//; s/[[:space:]]//g; /^$/d' "$root/scripts/packages.txt")
+  wanted+=("$@")
   for package in "${wanted[@]}"; do
     [ "$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null)" = installed ] ||
       missing+=("$package")

@@ -90,19 +90,6 @@ nlohmann::ordered_json machine() {
           {"date", utc_date()}};
 }
 
-std::string cpu_folder() {
-  std::string folder;
-  for (const char c : cpu_model()) {
-    if (std::isalnum(static_cast<unsigned char>(c)) != 0) {
-      folder += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    } else if (!folder.empty() && folder.back() != '-') {
-      folder += '-';
-    }
-  }
-  while (!folder.empty() && folder.back() == '-') folder.pop_back();
-  return folder;
-}
-
 double now_s() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
@@ -133,8 +120,7 @@ void write_report(const std::string& benchmark, int argc, char** argv,
       {"benchmark", benchmark}, {"command", command}, {"machine", machine()}, {"results", results}};
   std::filesystem::path target = path;
   if (target.empty()) {
-    target = std::filesystem::path(FORCELAYER_SOURCE_DIR) / "tests/bench/results" / cpu_folder() /
-             (benchmark + ".json");
+    target = std::filesystem::path(FORCELAYER_SOURCE_DIR) / "build/bench" / (benchmark + ".json");
   }
   if (target.has_parent_path()) std::filesystem::create_directories(target.parent_path());
   std::ofstream file(target);

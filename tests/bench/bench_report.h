@@ -17,9 +17,6 @@ nlohmann::ordered_json to_json(const Percentiles& percentiles);
 // CPU model, cores, memory, kernel, compiler and flags, date (UTC) of this run.
 nlohmann::ordered_json machine();
 
-// The CPU model as a folder name ("intel-xeon-processor").
-std::string cpu_folder();
-
 // From now on this process takes vectors no wider than those of one of Highway's targets ("AVX2"),
 // which machine() then names. Throws std::runtime_error where the machine does not have it.
 void use_vectors(const std::string& target);
@@ -32,7 +29,7 @@ double cpu_s();
 std::uint64_t peak_rss_bytes();
 
 // Writes {"benchmark", "command", "machine", "results"} to `path`, or, where it is empty, to
-// tests/bench/results/<cpu>/<benchmark>.json; prints where. Throws std::runtime_error.
+// build/bench/<benchmark>.json; prints where. Throws std::runtime_error.
 void write_report(const std::string& benchmark, int argc, char** argv,
                   const nlohmann::ordered_json& results, const std::string& path = "");
 

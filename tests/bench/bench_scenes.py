@@ -1,5 +1,6 @@
 """What the Python benchmarks share: scenes, voxelize in a process of its own, and their reports."""
 
+import argparse
 import json
 import os
 import pathlib
@@ -9,20 +10,8 @@ import subprocess
 import sys
 import time
 
-SYSTEM_PYTHON = "/usr/bin/python3"  # where Debian's python3-matplotlib and python3-numpy are
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 MODELS = ROOT.parent / "shared" / "models"
-
-
-def with_system_python():
-    """Starts the script again under Debian's Python where this one has no matplotlib."""
-    try:
-        import matplotlib  # noqa: F401
-        import numpy  # noqa: F401
-    except ImportError:
-        if os.path.realpath(sys.executable) != os.path.realpath(SYSTEM_PYTHON):
-            os.execv(SYSTEM_PYTHON, [SYSTEM_PYTHON, *sys.argv])
-        sys.exit("install the packages python3-matplotlib and python3-numpy")
 
 
 class Scene:
@@ -47,7 +36,7 @@ def sample_scene():
 
 def aircraft_scene(folder, polygons=593409):
     """The generated bay, written into `folder`."""
-    subprocess.run([SYSTEM_PYTHON, ROOT / "scripts/make_aircraft_bay.py", folder, "--polygons",
+    subprocess.run(["/usr/bin/python3", ROOT / "scripts/make_aircraft_bay.py", folder, "--polygons",
                     str(polygons)], check=True)
     return Scene("aircraft", folder / "aircraft_bay.json", None, 8.0)
 
@@ -82,23 +71,31 @@ def _cpu_model():
 
 
 def results_folder():
-    """tests/bench/results/<cpu>, named as bench_report.cpp names it."""
-    return ROOT / "tests/bench/results" / re.sub(r"[^a-z0-9]+", "-", _cpu_model().lower()).strip("-")
+    """tests/bench/results/<machine>: the processor's name, and whether it lacks AVX-512."""
+    name = re.sub(r"[^a-z0-9]+", "-", _cpu_model().lower()).strip("-")
+    wide = platform.machine() != "x86_64" or "avx512f" in pathlib.Path("/proc/cpuinfo").read_text()
+    return ROOT / "tests/bench/results" / (name if wide else f"{name}-avx2")
 
 
-def readme_folder(readme_text):
-    """tests/bench/results/<cpu> of the machine whose plots a README shows."""
-    folders = set(re.findall(r"\(tests/bench/(results/[^/)]+)/[^)]+\.svg\)", readme_text))
-    if len(folders) != 1:
-        sys.exit(f"the README shows plots of {len(folders)} machines, not one")
-    return ROOT / "tests/bench" / folders.pop()
+SHORT = ("--short", {"action": "store_true", "help": "fewer scenes, sizes and repetitions"})
+REPEAT = ("--repeat", {"type": int, "default": 3, "help": "repetitions, of which the least time counts"})
+
+
+def arguments(script, report, *options):
+    """The command line of a Python benchmark: --bin, --json, and these (flags, keywords) beside them."""
+    parser = argparse.ArgumentParser(description=script.__doc__.split("\n")[0], prog=sys.argv[0].rpartition("/")[2])
+    parser.add_argument("--bin", type=pathlib.Path, default=ROOT / "build/release/bin")
+    parser.add_argument("--json", type=pathlib.Path, default=ROOT / f"build/bench/{report}.json")
+    for flag, keywords in options:
+        parser.add_argument(flag, **keywords)
+    return parser.parse_args()
 
 
 def _command():
     """This run's command, without files and folders: where a figure was written says nothing of it."""
     words, rest = [pathlib.Path(sys.argv[0]).name], iter(sys.argv[1:])
     for word in rest:
-        if word in ("--json", "--plot", "--bin", "--collisions"):
+        if word in ("--json", "--bin", "--out"):
             next(rest, None)
         elif "/" not in word:
             words.append(word)
@@ -113,11 +110,4 @@ def write_report(benchmark, results, path):
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(json.dumps({"benchmark": benchmark, "command": _command(), "machine": machine,
                                 "results": results}, indent=1) + "\n")
-    print(f"wrote {path}")
-
-
-def save_figure(figure, path):
-    import matplotlib
-    matplotlib.rcParams.update({"svg.hashsalt": "forcelayer", "svg.fonttype": "none"})
-    figure.savefig(path, metadata={"Date": None} if path.suffix == ".svg" else None)
     print(f"wrote {path}")

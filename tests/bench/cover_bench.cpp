@@ -4,7 +4,7 @@
 //   cover_bench [--orientations N] [--radius VOXELS]... [--json FILE]
 //
 // Shells are pointshell's own, of meshes of force_bench's parts; contacts, truth and fits are those
-// of wrench_bench, at 5 mm. METHOD.md says more.
+// of wrench_bench, at 5 mm. shell.md says more.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
@@ -37,7 +37,7 @@ struct Making {
 };
 constexpr Making kMakings[] = {{"surface", ShellMethod::kSurface, Effort::kFull},
                                {"fast", ShellMethod::kSurface, Effort::kFast},
-                               {"voxel centres", ShellMethod::kVoxelCenters, Effort::kFull}};
+                               {"voxel centers", ShellMethod::kVoxelCenters, Effort::kFull}};
 
 constexpr Part kParts[] = {Part::kSphere, Part::kBox, Part::kCylinder, Part::kCone, Part::kTorus};
 

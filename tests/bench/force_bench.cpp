@@ -1,5 +1,5 @@
 // How true and how smooth each force model is, against contacts with a closed formula, and what a
-// collected point costs. METHOD.md says what the oracle is and where it is not to be trusted.
+// collected point costs. force.md says what the oracle is and where it is not to be trusted.
 //
 //   force_bench [--s S [--cover C]] [--contact NAME]... [--json FILE]
 //   force_bench --cost [--vectors TARGET] [--json FILE]

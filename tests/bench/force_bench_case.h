@@ -1,5 +1,5 @@
 // One contact between a part and a static body: its poses, what is true there, and how a force
-// model differs from it (METHOD.md).
+// model differs from it (force.md).
 #pragma once
 
 #include <array>

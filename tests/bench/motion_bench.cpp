@@ -1,11 +1,12 @@
 // How truly the models move a body: against closed forms, or against themselves at a thousandth of
 // the step.
-//   motion_bench [JSON]
+//   motion_bench [--json FILE]
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <functional>
 #include <glm/geometric.hpp>
+#include <string>
 
 #include "runtime/model/rigid_body.h"
 #include "tests/bench/bench_report.h"
@@ -208,7 +209,8 @@ Json all() {
 }
 
 int run(int argc, char** argv) {
-  bench::write_report("motion", argc, argv, all(), argc > 1 ? argv[1] : "");
+  const bool named = argc == 3 && std::string(argv[1]) == "--json";
+  bench::write_report("motion", argc, argv, all(), named ? argv[2] : "");
   return 0;
 }
 

@@ -1,16 +1,14 @@
 #!/usr/bin/env python3
 """The paper's own table: what McNeely, Puterbaugh and Troy reported in 1999, and the same measured today.
 
-Usage: paper_table.py [--bin FOLDER] [--short] [--collisions FILE] [--json FILE]
-       paper_table.py --table JSON      prints the table of a report in Markdown
+Usage: paper_table.py [--bin FOLDER] [--short] [--json FILE]
 
 Bakes the generated aircraft bay of the paper's 593,409 polygons and a part of 75 mm (the teapot of the
 shared models where it is there, else the sample pump) at 5 mm; runs the sample pump against the sample bay
-with ever denser shells until the 99th percentile of a step is above a millisecond; and takes the collisions
-from stability_bench's table2.
+with ever denser shells until the 99th percentile of a step is above a millisecond. The collisions are those of
+stability_bench's table2.
 """
 
-import argparse
 import json
 import math
 import pathlib
@@ -99,13 +97,6 @@ def points_at_1_khz(rows, model):
     return {"points": of_model[-1]["points"], "reached": False}
 
 
-def collisions(path):
-    table = json.loads(path.read_text())["results"]
-    return {row: {key: table[row][key] for key in ("penetration_ratio", "penetration_ratio_95", "force_layer_frames",
-                                                   "trials")}
-            for row in ("paper, no braking", "paper, braking", "default")}
-
-
 def measure(arguments):
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
@@ -115,54 +106,12 @@ def measure(arguments):
         return {"paper": PAPER,
                 "bake": {key: bake[key] for key in ("triangles", "wall_s", "cpu_s", "peak_rss_bytes", "file_bytes")},
                 "part": part_points(arguments.bin, folder), "steps": rows,
-                "points_at_1_khz": {model: points_at_1_khz(rows, model) for model in ("paper", "default")},
-                "collisions": collisions(arguments.collisions)}
-
-
-def ratio_with_interval(row):
-    low, high = row["penetration_ratio_95"]
-    frames = f"{row['force_layer_frames'] / 1e6:.1f} million frames"
-    if row["penetration_ratio"] == 0:
-        return f"0 (below {high:.0e}) in {frames}"
-    return f"{row['penetration_ratio']:.3f} ({low:.3f} to {high:.3f}) in {frames}"
-
-
-def count(measured):
-    number = format(float(format(measured["points"], ".2g")), ",.0f")
-    return number if measured["reached"] else f"more than {number}"
-
-
-def table(report):
-    r, own = report["results"], report["results"]["paper"]
-    bake, part, hit = r["bake"], r["part"], r["collisions"]
-    rows = [("", "1999", "today, the paper's model", "today, `default`"),
-            ("---", "---:", "---:", "---:"),
-            (f"bake of {bake['triangles']:,} polygons at 5 mm", f"{own['bake_s']} s",
-             f"{bake['wall_s']:.2f} s", "the same"),
-            ("file", f"{own['file_mb']} MB", f"{bake['file_bytes'] / 1e6:.1f} MB", "the same"),
-            (f"points of a part of 75 mm ({part['part']})", f"{own['part_points']}", f"{part['voxel-centers']}",
-             f"{part['surface']}"),
-            ("points at 1 kHz (99th percentile of a step below 1 ms)", f"{own['points_at_1_khz']}",
-             count(r["points_at_1_khz"]["paper"]), count(r["points_at_1_khz"]["default"])),
-            ("penetration ratio, no braking (95%)", f"{own['penetration_ratio']:.4f}",
-             ratio_with_interval(hit["paper, no braking"]), ""),
-            ("penetration ratio (95%)", f"{own['penetration_ratio_braking']:.5f}",
-             ratio_with_interval(hit["paper, braking"]), ratio_with_interval(hit["default"]))]
-    return ["| " + " | ".join(row) + " |" if row[0] != "---" else "|" + "|".join(row) + "|" for row in rows]
+                "points_at_1_khz": {model: points_at_1_khz(rows, model) for model in ("paper", "default")}}
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0], prog="paper_table.py")
-    results = bench_scenes.results_folder()
-    parser.add_argument("--bin", type=pathlib.Path, default=bench_scenes.ROOT / "build/release/bin")
-    parser.add_argument("--short", action="store_true", help="one repetition, shorter runs, fewer shells")
-    parser.add_argument("--collisions", type=pathlib.Path, default=results / "stability_table2.json")
-    parser.add_argument("--json", type=pathlib.Path, default=results / "paper_table.json")
-    parser.add_argument("--table", type=pathlib.Path, metavar="JSON", help="print the table of this report")
-    arguments = parser.parse_args()
-    if not arguments.table:
-        bench_scenes.write_report("paper_table", measure(arguments), arguments.json)
-    print("\n".join(table(json.loads((arguments.table or arguments.json).read_text()))))
+    arguments = bench_scenes.arguments(sys.modules[__name__], "paper_table", bench_scenes.SHORT)
+    bench_scenes.write_report("paper_table", measure(arguments), arguments.json)
 
 
 if __name__ == "__main__":

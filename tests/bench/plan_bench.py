@@ -8,10 +8,10 @@ half and the quarter of these sizes. Prints a table and writes JSON. The plan is
 the least of its times counts, as theirs does.
 """
 
-import argparse
 import json
 import pathlib
 import subprocess
+import sys
 import tempfile
 
 import bench_scenes
@@ -51,11 +51,7 @@ def compare(bin_folder, scene, voxel_size_m, folder, repeat):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0], prog="plan_bench.py")
-    parser.add_argument("--bin", type=pathlib.Path, default=bench_scenes.ROOT / "build/release/bin")
-    parser.add_argument("--repeat", type=int, default=3)
-    parser.add_argument("--json", type=pathlib.Path, default=bench_scenes.results_folder() / "bake_plan.json")
-    arguments = parser.parse_args()
+    arguments = bench_scenes.arguments(sys.modules[__name__], "bake_plan", bench_scenes.REPEAT)
     print(f"{'scene':9} {'voxel mm':>9} {'plan MB':>9} {'file MB':>9} {'ratio':>6} {'plan ms':>9} {'bake ms':>9} "
           f"{'ratio':>6}")
     rows = []

@@ -1,13 +1,12 @@
 // The contact query by motion, shell size and way of working, beside peers: an OpenVDB
 // ValueAccessor on the same tree, a trilinear OpenVDB level set, and FCL, mesh against mesh. All
-// take turns along the same recorded poses (METHOD.md).
+// take turns along the same recorded poses (query.md).
 //
 //   query_bench [--motion NAME]... [--from POINTS] [--largest POINTS] [--seconds S]
 //               [--our-seconds S] [--no-peers]
 //               [--json FILE]
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <functional>
 #include <random>
@@ -240,20 +239,6 @@ void add_cold(Contest& contest, const Setting& setting) {
   contest.methods.push_back(std::move(cold));
 }
 
-// All skipping over none at all, in the frames that both have run: the longest time of a method
-// that has run a thousand times as many says nothing.
-Json over_brute_force(const Contest& contest) {
-  const auto named = [&](const char* name) -> const Method& {
-    return *std::find_if(contest.methods.begin(), contest.methods.end(),
-                         [&](const Method& method) { return method.name == name; });
-  };
-  std::vector<double> ours = named("all skipping").ns, brute = named("no skipping").ns;
-  const std::size_t frames = std::min(ours.size(), brute.size());
-  ours.resize(frames), brute.resize(frames);
-  const Percentiles a = percentiles(ours), b = percentiles(brute);
-  return {{"frames", frames}, {"p50", a.p50 / b.p50}, {"p99", a.p99 / b.p99}};
-}
-
 Json row_of(const Setting& setting, std::size_t points, const Contest& contest) {
   const std::vector<std::uint32_t>& found = contest.methods.front().found;
   double sum = 0;
@@ -262,7 +247,6 @@ Json row_of(const Setting& setting, std::size_t points, const Contest& contest) 
               {"points", points},
               {"mean_points_in_band", sum / double(found.size())},
               {"scene_triangles", setting.scene.triangles.size()},
-              {"over_brute_force", over_brute_force(contest)},
               {"methods", Json::object()}};
   for (const Method& method : contest.methods) {
     const Percentiles p = percentiles(method.ns);
@@ -275,61 +259,6 @@ Json row_of(const Setting& setting, std::size_t points, const Contest& contest) 
   }
   std::fflush(stdout);
   return row;
-}
-
-// p50 (or another percentile) of a method in a row, NAN where it is not there.
-double ns_of(const Json& rows, const std::string& motion, std::size_t points, const char* method,
-             const char* percentile) {
-  for (const Json& row : rows) {
-    if (row["motion"] != motion || row["points"] != points) continue;
-    if (row["methods"].contains(method)) return row["methods"][method]["frame_ns"][percentile];
-  }
-  return NAN;
-}
-
-// Each target beside what was measured.
-Json targets_of(const Json& rows) {
-  Json targets = Json::array();
-  const auto add = [&](const std::string& what, double measured, double target, bool at_least) {
-    if (std::isnan(measured)) return;
-    const bool met = at_least ? measured >= target : measured <= target;
-    targets.push_back({{"what", what}, {"measured", measured}, {"target", target}, {"met", met}});
-    std::printf("%-66s %10.3f, target %s %g: %s\n", what.c_str(), measured,
-                at_least ? ">=" : "<=", target, met ? "met" : "MISSED");
-  };
-  for (const char* peer : {"OpenVDB ValueAccessor", "OpenVDB ValueAccessor, counting"}) {
-    double slowest = INFINITY;
-    for (const Json& row : rows) {
-      const auto n = row["points"].get<std::size_t>();
-      if (n < 1000) continue;
-      const std::string motion = row["motion"];
-      const double ratio =
-          ns_of(rows, motion, n, peer, "p50") / ns_of(rows, motion, n, "no skipping", "p50");
-      if (!std::isnan(ratio)) slowest = std::min(slowest, ratio);
-    }
-    if (std::isfinite(slowest)) {
-      add(peer + std::string(" over no skipping, least p50 of all, 10^3 up"), slowest, 3.5, true);
-    }
-  }
-  const auto at = [&](const char* motion, std::size_t points, const char* percentile) {
-    return ns_of(rows, motion, points, "all skipping", percentile);
-  };
-  add("10^6 points against a wall, p99, us", at("wall", 1'000'000, "p99") / 1e3, 100, false);
-  add("10^7 points against a wall, p99, us", at("wall", 10'000'000, "p99") / 1e3, 1000, false);
-  for (std::size_t n = 10'000; n < 10'000'000; n *= 10) {
-    add("exponent of time over points, post, 10^" + std::to_string(int(std::log10(n))) + " to 10^" +
-            std::to_string(int(std::log10(n)) + 1),
-        std::log10(at("post", 10 * n, "p50") / at("post", n, "p50")), 0.5, false);
-  }
-  for (const Json& row : rows) {
-    if (row["motion"] != "tumbling" || row["points"] < 10'000) continue;
-    for (const char* percentile : {"p50", "p99"}) {
-      add("worst motion over brute force, " + std::to_string(row["points"].get<std::size_t>()) +
-              " points, " + percentile,
-          row["over_brute_force"][percentile], 1.2, false);
-    }
-  }
-  return targets;
 }
 
 void measure(const Choice& choice, int argc, char** argv) {
@@ -346,7 +275,6 @@ void measure(const Choice& choice, int argc, char** argv) {
       results["rows"].push_back(row_of(setting, points, contest));
     }
   }
-  results["targets"] = targets_of(results["rows"]);
   write_report("query", argc, argv, results, choice.json);
 }
 
@@ -361,7 +289,7 @@ int run(int argc, char** argv) {
   app.add_option("--seconds", choice.seconds, "that a method may take per motion and size");
   app.add_option("--our-seconds", choice.our_seconds, "the same of the query as it is used");
   app.add_flag("!--no-peers", choice.peers, "our own ways of working alone");
-  app.add_option("--json", choice.json, "report; by default under tests/bench/results");
+  app.add_option("--json", choice.json, "report; by default under build/bench");
   CLI11_PARSE(app, argc, argv);
   if (choice.motions.empty())
     choice.motions.assign(std::begin(kSettingNames), std::end(kSettingNames));

@@ -10,12 +10,12 @@ the contact query does not touch (skip_bench). Times are the least of the repeti
 frames, side by side.
 """
 
-import argparse
 import json
 import math
 import pathlib
 import shutil
 import subprocess
+import sys
 import tempfile
 
 import bench_scenes
@@ -136,11 +136,7 @@ def print_query(name, q):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0], prog="skipped.py")
-    parser.add_argument("--bin", type=pathlib.Path, default=bench_scenes.ROOT / "build/release/bin")
-    parser.add_argument("--short", action="store_true", help="fewer repetitions and frames")
-    parser.add_argument("--json", type=pathlib.Path, default=bench_scenes.results_folder() / "skipped.json")
-    arguments = parser.parse_args()
+    arguments = bench_scenes.arguments(sys.modules[__name__], "skipped", bench_scenes.SHORT)
     rows = []
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """What the tree costs: figure 6 of the paper, and how compact the files are.
 
-Usage: tree_memory.py [--bin FOLDER] [--json FILE] [--plot FILE.svg]
+Usage: tree_memory.py [--bin FOLDER] [--json FILE]
 
 Bakes the sample scene, the engine and the generated aircraft bay at 5 mm (the engine at 1024 voxels
 across), and prints
@@ -12,24 +12,18 @@ across), and prints
 - the bytes per force-layer voxel of the file, of the same voxels in a .vdb (UInt8, as voxinfo exports
   it, blosc), and dense in the tight box at two bits.
 
-Writes JSON and a plot of the first table.
+Writes JSON.
 """
 
-import argparse
 import pathlib
 import struct
 import subprocess
+import sys
 import tempfile
 
+import numpy as np
+
 import bench_scenes
-
-bench_scenes.with_system_python()
-
-import matplotlib  # noqa: E402
-import numpy as np  # noqa: E402
-
-matplotlib.use("Agg")
-from matplotlib import pyplot  # noqa: E402
 
 BRANCHINGS = (1, 2, 3, 4)
 ENTRY_BYTES = 4
@@ -152,26 +146,8 @@ def print_tables(rows):
             for key in ("file_bytes", "vdb_bytes", "dense_bytes")))
 
 
-def plot(rows):
-    figure, axes = pyplot.subplots(figsize=(5.2, 3.6), layout="constrained")
-    for r in rows:
-        best = min(r["tree_bytes"].values())
-        axes.plot(BRANCHINGS, [r["tree_bytes"][str(n)] / best for n in BRANCHINGS], marker="o", ms=4,
-                  label=f"{r['scene']} ({best / 1e6:.1f} MB at its best)")
-    axes.set(xticks=BRANCHINGS, xlabel="N of a tree of 2^(3N) branches",
-             ylabel="memory, over that of the best N", ylim=(0, None))
-    axes.grid(True, lw=0.4)
-    axes.legend(fontsize=8)
-    return figure
-
-
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0], prog="tree_memory.py")
-    results = bench_scenes.results_folder()
-    parser.add_argument("--bin", type=pathlib.Path, default=bench_scenes.ROOT / "build/release/bin")
-    parser.add_argument("--json", type=pathlib.Path, default=results / "tree_memory.json")
-    parser.add_argument("--plot", type=pathlib.Path, default=results / "tree_memory.svg")
-    arguments = parser.parse_args()
+    arguments = bench_scenes.arguments(sys.modules[__name__], "tree_memory")
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         scenes = [(bench_scenes.sample_scene(), 0.005)]
@@ -181,7 +157,6 @@ def main():
         rows = [study(arguments.bin, scene, size, folder) for scene, size in scenes]
     print_tables(rows)
     bench_scenes.write_report("tree_memory", rows, arguments.json)
-    bench_scenes.save_figure(plot(rows), arguments.plot)
 
 
 if __name__ == "__main__":

@@ -4,7 +4,7 @@
 //   wrench_bench [--contact NAME]... [--s S]... [--orientations N] [--pair-cases N]
 //                [--models FOLDER] [--json FILE]
 //
-// S are voxel sizes in units of 10 mm. METHOD.md says what the oracles are.
+// S are voxel sizes in units of 10 mm. wrench.md says what the oracles are.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
@@ -33,7 +33,7 @@ using Json = nlohmann::ordered_json;
 // A mesh deviates from the body by at most this share of a voxel: far below what is measured.
 constexpr double kDeviationVoxels = 0.02;
 
-// What a hand can just tell apart: the least of the published ranges (METHOD.md).
+// What a hand can just tell apart: the least of the published ranges (wrench.md).
 constexpr double kNoticeableForce = 0.07, kNoticeableTorque = 0.13, kNoticeableDeg = 20;
 
 Pose pose_of(const ContactCase::Placed& placed) {

@@ -1,0 +1,446 @@
+#!/usr/bin/env python3
+"""Fills the tables of the pages, and of the project's README, from the CSV files in results/.
+
+Usage: tables.py [--check]
+
+A table stands between `<!-- table: NAME -->` and `<!-- end of table -->`; TABLES says what NAME shows. One table is
+written for each machine that has the file. With --check nothing is written. Exit status: 0 done or all equal, 1 a
+document differs from its tables (a line says which), 2 wrong usage.
+"""
+
+import math
+import pathlib
+import re
+import sys
+
+import bench_csv
+
+HERE = pathlib.Path(__file__).resolve().parent
+DOCUMENTS = [HERE.parent.parent / "README.md", *sorted(HERE.glob("*.md"))]
+MARKED = re.compile(r"<!-- table: (\w+) -->\n.*?<!-- end of table -->", re.DOTALL)
+
+
+# How numbers are written.
+
+def digits(value, figures=2):
+    """So many significant digits, thousands apart: 9.0, 47, 1,340; with an exponent what is very small or large."""
+    if value is None:
+        return ""
+    if value == 0:
+        return "0"
+    if not 1e-4 <= abs(value) < 1e9:
+        return f"{value:.{figures - 1}e}"
+    rounded = float(f"{value:.{figures}g}")
+    decimals = max(0, figures - 1 - math.floor(math.log10(abs(rounded))))
+    return f"{rounded:,.{decimals}f}"
+
+
+def percent(value, figures=2):
+    if value is None:
+        return ""
+    return "< 0.001%" if 0 < value < 1e-5 else digits(100 * value, figures) + "%"
+
+
+def times(value, base, figures=2):
+    return "" if value is None or base is None else digits(value / base, figures)
+
+
+def pair(*values, figures=3):
+    return " / ".join(digits(v, figures) or "-" for v in values)
+
+
+def scaled(key, factor=1.0, figures=3):
+    """A column of one figure."""
+    return lambda row: "" if row[key] is None else digits(factor * row[key], figures)
+
+
+def text(key):
+    """A column of a word or a count."""
+    return lambda row: "" if row[key] is None else f"{row[key]:,}" if isinstance(row[key], int) else str(row[key])
+
+
+def share(key, figures=2):
+    return lambda row: percent(row[key], figures)
+
+
+# How rows are chosen.
+
+def where(**wanted):
+    """Rows whose columns have these values; a tuple lists several."""
+    def chosen(rows):
+        return [row for row in rows if all(row[key] in (value if isinstance(value, tuple) else (value,))
+                                           for key, value in wanted.items())]
+    return chosen
+
+
+def by(column, keys, rows):
+    """One row for each value of `keys`: its first row, with `of`, the rows by `column`."""
+    merged = {}
+    for row in rows:
+        one = merged.setdefault(tuple(row[key] for key in keys), {**row, "of": {}})
+        one["of"].setdefault(row[column], row)
+    return list(merged.values())
+
+
+def pivoted(column, *keys, then=lambda rows: rows):
+    return lambda rows: by(column, keys, then(rows))
+
+
+def least_squares(x, y):
+    """The exponent e of y = factor x^e, and the largest factor between a y and it."""
+    x, y = [math.log(v) for v in x], [math.log(v) for v in y]
+    mean_x, mean_y = sum(x) / len(x), sum(y) / len(y)
+    slope = sum((a - mean_x) * (b - mean_y) for a, b in zip(x, y)) / sum((a - mean_x) ** 2 for a in x)
+    return slope, math.exp(max(abs(b - mean_y - slope * (a - mean_x)) for a, b in zip(x, y)))
+
+
+def growth(rows):
+    """Of query.csv: how time grows with the points of the shell (from 10^4), and with the points in contact."""
+    def fit(motion, against, chosen):
+        slope, off = least_squares([r[against] for r in chosen], [r["p50_us"] for r in chosen])
+        return {"run": 1, "motion": motion, "against": against, "exponent": slope, "off": off,
+                "method": chosen[0]["method"]}
+    rows = [r for r in rows if r["run"] == 1]
+    for motion in dict.fromkeys(r["motion"] for r in rows):
+        for method in ("all skipping", "no skipping"):
+            chosen = [r for r in rows if (r["motion"], r["method"]) == (motion, method) and r["points"] >= 1e4]
+            if len(chosen) > 1:
+                yield fit(motion, "points", chosen)
+    chosen = [r for r in rows if r["method"] == "all skipping" and r["points_in_band"] >= 100]
+    if len(chosen) > 1:
+        yield fit("all", "points_in_band", chosen)
+
+
+# Cells of several columns.
+
+def of(item, key, factor=1.0, figures=3):
+    return lambda row: digits(factor * row["of"][item][key], figures) if item in row["of"] else ""
+
+
+def over(key, item, base):
+    return lambda row: times(row["of"].get(item, {}).get(key), row["of"].get(base, {}).get(key))
+
+
+def p50_p99(item):
+    return lambda row: pair(row["of"][item]["p50_us"], row["of"][item]["p99_us"]) if item in row["of"] else ""
+
+
+QUERY_SIZES = [(10 ** n, f"10^{n} points") for n in range(2, 8)]
+PEERS = [("no skipping", "no skipping"), ("scalar, no skipping", "scalar"),
+         ("OpenVDB ValueAccessor", "ValueAccessor"), ("OpenVDB ValueAccessor, counting", "ValueAccessor, counting"),
+         ("OpenVDB level set, trilinear", "level set"), ("FCL meshes, contacts", "FCL contacts"),
+         ("FCL meshes, distance", "FCL distance")]
+RATES = (250, 500, 1000, 2000, 4000)
+STEPS = (0.004, 0.002, 0.001, 0.0005, 0.00025, 0.000125)
+KINDS = ("two bits, euclidean", "4 bits", "8 bits")
+GROUPS = ("flush and smooth", "wedges", "wedges one offset")
+
+
+def only_default(rows):
+    return [row for row in rows if row["model"] == "default"]
+
+
+def interval(row):
+    if row["ratio_95_high"] is None:
+        return ""
+    return f"{digits(100 * row['ratio_95_low'])} to {digits(100 * row['ratio_95_high'])}%"
+
+
+OUTCOME = [("model", text("model")), ("trials", text("trials")), ("contact frames", text("force_layer_frames")),
+           ("penetrating", share("penetration_ratio", 3)), ("95% interval", interval),
+           ("nearest / proven, mm", lambda r: pair(r["smallest_distance_m"] and 1e3 * r["smallest_distance_m"],
+                                                   1e3 * r["guaranteed_m"]))]
+
+PAPER_ROWS = {"bake_s": ("bake, s", 2), "file_bytes": ("file, MB", 2), "part_points": ("points of a part of 75 mm", 3),
+              "points_at_1_khz": ("points at 1 kHz", 2)}
+
+
+def paper_cell(column):
+    def cell(row):
+        value = row[column]
+        if row["figure"].startswith("penetration"):
+            return percent(value)
+        return "" if value is None else digits(value / 1e6 if row["figure"] == "file_bytes" else value,
+                                               PAPER_ROWS.get(row["figure"], ("", 6))[1])
+    return cell
+
+
+# What a table shows: the file, which of its rows, and its columns.
+TABLES = {
+    "bake": ("bake", list, [
+        ("model", text("model")), ("voxels across", text("voxels")),
+        ("scan: straightforward / ours, ms", lambda r: pair(1e3 * r["straightforward_s"], 1e3 * r["scan_1_thread_s"])),
+        ("times", lambda r: times(r["straightforward_s"], r["scan_1_thread_s"])),
+        ("scan: `meshToVolume` / ours, ms", lambda r: pair(1e3 * r["mesh_to_volume_s"], 1e3 * r["scan_s"])),
+        ("times", lambda r: times(r["mesh_to_volume_s"], r["scan_s"])),
+        ("bake: `vdb_tool` / ours, ms", lambda r: pair(1e3 * r["vdb_tool_bake_s"], 1e3 * r["bake_s"])),
+        ("times", lambda r: times(r["vdb_tool_bake_s"], r["bake_s"])),
+        ("command: `vdb_tool` / ours, ms", lambda r: pair(1e3 * r["vdb_tool_s"], 1e3 * r["command_s"])),
+        ("times", lambda r: times(r["vdb_tool_s"], r["command_s"])),
+        ("peak memory: `vdb_tool` / ours, MB", lambda r: pair(r["vdb_tool_peak_bytes"] / 1e6, r["peak_bytes"] / 1e6)),
+        ("file: `.vdb` / ours, MB", lambda r: pair(r["vdb_bytes"] / 1e6, r["file_bytes"] / 1e6))]),
+    "bake_kinds": ("bake_kinds", pivoted("kind", "run", "model", "voxels"), [
+        ("vectors", text("vectors")), ("model", text("model")), ("voxels across", text("voxels")),
+        ("bake: two bits, ms", of("two bits", "bake_s", 1e3)),
+        *((f"{kind.replace('two bits, e', 'E')}, times", over("bake_s", kind, "two bits")) for kind in KINDS),
+        ("command: two bits, ms", lambda r: scaled("command_s", 1e3)(r["of"]["two bits"])),
+        *((f"{kind.replace('two bits, e', 'E')}, times", over("command_s", kind, "two bits")) for kind in KINDS),
+        ("`vdb_tool` over 8 bits", lambda r: times(r["vdb_tool_bake_s"], r["of"]["8 bits"]["bake_s"])),
+        ("`meshToVolume` over 8 bits", lambda r: times(r["mesh_to_volume_s"], r["of"]["8 bits"]["bake_s"])),
+        ("file: `.vdb` / 8 bits / two bits, MB", lambda r: pair(
+            r["vdb_bytes"] / 1e6, *(r["of"][kind]["file_bytes"] / 1e6 for kind in ("8 bits", "two bits"))))]),
+    "bake_error": ("bake_error", where(voxels=256), [
+        ("scene", text("scene")), ("program", text("program")), ("time, ms", scaled("wall_s", 1e3)),
+        ("peak memory, MB", scaled("peak_bytes", 1e-6)),
+        ("missed", lambda r: percent(r["missed_voxels"] / r["touched_voxels"])),
+        ("added", lambda r: percent(r["added_voxels"] / r["touched_voxels"])), ("wrong voxels", text("wrong_voxels")),
+        ("RMS, voxels", scaled("rms_voxels")), ("largest, voxels", scaled("max_voxels")),
+        ("proven, mm", scaled("proven_m", 1e3))]),
+    "bake_growth": ("bake_growth", lambda rows: [r for r in rows if r["series"] != "resolution" or r["voxels"] >= 1000], [
+        ("series", text("series")), ("scene", text("scene")), ("voxel, mm", scaled("voxel_m", 1e3)),
+        ("voxels across", text("voxels")), ("triangles", text("triangles")), ("command, s", scaled("wall_s")),
+        ("CPU, s", scaled("cpu_s")), ("of it reading, s", scaled("read_s")), ("peak memory, MB", scaled("peak_bytes", 1e-6)),
+        ("file, MB", scaled("file_bytes", 1e-6))]),
+    "bake_plan": ("bake_plan", list, [
+        ("scene", text("scene")), ("voxel, mm", scaled("voxel_m", 1e3)),
+        ("file: planned / true, MB", lambda r: pair(r["planned_bytes"] / 1e6, r["file_bytes"] / 1e6)),
+        ("ratio", lambda r: times(r["planned_bytes"], r["file_bytes"])),
+        ("bake: planned / true, ms", lambda r: pair(1e3 * r["planned_s"], 1e3 * r["bake_s"])),
+        ("ratio", lambda r: times(r["planned_s"], r["bake_s"]))]),
+    "tree_memory": ("tree_memory", list, [
+        ("scene", text("scene")), ("box, voxels", text("dims")), ("force-layer voxels", text("surface_voxels")),
+        *((f"tree, N = {n}, MB", scaled(f"tree_{n}_bytes", 1e-6)) for n in (1, 2, 3, 4)),
+        ("file, MB", scaled("file_bytes", 1e-6)),
+        ("bytes a force-layer voxel: `.vox` / `.vdb` / dense", lambda r: pair(
+            *(r[f"{kind}_bytes"] / r["surface_voxels"] for kind in ("file", "vdb", "dense"))))]),
+    "shell": ("shell", lambda rows: [r for r in rows if r["voxels"] >= 256], [
+        ("mesh", text("mesh")), ("voxels across", text("voxels")), ("method", text("method")), ("points", text("points")),
+        ("rho / s", scaled("radius_voxels")), ("bound", scaled("points_over_bound")),
+        ("share", share("share_of_voxel_centers")), ("n50, deg", scaled("normal_p50_deg", 1, 2)),
+        ("n99, deg", scaled("normal_p99_deg", 1, 2)), ("weights", scaled("weights_over_area", 1, 6)),
+        ("block / s", scaled("block_voxels", 1, 2)), ("wall, s", scaled("wall_s")), ("CPU, s", scaled("cpu_s")),
+        ("peak memory, MB", scaled("peak_bytes", 1e-6)), ("proof, s", scaled("proof_s"))]),
+    "shell_shapes": ("shell_shapes", where(voxels=128), [
+        ("shape", text("shape")), ("method", text("method")), ("points", text("points")),
+        ("near edges", text("points_near_edges")), ("n50, deg", scaled("normal_p50_deg", 1, 2)),
+        ("n99, deg", scaled("normal_p99_deg", 1, 2)), ("largest, deg", scaled("normal_max_deg", 1, 2)),
+        ("largest distance, voxels", scaled("distance_max_voxels", 1, 2))]),
+    "cover": ("cover", only_default, [
+        ("shell", text("method")), ("covering radius, voxels", scaled("radius_voxels")), ("points", text("points")),
+        ("frame, us", scaled("frame_p50_us")), ("error: flush and smooth", share("smooth_error")),
+        ("error: corners and wedges", share("sharp_error"))]),
+    "query": ("query", pivoted("points", "motion", then=where(method="all skipping")), [
+        ("motion", text("motion")), *((label, p50_p99(points)) for points, label in QUERY_SIZES)]),
+    "query_peers": ("query", pivoted("method", "motion", "points", then=where(run=1, points=(100, 10 ** 5, 10 ** 6))), [
+        ("motion", text("motion")), ("points", text("points")), ("ours, us", of("all skipping", "p50_us")),
+        ("no coherence", over("p50_us", "no coherence", "all skipping")),
+        *((label, over("p50_us", method, "all skipping")) for method, label in PEERS)]),
+    "query_cold": ("query", pivoted("method", "motion", "points", then=where(motion="wall")), [
+        ("points", text("points")), ("frames", text("frames")), ("warm, p50 / p99, us", p50_p99("all skipping")),
+        ("cold frames", of("all skipping, cold", "frames")), ("cold, p50 / p99, us", p50_p99("all skipping, cold"))]),
+    "query_worst": ("query", pivoted("method", "motion", "points", then=where(run=3)), [
+        ("motion", text("motion")), ("points", text("points")), ("frames", text("frames")),
+        ("all skipping, p50 / p99, us", p50_p99("all skipping")), ("no skipping, p50 / p99, us", p50_p99("no skipping"))]),
+    "query_growth": ("query", growth, [
+        ("motion", text("motion")), ("method", text("method")), ("against", lambda r: r["against"].replace("_", " ")),
+        ("exponent", scaled("exponent", 1, 2)), ("off by at most, times", scaled("off", 1, 2))]),
+    "force": ("force", pivoted("contact", "run", "method", then=where(s=0.5, contact=GROUPS)), [
+        ("covering radius, voxels", scaled("cover")), ("method", text("method")),
+        ("stiffness", of("flush and smooth", "stiffness", 1, 3)),
+        *((key, lambda r, key=key: percent(r["of"]["flush and smooth"][key])) for key in ("bias", "noise")),
+        ("deg", of("flush and smooth", "direction_deg", 1, 2)), ("torque", of("flush and smooth", "torque", 1, 2)),
+        ("step", lambda r: percent(r["of"]["flush and smooth"]["step"])),
+        ("wedges, deg", of("wedges", "direction_deg", 1, 2)),
+        ("wedges, one offset, deg", of("wedges one offset", "direction_deg", 1, 2))]),
+    "force_sizes": ("force", lambda rows: [r for r in rows if r["contact"] == "flush and smooth" and r["cover"] > 0.5
+                                           and r["method"] in ("tangent plane, N/10", "level field")], [
+        ("voxel, mm", scaled("s", 10)), ("method", text("method")), ("stiffness", scaled("stiffness", 1, 2)),
+        ("bias", share("bias")), ("noise", share("noise")), ("deg", scaled("direction_deg", 1, 2)),
+        ("torque", scaled("torque", 1, 2)), ("step", share("step"))]),
+    "force_contacts": ("force", pivoted("method", "contact", then=lambda rows: [
+        r for r in rows if r["s"] == 0.5 and r["cover"] > 0.5 and r["contact"] not in GROUPS]), [
+        ("contact", text("contact")),
+        *((label, lambda r, m=method: pair(r["of"][m]["direction_deg"], r["of"][m]["torque"], figures=2)
+           if m in r["of"] else "")
+          for method, label in (("tangent plane, N/10", "tangent plane"), ("level field", "level field"),
+                                ("2-bit Euclidean, level", "Euclidean layers"), ("8-bit distance", "8 bits"),
+                                ("exact, the map's standoff", "exact, at the map's standoff")))]),
+    "force_cost": ("force_cost", list, [
+        ("vectors", text("vectors")), ("part", text("part")), ("field", text("field")),
+        ("collected points", text("collected_points")), ("points in the band", text("band_points")),
+        ("ns a point", scaled("ns_per_point", 1, 2)), ("every brick new, ns a point", scaled("ns_per_point_new_bricks", 1, 2)),
+        ("query, us", scaled("query_us", 1, 2))]),
+    "wrench": ("wrench", where(voxel_m=0.005), [
+        ("contacts", text("contacts")), ("method", text("method")), ("cases", text("cases")),
+        ("error", share("force_error")), ("deviation", share("deviation")), ("noise", share("noise")),
+        ("direction, deg", scaled("direction_deg", 1, 2)), ("torque error", share("torque_error")),
+        ("of noticeable", scaled("force_of_noticeable", 1, 2)), ("frame, us", scaled("frame_p50_us", 1, 2))]),
+    "wrench_files": ("wrench_files", where(voxel_m=0.005), [
+        ("pair", text("pair")), ("kind", text("kind")), ("force-layer voxels", text("force_layer_voxels")),
+        ("file, MB", scaled("file_bytes", 1e-6, 2)),
+        ("bytes a force-layer voxel", lambda r: times(r["file_bytes"], r["force_layer_voxels"])),
+        ("bake, ms", scaled("bake_s", 1e3, 2))]),
+    "motion": ("motion", pivoted("step_s", "experiment", "model"), [
+        ("experiment", text("experiment")), ("model", text("model")),
+        *((f"{1e3 * step:g} ms", lambda r, step=step: f"{r['of'][step]['error']:.1e}") for step in STEPS),
+        ("order", lambda r: "exact" if r["order"] is None else f"{r['order']:.2f}")]),
+    "motion_drift": ("motion_drift", list, [
+        ("model", text("model")), ("frames", text("frames")),
+        *((label, lambda r, key=key: f"{r[key]:.1e}")
+          for label, key in (("momentum, relative", "momentum_relative"), ("energy, relative", "energy_relative"),
+                             ("swing of energy, relative", "energy_swing_relative"), ("place, m", "place_m")))]),
+    "trajectory": ("trajectory", pivoted("rate_hz", "motion", "model", "stiffness_factor", "voxel_m"), [
+        ("motion", text("motion")), ("model", text("model")), ("stiffness, times", scaled("stiffness_factor")),
+        ("voxel, mm", scaled("voxel_m", 1e3)), *((f"{rate} Hz, mm", of(rate, "error_m", 1e3, 2)) for rate in RATES)]),
+    "stability_table2": ("stability", where(campaign="table2"), OUTCOME),
+    "stability_hands": ("stability_hands", list, OUTCOME),
+    "stability_rest": ("stability", where(campaign="rest"), [
+        ("model", text("model")), ("trials", text("trials")), ("quiet", text("quiet")),
+        ("last motion, s", scaled("settle_s_max")), ("largest cycle, voxels", scaled("cycle_voxels_max", 1, 2)),
+        ("penetrating", share("penetration_ratio", 3))]),
+    "stability_cases": ("stability", where(campaign="cases"), [
+        ("case", text("case")), ("model", text("model")), ("penetrating", share("penetration_ratio")),
+        ("guard cuts", share("guard_cut_share")), ("peak force, N", scaled("peak_force_n", 1, 2)),
+        ("rest force, N", scaled("rest_force_n_p50", 1, 2)), ("cycle, voxels", scaled("cycle_voxels_max", 1, 2)),
+        ("last motion, s", scaled("settle_s_max")), ("energy, J", lambda r: "> 1e6" if r["energy_generated_j_worst"] > 1e6 else digits(r["energy_generated_j_worst"])),
+        ("progress", scaled("progress_p10", 1, 2)), ("stuck", share("stuck_share_p50")),
+        ("force step, N", scaled("force_step_n_p99", 1, 2)),
+        ("nearest / proven, mm", OUTCOME[-1][1]), ("lag, mm", scaled("lag_m_max", 1e3, 2)),
+        ("not finite", text("non_finite_frames"))]),
+    "stability_map": ("stability_map", pivoted("mass_kg", "model", "rate_hz"), [
+        ("model", text("model")), ("rate, Hz", text("rate_hz")),
+        *((state, lambda row, state=state: str(sum(line[k] == state for line in row["of"].values()
+                                                   for k in bench_csv.STIFFNESSES)))
+          for state in bench_csv.CELLS.values())]),
+    "stability_device": ("stability_device", list, [
+        ("task", lambda r: r["task"].split("_")[0]), ("model", text("model")), ("grip", text("grip")),
+        ("delay, ms", scaled("delay_s", 1e3)), ("default", scaled("default", 1, 2)), ("bound", scaled("bound", 1, 2)),
+        ("quiet up to", scaled("quiet_to", 1, 2))]),
+    "stability_step": ("stability_step", list, [
+        ("part of the step", lambda r: r["part"].replace("_", " the ")), ("contacts", text("contacts")),
+        ("steps", text("steps")),
+        *((f"{key.replace('999', '99.9')}, us", scaled(f"{key}_us", 1, 2)) for key in ("p50", "p99", "p999", "max"))]),
+    "skip_bake": ("skip_bake", list, [
+        ("scene", text("scene")), ("bake", text("bake")), ("parts left out", text("parts_left_out")),
+        ("of", text("parts")), ("triangles left out", text("triangles_left_out")), ("of", text("triangles")),
+        ("nodes left out", text("nodes_left_out")), ("of", text("nodes")), ("time, ms", scaled("seconds", 1e3))]),
+    "skip_tree": ("skip_tree", list, [
+        ("scene", text("scene")), ("voxels in the box", text("voxels_in_box")), ("in bricks", text("voxels_in_bricks")),
+        ("bricks needed", text("bricks_needed")), ("stored", text("bricks_stored")),
+        ("nodes built", text("nodes_built")), ("pages of the file", text("pages_of_file"))]),
+    "skip_query": ("skip_query", list, [
+        ("scene", text("scene")), ("points", text("points")), ("skipping", text("way")),
+        ("points looked at", scaled("points_looked_at")), ("blocks looked at", scaled("blocks_looked_at")),
+        ("pages touched", text("pages_touched")), ("found", scaled("points_found")),
+        ("p50 / p99, us", lambda r: pair(r["p50_us"], r["p99_us"]))]),
+    "paper": ("paper", lambda rows: [r for r in rows if r["figure"] != "points_at_1_khz_reached"], [
+        ("figure", lambda r: PAPER_ROWS.get(r["figure"], (r["figure"].replace("_", " "),))[0]),
+        ("1999", paper_cell("in_1999")), ("paper's model", paper_cell("paper_model")), ("`default`", paper_cell("default"))]),
+    "paper_steps": ("paper_steps", list, [
+        ("model", text("model")), ("points", text("points")), ("p50, us", scaled("p50_us")), ("p99, us", scaled("p99_us"))]),
+    "loop": ("loop", list, [("figure", lambda r: f"`{r['figure']}`"), ("value", text("value"))]),
+}
+
+
+def markdown(header, lines):
+    yield "| " + " | ".join(header) + " |"
+    yield "|---" + "|---:" * (len(header) - 1) + "|"
+    for line in lines:
+        yield "| " + " | ".join(line) + " |"
+
+
+def of_machine(path, name):
+    """The lines of a table of one machine, none where it has no such rows."""
+    _, choose, columns = TABLES[name]
+    table = bench_csv.Table(path)
+    rows = list(choose(table.rows))
+    if not rows:
+        return []
+    runs = []
+    for number in dict.fromkeys(r["run"] for r in rows):
+        command, *rest = table.runs[number].split("; ")
+        runs.append(f"`{command}` ({', '.join(rest)})")
+    cells = [[cell(row) for _, cell in columns] for row in rows]
+    kept = [n for n in range(len(columns)) if any(line[n] for line in cells)]
+    return [f"**{path.parent.name}** ({table.machine}): {', '.join(runs)}", "",
+            *markdown([columns[n][0] for n in kept], ([line[n] for n in kept] for line in cells)), ""]
+
+
+def summary():
+    """The README's: ten figures of the machines that the pages show."""
+    def rows(machine, name):
+        return bench_csv.Table(bench_csv.RESULTS / machine / f"{name}.csv").rows
+
+    def one(machine, name, **wanted):
+        return where(**wanted)(rows(machine, name))[0]
+
+    xeon, epyc = "intel-r-xeon-r-processor", "amd-epyc-avx2"
+    wall = by("method", ("motion",), where(run=1, motion="wall", points=10 ** 6)(rows(xeon, "query")))[0]["of"]
+    ours, vdb, fcl = (wall[m]["p50_us"] for m in ("all skipping", "OpenVDB ValueAccessor", "FCL meshes, contacts"))
+    every = one(xeon, "query", motion="everything", points=10 ** 6, method="all skipping")["p50_us"]
+    engine = one(xeon, "bake", model="engine", voxels=1024)
+    paper_bake = one(xeon, "paper", figure="bake_s")
+    files = one(xeon, "paper", figure="file_bytes")
+    most = max(where(series="triangles")(rows(xeon, "bake_growth")), key=lambda r: r["triangles"])
+    table2 = by("model", ("campaign",), where(campaign="table2")(rows(xeon, "stability")))[0]["of"]
+    rest = by("model", ("campaign",), where(campaign="rest")(rows(xeon, "stability")))[0]["of"]
+    loop = {r["figure"]: r["value"] for r in rows(xeon, "loop")}
+
+    def wrench_row(contacts, label):
+        of = by("method", ("contacts",), where(voxel_m=0.005, contacts=contacts)(rows(epyc, "wrench")))[0]["of"]
+
+        def said(method):
+            return f"{percent(of[method]['force_error'])} in {digits(of[method]['frame_p50_us'])} us"
+        return [label, said("default, 8 bits"),
+                f"trilinear level set {said('shell in a trilinear level set')}; FCL {said('FCL mesh contacts')}", "wrench"]
+    lines = [
+        ["contact query, 10^6 points against a wall", f"{digits(ours)} us",
+         f"OpenVDB `ValueAccessor` {digits(vdb)} us; FCL {digits(fcl)} us", "query"],
+        ["contact query, 10^6 points all in contact", f"{digits(every)} us", "a frame: 1,000 us", "query"],
+        ["bake of the engine, 1024 voxels across, whole command", f"{digits(engine['command_s'])} s",
+         f"`vdb_tool -mesh2ls` {digits(engine['vdb_tool_s'])} s", "bake"],
+        [f"bake of {most['triangles'] / 1e6:g} million triangles, {most['voxels']:,} voxels across",
+         f"{digits(most['wall_s'])} s, {digits(most['peak_bytes'] / 1e6)} MB", "", "growth"],
+        ["bake of the paper's 593,409 polygons at 5 mm", f"{digits(paper_bake['paper_model'])} s, "
+         f"{digits(files['paper_model'] / 1e6)} MB", f"1999: {paper_bake['in_1999']} s, {files['in_1999'] / 1e6:g} MB", "paper"],
+        wrench_row("flush and smooth", "force error, smooth contacts, 8 bits, 5 mm"),
+        wrench_row("mesh pairs", "force error, pairs of meshes, 8 bits, 5 mm"),
+        ["penetrating frames in a million contact frames", percent(table2["default"]["penetration_ratio"]),
+         f"the paper's model: {percent(table2['paper, braking']['penetration_ratio'])}", "stability"],
+        ["presses that come to rest", f"{rest['default']['quiet']} of {rest['default']['trials']}",
+         f"the paper's model: {rest['paper']['quiet']} of {rest['paper']['trials']}", "stability"],
+        ["30 minutes at 1 kHz, all cores busy: late frames", f"{loop['deadline_misses']} of {loop['frames']:,}",
+         f"wake-up p99 {digits(loop['wakeup_p99_us'])} us", "loop"]]
+    return list(markdown(["figure", "Forcelayer", "beside", "page"],
+                         ([*line[:3], f"[{line[3]}](tests/bench/{line[3]}.md)"] for line in lines)))
+
+
+def filled(marked):
+    name = marked[1]
+    lines = summary() if name == "summary" else [
+        line for path in sorted(bench_csv.RESULTS.glob(f"*/{TABLES[name][0]}.csv")) for line in of_machine(path, name)]
+    return "\n".join([f"<!-- table: {name} -->", *lines, "<!-- end of table -->"])
+
+
+def main():
+    if sys.argv[1:] not in ([], ["--check"]):
+        print(__doc__.split("\n\n")[1], file=sys.stderr)
+        return 2
+    status = 0
+    for document in DOCUMENTS:
+        old = document.read_text()
+        new = MARKED.sub(filled, old)
+        if new == old:
+            continue
+        if sys.argv[1:]:
+            print(f"tables.py: {document}: its tables are not those of the results; run tests/bench/tables.py",
+                  file=sys.stderr)
+            status = 1
+        else:
+            document.write_text(new)
+            print(f"wrote {document}")
+    return status
+
+
+if __name__ == "__main__":
+    sys.exit(main())
