@@ -391,7 +391,7 @@ def summary():
 
         def said(method):
             return f"{percent(of[method]['force_error'])} in {digits(of[method]['frame_p50_us'])} us"
-        return [label, said("default, 8 bits"),
+        return [f"{label}, {of['default']['cases']} cases", f"{said('default')}; `--bits 8`: {said('default, 8 bits')}",
                 f"trilinear level set {said('shell in a trilinear level set')}; FCL {said('FCL mesh contacts')}", "wrench"]
     lines = [
         ["contact query, 10^6 points against a wall", f"{digits(ours)} us",
@@ -403,8 +403,8 @@ def summary():
          f"{digits(most['wall_s'])} s, {digits(most['peak_bytes'] / 1e6)} MB", "", "growth"],
         ["bake of the paper's 593,409 polygons at 5 mm", f"{digits(paper_bake['paper_model'])} s, "
          f"{digits(files['paper_model'] / 1e6)} MB", f"1999: {paper_bake['in_1999']} s, {files['in_1999'] / 1e6:g} MB", "paper"],
-        wrench_row("flush and smooth", "force error, smooth contacts, 8 bits, 5 mm"),
-        wrench_row("mesh pairs", "force error, pairs of meshes, 8 bits, 5 mm"),
+        wrench_row("flush and smooth", "force error, smooth contacts, 5 mm"),
+        wrench_row("mesh pairs", "force error, pairs of meshes, 5 mm"),
         ["penetrating frames in a million contact frames", percent(table2["default"]["penetration_ratio"]),
          f"the paper's model: {percent(table2['paper, braking']['penetration_ratio'])}", "stability"],
         ["presses that come to rest", f"{rest['default']['quiet']} of {rest['default']['trials']}",
