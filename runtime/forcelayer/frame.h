@@ -5,9 +5,29 @@
 
 #include "forcelayer/input_health.h"
 #include "forcelayer/step.h"
-#include "runtime/loop/output_stage.h"
 
 namespace forcelayer {
+
+enum class OutputState : std::uint32_t {
+  kWaiting,  // not armed yet: zero
+  kArmed,    // ramping in or at full output
+  kTripped,  // latched at zero until armed again
+};
+
+// Why the output tripped last.
+enum class TripCause : std::uint32_t {
+  kNone,
+  kDeviceLost,
+  kNotCalibrated,
+  kFrozen,
+  kInputNotFinite,
+  kImplausible,
+  kOverSpeed,
+  kNotFinite,
+  kLoopLate,
+  kOutputHeld,
+  kMapLost,
+};
 
 struct Frame {
   std::uint64_t number = 0;  // from 0

@@ -12,7 +12,7 @@
 
 #include "forcelayer/forcelayer.h"
 #include "runtime/coupling/coupling.h"
-#include "runtime/loop/real_time.h"
+#include "runtime/machine/real_time.h"
 #include "tests/support/random_scenes.h"
 #include "tests/support/scratch_folder.h"
 

@@ -1,4 +1,4 @@
-#include "runtime/viewer/view_scene.h"
+#include "runtime/viewer/plan/view_scene.h"
 
 #include <algorithm>
 #include <array>

@@ -1,13 +1,13 @@
-// How a step computes, whatever the thread that calls it computes with.
+// The floating-point mode of a step, independent of the calling thread's mode.
 #pragma once
 
 #include <cstdint>
 
 namespace forcelayer {
 
-// In this thread, to the end of the scope: results round to nearest, denormals count as zero (they
-// cost hundreds of cycles each), no operation traps. The host's own setting, its sticky flags too,
-// is back afterwards.
+// Sets this thread's mode until the end of the scope: results round to nearest, denormals count as
+// zero (each costs hundreds of cycles), no operation traps. Then restores the thread's own mode,
+// sticky flags included.
 class StepArithmetic {
  public:
   StepArithmetic() noexcept;

@@ -1,4 +1,4 @@
-#include "runtime/loop/prefault.h"
+#include "runtime/machine/prefault.h"
 
 #include <sys/mman.h>
 #include <unistd.h>

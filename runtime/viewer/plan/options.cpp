@@ -1,4 +1,4 @@
-#include "runtime/viewer/options.h"
+#include "runtime/viewer/plan/options.h"
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
@@ -49,15 +49,15 @@ ViewOptionParser::ViewOptionParser(CLI::App& app) {
   app.add_option("INPUT", options_.inputs.inputs,
                  "meshes, scene manifests, one .vox, one .pshell, in any order");
   app.add_option("--compare", options_.inputs.before,
-                 "an earlier .vox: what the input's force layer gained and lost since");
+                 "an earlier .vox: show the gains and losses of the force layer since");
   app.add_option("--part", options_.inputs.part, "mesh of the moving part");
   app.add_option("--units", texts_.units, "unit of the meshes' coordinates (mm, cm, m, in ...)");
-  app.add_option("--part-units", texts_.part_units, "unit of --part where it is another");
+  app.add_option("--part-units", texts_.part_units, "unit of --part, if it differs");
   app.add_option("--screenshot", options_.screenshot, "write a picture (PNG) and end");
   app.add_option("--frame-times", options_.frame_times,
-                 "turn the scene once in the window, write how long frames took (JSON) and end");
-  app.add_option("--json", options_.json, "write what the picture shows, in numbers");
-  app.add_option("--size", texts_.size, "of the picture in pixels")->capture_default_str();
+                 "turn the scene once in the window, write the frame times (JSON) and end");
+  app.add_option("--json", options_.json, "write the facts of the picture in numbers");
+  app.add_option("--size", texts_.size, "size of the picture in pixels")->capture_default_str();
   auto* run = app.add_option("--trace,--replay", options_.run,
                              "the run to show: a trace or a recording of voxrun");
   app.add_option("--at", texts_.at, "time in the run (2.5s); default: the strongest force")
@@ -70,18 +70,18 @@ ViewOptionParser::ViewOptionParser(CLI::App& app) {
   app.add_option("--part-pose", texts_.part_pose, "world_from_part: x,y,z or x,y,z,qw,qx,qy,qz")
       ->excludes(run);
   app.add_option("--grip", texts_.grip, "handle_from_part, where voxrun was given one")->needs(run);
-  app.add_option("--model", texts_.model, "whose contacts to show: default or paper");
+  app.add_option("--model", texts_.model, "show the contacts of this model: default or paper");
   app.add_option("--force", texts_.force,
-                 "the field of their depths: tangent-plane, level or distance");
+                 "field of the contacts: tangent-plane, level or distance");
   app.add_option("--view-from", texts_.view_from, "direction towards the eye, as 1,-1,0.5");
   app.add_option("--focus", texts_.focus, "part or scene; auto: the part where there is one")
       ->check(CLI::IsMember({"auto", "part", "scene"}))
       ->capture_default_str();
   app.add_option("--pixels-per-voxel", texts_.pixels_per_voxel, "scale of the picture");
-  app.add_option("--cut", texts_.cut, "show what lies on one side only: z<300mm, x>0m");
+  app.add_option("--cut", texts_.cut, "show one side only: z<300mm, x>0m");
   app.add_option("--show", texts_.shown,
                  "list of meshes, interior, force-layer, proximity, part, shell, contacts, handle");
-  app.add_flag("--plain", options_.plain, "flat opaque colours, no words: for measuring");
+  app.add_flag("--plain", options_.plain, "flat opaque colors, no words: for measuring");
 }
 
 Status ViewOptionParser::read_units(ViewOptions& options) const {
@@ -150,7 +150,7 @@ Status ViewOptionParser::read_camera(ViewOptions& options) const {
     options.cut = *cut;
   }
   if (!texts_.shown.empty()) {
-    const auto shown = parse_shown(texts_.shown);
+    const auto shown = parse_items(texts_.shown);
     if (!shown) return shown.error();
     options.shown = *shown;
   }

@@ -1,4 +1,4 @@
-#include "runtime/viewer/picture_plan.h"
+#include "runtime/viewer/plan/picture_plan.h"
 
 #include <cmath>
 #include <glm/geometric.hpp>
@@ -137,7 +137,7 @@ Result<PicturePlan> plan_picture(const ViewOptions& options, const ViewScene& sc
   PicturePlan plan;
   plan.width = options.width;
   plan.height = options.height;
-  plan.shown = options.shown.value_or(default_shown(scene));
+  plan.shown = options.shown.value_or(default_items(scene));
   plan.cut = options.cut;
   plan.plain = options.plain;
   plan.title = {describe(scene)};
@@ -158,7 +158,7 @@ nlohmann::ordered_json report_of(const PicturePlan& plan, const ViewScene& scene
   nlohmann::ordered_json report;
   report["width"] = plan.width;
   report["height"] = plan.height;
-  report["metres_per_pixel"] = plan.metres_per_pixel();
+  report["metres_per_pixel"] = plan.meters_per_pixel();
   report["target_m"] = numbers(plan.camera.target_m);
   report["to_eye"] = numbers(plan.camera.to_eye);
   report["up"] = numbers(plan.camera.up);

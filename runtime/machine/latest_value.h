@@ -20,7 +20,7 @@ class LatestValue {
     filling_ = between_.exchange(filling_ | kNew, std::memory_order_acq_rel) & kSlot;
   }
 
-  // Consumer. False, and `value` as it was, where nothing came since the last call.
+  // Consumer. False where nothing came since the last call; `value` is then unchanged.
   bool take(T& value) noexcept {
     if ((between_.load(std::memory_order_relaxed) & kNew) == 0) return false;
     reading_ = between_.exchange(reading_, std::memory_order_acq_rel) & kSlot;

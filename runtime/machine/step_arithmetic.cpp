@@ -1,4 +1,4 @@
-#include "runtime/model/step_arithmetic.h"
+#include "runtime/machine/step_arithmetic.h"
 
 #if defined(__SSE2__)
 #include <xmmintrin.h>

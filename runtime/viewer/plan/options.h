@@ -7,9 +7,9 @@
 #include "forcelayer/parameters.h"
 #include "forcelayer/pose.h"
 #include "formats/result.h"
-#include "runtime/viewer/shown.h"
+#include "runtime/viewer/plan/items.h"
+#include "runtime/viewer/plan/view_scene.h"
 #include "runtime/viewer/surface/cut.h"
-#include "runtime/viewer/view_scene.h"
 
 namespace CLI {
 class App;
@@ -35,11 +35,12 @@ struct ViewOptions {
   Focus focus = Focus::kAuto;
   std::optional<int> pixels_per_voxel;
   std::optional<Cut> cut;
-  std::optional<ShownSet> shown;
+  std::optional<ItemSet> shown;
   bool plain = false;
 };
 
-// What CLI11 fills in; finish() turns it into ViewOptions and finds what contradicts itself.
+// Holds the texts that CLI11 fills in. finish() turns them into ViewOptions and finds
+// contradictions.
 class ViewOptionParser {
  public:
   explicit ViewOptionParser(CLI::App& app);

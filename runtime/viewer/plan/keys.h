@@ -1,4 +1,4 @@
-// What mouse and keys do in the window: said by --help and, at a key press, by the window.
+// The window's mouse and key bindings, as --help and the window's own help print them.
 #pragma once
 
 #include <array>

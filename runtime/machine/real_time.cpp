@@ -1,4 +1,4 @@
-#include "runtime/loop/real_time.h"
+#include "runtime/machine/real_time.h"
 
 #include <errno.h>
 #include <pthread.h>

@@ -1,4 +1,4 @@
-#include "runtime/viewer/camera.h"
+#include "runtime/viewer/plan/camera.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 namespace forcelayer {
 namespace {
 
-constexpr double kMargin = 1.08;  // of the picture around what it shows
+constexpr double kMargin = 1.08;  // width of the picture over its contents
 
 glm::dvec3 direction_of(double azimuth_deg, double elevation_deg) {
   const double a = glm::radians(azimuth_deg), e = glm::radians(elevation_deg);
@@ -56,8 +56,8 @@ CameraView frame_box(const WorldBox& box, const glm::dvec3& direction, double as
 
 glm::dvec3 clearest_direction(const Voxmap& voxmap, const std::vector<glm::dvec3>& points_m,
                               const glm::dvec3& forces, double reach_m) {
-  // What the usual direction, a view across the forces and the usual height are worth, in share of
-  // points seen.
+  // Weights of the usual direction, of a view across the forces and of the usual height, in units
+  // of the share of points seen.
   constexpr double kHabit = 0.25, kAcross = 0.3, kSteep = 0.2;
   const double length = glm::length(forces);
   const glm::dvec3 force = length > 0 ? forces / length : glm::dvec3(0);

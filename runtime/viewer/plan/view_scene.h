@@ -1,4 +1,4 @@
-// What the viewer was given, read and placed: meshes, a voxmap, a shell, all in one frame.
+// The scene of the viewer: the given meshes, voxmap and shell, read and placed in one frame.
 #pragma once
 
 #include <array>
@@ -40,20 +40,20 @@ struct ViewScene {
   std::vector<ViewMesh> meshes;
   std::optional<ViewMesh> part;
   std::optional<Voxmap> voxmap;
-  std::optional<Voxmap> before;  // what `voxmap` is compared with
+  std::optional<Voxmap> before;  // an earlier bake, to compare with `voxmap`
   std::optional<Pshell> shell;
   std::string voxmap_path, shell_path;               // as given
   std::string voxmap_name, before_name, shell_name;  // without folder
   std::vector<std::string> warnings;                 // a line each
 };
 
-// What to read. `inputs` are what voxelize takes (meshes, folders, manifests), at most one .vox and
-// at most one .pshell, in any order.
+// The files to read. `inputs` are inputs of voxelize (meshes, folders, manifests), at most one .vox
+// and at most one .pshell, in any order.
 struct ViewInputs {
   std::vector<std::string> inputs;
   std::string before;                 // the .vox to compare with; empty: none
   std::string part;                   // mesh of the moving part; empty: none
-  std::optional<double> unit_m;       // metres per file unit of the meshes; empty: not given
+  std::optional<double> unit_m;       // meters per file unit of the meshes; empty: not given
   std::optional<double> part_unit_m;  // the same for `part`; empty: as `unit_m`
 };
 

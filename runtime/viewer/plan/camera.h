@@ -1,11 +1,12 @@
-// Where a picture is taken from: whole scenes framed, parts seen past what stands before them.
+// The camera of a picture: frames a whole scene, or finds a direction in which nothing hides the
+// part.
 #pragma once
 
 #include <glm/vec3.hpp>
 #include <vector>
 
 #include "formats/voxmap.h"
-#include "runtime/viewer/view_scene.h"
+#include "runtime/viewer/plan/view_scene.h"
 
 namespace forcelayer {
 
@@ -14,7 +15,7 @@ struct CameraView {
   glm::dvec3 target_m{0, 0, 0};  // world
   glm::dvec3 to_eye{0, 0, 1};    // unit, from the target towards the eye
   glm::dvec3 up{0, 1, 0};        // unit, across to_eye
-  double half_height_m = 1;      // of what the picture shows
+  double half_height_m = 1;      // of the picture, in the scene
 };
 
 // From ahead of -y, somewhat to +x and from above.

@@ -1,4 +1,4 @@
-#include "runtime/loop/map_loss.h"
+#include "runtime/machine/map_loss.h"
 
 #include <signal.h>
 #include <sys/mman.h>
@@ -39,9 +39,10 @@ Slot* slot_of(std::uintptr_t address) {
   return nullptr;
 }
 
-// Puts a page of "uniformly free" in place of the lost one: as tree entries they name no child, as
-// voxels, coordinates and radii they are next to nothing (-0.0f). It is written elsewhere and then
-// moved: no thread ever reads it half made, when its zeros would be children and bricks.
+// Replaces the lost page with one full of "uniformly free" entries. Read as tree entries they name
+// no child; read as coordinates or radii they are -0.0f. The page is filled elsewhere and then
+// moved into place, because a thread that read it half made would take its zeros for children and
+// bricks.
 bool replace_page(std::uintptr_t address) {
   void* const made =
       mmap(nullptr, page_bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
@@ -56,11 +57,11 @@ extern "C" void on_bus_error(int, siginfo_t* info, void*) {
   const auto address = reinterpret_cast<std::uintptr_t>(info->si_addr);
   Slot* const slot = slot_of(address);
   if (slot != nullptr) {
-    // Before the page is there: whoever reads it learns of the loss by the end of the step.
+    // Set before the page is there: a step that reads the page then sees the loss at its end.
     slot->lost.store(true);
     if (replace_page(address)) return;
   }
-  sigaction(SIGBUS, &previous, nullptr);  // the read is tried again, and meets that
+  sigaction(SIGBUS, &previous, nullptr);  // the read is repeated and reaches that handler
 }
 
 }  // namespace

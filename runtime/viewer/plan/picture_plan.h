@@ -1,4 +1,4 @@
-// What a picture will show and from where, before anything is drawn.
+// The plan of a picture: its contents and its camera, before anything is drawn.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -7,11 +7,11 @@
 #include <vector>
 
 #include "formats/result.h"
-#include "runtime/viewer/camera.h"
-#include "runtime/viewer/options.h"
+#include "runtime/viewer/plan/camera.h"
+#include "runtime/viewer/plan/options.h"
+#include "runtime/viewer/plan/view_scene.h"
 #include "runtime/viewer/run/moment.h"
 #include "runtime/viewer/surface/layer_change.h"
-#include "runtime/viewer/view_scene.h"
 
 namespace forcelayer {
 
@@ -19,13 +19,13 @@ struct PicturePlan {
   int width = 0, height = 0;  // pixels
   std::vector<std::string> title;
   CameraView camera;
-  ShownSet shown;
+  ItemSet shown;
   std::optional<Cut> cut;
   std::optional<Moment> moment;
   std::optional<LayerChange> change;  // of the force layer
   bool plain = false;
 
-  double metres_per_pixel() const { return 2 * camera.half_height_m / height; }
+  double meters_per_pixel() const { return 2 * camera.half_height_m / height; }
 };
 
 inline constexpr double kPartFocus = 2.2;  // half of a picture's height, in radii of the part
