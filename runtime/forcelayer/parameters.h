@@ -70,7 +70,7 @@ struct Parameters {
 struct ParameterInfo {
   std::string_view name;    // key in reports and recordings; its last part is the unit
   std::string_view option;  // of voxrun
-  std::string_view what;
+  std::string_view what;    // its meaning, for --help
   double Parameters::*member;
 };
 

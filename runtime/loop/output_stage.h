@@ -23,10 +23,6 @@ struct OutputLimits {
                                   // hands, never with a motor
 };
 
-// The event and its remedy, each a part of a sentence.
-const char* to_text(TripCause cause);
-const char* how_to_mend(TripCause cause);
-
 // The facts of a frame on which the stage decides.
 struct OutputFrame {
   Wrench wanted;         // about the handle's origin, device axes

@@ -3,8 +3,6 @@
 #include <cstdio>
 #include <utility>
 
-#include "runtime/loop/output_stage.h"
-
 namespace forcelayer::voxrun {
 
 void OutputEvents::add(double time_s, std::string what, bool say) {
