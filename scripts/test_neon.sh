@@ -29,8 +29,8 @@ for header in hwy glm gtest xxhash.h; do ln -sfn "/usr/include/$header" "$out/in
 say "compiling for ARM"  # with the option that runtime/CMakeLists.txt gives the kernels there
 runtime=(query/contact_query query/query_kernel query/query_workers query/block_skipper field/brick_cache
          field/level_field field/level_field_kernel field/distance_field field/distance_field_kernel
-         field/force_field field/tangent_plane coupling/coupling loop/real_time
-         model/step_arithmetic)
+         field/force_field field/tangent_plane coupling/coupling machine/real_time
+         machine/step_arithmetic)
 tests=(property/runtime_contact_query property/runtime_query_variants property/runtime_level_field
        property/runtime_distance_field)
 {

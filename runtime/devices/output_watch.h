@@ -1,5 +1,5 @@
-// What the I/O side of a device makes of a loop that is late: the last wrench held, then faded,
-// then zero until the loop has shown that it starts from zero (DESIGN 7, "Failing").
+// The watch of a device's I/O side over a late loop. It holds the last wrench, then fades it, then
+// gives zero until the loop has shown that it starts from zero.
 #pragma once
 
 #include <glm/vec3.hpp>
@@ -9,8 +9,8 @@
 
 namespace forcelayer {
 
-// Share of the output that something `age_share` of its stale limit old deserves: all of it up to
-// kLateGrace (two periods of 1 kHz in 5 ms: a late frame is a blip), from there in a line to none.
+// Gain of an output that is `age_share` of its stale limit old: 1 up to kLateGrace (two periods of
+// 1 kHz in 5 ms, so that one late frame is not felt), from there falling in a line to 0.
 inline constexpr double kLateGrace = 0.4;
 inline double late_gain(double age_share) noexcept {
   if (age_share <= kLateGrace) return 1;
@@ -21,10 +21,10 @@ class OutputWatch {
  public:
   explicit OutputWatch(double stale_s = kStaleLimitS) : stale_s_(stale_s) {}
 
-  // The wrench for the motors now: `newest` is the loop's last, written `age_s` ago. Less with age
-  // (late_gain), zero beyond the stale limit, and from then on zero until the loop has written
-  // exactly zero: it does so in every frame in which it is not armed, for zero_s longer
-  // (OutputLimits), and ramps from there.
+  // The wrench for the motors now. `newest` is the loop's last, written `age_s` ago. It fades with
+  // age (late_gain). Beyond the stale limit it is zero, and stays so until the loop has written
+  // exactly zero. The loop does that while it is not armed and for OutputLimits::zero_s after
+  // arming; then it ramps.
   Wrench pass(const Wrench& newest, double age_s) noexcept {
     if (!(age_s <= stale_s_)) latched_ = true;
     const bool zero = newest.force_n == glm::dvec3(0) && newest.torque_nm == glm::dvec3(0);

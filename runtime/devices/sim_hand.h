@@ -1,5 +1,5 @@
-// A hand on a device, simulated in all six degrees of freedom: what the loop's stability is tested
-// on beside a prescribed handle.
+// A hand on a device, simulated in six degrees of freedom. The loop's stability is tested on it and
+// on a prescribed handle.
 #pragma once
 
 #include <array>
@@ -50,7 +50,7 @@ class SimHand {
   SimHand(const SimHandParameters& parameters, const Pose& handle);
 
   // Advances by one tick of the loop, `on_hand` being the loop's newest output, about the handle's
-  // origin. Returns what the encoders report.
+  // origin. Returns the encoders' pose.
   Pose step(const Pose& wanted, const Wrench& on_hand, double dt_s) noexcept;
 
   const Pose& pose() const { return pose_; }  // the handle itself, between the encoder's steps

@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "runtime/loop/callback_servo.h"
-#include "runtime/loop/real_time.h"
+#include "runtime/machine/real_time.h"
 #include "runtime/run/baked_files.h"
 #include "runtime/run/derive_parameters.h"
 

@@ -4,7 +4,7 @@
 #include <cstdlib>
 
 #include "forcelayer/pose_receiver.h"
-#include "runtime/loop/real_time.h"
+#include "runtime/machine/real_time.h"
 
 int main(int argc, char** argv) {
   const int port = argc > 1 ? std::atoi(argv[1]) : 0;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <glm/mat3x3.hpp>
 #include <optional>
+#include <span>
 #include <string_view>
 
 namespace forcelayer {
@@ -64,5 +65,16 @@ struct Parameters {
   double max_force_n = 0;    // of the wrench at the device
   double max_torque_nm = 0;  // of the wrench at the device
 };
+
+// One parameter that a user may set.
+struct ParameterInfo {
+  std::string_view name;    // key in reports and recordings; its last part is the unit
+  std::string_view option;  // of voxrun
+  std::string_view what;    // its meaning, for --help
+  double Parameters::*member;
+};
+
+// All of them, in the order in which reports show them.
+std::span<const ParameterInfo> parameter_table();
 
 }  // namespace forcelayer

@@ -1,6 +1,6 @@
 #include "runtime/loop/callback_servo.h"
 
-#include "runtime/loop/real_time.h"
+#include "runtime/machine/real_time.h"
 
 namespace forcelayer {
 
@@ -11,9 +11,9 @@ OutputLimits output_limits(const Parameters& parameters) {
   return limits;
 }
 
-class CallbackServo::Supplied final : public Device {
+class CallbackServo::HostDevice final : public Device {
  public:
-  explicit Supplied(const DeviceCapabilities& device) : capabilities_(device) {}
+  explicit HostDevice(const DeviceCapabilities& device) : capabilities_(device) {}
   const DeviceCapabilities& capabilities() const override { return capabilities_; }
   Status start() override { return {}; }
   DeviceSample read(double) noexcept override { return reading; }
@@ -32,7 +32,7 @@ CallbackServo::CallbackServo(Simulation& simulation, const DeviceCapabilities& d
                              const DeviceSample& first, const OutputLimits& limits,
                              const InputLimits& input_limits)
     : stale_s_(limits.stale_s),
-      device_(std::make_unique<Supplied>(device)),
+      device_(std::make_unique<HostDevice>(device)),
       input_(std::make_unique<DeviceInput>(*device_, placement, input_limits)),
       statistics_(std::make_unique<LoopStatistics>()) {
   const Pose world_from_handle = placement.world_from_handle(made_unit(first.device_from_handle));

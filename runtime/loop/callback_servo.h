@@ -1,5 +1,5 @@
-// The loop for programs and SDKs that own the servo thread (push mode): call it once a period with
-// the device's reading, and give the wrench that it returns to the motors. The paper's own
+// The loop for programs and SDKs that own the servo thread (push mode). They call it once a period
+// with the device's reading and give the returned wrench to the motors. The paper's own
 // arrangement.
 #pragma once
 
@@ -10,12 +10,12 @@
 
 namespace forcelayer {
 
-// Limits of the output as the parameters have them.
+// The limits of the output that the parameters set.
 OutputLimits output_limits(const Parameters& parameters);
 
 class CallbackServo {
  public:
-  // The part begins as `start` has it, at rest, the handle being where `first` has it.
+  // The part begins at rest where `start` puts it, with the handle at the reading `first`.
   // `simulation` must outlive this, and runs at its parameters' rate.
   CallbackServo(Simulation& simulation, const DeviceCapabilities& device,
                 const DevicePlacement& placement, const PartStart& start, const DeviceSample& first,
@@ -33,10 +33,10 @@ class CallbackServo {
   const LoopStatistics& statistics() const { return *statistics_; }
 
  private:
-  class Supplied;  // a device whose readings are handed over
+  class HostDevice;  // the device that the calling program reads and writes itself
 
   double stale_s_;
-  std::unique_ptr<Supplied> device_;
+  std::unique_ptr<HostDevice> device_;
   std::unique_ptr<DeviceInput> input_;
   std::unique_ptr<Servo> servo_;
   std::unique_ptr<LoopStatistics> statistics_;

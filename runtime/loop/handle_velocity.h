@@ -9,13 +9,12 @@ namespace forcelayer {
 
 // The median of the last three backward differences, component by component, through a first-order
 // low-pass: v += (median - v) dt / (dt + tau).
-//   - A jump in one tick, however far, is no motion: the median does not see it.
-//   - Encoder steps of D make at most D / tau of ripple instead of D / dt.
-//   - The estimate is never against the last motion: lagging behind a hand that turns back, it
-//   would
-//     make the coupling's damper push the hand on.
-//   - What is faster than any hand passes as zero.
-//   - A handle that stays where it is reaches exactly zero, so that what it holds can rest.
+//   - A jump in one tick is no motion: the median drops it.
+//   - Encoder steps of D make a ripple of at most D / tau instead of D / dt.
+//   - The estimate never points against the last motion. An estimate that lags behind a hand that
+//     turns back would make the coupling's damper push the hand on.
+//   - A velocity beyond any hand's counts as zero.
+//   - A still handle reaches exactly zero, so that the part can rest.
 class HandleVelocity {
  public:
   static constexpr double kTimeConstantS = 0.005;
@@ -26,8 +25,9 @@ class HandleVelocity {
 
   void reset() noexcept { *this = {}; }
 
-  // The velocity after a new reading `dt_s` after the last one, in the frame of the poses: the
-  // device's own, in which hands are as fast as hands are. Zero at the first reading.
+  // The velocity after a reading `dt_s` later than the last one, in the frame of the poses. That
+  // must be the device's own frame, in which the limits of a hand's speed hold. Zero at the first
+  // reading.
   Twist update(const Pose& device_from_handle, double dt_s) noexcept;
 
  private:

@@ -10,9 +10,9 @@
 namespace forcelayer {
 namespace {
 
-constexpr double kUnitTolerance = 1e-3;  // of a quaternion's length: floats of a device have 1e-7
-constexpr double kLeastPeriods = 2.5;    // of a slow device, that a reading may be old
-constexpr double kLeastJumpM = 0.001;    // noise and quantisation of the coarsest device
+constexpr double kUnitTolerance = 1e-3;  // of a quaternion's length; a device's floats err by 1e-7
+constexpr double kLeastPeriods = 2.5;    // stale limit of a slow device, in its own periods
+constexpr double kLeastJumpM = 0.001;    // noise and quantization of the coarsest device
 
 }  // namespace
 
@@ -40,7 +40,7 @@ Status check_workspace(const DeviceCapabilities& device, const Pose& device_from
                 "reports a handle %.4g m from its origin, in a workspace of %.4g m around it",
                 glm::length(position_m), device.workspace_radius_m);
   return Error{ErrorCode::kDeviceRefused, "", device.name, text,
-               "does its driver give millimetres? Poses are in metres"};
+               "does its driver give millimeters? Poses are in meters"};
 }
 
 DeviceInput::DeviceInput(Device& device, const DevicePlacement& placement,
@@ -68,7 +68,7 @@ InputTrouble DeviceInput::trouble(const DeviceSample& sample, double dt_s) noexc
   return jumped ? InputTrouble::kImplausible : InputTrouble::kNone;
 }
 
-// Between the readings of a device that is slower than the loop the hand goes on as it went.
+// Between the readings of a slow device the last velocity holds.
 Twist DeviceInput::velocity(const DeviceSample& sample, double dt_s) noexcept {
   if (device_.capabilities().senses_velocity) return sample.velocity;
   since_fresh_s_ += dt_s;
@@ -98,7 +98,7 @@ bool DeviceInput::next(double time_s, double dt_s, StepInput& input) noexcept {
     velocity_.reset();
     estimate_ = {};
     since_fresh_s_ = 0;
-    // A device that comes back may come back anywhere; one that only sends nonsense may not.
+    // A device that comes back may do so anywhere. One that only sent nonsense may not jump.
     has_good_ = has_good_ && health_.trouble != InputTrouble::kDeviceLost &&
                 health_.trouble != InputTrouble::kNotCalibrated;
     since_good_s_ += dt_s;

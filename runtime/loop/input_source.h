@@ -1,4 +1,4 @@
-// Where the inputs of the steps come from: a device in its place, or a recording.
+// Sources of a step's input: a device that is placed in the scene, or a recording.
 #pragma once
 
 #include <memory>
@@ -19,10 +19,10 @@ class InputSource {
   // never blocks. False at the end, where there is one.
   virtual bool next(double time_s, double dt_s, StepInput& input) noexcept = 0;
 
-  // What is the matter with that input.
+  // The health of that input.
   virtual InputHealth health() const noexcept { return {}; }
 
-  // What came of that frame, its device wrench to be felt. Once a frame, after next().
+  // Takes the frame's outcome; a device gives its wrench to the hand. Once a frame, after next().
   virtual void output(const Frame& frame) noexcept = 0;
 
   // Zero to the hand, at once.
@@ -31,15 +31,15 @@ class InputSource {
   virtual const DevicePlacement& placement() const = 0;
 };
 
-// When a device's readings are not to be believed.
+// Limits beyond which a reading is refused.
 struct InputLimits {
   double stale_s = kStaleLimitS;  // without a fresh reading; at least 2.5 of its periods
   double max_jump_mps = HandleVelocity::kMaxSpeedMps;  // between readings of hardware
-  double workspace_reach = 2;  // farther out than so many radii is another unit
+  double workspace_reach = 2;  // in workspace radii: a pose farther out is in another unit
 };
 
-// A device, placed in the scene; estimates the velocity where the device does not sense it, and
-// refuses readings that are old or cannot be.
+// A device that is placed in the scene. Refuses readings that are old or implausible, and estimates
+// the velocity where the device does not sense it.
 class DeviceInput final : public InputSource {
  public:
   // `device` must be started, and outlive this.
@@ -60,18 +60,18 @@ class DeviceInput final : public InputSource {
   InputLimits limits_;
   HandleVelocity velocity_;
   Twist estimate_;            // of the last fresh reading, device axes
-  double since_fresh_s_ = 0;  // of that reading
+  double since_fresh_s_ = 0;  // age of that reading
   InputHealth health_;
-  double age_s_ = 0;           // of the reading
-  double since_good_s_ = 0;    // of the last one that was believed
+  double age_s_ = 0;           // of the newest reading
+  double since_good_s_ = 0;    // age of the last accepted reading
   glm::dvec3 last_good_m_{0};  // its position
   bool has_good_ = false;
 };
 
-// Whether a device's pose is one: finite, and a rotation but for the few bits in which it came.
+// Whether the numbers are a pose: finite, with a quaternion that is unit to a device's precision.
 bool is_pose(const Pose& device_from_handle) noexcept;
 
-// That pose with its rotation made unit; what is unit already keeps its bits.
+// The pose with its quaternion made unit. A quaternion that is unit already keeps its bits.
 Pose made_unit(const Pose& device_from_handle) noexcept;
 
 // Whether `position_m`, device axes, lies so far outside the workspace that its unit must be wrong.
@@ -79,7 +79,7 @@ Pose made_unit(const Pose& device_from_handle) noexcept;
 bool outside_workspace(const DeviceCapabilities& device, const glm::dvec3& position_m,
                        double reach) noexcept;
 
-// The same for the pose with which a run begins: kDeviceRefused, with a hint at units.
+// The same test for the first pose of a run. Error: kDeviceRefused, with a hint at units.
 Status check_workspace(const DeviceCapabilities& device, const Pose& device_from_handle);
 
 }  // namespace forcelayer

@@ -2,7 +2,7 @@
 
 #include <sched.h>
 
-#include "runtime/loop/real_time.h"
+#include "runtime/machine/real_time.h"
 
 namespace forcelayer {
 namespace {
@@ -44,7 +44,7 @@ class Pacer {
   long long tick_ns_;  // time of the current tick
 };
 
-// Runs ticks; with a clock, notes what each one cost.
+// Runs ticks; with a clock, measures the cost of each.
 class Runner {
  public:
   Runner(Servo& servo, const LoopOptions& options, LoopStatistics& statistics)
@@ -69,7 +69,7 @@ class Runner {
   }
 
  private:
-  // The device hears nothing for a period and the delay.
+  // Tells the servo when the device has heard nothing for a period and the stale limit.
   void notice_lateness() noexcept {
     const long long now_ns = monotonic_ns();
     const long long since_ns = now_ns - last_ns_ - pacer_.period_ns();

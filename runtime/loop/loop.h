@@ -1,4 +1,4 @@
-// The absolute-time loop (DESIGN 7): a tick every dt, whatever the last one took.
+// The absolute-time loop: a tick every dt, however long the last one took.
 #pragma once
 
 #include <atomic>
@@ -9,7 +9,7 @@
 #include "forcelayer/stale_limit.h"
 #include "runtime/loop/loop_statistics.h"
 #include "runtime/loop/servo.h"
-#include "runtime/loop/spsc_ring.h"
+#include "runtime/machine/spsc_ring.h"
 
 namespace forcelayer {
 
@@ -21,8 +21,8 @@ struct LoopOptions {
   bool end_on_trip = false;                // the first trip ends the loop
 };
 
-// Runs ticks on the calling thread until an end: of the frames, of the input, by `stop`, by a trip
-// where that is wanted, by the loss of a mapped file always. Each frame goes into `ring`, where
+// Runs ticks on the calling thread. Ends with the frames or the input, when `stop` is set, at the
+// first trip if end_on_trip, and whenever a mapped file is lost. Puts each frame into `ring` if
 // there is one: in real time a full ring drops the frame, else the loop waits for room. Allocates
 // nothing.
 void run_loop(Servo& servo, const LoopOptions& options, SpscRing<Frame>* ring,

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <glm/geometric.hpp>
 
-#include "runtime/loop/real_time.h"
+#include "runtime/machine/real_time.h"
 
 namespace forcelayer {
 namespace {

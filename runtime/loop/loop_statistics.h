@@ -1,4 +1,4 @@
-// What a loop saw of its frames and of its clock, in constant memory.
+// Statistics of a loop's frames and of its clock, in constant memory.
 #pragma once
 
 #include <array>
@@ -22,11 +22,11 @@ enum class MissCause : std::uint32_t {
 inline constexpr std::size_t kMissCauses = 7;
 const char* to_text(MissCause cause);
 
-// What the thread's clocks and counters said of one tick.
+// The cost of one tick by the thread's clocks and counters.
 struct TickCost {
   std::int64_t woke_late_ns = 0;  // after the tick's time
   std::int64_t tick_ns = 0;       // from there to the output
-  std::int64_t cpu_ns = 0;        // of them that the thread ran
+  std::int64_t cpu_ns = 0;        // part of tick_ns in which the thread ran
   std::uint32_t minor_faults = 0, major_faults = 0;
   std::uint32_t voluntary_switches = 0, involuntary_switches = 0;
 };
@@ -36,7 +36,7 @@ class TickMeter {
  public:
   // The thread woke now, for the tick whose time was `tick_ns` (CLOCK_MONOTONIC).
   void woke(std::int64_t tick_ns) noexcept;
-  // The output is out: what happened since woke().
+  // The output is out now. Returns the cost since woke().
   TickCost end() const noexcept;
 
  private:

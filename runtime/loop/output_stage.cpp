@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <glm/geometric.hpp>
+#include <iterator>
 
 #include "runtime/devices/output_watch.h"
 #include "runtime/model/vectors.h"
@@ -9,92 +10,53 @@
 namespace forcelayer {
 namespace {
 
-// The device's side reports late that it has let go of the motors again.
+// The report of the device's side that it has let go of the motors again arrives late.
 constexpr double kHeldGraceS = 0.05;
 
-// `last` moved towards `wanted` by at most `step`; towards zero at once.
+struct CauseRow {
+  TripCause cause;
+  const char* text;
+  const char* mend;
+  bool trips_waiting;  // an output that waits trips on it too, since it does not pass by itself
+};
+
+constexpr CauseRow kCauses[] = {
+    {TripCause::kNone, "none", "", false},
+    {TripCause::kDeviceLost, "the device does not answer", "look at plug and power", true},
+    {TripCause::kNotCalibrated, "the device is not calibrated", "calibrate it", true},
+    {TripCause::kFrozen, "no fresh reading from the device", "look at the device and its driver",
+     true},
+    {TripCause::kInputNotFinite, "the device's pose is not finite", "look at the device's driver",
+     true},
+    {TripCause::kImplausible, "the device's pose cannot be: far outside its workspace, or a jump",
+     "look at the driver's units (meters) and at the encoders", true},
+    {TripCause::kOverSpeed, "the hand is too fast", "was the device let go or overpowered?", false},
+    {TripCause::kNotFinite, "the motion or its wrench is not finite",
+     "please report it, with a recording (--record)", true},
+    {TripCause::kLoopLate, "the loop was late", "see voxrun doctor", false},
+    {TripCause::kOutputHeld, "the device's side took the motors to zero by itself",
+     "see voxrun doctor", false},
+    {TripCause::kMapLost, "a baked file was cut short or written to while it was in use",
+     "bake it again, into a new file", true},
+};
+
+const CauseRow& row_of(TripCause cause) {
+  const auto* const row = std::find_if(std::begin(kCauses), std::end(kCauses),
+                                       [&](const CauseRow& r) { return r.cause == cause; });
+  return row == std::end(kCauses) ? kCauses[0] : *row;
+}
+
+// `last` moved towards `wanted` by at most `step`. A zero `wanted` is reached at once: the slew
+// limit must not delay letting go.
 glm::dvec3 moved(const glm::dvec3& last, const glm::dvec3& wanted, double step) {
   if (glm::dot(wanted, wanted) == 0) return wanted;
   return last + clamped(wanted - last, step);
 }
 
-// Nothing that an output should wait out, where the rest passes: a late loop, a fast hand, motors
-// that the device's own side holds at zero.
-bool ends_the_wait(TripCause cause) {
-  switch (cause) {
-    case TripCause::kDeviceLost:
-    case TripCause::kNotCalibrated:
-    case TripCause::kFrozen:
-    case TripCause::kInputNotFinite:
-    case TripCause::kImplausible:
-    case TripCause::kNotFinite:
-    case TripCause::kMapLost:
-      return true;
-    case TripCause::kOverSpeed:
-    case TripCause::kLoopLate:
-    case TripCause::kOutputHeld:
-    case TripCause::kNone:
-      break;
-  }
-  return false;
-}
-
 }  // namespace
 
-const char* to_text(TripCause cause) {
-  switch (cause) {
-    case TripCause::kDeviceLost:
-      return "the device does not answer";
-    case TripCause::kNotCalibrated:
-      return "the device is not calibrated";
-    case TripCause::kFrozen:
-      return "no fresh reading from the device";
-    case TripCause::kInputNotFinite:
-      return "the device's pose is not finite";
-    case TripCause::kImplausible:
-      return "the device's pose cannot be: far outside its workspace, or a jump";
-    case TripCause::kOverSpeed:
-      return "the hand is too fast";
-    case TripCause::kNotFinite:
-      return "the motion or its wrench is not finite";
-    case TripCause::kLoopLate:
-      return "the loop was late";
-    case TripCause::kOutputHeld:
-      return "the device's side took the motors to zero by itself";
-    case TripCause::kMapLost:
-      return "a baked file was cut short or written to while it was in use";
-    case TripCause::kNone:
-      break;
-  }
-  return "none";
-}
-
-const char* how_to_mend(TripCause cause) {
-  switch (cause) {
-    case TripCause::kDeviceLost:
-      return "look at plug and power";
-    case TripCause::kNotCalibrated:
-      return "calibrate it";
-    case TripCause::kFrozen:
-      return "look at the device and its driver";
-    case TripCause::kInputNotFinite:
-      return "look at the device's driver";
-    case TripCause::kImplausible:
-      return "look at the driver's units (metres) and at the encoders";
-    case TripCause::kOverSpeed:
-      return "was the device let go or overpowered?";
-    case TripCause::kLoopLate:
-    case TripCause::kOutputHeld:
-      return "see voxrun doctor";
-    case TripCause::kMapLost:
-      return "bake it again, into a new file";
-    case TripCause::kNotFinite:
-      return "please report it, with a recording (--record)";
-    case TripCause::kNone:
-      break;
-  }
-  return "";
-}
+const char* to_text(TripCause cause) { return row_of(cause).text; }
+const char* how_to_mend(TripCause cause) { return row_of(cause).mend; }
 
 void OutputStage::trip(TripCause cause) noexcept {
   state_ = OutputState::kTripped;
@@ -106,18 +68,19 @@ bool OutputStage::may_arm(const OutputFrame& frame) const noexcept {
   if (frame.faulty || !is_finite(frame.wanted) || cause_to_trip(frame) != TripCause::kNone) {
     return false;
   }
-  if (frame.health.clutch) return true;  // the part is gripped anew, without stretch
+  if (frame.health.clutch) return true;  // the hand grips the part anew, without stretch
   if (state_ == OutputState::kTripped && !limits_.rearm_alone) return false;
   return frame.free_of_contact || frame.unstretched;
 }
 
-// Why an armed output may not go on, nor any be armed.
+// The first cause that forbids output in this frame, the gravest first. Faults of one frame are no
+// cause: they give zero in that frame, and trip once they last for stale_s.
 TripCause OutputStage::cause_to_trip(const OutputFrame& frame) const noexcept {
   const InputTrouble trouble = frame.health.trouble;
   if (frame.map_lost) return TripCause::kMapLost;
   if (trouble == InputTrouble::kDeviceLost) return TripCause::kDeviceLost;
   if (trouble == InputTrouble::kNotCalibrated) return TripCause::kNotCalibrated;
-  if (trouble == InputTrouble::kFrozen) return TripCause::kFrozen;  // that took its time already
+  if (trouble == InputTrouble::kFrozen) return TripCause::kFrozen;  // stale already
   if (!frame.faulty && !is_finite(frame.wanted)) return TripCause::kNotFinite;
   if (faulty_s_ > limits_.stale_s) {
     if (trouble == InputTrouble::kImplausible) return TripCause::kImplausible;
@@ -133,7 +96,7 @@ TripCause OutputStage::cause_to_trip(const OutputFrame& frame) const noexcept {
 
 bool OutputStage::trips_on(TripCause cause) const noexcept {
   return (state_ == OutputState::kArmed && cause != TripCause::kNone) ||
-         (state_ == OutputState::kWaiting && ends_the_wait(cause));
+         (state_ == OutputState::kWaiting && row_of(cause).trips_waiting);
 }
 
 Wrench OutputStage::limited(const Wrench& wanted, double gain) const noexcept {

@@ -1,11 +1,10 @@
-// What stands between the step's wrench and the motors: arming, ramps, limits, and the way to fail
-// (DESIGN 7). A pure state machine: the same inputs give the same outputs.
+// The output stage stands between the step's wrench and the motors. It arms, ramps, limits, and
+// goes to zero on a fault. A pure state machine: the same inputs give the same outputs.
 #pragma once
 
 #include <cstdint>
 
-#include "forcelayer/input_health.h"
-#include "forcelayer/pose.h"
+#include "forcelayer/frame.h"
 #include "forcelayer/stale_limit.h"
 
 namespace forcelayer {
@@ -13,49 +12,24 @@ namespace forcelayer {
 struct OutputLimits {
   double max_force_n = 0;
   double max_torque_nm = 0;
-  double zero_s = 0.02;   // zero for so long once armed: the device's side holds its own zero until
-                          // it has seen the loop's, and a write of its has been seen to take 14 ms
+  double zero_s = 0.02;   // exactly zero for so long after arming: OutputWatch lets go of its own
+                          // zero only once it has seen the loop's, and a write can take 14 ms
   double ramp_s = 0.2;    // from zero to full output after arming and after the clutch
   double fade_s = 0.05;   // from full output to zero when the clutch is pressed
-  double slew_s = 0.005;  // full output cannot rise from zero in less
-  double max_speed_mps = 5;       // of the handle at the device: beyond it the output trips
-  double stale_s = kStaleLimitS;  // input may be invalid for so long before the output trips
-  bool rearm_alone = false;       // arm again without the user once a trip's cause is gone: for
-                                  // simulated hands, never with a motor
+  double slew_s = 0.005;  // shortest rise from zero to the limits
+  double max_speed_mps = 5;       // of the handle at the device: a faster hand trips the output
+  double stale_s = kStaleLimitS;  // longest run of invalid inputs without a trip
+  bool rearm_alone = false;       // arms again by itself once a trip's cause is gone: for simulated
+                                  // hands, never with a motor
 };
 
-enum class OutputState : std::uint32_t {
-  kWaiting,  // not armed yet: zero
-  kArmed,    // ramping in or at full output
-  kTripped,  // latched at zero until armed again
-};
-
-// Why the output tripped last.
-enum class TripCause : std::uint32_t {
-  kNone,
-  kDeviceLost,
-  kNotCalibrated,
-  kFrozen,
-  kInputNotFinite,
-  kImplausible,
-  kOverSpeed,
-  kNotFinite,
-  kLoopLate,
-  kOutputHeld,
-  kMapLost,
-};
-
-// What happened, and what to do about it, each a part of a sentence.
-const char* to_text(TripCause cause);
-const char* how_to_mend(TripCause cause);
-
-// What the stage must know of a frame.
+// The facts of a frame on which the stage decides.
 struct OutputFrame {
   Wrench wanted;         // about the handle's origin, device axes
   double speed_mps = 0;  // of the handle at the device
   InputHealth health;
   bool faulty = false;      // the step reported a fault: bad input, or none
-  bool not_finite = false;  // of such faults: the input's numbers, or the motion overflowed
+  bool not_finite = false;  // that fault: the input has such numbers, or the motion overflowed
   bool map_lost = false;
   bool free_of_contact = false;
   bool unstretched = false;  // the part is registered where the coupling holds it
@@ -66,21 +40,22 @@ class OutputStage {
   explicit OutputStage(const OutputLimits& limits) : limits_(limits) {}
 
   // The wrench for the device, once a frame of `dt_s`.
-  // - Armed where the frame is sound and the part free of contact or unstretched; that frame and
-  //   those of zero_s still give exactly zero (OutputWatch), the next ones ramp in. A trip gives at
-  //   least as much zero: its own frames, and those of arming again.
-  // - A fault gives zero in the same frame. Where it lasts longer than stale_s, and at once where
-  //   the device is gone, the loop late, the map lost, the wrench not finite or the hand too fast,
-  //   the output trips: zero until armed again, by itself where the limits say so, else by the
-  //   clutch, which the user presses and releases.
-  // - What is the matter with the device, its numbers or the map trips an output that still waits,
-  //   too: it may wait for a hand, not for a device that is gone.
-  // - The clutch fades to zero and ramps back in when it is released; pressed, it arms. A swap
-  //   fades and ramps in the same way, and arms nothing: that is for the user.
+  // - Arming. A sound frame arms a waiting output if the part is free of contact or unstretched.
+  //   The frame that arms and those of zero_s give exactly zero, as OutputWatch demands; then the
+  //   output ramps in.
+  // - Faults. A faulty frame gives zero. The output trips when faults last longer than stale_s. It
+  //   trips at once when the device is gone, the loop late, the map lost, the wrench not finite or
+  //   the hand too fast.
+  // - Trips. A tripped output stays at zero until the user presses and releases the clutch. With
+  //   rearm_alone it stays there until the cause is gone, and then arms as at the start.
+  // - Waiting. A waiting output trips on the device, its numbers and the map. It does not trip on a
+  //   late loop or a fast hand, which pass.
+  // - Clutch and swap. Both fade the output to zero and ramp it in again. The clutch arms; a swap
+  //   does not, since that is for the user.
   Wrench pass(const OutputFrame& frame, double dt_s) noexcept;
 
   OutputState state() const { return state_; }
-  bool at_zero() const { return gain_ == 0; }  // whatever the wrench
+  bool at_zero() const { return gain_ == 0; }  // the ramp, whatever the wrench
   TripCause last_trip() const { return last_trip_; }
   std::uint64_t trips() const { return trips_; }
 

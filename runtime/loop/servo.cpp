@@ -4,9 +4,9 @@
 #include <utility>
 
 #include "runtime/coupling/coupling.h"
-#include "runtime/loop/real_time.h"
+#include "runtime/machine/real_time.h"
+#include "runtime/machine/step_arithmetic.h"
 #include "runtime/model/outcome_hash.h"
-#include "runtime/model/step_arithmetic.h"
 
 namespace forcelayer {
 namespace {
@@ -69,8 +69,8 @@ OutputFrame Servo::output_frame(const Frame& frame) const noexcept {
   const glm::dvec3 turn_rad = rotation_vector(target.world_from_center.orientation *
                                               glm::conjugate(report.world_from_center.orientation));
   out.unstretched = glm::length(gap_m) < kNoStretchM && glm::length(turn_rad) < kNoStretchRad;
-  // The coupling holds the hand at its target: there the force acts, so that the power at the
-  // handle is that of the coupling.
+  // The force acts where the coupling holds the hand, at its target: the power at the handle is
+  // then the coupling's.
   out.wanted = placement.device_wrench(frame.result.wrench, target.world_from_center.position_m,
                                        input.world_from_handle.position_m);
   return out;

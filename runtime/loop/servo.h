@@ -20,29 +20,29 @@ class Servo {
   // apart). Fills `frame`; false at the input's end.
   bool tick(Frame& frame) noexcept;
 
-  // Device buttons, a bit each, of which any one is the clutch. Before the first tick.
+  // Device buttons, a bit each; any of them is the clutch. Before the first tick.
   void set_clutch_buttons(std::uint32_t buttons) { clutch_buttons_ = buttons; }
 
-  // The clutch, from any thread, beside the buttons. Pressed: the output fades to zero, then the
-  // part stays where it is, in contact or not, while the hand goes anywhere. Released: the hand
-  // holds the part as it then is, without stretch, and the output ramps in. It also arms a tripped
-  // output: the user's way to go on.
+  // The clutch, from any thread, beside the buttons. While it is pressed, the output fades to zero;
+  // then the part stays where it is, in contact or not, and the hand goes anywhere. When it is
+  // released, the hand holds the part as it is, without stretch, and the output ramps in. The
+  // clutch also arms a tripped output.
   void set_clutch(bool pressed) noexcept { clutch_.store(pressed, std::memory_order_relaxed); }
 
-  // Swaps part or scene without a restart, from any thread: the output fades to zero, the next tick
-  // goes on with `next` and its part as `start` has it, gripped without stretch (with both a place
-  // and a grip, the place counts), and ramps in. `next` must outlive the servo or the next swap;
-  // the old simulation is free once swapping() is false. False where a swap is under way already
-  // or the rate is another.
+  // Swaps part or scene without a restart, from any thread. The output fades to zero; the next tick
+  // goes on with `next` and its part where `start` puts it, gripped without stretch (the place
+  // counts where `start` has a grip too); then the output ramps in. `next` must outlive the servo
+  // or the next swap. The old simulation is free once swapping() is false. Returns false where a
+  // swap is under way or the rate differs.
   bool request_swap(Simulation& next, const PartStart& start) noexcept;
   bool swapping() const noexcept { return next_.load(std::memory_order_acquire) != nullptr; }
 
-  // For the caller's clock, before a tick: it begins later than the stale limit allows. The output
-  // trips in it, as the device's side has let go by now.
+  // Called before a tick that begins later than the stale limit allows. The output trips in that
+  // tick, because the device's side has let go by now.
   void note_late() noexcept { late_ = true; }
 
-  // Around a tick in which the query's helper threads should take part; both call the system, so
-  // they are not in tick() itself. wants_helpers(): whether the last tick looked at enough points.
+  // Wake and rest the query's helper threads around a tick. Both call the system, so tick() does
+  // not do it. wants_helpers(): whether the last tick looked at enough points to need them.
   bool wants_helpers() const noexcept {
     return !swapping() && simulation_->query().points_looked_at() > kPointsWorthHelp;
   }

@@ -5,8 +5,8 @@
 
 #include "runtime/coupling/coupling.h"
 #include "runtime/coupling/passivity.h"
+#include "runtime/machine/step_arithmetic.h"
 #include "runtime/model/paper_model.h"
-#include "runtime/model/step_arithmetic.h"
 #include "runtime/model/vectors.h"
 
 namespace forcelayer {

@@ -11,7 +11,7 @@
 #include "formats/voxmap.h"
 #include "runtime/field/field_probe.h"
 #include "runtime/field/force_field.h"
-#include "runtime/loop/map_loss.h"
+#include "runtime/machine/map_loss.h"
 #include "runtime/model/default_model.h"
 #include "runtime/query/contact_query.h"
 

@@ -1,7 +1,7 @@
 #include "runtime/query/query_workers.h"
 
-#include "runtime/loop/real_time.h"
-#include "runtime/model/step_arithmetic.h"
+#include "runtime/machine/real_time.h"
+#include "runtime/machine/step_arithmetic.h"
 
 #if defined(__SSE2__)
 #include <emmintrin.h>

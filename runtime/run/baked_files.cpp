@@ -1,6 +1,6 @@
 #include "runtime/run/baked_files.h"
 
-#include "runtime/loop/map_loss.h"
+#include "runtime/machine/map_loss.h"
 
 namespace forcelayer {
 namespace {

@@ -8,9 +8,9 @@
 
 #include "forcelayer/pose_datagram.h"
 #include "runtime/loop/callback_servo.h"
-#include "runtime/loop/map_loss.h"
-#include "runtime/loop/real_time.h"
-#include "runtime/model/step_arithmetic.h"
+#include "runtime/machine/map_loss.h"
+#include "runtime/machine/real_time.h"
+#include "runtime/machine/step_arithmetic.h"
 #include "runtime/run/baked_files.h"
 #include "runtime/run/derive_parameters.h"
 #include "runtime/run/separation.h"

@@ -3,9 +3,7 @@
 #pragma once
 
 #include <map>
-#include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "forcelayer/device.h"
@@ -15,17 +13,6 @@
 #include "formats/voxmap.h"
 
 namespace forcelayer {
-
-// One parameter that a user may set.
-struct ParameterInfo {
-  std::string_view name;    // key in reports and recordings; its last part is the unit
-  std::string_view option;  // of voxrun
-  std::string_view what;
-  double Parameters::*member;
-};
-
-// All of them, in the order in which reports show them.
-std::span<const ParameterInfo> parameter_table();
 
 struct ParameterRequest {
   Model model = Model::kPaper;

@@ -14,7 +14,7 @@
 namespace forcelayer {
 namespace {
 
-constexpr std::size_t kLargestDatagram = 2048;  // more than any of ours; what is longer is not ours
+constexpr std::size_t kLargestDatagram = 2048;  // longer than any of ours
 
 }  // namespace
 

@@ -11,7 +11,7 @@
 #include <memory>
 #include <utility>
 
-#include "runtime/loop/real_time.h"
+#include "runtime/machine/real_time.h"
 
 namespace forcelayer {
 namespace {

@@ -15,7 +15,7 @@
 
 namespace forcelayer {
 
-// What a recording says of the run as a whole.
+// The facts of a run that hold for all its frames.
 struct RecordedRun {
   Parameters parameters;
   State start;

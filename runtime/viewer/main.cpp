@@ -5,10 +5,9 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/command/command.h"
-#include "runtime/viewer/keys.h"
-#include "runtime/viewer/options.h"
-#include "runtime/viewer/picture_plan.h"
-#include "runtime/viewer/run/live.h"
+#include "runtime/viewer/plan/keys.h"
+#include "runtime/viewer/plan/options.h"
+#include "runtime/viewer/plan/picture_plan.h"
 #include "runtime/viewer/run/run_rows.h"
 #include "runtime/viewer/screen.h"
 #include "runtime/viewer/vtk/picture.h"
@@ -35,7 +34,7 @@ std::optional<TraceRow> newest_row(PoseReceiver& receiver, double seconds, Pose&
   return newest;
 }
 
-// The picture of what a stream says at the end of listening.
+// Plans a picture of the stream's newest row at the end of listening.
 Status plan_live(const ViewOptions& options, const ViewScene& scene, PoseReceiver& receiver,
                  PicturePlan& plan) {
   Pose grip;

@@ -7,7 +7,7 @@ namespace forcelayer {
 
 // Returns when there is a display to draw on: DISPLAY names one that opens. Without DISPLAY, starts
 // this program anew with the same arguments under xvfb-run, and returns only if that cannot be had.
-// Error: kDeviceNotFound with what to set or to install.
+// Error: kDeviceNotFound with the remedy.
 Status ensure_screen(char** argv);
 
 // Whether DISPLAY names a display, be it one that opens or not.

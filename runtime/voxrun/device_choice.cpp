@@ -6,9 +6,8 @@
 
 #include "runtime/devices/plugin/plugin_device.h"
 #include "runtime/devices/sim_device.h"
-#include "runtime/devices/sim_hand_device.h"
 #include "runtime/loop/input_source.h"
-#include "runtime/loop/real_time.h"
+#include "runtime/machine/real_time.h"
 
 namespace forcelayer::voxrun {
 namespace {

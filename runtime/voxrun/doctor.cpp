@@ -19,7 +19,7 @@
 
 #include "formats/command/command.h"
 #include "runtime/loop/histogram.h"
-#include "runtime/loop/real_time.h"
+#include "runtime/machine/real_time.h"
 #include "runtime/query/query_kernel.h"
 
 namespace forcelayer::voxrun {

@@ -2,7 +2,7 @@
 
 #include <chrono>
 
-#include "runtime/loop/map_loss.h"
+#include "runtime/machine/map_loss.h"
 
 namespace forcelayer::voxrun {
 

@@ -8,7 +8,7 @@
 
 #include "forcelayer/frame.h"
 #include "formats/result.h"
-#include "runtime/loop/spsc_ring.h"
+#include "runtime/machine/spsc_ring.h"
 
 namespace forcelayer::voxrun {
 

@@ -9,7 +9,7 @@
 #include "forcelayer/placement.h"
 #include "forcelayer/stale_limit.h"
 #include "formats/result.h"
-#include "runtime/loop/prefault.h"
+#include "runtime/machine/prefault.h"
 #include "runtime/voxrun/hid_choice.h"
 
 namespace CLI {

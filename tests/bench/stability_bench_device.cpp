@@ -7,7 +7,7 @@
 
 #include "forcelayer/placement.h"
 #include "runtime/coupling/coupling.h"
-#include "runtime/devices/sim_hand_device.h"
+#include "runtime/devices/sim_device.h"
 #include "runtime/loop/handle_velocity.h"
 #include "runtime/loop/output_stage.h"
 #include "runtime/run/stability.h"

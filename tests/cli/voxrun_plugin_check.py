@@ -253,7 +253,7 @@ def refusals():
             ("silent", 5, "gives no readings; look at plug and power"),
             ("no-pose", 5, "reports no pose"),
             ("fault=unplug below", 5, "gives no readings (the plugin lost its device)"),
-            ("fault=mm", 5, "millimetres")):
+            ("fault=mm", 5, "millimeters")):
         name = "refused-" + arguments.replace("=", "-").replace(" ", "-")
         error = finish(start(name, arguments), status)
         assert text in error and len(error.splitlines()) <= 1 + error.count("warning"), error

@@ -16,13 +16,13 @@ import sys
 import numpy
 from matplotlib import image
 
-STYLE = pathlib.Path(__file__).resolve().parents[2] / "runtime/viewer/style.h"
+STYLE = pathlib.Path(__file__).resolve().parents[2] / "runtime/viewer/plan/style.h"
 INTERIOR, SURFACE, PROXIMITY = 1, 2, 3
 
 
 def colour(name):
-    """A colour of runtime/viewer/style.h as three bytes."""
-    numbers = re.search(rf"k{name}Colour = {{([^}}]*)}}", STYLE.read_text()).group(1)
+    """A colour of runtime/viewer/plan/style.h as three bytes."""
+    numbers = re.search(rf"k{name}Color = {{([^}}]*)}}", STYLE.read_text()).group(1)
     return numpy.round(255 * numpy.array([float(n) for n in numbers.split(",")]))
 
 

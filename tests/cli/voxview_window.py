@@ -19,7 +19,7 @@ import time
 import numpy
 
 BIN, DATA = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2])
-STYLE = pathlib.Path(__file__).resolve().parents[2] / "runtime/viewer/style.h"
+STYLE = pathlib.Path(__file__).resolve().parents[2] / "runtime/viewer/plan/style.h"
 WIDTH, HEIGHT = 800, 600
 PATIENCE_S = 60  # for what takes a second on a quiet machine
 PORT = "47221"
@@ -162,7 +162,7 @@ class Screen:
 
 
 def colour(name):
-    numbers = re.search(rf"k{name}Colour = {{([^}}]*)}}", STYLE.read_text()).group(1)
+    numbers = re.search(rf"k{name}Color = {{([^}}]*)}}", STYLE.read_text()).group(1)
     return numpy.round(255 * numpy.array([float(n) for n in numbers.split(",")]))
 
 

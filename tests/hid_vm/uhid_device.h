@@ -18,7 +18,7 @@
 #include <thread>
 #include <vector>
 
-#include "runtime/loop/real_time.h"
+#include "runtime/machine/real_time.h"
 #include "tests/support/virtual_haptic_device.h"
 
 namespace forcelayer::test {

@@ -12,7 +12,7 @@
 
 #include "forcelayer/pose.h"
 #include "runtime/devices/hid/firmware/haptic_firmware.h"
-#include "runtime/loop/real_time.h"
+#include "runtime/machine/real_time.h"
 
 namespace forcelayer::test {
 

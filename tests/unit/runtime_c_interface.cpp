@@ -12,7 +12,7 @@
 
 #include "forcelayer/forcelayer.h"
 #include "runtime/coupling/coupling.h"
-#include "runtime/loop/real_time.h"
+#include "runtime/machine/real_time.h"
 #include "tests/support/random_scenes.h"
 #include "tests/support/scratch_folder.h"
 
@@ -171,7 +171,7 @@ TEST_F(CInterface, RefusesWhatIsNoPoseAndNoReading) {
       {&bad, nullptr, sound, "world_from_part"},
       {nullptr, &none, sound, "handle_from_part"},
       {nullptr, nullptr, reading_at(bad), "device_from_handle"},
-      {nullptr, nullptr, reading_at({{0, 0, 100}, {1, 0, 0, 0}}), "millimetres"},
+      {nullptr, nullptr, reading_at({{0, 0, 100}, {1, 0, 0, 0}}), "millimeters"},
       {nullptr, nullptr, absent, "does not answer"},
       {nullptr, nullptr, raw, "not calibrated"},
   };

@@ -9,7 +9,7 @@
 #include <thread>
 #include <vector>
 
-#include "runtime/loop/spsc_ring.h"
+#include "runtime/machine/spsc_ring.h"
 
 namespace forcelayer::test {
 namespace {

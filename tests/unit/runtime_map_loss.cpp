@@ -1,5 +1,5 @@
 // Files that vanish, are cut short or are written to while they are mapped.
-#include "runtime/loop/map_loss.h"
+#include "runtime/machine/map_loss.h"
 
 #include <gtest/gtest.h>
 #include <sys/mman.h>

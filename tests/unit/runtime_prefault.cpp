@@ -1,5 +1,5 @@
 // The pages of a map that a part can reach are in memory before the loop, and the others are not.
-#include "runtime/loop/prefault.h"
+#include "runtime/machine/prefault.h"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // Real-time priority for the threads that help the loop.
-#include "runtime/loop/real_time.h"
+#include "runtime/machine/real_time.h"
 
 #include <gtest/gtest.h>
 #include <sched.h>

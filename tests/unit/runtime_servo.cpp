@@ -11,7 +11,7 @@
 
 #include "runtime/coupling/coupling.h"
 #include "runtime/loop/loop.h"
-#include "runtime/loop/real_time.h"
+#include "runtime/machine/real_time.h"
 #include "runtime/run/derive_parameters.h"
 #include "runtime/stream/recording.h"
 #include "tests/support/random_scenes.h"

@@ -7,7 +7,7 @@
 #include <glm/geometric.hpp>
 
 #include "runtime/coupling/coupling.h"
-#include "runtime/devices/sim_hand_device.h"
+#include "runtime/devices/sim_device.h"
 
 namespace forcelayer::test {
 namespace {
@@ -129,7 +129,7 @@ TEST(SimHandDevice, FollowsItsScriptAndFeelsWhatIsWritten) {
     device.write({{0, 4, 0}, {0, 0, 0}});
     EXPECT_TRUE(device.read(frame * kDtS).present);
   }
-  // 4 N over 400 N/m at the device, two metres of scene a metre of it, in the device's axes.
+  // 4 N over 400 N/m at the device, two meters of scene a meter of it, in the device's axes.
   const Pose last = placement.world_from_handle(device.read(2).device_from_handle);
   const glm::dvec3 way = glm::conjugate(placement.world_from_device.orientation) *
                          (last.position_m - kHome.position_m);

@@ -1,5 +1,5 @@
 // The host's floating-point state: no bit of a result depends on it, and it is left as it was.
-#include "runtime/model/step_arithmetic.h"
+#include "runtime/machine/step_arithmetic.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // What a picture of a moment shows, on a scene that can be checked by hand.
 #include <gtest/gtest.h>
 
-#include "runtime/viewer/camera.h"
+#include "runtime/viewer/plan/camera.h"
 #include "runtime/viewer/run/contact_view.h"
 #include "tests/support/dense_voxmap.h"
 #include "tests/support/make_pshell.h"
@@ -50,7 +50,7 @@ TEST(ContactView, PlacesTheContactWhereItIs) {
   // The query's float arithmetic is good to some 1e-7 of the part's 20 mm.
   EXPECT_NEAR(point.position_m.x, 0.004, 1e-8);
   EXPECT_NEAR(point.position_m.z, 0.002, 1e-8);
-  EXPECT_NEAR(point.depth_m, 0.003, 1e-8);  // the voxel's centre is at 5 mm
+  EXPECT_NEAR(point.depth_m, 0.003, 1e-8);  // the voxel's center is at 5 mm
   EXPECT_EQ(point.direction, glm::dvec3(0, 0, 1));
   EXPECT_EQ(view.contacts, 1u);
   EXPECT_EQ(view.surface, 1u);

@@ -3,7 +3,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "runtime/viewer/options.h"
+#include "runtime/viewer/plan/options.h"
 
 namespace forcelayer {
 namespace {
@@ -37,9 +37,9 @@ TEST(ViewOptions, ReadsAPictureOfARun) {
   EXPECT_EQ(options->cut->axis, 1);
   EXPECT_EQ(options->cut->at_m, -0.005);
   EXPECT_FALSE(options->cut->keep_low);
-  EXPECT_TRUE((*options->shown)[Shown::kMeshes]);
-  EXPECT_TRUE((*options->shown)[Shown::kShell]);
-  EXPECT_FALSE((*options->shown)[Shown::kForceLayer]);
+  EXPECT_TRUE((*options->shown)[Item::kMeshes]);
+  EXPECT_TRUE((*options->shown)[Item::kShell]);
+  EXPECT_FALSE((*options->shown)[Item::kForceLayer]);
 }
 
 TEST(ViewOptions, RefusesWhatMakesNoSense) {

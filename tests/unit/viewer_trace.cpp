@@ -34,7 +34,7 @@ TEST(Trace, ReadsEveryColumnByName) {
   EXPECT_EQ(first.time_s, 0.5);
   EXPECT_EQ(first.world_from_handle.position_m, glm::dvec3(1, 2, 3));
   EXPECT_EQ(first.world_from_part.position_m, glm::dvec3(4, 5, 6));
-  EXPECT_EQ(first.world_from_part.orientation.z, 1);  // normalised
+  EXPECT_EQ(first.world_from_part.orientation.z, 1);  // normalized
   EXPECT_EQ(first.on_hand.force_n, glm::dvec3(2, 0, 0));
   EXPECT_EQ(first.on_hand.torque_nm, glm::dvec3(0.1, 0.2, 0.3));
   EXPECT_EQ(first.points_proximity, 7u);

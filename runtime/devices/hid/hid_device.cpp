@@ -8,7 +8,7 @@
 #include <glm/geometric.hpp>
 
 #include "runtime/devices/hid/hid_report_descriptor.h"
-#include "runtime/loop/real_time.h"
+#include "runtime/machine/real_time.h"
 
 namespace forcelayer {
 namespace {
@@ -19,7 +19,7 @@ constexpr long long kSilentNs = 100 * kNsPerMs;  // without a new state: the con
 constexpr long long kShownNs = 20 * kNsPerMs;    // of a fault or watchdog, so that the loop sees it
 constexpr long long kResendNs = 1 * kNsPerMs;    // of a fading wrench
 constexpr long long kHeartbeatNs = 10 * kNsPerMs;  // of zero, below any sensible watchdog
-constexpr std::uint32_t kWatchdogUs = 20'000;      // DESIGN 7
+constexpr std::uint32_t kWatchdogUs = 20'000;      // of the device; hid_haptic_report.md
 constexpr double kMaxWatchdogS = 0.1, kMaxForceN = 100, kMaxTorqueNm = 10;
 
 std::uint32_t microseconds(long long ns) { return static_cast<std::uint32_t>(ns / 1000); }
@@ -244,7 +244,7 @@ void HidDevice::take_state(const HapticState& state, long long now_ns) noexcept 
   watch_ = {state, now_ns, 0, 0, HapticDefect::kNone, false};
 }
 
-// Every state is looked at for these, also those that a newer one overtakes.
+// Looks at every state, also at those that a newer one overtakes.
 void HidDevice::note_status(std::uint16_t status, long long now_ns) noexcept {
   const std::uint16_t bad = status & (kHapticWatchdog | kHapticFault);
   if (bad == 0) return;
@@ -344,7 +344,7 @@ std::vector<DeviceCounter> HidDevice::counters() const {
 }
 
 DeviceTrouble HidDevice::trouble() const {
-  // What it reported, unless the connection was lost since.
+  // The device's own report counts unless the connection was lost since.
   const std::uint16_t bad = bad_losses_.load() == link_.losses() ? bad_status_.load() : 0;
   if ((bad & kHapticFault) != 0) {
     return {"the device reports a fault", "look it up in its manual, and switch it off and on"};

@@ -11,11 +11,11 @@
 #include "runtime/devices/hid/hid_haptic_report.h"
 #include "runtime/devices/hid/hid_link.h"
 #include "runtime/devices/output_watch.h"
-#include "runtime/loop/latest_value.h"
+#include "runtime/machine/latest_value.h"
 
 namespace forcelayer {
 
-// What became of the reports, in numbers.
+// Counts of reports.
 struct HidStatistics {
   std::uint64_t states = 0;     // new ones
   std::uint64_t gaps = 0;       // sequence numbers that never came
@@ -52,7 +52,7 @@ class HidDevice final : public Device, private HidLinkClient {
     long long written_ns = 0;
     std::uint32_t frame = 0;
   };
-  // What the thread that reads has seen since the connection was made.
+  // The reading thread's view of this connection.
   struct Watch {
     HapticState newest;
     long long newest_ns = 0;                    // when it came
@@ -79,14 +79,14 @@ class HidDevice final : public Device, private HidLinkClient {
   std::unique_ptr<HidBus> bus_;
   double stale_s_;
   DeviceCapabilities capabilities_;
-  bool known_ = false;  // capabilities_ are those of a device that was attached
+  bool known_ = false;  // capabilities_ came from a device
   Watch watch_;
   LatestValue<HapticState> states_;
   LatestValue<Outgoing> outgoing_;
   HapticState state_;           // the loop's
   Outgoing newest_;             // the writer's
   std::uint32_t frame_ = 0;     // the loop's
-  std::uint32_t sequence_ = 0;  // of what was sent: attach(), then the writer
+  std::uint32_t sequence_ = 0;  // of the last report sent: by attach(), then by the writer
   sem_t written_;
   std::thread writer_;
   std::atomic<bool> writer_stop_{false}, write_failed_{false};

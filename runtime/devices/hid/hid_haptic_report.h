@@ -29,7 +29,7 @@ struct HapticState {
   std::uint16_t status = 0;
   std::uint32_t sequence = 0;
   std::uint32_t time_us = 0;  // the device's clock
-  Pose device_from_handle;    // orientation normalised
+  Pose device_from_handle;    // orientation normalized
   Twist velocity;             // of the handle's origin, device axes; zero where it is not sensed
   std::uint16_t buttons = 0;
   std::uint32_t echo = 0;  // sequence of the newest command that the device took
@@ -72,7 +72,7 @@ enum class HapticDefect : std::uint8_t {
 };
 const char* to_text(HapticDefect defect);
 
-// What a report from the device is, after length, checksum and version were checked.
+// The kind of a device's report. Checks length, checksum and version first.
 HapticDefect haptic_report_kind(std::span<const std::uint8_t> bytes, HapticKind& kind) noexcept;
 
 // Both check the whole report and leave the result alone where there is a defect.

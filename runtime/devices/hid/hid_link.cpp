@@ -3,13 +3,13 @@
 #include <array>
 #include <utility>
 
-#include "runtime/loop/real_time.h"
+#include "runtime/machine/real_time.h"
 
 namespace forcelayer {
 namespace {
 
 constexpr std::size_t kMaxReportBytes = 4096;
-constexpr int kMaxDrained = 256;  // four full queues of the kernel: then a look is due
+constexpr int kMaxDrained = 256;  // four full queues of the kernel; then look() is due
 constexpr int kStopLookMs = 10;   // how soon a wait sees that it is to stop
 
 DeviceTrouble described(Error error) {
@@ -26,7 +26,7 @@ Status HidLink::connect() {
   if (!port) return port.error();
   if (Status attached = client_.attach(**port, *info); !attached) return attached;
   port_ = std::move(*port);
-  // From now on this device and no other; its node's number may change.
+  // From now on only this device counts. Its node's number may change.
   selector_ = {info->vendor, info->product, info->serial, ""};
   connected_.store(true, std::memory_order_release);
   return {};
@@ -80,7 +80,7 @@ void HidLink::run() noexcept {
       wait_to_retry();
       if (stop_.load()) break;
       const Status again = connect();
-      // That it is not plugged in says no more than why it was lost.
+      // "Not plugged in" would replace the reason of the loss and say less.
       if (!again && again.error().code != ErrorCode::kDeviceNotFound)
         lose(described(again.error()));
       continue;

@@ -11,14 +11,14 @@
 
 namespace forcelayer {
 
-// Why a connection ends, as in DeviceTrouble; nullptr where it does not.
+// The reason why a connection ends, as in DeviceTrouble; null where it goes on.
 struct HidLoss {
   const char* what = nullptr;
   const char* mend = nullptr;
 };
 
-// What a driver does with its device. Everything but the first attach() of HidLink::start() is
-// called on the link's thread.
+// The driver of a device. HidLink::start() makes the first attach(); every other call comes from
+// the link's thread.
 class HidLinkClient {
  public:
   virtual ~HidLinkClient() = default;
@@ -28,14 +28,14 @@ class HidLinkClient {
 
   virtual void take_report(std::span<const std::uint8_t> report, long long now_ns) noexcept = 0;
 
-  // After all that waited was taken, and at least every kReadWaitMs. Why the connection is to be
-  // given up; else nothing.
+  // Called once all waiting reports were taken, and at least every kReadWaitMs. Returns the reason
+  // to give the connection up, or nothing.
   virtual HidLoss look(long long now_ns) noexcept = 0;
 
   virtual void detach() noexcept = 0;
 };
 
-// Which devices a driver is for.
+// The devices that a driver serves.
 struct HidFamily {
   std::string kind;                        // in messages: "haptic HID device"
   std::span<const std::uint16_t> vendors;  // empty: any
@@ -63,8 +63,8 @@ class HidLink {
   bool connected() const noexcept { return connected_.load(std::memory_order_acquire); }
   std::uint64_t losses() const noexcept { return losses_.load(std::memory_order_relaxed); }
 
-  // Why the device was lost last or cannot be had again; empty where it never was. Not for the
-  // loop's thread.
+  // The reason of the last loss or of the failed reconnection; empty where there was none. Not for
+  // the loop's thread.
   DeviceTrouble trouble() const;
 
  private:

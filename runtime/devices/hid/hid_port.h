@@ -1,5 +1,5 @@
-// HID devices as the drivers see them: found by what the user names, opened, read and written. One
-// implementation goes over hidapi; the tests have one of their own.
+// HID devices as the drivers see them: found by the user's choice, opened, read and written.
+// hidapi_bus.cpp implements this over hidapi; the tests have a bus of their own.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 
 namespace forcelayer {
 
-// Which device the user means; what is empty or 0 fits any.
+// The user's choice of a device. An empty or zero field fits any.
 struct HidSelector {
   std::uint16_t vendor = 0, product = 0;
   std::string serial;
@@ -56,15 +56,15 @@ class HidBus {
   // Devices that fit, one entry for each application collection. Not by path.
   virtual std::vector<HidDeviceInfo> list(const HidSelector& selector) = 0;
 
-  // Errors: kDeviceNotFound, or kDeviceFailed with what the user can do about it.
+  // Errors: kDeviceNotFound, or kDeviceFailed with the remedy.
   virtual Result<std::unique_ptr<HidPort>> open(const HidDeviceInfo& info) = 0;
 };
 
 // hidapi with its hidraw backend. Not to be used from two threads at once.
 std::unique_ptr<HidBus> make_hid_bus();
 
-// The device meant by `selector`: of those with `usage` where the selector names neither path nor
-// vendor. Errors: kDeviceNotFound; kUsage where several fit.
+// The device that `selector` names. Without a path or vendor in it, only devices with `usage`
+// count. Errors: kDeviceNotFound; kUsage where several fit.
 Result<HidDeviceInfo> find_hid_device(HidBus& bus, const HidSelector& selector,
                                       std::span<const std::uint16_t> vendors, std::uint32_t usage,
                                       const std::string& kind);

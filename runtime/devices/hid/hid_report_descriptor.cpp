@@ -62,7 +62,7 @@ class Parser {
             what, ""};
   }
 
-  // Each of these gives nullptr, or what is wrong.
+  // Each of these returns null, or the flaw.
   const char* next_item() {
     const std::uint8_t prefix = bytes_[at_++];
     if (prefix == kLongItem) return skip_long_item();

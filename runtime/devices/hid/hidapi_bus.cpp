@@ -15,7 +15,7 @@
 namespace forcelayer {
 namespace {
 
-// Serial numbers and names are ASCII in practice; what is not becomes '?'.
+// Serial numbers and names are ASCII in practice; any other character becomes '?'.
 std::string narrow(const wchar_t* wide) {
   std::string text;
   for (; wide != nullptr && *wide != 0; ++wide) {

@@ -5,7 +5,8 @@
 #include <glm/geometric.hpp>
 
 #include "runtime/coupling/coupling.h"
-#include "runtime/loop/real_time.h"
+#include "runtime/devices/sim_device.h"
+#include "runtime/machine/real_time.h"
 
 namespace forcelayer {
 namespace {
@@ -14,18 +15,13 @@ constexpr std::array<std::uint16_t, 2> kVendors = {0x256f, 0x046d};  // 3Dconnex
 constexpr double kMaxStepS = 0.1;  // a loop that slept does not jump
 constexpr double kAtRest = 1e-6;   // of full deflection
 
-// Without motors nothing of the hand bounds the coupling: what the simulated device bears does.
+// The device has no motors whose ratings could bound the coupling. It takes the simulated device's.
 DeviceCapabilities spacemouse_capabilities() {
-  DeviceCapabilities device;
+  DeviceCapabilities device = sim_capabilities();
   device.name = "spacemouse";
   device.actuated_axes = 0;
-  device.max_force_n = 15;
-  device.max_torque_nm = 0.1;
-  device.damping_ns_per_m = 2;
-  device.damping_nms_per_rad = 0.005;
-  device.delay_s = 0.001;
   device.rate_hz = 100;
-  device.senses_velocity = true;
+  device.watchdog_s = 0;
   device.hardware = true;
   return device;
 }

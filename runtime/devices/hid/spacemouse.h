@@ -1,4 +1,4 @@
-// `spacemouse`: 3Dconnexion's spring-centred caps. They sense, and give no force.
+// `spacemouse`: 3Dconnexion's spring-centerd caps. They sense, and give no force.
 #pragma once
 
 #include <memory>
@@ -6,7 +6,7 @@
 #include "forcelayer/device.h"
 #include "runtime/devices/hid/hid_link.h"
 #include "runtime/devices/hid/spacemouse_layout.h"
-#include "runtime/loop/latest_value.h"
+#include "runtime/machine/latest_value.h"
 
 namespace forcelayer {
 
@@ -60,7 +60,7 @@ class SpaceMouse final : public Device, private HidLinkClient {
   DeviceTrouble trouble() const override { return link_.trouble(); }
 
  private:
-  struct Received {
+  struct Report {
     SpaceMouseReading reading;
     long long moved_ns = 0;  // when the last report with axes came
   };
@@ -75,10 +75,10 @@ class SpaceMouse final : public Device, private HidLinkClient {
   DeviceCapabilities capabilities_;
   SpaceMouseLayout layout_;
   HidPort* port_ = nullptr;  // while attached
-  Received received_;        // the link's thread's
+  Report received_;          // the link's thread's
   bool news_ = false;        // received_ has been changed since it was handed over
-  LatestValue<Received> handed_;
-  Received held_;            // the loop's
+  LatestValue<Report> handed_;
+  Report held_;              // the loop's
   SpaceMouseMotion motion_;  // the loop's
   double time_s_ = 0;        // of the loop's last read()
   std::uint64_t sequence_ = 0;

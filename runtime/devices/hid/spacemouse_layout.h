@@ -1,5 +1,5 @@
-// Where a 3Dconnexion device keeps its axes, buttons and LED, from its report descriptor: models
-// differ in whether six axes come in one report or in two, and in sizes and ranges.
+// Finds the axes, buttons and LED of a 3Dconnexion device in its report descriptor. Models differ:
+// six axes come in one report or in two, in several sizes and ranges.
 #pragma once
 
 #include <array>
@@ -26,7 +26,7 @@ class SpaceMouseLayout {
   // Errors: kDeviceRefused where one of six axes is missing.
   static Result<SpaceMouseLayout> from(const HidReportDescriptor& descriptor);
 
-  // Takes what `report` has of axes and buttons into `reading`, and leaves the rest. Returns
+  // Takes the axes and buttons of `report` into `reading`, and leaves the others. Returns
   // whether it had any axis.
   bool take(std::span<const std::uint8_t> report, SpaceMouseReading& reading) const noexcept;
 

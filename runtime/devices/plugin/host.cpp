@@ -17,7 +17,7 @@
 
 #include "runtime/devices/output_watch.h"
 #include "runtime/devices/plugin/plugin_link.h"
-#include "runtime/loop/real_time.h"
+#include "runtime/machine/real_time.h"
 
 namespace forcelayer {
 namespace {
@@ -34,7 +34,7 @@ void fail(PluginLink& link, const std::string& what) {
   link.state.store(PluginState::kFailed, std::memory_order_release);
 }
 
-// What lies between the plugin and the loop: readings one way, watched wrenches the other.
+// Carries readings from the plugin to the loop, and watched wrenches back.
 class Exchange {
  public:
   Exchange(PluginLink& link, pid_t parent) : link_(link), parent_(parent), watch_(link.stale_s) {}
@@ -87,7 +87,7 @@ extern "C" int exchange_once(void* context, const forcelayer_plugin_reading* rea
   return exchange.ending() ? 1 : 0;
 }
 
-// Pull mode: the clock is ours.
+// Pull mode: this process keeps the clock.
 void pull(const forcelayer_plugin& plugin, void* device, double rate_hz, Exchange& exchange) {
   const auto period_ns = static_cast<long long>(1e9 / rate_hz);
   long long tick_ns = monotonic_ns();
@@ -126,7 +126,7 @@ const forcelayer_plugin* load(const char* library, PluginLink& link) {
   return plugin;
 }
 
-// A driver that hangs notices nothing: without the loop it must not hang on for ever.
+// A driver that hangs does not notice the end of the loop. This ends its process then.
 void end_after(pid_t parent) {
   std::thread([parent] {
     while (getppid() == parent) sleep_until_ns(monotonic_ns() + kLookNs);

@@ -14,7 +14,7 @@
 #include <system_error>
 #include <utility>
 
-#include "runtime/loop/real_time.h"
+#include "runtime/machine/real_time.h"
 
 namespace forcelayer {
 namespace {
@@ -46,7 +46,7 @@ std::string text_of(const char* characters, std::size_t room) {
 
 bool sound(double value) { return std::isfinite(value) && value >= 0; }
 
-// What is wrong with a handshake; nothing where it promises what it must.
+// The first flaw of a handshake; null where it has none.
 const char* flaw(const forcelayer_plugin_info& info) {
   if (info.abi != FORCELAYER_PLUGIN_ABI) return "was built for another version of the interface";
   if (info.si_units != FORCELAYER_PLUGIN_SI_UNITS) return "does not promise SI units";
@@ -225,7 +225,7 @@ void PluginDevice::stop() noexcept {
   process_ = -1;
 }
 
-// How its process ended says it, unless it ended because it was asked to.
+// The end of the process tells the trouble, unless stop() asked for it.
 DeviceTrouble PluginDevice::trouble() const {
   if (link_ == nullptr) return {};
   if (killed_) {

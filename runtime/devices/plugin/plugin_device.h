@@ -1,4 +1,4 @@
-// A device behind a plugin (forcelayer_plugin.h), which runs in a process of its own.
+// A device behind a plugin (forcelayer/plugin.h), which runs in a process of its own.
 #pragma once
 
 #include <sys/types.h>
@@ -19,8 +19,8 @@ struct PluginOptions {
   std::filesystem::path library;  // the plugin
   std::string arguments;          // for its open()
   std::filesystem::path host;     // the program voxrun-plugin; empty: beside the running program
-  double stale_s = kStaleLimitS;  // of the loop, as the plugin's process sees it
-  double open_s = 20;             // what open() may take: some devices calibrate first
+  double stale_s = kStaleLimitS;  // age at which the plugin's process drops a wrench
+  double open_s = 20;             // longest open(): some devices calibrate first
 };
 
 class PluginDevice final : public Device {
@@ -28,12 +28,12 @@ class PluginDevice final : public Device {
   explicit PluginDevice(PluginOptions options);
   ~PluginDevice() override;
 
-  // After start(), what the plugin declared.
+  // The plugin's declaration, after start().
   const DeviceCapabilities& capabilities() const override { return capabilities_; }
 
   // Starts the process and shakes hands. Errors: kDeviceNotFound where library or program are
   // missing, kDeviceFailed where the plugin cannot open its device or its process dies,
-  // kDeviceRefused where the handshake does not promise what it must.
+  // kDeviceRefused where the handshake lacks a promise.
   Status start() override;
 
   DeviceSample read(double time_s) noexcept override;

@@ -8,7 +8,7 @@
 
 #include "forcelayer/plugin.h"
 #include "forcelayer/stale_limit.h"
-#include "runtime/loop/latest_value.h"
+#include "runtime/machine/latest_value.h"
 
 namespace forcelayer {
 

@@ -1,4 +1,4 @@
-// The contacts of one pose, computed again from the two files: what a picture shows of a frame.
+// The contacts of one pose, computed again from the two files, for a picture.
 #pragma once
 
 #include <cstdint>
@@ -26,7 +26,7 @@ struct ViewPoint {
 // The most telling thing about a frame, in ascending order of weight.
 enum class FrameKind { kFree, kProximity, kForceLayer, kContact, kGuardCut, kPenetration };
 
-// What a legend calls it.
+// Its name in the legend.
 const char* frame_kind_name(FrameKind kind);
 
 struct ContactView {

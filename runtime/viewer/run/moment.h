@@ -20,7 +20,7 @@ struct Moment {
   std::uint32_t guard_cuts = 0;
   // Found from the files and the pose; without both files, the counts of the run alone.
   ContactView contacts;
-  bool other_files = false;  // what was found is clearly not what the run counted
+  bool other_files = false;  // the contacts differ clearly from the run's counts
 
   FrameKind kind() const;
 };
@@ -28,16 +28,16 @@ struct Moment {
 // The moment of a row; `handle_from_part` is the grip, for rows that do not tell the target.
 Moment moment_of(const TraceRow& row, const Pose& handle_from_part);
 
-// Puts what was found at its pose into a moment that has the counts of its run.
+// Puts the contacts found at its pose into a moment that has the counts of its run.
 void set_contacts(Moment& moment, ContactView found);
 
-// What a row says of its frame, without any file.
+// The kind of a row's frame, without the files.
 FrameKind kind_of(const TraceRow& row);
 
 // The grip of a run: the part starts without stretch, so its first row gives it.
 Pose grip_of(const TraceRow& first);
 
-// A few lines: time, force and torque; contacts and points; what is wrong.
+// A few lines: time, force and torque; contacts and points; warnings.
 std::vector<std::string> describe(const Moment& moment);
 
 // printf into a string.

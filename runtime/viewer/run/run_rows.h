@@ -1,9 +1,11 @@
-// A run as rows, from the trace of it or from its recording.
+// A run as rows: from its trace, from its recording, or from its pose stream while it goes on.
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
+#include "forcelayer/pose_receiver.h"
 #include "formats/result.h"
 #include "runtime/viewer/run/trace.h"
 
@@ -14,5 +16,11 @@ namespace forcelayer {
 Result<std::vector<TraceRow>> read_run(const std::filesystem::path& path,
                                        const std::filesystem::path& voxmap,
                                        const std::filesystem::path& shell);
+
+// Listens for a pose stream at "PORT" or "ADDRESS:PORT". Errors: kUsage, kReadFailed.
+Result<PoseReceiver> listen_at(const std::string& text);
+
+// A datagram of the stream as a row.
+TraceRow row_of(const PoseDatagram& datagram);
 
 }  // namespace forcelayer

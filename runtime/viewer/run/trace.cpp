@@ -55,7 +55,7 @@ Error bad_line(const std::filesystem::path& path, std::size_t line, const std::s
           "give the CSV that voxrun --trace wrote"};
 }
 
-// Where each of kColumns stands in the file.
+// The place of each of kColumns in the file.
 Result<std::array<std::size_t, kColumns.size()>> find_columns(const std::filesystem::path& path,
                                                               std::string_view header) {
   const auto names = split(header);

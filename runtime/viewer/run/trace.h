@@ -1,4 +1,4 @@
-// Reading the trace CSV that voxrun writes: one row a frame (README, "The trace").
+// Reads the trace CSV that voxrun writes, one row a frame (runtime/voxrun/trace.md).
 #pragma once
 
 #include <array>

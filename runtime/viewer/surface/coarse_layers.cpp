@@ -26,7 +26,7 @@ RelativeVoxel shifted_right(RelativeVoxel v, int bits) {
   return v;
 }
 
-// Which value a cell of several takes.
+// A cell with several values takes the one of the greatest weight.
 constexpr int weight_of(VoxelValue value) {
   constexpr std::array<int, 4> kWeight = {0, 2, 3, 1};  // free, interior, surface, proximity
   return kWeight[static_cast<unsigned>(value)];

@@ -22,26 +22,26 @@ struct Difference {
   bool borders(const RelativeVoxel& v) const { return !contains(v); }
 };
 
-struct Counted {
+struct Comparison {
   std::uint64_t only = 0, both = 0;  // voxels of the value in the one map, and in both
   QuadSurface surface;
 };
 
-Counted difference(const Voxmap& map, const Voxmap& other, VoxelValue value,
-                   const glm::dvec3& origin_m) {
+Comparison difference(const Voxmap& map, const Voxmap& other, VoxelValue value,
+                      const glm::dvec3& origin_m) {
   QuadWriter writer(map.view().directory_origin, map.voxel_size_m(), origin_m, Faces::kMerged);
   const Difference set{map, other, value};
   FaceFinder<Difference> finder(set, writer);
-  Counted counted;
+  Comparison result;
   const auto brick = [&](const RelativeVoxel& low) {
     std::uint64_t only = 0;
     for (int n = 0; n < 512; ++n) {
       const RelativeVoxel v = {low[0] + (n >> 6), low[1] + ((n >> 3) & 7), low[2] + (n & 7)};
       if (relative_value(map, v) != value) continue;
       const bool shared = set.other_value(v) == value;
-      (shared ? counted.both : only) += 1;
+      (shared ? result.both : only) += 1;
     }
-    counted.only += only;
+    result.only += only;
     if (only > 0) finder.brick(low);
   };
   const auto box = [&](const RelativeVoxel& low, std::int32_t edge, std::uint32_t code) {
@@ -53,8 +53,8 @@ Counted difference(const Voxmap& map, const Voxmap& other, VoxelValue value,
     }
   };
   walk_tree(map.view(), box, brick);
-  counted.surface = writer.take();
-  return counted;
+  result.surface = writer.take();
+  return result;
 }
 
 }  // namespace
@@ -67,8 +67,8 @@ Result<LayerChange> layer_change(const Voxmap& before, const Voxmap& after, Voxe
                      std::to_string(after.voxel_size_m()) + " m",
                  "bake both scenes with one --voxel-size"};
   }
-  Counted added = difference(after, before, layer, origin_m);
-  Counted removed = difference(before, after, layer, origin_m);
+  Comparison added = difference(after, before, layer, origin_m);
+  Comparison removed = difference(before, after, layer, origin_m);
   return LayerChange{added.only, removed.only, added.both, std::move(added.surface),
                      std::move(removed.surface)};
 }

@@ -1,4 +1,4 @@
-// What one bake has that another has not.
+// The difference between two bakes.
 #pragma once
 
 #include "formats/result.h"

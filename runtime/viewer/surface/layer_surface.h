@@ -14,7 +14,7 @@ QuadSurface layer_surface(const Voxmap& voxmap, VoxelValue layer, const glm::dve
                           Faces faces = Faces::kMerged);
 
 // The voxels of value `layer` with world index `index` along `axis`, as one sheet through their
-// upper (`side` 1) or lower (-1) faces: what a cut there shows.
+// upper (`side` 1) or lower (-1) faces, as a cut there shows them.
 QuadSurface slice_surface(const Voxmap& voxmap, VoxelValue layer, int axis, std::int64_t index,
                           int side, const glm::dvec3& origin_m);
 

@@ -1,5 +1,5 @@
-// Faces of voxel sets as flat rectangles: what a picture of a million voxels needs, where a cube
-// per voxel would be six times too much.
+// The faces of voxel sets as flat rectangles. A picture of a million voxels needs them: a cube per
+// voxel would be six times as much.
 #pragma once
 
 #include <array>
@@ -24,7 +24,7 @@ struct QuadSurface {
   std::uint64_t quad_count() const { return corners.size() / 4; }
 };
 
-// Whether neighbouring unit faces become one rectangle (within the 8x8 faces of a brick's side).
+// Whether neighboring unit faces become one rectangle (within the 8x8 faces of a brick's side).
 enum class Faces { kMerged, kSingle };
 
 using RelativeVoxel = std::array<std::int32_t, 3>;  // relative to a map's directory_origin
@@ -32,7 +32,7 @@ using RelativeVoxel = std::array<std::int32_t, 3>;  // relative to a map's direc
 // Adds faces to a surface, 8x8 at a time.
 class QuadWriter {
  public:
-  // `directory_origin` is what the voxels given to add() are relative to.
+  // The voxels given to add() are relative to `directory_origin`.
   QuadWriter(const std::array<std::int64_t, 3>& directory_origin, double voxel_size_m,
              const glm::dvec3& origin_m, Faces faces)
       : voxel_size_m_(voxel_size_m), faces_(faces) {
@@ -68,7 +68,7 @@ class FaceFinder {
  public:
   FaceFinder(const Set& set, QuadWriter& writer) : set_(set), writer_(writer) {}
 
-  // A box of which every voxel belongs to the set: only its sides can have faces.
+  // A box of voxels that all belong to the set: only its sides can have faces.
   void uniform_box(const RelativeVoxel& low, std::int32_t edge) {
     for (int axis = 0; axis < 3; ++axis) {
       const int u = (axis + 1) % 3, v = (axis + 2) % 3;
@@ -125,7 +125,7 @@ class FaceFinder {
     return mask;
   }
 
-  // Those bits of `mask` whose neighbour beyond `side` the set wants a face towards.
+  // The bits of `mask` whose voxel has a neighbor beyond `side` towards which the set wants a face.
   std::uint64_t bordering(const RelativeVoxel& tile, int axis, int side, std::uint64_t mask) const {
     std::uint64_t kept = 0;
     for (std::uint64_t rest = mask; rest != 0; rest &= rest - 1) {

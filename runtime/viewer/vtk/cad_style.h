@@ -1,4 +1,4 @@
-// How the mouse moves the camera: as in CAD programs.
+// The mouse moves the camera as in CAD programs.
 #pragma once
 
 #include <vtkInteractorStyleTrackballCamera.h>
@@ -9,7 +9,7 @@
 namespace forcelayer {
 
 // Left turns, middle or shift-left moves, right or wheel zooms, the wheel towards the pointer.
-// Keys and what else is pressed are the owner's.
+// The owner handles keys and other buttons.
 class CadStyle : public vtkInteractorStyleTrackballCamera {
  public:
   static CadStyle* New();
@@ -35,7 +35,7 @@ class CadStyle : public vtkInteractorStyleTrackballCamera {
 
   void zoom(double factor);  // the point under the pointer stays
 
-  bool dragging_ = false;  // what on_press took
+  bool dragging_ = false;  // a drag that on_press took
 };
 
 }  // namespace forcelayer

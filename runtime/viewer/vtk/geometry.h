@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "formats/pshell.h"
+#include "runtime/viewer/plan/view_scene.h"
 #include "runtime/viewer/run/contact_view.h"
 #include "runtime/viewer/surface/quad_surface.h"
-#include "runtime/viewer/view_scene.h"
 
 namespace forcelayer {
 

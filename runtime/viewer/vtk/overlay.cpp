@@ -24,37 +24,37 @@ void draw_swatch(Shapes& shapes, const LegendEntry& entry, double x, double y, d
       const double a = 2 * std::numbers::pi * n / corners;
       loop.push_back({x + r + radius * std::cos(a), y + r + radius * std::sin(a)});
     }
-    shapes.polygon(loop, entry.colour, entry.opacity);
+    shapes.polygon(loop, entry.color, entry.opacity);
   };
   switch (entry.swatch) {
     case Swatch::kSquare:
       shapes.box(x, y, x + size, y + size, kInk, 1);
       shapes.box(x + 1, y + 1, x + size - 1, y + size - 1, kBackground, 1);
-      shapes.box(x + 1, y + 1, x + size - 1, y + size - 1, entry.colour, entry.opacity);
+      shapes.box(x + 1, y + 1, x + size - 1, y + size - 1, entry.color, entry.opacity);
       break;
     case Swatch::kFramedSquare:
       shapes.box(x, y, x + size, y + size, kInk, 1);
-      shapes.box(x + 0.16 * size, y + 0.16 * size, x + 0.84 * size, y + 0.84 * size, entry.colour,
+      shapes.box(x + 0.16 * size, y + 0.16 * size, x + 0.84 * size, y + 0.84 * size, entry.color,
                  entry.opacity);
       break;
     case Swatch::kDot:
       round_shape(0.3 * size, 16);
       break;
     case Swatch::kSmallSquare:
-      shapes.box(x + 0.3 * size, y + 0.3 * size, x + 0.7 * size, y + 0.7 * size, entry.colour,
+      shapes.box(x + 0.3 * size, y + 0.3 * size, x + 0.7 * size, y + 0.7 * size, entry.color,
                  entry.opacity);
       break;
     case Swatch::kDiamond:
       round_shape(0.45 * size, 4);
       break;
     case Swatch::kArrow:
-      shapes.box(x, y + 0.44 * size, x + 0.6 * size, y + 0.56 * size, entry.colour, entry.opacity);
+      shapes.box(x, y + 0.44 * size, x + 0.6 * size, y + 0.56 * size, entry.color, entry.opacity);
       shapes.polygon(
           {{x + 0.55 * size, y + 0.2 * size}, {x + size, y + r}, {x + 0.55 * size, y + 0.8 * size}},
-          entry.colour, entry.opacity);
+          entry.color, entry.opacity);
       break;
     case Swatch::kLine:
-      shapes.box(x, y + 0.43 * size, x + size, y + 0.57 * size, entry.colour, entry.opacity);
+      shapes.box(x, y + 0.43 * size, x + size, y + 0.57 * size, entry.color, entry.opacity);
       break;
     case Swatch::kCoil:
       for (int n = 0; n < 4; ++n) {
@@ -63,7 +63,7 @@ void draw_swatch(Shapes& shapes, const LegendEntry& entry, double x, double y, d
                         {left + 0.07 * size, y + 0.15 * size},
                         {left + 0.25 * size, y + 0.85 * size},
                         {left + 0.18 * size, y + 0.85 * size}},
-                       entry.colour, entry.opacity);
+                       entry.color, entry.opacity);
       }
       break;
   }
@@ -117,7 +117,7 @@ struct Overlay::Drawing {
     shapes.clear();
   }
 
-  double title_right = 0, title_bottom = 0;  // of what draw_title() wrote
+  double title_right = 0, title_bottom = 0;  // of the title as drawn
 
   // A row of cells, more of them filled the weightier the frame, and its name; returns the new y.
   double draw_state(double y) {
@@ -130,7 +130,7 @@ struct Overlay::Drawing {
       shapes.box(x, low, x + side, low + side, kInk, 1);
       const bool filled = n < static_cast<int>(*state);
       shapes.box(x + rim, low + rim, x + side - rim, low + side - rim,
-                 filled ? colour_of(*state) : kBackground, 1);
+                 filled ? color_of(*state) : kBackground, 1);
     }
     const double words = left + (cells * (kCell + kGap) + 6) * scale;
     title_right =
@@ -201,9 +201,9 @@ struct Overlay::Drawing {
     }
   }
 
-  void draw_scale_bar(int width, double metres_per_pixel, int reserved) {
-    const ScaleLength bar = round_length(0.2 * width * metres_per_pixel);
-    const double length = bar.length_m / metres_per_pixel;
+  void draw_scale_bar(int width, double meters_per_pixel, int reserved) {
+    const ScaleLength bar = round_length(0.2 * width * meters_per_pixel);
+    const double length = bar.length_m / meters_per_pixel;
     const double x = width - 24 * scale - length, y = 22 * scale + reserved, thick = 5 * scale;
     shapes.box(x - 2 * scale, y - 2 * scale, x + length + 2 * scale, y + thick + 2 * scale,
                kBackground, 1);
@@ -231,7 +231,7 @@ void Overlay::set_state(std::optional<FrameKind> state) { drawing_->state = stat
 
 void Overlay::set_legend(const std::vector<LegendEntry>& entries) { drawing_->legend = entries; }
 
-void Overlay::lay_out(int width, int height, double metres_per_pixel, int reserved) {
+void Overlay::lay_out(int width, int height, double meters_per_pixel, int reserved) {
   constexpr double kWidth = 800, kHeight = 600, kSmallest = 0.75;  // of words that can be read
   Drawing& d = *drawing_;
   const double share = std::min(width / kWidth, height / kHeight) / d.full_scale;
@@ -239,7 +239,7 @@ void Overlay::lay_out(int width, int height, double metres_per_pixel, int reserv
   d.clear();
   d.draw_title(width, height);
   d.draw_legend(width, height, reserved);
-  if (metres_per_pixel > 0) d.draw_scale_bar(width, metres_per_pixel, reserved);
+  if (meters_per_pixel > 0) d.draw_scale_bar(width, meters_per_pixel, reserved);
 }
 
 ScaleLength round_length(double wanted_m) {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "runtime/viewer/legend.h"
+#include "runtime/viewer/plan/legend.h"
 #include "runtime/viewer/run/contact_view.h"
 
 namespace forcelayer {
@@ -22,10 +22,10 @@ class Overlay {
   void set_title(const std::vector<std::string>& lines);     // top left, the first one larger
   void set_state(std::optional<FrameKind> state);            // under its first line; none: no
   void set_legend(const std::vector<LegendEntry>& entries);  // top right
-  // Draws everything anew for a picture of that many pixels, one of which is `metres_per_pixel`;
+  // Draws everything anew for a picture of that many pixels, one of which is `meters_per_pixel`;
   // the lowest `reserved` pixels are left free. In a small picture words are smaller, long lines
   // are broken, and the legend ends where there is no more room.
-  void lay_out(int width, int height, double metres_per_pixel, int reserved = 0);
+  void lay_out(int width, int height, double meters_per_pixel, int reserved = 0);
 
  private:
   struct Drawing;

@@ -13,7 +13,7 @@
 #include <span>
 
 #include "formats/file/atomic_file.h"
-#include "runtime/viewer/style.h"
+#include "runtime/viewer/plan/style.h"
 #include "runtime/viewer/vtk/overlay.h"
 #include "runtime/viewer/vtk/stage.h"
 #include "runtime/viewer/vtk/triad.h"
@@ -105,7 +105,7 @@ Status write_picture(const std::filesystem::path& path, const ViewScene& scene,
     overlay.set_title(plan.title);
     if (plan.moment) overlay.set_state(plan.moment->kind());
     overlay.set_legend(legend_of(plan, scene));
-    overlay.lay_out(width, height, plan.metres_per_pixel() / sampling);
+    overlay.lay_out(width, height, plan.meters_per_pixel() / sampling);
   }
   layers.window->Render();
   vtkNew<vtkWindowToImageFilter> grab;

@@ -4,8 +4,8 @@
 #include <filesystem>
 
 #include "formats/result.h"
-#include "runtime/viewer/picture_plan.h"
-#include "runtime/viewer/view_scene.h"
+#include "runtime/viewer/plan/picture_plan.h"
+#include "runtime/viewer/plan/view_scene.h"
 
 namespace forcelayer {
 

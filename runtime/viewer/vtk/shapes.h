@@ -11,7 +11,7 @@
 
 #include <vector>
 
-#include "runtime/viewer/style.h"
+#include "runtime/viewer/plan/style.h"
 
 namespace forcelayer {
 
@@ -19,20 +19,20 @@ struct Pixel {
   double x, y;
 };
 
-// Convex polygons, each in one colour, drawn in the order in which they were added.
+// Convex polygons, each in one color, drawn in the order in which they were added.
 class Shapes {
  public:
   Shapes();
 
   vtkActor2D* actor() { return actor_; }
   void clear();
-  void polygon(const std::vector<Pixel>& corners, const Colour& colour, double opacity);
-  void box(double x0, double y0, double x1, double y1, const Colour& colour, double opacity);
+  void polygon(const std::vector<Pixel>& corners, const Color& color, double opacity);
+  void box(double x0, double y0, double x1, double y1, const Color& color, double opacity);
 
  private:
   vtkNew<vtkPoints> points_;
   vtkNew<vtkCellArray> polygons_;
-  vtkNew<vtkUnsignedCharArray> colours_;
+  vtkNew<vtkUnsignedCharArray> colors_;
   vtkNew<vtkPolyData> data_;
   vtkNew<vtkPolyDataMapper2D> mapper_;
   vtkNew<vtkActor2D> actor_;

@@ -24,7 +24,7 @@
 #include <glm/gtc/quaternion.hpp>
 #include <vector>
 
-#include "runtime/viewer/style.h"
+#include "runtime/viewer/plan/style.h"
 #include "runtime/viewer/surface/coarse_layers.h"
 #include "runtime/viewer/surface/layer_surface.h"
 #include "runtime/viewer/vtk/geometry.h"
@@ -41,13 +41,13 @@ constexpr std::array<VoxelValue, 3> kLayers = {VoxelValue::kInterior, VoxelValue
 // Rectangles of a layer that cost little beside filling the window without a graphics card.
 constexpr std::uint64_t kQuickRectangles = 20000;
 
-Actor actor_of(const PolyData& data, const Colour& colour) {
+Actor actor_of(const PolyData& data, const Color& color) {
   vtkNew<vtkPolyDataMapper> mapper;
   mapper->SetInputData(data);
   mapper->ScalarVisibilityOff();
   auto actor = Actor::New();
   actor->SetMapper(mapper);
-  actor->GetProperty()->SetColor(colour[0], colour[1], colour[2]);
+  actor->GetProperty()->SetColor(color[0], color[1], color[2]);
   actor->GetProperty()->SetInterpolationToFlat();
   return actor;
 }
@@ -56,15 +56,15 @@ void replace_data(const Actor& actor, const PolyData& data) {
   vtkPolyDataMapper::SafeDownCast(actor->GetMapper())->SetInputData(data);
 }
 
-Actor surface_actor(const PolyData& data, const Colour& colour) {
-  Actor actor = actor_of(data, colour);
+Actor surface_actor(const PolyData& data, const Color& color) {
+  Actor actor = actor_of(data, color);
   actor->GetProperty()->SetAmbient(0.45);
   actor->GetProperty()->SetDiffuse(0.6);
   return actor;
 }
 
-Actor line_actor(const PolyData& data, const Colour& colour, double width) {
-  Actor actor = actor_of(data, colour);
+Actor line_actor(const PolyData& data, const Color& color, double width) {
+  Actor actor = actor_of(data, color);
   actor->GetProperty()->LightingOff();
   actor->GetProperty()->SetLineWidth(static_cast<float>(width));
   return actor;
@@ -75,7 +75,7 @@ struct Glyphs {
   vtkSmartPointer<vtkGlyph3D> glyph = vtkSmartPointer<vtkGlyph3D>::New();
   Actor actor;
 
-  Glyphs(vtkPolyDataAlgorithm* shape, const Colour& colour, bool by_vector) {
+  Glyphs(vtkPolyDataAlgorithm* shape, const Color& color, bool by_vector) {
     glyph->SetSourceConnection(shape->GetOutputPort());
     glyph->SetVectorModeToUseVector();
     glyph->SetOrient(by_vector);
@@ -90,7 +90,7 @@ struct Glyphs {
     mapper->ScalarVisibilityOff();
     actor = Actor::New();
     actor->SetMapper(mapper);
-    actor->GetProperty()->SetColor(colour[0], colour[1], colour[2]);
+    actor->GetProperty()->SetColor(color[0], color[1], color[2]);
     actor->GetProperty()->SetAmbient(0.35);
   }
 
@@ -140,20 +140,20 @@ vtkSmartPointer<vtkMatrix4x4> matrix_of(const Pose& a_from_b, const glm::dvec3& 
 }  // namespace
 
 struct Stage::Actors {
-  // Drawn in this order, inner ones first: without depth peeling, what is translucent is blended as
-  // it comes.
+  // Drawn in this order, inner ones first: without depth peeling, translucent faces are blended in
+  // the order in which they come.
   VoxelFaces cut_interior, interior, added, removed;
   VoxelFaces quick_interior;
   VoxelFaces cut_force_layer, cut_proximity, force_layer, proximity;
   VoxelFaces quick_force_layer, quick_proximity;
   Actor meshes, mesh_edges;
   Actor part, part_edges, target, shell, spring;
-  Glyphs contact_points{sphere(), kContactColour, false};
-  Glyphs contact_forces{arrow(9), kContactColour, true};
-  Glyphs layer_points{sphere(), kForceLayerColour, false};
-  Glyphs proximity_points{vtkSmartPointer<vtkCubeSource>::New(), kProximityColour, false};
-  Glyphs interior_points{octahedron(), kPenetrationColour, false};
-  Glyphs net_force{arrow(20), kNetForceColour, true};
+  Glyphs contact_points{sphere(), kContactColor, false};
+  Glyphs contact_forces{arrow(9), kContactColor, true};
+  Glyphs layer_points{sphere(), kForceLayerColor, false};
+  Glyphs proximity_points{vtkSmartPointer<vtkCubeSource>::New(), kProximityColor, false};
+  Glyphs interior_points{octahedron(), kPenetrationColor, false};
+  Glyphs net_force{arrow(20), kNetForceColor, true};
 
   std::array<Glyphs*, 6> glyphs() {
     return {&contact_points,   &contact_forces,  &layer_points,
@@ -170,18 +170,17 @@ struct Stage::Actors {
   }
 
   Actors(vtkRenderer* world, bool change)
-      : cut_interior(world, kInteriorColour, 1),
-        interior(world, kInteriorColour, 1),
-        added(world, kAddedColour, 1),
-        removed(world, kRemovedColour, 1),
-        quick_interior(world, kInteriorColour, 1),
-        cut_force_layer(world, kForceLayerColour, 1),
-        cut_proximity(world, kProximityColour, 1),
-        force_layer(world, kForceLayerColour, change ? kUnchangedOpacity : kForceLayerOpacity),
-        proximity(world, kProximityColour, kProximityOpacity),
-        quick_force_layer(world, kForceLayerColour,
-                          change ? kUnchangedOpacity : kForceLayerOpacity),
-        quick_proximity(world, kProximityColour, kProximityOpacity) {}
+      : cut_interior(world, kInteriorColor, 1),
+        interior(world, kInteriorColor, 1),
+        added(world, kAddedColor, 1),
+        removed(world, kRemovedColor, 1),
+        quick_interior(world, kInteriorColor, 1),
+        cut_force_layer(world, kForceLayerColor, 1),
+        cut_proximity(world, kProximityColor, 1),
+        force_layer(world, kForceLayerColor, change ? kUnchangedOpacity : kForceLayerOpacity),
+        proximity(world, kProximityColor, kProximityOpacity),
+        quick_force_layer(world, kForceLayerColor, change ? kUnchangedOpacity : kForceLayerOpacity),
+        quick_proximity(world, kProximityColor, kProximityOpacity) {}
 };
 
 Stage::Stage(const ViewScene& scene, const std::optional<LayerChange>& change, vtkRenderer* world,
@@ -222,8 +221,8 @@ void Stage::build_scene() {
   }
   meshes->Update();
   edges->Update();
-  actors_->meshes = surface_actor(meshes->GetOutput(), kSceneColour);
-  actors_->mesh_edges = line_actor(edges->GetOutput(), kEdgeColour, 1);
+  actors_->meshes = surface_actor(meshes->GetOutput(), kSceneColor);
+  actors_->mesh_edges = line_actor(edges->GetOutput(), kEdgeColor, 1);
   world_->AddActor(actors_->meshes);
   world_->AddActor(actors_->mesh_edges);
 }
@@ -267,15 +266,15 @@ void Stage::build_part() {
   if (scene_.part) {
     const PolyData data = poly_data_of(*scene_.part);
     const PolyData edges = feature_edges_of(data);
-    a.part = surface_actor(data, kPartColour);
+    a.part = surface_actor(data, kPartColor);
     a.part_edges = line_actor(edges, kInk, 1.5);
-    a.target = line_actor(edges, kGhostColour, 2);
+    a.target = line_actor(edges, kGhostColor, 2);
   }
   if (scene_.shell) {
-    a.shell = surface_actor(discs_of(*scene_.shell), kPartColour);
+    a.shell = surface_actor(discs_of(*scene_.shell), kPartColor);
     a.shell->GetProperty()->SetPointSize(4);
   }
-  a.spring = line_actor(PolyData::New(), kGhostColour, 3);
+  a.spring = line_actor(PolyData::New(), kGhostColor, 3);
   for (const Actor& actor : {a.part, a.part_edges, a.target, a.shell, a.spring}) {
     if (actor != nullptr) world_->AddActor(actor);
   }
@@ -283,22 +282,22 @@ void Stage::build_part() {
 
 Stage::~Stage() { world_->RemoveObserver(observer_); }
 
-void Stage::show(const ShownSet& shown) {
+void Stage::show(const ItemSet& shown) {
   Actors& a = *actors_;
-  const auto set = [&](const Actor& actor, Shown what) {
+  const auto set = [&](const Actor& actor, Item what) {
     if (actor != nullptr) actor->SetVisibility(shown[what]);
   };
-  for (const Actor& actor : {a.meshes, a.mesh_edges}) set(actor, Shown::kMeshes);
-  for (const Actor& actor : {a.part, a.part_edges}) set(actor, Shown::kPart);
-  for (const Actor& actor : {a.target, a.spring}) set(actor, Shown::kHandle);
+  for (const Actor& actor : {a.meshes, a.mesh_edges}) set(actor, Item::kMeshes);
+  for (const Actor& actor : {a.part, a.part_edges}) set(actor, Item::kPart);
+  for (const Actor& actor : {a.target, a.spring}) set(actor, Item::kHandle);
   shown_ = shown;
   show_layers();
-  set(a.shell, Shown::kShell);
-  for (const Glyphs* glyphs : a.glyphs()) set(glyphs->actor, Shown::kContacts);
+  set(a.shell, Item::kShell);
+  for (const Glyphs* glyphs : a.glyphs()) set(glyphs->actor, Item::kContacts);
 }
 
 void Stage::show_layers() {
-  constexpr std::array<Shown, 3> kNames = {Shown::kInterior, Shown::kForceLayer, Shown::kProximity};
+  constexpr std::array<Item, 3> kNames = {Item::kInterior, Item::kForceLayer, Item::kProximity};
   const bool quickly = quickly_ && has_quick_;
   for (std::size_t n = 0; n < kNames.size(); ++n) {
     const bool shown = shown_[kNames[n]];
@@ -349,7 +348,7 @@ void Stage::face_camera() {
   const glm::dvec3 across = glm::normalize(sky - glm::dot(sky, to_eye) * to_eye);
   for (VoxelFaces* faces : actors_->bodies()) faces->face_camera(to_eye, across);
   for (VoxelFaces* faces : actors_->cuts()) faces->face_camera(to_eye, across);
-  world_->ResetCameraClippingRange();  // to what is visible from now on
+  world_->ResetCameraClippingRange();  // to the actors that are visible now
 }
 
 void Stage::aim(const CameraView& view) {

@@ -8,13 +8,13 @@
 #include <memory>
 #include <optional>
 
-#include "runtime/viewer/camera.h"
+#include "runtime/viewer/plan/camera.h"
+#include "runtime/viewer/plan/items.h"
+#include "runtime/viewer/plan/view_scene.h"
 #include "runtime/viewer/run/contact_view.h"
 #include "runtime/viewer/run/moment.h"
-#include "runtime/viewer/shown.h"
 #include "runtime/viewer/surface/cut.h"
 #include "runtime/viewer/surface/layer_change.h"
-#include "runtime/viewer/view_scene.h"
 
 namespace forcelayer {
 
@@ -28,16 +28,17 @@ class Stage {
   ~Stage();
 
   std::uint64_t voxel_rectangles() const { return voxel_rectangles_; }  // of all layers
-  void show(const ShownSet& shown);
-  // Makes ready what draw_quickly() shows, where the layers have too many faces to turn smoothly.
+  void show(const ItemSet& shown);
+  // Builds the coarse layers of draw_quickly(), where the layers have too many faces to turn
+  // smoothly.
   void build_quick_layers();
   // Layers in cells of several voxels, until told otherwise: for frames that must not take long.
   void draw_quickly(bool quickly);
   void aim(const CameraView& camera);
   void cut(const std::optional<Cut>& cut);
-  void make_plain();  // flat opaque colours without light or edges: a pixel tells what it shows
+  void make_plain();  // flat opaque colors without light or edges: a pixel's color names its item
   void place_part(const Pose& world_from_part);
-  // Where the part would be without contact, as an outline, with a spring to where it is.
+  // Draws the part at the coupling's target as an outline, with a spring from there to the part.
   void place_target(const Pose& world_from_part, const Pose& world_from_target);
   // Points and forces; the longest arrow, at the greatest depth, is `arrow_m` long.
   void place_contacts(const ContactView& contacts, double arrow_m);
@@ -59,7 +60,7 @@ class Stage {
   std::unique_ptr<Actors> actors_;
   std::uint64_t voxel_rectangles_ = 0;
   std::uint64_t most_rectangles_ = 0;  // of one layer
-  ShownSet shown_;
+  ItemSet shown_;
   bool has_quick_ = false, quickly_ = false;
   unsigned long observer_ = 0;  // of the start of a rendering
 };

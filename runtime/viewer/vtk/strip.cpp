@@ -14,9 +14,9 @@
 #include <array>
 #include <string>
 
-#include "runtime/viewer/legend.h"
+#include "runtime/viewer/plan/legend.h"
+#include "runtime/viewer/plan/style.h"
 #include "runtime/viewer/run/moment.h"
-#include "runtime/viewer/style.h"
 #include "runtime/viewer/vtk/shapes.h"
 
 namespace forcelayer {
@@ -35,7 +35,7 @@ struct Shape {
   vtkNew<vtkPolyData> data;
   vtkNew<vtkActor2D> actor;
 
-  Shape(vtkRenderer* renderer, const Colour& colour, bool filled) {
+  Shape(vtkRenderer* renderer, const Color& color, bool filled) {
     data->SetPoints(points);
     if (filled) {
       data->SetPolys(cells);
@@ -45,7 +45,7 @@ struct Shape {
     vtkNew<vtkPolyDataMapper2D> mapper;
     mapper->SetInputData(data);
     actor->SetMapper(mapper);
-    actor->GetProperty()->SetColor(colour[0], colour[1], colour[2]);
+    actor->GetProperty()->SetColor(color[0], color[1], color[2]);
     actor->GetProperty()->SetLineWidth(1.5f);
     renderer->AddActor2D(actor);
   }
@@ -74,10 +74,10 @@ struct Strip::Drawing {
   explicit Drawing(vtkRenderer* words)
       : renderer(words),
         paper(words, kBackground, true),
-        frame(words, kEdgeColour, false),
+        frame(words, kEdgeColor, false),
         bars(words),
         curve(words, kInk, false),
-        now(words, kContactColour, false) {
+        now(words, kContactColor, false) {
     paper.actor->GetProperty()->SetOpacity(0.85);
     text->GetTextProperty()->SetFontSize(13);
     text->GetTextProperty()->SetColor(kInk[0], kInk[1], kInk[2]);
@@ -119,7 +119,7 @@ void Strip::draw(const std::vector<StripPoint>& points, double begin_s, double e
   const auto end_bar = [&](double x) {
     if (bar_kind != FrameKind::kFree) {
       d.bars.box(bar_from, kBottom, std::max(x, bar_from + 1),
-                 kBottom + kBarStep * static_cast<double>(bar_kind), colour_of(bar_kind), 1);
+                 kBottom + kBarStep * static_cast<double>(bar_kind), color_of(bar_kind), 1);
     }
     bar_from = x;
   };

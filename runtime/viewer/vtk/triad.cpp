@@ -7,7 +7,7 @@
 
 #include <algorithm>
 
-#include "runtime/viewer/style.h"
+#include "runtime/viewer/plan/style.h"
 
 namespace forcelayer {
 

@@ -18,7 +18,7 @@ vtkPolyDataMapper* mapper_of(vtkActor* actor) {
   return vtkPolyDataMapper::SafeDownCast(actor->GetMapper());
 }
 
-// Never dark: what faces the camera is to be told apart from ink.
+// Never dark, so that faces towards the camera differ from ink.
 double shade_of(const glm::dvec3& normal, const glm::dvec3& to_eye, const glm::dvec3& up) {
   const glm::dvec3 right = glm::cross(up, to_eye);
   const glm::dvec3 to_light = kToLight[0] * right + kToLight[1] * up + kToLight[2] * to_eye;
@@ -27,8 +27,7 @@ double shade_of(const glm::dvec3& normal, const glm::dvec3& to_eye, const glm::d
 
 }  // namespace
 
-VoxelFaces::VoxelFaces(vtkRenderer* renderer, const Colour& colour, double opacity)
-    : colour_(colour) {
+VoxelFaces::VoxelFaces(vtkRenderer* renderer, const Color& color, double opacity) : color_(color) {
   for (auto& actor : actors_) {
     actor = vtkSmartPointer<vtkActor>::New();
     vtkNew<vtkPolyDataMapper> mapper;
@@ -55,10 +54,10 @@ void VoxelFaces::cut(vtkPlane* plane) {
   }
 }
 
-void VoxelFaces::draw_edges(const Colour& colour) {
+void VoxelFaces::draw_edges(const Color& color) {
   for (const auto& actor : actors_) {
     actor->GetProperty()->EdgeVisibilityOn();
-    actor->GetProperty()->SetEdgeColor(colour[0], colour[1], colour[2]);
+    actor->GetProperty()->SetEdgeColor(color[0], color[1], color[2]);
   }
 }
 
@@ -79,7 +78,7 @@ void VoxelFaces::face_camera(const glm::dvec3& to_eye, const glm::dvec3& up) {
         glm::dot(normal, to_eye) > kEdgeOn && mapper->GetInput()->GetNumberOfCells() > 0;
     actors_[n]->SetVisibility(shown_ && seen);
     const double shade = plain_ ? 1 : shade_of(normal, to_eye, up);
-    actors_[n]->GetProperty()->SetColor(shade * colour_[0], shade * colour_[1], shade * colour_[2]);
+    actors_[n]->GetProperty()->SetColor(shade * color_[0], shade * color_[1], shade * color_[2]);
   }
 }
 

@@ -9,7 +9,7 @@
 #include <array>
 #include <glm/vec3.hpp>
 
-#include "runtime/viewer/style.h"
+#include "runtime/viewer/plan/style.h"
 #include "runtime/viewer/surface/quad_surface.h"
 
 namespace forcelayer {
@@ -19,12 +19,12 @@ namespace forcelayer {
 // and none is lit pixel by pixel.
 class VoxelFaces {
  public:
-  VoxelFaces(vtkRenderer* renderer, const Colour& colour, double opacity);
+  VoxelFaces(vtkRenderer* renderer, const Color& color, double opacity);
 
   void set(const QuadSurface& surface);
   void show(bool shown) { shown_ = shown; }  // from the next face_camera() on
-  void cut(vtkPlane* plane);                 // takes away what lies behind it; null: nothing
-  void draw_edges(const Colour& colour);
+  void cut(vtkPlane* plane);                 // hides the faces behind it; null: none
+  void draw_edges(const Color& color);
   void make_plain();  // opaque, without shades or edges
 
   // Shows and shades the faces for a camera that looks from `to_eye` with `up` upwards (unit).
@@ -34,7 +34,7 @@ class VoxelFaces {
   static constexpr int kDirections = 6;
 
   std::array<vtkSmartPointer<vtkActor>, kDirections> actors_;
-  Colour colour_;
+  Color color_;
   bool shown_ = true, plain_ = false;
 };
 

@@ -3,6 +3,8 @@
 #include <vtkCallbackCommand.h>
 #include <vtkCamera.h>
 #include <vtkNew.h>
+#include <vtkObjectFactory.h>
+#include <vtkOpenGLRenderer.h>
 #include <vtkRenderWindow.h>
 #include <vtkRenderWindowInteractor.h>
 #include <vtkRenderer.h>
@@ -18,12 +20,11 @@
 #include <string>
 
 #include "formats/command/command.h"
-#include "runtime/viewer/keys.h"
-#include "runtime/viewer/legend.h"
-#include "runtime/viewer/run/live.h"
+#include "runtime/viewer/plan/keys.h"
+#include "runtime/viewer/plan/legend.h"
+#include "runtime/viewer/plan/style.h"
 #include "runtime/viewer/run/playback.h"
-#include "runtime/viewer/style.h"
-#include "runtime/viewer/vtk/blending_renderer.h"
+#include "runtime/viewer/run/run_rows.h"
 #include "runtime/viewer/vtk/cad_style.h"
 #include "runtime/viewer/vtk/overlay.h"
 #include "runtime/viewer/vtk/stage.h"
@@ -40,6 +41,20 @@ constexpr double kSmoothS = 0.03;
 constexpr double kRestS = 0.2;
 constexpr double kSilenceS = 1;    // after which a stream has ended
 constexpr int kTriadPixels = 130;  // beside the strip
+
+// A renderer that blends translucent faces as they come. Without depth peeling, VTK sums them in
+// floating-point buffers of the whole window and blends those in a second pass. Without a graphics
+// card that takes most of a frame, for layers of one color each whose order does not show.
+class BlendingRenderer : public vtkOpenGLRenderer {
+ public:
+  static BlendingRenderer* New();
+  vtkTypeMacro(BlendingRenderer, vtkOpenGLRenderer)
+
+      void DeviceRenderTranslucentPolygonalGeometry(vtkFrameBufferObjectBase*) override {
+    UpdateTranslucentPolygonalGeometry();
+  }
+};
+vtkStandardNewMacro(BlendingRenderer);
 
 class Window {
  public:
@@ -90,7 +105,7 @@ class Window {
     window_->SetSize(plan_.width, plan_.height);
     window_->SetWindowName(("voxview: " + plan_.title.front()).c_str());
     // No depth peeling, which takes ten times as long: all that is translucent at one place has one
-    // colour as a rule, and then the order of blending does not show.
+    // color as a rule, and then the order of blending does not show.
     world_->SetBackground(kBackground[0], kBackground[1], kBackground[2]);
     marks_->SetLayer(1);
     words_->SetLayer(2);
@@ -131,7 +146,7 @@ class Window {
     what->AddObserver(event, command);
   }
 
-  // What has happened since the last frame: time that passed, poses that came, keys, the mouse.
+  // Takes in the events since the last frame: passed time, poses, keys, the mouse.
   void tick() {
     const auto now = Clock::now();
     const double passed_s = std::chrono::duration<double>(now - last_).count();
@@ -202,7 +217,7 @@ class Window {
     if (cut_) {
       lines.push_back(text_of("cut at %c = %.1f mm, %s stays", "xyz"[cut_->axis],
                               1e3 * cut_ -> at_m,
-                              cut_ -> keep_low ? "what is below" : "what is above"));
+                              cut_ -> keep_low ? "the side below" : "the side above"));
     }
     if (help_) {
       lines.insert(lines.end(), kKeyLines.begin(), kKeyLines.end());
@@ -242,7 +257,7 @@ class Window {
     if (!quick_) full_frame_s_ = seconds_since(begin);
   }
 
-  // Whether the camera is not where it was at the last call, by what can be seen.
+  // Whether the camera has moved visibly since the last call.
   bool camera_moved() {
     vtkCamera* now = world_->GetActiveCamera();
     const auto numbers = [](const double* v) { return glm::dvec3(v[0], v[1], v[2]); };
@@ -319,7 +334,7 @@ class Window {
     if (key == "h") {
       help_ = !help_;
     } else if (key.size() == 1 && key[0] >= '1' && key[0] <= '8') {
-      shown_.toggle(static_cast<Shown>(key[0] - '1'));
+      shown_.toggle(static_cast<Item>(key[0] - '1'));
     } else if (!press_camera(key) && !press_cut(key)) {
       press_playback(key);
     }
@@ -418,7 +433,7 @@ class Window {
             {"max", at(1)}};
   }
 
-  // How long frames take while the camera turns: as a user sees them, and whole ones.
+  // Measures the time of frames while the camera turns: as a user sees them, and whole ones.
   Status measure_turning() {
     nlohmann::ordered_json report = report_of(plan_, scene_);
     if (scene_.voxmap) report["force_layer_voxels"] = scene_.voxmap->header().surface_voxels;
@@ -438,7 +453,7 @@ class Window {
   const ViewScene& scene_;
   const ViewOptions& options_;
   const PicturePlan& plan_;
-  ShownSet shown_;
+  ItemSet shown_;
   RunFeed feed_;
   std::optional<Playback> playback_;
   std::unique_ptr<ContactViewSource> contact_source_;
@@ -449,9 +464,9 @@ class Window {
   double speed_ = 1;  // of playing, in run time per time
   std::vector<StripPoint> strip_points_;
   bool help_ = false;
-  bool changed_ = false;        // what is shown is not what is so
+  bool changed_ = false;        // the picture is out of date
   bool quick_ = false;          // the last frame was drawn in coarser voxels
-  double smooth_s_ = kSmoothS;  // what a whole frame may take while the camera moves
+  double smooth_s_ = kSmoothS;  // longest whole frame while the camera moves
   double full_frame_s_ = 0;     // how long the last whole frame took
   Clock::time_point moved_;     // when the camera moved last
   std::array<glm::dvec3, 3> camera_place_{};

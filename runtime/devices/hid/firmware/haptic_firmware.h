@@ -5,11 +5,11 @@
  * The board's own code:
  *   - gives the USB stack kHapticReportDescriptor, and 64-byte interrupt endpoints at 1 kHz;
  *   - calls haptic_receive() for every report that comes;
- *   - calls haptic_motors() at every tick of its motor loop, from a timer that nothing can stop,
- * and puts exactly the wrench it gets on the motors. The watchdog lives in there: a host that is
- *     silent, stopped or gone is zero there, whatever else the firmware does;
- *   - calls haptic_next_report() once a millisecond and sends what it gets.
- * All three from one context, or with interrupts off around them. */
+ *   - calls haptic_motors() at every tick of its motor loop, from a timer that nothing can stop.
+ *     It puts exactly the returned wrench on the motors. The watchdog is inside: a host that is
+ *     silent, stopped or gone gives zero, whatever else the firmware does;
+ *   - calls haptic_next_report() once a millisecond and sends the report.
+ * All three run in one context, or with interrupts off around them. */
 #ifndef FORCELAYER_HAPTIC_FIRMWARE_H
 #define FORCELAYER_HAPTIC_FIRMWARE_H
 
@@ -23,13 +23,13 @@ enum { HAPTIC_REPORT_BYTES = 64, HAPTIC_REPORT_DESCRIPTOR_BYTES = 27 };
 
 extern const uint8_t kHapticReportDescriptor[HAPTIC_REPORT_DESCRIPTOR_BYTES];
 
-/* What the device can do; 0 in a rating: not stated. */
+/* The abilities of the device; 0 in a rating: not stated. */
 typedef struct {
   uint8_t sensed_axes;   /* bits 0-2 x y z, 3-5 rotation about them */
   uint8_t actuated_axes; /* the same */
   uint8_t senses_velocity;
   uint32_t max_force_un;   /* magnitude, micronewtons */
-  uint32_t max_torque_unm; /* magnitude, micronewton-metres */
+  uint32_t max_torque_unm; /* magnitude, micronewton-meters */
   uint32_t stiffness_mn_per_m;
   uint32_t stiffness_unm_per_rad;
   uint32_t damping_uns_per_m;
@@ -53,7 +53,7 @@ typedef struct {
 
 typedef struct {
   int32_t force_un[3];   /* micronewtons, device axes */
-  int32_t torque_unm[3]; /* micronewton-metres, about the handle's origin */
+  int32_t torque_unm[3]; /* micronewton-meters, about the handle's origin */
 } HapticWrench;
 
 typedef struct {
@@ -74,8 +74,8 @@ typedef struct {
 /* Latched at first: zero until a host has sent a zero wrench. */
 void haptic_init(HapticFirmware* device, const HapticDeviceRatings* ratings);
 
-/* A report from the host, of `bytes` bytes. Returns 1 where it was taken; anything else than a
- * sound command or hello changes nothing. */
+/* Takes a report of `bytes` bytes from the host. Returns 1 where it is a sound command or hello;
+ * anything else changes nothing. */
 int haptic_receive(HapticFirmware* device, const uint8_t* report, uint32_t bytes, uint32_t now_us);
 
 /* The wrench that the motors must have now. `fault` not 0: zero, and latched. */

@@ -1,0 +1,88 @@
+#include "runtime/machine/real_time.h"
+
+#include <errno.h>
+#include <pthread.h>
+#include <sched.h>
+#include <sys/mman.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <cstring>
+
+namespace forcelayer {
+namespace {
+
+constexpr int kPriority = 80;  // above interrupt threads' default of 50, below the watchdogs' 99
+constexpr std::size_t kStackBytes = 256 * 1024;
+constexpr long long kNsPerS = 1'000'000'000;
+
+void prefault_stack() noexcept {
+  unsigned char stack[kStackBytes];
+  std::memset(stack, 0, kStackBytes);
+  asm volatile("" : : "r"(stack) : "memory");  // keeps the compiler from dropping it
+}
+
+std::vector<std::string> no_priority(int number, const char* whose) {
+  return {std::string("no real-time priority") + whose + " (" + std::strerror(number) +
+          "): other programs will delay the loop; raise the rtprio limit "
+          "(/etc/security/limits.d: @realtime - rtprio 90)"};
+}
+
+}  // namespace
+
+std::vector<std::string> lock_memory() {
+  prefault_stack();
+  // Pages are locked as they are touched: a scene's untouched pages are never read.
+  if (mlockall(MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT) == 0) return {};
+  return {std::string("memory is not locked (") + std::strerror(errno) +
+          "): pages may be swapped out under the loop; raise the memlock limit "
+          "(/etc/security/limits.d: @realtime - memlock unlimited)"};
+}
+
+std::vector<std::string> take_real_time_priority() {
+  sched_param parameters{};
+  parameters.sched_priority = kPriority;
+  if (sched_setscheduler(0, SCHED_FIFO | SCHED_RESET_ON_FORK, &parameters) == 0) return {};
+  return no_priority(errno, "");
+}
+
+std::vector<std::string> give_real_time_priority(std::span<std::thread> helpers) {
+  cpu_set_t cores;
+  if (sched_getaffinity(0, sizeof cores, &cores) == 0 &&
+      static_cast<std::size_t>(CPU_COUNT(&cores)) <= helpers.size()) {
+    return {"no real-time priority for the query's helper threads: " +
+            std::to_string(helpers.size() + 1) + " threads on " +
+            std::to_string(CPU_COUNT(&cores)) + " cores; give fewer --threads"};
+  }
+  sched_param parameters{};
+  parameters.sched_priority = kPriority - 1;
+  for (std::thread& helper : helpers) {
+    const int refused = pthread_setschedparam(helper.native_handle(), SCHED_FIFO, &parameters);
+    if (refused != 0) return no_priority(refused, " for the query's helper threads");
+  }
+  return {};
+}
+
+long long monotonic_ns() noexcept {
+  timespec now{};
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return now.tv_sec * kNsPerS + now.tv_nsec;
+}
+
+double steal_seconds() {
+  std::FILE* const file = std::fopen("/proc/stat", "re");
+  if (file == nullptr) return 0;
+  unsigned long long stolen = 0;
+  const int read = std::fscanf(file, "cpu %*u %*u %*u %*u %*u %*u %*u %llu", &stolen);
+  std::fclose(file);
+  return read == 1 ? static_cast<double>(stolen) / static_cast<double>(sysconf(_SC_CLK_TCK)) : 0;
+}
+
+void sleep_until_ns(long long deadline_ns) noexcept {
+  const timespec deadline{deadline_ns / kNsPerS, static_cast<long>(deadline_ns % kNsPerS)};
+  while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &deadline, nullptr) == EINTR) {
+  }
+}
+
+}  // namespace forcelayer

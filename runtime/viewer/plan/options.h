@@ -1,0 +1,65 @@
+// The command line of voxview.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "forcelayer/parameters.h"
+#include "forcelayer/pose.h"
+#include "formats/result.h"
+#include "runtime/viewer/plan/items.h"
+#include "runtime/viewer/plan/view_scene.h"
+#include "runtime/viewer/surface/cut.h"
+
+namespace CLI {
+class App;
+}
+
+namespace forcelayer {
+
+enum class Focus { kAuto, kPart, kScene };
+
+struct ViewOptions {
+  ViewInputs inputs;
+  std::string screenshot, json, frame_times;
+  int width = 1600, height = 1000;  // pixels
+  std::string run;                  // trace or recording
+  std::optional<double> at_s;
+  std::string listen;                    // [ADDRESS:]PORT of a pose stream
+  std::optional<double> duration_s;      // of the window, or of listening before a picture
+  std::optional<Pose> world_from_part;   // --part-pose
+  std::optional<Pose> handle_from_part;  // --grip
+  Model model = kDefaultModel;
+  std::optional<ForceKind> force;
+  std::optional<glm::dvec3> to_eye;
+  Focus focus = Focus::kAuto;
+  std::optional<int> pixels_per_voxel;
+  std::optional<Cut> cut;
+  std::optional<ItemSet> shown;
+  bool plain = false;
+};
+
+// Holds the texts that CLI11 fills in. finish() turns them into ViewOptions and finds
+// contradictions.
+class ViewOptionParser {
+ public:
+  explicit ViewOptionParser(CLI::App& app);
+
+  // Errors: kUsage.
+  Result<ViewOptions> finish() const;
+
+ private:
+  struct Texts {
+    std::string units, part_units, size = "1600x1000", at, duration, part_pose, grip, model, force;
+    std::string view_from, focus = "auto", cut, shown;
+    int pixels_per_voxel = 0;
+  };
+  Status read_units(ViewOptions& options) const;
+  Status read_moment(ViewOptions& options) const;
+  Status read_camera(ViewOptions& options) const;
+
+  ViewOptions options_;
+  Texts texts_;
+};
+
+}  // namespace forcelayer

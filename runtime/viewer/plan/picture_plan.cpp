@@ -1,0 +1,188 @@
+#include "runtime/viewer/plan/picture_plan.h"
+
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <nlohmann/json.hpp>
+
+namespace forcelayer {
+namespace {
+
+std::optional<Moment> plan_moment(const ViewOptions& options, const std::vector<TraceRow>& rows) {
+  std::optional<Moment> moment;
+  if (options.world_from_part) {
+    moment.emplace();
+    moment->world_from_part = *options.world_from_part;
+  } else if (!rows.empty()) {
+    const std::size_t at = options.at_s ? row_at(rows, *options.at_s) : strongest_row(rows);
+    moment = moment_of(rows[at], options.handle_from_part.value_or(grip_of(rows.front())));
+  }
+  return moment;
+}
+
+// Points that a picture of the part should not lose behind the scene: contacts and the shell.
+std::vector<glm::dvec3> points_to_see(const ViewScene& scene, const Moment& moment) {
+  constexpr std::uint64_t kEnough = 400;
+  std::vector<glm::dvec3> points;
+  for (const ViewPoint& point : moment.contacts.points) points.push_back(point.position_m);
+  const PshellView& shell = scene.shell->view();
+  const Pose center = world_from_center(moment.world_from_part, *scene.shell);
+  const std::uint64_t stride = 1 + shell.point_count / kEnough;
+  for (std::uint64_t n = 0; n < shell.point_count; n += stride) {
+    points.push_back(center.position_m +
+                     center.orientation * glm::dvec3(shell.x[n], shell.y[n], shell.z[n]));
+  }
+  return points;
+}
+
+glm::dvec3 sum_of_forces(const ContactView& contacts) {
+  glm::dvec3 sum(0);
+  for (const ViewPoint& point : contacts.points) sum += point.depth_m * point.direction;
+  return sum;
+}
+
+CameraView part_camera(const ViewOptions& options, const ViewScene& scene, const Moment& moment) {
+  glm::dvec3 direction = options.to_eye.value_or(default_direction());
+  if (!options.to_eye && scene.voxmap) {
+    direction = clearest_direction(*scene.voxmap, points_to_see(scene, moment),
+                                   sum_of_forces(moment.contacts),
+                                   glm::length(scene.bounds.high_m - scene.bounds.low_m));
+  }
+  CameraView view = camera_along(direction);
+  view.target_m = world_from_center(moment.world_from_part, *scene.shell).position_m;
+  view.half_height_m = kPartFocus * scene.shell->header().bounding_radius_m;
+  return view;
+}
+
+CameraView plan_camera(const ViewOptions& options, const ViewScene& scene,
+                       const std::optional<Moment>& moment) {
+  const bool on_part = options.focus != Focus::kScene && moment && scene.shell;
+  CameraView view = on_part ? part_camera(options, scene, *moment)
+                            : frame_box(box_of(scene), options.to_eye.value_or(default_direction()),
+                                        static_cast<double>(options.width) / options.height);
+  if (options.pixels_per_voxel && scene.voxmap) {
+    // Pixels line up with voxels seen along an axis.
+    const double s = scene.voxmap->voxel_size_m();
+    view.half_height_m = 0.5 * options.height * s / *options.pixels_per_voxel;
+    for (int axis = 0; axis < 3; ++axis) {
+      view.target_m[axis] = std::round(view.target_m[axis] / s) * s;
+    }
+  }
+  return view;
+}
+
+Status plan_change(const ViewScene& scene, PicturePlan& plan) {
+  auto change = layer_change(*scene.before, *scene.voxmap, VoxelValue::kSurface, scene.origin_m);
+  if (!change) return change.error();
+  plan.title = {scene.before_name + " -> " + scene.voxmap_name,
+                text_of("force layer: %llu voxels added, %llu removed, %llu kept",
+                        static_cast<unsigned long long>(change->added),
+                        static_cast<unsigned long long>(change->removed),
+                        static_cast<unsigned long long>(change->kept))};
+  plan.change = std::move(*change);
+  return {};
+}
+
+nlohmann::ordered_json numbers(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
+
+}  // namespace
+
+WorldBox box_of(const ViewScene& scene) {
+  if (!scene.bounds.empty) return scene.bounds;
+  WorldBox box;
+  const double radius_m = scene.shell ? scene.shell->header().bounding_radius_m : 1;
+  box.add(glm::dvec3(-radius_m));
+  box.add(glm::dvec3(radius_m));
+  return box;
+}
+
+Result<std::unique_ptr<ContactViewSource>> make_contact_source(const ViewOptions& options,
+                                                               const ViewScene& scene) {
+  const ForceKind force = options.force.value_or(usual_force(options.model, *scene.voxmap));
+  auto field = make_force_field(options.model, force, *scene.voxmap);
+  if (!field) return field.error();
+  return std::make_unique<ContactViewSource>(*scene.voxmap, *scene.shell, options.model,
+                                             std::move(*field));
+}
+
+std::string describe(const ViewScene& scene) {
+  std::string line;
+  if (scene.voxmap) {
+    const VoxmapHeader& header = scene.voxmap->header();
+    line = text_of("%s: %g mm voxels, %u offset layers, %llu force-layer voxels",
+                   scene.voxmap_name.c_str(), 1e3 * header.voxel_size_m, header.offset_layers,
+                   static_cast<unsigned long long>(header.surface_voxels));
+  }
+  if (scene.shell) {
+    line += line.empty() ? "" : "    ";
+    line += text_of("%s: %llu points", scene.shell_name.c_str(),
+                    static_cast<unsigned long long>(scene.shell->header().point_count));
+  }
+  if (line.empty()) line = text_of("%zu meshes", scene.meshes.size());
+  return line;
+}
+
+Status add_moment(const ViewOptions& options, const ViewScene& scene, Moment moment,
+                  PicturePlan& plan) {
+  if (scene.voxmap && scene.shell) {
+    auto source = make_contact_source(options, scene);
+    if (!source) return source.error();
+    set_contacts(moment, (*source)->at(moment.world_from_part));
+  }
+  for (const std::string& line : describe(moment)) plan.title.push_back(line);
+  plan.moment = std::move(moment);
+  plan.camera = plan_camera(options, scene, plan.moment);
+  return {};
+}
+
+Result<PicturePlan> plan_picture(const ViewOptions& options, const ViewScene& scene,
+                                 const std::vector<TraceRow>& rows) {
+  PicturePlan plan;
+  plan.width = options.width;
+  plan.height = options.height;
+  plan.shown = options.shown.value_or(default_items(scene));
+  plan.cut = options.cut;
+  plan.plain = options.plain;
+  plan.title = {describe(scene)};
+  std::optional<Moment> moment = plan_moment(options, rows);
+  if (scene.before) {
+    if (Status change = plan_change(scene, plan); !change) return change.error();
+  }
+  plan.camera = plan_camera(options, scene, plan.moment);
+  if (moment) {
+    if (Status added = add_moment(options, scene, std::move(*moment), plan); !added) {
+      return added.error();
+    }
+  }
+  return plan;
+}
+
+nlohmann::ordered_json report_of(const PicturePlan& plan, const ViewScene& scene) {
+  nlohmann::ordered_json report;
+  report["width"] = plan.width;
+  report["height"] = plan.height;
+  report["metres_per_pixel"] = plan.meters_per_pixel();
+  report["target_m"] = numbers(plan.camera.target_m);
+  report["to_eye"] = numbers(plan.camera.to_eye);
+  report["up"] = numbers(plan.camera.up);
+  report["meshes"] = scene.meshes.size();
+  if (plan.moment) {
+    const Moment& moment = *plan.moment;
+    auto& json = report["moment"];
+    if (moment.time_s) json["t_s"] = *moment.time_s;
+    json["kind"] = frame_kind_name(moment.kind());
+    json["points_proximity"] = moment.contacts.proximity;
+    json["points_surface"] = moment.contacts.surface;
+    json["points_interior"] = moment.contacts.interior;
+    json["contacts"] = moment.contacts.contacts;
+    json["deepest_m"] = moment.contacts.deepest_m;
+    if (moment.on_hand) json["force_n"] = numbers(moment.on_hand->force_n);
+  }
+  if (plan.change) {
+    report["change"] = {{"added", plan.change->added},
+                        {"removed", plan.change->removed},
+                        {"kept", plan.change->kept}};
+  }
+  return report;
+}
+
+}  // namespace forcelayer

@@ -1,0 +1,55 @@
+// The plan of a picture: its contents and its camera, before anything is drawn.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "formats/result.h"
+#include "runtime/viewer/plan/camera.h"
+#include "runtime/viewer/plan/options.h"
+#include "runtime/viewer/plan/view_scene.h"
+#include "runtime/viewer/run/moment.h"
+#include "runtime/viewer/surface/layer_change.h"
+
+namespace forcelayer {
+
+struct PicturePlan {
+  int width = 0, height = 0;  // pixels
+  std::vector<std::string> title;
+  CameraView camera;
+  ItemSet shown;
+  std::optional<Cut> cut;
+  std::optional<Moment> moment;
+  std::optional<LayerChange> change;  // of the force layer
+  bool plain = false;
+
+  double meters_per_pixel() const { return 2 * camera.half_height_m / height; }
+};
+
+inline constexpr double kPartFocus = 2.2;  // half of a picture's height, in radii of the part
+
+// The scene's box, or the part's at its own origin where there is nothing else.
+WorldBox box_of(const ViewScene& scene);
+
+// Computes the moment, its contacts, the change and the camera that `options` ask for; `rows` are
+// those of options.run, if there is one.
+Result<PicturePlan> plan_picture(const ViewOptions& options, const ViewScene& scene,
+                                 const std::vector<TraceRow>& rows);
+
+// Sets the moment of `plan`, with its contacts, words and camera.
+Status add_moment(const ViewOptions& options, const ViewScene& scene, Moment moment,
+                  PicturePlan& plan);
+
+// The contacts of `scene`, which must have both a voxmap and a shell.
+Result<std::unique_ptr<ContactViewSource>> make_contact_source(const ViewOptions& options,
+                                                               const ViewScene& scene);
+
+// One line on the files that are shown.
+std::string describe(const ViewScene& scene);
+
+// The plan in numbers, for scripts.
+nlohmann::ordered_json report_of(const PicturePlan& plan, const ViewScene& scene);
+
+}  // namespace forcelayer

@@ -1,0 +1,159 @@
+#include "runtime/viewer/plan/view_scene.h"
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <glm/common.hpp>
+
+#include "formats/mesh/scene.h"
+
+namespace forcelayer {
+namespace {
+
+std::string extension_of(const std::string& path) {
+  std::string extension = std::filesystem::path(path).extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension;
+}
+
+glm::dvec3 place(const ScenePart& part, const Vec3d& vertex) {
+  const Vec3d p = apply(part.world_from_mesh, vertex);
+  return {p[0], p[1], p[2]};
+}
+
+void add_bounds(const Scene& scene, WorldBox& box) {
+  for (const ScenePart& part : scene.parts) {
+    for (const Vec3d& vertex : scene.mesh_of(part).vertices) box.add(place(part, vertex));
+  }
+}
+
+ViewMesh view_mesh_of(const Scene& scene, const ScenePart& part, const glm::dvec3& origin_m) {
+  const Mesh& mesh = scene.mesh_of(part);
+  ViewMesh view{part.name, {}, mesh.triangles};
+  view.points.reserve(mesh.vertices.size());
+  for (const Vec3d& vertex : mesh.vertices) {
+    const glm::dvec3 p = place(part, vertex) - origin_m;
+    view.points.push_back(
+        {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)});
+  }
+  return view;
+}
+
+Error twice(const std::string& path, const char* kind) {
+  return {ErrorCode::kUsage, path, "", std::string("a second ") + kind,
+          "give one, or --compare to set two beside each other"};
+}
+
+Status load_baked(const std::string& path, ViewScene& scene) {
+  const std::string name = std::filesystem::path(path).filename().string();
+  if (extension_of(path) == ".vox") {
+    if (scene.voxmap) return twice(path, "voxmap");
+    auto voxmap = Voxmap::open(path);
+    if (!voxmap) return voxmap.error();
+    scene.voxmap = std::move(*voxmap);
+    scene.voxmap_name = name;
+    scene.voxmap_path = path;
+  } else {
+    if (scene.shell) return twice(path, "shell");
+    auto shell = Pshell::open(path);
+    if (!shell) return shell.error();
+    scene.shell = std::move(*shell);
+    scene.shell_name = name;
+    scene.shell_path = path;
+  }
+  return {};
+}
+
+Status load_before(const std::string& path, ViewScene& scene) {
+  if (path.empty()) return {};
+  if (!scene.voxmap) {
+    return Error{ErrorCode::kUsage, path, "", "nothing to compare it with",
+                 "give the later .vox too, as in --compare before.vox after.vox"};
+  }
+  auto before = Voxmap::open(path);
+  if (!before) return before.error();
+  scene.before = std::move(*before);
+  scene.before_name = std::filesystem::path(path).filename().string();
+  return {};
+}
+
+void add_box(const std::optional<Voxmap>& voxmap, WorldBox& bounds) {
+  if (!voxmap) return;
+  const WorldBox box = voxmap_box(*voxmap);
+  if (box.empty) return;
+  bounds.add(box.low_m);
+  bounds.add(box.high_m);
+}
+
+// The meshes of the part as one, in its frame.
+Status load_part(const ViewInputs& inputs, ViewScene& scene) {
+  const auto unit_m = inputs.part_unit_m ? inputs.part_unit_m : inputs.unit_m;
+  const auto part = read_scene(std::array{inputs.part}, unit_m);
+  if (!part) return part.error();
+  scene.warnings.insert(scene.warnings.end(), part->warnings.begin(), part->warnings.end());
+  ViewMesh whole{inputs.part, {}, {}};
+  for (const ScenePart& piece : part->parts) {
+    const ViewMesh mesh = view_mesh_of(*part, piece, glm::dvec3(0));
+    const auto base = static_cast<std::uint32_t>(whole.points.size());
+    whole.points.insert(whole.points.end(), mesh.points.begin(), mesh.points.end());
+    for (const Triangle& t : mesh.triangles) {
+      whole.triangles.push_back({t[0] + base, t[1] + base, t[2] + base});
+    }
+  }
+  scene.part = std::move(whole);
+  return {};
+}
+
+}  // namespace
+
+void WorldBox::add(const glm::dvec3& point_m) {
+  low_m = empty ? point_m : glm::min(low_m, point_m);
+  high_m = empty ? point_m : glm::max(high_m, point_m);
+  empty = false;
+}
+
+WorldBox voxmap_box(const Voxmap& voxmap) {
+  const VoxmapHeader& header = voxmap.header();
+  WorldBox box;
+  if (header.dims_voxels[0] == 0) return box;
+  glm::dvec3 low(0), high(0);
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto first = static_cast<double>(header.origin_voxel[axis]);
+    low[axis] = first * header.voxel_size_m;
+    high[axis] = (first + static_cast<double>(header.dims_voxels[axis])) * header.voxel_size_m;
+  }
+  box.add(low);
+  box.add(high);
+  return box;
+}
+
+Result<ViewScene> load_view_scene(const ViewInputs& inputs) {
+  ViewScene view;
+  std::vector<std::string> mesh_inputs;
+  for (const std::string& path : inputs.inputs) {
+    const std::string extension = extension_of(path);
+    if (extension != ".vox" && extension != ".pshell") {
+      mesh_inputs.push_back(path);
+    } else if (Status loaded = load_baked(path, view); !loaded) {
+      return loaded.error();
+    }
+  }
+  if (Status loaded = load_before(inputs.before, view); !loaded) return loaded.error();
+  const auto scene = read_scene(mesh_inputs, inputs.unit_m);
+  if (!scene) return scene.error();
+  view.warnings = scene->warnings;
+  add_bounds(*scene, view.bounds);
+  add_box(view.voxmap, view.bounds);
+  add_box(view.before, view.bounds);
+  view.origin_m = view.bounds.middle_m();
+  for (const ScenePart& part : scene->parts) {
+    view.meshes.push_back(view_mesh_of(*scene, part, view.origin_m));
+  }
+  if (!inputs.part.empty()) {
+    if (Status loaded = load_part(inputs, view); !loaded) return loaded.error();
+  }
+  return view;
+}
+
+}  // namespace forcelayer
