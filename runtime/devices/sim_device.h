@@ -1,8 +1,8 @@
 // The simulated device: a hand that follows a script, and feels nothing.
 #pragma once
 
-#include "forcelayer/device.h"
 #include "forcelayer/placement.h"
+#include "runtime/devices/device.h"
 #include "runtime/devices/motion_script.h"
 
 namespace forcelayer {

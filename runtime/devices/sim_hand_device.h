@@ -1,8 +1,8 @@
 // The simulated device with a simulated hand on it: the hand follows a script, and feels the loop.
 #pragma once
 
-#include "forcelayer/device.h"
 #include "forcelayer/placement.h"
+#include "runtime/devices/device.h"
 #include "runtime/devices/motion_script.h"
 #include "runtime/devices/sim_hand.h"
 

@@ -1,13 +1,38 @@
-// One frame as the loop hands it to other threads: recorder, trace, pose stream, console.
+// One period of the loop: input, outcome and output.
 #pragma once
 
 #include <cstdint>
 
 #include "forcelayer/input_health.h"
 #include "forcelayer/step.h"
-#include "runtime/loop/output_stage.h"
 
 namespace forcelayer {
+
+// Whether the device's motors get a force. The numbers stand in the pose stream.
+enum class OutputState : std::uint32_t {
+  kWaiting,  // not armed yet: zero
+  kArmed,    // ramping in or at full output
+  kTripped,  // latched at zero until armed again
+};
+
+// Why the output tripped last.
+enum class TripCause : std::uint32_t {
+  kNone,
+  kDeviceLost,      // the device does not answer
+  kNotCalibrated,   // its poses cannot be trusted
+  kFrozen,          // no fresh reading within the stale limit
+  kInputNotFinite,  // NaN, infinity, or no unit quaternion
+  kImplausible,     // far outside the workspace, or faster there than any hand
+  kOverSpeed,       // the hand was faster than the limit
+  kNotFinite,       // the motion overflowed
+  kLoopLate,        // a frame began later than the stale limit allows
+  kOutputHeld,      // the device's own side keeps the motors at zero
+  kMapLost,         // a baked file was cut short or written to
+};
+
+// The cause, and what to do about it, each a part of a sentence.
+const char* to_text(TripCause cause);
+const char* how_to_mend(TripCause cause);
 
 struct Frame {
   std::uint64_t number = 0;  // from 0

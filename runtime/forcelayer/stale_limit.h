@@ -3,7 +3,7 @@
 
 namespace forcelayer {
 
-// The host's: older than this, neither a reading nor a wrench counts (DESIGN 7).
+// Older than this, neither a reading nor a wrench counts.
 inline constexpr double kStaleLimitS = 0.005;
 
 }  // namespace forcelayer

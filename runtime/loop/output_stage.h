@@ -1,11 +1,10 @@
 // What stands between the step's wrench and the motors: arming, ramps, limits, and the way to fail
-// (DESIGN 7). A pure state machine: the same inputs give the same outputs.
+// A pure state machine: the same inputs give the same outputs.
 #pragma once
 
 #include <cstdint>
 
-#include "forcelayer/input_health.h"
-#include "forcelayer/pose.h"
+#include "forcelayer/frame.h"
 #include "forcelayer/stale_limit.h"
 
 namespace forcelayer {
@@ -23,31 +22,6 @@ struct OutputLimits {
   bool rearm_alone = false;       // arm again without the user once a trip's cause is gone: for
                                   // simulated hands, never with a motor
 };
-
-enum class OutputState : std::uint32_t {
-  kWaiting,  // not armed yet: zero
-  kArmed,    // ramping in or at full output
-  kTripped,  // latched at zero until armed again
-};
-
-// Why the output tripped last.
-enum class TripCause : std::uint32_t {
-  kNone,
-  kDeviceLost,
-  kNotCalibrated,
-  kFrozen,
-  kInputNotFinite,
-  kImplausible,
-  kOverSpeed,
-  kNotFinite,
-  kLoopLate,
-  kOutputHeld,
-  kMapLost,
-};
-
-// What happened, and what to do about it, each a part of a sentence.
-const char* to_text(TripCause cause);
-const char* how_to_mend(TripCause cause);
 
 // What the stage must know of a frame.
 struct OutputFrame {

@@ -1,13 +1,13 @@
-// How a step computes, whatever the thread that calls it computes with.
+// Floating-point arithmetic of a step, whatever the calling thread has set.
 #pragma once
 
 #include <cstdint>
 
 namespace forcelayer {
 
-// In this thread, to the end of the scope: results round to nearest, denormals count as zero (they
-// cost hundreds of cycles each), no operation traps. The host's own setting, its sticky flags too,
-// is back afterwards.
+// To the end of the scope, in this thread: results round to nearest, denormals count as zero (each
+// costs hundreds of cycles), no operation traps. The destructor restores the thread's own setting,
+// sticky flags included.
 class StepArithmetic {
  public:
   StepArithmetic() noexcept;

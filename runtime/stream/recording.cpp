@@ -8,7 +8,6 @@
 #include <string>
 
 #include "forcelayer/pose_datagram.h"
-#include "runtime/run/derive_parameters.h"
 
 namespace forcelayer {
 namespace {
