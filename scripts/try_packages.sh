@@ -37,5 +37,5 @@ in_tree everything forcelayer-runtime forcelayer-tools forcelayer-viewer libforc
   voxinfo verify /tmp/corner.vox
   voxrun /tmp/corner.vox /tmp/corner.pshell --start 3,0,0 --duration 0.1s
   voxview --version
-  test -e /usr/include/forcelayer/runtime/forcelayer/step.h'
+  test -e /usr/include/forcelayer/run.h'
 printf '\n== the packages install and run\n'

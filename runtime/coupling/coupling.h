@@ -1,9 +1,9 @@
-// The virtual coupling (paper 5.1): what the spring and damper between the handle and the part see,
-// and the force of the two.
+// The virtual coupling (paper 5.1): how far and how fast the part is from where the handle pulls
+// it.
 #pragma once
 
 #include "forcelayer/parameters.h"
-#include "forcelayer/step.h"
+#include "runtime/model/state.h"
 
 namespace forcelayer {
 

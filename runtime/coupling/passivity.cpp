@@ -30,7 +30,7 @@ Wrench passivity_damping(EpisodeEnergy& energy, const Twist& handle_velocity, do
   const Twist& v = handle_velocity;
   const double speed2 = glm::dot(v.linear_mps, v.linear_mps) +
                         radius_m * radius_m * glm::dot(v.angular_radps, v.angular_radps);
-  // What takes all of it back in one frame at this speed, or as much as there may be.
+  // The damping that takes all of it back in one frame at this speed, within the limit.
   const double takes_all = energy.given_j / (dt_s * speed2);
   const double wanted = energy.given_j > 0 ? std::min(limit_ns_per_m, takes_all) : 0;
   double& damping = energy.damping_ns_per_m;

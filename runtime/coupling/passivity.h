@@ -1,9 +1,8 @@
-// What the device sees of the energy: a passivity observer per contact episode (after Hannaford and
-// Ryu 2002), the entry into contact without a blow, and a damper that takes back what was
-// generated.
+// Energy at the hand: a passivity observer per contact episode (after Hannaford and Ryu 2002), the
+// entry into contact without a blow, and a damper that takes back what was generated.
 #pragma once
 
-#include "forcelayer/step.h"
+#include "runtime/model/state.h"
 
 namespace forcelayer {
 
@@ -11,29 +10,28 @@ namespace forcelayer {
 // Positive: the hand received it. (A device holds its output between samples, so this is exact.)
 double held_work_j(const Wrench& wrench, const Pose& from, const Pose& to) noexcept;
 
-// Adds what the hand received. An episode ends in free space, where the wrench is exactly zero, and
-// takes its credit with it: kept, it would hide later activity. The peak of what a hand has
-// received is what a passive scene, which stores nothing at first, could not give.
+// Adds what the hand received. The peak of that sum is energy that a passive scene, which stores
+// nothing at first, could not give. An episode ends in free space, where the wrench is exactly
+// zero. It takes its credit with it: a credit that stayed would hide later activity.
 void add_given(EpisodeEnergy& energy, double to_hand_j) noexcept;
 void end_episode(EpisodeEnergy& energy) noexcept;
 inline double total_generated_j(const EpisodeEnergy& energy) noexcept {
   return energy.generated_j + energy.peak_j;
 }
 
-// Free space gives the hand exactly zero, whatever the coupling's stretch (paper 5.2). When contact
-// begins, that stretch was never paid for: felt at once it would be a blow, and energy from
-// nowhere. So the stretch of that moment is held back: of a later stretch, the part along it, up to
-// its size. What is held back only shrinks: with the stretch itself, and with time, so that a part
-// held far from a hand that jumped is felt again, gently. Returns what is felt.
+// The stretch that is felt. Free space gives the hand exactly zero, whatever the coupling's stretch
+// (paper 5.2). When contact begins, the hand has not paid for that stretch: felt at once it would
+// be a blow, and energy from nowhere. So `held_back` begins as the stretch of that moment, and of a
+// later stretch the component along it is not felt, up to its size. It only shrinks: with the
+// stretch, and with time, so that a part far from a hand that jumped is felt again, gently.
 glm::dvec3 felt_stretch(const glm::dvec3& stretch, glm::dvec3& held_back, double dt_s) noexcept;
 
 inline constexpr double kHeldBackFadeS = 2;
 
-// The passivity controller: what the hand was given beyond what it paid in this episode is taken
-// back by a damper at the handle, no stronger than `limit_ns_per_m`. Its strength follows the need
-// within kControlS, up and down, so that it cannot buzz; it never drives, and vanishes with the
-// episode's debt. `radius_m` weighs turning against going: the damper of the rotation is the
-// same times radius squared.
+// The passivity controller: a damper at the handle that takes back the energy which the hand was
+// given in this episode beyond what it paid. It is no stronger than `limit_ns_per_m`, never drives,
+// and vanishes with the debt. Its strength follows the need within kControlS, up and down, so that
+// it cannot buzz. The damper of the rotation is the same times `radius_m` squared.
 Wrench passivity_damping(EpisodeEnergy& energy, const Twist& handle_velocity, double radius_m,
                          double limit_ns_per_m, double dt_s) noexcept;
 

@@ -1,11 +1,12 @@
 // The default model's virtual coupling: spring and damper clamped together to what the device can
-// bear, in force and in torque (DESIGN 6).
+// bear, in force and in torque. A finer voxel does not make it softer, as it does in the paper
+// (5.2).
 #pragma once
 
 #include <glm/mat3x3.hpp>
 
 #include "runtime/coupling/coupling.h"
-#include "runtime/model/spatial.h"
+#include "runtime/coupling/spatial.h"
 
 namespace forcelayer {
 

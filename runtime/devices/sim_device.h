@@ -2,8 +2,8 @@
 // follows the script and feels the loop.
 #pragma once
 
-#include "forcelayer/device.h"
 #include "forcelayer/placement.h"
+#include "runtime/devices/device.h"
 #include "runtime/devices/motion_script.h"
 #include "runtime/devices/sim_hand.h"
 

@@ -1,10 +1,10 @@
 // A tiny receiver of the pose stream: example_pose_receiver PORT [SECONDS] prints where the part
 // is.
+#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 
 #include "forcelayer/pose_receiver.h"
-#include "runtime/machine/real_time.h"
 
 int main(int argc, char** argv) {
   const int port = argc > 1 ? std::atoi(argv[1]) : 0;
@@ -18,8 +18,8 @@ int main(int argc, char** argv) {
     return 1;
   }
   const double seconds = argc > 2 ? std::atof(argv[2]) : 1e9;
-  const long long until_ns = forcelayer::monotonic_ns() + static_cast<long long>(seconds * 1e9);
-  while (forcelayer::monotonic_ns() < until_ns) {
+  const auto begin = std::chrono::steady_clock::now();
+  while (std::chrono::steady_clock::now() - begin < std::chrono::duration<double>(seconds)) {
     receiver->wait(100);
     const auto newest = receiver->newest();
     if (!newest) continue;

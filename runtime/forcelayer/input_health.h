@@ -1,5 +1,5 @@
-// What is the matter with an input beside its numbers: what makes the output fail, and what a
-// recording keeps of it so that a replay fails in the same frames.
+// The condition of an input beside its numbers. It decides when the output fails; a recording keeps
+// it, so that a replay fails in the same frames.
 #pragma once
 
 #include <cstdint>

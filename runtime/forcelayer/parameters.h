@@ -1,5 +1,5 @@
-// What a user may set, and what the step computes with. Every value has a default derived from the
-// voxel size, the shell, the rate and the device; derive_parameters() says by which rule.
+// The physical parameters of a step. Each is derived from the voxel size, the part, the rate and
+// the device unless RunRequest::settings has it; Run::reasons() says by which rule.
 #pragma once
 
 #include <cstdint>
@@ -12,15 +12,15 @@ namespace forcelayer {
 
 // Which dynamic model moves the part. The numbers stand in recordings.
 enum class Model : std::uint32_t {
-  kPaper = 0,    // the 1999 method to the letter (DESIGN 6)
-  kDefault = 1,  // implicit, guarded, at rest when the hand rests (default_model.h)
+  kPaper = 0,    // the method of 1999 to the letter: the yardstick, without a guard
+  kDefault = 1,  // implicit, guarded, at rest when the hand rests
 };
 
 // Which field gives a point's depth and direction. The numbers stand in recordings.
 enum class ForceKind : std::uint32_t {
-  kTangentPlane = 0,  // paper 3
-  kLevel = 1,         // the two-bit values as a continuous field (level_field.h)
-  kDistance = 2,      // stored distances, interpolated (distance_field.h)
+  kTangentPlane = 0,  // the paper's (3); for every map, and the only one of the paper's model
+  kLevel = 1,         // the two-bit values as a continuous field
+  kDistance = 2,      // stored distances, interpolated; for maps that have them
 };
 
 inline constexpr Model kDefaultModel = Model::kDefault;
@@ -33,9 +33,9 @@ std::optional<ForceKind> parse_force(std::string_view name);
 bool is_known_model(std::uint32_t number);
 bool is_known_force(std::uint32_t number);
 
-// All that the step computes with. Complete and consistent once derive_parameters() made it.
+// Those of an open run are complete and consistent: Run::parameters().
 struct Parameters {
-  Model model = Model::kPaper;
+  Model model = kDefaultModel;
   ForceKind force = ForceKind::kTangentPlane;
   bool braking = true;  // pre-contact braking (paper 5.3)
 
@@ -53,12 +53,12 @@ struct Parameters {
   double coupling_torque_limit_nm = 0;  // clamp of its torque (paper: infinite)
   double field_n_per_m = 0;             // K_ff
 
-  // Of the default model alone.
+  // The default model alone.
   double contact_damping_ratio = 0;  // of a contact: damping over sqrt(K_ff m)
   double look_ups = 0;               // most motions in a frame, of at most s/2 each
   double recovery_mps = 0;           // at which a part that started inside is led out
-  double allowance_j = 0;            // motion_allowance.h
-  double allowance_fade_s = 0;       // motion_allowance.h
+  double allowance_j = 0;       // energy by which the scene may lift a part that the hand moves
+  double allowance_fade_s = 0;  // time constant with which that fades while the hand rests
 
   double passivity_damping_ns_per_m = 0;  // most that the passivity controller injects; 0: none
 

@@ -1,4 +1,4 @@
-// Placing the device in the scene, and carrying the wrench back to it (DESIGN 6, Frames).
+// Where the device stands in the scene, and where the part begins.
 #pragma once
 
 #include <optional>

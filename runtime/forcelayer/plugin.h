@@ -2,8 +2,8 @@
  *
  * A plugin is a shared library that exports forcelayer_plugin_entry(). voxrun loads it in a child
  * process of its own (voxrun-plugin), so that its crash cannot take the loop along, and exchanges
- * readings and wrenches with it through shared memory. How to attach an SDK: plugin.md beside this
- * file; a plugin to begin with: ../examples/spring_plugin.c.
+ * readings and wrenches with it through shared memory. How to attach an SDK: runtime/devices/plugin
+ * in the source tree; a plugin to begin with: runtime/examples/spring_plugin.c.
  *
  * Everything is in SI units (metres, radians, seconds, newtons, newton metres) and right-handed
  * frames: the plugin converts what its SDK has, and says in its handshake that it did.

@@ -1,4 +1,4 @@
-// The datagram of the pose stream, byte by byte: pose_stream_format.md.
+// The datagram of the pose stream: 280 bytes, little-endian (pose_stream_format.md in the source).
 #pragma once
 
 #include <array>
@@ -15,13 +15,13 @@ inline constexpr std::uint32_t kPoseMagic = 0x53504C46;  // FLPS
 inline constexpr std::uint16_t kPoseVersion = 1;
 
 struct PoseDatagram {                       // offset
-  std::uint32_t magic;                      //   0
-  std::uint16_t version;                    //   4
-  std::uint16_t bytes;                      //   6
-  std::uint64_t session;                    //   8
-  std::uint64_t sequence;                   //  16
-  std::uint64_t frame;                      //  24
-  double time_s;                            //  32
+  std::uint32_t magic;                      //   0  kPoseMagic
+  std::uint16_t version;                    //   4  kPoseVersion
+  std::uint16_t bytes;                      //   6  280 or more
+  std::uint64_t session;                    //   8  start of the run: microseconds since 1970
+  std::uint64_t sequence;                   //  16  of the datagram in its session, from 1
+  std::uint64_t frame;                      //  24  of the loop
+  double time_s;                            //  32  of the loop
   std::array<double, 7> world_from_part;    //  40
   std::array<double, 7> world_from_handle;  //  96
   std::array<double, 3> force_n;            // 152
@@ -51,7 +51,8 @@ enum PoseFlag : std::uint32_t {
 std::array<double, 7> pose_numbers(const Pose& pose);
 Pose pose_from_numbers(const std::array<double, 7>& numbers);
 
-// A received datagram, or nothing where the bytes are none (pose_stream_format.md, last paragraph).
+// The datagram in `bytes`, or nothing where magic, version or size are others, a number is not
+// finite, or a quaternion is not of unit length to 1e-3.
 std::optional<PoseDatagram> parse_pose_datagram(std::span<const std::byte> bytes);
 
 }  // namespace forcelayer

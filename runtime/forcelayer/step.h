@@ -1,5 +1,4 @@
-// The words of one frame: what goes into a step and what comes out. Everything here is plain data
-// that can be copied, recorded and compared bit for bit.
+// Input and outcome of one step: plain data that can be copied, recorded and compared bit for bit.
 //
 // The part's motion is described by the frame `center`: its origin is the part's centroid
 // (PshellHeader::center_m in the part's frame), its axes are the part's. So a rotation about the
@@ -13,7 +12,7 @@
 
 namespace forcelayer {
 
-// What an input is good for: StepInput::valid.
+// How an input is to be used: StepInput::valid.
 enum InputUse : std::uint32_t {
   kInputInvalid = 0,   // no pose: part frozen, wrench zero
   kInputValid = 1,     // fresh and meant
@@ -21,7 +20,7 @@ enum InputUse : std::uint32_t {
                        // stretch; wrench zero
 };
 
-// What the device's side knows at one frame.
+// The handle at one frame.
 struct StepInput {
   Pose world_from_handle;
   Twist handle_velocity;      // of the handle's origin, world axes
@@ -30,49 +29,15 @@ struct StepInput {
 };
 static_assert(std::is_trivially_copyable_v<StepInput> && sizeof(StepInput) == 112);
 
-// Energy that the coupling gives to the hand, by contact episode (passivity.h), J.
-struct EpisodeEnergy {
-  double given_j = 0;           // since the episode began; negative: the hand paid
-  double peak_j = 0;            // highest of that since then, at least 0
-  double generated_j = 0;       // sum of the peaks of past episodes
-  double damping_ns_per_m = 0;  // that the passivity controller injects now
-};
-
-// Everything that evolves from frame to frame. Copy it to branch a simulation. Models keep their
-// own memory here too: a step depends on nothing else.
-struct State {
-  Pose world_from_center;   // where the part is
-  Twist velocity;           // of the centroid, world axes
-  Pose handle_from_center;  // the grip: the coupling pulls towards world_from_handle * this
-
-  // What the hand saw in the frame before.
-  Pose target;            // world_from_handle * handle_from_center
-  Twist target_velocity;  // of the centroid there, world axes
-  Wrench wrench;          // on the hand, held until the next frame
-  EpisodeEnergy energy;
-  std::uint32_t has_target = 0;  // 0: no frame yet
-
-  // Memory of the default model.
-  std::uint32_t settled = 0;         // 1: the part rests until the handle moves
-  std::uint64_t in_contact = 0;      // 1: a point was not in free space
-  glm::dvec3 coupling_angle_rad{0};  // part to target, continuous past pi (coupling_angle.h)
-  glm::dvec3 held_back_m{0};         // stretch that is not felt (passivity.h)
-  glm::dvec3 held_back_rad{0};       // the same of the angle
-  double allowance_j = 0;            // motion_allowance.h
-
-  std::uint64_t frame = 0;  // steps done
-};
-static_assert(std::is_trivially_copyable_v<State>);
-
-// What went wrong in a frame; the output is defined all the same.
+// Faults of a frame. The output is defined all the same.
 enum Fault : std::uint32_t {
   kFaultInvalidInput = 1,    // StepInput::valid was 0 or unknown: part frozen, wrench zero
   kFaultNonFiniteInput = 2,  // NaN, infinity or no unit quaternion: part frozen, wrench zero
   kFaultNonFiniteState = 4,  // the motion overflowed: part stopped where it was, wrench zero
-  kFaultMapLost = 8,         // a mapped file was cut short (map_loss.h): nothing can be trusted
+  kFaultMapLost = 8,         // a baked file was cut short or written to: nothing can be trusted
 };
 
-// What happened in a frame. Counts are those at `world_from_center`.
+// Report of a frame. Counts are those at `world_from_center`.
 struct StepReport {
   Pose world_from_center;         // the pose that was tested
   std::uint32_t interior = 0;     // points in value 1; more than 0: a penetration frame

@@ -3,10 +3,10 @@
 
 #include <memory>
 
-#include "forcelayer/device.h"
 #include "forcelayer/frame.h"
 #include "forcelayer/placement.h"
 #include "forcelayer/stale_limit.h"
+#include "runtime/devices/device.h"
 #include "runtime/loop/handle_velocity.h"
 
 namespace forcelayer {

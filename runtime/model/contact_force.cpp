@@ -18,7 +18,7 @@ namespace {
 constexpr double kAveragingStart = 10;      // contacts from which forces are averaged (paper 5.2)
 constexpr double kFullDepthVoxels = 0.125;  // depth from which a contact counts fully
 
-// What spring_row() needs beside the contact.
+// Arguments of spring_row() beside the contact.
 struct SpringStep {
   const ForceCurve& curve;
   double average, by_area;  // of LoadSharing

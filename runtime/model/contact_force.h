@@ -18,7 +18,7 @@ struct ContactLaw {
   ForceCurve curve;
 };
 
-// What the contacts of a set, those with depth > 0, come to. Sums run in eight columns and are then
+// Totals over the contacts of a set, those with depth > 0. Sums run in eight columns and are then
 // added in one order: the same bits for any vector width.
 struct ContactTotals {
   std::uint32_t count = 0;

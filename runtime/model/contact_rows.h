@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "runtime/model/spatial.h"
+#include "runtime/coupling/spatial.h"
 
 namespace forcelayer {
 

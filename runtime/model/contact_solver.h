@@ -2,9 +2,9 @@
 // braking in one 6x6 system with an active set.
 #pragma once
 
+#include "runtime/coupling/spatial.h"
 #include "runtime/coupling/virtual_coupling.h"
 #include "runtime/model/contact_rows.h"
-#include "runtime/model/spatial.h"
 
 namespace forcelayer {
 

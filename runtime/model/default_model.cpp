@@ -106,7 +106,7 @@ StepResult DefaultModel::step(State& state, const StepInput& input, double dt_s)
   return result;
 }
 
-void DefaultModel::look_up(const Pose& pose, Looked& out) noexcept {
+void DefaultModel::look_up(const Pose& pose, LookUp& out) noexcept {
   probe_.look_up(pose, out);
   out.totals = contact_totals(out, contact_);
   out.load = LoadSharing(out.totals);
@@ -256,8 +256,8 @@ bool DefaultModel::affordable(const State& state, const Motion& motion,
   return rise_j <= state.allowance_j;
 }
 
-// What the motion ran into, linearised where it led: contacts as springs, interior points as hard
-// rows that take them back into the force layer.
+// Adds the contacts of the pose to which the motion led, linearised there: as springs, and for
+// interior points as hard rows that take them back into the force layer.
 void DefaultModel::add_found_contacts(Motion& motion) noexcept {
   const double dt_s = motion.system.dt_s, s = parameters_.voxel_size_m;
   const double guard_depth_m = kGuardDepthVoxels * s + contact_.curve.deepening_m();
@@ -294,8 +294,8 @@ double DefaultModel::travel_m(const Vector6& velocity, double dt_s) const noexce
                  parameters_.part_radius_m * glm::length(angular_part(velocity)));
 }
 
-// What s/2 leaves to the rotation: a body that tumbles turns by another angle than the velocity it
-// began with says, by a few per cent for long parts.
+// The angle that s/2 leaves to the rotation. A body that tumbles turns by another angle than its
+// first velocity says, by a few per cent for long parts.
 double DefaultModel::most_turn_rad(const Twist& velocity, double dt_s) const noexcept {
   const double left_m =
       0.5 * kTravelMargin * parameters_.voxel_size_m - dt_s * glm::length(velocity.linear_mps);
@@ -303,9 +303,9 @@ double DefaultModel::most_turn_rad(const Twist& velocity, double dt_s) const noe
 }
 
 double DefaultModel::potential_j(const glm::dvec3& displacement_m, const glm::dvec3& angle_rad,
-                                 const Looked& looked) const noexcept {
+                                 const LookUp& contacts) const noexcept {
   return spring_energy_j(translation_, displacement_m) + angle_energy_j(angle_rad) +
-         looked.energy_j;
+         contacts.energy_j;
 }
 
 // The rotational half at an angle and an orientation of the part.

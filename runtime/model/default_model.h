@@ -1,5 +1,5 @@
-// The project's own dynamic model (DESIGN 6): implicit in coupling, contacts and braking, guarded,
-// and at rest when the hand rests, whatever the stiffness, mass and rate.
+// The project's own dynamic model: implicit in coupling, contacts and braking, guarded, and at rest
+// when the hand rests, whatever the stiffness, mass and rate.
 //
 // A frame is one or more motions of at most s/2 of travel. Each is solved, looked up where it
 // leads, and kept only if no point is in the interior there and its energy is in order
@@ -8,10 +8,10 @@
 #pragma once
 
 #include "forcelayer/parameters.h"
-#include "forcelayer/step.h"
 #include "runtime/field/contact_set.h"
 #include "runtime/model/contact_force.h"
 #include "runtime/model/rigid_body.h"
+#include "runtime/model/state.h"
 
 namespace forcelayer {
 
@@ -28,14 +28,14 @@ class DefaultModel {
  private:
   struct Motion;  // one sub-step in the making
 
-  // A look-up and what follows from it.
-  struct Looked : ContactSet {
+  // The contacts at one pose, and what follows from them.
+  struct LookUp : ContactSet {
     ContactTotals totals;
     LoadSharing load;
     double energy_j = 0;  // of the contact springs
   };
 
-  void look_up(const Pose& pose, Looked& out) noexcept;
+  void look_up(const Pose& pose, LookUp& out) noexcept;
 
   void look_up_here(const Pose& pose) noexcept;
   void refill_allowance(State& state, const CouplingTarget& target, double dt_s) const noexcept;
@@ -52,7 +52,7 @@ class DefaultModel {
   double travel_m(const Vector6& velocity, double dt_s) const noexcept;
   double most_turn_rad(const Twist& velocity, double dt_s) const noexcept;
   double potential_j(const glm::dvec3& displacement_m, const glm::dvec3& angle_rad,
-                     const Looked& looked) const noexcept;
+                     const LookUp& contacts) const noexcept;
   CouplingHalf rotation_at(const glm::dvec3& angle_rad,
                            const glm::dquat& orientation) const noexcept;
   double angle_energy_j(const glm::dvec3& angle_rad) const noexcept;
@@ -65,7 +65,7 @@ class DefaultModel {
   CouplingHalf translation_, rotation_;
   glm::dmat3 rotation_damping_;  // N m s/rad, axes of the part
   ContactProbe& probe_;
-  Looked here_, there_;  // at the part's pose, and where a motion would lead
+  LookUp here_, there_;  // at the part's pose, and where a motion would lead
   Pose here_pose_;
   bool here_known_ = false;
   ContactRows rows_;

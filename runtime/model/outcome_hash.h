@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "forcelayer/step.h"
+#include "runtime/model/state.h"
 
 namespace forcelayer {
 

@@ -1,4 +1,4 @@
-// The dynamic model of 1999 to the letter (paper 3, 5.1-5.3; DESIGN 6): explicit forces, symplectic
+// The dynamic model of 1999 to the letter (paper 3, 5.1-5.3): explicit forces, symplectic
 // Newton-Euler, no guard, no velocity limit, no torque clamp, no braking torque. The yardstick.
 #pragma once
 

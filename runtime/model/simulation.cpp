@@ -99,6 +99,8 @@ Simulation::Simulation(Voxmap voxmap, Pshell shell, const Parameters& parameters
   samples_.reserve(shell_.view().point_count);
 }
 
+Simulation::~Simulation() = default;
+
 Result<std::unique_ptr<Simulation>> Simulation::create(Voxmap voxmap, Pshell shell,
                                                        const Parameters& parameters,
                                                        const QueryOptions& query) {

@@ -5,7 +5,6 @@
 
 #include "forcelayer/parameters.h"
 #include "forcelayer/placement.h"
-#include "forcelayer/step.h"
 #include "formats/pshell.h"
 #include "formats/result.h"
 #include "formats/voxmap.h"
@@ -13,11 +12,12 @@
 #include "runtime/field/force_field.h"
 #include "runtime/machine/map_loss.h"
 #include "runtime/model/default_model.h"
+#include "runtime/model/state.h"
 #include "runtime/query/contact_query.h"
 
 namespace forcelayer {
 
-// What a model works with in one step. `points` and `samples` have room for every shell point.
+// The map's side of one step, for a model. `points` and `samples` have room for every shell point.
 struct StepContext {
   const Parameters& parameters;
   ContactQuery& query;
@@ -36,12 +36,13 @@ class Simulation {
   static Result<std::unique_ptr<Simulation>> create(Voxmap voxmap, Pshell shell,
                                                     const Parameters& parameters,
                                                     const QueryOptions& query = {});
+  ~Simulation();
 
   // A part at rest at `world_from_part`, gripped without stretch by a handle at
   // `world_from_handle`.
   State registered(const Pose& world_from_part, const Pose& world_from_handle) const;
 
-  // The same for a start that may name the grip: what --start and --grip of voxrun mean.
+  // The same for a start that may name place and grip.
   State registered(const PartStart& start, const Pose& world_from_handle) const;
 
   // One frame of `dt_s` seconds. Never throws, allocates, locks, logs or calls the system.

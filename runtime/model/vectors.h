@@ -1,4 +1,4 @@
-// What the loop asks of vectors, poses and wrenches: are they finite, and how long may they be.
+// Limits of vectors, and whether vectors, poses and wrenches are finite.
 #pragma once
 
 #include <cmath>
@@ -30,8 +30,8 @@ inline bool is_finite(const Pose& pose) noexcept {
   return is_finite(pose.position_m) && std::isfinite(glm::length(pose.orientation));
 }
 
-// Of unit length but for `tolerance`: what comes from a device has few bits, what the loop made
-// itself has nearly all. Not a number is not.
+// Whether the length is 1 within `tolerance`: a device gives few bits, the loop itself nearly all.
+// False for NaN.
 inline bool is_unit(const glm::dquat& q, double tolerance) noexcept {
   return std::abs(glm::length(q) - 1) < tolerance;
 }

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <limits>
 
+#include "runtime/field/force_field.h"
 #include "runtime/loop/handle_velocity.h"
 #include "runtime/model/principal_inertia.h"
 #include "runtime/run/stability.h"
@@ -19,10 +20,10 @@ constexpr double kComfortableLoad = 1.0 / 4;  // h sqrt(k_T / m): the spring alo
 constexpr double kFieldMargin = 0.9;          // of the largest stable K_ff
 constexpr double kAveragedPoints = 10;        // paper 5.2
 
-// Of the stiffness that the device bears: a default lies inside the bound, not on it.
+// Share of the stiffness that the device bears: a default lies inside the bound, not on it.
 constexpr double kBoundShare = 0.9;
 
-// Of the default model.
+// The default model's.
 constexpr double kUnratedStiffness = 1000;  // N/m, for a device that says nothing of itself
 // For a device without motors, or without those of an axis: the paper's (5).
 constexpr double kUnratedForceN = 15, kUnratedTorqueNm = 0.1;
@@ -76,7 +77,7 @@ std::string format(const char* pattern, double a, double b = 0, double c = 0) {
 // Takes the user's setting where there is one, else the default with its reason.
 class Choice {
  public:
-  Choice(const ParameterRequest& request, DerivedParameters& derived)
+  Choice(const RunRequest& request, DerivedParameters& derived)
       : request_(request), derived_(derived) {}
 
   void set(std::string_view name, double value, std::string reason) {
@@ -89,11 +90,11 @@ class Choice {
   }
 
  private:
-  const ParameterRequest& request_;
+  const RunRequest& request_;
   DerivedParameters& derived_;
 };
 
-Status check_settings(const ParameterRequest& request) {
+Status check_settings(const RunRequest& request) {
   for (const auto& [name, value] : request.settings) {
     const auto* info =
         std::find_if(std::begin(kTable), std::end(kTable),
@@ -172,10 +173,10 @@ void warn_beyond(const Bound& bound, const char* option, double value, const cha
   derived.warnings.push_back(text + device.name + " can render stably: " + bound.source);
 }
 
-void warn_of_coupling(const ParameterRequest& request, const DeviceCapabilities& device,
-                      DerivedParameters& derived) {
+void warn_of_coupling(const RunRequest& request, DerivedParameters& derived) {
+  const DeviceCapabilities& device = request.device;
   const Parameters& p = derived.values;
-  const double dt_s = 1 / p.rate_hz, scale = request.motion_scale;
+  const double dt_s = 1 / p.rate_hz, scale = request.placement.motion_scale;
   warn_beyond(stiffness_bound(device, dt_s, scale), "--coupling-stiffness", p.coupling_n_per_m,
               "N/m", device, derived);
   warn_beyond(rotation_bound(device, dt_s), "--coupling-stiffness-rot", p.coupling_nm_per_rad,
@@ -192,8 +193,8 @@ std::string borne_reason(const DeviceCapabilities& device, const Bound& bound) {
 }
 
 // Device limits: the user's, never above the ratings.
-void choose_limits(const ParameterRequest& request, const DeviceCapabilities& device,
-                   DerivedParameters& derived) {
+void choose_limits(const RunRequest& request, DerivedParameters& derived) {
+  const DeviceCapabilities& device = request.device;
   Choice choice(request, derived);
   Parameters& p = derived.values;
   choice.set("max_force_n", device.max_force_n, "rating of " + device.name);
@@ -207,13 +208,13 @@ void choose_limits(const ParameterRequest& request, const DeviceCapabilities& de
 }
 
 // k_T, b_T, k_R, b_R of paper 5.1: high but comfortably stable, critically damped.
-void choose_coupling(const ParameterRequest& request, const DeviceCapabilities& device,
-                     DerivedParameters& derived) {
+void choose_coupling(const RunRequest& request, DerivedParameters& derived) {
+  const DeviceCapabilities& device = request.device;
   Choice choice(request, derived);
   Parameters& p = derived.values;
   const double dt_s = 1 / p.rate_hz, inertia_kgm2 = p.inertia_kgm2[0][0];
   const double comfortable = kComfortableLoad * kComfortableLoad * p.mass_kg / (dt_s * dt_s);
-  const Bound bound = stiffness_bound(device, dt_s, request.motion_scale);
+  const Bound bound = stiffness_bound(device, dt_s, request.placement.motion_scale);
   const double borne = kBoundShare * bound.value;
   choice.set("coupling_n_per_m", std::min(comfortable, borne),
              borne < comfortable ? borne_reason(device, bound)
@@ -228,14 +229,14 @@ void choose_coupling(const ParameterRequest& request, const DeviceCapabilities& 
                                         : "k_T I / m: the frequency of the translation");
   choice.set("coupling_nms_per_rad", 2 * std::sqrt(inertia_kgm2 * p.coupling_nm_per_rad),
              "2 sqrt(I k_R): critically damped (paper 5.1)");
-  warn_of_coupling(request, device, derived);
+  warn_of_coupling(request, derived);
 }
 
 // K_ff of paper 5.2: the largest value consistent with stable operation, for up to 10 forces at
 // once, each turning the part with at most the shell's largest arm. With mobility
 // mu = 1 + m r^2 / I, symplectic Euler is stable while
 //   h^2 (k_T + 10 mu K_ff) / m + 2 h b_T / m < 4.
-void choose_field(const ParameterRequest& request, double arm_m, DerivedParameters& derived) {
+void choose_field(const RunRequest& request, double arm_m, DerivedParameters& derived) {
   Choice choice(request, derived);
   Parameters& p = derived.values;
   const double dt_s = 1 / p.rate_hz, inertia_kgm2 = p.inertia_kgm2[0][0];
@@ -260,13 +261,12 @@ void choose_field(const ParameterRequest& request, double arm_m, DerivedParamete
   }
 }
 
-void derive_paper(const ParameterRequest& request, const Pshell& shell,
-                  const DeviceCapabilities& device, DerivedParameters& derived) {
+void derive_paper(const RunRequest& request, const Pshell& shell, DerivedParameters& derived) {
   Choice choice(request, derived);
   Parameters& p = derived.values;
   choice.set("mass_kg", kApparentMassKg, "apparent mass of the paper (5.1)");
   p.inertia_kgm2 = glm::dmat3(0.4 * p.mass_kg * p.part_radius_m * p.part_radius_m);
-  choose_coupling(request, device, derived);
+  choose_coupling(request, derived);
   choice.set("coupling_force_limit_n", p.coupling_n_per_m * p.voxel_size_m / 2,
              "k_T s/2, the spring's force only (paper 5.2)");
   choice.set("coupling_torque_limit_nm", std::numeric_limits<double>::infinity(),
@@ -294,12 +294,12 @@ double mean_moment(const glm::dmat3& inertia) {
   return (inertia[0][0] + inertia[1][1] + inertia[2][2]) / 3;
 }
 
-void choose_default_coupling(const ParameterRequest& request, const DeviceCapabilities& device,
-                             DerivedParameters& derived) {
+void choose_default_coupling(const RunRequest& request, DerivedParameters& derived) {
+  const DeviceCapabilities& device = request.device;
   Choice choice(request, derived);
   Parameters& p = derived.values;
   const double dt_s = 1 / p.rate_hz;
-  const Bound bound = stiffness_bound(device, dt_s, request.motion_scale);
+  const Bound bound = stiffness_bound(device, dt_s, request.placement.motion_scale);
   const bool bounded = std::isfinite(bound.value);
   choice.set(
       "coupling_n_per_m", bounded ? kBoundShare * bound.value : kUnratedStiffness,
@@ -323,11 +323,11 @@ void choose_default_coupling(const ParameterRequest& request, const DeviceCapabi
              forces ? "what the device can bear" : "the device renders no force");
   choice.set("coupling_torque_limit_nm", torques ? p.max_torque_nm : kUnratedTorqueNm,
              torques ? "what the device can bear" : "the device renders no torque");
-  warn_of_coupling(request, device, derived);
+  warn_of_coupling(request, derived);
 }
 
-// What the default model has beside the paper's; derived for both, so that a report shows all.
-void choose_guard(const ParameterRequest& request, DerivedParameters& derived) {
+// Parameters of the default model alone; derived for both, so that a report shows all.
+void choose_guard(const RunRequest& request, DerivedParameters& derived) {
   Choice choice(request, derived);
   Parameters& p = derived.values;
   choice.set("contact_damping_ratio", kContactDampingRatio, "calms a single point in two frames");
@@ -345,25 +345,25 @@ void choose_guard(const ParameterRequest& request, DerivedParameters& derived) {
 
 // The passivity controller, for both models. A damper that the hand feels late may itself be active
 // beyond the device's own damping: b > |B| (Colgate and Schenkel 1994, with K = 0).
-void choose_control(const ParameterRequest& request, const DeviceCapabilities& device,
-                    DerivedParameters& derived) {
+void choose_control(const RunRequest& request, DerivedParameters& derived) {
+  const DeviceCapabilities& device = request.device;
   Choice choice(request, derived);
   choice.set("passivity_damping_ns_per_m", 0, "off unless asked for");
   if (!(device.damping_ns_per_m > 0)) return;
   Bound bound;
-  bound.lower_to(device.damping_ns_per_m / request.motion_scale,
+  bound.lower_to(device.damping_ns_per_m / request.placement.motion_scale,
                  "b > |B|, b its own damping (Colgate and Schenkel)");
   warn_beyond(bound, "--passivity-damping", derived.values.passivity_damping_ns_per_m, "N s/m",
               device, derived);
 }
 
-void derive_default(const ParameterRequest& request, const Voxmap& voxmap, const Pshell& shell,
-                    const DeviceCapabilities& device, DerivedParameters& derived) {
+void derive_default(const RunRequest& request, const Voxmap& voxmap, const Pshell& shell,
+                    DerivedParameters& derived) {
   Choice choice(request, derived);
   Parameters& p = derived.values;
   choice.set("mass_kg", kApparentMassKg, "apparent mass of the paper (5.1)");
   p.inertia_kgm2 = shell_inertia_kgm2(shell.header(), p.mass_kg, p.part_radius_m, p.voxel_size_m);
-  choose_default_coupling(request, device, derived);
+  choose_default_coupling(request, derived);
   const double covering = steepest_n_per_m(voxmap);
   if (covering > 0) {
     choice.set("field_n_per_m", covering, "the steepest slope of the scene's soft covering");
@@ -392,22 +392,22 @@ double largest_contact_arm_m(const Pshell& shell) {
   return std::sqrt(largest2);
 }
 
-Result<DerivedParameters> derive_parameters(const ParameterRequest& request, const Voxmap& voxmap,
-                                            const Pshell& shell, const DeviceCapabilities& device) {
+Result<DerivedParameters> derive_parameters(const RunRequest& request, const Voxmap& voxmap,
+                                            const Pshell& shell) {
   if (Status valid = check_settings(request); !valid) return valid.error();
   DerivedParameters derived;
   Parameters& p = derived.values;
   p.model = request.model;
-  p.force = request.force;
+  p.force = request.force.value_or(usual_force(request.model, voxmap));
   p.braking = request.braking;
   p.rate_hz = request.rate_hz;
   p.voxel_size_m = voxmap.voxel_size_m();
   // A part of one point has no radius; half a voxel keeps its inertia above zero.
   p.part_radius_m = std::max(shell.header().bounding_radius_m, p.voxel_size_m / 2);
-  choose_limits(request, device, derived);
+  choose_limits(request, derived);
   switch (request.model) {
     case Model::kPaper:
-      derive_paper(request, shell, device, derived);
+      derive_paper(request, shell, derived);
       if (!voxmap.compliance().empty()) {
         derived.warnings.push_back(
             "the scene has a soft covering, which the paper's model leaves out: it presses with "
@@ -415,11 +415,11 @@ Result<DerivedParameters> derive_parameters(const ParameterRequest& request, con
       }
       break;
     case Model::kDefault:
-      derive_default(request, voxmap, shell, device, derived);
+      derive_default(request, voxmap, shell, derived);
       break;
   }
   choose_guard(request, derived);
-  choose_control(request, device, derived);
+  choose_control(request, derived);
   return derived;
 }
 

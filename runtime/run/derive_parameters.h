@@ -6,22 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "forcelayer/device.h"
-#include "forcelayer/parameters.h"
-#include "formats/pshell.h"
-#include "formats/result.h"
-#include "formats/voxmap.h"
+#include "forcelayer/run.h"
 
 namespace forcelayer {
-
-struct ParameterRequest {
-  Model model = Model::kPaper;
-  ForceKind force = ForceKind::kTangentPlane;
-  bool braking = true;
-  double rate_hz = 1000;
-  double motion_scale = 1;                 // scene metres a metre of the device
-  std::map<std::string, double> settings;  // by ParameterInfo::name
-};
 
 struct DerivedParameters {
   Parameters values;
@@ -30,8 +17,9 @@ struct DerivedParameters {
 };
 
 // Errors: kUsage for a setting that is not finite and positive (limits may be infinite).
-Result<DerivedParameters> derive_parameters(const ParameterRequest& request, const Voxmap& voxmap,
-                                            const Pshell& shell, const DeviceCapabilities& device);
+// The files of the request are not read: `voxmap` and `shell` are.
+Result<DerivedParameters> derive_parameters(const RunRequest& request, const Voxmap& voxmap,
+                                            const Pshell& shell);
 
 // Largest |r x n| over the shell's points, m: the arm with which a contact force can turn the part
 // about its centroid.

@@ -49,14 +49,12 @@ std::string guarantee_text(const SeparationGuarantee& guarantee) {
          " between frames whose points travel at most half a voxel";
 }
 
-Status require_guarantee(const SeparationGuarantee& guarantee, const std::string& part,
-                         const char* otherwise) {
+Status require_guarantee(const SeparationGuarantee& guarantee, const std::string& part) {
   if (guarantee.tested_m && guarantee.swept_m) return {};
   return Error{ErrorCode::kFilesDoNotMatch, part, "",
                "no separation is guaranteed with this scene (" + guarantee_text(guarantee) + ")",
-               "bake the scene with two layers or more, the part with a smaller "
-               "--covering-radius, or " +
-                   std::string(otherwise)};
+               "bake the scene with two layers or more or the part with a smaller "
+               "--covering-radius, or run without (--without-guarantee, without_guarantee)"};
 }
 
 }  // namespace forcelayer

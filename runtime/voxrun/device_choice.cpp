@@ -16,14 +16,15 @@ constexpr long long kReadingNs = 3'000'000'000;
 constexpr double kLeastLoopPeriods = 2.5;  // of a slow loop, that its wrench may be old
 constexpr long long kPollNs = 1'000'000;
 
-// Where the hand of a run without --motion holds still: at the part's start.
+// The pose in which the hand of a run without --motion holds still: the part's start.
 Pose resting_handle(const Options& options) {
   const PartStart& start = options.start;
-  if (!start.world_from_part) return options.world_from_device;
+  if (!start.world_from_part) return options.run.placement.world_from_device;
   return *start.world_from_part * inverse(start.handle_from_part.value_or(Pose{}));
 }
 
-Result<ChosenDevice> make_sim(const Options& options, const DevicePlacement& placement) {
+Result<ChosenDevice> make_sim(const Options& options) {
+  const DevicePlacement& placement = options.run.placement;
   ChosenDevice chosen;
   MotionScript script = MotionScript::still(resting_handle(options));
   if (!options.motion.empty()) {
@@ -41,23 +42,23 @@ Result<ChosenDevice> make_sim(const Options& options, const DevicePlacement& pla
   return chosen;
 }
 
-Result<ChosenDevice> make_device(const Options& options, const DevicePlacement& placement) {
+Result<ChosenDevice> make_device(const Options& options) {
   if (options.device == "plugin") {
     ChosenDevice chosen;
     PluginOptions plugin;
     plugin.library = options.plugin;
     plugin.arguments = options.plugin_args;
-    plugin.stale_s = std::max(options.stale_s, kLeastLoopPeriods / options.rate_hz);
+    plugin.stale_s = std::max(options.run.stale_s, kLeastLoopPeriods / options.run.rate_hz);
     chosen.device = std::make_unique<PluginDevice>(plugin);
     return chosen;
   }
   if (is_hid(options.device)) {
-    const double stale_s = std::max(options.stale_s, kLeastLoopPeriods / options.rate_hz);
+    const double stale_s = std::max(options.run.stale_s, kLeastLoopPeriods / options.run.rate_hz);
     ChosenDevice chosen;
     chosen.device = make_hid_device(options.hid, options.device, stale_s);
     return chosen;
   }
-  return make_sim(options, placement);
+  return make_sim(options);
 }
 
 Status check_watchdog(const Options& options, const DeviceCapabilities& device) {
@@ -93,8 +94,8 @@ Error no_usable_reading(const Device& device, const DeviceSample& last, bool fre
 
 }  // namespace
 
-Result<ChosenDevice> choose_device(const Options& options, const DevicePlacement& placement) {
-  auto chosen = make_device(options, placement);
+Result<ChosenDevice> choose_device(const Options& options) {
+  auto chosen = make_device(options);
   if (!chosen) return chosen.error();
   if (Status started = chosen->device->start(); !started) return started.error();
   if (Status safe = check_watchdog(options, chosen->device->capabilities()); !safe) {

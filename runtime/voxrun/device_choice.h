@@ -4,9 +4,8 @@
 #include <memory>
 #include <optional>
 
-#include "forcelayer/device.h"
-#include "forcelayer/placement.h"
 #include "formats/result.h"
+#include "runtime/devices/device.h"
 #include "runtime/voxrun/options.h"
 
 namespace forcelayer::voxrun {
@@ -18,7 +17,7 @@ struct ChosenDevice {
 
 // Makes and starts it. Errors: kUsage, of files, of devices; kDeviceRefused for a device with
 // motors and no watchdog, unless the options allow it.
-Result<ChosenDevice> choose_device(const Options& options, const DevicePlacement& placement);
+Result<ChosenDevice> choose_device(const Options& options);
 
 // Waits for a reading that a run can begin with: where the device has the handle, its rotation made
 // unit. Errors: kDeviceFailed where none comes, kDeviceRefused where it is not calibrated or its

@@ -1,4 +1,4 @@
-// What becomes of the frames off the loop's thread: trace, recording, progress.
+// Takes frames off the loop's thread: for trace, recording, progress.
 #pragma once
 
 #include <atomic>

@@ -4,8 +4,8 @@
 #include <memory>
 #include <string>
 
-#include "forcelayer/device.h"
 #include "formats/result.h"
+#include "runtime/devices/device.h"
 #include "runtime/devices/hid/spacemouse.h"
 
 namespace CLI {
@@ -22,7 +22,7 @@ struct HidOptions {
 
 void add_hid_options(CLI::App& app, HidOptions& options);
 
-// What contradicts itself, `device` being the kind. Errors: kUsage.
+// Finds options that contradict each other or `device`, the kind of device. Errors: kUsage.
 Status check_hid_options(const CLI::App& app, const HidOptions& options, const std::string& device);
 
 inline bool is_hid(const std::string& device) { return device == "hid" || device == "spacemouse"; }

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "formats/command/quantity.h"
-#include "runtime/run/derive_parameters.h"
 
 namespace forcelayer::voxrun {
 namespace {
@@ -32,8 +31,8 @@ Status read_pose(const char* option, const std::string& text, Pose& pose) {
 }  // namespace
 
 OptionParser::OptionParser(CLI::App& app) : app_(app) {
-  app.add_option("scene", options_.scene, "the scene, a .vox file")->required();
-  app.add_option("part", options_.part, "the moving part, a .pshell file")->required();
+  app.add_option("scene", texts_.scene, "the scene, a .vox file")->required();
+  app.add_option("part", texts_.part, "the moving part, a .pshell file")->required();
   app.add_option("--device", options_.device,
                  "sim (a scripted hand), hid, spacemouse, plugin or replay")
       ->check(CLI::IsMember({"sim", "hid", "spacemouse", "plugin", "replay"}));
@@ -41,9 +40,9 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
   app.add_option("--plugin", options_.plugin, "library of the device plugin");
   app.add_option("--plugin-args", options_.plugin_args, "text for the plugin");
   app.add_option("--duration", texts_.duration, "how long to run, like 10s or 2min");
-  app.add_option("--rate", options_.rate_hz, "frames a second")
+  app.add_option("--rate", options_.run.rate_hz, "frames a second")
       ->check(CLI::Range(kMinRateHz, kMaxRateHz));
-  app.add_option("--threads", options_.threads, "that share the contact query")
+  app.add_option("--threads", options_.run.threads, "that share the contact query")
       ->check(CLI::Range(1, 256));
   app.add_option("--model", texts_.model, "dynamic model: default or paper");
   app.add_option("--force", texts_.force,
@@ -60,7 +59,8 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
   app.add_option("--start", texts_.start, "world_from_part at the start: x,y,z[,qw,qx,qy,qz]");
   app.add_option("--grip", texts_.grip, "handle_from_part, in the same way");
   app.add_option("--world-from-device", texts_.world_from_device, "place of the device");
-  app.add_option("--motion-scale", options_.motion_scale, "scene metres a metre of the device");
+  app.add_option("--motion-scale", options_.run.placement.motion_scale,
+                 "scene metres a metre of the device");
   app.add_option(
       "--reach", texts_.reach,
       "x0,y0,z0,x1,y1,z1: box of the scene that the part can reach; its pages of the "
@@ -73,7 +73,7 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
   app.add_option("--udp", options_.udp, "send the pose stream to [HOST:]PORT");
   app.add_option("--udp-rate", options_.udp_rate_hz, "datagrams of the pose stream a second")
       ->check(CLI::Range(kMinRateHz, kMaxRateHz));
-  app.add_flag("--without-guarantee", options_.without_guarantee,
+  app.add_flag("--without-guarantee", options_.run.without_guarantee,
                "start even where no separation is guaranteed");
   app.add_option("--after-trip", texts_.after_trip,
                  "when the output had to go to zero: end the run, wait for the clutch, or (sim) "
@@ -84,7 +84,7 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
       ->check(CLI::Range(0, 31));
   app.add_option("--stale-limit", texts_.stale,
                  "how long device or loop may be silent before the output trips (5ms)");
-  app.add_option("--max-speed", options_.max_speed_mps,
+  app.add_option("--max-speed", options_.run.max_speed_mps,
                  "of the handle, m/s; faster trips the output")
       ->check(CLI::PositiveNumber);
   app.add_flag("--without-watchdog", options_.without_watchdog,
@@ -107,11 +107,11 @@ Status OptionParser::read_texts(Options& options) const {
   if (!texts_.model.empty()) {
     const auto model = parse_model(texts_.model);
     if (!model) return usage("--model", "'" + texts_.model + "' is no model", "see --help");
-    options.model = *model;
+    options.run.model = *model;
   }
   if (!texts_.force.empty()) {
-    options.force = parse_force(texts_.force);
-    if (!options.force) {
+    options.run.force = parse_force(texts_.force);
+    if (!options.run.force) {
       return usage("--force", "'" + texts_.force + "' is no force field", "see --help");
     }
   }
@@ -125,7 +125,8 @@ Status OptionParser::read_texts(Options& options) const {
   }
   if (Status s = read_reach(options); !s) return s;
   if (texts_.world_from_device.empty()) return {};
-  return read_pose("--world-from-device", texts_.world_from_device, options.world_from_device);
+  return read_pose("--world-from-device", texts_.world_from_device,
+                   options.run.placement.world_from_device);
 }
 
 Status OptionParser::read_reach(Options& options) const {
@@ -146,7 +147,7 @@ Status OptionParser::read_safety(Options& options) const {
   const auto seconds = parse_duration(texts_.stale);
   if (!seconds) return about("--stale-limit", seconds.error());
   if (!(*seconds > 0)) return usage("--stale-limit", "must be above zero", "");
-  options.stale_s = *seconds;
+  options.run.stale_s = *seconds;
   return {};
 }
 
@@ -156,7 +157,8 @@ Status OptionParser::check(const Options& options) const {
     return usage("--after-trip", "rearm is for simulated hands", "give end or wait");
   }
   if (Status hid = check_hid_options(app_, options.hid, options.device); !hid) return hid;
-  if (!(options.motion_scale > 0) || !std::isfinite(options.motion_scale)) {
+  if (!(options.run.placement.motion_scale > 0) ||
+      !std::isfinite(options.run.placement.motion_scale)) {
     return usage("--motion-scale", "must be above zero", "");
   }
   if ((options.device == "plugin") != !options.plugin.empty()) {
@@ -185,7 +187,7 @@ Status OptionParser::check(const Options& options) const {
       return usage(option, "is part of the recording", "leave it out with --replay");
     }
   }
-  if (!options.settings.empty()) {
+  if (!options.run.settings.empty()) {
     return usage("--replay", "takes its physical parameters from the recording", "leave them out");
   }
   return {};
@@ -193,10 +195,12 @@ Status OptionParser::check(const Options& options) const {
 
 Result<Options> OptionParser::finish() const {
   Options options = options_;
-  options.braking = !texts_.no_braking;
+  options.run.scene = texts_.scene;
+  options.run.part = texts_.part;
+  options.run.braking = !texts_.no_braking;
   for (const ParameterInfo& info : parameter_table()) {
     if (app_.count(std::string(info.option)) == 0) continue;
-    options.settings[std::string(info.name)] = settings_.at(std::string(info.option));
+    options.run.settings[std::string(info.name)] = settings_.at(std::string(info.option));
   }
   if (Status read = read_texts(options); !read) return read.error();
   if (Status read = read_safety(options); !read) return read.error();

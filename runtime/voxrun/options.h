@@ -5,9 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "forcelayer/parameters.h"
-#include "forcelayer/placement.h"
-#include "forcelayer/stale_limit.h"
+#include "forcelayer/run.h"
 #include "formats/result.h"
 #include "runtime/machine/prefault.h"
 #include "runtime/voxrun/hid_choice.h"
@@ -18,7 +16,7 @@ class App;
 
 namespace forcelayer::voxrun {
 
-// What follows when the output trips.
+// Consequence of a trip of the output.
 enum class AfterTrip {
   kEnd,    // the run ends with status 5
   kWait,   // zero until the user presses the clutch and releases it
@@ -26,16 +24,10 @@ enum class AfterTrip {
 };
 
 struct Options {
-  std::string scene, part;
+  RunRequest run;  // its device: set once that is known
   std::string device = "sim";
   std::optional<double> duration_s;
-  double rate_hz = 1000;
-  unsigned threads = 1;  // of the contact query
-  Model model = kDefaultModel;
-  std::optional<ForceKind> force;  // none: the model's own
-  bool braking = true;
   bool as_fast_as_possible = false;
-  bool without_guarantee = false;
   bool without_watchdog = false;
   bool quiet = false;
   std::string plugin, plugin_args;  // of the device "plugin"
@@ -43,18 +35,14 @@ struct Options {
   std::string hand;  // that holds the sim device; empty: the script moves it, whatever it feels
   std::string motion, json, trace, record, replay, udp;
   double udp_rate_hz = 60;
-  PartStart start;  // --start and --grip
-  Pose world_from_device;
-  double motion_scale = 1;
+  PartStart start;                        // --start and --grip
   std::optional<ReachBox> reach;          // --reach: none: what the handle's workspace allows
   std::optional<AfterTrip> after_trip;    // none: the device's own
   std::optional<unsigned> clutch_button;  // none: the device's own
-  double stale_s = kStaleLimitS;
-  double max_speed_mps = 5;
-  std::map<std::string, double> settings;  // parameters by ParameterInfo::name
 };
 
-// What CLI11 fills in; finish() turns it into Options and finds what contradicts itself.
+// Declares the options to CLI11. finish() turns what was parsed into Options and refuses
+// contradictions.
 class OptionParser {
  public:
   explicit OptionParser(CLI::App& app);
@@ -64,7 +52,8 @@ class OptionParser {
 
  private:
   struct Texts {
-    std::string duration, model, force, start, grip, world_from_device, reach, after_trip, stale;
+    std::string scene, part, duration, model, force, start, grip, world_from_device, reach,
+        after_trip, stale;
     unsigned clutch_button = 0;
     bool no_braking = false;
   };

@@ -1,4 +1,4 @@
-// What became of the output while the loop ran: waited, armed, tripped, clutched, and when.
+// Events of the output while the loop ran: waited, armed, tripped, clutched, and when.
 #pragma once
 
 #include <string>

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/command/command.h"
+#include "runtime/model/simulation.h"
 #include "runtime/query/query_kernel.h"
 
 namespace forcelayer::voxrun {
@@ -62,7 +63,7 @@ bool drives_torque(const DeviceCapabilities& c) {
   return (c.actuated_axes & (kAxisRotX | kAxisRotY | kAxisRotZ)) != 0;
 }
 
-// What a device declares; null: not declared, or none.
+// A device's declaration; null: not declared, or none.
 Json capabilities_json(const DeviceCapabilities& c) {
   const auto axes = [](std::uint32_t bits) {
     const char* const names[] = {"x", "y", "z", "rot_x", "rot_y", "rot_z"};
@@ -154,7 +155,7 @@ Json worst_json(const LoopStatistics& s) {
   return json;
 }
 
-// What only a loop with a clock can tell.
+// Figures of a loop with a clock.
 void add_clock(const RunFacts& facts, const LoopStatistics& s, Json& json) {
   json["tick_ns"] = percentiles(s.tick);
   json["wakeup_ns"] = percentiles(s.wakeup);
@@ -190,10 +191,10 @@ void add_output(const RunFacts& facts, const LoopStatistics& s, Json& json) {
 
 }  // namespace
 
-std::string start_text(const Simulation& simulation, const RunFacts& facts) {
-  const VoxmapHeader& map = simulation.voxmap().header();
-  const PshellHeader& shell = simulation.shell().header();
-  const Parameters& p = facts.parameters;
+std::string start_text(const Run& run, const RunFacts& facts) {
+  const VoxmapHeader& map = run.simulation().voxmap().header();
+  const PshellHeader& shell = run.simulation().shell().header();
+  const Parameters& p = run.parameters();
   return text("scene: voxels of %.4g mm, %u offset layers, %llu force-layer voxels\n",
               map.voxel_size_m * 1000, map.offset_layers,
               static_cast<unsigned long long>(map.surface_voxels)) +
@@ -205,7 +206,7 @@ std::string start_text(const Simulation& simulation, const RunFacts& facts) {
               p.rate_hz, facts.device.c_str(), p.coupling_n_per_m, p.field_n_per_m,
               p.mass_kg * 1000) +
          (facts.capabilities ? capabilities_text(*facts.capabilities) : std::string()) +
-         "guaranteed separation: " + guarantee_text(facts.guarantee) + "\n";
+         "guaranteed separation: " + guarantee_text(run.guarantee()) + "\n";
 }
 
 std::string end_text(const RunFacts& facts, const LoopStatistics& s) {
@@ -245,16 +246,16 @@ std::string end_text(const RunFacts& facts, const LoopStatistics& s) {
   return lines;
 }
 
-Json report_json(const RunFacts& facts, const LoopStatistics& s) {
+Json report_json(const Run& run, const RunFacts& facts, const LoopStatistics& s) {
   Json json;
   json["version"] = kVersion;
-  json["scene"] = facts.options.scene;
-  json["part"] = facts.options.part;
+  json["scene"] = facts.options.run.scene.string();
+  json["part"] = facts.options.run.part.string();
   json["device"] = facts.device;
   json["device_capabilities"] =
       facts.capabilities ? capabilities_json(*facts.capabilities) : Json(nullptr);
-  json["model"] = to_text(facts.parameters.model);
-  json["force"] = to_text(facts.parameters.force);
+  json["model"] = to_text(run.parameters().model);
+  json["force"] = to_text(run.parameters().force);
   json["frames"] = s.frames;
   json["force_layer_frames"] = s.force_layer_frames;
   json["penetration_frames"] = s.penetration_frames;
@@ -264,11 +265,11 @@ Json report_json(const RunFacts& facts, const LoopStatistics& s) {
   json["outside_map_frames"] = s.outside_map_frames;
   json["saturated_frames"] = s.saturated_frames;
   json["faulty_frames"] = s.faulty_frames;
-  json["guaranteed_separation_m"] = number(facts.guarantee.tested_m);
-  json["guaranteed_swept_separation_m"] = number(facts.guarantee.swept_m);
-  json["pose_error_m"] = facts.pose_error_m;
+  json["guaranteed_separation_m"] = number(run.guarantee().tested_m);
+  json["guaranteed_swept_separation_m"] = number(run.guarantee().swept_m);
+  json["pose_error_m"] = run.simulation().query().rounding_bound_m();
   json["step_ns"] = percentiles(s.step);
-  json["threads"] = facts.options.threads;
+  json["threads"] = facts.options.run.threads;
   json["instruction_set"] = kernel_target();
   json["as_fast_as_possible"] = facts.options.as_fast_as_possible;
   add_clock(facts, s, json);
@@ -284,8 +285,8 @@ Json report_json(const RunFacts& facts, const LoopStatistics& s) {
   json["scene_file_bytes"] = facts.scene_file_bytes;
   json["scene_prefaulted_bytes"] = facts.prefaulted_bytes;
   json["scene_resident_bytes"] = facts.resident_bytes;
-  json["parameters"] = parameters_json(facts.parameters);
-  json["parameter_reasons"] = facts.reasons;
+  json["parameters"] = parameters_json(run.parameters());
+  json["parameter_reasons"] = run.reasons();
   json["warnings"] = facts.warnings;
   return json;
 }

@@ -1,27 +1,22 @@
-// What voxrun says: at the start, at the end, and in --json.
+// The reports of a run: at the start, at the end, and --json.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
-#include "forcelayer/device.h"
+#include "runtime/devices/device.h"
 #include "runtime/loop/loop.h"
-#include "runtime/model/simulation.h"
-#include "runtime/run/derive_parameters.h"
-#include "runtime/run/separation.h"
 #include "runtime/voxrun/options.h"
 #include "runtime/voxrun/output_events.h"
 
 namespace forcelayer::voxrun {
 
-// All that a report is about.
+// Facts of a run that its Run and its LoopStatistics do not have.
 struct RunFacts {
-  Options options;
-  Parameters parameters;
-  std::map<std::string, std::string> reasons;  // of the parameters, by name
-  SeparationGuarantee guarantee;
-  double pose_error_m = 0;
+  explicit RunFacts(const Options& of_the_run) : options(of_the_run) {}
+
+  const Options& options;
   std::string device;
   std::optional<DeviceCapabilities> capabilities;  // none in a replay
   std::uint64_t output_trips = 0;
@@ -39,8 +34,9 @@ struct RunFacts {
   std::vector<std::string> warnings;
 };
 
-std::string start_text(const Simulation& simulation, const RunFacts& facts);
+std::string start_text(const Run& run, const RunFacts& facts);
 std::string end_text(const RunFacts& facts, const LoopStatistics& statistics);
-nlohmann::ordered_json report_json(const RunFacts& facts, const LoopStatistics& statistics);
+nlohmann::ordered_json report_json(const Run& run, const RunFacts& facts,
+                                   const LoopStatistics& statistics);
 
 }  // namespace forcelayer::voxrun

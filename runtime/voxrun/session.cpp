@@ -7,14 +7,12 @@
 #include <optional>
 
 #include "formats/command/command.h"
-#include "runtime/field/force_field.h"
 #include "runtime/loop/loop.h"
 #include "runtime/loop/servo.h"
 #include "runtime/machine/map_loss.h"
 #include "runtime/machine/real_time.h"
 #include "runtime/run/baked_files.h"
-#include "runtime/run/derive_parameters.h"
-#include "runtime/run/separation.h"
+#include "runtime/run/limits.h"
 #include "runtime/stream/pose_sender.h"
 #include "runtime/stream/recording.h"
 #include "runtime/voxrun/device_choice.h"
@@ -26,19 +24,20 @@ namespace forcelayer::voxrun {
 namespace {
 
 constexpr std::size_t kRingFrames = 1 << 14;  // 16 s of a stalled disk at 1 kHz
-constexpr double kSizeRatioWarning = 100;     // DESIGN 2: units are the likely cause
 
 // Everything that a run needs, in the order in which it is built.
 struct Session {
+  explicit Session(const Options& options) : facts(options) {}
+
   RunFacts facts;
-  DevicePlacement placement;
+  RunRequest request;  // the options', as device or recording have it
   std::optional<Recording> recording;
   ChosenDevice device;  // none in a replay
   AfterTrip after_trip = AfterTrip::kRearm;
   std::uint32_t clutch_buttons = 0;
   std::unique_ptr<InputSource> input;
   ReplayInput* replay = nullptr;  // the input, where it is one
-  std::unique_ptr<Simulation> simulation;
+  std::optional<Run> run;
   State start;
 
   ~Session() {
@@ -47,19 +46,14 @@ struct Session {
 };
 
 Status make_input(const Options& options, Session& session) {
-  session.placement = {options.world_from_device, options.motion_scale};
-  auto chosen = choose_device(options, session.placement);
+  auto chosen = choose_device(options);
   if (!chosen) return chosen.error();
   session.device = std::move(*chosen);
-  InputLimits limits;
-  limits.stale_s = options.stale_s;
-  session.input = std::make_unique<DeviceInput>(*session.device.device, session.placement, limits);
-  session.facts.device = options.device;
+  session.input = std::make_unique<DeviceInput>(*session.device.device, session.request.placement,
+                                                input_limits(session.request));
   const DeviceCapabilities& known = session.device.device->capabilities();
+  session.request.device = known;
   session.facts.capabilities = known;
-  if (known.actuated_axes == 0) {
-    session.facts.warnings.push_back(known.name + " has no motors: no force will be felt");
-  }
   session.after_trip =
       options.after_trip.value_or(known.hardware ? AfterTrip::kEnd : AfterTrip::kRearm);
   if (known.hardware && options.as_fast_as_possible) {
@@ -83,8 +77,8 @@ Status open_recording(const Options& options, const Voxmap& voxmap, const Pshell
   auto replay = std::make_unique<ReplayInput>(*session.recording);
   session.replay = replay.get();
   session.input = std::move(replay);
-  session.placement = session.recording->run().placement;
-  session.facts.device = options.device;
+  session.request.placement = session.recording->run().placement;
+  session.request.recorded = session.recording->run().parameters;
   session.after_trip = options.after_trip.value_or(AfterTrip::kRearm);
   return {};
 }
@@ -93,82 +87,38 @@ void warn(const std::vector<std::string>& more, std::vector<std::string>& warnin
   warnings.insert(warnings.end(), more.begin(), more.end());
 }
 
-void warn_of_sizes(const Voxmap& voxmap, const Pshell& shell, std::vector<std::string>& warnings) {
-  const VoxmapHeader& map = voxmap.header();
-  const PshellHeader& part = shell.header();
-  if (part.covering_radius_m > map.voxel_size_m * std::sqrt(3.0) / 2 * 1.000001) {
-    warnings.push_back(
-        "the shell is coarser than the scene's voxels: small features may pass between its points");
-  }
-  double extent_m = 0;
-  for (const std::uint64_t dim : map.dims_voxels) {
-    extent_m = std::max(extent_m, static_cast<double>(dim) * map.voxel_size_m);
-  }
-  const double part_m = 2 * part.bounding_radius_m;
-  if (extent_m > 0 && part_m > 0 &&
-      (part_m > kSizeRatioWarning * extent_m || extent_m > kSizeRatioWarning * part_m)) {
-    warnings.push_back("scene and part differ more than a hundredfold in size: check their units");
-  }
-}
-
-Status check_guarantee(const Options& options, Session& session) {
-  RunFacts& facts = session.facts;
-  facts.pose_error_m = session.simulation->query().rounding_bound_m();
-  facts.guarantee = separation_guarantee(session.simulation->voxmap().header(),
-                                         session.simulation->shell().header(), facts.pose_error_m);
-  if (options.without_guarantee) return {};
-  return require_guarantee(facts.guarantee, options.part, "give --without-guarantee");
-}
-
 // Registers the part where the hand is now.
 Status take_hold(const Options& options, Session& session) {
   const auto device_from_handle = wait_for_pose(*session.device.device);
   if (!device_from_handle) return device_from_handle.error();
-  session.start = session.simulation->registered(
-      options.start, session.placement.world_from_handle(*device_from_handle));
+  session.start = session.run->simulation().registered(
+      options.start, session.request.placement.world_from_handle(*device_from_handle));
   return {};
 }
 
-Status prepare_simulation(const Options& options, Session& session) {
-  auto voxmap = open_scene(options.scene);
+// The files before the device: a file that is unusable is an error before a motor is on.
+Status prepare_run(const Options& options, Session& session) {
+  session.request = options.run;
+  session.facts.device = options.device;
+  auto voxmap = open_scene(options.run.scene);
   if (!voxmap) return voxmap.error();
-  auto shell = open_part(options.part);
+  auto shell = open_part(options.run.part);
   if (!shell) return shell.error();
-  RunFacts& facts = session.facts;
-  warn_of_sizes(*voxmap, *shell, facts.warnings);
-  if (!options.replay.empty()) {
-    if (Status s = open_recording(options, *voxmap, *shell, session); !s) return s;
-    facts.parameters = session.recording->run().parameters;
-  } else {
-    if (Status s = make_input(options, session); !s) return s;
-    const ParameterRequest request{
-        options.model,        options.force.value_or(usual_force(options.model, *voxmap)),
-        options.braking,      options.rate_hz,
-        options.motion_scale, options.settings};
-    auto derived =
-        derive_parameters(request, *voxmap, *shell, session.device.device->capabilities());
-    if (!derived) return derived.error();
-    facts.parameters = derived->values;
-    facts.reasons = derived->reasons;
-    warn(derived->warnings, facts.warnings);
-  }
-  QueryOptions query;
-  query.threads = options.threads;
-  auto simulation =
-      Simulation::create(std::move(*voxmap), std::move(*shell), facts.parameters, query);
-  if (!simulation) return simulation.error();
-  session.simulation = std::move(*simulation);
-  if (session.recording) {
-    session.start = session.recording->run().start;
-    return {};
-  }
-  return take_hold(options, session);
+  const Status input = options.replay.empty() ? make_input(options, session)
+                                              : open_recording(options, *voxmap, *shell, session);
+  if (!input) return input;
+  auto run = open_run(std::move(*voxmap), std::move(*shell), session.request);
+  if (!run) return run.error();
+  session.run = std::move(*run);
+  warn(session.run->warnings(), session.facts.warnings);
+  if (!session.recording) return take_hold(options, session);
+  session.start = session.recording->run().start;
+  return {};
 }
 
-// What the part can reach where the user does not say it: the handle's workspace with all of the
-// part that the grip may swing around in it, or everything. Where a place is given and no grip, the
-// grip is that of the first reading: as far as the hand goes until the loop begins, the part may
-// reach farther.
+// The box that the part can reach: --reach, else the handle's workspace and around it the grip and
+// the part, else everything. With a place and no grip, the grip is that of the first reading: as
+// far as the hand moves until the loop begins, the part may reach farther.
 ReachBox reach_of(const Options& options, const Session& session) {
   if (options.reach) return *options.reach;
   const double workspace_m =
@@ -176,9 +126,10 @@ ReachBox reach_of(const Options& options, const Session& session) {
   if (!(workspace_m > 0)) return {glm::dvec3(-INFINITY), glm::dvec3(INFINITY)};
   const State& start = session.start;
   const double grip_m = glm::length(start.handle_from_center.position_m);
-  const double reach_m = workspace_m * session.placement.motion_scale + grip_m +
-                         session.simulation->shell().header().bounding_radius_m;
-  const glm::dvec3 center_m = session.placement.world_from_device.position_m;
+  const DevicePlacement& placement = session.request.placement;
+  const double reach_m = workspace_m * placement.motion_scale + grip_m +
+                         session.run->simulation().shell().header().bounding_radius_m;
+  const glm::dvec3 center_m = placement.world_from_device.position_m;
   return {center_m - reach_m, center_m + reach_m};
 }
 
@@ -187,34 +138,15 @@ LoopOptions loop_options(const Options& options, const Session& session,
   LoopOptions loop;
   loop.as_fast_as_possible = options.as_fast_as_possible;
   loop.stop = &stop;
-  loop.stale_s = options.stale_s;
+  loop.stale_s = options.run.stale_s;
   loop.end_on_trip = session.after_trip == AfterTrip::kEnd;
   const auto seconds = options.duration_s ? options.duration_s : session.device.motion_end_s;
   // A millionth of a frame more, so that 0.3 s at 1 kHz is 300 frames and not 301.
   if (seconds) {
     loop.frames =
-        static_cast<std::uint64_t>(std::ceil(*seconds * session.facts.parameters.rate_hz - 1e-6));
+        static_cast<std::uint64_t>(std::ceil(*seconds * session.run->parameters().rate_hz - 1e-6));
   }
   return loop;
-}
-
-// Once every other thread runs: the stack of a later one would count as locked, and may be refused.
-void make_real_time(const Options& options, Simulation& simulation,
-                    std::vector<std::string>& warnings) {
-  if (options.as_fast_as_possible) return;
-  warn(lock_memory(), warnings);
-  warn(take_real_time_priority(), warnings);
-  warn(simulation.give_helpers_real_time_priority(), warnings);
-}
-
-OutputLimits output_limits(const Options& options, const Session& session) {
-  OutputLimits limits;
-  limits.max_force_n = session.facts.parameters.max_force_n;
-  limits.max_torque_nm = session.facts.parameters.max_torque_nm;
-  limits.max_speed_mps = options.max_speed_mps;
-  limits.stale_s = options.stale_s;
-  limits.rearm_alone = session.after_trip == AfterTrip::kRearm;
-  return limits;
 }
 
 void print_warnings(const RunFacts& facts, std::size_t first) {
@@ -223,7 +155,7 @@ void print_warnings(const RunFacts& facts, std::size_t first) {
   }
 }
 
-// Where frames go while the loop runs.
+// The files and the socket that frames go to while the loop runs.
 struct FrameOutputs {
   std::optional<TraceWriter> trace;
   std::optional<RecordingWriter> recording;
@@ -236,12 +168,12 @@ struct FrameOutputs {
       recording.emplace(std::move(*writer));
     }
     if (!options.trace.empty()) {
-      auto writer = TraceWriter::create(options.trace, *session.simulation);
+      auto writer = TraceWriter::create(options.trace, session.run->simulation());
       if (!writer) return writer.error();
       trace = std::move(*writer);
     }
     if (!options.udp.empty()) {
-      auto sender = PoseSender::create(options.udp, *session.simulation, options.udp_rate_hz);
+      auto sender = PoseSender::create(options.udp, session.run->simulation(), options.udp_rate_hz);
       if (!sender) return sender.error();
       poses.emplace(std::move(*sender));
     }
@@ -285,14 +217,17 @@ bool is_of_device(TripCause cause) {
 // A run that ends with the output tripped did not end well, and says so.
 Status check_output(const RunFacts& facts) {
   if (!facts.ended_tripped) return {};
-  // What its own side has to say, where the trip is about that side.
+  // The device's own reason, where the trip is about the device.
   DeviceTrouble trouble;
   if (is_of_device(facts.last_trip)) trouble = facts.device_trouble;
   char when[32];
   std::snprintf(when, sizeof when, "at %.3f s", facts.last_trip_s);
   const bool map_lost = facts.last_trip == TripCause::kMapLost;
   return Error{map_lost ? ErrorCode::kTruncated : ErrorCode::kDeviceFailed,
-               map_lost ? facts.options.scene + " or " + facts.options.part : facts.device, when,
+               map_lost
+                   ? facts.options.run.scene.string() + " or " + facts.options.run.part.string()
+                   : facts.device,
+               when,
                std::string("output to zero: ") + to_text(facts.last_trip) +
                    (trouble.what.empty() ? "" : " (" + trouble.what + ")"),
                trouble.mend.empty() ? how_to_mend(facts.last_trip) : trouble.mend};
@@ -320,11 +255,14 @@ Status run_frames(const Options& options, Session& session, std::atomic<int>& st
   sinks.push_back(progress_sink(loop, progress));
   SpscRing<Frame> ring(kRingFrames);
   FrameSinks frame_sinks(ring, std::move(sinks), stop);
-  const Voxmap& voxmap = session.simulation->voxmap();
+  Simulation& simulation = session.run->simulation();
+  const Voxmap& voxmap = simulation.voxmap();
   session.facts.scene_file_bytes = voxmap.bytes().size();
   session.facts.prefaulted_bytes = prefault(voxmap, reach_of(options, session));
   const std::size_t warned = session.facts.warnings.size();
-  make_real_time(options, *session.simulation, session.facts.warnings);
+  // Once every other thread runs: the stack of a later one would count as locked, and may be
+  // refused.
+  if (!options.as_fast_as_possible) warn(session.run->make_real_time(), session.facts.warnings);
   print_warnings(session.facts, warned);
   const double stolen_s = steal_seconds();
   // Again, and last: the hand moved on while the run was made ready, and held where it was, the
@@ -333,9 +271,11 @@ Status run_frames(const Options& options, Session& session, std::atomic<int>& st
     if (Status held = take_hold(options, session); !held) return held;
   }
   if (outputs.recording) {
-    outputs.recording->begin(describe_run(*session.simulation, session.start, session.placement));
+    outputs.recording->begin(describe_run(simulation, session.start, session.request.placement));
   }
-  Servo servo(*session.simulation, *session.input, session.start, output_limits(options, session));
+  OutputLimits limits = output_limits(session.request, session.run->parameters());
+  limits.rearm_alone = session.after_trip == AfterTrip::kRearm;
+  Servo servo(simulation, *session.input, session.start, limits);
   servo.set_clutch_buttons(session.clutch_buttons);
   const long long begin_ns = monotonic_ns();
   run_loop(servo, loop, &ring, statistics);
@@ -359,20 +299,18 @@ Status run_frames(const Options& options, Session& session, std::atomic<int>& st
 }  // namespace
 
 Status run_session(const Options& options, std::atomic<int>& stop) {
-  Session session;
-  session.facts.options = options;
+  Session session(options);
   contain_map_loss();
-  if (Status s = prepare_simulation(options, session); !s) return s;
-  if (Status s = check_guarantee(options, session); !s) return s;
-  if (!options.quiet) {
-    std::cout << start_text(*session.simulation, session.facts) << std::flush;
-  }
+  if (Status s = prepare_run(options, session); !s) return s;
+  if (!options.quiet) std::cout << start_text(*session.run, session.facts) << std::flush;
   print_warnings(session.facts, 0);
   const auto statistics = std::make_unique<LoopStatistics>();
   if (Status s = run_frames(options, session, stop, *statistics); !s) return s;
   if (!options.quiet) std::cout << end_text(session.facts, *statistics) << std::flush;
   if (!options.json.empty()) {
-    if (Status s = write_report(options.json, report_json(session.facts, *statistics)); !s) {
+    if (Status s =
+            write_report(options.json, report_json(*session.run, session.facts, *statistics));
+        !s) {
       return s;
     }
   }

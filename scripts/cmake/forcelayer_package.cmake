@@ -1,12 +1,15 @@
 # Install rules of headers and documents, and the package config for find_package(forcelayer).
 include(CMakePackageConfigHelpers)
 
-install(DIRECTORY formats runtime DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/forcelayer
-        COMPONENT development
-        FILES_MATCHING PATTERN "*.h" PATTERN "mesh" EXCLUDE PATTERN "command" EXCLUDE
-        PATTERN "viewer" EXCLUDE PATTERN "voxinfo" EXCLUDE
-        # Inside formats/ only: what readers and writers share.
-        REGEX "/formats/(section_table|field_check|voxmap_sections|pshell_sections|temporary_files)" EXCLUDE)
+# The public headers: runtime/forcelayer, and of formats what those include. No room's header.
+install(DIRECTORY runtime/forcelayer DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
+        COMPONENT development FILES_MATCHING PATTERN "*.h")
+foreach(header result.h voxmap.h voxmap_format.h pshell.h pshell_format.h file_format.h
+        file/mapped_file.h file/descriptor.h)
+  get_filename_component(folder formats/${header} DIRECTORY)
+  install(FILES formats/${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/forcelayer/${folder}
+          COMPONENT development)
+endforeach()
 install(FILES LICENSE README.md DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT development)
 install(DIRECTORY formats/ DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT development FILES_MATCHING PATTERN "*_format.md"
         PATTERN "mesh" EXCLUDE PATTERN "command" EXCLUDE)

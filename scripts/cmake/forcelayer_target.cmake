@@ -28,8 +28,8 @@ function(forcelayer_library name)
   target_include_directories(forcelayer_${name} PUBLIC
     $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
     $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/runtime>  # "forcelayer/pose.h", as when installed
-    $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/forcelayer>
-    $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/forcelayer/runtime>)
+    $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>              # <forcelayer/run.h>
+    $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/forcelayer>)  # "formats/result.h"
   target_compile_features(forcelayer_${name} PUBLIC cxx_std_20)
   target_link_libraries(forcelayer_${name} PUBLIC ${ARG_PUBLIC}
                         PRIVATE $<BUILD_INTERFACE:forcelayer_options> ${ARG_PRIVATE})

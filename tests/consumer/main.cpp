@@ -1,33 +1,40 @@
-// An outside program: opens both files, asks what a point's voxel is and runs one contact query.
+// An outside program: opens both files, puts the part into the middle of the scene and steps it.
+#include <forcelayer/run.h>
+
 #include <cstdio>
 
-#include "formats/pshell.h"
-#include "formats/voxmap.h"
-#include "runtime/query/contact_query.h"
+using namespace forcelayer;
 
 int main(int argc, char** argv) {
   if (argc != 3) {
     std::fprintf(stderr, "usage: consumer SCENE.vox PART.pshell\n");
     return 2;
   }
-  const auto voxmap = forcelayer::Voxmap::open(argv[1]);
-  const auto shell = forcelayer::Pshell::open(argv[2]);
-  for (const auto* error : {voxmap ? nullptr : &voxmap.error(), shell ? nullptr : &shell.error()}) {
-    if (error == nullptr) continue;
-    std::fprintf(stderr, "consumer: %s\n", forcelayer::to_line(*error).c_str());
-    return forcelayer::exit_status(error->code);
+  RunRequest request = default_run_request(argv[1], argv[2]);
+  request.without_guarantee = true;
+  auto run = open_run(request);
+  if (!run) {
+    std::fprintf(stderr, "consumer: %s\n", to_line(run.error()).c_str());
+    return exit_status(run.error().code);
   }
-  forcelayer::CollectedPoints points;
-  points.reserve(shell->header().point_count);
-  forcelayer::ContactQuery query(*voxmap, *shell);
-  forcelayer::Pose world_from_center;
+  const auto map = Voxmap::open(argv[1]);
+  if (!map) return 1;
+  DeviceSample reading;
+  reading.present = reading.fresh = true;
   for (int axis = 0; axis < 3; ++axis) {
-    world_from_center.position_m[axis] = (double(voxmap->header().origin_voxel[axis]) +
-                                          0.5 * double(voxmap->header().dims_voxels[axis])) *
-                                         voxmap->voxel_size_m();
+    reading.device_from_handle.position_m[axis] =
+        (double(map->header().origin_voxel[axis]) + 0.5 * double(map->header().dims_voxels[axis])) *
+        map->voxel_size_m();
   }
-  query.run(world_from_center, points);
-  std::printf("%llu points, %u in the map's values 1-3\n",
-              static_cast<unsigned long long>(shell->header().point_count), points.count);
+  if (const auto started = run->start({}, reading); !started) {
+    std::fprintf(stderr, "consumer: %s\n", to_line(started.error()).c_str());
+    return 1;
+  }
+  for (int frame = 0; frame < 10; ++frame) run->step(reading);
+  const StepReport& report = run->frame().result.report;
+  std::printf("model %s, %llu frames, %u points in the interior, %u in the force layer\n",
+              std::string(to_text(run->parameters().model)).c_str(),
+              static_cast<unsigned long long>(run->statistics().frames), report.interior,
+              report.surface);
   return 0;
 }

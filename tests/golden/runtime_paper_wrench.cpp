@@ -1,13 +1,11 @@
 // The paper's force, bit for bit: what a later field or a faster query must leave as it is.
 //
 // At each pose the part is at rest and its handle is registered there, so the velocity after one
-// step is the force field's and nothing else. Everything here is made of +, -, *, / and sqrt, which
-// IEEE 754 rounds the same everywhere: no libm, no library's random numbers.
+// step is the force field's and nothing else.
 #include <gtest/gtest.h>
 
-#include <cstring>
-
 #include "runtime/model/simulation.h"
+#include "tests/support/golden_sequence.h"
 #include "tests/support/point_part.h"
 #include "tests/support/voxel_scene.h"
 
@@ -15,18 +13,6 @@ namespace forcelayer::test {
 namespace {
 
 constexpr double kS = 0.004;
-
-// Knuth's MMIX generator; uniform in [-1, 1).
-class Sequence {
- public:
-  double next() {
-    state_ = state_ * 6364136223846793005u + 1442695040888963407u;
-    return static_cast<double>(static_cast<std::int64_t>(state_) >> 11) * 0x1p-52;
-  }
-
- private:
-  std::uint64_t state_ = 1999;
-};
 
 // A floor, a wall at one of its ends, and a step in the corner.
 VoxelScene scene() {
@@ -67,18 +53,11 @@ Parameters parameters() {
   return p;
 }
 
-// FNV-1a.
-void hash_in(std::uint64_t& hash, const void* bytes, std::size_t size) {
-  for (std::size_t i = 0; i < size; ++i) {
-    hash = (hash ^ static_cast<const unsigned char*>(bytes)[i]) * 1099511628211u;
-  }
-}
-
 TEST(PaperGolden, WrenchesOfFourHundredPosesKeepTheirBits) {
   auto simulation = Simulation::create(make_voxmap(scene()), make_pshell(part()), parameters());
   ASSERT_TRUE(simulation) << to_line(simulation.error());
   Sequence random;
-  std::uint64_t hash = 14695981039346656037u;
+  GoldenHash hash;
   std::uint64_t contacts = 0, loaded = 0;
   for (int i = 0; i < 400; ++i) {
     Pose pose;
@@ -91,21 +70,21 @@ TEST(PaperGolden, WrenchesOfFourHundredPosesKeepTheirBits) {
     input.valid = 1;
     input.world_from_handle = pose;
     const StepResult result = (*simulation)->step(state, input, 0.001);
-    const std::array<double, 6> impulse{
-        state.velocity.linear_mps.x,    state.velocity.linear_mps.y,
-        state.velocity.linear_mps.z,    state.velocity.angular_radps.x,
-        state.velocity.angular_radps.y, state.velocity.angular_radps.z};
-    const std::array<std::uint32_t, 4> counts{result.report.interior, result.report.surface,
-                                              result.report.proximity, result.report.contacts};
-    hash_in(hash, impulse.data(), sizeof impulse);
-    hash_in(hash, counts.data(), sizeof counts);
+    const double impulse[] = {state.velocity.linear_mps.x,    state.velocity.linear_mps.y,
+                              state.velocity.linear_mps.z,    state.velocity.angular_radps.x,
+                              state.velocity.angular_radps.y, state.velocity.angular_radps.z};
+    const std::uint32_t counts[] = {result.report.interior, result.report.surface,
+                                    result.report.proximity, result.report.contacts};
+    hash.add(impulse);
+    hash.add(counts);
     contacts += result.report.contacts;
     loaded += impulse[2] != 0;
   }
   // The poses are worth hashing: most of them press on something.
   EXPECT_GT(loaded, 200u);
   EXPECT_GT(contacts, 2000u);
-  EXPECT_EQ(hash, 8093137438003303288u) << "impulses or counts of the paper's model changed";
+  EXPECT_EQ(hash.value(), 8093137438003303288u)
+      << "impulses or counts of the paper's model changed";
 }
 
 }  // namespace

@@ -6,9 +6,9 @@
 #include <cstring>
 #include <fstream>
 
+#include "forcelayer/run.h"
 #include "runtime/devices/sim_device.h"
 #include "runtime/loop/loop.h"
-#include "runtime/run/derive_parameters.h"
 #include "tests/support/address_limit.h"
 #include "tests/support/random_scenes.h"
 #include "tests/support/scratch_folder.h"
@@ -21,12 +21,9 @@ constexpr double kS = 0.005;
 std::unique_ptr<Simulation> simulation() {
   Voxmap voxmap =
       make_voxmap(offset_scene(kS, {0, 0, -2}, {32, 32, 8}, 2, [](Voxel v) { return v[2] <= 0; }));
-  Pshell shell = make_pshell(sphere_part(0.02, 200, kS));
-  const auto derived = derive_parameters({}, voxmap, shell, sim_capabilities());
-  EXPECT_TRUE(derived);
-  auto created = Simulation::create(std::move(voxmap), std::move(shell), derived->values);
-  EXPECT_TRUE(created);
-  return std::move(*created);
+  auto run = open_run(std::move(voxmap), make_pshell(sphere_part(0.02, 200, kS)), {});
+  if (!run) throw std::runtime_error(to_line(run.error()));
+  return run->release_simulation();
 }
 
 // A wild hand: jumps, turns, broken samples.

@@ -1,8 +1,10 @@
 // The paper's model against its double-precision brute-force twin, along random motions.
 #include <gtest/gtest.h>
 
+#include <stdexcept>
+
+#include "forcelayer/run.h"
 #include "runtime/model/simulation.h"
-#include "runtime/run/derive_parameters.h"
 #include "tests/support/random_scenes.h"
 #include "tests/support/reference_step.h"
 
@@ -11,14 +13,16 @@ namespace {
 
 constexpr double kDt = 0.001;
 
-Parameters random_parameters(Random& random, const Voxmap& voxmap, const Pshell& shell) {
-  ParameterRequest request;
+Run random_run(Random& random, const VoxelScene& scene, const PointPart& part) {
+  RunRequest request;
+  request.model = Model::kPaper;
   request.braking = random() % 2 == 0;
-  DeviceCapabilities device;
-  device.max_force_n = device.max_torque_nm = 100;
-  auto derived = derive_parameters(request, voxmap, shell, device);
-  EXPECT_TRUE(derived);
-  return derived->values;
+  request.device = {};
+  request.device.max_force_n = request.device.max_torque_nm = 100;
+  request.without_guarantee = true;
+  auto run = open_run(make_voxmap(scene), make_pshell(part), request);
+  if (!run) throw std::runtime_error(to_line(run.error()));
+  return std::move(*run);
 }
 
 StepInput random_input(Random& random, const VoxelScene& scene, const Pose& around) {
@@ -55,12 +59,9 @@ void compare_frames(std::uint64_t seed, Outcome& outcome) {
   Random random(seed);
   const VoxelScene scene = random_scene(random, seed % 4 == 0 ? 1'000'000 : 0);
   const PointPart part = random_part(random, scene.voxel_size_m);
-  Voxmap voxmap = make_voxmap(scene);
-  Pshell shell = make_pshell(part);
-  const Parameters p = random_parameters(random, voxmap, shell);
-  auto created = Simulation::create(std::move(voxmap), std::move(shell), p);
-  ASSERT_TRUE(created);
-  Simulation& simulation = **created;
+  Run run = random_run(random, scene, part);
+  const Parameters& p = run.parameters();
+  Simulation& simulation = run.simulation();
   for (int i = 0; i < 20; ++i) {
     const Pose start = random_pose(random, scene);
     State state = simulation.registered(start, start);

@@ -20,10 +20,11 @@
 #include <mutex>
 #include <new>
 #include <shared_mutex>
+#include <stdexcept>
 #include <utility>
 
+#include "forcelayer/run.h"
 #include "runtime/loop/servo.h"
-#include "runtime/run/derive_parameters.h"
 #include "tests/support/random_scenes.h"
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
@@ -149,17 +150,12 @@ class Stepping {
     Voxmap voxmap = make_voxmap(
         offset_scene(0.005, {0, 0, -2}, {32, 32, 8}, 2, [](Voxel v) { return v[2] <= 0; }));
     Pshell shell = make_pshell(sphere_part(0.02, points, 0.005));
-    ParameterRequest request;
+    RunRequest request;
     request.model = model;
-    request.force = usual_force(model, voxmap);
-    DeviceCapabilities device;
-    device.max_force_n = 15;
-    device.max_torque_nm = 0.1;
-    const auto derived = derive_parameters(request, voxmap, shell, device);
-    QueryOptions query;
-    query.threads = threads;
-    auto made = Simulation::create(std::move(voxmap), std::move(shell), derived->values, query);
-    simulation_ = std::move(*made);
+    request.threads = threads;
+    auto run = open_run(std::move(voxmap), std::move(shell), request);
+    if (!run) throw std::runtime_error(to_line(run.error()));
+    simulation_ = run->release_simulation();
     const Pose start{{0.08, 0.08, 0.05}, {1, 0, 0, 0}};
     servo_ = std::make_unique<Servo>(*simulation_, input_, simulation_->registered(start, start),
                                      OutputLimits{});
@@ -308,7 +304,7 @@ void expect_no_system_call(Model model, unsigned threads, int steps) {
 
 TEST(StepSystemCalls, TheTrapWorks) {
   if (FORCELAYER_TEST_SANITIZED) GTEST_SKIP() << "a sanitizer makes system calls of its own";
-  const CallReport report = steps_under_filter(Model::kPaper, 1, 10, true);
+  const CallReport report = steps_under_filter(kDefaultModel, 1, 10, true);
   if (report.refused != 0) GTEST_SKIP() << "no seccomp here: " << std::strerror(report.refused);
   EXPECT_EQ(report.calls, 1);
   EXPECT_EQ(report.first_call, SYS_getppid);
@@ -320,8 +316,11 @@ TEST(StepSystemCalls, NoStepOfThePaperModelCallsTheSystem) {
 TEST(StepSystemCalls, NoStepOfTheDefaultModelCallsTheSystem) {
   expect_no_system_call(Model::kDefault, 1, 100'000);
 }
-TEST(StepSystemCalls, NoStepWithHelpersCallsTheSystem) {
+TEST(StepSystemCalls, NoStepOfThePaperModelWithHelpersCallsTheSystem) {
   expect_no_system_call(Model::kPaper, 2, 500);
+}
+TEST(StepSystemCalls, NoStepOfTheDefaultModelWithHelpersCallsTheSystem) {
+  expect_no_system_call(Model::kDefault, 2, 500);
 }
 
 }  // namespace

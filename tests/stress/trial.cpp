@@ -10,7 +10,6 @@
 #include "runtime/coupling/coupling.h"
 #include "runtime/loop/handle_velocity.h"
 #include "runtime/loop/output_stage.h"
-#include "runtime/run/separation.h"
 #include "tests/stress/exact_distance.h"
 #include "tests/stress/rest_place.h"
 
@@ -211,20 +210,21 @@ Pose middle_of(const Pose& a, const Pose& b) {
 
 }  // namespace
 
-std::unique_ptr<Simulation> make_simulation(const Trial& trial, Model model) {
-  Voxmap voxmap = trial.scene->open(trial.voxels);
-  Pshell shell = trial.part->open();
-  ParameterRequest request;
+Run open_trial(const Trial& trial, Model model) {
+  RunRequest request;
   request.model = model;
-  request.force = usual_force(model, voxmap);
   request.rate_hz = trial.rate_hz;
   request.settings = trial.settings;
   request.braking = trial.braking;
-  const auto derived = derive_parameters(request, voxmap, shell, trial.device);
-  if (!derived) throw std::runtime_error(to_line(derived.error()));
-  auto simulation = Simulation::create(std::move(voxmap), std::move(shell), derived->values);
-  if (!simulation) throw std::runtime_error(to_line(simulation.error()));
-  return std::move(*simulation);
+  request.device = trial.device;
+  request.without_guarantee = true;
+  auto run = open_run(trial.scene->open(trial.voxels), trial.part->open(), request);
+  if (!run) throw std::runtime_error(to_line(run.error()));
+  return std::move(*run);
+}
+
+std::unique_ptr<Simulation> make_simulation(const Trial& trial, Model model) {
+  return open_trial(trial, model).release_simulation();
 }
 
 DeviceCapabilities trial_device() {
@@ -268,15 +268,14 @@ void Metrics::add(const Metrics& other) {
 }
 
 Metrics run(const Trial& trial, Model model) {
-  const auto simulation = make_simulation(trial, model);
+  Run opened = open_trial(trial, model);
+  Simulation* const simulation = &opened.simulation();
   const PshellHeader& shell = simulation->shell().header();
   const double s = simulation->voxmap().voxel_size_m(), dt_s = 1 / trial.rate_hz;
   const double radius_m = shell.bounding_radius_m + shell.covering_radius_m;
   Metrics metrics;
   metrics.trials = 1;
-  const SeparationGuarantee guarantee = separation_guarantee(
-      simulation->voxmap().header(), shell, simulation->query().rounding_bound_m());
-  metrics.guaranteed_m = guarantee.swept_m.value_or(0);
+  metrics.guaranteed_m = opened.guarantee().swept_m.value_or(0);
 
   std::optional<ExactDistance> exact;
   std::optional<PathDistance> distance;

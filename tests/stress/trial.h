@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
+#include "forcelayer/run.h"
 #include "runtime/devices/sim_hand.h"
 #include "runtime/model/simulation.h"
-#include "runtime/run/derive_parameters.h"
 #include "tests/stress/baked.h"
 
 namespace forcelayer::stress {
@@ -88,6 +88,7 @@ struct Metrics {
 };
 
 // What a trial runs in. Throws std::runtime_error where it cannot be set up.
+Run open_trial(const Trial& trial, Model model);
 std::unique_ptr<Simulation> make_simulation(const Trial& trial, Model model);
 
 // Runs `trial` under `model`. Throws std::runtime_error where it cannot be set up.

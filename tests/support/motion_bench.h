@@ -8,9 +8,9 @@
 #include <stdexcept>
 #include <string>
 
+#include "forcelayer/run.h"
 #include "runtime/coupling/coupling.h"
 #include "runtime/model/simulation.h"
-#include "runtime/run/derive_parameters.h"
 #include "tests/support/shape_scene.h"
 
 namespace forcelayer::test {
@@ -38,19 +38,16 @@ class MotionBench {
  public:
   MotionBench(const VoxelScene& scene, const PointPart& part, const Pose& start,
               const BenchOptions& options = {}) {
-    Voxmap voxmap = make_voxmap(scene);
-    Pshell shell = make_pshell(part);
-    ParameterRequest request;
+    RunRequest request;
     request.model = options.model;
-    request.force = usual_force(options.model, voxmap);
     request.rate_hz = options.rate_hz;
     request.braking = options.braking;
     request.settings = options.settings;
-    auto derived = derive_parameters(request, voxmap, shell, paper_device());
-    if (!derived) throw std::runtime_error(to_line(derived.error()));
-    auto made = Simulation::create(std::move(voxmap), std::move(shell), derived->values);
-    if (!made) throw std::runtime_error(to_line(made.error()));
-    simulation = std::move(*made);
+    request.device = paper_device();
+    request.without_guarantee = true;  // any part will do
+    auto run = open_run(make_voxmap(scene), make_pshell(part), request);
+    if (!run) throw std::runtime_error(to_line(run.error()));
+    simulation = run->release_simulation();
     dt_s = 1 / options.rate_hz;
     state = simulation->registered(start, start);
     input.valid = 1;

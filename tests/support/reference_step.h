@@ -6,7 +6,7 @@
 #include <glm/gtc/quaternion.hpp>
 
 #include "forcelayer/parameters.h"
-#include "forcelayer/step.h"
+#include "runtime/model/state.h"
 #include "tests/support/reference_query.h"
 
 namespace forcelayer::test {

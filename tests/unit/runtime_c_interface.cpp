@@ -9,10 +9,12 @@
 #include <glm/geometric.hpp>
 #include <limits>
 #include <thread>
+#include <utility>
 
 #include "forcelayer/forcelayer.h"
 #include "runtime/coupling/coupling.h"
 #include "runtime/machine/real_time.h"
+#include "tests/support/both_models.h"
 #include "tests/support/random_scenes.h"
 #include "tests/support/scratch_folder.h"
 
@@ -43,13 +45,16 @@ forcelayer_reading reading_at(const Pose& device_from_handle) {
 }
 
 // A slab whose force layer is z in [10, 15) mm, a ball of 20 mm and one of 30 mm.
-struct CInterface : testing::Test {
+struct CInterface : BothModels {
   CInterface() {
     const auto slab = [](Voxel v) { return v[2] <= 0; };
     save_voxmap(folder / "floor.vox", offset_scene(0.005, {0, 0, -2}, {48, 40, 8}, 2, slab));
     save_pshell(folder / "ball.pshell", sphere_part(0.02, 400, 0.005));
     save_pshell(folder / "large.pshell", sphere_part(0.03, 900, 0.005));
     forcelayer_default_options(&options);
+    EXPECT_EQ(options.model, FORCELAYER_MODEL_DEFAULT);
+    options.model =
+        GetParam() == Model::kDefault ? FORCELAYER_MODEL_DEFAULT : FORCELAYER_MODEL_PAPER;
     options.stale_s = 1000;  // nothing here is about the clock
   }
   ~CInterface() override { forcelayer_close(runtime); }
@@ -83,9 +88,11 @@ struct CInterface : testing::Test {
   char error[512] = "";
 };
 
+INSTANTIATE_TEST_SUITE_P(Models, CInterface, kBothModels, name_of_model);
+
 // A quaternion of few bits is as long as its rounding makes it: held by the rotation alone, the
 // part stays where it was put.
-TEST_F(CInterface, AQuaternionOfFewBitsDoesNotMoveThePart) {
+TEST_P(CInterface, AQuaternionOfFewBitsDoesNotMoveThePart) {
   open();
   const Pose place{{0.2, 0.1, 0.9}, {1, 0, 0, 0}};
   for (const double length : {0.9995, 1.0005}) {
@@ -100,7 +107,7 @@ TEST_F(CInterface, AQuaternionOfFewBitsDoesNotMoveThePart) {
 
 // Against the definition, written out: world_from_device * (scaled reading) is the handle; the part
 // begins at its place, else where the grip has it; the hand then pulls it to where the grip has it.
-TEST_F(CInterface, PlacesDeviceGripAndPart) {
+TEST_P(CInterface, PlacesDeviceGripAndPart) {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     SCOPED_TRACE(seed);
     Random random(seed);
@@ -137,14 +144,14 @@ TEST_F(CInterface, PlacesDeviceGripAndPart) {
       EXPECT_LT(distance_m(pose(result.world_from_part), c.first), pulled ? 2e-3 : 1e-12);
       EXPECT_EQ(result.output, unsigned{FORCELAYER_ARMED});
       for (int i = 0; i < 1500; ++i) forcelayer_step(runtime, &reading, &result);
-      // What is not pulled stays; what is comes near (1e-5: the coupling creeps up on it).
+      // A part that is not pulled stays; one that is comes near (1e-5: the coupling creeps).
       EXPECT_LT(distance_m(pose(result.world_from_part), c.last), pulled ? 1e-5 : 1e-12);
       EXPECT_LT(angle_rad(pose(result.world_from_part), c.last), pulled ? 1e-3 : 1e-12);
     }
   }
 }
 
-TEST_F(CInterface, RefusesWhatIsNoPoseAndNoReading) {
+TEST_P(CInterface, RefusesWhatIsNoPoseAndNoReading) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   options.world_from_device[3] = 0;
   EXPECT_EQ(forcelayer_open(file("floor.vox").c_str(), file("ball.pshell").c_str(), &options, error,
@@ -152,6 +159,11 @@ TEST_F(CInterface, RefusesWhatIsNoPoseAndNoReading) {
             nullptr);
   EXPECT_NE(std::string(error).find("world_from_device"), std::string::npos) << error;
   options.world_from_device[3] = 1;
+  const int model = std::exchange(options.model, 2);
+  EXPECT_EQ(forcelayer_open(file("floor.vox").c_str(), file("ball.pshell").c_str(), &options, error,
+                            sizeof error),
+            nullptr);
+  options.model = model;
   options.workspace_radius_m = 0.2;
   open();
   forcelayer_result result;
@@ -189,7 +201,7 @@ std::string bytes_of(const std::string& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-TEST_F(CInterface, RefusesDamagedFilesAndThoseWithoutAGuarantee) {
+TEST_P(CInterface, RefusesDamagedFilesAndThoseWithoutAGuarantee) {
   const auto refusal = [&](const char* scene, const char* part) -> std::string {
     runtime =
         forcelayer_open(file(scene).c_str(), file(part).c_str(), &options, error, sizeof error);
@@ -222,7 +234,7 @@ TEST_F(CInterface, RefusesDamagedFilesAndThoseWithoutAGuarantee) {
 }
 
 // A file that is written to in place trips the output; opened anew, it is in order.
-TEST_F(CInterface, FilesThatAreWrittenToTripTheOutput) {
+TEST_P(CInterface, FilesThatAreWrittenToTripTheOutput) {
   forcelayer_contain_map_loss();
   open();
   const Pose low{{0.1, 0.1, 0.05}, {1, 0, 0, 0}};
@@ -317,7 +329,7 @@ class ServoThread {
   std::thread thread_;
 };
 
-TEST_F(CInterface, SceneAndPartAreSwappedByAnotherThreadWhileTheLoopRuns) {
+TEST_P(CInterface, SceneAndPartAreSwappedByAnotherThreadWhileTheLoopRuns) {
   open();
   const Pose low{{0.1, 0.1, 0.05}, {1, 0, 0, 0}}, above{{0.1, 0.1, 0.08}, {1, 0, 0, 0}},
       higher{{0.1, 0.1, 0.1}, {1, 0, 0, 0}};
@@ -334,7 +346,7 @@ TEST_F(CInterface, SceneAndPartAreSwappedByAnotherThreadWhileTheLoopRuns) {
   servo.go_to(-0.012);  // the part would be at 38 mm: the large ball's lower end at 8 mm
   ASSERT_TRUE(servo.soon([&] { return servo.force_n > 1; }));
 
-  // What cannot be loaded changes nothing.
+  // A file that cannot be opened changes nothing.
   EXPECT_NE(swap("none.vox", "ball.pshell", above), 0);
   EXPECT_NE(std::string(error).find("none.vox"), std::string::npos) << error;
   EXPECT_GT(servo.force_n, 1);
@@ -364,7 +376,7 @@ TEST_F(CInterface, SceneAndPartAreSwappedByAnotherThreadWhileTheLoopRuns) {
 
 // Begun anew after a swap that nobody took, the loop runs with what that brings, and the next swap
 // finds nothing of the old in use.
-TEST_F(CInterface, BeginsAnewAfterASwapThatWasNotTaken) {
+TEST_P(CInterface, BeginsAnewAfterASwapThatWasNotTaken) {
   open();
   const Pose low{{0.1, 0.1, 0.05}, {1, 0, 0, 0}}, above{{0.1, 0.1, 0.08}, {1, 0, 0, 0}};
   for (int round = 0; round < 2; ++round) {

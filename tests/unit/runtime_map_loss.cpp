@@ -9,12 +9,13 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <stdexcept>
 #include <thread>
 
+#include "forcelayer/run.h"
 #include "runtime/devices/sim_device.h"
 #include "runtime/loop/loop.h"
-#include "runtime/run/baked_files.h"
-#include "runtime/run/derive_parameters.h"
+#include "tests/support/both_models.h"
 #include "tests/support/point_part.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/voxel_scene.h"
@@ -24,8 +25,9 @@ namespace {
 
 constexpr double kS = 0.005;
 
-// A run of 600 frames that presses on the slab; after 300 the files are changed and, as beside
-// every loop, looked at, where that is not left to the SIGBUS.
+// A run of 600 frames that presses on the slab. After 300 the files are changed. Then
+// check_mappings() looks at them, as a thread beside every loop does, unless `looks` is false and
+// the SIGBUS alone must tell.
 struct MappedRun {
   ScratchFolder folder;
   std::unique_ptr<Simulation> sim;
@@ -36,15 +38,15 @@ struct MappedRun {
   bool looks = true;
   int changed_files = 0;
 
-  MappedRun() {
+  explicit MappedRun(Model model) {
     const auto slab = [](Voxel v) { return v[2] <= 0; };
     save_voxmap(folder / "scene.vox", offset_scene(kS, {0, 0, -2}, {256, 256, 8}, 2, slab));
     save_pshell(folder / "part.pshell", sphere_part(0.02, 2000, kS));
-    auto voxmap = open_scene(folder / "scene.vox");
-    auto shell = open_part(folder / "part.pshell");
-    const auto derived = derive_parameters({}, *voxmap, *shell, sim_capabilities());
-    auto created = Simulation::create(std::move(*voxmap), std::move(*shell), derived->values);
-    sim = std::move(*created);
+    RunRequest request = default_run_request(folder / "scene.vox", folder / "part.pshell");
+    request.model = model;
+    auto run = open_run(request);
+    if (!run) throw std::runtime_error(to_line(run.error()));
+    sim = run->release_simulation();
   }
 
   void go(const std::function<void(const std::filesystem::path&)>& change) {
@@ -82,8 +84,13 @@ struct MappedRun {
   }
 };
 
-// What a bake does to the files of a run is no loss: they are replaced, never written to.
-TEST(MapLoss, FilesThatVanishOrAreReplacedDoNoHarm) {
+class MapLoss : public BothModels {};
+using MapLossOfARunDeathTest = MapLoss;
+INSTANTIATE_TEST_SUITE_P(Models, MapLoss, kBothModels, name_of_model);
+INSTANTIATE_TEST_SUITE_P(Models, MapLossOfARunDeathTest, kBothModels, name_of_model);
+
+// A bake replaces files and never writes to them: no loss to a run that has them mapped.
+TEST_P(MapLoss, FilesThatVanishOrAreReplacedDoNoHarm) {
   using std::filesystem::path;
   const std::function<void(const path&)> changes[] = {
       [](const path& folder) {
@@ -101,7 +108,7 @@ TEST(MapLoss, FilesThatVanishOrAreReplacedDoNoHarm) {
         std::filesystem::create_hard_link(folder / "part.pshell", folder / "second.pshell");
       }};
   for (const auto& change : changes) {
-    MappedRun run;
+    MappedRun run(GetParam());
     run.go(change);
     EXPECT_EQ(run.changed_files, 0);
     EXPECT_EQ(run.frames, 600u);
@@ -109,10 +116,10 @@ TEST(MapLoss, FilesThatVanishOrAreReplacedDoNoHarm) {
   }
 }
 
-// The same file with other bytes: no page is missing, no signal comes.
-TEST(MapLoss, FilesThatAreWrittenToStopTheRunAtZero) {
+// A file whose bytes change in place: no page is missing, no signal comes.
+TEST_P(MapLoss, FilesThatAreWrittenToStopTheRunAtZero) {
   for (const char* file : {"scene.vox", "part.pshell"}) {
-    MappedRun run;
+    MappedRun run(GetParam());
     run.go([&](const auto& folder) {
       std::fstream written(folder / file, std::ios::in | std::ios::out | std::ios::binary);
       written.seekp(-64, std::ios::end);
@@ -122,7 +129,7 @@ TEST(MapLoss, FilesThatAreWrittenToStopTheRunAtZero) {
     EXPECT_TRUE(run.stopped_at_zero()) << file << " after " << run.frames;
     // And stays there, while other files are none the worse for it.
     EXPECT_EQ(check_mappings(), 1);
-    MappedRun other;
+    MappedRun other(GetParam());
     other.go([](const auto&) {});
     EXPECT_EQ(other.frames, 600u);
     EXPECT_EQ(other.trip, TripCause::kNone);
@@ -130,8 +137,8 @@ TEST(MapLoss, FilesThatAreWrittenToStopTheRunAtZero) {
   EXPECT_EQ(check_mappings(), 0);  // nothing is in use any more
 }
 
-// Threads that read the same lost page at once: each of them reads what stands for nothing, never
-// the zeros of a page that another is about to fill.
+// Threads that read the same lost page at once: each reads the words that stand for "nothing",
+// never the zeros of a page that another thread is about to fill.
 TEST(MapLossDeathTest, NoThreadReadsAPageThatIsHalfMade) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   const auto race = [] {
@@ -167,26 +174,28 @@ TEST(MapLossDeathTest, NoThreadReadsAPageThatIsHalfMade) {
 }
 
 // Each in a process of its own: SIGBUS is the whole process's.
-void cut(const char* file, std::uintmax_t bytes, bool looks) {
+void cut(Model model, const char* file, std::uintmax_t bytes, bool looks) {
   contain_map_loss();
-  MappedRun run;
+  MappedRun run(model);
   run.looks = looks;
   run.go([&](const auto& folder) { std::filesystem::resize_file(folder / file, bytes); });
   std::filesystem::remove_all(run.folder.path());
   std::_Exit(run.stopped_at_zero() && check_mappings() == 1 ? 0 : 1);
 }
 
-TEST(MapLossDeathTest, FilesThatAreCutShortStopTheRunAtZero) {
+TEST_P(MapLossOfARunDeathTest, FilesThatAreCutShortStopTheRunAtZero) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   for (const char* file : {"scene.vox", "part.pshell"}) {
     for (const std::uintmax_t bytes : {0, 4096, 8192}) {
-      EXPECT_EXIT(cut(file, bytes, false), testing::ExitedWithCode(0), "") << file << " " << bytes;
+      EXPECT_EXIT(cut(GetParam(), file, bytes, false), testing::ExitedWithCode(0), "")
+          << file << " " << bytes;
     }
   }
-  EXPECT_EXIT(cut("scene.vox", 4096, true), testing::ExitedWithCode(0), "") << "looked at";
+  EXPECT_EXIT(cut(GetParam(), "scene.vox", 4096, true), testing::ExitedWithCode(0), "")
+      << "looked at";
 }
 
-// What is not ours dies as ever.
+// A bus error outside the watched files ends the process as before.
 TEST(MapLossDeathTest, OtherBusErrorsAreNotHidden) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   const auto fault = [] {

@@ -6,8 +6,9 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <stdexcept>
 
-#include "runtime/run/derive_parameters.h"
+#include "forcelayer/run.h"
 #include "tests/support/point_part.h"
 #include "tests/support/voxel_scene.h"
 
@@ -34,16 +35,16 @@ Bench bench(const std::vector<std::array<double, 3>>& points, glm::dvec3 center_
   PointPart part;
   part.voxel_size_m = kS;
   for (const auto& p : points) part.add({p[0] * kS, p[1] * kS, p[2] * kS}, {0, 0, 1});
-  Voxmap voxmap = make_voxmap(floor_scene());
-  Pshell shell = make_pshell(part);
-  ParameterRequest request;
+  RunRequest request;
+  request.model = Model::kPaper;
   request.braking = braking;
-  DeviceCapabilities device;
-  device.max_force_n = device.max_torque_nm = 100;
-  const auto derived = derive_parameters(request, voxmap, shell, device);
-  auto simulation = Simulation::create(std::move(voxmap), std::move(shell), derived->values);
+  request.device = {};
+  request.device.max_force_n = request.device.max_torque_nm = 100;
+  request.without_guarantee = true;  // of a few points
+  auto run = open_run(make_voxmap(floor_scene()), make_pshell(part), request);
+  if (!run) throw std::runtime_error(to_line(run.error()));
   Bench b;
-  b.simulation = std::move(*simulation);
+  b.simulation = run->release_simulation();
   Pose pose;
   pose.position_m = center_voxels * kS;
   b.state = b.simulation->registered(pose, pose);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "runtime/field/force_field.h"
 #include "runtime/run/derive_parameters.h"
 #include "runtime/run/stability.h"
 #include "tests/support/distance_scene.h"
@@ -25,9 +26,9 @@ DeviceCapabilities strong_device() {
 
 class ParametersTest : public testing::Test {
  protected:
-  DerivedParameters derive(const ParameterRequest& request,
-                           const DeviceCapabilities& device = strong_device()) {
-    auto derived = derive_parameters(request, voxmap_, shell_, device);
+  DerivedParameters derive(RunRequest request, const DeviceCapabilities& device = strong_device()) {
+    request.device = device;
+    auto derived = derive_parameters(request, voxmap_, shell_);
     EXPECT_TRUE(derived);
     return *derived;
   }
@@ -58,7 +59,9 @@ TEST(Stability, LoadOfOneIsTheEdge) {
 }
 
 TEST_F(ParametersTest, FollowThePaper) {
-  const Parameters p = derive({}).values;
+  RunRequest request;
+  request.model = Model::kPaper;
+  const Parameters p = derive(request).values;
   EXPECT_DOUBLE_EQ(p.mass_kg, 0.012);
   const double radius_m = shell_.header().bounding_radius_m;
   EXPECT_DOUBLE_EQ(p.inertia_kgm2[1][1], 0.4 * 0.012 * radius_m * radius_m);
@@ -72,10 +75,11 @@ TEST_F(ParametersTest, FollowThePaper) {
   EXPECT_GE(p.field_n_per_m, p.coupling_n_per_m);
 }
 
-TEST_F(ParametersTest, AreStableAtEveryRateAndMass) {
+TEST_F(ParametersTest, OfThePaperAreStableAtEveryRateAndMass) {
   for (const double rate_hz : {100.0, 1000.0, 10000.0}) {
     for (const double mass_kg : {0.001, 0.012, 1.0, 100.0}) {
-      ParameterRequest request;
+      RunRequest request;
+      request.model = Model::kPaper;
       request.rate_hz = rate_hz;
       request.settings["mass_kg"] = mass_kg;
       const DerivedParameters derived = derive(request);
@@ -92,14 +96,31 @@ TEST_F(ParametersTest, AreStableAtEveryRateAndMass) {
   }
 }
 
+// An empty request gets the default model, and the best field that the map can give.
+TEST_F(ParametersTest, ModelAndFieldFollowFromTheMap) {
+  EXPECT_EQ(derive({}).values.model, Model::kDefault);
+  EXPECT_EQ(derive({}).values.force, usual_force(Model::kDefault, voxmap_));
+  RunRequest request;
+  request.model = Model::kPaper;
+  EXPECT_EQ(derive(request).values.force, ForceKind::kTangentPlane);
+  voxmap_ = make_voxmap(distance_scene(
+      0.005, {0, 0, 0}, {16, 16, 16}, [](const glm::dvec3& p) { return p.z; }, 2,
+      DistanceDefinition(2, 8, 4)));
+  EXPECT_EQ(derive({}).values.force, ForceKind::kDistance);
+  EXPECT_EQ(derive(request).values.force, ForceKind::kTangentPlane);
+  request.model = Model::kDefault;
+  request.force = ForceKind::kTangentPlane;
+  EXPECT_EQ(derive(request).values.force, ForceKind::kTangentPlane);
+}
+
 TEST_F(ParametersTest, StayWithinWhatTheDeviceBears) {
   DeviceCapabilities device = strong_device();
   device.damping_ns_per_m = 0.6;
   device.delay_s = 0.001;
-  ParameterRequest request;
+  RunRequest request;
   // Inside the bound, not on it.
   EXPECT_DOUBLE_EQ(derive(request, device).values.coupling_n_per_m, 0.9 * 0.6 / 0.0015);
-  request.motion_scale = 2;  // the hand feels twice the stiffness
+  request.placement.motion_scale = 2;  // the hand feels twice the stiffness
   EXPECT_DOUBLE_EQ(derive(request, device).values.coupling_n_per_m, 0.9 * 0.3 / 0.0015);
   request.settings["coupling_n_per_m"] = 700;
   EXPECT_EQ(derive(request, device).warnings.size(), 1u);
@@ -121,7 +142,7 @@ TEST_F(ParametersTest, WarnOfEveryBoundOfTheDeviceLoop) {
                {"coupling_ns_per_m", 36, 37, "above the 36.3636 N s/m"},
                {"passivity_damping_ns_per_m", 1.9, 2.1, "above the 2 N s/m"}};
   for (const auto& c : cases) {
-    ParameterRequest request;
+    RunRequest request;
     request.model = Model::kDefault;
     request.settings[c.name] = c.below;
     EXPECT_TRUE(derive(request, device).warnings.empty()) << c.name;
@@ -140,7 +161,7 @@ TEST_F(ParametersTest, FollowASoftCovering) {
       0.005, {0, 0, 0}, {16, 16, 16}, [](const glm::dvec3& p) { return p.z; }, 2, definition);
   scene.wide.compliance = {0, 0.25f, 2, 2.5f};
   voxmap_ = make_voxmap(scene);
-  ParameterRequest request;
+  RunRequest request;
   request.model = Model::kDefault;
   request.force = ForceKind::kDistance;
   const DerivedParameters derived = derive(request);
@@ -149,13 +170,15 @@ TEST_F(ParametersTest, FollowASoftCovering) {
   request.settings["field_n_per_m"] = 5000;
   EXPECT_EQ(derive(request).values.field_n_per_m, 5000);
   request = {};
+  request.model = Model::kPaper;
   const auto warnings = derive(request).warnings;
   ASSERT_EQ(warnings.size(), 1u);
   EXPECT_NE(warnings[0].find("soft covering"), std::string::npos) << warnings[0];
 }
 
 TEST_F(ParametersTest, TakeSettingsAndWarnBeyondABound) {
-  ParameterRequest request;
+  RunRequest request;
+  request.model = Model::kPaper;  // whose field stiffness has a bound
   request.settings["field_n_per_m"] = 1e6;
   request.settings["max_force_n"] = 500;
   const DerivedParameters derived = derive(request);
@@ -165,7 +188,7 @@ TEST_F(ParametersTest, TakeSettingsAndWarnBeyondABound) {
   EXPECT_EQ(derived.warnings.size(), 2u);
   for (const double wrong : {-1.0, 0.0, kInfinity, std::nan("")}) {
     request.settings["mass_kg"] = wrong;
-    const auto refused = derive_parameters(request, voxmap_, shell_, strong_device());
+    const auto refused = derive_parameters(request, voxmap_, shell_);
     ASSERT_FALSE(refused) << wrong;
     EXPECT_EQ(refused.error().code, ErrorCode::kUsage);
   }
@@ -179,7 +202,7 @@ TEST_F(ParametersTest, TakeSettingsAndWarnBeyondABound) {
 TEST_F(ParametersTest, ADeviceWithoutMotorsStillMovesAndTurnsThePart) {
   DeviceCapabilities device = strong_device();
   device.max_torque_nm = 0;
-  ParameterRequest request;
+  RunRequest request;
   request.model = Model::kDefault;
   Parameters p = derive(request, device).values;
   EXPECT_EQ(p.max_torque_nm, 0);
@@ -195,7 +218,7 @@ TEST_F(ParametersTest, ADeviceWithoutMotorsStillMovesAndTurnsThePart) {
 
 TEST_F(ParametersTest, EveryParameterHasAReason) {
   for (const Model model : {Model::kPaper, Model::kDefault}) {
-    ParameterRequest request;
+    RunRequest request;
     request.model = model;
     const DerivedParameters derived = derive(request);
     for (const ParameterInfo& info : parameter_table()) {

@@ -6,28 +6,30 @@
 
 #include <cmath>
 #include <cstring>
+#include <stdexcept>
 #include <thread>
 #include <tuple>
 
 #include "forcelayer/pose_receiver.h"
-#include "runtime/run/derive_parameters.h"
+#include "forcelayer/run.h"
 #include "runtime/stream/pose_sender.h"
+#include "tests/support/both_models.h"
 #include "tests/support/random_scenes.h"
 
 namespace forcelayer::test {
 namespace {
 
-std::unique_ptr<Simulation> simulation() {
+std::unique_ptr<Simulation> simulation(Model model) {
   Voxmap voxmap = make_voxmap(
       offset_scene(0.01, {0, 0, 0}, {12, 12, 12}, 2, [](Voxel v) { return v[2] == 4; }));
   PointPart part = sphere_part(0.02, 50, 0.01);
   part.center_m = {0.5, 0, 0};
   Pshell shell = make_pshell(part);
-  DeviceCapabilities device;
-  device.max_force_n = device.max_torque_nm = 1;
-  const auto derived = derive_parameters({}, voxmap, shell, device);
-  auto created = Simulation::create(std::move(voxmap), std::move(shell), derived->values);
-  return std::move(*created);
+  RunRequest request;
+  request.model = model;
+  auto run = open_run(std::move(voxmap), std::move(shell), request);
+  if (!run) throw std::runtime_error(to_line(run.error()));
+  return run->release_simulation();
 }
 
 // Sends bytes to a local port.
@@ -54,8 +56,11 @@ PoseDatagram valid_datagram(std::uint64_t session, std::uint64_t sequence) {
   return d;
 }
 
-TEST(PoseStream, CarriesAFrame) {
-  const auto sim = simulation();
+class PoseStreamOfARun : public BothModels {};
+INSTANTIATE_TEST_SUITE_P(Models, PoseStreamOfARun, kBothModels, name_of_model);
+
+TEST_P(PoseStreamOfARun, CarriesAFrame) {
+  const auto sim = simulation(GetParam());
   auto receiver = PoseReceiver::open(0);
   ASSERT_TRUE(receiver);
   auto sender = PoseSender::create(std::to_string(receiver->port()), *sim);
@@ -84,8 +89,8 @@ TEST(PoseStream, CarriesAFrame) {
   EXPECT_FALSE(receiver->newest());
 }
 
-TEST(PoseStream, SendsSixtyASecondHoweverManyFramesAreOffered) {
-  const auto sim = simulation();
+TEST_P(PoseStreamOfARun, SendsSixtyASecondHoweverManyFramesAreOffered) {
+  const auto sim = simulation(GetParam());
   auto receiver = PoseReceiver::open(0);
   auto sender = PoseSender::create("127.0.0.1:" + std::to_string(receiver->port()), *sim);
   ASSERT_TRUE(sender);
@@ -100,8 +105,8 @@ TEST(PoseStream, SendsSixtyASecondHoweverManyFramesAreOffered) {
   EXPECT_GE(last->sequence, 5u);   // on a machine that is busy with other things
 }
 
-TEST(PoseStream, SendsAsOftenAsItIsAsked) {
-  const auto sim = simulation();
+TEST_P(PoseStreamOfARun, SendsAsOftenAsItIsAsked) {
+  const auto sim = simulation(GetParam());
   for (const auto& [rate_hz, least, most] : {std::tuple{1e6, 10u, 10u}, {0.01, 1u, 1u}}) {
     auto receiver = PoseReceiver::open(0);
     auto sender = PoseSender::create(std::to_string(receiver->port()), *sim, rate_hz);
@@ -118,8 +123,8 @@ TEST(PoseStream, SendsAsOftenAsItIsAsked) {
   }
 }
 
-TEST(PoseStream, NobodyListeningIsNoError) {
-  const auto sim = simulation();
+TEST_P(PoseStreamOfARun, NobodyListeningIsNoError) {
+  const auto sim = simulation(GetParam());
   auto sender = PoseSender::create("127.0.0.1:9", *sim);
   ASSERT_TRUE(sender);
   for (int i = 0; i < 3; ++i) {
@@ -183,8 +188,8 @@ TEST(PoseStream, MalformedDatagramsDoNothing) {
   EXPECT_EQ(receiver->ignored(), sent);
 }
 
-TEST(PoseStream, WhatIsNoAddressIsAnError) {
-  const auto sim = simulation();
+TEST_P(PoseStreamOfARun, WhatIsNoAddressIsAnError) {
+  const auto sim = simulation(GetParam());
   for (const char* target : {"", ":", "host:", "127.0.0.1:port", "no such host:7000"}) {
     const auto sender = PoseSender::create(target, *sim);
     ASSERT_FALSE(sender) << target;

@@ -8,12 +8,14 @@
 #include <fstream>
 #include <functional>
 #include <glm/geometric.hpp>
+#include <stdexcept>
 
+#include "forcelayer/run.h"
 #include "runtime/coupling/coupling.h"
 #include "runtime/loop/loop.h"
 #include "runtime/machine/real_time.h"
-#include "runtime/run/derive_parameters.h"
 #include "runtime/stream/recording.h"
+#include "tests/support/both_models.h"
 #include "tests/support/random_scenes.h"
 #include "tests/support/scratch_folder.h"
 
@@ -57,15 +59,16 @@ class PuppetDevice final : public Device {
 };
 
 // A slab whose force layer begins at z = 15 mm, and a ball of 20 mm.
-std::unique_ptr<Simulation> simulation(double ball_m = 0.02) {
+std::unique_ptr<Simulation> simulation(Model model, double ball_m = 0.02) {
   Voxmap voxmap =
       make_voxmap(offset_scene(kS, {0, 0, -2}, {48, 48, 8}, 2, [](Voxel v) { return v[2] <= 0; }));
   Pshell shell = make_pshell(sphere_part(ball_m, 300, kS));
-  const auto derived = derive_parameters({}, voxmap, shell, motor());
-  EXPECT_TRUE(derived);
-  auto created = Simulation::create(std::move(voxmap), std::move(shell), derived->values);
-  EXPECT_TRUE(created);
-  return std::move(*created);
+  RunRequest request;
+  request.model = model;
+  request.device = motor();
+  auto run = open_run(std::move(voxmap), std::move(shell), request);
+  if (!run) throw std::runtime_error(to_line(run.error()));
+  return run->release_simulation();
 }
 
 OutputLimits limits() {
@@ -77,14 +80,14 @@ OutputLimits limits() {
 
 // A hand at the device, above the slab at first.
 struct Bench {
-  std::unique_ptr<Simulation> sim = simulation();
+  std::unique_ptr<Simulation> sim;
   PuppetDevice device;
   DeviceInput input{device, {}};
   Pose hand{{0.1, 0.1, 0.05}, {1, 0, 0, 0}};
   Servo servo{*sim, input, sim->registered(hand, hand), limits()};
   Frame frame;
 
-  Bench() {
+  explicit Bench(Model model = kDefaultModel) : sim(simulation(model)) {
     device.sample.present = device.sample.fresh = true;
     device.sample.device_from_handle = hand;
   }
@@ -107,7 +110,10 @@ struct Bench {
   }
 };
 
-TEST(Servo, PressesAndEveryFaultOfTheInputTakesTheForceToZeroInTheSameTick) {
+class ServoTest : public BothModels {};
+INSTANTIATE_TEST_SUITE_P(Models, ServoTest, kBothModels, name_of_model);
+
+TEST_P(ServoTest, PressesAndEveryFaultOfTheInputTakesTheForceToZeroInTheSameTick) {
   using Change = std::function<void(DeviceSample&)>;
   const double nan = std::nan("");
   const struct {
@@ -131,7 +137,7 @@ TEST(Servo, PressesAndEveryFaultOfTheInputTakesTheForceToZeroInTheSameTick) {
   };
   for (const auto& c : cases) {
     SCOPED_TRACE(c.name);
-    Bench bench;
+    Bench bench(GetParam());
     bench.go_to(0.03);
     ASSERT_GT(bench.device.felt.force_n.z, 1);
     const Pose part = bench.servo.state().world_from_center;
@@ -167,7 +173,7 @@ TEST(Servo, PressesAndEveryFaultOfTheInputTakesTheForceToZeroInTheSameTick) {
 }
 
 // A source that believes its own numbers, as a device's input does not.
-TEST(Servo, NumbersThatAreNotFiniteAreNoFrozenDevice) {
+TEST_P(ServoTest, NumbersThatAreNotFiniteAreNoFrozenDevice) {
   struct NotFinite final : InputSource {
     bool next(double, double, StepInput& input) noexcept override {
       input.world_from_handle = {{std::nan(""), 0.1, 0.05}, {1, 0, 0, 0}};
@@ -180,7 +186,7 @@ TEST(Servo, NumbersThatAreNotFiniteAreNoFrozenDevice) {
     DevicePlacement at_home;
     Wrench felt;
   } input;
-  const auto sim = simulation();
+  const auto sim = simulation(GetParam());
   const Pose hand{{0.1, 0.1, 0.05}, {1, 0, 0, 0}};
   Servo servo(*sim, input, sim->registered(hand, hand), limits());
   Frame frame;
@@ -192,8 +198,8 @@ TEST(Servo, NumbersThatAreNotFiniteAreNoFrozenDevice) {
   EXPECT_EQ(servo.output().last_trip(), TripCause::kNotFinite);
 }
 
-TEST(Servo, ASingleLateReadingIsABlip) {
-  Bench bench;
+TEST_P(ServoTest, ASingleLateReadingIsABlip) {
+  Bench bench(GetParam());
   bench.go_to(0.03);
   const double before = bench.device.felt.force_n.z;
   constexpr double kCreepN = 1e-4;  // the part still settles
@@ -206,8 +212,8 @@ TEST(Servo, ASingleLateReadingIsABlip) {
   EXPECT_EQ(bench.servo.output().trips(), 0u);
 }
 
-TEST(Servo, AJumpOfTheReadingIsNotFollowed) {
-  Bench bench;
+TEST_P(ServoTest, AJumpOfTheReadingIsNotFollowed) {
+  Bench bench(GetParam());
   bench.go_to(0.03);
   const Pose good = bench.hand;
   bench.hand.position_m.x += 0.05;
@@ -218,8 +224,8 @@ TEST(Servo, AJumpOfTheReadingIsNotFollowed) {
   EXPECT_EQ(bench.servo.output().trips(), 0u);
 }
 
-TEST(Servo, AHandTooFastTrips) {
-  Bench bench;
+TEST_P(ServoTest, AHandTooFastTrips) {
+  Bench bench(GetParam());
   for (int i = 0; i < 250; ++i) bench.tick();
   for (int i = 0; i < 40; ++i) {
     bench.hand.position_m.y += 0.006;  // 6 m/s
@@ -256,16 +262,16 @@ TEST(DeviceInput, TheHandIsAsFastAsItIsForASlowDeviceAndALargeScale) {
   }
 }
 
-TEST(Servo, ALateLoopTrips) {
-  Bench bench;
+TEST_P(ServoTest, ALateLoopTrips) {
+  Bench bench(GetParam());
   bench.go_to(0.03);
   bench.servo.note_late();
   EXPECT_EQ(bench.tick().force_n.z, 0);
   EXPECT_EQ(bench.servo.output().last_trip(), TripCause::kLoopLate);
 }
 
-TEST(Servo, TheClutchFreezesThePartInContactAndRegripsWithoutStretch) {
-  Bench bench;
+TEST_P(ServoTest, TheClutchFreezesThePartInContactAndRegripsWithoutStretch) {
+  Bench bench(GetParam());
   bench.go_to(0.03);
   double last = bench.device.felt.force_n.z;
   ASSERT_GT(last, 1);
@@ -299,8 +305,8 @@ TEST(Servo, TheClutchFreezesThePartInContactAndRegripsWithoutStretch) {
   EXPECT_GT(bench.device.felt.force_n.z, 1);
 }
 
-TEST(Servo, AButtonOfTheDeviceIsTheClutch) {
-  Bench bench;
+TEST_P(ServoTest, AButtonOfTheDeviceIsTheClutch) {
+  Bench bench(GetParam());
   bench.servo.set_clutch_buttons(4);
   bench.go_to(0.03);
   bench.device.sample.buttons = 3;
@@ -310,10 +316,10 @@ TEST(Servo, AButtonOfTheDeviceIsTheClutch) {
   EXPECT_EQ(bench.frame.input.valid, kInputClutched);
 }
 
-TEST(Servo, ThePartIsSwappedWithoutARestart) {
-  Bench bench;
+TEST_P(ServoTest, ThePartIsSwappedWithoutARestart) {
+  Bench bench(GetParam());
   bench.go_to(0.03);
-  const auto larger = simulation(0.03);
+  const auto larger = simulation(GetParam(), 0.03);
   auto parameters = larger->parameters();
   parameters.rate_hz = 500;
   Voxmap slab =
@@ -345,11 +351,11 @@ TEST(Servo, ThePartIsSwappedWithoutARestart) {
 }
 
 // With the limits of the run, a replay gives the device's wrench again, faults and clutch included.
-TEST(Servo, AReplayGivesTheDevicesWrenchAgain) {
+TEST_P(ServoTest, AReplayGivesTheDevicesWrenchAgain) {
   const ScratchFolder folder;
   std::vector<Wrench> felt;
   {
-    Bench bench;
+    Bench bench(GetParam());
     auto writer = RecordingWriter::create(folder / "run.flr");
     ASSERT_TRUE(writer);
     writer->begin(describe_run(*bench.sim, bench.servo.state(), DevicePlacement{}));
@@ -371,7 +377,7 @@ TEST(Servo, AReplayGivesTheDevicesWrenchAgain) {
   }
   const auto recording = Recording::open(folder / "run.flr");
   ASSERT_TRUE(recording);
-  const auto sim = simulation();
+  const auto sim = simulation(GetParam());
   ReplayInput input(*recording);
   Servo servo(*sim, input, recording->run().start, limits());
   Frame frame;

@@ -7,7 +7,7 @@
 #include <memory>
 #include <thread>
 
-#include "forcelayer/device.h"
+#include "runtime/devices/device.h"
 #include "runtime/devices/hid/hid_haptic_report.h"
 #include "runtime/devices/hid/hid_link.h"
 #include "runtime/devices/output_watch.h"

@@ -6,7 +6,7 @@
 #include <string>
 #include <thread>
 
-#include "forcelayer/device.h"
+#include "runtime/devices/device.h"
 #include "runtime/devices/hid/hid_port.h"
 
 namespace forcelayer {

@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "forcelayer/device.h"
+#include "runtime/devices/device.h"
 #include "runtime/devices/hid/hid_link.h"
 #include "runtime/devices/hid/spacemouse_layout.h"
 #include "runtime/machine/latest_value.h"

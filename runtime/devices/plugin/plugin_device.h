@@ -9,8 +9,8 @@
 #include <string>
 #include <thread>
 
-#include "forcelayer/device.h"
 #include "forcelayer/stale_limit.h"
+#include "runtime/devices/device.h"
 #include "runtime/devices/plugin/plugin_link.h"
 
 namespace forcelayer {

@@ -1,9 +1,8 @@
 // A .pshell file: what opens can be read to its last point, and felt in a small scene.
 #include "formats/pshell.h"
 
-#include "runtime/devices/sim_device.h"
+#include "forcelayer/run.h"
 #include "runtime/model/simulation.h"
-#include "runtime/run/derive_parameters.h"
 #include "tests/fuzz/baked_mutator.h"
 #include "tests/support/aligned_bytes.h"
 #include "tests/support/random_scenes.h"
@@ -18,18 +17,19 @@ void feel(Pshell shell) {
   if (!(s > 1e-9 && s < 1e3)) return;
   Voxmap map =
       make_voxmap(offset_scene(s, {0, 0, -2}, {16, 16, 4}, 2, [](Voxel v) { return v[2] <= 0; }));
-  const auto derived = derive_parameters({}, map, shell, sim_capabilities());
-  if (!derived) return;
-  auto simulation = Simulation::create(std::move(map), std::move(shell), derived->values);
-  if (!simulation) return;
+  RunRequest request;
+  request.without_guarantee = true;
+  auto run = open_run(std::move(map), std::move(shell), request);
+  if (!run) return;
+  Simulation& simulation = run->simulation();
   const Pose start{{8 * s, 8 * s, 6 * s}, {1, 0, 0, 0}};
-  State state = (*simulation)->registered(start, start);
+  State state = simulation.registered(start, start);
   for (int frame = 0; frame < 4; ++frame) {
     StepInput input;
     input.world_from_handle = start;
     input.world_from_handle.position_m.z -= frame * s;
     input.valid = 1;
-    const StepResult result = (*simulation)->step(state, input, 0.001);
+    const StepResult result = simulation.step(state, input, 0.001);
     require(std::isfinite(result.wrench.force_n.z), "a finite force");
   }
 }

@@ -1,10 +1,9 @@
 // A .vox file: what opens can be looked up anywhere, audited, and felt by a part, without a fault.
 #include "formats/voxmap.h"
 
+#include "forcelayer/run.h"
 #include "formats/voxmap_audit.h"
-#include "runtime/devices/sim_device.h"
 #include "runtime/model/simulation.h"
-#include "runtime/run/derive_parameters.h"
 #include "tests/fuzz/baked_mutator.h"
 #include "tests/support/aligned_bytes.h"
 #include "tests/support/make_pshell.h"
@@ -32,27 +31,25 @@ void look_up(const Voxmap& map, Random& random) {
 // has there.
 void feel(Voxmap map, Model model, Random& random) {
   const double s = map.voxel_size_m();
-  Pshell shell = make_pshell(sphere_part(4 * s, 60, s));
-  ParameterRequest request;
+  RunRequest request;
   request.model = model;
-  request.force = usual_force(model, map);
-  const auto derived = derive_parameters(request, map, shell, sim_capabilities());
-  if (!derived) return;
+  request.without_guarantee = true;
   glm::dvec3 middle_m;
   for (int axis = 0; axis < 3; ++axis) {
     middle_m[axis] = s * (static_cast<double>(map.header().origin_voxel[axis]) +
                           0.5 * static_cast<double>(map.header().dims_voxels[axis]));
   }
-  auto simulation = Simulation::create(std::move(map), std::move(shell), derived->values);
-  if (!simulation) return;
+  auto run = open_run(std::move(map), make_pshell(sphere_part(4 * s, 60, s)), request);
+  if (!run) return;
+  Simulation& simulation = run->simulation();
   const Pose start{middle_m, random_orientation(random)};
-  State state = (*simulation)->registered(start, start);
+  State state = simulation.registered(start, start);
   for (int frame = 0; frame < 8; ++frame) {
     StepInput input;
     input.world_from_handle = start;
     input.world_from_handle.position_m += random_direction(random) * (20 * s);
     input.valid = 1;
-    const StepResult result = (*simulation)->step(state, input, 0.001);
+    const StepResult result = simulation.step(state, input, 0.001);
     require(std::isfinite(result.wrench.force_n.x), "a finite force");
   }
 }

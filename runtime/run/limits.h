@@ -1,0 +1,25 @@
+// The limits of input and output that a request asks for.
+#pragma once
+
+#include "forcelayer/run.h"
+#include "runtime/loop/input_source.h"
+#include "runtime/loop/output_stage.h"
+
+namespace forcelayer {
+
+inline InputLimits input_limits(const RunRequest& request) {
+  InputLimits limits;
+  limits.stale_s = request.stale_s;
+  return limits;
+}
+
+inline OutputLimits output_limits(const RunRequest& request, const Parameters& parameters) {
+  OutputLimits limits;
+  limits.max_force_n = parameters.max_force_n;
+  limits.max_torque_nm = parameters.max_torque_nm;
+  limits.max_speed_mps = request.max_speed_mps;
+  limits.stale_s = request.stale_s;
+  return limits;
+}
+
+}  // namespace forcelayer
