@@ -99,17 +99,17 @@ struct RunStatistics {
   std::uint64_t step_p50_ns = 0, step_p99_ns = 0, step_max_ns = 0;
 };
 
-// Made by open_run(). Its member functions may be called from one thread; what may be called from
-// another says so.
+// Made by open_run(). Call its functions from the servo's thread, but for set_clutch() (any thread)
+// and swap() (one other thread). While swap() runs, call step() and frame() alone.
 class Run {
  public:
   Run(Run&&) noexcept;
   Run& operator=(Run&&) noexcept;
   ~Run();
 
-  // The parameters in use; for each that a request may set, by name, the rule by which it was
-  // chosen ("set": by the request; empty for those of a recording); what the user should know, a
-  // sentence each.
+  // The parameters in use. By name, the rule by which each was chosen ("set": by the request; no
+  // rules for the parameters of a recording). Warnings for the user, a sentence each. The proven
+  // separation of the two files.
   const Parameters& parameters() const;
   const std::map<std::string, std::string>& reasons() const;
   const std::vector<std::string>& warnings() const;
@@ -122,12 +122,12 @@ class Run {
   Status start(const PartStart& start, const DeviceSample& first);
   bool started() const;
 
-  // One period: from the device's reading to the wrench for its motors, about the handle's origin,
-  // in device axes, within the ratings. Zero until the output arms: once the part is free of
-  // contact, or held without stretch. Zero before start(). A fault of the reading takes the wrench
-  // to zero in the same call; where it lasts, and where a call comes later than the stale limit,
-  // the output trips: zero until the user presses and releases the clutch. Never blocks,
-  // allocates, locks or logs; with more than one thread it calls the system to wake the helpers.
+  // One period: takes the device's reading, and returns the wrench for its motors, about the
+  // handle's origin, in device axes, within the ratings. It is zero before start(), and until the
+  // output arms: once the part is free of contact, or held without stretch. A fault of the reading
+  // gives zero in the same call. A fault that lasts, or a call that is late by more than the stale
+  // limit, trips the output: zero until the user presses and releases the clutch. Never blocks,
+  // allocates, locks or logs. With more than one thread it calls the system to wake the helpers.
   Wrench step(const DeviceSample& reading) noexcept;
 
   // The last step in full. Before the first one: a frame of zeros.
@@ -144,13 +144,13 @@ class Run {
   // Replaces scene and part, from one thread other than the one that calls step(): opens both, lets
   // the output fade, registers the part as `start` has it (with both a place and a grip, the place
   // counts: it is gripped there without stretch) and ramps in. Returns once the servo thread has
-  // taken them. On an error the files so far stay in use; where the servo thread did not come
-  // within `timeout_s`, the new ones follow when it does. Errors: those of open_run(); kUsage
+  // taken them. On an error the files so far stay in use. If the servo thread does not come within
+  // `timeout_s`, the new ones follow when it does. Errors: those of open_run(); kUsage
   // before start() and while another swap waits; kDeviceFailed for the timeout.
   Status swap(const std::filesystem::path& scene, const std::filesystem::path& part,
               const PartStart& start, double timeout_s);
 
-  // Of the frames since start().
+  // Figures of the frames since start().
   RunStatistics statistics() const;
 
   // Asks the system for real time: locked memory, and real-time priority for the calling thread

@@ -126,6 +126,7 @@ TEST(LevelField, GoesWithTheRightModelOnly) {
   ASSERT_FALSE(refused);
   EXPECT_EQ(exit_status(refused.error().code), 2);
   Parameters parameters;
+  parameters.model = Model::kPaper;
   parameters.force = ForceKind::kLevel;
   const auto simulation = Simulation::create(make_voxmap(floor_scene(2)),
                                              make_pshell(sphere_part(kS, 10, kS)), parameters);

@@ -85,9 +85,9 @@ struct MappedRun {
 };
 
 class MapLoss : public BothModels {};
-using MapLossOfARunDeathTest = MapLoss;
+using MapLossDeathTest = MapLoss;
 INSTANTIATE_TEST_SUITE_P(Models, MapLoss, kBothModels, name_of_model);
-INSTANTIATE_TEST_SUITE_P(Models, MapLossOfARunDeathTest, kBothModels, name_of_model);
+INSTANTIATE_TEST_SUITE_P(Models, MapLossDeathTest, kBothModels, name_of_model);
 
 // A bake replaces files and never writes to them: no loss to a run that has them mapped.
 TEST_P(MapLoss, FilesThatVanishOrAreReplacedDoNoHarm) {
@@ -139,7 +139,7 @@ TEST_P(MapLoss, FilesThatAreWrittenToStopTheRunAtZero) {
 
 // Threads that read the same lost page at once: each reads the words that stand for "nothing",
 // never the zeros of a page that another thread is about to fill.
-TEST(MapLossDeathTest, NoThreadReadsAPageThatIsHalfMade) {
+TEST(BusErrorDeathTest, NoThreadReadsAPageThatIsHalfMade) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   const auto race = [] {
     contain_map_loss();
@@ -183,7 +183,7 @@ void cut(Model model, const char* file, std::uintmax_t bytes, bool looks) {
   std::_Exit(run.stopped_at_zero() && check_mappings() == 1 ? 0 : 1);
 }
 
-TEST_P(MapLossOfARunDeathTest, FilesThatAreCutShortStopTheRunAtZero) {
+TEST_P(MapLossDeathTest, FilesThatAreCutShortStopTheRunAtZero) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   for (const char* file : {"scene.vox", "part.pshell"}) {
     for (const std::uintmax_t bytes : {0, 4096, 8192}) {
@@ -196,7 +196,7 @@ TEST_P(MapLossOfARunDeathTest, FilesThatAreCutShortStopTheRunAtZero) {
 }
 
 // A bus error outside the watched files ends the process as before.
-TEST(MapLossDeathTest, OtherBusErrorsAreNotHidden) {
+TEST(BusErrorDeathTest, OtherBusErrorsAreNotHidden) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   const auto fault = [] {
     contain_map_loss();
