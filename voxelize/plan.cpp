@@ -8,8 +8,8 @@
 #include <nlohmann/json.hpp>
 
 #include "voxelize/directory_limit.h"
-#include "voxelize/distance/distance_scale.h"
-#include "voxelize/distance/near_voxels.h"
+#include "voxelize/distance/code_scale.h"
+#include "voxelize/distance/euclidean_growth.h"
 
 namespace forcelayer {
 namespace {
@@ -111,7 +111,7 @@ double interior_radius_voxels(const BakeOptions& options) {
 // Where the force begins: with Chebyshev layers along an axis, where it begins lowest.
 double standoff_voxels(const BakeOptions& options) {
   if (options.bits != 2) {
-    return distance_scale(options.layers, options.bits, 4).zero + force_layer_voxels(options) - 1;
+    return code_scale(options.layers, options.bits, 4).zero + force_layer_voxels(options) - 1;
   }
   if (!grows_surface(options)) return options.layers;
   return interior_radius_voxels(options) + std::sqrt(3.0) / 2;

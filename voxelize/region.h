@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "voxelize/scan/snap.h"
+#include "voxelize/masks/voxel_box.h"
 
 namespace forcelayer {
 

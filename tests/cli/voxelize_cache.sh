@@ -76,16 +76,16 @@ printf x >file
 [ "$(wc -l <err)" = 1 ] && grep -q "cannot be used as a cache" err || fail "no such line: $(cat err)"
 
 # Shards: separate processes at once, then one that unites.
-for share in 1 2 3 4 5; do
-  "$bin/voxelize" scene.json --cache shards --shard $share/5 >share$share.out 2>&1 &
+for shard in 1 2 3 4 5; do
+  "$bin/voxelize" scene.json --cache shards --shard $shard/5 >shard$shard.out 2>&1 &
 done
 wait
-grep -hq "share 3/5: 3 parts, 3 baked" share3.out || fail "share 3: $(cat share3.out)"
-cat share?.out | grep -c baked | grep -qx 5 || fail "shares: $(cat share?.out)"
+grep -hq "shard 3/5: 3 objects, 3 baked" shard3.out || fail "shard 3: $(cat shard3.out)"
+cat shard?.out | grep -c baked | grep -qx 5 || fail "shards: $(cat shard?.out)"
 bake united.vox --cache shards --json united.json
 same united.vox plain.vox "shards"
 [ "$(cached_parts united.json)" = 13 ] || fail "the shards did not bake all parts"
-"$bin/voxelize" scene.json --cache shards --shard 20/20 >out 2>err || fail "an empty share: $(cat err)"
+"$bin/voxelize" scene.json --cache shards --shard 20/20 >out 2>err || fail "an empty shard: $(cat err)"
 
 expect() {  # expect STATUS TEXT ARGUMENTS...
   local status=$1 text=$2

@@ -188,7 +188,7 @@ TEST(CacheVersions, OfParts) {
     }
     add_values(digest, BakedScene({object}, golden_options(0)));
   }
-  expect_golden("part", kPartCacheVersion, digest.finish());
+  expect_golden("part", kObjectCacheVersion, digest.finish());
 }
 
 // What is near by Euclidean distance, on a needle too that points at the centre of a voxel.
@@ -206,7 +206,7 @@ TEST(CacheVersions, OfNearVoxels) {
   for (const SceneObject& object : golden_objects(meshes)) {
     add_values(digest, BakedScene({object}, options));
   }
-  expect_golden("near voxels", kNearVoxelsCacheVersion, digest.finish());
+  expect_golden("near voxels", kGrowthCacheVersion, digest.finish());
 }
 
 // The finished tree, bricks and clearance included.

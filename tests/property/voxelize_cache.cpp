@@ -222,14 +222,14 @@ TEST_F(BakeCacheTest, SharesAreFoundByTheLastBake) {
   const CachedScene scene = random_scene(random);
   const auto objects = scene.objects();
   for (std::size_t i = 0; i < objects.size(); ++i) {
-    const auto part = bake_parts(std::span(objects).subspan(i, 1), cached_);
+    const auto part = bake_shard(std::span(objects).subspan(i, 1), cached_);
     ASSERT_TRUE(part) << to_line(part.error());
     EXPECT_EQ(part->objects.size(), 1u);
   }
   const Bake result = baked(scene, cached_);
   EXPECT_EQ(found(result), objects.size());
   EXPECT_EQ(bytes_of(result), bytes_of(baked(scene, plain_)));
-  EXPECT_TRUE(bake_parts({}, cached_)) << "a share with nothing in it";
+  EXPECT_TRUE(bake_shard({}, cached_)) << "a share with nothing in it";
 }
 
 TEST_F(BakeCacheTest, RegionsUseTheCacheToo) {

@@ -12,7 +12,7 @@
 #include <cstdint>
 #include <memory>
 
-#include "formats/mesh/voxel_overlap.h"
+#include "formats/lattice/voxel_overlap.h"
 
 namespace forcelayer {
 

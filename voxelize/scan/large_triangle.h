@@ -6,7 +6,7 @@
 
 #include <cstdint>
 
-#include "formats/mesh/voxel_overlap.h"
+#include "formats/lattice/voxel_overlap.h"
 #include "voxelize/scan/node_canvas.h"
 
 namespace forcelayer {

@@ -4,7 +4,7 @@
 #include <array>
 #include <cstdint>
 
-#include "formats/mesh/voxel_overlap.h"
+#include "formats/lattice/voxel_overlap.h"
 
 namespace forcelayer {
 

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <memory>
 
-#include "voxelize/masks/brick_bits.h"
+#include "formats/lattice/brick_bits.h"
 #include "voxelize/scan/large_triangle.h"
 #include "voxelize/scan/node_bins.h"
 #include "voxelize/scan/node_canvas.h"
