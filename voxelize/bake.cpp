@@ -9,8 +9,8 @@
 #include <thread>
 
 #include "voxelize/directory_limit.h"
+#include "voxelize/object_bake.h"
 #include "voxelize/region.h"
-#include "voxelize/stopwatch.h"
 #include "voxelize/tree/tree_box.h"
 #include "voxelize/tree/tree_builder.h"
 
@@ -46,7 +46,7 @@ Result<std::vector<ObjectBake>> snap_objects(Objects objects, const BakeOptions&
   return bakes;
 }
 
-// What the bake keeps of the scene.
+// The voxels of the scene that a bake keeps.
 struct SceneRegion {
   Region region;
   Directory directory;        // empty where the region can hold nothing
@@ -233,8 +233,10 @@ void build_map(const SceneVoxels& scene, const SceneRegion& region,
 void add_reports(Objects objects, std::vector<ObjectBake>& bakes, const std::vector<char>& skipped,
                  Bake& bake) {
   for (std::size_t i = 0; i < objects.size(); ++i) {
-    bake.objects.push_back({bakes[i].facts, objects[i].name, std::move(bakes[i].cavities),
-                            bakes[i].from_cache, skipped[i] != 0});
+    const ObjectFacts& facts = bakes[i].facts;
+    bake.objects.push_back({objects[i].name, facts.triangles, facts.degenerate_triangles,
+                            facts.geometry_voxels, facts.interior_voxels, facts.cavity_count,
+                            std::move(bakes[i].cavities), bakes[i].from_cache, skipped[i] != 0});
     const StageSeconds& seconds = bakes[i].seconds;
     bake.seconds.scan += seconds.scan;
     bake.seconds.flood += seconds.flood;

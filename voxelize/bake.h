@@ -16,12 +16,18 @@
 
 #include "formats/voxmap_writer.h"
 #include "voxelize/bake_options.h"
-#include "voxelize/object_bake.h"
+#include "voxelize/fill/cavity.h"
+#include "voxelize/stopwatch.h"
 
 namespace forcelayer {
 
-struct ObjectReport : ObjectFacts {
+struct ObjectReport {
   std::string name;
+  std::uint64_t triangles = 0;
+  std::uint64_t degenerate_triangles = 0;  // no area after snapping
+  std::uint64_t geometry_voxels = 0;       // |G|
+  std::uint64_t interior_voxels = 0;       // |I|
+  std::uint64_t cavity_count = 0;
   std::vector<Cavity> cavities;  // the largest first, at most kMaxReportedCavities
   bool from_cache = false;       // its voxels were found in the cache
   bool skipped = false;          // it cannot touch the region of interest

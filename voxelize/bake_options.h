@@ -1,4 +1,4 @@
-// What a bake is given: the objects of the static scene, and the options.
+// The input of a bake: the objects of the static scene, and the options.
 #pragma once
 
 #include <array>
@@ -22,7 +22,7 @@ class CacheFolder;
 struct SceneObject {
   std::string name;
   const Mesh* mesh = nullptr;       // null: read_mesh() gives it
-  Affine world_from_mesh;           // to metres: the mesh's unit is part of it
+  Affine world_from_mesh;           // to meters, so it contains the mesh's unit
   std::vector<Vec3d> free_seeds_m;  // world; they open this object alone
   double deviation_m = 0;           // of the mesh from the truth (tessellation, quantization)
   std::function<Result<const Mesh*>()> read_mesh = {};  // called by one thread at a time

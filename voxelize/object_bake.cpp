@@ -5,10 +5,10 @@
 #include "voxelize/cache/cache_versions.h"
 #include "voxelize/directory_limit.h"
 #include "voxelize/distance/euclidean_growth.h"
+#include "voxelize/fill/cavities.h"
 #include "voxelize/fill/flood.h"
 #include "voxelize/memory_limit.h"
 #include "voxelize/scan/scan_conversion.h"
-#include "voxelize/stopwatch.h"
 
 namespace forcelayer {
 namespace {

@@ -7,13 +7,9 @@
 #include "voxelize/bake_options.h"
 #include "voxelize/cache/object_cache.h"
 #include "voxelize/scan/snap.h"
+#include "voxelize/stopwatch.h"
 
 namespace forcelayer {
-
-// Wall time by stage. Objects are baked side by side; their stages add up.
-struct StageSeconds {
-  double snap = 0, scan = 0, flood = 0, near = 0, cavities = 0, cache = 0, unite = 0, tree = 0;
-};
 
 // An object on its way into the scene.
 struct ObjectBake {

@@ -22,4 +22,9 @@ class Stopwatch {
   double lap_start_s_ = 0;
 };
 
+// Wall time by stage. Objects are baked side by side; their stages add up.
+struct StageSeconds {
+  double snap = 0, scan = 0, flood = 0, near = 0, cavities = 0, cache = 0, unite = 0, tree = 0;
+};
+
 }  // namespace forcelayer

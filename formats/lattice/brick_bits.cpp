@@ -3,7 +3,7 @@
 namespace forcelayer {
 namespace {
 
-// The reached cells of a plane and their neighbours in it, twice over.
+// The reached cells of a plane and their open neighbors in it, two steps far.
 std::uint64_t spread_in_plane(std::uint64_t reached, std::uint64_t open) {
   for (int step = 0; step < 2; ++step) {
     reached |= (reached << 8 | reached >> 8 | (reached & ~(kFirstColumn << 7)) << 1 |
@@ -15,8 +15,8 @@ std::uint64_t spread_in_plane(std::uint64_t reached, std::uint64_t open) {
 
 }  // namespace
 
-// Sweeps up and down the planes until nothing more is reached: what one plane gains is there for
-// the next at once.
+// Sweeps up and down the planes until nothing more is reached. The next plane sees at once what a
+// plane has gained.
 BrickMask flooded(const BrickMask& seeds, const BrickMask& open) {
   BrickMask reached = seeds & open;
   std::uint64_t gained = 0;

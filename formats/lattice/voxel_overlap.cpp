@@ -157,7 +157,7 @@ BrickMask TriangleOverlap::cells(const VoxelIndex& corner, int log2_cell) const 
 // A cell's value along an axis n spans [v + qN, v + qP]: v = n . (lowest corner), q the cell's
 // edge, N and P the sums of n's negative and positive parts; an end that lies on an open side is
 // one step short. Lowest corners are start + q i, i in 0..7 per axis, so both bounds divide by q,
-// exactly, and the 512 tests compare n . i alone, whatever the width of `Base`.
+// exactly, and the 512 tests compare n . i alone.
 template <class Base, class Lane>
 BrickMask TriangleOverlap::tested_cells(const VoxelIndex& corner, int log2_cell) const {
   const int shift = kSnapBits + log2_cell;

@@ -1,7 +1,7 @@
 // Which voxels a triangle passes through, in exact integer arithmetic.
 //
 // Vertices lie on a lattice of 2^-10 voxel (snap()); a voxel is the half-open cube
-// [i, i+1) x [j, j+1) x [k, k+1) in voxels, so that neighbours share no point and a face on voxel
+// [i, i+1) x [j, j+1) x [k, k+1) in voxels, so that neighbors share no point and a face on voxel
 // faces marks one layer. A voxel is hit where the triangle, borders included, has a point in it.
 // Degenerate triangles are ordinary: they are the segment or the point that they cover.
 //

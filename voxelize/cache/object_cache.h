@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "voxelize/cache/cache_folder.h"
-#include "voxelize/fill/cavities.h"
+#include "voxelize/fill/cavity.h"
 #include "voxelize/masks/mask_tree.h"
 #include "voxelize/masks/voxel_box.h"
 

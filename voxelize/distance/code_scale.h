@@ -14,7 +14,7 @@ struct CodeScale {
   std::uint32_t bits = 0;
   double zero = 0;            // of the zero-force surface
   double layer = 0;           // from there down to the interior: 1, or as deep as the compliance
-  double interior_below = 0;  // Table 1 by distance of a voxel's centre
+  double interior_below = 0;  // Table 1 by distance of a voxel's center
   double surface_below = 0;
   double proximity_below = 0;
   double range = 0;

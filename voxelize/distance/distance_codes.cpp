@@ -154,7 +154,7 @@ class DistanceCodes::Scratch {
 };
 
 int DistanceCodes::reach(const CodeScale& scale) {
-  // A surface point lies within half a voxel of its voxel's centre along every axis.
+  // A surface point lies within half a voxel of its voxel's center along every axis.
   return static_cast<int>(std::ceil(std::max(outer_reach(scale), inner_reach(scale)) + 0.5f));
 }
 

@@ -54,13 +54,13 @@ class PlanePoints {
 
 // Coordinates of points from a triangle: in its plane, above it, along its edges 2 and 3, and to
 // the left of those. All are linear in the points.
-struct FromTriangle {
+struct TriangleCoordinates {
   V u, v, height;
   V along_2, left_2;
   V along_3, left_3;
 };
 
-HWY_INLINE void set_along_edges(const PreparedTriangle& t, V u_from_3, FromTriangle& at) {
+HWY_INLINE void set_along_edges(const PreparedTriangle& t, V u_from_3, TriangleCoordinates& at) {
   const V x2 = set(t.direction_2[0]), y2 = set(t.direction_2[1]);
   at.along_2 = hn::Add(hn::Mul(x2, at.u), hn::Mul(y2, at.v));
   at.left_2 = hn::Sub(hn::Mul(x2, at.v), hn::Mul(y2, at.u));
@@ -69,10 +69,10 @@ HWY_INLINE void set_along_edges(const PreparedTriangle& t, V u_from_3, FromTrian
   at.left_3 = hn::Sub(hn::Mul(x3, at.v), hn::Mul(y3, u_from_3));
 }
 
-HWY_INLINE FromTriangle from_triangle(const PreparedTriangle& t, V px, V py, V pz) {
+HWY_INLINE TriangleCoordinates from_triangle(const PreparedTriangle& t, V px, V py, V pz) {
   const V x = hn::Sub(px, set(t.corner[0])), y = hn::Sub(py, set(t.corner[1])),
           z = hn::Sub(pz, set(t.corner[2]));
-  FromTriangle at;
+  TriangleCoordinates at;
   at.u = dot(t.along, x, y, z);
   at.v = dot(t.across, x, y, z);
   at.height = dot(t.normal, x, y, z);
@@ -81,9 +81,9 @@ HWY_INLINE FromTriangle from_triangle(const PreparedTriangle& t, V px, V py, V p
 }
 
 // The change of the coordinates by a step along an axis.
-HWY_INLINE FromTriangle step_along(const PreparedTriangle& t, std::size_t axis, float step) {
+HWY_INLINE TriangleCoordinates step_along(const PreparedTriangle& t, std::size_t axis, float step) {
   const V length = set(step);
-  FromTriangle by;
+  TriangleCoordinates by;
   by.u = hn::Mul(set(t.along[axis]), length);
   by.v = hn::Mul(set(t.across[axis]), length);
   by.height = hn::Mul(set(t.normal[axis]), length);
@@ -91,7 +91,7 @@ HWY_INLINE FromTriangle step_along(const PreparedTriangle& t, std::size_t axis, 
   return by;
 }
 
-HWY_INLINE void advance(FromTriangle& at, const FromTriangle& by) {
+HWY_INLINE void advance(TriangleCoordinates& at, const TriangleCoordinates& by) {
   at.u = hn::Add(at.u, by.u);
   at.v = hn::Add(at.v, by.v);
   at.height = hn::Add(at.height, by.height);
@@ -107,7 +107,7 @@ HWY_INLINE V off_edge(V along, V left, float length) {
   return hn::Add(hn::Mul(beyond, beyond), hn::Mul(left, left));
 }
 
-HWY_INLINE V squared_distance(const PreparedTriangle& t, const FromTriangle& at) {
+HWY_INLINE V squared_distance(const PreparedTriangle& t, const TriangleCoordinates& at) {
   const V from_1 = off_edge(at.u, at.v, t.length_1);
   const V from_2 = off_edge(at.along_2, at.left_2, t.length_2);
   const V from_3 = off_edge(at.along_3, at.left_3, t.length_3);
@@ -131,9 +131,9 @@ void distances(const PreparedTriangle* const* triangles, std::size_t count, cons
   for (std::size_t n = 0; n < kCubePoints; n += lanes()) hn::Store(set(1e30f), kF, best + n);
   for (std::size_t i = 0; i < count; ++i) {
     const PreparedTriangle& t = *triangles[i];
-    const FromTriangle by = step_along(t, 0, cube.step);
+    const TriangleCoordinates by = step_along(t, 0, cube.step);
     for (std::size_t first = 0; first < kPlane; first += lanes()) {
-      FromTriangle at =
+      TriangleCoordinates at =
           from_triangle(t, points.at(0, first), points.at(1, first), points.at(2, first));
       for (std::size_t n = first;;) {
         const V d = squared_distance(t, at);
@@ -216,7 +216,7 @@ HWY_INLINE void from_middles(const PreparedTriangle* const* triangles, std::size
     V best = set(1e30f), best_second = best;
     for (std::size_t i = 0; i < count; ++i) {
       const PreparedTriangle& t = *triangles[i];
-      FromTriangle at = from_triangle(t, x, y, z);
+      TriangleCoordinates at = from_triangle(t, x, y, z);
       const V d = squared_distance(t, at);
       hn::StoreU(d, kF, squared + 2 * kEighths * i + n);
       best = hn::Min(best, d);

@@ -99,7 +99,7 @@ std::vector<Coord> LayerOffset::nodes() const {
   std::vector<Coord> origins;
   for (auto upper = geometry_.cbeginChildOn(); upper; ++upper) {
     for (auto node = upper->cbeginChildOn(); node; ++node) {
-      // The box of its bricks tells which neighbours it can reach.
+      // The box of its bricks decides which neighbors it can reach.
       openvdb::CoordBBox box;
       for_each_set(mask_of(node->getChildMask()), [&](unsigned n) {
         box.expand(openvdb::CoordBBox::createCube(entry_origin(node->origin(), n, 8), 8));

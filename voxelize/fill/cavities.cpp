@@ -242,13 +242,13 @@ void Pieces::join() {
 }
 
 std::vector<InteriorPiece> Pieces::result() {
-  struct Found {
+  struct JoinedPiece {
     InteriorPiece piece;
     int cell = 0;
   };
-  std::unordered_map<Id, Found> pieces;
+  std::unordered_map<Id, JoinedPiece> pieces;
   const auto add = [&](const Cluster& cluster, Id id) {
-    Found& found = pieces[root(id)];
+    JoinedPiece& found = pieces[root(id)];
     const auto cell = static_cast<std::uint64_t>(cluster.cell);
     found.piece.voxels += static_cast<std::uint64_t>(count(cluster.cells)) * cell * cell * cell;
     unsigned n = 0;

@@ -27,7 +27,7 @@ struct FloodNode {
   std::array<std::uint16_t, 512> number_of;  // of each surface brick
   std::size_t cell = 0;                      // the node's directory cell
   unsigned entry = 0;                        // of the directory cell
-  unsigned woken_sides = 0;                  // bit per side whose neighbour changed
+  unsigned woken_sides = 0;                  // bit per side whose neighbor changed
   unsigned changed_sides = 0;                // bit per side that the last fill changed
   struct Seed {
     unsigned brick, voxel;
@@ -69,7 +69,7 @@ void store(BrickMask& mask, const BrickMask& value) {
   }
 }
 
-// What a node sees across one side: a node with surface, or a cube that is reached or not.
+// The neighbor of a node across one side: a node with surface, or a cube that is reached or not.
 struct Neighbor {
   const FloodNode* node = nullptr;
   bool reached = false;

@@ -1,4 +1,4 @@
-// The voxels of one 64^3 node as rows along z, for steps that look at many of them at once.
+// The voxels of one 64^3 node as rows along z, for steps that read many of them at once.
 #pragma once
 
 #include <array>

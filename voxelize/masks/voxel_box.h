@@ -1,4 +1,4 @@
-// Boxes of voxels.
+// Boxes and indices of voxels.
 #pragma once
 
 #include <openvdb/math/Coord.h>
@@ -28,6 +28,18 @@ struct KeptBox {
   std::uint32_t cropped_sides = 0;  // CroppedSide bits
 
   bool cropped() const { return cropped_sides != 0; }
+};
+
+// Of voxels, nodes or directory cells, for hash tables.
+struct IndexHash {
+  std::size_t operator()(const VoxelIndex& index) const {
+    std::uint64_t hash = 0;
+    for (const std::int64_t x : index) {
+      hash = (hash ^ static_cast<std::uint64_t>(x)) * 0x9e3779b97f4a7c15u;
+      hash ^= hash >> 32;
+    }
+    return hash;
+  }
 };
 
 }  // namespace forcelayer

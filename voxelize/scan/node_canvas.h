@@ -10,7 +10,7 @@ namespace forcelayer {
 
 struct NodeCanvas {
   BrickMask touched;                  // bricks that have been drawn to
-  std::array<BrickMask, 512> bricks;  // content of those that have
+  std::array<BrickMask, 512> bricks;  // undefined where not touched
 
   void clear() { touched = {}; }
 

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kGrain = 4096;  // elements a task
 
-// Largest |coordinate| of the world position that led to a lattice point, in metres.
+// Largest |coordinate| of the world position that led to a lattice point, in meters.
 double largest_coordinate(const VoxelBox& box, double voxel_size_m) {
   double largest = 0;
   for (std::size_t d = 0; d < 3; ++d) {
@@ -25,8 +25,8 @@ double largest_coordinate(const VoxelBox& box, double voxel_size_m) {
   return largest * voxel_size_m;
 }
 
-// Half a lattice step per axis, and what placing and dividing round off: no more than eight
-// roundings of the largest coordinate per axis.
+// Half a lattice step per axis, and the rounding of placing and dividing: at most eight roundings
+// of the largest coordinate per axis.
 double snap_error(const VoxelBox& box, double voxel_size_m) {
   const double step_m = voxel_size_m / static_cast<double>(kSnapUnits);
   const double rounding_m =

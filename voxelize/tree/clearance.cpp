@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "formats/lattice/brick_bits.h"
+#include "voxelize/masks/voxel_box.h"
 #include "voxelize/tree/clearance_cube.h"
 
 namespace forcelayer {
@@ -157,17 +158,6 @@ class FirstDistanceCube {
   std::array<Distance, kWidth * kWidth * kWidth> cells_;
 };
 
-struct PlaceHash {
-  std::size_t operator()(const Place& place) const {
-    std::uint64_t hash = 0;
-    for (const std::int64_t x : place) {
-      hash = (hash ^ static_cast<std::uint64_t>(x)) * 0x9e3779b97f4a7c15u;
-      hash ^= hash >> 32;
-    }
-    return hash;
-  }
-};
-
 // The first distances of the parents that hold something and of their free neighbors.
 template <class Level>
 class FirstDistanceMap {
@@ -200,7 +190,7 @@ class FirstDistanceMap {
   }
 
  private:
-  std::unordered_map<Place, std::size_t, PlaceHash> index_;
+  std::unordered_map<Place, std::size_t, IndexHash> index_;
   std::vector<FirstDistances<Distance>> distances_;
 };
 

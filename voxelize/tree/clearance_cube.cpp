@@ -18,7 +18,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 // A plane of a cube, each cell the minimum of its 3x3 neighborhood in the plane. Cells on the
 // plane's border may take in cells that are no neighbors.
 template <class T>
-class PlaneLeast {
+class PlaneMinimum {
  public:
   static constexpr hn::CappedTag<T, 64> kTag{};
   using Cube = ClearanceCube<T>;
@@ -42,13 +42,13 @@ class PlaneLeast {
   T least_[Cube::kMaxPlane];
 };
 
-// One step from every cell of the planes first..last to its neighbours.
+// One step from every cell of the planes first..last to its neighbors.
 template <class T>
 HWY_INLINE void step(ClearanceCube<T>& cube, int first, int last, T edge,
-                     PlaneLeast<T> (&planes)[3]) {
-  constexpr auto kTag = PlaneLeast<T>::kTag;
+                     PlaneMinimum<T> (&planes)[3]) {
+  constexpr auto kTag = PlaneMinimum<T>::kTag;
   const int width = cube.width();
-  PlaneLeast<T>*below = &planes[0], *here = &planes[1], *above = &planes[2];
+  PlaneMinimum<T>*below = &planes[0], *here = &planes[1], *above = &planes[2];
   below->set(cube.plane(first - 1), width);
   here->set(cube.plane(first), width);
   const auto edges = hn::Set(kTag, edge);
@@ -69,7 +69,7 @@ HWY_INLINE void step(ClearanceCube<T>& cube, int first, int last, T edge,
 // layer inwards, so the middle stays right for as many steps as the margin is deep.
 template <class T>
 void spread(ClearanceCube<T>& cube, T edge) {
-  PlaneLeast<T> planes[3];
+  PlaneMinimum<T> planes[3];
   for (int margin = cube.margin() - 1; margin >= 0; --margin) {
     step(cube, -margin, 7 + margin, edge, planes);
   }

@@ -8,6 +8,7 @@
 
 #include "formats/lattice/brick_bits.h"
 #include "voxelize/cache/cache_versions.h"
+#include "voxelize/masks/voxel_box.h"
 
 namespace forcelayer {
 namespace {
@@ -15,14 +16,7 @@ namespace {
 constexpr int kEdge = 64;
 
 struct CoordHash {
-  std::size_t operator()(const Coord& c) const {
-    std::uint64_t hash = 0;
-    for (const int x : {c.x(), c.y(), c.z()}) {
-      hash = (hash ^ static_cast<std::uint32_t>(x)) * 0x9e3779b97f4a7c15u;
-      hash ^= hash >> 32;
-    }
-    return hash;
-  }
+  std::size_t operator()(const Coord& c) const { return IndexHash()({c.x(), c.y(), c.z()}); }
 };
 
 using NodeDigests = std::unordered_map<Coord, Digest, CoordHash>;
@@ -92,13 +86,13 @@ class NodeKeys {
   std::vector<Digest> combined(const std::vector<Coord>& origins, const DigestOf& digest_at) const {
     std::vector<Digest> result(origins.size());
     tbb::parallel_for(std::size_t{0}, origins.size(), [&](std::size_t i) {
-      std::array<Digest, 28> parts;
-      parts[27] = {kNodeCacheVersion, static_cast<std::uint64_t>(offset_.layers())};
+      std::array<Digest, 28> inputs;
+      inputs[27] = {kNodeCacheVersion, static_cast<std::uint64_t>(offset_.layers())};
       for (int n = 0; n < 27; ++n) {
-        parts[static_cast<std::size_t>(n)] = digest_at(
+        inputs[static_cast<std::size_t>(n)] = digest_at(
             origins[i].offsetBy((n / 9 - 1) * kEdge, (n / 3 % 3 - 1) * kEdge, (n % 3 - 1) * kEdge));
       }
-      result[i] = digest_of(std::as_bytes(std::span(parts)));
+      result[i] = digest_of(std::as_bytes(std::span(inputs)));
     });
     return result;
   }

@@ -10,7 +10,7 @@ namespace forcelayer {
 namespace {
 
 constexpr const char* kKind = "nodes";
-constexpr std::uint32_t kVersion = 1;  // of the record; what nodes depend on is in their keys
+constexpr std::uint32_t kVersion = 1;  // of the record; the nodes' own version is in their keys
 constexpr std::size_t kBrickWords = std::tuple_size_v<Brick>;
 
 static_assert(sizeof(NodeMemo) == 88);

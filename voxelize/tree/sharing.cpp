@@ -86,7 +86,7 @@ struct BrickPlace {
   std::uint32_t node, brick;
 };
 
-// Shares the bricks: entries of lower nodes become numbers of the result's bricks.
+// The different bricks. Entries of lower nodes become numbers of these.
 std::vector<std::uint32_t> share_bricks(std::vector<BuiltNode>& nodes, std::uint32_t parts) {
   std::vector<std::uint32_t> first_brick(nodes.size() + 1, 0);
   for (std::size_t i = 0; i < nodes.size(); ++i) {
@@ -125,7 +125,7 @@ std::vector<std::uint32_t> share_bricks(std::vector<BuiltNode>& nodes, std::uint
   return bricks;
 }
 
-// The different ones of `nodes`, whose numbers go to `numbers`. `entries(i)` are node i's.
+// The different nodes; `numbers` maps each to its number. `entries(i)` are the entries of node i.
 template <class EntriesOf>
 std::vector<std::uint32_t> share_nodes(std::size_t count, const EntriesOf& entries,
                                        std::vector<std::uint32_t>& numbers) {

@@ -10,7 +10,7 @@
 
 namespace forcelayer {
 
-// Directions from a cell to its 26 neighbours: (dx+1)*9 + (dy+1)*3 + (dz+1), dx, dy, dz in -1..1;
+// Directions from a cell to its 26 neighbors: (dx+1)*9 + (dy+1)*3 + (dz+1), dx, dy, dz in -1..1;
 // 13 is the cell itself.
 inline constexpr unsigned kDirections = 27;
 inline constexpr unsigned kSelf = 13;

@@ -1,4 +1,5 @@
-// What a finished tree knows of its box: where clearance ends, and the box of all non-free voxels.
+// The box of a tree: clearance near its cropped sides, and the tight box of voxels that are not
+// free.
 #pragma once
 
 #include <array>

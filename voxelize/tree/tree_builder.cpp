@@ -26,6 +26,12 @@ bool is_collapsible(const Entries& entries) {
 
 // The nodes that may hold more than one value.
 struct SceneNodes {
+  explicit SceneNodes(std::vector<Coord> at)
+      : origins(std::move(at)),
+        nodes(origins.size()),
+        counts(nodes.size()),
+        entries(nodes.size()) {}
+
   std::vector<Coord> origins;  // ascending
   std::vector<BuiltNode> nodes;
   std::vector<ValueCounts> counts;
@@ -34,11 +40,7 @@ struct SceneNodes {
 };
 
 SceneNodes measure_nodes(const LayerOffset& around, const DistanceCodes& distances) {
-  SceneNodes result;
-  result.origins = around.nodes();
-  result.nodes.resize(result.origins.size());
-  result.counts.resize(result.origins.size());
-  result.entries.resize(result.origins.size());
+  SceneNodes result(around.nodes());
   tbb::parallel_for(std::size_t{0}, result.nodes.size(), [&](std::size_t i) {
     result.nodes[i] =
         cut_into_bricks(distances.codes(result.origins[i]), distances.scale(), result.counts[i]);
@@ -51,11 +53,7 @@ SceneNodes build_nodes(const LayerOffset& offset, const NodeMemory* memory) {
     NodeHalo halo;
     NodeCodes codes;
   };
-  SceneNodes result;
-  result.origins = offset.nodes();
-  result.nodes.resize(result.origins.size());
-  result.counts.resize(result.origins.size());
-  result.entries.resize(result.origins.size());
+  SceneNodes result(offset.nodes());
   if (memory != nullptr) result.keys = node_keys(offset, result.origins);
   tbb::enumerable_thread_specific<Scratch> scratches;
   tbb::parallel_for(std::size_t{0}, result.nodes.size(), [&](std::size_t i) {
@@ -72,7 +70,7 @@ SceneNodes build_nodes(const LayerOffset& offset, const NodeMemory* memory) {
   return result;
 }
 
-// Puts the nodes and the uniform space around them into a tree and collapses uniform parts.
+// Puts the nodes and the uniform space around them into a tree and collapses uniform boxes.
 class TreeAssembly {
  public:
   TreeAssembly(const MaskTree& interior, const KeptBox& kept,
