@@ -5,613 +5,338 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
-#include <chrono>
-#include <cmath>
 #include <mutex>
 #include <thread>
 
-#include "voxelize/cache/node_memory.h"
-#include "voxelize/cache/part_cache.h"
 #include "voxelize/directory_limit.h"
-#include "voxelize/distance/near_voxels.h"
-#include "voxelize/distance/offset.h"
-#include "voxelize/fill/cavities.h"
-#include "voxelize/fill/flood.h"
-#include "voxelize/memory_limit.h"
+#include "voxelize/object_bake.h"
 #include "voxelize/region.h"
-#include "voxelize/scan/scan_conversion.h"
-#include "voxelize/scan/snap.h"
+#include "voxelize/tree/tree_box.h"
 #include "voxelize/tree/tree_builder.h"
 
 namespace forcelayer {
 namespace {
 
-class Stopwatch {
- public:
-  double lap() {
-    const auto now = std::chrono::steady_clock::now();
-    const double seconds = std::chrono::duration<double>(now - start_).count();
-    start_ = now;
-    return seconds;
-  }
+using Objects = std::span<const SceneObject>;
 
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+void show_progress(const BakeOptions& options, const char* stage, double fraction_done) {
+  if (options.progress) options.progress(stage, fraction_done);
+}
+
+// Calls step(i) for every object, in parallel. The first error by the order of the objects.
+template <class Step>
+Status for_each_object(std::size_t count, Step&& step) {
+  std::vector<Status> results(count);
+  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) { results[i] = step(i); });
+  const auto failed =
+      std::find_if(results.begin(), results.end(), [](const Status& status) { return !status; });
+  return failed == results.end() ? Status{} : *failed;
+}
+
+// Every object with its facts: found in the cache, or snapped.
+Result<std::vector<ObjectBake>> snap_objects(Objects objects, const BakeOptions& options,
+                                             std::mutex& reading) {
+  std::vector<ObjectBake> bakes(objects.size());
+  tbb::parallel_for(std::size_t{0}, objects.size(),
+                    [&](std::size_t i) { find_in_cache(objects[i], options, bakes[i]); });
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    const Status snapped = snap_unless_cached(objects[i], options, reading, bakes[i]);
+    if (!snapped) return snapped.error();
+  }
+  return bakes;
+}
+
+// The voxels of the scene that a bake keeps.
+struct SceneRegion {
+  Region region;
+  Directory directory;        // empty where the region can hold nothing
+  std::vector<char> skipped;  // [objects] cannot touch the region
 };
 
-// A soft covering and the range that must hold it.
-Status check_covering(const BakeOptions& options) {
-  const auto wrong = [](const char* what, std::string why, const char* mend) {
-    return Error{ErrorCode::kUsage, "", what, std::move(why), mend};
-  };
-  if (options.compliance.empty()) return {};
-  if (options.bits == 2) return wrong("compliance", "needs stored distances", "add --bits 8");
-  if (Status checked = check_compliance(options.compliance); !checked) return checked;
+CodeScale scale_of(const BakeOptions& options) {
   const double layer = force_layer_voxels(options);
-  if (!(layer + 1 <= kMostRangeVoxels && options.layers + layer <= kMaxBakedLayers + 1)) {
-    return wrong("compliance", "is too deep: layers and covering take more than 31 voxels",
-                 "use larger voxels");
-  }
-  if (options.range_m > 0 && options.range_m / options.voxel_size_m < layer + 1) {
-    return wrong("range", "ends less than a voxel below the covering", "leave it out");
-  }
-  return {};
+  const double range = options.range_m > 0 ? options.range_m / options.voxel_size_m
+                                           : default_range_voxels(options.bits) + layer - 1;
+  return code_scale(options.layers, options.bits, range, layer);
 }
 
-// Metric, bits and range.
-Status check_kind(const BakeOptions& options) {
-  const auto wrong = [](const char* what, std::string why, const char* mend) {
-    return Error{ErrorCode::kUsage, "", what, std::move(why), mend};
-  };
-  if (options.bits != 2 && options.bits != 4 && options.bits != 8) {
-    return wrong("bits", "are not 2, 4 or 8", "");
-  }
-  if (options.metric != Metric::kEuclidean && options.bits != 2) {
-    return wrong("bits", "of more than 2 store Euclidean distances", "add --metric euclidean");
-  }
-  if (options.metric == Metric::kEuclidean && options.layers == 0) {
-    return wrong("layers", "are none: there is nothing for the metric to measure",
-                 "use --layers 1 or more");
-  }
-  if (Status covering = check_covering(options); !covering) return covering;
-  if (options.range_m == 0) return {};
-  if (options.bits == 2) return wrong("range", "has no meaning at 2 bits", "leave it out");
-  const double voxels = options.range_m / options.voxel_size_m;
-  if (!(voxels >= kLeastRangeVoxels && voxels <= kMostRangeVoxels)) {
-    return wrong("range", "is not between 2 and 32 voxels", "");
-  }
-  return {};
+// How many voxels around the geometry may be anything but free.
+int reach_of(const BakeOptions& options) {
+  if (stores_distances(options)) return DistanceCodes::reach(scale_of(options));
+  return static_cast<int>(options.layers) + (grows_surface(options) ? 2 : 1);
 }
 
-Status check(const BakeOptions& options) {
-  if (!(options.voxel_size_m >= kMinVoxelSizeM && options.voxel_size_m <= kMaxVoxelSizeM)) {
-    return Error{ErrorCode::kUsage, "", "voxel size", "is not between 1e-9 and 1e6 metres", ""};
+Result<SceneRegion> choose_region(const std::vector<ObjectBake>& bakes,
+                                  const BakeOptions& options) {
+  const bool empty = std::all_of(bakes.begin(), bakes.end(),
+                                 [](const ObjectBake& bake) { return bake.facts.triangles == 0; });
+  if (empty) return Error{ErrorCode::kMeshEmpty, "", "", "the scene has no triangles", ""};
+  SceneRegion result;
+  VoxelBox scene;
+  for (const ObjectBake& bake : bakes) scene.include(bake.facts.box);
+  result.region = region_of(scene.grown(reach_of(options)), options.roi_m, options.voxel_size_m);
+  const bool cropped = result.region.cropped_sides != 0;
+  const VoxelBox within_reach = result.region.box.grown(reach_of(options) + 1);
+  bool any = false;
+  for (const ObjectBake& bake : bakes) {
+    const VoxelBox& box = bake.facts.box;
+    result.skipped.push_back(cropped && !box.overlaps(within_reach));
+    if (result.skipped.back() || box.empty()) continue;
+    any = true;
+    if (!cropped) continue;
+    // The object is filled from all of its triangles, so all of its voxels must be addressable.
+    const auto fits = fit_directory(box.joined(within_reach), options.voxel_size_m);
+    if (!fits) return fits.error();
   }
-  if (options.layers > kMaxBakedLayers) {
-    return Error{ErrorCode::kUsage, "", "layers",
-                 "are more than " + std::to_string(kMaxBakedLayers), ""};
-  }
-  if (Status kind = check_kind(options); !kind) return kind;
-  if (!(options.mesh_deviation_m >= 0 && std::isfinite(options.mesh_deviation_m))) {
-    return Error{ErrorCode::kUsage, "", "mesh deviation", "is not a length of zero or more", ""};
-  }
-  return {};
+  if (!any) return result;
+  const auto directory = fit_directory(result.region.box, options.voxel_size_m);
+  if (!directory) return directory.error();
+  result.directory = *directory;
+  return result;
 }
 
-// The free seeds that matter to one object.
-class ObjectSeeds {
- public:
-  ObjectSeeds(const SceneObject& object, const BakeOptions& options, const VoxelBox& box)
-      : object_(object), voxel_size_m_(options.voxel_size_m) {
-    for (const auto* seeds_m : {&options.free_seeds_m, &object.free_seeds_m}) {
-      for (const Vec3d& seed_m : *seeds_m) add(seed_m, box);
-    }
-  }
-
-  // The seeds as voxels counted from `origin`; kSceneInvalid where one lies in the surface.
-  Result<std::vector<Coord>> voxels(const MaskTree& geometry, const VoxelIndex& origin) const {
-    std::vector<Coord> result;
-    for (const Seed& seed : seeds_) {
-      const Coord voxel(static_cast<int>(seed.voxel[0] - origin[0]),
-                        static_cast<int>(seed.voxel[1] - origin[1]),
-                        static_cast<int>(seed.voxel[2] - origin[2]));
-      if (geometry.isValueOn(voxel)) return in_surface(seed.seed_m);
-      result.push_back(voxel);
-    }
-    return result;
-  }
-
- private:
-  struct Seed {
-    Vec3d seed_m;
-    VoxelIndex voxel;
-  };
-
-  // A seed outside the object's box is free anyway.
-  void add(const Vec3d& seed_m, const VoxelBox& box) {
-    Seed seed{seed_m, {}};
-    for (std::size_t d = 0; d < 3; ++d) {
-      const double at = std::floor(seed_m[d] / voxel_size_m_);
-      if (!(at >= static_cast<double>(box.low[d]) && at <= static_cast<double>(box.high[d]))) {
-        return;
-      }
-      seed.voxel[d] = static_cast<std::int64_t>(at);
-    }
-    seeds_.push_back(seed);
-  }
-
-  Error in_surface(const Vec3d& seed_m) const {
-    char where[120];
-    std::snprintf(where, sizeof where, "free seed %g,%g,%g", seed_m[0], seed_m[1], seed_m[2]);
-    return {ErrorCode::kSceneInvalid, "", where,
-            "lies in a voxel that the surface of " + object_.name + " passes through",
-            "move it into the open, or use a smaller voxel size"};
-  }
-
-  const SceneObject& object_;
-  double voxel_size_m_;
-  std::vector<Seed> seeds_;
+// The union of the objects' voxels, counted from the directory's origin.
+struct SceneVoxels {
+  MaskTree geometry, interior;
 };
 
-// One bake, from objects to the tree.
-class Pipeline {
- public:
-  Pipeline(std::span<const SceneObject> objects, const BakeOptions& options)
-      : objects_(objects), options_(options), parts_(objects.size()) {}
-
-  Result<Bake> run();
-  Result<Bake> run_parts_only();
-
- private:
-  // An object on its way into the scene: found in the cache, or snapped.
-  struct Part {
-    PartFacts facts;
-    std::optional<Digest> key;
-    std::vector<Cavity> cavities;
-    std::optional<CachedPart> cached;
-    const Mesh* mesh = nullptr;  // where it is not cached
-    SnappedObject snapped;
-  };
-
-  Status prepare();
-  void look_up();
-  bool knows_enough(const PartFacts& facts) const;
-  void find_cavities(std::size_t index, const MaskTree& interior);
-  void find_narrow_passages(std::size_t index);
-  template <class AddObject>
-  Status for_each_object(AddObject&& add_object);
-  Status snap(std::size_t index);
-  Status choose_region();
-  Result<PartVoxels> part_voxels(std::size_t index);
-  Result<PartVoxels> bake_part(std::size_t index);
-  Status add_object(std::size_t index);
-  void report_object(std::size_t index);
-  Coord in_scene(const VoxelIndex& voxel) const {
-    return Coord(static_cast<int>(voxel[0] - directory_.origin[0]),
-                 static_cast<int>(voxel[1] - directory_.origin[1]),
-                 static_cast<int>(voxel[2] - directory_.origin[2]));
-  }
-  void build();
-  bool is_wide() const { return options_.bits != 2; }
-  DistanceScale scale() const;
-  int reach() const;
-  VoxelTree distance_tree(const KeptBox& kept, ValueCounts& counts);
-  void fill_header(const VoxelBox& tight, const ValueCounts& counts);
-  void progress(const char* stage, double share) const {
-    if (options_.progress) options_.progress(stage, share);
-  }
-
-  std::span<const SceneObject> objects_;
-  const BakeOptions& options_;
-  std::vector<Part> parts_;  // [objects]
-  Region region_;
-  Directory directory_;  // of the region; empty where nothing can be in it
-  double deviation_m_ = 0;
-  Bake bake_;
-
-  std::mutex mutex_;  // guards what follows and bake_.seconds while objects are added
-  MaskTree geometry_, interior_;
-  std::size_t objects_done_ = 0;
-
-  std::mutex reading_;  // SceneObject::read_mesh is called under it
-};
-
-void Pipeline::look_up() {
-  if (options_.cache == nullptr) return;
-  tbb::parallel_for(std::size_t{0}, objects_.size(), [&](std::size_t i) {
-    Part& part = parts_[i];
-    part.key = part_key(objects_[i], options_);
-    if (part.key) part.cached = CachedPart::find(*options_.cache, *part.key);
-    if (!part.cached) return;
-    if (!knows_enough(part.cached->facts())) {
-      part.cached.reset();
-      return;
-    }
-    part.facts = part.cached->facts();
-    part.cavities = part.cached->cavities();
+// Bakes the objects side by side; each is united as soon as it is done.
+Status unite_objects(Objects objects, const BakeOptions& options, const SceneRegion& region,
+                     std::mutex& reading, std::vector<ObjectBake>& bakes, SceneVoxels& scene) {
+  std::mutex uniting;
+  std::size_t done = 0;
+  return for_each_object(objects.size(), [&](std::size_t i) -> Status {
+    if (region.skipped[i]) return {};
+    auto voxels = object_voxels(objects[i], options, region.directory.origin, reading, bakes[i]);
+    if (!voxels) return voxels.error();
+    const std::lock_guard lock(uniting);
+    Stopwatch watch;
+    unite(scene.geometry, std::move(*voxels->geometry));
+    unite(scene.interior, std::move(*voxels->interior));
+    bakes[i].seconds.unite = watch.lap_s();
+    show_progress(options, "voxels",
+                  0.7 * static_cast<double>(++done) / static_cast<double>(objects.size()));
+    return {};
   });
 }
 
-bool Pipeline::knows_enough(const PartFacts& facts) const {
-  return (!options_.find_cavities || (facts.knows & PartFacts::kCavities) != 0) &&
-         (!options_.find_narrow_passages || (facts.knows & PartFacts::kNarrowPassages) != 0);
-}
-
-Status Pipeline::snap(std::size_t index) {
-  const SceneObject& object = objects_[index];
-  const Mesh* mesh = object.mesh;
-  if (mesh == nullptr) {
-    const std::lock_guard lock(reading_);
-    const auto read = object.read_mesh();
-    if (!read) return read.error();
-    mesh = *read;
-  }
-  Part& part = parts_[index];
-  auto snapped = snap_object(*mesh, object.world_from_mesh, options_.voxel_size_m, object.name);
-  if (!snapped) return snapped.error();
-  part.mesh = mesh;
-  part.snapped = std::move(*snapped);
-  part.facts = {};
-  part.cavities.clear();
-  part.facts.triangles = mesh->triangles.size();
-  part.facts.degenerate_triangles = degenerate_triangles(part.snapped);
-  part.facts.box = part.snapped.box;
-  part.facts.snap_error_m = part.snapped.snap_error_m;
-  return {};
-}
-
-// Every object's box and facts: from the cache, or by snapping it.
-Status Pipeline::prepare() {
-  look_up();
-  for (std::size_t i = 0; i < objects_.size(); ++i) {
-    bake_.objects.emplace_back().name = objects_[i].name;
-    if (!parts_[i].cached) {
-      if (Status snapped = snap(i); !snapped) return snapped;
-    }
-    deviation_m_ = std::max(deviation_m_, parts_[i].facts.snap_error_m + objects_[i].deviation_m);
-  }
-  return {};
-}
-
-// What of the scene is kept. Objects that cannot touch it are left out; the others are filled from
-// all of their triangles.
-Status Pipeline::choose_region() {
-  VoxelBox scene;
-  const bool empty = std::all_of(parts_.begin(), parts_.end(),
-                                 [](const Part& part) { return part.facts.triangles == 0; });
-  if (empty) return Error{ErrorCode::kMeshEmpty, "", "", "the scene has no triangles", ""};
-  for (const Part& part : parts_) scene.include(part.facts.box);
-  region_ = region_of(scene.grown(this->reach()), options_.roi_m, options_.voxel_size_m);
-  const VoxelBox reach = region_.box.grown(this->reach() + 1);
-  bool any = false;
-  for (std::size_t i = 0; i < parts_.size(); ++i) {
-    const VoxelBox& box = parts_[i].facts.box;
-    ObjectReport& report = bake_.objects[i];
-    report.skipped = region_.cropped_sides != 0 && !box.overlaps(reach);
-    if (report.skipped || box.empty()) continue;
-    any = true;
-    // The whole object is flooded, and counted from the region's directory.
-    if (region_.cropped_sides == 0) continue;
-    const auto fits = fit_directory(box.joined(reach), options_.voxel_size_m);
-    if (!fits) return fits.error();
-  }
-  if (!any) return {};
-  const auto directory = fit_directory(region_.box, options_.voxel_size_m);
-  if (!directory) return directory.error();
-  directory_ = *directory;
-  return {};
-}
-
-Result<PartVoxels> Pipeline::bake_part(std::size_t index) {
-  Part& part = parts_[index];
-  const Status fits =
-      fit_memory(part.snapped, objects_[index].name, options_.voxel_size_m, available_bytes());
-  if (!fits) return fits.error();
-  Stopwatch watch;
-  PartVoxels voxels;
-  voxels.geometry = scan_convert(part.snapped, directory_.origin);
-  const double scan_s = watch.lap();
-  const auto seeds = ObjectSeeds(objects_[index], options_, part.facts.box)
-                         .voxels(*voxels.geometry, directory_.origin);
-  if (!seeds) return seeds.error();
-  voxels.interior = flood_interior(*voxels.geometry, *seeds);
-  part.facts.geometry_voxels = voxel_count(*voxels.geometry);
-  part.facts.interior_voxels = voxel_count(*voxels.interior);
-  const double flood_s = watch.lap();
-  if (grows_surface(options_)) {
-    voxels.geometry = near_voxels(part.snapped, *voxels.interior, static_cast<int>(options_.layers),
-                                  directory_.origin);
-  }
-  const double near_s = watch.lap();
-  if (!is_wide()) part.snapped = {};
-  if (options_.find_cavities || options_.find_narrow_passages) {
-    find_cavities(index, *voxels.interior);
-  }
-  if (options_.find_narrow_passages) find_narrow_passages(index);
-  const double cavities_s = watch.lap();
-  if (part.key) {
-    keep_part(*options_.cache, *part.key, part.facts, part.cavities, voxels, directory_.origin);
-  }
-  const std::lock_guard lock(mutex_);
-  bake_.seconds.scan += scan_s;
-  bake_.seconds.near += near_s;
-  bake_.seconds.flood += flood_s;
-  bake_.seconds.cavities += cavities_s;
-  bake_.seconds.cache += watch.lap();
-  return voxels;
-}
-
-void Pipeline::find_cavities(std::size_t index, const MaskTree& interior) {
-  Part& part = parts_[index];
-  const std::vector<InteriorPiece> pieces = interior_pieces(interior);
-  part.facts.knows |= PartFacts::kCavities;
-  part.facts.cavity_count = pieces.size();
-  for (const InteriorPiece& piece : pieces) {
-    if (part.cavities.size() == kMaxReportedCavities) break;
-    Cavity& cavity = part.cavities.emplace_back();
-    cavity.voxels = piece.voxels;
-    for (std::size_t d = 0; d < 3; ++d) {
-      cavity.seed_voxel[d] = piece.seed[static_cast<int>(d)] + directory_.origin[d];
-    }
-  }
-}
-
-// Floods the object again at half the voxel size. A piece of the interior touches no surface, so
-// all of it is reached there as soon as one voxel is.
-void Pipeline::find_narrow_passages(std::size_t index) {
-  Part& part = parts_[index];
-  part.facts.knows |= PartFacts::kNarrowPassages;
-  if (part.cavities.empty()) return;
-  BakeOptions halved = options_;
-  halved.voxel_size_m /= 2;
-  const SceneObject& object = objects_[index];
-  const auto snapped =
-      snap_object(*part.mesh, object.world_from_mesh, halved.voxel_size_m, object.name);
-  if (!snapped) return;
-  const auto directory = fit_directory(snapped->box, halved.voxel_size_m);
-  if (!directory) return;
-  const auto geometry = scan_convert(*snapped, directory->origin);
-  const auto seeds = ObjectSeeds(object, halved, snapped->box).voxels(*geometry, directory->origin);
-  if (!seeds) return;
-  const auto interior = flood_interior(*geometry, *seeds);
-  for (Cavity& cavity : part.cavities) {
-    Coord voxel;  // at the middle of the cavity's seed voxel
-    for (std::size_t d = 0; d < 3; ++d) {
-      voxel[static_cast<int>(d)] =
-          static_cast<int>(2 * cavity.seed_voxel[d] + 1 - directory->origin[d]);
-    }
-    cavity.opens_at_half_size = !interior->isValueOn(voxel) && !geometry->isValueOn(voxel);
-  }
-}
-
-Result<PartVoxels> Pipeline::part_voxels(std::size_t index) {
-  Part& part = parts_[index];
-  if (part.cached) {
-    Stopwatch watch;
-    auto voxels = part.cached->voxels(directory_.origin);
-    part.cached.reset();
-    if (voxels && is_wide()) {
-      const PartFacts facts = part.facts;
-      if (Status snapped = snap(index); !snapped) return snapped.error();
-      part.facts = facts;
-    }
-    if (voxels) {
-      bake_.objects[index].from_cache = true;
-      const std::lock_guard lock(mutex_);
-      bake_.seconds.cache += watch.lap();
-      return std::move(*voxels);
-    }
-    if (Status snapped = snap(index); !snapped) return snapped.error();
-  }
-  return bake_part(index);
-}
-
-Status Pipeline::add_object(std::size_t index) {
-  if (bake_.objects[index].skipped) {
-    report_object(index);
-    return {};
-  }
-  auto voxels = part_voxels(index);
-  if (!voxels) return voxels.error();
-  report_object(index);
-  Stopwatch watch;
-  const std::lock_guard lock(mutex_);
-  watch.lap();
-  unite(geometry_, std::move(*voxels->geometry));
-  unite(interior_, std::move(*voxels->interior));
-  bake_.seconds.unite += watch.lap();
-  progress("voxels",
-           0.7 * static_cast<double>(++objects_done_) / static_cast<double>(objects_.size()));
-  return {};
-}
-
-void Pipeline::report_object(std::size_t index) {
-  const PartFacts& facts = parts_[index].facts;
-  ObjectReport& report = bake_.objects[index];
-  report.triangles = facts.triangles;
-  report.degenerate_triangles = facts.degenerate_triangles;
-  report.geometry_voxels = facts.geometry_voxels;
-  report.interior_voxels = facts.interior_voxels;
-  report.cavity_count = facts.cavity_count;
-  report.cavities = parts_[index].cavities;
-}
-
-void Pipeline::fill_header(const VoxelBox& tight, const ValueCounts& counts) {
-  VoxmapHeader& header = bake_.header;
-  header.voxel_size_m = options_.voxel_size_m;
-  header.valid_min_voxel = region_.box.low;
-  header.cropped_sides = region_.cropped_sides;
+// The kept voxels, counted from the directory's origin.
+KeptBox kept_box(const SceneRegion& region) {
+  const VoxelBox& box = region.region.box;
+  Coord low, high;
   for (std::size_t d = 0; d < 3; ++d) {
-    header.valid_max_voxel[d] = region_.box.high[d] + 1;
+    low[static_cast<int>(d)] = static_cast<int>(box.low[d] - region.directory.origin[d]);
+    high[static_cast<int>(d)] = static_cast<int>(box.high[d] - region.directory.origin[d]);
+  }
+  return {{low, high}, region.region.cropped_sides};
+}
+
+// Two bits: layers around the geometry. In a grown surface all but one layer are in it already.
+VoxelTree build_layers(const SceneVoxels& scene, const SceneRegion& region,
+                       const BakeOptions& options, ValueCounts& counts, Bake& bake) {
+  const KeptBox kept = kept_box(region);
+  const LayerOffset offset(scene.geometry, scene.interior,
+                           grows_surface(options) ? 1 : options.layers, kept);
+  if (options.cache == nullptr || options.scene_name.empty() || kept.cropped()) {
+    return build_tree(offset, region.directory.dims, nullptr, counts);
+  }
+  const NodeMemory memory(*options.cache, options.scene_name, options.voxel_size_m);
+  VoxelTree tree = build_tree(offset, region.directory.dims, &memory, counts);
+  bake.nodes = memory.asked();
+  bake.reused_nodes = memory.found();
+  return tree;
+}
+
+// 4 and 8 bits: distances from the snapped meshes.
+VoxelTree build_distances(const SceneVoxels& scene, const SceneRegion& region,
+                          const std::vector<ObjectBake>& bakes, const BakeOptions& options,
+                          ValueCounts& counts) {
+  std::vector<const SnappedObject*> objects;
+  for (std::size_t i = 0; i < bakes.size(); ++i) {
+    if (!region.skipped[i]) objects.push_back(&bakes[i].snapped);
+  }
+  const KeptBox kept = kept_box(region);
+  const LayerOffset around(scene.geometry, scene.interior,
+                           static_cast<unsigned>(reach_of(options) - 1), kept);
+  const DistanceCodes distances(std::move(objects), region.directory.origin, scene.geometry,
+                                scene.interior, scale_of(options), kept);
+  return build_distance_tree(around, distances, region.directory.dims, counts);
+}
+
+// The box of all voxels that are not free.
+VoxelBox tight_box_of(const VoxelTree& tree, const SceneRegion& region,
+                      const BakeOptions& options) {
+  // Where nothing is cropped, Chebyshev layers end where the region does.
+  if (region.region.cropped_sides == 0 && options.metric == Metric::kChebyshev) {
+    return region.region.box;
+  }
+  const std::uint32_t free_code = stores_distances(options) ? scale_of(options).free_code : 0;
+  return tight_box(tree, region.directory.dims, options.bits, free_code)
+      .shifted(region.directory.origin);
+}
+
+VoxmapHeader header_of(const SceneRegion& region, const VoxelBox& tight, const ValueCounts& counts,
+                       const BakeOptions& options) {
+  VoxmapHeader header{};
+  header.voxel_size_m = options.voxel_size_m;
+  header.valid_min_voxel = region.region.box.low;
+  header.cropped_sides = region.region.cropped_sides;
+  for (std::size_t d = 0; d < 3; ++d) {
+    header.valid_max_voxel[d] = region.region.box.high[d] + 1;
     if (tight.empty()) continue;
     header.origin_voxel[d] = tight.low[d];
     header.dims_voxels[d] = static_cast<std::uint64_t>(tight.high[d] - tight.low[d] + 1);
   }
-  header.offset_layers = options_.layers;
-  header.metric = static_cast<std::uint32_t>(options_.metric);
-  header.bits_per_voxel = options_.bits;
-  if (is_wide()) {
-    const DistanceScale scale = this->scale();
-    header.range_m = scale.range * options_.voxel_size_m;
-    header.quantum_m = scale.quantum * options_.voxel_size_m;
+  header.offset_layers = options.layers;
+  header.metric = static_cast<std::uint32_t>(options.metric);
+  header.bits_per_voxel = options.bits;
+  if (stores_distances(options)) {
+    const CodeScale scale = scale_of(options);
+    header.range_m = scale.range * options.voxel_size_m;
+    header.quantum_m = scale.quantum * options.voxel_size_m;
     header.zero_code = scale.zero_code;
     header.surface_code = scale.surface_code;
     header.proximity_code = scale.proximity_code;
     header.free_code = scale.free_code;
-    bake_.compliance = compliance_table(options_.compliance, header.quantum_m);
   }
-  header.directory_origin = directory_.origin;
-  header.directory_dims = directory_.dims;
+  header.directory_origin = region.directory.origin;
+  header.directory_dims = region.directory.dims;
   header.interior_voxels = counts.interior;
   header.surface_voxels = counts.surface;
   header.proximity_voxels = counts.proximity;
-  for (const ObjectReport& object : bake_.objects) header.triangles += object.triangles;
-  header.static_deviation_m = deviation_m_ + options_.mesh_deviation_m;
+  return header;
 }
 
-// The first error by the order of the objects, whichever thread met it.
-template <class AddObject>
-Status Pipeline::for_each_object(AddObject&& add_object) {
-  std::vector<Status> added(objects_.size());
-  tbb::parallel_for(std::size_t{0}, objects_.size(),
-                    [&](std::size_t i) { added[i] = add_object(i); });
-  for (const Status& status : added) {
-    if (!status) return status;
-  }
-  return {};
-}
-
-DistanceScale Pipeline::scale() const {
-  const double layer = force_layer_voxels(options_);
-  const double range = options_.range_m > 0 ? options_.range_m / options_.voxel_size_m
-                                            : default_range_voxels(options_.bits) + layer - 1;
-  return distance_scale(options_.layers, options_.bits, range, layer);
-}
-
-// How many voxels around the geometry may be anything but free.
-int Pipeline::reach() const {
-  if (is_wide()) return DistanceNodes::reach(scale());
-  return static_cast<int>(options_.layers) + (grows_surface(options_) ? 2 : 1);
-}
-
-VoxelTree Pipeline::distance_tree(const KeptBox& kept, ValueCounts& counts) {
-  std::vector<const SnappedObject*> objects;
-  for (std::size_t i = 0; i < parts_.size(); ++i) {
-    if (!bake_.objects[i].skipped) objects.push_back(&parts_[i].snapped);
-  }
-  const LayerOffset around(geometry_, interior_, static_cast<unsigned>(reach() - 1), kept);
-  const DistanceNodes distances(std::move(objects), directory_.origin, geometry_, interior_,
-                                scale(), kept);
-  return build_distance_tree(around, distances, directory_.dims, counts);
-}
-
-// The tree of the region, and the header.
-void Pipeline::build() {
+// The tree of the scene and the header.
+void build_map(const SceneVoxels& scene, const SceneRegion& region,
+               const std::vector<ObjectBake>& bakes, const BakeOptions& options, Bake& bake) {
   ValueCounts counts;
   VoxelBox tight;
-  if (!directory_.empty()) {
-    const KeptBox kept{{in_scene(region_.box.low), in_scene(region_.box.high)},
-                       region_.cropped_sides};
-    std::optional<NodeMemory> memory;
-    if (options_.cache != nullptr && !options_.scene_name.empty() && !kept.cropped() &&
-        !is_wide()) {
-      memory.emplace(*options_.cache, options_.scene_name, options_.voxel_size_m);
-    }
-    const NodeMemory* nodes = memory ? &*memory : nullptr;
-    // Euclidean layers: the geometry has been grown already.
-    const unsigned layers = grows_surface(options_) ? 1 : options_.layers;
-    VoxelTree tree = is_wide() ? distance_tree(kept, counts)
-                               : build_tree(LayerOffset(geometry_, interior_, layers, kept),
-                                            directory_.dims, nodes, counts);
-    if (memory) {
-      bake_.nodes = memory->asked();
-      bake_.reused_nodes = memory->found();
-    }
-    // Where nothing is cropped, Chebyshev layers end where the region does.
-    if (!kept.cropped() && options_.metric == Metric::kChebyshev) {
-      tight = region_.box;
-    } else {
-      const std::uint32_t free_code = is_wide() ? scale().free_code : 0;
-      tight = tight_box(tree, directory_.dims, options_.bits, free_code).shifted(directory_.origin);
-    }
-    if (is_wide()) name_codes(tree, scale());
-    bake_.directory = std::move(tree.directory);
-    bake_.upper_nodes = std::move(tree.upper_nodes);
-    bake_.lower_nodes = std::move(tree.lower_nodes);
-    bake_.bricks = std::move(tree.bricks);
+  if (!region.directory.empty()) {
+    VoxelTree tree = stores_distances(options)
+                         ? build_distances(scene, region, bakes, options, counts)
+                         : build_layers(scene, region, options, counts, bake);
+    tight = tight_box_of(tree, region, options);
+    if (stores_distances(options)) name_codes(tree, scale_of(options));
+    bake.directory = std::move(tree.directory);
+    bake.upper_nodes = std::move(tree.upper_nodes);
+    bake.lower_nodes = std::move(tree.lower_nodes);
+    bake.bricks = std::move(tree.bricks);
   }
-  fill_header(tight, counts);
+  bake.header = header_of(region, tight, counts, options);
+  if (stores_distances(options)) {
+    bake.compliance = compliance_table(options.compliance, bake.header.quantum_m);
+  }
 }
 
-Result<Bake> Pipeline::run() {
-  Stopwatch watch;
-  progress("reading vertices", 0);
-  if (Status prepared = prepare(); !prepared) return prepared.error();
-  if (Status chosen = choose_region(); !chosen) return chosen.error();
-  bake_.seconds.snap = watch.lap();
-  const Status added = for_each_object([&](std::size_t i) { return add_object(i); });
-  if (!added) return added.error();
-  watch.lap();
-  progress("force layer", 0.7);
-  build();
-  bake_.seconds.tree = watch.lap();
-  progress("force layer", 1);
-  return std::move(bake_);
+// Moves the objects' reports and times into the bake.
+void add_reports(Objects objects, std::vector<ObjectBake>& bakes, const std::vector<char>& skipped,
+                 Bake& bake) {
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    const ObjectFacts& facts = bakes[i].facts;
+    bake.objects.push_back({objects[i].name, facts.triangles, facts.degenerate_triangles,
+                            facts.geometry_voxels, facts.interior_voxels, facts.cavity_count,
+                            std::move(bakes[i].cavities), bakes[i].from_cache, skipped[i] != 0});
+    const StageSeconds& seconds = bakes[i].seconds;
+    bake.seconds.scan += seconds.scan;
+    bake.seconds.flood += seconds.flood;
+    bake.seconds.near += seconds.near;
+    bake.seconds.cavities += seconds.cavities;
+    bake.seconds.cache += seconds.cache;
+    bake.seconds.unite += seconds.unite;
+  }
 }
 
-Result<Bake> Pipeline::run_parts_only() {
+// How far the objects' snapped meshes may lie from the truth.
+double static_deviation_m(Objects objects, const std::vector<ObjectBake>& bakes,
+                          const BakeOptions& options) {
+  double most_m = 0;
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    most_m = std::max(most_m, bakes[i].facts.snap_error_m + objects[i].deviation_m);
+  }
+  return most_m + options.mesh_deviation_m;
+}
+
+Result<Bake> bake_scene(Objects objects, const BakeOptions& options) {
+  Bake bake;
   Stopwatch watch;
-  if (Status prepared = prepare(); !prepared) return prepared.error();
-  bake_.seconds.snap = watch.lap();
-  bake_.header.voxel_size_m = options_.voxel_size_m;
+  std::mutex reading;
+  show_progress(options, "reading vertices", 0);
+  auto bakes = snap_objects(objects, options, reading);
+  if (!bakes) return bakes.error();
+  const auto region = choose_region(*bakes, options);
+  if (!region) return region.error();
+  bake.seconds.snap = watch.lap_s();
+
+  SceneVoxels scene;
+  const Status united = unite_objects(objects, options, *region, reading, *bakes, scene);
+  if (!united) return united.error();
+
+  watch.lap_s();
+  show_progress(options, "force layer", 0.7);
+  build_map(scene, *region, *bakes, options, bake);
+  for (const ObjectBake& object : *bakes) bake.header.triangles += object.facts.triangles;
+  bake.header.static_deviation_m = static_deviation_m(objects, *bakes, options);
+  bake.seconds.tree = watch.lap_s();
+  add_reports(objects, *bakes, region->skipped, bake);
+  show_progress(options, "force layer", 1);
+  return bake;
+}
+
+Result<Bake> bake_objects(Objects objects, const BakeOptions& options) {
+  Bake bake;
+  Stopwatch watch;
+  std::mutex reading;
+  auto bakes = snap_objects(objects, options, reading);
+  if (!bakes) return bakes.error();
+  bake.seconds.snap = watch.lap_s();
+  bake.header.voxel_size_m = options.voxel_size_m;
+
   VoxelBox scene;
-  for (const Part& part : parts_) scene.include(part.facts.box);
-  if (scene.empty()) return std::move(bake_);
-  const auto directory = fit_directory(scene, options_.voxel_size_m);
-  if (!directory) return directory.error();
-  directory_ = *directory;
-  const Status added = for_each_object([&](std::size_t i) -> Status {
-    if (parts_[i].cached) {
-      bake_.objects[i].from_cache = true;
-    } else if (auto voxels = bake_part(i); !voxels) {
-      return voxels.error();
-    }
-    report_object(i);
-    const std::lock_guard lock(mutex_);
-    progress("voxels", static_cast<double>(++objects_done_) / static_cast<double>(objects_.size()));
-    return {};
-  });
-  if (!added) return added.error();
-  return std::move(bake_);
+  for (const ObjectBake& object : *bakes) scene.include(object.facts.box);
+  if (!scene.empty()) {
+    const auto directory = fit_directory(scene, options.voxel_size_m);
+    if (!directory) return directory.error();
+    std::mutex counting;
+    std::size_t done = 0;
+    const Status baked = for_each_object(objects.size(), [&](std::size_t i) -> Status {
+      ObjectBake& object = (*bakes)[i];
+      object.from_cache = object.cached.has_value();
+      if (!object.from_cache) {
+        const auto voxels = bake_voxels(objects[i], options, directory->origin, object);
+        if (!voxels) return voxels.error();
+      }
+      const std::lock_guard lock(counting);
+      show_progress(options, "voxels",
+                    static_cast<double>(++done) / static_cast<double>(objects.size()));
+      return {};
+    });
+    if (!baked) return baked.error();
+  }
+  add_reports(objects, *bakes, std::vector<char>(objects.size()), bake);
+  return bake;
 }
 
 // Runs a bake on as many threads as the options say.
-template <class Run>
-Result<Bake> on_threads(std::span<const SceneObject> objects, const BakeOptions& options,
-                        Run&& run) {
-  if (Status checked = check(options); !checked) return checked.error();
+Result<Bake> run_on_threads(Objects objects, const BakeOptions& options,
+                            Result<Bake> (*run)(Objects, const BakeOptions&)) {
+  if (Status checked = check_options(options); !checked) return checked.error();
   const int threads = options.threads > 0
                           ? options.threads
                           : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                   static_cast<std::size_t>(threads));
-  tbb::task_arena arena(threads);
-  std::optional<Result<Bake>> result;
-  arena.execute([&] {
-    Pipeline pipeline(objects, options);
-    result.emplace(run(pipeline));
-  });
-  return std::move(*result);
+  return tbb::task_arena(threads).execute([&] { return run(objects, options); });
 }
 
 }  // namespace
 
 Result<Bake> bake(std::span<const SceneObject> objects, const BakeOptions& options) {
-  return on_threads(objects, options, [](Pipeline& pipeline) { return pipeline.run(); });
+  return run_on_threads(objects, options, bake_scene);
 }
 
-Result<Bake> bake_parts(std::span<const SceneObject> objects, const BakeOptions& options) {
-  return on_threads(objects, options, [](Pipeline& pipeline) { return pipeline.run_parts_only(); });
+Result<Bake> bake_shard(std::span<const SceneObject> objects, const BakeOptions& options) {
+  return run_on_threads(objects, options, bake_objects);
 }
 
 }  // namespace forcelayer

@@ -10,7 +10,7 @@
 namespace forcelayer {
 namespace {
 
-constexpr double kRounding = 1e-12;    // of whole steps
+constexpr double kRounding = 1e-12;    // tolerance of the last corner's depth
 constexpr double kLeastForceN = 1e-6;  // of the last corner: less is no force
 
 Error wrong(std::string what, std::string mend) {
@@ -53,7 +53,7 @@ Status check_compliance(std::span<const CompliancePoint> curve) {
     }
     if (!(point.force_n >= last.force_n && point.force_n <= double{kMostComplianceN})) {
       return wrong("has a force that is below the one before it or above 1e6 N",
-                   "a covering presses back harder the deeper it is pressed");
+                   "a soft surface presses back harder the deeper it is pressed");
     }
     if (!(point.force_n - last.force_n <= kMostComplianceNPerM * (point.depth_m - last.depth_m))) {
       return wrong("rises by more than 1e12 N/m", "");
@@ -73,9 +73,9 @@ std::vector<float> compliance_table(std::span<const CompliancePoint> curve, doub
     const double depth_m = static_cast<double>(i) * step_m;
     while (corner < curve.size() && curve[corner].depth_m < depth_m) from = curve[corner++];
     const CompliancePoint& to = corner < curve.size() ? curve[corner] : curve.back();
-    const double share =
+    const double fraction =
         corner < curve.size() ? (depth_m - from.depth_m) / (to.depth_m - from.depth_m) : 1;
-    const auto force_n = static_cast<float>(from.force_n + share * (to.force_n - from.force_n));
+    const auto force_n = static_cast<float>(from.force_n + fraction * (to.force_n - from.force_n));
     table.push_back(table.empty() ? force_n : std::max(force_n, table.back()));
     if (depth_m >= curve.back().depth_m * (1 - kRounding)) break;
   }

@@ -9,16 +9,17 @@
 namespace forcelayer {
 namespace {
 
-constexpr int kLog2Block = 9;
-static_assert(1u << kLog2Block == kUpperNodeEdge);
+constexpr int kLog2Cell = 9;
+static_assert(1u << kLog2Cell == kUpperNodeEdge);
 
-// Blocks per axis that a box of `extent_m` touches at most, wherever it lies on the lattice.
+// Directory cells per axis that a box of `extent_m` touches at most, wherever it lies on the
+// lattice.
 bool fits(const std::array<double, 3>& extent_m, double voxel_size_m) {
   double entries = 1;
   for (const double extent : extent_m) {
-    const double blocks = std::ceil(extent / voxel_size_m / kUpperNodeEdge) + 1;
-    if (blocks > kMaxDirectoryDim) return false;
-    entries *= blocks;
+    const double cells = std::ceil(extent / voxel_size_m / kUpperNodeEdge) + 1;
+    if (cells > kMaxDirectoryDim) return false;
+    entries *= cells;
   }
   return entries <= static_cast<double>(kMaxDirectoryEntries);
 }
@@ -49,7 +50,7 @@ Result<Directory> fit_directory(const VoxelBox& box, double voxel_size_m) {
   double entries = 1;
   bool too_long = false;
   for (std::size_t d = 0; d < 3; ++d) {
-    const std::int64_t low = box.low[d] >> kLog2Block, high = box.high[d] >> kLog2Block;
+    const std::int64_t low = box.low[d] >> kLog2Cell, high = box.high[d] >> kLog2Cell;
     directory.origin[d] = low * kUpperNodeEdge;
     dims[d] = static_cast<double>(high - low + 1);
     entries *= dims[d];
@@ -59,7 +60,7 @@ Result<Directory> fit_directory(const VoxelBox& box, double voxel_size_m) {
   if (too_long || entries > static_cast<double>(kMaxDirectoryEntries)) {
     return Error{
         ErrorCode::kBakeTooLarge, "", "",
-        text("the scene needs a directory of %.0f x %.0f x %.0f blocks of 512 voxels", dims[0],
+        text("the scene needs a directory of %.0f x %.0f x %.0f cells of 512 voxels", dims[0],
              dims[1], dims[2]) +
             text(" (%.3g entries; at most %.0f, and %.0f on an axis)", entries,
                  static_cast<double>(kMaxDirectoryEntries), kMaxDirectoryDim),

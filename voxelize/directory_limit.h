@@ -5,14 +5,14 @@
 #include <cstdint>
 
 #include "formats/result.h"
-#include "voxelize/scan/snap.h"
+#include "voxelize/masks/voxel_box.h"
 
 namespace forcelayer {
 
-// The blocks of 512^3 voxels that hold a box of voxels.
+// The directory over a box of voxels: cells of 512^3 voxels.
 struct Directory {
   VoxelIndex origin{};                  // lowest voxel, a multiple of 512
-  std::array<std::uint32_t, 3> dims{};  // blocks
+  std::array<std::uint32_t, 3> dims{};  // cells
 
   bool empty() const { return dims[0] == 0; }
 };

@@ -2,7 +2,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <charconv>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -18,19 +17,20 @@
 #include "voxelize/plan.h"
 #include "voxelize/provenance.h"
 #include "voxelize/report.h"
+#include "voxelize/stopwatch.h"
 #include "voxelize/warnings.h"
 
 namespace forcelayer {
 namespace {
 
-// Shares of the progress line.
-constexpr double kReadingShare = 0.15, kWritingShare = 0.95;
+// On the progress line: when reading ends and writing begins.
+constexpr double kReadingDone = 0.15, kWritingDone = 0.95;
 
 struct Arguments {
   std::vector<std::string> inputs;
   std::string output, json_path;
   std::string voxel_size, units, mesh_deviation, roi;
-  std::string cache, share;
+  std::string cache, shard;
   std::optional<std::uint32_t> layers;
   std::string metric, range, compliance;
   std::uint32_t bits = 2;
@@ -63,7 +63,7 @@ void declare(CLI::App& app, Arguments& arguments) {
   app.add_option("--range", arguments.range,
                  "how deep distances are kept with --bits 4 and 8 (default 2 and 4 voxels)");
   app.add_option("--compliance", arguments.compliance,
-                 "DEPTH:FORCE,...: how a soft covering presses back, such as 2mm:0.5N,6mm:4N "
+                 "DEPTH:FORCE,...: how a soft surface presses back, such as 2mm:0.5N,6mm:4N "
                  "(with --bits 4 and 8)");
   app.add_option(
       "--free-seed", arguments.free_seeds,
@@ -73,9 +73,9 @@ void declare(CLI::App& app, Arguments& arguments) {
   app.add_option("--roi", arguments.roi,
                  "x0,y0,z0,x1,y1,z1 of a region; what lies outside it is left out of the file");
   app.add_option("--cache", arguments.cache,
-                 "folder in which parts that did not change are found again");
-  app.add_option("--shard", arguments.share,
-                 "I/N: bake the I-th of N shares of the parts into the cache, and no file");
+                 "folder in which objects that did not change are found again");
+  app.add_option("--shard", arguments.shard,
+                 "I/N: bake the I-th of N shards of the objects into the cache, and no file");
   arguments.trust.declare(app);
   app.add_flag("--narrow-passages", arguments.narrow_passages,
                "report which cavities open again at half the voxel size (slow)");
@@ -92,7 +92,7 @@ Error usage(const char* option, const Error& error) {
   return {ErrorCode::kUsage, "", option, error.what, error.mend};
 }
 
-// The options that the command line gives, over those of a manifest.
+// The options of the command line, then those of the manifest.
 Result<BakeOptions> options_of(const Arguments& arguments, const Scene& scene) {
   BakeOptions options;
   options.voxel_size_m = scene.voxel_size_m.value_or(0);
@@ -151,7 +151,7 @@ Result<BakeOptions> options_of(const Arguments& arguments, const Scene& scene) {
     if (!roi) return usage("--roi", roi.error());
     options.roi_m = *roi;
   }
-  // In a cache always: a later bake may want to report them.
+  // Always with a cache: a later bake may report them.
   options.find_cavities = !arguments.json_path.empty() || !arguments.cache.empty();
   options.find_narrow_passages = arguments.narrow_passages;
   for (const std::string& input : arguments.inputs) options.scene_name += input + "\n";
@@ -162,67 +162,51 @@ Result<BakeOptions> options_of(const Arguments& arguments, const Scene& scene) {
 }
 
 // "I/N", 1 to N.
-Result<SceneShare> share_of(const Arguments& arguments) {
-  SceneShare share;
-  if (arguments.share.empty()) return share;
-  const std::string_view text = arguments.share;
+Result<SceneShare> shard_of(const Arguments& arguments) {
+  SceneShare shard;
+  if (arguments.shard.empty()) return shard;
+  const std::string_view text = arguments.shard;
   const auto slash = text.find('/');
   const auto number = [](std::string_view digits, std::uint32_t& value) {
     const auto [end, failure] =
         std::from_chars(digits.data(), digits.data() + digits.size(), value);
     return failure == std::errc{} && end == digits.data() + digits.size() && value > 0;
   };
-  if (slash == std::string_view::npos || !number(text.substr(0, slash), share.index) ||
-      !number(text.substr(slash + 1), share.count) || share.index > share.count) {
-    return Error{ErrorCode::kUsage, "", "--shard", "'" + arguments.share + "' is not I/N",
+  if (slash == std::string_view::npos || !number(text.substr(0, slash), shard.index) ||
+      !number(text.substr(slash + 1), shard.count) || shard.index > shard.count) {
+    return Error{ErrorCode::kUsage, "", "--shard", "'" + arguments.shard + "' is not I/N",
                  "write for example 1/4 to 4/4"};
   }
-  --share.index;
-  return share;
+  --shard.index;
+  return shard;
 }
 
-// Everything of the command line that can be checked before a file is read.
+// Checks the command line as far as it can be checked before a file is read.
 Status check_early(const Arguments& arguments) {
-  const bool shard = !arguments.share.empty();
-  if (shard && arguments.cache.empty()) {
+  const bool is_shard = !arguments.shard.empty();
+  if (is_shard && arguments.cache.empty()) {
     return Error{ErrorCode::kUsage, "", "--shard", "needs a place for what it bakes",
                  "add --cache FOLDER"};
   }
-  if (shard && arguments.plan) {
+  if (is_shard && arguments.plan) {
     return Error{ErrorCode::kUsage, "", "--shard", "has no meaning with --plan", "leave it out"};
   }
-  const bool writes_file = !shard && !arguments.plan;
+  const bool writes_file = !is_shard && !arguments.plan;
   if (!writes_file && !arguments.output.empty()) {
     return Error{ErrorCode::kUsage, "", "--output",
-                 std::string("has no meaning with ") + (shard ? "--shard" : "--plan"),
+                 std::string("has no meaning with ") + (is_shard ? "--shard" : "--plan"),
                  "leave it out"};
   }
   if (writes_file && arguments.output.empty()) {
     return Error{ErrorCode::kUsage, "", "--output", "is missing", "add -o FILE.vox"};
   }
-  if (const auto share = share_of(arguments); !share) return share.error();
+  if (const auto shard = shard_of(arguments); !shard) return shard.error();
   if (const auto reader = arguments.trust.reader(); !reader) return reader.error();
   Scene unknown;
   unknown.voxel_size_m = 1;  // a manifest may give it
   const auto options = options_of(arguments, unknown);
   return options ? Status() : options.error();
 }
-
-class Clock {
- public:
-  double total_s() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  }
-  double lap_s() {
-    const double now_s = total_s(), lap_s = now_s - lap_start_s_;
-    lap_start_s_ = now_s;
-    return lap_s;
-  }
-
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-  double lap_start_s_ = 0;
-};
 
 std::vector<SceneObject> objects_of(const Scene& scene, MeshSource& meshes) {
   std::vector<SceneObject> objects;
@@ -261,19 +245,19 @@ void print_narrow_passages(const Bake& bake) {
     for (const Cavity& cavity : object.cavities) {
       if (!cavity.opens_at_half_size || ++found > kMostLines) continue;
       const auto& [i, j, k] = cavity.seed_voxel;
-      const auto centre_m = [&](std::int64_t n) { return (static_cast<double>(n) + 0.5) * size_m; };
+      const auto center_m = [&](std::int64_t n) { return (static_cast<double>(n) + 0.5) * size_m; };
       std::printf(
           "%s: a cavity of %.3g cm3 is closed only by a passage narrower than %g mm; "
           "--free-seed %.9g,%.9g,%.9g opens it, and so does half the voxel size\n",
           object.name.c_str(), static_cast<double>(cavity.voxels) * std::pow(size_m * 1e2, 3),
-          size_m * 1e3, centre_m(i), centre_m(j), centre_m(k));
+          size_m * 1e3, center_m(i), center_m(j), center_m(k));
     }
   }
   if (found > kMostLines) std::printf("... and %d more: see --json\n", found - kMostLines);
   if (found == 0) std::printf("no cavity opens at half the voxel size\n");
 }
 
-// The plan looks at the meshes themselves, and leaves the cache alone.
+// The plan reads the meshes and does not use the cache.
 Status print_plan(const Arguments& arguments, const Scene& scene, MeshSource& meshes,
                   BakeOptions options) {
   options.cache = nullptr;
@@ -290,10 +274,10 @@ Status print_plan(const Arguments& arguments, const Scene& scene, MeshSource& me
   return write_report(arguments.json_path, report_of(*plan));
 }
 
-void print_share(const Arguments& arguments, const Bake& bake) {
+void print_shard(const Arguments& arguments, const Bake& bake) {
   const auto found = std::count_if(bake.objects.begin(), bake.objects.end(),
                                    [](const ObjectReport& object) { return object.from_cache; });
-  std::printf("share %s: %zu parts, %zu baked, %zu found in %s\n", arguments.share.c_str(),
+  std::printf("shard %s: %zu objects, %zu baked, %zu found in %s\n", arguments.shard.c_str(),
               bake.objects.size(), bake.objects.size() - static_cast<std::size_t>(found),
               static_cast<std::size_t>(found), arguments.cache.c_str());
 }
@@ -311,14 +295,14 @@ Result<Scene> read_inputs(const Arguments& arguments, MeshSource& meshes, Progre
     if (!size) return usage("--voxel-size", size.error());
     reading.voxel_size_m = *size;
   }
-  const auto share = share_of(arguments);
-  if (!share) return share.error();
-  reading.share = *share;
+  const auto shard = shard_of(arguments);
+  if (!shard) return shard.error();
+  reading.share = *shard;
   reading.allow_outside = arguments.trust.allow_outside;
   reading.read = [&](const std::string& path, const ReadOptions& options) {
     return meshes.read(path, options);
   };
-  reading.progress = [&](double done) { progress.show("reading", kReadingShare * done); };
+  reading.progress = [&](double done) { progress.show("reading", kReadingDone * done); };
   return read_scene(arguments.inputs, unit, reading);
 }
 
@@ -345,7 +329,7 @@ void print_warnings(const Scene& scene, const MeshSource& meshes, const BakeOpti
 
 Status voxelize(const Arguments& arguments) {
   if (Status checked = check_early(arguments); !checked) return checked;
-  Clock clock;
+  Stopwatch clock;
   BakeFacts run;
   ProgressLine progress(arguments.quiet);
   progress.show("reading", 0);
@@ -368,17 +352,17 @@ Status voxelize(const Arguments& arguments) {
     progress.clear();
     return print_plan(arguments, *scene, meshes, *options);
   }
-  options->progress = [&](const char* stage, double share) {
-    progress.show(stage, kReadingShare + (kWritingShare - kReadingShare) * share);
+  options->progress = [&](const char* stage, double done) {
+    progress.show(stage, kReadingDone + (kWritingDone - kReadingDone) * done);
   };
   const std::vector<SceneObject> objects = objects_of(*scene, meshes);
-  const bool shard = !arguments.share.empty();
-  const auto bake = shard ? bake_parts(objects, *options) : forcelayer::bake(objects, *options);
+  const bool is_shard = !arguments.shard.empty();
+  const auto bake = is_shard ? bake_shard(objects, *options) : forcelayer::bake(objects, *options);
   if (!bake) return bake.error();
   clock.lap_s();
 
-  if (!shard) {
-    progress.show("writing", kWritingShare);
+  if (!is_shard) {
+    progress.show("writing", kWritingDone);
     const auto written = write_voxmap(
         arguments.output, bake->content(provenance_of(*scene, meshes.outlines(*scene), *options)));
     if (!written) return written.error();
@@ -390,7 +374,7 @@ Status voxelize(const Arguments& arguments) {
 
   if (!arguments.quiet) {
     print_warnings(*scene, meshes, *options, options->cache);
-    shard ? print_share(arguments, *bake) : print_summary(arguments.output, *bake, run);
+    is_shard ? print_shard(arguments, *bake) : print_summary(arguments.output, *bake, run);
     if (arguments.narrow_passages) print_narrow_passages(*bake);
   }
   if (arguments.json_path.empty()) return {};

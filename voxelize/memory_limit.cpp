@@ -18,8 +18,8 @@ constexpr double kBytesPerVoxelOfAPlane = kBrickBytes / 64;
 // Along a line a brick holds 8 voxels, and a node of the tree, with room for 512 bricks, 64.
 constexpr double kBytesPerVoxelOfALine = kBrickBytes / 8 + sizeof(LowerMaskNode) / 64.0;
 
-// What a triangle passes through: at least as many voxels as its largest projection along an axis
-// covers, and as many as it is long along one.
+// A lower bound of the voxels that a triangle touches: the area of its largest projection along an
+// axis, and its length along an axis.
 struct Extent {
   double area_voxels = 0, length_voxels = 0;
 

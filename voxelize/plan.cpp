@@ -1,21 +1,21 @@
 #include "voxelize/plan.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <limits>
 #include <nlohmann/json.hpp>
 
 #include "voxelize/directory_limit.h"
-#include "voxelize/distance/distance_scale.h"
-#include "voxelize/distance/near_voxels.h"
+#include "voxelize/distance/code_scale.h"
+#include "voxelize/distance/euclidean_growth.h"
+#include "voxelize/stopwatch.h"
 
 namespace forcelayer {
 namespace {
 
-// Voxels across the scene of the finer of the two bakes: a fraction of a second, and fine enough
-// that surfaces count for more than what a file has anyway.
+// Voxels across the scene in the finer of the two bakes. It takes a fraction of a second, and
+// surfaces outweigh the fixed part of the file.
 constexpr double kProbeVoxels = 512;
 constexpr int kProbeBakes = 3;  // of each size
 
@@ -25,7 +25,7 @@ constexpr double kShellPointsPerVoxelFace = 0.59;
 
 struct Probe {
   double voxel_size_m = 0, file_bytes = 0, bake_s = 0;
-  VoxelBox box;  // of what is not free
+  VoxelBox box;  // of the voxels that are not free
 };
 
 double longest_side_m(std::span<const SceneObject> objects) {
@@ -45,7 +45,8 @@ double longest_side_m(std::span<const SceneObject> objects) {
   return longest;
 }
 
-// A free seed may lie in geometry at the coarse size; what it opens changes size and time little.
+// Bakes without free seeds: one may lie in geometry at the coarse size, and seeds change file size
+// and time little.
 Result<Probe> probe(std::span<const SceneObject> objects, BakeOptions options,
                     double voxel_size_m) {
   std::vector<SceneObject> unseeded(objects.begin(), objects.end());
@@ -57,17 +58,15 @@ Result<Probe> probe(std::span<const SceneObject> objects, BakeOptions options,
   Probe result;
   result.voxel_size_m = voxel_size_m;
   result.bake_s = std::numeric_limits<double>::infinity();
-  // The least of some: the first one also pays for threads and memory that are there afterwards,
-  // and a scene of many small triangles takes hardly longer at the finer size, so that little noise
-  // would make the time fall with finer voxels.
+  // The minimum of some bakes. The first one also starts threads and takes memory. And a scene of
+  // many small triangles takes hardly longer at the finer size, so a little noise would make the
+  // time fall with finer voxels.
   for (int n = 0; n < kProbeBakes; ++n) {
-    const auto start = std::chrono::steady_clock::now();
+    const Stopwatch watch;
     const auto baked = bake(unseeded, options);
     if (!baked) return baked.error();
     result.file_bytes = static_cast<double>(voxmap_bytes(baked->content({})).size());
-    result.bake_s =
-        std::min(result.bake_s,
-                 std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+    result.bake_s = std::min(result.bake_s, watch.total_s());
     const VoxmapHeader& h = baked->header;
     result.box.low = h.origin_voxel;
     for (std::size_t d = 0; d < 3; ++d) {
@@ -77,7 +76,7 @@ Result<Probe> probe(std::span<const SceneObject> objects, BakeOptions options,
   return result;
 }
 
-// The curve a x^p + b x^q through two points, neither part falling, at x.
+// The curve a x^p + b x^q, a and b not negative, through two points.
 struct Curve {
   double x0, y0, x1, y1, p, q;
   double at(double x) const {
@@ -91,7 +90,7 @@ struct Curve {
   }
 };
 
-// Whether the format could hold the scene: the probe's box, at another size.
+// Whether the format's directory could hold the probe's box at another voxel size.
 bool fits(const Probe& coarse, double voxel_size_m) {
   const double ratio = coarse.voxel_size_m / voxel_size_m;
   VoxelBox box;
@@ -102,24 +101,24 @@ bool fits(const Probe& coarse, double voxel_size_m) {
   return static_cast<bool>(fit_directory(box, voxel_size_m));
 }
 
-// Where the interior of Euclidean layers ends, two bits.
+// Where the interior of two-bit Euclidean layers ends.
 double interior_radius_voxels(const BakeOptions& options) {
   return static_cast<double>(interior_radius_units(options.layers)) /
          static_cast<double>(kSnapUnits);
 }
 
-// Where the force begins: with Chebyshev layers along an axis, where it begins lowest.
+// Where the force begins; with Chebyshev layers along an axis, where it begins lowest.
 double standoff_voxels(const BakeOptions& options) {
   if (options.bits != 2) {
-    return distance_scale(options.layers, options.bits, 4).zero + force_layer_voxels(options) - 1;
+    return code_scale(options.layers, options.bits, 4).zero + force_layer_voxels(options) - 1;
   }
   if (!grows_surface(options)) return options.layers;
   return interior_radius_voxels(options) + std::sqrt(3.0) / 2;
 }
 
 double narrowest_gap_voxels(const BakeOptions& options) {
-  // Three voxels between two walls' interiors, of which the middle one is no force layer: there phi
-  // is 1/2, and the force has not yet begun (runtime/field/level_field.h).
+  // Three voxels lie between the two walls' interiors. In the middle of the middle one, phi is 1/2
+  // and the force has not yet begun (runtime/field/level_field.h).
   if (options.bits == 2 && grows_surface(options)) return 2 * interior_radius_voxels(options) + 3;
   return 2 * standoff_voxels(options) + 2;
 }

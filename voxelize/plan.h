@@ -1,7 +1,7 @@
-// What a voxel size would give and cost, before anything is baked at it.
+// --plan: standoff, file size and time of a voxel size, before anything is baked at it.
 //
-// Standoff, gap and shell points follow from the definitions; file size and time are extrapolated
-// from two bakes at sizes so coarse that they cost little.
+// Standoff, gap and shell points follow from the definitions. File size and time are extrapolated
+// from bakes at two coarse sizes, which cost little.
 #pragma once
 
 #include <array>
@@ -17,10 +17,11 @@ namespace forcelayer {
 
 struct PlannedSize {
   double voxel_size_m = 0;
-  // How far a resting contact holds a point of the part off a surface, on average over where the
-  // surface lies in its voxel: to where the force begins. k voxels with Chebyshev layers along the
-  // lattice, more elsewhere; k + 0.73 with Euclidean ones; k + 0.87 with stored distances, and what
-  // a covering is deeper than a voxel. Half a voxel less at worst.
+  // The distance from a surface at which the force begins, where a resting contact holds a point of
+  // the part: the mean over where the surface lies in its voxel, half a voxel less at worst. In
+  // voxels: k with Chebyshev layers along the lattice, more in other directions; k + 0.73 with
+  // Euclidean layers; k + 0.87 with stored distances, plus the depth of a compliance beyond one
+  // voxel.
   double standoff_m = 0;
   // The narrowest gap between parallel walls along the lattice that a thin part passes without
   // contact, wherever it lies: 2k + 2 voxels, 2k + 2.73 with Euclidean layers, 2k + 3.73 with
@@ -34,7 +35,7 @@ struct PlannedSize {
 
 struct Plan {
   std::array<PlannedSize, 3> sizes;     // at the voxel size, its half and its quarter
-  std::array<double, 2> probe_sizes_m;  // at which was baked to know
+  std::array<double, 2> probe_sizes_m;  // voxel sizes of the coarse bakes
 };
 
 // Errors are those of bake().

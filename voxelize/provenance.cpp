@@ -9,10 +9,10 @@ namespace {
 
 // Hash of a mesh in its pose: vertices, triangles and transform.
 std::string content_hash(const MeshOutline& mesh, const Affine& world_from_mesh) {
-  const Digest parts[] = {mesh.vertices, mesh.triangles,
-                          digest_of(std::as_bytes(std::span(world_from_mesh.linear))),
-                          digest_of(std::as_bytes(std::span(world_from_mesh.translation)))};
-  return digest_of(std::as_bytes(std::span(parts))).hex();
+  const Digest pieces[] = {mesh.vertices, mesh.triangles,
+                           digest_of(std::as_bytes(std::span(world_from_mesh.linear))),
+                           digest_of(std::as_bytes(std::span(world_from_mesh.translation)))};
+  return digest_of(std::as_bytes(std::span(pieces))).hex();
 }
 
 }  // namespace

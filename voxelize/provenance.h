@@ -1,4 +1,4 @@
-// Where a bake comes from, as JSON in the file: content hashes and the options that affect voxels.
+// The provenance of a bake, JSON in the file: content hashes and the options that affect voxels.
 #pragma once
 
 #include <span>
@@ -10,8 +10,8 @@
 
 namespace forcelayer {
 
-// Same meshes, poses and options give the same text, whatever the files are called and however
-// many threads run. `meshes` are those of the parts.
+// The text depends on meshes, poses, object names and options, not on file names or threads.
+// `meshes` are those of the objects.
 std::string provenance_of(const Scene& scene, std::span<const MeshOutline> meshes,
                           const BakeOptions& options);
 

@@ -8,7 +8,7 @@
 namespace forcelayer {
 namespace {
 
-// The voxels that [low_m, high_m) touches along one axis. Beyond the lattice the scene ends anyway.
+// The voxels that [low_m, high_m) touches along one axis, clamped to the lattice.
 struct Interval {
   std::int64_t low, high;
 };
@@ -38,7 +38,7 @@ Region region_of(const VoxelBox& scene, const std::optional<std::array<double, 6
       region.box.high[d] = interval.high;
       region.cropped_sides |= 2u << (2 * d);
     }
-    // Beside the scene: one voxel of the region, next to the side beyond which the scene lies.
+    // Beside the scene: the one layer of the region next to the scene.
     if (interval.low > scene.high[d]) region.box.high[d] = interval.low;
     if (interval.high < scene.low[d]) region.box.low[d] = interval.high;
   }

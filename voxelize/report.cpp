@@ -26,7 +26,7 @@ Json cavities_of(const ObjectReport& object, double voxel_size_m) {
   return cavities;
 }
 
-Json part_of(const ObjectReport& object, const MeshFacts& facts, double voxel_size_m) {
+Json report_of_object(const ObjectReport& object, const MeshFacts& facts, double voxel_size_m) {
   return {{"name", object.name},
           {"triangles", object.triangles},
           {"degenerate_triangles", object.degenerate_triangles},
@@ -53,7 +53,7 @@ Json report_of(const Bake& bake, std::span<const MeshFacts> facts, const BakeFac
   }
   Json parts = Json::array();
   for (std::size_t i = 0; i < bake.objects.size(); ++i) {
-    parts.push_back(part_of(bake.objects[i], facts[i], header.voxel_size_m));
+    parts.push_back(report_of_object(bake.objects[i], facts[i], header.voxel_size_m));
   }
   const StageSeconds& seconds = bake.seconds;
   return {{"voxel_size_m", header.voxel_size_m},

@@ -1,4 +1,4 @@
-// What `voxelize --json` says.
+// The report of `voxelize --json`.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -15,7 +15,7 @@ struct BakeFacts {
   int threads = 0;
 };
 
-// `facts` are those of the meshes, an object each.
+// `facts` are those of the objects' meshes.
 nlohmann::ordered_json report_of(const Bake& bake, std::span<const MeshFacts> facts,
                                  const BakeFacts& run);
 

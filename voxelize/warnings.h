@@ -1,4 +1,4 @@
-// What a user should know about a scene's meshes, a line each.
+// Warnings about a scene's meshes, a line each.
 #pragma once
 
 #include <span>
@@ -12,7 +12,7 @@
 namespace forcelayer {
 
 // The scene's own warnings, and those that depend on the voxel size: 32-bit vertices that are
-// coarser than a thousandth of a voxel where they lie. `meshes` are those of the parts.
+// coarser than a thousandth of a voxel where they lie. `meshes` are those of the objects.
 std::vector<std::string> all_warnings(const Scene& scene, std::span<const MeshOutline> meshes,
                                       const BakeOptions& options);
 

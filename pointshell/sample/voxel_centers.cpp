@@ -4,7 +4,7 @@
 #include <cmath>
 #include <map>
 
-#include "formats/mesh/voxel_overlap.h"
+#include "formats/lattice/voxel_overlap.h"
 #include "formats/pshell_format.h"
 #include "pointshell/parallel.h"
 #include "pointshell/stored_position.h"

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "formats/lattice/voxel_overlap.h"
 #include "formats/mesh/mesh.h"
-#include "formats/mesh/voxel_overlap.h"
 
 namespace forcelayer::bench {
 

@@ -29,6 +29,29 @@ refuse "formats sees more than the standard library and a checksum" \
 refuse "voxelize sees pointshell or runtime" '#include *[<"](pointshell|runtime)/' "${voxelize[@]}"
 refuse "pointshell sees voxelize or runtime" '#include *[<"](voxelize|runtime)/' "${pointshell[@]}"
 
+# Rooms. A file of ROOM includes files of ROOM and of the rooms behind it, and no others of this project.
+rooms='
+formats/lattice:
+voxelize/masks:     formats/lattice
+voxelize/scan:      formats formats/lattice formats/mesh voxelize/masks
+voxelize/fill:      formats/lattice voxelize/masks
+voxelize/distance:  formats/lattice voxelize/masks voxelize/scan
+voxelize/cache:     formats formats/file formats/lattice formats/mesh voxelize/masks voxelize/fill voxelize/distance
+voxelize/tree:      formats formats/lattice voxelize/masks voxelize/distance voxelize/cache
+voxelize:           formats formats/command formats/mesh voxelize/masks voxelize/scan voxelize/fill voxelize/distance voxelize/cache voxelize/tree
+'
+while IFS=: read -r room allowed; do
+  [ -n "$room" ] || continue
+  mapfile -t files < <(find "$room" -maxdepth 1 \( -name '*.h' -o -name '*.cpp' \))
+  [ ${#files[@]} -gt 0 ] || { echo "FAILED: no files in room $room" >&2; fail=1; continue; }
+  while read -r file included; do
+    other=$(dirname "$included")
+    case " $room $allowed " in *" $other "*) continue ;; esac
+    echo "FAILED: $file includes $included: room $room does not include room $other" >&2
+    fail=1
+  done < <(grep -HoE '^#include "[^"]+/[^"]+"' "${files[@]}" | sed -E 's/:#include "(.*)"/ \1/')
+done <<<"$rooms"
+
 hidapi_users=$(sources runtime | xargs grep -lE '#include *[<"](hidapi/)?hidapi' | wc -l) || true
 [ "$hidapi_users" -le 1 ] || { echo "FAILED: $hidapi_users files include hidapi.h" >&2; fail=1; }
 

@@ -39,28 +39,28 @@ bake() {  # bake OUTPUT ARGUMENTS...
   "$bin/voxelize" scene.json -o "$output" --quiet "$@" 2>err || fail "voxelize $*: $(cat err)"
 }
 same() { cmp -s "$1" "$2" || fail "$3: other bytes"; }
-cached_parts() { python3 -c 'import json,sys; print(sum(p["from_cache"] for p in json.load(open(sys.argv[1]))["parts"]))' "$1"; }
+cached_objects() { python3 -c 'import json,sys; print(sum(p["from_cache"] for p in json.load(open(sys.argv[1]))["parts"]))' "$1"; }
 
-# Cold, warm, with another number of threads, and after one part has changed.
+# Cold, warm, with another number of threads, and after one object has changed.
 bake plain.vox
 bake cold.vox --cache cache --json cold.json
 same cold.vox plain.vox "cold cache"
-[ "$(cached_parts cold.json)" = 0 ] || fail "a cold cache holds parts"
+[ "$(cached_objects cold.json)" = 0 ] || fail "a cold cache holds objects"
 for threads in 1 2 4 16; do
   bake warm.vox --cache cache --threads $threads --json warm.json
   same warm.vox plain.vox "warm cache, $threads threads"
-  [ "$(cached_parts warm.json)" = 13 ] || fail "not all parts were found"
+  [ "$(cached_objects warm.json)" = 13 ] || fail "not all objects were found"
   bake threads.vox --threads $threads
   same threads.vox plain.vox "$threads threads"
 done
 sed -i 's/^v 25 /v 26 /' box5.obj
 bake plain.vox
 bake warm.vox --cache cache --json warm.json
-same warm.vox plain.vox "one part changed"
-[ "$(cached_parts warm.json)" = 12 ] || fail "more or less than one part was baked again"
+same warm.vox plain.vox "one object changed"
+[ "$(cached_objects warm.json)" = 12 ] || fail "more or less than one object was baked again"
 python3 -c 'import json; r = json.load(open("warm.json")); assert 0 < r["nodes_from_cache"] < r["nodes"], r' ||
   fail "the nodes away from the change were not found"
-# Another order of parts, and another place of the cache's folder: found all the same.
+# Another order of objects, and another place of the cache's folder: found all the same.
 python3 - <<'PYTHON'
 import json
 scene = json.load(open("scene.json"))
@@ -69,23 +69,23 @@ json.dump(scene, open("turned.json", "w"))
 PYTHON
 mv cache moved
 "$bin/voxelize" turned.json -o turned.vox --quiet --cache moved --json turned.json.out || fail "turned"
-[ "$(cached_parts turned.json.out)" = 13 ] || fail "another order loses the cache"
+[ "$(cached_objects turned.json.out)" = 13 ] || fail "another order loses the cache"
 # --quiet is quiet; a cache that cannot be written to costs a warning and nothing else.
 printf x >file
 "$bin/voxelize" scene.json -o out.vox --cache file >out 2>err && fail "a file was taken as a cache"
 [ "$(wc -l <err)" = 1 ] && grep -q "cannot be used as a cache" err || fail "no such line: $(cat err)"
 
 # Shards: separate processes at once, then one that unites.
-for share in 1 2 3 4 5; do
-  "$bin/voxelize" scene.json --cache shards --shard $share/5 >share$share.out 2>&1 &
+for shard in 1 2 3 4 5; do
+  "$bin/voxelize" scene.json --cache shards --shard $shard/5 >shard$shard.out 2>&1 &
 done
 wait
-grep -hq "share 3/5: 3 parts, 3 baked" share3.out || fail "share 3: $(cat share3.out)"
-cat share?.out | grep -c baked | grep -qx 5 || fail "shares: $(cat share?.out)"
+grep -hq "shard 3/5: 3 objects, 3 baked" shard3.out || fail "shard 3: $(cat shard3.out)"
+cat shard?.out | grep -c baked | grep -qx 5 || fail "shards: $(cat shard?.out)"
 bake united.vox --cache shards --json united.json
 same united.vox plain.vox "shards"
-[ "$(cached_parts united.json)" = 13 ] || fail "the shards did not bake all parts"
-"$bin/voxelize" scene.json --cache shards --shard 20/20 >out 2>err || fail "an empty share: $(cat err)"
+[ "$(cached_objects united.json)" = 13 ] || fail "the shards did not bake all objects"
+"$bin/voxelize" scene.json --cache shards --shard 20/20 >out 2>err || fail "an empty shard: $(cat err)"
 
 expect() {  # expect STATUS TEXT ARGUMENTS...
   local status=$1 text=$2
@@ -125,7 +125,7 @@ paste -d' ' <(seq 12 3 78) <(seq 12 2 60) | awk 'NF==2 {print $1*1e-3, $2*1e-3, 
 "$bin/voxinfo" sample region.vox <points >inside && "$bin/voxinfo" sample plain.vox <points >full
 cmp -s inside full || fail "the region differs from the whole bake"
 
-# The report: what a part encloses, and a seed that opens it.
+# The report: what an object encloses, and a seed that opens it.
 python3 - <<'PYTHON' || fail "report"
 import json
 r = json.load(open("cold.json"))

@@ -81,9 +81,9 @@ bake ../none.obj
 [ $? = 3 ] && grep -q 'leads outside' err || fail "missing outside: $(cat err)"
 bake none/../../outside/cube.obj
 [ $? = 3 ] || fail "over a folder that does not exist: $(cat err)"
-# A share of another machine does not open what is not ours: it is refused there too.
+# A shard of another machine does not open what is not ours: it is refused there too.
 printf '{"voxel_size": "1mm", "parts": [{"mesh": "cube.obj", "units": "mm"}, {"mesh": "../outside/cube.obj", "units": "mm"}]}' >scene/scene.json
-"$bin/voxelize" scene/scene.json --cache cache --shard 1/2 --quiet 2>err && fail "share 1 of a scene that leads outside"
+"$bin/voxelize" scene/scene.json --cache cache --shard 1/2 --quiet 2>err && fail "shard 1 of a scene that leads outside"
 
 # Buffers of glTF.
 for name in in round; do

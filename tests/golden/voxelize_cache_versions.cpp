@@ -166,7 +166,7 @@ TEST(CacheVersions, OfAssembliesAndFacts) {
 }
 
 // G and I: the plain classification, read voxel by voxel whatever the tree looks like.
-TEST(CacheVersions, OfParts) {
+TEST(CacheVersions, OfObjects) {
   const std::vector<Mesh> meshes = {golden_sliver(), golden_mesh(1), golden_mesh(2)};
   DigestBuilder digest;
   for (const SceneObject& object : golden_objects(meshes)) {
@@ -188,11 +188,11 @@ TEST(CacheVersions, OfParts) {
     }
     add_values(digest, BakedScene({object}, golden_options(0)));
   }
-  expect_golden("part", kPartCacheVersion, digest.finish());
+  expect_golden("part", kObjectCacheVersion, digest.finish());
 }
 
-// What is near by Euclidean distance, on a needle too that points at the centre of a voxel.
-TEST(CacheVersions, OfNearVoxels) {
+// Surfaces grown by Euclidean distance, among them a needle that points at the center of a voxel.
+TEST(CacheVersions, OfGrownSurfaces) {
   Mesh needle;
   constexpr double kUnit = 1.0 / 1024;
   needle.vertices = {{14738 * kUnit, 26002 * kUnit, 52626 * kUnit},
@@ -206,7 +206,7 @@ TEST(CacheVersions, OfNearVoxels) {
   for (const SceneObject& object : golden_objects(meshes)) {
     add_values(digest, BakedScene({object}, options));
   }
-  expect_golden("near voxels", kNearVoxelsCacheVersion, digest.finish());
+  expect_golden("near voxels", kGrowthCacheVersion, digest.finish());
 }
 
 // The finished tree, bricks and clearance included.

@@ -6,7 +6,7 @@
 #include <random>
 #include <set>
 
-#include "formats/mesh/voxel_overlap.h"
+#include "formats/lattice/voxel_overlap.h"
 #include "tests/support/exact_overlap.h"
 
 namespace forcelayer {

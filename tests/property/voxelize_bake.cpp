@@ -9,6 +9,7 @@
 #include "tests/support/scratch_folder.h"
 #include "tests/support/soups.h"
 #include "tests/support/test_scene.h"
+#include "voxelize/distance/euclidean_growth.h"
 
 namespace forcelayer {
 namespace {

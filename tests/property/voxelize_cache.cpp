@@ -133,8 +133,8 @@ TEST_F(BakeCacheTest, SameBytesColdWarmAndAfterEveryChange) {
 }
 
 // The same bake again after every kind of damage to the cache.
-// What Euclidean layers add to a part reaches beyond the part's box, here into other blocks of 512.
-TEST_F(BakeCacheTest, GrownPartsAreFoundAcrossBlocks) {
+// Euclidean layers reach beyond an object's box, here into other directory cells.
+TEST_F(BakeCacheTest, GrownObjectsAreFoundAcrossDirectoryCells) {
   CachedScene scene;
   reference::add_box(scene.meshes.emplace_back(), {0, 0, 0}, {12, 12, 12});
   scene.positions.push_back({0, 512 - 12, 0});
@@ -175,8 +175,8 @@ TEST_F(BakeCacheTest, DamagedEntriesAreRebuilt) {
   }
 }
 
-// What a part's voxels depend on is in its key.
-TEST_F(BakeCacheTest, EveryInputOfAPartMakesAnotherEntry) {
+// An object's key holds everything that its voxels depend on.
+TEST_F(BakeCacheTest, EveryInputOfAnObjectMakesAnotherEntry) {
   CachedScene scene;
   reference::add_box(scene.meshes.emplace_back(), {0, 0, 0}, {20, 20, 20});
   scene.positions.push_back({0, 0, 0});
@@ -205,7 +205,7 @@ TEST_F(BakeCacheTest, EveryInputOfAPartMakesAnotherEntry) {
   seeded.free_seeds_m = {{10, 10, 10}};
   expect_other("free seed", scene, seeded);
   BakeOptions layered = cached_;
-  layered.layers = 3;  // no part of a part
+  layered.layers = 3;  // not in an object's key
   EXPECT_EQ(found(baked(scene, layered)), 1u);
   BakeOptions with_cavities = cached_;
   with_cavities.find_cavities = true;
@@ -216,20 +216,20 @@ TEST_F(BakeCacheTest, EveryInputOfAPartMakesAnotherEntry) {
   EXPECT_EQ(again.objects[0].cavities[0].voxels, 19u * 19 * 19);
 }
 
-// Shares of the parts, each baked by itself, are all that the last bake needs.
-TEST_F(BakeCacheTest, SharesAreFoundByTheLastBake) {
+// The last bake needs nothing but the shards.
+TEST_F(BakeCacheTest, ShardsAreFoundByTheLastBake) {
   Random random(5);
   const CachedScene scene = random_scene(random);
   const auto objects = scene.objects();
   for (std::size_t i = 0; i < objects.size(); ++i) {
-    const auto part = bake_parts(std::span(objects).subspan(i, 1), cached_);
-    ASSERT_TRUE(part) << to_line(part.error());
-    EXPECT_EQ(part->objects.size(), 1u);
+    const auto shard = bake_shard(std::span(objects).subspan(i, 1), cached_);
+    ASSERT_TRUE(shard) << to_line(shard.error());
+    EXPECT_EQ(shard->objects.size(), 1u);
   }
   const Bake result = baked(scene, cached_);
   EXPECT_EQ(found(result), objects.size());
   EXPECT_EQ(bytes_of(result), bytes_of(baked(scene, plain_)));
-  EXPECT_TRUE(bake_parts({}, cached_)) << "a share with nothing in it";
+  EXPECT_TRUE(bake_shard({}, cached_)) << "a shard with nothing in it";
 }
 
 TEST_F(BakeCacheTest, RegionsUseTheCacheToo) {

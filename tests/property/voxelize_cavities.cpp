@@ -62,9 +62,9 @@ TEST(Cavities, AreThePiecesOfTheInterior) {
     for (double& x : place) x = static_cast<double>(whole(random, -2, 2) * 512);
     const double extent = real(random, 5, seed % 5 == 0 ? 110 : 50);
     for (std::int64_t n = whole(random, 1, 4); n > 0; --n) {  // one object of several
-      Vec3d centre = place;
-      for (double& x : centre) x += real(random, -extent / 3, extent / 3);
-      const Mesh part = reference::random_object(random, centre, extent);
+      Vec3d center = place;
+      for (double& x : center) x += real(random, -extent / 3, extent / 3);
+      const Mesh part = reference::random_object(random, center, extent);
       for (const Triangle& t : part.triangles) {
         reference::add_triangle(mesh, part.vertices[t[0]], part.vertices[t[1]],
                                 part.vertices[t[2]]);

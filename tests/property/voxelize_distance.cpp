@@ -116,7 +116,7 @@ TEST(DistanceBake, EqualsTheReferenceOnRandomScenes) {
         const std::uint32_t low = definition.code(signed_distance - kTolerance);
         return low <= found && found <= definition.code(signed_distance + kTolerance);
       };
-      // The side of a surface voxel's centre has a test of its own.
+      // The side of a surface voxel's center has a test of its own.
       const bool inside = sets.interior.at(v) == 1, surface = sets.geometry.at(v) == 1;
       ASSERT_TRUE(is_code_of(inside ? -distance : distance) ||
                   (surface && !inside && is_code_of(-distance)))

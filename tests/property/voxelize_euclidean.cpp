@@ -5,8 +5,7 @@
 #include "tests/support/reference_distance.h"
 #include "tests/support/soups.h"
 #include "tests/support/test_scene.h"
-#include "voxelize/distance/center_distance.h"
-#include "voxelize/distance/near_voxels.h"
+#include "voxelize/distance/euclidean_growth.h"
 
 namespace forcelayer {
 namespace {

@@ -92,9 +92,9 @@ TEST(BakeRoi, InsideEqualsTheFullBake) {
     Vec3d place;
     for (double& x : place) x = static_cast<double>(whole(random, -2, 2) * 512);
     for (std::int64_t n = whole(random, 1, 4); n > 0; --n) {
-      Vec3d centre = place;
-      for (double& x : centre) x += real(random, -20, 20);
-      scene.meshes.push_back(reference::random_object(random, centre, real(random, 1, 60)));
+      Vec3d center = place;
+      for (double& x : center) x += real(random, -20, 20);
+      scene.meshes.push_back(reference::random_object(random, center, real(random, 1, 60)));
     }
     const auto layers = static_cast<std::uint32_t>(whole(random, 0, 3));
     const Metric metric = layers > 0 && seed % 3 == 0 ? Metric::kEuclidean : Metric::kChebyshev;

@@ -22,9 +22,9 @@ using reference::whole;
 std::vector<Mesh> lattice_scene(Random& random, double extent) {
   std::vector<Mesh> meshes;
   for (std::int64_t n = whole(random, 1, 3); n > 0; --n) {
-    Vec3d centre;
-    for (double& x : centre) x = real(random, -extent / 3, extent / 3);
-    Mesh& mesh = meshes.emplace_back(reference::random_object(random, centre, extent));
+    Vec3d center;
+    for (double& x : center) x = real(random, -extent / 3, extent / 3);
+    Mesh& mesh = meshes.emplace_back(reference::random_object(random, center, extent));
     for (Vec3d& vertex : mesh.vertices) {
       for (double& x : vertex) x = std::round(x * kSnapUnits) / kSnapUnits;
     }

@@ -1,6 +1,6 @@
 // What finds the nearest triangle, on every width of vectors: the kernels against distances in
 // doubles and against each triangle by itself, and the search from a node down to its cells.
-#include "voxelize/distance/triangle_distance.h"
+#include "voxelize/distance/distance_kernel.h"
 
 #include <gtest/gtest.h>
 
@@ -9,11 +9,11 @@
 #include <cmath>
 #include <vector>
 
-#include "formats/mesh/voxel_overlap.h"
+#include "formats/lattice/voxel_overlap.h"
 #include "tests/support/every_target.h"
 #include "tests/support/reference_distance.h"
 #include "tests/support/soups.h"
-#include "voxelize/distance/cell_search.h"
+#include "voxelize/distance/triangle_search.h"
 
 namespace forcelayer {
 namespace {
@@ -72,12 +72,12 @@ struct Triangles {
       batch.add(corners, static_cast<std::uint32_t>(i));
     }
     batch.flush();
-    for (const NearTriangle& triangle : near) list.push_back(&triangle);
+    for (const PreparedTriangle& triangle : near) list.push_back(&triangle);
   }
 
   std::vector<LatticeTriangle> exact;
-  std::vector<NearTriangle> near;
-  std::vector<const NearTriangle*> list;
+  std::vector<PreparedTriangle> near;
+  std::vector<const PreparedTriangle*> list;
 };
 
 // The lowest voxel of a cell of the node.
@@ -141,7 +141,7 @@ struct OneByOne {
   OneByOne(const Triangles& triangles, const PointCube& cube) {
     for (CubeValues& values : least) values.fill(1e30f);
     for (std::uint32_t i = 0; i < triangles.list.size(); ++i) {
-      one.find(NearList(triangles.list).subspan(i, 1), cube, everywhere());
+      one.find(TriangleList(triangles.list).subspan(i, 1), cube, everywhere());
       for (std::size_t k = 0; k < 2; ++k) {
         for (std::size_t n = 0; n < kCubePoints; ++n) {
           const float value = one.least(k)[n];
@@ -218,7 +218,7 @@ TEST_P(TriangleDistances, TheSearchLeavesNothingOutThatMatters) {
     NearestTriangles nearest;
     CellSearch().run(
         triangles.near, [&](const std::array<int, 3>&, int) { return reach; },
-        [&](const std::array<int, 3>& low, NearList list) {
+        [&](const std::array<int, 3>& low, TriangleList list) {
           const int at[3] = {low[0] / 4, low[1] / 4, low[2] / 8};
           has_list[static_cast<std::size_t>(pair_at(at[0], at[1], at[2]))] = true;
           nearest.find(list, CellSearch::centers(low, 1), reaches);

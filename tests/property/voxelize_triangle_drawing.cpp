@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <random>
 
-#include "formats/mesh/voxel_overlap.h"
-#include "voxelize/masks/brick_bits.h"
+#include "formats/lattice/brick_bits.h"
+#include "formats/lattice/voxel_overlap.h"
 #include "voxelize/scan/large_triangle.h"
 #include "voxelize/scan/small_triangles.h"
 

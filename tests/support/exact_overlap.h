@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "formats/mesh/voxel_overlap.h"
+#include "formats/lattice/voxel_overlap.h"
 
 namespace forcelayer::reference {
 

@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <vector>
 
-#include "formats/mesh/voxel_overlap.h"
+#include "formats/lattice/voxel_overlap.h"
 #include "formats/voxmap_format.h"
 #include "tests/support/exact_overlap.h"
 #include "voxelize/bake.h"

@@ -41,7 +41,7 @@ TEST(MemoryLimit, CountsTheLargestTriangle) {
   }
 }
 
-// A part of a metre with one vertex far away.
+// An object of a meter with one vertex far away.
 Mesh stray_vertex(double away_m) {
   Mesh mesh;
   mesh.vertices = {{0, 0, 0}, {0.01, 0, 0}, {0, 0.01, 0}, {1, 0, 0}, {0.005, 0.005, -away_m}};

@@ -1,5 +1,5 @@
-// Plain values one after another in memory, for what a cache holds: every item starts at a multiple
-// of eight bytes. Native byte order: entries of a cache name theirs.
+// The bytes of a cache entry: plain values one after another, each at a multiple of eight bytes, in
+// native byte order. The entry's header names the byte order.
 #pragma once
 
 #include <cstddef>
@@ -43,7 +43,7 @@ class BytePacker {
   std::vector<std::byte> bytes_;
 };
 
-struct BadPack {};  // thrown where a pack ends too early or says nonsense
+struct BadPack {};  // thrown where a pack ends too early or makes no sense
 
 class ByteUnpacker {
  public:
@@ -55,7 +55,7 @@ class ByteUnpacker {
     std::memcpy(&item, take(sizeof(T)), sizeof(T));
     return item;
   }
-  // In place: `bytes` of the constructor must be aligned for T.
+  // Not copied: the constructor's `bytes` must be aligned for T.
   template <class T>
   std::span<const T> values(std::uint64_t count) {
     static_assert(std::is_trivially_copyable_v<T> && alignof(T) <= 8);

@@ -1,12 +1,12 @@
-// A folder of results by the digest of all that they were made from, shared by any number of
-// processes and machines.
+// A folder of results, each named by the digest of everything that it was made from. Any number of
+// processes and machines may share it.
 //
 //   DIR/ab/abcdef....KIND   an entry: a header of 64 bytes, then its content
-//   DIR/tmp/                what is being written
+//   DIR/tmp/                entries that are being written
 //
-// An entry appears whole, by a rename, and is never changed. One that is damaged, cut short or of
-// something else is as good as none. No symbolic link inside the folder is followed. Whoever may
-// write to the folder is trusted: checksums find accidents, not forgeries.
+// An entry appears whole, by a rename, and is never changed. A damaged, truncated or foreign entry
+// is as good as none. No symbolic link inside the folder is followed. Writers to the folder are
+// trusted: checksums find accidents, not forgeries.
 #pragma once
 
 #include <cstddef>
@@ -40,16 +40,16 @@ class CacheEntry {
 
 class CacheFolder {
  public:
-  // Makes the folder where it is missing; kWriteFailed where that cannot be. Removes what killed
-  // writers left behind.
+  // Makes a missing folder; kWriteFailed where that is impossible. Removes files that killed
+  // writers left.
   static Result<CacheFolder> open(const std::string& path);
   CacheFolder(CacheFolder&& other) noexcept;
   CacheFolder& operator=(CacheFolder&&) = delete;
   ~CacheFolder();
 
-  // `kind` has at most eight letters. Any thread may call these.
+  // `kind` has at most eight letters. Any thread may call find() and keep().
   std::optional<CacheEntry> find(const char* kind, const Digest& key) const;
-  // Failing to write is no error: the next bake does the work again.
+  // A failure to write is no error: the next bake does the work again.
   void keep(const char* kind, const Digest& key, std::span<const std::byte> content) const;
 
   // The first failure to write, for a warning.

@@ -1,5 +1,4 @@
-// 128-bit content digests (XXH3): names of what a cache holds. They tell accidents apart, not
-// forgeries.
+// 128-bit content digests (XXH3), the names of cache entries. They find accidents, not forgeries.
 #pragma once
 
 #include <array>

@@ -2,12 +2,12 @@
 
 #include <bit>
 
-#include "voxelize/masks/brick_bits.h"
+#include "formats/lattice/brick_bits.h"
 
 namespace forcelayer {
 namespace {
 
-constexpr int kLog2Block = 9;
+constexpr int kLog2Cell = 9;
 
 // A node's active tiles and children, 512 bits each; its children follow.
 struct NodeRecord {
@@ -15,10 +15,10 @@ struct NodeRecord {
 };
 
 // World voxel index / 512.
-VoxelIndex block_of(const Coord& voxel, const VoxelIndex& origin) {
-  VoxelIndex block;
-  for (std::size_t d = 0; d < 3; ++d) block[d] = (voxel[d] + origin[d]) >> kLog2Block;
-  return block;
+VoxelIndex cell_of(const Coord& voxel, const VoxelIndex& origin) {
+  VoxelIndex cell;
+  for (std::size_t d = 0; d < 3; ++d) cell[d] = (voxel[d] + origin[d]) >> kLog2Cell;
+  return cell;
 }
 
 template <class Node>
@@ -56,13 +56,13 @@ std::unique_ptr<LowerMaskNode> unpack_node(ByteUnpacker& unpacker, const Coord& 
   return node;
 }
 
-Coord block_origin(const VoxelIndex& block, const VoxelIndex& origin, const VoxelBox& box) {
+Coord cell_origin(const VoxelIndex& cell, const VoxelIndex& origin, const VoxelBox& box) {
   Coord coord;
   for (std::size_t d = 0; d < 3; ++d) {
-    if (block[d] < box.low[d] >> kLog2Block || block[d] > box.high[d] >> kLog2Block) {
+    if (cell[d] < box.low[d] >> kLog2Cell || cell[d] > box.high[d] >> kLog2Cell) {
       throw BadPack{};
     }
-    coord[static_cast<int>(d)] = static_cast<int>((block[d] << kLog2Block) - origin[d]);
+    coord[static_cast<int>(d)] = static_cast<int>((cell[d] << kLog2Cell) - origin[d]);
   }
   return coord;
 }
@@ -70,32 +70,32 @@ Coord block_origin(const VoxelIndex& block, const VoxelIndex& origin, const Voxe
 }  // namespace
 
 void pack(const MaskTree& tree, const VoxelIndex& origin, BytePacker& packer) {
-  std::vector<VoxelIndex> full_blocks;
-  std::vector<const UpperMaskNode*> blocks;
+  std::vector<VoxelIndex> full_cells;
+  std::vector<const UpperMaskNode*> uppers;
   for (auto tile = tree.cbeginValueOn(); tile; ++tile) {
-    full_blocks.push_back(block_of(tile.getCoord(), origin));
+    full_cells.push_back(cell_of(tile.getCoord(), origin));
   }
-  for (auto block = tree.cbeginChildOn(); block; ++block) blocks.push_back(&*block);
-  packer.list(full_blocks);
-  packer.value(std::uint64_t{blocks.size()});
-  for (const UpperMaskNode* block : blocks) {
-    const NodeRecord record = record_of(*block);
-    packer.value(block_of(block->origin(), origin));
+  for (auto upper = tree.cbeginChildOn(); upper; ++upper) uppers.push_back(&*upper);
+  packer.list(full_cells);
+  packer.value(std::uint64_t{uppers.size()});
+  for (const UpperMaskNode* upper : uppers) {
+    const NodeRecord record = record_of(*upper);
+    packer.value(cell_of(upper->origin(), origin));
     packer.value(record);
     for_each_set(record.children,
-                 [&](unsigned n) { pack_node(*block->getTable()[n].getChild(), packer); });
+                 [&](unsigned n) { pack_node(*upper->getTable()[n].getChild(), packer); });
   }
 }
 
 std::unique_ptr<MaskTree> unpack(ByteUnpacker& unpacker, const VoxelIndex& origin,
                                  const VoxelBox& box) {
   auto tree = std::make_unique<MaskTree>();
-  for (const VoxelIndex& block : unpacker.list<VoxelIndex>()) {
-    tree->addTile(block_origin(block, origin, box), true, true);
+  for (const VoxelIndex& cell : unpacker.list<VoxelIndex>()) {
+    tree->addTile(cell_origin(cell, origin, box), true, true);
   }
   for (auto count = unpacker.value<std::uint64_t>(); count > 0; --count) {
-    const auto block = unpacker.value<VoxelIndex>();
-    const Coord at = block_origin(block, origin, box);
+    const auto cell = unpacker.value<VoxelIndex>();
+    const Coord at = cell_origin(cell, origin, box);
     const NodeRecord record = read_record(unpacker);
     auto upper = std::make_unique<UpperMaskNode>(at, false, false);
     add_tiles(record.tiles, *upper);

@@ -1,19 +1,19 @@
-// Mask trees as bytes: what a cache keeps of a part's voxels.
+// Mask trees as bytes, as a cache keeps an object's voxels.
 #pragma once
 
 #include <memory>
 
 #include "voxelize/cache/byte_pack.h"
 #include "voxelize/masks/mask_tree.h"
-#include "voxelize/scan/snap.h"
+#include "voxelize/masks/voxel_box.h"
 
 namespace forcelayer {
 
 // Appends the voxels of `tree`, whose voxels are counted from `origin` (a multiple of 512, world).
 void pack(const MaskTree& tree, const VoxelIndex& origin, BytePacker& packer);
 
-// Reads them back, counted from another `origin`. BadPack where there are voxels in a block that
-// `box` (world) does not touch, or the bytes are no tree.
+// Reads them back, counted from another `origin`. Throws BadPack where the bytes are no tree, or
+// hold voxels in a directory cell that `box` (world) does not touch.
 std::unique_ptr<MaskTree> unpack(ByteUnpacker& unpacker, const VoxelIndex& origin,
                                  const VoxelBox& box);
 

@@ -26,7 +26,7 @@ bool contains(std::string_view text, std::string_view word) {
   return text.find(word) != std::string_view::npos;
 }
 
-// Whether all that is read may not lie in the file itself: then its bytes are no key.
+// Whether the file may refer to others: then its bytes are no key.
 bool may_refer_to_files(std::string_view bytes, const std::string& extension) {
   if (extension == ".gltf" || extension == ".glb") return contains(bytes, "\"uri\"");
   if (extension == ".stp" || extension == ".step") {
@@ -35,7 +35,7 @@ bool may_refer_to_files(std::string_view bytes, const std::string& extension) {
   return false;
 }
 
-// The digest of all that reading a file depends on; nothing where that is not the file alone.
+// The digest of everything that reading a file depends on; nothing where other files may count.
 std::optional<Digest> assembly_key(const std::string& path, const ReadOptions& options) {
   const SourceFile source = named_file(path);
   const auto mapped = MappedFile::open(source.path);
@@ -54,7 +54,7 @@ std::optional<Digest> assembly_key(const std::string& path, const ReadOptions& o
   return digest.value(digest_of(mapped->bytes())).finish();
 }
 
-// Everything but the meshes, which are as many as outlines.
+// The assembly without its meshes. There is an outline for each.
 std::vector<std::byte> pack(const Assembly& assembly, const std::vector<MeshOutline>& outlines) {
   BytePacker packer;
   packer.list(outlines);
@@ -101,7 +101,6 @@ std::optional<Assembly> unpack(std::span<const std::byte> bytes,
   }
 }
 
-// Facts are plain numbers: they are kept as they lie in memory.
 struct FactsRecord {
   std::array<std::uint64_t, 8> counts;
   std::array<std::uint64_t, 2> flags;
@@ -162,7 +161,7 @@ Result<Assembly> MeshSource::read(const std::string& path, const ReadOptions& op
   auto assembly = read_(path, options);
   if (!assembly) return assembly;
   file.outlines = outlines_of(*assembly);
-  // Kept under what was hashed: a file that changed in between is not.
+  // Not kept where the file changed while it was read.
   if (key && key == assembly_key(path, options)) {
     cache_->keep(kAssemblyKind, *key, pack(*assembly, file.outlines));
   }

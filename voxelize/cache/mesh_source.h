@@ -1,4 +1,5 @@
-// The meshes of a scene, read when they are needed: a cache knows what a file holds by its bytes.
+// The meshes of a scene, read only when needed: a cache knows a file's outlines and facts by its
+// bytes.
 #pragma once
 
 #include <memory>
@@ -16,7 +17,7 @@
 
 namespace forcelayer {
 
-// What is known of a mesh that is not in memory.
+// A mesh that need not be in memory.
 struct MeshOutline {
   Digest vertices, triangles;  // of the two arrays
   std::uint64_t triangle_count = 0;
@@ -28,19 +29,18 @@ MeshOutline outline_of(const Mesh& mesh);
 
 class MeshSource {
  public:
-  // `cache` may be null. `read` reads what it does not hold.
+  // `cache` may be null. `read` reads the files that it does not hold.
   explicit MeshSource(const CacheFolder* cache, AssemblyReader read = read_assembly)
       : cache_(cache), read_(std::move(read)) {}
 
-  // SceneReading::read. The assembly's meshes come empty: get them here, by the assembly's number
-  // in the scene.
+  // For SceneReading::read. The assembly's meshes come empty; mesh() gives them.
   Result<Assembly> read(const std::string& path, const ReadOptions& options);
 
   const MeshOutline& outline(const ScenePart& part) const {
     return files_[part.assembly].outlines[part.mesh];
   }
-  std::vector<MeshOutline> outlines(const Scene& scene) const;  // [parts]
-  // One caller at a time. An error too where the file has changed meanwhile.
+  std::vector<MeshOutline> outlines(const Scene& scene) const;  // [objects]
+  // One caller at a time. An error where the file has changed meanwhile.
   Result<const Mesh*> mesh(const ScenePart& part);
   Result<MeshFacts> facts(const ScenePart& part);
 

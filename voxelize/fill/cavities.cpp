@@ -7,7 +7,7 @@
 #include <optional>
 #include <unordered_map>
 
-#include "voxelize/masks/brick_bits.h"
+#include "formats/lattice/brick_bits.h"
 
 namespace forcelayer {
 namespace {
@@ -15,7 +15,7 @@ namespace {
 using Id = std::uint32_t;
 
 // A connected set of cells of one 8x8x8 mask: voxels of a brick, whole bricks of a node, whole
-// nodes of a block, or one whole block.
+// nodes of a directory cell, or one whole directory cell.
 struct Cluster {
   Coord origin;  // of the mask
   int cell = 1;  // edge of a cell in voxels
@@ -39,9 +39,9 @@ void for_each_cluster(const BrickMask& mask, F&& f) {
   }
 }
 
-// What stands in a cell of a node or of a block: clusters, or all of one.
+// The clusters in one cell of a mask: some inside it, or one that holds all of it.
 struct CellClusters {
-  std::vector<std::pair<const Cluster*, Id>> parts;  // of a mask inside the cell
+  std::vector<std::pair<const Cluster*, Id>> inner;  // of the mask inside the cell
   bool whole = false;
   Id whole_id = 0;
 };
@@ -49,10 +49,9 @@ struct CellClusters {
 // The clusters of one 64^3 node.
 struct NodeClusters {
   std::vector<Cluster> clusters;
-  std::vector<std::uint32_t>
-      first;                 // [513] of each brick's own clusters; those of whole bricks last
-  BrickMask whole, partial;  // bricks
-  Id base = 0;               // of clusters[0]
+  std::vector<std::uint32_t> first;  // [513] each brick's first cluster; then those of whole bricks
+  BrickMask whole, partial;          // bricks
+  Id base = 0;                       // of clusters[0]
   std::vector<std::pair<Id, Id>> unions;
 
   explicit NodeClusters(const LowerMaskNode& node) {
@@ -82,25 +81,25 @@ struct NodeClusters {
       result.whole_id = base + i;
     }
     for (std::uint32_t i = first[n]; i < first[n + 1]; ++i) {
-      result.parts.emplace_back(&clusters[i], base + i);
+      result.inner.emplace_back(&clusters[i], base + i);
     }
     return result;
   }
 };
 
-// Notes which clusters of a cell touch which of the cell across `side`.
+// Notes which clusters of cell a touch which clusters of cell b, across `side` of a.
 void touch(const CellClusters& a, const CellClusters& b, int side,
            std::vector<std::pair<Id, Id>>& unions) {
   if (a.whole && b.whole) unions.emplace_back(a.whole_id, b.whole_id);
-  for (const auto& [part, id] : a.parts) {
-    if (b.whole && any_on_side(part->cells, side)) unions.emplace_back(id, b.whole_id);
-    for (const auto& [other, other_id] : b.parts) {
-      if ((across(part->cells, opposite(side)) & other->cells).any()) {
+  for (const auto& [cluster, id] : a.inner) {
+    if (b.whole && any_on_side(cluster->cells, side)) unions.emplace_back(id, b.whole_id);
+    for (const auto& [other, other_id] : b.inner) {
+      if ((across(cluster->cells, opposite(side)) & other->cells).any()) {
         unions.emplace_back(id, other_id);
       }
     }
   }
-  for (const auto& [other, other_id] : b.parts) {
+  for (const auto& [other, other_id] : b.inner) {
     if (a.whole && any_on_side(other->cells, opposite(side))) {
       unions.emplace_back(a.whole_id, other_id);
     }
@@ -124,8 +123,8 @@ class Pieces {
   void collect();
   void join();
   void join_node(NodeClusters& node, const Coord& origin) const;
-  void join_blocks();
-  // The cluster of whole nodes or blocks at a voxel; false where it lies in none.
+  void join_directory_cells();
+  // The cluster of whole nodes or directory cells at a voxel; false where there is none.
   bool coarse(const Coord& voxel, Id& id) const;
   Id root(Id id) {
     while (parents_[id] != id) id = parents_[id] = parents_[parents_[id]];
@@ -133,9 +132,9 @@ class Pieces {
   }
 
   const MaskTree& interior_;
-  std::vector<Cluster> coarse_;                                     // ids 0..
-  std::unordered_map<Coord, std::vector<Id>, CoordHash> of_block_;  // coarse clusters
-  std::vector<Coord> origins_;                                      // of the nodes
+  std::vector<Cluster> coarse_;                                              // ids 0..
+  std::unordered_map<Coord, std::vector<Id>, CoordHash> of_directory_cell_;  // coarse clusters
+  std::vector<Coord> origins_;                                               // of the nodes
   std::vector<NodeClusters> nodes_;
   std::unordered_map<Coord, std::size_t, CoordHash> node_at_;
   std::vector<Id> parents_;
@@ -145,16 +144,16 @@ void Pieces::collect() {
   for (auto tile = interior_.cbeginValueOn(); tile; ++tile) {
     BrickMask one;
     set(one, 0);
-    of_block_[tile.getCoord()].push_back(static_cast<Id>(coarse_.size()));
+    of_directory_cell_[tile.getCoord()].push_back(static_cast<Id>(coarse_.size()));
     coarse_.push_back({tile.getCoord(), 512, one});
   }
   std::vector<const LowerMaskNode*> lower;
-  for (auto block = interior_.cbeginChildOn(); block; ++block) {
-    for_each_cluster(mask_of(block->getValueMask()), [&](const BrickMask& cells) {
-      of_block_[block->origin()].push_back(static_cast<Id>(coarse_.size()));
-      coarse_.push_back({block->origin(), 64, cells});
+  for (auto upper = interior_.cbeginChildOn(); upper; ++upper) {
+    for_each_cluster(mask_of(upper->getValueMask()), [&](const BrickMask& cells) {
+      of_directory_cell_[upper->origin()].push_back(static_cast<Id>(coarse_.size()));
+      coarse_.push_back({upper->origin(), 64, cells});
     });
-    for (auto node = block->cbeginChildOn(); node; ++node) lower.push_back(&*node);
+    for (auto node = upper->cbeginChildOn(); node; ++node) lower.push_back(&*node);
   }
   std::vector<std::optional<NodeClusters>> made(lower.size());
   tbb::parallel_for(std::size_t{0}, lower.size(),
@@ -172,9 +171,9 @@ void Pieces::collect() {
 }
 
 bool Pieces::coarse(const Coord& voxel, Id& id) const {
-  const Coord block(voxel.x() & ~511, voxel.y() & ~511, voxel.z() & ~511);
-  const auto found = of_block_.find(block);
-  if (found == of_block_.end()) return false;
+  const Coord cell(voxel.x() & ~511, voxel.y() & ~511, voxel.z() & ~511);
+  const auto found = of_directory_cell_.find(cell);
+  if (found == of_directory_cell_.end()) return false;
   const unsigned place = UpperMaskNode::coordToOffset(voxel);
   for (const Id candidate : found->second) {
     const Cluster& cluster = coarse_[candidate];
@@ -186,7 +185,8 @@ bool Pieces::coarse(const Coord& voxel, Id& id) const {
   return false;
 }
 
-// Inside a node, across its far sides to other nodes, and across all sides to whole ones.
+// Joins clusters inside a node, across its far sides to other nodes, and across all sides to whole
+// nodes.
 void Pieces::join_node(NodeClusters& node, const Coord& origin) const {
   const BrickMask used = node.whole | node.partial;
   for (int side = 0; side < kSides; ++side) {
@@ -211,17 +211,17 @@ void Pieces::join_node(NodeClusters& node, const Coord& origin) const {
   }
 }
 
-// Whole nodes and blocks across the far sides of blocks.
-void Pieces::join_blocks() {
+// Joins whole nodes and directory cells across the far sides of directory cells.
+void Pieces::join_directory_cells() {
   const auto join_two = [&](Id a, Id b) { parents_[root(a)] = root(b); };
-  for (const auto& [origin, ids] : of_block_) {
+  for (const auto& [origin, ids] : of_directory_cell_) {
     for (const Id id : ids) {
       const BrickMask cells = coarse_[id].cell == 512 ? full_mask() : coarse_[id].cells;
       for (const int side : {1, 3, 5}) {
         Coord next = origin;
         next[side / 2] += 512;
-        const auto found = of_block_.find(next);
-        if (found == of_block_.end()) continue;
+        const auto found = of_directory_cell_.find(next);
+        if (found == of_directory_cell_.end()) continue;
         for (const Id other : found->second) {
           const BrickMask others = coarse_[other].cell == 512 ? full_mask() : coarse_[other].cells;
           if ((across(cells, opposite(side)) & others).any()) join_two(id, other);
@@ -238,17 +238,17 @@ void Pieces::join() {
     for (const auto& [a, b] : node.unions) parents_[root(a)] = root(b);
     node.unions = {};
   }
-  join_blocks();
+  join_directory_cells();
 }
 
 std::vector<InteriorPiece> Pieces::result() {
-  struct Found {
+  struct JoinedPiece {
     InteriorPiece piece;
     int cell = 0;
   };
-  std::unordered_map<Id, Found> pieces;
+  std::unordered_map<Id, JoinedPiece> pieces;
   const auto add = [&](const Cluster& cluster, Id id) {
-    Found& found = pieces[root(id)];
+    JoinedPiece& found = pieces[root(id)];
     const auto cell = static_cast<std::uint64_t>(cluster.cell);
     found.piece.voxels += static_cast<std::uint64_t>(count(cluster.cells)) * cell * cell * cell;
     unsigned n = 0;

@@ -1,5 +1,5 @@
-// The connected pieces of an object's interior: what is enclosed, how large it is, and a point in
-// it from which a free seed would open it.
+// The connected pieces of an object's interior: how large each is, and a point in it from which a
+// free seed would open it.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@ namespace forcelayer {
 
 struct InteriorPiece {
   std::uint64_t voxels = 0;
-  Coord seed;  // a voxel of the piece, deep inside where it is large; counted as the tree's voxels
+  Coord seed;  // a voxel of the piece, deep inside a large one; counted as the tree's voxels
 };
 
 // The 6-connected pieces of `interior`, the largest first, then by seed.

@@ -7,27 +7,28 @@
 #include <memory>
 #include <vector>
 
-#include "voxelize/masks/brick_bits.h"
+#include "formats/lattice/brick_bits.h"
 
 namespace forcelayer {
 namespace {
 
-// The flood runs on three scales: voxels of a brick, bricks of a 64^3 node, nodes of a 512^3 block,
-// each an 8x8x8 mask of cells. What holds no surface is one cell of the scale above. Nodes with
-// surface are filled in parallel, round by round, reading their neighbours' sides as they stand;
-// who changes a side wakes the neighbour for the next round. The fixed point depends on no order.
+// The flood runs on three scales, each an 8x8x8 mask: voxels of a brick, bricks of a 64^3 node,
+// nodes of a directory cell (512^3 voxels). A cube without surface is one bit of the scale above.
+// Nodes with surface are filled in parallel, round by round, and read their neighbors' sides as
+// they stand. A node that changes a side wakes the neighbor for the next round. The fixed point
+// depends on no order.
 
 // A node that holds surface.
 struct FloodNode {
   const LowerMaskNode* geometry = nullptr;
-  BrickMask surface_bricks;                  // that hold surface
-  BrickMask reached_bricks;                  // of those without
+  BrickMask surface_bricks;                  // bricks that hold surface
+  BrickMask reached_bricks;                  // reached bricks among the others
   std::vector<BrickMask> reached;            // [surface bricks, ascending] voxels
   std::array<std::uint16_t, 512> number_of;  // of each surface brick
-  std::size_t block = 0;                     // where the node stands
-  unsigned place = 0;
-  unsigned woken_sides = 0;    // bit per side whose neighbour changed
-  unsigned changed_sides = 0;  // bit per side that the last fill changed
+  std::size_t cell = 0;                      // the node's directory cell
+  unsigned entry = 0;                        // of the directory cell
+  unsigned woken_sides = 0;                  // bit per side whose neighbor changed
+  unsigned changed_sides = 0;                // bit per side that the last fill changed
   struct Seed {
     unsigned brick, voxel;
   };
@@ -40,18 +41,18 @@ struct FloodNode {
   }
 };
 
-// A block that holds surface.
-struct FloodBlock {
+// A directory cell that holds surface.
+struct FloodCell {
   BrickMask surface_nodes;
-  BrickMask reached_nodes;  // of those without
-  BrickMask seeds;          // cells that a neighbouring node has opened
+  BrickMask reached_nodes;  // reached nodes among the others
+  BrickMask seeds;          // nodes that a neighboring node has opened
   std::array<std::uint32_t, 512> node_of{};
 };
 
-// A block without surface is one of these instead of a FloodBlock's number.
+// The state of a directory cell without surface; of any other it is a FloodCell's number.
 constexpr std::int32_t kUnreached = -1;
 constexpr std::int32_t kReached = -2;
-constexpr std::size_t kOutside = SIZE_MAX;  // beyond the object's blocks, reached from the start
+constexpr std::size_t kOutside = SIZE_MAX;  // beyond the object's cells, reached from the start
 
 BrickMask load(const BrickMask& mask) {
   BrickMask copy;
@@ -68,7 +69,7 @@ void store(BrickMask& mask, const BrickMask& value) {
   }
 }
 
-// What a node sees across one side: a node with surface, or a cell that is reached or not.
+// The neighbor of a node across one side: a node with surface, or a cube that is reached or not.
 struct Neighbor {
   const FloodNode* node = nullptr;
   bool reached = false;
@@ -81,8 +82,8 @@ struct Neighbor {
   }
 };
 
-// The flood inside one node, until nothing more is reached. What a brick gains is pushed to the
-// bricks next to it, as far as it is new to them.
+// The flood inside one node. A brick pushes the voxels that it gains to the bricks next to it,
+// until no brick gains any.
 class NodeFill {
  public:
   // Voxels of a node's surface bricks to flood from; any content.
@@ -90,7 +91,7 @@ class NodeFill {
 
   NodeFill(FloodNode& node, Pending& pending) : node_(node), pending_(pending) {}
 
-  // Takes in what the node across `side` has reached.
+  // Takes in the voxels that the node across `side` has reached.
   void pull(int side, const Neighbor& neighbor) {
     for_each_set(side_cells(~node_.reached_bricks, side), [&](unsigned n) {
       if (test(node_.surface_bricks, n) && !any_on_side(unreached_voxels(n), side)) return;
@@ -127,7 +128,7 @@ class NodeFill {
   }
 
  private:
-  // Of a surface brick, neither surface nor reached.
+  // The voxels of a surface brick that are neither surface nor reached.
   BrickMask unreached_voxels(unsigned n) const {
     const std::uint64_t* surface = node_.surface_words(n);
     const BrickMask& reached = node_.reached_voxels(n);
@@ -165,8 +166,8 @@ class NodeFill {
 
   FloodNode& node_;
   BrickMask dirty_;        // surface bricks with something pending
-  BrickMask empty_seeds_;  // bricks without surface that something has reached
-  Pending& pending_;       // [surface bricks] set where dirty
+  BrickMask empty_seeds_;  // bricks without surface to flood from
+  Pending& pending_;       // [surface bricks] defined where dirty
 };
 
 class Flood {
@@ -177,23 +178,23 @@ class Flood {
   std::unique_ptr<MaskTree> interior() const;
 
  private:
-  struct Cell {  // a node's place
-    std::size_t block;
-    unsigned place;
+  struct NodePlace {
+    std::size_t cell;
+    unsigned entry;
   };
 
-  std::size_t block_at(const Coord& voxel) const;
-  std::size_t block_across(std::size_t block, int side) const;
-  Coord block_origin(std::size_t block) const;
-  FloodBlock* surface_block(std::size_t block) {
-    return states_[block] >= 0 ? &blocks_[static_cast<std::size_t>(states_[block])] : nullptr;
+  std::size_t cell_at(const Coord& voxel) const;
+  std::size_t cell_across(std::size_t cell, int side) const;
+  Coord cell_origin(std::size_t cell) const;
+  FloodCell* surface_cell(std::size_t cell) {
+    return states_[cell] >= 0 ? &cells_[static_cast<std::size_t>(states_[cell])] : nullptr;
   }
-  const FloodBlock* surface_block(std::size_t block) const {
-    return const_cast<Flood*>(this)->surface_block(block);
+  const FloodCell* surface_cell(std::size_t cell) const {
+    return const_cast<Flood*>(this)->surface_cell(cell);
   }
-  Cell cell_across(const FloodNode& node, int side) const;
+  NodePlace node_across(const FloodNode& node, int side) const;
   Neighbor neighbor(const FloodNode& node, int side) const;
-  BrickMask inflow(std::size_t block) const;
+  BrickMask inflow(std::size_t cell) const;
 
   void add_nodes(const MaskTree& geometry);
   void seed(const Coord& voxel);
@@ -201,16 +202,16 @@ class Flood {
   void fill(FloodNode& node, NodeFill::Pending& pending) const;
   void open_border();
   void wake(std::uint32_t node, int side);
-  void wake_all(std::size_t block, const BrickMask& places, int side);
-  void announce(std::size_t block, const BrickMask& added);
-  void spread_blocks();
+  void wake_all(std::size_t cell, const BrickMask& entries, int side);
+  void announce(std::size_t cell, const BrickMask& added);
+  void spread_cells();
   void tell_neighbors(const FloodNode& node);
 
-  std::array<std::int64_t, 3> low_{}, dims_{};  // the object's blocks
-  std::vector<std::int32_t> states_;  // [blocks] number in blocks_, or kUnreached/kReached
-  std::vector<FloodBlock> blocks_;
+  std::array<std::int64_t, 3> low_{}, dims_{};  // of the object's directory cells
+  std::vector<std::int32_t> states_;  // [directory cells] number in cells_, or kUnreached/kReached
+  std::vector<FloodCell> cells_;
   std::vector<FloodNode> nodes_;
-  std::vector<std::size_t> pending_blocks_;
+  std::vector<std::size_t> pending_cells_;
   std::vector<std::uint32_t> awake_;
 };
 
@@ -218,8 +219,8 @@ Flood::Flood(const MaskTree& geometry) {
   std::array<std::int64_t, 3> high;
   low_.fill(INT64_MAX);
   high.fill(INT64_MIN);
-  for (auto block = geometry.cbeginChildOn(); block; ++block) {
-    const Coord origin = block->origin();
+  for (auto cell = geometry.cbeginChildOn(); cell; ++cell) {
+    const Coord origin = cell->origin();
     for (std::size_t d = 0; d < 3; ++d) {
       const std::int64_t at = origin[d] >> 9;
       low_[d] = std::min(low_[d], at);
@@ -233,16 +234,16 @@ Flood::Flood(const MaskTree& geometry) {
 
 void Flood::add_nodes(const MaskTree& geometry) {
   for (auto upper = geometry.cbeginChildOn(); upper; ++upper) {
-    const std::size_t block = block_at(upper->origin());
-    states_[block] = static_cast<std::int32_t>(blocks_.size());
-    FloodBlock& flood_block = blocks_.emplace_back();
-    flood_block.surface_nodes = mask_of(upper->getChildMask());
-    for_each_set(flood_block.surface_nodes, [&](unsigned n) {
-      flood_block.node_of[n] = static_cast<std::uint32_t>(nodes_.size());
+    const std::size_t cell = cell_at(upper->origin());
+    states_[cell] = static_cast<std::int32_t>(cells_.size());
+    FloodCell& flood_cell = cells_.emplace_back();
+    flood_cell.surface_nodes = mask_of(upper->getChildMask());
+    for_each_set(flood_cell.surface_nodes, [&](unsigned n) {
+      flood_cell.node_of[n] = static_cast<std::uint32_t>(nodes_.size());
       FloodNode& node = nodes_.emplace_back();
       node.geometry = upper->getTable()[n].getChild();
-      node.block = block;
-      node.place = n;
+      node.cell = cell;
+      node.entry = n;
     });
   }
   tbb::parallel_for(std::size_t{0}, nodes_.size(), [&](std::size_t i) {
@@ -254,7 +255,7 @@ void Flood::add_nodes(const MaskTree& geometry) {
   });
 }
 
-std::size_t Flood::block_at(const Coord& voxel) const {
+std::size_t Flood::cell_at(const Coord& voxel) const {
   std::size_t index = 0;
   for (std::size_t d = 0; d < 3; ++d) {
     const std::int64_t at = (voxel[d] >> 9) - low_[d];
@@ -264,32 +265,32 @@ std::size_t Flood::block_at(const Coord& voxel) const {
   return index;
 }
 
-Coord Flood::block_origin(std::size_t block) const {
-  const auto index = static_cast<std::int64_t>(block);
+Coord Flood::cell_origin(std::size_t cell) const {
+  const auto index = static_cast<std::int64_t>(cell);
   return Coord(static_cast<int>((index / (dims_[1] * dims_[2]) + low_[0]) * 512),
                static_cast<int>((index / dims_[2] % dims_[1] + low_[1]) * 512),
                static_cast<int>((index % dims_[2] + low_[2]) * 512));
 }
 
-std::size_t Flood::block_across(std::size_t block, int side) const {
+std::size_t Flood::cell_across(std::size_t cell, int side) const {
   constexpr int kStep = 512;
-  Coord origin = block_origin(block);
+  Coord origin = cell_origin(cell);
   origin[side / 2] += side % 2 == 1 ? kStep : -kStep;
-  return block_at(origin);
+  return cell_at(origin);
 }
 
-Flood::Cell Flood::cell_across(const FloodNode& node, int side) const {
-  return {lies_on(node.place, side) ? block_across(node.block, side) : node.block,
-          stepped(node.place, side)};
+Flood::NodePlace Flood::node_across(const FloodNode& node, int side) const {
+  return {lies_on(node.entry, side) ? cell_across(node.cell, side) : node.cell,
+          stepped(node.entry, side)};
 }
 
 Neighbor Flood::neighbor(const FloodNode& node, int side) const {
-  const Cell cell = cell_across(node, side);
-  if (cell.block == kOutside) return {nullptr, true};
-  const FloodBlock* block = surface_block(cell.block);
-  if (block == nullptr) return {nullptr, states_[cell.block] == kReached};
-  if (test(block->surface_nodes, cell.place)) return {&nodes_[block->node_of[cell.place]], false};
-  return {nullptr, test(block->reached_nodes, cell.place)};
+  const NodePlace at = node_across(node, side);
+  if (at.cell == kOutside) return {nullptr, true};
+  const FloodCell* cell = surface_cell(at.cell);
+  if (cell == nullptr) return {nullptr, states_[at.cell] == kReached};
+  if (test(cell->surface_nodes, at.entry)) return {&nodes_[cell->node_of[at.entry]], false};
+  return {nullptr, test(cell->reached_nodes, at.entry)};
 }
 
 void Flood::wake(std::uint32_t node, int side) {
@@ -297,50 +298,51 @@ void Flood::wake(std::uint32_t node, int side) {
   nodes_[node].woken_sides |= 1u << side;
 }
 
-// Wakes the surface nodes among `places` of a block: what lies across their `side` was reached.
-void Flood::wake_all(std::size_t block, const BrickMask& places, int side) {
-  FloodBlock* flood_block = surface_block(block);
-  if (flood_block == nullptr) return;
-  for_each_set(places & flood_block->surface_nodes,
-               [&](unsigned n) { wake(flood_block->node_of[n], side); });
+// Wakes the surface nodes among `entries` of a cell: the neighbors across their `side` were
+// reached.
+void Flood::wake_all(std::size_t cell, const BrickMask& entries, int side) {
+  FloodCell* flood_cell = surface_cell(cell);
+  if (flood_cell == nullptr) return;
+  for_each_set(entries & flood_cell->surface_nodes,
+               [&](unsigned n) { wake(flood_cell->node_of[n], side); });
 }
 
-// Newly reached cells of a block: their neighbours hear of it.
-void Flood::announce(std::size_t block, const BrickMask& added) {
+// Wakes the neighbors of a cell's newly reached nodes.
+void Flood::announce(std::size_t cell, const BrickMask& added) {
   for (int side = 0; side < kSides; ++side) {
-    wake_all(block, shifted(added, side), opposite(side));
+    wake_all(cell, shifted(added, side), opposite(side));
     if (!any_on_side(added, side)) continue;
-    const std::size_t next = block_across(block, side);
+    const std::size_t next = cell_across(cell, side);
     if (next == kOutside) continue;
     wake_all(next, across(added, opposite(side)), opposite(side));
-    if (states_[next] != kReached) pending_blocks_.push_back(next);
+    if (states_[next] != kReached) pending_cells_.push_back(next);
   }
 }
 
-// The cells of a block whose neighbours in other blocks, without surface, are reached.
-BrickMask Flood::inflow(std::size_t block) const {
+// The nodes of a cell next to reached nodes, without surface, of other cells.
+BrickMask Flood::inflow(std::size_t cell) const {
   BrickMask seeds;
   for (int side = 0; side < kSides; ++side) {
-    const std::size_t next = block_across(block, side);
+    const std::size_t next = cell_across(cell, side);
     if (next == kOutside || states_[next] == kReached) {
       seeds = seeds | across(full_mask(), side);
-    } else if (const FloodBlock* neighbor = surface_block(next)) {
+    } else if (const FloodCell* neighbor = surface_cell(next)) {
       seeds = seeds | across(neighbor->reached_nodes, side);
     }
   }
   return seeds;
 }
 
-void Flood::spread_blocks() {
-  while (!pending_blocks_.empty()) {
-    const std::size_t index = pending_blocks_.back();
-    pending_blocks_.pop_back();
+void Flood::spread_cells() {
+  while (!pending_cells_.empty()) {
+    const std::size_t index = pending_cells_.back();
+    pending_cells_.pop_back();
     if (states_[index] == kReached) continue;
-    if (FloodBlock* block = surface_block(index)) {
-      const BrickMask unreached = ~(block->surface_nodes | block->reached_nodes);
-      const BrickMask added = flooded(inflow(index) | block->seeds, unreached);
-      block->reached_nodes = block->reached_nodes | added;
-      block->seeds = {};
+    if (FloodCell* cell = surface_cell(index)) {
+      const BrickMask unreached = ~(cell->surface_nodes | cell->reached_nodes);
+      const BrickMask added = flooded(inflow(index) | cell->seeds, unreached);
+      cell->reached_nodes = cell->reached_nodes | added;
+      cell->seeds = {};
       announce(index, added);
     } else {
       states_[index] = kReached;
@@ -349,51 +351,51 @@ void Flood::spread_blocks() {
   }
 }
 
-// What a filled node has reached on its sides flows on.
+// Wakes the neighbors of a node across the sides that its fill changed.
 void Flood::tell_neighbors(const FloodNode& node) {
   for (int side = 0; side < kSides; ++side) {
     if ((node.changed_sides >> side & 1) == 0) continue;
-    const Cell cell = cell_across(node, side);
-    if (cell.block == kOutside || states_[cell.block] == kReached) continue;
-    if (FloodBlock* block = surface_block(cell.block)) {
-      if (test(block->surface_nodes, cell.place)) {
-        wake(block->node_of[cell.place], opposite(side));
+    const NodePlace at = node_across(node, side);
+    if (at.cell == kOutside || states_[at.cell] == kReached) continue;
+    if (FloodCell* cell = surface_cell(at.cell)) {
+      if (test(cell->surface_nodes, at.entry)) {
+        wake(cell->node_of[at.entry], opposite(side));
         continue;
       }
-      set(block->seeds, cell.place);
+      set(cell->seeds, at.entry);
     }
-    pending_blocks_.push_back(cell.block);
+    pending_cells_.push_back(at.cell);
   }
 }
 
-// Everything beyond the object's blocks is reached.
+// Everything beyond the object's directory cells is reached.
 void Flood::open_border() {
-  for (std::size_t block = 0; block < states_.size(); ++block) {
+  for (std::size_t cell = 0; cell < states_.size(); ++cell) {
     bool border = false;
     for (int side = 0; side < kSides; ++side) {
-      if (block_across(block, side) != kOutside) continue;
+      if (cell_across(cell, side) != kOutside) continue;
       border = true;
-      wake_all(block, side_cells(full_mask(), side), side);
+      wake_all(cell, side_cells(full_mask(), side), side);
     }
-    if (border) pending_blocks_.push_back(block);
+    if (border) pending_cells_.push_back(cell);
   }
 }
 
 void Flood::seed(const Coord& voxel) {
-  const std::size_t index = block_at(voxel);
+  const std::size_t index = cell_at(voxel);
   if (index == kOutside) return;
-  FloodBlock* block = surface_block(index);
-  if (block == nullptr) {
-    pending_blocks_.push_back(index);
+  FloodCell* cell = surface_cell(index);
+  if (cell == nullptr) {
+    pending_cells_.push_back(index);
     return;
   }
-  const unsigned place = UpperMaskNode::coordToOffset(voxel);
-  if (!test(block->surface_nodes, place)) {
-    set(block->seeds, place);
-    pending_blocks_.push_back(index);
+  const unsigned entry = UpperMaskNode::coordToOffset(voxel);
+  if (!test(cell->surface_nodes, entry)) {
+    set(cell->seeds, entry);
+    pending_cells_.push_back(index);
     return;
   }
-  seed_node(block->node_of[place], LowerMaskNode::coordToOffset(voxel),
+  seed_node(cell->node_of[entry], LowerMaskNode::coordToOffset(voxel),
             MaskLeaf::coordToOffset(voxel));
 }
 
@@ -423,7 +425,7 @@ void Flood::fill(FloodNode& node, NodeFill::Pending& pending) const {
 void Flood::run(std::span<const Coord> seeds) {
   open_border();
   for (const Coord& voxel : seeds) seed(voxel);
-  spread_blocks();
+  spread_cells();
   tbb::enumerable_thread_specific<NodeFill::Pending> pending;
   while (!awake_.empty()) {
     const std::vector<std::uint32_t> round = std::move(awake_);
@@ -431,11 +433,11 @@ void Flood::run(std::span<const Coord> seeds) {
     tbb::parallel_for(std::size_t{0}, round.size(),
                       [&](std::size_t i) { fill(nodes_[round[i]], pending.local()); });
     for (const std::uint32_t node : round) tell_neighbors(nodes_[node]);
-    spread_blocks();
+    spread_cells();
   }
 }
 
-// The interior of a node with surface; none where it has no interior.
+// The interior of a node with surface; null where it has none.
 std::unique_ptr<LowerMaskNode> interior_node(const FloodNode& node, const Coord& origin) {
   auto result = std::make_unique<LowerMaskNode>(origin, false, false);
   const BrickMask unreached = ~(node.surface_bricks | node.reached_bricks);
@@ -460,18 +462,18 @@ std::unique_ptr<MaskTree> Flood::interior() const {
   });
   auto tree = std::make_unique<MaskTree>();
   for (std::size_t index = 0; index < states_.size(); ++index) {
-    const Coord origin = block_origin(index);
-    const FloodBlock* block = surface_block(index);
-    if (block == nullptr) {
+    const Coord origin = cell_origin(index);
+    const FloodCell* cell = surface_cell(index);
+    if (cell == nullptr) {
       if (states_[index] == kUnreached) tree->addTile(origin, true, true);
       continue;
     }
     auto upper = std::make_unique<UpperMaskNode>(origin, false, false);
-    const BrickMask unreached = ~(block->surface_nodes | block->reached_nodes);
+    const BrickMask unreached = ~(cell->surface_nodes | cell->reached_nodes);
     bool any = unreached.any();
     for_each_set(unreached, [&](unsigned n) { upper->addTile(n, true, true); });
-    for_each_set(block->surface_nodes, [&](unsigned n) {
-      auto& node = nodes[block->node_of[n]];
+    for_each_set(cell->surface_nodes, [&](unsigned n) {
+      auto& node = nodes[cell->node_of[n]];
       if (node == nullptr) return;
       any = true;
       upper->addChild(node.release());

@@ -1,12 +1,11 @@
-// F and I of one object: what the outside reaches without entering the surface, and the rest.
+// F and I of one object: the voxels that the outside reaches without entering the surface, and the
+// rest.
 #pragma once
 
 #include <memory>
-
 #include <span>
 
 #include "voxelize/masks/mask_tree.h"
-#include "voxelize/scan/snap.h"
 
 namespace forcelayer {
 

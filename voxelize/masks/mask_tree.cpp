@@ -1,6 +1,6 @@
 #include "voxelize/masks/mask_tree.h"
 
-#include "voxelize/masks/brick_bits.h"
+#include "formats/lattice/brick_bits.h"
 
 namespace forcelayer {
 namespace {
@@ -10,8 +10,7 @@ void unite_leaves(MaskLeaf& leaf, const MaskLeaf& other) {
   assign(leaf, brick_of(leaf) | brick_of(other));
 }
 
-// Adds entry n of `other`, which is taken out of it, to the same entry of `node`. An active tile
-// holds everything that could be added to it.
+// Moves entry n of `other` into the same entry of `node`. An active tile already holds all voxels.
 template <class Node, class UniteChildren>
 void unite_entry(Node& node, Node& other, unsigned n, UniteChildren&& unite_children) {
   if (node.getValueMask().isOn(n)) return;
@@ -36,8 +35,8 @@ void unite_nodes(Node& node, Node& other, UniteChildren&& unite_children) {
   for_each_set(used, [&](unsigned n) { unite_entry(node, other, n, unite_children); });
 }
 
-void unite_blocks(UpperMaskNode& block, UpperMaskNode& other) {
-  unite_nodes(block, other, [](LowerMaskNode& node, LowerMaskNode& other_node) {
+void unite_upper_nodes(UpperMaskNode& upper, UpperMaskNode& other) {
+  unite_nodes(upper, other, [](LowerMaskNode& node, LowerMaskNode& other_node) {
     unite_nodes(node, other_node,
                 [](MaskLeaf& leaf, const MaskLeaf& other_leaf) { unite_leaves(leaf, other_leaf); });
   });
@@ -47,28 +46,28 @@ void unite_blocks(UpperMaskNode& block, UpperMaskNode& other) {
 
 void add_node(MaskTree& tree, std::unique_ptr<LowerMaskNode> node) {
   const Coord origin = node->origin();
-  UpperMaskNode* block = tree.probeNode<UpperMaskNode>(origin);
-  if (block == nullptr) {
-    block = new UpperMaskNode(origin, false, false);
-    tree.addChild(block);
+  UpperMaskNode* upper = tree.probeNode<UpperMaskNode>(origin);
+  if (upper == nullptr) {
+    upper = new UpperMaskNode(origin, false, false);
+    tree.addChild(upper);
   }
-  block->addChild(node.release());
+  upper->addChild(node.release());
 }
 
 void unite(MaskTree& tree, MaskTree&& other) {
-  std::vector<Coord> full_blocks, blocks;
+  std::vector<Coord> full_cells, cells;
   for (auto tile = other.cbeginValueOn(); tile; ++tile) {
-    full_blocks.push_back(tile.getCoord());
+    full_cells.push_back(tile.getCoord());
   }
-  for (auto block = other.cbeginChildOn(); block; ++block) blocks.push_back(block->origin());
-  for (const Coord& origin : full_blocks) tree.addTile(origin, true, true);
-  for (const Coord& origin : blocks) {
+  for (auto upper = other.cbeginChildOn(); upper; ++upper) cells.push_back(upper->origin());
+  for (const Coord& origin : full_cells) tree.addTile(origin, true, true);
+  for (const Coord& origin : cells) {
     if (tree.isValueOn(origin) && tree.probeConstNode<UpperMaskNode>(origin) == nullptr) {
-      continue;  // a full block
+      continue;  // a full directory cell
     }
-    UpperMaskNode* other_block = other.probeNode<UpperMaskNode>(origin);
-    if (UpperMaskNode* block = tree.probeNode<UpperMaskNode>(origin)) {
-      unite_blocks(*block, *other_block);
+    UpperMaskNode* other_upper = other.probeNode<UpperMaskNode>(origin);
+    if (UpperMaskNode* upper = tree.probeNode<UpperMaskNode>(origin)) {
+      unite_upper_nodes(*upper, *other_upper);
     } else {
       tree.addChild(other.stealNode<UpperMaskNode>(origin, false, false));
     }

@@ -12,7 +12,7 @@
 #include <cstdint>
 #include <memory>
 
-#include "formats/mesh/voxel_overlap.h"
+#include "formats/lattice/voxel_overlap.h"
 
 namespace forcelayer {
 
@@ -20,7 +20,7 @@ using MaskLeaf = openvdb::tree::LeafNode<openvdb::ValueMask, 3>;      // 8^3 vox
 using LowerMaskNode = openvdb::tree::InternalNode<MaskLeaf, 3>;       // 64^3 voxels
 using UpperMaskNode = openvdb::tree::InternalNode<LowerMaskNode, 3>;  // 512^3 voxels
 // The root of an openvdb::tree::Tree4<openvdb::ValueMask, 3, 3, 3>::Type. The tree class around it
-// would add input and output alone, and with them the loading of the whole library at every start.
+// adds only input and output, which would load the whole library at every start.
 using MaskTree = openvdb::tree::RootNode<UpperMaskNode>;
 using openvdb::Coord;
 
@@ -55,10 +55,10 @@ inline Coord entry_origin(const Coord& origin, unsigned n, int edge) {
                          static_cast<int>(n & 7) * edge);
 }
 
-// Puts `node` into the tree in place of what stands there.
+// Puts `node` into the tree, in place of the node or tile there.
 void add_node(MaskTree& tree, std::unique_ptr<LowerMaskNode> node);
 
-// Adds the voxels of `other`, whose nodes are moved where they can be.
+// Adds the voxels of `other`, moving its nodes where possible.
 void unite(MaskTree& tree, MaskTree&& other);
 
 std::uint64_t voxel_count(const MaskTree& tree);

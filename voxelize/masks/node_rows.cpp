@@ -1,19 +1,9 @@
 #include "voxelize/masks/node_rows.h"
 
-#include <bit>
-
-#include "voxelize/masks/brick_bits.h"
+#include "formats/lattice/brick_bits.h"
 
 namespace forcelayer {
 namespace {
-
-static_assert(std::endian::native == std::endian::little, "rows are filled byte by byte");
-
-// Puts the eight rows of a brick's plane into byte `byte` of rows along z.
-void write_rows(std::uint64_t word, std::uint64_t* rows, unsigned byte) {
-  auto* bytes = reinterpret_cast<unsigned char*>(rows) + byte;
-  for (int y = 0; y < 8; ++y) bytes[y * 8] = static_cast<unsigned char>(word >> (8 * y));
-}
 
 std::uint64_t read_rows(const std::uint64_t* rows, unsigned byte) {
   std::uint64_t word = 0;

@@ -1,7 +1,8 @@
-// The voxels of one 64^3 node as rows along z, for steps that look at many of them at once.
+// The voxels of one 64^3 node as rows along z, for steps that read many of them at once.
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <memory>
 
@@ -11,8 +12,18 @@ namespace forcelayer {
 
 using NodeRows = std::array<std::uint64_t, 4096>;  // [x*64 + y], bit z
 
-// The voxels of a tree's node at `origin`, be it there or a tile.
+// The voxels of the tree in the node at `origin`, whether it has a node there or a tile.
 void node_rows(const MaskTree& tree, const Coord& origin, NodeRows& rows);
+
+// Writes eight rows of a brick's plane, rows first_y to end_y - 1, as byte `byte` of rows along z.
+inline void write_rows(std::uint64_t word, std::uint64_t* rows, unsigned byte, int first_y = 0,
+                       int end_y = 8) {
+  static_assert(std::endian::native == std::endian::little, "rows are filled byte by byte");
+  auto* bytes = reinterpret_cast<unsigned char*>(rows) + byte;
+  for (int y = first_y; y < end_y; ++y) {
+    bytes[y * 8] = static_cast<unsigned char>(word >> (8 * y));
+  }
+}
 
 // A node with these voxels.
 std::unique_ptr<LowerMaskNode> node_of_rows(const NodeRows& rows, const Coord& origin);

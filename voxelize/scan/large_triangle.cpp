@@ -33,11 +33,11 @@ HWY_INLINE std::uint64_t range_bits(std::int64_t first, std::int64_t last) {
 struct Edge {
   std::int64_t a, b;  // a u + b w >= value on the triangle's side
   std::int64_t value;
-  std::int64_t above;  // of the positive ones of a and b: how far up a cell reaches
+  std::int64_t above;  // sum of the positive ones of a and b: how far up a cell reaches
 
-  // Of cells, counted from the node's lowest: all pass where the least sum that passes is at most
-  // all_pass, none where it is more than some_pass.
-  std::int64_t least;  // of voxels
+  // A cell passes where a u + b w is at least a bound. Of the 8x8 cells all pass where the bound is
+  // at most all_pass, none where it exceeds some_pass. `least` is the bound for voxels.
+  std::int64_t least;
   std::int64_t all_pass, some_pass;
   SquareCells::Table sums;
 
@@ -89,7 +89,7 @@ HWY_INLINE std::int64_t set_up_projection(const LatticeTriangle& corners, const 
 }
 
 // The cells of 8x8 that pass all three edges, where least[k] is the least sum that passes edge k.
-// Without branches: which edges cut the cells is too irregular to be foreseen.
+// Without branches, which would be mispredicted: which edges cut the cells is irregular.
 HWY_INLINE std::uint64_t passing(const Edges& edges, const std::array<std::int64_t, 3>& least) {
   std::array<std::int32_t, 3> below;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -127,8 +127,8 @@ class LargeTriangle {
     }
     lo_ = least_sum(plane_, kSnapBits);
     hi_ = greatest_sum(plane_, kSnapBits);
-    // Sums of cells lie between 7 down and 7 up; wrapped to 32 bits, they must not come around to
-    // the far side of lo..hi, which is at most as wide as up - down + 1.
+    // Sums of cells lie between 7 down and 7 up, and hi - lo is at most up - down + 1. Wrapped to
+    // 32 bits, a sum outside lo..hi must not look like one inside.
     narrow_ = 8 * (up_ - down_) + 1 < (std::int64_t{1} << 32);
     SquareCells::tabulate(static_cast<std::int32_t>(normal_[1]),
                           static_cast<std::int32_t>(normal_[2]), plane_sums_);

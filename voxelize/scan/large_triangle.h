@@ -1,12 +1,11 @@
-// Drawing of a triangle that is not small: which bricks of the node it hits, then brick by brick,
-// cells in vector lanes.
-//
-// It marks exactly the voxels that TriangleOverlap finds, which is its slow twin.
+// Drawing of a triangle that is not small: finds the bricks of the node that it hits, then the
+// voxels brick by brick, cells in vector lanes. Its slow twin is TriangleOverlap, which finds the
+// same voxels.
 #pragma once
 
 #include <cstdint>
 
-#include "formats/mesh/voxel_overlap.h"
+#include "formats/lattice/voxel_overlap.h"
 #include "voxelize/scan/node_canvas.h"
 
 namespace forcelayer {

@@ -11,18 +11,7 @@ namespace {
 constexpr int kLog2NodeUnits = kSnapBits + 6;   // lattice units of a node's edge
 constexpr std::size_t kChunkTriangles = 16384;  // a task
 
-struct NodeHash {
-  std::size_t operator()(const NodeIndex& node) const {
-    std::uint64_t hash = 0;
-    for (const std::int64_t x : node) {
-      hash = (hash ^ static_cast<std::uint64_t>(x)) * 0x9e3779b97f4a7c15u;
-      hash ^= hash >> 29;
-    }
-    return hash;
-  }
-};
-
-// The nodes that a run of consecutive triangles touches, and who touches which.
+// The nodes that a run of consecutive triangles touches, and the pairs of node and triangle.
 class ChunkBins {
  public:
   struct Entry {
@@ -31,7 +20,7 @@ class ChunkBins {
   };
 
   void add(const NodeIndex& node, std::uint32_t triangle) {
-    // Not by !=, which calls memcmp.
+    // Not !=, which calls memcmp.
     if (nodes.empty() ||
         ((node[0] ^ last_node_[0]) | (node[1] ^ last_node_[1]) | (node[2] ^ last_node_[2])) != 0) {
       last_ = index_of(node);
@@ -55,12 +44,12 @@ class ChunkBins {
     return found->second;
   }
 
-  std::unordered_map<NodeIndex, std::uint32_t, NodeHash> index_;
+  std::unordered_map<NodeIndex, std::uint32_t, IndexHash> index_;
   std::uint32_t last_ = 0;
   NodeIndex last_node_{};
 };
 
-// The 26 nodes around each of `nodes` too, as far as they lie in the box; each once.
+// Adds the 26 nodes around each of `nodes` that lie in the box; each node once.
 void add_neighbors(const NodeIndex& low, const NodeIndex& high, std::vector<NodeIndex>& nodes) {
   std::vector<NodeIndex> all;
   for (const NodeIndex& node : nodes) {
@@ -80,7 +69,7 @@ void add_spanning(ChunkBins& bins, const LatticeTriangle& triangle, std::uint32_
                   const NodeIndex& low, const NodeIndex& high, int reach) {
   const std::int64_t span =
       (high[0] - low[0] + 1) * (high[1] - low[1] + 1) * (high[2] - low[2] + 1);
-  // Cheaper to draw it in a node that it misses than to find that out here.
+  // To draw the triangle in a node that it misses is cheaper than to find that out here.
   if (span <= (reach == 0 ? 4 : 8)) {
     for (std::int64_t x = low[0]; x <= high[0]; ++x) {
       for (std::int64_t y = low[1]; y <= high[1]; ++y) {

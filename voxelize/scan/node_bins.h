@@ -1,5 +1,4 @@
-// Triangles sorted into the 64^3-voxel nodes that they may touch, so that each node can be drawn by
-// one task that nobody else writes to.
+// Triangles sorted into the 64^3-voxel nodes that they may touch, so that one task draws each node.
 #pragma once
 
 #include <cstdint>
@@ -17,8 +16,8 @@ struct NodeBins {
   std::vector<std::uint32_t> triangles;  // triangle numbers, ascending within a node
 };
 
-// A triangle is listed in every node that it hits or comes nearer to than `reach` voxels (at most
-// 64) and, where its box spans few nodes, in some that it misses.
+// Lists a triangle in every node that it hits or comes nearer to than `reach` voxels (at most 64),
+// and possibly in others.
 NodeBins bin_triangles(const SnappedObject& object, int reach = 0);
 
 }  // namespace forcelayer

@@ -4,13 +4,13 @@
 #include <array>
 #include <cstdint>
 
-#include "formats/mesh/voxel_overlap.h"
+#include "formats/lattice/voxel_overlap.h"
 
 namespace forcelayer {
 
 struct NodeCanvas {
   BrickMask touched;                  // bricks that have been drawn to
-  std::array<BrickMask, 512> bricks;  // content of those that have
+  std::array<BrickMask, 512> bricks;  // undefined where not touched
 
   void clear() { touched = {}; }
 

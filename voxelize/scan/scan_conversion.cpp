@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <memory>
 
-#include "voxelize/masks/brick_bits.h"
+#include "formats/lattice/brick_bits.h"
 #include "voxelize/scan/large_triangle.h"
 #include "voxelize/scan/node_bins.h"
 #include "voxelize/scan/node_canvas.h"
@@ -48,7 +48,7 @@ class NodeDrawing {
     }
   }
 
-  // What was drawn as a node at `origin`, voxels of the scene.
+  // The drawing, as a node at `origin` (voxels of the scene).
   std::unique_ptr<LowerMaskNode> finish(const Coord& origin) {
     small_.finish(canvas_);
     auto node = std::make_unique<LowerMaskNode>(origin, false, false);
@@ -61,7 +61,7 @@ class NodeDrawing {
   }
 
  private:
-  // Of any extent: which bricks of the node the triangle hits, then brick by brick.
+  // For a triangle of any extent: the bricks of the node that it hits, then brick by brick.
   void draw_huge(const TriangleOverlap& triangle) {
     for_each_cell(triangle.cells(origin_, 3), [&](unsigned x, unsigned y, unsigned z) {
       const BrickMask mask =

@@ -33,7 +33,7 @@ using Lanes = SmallTriangles::Lanes;
 
 // Every triangle's tests in its own window, which starts at the lowest of its voxels. Units and
 // derivation are those of TriangleOverlap.
-struct alignas(64) Prepared {
+struct alignas(64) WindowTests {
   std::array<Lanes, 3> low;     // lowest voxel, from the node's lowest
   std::array<Lanes, 3> span;    // voxels beyond the lowest
   std::array<Lanes, 3> normal;  // twice the area vector
@@ -54,7 +54,7 @@ HWY_INLINE void store(Vector value, Lanes& lanes, std::size_t first) {
 }
 
 HWY_INLINE void prepare_edge(Vector a, Vector b, Vector u0, Vector w0, std::size_t first,
-                             Prepared::Edge& edge) {
+                             WindowTests::Edge& edge) {
   const Vector zero = hn::Zero(kLanes);
   const Vector reach = Add(Max(a, zero), Max(b, zero));
   const Vector value = Add(Mul(a, u0), Mul(b, w0));
@@ -71,7 +71,7 @@ HWY_INLINE void prepare_edge(Vector a, Vector b, Vector u0, Vector w0, std::size
 // line bounds it from both sides, and the third edge lets everything pass.
 HWY_INLINE void prepare_projection(const std::array<Vector3, 3>& corners,
                                    const std::array<Vector3, 3>& sides, Vector area, std::size_t d,
-                                   std::size_t first, Prepared& prepared) {
+                                   std::size_t first, WindowTests& tests) {
   const std::size_t u = kU[d], w = kW[d];
   const Vector zero = hn::Zero(kLanes);
   const auto negative = Lt(area, zero);
@@ -89,45 +89,45 @@ HWY_INLINE void prepare_projection(const std::array<Vector3, 3>& corners,
     b = IfThenElse(flat, flat_b, b);
     const Vector u0 = IfThenElse(flat, corners[0][u], corners[k][u]);
     const Vector w0 = IfThenElse(flat, corners[0][w], corners[k][w]);
-    prepare_edge(a, b, u0, w0, first, prepared.edges[d][k]);
+    prepare_edge(a, b, u0, w0, first, tests.edges[d][k]);
   }
 }
 
 HWY_INLINE void prepare(const SmallTriangles::Corners& units, std::size_t first,
-                        Prepared& prepared) {
+                        WindowTests& tests) {
   std::array<Vector3, 3> corners, sides;
   for (std::size_t d = 0; d < 3; ++d) {
     for (std::size_t k = 0; k < 3; ++k) corners[k][d] = load(units[k][d], first);
     const Vector least = Min(corners[0][d], Min(corners[1][d], corners[2][d]));
     const Vector most = Max(corners[0][d], Max(corners[1][d], corners[2][d]));
     const Vector low = ShiftRight<kSnapBits>(least);
-    store(low, prepared.low[d], first);
-    store(Sub(ShiftRight<kSnapBits>(most), low), prepared.span[d], first);
+    store(low, tests.low[d], first);
+    store(Sub(ShiftRight<kSnapBits>(most), low), tests.span[d], first);
     for (std::size_t k = 0; k < 3; ++k) {
       corners[k][d] = Sub(corners[k][d], hn::ShiftLeft<kSnapBits>(low));
     }
     for (std::size_t k = 0; k < 3; ++k) sides[k][d] = Sub(corners[(k + 1) % 3][d], corners[k][d]);
-    store(corners[0][d], prepared.anchor[d], first);
+    store(corners[0][d], tests.anchor[d], first);
   }
   // sides[2] runs from corner 2 back to corner 0.
   const auto area = [&](std::size_t u, std::size_t w) {
     return Sub(Mul(sides[0][w], sides[2][u]), Mul(sides[0][u], sides[2][w]));
   };
   const Vector3 areas = {area(1, 2), area(0, 2), area(0, 1)};
-  store(areas[0], prepared.normal[0], first);
-  store(Neg(areas[1]), prepared.normal[1], first);
-  store(areas[2], prepared.normal[2], first);
+  store(areas[0], tests.normal[0], first);
+  store(Neg(areas[1]), tests.normal[1], first);
+  store(areas[2], tests.normal[2], first);
   for (std::size_t d = 0; d < 3; ++d) {
-    prepare_projection(corners, sides, areas[d], d, first, prepared);
+    prepare_projection(corners, sides, areas[d], d, first, tests);
   }
 }
 
-HWY_INLINE HalfPlane half_plane(const Prepared::Edge& edge, std::size_t t) {
+HWY_INLINE HalfPlane half_plane(const WindowTests::Edge& edge, std::size_t t) {
   return {edge.a[t], edge.b[t], edge.below[t]};
 }
 
 // Where triangle t's shadow is, as bits u*8 + w.
-HWY_INLINE std::uint64_t shadow(const std::array<Prepared::Edge, 3>& edges, std::size_t t) {
+HWY_INLINE std::uint64_t shadow(const std::array<WindowTests::Edge, 3>& edges, std::size_t t) {
   return SquareCells::inside(half_plane(edges[0], t), half_plane(edges[1], t),
                              half_plane(edges[2], t));
 }
@@ -147,11 +147,11 @@ struct Bounds {
   std::int32_t lo;
   std::uint32_t width;
 };
-HWY_INLINE Bounds plane_bounds(const Prepared& prepared, std::size_t t) {
+HWY_INLINE Bounds plane_bounds(const WindowTests& tests, std::size_t t) {
   std::int64_t value = 0, up = 0, down = 0;
   for (std::size_t d = 0; d < 3; ++d) {
-    const std::int64_t n = prepared.normal[d][t];
-    value += n * prepared.anchor[d][t];
+    const std::int64_t n = tests.normal[d][t];
+    value += n * tests.anchor[d][t];
     up += std::max<std::int64_t>(n, 0);
     down += std::min<std::int64_t>(n, 0);
   }
@@ -161,31 +161,30 @@ HWY_INLINE Bounds plane_bounds(const Prepared& prepared, std::size_t t) {
 }
 
 // The hit cells of a triangle of at most 8 voxels along every axis.
-HWY_INLINE void find_cells(const Prepared& prepared, std::size_t t, Window& window) {
-  const unsigned span_x = static_cast<unsigned>(prepared.span[0][t]);
-  const std::uint64_t rows_y = (std::uint64_t{2} << prepared.span[1][t]) - 1;
-  const std::uint64_t columns_z = (std::uint64_t{2} << prepared.span[2][t]) - 1;
+HWY_INLINE void find_cells(const WindowTests& tests, std::size_t t, Window& window) {
+  const unsigned span_x = static_cast<unsigned>(tests.span[0][t]);
+  const std::uint64_t rows_y = (std::uint64_t{2} << tests.span[1][t]) - 1;
+  const std::uint64_t columns_z = (std::uint64_t{2} << tests.span[2][t]) - 1;
   // A triangle in one layer of voxels hits those below its projection.
   if (span_x == 0) {
-    window[0] = shadow(prepared.edges[0], t) & fill_rows(rows_y) & columns_z * kFirstColumn;
+    window[0] = shadow(tests.edges[0], t) & fill_rows(rows_y) & columns_z * kFirstColumn;
     return;
   }
-  if (prepared.span[1][t] == 0) {
-    const std::uint64_t cells = shadow(prepared.edges[1], t) & columns_z * kFirstColumn;
+  if (tests.span[1][t] == 0) {
+    const std::uint64_t cells = shadow(tests.edges[1], t) & columns_z * kFirstColumn;
     for (unsigned x = 0; x <= span_x; ++x) window[x] = cells >> (8 * x) & 0xff;
     return;
   }
-  if (prepared.span[2][t] == 0) {
-    const std::uint64_t cells = shadow(prepared.edges[2], t) & rows_y * kFirstColumn;
+  if (tests.span[2][t] == 0) {
+    const std::uint64_t cells = shadow(tests.edges[2], t) & rows_y * kFirstColumn;
     for (unsigned x = 0; x <= span_x; ++x) window[x] = fill_rows(cells >> (8 * x)) & kFirstColumn;
     return;
   }
-  const std::uint64_t along_x = shadow(prepared.edges[0], t);
-  const std::uint64_t along_y = shadow(prepared.edges[1], t);  // x*8 + z
-  const std::uint64_t along_z = shadow(prepared.edges[2], t);  // x*8 + y
-  const Bounds bounds = plane_bounds(prepared, t);
-  const std::int32_t nx = prepared.normal[0][t], ny = prepared.normal[1][t],
-                     nz = prepared.normal[2][t];
+  const std::uint64_t along_x = shadow(tests.edges[0], t);
+  const std::uint64_t along_y = shadow(tests.edges[1], t);  // x*8 + z
+  const std::uint64_t along_z = shadow(tests.edges[2], t);  // x*8 + y
+  const Bounds bounds = plane_bounds(tests, t);
+  const std::int32_t nx = tests.normal[0][t], ny = tests.normal[1][t], nz = tests.normal[2][t];
   unsigned planes = cells_below(
       along_x, along_y & columns_z * kFirstColumn,
       along_z & rows_y * kFirstColumn & (~std::uint64_t{0} >> (56 - 8 * span_x)), window);
@@ -200,7 +199,7 @@ HWY_INLINE void find_cells(const Prepared& prepared, std::size_t t, Window& wind
 
 // Where all three edges' tests pass, cell (u, w) as bit u*kSide + w, triangle by triangle.
 template <unsigned kSide>
-HWY_INLINE Vector shadows(const std::array<Prepared::Edge, 3>& edges, std::size_t first) {
+HWY_INLINE Vector shadows(const std::array<WindowTests::Edge, 3>& edges, std::size_t first) {
   std::array<Vector, 3> row, step_u, step_w;  // values less `below`
   for (std::size_t k = 0; k < 3; ++k) {
     step_u[k] = load(edges[k].a, first);
@@ -226,13 +225,13 @@ HWY_INLINE Vector shadows(const std::array<Prepared::Edge, 3>& edges, std::size_
 struct LaneBounds {
   Vector lo, width;
 };
-HWY_INLINE LaneBounds lane_bounds(const Prepared& prepared, std::size_t first) {
+HWY_INLINE LaneBounds lane_bounds(const WindowTests& tests, std::size_t first) {
   const Vector zero = hn::Zero(kLanes), one = hn::Set(kLanes, 1);
   const Vector fraction = hn::Set(kLanes, int{kSnapUnits} - 1);
   Vector whole = zero, rest = zero;  // n . anchor is 2^10 whole + rest
   Vector up = zero, down = zero;
   for (std::size_t d = 0; d < 3; ++d) {
-    const Vector n = load(prepared.normal[d], first), at = load(prepared.anchor[d], first);
+    const Vector n = load(tests.normal[d], first), at = load(tests.anchor[d], first);
     const Vector n_high = ShiftRight<kSnapBits>(n), n_low = hn::And(n, fraction);
     const Vector at_high = ShiftRight<kSnapBits>(at), at_low = hn::And(at, fraction);
     whole = Add(whole, Add(Mul(n, at_high), Mul(n_high, at_low)));
@@ -262,22 +261,22 @@ HWY_INLINE Vector filled_rows(Vector bits) {
 // The hit cells of triangles of at most kSide voxels along every axis, kSide 2 or 4: cell (x, y, z)
 // as bit y*kSide + z of the triangle's lane of words[x].
 template <unsigned kSide>
-HWY_INLINE void find_cells_in_lanes(const Prepared& prepared, std::size_t first,
+HWY_INLINE void find_cells_in_lanes(const WindowTests& tests, std::size_t first,
                                     std::array<Lanes, kSide>& words) {
   constexpr int kRow = (1 << kSide) - 1;
   const Vector row = hn::Set(kLanes, kRow), two = hn::Set(kLanes, 2), one = hn::Set(kLanes, 1);
   const auto range = [&](std::size_t d)
-                         HWY_ATTR { return Sub(hn::Shl(two, load(prepared.span[d], first)), one); };
+                         HWY_ATTR { return Sub(hn::Shl(two, load(tests.span[d], first)), one); };
   const Vector rows_y = range(1), columns_z = range(2);
-  const Vector along_x = shadows<kSide>(prepared.edges[0], first);
-  Vector along_y = shadows<kSide>(prepared.edges[1], first);  // x*kSide + z
-  Vector along_z = shadows<kSide>(prepared.edges[2], first);  // x*kSide + y
+  const Vector along_x = shadows<kSide>(tests.edges[0], first);
+  Vector along_y = shadows<kSide>(tests.edges[1], first);  // x*kSide + z
+  Vector along_z = shadows<kSide>(tests.edges[2], first);  // x*kSide + y
 
-  const LaneBounds bounds = lane_bounds(prepared, first);
+  const LaneBounds bounds = lane_bounds(tests, first);
   constexpr hn::RebindToUnsigned<decltype(kLanes)> kUnsigned;
   const auto width = hn::BitCast(kUnsigned, bounds.width);
-  const Vector nx = load(prepared.normal[0], first), ny = load(prepared.normal[1], first),
-               nz = load(prepared.normal[2], first);
+  const Vector nx = load(tests.normal[0], first), ny = load(tests.normal[1], first),
+               nz = load(tests.normal[2], first);
   Vector plane = Neg(bounds.lo);
   for (unsigned x = 0; x < kSide; ++x) {
     Vector bits = hn::Zero(kLanes), line = plane;
@@ -304,11 +303,11 @@ HWY_INLINE void find_cells_in_lanes(const Prepared& prepared, std::size_t first,
 // Moves a window into the bricks of the canvas below it.
 class WindowMover {
  public:
-  HWY_INLINE WindowMover(const Prepared& prepared, std::size_t t, NodeCanvas& canvas)
+  HWY_INLINE WindowMover(const WindowTests& tests, std::size_t t, NodeCanvas& canvas)
       : canvas_(canvas) {
     for (std::size_t d = 0; d < 3; ++d) {
-      low_[d] = prepared.low[d][t];
-      span_[d] = prepared.span[d][t];
+      low_[d] = tests.low[d][t];
+      span_[d] = tests.span[d][t];
     }
   }
 
@@ -346,39 +345,39 @@ class WindowMover {
 };
 
 template <unsigned kSide>
-HWY_INLINE void draw_prepared(const Prepared& prepared, std::size_t count, NodeCanvas& canvas) {
+HWY_INLINE void draw_windows(const WindowTests& tests, std::size_t count, NodeCanvas& canvas) {
   Window window;
   if constexpr (kSide == 8) {
     for (std::size_t t = 0; t < count; ++t) {
-      find_cells(prepared, t, window);
-      WindowMover(prepared, t, canvas).move(window);
+      find_cells(tests, t, window);
+      WindowMover(tests, t, canvas).move(window);
     }
   } else {
     alignas(64) std::array<Lanes, kSide> words;
     for (std::size_t first = 0; first < count; first += hn::Lanes(kLanes)) {
-      find_cells_in_lanes<kSide>(prepared, first, words);
+      find_cells_in_lanes<kSide>(tests, first, words);
     }
     for (std::size_t t = 0; t < count; ++t) {
       for (unsigned x = 0; x < kSide; ++x) {
         window[x] = widen_rows<kSide>(static_cast<std::uint32_t>(words[x][t]));
       }
-      WindowMover(prepared, t, canvas).move(window);
+      WindowMover(tests, t, canvas).move(window);
     }
   }
 }
 
 void draw_batch(const SmallTriangles::Batch& batch, unsigned side, NodeCanvas& canvas) {
-  Prepared prepared;
+  WindowTests tests;
   for (std::size_t first = 0; first < batch.count; first += hn::Lanes(kLanes)) {
-    prepare(batch.corners, first, prepared);
+    prepare(batch.corners, first, tests);
   }
   switch (side) {
     case 2:
-      return draw_prepared<2>(prepared, batch.count, canvas);
+      return draw_windows<2>(tests, batch.count, canvas);
     case 4:
-      return draw_prepared<4>(prepared, batch.count, canvas);
+      return draw_windows<4>(tests, batch.count, canvas);
     default:
-      return draw_prepared<8>(prepared, batch.count, canvas);
+      return draw_windows<8>(tests, batch.count, canvas);
   }
 }
 

@@ -1,6 +1,5 @@
-// Drawing of small triangles, which most are: many at once, in 32-bit lanes.
-//
-// It marks exactly the voxels that TriangleOverlap finds, which is its slow twin.
+// Drawing of small triangles, as most are: many at once, in 32-bit lanes. Its slow twin is
+// TriangleOverlap, which finds the same voxels.
 #pragma once
 
 #include <array>

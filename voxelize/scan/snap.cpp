@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kGrain = 4096;  // elements a task
 
-// Largest |coordinate| of the world position that led to a lattice point, in metres.
+// Largest |coordinate| of the world position that led to a lattice point, in meters.
 double largest_coordinate(const VoxelBox& box, double voxel_size_m) {
   double largest = 0;
   for (std::size_t d = 0; d < 3; ++d) {
@@ -25,8 +25,8 @@ double largest_coordinate(const VoxelBox& box, double voxel_size_m) {
   return largest * voxel_size_m;
 }
 
-// Half a lattice step per axis, and what placing and dividing round off: no more than eight
-// roundings of the largest coordinate per axis.
+// Half a lattice step per axis, and the rounding of placing and dividing: at most eight roundings
+// of the largest coordinate per axis.
 double snap_error(const VoxelBox& box, double voxel_size_m) {
   const double step_m = voxel_size_m / static_cast<double>(kSnapUnits);
   const double rounding_m =
@@ -72,44 +72,6 @@ VoxelBox corner_box(const SnappedObject& object) {
 }
 
 }  // namespace
-
-void VoxelBox::include(const VoxelBox& other) {
-  for (std::size_t d = 0; d < 3; ++d) {
-    low[d] = std::min(low[d], other.low[d]);
-    high[d] = std::max(high[d], other.high[d]);
-  }
-}
-
-VoxelBox VoxelBox::grown(std::int64_t voxels) const {
-  VoxelBox box = *this;
-  for (std::size_t d = 0; d < 3 && !empty(); ++d) {
-    box.low[d] -= voxels;
-    box.high[d] += voxels;
-  }
-  return box;
-}
-
-VoxelBox VoxelBox::shifted(const VoxelIndex& by) const {
-  VoxelBox box = *this;
-  for (std::size_t d = 0; d < 3 && !empty(); ++d) {
-    box.low[d] += by[d];
-    box.high[d] += by[d];
-  }
-  return box;
-}
-
-VoxelBox VoxelBox::joined(const VoxelBox& other) const {
-  VoxelBox box = *this;
-  box.include(other);
-  return box;
-}
-
-bool VoxelBox::overlaps(const VoxelBox& other) const {
-  for (std::size_t d = 0; d < 3; ++d) {
-    if (low[d] > other.high[d] || other.low[d] > high[d]) return false;
-  }
-  return true;
-}
 
 Result<SnappedObject> snap_object(const Mesh& mesh, const Affine& world_from_mesh,
                                   double voxel_size_m, const std::string& name) {

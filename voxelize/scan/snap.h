@@ -7,23 +7,10 @@
 #include <vector>
 
 #include "formats/mesh/mesh.h"
-#include "formats/mesh/voxel_overlap.h"
 #include "formats/result.h"
+#include "voxelize/masks/voxel_box.h"
 
 namespace forcelayer {
-
-// Box of voxels in world voxel indices, `high` inclusive; empty where low > high.
-struct VoxelBox {
-  VoxelIndex low{INT64_MAX, INT64_MAX, INT64_MAX};
-  VoxelIndex high{INT64_MIN, INT64_MIN, INT64_MIN};
-
-  bool empty() const { return low[0] > high[0]; }
-  void include(const VoxelBox& other);
-  VoxelBox grown(std::int64_t voxels) const;
-  VoxelBox shifted(const VoxelIndex& by) const;
-  VoxelBox joined(const VoxelBox& other) const;
-  bool overlaps(const VoxelBox& other) const;
-};
 
 // One object with its vertices on the lattice, in units of 2^-10 voxel from the world's origin.
 struct SnappedObject {

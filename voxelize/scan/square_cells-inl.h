@@ -60,8 +60,8 @@ class SquareCells {
     });
   }
 
-  // Where not lo <= sum <= lo + width. What counts of sums that wrap around is that no true sum
-  // lies 2^32 - width or more from lo.
+  // Where not lo <= sum <= lo + width. Sums may wrap around if every true sum lies less than
+  // 2^32 - width from lo.
   static HWY_INLINE std::uint64_t outside(const Table& table, std::uint32_t lo,
                                           std::uint32_t width) {
     const V first_inside = set(static_cast<std::int32_t>(lo));
@@ -111,7 +111,7 @@ class SquareCells {
   static HWY_INLINE std::uint64_t for_all_cells(Pass&& pass) {
     std::uint64_t all = 0;
     for (std::size_t first = 0; first < kCells; first += hn::Lanes(kTag)) {
-      std::uint16_t part = 0;  // as wide as the widest vector's mask: nothing is left to clear
+      std::uint16_t part = 0;  // as wide as the widest vector's mask
       hn::StoreMaskBits(kTag, pass(first), reinterpret_cast<std::uint8_t*>(&part));
       all |= std::uint64_t{part} << first;
     }
@@ -127,9 +127,9 @@ HWY_INLINE std::uint64_t fill_rows(std::uint64_t bits) {
   return ((picked + 0x7f7f7f7f7f7f7f7fu) >> 7 & kFirstColumn) * 0xff;
 }
 
-// The cells (x, y, z) of a cube of 8, as bit y*8 + z of word x, over which all three shadows lie:
-// along x as bits y*8 + z, along y as bits x*8 + z, along z as bits x*8 + y. Returns the words that
-// have any, as bits.
+// The cells (x, y, z) of a cube of 8 that lie in all three shadows, as bit y*8 + z of word x.
+// Shadows: along x bits y*8 + z, along y bits x*8 + z, along z bits x*8 + y. Returns which words
+// are not zero, as bits.
 HWY_INLINE unsigned cells_below(std::uint64_t along_x, std::uint64_t along_y, std::uint64_t along_z,
                                 std::array<std::uint64_t, 8>& words) {
   unsigned any = 0;

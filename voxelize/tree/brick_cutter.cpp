@@ -1,5 +1,6 @@
 #include "voxelize/tree/brick_cutter.h"
 
+#include <algorithm>
 #include <bit>
 #include <cstring>
 
@@ -10,7 +11,7 @@
 // After foreach_target.h, as Highway wants it.
 #include <hwy/highway.h>
 
-#include "voxelize/masks/brick_bits.h"
+#include "formats/lattice/brick_bits.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace forcelayer::HWY_NAMESPACE {
@@ -124,7 +125,7 @@ void cut(const NodeCodes& codes, BuiltNode& node) {
       }
       node.entries[n] = static_cast<std::uint32_t>(node.bricks.size());
       interleave(brick_low, brick_high, node.bricks.emplace_back());
-      node.nearness.emplace_back(non_free);
+      node.gaps.emplace_back(non_free);
     }
   }
 }
@@ -137,6 +138,66 @@ HWY_AFTER_NAMESPACE();
 namespace forcelayer {
 namespace {
 HWY_EXPORT(cut);
+
+// The voxels with another code, eight at a time.
+BrickMask other_than(const std::uint8_t* codes, std::uint8_t code) {
+  BrickMask mask;
+  for (unsigned row = 0; row < 64; ++row) {
+    std::uint64_t bytes;
+    std::memcpy(&bytes, codes + 8 * row, 8);
+    bytes ^= code * 0x0101010101010101u;
+    // The high bit of each byte that is not zero, then those bits side by side.
+    constexpr std::uint64_t kLow = 0x7f7f7f7f7f7f7f7fu;
+    const std::uint64_t other = (((bytes & kLow) + kLow) | bytes) & ~kLow;
+    mask.words[row >> 3] |= (other >> 7) * 0x0102040810204080u >> 56 << (8 * (row & 7));
+  }
+  return mask;
+}
+
+struct CodeRange {
+  unsigned least, most;
+};
+CodeRange range_of(const NodeDistances& node, unsigned n, unsigned free_code) {
+  if (!test(node.measured, n)) {
+    const unsigned code = node.solid_row(n, 0) != 0 ? 0 : free_code;
+    return {code, code};
+  }
+  const std::uint8_t* codes = node.brick(n);
+  // As bytes, so that vectors hold sixteen.
+  std::uint8_t least = 255, most = 0;
+  for (unsigned v = 0; v < kBrickVoxels; ++v) {
+    least = std::min(least, codes[v]);
+    most = std::max(most, codes[v]);
+  }
+  return {least, most};
+}
+
+ValueCounts counts_of(const std::uint8_t* codes, const CodeScale& scale) {
+  std::uint32_t interior = 0, surface = 0, proximity = 0;  // each with those before it
+  for (unsigned v = 0; v < kBrickVoxels; ++v) {
+    interior += codes[v] < scale.surface_code;
+    surface += codes[v] < scale.proximity_code;
+    proximity += codes[v] < scale.free_code;
+  }
+  return {interior, surface - interior, proximity - surface};
+}
+
+void pack(const std::uint8_t* codes, std::uint32_t bits, std::vector<Brick>& bricks) {
+  std::array<std::uint8_t, kBrickVoxels> bytes;
+  std::size_t count = kBrickVoxels;
+  if (bits == 8) {
+    std::memcpy(bytes.data(), codes, count);
+  } else {
+    count /= 2;
+    for (std::size_t i = 0; i < count; ++i) {
+      bytes[i] = static_cast<std::uint8_t>(codes[2 * i] | codes[2 * i + 1] << 4);
+    }
+  }
+  for (std::size_t at = 0; at < count; at += sizeof(Brick)) {
+    std::memcpy(bricks.emplace_back().data(), bytes.data() + at, sizeof(Brick));
+  }
+}
+
 }  // namespace
 
 BuiltNode cut_into_bricks(const NodeCodes& codes) {
@@ -144,9 +205,41 @@ BuiltNode cut_into_bricks(const NodeCodes& codes) {
   thread_local BuiltNode scratch;
   scratch.held = {};
   scratch.bricks.clear();
-  scratch.nearness.clear();
+  scratch.gaps.clear();
   HWY_DYNAMIC_DISPATCH(cut)(codes, scratch);
   return scratch;
+}
+
+BuiltNode cut_into_bricks(const NodeDistances& distances, const CodeScale& scale,
+                          ValueCounts& counts) {
+  BuiltNode node;
+  const unsigned parts = scale.bits / 2;
+  std::array<CodeRange, kNodeEntries> ranges;
+  std::size_t bricks = 0;
+  for (unsigned n = 0; n < kNodeEntries; ++n) {
+    ranges[n] = range_of(distances, n, scale.free_code);
+    bricks += ranges[n].least != scale.free_code && ranges[n].most != 0;
+  }
+  node.bricks.reserve(bricks * parts);
+  node.gaps.reserve(bricks);
+  for (unsigned n = 0; n < kNodeEntries; ++n) {
+    if (ranges[n].least == scale.free_code) {
+      node.entries[n] = kFreeEntry;
+      continue;
+    }
+    set(node.held, n);
+    if (ranges[n].most == 0) {
+      node.entries[n] = kInteriorEntry;
+      counts.interior += kBrickVoxels;
+      continue;
+    }
+    const std::uint8_t* codes = distances.brick(n);
+    counts += counts_of(codes, scale);
+    node.entries[n] = static_cast<std::uint32_t>(node.bricks.size() / parts);
+    pack(codes, scale.bits, node.bricks);
+    node.gaps.emplace_back(other_than(codes, static_cast<std::uint8_t>(scale.free_code)));
+  }
+  return node;
 }
 
 }  // namespace forcelayer

@@ -1,12 +1,18 @@
-// A node's rows of values cut into the bricks of the 512-tree.
+// One node's voxels cut into the bricks of the 512-tree.
 #pragma once
 
-#include "voxelize/masks/dilation.h"
+#include "voxelize/distance/dilation.h"
+#include "voxelize/distance/distance_codes.h"
 #include "voxelize/tree/built_tree.h"
 
 namespace forcelayer {
 
-// Entries, bricks and their nearness; a uniform brick becomes a uniform entry without clearance.
+// Entries, bricks and the bricks' gaps. A uniform brick becomes a uniform entry without clearance.
 BuiltNode cut_into_bricks(const NodeCodes& codes);
+
+// The same for quantized distances; adds the node's voxels to `counts`. In the entries a uniform
+// value of 0 stands for the free code and of 1 for code 0, so that they read as at two bits.
+BuiltNode cut_into_bricks(const NodeDistances& distances, const CodeScale& scale,
+                          ValueCounts& counts);
 
 }  // namespace forcelayer

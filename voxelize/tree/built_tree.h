@@ -6,13 +6,12 @@
 #include <vector>
 
 #include "formats/voxmap_format.h"
-#include "voxelize/tree/nearness.h"
+#include "voxelize/tree/side_gaps.h"
 
 namespace forcelayer {
 
 using Entries = std::array<std::uint32_t, kNodeEntries>;  // of a node, as in the file
-using Brick = std::array<std::uint32_t, 32>;              // 512 two-bit values, or a part of
-                                                          // wider ones
+using Brick = std::array<std::uint32_t, 32>;  // 512 two-bit values; wider voxels take several
 
 inline constexpr std::uint32_t kFreeEntry = uniform_entry(0);
 constexpr bool is_free(std::uint32_t entry) {
@@ -23,25 +22,25 @@ inline constexpr std::uint32_t kInteriorEntry =
 
 // A node of 64^3 voxels.
 struct BuiltNode {
-  Entries entries;                      // uniform, or the number of a brick below
-  BrickMask held;                       // entries that are not free
-  std::vector<Brick> bricks;            // ascending by entry, BuiltTree::brick_parts each
-  std::vector<BrickNearness> nearness;  // of the bricks' non-free voxels
-  // Taken over from an earlier bake: its entries hold their clearance, its reach is known, and the
-  // nearness of its bricks is not.
+  Entries entries;              // uniform, or the number of a brick below
+  BrickMask held;               // entries that are not free
+  std::vector<Brick> bricks;    // ascending by entry, BuiltTree::brick_parts each
+  std::vector<BrickGaps> gaps;  // [bricks]
+  // Taken over from an earlier bake: its entries hold their clearance and node_gaps is set, but
+  // `gaps` is empty.
   bool finished = false;
-  NodeNearness reach;  // of its non-free voxels, as add_clearance() finds it
+  NodeGaps node_gaps;  // set by add_clearance()
 };
 
 struct BuiltTree {
-  std::array<std::uint32_t, 3> dims{};   // blocks of 512 voxels
+  std::array<std::uint32_t, 3> dims{};   // directory cells (512^3 voxels)
   std::vector<std::uint32_t> directory;  // uniform, or the number of an upper node
   std::vector<Entries> upper;            // uniform, or the number of a lower node
   std::vector<BuiltNode> lower;
   std::uint32_t brick_parts = 1;  // 128 bytes each: 2 at 4 bits, 4 at 8
 
-  // Entry of the block (x, y, z), any; free outside the directory.
-  std::uint32_t block(std::int64_t x, std::int64_t y, std::int64_t z) const {
+  // Entry of directory cell (x, y, z); free outside the directory.
+  std::uint32_t directory_entry(std::int64_t x, std::int64_t y, std::int64_t z) const {
     if (x < 0 || y < 0 || z < 0 || x >= dims[0] || y >= dims[1] || z >= dims[2]) return kFreeEntry;
     return directory[(static_cast<std::size_t>(x) * dims[1] + static_cast<std::size_t>(y)) *
                          dims[2] +
@@ -50,7 +49,7 @@ struct BuiltTree {
 
   // Entry of the 64^3 node (x, y, z), counted from the directory's origin.
   std::uint32_t node(std::int64_t x, std::int64_t y, std::int64_t z) const {
-    const std::uint32_t entry = block(x >> 3, y >> 3, z >> 3);
+    const std::uint32_t entry = directory_entry(x >> 3, y >> 3, z >> 3);
     if (is_uniform(entry)) return entry;
     return upper[entry][static_cast<std::size_t>((x & 7) << 6 | (y & 7) << 3 | (z & 7))];
   }

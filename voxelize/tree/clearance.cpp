@@ -7,17 +7,19 @@
 #include <unordered_map>
 #include <vector>
 
-#include "voxelize/masks/brick_bits.h"
-#include "voxelize/tree/distance_spread.h"
+#include "formats/lattice/brick_bits.h"
+#include "voxelize/masks/voxel_box.h"
+#include "voxelize/tree/clearance_cube.h"
 
 namespace forcelayer {
 namespace {
 
-// On every level, a cell is free or holds something. How far a free cell is from what its 26
-// neighbours hold, their nearness tells. Where all of them are free, it is the cell's edge more
-// than the least distance of a neighbour, since the cell grown by its edge is the union of the 27,
-// and distance to a union is the least of the distances. In a node that holds something, no cell is
-// 8 cells away from it, so nothing beyond the neighbouring nodes ever matters.
+// On each level (bricks, nodes, directory cells) a cell is free, or holds voxels that are not free.
+// The gaps of a free cell's 26 neighbors give its distance from the voxels that they hold. Where
+// all 26 are free, the distance is the cell's edge plus the least distance of a neighbor: the cell
+// grown by its edge is the union of the 27, and the distance to a union is the least of the
+// distances. A parent that holds something has no cell 8 or more cells away from it, so cells
+// beyond the neighboring parents never count.
 
 struct Offset {
   int x, y, z;
@@ -27,14 +29,14 @@ constexpr Offset offset_of(unsigned direction) {
           static_cast<int>(direction % 3) - 1};
 }
 
-using Place = std::array<std::int64_t, 3>;  // of a parent, in parents from the directory's origin
+using Place = std::array<std::int64_t, 3>;  // a parent's index from the directory's origin
 
 Place neighbor(const Place& place, unsigned direction) {
   const Offset d = offset_of(direction);
   return {place[0] + d.x, place[1] + d.y, place[2] + d.z};
 }
 
-// A level of the tree: parents, and what their 512 cells hold.
+// A level of the tree: parents, each of 512 cells.
 struct BrickLevel {
   using Distance = std::uint8_t;  // at most 7 bricks
   static constexpr unsigned kEdge = kBrickEdge;
@@ -45,11 +47,11 @@ struct BrickLevel {
   std::uint32_t parent(const Place& p) const { return tree.node(p[0], p[1], p[2]); }
   const BrickMask& held(std::uint32_t parent) const { return tree.lower[parent].held; }
   const Entries& entries(std::uint32_t parent) const { return tree.lower[parent].entries; }
-  const BrickNearness& nearness(std::uint32_t parent, std::uint32_t entry) const {
-    return tree.lower[parent].nearness[entry];
+  const BrickGaps& gaps(std::uint32_t parent, std::uint32_t entry) const {
+    return tree.lower[parent].gaps[entry];
   }
-  const NodeNearness* known(std::uint32_t parent) const {
-    return tree.lower[parent].finished ? &tree.lower[parent].reach : nullptr;
+  const NodeGaps* known(std::uint32_t parent) const {
+    return tree.lower[parent].finished ? &tree.lower[parent].node_gaps : nullptr;
   }
 };
 
@@ -58,11 +60,11 @@ struct NodeLevel {
   static constexpr unsigned kEdge = kLowerNodeEdge;
 
   const BuiltTree& tree;
-  const std::vector<NodeNearness>& of_lower;  // [lower nodes]
-  std::vector<BrickMask> held_nodes;          // [upper nodes]
+  const std::vector<NodeGaps>& of_lower;  // [lower nodes]
+  std::vector<BrickMask> held_nodes;      // [upper nodes]
 
-  NodeLevel(const BuiltTree& built, const std::vector<NodeNearness>& nearness_of_lower)
-      : tree(built), of_lower(nearness_of_lower), held_nodes(built.upper.size()) {
+  NodeLevel(const BuiltTree& built, const std::vector<NodeGaps>& gaps_of_lower)
+      : tree(built), of_lower(gaps_of_lower), held_nodes(built.upper.size()) {
     for (std::size_t i = 0; i < built.upper.size(); ++i) {
       for (unsigned n = 0; n < kNodeEntries; ++n) {
         if (!is_free(built.upper[i][n])) set(held_nodes[i], n);
@@ -71,64 +73,64 @@ struct NodeLevel {
   }
 
   std::size_t parents() const { return tree.upper.size(); }
-  std::uint32_t parent(const Place& p) const { return tree.block(p[0], p[1], p[2]); }
+  std::uint32_t parent(const Place& p) const { return tree.directory_entry(p[0], p[1], p[2]); }
   const BrickMask& held(std::uint32_t parent) const { return held_nodes[parent]; }
   const Entries& entries(std::uint32_t parent) const { return tree.upper[parent]; }
-  const NodeNearness& nearness(std::uint32_t, std::uint32_t entry) const { return of_lower[entry]; }
-  const NodeNearness* known(std::uint32_t) const { return nullptr; }
+  const NodeGaps& gaps(std::uint32_t, std::uint32_t entry) const { return of_lower[entry]; }
+  const NodeGaps* known(std::uint32_t) const { return nullptr; }
 };
 
-// Distances of a parent's cells as far as their neighbours tell: 0 where not free, up to the edge
-// of a cell where a neighbour holds something, else kFar.
+// First distances of a parent's cells: 0 where not free, from the neighbors' gaps where a neighbor
+// holds something, else kFar.
 template <class T>
-using Near = std::array<T, kNodeEntries>;
+using FirstDistances = std::array<T, kNodeEntries>;
 template <class T>
 constexpr T kFar = std::numeric_limits<T>::max();
 
-// Cells of a mask that lie in the outermost layer towards a neighbour from which the mask lies in
-// `direction`: a side, an edge or a corner; the whole mask where the direction is kSelf.
+// A mask's outermost cells towards a neighbor from which it lies in `direction`: a side, an edge or
+// a corner; all cells for kSelf.
 BrickMask facing_cells(unsigned direction) { return detail::kShells[direction][0]; }
 
-// The distances that the cells of a parent, and of one layer around it, tell their neighbours.
+// Collects a parent's first distances from its own cells and from the layer of cells around it.
 template <class Level>
-class NearCells {
+class FirstDistanceCube {
  public:
   using Distance = typename Level::Distance;
 
-  NearCells(const Level& level, const Place& place) {
+  FirstDistanceCube(const Level& level, const Place& place) {
     cells_.fill(kFar<Distance>);
     for (unsigned direction = 0; direction < kDirections; ++direction) {
       const std::uint32_t parent = level.parent(neighbor(place, direction));
       if (is_free(parent)) continue;
       const BrickMask facing = facing_cells(direction);
       if (is_uniform(parent)) {
-        for_each_set(facing, [&](unsigned n) { tell_of_solid(place_of(direction, n)); });
+        for_each_set(facing, [&](unsigned n) { lower_around_solid(place_of(direction, n)); });
       } else {
         for_each_set(facing & level.held(parent), [&](unsigned n) {
           const std::uint32_t entry = level.entries(parent)[n];
           const std::size_t at = place_of(direction, n);
-          is_uniform(entry) ? tell_of_solid(at) : tell_of(level.nearness(parent, entry), at);
+          is_uniform(entry) ? lower_around_solid(at) : lower_around(level.gaps(parent, entry), at);
         });
       }
     }
   }
 
   // The parent's own cells, of which `held` are not free.
-  Near<Distance> result(const BrickMask& held) const {
-    Near<Distance> near;
-    for (unsigned n = 0; n < kNodeEntries; ++n) near[n] = cells_[place_of(kSelf, n)];
-    for_each_set(held, [&](unsigned n) { near[n] = 0; });
-    return near;
+  FirstDistances<Distance> result(const BrickMask& held) const {
+    FirstDistances<Distance> first;
+    for (unsigned n = 0; n < kNodeEntries; ++n) first[n] = cells_[place_of(kSelf, n)];
+    for_each_set(held, [&](unsigned n) { first[n] = 0; });
+    return first;
   }
 
  private:
-  static constexpr int kMargin = 2;  // the layer around the parent, and a layer that it tells
+  static constexpr int kMargin = 2;  // the layer around the parent, and the layer around that
   static constexpr int kWidth = 8 + 2 * kMargin;
   static constexpr std::ptrdiff_t flat(int x, int y, int z) {
     return (std::ptrdiff_t{x} * kWidth + y) * kWidth + z;
   }
 
-  // Cell n of the neighbour in `direction`.
+  // Cell n of the neighbor in `direction`.
   static std::size_t place_of(unsigned direction, unsigned n) {
     const Offset d = offset_of(direction);
     return static_cast<std::size_t>(flat(static_cast<int>(n >> 6) + 8 * d.x + kMargin,
@@ -136,16 +138,17 @@ class NearCells {
                                          static_cast<int>(n & 7) + 8 * d.z + kMargin));
   }
 
-  // Whoever lies against `direction` of the cell at `at` sees it in that direction.
-  template <class Nearness>
-  void tell_of(const Nearness& nearness, std::size_t at) {
+  // Lowers the distances of the 26 cells around the cell at `at`, which has these gaps. The cell
+  // lies in `direction` of the one that is one step the other way.
+  template <class Gaps>
+  void lower_around(const Gaps& gaps, std::size_t at) {
     for (unsigned direction = 0; direction < kDirections; ++direction) {
       const Offset d = offset_of(direction);
       Distance& cell = cells_[at - static_cast<std::size_t>(flat(d.x, d.y, d.z))];
-      cell = std::min(cell, static_cast<Distance>(nearness.towards(direction) + 1));
+      cell = std::min(cell, static_cast<Distance>(gaps.towards(direction) + 1));
     }
   }
-  void tell_of_solid(std::size_t at) {
+  void lower_around_solid(std::size_t at) {
     for (unsigned direction = 0; direction < kDirections; ++direction) {
       const Offset d = offset_of(direction);
       cells_[at - static_cast<std::size_t>(flat(d.x, d.y, d.z))] = 1;
@@ -155,24 +158,13 @@ class NearCells {
   std::array<Distance, kWidth * kWidth * kWidth> cells_;
 };
 
-struct PlaceHash {
-  std::size_t operator()(const Place& place) const {
-    std::uint64_t hash = 0;
-    for (const std::int64_t x : place) {
-      hash = (hash ^ static_cast<std::uint64_t>(x)) * 0x9e3779b97f4a7c15u;
-      hash ^= hash >> 32;
-    }
-    return hash;
-  }
-};
-
-// The near distances of the parents that hold something and of their free neighbours.
+// The first distances of the parents that hold something and of their free neighbors.
 template <class Level>
-class NearMap {
+class FirstDistanceMap {
  public:
   using Distance = typename Level::Distance;
 
-  NearMap(const Level& level, const std::vector<Place>& mixed_parents) {
+  FirstDistanceMap(const Level& level, const std::vector<Place>& mixed_parents) {
     std::vector<Place> places;
     index_.reserve(mixed_parents.size() * 3);
     for (const Place& place : mixed_parents) {
@@ -183,26 +175,26 @@ class NearMap {
         if (index_.try_emplace(next, places.size()).second) places.push_back(next);
       }
     }
-    near_.resize(places.size());
+    distances_.resize(places.size());
     tbb::parallel_for(std::size_t{0}, places.size(), [&](std::size_t i) {
       const std::uint32_t parent = level.parent(places[i]);
-      near_[i] = NearCells<Level>(level, places[i])
-                     .result(is_uniform(parent) ? BrickMask{} : level.held(parent));
+      distances_[i] = FirstDistanceCube<Level>(level, places[i])
+                          .result(is_uniform(parent) ? BrickMask{} : level.held(parent));
     });
   }
 
-  // Null where the parent is none of them.
-  const Near<Distance>* find(const Place& place) const {
+  // Null for any other parent.
+  const FirstDistances<Distance>* find(const Place& place) const {
     const auto found = index_.find(place);
-    return found == index_.end() ? nullptr : &near_[found->second];
+    return found == index_.end() ? nullptr : &distances_[found->second];
   }
 
  private:
-  std::unordered_map<Place, std::size_t, PlaceHash> index_;
-  std::vector<Near<Distance>> near_;
+  std::unordered_map<Place, std::size_t, IndexHash> index_;
+  std::vector<FirstDistances<Distance>> distances_;
 };
 
-// Steps to a neighbour (of 26) after which the held cells have reached all 512.
+// After how many steps to the 26 neighbors the held cells have reached all 512.
 int reach_of(const BrickMask& first) {
   BrickMask held = first;
   int steps = 0;
@@ -212,15 +204,15 @@ int reach_of(const BrickMask& first) {
   return steps;
 }
 
-// Copies the cells of the neighbour in `direction` into a field, as far as the margin reaches. A
-// null `near` stands for cells that are all `uniform`.
+// Copies the cells of the neighbor in `direction` into a cube, as far as its margin reaches. Null
+// distances stand for cells that are all `uniform`.
 template <class Distance>
-void place_neighbor(unsigned direction, const Near<Distance>* near, Distance uniform,
-                    DistanceField<Distance>& field) {
+void place_neighbor(unsigned direction, const FirstDistances<Distance>* distances, Distance uniform,
+                    ClearanceCube<Distance>& cube) {
   struct Range {
     int first, last;  // last exclusive
   };
-  const int margin = field.margin();
+  const int margin = cube.margin();
   const auto range = [margin](int d) {
     return d < 0 ? Range{-margin, 0} : d > 0 ? Range{8, 8 + margin} : Range{0, 8};
   };
@@ -228,11 +220,11 @@ void place_neighbor(unsigned direction, const Near<Distance>* near, Distance uni
   const Range xs = range(d.x), ys = range(d.y), zs = range(d.z);
   for (int x = xs.first; x < xs.last; ++x) {
     for (int y = ys.first; y < ys.last; ++y) {
-      Distance* to = field.row(x, y) + zs.first;
-      if (near == nullptr) {
+      Distance* to = cube.row(x, y) + zs.first;
+      if (distances == nullptr) {
         std::fill_n(to, zs.last - zs.first, uniform);
       } else {
-        std::copy_n(near->data() + ((x & 7) * 64 + (y & 7) * 8 + (zs.first & 7)),
+        std::copy_n(distances->data() + ((x & 7) * 64 + (y & 7) * 8 + (zs.first & 7)),
                     zs.last - zs.first, to);
       }
     }
@@ -241,50 +233,50 @@ void place_neighbor(unsigned direction, const Near<Distance>* near, Distance uni
 
 // The distances of all cells of a parent that holds something, into its free entries.
 template <class Level>
-void fill_entries(const Level& level, const NearMap<Level>& near_map, const Place& place,
+void fill_entries(const Level& level, const FirstDistanceMap<Level>& first, const Place& place,
                   Entries& entries) {
   using Distance = typename Level::Distance;
-  DistanceField<Distance> field(reach_of(level.held(level.parent(place))));
+  ClearanceCube<Distance> cube(reach_of(level.held(level.parent(place))));
   for (unsigned direction = 0; direction < kDirections; ++direction) {
     const Place next = neighbor(place, direction);
-    const Near<Distance>* near = near_map.find(next);
-    const bool solid = near == nullptr && !is_free(level.parent(next));
-    place_neighbor(direction, near, solid ? Distance{0} : kFar<Distance>, field);
+    const FirstDistances<Distance>* distances = first.find(next);
+    const bool solid = distances == nullptr && !is_free(level.parent(next));
+    place_neighbor(direction, distances, solid ? Distance{0} : kFar<Distance>, cube);
   }
-  field.spread(static_cast<Distance>(Level::kEdge));
+  cube.spread(static_cast<Distance>(Level::kEdge));
   for (int n = 0; n < static_cast<int>(kNodeEntries); ++n) {
     std::uint32_t& entry = entries[static_cast<std::size_t>(n)];
-    if (is_free(entry)) entry = uniform_entry(0, field.row(n >> 6, n >> 3 & 7)[n & 7]);
+    if (is_free(entry)) entry = uniform_entry(0, cube.row(n >> 6, n >> 3 & 7)[n & 7]);
   }
 }
 
 template <class Level>
 void fill_level(const Level& level, const std::vector<Place>& parents,
                 const std::vector<Entries*>& entries) {
-  const NearMap<Level> near_map(level, parents);
+  const FirstDistanceMap<Level> first(level, parents);
   tbb::parallel_for(std::size_t{0}, parents.size(),
-                    [&](std::size_t i) { fill_entries(level, near_map, parents[i], *entries[i]); });
+                    [&](std::size_t i) { fill_entries(level, first, parents[i], *entries[i]); });
 }
 
-// How near the voxels of every parent come to its sides.
+// The gaps of every parent.
 template <class Level>
-std::vector<NodeNearness> nearness_of_parents(const Level& level) {
-  std::vector<NodeNearness> nearness(level.parents());
-  tbb::parallel_for(std::size_t{0}, nearness.size(), [&](std::size_t i) {
+std::vector<NodeGaps> gaps_of_parents(const Level& level) {
+  std::vector<NodeGaps> gaps(level.parents());
+  tbb::parallel_for(std::size_t{0}, gaps.size(), [&](std::size_t i) {
     const auto parent = static_cast<std::uint32_t>(i);
-    if (const NodeNearness* known = level.known(parent)) {
-      nearness[i] = *known;
+    if (const NodeGaps* known = level.known(parent)) {
+      gaps[i] = *known;
       return;
     }
     const Entries& entries = level.entries(parent);
-    nearness[i] = combined(level.held(parent), Level::kEdge, [&](unsigned n, unsigned direction) {
-      return is_uniform(entries[n]) ? 0u : level.nearness(parent, entries[n]).towards(direction);
+    gaps[i] = combine_gaps(level.held(parent), Level::kEdge, [&](unsigned n, unsigned direction) {
+      return is_uniform(entries[n]) ? 0u : level.gaps(parent, entries[n]).towards(direction);
     });
   });
-  return nearness;
+  return gaps;
 }
 
-// The voxels of a brick that are not free: of each two bits, whether one is set.
+// The voxels of a brick that are not free: those of whose two bits one is set.
 BrickMask non_free(const Brick& brick) {
   BrickMask mask;
   for (std::size_t n = 0; n < brick.size(); ++n) {
@@ -298,9 +290,9 @@ BrickMask non_free(const Brick& brick) {
   return mask;
 }
 
-// The nearness of the bricks of finished nodes, where nodes at `places` that are not will ask for
-// it: up to two nodes away.
-void restore_nearness(BuiltTree& tree, const std::vector<Place>& places) {
+// Computes the brick gaps of finished nodes up to two nodes away from `places`, the nodes that are
+// not finished: they will be asked for.
+void restore_gaps(BuiltTree& tree, const std::vector<Place>& places) {
   std::vector<std::uint32_t> asked;
   for (const Place& place : places) {
     for (std::int64_t n = 0; n < 125; ++n) {
@@ -313,22 +305,24 @@ void restore_nearness(BuiltTree& tree, const std::vector<Place>& places) {
   asked.erase(std::unique(asked.begin(), asked.end()), asked.end());
   tbb::parallel_for(std::size_t{0}, asked.size(), [&](std::size_t i) {
     BuiltNode& node = tree.lower[asked[i]];
-    for (const Brick& brick : node.bricks) node.nearness.emplace_back(non_free(brick));
+    for (const Brick& brick : node.bricks) node.gaps.emplace_back(non_free(brick));
   });
 }
 
-// The distances of free blocks, over the whole directory: two sweeps, each block looking at the 13
-// neighbours that the sweep has passed. A shortest way of diagonal steps goes forward first and
-// backward then, so that two sweeps find it.
+// The distances of free directory cells. Two sweeps over the directory; in each, a cell looks at
+// the 13 neighbors that the sweep has passed. A shortest path can be ordered as forward steps
+// followed by backward steps, so two sweeps find it.
 class DirectoryDistances {
  public:
-  DirectoryDistances(BuiltTree& tree, const std::vector<NodeNearness>& of_upper)
+  DirectoryDistances(BuiltTree& tree, const std::vector<NodeGaps>& of_upper)
       : tree_(tree), of_upper_(of_upper), distances_(tree.directory.size(), kUnknown) {}
 
   void fill_entries() {
-    for_each_block(false, [&](const Place& at, std::size_t i) { distances_[i] = near(at, i); });
-    for_each_block(false, [&](const Place& at, std::size_t i) { look_back(at, i, 0, kSelf); });
-    for_each_block(
+    for_each_directory_cell(false,
+                            [&](const Place& at, std::size_t i) { distances_[i] = near(at, i); });
+    for_each_directory_cell(false,
+                            [&](const Place& at, std::size_t i) { look_back(at, i, 0, kSelf); });
+    for_each_directory_cell(
         true, [&](const Place& at, std::size_t i) { look_back(at, i, kSelf + 1, kDirections); });
     for (std::size_t i = 0; i < distances_.size(); ++i) {
       std::uint32_t& entry = tree_.directory[i];
@@ -339,10 +333,10 @@ class DirectoryDistances {
   }
 
  private:
-  static constexpr std::uint32_t kUnknown = UINT32_MAX;  // as long as nothing was found
+  static constexpr std::uint32_t kUnknown = UINT32_MAX;  // until something is found
 
   template <class F>
-  void for_each_block(bool backward, F&& f) const {
+  void for_each_directory_cell(bool backward, F&& f) const {
     const std::size_t count = distances_.size();
     for (std::size_t n = 0; n < count; ++n) {
       const std::size_t i = backward ? count - 1 - n : n;
@@ -358,7 +352,7 @@ class DirectoryDistances {
     std::uint32_t least = kUnknown;
     for (unsigned direction = 0; direction < kDirections; ++direction) {
       const Offset d = offset_of(direction);
-      const std::uint32_t entry = tree_.block(at[0] + d.x, at[1] + d.y, at[2] + d.z);
+      const std::uint32_t entry = tree_.directory_entry(at[0] + d.x, at[1] + d.y, at[2] + d.z);
       if (is_free(entry)) continue;
       least = std::min(least, is_uniform(entry) ? 1 : of_upper_[entry].towards(direction) + 1);
     }
@@ -380,25 +374,25 @@ class DirectoryDistances {
   }
 
   BuiltTree& tree_;
-  const std::vector<NodeNearness>& of_upper_;
+  const std::vector<NodeGaps>& of_upper_;
   std::vector<std::uint32_t> distances_;
 };
 
 }  // namespace
 
 void add_clearance(BuiltTree& tree) {
-  std::vector<Place> node_places(tree.lower.size()), block_places(tree.upper.size());
+  std::vector<Place> node_places(tree.lower.size()), directory_places(tree.upper.size());
   for (std::size_t i = 0; i < tree.directory.size(); ++i) {
     if (is_uniform(tree.directory[i])) continue;
     const auto index = static_cast<std::int64_t>(i);
-    const Place block = {index / tree.dims[2] / tree.dims[1], index / tree.dims[2] % tree.dims[1],
-                         index % tree.dims[2]};
-    block_places[tree.directory[i]] = block;
+    const Place cell = {index / tree.dims[2] / tree.dims[1], index / tree.dims[2] % tree.dims[1],
+                        index % tree.dims[2]};
+    directory_places[tree.directory[i]] = cell;
     const Entries& entries = tree.upper[tree.directory[i]];
     for (unsigned n = 0; n < kNodeEntries; ++n) {
       if (is_uniform(entries[n])) continue;
-      node_places[entries[n]] = {block[0] * 8 + (n >> 6), block[1] * 8 + (n >> 3 & 7),
-                                 block[2] * 8 + (n & 7)};
+      node_places[entries[n]] = {cell[0] * 8 + (n >> 6), cell[1] * 8 + (n >> 3 & 7),
+                                 cell[2] * 8 + (n & 7)};
     }
   }
   std::vector<Place> new_places;
@@ -409,15 +403,15 @@ void add_clearance(BuiltTree& tree) {
     lower.push_back(&tree.lower[i].entries);
   }
   for (Entries& entries : tree.upper) upper.push_back(&entries);
-  if (lower.size() < tree.lower.size()) restore_nearness(tree, new_places);
+  if (lower.size() < tree.lower.size()) restore_gaps(tree, new_places);
 
   const BrickLevel bricks{tree};
-  const auto of_lower = nearness_of_parents(bricks);
-  for (std::size_t i = 0; i < tree.lower.size(); ++i) tree.lower[i].reach = of_lower[i];
+  const auto of_lower = gaps_of_parents(bricks);
+  for (std::size_t i = 0; i < tree.lower.size(); ++i) tree.lower[i].node_gaps = of_lower[i];
   const NodeLevel nodes(tree, of_lower);
-  const auto of_upper = nearness_of_parents(nodes);
+  const auto of_upper = gaps_of_parents(nodes);
   fill_level(bricks, new_places, lower);
-  fill_level(nodes, block_places, upper);
+  fill_level(nodes, directory_places, upper);
   DirectoryDistances(tree, of_upper).fill_entries();
 }
 

@@ -6,8 +6,8 @@
 
 namespace forcelayer {
 
-// Fills in the clearance of every free entry, on all three levels. Entries must be uniform wherever
-// they can be: every brick and every node that stands in the tree holds a voxel that is not free.
+// Sets the clearance of every free entry, on all three levels. Every brick and every node in the
+// tree must hold a voxel that is not free.
 void add_clearance(BuiltTree& tree);
 
 }  // namespace forcelayer

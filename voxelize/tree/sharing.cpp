@@ -12,8 +12,8 @@
 namespace forcelayer {
 namespace {
 
-// Finds equal records among many, in parallel: records are dealt out by hash to shards, and each
-// shard keeps the first of every kind.
+// Finds equal records among many, in parallel. Records are dealt out by hash to buckets; a hash
+// table for each bucket keeps the first record of every kind.
 class FirstOfEqual {
  public:
   // `record(i)` is the memory of record i; all have `bytes` bytes.
@@ -23,8 +23,8 @@ class FirstOfEqual {
     tbb::parallel_for(std::size_t{0}, count,
                       [&](std::size_t i) { hashes_[i] = XXH3_64bits(record(i), bytes); });
     deal();
-    tbb::parallel_for(std::size_t{0}, kShards, [&](std::size_t shard) {
-      search(shard, [&](std::size_t a, std::size_t b) {
+    tbb::parallel_for(std::size_t{0}, kBuckets, [&](std::size_t bucket) {
+      search(bucket, [&](std::size_t a, std::size_t b) {
         return std::memcmp(record(a), record(b), bytes) == 0;
       });
     });
@@ -33,7 +33,8 @@ class FirstOfEqual {
   // The lowest number of a record equal to record i.
   std::uint32_t first(std::size_t i) const { return first_[i]; }
 
-  // Numbers for the different records, in their order: [i] for those that are first of their kind.
+  // Numbers the different records in the order of their first; [i] is the number of record i's
+  // kind. Returns how many there are.
   std::uint32_t number(std::vector<std::uint32_t>& numbers) const {
     numbers.resize(first_.size());
     std::uint32_t next = 0;
@@ -44,25 +45,25 @@ class FirstOfEqual {
   }
 
  private:
-  static constexpr std::size_t kShards = 64;
-  static constexpr int kShardShift = 58;
+  static constexpr std::size_t kBuckets = 64;
+  static constexpr int kBucketShift = 58;
 
-  // Sorts the records by shard, ascending within each.
+  // Sorts the records by bucket, ascending within each.
   void deal() {
-    begin_.assign(kShards + 1, 0);
-    for (const std::uint64_t hash : hashes_) ++begin_[(hash >> kShardShift) + 1];
-    for (std::size_t shard = 0; shard < kShards; ++shard) begin_[shard + 1] += begin_[shard];
+    begin_.assign(kBuckets + 1, 0);
+    for (const std::uint64_t hash : hashes_) ++begin_[(hash >> kBucketShift) + 1];
+    for (std::size_t bucket = 0; bucket < kBuckets; ++bucket) begin_[bucket + 1] += begin_[bucket];
     dealt_.resize(hashes_.size());
     std::vector<std::size_t> next(begin_.begin(), begin_.end() - 1);
     for (std::size_t i = 0; i < hashes_.size(); ++i) {
-      dealt_[next[hashes_[i] >> kShardShift]++] = static_cast<std::uint32_t>(i);
+      dealt_[next[hashes_[i] >> kBucketShift]++] = static_cast<std::uint32_t>(i);
     }
   }
 
   template <class Equal>
-  void search(std::size_t shard, const Equal& equal) {
+  void search(std::size_t bucket, const Equal& equal) {
     constexpr std::uint32_t kEmpty = UINT32_MAX;
-    const std::span records(dealt_.data() + begin_[shard], begin_[shard + 1] - begin_[shard]);
+    const std::span records(dealt_.data() + begin_[bucket], begin_[bucket + 1] - begin_[bucket]);
     const std::size_t mask = std::bit_ceil(2 * records.size() + 1) - 1;
     std::vector<std::uint32_t> table(mask + 1, kEmpty);
     for (const std::uint32_t i : records) {
@@ -85,7 +86,7 @@ struct BrickPlace {
   std::uint32_t node, brick;
 };
 
-// Shares the bricks: entries of lower nodes become numbers of the result's bricks.
+// The different bricks. Entries of lower nodes become numbers of these.
 std::vector<std::uint32_t> share_bricks(std::vector<BuiltNode>& nodes, std::uint32_t parts) {
   std::vector<std::uint32_t> first_brick(nodes.size() + 1, 0);
   for (std::size_t i = 0; i < nodes.size(); ++i) {
@@ -124,7 +125,7 @@ std::vector<std::uint32_t> share_bricks(std::vector<BuiltNode>& nodes, std::uint
   return bricks;
 }
 
-// The different ones of `nodes`, whose numbers go to `numbers`. `entries(i)` are node i's.
+// The different nodes; `numbers` maps each to its number. `entries(i)` are the entries of node i.
 template <class EntriesOf>
 std::vector<std::uint32_t> share_nodes(std::size_t count, const EntriesOf& entries,
                                        std::vector<std::uint32_t>& numbers) {
@@ -143,7 +144,7 @@ std::vector<std::uint32_t> share_nodes(std::size_t count, const EntriesOf& entri
 
 VoxelTree share_equal(BuiltTree&& built, std::vector<std::uint32_t>& lower_numbers) {
   VoxelTree tree;
-  for (BuiltNode& node : built.lower) node.nearness = {};
+  for (BuiltNode& node : built.lower) node.gaps = {};
   tree.bricks = share_bricks(built.lower, built.brick_parts);
   tree.lower_nodes = share_nodes(
       built.lower.size(), [&](std::size_t i) -> const Entries& { return built.lower[i].entries; },

@@ -17,8 +17,8 @@ struct VoxelTree {
 };
 
 // The tree with every different brick and node once, numbered by first use in the order of the
-// tree: the arrays depend on the tree alone, whatever the threads. Frees the nodes as it goes.
-// `lower_numbers` tells which lower node of the result each of the tree's became.
+// tree: the arrays depend on the tree alone, not on threads. Frees the nodes as it goes.
+// `lower_numbers` maps the tree's lower nodes to those of the result.
 VoxelTree share_equal(BuiltTree&& built, std::vector<std::uint32_t>& lower_numbers);
 
 }  // namespace forcelayer

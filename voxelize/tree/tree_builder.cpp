@@ -6,12 +6,13 @@
 #include <algorithm>
 #include <utility>
 
-#include "voxelize/cache/node_keys.h"
-#include "voxelize/masks/brick_bits.h"
+#include "formats/lattice/brick_bits.h"
 #include "voxelize/tree/brick_cutter.h"
 #include "voxelize/tree/built_tree.h"
 #include "voxelize/tree/clearance.h"
+#include "voxelize/tree/node_keys.h"
 #include "voxelize/tree/sharing.h"
+#include "voxelize/tree/tree_box.h"
 
 namespace forcelayer {
 namespace {
@@ -23,36 +24,36 @@ bool is_collapsible(const Entries& entries) {
                      [&](std::uint32_t entry) { return entry == entries[0]; });
 }
 
-struct OffsetNodes {
+// The nodes that may hold more than one value.
+struct SceneNodes {
+  explicit SceneNodes(std::vector<Coord> at)
+      : origins(std::move(at)),
+        nodes(origins.size()),
+        counts(nodes.size()),
+        entries(nodes.size()) {}
+
   std::vector<Coord> origins;  // ascending
   std::vector<BuiltNode> nodes;
   std::vector<ValueCounts> counts;
-  std::vector<Digest> keys;            // empty where nothing is to be remembered
-  std::vector<std::uint32_t> entries;  // of the nodes in the tree that is built
+  std::vector<Digest> keys;            // empty without a memory
+  std::vector<std::uint32_t> entries;  // the nodes' entries in the tree
 };
 
-OffsetNodes distance_nodes(const LayerOffset& around, const DistanceNodes& distances) {
-  OffsetNodes result;
-  result.origins = around.nodes();
-  result.nodes.resize(result.origins.size());
-  result.counts.resize(result.origins.size());
-  result.entries.resize(result.origins.size());
+SceneNodes measure_nodes(const LayerOffset& around, const DistanceCodes& distances) {
+  SceneNodes result(around.nodes());
   tbb::parallel_for(std::size_t{0}, result.nodes.size(), [&](std::size_t i) {
-    result.nodes[i] = distances.node(result.origins[i], result.counts[i]);
+    result.nodes[i] =
+        cut_into_bricks(distances.codes(result.origins[i]), distances.scale(), result.counts[i]);
   });
   return result;
 }
 
-OffsetNodes offset_nodes(const LayerOffset& offset, const NodeMemory* memory) {
+SceneNodes build_nodes(const LayerOffset& offset, const NodeMemory* memory) {
   struct Scratch {
     NodeHalo halo;
     NodeCodes codes;
   };
-  OffsetNodes result;
-  result.origins = offset.nodes();
-  result.nodes.resize(result.origins.size());
-  result.counts.resize(result.origins.size());
-  result.entries.resize(result.origins.size());
+  SceneNodes result(offset.nodes());
   if (memory != nullptr) result.keys = node_keys(offset, result.origins);
   tbb::enumerable_thread_specific<Scratch> scratches;
   tbb::parallel_for(std::size_t{0}, result.nodes.size(), [&](std::size_t i) {
@@ -69,7 +70,7 @@ OffsetNodes offset_nodes(const LayerOffset& offset, const NodeMemory* memory) {
   return result;
 }
 
-// Puts the nodes and the uniform space around them into a tree, collapsed where it is uniform.
+// Puts the nodes and the uniform space around them into a tree and collapses uniform boxes.
 class TreeAssembly {
  public:
   TreeAssembly(const MaskTree& interior, const KeptBox& kept,
@@ -79,45 +80,46 @@ class TreeAssembly {
     tree_.directory.assign(std::size_t{dims[0]} * dims[1] * dims[2], kFreeEntry);
   }
 
-  BuiltTree run(OffsetNodes& nodes, ValueCounts& counts);
+  BuiltTree run(SceneNodes& nodes, ValueCounts& counts);
 
  private:
-  struct Placed {  // a node's place in the tree
-    std::size_t block;
+  struct NodePlace {
+    std::size_t cell;  // of the directory
     unsigned entry;
     std::size_t node;
-    auto operator<=>(const Placed&) const = default;
+    auto operator<=>(const NodePlace&) const = default;
   };
   static constexpr std::uint64_t kNodeVoxels = 64 * 64 * 64;
 
-  std::size_t block_at(const Coord& voxel) const {
+  std::size_t cell_at(const Coord& voxel) const {
     return (static_cast<std::size_t>(voxel.x() >> 9) * tree_.dims[1] +
             static_cast<std::size_t>(voxel.y() >> 9)) *
                tree_.dims[2] +
            static_cast<std::size_t>(voxel.z() >> 9);
   }
-  Coord block_origin(std::size_t block) const {
-    return Coord(static_cast<int>(block / tree_.dims[2] / tree_.dims[1]) * 512,
-                 static_cast<int>(block / tree_.dims[2] % tree_.dims[1]) * 512,
-                 static_cast<int>(block % tree_.dims[2]) * 512);
+  Coord cell_origin(std::size_t cell) const {
+    return Coord(static_cast<int>(cell / tree_.dims[2] / tree_.dims[1]) * 512,
+                 static_cast<int>(cell / tree_.dims[2] % tree_.dims[1]) * 512,
+                 static_cast<int>(cell % tree_.dims[2]) * 512);
   }
-  std::vector<Placed> placed(const std::vector<Coord>& origins) const;
-  BrickMask solid_nodes(const Coord& block) const;
-  std::vector<std::size_t> solid_blocks() const;
+  std::vector<NodePlace> places_of(const std::vector<Coord>& origins) const;
+  BrickMask solid_nodes(const Coord& cell) const;
+  std::vector<std::size_t> solid_cells() const;
   std::uint32_t add_node(BuiltNode&& node);
-  std::uint32_t add_block(const Entries& entries);
+  std::uint32_t add_upper(const Entries& entries);
 
   const MaskTree& interior_;
   const KeptBox& kept_;
   BuiltTree tree_;
 };
 
-// In the order of the tree: blocks, and nodes within a block.
-std::vector<TreeAssembly::Placed> TreeAssembly::placed(const std::vector<Coord>& origins) const {
-  std::vector<Placed> order;
+// In the order of the tree: by directory cell, then by entry.
+std::vector<TreeAssembly::NodePlace> TreeAssembly::places_of(
+    const std::vector<Coord>& origins) const {
+  std::vector<NodePlace> order;
   order.reserve(origins.size());
   for (std::size_t i = 0; i < origins.size(); ++i) {
-    order.push_back({block_at(origins[i]), UpperMaskNode::coordToOffset(origins[i]), i});
+    order.push_back({cell_at(origins[i]), UpperMaskNode::coordToOffset(origins[i]), i});
   }
   std::sort(order.begin(), order.end());
   return order;
@@ -129,72 +131,72 @@ std::uint32_t TreeAssembly::add_node(BuiltNode&& node) {
   return static_cast<std::uint32_t>(tree_.lower.size() - 1);
 }
 
-std::uint32_t TreeAssembly::add_block(const Entries& entries) {
+std::uint32_t TreeAssembly::add_upper(const Entries& entries) {
   if (is_collapsible(entries)) return entries[0];
   tree_.upper.push_back(entries);
   return static_cast<std::uint32_t>(tree_.upper.size() - 1);
 }
 
-// The nodes of a block that are interior throughout, by their own voxels alone, and kept whole.
-BrickMask TreeAssembly::solid_nodes(const Coord& block) const {
-  const auto* tiles = interior_.probeConstNode<UpperMaskNode>(block);
-  BrickMask solid = tiles != nullptr             ? mask_of(tiles->getValueMask())
-                    : interior_.isValueOn(block) ? full_mask()
-                                                 : BrickMask{};
-  if (!kept_.cropped() || kept_.box.isInside(openvdb::CoordBBox::createCube(block, 512))) {
+// The nodes of a directory cell that are interior by the interior's tiles alone and not cropped.
+BrickMask TreeAssembly::solid_nodes(const Coord& cell) const {
+  const auto* tiles = interior_.probeConstNode<UpperMaskNode>(cell);
+  BrickMask solid = tiles != nullptr            ? mask_of(tiles->getValueMask())
+                    : interior_.isValueOn(cell) ? full_mask()
+                                                : BrickMask{};
+  if (!kept_.cropped() || kept_.box.isInside(openvdb::CoordBBox::createCube(cell, 512))) {
     return solid;
   }
   BrickMask kept;
   for_each_set(solid, [&](unsigned n) {
-    if (kept_.box.isInside(openvdb::CoordBBox::createCube(entry_origin(block, n, 64), 64))) {
+    if (kept_.box.isInside(openvdb::CoordBBox::createCube(entry_origin(cell, n, 64), 64))) {
       set(kept, n);
     }
   });
   return kept;
 }
 
-// The blocks of the directory that may have solid nodes, ascending.
-std::vector<std::size_t> TreeAssembly::solid_blocks() const {
-  std::vector<std::size_t> blocks;
+// The directory cells that may have solid nodes, ascending.
+std::vector<std::size_t> TreeAssembly::solid_cells() const {
+  std::vector<std::size_t> cells;
   const auto add = [&](const Coord& origin) {
     if (kept_.box.hasOverlap(openvdb::CoordBBox::createCube(origin, 512))) {
-      blocks.push_back(block_at(origin));
+      cells.push_back(cell_at(origin));
     }
   };
   for (auto tile = interior_.cbeginValueOn(); tile; ++tile) add(tile.getCoord());
-  for (auto block = interior_.cbeginChildOn(); block; ++block) add(block->origin());
-  std::sort(blocks.begin(), blocks.end());
-  return blocks;
+  for (auto upper = interior_.cbeginChildOn(); upper; ++upper) add(upper->origin());
+  std::sort(cells.begin(), cells.end());
+  return cells;
 }
 
-BuiltTree TreeAssembly::run(OffsetNodes& nodes, ValueCounts& counts) {
+BuiltTree TreeAssembly::run(SceneNodes& nodes, ValueCounts& counts) {
   for (const ValueCounts& node : nodes.counts) counts += node;
-  const std::vector<Placed> order = placed(nodes.origins);
-  const std::vector<std::size_t> solid = solid_blocks();
+  const std::vector<NodePlace> order = places_of(nodes.origins);
+  const std::vector<std::size_t> solid = solid_cells();
   for (std::size_t i = 0, j = 0; i < order.size() || j < solid.size();) {
-    const std::size_t block = i == order.size()   ? solid[j]
-                              : j == solid.size() ? order[i].block
-                                                  : std::min(order[i].block, solid[j]);
-    if (j < solid.size() && solid[j] == block) ++j;
+    const std::size_t cell = i == order.size()   ? solid[j]
+                             : j == solid.size() ? order[i].cell
+                                                 : std::min(order[i].cell, solid[j]);
+    if (j < solid.size() && solid[j] == cell) ++j;
     Entries entries;
     entries.fill(kFreeEntry);
-    BrickMask solid_entries = solid_nodes(block_origin(block));
+    BrickMask solid_entries = solid_nodes(cell_origin(cell));
     for_each_set(solid_entries, [&](unsigned n) { entries[n] = kInteriorEntry; });
-    for (; i < order.size() && order[i].block == block; ++i) {
+    for (; i < order.size() && order[i].cell == cell; ++i) {
       const unsigned n = order[i].entry;
-      // The node counts its own voxels.
+      // The node's voxels are in nodes.counts.
       solid_entries.words[n >> 6] &= ~(std::uint64_t{1} << (n & 63));
       entries[n] = add_node(std::move(nodes.nodes[order[i].node]));
       nodes.entries[order[i].node] = entries[n];
     }
     counts.interior += static_cast<std::uint64_t>(count(solid_entries)) * kNodeVoxels;
-    tree_.directory[block] = add_block(entries);
+    tree_.directory[cell] = add_upper(entries);
   }
   return std::move(tree_);
 }
 
-// What is to be remembered of the nodes: the first part now, the rest when the tree is finished.
-std::vector<NodeMemo> memos_of(const OffsetNodes& nodes, const BuiltTree& built) {
+// The memos of the nodes. Entries are still numbers of built.lower.
+std::vector<NodeMemo> memos_of(const SceneNodes& nodes, const BuiltTree& built) {
   std::vector<NodeMemo> memos(nodes.keys.size());
   for (std::size_t i = 0; i < memos.size(); ++i) {
     NodeMemo& memo = memos[i];
@@ -203,14 +205,14 @@ std::vector<NodeMemo> memos_of(const OffsetNodes& nodes, const BuiltTree& built)
     memo.interior = static_cast<std::uint32_t>(nodes.counts[i].interior);
     memo.surface = static_cast<std::uint32_t>(nodes.counts[i].surface);
     memo.proximity = static_cast<std::uint32_t>(nodes.counts[i].proximity);
-    if (!is_uniform(memo.entry)) memo.reach = built.lower[memo.entry].reach;
+    if (!is_uniform(memo.entry)) memo.gaps = built.lower[memo.entry].node_gaps;
   }
   return memos;
 }
 
-// The finished tree of the nodes, whose entries are then numbered as in it.
+// The tree of the nodes with its clearance. Sets nodes.entries.
 BuiltTree assemble(const LayerOffset& offset, const std::array<std::uint32_t, 3>& directory_dims,
-                   OffsetNodes& nodes, ValueCounts& counts) {
+                   SceneNodes& nodes, ValueCounts& counts) {
   BuiltTree built =
       TreeAssembly(offset.interior(), offset.kept(), directory_dims).run(nodes, counts);
   add_clearance(built);
@@ -220,17 +222,17 @@ BuiltTree assemble(const LayerOffset& offset, const std::array<std::uint32_t, 3>
 
 }  // namespace
 
-VoxelTree build_distance_tree(const LayerOffset& around, const DistanceNodes& distances,
+VoxelTree build_distance_tree(const LayerOffset& around, const DistanceCodes& distances,
                               const std::array<std::uint32_t, 3>& directory_dims,
                               ValueCounts& counts) {
-  OffsetNodes nodes = distance_nodes(around, distances);
+  SceneNodes nodes = measure_nodes(around, distances);
   BuiltTree built = assemble(around, directory_dims, nodes, counts);
   built.brick_parts = distances.scale().bits / 2;
   std::vector<std::uint32_t> lower_numbers;
   return share_equal(std::move(built), lower_numbers);
 }
 
-void name_codes(VoxelTree& tree, const DistanceScale& scale) {
+void name_codes(VoxelTree& tree, const CodeScale& scale) {
   for (auto* entries : {&tree.directory, &tree.upper_nodes, &tree.lower_nodes}) {
     for (std::uint32_t& entry : *entries) {
       if (!is_uniform(entry)) continue;
@@ -242,7 +244,7 @@ void name_codes(VoxelTree& tree, const DistanceScale& scale) {
 
 VoxelTree build_tree(const LayerOffset& offset, const std::array<std::uint32_t, 3>& directory_dims,
                      const NodeMemory* memory, ValueCounts& counts) {
-  OffsetNodes nodes = offset_nodes(offset, memory);
+  SceneNodes nodes = build_nodes(offset, memory);
   BuiltTree built = assemble(offset, directory_dims, nodes, counts);
   std::vector<NodeMemo> memos = memos_of(nodes, built);
   std::vector<std::uint32_t> lower_numbers;

@@ -1,0 +1,68 @@
+// The input of a bake: the objects of the static scene, and the options.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "formats/mesh/mesh.h"
+#include "formats/result.h"
+#include "formats/voxmap_format.h"
+#include "voxelize/cache/digest.h"
+#include "voxelize/compliance.h"
+
+namespace forcelayer {
+
+class CacheFolder;
+
+// One static object in its final pose. The mesh is not owned.
+struct SceneObject {
+  std::string name;
+  const Mesh* mesh = nullptr;       // null: read_mesh() gives it
+  Affine world_from_mesh;           // to meters, so it contains the mesh's unit
+  std::vector<Vec3d> free_seeds_m;  // world; they open this object alone
+  double deviation_m = 0;           // of the mesh from the truth (tessellation, quantization)
+  std::function<Result<const Mesh*>()> read_mesh = {};  // called by one thread at a time
+  std::optional<Digest> mesh_digest = {};               // of all of the mesh; needed for a cache
+};
+
+struct BakeOptions {
+  double voxel_size_m = 0;
+  std::uint32_t layers = 2;            // k, at most kMaxBakedLayers
+  Metric metric = Metric::kChebyshev;  // Euclidean layers need k of 1 or more
+  std::uint32_t bits = 2;              // 4 and 8: quantized distances; Euclidean only
+  // How deep inside the zero force distances are kept (4, 8 bits); 0: default_range_voxels().
+  double range_m = 0;
+  // Force over depth (4, 8 bits). The zero force lies as far above the interior as the compliance
+  // is deep, and at least a voxel. Empty: the model's own stiffness.
+  Compliance compliance = {};
+  std::vector<Vec3d> free_seeds_m;  // world; they open every object that encloses them
+  double mesh_deviation_m = 0;      // declared deviation of all meshes from the truth
+  // World box x0, y0, z0, x1, y1, z1. Only the voxels that it touches are kept.
+  std::optional<std::array<double, 6>> roi_m = {};
+  bool find_cavities = false;          // ObjectReport::cavities
+  bool find_narrow_passages = false;   // Cavity::opens_at_half_size; bakes enclosing objects again
+  int threads = 0;                     // 0: as many as the machine has
+  const CacheFolder* cache = nullptr;  // where objects that did not change are found again
+  std::string scene_name = {};         // with a cache: bakes of this name reuse unchanged nodes
+  std::function<void(const char* stage, double fraction_done)> progress;  // may be empty
+};
+
+// Errors (kUsage) for options out of range.
+Status check_options(const BakeOptions& options);
+
+// Whether an object's surface voxels are those of grow_surface() in place of G.
+inline bool grows_surface(const BakeOptions& options) {
+  return options.metric == Metric::kEuclidean && options.bits == 2;
+}
+
+// Whether voxels hold quantized distances.
+inline bool stores_distances(const BakeOptions& options) { return options.bits != 2; }
+
+// How deep the force layer of stored distances is, in voxels.
+double force_layer_voxels(const BakeOptions& options);
+
+}  // namespace forcelayer

@@ -1,0 +1,179 @@
+#include "voxelize/distance/distance_codes.h"
+
+#include <tbb/enumerable_thread_specific.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "formats/lattice/brick_bits.h"
+
+namespace forcelayer {
+namespace {
+
+// The largest distance that decides a code, of voxels outside the solid and of those inside.
+float outer_reach(const CodeScale& scale) { return static_cast<float>(scale.proximity_below); }
+float inner_reach(const CodeScale& scale) {
+  return static_cast<float>(std::max(0.0, scale.range - scale.zero + scale.quantum));
+}
+
+// Measures one 64^3 node at a time.
+class NodeMeasurement {
+ public:
+  const NodeDistances& run(const SceneTriangles& triangles, const VoxelIndex& scene_origin,
+                           const MaskTree& geometry, const MaskTree& interior,
+                           const CodeScale& scale, const KeptBox& kept, const Coord& origin) {
+    scale_ = &scale;
+    interior_ = &interior;
+    origin_ = origin;
+    node_rows(interior, origin, node_.solid);
+    node_rows(geometry, origin, surface_);
+    node_.measured = {};
+    NodeIndex node;
+    for (std::size_t d = 0; d < 3; ++d) {
+      node[d] = (origin[static_cast<int>(d)] + scene_origin[d]) >> 6;
+    }
+    triangles.gather(node, near_);
+    const float outer = std::max(outer_reach(scale), inner_reach(scale));
+    const float inner = inner_reach(scale);
+    search_.run(
+        near_,
+        [&](const std::array<int, 3>& low, int edge) {
+          return !all_set(node_.solid, low, edge) ? outer : inner > 0 ? inner : kNoReach;
+        },
+        [&](const std::array<int, 3>& low, TriangleList list) {
+          measure(low, list, outer, inner);
+        });
+    if (kept.cropped()) crop(kept);
+    return node_;
+  }
+
+ private:
+  // The codes of brick n for writing. At first they read as if no surface were near.
+  std::uint8_t* measured(unsigned n) {
+    std::uint8_t* codes = node_.codes.data() + n * kBrickVoxels;
+    if (test(node_.measured, n)) return codes;
+    set(node_.measured, n);
+    for (unsigned row = 0; row < 64; ++row) {
+      const unsigned bits = node_.solid_row(n, row);
+      for (unsigned z = 0; z < 8; ++z) codes[8 * row + z] = (bits >> z & 1) != 0 ? 0 : free_code();
+    }
+    return codes;
+  }
+  std::uint8_t free_code() const { return static_cast<std::uint8_t>(scale_->free_code); }
+
+  // Two cells of 4^3 voxels, the second behind the first along z.
+  void measure(const std::array<int, 3>& low, TriangleList list, float outer, float inner) {
+    std::array<float, 2 * kEighths> reach;
+    for (std::size_t cell = 0; cell < 2; ++cell) {
+      const std::uint64_t solid =
+          cell_bits(node_.solid, {low[0], low[1], low[2] + 4 * static_cast<int>(cell)});
+      for (unsigned n = 0; n < kEighths; ++n) {
+        const bool all_solid = (solid & eighth(n)) == eighth(n);
+        reach[cell * kEighths + n] = (!all_solid  ? outer
+                                      : inner > 0 ? inner
+                                                  : kNoReach) *
+                                     static_cast<float>(kSnapUnits);
+      }
+    }
+    nearest_.find(list, CellSearch::centers(low, 1), reach);
+    for (std::size_t cell = 0; cell < 2; ++cell) {
+      encode({low[0], low[1], low[2] + 4 * static_cast<int>(cell)}, cell, list);
+    }
+  }
+
+  void encode(const std::array<int, 3>& low, std::size_t cell, TriangleList list) {
+    const std::uint64_t solid = cell_bits(node_.solid, low);
+    std::uint64_t negative = solid;
+    for (std::uint64_t left = cell_bits(surface_, low) & ~solid; left != 0; left &= left - 1) {
+      const int n = std::countr_zero(left);
+      const PreparedTriangle& nearest = *list[nearest_.which(cell, static_cast<std::size_t>(n))];
+      negative |= std::uint64_t{lies_inside(nearest, low, n)} << n;
+    }
+    std::array<std::uint8_t, kCubePoints> codes;
+    codes_of_distances(nearest_.least(cell), negative, *scale_, codes.data());
+    const auto brick = static_cast<unsigned>((low[0] >> 3) << 6 | (low[1] >> 3) << 3 | low[2] >> 3);
+    std::uint8_t* out = measured(brick) + (low[0] & 7) * 64 + (low[1] & 7) * 8 + (low[2] & 7);
+    for (int n = 0; n < 16; ++n) {
+      std::memcpy(out + (n >> 2) * 64 + (n & 3) * 8, codes.data() + 4 * n, 4);
+    }
+  }
+
+  // Whether voxel n of a cell, through which the surface passes, has its center inside. The vector
+  // from the surface's nearest point to the center leads to the center's side. 1.25 voxels further
+  // along it lies a voxel that this piece of surface does not pass through: inside or outside.
+  bool lies_inside(const PreparedTriangle& nearest, const std::array<int, 3>& low, int n) const {
+    constexpr double kOnwards = 1.25;
+    const std::array<int, 3> voxel{low[0] + (n >> 4), low[1] + (n >> 2 & 3), low[2] + (n & 3)};
+    std::array<double, 3> center;
+    for (std::size_t d = 0; d < 3; ++d) center[d] = (voxel[d] + 0.5) * double{kSnapUnits};
+    const std::array<double, 3> away = way_from(nearest, center);
+    const double length = std::sqrt(away[0] * away[0] + away[1] * away[1] + away[2] * away[2]);
+    if (!(length > 0)) return false;
+    // A component of half a voxel or more leads to the next voxel along its axis.
+    const double half = 0.5 / kOnwards * length;
+    std::array<int, 3> onwards;
+    bool in_node = true;
+    for (std::size_t d = 0; d < 3; ++d) {
+      onwards[d] = voxel[d] + (away[d] >= half) - (away[d] < -half);
+      in_node = in_node && (onwards[d] & ~63) == 0;
+    }
+    if (in_node) {
+      const auto row = static_cast<std::size_t>(onwards[0] * 64 + onwards[1]);
+      return (node_.solid[row] >> onwards[2] & 1) != 0;
+    }
+    return interior_->isValueOn(origin_ + Coord(onwards[0], onwards[1], onwards[2]));
+  }
+
+  void crop(const KeptBox& kept) {
+    for (unsigned n = 0; n < 512; ++n) {
+      const Coord brick = entry_origin(origin_, n, 8);
+      if (kept.box.isInside(openvdb::CoordBBox::createCube(brick, 8))) continue;
+      std::uint8_t* codes = measured(n);
+      for (unsigned v = 0; v < kBrickVoxels; ++v) {
+        if (!kept.box.isInside(entry_origin(brick, v, 1))) codes[v] = free_code();
+      }
+    }
+  }
+
+  const CodeScale* scale_ = nullptr;
+  const MaskTree* interior_ = nullptr;
+  Coord origin_;
+  NodeDistances node_;
+  NodeRows surface_;
+  std::vector<PreparedTriangle> near_;
+  CellSearch search_;
+  NearestTriangles nearest_;
+};
+
+}  // namespace
+
+class DistanceCodes::Scratch {
+ public:
+  tbb::enumerable_thread_specific<NodeMeasurement> nodes;
+};
+
+int DistanceCodes::reach(const CodeScale& scale) {
+  // A surface point lies within half a voxel of its voxel's center along every axis.
+  return static_cast<int>(std::ceil(std::max(outer_reach(scale), inner_reach(scale)) + 0.5f));
+}
+
+DistanceCodes::DistanceCodes(std::vector<const SnappedObject*> objects,
+                             const VoxelIndex& scene_origin, const MaskTree& geometry,
+                             const MaskTree& interior, const CodeScale& scale, const KeptBox& kept)
+    : scene_origin_(scene_origin),
+      geometry_(geometry),
+      interior_(interior),
+      scale_(scale),
+      kept_(kept),
+      triangles_(std::move(objects), reach(scale)),
+      scratch_(std::make_unique<Scratch>()) {}
+
+DistanceCodes::~DistanceCodes() = default;
+
+const NodeDistances& DistanceCodes::codes(const Coord& origin) const {
+  return scratch_->nodes.local().run(triangles_, scene_origin_, geometry_, interior_, scale_, kept_,
+                                     origin);
+}
+
+}  // namespace forcelayer

@@ -1,0 +1,62 @@
+// Voxels of 4 and 8 bits: quantized distances from the surface, node by node.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "voxelize/distance/code_scale.h"
+#include "voxelize/distance/triangle_search.h"
+#include "voxelize/masks/mask_tree.h"
+#include "voxelize/masks/node_rows.h"
+
+namespace forcelayer {
+
+inline constexpr std::size_t kBrickVoxels = 512;
+
+// The codes of one 64^3 node.
+struct NodeDistances {
+  NodeRows solid;      // the interior's voxels
+  BrickMask measured;  // bricks with codes of their own; the others are solid or free throughout
+  std::vector<std::uint8_t> codes =
+      std::vector<std::uint8_t>(512 * kBrickVoxels);  // [bricks][voxels]; undefined elsewhere
+
+  const std::uint8_t* brick(unsigned n) const { return codes.data() + n * kBrickVoxels; }
+  // Eight voxels along z of brick n, row = x*8 + y, as bits: the solid ones.
+  unsigned solid_row(unsigned n, unsigned row) const {
+    const unsigned x = (n >> 6) * 8 + (row >> 3), y = (n >> 3 & 7) * 8 + (row & 7);
+    return static_cast<unsigned>(solid[x * 64 + y] >> (8 * (n & 7)) & 0xff);
+  }
+};
+
+// The trees and objects must outlive the object; codes() may run on many threads. Distances are
+// from the surfaces of `objects`. They are negative in `interior`, and in voxels of `geometry`
+// whose center lies on the interior's side of the surface.
+class DistanceCodes {
+ public:
+  // Voxels outside `kept` are free.
+  DistanceCodes(std::vector<const SnappedObject*> objects, const VoxelIndex& scene_origin,
+                const MaskTree& geometry, const MaskTree& interior, const CodeScale& scale,
+                const KeptBox& kept);
+  ~DistanceCodes();
+
+  // How many voxels around the geometry may have a code of their own.
+  static int reach(const CodeScale& scale);
+
+  const CodeScale& scale() const { return scale_; }
+
+  // The node at `origin`, counted from the scene's; valid until this thread's next call.
+  const NodeDistances& codes(const Coord& origin) const;
+
+ private:
+  class Scratch;
+
+  VoxelIndex scene_origin_;
+  const MaskTree& geometry_;
+  const MaskTree& interior_;
+  CodeScale scale_;
+  KeptBox kept_;
+  SceneTriangles triangles_;
+  std::unique_ptr<Scratch> scratch_;
+};
+
+}  // namespace forcelayer

@@ -1,0 +1,199 @@
+#include "voxelize/distance/euclidean_growth.h"
+
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <bit>
+#include <boost/multiprecision/cpp_int.hpp>
+
+#include "formats/lattice/brick_bits.h"
+#include "voxelize/distance/triangle_search.h"
+#include "voxelize/masks/node_rows.h"
+
+namespace forcelayer {
+namespace {
+
+__extension__ typedef __int128 Int128;
+using WideInt = boost::multiprecision::int512_t;  // for triangles of up to 2^31 voxels
+
+// The exact test. The nearest point of a triangle is a corner, or lies on an edge or inside. Each
+// distance is a quotient of integers, which is compared with the radius without dividing.
+template <class Int>
+class CenterTest {
+ public:
+  using Vec = std::array<Int, 3>;
+
+  // Corners in lattice units from the voxel's center.
+  CenterTest(const std::array<LatticePoint, 3>& corners, std::int64_t radius_units)
+      : radius2_(Int(radius_units) * radius_units) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      for (std::size_t d = 0; d < 3; ++d) corners_[k][d] = corners[k][d];
+    }
+  }
+
+  bool near() const {
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (dot(corners_[k], corners_[k]) < radius2_) return true;
+      if (edge_is_near(corners_[k], corners_[(k + 1) % 3])) return true;
+    }
+    return inside_is_near();
+  }
+
+ private:
+  static Vec minus(const Vec& a, const Vec& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+  static Int dot(const Vec& a, const Vec& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+  static Vec cross(const Vec& a, const Vec& b) {
+    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+  }
+
+  bool edge_is_near(const Vec& from, const Vec& to) const {
+    const Vec along = minus(to, from);
+    const Int t = -dot(from, along), length2 = dot(along, along);
+    if (t <= 0 || t >= length2) return false;
+    const Vec n = cross(from, along);
+    return dot(n, n) < radius2_ * length2;
+  }
+
+  bool inside_is_near() const {
+    const Vec n = cross(minus(corners_[1], corners_[0]), minus(corners_[2], corners_[0]));
+    const Int n2 = dot(n, n);
+    if (n2 == 0) return false;
+    Int h = dot(n, corners_[0]);
+    if (h < 0) h = -h;
+    // The test is h^2 < radius^2 n^2; h^2 would overflow where h is far too large.
+    if constexpr (std::is_same_v<Int, Int128>) {
+      if (h >= Int{1} << 62) return false;
+    }
+    if (h * h >= radius2_ * n2) return false;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec along = minus(corners_[(k + 1) % 3], corners_[k]);
+      if (dot(cross(n, along), corners_[k]) > 0) return false;
+    }
+    return true;
+  }
+
+  std::array<Vec, 3> corners_;
+  Int radius2_;
+};
+
+// One 64^3 node at a time.
+class NodeGrowth {
+ public:
+  // `triangles` are those of `object` alone.
+  std::unique_ptr<LowerMaskNode> run(const SnappedObject& object, const SceneTriangles& triangles,
+                                     const NodeIndex& node, const Coord& origin,
+                                     const MaskTree& interior, std::int64_t radius_units) {
+    object_ = &object;
+    node_rows(interior, origin, settled_);
+    grown_ = {};
+    triangles.gather(node, triangles_);
+    constexpr auto kUnits = static_cast<float>(kSnapUnits);
+    const float radius = static_cast<float>(radius_units) / kUnits;
+    const float reach = radius + kDistanceErrorVoxels;
+    surely_near_ = square((radius - kDistanceErrorVoxels) * kUnits);
+    maybe_near_ = square(reach * kUnits);
+    search_.run(
+        triangles_,
+        [&](const std::array<int, 3>& low, int edge) {
+          return all_set(settled_, low, edge) ? kNoReach : reach;
+        },
+        [&](const std::array<int, 3>& low, TriangleList list) {
+          mark_pair(low, list, reach * kUnits, node, radius_units);
+        });
+    return node_of_rows(grown_, origin);
+  }
+
+ private:
+  static float square(float x) { return x * x; }
+
+  // Two cells of 4^3 voxels, the second behind the first along z.
+  void mark_pair(const std::array<int, 3>& low, TriangleList list, float reach_units,
+                 const NodeIndex& node, std::int64_t radius_units) {
+    std::array<std::array<int, 3>, 2> lows{low, low};
+    lows[1][2] += 4;
+    std::array<float, 2 * kEighths> reach;
+    std::array<std::uint64_t, 2> open;
+    for (std::size_t cell = 0; cell < 2; ++cell) {
+      open[cell] = ~cell_bits(settled_, lows[cell]);
+      for (unsigned n = 0; n < kEighths; ++n) {
+        reach[cell * kEighths + n] = (open[cell] & eighth(n)) != 0 ? reach_units : kNoReach;
+      }
+    }
+    nearest_.find(list, CellSearch::centers(low, 1), reach);
+    for (std::size_t cell = 0; cell < 2; ++cell) {
+      const CubeValues& least = nearest_.least(cell);
+      std::uint64_t near = 0, unsure = 0;
+      for (std::size_t n = 0; n < kCubePoints; ++n) {
+        near |= std::uint64_t{least[n] < surely_near_} << n;
+        unsure |= std::uint64_t{least[n] <= maybe_near_} << n;
+      }
+      unsure &= open[cell] & ~near;
+      near &= open[cell];
+      for (; unsure != 0; unsure &= unsure - 1) {
+        const int n = std::countr_zero(unsure);
+        if (is_near(list, lows[cell], n, node, radius_units)) near |= std::uint64_t{1} << n;
+      }
+      add_cell_bits(near, lows[cell], grown_);
+    }
+  }
+
+  // Whether one of the triangles is near to voxel n of a cell.
+  bool is_near(TriangleList list, const std::array<int, 3>& low, int n, const NodeIndex& node,
+               std::int64_t radius_units) const {
+    const VoxelIndex voxel{node[0] * 64 + low[0] + (n >> 4), node[1] * 64 + low[1] + (n >> 2 & 3),
+                           node[2] * 64 + low[2] + (n & 3)};
+    return std::any_of(list.begin(), list.end(), [&](const PreparedTriangle* triangle) {
+      return center_is_nearer(object_->triangle(triangle->source), voxel, radius_units);
+    });
+  }
+
+  NodeRows grown_, settled_;  // the result; the interior, which needs no answer
+  const SnappedObject* object_ = nullptr;
+  std::vector<PreparedTriangle> triangles_;
+  CellSearch search_;
+  NearestTriangles nearest_;
+  float surely_near_ = 0, maybe_near_ = 0;  // squared lattice units
+};
+
+}  // namespace
+
+bool center_is_nearer(const LatticeTriangle& triangle, const VoxelIndex& voxel,
+                      std::int64_t radius_units) {
+  std::array<LatticePoint, 3> corners;
+  std::int64_t largest = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    for (std::size_t d = 0; d < 3; ++d) {
+      corners[k][d] = triangle[k][d] - (voxel[d] << kSnapBits) - kSnapUnits / 2;
+      largest = std::max(largest, std::abs(corners[k][d]));
+    }
+  }
+  // Up to 2^20 units: edges up to 2^21, components of n up to 2^43, h below 2^65 (tested before it
+  // is squared), radius^2 n^2 below 2^118, the sides of the inside test below 2^87.
+  constexpr std::int64_t kLargest = std::int64_t{1} << 20;
+  if (largest <= kLargest) return CenterTest<Int128>(corners, radius_units).near();
+  return CenterTest<WideInt>(corners, radius_units).near();
+}
+
+std::unique_ptr<MaskTree> grow_surface(const SnappedObject& object, const MaskTree& interior,
+                                       int layers, const VoxelIndex& scene_origin) {
+  const std::int64_t radius_units = interior_radius_units(layers);
+  const SceneTriangles triangles({&object}, layers);  // the radius is below that many voxels
+  std::vector<std::unique_ptr<LowerMaskNode>> nodes(triangles.nodes().size());
+  tbb::enumerable_thread_specific<NodeGrowth> scratch;
+  tbb::parallel_for(std::size_t{0}, nodes.size(), [&](std::size_t i) {
+    const NodeIndex& node = triangles.nodes()[i];
+    const Coord origin(static_cast<int>(node[0] * 64 - scene_origin[0]),
+                       static_cast<int>(node[1] * 64 - scene_origin[1]),
+                       static_cast<int>(node[2] * 64 - scene_origin[2]));
+    nodes[i] = scratch.local().run(object, triangles, node, origin, interior, radius_units);
+  });
+  auto tree = std::make_unique<MaskTree>();
+  for (auto& node : nodes) {
+    if (node->getChildMask().isOff()) continue;
+    add_node(*tree, std::move(node));
+  }
+  return tree;
+}
+
+}  // namespace forcelayer

@@ -1,0 +1,29 @@
+// The Euclidean growth of a surface: the interior that --metric euclidean adds around the surface.
+#pragma once
+
+#include <memory>
+
+#include "voxelize/masks/mask_tree.h"
+#include "voxelize/scan/snap.h"
+
+namespace forcelayer {
+
+inline constexpr std::uint32_t kMaxBakedLayers = 30;
+
+// A voxel becomes interior where its center is nearer than this to the surface, in lattice units:
+// k - 1 voxels, half a diagonal, and a little (voxmap_format.md, section 5). `layers` is k.
+constexpr std::int64_t interior_radius_units(int layers) { return (layers - 1) * kSnapUnits + 888; }
+
+// The voxels outside `interior` whose centers are less than interior_radius_units() from the
+// object's surface, the voxels that the surface passes through among them. `layers` is 1 to
+// kMaxBakedLayers. Voxels count from `scene_origin`. Exact: the kernels decide where their error
+// allows it, center_is_nearer() elsewhere.
+std::unique_ptr<MaskTree> grow_surface(const SnappedObject& object, const MaskTree& interior,
+                                       int layers, const VoxelIndex& scene_origin);
+
+// Whether the center of `voxel` is less than `radius_units` lattice units (1 to 2^15) from
+// `triangle`, in exact integer arithmetic.
+bool center_is_nearer(const LatticeTriangle& triangle, const VoxelIndex& voxel,
+                      std::int64_t radius_units);
+
+}  // namespace forcelayer

@@ -1,0 +1,128 @@
+#include "voxelize/distance/triangle_search.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+
+namespace forcelayer {
+namespace {
+
+constexpr double kNodeUnits = 64 * static_cast<double>(kSnapUnits);
+constexpr std::int64_t kWholeUnits = 128 * kSnapUnits;  // larger triangles are cut
+
+using Point = std::array<double, 3>;
+
+// Cuts a convex polygon at a plane: what stays has coordinate `axis` times `side` at least `bound`.
+void cut(std::vector<Point>& polygon, std::size_t axis, double side, double bound) {
+  std::vector<Point> kept;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const Point& a = polygon[i];
+    const Point& b = polygon[(i + 1) % polygon.size()];
+    const double from = side * a[axis] - bound, to = side * b[axis] - bound;
+    if (from >= 0) kept.push_back(a);
+    if ((from < 0) == (to < 0)) continue;
+    const double t = from / (from - to);
+    Point at;
+    for (std::size_t d = 0; d < 3; ++d) at[d] = a[d] + t * (b[d] - a[d]);
+    at[axis] = side * bound;
+    kept.push_back(at);
+  }
+  polygon = std::move(kept);
+}
+
+std::array<Point, 3> relative(const LatticeTriangle& triangle, const NodeIndex& node) {
+  std::array<Point, 3> corners;
+  for (std::size_t k = 0; k < 3; ++k) {
+    for (std::size_t d = 0; d < 3; ++d) {
+      corners[k][d] = static_cast<double>(triangle[k][d] - node[d] * 64 * kSnapUnits);
+    }
+  }
+  return corners;
+}
+
+bool is_large(const LatticeTriangle& triangle) {
+  for (std::size_t d = 0; d < 3; ++d) {
+    const auto [least, most] = std::minmax({triangle[0][d], triangle[1][d], triangle[2][d]});
+    if (most - least > kWholeUnits) return true;
+  }
+  return false;
+}
+
+void add_cut(const std::array<Point, 3>& corners, int reach, std::uint32_t source,
+             TriangleBatch& near) {
+  std::vector<Point> polygon(corners.begin(), corners.end());
+  const double margin = static_cast<double>(reach + 1) * static_cast<double>(kSnapUnits);
+  for (std::size_t d = 0; d < 3; ++d) {
+    cut(polygon, d, 1, -margin);
+    cut(polygon, d, -1, -(kNodeUnits + margin));
+  }
+  for (std::size_t i = 2; i < polygon.size(); ++i) {
+    near.add({polygon[0], polygon[i - 1], polygon[i]}, source);
+  }
+}
+
+}  // namespace
+
+SceneTriangles::SceneTriangles(std::vector<const SnappedObject*> objects, int reach)
+    : objects_(std::move(objects)), reach_(reach) {
+  struct Place {
+    NodeIndex node;
+    Bin bin;
+  };
+  bins_.resize(objects_.size());
+  tbb::parallel_for(std::size_t{0}, objects_.size(),
+                    [&](std::size_t i) { bins_[i] = bin_triangles(*objects_[i], reach); });
+  std::vector<Place> places;
+  for (std::uint32_t i = 0; i < bins_.size(); ++i) {
+    const std::vector<NodeIndex>& nodes = bins_[i].nodes;
+    for (std::uint32_t n = 0; n < nodes.size(); ++n) places.push_back({nodes[n], {i, n}});
+  }
+  std::stable_sort(places.begin(), places.end(),
+                   [](const Place& a, const Place& b) { return a.node < b.node; });
+  for (const Place& place : places) {
+    if (nodes_.empty() || nodes_.back() != place.node) {
+      nodes_.push_back(place.node);
+      first_.push_back(of_node_.size());
+    }
+    of_node_.push_back(place.bin);
+  }
+  first_.push_back(of_node_.size());
+  for (std::size_t n = 0; n < nodes_.size(); ++n) most_near_ = std::max(most_near_, count_near(n));
+}
+
+std::size_t SceneTriangles::count_near(std::size_t n) const {
+  std::size_t count = 0;
+  for (std::size_t i = first_[n]; i < first_[n + 1]; ++i) {
+    const auto [object, bin] = of_node_[i];
+    count += bins_[object].first[bin + 1] - bins_[object].first[bin];
+  }
+  return count;
+}
+
+void SceneTriangles::gather(const NodeIndex& node, std::vector<PreparedTriangle>& near) const {
+  near.clear();
+  const auto found = std::lower_bound(nodes_.begin(), nodes_.end(), node);
+  if (found == nodes_.end() || *found != node) return;
+  const auto at = static_cast<std::size_t>(found - nodes_.begin());
+  // With room for fuller nodes, so that memory is not touched for the first time at each.
+  const std::size_t count = count_near(at);
+  if (near.capacity() < count) near.reserve(std::min(most_near_, count + count / 2));
+  TriangleBatch batch(near);
+  for (std::size_t i = first_[at]; i < first_[at + 1]; ++i) {
+    const auto [object, bin] = of_node_[i];
+    const NodeBins& bins = bins_[object];
+    for (std::uint64_t t = bins.first[bin]; t < bins.first[bin + 1]; ++t) {
+      const std::uint32_t number = bins.triangles[t];
+      const LatticeTriangle triangle = objects_[object]->triangle(number);
+      const std::array<Point, 3> corners = relative(triangle, node);
+      if (is_large(triangle)) {
+        add_cut(corners, reach_, number, batch);
+      } else {
+        batch.add(corners, number);
+      }
+    }
+  }
+  batch.flush();
+}
+
+}  // namespace forcelayer

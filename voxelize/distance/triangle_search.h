@@ -1,0 +1,201 @@
+// Which triangles can be the nearest to which voxels: from the whole scene to 64^3 nodes
+// (SceneTriangles), from a node to its cells of 16^3 and of 4^3 voxels (CellSearch).
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "voxelize/distance/distance_kernel.h"
+#include "voxelize/scan/node_bins.h"
+
+namespace forcelayer {
+
+// The triangles of some objects, sorted by the nodes that they come near to.
+class SceneTriangles {
+ public:
+  // A triangle is near a node when it comes nearer than `reach` voxels (1..64). The objects must
+  // outlive this.
+  SceneTriangles(std::vector<const SnappedObject*> objects, int reach);
+
+  // The nodes that have triangles near, ascending.
+  const std::vector<NodeIndex>& nodes() const { return nodes_; }
+
+  // The triangles near `node`, in lattice units from its lowest corner; empty for a node that is
+  // not in nodes(). A large triangle is cut to the piece that lies near, so that single precision
+  // can hold it.
+  void gather(const NodeIndex& node, std::vector<PreparedTriangle>& near) const;
+
+ private:
+  struct Bin {
+    std::uint32_t object, bin;
+  };
+
+  // How many triangles are near nodes_[n].
+  std::size_t count_near(std::size_t n) const;
+
+  std::vector<const SnappedObject*> objects_;
+  int reach_;
+  std::vector<NodeBins> bins_;      // [objects]
+  std::vector<NodeIndex> nodes_;    // [n]
+  std::vector<std::size_t> first_;  // [n + 1] offsets into of_node_
+  std::vector<Bin> of_node_;
+  std::size_t most_near_ = 0;  // the most that count_near() gives
+};
+
+// The reach of a cell that needs no triangle.
+inline constexpr float kNoReach = -1;
+
+// The search inside one node. Its lists are supersets: a triangle that is left out cannot be the
+// nearest to a voxel within the cell's reach, and the result does not depend on the others.
+class CellSearch {
+ public:
+  // Calls leaf(low, triangles) for pairs of cells of 4^3 voxels, the second behind the first along
+  // z, with the triangles that may be the nearest to the center of a voxel of the pair, within the
+  // reach. `low` is the first cell's lowest voxel, counted from the node's. reach_of(low, edge)
+  // gives the reach, in voxels, of the cell of `edge` voxels (16 or 4) at `low`, or kNoReach.
+  template <class ReachOf, class Leaf>
+  void run(const std::vector<PreparedTriangle>& near, const ReachOf& reach_of, const Leaf& leaf) {
+    split_node(near, reach_of);
+    for (std::size_t n = 0; n < kCubePoints; ++n) {
+      if (cells_[0][n].empty()) continue;
+      const std::array<int, 3> low = child({0, 0, 0}, n, 16);
+      split_cell(cells_[0][n], low, reach_of);
+      for (std::size_t m = 0; m < kCubePoints; ++m) {
+        if (!cells_[1][m].empty()) leaf(child(low, m, 4), TriangleList(cells_[1][m]));
+      }
+    }
+  }
+
+  // The centers of 4^3 voxels (edge = 1) or of 4^3 cells of `edge` voxels, from voxel `low` on.
+  static PointCube centers(const std::array<int, 3>& low, int edge) {
+    PointCube points{};
+    points.step = static_cast<float>(edge) * kUnits;
+    for (std::size_t d = 0; d < 3; ++d) {
+      points.first[d] = static_cast<float>(low[d]) * kUnits + points.step / 2;
+    }
+    return points;
+  }
+
+ private:
+  using List = std::vector<const PreparedTriangle*>;
+
+  static constexpr auto kUnits = static_cast<float>(kSnapUnits);
+
+  static std::array<int, 3> child(const std::array<int, 3>& low, std::size_t n, int edge) {
+    const int i = static_cast<int>(n);
+    return {low[0] + edge * (i >> 4), low[1] + edge * (i >> 2 & 3), low[2] + edge * (i & 3)};
+  }
+
+  // How far from a cell's middle a triangle may be within reach of a voxel center, lattice units.
+  static float limit_of(float reach_voxels, int edge) {
+    return (reach_voxels + half_diagonal(edge) + kDistanceErrorVoxels) * kUnits;
+  }
+
+  // The node's cells of 16 voxels that have a voxel center within `reach_voxels` of the triangle's
+  // bounding box, as bits.
+  static std::uint64_t cells_beside(const PreparedTriangle& t, float reach_voxels) {
+    constexpr std::uint64_t kFirst[3] = {0xffff, 0x000f000f000f000f, 0x1111111111111111};
+    const float around = (reach_voxels + kDistanceErrorVoxels) * kUnits;
+    std::uint64_t cells = ~std::uint64_t{0};
+    for (std::size_t d = 0; d < 3; ++d) {
+      const float least = t.corner[d] + std::min({0.0f, t.edge_1[d], t.edge_2[d]}) - around;
+      const float most = t.corner[d] + std::max({0.0f, t.edge_1[d], t.edge_2[d]}) + around;
+      std::uint64_t beside = 0;
+      for (int i = 0; i < 4; ++i) {
+        // The cell's first voxel center and its last.
+        const float first = (16 * static_cast<float>(i) + 0.5f) * kUnits,
+                    last = first + 15 * kUnits;
+        if (least <= last && most >= first) beside |= kFirst[d] << ((16 >> (2 * d)) * i);
+      }
+      cells &= beside;
+    }
+    return cells;
+  }
+
+  // Lists the triangles of the node's cells of 16 voxels: by bounding boxes, and a triangle whose
+  // box touches many cells by its distance too.
+  template <class ReachOf>
+  void split_node(const std::vector<PreparedTriangle>& near, const ReachOf& reach_of) {
+    constexpr int kManyCells = 8;
+    for (List& cell : cells_[0]) cell.clear();
+    CubeValues limits;
+    std::uint64_t open = 0;
+    float most = 0;
+    for (std::size_t n = 0; n < kCubePoints; ++n) {
+      const float reach = reach_of(child({0, 0, 0}, n, 16), 16);
+      limits[n] = limit_of(reach, 16) * limit_of(reach, 16);
+      if (reach >= 0) open |= std::uint64_t{1} << n;
+      most = std::max(most, reach);
+    }
+    large_.clear();
+    for (const PreparedTriangle& triangle : near) {
+      const std::uint64_t cells = open & cells_beside(triangle, most);
+      if (std::popcount(cells) > kManyCells) {
+        large_.push_back(&triangle);
+      } else {
+        add(&triangle, cells, cells_[0]);
+      }
+    }
+    CubeValues least;
+    measure(large_, {0, 0, 0}, 16, least);
+    bits_within(squared_.get(), large_.size(), limits, within_.get());
+    for (std::size_t i = 0; i < large_.size(); ++i) {
+      add(large_[i], within_[i] & open & cells_beside(*large_[i], most), cells_[0]);
+    }
+  }
+
+  // Lists the triangles of the cells of 4 voxels in a cell of 16, by distance.
+  template <class ReachOf>
+  void split_cell(const List& triangles, const std::array<int, 3>& low, const ReachOf& reach_of) {
+    for (List& cell : cells_[1]) cell.clear();
+    CubeValues least;
+    measure(triangles, low, 4, least);
+    CubeValues limits;
+    for (std::size_t n = 0; n < kCubePoints; ++n) {
+      const float reach = reach_of(child(low, n, 4), 4);
+      const float limit = std::min(limit_of(reach, 4), std::sqrt(least[n]) + 2 * limit_of(0, 4));
+      limits[n] = reach < 0 ? -1.0f : limit * limit;
+    }
+    bits_within(squared_.get(), triangles.size(), limits, within_.get());
+    for (std::size_t i = 0; i < triangles.size(); ++i) {
+      const std::uint64_t pairs = (within_[i] | within_[i] >> 1) & 0x5555555555555555u;
+      add(triangles[i], pairs, cells_[1]);
+    }
+  }
+
+  // Squared distances of the cells' middles from each triangle, into squared_, and the least of
+  // each.
+  void measure(const List& triangles, const std::array<int, 3>& low, int edge, CubeValues& least) {
+    if (room_ < triangles.size()) {
+      const std::size_t room = triangles.size() + triangles.size() / 2;
+      room_ = 0;
+      squared_.reset();
+      squared_ = std::make_unique_for_overwrite<CubeValues[]>(room);
+      within_ = std::make_unique_for_overwrite<std::uint64_t[]>(room);
+      room_ = room;
+    }
+    squared_distances(triangles, centers(low, edge), squared_.get(), least);
+  }
+
+  static void add(const PreparedTriangle* triangle, std::uint64_t cells,
+                  std::array<List, kCubePoints>& lists) {
+    for (; cells != 0; cells &= cells - 1) {
+      lists[static_cast<std::size_t>(std::countr_zero(cells))].push_back(triangle);
+    }
+  }
+
+  std::array<std::array<List, kCubePoints>, 2> cells_;
+  List large_;
+  // Results of measure(), [triangles], with room for room_ triangles. Not vectors: a vector would
+  // zero its elements and copy them to grow, and the first touch of memory is the slowest.
+  std::size_t room_ = 0;
+  std::unique_ptr<CubeValues[]> squared_;
+  std::unique_ptr<std::uint64_t[]> within_;  // the cells within the limit, as bits
+};
+
+}  // namespace forcelayer

@@ -1,0 +1,23 @@
+// The box of a tree: clearance near its cropped sides, and the tight box of voxels that are not
+// free.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "voxelize/masks/voxel_box.h"
+#include "voxelize/tree/built_tree.h"
+#include "voxelize/tree/sharing.h"
+
+namespace forcelayer {
+
+// Lowers clearances to the distance of the nearest cropped side, beyond which nothing is known: 0
+// for entries that reach beyond one.
+void clip_clearance(BuiltTree& tree, const KeptBox& kept);
+
+// The smallest box of all voxels that are not free, counted from the scene's origin; empty where
+// there are none. `free_code` is the code of free voxels.
+VoxelBox tight_box(const VoxelTree& tree, const std::array<std::uint32_t, 3>& directory_dims,
+                   std::uint32_t bits = 2, std::uint32_t free_code = 0);
+
+}  // namespace forcelayer
