@@ -1,10 +1,9 @@
 // What --plan promises: figures that follow from the definitions, and estimates against real bakes.
 #include <gtest/gtest.h>
 
-#include <filesystem>
-
 #include "formats/mesh/scene.h"
 #include "tests/support/baked_scene.h"
+#include "tests/support/models.h"
 #include "tests/support/reference_bake.h"
 #include "tests/support/soups.h"
 #include "voxelize/plan.h"
@@ -54,14 +53,11 @@ TEST(Plan, FileSizeOfTheSampleSceneIsEstimated) {
 }
 
 TEST(Plan, FileSizesOfModelsAreEstimated) {
-  const std::string models = FORCELAYER_SOURCE_DIR "/../shared/models/";
-  if (!std::filesystem::exists(models)) GTEST_SKIP() << models << " is not there";
-  const std::pair<const char*, double> files[] = {{"scan/stanford-bunny.obj", 0.1557 / 200},
-                                                  {"scan/dragon-100k.obj", 2.0 / 200},
-                                                  {"cad/counter.unitsmm.stl", 304.8 / 200}};
+  const std::pair<const char*, double> files[] = {
+      {"bunny.drc", 0.1557 / 200}, {"dragon.drc", 2.0 / 200}, {"counter.drc", 304.8 / 200}};
   for (const auto& [file, voxel_size_m] : files) {
     SCOPED_TRACE(file);
-    const std::string path = models + file;
+    const std::string path = test::model_path(file);
     const auto scene = read_scene(std::span(&path, 1), 1.0);
     ASSERT_TRUE(scene) << to_line(scene.error());
     expect_size_is_estimated(objects_of(*scene), voxel_size_m);
