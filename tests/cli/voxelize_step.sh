@@ -2,18 +2,8 @@
 # STEP assemblies from the command line and from a manifest, in a build with OpenCASCADE: the same voxels, and a
 # tessellation that is tied to the voxel size and comes off the guarantee.
 set -u
-source "$FORCELAYER_SOURCE_DIR/tests/support/skipped.sh"
-bin=$FORCELAYER_BIN_DIR
+source "$FORCELAYER_SOURCE_DIR/tests/support/command_test.sh"
 feature=$FORCELAYER_SOURCE_DIR/tests/models/featuretype.step
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-cd "$work" || exit 1
-failures=0
-
-fail() {
-  echo "FAILED: $*" >&2
-  failures=$((failures + 1))
-}
 
 printf 'ISO-10303-21;' >nothing.step
 "$bin/voxelize" nothing.step --voxel-size 1mm -o nothing.vox 2>err
@@ -87,5 +77,4 @@ there = {v for v in voxels("scene.rows") if v[0] < 200 and v[1] < 400}
 assert moved and moved == there, (len(moved), len(there))
 PYTHON
 
-[ $failures = 0 ] && echo "all good"
-exit $((failures > 0))
+finish
