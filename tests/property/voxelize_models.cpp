@@ -19,6 +19,8 @@ namespace {
 using reference::BakedScene;
 using reference::DenseGrid;
 using reference::LatticeMesh;
+using reference::objects_of;
+using reference::options_with;
 using reference::Random;
 using reference::Symmetry;
 using reference::whole;
@@ -58,28 +60,12 @@ double longest_side(const Scene& scene) {
   return std::max({high[0] - low[0], high[1] - low[1], high[2] - low[2]});
 }
 
-std::vector<SceneObject> objects_of(const Scene& scene) {
-  std::vector<SceneObject> objects;
-  for (const ScenePart& part : scene.parts) {
-    objects.push_back({part.name, &scene.mesh_of(part), part.world_from_mesh, {}, 0});
-  }
-  return objects;
-}
-
 std::vector<LatticeMesh> lattice_of(const Scene& scene, double voxel_size_m) {
   std::vector<LatticeMesh> meshes;
   for (const ScenePart& part : scene.parts) {
     meshes.push_back(reference::snapped(scene.mesh_of(part), part.world_from_mesh, voxel_size_m));
   }
   return meshes;
-}
-
-BakeOptions options_with(std::uint32_t layers, double voxel_size_m) {
-  BakeOptions options;
-  options.voxel_size_m = voxel_size_m;
-  options.layers = layers;
-  options.threads = 2;
-  return options;
 }
 
 class BakeModels : public ::testing::TestWithParam<OddMesh> {

@@ -12,6 +12,7 @@ namespace forcelayer {
 namespace {
 
 using reference::BakedScene;
+using reference::objects_of;
 using reference::Random;
 using reference::real;
 
@@ -35,14 +36,6 @@ void expect_size_is_estimated(const std::vector<SceneObject>& objects, double vo
     EXPECT_GT(size.bake_s, 0);
     EXPECT_TRUE(size.fits);
   }
-}
-
-std::vector<SceneObject> objects_of(const Scene& scene) {
-  std::vector<SceneObject> objects;
-  for (const ScenePart& part : scene.parts) {
-    objects.push_back({part.name, &scene.mesh_of(part), part.world_from_mesh, {}, 0});
-  }
-  return objects;
 }
 
 TEST(Plan, FileSizeOfTheSampleSceneIsEstimated) {
