@@ -16,7 +16,8 @@ inline constexpr std::uint64_t kAllBits = ~std::uint64_t{0};
 inline constexpr int kSides = 6;
 constexpr int opposite(int side) { return side ^ 1; }
 
-// Masks go by reference: gcc warns that it passes 64-byte aligned arguments by value otherwise than 4.5.
+// Masks go by reference: gcc warns that it passes 64-byte aligned arguments by value otherwise
+// than 4.5.
 inline BrickMask operator|(const BrickMask& a, const BrickMask& b) {
   BrickMask mask;
   for (std::size_t x = 0; x < 8; ++x) mask.words[x] = a.words[x] | b.words[x];

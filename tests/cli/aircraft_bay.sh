@@ -3,7 +3,8 @@
 set -euo pipefail
 python=/usr/bin/python3
 [ -x "$python" ] || python=$(command -v python3)
-"$python" -c 'import numpy' 2>/dev/null || { echo "skipped: no numpy"; exit 77; }
+source "$FORCELAYER_SOURCE_DIR/tests/support/skipped.sh"
+skip_without python3-numpy "$python" -c 'import numpy'
 export PYTHONDONTWRITEBYTECODE=1
 make_bay=$FORCELAYER_SOURCE_DIR/scripts/make_aircraft_bay.py
 check=$FORCELAYER_SOURCE_DIR/tests/cli/aircraft_bay_check.py

@@ -3,7 +3,6 @@
 # follows from the two files.
 set -euo pipefail
 bin=$FORCELAYER_BIN_DIR
-[ -x "$bin/pointshell" ] && [ -x "$bin/voxelize" ] || { echo "no offline tools in this build"; exit 77; }
 data=$FORCELAYER_SOURCE_DIR/sample_data
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT

@@ -2,7 +2,8 @@
 # plot_run.py: what the picture says is what the trace holds; a bad trace leaves no picture.
 set -euo pipefail
 python=/usr/bin/python3
-"$python" -c 'import matplotlib' 2>/dev/null || { echo "skipped: no matplotlib"; exit 77; }
+source "$FORCELAYER_SOURCE_DIR/tests/support/skipped.sh"
+skip_without python3-matplotlib "$python" -c 'import matplotlib'
 plot=$FORCELAYER_SOURCE_DIR/scripts/plot_run.py
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

@@ -2,16 +2,7 @@
 # The pointshell command as a user meets it: exit statuses, one line on stderr, no output left behind,
 # and a shell that it proves itself and refuses once the mesh is another.
 set -u
-bin=${FORCELAYER_BIN_DIR:?}
-data=${FORCELAYER_SOURCE_DIR:?}/sample_data
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-failures=0
-
-fail() {
-  echo "FAILED: $*" >&2
-  failures=$((failures + 1))
-}
+source "$FORCELAYER_SOURCE_DIR/tests/support/command_test.sh"
 
 # expect STATUS DESCRIPTION ARGUMENTS...: the exit status; for errors one line on stderr and no
 # $work/out.pshell.
@@ -119,5 +110,4 @@ grep -q 'proven' "$work/stdout" || fail "no summary on stdout"
 expect 0 "sample part" "$data/part.obj" --units mm --quiet -o "$work/sample.pshell" --voxel-size 5mm
 expect 0 "verify the sample part" verify "$work/sample.pshell" "$data/part.obj" --units mm
 
-[ "$failures" -eq 0 ] && echo "all passed"
-exit $((failures > 0))
+finish

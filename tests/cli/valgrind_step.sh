@@ -2,11 +2,10 @@
 # The loop under valgrind: every model and force field steps through contact without reading what was
 # never written, touching what is not its own, or leaking.
 set -euo pipefail
-command -v valgrind >/dev/null || { echo "skipped: no valgrind here"; exit 77; }
-if grep -q '^CMAKE_CXX_FLAGS:.*-fsanitize' "$FORCELAYER_BUILD_DIR/CMakeCache.txt"; then
-  echo "skipped: valgrind and sanitizers do not mix"
-  exit 77
-fi
+source "$FORCELAYER_SOURCE_DIR/tests/support/skipped.sh"
+skip_without valgrind command -v valgrind
+grep -q '^CMAKE_CXX_FLAGS:.*-fsanitize' "$FORCELAYER_BUILD_DIR/CMakeCache.txt" &&
+  skip "valgrind and sanitizers do not mix"
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 cd "$scratch"

@@ -1,17 +1,7 @@
 #!/usr/bin/env bash
 # voxelize as a user meets it: outputs, exit statuses, one-line errors, nothing left behind.
 set -u
-bin=$FORCELAYER_BIN_DIR
-data=$FORCELAYER_SOURCE_DIR/sample_data
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-cd "$work" || exit 1
-failures=0
-
-fail() {
-  echo "FAILED: $*" >&2
-  failures=$((failures + 1))
-}
+source "$FORCELAYER_SOURCE_DIR/tests/support/command_test.sh"
 
 # expect STATUS TEXT ARGUMENTS...: voxelize ends with STATUS, one line on stderr that holds TEXT, and
 # no scene.vox.
@@ -194,5 +184,4 @@ sum=$(sha256sum <kept.vox)
 "$bin/voxelize" empty.stl --units mm --voxel-size 1mm -o kept.vox 2>/dev/null && fail "an empty mesh was baked"
 [ "$sum" = "$(sha256sum <kept.vox)" ] || fail "a failed bake touched the old file"
 
-[ $failures = 0 ] && echo "all good"
-exit $((failures > 0))
+finish

@@ -1,16 +1,7 @@
 #!/usr/bin/env bash
 # voxelize --cache, --shard, --roi and the report as a user meets them.
 set -u
-bin=$FORCELAYER_BIN_DIR
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-cd "$work" || exit 1
-failures=0
-
-fail() {
-  echo "FAILED: $*" >&2
-  failures=$((failures + 1))
-}
+source "$FORCELAYER_SOURCE_DIR/tests/support/command_test.sh"
 
 # Twelve boxes in a manifest, each a mesh file of its own; and a box with a box-shaped cabin in it.
 python3 - <<'PYTHON' || exit 1
@@ -183,5 +174,4 @@ import json
 a, b = (json.load(open(n))["static_deviation_m"] for n in ("cold.json", "declared.json"))
 assert 0 < a < 1e-6 and abs(b - a - 2e-4) < 1e-12, (a, b)' || fail "e_static"
 
-[ $failures = 0 ] && echo "all good"
-exit $((failures > 0))
+finish

@@ -181,7 +181,7 @@ PYTHON
 
 # A user's locale that writes a comma for the point and a point between thousands.
 decimal_comma() {
-  command -v localedef >/dev/null && localedef -i de_DE -f UTF-8 ./de_DE.UTF-8 2>/dev/null || { skip "no localedef, or no de_DE to make"; return; }
+  command -v localedef >/dev/null && localedef -i de_DE -f UTF-8 ./de_DE.UTF-8 2>/dev/null || { skip "needs locales of scripts/packages.txt"; return; }
   reference
   { export LOCPATH=$PWD LC_ALL=de_DE.UTF-8; } 2>/dev/null  # the shell has no such locale, its children do
   [ "$(env printf '%.1f' 1,5 2>/dev/null)" = 1,5 ] || { skip "the locale does not take"; return; }

@@ -2,16 +2,7 @@
 # The files that a manifest or a glTF file names stay under its folder, unless --allow-outside.
 # What the commands create has the mode that the user's umask leaves.
 set -u
-bin=$FORCELAYER_BIN_DIR
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-cd "$work" || exit 1
-failures=0
-
-fail() {
-  echo "FAILED: $*" >&2
-  failures=$((failures + 1))
-}
+source "$FORCELAYER_SOURCE_DIR/tests/support/command_test.sh"
 
 mkdir -p scene/parts outside elsewhere
 python3 - <<'PYTHON' || exit 1
@@ -117,5 +108,4 @@ for mask in 077 027 022; do
   [ -z "$(find made -mindepth 1 -type d -not -perm $(printf %o $((0777 & ~0$mask))))" ] || fail "umask $mask: folders $(find made -ls)"
 done
 
-[ $failures = 0 ] && echo "all good"
-exit $((failures > 0))
+finish

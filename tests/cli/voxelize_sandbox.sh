@@ -2,19 +2,9 @@
 # --sandbox of voxelize and pointshell: the same bytes as without, and a reader that crashes, hangs,
 # eats memory or lies is one line about that file, in little time, with nothing left behind.
 set -u
-bin=$FORCELAYER_BIN_DIR
-data=$FORCELAYER_SOURCE_DIR/sample_data
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-cd "$work" || exit 1
-failures=0
+source "$FORCELAYER_SOURCE_DIR/tests/support/command_test.sh"
 # The faults come by LD_PRELOAD, before a sanitizer's own libraries.
 export ASAN_OPTIONS=verify_asan_link_order=0:${ASAN_OPTIONS-}
-
-fail() {
-  echo "FAILED: $*" >&2
-  failures=$((failures + 1))
-}
 
 # Other people's scene, and a part: assemblies, materials, every format of the sample data.
 scene=("$data/bay.json" --voxel-size 20mm --quiet)
@@ -110,5 +100,4 @@ kill -0 "$child" 2>/dev/null && ! grep -q '^State:.*Z' "/proc/$child/status" && 
 expect 2 '--sandbox-time' "$bin/voxelize" good.stl --units mm --voxel-size 20mm -o out.vox --sandbox --sandbox-time 5
 expect 2 '--sandbox-memory' "$bin/voxelize" good.stl --units mm --voxel-size 20mm -o out.vox --sandbox --sandbox-memory 1MiB
 
-[ $failures = 0 ] && echo "all good"
-exit $((failures > 0))
+finish

@@ -212,7 +212,7 @@ clock_jumps() {
 }
 
 decimal_comma() {
-  command -v localedef >/dev/null && localedef -i de_DE -f UTF-8 ./de_DE.UTF-8 2>/dev/null || { skip "no localedef, or no de_DE to make"; return; }
+  command -v localedef >/dev/null && localedef -i de_DE -f UTF-8 ./de_DE.UTF-8 2>/dev/null || { skip "needs locales of scripts/packages.txt"; return; }
   reference
   { export LOCPATH=$PWD LC_ALL=de_DE.UTF-8; } 2>/dev/null
   [ "$(env printf '%.1f' 1,5 2>/dev/null)" = 1,5 ] || { skip "the locale does not take"; return; }

@@ -3,10 +3,9 @@
 # is what the device itself wrote down (tests/support/fault_plugin.c).
 set -euo pipefail
 # The faults are told apart by who is late by milliseconds: not what a sanitizer's build can be asked.
-if grep -q '^CMAKE_CXX_FLAGS:.*-fsanitize' "$FORCELAYER_BUILD_DIR/CMakeCache.txt"; then
-  echo "skipped: a build with sanitizers is too slow for the loop's clock"
-  exit 77
-fi
+source "$FORCELAYER_SOURCE_DIR/tests/support/skipped.sh"
+grep -q '^CMAKE_CXX_FLAGS:.*-fsanitize' "$FORCELAYER_BUILD_DIR/CMakeCache.txt" &&
+  skip "a build with sanitizers is too slow for the loop's clock"
 bin=$FORCELAYER_BIN_DIR
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT

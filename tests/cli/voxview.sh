@@ -3,10 +3,11 @@
 # own, and what cannot be shown is an error that leaves no picture.
 set -euo pipefail
 bin=$FORCELAYER_BIN_DIR data=$FORCELAYER_SOURCE_DIR/sample_data
-[ -x "$bin/voxview" ] || { echo "skipped: built without voxview"; exit 77; }
-command -v xvfb-run >/dev/null || { echo "skipped: no xvfb-run"; exit 77; }
+source "$FORCELAYER_SOURCE_DIR/tests/support/skipped.sh"
+skip_without libvtk9-dev [ -x "$bin/voxview" ]
+skip_without xvfb command -v xvfb-run
 python=/usr/bin/python3
-"$python" -c 'import matplotlib, numpy' 2>/dev/null || { echo "skipped: no matplotlib"; exit 77; }
+skip_without python3-matplotlib "$python" -c 'import matplotlib, numpy'
 check() { "$python" "$FORCELAYER_SOURCE_DIR/tests/cli/voxview_check.py" "$@"; }
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
@@ -103,28 +104,24 @@ paper = (picture[:, :, :3] == 1).all(axis=2).mean()
 assert 0.2 < paper < 0.9, paper
 END
 
-# An engine with a part on its cylinder, which moves by 30 and 20 mm between two bakes.
-engine=$FORCELAYER_SOURCE_DIR/../shared/models/cad/2CylinderEngine.glb
-if [ -f "$engine" ]; then
-  for bake in "engine 0.15,0,0.13" "engine_moved 0.18,0.02,0.13"; do
-    read -r name place <<<"$bake"
-    cat >$name.json <<END
-{"parts": [{"mesh": "$engine", "units": "mm"},
+# A machined part with another on it, which moves by 30 and 20 mm between two bakes.
+counter=$FORCELAYER_SOURCE_DIR/tests/models/counter.drc
+for bake in "counter 0.05,0.15,0.29" "counter_moved 0.08,0.17,0.29"; do
+  read -r name place <<<"$bake"
+  cat >$name.json <<END
+{"parts": [{"mesh": "$counter", "units": "mm"},
            {"mesh": "$data/part.obj", "units": "mm", "translation": [$place]}]}
 END
-    "$bin/voxelize" $name.json -o $name.vox --voxel-size 6mm --allow-outside --quiet
-    "$bin/voxinfo" export $name.vox $name.csv
-  done
-  "$bin/voxview" engine.vox "${plain[@]}" --view-from 0,1,0 --show force-layer
-  check layer picture.png facts.json 0.006 engine.csv 2
-  for direction in 0,0,1 0,1,0; do
-    "$bin/voxview" --compare engine.vox engine_moved.vox "${plain[@]}" --view-from $direction \
-      --show part
-    check change picture.png facts.json 0.006 engine.csv engine_moved.csv
-  done
-else
-  echo "no models beside the project: the engine is left out"
-fi
+  "$bin/voxelize" $name.json -o $name.vox --voxel-size 6mm --allow-outside --quiet
+  "$bin/voxinfo" export $name.vox $name.csv
+done
+"$bin/voxview" counter.vox "${plain[@]}" --view-from 0,1,0 --show force-layer
+check layer picture.png facts.json 0.006 counter.csv 2
+for direction in 0,0,1 0,1,0; do
+  "$bin/voxview" --compare counter.vox counter_moved.vox "${plain[@]}" --view-from $direction \
+    --show part
+  check change picture.png facts.json 0.006 counter.csv counter_moved.csv
+done
 
 expect() {  # STATUS WORDS ARGUMENTS...
   local status=$1 words=$2 got=0

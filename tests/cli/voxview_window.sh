@@ -3,10 +3,11 @@
 # harmed by its end, nor it by the run's.
 set -euo pipefail
 bin=$FORCELAYER_BIN_DIR data=$FORCELAYER_SOURCE_DIR/sample_data
-[ -x "$bin/voxview" ] || { echo "skipped: built without voxview"; exit 77; }
-command -v Xvfb >/dev/null || { echo "skipped: no Xvfb"; exit 77; }
+source "$FORCELAYER_SOURCE_DIR/tests/support/skipped.sh"
+skip_without libvtk9-dev [ -x "$bin/voxview" ]
+skip_without xvfb command -v Xvfb
 python=/usr/bin/python3
-"$python" -c 'import numpy' 2>/dev/null || { echo "skipped: no numpy"; exit 77; }
+skip_without python3-numpy "$python" -c 'import numpy'
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 cd "$folder"

@@ -7,11 +7,11 @@ bin=$FORCELAYER_BIN_DIR
 cache=$FORCELAYER_SOURCE_DIR/build/hid_vm
 modules=(hid uhid hid-generic)
 
-skip() { echo "SKIPPED: the HID tests over a real kernel: $*"; exit 77; }
+source "$FORCELAYER_SOURCE_DIR/tests/support/skipped.sh"
 
 [ "$(uname -m)" = x86_64 ] || skip "they need an x86-64 kernel"
 for tool in qemu-system-x86_64 busybox cpio apt-get dpkg; do
-  command -v "$tool" >/dev/null || skip "no $tool (see scripts/packages.txt)"
+  command -v "$tool" >/dev/null || skip "needs $tool of scripts/packages.txt"
 done
 
 scratch=$(mktemp -d)

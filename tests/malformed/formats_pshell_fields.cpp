@@ -11,28 +11,14 @@
 namespace forcelayer::testing {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr float kFloatNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kFloatInfinity = std::numeric_limits<float>::infinity();
 
 AlignedBytes shell_bytes() { return golden_file_bytes("v1.pshell"); }
 
 template <typename T>
-Result<Pshell> open_with(AlignedBytes& bytes, std::size_t offset, T value) {
-  write_at(bytes.bytes(), offset, value);
-  resign(bytes.bytes());
-  return Pshell::from_bytes(bytes.bytes(), "part.pshell", Verify::kStructureAndChecksums);
-}
-
-template <typename T>
 void expect_refused(std::size_t offset, T value, const char* field) {
-  SCOPED_TRACE(std::string(field) + " = " + std::to_string(value));
-  AlignedBytes bytes = shell_bytes();
-  const auto shell = open_with(bytes, offset, value);
-  ASSERT_FALSE(shell);
-  EXPECT_EQ(shell.error().code, ErrorCode::kFieldInvalid) << to_line(shell.error());
-  EXPECT_NE(shell.error().where.find(field), std::string::npos) << to_line(shell.error());
+  expect_refused<Pshell>(shell_bytes(), offset, value, field);
 }
 
 #define AT(field) offsetof(PshellHeader, field)
@@ -87,7 +73,7 @@ void expect_bad_element(PshellSection section, std::size_t index, float value,
                         const std::string& where) {
   SCOPED_TRACE(where + " = " + std::to_string(value));
   AlignedBytes bytes = shell_bytes();
-  const auto shell = open_with(bytes, element(bytes, section, index), value);
+  const auto shell = open_with<Pshell>(bytes, element(bytes, section, index), value);
   ASSERT_FALSE(shell);
   EXPECT_EQ(shell.error().code, ErrorCode::kEntryInvalid);
   EXPECT_EQ(shell.error().where, where) << to_line(shell.error());
@@ -168,8 +154,8 @@ TEST(PshellElements, SpheresThatJustMissAPoint) {
   while (double{radius} * radius >= farthest) radius = std::nextafter(radius, 0.0f);
   expect_bad_element(PshellSection::kBlocks, 3, radius, "blocks entry 0");
   AlignedBytes bytes = shell_bytes();
-  EXPECT_TRUE(
-      open_with(bytes, element(bytes, PshellSection::kBlocks, 3), std::nextafter(radius, 1.0f)));
+  EXPECT_TRUE(open_with<Pshell>(bytes, element(bytes, PshellSection::kBlocks, 3),
+                                std::nextafter(radius, 1.0f)));
 }
 
 TEST(PshellCorruption, IsRefusedOrHarmless) {

@@ -12,29 +12,13 @@
 namespace forcelayer::testing {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-
 AlignedBytes scene_bytes() { return golden_file_bytes("v1.vox"); }
 
 AlignedBytes wide_scene_bytes() { return golden_file_bytes("v1_wide.vox"); }
 
 template <typename T>
-Result<Voxmap> open_with(AlignedBytes& bytes, std::size_t offset, T value) {
-  write_at(bytes.bytes(), offset, value);
-  resign(bytes.bytes());
-  return Voxmap::from_bytes(bytes.bytes(), "scene.vox", Verify::kStructureAndChecksums);
-}
-
-// A value at an offset that must be refused, with the field's name in the message.
-template <typename T>
 void expect_refused(AlignedBytes (*make)(), std::size_t offset, T value, const char* field) {
-  SCOPED_TRACE(std::string(field) + " = " + std::to_string(value));
-  AlignedBytes bytes = make();
-  const auto map = open_with(bytes, offset, value);
-  ASSERT_FALSE(map);
-  EXPECT_EQ(map.error().code, ErrorCode::kFieldInvalid) << to_line(map.error());
-  EXPECT_NE(map.error().where.find(field), std::string::npos) << to_line(map.error());
+  expect_refused<Voxmap>(make(), offset, value, field);
 }
 
 #define AT(field) offsetof(VoxmapHeader, field)
@@ -89,7 +73,7 @@ TEST(VoxmapFields, Directory) {
 
 TEST(VoxmapFields, DirectoryThatDoesNotFitItsSection) {
   AlignedBytes bytes = scene_bytes();
-  const auto map = open_with(bytes, AT(directory_dims) + 4, 2u);
+  const auto map = open_with<Voxmap>(bytes, AT(directory_dims) + 4, 2u);
   ASSERT_FALSE(map);
   EXPECT_EQ(map.error().code, ErrorCode::kSectionInvalid);
   EXPECT_EQ(map.error().where, "directory");
@@ -132,7 +116,7 @@ void expect_bad_entry(AlignedBytes (*make)(), VoxmapSection section, std::size_t
   SCOPED_TRACE(where + " = " + std::to_string(entry));
   AlignedBytes bytes = make();
   const std::size_t at = section_offset(bytes.bytes(), static_cast<std::uint32_t>(section));
-  const auto map = open_with(bytes, at + 4 * index, entry);
+  const auto map = open_with<Voxmap>(bytes, at + 4 * index, entry);
   ASSERT_FALSE(map);
   EXPECT_EQ(map.error().code, ErrorCode::kEntryInvalid);
   EXPECT_EQ(map.error().where, where + " entry " + std::to_string(index));
@@ -176,7 +160,7 @@ TEST(VoxmapEntries, ValuesAndReservedBits) {
   AlignedBytes bytes = wide_scene_bytes();
   const std::size_t lower =
       section_offset(bytes.bytes(), static_cast<std::uint32_t>(VoxmapSection::kLowerNodes));
-  EXPECT_TRUE(open_with(bytes, lower + 28, uniform_entry(11, 9)));
+  EXPECT_TRUE(open_with<Voxmap>(bytes, lower + 28, uniform_entry(11, 9)));
 }
 
 TEST(VoxmapEntries, Compliance) {
@@ -186,7 +170,7 @@ TEST(VoxmapEntries, Compliance) {
     AlignedBytes bytes = make();
     const std::size_t at =
         section_offset(bytes.bytes(), static_cast<std::uint32_t>(VoxmapSection::kCompliance));
-    const auto map = open_with(bytes, at + 8, wrong);
+    const auto map = open_with<Voxmap>(bytes, at + 8, wrong);
     ASSERT_FALSE(map);
     EXPECT_EQ(map.error().where, "compliance entry 2");
   }

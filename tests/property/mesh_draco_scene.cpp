@@ -1,4 +1,4 @@
-// The reader of glTF against Draco's, on the CAD assembly of the model collection.
+// The reader of glTF against Draco's, on an assembly.
 #include <draco/io/scene_io.h>
 #include <draco/scene/scene_utils.h>
 #include <gtest/gtest.h>
@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <map>
 
-#include "tests/support/mesh_files.h"
+#include "tests/support/engine_glb.h"
 
 namespace forcelayer {
 namespace {
@@ -51,14 +51,15 @@ std::vector<Key> keys_by_draco(const draco::Scene& scene) {
 }
 
 TEST(GltfReader, AgreesWithDracoOnTheEngine) {
-  const std::string path =
-      std::string(FORCELAYER_SOURCE_DIR) + "/../shared/models/cad/2CylinderEngine.glb";
-  if (!std::filesystem::exists(path)) GTEST_SKIP() << "the model collection is not there";
+  const ScratchFolder folder;
+  const std::string path = write_file(folder / "engine.glb", engine_glb());
   const auto scene = draco::ReadSceneFromFile(path);
   ASSERT_TRUE(scene.ok());
   const auto assembly = read_assembly(path);
   ASSERT_TRUE(assembly) << to_line(assembly.error());
-  EXPECT_EQ(assembly->triangle_count(), 121'496u);
+  EXPECT_EQ(assembly->triangle_count(), kEngineTriangles);
+  EXPECT_EQ(assembly->instances.size(), 34u);
+  EXPECT_EQ(assembly->meshes.size(), 4u);
   std::vector<Key> theirs = keys_by_draco(*scene.value()), ours;
   for (const auto& corners : corners_of(*assembly)) ours.push_back(key_of(corners));
   ASSERT_EQ(ours.size(), theirs.size());

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "tests/support/analytic_shapes.h"
+#include "tests/support/models.h"
 #include "tests/support/om_files.h"
 
 namespace forcelayer {
@@ -82,11 +84,22 @@ TEST(MeshReaders, AgreeWithOpenMeshOnRandomSoups) {
 }
 
 TEST(MeshReaders, AgreeWithOpenMeshOnRealFiles) {
-  const std::string models = std::string(FORCELAYER_SOURCE_DIR) + "/../shared/models/";
-  if (!std::filesystem::exists(models)) GTEST_SKIP() << "the model collection is not there";
-  for (const char* file : {"scan/stanford-bunny.obj", "scan/dragon-100k.obj", "scan/teapot.obj",
-                           "cad/featuretype.stl", "cad/plate_holes.stl", "cad/ADIS16480.stl"}) {
-    expect_as_openmesh(models + file);
+  if (!std::filesystem::exists(bunny_obj_path()))
+    GTEST_SKIP() << "needs glmark2-data of scripts/packages.txt";
+  expect_as_openmesh(bunny_obj_path());
+  for (const char* file : {"featuretype.stl", "plate_holes.stl", "large_block.stl"}) {
+    expect_as_openmesh(model_path(file));
+  }
+}
+
+TEST(MeshReaders, AgreeWithOpenMeshOnRealShapes) {
+  const ScratchFolder folder;
+  expect_as_openmesh(write_file(folder / "kettle.obj", as_obj(testing::kettle_mesh(40))));
+  for (const char* file : {"dragon.drc", "sensor.drc"}) {
+    const auto model = read_assembly(model_path(file));
+    ASSERT_TRUE(model) << to_line(model.error());
+    expect_as_openmesh(write_file(folder / "a.obj", as_obj(model->meshes[0])));
+    expect_as_openmesh(write_file(folder / "a.stl", as_stl_ascii(model->meshes[0])));
   }
 }
 

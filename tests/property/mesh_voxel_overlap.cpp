@@ -8,6 +8,7 @@
 
 #include "formats/lattice/voxel_overlap.h"
 #include "tests/support/exact_overlap.h"
+#include "tests/support/soups.h"
 
 namespace forcelayer {
 namespace {
@@ -15,18 +16,15 @@ namespace {
 __extension__ typedef __int128 Int128;
 using Wide = boost::multiprecision::number<boost::multiprecision::cpp_int_backend<
     512, 512, boost::multiprecision::signed_magnitude, boost::multiprecision::unchecked, void>>;
-using Random = std::mt19937_64;
-
-std::int64_t uniform(Random& random, std::int64_t low, std::int64_t high) {
-  return std::uniform_int_distribution<std::int64_t>(low, high)(random);
-}
+using reference::Random;
+using reference::whole;
 
 // A vertex with `grid` units between possible coordinates, within `extent` units of `centre`.
 LatticePoint random_point(Random& random, const LatticePoint& centre, std::int64_t extent,
                           std::int64_t grid) {
   LatticePoint point;
   for (std::size_t d = 0; d < 3; ++d) {
-    point[d] = centre[d] + uniform(random, -extent / grid, extent / grid) * grid;
+    point[d] = centre[d] + whole(random, -extent / grid, extent / grid) * grid;
   }
   return point;
 }
@@ -55,20 +53,20 @@ LatticeTriangle random_triangle(Random& random, std::int64_t extent, Shape shape
   }
   LatticeTriangle triangle;
   for (auto& point : triangle) point = random_point(random, base, extent, grid);
-  const auto axis = static_cast<std::size_t>(uniform(random, 0, 2));
+  const auto axis = static_cast<std::size_t>(whole(random, 0, 2));
   if (shape == Shape::kFlat) {  // in a plane of voxel faces, or of lattice points next to it
-    const std::int64_t plane = (centre[axis] >> kSnapBits << kSnapBits) + uniform(random, -1, 1);
+    const std::int64_t plane = (centre[axis] >> kSnapBits << kSnapBits) + whole(random, -1, 1);
     for (auto& point : triangle) point[axis] = plane;
   }
   if (shape == Shape::kNearlyFlat) {
     const std::int64_t plane = centre[axis] >> kSnapBits << kSnapBits;
-    for (auto& point : triangle) point[axis] = plane + uniform(random, -1, 1);
+    for (auto& point : triangle) point[axis] = plane + whole(random, -1, 1);
   }
   if (shape == Shape::kSliver) {
-    for (std::size_t d = 0; d < 3; ++d) triangle[2][d] = triangle[1][d] + uniform(random, -2, 2);
+    for (std::size_t d = 0; d < 3; ++d) triangle[2][d] = triangle[1][d] + whole(random, -2, 2);
   }
   if (shape == Shape::kSegment) {  // collinear, the third corner between, beyond or on an end
-    const std::int64_t times = uniform(random, -1, 2);
+    const std::int64_t times = whole(random, -1, 2);
     for (std::size_t d = 0; d < 3; ++d) {
       triangle[2][d] = triangle[0][d] + times * (triangle[1][d] - triangle[0][d]);
     }
@@ -104,7 +102,7 @@ TEST_P(VoxelOverlap, EqualsEliminationOnEveryVoxel) {
   for (std::uint64_t seed = 1; seed <= 150; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     Random random(seed);
-    const std::int64_t extent = kSnapUnits / 8 << uniform(random, 0, 5);
+    const std::int64_t extent = kSnapUnits / 8 << whole(random, 0, 5);
     expect_exact(random_triangle(random, extent, GetParam()));
     if (HasFatalFailure()) return;
   }
@@ -114,14 +112,13 @@ TEST_P(VoxelOverlap, CellsOfAnySizeAtAnyCornerEqualElimination) {
   for (std::uint64_t seed = 1; seed <= 60; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     Random random(seed);
-    const int log2_cell = static_cast<int>(uniform(random, 0, 7));
+    const int log2_cell = static_cast<int>(whole(random, 0, 7));
     const LatticeTriangle triangle =
-        random_triangle(random, kSnapUnits << uniform(random, 0, log2_cell + 3), GetParam());
+        random_triangle(random, kSnapUnits << whole(random, 0, log2_cell + 3), GetParam());
     const TriangleOverlap overlap(triangle);
     VoxelIndex corner;
     for (std::size_t d = 0; d < 3; ++d) {
-      corner[d] =
-          uniform(random, overlap.min_voxel()[d] - (6 << log2_cell), overlap.max_voxel()[d]);
+      corner[d] = whole(random, overlap.min_voxel()[d] - (6 << log2_cell), overlap.max_voxel()[d]);
     }
     const BrickMask mask = overlap.cells(corner, log2_cell);
     for (unsigned x = 0; x < 8; ++x) {
@@ -144,25 +141,24 @@ TEST_P(VoxelOverlap, CellsOfAnySizeAtAnyCornerEqualElimination) {
 TEST_P(VoxelOverlap, HugeTrianglesAreExactNearTheirCorners) {
   for (std::uint64_t seed = 1; seed <= 60; ++seed) {
     Random random(seed);
-    const int log2_extent = static_cast<int>(uniform(random, 17, 40));
+    const int log2_extent = static_cast<int>(whole(random, 17, 40));
     SCOPED_TRACE(testing::Message() << "seed " << seed << " log2_extent " << log2_extent);
     LatticeTriangle triangle =
         random_triangle(random, std::int64_t{1} << (log2_extent - 1), GetParam());
     const TriangleOverlap overlap(triangle);
     for (int window = 0; window < 4; ++window) {
       VoxelIndex corner;  // near a point of the triangle
-      const double s = uniform(random, 0, 1000) / 1000.0,
-                   t = (1 - s) * uniform(random, 0, 1000) / 1000;
+      const double s = whole(random, 0, 1000) / 1000.0, t = (1 - s) * whole(random, 0, 1000) / 1000;
       for (std::size_t d = 0; d < 3; ++d) {
         const double offset = s * static_cast<double>(triangle[1][d] - triangle[0][d]) +
                               t * static_cast<double>(triangle[2][d] - triangle[0][d]);
-        corner[d] = ((triangle[0][d] + std::llrint(offset)) >> kSnapBits) - uniform(random, 0, 7);
+        corner[d] = ((triangle[0][d] + std::llrint(offset)) >> kSnapBits) - whole(random, 0, 7);
       }
       const BrickMask mask = overlap.cells(corner);
       for (int sample = 0; sample < 64; ++sample) {
-        const auto x = static_cast<unsigned>(uniform(random, 0, 7));
-        const auto y = static_cast<unsigned>(uniform(random, 0, 7));
-        const auto z = static_cast<unsigned>(uniform(random, 0, 7));
+        const auto x = static_cast<unsigned>(whole(random, 0, 7));
+        const auto y = static_cast<unsigned>(whole(random, 0, 7));
+        const auto z = static_cast<unsigned>(whole(random, 0, 7));
         ASSERT_EQ(mask.test(x, y, z), reference::overlaps_cell<Wide>(
                                           triangle, {corner[0] + x, corner[1] + y, corner[2] + z}));
       }
@@ -184,7 +180,7 @@ TEST_P(VoxelOverlap, IsInvariantUnderCornerOrderAndWholeVoxelShifts) {
       ASSERT_EQ(found, expected);
     }
     VoxelIndex shift;
-    for (auto& x : shift) x = uniform(random, -(std::int64_t{1} << 50), std::int64_t{1} << 50);
+    for (auto& x : shift) x = whole(random, -(std::int64_t{1} << 50), std::int64_t{1} << 50);
     LatticeTriangle moved = triangle;
     for (auto& point : moved) {
       for (std::size_t d = 0; d < 3; ++d) point[d] += shift[d] * kSnapUnits;

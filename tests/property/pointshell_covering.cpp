@@ -1,12 +1,11 @@
 // Shells cover what they say they cover, and the certificate finds out when they do not.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
-
 #include "pointshell/bake.h"
 #include "pointshell/certificate/certificate.h"
 #include "pointshell/report.h"
 #include "pointshell/sample/point_grid.h"
+#include "tests/support/long_tests.h"
 #include "tests/support/part_support.h"
 #include "tests/support/stored_shell.h"
 
@@ -14,6 +13,7 @@ namespace forcelayer {
 namespace {
 
 using namespace testing;
+using test::long_tests;
 
 struct Case {
   const char* name;
@@ -56,7 +56,6 @@ Vec3 center(const BakedShell& shell) {
 }
 
 // FORCELAYER_LONG_TESTS=1 throws a million places at every shell.
-bool long_tests() { return std::getenv("FORCELAYER_LONG_TESTS") != nullptr; }
 int samples() { return long_tests() ? 1000000 : 20000; }
 
 // No sampled place is farther than the proven radius, but for the rounding of this very test.
@@ -88,39 +87,35 @@ TEST_P(CoveringOfShape, HoldsAtRandomPlaces) {
 
 INSTANTIATE_TEST_SUITE_P(, CoveringOfShape, ::testing::Range<std::size_t>(0, shapes().size()));
 
-// CAD and scans as they come: small and at coarse voxels here, all at 128 voxels across in the long
-// run. Each file is one body, so that nothing is hidden.
+// CAD and scans as they come, at so many voxels across; all at 128 in the long run. Each is one
+// body, so that nothing is hidden.
 struct Model {
   const char* file;
-  double metres_per_unit;
-  bool quick;
+  int voxels_across;
 };
 
-const Model kModels[] = {
-    {"cad/plate_holes.stl", 1e-3, true},   {"cad/featuretype.stl", 1e-3, true},
-    {"cad/large_block.stl", 1e-3, false},  {"cad/counter.unitsmm.stl", 1e-3, false},
-    {"scan/stanford-bunny.obj", 1, false}, {"scan/dragon-100k.obj", 1, false},
-    {"scan/teapot.obj", 1, false}};
+constexpr Model kModels[] = {
+    {"plate_holes.stl", 48}, {"featuretype.stl", 48}, {"large_block.stl", 16}, {"kettle", 24},
+    {"counter.drc", 12},     {"bunny.drc", 12},       {"dragon.drc", 12}};
 
-class CoveringOfModel : public ::testing::TestWithParam<std::size_t> {};
+class CoveringOfModel : public ::testing::TestWithParam<Model> {};
 
 TEST_P(CoveringOfModel, HoldsAtRandomPlaces) {
-  const Model& model = kModels[GetParam()];
-  if (!model_exists(model.file)) GTEST_SKIP() << "no shared models beside the project";
-  if (!model.quick && !long_tests()) GTEST_SKIP() << "only with FORCELAYER_LONG_TESTS=1";
-  SCOPED_TRACE(model.file);
-  Case c{model.file, part_of_model(model.file, model.metres_per_unit), 0};
+  const auto& [file, voxels_across] = GetParam();
+  const bool drawn = std::string(file) == "kettle";
+  Case c{file, drawn ? part_of(kettle_mesh(60)) : part_of_model(file, 1e-3), 0};
   Box box;
   for (const Vec3& v : c.part.vertices) box.grow(v);
   const Vec3 size = box.high - box.low;
-  c.voxel_size_m = std::max({size.x, size.y, size.z}) / (long_tests() ? 128 : 48);
+  c.voxel_size_m = std::max({size.x, size.y, size.z}) / (long_tests() ? 128 : voxels_across);
   for (const ShellMethod method : {ShellMethod::kSurface, ShellMethod::kVoxelCenters}) {
     SCOPED_TRACE(method_name(method));
     expect_sampled_covering(c.part, bake(c, method), samples());
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(, CoveringOfModel, ::testing::Range<std::size_t>(0, std::size(kModels)));
+INSTANTIATE_TEST_SUITE_P(, CoveringOfModel, ::testing::ValuesIn(kModels),
+                         [](const auto& model) { return test::test_name_of(model.param.file); });
 
 TEST(Covering, RadiusIsTheOneAskedFor) {
   for (const Case& c : shapes()) {

@@ -5,10 +5,10 @@
 #include <fstream>
 
 #include "tests/support/baked_scene.h"
+#include "tests/support/mesh_scene.h"
 #include "tests/support/reference_bake.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/soups.h"
-#include "tests/support/test_scene.h"
 #include "voxelize/distance/euclidean_growth.h"
 
 namespace forcelayer {
@@ -16,6 +16,7 @@ namespace {
 
 using reference::BakedScene;
 using reference::LatticeMesh;
+using reference::options_with;
 using reference::Random;
 using reference::real;
 using reference::whole;
@@ -30,19 +31,11 @@ std::vector<VoxelIndex> voxels_of(const std::vector<Vec3d>& points_m) {
   return voxels;
 }
 
-BakeOptions options_with(std::uint32_t layers) {
-  BakeOptions options;
-  options.voxel_size_m = 1;
-  options.layers = layers;
-  options.threads = 2;
-  return options;
-}
-
 TEST(Bake, EqualsTheReferenceOnRandomScenes) {
   for (std::uint64_t seed = 1; seed <= 160; ++seed) {
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
     Random random(seed);
-    const reference::TestScene scene = reference::random_scene(random, seed % 4 == 0 ? 70 : 24, 4);
+    const reference::MeshScene scene = reference::random_scene(random, seed % 4 == 0 ? 70 : 24, 4);
     const auto layers = static_cast<std::uint32_t>(whole(random, 0, 3));
     const auto expected = reference::offset_scene(
         reference::united_scene(scene.lattice(), {}, layers + 2), static_cast<int>(layers));
@@ -56,7 +49,7 @@ TEST(Bake, EqualsTheReferenceWithManyLayers) {
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
     Random random(seed);
-    const reference::TestScene scene = reference::random_scene(random, 12, 4);
+    const reference::MeshScene scene = reference::random_scene(random, 12, 4);
     const auto layers = static_cast<std::uint32_t>(whole(random, 4, kMaxBakedLayers));
     const auto expected = reference::offset_scene(
         reference::united_scene(scene.lattice(), {}, layers + 2), static_cast<int>(layers));
@@ -70,7 +63,7 @@ TEST(Bake, ClearanceIsExactOnEveryLevel) {
   for (std::uint64_t seed = 1; seed <= 25; ++seed) {
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
     Random random(seed);
-    reference::TestScene scene = reference::random_scene(random, seed % 2 == 0 ? 4 : 16, 4);
+    reference::MeshScene scene = reference::random_scene(random, seed % 2 == 0 ? 4 : 16, 4);
     if (seed % 3 == 0) {  // two small things far apart, for distances across nodes and blocks
       Mesh far = scene.meshes.front();
       Vec3d step;
@@ -99,7 +92,7 @@ TEST(Bake, FreeSeedsOpenWhatEnclosesThem) {
   for (std::uint64_t seed = 1; seed <= 60; ++seed) {
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
     Random random(seed);
-    reference::TestScene scene = reference::random_scene(random, 30, 4);
+    reference::MeshScene scene = reference::random_scene(random, 30, 4);
     const auto without = reference::united_scene(scene.lattice(), {}, 4);
     // Seeds anywhere in the box but in the surface of an object.
     for (int attempt = 0; attempt < 40 && scene.seeds_m.size() < 3; ++attempt) {
@@ -134,7 +127,7 @@ TEST(Bake, OffsettingEachObjectAndMergingGivesTheSame) {
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
     Random random(seed);
-    const reference::TestScene scene = reference::random_scene(random, 20, 4);
+    const reference::MeshScene scene = reference::random_scene(random, 20, 4);
     const int layers = static_cast<int>(whole(random, 0, 3));
     const auto meshes = scene.lattice();
     reference::DenseGrid all = reference::grid_around(meshes, layers + 2);
@@ -159,7 +152,7 @@ TEST(Bake, OffsettingEachObjectAndMergingGivesTheSame) {
 
 // Solids whose inside holds whole nodes and blocks without surface.
 TEST(Bake, DeepInteriorAndEnclosedFreeSpaceAreRight) {
-  reference::TestScene scene;
+  reference::MeshScene scene;
   Mesh& mesh = scene.meshes.emplace_back();
   constexpr double kLow = -777, kHigh = 901;  // 1679 voxels: a block of 512 lies inside
   reference::add_box(mesh, {kLow, kLow, kLow}, {kHigh + 0.5, kHigh + 0.5, kHigh + 0.5});
@@ -198,7 +191,7 @@ TEST(Bake, SameBytesForAnyNumberOfThreadsAndOrderOfObjectsAndTriangles) {
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
     Random random(seed);
-    reference::TestScene scene = reference::random_scene(random, 200, 4);
+    reference::MeshScene scene = reference::random_scene(random, 200, 4);
     BakeOptions options = options_with(2);
     options.threads = 1;
     const std::string expected = BakedScene(scene.objects(), options).bytes();

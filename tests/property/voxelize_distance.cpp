@@ -4,9 +4,9 @@
 
 #include "tests/support/baked_scene.h"
 #include "tests/support/every_target.h"
+#include "tests/support/mesh_scene.h"
 #include "tests/support/reference_distance.h"
 #include "tests/support/soups.h"
-#include "tests/support/test_scene.h"
 
 namespace forcelayer {
 namespace {
@@ -19,14 +19,10 @@ using reference::whole;
 
 constexpr double kTolerance = 2e-4;  // of single precision, in voxels
 
-BakeOptions options_with(std::uint32_t layers, std::uint32_t bits, double range_voxels = 0) {
-  BakeOptions options;
-  options.voxel_size_m = 1;
-  options.layers = layers;
-  options.metric = Metric::kEuclidean;
+BakeOptions distance_options(std::uint32_t layers, std::uint32_t bits, double range_voxels = 0) {
+  BakeOptions options = reference::options_with(layers, 1, Metric::kEuclidean);
   options.bits = bits;
   options.range_m = range_voxels;
-  options.threads = 2;
   return options;
 }
 
@@ -83,14 +79,14 @@ TEST(DistanceBake, EqualsTheReferenceOnRandomScenes) {
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
     Random random(seed);
-    const reference::TestScene scene = reference::random_scene(random, seed % 4 == 0 ? 30 : 12, 3);
+    const reference::MeshScene scene = reference::random_scene(random, seed % 4 == 0 ? 30 : 12, 3);
     const auto layers = static_cast<std::uint32_t>(whole(random, 1, 3));
     const std::uint32_t bits = random() % 2 ? 8 : 4;
     const double range = random() % 2 ? 0 : reference::real(random, 2, 9);
     const std::vector<LatticeMesh> meshes = scene.lattice();
     const int margin = static_cast<int>(layers) + 9;
     const auto sets = reference::united_scene(meshes, {}, margin);
-    BakeOptions options = options_with(layers, bits, range);
+    BakeOptions options = distance_options(layers, bits, range);
     // Every third scene has a soft covering, some thinner than a voxel.
     const double covering = seed % 3 == 0 ? reference::real(random, 0.5, 3) : 0;
     if (covering > 0) {
@@ -134,10 +130,10 @@ TEST(DistanceBake, KeepsTheStandoffAndWholeLayers) {
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
     Random random(seed);
-    const reference::TestScene scene = reference::random_scene(random, 12, 3);
+    const reference::MeshScene scene = reference::random_scene(random, 12, 3);
     const std::vector<LatticeMesh> meshes = scene.lattice();
     const auto layers = static_cast<std::uint32_t>(whole(random, 2, 3));
-    const BakedScene baked(scene.objects(), options_with(layers, random() % 2 ? 8 : 4));
+    const BakedScene baked(scene.objects(), distance_options(layers, random() % 2 ? 8 : 4));
     const auto grid = reference::grid_around(meshes, layers + 5);
     for (int n = 0; n < 3000; ++n) {
       VoxelIndex v;
@@ -161,8 +157,8 @@ TEST(DistanceBake, TheZeroForceLiesInTheForceLayer) {
   for (std::uint64_t seed = 1; seed <= 16; ++seed) {
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
     Random random(seed);
-    const reference::TestScene scene = reference::random_scene(random, 10, 3);
-    const BakedScene baked(scene.objects(), options_with(2, random() % 2 ? 8 : 4));
+    const reference::MeshScene scene = reference::random_scene(random, 10, 3);
+    const BakedScene baked(scene.objects(), distance_options(2, random() % 2 ? 8 : 4));
     const VoxmapHeader& header = baked.map().header();
     const auto grid = reference::grid_around(scene.lattice(), 8);
     int near = 0;
@@ -200,7 +196,7 @@ TEST(DistanceBake, DistancesGoThroughTheSurfaceEvenly) {
   Mesh mesh;
   reference::add_sphere(mesh, {0.3, 0.6, 0.1}, 14, 48);
   const std::vector<SceneObject> objects{{"object", &mesh, Affine{}, {}, 0}};
-  const BakedScene baked(objects, options_with(2, 8, 10));
+  const BakedScene baked(objects, distance_options(2, 8, 10));
   const VoxmapHeader& header = baked.map().header();
   const Definition definition(header);
   for (int n = 0; n < 4000; ++n) {
@@ -221,8 +217,8 @@ TEST(DistanceBake, SameBytesForAnyNumberOfThreadsOrderAndWholeVoxelShift) {
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
     Random random(seed);
-    reference::TestScene scene = reference::random_scene(random, 100, 3);
-    BakeOptions options = options_with(2, 8);
+    reference::MeshScene scene = reference::random_scene(random, 100, 3);
+    BakeOptions options = distance_options(2, 8);
     options.threads = 1;
     const BakedScene first(scene.objects(), options);
     options.threads = 4;
@@ -260,8 +256,8 @@ class DistanceBakeOnEveryTarget : public test::EveryTarget {
  protected:
   static std::string bytes(std::uint32_t bits) {
     Random random(21);
-    const reference::TestScene scene = reference::random_scene(random, 60, 3);
-    return BakedScene(scene.objects(), options_with(2, bits)).bytes();
+    const reference::MeshScene scene = reference::random_scene(random, 60, 3);
+    return BakedScene(scene.objects(), distance_options(2, bits)).bytes();
   }
 };
 INSTANTIATE_TEST_SUITE_P(Targets, DistanceBakeOnEveryTarget,
@@ -281,8 +277,8 @@ TEST(DistanceBake, ARegionHasTheVoxelsOfTheWhole) {
   for (std::uint64_t seed = 1; seed <= 8; ++seed) {
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
     Random random(seed);
-    const reference::TestScene scene = reference::random_scene(random, 24, 3);
-    BakeOptions options = options_with(2, random() % 2 ? 8 : 4);
+    const reference::MeshScene scene = reference::random_scene(random, 24, 3);
+    BakeOptions options = distance_options(2, random() % 2 ? 8 : 4);
     const BakedScene all(scene.objects(), options);
     const VoxmapHeader& header = all.map().header();
     VoxelIndex low, high;

@@ -2,9 +2,9 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/baked_scene.h"
+#include "tests/support/mesh_scene.h"
 #include "tests/support/reference_distance.h"
 #include "tests/support/soups.h"
-#include "tests/support/test_scene.h"
 #include "voxelize/distance/euclidean_growth.h"
 
 namespace forcelayer {
@@ -14,6 +14,10 @@ using reference::BakedScene;
 using reference::LatticeMesh;
 using reference::Random;
 using reference::whole;
+
+BakeOptions euclidean_options(std::uint32_t layers) {
+  return reference::options_with(layers, 1, Metric::kEuclidean);
+}
 
 // Corners on fine and on coarse lattices (so that distances tie), some of them equal, some large.
 LatticeTriangle random_triangle(Random& random) {
@@ -79,25 +83,16 @@ TEST(CenterDistance, EqualsTheNearestFeatures) {
   EXPECT_GT(ties, 50);
 }
 
-BakeOptions options_with(std::uint32_t layers) {
-  BakeOptions options;
-  options.voxel_size_m = 1;
-  options.layers = layers;
-  options.metric = Metric::kEuclidean;
-  options.threads = 2;
-  return options;
-}
-
 TEST(EuclideanBake, EqualsTheReferenceOnRandomScenes) {
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
     Random random(seed);
-    const reference::TestScene scene = reference::random_scene(random, seed % 5 == 0 ? 30 : 12, 3);
+    const reference::MeshScene scene = reference::random_scene(random, seed % 5 == 0 ? 30 : 12, 3);
     const auto layers = static_cast<std::uint32_t>(seed == 1 ? 30 : whole(random, 1, 4));
     const std::vector<LatticeMesh> meshes = scene.lattice();
     const auto expected = reference::euclidean_scene(
         meshes, reference::united_scene(meshes, {}, layers + 3), static_cast<int>(layers));
-    const BakedScene baked(scene.objects(), options_with(layers));
+    const BakedScene baked(scene.objects(), euclidean_options(layers));
     EXPECT_EQ(baked.map().header().metric, static_cast<std::uint32_t>(Metric::kEuclidean));
     EXPECT_EQ(baked.map().header().offset_layers, layers);
     reference::expect_equal(baked.map(), expected);
@@ -111,7 +106,7 @@ TEST(EuclideanBake, LargeTrianglesAreExact) {
   reference::add_triangle(mesh, {-400.25, -300.5, 3.75}, {500.5, -200.125, 40.5},
                           {20.25, 600.75, -70.5});
   const std::vector<SceneObject> objects{{"object", &mesh, Affine{}, {}, 0}};
-  const BakedScene baked(objects, options_with(3));
+  const BakedScene baked(objects, euclidean_options(3));
   const LatticeMesh lattice = reference::snapped(mesh, Affine{}, 1);
   Random random(5);
   int near = 0;
@@ -132,10 +127,10 @@ TEST(EuclideanBake, KeepsTheStandoffAndWholeLayers) {
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
     Random random(seed);
-    const reference::TestScene scene = reference::random_scene(random, 12, 3);
+    const reference::MeshScene scene = reference::random_scene(random, 12, 3);
     const std::vector<LatticeMesh> meshes = scene.lattice();
     const int layers = static_cast<int>(whole(random, 2, 3));
-    const BakedScene baked(scene.objects(), options_with(static_cast<std::uint32_t>(layers)));
+    const BakedScene baked(scene.objects(), euclidean_options(static_cast<std::uint32_t>(layers)));
     const Voxmap& map = baked.map();
     const auto grid = reference::grid_around(meshes, layers + 3);
     const auto level = [&](const VoxelIndex& v) {
@@ -163,8 +158,8 @@ TEST(EuclideanBake, KeepsTheStandoffAndWholeLayers) {
 TEST(EuclideanBake, SameBytesForAnyNumberOfThreadsAndOrder) {
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
     Random random(seed);
-    reference::TestScene scene = reference::random_scene(random, 150, 3);
-    BakeOptions options = options_with(2);
+    reference::MeshScene scene = reference::random_scene(random, 150, 3);
+    BakeOptions options = euclidean_options(2);
     options.threads = 1;
     const std::string expected = BakedScene(scene.objects(), options).bytes();
     options.threads = 4;
@@ -187,8 +182,8 @@ TEST(EuclideanBake, RefusesWhatHasNoMeaning) {
     const auto baked = bake(objects, options);
     return !baked && baked.error().code == ErrorCode::kUsage;
   };
-  EXPECT_TRUE(refused(options_with(0)));
-  BakeOptions options = options_with(2);
+  EXPECT_TRUE(refused(euclidean_options(0)));
+  BakeOptions options = euclidean_options(2);
   options.bits = 3;
   EXPECT_TRUE(refused(options));
   options.bits = 8;

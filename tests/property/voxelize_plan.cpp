@@ -1,10 +1,9 @@
 // What --plan promises: figures that follow from the definitions, and estimates against real bakes.
 #include <gtest/gtest.h>
 
-#include <filesystem>
-
 #include "formats/mesh/scene.h"
 #include "tests/support/baked_scene.h"
+#include "tests/support/models.h"
 #include "tests/support/reference_bake.h"
 #include "tests/support/soups.h"
 #include "voxelize/plan.h"
@@ -13,6 +12,7 @@ namespace forcelayer {
 namespace {
 
 using reference::BakedScene;
+using reference::objects_of;
 using reference::Random;
 using reference::real;
 
@@ -38,14 +38,6 @@ void expect_size_is_estimated(const std::vector<SceneObject>& objects, double vo
   }
 }
 
-std::vector<SceneObject> objects_of(const Scene& scene) {
-  std::vector<SceneObject> objects;
-  for (const ScenePart& part : scene.parts) {
-    objects.push_back({part.name, &scene.mesh_of(part), part.world_from_mesh, {}, 0});
-  }
-  return objects;
-}
-
 TEST(Plan, FileSizeOfTheSampleSceneIsEstimated) {
   const std::string path = FORCELAYER_SOURCE_DIR "/sample_data/bay.json";
   const auto scene = read_scene(std::span(&path, 1), std::nullopt);
@@ -54,14 +46,11 @@ TEST(Plan, FileSizeOfTheSampleSceneIsEstimated) {
 }
 
 TEST(Plan, FileSizesOfModelsAreEstimated) {
-  const std::string models = FORCELAYER_SOURCE_DIR "/../shared/models/";
-  if (!std::filesystem::exists(models)) GTEST_SKIP() << models << " is not there";
-  const std::pair<const char*, double> files[] = {{"scan/stanford-bunny.obj", 0.1557 / 200},
-                                                  {"scan/dragon-100k.obj", 2.0 / 200},
-                                                  {"cad/counter.unitsmm.stl", 304.8 / 200}};
+  const std::pair<const char*, double> files[] = {
+      {"bunny.drc", 0.1557 / 200}, {"dragon.drc", 2.0 / 200}, {"counter.drc", 304.8 / 200}};
   for (const auto& [file, voxel_size_m] : files) {
     SCOPED_TRACE(file);
-    const std::string path = models + file;
+    const std::string path = test::model_path(file);
     const auto scene = read_scene(std::span(&path, 1), 1.0);
     ASSERT_TRUE(scene) << to_line(scene.error());
     expect_size_is_estimated(objects_of(*scene), voxel_size_m);

@@ -13,6 +13,8 @@ namespace {
 using reference::BakedScene;
 using reference::DenseGrid;
 using reference::LatticeMesh;
+using reference::objects_of;
+using reference::options_with;
 using reference::Random;
 using reference::real;
 using reference::Symmetry;
@@ -30,20 +32,6 @@ std::vector<Mesh> lattice_scene(Random& random, double extent) {
     }
   }
   return meshes;
-}
-
-std::vector<SceneObject> objects_of(const std::vector<Mesh>& meshes, const Affine& placing = {}) {
-  std::vector<SceneObject> list;
-  for (const Mesh& mesh : meshes) list.push_back({"object", &mesh, placing, {}, 0});
-  return list;
-}
-
-BakeOptions options_with(std::uint32_t layers) {
-  BakeOptions options;
-  options.voxel_size_m = 1;
-  options.layers = layers;
-  options.threads = 2;
-  return options;
 }
 
 TEST(BakeSymmetry, TurnedAndMirroredReferencesAgree) {

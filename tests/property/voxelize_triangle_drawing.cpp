@@ -8,33 +8,31 @@
 
 #include "formats/lattice/brick_bits.h"
 #include "formats/lattice/voxel_overlap.h"
+#include "tests/support/soups.h"
 #include "voxelize/scan/large_triangle.h"
 #include "voxelize/scan/small_triangles.h"
 
 namespace forcelayer {
 namespace {
 
-using Random = std::mt19937_64;
-
-std::int64_t uniform(Random& random, std::int64_t low, std::int64_t high) {
-  return std::uniform_int_distribution<std::int64_t>(low, high)(random);
-}
+using reference::Random;
+using reference::whole;
 
 // A triangle with corners in a box of `size` voxels that touches the node's.
 LatticeTriangle random_triangle(Random& random, std::int64_t size) {
   const std::int64_t grid =
-      std::array{1, 1, 256, 1024}[static_cast<std::size_t>(uniform(random, 0, 3))];
+      std::array{1, 1, 256, 1024}[static_cast<std::size_t>(whole(random, 0, 3))];
   LatticeTriangle corners;
   for (std::size_t d = 0; d < 3; ++d) {
-    const std::int64_t low = uniform(random, 1 - size, 63) * kSnapUnits;
-    const bool flat = uniform(random, 0, 7) == 0;
-    const std::int64_t plane = low + uniform(random, 0, size * kSnapUnits - 1) / grid * grid;
+    const std::int64_t low = whole(random, 1 - size, 63) * kSnapUnits;
+    const bool flat = whole(random, 0, 7) == 0;
+    const std::int64_t plane = low + whole(random, 0, size * kSnapUnits - 1) / grid * grid;
     for (auto& corner : corners) {
-      corner[d] = flat ? plane : low + uniform(random, 0, size * kSnapUnits - 1) / grid * grid;
+      corner[d] = flat ? plane : low + whole(random, 0, size * kSnapUnits - 1) / grid * grid;
     }
   }
-  const std::int64_t degenerate = uniform(random, 0, 15);
-  if (degenerate == 0) corners[2] = corners[static_cast<std::size_t>(uniform(random, 0, 1))];
+  const std::int64_t degenerate = whole(random, 0, 15);
+  if (degenerate == 0) corners[2] = corners[static_cast<std::size_t>(whole(random, 0, 1))];
   if (degenerate == 1) corners[1] = corners[2] = corners[0];
   if (degenerate == 2) {  // collinear
     for (std::size_t d = 0; d < 3; ++d) {
@@ -74,9 +72,8 @@ void expect_equal_small(std::uint64_t seed) {
   fast.clear();
   slow.clear();
   SmallTriangles triangles;
-  for (std::int64_t n = uniform(random, 1, 40); n > 0; --n) {
-    const LatticeTriangle corners =
-        random_triangle(random, std::int64_t{1} << uniform(random, 0, 3));
+  for (std::int64_t n = whole(random, 1, 40); n > 0; --n) {
+    const LatticeTriangle corners = random_triangle(random, std::int64_t{1} << whole(random, 0, 3));
     if (!is_small(corners)) continue;
     std::array<int, 3> low, high;
     for (std::size_t d = 0; d < 3; ++d) {
@@ -97,7 +94,7 @@ void expect_equal_large(std::uint64_t seed) {
   static NodeCanvas fast, slow;
   fast.clear();
   slow.clear();
-  const LatticeTriangle corners = random_triangle(random, std::int64_t{1} << uniform(random, 0, 9));
+  const LatticeTriangle corners = random_triangle(random, std::int64_t{1} << whole(random, 0, 9));
   draw_large_triangle(corners, fast);
   draw_slowly(corners, slow);
   expect_equal_canvases(fast, slow);

@@ -11,24 +11,18 @@
 #include "runtime/coupling/coupling.h"
 #include "tests/stress/collisions.h"
 #include "tests/stress/shapes.h"
+#include "tests/support/random_numbers.h"
 
 namespace forcelayer::stress {
 namespace {
 
 constexpr double kS = 0.005;  // voxel size of most cases, m (paper 6.3)
 
-using Random = std::mt19937_64;
+using test::Random;
+using test::random_direction;
+using test::uniform;
 
-double uniform(Random& random, double low, double high) {
-  return std::uniform_real_distribution<double>(low, high)(random);
-}
 int choice(Random& random, int n) { return std::uniform_int_distribution<int>(0, n - 1)(random); }
-
-glm::dvec3 random_direction(Random& random) {
-  std::normal_distribution<double> normal;
-  const double x = normal(random), y = normal(random), z = normal(random);
-  return glm::normalize(glm::dvec3(x, y, z));
-}
 
 glm::dquat random_turn(Random& random) {
   std::normal_distribution<double> normal;

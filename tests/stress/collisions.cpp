@@ -11,11 +11,14 @@
 #include "runtime/coupling/coupling.h"
 #include "runtime/query/contact_query.h"
 #include "tests/stress/shapes.h"
+#include "tests/support/random_numbers.h"
 
 namespace forcelayer::stress {
 namespace {
 
-using Random = std::mt19937_64;
+using test::Random;
+using test::random_direction;
+using test::uniform;
 
 constexpr double kS = 0.005;         // paper 6.3
 constexpr double kTurnRad = 0.2;     // 0.1 N m on the coupling of the usual parameters, or less
@@ -24,16 +27,6 @@ constexpr double kFarthestM = 0.15;  // it is given up there
 constexpr double kSlowestMps = 0.05, kFastestMps = 0.5;
 constexpr double kDeepestM = 0.02;  // how far beyond the touch the hand wants to be
 constexpr double kSlideM = 0.04;
-
-double uniform(Random& random, double low, double high) {
-  return std::uniform_real_distribution<double>(low, high)(random);
-}
-
-glm::dvec3 random_direction(Random& random) {
-  std::normal_distribution<double> normal;
-  const double x = normal(random), y = normal(random), z = normal(random);
-  return glm::normalize(glm::dvec3(x, y, z));
-}
 
 std::string sample(const char* name) {
   return std::string(FORCELAYER_SOURCE_DIR) + "/sample_data/" + name;

@@ -48,11 +48,6 @@ double resident_bytes() {
   return resident * static_cast<double>(sysconf(_SC_PAGESIZE));
 }
 
-std::ptrdiff_t entries_of(const char* folder) {
-  return std::distance(std::filesystem::directory_iterator(folder),
-                       std::filesystem::directory_iterator());
-}
-
 std::ptrdiff_t mappings() {
   std::ifstream maps("/proc/self/maps");
   std::string line;

@@ -92,6 +92,43 @@ inline Mesh box_mesh(double x, double y, double z) {
   return mesh;
 }
 
+// A kettle of a few patches, as modelers draw one: bowl, spout, handle and lid are open sheets that
+// pass through each other. All face outwards.
+inline Mesh kettle_mesh(int segments) {
+  constexpr double kTurn = 2 * std::numbers::pi;
+  Mesh kettle;
+  const auto add = [&](const Mesh& patch) {
+    const auto first = static_cast<std::uint32_t>(kettle.vertices.size());
+    kettle.vertices.insert(kettle.vertices.end(), patch.vertices.begin(), patch.vertices.end());
+    for (const auto& [a, b, c] : patch.triangles) {
+      kettle.triangles.push_back({first + a, first + b, first + c});
+    }
+  };
+  // A sheet around the axis z, from height z0 at radius r0 on along a bulging profile.
+  const auto turned = [&](double z0, double r0, double z1, double r1, double bulge) {
+    add(grid_mesh(2 * segments, segments, true, false, [&](double u, double v) {
+      const double radius = r0 + v * (r1 - r0) + bulge * std::sin(std::numbers::pi * v);
+      return Vec3{radius * std::cos(kTurn * u), radius * std::sin(kTurn * u), z0 + v * (z1 - z0)};
+    }));
+  };
+  // A tube open at both ends, around a curve in the plane y = 0.
+  const auto tube = [&](double radius, const std::function<Vec3(double)>& curve) {
+    add(grid_mesh(segments, segments, true, false, [&](double u, double v) {
+      const Vec3 along = normalized(curve(v + 1e-3) - curve(v - 1e-3));
+      const Vec3 side{0, 1, 0}, up = cross(along, side);
+      return curve(v) + radius * (std::cos(kTurn * u) * side + std::sin(kTurn * u) * up);
+    }));
+  };
+  turned(-1, 0, 0.6, 0.8, 0.7);    // bowl, open at the top
+  turned(0.5, 0.85, 0.9, 0, 0.1);  // lid, whose rim stands over the bowl's
+  tube(0.15, [](double t) { return Vec3{0.9 + 0.9 * t, 0, -0.5 + 1.2 * t * t}; });  // spout
+  tube(0.1, [](double t) {  // handle, whose ends are inside
+    const double turn = std::numbers::pi * (t - 0.5);
+    return Vec3{-1 - 0.7 * std::cos(turn), 0, 0.6 * std::sin(turn)};
+  });
+  return kettle;
+}
+
 inline Assembly assembly_of(std::vector<Mesh> meshes) {
   Assembly assembly;
   for (Mesh& mesh : meshes) {

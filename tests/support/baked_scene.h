@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "formats/mesh/scene.h"
 #include "formats/voxmap.h"
 #include "formats/voxmap_writer.h"
 #include "tests/support/aligned_bytes.h"
@@ -15,6 +16,32 @@
 #include "voxelize/bake.h"
 
 namespace forcelayer::reference {
+
+// Two threads, whose order must not show.
+inline BakeOptions options_with(std::uint32_t layers, double voxel_size_m = 1,
+                                Metric metric = Metric::kChebyshev) {
+  BakeOptions options;
+  options.voxel_size_m = voxel_size_m;
+  options.layers = layers;
+  options.metric = metric;
+  options.threads = 2;
+  return options;
+}
+
+inline std::vector<SceneObject> objects_of(const std::vector<Mesh>& meshes,
+                                           const Affine& placing = {}) {
+  std::vector<SceneObject> objects;
+  for (const Mesh& mesh : meshes) objects.push_back({"object", &mesh, placing, {}, 0});
+  return objects;
+}
+
+inline std::vector<SceneObject> objects_of(const Scene& scene) {
+  std::vector<SceneObject> objects;
+  for (const ScenePart& part : scene.parts) {
+    objects.push_back({part.name, &scene.mesh_of(part), part.world_from_mesh, {}, 0});
+  }
+  return objects;
+}
 
 // Bakes, and reads the file's bytes back with every check on.
 class BakedScene {

@@ -4,13 +4,13 @@
 #include <glm/gtc/quaternion.hpp>
 #include <map>
 #include <memory>
-#include <random>
 #include <stdexcept>
 #include <string>
 
 #include "forcelayer/run.h"
 #include "runtime/coupling/coupling.h"
 #include "runtime/model/simulation.h"
+#include "tests/support/random_numbers.h"
 #include "tests/support/shape_scene.h"
 
 namespace forcelayer::test {
@@ -76,19 +76,5 @@ class MotionBench {
   StepInput input;
   double dt_s = 0.001;
 };
-
-inline glm::dvec3 random_direction(std::mt19937_64& random) {
-  std::normal_distribution<double> normal;
-  return glm::normalize(glm::dvec3(normal(random), normal(random), normal(random)));
-}
-
-inline glm::dquat random_orientation(std::mt19937_64& random) {
-  std::normal_distribution<double> normal;
-  return glm::normalize(glm::dquat(normal(random), normal(random), normal(random), normal(random)));
-}
-
-inline double uniform(std::mt19937_64& random, double low, double high) {
-  return std::uniform_real_distribution<double>(low, high)(random);
-}
 
 }  // namespace forcelayer::test

@@ -3,13 +3,13 @@
 
 #include <algorithm>
 #include <array>
-#include <filesystem>
 #include <random>
 #include <string>
 #include <vector>
 
 #include "pointshell/part.h"
 #include "tests/support/analytic_shapes.h"
+#include "tests/support/models.h"
 
 namespace forcelayer::testing {
 
@@ -23,12 +23,8 @@ inline Part part_of(Mesh mesh, double metres_per_unit = 1) {
   return part_of(std::vector<Mesh>{std::move(mesh)}, metres_per_unit);
 }
 
-inline bool model_exists(const std::string& name) {
-  return std::filesystem::exists(std::string(FORCELAYER_SOURCE_DIR "/../shared/models/") + name);
-}
-
-inline Part part_of_model(const std::string& name, double metres_per_unit) {
-  const auto assembly = read_assembly(FORCELAYER_SOURCE_DIR "/../shared/models/" + name);
+inline Part part_of_model(const std::string& file, double metres_per_unit) {
+  const auto assembly = read_assembly(test::model_path(file));
   const PartInput input{&assembly.value(), metres_per_unit};
   return std::move(assemble_part({&input, 1})).value();
 }

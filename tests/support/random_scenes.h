@@ -1,37 +1,12 @@
 // Seeded random scenes, parts, poses and motions for property tests.
 #pragma once
 
-#include <glm/geometric.hpp>
-#include <glm/gtc/quaternion.hpp>
-#include <random>
-
 #include "forcelayer/step.h"
 #include "tests/support/point_part.h"
+#include "tests/support/random_numbers.h"
 #include "tests/support/voxel_scene.h"
 
 namespace forcelayer::test {
-
-using Random = std::mt19937_64;
-
-inline double uniform(Random& random, double low, double high) {
-  return std::uniform_real_distribution<double>(low, high)(random);
-}
-
-inline std::int64_t integer(Random& random, std::int64_t low, std::int64_t high) {
-  return std::uniform_int_distribution<std::int64_t>(low, high)(random);
-}
-
-inline glm::dvec3 random_direction(Random& random) {
-  std::normal_distribution<double> normal;
-  glm::dvec3 v(0);
-  while (glm::length(v) < 1e-3) v = {normal(random), normal(random), normal(random)};
-  return glm::normalize(v);
-}
-
-inline glm::dquat random_orientation(Random& random) {
-  std::normal_distribution<double> normal;
-  return glm::normalize(glm::dquat(normal(random), normal(random), normal(random), normal(random)));
-}
 
 // Boxes, planks and single voxels in a box of up to 48 voxels a side, offset by two layers. Its
 // place in the world lies up to `far` voxels away.

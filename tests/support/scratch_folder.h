@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -33,6 +34,12 @@ class ScratchFolder {
  private:
   std::filesystem::path path_;
 };
+
+// How many files and folders `folder` holds.
+inline std::ptrdiff_t entries_of(const std::filesystem::path& folder) {
+  return std::distance(std::filesystem::directory_iterator(folder),
+                       std::filesystem::directory_iterator());
+}
 
 // Writes a file without waiting for the disk, as the atomic writers would.
 inline void save_bytes(const std::filesystem::path& path, const std::vector<std::byte>& bytes) {

@@ -107,10 +107,6 @@ TEST(ParseArguments, HelpVersionAndWrongUsage) {
   }
 }
 
-std::ptrdiff_t entries_of(const fs::path& folder) {
-  return std::distance(fs::directory_iterator(folder), fs::directory_iterator());
-}
-
 TEST(Report, IsIndentedJsonAndNeverFailsOnBadText) {
   const test::ScratchFolder folder;
   const std::string path = folder / "report.json";
@@ -136,7 +132,7 @@ void expect_clean_end(int number) {
     exit_cleanly_on_signals();
     auto first = AtomicFile::create(folder / "scene.vox");
     auto second = AtomicFile::create(folder / "part.pshell");
-    if (!first || !second || entries_of(folder.path()) != 3) ::_exit(1);
+    if (!first || !second || test::entries_of(folder.path()) != 3) ::_exit(1);
     ::raise(number);
     ::_exit(2);
   }
@@ -144,7 +140,7 @@ void expect_clean_end(int number) {
   ASSERT_EQ(::waitpid(child, &status, 0), child);
   ASSERT_TRUE(WIFEXITED(status));
   EXPECT_EQ(WEXITSTATUS(status), 128 + number);
-  EXPECT_EQ(entries_of(folder.path()), 1);
+  EXPECT_EQ(test::entries_of(folder.path()), 1);
   std::stringstream text;
   text << std::ifstream(folder / "scene.vox").rdbuf();
   EXPECT_EQ(text.str(), "old");

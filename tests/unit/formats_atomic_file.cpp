@@ -16,6 +16,7 @@ namespace forcelayer::testing {
 namespace {
 
 namespace fs = std::filesystem;
+using test::entries_of;
 using test::ScratchFolder;
 
 std::span<const std::byte> bytes_of(std::string_view text) {
@@ -26,10 +27,6 @@ std::string content_of(const fs::path& path) {
   std::stringstream text;
   text << std::ifstream(path).rdbuf();
   return text.str();
-}
-
-std::ptrdiff_t entries_of(const fs::path& folder) {
-  return std::distance(fs::directory_iterator(folder), fs::directory_iterator());
 }
 
 void write_text(const fs::path& path, std::string_view text) {

@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 
 #include "formats/mesh/mesh_facts.h"
 #include "tests/support/mesh_files.h"
+#include "tests/support/models.h"
 
 namespace forcelayer {
 namespace {
@@ -14,35 +16,34 @@ using namespace test;
 
 #ifdef FORCELAYER_STEP
 
-std::string model(const char* file) {
-  return std::string(FORCELAYER_SOURCE_DIR) + "/../shared/models/cad/" + file;
-}
-
-class StepReader : public testing::Test {
+// The assembly of make_step_assembly.
+class StepAssembly : public testing::Test {
  protected:
   void SetUp() override {
-    if (!std::filesystem::exists(model("as1-oc-214.stp"))) {
-      GTEST_SKIP() << "the model collection is not there";
-    }
+    const std::string command = FORCELAYER_BIN_DIR "/make_step_assembly " + path_;
+    ASSERT_EQ(std::system(command.c_str()), 0);
   }
+
+  ScratchFolder folder_;
+  std::string path_ = folder_ / "clamp.step";
 };
 
-TEST_F(StepReader, KeepsTheAssemblysTreeAndInstances) {
-  const auto assembly = read_assembly(model("as1-oc-214.stp"));
+TEST_F(StepAssembly, KeepsItsTreeAndInstances) {
+  const auto assembly = read_assembly(path_);
   ASSERT_TRUE(assembly) << to_line(assembly.error());
   EXPECT_EQ(assembly->meshes.size(), 5u);  // nut, rod, bolt, bracket, plate
   EXPECT_EQ(assembly->instances.size(), 18u);
-  EXPECT_EQ(assembly->instances[0].name, "as1/rod-assembly_1/nut_1");
+  EXPECT_EQ(assembly->instances[0].name, "clamp/rod-assembly_1/nut_1");
   EXPECT_EQ(assembly->metres_per_unit, 1e-3);
-  const auto rod = read_assembly(model("as1-oc-214.stp") + "#rod-assembly_1");
+  const auto rod = read_assembly(path_ + "#rod-assembly_1");
   ASSERT_TRUE(rod) << to_line(rod.error());
   EXPECT_EQ(rod->instances.size(), 3u);
   EXPECT_EQ(rod->instances[0].assembly_from_mesh.translation,
             assembly->instances[0].assembly_from_mesh.translation);
 }
 
-TEST_F(StepReader, GivesClosedSolidsThatFaceOutwards) {
-  const auto assembly = read_assembly(model("as1-oc-214.stp"));
+TEST_F(StepAssembly, GivesClosedSolidsThatFaceOutwards) {
+  const auto assembly = read_assembly(path_);
   ASSERT_TRUE(assembly) << to_line(assembly.error());
   for (const Mesh& mesh : assembly->meshes) {
     const MeshFacts facts = mesh_facts(mesh);
@@ -53,9 +54,9 @@ TEST_F(StepReader, GivesClosedSolidsThatFaceOutwards) {
 }
 
 // The same part as an STL, whose unit is the inch.
-TEST_F(StepReader, AgreesWithTheStlOfTheSamePart) {
-  const auto step = read_assembly(model("featuretype.step"));
-  const auto stl = read_assembly(model("featuretype.stl"));
+TEST(StepReader, AgreesWithTheStlOfTheSamePart) {
+  const auto step = read_assembly(model_path("featuretype.step"));
+  const auto stl = read_assembly(model_path("featuretype.stl"));
   ASSERT_TRUE(step && stl);
   const MeshFacts a = mesh_facts(step->meshes[0]), b = mesh_facts(stl->meshes[0]);
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -64,9 +65,9 @@ TEST_F(StepReader, AgreesWithTheStlOfTheSamePart) {
   EXPECT_NEAR(a.signed_volume / (std::pow(25.4, 3) * b.signed_volume), 1, 1e-3);
 }
 
-TEST_F(StepReader, DeclaresItsDeflection) {
-  const auto coarse = read_assembly(model("featuretype.step"), {.deflection_m = 1e-3});
-  const auto fine = read_assembly(model("featuretype.step"), {.deflection_m = 1e-5});
+TEST(StepReader, DeclaresItsDeflection) {
+  const auto coarse = read_assembly(model_path("featuretype.step"), {.deflection_m = 1e-3});
+  const auto fine = read_assembly(model_path("featuretype.step"), {.deflection_m = 1e-5});
   ASSERT_TRUE(coarse && fine);
   EXPECT_GT(fine->triangle_count(), coarse->triangle_count());
   EXPECT_GE(coarse->deviation_units, 1.0);
@@ -101,9 +102,9 @@ double distance_to_triangle(const Vec3d& p, const Vec3d& a, const Vec3d& b, cons
 // A tessellation a hundred times as fine stands for the true surface: the guarantee counts on no
 // point of it being farther from the coarse triangles than the coarse reading declares, but for
 // what the fine one deviates itself.
-TEST_F(StepReader, StaysWithinTheDeviationThatItDeclares) {
-  const auto coarse = read_assembly(model("featuretype.step"), {.deflection_m = 1e-3});
-  const auto fine = read_assembly(model("featuretype.step"), {.deflection_m = 1e-5});
+TEST(StepReader, StaysWithinTheDeviationThatItDeclares) {
+  const auto coarse = read_assembly(model_path("featuretype.step"), {.deflection_m = 1e-3});
+  const auto fine = read_assembly(model_path("featuretype.step"), {.deflection_m = 1e-5});
   ASSERT_TRUE(coarse && fine);
   const Mesh& triangles = coarse->meshes[0];
   double farthest = 0;

@@ -1,4 +1,4 @@
-// Random scenes for the bake's property tests.
+// Random scenes of meshes, for the property tests of the bake.
 #pragma once
 
 #include <vector>
@@ -9,15 +9,11 @@
 namespace forcelayer::reference {
 
 // Meshes in voxels of 1 m.
-struct TestScene {
+struct MeshScene {
   std::vector<Mesh> meshes;
   std::vector<Vec3d> seeds_m;
 
-  std::vector<SceneObject> objects() const {
-    std::vector<SceneObject> list;
-    for (const Mesh& mesh : meshes) list.push_back({"object", &mesh, Affine{}, {}, 0});
-    return list;
-  }
+  std::vector<SceneObject> objects() const { return objects_of(meshes); }
   std::vector<LatticeMesh> lattice() const {
     std::vector<LatticeMesh> list;
     for (const Mesh& mesh : meshes) list.push_back(snapped(mesh, Affine{}, 1));
@@ -27,8 +23,8 @@ struct TestScene {
 
 // Up to `most` objects of up to `extent` voxels, around a place where blocks, nodes and bricks meet
 // more often than not.
-inline TestScene random_scene(Random& random, double extent, std::int64_t most) {
-  TestScene scene;
+inline MeshScene random_scene(Random& random, double extent, std::int64_t most) {
+  MeshScene scene;
   Vec3d place;
   for (double& x : place) {
     x = static_cast<double>(whole(random, -3, 3) * 512 + whole(random, -8, 8));
