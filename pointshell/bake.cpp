@@ -12,20 +12,17 @@
 
 #include "pointshell/certificate/certificate.h"
 #include "pointshell/certificate/hidden_surface.h"
-#include "pointshell/certificate/triangle_tree.h"
-#include "pointshell/mass_properties.h"
 #include "pointshell/normals/normals.h"
-#include "pointshell/order.h"
-#include "pointshell/parallel.h"
+#include "pointshell/part/mass_properties.h"
+#include "pointshell/part/parallel.h"
+#include "pointshell/part/triangle_tree.h"
 #include "pointshell/sample/hole_filling.h"
+#include "pointshell/sample/order.h"
 #include "pointshell/sample/voxel_centers.h"
-#include "pointshell/weights.h"
+#include "pointshell/sample/weights.h"
 
 namespace forcelayer {
 namespace {
-
-// Planar bound: no covering of a plane by discs needs fewer than 0.385 points per squared radius.
-constexpr double kLeastPointsPerArea = 0.3849001794597505;  // 2 / (3 sqrt 3)
 
 class Stages {
  public:
@@ -63,16 +60,16 @@ double physical_memory_bytes() {
 
 // Refuses at the door what would run for hours and then out of memory.
 Status check_size(const MassProperties& mass, double radius) {
-  const double points = kMostOfBound * kLeastPointsPerArea * mass.area_m2 / (radius * radius);
-  if (points < static_cast<double>(kMaxShellPoints) &&
-      points * kBytesPerPoint < physical_memory_bytes()) {
+  const double expected = planar_bound(mass.area_m2, radius), most = kMostOfBound * expected;
+  if (most < static_cast<double>(kMaxShellPoints) &&
+      most * kBytesPerPoint < physical_memory_bytes()) {
     return {};
   }
   char what[160];
   std::snprintf(what, sizeof what,
                 "the shell would need about %.2g points, more than this machine's memory or the "
                 "format holds",
-                points / kMostOfBound);
+                expected);
   return Error{ErrorCode::kBakeTooLarge, "", "", what,
                "use a larger voxel size or covering radius, and check --units"};
 }
@@ -224,6 +221,10 @@ Result<BakedShell> bake(Part part, const ShellOptions& options, const BakeProgre
 }
 
 }  // namespace
+
+double planar_bound(double area_m2, double radius_m) {
+  return 2 / (3 * std::sqrt(3.0)) * area_m2 / (radius_m * radius_m);
+}
 
 double requested_covering_radius(const ShellOptions& options) {
   return options.covering_radius_m > 0 ? options.covering_radius_m

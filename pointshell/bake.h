@@ -9,7 +9,7 @@
 #include "formats/pshell_writer.h"
 #include "formats/result.h"
 #include "pointshell/normals/orientation.h"
-#include "pointshell/part.h"
+#include "pointshell/part/part.h"
 #include "pointshell/sample/covering_points.h"
 
 namespace forcelayer {
@@ -23,6 +23,9 @@ struct ShellOptions {
                                 // files themselves tell (Part::deviation_m) is added
   unsigned threads = 0;         // 0: all
 };
+
+// The fewest points whose discs of this radius can cover a plane of this area (Kershner 1939).
+double planar_bound(double area_m2, double radius_m);
 
 // The radius that the options ask for, m.
 double requested_covering_radius(const ShellOptions& options);

@@ -12,8 +12,8 @@
 #include "formats/pshell.h"
 #include "formats/pshell_writer.h"
 #include "pointshell/bake.h"
-#include "pointshell/parallel.h"
-#include "pointshell/part_files.h"
+#include "pointshell/part/parallel.h"
+#include "pointshell/part/part_files.h"
 #include "pointshell/report.h"
 #include "pointshell/verify.h"
 

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "pointshell/bake.h"
-#include "pointshell/part.h"
+#include "pointshell/part/part.h"
 
 namespace forcelayer {
 
@@ -19,8 +19,7 @@ std::string provenance(const Part& part, const ShellOptions& options);
 const char* method_name(ShellMethod method);
 const char* effort_name(Effort effort);
 
-// Points over the planar bound for this area, 2 / (3 sqrt 3) points per squared radius: 1 is a
-// perfect covering.
+// The shell's points over planar_bound() for this area: 1 is a perfect covering.
 double points_over_bound(const PshellHeader& header, double area_m2);
 
 nlohmann::ordered_json bake_report(const BakedShell& shell, const ShellOptions& options,

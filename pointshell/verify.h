@@ -3,7 +3,7 @@
 
 #include "formats/pshell.h"
 #include "pointshell/certificate/certificate.h"
-#include "pointshell/part.h"
+#include "pointshell/part/part.h"
 
 namespace forcelayer {
 

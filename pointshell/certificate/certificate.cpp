@@ -4,11 +4,11 @@
 #include <cmath>
 #include <iterator>
 
+#include "pointshell/certificate/convex_polygon.h"
 #include "pointshell/certificate/hidden_surface.h"
-#include "pointshell/certificate/pieces.h"
-#include "pointshell/parallel.h"
-#include "pointshell/sample/convex_polygon.h"
-#include "pointshell/sample/point_grid.h"
+#include "pointshell/certificate/point_grid.h"
+#include "pointshell/part/parallel.h"
+#include "pointshell/part/pieces.h"
 
 namespace forcelayer {
 namespace {

@@ -17,8 +17,8 @@
 #include <span>
 #include <vector>
 
-#include "pointshell/part.h"
-#include "pointshell/vec3.h"
+#include "pointshell/part/part.h"
+#include "pointshell/part/vec3.h"
 
 namespace forcelayer {
 

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <utility>
 
-#include "pointshell/mass_properties.h"
-#include "pointshell/parallel.h"
+#include "pointshell/part/mass_properties.h"
+#include "pointshell/part/parallel.h"
 
 namespace forcelayer {
 namespace {
@@ -14,12 +14,6 @@ namespace {
 constexpr double kDroppedDepth = 1.25;
 // The winding number is a whole number off the surface, and in error by less than 0.01.
 constexpr double kInside = 0.5;
-
-std::vector<std::vector<std::uint32_t>> triangles_by_body(const Part& part) {
-  std::vector<std::vector<std::uint32_t>> of_body(part.body_names.size());
-  for (std::uint32_t t = 0; t < part.triangles.size(); ++t) of_body[part.body[t]].push_back(t);
-  return of_body;
-}
 
 bool is_closed_body(const Part& part, const std::vector<std::uint32_t>& triangles) {
   std::vector<Triangle> corners;

@@ -5,10 +5,10 @@
 #include <vector>
 
 #include "pointshell/certificate/certificate.h"
-#include "pointshell/certificate/triangle_tree.h"
-#include "pointshell/normals/winding_number.h"
-#include "pointshell/part.h"
-#include "pointshell/vec3.h"
+#include "pointshell/certificate/winding_number.h"
+#include "pointshell/part/part.h"
+#include "pointshell/part/triangle_tree.h"
+#include "pointshell/part/vec3.h"
 
 namespace forcelayer {
 

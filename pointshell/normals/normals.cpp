@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pointshell/certificate/pieces.h"
-#include "pointshell/parallel.h"
+#include "pointshell/part/parallel.h"
+#include "pointshell/part/pieces.h"
 
 namespace forcelayer {
 namespace {

@@ -8,9 +8,9 @@
 #include <tuple>
 #include <vector>
 
-#include "pointshell/certificate/pieces.h"
-#include "pointshell/certificate/triangle_tree.h"
-#include "pointshell/parallel.h"
+#include "pointshell/part/parallel.h"
+#include "pointshell/part/pieces.h"
+#include "pointshell/part/triangle_tree.h"
 
 namespace forcelayer {
 namespace {
@@ -228,8 +228,7 @@ std::vector<Sky> look_around(const Part& part, const Patches& patches) {
   for (std::size_t n = 0; n < skies.size(); ++n) {
     if (skies[n].hidden()) hidden_of_body[part.body[patches.triangles[n].front()]].push_back(n);
   }
-  std::vector<std::vector<std::uint32_t>> of_body(part.body_names.size());
-  for (std::uint32_t t = 0; t < part.triangles.size(); ++t) of_body[part.body[t]].push_back(t);
+  const std::vector<std::vector<std::uint32_t>> of_body = triangles_by_body(part);
   for (std::size_t body = 0; body < of_body.size(); ++body) {
     const std::vector<std::size_t>& hidden = hidden_of_body[body];
     if (hidden.empty()) continue;
@@ -257,14 +256,6 @@ void turn_patches(Part& part, const Patches& patches, const std::vector<Sky>& sk
       turn_patch(n);
     }
   }
-}
-
-Box box_of(const Part& part, const std::vector<std::uint32_t>& patch) {
-  Box box;
-  for (const std::uint32_t t : patch) {
-    for (const std::uint32_t corner : part.triangles[t]) box.grow(part.vertices[corner]);
-  }
-  return box;
 }
 
 Error undecided_error(const Part& part, const std::vector<std::uint32_t>& patch) {

@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "formats/result.h"
-#include "pointshell/part.h"
+#include "pointshell/part/part.h"
 
 namespace forcelayer {
 

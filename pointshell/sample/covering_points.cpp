@@ -4,12 +4,12 @@
 #include <cmath>
 
 #include "formats/pshell_format.h"
-#include "pointshell/order.h"
+#include "pointshell/certificate/point_grid.h"
 #include "pointshell/sample/front_sampling.h"
 #include "pointshell/sample/hole_filling.h"
-#include "pointshell/sample/point_grid.h"
+#include "pointshell/sample/order.h"
 #include "pointshell/sample/relaxation.h"
-#include "pointshell/stored_position.h"
+#include "pointshell/sample/stored_position.h"
 
 namespace forcelayer {
 namespace {

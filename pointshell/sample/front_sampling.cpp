@@ -6,8 +6,8 @@
 #include <map>
 #include <numbers>
 
-#include "pointshell/certificate/pieces.h"
-#include "pointshell/parallel.h"
+#include "pointshell/part/parallel.h"
+#include "pointshell/part/pieces.h"
 
 namespace forcelayer {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "pointshell/certificate/triangle_tree.h"
+#include "pointshell/part/triangle_tree.h"
 
 namespace forcelayer {
 

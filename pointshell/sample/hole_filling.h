@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "pointshell/certificate/certificate.h"
-#include "pointshell/part.h"
-#include "pointshell/vec3.h"
+#include "pointshell/part/part.h"
+#include "pointshell/part/vec3.h"
 
 namespace forcelayer {
 

@@ -4,7 +4,7 @@
 #include <limits>
 #include <numeric>
 
-#include "pointshell/parallel.h"
+#include "pointshell/part/parallel.h"
 #include "pointshell/sample/smallest_ball.h"
 
 namespace forcelayer {

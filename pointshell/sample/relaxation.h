@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "pointshell/certificate/triangle_tree.h"
+#include "pointshell/part/triangle_tree.h"
 #include "pointshell/sample/restricted_cells.h"
 
 namespace forcelayer {
@@ -34,7 +34,6 @@ class Relaxation {
   void add(const Vec3& place);
 
   const std::vector<Vec3>& positions() const { return positions_; }
-  std::size_t chosen_count() const { return chosen_.size(); }
 
   // The place of point `n`'s cell that is farthest from it, and its distance (m), as they were
   // before the last step that moved it.

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numeric>
 
-#include "pointshell/parallel.h"
-#include "pointshell/sample/point_grid.h"
+#include "pointshell/certificate/point_grid.h"
+#include "pointshell/part/parallel.h"
 
 namespace forcelayer {
 RestrictedCells::Cutter::Cutter(std::uint32_t point, std::span<const Vec3> positions,
@@ -113,11 +113,7 @@ class RestrictedCells::ListMaker {
     });
     triangles_.clear();
     tree_.visit_near_box(middle, half + triangle_reach_, [&](std::uint32_t t) {
-      NearTriangle triangle{t, {}};
-      for (const std::uint32_t corner : tree_.part().triangles[t]) {
-        triangle.box.grow(tree_.part().vertices[corner]);
-      }
-      triangles_.push_back(triangle);
+      triangles_.push_back({t, box_of(tree_.part(), {&t, 1})});
     });
   }
 
@@ -140,13 +136,11 @@ class RestrictedCells::ListMaker {
   void list_triangles(std::size_t at, Lists& lists) {
     const Vec3& place = positions_[lists.centre[at]];
     const double reach_squared = triangle_reach_ * triangle_reach_;
-    const Part& part = tree_.part();
     lists.triangles_at[at].first = static_cast<std::uint32_t>(lists.triangles.size());
     for (const NearTriangle& triangle : triangles_) {
       if (triangle.box.distance_squared(place) > reach_squared) continue;
-      const Triangle& c = part.triangles[triangle.index];
-      const Vec3 nearest =
-          nearest_on_triangle(place, part.vertices[c[0]], part.vertices[c[1]], part.vertices[c[2]]);
+      const auto [a, b, c] = triangle_piece(tree_.part(), triangle.index);
+      const Vec3 nearest = nearest_on_triangle(place, a, b, c);
       if (length_squared(nearest - place) <= reach_squared) {
         lists.triangles.push_back(triangle.index);
       }

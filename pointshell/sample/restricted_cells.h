@@ -7,9 +7,9 @@
 #include <span>
 #include <vector>
 
-#include "pointshell/certificate/triangle_tree.h"
-#include "pointshell/sample/convex_polygon.h"
-#include "pointshell/vec3.h"
+#include "pointshell/certificate/convex_polygon.h"
+#include "pointshell/part/triangle_tree.h"
+#include "pointshell/part/vec3.h"
 
 namespace forcelayer {
 
@@ -37,9 +37,8 @@ class RestrictedCells {
     const std::size_t at = n % kChunk;
     Cutter cutter(lists.centre[at], positions, lists.neighbours_of(at), radius_);
     for (const std::uint32_t t : lists.triangles_of(at)) {
-      const Triangle& corners = tree_.part().triangles[t];
-      cutter.polygon.assign(tree_.part().vertices[corners[0]], tree_.part().vertices[corners[1]],
-                            tree_.part().vertices[corners[2]]);
+      const auto [a, b, c] = triangle_piece(tree_.part(), t);
+      cutter.polygon.assign(a, b, c);
       cutter.cut();
       if (!cutter.polygon.empty()) visit(cutter.polygon);
     }

@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "pointshell/vec3.h"
+#include "pointshell/part/vec3.h"
 
 namespace forcelayer {
 

@@ -6,8 +6,8 @@
 
 #include "formats/mesh/voxel_overlap.h"
 #include "formats/pshell_format.h"
-#include "pointshell/parallel.h"
-#include "pointshell/stored_position.h"
+#include "pointshell/part/parallel.h"
+#include "pointshell/sample/stored_position.h"
 
 namespace forcelayer {
 namespace {

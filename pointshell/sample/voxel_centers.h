@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "formats/result.h"
-#include "pointshell/part.h"
-#include "pointshell/vec3.h"
+#include "pointshell/part/part.h"
+#include "pointshell/part/vec3.h"
 
 namespace forcelayer {
 

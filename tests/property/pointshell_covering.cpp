@@ -5,8 +5,8 @@
 
 #include "pointshell/bake.h"
 #include "pointshell/certificate/certificate.h"
+#include "pointshell/certificate/point_grid.h"
 #include "pointshell/report.h"
-#include "pointshell/sample/point_grid.h"
 #include "tests/support/part_support.h"
 #include "tests/support/stored_shell.h"
 

@@ -5,9 +5,9 @@
 
 #include "pointshell/bake.h"
 #include "pointshell/certificate/hidden_surface.h"
+#include "pointshell/certificate/point_grid.h"
 #include "pointshell/normals/orientation.h"
 #include "pointshell/report.h"
-#include "pointshell/sample/point_grid.h"
 #include "pointshell/verify.h"
 #include "tests/support/part_support.h"
 #include "tests/support/stored_shell.h"

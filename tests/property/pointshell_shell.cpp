@@ -4,10 +4,10 @@
 #include <cstring>
 
 #include "pointshell/bake.h"
+#include "pointshell/certificate/point_grid.h"
+#include "pointshell/certificate/winding_number.h"
 #include "pointshell/normals/normals.h"
-#include "pointshell/normals/winding_number.h"
-#include "pointshell/sample/point_grid.h"
-#include "pointshell/weights.h"
+#include "pointshell/sample/weights.h"
 #include "tests/support/part_support.h"
 
 namespace forcelayer {

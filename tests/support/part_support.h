@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "pointshell/part.h"
+#include "pointshell/part/part.h"
 #include "tests/support/analytic_shapes.h"
 
 namespace forcelayer::testing {

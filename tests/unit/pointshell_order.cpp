@@ -1,4 +1,4 @@
-#include "pointshell/order.h"
+#include "pointshell/sample/order.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <random>
 
 #include "pointshell/sample/smallest_ball.h"
-#include "pointshell/stored_position.h"
+#include "pointshell/sample/stored_position.h"
 
 namespace forcelayer {
 namespace {

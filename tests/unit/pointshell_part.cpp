@@ -1,9 +1,9 @@
-#include "pointshell/part.h"
+#include "pointshell/part/part.h"
 
 #include <gtest/gtest.h>
 
 #include "pointshell/bake.h"
-#include "pointshell/stored_position.h"
+#include "pointshell/sample/stored_position.h"
 #include "tests/support/part_support.h"
 
 namespace forcelayer {

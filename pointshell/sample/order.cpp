@@ -1,4 +1,4 @@
-#include "pointshell/order.h"
+#include "pointshell/sample/order.h"
 
 #include <tbb/parallel_invoke.h>
 
@@ -6,10 +6,10 @@
 #include <cmath>
 #include <limits>
 
-#include "pointshell/certificate/triangle_tree.h"
-#include "pointshell/parallel.h"
+#include "pointshell/part/parallel.h"
+#include "pointshell/part/triangle_tree.h"
 #include "pointshell/sample/smallest_ball.h"
-#include "pointshell/stored_position.h"
+#include "pointshell/sample/stored_position.h"
 
 namespace forcelayer {
 namespace {
@@ -18,8 +18,6 @@ struct Place {
   Vec3 position;
   std::uint32_t index;
 };
-
-double coordinate(const Vec3& p, int axis) { return axis == 0 ? p.x : axis == 1 ? p.y : p.z; }
 
 // Along an axis; a total order of positions.
 struct BeforeAlong {
@@ -35,9 +33,7 @@ struct BeforeAlong {
 int longest_side(std::span<const Place> places) {
   Box box;
   for (const Place& place : places) box.grow(place.position);
-  const Vec3 size = box.high - box.low;
-  if (size.x >= size.y && size.x >= size.z) return 0;
-  return size.y >= size.z ? 1 : 2;
+  return box.longest_axis();
 }
 
 void halve(std::span<Place> places, std::size_t block, std::size_t super_block) {

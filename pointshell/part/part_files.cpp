@@ -1,4 +1,4 @@
-#include "pointshell/part_files.h"
+#include "pointshell/part/part_files.h"
 
 #include "formats/mesh/units.h"
 

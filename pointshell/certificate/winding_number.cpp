@@ -1,4 +1,4 @@
-#include "pointshell/normals/winding_number.h"
+#include "pointshell/certificate/winding_number.h"
 
 #include <array>
 #include <cmath>
@@ -63,12 +63,10 @@ void WindingNumber::fill(std::uint32_t at) {
 }
 
 double WindingNumber::at_leaf(const TriangleTree::Node& node, const Vec3& place) const {
-  const Part& part = tree_.part();
   double sum = 0;
   for (std::uint32_t n = 0; n < node.count; ++n) {
-    const Triangle& corners = part.triangles[tree_.ordered_triangles()[node.first + n]];
-    sum += triangle_winding(place, part.vertices[corners[0]], part.vertices[corners[1]],
-                            part.vertices[corners[2]]);
+    const auto [a, b, c] = triangle_piece(tree_.part(), tree_.ordered_triangles()[node.first + n]);
+    sum += triangle_winding(place, a, b, c);
   }
   return sum;
 }

@@ -1,7 +1,7 @@
 // Positions as a .pshell file stores them.
 #pragma once
 
-#include "pointshell/vec3.h"
+#include "pointshell/part/vec3.h"
 
 namespace forcelayer {
 

@@ -22,7 +22,4 @@ void parallel_for_each_index(std::size_t count, std::size_t grain, const Body& b
 // Runs `body` with at most `threads` threads in all parallel loops; 0 means all of the machine's.
 void with_threads(unsigned threads, const std::function<void()>& body);
 
-// The threads that the parallel loops of the caller may use.
-unsigned threads_in_use();
-
 }  // namespace forcelayer

@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
+#include "pointshell/part/vec3.h"
 #include "pointshell/sample/restricted_cells.h"
-#include "pointshell/vec3.h"
 
 namespace forcelayer {
 

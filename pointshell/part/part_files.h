@@ -7,7 +7,7 @@
 
 #include "formats/mesh/trust_options.h"
 #include "formats/result.h"
-#include "pointshell/part.h"
+#include "pointshell/part/part.h"
 
 namespace forcelayer {
 

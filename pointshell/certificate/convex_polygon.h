@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <span>
 
-#include "pointshell/vec3.h"
+#include "pointshell/part/vec3.h"
 
 namespace forcelayer {
 

@@ -1,6 +1,7 @@
 // The moving part as one canonical triangle soup in metres.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -8,7 +9,7 @@
 
 #include "formats/mesh/mesh.h"
 #include "formats/result.h"
-#include "pointshell/vec3.h"
+#include "pointshell/part/vec3.h"
 
 namespace forcelayer {
 
@@ -38,12 +39,27 @@ struct PartInput {
 // none with an area.
 Result<Part> assemble_part(std::span<const PartInput> inputs);
 
+// The corners of a triangle or of a piece of one, m.
+using Piece = std::array<Vec3, 3>;
+
+inline Piece triangle_piece(const Part& part, std::size_t t) {
+  const Triangle& corners = part.triangles[t];
+  return {part.vertices[corners[0]], part.vertices[corners[1]], part.vertices[corners[2]]};
+}
+
+inline Vec3 centroid(const Piece& p) { return (1.0 / 3) * (p[0] + p[1] + p[2]); }
+
 // Twice the area times the unit normal (right-hand rule) of triangle `t`, m^2.
 inline Vec3 doubled_area_normal(const Part& part, std::size_t t) {
-  const Triangle& corners = part.triangles[t];
-  const Vec3& a = part.vertices[corners[0]];
-  return cross(part.vertices[corners[1]] - a, part.vertices[corners[2]] - a);
+  const auto [a, b, c] = triangle_piece(part, t);
+  return cross(b - a, c - a);
 }
+
+// The box around these triangles.
+Box box_of(const Part& part, std::span<const std::uint32_t> triangles);
+
+// The triangles of each body, ascending: [bodies][triangles].
+std::vector<std::vector<std::uint32_t>> triangles_by_body(const Part& part);
 
 // The part moved by -`origin`: shells are made and proven relative to their centre.
 Part relative_to(Part part, const Vec3& origin);

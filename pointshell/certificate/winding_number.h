@@ -7,8 +7,8 @@
 #include <limits>
 #include <vector>
 
-#include "pointshell/certificate/triangle_tree.h"
-#include "pointshell/vec3.h"
+#include "pointshell/part/triangle_tree.h"
+#include "pointshell/part/vec3.h"
 
 namespace forcelayer {
 

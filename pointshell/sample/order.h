@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "formats/pshell_format.h"
-#include "pointshell/vec3.h"
+#include "pointshell/part/vec3.h"
 
 namespace forcelayer {
 

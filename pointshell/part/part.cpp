@@ -1,4 +1,4 @@
-#include "pointshell/part.h"
+#include "pointshell/part/part.h"
 
 #include <algorithm>
 #include <limits>
@@ -125,6 +125,20 @@ Result<Part> assemble_part(std::span<const PartInput> inputs) {
     return no_triangles("no triangle of the part has an area");
   }
   return part;
+}
+
+Box box_of(const Part& part, std::span<const std::uint32_t> triangles) {
+  Box box;
+  for (const std::uint32_t t : triangles) {
+    for (const std::uint32_t corner : part.triangles[t]) box.grow(part.vertices[corner]);
+  }
+  return box;
+}
+
+std::vector<std::vector<std::uint32_t>> triangles_by_body(const Part& part) {
+  std::vector<std::vector<std::uint32_t>> triangles(part.body_names.size());
+  for (std::uint32_t t = 0; t < part.triangles.size(); ++t) triangles[part.body[t]].push_back(t);
+  return triangles;
 }
 
 Part relative_to(Part part, const Vec3& origin) {
