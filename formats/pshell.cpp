@@ -69,7 +69,7 @@ void check_mass_fields(const PshellHeader& h, FieldChecks& checks) {
   check_block_fields(h, checks);
   checks.require(h.voxel_size_m >= kMinVoxelSizeM && h.voxel_size_m <= kMaxVoxelSizeM,
                  offsetof(PshellHeader, voxel_size_m), "voxel_size_m",
-                 "is not between 1e-9 and 1e6 metres");
+                 "is not between 1e-9 and 1e6 meters");
   checks.require(is_finite_not_negative(h.covering_radius_m),
                  offsetof(PshellHeader, covering_radius_m), "covering_radius_m",
                  "is not a finite length");

@@ -135,7 +135,7 @@ void check_count_fields(const VoxmapHeader& h, FieldChecks& checks) {
   FieldChecks checks(name);
   checks.require(h.voxel_size_m >= kMinVoxelSizeM && h.voxel_size_m <= kMaxVoxelSizeM,
                  offsetof(VoxmapHeader, voxel_size_m), "voxel_size_m",
-                 "is not between 1e-9 and 1e6 metres");
+                 "is not between 1e-9 and 1e6 meters");
   check_encoding_fields(h, checks);
   check_directory_fields(h, checks);
   if (checks.status()) check_box_fields(h, checks);

@@ -87,7 +87,7 @@ struct VoxmapHeader {                            // offset
   std::uint64_t triangles;                       // 248  of the scene
   double static_deviation_m;                     // 256  e_static of the separation guarantee
   double range_m;                         // 264  4, 8 bits: distances are kept so deep; else 0
-  double quantum_m;                       // 272  4, 8 bits: metres per step; else 0
+  double quantum_m;                       // 272  4, 8 bits: meters per step; else 0
   std::uint32_t zero_code;                // 280  4, 8 bits: code of the zero force; else 0
   std::uint32_t surface_code;             // 284  4, 8 bits: lowest code of value 2
   std::uint32_t proximity_code;           // 288  4, 8 bits: lowest code of value 3

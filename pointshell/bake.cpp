@@ -74,14 +74,14 @@ Status check_size(const MassProperties& mass, double radius) {
                "use a larger voxel size or covering radius, and check --units"};
 }
 
-// Voxel centres reach sqrt(3)/2 voxel; their rounding to floats is added to that.
-double rounded_centre_radius(double voxel_size_m, const Part& centred) {
+// Voxel centers reach sqrt(3)/2 voxel; their rounding to floats is added to that.
+double rounded_center_radius(double voxel_size_m, const Part& centered) {
   double extent = voxel_size_m;
-  for (const Vec3& v : centred.vertices) extent = std::max(extent, max_abs(v) + voxel_size_m);
+  for (const Vec3& v : centered.vertices) extent = std::max(extent, max_abs(v) + voxel_size_m);
   return std::sqrt(0.75) * (voxel_size_m + extent * 0x1p-22) * (1 + 1e-6);
 }
 
-// Adds the centres of the voxels that hold the holes; false where all are there already.
+// Adds the centers of the voxels that hold the holes; false where all are there already.
 bool add_voxel_centers_at(const std::vector<Hole>& holes, const Vec3& center, double voxel_size_m,
                           std::vector<Vec3>& points) {
   std::vector<Vec3> wanted, added;
@@ -97,19 +97,19 @@ bool add_voxel_centers_at(const std::vector<Hole>& holes, const Vec3& center, do
   return !added.empty();
 }
 
-// The centres, and those of the few more voxels that only the mesh before snapping touches.
-Result<CoveringProof> cover_by_voxel_centers(const Part& part, const Part& centred,
+// The centers, and those of the few more voxels that only the mesh before snapping touches.
+Result<CoveringProof> cover_by_voxel_centers(const Part& part, const Part& centered,
                                              const Vec3& center, double voxel_size_m, double radius,
                                              std::vector<Vec3>& points) {
   auto centers = voxel_centers(part, voxel_size_m, center);
   if (!centers) return centers.error();
   points = std::move(*centers);
-  CoveringProof proof = prove_covering(centred, points, radius);
+  CoveringProof proof = prove_covering(centered, points, radius);
   while (!proof.proven) {
     if (!add_voxel_centers_at(proof.holes, center, voxel_size_m, points)) {
-      return Error{ErrorCode::kInternal, "", "", "voxel centres do not cover the part", ""};
+      return Error{ErrorCode::kInternal, "", "", "voxel centers do not cover the part", ""};
     }
-    proof = continue_proof(centred, points, radius, proof);
+    proof = continue_proof(centered, points, radius, proof);
   }
   return proof;
 }
@@ -175,16 +175,16 @@ Result<BakedShell> bake(Part part, const ShellOptions& options, const BakeProgre
   shell.orientation = *orientation;
   const MassProperties mass = mass_properties(part);
   if (const Status fits = check_size(mass, radius); !fits) return fits.error();
-  const Part centred = relative_to(part, mass.centroid);
+  const Part centered = relative_to(part, mass.centroid);
 
   stages.begin("points");
-  const TriangleTree tree(centred);
+  const TriangleTree tree(centered);
   std::vector<Vec3> points;
   std::optional<CoveringProof> proof;
   if (options.method == ShellMethod::kVoxelCenters) {
-    radius = rounded_centre_radius(options.voxel_size_m, centred);
+    radius = rounded_center_radius(options.voxel_size_m, centered);
     auto covered =
-        cover_by_voxel_centers(part, centred, mass.centroid, options.voxel_size_m, radius, points);
+        cover_by_voxel_centers(part, centered, mass.centroid, options.voxel_size_m, radius, points);
     if (!covered) return covered.error();
     proof = std::move(*covered);
   } else {
@@ -193,9 +193,9 @@ Result<BakedShell> bake(Part part, const ShellOptions& options, const BakeProgre
     points = std::move(covering.positions);
     proof = std::move(covering.proof);
   }
-  if (const HiddenSurface hidden(centred); hidden.possible()) {
+  if (const HiddenSurface hidden(centered); hidden.possible()) {
     stages.begin("hidden");
-    shell.hidden_points = leave_out_hidden_points(centred, hidden, radius, points, *proof);
+    shell.hidden_points = leave_out_hidden_points(centered, hidden, radius, points, *proof);
   }
   shell.certificate_pieces = proof->pieces;
 

@@ -16,7 +16,7 @@ namespace forcelayer {
 
 struct ShellOptions {
   double voxel_size_m = 0;
-  double covering_radius_m = 0;  // 0: sqrt(3)/2 voxel, that of voxel centres
+  double covering_radius_m = 0;  // 0: sqrt(3)/2 voxel, that of voxel centers
   ShellMethod method = ShellMethod::kSurface;
   Effort effort = Effort::kFull;
   double mesh_deviation_m = 0;  // of the mesh from the true part, as the user declares; what the

@@ -9,7 +9,7 @@
 
 namespace forcelayer {
 
-// A hash of the part's vertices and triangles in metres, 16 hexadecimal digits: the same for files
+// A hash of the part's vertices and triangles in meters, 16 hexadecimal digits: the same for files
 // that hold the same triangles in any order.
 std::string part_hash(const Part& part);
 

@@ -158,8 +158,8 @@ void send_content(Sender& sender, const Assembly& assembly) {
     sender.list(instance.name);
     sender.value(instance.assembly_from_mesh);
   }
-  sender.value(std::uint64_t{assembly.metres_per_unit.has_value()});
-  sender.value(assembly.metres_per_unit.value_or(0));
+  sender.value(std::uint64_t{assembly.meters_per_unit.has_value()});
+  sender.value(assembly.meters_per_unit.value_or(0));
   sender.value(assembly.deviation_units);
   sender.value(std::uint64_t{assembly.warnings.size()});
   for (const std::string& warning : assembly.warnings) sender.list(warning);
@@ -204,7 +204,7 @@ Assembly receive_content(Receiver& receiver) {
   const auto unit = receiver.value<double>();
   if (has_unit) {
     expect(std::isfinite(unit) && unit > 0);
-    assembly.metres_per_unit = unit;
+    assembly.meters_per_unit = unit;
   }
   assembly.deviation_units = receiver.value<double>();
   expect(std::isfinite(assembly.deviation_units) && assembly.deviation_units >= 0);

@@ -42,7 +42,7 @@ struct MeshInstance {
 struct Assembly {
   std::vector<Mesh> meshes;
   std::vector<MeshInstance> instances;
-  std::optional<double> metres_per_unit;  // where the format or file defines it (glTF: 1)
+  std::optional<double> meters_per_unit;  // where the format or file defines it (glTF: 1)
   // How far the triangles may lie from exact surfaces that the file holds (STEP, IGES), file units.
   double deviation_units = 0;
   std::vector<std::string> warnings;     // a line each: what is odd in the file but was read

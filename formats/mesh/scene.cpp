@@ -16,8 +16,8 @@ namespace {
 struct Placing {
   std::string file;
   std::string name;  // of the part; empty: the file's own names
-  std::optional<double> metres_per_unit;
-  Affine world_from_part;  // metres
+  std::optional<double> meters_per_unit;
+  Affine world_from_part;  // meters
   std::vector<Vec3d> free_seeds_m;
   double deviation_m = 0;
 };
@@ -52,7 +52,7 @@ class SceneReader {
 
   Status add(const Placing& placing);
   Status add_manifest(const std::string& path);
-  Status add_folder(const std::string& path, std::optional<double> metres_per_unit);
+  Status add_folder(const std::string& path, std::optional<double> meters_per_unit);
   Scene finish();
 
  private:
@@ -95,7 +95,7 @@ Status SceneReader::add(const Placing& placing) {
   if (!index) return index.error();
   const Assembly& assembly = scene_.assemblies[*index];
   const auto unit =
-      metres_per_unit(assembly, placing.file, placing.metres_per_unit, scene_.warnings);
+      meters_per_unit(assembly, placing.file, placing.meters_per_unit, scene_.warnings);
   if (!unit) return unit.error();
   const Affine world_from_assembly = compose(placing.world_from_part, scaling(*unit));
   for (const MeshInstance& instance : assembly.instances) {
@@ -130,7 +130,7 @@ Status SceneReader::add_manifest(const std::string& path) {
   for (std::size_t i = 0; i < manifest->parts.size(); ++i) {
     show_progress(i, manifest->parts.size());
     const ManifestPart& part = manifest->parts[i];
-    const Status added = add({part.mesh, part.name, part.metres_per_unit, part.world_from_part,
+    const Status added = add({part.mesh, part.name, part.meters_per_unit, part.world_from_part,
                               part.free_seeds_m, part.deviation_m});
     if (added) continue;
     Error error = added.error();
@@ -142,7 +142,7 @@ Status SceneReader::add_manifest(const std::string& path) {
   return {};
 }
 
-Status SceneReader::add_folder(const std::string& path, std::optional<double> metres_per_unit) {
+Status SceneReader::add_folder(const std::string& path, std::optional<double> meters_per_unit) {
   const std::vector<std::string> extensions = {".stl", ".obj",  ".ply",  ".off", ".om",   ".drc",
                                                ".glb", ".gltf", ".step", ".stp", ".iges", ".igs"};
   std::vector<std::string> files;
@@ -161,7 +161,7 @@ Status SceneReader::add_folder(const std::string& path, std::optional<double> me
   std::sort(files.begin(), files.end());
   for (const std::string& file : files) {
     show_progress(static_cast<std::size_t>(&file - files.data()), files.size());
-    if (Status added = add({file, "", metres_per_unit, {}, {}, 0}); !added) return added;
+    if (Status added = add({file, "", meters_per_unit, {}, {}, 0}); !added) return added;
   }
   return {};
 }
@@ -182,7 +182,7 @@ bool is_manifest(const std::string& input) {
 
 }  // namespace
 
-Result<Scene> read_scene(std::span<const std::string> inputs, std::optional<double> metres_per_unit,
+Result<Scene> read_scene(std::span<const std::string> inputs, std::optional<double> meters_per_unit,
                          const SceneReading& reading) {
   SceneReader reader(reading);
   for (const std::string& input : inputs) {
@@ -191,9 +191,9 @@ Result<Scene> read_scene(std::span<const std::string> inputs, std::optional<doub
     if (is_manifest(input)) {
       added = reader.add_manifest(input);
     } else if (std::filesystem::is_directory(input, ignored)) {
-      added = reader.add_folder(input, metres_per_unit);
+      added = reader.add_folder(input, meters_per_unit);
     } else {
-      added = reader.add({input, "", metres_per_unit, {}, {}, 0});
+      added = reader.add({input, "", meters_per_unit, {}, {}, 0});
     }
     if (!added) return added.error();
   }

@@ -20,7 +20,7 @@ struct ScenePart {
   std::string file;                 // as the user gave it
   std::uint32_t assembly = 0;       // index into Scene::assemblies
   std::uint32_t mesh = 0;           // index into Assembly::meshes
-  Affine world_from_mesh;           // to metres: the unit is part of it
+  Affine world_from_mesh;           // to meters: the unit is part of it
   std::vector<Vec3d> free_seeds_m;  // world
   double deviation_m = 0;           // that the manifest declares for this part
 };
@@ -61,11 +61,11 @@ struct SceneReading {
 inline constexpr double kDeflectionVoxels = 0.01;
 
 // Reads every input: a mesh or assembly file (`FILE#NODE` for a sub-tree), a folder (the mesh files
-// in it, sorted by name), or a manifest (`.json`; described in README.md). `metres_per_unit`
+// in it, sorted by name), or a manifest (`.json`; described in README.md). `meters_per_unit`
 // is the user's unit: required where a format defines none (else kUsage), and a warning where it
 // overrides one. It does not apply to a manifest's parts, which name theirs. Errors of a manifest
 // (kSceneInvalid) name the key.
-Result<Scene> read_scene(std::span<const std::string> inputs, std::optional<double> metres_per_unit,
+Result<Scene> read_scene(std::span<const std::string> inputs, std::optional<double> meters_per_unit,
                          const SceneReading& reading = {});
 
 }  // namespace forcelayer

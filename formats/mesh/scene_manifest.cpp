@@ -70,7 +70,7 @@ T parsed(Result<T> result, const std::string& key) {
   return std::move(*result);
 }
 
-// A text with a unit, or a bare number of metres.
+// A text with a unit, or a bare number of meters.
 double length(const Json& json, const std::string& key) {
   if (json.is_number()) return finite_number(json, key);
   return parsed(parse_length(text(json, key)), key);
@@ -108,7 +108,7 @@ std::vector<Vec3d> points(const Json& json, const std::string& key) {
   return list;
 }
 
-// Four rows of four numbers; the last row is 0 0 0 1; the translation in metres.
+// Four rows of four numbers; the last row is 0 0 0 1; the translation in meters.
 Affine matrix(const Json& json, const std::string& key) {
   if (!json.is_array() || json.size() != 4) throw BadKey{key, "is not a list of four rows", ""};
   Affine affine;
@@ -128,7 +128,7 @@ Affine matrix(const Json& json, const std::string& key) {
   return affine;
 }
 
-// Row-major matrix of a quaternion w, x, y, z, which is normalised.
+// Row-major matrix of a quaternion w, x, y, z, which is normalized.
 std::array<double, 9> rotation(const Json& json, const std::string& key) {
   auto q = numbers<4>(json, key);
   const double norm = std::hypot(std::hypot(q[0], q[1]), std::hypot(q[2], q[3]));
@@ -180,7 +180,7 @@ ManifestPart read_manifest_part(const Json& json, const std::string& key,
   part.mesh = (folder / text(*mesh, fields.path("mesh"))).string();
   if (const Json* name = fields.find("name")) part.name = text(*name, fields.path("name"));
   if (const Json* units = fields.find("units")) {
-    part.metres_per_unit =
+    part.meters_per_unit =
         parsed(parse_unit(text(*units, fields.path("units"))), fields.path("units"));
   }
   part.world_from_part = placement(fields);

@@ -14,8 +14,8 @@ namespace forcelayer {
 struct ManifestPart {
   std::string name;
   std::string mesh;  // path, made relative to the working folder; may end in #NODE
-  std::optional<double> metres_per_unit;
-  Affine world_from_part;  // metres
+  std::optional<double> meters_per_unit;
+  Affine world_from_part;  // meters
   std::vector<Vec3d> free_seeds_m;
   double deviation_m = 0;
 };

@@ -42,11 +42,11 @@ ordered_json cropped_side_names(std::uint32_t sides) {
 }
 
 std::array<double, 3> origin_m(const VoxmapHeader& h) {
-  std::array<double, 3> metres{};
+  std::array<double, 3> meters{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    metres[axis] = static_cast<double>(h.origin_voxel[axis]) * h.voxel_size_m;
+    meters[axis] = static_cast<double>(h.origin_voxel[axis]) * h.voxel_size_m;
   }
-  return metres;
+  return meters;
 }
 
 // At 4 and 8 bits: how far from the static mesh the surface runs from which distances are counted

@@ -75,7 +75,7 @@ int run(int argc, char** argv) {
       app.add_subcommand("verify", "check every structure, checksum and promised fact of a file");
   verify->add_option("FILE", path, "a .vox or .pshell file")->required();
   auto* sample = app.add_subcommand(
-      "sample", "read `x y z` lines in metres and print each point's voxel value, 0 to 3");
+      "sample", "read `x y z` lines in meters and print each point's voxel value, 0 to 3");
   sample->add_option("FILE", path, "a .vox file")->required();
   auto* export_to = app.add_subcommand("export", "write a file in another format");
   export_to->add_option("FILE", path, "a .vox or .pshell file")->required();

@@ -39,11 +39,11 @@ struct CoveringProof {
 };
 
 // By how much the proof's radius is smaller than the radius it proves, m: more than the rounding of
-// vertices to metres, of the centre's subtraction, of cuts and of distances.
+// vertices to meters, of the center's subtraction, of cuts and of distances.
 double proof_margin(const Part& part, double radius);
 
 // Proves that every point of `part` is within `radius` (m) of one of `points`, both relative to the
-// same centre. Gives up, not proven, once more than `most_holes` are known, and for a radius that
+// same center. Gives up, not proven, once more than `most_holes` are known, and for a radius that
 // rounding alone exceeds. The same result for any number of threads.
 CoveringProof prove_covering(const Part& part, std::span<const Vec3> points, double radius,
                              std::size_t most_holes = SIZE_MAX);

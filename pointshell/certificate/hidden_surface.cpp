@@ -35,11 +35,11 @@ HiddenSurface::HiddenSurface(const Part& part)
   }
 }
 
-bool HiddenSurface::holds_ball(const Vec3& centre, double radius) const {
+bool HiddenSurface::holds_ball(const Vec3& center, double radius) const {
   for (const auto& solid : solids_) {
-    if (solid->tree.nodes()[0].distance_squared(centre) > 0) continue;
-    if (solid->tree.nearest(centre, radius + rounding_).found) continue;
-    if (std::abs(solid->winding.at(centre)) > kInside) return true;
+    if (solid->tree.nodes()[0].distance_squared(center) > 0) continue;
+    if (solid->tree.nearest(center, radius + rounding_).found) continue;
+    if (std::abs(solid->winding.at(center)) > kInside) return true;
   }
   return false;
 }

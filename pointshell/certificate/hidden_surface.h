@@ -23,7 +23,7 @@ class HiddenSurface {
 
   // Whether the ball lies inside a single closed body. What the part's surface has in such a ball
   // belongs to other bodies and is hidden by this one. A proof: false where rounding could matter.
-  bool holds_ball(const Vec3& centre, double radius) const;
+  bool holds_ball(const Vec3& center, double radius) const;
 
  private:
   struct Solid {

@@ -23,9 +23,9 @@ class WindingNumber {
 
  private:
   struct Dipole {
-    Vec3 centre;        // of area
+    Vec3 center;        // of area
     Vec3 moment;        // sum of area times normal
-    double radius = 0;  // of the node's box about `centre`
+    double radius = 0;  // of the node's box about `center`
   };
 
   void fill(std::uint32_t node);

@@ -28,8 +28,8 @@ struct ShellNormals {
 ShellNormals shell_normals(const RestrictedCells& cells, std::span<const Vec3> points,
                            double radius);
 
-// Area of the part of triangle a, b, c that lies within `radius` of `centre`.
-double area_within_ball(const Vec3& centre, double radius, const Vec3& a, const Vec3& b,
+// Area of the part of triangle a, b, c that lies within `radius` of `center`.
+double area_within_ball(const Vec3& center, double radius, const Vec3& a, const Vec3& b,
                         const Vec3& c);
 
 }  // namespace forcelayer

@@ -87,11 +87,11 @@ struct Patches {
 };
 
 // Links of each triangle, as one array with offsets.
-struct Neighbours {
+struct Neighbors {
   std::vector<std::size_t> first;                        // [triangles + 1]
-  std::vector<std::pair<std::uint32_t, bool>> to_agree;  // neighbour, agree
+  std::vector<std::pair<std::uint32_t, bool>> to_agree;  // neighbor, agree
 
-  Neighbours(std::size_t triangles, const std::vector<Link>& links)
+  Neighbors(std::size_t triangles, const std::vector<Link>& links)
       : first(triangles + 1, 0), to_agree(2 * links.size()) {
     for (const Link& link : links) ++first[link.a + 1], ++first[link.b + 1];
     for (std::size_t t = 0; t < triangles; ++t) first[t + 1] += first[t];
@@ -116,7 +116,7 @@ void keep_the_majority(const Part& part, const std::vector<std::uint32_t>& patch
 
 Patches find_patches(const Part& part, const std::vector<Link>& links) {
   const std::size_t count = part.triangles.size();
-  const Neighbours neighbours(count, links);
+  const Neighbors neighbors(count, links);
   Patches patches;
   patches.turned.assign(count, false);
   std::vector<bool> reached(count, false);
@@ -126,8 +126,8 @@ Patches find_patches(const Part& part, const std::vector<Link>& links) {
     reached[seed] = true;
     for (std::size_t n = 0; n < patch.size(); ++n) {
       const std::uint32_t t = patch[n];
-      for (std::size_t l = neighbours.first[t]; l < neighbours.first[t + 1]; ++l) {
-        const auto [other, agree] = neighbours.to_agree[l];
+      for (std::size_t l = neighbors.first[t]; l < neighbors.first[t + 1]; ++l) {
+        const auto [other, agree] = neighbors.to_agree[l];
         if (reached[other]) continue;
         reached[other] = true;
         patches.turned[other] = patches.turned[t] != !agree;

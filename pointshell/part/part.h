@@ -1,4 +1,4 @@
-// The moving part as one canonical triangle soup in metres.
+// The moving part as one canonical triangle soup in meters.
 #pragma once
 
 #include <array>
@@ -32,7 +32,7 @@ struct Part {
 // One mesh file's content and the unit to read it in.
 struct PartInput {
   const Assembly* assembly = nullptr;
-  double metres_per_unit = 1;
+  double meters_per_unit = 1;
 };
 
 // Unites all instances of all inputs. An error (kMeshEmpty) when there is no triangle at all or
@@ -61,7 +61,7 @@ Box box_of(const Part& part, std::span<const std::uint32_t> triangles);
 // The triangles of each body, ascending: [bodies][triangles].
 std::vector<std::vector<std::uint32_t>> triangles_by_body(const Part& part);
 
-// The part moved by -`origin`: shells are made and proven relative to their centre.
+// The part moved by -`origin`: shells are made and proven relative to their center.
 Part relative_to(Part part, const Vec3& origin);
 
 }  // namespace forcelayer

@@ -22,16 +22,16 @@ struct Recipe {
   double centroid_factor;
   int ball_steps;
   double ball_factor;
-  int steps_per_look_around;  // neighbours are looked up again after so many steps
+  int steps_per_look_around;  // neighbors are looked up again after so many steps
   int rounds;                 // of adding points in holes
   int round_steps;            // to smallest balls, in each round
-  double hole_separation;  // of the points added in one round: their neighbours can then move over
+  double hole_separation;  // of the points added in one round: their neighbors can then move over
   double relaxed_reach;    // around holes
 };
 constexpr Recipe kFull{1.60, 8, 1.8, 6, 1.15, 3, 30, 4, 6.5, 4};
 constexpr Recipe kFast{1.53, 1, 1.5, 1, 1.15, 4, 0, 2, 4, 3};
 
-// How far points move before neighbours are looked up again: first steps are long, later ones
+// How far points move before neighbors are looked up again: first steps are long, later ones
 // short.
 constexpr double kFirstSlack = 0.3, kLaterSlack = 0.1;
 // Relaxation aims a little below the radius: the rest is for rounding positions to floats.
@@ -49,10 +49,10 @@ class CoveringBuilder {
 
   std::vector<Vec3> build() {
     for (int n = 0; n < recipe_.centroid_steps; ++n) {
-      step_all(CellCentre::kCentroid, recipe_.centroid_factor);
+      step_all(CellCenter::kCentroid, recipe_.centroid_factor);
     }
     for (int n = 0; n < recipe_.ball_steps; ++n) {
-      step_all(CellCentre::kSmallestBall, recipe_.ball_factor);
+      step_all(CellCenter::kSmallestBall, recipe_.ball_factor);
     }
     for (int round = 0; round < recipe_.rounds && mend_holes(); ++round) {
       progress_(0.5 + 0.4 * round / recipe_.rounds);
@@ -76,11 +76,11 @@ class CoveringBuilder {
     return ordered;
   }
 
-  void step_all(CellCentre centre, double factor) {
+  void step_all(CellCenter center, double factor) {
     if (steps_done_ % recipe_.steps_per_look_around == 0) {
       relaxation_.choose_all((steps_done_ == 0 ? kFirstSlack : kLaterSlack) * radius_);
     }
-    relaxation_.step(centre, factor);
+    relaxation_.step(center, factor);
     ++steps_done_;
     progress_(0.5 * steps_done_ / (recipe_.centroid_steps + recipe_.ball_steps));
   }
@@ -100,7 +100,7 @@ class CoveringBuilder {
     }
     relaxation_.choose(points_near(places), kLaterSlack * radius_);
     for (int n = 0; n < recipe_.round_steps; ++n) {
-      relaxation_.step(CellCentre::kSmallestBall, recipe_.ball_factor);
+      relaxation_.step(CellCenter::kSmallestBall, recipe_.ball_factor);
     }
     return true;
   }

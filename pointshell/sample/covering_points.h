@@ -20,7 +20,7 @@ struct CoveringPoints {
 // Points on the surface of `tree`'s part that provably cover it within `radius` (m).
 //
 // Hexagonal fronts spread slightly fewer points than are needed; steps to the cells' centroids even
-// them out, steps to the centres of the smallest balls around the cells shrink the largest cells;
+// them out, steps to the centers of the smallest balls around the cells shrink the largest cells;
 // then, round by round, points are added in the deepest holes, far from each other, and only what
 // is near a hole is relaxed again. Last, points go into whatever the proof still finds open.
 // `progress` is told the share of the work done, in [0, 1].

@@ -15,10 +15,10 @@ namespace {
 // All in spacings.
 constexpr double kCubeEdge = 24;
 constexpr double kClosest = 0.78;         // no two points are closer
-constexpr double kNeighbourReach = 1.3;   // what counts as a neighbour in the hexagon
+constexpr double kNeighborReach = 1.3;    // what counts as a neighbor in the hexagon
 constexpr double kProjectionReach = 0.5;  // a proposed place this far off the surface is dropped
 constexpr double kSeedEdge = 1.0;         // seeds are tried at tiles of this edge
-// Cosine between the normals of neighbours in one hexagon: others lie round a corner.
+// Cosine between the normals of neighbors in one hexagon: others lie round a corner.
 constexpr double kSameSideCos = 0.3;
 
 struct CubeIndex {
@@ -66,7 +66,7 @@ std::vector<Cube> cubes_of(const Part& part, double edge) {
   return cubes;
 }
 
-// The points of one cube and of a rim around it in a dense grid of cells as wide as a neighbour is
+// The points of one cube and of a rim around it in a dense grid of cells as wide as a neighbor is
 // far. Cells hold linked lists.
 class LocalGrid {
  public:
@@ -141,11 +141,11 @@ class CubeFront {
         low_(kCubeEdge * spacing *
              Vec3{static_cast<double>(index.i), static_cast<double>(index.j),
                   static_cast<double>(index.k)}),
-        grid_(low_, kCubeEdge * spacing, kNeighbourReach * spacing) {}
+        grid_(low_, kCubeEdge * spacing, kNeighborReach * spacing) {}
 
   // Points of finished cubes around: the front starts from those in the rim.
-  void take_from(const Cube& neighbour) {
-    for (const FrontPoint& point : neighbour.points) grid_.add(point);
+  void take_from(const Cube& neighbor) {
+    for (const FrontPoint& point : neighbor.points) grid_.add(point);
   }
 
   std::vector<FrontPoint> grow() {
@@ -163,12 +163,12 @@ class CubeFront {
   }
 
   void complete_hexagon(std::size_t number) {
-    const FrontPoint centre = grid_.points()[number];
-    const Vec3 along_x = any_perpendicular(centre.normal), along_y = cross(centre.normal, along_x);
-    find_neighbour_angles(number, centre, along_x, along_y);
+    const FrontPoint center = grid_.points()[number];
+    const Vec3 along_x = any_perpendicular(center.normal), along_y = cross(center.normal, along_x);
+    find_neighbor_angles(number, center, along_x, along_y);
     const auto propose = [&](double angle) {
       const Vec3 direction = std::cos(angle) * along_x + std::sin(angle) * along_y;
-      try_place(centre.place.position + spacing_ * direction, centre.place.triangle);
+      try_place(center.place.position + spacing_ * direction, center.place.triangle);
     };
     if (angles_.empty()) {
       angles_.push_back(0);
@@ -182,14 +182,14 @@ class CubeFront {
     }
   }
 
-  void find_neighbour_angles(std::size_t number, const FrontPoint& centre, const Vec3& along_x,
-                             const Vec3& along_y) {
+  void find_neighbor_angles(std::size_t number, const FrontPoint& center, const Vec3& along_x,
+                            const Vec3& along_y) {
     angles_.clear();
-    const double reach = kNeighbourReach * spacing_;
-    grid_.visit_near(centre.place.position, reach, [&](int other, const FrontPoint& point) {
-      const Vec3 offset = point.place.position - centre.place.position;
+    const double reach = kNeighborReach * spacing_;
+    grid_.visit_near(center.place.position, reach, [&](int other, const FrontPoint& point) {
+      const Vec3 offset = point.place.position - center.place.position;
       if (static_cast<std::size_t>(other) == number || length_squared(offset) > reach * reach ||
-          dot(point.normal, centre.normal) < kSameSideCos) {
+          dot(point.normal, center.normal) < kSameSideCos) {
         return;
       }
       angles_.push_back(std::atan2(dot(offset, along_y), dot(offset, along_x)));

@@ -12,7 +12,7 @@ namespace forcelayer {
 // not fit and points stand closer or farther: the relaxation mends that.
 //
 // The part is cut into cubes, worked on in eight turns such that cubes of one turn do not touch;
-// each cube continues the rows that its finished neighbours have begun. So the result is the same
+// each cube continues the rows that its finished neighbors have begun. So the result is the same
 // for any number of threads.
 std::vector<SurfacePoint> hexagonal_front(const TriangleTree& tree, double spacing);
 

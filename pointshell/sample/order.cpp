@@ -58,14 +58,14 @@ float rounded_up(double value) {
 }
 
 BoundingSphere sphere_around(std::span<const Vec3> points) {
-  const Vec3 centre = as_stored(smallest_ball(points).centre);
+  const Vec3 center = as_stored(smallest_ball(points).center);
   double squared = 0;
   for (const Vec3& p : points) {
-    squared = std::max(squared, length_squared(p - centre));
+    squared = std::max(squared, length_squared(p - center));
   }
   // The distance is exact to a few units of double precision; one in 2^40 is far more.
   const float radius = rounded_up(std::sqrt(squared) * (1 + 0x1p-40));
-  return {static_cast<float>(centre.x), static_cast<float>(centre.y), static_cast<float>(centre.z),
+  return {static_cast<float>(center.x), static_cast<float>(center.y), static_cast<float>(center.z),
           radius};
 }
 

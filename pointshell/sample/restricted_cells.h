@@ -35,7 +35,7 @@ class RestrictedCells {
   void visit_cell(std::size_t n, std::span<const Vec3> positions, const Visit& visit) const {
     const Lists& lists = chunks_[n / kChunk];
     const std::size_t at = n % kChunk;
-    Cutter cutter(lists.centre[at], positions, lists.neighbours_of(at), radius_);
+    Cutter cutter(lists.center[at], positions, lists.neighbors_of(at), radius_);
     for (const std::uint32_t t : lists.triangles_of(at)) {
       const auto [a, b, c] = triangle_piece(tree_.part(), t);
       cutter.polygon.assign(a, b, c);
@@ -60,12 +60,12 @@ class RestrictedCells {
     struct Range {
       std::uint32_t first = 0, count = 0;
     };
-    std::vector<std::uint32_t> centre;               // the chosen points
-    std::vector<Range> neighbours_at, triangles_at;  // of each of them, in what follows
-    std::vector<std::uint32_t> neighbours, triangles;
+    std::vector<std::uint32_t> center;              // the chosen points
+    std::vector<Range> neighbors_at, triangles_at;  // of each of them, in what follows
+    std::vector<std::uint32_t> neighbors, triangles;
 
-    std::span<const std::uint32_t> neighbours_of(std::size_t at) const {
-      return {neighbours.data() + neighbours_at[at].first, neighbours_at[at].count};
+    std::span<const std::uint32_t> neighbors_of(std::size_t at) const {
+      return {neighbors.data() + neighbors_at[at].first, neighbors_at[at].count};
     }
     std::span<const std::uint32_t> triangles_of(std::size_t at) const {
       return {triangles.data() + triangles_at[at].first, triangles_at[at].count};
@@ -76,21 +76,21 @@ class RestrictedCells {
   // Cuts polygons down to one point's cell.
   struct Cutter {
     Cutter(std::uint32_t point, std::span<const Vec3> positions,
-           std::span<const std::uint32_t> neighbours, double radius);
+           std::span<const std::uint32_t> neighbors, double radius);
     void cut();
     void cut_to_cube();
 
-    static constexpr std::size_t kMostNeighbours = 64;
+    static constexpr std::size_t kMostNeighbors = 64;
     struct Bisector {
-      Vec3 normal;              // from the point to its neighbour
+      Vec3 normal;              // from the point to its neighbor
       double offset;            // of the plane: dot(normal, middle)
-      double distance_squared;  // to the neighbour
+      double distance_squared;  // to the neighbor
       bool keep_in_plane;
     };
     ConvexPolygon polygon;
-    Vec3 centre;
+    Vec3 center;
     double radius;
-    Bisector bisectors[kMostNeighbours];
+    Bisector bisectors[kMostNeighbors];
     std::size_t bisector_count = 0;
   };
 

@@ -8,7 +8,7 @@
 namespace forcelayer {
 
 struct Ball {
-  Vec3 centre;
+  Vec3 center;
   double radius = 0;
 };
 

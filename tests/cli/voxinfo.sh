@@ -119,7 +119,7 @@ done
 
 # Wrong usage, missing files, other files, damaged files.
 expect_refused 2 "no file given" "$voxinfo"
-expect_refused 2 "--colour" "$voxinfo" "$golden/v1.vox" --colour
+expect_refused 2 "--color" "$voxinfo" "$golden/v1.vox" --color
 expect_refused 2 "FILE" "$voxinfo" verify
 expect_refused 2 ".csv, .ply or .vdb" "$voxinfo" export "$golden/v1.vox" scene.stl
 expect_refused 2 "exported to .ply" "$voxinfo" export "$golden/v1.pshell" shell.csv

@@ -36,7 +36,7 @@ std::vector<Sample> samples() {
       {"Om", ".om", true, as_om(om_mesh)},
       {"OmOld", ".om", true, as_om_1_2(mesh)},
       {"DracoSequential", ".drc", true, as_drc(mesh)},
-      {"DracoQuantised", ".drc", true, as_drc(mesh, {.position_bits = 10})},
+      {"DracoQuantized", ".drc", true, as_drc(mesh, {.position_bits = 10})},
       {"DracoEdgebreaker", ".drc", true, as_drc(mesh, {.position_bits = 10, .edgebreaker = true})},
   };
 }

@@ -95,7 +95,7 @@ TEST(ParseArguments, HelpVersionAndWrongUsage) {
   const std::vector<std::vector<std::string>> wrong = {{},
                                                        {"--number"},
                                                        {"--number", "x"},
-                                                       {"--number", "1", "--colour"},
+                                                       {"--number", "1", "--color"},
                                                        {"--number", "1", "extra"}};
   for (const auto& words : wrong) {
     const ParseOutcome outcome = parse(words);

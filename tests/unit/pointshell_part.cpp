@@ -74,7 +74,7 @@ TEST(Part, WithoutAreaIsAnError) {
   EXPECT_EQ(part.error().code, ErrorCode::kMeshEmpty);
 }
 
-// gcc 12 drops this rounding unless it is kept from vectorising straight-line code.
+// gcc 12 drops this rounding unless it is kept from vectorizing straight-line code.
 TEST(StoredPosition, HasFloatsAsCoordinates) {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> unit(-1, 1);

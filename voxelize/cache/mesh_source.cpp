@@ -64,8 +64,8 @@ std::vector<std::byte> pack(const Assembly& assembly, const std::vector<MeshOutl
     packer.text(instance.name);
     packer.value(instance.assembly_from_mesh);
   }
-  packer.value(std::uint64_t{assembly.metres_per_unit.has_value()});
-  packer.value(assembly.metres_per_unit.value_or(0));
+  packer.value(std::uint64_t{assembly.meters_per_unit.has_value()});
+  packer.value(assembly.meters_per_unit.value_or(0));
   packer.value(assembly.deviation_units);
   packer.value(std::uint64_t{assembly.warnings.size()});
   for (const std::string& warning : assembly.warnings) packer.text(warning);
@@ -89,7 +89,7 @@ std::optional<Assembly> unpack(std::span<const std::byte> bytes,
     }
     const bool has_unit = unpacker.value<std::uint64_t>() != 0;
     const auto unit = unpacker.value<double>();
-    if (has_unit) assembly.metres_per_unit = unit;
+    if (has_unit) assembly.meters_per_unit = unit;
     assembly.deviation_units = unpacker.value<double>();
     for (auto n = unpacker.value<std::uint64_t>(); n > 0; --n) {
       assembly.warnings.push_back(unpacker.text());

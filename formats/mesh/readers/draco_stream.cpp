@@ -147,18 +147,18 @@ const draco::PointAttribute& positions_of(const Stream& stream, const draco::Mes
   return *positions;
 }
 
-// Undoes the quantisation in double precision.
-void read_quantised(const draco::PointAttribute& positions,
+// Undoes the quantization in double precision.
+void read_quantized(const draco::PointAttribute& positions,
                     const draco::AttributeQuantizationTransform& transform, DracoSurface& surface) {
   const double steps = std::ldexp(1.0, transform.quantization_bits()) - 1;
-  surface.quantisation = {transform.quantization_bits(), transform.range() / steps};
+  surface.quantization = {transform.quantization_bits(), transform.range() / steps};
   for (draco::AttributeValueIndex i(0); i < static_cast<std::uint32_t>(positions.size()); ++i) {
     std::array<std::int32_t, 3> steps_of_vertex;
     positions.GetValue(i, &steps_of_vertex);
     Vec3d& vertex = surface.vertices.emplace_back();
     for (int axis = 0; axis < 3; ++axis) {
       const auto a = static_cast<std::size_t>(axis);
-      vertex[a] = transform.min_value(axis) + steps_of_vertex[a] * surface.quantisation->step;
+      vertex[a] = transform.min_value(axis) + steps_of_vertex[a] * surface.quantization->step;
     }
   }
 }
@@ -168,7 +168,7 @@ void read_vertices(const Stream& stream, const draco::PointAttribute& positions,
   surface.vertices.reserve(positions.size());
   draco::AttributeQuantizationTransform transform;
   if (positions.GetAttributeTransformData() != nullptr && transform.InitFromAttribute(positions)) {
-    return read_quantised(positions, transform, surface);
+    return read_quantized(positions, transform, surface);
   }
   for (draco::AttributeValueIndex i(0); i < static_cast<std::uint32_t>(positions.size()); ++i) {
     Vec3d& vertex = surface.vertices.emplace_back();
@@ -215,11 +215,11 @@ DracoSurface decode_draco(const SourceFile& file, std::string_view bytes, const 
   return surface;
 }
 
-std::string quantisation_warning(const DracoQuantisation& quantisation) {
+std::string quantization_warning(const DracoQuantization& quantization) {
   std::ostringstream text;
-  text << "Draco rounded the positions to " << quantisation.bits << " bits, steps of "
-       << quantisation.step << " file units: every vertex may be off by "
-       << std::sqrt(0.75) * quantisation.step << " (see --mesh-deviation)";
+  text << "Draco rounded the positions to " << quantization.bits << " bits, steps of "
+       << quantization.step << " file units: every vertex may be off by "
+       << std::sqrt(0.75) * quantization.step << " (see --mesh-deviation)";
   return text.str();
 }
 

@@ -39,7 +39,7 @@ class GltfDocument {
 
   // An accessor of type SCALAR with unsigned integers.
   std::vector<std::uint32_t> read_indices(std::uint64_t accessor) const;
-  // An accessor of floats or normalised or plain integers, [count][components].
+  // An accessor of floats or normalized or plain integers, [count][components].
   std::vector<double> read_numbers(std::uint64_t accessor, std::uint64_t components) const;
 
   [[noreturn]] void fail(ErrorCode code, std::string where, std::string what,

@@ -26,7 +26,7 @@ Affine from_matrix(const std::array<double, 16>& m) {  // column-major
   return {{m[0], m[4], m[8], m[1], m[5], m[9], m[2], m[6], m[10]}, {m[12], m[13], m[14]}};
 }
 
-// Translation * rotation (x, y, z, w; normalised here) * scale.
+// Translation * rotation (x, y, z, w; normalized here) * scale.
 Affine from_parts(const Vec3d& translation, const std::array<double, 4>& rotation_xyzw,
                   const Vec3d& scale) {
   auto [x, y, z, w] = rotation_xyzw;

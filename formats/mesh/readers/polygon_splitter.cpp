@@ -167,7 +167,7 @@ void PolygonSplitter::clip_ears(std::span<const std::uint32_t> corners, Mesh& me
     area_without_sign += std::abs(turn(a, tip, c));
     next_[a] = c;
     previous_[c] = a;
-    tip = next_[c];  // not its neighbour: cutting alternate ears makes fewer slivers
+    tip = next_[c];  // not its neighbor: cutting alternate ears makes fewer slivers
   }
   // The triangles' signed areas always sum to the polygon's; they cover it once only where none
   // is inverted. 1e-9 leaves room for the rounding of `turn`.

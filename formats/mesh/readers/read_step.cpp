@@ -1,5 +1,5 @@
 // STEP and IGES through OpenCASCADE: the assembly tree with names and placings, every face
-// tessellated to a given deflection. OpenCASCADE turns all units into millimetres.
+// tessellated to a given deflection. OpenCASCADE turns all units into millimeters.
 #include <BRepMesh_IncrementalMesh.hxx>
 #include <BRep_Tool.hxx>
 #include <IGESCAFControl_Reader.hxx>
@@ -35,7 +35,7 @@
 namespace forcelayer {
 namespace {
 
-constexpr double kMetresPerMillimetre = 1e-3;
+constexpr double kMetersPerMillimeter = 1e-3;
 constexpr double kAngularDeflectionRad = 0.35;  // 20 degrees: what small rounds need to stay round
 
 [[noreturn]] void fail(const SourceFile& file, ErrorCode code, std::string what) {
@@ -113,7 +113,7 @@ std::string name_of(const TDF_Label& label) {
   return name.c_str();
 }
 
-// The triangles of a shape in its own frame, millimetres.
+// The triangles of a shape in its own frame, millimeters.
 class Tessellator {
  public:
   Tessellator(const SourceFile& file, double deflection_mm)
@@ -173,7 +173,7 @@ class Tessellator {
 class StepReader {
  public:
   explicit StepReader(const SourceFile& file)
-      : file_(file), tessellator_(file, file.options.deflection_m / kMetresPerMillimetre) {}
+      : file_(file), tessellator_(file, file.options.deflection_m / kMetersPerMillimeter) {}
 
   Assembly read() {
     const Handle(TDocStd_Document) document = read_document(file_);
@@ -185,8 +185,8 @@ class StepReader {
     if (assembly_.instances.empty()) {
       fail(file_, ErrorCode::kMeshEmpty, "no faces in this file");
     }
-    assembly_.metres_per_unit = kMetresPerMillimetre;
-    assembly_.deviation_units = std::max(file_.options.deflection_m / kMetresPerMillimetre,
+    assembly_.meters_per_unit = kMetersPerMillimeter;
+    assembly_.deviation_units = std::max(file_.options.deflection_m / kMetersPerMillimeter,
                                          tessellator_.largest_deflection_mm());
     return std::move(assembly_);
   }
