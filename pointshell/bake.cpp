@@ -51,14 +51,14 @@ class Stages {
 
 // Working memory for each point of a bake, with room to spare.
 constexpr double kBytesPerPoint = 400;
-// What the methods need at most, as multiples of the planar bound.
+// The most points that a method needs, as a multiple of the planar bound.
 constexpr double kMostOfBound = 3;
 
 double physical_memory_bytes() {
   return static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
 }
 
-// Refuses at the door what would run for hours and then out of memory.
+// Refuses a bake that would run for hours and then out of memory.
 Status check_size(const MassProperties& mass, double radius) {
   const double expected = planar_bound(mass.area_m2, radius), most = kMostOfBound * expected;
   if (most < static_cast<double>(kMaxShellPoints) &&
@@ -97,7 +97,8 @@ bool add_voxel_centers_at(const std::vector<Hole>& holes, const Vec3& center, do
   return !added.empty();
 }
 
-// The centers, and those of the few more voxels that only the mesh before snapping touches.
+// The centers of the voxels that the snapped mesh touches, and of the few more that only the mesh
+// before snapping touches.
 Result<CoveringProof> cover_by_voxel_centers(const Part& part, const Part& centered,
                                              const Vec3& center, double voxel_size_m, double radius,
                                              std::vector<Vec3>& points) {

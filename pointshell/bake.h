@@ -19,8 +19,8 @@ struct ShellOptions {
   double covering_radius_m = 0;  // 0: sqrt(3)/2 voxel, that of voxel centers
   ShellMethod method = ShellMethod::kSurface;
   Effort effort = Effort::kFull;
-  double mesh_deviation_m = 0;  // of the mesh from the true part, as the user declares; what the
-                                // files themselves tell (Part::deviation_m) is added
+  double mesh_deviation_m = 0;  // of the mesh from the true part, as the user declares it;
+                                // Part::deviation_m is added
   unsigned threads = 0;         // 0: all
 };
 
@@ -46,7 +46,7 @@ struct BakedShell {
   PshellContent content() const;  // valid while this lives and stays
 };
 
-// Tells what is going on: the stage and the share of it that is done.
+// Called with the stage that runs and the share of it that is done, in [0, 1].
 using BakeProgress = std::function<void(const std::string& stage, double share_done)>;
 
 // Errors: kMeshUnorientable, kBakeTooLarge. The same shell for any number of threads.

@@ -1,4 +1,4 @@
-// What a bake tells: the JSON report and the provenance that goes into the file.
+// The JSON report of a bake and the provenance that its file holds.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -9,8 +9,8 @@
 
 namespace forcelayer {
 
-// A hash of the part's vertices and triangles in meters, 16 hexadecimal digits: the same for files
-// that hold the same triangles in any order.
+// A hash of the part's vertices and triangles in meters, 16 hexadecimal digits. Files that hold the
+// same triangles in any order have the same hash.
 std::string part_hash(const Part& part);
 
 // The content hash and the options that affect the shell, as JSON.

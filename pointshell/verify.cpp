@@ -8,8 +8,8 @@
 namespace forcelayer {
 namespace {
 
-// A file can claim a radius so small that the part has more pieces than any machine can look at. A
-// shell that is whole has about a point per piece, and hidden surface of a few times that.
+// A file can claim a radius so small that no machine can look at all pieces of the part. A sound
+// shell has about one point a piece, and a few times as many pieces of hidden surface.
 std::size_t most_holes(std::size_t points, std::size_t triangles) {
   return 1'000'000 + 100 * points + triangles;
 }
@@ -28,7 +28,7 @@ CoveringProof verify_shell(const Pshell& shell, const Part& part) {
   Part centered = relative_to(part, {center_m[0], center_m[1], center_m[2]});
   const CoveringProof proof =
       prove_covering(centered, points, radius, most_holes(points.size(), part.triangles.size()));
-  // What is not covered may still be hidden, where there is more than one body.
+  // A part of several bodies may be open only where one body hides another.
   if (proof.proven || proof.given_up || part.body_names.size() < 2 ||
       !orient_outwards(centered, radius)) {
     return proof;

@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "formats/command/command.h"
+#include "formats/command/progress_line.h"
 #include "formats/command/quantity.h"
 #include "formats/mesh/scene.h"
 #include "formats/mesh/trust_options.h"
@@ -162,8 +163,8 @@ Result<BakeOptions> options_of(const Arguments& arguments, const Scene& scene) {
 }
 
 // "I/N", 1 to N.
-Result<SceneShare> share_of(const Arguments& arguments) {
-  SceneShare share;
+Result<SceneShard> share_of(const Arguments& arguments) {
+  SceneShard share;
   if (arguments.share.empty()) return share;
   const std::string_view text = arguments.share;
   const auto slash = text.find('/');
@@ -226,7 +227,7 @@ class Clock {
 
 std::vector<SceneObject> objects_of(const Scene& scene, MeshSource& meshes) {
   std::vector<SceneObject> objects;
-  for (const ScenePart& part : scene.parts) {
+  for (const MeshObject& part : scene.objects) {
     SceneObject& object = objects.emplace_back();
     object.name = part.name;
     object.world_from_mesh = part.world_from_mesh;
@@ -313,7 +314,7 @@ Result<Scene> read_inputs(const Arguments& arguments, MeshSource& meshes, Progre
   }
   const auto share = share_of(arguments);
   if (!share) return share.error();
-  reading.share = *share;
+  reading.shard = *share;
   reading.allow_outside = arguments.trust.allow_outside;
   reading.read = [&](const std::string& path, const ReadOptions& options) {
     return meshes.read(path, options);
@@ -324,7 +325,7 @@ Result<Scene> read_inputs(const Arguments& arguments, MeshSource& meshes, Progre
 
 Result<std::vector<MeshFacts>> facts_of(const Scene& scene, MeshSource& meshes) {
   std::vector<MeshFacts> all;
-  for (const ScenePart& part : scene.parts) {
+  for (const MeshObject& part : scene.objects) {
     const auto facts = meshes.facts(part);
     if (!facts) return facts.error();
     all.push_back(*facts);

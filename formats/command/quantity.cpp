@@ -41,7 +41,7 @@ Error not_a_number(std::string_view text) {
   return usage(quoted(text) + " is not a finite number", "write it like 5mm or 0.005m");
 }
 
-// A finite number, its text, and what follows it.
+// A finite number, its text, and the text after it.
 struct NumberAndRest {
   double number;
   std::string_view text;

@@ -1,6 +1,6 @@
-// Lengths, vectors, poses and durations as they are typed on a command line: read in the same way
-// whatever the locale, always finite, errors kUsage. Metric units shift the decimal point of the
-// text, so 1.1mm, 0.0011m and 1.1e-3m are the same double.
+// Lengths, vectors, poses and durations as they are typed on a command line. They are read alike in
+// every locale and are finite; errors are kUsage. Metric units shift the decimal point of the text,
+// so 1.1mm, 0.0011m and 1.1e-3m are the same double.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@
 
 namespace forcelayer {
 
-// Position and unit quaternion (w, x, y, z), as a command line gives a pose.
+// A pose from a command line: position and unit quaternion (w, x, y, z).
 struct PoseText {
   std::array<double, 3> position_m{0, 0, 0};
   std::array<double, 4> orientation_wxyz{1, 0, 0, 0};

@@ -1,5 +1,5 @@
-// PLY, binary little-endian. The force layer as quads: a brick's faces share their vertices, faces
-// of different bricks do not, so that one brick at a time is in memory.
+// PLY, binary little-endian. The force layer is written as quads. Faces of one brick share their
+// vertices and faces of different bricks do not, so that only one brick at a time is in memory.
 #include <array>
 #include <cinttypes>
 #include <cstdio>

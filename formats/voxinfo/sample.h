@@ -1,4 +1,4 @@
-// Values of a voxmap at points.
+// Reading the values of a voxmap at points.
 #pragma once
 
 #include <istream>

@@ -1,4 +1,4 @@
-// The one file of formats/ that sees OpenVDB; a build without it has voxinfo_no_vdb.cpp instead.
+// The one file of formats/ that includes OpenVDB; no_vdb.cpp replaces it in a build without.
 #include <openvdb/io/Stream.h>
 #include <openvdb/openvdb.h>
 

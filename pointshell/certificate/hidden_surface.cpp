@@ -9,8 +9,8 @@
 namespace forcelayer {
 namespace {
 
-// Of the radius: points are dropped only where they lie this deep, so that everything that they
-// alone cover is proven hidden by pieces of a quarter of the radius.
+// In radii. Only points this deep are dropped: all that such a point alone covers is then proven
+// hidden in pieces of a quarter of the radius.
 constexpr double kDroppedDepth = 1.25;
 // The winding number is a whole number off the surface, and in error by less than 0.01.
 constexpr double kInside = 0.5;

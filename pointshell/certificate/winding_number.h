@@ -17,8 +17,8 @@ class WindingNumber {
   // `tree` and its part must outlive this; the part's orientation must not change meanwhile.
   explicit WindingNumber(const TriangleTree& tree);
 
-  // The winding number at `place`. On the surface it is the mean of its two sides there, because a
-  // triangle seen edge-on counts as nothing. Error below about 0.01.
+  // The winding number at `place`, with an error below about 0.01. On the surface it is the mean of
+  // the two sides, because a triangle seen edge-on counts as zero.
   double at(const Vec3& place) const;
 
  private:

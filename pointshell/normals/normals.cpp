@@ -11,10 +11,10 @@ namespace {
 
 constexpr double kFullCos = 0.8660254037844387;  // 30 degrees
 constexpr double kNoneCos = 0.5;                 // 60 degrees
-// Triangles whose distance from the point exceeds the nearest one's by less than this share of the
-// radius meet at the point: more than the rounding of positions to floats.
+// In radii. Triangles this close to the foot meet there; it is more than the rounding of positions
+// to floats.
 constexpr double kSamePlace = 1e-4;
-constexpr double kCanceled = 1e-3;      // of normals that add up to less, nothing is left
+constexpr double kCanceled = 1e-3;      // normals whose sum is shorter cancel each other
 constexpr double kFlatCos = 1 - 1e-12;  // one direction but for rounding
 
 struct Point2 {
@@ -53,8 +53,8 @@ double angle_between(const Vec3& u, const Vec3& v) {
   return std::atan2(length(cross(u, v)), dot(u, v));
 }
 
-// The angle that a triangle fills around a point of it: pi for a point on a side, less at a corner.
-// A point inside counts as on a side: then it is the only triangle, or one of several in one plane.
+// The angle of a triangle around a point of it: pi for a point on a side, less at a corner. A point
+// inside counts as on a side, for then only triangles of one plane meet there.
 double angle_at(const Vec3& place, const Piece& corners, double same_place) {
   for (int n = 0; n < 3; ++n) {
     if (length(place - corners[n]) <= same_place) {
@@ -117,7 +117,7 @@ class NormalFinder {
       if (length_squared(nearest - foot.position) > same_place * same_place) continue;
       sum += angle_at(nearest, face.corners, same_place) * face.normal;
     }
-    // Faces back to back cancel: then the triangle that the point was found on decides.
+    // Faces back to back cancel; then the triangle of the foot decides.
     if (length(sum) > kCanceled) return normalized(sum);
     return nearest_area_normal(foot);
   }
@@ -143,7 +143,7 @@ class NormalFinder {
   }
 
   Vec3 smoothed(const Vec3& place, const Vec3& seed) {
-    // On a flat neighborhood the areas need not be known.
+    // A flat neighborhood needs no areas.
     const bool flat = std::all_of(faces_.begin(), faces_.end(), [&](const Face& face) {
       const double cosine = dot(face.normal, seed);
       return cosine <= kNoneCos || cosine >= kFlatCos;

@@ -23,8 +23,9 @@ struct ShellNormals {
 // the normals over the surface within `radius` of that point, weighted by area times a weight of
 // the angle to the seed: 1 up to 30 degrees, falling to 0 at 60 (bilateral normal filtering: Zheng,
 // Fu, Au and Tai 2011; without the angle's weight it is the integral invariant of Pottmann,
-// Wallner, Huang and Yang 2009). The mean is exact, so it changes continuously from point to point:
-// the facets of a curved surface blend, while the faces at a real edge do not see each other.
+// Wallner, Huang and Yang 2009). The mean is an exact integral, so it changes continuously from
+// point to point. The facets of a curved surface blend; the faces on the two sides of an edge do
+// not.
 ShellNormals shell_normals(const RestrictedCells& cells, std::span<const Vec3> points,
                            double radius);
 

@@ -16,11 +16,11 @@ namespace forcelayer {
 namespace {
 
 constexpr double kDecisive = 0.15;
-// Share of rays below which a patch counts as hidden: a few that slip through gaps say nothing.
+// A patch with a smaller share of leaving rays is hidden; a few rays slip through gaps.
 constexpr double kHidden = 0.005;
 constexpr std::size_t kSamplesPerPatch = 128;
 constexpr int kRaysPerSample = 64;
-// Of the part's size: what lies nearer to a ray's origin is the surface that it starts on.
+// In sizes of the part. A hit nearer to a ray's origin is the surface that it starts on.
 constexpr double kSelfHit = 1e-10;
 
 // The side of a triangle that runs between two vertices.
@@ -103,9 +103,9 @@ struct Neighbors {
   }
 };
 
-// Turns the smaller area of the patch rather than the larger.
-void keep_the_majority(const Part& part, const std::vector<std::uint32_t>& patch,
-                       std::vector<bool>& turned) {
+// Turns the smaller area of the patch, so that the larger keeps its orientation.
+void keep_larger_area(const Part& part, const std::vector<std::uint32_t>& patch,
+                      std::vector<bool>& turned) {
   double kept_area = 0, turned_area = 0;
   for (const std::uint32_t t : patch) {
     (turned[t] ? turned_area : kept_area) += length(doubled_area_normal(part, t));
@@ -135,7 +135,7 @@ Patches find_patches(const Part& part, const std::vector<Link>& links) {
       }
     }
     std::sort(patch.begin(), patch.end());
-    keep_the_majority(part, patch, patches.turned);
+    keep_larger_area(part, patch, patches.turned);
     patches.triangles.push_back(std::move(patch));
   }
   return patches;
@@ -177,7 +177,7 @@ class SkySampler {
     self_hit_ = kSelfHit * length(box.high - box.low);
   }
 
-  // What patch `triangles` sees past the triangles of `tree`. Samples stand for equal areas.
+  // The sky of patch `triangles` past the triangles of `tree`. Samples stand for equal areas.
   Sky look(const TriangleTree& tree, const std::vector<std::uint32_t>& triangles) const {
     const double area = area_of(part_, triangles);
     const std::size_t samples = std::min(triangles.size(), kSamplesPerPatch);
@@ -213,7 +213,7 @@ class SkySampler {
   double self_hit_ = 0;
 };
 
-// What every patch sees: of the whole part and, where that hides it, of its own body.
+// The sky of every patch, past the whole part or, where that hides the patch, past its own body.
 std::vector<Sky> look_around(const Part& part, const Patches& patches) {
   const SkySampler sampler(part);
   const TriangleTree whole(part);
@@ -238,7 +238,7 @@ std::vector<Sky> look_around(const Part& part, const Patches& patches) {
   return skies;
 }
 
-// Turns the patches round that see more sky from behind, and the hidden ones with their bodies.
+// Turns the patches that see more sky from behind, and hidden patches with their body.
 void turn_patches(Part& part, const Patches& patches, const std::vector<Sky>& skies) {
   std::vector<double> area_to_keep(part.body_names.size());  // less that to turn, by body
   const auto turn_patch = [&](std::size_t n) {

@@ -1,5 +1,5 @@
-// Loops over indices on all threads. What index i computes must depend on i alone: then the result
-// is the same for any number of threads.
+// Loops over indices on all threads. Whatever is computed for index i must depend on i alone, so
+// that the result is the same for any number of threads.
 #pragma once
 
 #include <cstddef>

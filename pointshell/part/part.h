@@ -13,17 +13,17 @@
 
 namespace forcelayer {
 
-// One rigid part. Equal vertices are one vertex; vertices, and triangles rotated to start at their
-// lowest vertex, stand in ascending order. So two files that hold the same triangles in another
-// order give the same part.
+// One rigid part. Equal vertices are one vertex, and vertices ascend. Each triangle starts at its
+// lowest vertex, and triangles ascend. So two files that hold the same triangles in another order
+// give the same part.
 struct Part {
   std::vector<Vec3> vertices;       // [n] distinct, lexicographically ascending, m, part frame
   std::vector<Triangle> triangles;  // [m] vertex indices, as oriented in the file
   std::vector<std::uint32_t> body;  // [m] index into body_names
   std::vector<std::string> body_names;
   std::uint64_t input_triangles = 0;       // over all instances
-  std::uint64_t duplicate_triangles = 0;   // dropped: same corners, orientation and body as another
-  std::uint64_t degenerate_triangles = 0;  // kept: no area, yet they are covered
+  std::uint64_t duplicate_triangles = 0;   // dropped: corners, orientation and body of another
+  std::uint64_t degenerate_triangles = 0;  // kept and covered, although they have no area
   double largest_coordinate = 0;           // m, absolute, of any vertex as given
   bool single_precision = false;           // whether any file stores 32-bit vertices
   double deviation_m = 0;  // of the triangles from exact surfaces that a file holds (STEP, IGES)
@@ -35,8 +35,7 @@ struct PartInput {
   double meters_per_unit = 1;
 };
 
-// Unites all instances of all inputs. An error (kMeshEmpty) when there is no triangle at all or
-// none with an area.
+// Unites all instances of all inputs. Error: kMeshEmpty where no triangle has an area.
 Result<Part> assemble_part(std::span<const PartInput> inputs);
 
 // The corners of a triangle or of a piece of one, m.
@@ -61,7 +60,7 @@ Box box_of(const Part& part, std::span<const std::uint32_t> triangles);
 // The triangles of each body, ascending: [bodies][triangles].
 std::vector<std::vector<std::uint32_t>> triangles_by_body(const Part& part);
 
-// The part moved by -`origin`: shells are made and proven relative to their center.
+// The part moved by -`origin`. Shells are made and proven relative to their center.
 Part relative_to(Part part, const Vec3& origin);
 
 }  // namespace forcelayer

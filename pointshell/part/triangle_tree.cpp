@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::size_t kLeafTriangles = 2;
 
-// Square of the sine of a triangle's angle below which its plane is not to be trusted.
+// The plane of a triangle with a smaller squared sine of an angle is not reliable.
 constexpr double kFlat = 1e-20;
 
 float rounded_down(double x) {

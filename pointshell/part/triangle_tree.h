@@ -12,7 +12,7 @@
 
 namespace forcelayer {
 
-// The point of triangle a, b, c nearest to `place`; any triangle will do, also one without area.
+// The point of triangle a, b, c nearest to `place`. The triangle may have no area.
 Vec3 nearest_on_triangle(const Vec3& place, const Vec3& a, const Vec3& b, const Vec3& c);
 
 struct SurfacePoint {
@@ -42,12 +42,13 @@ class TriangleTree {
     }
   };
 
-  // `part` must outlive the tree. Over all of its triangles, or the given ones (at least one).
+  // A tree over all triangles of `part`, or over the given ones (at least one). `part` must outlive
+  // the tree.
   explicit TriangleTree(const Part& part);
   TriangleTree(const Part& part, std::vector<std::uint32_t> triangles);
 
-  // The surface point nearest to `place`, of those within `radius`; `found` is false when none is.
-  // Of equally near triangles, the one of the lowest index.
+  // The surface point nearest to `place` within `radius`; `found` is false where there is none.
+  // Among equally near triangles the lowest index wins.
   struct Nearest {
     SurfacePoint point;
     double distance_squared = 0;

@@ -14,8 +14,8 @@
 namespace forcelayer {
 namespace {
 
-// All lengths in covering radii. The perfect covering of a plane has a spacing of sqrt(3) = 1.73;
-// rows that meet need room, so a front of narrower spacing leaves fewer holes to start with.
+// All lengths in covering radii. The perfect covering of a plane has a spacing of sqrt(3) = 1.73.
+// Rows that meet do not fit, so a front of narrower spacing leaves fewer holes.
 struct Recipe {
   double spacing;
   int centroid_steps;
@@ -25,16 +25,17 @@ struct Recipe {
   int steps_per_look_around;  // neighbors are looked up again after so many steps
   int rounds;                 // of adding points in holes
   int round_steps;            // to smallest balls, in each round
-  double hole_separation;  // of the points added in one round: their neighbors can then move over
-  double relaxed_reach;    // around holes
+  double
+      hole_separation;   // of the points added in one round, so that their neighbors can make room
+  double relaxed_reach;  // around holes
 };
 constexpr Recipe kFull{1.60, 8, 1.8, 6, 1.15, 3, 30, 4, 6.5, 4};
 constexpr Recipe kFast{1.53, 1, 1.5, 1, 1.15, 4, 0, 2, 4, 3};
 
-// How far points move before neighbors are looked up again: first steps are long, later ones
-// short.
+// The way that points may move before neighbors are looked up again. First steps are long, later
+// steps are short.
 constexpr double kFirstSlack = 0.3, kLaterSlack = 0.1;
-// Relaxation aims a little below the radius: the rest is for rounding positions to floats.
+// Relaxation aims a little below the radius, which leaves room for rounding positions to floats.
 constexpr double kAim = 0.9998;
 
 class CoveringBuilder {
@@ -63,7 +64,7 @@ class CoveringBuilder {
   }
 
  private:
-  // The front's points in the order of the shell's: what is near in space is then near in memory.
+  // The front's points in block order, so that points near in space are near in memory.
   std::vector<SurfacePoint> spread(const TriangleTree& tree) const {
     const std::vector<SurfacePoint> front = hexagonal_front(tree, recipe_.spacing * radius_);
     std::vector<Vec3> positions;

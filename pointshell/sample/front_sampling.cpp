@@ -31,7 +31,7 @@ struct FrontPoint {
   Vec3 normal;
 };
 
-// One cube's share: its finished points.
+// A cube and its finished points.
 struct Cube {
   CubeIndex index;
   std::vector<FrontPoint> points;
@@ -66,8 +66,8 @@ std::vector<Cube> cubes_of(const Part& part, double edge) {
   return cubes;
 }
 
-// The points of one cube and of a rim around it in a dense grid of cells as wide as a neighbor is
-// far. Cells hold linked lists.
+// The points of one cube and of a rim around it, in a dense grid of linked lists. A cell is as wide
+// as a neighbor is far.
 class LocalGrid {
  public:
   LocalGrid(const Vec3& low, double edge, double cell)
@@ -198,7 +198,7 @@ class CubeFront {
   }
 
   // Adds the surface point nearest to `target`, unless it is far off, in another cube or too close
-  // to a point. It is no farther than triangle `known`, which keeps the search short.
+  // to a point. The search is short because it is no farther than triangle `known`.
   void try_place(const Vec3& target, std::uint32_t known) {
     const Piece corners = triangle_piece(tree_.part(), known);
     const Vec3 foot = nearest_on_triangle(target, corners[0], corners[1], corners[2]);
@@ -213,7 +213,7 @@ class CubeFront {
     grid_.add({nearest.point, normal});
   }
 
-  // Starts a front on every bare patch: the sweep over tiles leaves none out.
+  // Starts a front on every bare patch, by trying a seed at every tile.
   void visit_seeds() {
     const double half_diagonal = std::sqrt(0.75) * kCubeEdge * spacing_;
     const double half = kCubeEdge * spacing_ / 2;

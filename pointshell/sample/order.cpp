@@ -19,8 +19,8 @@ struct Place {
   std::uint32_t index;
 };
 
-// Along an axis; a total order of positions.
-struct BeforeAlong {
+// The order along an axis; total for distinct indices.
+struct AxisOrder {
   int axis;
   bool operator()(const Place& a, const Place& b) const {
     const double x = coordinate(a.position, axis), y = coordinate(b.position, axis);
@@ -37,7 +37,7 @@ int longest_side(std::span<const Place> places) {
 }
 
 void halve(std::span<Place> places, std::size_t block, std::size_t super_block) {
-  const BeforeAlong before{longest_side(places)};
+  const AxisOrder before{longest_side(places)};
   if (places.size() <= block) return std::sort(places.begin(), places.end(), before);
   const std::size_t unit = places.size() > block * super_block ? block * super_block : block;
   const std::size_t units = (places.size() + unit - 1) / unit;
@@ -63,7 +63,7 @@ BoundingSphere sphere_around(std::span<const Vec3> points) {
   for (const Vec3& p : points) {
     squared = std::max(squared, length_squared(p - center));
   }
-  // The distance is exact to a few units of double precision; one in 2^40 is far more.
+  // 2^-40 is far more than the rounding of a distance in double precision.
   const float radius = rounded_up(std::sqrt(squared) * (1 + 0x1p-40));
   return {static_cast<float>(center.x), static_cast<float>(center.y), static_cast<float>(center.z),
           radius};

@@ -10,15 +10,16 @@
 
 namespace forcelayer {
 
-// Indices of `points` in an order in which every `block` consecutive ones are close together, and
-// every `super_block` blocks: the points are halved again and again across the longest side of
-// their box, at a multiple of a super-block and then of a block. The blocks' spheres come out about
-// a quarter smaller than along a Hilbert curve. Depends on the set of points alone.
+// Indices of `points` in an order in which every `block` consecutive points, and every
+// `super_block` consecutive blocks, are close together. The points are halved again and again
+// across the longest side of their box, at a multiple of a super-block and then of a block. The
+// blocks' spheres are about a quarter smaller than along a Hilbert curve. Depends on the set of
+// points alone.
 std::vector<std::uint32_t> block_order(std::span<const Vec3> points, std::size_t block,
                                        std::size_t super_block);
 
-// The smallest spheres around each `group` successive points, rounded so that they hold them.
-// Positions must be floats.
+// The smallest sphere around every `group` successive points, rounded outwards. Positions must be
+// stored positions.
 std::vector<BoundingSphere> bounding_spheres(std::span<const Vec3> points, std::size_t group);
 
 }  // namespace forcelayer

@@ -11,7 +11,7 @@ namespace forcelayer {
 namespace {
 
 constexpr std::size_t kPointsPerTask = 128;
-// Of the radius: a target this close to the triangle it slid along is on it.
+// In radii. A target this close to the triangle that the point slid along is on it.
 constexpr double kOnTriangle = 1e-7;
 
 // Area and first moment of the pieces of a cell.

@@ -10,7 +10,7 @@
 
 namespace forcelayer {
 
-// Where a point moves to in its cell.
+// The place in its cell that a point moves to.
 enum class CellCenter {
   kCentroid,      // Lloyd: evens out density
   kSmallestBall,  // the center of the smallest ball around the cell: reduces the covering radius

@@ -12,8 +12,8 @@ namespace forcelayer {
 RestrictedCells::Cutter::Cutter(std::uint32_t point, std::span<const Vec3> positions,
                                 std::span<const std::uint32_t> neighbors, double cell_radius)
     : center(positions[point]), radius(cell_radius) {
-  // Of two points that share a plane piece, normal and offset differ in sign alone, without any
-  // rounding: so no piece is given to both or to none.
+  // Two points that share a plane compute its normal and offset with opposite signs and the same
+  // bits. So no piece goes to both of them, or to neither.
   for (const std::uint32_t other : neighbors.first(std::min(neighbors.size(), kMostNeighbors))) {
     const Vec3& q = positions[other];
     const Vec3 normal = q - center;
@@ -51,7 +51,7 @@ void RestrictedCells::find_lists(std::span<const Vec3> positions) {
   find_lists(positions, all, 0);
 }
 
-// Makes the lists of one chunk. Points of one cube share the gathering of what is near the cube.
+// Makes the lists of one chunk. What lies near a cube is gathered once for all of its points.
 class RestrictedCells::ListMaker {
  public:
   ListMaker(const TriangleTree& tree, const PointGrid& grid, std::span<const Vec3> positions,
@@ -76,7 +76,7 @@ class RestrictedCells::ListMaker {
 
  private:
   using CubeIndex = std::array<std::int64_t, 3>;
-  struct Ordered {
+  struct CubeMember {
     CubeIndex cube;
     std::size_t at;  // in the chunk
   };
@@ -97,7 +97,7 @@ class RestrictedCells::ListMaker {
       const Vec3 p = (1 / cube_edge()) * positions_[chosen[at]];
       order_.push_back({{floor_to_int(p.x), floor_to_int(p.y), floor_to_int(p.z)}, at});
     }
-    std::sort(order_.begin(), order_.end(), [](const Ordered& a, const Ordered& b) {
+    std::sort(order_.begin(), order_.end(), [](const CubeMember& a, const CubeMember& b) {
       return a.cube != b.cube ? a.cube < b.cube : a.at < b.at;
     });
   }
@@ -153,7 +153,7 @@ class RestrictedCells::ListMaker {
   const PointGrid& grid_;
   const std::span<const Vec3> positions_;
   const double neighbor_reach_, triangle_reach_;
-  std::vector<Ordered> order_;
+  std::vector<CubeMember> order_;
   std::vector<NearPoint> points_;                       // near the present cube
   std::vector<NearTriangle> triangles_;                 // near the present cube
   std::vector<std::pair<double, std::uint32_t>> near_;  // squared distance and index

@@ -13,12 +13,12 @@
 
 namespace forcelayer {
 
-// Cells of a chosen set of points, found from lists of the points and triangles near each. Lists
-// hold while points move by up to `slack`.
+// The cells of a chosen set of points. They are cut with lists of the points and triangles near
+// each point, which stay valid while points move by up to `slack`.
 class RestrictedCells {
  public:
-  // In radii. Cells that reach farther are cut off in a cube of this half-edge; a cell that covers
-  // its part of the surface reaches 1.
+  // In radii. A cell that reaches farther is cut to a cube of this half-edge. A cell whose surface
+  // is covered by its point reaches at most 1.
   static constexpr double kReach = 1.2;
 
   // Cells reach at most `radius` far; beyond, they are cut off (at 1.2 radius or farther).
@@ -55,7 +55,7 @@ class RestrictedCells {
  private:
   static constexpr std::size_t kChunk = 512;  // points whose lists one task makes
 
-  // What is near the points of one chunk.
+  // The points and triangles near each point of one chunk.
   struct Lists {
     struct Range {
       std::uint32_t first = 0, count = 0;

@@ -9,7 +9,7 @@ namespace {
 constexpr int kMostPivots = 100;
 constexpr double kRelativeSlack = 1e-12;
 
-// Up to four points that the ball goes through, and the one that is to be added.
+// Up to four points on the ball, and the one to be added.
 struct Support {
   std::array<Vec3, 5> points;
   int count = 0;
@@ -102,7 +102,7 @@ Ball smallest_ball(std::span<const Vec3> points) {
     if (squared <= ball.radius * ball.radius * (1 + kRelativeSlack)) return ball;
     support.points[support.count++] = farthest;
     const auto grown = smallest_of_few(support);
-    // No further progress within rounding: grow the ball to hold what it misses.
+    // Rounding allows no further progress: grow the ball to hold the farthest point.
     if (!grown || grown->radius <= ball.radius) return {ball.center, std::sqrt(squared)};
     ball = *grown;
   }

@@ -13,8 +13,8 @@ namespace forcelayer {
 namespace {
 
 constexpr std::size_t kTrianglesPerTask = 2048;
-constexpr double kMostVoxels =
-    1e9;  // from the origin along an axis: the kernel is exact far beyond
+// From the origin along an axis; the overlap test is exact far beyond.
+constexpr double kMostVoxels = 1e9;
 
 using BrickMap = std::map<VoxelIndex, BrickMask>;  // by lowest voxel
 

@@ -9,9 +9,9 @@
 
 namespace forcelayer {
 
-// For each of `points`, the area of the surface that is nearer to it than to any other (its
-// restricted Voronoi cell), m^2. The sum is the part's area up to rounding where the points cover
-// the part within the radius of `cells`, which must have been made for all of them.
+// For each of `points`, the area of its restricted Voronoi cell, m^2: the surface that is nearer to
+// it than to any other point. `cells` must have been made for all of `points`. Where they cover the
+// part within the radius of `cells`, the sum is the part's area up to rounding.
 std::vector<double> area_weights(const RestrictedCells& cells, std::span<const Vec3> points);
 
 }  // namespace forcelayer

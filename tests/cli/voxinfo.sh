@@ -158,7 +158,7 @@ then
   expect_refused 4 "surface_voxels" "$voxinfo" verify liar.vox
 fi
 
-# What could not be written is not there, and an old file stays.
+# A file that could not be written is not there, and an old file stays.
 echo old >old.csv
 expect_refused 4 "cut off" "$voxinfo" export cut.vox old.csv
 expect_equal "old file" "$(cat old.csv)" old

@@ -1,5 +1,5 @@
-// What a sandboxed reader sends arrives whole; what a broken one sends is refused, in time and
-// without the memory that it announces.
+// An assembly from a sandboxed reader arrives whole. The bytes of a broken reader are refused, in
+// time and without the memory that they announce.
 #include <gtest/gtest.h>
 #include <unistd.h>
 

@@ -1,4 +1,4 @@
-// What reading gives for every file of the collection of real and damaged models, file by file.
+// The outcome of reading every file of the collection of real and damaged models.
 #include <gtest/gtest.h>
 
 #include <filesystem>

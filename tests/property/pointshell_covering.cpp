@@ -1,4 +1,4 @@
-// Shells cover what they say they cover, and the certificate finds out when they do not.
+// Shells cover the surface within their radius, and the certificate notices when they do not.
 #include <gtest/gtest.h>
 
 #include <cstdlib>

@@ -1,4 +1,4 @@
-// Bodies that overlap in one part: what lies inside another is left out, and nothing else.
+// In a part of overlapping bodies, surface inside another body is left out, and nothing else.
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -117,8 +117,8 @@ TEST(Hidden, TheFileIsProvenAgainAndFailsWithoutAnOuterPoint) {
   }
 }
 
-// What no closed body holds stays: a body beside another or in its cavity, and everything around an
-// open body.
+// Points that no closed body holds stay: on a body beside another or in its cavity, and everywhere
+// around an open body.
 TEST(Hidden, NothingElseIsLeftOut) {
   const Mesh ball = sphere_mesh(0.3, 24);
   const Mesh hollow = joined(box_mesh(2, 2, 2), inside_out(box_mesh(1, 1, 1)));

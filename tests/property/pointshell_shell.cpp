@@ -1,4 +1,4 @@
-// What a baked shell holds beside its positions: normals, weights, blocks; and its reproducibility.
+// A baked shell's normals, weights and blocks, and its reproducibility.
 #include <gtest/gtest.h>
 
 #include <cstring>

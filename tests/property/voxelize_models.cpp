@@ -41,9 +41,9 @@ std::vector<std::string> all_models() {
 }
 
 double longest_side(const Scene& scene) {
-  Vec3d low = apply(scene.parts[0].world_from_mesh, scene.mesh_of(scene.parts[0]).vertices[0]);
+  Vec3d low = apply(scene.objects[0].world_from_mesh, scene.mesh_of(scene.objects[0]).vertices[0]);
   Vec3d high = low;
-  for (const ScenePart& part : scene.parts) {
+  for (const MeshObject& part : scene.objects) {
     for (const Vec3d& vertex : scene.mesh_of(part).vertices) {
       const Vec3d world = apply(part.world_from_mesh, vertex);
       for (std::size_t d = 0; d < 3; ++d) {
@@ -57,7 +57,7 @@ double longest_side(const Scene& scene) {
 
 std::vector<SceneObject> objects_of(const Scene& scene) {
   std::vector<SceneObject> objects;
-  for (const ScenePart& part : scene.parts) {
+  for (const MeshObject& part : scene.objects) {
     objects.push_back({part.name, &scene.mesh_of(part), part.world_from_mesh, {}, 0});
   }
   return objects;
@@ -65,7 +65,7 @@ std::vector<SceneObject> objects_of(const Scene& scene) {
 
 std::vector<LatticeMesh> lattice_of(const Scene& scene, double voxel_size_m) {
   std::vector<LatticeMesh> meshes;
-  for (const ScenePart& part : scene.parts) {
+  for (const MeshObject& part : scene.objects) {
     meshes.push_back(reference::snapped(scene.mesh_of(part), part.world_from_mesh, voxel_size_m));
   }
   return meshes;

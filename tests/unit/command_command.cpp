@@ -13,6 +13,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "formats/command/progress_line.h"
 #include "formats/file/atomic_file.h"
 #include "formats/result.h"
 #include "tests/support/scratch_folder.h"

@@ -1,4 +1,4 @@
-// What is legal in glTF: containers, node trees, accessors, primitives.
+// Legal glTF files are read: containers, node trees, accessors, primitives.
 #include <gtest/gtest.h>
 
 #include <cmath>

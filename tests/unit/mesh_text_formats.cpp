@@ -1,4 +1,4 @@
-// What is legal in OBJ, OFF, ASCII STL and ASCII PLY, and seldom written.
+// Legal but rare forms of OBJ, OFF, ASCII STL and ASCII PLY are read.
 #include <gtest/gtest.h>
 
 #include "tests/support/mesh_files.h"

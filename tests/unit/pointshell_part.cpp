@@ -48,8 +48,7 @@ TEST(Part, AMirroredPlacingStillFacesOutwards) {
   }
 }
 
-// What a STEP reader tells about its triangles reaches the shell's e_part, beside what the user
-// declares.
+// The deviation that a STEP reader states reaches the shell's e_part, added to the user's own.
 TEST(Part, DeviationOfTheFilesCounts) {
   Assembly exact = assembly_of({box_mesh(1, 1, 1)}), tessellated = exact;
   tessellated.deviation_units = 0.1;

@@ -173,11 +173,11 @@ Result<Assembly> MeshSource::read(const std::string& path, const ReadOptions& op
 
 std::vector<MeshOutline> MeshSource::outlines(const Scene& scene) const {
   std::vector<MeshOutline> all;
-  for (const ScenePart& part : scene.parts) all.push_back(outline(part));
+  for (const MeshObject& part : scene.objects) all.push_back(outline(part));
   return all;
 }
 
-Result<const Mesh*> MeshSource::mesh(const ScenePart& part) {
+Result<const Mesh*> MeshSource::mesh(const MeshObject& part) {
   File& file = files_[part.assembly];
   if (file.meshes.empty()) {
     auto assembly = read_(file.path, file.options);
@@ -195,7 +195,7 @@ Result<const Mesh*> MeshSource::mesh(const ScenePart& part) {
   return &file.meshes[part.mesh];
 }
 
-Result<MeshFacts> MeshSource::facts(const ScenePart& part) {
+Result<MeshFacts> MeshSource::facts(const MeshObject& part) {
   File& file = files_[part.assembly];
   file.facts.resize(file.outlines.size());
   std::optional<MeshFacts>& facts = file.facts[part.mesh];

@@ -15,11 +15,11 @@ namespace {
 constexpr std::uint16_t kVersion20 = DRACO_BITSTREAM_VERSION(2, 0);
 constexpr std::uint16_t kVersion22 = DRACO_BITSTREAM_VERSION(2, 2);
 
-// A regular grid takes about a hundredth of a bit for a face. Ten thousand faces a byte lie beyond
-// any stream that an encoder writes, and keep a damaged count from asking for gigabytes.
+// A regular grid takes about a hundredth of a bit for a face. No encoder writes ten thousand faces
+// a byte; a damaged count that announces more must not take gigabytes.
 constexpr std::uint64_t kMostPerByte = 10'000;
 
-// Where a stream lies and how to complain about it.
+// A stream, its place in the file, and its errors.
 struct Stream {
   const SourceFile& file;
   std::string_view bytes;
@@ -30,7 +30,7 @@ struct Stream {
   }
 };
 
-// The counts at the head of a mesh stream, which the decoder trusts when it takes memory.
+// The counts at the head of a mesh stream. The decoder takes memory for them unchecked.
 class CountReader {
  public:
   explicit CountReader(const Stream& stream) : stream_(stream) {
@@ -140,9 +140,9 @@ const draco::PointAttribute& positions_of(const Stream& stream, const draco::Mes
   if (positions == nullptr || positions->num_components() != 3) {
     stream.fail(ErrorCode::kMeshUnreadable, "no three-dimensional positions in the Draco stream");
   }
-  // Draco would read any byte as a bool, which it need not be.
+  // Draco would read any byte as a bool, although not every byte is one.
   if (positions->data_type() == draco::DT_BOOL) {
-    stream.fail(ErrorCode::kMeshUnreadable, "positions that are truth values, not numbers");
+    stream.fail(ErrorCode::kMeshUnreadable, "positions are stored as booleans, not numbers");
   }
   return *positions;
 }
@@ -173,7 +173,7 @@ void read_vertices(const Stream& stream, const draco::PointAttribute& positions,
   for (draco::AttributeValueIndex i(0); i < static_cast<std::uint32_t>(positions.size()); ++i) {
     Vec3d& vertex = surface.vertices.emplace_back();
     if (!positions.ConvertValue<double, 3>(i, vertex.data())) {
-      stream.fail(ErrorCode::kMeshUnreadable, "positions of a type that has no numbers");
+      stream.fail(ErrorCode::kMeshUnreadable, "positions are stored in a type that is not numeric");
     }
   }
 }

@@ -20,7 +20,7 @@ struct DracoQuantization {
 struct DracoSurface {
   std::vector<Vec3d> vertices;
   std::vector<Triangle> triangles;
-  std::optional<DracoQuantization> quantization;  // none: positions are stored as they were
+  std::optional<DracoQuantization> quantization;  // none: positions are exact
 };
 
 // Decodes the triangle mesh in `stream`, a part of `file` that errors name as `where`. Positions

@@ -34,7 +34,8 @@ class GltfDocument {
 
   std::string_view buffer_view(std::uint64_t index) const;
 
-  // How often accessors, meshes and instances that share their data may unfold what the file holds.
+  // The most numbers, and the most instances, that accessors, meshes and nodes may make by sharing
+  // data of the file.
   std::uint64_t most_unfolded() const;
 
   // An accessor of type SCALAR with unsigned integers.

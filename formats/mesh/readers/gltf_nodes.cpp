@@ -85,8 +85,8 @@ std::vector<std::uint64_t> GltfNodes::indices(const nlohmann::json& object, cons
   return found;
 }
 
-// Which nodes are a child of another. Throws where one has two parents, so that a walk from nodes
-// that have none ends.
+// Whether each node is the child of another. Throws where a node has two parents, so that a walk
+// from the roots ends.
 std::vector<bool> GltfNodes::find_children() const {
   std::vector<bool> is_child(document_.count("nodes"), false);
   for (std::uint64_t i = 0; i < is_child.size(); ++i) {

@@ -42,12 +42,6 @@ constexpr double kAngularDeflectionRad = 0.35;  // 20 degrees: what small rounds
   fail_read(file, code, "", std::move(what), "export the file again");
 }
 
-std::string extension_of(const SourceFile& file) {
-  std::string extension = std::filesystem::path(file.path).extension().string();
-  for (char& c : extension) c = static_cast<char>(c | 0x20);
-  return extension;
-}
-
 // Every face of a STEP file must have become a shape.
 void check_faces(const SourceFile& file, const Handle(XSControl_WorkSession) & session) {
   const Handle(Interface_InterfaceModel) model = session->Model();
@@ -79,7 +73,7 @@ void transfer(const SourceFile& file, Reader& reader, Handle(TDocStd_Document) &
 
 Handle(TDocStd_Document) read_document(const SourceFile& file) {
   Handle(TDocStd_Document) document = new TDocStd_Document("BinXCAF");
-  if (extension_of(file).starts_with(".ig")) {
+  if (lower_case_extension(file.path).starts_with(".ig")) {
     IGESCAFControl_Reader reader;
     transfer(file, reader, document);
   } else {
