@@ -1,4 +1,4 @@
-// Checks of header fields: the first that fails becomes the error. Internal to formats/.
+// Checks of header fields; the first field that fails becomes the error. Internal to formats/.
 #pragma once
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// What .vox and .pshell have in common: the first 64 bytes, the section table, the limits.
+// The first 64 bytes, the section table and the limits that .vox and .pshell share.
 // The normative text is voxmap_format.md and pshell_format.md. All numbers are little-endian.
 #pragma once
 

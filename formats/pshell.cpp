@@ -12,13 +12,13 @@
 namespace forcelayer {
 namespace {
 
-// Squares of floats are exact in double and two additions round by 2^-53 each: more than this share
-// outside a sphere is outside.
+// A point is outside a sphere when it is farther by more than this share of the squared radius:
+// squares of floats are exact in double precision, and two additions round by 2^-53 each.
 constexpr double kSphereTolerance = 0x1p-50;
-// A unit vector computed in single precision and rounded to it is this close to one, squared.
+// A unit vector computed in single precision has a squared length this close to 1.
 constexpr double kUnitTolerance = 2e-6;
 
-// Where a section's element breaks its rule.
+// The error for an element of a section that breaks its rule.
 [[gnu::cold]] Error entry_error(std::string_view name, const std::string& section,
                                 std::size_t index, std::string what) {
   return {ErrorCode::kEntryInvalid, std::string(name), section + " entry " + std::to_string(index),
@@ -63,13 +63,13 @@ void check_mass_fields(const PshellHeader& h, FieldChecks& checks) {
   }
 }
 
-// Cold, and so small: it runs once a file, between loops that run over all of it.
+// Compiled for size: it runs once a file, between loops over the whole file.
 [[gnu::cold]] Status check_header_fields(const PshellHeader& h, std::string_view name) {
   FieldChecks checks(name);
   check_block_fields(h, checks);
   checks.require(h.voxel_size_m >= kMinVoxelSizeM && h.voxel_size_m <= kMaxVoxelSizeM,
                  offsetof(PshellHeader, voxel_size_m), "voxel_size_m",
-                 "is not between 1e-9 and 1e6 metres");
+                 "is not between 1e-9 and 1e6 meters");
   checks.require(is_finite_not_negative(h.covering_radius_m),
                  offsetof(PshellHeader, covering_radius_m), "covering_radius_m",
                  "is not a finite length");
@@ -167,7 +167,7 @@ Status check_points(const PshellView& v, double bounding_radius_m, std::string_v
     }
   }
   if (!(area_m2 > 0)) {
-    return entry_error(name, "weight", 0, "no point has an area: no contact would have a force");
+    return entry_error(name, "weight", 0, "every weight is zero, so no contact would have a force");
   }
   return {};
 }

@@ -42,7 +42,7 @@ class Pshell {
   const PshellView& view() const { return view_; }
   std::string_view provenance() const { return provenance_; }
   std::span<const std::byte> bytes() const { return bytes_; }
-  const FileStamp& stamp() const { return file_.stamp(); }  // of no file: of bytes in memory
+  const FileStamp& stamp() const { return file_.stamp(); }  // never changes for bytes in memory
 
  private:
   Pshell() = default;

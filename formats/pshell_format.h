@@ -4,7 +4,8 @@
 //   header | section table | x | y | z | nx | ny | nz | weight | blocks | super-blocks | [cones] |
 //   [json]
 //
-// Points stand in blocks of `block_points`, blocks in super-blocks of `super_blocks`. Every point
+// Points stand in blocks of `block_points`, blocks in super-blocks of
+// `super_block_blocks`. Every point
 // section holds block_count * block_points elements; those beyond point_count repeat the last point
 // with weight zero and do not count.
 #pragma once

@@ -1,4 +1,4 @@
-// Results that must be looked at: a value, or an error with a fixed code and the place it is about.
+// Results that a caller must check: a value, or an error with a fixed code and its place.
 #pragma once
 
 #include <cstdint>
@@ -11,11 +11,11 @@ namespace forcelayer {
 
 // Fixed numbers; the hundreds are the exit status of the commands (0 done, see exit_status()).
 enum class ErrorCode : int {
-  kInternal = 100,          // a bug of ours
+  kInternal = 100,          // a bug in this program
   kFileNotFound = 101,      // missing, or a folder where a file is wanted
   kReadFailed = 102,        // the system refused or broke off a read
   kWriteFailed = 103,       // the system refused or broke off a write
-  kOutOfMemory = 104,       // memory the job needs cannot be had
+  kOutOfMemory = 104,       // the system has too little memory for the job
   kUsage = 200,             // wrong command line
   kMeshUnreadable = 300,    // a mesh file that cannot be parsed
   kMeshIncomplete = 301,    // fewer vertices or faces than the file announces
@@ -47,7 +47,7 @@ constexpr int exit_status(ErrorCode code) { return static_cast<int>(code) / 100;
 struct Error {
   ErrorCode code = ErrorCode::kInternal;
   std::string file;   // path as the user gave it; may be empty
-  std::string where;  // section, byte, line, key, part ...; may be empty
+  std::string where;  // section, byte, line, key, object ...; may be empty
   std::string what;   // what is wrong
   std::string mend;   // how to mend it; may be empty
 };

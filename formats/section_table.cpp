@@ -47,7 +47,7 @@ bool starts_with(std::span<const std::byte> bytes, const std::array<std::uint8_t
   return starts_with(bytes, {reinterpret_cast<const char*>(magic.data()), magic.size()});
 }
 
-// What a file whose magic is not `magic` may be instead.
+// The error for a file without `magic`; it names the format that the file has instead.
 Error wrong_magic(std::span<const std::byte> bytes, std::string_view name,
                   const std::array<std::uint8_t, 8>& magic) {
   const bool wants_voxmap = magic == kVoxmapMagic;

@@ -1,5 +1,5 @@
-// What the readers and writers of both file formats share: the first 64 bytes, the section table,
-// their checks and their layout. Internal to formats/.
+// The first 64 bytes and the section table of both formats: checks for readers, layout for writers.
+// Internal to formats/.
 #pragma once
 
 #include <array>
@@ -20,8 +20,8 @@ namespace forcelayer {
 // XXH3-64 with seed 0.
 std::uint64_t checksum(std::span<const std::byte> bytes);
 
-// The same of a piece of a file that is kept open, read in small pieces: nothing of it is in this
-// process's memory afterwards.
+// The same for `bytes` bytes of a file that is kept open. Reads them in small pieces, so that the
+// process's memory does not grow.
 Result<std::uint64_t> checksum(const MappedFile& file, std::uint64_t offset, std::uint64_t bytes);
 
 // The smallest multiple of kSectionAlignment that is not below `offset`.
@@ -29,13 +29,13 @@ constexpr std::uint64_t aligned_offset(std::uint64_t offset) {
   return (offset + kSectionAlignment - 1) / kSectionAlignment * kSectionAlignment;
 }
 
-// What a format expects of its own header.
+// The magic and the size of a format's header.
 struct HeaderRule {
   std::array<std::uint8_t, 8> magic;
   std::uint32_t header_bytes;  // of this minor version
 };
 
-// What a format expects of one section.
+// The id, element size and presence that a format requires of one section.
 struct SectionRule {
   std::uint32_t id;
   const char* name;             // for errors
@@ -44,14 +44,14 @@ struct SectionRule {
 };
 
 // Checks the first 64 bytes, the header's checksum, the exact size of the file, version and feature
-// flags, and that `bytes` are aligned as a mapping is. After it, `rule.header_bytes` bytes of
-// header and the section table may be read. `name` is the file's, for errors.
+// flags, and that `bytes` are 64-byte aligned. Afterwards `rule.header_bytes` bytes of header and
+// the section table may be read. `name` is the file's, for errors.
 Status check_file_header(std::span<const std::byte> bytes, std::string_view name,
                          const HeaderRule& rule);
 
-// Checks the section table and returns the sections' bytes, one span for each rule and in the
-// rules' order, which is that of ascending ids (empty where an optional section is absent). The
-// file header has been checked.
+// Checks the section table and returns the sections' bytes: one span for each rule, in the rules'
+// order (ascending ids), empty where an optional section is absent. The file header has been
+// checked before.
 Result<std::vector<std::span<const std::byte>>> check_sections(std::span<const std::byte> bytes,
                                                                std::string_view name,
                                                                std::span<const SectionRule> rules);
@@ -61,8 +61,8 @@ Result<std::vector<std::span<const std::byte>>> check_sections(std::span<const s
 Status check_section_checksums(std::span<const std::byte> bytes, std::string_view name,
                                std::span<const SectionRule> rules, const MappedFile* file);
 
-// Whether the file was written to a minor version that this reader does not know: it may then give
-// meaning to bytes that are reserved here, append to the header and bring sections of its own.
+// Whether the file has a minor version that this reader does not know. Such a file may give meaning
+// to bytes that are reserved here, lengthen the header and add sections.
 bool is_newer_minor(const FileHeader& header);
 
 // The elements of a checked section.
@@ -71,9 +71,8 @@ std::span<const T> elements_of(std::span<const std::byte> section) {
   return {reinterpret_cast<const T*>(section.data()), section.size() / sizeof(T)};
 }
 
-// A file laid out for writing: pieces that follow each other without gaps. `front` owns header,
-// table and the padding up to the first section; the other pieces are the caller's sections and
-// zeros.
+// A file laid out for writing, as pieces that follow each other without gaps. `front` owns header
+// and table; the other pieces are the caller's sections and the zeros between them.
 struct FileLayout {
   std::vector<std::byte> front;
   std::vector<std::span<const std::byte>> pieces;  // after `front`

@@ -57,7 +57,7 @@ void check_directory_fields(const VoxmapHeader& h, FieldChecks& checks) {
                    "is not a multiple of 512 or beyond 2^52 voxels");
     const std::uint32_t dim = h.directory_dims[axis];
     checks.require(dim <= kMaxDirectoryDim, offsetof(VoxmapHeader, directory_dims) + 4 * axis,
-                   "directory_dims", "is above 2^21 blocks");
+                   "directory_dims", "is above 2^21 cells");
     if (!checks.status()) return;
     any_zero |= dim == 0;
     all_zero &= dim == 0;
@@ -130,12 +130,12 @@ void check_count_fields(const VoxmapHeader& h, FieldChecks& checks) {
                  "do not agree with dims_voxels on whether all is free");
 }
 
-// Cold, and so small: it runs once a file, between loops that run over all of it.
+// Compiled for size: it runs once a file, between loops over the whole file.
 [[gnu::cold]] Status check_header_fields(const VoxmapHeader& h, std::string_view name) {
   FieldChecks checks(name);
   checks.require(h.voxel_size_m >= kMinVoxelSizeM && h.voxel_size_m <= kMaxVoxelSizeM,
                  offsetof(VoxmapHeader, voxel_size_m), "voxel_size_m",
-                 "is not between 1e-9 and 1e6 metres");
+                 "is not between 1e-9 and 1e6 meters");
   check_encoding_fields(h, checks);
   check_directory_fields(h, checks);
   if (checks.status()) check_box_fields(h, checks);
@@ -154,15 +154,15 @@ void check_count_fields(const VoxmapHeader& h, FieldChecks& checks) {
   return checks.status();
 }
 
-// What entries of a level may be.
+// The entries that a level of the tree may have.
 struct EntryRule {
   std::uint64_t child_count;   // elements of the next level's section
-  std::uint32_t max_code;      // highest value of this many bits
-  std::uint32_t lowest_free;   // free codes: at 2 bits 0 alone, else this one and all above
-  std::uint32_t highest_free;  // of the free codes
+  std::uint32_t max_code;      // 2^bits_per_voxel - 1
+  std::uint32_t lowest_free;   // of the codes that mean free: 0 at 2 bits, else free_code
+  std::uint32_t highest_free;  // 0 at 2 bits, else max_code
 };
 
-// Whether an entry breaks the rule; without branches, so that the loop below becomes vector code.
+// Whether an entry breaks the rule. Without branches, so that the loop below is vectorized.
 bool is_bad_entry(std::uint32_t entry, const EntryRule& rule) {
   const std::uint32_t value = uniform_value(entry);
   const bool free = (value >= rule.lowest_free) & (value <= rule.highest_free);
@@ -217,8 +217,9 @@ Status check_compliance(const VoxmapHeader& h, std::span<const float> forces,
     return Error{ErrorCode::kSectionInvalid, std::string(name), "compliance", what,
                  "bake or copy it again"};
   };
-  if (h.bits_per_voxel == 2) return wrong("two bits a voxel have no depth for it");
-  if (forces.size() > std::size_t{h.zero_code} + 1) return wrong("goes deeper than distances do");
+  if (h.bits_per_voxel == 2) return wrong("stands in a file of 2 bits, which has no depths");
+  if (forces.size() > std::size_t{h.zero_code} + 1)
+    return wrong("has more entries than the codes have depths");
   for (std::size_t i = 0; i < forces.size(); ++i) {
     const float least = i == 0 ? 0.0f : forces[i - 1];
     const float most = i == 0 ? 0.0f : kMostComplianceN;
@@ -227,7 +228,7 @@ Status check_compliance(const VoxmapHeader& h, std::span<const float> forces,
     return Error{ErrorCode::kEntryInvalid, std::string(name),
                  "compliance entry " + std::to_string(i),
                  i == 0 ? "is not 0: the force begins at the zero-force surface"
-                        : "is not a force from the one before it up to 1e6 N and 1e12 N/m",
+                        : "is below the entry before it, above 1e6 N, or steeper than 1e12 N/m",
                  "bake or copy it again"};
   }
   if (!(forces.back() > 0)) return wrong("has no force at any depth");

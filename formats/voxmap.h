@@ -13,7 +13,7 @@
 
 namespace forcelayer {
 
-// What one look-up into the tree tells.
+// The result of one look-up in the tree.
 struct VoxelLookup {
   std::uint32_t code = 0;       // the stored value: a VoxelValue at two bits, else a distance code
   std::uint32_t clearance = 0;  // of the entry's box, in voxels; 0 = unknown (or in a brick)
@@ -28,7 +28,7 @@ struct VoxmapView {
   const std::uint32_t* lower_nodes = nullptr;  // [count][512]
   const std::uint32_t* bricks = nullptr;       // [count][16 * bits_per_voxel] words
   std::array<std::int64_t, 3> directory_origin{};
-  std::array<std::int32_t, 3> directory_dims{};  // blocks of 512 voxels
+  std::array<std::int32_t, 3> directory_dims{};  // cells of 512 voxels
   std::uint32_t bits_per_voxel = 2;
 
   // Whether relative voxel (x, y, z) lies in the directory; outside it all is free.
@@ -57,10 +57,9 @@ struct VoxmapView {
   }
 };
 
-// How much of a file open() verifies. Structure is everything that a reader of the tree trusts:
-// sizes, alignment, every entry's child index or value, reserved bits. Neither is optional.
-// Checksums are of everything: the whole file is read once, but for bytes in memory in small pieces
-// that leave nothing behind in the process.
+// How much of a file open() verifies. Structure is always checked: sizes, alignment, reserved bits,
+// and every entry's child index or value. With checksums, every byte of the file is read once, in
+// small pieces, so that the process's memory does not grow.
 enum class Verify { kStructure, kStructureAndChecksums };
 
 // A mapped .vox file. Movable; views and spans live as long as it does.
@@ -70,7 +69,7 @@ class Voxmap {
   // byte or entry.
   static Result<Voxmap> open(const std::filesystem::path& path, Verify verify = Verify::kStructure);
 
-  // The same from a file that was opened for long. `name` is for errors.
+  // The same from a file that is kept open. `name` is for errors.
   static Result<Voxmap> from_file(MappedFile file, std::string_view name,
                                   Verify verify = Verify::kStructure);
 
@@ -88,12 +87,12 @@ class Voxmap {
   std::uint64_t upper_node_count() const { return upper_node_count_; }
   std::uint64_t lower_node_count() const { return lower_node_count_; }
   std::uint64_t brick_count() const { return brick_count_; }
-  // Force of one contact point, N, at depths of 0, 1, 2, ... times quantum_m (voxmap_format.md, 6);
-  // may be empty. From 0 on, not decreasing, above 0 at its end.
+  // Force of one contact point, N, at depths of 0, 1, 2, ... times quantum_m (voxmap_format.md,
+  // section 6). May be empty; else it starts at 0, never decreases, and ends above 0.
   std::span<const float> compliance() const { return compliance_; }
   std::string_view provenance() const { return provenance_; }  // JSON text
   std::span<const std::byte> bytes() const { return bytes_; }  // the whole file
-  const FileStamp& stamp() const { return file_.stamp(); }     // of no file: of bytes in memory
+  const FileStamp& stamp() const { return file_.stamp(); }     // never changes for bytes in memory
 
  private:
   Voxmap() = default;

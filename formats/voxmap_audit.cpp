@@ -39,25 +39,25 @@ Box shifted(Box box, const Voxel& by, std::int64_t sign) {
 
 Box cube(std::int64_t edge) { return {{0, 0, 0}, {edge, edge, edge}}; }
 
-// What a node or brick holds: voxels by value (of 1, 2, 3) and the tight box of those, relative to
-// its lowest voxel.
+// The content of a node or brick: the number of voxels of values 1, 2 and 3, and their tight box
+// relative to its lowest voxel.
 struct Summary {
   std::array<std::uint64_t, 3> counts{};
   Box tight{};
 
-  void add(const Summary& part, const Voxel& at) {
-    if (part.tight.empty()) return;
-    const Box box = shifted(part.tight, at, 1);
+  void add(const Summary& child, const Voxel& at) {
+    if (child.tight.empty()) return;
+    const Box box = shifted(child.tight, at, 1);
     if (tight.empty()) tight = box;
     for (std::size_t n = 0; n < 3; ++n) {
-      counts[n] += part.counts[n];
+      counts[n] += child.counts[n];
       tight.low[n] = std::min(tight.low[n], box.low[n]);
       tight.high[n] = std::max(tight.high[n], box.high[n]);
     }
   }
 };
 
-// The summaries of all stored elements, from the bricks up; shared ones are looked at once.
+// The summaries of all stored elements, from the bricks up; a shared element has one.
 class Summaries {
  public:
   explicit Summaries(const Voxmap& map) : map_(map), view_(map.view()) {
@@ -81,15 +81,15 @@ class Summaries {
 
   // Whether a box, relative to the directory's origin, holds a voxel that is not free.
   bool holds_non_free(const Box& box) const {
-    const Box part = intersection(box, scene_.tight);
-    if (part.empty()) return false;
+    const Box overlap = intersection(box, scene_.tight);
+    if (overlap.empty()) return false;
     const auto& dims = view_.directory_dims;
-    for (std::int64_t x = part.low[0] >> 9; x <= (part.high[0] - 1) >> 9; ++x) {
-      for (std::int64_t y = part.low[1] >> 9; y <= (part.high[1] - 1) >> 9; ++y) {
-        for (std::int64_t z = part.low[2] >> 9; z <= (part.high[2] - 1) >> 9; ++z) {
+    for (std::int64_t x = overlap.low[0] >> 9; x <= (overlap.high[0] - 1) >> 9; ++x) {
+      for (std::int64_t y = overlap.low[1] >> 9; y <= (overlap.high[1] - 1) >> 9; ++y) {
+        for (std::int64_t z = overlap.low[2] >> 9; z <= (overlap.high[2] - 1) >> 9; ++z) {
           const std::uint32_t entry = view_.directory[(x * dims[1] + y) * dims[2] + z];
           const Voxel at{x * kUpperNodeEdge, y * kUpperNodeEdge, z * kUpperNodeEdge};
-          if (entry_holds_non_free(entry, kUpperNodeEdge, shifted(part, at, -1))) return true;
+          if (entry_holds_non_free(entry, kUpperNodeEdge, shifted(overlap, at, -1))) return true;
         }
       }
     }
@@ -145,15 +145,15 @@ class Summaries {
     const std::vector<Summary>& level = edge == kUpperNodeEdge   ? upper_
                                         : edge == kLowerNodeEdge ? lower_
                                                                  : bricks_;
-    const Box part = intersection(box, level[entry].tight);
-    if (part.empty()) return false;
+    const Box overlap = intersection(box, level[entry].tight);
+    if (overlap.empty()) return false;
     const std::int64_t child_edge = edge / 8;
-    for (std::int64_t x = part.low[0] / child_edge; x * child_edge < part.high[0]; ++x) {
-      for (std::int64_t y = part.low[1] / child_edge; y * child_edge < part.high[1]; ++y) {
-        for (std::int64_t z = part.low[2] / child_edge; z * child_edge < part.high[2]; ++z) {
+    for (std::int64_t x = overlap.low[0] / child_edge; x * child_edge < overlap.high[0]; ++x) {
+      for (std::int64_t y = overlap.low[1] / child_edge; y * child_edge < overlap.high[1]; ++y) {
+        for (std::int64_t z = overlap.low[2] / child_edge; z * child_edge < overlap.high[2]; ++z) {
           const auto n = static_cast<std::uint32_t>(x * 64 + y * 8 + z);
           const Voxel at{x * child_edge, y * child_edge, z * child_edge};
-          if (child_holds_non_free(entry, n, edge, shifted(part, at, -1))) return true;
+          if (child_holds_non_free(entry, n, edge, shifted(overlap, at, -1))) return true;
         }
       }
     }
@@ -218,7 +218,7 @@ bool is_known(const VoxmapHeader& h, const Box& world) {
   return true;
 }
 
-// Why the region's clearance is not true, or nothing.
+// The reason why the region's clearance is not true; nothing where it is.
 std::optional<std::string> untrue_clearance(const VoxmapHeader& h, const Summaries& summaries,
                                             const VoxmapRegion& region) {
   const std::int64_t clearance = uniform_clearance(region.entry);

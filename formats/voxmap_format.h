@@ -3,8 +3,9 @@
 //
 //   header | section table | directory | upper nodes | lower nodes | bricks | [compliance] | [json]
 //
-// A directory entry covers 512^3 voxels, an entry of an upper node 64^3, one of a lower node 8^3;
-// a brick holds 8^3 voxels. Inside nodes and bricks, entry n = x*64 + y*8 + z (z runs fastest).
+// A directory entry stands for a directory cell of 512^3 voxels, an entry of an upper node for
+// 64^3, one of a lower node for 8^3; a brick holds 8^3 voxels. Inside nodes and bricks, entry n =
+// x*64 + y*8 + z (z runs fastest).
 #pragma once
 
 #include <limits>
@@ -20,10 +21,10 @@ enum class Metric : std::uint32_t { kChebyshev = 0, kEuclidean = 1 };
 
 inline constexpr std::uint32_t kBrickEdge = 8;        // voxels
 inline constexpr std::uint32_t kLowerNodeEdge = 64;   // voxels
-inline constexpr std::uint32_t kUpperNodeEdge = 512;  // voxels: one directory entry
+inline constexpr std::uint32_t kUpperNodeEdge = 512;  // voxels: a directory cell
 inline constexpr std::uint32_t kNodeEntries = 512;    // of a node, or voxels of a brick
 inline constexpr std::uint64_t kMaxDirectoryEntries = std::uint64_t{1} << 28;
-inline constexpr std::uint32_t kMaxDirectoryDim = 1u << 21;  // blocks; 2^30 voxels fit an int32
+inline constexpr std::uint32_t kMaxDirectoryDim = 1u << 21;  // cells; 2^30 voxels fit an int32
 inline constexpr std::int64_t kMaxVoxelIndex = std::int64_t{1} << 52;  // doubles hold it exactly
 
 // A tree entry of 32 bits. Bit 31 clear: bits 0-30 are the index of a child in the next level's
@@ -56,8 +57,8 @@ enum class VoxmapSection : std::uint32_t {
   kProvenance = 6,  // UTF-8 JSON: content hashes and the options that affect voxels
 };
 
-// Sides of valid box where a region of interest cut the scene (bit set) and beyond which nothing
-// is known.
+// The sides of the valid box where a region of interest cut the scene. Beyond a side whose bit is
+// set nothing is known.
 enum CroppedSide : std::uint32_t {
   kCroppedMinX = 1,
   kCroppedMaxX = 2,
@@ -79,15 +80,15 @@ struct VoxmapHeader {                            // offset
   std::uint32_t metric;                          // 176  Metric
   std::uint32_t bits_per_voxel;                  // 180  2, 4 or 8
   std::array<std::int64_t, 3> directory_origin;  // 184  lowest voxel of entry 0; multiple of 512
-  std::array<std::uint32_t, 3> directory_dims;   // 208  blocks of 512 voxels
+  std::array<std::uint32_t, 3> directory_dims;   // 208  directory cells
   std::uint32_t reserved0;                       // 220  zero
   std::uint64_t interior_voxels;                 // 224
   std::uint64_t surface_voxels;                  // 232
   std::uint64_t proximity_voxels;                // 240
   std::uint64_t triangles;                       // 248  of the scene
   double static_deviation_m;                     // 256  e_static of the separation guarantee
-  double range_m;                         // 264  4, 8 bits: distances are kept so deep; else 0
-  double quantum_m;                       // 272  4, 8 bits: metres per step; else 0
+  double range_m;                         // 264  4, 8 bits: depth of the stored distances; else 0
+  double quantum_m;                       // 272  4, 8 bits: meters per step; else 0
   std::uint32_t zero_code;                // 280  4, 8 bits: code of the zero force; else 0
   std::uint32_t surface_code;             // 284  4, 8 bits: lowest code of value 2
   std::uint32_t proximity_code;           // 288  4, 8 bits: lowest code of value 3
@@ -102,8 +103,8 @@ static_assert(offsetof(VoxmapHeader, interior_voxels) == 224);
 static_assert(offsetof(VoxmapHeader, static_deviation_m) == 256);
 static_assert(offsetof(VoxmapHeader, reserved) == 296);
 
-// The voxels that a file tells of, counted from the world voxel `origin`: all, but for those beyond
-// cropped sides, which read as free and are not known.
+// The voxels whose value is known, counted from the world voxel `origin`: all but those beyond a
+// cropped side, which read as free.
 struct KnownBox {
   std::array<std::int64_t, 3> low{}, high{};  // inclusive, exclusive
 };
@@ -121,11 +122,12 @@ constexpr KnownBox known_box(const VoxmapHeader& header,
   return box;
 }
 
-// Of the force that a compliance table gives a contact point at some depth.
+// Limits of a compliance table: the highest force of a contact point and the steepest slope.
 inline constexpr float kMostComplianceN = 1e6f;
-inline constexpr double kMostComplianceNPerM = 1e12;  // of its slope
+inline constexpr double kMostComplianceNPerM = 1e12;
 
-// At 4 and 8 bits: voxels from the zero-force surface down to the interior, to the nearest step.
+// At 4 and 8 bits: the depth of the force layer, from the zero-force surface to the interior, in
+// voxels and to the nearest step.
 constexpr double force_layer_voxels(const VoxmapHeader& header) {
   if (header.zero_code <= header.surface_code) return 0;
   return (header.zero_code - header.surface_code) * header.quantum_m / header.voxel_size_m;
@@ -144,7 +146,7 @@ constexpr VoxelValue voxel_value(const VoxmapHeader& header, std::uint32_t code)
   return code >= header.surface_code ? VoxelValue::kSurface : VoxelValue::kInterior;
 }
 
-// The lowest code that stands for free; all above it do too at 4 and 8 bits.
+// The lowest code that stands for free. At 4 and 8 bits all codes above it are free too.
 constexpr std::uint32_t lowest_free_code(const VoxmapHeader& header) {
   return header.bits_per_voxel == 2 ? 0 : header.free_code;
 }

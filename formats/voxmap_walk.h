@@ -1,6 +1,6 @@
-// Walking over a voxmap's tree: every directory, node and brick entry with the box that it stands
-// for, in the order of the file's directory (x slowest, z fastest). Takes no memory; a node that
-// several entries share is visited once for each.
+// A walk over a voxmap's tree: every uniform box and brick with its place, in the order of the
+// file's directory (x slowest, z fastest). It takes no memory. A node that several entries share is
+// visited once for each of them.
 #pragma once
 
 #include <array>

@@ -12,20 +12,17 @@
 
 #include "pointshell/certificate/certificate.h"
 #include "pointshell/certificate/hidden_surface.h"
-#include "pointshell/certificate/triangle_tree.h"
-#include "pointshell/mass_properties.h"
 #include "pointshell/normals/normals.h"
-#include "pointshell/order.h"
-#include "pointshell/parallel.h"
+#include "pointshell/part/mass_properties.h"
+#include "pointshell/part/parallel.h"
+#include "pointshell/part/triangle_tree.h"
 #include "pointshell/sample/hole_filling.h"
+#include "pointshell/sample/order.h"
 #include "pointshell/sample/voxel_centers.h"
-#include "pointshell/weights.h"
+#include "pointshell/sample/weights.h"
 
 namespace forcelayer {
 namespace {
-
-// Planar bound: no covering of a plane by discs needs fewer than 0.385 points per squared radius.
-constexpr double kLeastPointsPerArea = 0.3849001794597505;  // 2 / (3 sqrt 3)
 
 class Stages {
  public:
@@ -54,37 +51,37 @@ class Stages {
 
 // Working memory for each point of a bake, with room to spare.
 constexpr double kBytesPerPoint = 400;
-// What the methods need at most, as multiples of the planar bound.
+// The most points that a method needs, as a multiple of the planar bound.
 constexpr double kMostOfBound = 3;
 
 double physical_memory_bytes() {
   return static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
 }
 
-// Refuses at the door what would run for hours and then out of memory.
+// Refuses a bake that would run for hours and then out of memory.
 Status check_size(const MassProperties& mass, double radius) {
-  const double points = kMostOfBound * kLeastPointsPerArea * mass.area_m2 / (radius * radius);
-  if (points < static_cast<double>(kMaxShellPoints) &&
-      points * kBytesPerPoint < physical_memory_bytes()) {
+  const double expected = planar_bound(mass.area_m2, radius), most = kMostOfBound * expected;
+  if (most < static_cast<double>(kMaxShellPoints) &&
+      most * kBytesPerPoint < physical_memory_bytes()) {
     return {};
   }
   char what[160];
   std::snprintf(what, sizeof what,
                 "the shell would need about %.2g points, more than this machine's memory or the "
                 "format holds",
-                points / kMostOfBound);
+                expected);
   return Error{ErrorCode::kBakeTooLarge, "", "", what,
                "use a larger voxel size or covering radius, and check --units"};
 }
 
-// Voxel centres reach sqrt(3)/2 voxel; their rounding to floats is added to that.
-double rounded_centre_radius(double voxel_size_m, const Part& centred) {
+// Voxel centers reach sqrt(3)/2 voxel; their rounding to floats is added to that.
+double rounded_center_radius(double voxel_size_m, const Part& centered) {
   double extent = voxel_size_m;
-  for (const Vec3& v : centred.vertices) extent = std::max(extent, max_abs(v) + voxel_size_m);
+  for (const Vec3& v : centered.vertices) extent = std::max(extent, max_abs(v) + voxel_size_m);
   return std::sqrt(0.75) * (voxel_size_m + extent * 0x1p-22) * (1 + 1e-6);
 }
 
-// Adds the centres of the voxels that hold the holes; false where all are there already.
+// Adds the centers of the voxels that hold the holes; false where all are there already.
 bool add_voxel_centers_at(const std::vector<Hole>& holes, const Vec3& center, double voxel_size_m,
                           std::vector<Vec3>& points) {
   std::vector<Vec3> wanted, added;
@@ -100,19 +97,20 @@ bool add_voxel_centers_at(const std::vector<Hole>& holes, const Vec3& center, do
   return !added.empty();
 }
 
-// The centres, and those of the few more voxels that only the mesh before snapping touches.
-Result<CoveringProof> cover_by_voxel_centers(const Part& part, const Part& centred,
+// The centers of the voxels that the snapped mesh touches, and of the few more that only the mesh
+// before snapping touches.
+Result<CoveringProof> cover_by_voxel_centers(const Part& part, const Part& centered,
                                              const Vec3& center, double voxel_size_m, double radius,
                                              std::vector<Vec3>& points) {
   auto centers = voxel_centers(part, voxel_size_m, center);
   if (!centers) return centers.error();
   points = std::move(*centers);
-  CoveringProof proof = prove_covering(centred, points, radius);
+  CoveringProof proof = prove_covering(centered, points, radius);
   while (!proof.proven) {
     if (!add_voxel_centers_at(proof.holes, center, voxel_size_m, points)) {
-      return Error{ErrorCode::kInternal, "", "", "voxel centres do not cover the part", ""};
+      return Error{ErrorCode::kInternal, "", "", "voxel centers do not cover the part", ""};
     }
-    proof = continue_proof(centred, points, radius, proof);
+    proof = continue_proof(centered, points, radius, proof);
   }
   return proof;
 }
@@ -178,16 +176,16 @@ Result<BakedShell> bake(Part part, const ShellOptions& options, const BakeProgre
   shell.orientation = *orientation;
   const MassProperties mass = mass_properties(part);
   if (const Status fits = check_size(mass, radius); !fits) return fits.error();
-  const Part centred = relative_to(part, mass.centroid);
+  const Part centered = relative_to(part, mass.centroid);
 
   stages.begin("points");
-  const TriangleTree tree(centred);
+  const TriangleTree tree(centered);
   std::vector<Vec3> points;
   std::optional<CoveringProof> proof;
   if (options.method == ShellMethod::kVoxelCenters) {
-    radius = rounded_centre_radius(options.voxel_size_m, centred);
+    radius = rounded_center_radius(options.voxel_size_m, centered);
     auto covered =
-        cover_by_voxel_centers(part, centred, mass.centroid, options.voxel_size_m, radius, points);
+        cover_by_voxel_centers(part, centered, mass.centroid, options.voxel_size_m, radius, points);
     if (!covered) return covered.error();
     proof = std::move(*covered);
   } else {
@@ -196,9 +194,9 @@ Result<BakedShell> bake(Part part, const ShellOptions& options, const BakeProgre
     points = std::move(covering.positions);
     proof = std::move(covering.proof);
   }
-  if (const HiddenSurface hidden(centred); hidden.possible()) {
+  if (const HiddenSurface hidden(centered); hidden.possible()) {
     stages.begin("hidden");
-    shell.hidden_points = leave_out_hidden_points(centred, hidden, radius, points, *proof);
+    shell.hidden_points = leave_out_hidden_points(centered, hidden, radius, points, *proof);
   }
   shell.certificate_pieces = proof->pieces;
 
@@ -224,6 +222,10 @@ Result<BakedShell> bake(Part part, const ShellOptions& options, const BakeProgre
 }
 
 }  // namespace
+
+double planar_bound(double area_m2, double radius_m) {
+  return 2 / (3 * std::sqrt(3.0)) * area_m2 / (radius_m * radius_m);
+}
 
 double requested_covering_radius(const ShellOptions& options) {
   return options.covering_radius_m > 0 ? options.covering_radius_m

@@ -9,20 +9,23 @@
 #include "formats/pshell_writer.h"
 #include "formats/result.h"
 #include "pointshell/normals/orientation.h"
-#include "pointshell/part.h"
+#include "pointshell/part/part.h"
 #include "pointshell/sample/covering_points.h"
 
 namespace forcelayer {
 
 struct ShellOptions {
   double voxel_size_m = 0;
-  double covering_radius_m = 0;  // 0: sqrt(3)/2 voxel, that of voxel centres
+  double covering_radius_m = 0;  // 0: sqrt(3)/2 voxel, that of voxel centers
   ShellMethod method = ShellMethod::kSurface;
   Effort effort = Effort::kFull;
-  double mesh_deviation_m = 0;  // of the mesh from the true part, as the user declares; what the
-                                // files themselves tell (Part::deviation_m) is added
+  double mesh_deviation_m = 0;  // of the mesh from the true part, as the user declares it;
+                                // Part::deviation_m is added
   unsigned threads = 0;         // 0: all
 };
+
+// The fewest points whose discs of this radius can cover a plane of this area (Kershner 1939).
+double planar_bound(double area_m2, double radius_m);
 
 // The radius that the options ask for, m.
 double requested_covering_radius(const ShellOptions& options);
@@ -43,7 +46,7 @@ struct BakedShell {
   PshellContent content() const;  // valid while this lives and stays
 };
 
-// Tells what is going on: the stage and the share of it that is done.
+// Called with the stage that runs and the share of it that is done, in [0, 1].
 using BakeProgress = std::function<void(const std::string& stage, double share_done)>;
 
 // Errors: kMeshUnorientable, kBakeTooLarge. The same shell for any number of threads.

@@ -8,12 +8,13 @@
 #include <vector>
 
 #include "formats/command/command.h"
+#include "formats/command/progress_line.h"
 #include "formats/command/quantity.h"
 #include "formats/pshell.h"
 #include "formats/pshell_writer.h"
 #include "pointshell/bake.h"
-#include "pointshell/parallel.h"
-#include "pointshell/part_files.h"
+#include "pointshell/part/parallel.h"
+#include "pointshell/part/part_files.h"
 #include "pointshell/report.h"
 #include "pointshell/verify.h"
 
@@ -56,8 +57,8 @@ void declare_bake(CLI::App& app, Arguments& arguments) {
 }
 
 void declare_verify(CLI::App& app, Arguments& arguments) {
-  CLI::App* verify =
-      app.add_subcommand("verify", "prove a shell's covering radius again from the files alone");
+  CLI::App* verify = app.add_subcommand(
+      "verify", "prove a shell's covering radius again, from the shell and its meshes alone");
   verify->add_option("PART", arguments.shell, "the .pshell file")->required();
   verify->add_option("MESH", arguments.inputs, "the mesh files it was made from")->required();
   verify->add_option("--units", arguments.units, "unit of the mesh files");
@@ -189,7 +190,7 @@ Status bake_command(const Arguments& arguments) {
   return write_report(arguments.json, report);
 }
 
-Error not_covered(const Arguments& arguments, const Pshell& shell, const CoveringProof& proof) {
+Error open_surface(const Arguments& arguments, const Pshell& shell, const CoveringProof& proof) {
   const Hole* deepest = &proof.holes.front();
   for (const Hole& hole : proof.holes) {
     if (hole.distance > deepest->distance) deepest = &hole;
@@ -225,7 +226,7 @@ Status verify_command(const Arguments& arguments) {
                                         {"peak_rss_bytes", peak_rss_bytes()}};
     if (Status written = write_report(arguments.json, report); !written) return written;
   }
-  if (!proof.proven) return not_covered(arguments, *shell, proof);
+  if (!proof.proven) return open_surface(arguments, *shell, proof);
   if (!arguments.quiet) {
     std::printf("%s: proven: every point of the surface is within %.6g m of one of %llu points\n",
                 arguments.shell.c_str(), shell->header().covering_radius_m,

@@ -3,7 +3,6 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
-#include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
@@ -37,9 +36,7 @@ std::string provenance(const Part& part, const ShellOptions& options) {
 }
 
 double points_over_bound(const PshellHeader& header, double area_m2) {
-  const double bound =
-      2 / (3 * std::sqrt(3.0)) * area_m2 / (header.covering_radius_m * header.covering_radius_m);
-  return static_cast<double>(header.point_count) / bound;
+  return static_cast<double>(header.point_count) / planar_bound(area_m2, header.covering_radius_m);
 }
 
 nlohmann::ordered_json bake_report(const BakedShell& shell, const ShellOptions& options,

@@ -1,16 +1,16 @@
-// What a bake tells: the JSON report and the provenance that goes into the file.
+// The JSON report of a bake and the provenance that its file holds.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include "pointshell/bake.h"
-#include "pointshell/part.h"
+#include "pointshell/part/part.h"
 
 namespace forcelayer {
 
-// A hash of the part's vertices and triangles in metres, 16 hexadecimal digits: the same for files
-// that hold the same triangles in any order.
+// A hash of the part's vertices and triangles in meters, 16 hexadecimal digits. Files that hold the
+// same triangles in any order have the same hash.
 std::string part_hash(const Part& part);
 
 // The content hash and the options that affect the shell, as JSON.
@@ -19,8 +19,7 @@ std::string provenance(const Part& part, const ShellOptions& options);
 const char* method_name(ShellMethod method);
 const char* effort_name(Effort effort);
 
-// Points over the planar bound for this area, 2 / (3 sqrt 3) points per squared radius: 1 is a
-// perfect covering.
+// The shell's points over planar_bound() for this area: 1 is a perfect covering.
 double points_over_bound(const PshellHeader& header, double area_m2);
 
 nlohmann::ordered_json bake_report(const BakedShell& shell, const ShellOptions& options,

@@ -8,8 +8,8 @@
 namespace forcelayer {
 namespace {
 
-// A file can claim a radius so small that the part has more pieces than any machine can look at. A
-// shell that is whole has about a point per piece, and hidden surface of a few times that.
+// A file can claim a radius so small that no machine can look at all pieces of the part. A sound
+// shell has about one point a piece, and a few times as many pieces of hidden surface.
 std::size_t most_holes(std::size_t points, std::size_t triangles) {
   return 1'000'000 + 100 * points + triangles;
 }
@@ -25,16 +25,16 @@ CoveringProof verify_shell(const Pshell& shell, const Part& part) {
     points.push_back({view.x[n], view.y[n], view.z[n]});
   }
   const double radius = shell.header().covering_radius_m;
-  Part centred = relative_to(part, {center_m[0], center_m[1], center_m[2]});
+  Part centered = relative_to(part, {center_m[0], center_m[1], center_m[2]});
   const CoveringProof proof =
-      prove_covering(centred, points, radius, most_holes(points.size(), part.triangles.size()));
-  // What is not covered may still be hidden, where there is more than one body.
+      prove_covering(centered, points, radius, most_holes(points.size(), part.triangles.size()));
+  // A part of several bodies may be open only where one body hides another.
   if (proof.proven || proof.given_up || part.body_names.size() < 2 ||
-      !orient_outwards(centred, radius)) {
+      !orient_outwards(centered, radius)) {
     return proof;
   }
-  const HiddenSurface hidden(centred);
-  return hidden.possible() ? continue_proof(centred, points, radius, proof, &hidden) : proof;
+  const HiddenSurface hidden(centered);
+  return hidden.possible() ? continue_proof(centered, points, radius, proof, &hidden) : proof;
 }
 
 }  // namespace forcelayer

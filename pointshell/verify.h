@@ -3,13 +3,13 @@
 
 #include "formats/pshell.h"
 #include "pointshell/certificate/certificate.h"
-#include "pointshell/part.h"
+#include "pointshell/part/part.h"
 
 namespace forcelayer {
 
 // Proves that the points of `shell`, as the file stores them, cover `part` (in its own frame)
-// within the radius that the file's header gives: all of its surface but for what lies inside
-// another of its closed bodies.
+// within the radius of the file's header. Surface that lies inside another closed body of the part
+// need not be covered.
 CoveringProof verify_shell(const Pshell& shell, const Part& part);
 
 }  // namespace forcelayer

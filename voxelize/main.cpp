@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "formats/command/command.h"
+#include "formats/command/progress_line.h"
 #include "formats/command/quantity.h"
 #include "formats/mesh/scene.h"
 #include "formats/mesh/trust_options.h"
@@ -162,8 +163,8 @@ Result<BakeOptions> options_of(const Arguments& arguments, const Scene& scene) {
 }
 
 // "I/N", 1 to N.
-Result<SceneShare> shard_of(const Arguments& arguments) {
-  SceneShare shard;
+Result<SceneShard> shard_of(const Arguments& arguments) {
+  SceneShard shard;
   if (arguments.shard.empty()) return shard;
   const std::string_view text = arguments.shard;
   const auto slash = text.find('/');
@@ -210,7 +211,7 @@ Status check_early(const Arguments& arguments) {
 
 std::vector<SceneObject> objects_of(const Scene& scene, MeshSource& meshes) {
   std::vector<SceneObject> objects;
-  for (const ScenePart& part : scene.parts) {
+  for (const MeshObject& part : scene.objects) {
     SceneObject& object = objects.emplace_back();
     object.name = part.name;
     object.world_from_mesh = part.world_from_mesh;
@@ -297,7 +298,7 @@ Result<Scene> read_inputs(const Arguments& arguments, MeshSource& meshes, Progre
   }
   const auto shard = shard_of(arguments);
   if (!shard) return shard.error();
-  reading.share = *shard;
+  reading.shard = *shard;
   reading.allow_outside = arguments.trust.allow_outside;
   reading.read = [&](const std::string& path, const ReadOptions& options) {
     return meshes.read(path, options);
@@ -308,7 +309,7 @@ Result<Scene> read_inputs(const Arguments& arguments, MeshSource& meshes, Progre
 
 Result<std::vector<MeshFacts>> facts_of(const Scene& scene, MeshSource& meshes) {
   std::vector<MeshFacts> all;
-  for (const ScenePart& part : scene.parts) {
+  for (const MeshObject& part : scene.objects) {
     const auto facts = meshes.facts(part);
     if (!facts) return facts.error();
     all.push_back(*facts);

@@ -21,8 +21,8 @@ std::string provenance_of(const Scene& scene, std::span<const MeshOutline> meshe
                           const BakeOptions& options) {
   using Json = nlohmann::ordered_json;
   Json parts = Json::array();
-  for (std::size_t i = 0; i < scene.parts.size(); ++i) {
-    const ScenePart& part = scene.parts[i];
+  for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+    const MeshObject& part = scene.objects[i];
     parts.push_back({{"name", part.name},
                      {"xxh128", content_hash(meshes[i], part.world_from_mesh)},
                      {"free_seeds_m", part.free_seeds_m},

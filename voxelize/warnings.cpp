@@ -10,8 +10,8 @@ std::vector<std::string> all_warnings(const Scene& scene, std::span<const MeshOu
                                       const BakeOptions& options) {
   std::vector<std::string> warnings = scene.warnings;
   std::set<std::string> coarse_files;
-  for (std::size_t i = 0; i < scene.parts.size(); ++i) {
-    const ScenePart& part = scene.parts[i];
+  for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+    const MeshObject& part = scene.objects[i];
     const double spacing_m = vertex_spacing_m(meshes[i].float_coordinate, part.world_from_mesh);
     const auto coarse = coarse_vertices_warning(spacing_m, options.voxel_size_m);
     if (coarse && coarse_files.insert(part.file).second) {

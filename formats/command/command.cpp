@@ -6,7 +6,6 @@
 
 #include <CLI/CLI.hpp>
 #include <cerrno>
-#include <chrono>
 #include <cstdio>
 #include <cstring>
 #include <exception>
@@ -20,10 +19,6 @@
 
 namespace forcelayer {
 namespace {
-
-double now_s() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 int fail(const char* name, const Error& error) {
   std::fprintf(stderr, "%s: %s\n", name, to_line(error).c_str());
@@ -103,22 +98,6 @@ std::uint64_t peak_rss_bytes() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
-}
-
-ProgressLine::ProgressLine(bool quiet) : active_(!quiet && isatty(2) == 1), started_s_(now_s()) {}
-
-void ProgressLine::clear() {
-  if (active_ && last_shown_s_ >= 0) std::fputs("\r\x1b[K", stderr);
-  last_shown_s_ = -1;
-}
-
-void ProgressLine::show(const std::string& stage, double share_done) {
-  constexpr double kIntervalS = 0.1;
-  if (!active_ || now_s() - last_shown_s_ < kIntervalS) return;
-  last_shown_s_ = now_s();
-  const double elapsed_s = last_shown_s_ - started_s_;
-  const double left_s = share_done > 0.01 ? elapsed_s * (1 - share_done) / share_done : 0;
-  std::fprintf(stderr, "\r\x1b[K%s  %3.0f%%  %.0f s left", stage.c_str(), 100 * share_done, left_s);
 }
 
 }  // namespace forcelayer

@@ -1,4 +1,4 @@
-// Habits that all commands share: one-line errors, exit status, reports, signals.
+// The frame of every command: arguments, one-line errors, exit status, signals, reports.
 #pragma once
 
 #include <functional>
@@ -27,27 +27,13 @@ bool parse_arguments(CLI::App& app, int argc, char** argv, int& exit_code);
 // Writes `report` to `path` atomically, indented, with a final newline.
 Status write_report(const std::string& path, const nlohmann::ordered_json& report);
 
-// Ends the process on SIGINT, SIGTERM, SIGHUP and SIGPIPE with status 128+n after removing the
-// temporary files of the AtomicFiles in progress. A signal that the caller ignores stays ignored.
-// A write beyond the file-size limit becomes an error of that write. A file that is cut short while
-// it is mapped ends the process with one line and status 1.
+// From here on, SIGINT, SIGTERM, SIGHUP and SIGPIPE remove the temporary files of all AtomicFiles
+// and end the process with status 128+n. A signal that the caller ignores stays ignored. A write
+// beyond the file-size limit is an error of that write. A mapped file that is cut short ends the
+// process with one line and status 1.
 void exit_cleanly_on_signals();
 
 // Highest resident set of this process so far.
 std::uint64_t peak_rss_bytes();
-
-// One line on a terminal's stderr that is rewritten in place; nothing in a pipe or when quiet.
-class ProgressLine {
- public:
-  explicit ProgressLine(bool quiet);
-  ~ProgressLine() { clear(); }
-  void show(const std::string& stage, double share_done);  // share in [0, 1]; rate-limited
-  void clear();                                            // wipes the line
-
- private:
-  bool active_;
-  double started_s_;
-  double last_shown_s_ = -1;
-};
 
 }  // namespace forcelayer

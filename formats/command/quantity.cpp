@@ -41,7 +41,7 @@ Error not_a_number(std::string_view text) {
   return usage(quoted(text) + " is not a finite number", "write it like 5mm or 0.005m");
 }
 
-// A finite number, its text, and what follows it.
+// A finite number, its text, and the text after it.
 struct NumberAndRest {
   double number;
   std::string_view text;
@@ -105,7 +105,7 @@ std::vector<std::string_view> split_commas(std::string_view text) {
   }
 }
 
-// One component of a vector: metres where it has no unit.
+// One component of a vector: meters where it has no unit.
 Result<double> parse_component(std::string_view text) {
   const auto split = split_number(text);
   if (!split) return split.error();
@@ -130,7 +130,7 @@ Result<std::array<double, kCount>> parse_components(std::string_view text, const
   return values;
 }
 
-// Four bare numbers, normalised; `pose` is the whole text, for errors.
+// Four bare numbers, normalized; `pose` is the whole text, for errors.
 Result<std::array<double, 4>> parse_quaternion(std::span<const std::string_view> parts,
                                                std::string_view pose) {
   std::array<double, 4> wxyz{};
@@ -192,9 +192,9 @@ Result<PoseText> parse_pose(std::string_view text) {
   }
   PoseText pose;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const auto metres = parse_component(parts[axis]);
-    if (!metres) return metres.error();
-    pose.position_m[axis] = *metres;
+    const auto meters = parse_component(parts[axis]);
+    if (!meters) return meters.error();
+    pose.position_m[axis] = *meters;
   }
   if (parts.size() == 3) return pose;
   const auto orientation = parse_quaternion(std::span(parts).subspan(3), text);

@@ -1,6 +1,6 @@
-// Lengths, vectors, poses and durations as they are typed on a command line: read in the same way
-// whatever the locale, always finite, errors kUsage. Metric units shift the decimal point of the
-// text, so 1.1mm, 0.0011m and 1.1e-3m are the same double.
+// Lengths, vectors, poses and durations as they are typed on a command line. They are read alike in
+// every locale and are finite; errors are kUsage. Metric units shift the decimal point of the text,
+// so 1.1mm, 0.0011m and 1.1e-3m are the same double.
 #pragma once
 
 #include <array>
@@ -10,25 +10,25 @@
 
 namespace forcelayer {
 
-// Position and unit quaternion (w, x, y, z), as a command line gives a pose.
+// A pose from a command line: position and unit quaternion (w, x, y, z).
 struct PoseText {
   std::array<double, 3> position_m{0, 0, 0};
   std::array<double, 4> orientation_wxyz{1, 0, 0, 0};
 };
 
-// Metres in one `unit` (nm, um, mm, cm, dm, m, km, in, ft, yd).
+// Meters in one `unit` (nm, um, mm, cm, dm, m, km, in, ft, yd).
 Result<double> parse_unit(std::string_view unit);
 
-// "5mm", "0.2in", "0.005m" in metres. The unit is required: a bare number other than 0 is an error.
+// "5mm", "0.2in", "0.005m" in meters. The unit is required: a bare number other than 0 is an error.
 Result<double> parse_length(std::string_view text);
 
-// "x,y,z", each with a unit or bare (metres).
+// "x,y,z", each with a unit or bare (meters).
 Result<std::array<double, 3>> parse_point(std::string_view text);
 
 // "x0,y0,z0,x1,y1,z1" in the same way, with x0 < x1 and so on.
 Result<std::array<double, 6>> parse_box(std::string_view text);
 
-// "x,y,z" or "x,y,z,qw,qx,qy,qz"; the quaternion is normalised and must not be zero.
+// "x,y,z" or "x,y,z,qw,qx,qy,qz"; the quaternion is normalized and must not be zero.
 Result<PoseText> parse_pose(std::string_view text);
 
 // "10s", "500ms", "2min" in seconds; the unit is required and the number not negative.

@@ -24,8 +24,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The number N of a path like /dev/fd/N: an open descriptor of this process. Opening or replacing
-// what it leads to would not be writing to it.
+// The number N of a path like /dev/fd/N, which names an open descriptor of this process. Such a
+// target is written to through the descriptor: its file must be neither opened anew nor replaced.
 std::optional<int> descriptor_number(const fs::path& path) {
   const fs::path folder = path.parent_path();
   if (folder != "/proc/self/fd" && folder != "/dev/fd") return std::nullopt;
@@ -36,8 +36,8 @@ std::optional<int> descriptor_number(const fs::path& path) {
   return number;
 }
 
-// Where a chain of symbolic links ends, also where that file does not exist yet; /dev/stdout ends
-// at /proc/self/fd/1.
+// The end of a chain of symbolic links, whether or not a file exists there; /dev/stdout ends at
+// /proc/self/fd/1.
 fs::path follow_links(fs::path path) {
   constexpr int kMaxLinks = 40;  // as the kernel
   std::error_code failure;

@@ -1,4 +1,4 @@
-// Writing a file so that a reader sees the old bytes or all the new ones, never a part.
+// Writing a file so that a reader sees all of the old bytes or all of the new ones.
 #pragma once
 
 #include <cstddef>
@@ -11,10 +11,10 @@
 namespace forcelayer {
 
 // A temporary file in the target's folder, renamed over the target by commit(). Without commit()
-// the temporary is removed and the target left as it was; so it is where exit_cleanly_on_signals()
-// is in force and SIGINT, SIGTERM or SIGHUP ends the process. A target that is a symbolic link
-// stays one: the file it points to is replaced. A target that is a device, a pipe or an open
-// descriptor (/dev/stdout) is written to directly.
+// the temporary is removed and the target stays as it was. The same holds when SIGINT, SIGTERM or
+// SIGHUP ends the process, after a call of exit_cleanly_on_signals(). A target that is a symbolic
+// link stays one: the file that it points to is replaced. A device, a pipe or an open descriptor
+// (/dev/stdout) is written to directly.
 class AtomicFile {
  public:
   AtomicFile(AtomicFile&& other) noexcept;

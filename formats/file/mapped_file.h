@@ -11,14 +11,14 @@
 
 namespace forcelayer {
 
-// What tells that a file was written to in place: its size and the time of its last writing. (Its
-// ctime would tell of a replacement by a new file and of a new name too, which do no harm.)
+// A file's size and the time of its last writing, which change when it is written to in place. (Its
+// ctime would also change when it is renamed or replaced, which does no harm.)
 struct FileStamp {
   int descriptor = -1;  // of the file; its owner keeps it open
   std::int64_t bytes = 0;
   std::int64_t written_s = 0, written_ns = 0;
 
-  // Whether the file is another than it was, or cannot be asked any more. False without a file.
+  // Whether the file has changed since, or can no longer be asked. False without a file.
   // Calls the system; touches no page of the file.
   bool changed() const noexcept;
 };
@@ -38,11 +38,11 @@ class MappedFile {
 
   std::span<const std::byte> bytes() const { return bytes_; }
 
-  // As it was when it was mapped; of a file that was not kept open, one that never changes.
+  // The stamp of the mapping; one that never changes where the file was not kept open.
   const FileStamp& stamp() const { return stamp_; }
 
-  // Reads from the file itself: the mapping's pages stay as they are, and what a disk cannot read
-  // is an error rather than a signal. A file that ends before `into` is full is kTruncated.
+  // Reads from the file itself, not through the mapping: a disk that fails gives an error and no
+  // signal. A file that ends before `into` is full is kTruncated.
   Status read(std::uint64_t offset, std::span<std::byte> into) const;
 
  private:

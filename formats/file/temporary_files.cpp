@@ -10,8 +10,8 @@
 namespace forcelayer {
 namespace {
 
-// Far more than any command writes at once. Whoever takes a pointer out of its slot owns it, so
-// that a handler on one thread and a commit on another never touch freed memory.
+// Far more than any command writes at once. Only the one who takes a pointer out of its slot owns
+// it, so a handler on one thread and a commit on another never touch freed memory.
 constexpr std::size_t kSlots = 256;
 std::array<std::atomic<char*>, kSlots> slots{};
 static_assert(std::atomic<char*>::is_always_lock_free, "needed in a signal handler");

@@ -9,6 +9,8 @@
 #include <span>
 #include <type_traits>
 
+#include "formats/file/descriptor.h"
+
 namespace forcelayer {
 namespace {
 
@@ -22,7 +24,7 @@ class Sender {
   void bytes(std::span<const std::byte> piece) {
     if (pending_.size() + piece.size() > kBuffer) flush();
     if (piece.size() > kBuffer) {
-      write_all(piece);
+      write(piece);
     } else {
       pending_.insert(pending_.end(), piece.begin(), piece.end());
     }
@@ -38,7 +40,7 @@ class Sender {
     bytes(std::as_bytes(std::span(items)));
   }
   bool flush() {
-    write_all(pending_);
+    write(pending_);
     pending_.clear();
     return good_;
   }
@@ -46,13 +48,8 @@ class Sender {
  private:
   static constexpr std::size_t kBuffer = std::size_t{1} << 16;
 
-  void write_all(std::span<const std::byte> piece) {
-    while (good_ && !piece.empty()) {
-      const auto written = ::write(descriptor_, piece.data(), piece.size());
-      if (written < 0 && errno == EINTR) continue;
-      good_ = written >= 0;
-      if (good_) piece = piece.subspan(static_cast<std::size_t>(written));
-    }
+  void write(std::span<const std::byte> piece) {
+    good_ = good_ && write_all(descriptor_, piece) == 0;
   }
 
   int descriptor_;
@@ -92,7 +89,7 @@ class Receiver {
     List items;
     while (items.size() < count) {
       const std::size_t have = items.size();
-      // No more than doubles: an announcement alone takes no memory.
+      // At most twice what has arrived: an announcement alone takes no memory.
       items.resize(std::min<std::size_t>(count, have + std::max(have, kPiece)));
       bytes(std::as_writable_bytes(std::span(items).subspan(have)));
     }
@@ -130,7 +127,7 @@ void send_error(Sender& sender, const Error& error) {
   }
 }
 
-// Only what a reader of meshes may say.
+// Takes only the codes that a mesh reader may send.
 Error receive_error(Receiver& receiver) {
   Error error;
   const auto code = receiver.value<std::uint64_t>();
@@ -158,8 +155,8 @@ void send_content(Sender& sender, const Assembly& assembly) {
     sender.list(instance.name);
     sender.value(instance.assembly_from_mesh);
   }
-  sender.value(std::uint64_t{assembly.metres_per_unit.has_value()});
-  sender.value(assembly.metres_per_unit.value_or(0));
+  sender.value(std::uint64_t{assembly.meters_per_unit.has_value()});
+  sender.value(assembly.meters_per_unit.value_or(0));
   sender.value(assembly.deviation_units);
   sender.value(std::uint64_t{assembly.warnings.size()});
   for (const std::string& warning : assembly.warnings) sender.list(warning);
@@ -204,7 +201,7 @@ Assembly receive_content(Receiver& receiver) {
   const auto unit = receiver.value<double>();
   if (has_unit) {
     expect(std::isfinite(unit) && unit > 0);
-    assembly.metres_per_unit = unit;
+    assembly.meters_per_unit = unit;
   }
   assembly.deviation_units = receiver.value<double>();
   expect(std::isfinite(assembly.deviation_units) && assembly.deviation_units >= 0);

@@ -1,5 +1,5 @@
-// An assembly, or the error in its place, as bytes from one process to another of the same machine
-// and program. The receiver trusts nothing: what comes may have been written by a crashed reader.
+// An assembly, or an error in its place, as bytes between two processes of the same program on one
+// machine. The receiver trusts nothing, because a damaged reader may have written the bytes.
 #pragma once
 
 #include <chrono>
@@ -14,12 +14,12 @@ namespace forcelayer {
 // False where the descriptor refuses.
 bool send_assembly(int descriptor, const Result<Assembly>& assembly);
 
-// How receiving went wrong.
+// The reason why receiving failed.
 enum class BrokenStream { kEnded, kTooLate, kTooLong, kNonsense };
 
-// What was sent: keeps the promises of Assembly (indices in range, coordinates finite) whatever
-// comes. Waits until `deadline` at most, and takes `max_bytes` at most; memory is taken as bytes
-// arrive, not as they are announced.
+// The received assembly keeps the promises of Assembly (indices in range, coordinates finite),
+// whatever bytes arrive. Waits until `deadline` at most and takes `max_bytes` at most. Memory grows
+// with the bytes that arrive, not with those that are announced.
 struct ReceivedAssembly {
   std::optional<Result<Assembly>> assembly;  // absent where the stream is broken
   BrokenStream broken = BrokenStream::kEnded;

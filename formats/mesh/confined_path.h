@@ -1,12 +1,12 @@
-// Keeping files that a file names under the folder of the file that names them.
+// Confining the files that a file names to its own folder.
 #pragma once
 
 #include <filesystem>
 
 namespace forcelayer {
 
-// Whether `file` lies in `folder` or below, with "..", absolute paths and symbolic links followed
-// to where they really lead. A file that does not exist counts as lying where it is named.
+// Whether `file` lies in `folder` or below, after following "..", absolute paths and symbolic
+// links. A file that does not exist lies where its path says.
 bool lies_under(const std::filesystem::path& file, const std::filesystem::path& folder);
 
 inline constexpr const char* kOutsideWhat = "leads outside the folder of the file that names it";

@@ -1,4 +1,4 @@
-// Triangle meshes as files give them: no repair, no merging, no face dropped.
+// Triangle meshes as files give them: nothing is repaired, merged or dropped.
 #pragma once
 
 #include <array>
@@ -15,8 +15,9 @@ namespace forcelayer {
 using Vec3d = std::array<double, 3>;
 using Triangle = std::array<std::uint32_t, 3>;  // vertex indices
 
-// One indexed triangle mesh in its own frame and unit. Polygons of the file are fanned; degenerate,
-// duplicate and non-manifold triangles stay. Indices are in range, coordinates finite.
+// One indexed triangle mesh in its own frame and unit. Polygons of the file are split into
+// triangles; degenerate, duplicate and non-manifold triangles stay. Indices are in range,
+// coordinates finite.
 struct Mesh {
   std::vector<Vec3d> vertices;      // [n] file units, mesh frame
   std::vector<Triangle> triangles;  // [m]
@@ -38,14 +39,14 @@ struct MeshInstance {
   Affine assembly_from_mesh;
 };
 
-// What one mesh file holds: meshes, and where they stand.
+// The content of one mesh file: meshes, and the places where they stand.
 struct Assembly {
   std::vector<Mesh> meshes;
   std::vector<MeshInstance> instances;
-  std::optional<double> metres_per_unit;  // where the format or file defines it (glTF: 1)
+  std::optional<double> meters_per_unit;  // where the format or file defines it (glTF: 1)
   // How far the triangles may lie from exact surfaces that the file holds (STEP, IGES), file units.
   double deviation_units = 0;
-  std::vector<std::string> warnings;     // a line each: what is odd in the file but was read
+  std::vector<std::string> warnings;  // a line each: oddities of a file that was read all the same
   std::uint64_t triangle_count() const;  // over all instances
 };
 
@@ -56,8 +57,8 @@ struct ReadOptions {
 
 // Reads STL, OBJ, PLY, OFF, OM, DRC, glTF/GLB (by content where the format has a signature, else by
 // extension), STEP and IGES where built with OpenCASCADE. `path` may end in "#NODE" for the
-// sub-tree of that name in an assembly format. Never loses a face: what cannot be read whole is an
-// error with file, place and reason (kMesh* codes). A file with no triangles is kMeshEmpty.
+// sub-tree of that name in an assembly format. Never loses a face: a file that cannot be read whole
+// is an error with file, place and reason (kMesh* codes). A file with no triangles is kMeshEmpty.
 Result<Assembly> read_assembly(const std::string& path, const ReadOptions& options = {});
 
 }  // namespace forcelayer

@@ -1,4 +1,4 @@
-// What a mesh is like as a surface: what its user should know before it is baked.
+// Measures and defects of a mesh as a surface, for the reports of a bake.
 #pragma once
 
 #include <cstdint>
@@ -7,8 +7,8 @@
 
 namespace forcelayer {
 
-// Counts are of the mesh as it stands, after vertices of equal coordinates are taken as one. An
-// edge is a pair of such vertices; triangles with two equal corners have none.
+// Vertices of equal coordinates count as one. An edge is a pair of such vertices; a triangle with
+// two equal corners has none.
 struct MeshFacts {
   std::uint64_t triangles = 0;
   std::uint64_t vertices = 0;
@@ -19,7 +19,7 @@ struct MeshFacts {
   std::uint64_t non_manifold_edges = 0;    // of more than two
   std::uint64_t flipped_edges = 0;         // of two triangles that run along it the same way
   bool closed = false;                     // every edge has an even number of triangles
-  bool consistently_oriented = false;      // but for the boundary, edges run as often either way
+  bool consistently_oriented = false;      // inner edges are run along as often either way
   Vec3d min{0, 0, 0};                      // file units, mesh frame
   Vec3d max{0, 0, 0};
   double area = 0;           // file units^2

@@ -17,16 +17,17 @@ struct NodeName {
   std::size_t depth;  // 0 for roots
 };
 
-// Deeper trees are damage, and their paths would take memory with the square of the depth.
+// A deeper tree is damage; the memory of its paths would grow with the square of the depth.
 inline constexpr std::size_t kDeepestNode = 1000;
 
 // The name of a node called `name` under `parent` (null for roots), whose earlier children bear the
 // labels `used`: "name", else "name:2", "name:3".
 NodeName name_node(const std::string& name, const NodeName* parent, std::set<std::string>& used);
 
-// First and last (exclusive) node of the sub-tree that `file.node` names by its path, or by its
-// label where only one node has that; `nodes` stand each before its children. All nodes where
-// `file.node` is empty. Throws kSceneInvalid, listing nodes, where there is none or several.
+// First and last (exclusive) node of the sub-tree that `file.node` names: by its path, or by its
+// label where only one node has that label. All nodes where `file.node` is empty. In `nodes` each
+// stands before its children. Throws kSceneInvalid, with a list of nodes, where none or several
+// fit.
 std::pair<std::size_t, std::size_t> find_sub_tree(const SourceFile& file,
                                                   const std::vector<NodeName>& nodes);
 

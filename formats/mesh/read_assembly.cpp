@@ -1,7 +1,6 @@
 #include <sys/stat.h>
 
 #include <algorithm>
-#include <cctype>
 #include <new>
 
 #include "formats/file/mapped_file.h"
@@ -27,28 +26,28 @@ constexpr Format kFormats[] = {
     {"IGES", "", ".iges.igs.", true, read_step},
 };
 
-std::string extension_of(const std::string& path) {
-  std::string extension = std::filesystem::path(path).extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension;
+// The format of this extension, or null.
+const Format* find_format(const std::string& extension) {
+  const auto found =
+      std::find_if(std::begin(kFormats), std::end(kFormats), [&](const Format& format) {
+        return extension.size() > 1 &&
+               format.extensions.find(extension + ".") != std::string_view::npos;
+      });
+  return found == std::end(kFormats) ? nullptr : found;
 }
 
 const Format& format_of(const SourceFile& file) {
   for (const Format& format : kFormats) {
     if (!format.signature.empty() && file.bytes.starts_with(format.signature)) return format;
   }
-  const std::string extension = extension_of(file.path);
-  for (const Format& format : kFormats) {
-    const bool named = format.extensions.find(extension + ".") != std::string::npos;
-    if (named && extension.size() > 1) return format;
-  }
+  const std::string extension = lower_case_extension(file.path);
+  if (const Format* const named = find_format(extension)) return *named;
   fail_read(file, ErrorCode::kMeshUnsupported, "",
             in_quotes(extension) + " is not the extension of a mesh format that is read here",
             "use stl, obj, ply, off, om, drc, glb, gltf or step");
 }
 
-// What stays the same while nobody writes to a file.
+// Identity, size and time of a file, to find out whether somebody wrote to it meanwhile.
 struct PathStamp {
   explicit PathStamp(const std::string& path) {
     struct stat status {};
@@ -59,7 +58,7 @@ struct PathStamp {
     modified = status.st_mtim;
   }
 
-  // Not of a file that another took the place of: the old one stays whole while it is mapped.
+  // False for a file that was replaced: the old one stays whole while it is mapped.
   bool written_since(const PathStamp& before) const {
     return device == before.device && file == before.file &&
            (bytes != before.bytes || modified.tv_sec != before.modified.tv_sec ||
@@ -79,6 +78,15 @@ SourceFile named_file(const std::string& path) {
   std::error_code ignored;
   if (hash == std::string::npos || std::filesystem::exists(path, ignored)) return {path, "", {}};
   return {path.substr(0, hash), path.substr(hash + 1), {}};
+}
+
+bool has_mesh_extension(const std::string& path) {
+  return find_format(lower_case_extension(path)) != nullptr;
+}
+
+bool may_have_nodes(const std::string& path) {
+  const Format* const format = find_format(lower_case_extension(named_file(path).path));
+  return format == nullptr || format->has_nodes;
 }
 
 Result<Assembly> read_source(const SourceFile& file) {

@@ -1,5 +1,7 @@
 #include "formats/mesh/reader.h"
 
+#include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <limits>
 
@@ -12,6 +14,13 @@ std::string_view text_of(const MappedFile& file) {
 void fail_read(const SourceFile& file, ErrorCode code, std::string where, std::string what,
                std::string mend) {
   throw ReadFailure{{code, file.path, std::move(where), std::move(what), std::move(mend)}};
+}
+
+std::string lower_case_extension(const std::string& path) {
+  std::string extension = std::filesystem::path(path).extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension;
 }
 
 std::string at_byte(std::uint64_t offset) { return "byte " + std::to_string(offset); }

@@ -1,5 +1,5 @@
-// What the readers of the single mesh formats share. Readers throw ReadFailure; read_assembly()
-// turns it into an Error.
+// The declarations of all mesh readers, and the helpers that they share. Readers throw ReadFailure;
+// read_assembly() turns it into an Error.
 #pragma once
 
 #include <cstddef>
@@ -21,8 +21,18 @@ struct SourceFile {
   ReadOptions options = {};
 };
 
-// The file that a user names: "FILE#NODE", unless a file of that whole name exists. Not read.
+// The file and node of "FILE#NODE", or the file of that whole name where one exists. Reads nothing.
 SourceFile named_file(const std::string& path);
+
+// ".stl" of "Part.STL"; empty where the name has no extension.
+std::string lower_case_extension(const std::string& path);
+
+// Whether `path` has the extension of a mesh format.
+bool has_mesh_extension(const std::string& path);
+
+// Whether a file of this name may have nodes ("FILE#NODE"): by its extension; true for an unknown
+// one.
+bool may_have_nodes(const std::string& path);
 
 // The bytes of a mapped file as text; valid as long as the file is.
 std::string_view text_of(const MappedFile& file);
@@ -36,7 +46,7 @@ struct ReadFailure {
                             std::string what, std::string mend = {});
 std::string at_byte(std::uint64_t offset);
 
-// Vertex and triangle counts are 32-bit indices in Mesh: throws kMeshUnsupported beyond.
+// Throws kMeshUnsupported for a count that 32-bit indices of a Mesh cannot reach.
 void check_count(const SourceFile& file, std::uint64_t count, const char* what);
 
 // Throws where a vertex is not a finite number (`where`: the mesh's place in the file), kMeshEmpty
@@ -44,7 +54,7 @@ void check_count(const SourceFile& file, std::uint64_t count, const char* what);
 void check_finite(const SourceFile& file, const Mesh& mesh, const std::string& where = {});
 void check_not_empty(const SourceFile& file, const Mesh& mesh);
 
-// One mesh, standing once at the origin under the file's stem.
+// An assembly of one mesh, which stands once, at the origin, under the file's stem.
 Assembly assembly_of(const SourceFile& file, Mesh mesh);
 
 // 'word', shortened where it is long.

@@ -25,7 +25,7 @@ constexpr const char* kChildOption = "--read-mesh-for-sandbox";
 constexpr int kResultDescriptor = 3;
 constexpr int kNotStarted = 127;
 
-// Sanitizers reserve terabytes of addresses, which no limit on them survives.
+// Sanitizers reserve terabytes of addresses, so a limit on addresses would stop them.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 constexpr bool kLimitsMemory = false;
 #elif defined(__has_feature)
@@ -95,8 +95,8 @@ Error too_late(const std::string& path, const SandboxLimits& limits) {
           "raise --sandbox-time if you trust the file"};
 }
 
-// What the end of a child says that did not deliver.
-Error broken(const std::string& path, int status) {
+// The error for a child that ended with this status and sent no mesh.
+Error no_mesh(const std::string& path, int status) {
   std::string what = "its reader sent no sound mesh";
   if (WIFSIGNALED(status) && WTERMSIG(status) == SIGBUS) {
     return {ErrorCode::kReadFailed, path, "", "was cut short while it was being read",
@@ -152,7 +152,7 @@ Result<Assembly> read_in_sandbox(const std::string& path, const ReadOptions& opt
                                            std::chrono::duration<double>(limits.time_s));
   ReceivedAssembly received = receive_assembly(pipe[0], limits.memory_bytes, deadline);
   ::close(pipe[0]);
-  ::kill(child, SIGKILL);  // of a child that has ended this changes nothing, nor what it ended by
+  ::kill(child, SIGKILL);  // no effect on a child that has ended
   int status = 0;
   while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
@@ -163,7 +163,7 @@ Result<Assembly> read_in_sandbox(const std::string& path, const ReadOptions& opt
   if (received.assembly) return std::move(*received.assembly);
   if (received.broken == BrokenStream::kTooLate) return too_late(path, limits);
   if (received.broken == BrokenStream::kTooLong) return too_much_memory(path, limits);
-  return broken(path, received.broken == BrokenStream::kEnded ? status : 0);
+  return no_mesh(path, received.broken == BrokenStream::kEnded ? status : 0);
 }
 
 }  // namespace forcelayer

@@ -12,34 +12,22 @@
 namespace forcelayer {
 namespace {
 
-// Where a file's content goes.
+// A file, and the place and name of its content in the scene.
 struct Placing {
   std::string file;
-  std::string name;  // of the part; empty: the file's own names
-  std::optional<double> metres_per_unit;
-  Affine world_from_part;  // metres
+  std::string name;  // of the object; empty: the file's own names
+  std::optional<double> meters_per_unit;
+  Affine world_from_object;  // meters
   std::vector<Vec3d> free_seeds_m;
   double deviation_m = 0;
 };
 
 Affine scaling(double factor) { return {{factor, 0, 0, 0, factor, 0, 0, 0, factor}, {0, 0, 0}}; }
 
-// The instances of these stand in one file. Other formats hold one mesh, which stands once.
-bool is_assembly_format(const std::string& file) {
-  const std::string path = file.substr(0, file.rfind('#'));
-  std::string extension = std::filesystem::path(path).extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  for (const char* single : {".stl", ".obj", ".ply", ".off", ".om", ".drc"}) {
-    if (extension == single) return false;
-  }
-  return true;
-}
-
 Status check_inside(const std::string& path, const Manifest& manifest) {
   const std::filesystem::path folder = std::filesystem::path(path).parent_path();
-  for (std::size_t i = 0; i < manifest.parts.size(); ++i) {
-    if (lies_under(named_file(manifest.parts[i].mesh).path, folder)) continue;
+  for (std::size_t i = 0; i < manifest.objects.size(); ++i) {
+    if (lies_under(named_file(manifest.objects[i].mesh).path, folder)) continue;
     return Error{ErrorCode::kSceneInvalid, path, "parts[" + std::to_string(i) + "].mesh",
                  kOutsideWhat, kOutsideMend};
   }
@@ -52,13 +40,13 @@ class SceneReader {
 
   Status add(const Placing& placing);
   Status add_manifest(const std::string& path);
-  Status add_folder(const std::string& path, std::optional<double> metres_per_unit);
+  Status add_folder(const std::string& path, std::optional<double> meters_per_unit);
   Scene finish();
 
  private:
   Result<std::uint32_t> assembly_of(const std::string& file);
-  bool is_ours(std::size_t number) const {
-    return number % reading_.share.count == reading_.share.index;
+  bool is_in_shard(std::size_t number) const {
+    return number % reading_.shard.count == reading_.shard.index;
   }
 
   void show_progress(std::size_t done, std::size_t all) const {
@@ -73,7 +61,7 @@ class SceneReader {
   std::map<std::string, std::uint32_t> read_;  // files read so far
 };
 
-// A file that stands in a manifest several times is read once.
+// Reads a file on its first use; a manifest may name it several times.
 Result<std::uint32_t> SceneReader::assembly_of(const std::string& file) {
   if (const auto found = read_.find(file); found != read_.end()) return found->second;
   ReadOptions options;
@@ -90,27 +78,27 @@ Result<std::uint32_t> SceneReader::assembly_of(const std::string& file) {
 
 Status SceneReader::add(const Placing& placing) {
   std::size_t number = inputs_++;
-  if (!is_ours(number) && !is_assembly_format(placing.file)) return {};
+  if (!is_in_shard(number) && !may_have_nodes(placing.file)) return {};
   const auto index = assembly_of(placing.file);
   if (!index) return index.error();
   const Assembly& assembly = scene_.assemblies[*index];
   const auto unit =
-      metres_per_unit(assembly, placing.file, placing.metres_per_unit, scene_.warnings);
+      meters_per_unit(assembly, placing.file, placing.meters_per_unit, scene_.warnings);
   if (!unit) return unit.error();
-  const Affine world_from_assembly = compose(placing.world_from_part, scaling(*unit));
+  const Affine world_from_assembly = compose(placing.world_from_object, scaling(*unit));
   for (const MeshInstance& instance : assembly.instances) {
-    if (!is_ours(number++)) continue;
-    ScenePart& part = scene_.parts.emplace_back();
-    part.name = placing.name;
-    if (part.name.empty() || assembly.instances.size() > 1) {
-      part.name += (part.name.empty() ? "" : "/") + instance.name;
+    if (!is_in_shard(number++)) continue;
+    MeshObject& object = scene_.objects.emplace_back();
+    object.name = placing.name;
+    if (object.name.empty() || assembly.instances.size() > 1) {
+      object.name += (object.name.empty() ? "" : "/") + instance.name;
     }
-    part.file = placing.file;
-    part.assembly = *index;
-    part.mesh = instance.mesh;
-    part.world_from_mesh = compose(world_from_assembly, instance.assembly_from_mesh);
-    part.free_seeds_m = placing.free_seeds_m;
-    part.deviation_m =
+    object.file = placing.file;
+    object.assembly = *index;
+    object.mesh = instance.mesh;
+    object.world_from_mesh = compose(world_from_assembly, instance.assembly_from_mesh);
+    object.free_seeds_m = placing.free_seeds_m;
+    object.deviation_m =
         placing.deviation_m + assembly.deviation_units * largest_stretch(world_from_assembly);
   }
   return {};
@@ -127,11 +115,11 @@ Status SceneReader::add_manifest(const std::string& path) {
   scene_.roi_m = manifest->roi_m;
   scene_.free_seeds_m.insert(scene_.free_seeds_m.end(), manifest->free_seeds_m.begin(),
                              manifest->free_seeds_m.end());
-  for (std::size_t i = 0; i < manifest->parts.size(); ++i) {
-    show_progress(i, manifest->parts.size());
-    const ManifestPart& part = manifest->parts[i];
-    const Status added = add({part.mesh, part.name, part.metres_per_unit, part.world_from_part,
-                              part.free_seeds_m, part.deviation_m});
+  for (std::size_t i = 0; i < manifest->objects.size(); ++i) {
+    show_progress(i, manifest->objects.size());
+    const ManifestObject& object = manifest->objects[i];
+    const Status added = add({object.mesh, object.name, object.meters_per_unit,
+                              object.world_from_object, object.free_seeds_m, object.deviation_m});
     if (added) continue;
     Error error = added.error();
     if (error.code == ErrorCode::kUsage) error.code = ErrorCode::kSceneInvalid;
@@ -142,36 +130,31 @@ Status SceneReader::add_manifest(const std::string& path) {
   return {};
 }
 
-Status SceneReader::add_folder(const std::string& path, std::optional<double> metres_per_unit) {
-  const std::vector<std::string> extensions = {".stl", ".obj",  ".ply",  ".off", ".om",   ".drc",
-                                               ".glb", ".gltf", ".step", ".stp", ".iges", ".igs"};
+Status SceneReader::add_folder(const std::string& path, std::optional<double> meters_per_unit) {
   std::vector<std::string> files;
   for (const auto& entry : std::filesystem::directory_iterator(path)) {
-    std::string extension = entry.path().extension().string();
-    std::transform(extension.begin(), extension.end(), extension.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    if (entry.is_regular_file() &&
-        std::find(extensions.begin(), extensions.end(), extension) != extensions.end()) {
+    if (entry.is_regular_file() && has_mesh_extension(entry.path().string())) {
       files.push_back(entry.path().string());
     }
   }
   if (files.empty()) {
-    return Error{ErrorCode::kSceneInvalid, path, "", "the folder holds no mesh files", ""};
+    return Error{ErrorCode::kSceneInvalid, path, "", "the folder holds no mesh files",
+                 "name a folder with mesh files"};
   }
   std::sort(files.begin(), files.end());
   for (const std::string& file : files) {
     show_progress(static_cast<std::size_t>(&file - files.data()), files.size());
-    if (Status added = add({file, "", metres_per_unit, {}, {}, 0}); !added) return added;
+    if (Status added = add({file, "", meters_per_unit, {}, {}, 0}); !added) return added;
   }
   return {};
 }
 
-// Names that occur again get a number: "bolt", "bolt#2", ...
+// A name that occurs again gets a number: "bolt", "bolt#2", ...
 Scene SceneReader::finish() {
   std::map<std::string, int> seen;
-  for (ScenePart& part : scene_.parts) {
-    const int number = ++seen[part.name];
-    if (number > 1) part.name += "#" + std::to_string(number);
+  for (MeshObject& object : scene_.objects) {
+    const int number = ++seen[object.name];
+    if (number > 1) object.name += "#" + std::to_string(number);
   }
   return std::move(scene_);
 }
@@ -182,7 +165,7 @@ bool is_manifest(const std::string& input) {
 
 }  // namespace
 
-Result<Scene> read_scene(std::span<const std::string> inputs, std::optional<double> metres_per_unit,
+Result<Scene> read_scene(std::span<const std::string> inputs, std::optional<double> meters_per_unit,
                          const SceneReading& reading) {
   SceneReader reader(reading);
   for (const std::string& input : inputs) {
@@ -191,9 +174,9 @@ Result<Scene> read_scene(std::span<const std::string> inputs, std::optional<doub
     if (is_manifest(input)) {
       added = reader.add_manifest(input);
     } else if (std::filesystem::is_directory(input, ignored)) {
-      added = reader.add_folder(input, metres_per_unit);
+      added = reader.add_folder(input, meters_per_unit);
     } else {
-      added = reader.add({input, "", metres_per_unit, {}, {}, 0});
+      added = reader.add({input, "", meters_per_unit, {}, {}, 0});
     }
     if (!added) return added.error();
   }

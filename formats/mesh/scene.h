@@ -14,35 +14,35 @@
 
 namespace forcelayer {
 
-// One object: a mesh in its final pose.
-struct ScenePart {
+// An object of a scene: a mesh in its final pose.
+struct MeshObject {
   std::string name;                 // unique in the scene
   std::string file;                 // as the user gave it
   std::uint32_t assembly = 0;       // index into Scene::assemblies
   std::uint32_t mesh = 0;           // index into Assembly::meshes
-  Affine world_from_mesh;           // to metres: the unit is part of it
+  Affine world_from_mesh;           // to meters: the unit is part of it
   std::vector<Vec3d> free_seeds_m;  // world
-  double deviation_m = 0;           // that the manifest declares for this part
+  double deviation_m = 0;           // that the manifest declares for it
 };
 
 struct Scene {
   std::vector<Assembly> assemblies;
-  std::vector<ScenePart> parts;       // a part per instance
+  std::vector<MeshObject> objects;    // one per instance
   std::vector<std::string> warnings;  // a line each, with file
-  // What a manifest may set; the command line has the last word.
+  // Set by a manifest; the command line overrides it.
   std::optional<double> voxel_size_m;
   std::optional<std::uint32_t> layers;
   std::optional<std::array<double, 6>> roi_m;
   std::vector<Vec3d> free_seeds_m;
 
-  const Mesh& mesh_of(const ScenePart& part) const {
-    return assemblies[part.assembly].meshes[part.mesh];
+  const Mesh& mesh_of(const MeshObject& object) const {
+    return assemblies[object.assembly].meshes[object.mesh];
   }
 };
 
-// A share of a scene's parts, to be baked on a machine of its own: part i of an input belongs to
-// share (number of the input + i) % count.
-struct SceneShare {
+// The objects of a scene that one of several machines bakes: object i of an input belongs to shard
+// (number of the input + i) % count.
+struct SceneShard {
   std::uint32_t index = 0;
   std::uint32_t count = 1;
 };
@@ -50,7 +50,7 @@ struct SceneShare {
 struct SceneReading {
   std::optional<double> voxel_size_m;  // over a manifest's; exact surfaces are tessellated to it
   bool allow_outside = false;          // whether a manifest may name files outside its own folder
-  SceneShare share;                    // other parts are left out, and not read where that is known
+  SceneShard shard;  // objects of other shards are left out, and not read where that is known
   // Reads each file once, in the order of Scene::assemblies.
   std::function<Result<Assembly>(const std::string& path, const ReadOptions& options)> read =
       read_assembly;
@@ -61,11 +61,11 @@ struct SceneReading {
 inline constexpr double kDeflectionVoxels = 0.01;
 
 // Reads every input: a mesh or assembly file (`FILE#NODE` for a sub-tree), a folder (the mesh files
-// in it, sorted by name), or a manifest (`.json`; described in README.md). `metres_per_unit`
-// is the user's unit: required where a format defines none (else kUsage), and a warning where it
-// overrides one. It does not apply to a manifest's parts, which name theirs. Errors of a manifest
-// (kSceneInvalid) name the key.
-Result<Scene> read_scene(std::span<const std::string> inputs, std::optional<double> metres_per_unit,
+// in it, sorted by name), or a manifest (`.json`; described in voxelize/baking.md).
+// `meters_per_unit` is the user's unit: required where a format defines none (else kUsage), and a
+// warning where it overrides one. It does not apply to a manifest's objects, which name theirs.
+// Errors of a manifest (kSceneInvalid) name the key.
+Result<Scene> read_scene(std::span<const std::string> inputs, std::optional<double> meters_per_unit,
                          const SceneReading& reading = {});
 
 }  // namespace forcelayer

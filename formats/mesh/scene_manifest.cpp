@@ -16,7 +16,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-// Thrown inside this file, caught at its door.
+// Thrown within this file only; read_manifest() turns it into an Error.
 struct BadKey {
   std::string key, what, mend;
 };
@@ -30,7 +30,7 @@ class Fields {
  public:
   Fields(const Json& json, std::string path, std::initializer_list<const char*> known)
       : json_(json), path_(std::move(path)) {
-    if (!json.is_object()) throw BadKey{path_, "is not an object", ""};
+    if (!json.is_object()) throw BadKey{path_, "is not a JSON object", "write it in braces"};
     const std::set<std::string> names(known.begin(), known.end());
     std::string list;
     for (const char* name : known) list += list.empty() ? name : std::string(", ") + name;
@@ -70,7 +70,7 @@ T parsed(Result<T> result, const std::string& key) {
   return std::move(*result);
 }
 
-// A text with a unit, or a bare number of metres.
+// A text with a unit, or a bare number of meters.
 double length(const Json& json, const std::string& key) {
   if (json.is_number()) return finite_number(json, key);
   return parsed(parse_length(text(json, key)), key);
@@ -108,7 +108,7 @@ std::vector<Vec3d> points(const Json& json, const std::string& key) {
   return list;
 }
 
-// Four rows of four numbers; the last row is 0 0 0 1; the translation in metres.
+// Four rows of four numbers; the last row is 0 0 0 1; the translation in meters.
 Affine matrix(const Json& json, const std::string& key) {
   if (!json.is_array() || json.size() != 4) throw BadKey{key, "is not a list of four rows", ""};
   Affine affine;
@@ -128,7 +128,7 @@ Affine matrix(const Json& json, const std::string& key) {
   return affine;
 }
 
-// Row-major matrix of a quaternion w, x, y, z, which is normalised.
+// Row-major matrix of a quaternion w, x, y, z, which is normalized.
 std::array<double, 9> rotation(const Json& json, const std::string& key) {
   auto q = numbers<4>(json, key);
   const double norm = std::hypot(std::hypot(q[0], q[1]), std::hypot(q[2], q[3]));
@@ -169,28 +169,29 @@ Affine placement(const Fields& fields) {
   return affine;
 }
 
-ManifestPart read_manifest_part(const Json& json, const std::string& key,
-                                const std::filesystem::path& folder) {
+ManifestObject read_object(const Json& json, const std::string& key,
+                           const std::filesystem::path& folder) {
   const Fields fields(json, key,
                       {"name", "mesh", "units", "matrix", "translation", "rotation", "scale",
                        "free_seeds", "mesh_deviation"});
-  ManifestPart part;
+  ManifestObject object;
   const Json* mesh = fields.find("mesh");
-  if (mesh == nullptr) throw BadKey{fields.path("mesh"), "is missing", "name the part's mesh file"};
-  part.mesh = (folder / text(*mesh, fields.path("mesh"))).string();
-  if (const Json* name = fields.find("name")) part.name = text(*name, fields.path("name"));
+  if (mesh == nullptr)
+    throw BadKey{fields.path("mesh"), "is missing", "name the mesh file of this object"};
+  object.mesh = (folder / text(*mesh, fields.path("mesh"))).string();
+  if (const Json* name = fields.find("name")) object.name = text(*name, fields.path("name"));
   if (const Json* units = fields.find("units")) {
-    part.metres_per_unit =
+    object.meters_per_unit =
         parsed(parse_unit(text(*units, fields.path("units"))), fields.path("units"));
   }
-  part.world_from_part = placement(fields);
+  object.world_from_object = placement(fields);
   if (const Json* seeds = fields.find("free_seeds"))
-    part.free_seeds_m = points(*seeds, fields.path("free_seeds"));
+    object.free_seeds_m = points(*seeds, fields.path("free_seeds"));
   if (const Json* deviation = fields.find("mesh_deviation")) {
-    part.deviation_m = length(*deviation, fields.path("mesh_deviation"));
-    if (part.deviation_m < 0) throw BadKey{fields.path("mesh_deviation"), "is negative", ""};
+    object.deviation_m = length(*deviation, fields.path("mesh_deviation"));
+    if (object.deviation_m < 0) throw BadKey{fields.path("mesh_deviation"), "is negative", ""};
   }
-  return part;
+  return object;
 }
 
 std::array<double, 6> box(const Json& json, const std::string& key) {
@@ -220,11 +221,12 @@ Manifest read_fields(const Json& json, const std::filesystem::path& folder) {
     manifest.free_seeds_m = points(*seeds, "free_seeds");
   const Json* parts = fields.find("parts");
   if (parts == nullptr || !parts->is_array() || parts->empty()) {
-    throw BadKey{"parts", "is missing, no list, or empty", "list at least one part with its mesh"};
+    throw BadKey{"parts", "is missing, no list, or empty",
+                 "list at least one object with its mesh"};
   }
   for (std::size_t i = 0; i < parts->size(); ++i) {
-    manifest.parts.push_back(
-        read_manifest_part((*parts)[i], "parts[" + std::to_string(i) + "]", folder));
+    manifest.objects.push_back(
+        read_object((*parts)[i], "parts[" + std::to_string(i) + "]", folder));
   }
   return manifest;
 }
@@ -240,7 +242,7 @@ Result<Manifest> read_manifest(const std::string& path) {
     return read_fields(json, std::filesystem::path(path).parent_path());
   } catch (const Json::parse_error& error) {
     return Error{ErrorCode::kSceneInvalid, path, "byte " + std::to_string(error.byte),
-                 "is no valid JSON here", ""};
+                 "is no valid JSON here", "check the JSON"};
   } catch (const Json::out_of_range&) {
     return Error{ErrorCode::kSceneInvalid, path, "", "a number in it is too large for a double",
                  "write it smaller"};

@@ -11,11 +11,11 @@
 namespace forcelayer {
 
 // One entry of `parts`.
-struct ManifestPart {
+struct ManifestObject {
   std::string name;
   std::string mesh;  // path, made relative to the working folder; may end in #NODE
-  std::optional<double> metres_per_unit;
-  Affine world_from_part;  // metres
+  std::optional<double> meters_per_unit;
+  Affine world_from_object;  // meters
   std::vector<Vec3d> free_seeds_m;
   double deviation_m = 0;
 };
@@ -25,7 +25,7 @@ struct Manifest {
   std::optional<std::uint32_t> layers;
   std::optional<std::array<double, 6>> roi_m;
   std::vector<Vec3d> free_seeds_m;
-  std::vector<ManifestPart> parts;
+  std::vector<ManifestObject> objects;
 };
 
 // Reads and checks a manifest; an error names file and key, as in `parts[2].units`.

@@ -7,7 +7,7 @@
 namespace forcelayer {
 
 void TrustOptions::declare(CLI::App& app) {
-  // Less would not even load the program.
+  // With less memory the program itself does not load.
   constexpr std::uint64_t kLeastMemoryBytes = std::uint64_t{256} << 20;
   app.add_flag("--sandbox", sandbox,
                "read each mesh file in a process of its own: a crash, a hang or too much memory is "
@@ -32,7 +32,8 @@ Result<AssemblyReader> TrustOptions::reader() const {
     }
     constexpr double kLongestS = 1e6;
     if (!(*time_s > 0 && *time_s <= kLongestS)) {
-      return Error{ErrorCode::kUsage, "", "--sandbox-time", "is not between 0 and 1e6 seconds", ""};
+      return Error{ErrorCode::kUsage, "", "--sandbox-time", "is not between 0 and 1e6 seconds",
+                   "write it like 30s"};
     }
     limits.time_s = *time_s;
   }

@@ -1,4 +1,4 @@
-// The options by which a command's user says how far the mesh files and manifests are trusted.
+// The options that say how far a command trusts its mesh files and manifests.
 #pragma once
 
 #include <cstdint>
@@ -26,7 +26,8 @@ struct TrustOptions {
 
   void declare(CLI::App& app);
 
-  // read_assembly(), or read_in_sandbox() with these limits. kUsage for a time that is none.
+  // read_assembly(), or read_in_sandbox() with these limits. kUsage where the time cannot be
+  // parsed.
   Result<AssemblyReader> reader() const;
 };
 

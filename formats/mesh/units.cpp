@@ -15,9 +15,9 @@ std::string text_of(double number) {
 
 }  // namespace
 
-Result<double> metres_per_unit(const Assembly& assembly, const std::string& path,
+Result<double> meters_per_unit(const Assembly& assembly, const std::string& path,
                                std::optional<double> chosen, std::vector<std::string>& warnings) {
-  const std::optional<double>& defined = assembly.metres_per_unit;
+  const std::optional<double>& defined = assembly.meters_per_unit;
   if (!chosen && !defined) {
     return Error{ErrorCode::kUsage, path, "", "this format does not say which unit its numbers are",
                  "add --units, for example --units mm, or units in the manifest"};
@@ -84,7 +84,7 @@ double vertex_spacing_m(double float_coordinate, const Affine& world_from_mesh) 
 std::optional<std::string> coarse_vertices_warning(double spacing_m, double voxel_size_m) {
   if (!(spacing_m > voxel_size_m / 1000)) return std::nullopt;
   return "its 32-bit vertices lie " + text_of(spacing_m) +
-         " m apart where they are, more than a thousandth of a voxel; move the mesh towards its "
+         " m apart where they are, more than a thousandth of a voxel; move the mesh toward its "
          "origin before exporting it";
 }
 

@@ -1,4 +1,4 @@
-// Which length a number in a mesh file stands for, and whether its vertices are fine enough.
+// The unit of a mesh file, and whether its vertices are stored finely enough.
 #pragma once
 
 #include <optional>
@@ -10,25 +10,25 @@
 
 namespace forcelayer {
 
-// Metres per unit of `assembly`, read from `path`. `chosen` is what --units says, in metres; it is
+// Meters per unit of `assembly`, read from `path`. `chosen` is what --units says, in meters; it is
 // required (else kUsage) unless the file defines its unit, and overrides that with a warning.
-Result<double> metres_per_unit(const Assembly& assembly, const std::string& path,
+Result<double> meters_per_unit(const Assembly& assembly, const std::string& path,
                                std::optional<double> chosen, std::vector<std::string>& warnings);
 
-// Distance between neighbouring 32-bit floats at `coordinate`; 0 at 0.
+// Distance between neighboring 32-bit floats at `coordinate`; 0 at 0.
 double float_spacing(double coordinate);
 
-// How long a vector of length 1 of b may become in a: the largest singular value, rounded up.
+// The greatest length in a of a unit vector of b: the largest singular value, rounded up.
 double largest_stretch(const Affine& a_from_b);
 
 // The largest |coordinate| of a mesh whose vertices are stored as 32-bit floats, else 0.
 double float_coordinate(const Mesh& mesh);
 
-// Distance along an axis of the mesh between neighbouring 32-bit floats at such a coordinate, in
-// metres after `world_from_mesh`.
+// Distance along an axis of the mesh between neighboring 32-bit floats at such a coordinate, in
+// meters after `world_from_mesh`.
 double vertex_spacing_m(double float_coordinate, const Affine& world_from_mesh);
 
-// What to tell the user where that spacing is more than a thousandth of a voxel.
+// The warning for a spacing of more than a thousandth of a voxel; nothing for a finer one.
 std::optional<std::string> coarse_vertices_warning(double spacing_m, double voxel_size_m);
 
 }  // namespace forcelayer

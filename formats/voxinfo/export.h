@@ -18,7 +18,7 @@ Status export_voxmap_csv(const Voxmap& map, const std::string& out);
 Status export_voxmap_ply(const Voxmap& map, const std::string& out);
 Status export_pshell_ply(const Pshell& shell, const std::string& out);
 // A UInt8 grid of VoxelValues named "voxmap": index (i, j, k) is world voxel (i, j, k), active
-// where not free, and the transform puts it at the voxel's centre in metres.
+// where not free, and the transform puts it at the voxel's center in meters.
 Status export_voxmap_vdb(const Voxmap& map, const std::string& out);
 
 }  // namespace forcelayer

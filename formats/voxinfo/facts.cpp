@@ -19,8 +19,8 @@ std::string version_of(const FileHeader& header) {
   return std::to_string(header.major) + "." + std::to_string(header.minor);
 }
 
-// Provenance as JSON where it is sound and not nested without end, else as text: it comes from
-// outside and is not checked by the reader.
+// Provenance as JSON where it parses and is not nested too deep, else as text. The reader of the
+// file does not check it.
 ordered_json parsed_provenance(std::string_view text) {
   constexpr int kMaxDepth = 32;
   bool too_deep = false;
@@ -42,22 +42,22 @@ ordered_json cropped_side_names(std::uint32_t sides) {
 }
 
 std::array<double, 3> origin_m(const VoxmapHeader& h) {
-  std::array<double, 3> metres{};
+  std::array<double, 3> meters{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    metres[axis] = static_cast<double>(h.origin_voxel[axis]) * h.voxel_size_m;
+    meters[axis] = static_cast<double>(h.origin_voxel[axis]) * h.voxel_size_m;
   }
-  return metres;
+  return meters;
 }
 
-// At 4 and 8 bits: how far from the static mesh the surface runs from which distances are counted
-// (voxmap_format.md, 6).
+// At 4 and 8 bits: the distance of the zero-force surface from the static mesh (voxmap_format.md,
+// section 6).
 double zero_force_m(const Voxmap& map) {
   const VoxmapHeader& h = map.header();
   const double layer = map.compliance().empty() ? 1 : force_layer_voxels(h);
   return (h.offset_layers - 1 + 0.8660254037844386 + 0.001 + layer) * h.voxel_size_m;
 }
 
-// Where a compliance table ends.
+// The depth at which a compliance table ends.
 double compliance_depth_m(const Voxmap& map) {
   return static_cast<double>(map.compliance().size() - 1) * map.header().quantum_m;
 }
@@ -175,7 +175,7 @@ std::string summary_of_voxmap(const Voxmap& map, const std::string& path) {
         1e3 * zero_force_m(map), 1e3 * h.range_m, 1e3 * h.quantum_m);
   }
   if (!map.compliance().empty()) {
-    add_line(text, "  soft covering     a contact point feels %.4g N at %.4g mm, at most %.4g N/m",
+    add_line(text, "  compliance        a contact point feels %.4g N at %.4g mm, at most %.4g N/m",
              static_cast<double>(map.compliance().back()), 1e3 * compliance_depth_m(map),
              steepest_n_per_m(map));
   }
@@ -186,7 +186,7 @@ std::string summary_of_voxmap(const Voxmap& map, const std::string& path) {
   add_line(text, "  static deviation  %.6g m", h.static_deviation_m);
   add_line(text, "  valid             %s", cropped_text(h.cropped_sides).c_str());
   add_line(text,
-           "  tree              %u x %u x %u blocks, %" PRIu64 " upper nodes, %" PRIu64
+           "  tree              %u x %u x %u cells, %" PRIu64 " upper nodes, %" PRIu64
            " lower nodes, %" PRIu64 " bricks",
            h.directory_dims[0], h.directory_dims[1], h.directory_dims[2], map.upper_node_count(),
            map.lower_node_count(), map.brick_count());

@@ -1,4 +1,4 @@
-// What a baked file says about itself, for people and for programs.
+// The facts that a baked file states about itself, for people and for programs.
 #pragma once
 
 #include <nlohmann/json.hpp>

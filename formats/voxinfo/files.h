@@ -1,4 +1,4 @@
-// A file that voxinfo was given: a scene or a part.
+// The file that voxinfo was given: a scene or a part.
 #pragma once
 
 #include <string>
@@ -11,7 +11,7 @@ namespace forcelayer {
 
 using BakedFile = std::variant<Voxmap, Pshell>;
 
-// Opens `path` by what its first bytes say it is, and by its name where they say nothing.
+// Opens `path` as the format of its first bytes or, where they are of neither format, of its name.
 Result<BakedFile> open_baked_file(const std::string& path, Verify verify);
 
 }  // namespace forcelayer

@@ -1,5 +1,5 @@
-// voxinfo: what a baked file is, whether it is whole, what it says at points, and what it looks
-// like in other programs.
+// The voxinfo command: prints the facts of a baked file, verifies it, samples it at points, and
+// exports it for other programs.
 #include <CLI/CLI.hpp>
 #include <iostream>
 #include <nlohmann/json.hpp>
@@ -67,7 +67,7 @@ int run(int argc, char** argv) {
   CLI::App app{"Looks into .vox scenes and .pshell parts", "voxinfo"};
   std::string path, out, json_path;
   bool quiet = false;
-  app.add_option("FILE", path, "a .vox or .pshell file: prints what it is");
+  app.add_option("FILE", path, "a .vox or .pshell file, whose facts are printed");
   app.add_option("--json", json_path, "write the facts to this file as JSON");
   app.add_flag("--quiet", quiet, "print nothing but errors");
   app.require_subcommand(0, 1);
@@ -75,7 +75,7 @@ int run(int argc, char** argv) {
       app.add_subcommand("verify", "check every structure, checksum and promised fact of a file");
   verify->add_option("FILE", path, "a .vox or .pshell file")->required();
   auto* sample = app.add_subcommand(
-      "sample", "read `x y z` lines in metres and print each point's voxel value, 0 to 3");
+      "sample", "read `x y z` lines in meters and print each point's voxel value, 0 to 3");
   sample->add_option("FILE", path, "a .vox file")->required();
   auto* export_to = app.add_subcommand("export", "write a file in another format");
   export_to->add_option("FILE", path, "a .vox or .pshell file")->required();

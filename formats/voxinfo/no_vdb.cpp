@@ -1,3 +1,4 @@
+// Stands in for vdb.cpp in a build without OpenVDB.
 #include "formats/voxinfo/export.h"
 
 namespace forcelayer {

@@ -1,4 +1,4 @@
-// What voxinfo writes: an atomic file filled through a buffer.
+// An atomic file that is written through a buffer.
 #pragma once
 
 #include <cstddef>

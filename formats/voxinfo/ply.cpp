@@ -1,5 +1,5 @@
-// PLY, binary little-endian. The force layer as quads: a brick's faces share their vertices, faces
-// of different bricks do not, so that one brick at a time is in memory.
+// PLY, binary little-endian. The force layer is written as quads. Faces of one brick share their
+// vertices and faces of different bricks do not, so that only one brick at a time is in memory.
 #include <array>
 #include <cinttypes>
 #include <cstdio>
@@ -31,13 +31,13 @@ class BrickFaces {
   const std::vector<std::array<std::int32_t, 4>>& quads() const { return quads_; }
 
  private:
-  // The faces between `voxel` and neighbours that are not in the force layer.
+  // The faces between `voxel` and neighbors that are not in the force layer.
   void add_voxel(const Voxmap& map, const Voxel& voxel) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       for (const int side : {0, 1}) {
-        Voxel neighbour = voxel;
-        neighbour[axis] += side ? 1 : -1;
-        const VoxelValue value = map.value(neighbour[0], neighbour[1], neighbour[2]);
+        Voxel neighbor = voxel;
+        neighbor[axis] += side ? 1 : -1;
+        const VoxelValue value = map.value(neighbor[0], neighbor[1], neighbor[2]);
         if (value != VoxelValue::kSurface) add_quad(voxel, axis, side);
       }
     }
@@ -126,7 +126,7 @@ Status export_voxmap_ply(const Voxmap& map, const std::string& out) {
   }
   auto ply = BufferedOutput::create(out);
   if (!ply) return ply.error();
-  ply->append(header_text("voxel faces of the force layer, metres", vertices, "", faces));
+  ply->append(header_text("voxel faces of the force layer, meters", vertices, "", faces));
   const double s = map.voxel_size_m();
   for_each_surface_brick(map, [&](const BrickFaces& brick) {
     for (const auto& at : brick.vertices()) {
@@ -150,7 +150,7 @@ Status export_pshell_ply(const Pshell& shell, const std::string& out) {
   auto ply = BufferedOutput::create(out);
   if (!ply) return ply.error();
   const PshellView& v = shell.view();
-  ply->append(header_text("shell points with inward normals, metres, part frame", v.point_count,
+  ply->append(header_text("shell points with inward normals, meters, part frame", v.point_count,
                           "property float nx\nproperty float ny\nproperty float nz\n"
                           "property float weight_m2\nproperty uint block\n",
                           0));

@@ -59,7 +59,7 @@ Status sample_voxmap(const Voxmap& map, std::istream& points, std::ostream& valu
     if (!point) {
       return Error{ErrorCode::kUsage, "", "input line " + std::to_string(number),
                    "'" + line.substr(0, 60) + "' is not three finite numbers",
-                   "write x y z in metres"};
+                   "write x y z in meters"};
     }
     const auto voxel = voxel_of(*point, map.voxel_size_m());
     outside_points += is_beyond_cropped_side(map.header(), voxel);

@@ -1,4 +1,4 @@
-// Values of a voxmap at points.
+// Reading the values of a voxmap at points.
 #pragma once
 
 #include <istream>
@@ -8,7 +8,7 @@
 
 namespace forcelayer {
 
-// Reads lines `x y z` (metres, world frame, spaces or commas between) and writes the VoxelValue of
+// Reads lines `x y z` (meters, world frame, spaces or commas between) and writes the VoxelValue of
 // each point's voxel, 0 to 3, a line each. Blank lines are skipped. `outside_points` receives the
 // number of points beyond a cropped side, where nothing is known and 0 is written. Errors: kUsage
 // with the line's number.

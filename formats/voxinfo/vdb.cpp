@@ -1,4 +1,4 @@
-// The one file of formats/ that sees OpenVDB; a build without it has voxinfo_no_vdb.cpp instead.
+// The one file of formats/ that includes OpenVDB; no_vdb.cpp replaces it in a build without.
 #include <openvdb/io/Stream.h>
 #include <openvdb/openvdb.h>
 
@@ -65,7 +65,7 @@ ValueGrid::Ptr make_grid(const Voxmap& map) {
   grid->setName("voxmap");
   const double s = map.voxel_size_m();
   auto transform = openvdb::math::Transform::createLinearTransform(s);
-  transform->postTranslate(openvdb::Vec3d(0.5 * s));  // OpenVDB's index is a voxel's centre
+  transform->postTranslate(openvdb::Vec3d(0.5 * s));  // OpenVDB's index is a voxel's center
   grid->setTransform(transform);
   for_each_region(map.view(), [&](const VoxmapRegion& region) {
     if (region.is_brick) {

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <iterator>
 
+#include "pointshell/certificate/convex_polygon.h"
 #include "pointshell/certificate/hidden_surface.h"
-#include "pointshell/certificate/pieces.h"
-#include "pointshell/parallel.h"
-#include "pointshell/sample/convex_polygon.h"
-#include "pointshell/sample/point_grid.h"
+#include "pointshell/certificate/point_grid.h"
+#include "pointshell/part/parallel.h"
+#include "pointshell/part/pieces.h"
 
 namespace forcelayer {
 namespace {
@@ -17,8 +17,8 @@ namespace {
 constexpr double kTileEdge = 5;
 constexpr double kGridCell = 4;
 constexpr std::size_t kTilesPerTask = 32;
-// In radii. A piece that no point covers and whose ball is smaller than this is not cut any further
-// to see whether it is hidden.
+// In radii. An open piece whose ball is smaller than this is not cut further to find out whether it
+// is hidden.
 constexpr double kSmallestHidden = 0.1;
 
 // Proves single tiles; one of it per task, as it keeps scratch memory.
@@ -60,13 +60,14 @@ class TileProver {
   }
 
   // The candidates of a piece are candidates_[first, last): all points whose balls can reach it,
-  // but for those that are farther from all of it than another candidate is. So a corner's nearest
-  // candidate is its nearest point, and with every cut each side loses a candidate.
+  // except those that are farther from every place of it than another candidate. So a corner's
+  // nearest candidate is its nearest point, and with every cut each side loses a candidate.
   void prove(ConvexPolygon& piece, std::size_t first, std::size_t last) {
     if (piece.empty()) return;
     ++pieces;
     const Vec3 middle = middle_of(piece.corners());
-    if (first == last) return not_covered(piece, piece.corners().front(), 2 * radius_, first, last);
+    if (first == last)
+      return prove_hidden(piece, piece.corners().front(), 2 * radius_, first, last);
     const std::size_t inner = nearest_candidate(middle, first, last);
     const Vec3 inner_point = candidates_[inner];
     const Vec3* outermost = nullptr;
@@ -80,7 +81,7 @@ class TileProver {
     const Vec3 outer_point = candidates_[outer];
     const double distance_squared = length_squared(*outermost - outer_point);
     if (distance_squared > radius_ * radius_) {
-      return not_covered(piece, *outermost, std::sqrt(distance_squared), first, last);
+      return prove_hidden(piece, *outermost, std::sqrt(distance_squared), first, last);
     }
     if (piece.farthest_squared(outer_point) <= radius_ * radius_) return;
     // The outermost corner is nearer to the outer point and the middle to the inner one (or the
@@ -108,11 +109,11 @@ class TileProver {
     candidates_.resize(own_first);
   }
 
-  // A corner of the piece is out of reach of all points: the piece, or all of its parts that are
-  // not covered, must be hidden. A single hole fails the whole proof, so after one there is no use
-  // in cutting small.
-  void not_covered(ConvexPolygon& piece, const Vec3& corner, double distance, std::size_t first,
-                   std::size_t last) {
+  // A corner of the piece is out of reach of all points, so the open part of the piece must be
+  // hidden. Cuts the piece to prove that, or adds a hole. A single hole fails the whole proof, so
+  // after the first one pieces are not cut any smaller.
+  void prove_hidden(ConvexPolygon& piece, const Vec3& corner, double distance, std::size_t first,
+                    std::size_t last) {
     if (!hidden_ || !holes.empty()) return add_hole(piece, corner, distance);
     const Vec3 middle = middle_of(piece.corners());
     const double size = std::sqrt(piece.farthest_squared(middle));

@@ -5,11 +5,11 @@
 // involved, and rounding is accounted for: the proof is carried out at a radius that is smaller by
 // more than all errors of the arithmetic together (proof_margin).
 //
-// Cuts run along the planes half-way between two points, so that after a few of them each piece
-// lies in the Voronoi cell of one point; a piece that is not proven then has a corner that is
-// farther than the radius from every point. Where bodies of the part overlap, what lies inside
-// another body may be left out (HiddenSurface): such a piece is cut further until it is proven to
-// lie inside, or too small to be worth it.
+// Cuts run along the planes halfway between two points. After a few cuts each piece lies in the
+// Voronoi cell of one point, so a piece that is not proven has a corner that is farther than the
+// radius from every point. Surface that lies inside another body of the part need not be covered
+// (HiddenSurface): an open piece is cut further until it is proven to lie inside, or until it is
+// too small.
 #pragma once
 
 #include <cstddef>
@@ -17,8 +17,8 @@
 #include <span>
 #include <vector>
 
-#include "pointshell/part.h"
-#include "pointshell/vec3.h"
+#include "pointshell/part/part.h"
+#include "pointshell/part/vec3.h"
 
 namespace forcelayer {
 
@@ -27,7 +27,7 @@ class HiddenSurface;
 // A piece of the surface where the proof failed.
 struct Hole {
   Vec3 position;        // the corner that is farthest from all points
-  double distance = 0;  // m, from there to the nearest point; where none is close, a bound below it
+  double distance = 0;  // m, from there to the nearest point; a lower bound where no point is near
   std::vector<Vec3> piece;  // corners of the convex polygon that is not proven
 };
 
@@ -38,19 +38,18 @@ struct CoveringProof {
   std::uint64_t pieces = 0;  // that the proof looked at
 };
 
-// By how much the proof's radius is smaller than the radius it proves, m: more than the rounding of
-// vertices to metres, of the centre's subtraction, of cuts and of distances.
+// The proof is carried out at a radius that is smaller by this, m. It exceeds the rounding of
+// vertices to meters, of the center's subtraction, of cuts and of distances.
 double proof_margin(const Part& part, double radius);
 
 // Proves that every point of `part` is within `radius` (m) of one of `points`, both relative to the
-// same centre. Gives up, not proven, once more than `most_holes` are known, and for a radius that
+// same center. Gives up, not proven, once more than `most_holes` are known, and for a radius that
 // rounding alone exceeds. The same result for any number of threads.
 CoveringProof prove_covering(const Part& part, std::span<const Vec3> points, double radius,
                              std::size_t most_holes = SIZE_MAX);
 
-// Takes up a proof of the same part and radius that failed, with more points than it had: only the
-// pieces with holes are looked at again. With `hidden`, what that proves to lie inside another body
-// need not be covered.
+// Continues a failed proof of the same part and radius with more points: looks only at the pieces
+// with holes. With `hidden`, surface that it proves to lie inside another body need not be covered.
 CoveringProof continue_proof(const Part& part, std::span<const Vec3> points, double radius,
                              const CoveringProof& failed, const HiddenSurface* hidden = nullptr);
 

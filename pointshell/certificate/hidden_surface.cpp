@@ -3,23 +3,17 @@
 #include <cmath>
 #include <utility>
 
-#include "pointshell/mass_properties.h"
-#include "pointshell/parallel.h"
+#include "pointshell/part/mass_properties.h"
+#include "pointshell/part/parallel.h"
 
 namespace forcelayer {
 namespace {
 
-// Of the radius: points are dropped only where they lie this deep, so that everything that they
-// alone cover is proven hidden by pieces of a quarter of the radius.
+// In radii. Only points this deep are dropped: all that such a point alone covers is then proven
+// hidden in pieces of a quarter of the radius.
 constexpr double kDroppedDepth = 1.25;
 // The winding number is a whole number off the surface, and in error by less than 0.01.
 constexpr double kInside = 0.5;
-
-std::vector<std::vector<std::uint32_t>> triangles_by_body(const Part& part) {
-  std::vector<std::vector<std::uint32_t>> of_body(part.body_names.size());
-  for (std::uint32_t t = 0; t < part.triangles.size(); ++t) of_body[part.body[t]].push_back(t);
-  return of_body;
-}
 
 bool is_closed_body(const Part& part, const std::vector<std::uint32_t>& triangles) {
   std::vector<Triangle> corners;
@@ -41,11 +35,11 @@ HiddenSurface::HiddenSurface(const Part& part)
   }
 }
 
-bool HiddenSurface::holds_ball(const Vec3& centre, double radius) const {
+bool HiddenSurface::holds_ball(const Vec3& center, double radius) const {
   for (const auto& solid : solids_) {
-    if (solid->tree.nodes()[0].distance_squared(centre) > 0) continue;
-    if (solid->tree.nearest(centre, radius + rounding_).found) continue;
-    if (std::abs(solid->winding.at(centre)) > kInside) return true;
+    if (solid->tree.nodes()[0].distance_squared(center) > 0) continue;
+    if (solid->tree.nearest(center, radius + rounding_).found) continue;
+    if (std::abs(solid->winding.at(center)) > kInside) return true;
   }
   return false;
 }

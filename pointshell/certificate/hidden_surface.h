@@ -1,14 +1,14 @@
-// What of a part's surface lies inside another of its bodies, where nothing can touch it.
+// The surface of a part that lies inside another of its bodies, where nothing can touch it.
 #pragma once
 
 #include <memory>
 #include <vector>
 
 #include "pointshell/certificate/certificate.h"
-#include "pointshell/certificate/triangle_tree.h"
-#include "pointshell/normals/winding_number.h"
-#include "pointshell/part.h"
-#include "pointshell/vec3.h"
+#include "pointshell/certificate/winding_number.h"
+#include "pointshell/part/part.h"
+#include "pointshell/part/triangle_tree.h"
+#include "pointshell/part/vec3.h"
 
 namespace forcelayer {
 
@@ -21,9 +21,9 @@ class HiddenSurface {
   // Whether there are bodies that could hide others.
   bool possible() const { return !solids_.empty(); }
 
-  // Whether the ball lies inside a single closed body. What the part's surface has in such a ball
-  // belongs to other bodies and is hidden by this one. A proof: false where rounding could matter.
-  bool holds_ball(const Vec3& centre, double radius) const;
+  // Whether the ball is proven to lie inside a single closed body; false where rounding could
+  // matter. Surface in such a ball belongs to other bodies, and this body hides it.
+  bool holds_ball(const Vec3& center, double radius) const;
 
  private:
   struct Solid {
@@ -35,10 +35,10 @@ class HiddenSurface {
   double rounding_ = 0;                         // m, more than any error of a distance
 };
 
-// Drops the points that lie deeper than the radius inside another body: their balls hold no outer
-// surface, so that this stays covered (`proof`, which is of all points, is replaced by that of the
-// remaining ones). Keeps them all, and the proof, where that cannot be proven. Returns how many
-// were dropped.
+// Drops the points that lie deeper than the radius inside another body. Their balls hold no outer
+// surface, so the outer surface stays covered. Replaces `proof`, the proof for all points, by one
+// for the remaining points; where that proof fails, keeps all points and `proof`. Returns the
+// number of points dropped.
 std::size_t leave_out_hidden_points(const Part& part, const HiddenSurface& hidden, double radius,
                                     std::vector<Vec3>& points, CoveringProof& proof);
 

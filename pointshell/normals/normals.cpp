@@ -3,18 +3,18 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pointshell/certificate/pieces.h"
-#include "pointshell/parallel.h"
+#include "pointshell/part/parallel.h"
+#include "pointshell/part/pieces.h"
 
 namespace forcelayer {
 namespace {
 
 constexpr double kFullCos = 0.8660254037844387;  // 30 degrees
 constexpr double kNoneCos = 0.5;                 // 60 degrees
-// Triangles whose distance from the point exceeds the nearest one's by less than this share of the
-// radius meet at the point: more than the rounding of positions to floats.
+// In radii. Triangles this close to the foot meet there; it is more than the rounding of positions
+// to floats.
 constexpr double kSamePlace = 1e-4;
-constexpr double kCancelled = 1e-3;     // of normals that add up to less, nothing is left
+constexpr double kCanceled = 1e-3;      // normals whose sum is shorter cancel each other
 constexpr double kFlatCos = 1 - 1e-12;  // one direction but for rounding
 
 struct Point2 {
@@ -53,8 +53,8 @@ double angle_between(const Vec3& u, const Vec3& v) {
   return std::atan2(length(cross(u, v)), dot(u, v));
 }
 
-// The angle that a triangle fills around a point of it: pi for a point on a side, less at a corner.
-// A point inside counts as on a side: then it is the only triangle, or one of several in one plane.
+// The angle of a triangle around a point of it: pi for a point on a side, less at a corner. A point
+// inside counts as on a side, for then only triangles of one plane meet there.
 double angle_at(const Vec3& place, const Piece& corners, double same_place) {
   for (int n = 0; n < 3; ++n) {
     if (length(place - corners[n]) <= same_place) {
@@ -117,8 +117,8 @@ class NormalFinder {
       if (length_squared(nearest - foot.position) > same_place * same_place) continue;
       sum += angle_at(nearest, face.corners, same_place) * face.normal;
     }
-    // Faces back to back cancel: then the triangle that the point was found on decides.
-    if (length(sum) > kCancelled) return normalized(sum);
+    // Faces back to back cancel; then the triangle of the foot decides.
+    if (length(sum) > kCanceled) return normalized(sum);
     return nearest_area_normal(foot);
   }
 
@@ -143,7 +143,7 @@ class NormalFinder {
   }
 
   Vec3 smoothed(const Vec3& place, const Vec3& seed) {
-    // On a flat neighbourhood the areas need not be known.
+    // A flat neighborhood needs no areas.
     const bool flat = std::all_of(faces_.begin(), faces_.end(), [&](const Face& face) {
       const double cosine = dot(face.normal, seed);
       return cosine <= kNoneCos || cosine >= kFlatCos;
@@ -184,21 +184,21 @@ class NormalFinder {
 
 }  // namespace
 
-double area_within_ball(const Vec3& centre, double radius, const Vec3& a, const Vec3& b,
+double area_within_ball(const Vec3& center, double radius, const Vec3& a, const Vec3& b,
                         const Vec3& c) {
   const Vec3 doubled = cross(b - a, c - a);
   const double norm = length(doubled);
   if (norm == 0) return 0;
   const Vec3 normal = (1 / norm) * doubled;
-  const double height = dot(a - centre, normal);
+  const double height = dot(a - center, normal);
   if (std::abs(height) >= radius) return 0;
   const double reach = radius * radius;
-  if (std::max({length_squared(a - centre), length_squared(b - centre),
-                length_squared(c - centre)}) <= reach) {
+  if (std::max({length_squared(a - center), length_squared(b - center),
+                length_squared(c - center)}) <= reach) {
     return norm / 2;
   }
   const Vec3 along_x = normalized(b - a), along_y = cross(normal, along_x);
-  const Vec3 foot = centre + height * normal;
+  const Vec3 foot = center + height * normal;
   const auto flat = [&](const Vec3& p) {
     return Point2{dot(p - foot, along_x), dot(p - foot, along_y)};
   };

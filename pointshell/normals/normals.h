@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
+#include "pointshell/part/vec3.h"
 #include "pointshell/sample/restricted_cells.h"
-#include "pointshell/vec3.h"
 
 namespace forcelayer {
 
@@ -23,13 +23,14 @@ struct ShellNormals {
 // the normals over the surface within `radius` of that point, weighted by area times a weight of
 // the angle to the seed: 1 up to 30 degrees, falling to 0 at 60 (bilateral normal filtering: Zheng,
 // Fu, Au and Tai 2011; without the angle's weight it is the integral invariant of Pottmann,
-// Wallner, Huang and Yang 2009). The mean is exact, so it changes continuously from point to point:
-// the facets of a curved surface blend, while the faces at a real edge do not see each other.
+// Wallner, Huang and Yang 2009). The mean is an exact integral, so it changes continuously from
+// point to point. The facets of a curved surface blend; the faces on the two sides of an edge do
+// not.
 ShellNormals shell_normals(const RestrictedCells& cells, std::span<const Vec3> points,
                            double radius);
 
-// Area of the part of triangle a, b, c that lies within `radius` of `centre`.
-double area_within_ball(const Vec3& centre, double radius, const Vec3& a, const Vec3& b,
+// Area of the part of triangle a, b, c that lies within `radius` of `center`.
+double area_within_ball(const Vec3& center, double radius, const Vec3& a, const Vec3& b,
                         const Vec3& c);
 
 }  // namespace forcelayer

@@ -8,19 +8,19 @@
 #include <tuple>
 #include <vector>
 
-#include "pointshell/certificate/pieces.h"
-#include "pointshell/certificate/triangle_tree.h"
-#include "pointshell/parallel.h"
+#include "pointshell/part/parallel.h"
+#include "pointshell/part/pieces.h"
+#include "pointshell/part/triangle_tree.h"
 
 namespace forcelayer {
 namespace {
 
 constexpr double kDecisive = 0.15;
-// Share of rays below which a patch counts as hidden: a few that slip through gaps say nothing.
+// A patch with a smaller share of leaving rays is hidden; a few rays slip through gaps.
 constexpr double kHidden = 0.005;
 constexpr std::size_t kSamplesPerPatch = 128;
 constexpr int kRaysPerSample = 64;
-// Of the part's size: what lies nearer to a ray's origin is the surface that it starts on.
+// In sizes of the part. A hit nearer to a ray's origin is the surface that it starts on.
 constexpr double kSelfHit = 1e-10;
 
 // The side of a triangle that runs between two vertices.
@@ -87,11 +87,11 @@ struct Patches {
 };
 
 // Links of each triangle, as one array with offsets.
-struct Neighbours {
+struct Neighbors {
   std::vector<std::size_t> first;                        // [triangles + 1]
-  std::vector<std::pair<std::uint32_t, bool>> to_agree;  // neighbour, agree
+  std::vector<std::pair<std::uint32_t, bool>> to_agree;  // neighbor, agree
 
-  Neighbours(std::size_t triangles, const std::vector<Link>& links)
+  Neighbors(std::size_t triangles, const std::vector<Link>& links)
       : first(triangles + 1, 0), to_agree(2 * links.size()) {
     for (const Link& link : links) ++first[link.a + 1], ++first[link.b + 1];
     for (std::size_t t = 0; t < triangles; ++t) first[t + 1] += first[t];
@@ -103,9 +103,9 @@ struct Neighbours {
   }
 };
 
-// Turns the smaller area of the patch rather than the larger.
-void keep_the_majority(const Part& part, const std::vector<std::uint32_t>& patch,
-                       std::vector<bool>& turned) {
+// Turns the smaller area of the patch, so that the larger keeps its orientation.
+void keep_larger_area(const Part& part, const std::vector<std::uint32_t>& patch,
+                      std::vector<bool>& turned) {
   double kept_area = 0, turned_area = 0;
   for (const std::uint32_t t : patch) {
     (turned[t] ? turned_area : kept_area) += length(doubled_area_normal(part, t));
@@ -116,7 +116,7 @@ void keep_the_majority(const Part& part, const std::vector<std::uint32_t>& patch
 
 Patches find_patches(const Part& part, const std::vector<Link>& links) {
   const std::size_t count = part.triangles.size();
-  const Neighbours neighbours(count, links);
+  const Neighbors neighbors(count, links);
   Patches patches;
   patches.turned.assign(count, false);
   std::vector<bool> reached(count, false);
@@ -126,8 +126,8 @@ Patches find_patches(const Part& part, const std::vector<Link>& links) {
     reached[seed] = true;
     for (std::size_t n = 0; n < patch.size(); ++n) {
       const std::uint32_t t = patch[n];
-      for (std::size_t l = neighbours.first[t]; l < neighbours.first[t + 1]; ++l) {
-        const auto [other, agree] = neighbours.to_agree[l];
+      for (std::size_t l = neighbors.first[t]; l < neighbors.first[t + 1]; ++l) {
+        const auto [other, agree] = neighbors.to_agree[l];
         if (reached[other]) continue;
         reached[other] = true;
         patches.turned[other] = patches.turned[t] != !agree;
@@ -135,7 +135,7 @@ Patches find_patches(const Part& part, const std::vector<Link>& links) {
       }
     }
     std::sort(patch.begin(), patch.end());
-    keep_the_majority(part, patch, patches.turned);
+    keep_larger_area(part, patch, patches.turned);
     patches.triangles.push_back(std::move(patch));
   }
   return patches;
@@ -177,7 +177,7 @@ class SkySampler {
     self_hit_ = kSelfHit * length(box.high - box.low);
   }
 
-  // What patch `triangles` sees past the triangles of `tree`. Samples stand for equal areas.
+  // The sky of patch `triangles` past the triangles of `tree`. Samples stand for equal areas.
   Sky look(const TriangleTree& tree, const std::vector<std::uint32_t>& triangles) const {
     const double area = area_of(part_, triangles);
     const std::size_t samples = std::min(triangles.size(), kSamplesPerPatch);
@@ -213,7 +213,7 @@ class SkySampler {
   double self_hit_ = 0;
 };
 
-// What every patch sees: of the whole part and, where that hides it, of its own body.
+// The sky of every patch, past the whole part or, where that hides the patch, past its own body.
 std::vector<Sky> look_around(const Part& part, const Patches& patches) {
   const SkySampler sampler(part);
   const TriangleTree whole(part);
@@ -228,8 +228,7 @@ std::vector<Sky> look_around(const Part& part, const Patches& patches) {
   for (std::size_t n = 0; n < skies.size(); ++n) {
     if (skies[n].hidden()) hidden_of_body[part.body[patches.triangles[n].front()]].push_back(n);
   }
-  std::vector<std::vector<std::uint32_t>> of_body(part.body_names.size());
-  for (std::uint32_t t = 0; t < part.triangles.size(); ++t) of_body[part.body[t]].push_back(t);
+  const std::vector<std::vector<std::uint32_t>> of_body = triangles_by_body(part);
   for (std::size_t body = 0; body < of_body.size(); ++body) {
     const std::vector<std::size_t>& hidden = hidden_of_body[body];
     if (hidden.empty()) continue;
@@ -239,7 +238,7 @@ std::vector<Sky> look_around(const Part& part, const Patches& patches) {
   return skies;
 }
 
-// Turns the patches round that see more sky from behind, and the hidden ones with their bodies.
+// Turns the patches that see more sky from behind, and hidden patches with their body.
 void turn_patches(Part& part, const Patches& patches, const std::vector<Sky>& skies) {
   std::vector<double> area_to_keep(part.body_names.size());  // less that to turn, by body
   const auto turn_patch = [&](std::size_t n) {
@@ -257,14 +256,6 @@ void turn_patches(Part& part, const Patches& patches, const std::vector<Sky>& sk
       turn_patch(n);
     }
   }
-}
-
-Box box_of(const Part& part, const std::vector<std::uint32_t>& patch) {
-  Box box;
-  for (const std::uint32_t t : patch) {
-    for (const std::uint32_t corner : part.triangles[t]) box.grow(part.vertices[corner]);
-  }
-  return box;
 }
 
 Error undecided_error(const Part& part, const std::vector<std::uint32_t>& patch) {

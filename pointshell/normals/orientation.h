@@ -1,17 +1,17 @@
-// Making all triangles of a part face outwards, or saying that the mesh does not tell.
+// Making all triangles of a part face outwards, or refusing a mesh without a clear inside.
 #pragma once
 
 #include <cstdint>
 
 #include "formats/result.h"
-#include "pointshell/part.h"
+#include "pointshell/part/part.h"
 
 namespace forcelayer {
 
 struct OrientationReport {
   std::uint64_t patches = 0;              // connected over edges that two triangles share
   std::uint64_t flipped_triangles = 0;    // turned round with respect to the file
-  std::uint64_t hidden_triangles = 0;     // of patches that no straight line from outside reaches
+  std::uint64_t hidden_triangles = 0;     // in patches that (almost) no ray leaves
   std::uint64_t undecided_triangles = 0;  // in patches too small to matter, left as in the file
   std::uint64_t boundary_edges = 0;       // with one triangle
   std::uint64_t nonmanifold_edges = 0;    // with more than two
@@ -20,14 +20,14 @@ struct OrientationReport {
 // Turns triangles round so that their normals point out of the part.
 //
 // Triangles of a body that share an edge with exactly one other are joined into patches and made
-// consistent, the larger area deciding. Which side of a patch is outside, rays tell (Takayama,
-// Jacobson, Kavan and Sorkine-Hornung, "A simple method for correcting facet orientations in
-// polygon meshes based on ray casting", 2014): from points spread over the patch, the outside is
-// the side from which more of them leave the part without meeting it again. The file's own
-// orientation, which winding numbers would lean on, plays no role here; holes and gaps do no harm
-// while most rays from within still meet the part. A patch that no ray leaves, for other bodies
-// hide it, is judged within its own body; and what is hidden there too (a cavity, a body within) is
-// turned as the larger area of the visible patches of its body was.
+// consistent; the larger area keeps its orientation. Rays decide which side of a patch is outside
+// (Takayama, Jacobson, Kavan and Sorkine-Hornung, "A simple method for correcting facet
+// orientations in polygon meshes based on ray casting", 2014). They start at points spread over the
+// patch; the outside is the side from which more rays leave the part without meeting it again. The
+// orientation in the file plays no role. Holes and gaps do no harm while most rays from within meet
+// the part. A patch that no ray leaves, because other bodies hide it, is judged within its own
+// body. A patch that is hidden there too (a cavity) is turned as the larger area of its body's
+// visible patches.
 //
 // The decisiveness (front - back) / (front + back) of the shares of rays that leave is 1 for a
 // closed body and 0 for a flat sheet. Below 0.15 either way is an error (kMeshUnorientable) with

@@ -4,37 +4,38 @@
 #include <cmath>
 
 #include "formats/pshell_format.h"
-#include "pointshell/order.h"
+#include "pointshell/certificate/point_grid.h"
 #include "pointshell/sample/front_sampling.h"
 #include "pointshell/sample/hole_filling.h"
-#include "pointshell/sample/point_grid.h"
+#include "pointshell/sample/order.h"
 #include "pointshell/sample/relaxation.h"
-#include "pointshell/stored_position.h"
+#include "pointshell/sample/stored_position.h"
 
 namespace forcelayer {
 namespace {
 
-// All lengths in covering radii. The perfect covering of a plane has a spacing of sqrt(3) = 1.73;
-// rows that meet need room, so a front of narrower spacing leaves fewer holes to start with.
+// All lengths in covering radii. The perfect covering of a plane has a spacing of sqrt(3) = 1.73.
+// Rows that meet do not fit, so a front of narrower spacing leaves fewer holes.
 struct Recipe {
   double spacing;
   int centroid_steps;
   double centroid_factor;
   int ball_steps;
   double ball_factor;
-  int steps_per_look_around;  // neighbours are looked up again after so many steps
+  int steps_per_look_around;  // neighbors are looked up again after so many steps
   int rounds;                 // of adding points in holes
   int round_steps;            // to smallest balls, in each round
-  double hole_separation;  // of the points added in one round: their neighbours can then move over
-  double relaxed_reach;    // around holes
+  double
+      hole_separation;   // of the points added in one round, so that their neighbors can make room
+  double relaxed_reach;  // around holes
 };
 constexpr Recipe kFull{1.60, 8, 1.8, 6, 1.15, 3, 30, 4, 6.5, 4};
 constexpr Recipe kFast{1.53, 1, 1.5, 1, 1.15, 4, 0, 2, 4, 3};
 
-// How far points move before neighbours are looked up again: first steps are long, later ones
-// short.
+// The way that points may move before neighbors are looked up again. First steps are long, later
+// steps are short.
 constexpr double kFirstSlack = 0.3, kLaterSlack = 0.1;
-// Relaxation aims a little below the radius: the rest is for rounding positions to floats.
+// Relaxation aims a little below the radius, which leaves room for rounding positions to floats.
 constexpr double kAim = 0.9998;
 
 class CoveringBuilder {
@@ -49,10 +50,10 @@ class CoveringBuilder {
 
   std::vector<Vec3> build() {
     for (int n = 0; n < recipe_.centroid_steps; ++n) {
-      step_all(CellCentre::kCentroid, recipe_.centroid_factor);
+      step_all(CellCenter::kCentroid, recipe_.centroid_factor);
     }
     for (int n = 0; n < recipe_.ball_steps; ++n) {
-      step_all(CellCentre::kSmallestBall, recipe_.ball_factor);
+      step_all(CellCenter::kSmallestBall, recipe_.ball_factor);
     }
     for (int round = 0; round < recipe_.rounds && mend_holes(); ++round) {
       progress_(0.5 + 0.4 * round / recipe_.rounds);
@@ -63,7 +64,7 @@ class CoveringBuilder {
   }
 
  private:
-  // The front's points in the order of the shell's: what is near in space is then near in memory.
+  // The front's points in block order, so that points near in space are near in memory.
   std::vector<SurfacePoint> spread(const TriangleTree& tree) const {
     const std::vector<SurfacePoint> front = hexagonal_front(tree, recipe_.spacing * radius_);
     std::vector<Vec3> positions;
@@ -76,11 +77,11 @@ class CoveringBuilder {
     return ordered;
   }
 
-  void step_all(CellCentre centre, double factor) {
+  void step_all(CellCenter center, double factor) {
     if (steps_done_ % recipe_.steps_per_look_around == 0) {
       relaxation_.choose_all((steps_done_ == 0 ? kFirstSlack : kLaterSlack) * radius_);
     }
-    relaxation_.step(centre, factor);
+    relaxation_.step(center, factor);
     ++steps_done_;
     progress_(0.5 * steps_done_ / (recipe_.centroid_steps + recipe_.ball_steps));
   }
@@ -100,7 +101,7 @@ class CoveringBuilder {
     }
     relaxation_.choose(points_near(places), kLaterSlack * radius_);
     for (int n = 0; n < recipe_.round_steps; ++n) {
-      relaxation_.step(CellCentre::kSmallestBall, recipe_.ball_factor);
+      relaxation_.step(CellCenter::kSmallestBall, recipe_.ball_factor);
     }
     return true;
   }

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "pointshell/certificate/certificate.h"
-#include "pointshell/certificate/triangle_tree.h"
-#include "pointshell/vec3.h"
+#include "pointshell/part/triangle_tree.h"
+#include "pointshell/part/vec3.h"
 
 namespace forcelayer {
 
@@ -19,11 +19,11 @@ struct CoveringPoints {
 
 // Points on the surface of `tree`'s part that provably cover it within `radius` (m).
 //
-// Hexagonal fronts spread slightly fewer points than are needed; steps to the cells' centroids even
-// them out, steps to the centres of the smallest balls around the cells shrink the largest cells;
-// then, round by round, points are added in the deepest holes, far from each other, and only what
-// is near a hole is relaxed again. Last, points go into whatever the proof still finds open.
-// `progress` is told the share of the work done, in [0, 1].
+// Hexagonal fronts spread slightly fewer points than are needed. Steps to the cells' centroids even
+// them out; steps to the centers of the smallest balls around the cells shrink the largest cells.
+// Then, round by round, points are added in the deepest holes, far from each other, and points near
+// a hole are relaxed again. Last, points are added wherever the proof finds a hole.
+// `progress` is called with the share of the work done, in [0, 1].
 CoveringPoints covering_points(const TriangleTree& tree, double radius, Effort effort,
                                const std::function<void(double)>& progress);
 

@@ -6,8 +6,8 @@
 #include <map>
 #include <numbers>
 
-#include "pointshell/certificate/pieces.h"
-#include "pointshell/parallel.h"
+#include "pointshell/part/parallel.h"
+#include "pointshell/part/pieces.h"
 
 namespace forcelayer {
 namespace {
@@ -15,10 +15,10 @@ namespace {
 // All in spacings.
 constexpr double kCubeEdge = 24;
 constexpr double kClosest = 0.78;         // no two points are closer
-constexpr double kNeighbourReach = 1.3;   // what counts as a neighbour in the hexagon
+constexpr double kNeighborReach = 1.3;    // what counts as a neighbor in the hexagon
 constexpr double kProjectionReach = 0.5;  // a proposed place this far off the surface is dropped
 constexpr double kSeedEdge = 1.0;         // seeds are tried at tiles of this edge
-// Cosine between the normals of neighbours in one hexagon: others lie round a corner.
+// Cosine between the normals of neighbors in one hexagon: others lie round a corner.
 constexpr double kSameSideCos = 0.3;
 
 struct CubeIndex {
@@ -31,7 +31,7 @@ struct FrontPoint {
   Vec3 normal;
 };
 
-// One cube's share: its finished points.
+// A cube and its finished points.
 struct Cube {
   CubeIndex index;
   std::vector<FrontPoint> points;
@@ -66,8 +66,8 @@ std::vector<Cube> cubes_of(const Part& part, double edge) {
   return cubes;
 }
 
-// The points of one cube and of a rim around it in a dense grid of cells as wide as a neighbour is
-// far. Cells hold linked lists.
+// The points of one cube and of a rim around it, in a dense grid of linked lists. A cell is as wide
+// as a neighbor is far.
 class LocalGrid {
  public:
   LocalGrid(const Vec3& low, double edge, double cell)
@@ -141,11 +141,11 @@ class CubeFront {
         low_(kCubeEdge * spacing *
              Vec3{static_cast<double>(index.i), static_cast<double>(index.j),
                   static_cast<double>(index.k)}),
-        grid_(low_, kCubeEdge * spacing, kNeighbourReach * spacing) {}
+        grid_(low_, kCubeEdge * spacing, kNeighborReach * spacing) {}
 
   // Points of finished cubes around: the front starts from those in the rim.
-  void take_from(const Cube& neighbour) {
-    for (const FrontPoint& point : neighbour.points) grid_.add(point);
+  void take_from(const Cube& neighbor) {
+    for (const FrontPoint& point : neighbor.points) grid_.add(point);
   }
 
   std::vector<FrontPoint> grow() {
@@ -163,12 +163,12 @@ class CubeFront {
   }
 
   void complete_hexagon(std::size_t number) {
-    const FrontPoint centre = grid_.points()[number];
-    const Vec3 along_x = any_perpendicular(centre.normal), along_y = cross(centre.normal, along_x);
-    find_neighbour_angles(number, centre, along_x, along_y);
+    const FrontPoint center = grid_.points()[number];
+    const Vec3 along_x = any_perpendicular(center.normal), along_y = cross(center.normal, along_x);
+    find_neighbor_angles(number, center, along_x, along_y);
     const auto propose = [&](double angle) {
       const Vec3 direction = std::cos(angle) * along_x + std::sin(angle) * along_y;
-      try_place(centre.place.position + spacing_ * direction, centre.place.triangle);
+      try_place(center.place.position + spacing_ * direction, center.place.triangle);
     };
     if (angles_.empty()) {
       angles_.push_back(0);
@@ -182,14 +182,14 @@ class CubeFront {
     }
   }
 
-  void find_neighbour_angles(std::size_t number, const FrontPoint& centre, const Vec3& along_x,
-                             const Vec3& along_y) {
+  void find_neighbor_angles(std::size_t number, const FrontPoint& center, const Vec3& along_x,
+                            const Vec3& along_y) {
     angles_.clear();
-    const double reach = kNeighbourReach * spacing_;
-    grid_.visit_near(centre.place.position, reach, [&](int other, const FrontPoint& point) {
-      const Vec3 offset = point.place.position - centre.place.position;
+    const double reach = kNeighborReach * spacing_;
+    grid_.visit_near(center.place.position, reach, [&](int other, const FrontPoint& point) {
+      const Vec3 offset = point.place.position - center.place.position;
       if (static_cast<std::size_t>(other) == number || length_squared(offset) > reach * reach ||
-          dot(point.normal, centre.normal) < kSameSideCos) {
+          dot(point.normal, center.normal) < kSameSideCos) {
         return;
       }
       angles_.push_back(std::atan2(dot(offset, along_y), dot(offset, along_x)));
@@ -198,7 +198,7 @@ class CubeFront {
   }
 
   // Adds the surface point nearest to `target`, unless it is far off, in another cube or too close
-  // to a point. It is no farther than triangle `known`, which keeps the search short.
+  // to a point. The search is short because it is no farther than triangle `known`.
   void try_place(const Vec3& target, std::uint32_t known) {
     const Piece corners = triangle_piece(tree_.part(), known);
     const Vec3 foot = nearest_on_triangle(target, corners[0], corners[1], corners[2]);
@@ -213,7 +213,7 @@ class CubeFront {
     grid_.add({nearest.point, normal});
   }
 
-  // Starts a front on every bare patch: the sweep over tiles leaves none out.
+  // Starts a front on every bare patch, by trying a seed at every tile.
   void visit_seeds() {
     const double half_diagonal = std::sqrt(0.75) * kCubeEdge * spacing_;
     const double half = kCubeEdge * spacing_ / 2;

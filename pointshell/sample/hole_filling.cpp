@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <unordered_map>
 
-#include "pointshell/stored_position.h"
+#include "pointshell/sample/stored_position.h"
 
 namespace forcelayer {
 namespace {

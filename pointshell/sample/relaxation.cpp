@@ -4,14 +4,14 @@
 #include <limits>
 #include <numeric>
 
-#include "pointshell/parallel.h"
+#include "pointshell/part/parallel.h"
 #include "pointshell/sample/smallest_ball.h"
 
 namespace forcelayer {
 namespace {
 
 constexpr std::size_t kPointsPerTask = 128;
-// Of the radius: a target this close to the triangle it slid along is on it.
+// In radii. A target this close to the triangle that the point slid along is on it.
 constexpr double kOnTriangle = 1e-7;
 
 // Area and first moment of the pieces of a cell.
@@ -67,7 +67,7 @@ SurfacePoint Relaxation::slide(std::uint32_t triangle, const Vec3& target,
   return tree_.nearest(target, triangles);
 }
 
-Relaxation::Move Relaxation::find_move(std::size_t n, CellCentre centre, double factor) const {
+Relaxation::Move Relaxation::find_move(std::size_t n, CellCenter center, double factor) const {
   const std::uint32_t point = chosen_[n];
   const Vec3& place = positions_[point];
   Move move{{place, triangles_[point]}, place, 0};
@@ -79,7 +79,7 @@ Relaxation::Move Relaxation::find_move(std::size_t n, CellCentre centre, double 
       const double squared = length_squared(corner - place);
       if (squared > farthest_squared) farthest_squared = squared, move.farthest = corner;
     }
-    if (centre == CellCentre::kCentroid) {
+    if (center == CellCenter::kCentroid) {
       centroid.add(polygon.corners());
     } else {
       corners.insert(corners.end(), polygon.corners().begin(), polygon.corners().end());
@@ -88,15 +88,15 @@ Relaxation::Move Relaxation::find_move(std::size_t n, CellCentre centre, double 
   move.cell_radius = std::sqrt(farthest_squared);
   if (farthest_squared == 0) return move;
   const Vec3 middle =
-      centre == CellCentre::kCentroid ? centroid.of(place) : smallest_ball(corners).centre;
+      center == CellCenter::kCentroid ? centroid.of(place) : smallest_ball(corners).center;
   move.to = slide(triangles_[point], place + factor * (middle - place), cells_.triangles_near(n));
   return move;
 }
 
-void Relaxation::step(CellCentre centre, double factor) {
+void Relaxation::step(CellCenter center, double factor) {
   moves_.resize(chosen_.size());
   parallel_for_each_index(chosen_.size(), kPointsPerTask,
-                          [&](std::size_t n) { moves_[n] = find_move(n, centre, factor); });
+                          [&](std::size_t n) { moves_[n] = find_move(n, center, factor); });
   parallel_for_each_index(chosen_.size(), kPointsPerTask, [&](std::size_t n) {
     const std::uint32_t point = chosen_[n];
     positions_[point] = moves_[n].to.position;

@@ -5,15 +5,15 @@
 #include <span>
 #include <vector>
 
-#include "pointshell/certificate/triangle_tree.h"
+#include "pointshell/part/triangle_tree.h"
 #include "pointshell/sample/restricted_cells.h"
 
 namespace forcelayer {
 
-// Where a point moves to in its cell.
-enum class CellCentre {
+// The place in its cell that a point moves to.
+enum class CellCenter {
   kCentroid,      // Lloyd: evens out density
-  kSmallestBall,  // the centre of the smallest ball around the cell: reduces the covering radius
+  kSmallestBall,  // the center of the smallest ball around the cell: reduces the covering radius
 };
 
 class Relaxation {
@@ -26,15 +26,14 @@ class Relaxation {
   void choose(std::vector<std::uint32_t> points, double slack);
   void choose_all(double slack);
 
-  // Moves each chosen point by `factor` times the way to its cell's centre, and to the nearest
+  // Moves each chosen point by `factor` times the way to its cell's center, and to the nearest
   // place on the surface. All move at once, so the order does not matter.
-  void step(CellCentre centre, double factor);
+  void step(CellCenter center, double factor);
 
   // Appends a point at the place on the surface nearest to `place`.
   void add(const Vec3& place);
 
   const std::vector<Vec3>& positions() const { return positions_; }
-  std::size_t chosen_count() const { return chosen_.size(); }
 
   // The place of point `n`'s cell that is farthest from it, and its distance (m), as they were
   // before the last step that moved it.
@@ -47,7 +46,7 @@ class Relaxation {
     Vec3 farthest;
     double cell_radius;
   };
-  Move find_move(std::size_t n, CellCentre centre, double factor) const;
+  Move find_move(std::size_t n, CellCenter center, double factor) const;
   // The surface point nearest to `target`, of `triangles` and the one slid along.
   SurfacePoint slide(std::uint32_t triangle, const Vec3& target,
                      std::span<const std::uint32_t> triangles) const;

@@ -5,32 +5,32 @@
 #include <cmath>
 #include <numeric>
 
-#include "pointshell/parallel.h"
-#include "pointshell/sample/point_grid.h"
+#include "pointshell/certificate/point_grid.h"
+#include "pointshell/part/parallel.h"
 
 namespace forcelayer {
 RestrictedCells::Cutter::Cutter(std::uint32_t point, std::span<const Vec3> positions,
-                                std::span<const std::uint32_t> neighbours, double cell_radius)
-    : centre(positions[point]), radius(cell_radius) {
-  // Of two points that share a plane piece, normal and offset differ in sign alone, without any
-  // rounding: so no piece is given to both or to none.
-  for (const std::uint32_t other : neighbours.first(std::min(neighbours.size(), kMostNeighbours))) {
+                                std::span<const std::uint32_t> neighbors, double cell_radius)
+    : center(positions[point]), radius(cell_radius) {
+  // Two points that share a plane compute its normal and offset with opposite signs and the same
+  // bits. So no piece goes to both of them, or to neither.
+  for (const std::uint32_t other : neighbors.first(std::min(neighbors.size(), kMostNeighbors))) {
     const Vec3& q = positions[other];
-    const Vec3 normal = q - centre;
+    const Vec3 normal = q - center;
     const double squared = length_squared(normal);
     if (squared > 4 * kReach * kReach * radius * radius || (squared == 0 && other > point))
       continue;
-    bisectors[bisector_count++] = {normal, dot(normal, 0.5 * (centre + q)), squared, point < other};
+    bisectors[bisector_count++] = {normal, dot(normal, 0.5 * (center + q)), squared, point < other};
   }
 }
 
 void RestrictedCells::Cutter::cut() {
-  double reach = polygon.farthest_squared(centre);
+  double reach = polygon.farthest_squared(center);
   for (std::size_t n = 0; n < bisector_count && !polygon.empty(); ++n) {
     const Bisector& bisector = bisectors[n];
     if (bisector.distance_squared > 4 * reach) continue;
     if (polygon.clip(bisector.normal, bisector.offset, bisector.keep_in_plane)) {
-      reach = polygon.farthest_squared(centre);
+      reach = polygon.farthest_squared(center);
     }
   }
   if (reach > 3 * kReach * kReach * radius * radius) cut_to_cube();
@@ -40,8 +40,8 @@ void RestrictedCells::Cutter::cut_to_cube() {
   const double half = kReach * radius;
   const Vec3 axes[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   for (const Vec3& axis : axes) {
-    polygon.clip(axis, dot(axis, centre) + half, true);
-    polygon.clip(-axis, half - dot(axis, centre), true);
+    polygon.clip(axis, dot(axis, center) + half, true);
+    polygon.clip(-axis, half - dot(axis, center), true);
   }
 }
 
@@ -51,32 +51,32 @@ void RestrictedCells::find_lists(std::span<const Vec3> positions) {
   find_lists(positions, all, 0);
 }
 
-// Makes the lists of one chunk. Points of one cube share the gathering of what is near the cube.
+// Makes the lists of one chunk. What lies near a cube is gathered once for all of its points.
 class RestrictedCells::ListMaker {
  public:
   ListMaker(const TriangleTree& tree, const PointGrid& grid, std::span<const Vec3> positions,
-            double neighbour_reach, double triangle_reach)
+            double neighbor_reach, double triangle_reach)
       : tree_(tree),
         grid_(grid),
         positions_(positions),
-        neighbour_reach_(neighbour_reach),
+        neighbor_reach_(neighbor_reach),
         triangle_reach_(triangle_reach) {}
 
   void make(std::span<const std::uint32_t> chosen, Lists& lists) {
-    lists.centre.assign(chosen.begin(), chosen.end());
-    lists.neighbours_at.resize(chosen.size());
+    lists.center.assign(chosen.begin(), chosen.end());
+    lists.neighbors_at.resize(chosen.size());
     lists.triangles_at.resize(chosen.size());
     order_by_cube(chosen);
     for (std::size_t n = 0; n < order_.size(); ++n) {
       if (n == 0 || order_[n].cube != order_[n - 1].cube) gather(order_[n].cube);
-      list_neighbours(order_[n].at, lists);
+      list_neighbors(order_[n].at, lists);
       list_triangles(order_[n].at, lists);
     }
   }
 
  private:
   using CubeIndex = std::array<std::int64_t, 3>;
-  struct Ordered {
+  struct CubeMember {
     CubeIndex cube;
     std::size_t at;  // in the chunk
   };
@@ -89,7 +89,7 @@ class RestrictedCells::ListMaker {
     Box box;
   };
 
-  double cube_edge() const { return neighbour_reach_; }
+  double cube_edge() const { return neighbor_reach_; }
 
   void order_by_cube(std::span<const std::uint32_t> chosen) {
     order_.clear();
@@ -97,7 +97,7 @@ class RestrictedCells::ListMaker {
       const Vec3 p = (1 / cube_edge()) * positions_[chosen[at]];
       order_.push_back({{floor_to_int(p.x), floor_to_int(p.y), floor_to_int(p.z)}, at});
     }
-    std::sort(order_.begin(), order_.end(), [](const Ordered& a, const Ordered& b) {
+    std::sort(order_.begin(), order_.end(), [](const CubeMember& a, const CubeMember& b) {
       return a.cube != b.cube ? a.cube < b.cube : a.at < b.at;
     });
   }
@@ -108,45 +108,39 @@ class RestrictedCells::ListMaker {
                       (static_cast<double>(cube[1]) + 0.5) * cube_edge(),
                       (static_cast<double>(cube[2]) + 0.5) * cube_edge()};
     points_.clear();
-    grid_.visit_near(middle, half + neighbour_reach_, [&](std::uint32_t index, const Vec3& p) {
+    grid_.visit_near(middle, half + neighbor_reach_, [&](std::uint32_t index, const Vec3& p) {
       points_.push_back({index, p});
     });
     triangles_.clear();
     tree_.visit_near_box(middle, half + triangle_reach_, [&](std::uint32_t t) {
-      NearTriangle triangle{t, {}};
-      for (const std::uint32_t corner : tree_.part().triangles[t]) {
-        triangle.box.grow(tree_.part().vertices[corner]);
-      }
-      triangles_.push_back(triangle);
+      triangles_.push_back({t, box_of(tree_.part(), {&t, 1})});
     });
   }
 
-  void list_neighbours(std::size_t at, Lists& lists) {
-    const std::uint32_t point = lists.centre[at];
+  void list_neighbors(std::size_t at, Lists& lists) {
+    const std::uint32_t point = lists.center[at];
     const Vec3& place = positions_[point];
     near_.clear();
     for (const NearPoint& other : points_) {
       const double squared = length_squared(other.position - place);
-      if (squared <= neighbour_reach_ * neighbour_reach_ && other.index != point) {
+      if (squared <= neighbor_reach_ * neighbor_reach_ && other.index != point) {
         near_.push_back({squared, other.index});
       }
     }
     std::sort(near_.begin(), near_.end());
-    lists.neighbours_at[at].first = static_cast<std::uint32_t>(lists.neighbours.size());
-    lists.neighbours_at[at].count = static_cast<std::uint32_t>(near_.size());
-    for (const auto& [squared, other] : near_) lists.neighbours.push_back(other);
+    lists.neighbors_at[at].first = static_cast<std::uint32_t>(lists.neighbors.size());
+    lists.neighbors_at[at].count = static_cast<std::uint32_t>(near_.size());
+    for (const auto& [squared, other] : near_) lists.neighbors.push_back(other);
   }
 
   void list_triangles(std::size_t at, Lists& lists) {
-    const Vec3& place = positions_[lists.centre[at]];
+    const Vec3& place = positions_[lists.center[at]];
     const double reach_squared = triangle_reach_ * triangle_reach_;
-    const Part& part = tree_.part();
     lists.triangles_at[at].first = static_cast<std::uint32_t>(lists.triangles.size());
     for (const NearTriangle& triangle : triangles_) {
       if (triangle.box.distance_squared(place) > reach_squared) continue;
-      const Triangle& c = part.triangles[triangle.index];
-      const Vec3 nearest =
-          nearest_on_triangle(place, part.vertices[c[0]], part.vertices[c[1]], part.vertices[c[2]]);
+      const auto [a, b, c] = triangle_piece(tree_.part(), triangle.index);
+      const Vec3 nearest = nearest_on_triangle(place, a, b, c);
       if (length_squared(nearest - place) <= reach_squared) {
         lists.triangles.push_back(triangle.index);
       }
@@ -158,8 +152,8 @@ class RestrictedCells::ListMaker {
   const TriangleTree& tree_;
   const PointGrid& grid_;
   const std::span<const Vec3> positions_;
-  const double neighbour_reach_, triangle_reach_;
-  std::vector<Ordered> order_;
+  const double neighbor_reach_, triangle_reach_;
+  std::vector<CubeMember> order_;
   std::vector<NearPoint> points_;                       // near the present cube
   std::vector<NearTriangle> triangles_;                 // near the present cube
   std::vector<std::pair<double, std::uint32_t>> near_;  // squared distance and index
@@ -167,13 +161,13 @@ class RestrictedCells::ListMaker {
 
 void RestrictedCells::find_lists(std::span<const Vec3> positions,
                                  std::span<const std::uint32_t> chosen, double slack) {
-  const double neighbour_reach = 2 * (kReach * radius_ + slack);
+  const double neighbor_reach = 2 * (kReach * radius_ + slack);
   const double triangle_reach = kReach * radius_ + slack;
-  const PointGrid grid(positions, neighbour_reach);
+  const PointGrid grid(positions, neighbor_reach);
   chunks_.assign((chosen.size() + kChunk - 1) / kChunk, {});
   parallel_for_each_index(chunks_.size(), 1, [&](std::size_t chunk) {
     const std::size_t first = chunk * kChunk;
-    ListMaker(tree_, grid, positions, neighbour_reach, triangle_reach)
+    ListMaker(tree_, grid, positions, neighbor_reach, triangle_reach)
         .make(chosen.subspan(first, std::min(kChunk, chosen.size() - first)), chunks_[chunk]);
   });
 }

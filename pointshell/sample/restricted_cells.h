@@ -7,18 +7,18 @@
 #include <span>
 #include <vector>
 
-#include "pointshell/certificate/triangle_tree.h"
-#include "pointshell/sample/convex_polygon.h"
-#include "pointshell/vec3.h"
+#include "pointshell/certificate/convex_polygon.h"
+#include "pointshell/part/triangle_tree.h"
+#include "pointshell/part/vec3.h"
 
 namespace forcelayer {
 
-// Cells of a chosen set of points, found from lists of the points and triangles near each. Lists
-// hold while points move by up to `slack`.
+// The cells of a chosen set of points. They are cut with lists of the points and triangles near
+// each point, which stay valid while points move by up to `slack`.
 class RestrictedCells {
  public:
-  // In radii. Cells that reach farther are cut off in a cube of this half-edge; a cell that covers
-  // its part of the surface reaches 1.
+  // In radii. A cell that reaches farther is cut to a cube of this half-edge. A cell whose surface
+  // is covered by its point reaches at most 1.
   static constexpr double kReach = 1.2;
 
   // Cells reach at most `radius` far; beyond, they are cut off (at 1.2 radius or farther).
@@ -35,11 +35,10 @@ class RestrictedCells {
   void visit_cell(std::size_t n, std::span<const Vec3> positions, const Visit& visit) const {
     const Lists& lists = chunks_[n / kChunk];
     const std::size_t at = n % kChunk;
-    Cutter cutter(lists.centre[at], positions, lists.neighbours_of(at), radius_);
+    Cutter cutter(lists.center[at], positions, lists.neighbors_of(at), radius_);
     for (const std::uint32_t t : lists.triangles_of(at)) {
-      const Triangle& corners = tree_.part().triangles[t];
-      cutter.polygon.assign(tree_.part().vertices[corners[0]], tree_.part().vertices[corners[1]],
-                            tree_.part().vertices[corners[2]]);
+      const auto [a, b, c] = triangle_piece(tree_.part(), t);
+      cutter.polygon.assign(a, b, c);
       cutter.cut();
       if (!cutter.polygon.empty()) visit(cutter.polygon);
     }
@@ -56,17 +55,17 @@ class RestrictedCells {
  private:
   static constexpr std::size_t kChunk = 512;  // points whose lists one task makes
 
-  // What is near the points of one chunk.
+  // The points and triangles near each point of one chunk.
   struct Lists {
     struct Range {
       std::uint32_t first = 0, count = 0;
     };
-    std::vector<std::uint32_t> centre;               // the chosen points
-    std::vector<Range> neighbours_at, triangles_at;  // of each of them, in what follows
-    std::vector<std::uint32_t> neighbours, triangles;
+    std::vector<std::uint32_t> center;              // the chosen points
+    std::vector<Range> neighbors_at, triangles_at;  // of each of them, in what follows
+    std::vector<std::uint32_t> neighbors, triangles;
 
-    std::span<const std::uint32_t> neighbours_of(std::size_t at) const {
-      return {neighbours.data() + neighbours_at[at].first, neighbours_at[at].count};
+    std::span<const std::uint32_t> neighbors_of(std::size_t at) const {
+      return {neighbors.data() + neighbors_at[at].first, neighbors_at[at].count};
     }
     std::span<const std::uint32_t> triangles_of(std::size_t at) const {
       return {triangles.data() + triangles_at[at].first, triangles_at[at].count};
@@ -77,21 +76,21 @@ class RestrictedCells {
   // Cuts polygons down to one point's cell.
   struct Cutter {
     Cutter(std::uint32_t point, std::span<const Vec3> positions,
-           std::span<const std::uint32_t> neighbours, double radius);
+           std::span<const std::uint32_t> neighbors, double radius);
     void cut();
     void cut_to_cube();
 
-    static constexpr std::size_t kMostNeighbours = 64;
+    static constexpr std::size_t kMostNeighbors = 64;
     struct Bisector {
-      Vec3 normal;              // from the point to its neighbour
+      Vec3 normal;              // from the point to its neighbor
       double offset;            // of the plane: dot(normal, middle)
-      double distance_squared;  // to the neighbour
+      double distance_squared;  // to the neighbor
       bool keep_in_plane;
     };
     ConvexPolygon polygon;
-    Vec3 centre;
+    Vec3 center;
     double radius;
-    Bisector bisectors[kMostNeighbours];
+    Bisector bisectors[kMostNeighbors];
     std::size_t bisector_count = 0;
   };
 

@@ -9,27 +9,27 @@ namespace {
 constexpr int kMostPivots = 100;
 constexpr double kRelativeSlack = 1e-12;
 
-// Up to four points that the ball goes through, and the one that is to be added.
+// Up to four points on the ball, and the one to be added.
 struct Support {
   std::array<Vec3, 5> points;
   int count = 0;
 };
 
-double squared_distance(const Ball& ball, const Vec3& p) { return length_squared(p - ball.centre); }
+double squared_distance(const Ball& ball, const Vec3& p) { return length_squared(p - ball.center); }
 
 Ball through(const Vec3& a, const Vec3& b) {
-  const Vec3 centre = 0.5 * (a + b);
-  return {centre, length(a - centre)};
+  const Vec3 center = 0.5 * (a + b);
+  return {center, length(a - center)};
 }
 
-// Centre in the plane of the three; none when they lie on a line.
+// Center in the plane of the three; none when they lie on a line.
 std::optional<Ball> through(const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 u = b - a, v = c - a, normal = cross(u, v);
   const double squared = length_squared(normal);
   if (squared <= 1e-24 * length_squared(u) * length_squared(v)) return std::nullopt;
-  const Vec3 to_centre = (0.5 / squared) * (length_squared(u) * cross(v, normal) +
+  const Vec3 to_center = (0.5 / squared) * (length_squared(u) * cross(v, normal) +
                                             length_squared(v) * cross(normal, u));
-  return Ball{a + to_centre, length(to_centre)};
+  return Ball{a + to_center, length(to_center)};
 }
 
 std::optional<Ball> through(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
@@ -38,10 +38,10 @@ std::optional<Ball> through(const Vec3& a, const Vec3& b, const Vec3& c, const V
   if (volume * volume <= 1e-24 * length_squared(u) * length_squared(v) * length_squared(w)) {
     return std::nullopt;
   }
-  const Vec3 to_centre =
+  const Vec3 to_center =
       (0.5 / volume) * (length_squared(u) * cross(v, w) + length_squared(v) * cross(w, u) +
                         length_squared(w) * cross(u, v));
-  return Ball{a + to_centre, length(to_centre)};
+  return Ball{a + to_center, length(to_center)};
 }
 
 bool holds(const Ball& ball, const Support& support) {
@@ -102,13 +102,13 @@ Ball smallest_ball(std::span<const Vec3> points) {
     if (squared <= ball.radius * ball.radius * (1 + kRelativeSlack)) return ball;
     support.points[support.count++] = farthest;
     const auto grown = smallest_of_few(support);
-    // No further progress within rounding: grow the ball to hold what it misses.
-    if (!grown || grown->radius <= ball.radius) return {ball.centre, std::sqrt(squared)};
+    // Rounding allows no further progress: grow the ball to hold the farthest point.
+    if (!grown || grown->radius <= ball.radius) return {ball.center, std::sqrt(squared)};
     ball = *grown;
   }
   double squared = 0;
   for (const Vec3& p : points) squared = std::max(squared, squared_distance(ball, p));
-  return {ball.centre, std::sqrt(squared)};
+  return {ball.center, std::sqrt(squared)};
 }
 
 }  // namespace forcelayer

@@ -3,12 +3,12 @@
 
 #include <span>
 
-#include "pointshell/vec3.h"
+#include "pointshell/part/vec3.h"
 
 namespace forcelayer {
 
 struct Ball {
-  Vec3 centre;
+  Vec3 center;
   double radius = 0;
 };
 

@@ -6,15 +6,15 @@
 
 #include "formats/lattice/voxel_overlap.h"
 #include "formats/pshell_format.h"
-#include "pointshell/parallel.h"
-#include "pointshell/stored_position.h"
+#include "pointshell/part/parallel.h"
+#include "pointshell/sample/stored_position.h"
 
 namespace forcelayer {
 namespace {
 
 constexpr std::size_t kTrianglesPerTask = 2048;
-constexpr double kMostVoxels =
-    1e9;  // from the origin along an axis: the kernel is exact far beyond
+// From the origin along an axis; the overlap test is exact far beyond.
+constexpr double kMostVoxels = 1e9;
 
 using BrickMap = std::map<VoxelIndex, BrickMask>;  // by lowest voxel
 

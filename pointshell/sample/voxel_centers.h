@@ -1,15 +1,15 @@
-// The point shell of the 1999 paper (section 4.1): the centres of the surface voxels.
+// The point shell of the 1999 paper (section 4.1): the centers of the surface voxels.
 #pragma once
 
 #include <vector>
 
 #include "formats/result.h"
-#include "pointshell/part.h"
-#include "pointshell/vec3.h"
+#include "pointshell/part/part.h"
+#include "pointshell/part/vec3.h"
 
 namespace forcelayer {
 
-// The centres, relative to `center`, of all half-open voxels of size `voxel_size_m` that contain a
+// The centers, relative to `center`, of all half-open voxels of size `voxel_size_m` that contain a
 // point of the part; the lattice is anchored in the part frame's origin. `part` is in the part
 // frame. Vertices are snapped to 2^-10 voxel. kBakeTooLarge where the lattice or the shell would be
 // larger than the format holds.

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "formats/command/command.h"
+#include "formats/command/progress_line.h"
 #include "runtime/loop/loop.h"
 #include "runtime/loop/servo.h"
 #include "runtime/machine/map_loss.h"

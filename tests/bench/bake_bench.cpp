@@ -204,13 +204,14 @@ class Case {
   // The file's size.
   std::uint64_t bake_in_memory(const Kind& kind, Best& best) const {
     std::vector<SceneObject> objects;
-    for (const ScenePart& part : scene_.parts) {
+    for (const MeshObject& part : scene_.objects) {
       objects.push_back({part.name, &scene_.mesh_of(part), part.world_from_mesh, {}, 0});
     }
     const double wall_s = now_s(), cpu_start_s = cpu_s();
     const Bake bake = value_of(forcelayer::bake(objects, options(kind)));
     std::vector<MeshOutline> outlines;
-    for (const ScenePart& part : scene_.parts) outlines.push_back(outline_of(scene_.mesh_of(part)));
+    for (const MeshObject& part : scene_.objects)
+      outlines.push_back(outline_of(scene_.mesh_of(part)));
     const std::string provenance = provenance_of(scene_, outlines, options(kind));
     const std::uint64_t bytes =
         value_of(write_voxmap(folder_ / "ours.vox", bake.content(provenance)));
@@ -264,7 +265,7 @@ class Case {
   Json report() const {
     return {{"model", model_.name},
             {"triangles", peer_mesh_.triangles.size()},
-            {"objects", scene_.parts.size()},
+            {"objects", scene_.objects.size()},
             {"voxels_across", voxels_},
             {"voxel_size_m", voxel_size_m_},
             {"in_memory_to_file", to_json(in_memory_)},

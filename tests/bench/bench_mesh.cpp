@@ -6,7 +6,7 @@ namespace forcelayer::bench {
 
 Mesh merged(const Scene& scene, double scale) {
   Mesh mesh;
-  for (const ScenePart& part : scene.parts) {
+  for (const MeshObject& part : scene.objects) {
     const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
     for (const Vec3d& vertex : scene.mesh_of(part).vertices) {
       Vec3d world = apply(part.world_from_mesh, vertex);

@@ -19,8 +19,8 @@
 
 #include "formats/pshell.h"
 #include "pointshell/bake.h"
-#include "pointshell/certificate/triangle_tree.h"
-#include "pointshell/part_files.h"
+#include "pointshell/part/part_files.h"
+#include "pointshell/part/triangle_tree.h"
 #include "pointshell/report.h"
 #include "tests/bench/bench_report.h"
 #include "tests/bench/process_run.h"

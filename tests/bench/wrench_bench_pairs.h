@@ -14,7 +14,7 @@
 #include "formats/mesh/mesh.h"
 #include "formats/pshell.h"
 #include "formats/voxmap.h"
-#include "pointshell/certificate/triangle_tree.h"
+#include "pointshell/part/triangle_tree.h"
 #include "tests/bench/force_bench_fit.h"
 #include "tests/bench/force_bench_shell.h"
 #include "tests/stress/baked.h"

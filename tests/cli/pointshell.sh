@@ -50,14 +50,14 @@ expect 2 "no units" "$work/box.obj" "${out[@]}" --voxel-size 1mm
 expect 2 "unknown unit" "$work/box.obj" "${out[@]}" --voxel-size 1mm --units parsec
 expect 2 "unknown method" "${box[@]}" "${out[@]}" --voxel-size 1mm --method magic
 expect 2 "unknown effort" "${box[@]}" "${out[@]}" --voxel-size 1mm --effort lots
-expect 2 "unknown option" "${box[@]}" "${out[@]}" --voxel-size 1mm --colour
-expect 2 "radius for voxel centres" "${box[@]}" "${out[@]}" --voxel-size 1mm --method voxel-centers --covering-radius 1mm
+expect 2 "unknown option" "${box[@]}" "${out[@]}" --voxel-size 1mm --color
+expect 2 "radius for voxel centers" "${box[@]}" "${out[@]}" --voxel-size 1mm --method voxel-centers --covering-radius 1mm
 expect 1 "missing mesh" "$work/none.obj" "${out[@]}" --units mm --voxel-size 1mm
 expect 1 "unwritable output" "${box[@]}" -o "$work/none/out.pshell" --voxel-size 1mm
 expect 3 "mesh without triangles" "$work/points.obj" "${out[@]}" --units mm --voxel-size 1mm
 expect 3 "sheet" "$work/sheet.obj" "${out[@]}" --units mm --voxel-size 0.1mm
 expect 3 "too large" "${box[@]}" "${out[@]}" --voxel-size 1nm
-expect 3 "too large for voxel centres" "${box[@]}" "${out[@]}" --voxel-size 1nm --method voxel-centers
+expect 3 "too large for voxel centers" "${box[@]}" "${out[@]}" --voxel-size 1nm --method voxel-centers
 expect 2 "verify without a mesh" verify "$work/part.pshell"
 expect 4 "verify of a mesh as shell" verify "$work/box.obj" "$work/box.obj" --units mm
 expect 1 "verify of a missing shell" verify "$work/none.pshell" "$work/box.obj" --units mm
@@ -71,7 +71,7 @@ for method in surface voxel-centers; do
   expect 0 "verify $method" verify "$part" "${box[@]}" --json "$work/verify.json"
   grep -q '"proven": true' "$work/verify.json" || fail "verify of $method reports no proof"
   # The mesh in another unit is another part.
-  expect 4 "verify $method in centimetres" verify "$part" "$work/box.obj" --units cm
+  expect 4 "verify $method in centimeters" verify "$part" "$work/box.obj" --units cm
   cp "$part" "$work/damaged.pshell"
   printf 'x' | dd of="$work/damaged.pshell" bs=1 seek=2000 conv=notrunc status=none
   expect 4 "verify of a damaged $method" verify "$work/damaged.pshell" "${box[@]}"

@@ -95,7 +95,7 @@ done
 "$bin/voxelize" cube.obj --units cm --voxel-size 1mm -o scene.vox --quiet --bits 8 --compliance 1mm:500mN,3mm:4N || fail "soft covering"
 "$bin/voxinfo" verify scene.vox --quiet || fail "the scene with a soft covering is not valid"
 "$bin/voxinfo" scene.vox --json report.json >out
-grep -q 'soft covering     a contact point feels 4 N at 3' out || fail "facts of a soft covering: $(cat out)"
+grep -q 'compliance        a contact point feels 4 N at 3' out || fail "facts of a soft covering: $(cat out)"
 python3 - report.json <<'EOF' || fail "report of a soft covering"
 import json, sys
 r = json.load(open(sys.argv[1]))

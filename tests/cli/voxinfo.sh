@@ -119,7 +119,7 @@ done
 
 # Wrong usage, missing files, other files, damaged files.
 expect_refused 2 "no file given" "$voxinfo"
-expect_refused 2 "--colour" "$voxinfo" "$golden/v1.vox" --colour
+expect_refused 2 "--color" "$voxinfo" "$golden/v1.vox" --color
 expect_refused 2 "FILE" "$voxinfo" verify
 expect_refused 2 ".csv, .ply or .vdb" "$voxinfo" export "$golden/v1.vox" scene.stl
 expect_refused 2 "exported to .ply" "$voxinfo" export "$golden/v1.pshell" shell.csv
@@ -158,7 +158,7 @@ then
   expect_refused 4 "surface_voxels" "$voxinfo" verify liar.vox
 fi
 
-# What could not be written is not there, and an old file stays.
+# A file that could not be written is not there, and an old file stays.
 echo old >old.csv
 expect_refused 4 "cut off" "$voxinfo" export cut.vox old.csv
 expect_equal "old file" "$(cat old.csv)" old

@@ -158,7 +158,7 @@ TEST(CacheVersions, OfAssembliesAndFacts) {
       for (const double x : instance.assembly_from_mesh.linear) meshes.value(x);
       for (const double x : instance.assembly_from_mesh.translation) meshes.value(x);
     }
-    meshes.value(assembly->metres_per_unit.value_or(0)).value(assembly->deviation_units);
+    meshes.value(assembly->meters_per_unit.value_or(0)).value(assembly->deviation_units);
     for (const std::string& warning : assembly->warnings) meshes.text(warning);
   }
   expect_golden("assembly", kAssemblyCacheVersion, meshes.finish());

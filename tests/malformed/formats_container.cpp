@@ -1,4 +1,4 @@
-// Damage that both formats meet in the same way: cut files, longer files, other files, flipped
+// Damage that both formats refuse in the same way: cut files, longer files, other files, flipped
 // bits.
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
-// What a sandboxed reader sends arrives whole; what a broken one sends is refused, in time and
-// without the memory that it announces.
+// An assembly from a sandboxed reader arrives whole. The bytes of a broken reader are refused, in
+// time and without the memory that they announce.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -74,7 +74,7 @@ Assembly two_cubes() {
   assembly.meshes = {cube(), cube()};
   assembly.meshes[1].single_precision = false;
   assembly.instances = {{0, "a/b", {}}, {1, "", {{2, 0, 0, 0, 3, 0, 0, 0, 4}, {5, 6, 7}}}};
-  assembly.metres_per_unit = 0.001;
+  assembly.meters_per_unit = 0.001;
   assembly.deviation_units = 0.25;
   assembly.warnings = {"odd", "odder"};
   return assembly;
@@ -97,7 +97,7 @@ TEST(AssemblyStream, BringsEverything) {
     EXPECT_EQ(got.instances[i].assembly_from_mesh.translation,
               assembly.instances[i].assembly_from_mesh.translation);
   }
-  EXPECT_EQ(got.metres_per_unit, 0.001);
+  EXPECT_EQ(got.meters_per_unit, 0.001);
   EXPECT_EQ(got.deviation_units, 0.25);
   EXPECT_EQ(got.warnings, assembly.warnings);
   EXPECT_EQ(corners_of(got), corners_of(assembly));
@@ -145,7 +145,7 @@ TEST(AssemblyStream, KeepsThePromisesOfMeshes) {
       refused([](Assembly& a) { a.instances[0].assembly_from_mesh.linear[4] = kInfinity; }));
   EXPECT_TRUE(
       refused([](Assembly& a) { a.instances[0].assembly_from_mesh.translation[0] = kNan; }));
-  EXPECT_TRUE(refused([](Assembly& a) { a.metres_per_unit = -1; }));
+  EXPECT_TRUE(refused([](Assembly& a) { a.meters_per_unit = -1; }));
   EXPECT_TRUE(refused([](Assembly& a) { a.deviation_units = kNan; }));
 }
 

@@ -36,7 +36,7 @@ std::vector<Sample> samples() {
       {"Om", ".om", true, as_om(om_mesh)},
       {"OmOld", ".om", true, as_om_1_2(mesh)},
       {"DracoSequential", ".drc", true, as_drc(mesh)},
-      {"DracoQuantised", ".drc", true, as_drc(mesh, {.position_bits = 10})},
+      {"DracoQuantized", ".drc", true, as_drc(mesh, {.position_bits = 10})},
       {"DracoEdgebreaker", ".drc", true, as_drc(mesh, {.position_bits = 10, .edgebreaker = true})},
   };
 }
@@ -76,7 +76,7 @@ TEST_P(DamagedMesh, CutShortIsAnError) {
       continue;
     }
     expect_sound(*cut);
-    // Of text, the last word may lose digits unseen; of OBJ, which has no counts, more.
+    // The last word of a text file may lose digits unseen. OBJ has no counts and may lose more.
     if (GetParam().announces_counts) {
       EXPECT_EQ(cut->triangle_count(), 12u) << size << " bytes";
     }

@@ -1,5 +1,5 @@
-// A file of a hundred bytes or so that announces the earth is refused, or read, in 64 MiB: counts
-// are held against the file before memory is taken.
+// A file of a hundred bytes or so that announces immense counts is refused, or read, in 64 MiB:
+// counts are held against the file before memory is taken.
 #include <gtest/gtest.h>
 
 #include "formats/mesh/scene_manifest.h"

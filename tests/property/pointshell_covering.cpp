@@ -1,10 +1,10 @@
-// Shells cover what they say they cover, and the certificate finds out when they do not.
+// Shells cover the surface within their radius, and the certificate notices when they do not.
 #include <gtest/gtest.h>
 
 #include "pointshell/bake.h"
 #include "pointshell/certificate/certificate.h"
+#include "pointshell/certificate/point_grid.h"
 #include "pointshell/report.h"
-#include "pointshell/sample/point_grid.h"
 #include "tests/support/long_tests.h"
 #include "tests/support/part_support.h"
 #include "tests/support/stored_shell.h"
@@ -122,7 +122,7 @@ TEST(Covering, RadiusIsTheOneAskedFor) {
     SCOPED_TRACE(c.name);
     const double asked = std::sqrt(0.75) * c.voxel_size_m;
     EXPECT_EQ(bake(c, ShellMethod::kSurface).header.covering_radius_m, asked);
-    // The rounding of centres to floats is added: below 1e-4 voxel for parts of this size.
+    // The rounding of centers to floats is added: below 1e-4 voxel for parts of this size.
     EXPECT_NEAR(bake(c, ShellMethod::kVoxelCenters).header.covering_radius_m, asked, 1e-4 * asked);
   }
 }
@@ -131,11 +131,11 @@ TEST(Covering, RadiusIsTheOneAskedFor) {
 TEST(Covering, FailsWithoutANeededPoint) {
   const Case torus{"torus", part_of(torus_mesh(1, 0.3, 30)), 0.12};
   const BakedShell shell = bake(torus, ShellMethod::kSurface);
-  const Part centred = relative_to(torus.part, center(shell));
+  const Part centered = relative_to(torus.part, center(shell));
   const std::vector<Vec3> points = positions_of(shell);
   const double radius = shell.header.covering_radius_m;
-  ASSERT_TRUE(prove_covering(centred, points, radius).proven);
-  SurfaceDice dice(centred, 7);
+  ASSERT_TRUE(prove_covering(centered, points, radius).proven);
+  SurfaceDice dice(centered, 7);
   std::vector<Vec3> samples(20000);
   for (Vec3& place : samples) place = dice.throw_once();
   int needed = 0;
@@ -146,7 +146,7 @@ TEST(Covering, FailsWithoutANeededPoint) {
     const bool sampled_hole = std::any_of(samples.begin(), samples.end(), [&](const Vec3& place) {
       return grid.nearest_distance(place, 1.1 * radius) > radius;
     });
-    const CoveringProof proof = prove_covering(centred, rest, radius);
+    const CoveringProof proof = prove_covering(centered, rest, radius);
     if (sampled_hole) {
       ++needed;
       EXPECT_FALSE(proof.proven) << removed;
@@ -170,9 +170,9 @@ TEST(Covering, IsNotProvenForASmallerRadius) {
 TEST(Covering, GivesUpOnARadiusFarTooSmall) {
   const Case box{"box", part_of(box_mesh(1, 2, 3)), 0.2};
   const BakedShell shell = bake(box, ShellMethod::kSurface);
-  const Part centred = relative_to(box.part, center(shell));
+  const Part centered = relative_to(box.part, center(shell));
   for (const double radius : {1e-9, 1e-15, 1e-300, 0.0}) {
-    const CoveringProof proof = prove_covering(centred, positions_of(shell), radius, 1000);
+    const CoveringProof proof = prove_covering(centered, positions_of(shell), radius, 1000);
     EXPECT_FALSE(proof.proven) << radius;
     EXPECT_TRUE(proof.given_up) << radius;
     EXPECT_FALSE(proof.holes.empty()) << radius;

@@ -1,13 +1,13 @@
-// Bodies that overlap in one part: what lies inside another is left out, and nothing else.
+// In a part of overlapping bodies, surface inside another body is left out, and nothing else.
 #include <gtest/gtest.h>
 
 #include <functional>
 
 #include "pointshell/bake.h"
 #include "pointshell/certificate/hidden_surface.h"
+#include "pointshell/certificate/point_grid.h"
 #include "pointshell/normals/orientation.h"
 #include "pointshell/report.h"
-#include "pointshell/sample/point_grid.h"
 #include "pointshell/verify.h"
 #include "tests/support/part_support.h"
 #include "tests/support/stored_shell.h"
@@ -117,8 +117,8 @@ TEST(Hidden, TheFileIsProvenAgainAndFailsWithoutAnOuterPoint) {
   }
 }
 
-// What no closed body holds stays: a body beside another or in its cavity, and everything around an
-// open body.
+// Points that no closed body holds stay: on a body beside another or in its cavity, and everywhere
+// around an open body.
 TEST(Hidden, NothingElseIsLeftOut) {
   const Mesh ball = sphere_mesh(0.3, 24);
   const Mesh hollow = joined(box_mesh(2, 2, 2), inside_out(box_mesh(1, 1, 1)));

@@ -1,13 +1,13 @@
-// What a baked shell holds beside its positions: normals, weights, blocks; and its reproducibility.
+// A baked shell's normals, weights and blocks, and its reproducibility.
 #include <gtest/gtest.h>
 
 #include <cstring>
 
 #include "pointshell/bake.h"
+#include "pointshell/certificate/point_grid.h"
+#include "pointshell/certificate/winding_number.h"
 #include "pointshell/normals/normals.h"
-#include "pointshell/normals/winding_number.h"
-#include "pointshell/sample/point_grid.h"
-#include "pointshell/weights.h"
+#include "pointshell/sample/weights.h"
 #include "tests/support/part_support.h"
 
 namespace forcelayer {
@@ -139,18 +139,18 @@ TEST(Normals, AreaWithinABallIsExact) {
   std::uniform_real_distribution<double> unit(-1, 1);
   for (int n = 0; n < 200; ++n) {
     const Vec3 a{unit(random), unit(random), unit(random)}, b{unit(random), unit(random), 0},
-        c{unit(random), 0, unit(random)}, centre = 0.5 * Vec3{unit(random), unit(random), 0};
+        c{unit(random), 0, unit(random)}, center = 0.5 * Vec3{unit(random), unit(random), 0};
     const double radius = 0.7 + 0.5 * unit(random);
     constexpr int kSteps = 300;
     int inside = 0, all = 0;
     for (int i = 0; i < kSteps; ++i) {
       for (int j = 0; i + j < kSteps; ++j, ++all) {
         const double u = (i + 1.0 / 3) / kSteps, v = (j + 1.0 / 3) / kSteps;
-        inside += length(a + u * (b - a) + v * (c - a) - centre) <= radius;
+        inside += length(a + u * (b - a) + v * (c - a) - center) <= radius;
       }
     }
     const double area = length(cross(b - a, c - a)) / 2;
-    EXPECT_NEAR(area_within_ball(centre, radius, a, b, c), area * inside / all, 0.01 * area + 1e-12)
+    EXPECT_NEAR(area_within_ball(center, radius, a, b, c), area * inside / all, 0.01 * area + 1e-12)
         << "seed " << kSeed << ", case " << n;
   }
 }

@@ -6,8 +6,8 @@
 #include <cstdlib>
 
 #include "pointshell/bake.h"
-#include "pointshell/part_files.h"
-#include "pointshell/sample/point_grid.h"
+#include "pointshell/certificate/point_grid.h"
+#include "pointshell/part/part_files.h"
 #include "tests/support/mesh_files.h"
 #include "tests/support/part_support.h"
 #include "tests/support/scratch_folder.h"

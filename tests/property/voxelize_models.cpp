@@ -46,9 +46,9 @@ constexpr OddMesh kModels[] = {
 };
 
 double longest_side(const Scene& scene) {
-  Vec3d low = apply(scene.parts[0].world_from_mesh, scene.mesh_of(scene.parts[0]).vertices[0]);
+  Vec3d low = apply(scene.objects[0].world_from_mesh, scene.mesh_of(scene.objects[0]).vertices[0]);
   Vec3d high = low;
-  for (const ScenePart& part : scene.parts) {
+  for (const MeshObject& part : scene.objects) {
     for (const Vec3d& vertex : scene.mesh_of(part).vertices) {
       const Vec3d world = apply(part.world_from_mesh, vertex);
       for (std::size_t d = 0; d < 3; ++d) {
@@ -62,7 +62,7 @@ double longest_side(const Scene& scene) {
 
 std::vector<LatticeMesh> lattice_of(const Scene& scene, double voxel_size_m) {
   std::vector<LatticeMesh> meshes;
-  for (const ScenePart& part : scene.parts) {
+  for (const MeshObject& part : scene.objects) {
     meshes.push_back(reference::snapped(scene.mesh_of(part), part.world_from_mesh, voxel_size_m));
   }
   return meshes;

@@ -38,7 +38,7 @@ Mesh bay_mesh() {
   const auto scene = read_scene(std::span(&input, 1), std::nullopt);
   if (!scene) throw std::runtime_error(to_line(scene.error()));
   Mesh all;
-  for (const ScenePart& part : scene->parts) {
+  for (const MeshObject& part : scene->objects) {
     Mesh mesh = scene->mesh_of(part);
     for (Vec3d& vertex : mesh.vertices) vertex = forcelayer::apply(part.world_from_mesh, vertex);
     append(all, mesh);

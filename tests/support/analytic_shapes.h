@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "formats/mesh/mesh.h"
-#include "pointshell/vec3.h"
+#include "pointshell/part/vec3.h"
 
 namespace forcelayer::testing {
 

@@ -37,7 +37,7 @@ inline std::vector<SceneObject> objects_of(const std::vector<Mesh>& meshes,
 
 inline std::vector<SceneObject> objects_of(const Scene& scene) {
   std::vector<SceneObject> objects;
-  for (const ScenePart& part : scene.parts) {
+  for (const MeshObject& part : scene.objects) {
     objects.push_back({part.name, &scene.mesh_of(part), part.world_from_mesh, {}, 0});
   }
   return objects;

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "pointshell/part.h"
+#include "pointshell/part/part.h"
 #include "tests/support/analytic_shapes.h"
 #include "tests/support/models.h"
 

@@ -6,7 +6,7 @@
 #include "formats/pshell.h"
 #include "formats/pshell_writer.h"
 #include "pointshell/bake.h"
-#include "pointshell/order.h"
+#include "pointshell/sample/order.h"
 #include "tests/support/aligned_bytes.h"
 
 namespace forcelayer::testing {

@@ -13,6 +13,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "formats/command/progress_line.h"
 #include "formats/file/atomic_file.h"
 #include "formats/result.h"
 #include "tests/support/scratch_folder.h"
@@ -95,7 +96,7 @@ TEST(ParseArguments, HelpVersionAndWrongUsage) {
   const std::vector<std::vector<std::string>> wrong = {{},
                                                        {"--number"},
                                                        {"--number", "x"},
-                                                       {"--number", "1", "--colour"},
+                                                       {"--number", "1", "--color"},
                                                        {"--number", "1", "extra"}};
   for (const auto& words : wrong) {
     const ParseOutcome outcome = parse(words);

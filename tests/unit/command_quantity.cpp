@@ -21,16 +21,16 @@ void expect_usage_error(const Result<T>& result, const std::string& text) {
 TEST(Quantity, Lengths) {
   const struct {
     const char* text;
-    double metres;
+    double meters;
   } cases[] = {{"5mm", 0.005},    {"0.2in", 0.2 * 0.0254}, {"0.005m", 0.005}, {"0", 0},
                {"-3cm", -0.03},   {"+2um", 2e-6},          {"1e3mm", 1.0},    {"1.5e-3km", 1.5},
                {"  7 dm  ", 0.7}, {"250nm", 250e-9},       {"1ft", 0.3048},   {"2yd", 1.8288},
                {".5mm", 0.0005},  {"5.mm", 0.005},         {"1E+2mm", 0.1},   {"0mm", 0},
                {"-0", 0}};
-  for (const auto& [text, metres] : cases) {
+  for (const auto& [text, meters] : cases) {
     const auto length = parse_length(text);
     ASSERT_TRUE(length) << text;
-    EXPECT_EQ(*length, metres) << text;
+    EXPECT_EQ(*length, meters) << text;
   }
 }
 
@@ -38,11 +38,11 @@ TEST(Quantity, Lengths) {
 TEST(Quantity, MetricSpellingsAreTheSameDouble) {
   for (int tenths = 1; tenths < 2000; ++tenths) {
     const std::string number = std::to_string(tenths / 10) + "." + std::to_string(tenths % 10);
-    const double metres = *parse_length(number + "e-3m");
-    EXPECT_EQ(*parse_length(number + "mm"), metres) << number;
-    EXPECT_EQ(*parse_length(number + "e3um"), metres) << number;
-    EXPECT_EQ(*parse_length(number + "e-1cm"), metres) << number;
-    EXPECT_EQ(metres, std::strtod((number + "e-3").c_str(), nullptr)) << number;
+    const double meters = *parse_length(number + "e-3m");
+    EXPECT_EQ(*parse_length(number + "mm"), meters) << number;
+    EXPECT_EQ(*parse_length(number + "e3um"), meters) << number;
+    EXPECT_EQ(*parse_length(number + "e-1cm"), meters) << number;
+    EXPECT_EQ(meters, std::strtod((number + "e-3").c_str(), nullptr)) << number;
   }
 }
 

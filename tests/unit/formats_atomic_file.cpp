@@ -1,4 +1,4 @@
-// Old bytes or all the new ones.
+// AtomicFile leaves all of the old bytes or all of the new ones.
 #include "formats/file/atomic_file.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// What is written to a .pshell comes back.
+// A .pshell that is written and read again has the same content.
 #include <gtest/gtest.h>
 
 #include "tests/support/make_pshell.h"

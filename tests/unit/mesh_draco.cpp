@@ -13,7 +13,7 @@ namespace {
 
 using namespace test;
 
-TEST(DracoReader, GivesUnquantisedSoupsBackUnchanged) {
+TEST(DracoReader, GivesUnquantizedSoupsBackUnchanged) {
   for (std::uint64_t seed = 0; seed < 50; ++seed) {
     std::mt19937_64 random(seed);
     const Mesh mesh = random_soup(random);
@@ -36,7 +36,7 @@ TEST(DracoReader, ReadsTheEdgebreakerEncoding) {
 }
 
 // Every vertex lies within the distance that the warning declares.
-TEST(DracoReader, DeclaresWhatQuantisationCost) {
+TEST(DracoReader, DeclaresWhatQuantizationCost) {
   for (const int bits : {6, 11, 14}) {
     std::mt19937_64 random(static_cast<std::uint64_t>(bits));
     Mesh mesh;
@@ -97,9 +97,9 @@ TEST(DracoReader, ReadsCompressedPrimitivesOfGltf) {
   ASSERT_TRUE(assembly) << to_line(assembly.error());
   EXPECT_EQ(corners_of(*assembly), corners_of(mesh));
   EXPECT_EQ(assembly->instances[0].name, "part");
-  const auto quantised = read_bytes(as_draco_glb(mesh, {.position_bits = 8}, 36), ".glb");
-  ASSERT_TRUE(quantised) << to_line(quantised.error());
-  EXPECT_EQ(quantised->warnings.size(), 1u);
+  const auto quantized = read_bytes(as_draco_glb(mesh, {.position_bits = 8}, 36), ".glb");
+  ASSERT_TRUE(quantized) << to_line(quantized.error());
+  EXPECT_EQ(quantized->warnings.size(), 1u);
 }
 
 TEST(DracoReader, HoldsThePrimitiveAgainstItsAccessor) {

@@ -1,4 +1,4 @@
-// What is legal in glTF: containers, node trees, accessors, primitives.
+// Legal glTF files are read: containers, node trees, accessors, primitives.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -42,7 +42,7 @@ TEST(GltfReader, SharesOneMeshBetweenNodes) {
   EXPECT_EQ(origin_of(assembly, 0), (Vec3d{1, 0, 0}));
   EXPECT_EQ(origin_of(assembly, 1), (Vec3d{1, 5, 0}));
   EXPECT_EQ(assembly.triangle_count(), 24u);
-  EXPECT_EQ(assembly.metres_per_unit, 1.0);
+  EXPECT_EQ(assembly.meters_per_unit, 1.0);
   EXPECT_TRUE(assembly.warnings.empty());
 }
 
@@ -228,7 +228,7 @@ TEST(GltfReader, ReplacesTheElementsOfASparseAccessor) {
   EXPECT_EQ(corners_in(made), (Corners{{kO, {7, 8, 9}, kO}}));
 }
 
-TEST(GltfReader, TakesQuantisedPositionsWithAWarning) {
+TEST(GltfReader, TakesQuantizedPositionsWithAWarning) {
   Handmade made;
   made.primitive = R"({"attributes":{"POSITION":0}})";
   for (const int value : {0, 0, 0, 32767, 0, 0, 0, -32768, 16384}) {

@@ -34,7 +34,7 @@ TEST_F(StepAssembly, KeepsItsTreeAndInstances) {
   EXPECT_EQ(assembly->meshes.size(), 5u);  // nut, rod, bolt, bracket, plate
   EXPECT_EQ(assembly->instances.size(), 18u);
   EXPECT_EQ(assembly->instances[0].name, "clamp/rod-assembly_1/nut_1");
-  EXPECT_EQ(assembly->metres_per_unit, 1e-3);
+  EXPECT_EQ(assembly->meters_per_unit, 1e-3);
   const auto rod = read_assembly(path_ + "#rod-assembly_1");
   ASSERT_TRUE(rod) << to_line(rod.error());
   EXPECT_EQ(rod->instances.size(), 3u);

@@ -1,4 +1,4 @@
-// What is legal in OBJ, OFF, ASCII STL and ASCII PLY, and seldom written.
+// Legal but rare forms of OBJ, OFF, ASCII STL and ASCII PLY are read.
 #include <gtest/gtest.h>
 
 #include "tests/support/mesh_files.h"
@@ -53,7 +53,7 @@ TEST(ObjReader, TakesAllLineEnds) {
   }
 }
 
-TEST(ObjReader, IgnoresColoursWeightsGroupsAndMaterials) {
+TEST(ObjReader, IgnoresColorsWeightsGroupsAndMaterials) {
   EXPECT_EQ(corners_in("mtllib a.mtl\no thing\ng part\nusemtl red\ns off\nv 0 0 0 1\nv 1 0 0 0.5 0 "
                        "nan\nv 0 1 0\nvn 0 0 1\nvt 0 0\nvp 1\nf 1 2 3\n",
                        ".obj"),
@@ -81,8 +81,8 @@ TEST(OffReader, TakesItsHeadersAndComments) {
   }
 }
 
-TEST(OffReader, TakesColoursAndNormalsThatItsKeywordNames) {
-  const std::string face = "3 0 1 2 0.5 0.5 0.5 1 # colour\n";
+TEST(OffReader, TakesColorsAndNormalsThatItsKeywordNames) {
+  const std::string face = "3 0 1 2 0.5 0.5 0.5 1 # color\n";
   for (const std::string keyword : {"COFF", "CNOFF", "STCNOFF", "NOFF", "STOFF"}) {
     EXPECT_EQ(corners_in(keyword + "\n3 1 0\n0 0 0 9 9\n1 0 0 9 9 9 9\n0 1 0\n" + face, ".off"),
               (Corners{{kO, kX, kY}}))
@@ -150,7 +150,7 @@ TEST(ReadAssembly, NamesAnInstanceAfterItsFile) {
   const auto assembly = read_assembly(write_file(folder / "left.bracket.obj", as_obj(cube())));
   ASSERT_TRUE(assembly);
   EXPECT_EQ(assembly->instances[0].name, "left.bracket");
-  EXPECT_FALSE(assembly->metres_per_unit);
+  EXPECT_FALSE(assembly->meters_per_unit);
   EXPECT_EQ(assembly->triangle_count(), 12u);
 }
 

@@ -19,7 +19,7 @@ Assembly triangle_at(double x) {
 
 TEST(MeshUnits, AreRequiredWhereTheFormatHasNone) {
   std::vector<std::string> warnings;
-  const auto unit = metres_per_unit(triangle_at(0), "a.stl", std::nullopt, warnings);
+  const auto unit = meters_per_unit(triangle_at(0), "a.stl", std::nullopt, warnings);
   ASSERT_FALSE(unit);
   EXPECT_EQ(unit.error().code, ErrorCode::kUsage);
   EXPECT_NE(to_line(unit.error()).find("--units"), std::string::npos);
@@ -27,18 +27,18 @@ TEST(MeshUnits, AreRequiredWhereTheFormatHasNone) {
 
 TEST(MeshUnits, AreTheChosenOnesWithoutAWarningWhereTheFormatHasNone) {
   std::vector<std::string> warnings;
-  EXPECT_EQ(*metres_per_unit(triangle_at(0), "a.stl", 0.001, warnings), 0.001);
+  EXPECT_EQ(*meters_per_unit(triangle_at(0), "a.stl", 0.001, warnings), 0.001);
   EXPECT_TRUE(warnings.empty());
 }
 
 TEST(MeshUnits, OfTheFormatAreOverriddenWithAWarning) {
   Assembly assembly = triangle_at(0);
-  assembly.metres_per_unit = 1.0;
+  assembly.meters_per_unit = 1.0;
   std::vector<std::string> warnings;
-  EXPECT_EQ(*metres_per_unit(assembly, "a.glb", std::nullopt, warnings), 1.0);
-  EXPECT_EQ(*metres_per_unit(assembly, "a.glb", 1.0, warnings), 1.0);
+  EXPECT_EQ(*meters_per_unit(assembly, "a.glb", std::nullopt, warnings), 1.0);
+  EXPECT_EQ(*meters_per_unit(assembly, "a.glb", 1.0, warnings), 1.0);
   EXPECT_TRUE(warnings.empty());
-  EXPECT_EQ(*metres_per_unit(assembly, "a.glb", 0.001, warnings), 0.001);
+  EXPECT_EQ(*meters_per_unit(assembly, "a.glb", 0.001, warnings), 0.001);
   ASSERT_EQ(warnings.size(), 1u);
   EXPECT_NE(warnings[0].find("a.glb"), std::string::npos);
 }
@@ -79,20 +79,20 @@ TEST(LargestStretch, OfScaledAndOfTurnedFrames) {
   EXPECT_NEAR(largest_stretch(turned_then_scaled), 10, 1e-9);
   EXPECT_NEAR(largest_stretch(Affine{}), 1, 1e-11);
   EXPECT_EQ(largest_stretch(Affine{{}, {0, 0, 0}}), 0);
-  const Affine millimetres{{0, -1e-3, 0, 1e-3, 0, 0, 0, 0, 1e-3}, {5, 6, 7}};
-  EXPECT_NEAR(largest_stretch(millimetres), 1e-3, 1e-14);
+  const Affine millimeters{{0, -1e-3, 0, 1e-3, 0, 0, 0, 0, 1e-3}, {5, 6, 7}};
+  EXPECT_NEAR(largest_stretch(millimeters), 1e-3, 1e-14);
 }
 
 // Floats near 20 000 lie 2^-9 apart: 2 um where the unit is mm.
 TEST(VertexSpacing, FollowsUnitAndPlacing) {
   Mesh mesh = triangle_at(20000).meshes[0];
-  Affine metres_from_mm{{0.001, 0, 0, 0, 0.001, 0, 0, 0, 0.001}, {0, 0, 0}};
-  EXPECT_DOUBLE_EQ(vertex_spacing_m(float_coordinate(mesh), metres_from_mm), std::ldexp(0.001, -9));
+  Affine meters_from_mm{{0.001, 0, 0, 0, 0.001, 0, 0, 0, 0.001}, {0, 0, 0}};
+  EXPECT_DOUBLE_EQ(vertex_spacing_m(float_coordinate(mesh), meters_from_mm), std::ldexp(0.001, -9));
   const Affine placing{{0, -3, 0, 2, 0, 0, 0, 0, 1}, {0, 0, 0}};
-  EXPECT_DOUBLE_EQ(vertex_spacing_m(float_coordinate(mesh), compose(metres_from_mm, placing)),
+  EXPECT_DOUBLE_EQ(vertex_spacing_m(float_coordinate(mesh), compose(meters_from_mm, placing)),
                    3 * std::ldexp(0.001, -9));
   mesh.single_precision = false;
-  EXPECT_EQ(vertex_spacing_m(float_coordinate(mesh), metres_from_mm), 0);
+  EXPECT_EQ(vertex_spacing_m(float_coordinate(mesh), meters_from_mm), 0);
 }
 
 TEST(VertexSpacing, DrawsAWarningBeyondAThousandthOfAVoxel) {

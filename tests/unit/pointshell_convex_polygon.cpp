@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "pointshell/sample/convex_polygon.h"
+#include "pointshell/certificate/convex_polygon.h"
 
 namespace forcelayer {
 namespace {

@@ -1,4 +1,4 @@
-#include "pointshell/mass_properties.h"
+#include "pointshell/part/mass_properties.h"
 
 #include <gtest/gtest.h>
 

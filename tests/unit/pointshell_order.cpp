@@ -1,4 +1,4 @@
-#include "pointshell/order.h"
+#include "pointshell/sample/order.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <random>
 
 #include "pointshell/sample/smallest_ball.h"
-#include "pointshell/stored_position.h"
+#include "pointshell/sample/stored_position.h"
 
 namespace forcelayer {
 namespace {
@@ -77,7 +77,7 @@ double smallest_radius_by_trying(const std::vector<Vec3>& points) {
     }
     const Ball ball = smallest_ball(support);
     bool holds = true;
-    for (const Vec3& p : points) holds &= length(p - ball.centre) <= ball.radius + 1e-9;
+    for (const Vec3& p : points) holds &= length(p - ball.center) <= ball.radius + 1e-9;
     if (holds) best = std::min(best, ball.radius);
   }
   return best;
@@ -88,7 +88,7 @@ TEST(SmallestBall, OfFewPointsIsThatOfSomeFourOfThem) {
     SCOPED_TRACE(seed);
     const std::vector<Vec3> points = random_points(8, seed);
     const Ball ball = smallest_ball(points);
-    for (const Vec3& p : points) EXPECT_LE(length(p - ball.centre), ball.radius * (1 + 1e-11));
+    for (const Vec3& p : points) EXPECT_LE(length(p - ball.center), ball.radius * (1 + 1e-11));
     EXPECT_NEAR(ball.radius, smallest_radius_by_trying(points), 1e-8);
   }
 }

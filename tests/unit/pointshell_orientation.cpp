@@ -5,7 +5,7 @@
 #include <numbers>
 #include <random>
 
-#include "pointshell/mass_properties.h"
+#include "pointshell/part/mass_properties.h"
 #include "tests/support/part_support.h"
 
 namespace forcelayer {

@@ -1,9 +1,9 @@
-#include "pointshell/part.h"
+#include "pointshell/part/part.h"
 
 #include <gtest/gtest.h>
 
 #include "pointshell/bake.h"
-#include "pointshell/stored_position.h"
+#include "pointshell/sample/stored_position.h"
 #include "tests/support/part_support.h"
 
 namespace forcelayer {
@@ -48,8 +48,7 @@ TEST(Part, AMirroredPlacingStillFacesOutwards) {
   }
 }
 
-// What a STEP reader tells about its triangles reaches the shell's e_part, beside what the user
-// declares.
+// The deviation that a STEP reader states reaches the shell's e_part, added to the user's own.
 TEST(Part, DeviationOfTheFilesCounts) {
   Assembly exact = assembly_of({box_mesh(1, 1, 1)}), tessellated = exact;
   tessellated.deviation_units = 0.1;
@@ -74,7 +73,7 @@ TEST(Part, WithoutAreaIsAnError) {
   EXPECT_EQ(part.error().code, ErrorCode::kMeshEmpty);
 }
 
-// gcc 12 drops this rounding unless it is kept from vectorising straight-line code.
+// gcc 12 drops this rounding unless it is kept from vectorizing straight-line code.
 TEST(StoredPosition, HasFloatsAsCoordinates) {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> unit(-1, 1);

@@ -64,8 +64,8 @@ std::vector<std::byte> pack(const Assembly& assembly, const std::vector<MeshOutl
     packer.text(instance.name);
     packer.value(instance.assembly_from_mesh);
   }
-  packer.value(std::uint64_t{assembly.metres_per_unit.has_value()});
-  packer.value(assembly.metres_per_unit.value_or(0));
+  packer.value(std::uint64_t{assembly.meters_per_unit.has_value()});
+  packer.value(assembly.meters_per_unit.value_or(0));
   packer.value(assembly.deviation_units);
   packer.value(std::uint64_t{assembly.warnings.size()});
   for (const std::string& warning : assembly.warnings) packer.text(warning);
@@ -89,7 +89,7 @@ std::optional<Assembly> unpack(std::span<const std::byte> bytes,
     }
     const bool has_unit = unpacker.value<std::uint64_t>() != 0;
     const auto unit = unpacker.value<double>();
-    if (has_unit) assembly.metres_per_unit = unit;
+    if (has_unit) assembly.meters_per_unit = unit;
     assembly.deviation_units = unpacker.value<double>();
     for (auto n = unpacker.value<std::uint64_t>(); n > 0; --n) {
       assembly.warnings.push_back(unpacker.text());
@@ -172,11 +172,11 @@ Result<Assembly> MeshSource::read(const std::string& path, const ReadOptions& op
 
 std::vector<MeshOutline> MeshSource::outlines(const Scene& scene) const {
   std::vector<MeshOutline> all;
-  for (const ScenePart& part : scene.parts) all.push_back(outline(part));
+  for (const MeshObject& part : scene.objects) all.push_back(outline(part));
   return all;
 }
 
-Result<const Mesh*> MeshSource::mesh(const ScenePart& part) {
+Result<const Mesh*> MeshSource::mesh(const MeshObject& part) {
   File& file = files_[part.assembly];
   if (file.meshes.empty()) {
     auto assembly = read_(file.path, file.options);
@@ -194,7 +194,7 @@ Result<const Mesh*> MeshSource::mesh(const ScenePart& part) {
   return &file.meshes[part.mesh];
 }
 
-Result<MeshFacts> MeshSource::facts(const ScenePart& part) {
+Result<MeshFacts> MeshSource::facts(const MeshObject& part) {
   File& file = files_[part.assembly];
   file.facts.resize(file.outlines.size());
   std::optional<MeshFacts>& facts = file.facts[part.mesh];

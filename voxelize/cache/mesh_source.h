@@ -36,13 +36,13 @@ class MeshSource {
   // For SceneReading::read. The assembly's meshes come empty; mesh() gives them.
   Result<Assembly> read(const std::string& path, const ReadOptions& options);
 
-  const MeshOutline& outline(const ScenePart& part) const {
+  const MeshOutline& outline(const MeshObject& part) const {
     return files_[part.assembly].outlines[part.mesh];
   }
   std::vector<MeshOutline> outlines(const Scene& scene) const;  // [objects]
   // One caller at a time. An error where the file has changed meanwhile.
-  Result<const Mesh*> mesh(const ScenePart& part);
-  Result<MeshFacts> facts(const ScenePart& part);
+  Result<const Mesh*> mesh(const MeshObject& part);
+  Result<MeshFacts> facts(const MeshObject& part);
 
  private:
   struct File {

@@ -15,11 +15,11 @@ namespace {
 constexpr std::uint16_t kVersion20 = DRACO_BITSTREAM_VERSION(2, 0);
 constexpr std::uint16_t kVersion22 = DRACO_BITSTREAM_VERSION(2, 2);
 
-// A regular grid takes about a hundredth of a bit for a face. Ten thousand faces a byte lie beyond
-// any stream that an encoder writes, and keep a damaged count from asking for gigabytes.
+// A regular grid takes about a hundredth of a bit for a face. No encoder writes ten thousand faces
+// a byte; a damaged count that announces more must not take gigabytes.
 constexpr std::uint64_t kMostPerByte = 10'000;
 
-// Where a stream lies and how to complain about it.
+// A stream, its place in the file, and its errors.
 struct Stream {
   const SourceFile& file;
   std::string_view bytes;
@@ -30,7 +30,7 @@ struct Stream {
   }
 };
 
-// The counts at the head of a mesh stream, which the decoder trusts when it takes memory.
+// The counts at the head of a mesh stream. The decoder takes memory for them unchecked.
 class CountReader {
  public:
   explicit CountReader(const Stream& stream) : stream_(stream) {
@@ -140,25 +140,25 @@ const draco::PointAttribute& positions_of(const Stream& stream, const draco::Mes
   if (positions == nullptr || positions->num_components() != 3) {
     stream.fail(ErrorCode::kMeshUnreadable, "no three-dimensional positions in the Draco stream");
   }
-  // Draco would read any byte as a bool, which it need not be.
+  // Draco would read any byte as a bool, although not every byte is one.
   if (positions->data_type() == draco::DT_BOOL) {
-    stream.fail(ErrorCode::kMeshUnreadable, "positions that are truth values, not numbers");
+    stream.fail(ErrorCode::kMeshUnreadable, "positions are stored as booleans, not numbers");
   }
   return *positions;
 }
 
-// Undoes the quantisation in double precision.
-void read_quantised(const draco::PointAttribute& positions,
+// Undoes the quantization in double precision.
+void read_quantized(const draco::PointAttribute& positions,
                     const draco::AttributeQuantizationTransform& transform, DracoSurface& surface) {
   const double steps = std::ldexp(1.0, transform.quantization_bits()) - 1;
-  surface.quantisation = {transform.quantization_bits(), transform.range() / steps};
+  surface.quantization = {transform.quantization_bits(), transform.range() / steps};
   for (draco::AttributeValueIndex i(0); i < static_cast<std::uint32_t>(positions.size()); ++i) {
     std::array<std::int32_t, 3> steps_of_vertex;
     positions.GetValue(i, &steps_of_vertex);
     Vec3d& vertex = surface.vertices.emplace_back();
     for (int axis = 0; axis < 3; ++axis) {
       const auto a = static_cast<std::size_t>(axis);
-      vertex[a] = transform.min_value(axis) + steps_of_vertex[a] * surface.quantisation->step;
+      vertex[a] = transform.min_value(axis) + steps_of_vertex[a] * surface.quantization->step;
     }
   }
 }
@@ -168,12 +168,12 @@ void read_vertices(const Stream& stream, const draco::PointAttribute& positions,
   surface.vertices.reserve(positions.size());
   draco::AttributeQuantizationTransform transform;
   if (positions.GetAttributeTransformData() != nullptr && transform.InitFromAttribute(positions)) {
-    return read_quantised(positions, transform, surface);
+    return read_quantized(positions, transform, surface);
   }
   for (draco::AttributeValueIndex i(0); i < static_cast<std::uint32_t>(positions.size()); ++i) {
     Vec3d& vertex = surface.vertices.emplace_back();
     if (!positions.ConvertValue<double, 3>(i, vertex.data())) {
-      stream.fail(ErrorCode::kMeshUnreadable, "positions of a type that has no numbers");
+      stream.fail(ErrorCode::kMeshUnreadable, "positions are stored in a type that is not numeric");
     }
   }
 }
@@ -215,11 +215,11 @@ DracoSurface decode_draco(const SourceFile& file, std::string_view bytes, const 
   return surface;
 }
 
-std::string quantisation_warning(const DracoQuantisation& quantisation) {
+std::string quantization_warning(const DracoQuantization& quantization) {
   std::ostringstream text;
-  text << "Draco rounded the positions to " << quantisation.bits << " bits, steps of "
-       << quantisation.step << " file units: every vertex may be off by "
-       << std::sqrt(0.75) * quantisation.step << " (see --mesh-deviation)";
+  text << "Draco rounded the positions to " << quantization.bits << " bits, steps of "
+       << quantization.step << " file units: every vertex may be off by "
+       << std::sqrt(0.75) * quantization.step << " (see --mesh-deviation)";
   return text.str();
 }
 

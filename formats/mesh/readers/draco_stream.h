@@ -12,15 +12,15 @@
 
 namespace forcelayer {
 
-struct DracoQuantisation {
+struct DracoQuantization {
   int bits = 0;
-  double step = 0;  // between neighbouring positions, file units
+  double step = 0;  // between neighboring positions, file units
 };
 
 struct DracoSurface {
   std::vector<Vec3d> vertices;
   std::vector<Triangle> triangles;
-  std::optional<DracoQuantisation> quantisation;  // none: positions are stored as they were
+  std::optional<DracoQuantization> quantization;  // none: positions are exact
 };
 
 // Decodes the triangle mesh in `stream`, a part of `file` that errors name as `where`. Positions
@@ -29,6 +29,6 @@ DracoSurface decode_draco(const SourceFile& file, std::string_view stream, const
                           std::optional<std::uint32_t> position_id);
 
 // The warning that positions were rounded, with the bound for --mesh-deviation.
-std::string quantisation_warning(const DracoQuantisation& quantisation);
+std::string quantization_warning(const DracoQuantization& quantization);
 
 }  // namespace forcelayer

@@ -42,27 +42,27 @@ std::uint64_t components_of(const std::string& type) {
 }
 
 template <typename T>
-double value_at(const char* at, bool normalised) {
+double value_at(const char* at, bool normalized) {
   T value;
   std::memcpy(&value, at, sizeof value);
-  if (!normalised || std::is_floating_point_v<T>) return static_cast<double>(value);
+  if (!normalized || std::is_floating_point_v<T>) return static_cast<double>(value);
   return std::max(static_cast<double>(value) / std::numeric_limits<T>::max(), -1.0);
 }
 
-double component_at(const char* at, std::uint64_t component_type, bool normalised) {
+double component_at(const char* at, std::uint64_t component_type, bool normalized) {
   switch (component_type) {
     case kByte:
-      return value_at<std::int8_t>(at, normalised);
+      return value_at<std::int8_t>(at, normalized);
     case kUnsignedByte:
-      return value_at<std::uint8_t>(at, normalised);
+      return value_at<std::uint8_t>(at, normalized);
     case kShort:
-      return value_at<std::int16_t>(at, normalised);
+      return value_at<std::int16_t>(at, normalized);
     case kUnsignedShort:
-      return value_at<std::uint16_t>(at, normalised);
+      return value_at<std::uint16_t>(at, normalized);
     case kUnsignedInt:
-      return value_at<std::uint32_t>(at, normalised);
+      return value_at<std::uint32_t>(at, normalized);
     default:
-      return value_at<float>(at, normalised);
+      return value_at<float>(at, normalized);
   }
 }
 
@@ -74,7 +74,7 @@ struct GltfDocument::Accessor {
   std::uint64_t count = 0;
   std::uint64_t components = 0;
   std::uint64_t component_type = 0;
-  bool normalised = false;
+  bool normalized = false;
   std::uint64_t stride = 0;  // bytes
   std::string_view bytes;    // from the first element on; empty where all elements are zero
 
@@ -105,7 +105,7 @@ GltfDocument::Accessor GltfDocument::accessor(std::uint64_t accessor_index) cons
   accessor.count = index(json, "count");
   accessor.component_type = index(json, "componentType");
   accessor.components = components_of(json.value("type", ""));
-  accessor.normalised = json.value("normalized", false);
+  accessor.normalized = json.value("normalized", false);
   if (accessor.components == 0 || byte_size(accessor.component_type) == 0) {
     fail(ErrorCode::kMeshUnreadable, accessor.where, "has an unknown type");
   }
@@ -133,7 +133,7 @@ void GltfDocument::read_components(const Accessor& accessor, std::vector<double>
   for (std::uint64_t i = 0; i < accessor.count; ++i) {
     const char* at = accessor.bytes.data() + i * accessor.stride;
     for (std::uint64_t c = 0; c < accessor.components; ++c, at += component_bytes) {
-      *number++ = component_at(at, accessor.component_type, accessor.normalised);
+      *number++ = component_at(at, accessor.component_type, accessor.normalized);
     }
   }
 }
@@ -186,7 +186,7 @@ std::vector<std::uint32_t> GltfDocument::read_indices(std::uint64_t accessor_ind
   const bool unsigned_integer = found.component_type == kUnsignedByte ||
                                 found.component_type == kUnsignedShort ||
                                 found.component_type == kUnsignedInt;
-  if (found.components != 1 || !unsigned_integer || found.normalised) {
+  if (found.components != 1 || !unsigned_integer || found.normalized) {
     fail(ErrorCode::kMeshUnreadable, found.where, "is no list of vertex numbers");
   }
   const std::vector<double> numbers = read_numbers(accessor_index, 1);

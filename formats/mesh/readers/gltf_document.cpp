@@ -17,7 +17,7 @@ constexpr std::string_view kGlbMagic = "glTF";
 constexpr std::uint32_t kJsonChunk = 0x4e4f534a;
 constexpr std::uint32_t kBinaryChunk = 0x004e4942;
 
-// Extensions that an asset may require and that this reader honours or that do not move a vertex.
+// Extensions that an asset may require: this reader honors them, or they move no vertex.
 constexpr std::string_view kKnownExtensions[] = {
     "KHR_draco_mesh_compression", "KHR_mesh_quantization", "EXT_mesh_gpu_instancing",
     "KHR_texture_transform",      "KHR_texture_basisu",    "EXT_texture_webp",

@@ -34,12 +34,13 @@ class GltfDocument {
 
   std::string_view buffer_view(std::uint64_t index) const;
 
-  // How often accessors, meshes and instances that share their data may unfold what the file holds.
+  // The most numbers, and the most instances, that accessors, meshes and nodes may make by sharing
+  // data of the file.
   std::uint64_t most_unfolded() const;
 
   // An accessor of type SCALAR with unsigned integers.
   std::vector<std::uint32_t> read_indices(std::uint64_t accessor) const;
-  // An accessor of floats or normalised or plain integers, [count][components].
+  // An accessor of floats or normalized or plain integers, [count][components].
   std::vector<double> read_numbers(std::uint64_t accessor, std::uint64_t components) const;
 
   [[noreturn]] void fail(ErrorCode code, std::string where, std::string what,

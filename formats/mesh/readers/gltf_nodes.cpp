@@ -26,7 +26,7 @@ Affine from_matrix(const std::array<double, 16>& m) {  // column-major
   return {{m[0], m[4], m[8], m[1], m[5], m[9], m[2], m[6], m[10]}, {m[12], m[13], m[14]}};
 }
 
-// Translation * rotation (x, y, z, w; normalised here) * scale.
+// Translation * rotation (x, y, z, w; normalized here) * scale.
 Affine from_parts(const Vec3d& translation, const std::array<double, 4>& rotation_xyzw,
                   const Vec3d& scale) {
   auto [x, y, z, w] = rotation_xyzw;
@@ -85,8 +85,8 @@ std::vector<std::uint64_t> GltfNodes::indices(const nlohmann::json& object, cons
   return found;
 }
 
-// Which nodes are a child of another. Throws where one has two parents, so that a walk from nodes
-// that have none ends.
+// Whether each node is the child of another. Throws where a node has two parents, so that a walk
+// from the roots ends.
 std::vector<bool> GltfNodes::find_children() const {
   std::vector<bool> is_child(document_.count("nodes"), false);
   for (std::uint64_t i = 0; i < is_child.size(); ++i) {

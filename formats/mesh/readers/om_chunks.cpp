@@ -22,7 +22,7 @@ enum Type : unsigned {
   kNormal = 1,
   kTexcoord = 2,
   kStatus = 3,
-  kColour = 4,
+  kColor = 4,
   kCustom = 6,
   kTopology = 7
 };
@@ -107,7 +107,7 @@ class ChunkWalker {
         return skip(value<std::uint32_t>());
       case kNormal:
       case kTexcoord:
-      case kColour:
+      case kColor:
         return skip(count_of(header) * header.dimensions() * header.scalar_bytes());
       default:
         fail(ErrorCode::kMeshUnsupported, "a chunk of unknown type");

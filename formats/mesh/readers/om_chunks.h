@@ -12,8 +12,8 @@ struct OmContent {
   std::uint32_t faces = 0;
   std::uint32_t edges = 0;
   bool single_precision = true;
-  // The file again, with its positions and its topology alone, every chunk of them whole: all that
-  // a mesh needs, and nothing that could make the library's reader run beyond the data.
+  // The file with its chunks of positions and topology alone, each of them whole. A mesh needs no
+  // more, and nothing in it makes the library's reader run beyond the data.
   std::string stripped;
 };
 

@@ -9,8 +9,8 @@
 namespace forcelayer {
 namespace {
 
-// Share of a polygon's extent by which it may leave its plane before the file draws a warning:
-// beyond what six printed digits explain, and far below what a voxel sees of a polygon.
+// A polygon that leaves its plane by more than this share of its extent draws a warning. Rounding
+// to six printed digits stays below it.
 constexpr double kPlanarShare = 1e-4;
 
 Vec3d minus(const Vec3d& a, const Vec3d& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
@@ -167,7 +167,7 @@ void PolygonSplitter::clip_ears(std::span<const std::uint32_t> corners, Mesh& me
     area_without_sign += std::abs(turn(a, tip, c));
     next_[a] = c;
     previous_[c] = a;
-    tip = next_[c];  // not its neighbour: cutting alternate ears makes fewer slivers
+    tip = next_[c];  // not its neighbor: cutting alternate ears makes fewer slivers
   }
   // The triangles' signed areas always sum to the polygon's; they cover it once only where none
   // is inverted. 1e-9 leaves room for the rounding of `turn`.
@@ -178,7 +178,7 @@ void PolygonSplitter::add_warnings(std::vector<std::string>& warnings) const {
   if (not_planar_ > 0) {
     std::ostringstream text;
     text << counted(not_planar_, "polygon") << " not planar, by up to " << largest_deviation_units_
-         << " file units; split into triangles, any other split would be as right";
+         << " file units; split into triangles in one of several equal ways";
     warnings.push_back(text.str());
   }
   if (crossing_ > 0) {

@@ -11,8 +11,8 @@
 namespace forcelayer {
 
 // Splits polygons into triangles that cover the polygon's own area: a convex polygon as a fan from
-// its first corner, any other by clipping ears in its best plane (Newell's normal). Keeps count of
-// what is not a plain polygon, for the file's warnings.
+// its first corner, any other by clipping ears in its best plane (Newell's normal). Counts the
+// polygons that are not planar or cross themselves, for the file's warnings.
 class PolygonSplitter {
  public:
   // Appends corners.size() - 2 triangles to `mesh`, oriented as the polygon is. At least three

@@ -9,8 +9,8 @@ Assembly read_drc(const SourceFile& file) {
   Mesh mesh{std::move(surface.vertices), std::move(surface.triangles), /*single_precision=*/true};
   check_finite(file, mesh);
   Assembly assembly = assembly_of(file, std::move(mesh));
-  if (surface.quantisation)
-    assembly.warnings.push_back(quantisation_warning(*surface.quantisation));
+  if (surface.quantization)
+    assembly.warnings.push_back(quantization_warning(*surface.quantization));
   return assembly;
 }
 

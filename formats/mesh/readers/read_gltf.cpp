@@ -32,7 +32,7 @@ class MeshReader {
   std::uint64_t lines_and_points() const { return lines_and_points_; }
   bool has_morph_targets() const { return has_morph_targets_; }
   bool has_integer_positions() const { return has_integer_positions_; }
-  const std::optional<DracoQuantisation>& quantisation() const { return quantisation_; }
+  const std::optional<DracoQuantization>& quantization() const { return quantization_; }
 
  private:
   void read_primitive(const nlohmann::json& primitive) {
@@ -137,9 +137,9 @@ class MeshReader {
     for (const auto& [a, b, c] : surface.triangles) {
       mesh_.triangles.push_back({a + first, b + first, c + first});
     }
-    const bool coarser = surface.quantisation &&
-                         (!quantisation_ || quantisation_->step < surface.quantisation->step);
-    if (coarser) quantisation_ = surface.quantisation;
+    const bool coarser = surface.quantization &&
+                         (!quantization_ || quantization_->step < surface.quantization->step);
+    if (coarser) quantization_ = surface.quantization;
   }
 
   // The asset repeats the number of corners beside the stream.
@@ -163,7 +163,7 @@ class MeshReader {
   std::uint64_t lines_and_points_ = 0;                     // primitives
   bool has_morph_targets_ = false;
   bool has_integer_positions_ = false;
-  std::optional<DracoQuantisation> quantisation_;  // the coarsest
+  std::optional<DracoQuantization> quantization_;  // the coarsest
 };
 
 class GltfReader {
@@ -171,7 +171,7 @@ class GltfReader {
   explicit GltfReader(const SourceFile& file) : document_(file), nodes_(document_) {}
 
   Assembly read() {
-    assembly_.metres_per_unit = 1.0;
+    assembly_.meters_per_unit = 1.0;
     for (const GltfPlacing& placing : nodes_.placings()) place(placing);
     if (assembly_.instances.empty()) {
       document_.fail(ErrorCode::kMeshEmpty, "",
@@ -196,9 +196,9 @@ class GltfReader {
     lines_and_points_ += reader.lines_and_points();
     morphed_ += reader.has_morph_targets() ? 1 : 0;
     has_integer_positions_ = has_integer_positions_ || reader.has_integer_positions();
-    if (reader.quantisation() &&
-        (!quantisation_ || quantisation_->step < reader.quantisation()->step)) {
-      quantisation_ = reader.quantisation();
+    if (reader.quantization() &&
+        (!quantization_ || quantization_->step < reader.quantization()->step)) {
+      quantization_ = reader.quantization();
     }
     Mesh mesh = reader.take();
     if (mesh.triangles.empty()) return kNoTriangles;
@@ -222,7 +222,7 @@ class GltfReader {
           "positions are stored as rounded integers (KHR_mesh_quantization); declare what the "
           "rounding cost (see --mesh-deviation)");
     }
-    if (quantisation_) warnings.push_back(quantisation_warning(*quantisation_));
+    if (quantization_) warnings.push_back(quantization_warning(*quantization_));
   }
 
   static constexpr std::uint32_t kNoTriangles = 0xffffffff;
@@ -234,7 +234,7 @@ class GltfReader {
   std::uint64_t lines_and_points_ = 0;             // primitives
   std::uint64_t morphed_ = 0;                      // meshes
   bool has_integer_positions_ = false;
-  std::optional<DracoQuantisation> quantisation_;  // the coarsest
+  std::optional<DracoQuantization> quantization_;  // the coarsest
 };
 
 }  // namespace

@@ -50,7 +50,7 @@ class ObjReader {
     const double x = cursor_.number("a coordinate");
     const double y = cursor_.number("a coordinate");
     const double z = cursor_.number("a coordinate");
-    mesh_.vertices.push_back({x, y, z});  // a weight or colour may follow
+    mesh_.vertices.push_back({x, y, z});  // a weight or color may follow
   }
 
   // f v v v, f v/t v/t v/t, f v//n v//n v//n or f v/t/n v/t/n v/t/n

@@ -103,7 +103,7 @@ class OffReader {
       } else if (!at_rest_of_line_end()) {
         cursor_.fail(ErrorCode::kMeshUnreadable,
                      "more than three numbers for vertex " + std::to_string(i) + " of a plain OFF",
-                     "name colours or normals in the first word (COFF, NOFF)");
+                     "name colors or normals in the first word (COFF, NOFF)");
       }
     }
   }
@@ -129,7 +129,7 @@ class OffReader {
       }
       corners_.push_back(static_cast<std::uint32_t>(index));
     }
-    cursor_.skip_to_line_end();  // colours
+    cursor_.skip_to_line_end();  // colors
     splitter_.split(corners_, mesh_);
   }
 

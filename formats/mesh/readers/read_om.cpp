@@ -18,8 +18,8 @@ namespace {
 
 namespace om = OpenMesh;
 
-// Keeps what the reader calls out: vertices, and faces as lists of vertices (before version 2.0)
-// or as rings of halfedges. Everything else about a mesh goes by.
+// Keeps the vertices and faces that the reader reports: faces as lists of vertices (before version
+// 2.0) or as rings of halfedges. Ignores everything else.
 class Collector : public om::IO::BaseImporter {
  public:
   struct Halfedge {

@@ -1,5 +1,5 @@
 // STEP and IGES through OpenCASCADE: the assembly tree with names and placings, every face
-// tessellated to a given deflection. OpenCASCADE turns all units into millimetres.
+// tessellated to a given deflection. OpenCASCADE turns all units into millimeters.
 #include <BRepMesh_IncrementalMesh.hxx>
 #include <BRep_Tool.hxx>
 #include <IGESCAFControl_Reader.hxx>
@@ -35,17 +35,11 @@
 namespace forcelayer {
 namespace {
 
-constexpr double kMetresPerMillimetre = 1e-3;
+constexpr double kMetersPerMillimeter = 1e-3;
 constexpr double kAngularDeflectionRad = 0.35;  // 20 degrees: what small rounds need to stay round
 
 [[noreturn]] void fail(const SourceFile& file, ErrorCode code, std::string what) {
   fail_read(file, code, "", std::move(what), "export the file again");
-}
-
-std::string extension_of(const SourceFile& file) {
-  std::string extension = std::filesystem::path(file.path).extension().string();
-  for (char& c : extension) c = static_cast<char>(c | 0x20);
-  return extension;
 }
 
 // Every face of a STEP file must have become a shape.
@@ -79,7 +73,7 @@ void transfer(const SourceFile& file, Reader& reader, Handle(TDocStd_Document) &
 
 Handle(TDocStd_Document) read_document(const SourceFile& file) {
   Handle(TDocStd_Document) document = new TDocStd_Document("BinXCAF");
-  if (extension_of(file).starts_with(".ig")) {
+  if (lower_case_extension(file.path).starts_with(".ig")) {
     IGESCAFControl_Reader reader;
     transfer(file, reader, document);
   } else {
@@ -113,7 +107,7 @@ std::string name_of(const TDF_Label& label) {
   return name.c_str();
 }
 
-// The triangles of a shape in its own frame, millimetres.
+// The triangles of a shape in its own frame, millimeters.
 class Tessellator {
  public:
   Tessellator(const SourceFile& file, double deflection_mm)
@@ -173,7 +167,7 @@ class Tessellator {
 class StepReader {
  public:
   explicit StepReader(const SourceFile& file)
-      : file_(file), tessellator_(file, file.options.deflection_m / kMetresPerMillimetre) {}
+      : file_(file), tessellator_(file, file.options.deflection_m / kMetersPerMillimeter) {}
 
   Assembly read() {
     const Handle(TDocStd_Document) document = read_document(file_);
@@ -185,8 +179,8 @@ class StepReader {
     if (assembly_.instances.empty()) {
       fail(file_, ErrorCode::kMeshEmpty, "no faces in this file");
     }
-    assembly_.metres_per_unit = kMetresPerMillimetre;
-    assembly_.deviation_units = std::max(file_.options.deflection_m / kMetresPerMillimetre,
+    assembly_.meters_per_unit = kMetersPerMillimeter;
+    assembly_.deviation_units = std::max(file_.options.deflection_m / kMetersPerMillimeter,
                                          tessellator_.largest_deflection_mm());
     return std::move(assembly_);
   }

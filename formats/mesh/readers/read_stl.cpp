@@ -1,5 +1,5 @@
-// STL, binary and ASCII. Which of the two is decided by the size that a binary file announces, not
-// by the word "solid", with which binary files may start as well.
+// STL, binary and ASCII. A file of the size that its binary header announces is binary. The word
+// "solid" does not decide, because binary files may start with it too.
 #include <bit>
 #include <cstring>
 

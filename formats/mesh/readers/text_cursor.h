@@ -12,8 +12,8 @@
 namespace forcelayer {
 
 // Parses the decimal number at the start of [at, end); returns the place after it, or nullptr where
-// there is none or it overflows a double. Correctly rounded, as std::from_chars; a leading '+',
-// "nan" and "inf" are taken, what is too small for a double is 0.
+// there is none or it overflows a double. Correctly rounded, as std::from_chars. Accepts a leading
+// '+', "nan" and "inf"; a number too small for a double is 0.
 const char* parse_number_slow(const char* at, const char* end, double& number);
 
 inline const char* parse_number(const char* at, const char* end, double& number) {

@@ -17,18 +17,18 @@ std::string extension_of(const std::string& path) {
   return extension;
 }
 
-glm::dvec3 place(const ScenePart& part, const Vec3d& vertex) {
+glm::dvec3 place(const MeshObject& part, const Vec3d& vertex) {
   const Vec3d p = apply(part.world_from_mesh, vertex);
   return {p[0], p[1], p[2]};
 }
 
 void add_bounds(const Scene& scene, WorldBox& box) {
-  for (const ScenePart& part : scene.parts) {
+  for (const MeshObject& part : scene.objects) {
     for (const Vec3d& vertex : scene.mesh_of(part).vertices) box.add(place(part, vertex));
   }
 }
 
-ViewMesh view_mesh_of(const Scene& scene, const ScenePart& part, const glm::dvec3& origin_m) {
+ViewMesh view_mesh_of(const Scene& scene, const MeshObject& part, const glm::dvec3& origin_m) {
   const Mesh& mesh = scene.mesh_of(part);
   ViewMesh view{part.name, {}, mesh.triangles};
   view.points.reserve(mesh.vertices.size());
@@ -93,7 +93,7 @@ Status load_part(const ViewInputs& inputs, ViewScene& scene) {
   if (!part) return part.error();
   scene.warnings.insert(scene.warnings.end(), part->warnings.begin(), part->warnings.end());
   ViewMesh whole{inputs.part, {}, {}};
-  for (const ScenePart& piece : part->parts) {
+  for (const MeshObject& piece : part->objects) {
     const ViewMesh mesh = view_mesh_of(*part, piece, glm::dvec3(0));
     const auto base = static_cast<std::uint32_t>(whole.points.size());
     whole.points.insert(whole.points.end(), mesh.points.begin(), mesh.points.end());
@@ -147,7 +147,7 @@ Result<ViewScene> load_view_scene(const ViewInputs& inputs) {
   add_box(view.voxmap, view.bounds);
   add_box(view.before, view.bounds);
   view.origin_m = view.bounds.middle_m();
-  for (const ScenePart& part : scene->parts) {
+  for (const MeshObject& part : scene->objects) {
     view.meshes.push_back(view_mesh_of(*scene, part, view.origin_m));
   }
   if (!inputs.part.empty()) {

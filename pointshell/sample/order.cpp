@@ -1,4 +1,4 @@
-#include "pointshell/order.h"
+#include "pointshell/sample/order.h"
 
 #include <tbb/parallel_invoke.h>
 
@@ -6,10 +6,10 @@
 #include <cmath>
 #include <limits>
 
-#include "pointshell/certificate/triangle_tree.h"
-#include "pointshell/parallel.h"
+#include "pointshell/part/parallel.h"
+#include "pointshell/part/triangle_tree.h"
 #include "pointshell/sample/smallest_ball.h"
-#include "pointshell/stored_position.h"
+#include "pointshell/sample/stored_position.h"
 
 namespace forcelayer {
 namespace {
@@ -19,10 +19,8 @@ struct Place {
   std::uint32_t index;
 };
 
-double coordinate(const Vec3& p, int axis) { return axis == 0 ? p.x : axis == 1 ? p.y : p.z; }
-
-// Along an axis; a total order of positions.
-struct BeforeAlong {
+// The order along an axis; total for distinct indices.
+struct AxisOrder {
   int axis;
   bool operator()(const Place& a, const Place& b) const {
     const double x = coordinate(a.position, axis), y = coordinate(b.position, axis);
@@ -35,13 +33,11 @@ struct BeforeAlong {
 int longest_side(std::span<const Place> places) {
   Box box;
   for (const Place& place : places) box.grow(place.position);
-  const Vec3 size = box.high - box.low;
-  if (size.x >= size.y && size.x >= size.z) return 0;
-  return size.y >= size.z ? 1 : 2;
+  return box.longest_axis();
 }
 
 void halve(std::span<Place> places, std::size_t block, std::size_t super_block) {
-  const BeforeAlong before{longest_side(places)};
+  const AxisOrder before{longest_side(places)};
   if (places.size() <= block) return std::sort(places.begin(), places.end(), before);
   const std::size_t unit = places.size() > block * super_block ? block * super_block : block;
   const std::size_t units = (places.size() + unit - 1) / unit;
@@ -62,14 +58,14 @@ float rounded_up(double value) {
 }
 
 BoundingSphere sphere_around(std::span<const Vec3> points) {
-  const Vec3 centre = as_stored(smallest_ball(points).centre);
+  const Vec3 center = as_stored(smallest_ball(points).center);
   double squared = 0;
   for (const Vec3& p : points) {
-    squared = std::max(squared, length_squared(p - centre));
+    squared = std::max(squared, length_squared(p - center));
   }
-  // The distance is exact to a few units of double precision; one in 2^40 is far more.
+  // 2^-40 is far more than the rounding of a distance in double precision.
   const float radius = rounded_up(std::sqrt(squared) * (1 + 0x1p-40));
-  return {static_cast<float>(centre.x), static_cast<float>(centre.y), static_cast<float>(centre.z),
+  return {static_cast<float>(center.x), static_cast<float>(center.y), static_cast<float>(center.z),
           radius};
 }
 

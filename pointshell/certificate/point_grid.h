@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "pointshell/vec3.h"
+#include "pointshell/part/vec3.h"
 
 namespace forcelayer {
 
@@ -42,8 +42,6 @@ class PointGrid {
     return std::sqrt(best);
   }
 
-  double cell_size() const { return cell_size_; }
-
  private:
   struct Cell {
     std::int64_t i, j, k;
@@ -74,7 +72,7 @@ class PointGrid {
   }
   void fill_table(const std::vector<std::uint64_t>& sorted_keys);
 
-  double cell_size_, inverse_cell_size_;
+  double inverse_cell_size_;
   std::vector<Vec3> position_;        // ordered by cell
   std::vector<std::uint32_t> index_;  // of position_[n] in the span given
   std::vector<Slot> table_;           // open addressing, at most half full

@@ -1,16 +1,16 @@
-#include "pointshell/sample/point_grid.h"
+#include "pointshell/certificate/point_grid.h"
 
 #include <tbb/parallel_sort.h>
 
 #include <bit>
 #include <utility>
 
-#include "pointshell/parallel.h"
+#include "pointshell/part/parallel.h"
 
 namespace forcelayer {
 
 PointGrid::PointGrid(std::span<const Vec3> points, double cell_size)
-    : cell_size_(cell_size), inverse_cell_size_(1 / cell_size) {
+    : inverse_cell_size_(1 / cell_size) {
   constexpr std::size_t kGrain = 4096;
   std::vector<std::pair<std::uint64_t, std::uint32_t>> keyed(points.size());
   parallel_for_each_index(points.size(), kGrain, [&](std::size_t n) {

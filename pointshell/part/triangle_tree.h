@@ -7,35 +7,17 @@
 #include <span>
 #include <vector>
 
-#include "pointshell/part.h"
-#include "pointshell/vec3.h"
+#include "pointshell/part/part.h"
+#include "pointshell/part/vec3.h"
 
 namespace forcelayer {
 
-// The point of triangle a, b, c nearest to `place`; any triangle will do, also one without area.
+// The point of triangle a, b, c nearest to `place`. The triangle may have no area.
 Vec3 nearest_on_triangle(const Vec3& place, const Vec3& a, const Vec3& b, const Vec3& c);
 
 struct SurfacePoint {
   Vec3 position;
   std::uint32_t triangle = 0;  // index into Part::triangles
-};
-
-// The box around some points.
-struct Box {
-  Vec3 low{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(),
-           std::numeric_limits<double>::infinity()};
-  Vec3 high = -low;
-
-  void grow(const Vec3& p) {
-    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-  }
-  double distance_squared(const Vec3& p) const {
-    const double x = std::max(std::max(low.x - p.x, p.x - high.x), 0.0);
-    const double y = std::max(std::max(low.y - p.y, p.y - high.y), 0.0);
-    const double z = std::max(std::max(low.z - p.z, p.z - high.z), 0.0);
-    return x * x + y * y + z * z;
-  }
 };
 
 class TriangleTree {
@@ -60,12 +42,13 @@ class TriangleTree {
     }
   };
 
-  // `part` must outlive the tree. Over all of its triangles, or the given ones (at least one).
+  // A tree over all triangles of `part`, or over the given ones (at least one). `part` must outlive
+  // the tree.
   explicit TriangleTree(const Part& part);
   TriangleTree(const Part& part, std::vector<std::uint32_t> triangles);
 
-  // The surface point nearest to `place`, of those within `radius`; `found` is false when none is.
-  // Of equally near triangles, the one of the lowest index.
+  // The surface point nearest to `place` within `radius`; `found` is false where there is none.
+  // Among equally near triangles the lowest index wins.
   struct Nearest {
     SurfacePoint point;
     double distance_squared = 0;
@@ -120,7 +103,6 @@ class TriangleTree {
   }
   void build(std::span<std::uint32_t> triangles, std::uint32_t first,
              const std::vector<Vec3>& centroids);
-  Box box_of(std::span<const std::uint32_t> triangles) const;
 
   const Part* part_;
   std::vector<std::uint32_t> ordered_;

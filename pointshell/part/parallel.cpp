@@ -1,4 +1,4 @@
-#include "pointshell/parallel.h"
+#include "pointshell/part/parallel.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/info.h>
@@ -24,7 +24,5 @@ void with_threads(unsigned threads, const std::function<void()>& body) {
   tbb::task_arena arena(threads == 0 ? most : std::min(static_cast<int>(threads), most));
   arena.execute(body);
 }
-
-unsigned threads_in_use() { return static_cast<unsigned>(tbb::this_task_arena::max_concurrency()); }
 
 }  // namespace forcelayer

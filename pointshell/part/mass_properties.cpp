@@ -1,4 +1,4 @@
-#include "pointshell/mass_properties.h"
+#include "pointshell/part/mass_properties.h"
 
 #include <algorithm>
 #include <cmath>
@@ -56,12 +56,9 @@ std::array<double, 6> inertia_about_centroid(const Integrals& integrals, const V
 }
 
 Vec3 middle_of_box(const Part& part) {
-  Vec3 low = part.vertices.front(), high = low;
-  for (const Vec3& v : part.vertices) {
-    low = {std::min(low.x, v.x), std::min(low.y, v.y), std::min(low.z, v.z)};
-    high = {std::max(high.x, v.x), std::max(high.y, v.y), std::max(high.z, v.z)};
-  }
-  return 0.5 * (low + high);
+  Box box;
+  for (const Vec3& v : part.vertices) box.grow(v);
+  return 0.5 * (box.low + box.high);
 }
 
 }  // namespace
@@ -92,9 +89,8 @@ MassProperties mass_properties(const Part& part) {
   const Vec3 origin = middle_of_box(part);
   Integrals surface, solid;
   for (std::size_t t = 0; t < part.triangles.size(); ++t) {
-    const Triangle& corners = part.triangles[t];
-    const Vec3 a = part.vertices[corners[0]] - origin, b = part.vertices[corners[1]] - origin,
-               c = part.vertices[corners[2]] - origin;
+    auto [a, b, c] = triangle_piece(part, t);
+    a = a - origin, b = b - origin, c = c - origin;
     surface.add<3>(length(doubled_area_normal(part, t)) / 2, {a, b, c});
     solid.add<4>(dot(a, cross(b, c)) / 6, {Vec3{}, a, b, c});
   }

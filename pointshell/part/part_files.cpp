@@ -1,4 +1,4 @@
-#include "pointshell/part_files.h"
+#include "pointshell/part/part_files.h"
 
 #include "formats/mesh/units.h"
 
@@ -14,7 +14,7 @@ Result<PartFiles> read_part(const std::vector<std::string>& paths,
     for (const std::string& warning : assembly->warnings) {
       files.warnings.push_back(path + ": " + warning);
     }
-    const auto unit = metres_per_unit(*assembly, path, chosen_unit_m, files.warnings);
+    const auto unit = meters_per_unit(*assembly, path, chosen_unit_m, files.warnings);
     if (!unit) return unit.error();
     units.push_back(*unit);
     assemblies.push_back(std::move(*assembly));

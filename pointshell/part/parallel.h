@@ -1,5 +1,5 @@
-// Loops over indices on all threads. What index i computes must depend on i alone: then the result
-// is the same for any number of threads.
+// Loops over indices on all threads. Whatever is computed for index i must depend on i alone, so
+// that the result is the same for any number of threads.
 #pragma once
 
 #include <cstddef>
@@ -21,8 +21,5 @@ void parallel_for_each_index(std::size_t count, std::size_t grain, const Body& b
 
 // Runs `body` with at most `threads` threads in all parallel loops; 0 means all of the machine's.
 void with_threads(unsigned threads, const std::function<void()>& body);
-
-// The threads that the parallel loops of the caller may use.
-unsigned threads_in_use();
 
 }  // namespace forcelayer

@@ -1,4 +1,4 @@
-#include "pointshell/certificate/triangle_tree.h"
+#include "pointshell/part/triangle_tree.h"
 
 #include <algorithm>
 #include <numeric>
@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::size_t kLeafTriangles = 2;
 
-// Square of the sine of a triangle's angle below which its plane is not to be trusted.
+// The plane of a triangle with a smaller squared sine of an angle is not reliable.
 constexpr double kFlat = 1e-20;
 
 float rounded_down(double x) {
@@ -32,14 +32,6 @@ Vec3 nearest_on_segment(const Vec3& place, const Vec3& a, const Vec3& b) {
 
 Vec3 nearer(const Vec3& place, const Vec3& p, const Vec3& q) {
   return length_squared(q - place) < length_squared(p - place) ? q : p;
-}
-
-double coordinate(const Vec3& p, int axis) { return axis == 0 ? p.x : axis == 1 ? p.y : p.z; }
-
-int longest_axis(const Box& box) {
-  const Vec3 size = box.high - box.low;
-  if (size.x >= size.y && size.x >= size.z) return 0;
-  return size.y >= size.z ? 1 : 2;
 }
 
 // Whether the ray meets the box beyond its origin; `inverse` is 1 / direction, by component.
@@ -95,31 +87,21 @@ TriangleTree::TriangleTree(const Part& part, std::vector<std::uint32_t> triangle
     : part_(&part), ordered_(std::move(triangles)) {
   std::vector<Vec3> centroids(part.triangles.size());
   for (const std::uint32_t t : ordered_) {
-    const Triangle& corners = part.triangles[t];
-    centroids[t] = (1.0 / 3) * (part.vertices[corners[0]] + part.vertices[corners[1]] +
-                                part.vertices[corners[2]]);
+    centroids[t] = centroid(triangle_piece(part, t));
   }
   nodes_.reserve(2 * (ordered_.size() / (kLeafTriangles / 2) + 1));
   build(ordered_, 0, centroids);
-}
-
-Box TriangleTree::box_of(std::span<const std::uint32_t> triangles) const {
-  Box box;
-  for (const std::uint32_t t : triangles) {
-    for (const std::uint32_t corner : part_->triangles[t]) box.grow(part_->vertices[corner]);
-  }
-  return box;
 }
 
 void TriangleTree::build(std::span<std::uint32_t> triangles, std::uint32_t first,
                          const std::vector<Vec3>& centroids) {
   const std::size_t at = nodes_.size();
   nodes_.push_back(
-      node_around(box_of(triangles), first, static_cast<std::uint32_t>(triangles.size())));
+      node_around(box_of(*part_, triangles), first, static_cast<std::uint32_t>(triangles.size())));
   if (triangles.size() <= kLeafTriangles) return;
   Box of_centroids;
   for (const std::uint32_t t : triangles) of_centroids.grow(centroids[t]);
-  const int axis = longest_axis(of_centroids);
+  const int axis = of_centroids.longest_axis();
   const std::size_t half = triangles.size() / 2;
   std::nth_element(triangles.begin(), triangles.begin() + static_cast<std::ptrdiff_t>(half),
                    triangles.end(), [&](std::uint32_t a, std::uint32_t b) {
@@ -146,12 +128,9 @@ bool TriangleTree::ray_hits(const Vec3& origin, const Vec3& direction, std::uint
     if (!ray_meets_box(origin, inverse, node)) continue;
     for (std::uint32_t n = 0; n < node.count; ++n) {
       const std::uint32_t t = ordered_[node.first + n];
-      const Triangle& corners = part_->triangles[t];
-      if (t != excluded &&
-          ray_meets_triangle(origin, direction, least_distance, part_->vertices[corners[0]],
-                             part_->vertices[corners[1]], part_->vertices[corners[2]])) {
-        return true;
-      }
+      if (t == excluded) continue;
+      const auto [a, b, c] = triangle_piece(*part_, t);
+      if (ray_meets_triangle(origin, direction, least_distance, a, b, c)) return true;
     }
     if (node.count == 0) {
       stack[depth++] = node.first;
@@ -177,10 +156,8 @@ TriangleTree::Nearest TriangleTree::nearest(const Vec3& place, double radius) co
     const Node& node = nodes_[entry.node];
     for (std::uint32_t n = 0; n < node.count; ++n) {
       const std::uint32_t t = ordered_[node.first + n];
-      const Triangle& corners = part_->triangles[t];
-      const Vec3 foot =
-          nearest_on_triangle(place, part_->vertices[corners[0]], part_->vertices[corners[1]],
-                              part_->vertices[corners[2]]);
+      const auto [a, b, c] = triangle_piece(*part_, t);
+      const Vec3 foot = nearest_on_triangle(place, a, b, c);
       const double squared = length_squared(foot - place);
       const bool tie = best.found && squared == best.distance_squared;
       if (squared > best.distance_squared || (tie && t > best.point.triangle)) continue;
@@ -201,9 +178,8 @@ SurfacePoint TriangleTree::nearest(const Vec3& place,
   SurfacePoint best;
   double best_squared = std::numeric_limits<double>::infinity();
   for (const std::uint32_t t : triangles) {
-    const Triangle& c = part_->triangles[t];
-    const Vec3 foot = nearest_on_triangle(place, part_->vertices[c[0]], part_->vertices[c[1]],
-                                          part_->vertices[c[2]]);
+    const auto [a, b, c] = triangle_piece(*part_, t);
+    const Vec3 foot = nearest_on_triangle(place, a, b, c);
     const double squared = length_squared(foot - place);
     if (squared < best_squared || (squared == best_squared && t < best.triangle)) {
       best = {foot, t};

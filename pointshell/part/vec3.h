@@ -1,9 +1,10 @@
-// Points and directions of the part's frame, in double precision.
+// Points, directions and boxes of the part's frame, in double precision.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 
 namespace forcelayer {
 
@@ -50,11 +51,41 @@ inline Vec3 any_perpendicular(const Vec3& n) {
   return normalized(std::abs(n.x) < 0.5 ? cross(n, {1, 0, 0}) : cross(n, {0, 1, 0}));
 }
 
+// The component along axis 0, 1 or 2.
+inline double coordinate(const Vec3& p, int axis) {
+  return axis == 0 ? p.x : axis == 1 ? p.y : p.z;
+}
+
 // Lexicographic: a total order for finite coordinates.
 inline bool lexicographic_less(const Vec3& a, const Vec3& b) {
   if (a.x != b.x) return a.x < b.x;
   if (a.y != b.y) return a.y < b.y;
   return a.z < b.z;
 }
+
+// The box around some points.
+struct Box {
+  Vec3 low{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(),
+           std::numeric_limits<double>::infinity()};
+  Vec3 high = -low;
+
+  void grow(const Vec3& p) {
+    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+  }
+  double distance_squared(const Vec3& p) const {
+    const double x = std::max(std::max(low.x - p.x, p.x - high.x), 0.0);
+    const double y = std::max(std::max(low.y - p.y, p.y - high.y), 0.0);
+    const double z = std::max(std::max(low.z - p.z, p.z - high.z), 0.0);
+    return x * x + y * y + z * z;
+  }
+
+  // 0, 1 or 2: the axis along which the box is longest, the first of equals.
+  int longest_axis() const {
+    const Vec3 size = high - low;
+    if (size.x >= size.y && size.x >= size.z) return 0;
+    return size.y >= size.z ? 1 : 2;
+  }
+};
 
 }  // namespace forcelayer

@@ -1,6 +1,6 @@
-#include "pointshell/weights.h"
+#include "pointshell/sample/weights.h"
 
-#include "pointshell/parallel.h"
+#include "pointshell/part/parallel.h"
 
 namespace forcelayer {
 namespace {

@@ -1,4 +1,4 @@
-#include "pointshell/normals/winding_number.h"
+#include "pointshell/certificate/winding_number.h"
 
 #include <array>
 #include <cmath>
@@ -52,23 +52,21 @@ void WindingNumber::fill(std::uint32_t at) {
   }
   if (node.count == 0) {
     for (const std::uint32_t child : {at + 1, node.first}) {
-      weighted += areas_[child] * dipoles_[child].centre;
+      weighted += areas_[child] * dipoles_[child].center;
       areas_[at] += areas_[child];
       dipole.moment += dipoles_[child].moment;
     }
   }
-  dipole.centre =
+  dipole.center =
       areas_[at] > 0 ? (1 / areas_[at]) * weighted : Vec3{node.low[0], node.low[1], node.low[2]};
-  dipole.radius = length(farthest_offset(node, dipole.centre));
+  dipole.radius = length(farthest_offset(node, dipole.center));
 }
 
 double WindingNumber::at_leaf(const TriangleTree::Node& node, const Vec3& place) const {
-  const Part& part = tree_.part();
   double sum = 0;
   for (std::uint32_t n = 0; n < node.count; ++n) {
-    const Triangle& corners = part.triangles[tree_.ordered_triangles()[node.first + n]];
-    sum += triangle_winding(place, part.vertices[corners[0]], part.vertices[corners[1]],
-                            part.vertices[corners[2]]);
+    const auto [a, b, c] = triangle_piece(tree_.part(), tree_.ordered_triangles()[node.first + n]);
+    sum += triangle_winding(place, a, b, c);
   }
   return sum;
 }
@@ -82,7 +80,7 @@ double WindingNumber::at(const Vec3& place) const {
     const std::uint32_t at = stack[--depth];
     const TriangleTree::Node& node = tree_.nodes()[at];
     const Dipole& dipole = dipoles_[at];
-    const Vec3 offset = dipole.centre - place;
+    const Vec3 offset = dipole.center - place;
     const double squared = length_squared(offset);
     if (squared > kFar * kFar * dipole.radius * dipole.radius) {
       if (squared == 0) continue;  // a node of no extent, where `place` is: seen edge-on

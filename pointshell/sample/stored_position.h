@@ -1,11 +1,11 @@
 // Positions as a .pshell file stores them.
 #pragma once
 
-#include "pointshell/vec3.h"
+#include "pointshell/part/vec3.h"
 
 namespace forcelayer {
 
-// `position`, relative to the shell's centre, with its coordinates rounded to floats. Everything
+// `position`, relative to the shell's center, with its coordinates rounded to floats. Everything
 // that is proven of a shell is proven of such positions.
 inline Vec3 as_stored(const Vec3& position) {
   return {static_cast<float>(position.x), static_cast<float>(position.y),

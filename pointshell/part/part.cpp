@@ -1,4 +1,4 @@
-#include "pointshell/part.h"
+#include "pointshell/part/part.h"
 
 #include <algorithm>
 #include <limits>
@@ -19,15 +19,15 @@ double determinant(const std::array<double, 9>& m) {
          m[2] * (m[3] * m[7] - m[4] * m[6]);
 }
 
-void append_instance(const Mesh& mesh, const Affine& assembly_from_mesh, double metres_per_unit,
+void append_instance(const Mesh& mesh, const Affine& assembly_from_mesh, double meters_per_unit,
                      std::uint32_t body, CornerSoup& soup) {
   std::vector<Vec3> placed;
   placed.reserve(mesh.vertices.size());
   for (const Vec3d& vertex : mesh.vertices) {
     const Vec3d moved = apply(assembly_from_mesh, vertex);
     // Adding zero turns -0 into +0, so that equal places have equal bits.
-    placed.push_back({moved[0] * metres_per_unit + 0.0, moved[1] * metres_per_unit + 0.0,
-                      moved[2] * metres_per_unit + 0.0});
+    placed.push_back({moved[0] * meters_per_unit + 0.0, moved[1] * meters_per_unit + 0.0,
+                      moved[2] * meters_per_unit + 0.0});
   }
   // A mirrored placing turns every triangle inside out; its corners are taken the other way round.
   const bool mirrored = determinant(assembly_from_mesh.linear) < 0;
@@ -101,10 +101,10 @@ Result<Part> assemble_part(std::span<const PartInput> inputs) {
   Part part;
   for (const PartInput& input : inputs) {
     part.deviation_m =
-        std::max(part.deviation_m, input.assembly->deviation_units * input.metres_per_unit);
+        std::max(part.deviation_m, input.assembly->deviation_units * input.meters_per_unit);
     for (const MeshInstance& instance : input.assembly->instances) {
       const Mesh& mesh = input.assembly->meshes[instance.mesh];
-      append_instance(mesh, instance.assembly_from_mesh, input.metres_per_unit,
+      append_instance(mesh, instance.assembly_from_mesh, input.meters_per_unit,
                       static_cast<std::uint32_t>(part.body_names.size()), soup);
       part.body_names.push_back(instance.name);
       part.single_precision |= mesh.single_precision;
@@ -125,6 +125,20 @@ Result<Part> assemble_part(std::span<const PartInput> inputs) {
     return no_triangles("no triangle of the part has an area");
   }
   return part;
+}
+
+Box box_of(const Part& part, std::span<const std::uint32_t> triangles) {
+  Box box;
+  for (const std::uint32_t t : triangles) {
+    for (const std::uint32_t corner : part.triangles[t]) box.grow(part.vertices[corner]);
+  }
+  return box;
+}
+
+std::vector<std::vector<std::uint32_t>> triangles_by_body(const Part& part) {
+  std::vector<std::vector<std::uint32_t>> triangles(part.body_names.size());
+  for (std::uint32_t t = 0; t < part.triangles.size(); ++t) triangles[part.body[t]].push_back(t);
+  return triangles;
 }
 
 Part relative_to(Part part, const Vec3& origin) {

@@ -1,4 +1,4 @@
-#include "pointshell/certificate/pieces.h"
+#include "pointshell/part/pieces.h"
 
 namespace forcelayer {
 

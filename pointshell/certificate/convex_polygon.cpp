@@ -1,4 +1,4 @@
-#include "pointshell/sample/convex_polygon.h"
+#include "pointshell/certificate/convex_polygon.h"
 
 namespace forcelayer {
 namespace {

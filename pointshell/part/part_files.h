@@ -7,7 +7,7 @@
 
 #include "formats/mesh/trust_options.h"
 #include "formats/result.h"
-#include "pointshell/part.h"
+#include "pointshell/part/part.h"
 
 namespace forcelayer {
 
@@ -16,11 +16,11 @@ struct PartFiles {
   std::vector<std::string> warnings;  // a line each
 };
 
-// Reads all files and unites them. `metres_per_unit` is the user's choice of unit: required (else
-// kUsage) where a format does not define its own, and with a warning in place of the format's own
-// where it does. Other errors: those of read_assembly and assemble_part, with the file's name.
+// Reads all files and unites them. `meters_per_unit` is the user's choice of unit. It is required
+// (else kUsage) where a format defines none; where a format defines one, it overrides that with a
+// warning. Other errors: those of read_assembly and assemble_part, with the file's name.
 Result<PartFiles> read_part(const std::vector<std::string>& paths,
-                            std::optional<double> metres_per_unit,
+                            std::optional<double> meters_per_unit,
                             const AssemblyReader& read = read_assembly);
 
 // A warning where the file's 32-bit vertices are coarser than a thousandth of a voxel; else empty.

@@ -5,8 +5,8 @@
 #include <span>
 
 #include "formats/pshell_format.h"
-#include "pointshell/part.h"
-#include "pointshell/vec3.h"
+#include "pointshell/part/part.h"
+#include "pointshell/part/vec3.h"
 
 namespace forcelayer {
 
@@ -20,13 +20,13 @@ struct MassProperties {
   std::array<double, 6> inertia_m2{};
 };
 
-// Whether every edge is run through as often forwards as backwards, so that the divergence theorem
-// holds for the body that they bound.
+// Whether triangles run along every edge as often forwards as backwards. Then the divergence
+// theorem holds for the body that they bound.
 bool is_closed(std::span<const Triangle> triangles);
 
-// From the volume where the part is closed and the volume is positive (its triangles must face
-// outwards), else from the area as of a thin sheet. Integrals of Eberly, "Polyhedral Mass
-// Properties", 2002, taken over tetrahedra about a point of the part.
+// Computed from the volume where the part is closed and its volume positive, else from the area as
+// of a thin sheet. Triangles must face outwards. The integrals are those of Eberly, "Polyhedral
+// Mass Properties", 2002, over tetrahedra about the middle of the part.
 MassProperties mass_properties(const Part& part);
 
 }  // namespace forcelayer

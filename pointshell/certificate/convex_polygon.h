@@ -5,11 +5,11 @@
 #include <cstddef>
 #include <span>
 
-#include "pointshell/vec3.h"
+#include "pointshell/part/vec3.h"
 
 namespace forcelayer {
 
-// Of at most 32 corners: a plane that would make more of them cuts nothing off.
+// A convex polygon of at most 32 corners. A plane that would make more corners cuts nothing off.
 class ConvexPolygon {
  public:
   ConvexPolygon() : count_(0) {}
@@ -26,8 +26,8 @@ class ConvexPolygon {
   // `keep_in_plane` decides. Returns whether anything was cut off.
   bool clip(const Vec3& normal, double offset, bool keep_in_plane);
 
-  // Cuts the polygon in two: this keeps what clip() would, `rest` gets the other side. False where
-  // it has too many corners to be cut: then both are whole.
+  // Cuts the polygon in two: this polygon keeps the side that clip() would, `rest` gets the other.
+  // False where it has too many corners to be cut; then both are whole.
   bool split(const Vec3& normal, double offset, ConvexPolygon& rest);
 
   bool empty() const { return count_ == 0; }
@@ -44,7 +44,7 @@ class ConvexPolygon {
   // Drops the corners on the positive side and adds those between the sides.
   bool cut(const double* side);
 
-  // In a union, so that the corners beyond the count are not set to zero for every new polygon.
+  // A union, so that a new polygon does not set all corners to zero.
   union {
     Vec3 corners_[kMostCorners];
   };

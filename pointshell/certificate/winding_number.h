@@ -7,8 +7,8 @@
 #include <limits>
 #include <vector>
 
-#include "pointshell/certificate/triangle_tree.h"
-#include "pointshell/vec3.h"
+#include "pointshell/part/triangle_tree.h"
+#include "pointshell/part/vec3.h"
 
 namespace forcelayer {
 
@@ -17,15 +17,15 @@ class WindingNumber {
   // `tree` and its part must outlive this; the part's orientation must not change meanwhile.
   explicit WindingNumber(const TriangleTree& tree);
 
-  // The winding number at `place`. On the surface it is the mean of its two sides there, because a
-  // triangle seen edge-on counts as nothing. Error below about 0.01.
+  // The winding number at `place`, with an error below about 0.01. On the surface it is the mean of
+  // the two sides, because a triangle seen edge-on counts as zero.
   double at(const Vec3& place) const;
 
  private:
   struct Dipole {
-    Vec3 centre;        // of area
+    Vec3 center;        // of area
     Vec3 moment;        // sum of area times normal
-    double radius = 0;  // of the node's box about `centre`
+    double radius = 0;  // of the node's box about `center`
   };
 
   void fill(std::uint32_t node);

@@ -1,0 +1,66 @@
+// The moving part as one canonical triangle soup in meters.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "formats/mesh/mesh.h"
+#include "formats/result.h"
+#include "pointshell/part/vec3.h"
+
+namespace forcelayer {
+
+// One rigid part. Equal vertices are one vertex, and vertices ascend. Each triangle starts at its
+// lowest vertex, and triangles ascend. So two files that hold the same triangles in another order
+// give the same part.
+struct Part {
+  std::vector<Vec3> vertices;       // [n] distinct, lexicographically ascending, m, part frame
+  std::vector<Triangle> triangles;  // [m] vertex indices, as oriented in the file
+  std::vector<std::uint32_t> body;  // [m] index into body_names
+  std::vector<std::string> body_names;
+  std::uint64_t input_triangles = 0;       // over all instances
+  std::uint64_t duplicate_triangles = 0;   // dropped: corners, orientation and body of another
+  std::uint64_t degenerate_triangles = 0;  // kept and covered, although they have no area
+  double largest_coordinate = 0;           // m, absolute, of any vertex as given
+  bool single_precision = false;           // whether any file stores 32-bit vertices
+  double deviation_m = 0;  // of the triangles from exact surfaces that a file holds (STEP, IGES)
+};
+
+// One mesh file's content and the unit to read it in.
+struct PartInput {
+  const Assembly* assembly = nullptr;
+  double meters_per_unit = 1;
+};
+
+// Unites all instances of all inputs. Error: kMeshEmpty where no triangle has an area.
+Result<Part> assemble_part(std::span<const PartInput> inputs);
+
+// The corners of a triangle or of a piece of one, m.
+using Piece = std::array<Vec3, 3>;
+
+inline Piece triangle_piece(const Part& part, std::size_t t) {
+  const Triangle& corners = part.triangles[t];
+  return {part.vertices[corners[0]], part.vertices[corners[1]], part.vertices[corners[2]]};
+}
+
+inline Vec3 centroid(const Piece& p) { return (1.0 / 3) * (p[0] + p[1] + p[2]); }
+
+// Twice the area times the unit normal (right-hand rule) of triangle `t`, m^2.
+inline Vec3 doubled_area_normal(const Part& part, std::size_t t) {
+  const auto [a, b, c] = triangle_piece(part, t);
+  return cross(b - a, c - a);
+}
+
+// The box around these triangles.
+Box box_of(const Part& part, std::span<const std::uint32_t> triangles);
+
+// The triangles of each body, ascending: [bodies][triangles].
+std::vector<std::vector<std::uint32_t>> triangles_by_body(const Part& part);
+
+// The part moved by -`origin`. Shells are made and proven relative to their center.
+Part relative_to(Part part, const Vec3& origin);
+
+}  // namespace forcelayer
