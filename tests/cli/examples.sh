@@ -45,7 +45,7 @@ wait $!
 [ "$(grep -c 'part   0.1000   0.1000   0.2000 m' poses.txt)" -ge 10 ] || fail "$(cat poses.txt)"
 
 # A plugin needs one header and a C compiler.
-cc -std=c11 -shared -fPIC -I "$FORCELAYER_SOURCE_DIR/runtime/devices" \
+cc -std=c11 -shared -fPIC -I "$FORCELAYER_SOURCE_DIR/runtime" \
   "$FORCELAYER_SOURCE_DIR/runtime/examples/spring_plugin.c" -o spring_plugin.so -lm
 "$bin/voxrun" floor.vox ball.pshell --device plugin --plugin ./spring_plugin.so --quiet \
   --plugin-args depth=0.01 --world-from-device 0.1,0.1,0.1 --duration 200ms --stale-limit 250ms ||
