@@ -5,7 +5,7 @@
 #include <limits>
 #include <random>
 
-#include "tests/support/file_surgery.h"
+#include "tests/support/damaged_fields.h"
 #include "tests/support/golden_content.h"
 
 namespace forcelayer::testing {

@@ -6,7 +6,7 @@
 #include <random>
 
 #include "formats/voxmap_walk.h"
-#include "tests/support/file_surgery.h"
+#include "tests/support/damaged_fields.h"
 #include "tests/support/golden_content.h"
 
 namespace forcelayer::testing {

@@ -1,24 +1,16 @@
 // Damaging baked files on purpose: fields, checksums and bytes of a file in memory.
 #pragma once
 
-#include <gtest/gtest.h>
-
 #include <cstdint>
 #include <cstring>
-#include <limits>
 #include <span>
 #include <stdexcept>
-#include <string>
 #include <vector>
 
 #include "formats/section_table.h"
-#include "formats/voxmap.h"
 #include "tests/support/aligned_bytes.h"
 
 namespace forcelayer::testing {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 template <typename T>
 T read_at(std::span<const std::byte> bytes, std::size_t offset) {
@@ -67,24 +59,6 @@ inline void resign(std::span<std::byte> bytes) {
   }
   write_at(bytes, offsetof(FileHeader, header_checksum), std::uint64_t{0});
   write_at(bytes, offsetof(FileHeader, header_checksum), checksum(bytes.first(table_end)));
-}
-
-// Opens a Voxmap or Pshell in which `value` stands at `offset`, under right checksums.
-template <class File, typename T>
-Result<File> open_with(AlignedBytes& bytes, std::size_t offset, T value) {
-  write_at(bytes.bytes(), offset, value);
-  resign(bytes.bytes());
-  return File::from_bytes(bytes.bytes(), "damaged file", Verify::kStructureAndChecksums);
-}
-
-// Such a file is refused, with the field's name in the message.
-template <class File, typename T>
-void expect_refused(AlignedBytes bytes, std::size_t offset, T value, const char* field) {
-  SCOPED_TRACE(std::string(field) + " = " + std::to_string(value));
-  const Result<File> file = open_with<File>(bytes, offset, value);
-  ASSERT_FALSE(file);
-  EXPECT_EQ(file.error().code, ErrorCode::kFieldInvalid) << to_line(file.error());
-  EXPECT_NE(file.error().where.find(field), std::string::npos) << to_line(file.error());
 }
 
 }  // namespace forcelayer::testing
