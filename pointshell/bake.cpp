@@ -21,7 +21,7 @@
 #include "pointshell/sample/voxel_centers.h"
 #include "pointshell/sample/weights.h"
 
-namespace forcelayer {
+namespace forcelayer::pointshell {
 namespace {
 
 class Stages {
@@ -59,7 +59,7 @@ double physical_memory_bytes() {
 }
 
 // Refuses a bake that would run for hours and then out of memory.
-Status check_size(const MassProperties& mass, double radius) {
+Status check_size(const part::MassProperties& mass, double radius) {
   const double expected = planar_bound(mass.area_m2, radius), most = kMostOfBound * expected;
   if (most < static_cast<double>(kMaxShellPoints) &&
       most * kBytesPerPoint < physical_memory_bytes()) {
@@ -75,53 +75,56 @@ Status check_size(const MassProperties& mass, double radius) {
 }
 
 // Voxel centers reach sqrt(3)/2 voxel; their rounding to floats is added to that.
-double rounded_center_radius(double voxel_size_m, const Part& centered) {
+double rounded_center_radius(double voxel_size_m, const part::Part& centered) {
   double extent = voxel_size_m;
-  for (const Vec3& v : centered.vertices) extent = std::max(extent, max_abs(v) + voxel_size_m);
+  for (const part::Vec3& v : centered.vertices)
+    extent = std::max(extent, part::max_abs(v) + voxel_size_m);
   return std::sqrt(0.75) * (voxel_size_m + extent * 0x1p-22) * (1 + 1e-6);
 }
 
 // Adds the centers of the voxels that hold the holes; false where all are there already.
-bool add_voxel_centers_at(const std::vector<Hole>& holes, const Vec3& center, double voxel_size_m,
-                          std::vector<Vec3>& points) {
-  std::vector<Vec3> wanted, added;
-  for (const Hole& hole : holes) {
-    wanted.push_back(voxel_center_at(hole.position, voxel_size_m, center));
+bool add_voxel_centers_at(const std::vector<certificate::Hole>& holes, const part::Vec3& center,
+                          double voxel_size_m, std::vector<part::Vec3>& points) {
+  std::vector<part::Vec3> wanted, added;
+  for (const certificate::Hole& hole : holes) {
+    wanted.push_back(sample::voxel_center_at(hole.position, voxel_size_m, center));
   }
-  std::sort(wanted.begin(), wanted.end(), lexicographic_less);
+  std::sort(wanted.begin(), wanted.end(), part::lexicographic_less);
   wanted.erase(std::unique(wanted.begin(), wanted.end()), wanted.end());
-  std::sort(points.begin(), points.end(), lexicographic_less);
+  std::sort(points.begin(), points.end(), part::lexicographic_less);
   std::set_difference(wanted.begin(), wanted.end(), points.begin(), points.end(),
-                      std::back_inserter(added), lexicographic_less);
+                      std::back_inserter(added), part::lexicographic_less);
   points.insert(points.end(), added.begin(), added.end());
   return !added.empty();
 }
 
 // The centers of the voxels that the snapped mesh touches, and of the few more that only the mesh
 // before snapping touches.
-Result<CoveringProof> cover_by_voxel_centers(const Part& part, const Part& centered,
-                                             const Vec3& center, double voxel_size_m, double radius,
-                                             std::vector<Vec3>& points) {
-  auto centers = voxel_centers(part, voxel_size_m, center);
+Result<certificate::CoveringProof> cover_by_voxel_centers(const part::Part& part,
+                                                          const part::Part& centered,
+                                                          const part::Vec3& center,
+                                                          double voxel_size_m, double radius,
+                                                          std::vector<part::Vec3>& points) {
+  auto centers = sample::voxel_centers(part, voxel_size_m, center);
   if (!centers) return centers.error();
   points = std::move(*centers);
-  CoveringProof proof = prove_covering(centered, points, radius);
+  certificate::CoveringProof proof = certificate::prove_covering(centered, points, radius);
   while (!proof.proven) {
     if (!add_voxel_centers_at(proof.holes, center, voxel_size_m, points)) {
       return Error{ErrorCode::kInternal, "", "", "voxel centers do not cover the part", ""};
     }
-    proof = continue_proof(centered, points, radius, proof);
+    proof = certificate::continue_proof(centered, points, radius, proof);
   }
   return proof;
 }
 
-double norm_rounded_up(std::span<const Vec3> points) {
+double norm_rounded_up(std::span<const part::Vec3> points) {
   double squared = 0;
-  for (const Vec3& p : points) squared = std::max(squared, length_squared(p));
+  for (const part::Vec3& p : points) squared = std::max(squared, part::length_squared(p));
   return std::sqrt(squared) * (1 + 0x1p-40);
 }
 
-void fill_points(std::span<const Vec3> points, const ShellNormals& normals,
+void fill_points(std::span<const part::Vec3> points, const normals::ShellNormals& normals,
                  std::span<const double> weights, BakedShell& shell) {
   for (std::size_t n = 0; n < points.size(); ++n) {
     shell.x.push_back(static_cast<float>(points[n].x));
@@ -135,17 +138,18 @@ void fill_points(std::span<const Vec3> points, const ShellNormals& normals,
   }
 }
 
-void fill_blocks(std::span<const Vec3> points, BakedShell& shell) {
-  shell.blocks = bounding_spheres(points, kDefaultBlockPoints);
+void fill_blocks(std::span<const part::Vec3> points, BakedShell& shell) {
+  shell.blocks = sample::bounding_spheres(points, kDefaultBlockPoints);
   shell.super_blocks =
-      bounding_spheres(points, std::size_t{kDefaultBlockPoints} * kDefaultSuperBlockBlocks);
+      sample::bounding_spheres(points, std::size_t{kDefaultBlockPoints} * kDefaultSuperBlockBlocks);
   double sum = 0;
   for (const BoundingSphere& block : shell.blocks) sum += block.radius;
   shell.mean_block_radius_m = sum / static_cast<double>(shell.blocks.size());
 }
 
-void fill_header(const ShellOptions& options, const MassProperties& mass,
-                 std::span<const Vec3> points, double radius, const Part& part, BakedShell& shell) {
+void fill_header(const ShellOptions& options, const part::MassProperties& mass,
+                 std::span<const part::Vec3> points, double radius, const part::Part& part,
+                 BakedShell& shell) {
   PshellHeader& header = shell.header;
   header.point_count = points.size();
   header.block_points = kDefaultBlockPoints;
@@ -165,23 +169,24 @@ void fill_header(const ShellOptions& options, const MassProperties& mass,
   header.triangles = part.input_triangles;
 }
 
-Result<BakedShell> bake(Part part, const ShellOptions& options, const BakeProgress& progress) {
+Result<BakedShell> bake(part::Part part, const ShellOptions& options,
+                        const BakeProgress& progress) {
   BakedShell shell;
   Stages stages(shell, progress);
   double radius = requested_covering_radius(options);
 
   stages.begin("orientation");
-  const auto orientation = orient_outwards(part, radius);
+  const auto orientation = normals::orient_outwards(part, radius);
   if (!orientation) return orientation.error();
   shell.orientation = *orientation;
-  const MassProperties mass = mass_properties(part);
+  const part::MassProperties mass = part::mass_properties(part);
   if (const Status fits = check_size(mass, radius); !fits) return fits.error();
-  const Part centered = relative_to(part, mass.centroid);
+  const part::Part centered = part::relative_to(part, mass.centroid);
 
   stages.begin("points");
-  const TriangleTree tree(centered);
-  std::vector<Vec3> points;
-  std::optional<CoveringProof> proof;
+  const part::TriangleTree tree(centered);
+  std::vector<part::Vec3> points;
+  std::optional<certificate::CoveringProof> proof;
   if (options.method == ShellMethod::kVoxelCenters) {
     radius = rounded_center_radius(options.voxel_size_m, centered);
     auto covered =
@@ -189,31 +194,33 @@ Result<BakedShell> bake(Part part, const ShellOptions& options, const BakeProgre
     if (!covered) return covered.error();
     proof = std::move(*covered);
   } else {
-    CoveringPoints covering = covering_points(
+    sample::CoveringPoints covering = sample::covering_points(
         tree, radius, options.effort, [&](double share_done) { progress("points", share_done); });
     points = std::move(covering.positions);
     proof = std::move(covering.proof);
   }
-  if (const HiddenSurface hidden(centered); hidden.possible()) {
+  if (const certificate::HiddenSurface hidden(centered); hidden.possible()) {
     stages.begin("hidden");
-    shell.hidden_points = leave_out_hidden_points(centered, hidden, radius, points, *proof);
+    shell.hidden_points =
+        certificate::leave_out_hidden_points(centered, hidden, radius, points, *proof);
   }
   shell.certificate_pieces = proof->pieces;
 
   stages.begin("order");
-  std::vector<Vec3> ordered;
+  std::vector<part::Vec3> ordered;
   ordered.reserve(points.size());
-  for (const std::uint32_t n : block_order(points, kDefaultBlockPoints, kDefaultSuperBlockBlocks)) {
+  for (const std::uint32_t n :
+       sample::block_order(points, kDefaultBlockPoints, kDefaultSuperBlockBlocks)) {
     ordered.push_back(points[n]);
   }
   fill_blocks(ordered, shell);
 
   stages.begin("normals");
-  RestrictedCells cells(tree, radius);
+  sample::RestrictedCells cells(tree, radius);
   cells.find_lists(ordered);
-  const ShellNormals normals = shell_normals(cells, ordered, radius);
+  const normals::ShellNormals normals = normals::shell_normals(cells, ordered, radius);
   stages.begin("weights");
-  const std::vector<double> weights = area_weights(cells, ordered);
+  const std::vector<double> weights = sample::area_weights(cells, ordered);
   shell.covered_area_m2 = std::accumulate(weights.begin(), weights.end(), 0.0);
   fill_points(ordered, normals, weights, shell);
   fill_header(options, mass, ordered, radius, part, shell);
@@ -232,10 +239,10 @@ double requested_covering_radius(const ShellOptions& options) {
                                        : std::sqrt(0.75) * options.voxel_size_m;
 }
 
-Result<BakedShell> bake_shell(Part part, const ShellOptions& options,
+Result<BakedShell> bake_shell(part::Part part, const ShellOptions& options,
                               const BakeProgress& progress) {
   std::optional<Result<BakedShell>> shell;
-  with_threads(options.threads, [&] { shell = bake(std::move(part), options, progress); });
+  part::with_threads(options.threads, [&] { shell = bake(std::move(part), options, progress); });
   return std::move(*shell);
 }
 
@@ -251,4 +258,4 @@ PshellContent BakedShell::content() const {
   return content;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::pointshell

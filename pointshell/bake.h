@@ -12,13 +12,13 @@
 #include "pointshell/part/part.h"
 #include "pointshell/sample/covering_points.h"
 
-namespace forcelayer {
+namespace forcelayer::pointshell {
 
 struct ShellOptions {
   double voxel_size_m = 0;
   double covering_radius_m = 0;  // 0: sqrt(3)/2 voxel, that of voxel centers
   ShellMethod method = ShellMethod::kSurface;
-  Effort effort = Effort::kFull;
+  sample::Effort effort = sample::Effort::kFull;
   double mesh_deviation_m = 0;  // of the mesh from the true part, as the user declares it;
                                 // Part::deviation_m is added
   unsigned threads = 0;         // 0: all
@@ -36,7 +36,7 @@ struct BakedShell {
   std::vector<float> x, y, z, nx, ny, nz, weight_m2, cone_cos;
   std::vector<BoundingSphere> blocks, super_blocks;
 
-  OrientationReport orientation;
+  normals::OrientationReport orientation;
   std::uint64_t certificate_pieces = 0;
   std::uint64_t hidden_points = 0;  // left out: they lie inside another of the part's bodies
   double covered_area_m2 = 0;       // sum of the weights
@@ -50,6 +50,7 @@ struct BakedShell {
 using BakeProgress = std::function<void(const std::string& stage, double share_done)>;
 
 // Errors: kMeshUnorientable, kBakeTooLarge. The same shell for any number of threads.
-Result<BakedShell> bake_shell(Part part, const ShellOptions& options, const BakeProgress& progress);
+Result<BakedShell> bake_shell(part::Part part, const ShellOptions& options,
+                              const BakeProgress& progress);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::pointshell

@@ -18,7 +18,7 @@
 #include "pointshell/report.h"
 #include "pointshell/verify.h"
 
-namespace forcelayer {
+namespace forcelayer::pointshell {
 namespace {
 
 // The command line as typed.
@@ -26,7 +26,7 @@ struct Arguments {
   std::vector<std::string> inputs;
   std::string output, voxel_size, units, covering_radius, mesh_deviation, json;
   std::string method = "surface", effort = "full";
-  TrustOptions trust;
+  mesh::TrustOptions trust;
   unsigned threads = 0;
   bool quiet = false;
   bool verify = false;
@@ -77,7 +77,7 @@ Error usage(std::string what, std::string mend) {
 Result<double> length_option(const std::string& text, const char* option, double absent,
                              bool zero_allowed) {
   if (text.empty()) return absent;
-  const auto length = parse_length(text);
+  const auto length = command::parse_length(text);
   if (!length) return length.error();
   if (*length < 0 || (*length == 0 && !zero_allowed)) {
     return usage(std::string(option) + " must be a positive length", "write it like 5mm");
@@ -87,7 +87,7 @@ Result<double> length_option(const std::string& text, const char* option, double
 
 Result<std::optional<double>> units_option(const std::string& text) {
   if (text.empty()) return std::optional<double>();
-  const auto unit = parse_unit(text);
+  const auto unit = command::parse_unit(text);
   if (!unit) return unit.error();
   return std::optional<double>(*unit);
 }
@@ -110,7 +110,7 @@ Result<ShellOptions> bake_options(const Arguments& arguments) {
   options.mesh_deviation_m = *deviation;
   options.method =
       arguments.method == "surface" ? ShellMethod::kSurface : ShellMethod::kVoxelCenters;
-  options.effort = arguments.effort == "fast" ? Effort::kFast : Effort::kFull;
+  options.effort = arguments.effort == "fast" ? sample::Effort::kFast : sample::Effort::kFull;
   options.threads = arguments.threads;
   if (options.method == ShellMethod::kVoxelCenters && options.covering_radius_m > 0) {
     return usage("--covering-radius does not go with --method voxel-centers",
@@ -123,12 +123,12 @@ void warn(const Arguments& arguments, const std::string& text) {
   if (!arguments.quiet) std::fprintf(stderr, "pointshell: warning: %s\n", text.c_str());
 }
 
-Result<Part> load_part(const Arguments& arguments) {
+Result<part::Part> load_part(const Arguments& arguments) {
   const auto units = units_option(arguments.units);
   if (!units) return units.error();
   const auto reader = arguments.trust.reader();
   if (!reader) return reader.error();
-  auto files = read_part(arguments.inputs, *units, *reader);
+  auto files = part::read_part(arguments.inputs, *units, *reader);
   if (!files) return files.error();
   for (const std::string& warning : files->warnings) warn(arguments, warning);
   return std::move(files->part);
@@ -162,11 +162,11 @@ Status bake_command(const Arguments& arguments) {
   const double started_s = now_s();
   const auto options = bake_options(arguments);
   if (!options) return options.error();
-  ProgressLine progress(arguments.quiet);
+  command::ProgressLine progress(arguments.quiet);
   progress.show("read", 0);
   auto part = load_part(arguments);
   if (!part) return part.error();
-  const std::string imprecise = precision_warning(*part, options->voxel_size_m);
+  const std::string imprecise = part::precision_warning(*part, options->voxel_size_m);
   if (!imprecise.empty()) warn(arguments, imprecise);
   const double read_s = now_s() - started_s;
   auto shell = bake_shell(*part, *options, [&](const std::string& stage, double share_done) {
@@ -184,15 +184,16 @@ Status bake_command(const Arguments& arguments) {
   print_summary(arguments, *shell);
   if (arguments.json.empty()) return {};
   nlohmann::ordered_json report = bake_report(*shell, *options, *part);
-  report["peak_rss_bytes"] = peak_rss_bytes();
+  report["peak_rss_bytes"] = command::peak_rss_bytes();
   report["file_bytes"] = *written;
   report["threads"] = arguments.threads;
-  return write_report(arguments.json, report);
+  return command::write_report(arguments.json, report);
 }
 
-Error open_surface(const Arguments& arguments, const Pshell& shell, const CoveringProof& proof) {
-  const Hole* deepest = &proof.holes.front();
-  for (const Hole& hole : proof.holes) {
+Error open_surface(const Arguments& arguments, const Pshell& shell,
+                   const certificate::CoveringProof& proof) {
+  const certificate::Hole* deepest = &proof.holes.front();
+  for (const certificate::Hole& hole : proof.holes) {
     if (hole.distance > deepest->distance) deepest = &hole;
   }
   const auto& center = shell.header().center_m;
@@ -212,8 +213,8 @@ Status verify_command(const Arguments& arguments) {
   if (!shell) return shell.error();
   const auto part = load_part(arguments);
   if (!part) return part.error();
-  CoveringProof proof;
-  with_threads(arguments.threads, [&] { proof = verify_shell(*shell, *part); });
+  certificate::CoveringProof proof;
+  part::with_threads(arguments.threads, [&] { proof = verify_shell(*shell, *part); });
   if (!arguments.json.empty()) {
     const nlohmann::ordered_json report{{"proven", proof.proven},
                                         {"points", shell->header().point_count},
@@ -223,8 +224,8 @@ Status verify_command(const Arguments& arguments) {
                                         {"certificate_pieces", proof.pieces},
                                         {"holes", proof.holes.size()},
                                         {"seconds", {{"total", now_s() - started_s}}},
-                                        {"peak_rss_bytes", peak_rss_bytes()}};
-    if (Status written = write_report(arguments.json, report); !written) return written;
+                                        {"peak_rss_bytes", command::peak_rss_bytes()}};
+    if (Status written = command::write_report(arguments.json, report); !written) return written;
   }
   if (!proof.proven) return open_surface(arguments, *shell, proof);
   if (!arguments.quiet) {
@@ -236,19 +237,20 @@ Status verify_command(const Arguments& arguments) {
 }
 
 }  // namespace
-}  // namespace forcelayer
+}  // namespace forcelayer::pointshell
 
 int main(int argc, char** argv) {
   using namespace forcelayer;
-  if (const auto status = run_as_sandbox(argc, argv)) return *status;
+  using namespace forcelayer::pointshell;
+  if (const auto status = mesh::run_as_sandbox(argc, argv)) return *status;
   CLI::App app("Bakes the moving part of a haptic scene into a .pshell file", "pointshell");
   Arguments arguments;
   declare_bake(app, arguments);
   declare_verify(app, arguments);
   int exit_code = 0;
-  if (!parse_arguments(app, argc, argv, exit_code)) return exit_code;
-  exit_cleanly_on_signals();
-  return run_command("pointshell", [&] {
+  if (!command::parse_arguments(app, argc, argv, exit_code)) return exit_code;
+  command::exit_cleanly_on_signals();
+  return command::run_command("pointshell", [&] {
     return arguments.verify ? verify_command(arguments) : bake_command(arguments);
   });
 }

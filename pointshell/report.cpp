@@ -6,12 +6,12 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-namespace forcelayer {
+namespace forcelayer::pointshell {
 
-std::string part_hash(const Part& part) {
-  XXH64_hash_t hash = XXH3_64bits(part.vertices.data(), part.vertices.size() * sizeof(Vec3));
-  hash =
-      XXH3_64bits_withSeed(part.triangles.data(), part.triangles.size() * sizeof(Triangle), hash);
+std::string part_hash(const part::Part& part) {
+  XXH64_hash_t hash = XXH3_64bits(part.vertices.data(), part.vertices.size() * sizeof(part::Vec3));
+  hash = XXH3_64bits_withSeed(part.triangles.data(), part.triangles.size() * sizeof(mesh::Triangle),
+                              hash);
   hash = XXH3_64bits_withSeed(part.body.data(), part.body.size() * sizeof(std::uint32_t), hash);
   char text[17];
   std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(hash));
@@ -22,9 +22,11 @@ const char* method_name(ShellMethod method) {
   return method == ShellMethod::kSurface ? "surface" : "voxel-centers";
 }
 
-const char* effort_name(Effort effort) { return effort == Effort::kFast ? "fast" : "full"; }
+const char* effort_name(sample::Effort effort) {
+  return effort == sample::Effort::kFast ? "fast" : "full";
+}
 
-std::string provenance(const Part& part, const ShellOptions& options) {
+std::string provenance(const part::Part& part, const ShellOptions& options) {
   nlohmann::ordered_json json{{"tool", "pointshell"},
                               {"part_xxh3", part_hash(part)},
                               {"method", method_name(options.method)},
@@ -40,7 +42,7 @@ double points_over_bound(const PshellHeader& header, double area_m2) {
 }
 
 nlohmann::ordered_json bake_report(const BakedShell& shell, const ShellOptions& options,
-                                   const Part& part) {
+                                   const part::Part& part) {
   const PshellHeader& header = shell.header;
   nlohmann::ordered_json seconds;
   double total = 0;
@@ -82,4 +84,4 @@ nlohmann::ordered_json bake_report(const BakedShell& shell, const ShellOptions& 
   return report;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::pointshell

@@ -7,22 +7,22 @@
 #include "pointshell/bake.h"
 #include "pointshell/part/part.h"
 
-namespace forcelayer {
+namespace forcelayer::pointshell {
 
 // A hash of the part's vertices and triangles in meters, 16 hexadecimal digits. Files that hold the
 // same triangles in any order have the same hash.
-std::string part_hash(const Part& part);
+std::string part_hash(const part::Part& part);
 
 // The content hash and the options that affect the shell, as JSON.
-std::string provenance(const Part& part, const ShellOptions& options);
+std::string provenance(const part::Part& part, const ShellOptions& options);
 
 const char* method_name(ShellMethod method);
-const char* effort_name(Effort effort);
+const char* effort_name(sample::Effort effort);
 
 // The shell's points over planar_bound() for this area: 1 is a perfect covering.
 double points_over_bound(const PshellHeader& header, double area_m2);
 
 nlohmann::ordered_json bake_report(const BakedShell& shell, const ShellOptions& options,
-                                   const Part& part);
+                                   const part::Part& part);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::pointshell

@@ -5,7 +5,7 @@
 #include "pointshell/certificate/hidden_surface.h"
 #include "pointshell/normals/orientation.h"
 
-namespace forcelayer {
+namespace forcelayer::pointshell {
 namespace {
 
 // A file can claim a radius so small that no machine can look at all pieces of the part. A sound
@@ -16,25 +16,26 @@ std::size_t most_holes(std::size_t points, std::size_t triangles) {
 
 }  // namespace
 
-CoveringProof verify_shell(const Pshell& shell, const Part& part) {
+certificate::CoveringProof verify_shell(const Pshell& shell, const part::Part& part) {
   const PshellView& view = shell.view();
   const auto& center_m = shell.header().center_m;
-  std::vector<Vec3> points;
+  std::vector<part::Vec3> points;
   points.reserve(view.point_count);
   for (std::uint64_t n = 0; n < view.point_count; ++n) {
     points.push_back({view.x[n], view.y[n], view.z[n]});
   }
   const double radius = shell.header().covering_radius_m;
-  Part centered = relative_to(part, {center_m[0], center_m[1], center_m[2]});
-  const CoveringProof proof =
-      prove_covering(centered, points, radius, most_holes(points.size(), part.triangles.size()));
+  part::Part centered = part::relative_to(part, {center_m[0], center_m[1], center_m[2]});
+  const certificate::CoveringProof proof = certificate::prove_covering(
+      centered, points, radius, most_holes(points.size(), part.triangles.size()));
   // A part of several bodies may be open only where one body hides another.
   if (proof.proven || proof.given_up || part.body_names.size() < 2 ||
-      !orient_outwards(centered, radius)) {
+      !normals::orient_outwards(centered, radius)) {
     return proof;
   }
-  const HiddenSurface hidden(centered);
-  return hidden.possible() ? continue_proof(centered, points, radius, proof, &hidden) : proof;
+  const certificate::HiddenSurface hidden(centered);
+  return hidden.possible() ? certificate::continue_proof(centered, points, radius, proof, &hidden)
+                           : proof;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::pointshell

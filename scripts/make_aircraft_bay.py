@@ -5,7 +5,7 @@ Usage: make_aircraft_bay.py FOLDER [--polygons N] [--voxel-size 5mm] [--seed N] 
 
 Seeded and deterministic. The scene has exactly N triangles (593,409 unless told otherwise, the
 count of the aircraft geometry of McNeely, Puterbaugh and Troy 1999) in 169 parts. --translation
-places it elsewhere, in metres. Writes FOLDER/aircraft_bay.json and FOLDER/PART.ply.
+places it elsewhere, in meters. Writes FOLDER/aircraft_bay.json and FOLDER/PART.ply.
 """
 
 import argparse
@@ -90,7 +90,7 @@ def write_scene(folder, parts, voxel_size, translation):
 def _vector(text):
     values = [float(c) for c in text.split(",")]
     if len(values) != 3:
-        raise argparse.ArgumentTypeError("give X,Y,Z in metres")
+        raise argparse.ArgumentTypeError("give X,Y,Z in meters")
     return values
 
 
@@ -102,7 +102,7 @@ def main():
                         help=f"triangles of the scene (default {POLYGONS})")
     parser.add_argument("--voxel-size", default="5mm", help="in the manifest (default 5mm)")
     parser.add_argument("--seed", type=int, default=1999)
-    parser.add_argument("--translation", type=_vector, metavar="X,Y,Z", help="in metres")
+    parser.add_argument("--translation", type=_vector, metavar="X,Y,Z", help="in meters")
     arguments = parser.parse_args()
     try:
         parts = scene(arguments.seed, arguments.polygons)

@@ -117,8 +117,8 @@ def plot_vector(axes, trace, names, unit, what):
     time_s = trace["t_s"]
     length = magnitudes(*(trace[name] for name in names))
     for name, axis in zip(names, "xyz"):
-        colour, dashes = AXIS_LOOKS[axis]
-        axes.plot(*thinned(time_s, trace[name]), dashes, color=colour, lw=0.9, label=axis)
+        color, dashes = AXIS_LOOKS[axis]
+        axes.plot(*thinned(time_s, trace[name]), dashes, color=color, lw=0.9, label=axis)
     axes.plot(*thinned(time_s, length), color="black", lw=1.2, label="magnitude")
     axes.set_ylabel(f"{what}\n({unit})")
     axes.set_title(f"greatest {max(length):.4g} {unit}", loc="right", fontsize=8)
@@ -139,11 +139,11 @@ def plot_depth(axes, trace):
 
 def plot_points(axes, trace):
     time_s = trace["t_s"]
-    for name, colour, dashes, label in (
+    for name, color, dashes, label in (
             ("points_proximity", "#e6ab02", ":", "proximity"),
             ("points_surface", "#56b4e9", "--", "force layer"),
             ("contacts", "black", "-", "contacts")):
-        axes.plot(*thinned(time_s, trace[name]), dashes, color=colour, lw=1.1, label=label)
+        axes.plot(*thinned(time_s, trace[name]), dashes, color=color, lw=1.1, label=label)
     inside = [t for t, n in zip(time_s, trace["points_interior"]) if n > 0]
     cuts = [t for t, n in zip(time_s, trace["guard_cuts"]) if n > 0]
     if inside:

@@ -14,7 +14,7 @@
 #include "voxelize/tree/tree_box.h"
 #include "voxelize/tree/tree_builder.h"
 
-namespace forcelayer {
+namespace forcelayer::voxelize {
 namespace {
 
 using Objects = std::span<const SceneObject>;
@@ -53,16 +53,17 @@ struct SceneRegion {
   std::vector<char> skipped;  // [objects] cannot touch the region
 };
 
-CodeScale scale_of(const BakeOptions& options) {
+distance::CodeScale scale_of(const BakeOptions& options) {
   const double layer = force_layer_voxels(options);
-  const double range = options.range_m > 0 ? options.range_m / options.voxel_size_m
-                                           : default_range_voxels(options.bits) + layer - 1;
-  return code_scale(options.layers, options.bits, range, layer);
+  const double range = options.range_m > 0
+                           ? options.range_m / options.voxel_size_m
+                           : distance::default_range_voxels(options.bits) + layer - 1;
+  return distance::code_scale(options.layers, options.bits, range, layer);
 }
 
 // How many voxels around the geometry may be anything but free.
 int reach_of(const BakeOptions& options) {
-  if (stores_distances(options)) return DistanceCodes::reach(scale_of(options));
+  if (stores_distances(options)) return distance::DistanceCodes::reach(scale_of(options));
   return static_cast<int>(options.layers) + (grows_surface(options) ? 2 : 1);
 }
 
@@ -72,14 +73,14 @@ Result<SceneRegion> choose_region(const std::vector<ObjectBake>& bakes,
                                  [](const ObjectBake& bake) { return bake.facts.triangles == 0; });
   if (empty) return Error{ErrorCode::kMeshEmpty, "", "", "the scene has no triangles", ""};
   SceneRegion result;
-  VoxelBox scene;
+  masks::VoxelBox scene;
   for (const ObjectBake& bake : bakes) scene.include(bake.facts.box);
   result.region = region_of(scene.grown(reach_of(options)), options.roi_m, options.voxel_size_m);
   const bool cropped = result.region.cropped_sides != 0;
-  const VoxelBox within_reach = result.region.box.grown(reach_of(options) + 1);
+  const masks::VoxelBox within_reach = result.region.box.grown(reach_of(options) + 1);
   bool any = false;
   for (const ObjectBake& bake : bakes) {
-    const VoxelBox& box = bake.facts.box;
+    const masks::VoxelBox& box = bake.facts.box;
     result.skipped.push_back(cropped && !box.overlaps(within_reach));
     if (result.skipped.back() || box.empty()) continue;
     any = true;
@@ -97,7 +98,7 @@ Result<SceneRegion> choose_region(const std::vector<ObjectBake>& bakes,
 
 // The union of the objects' voxels, counted from the directory's origin.
 struct SceneVoxels {
-  MaskTree geometry, interior;
+  masks::MaskTree geometry, interior;
 };
 
 // Bakes the objects side by side; each is united as soon as it is done.
@@ -111,8 +112,8 @@ Status unite_objects(Objects objects, const BakeOptions& options, const SceneReg
     if (!voxels) return voxels.error();
     const std::lock_guard lock(uniting);
     Stopwatch watch;
-    unite(scene.geometry, std::move(*voxels->geometry));
-    unite(scene.interior, std::move(*voxels->interior));
+    masks::unite(scene.geometry, std::move(*voxels->geometry));
+    masks::unite(scene.interior, std::move(*voxels->interior));
     bakes[i].seconds.unite = watch.lap_s();
     show_progress(options, "voxels",
                   0.7 * static_cast<double>(++done) / static_cast<double>(objects.size()));
@@ -121,9 +122,9 @@ Status unite_objects(Objects objects, const BakeOptions& options, const SceneReg
 }
 
 // The kept voxels, counted from the directory's origin.
-KeptBox kept_box(const SceneRegion& region) {
-  const VoxelBox& box = region.region.box;
-  Coord low, high;
+masks::KeptBox kept_box(const SceneRegion& region) {
+  const masks::VoxelBox& box = region.region.box;
+  masks::Coord low, high;
   for (std::size_t d = 0; d < 3; ++d) {
     low[static_cast<int>(d)] = static_cast<int>(box.low[d] - region.directory.origin[d]);
     high[static_cast<int>(d)] = static_cast<int>(box.high[d] - region.directory.origin[d]);
@@ -132,51 +133,52 @@ KeptBox kept_box(const SceneRegion& region) {
 }
 
 // Two bits: layers around the geometry. In a grown surface all but one layer are in it already.
-VoxelTree build_layers(const SceneVoxels& scene, const SceneRegion& region,
-                       const BakeOptions& options, ValueCounts& counts, Bake& bake) {
-  const KeptBox kept = kept_box(region);
-  const LayerOffset offset(scene.geometry, scene.interior,
-                           grows_surface(options) ? 1 : options.layers, kept);
+tree::VoxelTree build_layers(const SceneVoxels& scene, const SceneRegion& region,
+                             const BakeOptions& options, distance::ValueCounts& counts,
+                             Bake& bake) {
+  const masks::KeptBox kept = kept_box(region);
+  const distance::LayerOffset offset(scene.geometry, scene.interior,
+                                     grows_surface(options) ? 1 : options.layers, kept);
   if (options.cache == nullptr || options.scene_name.empty() || kept.cropped()) {
-    return build_tree(offset, region.directory.dims, nullptr, counts);
+    return tree::build_tree(offset, region.directory.dims, nullptr, counts);
   }
-  const NodeMemory memory(*options.cache, options.scene_name, options.voxel_size_m);
-  VoxelTree tree = build_tree(offset, region.directory.dims, &memory, counts);
+  const tree::NodeMemory memory(*options.cache, options.scene_name, options.voxel_size_m);
+  tree::VoxelTree tree = tree::build_tree(offset, region.directory.dims, &memory, counts);
   bake.nodes = memory.asked();
   bake.reused_nodes = memory.found();
   return tree;
 }
 
 // 4 and 8 bits: distances from the snapped meshes.
-VoxelTree build_distances(const SceneVoxels& scene, const SceneRegion& region,
-                          const std::vector<ObjectBake>& bakes, const BakeOptions& options,
-                          ValueCounts& counts) {
-  std::vector<const SnappedObject*> objects;
+tree::VoxelTree build_distances(const SceneVoxels& scene, const SceneRegion& region,
+                                const std::vector<ObjectBake>& bakes, const BakeOptions& options,
+                                distance::ValueCounts& counts) {
+  std::vector<const scan::SnappedObject*> objects;
   for (std::size_t i = 0; i < bakes.size(); ++i) {
     if (!region.skipped[i]) objects.push_back(&bakes[i].snapped);
   }
-  const KeptBox kept = kept_box(region);
-  const LayerOffset around(scene.geometry, scene.interior,
-                           static_cast<unsigned>(reach_of(options) - 1), kept);
-  const DistanceCodes distances(std::move(objects), region.directory.origin, scene.geometry,
-                                scene.interior, scale_of(options), kept);
-  return build_distance_tree(around, distances, region.directory.dims, counts);
+  const masks::KeptBox kept = kept_box(region);
+  const distance::LayerOffset around(scene.geometry, scene.interior,
+                                     static_cast<unsigned>(reach_of(options) - 1), kept);
+  const distance::DistanceCodes distances(std::move(objects), region.directory.origin,
+                                          scene.geometry, scene.interior, scale_of(options), kept);
+  return tree::build_distance_tree(around, distances, region.directory.dims, counts);
 }
 
 // The box of all voxels that are not free.
-VoxelBox tight_box_of(const VoxelTree& tree, const SceneRegion& region,
-                      const BakeOptions& options) {
+masks::VoxelBox tight_box_of(const tree::VoxelTree& tree, const SceneRegion& region,
+                             const BakeOptions& options) {
   // Where nothing is cropped, Chebyshev layers end where the region does.
   if (region.region.cropped_sides == 0 && options.metric == Metric::kChebyshev) {
     return region.region.box;
   }
   const std::uint32_t free_code = stores_distances(options) ? scale_of(options).free_code : 0;
-  return tight_box(tree, region.directory.dims, options.bits, free_code)
+  return tree::tight_box(tree, region.directory.dims, options.bits, free_code)
       .shifted(region.directory.origin);
 }
 
-VoxmapHeader header_of(const SceneRegion& region, const VoxelBox& tight, const ValueCounts& counts,
-                       const BakeOptions& options) {
+VoxmapHeader header_of(const SceneRegion& region, const masks::VoxelBox& tight,
+                       const distance::ValueCounts& counts, const BakeOptions& options) {
   VoxmapHeader header{};
   header.voxel_size_m = options.voxel_size_m;
   header.valid_min_voxel = region.region.box.low;
@@ -191,7 +193,7 @@ VoxmapHeader header_of(const SceneRegion& region, const VoxelBox& tight, const V
   header.metric = static_cast<std::uint32_t>(options.metric);
   header.bits_per_voxel = options.bits;
   if (stores_distances(options)) {
-    const CodeScale scale = scale_of(options);
+    const distance::CodeScale scale = scale_of(options);
     header.range_m = scale.range * options.voxel_size_m;
     header.quantum_m = scale.quantum * options.voxel_size_m;
     header.zero_code = scale.zero_code;
@@ -210,14 +212,14 @@ VoxmapHeader header_of(const SceneRegion& region, const VoxelBox& tight, const V
 // The tree of the scene and the header.
 void build_map(const SceneVoxels& scene, const SceneRegion& region,
                const std::vector<ObjectBake>& bakes, const BakeOptions& options, Bake& bake) {
-  ValueCounts counts;
-  VoxelBox tight;
+  distance::ValueCounts counts;
+  masks::VoxelBox tight;
   if (!region.directory.empty()) {
-    VoxelTree tree = stores_distances(options)
-                         ? build_distances(scene, region, bakes, options, counts)
-                         : build_layers(scene, region, options, counts, bake);
+    tree::VoxelTree tree = stores_distances(options)
+                               ? build_distances(scene, region, bakes, options, counts)
+                               : build_layers(scene, region, options, counts, bake);
     tight = tight_box_of(tree, region, options);
-    if (stores_distances(options)) name_codes(tree, scale_of(options));
+    if (stores_distances(options)) tree::name_codes(tree, scale_of(options));
     bake.directory = std::move(tree.directory);
     bake.upper_nodes = std::move(tree.upper_nodes);
     bake.lower_nodes = std::move(tree.lower_nodes);
@@ -233,7 +235,7 @@ void build_map(const SceneVoxels& scene, const SceneRegion& region,
 void add_reports(Objects objects, std::vector<ObjectBake>& bakes, const std::vector<char>& skipped,
                  Bake& bake) {
   for (std::size_t i = 0; i < objects.size(); ++i) {
-    const ObjectFacts& facts = bakes[i].facts;
+    const cache::ObjectFacts& facts = bakes[i].facts;
     bake.objects.push_back({objects[i].name, facts.triangles, facts.degenerate_triangles,
                             facts.geometry_voxels, facts.interior_voxels, facts.cavity_count,
                             std::move(bakes[i].cavities), bakes[i].from_cache, skipped[i] != 0});
@@ -292,7 +294,7 @@ Result<Bake> bake_objects(Objects objects, const BakeOptions& options) {
   bake.seconds.snap = watch.lap_s();
   bake.header.voxel_size_m = options.voxel_size_m;
 
-  VoxelBox scene;
+  masks::VoxelBox scene;
   for (const ObjectBake& object : *bakes) scene.include(object.facts.box);
   if (!scene.empty()) {
     const auto directory = fit_directory(scene, options.voxel_size_m);
@@ -339,4 +341,4 @@ Result<Bake> bake_shard(std::span<const SceneObject> objects, const BakeOptions&
   return run_on_threads(objects, options, bake_objects);
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::voxelize

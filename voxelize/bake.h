@@ -19,7 +19,7 @@
 #include "voxelize/fill/cavity.h"
 #include "voxelize/stopwatch.h"
 
-namespace forcelayer {
+namespace forcelayer::voxelize {
 
 struct ObjectReport {
   std::string name;
@@ -28,9 +28,9 @@ struct ObjectReport {
   std::uint64_t geometry_voxels = 0;       // |G|
   std::uint64_t interior_voxels = 0;       // |I|
   std::uint64_t cavity_count = 0;
-  std::vector<Cavity> cavities;  // the largest first, at most kMaxReportedCavities
-  bool from_cache = false;       // its voxels were found in the cache
-  bool skipped = false;          // it cannot touch the region of interest
+  std::vector<fill::Cavity> cavities;  // the largest first, at most kMaxReportedCavities
+  bool from_cache = false;             // its voxels were found in the cache
+  bool skipped = false;                // it cannot touch the region of interest
 };
 
 // A finished bake, which owns what VoxmapContent points to.
@@ -57,4 +57,4 @@ Result<Bake> bake(std::span<const SceneObject> objects, const BakeOptions& optio
 // has reports and seconds alone. No objects, or none with triangles, is no error.
 Result<Bake> bake_shard(std::span<const SceneObject> objects, const BakeOptions& options);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::voxelize

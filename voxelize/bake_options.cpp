@@ -6,7 +6,7 @@
 #include "voxelize/distance/code_scale.h"
 #include "voxelize/distance/euclidean_growth.h"
 
-namespace forcelayer {
+namespace forcelayer::voxelize {
 namespace {
 
 Error wrong(const char* what, std::string why, const char* mend) {
@@ -19,7 +19,8 @@ Status check_compliance_depth(const BakeOptions& options) {
   if (options.bits == 2) return wrong("compliance", "needs stored distances", "add --bits 8");
   if (Status checked = check_compliance(options.compliance); !checked) return checked;
   const double layer = force_layer_voxels(options);
-  if (!(layer + 1 <= kMostRangeVoxels && options.layers + layer <= kMaxBakedLayers + 1)) {
+  if (!(layer + 1 <= distance::kMostRangeVoxels &&
+        options.layers + layer <= distance::kMaxBakedLayers + 1)) {
     return wrong("compliance", "is too deep: layers and compliance take more than 31 voxels",
                  "use larger voxels");
   }
@@ -45,7 +46,7 @@ Status check_kind(const BakeOptions& options) {
   if (options.range_m == 0) return {};
   if (options.bits == 2) return wrong("range", "has no meaning at 2 bits", "leave it out");
   const double voxels = options.range_m / options.voxel_size_m;
-  if (!(voxels >= kLeastRangeVoxels && voxels <= kMostRangeVoxels)) {
+  if (!(voxels >= distance::kLeastRangeVoxels && voxels <= distance::kMostRangeVoxels)) {
     return wrong("range", "is not between 2 and 32 voxels", "");
   }
   return {};
@@ -57,8 +58,8 @@ Status check_options(const BakeOptions& options) {
   if (!(options.voxel_size_m >= kMinVoxelSizeM && options.voxel_size_m <= kMaxVoxelSizeM)) {
     return wrong("voxel size", "is not between 1e-9 and 1e6 meters", "");
   }
-  if (options.layers > kMaxBakedLayers) {
-    return wrong("layers", "are more than " + std::to_string(kMaxBakedLayers), "");
+  if (options.layers > distance::kMaxBakedLayers) {
+    return wrong("layers", "are more than " + std::to_string(distance::kMaxBakedLayers), "");
   }
   if (Status kind = check_kind(options); !kind) return kind;
   if (!(options.mesh_deviation_m >= 0 && std::isfinite(options.mesh_deviation_m))) {
@@ -72,4 +73,4 @@ double force_layer_voxels(const BakeOptions& options) {
   return std::max(1.0, options.compliance.back().depth_m / options.voxel_size_m);
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::voxelize

@@ -14,19 +14,21 @@
 #include "voxelize/cache/digest.h"
 #include "voxelize/compliance.h"
 
-namespace forcelayer {
-
+namespace forcelayer::cache {
 class CacheFolder;
+}
+
+namespace forcelayer::voxelize {
 
 // One static object in its final pose. The mesh is not owned.
 struct SceneObject {
   std::string name;
-  const Mesh* mesh = nullptr;       // null: read_mesh() gives it
-  Affine world_from_mesh;           // to meters, so it contains the mesh's unit
-  std::vector<Vec3d> free_seeds_m;  // world; they open this object alone
-  double deviation_m = 0;           // of the mesh from the truth (tessellation, quantization)
-  std::function<Result<const Mesh*>()> read_mesh = {};  // called by one thread at a time
-  std::optional<Digest> mesh_digest = {};               // of all of the mesh; needed for a cache
+  const mesh::Mesh* mesh = nullptr;       // null: read_mesh() gives it
+  mesh::Affine world_from_mesh;           // to meters, so it contains the mesh's unit
+  std::vector<mesh::Vec3d> free_seeds_m;  // world; they open this object alone
+  double deviation_m = 0;                 // of the mesh from the truth (tessellation, quantization)
+  std::function<Result<const mesh::Mesh*>()> read_mesh = {};  // called by one thread at a time
+  std::optional<cache::Digest> mesh_digest = {};  // of all of the mesh; needed for a cache
 };
 
 struct BakeOptions {
@@ -39,15 +41,15 @@ struct BakeOptions {
   // Force over depth (4, 8 bits). The zero force lies as far above the interior as the compliance
   // is deep, and at least a voxel. Empty: the model's own stiffness.
   Compliance compliance = {};
-  std::vector<Vec3d> free_seeds_m;  // world; they open every object that encloses them
-  double mesh_deviation_m = 0;      // declared deviation of all meshes from the truth
+  std::vector<mesh::Vec3d> free_seeds_m;  // world; they open every object that encloses them
+  double mesh_deviation_m = 0;            // declared deviation of all meshes from the truth
   // World box x0, y0, z0, x1, y1, z1. Only the voxels that it touches are kept.
   std::optional<std::array<double, 6>> roi_m = {};
-  bool find_cavities = false;          // ObjectReport::cavities
-  bool find_narrow_passages = false;   // Cavity::opens_at_half_size; bakes enclosing objects again
-  int threads = 0;                     // 0: as many as the machine has
-  const CacheFolder* cache = nullptr;  // where objects that did not change are found again
-  std::string scene_name = {};         // with a cache: bakes of this name reuse unchanged nodes
+  bool find_cavities = false;         // ObjectReport::cavities
+  bool find_narrow_passages = false;  // Cavity::opens_at_half_size; bakes enclosing objects again
+  int threads = 0;                    // 0: as many as the machine has
+  const cache::CacheFolder* cache = nullptr;  // where objects that did not change are found again
+  std::string scene_name = {};  // with a cache: bakes of this name reuse unchanged nodes
   std::function<void(const char* stage, double fraction_done)> progress;  // may be empty
 };
 
@@ -65,4 +67,4 @@ inline bool stores_distances(const BakeOptions& options) { return options.bits !
 // How deep the force layer of stored distances is, in voxels.
 double force_layer_voxels(const BakeOptions& options);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::voxelize

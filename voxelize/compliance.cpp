@@ -7,7 +7,7 @@
 #include "formats/command/quantity.h"
 #include "formats/voxmap_format.h"
 
-namespace forcelayer {
+namespace forcelayer::voxelize {
 namespace {
 
 constexpr double kRounding = 1e-12;    // tolerance of the last corner's depth
@@ -22,9 +22,9 @@ Result<CompliancePoint> parse_corner(std::string_view text) {
   if (colon == std::string_view::npos) {
     return wrong("'" + std::string(text) + "' is not DEPTH:FORCE", "write for example 2mm:0.5N");
   }
-  const auto depth = parse_length(text.substr(0, colon));
+  const auto depth = command::parse_length(text.substr(0, colon));
   if (!depth) return wrong(depth.error().what, depth.error().mend);
-  const auto force = parse_force_n(text.substr(colon + 1));
+  const auto force = command::parse_force_n(text.substr(colon + 1));
   if (!force) return wrong(force.error().what, force.error().mend);
   return CompliancePoint{*depth, *force};
 }
@@ -82,4 +82,4 @@ std::vector<float> compliance_table(std::span<const CompliancePoint> curve, doub
   return table;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::voxelize

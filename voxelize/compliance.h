@@ -8,7 +8,7 @@
 
 #include "formats/result.h"
 
-namespace forcelayer {
+namespace forcelayer::voxelize {
 
 // A corner of the curve, which runs straight from no force at no depth to the first corner, and
 // from corner to corner.
@@ -28,4 +28,4 @@ Status check_compliance(std::span<const CompliancePoint> curve);
 // Forces at depths of 0, 1, 2, ... times `step_m`, up to the first at or beyond the last corner.
 std::vector<float> compliance_table(std::span<const CompliancePoint> curve, double step_m);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::voxelize

@@ -6,7 +6,7 @@
 
 #include "formats/voxmap_format.h"
 
-namespace forcelayer {
+namespace forcelayer::voxelize {
 namespace {
 
 constexpr int kLog2Cell = 9;
@@ -25,7 +25,7 @@ bool fits(const std::array<double, 3>& extent_m, double voxel_size_m) {
 }
 
 // The least voxel size, in steps of a twentieth, at which the box fits.
-double fitting_voxel_size(const VoxelBox& box, double voxel_size_m) {
+double fitting_voxel_size(const masks::VoxelBox& box, double voxel_size_m) {
   std::array<double, 3> extent_m;
   for (std::size_t d = 0; d < 3; ++d) {
     extent_m[d] =
@@ -44,7 +44,7 @@ std::string text(const char* format, double a, double b = 0, double c = 0) {
 
 }  // namespace
 
-Result<Directory> fit_directory(const VoxelBox& box, double voxel_size_m) {
+Result<Directory> fit_directory(const masks::VoxelBox& box, double voxel_size_m) {
   Directory directory;
   std::array<double, 3> dims;
   double entries = 1;
@@ -69,4 +69,4 @@ Result<Directory> fit_directory(const VoxelBox& box, double voxel_size_m) {
   return directory;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::voxelize

@@ -7,11 +7,11 @@
 #include "formats/result.h"
 #include "voxelize/masks/voxel_box.h"
 
-namespace forcelayer {
+namespace forcelayer::voxelize {
 
 // The directory over a box of voxels: cells of 512^3 voxels.
 struct Directory {
-  VoxelIndex origin{};                  // lowest voxel, a multiple of 512
+  lattice::VoxelIndex origin{};         // lowest voxel, a multiple of 512
   std::array<std::uint32_t, 3> dims{};  // cells
 
   bool empty() const { return dims[0] == 0; }
@@ -19,6 +19,6 @@ struct Directory {
 
 // The directory over `box`, which is not empty. kBakeTooLarge, with the numbers and a voxel size
 // that would fit, where it would have more than 2^28 entries or 2^21 on an axis.
-Result<Directory> fit_directory(const VoxelBox& box, double voxel_size_m);
+Result<Directory> fit_directory(const masks::VoxelBox& box, double voxel_size_m);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::voxelize

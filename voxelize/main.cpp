@@ -21,7 +21,7 @@
 #include "voxelize/stopwatch.h"
 #include "voxelize/warnings.h"
 
-namespace forcelayer {
+namespace forcelayer::voxelize {
 namespace {
 
 // On the progress line: when reading ends and writing begins.
@@ -35,7 +35,7 @@ struct Arguments {
   std::optional<std::uint32_t> layers;
   std::string metric, range, compliance;
   std::uint32_t bits = 2;
-  TrustOptions trust;
+  mesh::TrustOptions trust;
   std::vector<std::string> free_seeds;
   int threads = 0;
   bool narrow_passages = false;
@@ -94,11 +94,11 @@ Error usage(const char* option, const Error& error) {
 }
 
 // The options of the command line, then those of the manifest.
-Result<BakeOptions> options_of(const Arguments& arguments, const Scene& scene) {
+Result<BakeOptions> options_of(const Arguments& arguments, const mesh::Scene& scene) {
   BakeOptions options;
   options.voxel_size_m = scene.voxel_size_m.value_or(0);
   if (!arguments.voxel_size.empty()) {
-    const auto size = parse_length(arguments.voxel_size);
+    const auto size = command::parse_length(arguments.voxel_size);
     if (!size) return usage("--voxel-size", size.error());
     options.voxel_size_m = *size;
   } else if (!scene.voxel_size_m) {
@@ -118,7 +118,7 @@ Result<BakeOptions> options_of(const Arguments& arguments, const Scene& scene) {
                  "use --layers 1 or more, or --metric chebyshev"};
   }
   if (!arguments.range.empty()) {
-    const auto range = parse_length(arguments.range);
+    const auto range = command::parse_length(arguments.range);
     if (!range) return usage("--range", range.error());
     if (!wide) {
       return Error{ErrorCode::kUsage, "", "--range", "has no meaning at 2 bits",
@@ -137,18 +137,18 @@ Result<BakeOptions> options_of(const Arguments& arguments, const Scene& scene) {
   }
   options.free_seeds_m = scene.free_seeds_m;
   for (const std::string& text : arguments.free_seeds) {
-    const auto point = parse_point(text);
+    const auto point = command::parse_point(text);
     if (!point) return usage("--free-seed", point.error());
     options.free_seeds_m.push_back(*point);
   }
   if (!arguments.mesh_deviation.empty()) {
-    const auto deviation = parse_length(arguments.mesh_deviation);
+    const auto deviation = command::parse_length(arguments.mesh_deviation);
     if (!deviation) return usage("--mesh-deviation", deviation.error());
     options.mesh_deviation_m = *deviation;
   }
   options.roi_m = scene.roi_m;
   if (!arguments.roi.empty()) {
-    const auto roi = parse_box(arguments.roi);
+    const auto roi = command::parse_box(arguments.roi);
     if (!roi) return usage("--roi", roi.error());
     options.roi_m = *roi;
   }
@@ -163,8 +163,8 @@ Result<BakeOptions> options_of(const Arguments& arguments, const Scene& scene) {
 }
 
 // "I/N", 1 to N.
-Result<SceneShard> shard_of(const Arguments& arguments) {
-  SceneShard shard;
+Result<mesh::SceneShard> shard_of(const Arguments& arguments) {
+  mesh::SceneShard shard;
   if (arguments.shard.empty()) return shard;
   const std::string_view text = arguments.shard;
   const auto slash = text.find('/');
@@ -203,15 +203,15 @@ Status check_early(const Arguments& arguments) {
   }
   if (const auto shard = shard_of(arguments); !shard) return shard.error();
   if (const auto reader = arguments.trust.reader(); !reader) return reader.error();
-  Scene unknown;
+  mesh::Scene unknown;
   unknown.voxel_size_m = 1;  // a manifest may give it
   const auto options = options_of(arguments, unknown);
   return options ? Status() : options.error();
 }
 
-std::vector<SceneObject> objects_of(const Scene& scene, MeshSource& meshes) {
+std::vector<SceneObject> objects_of(const mesh::Scene& scene, cache::MeshSource& meshes) {
   std::vector<SceneObject> objects;
-  for (const MeshObject& part : scene.objects) {
+  for (const mesh::MeshObject& part : scene.objects) {
     SceneObject& object = objects.emplace_back();
     object.name = part.name;
     object.world_from_mesh = part.world_from_mesh;
@@ -243,7 +243,7 @@ void print_narrow_passages(const Bake& bake) {
   const double size_m = bake.header.voxel_size_m;
   int found = 0;
   for (const ObjectReport& object : bake.objects) {
-    for (const Cavity& cavity : object.cavities) {
+    for (const fill::Cavity& cavity : object.cavities) {
       if (!cavity.opens_at_half_size || ++found > kMostLines) continue;
       const auto& [i, j, k] = cavity.seed_voxel;
       const auto center_m = [&](std::int64_t n) { return (static_cast<double>(n) + 0.5) * size_m; };
@@ -259,7 +259,7 @@ void print_narrow_passages(const Bake& bake) {
 }
 
 // The plan reads the meshes and does not use the cache.
-Status print_plan(const Arguments& arguments, const Scene& scene, MeshSource& meshes,
+Status print_plan(const Arguments& arguments, const mesh::Scene& scene, cache::MeshSource& meshes,
                   BakeOptions options) {
   options.cache = nullptr;
   std::vector<SceneObject> objects = objects_of(scene, meshes);
@@ -272,7 +272,7 @@ Status print_plan(const Arguments& arguments, const Scene& scene, MeshSource& me
   if (!plan) return plan.error();
   if (!arguments.quiet) std::fputs(table_of(*plan).c_str(), stdout);
   if (arguments.json_path.empty()) return {};
-  return write_report(arguments.json_path, report_of(*plan));
+  return command::write_report(arguments.json_path, report_of(*plan));
 }
 
 void print_shard(const Arguments& arguments, const Bake& bake) {
@@ -283,16 +283,17 @@ void print_shard(const Arguments& arguments, const Bake& bake) {
               static_cast<std::size_t>(found), arguments.cache.c_str());
 }
 
-Result<Scene> read_inputs(const Arguments& arguments, MeshSource& meshes, ProgressLine& progress) {
+Result<mesh::Scene> read_inputs(const Arguments& arguments, cache::MeshSource& meshes,
+                                command::ProgressLine& progress) {
   std::optional<double> unit;
   if (!arguments.units.empty()) {
-    const auto parsed = parse_unit(arguments.units);
+    const auto parsed = command::parse_unit(arguments.units);
     if (!parsed) return usage("--units", parsed.error());
     unit = *parsed;
   }
-  SceneReading reading;
+  mesh::SceneReading reading;
   if (!arguments.voxel_size.empty()) {
-    const auto size = parse_length(arguments.voxel_size);
+    const auto size = command::parse_length(arguments.voxel_size);
     if (!size) return usage("--voxel-size", size.error());
     reading.voxel_size_m = *size;
   }
@@ -300,16 +301,16 @@ Result<Scene> read_inputs(const Arguments& arguments, MeshSource& meshes, Progre
   if (!shard) return shard.error();
   reading.shard = *shard;
   reading.allow_outside = arguments.trust.allow_outside;
-  reading.read = [&](const std::string& path, const ReadOptions& options) {
+  reading.read = [&](const std::string& path, const mesh::ReadOptions& options) {
     return meshes.read(path, options);
   };
   reading.progress = [&](double done) { progress.show("reading", kReadingDone * done); };
-  return read_scene(arguments.inputs, unit, reading);
+  return mesh::read_scene(arguments.inputs, unit, reading);
 }
 
-Result<std::vector<MeshFacts>> facts_of(const Scene& scene, MeshSource& meshes) {
-  std::vector<MeshFacts> all;
-  for (const MeshObject& part : scene.objects) {
+Result<std::vector<mesh::MeshFacts>> facts_of(const mesh::Scene& scene, cache::MeshSource& meshes) {
+  std::vector<mesh::MeshFacts> all;
+  for (const mesh::MeshObject& part : scene.objects) {
     const auto facts = meshes.facts(part);
     if (!facts) return facts.error();
     all.push_back(*facts);
@@ -317,8 +318,8 @@ Result<std::vector<MeshFacts>> facts_of(const Scene& scene, MeshSource& meshes) 
   return all;
 }
 
-void print_warnings(const Scene& scene, const MeshSource& meshes, const BakeOptions& options,
-                    const CacheFolder* cache) {
+void print_warnings(const mesh::Scene& scene, const cache::MeshSource& meshes,
+                    const BakeOptions& options, const cache::CacheFolder* cache) {
   std::vector<std::string> warnings = all_warnings(scene, meshes.outlines(scene), options);
   if (cache != nullptr && cache->trouble()) {
     warnings.push_back("nothing was kept in the cache " + *cache->trouble());
@@ -332,15 +333,15 @@ Status voxelize(const Arguments& arguments) {
   if (Status checked = check_early(arguments); !checked) return checked;
   Stopwatch clock;
   BakeFacts run;
-  ProgressLine progress(arguments.quiet);
+  command::ProgressLine progress(arguments.quiet);
   progress.show("reading", 0);
-  std::optional<CacheFolder> cache;
+  std::optional<cache::CacheFolder> cache;
   if (!arguments.cache.empty()) {
-    auto folder = CacheFolder::open(arguments.cache);
+    auto folder = cache::CacheFolder::open(arguments.cache);
     if (!folder) return folder.error();
     cache.emplace(std::move(*folder));
   }
-  MeshSource meshes(cache ? &*cache : nullptr, *arguments.trust.reader());
+  cache::MeshSource meshes(cache ? &*cache : nullptr, *arguments.trust.reader());
   const auto scene = read_inputs(arguments, meshes, progress);
   if (!scene) return scene.error();
   auto options = options_of(arguments, *scene);
@@ -358,7 +359,8 @@ Status voxelize(const Arguments& arguments) {
   };
   const std::vector<SceneObject> objects = objects_of(*scene, meshes);
   const bool is_shard = !arguments.shard.empty();
-  const auto bake = is_shard ? bake_shard(objects, *options) : forcelayer::bake(objects, *options);
+  const auto bake =
+      is_shard ? bake_shard(objects, *options) : forcelayer::voxelize::bake(objects, *options);
   if (!bake) return bake.error();
   clock.lap_s();
 
@@ -381,7 +383,7 @@ Status voxelize(const Arguments& arguments) {
   if (arguments.json_path.empty()) return {};
   const auto facts = facts_of(*scene, meshes);
   if (!facts) return facts.error();
-  return write_report(arguments.json_path, report_of(*bake, *facts, run));
+  return command::write_report(arguments.json_path, report_of(*bake, *facts, run));
 }
 
 int run(int argc, char** argv) {
@@ -389,15 +391,15 @@ int run(int argc, char** argv) {
   Arguments arguments;
   declare(app, arguments);
   int exit_code = 0;
-  if (!parse_arguments(app, argc, argv, exit_code)) return exit_code;
-  return run_command("voxelize", [&] { return voxelize(arguments); });
+  if (!command::parse_arguments(app, argc, argv, exit_code)) return exit_code;
+  return command::run_command("voxelize", [&] { return voxelize(arguments); });
 }
 
 }  // namespace
-}  // namespace forcelayer
+}  // namespace forcelayer::voxelize
 
 int main(int argc, char** argv) {
-  if (const auto status = forcelayer::run_as_sandbox(argc, argv)) return *status;
-  forcelayer::exit_cleanly_on_signals();
-  return forcelayer::run(argc, argv);
+  if (const auto status = forcelayer::mesh::run_as_sandbox(argc, argv)) return *status;
+  forcelayer::command::exit_cleanly_on_signals();
+  return forcelayer::voxelize::run(argc, argv);
 }

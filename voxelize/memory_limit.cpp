@@ -9,14 +9,14 @@
 
 #include "voxelize/masks/mask_tree.h"
 
-namespace forcelayer {
+namespace forcelayer::voxelize {
 namespace {
 
 // A brick of 512 bits with its place in the tree takes 96 bytes, and holds 64 voxels of a plane.
 constexpr double kBrickBytes = 96;
 constexpr double kBytesPerVoxelOfAPlane = kBrickBytes / 64;
 // Along a line a brick holds 8 voxels, and a node of the tree, with room for 512 bricks, 64.
-constexpr double kBytesPerVoxelOfALine = kBrickBytes / 8 + sizeof(LowerMaskNode) / 64.0;
+constexpr double kBytesPerVoxelOfALine = kBrickBytes / 8 + sizeof(masks::LowerMaskNode) / 64.0;
 
 // A lower bound of the voxels that a triangle touches: the area of its largest projection along an
 // axis, and its length along an axis.
@@ -34,8 +34,8 @@ struct Extent {
   }
 };
 
-Extent extent_of(const LatticeTriangle& triangle) {
-  constexpr double kVoxelUnits = 1 << kSnapBits;
+Extent extent_of(const lattice::LatticeTriangle& triangle) {
+  constexpr double kVoxelUnits = 1 << lattice::kSnapBits;
   Extent extent;
   double edges[2][3];
   for (std::size_t d = 0; d < 3; ++d) {
@@ -53,7 +53,7 @@ Extent extent_of(const LatticeTriangle& triangle) {
 }
 
 // No triangle in the box can be larger.
-Extent largest_extent(const VoxelBox& box) {
+Extent largest_extent(const masks::VoxelBox& box) {
   std::array<double, 3> edges;
   for (std::size_t d = 0; d < 3; ++d) edges[d] = static_cast<double>(box.high[d] - box.low[d] + 1);
   std::sort(edges.begin(), edges.end());
@@ -74,7 +74,7 @@ double available_bytes() {
   return bytes;
 }
 
-Status fit_memory(const SnappedObject& object, const std::string& name, double voxel_size_m,
+Status fit_memory(const scan::SnappedObject& object, const std::string& name, double voxel_size_m,
                   double available) {
   if (object.box.empty() || largest_extent(object.box).bytes() <= available) return {};
   Extent most;
@@ -98,4 +98,4 @@ Status fit_memory(const SnappedObject& object, const std::string& name, double v
                what, mend};
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::voxelize

@@ -6,7 +6,7 @@
 #include "formats/result.h"
 #include "voxelize/scan/snap.h"
 
-namespace forcelayer {
+namespace forcelayer::voxelize {
 
 // Bytes that this process can have at all: memory and swap, or less by its own limit.
 double available_bytes();
@@ -15,7 +15,7 @@ double available_bytes();
 // the largest triangle alone take more than `available` bytes. It catches a stray vertex, which
 // makes slivers that are millions of voxels long. The limit is a lower bound: a scene that passes
 // it may still be too large.
-Status fit_memory(const SnappedObject& object, const std::string& name, double voxel_size_m,
+Status fit_memory(const scan::SnappedObject& object, const std::string& name, double voxel_size_m,
                   double available);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::voxelize

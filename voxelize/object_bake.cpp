@@ -10,33 +10,34 @@
 #include "voxelize/memory_limit.h"
 #include "voxelize/scan/scan_conversion.h"
 
-namespace forcelayer {
+namespace forcelayer::voxelize {
 namespace {
 
 // The digest of everything that an object's voxels depend on; nothing where the object does not say
 // what its mesh is. The scene, its region of interest and its layers (unless they grow the surface)
 // are not in it.
-std::optional<Digest> object_key(const SceneObject& object, const BakeOptions& options) {
+std::optional<cache::Digest> object_key(const SceneObject& object, const BakeOptions& options) {
   if (!object.mesh_digest) return std::nullopt;
-  DigestBuilder digest;
-  digest.text("part").value(kObjectCacheVersion).value(*object.mesh_digest);
+  cache::DigestBuilder digest;
+  digest.text("part").value(cache::kObjectCacheVersion).value(*object.mesh_digest);
   for (const double x : object.world_from_mesh.linear) digest.value(x);
   for (const double x : object.world_from_mesh.translation) digest.value(x);
   digest.value(options.voxel_size_m);
   digest.bytes(std::as_bytes(std::span(options.free_seeds_m)));
   digest.bytes(std::as_bytes(std::span(object.free_seeds_m)));
   if (grows_surface(options)) {
-    digest.value(interior_radius_units(options.layers)).value(kGrowthCacheVersion);
+    digest.value(distance::interior_radius_units(options.layers)).value(cache::kGrowthCacheVersion);
   }
   return digest.finish();
 }
 
-bool knows_enough(const ObjectFacts& facts, const BakeOptions& options) {
-  return (!options.find_cavities || (facts.knows & ObjectFacts::kCavities) != 0) &&
-         (!options.find_narrow_passages || (facts.knows & ObjectFacts::kNarrowPassages) != 0);
+bool knows_enough(const cache::ObjectFacts& facts, const BakeOptions& options) {
+  return (!options.find_cavities || (facts.knows & cache::ObjectFacts::kCavities) != 0) &&
+         (!options.find_narrow_passages ||
+          (facts.knows & cache::ObjectFacts::kNarrowPassages) != 0);
 }
 
-Result<const Mesh*> mesh_of(const SceneObject& object, std::mutex& reading) {
+Result<const mesh::Mesh*> mesh_of(const SceneObject& object, std::mutex& reading) {
   if (object.mesh != nullptr) return object.mesh;
   const std::lock_guard lock(reading);
   return object.read_mesh();
@@ -46,23 +47,24 @@ Status snap(const SceneObject& object, const BakeOptions& options, std::mutex& r
             ObjectBake& bake) {
   const auto mesh = mesh_of(object, reading);
   if (!mesh) return mesh.error();
-  auto snapped = snap_object(**mesh, object.world_from_mesh, options.voxel_size_m, object.name);
+  auto snapped =
+      scan::snap_object(**mesh, object.world_from_mesh, options.voxel_size_m, object.name);
   if (!snapped) return snapped.error();
   bake.mesh = *mesh;
   bake.snapped = std::move(*snapped);
   return {};
 }
 
-ObjectFacts facts_of(const SnappedObject& snapped) {
-  ObjectFacts facts;
+cache::ObjectFacts facts_of(const scan::SnappedObject& snapped) {
+  cache::ObjectFacts facts;
   facts.triangles = snapped.triangles.size();
-  facts.degenerate_triangles = degenerate_triangles(snapped);
+  facts.degenerate_triangles = scan::degenerate_triangles(snapped);
   facts.box = snapped.box;
   facts.snap_error_m = snapped.snap_error_m;
   return facts;
 }
 
-Error seed_in_surface(const Vec3d& seed_m, const std::string& object) {
+Error seed_in_surface(const mesh::Vec3d& seed_m, const std::string& object) {
   char where[120];
   std::snprintf(where, sizeof where, "free seed %g,%g,%g", seed_m[0], seed_m[1], seed_m[2]);
   return {ErrorCode::kSceneInvalid, "", where,
@@ -72,13 +74,14 @@ Error seed_in_surface(const Vec3d& seed_m, const std::string& object) {
 
 // The free seeds in an object's box (outside it everything is free), as voxels counted from
 // `origin`. An error (kSceneInvalid) where one lies in `geometry`.
-Result<std::vector<Coord>> seed_voxels(const SceneObject& object, const BakeOptions& options,
-                                       const VoxelBox& box, const MaskTree& geometry,
-                                       const VoxelIndex& origin) {
-  std::vector<Coord> voxels;
+Result<std::vector<masks::Coord>> seed_voxels(const SceneObject& object, const BakeOptions& options,
+                                              const masks::VoxelBox& box,
+                                              const masks::MaskTree& geometry,
+                                              const lattice::VoxelIndex& origin) {
+  std::vector<masks::Coord> voxels;
   for (const auto* seeds_m : {&options.free_seeds_m, &object.free_seeds_m}) {
-    for (const Vec3d& seed_m : *seeds_m) {
-      Coord voxel;
+    for (const mesh::Vec3d& seed_m : *seeds_m) {
+      masks::Coord voxel;
       bool inside = true;
       for (std::size_t d = 0; d < 3 && inside; ++d) {
         const double at = std::floor(seed_m[d] / options.voxel_size_m);
@@ -96,14 +99,15 @@ Result<std::vector<Coord>> seed_voxels(const SceneObject& object, const BakeOpti
 }
 
 // The largest of an interior's pieces; `count` becomes the number of all.
-std::vector<Cavity> cavities_of(const MaskTree& interior, const VoxelIndex& scene_origin,
-                                std::uint64_t& count) {
-  std::vector<Cavity> cavities;
-  const std::vector<InteriorPiece> pieces = interior_pieces(interior);
+std::vector<fill::Cavity> cavities_of(const masks::MaskTree& interior,
+                                      const lattice::VoxelIndex& scene_origin,
+                                      std::uint64_t& count) {
+  std::vector<fill::Cavity> cavities;
+  const std::vector<fill::InteriorPiece> pieces = fill::interior_pieces(interior);
   count = pieces.size();
-  for (const InteriorPiece& piece : pieces) {
-    if (cavities.size() == kMaxReportedCavities) break;
-    Cavity& cavity = cavities.emplace_back();
+  for (const fill::InteriorPiece& piece : pieces) {
+    if (cavities.size() == fill::kMaxReportedCavities) break;
+    fill::Cavity& cavity = cavities.emplace_back();
     cavity.voxels = piece.voxels;
     for (std::size_t d = 0; d < 3; ++d) {
       cavity.seed_voxel[d] = piece.seed[static_cast<int>(d)] + scene_origin[d];
@@ -114,21 +118,22 @@ std::vector<Cavity> cavities_of(const MaskTree& interior, const VoxelIndex& scen
 
 // Sets Cavity::opens_at_half_size: floods the object again at half the voxel size. A piece of the
 // interior touches no surface, so the flood reaches all of it or none.
-void find_narrow_passages(const SceneObject& object, const BakeOptions& options, const Mesh& mesh,
-                          std::vector<Cavity>& cavities) {
+void find_narrow_passages(const SceneObject& object, const BakeOptions& options,
+                          const mesh::Mesh& mesh, std::vector<fill::Cavity>& cavities) {
   if (cavities.empty()) return;
   BakeOptions halved = options;
   halved.voxel_size_m /= 2;
-  const auto snapped = snap_object(mesh, object.world_from_mesh, halved.voxel_size_m, object.name);
+  const auto snapped =
+      scan::snap_object(mesh, object.world_from_mesh, halved.voxel_size_m, object.name);
   if (!snapped) return;
   const auto directory = fit_directory(snapped->box, halved.voxel_size_m);
   if (!directory) return;
-  const auto geometry = scan_convert(*snapped, directory->origin);
+  const auto geometry = scan::scan_convert(*snapped, directory->origin);
   const auto seeds = seed_voxels(object, halved, snapped->box, *geometry, directory->origin);
   if (!seeds) return;
-  const auto interior = flood_interior(*geometry, *seeds);
-  for (Cavity& cavity : cavities) {
-    Coord voxel;  // at the middle of the cavity's seed voxel
+  const auto interior = fill::flood_interior(*geometry, *seeds);
+  for (fill::Cavity& cavity : cavities) {
+    masks::Coord voxel;  // at the middle of the cavity's seed voxel
     for (std::size_t d = 0; d < 3; ++d) {
       voxel[static_cast<int>(d)] =
           static_cast<int>(2 * cavity.seed_voxel[d] + 1 - directory->origin[d]);
@@ -142,7 +147,7 @@ void find_narrow_passages(const SceneObject& object, const BakeOptions& options,
 void find_in_cache(const SceneObject& object, const BakeOptions& options, ObjectBake& bake) {
   if (options.cache == nullptr) return;
   bake.key = object_key(object, options);
-  if (bake.key) bake.cached = CachedObject::find(*options.cache, *bake.key);
+  if (bake.key) bake.cached = cache::CachedObject::find(*options.cache, *bake.key);
   if (bake.cached && !knows_enough(bake.cached->facts(), options)) bake.cached.reset();
   if (!bake.cached) return;
   bake.facts = bake.cached->facts();
@@ -157,9 +162,9 @@ Status snap_unless_cached(const SceneObject& object, const BakeOptions& options,
   return {};
 }
 
-Result<ObjectVoxels> object_voxels(const SceneObject& object, const BakeOptions& options,
-                                   const VoxelIndex& scene_origin, std::mutex& reading,
-                                   ObjectBake& bake) {
+Result<cache::ObjectVoxels> object_voxels(const SceneObject& object, const BakeOptions& options,
+                                          const lattice::VoxelIndex& scene_origin,
+                                          std::mutex& reading, ObjectBake& bake) {
   if (!bake.cached) return bake_voxels(object, options, scene_origin, bake);
   Stopwatch watch;
   auto voxels = bake.cached->voxels(scene_origin);
@@ -177,41 +182,41 @@ Result<ObjectVoxels> object_voxels(const SceneObject& object, const BakeOptions&
   return std::move(*voxels);
 }
 
-Result<ObjectVoxels> bake_voxels(const SceneObject& object, const BakeOptions& options,
-                                 const VoxelIndex& scene_origin, ObjectBake& bake) {
+Result<cache::ObjectVoxels> bake_voxels(const SceneObject& object, const BakeOptions& options,
+                                        const lattice::VoxelIndex& scene_origin, ObjectBake& bake) {
   const Status fits =
       fit_memory(bake.snapped, object.name, options.voxel_size_m, available_bytes());
   if (!fits) return fits.error();
   Stopwatch watch;
-  ObjectVoxels voxels;
-  voxels.geometry = scan_convert(bake.snapped, scene_origin);
+  cache::ObjectVoxels voxels;
+  voxels.geometry = scan::scan_convert(bake.snapped, scene_origin);
   bake.seconds.scan = watch.lap_s();
   const auto seeds = seed_voxels(object, options, bake.facts.box, *voxels.geometry, scene_origin);
   if (!seeds) return seeds.error();
-  voxels.interior = flood_interior(*voxels.geometry, *seeds);
-  bake.facts.geometry_voxels = voxel_count(*voxels.geometry);
-  bake.facts.interior_voxels = voxel_count(*voxels.interior);
+  voxels.interior = fill::flood_interior(*voxels.geometry, *seeds);
+  bake.facts.geometry_voxels = masks::voxel_count(*voxels.geometry);
+  bake.facts.interior_voxels = masks::voxel_count(*voxels.interior);
   bake.seconds.flood = watch.lap_s();
   if (grows_surface(options)) {
-    voxels.geometry = grow_surface(bake.snapped, *voxels.interior, static_cast<int>(options.layers),
-                                   scene_origin);
+    voxels.geometry = distance::grow_surface(bake.snapped, *voxels.interior,
+                                             static_cast<int>(options.layers), scene_origin);
   }
   bake.seconds.near = watch.lap_s();
   if (!stores_distances(options)) bake.snapped = {};
   if (options.find_cavities || options.find_narrow_passages) {
     bake.cavities = cavities_of(*voxels.interior, scene_origin, bake.facts.cavity_count);
-    bake.facts.knows |= ObjectFacts::kCavities;
+    bake.facts.knows |= cache::ObjectFacts::kCavities;
   }
   if (options.find_narrow_passages) {
     find_narrow_passages(object, options, *bake.mesh, bake.cavities);
-    bake.facts.knows |= ObjectFacts::kNarrowPassages;
+    bake.facts.knows |= cache::ObjectFacts::kNarrowPassages;
   }
   bake.seconds.cavities = watch.lap_s();
   if (bake.key) {
-    keep_object(*options.cache, *bake.key, bake.facts, bake.cavities, voxels, scene_origin);
+    cache::keep_object(*options.cache, *bake.key, bake.facts, bake.cavities, voxels, scene_origin);
   }
   bake.seconds.cache += watch.lap_s();
   return voxels;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::voxelize

@@ -9,17 +9,17 @@
 #include "voxelize/scan/snap.h"
 #include "voxelize/stopwatch.h"
 
-namespace forcelayer {
+namespace forcelayer::voxelize {
 
 // An object on its way into the scene.
 struct ObjectBake {
-  ObjectFacts facts;
-  std::vector<Cavity> cavities;
-  std::optional<Digest> key;           // its name in the cache
-  std::optional<CachedObject> cached;  // found there; its voxels are not read yet
-  const Mesh* mesh = nullptr;          // not for a cached object, ...
-  SnappedObject snapped;               // ... unless distances are stored
-  bool from_cache = false;             // its voxels are the cache's
+  cache::ObjectFacts facts;
+  std::vector<fill::Cavity> cavities;
+  std::optional<cache::Digest> key;           // its name in the cache
+  std::optional<cache::CachedObject> cached;  // found there; its voxels are not read yet
+  const mesh::Mesh* mesh = nullptr;           // not for a cached object, ...
+  scan::SnappedObject snapped;                // ... unless distances are stored
+  bool from_cache = false;                    // its voxels are the cache's
   StageSeconds seconds;
 };
 
@@ -31,12 +31,12 @@ Status snap_unless_cached(const SceneObject& object, const BakeOptions& options,
                           std::mutex& reading, ObjectBake& bake);
 
 // The object's voxels, counted from `scene_origin`: from the cache, else by bake_voxels().
-Result<ObjectVoxels> object_voxels(const SceneObject& object, const BakeOptions& options,
-                                   const VoxelIndex& scene_origin, std::mutex& reading,
-                                   ObjectBake& bake);
+Result<cache::ObjectVoxels> object_voxels(const SceneObject& object, const BakeOptions& options,
+                                          const lattice::VoxelIndex& scene_origin,
+                                          std::mutex& reading, ObjectBake& bake);
 
 // The voxels of a snapped object. Completes its facts, and keeps both in the cache.
-Result<ObjectVoxels> bake_voxels(const SceneObject& object, const BakeOptions& options,
-                                 const VoxelIndex& scene_origin, ObjectBake& bake);
+Result<cache::ObjectVoxels> bake_voxels(const SceneObject& object, const BakeOptions& options,
+                                        const lattice::VoxelIndex& scene_origin, ObjectBake& bake);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::voxelize

@@ -11,7 +11,7 @@
 #include "voxelize/distance/euclidean_growth.h"
 #include "voxelize/stopwatch.h"
 
-namespace forcelayer {
+namespace forcelayer::voxelize {
 namespace {
 
 // Voxels across the scene in the finer of the two bakes. It takes a fraction of a second, and
@@ -25,15 +25,15 @@ constexpr double kShellPointsPerVoxelFace = 0.59;
 
 struct Probe {
   double voxel_size_m = 0, file_bytes = 0, bake_s = 0;
-  VoxelBox box;  // of the voxels that are not free
+  masks::VoxelBox box;  // of the voxels that are not free
 };
 
 double longest_side_m(std::span<const SceneObject> objects) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  Vec3d low{kInfinity, kInfinity, kInfinity}, high{-kInfinity, -kInfinity, -kInfinity};
+  mesh::Vec3d low{kInfinity, kInfinity, kInfinity}, high{-kInfinity, -kInfinity, -kInfinity};
   for (const SceneObject& object : objects) {
-    for (const Vec3d& vertex : object.mesh->vertices) {
-      const Vec3d world = apply(object.world_from_mesh, vertex);
+    for (const mesh::Vec3d& vertex : object.mesh->vertices) {
+      const mesh::Vec3d world = mesh::apply(object.world_from_mesh, vertex);
       for (std::size_t d = 0; d < 3; ++d) {
         low[d] = std::min(low[d], world[d]);
         high[d] = std::max(high[d], world[d]);
@@ -93,7 +93,7 @@ struct Curve {
 // Whether the format's directory could hold the probe's box at another voxel size.
 bool fits(const Probe& coarse, double voxel_size_m) {
   const double ratio = coarse.voxel_size_m / voxel_size_m;
-  VoxelBox box;
+  masks::VoxelBox box;
   for (std::size_t d = 0; d < 3; ++d) {
     box.low[d] = std::llround(std::floor(static_cast<double>(coarse.box.low[d]) * ratio));
     box.high[d] = std::llround(std::ceil(static_cast<double>(coarse.box.high[d] + 1) * ratio));
@@ -103,14 +103,15 @@ bool fits(const Probe& coarse, double voxel_size_m) {
 
 // Where the interior of two-bit Euclidean layers ends.
 double interior_radius_voxels(const BakeOptions& options) {
-  return static_cast<double>(interior_radius_units(options.layers)) /
-         static_cast<double>(kSnapUnits);
+  return static_cast<double>(distance::interior_radius_units(options.layers)) /
+         static_cast<double>(lattice::kSnapUnits);
 }
 
 // Where the force begins; with Chebyshev layers along an axis, where it begins lowest.
 double standoff_voxels(const BakeOptions& options) {
   if (options.bits != 2) {
-    return code_scale(options.layers, options.bits, 4).zero + force_layer_voxels(options) - 1;
+    return distance::code_scale(options.layers, options.bits, 4).zero +
+           force_layer_voxels(options) - 1;
   }
   if (!grows_surface(options)) return options.layers;
   return interior_radius_voxels(options) + std::sqrt(3.0) / 2;
@@ -190,4 +191,4 @@ nlohmann::ordered_json report_of(const Plan& plan) {
   return {{"plan", sizes}, {"probe_sizes_m", plan.probe_sizes_m}};
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::voxelize

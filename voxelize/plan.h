@@ -13,7 +13,7 @@
 
 #include "voxelize/bake.h"
 
-namespace forcelayer {
+namespace forcelayer::voxelize {
 
 struct PlannedSize {
   double voxel_size_m = 0;
@@ -44,4 +44,4 @@ Result<Plan> plan_bakes(std::span<const SceneObject> objects, const BakeOptions&
 std::string table_of(const Plan& plan);
 nlohmann::ordered_json report_of(const Plan& plan);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::voxelize

@@ -4,31 +4,32 @@
 
 #include "formats/command/command.h"
 
-namespace forcelayer {
+namespace forcelayer::voxelize {
 namespace {
 
 // Hash of a mesh in its pose: vertices, triangles and transform.
-std::string content_hash(const MeshOutline& mesh, const Affine& world_from_mesh) {
-  const Digest pieces[] = {mesh.vertices, mesh.triangles,
-                           digest_of(std::as_bytes(std::span(world_from_mesh.linear))),
-                           digest_of(std::as_bytes(std::span(world_from_mesh.translation)))};
-  return digest_of(std::as_bytes(std::span(pieces))).hex();
+std::string content_hash(const cache::MeshOutline& mesh, const mesh::Affine& world_from_mesh) {
+  const cache::Digest pieces[] = {
+      mesh.vertices, mesh.triangles,
+      cache::digest_of(std::as_bytes(std::span(world_from_mesh.linear))),
+      cache::digest_of(std::as_bytes(std::span(world_from_mesh.translation)))};
+  return cache::digest_of(std::as_bytes(std::span(pieces))).hex();
 }
 
 }  // namespace
 
-std::string provenance_of(const Scene& scene, std::span<const MeshOutline> meshes,
+std::string provenance_of(const mesh::Scene& scene, std::span<const cache::MeshOutline> meshes,
                           const BakeOptions& options) {
   using Json = nlohmann::ordered_json;
   Json parts = Json::array();
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
-    const MeshObject& part = scene.objects[i];
+    const mesh::MeshObject& part = scene.objects[i];
     parts.push_back({{"name", part.name},
                      {"xxh128", content_hash(meshes[i], part.world_from_mesh)},
                      {"free_seeds_m", part.free_seeds_m},
                      {"mesh_deviation_m", part.deviation_m}});
   }
-  Json json = {{"tool", std::string("voxelize ") + kVersion},
+  Json json = {{"tool", std::string("voxelize ") + command::kVersion},
                {"voxel_size_m", options.voxel_size_m},
                {"layers", options.layers},
                {"free_seeds_m", options.free_seeds_m},
@@ -44,4 +45,4 @@ std::string provenance_of(const Scene& scene, std::span<const MeshOutline> meshe
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::voxelize

@@ -8,11 +8,11 @@
 #include "voxelize/bake.h"
 #include "voxelize/cache/mesh_source.h"
 
-namespace forcelayer {
+namespace forcelayer::voxelize {
 
 // The text depends on meshes, poses, object names and options, not on file names or threads.
 // `meshes` are those of the objects.
-std::string provenance_of(const Scene& scene, std::span<const MeshOutline> meshes,
+std::string provenance_of(const mesh::Scene& scene, std::span<const cache::MeshOutline> meshes,
                           const BakeOptions& options);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::voxelize

@@ -5,7 +5,7 @@
 
 #include "formats/voxmap_format.h"
 
-namespace forcelayer {
+namespace forcelayer::voxelize {
 namespace {
 
 // The voxels that [low_m, high_m) touches along one axis, clamped to the lattice.
@@ -23,7 +23,7 @@ Interval touched(double low_m, double high_m, double voxel_size_m) {
 
 }  // namespace
 
-Region region_of(const VoxelBox& scene, const std::optional<std::array<double, 6>>& roi_m,
+Region region_of(const masks::VoxelBox& scene, const std::optional<std::array<double, 6>>& roi_m,
                  double voxel_size_m) {
   Region region;
   region.box = scene;
@@ -45,4 +45,4 @@ Region region_of(const VoxelBox& scene, const std::optional<std::array<double, 6
   return region;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::voxelize

@@ -5,7 +5,7 @@
 
 #include "formats/command/command.h"
 
-namespace forcelayer {
+namespace forcelayer::voxelize {
 
 namespace {
 
@@ -13,8 +13,8 @@ using Json = nlohmann::ordered_json;
 
 Json cavities_of(const ObjectReport& object, double voxel_size_m) {
   Json cavities = Json::array();
-  for (const Cavity& cavity : object.cavities) {
-    Vec3d seed_m;
+  for (const fill::Cavity& cavity : object.cavities) {
+    mesh::Vec3d seed_m;
     for (std::size_t d = 0; d < 3; ++d) {
       seed_m[d] = (static_cast<double>(cavity.seed_voxel[d]) + 0.5) * voxel_size_m;
     }
@@ -26,7 +26,8 @@ Json cavities_of(const ObjectReport& object, double voxel_size_m) {
   return cavities;
 }
 
-Json report_of_object(const ObjectReport& object, const MeshFacts& facts, double voxel_size_m) {
+Json report_of_object(const ObjectReport& object, const mesh::MeshFacts& facts,
+                      double voxel_size_m) {
   return {{"name", object.name},
           {"triangles", object.triangles},
           {"degenerate_triangles", object.degenerate_triangles},
@@ -45,7 +46,7 @@ Json report_of_object(const ObjectReport& object, const MeshFacts& facts, double
 
 }  // namespace
 
-Json report_of(const Bake& bake, std::span<const MeshFacts> facts, const BakeFacts& run) {
+Json report_of(const Bake& bake, std::span<const mesh::MeshFacts> facts, const BakeFacts& run) {
   const VoxmapHeader& header = bake.header;
   Json origin_m = Json::array();
   for (const std::int64_t voxel : header.origin_voxel) {
@@ -88,9 +89,9 @@ Json report_of(const Bake& bake, std::span<const MeshFacts> facts, const BakeFac
             {"tree", seconds.tree},
             {"write", run.write_s},
             {"total", run.total_s}}},
-          {"peak_rss_bytes", peak_rss_bytes()},
+          {"peak_rss_bytes", command::peak_rss_bytes()},
           {"file_bytes", run.file_bytes},
           {"threads", run.threads}};
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::voxelize

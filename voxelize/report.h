@@ -7,7 +7,7 @@
 #include "formats/mesh/mesh_facts.h"
 #include "voxelize/bake.h"
 
-namespace forcelayer {
+namespace forcelayer::voxelize {
 
 struct BakeFacts {
   double read_s = 0, write_s = 0, total_s = 0;
@@ -16,7 +16,7 @@ struct BakeFacts {
 };
 
 // `facts` are those of the objects' meshes.
-nlohmann::ordered_json report_of(const Bake& bake, std::span<const MeshFacts> facts,
+nlohmann::ordered_json report_of(const Bake& bake, std::span<const mesh::MeshFacts> facts,
                                  const BakeFacts& run);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::voxelize

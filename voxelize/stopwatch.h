@@ -3,7 +3,7 @@
 
 #include <chrono>
 
-namespace forcelayer {
+namespace forcelayer::voxelize {
 
 class Stopwatch {
  public:
@@ -27,4 +27,4 @@ struct StageSeconds {
   double snap = 0, scan = 0, flood = 0, near = 0, cavities = 0, cache = 0, unite = 0, tree = 0;
 };
 
-}  // namespace forcelayer
+}  // namespace forcelayer::voxelize

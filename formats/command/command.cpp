@@ -17,7 +17,7 @@
 #include "formats/file/atomic_file.h"
 #include "formats/file/temporary_files.h"
 
-namespace forcelayer {
+namespace forcelayer::command {
 namespace {
 
 int fail(const char* name, const Error& error) {
@@ -100,4 +100,4 @@ std::uint64_t peak_rss_bytes() {
   return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::command

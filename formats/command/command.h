@@ -12,7 +12,7 @@ namespace CLI {
 class App;
 }
 
-namespace forcelayer {
+namespace forcelayer::command {
 
 inline constexpr const char* kVersion = FORCELAYER_VERSION;
 
@@ -36,4 +36,4 @@ void exit_cleanly_on_signals();
 // Highest resident set of this process so far.
 std::uint64_t peak_rss_bytes();
 
-}  // namespace forcelayer
+}  // namespace forcelayer::command

@@ -5,7 +5,7 @@
 #include <chrono>
 #include <cstdio>
 
-namespace forcelayer {
+namespace forcelayer::command {
 namespace {
 
 double now_s() {
@@ -30,4 +30,4 @@ void ProgressLine::show(const std::string& stage, double share_done) {
   std::fprintf(stderr, "\r\x1b[K%s  %3.0f%%  %.0f s left", stage.c_str(), 100 * share_done, left_s);
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::command

@@ -3,7 +3,7 @@
 
 #include <string>
 
-namespace forcelayer {
+namespace forcelayer::command {
 
 // Rewritten in place on stderr; nothing where stderr is no terminal, or when quiet.
 class ProgressLine {
@@ -19,4 +19,4 @@ class ProgressLine {
   double last_shown_s_ = -1;
 };
 
-}  // namespace forcelayer
+}  // namespace forcelayer::command

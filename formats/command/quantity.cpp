@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace forcelayer {
+namespace forcelayer::command {
 namespace {
 
 // A unit is `factor` times ten to the `exponent` of the base unit. The power of ten is applied to
@@ -226,4 +226,4 @@ Result<double> parse_force_n(std::string_view text) {
   return scaled(*split, *unit);
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::command

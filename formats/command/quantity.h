@@ -8,7 +8,7 @@
 
 #include "formats/result.h"
 
-namespace forcelayer {
+namespace forcelayer::command {
 
 // A pose from a command line: position and unit quaternion (w, x, y, z).
 struct PoseText {
@@ -37,4 +37,4 @@ Result<double> parse_duration(std::string_view text);
 // "4N", "500mN", "0.1kN" in newtons; the unit is required.
 Result<double> parse_force_n(std::string_view text);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::command

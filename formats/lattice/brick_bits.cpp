@@ -1,6 +1,6 @@
 #include "formats/lattice/brick_bits.h"
 
-namespace forcelayer {
+namespace forcelayer::lattice {
 namespace {
 
 // The reached cells of a plane and their open neighbors in it, two steps far.
@@ -35,4 +35,4 @@ BrickMask flooded(const BrickMask& seeds, const BrickMask& open) {
   return reached;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::lattice

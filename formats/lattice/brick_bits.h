@@ -7,7 +7,7 @@
 
 #include "formats/lattice/voxel_overlap.h"
 
-namespace forcelayer {
+namespace forcelayer::lattice {
 
 inline constexpr std::uint64_t kFirstColumn = 0x0101010101010101u;  // bit z = 0 of all eight rows
 inline constexpr std::uint64_t kAllBits = ~std::uint64_t{0};
@@ -154,4 +154,4 @@ inline BrickMask shifted(const BrickMask& mask, int side) {
 // The cells of `open` that a 6-connected walk inside `open` reaches from `seeds`.
 BrickMask flooded(const BrickMask& seeds, const BrickMask& open);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::lattice

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace forcelayer {
+namespace forcelayer::lattice {
 namespace {
 
 __extension__ typedef __int128 Int128;
@@ -220,4 +220,4 @@ std::vector<VoxelIndex> overlapped_voxels(const LatticeTriangle& triangle) {
   return voxels;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::lattice

@@ -14,7 +14,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace forcelayer {
+namespace forcelayer::lattice {
 
 inline constexpr int kSnapBits = 10;
 inline constexpr std::int64_t kSnapUnits = std::int64_t{1} << kSnapBits;  // lattice units a voxel
@@ -132,4 +132,4 @@ void for_each_group(const TriangleOverlap& triangle, int log2_cell, F&& f) {
   detail::descend(triangle, corner, log2_start, log2_cell, f);
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::lattice

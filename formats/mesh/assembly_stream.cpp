@@ -11,7 +11,7 @@
 
 #include "formats/file/descriptor.h"
 
-namespace forcelayer {
+namespace forcelayer::mesh {
 namespace {
 
 constexpr std::uint64_t kMagic = 0x316d6c6173736105;  // both ends are the same program
@@ -247,4 +247,4 @@ ReceivedAssembly receive_assembly(int descriptor, std::uint64_t max_bytes,
   return received;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::mesh

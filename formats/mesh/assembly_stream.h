@@ -9,7 +9,7 @@
 #include "formats/mesh/mesh.h"
 #include "formats/result.h"
 
-namespace forcelayer {
+namespace forcelayer::mesh {
 
 // False where the descriptor refuses.
 bool send_assembly(int descriptor, const Result<Assembly>& assembly);
@@ -27,4 +27,4 @@ struct ReceivedAssembly {
 ReceivedAssembly receive_assembly(int descriptor, std::uint64_t max_bytes,
                                   std::chrono::steady_clock::time_point deadline);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::mesh

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <system_error>
 
-namespace forcelayer {
+namespace forcelayer::mesh {
 
 namespace fs = std::filesystem;
 
@@ -16,4 +16,4 @@ bool lies_under(const fs::path& file, const fs::path& folder) {
   return std::mismatch(root.begin(), root.end(), real.begin(), real.end()).first == root.end();
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::mesh

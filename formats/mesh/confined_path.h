@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-namespace forcelayer {
+namespace forcelayer::mesh {
 
 // Whether `file` lies in `folder` or below, after following "..", absolute paths and symbolic
 // links. A file that does not exist lies where its path says.
@@ -13,4 +13,4 @@ inline constexpr const char* kOutsideWhat = "leads outside the folder of the fil
 inline constexpr const char* kOutsideMend =
     "move the file there, or add --allow-outside if you trust who wrote this";
 
-}  // namespace forcelayer
+}  // namespace forcelayer::mesh

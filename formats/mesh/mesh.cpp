@@ -1,6 +1,6 @@
 #include "formats/mesh/mesh.h"
 
-namespace forcelayer {
+namespace forcelayer::mesh {
 
 Vec3d apply(const Affine& a_from_b, const Vec3d& b) {
   const auto& m = a_from_b.linear;
@@ -31,4 +31,4 @@ std::uint64_t Assembly::triangle_count() const {
   return count;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::mesh

@@ -10,7 +10,7 @@
 
 #include "formats/result.h"
 
-namespace forcelayer {
+namespace forcelayer::mesh {
 
 using Vec3d = std::array<double, 3>;
 using Triangle = std::array<std::uint32_t, 3>;  // vertex indices
@@ -61,4 +61,4 @@ struct ReadOptions {
 // is an error with file, place and reason (kMesh* codes). A file with no triangles is kMeshEmpty.
 Result<Assembly> read_assembly(const std::string& path, const ReadOptions& options = {});
 
-}  // namespace forcelayer
+}  // namespace forcelayer::mesh

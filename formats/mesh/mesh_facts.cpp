@@ -4,7 +4,7 @@
 #include <bit>
 #include <cmath>
 
-namespace forcelayer {
+namespace forcelayer::mesh {
 namespace {
 
 // For each vertex, the first vertex of the same coordinates.
@@ -152,4 +152,4 @@ MeshFacts mesh_facts(const Mesh& mesh) {
   return facts;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::mesh

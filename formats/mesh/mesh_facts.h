@@ -5,7 +5,7 @@
 
 #include "formats/mesh/mesh.h"
 
-namespace forcelayer {
+namespace forcelayer::mesh {
 
 // Vertices of equal coordinates count as one. An edge is a pair of such vertices; a triangle with
 // two equal corners has none.
@@ -29,4 +29,4 @@ struct MeshFacts {
 // Looks at every triangle and edge once: a sort of three edges a triangle.
 MeshFacts mesh_facts(const Mesh& mesh);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::mesh

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace forcelayer {
+namespace forcelayer::mesh {
 namespace {
 
 [[noreturn]] void fail_ambiguous(const SourceFile& file, const std::vector<NodeName>& nodes,
@@ -47,4 +47,4 @@ std::pair<std::size_t, std::size_t> find_sub_tree(const SourceFile& file,
   return {found[0], last};
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::mesh

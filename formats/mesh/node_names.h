@@ -9,7 +9,7 @@
 
 #include "formats/mesh/reader.h"
 
-namespace forcelayer {
+namespace forcelayer::mesh {
 
 struct NodeName {
   std::string label;  // unique among its siblings
@@ -31,4 +31,4 @@ NodeName name_node(const std::string& name, const NodeName* parent, std::set<std
 std::pair<std::size_t, std::size_t> find_sub_tree(const SourceFile& file,
                                                   const std::vector<NodeName>& nodes);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::mesh

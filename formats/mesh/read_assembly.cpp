@@ -7,7 +7,7 @@
 #include "formats/mesh/mesh.h"
 #include "formats/mesh/reader.h"
 
-namespace forcelayer {
+namespace forcelayer::mesh {
 namespace {
 
 struct Format {
@@ -119,4 +119,4 @@ Result<Assembly> read_assembly(const std::string& path, const ReadOptions& optio
   return assembly;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::mesh

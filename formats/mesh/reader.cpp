@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-namespace forcelayer {
+namespace forcelayer::mesh {
 
 std::string_view text_of(const MappedFile& file) {
   return {reinterpret_cast<const char*>(file.bytes().data()), file.bytes().size()};
@@ -70,4 +70,4 @@ std::string counted(std::uint64_t count, const char* singular) {
   return std::to_string(count) + " " + singular + (count == 1 ? "" : "s");
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::mesh

@@ -11,7 +11,7 @@
 #include "formats/mesh/mesh.h"
 #include "formats/result.h"
 
-namespace forcelayer {
+namespace forcelayer::mesh {
 
 // One mesh file in memory.
 struct SourceFile {
@@ -75,4 +75,4 @@ Assembly read_drc(const SourceFile& file);
 Assembly read_gltf(const SourceFile& file);
 Assembly read_step(const SourceFile& file);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::mesh

@@ -16,7 +16,7 @@
 
 #include "formats/mesh/assembly_stream.h"
 
-namespace forcelayer {
+namespace forcelayer::mesh {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -166,4 +166,4 @@ Result<Assembly> read_in_sandbox(const std::string& path, const ReadOptions& opt
   return no_mesh(path, received.broken == BrokenStream::kEnded ? status : 0);
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::mesh

@@ -13,7 +13,7 @@
 #include "formats/mesh/mesh.h"
 #include "formats/result.h"
 
-namespace forcelayer {
+namespace forcelayer::mesh {
 
 struct SandboxLimits {
   std::uint64_t memory_bytes = std::uint64_t{8} << 30;  // address space of a child
@@ -30,4 +30,4 @@ std::optional<int> run_as_sandbox(int argc, char** argv);
 Result<Assembly> read_in_sandbox(const std::string& path, const ReadOptions& options,
                                  const SandboxLimits& limits);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::mesh

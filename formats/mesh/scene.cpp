@@ -9,7 +9,7 @@
 #include "formats/mesh/scene_manifest.h"
 #include "formats/mesh/units.h"
 
-namespace forcelayer {
+namespace forcelayer::mesh {
 namespace {
 
 // A file, and the place and name of its content in the scene.
@@ -183,4 +183,4 @@ Result<Scene> read_scene(std::span<const std::string> inputs, std::optional<doub
   return reader.finish();
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::mesh

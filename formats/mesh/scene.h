@@ -12,7 +12,7 @@
 #include "formats/mesh/mesh.h"
 #include "formats/result.h"
 
-namespace forcelayer {
+namespace forcelayer::mesh {
 
 // An object of a scene: a mesh in its final pose.
 struct MeshObject {
@@ -68,4 +68,4 @@ inline constexpr double kDeflectionVoxels = 0.01;
 Result<Scene> read_scene(std::span<const std::string> inputs, std::optional<double> meters_per_unit,
                          const SceneReading& reading = {});
 
-}  // namespace forcelayer
+}  // namespace forcelayer::mesh

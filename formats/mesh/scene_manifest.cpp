@@ -11,7 +11,7 @@
 #include "formats/command/quantity.h"
 #include "formats/file/mapped_file.h"
 
-namespace forcelayer {
+namespace forcelayer::mesh {
 namespace {
 
 using Json = nlohmann::json;
@@ -73,7 +73,7 @@ T parsed(Result<T> result, const std::string& key) {
 // A text with a unit, or a bare number of meters.
 double length(const Json& json, const std::string& key) {
   if (json.is_number()) return finite_number(json, key);
-  return parsed(parse_length(text(json, key)), key);
+  return parsed(command::parse_length(text(json, key)), key);
 }
 
 template <std::size_t N>
@@ -182,7 +182,7 @@ ManifestObject read_object(const Json& json, const std::string& key,
   if (const Json* name = fields.find("name")) object.name = text(*name, fields.path("name"));
   if (const Json* units = fields.find("units")) {
     object.meters_per_unit =
-        parsed(parse_unit(text(*units, fields.path("units"))), fields.path("units"));
+        parsed(command::parse_unit(text(*units, fields.path("units"))), fields.path("units"));
   }
   object.world_from_object = placement(fields);
   if (const Json* seeds = fields.find("free_seeds"))
@@ -251,4 +251,4 @@ Result<Manifest> read_manifest(const std::string& path) {
   }
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::mesh

@@ -8,7 +8,7 @@
 #include "formats/mesh/mesh.h"
 #include "formats/result.h"
 
-namespace forcelayer {
+namespace forcelayer::mesh {
 
 // One entry of `parts`.
 struct ManifestObject {
@@ -31,4 +31,4 @@ struct Manifest {
 // Reads and checks a manifest; an error names file and key, as in `parts[2].units`.
 Result<Manifest> read_manifest(const std::string& path);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::mesh

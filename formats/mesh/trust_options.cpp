@@ -4,7 +4,7 @@
 
 #include "formats/command/quantity.h"
 
-namespace forcelayer {
+namespace forcelayer::mesh {
 
 void TrustOptions::declare(CLI::App& app) {
   // With less memory the program itself does not load.
@@ -25,7 +25,7 @@ Result<AssemblyReader> TrustOptions::reader() const {
   SandboxLimits limits;
   limits.memory_bytes = sandbox_memory_bytes;
   if (!sandbox_time.empty()) {
-    const auto time_s = parse_duration(sandbox_time);
+    const auto time_s = command::parse_duration(sandbox_time);
     if (!time_s) {
       return Error{ErrorCode::kUsage, "", "--sandbox-time", time_s.error().what,
                    time_s.error().mend};
@@ -45,4 +45,4 @@ Result<AssemblyReader> TrustOptions::reader() const {
   });
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::mesh

@@ -13,7 +13,7 @@ namespace CLI {
 class App;
 }
 
-namespace forcelayer {
+namespace forcelayer::mesh {
 
 using AssemblyReader =
     std::function<Result<Assembly>(const std::string& path, const ReadOptions& options)>;
@@ -31,4 +31,4 @@ struct TrustOptions {
   Result<AssemblyReader> reader() const;
 };
 
-}  // namespace forcelayer
+}  // namespace forcelayer::mesh

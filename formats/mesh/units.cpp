@@ -4,7 +4,7 @@
 #include <cmath>
 #include <sstream>
 
-namespace forcelayer {
+namespace forcelayer::mesh {
 namespace {
 
 std::string text_of(double number) {
@@ -88,4 +88,4 @@ std::optional<std::string> coarse_vertices_warning(double spacing_m, double voxe
          "origin before exporting it";
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::mesh

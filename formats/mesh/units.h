@@ -8,7 +8,7 @@
 #include "formats/mesh/mesh.h"
 #include "formats/result.h"
 
-namespace forcelayer {
+namespace forcelayer::mesh {
 
 // Meters per unit of `assembly`, read from `path`. `chosen` is what --units says, in meters; it is
 // required (else kUsage) unless the file defines its unit, and overrides that with a warning.
@@ -31,4 +31,4 @@ double vertex_spacing_m(double float_coordinate, const Affine& world_from_mesh);
 // The warning for a spacing of more than a thousandth of a voxel; nothing for a finer one.
 std::optional<std::string> coarse_vertices_warning(double spacing_m, double voxel_size_m);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::mesh

@@ -6,7 +6,7 @@
 #include "formats/voxinfo/output.h"
 #include "formats/voxmap_walk.h"
 
-namespace forcelayer {
+namespace forcelayer::voxinfo {
 namespace {
 
 void append_row(BufferedOutput& csv, const std::array<std::int64_t, 3>& voxel, VoxelValue value) {
@@ -77,4 +77,4 @@ Status export_voxmap_csv(const Voxmap& map, const std::string& out) {
   return csv->finish();
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::voxinfo

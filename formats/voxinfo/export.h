@@ -5,7 +5,7 @@
 
 #include "formats/voxinfo/files.h"
 
-namespace forcelayer {
+namespace forcelayer::voxinfo {
 
 // Writes `file` to `out` in the format that the name's ending asks for: .csv (i,j,k,value of every
 // non-free voxel), .ply (the force layer's voxel faces, or a shell's points) or .vdb. Errors:
@@ -21,4 +21,4 @@ Status export_pshell_ply(const Pshell& shell, const std::string& out);
 // where not free, and the transform puts it at the voxel's center in meters.
 Status export_voxmap_vdb(const Voxmap& map, const std::string& out);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::voxinfo

@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <limits>
 
-namespace forcelayer {
+namespace forcelayer::voxinfo {
 namespace {
 
 using nlohmann::ordered_json;
@@ -224,4 +224,4 @@ std::string summary_of(const BakedFile& file, const std::string& path) {
   return map ? summary_of_voxmap(*map, path) : summary_of_pshell(std::get<Pshell>(file), path);
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::voxinfo

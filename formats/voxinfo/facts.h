@@ -6,7 +6,7 @@
 
 #include "formats/voxinfo/files.h"
 
-namespace forcelayer {
+namespace forcelayer::voxinfo {
 
 // The facts under the names of the other commands' reports.
 nlohmann::ordered_json report_of(const BakedFile& file);
@@ -14,4 +14,4 @@ nlohmann::ordered_json report_of(const BakedFile& file);
 // The same in a few lines of text.
 std::string summary_of(const BakedFile& file, const std::string& path);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::voxinfo

@@ -4,7 +4,7 @@
 #include <cstring>
 #include <utility>
 
-namespace forcelayer {
+namespace forcelayer::voxinfo {
 namespace {
 
 bool is_pshell(std::span<const std::byte> bytes, const std::filesystem::path& path) {
@@ -33,4 +33,4 @@ Result<BakedFile> open_baked_file(const std::string& path, Verify verify) {
                                           : as_baked_file(Voxmap::open(path, verify));
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::voxinfo

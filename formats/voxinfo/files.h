@@ -7,11 +7,11 @@
 #include "formats/pshell.h"
 #include "formats/voxmap.h"
 
-namespace forcelayer {
+namespace forcelayer::voxinfo {
 
 using BakedFile = std::variant<Voxmap, Pshell>;
 
 // Opens `path` as the format of its first bytes or, where they are of neither format, of its name.
 Result<BakedFile> open_baked_file(const std::string& path, Verify verify);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::voxinfo

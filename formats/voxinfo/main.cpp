@@ -10,7 +10,7 @@
 #include "formats/voxinfo/sample.h"
 #include "formats/voxmap_audit.h"
 
-namespace forcelayer {
+namespace forcelayer::voxinfo {
 namespace {
 
 Status flush_stdout() {
@@ -23,7 +23,8 @@ Status show_facts(const std::string& path, const std::string& json_path, bool qu
   const auto file = open_baked_file(path, Verify::kStructure);
   if (!file) return file.error();
   if (!json_path.empty()) {
-    if (Status written = write_report(json_path, report_of(*file)); !written) return written;
+    if (Status written = command::write_report(json_path, report_of(*file)); !written)
+      return written;
   }
   if (!quiet) std::cout << summary_of(*file, path);
   return flush_stdout();
@@ -85,8 +86,8 @@ int run(int argc, char** argv) {
   }
 
   int exit_code = 0;
-  if (!parse_arguments(app, argc, argv, exit_code)) return exit_code;
-  return run_command("voxinfo", [&]() -> Status {
+  if (!command::parse_arguments(app, argc, argv, exit_code)) return exit_code;
+  return command::run_command("voxinfo", [&]() -> Status {
     if (*verify) return verify_file(path, quiet);
     if (*sample) return sample_file(path, quiet);
     if (*export_to) return export_file(path, out);
@@ -98,10 +99,10 @@ int run(int argc, char** argv) {
 }
 
 }  // namespace
-}  // namespace forcelayer
+}  // namespace forcelayer::voxinfo
 
 int main(int argc, char** argv) {
   std::ios::sync_with_stdio(false);
-  forcelayer::exit_cleanly_on_signals();
-  return forcelayer::run(argc, argv);
+  forcelayer::command::exit_cleanly_on_signals();
+  return forcelayer::voxinfo::run(argc, argv);
 }

@@ -10,7 +10,7 @@
 
 #include "formats/file/atomic_file.h"
 
-namespace forcelayer {
+namespace forcelayer::voxinfo {
 
 // The first failure of a write is kept and returned by finish(); writes after it do nothing.
 class BufferedOutput {
@@ -54,4 +54,4 @@ class BufferedOutput {
   Status status_;
 };
 
-}  // namespace forcelayer
+}  // namespace forcelayer::voxinfo

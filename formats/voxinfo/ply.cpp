@@ -9,7 +9,7 @@
 #include "formats/voxinfo/output.h"
 #include "formats/voxmap_walk.h"
 
-namespace forcelayer {
+namespace forcelayer::voxinfo {
 namespace {
 
 using Voxel = std::array<std::int64_t, 3>;
@@ -167,4 +167,4 @@ Status export_pshell_ply(const Pshell& shell, const std::string& out) {
   return ply->finish();
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::voxinfo

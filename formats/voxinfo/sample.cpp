@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-namespace forcelayer {
+namespace forcelayer::voxinfo {
 namespace {
 
 constexpr std::string_view kSpace = " \t\r,";
@@ -68,4 +68,4 @@ Status sample_voxmap(const Voxmap& map, std::istream& points, std::ostream& valu
   return {};
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::voxinfo

@@ -6,7 +6,7 @@
 
 #include "formats/voxmap.h"
 
-namespace forcelayer {
+namespace forcelayer::voxinfo {
 
 // Reads lines `x y z` (meters, world frame, spaces or commas between) and writes the VoxelValue of
 // each point's voxel, 0 to 3, a line each. Blank lines are skipped. `outside_points` receives the
@@ -15,4 +15,4 @@ namespace forcelayer {
 Status sample_voxmap(const Voxmap& map, std::istream& points, std::ostream& values,
                      std::uint64_t& outside_points);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::voxinfo

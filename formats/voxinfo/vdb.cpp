@@ -9,7 +9,7 @@
 #include "formats/voxinfo/output.h"
 #include "formats/voxmap_walk.h"
 
-namespace forcelayer {
+namespace forcelayer::voxinfo {
 namespace {
 
 using ValueTree = openvdb::tree::Tree4<std::uint8_t, 5, 4, 3>::Type;
@@ -99,4 +99,4 @@ Status export_voxmap_vdb(const Voxmap& map, const std::string& out) {
   return vdb->finish();
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::voxinfo

@@ -10,7 +10,7 @@
 #include "pointshell/part/parallel.h"
 #include "pointshell/part/pieces.h"
 
-namespace forcelayer {
+namespace forcelayer::certificate {
 namespace {
 
 // In radii. Triangles are bisected to this edge before candidates for their balls are gathered.
@@ -27,13 +27,13 @@ class TileProver {
   TileProver(const PointGrid& grid, double radius, const HiddenSurface* hidden)
       : grid_(grid), radius_(radius), hidden_(hidden) {}
 
-  void prove(std::span<const Vec3> tile) {
+  void prove(std::span<const part::Vec3> tile) {
     ConvexPolygon polygon(tile);
-    const Vec3 middle = middle_of(tile);
+    const part::Vec3 middle = middle_of(tile);
     const double reach = radius_ + std::sqrt(polygon.farthest_squared(middle));
     candidates_.clear();
-    grid_.visit_near(middle, reach, [&](std::uint32_t, const Vec3& point) {
-      if (length_squared(point - middle) <= reach * reach) candidates_.push_back(point);
+    grid_.visit_near(middle, reach, [&](std::uint32_t, const part::Vec3& point) {
+      if (part::length_squared(point - middle) <= reach * reach) candidates_.push_back(point);
     });
     prove(polygon, 0, candidates_.size());
   }
@@ -42,18 +42,19 @@ class TileProver {
   std::uint64_t pieces = 0;
 
  private:
-  static Vec3 middle_of(std::span<const Vec3> corners) {
-    Vec3 sum;
-    for (const Vec3& corner : corners) sum += corner;
+  static part::Vec3 middle_of(std::span<const part::Vec3> corners) {
+    part::Vec3 sum;
+    for (const part::Vec3& corner : corners) sum += corner;
     return (1.0 / static_cast<double>(corners.size())) * sum;
   }
 
   // The candidate of [first, last), not empty, that is nearest to `place`.
-  std::size_t nearest_candidate(const Vec3& place, std::size_t first, std::size_t last) const {
+  std::size_t nearest_candidate(const part::Vec3& place, std::size_t first,
+                                std::size_t last) const {
     std::size_t nearest = first;
-    double squared = length_squared(candidates_[first] - place);
+    double squared = part::length_squared(candidates_[first] - place);
     for (std::size_t n = first + 1; n < last; ++n) {
-      const double other = length_squared(candidates_[n] - place);
+      const double other = part::length_squared(candidates_[n] - place);
       if (other < squared) nearest = n, squared = other;
     }
     return nearest;
@@ -65,30 +66,30 @@ class TileProver {
   void prove(ConvexPolygon& piece, std::size_t first, std::size_t last) {
     if (piece.empty()) return;
     ++pieces;
-    const Vec3 middle = middle_of(piece.corners());
+    const part::Vec3 middle = middle_of(piece.corners());
     if (first == last)
       return prove_hidden(piece, piece.corners().front(), 2 * radius_, first, last);
     const std::size_t inner = nearest_candidate(middle, first, last);
-    const Vec3 inner_point = candidates_[inner];
-    const Vec3* outermost = nullptr;
+    const part::Vec3 inner_point = candidates_[inner];
+    const part::Vec3* outermost = nullptr;
     double outermost_squared = radius_ * radius_;
-    for (const Vec3& corner : piece.corners()) {
-      const double squared = length_squared(corner - inner_point);
+    for (const part::Vec3& corner : piece.corners()) {
+      const double squared = part::length_squared(corner - inner_point);
       if (squared > outermost_squared) outermost = &corner, outermost_squared = squared;
     }
     if (!outermost) return;
     const std::size_t outer = nearest_candidate(*outermost, first, last);
-    const Vec3 outer_point = candidates_[outer];
-    const double distance_squared = length_squared(*outermost - outer_point);
+    const part::Vec3 outer_point = candidates_[outer];
+    const double distance_squared = part::length_squared(*outermost - outer_point);
     if (distance_squared > radius_ * radius_) {
       return prove_hidden(piece, *outermost, std::sqrt(distance_squared), first, last);
     }
     if (piece.farthest_squared(outer_point) <= radius_ * radius_) return;
     // The outermost corner is nearer to the outer point and the middle to the inner one (or the
     // same to both): the plane between them cuts the piece.
-    const Vec3 normal = outer_point - inner_point;
+    const part::Vec3 normal = outer_point - inner_point;
     ConvexPolygon rest;
-    piece.split(normal, dot(normal, 0.5 * (inner_point + outer_point)), rest);
+    piece.split(normal, part::dot(normal, 0.5 * (inner_point + outer_point)), rest);
     prove_with(piece, first, last, outer);
     prove_with(rest, first, last, inner);
   }
@@ -96,12 +97,12 @@ class TileProver {
   // Proves `piece` with those of the candidates that can reach it, and without candidate `dropped`.
   void prove_with(ConvexPolygon& piece, std::size_t first, std::size_t last, std::size_t dropped) {
     if (piece.empty()) return;
-    const Vec3 middle = middle_of(piece.corners());
+    const part::Vec3 middle = middle_of(piece.corners());
     const double reach = radius_ + std::sqrt(piece.farthest_squared(middle));
     const std::size_t own_first = candidates_.size();
     for (std::size_t n = first; n < last; ++n) {
-      const Vec3 point = candidates_[n];
-      if (n != dropped && length_squared(point - middle) <= reach * reach) {
+      const part::Vec3 point = candidates_[n];
+      if (n != dropped && part::length_squared(point - middle) <= reach * reach) {
         candidates_.push_back(point);
       }
     }
@@ -112,32 +113,33 @@ class TileProver {
   // A corner of the piece is out of reach of all points, so the open part of the piece must be
   // hidden. Cuts the piece to prove that, or adds a hole. A single hole fails the whole proof, so
   // after the first one pieces are not cut any smaller.
-  void prove_hidden(ConvexPolygon& piece, const Vec3& corner, double distance, std::size_t first,
-                    std::size_t last) {
+  void prove_hidden(ConvexPolygon& piece, const part::Vec3& corner, double distance,
+                    std::size_t first, std::size_t last) {
     if (!hidden_ || !holes.empty()) return add_hole(piece, corner, distance);
-    const Vec3 middle = middle_of(piece.corners());
+    const part::Vec3 middle = middle_of(piece.corners());
     const double size = std::sqrt(piece.farthest_squared(middle));
     if (hidden_->holds_ball(middle, size)) return;
     if (size <= kSmallestHidden * radius_) return add_hole(piece, corner, distance);
-    Vec3 farthest = middle;
-    for (const Vec3& other : piece.corners()) {
-      if (length_squared(other - middle) > length_squared(farthest - middle)) farthest = other;
+    part::Vec3 farthest = middle;
+    for (const part::Vec3& other : piece.corners()) {
+      if (part::length_squared(other - middle) > part::length_squared(farthest - middle))
+        farthest = other;
     }
     ConvexPolygon rest;
-    const bool cut = piece.split(farthest - middle, dot(farthest - middle, middle), rest);
+    const bool cut = piece.split(farthest - middle, part::dot(farthest - middle, middle), rest);
     if (!cut || rest.empty()) return add_hole(piece, corner, distance);
     prove_with(piece, first, last, last);
     prove_with(rest, first, last, last);
   }
 
-  void add_hole(const ConvexPolygon& piece, const Vec3& corner, double distance) {
+  void add_hole(const ConvexPolygon& piece, const part::Vec3& corner, double distance) {
     holes.push_back({corner, distance, {piece.corners().begin(), piece.corners().end()}});
   }
 
   const PointGrid& grid_;
   const double radius_;
   const HiddenSurface* hidden_;
-  std::vector<Vec3> candidates_;  // a stack, one range for every level of the recursion
+  std::vector<part::Vec3> candidates_;  // a stack, one range for every level of the recursion
 };
 
 // Proves tile(0) to tile(count - 1) and adds the outcome to `proof`.
@@ -146,7 +148,7 @@ void prove_tiles(std::size_t count, const Tile& tile, const PointGrid& grid, dou
                  const HiddenSurface* hidden, CoveringProof& proof) {
   const std::size_t tasks = (count + kTilesPerTask - 1) / kTilesPerTask;
   std::vector<TileProver> provers(tasks, TileProver(grid, radius, hidden));
-  parallel_for_each_index(tasks, 1, [&](std::size_t task) {
+  part::parallel_for_each_index(tasks, 1, [&](std::size_t task) {
     const std::size_t end = std::min((task + 1) * kTilesPerTask, count);
     for (std::size_t n = task * kTilesPerTask; n < end; ++n) provers[task].prove(tile(n));
   });
@@ -158,45 +160,47 @@ void prove_tiles(std::size_t count, const Tile& tile, const PointGrid& grid, dou
 
 }  // namespace
 
-double proof_margin(const Part& part, double radius) {
+double proof_margin(const part::Part& part, double radius) {
   // Every source of error is a few units in the last place of the largest coordinate; midpoints and
   // cuts add a few for each of far fewer than 100 in a row. 2^-44 is 512 units.
   return std::ldexp(part.largest_coordinate + radius, -44);
 }
 
-CoveringProof prove_covering(const Part& part, std::span<const Vec3> points, double radius,
-                             std::size_t most_holes) {
+CoveringProof prove_covering(const part::Part& part, std::span<const part::Vec3> points,
+                             double radius, std::size_t most_holes) {
   const double proof_radius = radius - proof_margin(part, radius);
   CoveringProof proof;
   if (!(proof_radius > 0)) {
-    const Piece piece = triangle_piece(part, 0);
+    const part::Piece piece = part::triangle_piece(part, 0);
     proof.holes.push_back({piece[0], 0, {piece.begin(), piece.end()}});
     proof.given_up = true;
     return proof;
   }
   const PointGrid grid(points, kGridCell * radius);
-  for_each_tile_batch(part, kTileEdge * proof_radius, [&](std::span<const Piece> tiles) {
-    prove_tiles(
-        tiles.size(), [&](std::size_t n) { return std::span<const Vec3>(tiles[n]); }, grid,
-        proof_radius, nullptr, proof);
-    proof.given_up = proof.holes.size() > most_holes;
-    return !proof.given_up;
-  });
+  part::for_each_tile_batch(
+      part, kTileEdge * proof_radius, [&](std::span<const part::Piece> tiles) {
+        prove_tiles(
+            tiles.size(), [&](std::size_t n) { return std::span<const part::Vec3>(tiles[n]); },
+            grid, proof_radius, nullptr, proof);
+        proof.given_up = proof.holes.size() > most_holes;
+        return !proof.given_up;
+      });
   proof.proven = proof.holes.empty();
   return proof;
 }
 
-CoveringProof continue_proof(const Part& part, std::span<const Vec3> points, double radius,
-                             const CoveringProof& failed, const HiddenSurface* hidden) {
+CoveringProof continue_proof(const part::Part& part, std::span<const part::Vec3> points,
+                             double radius, const CoveringProof& failed,
+                             const HiddenSurface* hidden) {
   const PointGrid grid(points, kGridCell * radius);
   CoveringProof proof;
   proof.pieces = failed.pieces;
   prove_tiles(
       failed.holes.size(),
-      [&](std::size_t n) { return std::span<const Vec3>(failed.holes[n].piece); }, grid,
+      [&](std::size_t n) { return std::span<const part::Vec3>(failed.holes[n].piece); }, grid,
       radius - proof_margin(part, radius), hidden, proof);
   proof.proven = proof.holes.empty();
   return proof;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::certificate

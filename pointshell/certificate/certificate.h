@@ -20,15 +20,15 @@
 #include "pointshell/part/part.h"
 #include "pointshell/part/vec3.h"
 
-namespace forcelayer {
+namespace forcelayer::certificate {
 
 class HiddenSurface;
 
 // A piece of the surface where the proof failed.
 struct Hole {
-  Vec3 position;        // the corner that is farthest from all points
+  part::Vec3 position;  // the corner that is farthest from all points
   double distance = 0;  // m, from there to the nearest point; a lower bound where no point is near
-  std::vector<Vec3> piece;  // corners of the convex polygon that is not proven
+  std::vector<part::Vec3> piece;  // corners of the convex polygon that is not proven
 };
 
 struct CoveringProof {
@@ -40,17 +40,18 @@ struct CoveringProof {
 
 // The proof is carried out at a radius that is smaller by this, m. It exceeds the rounding of
 // vertices to meters, of the center's subtraction, of cuts and of distances.
-double proof_margin(const Part& part, double radius);
+double proof_margin(const part::Part& part, double radius);
 
 // Proves that every point of `part` is within `radius` (m) of one of `points`, both relative to the
 // same center. Gives up, not proven, once more than `most_holes` are known, and for a radius that
 // rounding alone exceeds. The same result for any number of threads.
-CoveringProof prove_covering(const Part& part, std::span<const Vec3> points, double radius,
-                             std::size_t most_holes = SIZE_MAX);
+CoveringProof prove_covering(const part::Part& part, std::span<const part::Vec3> points,
+                             double radius, std::size_t most_holes = SIZE_MAX);
 
 // Continues a failed proof of the same part and radius with more points: looks only at the pieces
 // with holes. With `hidden`, surface that it proves to lie inside another body need not be covered.
-CoveringProof continue_proof(const Part& part, std::span<const Vec3> points, double radius,
-                             const CoveringProof& failed, const HiddenSurface* hidden = nullptr);
+CoveringProof continue_proof(const part::Part& part, std::span<const part::Vec3> points,
+                             double radius, const CoveringProof& failed,
+                             const HiddenSurface* hidden = nullptr);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::certificate

@@ -1,9 +1,9 @@
 #include "pointshell/certificate/convex_polygon.h"
 
-namespace forcelayer {
+namespace forcelayer::certificate {
 namespace {
 
-Vec3 crossing(const Vec3& a, const Vec3& b, double side_a, double side_b) {
+part::Vec3 crossing(const part::Vec3& a, const part::Vec3& b, double side_a, double side_b) {
   return a + (side_a / (side_a - side_b)) * (b - a);
 }
 
@@ -12,12 +12,12 @@ Vec3 crossing(const Vec3& a, const Vec3& b, double side_a, double side_b) {
 bool ConvexPolygon::cut(const double* side) {
   if (count_ == kMostCorners) return false;
   // In place: at most one more corner is written than has been read, and that one is kept aside.
-  const Vec3 first = corners_[0], last = corners_[count_ - 1];
-  Vec3 previous = last, current = first;
+  const part::Vec3 first = corners_[0], last = corners_[count_ - 1];
+  part::Vec3 previous = last, current = first;
   double previous_side = side[count_ - 1];
   std::size_t kept = 0;
   for (std::size_t n = 0; n < count_; ++n) {
-    const Vec3 next = n + 1 < count_ ? corners_[n + 1] : first;
+    const part::Vec3 next = n + 1 < count_ ? corners_[n + 1] : first;
     if ((previous_side < 0 && side[n] > 0) || (previous_side > 0 && side[n] < 0)) {
       corners_[kept++] = crossing(previous, current, previous_side, side[n]);
     }
@@ -30,11 +30,11 @@ bool ConvexPolygon::cut(const double* side) {
   return true;
 }
 
-bool ConvexPolygon::split(const Vec3& normal, double offset, ConvexPolygon& rest) {
+bool ConvexPolygon::split(const part::Vec3& normal, double offset, ConvexPolygon& rest) {
   rest.count_ = count_;
   std::copy(corners_, corners_ + count_, rest.corners_);
   const bool rest_is_less = rest.clip(-normal, -offset, false);
   return clip(normal, offset, true) || rest_is_less;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::certificate

@@ -7,34 +7,35 @@
 
 #include "pointshell/part/vec3.h"
 
-namespace forcelayer {
+namespace forcelayer::certificate {
 
 // A convex polygon of at most 32 corners. A plane that would make more corners cuts nothing off.
 class ConvexPolygon {
  public:
   ConvexPolygon() : count_(0) {}
-  explicit ConvexPolygon(std::span<const Vec3> corners) : count_(corners.size()) {
+  explicit ConvexPolygon(std::span<const part::Vec3> corners) : count_(corners.size()) {
     std::copy(corners.begin(), corners.end(), corners_);
   }
 
-  void assign(const Vec3& a, const Vec3& b, const Vec3& c) {
+  void assign(const part::Vec3& a, const part::Vec3& b, const part::Vec3& c) {
     corners_[0] = a, corners_[1] = b, corners_[2] = c;
     count_ = 3;
   }
 
   // Keeps the part where dot(normal, x) <= offset. Where the polygon lies in that plane as a whole,
   // `keep_in_plane` decides. Returns whether anything was cut off.
-  bool clip(const Vec3& normal, double offset, bool keep_in_plane);
+  bool clip(const part::Vec3& normal, double offset, bool keep_in_plane);
 
   // Cuts the polygon in two: this polygon keeps the side that clip() would, `rest` gets the other.
   // False where it has too many corners to be cut; then both are whole.
-  bool split(const Vec3& normal, double offset, ConvexPolygon& rest);
+  bool split(const part::Vec3& normal, double offset, ConvexPolygon& rest);
 
   bool empty() const { return count_ == 0; }
-  std::span<const Vec3> corners() const { return {corners_, count_}; }
-  double farthest_squared(const Vec3& from) const {
+  std::span<const part::Vec3> corners() const { return {corners_, count_}; }
+  double farthest_squared(const part::Vec3& from) const {
     double squared = 0;
-    for (const Vec3& corner : corners()) squared = std::max(squared, length_squared(corner - from));
+    for (const part::Vec3& corner : corners())
+      squared = std::max(squared, part::length_squared(corner - from));
     return squared;
   }
 
@@ -46,17 +47,17 @@ class ConvexPolygon {
 
   // A union, so that a new polygon does not set all corners to zero.
   union {
-    Vec3 corners_[kMostCorners];
+    part::Vec3 corners_[kMostCorners];
   };
   std::size_t count_;
 };
 
 // Inline, as the inner loop of cells and certificate.
-inline bool ConvexPolygon::clip(const Vec3& normal, double offset, bool keep_in_plane) {
+inline bool ConvexPolygon::clip(const part::Vec3& normal, double offset, bool keep_in_plane) {
   double side[kMostCorners];
   bool any_outside = false, any_inside = false;
   for (std::size_t n = 0; n < count_; ++n) {
-    side[n] = dot(normal, corners_[n]) - offset;
+    side[n] = part::dot(normal, corners_[n]) - offset;
     any_outside |= side[n] > 0;
     any_inside |= side[n] < 0;
   }
@@ -68,4 +69,4 @@ inline bool ConvexPolygon::clip(const Vec3& normal, double offset, bool keep_in_
   return cut(side);
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::certificate

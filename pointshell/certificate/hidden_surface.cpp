@@ -6,7 +6,7 @@
 #include "pointshell/part/mass_properties.h"
 #include "pointshell/part/parallel.h"
 
-namespace forcelayer {
+namespace forcelayer::certificate {
 namespace {
 
 // In radii. Only points this deep are dropped: all that such a point alone covers is then proven
@@ -15,27 +15,27 @@ constexpr double kDroppedDepth = 1.25;
 // The winding number is a whole number off the surface, and in error by less than 0.01.
 constexpr double kInside = 0.5;
 
-bool is_closed_body(const Part& part, const std::vector<std::uint32_t>& triangles) {
-  std::vector<Triangle> corners;
+bool is_closed_body(const part::Part& part, const std::vector<std::uint32_t>& triangles) {
+  std::vector<mesh::Triangle> corners;
   for (const std::uint32_t t : triangles) corners.push_back(part.triangles[t]);
-  return is_closed(corners);
+  return part::is_closed(corners);
 }
 
 }  // namespace
 
-HiddenSurface::Solid::Solid(const Part& part, std::vector<std::uint32_t> triangles)
+HiddenSurface::Solid::Solid(const part::Part& part, std::vector<std::uint32_t> triangles)
     : tree(part, std::move(triangles)), winding(tree) {}
 
-HiddenSurface::HiddenSurface(const Part& part)
+HiddenSurface::HiddenSurface(const part::Part& part)
     : rounding_(std::ldexp(part.largest_coordinate, -40)) {
   if (part.body_names.size() < 2) return;
-  for (std::vector<std::uint32_t>& triangles : triangles_by_body(part)) {
+  for (std::vector<std::uint32_t>& triangles : part::triangles_by_body(part)) {
     if (triangles.empty() || !is_closed_body(part, triangles)) continue;
     solids_.push_back(std::make_unique<Solid>(part, std::move(triangles)));
   }
 }
 
-bool HiddenSurface::holds_ball(const Vec3& center, double radius) const {
+bool HiddenSurface::holds_ball(const part::Vec3& center, double radius) const {
   for (const auto& solid : solids_) {
     if (solid->tree.nodes()[0].distance_squared(center) > 0) continue;
     if (solid->tree.nearest(center, radius + rounding_).found) continue;
@@ -44,13 +44,14 @@ bool HiddenSurface::holds_ball(const Vec3& center, double radius) const {
   return false;
 }
 
-std::size_t leave_out_hidden_points(const Part& part, const HiddenSurface& hidden, double radius,
-                                    std::vector<Vec3>& points, CoveringProof& proof) {
+std::size_t leave_out_hidden_points(const part::Part& part, const HiddenSurface& hidden,
+                                    double radius, std::vector<part::Vec3>& points,
+                                    CoveringProof& proof) {
   std::vector<char> drop(points.size());
-  parallel_for_each_index(points.size(), 256, [&](std::size_t n) {
+  part::parallel_for_each_index(points.size(), 256, [&](std::size_t n) {
     drop[n] = hidden.holds_ball(points[n], kDroppedDepth * radius);
   });
-  std::vector<Vec3> kept;
+  std::vector<part::Vec3> kept;
   for (std::size_t n = 0; n < points.size(); ++n) {
     if (!drop[n]) kept.push_back(points[n]);
   }
@@ -64,4 +65,4 @@ std::size_t leave_out_hidden_points(const Part& part, const HiddenSurface& hidde
   return dropped;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::certificate

@@ -10,25 +10,25 @@
 #include "pointshell/part/triangle_tree.h"
 #include "pointshell/part/vec3.h"
 
-namespace forcelayer {
+namespace forcelayer::certificate {
 
 // The insides of a part's closed bodies. A body whose edges do not all close hides nothing.
 class HiddenSurface {
  public:
   // `part` must be consistently oriented (orient_outwards) and outlive this.
-  explicit HiddenSurface(const Part& part);
+  explicit HiddenSurface(const part::Part& part);
 
   // Whether there are bodies that could hide others.
   bool possible() const { return !solids_.empty(); }
 
   // Whether the ball is proven to lie inside a single closed body; false where rounding could
   // matter. Surface in such a ball belongs to other bodies, and this body hides it.
-  bool holds_ball(const Vec3& center, double radius) const;
+  bool holds_ball(const part::Vec3& center, double radius) const;
 
  private:
   struct Solid {
-    Solid(const Part& part, std::vector<std::uint32_t> triangles);
-    TriangleTree tree;
+    Solid(const part::Part& part, std::vector<std::uint32_t> triangles);
+    part::TriangleTree tree;
     WindingNumber winding;
   };
   std::vector<std::unique_ptr<Solid>> solids_;  // the winding number keeps its tree's address
@@ -39,7 +39,8 @@ class HiddenSurface {
 // surface, so the outer surface stays covered. Replaces `proof`, the proof for all points, by one
 // for the remaining points; where that proof fails, keeps all points and `proof`. Returns the
 // number of points dropped.
-std::size_t leave_out_hidden_points(const Part& part, const HiddenSurface& hidden, double radius,
-                                    std::vector<Vec3>& points, CoveringProof& proof);
+std::size_t leave_out_hidden_points(const part::Part& part, const HiddenSurface& hidden,
+                                    double radius, std::vector<part::Vec3>& points,
+                                    CoveringProof& proof);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::certificate

@@ -7,20 +7,20 @@
 
 #include "pointshell/part/parallel.h"
 
-namespace forcelayer {
+namespace forcelayer::certificate {
 
-PointGrid::PointGrid(std::span<const Vec3> points, double cell_size)
+PointGrid::PointGrid(std::span<const part::Vec3> points, double cell_size)
     : inverse_cell_size_(1 / cell_size) {
   constexpr std::size_t kGrain = 4096;
   std::vector<std::pair<std::uint64_t, std::uint32_t>> keyed(points.size());
-  parallel_for_each_index(points.size(), kGrain, [&](std::size_t n) {
+  part::parallel_for_each_index(points.size(), kGrain, [&](std::size_t n) {
     keyed[n] = {key_of(cell_of(points[n])), static_cast<std::uint32_t>(n)};
   });
   tbb::parallel_sort(keyed.begin(), keyed.end());
   position_.resize(points.size());
   index_.resize(points.size());
   std::vector<std::uint64_t> sorted_keys(points.size());
-  parallel_for_each_index(points.size(), kGrain, [&](std::size_t n) {
+  part::parallel_for_each_index(points.size(), kGrain, [&](std::size_t n) {
     sorted_keys[n] = keyed[n].first;
     index_[n] = keyed[n].second;
     position_[n] = points[keyed[n].second];
@@ -48,4 +48,4 @@ void PointGrid::fill_table(const std::vector<std::uint64_t>& sorted_keys) {
   }
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::certificate

@@ -8,17 +8,17 @@
 
 #include "pointshell/part/vec3.h"
 
-namespace forcelayer {
+namespace forcelayer::certificate {
 
 class PointGrid {
  public:
   // Keeps a copy of the positions, ordered by cell. Queries reach `cell_size` far.
-  PointGrid(std::span<const Vec3> points, double cell_size);
+  PointGrid(std::span<const part::Vec3> points, double cell_size);
 
   // Calls visit(index, position) for every point within `radius` <= cell_size of `place`, and for
   // some farther ones. The order depends on the points alone.
   template <typename Visit>
-  void visit_near(const Vec3& place, double radius, const Visit& visit) const {
+  void visit_near(const part::Vec3& place, double radius, const Visit& visit) const {
     const Cell low = cell_of({place.x - radius, place.y - radius, place.z - radius});
     const Cell high = cell_of({place.x + radius, place.y + radius, place.z + radius});
     for (std::int64_t i = low.i; i <= high.i; ++i) {
@@ -34,10 +34,10 @@ class PointGrid {
   }
 
   // Distance from `place` to the nearest point, or `radius` where none is nearer.
-  double nearest_distance(const Vec3& place, double radius) const {
+  double nearest_distance(const part::Vec3& place, double radius) const {
     double best = radius * radius;
-    visit_near(place, radius, [&](std::uint32_t, const Vec3& position) {
-      best = std::min(best, length_squared(position - place));
+    visit_near(place, radius, [&](std::uint32_t, const part::Vec3& position) {
+      best = std::min(best, part::length_squared(position - place));
     });
     return std::sqrt(best);
   }
@@ -51,9 +51,10 @@ class PointGrid {
     std::uint32_t first = 0, count = 0;
   };
 
-  Cell cell_of(const Vec3& p) const {
-    return {floor_to_int(p.x * inverse_cell_size_), floor_to_int(p.y * inverse_cell_size_),
-            floor_to_int(p.z * inverse_cell_size_)};
+  Cell cell_of(const part::Vec3& p) const {
+    return {part::floor_to_int(p.x * inverse_cell_size_),
+            part::floor_to_int(p.y * inverse_cell_size_),
+            part::floor_to_int(p.z * inverse_cell_size_)};
   }
   // 21 bits an axis. Cells 2^21 apart share a key: a query then visits some points too many.
   static std::uint64_t key_of(const Cell& cell) {
@@ -73,11 +74,11 @@ class PointGrid {
   void fill_table(const std::vector<std::uint64_t>& sorted_keys);
 
   double inverse_cell_size_;
-  std::vector<Vec3> position_;        // ordered by cell
+  std::vector<part::Vec3> position_;  // ordered by cell
   std::vector<std::uint32_t> index_;  // of position_[n] in the span given
   std::vector<Slot> table_;           // open addressing, at most half full
   std::size_t mask_ = 0;
   int shift_ = 0;
 };
 
-}  // namespace forcelayer
+}  // namespace forcelayer::certificate

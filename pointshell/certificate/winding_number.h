@@ -10,34 +10,35 @@
 #include "pointshell/part/triangle_tree.h"
 #include "pointshell/part/vec3.h"
 
-namespace forcelayer {
+namespace forcelayer::certificate {
 
 class WindingNumber {
  public:
   // `tree` and its part must outlive this; the part's orientation must not change meanwhile.
-  explicit WindingNumber(const TriangleTree& tree);
+  explicit WindingNumber(const part::TriangleTree& tree);
 
   // The winding number at `place`, with an error below about 0.01. On the surface it is the mean of
   // the two sides, because a triangle seen edge-on counts as zero.
-  double at(const Vec3& place) const;
+  double at(const part::Vec3& place) const;
 
  private:
   struct Dipole {
-    Vec3 center;        // of area
-    Vec3 moment;        // sum of area times normal
+    part::Vec3 center;  // of area
+    part::Vec3 moment;  // sum of area times normal
     double radius = 0;  // of the node's box about `center`
   };
 
   void fill(std::uint32_t node);
-  double at_leaf(const TriangleTree::Node& node, const Vec3& place) const;
+  double at_leaf(const part::TriangleTree::Node& node, const part::Vec3& place) const;
 
-  const TriangleTree& tree_;
+  const part::TriangleTree& tree_;
   std::vector<Dipole> dipoles_;  // [nodes of the tree]
   std::vector<double> areas_;    // [nodes of the tree]
 };
 
 // The winding number of one triangle at `place`: its signed solid angle over 4 pi (van Oosterom and
 // Strackee 1983); 0 in the triangle's plane.
-double triangle_winding(const Vec3& place, const Vec3& a, const Vec3& b, const Vec3& c);
+double triangle_winding(const part::Vec3& place, const part::Vec3& a, const part::Vec3& b,
+                        const part::Vec3& c);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::certificate

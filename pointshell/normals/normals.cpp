@@ -6,7 +6,7 @@
 #include "pointshell/part/parallel.h"
 #include "pointshell/part/pieces.h"
 
-namespace forcelayer {
+namespace forcelayer::normals {
 namespace {
 
 constexpr double kFullCos = 0.8660254037844387;  // 30 degrees
@@ -49,15 +49,15 @@ double range_weight(double cosine) {
   return std::clamp((cosine - kNoneCos) / (kFullCos - kNoneCos), 0.0, 1.0);
 }
 
-double angle_between(const Vec3& u, const Vec3& v) {
-  return std::atan2(length(cross(u, v)), dot(u, v));
+double angle_between(const part::Vec3& u, const part::Vec3& v) {
+  return std::atan2(part::length(part::cross(u, v)), part::dot(u, v));
 }
 
 // The angle of a triangle around a point of it: pi for a point on a side, less at a corner. A point
 // inside counts as on a side, for then only triangles of one plane meet there.
-double angle_at(const Vec3& place, const Piece& corners, double same_place) {
+double angle_at(const part::Vec3& place, const part::Piece& corners, double same_place) {
   for (int n = 0; n < 3; ++n) {
-    if (length(place - corners[n]) <= same_place) {
+    if (part::length(place - corners[n]) <= same_place) {
       return angle_between(corners[(n + 1) % 3] - corners[n], corners[(n + 2) % 3] - corners[n]);
     }
   }
@@ -67,107 +67,109 @@ double angle_at(const Vec3& place, const Piece& corners, double same_place) {
 // Finds the normals of points one by one; one of it per task, as it keeps scratch memory.
 class NormalFinder {
  public:
-  NormalFinder(const TriangleTree& tree, double radius)
+  NormalFinder(const part::TriangleTree& tree, double radius)
       : tree_(tree), part_(tree.part()), radius_(radius) {}
 
   // `near` holds at least the triangles within kReach radii of `point`.
-  void find(const Vec3& point, std::span<const std::uint32_t> near, Vec3& inward,
+  void find(const part::Vec3& point, std::span<const std::uint32_t> near, part::Vec3& inward,
             double& cone_cos) {
-    const SurfacePoint foot = tree_.nearest(point, near);
-    const double listed_reach = (RestrictedCells::kReach - 1) * radius_ * (1 - 1e-9);
-    const bool listed = length(point - foot.position) <= listed_reach;
+    const part::SurfacePoint foot = tree_.nearest(point, near);
+    const double listed_reach = (sample::RestrictedCells::kReach - 1) * radius_ * (1 - 1e-9);
+    const bool listed = part::length(point - foot.position) <= listed_reach;
     gather(foot.position, listed ? near : triangles_near(foot.position));
-    const Vec3 seed = seed_at(foot);
-    const Vec3 outward = smoothed(foot.position, seed);
+    const part::Vec3 seed = seed_at(foot);
+    const part::Vec3 outward = smoothed(foot.position, seed);
     inward = -outward;
     cone_cos = cone_about(foot.position, outward);
   }
 
  private:
   struct Face {
-    Piece corners;
-    Vec3 normal;       // unit, or zero where the triangle has no area
-    double area = -1;  // of it within the radius of the foot; negative: not yet known
+    part::Piece corners;
+    part::Vec3 normal;  // unit, or zero where the triangle has no area
+    double area = -1;   // of it within the radius of the foot; negative: not yet known
   };
 
-  std::span<const std::uint32_t> triangles_near(const Vec3& place) {
+  std::span<const std::uint32_t> triangles_near(const part::Vec3& place) {
     triangles_.clear();
     tree_.visit_near(place, radius_, [&](std::uint32_t t) { triangles_.push_back(t); });
     return triangles_;
   }
 
-  void gather(const Vec3& foot, std::span<const std::uint32_t> triangles) {
+  void gather(const part::Vec3& foot, std::span<const std::uint32_t> triangles) {
     faces_.clear();
     for (const std::uint32_t t : triangles) {
-      const Piece corners = triangle_piece(part_, t);
-      const Vec3 normal = normalized(cross(corners[1] - corners[0], corners[2] - corners[0]));
-      if (std::abs(dot(normal, foot - corners[0])) < radius_) {
+      const part::Piece corners = part::triangle_piece(part_, t);
+      const part::Vec3 normal =
+          part::normalized(part::cross(corners[1] - corners[0], corners[2] - corners[0]));
+      if (std::abs(part::dot(normal, foot - corners[0])) < radius_) {
         faces_.push_back({corners, normal});
       }
     }
   }
 
-  Vec3 seed_at(const SurfacePoint& foot) const {
+  part::Vec3 seed_at(const part::SurfacePoint& foot) const {
     const double same_place = kSamePlace * radius_;
-    Vec3 sum;
+    part::Vec3 sum;
     for (const Face& face : faces_) {
-      if (std::abs(dot(face.normal, foot.position - face.corners[0])) > same_place) continue;
-      const Vec3 nearest =
-          nearest_on_triangle(foot.position, face.corners[0], face.corners[1], face.corners[2]);
-      if (length_squared(nearest - foot.position) > same_place * same_place) continue;
+      if (std::abs(part::dot(face.normal, foot.position - face.corners[0])) > same_place) continue;
+      const part::Vec3 nearest = part::nearest_on_triangle(foot.position, face.corners[0],
+                                                           face.corners[1], face.corners[2]);
+      if (part::length_squared(nearest - foot.position) > same_place * same_place) continue;
       sum += angle_at(nearest, face.corners, same_place) * face.normal;
     }
     // Faces back to back cancel; then the triangle of the foot decides.
-    if (length(sum) > kCanceled) return normalized(sum);
+    if (part::length(sum) > kCanceled) return part::normalized(sum);
     return nearest_area_normal(foot);
   }
 
   // The normal of the foot's triangle or, where that has no area, of the nearest one that has.
-  Vec3 nearest_area_normal(const SurfacePoint& foot) const {
-    const Vec3 own = normalized(doubled_area_normal(part_, foot.triangle));
-    if (length_squared(own) > 0) return own;
+  part::Vec3 nearest_area_normal(const part::SurfacePoint& foot) const {
+    const part::Vec3 own = part::normalized(part::doubled_area_normal(part_, foot.triangle));
+    if (part::length_squared(own) > 0) return own;
     for (double reach = kSamePlace * radius_;; reach *= 4) {
-      Vec3 best;
+      part::Vec3 best;
       double best_squared = reach * reach;
       tree_.visit_near(foot.position, reach, [&](std::uint32_t t) {
-        const Piece corners = triangle_piece(part_, t);
-        const Vec3 normal = normalized(doubled_area_normal(part_, t));
-        const Vec3 nearest = nearest_on_triangle(foot.position, corners[0], corners[1], corners[2]);
-        const double squared = length_squared(nearest - foot.position);
-        if (length_squared(normal) == 0 || squared > best_squared) return;
+        const part::Piece corners = part::triangle_piece(part_, t);
+        const part::Vec3 normal = part::normalized(part::doubled_area_normal(part_, t));
+        const part::Vec3 nearest =
+            part::nearest_on_triangle(foot.position, corners[0], corners[1], corners[2]);
+        const double squared = part::length_squared(nearest - foot.position);
+        if (part::length_squared(normal) == 0 || squared > best_squared) return;
         best = normal;
         best_squared = squared;
       });
-      if (length_squared(best) > 0) return best;
+      if (part::length_squared(best) > 0) return best;
     }
   }
 
-  Vec3 smoothed(const Vec3& place, const Vec3& seed) {
+  part::Vec3 smoothed(const part::Vec3& place, const part::Vec3& seed) {
     // A flat neighborhood needs no areas.
     const bool flat = std::all_of(faces_.begin(), faces_.end(), [&](const Face& face) {
-      const double cosine = dot(face.normal, seed);
+      const double cosine = part::dot(face.normal, seed);
       return cosine <= kNoneCos || cosine >= kFlatCos;
     });
     if (flat) return seed;
-    Vec3 sum;
+    part::Vec3 sum;
     for (Face& face : faces_) {
-      const double weight = range_weight(dot(face.normal, seed));
+      const double weight = range_weight(part::dot(face.normal, seed));
       if (weight > 0) sum += weight * area_near(place, face) * face.normal;
     }
-    return length_squared(sum) > 0 ? normalized(sum) : seed;
+    return part::length_squared(sum) > 0 ? part::normalized(sum) : seed;
   }
 
-  double cone_about(const Vec3& place, const Vec3& outward) {
+  double cone_about(const part::Vec3& place, const part::Vec3& outward) {
     double cosine = 1;
     for (Face& face : faces_) {
-      if (length_squared(face.normal) == 0) continue;
-      const double c = dot(face.normal, outward);
+      if (part::length_squared(face.normal) == 0) continue;
+      const double c = part::dot(face.normal, outward);
       if (c < cosine && area_near(place, face) > 0) cosine = c;
     }
     return std::max(cosine, -1.0);
   }
 
-  double area_near(const Vec3& place, Face& face) const {
+  double area_near(const part::Vec3& place, Face& face) const {
     if (face.area < 0) {
       face.area =
           area_within_ball(place, radius_, face.corners[0], face.corners[1], face.corners[2]);
@@ -175,8 +177,8 @@ class NormalFinder {
     return face.area;
   }
 
-  const TriangleTree& tree_;
-  const Part& part_;
+  const part::TriangleTree& tree_;
+  const part::Part& part_;
   const double radius_;
   std::vector<std::uint32_t> triangles_;
   std::vector<Face> faces_;  // near the foot
@@ -184,23 +186,23 @@ class NormalFinder {
 
 }  // namespace
 
-double area_within_ball(const Vec3& center, double radius, const Vec3& a, const Vec3& b,
-                        const Vec3& c) {
-  const Vec3 doubled = cross(b - a, c - a);
-  const double norm = length(doubled);
+double area_within_ball(const part::Vec3& center, double radius, const part::Vec3& a,
+                        const part::Vec3& b, const part::Vec3& c) {
+  const part::Vec3 doubled = part::cross(b - a, c - a);
+  const double norm = part::length(doubled);
   if (norm == 0) return 0;
-  const Vec3 normal = (1 / norm) * doubled;
-  const double height = dot(a - center, normal);
+  const part::Vec3 normal = (1 / norm) * doubled;
+  const double height = part::dot(a - center, normal);
   if (std::abs(height) >= radius) return 0;
   const double reach = radius * radius;
-  if (std::max({length_squared(a - center), length_squared(b - center),
-                length_squared(c - center)}) <= reach) {
+  if (std::max({part::length_squared(a - center), part::length_squared(b - center),
+                part::length_squared(c - center)}) <= reach) {
     return norm / 2;
   }
-  const Vec3 along_x = normalized(b - a), along_y = cross(normal, along_x);
-  const Vec3 foot = center + height * normal;
-  const auto flat = [&](const Vec3& p) {
-    return Point2{dot(p - foot, along_x), dot(p - foot, along_y)};
+  const part::Vec3 along_x = part::normalized(b - a), along_y = part::cross(normal, along_x);
+  const part::Vec3 foot = center + height * normal;
+  const auto flat = [&](const part::Vec3& p) {
+    return Point2{part::dot(p - foot, along_x), part::dot(p - foot, along_y)};
   };
   const double circle = std::sqrt(reach - height * height);
   const Point2 pa = flat(a), pb = flat(b), pc = flat(c);
@@ -209,12 +211,12 @@ double area_within_ball(const Vec3& center, double radius, const Vec3& a, const 
   return std::max(area, 0.0);
 }
 
-ShellNormals shell_normals(const RestrictedCells& cells, std::span<const Vec3> points,
+ShellNormals shell_normals(const sample::RestrictedCells& cells, std::span<const part::Vec3> points,
                            double radius) {
   ShellNormals normals;
   normals.inward.resize(points.size());
   normals.cone_cos.resize(points.size());
-  parallel_ranges(points.size(), 256, [&](std::size_t begin, std::size_t end) {
+  part::parallel_ranges(points.size(), 256, [&](std::size_t begin, std::size_t end) {
     NormalFinder finder(cells.tree(), radius);
     for (std::size_t n = begin; n < end; ++n) {
       finder.find(points[n], cells.triangles_near(n), normals.inward[n], normals.cone_cos[n]);
@@ -223,4 +225,4 @@ ShellNormals shell_normals(const RestrictedCells& cells, std::span<const Vec3> p
   return normals;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::normals

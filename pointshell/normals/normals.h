@@ -7,12 +7,12 @@
 #include "pointshell/part/vec3.h"
 #include "pointshell/sample/restricted_cells.h"
 
-namespace forcelayer {
+namespace forcelayer::normals {
 
 struct ShellNormals {
-  std::vector<Vec3> inward;      // unit
-  std::vector<double> cone_cos;  // of the half-angle of the cone about `inward` that holds the
-                                 // normals of all triangles within the radius of the point
+  std::vector<part::Vec3> inward;  // unit
+  std::vector<double> cone_cos;    // of the half-angle of the cone about `inward` that holds the
+                                   // normals of all triangles within the radius of the point
 };
 
 // The part's triangles must face outwards; `cells` must have been made for all of `points`.
@@ -26,11 +26,11 @@ struct ShellNormals {
 // Wallner, Huang and Yang 2009). The mean is an exact integral, so it changes continuously from
 // point to point. The facets of a curved surface blend; the faces on the two sides of an edge do
 // not.
-ShellNormals shell_normals(const RestrictedCells& cells, std::span<const Vec3> points,
+ShellNormals shell_normals(const sample::RestrictedCells& cells, std::span<const part::Vec3> points,
                            double radius);
 
 // Area of the part of triangle a, b, c that lies within `radius` of `center`.
-double area_within_ball(const Vec3& center, double radius, const Vec3& a, const Vec3& b,
-                        const Vec3& c);
+double area_within_ball(const part::Vec3& center, double radius, const part::Vec3& a,
+                        const part::Vec3& b, const part::Vec3& c);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::normals

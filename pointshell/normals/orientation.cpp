@@ -12,7 +12,7 @@
 #include "pointshell/part/pieces.h"
 #include "pointshell/part/triangle_tree.h"
 
-namespace forcelayer {
+namespace forcelayer::normals {
 namespace {
 
 constexpr double kDecisive = 0.15;
@@ -45,11 +45,11 @@ struct Link {
   bool agree;
 };
 
-std::vector<Side> sorted_sides(const Part& part) {
+std::vector<Side> sorted_sides(const part::Part& part) {
   std::vector<Side> sides;
   sides.reserve(3 * part.triangles.size());
   for (std::uint32_t t = 0; t < part.triangles.size(); ++t) {
-    const Triangle& corners = part.triangles[t];
+    const mesh::Triangle& corners = part.triangles[t];
     // A triangle with two equal corners runs through its one edge forwards and backwards.
     if (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0]) continue;
     for (int n = 0; n < 3; ++n) {
@@ -61,7 +61,7 @@ std::vector<Side> sorted_sides(const Part& part) {
   return sides;
 }
 
-std::vector<Link> find_links(const Part& part, OrientationReport& report) {
+std::vector<Link> find_links(const part::Part& part, OrientationReport& report) {
   const std::vector<Side> sides = sorted_sides(part);
   std::vector<Link> links;
   for (std::size_t first = 0; first < sides.size();) {
@@ -104,17 +104,17 @@ struct Neighbors {
 };
 
 // Turns the smaller area of the patch, so that the larger keeps its orientation.
-void keep_larger_area(const Part& part, const std::vector<std::uint32_t>& patch,
+void keep_larger_area(const part::Part& part, const std::vector<std::uint32_t>& patch,
                       std::vector<bool>& turned) {
   double kept_area = 0, turned_area = 0;
   for (const std::uint32_t t : patch) {
-    (turned[t] ? turned_area : kept_area) += length(doubled_area_normal(part, t));
+    (turned[t] ? turned_area : kept_area) += part::length(part::doubled_area_normal(part, t));
   }
   if (turned_area <= kept_area) return;
   for (const std::uint32_t t : patch) turned[t] = !turned[t];
 }
 
-Patches find_patches(const Part& part, const std::vector<Link>& links) {
+Patches find_patches(const part::Part& part, const std::vector<Link>& links) {
   const std::size_t count = part.triangles.size();
   const Neighbors neighbors(count, links);
   Patches patches;
@@ -141,17 +141,20 @@ Patches find_patches(const Part& part, const std::vector<Link>& links) {
   return patches;
 }
 
-double area_of(const Part& part, const std::vector<std::uint32_t>& triangles) {
+double area_of(const part::Part& part, const std::vector<std::uint32_t>& triangles) {
   double area = 0;
-  for (const std::uint32_t t : triangles) area += length(doubled_area_normal(part, t)) / 2;
+  for (const std::uint32_t t : triangles)
+    area += part::length(part::doubled_area_normal(part, t)) / 2;
   return area;
 }
 
-void turn(Part& part, std::uint32_t t) { std::swap(part.triangles[t][1], part.triangles[t][2]); }
+void turn(part::Part& part, std::uint32_t t) {
+  std::swap(part.triangles[t][1], part.triangles[t][2]);
+}
 
 // Directions spread evenly over the sphere, none along an axis (Fibonacci lattice).
-std::array<Vec3, kRaysPerSample> ray_directions() {
-  std::array<Vec3, kRaysPerSample> directions;
+std::array<part::Vec3, kRaysPerSample> ray_directions() {
+  std::array<part::Vec3, kRaysPerSample> directions;
   for (int n = 0; n < kRaysPerSample; ++n) {
     const double z = 1 - (2 * n + 1.0) / kRaysPerSample;
     const double turn = 2 * std::numbers::pi * (n + 0.37) / std::numbers::phi;
@@ -171,21 +174,21 @@ struct Sky {
 
 class SkySampler {
  public:
-  explicit SkySampler(const Part& part) : part_(part), directions_(ray_directions()) {
-    Box box;
-    for (const Vec3& v : part.vertices) box.grow(v);
-    self_hit_ = kSelfHit * length(box.high - box.low);
+  explicit SkySampler(const part::Part& part) : part_(part), directions_(ray_directions()) {
+    part::Box box;
+    for (const part::Vec3& v : part.vertices) box.grow(v);
+    self_hit_ = kSelfHit * part::length(box.high - box.low);
   }
 
   // The sky of patch `triangles` past the triangles of `tree`. Samples stand for equal areas.
-  Sky look(const TriangleTree& tree, const std::vector<std::uint32_t>& triangles) const {
+  Sky look(const part::TriangleTree& tree, const std::vector<std::uint32_t>& triangles) const {
     const double area = area_of(part_, triangles);
     const std::size_t samples = std::min(triangles.size(), kSamplesPerPatch);
     Sky sky;
     double area_so_far = 0;
     std::size_t taken = 0;
     for (const std::uint32_t t : triangles) {
-      area_so_far += length(doubled_area_normal(part_, t)) / 2;
+      area_so_far += part::length(part::doubled_area_normal(part_, t)) / 2;
       // The triangle that the middle of the next equal share of the area falls into.
       double weight = 0;
       while (taken < samples && (static_cast<double>(taken) + 0.5) * area <=
@@ -200,46 +203,47 @@ class SkySampler {
   }
 
  private:
-  void add_sample(const TriangleTree& tree, std::uint32_t t, double weight, Sky& sky) const {
-    const Vec3 normal = doubled_area_normal(part_, t), origin = centroid(triangle_piece(part_, t));
-    for (const Vec3& direction : directions_) {
+  void add_sample(const part::TriangleTree& tree, std::uint32_t t, double weight, Sky& sky) const {
+    const part::Vec3 normal = part::doubled_area_normal(part_, t),
+                     origin = part::centroid(part::triangle_piece(part_, t));
+    for (const part::Vec3& direction : directions_) {
       if (tree.ray_hits(origin, direction, t, self_hit_)) continue;
-      (dot(direction, normal) > 0 ? sky.front : sky.back) += weight;
+      (part::dot(direction, normal) > 0 ? sky.front : sky.back) += weight;
     }
   }
 
-  const Part& part_;
-  const std::array<Vec3, kRaysPerSample> directions_;
+  const part::Part& part_;
+  const std::array<part::Vec3, kRaysPerSample> directions_;
   double self_hit_ = 0;
 };
 
 // The sky of every patch, past the whole part or, where that hides the patch, past its own body.
-std::vector<Sky> look_around(const Part& part, const Patches& patches) {
+std::vector<Sky> look_around(const part::Part& part, const Patches& patches) {
   const SkySampler sampler(part);
-  const TriangleTree whole(part);
+  const part::TriangleTree whole(part);
   std::vector<Sky> skies(patches.triangles.size());
-  const auto look = [&](const TriangleTree& tree, std::size_t n) {
+  const auto look = [&](const part::TriangleTree& tree, std::size_t n) {
     skies[n] = sampler.look(tree, patches.triangles[n]);
   };
-  parallel_for_each_index(skies.size(), 1, [&](std::size_t n) { look(whole, n); });
+  part::parallel_for_each_index(skies.size(), 1, [&](std::size_t n) { look(whole, n); });
   if (part.body_names.size() < 2) return skies;
 
   std::vector<std::vector<std::size_t>> hidden_of_body(part.body_names.size());
   for (std::size_t n = 0; n < skies.size(); ++n) {
     if (skies[n].hidden()) hidden_of_body[part.body[patches.triangles[n].front()]].push_back(n);
   }
-  const std::vector<std::vector<std::uint32_t>> of_body = triangles_by_body(part);
+  const std::vector<std::vector<std::uint32_t>> of_body = part::triangles_by_body(part);
   for (std::size_t body = 0; body < of_body.size(); ++body) {
     const std::vector<std::size_t>& hidden = hidden_of_body[body];
     if (hidden.empty()) continue;
-    const TriangleTree tree(part, of_body[body]);
-    parallel_for_each_index(hidden.size(), 1, [&](std::size_t n) { look(tree, hidden[n]); });
+    const part::TriangleTree tree(part, of_body[body]);
+    part::parallel_for_each_index(hidden.size(), 1, [&](std::size_t n) { look(tree, hidden[n]); });
   }
   return skies;
 }
 
 // Turns the patches that see more sky from behind, and hidden patches with their body.
-void turn_patches(Part& part, const Patches& patches, const std::vector<Sky>& skies) {
+void turn_patches(part::Part& part, const Patches& patches, const std::vector<Sky>& skies) {
   std::vector<double> area_to_keep(part.body_names.size());  // less that to turn, by body
   const auto turn_patch = [&](std::size_t n) {
     for (const std::uint32_t t : patches.triangles[n]) turn(part, t);
@@ -258,9 +262,9 @@ void turn_patches(Part& part, const Patches& patches, const std::vector<Sky>& sk
   }
 }
 
-Error undecided_error(const Part& part, const std::vector<std::uint32_t>& patch) {
-  const Box box = box_of(part, patch);
-  const Vec3 middle = 0.5 * (box.low + box.high);
+Error undecided_error(const part::Part& part, const std::vector<std::uint32_t>& patch) {
+  const part::Box box = part::box_of(part, patch);
+  const part::Vec3 middle = 0.5 * (box.low + box.high);
   char place[128];
   std::snprintf(place, sizeof place, "%zu triangles about (%.6g, %.6g, %.6g) m", patch.size(),
                 middle.x, middle.y, middle.z);
@@ -271,9 +275,9 @@ Error undecided_error(const Part& part, const std::vector<std::uint32_t>& patch)
 
 }  // namespace
 
-Result<OrientationReport> orient_outwards(Part& part, double negligible_size_m) {
+Result<OrientationReport> orient_outwards(part::Part& part, double negligible_size_m) {
   OrientationReport report;
-  const std::vector<Triangle> given = part.triangles;
+  const std::vector<mesh::Triangle> given = part.triangles;
   const Patches patches = find_patches(part, find_links(part, report));
   report.patches = patches.triangles.size();
   for (std::uint32_t t = 0; t < part.triangles.size(); ++t) {
@@ -285,16 +289,16 @@ Result<OrientationReport> orient_outwards(Part& part, double negligible_size_m) 
     if (area_of(part, patch) == 0) continue;
     if (skies[n].hidden()) report.hidden_triangles += patch.size();
     if (skies[n].hidden() || std::abs(skies[n].decisiveness()) >= kDecisive) continue;
-    const Box box = box_of(part, patch);
-    if (length(box.high - box.low) > negligible_size_m) return undecided_error(part, patch);
+    const part::Box box = part::box_of(part, patch);
+    if (part::length(box.high - box.low) > negligible_size_m) return undecided_error(part, patch);
     report.undecided_triangles += patch.size();
   }
   turn_patches(part, patches, skies);
   for (std::size_t t = 0; t < given.size(); ++t) {
-    const bool has_area = length_squared(doubled_area_normal(part, t)) > 0;
+    const bool has_area = part::length_squared(part::doubled_area_normal(part, t)) > 0;
     report.flipped_triangles += has_area && given[t] != part.triangles[t];
   }
   return report;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::normals

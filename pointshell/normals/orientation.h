@@ -6,7 +6,7 @@
 #include "formats/result.h"
 #include "pointshell/part/part.h"
 
-namespace forcelayer {
+namespace forcelayer::normals {
 
 struct OrientationReport {
   std::uint64_t patches = 0;              // connected over edges that two triangles share
@@ -32,6 +32,6 @@ struct OrientationReport {
 // The decisiveness (front - back) / (front + back) of the shares of rays that leave is 1 for a
 // closed body and 0 for a flat sheet. Below 0.15 either way is an error (kMeshUnorientable) with
 // the patch's place, unless the patch is smaller than `negligible_size_m`.
-Result<OrientationReport> orient_outwards(Part& part, double negligible_size_m);
+Result<OrientationReport> orient_outwards(part::Part& part, double negligible_size_m);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::normals

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace forcelayer {
+namespace forcelayer::part {
 namespace {
 
 // Second moments: xx yy zz xy xz yz.
@@ -63,12 +63,12 @@ Vec3 middle_of_box(const Part& part) {
 
 }  // namespace
 
-bool is_closed(std::span<const Triangle> triangles) {
+bool is_closed(std::span<const mesh::Triangle> triangles) {
   // Every edge as (low vertex, high vertex) with the count of its direction; sorted, each edge must
   // add up to zero.
   std::vector<std::pair<std::uint64_t, int>> edges;
   edges.reserve(3 * triangles.size());
-  for (const Triangle& t : triangles) {
+  for (const mesh::Triangle& t : triangles) {
     for (int corner = 0; corner < 3; ++corner) {
       const std::uint64_t from = t[corner], to = t[(corner + 1) % 3];
       if (from < to) edges.push_back({from << 32 | to, 1});
@@ -108,4 +108,4 @@ MassProperties mass_properties(const Part& part) {
   return properties;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::part

@@ -8,7 +8,7 @@
 #include "pointshell/part/part.h"
 #include "pointshell/part/vec3.h"
 
-namespace forcelayer {
+namespace forcelayer::part {
 
 struct MassProperties {
   MassSource source = MassSource::kArea;
@@ -22,11 +22,11 @@ struct MassProperties {
 
 // Whether triangles run along every edge as often forwards as backwards. Then the divergence
 // theorem holds for the body that they bound.
-bool is_closed(std::span<const Triangle> triangles);
+bool is_closed(std::span<const mesh::Triangle> triangles);
 
 // Computed from the volume where the part is closed and its volume positive, else from the area as
 // of a thin sheet. Triangles must face outwards. The integrals are those of Eberly, "Polyhedral
 // Mass Properties", 2002, over tetrahedra about the middle of the part.
 MassProperties mass_properties(const Part& part);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::part

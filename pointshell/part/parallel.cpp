@@ -7,7 +7,7 @@
 
 #include <algorithm>
 
-namespace forcelayer {
+namespace forcelayer::part {
 
 void parallel_ranges(std::size_t count, std::size_t grain,
                      const std::function<void(std::size_t, std::size_t)>& body) {
@@ -25,4 +25,4 @@ void with_threads(unsigned threads, const std::function<void()>& body) {
   arena.execute(body);
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::part

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <functional>
 
-namespace forcelayer {
+namespace forcelayer::part {
 
 // Calls body(begin, end) on disjoint ranges that cover [0, count); a range holds at most `grain`.
 void parallel_ranges(std::size_t count, std::size_t grain,
@@ -22,4 +22,4 @@ void parallel_for_each_index(std::size_t count, std::size_t grain, const Body& b
 // Runs `body` with at most `threads` threads in all parallel loops; 0 means all of the machine's.
 void with_threads(unsigned threads, const std::function<void()>& body);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::part

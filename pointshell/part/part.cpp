@@ -5,7 +5,7 @@
 #include <numeric>
 #include <tuple>
 
-namespace forcelayer {
+namespace forcelayer::part {
 namespace {
 
 // All triangles of all instances with their own three corners each.
@@ -19,19 +19,19 @@ double determinant(const std::array<double, 9>& m) {
          m[2] * (m[3] * m[7] - m[4] * m[6]);
 }
 
-void append_instance(const Mesh& mesh, const Affine& assembly_from_mesh, double meters_per_unit,
-                     std::uint32_t body, CornerSoup& soup) {
+void append_instance(const mesh::Mesh& mesh, const mesh::Affine& assembly_from_mesh,
+                     double meters_per_unit, std::uint32_t body, CornerSoup& soup) {
   std::vector<Vec3> placed;
   placed.reserve(mesh.vertices.size());
-  for (const Vec3d& vertex : mesh.vertices) {
-    const Vec3d moved = apply(assembly_from_mesh, vertex);
+  for (const mesh::Vec3d& vertex : mesh.vertices) {
+    const mesh::Vec3d moved = mesh::apply(assembly_from_mesh, vertex);
     // Adding zero turns -0 into +0, so that equal places have equal bits.
     placed.push_back({moved[0] * meters_per_unit + 0.0, moved[1] * meters_per_unit + 0.0,
                       moved[2] * meters_per_unit + 0.0});
   }
   // A mirrored placing turns every triangle inside out; its corners are taken the other way round.
   const bool mirrored = determinant(assembly_from_mesh.linear) < 0;
-  for (Triangle triangle : mesh.triangles) {
+  for (mesh::Triangle triangle : mesh.triangles) {
     if (mirrored) std::swap(triangle[1], triangle[2]);
     for (const std::uint32_t corner : triangle) soup.corners.push_back(placed[corner]);
     soup.body.push_back(body);
@@ -57,7 +57,7 @@ void weld(const CornerSoup& soup, Part& part) {
 
 // Rotates every triangle to its lowest vertex, sorts, and drops exact duplicates within a body.
 void sort_triangles(Part& part) {
-  for (Triangle& t : part.triangles) {
+  for (mesh::Triangle& t : part.triangles) {
     std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
   }
   std::vector<std::uint32_t> order(part.triangles.size());
@@ -69,7 +69,7 @@ void sort_triangles(Part& part) {
                           [&](std::uint32_t a, std::uint32_t b) { return key(a) == key(b); }),
               order.end());
   part.duplicate_triangles = part.triangles.size() - order.size();
-  std::vector<Triangle> triangles;
+  std::vector<mesh::Triangle> triangles;
   std::vector<std::uint32_t> body;
   triangles.reserve(order.size());
   body.reserve(order.size());
@@ -102,8 +102,8 @@ Result<Part> assemble_part(std::span<const PartInput> inputs) {
   for (const PartInput& input : inputs) {
     part.deviation_m =
         std::max(part.deviation_m, input.assembly->deviation_units * input.meters_per_unit);
-    for (const MeshInstance& instance : input.assembly->instances) {
-      const Mesh& mesh = input.assembly->meshes[instance.mesh];
+    for (const mesh::MeshInstance& instance : input.assembly->instances) {
+      const mesh::Mesh& mesh = input.assembly->meshes[instance.mesh];
       append_instance(mesh, instance.assembly_from_mesh, input.meters_per_unit,
                       static_cast<std::uint32_t>(part.body_names.size()), soup);
       part.body_names.push_back(instance.name);
@@ -146,4 +146,4 @@ Part relative_to(Part part, const Vec3& origin) {
   return part;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::part

@@ -11,15 +11,15 @@
 #include "formats/result.h"
 #include "pointshell/part/vec3.h"
 
-namespace forcelayer {
+namespace forcelayer::part {
 
 // One rigid part. Equal vertices are one vertex, and vertices ascend. Each triangle starts at its
 // lowest vertex, and triangles ascend. So two files that hold the same triangles in another order
 // give the same part.
 struct Part {
-  std::vector<Vec3> vertices;       // [n] distinct, lexicographically ascending, m, part frame
-  std::vector<Triangle> triangles;  // [m] vertex indices, as oriented in the file
-  std::vector<std::uint32_t> body;  // [m] index into body_names
+  std::vector<Vec3> vertices;  // [n] distinct, lexicographically ascending, m, part frame
+  std::vector<mesh::Triangle> triangles;  // [m] vertex indices, as oriented in the file
+  std::vector<std::uint32_t> body;        // [m] index into body_names
   std::vector<std::string> body_names;
   std::uint64_t input_triangles = 0;       // over all instances
   std::uint64_t duplicate_triangles = 0;   // dropped: corners, orientation and body of another
@@ -31,7 +31,7 @@ struct Part {
 
 // One mesh file's content and the unit to read it in.
 struct PartInput {
-  const Assembly* assembly = nullptr;
+  const mesh::Assembly* assembly = nullptr;
   double meters_per_unit = 1;
 };
 
@@ -42,7 +42,7 @@ Result<Part> assemble_part(std::span<const PartInput> inputs);
 using Piece = std::array<Vec3, 3>;
 
 inline Piece triangle_piece(const Part& part, std::size_t t) {
-  const Triangle& corners = part.triangles[t];
+  const mesh::Triangle& corners = part.triangles[t];
   return {part.vertices[corners[0]], part.vertices[corners[1]], part.vertices[corners[2]]};
 }
 
@@ -63,4 +63,4 @@ std::vector<std::vector<std::uint32_t>> triangles_by_body(const Part& part);
 // The part moved by -`origin`. Shells are made and proven relative to their center.
 Part relative_to(Part part, const Vec3& origin);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::part

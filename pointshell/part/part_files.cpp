@@ -2,11 +2,11 @@
 
 #include "formats/mesh/units.h"
 
-namespace forcelayer {
+namespace forcelayer::part {
 Result<PartFiles> read_part(const std::vector<std::string>& paths,
-                            std::optional<double> chosen_unit_m, const AssemblyReader& read) {
+                            std::optional<double> chosen_unit_m, const mesh::AssemblyReader& read) {
   PartFiles files;
-  std::vector<Assembly> assemblies;
+  std::vector<mesh::Assembly> assemblies;
   std::vector<double> units;
   for (const std::string& path : paths) {
     auto assembly = read(path, {});
@@ -14,7 +14,7 @@ Result<PartFiles> read_part(const std::vector<std::string>& paths,
     for (const std::string& warning : assembly->warnings) {
       files.warnings.push_back(path + ": " + warning);
     }
-    const auto unit = meters_per_unit(*assembly, path, chosen_unit_m, files.warnings);
+    const auto unit = mesh::meters_per_unit(*assembly, path, chosen_unit_m, files.warnings);
     if (!unit) return unit.error();
     units.push_back(*unit);
     assemblies.push_back(std::move(*assembly));
@@ -33,7 +33,8 @@ Result<PartFiles> read_part(const std::vector<std::string>& paths,
 
 std::string precision_warning(const Part& part, double voxel_size_m) {
   if (!part.single_precision) return "";
-  return coarse_vertices_warning(part.largest_coordinate * 0x1p-23, voxel_size_m).value_or("");
+  return mesh::coarse_vertices_warning(part.largest_coordinate * 0x1p-23, voxel_size_m)
+      .value_or("");
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::part

@@ -9,7 +9,7 @@
 #include "formats/result.h"
 #include "pointshell/part/part.h"
 
-namespace forcelayer {
+namespace forcelayer::part {
 
 struct PartFiles {
   Part part;
@@ -21,9 +21,9 @@ struct PartFiles {
 // warning. Other errors: those of read_assembly and assemble_part, with the file's name.
 Result<PartFiles> read_part(const std::vector<std::string>& paths,
                             std::optional<double> meters_per_unit,
-                            const AssemblyReader& read = read_assembly);
+                            const mesh::AssemblyReader& read = mesh::read_assembly);
 
 // A warning where the file's 32-bit vertices are coarser than a thousandth of a voxel; else empty.
 std::string precision_warning(const Part& part, double voxel_size_m);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::part

@@ -1,6 +1,6 @@
 #include "pointshell/part/pieces.h"
 
-namespace forcelayer {
+namespace forcelayer::part {
 
 void for_each_tile_batch(const Part& part, double longest_edge_m,
                          const std::function<bool(std::span<const Piece>)>& take) {
@@ -27,4 +27,4 @@ void for_each_tile_batch(const Part& part, double longest_edge_m,
   if (!tiles.empty()) take(tiles);
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::part

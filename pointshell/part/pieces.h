@@ -9,7 +9,7 @@
 #include "pointshell/part/part.h"
 #include "pointshell/part/vec3.h"
 
-namespace forcelayer {
+namespace forcelayer::part {
 
 struct LongestEdge {
   int from = 0;  // the edge runs from corner `from` to the next
@@ -38,4 +38,4 @@ inline std::array<Piece, 2> bisected(const Piece& piece, int from) {
 void for_each_tile_batch(const Part& part, double longest_edge_m,
                          const std::function<bool(std::span<const Piece>)>& take);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::part

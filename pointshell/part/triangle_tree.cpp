@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
-namespace forcelayer {
+namespace forcelayer::part {
 namespace {
 
 constexpr std::size_t kLeafTriangles = 2;
@@ -189,4 +189,4 @@ SurfacePoint TriangleTree::nearest(const Vec3& place,
   return best;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::part

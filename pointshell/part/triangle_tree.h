@@ -10,7 +10,7 @@
 #include "pointshell/part/part.h"
 #include "pointshell/part/vec3.h"
 
-namespace forcelayer {
+namespace forcelayer::part {
 
 // The point of triangle a, b, c nearest to `place`. The triangle may have no area.
 Vec3 nearest_on_triangle(const Vec3& place, const Vec3& a, const Vec3& b, const Vec3& c);
@@ -109,4 +109,4 @@ class TriangleTree {
   std::vector<Node> nodes_;
 };
 
-}  // namespace forcelayer
+}  // namespace forcelayer::part

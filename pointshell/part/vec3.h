@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <limits>
 
-namespace forcelayer {
+namespace forcelayer::part {
 
 struct Vec3 {
   double x = 0, y = 0, z = 0;
@@ -88,4 +88,4 @@ struct Box {
   }
 };
 
-}  // namespace forcelayer
+}  // namespace forcelayer::part

@@ -11,7 +11,7 @@
 #include "pointshell/sample/relaxation.h"
 #include "pointshell/sample/stored_position.h"
 
-namespace forcelayer {
+namespace forcelayer::sample {
 namespace {
 
 // All lengths in covering radii. The perfect covering of a plane has a spacing of sqrt(3) = 1.73.
@@ -40,7 +40,7 @@ constexpr double kAim = 0.9998;
 
 class CoveringBuilder {
  public:
-  CoveringBuilder(const TriangleTree& tree, double radius, const Recipe& recipe,
+  CoveringBuilder(const part::TriangleTree& tree, double radius, const Recipe& recipe,
                   const std::function<void(double)>& progress)
       : recipe_(recipe),
         radius_(radius),
@@ -48,7 +48,7 @@ class CoveringBuilder {
         progress_(progress),
         relaxation_(tree, radius, spread(tree)) {}
 
-  std::vector<Vec3> build() {
+  std::vector<part::Vec3> build() {
     for (int n = 0; n < recipe_.centroid_steps; ++n) {
       step_all(CellCenter::kCentroid, recipe_.centroid_factor);
     }
@@ -58,18 +58,19 @@ class CoveringBuilder {
     for (int round = 0; round < recipe_.rounds && mend_holes(); ++round) {
       progress_(0.5 + 0.4 * round / recipe_.rounds);
     }
-    std::vector<Vec3> positions;
-    for (const Vec3& position : relaxation_.positions()) positions.push_back(as_stored(position));
+    std::vector<part::Vec3> positions;
+    for (const part::Vec3& position : relaxation_.positions())
+      positions.push_back(as_stored(position));
     return positions;
   }
 
  private:
   // The front's points in block order, so that points near in space are near in memory.
-  std::vector<SurfacePoint> spread(const TriangleTree& tree) const {
-    const std::vector<SurfacePoint> front = hexagonal_front(tree, recipe_.spacing * radius_);
-    std::vector<Vec3> positions;
-    for (const SurfacePoint& point : front) positions.push_back(point.position);
-    std::vector<SurfacePoint> ordered;
+  std::vector<part::SurfacePoint> spread(const part::TriangleTree& tree) const {
+    const std::vector<part::SurfacePoint> front = hexagonal_front(tree, recipe_.spacing * radius_);
+    std::vector<part::Vec3> positions;
+    for (const part::SurfacePoint& point : front) positions.push_back(point.position);
+    std::vector<part::SurfacePoint> ordered;
     for (const std::uint32_t n :
          block_order(positions, kDefaultBlockPoints, kDefaultSuperBlockBlocks)) {
       ordered.push_back(front[n]);
@@ -88,15 +89,16 @@ class CoveringBuilder {
 
   // Adds points in holes and relaxes around all of them; false when there are no holes.
   bool mend_holes() {
-    std::vector<Hole> holes;
-    std::vector<Vec3> places;
+    std::vector<certificate::Hole> holes;
+    std::vector<part::Vec3> places;
     for (std::size_t n = 0; n < relaxation_.positions().size(); ++n) {
       if (relaxation_.cell_radius(n) <= aim_) continue;
       holes.push_back({relaxation_.farthest_place(n), relaxation_.cell_radius(n), {}});
       places.push_back(holes.back().position);
     }
     if (holes.empty()) return false;
-    for (const Vec3& place : deepest_holes(std::move(holes), recipe_.hole_separation * radius_)) {
+    for (const part::Vec3& place :
+         deepest_holes(std::move(holes), recipe_.hole_separation * radius_)) {
       relaxation_.add(place);
     }
     relaxation_.choose(points_near(places), kLaterSlack * radius_);
@@ -106,9 +108,9 @@ class CoveringBuilder {
     return true;
   }
 
-  std::vector<std::uint32_t> points_near(const std::vector<Vec3>& places) const {
+  std::vector<std::uint32_t> points_near(const std::vector<part::Vec3>& places) const {
     const double reach = recipe_.relaxed_reach * radius_;
-    const PointGrid grid(places, reach);
+    const certificate::PointGrid grid(places, reach);
     std::vector<std::uint32_t> near;
     for (std::uint32_t n = 0; n < relaxation_.positions().size(); ++n) {
       if (grid.nearest_distance(relaxation_.positions()[n], reach) < reach) near.push_back(n);
@@ -125,7 +127,7 @@ class CoveringBuilder {
 
 }  // namespace
 
-CoveringPoints covering_points(const TriangleTree& tree, double radius, Effort effort,
+CoveringPoints covering_points(const part::TriangleTree& tree, double radius, Effort effort,
                                const std::function<void(double)>& progress) {
   const Recipe& recipe = effort == Effort::kFast ? kFast : kFull;
   CoveringPoints covering;
@@ -135,4 +137,4 @@ CoveringPoints covering_points(const TriangleTree& tree, double radius, Effort e
   return covering;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::sample

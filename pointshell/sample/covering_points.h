@@ -8,13 +8,13 @@
 #include "pointshell/part/triangle_tree.h"
 #include "pointshell/part/vec3.h"
 
-namespace forcelayer {
+namespace forcelayer::sample {
 
 enum class Effort { kFast, kFull };
 
 struct CoveringPoints {
-  std::vector<Vec3> positions;  // on the surface, rounded as they are stored
-  CoveringProof proof;          // that they cover the part
+  std::vector<part::Vec3> positions;  // on the surface, rounded as they are stored
+  certificate::CoveringProof proof;   // that they cover the part
 };
 
 // Points on the surface of `tree`'s part that provably cover it within `radius` (m).
@@ -24,7 +24,7 @@ struct CoveringPoints {
 // Then, round by round, points are added in the deepest holes, far from each other, and points near
 // a hole are relaxed again. Last, points are added wherever the proof finds a hole.
 // `progress` is called with the share of the work done, in [0, 1].
-CoveringPoints covering_points(const TriangleTree& tree, double radius, Effort effort,
+CoveringPoints covering_points(const part::TriangleTree& tree, double radius, Effort effort,
                                const std::function<void(double)>& progress);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::sample

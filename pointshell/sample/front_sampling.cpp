@@ -9,7 +9,7 @@
 #include "pointshell/part/parallel.h"
 #include "pointshell/part/pieces.h"
 
-namespace forcelayer {
+namespace forcelayer::sample {
 namespace {
 
 // All in spacings.
@@ -27,8 +27,8 @@ struct CubeIndex {
 };
 
 struct FrontPoint {
-  SurfacePoint place;
-  Vec3 normal;
+  part::SurfacePoint place;
+  part::Vec3 normal;
 };
 
 // A cube and its finished points.
@@ -39,17 +39,18 @@ struct Cube {
 
 using CubeMap = std::map<CubeIndex, std::size_t>;  // to the number of the cube
 
-CubeIndex cube_of(const Vec3& p, double edge) {
-  return {floor_to_int(p.x / edge), floor_to_int(p.y / edge), floor_to_int(p.z / edge)};
+CubeIndex cube_of(const part::Vec3& p, double edge) {
+  return {part::floor_to_int(p.x / edge), part::floor_to_int(p.y / edge),
+          part::floor_to_int(p.z / edge)};
 }
 
 // Every cube that may hold a point of the surface.
-std::vector<Cube> cubes_of(const Part& part, double edge) {
+std::vector<Cube> cubes_of(const part::Part& part, double edge) {
   std::vector<CubeIndex> indices;
-  for_each_tile_batch(part, edge, [&](std::span<const Piece> tiles) {
-    for (const Piece& tile : tiles) {
-      Box box;
-      for (const Vec3& corner : tile) box.grow(corner);
+  part::for_each_tile_batch(part, edge, [&](std::span<const part::Piece> tiles) {
+    for (const part::Piece& tile : tiles) {
+      part::Box box;
+      for (const part::Vec3& corner : tile) box.grow(corner);
       const CubeIndex low = cube_of(box.low, edge), high = cube_of(box.high, edge);
       for (std::int64_t i = low.i; i <= high.i; ++i) {
         for (std::int64_t j = low.j; j <= high.j; ++j) {
@@ -70,7 +71,7 @@ std::vector<Cube> cubes_of(const Part& part, double edge) {
 // as a neighbor is far.
 class LocalGrid {
  public:
-  LocalGrid(const Vec3& low, double edge, double cell)
+  LocalGrid(const part::Vec3& low, double edge, double cell)
       : low_{low.x - cell, low.y - cell, low.z - cell},
         cell_(cell),
         side_(static_cast<int>(std::ceil(edge / cell)) + 2),
@@ -90,9 +91,9 @@ class LocalGrid {
 
   // Calls visit(number, point) for the points within `reach` of `place`, and some farther ones.
   template <typename Visit>
-  void visit_near(const Vec3& place, double reach, const Visit& visit) const {
-    const auto low = cell_of(place - Vec3{reach, reach, reach});
-    const auto high = cell_of(place + Vec3{reach, reach, reach});
+  void visit_near(const part::Vec3& place, double reach, const Visit& visit) const {
+    const auto low = cell_of(place - part::Vec3{reach, reach, reach});
+    const auto high = cell_of(place + part::Vec3{reach, reach, reach});
     for (int i = std::max(low[0], 0); i <= std::min(high[0], side_ - 1); ++i) {
       for (int j = std::max(low[1], 0); j <= std::min(high[1], side_ - 1); ++j) {
         for (int k = std::max(low[2], 0); k <= std::min(high[2], side_ - 1); ++k) {
@@ -102,10 +103,10 @@ class LocalGrid {
     }
   }
 
-  bool any_within(const Vec3& place, double distance) const {
+  bool any_within(const part::Vec3& place, double distance) const {
     bool found = false;
     visit_near(place, distance, [&](int, const FrontPoint& point) {
-      found |= length_squared(point.place.position - place) < distance * distance;
+      found |= part::length_squared(point.place.position - place) < distance * distance;
     });
     return found;
   }
@@ -113,10 +114,10 @@ class LocalGrid {
   const std::vector<FrontPoint>& points() const { return points_; }
 
  private:
-  std::array<int, 3> cell_of(const Vec3& p) const {
-    const Vec3 offset = (1 / cell_) * (p - low_);
+  std::array<int, 3> cell_of(const part::Vec3& p) const {
+    const part::Vec3 offset = (1 / cell_) * (p - low_);
     const auto clamped = [](double x) {
-      return static_cast<int>(floor_to_int(std::clamp(x, -1.0, 1e6)));
+      return static_cast<int>(part::floor_to_int(std::clamp(x, -1.0, 1e6)));
     };
     return std::array<int, 3>{clamped(offset.x), clamped(offset.y), clamped(offset.z)};
   }
@@ -124,7 +125,7 @@ class LocalGrid {
     return (static_cast<std::size_t>(i) * side_ + j) * side_ + k;
   }
 
-  Vec3 low_;
+  part::Vec3 low_;
   double cell_;
   int side_;
   std::vector<int> head_, next_;
@@ -134,13 +135,13 @@ class LocalGrid {
 // Grows the front through one cube.
 class CubeFront {
  public:
-  CubeFront(const TriangleTree& tree, double spacing, const CubeIndex& index)
+  CubeFront(const part::TriangleTree& tree, double spacing, const CubeIndex& index)
       : tree_(tree),
         spacing_(spacing),
         index_(index),
         low_(kCubeEdge * spacing *
-             Vec3{static_cast<double>(index.i), static_cast<double>(index.j),
-                  static_cast<double>(index.k)}),
+             part::Vec3{static_cast<double>(index.i), static_cast<double>(index.j),
+                        static_cast<double>(index.k)}),
         grid_(low_, kCubeEdge * spacing, kNeighborReach * spacing) {}
 
   // Points of finished cubes around: the front starts from those in the rim.
@@ -164,10 +165,11 @@ class CubeFront {
 
   void complete_hexagon(std::size_t number) {
     const FrontPoint center = grid_.points()[number];
-    const Vec3 along_x = any_perpendicular(center.normal), along_y = cross(center.normal, along_x);
+    const part::Vec3 along_x = part::any_perpendicular(center.normal),
+                     along_y = part::cross(center.normal, along_x);
     find_neighbor_angles(number, center, along_x, along_y);
     const auto propose = [&](double angle) {
-      const Vec3 direction = std::cos(angle) * along_x + std::sin(angle) * along_y;
+      const part::Vec3 direction = std::cos(angle) * along_x + std::sin(angle) * along_y;
       try_place(center.place.position + spacing_ * direction, center.place.triangle);
     };
     if (angles_.empty()) {
@@ -182,34 +184,37 @@ class CubeFront {
     }
   }
 
-  void find_neighbor_angles(std::size_t number, const FrontPoint& center, const Vec3& along_x,
-                            const Vec3& along_y) {
+  void find_neighbor_angles(std::size_t number, const FrontPoint& center, const part::Vec3& along_x,
+                            const part::Vec3& along_y) {
     angles_.clear();
     const double reach = kNeighborReach * spacing_;
     grid_.visit_near(center.place.position, reach, [&](int other, const FrontPoint& point) {
-      const Vec3 offset = point.place.position - center.place.position;
-      if (static_cast<std::size_t>(other) == number || length_squared(offset) > reach * reach ||
-          dot(point.normal, center.normal) < kSameSideCos) {
+      const part::Vec3 offset = point.place.position - center.place.position;
+      if (static_cast<std::size_t>(other) == number ||
+          part::length_squared(offset) > reach * reach ||
+          part::dot(point.normal, center.normal) < kSameSideCos) {
         return;
       }
-      angles_.push_back(std::atan2(dot(offset, along_y), dot(offset, along_x)));
+      angles_.push_back(std::atan2(part::dot(offset, along_y), part::dot(offset, along_x)));
     });
     std::sort(angles_.begin(), angles_.end());
   }
 
   // Adds the surface point nearest to `target`, unless it is far off, in another cube or too close
   // to a point. The search is short because it is no farther than triangle `known`.
-  void try_place(const Vec3& target, std::uint32_t known) {
-    const Piece corners = triangle_piece(tree_.part(), known);
-    const Vec3 foot = nearest_on_triangle(target, corners[0], corners[1], corners[2]);
+  void try_place(const part::Vec3& target, std::uint32_t known) {
+    const part::Piece corners = part::triangle_piece(tree_.part(), known);
+    const part::Vec3 foot = part::nearest_on_triangle(target, corners[0], corners[1], corners[2]);
     constexpr double kRoundedUp = 1 + 1e-12;
-    const double reach = std::min(kRoundedUp * length(foot - target), kProjectionReach * spacing_);
-    const TriangleTree::Nearest nearest = tree_.nearest(target, reach);
+    const double reach =
+        std::min(kRoundedUp * part::length(foot - target), kProjectionReach * spacing_);
+    const part::TriangleTree::Nearest nearest = tree_.nearest(target, reach);
     if (!nearest.found || cube_of(nearest.point.position, kCubeEdge * spacing_) != index_ ||
         grid_.any_within(nearest.point.position, kClosest * spacing_)) {
       return;
     }
-    const Vec3 normal = normalized(doubled_area_normal(tree_.part(), nearest.point.triangle));
+    const part::Vec3 normal =
+        part::normalized(part::doubled_area_normal(tree_.part(), nearest.point.triangle));
     grid_.add({nearest.point, normal});
   }
 
@@ -218,41 +223,43 @@ class CubeFront {
     const double half_diagonal = std::sqrt(0.75) * kCubeEdge * spacing_;
     const double half = kCubeEdge * spacing_ / 2;
     std::vector<std::uint32_t> triangles;
-    tree_.visit_near(low_ + Vec3{half, half, half}, half_diagonal,
+    tree_.visit_near(low_ + part::Vec3{half, half, half}, half_diagonal,
                      [&](std::uint32_t t) { triangles.push_back(t); });
     std::sort(triangles.begin(), triangles.end());
-    for (const std::uint32_t t : triangles) visit_seeds_of(triangle_piece(tree_.part(), t), t);
+    for (const std::uint32_t t : triangles)
+      visit_seeds_of(part::triangle_piece(tree_.part(), t), t);
   }
 
-  void visit_seeds_of(const Piece& piece, std::uint32_t triangle) {
-    Box box;
-    for (const Vec3& corner : piece) box.grow(corner);
+  void visit_seeds_of(const part::Piece& piece, std::uint32_t triangle) {
+    part::Box box;
+    for (const part::Vec3& corner : piece) box.grow(corner);
     const double edge = kCubeEdge * spacing_;
     if (box.high.x < low_.x || box.low.x >= low_.x + edge || box.high.y < low_.y ||
         box.low.y >= low_.y + edge || box.high.z < low_.z || box.low.z >= low_.z + edge) {
       return;
     }
-    const LongestEdge longest = longest_edge(piece);
+    const part::LongestEdge longest = part::longest_edge(piece);
     if (longest.length_squared > kSeedEdge * kSeedEdge * spacing_ * spacing_) {
-      for (const Piece& half : bisected(piece, longest.from)) visit_seeds_of(half, triangle);
+      for (const part::Piece& half : part::bisected(piece, longest.from))
+        visit_seeds_of(half, triangle);
       return;
     }
-    const Vec3 middle = centroid(piece);
+    const part::Vec3 middle = part::centroid(piece);
     if (grid_.any_within(middle, kClosest * spacing_)) return;
     try_place(middle, triangle);
     advance();
   }
 
-  const TriangleTree& tree_;
+  const part::TriangleTree& tree_;
   const double spacing_;
   const CubeIndex index_;
-  const Vec3 low_;
+  const part::Vec3 low_;
   LocalGrid grid_;
   std::size_t looked_at_ = 0;
   std::vector<double> angles_;
 };
 
-void grow_cube(const TriangleTree& tree, double spacing, const CubeMap& numbers,
+void grow_cube(const part::TriangleTree& tree, double spacing, const CubeMap& numbers,
                std::vector<Cube>& cubes, std::size_t number) {
   Cube& cube = cubes[number];
   CubeFront front(tree, spacing, cube.index);
@@ -271,7 +278,7 @@ void grow_cube(const TriangleTree& tree, double spacing, const CubeMap& numbers,
 
 }  // namespace
 
-std::vector<SurfacePoint> hexagonal_front(const TriangleTree& tree, double spacing) {
+std::vector<part::SurfacePoint> hexagonal_front(const part::TriangleTree& tree, double spacing) {
   std::vector<Cube> cubes = cubes_of(tree.part(), kCubeEdge * spacing);
   CubeMap numbers;
   std::array<std::vector<std::size_t>, 8> turns;
@@ -281,14 +288,14 @@ std::vector<SurfacePoint> hexagonal_front(const TriangleTree& tree, double spaci
     turns[(index.i & 1) << 2 | (index.j & 1) << 1 | (index.k & 1)].push_back(n);
   }
   for (const std::vector<std::size_t>& turn : turns) {
-    parallel_for_each_index(
+    part::parallel_for_each_index(
         turn.size(), 1, [&](std::size_t n) { grow_cube(tree, spacing, numbers, cubes, turn[n]); });
   }
-  std::vector<SurfacePoint> points;
+  std::vector<part::SurfacePoint> points;
   for (const Cube& cube : cubes) {
     for (const FrontPoint& point : cube.points) points.push_back(point.place);
   }
   return points;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::sample

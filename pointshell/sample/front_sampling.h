@@ -5,7 +5,7 @@
 
 #include "pointshell/part/triangle_tree.h"
 
-namespace forcelayer {
+namespace forcelayer::sample {
 
 // Points on the surface of `tree`'s part. Most are `spacing` (m) from six others; no two are closer
 // than about 0.8 spacings, and no bare patch is larger than that. Where fronts meet, rows do not
@@ -14,6 +14,6 @@ namespace forcelayer {
 // The part is cut into cubes, which are filled in eight turns. Cubes of one turn do not touch, and
 // each cube continues the rows of its finished neighbors. So the result is the same for any number
 // of threads.
-std::vector<SurfacePoint> hexagonal_front(const TriangleTree& tree, double spacing);
+std::vector<part::SurfacePoint> hexagonal_front(const part::TriangleTree& tree, double spacing);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::sample

@@ -8,13 +8,14 @@
 #include "pointshell/part/part.h"
 #include "pointshell/part/vec3.h"
 
-namespace forcelayer {
+namespace forcelayer::sample {
 
 // The deepest holes, at least `separation` (m) apart from each other, as stored positions.
-std::vector<Vec3> deepest_holes(std::vector<Hole> holes, double separation);
+std::vector<part::Vec3> deepest_holes(std::vector<certificate::Hole> holes, double separation);
 
 // Appends points on the surface to `points` until prove_covering succeeds at `radius`; returns the
 // proof. It ends, because every point added is about `radius` away from all others.
-CoveringProof fill_holes(const Part& part, double radius, std::vector<Vec3>& points);
+certificate::CoveringProof fill_holes(const part::Part& part, double radius,
+                                      std::vector<part::Vec3>& points);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::sample

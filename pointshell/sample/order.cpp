@@ -11,11 +11,11 @@
 #include "pointshell/sample/smallest_ball.h"
 #include "pointshell/sample/stored_position.h"
 
-namespace forcelayer {
+namespace forcelayer::sample {
 namespace {
 
 struct Place {
-  Vec3 position;
+  part::Vec3 position;
   std::uint32_t index;
 };
 
@@ -23,15 +23,15 @@ struct Place {
 struct AxisOrder {
   int axis;
   bool operator()(const Place& a, const Place& b) const {
-    const double x = coordinate(a.position, axis), y = coordinate(b.position, axis);
+    const double x = part::coordinate(a.position, axis), y = part::coordinate(b.position, axis);
     if (x != y) return x < y;
-    if (!(a.position == b.position)) return lexicographic_less(a.position, b.position);
+    if (!(a.position == b.position)) return part::lexicographic_less(a.position, b.position);
     return a.index < b.index;
   }
 };
 
 int longest_side(std::span<const Place> places) {
-  Box box;
+  part::Box box;
   for (const Place& place : places) box.grow(place.position);
   return box.longest_axis();
 }
@@ -57,11 +57,11 @@ float rounded_up(double value) {
                           : std::nextafter(nearest, std::numeric_limits<float>::infinity());
 }
 
-BoundingSphere sphere_around(std::span<const Vec3> points) {
-  const Vec3 center = as_stored(smallest_ball(points).center);
+BoundingSphere sphere_around(std::span<const part::Vec3> points) {
+  const part::Vec3 center = as_stored(smallest_ball(points).center);
   double squared = 0;
-  for (const Vec3& p : points) {
-    squared = std::max(squared, length_squared(p - center));
+  for (const part::Vec3& p : points) {
+    squared = std::max(squared, part::length_squared(p - center));
   }
   // 2^-40 is far more than the rounding of a distance in double precision.
   const float radius = rounded_up(std::sqrt(squared) * (1 + 0x1p-40));
@@ -71,7 +71,7 @@ BoundingSphere sphere_around(std::span<const Vec3> points) {
 
 }  // namespace
 
-std::vector<std::uint32_t> block_order(std::span<const Vec3> points, std::size_t block,
+std::vector<std::uint32_t> block_order(std::span<const part::Vec3> points, std::size_t block,
                                        std::size_t super_block) {
   std::vector<Place> places(points.size());
   for (std::uint32_t n = 0; n < places.size(); ++n) places[n] = {points[n], n};
@@ -81,13 +81,14 @@ std::vector<std::uint32_t> block_order(std::span<const Vec3> points, std::size_t
   return order;
 }
 
-std::vector<BoundingSphere> bounding_spheres(std::span<const Vec3> points, std::size_t group) {
+std::vector<BoundingSphere> bounding_spheres(std::span<const part::Vec3> points,
+                                             std::size_t group) {
   std::vector<BoundingSphere> spheres((points.size() + group - 1) / group);
-  parallel_for_each_index(spheres.size(), 16, [&](std::size_t n) {
+  part::parallel_for_each_index(spheres.size(), 16, [&](std::size_t n) {
     const std::size_t first = n * group;
     spheres[n] = sphere_around(points.subspan(first, std::min(group, points.size() - first)));
   });
   return spheres;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::sample

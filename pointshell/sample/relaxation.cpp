@@ -7,7 +7,7 @@
 #include "pointshell/part/parallel.h"
 #include "pointshell/sample/smallest_ball.h"
 
-namespace forcelayer {
+namespace forcelayer::sample {
 namespace {
 
 constexpr std::size_t kPointsPerTask = 128;
@@ -17,28 +17,29 @@ constexpr double kOnTriangle = 1e-7;
 // Area and first moment of the pieces of a cell.
 class Centroid {
  public:
-  void add(std::span<const Vec3> corners) {
+  void add(std::span<const part::Vec3> corners) {
     for (std::size_t n = 2; n < corners.size(); ++n) {
-      const Vec3 &a = corners[0], &b = corners[n - 1], &c = corners[n];
-      const double area = length(cross(b - a, c - a)) / 2;
+      const part::Vec3 &a = corners[0], &b = corners[n - 1], &c = corners[n];
+      const double area = part::length(part::cross(b - a, c - a)) / 2;
       area_ += area;
       moment_ += (area / 3) * (a + b + c);
     }
   }
-  Vec3 of(const Vec3& without_area) const {
+  part::Vec3 of(const part::Vec3& without_area) const {
     return area_ > 0 ? (1 / area_) * moment_ : without_area;
   }
 
  private:
   double area_ = 0;
-  Vec3 moment_;
+  part::Vec3 moment_;
 };
 
 }  // namespace
 
-Relaxation::Relaxation(const TriangleTree& tree, double radius, std::vector<SurfacePoint> points)
+Relaxation::Relaxation(const part::TriangleTree& tree, double radius,
+                       std::vector<part::SurfacePoint> points)
     : tree_(tree), radius_(radius), cells_(tree, radius) {
-  for (const SurfacePoint& point : points) {
+  for (const part::SurfacePoint& point : points) {
     positions_.push_back(point.position);
     triangles_.push_back(point.triangle);
   }
@@ -57,11 +58,12 @@ void Relaxation::choose_all(double slack) {
   choose(std::move(all), slack);
 }
 
-SurfacePoint Relaxation::slide(std::uint32_t triangle, const Vec3& target,
-                               std::span<const std::uint32_t> triangles) const {
-  const SurfacePoint along = tree_.nearest(target, {&triangle, 1});
+part::SurfacePoint Relaxation::slide(std::uint32_t triangle, const part::Vec3& target,
+                                     std::span<const std::uint32_t> triangles) const {
+  const part::SurfacePoint along = tree_.nearest(target, {&triangle, 1});
   const double on_triangle = kOnTriangle * radius_;
-  if (triangles.empty() || length_squared(along.position - target) <= on_triangle * on_triangle) {
+  if (triangles.empty() ||
+      part::length_squared(along.position - target) <= on_triangle * on_triangle) {
     return along;
   }
   return tree_.nearest(target, triangles);
@@ -69,14 +71,14 @@ SurfacePoint Relaxation::slide(std::uint32_t triangle, const Vec3& target,
 
 Relaxation::Move Relaxation::find_move(std::size_t n, CellCenter center, double factor) const {
   const std::uint32_t point = chosen_[n];
-  const Vec3& place = positions_[point];
+  const part::Vec3& place = positions_[point];
   Move move{{place, triangles_[point]}, place, 0};
   Centroid centroid;
-  std::vector<Vec3> corners;
+  std::vector<part::Vec3> corners;
   double farthest_squared = 0;
-  cells_.visit_cell(n, positions_, [&](const ConvexPolygon& polygon) {
-    for (const Vec3& corner : polygon.corners()) {
-      const double squared = length_squared(corner - place);
+  cells_.visit_cell(n, positions_, [&](const certificate::ConvexPolygon& polygon) {
+    for (const part::Vec3& corner : polygon.corners()) {
+      const double squared = part::length_squared(corner - place);
       if (squared > farthest_squared) farthest_squared = squared, move.farthest = corner;
     }
     if (center == CellCenter::kCentroid) {
@@ -87,7 +89,7 @@ Relaxation::Move Relaxation::find_move(std::size_t n, CellCenter center, double 
   });
   move.cell_radius = std::sqrt(farthest_squared);
   if (farthest_squared == 0) return move;
-  const Vec3 middle =
+  const part::Vec3 middle =
       center == CellCenter::kCentroid ? centroid.of(place) : smallest_ball(corners).center;
   move.to = slide(triangles_[point], place + factor * (middle - place), cells_.triangles_near(n));
   return move;
@@ -95,9 +97,9 @@ Relaxation::Move Relaxation::find_move(std::size_t n, CellCenter center, double 
 
 void Relaxation::step(CellCenter center, double factor) {
   moves_.resize(chosen_.size());
-  parallel_for_each_index(chosen_.size(), kPointsPerTask,
-                          [&](std::size_t n) { moves_[n] = find_move(n, center, factor); });
-  parallel_for_each_index(chosen_.size(), kPointsPerTask, [&](std::size_t n) {
+  part::parallel_for_each_index(chosen_.size(), kPointsPerTask,
+                                [&](std::size_t n) { moves_[n] = find_move(n, center, factor); });
+  part::parallel_for_each_index(chosen_.size(), kPointsPerTask, [&](std::size_t n) {
     const std::uint32_t point = chosen_[n];
     positions_[point] = moves_[n].to.position;
     triangles_[point] = moves_[n].to.triangle;
@@ -106,12 +108,12 @@ void Relaxation::step(CellCenter center, double factor) {
   });
 }
 
-void Relaxation::add(const Vec3& place) {
-  const SurfacePoint point = tree_.nearest(place).point;
+void Relaxation::add(const part::Vec3& place) {
+  const part::SurfacePoint point = tree_.nearest(place).point;
   positions_.push_back(point.position);
   triangles_.push_back(point.triangle);
   farthest_.push_back(point.position);
   cell_radius_.push_back(0);
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::sample

@@ -8,7 +8,7 @@
 #include "pointshell/part/triangle_tree.h"
 #include "pointshell/sample/restricted_cells.h"
 
-namespace forcelayer {
+namespace forcelayer::sample {
 
 // The place in its cell that a point moves to.
 enum class CellCenter {
@@ -19,7 +19,7 @@ enum class CellCenter {
 class Relaxation {
  public:
   // `radius` (m) is the covering radius that is aimed at.
-  Relaxation(const TriangleTree& tree, double radius, std::vector<SurfacePoint> points);
+  Relaxation(const part::TriangleTree& tree, double radius, std::vector<part::SurfacePoint> points);
 
   // Chooses the points that the following steps move, by ascending index, and looks up what is
   // near them. Good for moves of up to `slack` (m).
@@ -31,34 +31,34 @@ class Relaxation {
   void step(CellCenter center, double factor);
 
   // Appends a point at the place on the surface nearest to `place`.
-  void add(const Vec3& place);
+  void add(const part::Vec3& place);
 
-  const std::vector<Vec3>& positions() const { return positions_; }
+  const std::vector<part::Vec3>& positions() const { return positions_; }
 
   // The place of point `n`'s cell that is farthest from it, and its distance (m), as they were
   // before the last step that moved it.
-  const Vec3& farthest_place(std::size_t n) const { return farthest_[n]; }
+  const part::Vec3& farthest_place(std::size_t n) const { return farthest_[n]; }
   double cell_radius(std::size_t n) const { return cell_radius_[n]; }
 
  private:
   struct Move {
-    SurfacePoint to;
-    Vec3 farthest;
+    part::SurfacePoint to;
+    part::Vec3 farthest;
     double cell_radius;
   };
   Move find_move(std::size_t n, CellCenter center, double factor) const;
   // The surface point nearest to `target`, of `triangles` and the one slid along.
-  SurfacePoint slide(std::uint32_t triangle, const Vec3& target,
-                     std::span<const std::uint32_t> triangles) const;
+  part::SurfacePoint slide(std::uint32_t triangle, const part::Vec3& target,
+                           std::span<const std::uint32_t> triangles) const;
 
-  const TriangleTree& tree_;
+  const part::TriangleTree& tree_;
   const double radius_;
   RestrictedCells cells_;
-  std::vector<Vec3> positions_, farthest_;
+  std::vector<part::Vec3> positions_, farthest_;
   std::vector<std::uint32_t> triangles_;  // that each point lies on
   std::vector<double> cell_radius_;
   std::vector<std::uint32_t> chosen_;
   std::vector<Move> moves_;
 };
 
-}  // namespace forcelayer
+}  // namespace forcelayer::sample

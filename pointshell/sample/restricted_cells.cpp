@@ -8,19 +8,20 @@
 #include "pointshell/certificate/point_grid.h"
 #include "pointshell/part/parallel.h"
 
-namespace forcelayer {
-RestrictedCells::Cutter::Cutter(std::uint32_t point, std::span<const Vec3> positions,
+namespace forcelayer::sample {
+RestrictedCells::Cutter::Cutter(std::uint32_t point, std::span<const part::Vec3> positions,
                                 std::span<const std::uint32_t> neighbors, double cell_radius)
     : center(positions[point]), radius(cell_radius) {
   // Two points that share a plane compute its normal and offset with opposite signs and the same
   // bits. So no piece goes to both of them, or to neither.
   for (const std::uint32_t other : neighbors.first(std::min(neighbors.size(), kMostNeighbors))) {
-    const Vec3& q = positions[other];
-    const Vec3 normal = q - center;
-    const double squared = length_squared(normal);
+    const part::Vec3& q = positions[other];
+    const part::Vec3 normal = q - center;
+    const double squared = part::length_squared(normal);
     if (squared > 4 * kReach * kReach * radius * radius || (squared == 0 && other > point))
       continue;
-    bisectors[bisector_count++] = {normal, dot(normal, 0.5 * (center + q)), squared, point < other};
+    bisectors[bisector_count++] = {normal, part::dot(normal, 0.5 * (center + q)), squared,
+                                   point < other};
   }
 }
 
@@ -38,14 +39,14 @@ void RestrictedCells::Cutter::cut() {
 
 void RestrictedCells::Cutter::cut_to_cube() {
   const double half = kReach * radius;
-  const Vec3 axes[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-  for (const Vec3& axis : axes) {
-    polygon.clip(axis, dot(axis, center) + half, true);
-    polygon.clip(-axis, half - dot(axis, center), true);
+  const part::Vec3 axes[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  for (const part::Vec3& axis : axes) {
+    polygon.clip(axis, part::dot(axis, center) + half, true);
+    polygon.clip(-axis, half - part::dot(axis, center), true);
   }
 }
 
-void RestrictedCells::find_lists(std::span<const Vec3> positions) {
+void RestrictedCells::find_lists(std::span<const part::Vec3> positions) {
   std::vector<std::uint32_t> all(positions.size());
   std::iota(all.begin(), all.end(), 0u);
   find_lists(positions, all, 0);
@@ -54,8 +55,8 @@ void RestrictedCells::find_lists(std::span<const Vec3> positions) {
 // Makes the lists of one chunk. What lies near a cube is gathered once for all of its points.
 class RestrictedCells::ListMaker {
  public:
-  ListMaker(const TriangleTree& tree, const PointGrid& grid, std::span<const Vec3> positions,
-            double neighbor_reach, double triangle_reach)
+  ListMaker(const part::TriangleTree& tree, const certificate::PointGrid& grid,
+            std::span<const part::Vec3> positions, double neighbor_reach, double triangle_reach)
       : tree_(tree),
         grid_(grid),
         positions_(positions),
@@ -82,11 +83,11 @@ class RestrictedCells::ListMaker {
   };
   struct NearPoint {
     std::uint32_t index;
-    Vec3 position;
+    part::Vec3 position;
   };
   struct NearTriangle {
     std::uint32_t index;
-    Box box;
+    part::Box box;
   };
 
   double cube_edge() const { return neighbor_reach_; }
@@ -94,8 +95,9 @@ class RestrictedCells::ListMaker {
   void order_by_cube(std::span<const std::uint32_t> chosen) {
     order_.clear();
     for (std::size_t at = 0; at < chosen.size(); ++at) {
-      const Vec3 p = (1 / cube_edge()) * positions_[chosen[at]];
-      order_.push_back({{floor_to_int(p.x), floor_to_int(p.y), floor_to_int(p.z)}, at});
+      const part::Vec3 p = (1 / cube_edge()) * positions_[chosen[at]];
+      order_.push_back(
+          {{part::floor_to_int(p.x), part::floor_to_int(p.y), part::floor_to_int(p.z)}, at});
     }
     std::sort(order_.begin(), order_.end(), [](const CubeMember& a, const CubeMember& b) {
       return a.cube != b.cube ? a.cube < b.cube : a.at < b.at;
@@ -104,25 +106,25 @@ class RestrictedCells::ListMaker {
 
   void gather(const CubeIndex& cube) {
     const double half = cube_edge() / 2;
-    const Vec3 middle{(static_cast<double>(cube[0]) + 0.5) * cube_edge(),
-                      (static_cast<double>(cube[1]) + 0.5) * cube_edge(),
-                      (static_cast<double>(cube[2]) + 0.5) * cube_edge()};
+    const part::Vec3 middle{(static_cast<double>(cube[0]) + 0.5) * cube_edge(),
+                            (static_cast<double>(cube[1]) + 0.5) * cube_edge(),
+                            (static_cast<double>(cube[2]) + 0.5) * cube_edge()};
     points_.clear();
-    grid_.visit_near(middle, half + neighbor_reach_, [&](std::uint32_t index, const Vec3& p) {
+    grid_.visit_near(middle, half + neighbor_reach_, [&](std::uint32_t index, const part::Vec3& p) {
       points_.push_back({index, p});
     });
     triangles_.clear();
     tree_.visit_near_box(middle, half + triangle_reach_, [&](std::uint32_t t) {
-      triangles_.push_back({t, box_of(tree_.part(), {&t, 1})});
+      triangles_.push_back({t, part::box_of(tree_.part(), {&t, 1})});
     });
   }
 
   void list_neighbors(std::size_t at, Lists& lists) {
     const std::uint32_t point = lists.center[at];
-    const Vec3& place = positions_[point];
+    const part::Vec3& place = positions_[point];
     near_.clear();
     for (const NearPoint& other : points_) {
-      const double squared = length_squared(other.position - place);
+      const double squared = part::length_squared(other.position - place);
       if (squared <= neighbor_reach_ * neighbor_reach_ && other.index != point) {
         near_.push_back({squared, other.index});
       }
@@ -134,14 +136,14 @@ class RestrictedCells::ListMaker {
   }
 
   void list_triangles(std::size_t at, Lists& lists) {
-    const Vec3& place = positions_[lists.center[at]];
+    const part::Vec3& place = positions_[lists.center[at]];
     const double reach_squared = triangle_reach_ * triangle_reach_;
     lists.triangles_at[at].first = static_cast<std::uint32_t>(lists.triangles.size());
     for (const NearTriangle& triangle : triangles_) {
       if (triangle.box.distance_squared(place) > reach_squared) continue;
-      const auto [a, b, c] = triangle_piece(tree_.part(), triangle.index);
-      const Vec3 nearest = nearest_on_triangle(place, a, b, c);
-      if (length_squared(nearest - place) <= reach_squared) {
+      const auto [a, b, c] = part::triangle_piece(tree_.part(), triangle.index);
+      const part::Vec3 nearest = part::nearest_on_triangle(place, a, b, c);
+      if (part::length_squared(nearest - place) <= reach_squared) {
         lists.triangles.push_back(triangle.index);
       }
     }
@@ -149,9 +151,9 @@ class RestrictedCells::ListMaker {
         static_cast<std::uint32_t>(lists.triangles.size()) - lists.triangles_at[at].first;
   }
 
-  const TriangleTree& tree_;
-  const PointGrid& grid_;
-  const std::span<const Vec3> positions_;
+  const part::TriangleTree& tree_;
+  const certificate::PointGrid& grid_;
+  const std::span<const part::Vec3> positions_;
   const double neighbor_reach_, triangle_reach_;
   std::vector<CubeMember> order_;
   std::vector<NearPoint> points_;                       // near the present cube
@@ -159,17 +161,17 @@ class RestrictedCells::ListMaker {
   std::vector<std::pair<double, std::uint32_t>> near_;  // squared distance and index
 };
 
-void RestrictedCells::find_lists(std::span<const Vec3> positions,
+void RestrictedCells::find_lists(std::span<const part::Vec3> positions,
                                  std::span<const std::uint32_t> chosen, double slack) {
   const double neighbor_reach = 2 * (kReach * radius_ + slack);
   const double triangle_reach = kReach * radius_ + slack;
-  const PointGrid grid(positions, neighbor_reach);
+  const certificate::PointGrid grid(positions, neighbor_reach);
   chunks_.assign((chosen.size() + kChunk - 1) / kChunk, {});
-  parallel_for_each_index(chunks_.size(), 1, [&](std::size_t chunk) {
+  part::parallel_for_each_index(chunks_.size(), 1, [&](std::size_t chunk) {
     const std::size_t first = chunk * kChunk;
     ListMaker(tree_, grid, positions, neighbor_reach, triangle_reach)
         .make(chosen.subspan(first, std::min(kChunk, chosen.size() - first)), chunks_[chunk]);
   });
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::sample

@@ -11,7 +11,7 @@
 #include "pointshell/part/triangle_tree.h"
 #include "pointshell/part/vec3.h"
 
-namespace forcelayer {
+namespace forcelayer::sample {
 
 // The cells of a chosen set of points. They are cut with lists of the points and triangles near
 // each point, which stay valid while points move by up to `slack`.
@@ -22,29 +22,29 @@ class RestrictedCells {
   static constexpr double kReach = 1.2;
 
   // Cells reach at most `radius` far; beyond, they are cut off (at 1.2 radius or farther).
-  RestrictedCells(const TriangleTree& tree, double radius) : tree_(tree), radius_(radius) {}
+  RestrictedCells(const part::TriangleTree& tree, double radius) : tree_(tree), radius_(radius) {}
 
   // Finds what is near the points `chosen` of all `positions`, or near all.
-  void find_lists(std::span<const Vec3> positions, std::span<const std::uint32_t> chosen,
+  void find_lists(std::span<const part::Vec3> positions, std::span<const std::uint32_t> chosen,
                   double slack);
-  void find_lists(std::span<const Vec3> positions);
+  void find_lists(std::span<const part::Vec3> positions);
 
   // Calls visit(polygon) for each piece of the cell of point chosen[n], where `positions` are those
   // of find_lists, moved by no more than the slack.
   template <typename Visit>
-  void visit_cell(std::size_t n, std::span<const Vec3> positions, const Visit& visit) const {
+  void visit_cell(std::size_t n, std::span<const part::Vec3> positions, const Visit& visit) const {
     const Lists& lists = chunks_[n / kChunk];
     const std::size_t at = n % kChunk;
     Cutter cutter(lists.center[at], positions, lists.neighbors_of(at), radius_);
     for (const std::uint32_t t : lists.triangles_of(at)) {
-      const auto [a, b, c] = triangle_piece(tree_.part(), t);
+      const auto [a, b, c] = part::triangle_piece(tree_.part(), t);
       cutter.polygon.assign(a, b, c);
       cutter.cut();
       if (!cutter.polygon.empty()) visit(cutter.polygon);
     }
   }
 
-  const TriangleTree& tree() const { return tree_; }
+  const part::TriangleTree& tree() const { return tree_; }
 
   // The triangles that pieces of the cell of point chosen[n] can come from: those within kReach
   // radii and the slack.
@@ -75,28 +75,28 @@ class RestrictedCells {
 
   // Cuts polygons down to one point's cell.
   struct Cutter {
-    Cutter(std::uint32_t point, std::span<const Vec3> positions,
+    Cutter(std::uint32_t point, std::span<const part::Vec3> positions,
            std::span<const std::uint32_t> neighbors, double radius);
     void cut();
     void cut_to_cube();
 
     static constexpr std::size_t kMostNeighbors = 64;
     struct Bisector {
-      Vec3 normal;              // from the point to its neighbor
+      part::Vec3 normal;        // from the point to its neighbor
       double offset;            // of the plane: dot(normal, middle)
       double distance_squared;  // to the neighbor
       bool keep_in_plane;
     };
-    ConvexPolygon polygon;
-    Vec3 center;
+    certificate::ConvexPolygon polygon;
+    part::Vec3 center;
     double radius;
     Bisector bisectors[kMostNeighbors];
     std::size_t bisector_count = 0;
   };
 
-  const TriangleTree& tree_;
+  const part::TriangleTree& tree_;
   const double radius_;
   std::vector<Lists> chunks_;
 };
 
-}  // namespace forcelayer
+}  // namespace forcelayer::sample

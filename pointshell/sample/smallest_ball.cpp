@@ -3,7 +3,7 @@
 #include <array>
 #include <optional>
 
-namespace forcelayer {
+namespace forcelayer::sample {
 namespace {
 
 constexpr int kMostPivots = 100;
@@ -11,37 +11,41 @@ constexpr double kRelativeSlack = 1e-12;
 
 // Up to four points on the ball, and the one to be added.
 struct Support {
-  std::array<Vec3, 5> points;
+  std::array<part::Vec3, 5> points;
   int count = 0;
 };
 
-double squared_distance(const Ball& ball, const Vec3& p) { return length_squared(p - ball.center); }
+double squared_distance(const Ball& ball, const part::Vec3& p) {
+  return part::length_squared(p - ball.center);
+}
 
-Ball through(const Vec3& a, const Vec3& b) {
-  const Vec3 center = 0.5 * (a + b);
-  return {center, length(a - center)};
+Ball through(const part::Vec3& a, const part::Vec3& b) {
+  const part::Vec3 center = 0.5 * (a + b);
+  return {center, part::length(a - center)};
 }
 
 // Center in the plane of the three; none when they lie on a line.
-std::optional<Ball> through(const Vec3& a, const Vec3& b, const Vec3& c) {
-  const Vec3 u = b - a, v = c - a, normal = cross(u, v);
-  const double squared = length_squared(normal);
-  if (squared <= 1e-24 * length_squared(u) * length_squared(v)) return std::nullopt;
-  const Vec3 to_center = (0.5 / squared) * (length_squared(u) * cross(v, normal) +
-                                            length_squared(v) * cross(normal, u));
-  return Ball{a + to_center, length(to_center)};
+std::optional<Ball> through(const part::Vec3& a, const part::Vec3& b, const part::Vec3& c) {
+  const part::Vec3 u = b - a, v = c - a, normal = part::cross(u, v);
+  const double squared = part::length_squared(normal);
+  if (squared <= 1e-24 * part::length_squared(u) * part::length_squared(v)) return std::nullopt;
+  const part::Vec3 to_center = (0.5 / squared) * (part::length_squared(u) * part::cross(v, normal) +
+                                                  part::length_squared(v) * part::cross(normal, u));
+  return Ball{a + to_center, part::length(to_center)};
 }
 
-std::optional<Ball> through(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
-  const Vec3 u = b - a, v = c - a, w = d - a;
-  const double volume = dot(u, cross(v, w));
-  if (volume * volume <= 1e-24 * length_squared(u) * length_squared(v) * length_squared(w)) {
+std::optional<Ball> through(const part::Vec3& a, const part::Vec3& b, const part::Vec3& c,
+                            const part::Vec3& d) {
+  const part::Vec3 u = b - a, v = c - a, w = d - a;
+  const double volume = part::dot(u, part::cross(v, w));
+  if (volume * volume <=
+      1e-24 * part::length_squared(u) * part::length_squared(v) * part::length_squared(w)) {
     return std::nullopt;
   }
-  const Vec3 to_center =
-      (0.5 / volume) * (length_squared(u) * cross(v, w) + length_squared(v) * cross(w, u) +
-                        length_squared(w) * cross(u, v));
-  return Ball{a + to_center, length(to_center)};
+  const part::Vec3 to_center = (0.5 / volume) * (part::length_squared(u) * part::cross(v, w) +
+                                                 part::length_squared(v) * part::cross(w, u) +
+                                                 part::length_squared(w) * part::cross(u, v));
+  return Ball{a + to_center, part::length(to_center)};
 }
 
 bool holds(const Ball& ball, const Support& support) {
@@ -54,7 +58,7 @@ bool holds(const Ball& ball, const Support& support) {
 
 // The ball through the chosen ones of the support's points.
 std::optional<Ball> through_chosen(const Support& support, unsigned chosen) {
-  std::array<Vec3, 4> p;
+  std::array<part::Vec3, 4> p;
   int count = 0;
   for (int n = 0; n < support.count; ++n) {
     if (chosen >> n & 1u) p[count++] = support.points[n];
@@ -89,14 +93,14 @@ std::optional<Ball> smallest_of_few(Support& support) {
 
 }  // namespace
 
-Ball smallest_ball(std::span<const Vec3> points) {
+Ball smallest_ball(std::span<const part::Vec3> points) {
   Ball ball{points.front(), 0};
   Support support;
   support.points[support.count++] = points.front();
   for (int pivot = 0; pivot < kMostPivots; ++pivot) {
-    Vec3 farthest = points.front();
+    part::Vec3 farthest = points.front();
     double squared = 0;
-    for (const Vec3& p : points) {
+    for (const part::Vec3& p : points) {
       if (const double s = squared_distance(ball, p); s > squared) squared = s, farthest = p;
     }
     if (squared <= ball.radius * ball.radius * (1 + kRelativeSlack)) return ball;
@@ -107,8 +111,8 @@ Ball smallest_ball(std::span<const Vec3> points) {
     ball = *grown;
   }
   double squared = 0;
-  for (const Vec3& p : points) squared = std::max(squared, squared_distance(ball, p));
+  for (const part::Vec3& p : points) squared = std::max(squared, squared_distance(ball, p));
   return {ball.center, std::sqrt(squared)};
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::sample

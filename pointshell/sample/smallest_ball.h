@@ -5,15 +5,15 @@
 
 #include "pointshell/part/vec3.h"
 
-namespace forcelayer {
+namespace forcelayer::sample {
 
 struct Ball {
-  Vec3 center;
+  part::Vec3 center;
   double radius = 0;
 };
 
 // The smallest ball around `points` (at least one), up to rounding: by pivoting on the farthest
 // point as in Gaertner, "Fast and robust smallest enclosing balls", 1999.
-Ball smallest_ball(std::span<const Vec3> points);
+Ball smallest_ball(std::span<const part::Vec3> points);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::sample

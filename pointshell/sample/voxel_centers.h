@@ -7,15 +7,16 @@
 #include "pointshell/part/part.h"
 #include "pointshell/part/vec3.h"
 
-namespace forcelayer {
+namespace forcelayer::sample {
 
 // The centers, relative to `center`, of all half-open voxels of size `voxel_size_m` that contain a
 // point of the part; the lattice is anchored in the part frame's origin. `part` is in the part
 // frame. Vertices are snapped to 2^-10 voxel. kBakeTooLarge where the lattice or the shell would be
 // larger than the format holds.
-Result<std::vector<Vec3>> voxel_centers(const Part& part, double voxel_size_m, const Vec3& center);
+Result<std::vector<part::Vec3>> voxel_centers(const part::Part& part, double voxel_size_m,
+                                              const part::Vec3& center);
 
 // The same for the single voxel that holds `place`, which is relative to `center`.
-Vec3 voxel_center_at(const Vec3& place, double voxel_size_m, const Vec3& center);
+part::Vec3 voxel_center_at(const part::Vec3& place, double voxel_size_m, const part::Vec3& center);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::sample

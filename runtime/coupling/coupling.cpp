@@ -3,7 +3,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-namespace forcelayer {
+namespace forcelayer::coupling {
 
 CouplingTarget coupling_target(const State& state, const StepInput& input) noexcept {
   CouplingTarget target;
@@ -43,4 +43,4 @@ glm::dquat rotation_by(const glm::dvec3& rotation_rad) noexcept {
   return {std::cos(angle / 2), axis.x, axis.y, axis.z};
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::coupling

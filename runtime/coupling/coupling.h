@@ -3,9 +3,9 @@
 #pragma once
 
 #include "forcelayer/parameters.h"
-#include "runtime/model/state.h"
+#include "runtime/coupling/state.h"
 
-namespace forcelayer {
+namespace forcelayer::coupling {
 
 // Where the part would be if the coupling were rigid, and how it would move there.
 struct CouplingTarget {
@@ -31,4 +31,4 @@ glm::dvec3 rotation_vector(const glm::dquat& rotation) noexcept;
 // The unit quaternion that turns by |rotation_rad| about its direction.
 glm::dquat rotation_by(const glm::dvec3& rotation_rad) noexcept;
 
-}  // namespace forcelayer
+}  // namespace forcelayer::coupling

@@ -6,7 +6,7 @@
 
 #include "runtime/coupling/coupling.h"
 
-namespace forcelayer {
+namespace forcelayer::coupling {
 
 glm::dvec3 continuous_angle(const Pose& world_from_center, const Pose& world_from_target,
                             const glm::dvec3& last) noexcept {
@@ -30,4 +30,4 @@ double faded_angle_rad(double angle_rad) noexcept {
   return beyond - beyond * beyond / (2 * fade);
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::coupling

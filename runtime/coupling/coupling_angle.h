@@ -5,7 +5,7 @@
 
 #include "forcelayer/pose.h"
 
-namespace forcelayer {
+namespace forcelayer::coupling {
 
 // Rotation vector (rad, world axes) that turns the part to its target: of the two of up to a whole
 // turn that do, the one nearer to `last`, that of the frame before. So a part that is held while
@@ -23,4 +23,4 @@ double faded_angle_rad(double angle_rad) noexcept;
 
 inline constexpr double kFullTorqueRad = 1.5 * M_PI;
 
-}  // namespace forcelayer
+}  // namespace forcelayer::coupling

@@ -7,7 +7,7 @@
 
 #include "runtime/coupling/coupling.h"
 
-namespace forcelayer {
+namespace forcelayer::coupling {
 
 double held_work_j(const Wrench& wrench, const Pose& from, const Pose& to) noexcept {
   return glm::dot(wrench.force_n, to.position_m - from.position_m) +
@@ -49,4 +49,4 @@ glm::dvec3 felt_stretch(const glm::dvec3& stretch, glm::dvec3& held_back, double
   return stretch - direction * along;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::coupling

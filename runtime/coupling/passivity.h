@@ -2,9 +2,9 @@
 // entry into contact without a blow, and a damper that takes back what was generated.
 #pragma once
 
-#include "runtime/model/state.h"
+#include "runtime/coupling/state.h"
 
-namespace forcelayer {
+namespace forcelayer::coupling {
 
 // Work of a wrench that was held while the target of the coupling went from one pose to another, J.
 // Positive: the hand received it. (A device holds its output between samples, so this is exact.)
@@ -37,4 +37,4 @@ Wrench passivity_damping(EpisodeEnergy& energy, const Twist& handle_velocity, do
 
 inline constexpr double kControlS = 0.005;
 
-}  // namespace forcelayer
+}  // namespace forcelayer::coupling

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <glm/vec3.hpp>
 
-namespace forcelayer {
+namespace forcelayer::coupling {
 
 // [linear x y z, angular x y z]: a velocity (m/s, rad/s), or an impulse (N s, N m s).
 using Vector6 = std::array<double, 6>;
@@ -76,4 +76,4 @@ inline Vector6 solve(Symmetric6 a, Vector6 b) {
   return b;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::coupling

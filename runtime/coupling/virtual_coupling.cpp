@@ -2,7 +2,7 @@
 
 #include <glm/geometric.hpp>
 
-namespace forcelayer {
+namespace forcelayer::coupling {
 
 glm::dvec3 effective_stretch(const CouplingHalf& half, const HalfStretch& stretch,
                              const glm::dvec3& velocity) noexcept {
@@ -35,4 +35,4 @@ bool add_implicit(const CouplingHalf& half, const HalfStretch& stretch, const gl
   return secant < 1;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::coupling

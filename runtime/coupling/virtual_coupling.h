@@ -8,7 +8,7 @@
 #include "runtime/coupling/coupling.h"
 #include "runtime/coupling/spatial.h"
 
-namespace forcelayer {
+namespace forcelayer::coupling {
 
 // Stiffness, damping and limits of one half of the coupling; `damping` in world axes.
 struct CouplingHalf {
@@ -39,4 +39,4 @@ double spring_energy_j(const CouplingHalf& half, const glm::dvec3& displacement)
 bool add_implicit(const CouplingHalf& half, const HalfStretch& stretch, const glm::dvec3& guess,
                   double dt_s, int first, Symmetric6& matrix, Vector6& impulse) noexcept;
 
-}  // namespace forcelayer
+}  // namespace forcelayer::coupling

@@ -8,7 +8,7 @@
 #include "forcelayer/device.h"
 #include "formats/result.h"
 
-namespace forcelayer {
+namespace forcelayer::devices {
 
 struct DeviceCounter {
   const char* name;
@@ -50,4 +50,4 @@ class Device {
   virtual DeviceTrouble trouble() const { return {}; }
 };
 
-}  // namespace forcelayer
+}  // namespace forcelayer::devices

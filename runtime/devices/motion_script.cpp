@@ -12,7 +12,7 @@
 
 #include "runtime/coupling/coupling.h"
 
-namespace forcelayer {
+namespace forcelayer::devices {
 namespace {
 
 constexpr std::string_view kHeader = "t_s,x_m,y_m,z_m,qw,qx,qy,qz";
@@ -115,9 +115,9 @@ Pose MotionScript::pose(double time_s) const noexcept {
   const double share = (time_s - a.time_s) / (b.time_s - a.time_s);
   const Pose &from = a.world_from_handle, &to = b.world_from_handle;
   const glm::dvec3 turn =
-      rotation_vector(to.orientation * glm::conjugate(from.orientation)) * share;
+      coupling::rotation_vector(to.orientation * glm::conjugate(from.orientation)) * share;
   return {from.position_m + (to.position_m - from.position_m) * share,
-          glm::normalize(rotation_by(turn) * from.orientation)};
+          glm::normalize(coupling::rotation_by(turn) * from.orientation)};
 }
 
 Twist MotionScript::velocity(double time_s) const noexcept {
@@ -128,7 +128,7 @@ Twist MotionScript::velocity(double time_s) const noexcept {
   const double seconds = b.time_s - a.time_s;
   const Pose &from = a.world_from_handle, &to = b.world_from_handle;
   return {(to.position_m - from.position_m) / seconds,
-          rotation_vector(to.orientation * glm::conjugate(from.orientation)) / seconds};
+          coupling::rotation_vector(to.orientation * glm::conjugate(from.orientation)) / seconds};
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::devices

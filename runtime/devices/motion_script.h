@@ -7,7 +7,7 @@
 #include "forcelayer/pose.h"
 #include "formats/result.h"
 
-namespace forcelayer {
+namespace forcelayer::devices {
 
 // world_from_handle at ascending times; between them positions go straight and orientations the
 // short way round at constant speed, before the first and after the last they stand still.
@@ -38,4 +38,4 @@ class MotionScript {
   std::vector<Row> rows_;
 };
 
-}  // namespace forcelayer
+}  // namespace forcelayer::devices

@@ -7,7 +7,7 @@
 #include "forcelayer/pose.h"
 #include "forcelayer/stale_limit.h"
 
-namespace forcelayer {
+namespace forcelayer::devices {
 
 // Gain of an output that is `age_share` of its stale limit old: 1 up to kLateGrace (two periods of
 // 1 kHz in 5 ms, so that one late frame is not felt), from there falling in a line to 0.
@@ -41,4 +41,4 @@ class OutputWatch {
   bool latched_ = true;  // until the loop's first zero
 };
 
-}  // namespace forcelayer
+}  // namespace forcelayer::devices

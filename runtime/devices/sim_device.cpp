@@ -1,6 +1,6 @@
 #include "runtime/devices/sim_device.h"
 
-namespace forcelayer {
+namespace forcelayer::devices {
 
 DeviceCapabilities sim_capabilities() {
   DeviceCapabilities device;
@@ -63,4 +63,4 @@ DeviceSample SimHandDevice::read(double time_s) noexcept {
   return sample;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::devices

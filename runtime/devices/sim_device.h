@@ -7,7 +7,7 @@
 #include "runtime/devices/motion_script.h"
 #include "runtime/devices/sim_hand.h"
 
-namespace forcelayer {
+namespace forcelayer::devices {
 
 // Ratings at which the paper ran its device (6.4: 15 N, 0.1 N m), with the damping and the frame of
 // delay that such devices show: 2 N s/m and 1 ms let it render 1333 N/m.
@@ -62,4 +62,4 @@ class SimHandDevice final : public Device {
   std::uint64_t sequence_ = 0;
 };
 
-}  // namespace forcelayer
+}  // namespace forcelayer::devices

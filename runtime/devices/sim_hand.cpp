@@ -8,7 +8,7 @@
 #include "runtime/coupling/coupling.h"
 #include "runtime/model/vectors.h"
 
-namespace forcelayer {
+namespace forcelayer::devices {
 namespace {
 
 glm::dvec3 in_steps(const glm::dvec3& value, double step) {
@@ -26,7 +26,7 @@ glm::dvec3 after_push(const glm::dvec3& velocity, const glm::dvec3& push, double
 }
 
 glm::dvec3 turn_between(const glm::dquat& from, const glm::dquat& to) {
-  return rotation_vector(to * glm::conjugate(from));
+  return coupling::rotation_vector(to * glm::conjugate(from));
 }
 
 }  // namespace
@@ -51,19 +51,20 @@ Wrench SimHand::delayed(const Wrench& wrench) noexcept {
 }
 
 void SimHand::turn(const Pose& wanted, const glm::dvec3& torque_nm, double h) noexcept {
-  const glm::dvec3 pull_nm =
-      clamped(p_.hand_stiffness_nm_per_rad * turn_between(pose_.orientation, wanted.orientation),
-              p_.hand_torque_nm);
+  const glm::dvec3 pull_nm = model::clamped(
+      p_.hand_stiffness_nm_per_rad * turn_between(pose_.orientation, wanted.orientation),
+      p_.hand_torque_nm);
   velocity_.angular_radps = after_push(
       velocity_.angular_radps, pull_nm + torque_nm, p_.device_inertia_kgm2 + p_.hand_inertia_kgm2,
       p_.device_damping_nms_per_rad + p_.hand_damping_nms_per_rad, p_.device_friction_nm, h);
-  pose_.orientation = glm::normalize(rotation_by(h * velocity_.angular_radps) * pose_.orientation);
+  pose_.orientation =
+      glm::normalize(coupling::rotation_by(h * velocity_.angular_radps) * pose_.orientation);
 }
 
 Pose SimHand::encoded() const noexcept {
   const glm::dvec3 angle = turn_between(home_.orientation, pose_.orientation);
   return {in_steps(pose_.position_m, p_.encoder_step_m),
-          rotation_by(in_steps(angle, p_.encoder_step_rad)) * home_.orientation};
+          coupling::rotation_by(in_steps(angle, p_.encoder_step_rad)) * home_.orientation};
 }
 
 Pose SimHand::step(const Pose& wanted, const Wrench& on_hand, double dt_s) noexcept {
@@ -73,7 +74,7 @@ Pose SimHand::step(const Pose& wanted, const Wrench& on_hand, double dt_s) noexc
   const double h = dt_s / substeps;
   for (int i = 0; i < substeps; ++i) {
     const Wrench felt = delayed(output);
-    const glm::dvec3 pull_n = clamped(
+    const glm::dvec3 pull_n = model::clamped(
         p_.hand_stiffness_n_per_m * (wanted.position_m - pose_.position_m), p_.hand_force_n);
     velocity_.linear_mps =
         after_push(velocity_.linear_mps, pull_n + felt.force_n, p_.device_mass_kg + p_.hand_mass_kg,
@@ -84,4 +85,4 @@ Pose SimHand::step(const Pose& wanted, const Wrench& on_hand, double dt_s) noexc
   return encoded();
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::devices

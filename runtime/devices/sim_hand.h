@@ -6,7 +6,7 @@
 
 #include "forcelayer/pose.h"
 
-namespace forcelayer {
+namespace forcelayer::devices {
 
 // Device mechanics as makers and papers state them (paper 6.1: steps of 0.025 mm and 0.013 degrees;
 // 6.4: 15 N, 0.1 N m); arm and hand of the order measured on grips (200-1000 N/m, 5-20 N s/m and
@@ -71,4 +71,4 @@ class SimHand {
   int newest_ = 0;
 };
 
-}  // namespace forcelayer
+}  // namespace forcelayer::devices

@@ -49,7 +49,7 @@ static int open_device(const char* arguments, forcelayer_plugin_info* info, void
   return 0;
 }
 
-/* The SDK's "get position", in metres and as a unit quaternion. */
+/* The SDK's "get position", in meters and as a unit quaternion. */
 static int read_device(void* opaque, forcelayer_plugin_reading* reading) {
   struct device* d = opaque;
   const double dt_s = 1 / RATE_HZ, mass_kg = 0.3, damping = 10, stiffness = 400;

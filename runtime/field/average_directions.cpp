@@ -11,7 +11,7 @@
 #include <hwy/highway.h>
 
 HWY_BEFORE_NAMESPACE();
-namespace forcelayer {
+namespace forcelayer::field {
 namespace HWY_NAMESPACE {
 namespace {
 
@@ -32,7 +32,7 @@ static_assert(kChunk % kLanes == 0 && kBefore % kLanes == 0);
 // Columns by address: the compiler must assume that a store of floats can change the address inside
 // a std::vector.
 struct Averaging {
-  Averaging(const CollectedPoints& points, const FieldSamples& samples, float voxel_size_m,
+  Averaging(const query::CollectedPoints& points, const FieldSamples& samples, float voxel_size_m,
             float least_depth, ContactSet& set)
       : r{points.rx.data(), points.ry.data(), points.rz.data()},
         g{samples.gx.data(), samples.gy.data(), samples.gz.data()},
@@ -151,7 +151,7 @@ HWY_INLINE void average_around(const Averaging& a, std::size_t begin, std::size_
   }
 }
 
-void average_on_target(const CollectedPoints& points, const FieldSamples& samples,
+void average_on_target(const query::CollectedPoints& points, const FieldSamples& samples,
                        float voxel_size_m, float least_depth_m, ContactSet& set) {
   const Averaging a(points, samples, voxel_size_m, least_depth_m, set);
   const std::size_t count = set.count;
@@ -169,18 +169,18 @@ void average_on_target(const CollectedPoints& points, const FieldSamples& sample
 
 }  // namespace
 }  // namespace HWY_NAMESPACE
-}  // namespace forcelayer
+}  // namespace forcelayer::field
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace forcelayer {
+namespace forcelayer::field {
 
 HWY_EXPORT(average_on_target);
 
-void average_directions(const CollectedPoints& points, const FieldSamples& samples,
+void average_directions(const query::CollectedPoints& points, const FieldSamples& samples,
                         float voxel_size_m, float least_depth_m, ContactSet& set) noexcept {
   HWY_DYNAMIC_DISPATCH(average_on_target)(points, samples, voxel_size_m, least_depth_m, set);
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::field
 #endif

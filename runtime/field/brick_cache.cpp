@@ -1,6 +1,6 @@
 #include "runtime/field/brick_cache.h"
 
-namespace forcelayer {
+namespace forcelayer::field {
 namespace {
 
 // Number of the entry of a node that leads to a brick: three bits of each coordinate.
@@ -86,4 +86,4 @@ template std::array<std::uint32_t, 27> brick_entries<3>(const VoxmapView&,
                                                         const BrickCache::BrickIndex&,
                                                         std::uint32_t) noexcept;
 
-}  // namespace forcelayer
+}  // namespace forcelayer::field

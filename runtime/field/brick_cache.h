@@ -9,7 +9,7 @@
 
 #include "formats/voxmap.h"
 
-namespace forcelayer {
+namespace forcelayer::field {
 
 // Where decoded bricks stand. A brick's key is its number in the directory, counted along z, then
 // y, then x, modulo 2^32. A decoded brick stands in slot(key). The derived class holds what is
@@ -25,7 +25,7 @@ class BrickCache {
 
   explicit BrickCache(const Voxmap& voxmap);
 
-  // Difference of the keys of neighbours along x, y and z.
+  // Difference of the keys of neighbors along x, y and z.
   const std::array<std::uint32_t, 3>& strides() const { return strides_; }
   // Per slot the key of its brick.
   const std::uint32_t* keys() const { return keys_.data(); }
@@ -79,4 +79,4 @@ std::array<std::uint32_t, kEdge * kEdge * kEdge> brick_entries(const VoxmapView&
                                                                const BrickCache::BrickIndex& first,
                                                                std::uint32_t outside) noexcept;
 
-}  // namespace forcelayer
+}  // namespace forcelayer::field

@@ -1,6 +1,6 @@
 #include "runtime/field/contact_set.h"
 
-namespace forcelayer {
+namespace forcelayer::field {
 
 void ContactSet::reserve(std::uint64_t points) {
   const std::size_t room = points + kPadding;
@@ -22,4 +22,4 @@ bool no_new_interior(const ContactSet& earlier, const ContactSet& later) noexcep
   return true;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::field

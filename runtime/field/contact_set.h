@@ -8,7 +8,7 @@
 #include "forcelayer/pose.h"
 #include "formats/voxmap.h"
 
-namespace forcelayer {
+namespace forcelayer::field {
 
 // One shell point in or near the force layer. Vectors in world axes.
 struct Contact {
@@ -60,4 +60,4 @@ class ContactProbe {
   virtual void look_up(const Pose& world_from_center, ContactSet& out) noexcept = 0;
 };
 
-}  // namespace forcelayer
+}  // namespace forcelayer::field

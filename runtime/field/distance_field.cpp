@@ -4,7 +4,7 @@
 #include <bit>
 #include <cstring>
 
-namespace forcelayer {
+namespace forcelayer::field {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "a word's first byte is its lowest");
@@ -135,4 +135,4 @@ DistanceField::DistanceField(const Voxmap& voxmap)
              static_cast<float>(voxmap.header().quantum_m / voxmap.voxel_size_m())},
       bricks_(voxmap) {}
 
-}  // namespace forcelayer
+}  // namespace forcelayer::field

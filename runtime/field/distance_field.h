@@ -2,12 +2,12 @@
 // formats/voxmap_format.md, section 6).
 //
 // phi is the stored distance from the zero-force surface, in voxels, interpolated trilinearly
-// between the eight voxel centres around a point. It is continuous, and negative only in voxels of
+// between the eight voxel centers around a point. It is continuous, and negative only in voxels of
 // values 1 and 2 (voxmap_format.md, section 6).
 //
-// g is the slope of phi, per voxel. Along an axis it is made of the differences of neighbouring
-// codes: each belongs to the middle between its two centres, and g is interpolated between such
-// middles along the axis and between centres across it. So g is continuous, where the gradient of
+// g is the slope of phi, per voxel. Along an axis it is made of the differences of neighboring
+// codes: each belongs to the middle between its two centers, and g is interpolated between such
+// middles along the axis and between centers across it. So g is continuous, where the gradient of
 // phi jumps from cell to cell. It reads the eight codes of phi's cell and four more beside it per
 // axis, on the side where the point's voxel is. In front of a smooth wall phi and g are those of
 // the exact distance but for the quantum and the wall's curvature, so the direction is g's and no
@@ -15,7 +15,7 @@
 //
 // Where codes end. All free voxels have the same code, whatever their distance. Where phi < 0 at 8
 // bits, g reads no free voxel: the codes that g reads are at most sqrt(5/2 + 1 + 1) = 2.12 voxels,
-// in the weighted mean, from the eight centres that make phi; free voxels lie 2.85 voxels and more
+// in the weighted mean, from the eight centers that make phi; free voxels lie 2.85 voxels and more
 // in front of the zero-force surface; and D changes by at most the distance between two points. At
 // 4 bits codes end within the proximity. Inside, g is too short within 2.12 voxels of the place
 // where code 0 begins. A voxel beyond a cropped side has the code of the nearest known voxel; one
@@ -40,10 +40,10 @@
 #include "runtime/field/brick_cache.h"
 #include "runtime/field/force_field.h"
 
-namespace forcelayer {
+namespace forcelayer::field {
 
-// Bricks decoded with one voxel of halo. A cell lies between the centres of eight voxels. A decoded
-// brick holds the codes at the corners of all cells that touch one of the brick's centres: 9 planes
+// Bricks decoded with one voxel of halo. A cell lies between the centers of eight voxels. A decoded
+// brick holds the codes at the corners of all cells that touch one of the brick's centers: 9 planes
 // (x) of 9 rows (y) of 10 words (z) of four bytes, from the voxel before the brick on. Byte
 // 2 x' + y' of word z is the code at (x + x', y + y', z). The codes at the corners of cell
 // (x, y, z) are words z and z + 1 of row y of plane x; the codes beside the cell are a word, row or
@@ -85,7 +85,7 @@ class DistanceBricks : public BrickCache {
   std::vector<std::uint8_t> codes_;
 };
 
-// From codes to metres.
+// From codes to meters.
 struct DistanceScale {
   float voxel_size_m = 0;
   float zero_code = 0;
@@ -101,7 +101,7 @@ class DistanceField final : public ForceField {
   explicit DistanceField(const Voxmap& voxmap);
 
   // As ForceField says; by one thread at a time. In distance_field_kernel.cpp.
-  void measure(const CollectedPoints& points, FieldSamples& samples) const noexcept override;
+  void measure(const query::CollectedPoints& points, FieldSamples& samples) const noexcept override;
   bool has_exact_slopes() const noexcept override { return true; }
 
  private:
@@ -109,4 +109,4 @@ class DistanceField final : public ForceField {
   mutable DistanceBricks bricks_;  // no answer depends on which bricks are there
 };
 
-}  // namespace forcelayer
+}  // namespace forcelayer::field

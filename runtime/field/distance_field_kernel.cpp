@@ -17,7 +17,7 @@
 #include "runtime/field/field_kernel-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace forcelayer {
+namespace forcelayer::field {
 namespace HWY_NAMESPACE {
 namespace {
 
@@ -76,7 +76,7 @@ HWY_INLINE VF between_edges(VI near_low, VI near_high, VF along, VI far_low, VI 
 }
 
 // The slope along an axis, interpolated between the differences on both sides of the point's voxel
-// centre, each of which belongs to the middle between its two centres. `cell` is the difference in
+// center, each of which belongs to the middle between its two centers. `cell` is the difference in
 // the point's cell, `code` the code at the point, `beside` the code beside the cell:
 //   (1 - 3/2 |a| + a^2) cell + a (beside - code), a = share - 1/2
 HWY_INLINE VF continued(VF cell, VF share, VF code, VF beside) {
@@ -151,7 +151,7 @@ struct Stages {
 // ForceField::measure.
 class Kernel : public FieldKernel<DistanceBricks> {
  public:
-  Kernel(const CollectedPoints& points, const DistanceScale& scale, DistanceBricks& bricks,
+  Kernel(const query::CollectedPoints& points, const DistanceScale& scale, DistanceBricks& bricks,
          FieldSamples& samples)
       : FieldKernel(points, bricks, samples), scale_(scale) {}
 
@@ -297,24 +297,25 @@ class Kernel : public FieldKernel<DistanceBricks> {
   Stages stages_;
 };
 
-void measure_on_target(const CollectedPoints& points, const DistanceScale& scale,
+void measure_on_target(const query::CollectedPoints& points, const DistanceScale& scale,
                        DistanceBricks& bricks, FieldSamples& samples) {
   Kernel(points, scale, bricks, samples).run();
 }
 
 }  // namespace
 }  // namespace HWY_NAMESPACE
-}  // namespace forcelayer
+}  // namespace forcelayer::field
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace forcelayer {
+namespace forcelayer::field {
 
 HWY_EXPORT(measure_on_target);
 
-void DistanceField::measure(const CollectedPoints& points, FieldSamples& samples) const noexcept {
+void DistanceField::measure(const query::CollectedPoints& points,
+                            FieldSamples& samples) const noexcept {
   HWY_DYNAMIC_DISPATCH(measure_on_target)(points, scale_, bricks_, samples);
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::field
 #endif

@@ -15,7 +15,7 @@
 #include "runtime/query/contact_query.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace forcelayer {
+namespace forcelayer::field {
 namespace HWY_NAMESPACE {
 namespace {
 
@@ -50,7 +50,7 @@ constexpr std::size_t kChunk = 256;
 template <class Bricks>
 class FieldKernel {
  protected:
-  FieldKernel(const CollectedPoints& points, Bricks& bricks, FieldSamples& samples)
+  FieldKernel(const query::CollectedPoints& points, Bricks& bricks, FieldSamples& samples)
       : points_(points), bricks_(bricks), samples_(samples) {}
 
   // The points from `first` on.
@@ -147,14 +147,14 @@ class FieldKernel {
     return hn::Set(kI, static_cast<std::int32_t>(value));
   }
 
-  const CollectedPoints& points_;
+  const query::CollectedPoints& points_;
   Bricks& bricks_;
   FieldSamples& samples_;
 };
 
 }  // namespace
 }  // namespace HWY_NAMESPACE
-}  // namespace forcelayer
+}  // namespace forcelayer::field
 HWY_AFTER_NAMESPACE();
 
 #endif  // once per instruction set

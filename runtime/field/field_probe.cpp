@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace forcelayer {
+namespace forcelayer::field {
 namespace {
 
 // Least and largest weight of a point. A shell may hold points of almost no area at its edges,
@@ -11,8 +11,8 @@ constexpr float kLeastWeight = 0.25f, kMostWeight = 4.0f;
 
 }  // namespace
 
-FieldProbe::FieldProbe(ContactQuery& query, const ForceField& field, CollectedPoints& points,
-                       FieldSamples& samples)
+FieldProbe::FieldProbe(query::ContactQuery& query, const ForceField& field,
+                       query::CollectedPoints& points, FieldSamples& samples)
     : query_(query),
       field_(field),
       points_(points),
@@ -51,4 +51,4 @@ void FieldProbe::read(ContactSet& out) noexcept {
   average_directions(points_, samples_, voxel_size_m, -voxel_size_m, out);
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::field

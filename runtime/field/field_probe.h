@@ -1,5 +1,5 @@
 // The default model's view of a baked scene: the contact query, the force field, and directions
-// averaged over neighbouring contacts, in one look-up.
+// averaged over neighboring contacts, in one look-up.
 #pragma once
 
 #include <vector>
@@ -8,12 +8,12 @@
 #include "runtime/field/force_field.h"
 #include "runtime/query/contact_query.h"
 
-namespace forcelayer {
+namespace forcelayer::field {
 
 class FieldProbe final : public ContactProbe {
  public:
   // All must outlive the probe; `points` and `samples` have room for every shell point.
-  FieldProbe(ContactQuery& query, const ForceField& field, CollectedPoints& points,
+  FieldProbe(query::ContactQuery& query, const ForceField& field, query::CollectedPoints& points,
              FieldSamples& samples);
 
   void look_up(const Pose& world_from_center, ContactSet& out) noexcept override;
@@ -21,15 +21,15 @@ class FieldProbe final : public ContactProbe {
   void read(ContactSet& out) noexcept;
 
  private:
-  ContactQuery& query_;
+  query::ContactQuery& query_;
   const ForceField& field_;
-  CollectedPoints& points_;
+  query::CollectedPoints& points_;
   FieldSamples& samples_;
   std::vector<float> weight_;  // Contact::weight of every shell point
 };
 
 // The direction in which the static surface faces at a contact: the field's slope, averaged over
-// neighbours.
+// neighbors.
 //
 // There are two estimates of it. The point's own normal is the part's: where an edge or a tilted
 // face touches, it is off by the tilt, and always to the same side. A part pushed along its normals
@@ -41,15 +41,15 @@ class FieldProbe final : public ContactProbe {
 // Sets the direction of every contact of `set` that is deeper than `least_depth_m`. `samples` are
 // the field's measure() of `points`, and contact n of `set` is sample n.
 //
-// The average runs over 32 samples in the shell's order, which keeps neighbours together: the 16
+// The average runs over 32 samples in the shell's order, which keeps neighbors together: the 16
 // before the contact, the contact and the 15 after it; at the ends of the list its first or last
 // 32. A slope g_i at the distance r counts with the weight
 //     max(0, 1 - r^2 / R^2)^2 max(0, g . g_i)^2,    R = kNeighbourVoxels voxels,
 // so that a wall that faces another way does not count. Where the slopes cancel, the field's own
 // direction takes over. Vectors of every width give the same bits.
-void average_directions(const CollectedPoints& points, const FieldSamples& samples,
+void average_directions(const query::CollectedPoints& points, const FieldSamples& samples,
                         float voxel_size_m, float least_depth_m, ContactSet& set) noexcept;
 
 inline constexpr float kNeighbourVoxels = 5.0f;
 
-}  // namespace forcelayer
+}  // namespace forcelayer::field

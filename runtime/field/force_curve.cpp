@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace forcelayer {
+namespace forcelayer::field {
 
 ForceCurve::ForceCurve(const Voxmap& voxmap) {
   if (voxmap.compliance().empty()) return;
@@ -31,4 +31,4 @@ ForceCurve::Node ForceCurve::between_nodes(double depth_m) const noexcept {
           low.energy_m2 + 0.5 * share * step_m_ * (low.force_m + force_m) + beyond_m * force_m};
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::field

@@ -6,7 +6,7 @@
 
 #include "formats/voxmap.h"
 
-namespace forcelayer {
+namespace forcelayer::field {
 
 // Forces are in units of the field's stiffness K_ff, which belongs to the curve's steepest place: a
 // table gives the curve's shape, and its own forces where K_ff is steepest_n_per_m() of the map. No
@@ -42,4 +42,4 @@ class ForceCurve {
   std::vector<Node> nodes_;  // at depths of 0, 1, 2, ... steps; the last force holds beyond
 };
 
-}  // namespace forcelayer
+}  // namespace forcelayer::field

@@ -4,7 +4,7 @@
 #include "runtime/field/level_field.h"
 #include "runtime/field/tangent_plane.h"
 
-namespace forcelayer {
+namespace forcelayer::field {
 namespace {
 
 constexpr std::size_t kLanePadding = 64;  // elements behind the last that a vector store may write
@@ -47,4 +47,4 @@ double mean_point_area_m2(const Pshell& shell) {
   return sum_m2 / static_cast<double>(view.point_count);
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::field

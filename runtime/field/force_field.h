@@ -12,7 +12,7 @@
 #include "formats/voxmap.h"
 #include "runtime/query/contact_query.h"
 
-namespace forcelayer {
+namespace forcelayer::field {
 
 // One sample for each of the CollectedPoints, in their order. The force on the part at a point of
 // positive depth is stiffness * depth * direction.
@@ -34,9 +34,10 @@ class ForceField {
   // Fills `samples` from `points`; both have room for every shell point. No allocation, lock or
   // system call. A point in value 1 that the field cannot measure gets about half a voxel along its
   // normal.
-  virtual void measure(const CollectedPoints& points, FieldSamples& samples) const noexcept = 0;
+  virtual void measure(const query::CollectedPoints& points,
+                       FieldSamples& samples) const noexcept = 0;
 
-  // Whether the directions of measure() are exact enough to need no averaging over neighbours
+  // Whether the directions of measure() are exact enough to need no averaging over neighbors
   // (average_directions() in field_probe.h).
   virtual bool has_exact_slopes() const noexcept { return false; }
 };
@@ -54,4 +55,4 @@ Result<std::unique_ptr<ForceField>> make_force_field(Model model, ForceKind kind
 // in a sum over contacts: 1 on average, whatever the number of points.
 double mean_point_area_m2(const Pshell& shell);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::field

@@ -4,7 +4,7 @@
 #include <cstring>
 #include <string>
 
-namespace forcelayer {
+namespace forcelayer::field {
 namespace {
 
 // A brick of one value, as the map stores it.
@@ -95,7 +95,7 @@ const std::uint8_t* LevelBricks::values_of(const BrickIndex& brick) const noexce
 }
 
 // Plane by plane: ten rows of raised levels (the last of the brick before, the eight of this one,
-// the first of the next), then each three neighbours in one.
+// the first of the next), then each three neighbors in one.
 void LevelBricks::decode(const BrickIndex& brick, std::uint8_t* levels) const noexcept {
   const auto entries =
       brick_entries<3>(map_, {brick[0] - 1, brick[1] - 1, brick[2] - 1}, uniform_entry(0));
@@ -164,4 +164,4 @@ std::optional<Error> LevelField::unreadable(const Voxmap& voxmap) {
 
 LevelField::LevelField(const Voxmap& voxmap) : scale_(scale_of(voxmap)), bricks_(voxmap) {}
 
-}  // namespace forcelayer
+}  // namespace forcelayer::field

@@ -2,7 +2,7 @@
 //
 // Levels. Each value is a level: interior -1, surface 0, proximity 1, free 2. With k >= 1 offset
 // layers a level is the Chebyshev distance in voxels from layer k, cut off at both ends, so the
-// levels of 26-neighbours differ by at most one.
+// levels of 26-neighbors differ by at most one.
 //
 // phi and g. At each corner of the voxel lattice stand the mean of the eight levels around it and,
 // per axis, the mean difference of the four pairs across it. Inside a voxel these four numbers are
@@ -66,7 +66,7 @@
 #include "runtime/field/brick_cache.h"
 #include "runtime/field/force_field.h"
 
-namespace forcelayer {
+namespace forcelayer::field {
 
 // Bricks decoded with one voxel of halo. A decoded brick holds 10 planes (x) of 8 rows (y) of 10
 // bytes (z). Each byte holds three voxels along y: those at y-1, y and y+1 in bits 0, 2 and 4, as
@@ -115,11 +115,11 @@ class LevelField final : public ForceField {
   explicit LevelField(const Voxmap& voxmap);
 
   // As ForceField says; by one thread at a time. In level_field_kernel.cpp.
-  void measure(const CollectedPoints& points, FieldSamples& samples) const noexcept override;
+  void measure(const query::CollectedPoints& points, FieldSamples& samples) const noexcept override;
 
  private:
   LevelScale scale_;
   mutable LevelBricks bricks_;  // no answer depends on which bricks are there
 };
 
-}  // namespace forcelayer
+}  // namespace forcelayer::field

@@ -17,7 +17,7 @@
 #include "runtime/field/field_kernel-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace forcelayer {
+namespace forcelayer::field {
 namespace HWY_NAMESPACE {
 namespace {
 
@@ -196,7 +196,7 @@ struct Stages {
 // ForceField::measure.
 class Kernel : public FieldKernel<LevelBricks> {
  public:
-  Kernel(const CollectedPoints& points, const LevelScale& scale, LevelBricks& bricks,
+  Kernel(const query::CollectedPoints& points, const LevelScale& scale, LevelBricks& bricks,
          FieldSamples& samples)
       : FieldKernel(points, bricks, samples), scale_(scale) {}
 
@@ -278,24 +278,25 @@ class Kernel : public FieldKernel<LevelBricks> {
   Stages stages_;
 };
 
-void measure_on_target(const CollectedPoints& points, const LevelScale& scale, LevelBricks& bricks,
-                       FieldSamples& samples) {
+void measure_on_target(const query::CollectedPoints& points, const LevelScale& scale,
+                       LevelBricks& bricks, FieldSamples& samples) {
   Kernel(points, scale, bricks, samples).run();
 }
 
 }  // namespace
 }  // namespace HWY_NAMESPACE
-}  // namespace forcelayer
+}  // namespace forcelayer::field
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace forcelayer {
+namespace forcelayer::field {
 
 HWY_EXPORT(measure_on_target);
 
-void LevelField::measure(const CollectedPoints& points, FieldSamples& samples) const noexcept {
+void LevelField::measure(const query::CollectedPoints& points,
+                         FieldSamples& samples) const noexcept {
   HWY_DYNAMIC_DISPATCH(measure_on_target)(points, scale_, bricks_, samples);
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::field
 #endif

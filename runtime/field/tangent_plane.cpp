@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace forcelayer {
+namespace forcelayer::field {
 
 TangentPlaneField::TangentPlaneField(const Voxmap& voxmap)
     : voxel_size_m_(static_cast<float>(voxmap.voxel_size_m())) {
@@ -15,7 +15,7 @@ TangentPlaneField::TangentPlaneField(const Voxmap& voxmap)
 }
 
 // How far a point lies behind its plane.
-inline float TangentPlaneField::depth_voxels(const CollectedPoints& points,
+inline float TangentPlaneField::depth_voxels(const query::CollectedPoints& points,
                                              std::uint32_t i) const noexcept {
   const float from_center = points.nx[i] * (0.5f - points.fx[i]) +
                             points.ny[i] * (0.5f - points.fy[i]) +
@@ -26,7 +26,7 @@ inline float TangentPlaneField::depth_voxels(const CollectedPoints& points,
   return from_center + (zero_code_ - code) * voxels_per_code_;
 }
 
-void TangentPlaneField::measure(const CollectedPoints& points,
+void TangentPlaneField::measure(const query::CollectedPoints& points,
                                 FieldSamples& samples) const noexcept {
   for (std::uint32_t i = 0; i < points.count; ++i) {
     const float nx = points.nx[i], ny = points.ny[i], nz = points.nz[i];
@@ -48,4 +48,4 @@ void TangentPlaneField::measure(const CollectedPoints& points,
   }
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::field

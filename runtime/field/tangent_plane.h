@@ -1,15 +1,15 @@
-// The tangent-plane force model (paper 3): the plane through the voxel's centre whose normal is the
+// The tangent-plane force model (paper 3): the plane through the voxel's center whose normal is the
 // point's own.
 #pragma once
 
 #include "runtime/field/force_field.h"
 
-namespace forcelayer {
+namespace forcelayer::field {
 
-// Depth d = n . (c - p) along the point's inward normal n, c the voxel's centre. A point in value 1
+// Depth d = n . (c - p) along the point's inward normal n, c the voxel's center. A point in value 1
 // lies behind the force layer: it gets half a voxel, the field's nominal depth.
 //
-// Where voxels store distances, the plane lies as far behind the voxel's centre as the stored
+// Where voxels store distances, the plane lies as far behind the voxel's center as the stored
 // distance says, in value 1 too.
 class TangentPlaneField final : public ForceField {
  public:
@@ -19,14 +19,14 @@ class TangentPlaneField final : public ForceField {
 
   // A point in front of the plane has a negative depth. At two bits a point in value 3 lies a whole
   // layer further out.
-  void measure(const CollectedPoints& points, FieldSamples& samples) const noexcept override;
+  void measure(const query::CollectedPoints& points, FieldSamples& samples) const noexcept override;
 
  private:
-  float depth_voxels(const CollectedPoints& points, std::uint32_t i) const noexcept;
+  float depth_voxels(const query::CollectedPoints& points, std::uint32_t i) const noexcept;
 
   float voxel_size_m_;
   const VoxmapView* distances_ = nullptr;  // null at two bits
   float zero_code_ = 0, voxels_per_code_ = 0;
 };
 
-}  // namespace forcelayer
+}  // namespace forcelayer::field

@@ -45,7 +45,7 @@ typedef struct forcelayer_options {
   double workspace_radius_m;       /* about the device's origin; 0: unbounded */
   int senses_velocity;             /* 1: the readings hold velocities; 0: they are estimated */
   double world_from_device[7];     /* where the device stands in the scene */
-  double motion_scale;             /* scene metres a metre of the device */
+  double motion_scale;             /* scene meters a meter of the device */
   double stale_s;                  /* silence of device or caller that trips the output */
   double max_speed_mps;            /* of the handle at the device: faster trips the output */
   int without_guarantee;           /* 1: open also files that guarantee no separation */

@@ -9,7 +9,7 @@ namespace forcelayer {
 
 struct DevicePlacement {
   Pose world_from_device;
-  double motion_scale = 1;  // scene metres a metre of the device; rotations are never scaled
+  double motion_scale = 1;  // scene meters a meter of the device; rotations are never scaled
 
   Pose world_from_handle(const Pose& device_from_handle) const noexcept;
   Pose device_from_handle(const Pose& world_from_handle) const noexcept;

@@ -5,7 +5,7 @@
  * readings and wrenches with it through shared memory. How to attach an SDK: runtime/devices/plugin
  * in the source tree; a plugin to begin with: runtime/examples/spring_plugin.c.
  *
- * Everything is in SI units (metres, radians, seconds, newtons, newton metres) and right-handed
+ * Everything is in SI units (meters, radians, seconds, newtons, newton meters) and right-handed
  * frames: the plugin converts what its SDK has, and says in its handshake that it did.
  * All functions are called on one thread of the child process. */
 #ifndef FORCELAYER_PLUGIN_H

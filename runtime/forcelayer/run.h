@@ -31,9 +31,11 @@
 #include "formats/result.h"
 #include "formats/voxmap.h"
 
-namespace forcelayer {
-
+namespace forcelayer::model {
 class Simulation;
+}
+
+namespace forcelayer {
 
 // A device as the paper had it (6.4: 15 N, 0.1 N m), with the damping (2 N s/m, 0.005 N m s/rad)
 // and the delay (1 ms) that such devices show; it holds a hand.
@@ -160,9 +162,9 @@ class Run {
 
   // The dynamics inside, for programs that are built with this project's sources
   // (runtime/model/simulation.h). After release_simulation() nothing else may be called.
-  Simulation& simulation();
-  const Simulation& simulation() const;
-  std::unique_ptr<Simulation> release_simulation();
+  model::Simulation& simulation();
+  const model::Simulation& simulation() const;
+  std::unique_ptr<model::Simulation> release_simulation();
 
  private:
   struct Parts;

@@ -5,7 +5,7 @@
 
 #include "runtime/coupling/coupling.h"
 
-namespace forcelayer {
+namespace forcelayer::loop {
 namespace {
 
 double median(double a, double b, double c) {
@@ -32,9 +32,10 @@ Twist HandleVelocity::update(const Pose& device_from_handle, double dt_s) noexce
     last_ = device_from_handle;
     return velocity_;
   }
-  const Twist now{
-      (device_from_handle.position_m - last_.position_m) / dt_s,
-      rotation_vector(device_from_handle.orientation * glm::conjugate(last_.orientation)) / dt_s};
+  const Twist now{(device_from_handle.position_m - last_.position_m) / dt_s,
+                  coupling::rotation_vector(device_from_handle.orientation *
+                                            glm::conjugate(last_.orientation)) /
+                      dt_s};
   last_ = device_from_handle;
   differences_ = {now, differences_[0], differences_[1]};
   const auto& d = differences_;
@@ -54,4 +55,4 @@ Twist HandleVelocity::update(const Pose& device_from_handle, double dt_s) noexce
   return v;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::loop

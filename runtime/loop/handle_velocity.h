@@ -5,7 +5,7 @@
 
 #include "forcelayer/pose.h"
 
-namespace forcelayer {
+namespace forcelayer::loop {
 
 // The median of the last three backward differences, component by component, through a first-order
 // low-pass: v += (median - v) dt / (dt + tau).
@@ -37,4 +37,4 @@ class HandleVelocity {
   Twist velocity_;
 };
 
-}  // namespace forcelayer
+}  // namespace forcelayer::loop

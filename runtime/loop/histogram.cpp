@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace forcelayer {
+namespace forcelayer::loop {
 
 std::uint64_t DurationHistogram::upper_end(std::uint32_t bucket) noexcept {
   if (bucket < kSub) return bucket;
@@ -23,4 +23,4 @@ std::uint64_t DurationHistogram::quantile_ns(double share) const {
   return max_ns_;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::loop

@@ -5,7 +5,7 @@
 #include <bit>
 #include <cstdint>
 
-namespace forcelayer {
+namespace forcelayer::loop {
 
 // Counts whole nanoseconds up to 2^40 (18 minutes; longer ones fall into the last bucket). Negative
 // values count as 0. Values below 64 are kept exactly.
@@ -44,4 +44,4 @@ class DurationHistogram {
   std::uint64_t max_ns_ = 0;
 };
 
-}  // namespace forcelayer
+}  // namespace forcelayer::loop

@@ -7,7 +7,7 @@
 
 #include "runtime/model/vectors.h"
 
-namespace forcelayer {
+namespace forcelayer::loop {
 namespace {
 
 constexpr double kUnitTolerance = 1e-3;  // of a quaternion's length; a device's floats err by 1e-7
@@ -17,7 +17,8 @@ constexpr double kLeastJumpM = 0.001;    // noise and quantization of the coarse
 }  // namespace
 
 bool is_pose(const Pose& device_from_handle) noexcept {
-  return is_finite(device_from_handle) && is_unit(device_from_handle.orientation, kUnitTolerance);
+  return model::is_finite(device_from_handle) &&
+         model::is_unit(device_from_handle.orientation, kUnitTolerance);
 }
 
 Pose made_unit(const Pose& device_from_handle) noexcept {
@@ -43,7 +44,7 @@ Status check_workspace(const DeviceCapabilities& device, const Pose& device_from
                "does its driver give millimeters? Poses are in meters"};
 }
 
-DeviceInput::DeviceInput(Device& device, const DevicePlacement& placement,
+DeviceInput::DeviceInput(devices::Device& device, const DevicePlacement& placement,
                          const InputLimits& limits)
     : device_(device), placement_(placement), limits_(limits) {
   const double rate_hz = device.capabilities().rate_hz;
@@ -56,7 +57,7 @@ InputTrouble DeviceInput::trouble(const DeviceSample& sample, double dt_s) noexc
   if (!sample.present) return InputTrouble::kDeviceLost;
   if (!sample.calibrated) return InputTrouble::kNotCalibrated;
   if (age_s_ > limits_.stale_s) return InputTrouble::kFrozen;
-  if (!is_pose(pose) || (device.senses_velocity && !is_finite(sample.velocity))) {
+  if (!is_pose(pose) || (device.senses_velocity && !model::is_finite(sample.velocity))) {
     return InputTrouble::kNotFinite;
   }
   if (outside_workspace(device, pose.position_m, limits_.workspace_reach)) {
@@ -111,4 +112,4 @@ bool DeviceInput::next(double time_s, double dt_s, StepInput& input) noexcept {
   return true;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::loop

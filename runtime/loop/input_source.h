@@ -9,7 +9,7 @@
 #include "runtime/devices/device.h"
 #include "runtime/loop/handle_velocity.h"
 
-namespace forcelayer {
+namespace forcelayer::loop {
 
 class InputSource {
  public:
@@ -43,7 +43,8 @@ struct InputLimits {
 class DeviceInput final : public InputSource {
  public:
   // `device` must be started, and outlive this.
-  DeviceInput(Device& device, const DevicePlacement& placement, const InputLimits& limits = {});
+  DeviceInput(devices::Device& device, const DevicePlacement& placement,
+              const InputLimits& limits = {});
 
   bool next(double time_s, double dt_s, StepInput& input) noexcept override;
   InputHealth health() const noexcept override { return health_; }
@@ -55,7 +56,7 @@ class DeviceInput final : public InputSource {
   InputTrouble trouble(const DeviceSample& sample, double dt_s) noexcept;
   Twist velocity(const DeviceSample& sample, double dt_s) noexcept;  // device axes
 
-  Device& device_;
+  devices::Device& device_;
   DevicePlacement placement_;
   InputLimits limits_;
   HandleVelocity velocity_;
@@ -82,4 +83,4 @@ bool outside_workspace(const DeviceCapabilities& device, const glm::dvec3& posit
 // The same test for the first pose of a run. Error: kDeviceRefused, with a hint at units.
 Status check_workspace(const DeviceCapabilities& device, const Pose& device_from_handle);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::loop

@@ -4,10 +4,10 @@
 
 #include "runtime/machine/real_time.h"
 
-namespace forcelayer {
+namespace forcelayer::loop {
 namespace {
 
-void hand_over(const Frame& frame, bool may_wait, SpscRing<Frame>& ring,
+void hand_over(const Frame& frame, bool may_wait, machine::SpscRing<Frame>& ring,
                LoopStatistics& s) noexcept {
   while (!ring.push(frame)) {
     if (!may_wait) {
@@ -22,18 +22,18 @@ void hand_over(const Frame& frame, bool may_wait, SpscRing<Frame>& ring,
 class Pacer {
  public:
   explicit Pacer(double dt_s)
-      : period_ns_(static_cast<long long>(dt_s * 1e9 + 0.5)), tick_ns_(monotonic_ns()) {}
+      : period_ns_(static_cast<long long>(dt_s * 1e9 + 0.5)), tick_ns_(machine::monotonic_ns()) {}
 
   // Sleeps until the next tick, and gives its time.
   long long wait_for_tick(LoopStatistics& s) noexcept {
     tick_ns_ += period_ns_;
-    const long long late_ns = monotonic_ns() - tick_ns_;
+    const long long late_ns = machine::monotonic_ns() - tick_ns_;
     if (late_ns > 0) {
       const long long passed = late_ns / period_ns_;
       tick_ns_ += passed * period_ns_;
       s.skipped_ticks += static_cast<std::uint64_t>(passed);
     }
-    sleep_until_ns(tick_ns_);
+    machine::sleep_until_ns(tick_ns_);
     return tick_ns_;
   }
 
@@ -71,7 +71,7 @@ class Runner {
  private:
   // Tells the servo when the device has heard nothing for a period and the stale limit.
   void notice_lateness() noexcept {
-    const long long now_ns = monotonic_ns();
+    const long long now_ns = machine::monotonic_ns();
     const long long since_ns = now_ns - last_ns_ - pacer_.period_ns();
     if (last_ns_ != 0 && static_cast<double>(since_ns) > options_.stale_s * 1e9) servo_.note_late();
     last_ns_ = now_ns;
@@ -95,7 +95,7 @@ class Runner {
 
 }  // namespace
 
-void run_loop(Servo& servo, const LoopOptions& options, SpscRing<Frame>* ring,
+void run_loop(Servo& servo, const LoopOptions& options, machine::SpscRing<Frame>* ring,
               LoopStatistics& statistics) noexcept {
   Frame frame;
   Runner runner(servo, options, statistics);
@@ -108,4 +108,4 @@ void run_loop(Servo& servo, const LoopOptions& options, SpscRing<Frame>* ring,
   servo.silence();
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::loop

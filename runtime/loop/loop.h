@@ -11,7 +11,7 @@
 #include "runtime/loop/servo.h"
 #include "runtime/machine/spsc_ring.h"
 
-namespace forcelayer {
+namespace forcelayer::loop {
 
 struct LoopOptions {
   std::optional<std::uint64_t> frames;     // how many; none: until the input ends or stop is set
@@ -25,7 +25,7 @@ struct LoopOptions {
 // first trip if end_on_trip, and whenever a mapped file is lost. Puts each frame into `ring` if
 // there is one: in real time a full ring drops the frame, else the loop waits for room. Allocates
 // nothing.
-void run_loop(Servo& servo, const LoopOptions& options, SpscRing<Frame>* ring,
+void run_loop(Servo& servo, const LoopOptions& options, machine::SpscRing<Frame>* ring,
               LoopStatistics& statistics) noexcept;
 
-}  // namespace forcelayer
+}  // namespace forcelayer::loop

@@ -8,7 +8,7 @@
 
 #include "runtime/machine/real_time.h"
 
-namespace forcelayer {
+namespace forcelayer::loop {
 namespace {
 
 std::int64_t thread_cpu_ns() noexcept {
@@ -42,8 +42,8 @@ const char* to_text(MissCause cause) {
 TickMeter::Counters TickMeter::now() noexcept {
   rusage usage{};
   getrusage(RUSAGE_THREAD, &usage);
-  return {monotonic_ns(),  thread_cpu_ns(), usage.ru_minflt,
-          usage.ru_majflt, usage.ru_nvcsw,  usage.ru_nivcsw};
+  return {machine::monotonic_ns(), thread_cpu_ns(), usage.ru_minflt,
+          usage.ru_majflt,         usage.ru_nvcsw,  usage.ru_nivcsw};
 }
 
 void TickMeter::woke(std::int64_t tick_ns) noexcept {
@@ -137,4 +137,4 @@ void LoopStatistics::count(const Frame& frame, const TickCost& cost,
   worst.add({frame.number, late_ns, frame.step_ns, cost, cause});
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::loop

@@ -7,7 +7,7 @@
 #include "forcelayer/frame.h"
 #include "runtime/loop/histogram.h"
 
-namespace forcelayer {
+namespace forcelayer::loop {
 
 // Why a frame's output came later than one period after its tick: the first that applies.
 enum class MissCause : std::uint32_t {
@@ -112,4 +112,4 @@ struct LoopStatistics {
   bool in_episode_ = false;
 };
 
-}  // namespace forcelayer
+}  // namespace forcelayer::loop

@@ -7,7 +7,7 @@
 #include "runtime/devices/output_watch.h"
 #include "runtime/model/vectors.h"
 
-namespace forcelayer {
+namespace forcelayer::loop {
 namespace {
 
 // The report of the device's side that it has let go of the motors again arrives late.
@@ -50,13 +50,10 @@ const CauseRow& row_of(TripCause cause) {
 // limit must not delay letting go.
 glm::dvec3 moved(const glm::dvec3& last, const glm::dvec3& wanted, double step) {
   if (glm::dot(wanted, wanted) == 0) return wanted;
-  return last + clamped(wanted - last, step);
+  return last + model::clamped(wanted - last, step);
 }
 
 }  // namespace
-
-const char* to_text(TripCause cause) { return row_of(cause).text; }
-const char* how_to_mend(TripCause cause) { return row_of(cause).mend; }
 
 void OutputStage::trip(TripCause cause) noexcept {
   state_ = OutputState::kTripped;
@@ -65,7 +62,7 @@ void OutputStage::trip(TripCause cause) noexcept {
 }
 
 bool OutputStage::may_arm(const OutputFrame& frame) const noexcept {
-  if (frame.faulty || !is_finite(frame.wanted) || cause_to_trip(frame) != TripCause::kNone) {
+  if (frame.faulty || !model::is_finite(frame.wanted) || cause_to_trip(frame) != TripCause::kNone) {
     return false;
   }
   if (frame.health.clutch) return true;  // the hand grips the part anew, without stretch
@@ -81,7 +78,7 @@ TripCause OutputStage::cause_to_trip(const OutputFrame& frame) const noexcept {
   if (trouble == InputTrouble::kDeviceLost) return TripCause::kDeviceLost;
   if (trouble == InputTrouble::kNotCalibrated) return TripCause::kNotCalibrated;
   if (trouble == InputTrouble::kFrozen) return TripCause::kFrozen;  // stale already
-  if (!frame.faulty && !is_finite(frame.wanted)) return TripCause::kNotFinite;
+  if (!frame.faulty && !model::is_finite(frame.wanted)) return TripCause::kNotFinite;
   if (faulty_s_ > limits_.stale_s) {
     if (trouble == InputTrouble::kImplausible) return TripCause::kImplausible;
     if (trouble == InputTrouble::kNotFinite) return TripCause::kInputNotFinite;
@@ -100,8 +97,8 @@ bool OutputStage::trips_on(TripCause cause) const noexcept {
 }
 
 Wrench OutputStage::limited(const Wrench& wanted, double gain) const noexcept {
-  return {clamped(wanted.force_n, limits_.max_force_n) * gain,
-          clamped(wanted.torque_nm, limits_.max_torque_nm) * gain};
+  return {model::clamped(wanted.force_n, limits_.max_force_n) * gain,
+          model::clamped(wanted.torque_nm, limits_.max_torque_nm) * gain};
 }
 
 Wrench OutputStage::slewed(const Wrench& wanted, double dt_s) const noexcept {
@@ -133,8 +130,15 @@ Wrench OutputStage::pass(const OutputFrame& frame, double dt_s) noexcept {
   gain_ = frame.health.clutch || frame.health.swapping
               ? std::max(0.0, gain_ - dt_s / limits_.fade_s)
               : std::min(1.0, gain_ + dt_s / limits_.ramp_s);
-  last_ = slewed(limited(frame.wanted, gain_ * late_gain(frame.health.age_share)), dt_s);
+  last_ = slewed(limited(frame.wanted, gain_ * devices::late_gain(frame.health.age_share)), dt_s);
   return last_;
 }
+
+}  // namespace forcelayer::loop
+
+namespace forcelayer {
+
+const char* to_text(TripCause cause) { return loop::row_of(cause).text; }
+const char* how_to_mend(TripCause cause) { return loop::row_of(cause).mend; }
 
 }  // namespace forcelayer

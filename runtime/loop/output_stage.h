@@ -7,7 +7,7 @@
 #include "forcelayer/frame.h"
 #include "forcelayer/stale_limit.h"
 
-namespace forcelayer {
+namespace forcelayer::loop {
 
 struct OutputLimits {
   double max_force_n = 0;
@@ -77,4 +77,4 @@ class OutputStage {
   Wrench last_;
 };
 
-}  // namespace forcelayer
+}  // namespace forcelayer::loop

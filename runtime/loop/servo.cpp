@@ -8,7 +8,7 @@
 #include "runtime/machine/step_arithmetic.h"
 #include "runtime/model/outcome_hash.h"
 
-namespace forcelayer {
+namespace forcelayer::loop {
 namespace {
 
 // A stretch below these is rounding: registered poses reproduce to 1e-15 of the scene's extent.
@@ -17,7 +17,7 @@ constexpr double kNoStretchRad = 1e-9;
 
 }  // namespace
 
-Servo::Servo(Simulation& simulation, InputSource& input, const State& start,
+Servo::Servo(model::Simulation& simulation, InputSource& input, const State& start,
              const OutputLimits& limits)
     : simulation_(&simulation),
       input_(input),
@@ -25,7 +25,7 @@ Servo::Servo(Simulation& simulation, InputSource& input, const State& start,
       output_(limits),
       dt_s_(1 / simulation.parameters().rate_hz) {}
 
-bool Servo::request_swap(Simulation& next, const PartStart& start) noexcept {
+bool Servo::request_swap(model::Simulation& next, const PartStart& start) noexcept {
   if (swapping() || 1 / next.parameters().rate_hz != dt_s_) return false;
   next_start_ = start;
   next_.store(&next, std::memory_order_release);
@@ -41,7 +41,7 @@ void Servo::take_health(const StepInput& input, InputHealth& health) noexcept {
 }
 
 void Servo::take_swap(const StepInput& input) noexcept {
-  Simulation* const next = next_.load(std::memory_order_acquire);
+  model::Simulation* const next = next_.load(std::memory_order_acquire);
   if (next == nullptr) return;
   const std::uint64_t frame = state_.frame;
   const EpisodeEnergy energy = state_.energy;
@@ -56,7 +56,7 @@ OutputFrame Servo::output_frame(const Frame& frame) const noexcept {
   const StepReport& report = frame.result.report;
   const StepInput& input = frame.input;
   const DevicePlacement& placement = input_.placement();
-  const CouplingTarget target = coupling_target(state_, input);
+  const coupling::CouplingTarget target = coupling::coupling_target(state_, input);
   OutputFrame out;
   out.health = frame.health;
   out.faulty = report.faults != 0;
@@ -66,8 +66,8 @@ OutputFrame Servo::output_frame(const Frame& frame) const noexcept {
   out.free_of_contact = report.interior + report.surface + report.proximity == 0;
   const glm::dvec3 gap_m =
       target.world_from_center.position_m - report.world_from_center.position_m;
-  const glm::dvec3 turn_rad = rotation_vector(target.world_from_center.orientation *
-                                              glm::conjugate(report.world_from_center.orientation));
+  const glm::dvec3 turn_rad = coupling::rotation_vector(
+      target.world_from_center.orientation * glm::conjugate(report.world_from_center.orientation));
   out.unstretched = glm::length(gap_m) < kNoStretchM && glm::length(turn_rad) < kNoStretchRad;
   // The force acts where the coupling holds the hand, at its target: the power at the handle is
   // then the coupling's.
@@ -77,7 +77,7 @@ OutputFrame Servo::output_frame(const Frame& frame) const noexcept {
 }
 
 bool Servo::tick(Frame& frame) noexcept {
-  const StepArithmetic arithmetic;
+  const machine::StepArithmetic arithmetic;
   frame.number = state_.frame;
   frame.time_s = static_cast<double>(state_.frame) * dt_s_;
   if (!input_.next(frame.time_s, dt_s_, frame.input)) return false;
@@ -87,16 +87,16 @@ bool Servo::tick(Frame& frame) noexcept {
     take_swap(frame.input);
     frame.input.valid = kInputClutched;
   }
-  const std::int64_t begin_ns = monotonic_ns();
+  const std::int64_t begin_ns = machine::monotonic_ns();
   frame.result = simulation_->step(state_, frame.input, dt_s_);
-  frame.step_ns = monotonic_ns() - begin_ns;
+  frame.step_ns = machine::monotonic_ns() - begin_ns;
   frame.device_wrench = output_.pass(output_frame(frame), dt_s_);
   frame.output = output_.state();
-  frame.world_from_target = coupling_target(state_, frame.input).world_from_center;
+  frame.world_from_target = coupling::coupling_target(state_, frame.input).world_from_center;
   frame.last_trip = output_.last_trip();
-  frame.outcome_hash = outcome_hash(frame.result, state_);
+  frame.outcome_hash = model::outcome_hash(frame.result, state_);
   input_.output(frame);
   return true;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::loop

@@ -9,12 +9,13 @@
 #include "runtime/loop/output_stage.h"
 #include "runtime/model/simulation.h"
 
-namespace forcelayer {
+namespace forcelayer::loop {
 
 class Servo {
  public:
   // Everything given must outlive the servo. `start` is the state before the first tick.
-  Servo(Simulation& simulation, InputSource& input, const State& start, const OutputLimits& limits);
+  Servo(model::Simulation& simulation, InputSource& input, const State& start,
+        const OutputLimits& limits);
 
   // Reads, steps and writes once. Never blocks, allocates, locks or logs (the device's own calls
   // apart). Fills `frame`; false at the input's end.
@@ -34,7 +35,7 @@ class Servo {
   // counts where `start` has a grip too); then the output ramps in. `next` must outlive the servo
   // or the next swap. The old simulation is free once swapping() is false. Returns false where a
   // swap is under way or the rate differs.
-  bool request_swap(Simulation& next, const PartStart& start) noexcept;
+  bool request_swap(model::Simulation& next, const PartStart& start) noexcept;
   bool swapping() const noexcept { return next_.load(std::memory_order_acquire) != nullptr; }
 
   // Called before a tick that begins later than the stale limit allows. The output trips in that
@@ -52,7 +53,7 @@ class Servo {
   // Zero to the device, at the end or whenever the caller must fail.
   void silence() noexcept { input_.silence(); }
 
-  const Simulation& simulation() const { return *simulation_; }
+  const model::Simulation& simulation() const { return *simulation_; }
   const State& state() const { return state_; }
   const OutputStage& output() const { return output_; }
   double dt_s() const { return dt_s_; }
@@ -64,7 +65,7 @@ class Servo {
   void take_swap(const StepInput& input) noexcept;
   OutputFrame output_frame(const Frame& frame) const noexcept;
 
-  Simulation* simulation_;
+  model::Simulation* simulation_;
   InputSource& input_;
   State state_;
   OutputStage output_;
@@ -72,8 +73,8 @@ class Servo {
   std::uint32_t clutch_buttons_ = 0;
   bool late_ = false;
   std::atomic<bool> clutch_{false};
-  std::atomic<Simulation*> next_{nullptr};  // to be swapped in, at next_start_
-  PartStart next_start_;                    // of its part; written before next_
+  std::atomic<model::Simulation*> next_{nullptr};  // to be swapped in, at next_start_
+  PartStart next_start_;                           // of its part; written before next_
 };
 
-}  // namespace forcelayer
+}  // namespace forcelayer::loop

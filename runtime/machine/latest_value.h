@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <type_traits>
 
-namespace forcelayer {
+namespace forcelayer::machine {
 
 // Three slots: the producer fills one, the consumer reads one, the third changes hands.
 template <typename T>
@@ -36,4 +36,4 @@ class LatestValue {
   std::atomic<std::uint32_t> between_{2};
 };
 
-}  // namespace forcelayer
+}  // namespace forcelayer::machine

@@ -11,7 +11,7 @@
 
 #include "formats/voxmap_format.h"
 
-namespace forcelayer {
+namespace forcelayer::machine {
 namespace {
 
 // Read by the signal handler: plain atomics, no locks. `file` is for check_mappings() alone.
@@ -118,4 +118,4 @@ bool WatchedMapping::lost() const noexcept {
   return slot_ >= 0 && slots[static_cast<std::size_t>(slot_)].lost.load(std::memory_order_relaxed);
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::machine

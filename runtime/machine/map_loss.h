@@ -8,7 +8,7 @@
 
 #include "formats/file/mapped_file.h"
 
-namespace forcelayer {
+namespace forcelayer::machine {
 
 // Installs the SIGBUS handler of the process. A SIGBUS inside a watched mapping is answered with an
 // empty page (every tree entry uniformly free, every point at the origin) and marks the mapping as
@@ -39,4 +39,4 @@ class WatchedMapping {
   int slot_ = -1;
 };
 
-}  // namespace forcelayer
+}  // namespace forcelayer::machine

@@ -14,7 +14,7 @@
 
 #include "formats/voxmap_walk.h"
 
-namespace forcelayer {
+namespace forcelayer::machine {
 namespace {
 
 // Pages of a mapping, by number.
@@ -140,4 +140,4 @@ std::uint64_t resident_bytes(std::span<const std::byte> mapping) {
   return sum;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::machine

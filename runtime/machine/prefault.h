@@ -8,7 +8,7 @@
 
 #include "formats/voxmap.h"
 
-namespace forcelayer {
+namespace forcelayer::machine {
 
 // A box of the scene, world axes, m.
 struct ReachBox {
@@ -24,4 +24,4 @@ std::uint64_t prefault(const Voxmap& voxmap, const ReachBox& reach);
 // The bytes of `mapping` that this process has in memory (/proc/self/smaps); 0 if unknown.
 std::uint64_t resident_bytes(std::span<const std::byte> mapping);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::machine

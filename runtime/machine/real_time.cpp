@@ -10,7 +10,7 @@
 #include <cstdio>
 #include <cstring>
 
-namespace forcelayer {
+namespace forcelayer::machine {
 namespace {
 
 constexpr int kPriority = 80;  // above interrupt threads' default of 50, below the watchdogs' 99
@@ -85,4 +85,4 @@ void sleep_until_ns(long long deadline_ns) noexcept {
   }
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::machine

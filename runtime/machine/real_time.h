@@ -7,7 +7,7 @@
 #include <thread>
 #include <vector>
 
-namespace forcelayer {
+namespace forcelayer::machine {
 
 // Locks every page that the process touches from now on, and touches 256 KiB of this thread's
 // stack. Returns warnings.
@@ -31,4 +31,4 @@ long long monotonic_ns() noexcept;
 // 0 where it does not say.
 double steal_seconds();
 
-}  // namespace forcelayer
+}  // namespace forcelayer::machine

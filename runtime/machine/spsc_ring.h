@@ -7,7 +7,7 @@
 #include <type_traits>
 #include <vector>
 
-namespace forcelayer {
+namespace forcelayer::machine {
 
 template <typename T>
 class SpscRing {
@@ -41,4 +41,4 @@ class SpscRing {
   alignas(64) std::atomic<std::size_t> tail_{0};  // written by the consumer
 };
 
-}  // namespace forcelayer
+}  // namespace forcelayer::machine

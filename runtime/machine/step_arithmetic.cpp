@@ -4,7 +4,7 @@
 #include <xmmintrin.h>
 #endif
 
-namespace forcelayer {
+namespace forcelayer::machine {
 namespace {
 
 #if defined(__SSE2__)
@@ -32,4 +32,4 @@ StepArithmetic::StepArithmetic() noexcept : host_(control()) { set_control(kCont
 
 StepArithmetic::~StepArithmetic() { set_control(host_); }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::machine

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-namespace forcelayer {
+namespace forcelayer::machine {
 
 // Sets this thread's mode until the end of the scope: results round to nearest, denormals count as
 // zero (each costs hundreds of cycles), no operation traps. Then restores the thread's own mode,
@@ -19,4 +19,4 @@ class StepArithmetic {
   std::uint64_t host_;
 };
 
-}  // namespace forcelayer
+}  // namespace forcelayer::machine

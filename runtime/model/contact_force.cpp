@@ -12,7 +12,7 @@
 // Once, whatever the number of targets.
 #ifndef FORCELAYER_CONTACT_FORCE_CONSTANTS
 #define FORCELAYER_CONTACT_FORCE_CONSTANTS
-namespace forcelayer {
+namespace forcelayer::model {
 namespace {
 
 constexpr double kAveragingStart = 10;      // contacts from which forces are averaged (paper 5.2)
@@ -20,7 +20,7 @@ constexpr double kFullDepthVoxels = 0.125;  // depth from which a contact counts
 
 // Arguments of spring_row() beside the contact.
 struct SpringStep {
-  const ForceCurve& curve;
+  const field::ForceCurve& curve;
   double average, by_area;  // of LoadSharing
   double dt_s;
   double stiffness_n_per_m;  // of one point of mean area
@@ -30,16 +30,16 @@ struct SpringStep {
 
 // Sum over points that approach too fast of their rows times share, and of what is allowed.
 struct BrakeSum {
-  Vector6 rows{};
+  coupling::Vector6 rows{};
   double allowed = 0;
 };
 
 }  // namespace
-}  // namespace forcelayer
+}  // namespace forcelayer::model
 #endif
 
 HWY_BEFORE_NAMESPACE();
-namespace forcelayer {
+namespace forcelayer::model {
 namespace HWY_NAMESPACE {
 namespace {
 
@@ -50,7 +50,7 @@ using Doubles = hn::CappedTag<double, kColumns>;
 using VD = hn::Vec<Doubles>;
 constexpr Doubles kD;
 constexpr std::size_t kLanes = HWY_MIN(HWY_LANES(double), kColumns);
-static_assert(ContactSet::kPadding >= kColumns);
+static_assert(field::ContactSet::kPadding >= kColumns);
 
 HWY_INLINE VD load(const std::vector<float>& values, std::size_t i) {
   const hn::Rebind<float, Doubles> floats;
@@ -62,7 +62,7 @@ HWY_INLINE double sum_of_columns(const double (&c)[kColumns]) {
 }
 
 // separation_row() of the contacts from i on.
-HWY_INLINE void separation_rows(const ContactSet& set, std::size_t i, VD* j) {
+HWY_INLINE void separation_rows(const field::ContactSet& set, std::size_t i, VD* j) {
   const VD r[3] = {load(set.rx, i), load(set.ry, i), load(set.rz, i)};
   j[0] = load(set.ux, i), j[1] = load(set.uy, i), j[2] = load(set.uz, i);
   j[3] = hn::Sub(hn::Mul(r[1], j[2]), hn::Mul(r[2], j[1]));
@@ -79,7 +79,7 @@ HWY_INLINE VD lane_by_lane(VD v, const F& of) {
   return hn::Load(kD, lanes);
 }
 
-void totals_on_target(const ContactSet& set, double full_m, const ForceCurve& curve,
+void totals_on_target(const field::ContactSet& set, double full_m, const field::ForceCurve& curve,
                       ContactTotals& out) {
   HWY_ALIGN double sharing[kColumns], alone[kColumns], rest[kColumns], deepest[kColumns];
   const VD zero = hn::Zero(kD), half = hn::Set(kD, 0.5), one = hn::Set(kD, 1.0);
@@ -117,8 +117,8 @@ void totals_on_target(const ContactSet& set, double full_m, const ForceCurve& cu
 }
 
 // Writes the rows of the contacts [0, count) behind each other; how many.
-std::size_t spring_rows_on_target(const ContactSet& set, std::size_t count, const SpringStep& step,
-                                  const ContactRowColumns& out) {
+std::size_t spring_rows_on_target(const field::ContactSet& set, std::size_t count,
+                                  const SpringStep& step, const ContactRowColumns& out) {
   const VD zero = hn::Zero(kD), one = hn::Set(kD, 1.0), dt_s = hn::Set(kD, step.dt_s);
   std::size_t rows = 0;
   for (std::size_t i = 0; i < count; i += kLanes) {
@@ -158,8 +158,8 @@ std::size_t spring_rows_on_target(const ContactSet& set, std::size_t count, cons
   return rows;
 }
 
-void brake_sum_on_target(const ContactSet& set, const Vector6& velocity, double stop_s,
-                         BrakeSum& out) {
+void brake_sum_on_target(const field::ContactSet& set, const coupling::Vector6& velocity,
+                         double stop_s, BrakeSum& out) {
   constexpr std::size_t kSums = 7;
   HWY_ALIGN double columns[kSums][kColumns];
   const VD zero = hn::Zero(kD);
@@ -191,17 +191,17 @@ void brake_sum_on_target(const ContactSet& set, const Vector6& velocity, double 
 
 }  // namespace
 }  // namespace HWY_NAMESPACE
-}  // namespace forcelayer
+}  // namespace forcelayer::model
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace forcelayer {
+namespace forcelayer::model {
 
 HWY_EXPORT(totals_on_target);
 HWY_EXPORT(spring_rows_on_target);
 HWY_EXPORT(brake_sum_on_target);
 
-ContactTotals contact_totals(const ContactSet& set, const ContactLaw& law) noexcept {
+ContactTotals contact_totals(const field::ContactSet& set, const ContactLaw& law) noexcept {
   ContactTotals totals;
   HWY_DYNAMIC_DISPATCH(totals_on_target)
   (set, kFullDepthVoxels * law.voxel_size_m, law.curve, totals);
@@ -219,7 +219,7 @@ double contact_energy_j(const ContactTotals& totals, const LoadSharing& load,
          (totals.alone_m2 + load.by_area() * totals.rest_m2);
 }
 
-ContactRow spring_row(const Contact& contact, double force_m, const LoadSharing& load,
+ContactRow spring_row(const field::Contact& contact, double force_m, const LoadSharing& load,
                       const ContactLaw& law, double dt_s) noexcept {
   const double share = load.share(contact);
   const double stiffness = law.stiffness_n_per_m * share;
@@ -231,7 +231,7 @@ ContactRow spring_row(const Contact& contact, double force_m, const LoadSharing&
   return row;
 }
 
-void add_contact_rows(const ContactSet& set, const LoadSharing& load, const ContactLaw& law,
+void add_contact_rows(const field::ContactSet& set, const LoadSharing& load, const ContactLaw& law,
                       double dt_s, double reach_m, ContactRows& rows) noexcept {
   const SpringStep step{law.curve, load.average(),        load.by_area(),
                         dt_s,      law.stiffness_n_per_m, law.damping_ns_per_m,
@@ -240,16 +240,17 @@ void add_contact_rows(const ContactSet& set, const LoadSharing& load, const Cont
   rows.added(HWY_DYNAMIC_DISPATCH(spring_rows_on_target)(set, count, step, rows.next()));
 }
 
-bool braking_row(const ContactSet& set, const Symmetric6& inertia, const Vector6& velocity,
-                 double dt_s, ContactRow& row) noexcept {
+bool braking_row(const field::ContactSet& set, const coupling::Symmetric6& inertia,
+                 const coupling::Vector6& velocity, double dt_s, ContactRow& row) noexcept {
   BrakeSum sum;
   HWY_DYNAMIC_DISPATCH(brake_sum_on_target)(set, velocity, kBrakeFrames * dt_s, sum);
-  if (sum.rows == Vector6{}) return false;
-  const double mobility = dot(sum.rows, solve(inertia, sum.rows));  // one over the mass along S
+  if (sum.rows == coupling::Vector6{}) return false;
+  const double mobility =
+      coupling::dot(sum.rows, coupling::solve(inertia, sum.rows));  // one over the mass along S
   if (!(mobility > 0)) return false;
   row = {sum.rows, 0.5 / mobility, -sum.allowed};
   return true;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::model
 #endif

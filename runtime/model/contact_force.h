@@ -9,13 +9,13 @@
 #include "runtime/field/force_curve.h"
 #include "runtime/model/contact_solver.h"
 
-namespace forcelayer {
+namespace forcelayer::model {
 
 struct ContactLaw {
   double stiffness_n_per_m = 0;  // of one point of mean area, where the curve is steepest
   double damping_ns_per_m = 0;   // of the same
   double voxel_size_m = 0;
-  ForceCurve curve;
+  field::ForceCurve curve;
 };
 
 // Totals over the contacts of a set, those with depth > 0. Sums run in eight columns and are then
@@ -30,7 +30,7 @@ struct ContactTotals {
   double alone_m2 = 0, rest_m2 = 0;
 };
 
-ContactTotals contact_totals(const ContactSet& set, const ContactLaw& law) noexcept;
+ContactTotals contact_totals(const field::ContactSet& set, const ContactLaw& law) noexcept;
 
 // How many contacts share the load, and so how stiff each is (the place of the paper's N/10, 5.2).
 // Contacts are counted by area, and by depth up to an eighth of a voxel, so that the count is
@@ -42,7 +42,7 @@ class LoadSharing {
   LoadSharing() = default;  // one contact
   explicit LoadSharing(const ContactTotals& totals) noexcept;
   // Factor on the stiffness of a contact.
-  double share(const Contact& contact) const noexcept {
+  double share(const field::Contact& contact) const noexcept {
     const double alone = std::max(1.0f, contact.weight);
     return average_ * (alone + by_area_ * (contact.weight - alone));
   }
@@ -60,20 +60,20 @@ double contact_energy_j(const ContactTotals& totals, const LoadSharing& load,
                         const ContactLaw& law) noexcept;
 
 // Separation speed of a contact per velocity of the part: [u; r x u].
-inline Vector6 separation_row(const Contact& contact) noexcept {
+inline coupling::Vector6 separation_row(const field::Contact& contact) noexcept {
   const glm::dvec3 push(contact.direction);
-  return vector6(push, glm::cross(glm::dvec3(contact.arm_m), push));
+  return coupling::vector6(push, glm::cross(glm::dvec3(contact.arm_m), push));
 }
 
 // One contact over a step of `dt_s`, with the force (over the stiffness, m) that it would have
 // after no motion, or its gap below zero. Touching ones are springs with dampers; the others stop
 // the part where their gap ends.
-ContactRow spring_row(const Contact& contact, double force_m, const LoadSharing& load,
+ContactRow spring_row(const field::Contact& contact, double force_m, const LoadSharing& load,
                       const ContactLaw& law, double dt_s) noexcept;
 
 // Adds a row for every contact of `set` that a motion of at most `reach_m` could bring to touch, as
 // spring_row() makes them.
-void add_contact_rows(const ContactSet& set, const LoadSharing& load, const ContactLaw& law,
+void add_contact_rows(const field::ContactSet& set, const LoadSharing& load, const ContactLaw& law,
                       double dt_s, double reach_m, ContactRows& rows) noexcept;
 
 // Pre-contact braking (paper 5.3) of force and torque in one: S is the sum, over the points in
@@ -82,9 +82,9 @@ void add_contact_rows(const ContactSet& set, const LoadSharing& load, const Cont
 // half of the kinetic energy over dt), with the mass that the part shows along S, rotation
 // included. It acts on the velocity after it, so it never reverses one; below that speed it does
 // nothing, so it neither creeps nor drags. Returns false where no point approaches too fast.
-bool braking_row(const ContactSet& set, const Symmetric6& inertia, const Vector6& velocity,
-                 double dt_s, ContactRow& row) noexcept;
+bool braking_row(const field::ContactSet& set, const coupling::Symmetric6& inertia,
+                 const coupling::Vector6& velocity, double dt_s, ContactRow& row) noexcept;
 
 inline constexpr double kBrakeFrames = 4;
 
-}  // namespace forcelayer
+}  // namespace forcelayer::model

@@ -10,7 +10,7 @@
 #include <hwy/highway.h>
 
 HWY_BEFORE_NAMESPACE();
-namespace forcelayer {
+namespace forcelayer::model {
 namespace HWY_NAMESPACE {
 namespace {
 
@@ -28,7 +28,7 @@ double sum_of_columns(const double (&c)[kRows]) {
   return ((c[0] + c[4]) + (c[2] + c[6])) + ((c[1] + c[5]) + (c[3] + c[7]));
 }
 
-double energy_on_target(const Columns& rows, std::size_t blocks, const Vector6& v,
+double energy_on_target(const Columns& rows, std::size_t blocks, const coupling::Vector6& v,
                         std::uint8_t* push) {
   VD sum[kVectors];
   for (VD& part : sum) part = hn::Zero(kD);
@@ -91,11 +91,11 @@ void sum_on_target(const Columns& rows, std::size_t blocks, const std::uint8_t* 
 
 }  // namespace
 }  // namespace HWY_NAMESPACE
-}  // namespace forcelayer
+}  // namespace forcelayer::model
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace forcelayer {
+namespace forcelayer::model {
 
 HWY_EXPORT(energy_on_target);
 HWY_EXPORT(sum_on_target);
@@ -138,7 +138,7 @@ void ContactRows::add(const ContactRow& row) noexcept {
   added(1);
 }
 
-double ContactRows::energy_j(const Vector6& v) noexcept {
+double ContactRows::energy_j(const coupling::Vector6& v) noexcept {
   return HWY_DYNAMIC_DISPATCH(energy_on_target)(from(0), blocks(), v, push_.data());
 }
 
@@ -156,5 +156,5 @@ const ContactRowSum& ContactRows::pushing() noexcept {
   return sum_;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::model
 #endif

@@ -7,13 +7,13 @@
 
 #include "runtime/coupling/spatial.h"
 
-namespace forcelayer {
+namespace forcelayer::model {
 
 // One unilateral constraint: pushes with the impulse weight * (onset - j.v) while j.v < onset.
 struct ContactRow {
-  Vector6 j{};        // separation speed per velocity
-  double weight = 0;  // N s per m/s
-  double onset = 0;   // m/s
+  coupling::Vector6 j{};  // separation speed per velocity
+  double weight = 0;      // N s per m/s
+  double onset = 0;       // m/s
 };
 
 // Where rows stand, column by column: the six of j, weight, onset.
@@ -24,8 +24,8 @@ struct ContactRowColumns {
 
 // Sum of weight j j^T, and of weight onset j, over rows.
 struct ContactRowSum {
-  Symmetric6 matrix;
-  Vector6 impulse{};
+  coupling::Symmetric6 matrix;
+  coupling::Vector6 impulse{};
 };
 
 // Sums run in eight columns and are then added in one order: the same bits for any vector width.
@@ -43,7 +43,7 @@ class ContactRows {
   void added(std::size_t rows) noexcept;
 
   // Sum of weight max(0, onset - j.v)^2 / 2, J; notes which rows push at `v`.
-  double energy_j(const Vector6& v) noexcept;
+  double energy_j(const coupling::Vector6& v) noexcept;
   // Over the rows that pushed at the last energy_j(). Summed anew only where these are others than
   // the last time.
   const ContactRowSum& pushing() noexcept;
@@ -64,4 +64,4 @@ class ContactRows {
   ContactRowSum sum_;
 };
 
-}  // namespace forcelayer
+}  // namespace forcelayer::model

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace forcelayer {
+namespace forcelayer::model {
 namespace {
 
 constexpr int kMaxIterations = 12;
@@ -12,24 +12,24 @@ constexpr double kConverged = 1e-10;  // change of the velocity over its size: e
 
 // v A v / 2 - b v.
 struct Quadratic {
-  Symmetric6 matrix;
-  Vector6 impulse{};
+  coupling::Symmetric6 matrix;
+  coupling::Vector6 impulse{};
 
   bool operator==(const Quadratic&) const = default;
 };
 
 // All but the rows, at the secant that belongs to `guess`.
-Quadratic smooth_part(const StepSystem& system, const Vector6& guess) {
+Quadratic smooth_part(const StepSystem& system, const coupling::Vector6& guess) {
   Quadratic q{system.inertia, system.momentum};
-  add_implicit(system.translation, system.displacement, linear_part(guess), system.dt_s, 0,
-               q.matrix, q.impulse);
-  add_implicit(system.rotation, system.angle, angular_part(guess), system.dt_s, 3, q.matrix,
-               q.impulse);
+  coupling::add_implicit(system.translation, system.displacement, coupling::linear_part(guess),
+                         system.dt_s, 0, q.matrix, q.impulse);
+  coupling::add_implicit(system.rotation, system.angle, coupling::angular_part(guess), system.dt_s,
+                         3, q.matrix, q.impulse);
   return q;
 }
 
-double energy_j(const Quadratic& q, const Vector6& v) {
-  return 0.5 * dot(v, q.matrix * v) - dot(v, q.impulse);
+double energy_j(const Quadratic& q, const coupling::Vector6& v) {
+  return 0.5 * coupling::dot(v, q.matrix * v) - coupling::dot(v, q.impulse);
 }
 
 Quadratic with_rows(Quadratic q, const ContactRowSum& rows) {
@@ -40,23 +40,24 @@ Quadratic with_rows(Quadratic q, const ContactRowSum& rows) {
 
 // Whether `q` is no larger at `to` than at `from`, by their difference: its terms are as small as
 // the step, where those of the energies may be so large that they round it away.
-bool descends(const Quadratic& q, const Vector6& from, const Vector6& to) {
-  Vector6 step, slope = q.matrix * to;  // the latter at `to`
+bool descends(const Quadratic& q, const coupling::Vector6& from, const coupling::Vector6& to) {
+  coupling::Vector6 step, slope = q.matrix * to;  // the latter at `to`
   for (int i = 0; i < 6; ++i) step[i] = to[i] - from[i];
   for (int i = 0; i < 6; ++i) slope[i] -= q.impulse[i];
-  return dot(step, slope) - 0.5 * dot(step, q.matrix * step) <= 0;
+  return coupling::dot(step, slope) - 0.5 * coupling::dot(step, q.matrix * step) <= 0;
 }
 
-Vector6 between(const Vector6& a, const Vector6& b, double share) {
-  Vector6 v;
+coupling::Vector6 between(const coupling::Vector6& a, const coupling::Vector6& b, double share) {
+  coupling::Vector6 v;
   for (int i = 0; i < 6; ++i) v[i] = a[i] + share * (b[i] - a[i]);
   return v;
 }
 
 }  // namespace
 
-Vector6 solve_velocity(const StepSystem& system, ContactRows& rows, const Vector6& guess) noexcept {
-  Vector6 v = guess;
+coupling::Vector6 solve_velocity(const StepSystem& system, ContactRows& rows,
+                                 const coupling::Vector6& guess) noexcept {
+  coupling::Vector6 v = guess;
   double rows_j = rows.energy_j(v);
   Quadratic smooth;
   bool minimal = false;  // `v` is the minimum of `smooth` and the rows that push at it
@@ -65,7 +66,7 @@ Vector6 solve_velocity(const StepSystem& system, ContactRows& rows, const Vector
     smooth = smooth_part(system, v);
     if (minimal && smooth == last) break;
     const Quadratic q = with_rows(smooth, rows.pushing());
-    Vector6 next = solve(q.matrix, q.impulse);
+    coupling::Vector6 next = coupling::solve(q.matrix, q.impulse);
     double next_j = rows.energy_j(next);
     // Rows that push at both ends of the step push all along it, and no others do: there is nothing
     // but `q` to go down.
@@ -84,7 +85,7 @@ Vector6 solve_velocity(const StepSystem& system, ContactRows& rows, const Vector
     rows_j = next_j;
     double change = 0, size = 0;
     for (int i = 0; i < 6; ++i) {
-      const double mass = system.inertia.lower[Symmetric6::at(i, i)];
+      const double mass = system.inertia.lower[coupling::Symmetric6::at(i, i)];
       change += mass * (next[i] - v[i]) * (next[i] - v[i]);
       size += mass * next[i] * next[i];
     }
@@ -94,4 +95,4 @@ Vector6 solve_velocity(const StepSystem& system, ContactRows& rows, const Vector
   return v;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::model

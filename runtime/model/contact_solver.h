@@ -6,14 +6,14 @@
 #include "runtime/coupling/virtual_coupling.h"
 #include "runtime/model/contact_rows.h"
 
-namespace forcelayer {
+namespace forcelayer::model {
 
 // All but the contacts: inertia, momentum before the step, and the two halves of the coupling.
 struct StepSystem {
-  Symmetric6 inertia;
-  Vector6 momentum{};
-  CouplingHalf translation, rotation;
-  HalfStretch displacement, angle;
+  coupling::Symmetric6 inertia;
+  coupling::Vector6 momentum{};
+  coupling::CouplingHalf translation, rotation;
+  coupling::HalfStretch displacement, angle;
   double dt_s = 0;
 };
 
@@ -23,6 +23,7 @@ struct StepSystem {
 // never worse than `guess` (but for the rounding of the energies themselves): a clamped coupling
 // enters with a quadratic that touches its energy at the velocity so far and lies above it
 // elsewhere, and a step that does not lower the sum is not made.
-Vector6 solve_velocity(const StepSystem& system, ContactRows& rows, const Vector6& guess) noexcept;
+coupling::Vector6 solve_velocity(const StepSystem& system, ContactRows& rows,
+                                 const coupling::Vector6& guess) noexcept;
 
-}  // namespace forcelayer
+}  // namespace forcelayer::model

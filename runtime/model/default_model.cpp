@@ -12,7 +12,7 @@
 #include "runtime/model/principal_inertia.h"
 #include "runtime/model/vectors.h"
 
-namespace forcelayer {
+namespace forcelayer::model {
 namespace {
 
 constexpr int kResolves = 2;                // new solves with the contacts found where a motion led
@@ -44,7 +44,7 @@ glm::dmat3 critical_damping_shape(const glm::dmat3& inertia_kgm2) {
 Twist mean_velocity(const Pose& from, const Pose& to, double dt_s) {
   if (!(dt_s > 0)) return {};
   return {(to.position_m - from.position_m) / dt_s,
-          rotation_vector(to.orientation * glm::conjugate(from.orientation)) / dt_s};
+          coupling::rotation_vector(to.orientation * glm::conjugate(from.orientation)) / dt_s};
 }
 
 template <typename T>
@@ -58,13 +58,13 @@ bool same_bits(const T& a, const T& b) {
 // One sub-step in the making.
 struct DefaultModel::Motion {
   StepSystem system;
-  Vector6 start{};     // velocity before
-  Vector6 velocity{};  // velocity of the motion
+  coupling::Vector6 start{};     // velocity before
+  coupling::Vector6 velocity{};  // velocity of the motion
   double energy_before_j = 0;
 };
 
-DefaultModel::DefaultModel(const Parameters& parameters, ContactProbe& probe, std::uint64_t points,
-                           const ForceCurve& curve)
+DefaultModel::DefaultModel(const Parameters& parameters, field::ContactProbe& probe,
+                           std::uint64_t points, const field::ForceCurve& curve)
     : parameters_(parameters), probe_(probe) {
   mass_ = {parameters.mass_kg, parameters.inertia_kgm2, glm::inverse(parameters.inertia_kgm2)};
   contact_ = {
@@ -84,7 +84,7 @@ DefaultModel::DefaultModel(const Parameters& parameters, ContactProbe& probe, st
 
 StepResult DefaultModel::step(State& state, const StepInput& input, double dt_s) noexcept {
   StepResult result;
-  const CouplingTarget target = coupling_target(state, input);
+  const coupling::CouplingTarget target = coupling::coupling_target(state, input);
   look_up_here(state.world_from_center);
   const bool hand_still = state.has_target != 0 &&
                           same_bits(target.world_from_center, state.target) &&
@@ -120,7 +120,7 @@ void DefaultModel::look_up_here(const Pose& pose) noexcept {
   here_known_ = true;
 }
 
-void DefaultModel::refill_allowance(State& state, const CouplingTarget& target,
+void DefaultModel::refill_allowance(State& state, const coupling::CouplingTarget& target,
                                     double dt_s) const noexcept {
   double work_j = 0;
   if (state.has_target != 0) {
@@ -139,7 +139,7 @@ void DefaultModel::refill_allowance(State& state, const CouplingTarget& target,
 
 // One frame: motions of at most s/2 until the time or the look-ups are used up. What is left of the
 // time then is not made up: the part lags, and follows in the next frames.
-void DefaultModel::move(State& state, const CouplingTarget& target, double dt_s,
+void DefaultModel::move(State& state, const coupling::CouplingTarget& target, double dt_s,
                         StepReport& report) noexcept {
   double remaining_s = dt_s;
   for (int look_ups = 0; look_ups < parameters_.look_ups && remaining_s > 1e-9 * dt_s; ++look_ups) {
@@ -154,25 +154,26 @@ void DefaultModel::move(State& state, const CouplingTarget& target, double dt_s,
   }
 }
 
-DefaultModel::Motion DefaultModel::prepare(const State& state, const CouplingTarget& target,
+DefaultModel::Motion DefaultModel::prepare(const State& state,
+                                           const coupling::CouplingTarget& target,
                                            double dt_s) const noexcept {
   Motion motion;
   StepSystem& system = motion.system;
   const glm::dmat3 inertia = turned(mass_.inertia_kgm2, state.world_from_center.orientation);
   for (int row = 0; row < 3; ++row) {
-    system.inertia.lower[Symmetric6::at(row, row)] = mass_.mass_kg;
+    system.inertia.lower[coupling::Symmetric6::at(row, row)] = mass_.mass_kg;
     for (int column = 0; column <= row; ++column) {
-      system.inertia.lower[Symmetric6::at(3 + row, 3 + column)] = inertia[column][row];
+      system.inertia.lower[coupling::Symmetric6::at(3 + row, 3 + column)] = inertia[column][row];
     }
   }
-  motion.start = vector6(state.velocity.linear_mps, state.velocity.angular_radps);
+  motion.start = coupling::vector6(state.velocity.linear_mps, state.velocity.angular_radps);
   system.momentum = system.inertia * motion.start;
   system.translation = translation_;
   system.displacement = {target.world_from_center.position_m - state.world_from_center.position_m,
                          target.velocity.linear_mps};
-  system.angle = {
-      continuous_angle(state.world_from_center, target.world_from_center, state.coupling_angle_rad),
-      target.velocity.angular_radps};
+  system.angle = {coupling::continuous_angle(state.world_from_center, target.world_from_center,
+                                             state.coupling_angle_rad),
+                  target.velocity.angular_radps};
   system.rotation = rotation_at(system.angle.displacement, state.world_from_center.orientation);
   system.dt_s = dt_s;
   motion.energy_before_j =
@@ -204,24 +205,24 @@ void DefaultModel::solve_motion(Motion& motion, double dt_s) noexcept {
 
 // Looks up where the motion leads and keeps it, or mends it until it can be kept. False: the part
 // stays where it is.
-bool DefaultModel::make(State& state, Motion& motion, const CouplingTarget& target,
+bool DefaultModel::make(State& state, Motion& motion, const coupling::CouplingTarget& target,
                         StepReport& report) noexcept {
   const double dt_s = motion.system.dt_s;
   const double least_m = state.allowance_j == 0 ? kLeastTravelVoxels * parameters_.voxel_size_m : 0;
   bool cut = false;
   for (int attempt = 0; attempt <= kResolves + kHalvings; ++attempt) {
     if (!(travel_m(motion.velocity, dt_s) > least_m)) return false;
-    Twist velocity{linear_part(motion.velocity), angular_part(motion.velocity)};
+    Twist velocity{coupling::linear_part(motion.velocity), coupling::angular_part(motion.velocity)};
     const double kinetic_j = kinetic_energy_j(mass_, state.world_from_center.orientation, velocity);
     const Pose candidate =
         advance(mass_, state.world_from_center, velocity, dt_s, most_turn_rad(velocity, dt_s));
     look_up(candidate, there_);
     double rise_j = 0;
-    const bool clear = no_new_interior(here_, there_);
+    const bool clear = field::no_new_interior(here_, there_);
     if (clear && affordable(state, motion, target, candidate, kinetic_j, rise_j)) {
       state.allowance_j = std::max(0.0, state.allowance_j - rise_j);
       state.coupling_angle_rad =
-          continuous_angle(candidate, target.world_from_center, state.coupling_angle_rad);
+          coupling::continuous_angle(candidate, target.world_from_center, state.coupling_angle_rad);
       state.world_from_center = here_pose_ = candidate;
       state.velocity = velocity;
       std::swap(here_, there_);
@@ -241,12 +242,12 @@ bool DefaultModel::make(State& state, Motion& motion, const CouplingTarget& targ
 }
 
 bool DefaultModel::affordable(const State& state, const Motion& motion,
-                              const CouplingTarget& target, const Pose& candidate, double kinetic_j,
-                              double& rise_j) const noexcept {
+                              const coupling::CouplingTarget& target, const Pose& candidate,
+                              double kinetic_j, double& rise_j) const noexcept {
   if (here_.interior > 0) return true;  // led out: slow, and its energy is not the scene's
   if (here_.in_free_space() && there_.in_free_space()) return true;  // nothing to gain it from
   const glm::dvec3 angle_rad =
-      continuous_angle(candidate, target.world_from_center, state.coupling_angle_rad);
+      coupling::continuous_angle(candidate, target.world_from_center, state.coupling_angle_rad);
   const double energy_j =
       kinetic_j +
       potential_j(target.world_from_center.position_m - candidate.position_m, angle_rad, there_);
@@ -263,8 +264,8 @@ void DefaultModel::add_found_contacts(Motion& motion) noexcept {
   const double guard_depth_m = kGuardDepthVoxels * s + contact_.curve.deepening_m();
   for (std::uint32_t i = 0; i < there_.count; ++i) {
     if (!(there_.depth_m[i] > 0)) continue;
-    const Contact c = there_[i];
-    const double separation = dot(separation_row(c), motion.velocity);
+    const field::Contact c = there_[i];
+    const double separation = coupling::dot(separation_row(c), motion.velocity);
     if (!c.interior) {
       const double force_m = contact_.curve.force_m(c.depth_m) + dt_s * separation;
       rows_.add(spring_row(c, force_m, there_.load, contact_, dt_s));
@@ -289,9 +290,9 @@ void DefaultModel::limit_travel(Motion& motion) const noexcept {
 
 // Longest way that any point of the shell can go: its arc is at most the centroid's way and the
 // angle times the radius.
-double DefaultModel::travel_m(const Vector6& velocity, double dt_s) const noexcept {
-  return dt_s * (glm::length(linear_part(velocity)) +
-                 parameters_.part_radius_m * glm::length(angular_part(velocity)));
+double DefaultModel::travel_m(const coupling::Vector6& velocity, double dt_s) const noexcept {
+  return dt_s * (glm::length(coupling::linear_part(velocity)) +
+                 parameters_.part_radius_m * glm::length(coupling::angular_part(velocity)));
 }
 
 // The angle that s/2 leaves to the rotation. A body that tumbles turns by another angle than its
@@ -304,63 +305,66 @@ double DefaultModel::most_turn_rad(const Twist& velocity, double dt_s) const noe
 
 double DefaultModel::potential_j(const glm::dvec3& displacement_m, const glm::dvec3& angle_rad,
                                  const LookUp& contacts) const noexcept {
-  return spring_energy_j(translation_, displacement_m) + angle_energy_j(angle_rad) +
+  return coupling::spring_energy_j(translation_, displacement_m) + angle_energy_j(angle_rad) +
          contacts.energy_j;
 }
 
 // The rotational half at an angle and an orientation of the part.
-CouplingHalf DefaultModel::rotation_at(const glm::dvec3& angle_rad,
-                                       const glm::dquat& orientation) const noexcept {
-  CouplingHalf rotation = rotation_;
+coupling::CouplingHalf DefaultModel::rotation_at(const glm::dvec3& angle_rad,
+                                                 const glm::dquat& orientation) const noexcept {
+  coupling::CouplingHalf rotation = rotation_;
   rotation.damping = turned(rotation_damping_, orientation);
   const double angle = glm::length(angle_rad);
-  if (angle > kFullTorqueRad) {
-    rotation.limit = std::min(rotation_.limit, rotation_.stiffness * kFullTorqueRad);
-    rotation.limit *= torque_share(angle);
+  if (angle > coupling::kFullTorqueRad) {
+    rotation.limit = std::min(rotation_.limit, rotation_.stiffness * coupling::kFullTorqueRad);
+    rotation.limit *= coupling::torque_share(angle);
   }
   return rotation;
 }
 
 double DefaultModel::angle_energy_j(const glm::dvec3& angle_rad) const noexcept {
   const double angle = glm::length(angle_rad);
-  if (angle <= kFullTorqueRad) return spring_energy_j(rotation_, angle_rad);
-  const double torque_nm = std::min(rotation_.limit, rotation_.stiffness * kFullTorqueRad);
-  return spring_energy_j(rotation_, angle_rad * (kFullTorqueRad / angle)) +
-         torque_nm * faded_angle_rad(angle);
+  if (angle <= coupling::kFullTorqueRad) return coupling::spring_energy_j(rotation_, angle_rad);
+  const double torque_nm =
+      std::min(rotation_.limit, rotation_.stiffness * coupling::kFullTorqueRad);
+  return coupling::spring_energy_j(rotation_, angle_rad * (coupling::kFullTorqueRad / angle)) +
+         torque_nm * coupling::faded_angle_rad(angle);
 }
 
 // The coupling's reaction on the hand, less the stretch that the hand never paid for. The damper
 // goes by the part's mean velocity over the frame: where the look-ups end before the time does,
 // that of the last motion is more than the part went.
-Wrench DefaultModel::wrench_on_hand(State& state, const CouplingTarget& target, const Twist& way,
-                                    double dt_s, StepReport& report) const noexcept {
+Wrench DefaultModel::wrench_on_hand(State& state, const coupling::CouplingTarget& target,
+                                    const Twist& way, double dt_s,
+                                    StepReport& report) const noexcept {
   const bool entering = state.in_contact == 0;
   state.in_contact = here_.in_free_space() ? 0 : 1;
   if (state.in_contact == 0) return {};
   const Pose& part = state.world_from_center;
   const glm::dvec3 angle_rad =
-      continuous_angle(part, target.world_from_center, state.coupling_angle_rad);
-  const CouplingHalf rotation = rotation_at(angle_rad, part.orientation);
+      coupling::continuous_angle(part, target.world_from_center, state.coupling_angle_rad);
+  const coupling::CouplingHalf rotation = rotation_at(angle_rad, part.orientation);
   // Spring and damper as one stretch: that of the spring alone with the same force.
-  const glm::dvec3 stretch_m = effective_stretch(
+  const glm::dvec3 stretch_m = coupling::effective_stretch(
       translation_,
       {target.world_from_center.position_m - part.position_m, target.velocity.linear_mps},
       way.linear_mps);
-  const glm::dvec3 stretch_rad =
-      effective_stretch(rotation, {angle_rad, target.velocity.angular_radps}, way.angular_radps);
+  const glm::dvec3 stretch_rad = coupling::effective_stretch(
+      rotation, {angle_rad, target.velocity.angular_radps}, way.angular_radps);
   if (entering) {
     state.held_back_m = stretch_m;
     state.held_back_rad = stretch_rad;
   }
   const glm::dvec3 force_n =
-      clamped(translation_.stiffness * felt_stretch(stretch_m, state.held_back_m, dt_s),
+      clamped(translation_.stiffness * coupling::felt_stretch(stretch_m, state.held_back_m, dt_s),
               translation_.limit);
-  const glm::dvec3 torque_nm = clamped(
-      rotation.stiffness * felt_stretch(stretch_rad, state.held_back_rad, dt_s), rotation.limit);
+  const glm::dvec3 torque_nm =
+      clamped(rotation.stiffness * coupling::felt_stretch(stretch_rad, state.held_back_rad, dt_s),
+              rotation.limit);
   constexpr double kAtLimit = 1 - 1e-12;  // a clamped length is the limit but for rounding
   report.saturated = glm::length(force_n) >= kAtLimit * translation_.limit ||
                      glm::length(torque_nm) >= kAtLimit * rotation_.limit;
   return {-force_n, -torque_nm};
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::model

@@ -8,18 +8,18 @@
 #pragma once
 
 #include "forcelayer/parameters.h"
+#include "runtime/coupling/state.h"
 #include "runtime/field/contact_set.h"
 #include "runtime/model/contact_force.h"
 #include "runtime/model/rigid_body.h"
-#include "runtime/model/state.h"
 
-namespace forcelayer {
+namespace forcelayer::model {
 
 class DefaultModel {
  public:
   // `probe` must outlive the model; `points` is the shell's number of points.
-  DefaultModel(const Parameters& parameters, ContactProbe& probe, std::uint64_t points,
-               const ForceCurve& curve = {});
+  DefaultModel(const Parameters& parameters, field::ContactProbe& probe, std::uint64_t points,
+               const field::ForceCurve& curve = {});
 
   // One frame. A pure function of its arguments and of the constructor's. The wrench is the
   // reaction of the coupling on the hand; exactly zero when every point is free.
@@ -29,7 +29,7 @@ class DefaultModel {
   struct Motion;  // one sub-step in the making
 
   // The contacts at one pose, and what follows from them.
-  struct LookUp : ContactSet {
+  struct LookUp : field::ContactSet {
     ContactTotals totals;
     LoadSharing load;
     double energy_j = 0;  // of the contact springs
@@ -38,37 +38,40 @@ class DefaultModel {
   void look_up(const Pose& pose, LookUp& out) noexcept;
 
   void look_up_here(const Pose& pose) noexcept;
-  void refill_allowance(State& state, const CouplingTarget& target, double dt_s) const noexcept;
-  void move(State& state, const CouplingTarget& target, double dt_s, StepReport& report) noexcept;
-  Motion prepare(const State& state, const CouplingTarget& target, double dt_s) const noexcept;
+  void refill_allowance(State& state, const coupling::CouplingTarget& target,
+                        double dt_s) const noexcept;
+  void move(State& state, const coupling::CouplingTarget& target, double dt_s,
+            StepReport& report) noexcept;
+  Motion prepare(const State& state, const coupling::CouplingTarget& target,
+                 double dt_s) const noexcept;
   void choose(Motion& motion, double remaining_s) noexcept;
   void solve_motion(Motion& motion, double dt_s) noexcept;
-  bool make(State& state, Motion& motion, const CouplingTarget& target,
+  bool make(State& state, Motion& motion, const coupling::CouplingTarget& target,
             StepReport& report) noexcept;
-  bool affordable(const State& state, const Motion& motion, const CouplingTarget& target,
+  bool affordable(const State& state, const Motion& motion, const coupling::CouplingTarget& target,
                   const Pose& candidate, double kinetic_j, double& rise_j) const noexcept;
   void add_found_contacts(Motion& motion) noexcept;
   void limit_travel(Motion& motion) const noexcept;
-  double travel_m(const Vector6& velocity, double dt_s) const noexcept;
+  double travel_m(const coupling::Vector6& velocity, double dt_s) const noexcept;
   double most_turn_rad(const Twist& velocity, double dt_s) const noexcept;
   double potential_j(const glm::dvec3& displacement_m, const glm::dvec3& angle_rad,
                      const LookUp& contacts) const noexcept;
-  CouplingHalf rotation_at(const glm::dvec3& angle_rad,
-                           const glm::dquat& orientation) const noexcept;
+  coupling::CouplingHalf rotation_at(const glm::dvec3& angle_rad,
+                                     const glm::dquat& orientation) const noexcept;
   double angle_energy_j(const glm::dvec3& angle_rad) const noexcept;
-  Wrench wrench_on_hand(State& state, const CouplingTarget& target, const Twist& way, double dt_s,
-                        StepReport& report) const noexcept;
+  Wrench wrench_on_hand(State& state, const coupling::CouplingTarget& target, const Twist& way,
+                        double dt_s, StepReport& report) const noexcept;
 
   Parameters parameters_;
   RigidMass mass_;
   ContactLaw contact_;
-  CouplingHalf translation_, rotation_;
+  coupling::CouplingHalf translation_, rotation_;
   glm::dmat3 rotation_damping_;  // N m s/rad, axes of the part
-  ContactProbe& probe_;
+  field::ContactProbe& probe_;
   LookUp here_, there_;  // at the part's pose, and where a motion would lead
   Pose here_pose_;
   bool here_known_ = false;
   ContactRows rows_;
 };
 
-}  // namespace forcelayer
+}  // namespace forcelayer::model

@@ -7,7 +7,7 @@
 
 #include "runtime/coupling/coupling.h"
 
-namespace forcelayer {
+namespace forcelayer::model {
 
 namespace {
 
@@ -19,7 +19,7 @@ double handle_work_j(const Pose& before, const Pose& after, double force_n,
                      double torque_nm) noexcept {
   const glm::dvec3 path_m = after.position_m - before.position_m;
   const glm::dvec3 turn_rad =
-      rotation_vector(after.orientation * glm::conjugate(before.orientation));
+      coupling::rotation_vector(after.orientation * glm::conjugate(before.orientation));
   return force_n * glm::length(path_m) + torque_nm * glm::length(turn_rad);
 }
 
@@ -30,4 +30,4 @@ double faded_allowance_j(double allowance_j, double work_j, const AllowanceLaw& 
   return faded > kNothing * law.limit_j ? faded : 0;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::model

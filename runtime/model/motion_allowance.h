@@ -12,7 +12,7 @@
 
 #include "forcelayer/pose.h"
 
-namespace forcelayer {
+namespace forcelayer::model {
 
 struct AllowanceLaw {
   double limit_j = 0;
@@ -27,4 +27,4 @@ double handle_work_j(const Pose& before, const Pose& after, double force_n,
 double faded_allowance_j(double allowance_j, double work_j, const AllowanceLaw& law,
                          double dt_s) noexcept;
 
-}  // namespace forcelayer
+}  // namespace forcelayer::model

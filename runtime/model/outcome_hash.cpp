@@ -3,7 +3,7 @@
 #include <bit>
 #include <initializer_list>
 
-namespace forcelayer {
+namespace forcelayer::model {
 namespace {
 
 // FNV-1a, a 64-bit word at a time.
@@ -35,4 +35,4 @@ std::uint64_t outcome_hash(const StepResult& result, const State& after) noexcep
   return fnv.hash;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::model

@@ -3,11 +3,11 @@
 
 #include <cstdint>
 
-#include "runtime/model/state.h"
+#include "runtime/coupling/state.h"
 
-namespace forcelayer {
+namespace forcelayer::model {
 
 // FNV-1a over the bits of the wrench, the part's pose and its velocity, in that order.
 std::uint64_t outcome_hash(const StepResult& result, const State& after) noexcept;
 
-}  // namespace forcelayer
+}  // namespace forcelayer::model

@@ -7,7 +7,7 @@
 
 #include "runtime/coupling/coupling.h"
 
-namespace forcelayer {
+namespace forcelayer::model {
 namespace {
 
 constexpr double kAveragingStart = 10;  // paper 5.2: intersections from which forces are averaged
@@ -15,8 +15,8 @@ constexpr double kAveragingStart = 10;  // paper 5.2: intersections from which f
 // Sum of the forces of all intersections, averaged from N = 10 on (paper 3, 5.2). About the
 // centroid. Reports the contacts, the points of positive depth. Points in value 1 press nothing.
 Wrench field_wrench(const StepContext& context, StepReport& report) {
-  const CollectedPoints& points = context.points;
-  const FieldSamples& samples = context.samples;
+  const query::CollectedPoints& points = context.points;
+  const field::FieldSamples& samples = context.samples;
   Wrench sum;
   for (std::uint32_t i = 0; i < points.count; ++i) {
     if (points.value[i] != static_cast<std::uint8_t>(VoxelValue::kSurface)) continue;
@@ -40,7 +40,7 @@ Wrench field_wrench(const StepContext& context, StepReport& report) {
 // value 3, the force is -b S with b = (m v^2 / 2) / dt / (v . S), v the part's velocity along S.
 // Zero where S vanishes (0/0) or v . S is negative (b would push).
 glm::dvec3 braking_force(const StepContext& context, const Twist& velocity, double dt_s) {
-  const CollectedPoints& points = context.points;
+  const query::CollectedPoints& points = context.points;
   glm::dvec3 sum(0);
   for (std::uint32_t at = 0; at < points.count; ++at) {
     if (points.value[at] != static_cast<std::uint8_t>(VoxelValue::kProximity)) continue;
@@ -61,7 +61,7 @@ glm::dvec3 braking_force(const StepContext& context, const Twist& velocity, doub
 }
 
 // The coupling's wrench on the part (paper 5.1), the spring's force clamped (5.2).
-Wrench coupling_wrench(const Parameters& parameters, const CouplingStretch& stretch,
+Wrench coupling_wrench(const Parameters& parameters, const coupling::CouplingStretch& stretch,
                        std::uint32_t& saturated) {
   glm::dvec3 spring_n = parameters.coupling_n_per_m * stretch.displacement_m;
   const double length_n = glm::length(spring_n);
@@ -83,7 +83,7 @@ void integrate(const Parameters& parameters, const Wrench& wrench, double dt_s, 
   Pose& part = state.world_from_center;
   part.position_m += state.velocity.linear_mps * dt_s;
   part.orientation =
-      glm::normalize(rotation_by(state.velocity.angular_radps * dt_s) * part.orientation);
+      glm::normalize(coupling::rotation_by(state.velocity.angular_radps * dt_s) * part.orientation);
 }
 
 }  // namespace
@@ -104,7 +104,8 @@ StepResult paper_step(const StepContext& context, State& state, const StepInput&
   Wrench on_part = field_wrench(context, report);
   if (parameters.braking) on_part.force_n += braking_force(context, state.velocity, dt_s);
   const Wrench coupling = coupling_wrench(
-      parameters, coupling_stretch(state, coupling_target(state, input)), report.saturated);
+      parameters, coupling::coupling_stretch(state, coupling::coupling_target(state, input)),
+      report.saturated);
   on_part.force_n += coupling.force_n;
   on_part.torque_nm += coupling.torque_nm;
   if (context.points.count > 0) result.wrench = {-coupling.force_n, -coupling.torque_nm};
@@ -112,4 +113,4 @@ StepResult paper_step(const StepContext& context, State& state, const StepInput&
   return result;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::model

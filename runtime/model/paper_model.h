@@ -4,11 +4,11 @@
 
 #include "runtime/model/simulation.h"
 
-namespace forcelayer {
+namespace forcelayer::model {
 
 // One frame: samples the map at the state's pose, adds field, braking and coupling, and integrates.
 // The wrench is the reaction of the coupling on the hand; exactly zero when every point is free.
 StepResult paper_step(const StepContext& context, State& state, const StepInput& input,
                       double dt_s) noexcept;
 
-}  // namespace forcelayer
+}  // namespace forcelayer::model

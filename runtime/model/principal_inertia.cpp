@@ -3,7 +3,7 @@
 #include <cmath>
 #include <glm/matrix.hpp>
 
-namespace forcelayer {
+namespace forcelayer::model {
 namespace {
 
 constexpr int kSweeps = 12;  // a 3x3 tensor is diagonal to the last bit after five or six
@@ -49,4 +49,4 @@ glm::dmat3 tensor_of(const PrincipalInertia& inertia) {
   return tensor;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::model

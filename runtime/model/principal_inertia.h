@@ -4,7 +4,7 @@
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
 
-namespace forcelayer {
+namespace forcelayer::model {
 
 // tensor = axes * diag(moments) * axes^T; the columns of `axes` are unit and perpendicular.
 struct PrincipalInertia {
@@ -18,4 +18,4 @@ PrincipalInertia principal_inertia(const glm::dmat3& tensor);
 // axes * diag(moments) * axes^T, symmetric to the last bit
 glm::dmat3 tensor_of(const PrincipalInertia& inertia);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::model

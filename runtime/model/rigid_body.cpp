@@ -7,7 +7,7 @@
 
 #include "runtime/coupling/coupling.h"
 
-namespace forcelayer {
+namespace forcelayer::model {
 
 namespace {
 
@@ -48,7 +48,7 @@ Pose advance(const RigidMass& mass, const Pose& world_from_center, Twist& veloci
   glm::dvec3 last_radps = middle_radps;
   for (int i = 0; i < kMidpointIterations; ++i) {
     last_radps = middle_radps;
-    middle_radps = angular_at(rotation_by(middle_radps * (0.5 * dt_s)) * start);
+    middle_radps = angular_at(coupling::rotation_by(middle_radps * (0.5 * dt_s)) * start);
   }
   const bool resolved =
       glm::length(middle_radps - last_radps) <= kConverged * glm::length(middle_radps);
@@ -56,7 +56,7 @@ Pose advance(const RigidMass& mass, const Pose& world_from_center, Twist& veloci
   const double angle_rad = glm::length(turn_rad);
   const bool held = angle_rad > most_turn_rad;
   if (held) turn_rad *= most_turn_rad / angle_rad;
-  moved.orientation = glm::normalize(rotation_by(turn_rad) * start);
+  moved.orientation = glm::normalize(coupling::rotation_by(turn_rad) * start);
   const double before = glm::dot(momentum, velocity.angular_radps);  // twice the energy
   velocity.angular_radps = angular_at(moved.orientation);
   const double after = glm::dot(momentum, velocity.angular_radps);
@@ -65,4 +65,4 @@ Pose advance(const RigidMass& mass, const Pose& world_from_center, Twist& veloci
   return moved;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::model

@@ -6,7 +6,7 @@
 
 #include "forcelayer/pose.h"
 
-namespace forcelayer {
+namespace forcelayer::model {
 
 // Mass properties about the centroid, in the axes of the body.
 struct RigidMass {
@@ -32,4 +32,4 @@ double kinetic_energy_j(const RigidMass& mass, const glm::dquat& orientation,
 Pose advance(const RigidMass& mass, const Pose& world_from_center, Twist& velocity, double dt_s,
              double most_turn_rad = std::numeric_limits<double>::infinity()) noexcept;
 
-}  // namespace forcelayer
+}  // namespace forcelayer::model

@@ -9,7 +9,7 @@
 #include "runtime/model/paper_model.h"
 #include "runtime/model/vectors.h"
 
-namespace forcelayer {
+namespace forcelayer::model {
 namespace {
 
 constexpr double kUnitTolerance = 1e-6;  // of a quaternion's length: far above rounding
@@ -31,7 +31,7 @@ StepResult stopped(State& state, const State& before, std::uint32_t faults) {
   StepResult result;
   result.report.world_from_center = before.world_from_center;
   result.report.faults = faults;
-  result.report.generated_j = total_generated_j(before.energy);
+  result.report.generated_j = coupling::total_generated_j(before.energy);
   return result;
 }
 
@@ -42,11 +42,11 @@ StepResult regripped(const State& before, const StepInput& input, State& state) 
   state.world_from_center = before.world_from_center;
   state.handle_from_center = inverse(input.world_from_handle) * before.world_from_center;
   state.energy = before.energy;
-  end_episode(state.energy);
+  coupling::end_episode(state.energy);
   state.frame = before.frame;
   StepResult result;
   result.report.world_from_center = before.world_from_center;
-  result.report.generated_j = total_generated_j(state.energy);
+  result.report.generated_j = coupling::total_generated_j(state.energy);
   return result;
 }
 
@@ -54,8 +54,9 @@ StepResult regripped(const State& before, const StepInput& input, State& state) 
 // that there is.
 void add_control(const Parameters& parameters, State& state, const Twist& velocity, double dt_s,
                  Wrench& wrench) {
-  const Wrench damper = passivity_damping(state.energy, velocity, parameters.part_radius_m,
-                                          parameters.passivity_damping_ns_per_m, dt_s);
+  const Wrench damper =
+      coupling::passivity_damping(state.energy, velocity, parameters.part_radius_m,
+                                  parameters.passivity_damping_ns_per_m, dt_s);
   const auto sum = [](const glm::dvec3& a, const glm::dvec3& b, double limit) {
     return clamped(a + b, std::max(limit, glm::length(a)));
   };
@@ -67,18 +68,18 @@ void add_control(const Parameters& parameters, State& state, const Twist& veloci
 // for the next.
 void observe_energy(const Parameters& parameters, State& state, const StepInput& input, double dt_s,
                     StepResult& result) {
-  const CouplingTarget target = coupling_target(state, input);
+  const coupling::CouplingTarget target = coupling::coupling_target(state, input);
   StepReport& report = result.report;
   if (state.has_target != 0) {
-    report.to_hand_j = held_work_j(state.wrench, state.target, target.world_from_center);
-    add_given(state.energy, report.to_hand_j);
+    report.to_hand_j = coupling::held_work_j(state.wrench, state.target, target.world_from_center);
+    coupling::add_given(state.energy, report.to_hand_j);
   }
   if (report.interior + report.surface + report.proximity == 0) {
-    end_episode(state.energy);
+    coupling::end_episode(state.energy);
   } else if (parameters.passivity_damping_ns_per_m > 0 && dt_s > 0) {
     add_control(parameters, state, target.velocity, dt_s, result.wrench);
   }
-  report.generated_j = total_generated_j(state.energy);
+  report.generated_j = coupling::total_generated_j(state.energy);
   state.target = target.world_from_center;
   state.target_velocity = target.velocity;
   state.wrench = result.wrench;
@@ -88,7 +89,7 @@ void observe_energy(const Parameters& parameters, State& state, const StepInput&
 }  // namespace
 
 Simulation::Simulation(Voxmap voxmap, Pshell shell, const Parameters& parameters,
-                       const QueryOptions& query)
+                       const query::QueryOptions& query)
     : voxmap_(std::move(voxmap)),
       shell_(std::move(shell)),
       parameters_(parameters),
@@ -103,16 +104,16 @@ Simulation::~Simulation() = default;
 
 Result<std::unique_ptr<Simulation>> Simulation::create(Voxmap voxmap, Pshell shell,
                                                        const Parameters& parameters,
-                                                       const QueryOptions& query) {
+                                                       const query::QueryOptions& query) {
   const double radius_voxels = shell.header().bounding_radius_m / voxmap.voxel_size_m();
-  if (!(radius_voxels < ContactQuery::kMaxRadiusVoxels)) {
+  if (!(radius_voxels < query::ContactQuery::kMaxRadiusVoxels)) {
     return Error{ErrorCode::kFilesDoNotMatch, "", "bounding radius",
                  "the part is more than a million voxels of the scene across",
                  "check the units that scene and part were baked with"};
   }
   std::unique_ptr<Simulation> simulation(
       new Simulation(std::move(voxmap), std::move(shell), parameters, query));
-  auto field = make_force_field(parameters.model, parameters.force, simulation->voxmap_);
+  auto field = field::make_force_field(parameters.model, parameters.force, simulation->voxmap_);
   if (!field) return field.error();
   simulation->field_ = std::move(*field);
   if (parameters.model == Model::kDefault) simulation->make_default_model();
@@ -120,9 +121,9 @@ Result<std::unique_ptr<Simulation>> Simulation::create(Voxmap voxmap, Pshell she
 }
 
 void Simulation::make_default_model() {
-  probe_ = std::make_unique<FieldProbe>(query_, *field_, points_, samples_);
+  probe_ = std::make_unique<field::FieldProbe>(query_, *field_, points_, samples_);
   default_ = std::make_unique<DefaultModel>(parameters_, *probe_, shell_.view().point_count,
-                                            ForceCurve(voxmap_));
+                                            field::ForceCurve(voxmap_));
 }
 
 Pose Simulation::world_from_part(const Pose& world_from_center) const {
@@ -150,7 +151,7 @@ State Simulation::registered(const PartStart& start, const Pose& world_from_hand
 }
 
 StepResult Simulation::step(State& state, const StepInput& input, double dt_s) noexcept {
-  const StepArithmetic arithmetic;
+  const machine::StepArithmetic arithmetic;
   const State before = state;
   if (const std::uint32_t faults = input_faults(input)) {
     StepResult result = stopped(state, before, faults);
@@ -184,4 +185,4 @@ StepResult Simulation::step(State& state, const StepInput& input, double dt_s) n
   return result;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::model

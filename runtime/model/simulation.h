@@ -8,22 +8,22 @@
 #include "formats/pshell.h"
 #include "formats/result.h"
 #include "formats/voxmap.h"
+#include "runtime/coupling/state.h"
 #include "runtime/field/field_probe.h"
 #include "runtime/field/force_field.h"
 #include "runtime/machine/map_loss.h"
 #include "runtime/model/default_model.h"
-#include "runtime/model/state.h"
 #include "runtime/query/contact_query.h"
 
-namespace forcelayer {
+namespace forcelayer::model {
 
 // The map's side of one step, for a model. `points` and `samples` have room for every shell point.
 struct StepContext {
   const Parameters& parameters;
-  ContactQuery& query;
-  const ForceField& field;
-  CollectedPoints& points;
-  FieldSamples& samples;
+  query::ContactQuery& query;
+  const field::ForceField& field;
+  query::CollectedPoints& points;
+  field::FieldSamples& samples;
 };
 
 // Owns the map, the shell and the memory that a step needs. step() is a pure function of its
@@ -35,7 +35,7 @@ class Simulation {
   // kUsage where model, force and map do not go together.
   static Result<std::unique_ptr<Simulation>> create(Voxmap voxmap, Pshell shell,
                                                     const Parameters& parameters,
-                                                    const QueryOptions& query = {});
+                                                    const query::QueryOptions& query = {});
   ~Simulation();
 
   // A part at rest at `world_from_part`, gripped without stretch by a handle at
@@ -62,22 +62,23 @@ class Simulation {
   const Parameters& parameters() const { return parameters_; }
   const Voxmap& voxmap() const { return voxmap_; }
   const Pshell& shell() const { return shell_; }
-  const ContactQuery& query() const { return query_; }
+  const query::ContactQuery& query() const { return query_; }
 
  private:
-  Simulation(Voxmap voxmap, Pshell shell, const Parameters& parameters, const QueryOptions& query);
+  Simulation(Voxmap voxmap, Pshell shell, const Parameters& parameters,
+             const query::QueryOptions& query);
   void make_default_model();
 
   Voxmap voxmap_;
   Pshell shell_;
   Parameters parameters_;
-  WatchedMapping voxmap_watch_, shell_watch_;
-  ContactQuery query_;
-  std::unique_ptr<ForceField> field_;
-  CollectedPoints points_;
-  FieldSamples samples_;
-  std::unique_ptr<FieldProbe> probe_;  // of the default model
+  machine::WatchedMapping voxmap_watch_, shell_watch_;
+  query::ContactQuery query_;
+  std::unique_ptr<field::ForceField> field_;
+  query::CollectedPoints points_;
+  field::FieldSamples samples_;
+  std::unique_ptr<field::FieldProbe> probe_;  // of the default model
   std::unique_ptr<DefaultModel> default_;
 };
 
-}  // namespace forcelayer
+}  // namespace forcelayer::model

@@ -6,7 +6,7 @@
 
 #include "forcelayer/pose.h"
 
-namespace forcelayer {
+namespace forcelayer::model {
 
 // v, shortened to `limit` where it is longer.
 inline glm::dvec3 clamped(const glm::dvec3& v, double limit) noexcept {
@@ -36,4 +36,4 @@ inline bool is_unit(const glm::dquat& q, double tolerance) noexcept {
   return std::abs(glm::length(q) - 1) < tolerance;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::model

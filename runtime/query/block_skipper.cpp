@@ -7,7 +7,7 @@
 
 #include "runtime/query/contact_query.h"
 
-namespace forcelayer {
+namespace forcelayer::query {
 namespace {
 
 constexpr std::uint32_t kGroup = 16;        // discs looked at together: a vector
@@ -150,7 +150,7 @@ std::span<const std::uint32_t> BlockSkipper::candidates(const KernelMap& map,
   }
   spend_motion(world_from_center);
   margin_.scale = static_cast<float>(kRadiusRounding / voxel_size_m_);
-  // The centre's own rounding, a point's, and what kUnitTolerance leaves of the radius.
+  // The center's own rounding, a point's, and what kUnitTolerance leaves of the radius.
   margin_.voxels = static_cast<float>(2 * rounding_voxels + 2 * kUnitTolerance * radius_voxels_);
   if (!options_.super_blocks) {
     visit_near(map, pose, blocks_, 0, blocks_.count, take);
@@ -164,4 +164,4 @@ std::span<const std::uint32_t> BlockSkipper::candidates(const KernelMap& map,
   return {candidates_.data(), count};
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::query

@@ -10,7 +10,7 @@
 #include "formats/pshell.h"
 #include "runtime/query/query_kernel.h"
 
-namespace forcelayer {
+namespace forcelayer::query {
 
 // Each way of skipping can be switched off, to measure what it saves.
 struct SkipOptions {
@@ -65,4 +65,4 @@ class BlockSkipper {
   double turn_rad_ = 0;       // since then
 };
 
-}  // namespace forcelayer
+}  // namespace forcelayer::query

@@ -7,7 +7,7 @@
 #include <glm/gtc/quaternion.hpp>
 #include <limits>
 
-namespace forcelayer {
+namespace forcelayer::query {
 namespace {
 
 constexpr std::size_t kLanePadding = 128;  // elements behind the last that a vector store may write
@@ -194,7 +194,7 @@ double ContactQuery::rounding_voxels() const {
 }
 
 double ContactQuery::rounding_bound_m() const {
-  // The centre itself is double: 2^-52 of the largest index at reach.
+  // The center itself is double: 2^-52 of the largest index at reach.
   const VoxmapView& map = voxmap_.view();
   double error2 = 0;
   for (int axis = 0; axis < 3; ++axis) {
@@ -227,7 +227,7 @@ bool ContactQuery::sphere_beyond_cropped_side(const glm::dvec3& center_m) const 
 void ContactQuery::collect_point(const VoxelPose& pose, std::uint32_t point,
                                  PointColumns& out) const noexcept {
   const PshellView& shell = shell_.view();
-  std::array<float, 3> offset{}, fraction{};  // voxels, from the centre; in the point's voxel
+  std::array<float, 3> offset{}, fraction{};  // voxels, from the center; in the point's voxel
   std::array<std::int32_t, 3> voxel{};
   for (int axis = 0; axis < 3; ++axis) {
     offset[axis] = dot(pose.turn[axis], shell.x[point], shell.y[point], shell.z[point]);
@@ -337,4 +337,4 @@ void ContactQuery::run(const Pose& world_from_center, CollectedPoints& out) noex
   take_counts(all, out);
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::query

@@ -15,7 +15,7 @@
 #include "runtime/query/query_kernel.h"
 #include "runtime/query/query_workers.h"
 
-namespace forcelayer {
+namespace forcelayer::query {
 
 // The shell points that lie in values 1, 2 and 3, in ascending order of point index, as structure
 // of arrays with room for every point. A position is split into whole voxels and a fraction, so its
@@ -26,7 +26,7 @@ struct CollectedPoints {
   std::vector<std::uint8_t> value;       // VoxelValue: 1, 2 or 3
   std::vector<std::int32_t> vx, vy, vz;  // voxel, relative to the map's directory_origin
   std::vector<float> fx, fy, fz;         // position in the voxel, in voxels, [0, 1)
-  std::vector<float> rx, ry, rz;         // m, from the part's centre, world axes
+  std::vector<float> rx, ry, rz;         // m, from the part's center, world axes
   std::vector<float> nx, ny, nz;         // inward normal, world axes
 
   std::uint32_t interior_count = 0;   // points in value 1
@@ -39,13 +39,13 @@ struct CollectedPoints {
   void clear() noexcept;               // counts and flags
 };
 
-// A pose as the query computes with it. The voxel of a shell point p (m, from the centre) is
+// A pose as the query computes with it. The voxel of a shell point p (m, from the center) is
 // whole + floor(turn * p + fraction), all but `whole` in single precision.
 struct VoxelPose {
   std::array<std::array<float, 3>, 3> rotation;  // row-major
-  std::array<std::array<float, 3>, 3> turn;      // rotation / s: metres to voxels
-  std::array<float, 3> fraction;                 // of the centre in its voxel, voxels
-  std::array<std::int32_t, 3> whole;             // the centre's voxel, relative to the directory
+  std::array<std::array<float, 3>, 3> turn;      // rotation / s: meters to voxels
+  std::array<float, 3> fraction;                 // of the center in its voxel, voxels
+  std::array<std::int32_t, 3> whole;             // the center's voxel, relative to the directory
   bool within_reach = false;                     // false: no point can be in the directory
 };
 
@@ -57,7 +57,7 @@ struct QueryOptions {
 };
 
 // Finds the collected points of one shell in one voxmap. The rotation acts in single precision on
-// offsets from the part's centre; the centre's position is in double precision, split into whole
+// offsets from the part's center; the center's position is in double precision, split into whole
 // voxels (integers) and a fraction.
 class ContactQuery {
  public:
@@ -119,4 +119,4 @@ class ContactQuery {
   std::uint64_t points_looked_at_ = 0;
 };
 
-}  // namespace forcelayer
+}  // namespace forcelayer::query

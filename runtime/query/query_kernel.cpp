@@ -13,7 +13,7 @@
 #include <hwy/highway.h>
 
 HWY_BEFORE_NAMESPACE();
-namespace forcelayer {
+namespace forcelayer::query {
 namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
@@ -219,9 +219,9 @@ HWY_INLINE Mask outside_known(const KernelMap& map, const Int3& voxel) {
 
 // A vector of points as ContactQuery::collect_point() places them before the look-up.
 struct PlacedPoints {
-  Float3 offset;    // voxels, from the centre
-  Float3 whole;     // voxel relative to the centre's, as floats
-  Float3 position;  // offset + fraction of the centre
+  Float3 offset;    // voxels, from the center
+  Float3 whole;     // voxel relative to the center's, as floats
+  Float3 position;  // offset + fraction of the center
   Int3 voxel;       // relative to the directory
 };
 
@@ -303,12 +303,12 @@ void CollectBlocks(const KernelMap& map, const KernelShell& shell, const VoxelPo
   }
 }
 
-// How far [low, high] lies inside [from, to) on one axis. All are relative to the centre's voxel.
+// How far [low, high] lies inside [from, to) on one axis. All are relative to the center's voxel.
 HWY_INLINE VF inside_by(VF low, VF high, VF from, VF to) {
   return hn::Min(hn::Sub(low, from), hn::Sub(to, high));
 }
 
-// A voxel bound relative to the centre's voxel, as a float rounded against the disc.
+// A voxel bound relative to the center's voxel, as a float rounded against the disc.
 HWY_INLINE float bound_from(std::int32_t bound, std::int32_t center, float direction) {
   const float distance = static_cast<float>(static_cast<double>(bound) - center);
   const float rounding = (distance < 0 ? -distance : distance) * 0x1p-22f;
@@ -340,7 +340,7 @@ HWY_INLINE VF inside_known_box(const KernelMap& map, const VoxelPose& pose, cons
                  hn::Min(depth(low.y, high.y, 1), depth(low.z, high.z, 2)));
 }
 
-// How far discs lie inside the free surroundings of the entry that holds their centre: the entry's
+// How far discs lie inside the free surroundings of the entry that holds their center: the entry's
 // box and clearance - 1 voxels around it. Negative where the entry is not uniformly free.
 HWY_INLINE VF inside_clearance(const KernelMap& map, const VoxelPose& pose,
                                const PlacedPoints& center, const Float3& low, const Float3& high) {
@@ -426,11 +426,11 @@ void SurveyDiscs(const KernelMap& map, const VoxelPose& pose, const DiscMargin& 
 const char* TargetName() { return hwy::TargetName(HWY_TARGET); }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace forcelayer
+}  // namespace forcelayer::query
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace forcelayer {
+namespace forcelayer::query {
 
 HWY_EXPORT(CollectBlocks);
 HWY_EXPORT(SurveyDiscs);
@@ -457,5 +457,5 @@ void survey_discs(const KernelMap& map, const VoxelPose& pose, const DiscMargin&
 
 const char* kernel_target() { return HWY_DYNAMIC_DISPATCH(TargetName)(); }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::query
 #endif  // HWY_ONCE

@@ -6,7 +6,7 @@
 #include <array>
 #include <cstdint>
 
-namespace forcelayer {
+namespace forcelayer::query {
 
 struct VoxelPose;
 
@@ -69,12 +69,12 @@ struct KernelDiscs {
 
 // From a disc's extent to a bound that includes rounding: times `scale`, plus `voxels`.
 struct DiscMargin {
-  float scale = 1;   // voxels per metre, rounded up
+  float scale = 1;   // voxels per meter, rounded up
   float voxels = 0;  // rounding of places
 };
 
 // For discs [begin, end): how far, in voxels, each may move before one of its points can lie in a
-// voxel that is not free or not known. At most 0 where one look-up of the disc's centre cannot
+// voxel that is not free or not known. At most 0 where one look-up of the disc's center cannot
 // tell.
 void survey_discs(const KernelMap& map, const VoxelPose& pose, const DiscMargin& margin,
                   const KernelDiscs& discs, std::uint32_t begin, std::uint32_t end,
@@ -83,4 +83,4 @@ void survey_discs(const KernelMap& map, const VoxelPose& pose, const DiscMargin&
 // Name of the instruction set in use, for reports.
 const char* kernel_target();
 
-}  // namespace forcelayer
+}  // namespace forcelayer::query

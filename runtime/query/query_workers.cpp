@@ -7,7 +7,7 @@
 #include <emmintrin.h>
 #endif
 
-namespace forcelayer {
+namespace forcelayer::query {
 namespace {
 
 constexpr std::uint64_t kCountBits = 17;
@@ -45,7 +45,7 @@ void QueryWorkers::wake() noexcept {
 void QueryWorkers::rest() noexcept { awake_.store(0); }
 
 std::vector<std::string> QueryWorkers::take_real_time_priority() {
-  return give_real_time_priority(threads_);
+  return machine::give_real_time_priority(threads_);
 }
 
 // Takes the next chunk of the job at hand and does it. False where none is left.
@@ -62,7 +62,7 @@ bool QueryWorkers::take_chunk() noexcept {
 }
 
 void QueryWorkers::help() noexcept {
-  const StepArithmetic arithmetic;
+  const machine::StepArithmetic arithmetic;
   while (!ended_.load(std::memory_order_relaxed)) {
     if (awake_.load(std::memory_order_relaxed) == 0) {
       awake_.wait(0);
@@ -84,4 +84,4 @@ void QueryWorkers::run(Job job, void* context, std::uint32_t chunks) noexcept {
   while (done_.load(std::memory_order_acquire) != chunks) pause();
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::query

@@ -8,7 +8,7 @@
 #include <thread>
 #include <vector>
 
-namespace forcelayer {
+namespace forcelayer::query {
 
 class QueryWorkers {
  public:
@@ -49,4 +49,4 @@ class QueryWorkers {
   std::vector<std::thread> threads_;
 };
 
-}  // namespace forcelayer
+}  // namespace forcelayer::query

@@ -10,7 +10,7 @@ Result<Baked> open(const std::filesystem::path& path) {
   auto file = MappedFile::open_for_long(path);
   if (!file) return file.error();
   const FileStamp stamp = file->stamp();
-  const WatchedMapping watch(file->bytes(), stamp);
+  const machine::WatchedMapping watch(file->bytes(), stamp);
   auto baked = Baked::from_file(std::move(*file), path.string(), Verify::kStructureAndChecksums);
   if (baked && (watch.lost() || stamp.changed())) {
     return Error{ErrorCode::kTruncated, path.string(), "",

@@ -186,8 +186,8 @@ int forcelayer_swap(forcelayer_runtime* runtime, const char* scene, const char* 
   });
 }
 
-void forcelayer_contain_map_loss(void) { contain_map_loss(); }
+void forcelayer_contain_map_loss(void) { machine::contain_map_loss(); }
 
-int forcelayer_check_files(void) { return check_mappings(); }
+int forcelayer_check_files(void) { return machine::check_mappings(); }
 
 void forcelayer_close(forcelayer_runtime* runtime) { delete runtime; }

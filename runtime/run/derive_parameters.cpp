@@ -157,7 +157,7 @@ Bound rotation_bound(const DeviceCapabilities& device, double dt_s) {
 
 Bound damping_bound(const DeviceCapabilities& device, double inertia, double dt_s, double scale) {
   Bound bound;
-  const double lag_s = device.senses_velocity ? 0 : HandleVelocity::kTimeConstantS;
+  const double lag_s = device.senses_velocity ? 0 : loop::HandleVelocity::kTimeConstantS;
   bound.lower_to(renderable_damping(inertia, device.delay_s + lag_s, dt_s), kInertial);
   bound.value /= scale;
   return bound;
@@ -279,15 +279,15 @@ void derive_paper(const RunRequest& request, const Pshell& shell, DerivedParamet
 glm::dmat3 shell_inertia_kgm2(const PshellHeader& shell, double mass_kg, double radius_m,
                               double voxel_size_m) {
   const auto& i = shell.inertia_m2;  // xx yy zz xy xz yz
-  PrincipalInertia inertia =
-      principal_inertia(glm::dmat3(i[0], i[3], i[4], i[3], i[1], i[5], i[4], i[5], i[2]));
+  model::PrincipalInertia inertia =
+      model::principal_inertia(glm::dmat3(i[0], i[3], i[4], i[3], i[1], i[5], i[4], i[5], i[2]));
   const double largest_m2 = std::max({inertia.moments.x, inertia.moments.y, inertia.moments.z});
   const double least_m2 = std::max(kLeastMomentShare * largest_m2, voxel_size_m * voxel_size_m / 4);
   for (int axis = 0; axis < 3; ++axis) {
     inertia.moments[axis] =
         mass_kg * std::max(least_m2, std::min(inertia.moments[axis], radius_m * radius_m));
   }
-  return tensor_of(inertia);
+  return model::tensor_of(inertia);
 }
 
 double mean_moment(const glm::dmat3& inertia) {
@@ -313,7 +313,7 @@ void choose_default_coupling(const RunRequest& request, DerivedParameters& deriv
              borne_rot < same_frequency
                  ? borne_reason(device, bound_rot)
                  : "k_T I / m, I the mean moment: the frequency of the translation");
-  const PrincipalInertia inertia = principal_inertia(p.inertia_kgm2);
+  const model::PrincipalInertia inertia = model::principal_inertia(p.inertia_kgm2);
   const double largest = std::max({inertia.moments.x, inertia.moments.y, inertia.moments.z});
   choice.set("coupling_nms_per_rad", 2 * std::sqrt(largest * p.coupling_nm_per_rad),
              "2 sqrt(I k_R), I the largest moment: critically damped about every principal axis");
@@ -398,7 +398,7 @@ Result<DerivedParameters> derive_parameters(const RunRequest& request, const Vox
   DerivedParameters derived;
   Parameters& p = derived.values;
   p.model = request.model;
-  p.force = request.force.value_or(usual_force(request.model, voxmap));
+  p.force = request.force.value_or(field::usual_force(request.model, voxmap));
   p.braking = request.braking;
   p.rate_hz = request.rate_hz;
   p.voxel_size_m = voxmap.voxel_size_m();

@@ -7,14 +7,14 @@
 
 namespace forcelayer {
 
-inline InputLimits input_limits(const RunRequest& request) {
-  InputLimits limits;
+inline loop::InputLimits input_limits(const RunRequest& request) {
+  loop::InputLimits limits;
   limits.stale_s = request.stale_s;
   return limits;
 }
 
-inline OutputLimits output_limits(const RunRequest& request, const Parameters& parameters) {
-  OutputLimits limits;
+inline loop::OutputLimits output_limits(const RunRequest& request, const Parameters& parameters) {
+  loop::OutputLimits limits;
   limits.max_force_n = parameters.max_force_n;
   limits.max_torque_nm = parameters.max_torque_nm;
   limits.max_speed_mps = request.max_speed_mps;

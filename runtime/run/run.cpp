@@ -48,7 +48,7 @@ Result<Pose> checked_pose(Pose pose, const char* name) {
     return pose;
   }
   return Error{ErrorCode::kUsage, "", name, "is no pose",
-               "give finite metres and a quaternion that is not zero"};
+               "give finite meters and a quaternion that is not zero"};
 }
 
 Result<PartStart> checked_start(PartStart start) {
@@ -65,16 +65,16 @@ Result<PartStart> checked_start(PartStart start) {
 
 // Whether a run can begin with this reading.
 Status check_first_reading(const DeviceSample& first, const DeviceCapabilities& device) {
-  if (!is_pose(first.device_from_handle)) {
+  if (!loop::is_pose(first.device_from_handle)) {
     return Error{ErrorCode::kUsage, "", "device_from_handle", "is no pose",
-                 "give finite metres and a quaternion of length 1"};
+                 "give finite meters and a quaternion of length 1"};
   }
   if (!first.present || !first.calibrated) {
     return Error{ErrorCode::kDeviceRefused, "", device.name,
                  first.present ? "is not calibrated" : "does not answer",
                  first.present ? "calibrate it and start again" : "look at plug and power"};
   }
-  return check_workspace(device, first.device_from_handle);
+  return loop::check_workspace(device, first.device_from_handle);
 }
 
 void warn_of_sizes(const Voxmap& voxmap, const Pshell& shell, std::vector<std::string>& warnings) {
@@ -97,7 +97,7 @@ void warn_of_sizes(const Voxmap& voxmap, const Pshell& shell, std::vector<std::s
 
 // A scene and a part, ready to be stepped.
 struct OpenedFiles {
-  std::unique_ptr<Simulation> simulation;
+  std::unique_ptr<model::Simulation> simulation;
   std::map<std::string, std::string> reasons;
   std::vector<std::string> warnings;
   SeparationGuarantee guarantee;
@@ -122,9 +122,10 @@ Result<OpenedFiles> prepare(Voxmap voxmap, Pshell shell, const RunRequest& reque
   warn_of_sizes(voxmap, shell, opened.warnings);
   const auto parameters = choose_parameters(request, voxmap, shell, opened);
   if (!parameters) return parameters.error();
-  QueryOptions query;
+  query::QueryOptions query;
   query.threads = request.threads;
-  auto simulation = Simulation::create(std::move(voxmap), std::move(shell), *parameters, query);
+  auto simulation =
+      model::Simulation::create(std::move(voxmap), std::move(shell), *parameters, query);
   if (!simulation) return simulation.error();
   opened.simulation = std::move(*simulation);
   opened.guarantee = separation_guarantee(opened.simulation->voxmap().header(),
@@ -145,7 +146,7 @@ Result<OpenedFiles> open_files(const RunRequest& request) {
 }
 
 // A device whose readings are handed over with each step.
-class HandedOverDevice final : public Device {
+class HandedOverDevice final : public devices::Device {
  public:
   explicit HandedOverDevice(const DeviceCapabilities& device) : capabilities_(device) {}
   const DeviceCapabilities& capabilities() const override { return capabilities_; }
@@ -163,14 +164,14 @@ class HandedOverDevice final : public Device {
 
 // The servo of a run between two calls of start().
 struct StartedServo {
-  StartedServo(Simulation& simulation, const RunRequest& request, const State& start)
+  StartedServo(model::Simulation& simulation, const RunRequest& request, const State& start)
       : device(request.device),
         input(device, request.placement, input_limits(request)),
         servo(simulation, input, start, output_limits(request, simulation.parameters())),
         stale_s(request.stale_s) {}
 
   Wrench step(const DeviceSample& reading) noexcept {
-    const long long now_ns = monotonic_ns();
+    const long long now_ns = machine::monotonic_ns();
     const double late_s = static_cast<double>(now_ns - last_ns) / 1e9 - servo.dt_s();
     if (last_ns != 0 && late_s > stale_s) servo.note_late();
     last_ns = now_ns;
@@ -184,9 +185,9 @@ struct StartedServo {
   }
 
   HandedOverDevice device;
-  DeviceInput input;
-  Servo servo;
-  LoopStatistics statistics;
+  loop::DeviceInput input;
+  loop::Servo servo;
+  loop::LoopStatistics statistics;
   Frame frame;
   double stale_s;
   long long last_ns = 0;  // when the last step began
@@ -217,15 +218,15 @@ const Parameters& Run::parameters() const { return simulation().parameters(); }
 const std::map<std::string, std::string>& Run::reasons() const { return parts_->current.reasons; }
 const std::vector<std::string>& Run::warnings() const { return parts_->current.warnings; }
 const SeparationGuarantee& Run::guarantee() const { return parts_->current.guarantee; }
-Simulation& Run::simulation() { return *parts_->current.simulation; }
-const Simulation& Run::simulation() const { return *parts_->current.simulation; }
-std::unique_ptr<Simulation> Run::release_simulation() {
+model::Simulation& Run::simulation() { return *parts_->current.simulation; }
+const model::Simulation& Run::simulation() const { return *parts_->current.simulation; }
+std::unique_ptr<model::Simulation> Run::release_simulation() {
   parts_->started.reset();
   return std::move(parts_->current.simulation);
 }
 
 Status Run::start(const PartStart& start, const DeviceSample& first) {
-  const StepArithmetic arithmetic;
+  const machine::StepArithmetic arithmetic;
   Parts& parts = *parts_;
   const auto checked = checked_start(start);
   if (!checked) return checked.error();
@@ -233,7 +234,7 @@ Status Run::start(const PartStart& start, const DeviceSample& first) {
   parts.started.reset();
   parts.finish_swap();  // one that nobody waits for any more: the user wants what it brings
   const Pose world_from_handle =
-      parts.request.placement.world_from_handle(made_unit(first.device_from_handle));
+      parts.request.placement.world_from_handle(loop::made_unit(first.device_from_handle));
   parts.started = std::make_unique<StartedServo>(
       simulation(), parts.request, simulation().registered(*checked, world_from_handle));
   return {};
@@ -252,7 +253,7 @@ const Frame& Run::frame() const {
 
 Pose Run::world_from_part() const {
   if (!started()) return {};
-  const Servo& servo = parts_->started->servo;
+  const loop::Servo& servo = parts_->started->servo;
   const bool stepped = parts_->started->statistics.frames > 0;
   return servo.simulation().world_from_part(stepped ? frame().result.report.world_from_center
                                                     : servo.state().world_from_center);
@@ -264,14 +265,14 @@ void Run::set_clutch(bool pressed) noexcept {
 
 Status Run::swap(const std::filesystem::path& scene, const std::filesystem::path& part,
                  const PartStart& start, double timeout_s) {
-  const StepArithmetic arithmetic;
+  const machine::StepArithmetic arithmetic;
   Parts& parts = *parts_;
   const auto checked = checked_start(start);
   if (!checked) return checked.error();
   if (!started()) {
     return Error{ErrorCode::kUsage, "", "swap", "nothing has been started", "start the run first"};
   }
-  Servo& servo = parts.started->servo;
+  loop::Servo& servo = parts.started->servo;
   if (servo.swapping()) {
     return Error{ErrorCode::kUsage, "", "swap", "another swap is still waiting", ""};
   }
@@ -287,13 +288,13 @@ Status Run::swap(const std::filesystem::path& scene, const std::filesystem::path
     parts.next.reset();
     return Error{ErrorCode::kUsage, "", "swap", "the rate would be another", ""};
   }
-  const long long until_ns = monotonic_ns() + static_cast<long long>(timeout_s * 1e9);
+  const long long until_ns = machine::monotonic_ns() + static_cast<long long>(timeout_s * 1e9);
   while (servo.swapping()) {
-    if (monotonic_ns() > until_ns) {
+    if (machine::monotonic_ns() > until_ns) {
       return Error{ErrorCode::kDeviceFailed, "", "swap", "the servo thread has not taken it yet",
                    "call step() once a period"};
     }
-    sleep_until_ns(monotonic_ns() + 1'000'000);
+    machine::sleep_until_ns(machine::monotonic_ns() + 1'000'000);
   }
   parts.finish_swap();
   return {};
@@ -302,7 +303,7 @@ Status Run::swap(const std::filesystem::path& scene, const std::filesystem::path
 RunStatistics Run::statistics() const {
   RunStatistics out;
   if (!started()) return out;
-  const LoopStatistics& seen = parts_->started->statistics;
+  const loop::LoopStatistics& seen = parts_->started->statistics;
   out.frames = seen.frames;
   out.force_layer_frames = seen.force_layer_frames;
   out.contact_frames = seen.contact_frames;
@@ -322,9 +323,9 @@ RunStatistics Run::statistics() const {
 }
 
 std::vector<std::string> Run::make_real_time() {
-  std::vector<std::string> warnings = lock_memory();
+  std::vector<std::string> warnings = machine::lock_memory();
   for (const auto& more :
-       {take_real_time_priority(), simulation().give_helpers_real_time_priority()}) {
+       {machine::take_real_time_priority(), simulation().give_helpers_real_time_priority()}) {
     warnings.insert(warnings.end(), more.begin(), more.end());
   }
   return warnings;
@@ -358,7 +359,7 @@ Result<Run> open_run(const RunRequest& request) {
 }
 
 Result<Run> open_run(Voxmap scene, Pshell part, const RunRequest& request) {
-  const StepArithmetic arithmetic;
+  const machine::StepArithmetic arithmetic;
   if (Status s = check_range(request); !s) return s.error();
   auto parts = std::make_unique<Run::Parts>();
   parts->request = request;

@@ -13,7 +13,7 @@
 
 #include "runtime/machine/real_time.h"
 
-namespace forcelayer {
+namespace forcelayer::stream {
 namespace {
 
 struct HostAndPort {
@@ -49,8 +49,8 @@ std::uint64_t now_us() {
 
 }  // namespace
 
-Result<PoseSender> PoseSender::create(const std::string& target, const Simulation& simulation,
-                                      double rate_hz) {
+Result<PoseSender> PoseSender::create(const std::string& target,
+                                      const model::Simulation& simulation, double rate_hz) {
   const HostAndPort address = split_target(target);
   if (!is_port(address.port)) return address_error(target, "the port is not between 1 and 65535");
   addrinfo hints{};
@@ -71,7 +71,7 @@ Result<PoseSender> PoseSender::create(const std::string& target, const Simulatio
   return PoseSender(descriptor, simulation, rate_hz);
 }
 
-PoseSender::PoseSender(int socket, const Simulation& simulation, double rate_hz)
+PoseSender::PoseSender(int socket, const model::Simulation& simulation, double rate_hz)
     : socket_(socket),
       simulation_(&simulation),
       period_ns_(static_cast<long long>(1e9 / rate_hz)),
@@ -129,7 +129,7 @@ PoseDatagram PoseSender::datagram(const Frame& frame) noexcept {
 }
 
 void PoseSender::offer(const Frame& frame) noexcept {
-  const long long now_ns = monotonic_ns();
+  const long long now_ns = machine::monotonic_ns();
   if (now_ns < next_ns_) return;
   // In step with the clock, but never two at once to make up for a pause.
   next_ns_ += period_ns_;
@@ -139,4 +139,4 @@ void PoseSender::offer(const Frame& frame) noexcept {
   static_cast<void>(send(socket_, &d, sizeof d, MSG_NOSIGNAL));
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::stream

@@ -9,7 +9,7 @@
 #include "formats/result.h"
 #include "runtime/model/simulation.h"
 
-namespace forcelayer {
+namespace forcelayer::stream {
 
 class PoseSender {
  public:
@@ -18,7 +18,7 @@ class PoseSender {
   // `target` is PORT, HOST:PORT or [HOST]:PORT; without a host 127.0.0.1. `rate_hz`: datagrams a
   // second, above 0. `simulation` must outlive the sender. Errors: kUsage for anything that is no
   // address; kInternal where the system has no socket.
-  static Result<PoseSender> create(const std::string& target, const Simulation& simulation,
+  static Result<PoseSender> create(const std::string& target, const model::Simulation& simulation,
                                    double rate_hz = kRateHz);
 
   PoseSender(PoseSender&& other) noexcept;
@@ -29,15 +29,15 @@ class PoseSender {
   void offer(const Frame& frame) noexcept;
 
  private:
-  PoseSender(int socket, const Simulation& simulation, double rate_hz);
+  PoseSender(int socket, const model::Simulation& simulation, double rate_hz);
   PoseDatagram datagram(const Frame& frame) noexcept;
 
   int socket_ = -1;
-  const Simulation* simulation_;
+  const model::Simulation* simulation_;
   long long period_ns_;
   std::uint64_t session_;
   std::uint64_t sequence_ = 0;
   long long next_ns_ = 0;
 };
 
-}  // namespace forcelayer
+}  // namespace forcelayer::stream

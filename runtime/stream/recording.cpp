@@ -9,7 +9,7 @@
 
 #include "forcelayer/pose_datagram.h"
 
-namespace forcelayer {
+namespace forcelayer::stream {
 namespace {
 
 constexpr std::size_t kFlushFrames = 1024;
@@ -183,7 +183,7 @@ class Reader {
 
 }  // namespace
 
-RecordedRun describe_run(const Simulation& simulation, const State& start,
+RecordedRun describe_run(const model::Simulation& simulation, const State& start,
                          const DevicePlacement& placement) {
   return {simulation.parameters(), start, placement,
           simulation.voxmap().header().file.header_checksum,
@@ -323,4 +323,4 @@ void ReplayInput::output(const Frame& frame) noexcept {
   if (differing_++ == 0) first_difference_ = frame.number;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::stream

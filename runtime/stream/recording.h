@@ -13,7 +13,7 @@
 #include "runtime/model/simulation.h"
 #include "runtime/stream/recording_format.h"
 
-namespace forcelayer {
+namespace forcelayer::stream {
 
 // The facts of a run that hold for all its frames.
 struct RecordedRun {
@@ -23,7 +23,7 @@ struct RecordedRun {
   std::uint64_t voxmap_checksum = 0, shell_checksum = 0;
 };
 
-RecordedRun describe_run(const Simulation& simulation, const State& start,
+RecordedRun describe_run(const model::Simulation& simulation, const State& start,
                          const DevicePlacement& placement);
 
 // Writes a recording as the frames come. Not for the loop's thread. The file appears with finish();
@@ -69,7 +69,7 @@ class Recording {
 
 // The inputs of a recording, frame by frame. Counts the frames whose outcome differs from the
 // recorded one.
-class ReplayInput final : public InputSource {
+class ReplayInput final : public loop::InputSource {
  public:
   // `recording` must outlive this.
   explicit ReplayInput(const Recording& recording) : recording_(recording) {}
@@ -91,4 +91,4 @@ class ReplayInput final : public InputSource {
   std::uint64_t first_difference_ = 0;
 };
 
-}  // namespace forcelayer
+}  // namespace forcelayer::stream

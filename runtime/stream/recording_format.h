@@ -8,7 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace forcelayer {
+namespace forcelayer::stream {
 
 inline constexpr std::array<std::uint8_t, 8> kRecordingMagic = {0x89, 'F',  'L',  'R',
                                                                 '\r', '\n', 0x1a, '\n'};
@@ -75,4 +75,4 @@ struct RecordingTrailer {             // offset
 };
 static_assert(sizeof(RecordingTrailer) == 32);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::stream

@@ -13,7 +13,7 @@
 #include "runtime/viewer/vtk/picture.h"
 #include "runtime/viewer/vtk/window.h"
 
-namespace forcelayer {
+namespace forcelayer::viewer {
 namespace {
 
 constexpr double kListenS = 3;  // before a picture of a stream, unless the user says otherwise
@@ -53,7 +53,8 @@ Status take_picture(const ViewOptions& options, const ViewScene& scene, PictureP
     if (Status live = plan_live(options, scene, *feed.receiver, plan); !live) return live;
   }
   if (Status written = write_picture(options.screenshot, scene, plan); !written) return written;
-  return options.json.empty() ? Status{} : write_report(options.json, report_of(plan, scene));
+  return options.json.empty() ? Status{}
+                              : command::write_report(options.json, report_of(plan, scene));
 }
 
 Status draw(const ViewOptions& options, const ViewScene& scene, RunFeed feed) {
@@ -97,7 +98,7 @@ Status run(const ViewOptionParser& parser, char** argv) {
 }
 
 }  // namespace
-}  // namespace forcelayer
+}  // namespace forcelayer::viewer
 
 int main(int argc, char** argv) {
   CLI::App app{
@@ -105,11 +106,13 @@ int main(int argc, char** argv) {
       "a\n"
       "display, pictures are drawn under xvfb-run.",
       "voxview"};
-  const forcelayer::ViewOptionParser parser(app);
+  const forcelayer::viewer::ViewOptionParser parser(app);
   std::string keys = "In the window:\n";
-  for (const std::string_view line : forcelayer::kKeyLines) keys += "  " + std::string(line) + "\n";
+  for (const std::string_view line : forcelayer::viewer::kKeyLines)
+    keys += "  " + std::string(line) + "\n";
   app.footer(keys);
   int exit_code = 0;
-  if (!forcelayer::parse_arguments(app, argc, argv, exit_code)) return exit_code;
-  return forcelayer::run_command("voxview", [&] { return forcelayer::run(parser, argv); });
+  if (!forcelayer::command::parse_arguments(app, argc, argv, exit_code)) return exit_code;
+  return forcelayer::command::run_command("voxview",
+                                          [&] { return forcelayer::viewer::run(parser, argv); });
 }

@@ -13,7 +13,7 @@
 #include <X11/Xlib.h>
 #undef Status
 
-namespace forcelayer {
+namespace forcelayer::viewer {
 namespace {
 
 // The window was killed (xkill) or its server ended. Xlib ends the program after this whatever it
@@ -61,4 +61,4 @@ Status ensure_screen(char** argv) {
                "install the packages xvfb and xauth, or set DISPLAY"};
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::viewer

@@ -3,7 +3,7 @@
 
 #include "formats/result.h"
 
-namespace forcelayer {
+namespace forcelayer::viewer {
 
 // Returns when there is a display to draw on: DISPLAY names one that opens. Without DISPLAY, starts
 // this program anew with the same arguments under xvfb-run, and returns only if that cannot be had.
@@ -13,4 +13,4 @@ Status ensure_screen(char** argv);
 // Whether DISPLAY names a display, be it one that opens or not.
 bool display_is_set();
 
-}  // namespace forcelayer
+}  // namespace forcelayer::viewer

@@ -26,18 +26,19 @@ Pose resting_handle(const Options& options) {
 Result<ChosenDevice> make_sim(const Options& options) {
   const DevicePlacement& placement = options.run.placement;
   ChosenDevice chosen;
-  MotionScript script = MotionScript::still(resting_handle(options));
+  devices::MotionScript script = devices::MotionScript::still(resting_handle(options));
   if (!options.motion.empty()) {
-    auto read = MotionScript::read(options.motion);
+    auto read = devices::MotionScript::read(options.motion);
     if (!read) return read.error();
     script = std::move(*read);
     chosen.motion_end_s = script.end_s();
   }
   if (options.hand.empty()) {
-    chosen.device = std::make_unique<SimDevice>(std::move(script), placement);
+    chosen.device = std::make_unique<devices::SimDevice>(std::move(script), placement);
   } else {
-    chosen.device = std::make_unique<SimHandDevice>(
-        std::move(script), placement, options.hand == "loose" ? loose_grip() : SimHandParameters());
+    chosen.device = std::make_unique<devices::SimHandDevice>(
+        std::move(script), placement,
+        options.hand == "loose" ? devices::loose_grip() : devices::SimHandParameters());
   }
   return chosen;
 }
@@ -45,11 +46,11 @@ Result<ChosenDevice> make_sim(const Options& options) {
 Result<ChosenDevice> make_device(const Options& options) {
   if (options.device == "plugin") {
     ChosenDevice chosen;
-    PluginOptions plugin;
+    devices::PluginOptions plugin;
     plugin.library = options.plugin;
     plugin.arguments = options.plugin_args;
     plugin.stale_s = std::max(options.run.stale_s, kLeastLoopPeriods / options.run.rate_hz);
-    chosen.device = std::make_unique<PluginDevice>(plugin);
+    chosen.device = std::make_unique<devices::PluginDevice>(plugin);
     return chosen;
   }
   if (is_hid(options.device)) {
@@ -71,11 +72,12 @@ Status check_watchdog(const Options& options, const DeviceCapabilities& device) 
 
 // A reading that a run can begin with.
 bool is_usable(const DeviceSample& sample) {
-  return sample.present && sample.fresh && sample.calibrated && is_pose(sample.device_from_handle);
+  return sample.present && sample.fresh && sample.calibrated &&
+         loop::is_pose(sample.device_from_handle);
 }
 
 // Why no reading came that could be used: after the last one, where any was `fresh` before.
-Error no_usable_reading(const Device& device, const DeviceSample& last, bool fresh) {
+Error no_usable_reading(const devices::Device& device, const DeviceSample& last, bool fresh) {
   const std::string& name = device.capabilities().name;
   if (last.present && !last.calibrated) {
     return {ErrorCode::kDeviceRefused, "", name, "is not calibrated",
@@ -86,7 +88,7 @@ Error no_usable_reading(const Device& device, const DeviceSample& last, bool fre
             "reports no pose: its numbers are not finite, or its quaternion is not of length 1",
             "look at the device's driver"};
   }
-  const DeviceTrouble trouble = device.trouble();
+  const devices::DeviceTrouble trouble = device.trouble();
   return {ErrorCode::kDeviceFailed, "", name,
           "gives no readings" + (trouble.what.empty() ? "" : " (" + trouble.what + ")"),
           trouble.mend.empty() ? "look at plug and power" : trouble.mend};
@@ -105,19 +107,21 @@ Result<ChosenDevice> choose_device(const Options& options) {
   return chosen;
 }
 
-Result<Pose> wait_for_pose(Device& device) {
-  const long long begin_ns = monotonic_ns();
+Result<Pose> wait_for_pose(devices::Device& device) {
+  const long long begin_ns = machine::monotonic_ns();
   DeviceSample sample = device.read(0);
   bool fresh = sample.fresh;
   while (!is_usable(sample)) {
-    if (monotonic_ns() - begin_ns > kReadingNs) return no_usable_reading(device, sample, fresh);
-    sleep_until_ns(monotonic_ns() + kPollNs);
+    if (machine::monotonic_ns() - begin_ns > kReadingNs)
+      return no_usable_reading(device, sample, fresh);
+    machine::sleep_until_ns(machine::monotonic_ns() + kPollNs);
     sample = device.read(0);
     fresh |= sample.fresh;
   }
   const Pose& pose = sample.device_from_handle;
-  if (Status inside = check_workspace(device.capabilities(), pose); !inside) return inside.error();
-  return made_unit(pose);
+  if (Status inside = loop::check_workspace(device.capabilities(), pose); !inside)
+    return inside.error();
+  return loop::made_unit(pose);
 }
 
 }  // namespace forcelayer::voxrun

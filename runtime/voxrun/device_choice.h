@@ -11,8 +11,8 @@
 namespace forcelayer::voxrun {
 
 struct ChosenDevice {
-  std::unique_ptr<Device> device;      // started
-  std::optional<double> motion_end_s;  // of a scripted hand
+  std::unique_ptr<devices::Device> device;  // started
+  std::optional<double> motion_end_s;       // of a scripted hand
 };
 
 // Makes and starts it. Errors: kUsage, of files, of devices; kDeviceRefused for a device with
@@ -21,7 +21,7 @@ Result<ChosenDevice> choose_device(const Options& options);
 
 // Waits for a reading that a run can begin with: where the device has the handle, its rotation made
 // unit. Errors: kDeviceFailed where none comes, kDeviceRefused where it is not calibrated or its
-// pose is none, or cannot be in metres.
-Result<Pose> wait_for_pose(Device& device);
+// pose is none, or cannot be in meters.
+Result<Pose> wait_for_pose(devices::Device& device);
 
 }  // namespace forcelayer::voxrun

@@ -67,7 +67,7 @@ Finding change(std::string what, std::string seen, std::string mend) {
 
 Finding real_time_priority() {
   std::vector<std::string> refused;
-  std::thread([&] { refused = take_real_time_priority(); }).join();
+  std::thread([&] { refused = machine::take_real_time_priority(); }).join();
   if (refused.empty()) return good("real-time priority", "SCHED_FIFO is granted");
   rlimit limit{};
   getrlimit(RLIMIT_RTPRIO, &limit);
@@ -165,7 +165,7 @@ Finding idle_states(const fs::path& root) {
 
 Finding cores() {
   const unsigned count = std::thread::hardware_concurrency();
-  const std::string seen = std::to_string(count) + ", instruction set " + kernel_target();
+  const std::string seen = std::to_string(count) + ", instruction set " + query::kernel_target();
   if (count >= 4) return good("cores", seen);
   return change("cores", seen + ": graphics and driver share them with the loop",
                 "four cores or more; keep the machine for the loop while a hand is at it");
@@ -176,7 +176,8 @@ Finding virtual_machine(const fs::path& root) {
   if (!guest) return good("virtual machine", "no");
   return change("virtual machine",
                 "yes: its host takes the core away without notice; so far " +
-                    std::to_string(static_cast<long long>(steal_seconds())) + " s since it started",
+                    std::to_string(static_cast<long long>(machine::steal_seconds())) +
+                    " s since it started",
                 "run the loop on the machine itself, and motors never from a guest");
 }
 
@@ -263,19 +264,19 @@ Finding udev_rules(const fs::path& root) {
 
 // ---- the clock, measured
 
-void sleep_through(double seconds, DurationHistogram& late) {
-  static_cast<void>(take_real_time_priority());
+void sleep_through(double seconds, loop::DurationHistogram& late) {
+  static_cast<void>(machine::take_real_time_priority());
   const auto ticks = static_cast<long long>(seconds * 1e9) / kPeriodNs;
-  long long tick_ns = monotonic_ns();
+  long long tick_ns = machine::monotonic_ns();
   for (long long i = 0; i < ticks; ++i) {
-    tick_ns = std::max(tick_ns + kPeriodNs, monotonic_ns());
-    sleep_until_ns(tick_ns);
-    late.record(monotonic_ns() - tick_ns);
+    tick_ns = std::max(tick_ns + kPeriodNs, machine::monotonic_ns());
+    machine::sleep_until_ns(tick_ns);
+    late.record(machine::monotonic_ns() - tick_ns);
   }
 }
 
 Finding clock_quality(double seconds) {
-  const auto late = std::make_unique<DurationHistogram>();
+  const auto late = std::make_unique<loop::DurationHistogram>();
   std::thread([&] { sleep_through(seconds, *late); }).join();
   const auto us = [&](double share) {
     return static_cast<double>(late->quantile_ns(share)) / 1000;
@@ -303,7 +304,7 @@ const char* to_text(Verdict verdict) {
 
 nlohmann::ordered_json findings_json(const std::vector<Finding>& findings) {
   nlohmann::ordered_json json;
-  json["version"] = kVersion;
+  json["version"] = command::kVersion;
   json["findings"] = nlohmann::ordered_json::array();
   for (const Finding& f : findings) {
     json["findings"].push_back(
@@ -349,7 +350,8 @@ std::string findings_text(const std::vector<Finding>& findings) {
 Status run_doctor(const DoctorOptions& options) {
   const auto findings = examine_machine("/", options.clock_s);
   std::cout << findings_text(findings) << std::flush;
-  return options.json.empty() ? Status{} : write_report(options.json, findings_json(findings));
+  return options.json.empty() ? Status{}
+                              : command::write_report(options.json, findings_json(findings));
 }
 
 }  // namespace forcelayer::voxrun

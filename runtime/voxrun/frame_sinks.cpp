@@ -6,7 +6,8 @@
 
 namespace forcelayer::voxrun {
 
-FrameSinks::FrameSinks(SpscRing<Frame>& ring, std::vector<FrameSink> sinks, std::atomic<int>& stop)
+FrameSinks::FrameSinks(machine::SpscRing<Frame>& ring, std::vector<FrameSink> sinks,
+                       std::atomic<int>& stop)
     : ring_(ring), sinks_(std::move(sinks)), stop_(stop), thread_([this] { run(); }) {}
 
 FrameSinks::~FrameSinks() {
@@ -27,7 +28,7 @@ void FrameSinks::drain() {
 void FrameSinks::run() {
   while (!ended_.load(std::memory_order_acquire)) {
     drain();
-    check_mappings();
+    machine::check_mappings();
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   drain();

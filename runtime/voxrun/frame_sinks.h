@@ -19,7 +19,7 @@ using FrameSink = std::function<Status(const Frame&)>;
 class FrameSinks {
  public:
   // `stop` is set to kSinkFailed when a sink fails. Everything given must outlive this.
-  FrameSinks(SpscRing<Frame>& ring, std::vector<FrameSink> sinks, std::atomic<int>& stop);
+  FrameSinks(machine::SpscRing<Frame>& ring, std::vector<FrameSink> sinks, std::atomic<int>& stop);
   ~FrameSinks();
 
   // Empties the ring, ends the thread and gives the first error. The producer must have ended.
@@ -31,7 +31,7 @@ class FrameSinks {
   void run();
   void drain();
 
-  SpscRing<Frame>& ring_;
+  machine::SpscRing<Frame>& ring_;
   std::vector<FrameSink> sinks_;
   std::atomic<int>& stop_;
   std::atomic<bool> ended_{false};

@@ -14,7 +14,7 @@ constexpr const char* kSpaceMouseOptions[] = {"--control",        "--dead-zone",
 
 void add_hid_options(CLI::App& app, HidOptions& options) {
   const char* const group = "HID devices (hid, spacemouse)";
-  SpaceMouseOptions& cap = options.spacemouse;
+  devices::SpaceMouseOptions& cap = options.spacemouse;
   app.add_option("--hid", options.which,
                  "which one: VENDOR:PRODUCT[:SERIAL] in hexadecimal, or /dev/hidrawN")
       ->group(group);
@@ -48,7 +48,7 @@ Status check_hid_options(const CLI::App& app, const HidOptions& options,
     if (!is_hid(device)) {
       return usage("--hid", "is for hid and spacemouse", "give --device hid or spacemouse");
     }
-    if (const auto selector = parse_hid_selector(options.which); !selector) {
+    if (const auto selector = devices::parse_hid_selector(options.which); !selector) {
       return usage("--hid", selector.error().what.c_str(), selector.error().mend.c_str());
     }
   }
@@ -60,15 +60,16 @@ Status check_hid_options(const CLI::App& app, const HidOptions& options,
   return {};
 }
 
-std::unique_ptr<Device> make_hid_device(const HidOptions& options, const std::string& device,
-                                        double stale_s) {
-  HidSelector selector;
-  if (!options.which.empty()) selector = *parse_hid_selector(options.which);
-  if (device == "hid") return std::make_unique<HidDevice>(make_hid_bus(), selector, stale_s);
-  SpaceMouseOptions cap = options.spacemouse;
-  cap.control =
-      options.control == "position" ? SpaceMouseControl::kPosition : SpaceMouseControl::kRate;
-  return std::make_unique<SpaceMouse>(make_hid_bus(), selector, cap);
+std::unique_ptr<devices::Device> make_hid_device(const HidOptions& options,
+                                                 const std::string& device, double stale_s) {
+  devices::HidSelector selector;
+  if (!options.which.empty()) selector = *devices::parse_hid_selector(options.which);
+  if (device == "hid")
+    return std::make_unique<devices::HidDevice>(devices::make_hid_bus(), selector, stale_s);
+  devices::SpaceMouseOptions cap = options.spacemouse;
+  cap.control = options.control == "position" ? devices::SpaceMouseControl::kPosition
+                                              : devices::SpaceMouseControl::kRate;
+  return std::make_unique<devices::SpaceMouse>(devices::make_hid_bus(), selector, cap);
 }
 
 }  // namespace forcelayer::voxrun

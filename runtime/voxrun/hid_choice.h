@@ -17,7 +17,7 @@ namespace forcelayer::voxrun {
 struct HidOptions {
   std::string which;  // --hid; empty: the only one of its kind
   std::string control = "rate";
-  SpaceMouseOptions spacemouse;
+  devices::SpaceMouseOptions spacemouse;
 };
 
 void add_hid_options(CLI::App& app, HidOptions& options);
@@ -28,7 +28,7 @@ Status check_hid_options(const CLI::App& app, const HidOptions& options, const s
 inline bool is_hid(const std::string& device) { return device == "hid" || device == "spacemouse"; }
 
 // Not started. `stale_s`: how old the loop's last wrench may be. `options` were checked.
-std::unique_ptr<Device> make_hid_device(const HidOptions& options, const std::string& device,
-                                        double stale_s);
+std::unique_ptr<devices::Device> make_hid_device(const HidOptions& options,
+                                                 const std::string& device, double stale_s);
 
 }  // namespace forcelayer::voxrun

@@ -40,9 +40,9 @@ int doctor(int argc, char** argv) {
   app.add_option("--clock", options.clock_s, "seconds for which the clock is measured; 0: not")
       ->check(CLI::Range(0.0, 3600.0));
   int status = 0;
-  if (!forcelayer::parse_arguments(app, argc, argv, status)) return status;
-  return forcelayer::run_command("voxrun doctor",
-                                 [&] { return forcelayer::voxrun::run_doctor(options); });
+  if (!forcelayer::command::parse_arguments(app, argc, argv, status)) return status;
+  return forcelayer::command::run_command("voxrun doctor",
+                                          [&] { return forcelayer::voxrun::run_doctor(options); });
 }
 
 }  // namespace
@@ -53,9 +53,9 @@ int main(int argc, char** argv) {
   app.footer("voxrun doctor says what of this machine stands in the way of a quiet loop.");
   forcelayer::voxrun::OptionParser parser(app);
   int status = 0;
-  if (!forcelayer::parse_arguments(app, argc, argv, status)) return status;
+  if (!forcelayer::command::parse_arguments(app, argc, argv, status)) return status;
   end_loop_on_signals();
-  status = forcelayer::run_command("voxrun", [&]() -> forcelayer::Status {
+  status = forcelayer::command::run_command("voxrun", [&]() -> forcelayer::Status {
     const auto options = parser.finish();
     if (!options) return options.error();
     return forcelayer::voxrun::run_session(*options, stop_signal);

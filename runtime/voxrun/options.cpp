@@ -21,7 +21,7 @@ Error about(const char* option, Error error) {
 }
 
 Status read_pose(const char* option, const std::string& text, Pose& pose) {
-  const auto parsed = parse_pose(text);
+  const auto parsed = command::parse_pose(text);
   if (!parsed) return about(option, parsed.error());
   const auto& [p, q] = *parsed;
   pose = {{p[0], p[1], p[2]}, glm::dquat(q[0], q[1], q[2], q[3])};
@@ -60,7 +60,7 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
   app.add_option("--grip", texts_.grip, "handle_from_part, in the same way");
   app.add_option("--world-from-device", texts_.world_from_device, "place of the device");
   app.add_option("--motion-scale", options_.run.placement.motion_scale,
-                 "scene metres a metre of the device");
+                 "scene meters a meter of the device");
   app.add_option(
       "--reach", texts_.reach,
       "x0,y0,z0,x1,y1,z1: box of the scene that the part can reach; its pages of the "
@@ -99,7 +99,7 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
 
 Status OptionParser::read_texts(Options& options) const {
   if (!texts_.duration.empty()) {
-    const auto seconds = parse_duration(texts_.duration);
+    const auto seconds = command::parse_duration(texts_.duration);
     if (!seconds) return about("--duration", seconds.error());
     if (!(*seconds > 0)) return usage("--duration", "must be above zero", "");
     options.duration_s = *seconds;
@@ -131,10 +131,10 @@ Status OptionParser::read_texts(Options& options) const {
 
 Status OptionParser::read_reach(Options& options) const {
   if (texts_.reach.empty()) return {};
-  const auto box = parse_box(texts_.reach);
+  const auto box = command::parse_box(texts_.reach);
   if (!box) return about("--reach", box.error());
   const auto& b = *box;
-  options.reach = ReachBox{{b[0], b[1], b[2]}, {b[3], b[4], b[5]}};
+  options.reach = machine::ReachBox{{b[0], b[1], b[2]}, {b[3], b[4], b[5]}};
   return {};
 }
 
@@ -144,7 +144,7 @@ Status OptionParser::read_safety(Options& options) const {
   if (texts_.after_trip == "wait") options.after_trip = AfterTrip::kWait;
   if (texts_.after_trip == "rearm") options.after_trip = AfterTrip::kRearm;
   if (texts_.stale.empty()) return {};
-  const auto seconds = parse_duration(texts_.stale);
+  const auto seconds = command::parse_duration(texts_.stale);
   if (!seconds) return about("--stale-limit", seconds.error());
   if (!(*seconds > 0)) return usage("--stale-limit", "must be above zero", "");
   options.run.stale_s = *seconds;

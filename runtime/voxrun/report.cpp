@@ -25,7 +25,7 @@ using Json = nlohmann::ordered_json;
   return line;
 }
 
-std::optional<double> penetration_ratio(const LoopStatistics& s) {
+std::optional<double> penetration_ratio(const loop::LoopStatistics& s) {
   if (s.force_layer_frames == 0) return std::nullopt;
   return static_cast<double>(s.penetration_frames) / static_cast<double>(s.force_layer_frames);
 }
@@ -35,7 +35,7 @@ Json number(const std::optional<double>& value) {
   return value && std::isfinite(*value) ? Json(*value) : Json(nullptr);
 }
 
-Json percentiles(const DurationHistogram& h) {
+Json percentiles(const loop::DurationHistogram& h) {
   return {{"p50", h.quantile_ns(0.5)},
           {"p99", h.quantile_ns(0.99)},
           {"p999", h.quantile_ns(0.999)},
@@ -109,14 +109,15 @@ std::string capabilities_text(const DeviceCapabilities& c) {
 }
 
 // Causes of the deadline misses, most frequent last, and the worst one.
-std::string misses_text(const LoopStatistics& s) {
+std::string misses_text(const loop::LoopStatistics& s) {
   std::string causes;
-  for (std::size_t i = 0; i < kMissCauses; ++i) {
+  for (std::size_t i = 0; i < loop::kMissCauses; ++i) {
     if (s.misses_by_cause[i] == 0) continue;
-    causes += text("%s%s %llu", causes.empty() ? "" : ", ", to_text(static_cast<MissCause>(i)),
-                   static_cast<unsigned long long>(s.misses_by_cause[i]));
+    causes +=
+        text("%s%s %llu", causes.empty() ? "" : ", ", to_text(static_cast<loop::MissCause>(i)),
+             static_cast<unsigned long long>(s.misses_by_cause[i]));
   }
-  const MissedFrame* worst = &s.worst[0];
+  const loop::MissedFrame* worst = &s.worst[0];
   for (std::size_t i = 1; i < s.worst.size(); ++i) {
     if (s.worst[i].late_ns > worst->late_ns) worst = &s.worst[i];
   }
@@ -125,21 +126,21 @@ std::string misses_text(const LoopStatistics& s) {
               static_cast<double>(worst->late_ns) / 1e6);
 }
 
-Json misses_json(const LoopStatistics& s) {
+Json misses_json(const loop::LoopStatistics& s) {
   Json json;
-  for (std::size_t i = 0; i < kMissCauses; ++i) {
-    json[to_text(static_cast<MissCause>(i))] = s.misses_by_cause[i];
+  for (std::size_t i = 0; i < loop::kMissCauses; ++i) {
+    json[to_text(static_cast<loop::MissCause>(i))] = s.misses_by_cause[i];
   }
   return json;
 }
 
-Json worst_json(const LoopStatistics& s) {
-  std::vector<MissedFrame> frames;
+Json worst_json(const loop::LoopStatistics& s) {
+  std::vector<loop::MissedFrame> frames;
   for (std::size_t i = 0; i < s.worst.size(); ++i) frames.push_back(s.worst[i]);
   std::sort(frames.begin(), frames.end(),
             [](const auto& a, const auto& b) { return a.late_ns > b.late_ns; });
   Json json = Json::array();
-  for (const MissedFrame& f : frames) {
+  for (const loop::MissedFrame& f : frames) {
     json.push_back({{"frame", f.frame},
                     {"cause", to_text(f.cause)},
                     {"late_ns", f.late_ns},
@@ -156,7 +157,7 @@ Json worst_json(const LoopStatistics& s) {
 }
 
 // Figures of a loop with a clock.
-void add_clock(const RunFacts& facts, const LoopStatistics& s, Json& json) {
+void add_clock(const RunFacts& facts, const loop::LoopStatistics& s, Json& json) {
   json["tick_ns"] = percentiles(s.tick);
   json["wakeup_ns"] = percentiles(s.wakeup);
   json["deadline_misses"] = s.deadline_misses;
@@ -171,7 +172,7 @@ void add_clock(const RunFacts& facts, const LoopStatistics& s, Json& json) {
   json["steal_s"] = facts.steal_s;
 }
 
-void add_output(const RunFacts& facts, const LoopStatistics& s, Json& json) {
+void add_output(const RunFacts& facts, const loop::LoopStatistics& s, Json& json) {
   json["max_device_force_n"] = s.max_device_force_n;
   json["max_device_torque_nm"] = s.max_device_torque_nm;
   json["held_readings"] = s.held_readings;
@@ -209,7 +210,7 @@ std::string start_text(const Run& run, const RunFacts& facts) {
          "guaranteed separation: " + guarantee_text(run.guarantee()) + "\n";
 }
 
-std::string end_text(const RunFacts& facts, const LoopStatistics& s) {
+std::string end_text(const RunFacts& facts, const loop::LoopStatistics& s) {
   const auto ratio = penetration_ratio(s);
   const auto us = [](std::uint64_t ns) { return static_cast<double>(ns) / 1000; };
   std::string lines =
@@ -246,9 +247,9 @@ std::string end_text(const RunFacts& facts, const LoopStatistics& s) {
   return lines;
 }
 
-Json report_json(const Run& run, const RunFacts& facts, const LoopStatistics& s) {
+Json report_json(const Run& run, const RunFacts& facts, const loop::LoopStatistics& s) {
   Json json;
-  json["version"] = kVersion;
+  json["version"] = command::kVersion;
   json["scene"] = facts.options.run.scene.string();
   json["part"] = facts.options.run.part.string();
   json["device"] = facts.device;
@@ -270,7 +271,7 @@ Json report_json(const Run& run, const RunFacts& facts, const LoopStatistics& s)
   json["pose_error_m"] = run.simulation().query().rounding_bound_m();
   json["step_ns"] = percentiles(s.step);
   json["threads"] = facts.options.run.threads;
-  json["instruction_set"] = kernel_target();
+  json["instruction_set"] = query::kernel_target();
   json["as_fast_as_possible"] = facts.options.as_fast_as_possible;
   add_clock(facts, s, json);
   json["max_force_n"] = s.max_force_n;
@@ -281,7 +282,7 @@ Json report_json(const Run& run, const RunFacts& facts, const LoopStatistics& s)
   json["energy_generated_worst_episode_j"] = s.worst_episode_generated_j;
   json["outcome_hash"] = text("%016llx", static_cast<unsigned long long>(s.outcome_hash));
   json["wall_s"] = facts.wall_s;
-  json["peak_rss_bytes"] = peak_rss_bytes();
+  json["peak_rss_bytes"] = command::peak_rss_bytes();
   json["scene_file_bytes"] = facts.scene_file_bytes;
   json["scene_prefaulted_bytes"] = facts.prefaulted_bytes;
   json["scene_resident_bytes"] = facts.resident_bytes;

@@ -22,8 +22,8 @@ struct RunFacts {
   std::uint64_t output_trips = 0;
   TripCause last_trip = TripCause::kNone;
   double last_trip_s = 0;
-  DeviceTrouble device_trouble;
-  std::vector<DeviceCounter> device_counters;
+  devices::DeviceTrouble device_trouble;
+  std::vector<devices::DeviceCounter> device_counters;
   bool ended_tripped = false;
   std::vector<OutputEvent> events;
   std::uint64_t prefaulted_bytes = 0;  // of the scene's file: pages brought in before the start
@@ -35,8 +35,8 @@ struct RunFacts {
 };
 
 std::string start_text(const Run& run, const RunFacts& facts);
-std::string end_text(const RunFacts& facts, const LoopStatistics& statistics);
+std::string end_text(const RunFacts& facts, const loop::LoopStatistics& statistics);
 nlohmann::ordered_json report_json(const Run& run, const RunFacts& facts,
-                                   const LoopStatistics& statistics);
+                                   const loop::LoopStatistics& statistics);
 
 }  // namespace forcelayer::voxrun

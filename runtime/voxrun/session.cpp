@@ -32,12 +32,12 @@ struct Session {
 
   RunFacts facts;
   RunRequest request;  // the options', as device or recording have it
-  std::optional<Recording> recording;
+  std::optional<stream::Recording> recording;
   ChosenDevice device;  // none in a replay
   AfterTrip after_trip = AfterTrip::kRearm;
   std::uint32_t clutch_buttons = 0;
-  std::unique_ptr<InputSource> input;
-  ReplayInput* replay = nullptr;  // the input, where it is one
+  std::unique_ptr<loop::InputSource> input;
+  stream::ReplayInput* replay = nullptr;  // the input, where it is one
   std::optional<Run> run;
   State start;
 
@@ -50,8 +50,8 @@ Status make_input(const Options& options, Session& session) {
   auto chosen = choose_device(options);
   if (!chosen) return chosen.error();
   session.device = std::move(*chosen);
-  session.input = std::make_unique<DeviceInput>(*session.device.device, session.request.placement,
-                                                input_limits(session.request));
+  session.input = std::make_unique<loop::DeviceInput>(
+      *session.device.device, session.request.placement, input_limits(session.request));
   const DeviceCapabilities& known = session.device.device->capabilities();
   session.request.device = known;
   session.facts.capabilities = known;
@@ -71,11 +71,11 @@ Status make_input(const Options& options, Session& session) {
 
 Status open_recording(const Options& options, const Voxmap& voxmap, const Pshell& shell,
                       Session& session) {
-  auto recording = Recording::open(options.replay);
+  auto recording = stream::Recording::open(options.replay);
   if (!recording) return recording.error();
   if (Status same = recording->check_files(voxmap, shell); !same) return same;
   session.recording = std::move(*recording);
-  auto replay = std::make_unique<ReplayInput>(*session.recording);
+  auto replay = std::make_unique<stream::ReplayInput>(*session.recording);
   session.replay = replay.get();
   session.input = std::move(replay);
   session.request.placement = session.recording->run().placement;
@@ -120,7 +120,7 @@ Status prepare_run(const Options& options, Session& session) {
 // The box that the part can reach: --reach, else the handle's workspace and around it the grip and
 // the part, else everything. With a place and no grip, the grip is that of the first reading: as
 // far as the hand moves until the loop begins, the part may reach farther.
-ReachBox reach_of(const Options& options, const Session& session) {
+machine::ReachBox reach_of(const Options& options, const Session& session) {
   if (options.reach) return *options.reach;
   const double workspace_m =
       session.device.device ? session.device.device->capabilities().workspace_radius_m : 0;
@@ -134,9 +134,9 @@ ReachBox reach_of(const Options& options, const Session& session) {
   return {center_m - reach_m, center_m + reach_m};
 }
 
-LoopOptions loop_options(const Options& options, const Session& session,
-                         const std::atomic<int>& stop) {
-  LoopOptions loop;
+loop::LoopOptions loop_options(const Options& options, const Session& session,
+                               const std::atomic<int>& stop) {
+  loop::LoopOptions loop;
   loop.as_fast_as_possible = options.as_fast_as_possible;
   loop.stop = &stop;
   loop.stale_s = options.run.stale_s;
@@ -159,12 +159,12 @@ void print_warnings(const RunFacts& facts, std::size_t first) {
 // The files and the socket that frames go to while the loop runs.
 struct FrameOutputs {
   std::optional<TraceWriter> trace;
-  std::optional<RecordingWriter> recording;
-  std::optional<PoseSender> poses;
+  std::optional<stream::RecordingWriter> recording;
+  std::optional<stream::PoseSender> poses;
 
   Status open(const Options& options, const Session& session) {
     if (!options.record.empty()) {
-      auto writer = RecordingWriter::create(options.record);
+      auto writer = stream::RecordingWriter::create(options.record);
       if (!writer) return writer.error();
       recording.emplace(std::move(*writer));
     }
@@ -174,7 +174,8 @@ struct FrameOutputs {
       trace = std::move(*writer);
     }
     if (!options.udp.empty()) {
-      auto sender = PoseSender::create(options.udp, session.run->simulation(), options.udp_rate_hz);
+      auto sender =
+          stream::PoseSender::create(options.udp, session.run->simulation(), options.udp_rate_hz);
       if (!sender) return sender.error();
       poses.emplace(std::move(*sender));
     }
@@ -219,7 +220,7 @@ bool is_of_device(TripCause cause) {
 Status check_output(const RunFacts& facts) {
   if (!facts.ended_tripped) return {};
   // The device's own reason, where the trip is about the device.
-  DeviceTrouble trouble;
+  devices::DeviceTrouble trouble;
   if (is_of_device(facts.last_trip)) trouble = facts.device_trouble;
   char when[32];
   std::snprintf(when, sizeof when, "at %.3f s", facts.last_trip_s);
@@ -234,7 +235,7 @@ Status check_output(const RunFacts& facts) {
                trouble.mend.empty() ? how_to_mend(facts.last_trip) : trouble.mend};
 }
 
-FrameSink progress_sink(const LoopOptions& loop, ProgressLine& line) {
+FrameSink progress_sink(const loop::LoopOptions& loop, command::ProgressLine& line) {
   return [frames = loop.frames, &line](const Frame& frame) -> Status {
     if (frames) line.show("running", static_cast<double>(frame.number) / double(*frames));
     return {};
@@ -242,11 +243,11 @@ FrameSink progress_sink(const LoopOptions& loop, ProgressLine& line) {
 }
 
 Status run_frames(const Options& options, Session& session, std::atomic<int>& stop,
-                  LoopStatistics& statistics) {
+                  loop::LoopStatistics& statistics) {
   FrameOutputs outputs;
   if (Status opened = outputs.open(options, session); !opened) return opened;
-  const LoopOptions loop = loop_options(options, session, stop);
-  ProgressLine progress(options.quiet);
+  const loop::LoopOptions loop = loop_options(options, session, stop);
+  command::ProgressLine progress(options.quiet);
   auto sinks = outputs.sinks();
   OutputEvents events(session.clutch_buttons != 0);
   sinks.push_back([&events](const Frame& frame) -> Status {
@@ -254,35 +255,36 @@ Status run_frames(const Options& options, Session& session, std::atomic<int>& st
     return {};
   });
   sinks.push_back(progress_sink(loop, progress));
-  SpscRing<Frame> ring(kRingFrames);
+  machine::SpscRing<Frame> ring(kRingFrames);
   FrameSinks frame_sinks(ring, std::move(sinks), stop);
-  Simulation& simulation = session.run->simulation();
+  model::Simulation& simulation = session.run->simulation();
   const Voxmap& voxmap = simulation.voxmap();
   session.facts.scene_file_bytes = voxmap.bytes().size();
-  session.facts.prefaulted_bytes = prefault(voxmap, reach_of(options, session));
+  session.facts.prefaulted_bytes = machine::prefault(voxmap, reach_of(options, session));
   const std::size_t warned = session.facts.warnings.size();
   // Once every other thread runs: the stack of a later one would count as locked, and may be
   // refused.
   if (!options.as_fast_as_possible) warn(session.run->make_real_time(), session.facts.warnings);
   print_warnings(session.facts, warned);
-  const double stolen_s = steal_seconds();
+  const double stolen_s = machine::steal_seconds();
   // Again, and last: the hand moved on while the run was made ready, and held where it was, the
   // part would be torn to where it is.
   if (session.device.device) {
     if (Status held = take_hold(options, session); !held) return held;
   }
   if (outputs.recording) {
-    outputs.recording->begin(describe_run(simulation, session.start, session.request.placement));
+    outputs.recording->begin(
+        stream::describe_run(simulation, session.start, session.request.placement));
   }
-  OutputLimits limits = output_limits(session.request, session.run->parameters());
+  loop::OutputLimits limits = output_limits(session.request, session.run->parameters());
   limits.rearm_alone = session.after_trip == AfterTrip::kRearm;
-  Servo servo(simulation, *session.input, session.start, limits);
+  loop::Servo servo(simulation, *session.input, session.start, limits);
   servo.set_clutch_buttons(session.clutch_buttons);
-  const long long begin_ns = monotonic_ns();
-  run_loop(servo, loop, &ring, statistics);
-  session.facts.steal_s = steal_seconds() - stolen_s;
-  session.facts.wall_s = static_cast<double>(monotonic_ns() - begin_ns) / 1e9;
-  session.facts.resident_bytes = resident_bytes(voxmap.bytes());
+  const long long begin_ns = machine::monotonic_ns();
+  loop::run_loop(servo, loop, &ring, statistics);
+  session.facts.steal_s = machine::steal_seconds() - stolen_s;
+  session.facts.wall_s = static_cast<double>(machine::monotonic_ns() - begin_ns) / 1e9;
+  session.facts.resident_bytes = machine::resident_bytes(voxmap.bytes());
   if (session.device.device) session.device.device->stop();
   if (Status drained = frame_sinks.finish(); !drained) return drained;
   session.facts.output_trips = servo.output().trips();
@@ -301,16 +303,16 @@ Status run_frames(const Options& options, Session& session, std::atomic<int>& st
 
 Status run_session(const Options& options, std::atomic<int>& stop) {
   Session session(options);
-  contain_map_loss();
+  machine::contain_map_loss();
   if (Status s = prepare_run(options, session); !s) return s;
   if (!options.quiet) std::cout << start_text(*session.run, session.facts) << std::flush;
   print_warnings(session.facts, 0);
-  const auto statistics = std::make_unique<LoopStatistics>();
+  const auto statistics = std::make_unique<loop::LoopStatistics>();
   if (Status s = run_frames(options, session, stop, *statistics); !s) return s;
   if (!options.quiet) std::cout << end_text(session.facts, *statistics) << std::flush;
   if (!options.json.empty()) {
-    if (Status s =
-            write_report(options.json, report_json(*session.run, session.facts, *statistics));
+    if (Status s = command::write_report(options.json,
+                                         report_json(*session.run, session.facts, *statistics));
         !s) {
       return s;
     }

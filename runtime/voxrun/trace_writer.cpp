@@ -17,7 +17,8 @@ constexpr const char* kHeader =
 
 }  // namespace
 
-Result<TraceWriter> TraceWriter::create(const std::string& path, const Simulation& simulation) {
+Result<TraceWriter> TraceWriter::create(const std::string& path,
+                                        const model::Simulation& simulation) {
   auto file = AtomicFile::create(path);
   if (!file) return file.error();
   TraceWriter writer(std::move(*file), simulation);

@@ -14,13 +14,13 @@ namespace forcelayer::voxrun {
 class TraceWriter {
  public:
   // `simulation` must outlive the writer.
-  static Result<TraceWriter> create(const std::string& path, const Simulation& simulation);
+  static Result<TraceWriter> create(const std::string& path, const model::Simulation& simulation);
 
   Status add(const Frame& frame);
   Status finish();
 
  private:
-  TraceWriter(AtomicFile file, const Simulation& simulation)
+  TraceWriter(AtomicFile file, const model::Simulation& simulation)
       : file_(std::move(file)), simulation_(&simulation) {}
   Status flush();
   void put(double value);
@@ -28,7 +28,7 @@ class TraceWriter {
   void put(const Pose& pose);
 
   AtomicFile file_;
-  const Simulation* simulation_;
+  const model::Simulation* simulation_;
   std::string text_;
 };
 

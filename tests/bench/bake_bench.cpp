@@ -80,17 +80,17 @@ T value_of(Result<T> result) {
   return std::move(*result);
 }
 
-void write_binary_ply(const fs::path& path, const Mesh& mesh) {
+void write_binary_ply(const fs::path& path, const mesh::Mesh& mesh) {
   std::ofstream file(path, std::ios::binary);
   file << "ply\nformat binary_little_endian 1.0\nelement vertex " << mesh.vertices.size()
        << "\nproperty float x\nproperty float y\nproperty float z\nelement face "
        << mesh.triangles.size() << "\nproperty list uchar int vertex_indices\nend_header\n";
-  for (const Vec3d& v : mesh.vertices) {
+  for (const mesh::Vec3d& v : mesh.vertices) {
     const float xyz[3] = {static_cast<float>(v[0]), static_cast<float>(v[1]),
                           static_cast<float>(v[2])};
     file.write(reinterpret_cast<const char*>(xyz), sizeof xyz);
   }
-  for (const Triangle& t : mesh.triangles) {
+  for (const mesh::Triangle& t : mesh.triangles) {
     file.put(3);
     file.write(reinterpret_cast<const char*>(t.data()), sizeof t);
   }
@@ -116,18 +116,18 @@ class Case {
       : model_(model), path_((models / model.file).string()), folder_(folder), voxels_(voxels) {
     std::optional<double> unit;
     if (model.units[0] != '\0') unit = std::string_view(model.units) == "mm" ? 1e-3 : 1.0;
-    scene_ = value_of(read_scene(std::span(&path_, 1), unit));
-    const Mesh metres = merged(scene_);
-    voxel_size_m_ = longest_side(metres) / voxels;
+    scene_ = value_of(mesh::read_scene(std::span(&path_, 1), unit));
+    const mesh::Mesh meters = merged(scene_);
+    voxel_size_m_ = longest_side(meters) / voxels;
     peer_mesh_ = merged(scene_, 1 / voxel_size_m_);
-    // vdb_tool reads no GLB: that model is converted to one PLY, in metres, for both.
+    // vdb_tool reads no GLB: that model is converted to one PLY, in meters, for both.
     peer_path_ = path_;
     peer_units_ = model.units;
     peer_voxel_ = voxel_size_m_ / unit.value_or(1);
     if (model.units[0] == '\0') {
       peer_path_ = (folder / (std::string(model.name) + ".ply")).string();
       peer_units_ = "m";
-      write_binary_ply(peer_path_, metres);
+      write_binary_ply(peer_path_, meters);
     }
   }
 
@@ -193,8 +193,8 @@ class Case {
     }
   };
 
-  BakeOptions options(const Kind& kind) const {
-    BakeOptions options;
+  voxelize::BakeOptions options(const Kind& kind) const {
+    voxelize::BakeOptions options;
     options.voxel_size_m = voxel_size_m_;
     options.metric = kind.metric;
     options.bits = kind.bits;
@@ -203,16 +203,16 @@ class Case {
 
   // The file's size.
   std::uint64_t bake_in_memory(const Kind& kind, Best& best) const {
-    std::vector<SceneObject> objects;
-    for (const MeshObject& part : scene_.objects) {
+    std::vector<voxelize::SceneObject> objects;
+    for (const mesh::MeshObject& part : scene_.objects) {
       objects.push_back({part.name, &scene_.mesh_of(part), part.world_from_mesh, {}, 0});
     }
     const double wall_s = now_s(), cpu_start_s = cpu_s();
-    const Bake bake = value_of(forcelayer::bake(objects, options(kind)));
-    std::vector<MeshOutline> outlines;
-    for (const MeshObject& part : scene_.objects)
-      outlines.push_back(outline_of(scene_.mesh_of(part)));
-    const std::string provenance = provenance_of(scene_, outlines, options(kind));
+    const voxelize::Bake bake = value_of(forcelayer::bake(objects, options(kind)));
+    std::vector<cache::MeshOutline> outlines;
+    for (const mesh::MeshObject& part : scene_.objects)
+      outlines.push_back(cache::outline_of(scene_.mesh_of(part)));
+    const std::string provenance = voxelize::provenance_of(scene_, outlines, options(kind));
     const std::uint64_t bytes =
         value_of(write_voxmap(folder_ / "ours.vox", bake.content(provenance)));
     best.add(now_s() - wall_s, cpu_s() - cpu_start_s);
@@ -289,9 +289,9 @@ class Case {
   std::string path_;
   fs::path folder_;
   int voxels_;
-  Scene scene_;
+  mesh::Scene scene_;
   double voxel_size_m_ = 0;
-  Mesh peer_mesh_;  // voxels
+  mesh::Mesh peer_mesh_;  // voxels
   std::string peer_path_, peer_units_;
   double peer_voxel_ = 0;  // in the units of the file that vdb_tool reads
   Best in_memory_, command_, vdb_tool_, vdb_tool_no_reading_;

@@ -26,7 +26,7 @@ template <class Int>
 class TriangleBoxTest {
  public:
   // Corners relative to the lowest voxel of their box.
-  explicit TriangleBoxTest(const LatticeTriangle& corners) {
+  explicit TriangleBoxTest(const lattice::LatticeTriangle& corners) {
     std::array<std::array<Int, 3>, 3> sides;
     for (std::size_t k = 0; k < 3; ++k) {
       for (std::size_t d = 0; d < 3; ++d) sides[k][d] = corners[(k + 1) % 3][d] - corners[k][d];
@@ -36,7 +36,7 @@ class TriangleBoxTest {
       const std::size_t u = (d + 1) % 3, w = (d + 2) % 3;
       normal_[d] = sides[0][u] * sides[1][w] - sides[0][w] * sides[1][u];
       value += normal_[d] * corners[0][d];
-      (normal_[d] > 0 ? up : down) += normal_[d] * kSnapUnits;
+      (normal_[d] > 0 ? up : down) += normal_[d] * lattice::kSnapUnits;
       for (std::size_t k = 0; k < 3; ++k) {
         edges_[d][k] = edge(-sides[k][w], sides[k][u], corners[k], u, w, normal_[d] < 0);
       }
@@ -52,7 +52,7 @@ class TriangleBoxTest {
 
   bool overlaps(const std::array<std::int64_t, 3>& voxel) const {
     std::array<Int, 3> low;
-    for (std::size_t d = 0; d < 3; ++d) low[d] = voxel[d] * kSnapUnits;
+    for (std::size_t d = 0; d < 3; ++d) low[d] = voxel[d] * lattice::kSnapUnits;
     const Int value = normal_[0] * low[0] + normal_[1] * low[1] + normal_[2] * low[2];
     if (value < least_ || value > greatest_) return false;
     for (std::size_t d = 0; d < 3; ++d) {
@@ -70,11 +70,12 @@ class TriangleBoxTest {
   };
   // The half-plane a (u - u0) + b (w - w0) >= 0, or its opposite. A cube reaches up by a and b
   // where these are positive, but its far faces are not its own.
-  static Edge edge(Int a, Int b, const LatticePoint& through, std::size_t u, std::size_t w,
+  static Edge edge(Int a, Int b, const lattice::LatticePoint& through, std::size_t u, std::size_t w,
                    bool turned) {
     if (turned) a = -a, b = -b;
     const Int reach = (a > 0 ? a : Int{0}) + (b > 0 ? b : Int{0});
-    return {a, b, a * through[u] + b * through[w] - reach * kSnapUnits + (reach > 0 ? 1 : 0)};
+    return {a, b,
+            a * through[u] + b * through[w] - reach * lattice::kSnapUnits + (reach > 0 ? 1 : 0)};
   }
 
   std::array<Int, 3> normal_;
@@ -83,11 +84,11 @@ class TriangleBoxTest {
 };
 
 template <class Int, class Accessor>
-void mark(const LatticeTriangle& triangle, const VoxelIndex& low, const VoxelIndex& high,
-          Accessor& accessor) {
-  LatticeTriangle corners = triangle;
+void mark(const lattice::LatticeTriangle& triangle, const lattice::VoxelIndex& low,
+          const lattice::VoxelIndex& high, Accessor& accessor) {
+  lattice::LatticeTriangle corners = triangle;
   for (auto& corner : corners) {
-    for (std::size_t d = 0; d < 3; ++d) corner[d] -= low[d] * kSnapUnits;
+    for (std::size_t d = 0; d < 3; ++d) corner[d] -= low[d] * lattice::kSnapUnits;
   }
   const TriangleBoxTest<Int> test(corners);
   for (std::int64_t x = low[0]; x <= high[0]; ++x) {
@@ -104,25 +105,25 @@ void mark(const LatticeTriangle& triangle, const VoxelIndex& low, const VoxelInd
 
 }  // namespace
 
-PeerRun run_scan_conversion(const Mesh& mesh, int threads) {
+PeerRun run_scan_conversion(const mesh::Mesh& mesh, int threads) {
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                   static_cast<std::size_t>(threads));
   PeerRun run;
   const double wall_s = now_s(), cpu_start_s = cpu_s();
-  const auto object = snap_object(mesh, Affine{}, 1, "bench");
+  const auto object = scan::snap_object(mesh, mesh::Affine{}, 1, "bench");
   if (!object) throw std::runtime_error(to_line(object.error()));
-  const auto tree = scan_convert(*object, {0, 0, 0});
+  const auto tree = scan::scan_convert(*object, {0, 0, 0});
   run.wall_s = now_s() - wall_s;
   run.cpu_s = cpu_s() - cpu_start_s;
-  run.voxels = voxel_count(*tree);
+  run.voxels = masks::voxel_count(*tree);
   return run;
 }
 
-PeerRun run_mesh_to_volume(const Mesh& mesh, float exterior, float interior) {
+PeerRun run_mesh_to_volume(const mesh::Mesh& mesh, float exterior, float interior) {
   std::vector<openvdb::Vec3s> points;
   std::vector<openvdb::Vec3I> triangles;
   for (const auto& v : mesh.vertices) points.emplace_back(openvdb::Vec3d(v.data()));
-  for (const Triangle& t : mesh.triangles) triangles.emplace_back(t[0], t[1], t[2]);
+  for (const mesh::Triangle& t : mesh.triangles) triangles.emplace_back(t[0], t[1], t[2]);
   const openvdb::tools::QuadAndTriangleDataAdapter<openvdb::Vec3s, openvdb::Vec3I> adapter(
       points, triangles);
   const auto transform = openvdb::math::Transform::createLinearTransform(1);
@@ -136,21 +137,21 @@ PeerRun run_mesh_to_volume(const Mesh& mesh, float exterior, float interior) {
   return run;
 }
 
-PeerRun run_straightforward(const Mesh& mesh) {
+PeerRun run_straightforward(const mesh::Mesh& mesh) {
   PeerRun run;
   const double wall_s = now_s(), cpu_start_s = cpu_s();
-  std::vector<LatticePoint> vertices;
+  std::vector<lattice::LatticePoint> vertices;
   vertices.reserve(mesh.vertices.size());
-  for (const Vec3d& vertex : mesh.vertices) vertices.push_back(snap(vertex, 1));
+  for (const mesh::Vec3d& vertex : mesh.vertices) vertices.push_back(lattice::snap(vertex, 1));
   PeerTree tree;
   openvdb::tree::ValueAccessor<PeerTree> accessor(tree);
-  for (const Triangle& t : mesh.triangles) {
-    const LatticeTriangle triangle = {vertices[t[0]], vertices[t[1]], vertices[t[2]]};
-    VoxelIndex low, high;
+  for (const mesh::Triangle& t : mesh.triangles) {
+    const lattice::LatticeTriangle triangle = {vertices[t[0]], vertices[t[1]], vertices[t[2]]};
+    lattice::VoxelIndex low, high;
     std::int64_t extent = 0;
     for (std::size_t d = 0; d < 3; ++d) {
-      low[d] = std::min({triangle[0][d], triangle[1][d], triangle[2][d]}) >> kSnapBits;
-      high[d] = std::max({triangle[0][d], triangle[1][d], triangle[2][d]}) >> kSnapBits;
+      low[d] = std::min({triangle[0][d], triangle[1][d], triangle[2][d]}) >> lattice::kSnapBits;
+      high[d] = std::max({triangle[0][d], triangle[1][d], triangle[2][d]}) >> lattice::kSnapBits;
       extent = std::max(extent, high[d] - low[d]);
     }
     constexpr std::int64_t kMaxExtent64 = 512;  // 6 (2^9 2^10)^3 < 2^63

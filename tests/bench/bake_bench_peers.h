@@ -15,14 +15,14 @@ struct PeerRun {
 };
 
 // Ours, from vertices in doubles to the finished mask tree.
-PeerRun run_scan_conversion(const Mesh& mesh, int threads);
+PeerRun run_scan_conversion(const mesh::Mesh& mesh, int threads);
 
 // openvdb::tools::meshToVolume with bands of so many voxels, on all threads.
-PeerRun run_mesh_to_volume(const Mesh& mesh, float exterior, float interior);
+PeerRun run_mesh_to_volume(const mesh::Mesh& mesh, float exterior, float interior);
 
 // The straightforward way, with the same voxels as ours: vertices snapped to the same lattice, the
 // test of Schwarz and Seidel (2010) set up per triangle in integers, and every voxel of the
 // triangle's box that passes written into a 512-tree mask, on one thread.
-PeerRun run_straightforward(const Mesh& mesh);
+PeerRun run_straightforward(const mesh::Mesh& mesh);
 
 }  // namespace forcelayer::bench

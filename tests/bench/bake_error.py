@@ -18,7 +18,7 @@ import bench_scenes
 ACROSS = (32, 64, 128, 256)
 REPEAT = 3
 PROGRAMS = {"voxelize": "Forcelayer: whole bake, into the file",
-            "mesh-to-volume-0.5": "meshToVolume, centres within 0.5 voxel",
+            "mesh-to-volume-0.5": "meshToVolume, centers within 0.5 voxel",
             "mesh-to-volume-0.866": "meshToVolume, within 0.866 voxel",
             "vtk": "vtkVoxelModeller"}
 # Proven between exact surfaces by two layers and a shell of the paper's covering radius, in voxels,

@@ -6,9 +6,9 @@
 namespace forcelayer::bench {
 
 // Every triangle of a scene, world frame, m times `scale`.
-Mesh merged(const Scene& scene, double scale = 1);
+mesh::Mesh merged(const mesh::Scene& scene, double scale = 1);
 
 // Longest side of the vertices' box, in the mesh's unit.
-double longest_side(const Mesh& mesh);
+double longest_side(const mesh::Mesh& mesh);
 
 }  // namespace forcelayer::bench

@@ -33,13 +33,15 @@ constexpr double kDeviationVoxels = 0.02;  // of the parts' meshes
 struct Making {
   const char* name;
   ShellMethod method;
-  Effort effort;
+  sample::Effort effort;
 };
-constexpr Making kMakings[] = {{"surface", ShellMethod::kSurface, Effort::kFull},
-                               {"fast", ShellMethod::kSurface, Effort::kFast},
-                               {"voxel centers", ShellMethod::kVoxelCenters, Effort::kFull}};
+constexpr Making kMakings[] = {
+    {"surface", ShellMethod::kSurface, sample::Effort::kFull},
+    {"fast", ShellMethod::kSurface, sample::Effort::kFast},
+    {"voxel centers", ShellMethod::kVoxelCenters, sample::Effort::kFull}};
 
-constexpr Part kParts[] = {Part::kSphere, Part::kBox, Part::kCylinder, Part::kCone, Part::kTorus};
+constexpr part::Part kParts[] = {part::Part::kSphere, part::Part::kBox, part::Part::kCylinder,
+                                 part::Part::kCone, part::Part::kTorus};
 
 template <class T>
 T value_of(Result<T> result) {
@@ -48,16 +50,17 @@ T value_of(Result<T> result) {
 }
 
 // pointshell's points about the part's own origin.
-AnalyticShell baked_shell(Part part, const Making& making, double radius_voxels) {
-  const Assembly assembly{{part_mesh(part, kDeviationVoxels * kS)}, {{0, "part", {}}}, 1, 0, {}};
-  const PartInput input{&assembly, 1};
-  ShellOptions options;
+AnalyticShell baked_shell(part::Part part, const Making& making, double radius_voxels) {
+  const mesh::Assembly assembly{
+      {part_mesh(part, kDeviationVoxels * kS)}, {{0, "part", {}}}, 1, 0, {}};
+  const part::PartInput input{&assembly, 1};
+  pointshell::ShellOptions options;
   options.voxel_size_m = kS;
   options.method = making.method;
   options.effort = making.effort;
   if (making.method == ShellMethod::kSurface) options.covering_radius_m = radius_voxels * kS;
-  const BakedShell baked = value_of(
-      bake_shell(value_of(assemble_part({&input, 1})), options, [](const std::string&, double) {}));
+  const pointshell::BakedShell baked = value_of(pointshell::bake_shell(
+      value_of(part::assemble_part({&input, 1})), options, [](const std::string&, double) {}));
   AnalyticShell shell;
   const auto& c = baked.header.center_m;
   for (std::size_t i = 0; i < baked.x.size(); ++i) {
@@ -99,11 +102,11 @@ constexpr std::pair<const char*, Method> kModels[] = {{"paper", Method::kTangent
 constexpr const char* kGroups[] = {"flush and smooth", "corners and wedges"};
 
 Json row_of(const Making& making, double radius_voxels, int orientations) {
-  std::map<Part, PartShells> shells;
-  std::map<Part, Pshell> pshells;
+  std::map<part::Part, PartShells> shells;
+  std::map<part::Part, Pshell> pshells;
   std::size_t points = 0;
   double covering_m = 0;
-  for (const Part part : kParts) {
+  for (const part::Part part : kParts) {
     shells[part] = {baked_shell(part, making, radius_voxels), shells_of(part, kS, 1).fine};
     pshells.emplace(part, pshell_of(shells[part].tested, kS));
     points += shells[part].tested.points_m.size();
@@ -116,8 +119,8 @@ Json row_of(const Making& making, double radius_voxels, int orientations) {
     if (combination.standoff) continue;
     for (int i = 0; i < orientations; ++i) {
       const ContactCase contact(combination, shells[combination.part], kS, random);
-      const LevelField level(contact.voxmap());
-      const TangentPlaneField tangent_plane(kS);
+      const field::LevelField level(contact.voxmap());
+      const field::TangentPlaneField tangent_plane(kS);
       const Pshell& pshell = pshells.at(combination.part);
       ModelFrame frames[] = {{contact.voxmap(), pshell, tangent_plane, Averaging::kByTen},
                              {contact.voxmap(), pshell, level, Averaging::kDirections}};

@@ -168,13 +168,13 @@ constexpr int kCalls = 16;
 // The same part and plane in a map of distances: what a point costs there, beside the level
 // field in turns.
 Json measure_distance_cost(VoxelKind kind, const AnalyticStatic& plane, double s,
-                           const Pshell& pshell, double height_m, const ForceField& level,
-                           const CollectedPoints& level_points) {
+                           const Pshell& pshell, double height_m, const field::ForceField& level,
+                           const query::CollectedPoints& level_points) {
   const test::VoxelScene scene = bake(kind, plane, s, 2, glm::dvec3(-0.11), glm::dvec3(0.11));
   const Voxmap voxmap = test::make_voxmap(scene);
   const glm::dvec3 normal = plane.rotation[2];
-  ContactQuery query(voxmap, pshell);
-  CollectedPoints points;
+  query::ContactQuery query(voxmap, pshell);
+  query::CollectedPoints points;
   points.reserve(pshell.view().point_count);
   Pose pose;
   pose.orientation = glm::quat_cast(plane.rotation);
@@ -182,11 +182,11 @@ Json measure_distance_cost(VoxelKind kind, const AnalyticStatic& plane, double s
   const double zero = zero_force_voxels(kind, 2, normal);
   pose.position_m = normal * (height_m + (zero - 0.25 * norm1(normal)) * s);
   query.run(pose, points);
-  FieldSamples samples;
+  field::FieldSamples samples;
   samples.reserve(points.count + level_points.count);
   const double count = points.count, level_count = level_points.count;
-  const DistanceField distance(voxmap);
-  const TangentPlaneField nearest(voxmap);
+  const field::DistanceField distance(voxmap);
+  const field::TangentPlaneField nearest(voxmap);
   double distance_ns = 1e300, nearest_ns = 1e300, level_ns = 1e300, query_ns = 1e300;
   for (int turn = 0; turn < 20; ++turn) {
     constexpr double kTurnS = 0.05;
@@ -200,7 +200,7 @@ Json measure_distance_cost(VoxelKind kind, const AnalyticStatic& plane, double s
   }
   double cold_ns = 1e300;
   for (int i = 0; i < 20; ++i) {
-    const DistanceField fresh(voxmap);
+    const field::DistanceField fresh(voxmap);
     cold_ns = std::min(cold_ns, least_ns(0, 1, [&] { fresh.measure(points, samples); }));
   }
   std::printf(
@@ -234,18 +234,18 @@ Json measure_cost(const char* name, const AnalyticShell& shell, double height_m)
     part.add({p.x, p.y, p.z}, {n.x, n.y, n.z});
   }
   const Pshell pshell = test::make_pshell(part);
-  ContactQuery query(voxmap, pshell);
-  CollectedPoints points;
+  query::ContactQuery query(voxmap, pshell);
+  query::CollectedPoints points;
   points.reserve(shell.points_m.size());
   Pose pose;
   pose.orientation = glm::quat_cast(plane.rotation);
   pose.position_m = normal * (height_m + 1.75 * norm1(normal) * s);
   query.run(pose, points);
-  FieldSamples samples;
+  field::FieldSamples samples;
   samples.reserve(points.count);
   const double count = points.count;
-  const LevelField level(voxmap);
-  const TangentPlaneField tangent_plane(voxmap);
+  const field::LevelField level(voxmap);
+  const field::TangentPlaneField tangent_plane(voxmap);
   // In turns, so that all meet the machine in the same states.
   double level_ns = 1e300, tangent_ns = 1e300, query_ns = 1e300;
   for (int turn = 0; turn < 20; ++turn) {
@@ -258,7 +258,7 @@ Json measure_cost(const char* name, const AnalyticShell& shell, double height_m)
   }
   double cold_ns = 1e300;
   for (int i = 0; i < 20; ++i) {
-    const LevelField fresh(voxmap);
+    const field::LevelField fresh(voxmap);
     cold_ns = std::min(cold_ns, least_ns(0, 1, [&] { fresh.measure(points, samples); }));
   }
   const double ratio = (query_ns + level_ns) / (query_ns + tangent_ns);

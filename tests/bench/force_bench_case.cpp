@@ -291,10 +291,10 @@ void ContactCase::bake_around() {
   voxmap_ = std::make_unique<Voxmap>(test::make_voxmap(*scene_));
   dense_ = std::make_unique<DenseFields>(body_, *scene_);
   if (scene_->wide.bits == 2) {
-    field_ = std::make_unique<LevelField>(*voxmap_);
+    field_ = std::make_unique<field::LevelField>(*voxmap_);
   } else {
-    field_ = std::make_unique<DistanceField>(*voxmap_);
-    nearest_ = std::make_unique<TangentPlaneField>(*voxmap_);
+    field_ = std::make_unique<field::DistanceField>(*voxmap_);
+    nearest_ = std::make_unique<field::TangentPlaneField>(*voxmap_);
   }
 }
 
@@ -332,8 +332,8 @@ Wrench ContactCase::sum(const Placed& placed, Push push) const {
 
 // The points in values 1 to 3 at a pose, as the contact query would hand them to a field.
 struct ContactCase::Collected {
-  CollectedPoints points;
-  FieldSamples samples;
+  query::CollectedPoints points;
+  field::FieldSamples samples;
   std::vector<glm::dvec3> arms_m;
   std::vector<double> weights;
 };
@@ -363,12 +363,12 @@ void ContactCase::collect(const Placed& placed, Collected& c) const {
 }
 
 // Through the runtime's own field, and with `averaged` with the directions of the default model.
-Wrench ContactCase::field_force(const ForceField& field, const Placed& placed,
+Wrench ContactCase::field_force(const field::ForceField& field, const Placed& placed,
                                 bool averaged) const {
   static thread_local Collected c;
   collect(placed, c);
   field.measure(c.points, c.samples);
-  ContactSet set;
+  field::ContactSet set;
   set.reserve(c.points.count);
   set.count = c.points.count;
   for (std::uint32_t i = 0; i < set.count; ++i) {
@@ -376,10 +376,10 @@ Wrench ContactCase::field_force(const ForceField& field, const Placed& placed,
     set.depth_m[i] = c.samples.depth_m[i];
   }
   const auto s = static_cast<float>(s_);
-  if (averaged) average_directions(c.points, c.samples, s, -s, set);
+  if (averaged) field::average_directions(c.points, c.samples, s, -s, set);
   Wrench total;
   for (std::uint32_t i = 0; i < set.count; ++i) {
-    const Contact contact = set[i];
+    const field::Contact contact = set[i];
     if (!(contact.depth_m > 0)) continue;
     const glm::dvec3 f = c.weights[i] * double{contact.depth_m} * glm::dvec3(contact.direction);
     total.force_n += f;

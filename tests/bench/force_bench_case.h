@@ -68,7 +68,7 @@ struct PartShells {
 };
 
 // A contact at one random orientation of the static body (and of the part where its stance leaves
-// that open). Metres; part poses are of its centre.
+// that open). Meters; part poses are of its center.
 class ContactCase {
  public:
   ContactCase(const Combination& combination, const PartShells& shells, double voxel_size_m,
@@ -104,7 +104,7 @@ class ContactCase {
   Wrench force(Method method, const Placed& placed) const;
   struct Collected;
   void collect(const Placed& placed, Collected& collected) const;
-  Wrench field_force(const ForceField& field, const Placed& placed, bool averaged) const;
+  Wrench field_force(const field::ForceField& field, const Placed& placed, bool averaged) const;
   glm::dvec3 standoff_force(const glm::dvec3& x) const;
   template <class Push>
   Wrench sum(const Placed& placed, Push push) const;
@@ -132,7 +132,7 @@ class ContactCase {
   std::unique_ptr<test::VoxelScene> scene_;
   std::unique_ptr<Voxmap> voxmap_;
   std::unique_ptr<DenseFields> dense_;
-  std::unique_ptr<ForceField> field_, nearest_;
+  std::unique_ptr<field::ForceField> field_, nearest_;
   std::vector<TruthTable> truth_;  // [depth]; areas over the mean: points
 };
 

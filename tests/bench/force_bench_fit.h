@@ -28,7 +28,7 @@ struct SurfaceSample {
   double distance_m;     // from the static body's exact surface
   double area;           // in any unit
   glm::dvec3 direction;  // gradient of the distance
-  glm::dvec3 arm_m;      // from the part's centre
+  glm::dvec3 arm_m;      // from the part's center
 };
 
 // The true wrench at one pose (K = 1), tabulated over the distance of the exact offset surface from
@@ -46,7 +46,7 @@ struct TruthTable {
   double entry_of(double offset_m) const;
 };
 
-// All wrenches are about the part's centre, in axes in which the truth does not change with shifts.
+// All wrenches are about the part's center, in axes in which the truth does not change with shifts.
 using Measured = std::vector<std::vector<Wrench>>;  // [depth][shift]
 using TruthAt = std::function<Wrench(std::size_t depth, double offset_m)>;
 

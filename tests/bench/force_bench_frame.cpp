@@ -19,7 +19,7 @@ Pshell pshell_of(const AnalyticShell& shell, double voxel_size_m) {
   return test::make_pshell(part);
 }
 
-ModelFrame::ModelFrame(const Voxmap& voxmap, const Pshell& shell, const ForceField& field,
+ModelFrame::ModelFrame(const Voxmap& voxmap, const Pshell& shell, const field::ForceField& field,
                        Averaging averaging)
     : query_(voxmap, shell),
       field_(field),

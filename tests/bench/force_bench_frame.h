@@ -20,25 +20,25 @@ enum class Averaging { kNone, kDirections, kByTen };
 class ModelFrame {
  public:
   // All must outlive this.
-  ModelFrame(const Voxmap& voxmap, const Pshell& shell, const ForceField& field,
+  ModelFrame(const Voxmap& voxmap, const Pshell& shell, const field::ForceField& field,
              Averaging averaging);
   ModelFrame(const ModelFrame&) = delete;  // the probe knows the other members
 
   // Every point counts by its area over the mean; without this, all count alike.
   void weigh_by_area();
 
-  Wrench at(const Pose& world_from_center);  // per N/m of stiffness, about the centre, world axes
+  Wrench at(const Pose& world_from_center);  // per N/m of stiffness, about the center, world axes
 
  private:
-  ContactQuery query_;
-  const ForceField& field_;
+  query::ContactQuery query_;
+  const field::ForceField& field_;
   Averaging averaging_;
   const Pshell& shell_;
   std::vector<float> weights_;  // by shell point
-  CollectedPoints points_;
-  FieldSamples samples_;
-  FieldProbe probe_;
-  ContactSet set_;
+  query::CollectedPoints points_;
+  field::FieldSamples samples_;
+  field::FieldProbe probe_;
+  field::ContactSet set_;
 };
 
 }  // namespace forcelayer::bench

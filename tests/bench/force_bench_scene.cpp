@@ -120,7 +120,7 @@ bool AnalyticStatic::meets_cube(const glm::dvec3& center, double half) const {
 
 namespace {
 
-// How far the centres of the interior's voxels are from the surface with Euclidean layers
+// How far the centers of the interior's voxels are from the surface with Euclidean layers
 // (voxmap_format.md, section 5).
 double interior_radius_voxels(int layers) { return layers - 1 + 888.0 / 1024; }
 

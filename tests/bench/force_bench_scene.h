@@ -54,7 +54,7 @@ test::VoxelScene bake(VoxelKind kind, const AnalyticStatic& body, double voxel_s
 test::VoxelScene bake(const AnalyticStatic& body, double voxel_size_m, int layers,
                       const glm::dvec3& low, const glm::dvec3& high);
 
-// Interior -1, surface 0, proximity 1, free 2; and the exact distance at voxel centres, as floats.
+// Interior -1, surface 0, proximity 1, free 2; and the exact distance at voxel centers, as floats.
 struct DenseFields {
   const test::VoxelScene& scene;
   std::vector<float> distance_m;

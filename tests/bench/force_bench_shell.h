@@ -8,7 +8,7 @@
 namespace forcelayer::bench {
 
 struct AnalyticShell {
-  std::vector<glm::dvec3> points_m, normals;  // about the centre; inward
+  std::vector<glm::dvec3> points_m, normals;  // about the center; inward
   std::vector<double> areas_m2;
   double covering_radius_m = 0;
   double radius_m = 0;  // of all points

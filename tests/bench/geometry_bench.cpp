@@ -56,23 +56,24 @@ DenseGrid values_of(const DenseGrid& touched) {
   DenseGrid flooded = touched;
   reference::mark_free({}, flooded);
   reference::ReferenceScene scene{touched, touched};
-  flooded.for_each([&](const VoxelIndex& v) { scene.interior.at(v) = flooded.at(v) == 0 ? 1 : 0; });
+  flooded.for_each(
+      [&](const lattice::VoxelIndex& v) { scene.interior.at(v) = flooded.at(v) == 0 ? 1 : 0; });
   return reference::offset_scene(scene, kLayers);
 }
 
 // The grid to judge on; asked for after the clock and the memory have been read.
 using GridMaker = std::function<DenseGrid()>;
 
-Outcome run_voxelize(const Mesh& metres, double voxel_size_m, const GridMaker& make_grid) {
-  BakeOptions options;
+Outcome run_voxelize(const mesh::Mesh& meters, double voxel_size_m, const GridMaker& make_grid) {
+  voxelize::BakeOptions options;
   options.voxel_size_m = voxel_size_m;
   options.layers = kLayers;
-  const std::vector<SceneObject> objects = {{"scene", &metres, {}, {}, 0}};
+  const std::vector<voxelize::SceneObject> objects = {{"scene", &meters, {}, {}, 0}};
   const fs::path path =
       fs::temp_directory_path() / ("geometry_bench_" + std::to_string(::getpid()) + ".vox");
   const double wall_s = now_s(), cpu_start_s = cpu_s();
   {
-    const Bake bake = value_of(forcelayer::bake(objects, options));
+    const voxelize::Bake bake = value_of(forcelayer::bake(objects, options));
     value_of(write_voxmap(path, bake.content("{}")));
   }
   const double wall_end_s = now_s(), cpu_end_s = cpu_s();
@@ -81,36 +82,38 @@ Outcome run_voxelize(const Mesh& metres, double voxel_size_m, const GridMaker& m
   Outcome outcome{wall_end_s - wall_s, cpu_end_s - cpu_start_s, peak, like, like};
   const Voxmap map = value_of(Voxmap::open(path));
   fs::remove(path);
-  outcome.values.for_each([&](const VoxelIndex& v) {
+  outcome.values.for_each([&](const lattice::VoxelIndex& v) {
     outcome.values.at(v) = static_cast<std::uint8_t>(map.value(v[0], v[1], v[2]));
   });
-  const SnappedObject object = value_of(snap_object(metres, Affine{}, voxel_size_m, "scene"));
-  const auto tree = scan_convert(object, {0, 0, 0});
-  like.for_each([&](const VoxelIndex& v) {
-    const Coord c(static_cast<int>(v[0]), static_cast<int>(v[1]), static_cast<int>(v[2]));
+  const scan::SnappedObject object =
+      value_of(scan::snap_object(meters, mesh::Affine{}, voxel_size_m, "scene"));
+  const auto tree = scan::scan_convert(object, {0, 0, 0});
+  like.for_each([&](const lattice::VoxelIndex& v) {
+    const masks::Coord c(static_cast<int>(v[0]), static_cast<int>(v[1]), static_cast<int>(v[2]));
     outcome.touched.at(v) = tree->isValueOn(c) ? 1 : 0;
   });
   return outcome;
 }
 
-Outcome run_peer(const std::string& program, const Mesh& in_voxels, const GridMaker& make_grid) {
+Outcome run_peer(const std::string& program, const mesh::Mesh& in_voxels,
+                 const GridMaker& make_grid) {
   const VoxelRun run = program == "vtk"
                            ? vtk_voxels(in_voxels)
                            : mesh_to_volume_voxels(in_voxels, std::stod(program.substr(15)));
   const DenseGrid like = make_grid();
   Outcome outcome{run.wall_s, run.cpu_s, run.peak_rss_bytes, like, like};
-  for (const VoxelIndex& v : run.voxels) {
+  for (const lattice::VoxelIndex& v : run.voxels) {
     if (like.contains(v)) outcome.touched.at(v) = 1;
   }
   outcome.values = values_of(outcome.touched);
   return outcome;
 }
 
-// The mid-surface of the force layer runs through the centres of the surface voxels, where the
+// The mid-surface of the force layer runs through the centers of the surface voxels, where the
 // level field is zero. How far these are from the mesh, in voxels.
-Json mid_surface(const DenseGrid& values, const Mesh& in_voxels, std::size_t samples) {
-  std::vector<Vec3d> centers;
-  values.for_each([&](const VoxelIndex& v) {
+Json mid_surface(const DenseGrid& values, const mesh::Mesh& in_voxels, std::size_t samples) {
+  std::vector<mesh::Vec3d> centers;
+  values.for_each([&](const lattice::VoxelIndex& v) {
     if (values.at(v) != static_cast<std::uint8_t>(VoxelValue::kSurface)) return;
     centers.push_back({static_cast<double>(v[0]) + 0.5, static_cast<double>(v[1]) + 0.5,
                        static_cast<double>(v[2]) + 0.5});
@@ -147,21 +150,21 @@ int run(int argc, char** argv) {
 
   std::optional<double> unit_m;
   if (!units.empty()) unit_m = units == "mm" ? 1e-3 : 1.0;
-  Mesh metres = merged(value_of(read_scene(std::span(&path, 1), unit_m)));
-  const double voxel_size_m = longest_side(metres) / voxels;
-  Mesh in_voxels = metres;
-  for (Vec3d& vertex : in_voxels.vertices) {
+  mesh::Mesh meters = merged(value_of(mesh::read_scene(std::span(&path, 1), unit_m)));
+  const double voxel_size_m = longest_side(meters) / voxels;
+  mesh::Mesh in_voxels = meters;
+  for (mesh::Vec3d& vertex : in_voxels.vertices) {
     for (double& x : vertex) x /= voxel_size_m;
   }
-  const auto snapped = [&] { return reference::snapped(metres, Affine{}, voxel_size_m); };
+  const auto snapped = [&] { return reference::snapped(meters, mesh::Affine{}, voxel_size_m); };
   const auto make_grid = [&] { return reference::grid_around({snapped()}, kLayers + 3); };
-  const Outcome outcome = program == "voxelize" ? run_voxelize(metres, voxel_size_m, make_grid)
+  const Outcome outcome = program == "voxelize" ? run_voxelize(meters, voxel_size_m, make_grid)
                                                 : run_peer(program, in_voxels, make_grid);
   DenseGrid grid = make_grid();
   reference::mark_geometry(snapped(), grid);
   const DenseGrid values = values_of(grid);
   std::uint64_t truly = 0, missed = 0, added = 0, wrong = 0;
-  grid.for_each([&](const VoxelIndex& v) {
+  grid.for_each([&](const lattice::VoxelIndex& v) {
     const bool is = grid.at(v) == 1, said = outcome.touched.at(v) == 1;
     truly += is;
     missed += is && !said;
@@ -169,7 +172,7 @@ int run(int argc, char** argv) {
     wrong += outcome.values.at(v) != values.at(v);
   });
   const Json row = {{"program", program},
-                    {"triangles", metres.triangles.size()},
+                    {"triangles", meters.triangles.size()},
                     {"voxels_across", voxels},
                     {"voxel_size_m", voxel_size_m},
                     {"wall_s", outcome.wall_s},

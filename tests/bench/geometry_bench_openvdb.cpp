@@ -8,13 +8,13 @@
 
 namespace forcelayer::bench {
 
-VoxelRun mesh_to_volume_voxels(const Mesh& mesh, double threshold) {
+VoxelRun mesh_to_volume_voxels(const mesh::Mesh& mesh, double threshold) {
   std::vector<openvdb::Vec3s> points;
   std::vector<openvdb::Vec3I> triangles;
-  for (const auto& v : mesh.vertices) {  // its voxel i is centred at i, ours at i + 1/2
+  for (const auto& v : mesh.vertices) {  // its voxel i is centered at i, ours at i + 1/2
     points.emplace_back(openvdb::Vec3d(v[0] - 0.5, v[1] - 0.5, v[2] - 0.5));
   }
-  for (const Triangle& t : mesh.triangles) triangles.emplace_back(t[0], t[1], t[2]);
+  for (const mesh::Triangle& t : mesh.triangles) triangles.emplace_back(t[0], t[1], t[2]);
   const openvdb::tools::QuadAndTriangleDataAdapter<openvdb::Vec3s, openvdb::Vec3I> adapter(
       points, triangles);
   const auto transform = openvdb::math::Transform::createLinearTransform(1);

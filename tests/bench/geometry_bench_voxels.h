@@ -12,18 +12,18 @@ namespace forcelayer::bench {
 struct VoxelRun {
   double wall_s = 0, cpu_s = 0;
   std::uint64_t peak_rss_bytes = 0;
-  std::vector<VoxelIndex> voxels;  // after the clock was stopped
+  std::vector<lattice::VoxelIndex> voxels;  // after the clock was stopped
 };
 
 // openvdb::tools::meshToVolume, unsigned, as narrow a band as holds `threshold` (voxels), on all
-// threads; kept are the voxels whose centre it says to be that near. `mesh` in voxels.
-VoxelRun mesh_to_volume_voxels(const Mesh& mesh, double threshold);
+// threads; kept are the voxels whose center it says to be that near. `mesh` in voxels.
+VoxelRun mesh_to_volume_voxels(const mesh::Mesh& mesh, double threshold);
 
 // vtkVoxelModeller over the mesh's box: kept are the voxels that hold the point of a triangle
-// nearest to their centre. `mesh` in voxels.
-VoxelRun vtk_voxels(const Mesh& mesh);
+// nearest to their center. `mesh` in voxels.
+VoxelRun vtk_voxels(const mesh::Mesh& mesh);
 
 // Distances from points to the mesh's surface, by VTK's cell locator, in the mesh's unit.
-std::vector<double> vtk_distances(const Mesh& mesh, const std::vector<Vec3d>& points);
+std::vector<double> vtk_distances(const mesh::Mesh& mesh, const std::vector<mesh::Vec3d>& points);
 
 }  // namespace forcelayer::bench

@@ -19,12 +19,12 @@
 namespace forcelayer::bench {
 namespace {
 
-vtkNew<vtkPolyData> poly_data(const Mesh& mesh) {
+vtkNew<vtkPolyData> poly_data(const mesh::Mesh& mesh) {
   vtkNew<vtkPoints> points;
   points->SetDataTypeToDouble();
-  for (const Vec3d& v : mesh.vertices) points->InsertNextPoint(v.data());
+  for (const mesh::Vec3d& v : mesh.vertices) points->InsertNextPoint(v.data());
   vtkNew<vtkCellArray> cells;
-  for (const Triangle& t : mesh.triangles) cells->InsertNextCell({t[0], t[1], t[2]});
+  for (const mesh::Triangle& t : mesh.triangles) cells->InsertNextCell({t[0], t[1], t[2]});
   vtkNew<vtkPolyData> data;
   data->SetPoints(points);
   data->SetPolys(cells);
@@ -33,7 +33,7 @@ vtkNew<vtkPolyData> poly_data(const Mesh& mesh) {
 
 }  // namespace
 
-VoxelRun vtk_voxels(const Mesh& mesh) {
+VoxelRun vtk_voxels(const mesh::Mesh& mesh) {
   const vtkNew<vtkPolyData> data = poly_data(mesh);
   std::array<double, 6> bounds{};
   data->GetBounds(bounds.data());
@@ -43,7 +43,7 @@ VoxelRun vtk_voxels(const Mesh& mesh) {
     low[d] = static_cast<int>(std::floor(bounds[2 * d])) - 1;
     dims[d] = static_cast<int>(std::floor(bounds[2 * d + 1])) + 2 - low[d];
     longest = std::max(longest, dims[d] - 1);
-    bounds[2 * d] = low[d] + 0.5;  // it samples from one bound to the other: at voxel centres
+    bounds[2 * d] = low[d] + 0.5;  // it samples from one bound to the other: at voxel centers
     bounds[2 * d + 1] = low[d] + dims[d] - 0.5;
   }
   vtkNew<vtkVoxelModeller> modeller;
@@ -72,15 +72,15 @@ VoxelRun vtk_voxels(const Mesh& mesh) {
   return run;
 }
 
-std::vector<double> vtk_distances(const Mesh& mesh, const std::vector<Vec3d>& points) {
+std::vector<double> vtk_distances(const mesh::Mesh& mesh, const std::vector<mesh::Vec3d>& points) {
   const vtkNew<vtkPolyData> data = poly_data(mesh);
   vtkNew<vtkStaticCellLocator> locator;
   locator->SetDataSet(data);
   locator->BuildLocator();
   vtkNew<vtkGenericCell> cell;
   std::vector<double> distances;
-  for (const Vec3d& point : points) {
-    Vec3d closest{};
+  for (const mesh::Vec3d& point : points) {
+    mesh::Vec3d closest{};
     vtkIdType id = 0;
     int sub_id = 0;
     double squared = 0;

@@ -72,7 +72,7 @@ void run_until(MotionBench& bench, double end_s) {
 }
 
 double angle_between(const glm::dquat& a, const glm::dquat& b) {
-  return glm::length(rotation_vector(a * glm::conjugate(b)));
+  return glm::length(coupling::rotation_vector(a * glm::conjugate(b)));
 }
 
 // Straight on, turning about one axis. m after 1 s at 0.37 m/s; rad at 2 rad/s of a round body.
@@ -82,8 +82,8 @@ double free_flight_error(Model model, double step_s) {
   bench.state.velocity = start;
   run_until(bench, 1);
   const double way_m = glm::length(bench.part().position_m - kHigh.position_m - start.linear_mps);
-  return std::max(way_m,
-                  0.02 * angle_between(bench.part().orientation, rotation_by(start.angular_radps)));
+  return std::max(way_m, 0.02 * angle_between(bench.part().orientation,
+                                              coupling::rotation_by(start.angular_radps)));
 }
 
 // A body on the coupling's spring alone, 5 mm from rest, after 0.256 s, or critically damped after
@@ -154,12 +154,12 @@ Json drift(Model model) {
       bench_of({model, 0.001, kNothing, kNothing, own ? kAsymmetric : kRound}, kHigh);
   bench.state.velocity = {{1e-4, 2e-5, 1e-5}, {3, 10, 1}};
   const glm::dmat3 inertia = bench.parameters().inertia_kgm2;
-  const RigidMass mass{bench.parameters().mass_kg, inertia, glm::inverse(inertia)};
+  const model::RigidMass mass{bench.parameters().mass_kg, inertia, glm::inverse(inertia)};
   const auto momentum = [&] {
-    return turned(inertia, bench.part().orientation) * bench.state.velocity.angular_radps;
+    return model::turned(inertia, bench.part().orientation) * bench.state.velocity.angular_radps;
   };
   const auto energy_j = [&] {
-    return kinetic_energy_j(mass, bench.part().orientation, bench.state.velocity);
+    return model::kinetic_energy_j(mass, bench.part().orientation, bench.state.velocity);
   };
   const glm::dvec3 momentum_before = momentum(), way_before = bench.part().position_m,
                    speed_mps = bench.state.velocity.linear_mps;

@@ -31,7 +31,7 @@ def run(*command):
 
 
 def scaled_obj(source, target, longest_m):
-    """A copy of an OBJ whose longest side is this, in metres."""
+    """A copy of an OBJ whose longest side is this, in meters."""
     lines = source.read_text().splitlines()
     vertices = [[float(x) for x in line.split()[1:4]] for line in lines if line.startswith("v ")]
     scale = longest_m / max(max(axis) - min(axis) for axis in zip(*vertices))

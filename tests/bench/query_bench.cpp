@@ -62,24 +62,24 @@ struct Method {
 struct Contest {
   Contest(const Setting& setting, const SpherePart& part, bool with_peers);
 
-  void add(const std::string& name, const QueryOptions& options);
+  void add(const std::string& name, const query::QueryOptions& options);
   void add_peers(const Setting& setting, const SpherePart& part);
   void run_frame(Method& method, const Pose& pose);
 
   Voxmap map;
   const Pshell& shell;
-  CollectedPoints collected;
-  std::vector<std::unique_ptr<ContactQuery>> queries;
+  query::CollectedPoints collected;
+  std::vector<std::unique_ptr<query::ContactQuery>> queries;
   std::unique_ptr<AccessorQuery> accessor;
   std::unique_ptr<LevelSetQuery> level_set;
   std::unique_ptr<FclQuery> fcl, grown_fcl;
   std::vector<Method> methods;
 };
 
-Voxmap baked(const Mesh& scene) { return stress::BakedScene(scene, kVoxelSizeM).open(); }
+Voxmap baked(const mesh::Mesh& scene) { return stress::BakedScene(scene, kVoxelSizeM).open(); }
 
-QueryOptions ways_of(bool clearance, bool super_blocks, bool coherence) {
-  QueryOptions options;
+query::QueryOptions ways_of(bool clearance, bool super_blocks, bool coherence) {
+  query::QueryOptions options;
   options.skip = {clearance, super_blocks, coherence};
   return options;
 }
@@ -90,19 +90,19 @@ Contest::Contest(const Setting& setting, const SpherePart& part, bool with_peers
   add("all skipping", ways_of(true, true, true));
   add("no coherence", ways_of(true, true, false));
   add("no super-blocks", ways_of(true, false, true));
-  QueryOptions shared = ways_of(true, true, true);
+  query::QueryOptions shared = ways_of(true, true, true);
   shared.threads = 2;
   add("all skipping, 2 threads", shared);
   add("no skipping", ways_of(false, false, false));
-  QueryOptions scalar = ways_of(false, false, false);
+  query::QueryOptions scalar = ways_of(false, false, false);
   scalar.vector = false;
   add("scalar, no skipping", scalar);
   if (with_peers) add_peers(setting, part);
 }
 
-void Contest::add(const std::string& name, const QueryOptions& options) {
-  queries.push_back(std::make_unique<ContactQuery>(map, shell, options));
-  ContactQuery* query = queries.back().get();
+void Contest::add(const std::string& name, const query::QueryOptions& options) {
+  queries.push_back(std::make_unique<query::ContactQuery>(map, shell, options));
+  query::ContactQuery* query = queries.back().get();
   Method method;
   method.name = name;
   method.run = [this, query](const Pose& pose) {
@@ -117,7 +117,7 @@ void Contest::add(const std::string& name, const QueryOptions& options) {
 }
 
 void Contest::add_peers(const Setting& setting, const SpherePart& part) {
-  const ContactQuery& query = *queries.back();
+  const query::ContactQuery& query = *queries.back();
   const auto add_peer = [this](const char* name, std::function<std::uint32_t(const Pose&)> run) {
     Method method;
     method.name = name;
@@ -136,7 +136,7 @@ void Contest::add_peers(const Setting& setting, const SpherePart& part) {
       return kNotCompared;
     });
   }
-  const Mesh mesh = sphere_mesh(part.radius_m);
+  const mesh::Mesh mesh = sphere_mesh(part.radius_m);
   fcl = std::make_unique<FclQuery>(setting.scene, mesh);
   grown_fcl = std::make_unique<FclQuery>(setting.grown, mesh);
   add_peer("FCL meshes, contacts", [&](const Pose& pose) {
@@ -213,7 +213,7 @@ bool evict(const std::vector<T>& values) {
 }
 
 bool evict_all(const Contest& contest) {
-  const CollectedPoints& c = contest.collected;
+  const query::CollectedPoints& c = contest.collected;
   bool done = evict(contest.map.bytes().data(), contest.map.bytes().size());
   done = done && evict(contest.shell.bytes().data(), contest.shell.bytes().size());
   done = done && evict(c.index) && evict(c.value);
@@ -262,8 +262,8 @@ Json row_of(const Setting& setting, std::size_t points, const Contest& contest) 
 }
 
 void measure(const Choice& choice, int argc, char** argv) {
-  Json results = {{"instruction_set", kernel_target()}, {"rows", Json::array()}};
-  std::printf("instruction set %s\n", kernel_target());
+  Json results = {{"instruction_set", query::kernel_target()}, {"rows", Json::array()}};
+  std::printf("instruction set %s\n", query::kernel_target());
   for (std::size_t points = choice.from; points <= choice.largest; points *= 10) {
     const SpherePart part(points);
     for (const std::string& motion : choice.motions) {

@@ -18,7 +18,7 @@ struct FclQuery::Models {
   std::shared_ptr<Model> scene, part;
 };
 
-FclQuery::FclQuery(const Mesh& scene, const Mesh& part)
+FclQuery::FclQuery(const mesh::Mesh& scene, const mesh::Mesh& part)
     : models_(new Models{fcl_model<fcl::OBBRSSd>(scene), fcl_model<fcl::OBBRSSd>(part)}) {}
 FclQuery::~FclQuery() = default;
 

@@ -12,7 +12,7 @@ namespace forcelayer::bench {
 
 class FclQuery {
  public:
-  FclQuery(const Mesh& scene, const Mesh& part);
+  FclQuery(const mesh::Mesh& scene, const mesh::Mesh& part);
   ~FclQuery();
 
   // All contacts between the meshes; their number.

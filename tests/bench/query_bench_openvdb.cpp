@@ -66,10 +66,10 @@ class TreeCopy {
   ByteTree& tree_;
 };
 
-// Calls at(pose, position, point) with the position of every point, in voxels from the centre's.
+// Calls at(pose, position, point) with the position of every point, in voxels from the center's.
 template <class At>
-void place_points(const ContactQuery& query, const Pose& world_from_center, At at) {
-  const VoxelPose pose = query.voxel_pose(world_from_center);
+void place_points(const query::ContactQuery& query, const Pose& world_from_center, At at) {
+  const query::VoxelPose pose = query.voxel_pose(world_from_center);
   const PshellView& shell = query.shell().view();
   for (std::uint64_t n = 0; n < shell.point_count; ++n) {
     float position[3];
@@ -93,12 +93,13 @@ AccessorQuery::AccessorQuery(const Voxmap& voxmap) : tree_(std::make_unique<Tree
 }
 AccessorQuery::~AccessorQuery() = default;
 
-std::uint32_t AccessorQuery::count(const ContactQuery& query, const Pose& world_from_center) const {
+std::uint32_t AccessorQuery::count(const query::ContactQuery& query,
+                                   const Pose& world_from_center) const {
   const auto& origin = query.voxmap().header().directory_origin;
   openvdb::tree::ValueAccessor<const ByteTree> accessor(tree_->tree);
   std::uint32_t found = 0;
   place_points(query, world_from_center,
-               [&](const VoxelPose& pose, const float(&position)[3], std::uint64_t) {
+               [&](const query::VoxelPose& pose, const float(&position)[3], std::uint64_t) {
                  openvdb::Coord voxel;
                  for (int axis = 0; axis < 3; ++axis) {
                    voxel[axis] = pose.whole[axis] +
@@ -110,15 +111,16 @@ std::uint32_t AccessorQuery::count(const ContactQuery& query, const Pose& world_
   return found;
 }
 
-std::uint32_t AccessorQuery::collect(const ContactQuery& query, const Pose& world_from_center,
-                                     CollectedPoints& out) const {
+std::uint32_t AccessorQuery::collect(const query::ContactQuery& query,
+                                     const Pose& world_from_center,
+                                     query::CollectedPoints& out) const {
   const auto& origin = query.voxmap().header().directory_origin;
   const auto s = static_cast<float>(query.voxmap().voxel_size_m());
   const PshellView& shell = query.shell().view();
   openvdb::tree::ValueAccessor<const ByteTree> accessor(tree_->tree);
   out.clear();
   place_points(query, world_from_center,
-               [&](const VoxelPose& pose, const float(&position)[3], std::uint64_t n) {
+               [&](const query::VoxelPose& pose, const float(&position)[3], std::uint64_t n) {
                  openvdb::Coord voxel;
                  std::int32_t relative[3];
                  float fraction[3];
@@ -153,14 +155,14 @@ struct LevelSetQuery::Grid {
   openvdb::FloatGrid::Ptr grid;
 };
 
-LevelSetQuery::LevelSetQuery(const Mesh& scene, double voxel_size_m)
+LevelSetQuery::LevelSetQuery(const mesh::Mesh& scene, double voxel_size_m)
     : grid_(std::make_unique<Grid>()) {
   openvdb::initialize();
   std::vector<openvdb::Vec3s> points;
   std::vector<openvdb::Vec3I> triangles;
-  for (const Vec3d& v : scene.vertices) points.emplace_back(v[0], v[1], v[2]);
-  for (const Triangle& t : scene.triangles) triangles.emplace_back(t[0], t[1], t[2]);
-  // Voxel centres where the voxmap has them.
+  for (const mesh::Vec3d& v : scene.vertices) points.emplace_back(v[0], v[1], v[2]);
+  for (const mesh::Triangle& t : scene.triangles) triangles.emplace_back(t[0], t[1], t[2]);
+  // Voxel centers where the voxmap has them.
   const auto transform = openvdb::math::Transform::createLinearTransform(voxel_size_m);
   transform->postTranslate(openvdb::Vec3d(voxel_size_m / 2));
   grid_->grid =
@@ -168,13 +170,14 @@ LevelSetQuery::LevelSetQuery(const Mesh& scene, double voxel_size_m)
 }
 LevelSetQuery::~LevelSetQuery() = default;
 
-std::uint32_t LevelSetQuery::count(const ContactQuery& query, const Pose& world_from_center) const {
+std::uint32_t LevelSetQuery::count(const query::ContactQuery& query,
+                                   const Pose& world_from_center) const {
   const auto& origin = query.voxmap().header().directory_origin;
   const auto near = static_cast<float>(3.5 * query.voxmap().voxel_size_m());
   const auto accessor = grid_->grid->getConstAccessor();
   std::uint32_t found = 0;
   place_points(query, world_from_center,
-               [&](const VoxelPose& pose, const float(&position)[3], std::uint64_t) {
+               [&](const query::VoxelPose& pose, const float(&position)[3], std::uint64_t) {
                  openvdb::Vec3d index;
                  for (int axis = 0; axis < 3; ++axis) {
                    index[axis] =

@@ -17,11 +17,11 @@ class AccessorQuery {
 
   // Transforms every point as the contact query does, looks its voxel up, and counts those in
   // values 1, 2 and 3.
-  std::uint32_t count(const ContactQuery& query, const Pose& world_from_center) const;
+  std::uint32_t count(const query::ContactQuery& query, const Pose& world_from_center) const;
 
   // The same, and what the contact query does: hands on all that a force field reads of them.
-  std::uint32_t collect(const ContactQuery& query, const Pose& world_from_center,
-                        CollectedPoints& out) const;
+  std::uint32_t collect(const query::ContactQuery& query, const Pose& world_from_center,
+                        query::CollectedPoints& out) const;
 
  private:
   struct Tree;
@@ -31,11 +31,11 @@ class AccessorQuery {
 // A level set of the scene's mesh at the same voxel size, four voxels to each side.
 class LevelSetQuery {
  public:
-  LevelSetQuery(const Mesh& scene, double voxel_size_m);
+  LevelSetQuery(const mesh::Mesh& scene, double voxel_size_m);
   ~LevelSetQuery();
 
   // Points whose distance, interpolated trilinearly, is below three and a half voxels.
-  std::uint32_t count(const ContactQuery& query, const Pose& world_from_center) const;
+  std::uint32_t count(const query::ContactQuery& query, const Pose& world_from_center) const;
 
  private:
   struct Grid;

@@ -42,16 +42,16 @@ int segments_of(double radius_m) {
   return std::max(12, static_cast<int>(std::ceil(2 * M_PI / angle)));
 }
 
-Mesh boxed(const glm::dvec3& low, const glm::dvec3& high) {
-  Mesh mesh;
+mesh::Mesh boxed(const glm::dvec3& low, const glm::dvec3& high) {
+  mesh::Mesh mesh;
   append(mesh, box((high - low) / 2.0), Pose{(high + low) / 2.0, {1, 0, 0, 0}});
   return mesh;
 }
 
 // The walls of which the part touches up to three, their faces at `face`.
-Mesh walls(int count, double radius_m, double face) {
+mesh::Mesh walls(int count, double radius_m, double face) {
   const double far = 2 * radius_m + kRoom, low = face - kThick;
-  Mesh mesh;
+  mesh::Mesh mesh;
   if (count == 1) return boxed({-far / 2, -far / 2, low}, {far / 2, far / 2, face});
   append(mesh, boxed({low, low, low}, {far, far, face}));
   append(mesh, boxed({low, low, low}, {far, face, far}));
@@ -59,19 +59,19 @@ Mesh walls(int count, double radius_m, double face) {
   return mesh;
 }
 
-Mesh post(double face) {
+mesh::Mesh post(double face) {
   return boxed({-16 * kS, -16 * kS, face - 64 * kS}, {16 * kS, 16 * kS, face});
 }
 
-Mesh bore(double radius_m) {
+mesh::Mesh bore(double radius_m) {
   return stress::tube(radius_m, radius_m + kThick, 0.3 * radius_m + kRoom, segments_of(radius_m));
 }
 
 // A hollow sphere.
-Mesh cavity(double radius_m) {
-  Mesh mesh = stress::sphere(radius_m + kThick, segments_of(radius_m));
-  Mesh inner = stress::sphere(radius_m, segments_of(radius_m));
-  for (Triangle& t : inner.triangles) std::swap(t[1], t[2]);
+mesh::Mesh cavity(double radius_m) {
+  mesh::Mesh mesh = stress::sphere(radius_m + kThick, segments_of(radius_m));
+  mesh::Mesh inner = stress::sphere(radius_m, segments_of(radius_m));
+  for (mesh::Triangle& t : inner.triangles) std::swap(t[1], t[2]);
   append(mesh, inner);
   return mesh;
 }
@@ -95,7 +95,7 @@ SpherePart::SpherePart(std::size_t points)
     : radius_m(kS * std::sqrt(double(points) / (4 * M_PI * kPointsPerVoxelArea))),
       shell(sphere_shell(points, radius_m)) {}
 
-Mesh sphere_mesh(double radius_m) { return stress::sphere(radius_m, segments_of(radius_m)); }
+mesh::Mesh sphere_mesh(double radius_m) { return stress::sphere(radius_m, segments_of(radius_m)); }
 
 Setting make_setting(const std::string& name, double radius_m, std::size_t frames) {
   Setting setting;

@@ -22,14 +22,14 @@ struct SpherePart {
 };
 
 // A mesh of that sphere which deviates from it by a tenth of a voxel: what a mesh collider needs.
-Mesh sphere_mesh(double radius_m);
+mesh::Mesh sphere_mesh(double radius_m);
 
 // Where the part is and what it does there, for the part that it was made for.
 struct Setting {
   std::string name;
-  Mesh scene;               // m
-  Mesh grown;               // the scene grown to where contact begins, for colliders of bare meshes
-  std::vector<Pose> poses;  // of the part's centre, a millisecond apart
+  mesh::Mesh scene;         // m
+  mesh::Mesh grown;         // the scene grown to where contact begins, for colliders of bare meshes
+  std::vector<Pose> poses;  // of the part's center, a millisecond apart
 };
 
 inline constexpr const char* kSettingNames[] = {"free space", "wall",     "corner", "tight fit",

@@ -3,7 +3,7 @@
 //   shell_bench [--mesh NAME]... [--voxels N]... [--models FOLDER] [--json FILE]
 //
 // First table, by mesh and voxels across: the `pointshell` command as a user runs it (full and fast
-// effort, and voxel centres), its shell proven again by `pointshell verify`, and what the file
+// effort, and voxel centers), its shell proven again by `pointshell verify`, and what the file
 // holds. Second table, by analytic shape and voxel size: normals and places against closed forms.
 #include <unistd.h>
 
@@ -59,14 +59,14 @@ T value_of(Result<T> result) {
   return std::move(*result);
 }
 
-double angle_deg(const Vec3& a, const Vec3& b) {
-  return std::atan2(length(cross(a, b)), dot(a, b)) * 180 / std::numbers::pi;
+double angle_deg(const part::Vec3& a, const part::Vec3& b) {
+  return std::atan2(part::length(part::cross(a, b)), part::dot(a, b)) * 180 / std::numbers::pi;
 }
 
-double longest_side(const Part& part) {
-  Box box;
-  for (const Vec3& v : part.vertices) box.grow(v);
-  const Vec3 size = box.high - box.low;
+double longest_side(const part::Part& part) {
+  part::Box box;
+  for (const part::Vec3& v : part.vertices) box.grow(v);
+  const part::Vec3 size = box.high - box.low;
   return std::max({size.x, size.y, size.z});
 }
 
@@ -78,26 +78,27 @@ std::string number(double value) {
 
 // The normal that the mesh itself has at the place nearest to a point: the mean of the faces that
 // meet there, weighted by their angles. Slow and plain; nothing of the shell's own smoothing.
-std::optional<Vec3> mesh_normal(const TriangleTree& tree, const Vec3& place, double same_place) {
-  const Part& part = tree.part();
-  const Vec3 foot = tree.nearest(place).point.position;
-  Vec3 sum;
+std::optional<part::Vec3> mesh_normal(const part::TriangleTree& tree, const part::Vec3& place,
+                                      double same_place) {
+  const part::Part& part = tree.part();
+  const part::Vec3 foot = tree.nearest(place).point.position;
+  part::Vec3 sum;
   tree.visit_near(foot, same_place, [&](std::uint32_t t) {
-    const Triangle& c = part.triangles[t];
-    const Vec3 corners[3] = {part.vertices[c[0]], part.vertices[c[1]], part.vertices[c[2]]};
-    const Vec3 nearest = nearest_on_triangle(foot, corners[0], corners[1], corners[2]);
-    const Vec3 normal = normalized(doubled_area_normal(part, t));
-    if (length(nearest - foot) > same_place || length_squared(normal) == 0) return;
+    const mesh::Triangle& c = part.triangles[t];
+    const part::Vec3 corners[3] = {part.vertices[c[0]], part.vertices[c[1]], part.vertices[c[2]]};
+    const part::Vec3 nearest = part::nearest_on_triangle(foot, corners[0], corners[1], corners[2]);
+    const part::Vec3 normal = part::normalized(part::doubled_area_normal(part, t));
+    if (part::length(nearest - foot) > same_place || part::length_squared(normal) == 0) return;
     double angle = std::numbers::pi;
     for (int n = 0; n < 3; ++n) {
-      if (length(corners[n] - foot) > same_place) continue;
+      if (part::length(corners[n] - foot) > same_place) continue;
       angle = angle_deg(corners[(n + 1) % 3] - corners[n], corners[(n + 2) % 3] - corners[n]) *
               std::numbers::pi / 180;
     }
     sum += angle * normal;
   });
-  if (length(sum) < 1e-3) return std::nullopt;  // faces back to back
-  return normalized(sum);
+  if (part::length(sum) < 1e-3) return std::nullopt;  // faces back to back
+  return part::normalized(sum);
 }
 
 // What a shell's file holds.
@@ -107,14 +108,14 @@ struct ShellFacts {
   std::vector<double> normal_error_deg;  // against the mesh where each point stands
 };
 
-ShellFacts facts_of(const PshellView& view, const Vec3& center, const TriangleTree& tree,
-                    double radius) {
+ShellFacts facts_of(const PshellView& view, const part::Vec3& center,
+                    const part::TriangleTree& tree, double radius) {
   ShellFacts facts;
   for (std::uint64_t n = 0; n < view.point_count; ++n) {
     facts.weight_sum_m2 += view.weight_m2[n];
-    const Vec3 place = center + Vec3{view.x[n], view.y[n], view.z[n]};
+    const part::Vec3 place = center + part::Vec3{view.x[n], view.y[n], view.z[n]};
     const auto normal = mesh_normal(tree, place, 1e-4 * radius);
-    const Vec3 outward{-view.nx[n], -view.ny[n], -view.nz[n]};
+    const part::Vec3 outward{-view.nx[n], -view.ny[n], -view.nz[n]};
     if (normal) facts.normal_error_deg.push_back(angle_deg(outward, *normal));
   }
   for (std::uint64_t b = 0; b < view.block_count; ++b) {
@@ -132,9 +133,10 @@ class MeshCase {
                          : FORCELAYER_SOURCE_DIR "/sample_data/part.obj"),
         shell_((folder / "part.pshell").string()),
         voxels_(voxels),
-        part_(value_of(read_part({mesh_}, std::string_view(model.units) == "mm" ? 1e-3 : 1)).part),
+        part_(value_of(part::read_part({mesh_}, std::string_view(model.units) == "mm" ? 1e-3 : 1))
+                  .part),
         voxel_size_m_(longest_side(part_) / voxels) {
-    value_of(orient_outwards(part_, voxel_size_m_));
+    value_of(normals::orient_outwards(part_, voxel_size_m_));
   }
 
   void run(Json& rows) const {
@@ -171,8 +173,8 @@ class MeshCase {
                                           shell_, mesh_, "--units", model_.units, "--quiet"});
     const Pshell shell = value_of(Pshell::open(shell_));
     const PshellHeader& header = shell.header();
-    const TriangleTree tree(part_);
-    const Vec3 center{header.center_m[0], header.center_m[1], header.center_m[2]};
+    const part::TriangleTree tree(part_);
+    const part::Vec3 center{header.center_m[0], header.center_m[1], header.center_m[2]};
     const ShellFacts facts = facts_of(shell.view(), center, tree, header.covering_radius_m);
     Json row{
         {"mesh", model_.name},
@@ -184,7 +186,7 @@ class MeshCase {
         {"covering_radius_m", header.covering_radius_m},
         {"covering_radius_voxels", header.covering_radius_m / header.voxel_size_m},
         {"proven_again", true},  // `pointshell verify` fails otherwise, and run_process with it
-        {"points_over_planar_bound", points_over_bound(header, header.area_m2)},
+        {"points_over_planar_bound", pointshell::points_over_bound(header, header.area_m2)},
         {"normal_error_deg", to_json(percentiles(facts.normal_error_deg))},
         {"weight_sum_over_area", facts.weight_sum_m2 / header.area_m2},
         {"mean_block_radius_voxels", facts.mean_block_radius_m / header.voxel_size_m},
@@ -215,25 +217,26 @@ class MeshCase {
   const Model& model_;
   const std::string mesh_, shell_;
   const int voxels_;
-  Part part_;
+  part::Part part_;
   const double voxel_size_m_;
 };
 
 // A shape's shell against its closed form. Points within a covering radius of an edge or tip are
 // judged apart: there a normal between those of the two faces is what the rule asks for.
 Json shape_row(const AnalyticShape& shape, int voxels, ShellMethod method) {
-  const Assembly assembly{{shape.mesh}, {{0, shape.name, {}}}, 1, 0, {}};
-  const PartInput input{&assembly, 1};
-  const Part part = value_of(assemble_part({&input, 1}));
-  ShellOptions options;
+  const mesh::Assembly assembly{{shape.mesh}, {{0, shape.name, {}}}, 1, 0, {}};
+  const part::PartInput input{&assembly, 1};
+  const part::Part part = value_of(part::assemble_part({&input, 1}));
+  pointshell::ShellOptions options;
   options.voxel_size_m = longest_side(part) / voxels;
   options.method = method;
-  const BakedShell shell = value_of(bake_shell(part, options, [](const std::string&, double) {}));
+  const pointshell::BakedShell shell =
+      value_of(pointshell::bake_shell(part, options, [](const std::string&, double) {}));
   const auto& c = shell.header.center_m;
   const double radius = shell.header.covering_radius_m, s = options.voxel_size_m;
   std::vector<double> smooth_deg, edge_deg, distance_voxels;
   for (std::size_t n = 0; n < shell.x.size(); ++n) {
-    const Vec3 outward{-shell.nx[n], -shell.ny[n], -shell.nz[n]};
+    const part::Vec3 outward{-shell.nx[n], -shell.ny[n], -shell.nz[n]};
     const std::vector<FaceTruth> faces =
         shape.faces({shell.x[n] + c[0], shell.y[n] + c[1], shell.z[n] + c[2]});
     distance_voxels.push_back(faces[0].distance / s);
@@ -247,7 +250,7 @@ Json shape_row(const AnalyticShape& shape, int voxels, ShellMethod method) {
   }
   Json row{{"shape", shape.name},
            {"voxels_across", voxels},
-           {"method", method_name(method)},
+           {"method", pointshell::method_name(method)},
            {"points", shell.x.size()},
            {"normal_error_deg", to_json(percentiles(smooth_deg))},
            {"points_near_edges", edge_deg.size()}};
@@ -273,7 +276,7 @@ void run_shapes(Json& rows) {
       for (const ShellMethod method : {ShellMethod::kSurface, ShellMethod::kVoxelCenters}) {
         const Json row = shape_row(shape, voxels, method);
         std::printf("%-8s %6d %-13s | %7zu | %-23s | %-23s | %-23s\n", shape.name, voxels,
-                    method_name(method), row["points"].get<std::size_t>(),
+                    pointshell::method_name(method), row["points"].get<std::size_t>(),
                     triple(row["normal_error_deg"]).c_str(),
                     triple(row.value("near_edges_deg", Json())).c_str(),
                     triple(row["distance_voxels"]).c_str());

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kSphereRadius = 0.5;
 constexpr double kRingRadius = 0.35, kTubeRadius = 0.15;
-constexpr Vec3 kBox{1, 0.7, 0.4};
+constexpr part::Vec3 kBox{1, 0.7, 0.4};
 constexpr double kCylinderRadius = 0.25, kCylinderHeight = 1;
 constexpr double kConeRadius = 0.4, kConeHeight = 1;
 
@@ -20,38 +20,38 @@ std::vector<FaceTruth> sorted(std::vector<FaceTruth> faces) {
   return faces;
 }
 
-Vec3 away_from_axis(const Vec3& p) { return normalized(Vec3{p.x, p.y, 0}); }
-Vec3 along_axis(double z) { return {0, 0, z > 0 ? 1.0 : -1.0}; }
+part::Vec3 away_from_axis(const part::Vec3& p) { return part::normalized(part::Vec3{p.x, p.y, 0}); }
+part::Vec3 along_axis(double z) { return {0, 0, z > 0 ? 1.0 : -1.0}; }
 
-std::vector<FaceTruth> sphere_faces(const Vec3& p) {
-  return {{std::abs(length(p) - kSphereRadius), normalized(p)}};
+std::vector<FaceTruth> sphere_faces(const part::Vec3& p) {
+  return {{std::abs(part::length(p) - kSphereRadius), part::normalized(p)}};
 }
 
-std::vector<FaceTruth> torus_faces(const Vec3& p) {
-  const Vec3 from_ring = p - kRingRadius * away_from_axis(p);
-  return {{std::abs(length(from_ring) - kTubeRadius), normalized(from_ring)}};
+std::vector<FaceTruth> torus_faces(const part::Vec3& p) {
+  const part::Vec3 from_ring = p - kRingRadius * away_from_axis(p);
+  return {{std::abs(part::length(from_ring) - kTubeRadius), part::normalized(from_ring)}};
 }
 
-std::vector<FaceTruth> box_faces(const Vec3& p) {
+std::vector<FaceTruth> box_faces(const part::Vec3& p) {
   return sorted({{std::abs(std::abs(p.x) - kBox.x / 2), {p.x > 0 ? 1.0 : -1.0, 0, 0}},
                  {std::abs(std::abs(p.y) - kBox.y / 2), {0, p.y > 0 ? 1.0 : -1.0, 0}},
                  {std::abs(std::abs(p.z) - kBox.z / 2), along_axis(p.z)}});
 }
 
-std::vector<FaceTruth> cylinder_faces(const Vec3& p) {
+std::vector<FaceTruth> cylinder_faces(const part::Vec3& p) {
   return sorted({{std::abs(std::hypot(p.x, p.y) - kCylinderRadius), away_from_axis(p)},
                  {std::abs(std::abs(p.z) - kCylinderHeight / 2), along_axis(p.z)}});
 }
 
 // Beside its side and its base, the tip: there the side's normal turns all the way round.
-std::vector<FaceTruth> cone_faces(const Vec3& p) {
+std::vector<FaceTruth> cone_faces(const part::Vec3& p) {
   const double slant = std::hypot(kConeRadius, kConeHeight);
   const double out = kConeHeight / slant, up = kConeRadius / slant;  // the side's normal
-  const Vec3 tip{0, 0, kConeHeight / 2};
-  const Vec3 side = out * away_from_axis(p) + up * Vec3{0, 0, 1};
+  const part::Vec3 tip{0, 0, kConeHeight / 2};
+  const part::Vec3 side = out * away_from_axis(p) + up * part::Vec3{0, 0, 1};
   return sorted({{std::abs(out * std::hypot(p.x, p.y) + up * (p.z - tip.z)), side},
                  {std::abs(p.z + kConeHeight / 2), {0, 0, -1}},
-                 {length(p - tip), {0, 0, 1}}});
+                 {part::length(p - tip), {0, 0, 1}}});
 }
 
 }  // namespace

@@ -10,15 +10,15 @@ namespace forcelayer::bench {
 
 // One smooth face of a shape, seen from a place near it.
 struct FaceTruth {
-  double distance;  // m, from the place
-  Vec3 outward;     // unit normal where the face is nearest
+  double distance;     // m, from the place
+  part::Vec3 outward;  // unit normal where the face is nearest
 };
 
 struct AnalyticShape {
   const char* name;
-  Mesh mesh;  // 1 m across, give or take; tessellated
+  mesh::Mesh mesh;  // 1 m across, give or take; tessellated
   // All faces, the nearest first.
-  std::vector<FaceTruth> (*faces)(const Vec3& place);
+  std::vector<FaceTruth> (*faces)(const part::Vec3& place);
 };
 
 // Sphere, torus, box, cylinder and cone.

@@ -156,8 +156,8 @@ class Places {
   }
 
   const Voxmap& map_;
-  ContactQuery query_;
-  CollectedPoints found_;
+  query::ContactQuery query_;
+  query::CollectedPoints found_;
   std::mt19937_64 random_{1};
   std::normal_distribution<double> normal_;
 };
@@ -183,7 +183,7 @@ std::optional<std::uint64_t> touched_pages(const void* mapped) {
 
 struct Way {
   const char* name;
-  SkipOptions skip;  // clearance, super-blocks, coherence
+  query::SkipOptions skip;  // clearance, super-blocks, coherence
 };
 constexpr Way kWays[] = {{"all skipping", {true, true, true}},
                          {"no coherence", {true, true, false}},
@@ -192,10 +192,10 @@ constexpr Way kWays[] = {{"all skipping", {true, true, true}},
 
 Json run_way(const Way& way, const Voxmap& voxmap, const Pshell& shell,
              const std::vector<Pose>& poses, std::uint64_t& found) {
-  QueryOptions options;
+  query::QueryOptions options;
   options.skip = way.skip;
-  ContactQuery query(voxmap, shell, options);
-  CollectedPoints collected;
+  query::ContactQuery query(voxmap, shell, options);
+  query::CollectedPoints collected;
   collected.reserve(shell.view().point_count);
   std::vector<double> us;
   double looked_at = 0;

@@ -20,7 +20,7 @@ namespace {
 
 constexpr double kS = 0.005, kDtS = 0.001;
 
-// Eight of the encoder's steps: below that the handle rests but for quantisation.
+// Eight of the encoder's steps: below that the handle rests but for quantization.
 constexpr double kStillSteps = 8;
 
 // A hand that goes on along a screw until something is in the way, and then wants so much more.
@@ -35,7 +35,7 @@ struct Push {
   Pose wanted(double way) const {
     const Pose& start = trial.start;
     if (!turning) return {start.position_m + along * way, start.orientation};
-    return {start.position_m, rotation_by(along * way) * start.orientation};
+    return {start.position_m, coupling::rotation_by(along * way) * start.orientation};
   }
 };
 
@@ -53,11 +53,11 @@ Push press() {
 
 // A bar turned against the walls of a slot, oblique to the grid.
 Push twist() {
-  Mesh walls;
+  mesh::Mesh walls;
   append(walls, box(glm::dvec3(30, 3, 10) * kS), {{0, 8 * kS, 0}, {1, 0, 0, 0}});
   append(walls, box(glm::dvec3(30, 3, 10) * kS), {{0, -8 * kS, 0}, {1, 0, 0, 0}});
-  const Pose frame{{0.1, 0.2, 0.3}, rotation_by({0.3, -0.5, 0.7})};
-  Mesh placed;
+  const Pose frame{{0.1, 0.2, 0.3}, coupling::rotation_by({0.3, -0.5, 0.7})};
+  mesh::Mesh placed;
   append(placed, walls, frame);
   Push push;
   push.trial.scene = std::make_shared<BakedScene>(placed, kS);
@@ -72,19 +72,20 @@ Push twist() {
 }
 
 // Peak to peak of the handle in the last of five seconds, m or rad.
-double ripple(const Push& push, Model model, double stiffness, const SimHandParameters& hand) {
+double ripple(const Push& push, Model model, double stiffness,
+              const devices::SimHandParameters& hand) {
   Trial trial = push.trial;
   trial.settings[push.setting] = stiffness;
-  trial.device = hand_capabilities(hand);
+  trial.device = devices::hand_capabilities(hand);
   const auto simulation = make_simulation(trial, model);
   const Parameters& p = simulation->parameters();
-  OutputLimits limits;
+  loop::OutputLimits limits;
   limits.max_force_n = p.max_force_n;
   limits.max_torque_nm = p.max_torque_nm;
-  OutputStage output(limits);
+  loop::OutputStage output(limits);
   State state = simulation->registered(trial.start, trial.start);
-  SimHand device(hand, trial.start);
-  HandleVelocity velocity;
+  devices::SimHand device(hand, trial.start);
+  loop::HandleVelocity velocity;
   StepInput input;
   input.valid = 1;
   Wrench felt;
@@ -98,17 +99,17 @@ double ripple(const Push& push, Model model, double stiffness, const SimHandPara
     input.handle_velocity = velocity.update(input.world_from_handle, kDtS);
     const StepResult result = simulation->step(state, input, kDtS);
     const glm::dvec3 target_m = simulation->world_from_center(input.world_from_handle).position_m;
-    OutputFrame out;
+    loop::OutputFrame out;
     out.wanted = DevicePlacement{}.device_wrench(result.wrench, target_m,
                                                  input.world_from_handle.position_m);
     out.unstretched = true;
     felt = output.pass(out, kDtS);
     touched |= result.report.contacts > 0;
     if (frame < 4000) continue;
-    const glm::dvec3 at =
-        push.turning
-            ? rotation_vector(device.pose().orientation * glm::conjugate(trial.start.orientation))
-            : device.pose().position_m;
+    const glm::dvec3 at = push.turning
+                              ? coupling::rotation_vector(device.pose().orientation *
+                                                          glm::conjugate(trial.start.orientation))
+                              : device.pose().position_m;
     low = glm::min(low, at);
     high = glm::max(high, at);
   }
@@ -116,14 +117,14 @@ double ripple(const Push& push, Model model, double stiffness, const SimHandPara
   return glm::length(high - low);
 }
 
-double default_of(const Push& push, Model model, const SimHandParameters& hand) {
+double default_of(const Push& push, Model model, const devices::SimHandParameters& hand) {
   Trial trial = push.trial;
-  trial.device = hand_capabilities(hand);
+  trial.device = devices::hand_capabilities(hand);
   const Parameters p = make_simulation(trial, model)->parameters();
   return push.turning ? p.coupling_nm_per_rad : p.coupling_n_per_m;
 }
 
-double bound_of(const Push& push, const SimHandParameters& hand) {
+double bound_of(const Push& push, const devices::SimHandParameters& hand) {
   return push.turning
              ? std::min(renderable_stiffness(hand.device_damping_nms_per_rad, hand.delay_s, kDtS),
                         dissipated_stiffness(hand.device_friction_nm, hand.encoder_step_rad))
@@ -137,7 +138,8 @@ Json measured(const Push& push, const char* what, double low, double high) {
   for (const Model model : kBothModels) {
     for (const bool loose : {true, false}) {
       for (const double delay_s : {0.0, 0.001, 0.002, 0.003}) {
-        SimHandParameters hand = loose ? loose_grip() : SimHandParameters();
+        devices::SimHandParameters hand =
+            loose ? devices::loose_grip() : devices::SimHandParameters();
         hand.delay_s = delay_s;
         const double still =
             kStillSteps * (push.turning ? hand.encoder_step_rad : hand.encoder_step_m);

@@ -24,12 +24,12 @@ double us_since(std::chrono::steady_clock::time_point begin) {
 }
 
 // Times the two halves of the look-ups of a step.
-class TimedProbe final : public ContactProbe {
+class TimedProbe final : public field::ContactProbe {
  public:
-  TimedProbe(FieldProbe& probe, ContactQuery& query, CollectedPoints& points)
+  TimedProbe(field::FieldProbe& probe, query::ContactQuery& query, query::CollectedPoints& points)
       : probe_(probe), query_(query), points_(points) {}
 
-  void look_up(const Pose& pose, ContactSet& out) noexcept override {
+  void look_up(const Pose& pose, field::ContactSet& out) noexcept override {
     ++look_ups;
     const auto begin = std::chrono::steady_clock::now();
     query_.run(pose, points_);
@@ -46,9 +46,9 @@ class TimedProbe final : public ContactProbe {
   int look_ups = 0;
 
  private:
-  FieldProbe& probe_;
-  ContactQuery& query_;
-  CollectedPoints& points_;
+  field::FieldProbe& probe_;
+  query::ContactQuery& query_;
+  query::CollectedPoints& points_;
 };
 
 // Work that takes the same number of instructions every time and touches no memory: what its
@@ -89,20 +89,21 @@ Json step_cost(std::uint64_t steps) {
   trial.part = std::make_shared<BakedPart>(box(glm::dvec3(9, 9, 2) * kS), kS);
   const auto simulation = make_simulation(trial, Model::kDefault);
   const Pshell& shell = simulation->shell();
-  ContactQuery query(simulation->voxmap(), shell, {});
-  const auto field = make_force_field(Model::kDefault, ForceKind::kLevel, simulation->voxmap());
+  query::ContactQuery query(simulation->voxmap(), shell, {});
+  const auto field =
+      field::make_force_field(Model::kDefault, ForceKind::kLevel, simulation->voxmap());
   if (!field) throw std::runtime_error(to_line(field.error()));
-  CollectedPoints points;
-  FieldSamples samples;
+  query::CollectedPoints points;
+  field::FieldSamples samples;
   points.reserve(shell.view().point_count);
   samples.reserve(shell.view().point_count);
-  FieldProbe probe(query, **field, points, samples);
+  field::FieldProbe probe(query, **field, points, samples);
   TimedProbe timed(probe, query, points);
-  DefaultModel model(simulation->parameters(), timed, shell.view().point_count);
+  model::DefaultModel model(simulation->parameters(), timed, shell.view().point_count);
 
   const Pose start{{-20 * kS, 0, 16 * kS}, {1, 0, 0, 0}};
   State state = simulation->registered(start, start);
-  HandleVelocity velocity;
+  loop::HandleVelocity velocity;
   StepInput input;
   input.valid = 1;
   ControlLoop control(15);  // what a step takes beyond its query

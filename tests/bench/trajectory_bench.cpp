@@ -79,7 +79,7 @@ Trajectory run(Trial trial, Model model, double rate_hz, double end_s) {
   trial.rate_hz = rate_hz;
   const auto simulation = make_simulation(trial, model);
   State state = simulation->registered(trial.start, trial.start);
-  HandleVelocity velocity;
+  loop::HandleVelocity velocity;
   StepInput input;
   input.valid = 1;
   const double dt_s = 1 / rate_hz;
@@ -98,7 +98,8 @@ Trajectory run(Trial trial, Model model, double rate_hz, double end_s) {
 // How far any point of the part may be from where it should be.
 double apart_m(const Pose& a, const Pose& b, double radius_m) {
   return glm::length(a.position_m - b.position_m) +
-         radius_m * glm::length(rotation_vector(a.orientation * glm::conjugate(b.orientation)));
+         radius_m *
+             glm::length(coupling::rotation_vector(a.orientation * glm::conjugate(b.orientation)));
 }
 
 struct Error {

@@ -40,7 +40,7 @@ Pose pose_of(const ContactCase::Placed& placed) {
   return {placed.position_m, glm::quat_cast(placed.rotation)};
 }
 
-// The exact distance at the voxel centres around the contact.
+// The exact distance at the voxel centers around the contact.
 openvdb::FloatGrid::Ptr distance_grid(const ContactCase& contact) {
   const test::VoxelScene& box = contact.dense().scene;
   const double s = contact.voxmap().voxel_size_m();
@@ -151,8 +151,9 @@ constexpr KindRun kKinds[] = {
     {"default, 4 bits", VoxelKind::kDistance4, Method::kDistance4},
     {"default, 8 bits", VoxelKind::kDistance8, Method::kDistance8}};
 
-std::unique_ptr<ForceField> usual_field(const Voxmap& voxmap) {
-  auto field = make_force_field(Model::kDefault, usual_force(Model::kDefault, voxmap), voxmap);
+std::unique_ptr<field::ForceField> usual_field(const Voxmap& voxmap) {
+  auto field =
+      field::make_force_field(Model::kDefault, field::usual_force(Model::kDefault, voxmap), voxmap);
   if (!field) throw std::runtime_error(to_line(field.error()));
   return std::move(*field);
 }
@@ -172,10 +173,10 @@ void judge(const Combination& combination, const PartShells& shells, const Pshel
   const std::mt19937_64 same = random;
   const ContactCase contact(combination, shells, s, random);
   const double deviation_m = kDeviationVoxels * s;
-  const Mesh part = part_mesh(combination.part, deviation_m);
-  const Mesh scene = offset_mesh(contact.body(), contact.middle_m(), deviation_m);
-  const LevelField level(contact.voxmap());
-  const TangentPlaneField tangent_plane(s);
+  const mesh::Mesh part = part_mesh(combination.part, deviation_m);
+  const mesh::Mesh scene = offset_mesh(contact.body(), contact.middle_m(), deviation_m);
+  const field::LevelField level(contact.voxmap());
+  const field::TangentPlaneField tangent_plane(s);
   ModelFrame paper(contact.voxmap(), pshell, tangent_plane, Averaging::kByTen);
   ModelFrame field(contact.voxmap(), pshell, level, Averaging::kNone);
   ModelFrame standard(contact.voxmap(), pshell, level, Averaging::kDirections);
@@ -208,15 +209,15 @@ double judge(const MeshPair& pair, const PairPart& part, double s, std::mt19937_
              Samples& samples) {
   const std::mt19937_64 same = random;
   const PairCase contact(pair, part, s, random);
-  const Mesh scene = contact.offset_mesh();
+  const mesh::Mesh scene = contact.offset_mesh();
   const auto fcl = fcl_contacts(scene, part.mesh), bullet = bullet_contacts(scene, part.mesh);
-  const TangentPlaneField tangent_plane(s);
-  std::vector<std::unique_ptr<LevelField>> levels;
+  const field::TangentPlaneField tangent_plane(s);
+  std::vector<std::unique_ptr<field::LevelField>> levels;
   std::deque<ModelFrame> paper, field, standard;
   std::vector<LevelSetFrame> level_set;
   for (std::size_t i = 0; i < PairCase::kShifts; ++i) {
     const auto& at = contact.placing(i);
-    levels.push_back(std::make_unique<LevelField>(at.voxmap));
+    levels.push_back(std::make_unique<field::LevelField>(at.voxmap));
     paper.emplace_back(at.voxmap, part.shell, tangent_plane, Averaging::kByTen);
     field.emplace_back(at.voxmap, part.shell, *levels.back(), Averaging::kNone);
     standard.emplace_back(at.voxmap, part.shell, *levels.back(), Averaging::kDirections);
@@ -249,7 +250,7 @@ double judge(const MeshPair& pair, const PairPart& part, double s, std::mt19937_
   for (const KindRun& kind : kKinds) {
     std::mt19937_64 again = same;
     const PairCase other(pair, part, s, again, kind.voxels);
-    std::vector<std::unique_ptr<ForceField>> fields;
+    std::vector<std::unique_ptr<field::ForceField>> fields;
     std::deque<ModelFrame> frames;
     for (std::size_t i = 0; i < PairCase::kShifts; ++i) {
       const Voxmap& voxmap = other.placing(i).voxmap;
@@ -317,7 +318,8 @@ void print(const std::string& group, const Json& rows) {
 }
 
 constexpr const char* kGroups[] = {"flush and smooth", "corners and wedges", "mesh pairs"};
-constexpr Part kParts[] = {Part::kSphere, Part::kBox, Part::kCylinder, Part::kCone, Part::kTorus};
+constexpr part::Part kParts[] = {part::Part::kSphere, part::Part::kBox, part::Part::kCylinder,
+                                 part::Part::kCone, part::Part::kTorus};
 constexpr const char* kPartNames[] = {"sphere", "box", "cylinder", "cone", "torus"};
 
 struct Choice {
@@ -334,9 +336,9 @@ struct Choice {
 Json judge_size(const Choice& choice, const std::vector<MeshPair>& pairs, double units) {
   const double s = units * kUnitM;
   Json points;
-  std::map<Part, PartShells> shells;
-  std::map<Part, Pshell> pshells;
-  for (const Part part : kParts) {
+  std::map<part::Part, PartShells> shells;
+  std::map<part::Part, Pshell> pshells;
+  for (const part::Part part : kParts) {
     shells[part] = shells_of(part, s, kPaperCover);
     pshells.emplace(part, pshell_of(shells[part].tested, s));
     points[kPartNames[static_cast<int>(part)]] = shells[part].tested.points_m.size();

@@ -20,13 +20,13 @@ btVector3 bullet(const glm::dvec3& v) {
 }
 glm::dvec3 from_bullet(const btVector3& v) { return {v.x(), v.y(), v.z()}; }
 
-std::unique_ptr<btTriangleMesh> triangles_of(const Mesh& mesh) {
+std::unique_ptr<btTriangleMesh> triangles_of(const mesh::Mesh& mesh) {
   auto triangles = std::make_unique<btTriangleMesh>();
   const auto vertex = [&](std::uint32_t i) {
-    const Vec3d& v = mesh.vertices[i];
+    const mesh::Vec3d& v = mesh.vertices[i];
     return bullet(kUnitsPerM * glm::dvec3(v[0], v[1], v[2]));
   };
-  for (const Triangle& t : mesh.triangles) {
+  for (const mesh::Triangle& t : mesh.triangles) {
     triangles->addTriangle(vertex(t[0]), vertex(t[1]), vertex(t[2]));
   }
   return triangles;
@@ -55,7 +55,7 @@ struct Sum : btCollisionWorld::ContactResultCallback {
 
 class BulletContacts : public MeshContacts {
  public:
-  BulletContacts(const Mesh& scene, const Mesh& part)
+  BulletContacts(const mesh::Mesh& scene, const mesh::Mesh& part)
       : scene_triangles_(triangles_of(scene)),
         part_triangles_(triangles_of(part)),
         scene_shape_(scene_triangles_.get(), true),
@@ -108,7 +108,7 @@ class BulletContacts : public MeshContacts {
 
 }  // namespace
 
-std::unique_ptr<MeshContacts> bullet_contacts(const Mesh& scene, const Mesh& part) {
+std::unique_ptr<MeshContacts> bullet_contacts(const mesh::Mesh& scene, const mesh::Mesh& part) {
   return std::make_unique<BulletContacts>(scene, part);
 }
 

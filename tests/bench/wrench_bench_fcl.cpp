@@ -12,7 +12,7 @@ using Model = fcl::BVHModel<fcl::OBBRSSd>;
 
 class FclContacts : public MeshContacts {
  public:
-  FclContacts(const Mesh& scene, const Mesh& part)
+  FclContacts(const mesh::Mesh& scene, const mesh::Mesh& part)
       : scene_(testing::fcl_model<fcl::OBBRSSd>(scene)),
         part_(testing::fcl_model<fcl::OBBRSSd>(part)) {}
 
@@ -40,7 +40,7 @@ class FclContacts : public MeshContacts {
 
 }  // namespace
 
-std::unique_ptr<MeshContacts> fcl_contacts(const Mesh& scene, const Mesh& part) {
+std::unique_ptr<MeshContacts> fcl_contacts(const mesh::Mesh& scene, const mesh::Mesh& part) {
   return std::make_unique<FclContacts>(scene, part);
 }
 

@@ -31,8 +31,8 @@ Wrench LevelSetFrame::at(const Pose& world_from_center) const {
   Wrench sum;
   for (std::size_t i = 0; i < shell_.points_m.size(); ++i) {
     const glm::dvec3 arm = rotation * shell_.points_m[i];
-    const glm::dvec3 centred = (arm + world_from_center.position_m) / s_ - 0.5;
-    const glm::dvec3 low = glm::floor(centred), f = centred - low;
+    const glm::dvec3 centered = (arm + world_from_center.position_m) / s_ - 0.5;
+    const glm::dvec3 low = glm::floor(centered), f = centered - low;
     float data[2][2][2];
     openvdb::tools::BoxSampler::getValues(
         data, accessor,

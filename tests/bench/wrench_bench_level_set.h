@@ -11,7 +11,7 @@ namespace forcelayer::bench {
 
 class LevelSetFrame {
  public:
-  // `distance_m`: at the centres of world voxels. The shell must outlive this. Points nearer than
+  // `distance_m`: at the centers of world voxels. The shell must outlive this. Points nearer than
   // `offset_m` press along the gradient, by their area.
   LevelSetFrame(openvdb::FloatGrid::Ptr distance_m, const AnalyticShell& shell, double voxel_size_m,
                 double offset_m);

@@ -20,8 +20,8 @@ int segments_of(double radius_m, double deviation_m) {
 }
 
 // A strip along y over a line of points in the xz plane, the side facing `front`.
-Mesh strip(const std::vector<glm::dvec3>& line_m, const glm::dvec3& front) {
-  Mesh mesh;
+mesh::Mesh strip(const std::vector<glm::dvec3>& line_m, const glm::dvec3& front) {
+  mesh::Mesh mesh;
   mesh.single_precision = false;
   for (const glm::dvec3& p : line_m) {
     mesh.vertices.push_back({p.x, -kReachM, p.z});
@@ -30,8 +30,9 @@ Mesh strip(const std::vector<glm::dvec3>& line_m, const glm::dvec3& front) {
   const glm::dvec3 along = line_m[1] - line_m[0];
   const bool turned = glm::dot(glm::cross(along, glm::dvec3(0, 1, 0)), front) < 0;
   for (std::uint32_t i = 0; i + 2 < mesh.vertices.size(); i += 2) {
-    std::array<Triangle, 2> quad = {Triangle{i, i + 2, i + 3}, Triangle{i, i + 3, i + 1}};
-    for (Triangle& t : quad) {
+    std::array<mesh::Triangle, 2> quad = {mesh::Triangle{i, i + 2, i + 3},
+                                          mesh::Triangle{i, i + 3, i + 1}};
+    for (mesh::Triangle& t : quad) {
       if (turned) std::swap(t[1], t[2]);
       mesh.triangles.push_back(t);
     }
@@ -39,7 +40,7 @@ Mesh strip(const std::vector<glm::dvec3>& line_m, const glm::dvec3& front) {
   return mesh;
 }
 
-Mesh wedge_mesh(const AnalyticStatic& body, double offset_m, double deviation_m) {
+mesh::Mesh wedge_mesh(const AnalyticStatic& body, double offset_m, double deviation_m) {
   const double a = body.free_angle / 2, cosine = std::cos(a), sine = std::sin(a);
   const glm::dvec3 n0(-cosine, 0, sine), n1(cosine, 0, sine);
   const glm::dvec3 along0(sine, 0, cosine), along1(-sine, 0, cosine);
@@ -64,7 +65,7 @@ Mesh wedge_mesh(const AnalyticStatic& body, double offset_m, double deviation_m)
 
 }  // namespace
 
-Mesh part_mesh(Part part, double deviation_m) {
+mesh::Mesh part_mesh(Part part, double deviation_m) {
   if (part == Part::kBox) return stress::box(kBoxHalfM);
   if (part == Part::kCone) {
     const double low = -kConeHeightM / 4;
@@ -86,8 +87,8 @@ Mesh part_mesh(Part part, double deviation_m) {
   return stress::cylinder(radius_m, kCylinderHalfM, segments);
 }
 
-Mesh offset_mesh(const AnalyticStatic& body, double offset_m, double deviation_m) {
-  Mesh local;
+mesh::Mesh offset_mesh(const AnalyticStatic& body, double offset_m, double deviation_m) {
+  mesh::Mesh local;
   switch (body.kind) {
     case StaticKind::kPlane: {
       const Pose raised{{0, 0, offset_m}, {1, 0, 0, 0}};
@@ -107,7 +108,7 @@ Mesh offset_mesh(const AnalyticStatic& body, double offset_m, double deviation_m
       local = wedge_mesh(body, offset_m, deviation_m);
       break;
   }
-  Mesh world;
+  mesh::Mesh world;
   stress::append(world, local, {body.origin_m, glm::quat_cast(body.rotation)});
   return world;
 }

@@ -32,9 +32,9 @@ T value_of(Result<T> result) {
   return std::move(*result);
 }
 
-glm::dvec3 glm_of(const Vec3d& v) { return {v[0], v[1], v[2]}; }
-glm::dvec3 glm_of(const Vec3& v) { return {v.x, v.y, v.z}; }
-Vec3 vec3_of(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
+glm::dvec3 glm_of(const mesh::Vec3d& v) { return {v[0], v[1], v[2]}; }
+glm::dvec3 glm_of(const part::Vec3& v) { return {v.x, v.y, v.z}; }
+part::Vec3 vec3_of(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
 
 glm::dvec3 random_direction(std::mt19937_64& random) {
   std::normal_distribution<double> normal;
@@ -48,23 +48,23 @@ glm::dquat random_turn(std::mt19937_64& random) {
   return glm::normalize(glm::dquat(w, x, y, z));
 }
 
-Mesh read_mesh(const std::string& path, std::optional<double> unit_m) {
-  return merged(value_of(read_scene(std::span(&path, 1), unit_m)));
+mesh::Mesh read_mesh(const std::string& path, std::optional<double> unit_m) {
+  return merged(value_of(mesh::read_scene(std::span(&path, 1), unit_m)));
 }
 
 // Scaled so that its longest side is this, m.
-Mesh of_size(Mesh mesh, double longest_m) {
+mesh::Mesh of_size(mesh::Mesh mesh, double longest_m) {
   const double scale = longest_m / longest_side(mesh);
-  for (Vec3d& v : mesh.vertices) {
+  for (mesh::Vec3d& v : mesh.vertices) {
     for (double& x : v) x *= scale;
   }
   return mesh;
 }
 
-forcelayer::Part soup_of(const Mesh& mesh) {
-  const Assembly assembly{{mesh}, {{0, "scene", {}}}, 1, 0, {}};
-  const PartInput input{&assembly, 1};
-  return value_of(assemble_part({&input, 1}));
+forcelayer::part::Part soup_of(const mesh::Mesh& mesh) {
+  const mesh::Assembly assembly{{mesh}, {{0, "scene", {}}}, 1, 0, {}};
+  const part::PartInput input{&assembly, 1};
+  return value_of(part::assemble_part({&input, 1}));
 }
 
 // Cuts a triangle at its longest side until no side is longer.
@@ -108,7 +108,7 @@ PairPart::PairPart(const MeshPair& pair, double voxel_size_m)
     : mesh(pair.part), shell(stress::BakedPart(pair.part, voxel_size_m).open()) {
   const PshellView view = shell.view();
   const auto& center = shell.header().center_m;
-  for (Vec3d& v : mesh.vertices) {
+  for (mesh::Vec3d& v : mesh.vertices) {
     for (std::size_t d = 0; d < 3; ++d) v[d] -= center[d];
   }
   const double mean = shell.header().area_m2 / static_cast<double>(view.point_count);
@@ -120,7 +120,7 @@ PairPart::PairPart(const MeshPair& pair, double voxel_size_m)
   tested.covering_radius_m = shell.header().covering_radius_m;
   tested.radius_m = shell.header().bounding_radius_m;
   tested.area_m2 = shell.header().area_m2;
-  for (const Triangle& t : mesh.triangles) {
+  for (const mesh::Triangle& t : mesh.triangles) {
     cut(glm_of(mesh.vertices[t[0]]), glm_of(mesh.vertices[t[1]]), glm_of(mesh.vertices[t[2]]),
         kFineVoxels * voxel_size_m, fine_m, fine_area);
   }
@@ -134,7 +134,7 @@ PairCase::PairCase(const MeshPair& pair, const PairPart& part, double voxel_size
       s_(voxel_size_m),
       kind_(kind),
       soup_(soup_of(pair.scene)),
-      tree_(std::make_unique<TriangleTree>(soup_)),
+      tree_(std::make_unique<part::TriangleTree>(soup_)),
       world_from_scene_turn_(random_turn(random)),
       reach_m_(2 * longest_side(pair.scene) + part.tested.radius_m) {
   check_tree(random);
@@ -160,10 +160,10 @@ void PairCase::check_tree(std::mt19937_64& random) const {
     const glm::dvec3 place =
         glm_of(soup_.vertices[some(random)]) + 10.0 * s_ * random_direction(random);
     double least2 = 1e300;
-    for (const Triangle& t : soup_.triangles) {
-      const Vec3 on = nearest_on_triangle(vec3_of(place), soup_.vertices[t[0]],
-                                          soup_.vertices[t[1]], soup_.vertices[t[2]]);
-      least2 = std::min(least2, length_squared(on - vec3_of(place)));
+    for (const mesh::Triangle& t : soup_.triangles) {
+      const part::Vec3 on = part::nearest_on_triangle(vec3_of(place), soup_.vertices[t[0]],
+                                                      soup_.vertices[t[1]], soup_.vertices[t[2]]);
+      least2 = std::min(least2, part::length_squared(on - vec3_of(place)));
     }
     if (std::abs(std::sqrt(least2) - foot(place).distance_m) > 1e-12) {
       throw std::runtime_error(pair_.name + ": the tree's distance is not that of all triangles");
@@ -196,7 +196,7 @@ double PairCase::advanced_to(double height_m, double distance_m) {
 
 bool PairCase::approach(std::mt19937_64& random) {
   std::uniform_int_distribution<std::size_t> some(0, soup_.triangles.size() - 1);
-  const Triangle& t = soup_.triangles[some(random)];
+  const mesh::Triangle& t = soup_.triangles[some(random)];
   aim_m_ = glm_of(soup_.vertices[t[0]]);
   line_ = random_direction(random);
   turn_ = random_turn(random);
@@ -285,7 +285,7 @@ void PairCase::place(std::mt19937_64& random) {
   for (std::size_t i = 0; i < kShifts; ++i) {
     const double x = share(random), y = share(random), z = share(random);
     const Pose world_from_scene{glm::dvec3(x, y, z) * s_, world_from_scene_turn_};
-    Mesh placed;
+    mesh::Mesh placed;
     stress::append(placed, pair_.scene, world_from_scene);
     placings_.push_back({world_from_scene, stress::BakedScene(placed, s_).open(kind_),
                          distances_around(world_from_scene)});
@@ -325,7 +325,7 @@ std::vector<Pose> PairCase::frames() const {
   return poses;
 }
 
-Mesh PairCase::offset_mesh() const {
+mesh::Mesh PairCase::offset_mesh() const {
   // What can come near: around the part where it touches.
   const Pose pose = at_height(heights_m_.front());
   glm::dvec3 low(1e300), high(-1e300);
@@ -353,7 +353,7 @@ Mesh PairCase::offset_mesh() const {
   std::vector<openvdb::Vec3s> vertices;
   std::vector<openvdb::Vec4I> quads;
   openvdb::tools::volumeToMesh(*grid, vertices, quads, middle_m_ / cell_m);
-  Mesh mesh;
+  mesh::Mesh mesh;
   mesh.single_precision = false;
   for (const openvdb::Vec3s& v : vertices) {
     const glm::dvec3 place = glm::dvec3(v.x(), v.y(), v.z()) * cell_m + (low + high) / 2.0;
@@ -363,7 +363,7 @@ Mesh PairCase::offset_mesh() const {
     const glm::dvec3 p = glm_of(mesh.vertices[a]), q = glm_of(mesh.vertices[b]),
                      r = glm_of(mesh.vertices[c]);
     const bool out = glm::dot(glm::cross(q - p, r - p), foot((p + q + r) / 3.0).direction) >= 0;
-    mesh.triangles.push_back(out ? Triangle{a, b, c} : Triangle{a, c, b});
+    mesh.triangles.push_back(out ? mesh::Triangle{a, b, c} : mesh::Triangle{a, c, b});
   };
   for (const openvdb::Vec4I& q : quads) {
     add(q[0], q[1], q[2]);
@@ -372,10 +372,10 @@ Mesh PairCase::offset_mesh() const {
   return mesh;
 }
 
-double PairCase::offset_mesh_deviation_m(const Mesh& mesh) const {
+double PairCase::offset_mesh_deviation_m(const mesh::Mesh& mesh) const {
   const Pose pose = at_height(heights_m_.front());
   double largest = 0;
-  for (const Vec3d& v : mesh.vertices) {
+  for (const mesh::Vec3d& v : mesh.vertices) {
     // Near the part alone: at the border of the cut-out the mesh means nothing.
     double to_part2 = 1e300;
     for (std::size_t i = 0; i < near_.size(); i += 8) {

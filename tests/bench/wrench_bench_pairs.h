@@ -24,7 +24,7 @@ namespace forcelayer::bench {
 // A static scene and a part, m, each in its own frame.
 struct MeshPair {
   std::string name;
-  Mesh scene, part;
+  mesh::Mesh scene, part;
 };
 
 // The sample part on the sample scene, and those of the shared models that are there.
@@ -34,7 +34,7 @@ std::vector<MeshPair> mesh_pairs(const std::string& models);
 struct PairPart {
   PairPart(const MeshPair& pair, double voxel_size_m);
 
-  Mesh mesh;                       // about the shell's centre
+  mesh::Mesh mesh;                 // about the shell's center
   Pshell shell;                    // the project's own bake
   AnalyticShell tested;            // the same points, areas over their mean
   std::vector<glm::dvec3> fine_m;  // pieces of the exact surface: their middles
@@ -58,7 +58,7 @@ class PairCase {
   };
   const Placing& placing(std::size_t shift) const { return placings_[shift]; }
 
-  // The wrench at world_from_center with the scene at a shift, world axes, about the centre.
+  // The wrench at world_from_center with the scene at a shift, world axes, about the center.
   using WrenchAt = std::function<Wrench(std::size_t shift, const Pose& world_from_center)>;
   // `by_ten`: the truth too is divided by N/10, N the points that the contact area stands for.
   Quality judge(const WrenchAt& wrench_at, bool by_ten) const;
@@ -69,8 +69,8 @@ class PairCase {
   double middle_m() const { return middle_m_; }
   // The exact offset surface near the contact as a mesh, scene frame, for mesh colliders; and the
   // largest deviation of its vertices from that surface, m.
-  Mesh offset_mesh() const;
-  double offset_mesh_deviation_m(const Mesh& mesh) const;
+  mesh::Mesh offset_mesh() const;
+  double offset_mesh_deviation_m(const mesh::Mesh& mesh) const;
 
  private:
   struct Foot {
@@ -91,11 +91,11 @@ class PairCase {
   const PairPart& part_;
   double s_;
   test::VoxelKind kind_;
-  forcelayer::Part soup_;
-  std::unique_ptr<TriangleTree> tree_;
+  forcelayer::part::Part soup_;
+  std::unique_ptr<part::TriangleTree> tree_;
   glm::dquat world_from_scene_turn_;
   glm::dquat turn_;          // scene_from_center
-  glm::dvec3 aim_m_, line_;  // the centre is at aim + height * line
+  glm::dvec3 aim_m_, line_;  // the center is at aim + height * line
   double reach_m_;
   double thickness_m_ = 0, middle_m_ = 0;
   std::vector<double> heights_m_;  // by depth, the outermost last

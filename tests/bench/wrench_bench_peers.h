@@ -9,7 +9,7 @@
 
 namespace forcelayer::bench {
 
-// A part's and a static scene's wrench by some library. The unit of force is the library's metre of
+// A part's and a static scene's wrench by some library. The unit of force is the library's meter of
 // depth; torque is about the part's origin, world axes.
 class MeshContacts {
  public:
@@ -18,9 +18,9 @@ class MeshContacts {
 };
 
 // FCL 0.7: collide() of OBBRSS trees with all contacts. `scene` in world, `part` in its frame, m.
-std::unique_ptr<MeshContacts> fcl_contacts(const Mesh& scene, const Mesh& part);
+std::unique_ptr<MeshContacts> fcl_contacts(const mesh::Mesh& scene, const mesh::Mesh& part);
 
 // Bullet 3: a GImpact mesh in a static triangle mesh, all contact points, margins of a micrometre.
-std::unique_ptr<MeshContacts> bullet_contacts(const Mesh& scene, const Mesh& part);
+std::unique_ptr<MeshContacts> bullet_contacts(const mesh::Mesh& scene, const mesh::Mesh& part);
 
 }  // namespace forcelayer::bench

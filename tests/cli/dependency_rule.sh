@@ -29,28 +29,72 @@ refuse "formats sees more than the standard library and a checksum" \
 refuse "voxelize sees pointshell or runtime" '#include *[<"](pointshell|runtime)/' "${voxelize[@]}"
 refuse "pointshell sees voxelize or runtime" '#include *[<"](voxelize|runtime)/' "${pointshell[@]}"
 
-# Rooms. A file of ROOM includes files of ROOM and of the rooms behind it, and no others of this project.
+# Rooms. A file of ROOM includes files of ROOM and of the rooms behind it, and no others of this project. A room
+# stands below those that it includes, so that none include each other in a circle. formats/file is of the room
+# formats.
 rooms='
+formats:
 formats/lattice:
-voxelize/masks:     formats/lattice
-voxelize/scan:      formats formats/lattice formats/mesh voxelize/masks
-voxelize/fill:      formats/lattice voxelize/masks
-voxelize/distance:  formats/lattice voxelize/masks voxelize/scan
-voxelize/cache:     formats formats/file formats/lattice formats/mesh voxelize/masks voxelize/fill voxelize/distance
-voxelize/tree:      formats formats/lattice voxelize/masks voxelize/distance voxelize/cache
-voxelize:           formats formats/command formats/mesh voxelize/masks voxelize/scan voxelize/fill voxelize/distance voxelize/cache voxelize/tree
+formats/command:        formats
+runtime/forcelayer:     formats
+runtime/machine:        formats
+voxelize/masks:         formats/lattice
+formats/mesh:           formats formats/command
+formats/voxinfo:        formats formats/command
+runtime/coupling:       runtime/forcelayer
+runtime/examples:       runtime/forcelayer
+runtime/query:          formats runtime/forcelayer runtime/machine
+runtime/viewer/surface: formats formats/command
+voxelize/fill:          formats/lattice voxelize/masks
+formats/mesh/readers:   formats formats/mesh
+pointshell/part:        formats formats/mesh
+runtime/field:          formats runtime/forcelayer runtime/query
+voxelize/scan:          formats formats/lattice formats/mesh voxelize/masks
+pointshell/certificate: pointshell/part
+runtime/model:          formats runtime/coupling runtime/field runtime/forcelayer runtime/machine runtime/query
+voxelize/distance:      formats/lattice voxelize/masks voxelize/scan
+pointshell/sample:      formats formats/lattice pointshell/certificate pointshell/part
+runtime/devices:        formats runtime/coupling runtime/forcelayer runtime/model
+voxelize/cache:         formats formats/lattice formats/mesh voxelize/distance voxelize/fill voxelize/masks
+pointshell/normals:     formats pointshell/part pointshell/sample
+runtime/devices/hid:    formats runtime/coupling runtime/devices runtime/forcelayer runtime/machine
+runtime/devices/plugin: runtime/devices runtime/forcelayer runtime/machine
+runtime/loop:           runtime/coupling runtime/devices runtime/forcelayer runtime/machine runtime/model
+voxelize/tree:          formats formats/lattice voxelize/cache voxelize/distance voxelize/masks
+pointshell:             formats formats/command pointshell/certificate pointshell/normals pointshell/part pointshell/sample
+runtime/run:            formats runtime/field runtime/forcelayer runtime/loop runtime/machine runtime/model
+runtime/stream:         formats runtime/forcelayer runtime/loop runtime/machine runtime/model
+voxelize:               formats formats/command formats/mesh voxelize/cache voxelize/distance voxelize/fill voxelize/masks voxelize/scan voxelize/tree
+runtime/viewer/run:     formats runtime/coupling runtime/field runtime/forcelayer runtime/model runtime/stream
+runtime/voxrun:         formats formats/command runtime/devices runtime/devices/hid runtime/devices/plugin runtime/forcelayer runtime/loop runtime/machine runtime/model runtime/query runtime/run runtime/stream
+runtime/viewer/plan:    formats formats/command formats/mesh runtime/forcelayer runtime/viewer/run runtime/viewer/surface
+runtime/viewer/vtk:     formats formats/command runtime/forcelayer runtime/viewer/plan runtime/viewer/run runtime/viewer/surface
+runtime/viewer:         formats formats/command runtime/viewer/plan runtime/viewer/run runtime/viewer/vtk
 '
+room_of() { case $1 in forcelayer) echo runtime/forcelayer ;; formats/file) echo formats ;; *) echo "$1" ;; esac }
+above=
 while IFS=: read -r room allowed; do
   [ -n "$room" ] || continue
-  mapfile -t files < <(find "$room" -maxdepth 1 \( -name '*.h' -o -name '*.cpp' \))
+  for other in $allowed; do
+    case "$above " in *" $other "*) ;; *) echo "FAILED: room $room stands above $other" >&2; fail=1 ;; esac
+  done
+  above+=" $room"
+  folders=("$room")
+  [ "$room" != formats ] || folders+=(formats/file)
+  mapfile -t files < <(find "${folders[@]}" -maxdepth 1 \( -name '*.h' -o -name '*.cpp' -o -name '*.c' \))
   [ ${#files[@]} -gt 0 ] || { echo "FAILED: no files in room $room" >&2; fail=1; continue; }
+  [ ${#files[@]} -le 30 ] || { echo "FAILED: ${#files[@]} files in room $room: it is two" >&2; fail=1; }
   while read -r file included; do
-    other=$(dirname "$included")
+    other=$(room_of "$(dirname "$included")")
     case " $room $allowed " in *" $other "*) continue ;; esac
     echo "FAILED: $file includes $included: room $room does not include room $other" >&2
     fail=1
   done < <(grep -HoE '^#include "[^"]+/[^"]+"' "${files[@]}" | sed -E 's/:#include "(.*)"/ \1/')
 done <<<"$rooms"
+# Each folder with sources is a room of the table.
+while read -r folder; do
+  case "$above " in *" $(room_of "$folder") "*) ;; *) echo "FAILED: $folder is no room of the table" >&2; fail=1 ;; esac
+done < <(sources formats voxelize pointshell runtime | grep -v /firmware/ | xargs -n1 dirname | sort -u)
 
 hidapi_users=$(sources runtime | xargs grep -lE '#include *[<"](hidapi/)?hidapi' | wc -l) || true
 [ "$hidapi_users" -le 1 ] || { echo "FAILED: $hidapi_users files include hidapi.h" >&2; fail=1; }

@@ -69,7 +69,7 @@ cmp -s scene.vox kept.vox || fail "another number of threads gives other bytes"
 echo '0.005 0.005 0.005' | "$bin/voxinfo" sample scene.vox >out
 [ "$(cat out)" = 0 ] || fail "the free seed opened nothing"
 
-# The other kinds of voxels: with Euclidean layers the interior is what has its centre less than 1.867
+# The other kinds of voxels: with Euclidean layers the interior is what has its center less than 1.867
 # voxels from the cube, 14^3 voxels but for the rows along its twelve edges; and distances count from
 # 2.867 voxels off.
 "$bin/voxelize" cube.obj --units cm --voxel-size 1mm -o scene.vox --quiet --metric euclidean --json report.json || fail "euclidean"

@@ -78,7 +78,7 @@ assert abs(shown["t_s"] - 2.2) < 0.002, shown
 for name in ("points_proximity", "points_surface", "points_interior", "contacts"):
     assert int(row[name]) == shown[name], (name, row[name], shown)
 assert int(row["contacts"]) > 0
-# Poses are written to the last bit, depths computed in single precision about the same centre.
+# Poses are written to the last bit, depths computed in single precision about the same center.
 assert abs(float(row["depth_m"]) - shown["deepest_m"]) < 1e-7, (row["depth_m"], shown)
 END
 done

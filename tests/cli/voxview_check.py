@@ -20,8 +20,8 @@ STYLE = pathlib.Path(__file__).resolve().parents[2] / "runtime/viewer/plan/style
 INTERIOR, SURFACE, PROXIMITY = 1, 2, 3
 
 
-def colour(name):
-    """A colour of runtime/viewer/plan/style.h as three bytes."""
+def color(name):
+    """A color of runtime/viewer/plan/style.h as three bytes."""
     numbers = re.search(rf"k{name}Color = {{([^}}]*)}}", STYLE.read_text()).group(1)
     return numpy.round(255 * numpy.array([float(n) for n in numbers.split(",")]))
 
@@ -55,7 +55,7 @@ class Picture:
 
         return low(self.right) * self.pitch + width // 2, low(self.up) * self.pitch + height // 2
 
-    def paint(self, voxels, colours):
+    def paint(self, voxels, colors):
         """The picture that these voxels should give, nearest to the eye on top."""
         expected = numpy.full(self.pixels.shape, 255.0)
         order = numpy.argsort(voxels @ self.eye, kind="stable")
@@ -64,11 +64,11 @@ class Picture:
         assert columns.max() + self.pitch <= expected.shape[1]
         assert rows.max() + self.pitch <= expected.shape[0]
         for n in order:
-            expected[rows[n]:rows[n] + self.pitch, columns[n]:columns[n] + self.pitch] = colours[n]
+            expected[rows[n]:rows[n] + self.pitch, columns[n]:columns[n] + self.pitch] = colors[n]
         return expected
 
-    def compare(self, voxels, colours):
-        expected = self.paint(voxels, colours)
+    def compare(self, voxels, colors):
+        expected = self.paint(voxels, colors)
         wrong = (expected != self.pixels).any(axis=2)
         shown = (expected != 255).any(axis=2).sum() // self.pitch ** 2
         print(f"{shown} columns of voxels in the picture, {wrong.sum()} wrong pixels")
@@ -77,11 +77,11 @@ class Picture:
 
 
 def check_layer(picture, csv, value):
-    """One layer alone: every column that holds such a voxel, and no other, has its colour."""
+    """One layer alone: every column that holds such a voxel, and no other, has its color."""
     voxels = read_voxels(csv)
     name = {INTERIOR: "Interior", SURFACE: "ForceLayer", PROXIMITY: "Proximity"}[value]
     chosen = voxels[voxels[:, 3] == value][:, :3]
-    picture.compare(chosen, numpy.tile(colour(name), (len(chosen), 1)))
+    picture.compare(chosen, numpy.tile(color(name), (len(chosen), 1)))
 
 
 def check_cut(picture, csv, axis, index):
@@ -89,7 +89,7 @@ def check_cut(picture, csv, axis, index):
     voxels = read_voxels(csv)
     left = voxels[voxels[:, axis] <= index]
     # Proximity over the force layer over interior: below the cut the outermost surface is seen.
-    table = numpy.array([colour("Interior"), colour("ForceLayer"), colour("Proximity")])
+    table = numpy.array([color("Interior"), color("ForceLayer"), color("Proximity")])
     picture.compare(left[:, :3], table[left[:, 3] - 1])
 
 
@@ -100,8 +100,8 @@ def check_change(picture, before, after):
     counts = {"added": len(added), "removed": len(removed), "kept": len(sets[0] & sets[1])}
     assert picture.facts["change"] == counts, (picture.facts["change"], counts)
     assert added and removed
-    colours = ([colour("Added")] * len(added)) + ([colour("Removed")] * len(removed))
-    picture.compare(numpy.array(added + removed), numpy.array(colours))
+    colors = ([color("Added")] * len(added)) + ([color("Removed")] * len(removed))
+    picture.compare(numpy.array(added + removed), numpy.array(colors))
 
 
 def main():

@@ -161,13 +161,13 @@ class Screen:
         return self.wait(lambda now: (now == before).all(), what)
 
 
-def colour(name):
+def color(name):
     numbers = re.search(rf"k{name}Color = {{([^}}]*)}}", STYLE.read_text()).group(1)
     return numpy.round(255 * numpy.array([float(n) for n in numbers.split(",")]))
 
 
 def count(picture, name):
-    return int((abs(picture - colour(name)) <= 1).all(axis=2).sum())
+    return int((abs(picture - color(name)) <= 1).all(axis=2).sum())
 
 
 def viewer(screen, *arguments, stderr=None):

@@ -1,6 +1,6 @@
 // What every fuzz target shares. A target defines LLVMFuzzerTestOneInput: it reads the bytes as one
 // input of the project and checks what a reader promises; anything wrong aborts. libFuzzer drives
-// it (scripts/fuzz.sh), and replay.cpp runs it over its corpus in the normal tests.
+// it (scripts/fuzz.py), and replay.cpp runs it over its corpus in the normal tests.
 #pragma once
 
 #include <cstddef>

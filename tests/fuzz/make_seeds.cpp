@@ -25,7 +25,7 @@ void seed(const std::string& target, const std::string& name, std::string_view b
 }
 
 void mesh_seeds() {
-  const Mesh mesh = cube();
+  const mesh::Mesh mesh = cube();
   seed("stl", "binary", as_stl_binary(mesh));
   seed("stl", "ascii", as_stl_ascii(mesh));
   seed("obj", "cube", as_obj(mesh));
@@ -43,7 +43,7 @@ void mesh_seeds() {
   seed("om", "cube", as_om(om_mesh));
   seed("om", "version_1_2", as_om_1_2(mesh));
   seed("drc", "sequential", as_drc(mesh));
-  seed("drc", "quantised", as_drc(mesh, {.position_bits = 10}));
+  seed("drc", "quantized", as_drc(mesh, {.position_bits = 10}));
   seed("drc", "edgebreaker", as_drc(mesh, {.position_bits = 10, .edgebreaker = true}));
 }
 
@@ -89,7 +89,7 @@ void hid_seeds() {
   seed("hid_descriptor", "combined", text(combined_spacemouse()));
 
   const auto report = [](const char* name, const std::uint8_t* bytes) {
-    seed("hid_report", name, {reinterpret_cast<const char*>(bytes), kHapticReportBytes});
+    seed("hid_report", name, {reinterpret_cast<const char*>(bytes), devices::kHapticReportBytes});
   };
   HapticFirmware device;
   HapticDeviceRatings ratings{};
@@ -102,15 +102,15 @@ void hid_seeds() {
   std::uint8_t answer[HAPTIC_REPORT_BYTES];
   haptic_next_report(&device, &reading, 1, answer);
   report("state", answer);
-  const HapticReport hello = encode_hello(1, 2);
+  const devices::HapticReport hello = devices::encode_hello(1, 2);
   report("hello", hello.data());
   haptic_receive(&device, hello.data(), hello.size(), 3);
   haptic_next_report(&device, &reading, 4, answer);
   report("capabilities", answer);
-  HapticCommand command;
+  devices::HapticCommand command;
   command.motors_on = true;
   command.wrench.force_n = {1, 2, 3};
-  report("command", encode_command(command).data());
+  report("command", devices::encode_command(command).data());
 }
 
 }  // namespace

@@ -4,7 +4,7 @@
 // A part is pressed on a floor, thrown into a wall, turned there, led over a step and lifted off.
 // Scene, part and hand are computed here (golden_sequence.h). The step itself calls sin, cos, atan2
 // and exp of the C library, whose last bits depend on whether the processor has FMA. The library is
-// recognised by a hash of those functions' own results; with an unknown one the test is skipped.
+// recognized by a hash of those functions' own results; with an unknown one the test is skipped.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -125,7 +125,7 @@ void expect_motion(Voxmap voxmap, ForceKind force, std::uint64_t with_fma,
   auto run = open_run(std::move(voxmap), make_pshell(part()), {});
   ASSERT_TRUE(run) << to_line(run.error());
   ASSERT_EQ(run->parameters().force, force);
-  Simulation& simulation = run->simulation();
+  model::Simulation& simulation = run->simulation();
   State state = simulation.registered(hand_at(0), hand_at(0));
   GoldenHash hash;
   int touching = 0, saturated = 0;

@@ -54,7 +54,8 @@ Parameters parameters() {
 }
 
 TEST(PaperGolden, WrenchesOfFourHundredPosesKeepTheirBits) {
-  auto simulation = Simulation::create(make_voxmap(scene()), make_pshell(part()), parameters());
+  auto simulation =
+      model::Simulation::create(make_voxmap(scene()), make_pshell(part()), parameters());
   ASSERT_TRUE(simulation) << to_line(simulation.error());
   Sequence random;
   GoldenHash hash;

@@ -32,7 +32,7 @@ constexpr Golden kGolden[] = {
     {"near voxels", 2, "90bd1485eae1eddd72590f4c2a8fca18"},
 };
 
-void expect_golden(const std::string& stage, std::uint64_t version, const Digest& found) {
+void expect_golden(const std::string& stage, std::uint64_t version, const cache::Digest& found) {
   for (const Golden& golden : kGolden) {
     if (golden.stage != stage || golden.version != version) continue;
     EXPECT_EQ(found.hex(), golden.digest)
@@ -46,16 +46,16 @@ void expect_golden(const std::string& stage, std::uint64_t version, const Digest
 
 // A mesh that is the same on every machine: the generator's raw numbers, no distribution. Slivers,
 // large and small triangles, and three nested boxes that enclose cavities; in units of 1/64.
-Mesh golden_mesh(std::uint64_t seed) {
-  Mesh mesh;
+mesh::Mesh golden_mesh(std::uint64_t seed) {
+  mesh::Mesh mesh;
   std::mt19937_64 random(seed);
   const auto number = [&](std::uint64_t below) { return static_cast<double>(random() % below); };
   for (int n = 0; n < 400; ++n) {
     const double reach = std::array{64., 300., 2000., 6000.}[n % 4];
-    const Vec3d at = {number(6000), number(6000), number(6000)};
+    const mesh::Vec3d at = {number(6000), number(6000), number(6000)};
     const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
     for (int k = 0; k < 3; ++k) {
-      Vec3d vertex;
+      mesh::Vec3d vertex;
       for (std::size_t d = 0; d < 3; ++d) {
         vertex[d] = (at[d] + number(static_cast<std::uint64_t>(reach))) / 64;
       }
@@ -68,7 +68,7 @@ Mesh golden_mesh(std::uint64_t seed) {
   for (const double size : {45.0, 33.25, 20.5}) {
     const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
     for (unsigned n = 0; n < 8; ++n) {
-      Vec3d corner;
+      mesh::Vec3d corner;
       for (std::size_t d = 0; d < 3; ++d) corner[d] = 140 + (n >> d & 1 ? size : -size);
       mesh.vertices.push_back(corner);
     }
@@ -81,27 +81,27 @@ Mesh golden_mesh(std::uint64_t seed) {
 }
 
 // Longer than 512 voxels, beyond which triangles are tested in wider integers.
-Mesh golden_sliver() {
-  Mesh mesh;
+mesh::Mesh golden_sliver() {
+  mesh::Mesh mesh;
   mesh.vertices = {{0, 0, 0}, {800.25, 9.5, 20}, {790, 1.75, 3}};
   mesh.triangles = {{0, 1, 2}};
   return mesh;
 }
 
 // Turned by the angle of a 3-4-5 triangle, in voxels of 1 m.
-std::vector<SceneObject> golden_objects(const std::vector<Mesh>& meshes) {
-  Affine turned;
+std::vector<voxelize::SceneObject> golden_objects(const std::vector<mesh::Mesh>& meshes) {
+  mesh::Affine turned;
   turned.linear = {0.8, -0.6, 0, 0.6, 0.8, 0, 0, 0, 1};
   turned.translation = {-31.125, 17.75, 1000.5};
-  std::vector<SceneObject> objects;
-  for (const Mesh& mesh : meshes) {
-    objects.push_back({"object", &mesh, objects.empty() ? Affine{} : turned, {}, 0});
+  std::vector<voxelize::SceneObject> objects;
+  for (const mesh::Mesh& mesh : meshes) {
+    objects.push_back({"object", &mesh, objects.empty() ? mesh::Affine{} : turned, {}, 0});
   }
   return objects;
 }
 
-BakeOptions golden_options(std::uint32_t layers) {
-  BakeOptions options;
+voxelize::BakeOptions golden_options(std::uint32_t layers) {
+  voxelize::BakeOptions options;
   options.voxel_size_m = 1;
   options.layers = layers;
   options.find_cavities = true;
@@ -110,7 +110,7 @@ BakeOptions golden_options(std::uint32_t layers) {
 }
 
 // Every voxel's value, whatever the tree looks like.
-void add_values(DigestBuilder& digest, const BakedScene& scene) {
+void add_values(cache::DigestBuilder& digest, const BakedScene& scene) {
   const VoxmapHeader& header = scene.map().header();
   std::vector<std::uint8_t> row(header.dims_voxels[2]);
   const auto& [x0, y0, z0] = header.origin_voxel;
@@ -128,7 +128,7 @@ void add_values(DigestBuilder& digest, const BakedScene& scene) {
 
 // Every reader through the sample data: STL, OBJ, PLY, OFF, glTF.
 TEST(CacheVersions, OfAssembliesAndFacts) {
-  DigestBuilder meshes, facts;
+  cache::DigestBuilder meshes, facts;
   std::vector<std::filesystem::path> files;
   for (const auto& entry :
        std::filesystem::directory_iterator(FORCELAYER_SOURCE_DIR "/sample_data")) {
@@ -139,11 +139,11 @@ TEST(CacheVersions, OfAssembliesAndFacts) {
   std::sort(files.begin(), files.end());
   ASSERT_GE(files.size(), 7u);
   for (const auto& file : files) {
-    const auto assembly = read_assembly(file.string());
+    const auto assembly = mesh::read_assembly(file.string());
     ASSERT_TRUE(assembly) << to_line(assembly.error());
-    for (const Mesh& mesh : assembly->meshes) {
-      meshes.value(outline_of(mesh).digest());
-      const MeshFacts f = mesh_facts(mesh);
+    for (const mesh::Mesh& mesh : assembly->meshes) {
+      meshes.value(cache::outline_of(mesh).digest());
+      const mesh::MeshFacts f = mesh::mesh_facts(mesh);
       for (const std::uint64_t count :
            {f.triangles, f.vertices, f.distinct_vertices, f.degenerate_triangles,
             f.duplicate_triangles, f.boundary_edges, f.non_manifold_edges, f.flipped_edges}) {
@@ -153,7 +153,7 @@ TEST(CacheVersions, OfAssembliesAndFacts) {
         facts.value(x);
       }
     }
-    for (const MeshInstance& instance : assembly->instances) {
+    for (const mesh::MeshInstance& instance : assembly->instances) {
       meshes.value(std::uint64_t{instance.mesh}).text(instance.name);
       for (const double x : instance.assembly_from_mesh.linear) meshes.value(x);
       for (const double x : instance.assembly_from_mesh.translation) meshes.value(x);
@@ -161,18 +161,18 @@ TEST(CacheVersions, OfAssembliesAndFacts) {
     meshes.value(assembly->meters_per_unit.value_or(0)).value(assembly->deviation_units);
     for (const std::string& warning : assembly->warnings) meshes.text(warning);
   }
-  expect_golden("assembly", kAssemblyCacheVersion, meshes.finish());
-  expect_golden("facts", kFactsCacheVersion, facts.finish());
+  expect_golden("assembly", cache::kAssemblyCacheVersion, meshes.finish());
+  expect_golden("facts", cache::kFactsCacheVersion, facts.finish());
 }
 
 // G and I: the plain classification, read voxel by voxel whatever the tree looks like.
 TEST(CacheVersions, OfObjects) {
-  const std::vector<Mesh> meshes = {golden_sliver(), golden_mesh(1), golden_mesh(2)};
-  DigestBuilder digest;
-  for (const SceneObject& object : golden_objects(meshes)) {
-    const auto baked = bake(std::span(&object, 1), golden_options(0));
+  const std::vector<mesh::Mesh> meshes = {golden_sliver(), golden_mesh(1), golden_mesh(2)};
+  cache::DigestBuilder digest;
+  for (const voxelize::SceneObject& object : golden_objects(meshes)) {
+    const auto baked = voxelize::bake(std::span(&object, 1), golden_options(0));
     ASSERT_TRUE(baked) << to_line(baked.error());
-    const ObjectReport& report = baked->objects[0];
+    const voxelize::ObjectReport& report = baked->objects[0];
     if (report.triangles > 1) {
       ASSERT_GT(report.cavity_count, 2u);
       ASSERT_GT(report.degenerate_triangles, 0u);
@@ -182,46 +182,46 @@ TEST(CacheVersions, OfObjects) {
           report.interior_voxels, report.cavity_count}) {
       digest.value(count);
     }
-    for (const Cavity& cavity : report.cavities) {
+    for (const fill::Cavity& cavity : report.cavities) {
       digest.value(cavity.voxels);
       for (const std::int64_t x : cavity.seed_voxel) digest.value(x);
     }
     add_values(digest, BakedScene({object}, golden_options(0)));
   }
-  expect_golden("part", kObjectCacheVersion, digest.finish());
+  expect_golden("part", cache::kObjectCacheVersion, digest.finish());
 }
 
 // Surfaces grown by Euclidean distance, among them a needle that points at the center of a voxel.
 TEST(CacheVersions, OfGrownSurfaces) {
-  Mesh needle;
+  mesh::Mesh needle;
   constexpr double kUnit = 1.0 / 1024;
   needle.vertices = {{14738 * kUnit, 26002 * kUnit, 52626 * kUnit},
                      {-19131 * kUnit, -7867 * kUnit, 18757 * kUnit},
                      {-19131 * kUnit, -7866 * kUnit, 18757 * kUnit}};
   needle.triangles = {{0, 1, 2}};
-  const std::vector<Mesh> meshes = {needle, golden_sliver(), golden_mesh(1), golden_mesh(2)};
-  BakeOptions options = golden_options(2);
+  const std::vector<mesh::Mesh> meshes = {needle, golden_sliver(), golden_mesh(1), golden_mesh(2)};
+  voxelize::BakeOptions options = golden_options(2);
   options.metric = Metric::kEuclidean;
-  DigestBuilder digest;
-  for (const SceneObject& object : golden_objects(meshes)) {
+  cache::DigestBuilder digest;
+  for (const voxelize::SceneObject& object : golden_objects(meshes)) {
     add_values(digest, BakedScene({object}, options));
   }
-  expect_golden("near voxels", kGrowthCacheVersion, digest.finish());
+  expect_golden("near voxels", cache::kGrowthCacheVersion, digest.finish());
 }
 
 // The finished tree, bricks and clearance included.
 TEST(CacheVersions, OfNodes) {
-  const std::vector<Mesh> meshes = {golden_sliver(), golden_mesh(1), golden_mesh(2)};
-  DigestBuilder digest;
+  const std::vector<mesh::Mesh> meshes = {golden_sliver(), golden_mesh(1), golden_mesh(2)};
+  cache::DigestBuilder digest;
   for (const std::uint32_t layers : {0u, 1u, 2u, 5u}) {
-    const auto baked = bake(golden_objects(meshes), golden_options(layers));
+    const auto baked = voxelize::bake(golden_objects(meshes), golden_options(layers));
     ASSERT_TRUE(baked) << to_line(baked.error());
     for (const auto* words :
          {&baked->directory, &baked->upper_nodes, &baked->lower_nodes, &baked->bricks}) {
       digest.bytes(std::as_bytes(std::span(*words)));
     }
   }
-  expect_golden("node", kNodeCacheVersion, digest.finish());
+  expect_golden("node", cache::kNodeCacheVersion, digest.finish());
 }
 
 }  // namespace

@@ -11,29 +11,29 @@ namespace {
 
 // A tilted wedge that is closed, with a sheet beside it; coordinates in 1/64 voxel of 1 mm, so that
 // they are the same on every machine. The far voxels of the widest kind stay in one node.
-Mesh golden_scene() {
+mesh::Mesh golden_scene() {
   constexpr double kUnit = 0.001 / 64;
-  Mesh mesh;
+  mesh::Mesh mesh;
   mesh.vertices = {{1301, 1283, 1290}, {1795, 1340, 1333}, {1380, 1740, 1405}, {1455, 1420, 1801},
                    {1960, 1500, 1310}, {1980, 1910, 1350}, {1900, 1530, 1777}};
-  for (Vec3d& vertex : mesh.vertices)
+  for (mesh::Vec3d& vertex : mesh.vertices)
     for (double& x : vertex) x *= kUnit;
   mesh.triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}, {4, 5, 6}};
   return mesh;
 }
 
-std::vector<std::byte> baked(BakeOptions options) {
-  const Mesh mesh = golden_scene();
-  const SceneObject object{"object", &mesh, Affine{}, {}, 0};
+std::vector<std::byte> baked(voxelize::BakeOptions options) {
+  const mesh::Mesh mesh = golden_scene();
+  const voxelize::SceneObject object{"object", &mesh, mesh::Affine{}, {}, 0};
   options.voxel_size_m = 0.001;
   options.threads = 2;
-  const auto result = bake(std::span(&object, 1), options);
+  const auto result = voxelize::bake(std::span(&object, 1), options);
   if (!result) throw std::runtime_error(to_line(result.error()));
   return voxmap_bytes(result->content("{}"));
 }
 
-BakeOptions wide(std::uint32_t bits) {
-  BakeOptions options;
+voxelize::BakeOptions wide(std::uint32_t bits) {
+  voxelize::BakeOptions options;
   options.metric = Metric::kEuclidean;
   options.bits = bits;
   return options;
@@ -52,7 +52,7 @@ TEST(GoldenKinds, EightBits) {
 }
 
 TEST(GoldenKinds, SoftCovering) {
-  BakeOptions options = wide(8);
+  voxelize::BakeOptions options = wide(8);
   options.compliance = {{0.001, 0.5}, {0.0025, 4}};
   testing::expect_golden_bytes("baked_covered8.vox", baked(options));
 }

@@ -18,12 +18,12 @@ constexpr int kPatienceMs = 20'000;
 
 // A host that reads and writes once a millisecond until `done`.
 template <typename Done>
-bool host_runs(Device& host, const Wrench& wrench, DeviceSample& sample, Done done) {
+bool host_runs(devices::Device& host, const Wrench& wrench, DeviceSample& sample, Done done) {
   static double time_s = 0;
-  long long tick_ns = monotonic_ns();
+  long long tick_ns = machine::monotonic_ns();
   for (int i = 0; i < kPatienceMs; ++i) {
-    tick_ns = std::max(tick_ns + kMs, monotonic_ns() - kMs);
-    sleep_until_ns(tick_ns);
+    tick_ns = std::max(tick_ns + kMs, machine::monotonic_ns() - kMs);
+    machine::sleep_until_ns(tick_ns);
     sample = host.read(time_s += 0.001);
     host.write(wrench);
     if (done()) return true;
@@ -32,10 +32,10 @@ bool host_runs(Device& host, const Wrench& wrench, DeviceSample& sample, Done do
 }
 
 // udev and the driver take their time to show what was plugged in.
-Status start_soon(Device& device) {
+Status start_soon(devices::Device& device) {
   Status status = device.start();
   for (int i = 0; i < 100 && !status && status.error().code == ErrorCode::kDeviceNotFound; ++i) {
-    sleep_until_ns(monotonic_ns() + 20 * kMs);
+    machine::sleep_until_ns(machine::monotonic_ns() + 20 * kMs);
     status = device.start();
   }
   return status;
@@ -54,7 +54,7 @@ struct HidVm : testing::Test {
   }
 
   UhidHapticUnit unit;
-  HidDevice host{make_hid_bus(), {}};
+  devices::HidDevice host{devices::make_hid_bus(), {}};
   DeviceSample sample;
   const Wrench push{{1, -2, 3}, {0.01, 0, 0}};
 };
@@ -63,21 +63,21 @@ TEST_F(HidVm, IsFoundByUsageNameSerialAndPath) {
   const Status started = start_soon(host);
   ASSERT_TRUE(started) << to_line(started.error());
   host.stop();
-  const auto bus = make_hid_bus();
-  const auto found = find_hid_device(*bus, {}, {}, kHapticUsage, "device");
+  const auto bus = devices::make_hid_bus();
+  const auto found = devices::find_hid_device(*bus, {}, {}, devices::kHapticUsage, "device");
   ASSERT_TRUE(found) << to_line(found.error());
   EXPECT_EQ(found->vendor, UhidHapticUnit::kVendor);
   EXPECT_EQ(found->product, UhidHapticUnit::kProduct);
   EXPECT_EQ(found->serial, "VM-1");
   EXPECT_EQ(found->product_name, "Forcelayer virtual haptic device");
-  EXPECT_EQ(found->usage, kHapticUsage);
+  EXPECT_EQ(found->usage, devices::kHapticUsage);
   for (const std::string& name :
        {std::string("16c0:0486"), std::string("16c0:486:VM-1"), found->path}) {
-    HidDevice named(make_hid_bus(), *parse_hid_selector(name));
+    devices::HidDevice named(devices::make_hid_bus(), *devices::parse_hid_selector(name));
     const Status status = named.start();
     EXPECT_TRUE(status) << name << ": " << to_line(status.error());
   }
-  HidDevice other(make_hid_bus(), *parse_hid_selector("16c0:0486:VM-2"));
+  devices::HidDevice other(devices::make_hid_bus(), *devices::parse_hid_selector("16c0:0486:VM-2"));
   EXPECT_EQ(other.start().error().code, ErrorCode::kDeviceNotFound);
 }
 
@@ -93,7 +93,7 @@ TEST_F(HidVm, AnswersEveryReportOfAOneKilohertzStream) {
     last = static_cast<std::uint32_t>(sample.sequence);
     return fresh == 5000;
   }));
-  const HidStatistics statistics = host.statistics();
+  const devices::HidStatistics statistics = host.statistics();
   host.stop();
   std::vector<bool> answered(last - first + 1);
   const auto log = unit.device.log();
@@ -157,7 +157,7 @@ TEST_F(HidVm, AFrozenDeviceGivesNoFreshPoseAndItsReason) {
 
 TEST_F(HidVm, ALoopThatStandsStillIsFadedOut) {
   felt();
-  sleep_until_ns(monotonic_ns() + 200 * kMs);
+  machine::sleep_until_ns(machine::monotonic_ns() + 200 * kMs);
   EXPECT_TRUE(is_zero(unit.device.motors()));
   sample = host.read(0);
   EXPECT_TRUE(sample.output_held);
@@ -169,13 +169,13 @@ TEST(HidVmStart, RefusesAWrongDescriptor) {
   wrong[15] = 0x20;  // reports of 32 bytes
   const UhidDevice device({"Not haptic", "VM-9", 0x16c0, 0x0487}, wrong, [](auto) {});
   ASSERT_TRUE(device.created());
-  HidDevice host(make_hid_bus(), {0x16c0, 0x0487, "", ""});
+  devices::HidDevice host(devices::make_hid_bus(), {0x16c0, 0x0487, "", ""});
   const Status status = start_soon(host);
   ASSERT_FALSE(status);
   EXPECT_EQ(status.error().code, ErrorCode::kDeviceRefused);
   EXPECT_NE(to_line(status.error()).find("report descriptor"), std::string::npos);
   std::printf("refusal: %s\n", to_line(status.error()).c_str());
-  HidDevice silent(make_hid_bus(), {});  // by its usage it looks right
+  devices::HidDevice silent(devices::make_hid_bus(), {});  // by its usage it looks right
   EXPECT_EQ(silent.start().error().code, ErrorCode::kDeviceRefused);
 }
 
@@ -189,7 +189,7 @@ void follow(const UhidIdentity& identity, const Descriptor& descriptor,
     written.emplace_back(report.begin(), report.end());
   });
   ASSERT_TRUE(device->created());
-  SpaceMouse mouse(make_hid_bus(), {}, {});
+  devices::SpaceMouse mouse(devices::make_hid_bus(), {}, {});
   const Status started = start_soon(mouse);
   ASSERT_TRUE(started) << to_line(started.error());
   DeviceSample sample;

@@ -120,10 +120,10 @@ class UhidHapticUnit {
 
  private:
   void run() {
-    (void)take_real_time_priority();  // a microcontroller has nothing else to do either
+    (void)machine::take_real_time_priority();  // a microcontroller has nothing else to do either
     std::array<std::uint8_t, HAPTIC_REPORT_BYTES> report{};
-    for (long long tick_ns = monotonic_ns(); !stop_; tick_ns += 1'000'000) {
-      sleep_until_ns(tick_ns);
+    for (long long tick_ns = machine::monotonic_ns(); !stop_; tick_ns += 1'000'000) {
+      machine::sleep_until_ns(tick_ns);
       if (!device.next_report(report)) continue;
       uhid_->send(report);
       ++sent_;

@@ -90,7 +90,7 @@ struct VoxrunVm : testing::Test {
   bool soon(Done done) {
     for (int i = 0; i < 20'000; ++i) {
       if (done()) return true;
-      sleep_until_ns(monotonic_ns() + kMs);
+      machine::sleep_until_ns(machine::monotonic_ns() + kMs);
     }
     return false;
   }
@@ -216,7 +216,7 @@ TEST(VoxrunVmSpaceMouse, MovesThePartOntoTheWall) {
   std::atomic<bool> stop{false};
   std::thread hand([&] {
     const std::vector<std::uint8_t> down{1, 0, 0, 0, 0, 0x5e, 1, 0, 0, 0, 0, 0, 0};  // all the way
-    for (; !stop; sleep_until_ns(monotonic_ns() + 10 * kMs)) cap.send(down);
+    for (; !stop; machine::sleep_until_ns(machine::monotonic_ns() + 10 * kMs)) cap.send(down);
   });
   Voxrun run(
       "--device spacemouse --world-from-device 0.1,0.1,0.1 --duration 1s --record cap.flr "

@@ -37,13 +37,14 @@ struct Pipe {
   }
 };
 
-ReceivedAssembly sent(const Result<Assembly>& assembly, std::uint64_t max_bytes = kPlenty) {
+mesh::ReceivedAssembly sent(const Result<mesh::Assembly>& assembly,
+                            std::uint64_t max_bytes = kPlenty) {
   Pipe pipe;
   std::thread sender([&] {
-    send_assembly(pipe.ends[1], assembly);
+    mesh::send_assembly(pipe.ends[1], assembly);
     pipe.close_writing();
   });
-  auto received = receive_assembly(pipe.ends[0], max_bytes, soon());
+  auto received = mesh::receive_assembly(pipe.ends[0], max_bytes, soon());
   char rest[4096];
   while (read(pipe.ends[0], rest, sizeof rest) > 0) {
   }
@@ -51,26 +52,26 @@ ReceivedAssembly sent(const Result<Assembly>& assembly, std::uint64_t max_bytes 
   return received;
 }
 
-ReceivedAssembly sent_bytes(const std::string& bytes) {
+mesh::ReceivedAssembly sent_bytes(const std::string& bytes) {
   Pipe pipe;
   if (write(pipe.ends[1], bytes.data(), bytes.size()) != static_cast<ssize_t>(bytes.size())) {
     throw std::runtime_error("a short pipe");
   }
   pipe.close_writing();
-  return receive_assembly(pipe.ends[0], kPlenty, soon());
+  return mesh::receive_assembly(pipe.ends[0], kPlenty, soon());
 }
 
-std::string stream_of(const Result<Assembly>& assembly) {
+std::string stream_of(const Result<mesh::Assembly>& assembly) {
   Pipe pipe;  // holds 64 KiB
-  send_assembly(pipe.ends[1], assembly);
+  mesh::send_assembly(pipe.ends[1], assembly);
   pipe.close_writing();
   std::string bytes(1 << 16, '\0');
   bytes.resize(static_cast<std::size_t>(read(pipe.ends[0], bytes.data(), bytes.size())));
   return bytes;
 }
 
-Assembly two_cubes() {
-  Assembly assembly;
+mesh::Assembly two_cubes() {
+  mesh::Assembly assembly;
   assembly.meshes = {cube(), cube()};
   assembly.meshes[1].single_precision = false;
   assembly.instances = {{0, "a/b", {}}, {1, "", {{2, 0, 0, 0, 3, 0, 0, 0, 4}, {5, 6, 7}}}};
@@ -81,10 +82,10 @@ Assembly two_cubes() {
 }
 
 TEST(AssemblyStream, BringsEverything) {
-  const Assembly assembly = two_cubes();
+  const mesh::Assembly assembly = two_cubes();
   const auto received = sent(assembly);
   ASSERT_TRUE(received.assembly && *received.assembly);
-  const Assembly& got = **received.assembly;
+  const mesh::Assembly& got = **received.assembly;
   ASSERT_EQ(got.meshes.size(), 2u);
   for (std::size_t i = 0; i < 2; ++i) {
     EXPECT_EQ(got.meshes[i].vertices, assembly.meshes[i].vertices);
@@ -105,8 +106,8 @@ TEST(AssemblyStream, BringsEverything) {
 
 TEST(AssemblyStream, BringsLargeMeshes) {
   std::mt19937_64 random(1);
-  Assembly assembly = two_cubes();
-  Mesh& mesh = assembly.meshes[0];
+  mesh::Assembly assembly = two_cubes();
+  mesh::Mesh& mesh = assembly.meshes[0];
   for (int i = 0; i < 1'000'000; ++i) {  // beyond the receiver's first piece
     mesh.vertices.push_back({double(random() % 1000), double(i), 0});
   }
@@ -115,7 +116,7 @@ TEST(AssemblyStream, BringsLargeMeshes) {
   EXPECT_EQ((*received.assembly)->meshes[0].vertices, mesh.vertices);
   const auto refused = sent(assembly, 1'000'000);
   EXPECT_FALSE(refused.assembly);
-  EXPECT_EQ(refused.broken, BrokenStream::kTooLong);
+  EXPECT_EQ(refused.broken, mesh::BrokenStream::kTooLong);
 }
 
 TEST(AssemblyStream, BringsErrors) {
@@ -125,28 +126,28 @@ TEST(AssemblyStream, BringsErrors) {
   EXPECT_EQ(to_line(received.assembly->error()), "a.stl: byte 84: too short; copy it again");
   EXPECT_EQ(received.assembly->error().code, ErrorCode::kMeshIncomplete);
   for (const ErrorCode code : {ErrorCode::kUsage, ErrorCode::kDeviceFailed, ErrorCode(7)}) {
-    EXPECT_EQ(sent(Error{code, "", "", "", ""}).broken, BrokenStream::kNonsense);
+    EXPECT_EQ(sent(Error{code, "", "", "", ""}).broken, mesh::BrokenStream::kNonsense);
   }
 }
 
 TEST(AssemblyStream, KeepsThePromisesOfMeshes) {
   const auto refused = [](const auto& spoil) {
-    Assembly assembly = two_cubes();
+    mesh::Assembly assembly = two_cubes();
     spoil(assembly);
     const auto received = sent(assembly);
-    return !received.assembly && received.broken == BrokenStream::kNonsense;
+    return !received.assembly && received.broken == mesh::BrokenStream::kNonsense;
   };
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  EXPECT_TRUE(refused([](Assembly& a) { a.meshes[0].triangles[3][1] = 8; }));
-  EXPECT_TRUE(refused([](Assembly& a) { a.meshes[1].vertices[7][2] = kNan; }));
-  EXPECT_TRUE(refused([](Assembly& a) { a.instances[1].mesh = 2; }));
+  EXPECT_TRUE(refused([](mesh::Assembly& a) { a.meshes[0].triangles[3][1] = 8; }));
+  EXPECT_TRUE(refused([](mesh::Assembly& a) { a.meshes[1].vertices[7][2] = kNan; }));
+  EXPECT_TRUE(refused([](mesh::Assembly& a) { a.instances[1].mesh = 2; }));
   EXPECT_TRUE(
-      refused([](Assembly& a) { a.instances[0].assembly_from_mesh.linear[4] = kInfinity; }));
+      refused([](mesh::Assembly& a) { a.instances[0].assembly_from_mesh.linear[4] = kInfinity; }));
   EXPECT_TRUE(
-      refused([](Assembly& a) { a.instances[0].assembly_from_mesh.translation[0] = kNan; }));
-  EXPECT_TRUE(refused([](Assembly& a) { a.meters_per_unit = -1; }));
-  EXPECT_TRUE(refused([](Assembly& a) { a.deviation_units = kNan; }));
+      refused([](mesh::Assembly& a) { a.instances[0].assembly_from_mesh.translation[0] = kNan; }));
+  EXPECT_TRUE(refused([](mesh::Assembly& a) { a.meters_per_unit = -1; }));
+  EXPECT_TRUE(refused([](mesh::Assembly& a) { a.deviation_units = kNan; }));
 }
 
 TEST(AssemblyStream, CutOrDamagedIsRefusedOrSound) {
@@ -155,7 +156,7 @@ TEST(AssemblyStream, CutOrDamagedIsRefusedOrSound) {
   for (std::size_t size = 0; size < whole.size(); size += 1 + size % 7) {
     const auto received = sent_bytes(whole.substr(0, size));
     EXPECT_FALSE(received.assembly) << size;
-    EXPECT_EQ(received.broken, BrokenStream::kEnded) << size;
+    EXPECT_EQ(received.broken, mesh::BrokenStream::kEnded) << size;
   }
   const AddressLimit limit(std::uint64_t{128} << 20);
   for (std::size_t at = 0; at < whole.size(); ++at) {
@@ -163,8 +164,8 @@ TEST(AssemblyStream, CutOrDamagedIsRefusedOrSound) {
     bytes[at] = static_cast<char>(~bytes[at]);
     const auto received = sent_bytes(bytes);
     if (!received.assembly || !*received.assembly) continue;
-    for (const Mesh& mesh : (*received.assembly)->meshes) {
-      for (const Triangle& triangle : mesh.triangles) {
+    for (const mesh::Mesh& mesh : (*received.assembly)->meshes) {
+      for (const mesh::Triangle& triangle : mesh.triangles) {
         for (const std::uint32_t corner : triangle) ASSERT_LT(corner, mesh.vertices.size());
       }
     }
@@ -174,15 +175,15 @@ TEST(AssemblyStream, CutOrDamagedIsRefusedOrSound) {
 TEST(AssemblyStream, IsNotWaitedForForEver) {
   const Pipe pipe;
   const auto begin = std::chrono::steady_clock::now();
-  const auto received = receive_assembly(pipe.ends[0], kPlenty, begin + 50ms);
+  const auto received = mesh::receive_assembly(pipe.ends[0], kPlenty, begin + 50ms);
   EXPECT_FALSE(received.assembly);
-  EXPECT_EQ(received.broken, BrokenStream::kTooLate);
+  EXPECT_EQ(received.broken, mesh::BrokenStream::kTooLate);
   EXPECT_GE(std::chrono::steady_clock::now() - begin, 50ms);
 }
 
 // A program that would run itself anew instead of a reader starts nothing.
 TEST(Sandbox, NeedsAMainThatKnowsIt) {
-  const auto read = read_in_sandbox("a.stl", {}, {});
+  const auto read = mesh::read_in_sandbox("a.stl", {}, {});
   ASSERT_FALSE(read);
   EXPECT_EQ(read.error().code, ErrorCode::kInternal);
 }

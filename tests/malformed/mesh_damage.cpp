@@ -23,7 +23,7 @@ struct Sample {
 std::vector<Sample> samples() {
   FloatMesh om_mesh;
   add_square_cube(om_mesh);
-  const Mesh mesh = cube();
+  const mesh::Mesh mesh = cube();
   return {
       {"StlBinary", ".stl", true, as_stl_binary(mesh)},
       {"StlAscii", ".stl", true, as_stl_ascii(mesh)},
@@ -43,20 +43,20 @@ std::vector<Sample> samples() {
 
 class DamagedMesh : public testing::TestWithParam<Sample> {
  protected:
-  Result<Assembly> read(const std::string& bytes) {
+  Result<mesh::Assembly> read(const std::string& bytes) {
     return read_bytes(bytes, GetParam().extension);
   }
 
   // Whatever is read keeps the promises of Mesh.
-  void expect_sound(const Assembly& assembly) {
-    for (const MeshInstance& instance : assembly.instances) {
+  void expect_sound(const mesh::Assembly& assembly) {
+    for (const mesh::MeshInstance& instance : assembly.instances) {
       ASSERT_LT(instance.mesh, assembly.meshes.size());
     }
-    for (const Mesh& mesh : assembly.meshes) {
-      for (const Vec3d& vertex : mesh.vertices) {
+    for (const mesh::Mesh& mesh : assembly.meshes) {
+      for (const mesh::Vec3d& vertex : mesh.vertices) {
         for (const double coordinate : vertex) ASSERT_TRUE(std::isfinite(coordinate));
       }
-      for (const Triangle& triangle : mesh.triangles) {
+      for (const mesh::Triangle& triangle : mesh.triangles) {
         for (const std::uint32_t corner : triangle) ASSERT_LT(corner, mesh.vertices.size());
       }
     }

@@ -8,7 +8,7 @@ namespace {
 
 using namespace test;
 
-void expect_error(const Result<Assembly>& assembly, ErrorCode code, const std::string& where,
+void expect_error(const Result<mesh::Assembly>& assembly, ErrorCode code, const std::string& where,
                   const std::string& fragment) {
   ASSERT_FALSE(assembly) << fragment;
   EXPECT_EQ(assembly.error().code, code) << to_line(assembly.error());
@@ -30,11 +30,11 @@ std::string changed(const std::string& from, const std::string& to,
   return json.replace(place, from.size(), to);
 }
 
-Result<Assembly> read_changed(const std::string& from, const std::string& to) {
+Result<mesh::Assembly> read_changed(const std::string& from, const std::string& to) {
   return read_bytes(as_glb(changed(from, to), gltf_binary(cube())), ".glb");
 }
 
-Result<Assembly> read_nodes(const std::string& nodes, const std::string& node = "") {
+Result<mesh::Assembly> read_nodes(const std::string& nodes, const std::string& node = "") {
   return read_bytes(as_glb(gltf_json(cube(), nodes), gltf_binary(cube())), ".glb", node);
 }
 
@@ -117,7 +117,7 @@ TEST(DamagedGltf, ChecksCountsAgainstTheBytes) {
 }
 
 TEST(DamagedGltf, NamesTheVertexAndTheIndex) {
-  Mesh mesh = cube();
+  mesh::Mesh mesh = cube();
   mesh.vertices[3][1] = std::numeric_limits<double>::quiet_NaN();
   expect_error(read_bytes(as_glb(mesh), ".glb"), kUnreadable, "meshes[0] vertex 3", "finite");
   mesh = cube();

@@ -16,7 +16,7 @@ class MeshModels : public ::testing::TestWithParam<OddMesh> {
  protected:
   void expect_outcome(const std::string& path) {
     const OddMesh& outcome = GetParam();
-    const Result<Assembly> assembly = read_assembly(path);
+    const Result<mesh::Assembly> assembly = mesh::read_assembly(path);
     if (outcome.triangles > 0) {
       ASSERT_TRUE(assembly) << to_line(assembly.error());
       EXPECT_EQ(assembly->triangle_count(), outcome.triangles);
@@ -75,7 +75,7 @@ INSTANTIATE_TEST_SUITE_P(Empty, MeshModels, ::testing::ValuesIn(odd::kUnreadable
 TEST(MeshModel, TheScanOfDebianIsWhole) {
   if (!std::filesystem::exists(bunny_obj_path()))
     GTEST_SKIP() << "needs glmark2-data of scripts/packages.txt";
-  const auto bunny = read_assembly(bunny_obj_path());
+  const auto bunny = mesh::read_assembly(bunny_obj_path());
   ASSERT_TRUE(bunny) << to_line(bunny.error());
   EXPECT_EQ(bunny->triangle_count(), 69666u);
 }

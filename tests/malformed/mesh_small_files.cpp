@@ -143,7 +143,7 @@ TEST(SmallFiles, ManifestsToo) {
         std::string(100000, '['), std::string(100000, '{')}) {
     std::ofstream(folder / "scene.json") << text;
     const AddressLimit limit(kEnoughBytes);
-    const auto manifest = read_manifest((folder / "scene.json").string());
+    const auto manifest = mesh::read_manifest((folder / "scene.json").string());
     ASSERT_FALSE(manifest);
     EXPECT_EQ(manifest.error().code, ErrorCode::kSceneInvalid) << to_line(manifest.error());
   }

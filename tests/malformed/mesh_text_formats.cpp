@@ -10,7 +10,7 @@ using namespace test;
 
 void expect_error(const std::string& text, const std::string& extension, ErrorCode code,
                   const std::string& where, const std::string& fragment) {
-  const Result<Assembly> assembly = read_bytes(text, extension);
+  const Result<mesh::Assembly> assembly = read_bytes(text, extension);
   ASSERT_FALSE(assembly) << text;
   EXPECT_EQ(assembly.error().code, code) << to_line(assembly.error());
   EXPECT_EQ(assembly.error().where, where) << to_line(assembly.error());

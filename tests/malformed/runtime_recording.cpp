@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kS = 0.005;
 
-std::unique_ptr<Simulation> simulation() {
+std::unique_ptr<model::Simulation> simulation() {
   Voxmap voxmap =
       make_voxmap(offset_scene(kS, {0, 0, -2}, {32, 32, 8}, 2, [](Voxel v) { return v[2] <= 0; }));
   auto run = open_run(std::move(voxmap), make_pshell(sphere_part(0.02, 200, kS)), {});
@@ -27,7 +27,7 @@ std::unique_ptr<Simulation> simulation() {
 }
 
 // A wild hand: jumps, turns, broken samples.
-class WildInput final : public InputSource {
+class WildInput final : public loop::InputSource {
  public:
   explicit WildInput(std::uint64_t seed) : random_(seed) {}
   bool next(double, double, StepInput& input) noexcept override {
@@ -55,10 +55,10 @@ void record(const std::filesystem::path& path, std::uint64_t seed, int frames,
   WildInput input(seed);
   const Pose start{{0.08, 0.08, 0.05}, {1, 0, 0, 0}};
   const State state = sim->registered(start, start);
-  auto writer = RecordingWriter::create(path);
+  auto writer = stream::RecordingWriter::create(path);
   ASSERT_TRUE(writer);
-  writer->begin(describe_run(*sim, state, {}));
-  Servo servo(*sim, input, state, {});
+  writer->begin(stream::describe_run(*sim, state, {}));
+  loop::Servo servo(*sim, input, state, {});
   Frame frame;
   for (int i = 0; i < frames; ++i) {
     servo.tick(frame);
@@ -72,27 +72,27 @@ std::string read_bytes(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-Result<Recording> open_bytes(const std::string& bytes) {
+Result<stream::Recording> open_bytes(const std::string& bytes) {
   const ScratchFolder folder;
   std::ofstream(folder / "cut.flr", std::ios::binary) << bytes;
-  return Recording::open(folder / "cut.flr");
+  return stream::Recording::open(folder / "cut.flr");
 }
 
 TEST(Recording, ReplaysBitForBit) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     const ScratchFolder folder;
     record(folder / "run.flr", seed, 3000);
-    const auto recording = Recording::open(folder / "run.flr");
+    const auto recording = stream::Recording::open(folder / "run.flr");
     ASSERT_TRUE(recording);
     EXPECT_EQ(recording->frames().size(), 3000u);
     auto sim = simulation();
     ASSERT_TRUE(recording->check_files(sim->voxmap(), sim->shell()));
-    ReplayInput input(*recording);
-    Servo servo(*sim, input, recording->run().start, {});
-    LoopOptions options;
+    stream::ReplayInput input(*recording);
+    loop::Servo servo(*sim, input, recording->run().start, {});
+    loop::LoopOptions options;
     options.as_fast_as_possible = true;
-    const auto statistics = std::make_unique<LoopStatistics>();
-    run_loop(servo, options, nullptr, *statistics);
+    const auto statistics = std::make_unique<loop::LoopStatistics>();
+    loop::run_loop(servo, options, nullptr, *statistics);
     EXPECT_EQ(statistics->frames, 3000u);
     EXPECT_GT(statistics->faulty_frames, 100u);
     EXPECT_GT(statistics->force_layer_frames, 50u);
@@ -105,13 +105,14 @@ TEST(Recording, AReplayThatDiffersIsSeen) {
   const ScratchFolder folder;
   record(folder / "run.flr", 7, 100);
   auto bytes = read_bytes(folder / "run.flr");
-  const std::size_t frame_50 = bytes.size() - sizeof(RecordingTrailer) - 50 * sizeof(RecordedFrame);
-  bytes[frame_50 + offsetof(RecordedFrame, world_from_handle)] ^= 1;  // lowest bit of x
+  const std::size_t frame_50 =
+      bytes.size() - sizeof(stream::RecordingTrailer) - 50 * sizeof(stream::RecordedFrame);
+  bytes[frame_50 + offsetof(stream::RecordedFrame, world_from_handle)] ^= 1;  // lowest bit of x
   const auto recording = open_bytes(bytes);
   ASSERT_TRUE(recording);
   auto sim = simulation();
-  ReplayInput input(*recording);
-  Servo servo(*sim, input, recording->run().start, {});
+  stream::ReplayInput input(*recording);
+  loop::Servo servo(*sim, input, recording->run().start, {});
   Frame frame;
   while (servo.tick(frame)) {
   }
@@ -126,7 +127,7 @@ TEST(Recording, EveryPrefixAndEveryTrailIsAnError) {
   ASSERT_TRUE(open_bytes(bytes));
   for (std::size_t size = bytes.size(); size-- > 0;) {
     std::filesystem::resize_file(folder / "run.flr", size);
-    const auto cut = Recording::open(folder / "run.flr");
+    const auto cut = stream::Recording::open(folder / "run.flr");
     ASSERT_FALSE(cut) << size;
     EXPECT_EQ(exit_status(cut.error().code), 4) << size;
   }
@@ -177,7 +178,7 @@ TEST(Recording, NoCountAsksForMemory) {
       std::memcpy(broken.data() + at, &number, sizeof number);
       std::ofstream(folder / "broken.flr", std::ios::binary) << broken;
       const AddressLimit limit(std::uint64_t{16} << 20);
-      const auto opened = Recording::open(folder / "broken.flr");
+      const auto opened = stream::Recording::open(folder / "broken.flr");
       EXPECT_TRUE(opened || exit_status(opened.error().code) == 4) << at;
     }
   }
@@ -186,7 +187,7 @@ TEST(Recording, NoCountAsksForMemory) {
 TEST(Recording, LostFramesMakeItUseless) {
   const ScratchFolder folder;
   record(folder / "run.flr", 1, 3, 2);
-  const auto recording = Recording::open(folder / "run.flr");
+  const auto recording = stream::Recording::open(folder / "run.flr");
   ASSERT_FALSE(recording);
   EXPECT_NE(recording.error().what.find("2 frames were lost"), std::string::npos);
 }

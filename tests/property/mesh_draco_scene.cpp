@@ -17,7 +17,7 @@ using namespace test;
 // two readers order triangles and corners differently and round transforms differently.
 using Key = std::array<std::array<std::int64_t, 3>, 3>;
 
-Key key_of(std::array<Vec3d, 3> corners) {
+Key key_of(std::array<mesh::Vec3d, 3> corners) {
   Key key;
   for (std::size_t i = 0; i < 3; ++i) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -36,7 +36,7 @@ std::vector<Key> keys_by_draco(const draco::Scene& scene) {
     const draco::PointAttribute& positions =
         *mesh.GetNamedAttribute(draco::GeometryAttribute::POSITION);
     for (draco::FaceIndex f(0); f < mesh.num_faces(); ++f) {
-      std::array<Vec3d, 3> corners;
+      std::array<mesh::Vec3d, 3> corners;
       for (int c = 0; c < 3; ++c) {
         std::array<float, 3> p{};
         positions.ConvertValue(positions.mapped_index(mesh.face(f)[c]), p.data());
@@ -55,7 +55,7 @@ TEST(GltfReader, AgreesWithDracoOnTheEngine) {
   const std::string path = write_file(folder / "engine.glb", engine_glb());
   const auto scene = draco::ReadSceneFromFile(path);
   ASSERT_TRUE(scene.ok());
-  const auto assembly = read_assembly(path);
+  const auto assembly = mesh::read_assembly(path);
   ASSERT_TRUE(assembly) << to_line(assembly.error());
   EXPECT_EQ(assembly->triangle_count(), kEngineTriangles);
   EXPECT_EQ(assembly->instances.size(), 34u);

@@ -14,8 +14,8 @@ namespace {
 using namespace test;
 
 // Few grid points, so that vertices meet, triangles repeat and edges have many triangles.
-Mesh random_grid_soup(std::mt19937_64& random) {
-  Mesh mesh;
+mesh::Mesh random_grid_soup(std::mt19937_64& random) {
+  mesh::Mesh mesh;
   const std::size_t vertices = 3 + random() % 20;
   for (std::size_t i = 0; i < vertices; ++i) {
     const auto coordinate = [&] { return static_cast<double>(random() % 3) - 1; };
@@ -29,14 +29,14 @@ Mesh random_grid_soup(std::mt19937_64& random) {
   return mesh;
 }
 
-using EdgeUses = std::map<std::pair<Vec3d, Vec3d>, std::pair<int, int>>;  // up, down
+using EdgeUses = std::map<std::pair<mesh::Vec3d, mesh::Vec3d>, std::pair<int, int>>;  // up, down
 
-EdgeUses edge_uses(const Mesh& mesh) {
+EdgeUses edge_uses(const mesh::Mesh& mesh) {
   EdgeUses uses;
   for (const auto& corners : corners_of(mesh)) {
-    if (std::set<Vec3d>(corners.begin(), corners.end()).size() < 3) continue;
+    if (std::set<mesh::Vec3d>(corners.begin(), corners.end()).size() < 3) continue;
     for (std::size_t i = 0; i < 3; ++i) {
-      const Vec3d &from = corners[i], &to = corners[(i + 1) % 3];
+      const mesh::Vec3d &from = corners[i], &to = corners[(i + 1) % 3];
       auto& [up, down] = uses[{std::min(from, to), std::max(from, to)}];
       ++(from < to ? up : down);
     }
@@ -47,11 +47,11 @@ EdgeUses edge_uses(const Mesh& mesh) {
 TEST(MeshFacts, EqualThoseCountedByMaps) {
   for (std::uint64_t seed = 0; seed < 500; ++seed) {
     std::mt19937_64 random(seed);
-    const Mesh mesh = random_grid_soup(random);
-    const MeshFacts facts = mesh_facts(mesh);
-    const std::set<Vec3d> distinct(mesh.vertices.begin(), mesh.vertices.end());
+    const mesh::Mesh mesh = random_grid_soup(random);
+    const mesh::MeshFacts facts = mesh::mesh_facts(mesh);
+    const std::set<mesh::Vec3d> distinct(mesh.vertices.begin(), mesh.vertices.end());
     EXPECT_EQ(facts.distinct_vertices, distinct.size()) << "seed " << seed;
-    std::set<std::multiset<Vec3d>> triangles;
+    std::set<std::multiset<mesh::Vec3d>> triangles;
     for (const auto& corners : corners_of(mesh)) triangles.insert({corners.begin(), corners.end()});
     EXPECT_EQ(facts.duplicate_triangles, mesh.triangles.size() - triangles.size()) << seed;
     std::uint64_t boundary = 0, non_manifold = 0, flipped = 0;

@@ -9,9 +9,9 @@ namespace {
 
 using namespace test;
 
-void expect_same(const Mesh& mesh, const std::string& bytes, const std::string& extension,
+void expect_same(const mesh::Mesh& mesh, const std::string& bytes, const std::string& extension,
                  std::uint64_t seed) {
-  const Result<Assembly> assembly = read_bytes(bytes, extension);
+  const Result<mesh::Assembly> assembly = read_bytes(bytes, extension);
   ASSERT_TRUE(assembly) << extension << " seed " << seed << ": " << to_line(assembly.error());
   EXPECT_EQ(corners_of(*assembly), corners_of(mesh)) << extension << " seed " << seed;
   ASSERT_EQ(assembly->instances.size(), 1u);
@@ -20,7 +20,7 @@ void expect_same(const Mesh& mesh, const std::string& bytes, const std::string& 
 TEST(MeshFormats, GiveRandomSoupsBackUnchanged) {
   for (std::uint64_t seed = 0; seed < 100; ++seed) {
     std::mt19937_64 random(seed);
-    const Mesh mesh = random_soup(random);
+    const mesh::Mesh mesh = random_soup(random);
     expect_same(mesh, as_stl_binary(mesh), ".stl", seed);
     expect_same(mesh, as_stl_binary(mesh, "solid but binary"), ".stl", seed);
     expect_same(mesh, as_stl_ascii(mesh), ".stl", seed);
@@ -35,7 +35,7 @@ TEST(MeshFormats, GiveRandomSoupsBackUnchanged) {
 
 // Decimal text keeps doubles; only what the format stores in 32 bits is 32 bits.
 TEST(MeshFormats, KeepThePrecisionOfTheFile) {
-  Mesh mesh = cube();
+  mesh::Mesh mesh = cube();
   mesh.vertices[1][0] = 0.1;  // no 32-bit float
   for (const auto& [bytes, extension] : {std::pair{as_obj(mesh), ".obj"},
                                          {as_off(mesh), ".off"},

@@ -20,7 +20,7 @@ class FaceTaker : public OpenMesh::IO::ImporterT<DoubleMesh> {
   OpenMesh::FaceHandle add_face(const VHandles& corners) override {
     ++polygons;
     for (std::size_t i = 1; i + 1 < corners.size(); ++i) {
-      std::array<Vec3d, 3>& triangle = triangles.emplace_back();
+      std::array<mesh::Vec3d, 3>& triangle = triangles.emplace_back();
       const std::size_t fan[3] = {0, i, i + 1};
       for (std::size_t corner = 0; corner < 3; ++corner) {
         const OpenMesh::Vec3d& point = om_mesh.point(corners[fan[corner]]);
@@ -50,7 +50,7 @@ Corners read_by_openmesh(const std::string& path) {
 }
 
 void expect_as_openmesh(const std::string& path) {
-  const auto assembly = read_assembly(path);
+  const auto assembly = mesh::read_assembly(path);
   ASSERT_TRUE(assembly) << to_line(assembly.error());
   const Corners ours = corners_of(*assembly), theirs = read_by_openmesh(path);
   ASSERT_EQ(ours.size(), theirs.size()) << path;
@@ -68,10 +68,11 @@ void expect_as_openmesh(const std::string& path) {
 TEST(MeshReaders, AgreeWithOpenMeshOnRandomSoups) {
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     std::mt19937_64 random(seed);
-    Mesh mesh = random_soup(random);
+    mesh::Mesh mesh = random_soup(random);
     // OpenMesh leaves out OBJ faces that name a vertex twice.
-    std::erase_if(mesh.triangles,
-                  [](const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; });
+    std::erase_if(mesh.triangles, [](const mesh::Triangle& t) {
+      return t[0] == t[1] || t[1] == t[2] || t[2] == t[0];
+    });
     if (mesh.triangles.empty()) continue;
     const ScratchFolder folder;
     SCOPED_TRACE("seed " + std::to_string(seed));
@@ -96,7 +97,7 @@ TEST(MeshReaders, AgreeWithOpenMeshOnRealShapes) {
   const ScratchFolder folder;
   expect_as_openmesh(write_file(folder / "kettle.obj", as_obj(testing::kettle_mesh(40))));
   for (const char* file : {"dragon.drc", "sensor.drc"}) {
-    const auto model = read_assembly(model_path(file));
+    const auto model = mesh::read_assembly(model_path(file));
     ASSERT_TRUE(model) << to_line(model.error());
     expect_as_openmesh(write_file(folder / "a.obj", as_obj(model->meshes[0])));
     expect_as_openmesh(write_file(folder / "a.stl", as_stl_ascii(model->meshes[0])));

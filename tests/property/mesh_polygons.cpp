@@ -31,21 +31,22 @@ double doubled_area(const std::vector<Flat>& outline) {
 }
 
 // The outline in a plane of the given axes.
-Mesh lift(const std::vector<Flat>& outline, const Vec3d& x_axis, const Vec3d& y_axis) {
-  Mesh mesh;
+mesh::Mesh lift(const std::vector<Flat>& outline, const mesh::Vec3d& x_axis,
+                const mesh::Vec3d& y_axis) {
+  mesh::Mesh mesh;
   for (const Flat& p : outline) {
-    Vec3d& vertex = mesh.vertices.emplace_back();
+    mesh::Vec3d& vertex = mesh.vertices.emplace_back();
     for (std::size_t i = 0; i < 3; ++i) vertex[i] = p.x * x_axis[i] + p.y * y_axis[i];
   }
   return mesh;
 }
 
-void expect_covered(const std::vector<Flat>& outline, const Vec3d& x_axis, const Vec3d& y_axis,
-                    const std::string& which) {
-  Mesh mesh = lift(outline, x_axis, y_axis);
+void expect_covered(const std::vector<Flat>& outline, const mesh::Vec3d& x_axis,
+                    const mesh::Vec3d& y_axis, const std::string& which) {
+  mesh::Mesh mesh = lift(outline, x_axis, y_axis);
   std::vector<std::uint32_t> corners(outline.size());
   std::iota(corners.begin(), corners.end(), 0u);
-  PolygonSplitter splitter;
+  mesh::PolygonSplitter splitter;
   splitter.split(corners, mesh);
   ASSERT_EQ(mesh.triangles.size(), outline.size() - 2) << which;
   const double total = doubled_area(outline);
@@ -62,7 +63,7 @@ void expect_covered(const std::vector<Flat>& outline, const Vec3d& x_axis, const
 }
 
 void expect_covered_in_all_planes(const std::vector<Flat>& outline, const std::string& which) {
-  const Vec3d x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};
+  const mesh::Vec3d x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};
   expect_covered(outline, x, y, which + " xy");
   expect_covered(outline, y, x, which + " yx");
   expect_covered(outline, y, z, which + " yz");
@@ -130,11 +131,11 @@ TEST(PolygonSplitter, FansAConvexPolygonWithCornersInALine) {
   expect_covered_in_all_planes({{0, 0}, {1, 0}, {2, 0}, {2, 1}, {2, 2}, {1, 2}, {0, 2}}, "square");
 }
 
-std::vector<std::string> warnings_of(const Mesh& outline) {
-  Mesh mesh = outline;
+std::vector<std::string> warnings_of(const mesh::Mesh& outline) {
+  mesh::Mesh mesh = outline;
   std::vector<std::uint32_t> corners(outline.vertices.size());
   std::iota(corners.begin(), corners.end(), 0u);
-  PolygonSplitter splitter;
+  mesh::PolygonSplitter splitter;
   splitter.split(corners, mesh);
   EXPECT_EQ(mesh.triangles.size(), corners.size() - 2);
   std::vector<std::string> warnings;
@@ -150,7 +151,7 @@ TEST(PolygonSplitter, WarnsOfAPolygonThatIsNotPlanar) {
 
 TEST(PolygonSplitter, WarnsOfAnOutlineThatCrossesItself) {
   // A pentagram: five corners that turn the same way, twice around.
-  Mesh star;
+  mesh::Mesh star;
   for (int i = 0; i < 5; ++i) {
     const double angle = 4 * std::numbers::pi * i / 5;
     star.vertices.push_back({std::cos(angle), std::sin(angle), 0});

@@ -14,7 +14,7 @@ void expect_as_from_chars(const std::string& text) {
   double expected = 0, parsed = 0;
   const char* const end = text.data() + text.size();
   const auto [after, failure] = std::from_chars(text.data(), end, expected);
-  const char* const place = parse_number(text.data(), end, parsed);
+  const char* const place = mesh::parse_number(text.data(), end, parsed);
   if (failure == std::errc::result_out_of_range) return;  // from_chars does not say which way
   if (failure != std::errc{}) {
     EXPECT_EQ(place, nullptr) << text;
@@ -52,7 +52,7 @@ TEST(ParseNumber, EqualsFromCharsOnRandomCharacters) {
 TEST(ParseNumber, TakesWhatMeshFilesHold) {
   const auto parse = [](const std::string& text) {
     double number = -1;
-    const char* const after = parse_number(text.data(), text.data() + text.size(), number);
+    const char* const after = mesh::parse_number(text.data(), text.data() + text.size(), number);
     return after == text.data() + text.size() ? number : std::nan("");
   };
   EXPECT_EQ(parse("+1.5"), 1.5);
@@ -69,7 +69,8 @@ TEST(ParseNumber, TakesWhatMeshFilesHold) {
   }
   double number = 0;
   const std::string infinite = "1e999";
-  EXPECT_EQ(parse_number(infinite.data(), infinite.data() + infinite.size(), number), nullptr);
+  EXPECT_EQ(mesh::parse_number(infinite.data(), infinite.data() + infinite.size(), number),
+            nullptr);
 }
 
 }  // namespace

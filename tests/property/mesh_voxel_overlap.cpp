@@ -19,12 +19,12 @@ using Wide = boost::multiprecision::number<boost::multiprecision::cpp_int_backen
 using reference::Random;
 using reference::whole;
 
-// A vertex with `grid` units between possible coordinates, within `extent` units of `centre`.
-LatticePoint random_point(Random& random, const LatticePoint& centre, std::int64_t extent,
-                          std::int64_t grid) {
-  LatticePoint point;
+// A vertex with `grid` units between possible coordinates, within `extent` units of `center`.
+lattice::LatticePoint random_point(Random& random, const lattice::LatticePoint& center,
+                                   std::int64_t extent, std::int64_t grid) {
+  lattice::LatticePoint point;
   for (std::size_t d = 0; d < 3; ++d) {
-    point[d] = centre[d] + whole(random, -extent / grid, extent / grid) * grid;
+    point[d] = center[d] + whole(random, -extent / grid, extent / grid) * grid;
   }
   return point;
 }
@@ -42,24 +42,25 @@ enum class Shape {
   kCount
 };
 
-LatticeTriangle random_triangle(Random& random, std::int64_t extent, Shape shape) {
-  const LatticePoint centre = random_point(random, {0, 0, 0}, 5000000, 1);
+lattice::LatticeTriangle random_triangle(Random& random, std::int64_t extent, Shape shape) {
+  const lattice::LatticePoint center = random_point(random, {0, 0, 0}, 5000000, 1);
   std::int64_t grid = 1;
-  if (shape == Shape::kOnGrid) grid = kSnapUnits;
-  if (shape == Shape::kHalfGrid) grid = kSnapUnits / 2;
-  LatticePoint base = centre;
+  if (shape == Shape::kOnGrid) grid = lattice::kSnapUnits;
+  if (shape == Shape::kHalfGrid) grid = lattice::kSnapUnits / 2;
+  lattice::LatticePoint base = center;
   if (grid > 1) {
     for (auto& x : base) x = x / grid * grid;
   }
-  LatticeTriangle triangle;
+  lattice::LatticeTriangle triangle;
   for (auto& point : triangle) point = random_point(random, base, extent, grid);
   const auto axis = static_cast<std::size_t>(whole(random, 0, 2));
   if (shape == Shape::kFlat) {  // in a plane of voxel faces, or of lattice points next to it
-    const std::int64_t plane = (centre[axis] >> kSnapBits << kSnapBits) + whole(random, -1, 1);
+    const std::int64_t plane =
+        (center[axis] >> lattice::kSnapBits << lattice::kSnapBits) + whole(random, -1, 1);
     for (auto& point : triangle) point[axis] = plane;
   }
   if (shape == Shape::kNearlyFlat) {
-    const std::int64_t plane = centre[axis] >> kSnapBits << kSnapBits;
+    const std::int64_t plane = center[axis] >> lattice::kSnapBits << lattice::kSnapBits;
     for (auto& point : triangle) point[axis] = plane + whole(random, -1, 1);
   }
   if (shape == Shape::kSliver) {
@@ -76,9 +77,9 @@ LatticeTriangle random_triangle(Random& random, std::int64_t extent, Shape shape
 }
 
 // Every voxel of the triangle's box and of one layer around it, by elimination.
-std::set<VoxelIndex> reference_voxels(const LatticeTriangle& triangle) {
-  const TriangleOverlap box(triangle);
-  std::set<VoxelIndex> voxels;
+std::set<lattice::VoxelIndex> reference_voxels(const lattice::LatticeTriangle& triangle) {
+  const lattice::TriangleOverlap box(triangle);
+  std::set<lattice::VoxelIndex> voxels;
   for (std::int64_t x = box.min_voxel()[0] - 1; x <= box.max_voxel()[0] + 1; ++x) {
     for (std::int64_t y = box.min_voxel()[1] - 1; y <= box.max_voxel()[1] + 1; ++y) {
       for (std::int64_t z = box.min_voxel()[2] - 1; z <= box.max_voxel()[2] + 1; ++z) {
@@ -91,9 +92,9 @@ std::set<VoxelIndex> reference_voxels(const LatticeTriangle& triangle) {
 
 class VoxelOverlap : public testing::TestWithParam<Shape> {};
 
-void expect_exact(const LatticeTriangle& triangle) {
-  const std::vector<VoxelIndex> found = overlapped_voxels(triangle);
-  const std::set<VoxelIndex> unique(found.begin(), found.end());
+void expect_exact(const lattice::LatticeTriangle& triangle) {
+  const std::vector<lattice::VoxelIndex> found = lattice::overlapped_voxels(triangle);
+  const std::set<lattice::VoxelIndex> unique(found.begin(), found.end());
   ASSERT_EQ(found.size(), unique.size()) << "a voxel came twice";
   ASSERT_EQ(unique, reference_voxels(triangle));
 }
@@ -102,7 +103,7 @@ TEST_P(VoxelOverlap, EqualsEliminationOnEveryVoxel) {
   for (std::uint64_t seed = 1; seed <= 150; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     Random random(seed);
-    const std::int64_t extent = kSnapUnits / 8 << whole(random, 0, 5);
+    const std::int64_t extent = lattice::kSnapUnits / 8 << whole(random, 0, 5);
     expect_exact(random_triangle(random, extent, GetParam()));
     if (HasFatalFailure()) return;
   }
@@ -113,20 +114,20 @@ TEST_P(VoxelOverlap, CellsOfAnySizeAtAnyCornerEqualElimination) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     Random random(seed);
     const int log2_cell = static_cast<int>(whole(random, 0, 7));
-    const LatticeTriangle triangle =
-        random_triangle(random, kSnapUnits << whole(random, 0, log2_cell + 3), GetParam());
-    const TriangleOverlap overlap(triangle);
-    VoxelIndex corner;
+    const lattice::LatticeTriangle triangle =
+        random_triangle(random, lattice::kSnapUnits << whole(random, 0, log2_cell + 3), GetParam());
+    const lattice::TriangleOverlap overlap(triangle);
+    lattice::VoxelIndex corner;
     for (std::size_t d = 0; d < 3; ++d) {
       corner[d] = whole(random, overlap.min_voxel()[d] - (6 << log2_cell), overlap.max_voxel()[d]);
     }
-    const BrickMask mask = overlap.cells(corner, log2_cell);
+    const lattice::BrickMask mask = overlap.cells(corner, log2_cell);
     for (unsigned x = 0; x < 8; ++x) {
       for (unsigned y = 0; y < 8; ++y) {
         for (unsigned z = 0; z < 8; ++z) {
-          const VoxelIndex cell = {corner[0] + (std::int64_t{x} << log2_cell),
-                                   corner[1] + (std::int64_t{y} << log2_cell),
-                                   corner[2] + (std::int64_t{z} << log2_cell)};
+          const lattice::VoxelIndex cell = {corner[0] + (std::int64_t{x} << log2_cell),
+                                            corner[1] + (std::int64_t{y} << log2_cell),
+                                            corner[2] + (std::int64_t{z} << log2_cell)};
           ASSERT_EQ(mask.test(x, y, z),
                     reference::overlaps_cell<Int128>(triangle, cell, std::int64_t{1} << log2_cell))
               << x << ' ' << y << ' ' << z << " log2_cell " << log2_cell;
@@ -143,18 +144,19 @@ TEST_P(VoxelOverlap, HugeTrianglesAreExactNearTheirCorners) {
     Random random(seed);
     const int log2_extent = static_cast<int>(whole(random, 17, 40));
     SCOPED_TRACE(testing::Message() << "seed " << seed << " log2_extent " << log2_extent);
-    LatticeTriangle triangle =
+    lattice::LatticeTriangle triangle =
         random_triangle(random, std::int64_t{1} << (log2_extent - 1), GetParam());
-    const TriangleOverlap overlap(triangle);
+    const lattice::TriangleOverlap overlap(triangle);
     for (int window = 0; window < 4; ++window) {
-      VoxelIndex corner;  // near a point of the triangle
+      lattice::VoxelIndex corner;  // near a point of the triangle
       const double s = whole(random, 0, 1000) / 1000.0, t = (1 - s) * whole(random, 0, 1000) / 1000;
       for (std::size_t d = 0; d < 3; ++d) {
         const double offset = s * static_cast<double>(triangle[1][d] - triangle[0][d]) +
                               t * static_cast<double>(triangle[2][d] - triangle[0][d]);
-        corner[d] = ((triangle[0][d] + std::llrint(offset)) >> kSnapBits) - whole(random, 0, 7);
+        corner[d] =
+            ((triangle[0][d] + std::llrint(offset)) >> lattice::kSnapBits) - whole(random, 0, 7);
       }
-      const BrickMask mask = overlap.cells(corner);
+      const lattice::BrickMask mask = overlap.cells(corner);
       for (int sample = 0; sample < 64; ++sample) {
         const auto x = static_cast<unsigned>(whole(random, 0, 7));
         const auto y = static_cast<unsigned>(whole(random, 0, 7));
@@ -166,26 +168,28 @@ TEST_P(VoxelOverlap, HugeTrianglesAreExactNearTheirCorners) {
   }
 }
 
-// Corner order and whole-voxel shifts do not matter; the neighbours of a shared edge agree on it.
+// Corner order and whole-voxel shifts do not matter; the neighbors of a shared edge agree on it.
 TEST_P(VoxelOverlap, IsInvariantUnderCornerOrderAndWholeVoxelShifts) {
   for (std::uint64_t seed = 1; seed <= 100; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     Random random(seed);
-    const LatticeTriangle triangle = random_triangle(random, 12 * kSnapUnits, GetParam());
-    std::vector<VoxelIndex> expected = overlapped_voxels(triangle);
+    const lattice::LatticeTriangle triangle =
+        random_triangle(random, 12 * lattice::kSnapUnits, GetParam());
+    std::vector<lattice::VoxelIndex> expected = lattice::overlapped_voxels(triangle);
     std::sort(expected.begin(), expected.end());
     for (const auto& order : {std::array<std::size_t, 3>{1, 2, 0}, {2, 1, 0}, {0, 2, 1}}) {
-      auto found = overlapped_voxels({triangle[order[0]], triangle[order[1]], triangle[order[2]]});
+      auto found =
+          lattice::overlapped_voxels({triangle[order[0]], triangle[order[1]], triangle[order[2]]});
       std::sort(found.begin(), found.end());
       ASSERT_EQ(found, expected);
     }
-    VoxelIndex shift;
+    lattice::VoxelIndex shift;
     for (auto& x : shift) x = whole(random, -(std::int64_t{1} << 50), std::int64_t{1} << 50);
-    LatticeTriangle moved = triangle;
+    lattice::LatticeTriangle moved = triangle;
     for (auto& point : moved) {
-      for (std::size_t d = 0; d < 3; ++d) point[d] += shift[d] * kSnapUnits;
+      for (std::size_t d = 0; d < 3; ++d) point[d] += shift[d] * lattice::kSnapUnits;
     }
-    auto found = overlapped_voxels(moved);
+    auto found = lattice::overlapped_voxels(moved);
     std::sort(found.begin(), found.end());
     for (auto& voxel : found) {
       for (std::size_t d = 0; d < 3; ++d) voxel[d] -= shift[d];
@@ -207,16 +211,17 @@ INSTANTIATE_TEST_SUITE_P(Shapes, VoxelOverlap,
                          shape_name);
 
 TEST(VoxelOverlapUnit, AFaceOnVoxelFacesMarksOneLayer) {
-  const std::int64_t u = kSnapUnits;
-  const auto voxels = overlapped_voxels({{{0, 0, 0}, {4 * u, 0, 0}, {0, 4 * u, 0}}});
-  for (const VoxelIndex& voxel : voxels) EXPECT_EQ(voxel[2], 0);
+  const std::int64_t u = lattice::kSnapUnits;
+  const auto voxels = lattice::overlapped_voxels({{{0, 0, 0}, {4 * u, 0, 0}, {0, 4 * u, 0}}});
+  for (const lattice::VoxelIndex& voxel : voxels) EXPECT_EQ(voxel[2], 0);
   EXPECT_EQ(voxels.size(),
             15u);  // 10 with area; the closed hypotenuse and the far corners touch 5 more
 }
 
 TEST(VoxelOverlapUnit, SnapRoundsToTheNearestLatticePoint) {
-  EXPECT_EQ(snap({0.0, 1.0, -1.0}, 1.0), (LatticePoint{0, 1024, -1024}));
-  EXPECT_EQ(snap({0.5e-3, -0.26e-3, 1e5}, 1e-3), (LatticePoint{512, -266, 102400000000}));
+  EXPECT_EQ(lattice::snap({0.0, 1.0, -1.0}, 1.0), (lattice::LatticePoint{0, 1024, -1024}));
+  EXPECT_EQ(lattice::snap({0.5e-3, -0.26e-3, 1e5}, 1e-3),
+            (lattice::LatticePoint{512, -266, 102400000000}));
 }
 
 }  // namespace

@@ -17,7 +17,7 @@ using test::long_tests;
 
 struct Case {
   const char* name;
-  Part part;
+  part::Part part;
   double voxel_size_m;
 };
 
@@ -33,24 +33,25 @@ std::vector<Case> shapes() {
   cases.push_back({"needle", part_of(box_mesh(2, 1e-4, 1e-4)), 0.05});
   cases.push_back({"smaller than a voxel", part_of(box_mesh(0.1, 0.1, 0.1)), 1});
   cases.push_back({"two bodies", part_of({box_mesh(1, 1, 1), torus_mesh(1.5, 0.3, 20)}), 0.09});
-  Mesh spiked = box_mesh(1, 1, 1);  // with triangles that are a segment and a point
+  mesh::Mesh spiked = box_mesh(1, 1, 1);  // with triangles that are a segment and a point
   spiked.vertices.insert(spiked.vertices.end(), {{0.5, 0.5, 2}, {0.2, 0.2, 0.7}});
   spiked.triangles.insert(spiked.triangles.end(), {{7, 8, 7}, {9, 9, 9}, {0, 2, 3}});
   cases.push_back({"degenerate", part_of(spiked), 0.1});
   return cases;
 }
 
-BakedShell bake(const Case& c, ShellMethod method, Effort effort = Effort::kFull) {
-  ShellOptions options;
+pointshell::BakedShell bake(const Case& c, ShellMethod method,
+                            sample::Effort effort = sample::Effort::kFull) {
+  pointshell::ShellOptions options;
   options.voxel_size_m = c.voxel_size_m;
   options.method = method;
   options.effort = effort;
-  auto shell = bake_shell(c.part, options, [](const std::string&, double) {});
+  auto shell = pointshell::bake_shell(c.part, options, [](const std::string&, double) {});
   EXPECT_TRUE(shell.ok()) << (shell ? "" : to_line(shell.error()));
   return std::move(*shell);
 }
 
-Vec3 center(const BakedShell& shell) {
+part::Vec3 center(const pointshell::BakedShell& shell) {
   const auto& c = shell.header.center_m;
   return {c[0], c[1], c[2]};
 }
@@ -59,14 +60,15 @@ Vec3 center(const BakedShell& shell) {
 int samples() { return long_tests() ? 1000000 : 20000; }
 
 // No sampled place is farther than the proven radius, but for the rounding of this very test.
-void expect_sampled_covering(const Part& part, const BakedShell& shell, int count) {
+void expect_sampled_covering(const part::Part& part, const pointshell::BakedShell& shell,
+                             int count) {
   constexpr std::uint64_t kSeed = 20240611;
   SurfaceDice dice(part, kSeed);
   const double radius = shell.header.covering_radius_m;
-  const std::vector<Vec3> points = positions_of(shell);
-  const PointGrid grid(points, radius);
+  const std::vector<part::Vec3> points = positions_of(shell);
+  const certificate::PointGrid grid(points, radius);
   for (int n = 0; n < count; ++n) {
-    const Vec3 place = dice.throw_once() - center(shell);
+    const part::Vec3 place = dice.throw_once() - center(shell);
     ASSERT_LE(grid.nearest_distance(place, 1.1 * radius), radius * (1 + 1e-12))
         << "seed " << kSeed << ", sample " << n;
   }
@@ -79,10 +81,10 @@ TEST_P(CoveringOfShape, HoldsAtRandomPlaces) {
   const Case c = std::move(shapes()[GetParam()]);
   SCOPED_TRACE(c.name);
   for (const ShellMethod method : {ShellMethod::kSurface, ShellMethod::kVoxelCenters}) {
-    SCOPED_TRACE(method_name(method));
+    SCOPED_TRACE(pointshell::method_name(method));
     expect_sampled_covering(c.part, bake(c, method), samples());
   }
-  expect_sampled_covering(c.part, bake(c, ShellMethod::kSurface, Effort::kFast), samples());
+  expect_sampled_covering(c.part, bake(c, ShellMethod::kSurface, sample::Effort::kFast), samples());
 }
 
 INSTANTIATE_TEST_SUITE_P(, CoveringOfShape, ::testing::Range<std::size_t>(0, shapes().size()));
@@ -104,12 +106,12 @@ TEST_P(CoveringOfModel, HoldsAtRandomPlaces) {
   const auto& [file, voxels_across] = GetParam();
   const bool drawn = std::string(file) == "kettle";
   Case c{file, drawn ? part_of(kettle_mesh(60)) : part_of_model(file, 1e-3), 0};
-  Box box;
-  for (const Vec3& v : c.part.vertices) box.grow(v);
-  const Vec3 size = box.high - box.low;
+  part::Box box;
+  for (const part::Vec3& v : c.part.vertices) box.grow(v);
+  const part::Vec3 size = box.high - box.low;
   c.voxel_size_m = std::max({size.x, size.y, size.z}) / (long_tests() ? 128 : voxels_across);
   for (const ShellMethod method : {ShellMethod::kSurface, ShellMethod::kVoxelCenters}) {
-    SCOPED_TRACE(method_name(method));
+    SCOPED_TRACE(pointshell::method_name(method));
     expect_sampled_covering(c.part, bake(c, method), samples());
   }
 }
@@ -130,28 +132,29 @@ TEST(Covering, RadiusIsTheOneAskedFor) {
 // Removing any point that alone covers some place is noticed, and the hole is where it says.
 TEST(Covering, FailsWithoutANeededPoint) {
   const Case torus{"torus", part_of(torus_mesh(1, 0.3, 30)), 0.12};
-  const BakedShell shell = bake(torus, ShellMethod::kSurface);
-  const Part centered = relative_to(torus.part, center(shell));
-  const std::vector<Vec3> points = positions_of(shell);
+  const pointshell::BakedShell shell = bake(torus, ShellMethod::kSurface);
+  const part::Part centered = part::relative_to(torus.part, center(shell));
+  const std::vector<part::Vec3> points = positions_of(shell);
   const double radius = shell.header.covering_radius_m;
-  ASSERT_TRUE(prove_covering(centered, points, radius).proven);
+  ASSERT_TRUE(certificate::prove_covering(centered, points, radius).proven);
   SurfaceDice dice(centered, 7);
-  std::vector<Vec3> samples(20000);
-  for (Vec3& place : samples) place = dice.throw_once();
+  std::vector<part::Vec3> samples(20000);
+  for (part::Vec3& place : samples) place = dice.throw_once();
   int needed = 0;
   for (std::size_t removed = 0; removed < points.size(); removed += 7) {
-    std::vector<Vec3> rest = points;
+    std::vector<part::Vec3> rest = points;
     rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(removed));
-    const PointGrid grid(rest, radius);
-    const bool sampled_hole = std::any_of(samples.begin(), samples.end(), [&](const Vec3& place) {
-      return grid.nearest_distance(place, 1.1 * radius) > radius;
-    });
-    const CoveringProof proof = prove_covering(centered, rest, radius);
+    const certificate::PointGrid grid(rest, radius);
+    const bool sampled_hole =
+        std::any_of(samples.begin(), samples.end(), [&](const part::Vec3& place) {
+          return grid.nearest_distance(place, 1.1 * radius) > radius;
+        });
+    const certificate::CoveringProof proof = certificate::prove_covering(centered, rest, radius);
     if (sampled_hole) {
       ++needed;
       EXPECT_FALSE(proof.proven) << removed;
     }
-    for (const Hole& hole : proof.holes) {
+    for (const certificate::Hole& hole : proof.holes) {
       EXPECT_GE(grid.nearest_distance(hole.position, 1.1 * radius), radius * (1 - 1e-6));
     }
   }
@@ -160,19 +163,21 @@ TEST(Covering, FailsWithoutANeededPoint) {
 
 TEST(Covering, IsNotProvenForASmallerRadius) {
   const Case box{"box", part_of(box_mesh(1, 2, 3)), 0.2};
-  const BakedShell shell = bake(box, ShellMethod::kSurface);
-  EXPECT_FALSE(prove_covering(relative_to(box.part, center(shell)), positions_of(shell),
-                              0.9 * shell.header.covering_radius_m)
+  const pointshell::BakedShell shell = bake(box, ShellMethod::kSurface);
+  EXPECT_FALSE(certificate::prove_covering(part::relative_to(box.part, center(shell)),
+                                           positions_of(shell),
+                                           0.9 * shell.header.covering_radius_m)
                    .proven);
 }
 
 // The pieces of a part without number, for a radius that only a hostile file would name.
 TEST(Covering, GivesUpOnARadiusFarTooSmall) {
   const Case box{"box", part_of(box_mesh(1, 2, 3)), 0.2};
-  const BakedShell shell = bake(box, ShellMethod::kSurface);
-  const Part centered = relative_to(box.part, center(shell));
+  const pointshell::BakedShell shell = bake(box, ShellMethod::kSurface);
+  const part::Part centered = part::relative_to(box.part, center(shell));
   for (const double radius : {1e-9, 1e-15, 1e-300, 0.0}) {
-    const CoveringProof proof = prove_covering(centered, positions_of(shell), radius, 1000);
+    const certificate::CoveringProof proof =
+        certificate::prove_covering(centered, positions_of(shell), radius, 1000);
     EXPECT_FALSE(proof.proven) << radius;
     EXPECT_TRUE(proof.given_up) << radius;
     EXPECT_FALSE(proof.holes.empty()) << radius;
@@ -180,7 +185,7 @@ TEST(Covering, GivesUpOnARadiusFarTooSmall) {
 }
 
 TEST(Covering, OfNoPointsFails) {
-  EXPECT_FALSE(prove_covering(part_of(box_mesh(1, 1, 1)), {}, 10).proven);
+  EXPECT_FALSE(certificate::prove_covering(part_of(box_mesh(1, 1, 1)), {}, 10).proven);
 }
 
 }  // namespace

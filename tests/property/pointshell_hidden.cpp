@@ -17,30 +17,30 @@ namespace {
 
 using namespace testing;
 
-Mesh moved(Mesh mesh, const Vec3& by) {
-  for (Vec3d& v : mesh.vertices) v = {v[0] + by.x, v[1] + by.y, v[2] + by.z};
+mesh::Mesh moved(mesh::Mesh mesh, const part::Vec3& by) {
+  for (mesh::Vec3d& v : mesh.vertices) v = {v[0] + by.x, v[1] + by.y, v[2] + by.z};
   return mesh;
 }
 
-Mesh inside_out(Mesh mesh) {
-  for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
+mesh::Mesh inside_out(mesh::Mesh mesh) {
+  for (mesh::Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
   return mesh;
 }
 
-Mesh joined(Mesh a, const Mesh& b) {
+mesh::Mesh joined(mesh::Mesh a, const mesh::Mesh& b) {
   const auto first = static_cast<std::uint32_t>(a.vertices.size());
   a.vertices.insert(a.vertices.end(), b.vertices.begin(), b.vertices.end());
-  for (const Triangle& t : b.triangles) {
+  for (const mesh::Triangle& t : b.triangles) {
     a.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
   }
   return a;
 }
 
-BakedShell bake(const Part& part, double voxel_size_m, ShellMethod method) {
-  ShellOptions options;
+pointshell::BakedShell bake(const part::Part& part, double voxel_size_m, ShellMethod method) {
+  pointshell::ShellOptions options;
   options.voxel_size_m = voxel_size_m;
   options.method = method;
-  auto shell = bake_shell(part, options, [](const std::string&, double) {});
+  auto shell = pointshell::bake_shell(part, options, [](const std::string&, double) {});
   EXPECT_TRUE(shell.ok()) << (shell ? "" : to_line(shell.error()));
   return std::move(*shell);
 }
@@ -48,21 +48,23 @@ BakedShell bake(const Part& part, double voxel_size_m, ShellMethod method) {
 // Two bodies, and how deep a place is inside each of them (negative: outside).
 struct Pair {
   const char* name;
-  Part part;
-  std::function<double(const Vec3&)> depth_in_a, depth_in_b;
+  part::Part part;
+  std::function<double(const part::Vec3&)> depth_in_a, depth_in_b;
 };
 
-double depth_in_box(const Vec3& p, const Vec3& middle, const Vec3& half) {
-  const Vec3 d = p - middle;
+double depth_in_box(const part::Vec3& p, const part::Vec3& middle, const part::Vec3& half) {
+  const part::Vec3 d = p - middle;
   return std::min({half.x - std::abs(d.x), half.y - std::abs(d.y), half.z - std::abs(d.z)});
 }
 
 std::vector<Pair> overlapping_pairs() {
-  const auto cube = [](const Vec3& p) { return depth_in_box(p, {}, {0.5, 0.5, 0.5}); };
-  const auto bar = [](const Vec3& p) { return depth_in_box(p, {0.1, 0, 0}, {1, 0.3, 0.3}); };
-  const auto ball = [](const Vec3& p) { return 0.7 - length(p - Vec3{0.6, 0.2, 0}); };
-  const Mesh bar_mesh = moved(box_mesh(2, 0.6, 0.6), {0.1, 0, 0});
-  const Mesh ball_mesh = moved(sphere_mesh(0.7, 60), {0.6, 0.2, 0});
+  const auto cube = [](const part::Vec3& p) { return depth_in_box(p, {}, {0.5, 0.5, 0.5}); };
+  const auto bar = [](const part::Vec3& p) { return depth_in_box(p, {0.1, 0, 0}, {1, 0.3, 0.3}); };
+  const auto ball = [](const part::Vec3& p) {
+    return 0.7 - part::length(p - part::Vec3{0.6, 0.2, 0});
+  };
+  const mesh::Mesh bar_mesh = moved(box_mesh(2, 0.6, 0.6), {0.1, 0, 0});
+  const mesh::Mesh ball_mesh = moved(sphere_mesh(0.7, 60), {0.6, 0.2, 0});
   std::vector<Pair> pairs;
   pairs.push_back({"cube and bar", part_of({box_mesh(1, 1, 1), bar_mesh}), cube, bar});
   pairs.push_back(
@@ -78,23 +80,23 @@ TEST(Hidden, PointsInsideAnotherBodyAreLeftOutAndNoOthers) {
   constexpr double kVoxel = 0.06;
   for (const Pair& pair : overlapping_pairs()) {
     for (const ShellMethod method : {ShellMethod::kSurface, ShellMethod::kVoxelCenters}) {
-      SCOPED_TRACE(std::string(pair.name) + ", " + method_name(method));
-      const BakedShell shell = bake(pair.part, kVoxel, method);
+      SCOPED_TRACE(std::string(pair.name) + ", " + pointshell::method_name(method));
+      const pointshell::BakedShell shell = bake(pair.part, kVoxel, method);
       EXPECT_GT(shell.hidden_points, 20u);
       const double radius = shell.header.covering_radius_m;
-      const Vec3 center{shell.header.center_m[0], shell.header.center_m[1],
-                        shell.header.center_m[2]};
-      const std::vector<Vec3> points = positions_of(shell);
-      for (const Vec3& point : points) {
-        const Vec3 p = point + center;
+      const part::Vec3 center{shell.header.center_m[0], shell.header.center_m[1],
+                              shell.header.center_m[2]};
+      const std::vector<part::Vec3> points = positions_of(shell);
+      for (const part::Vec3& point : points) {
+        const part::Vec3 p = point + center;
         // The ball's facets lie inside it by less than 0.002.
         EXPECT_LT(std::max(pair.depth_in_a(p), pair.depth_in_b(p)), 1.25 * radius + 0.002);
       }
-      const PointGrid grid(points, radius);
+      const certificate::PointGrid grid(points, radius);
       SurfaceDice dice(pair.part, kSeed);
       int outer = 0;
       for (int n = 0; n < 20000; ++n) {
-        const Vec3 p = dice.throw_once();
+        const part::Vec3 p = dice.throw_once();
         if (std::max(pair.depth_in_a(p), pair.depth_in_b(p)) > 0.002) continue;
         ++outer;
         ASSERT_LE(grid.nearest_distance(p - center, 1.1 * radius), radius * (1 + 1e-12))
@@ -108,23 +110,23 @@ TEST(Hidden, PointsInsideAnotherBodyAreLeftOutAndNoOthers) {
 TEST(Hidden, TheFileIsProvenAgainAndFailsWithoutAnOuterPoint) {
   for (const Pair& pair : overlapping_pairs()) {
     SCOPED_TRACE(pair.name);
-    const BakedShell shell = bake(pair.part, 0.1, ShellMethod::kSurface);
-    EXPECT_TRUE(verify_shell(stored(shell), pair.part).proven);
+    const pointshell::BakedShell shell = bake(pair.part, 0.1, ShellMethod::kSurface);
+    EXPECT_TRUE(pointshell::verify_shell(stored(shell), pair.part).proven);
     // The point that is farthest out along x alone covers some of the end there.
     const auto farthest = std::max_element(shell.x.begin(), shell.x.end()) - shell.x.begin();
-    const BakedShell mutated = without_point(shell, static_cast<std::size_t>(farthest));
-    EXPECT_FALSE(verify_shell(stored(mutated), pair.part).proven);
+    const pointshell::BakedShell mutated = without_point(shell, static_cast<std::size_t>(farthest));
+    EXPECT_FALSE(pointshell::verify_shell(stored(mutated), pair.part).proven);
   }
 }
 
 // Points that no closed body holds stay: on a body beside another or in its cavity, and everywhere
 // around an open body.
 TEST(Hidden, NothingElseIsLeftOut) {
-  const Mesh ball = sphere_mesh(0.3, 24);
-  const Mesh hollow = joined(box_mesh(2, 2, 2), inside_out(box_mesh(1, 1, 1)));
-  Mesh open = box_mesh(2, 2, 2);
+  const mesh::Mesh ball = sphere_mesh(0.3, 24);
+  const mesh::Mesh hollow = joined(box_mesh(2, 2, 2), inside_out(box_mesh(1, 1, 1)));
+  mesh::Mesh open = box_mesh(2, 2, 2);
   open.triangles.pop_back();
-  const std::pair<const char*, Part> cases[] = {
+  const std::pair<const char*, part::Part> cases[] = {
       {"beside", part_of({box_mesh(1, 1, 1), moved(ball, {2, 0, 0})})},
       {"touching", part_of({box_mesh(1, 1, 1), moved(box_mesh(1, 1, 1), {1, 0, 0})})},
       {"the same twice", part_of({ball, ball})},
@@ -140,9 +142,9 @@ TEST(Hidden, NothingElseIsLeftOut) {
 }
 
 TEST(Hidden, BallsAreInsideOnlyWithTheirWholeRadius) {
-  Part part = part_of({box_mesh(1, 1, 1), moved(box_mesh(1, 1, 1), {0.5, 0, 0})});
-  ASSERT_TRUE(orient_outwards(part, 0.1).ok());
-  const HiddenSurface hidden(part);
+  part::Part part = part_of({box_mesh(1, 1, 1), moved(box_mesh(1, 1, 1), {0.5, 0, 0})});
+  ASSERT_TRUE(normals::orient_outwards(part, 0.1).ok());
+  const certificate::HiddenSurface hidden(part);
   EXPECT_TRUE(hidden.holds_ball({-0.2, 0, 0}, 0.29));
   EXPECT_FALSE(hidden.holds_ball({-0.2, 0, 0}, 0.31));
   EXPECT_FALSE(hidden.holds_ball({2, 0, 0}, 0.01));
@@ -151,13 +153,13 @@ TEST(Hidden, BallsAreInsideOnlyWithTheirWholeRadius) {
 
 // A piece that no point covers is let pass only where all of it is inside.
 TEST(Hidden, APieceThatLooksOutIsAHole) {
-  Part part = part_of({box_mesh(1, 1, 1), moved(box_mesh(1, 1, 1), {0.5, 0, 0})});
-  ASSERT_TRUE(orient_outwards(part, 0.1).ok());
-  const HiddenSurface hidden(part);
-  const auto passes = [&](const Vec3& a, const Vec3& b, const Vec3& c) {
-    CoveringProof failed;
+  part::Part part = part_of({box_mesh(1, 1, 1), moved(box_mesh(1, 1, 1), {0.5, 0, 0})});
+  ASSERT_TRUE(normals::orient_outwards(part, 0.1).ok());
+  const certificate::HiddenSurface hidden(part);
+  const auto passes = [&](const part::Vec3& a, const part::Vec3& b, const part::Vec3& c) {
+    certificate::CoveringProof failed;
     failed.holes.push_back({a, 1, {a, b, c}});
-    return continue_proof(part, {}, 0.2, failed, &hidden).proven;
+    return certificate::continue_proof(part, {}, 0.2, failed, &hidden).proven;
   };
   EXPECT_TRUE(passes({0.1, -0.1, 0}, {0.9, 0, 0}, {0.3, 0.3, 0}));
   EXPECT_TRUE(passes({-0.4, 0.4, 0.4}, {0.4, 0.4, 0.4}, {0, -0.4, -0.4}));

@@ -15,12 +15,15 @@ namespace {
 
 using namespace testing;
 
-BakedShell bake(Part part, double voxel_size_m, ShellMethod method, unsigned threads = 0) {
-  ShellOptions options;
+pointshell::BakedShell bake(part::Part part, double voxel_size_m, ShellMethod method,
+                            unsigned threads = 0) {
+  pointshell::ShellOptions options;
   options.voxel_size_m = voxel_size_m;
   options.method = method;
   options.threads = threads;
-  return std::move(bake_shell(std::move(part), options, [](const std::string&, double) {})).value();
+  return std::move(
+             pointshell::bake_shell(std::move(part), options, [](const std::string&, double) {}))
+      .value();
 }
 
 template <typename T>
@@ -28,7 +31,7 @@ bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
   return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
 }
 
-void expect_same(const BakedShell& a, const BakedShell& b) {
+void expect_same(const pointshell::BakedShell& a, const pointshell::BakedShell& b) {
   EXPECT_EQ(std::memcmp(&a.header, &b.header, sizeof a.header), 0);
   EXPECT_TRUE(same_bytes(a.x, b.x) && same_bytes(a.y, b.y) && same_bytes(a.z, b.z));
   EXPECT_TRUE(same_bytes(a.nx, b.nx) && same_bytes(a.ny, b.ny) && same_bytes(a.nz, b.nz));
@@ -39,9 +42,9 @@ void expect_same(const BakedShell& a, const BakedShell& b) {
 }
 
 TEST(Shell, IsTheSameForAnyThreadsAndTriangleOrder) {
-  const Mesh mesh = torus_mesh(1, 0.3, 24);
+  const mesh::Mesh mesh = torus_mesh(1, 0.3, 24);
   for (const ShellMethod method : {ShellMethod::kSurface, ShellMethod::kVoxelCenters}) {
-    const BakedShell one = bake(part_of(mesh), 0.05, method, 1);
+    const pointshell::BakedShell one = bake(part_of(mesh), 0.05, method, 1);
     expect_same(one, bake(part_of(mesh), 0.05, method, 2));
     expect_same(one, bake(part_of(mesh), 0.05, method, 5));
     expect_same(one, bake(part_of(shuffled(mesh, 11)), 0.05, method, 3));
@@ -50,7 +53,7 @@ TEST(Shell, IsTheSameForAnyThreadsAndTriangleOrder) {
 
 TEST(Shell, WeightsAddUpToTheArea) {
   for (const ShellMethod method : {ShellMethod::kSurface, ShellMethod::kVoxelCenters}) {
-    const BakedShell shell = bake(part_of(cone_mesh(0.5, 0, 2, 48)), 0.05, method);
+    const pointshell::BakedShell shell = bake(part_of(cone_mesh(0.5, 0, 2, 48)), 0.05, method);
     double sum = 0;
     for (const float weight : shell.weight_m2) sum += weight;
     EXPECT_NEAR(sum, shell.header.area_m2, 1e-6 * shell.header.area_m2);
@@ -59,10 +62,10 @@ TEST(Shell, WeightsAddUpToTheArea) {
 
 TEST(Shell, WeightsAreTheAreasNearestToThePoints) {
   constexpr std::uint64_t kSeed = 4;
-  const Part part = part_of(torus_mesh(1, 0.3, 24));
-  const BakedShell shell = bake(part, 0.2, ShellMethod::kSurface);
+  const part::Part part = part_of(torus_mesh(1, 0.3, 24));
+  const pointshell::BakedShell shell = bake(part, 0.2, ShellMethod::kSurface);
   const auto& c = shell.header.center_m;
-  std::vector<Vec3> points;
+  std::vector<part::Vec3> points;
   for (std::size_t n = 0; n < shell.x.size(); ++n) {
     points.push_back({shell.x[n], shell.y[n], shell.z[n]});
   }
@@ -70,9 +73,9 @@ TEST(Shell, WeightsAreTheAreasNearestToThePoints) {
   SurfaceDice dice(part, kSeed);
   constexpr int kSamples = 200000;
   for (int n = 0; n < kSamples; ++n) {
-    const Vec3 place = dice.throw_once() - Vec3{c[0], c[1], c[2]};
+    const part::Vec3 place = dice.throw_once() - part::Vec3{c[0], c[1], c[2]};
     const auto nearest = std::min_element(points.begin(), points.end(), [&](auto& p, auto& q) {
-      return length_squared(p - place) < length_squared(q - place);
+      return part::length_squared(p - place) < part::length_squared(q - place);
     });
     ++hits[static_cast<std::size_t>(nearest - points.begin())];
   }
@@ -84,28 +87,30 @@ TEST(Shell, WeightsAreTheAreasNearestToThePoints) {
 }
 
 TEST(Shell, SpheresHoldTheirPoints) {
-  const BakedShell shell = bake(part_of(torus_mesh(1, 0.3, 24)), 0.02, ShellMethod::kSurface);
+  const pointshell::BakedShell shell =
+      bake(part_of(torus_mesh(1, 0.3, 24)), 0.02, ShellMethod::kSurface);
   ASSERT_GT(shell.super_blocks.size(), 1u);
   for (std::size_t n = 0; n < shell.x.size(); ++n) {
-    const Vec3 p{shell.x[n], shell.y[n], shell.z[n]};
+    const part::Vec3 p{shell.x[n], shell.y[n], shell.z[n]};
     for (const BoundingSphere& s : {shell.blocks[n / 64], shell.super_blocks[n / 4096]}) {
-      EXPECT_LE(length(p - Vec3{s.x, s.y, s.z}), s.radius);
+      EXPECT_LE(part::length(p - part::Vec3{s.x, s.y, s.z}), s.radius);
     }
-    EXPECT_LE(length(p), shell.header.bounding_radius_m);
+    EXPECT_LE(part::length(p), shell.header.bounding_radius_m);
   }
 }
 
 TEST(Winding, EqualsTheSumOverAllTriangles) {
-  const Part part = part_of(torus_mesh(1, 0.3, 24));
-  const TriangleTree tree(part);
-  const WindingNumber winding(tree);
+  const part::Part part = part_of(torus_mesh(1, 0.3, 24));
+  const part::TriangleTree tree(part);
+  const certificate::WindingNumber winding(tree);
   std::mt19937_64 random(9);
   std::uniform_real_distribution<double> unit(-1.5, 1.5);
   for (int n = 0; n < 500; ++n) {
-    const Vec3 place{unit(random), unit(random), unit(random)};
+    const part::Vec3 place{unit(random), unit(random), unit(random)};
     double sum = 0;
-    for (const Triangle& t : part.triangles) {
-      sum += triangle_winding(place, part.vertices[t[0]], part.vertices[t[1]], part.vertices[t[2]]);
+    for (const mesh::Triangle& t : part.triangles) {
+      sum += certificate::triangle_winding(place, part.vertices[t[0]], part.vertices[t[1]],
+                                           part.vertices[t[2]]);
     }
     EXPECT_NEAR(winding.at(place), sum, 0.01);
     EXPECT_NEAR(sum, std::round(sum), 1e-9);
@@ -113,21 +118,22 @@ TEST(Winding, EqualsTheSumOverAllTriangles) {
 }
 
 TEST(TriangleTree, FindsTheNearestPointOfAllTriangles) {
-  const Part part = part_of(torus_mesh(1, 0.3, 12));
-  const TriangleTree tree(part);
+  const part::Part part = part_of(torus_mesh(1, 0.3, 12));
+  const part::TriangleTree tree(part);
   std::mt19937_64 random(10);
   std::uniform_real_distribution<double> unit(-1.5, 1.5);
   for (int n = 0; n < 500; ++n) {
-    const Vec3 place{unit(random), unit(random), unit(random)};
+    const part::Vec3 place{unit(random), unit(random), unit(random)};
     double best = std::numeric_limits<double>::infinity();
-    for (const Triangle& t : part.triangles) {
-      best = std::min(best, length(nearest_on_triangle(place, part.vertices[t[0]],
+    for (const mesh::Triangle& t : part.triangles) {
+      best = std::min(
+          best, part::length(part::nearest_on_triangle(place, part.vertices[t[0]],
                                                        part.vertices[t[1]], part.vertices[t[2]]) -
-                                   place));
+                             place));
     }
     const auto nearest = tree.nearest(place);
     ASSERT_TRUE(nearest.found);
-    EXPECT_DOUBLE_EQ(length(nearest.point.position - place), best);
+    EXPECT_DOUBLE_EQ(part::length(nearest.point.position - place), best);
     EXPECT_EQ(tree.nearest(place, 0.5 * best).found, false);
   }
 }
@@ -138,27 +144,29 @@ TEST(Normals, AreaWithinABallIsExact) {
   std::mt19937_64 random(kSeed);
   std::uniform_real_distribution<double> unit(-1, 1);
   for (int n = 0; n < 200; ++n) {
-    const Vec3 a{unit(random), unit(random), unit(random)}, b{unit(random), unit(random), 0},
-        c{unit(random), 0, unit(random)}, center = 0.5 * Vec3{unit(random), unit(random), 0};
+    const part::Vec3 a{unit(random), unit(random), unit(random)}, b{unit(random), unit(random), 0},
+        c{unit(random), 0, unit(random)}, center = 0.5 * part::Vec3{unit(random), unit(random), 0};
     const double radius = 0.7 + 0.5 * unit(random);
     constexpr int kSteps = 300;
     int inside = 0, all = 0;
     for (int i = 0; i < kSteps; ++i) {
       for (int j = 0; i + j < kSteps; ++j, ++all) {
         const double u = (i + 1.0 / 3) / kSteps, v = (j + 1.0 / 3) / kSteps;
-        inside += length(a + u * (b - a) + v * (c - a) - center) <= radius;
+        inside += part::length(a + u * (b - a) + v * (c - a) - center) <= radius;
       }
     }
-    const double area = length(cross(b - a, c - a)) / 2;
-    EXPECT_NEAR(area_within_ball(center, radius, a, b, c), area * inside / all, 0.01 * area + 1e-12)
+    const double area = part::length(part::cross(b - a, c - a)) / 2;
+    EXPECT_NEAR(normals::area_within_ball(center, radius, a, b, c), area * inside / all,
+                0.01 * area + 1e-12)
         << "seed " << kSeed << ", case " << n;
   }
 }
 
 struct Shape {
   const char* name;
-  Mesh mesh;
-  std::function<Vec3(const Vec3&)> outward;  // of the smooth surface, at a place near it
+  mesh::Mesh mesh;
+  std::function<part::Vec3(const part::Vec3&)>
+      outward;  // of the smooth surface, at a place near it
   double worst_degrees;
 };
 
@@ -166,22 +174,22 @@ struct Shape {
 // facet's angle at most; smoothing over the covering radius removes most of it.
 TEST(Normals, OfSmoothShapes) {
   const Shape shapes[] = {
-      {"sphere", sphere_mesh(1, 80), [](const Vec3& p) { return normalized(p); }, 1.0},
+      {"sphere", sphere_mesh(1, 80), [](const part::Vec3& p) { return part::normalized(p); }, 1.0},
       {"torus", torus_mesh(1, 0.3, 60),
-       [](const Vec3& p) {
+       [](const part::Vec3& p) {
          const double from_axis = std::hypot(p.x, p.y);
-         return normalized(p - Vec3{p.x / from_axis, p.y / from_axis, 0});
+         return part::normalized(p - part::Vec3{p.x / from_axis, p.y / from_axis, 0});
        },
        2.0}};
   for (const Shape& shape : shapes) {
     SCOPED_TRACE(shape.name);
-    const BakedShell shell = bake(part_of(shape.mesh), 0.05, ShellMethod::kSurface);
+    const pointshell::BakedShell shell = bake(part_of(shape.mesh), 0.05, ShellMethod::kSurface);
     const auto& c = shell.header.center_m;
     for (std::size_t n = 0; n < shell.x.size(); ++n) {
-      const Vec3 p{shell.x[n] + c[0], shell.y[n] + c[1], shell.z[n] + c[2]};
-      const Vec3 outward = -Vec3{shell.nx[n], shell.ny[n], shell.nz[n]};
-      EXPECT_NEAR(length(outward), 1, 1e-6);
-      const double cosine = std::min(1.0, dot(outward, shape.outward(p)));
+      const part::Vec3 p{shell.x[n] + c[0], shell.y[n] + c[1], shell.z[n] + c[2]};
+      const part::Vec3 outward = -part::Vec3{shell.nx[n], shell.ny[n], shell.nz[n]};
+      EXPECT_NEAR(part::length(outward), 1, 1e-6);
+      const double cosine = std::min(1.0, part::dot(outward, shape.outward(p)));
       EXPECT_LE(std::acos(cosine) * 180 / std::numbers::pi, shape.worst_degrees) << n;
     }
   }
@@ -189,16 +197,17 @@ TEST(Normals, OfSmoothShapes) {
 
 // Faces keep their own normal up to the edge; on edges and corners it is the mean of the faces.
 TEST(Normals, OfABoxKeepItsEdges) {
-  const BakedShell shell = bake(part_of(box_mesh(1, 1, 1)), 0.05, ShellMethod::kSurface);
+  const pointshell::BakedShell shell =
+      bake(part_of(box_mesh(1, 1, 1)), 0.05, ShellMethod::kSurface);
   for (std::size_t n = 0; n < shell.x.size(); ++n) {
     const double coordinates[] = {shell.x[n], shell.y[n], shell.z[n]};
-    Vec3 expected;
+    part::Vec3 expected;
     double* const components[] = {&expected.x, &expected.y, &expected.z};
     for (int axis = 0; axis < 3; ++axis) {
       if (std::abs(coordinates[axis]) > 0.5 - 1e-6) *components[axis] = coordinates[axis];
     }
-    const Vec3 outward = -Vec3{shell.nx[n], shell.ny[n], shell.nz[n]};
-    EXPECT_NEAR(length(outward - normalized(expected)), 0, 1e-5) << n;
+    const part::Vec3 outward = -part::Vec3{shell.nx[n], shell.ny[n], shell.nz[n]};
+    EXPECT_NEAR(part::length(outward - part::normalized(expected)), 0, 1e-5) << n;
   }
 }
 

@@ -27,17 +27,18 @@ int verify_status(const std::filesystem::path& shell, const std::filesystem::pat
 }
 
 // A point without which some sampled place is farther than the radius from all others.
-std::size_t needed_point(const Part& part, const BakedShell& shell, std::uint64_t seed) {
+std::size_t needed_point(const part::Part& part, const pointshell::BakedShell& shell,
+                         std::uint64_t seed) {
   const double radius = shell.header.covering_radius_m;
   const auto& c = shell.header.center_m;
-  const std::vector<Vec3> points = positions_of(shell);
-  const PointGrid grid(points, radius);
+  const std::vector<part::Vec3> points = positions_of(shell);
+  const certificate::PointGrid grid(points, radius);
   SurfaceDice dice(part, seed);
   for (int n = 0; n < 100000; ++n) {
-    const Vec3 place = dice.throw_once() - Vec3{c[0], c[1], c[2]};
+    const part::Vec3 place = dice.throw_once() - part::Vec3{c[0], c[1], c[2]};
     std::vector<std::size_t> within;
-    grid.visit_near(place, radius, [&](std::uint32_t point, const Vec3& p) {
-      if (length(p - place) <= radius) within.push_back(point);
+    grid.visit_near(place, radius, [&](std::uint32_t point, const part::Vec3& p) {
+      if (part::length(p - place) <= radius) within.push_back(point);
     });
     if (within.size() == 1) return within.front();
   }
@@ -47,20 +48,21 @@ std::size_t needed_point(const Part& part, const BakedShell& shell, std::uint64_
 
 TEST(Verify, RefusesAFileThatLacksAPoint) {
   const test::ScratchFolder scratch;
-  const std::pair<const char*, Mesh> shapes[] = {{"torus", torus_mesh(1, 0.3, 24)},
-                                                 {"box", box_mesh(1, 2, 0.5)},
-                                                 {"cone", cone_mesh(0.5, 0, 2, 32)}};
+  const std::pair<const char*, mesh::Mesh> shapes[] = {{"torus", torus_mesh(1, 0.3, 24)},
+                                                       {"box", box_mesh(1, 2, 0.5)},
+                                                       {"cone", cone_mesh(0.5, 0, 2, 32)}};
   for (const auto& [name, mesh] : shapes) {
     const auto file = scratch / (std::string(name) + ".obj");
     test::write_file(file, test::as_obj(mesh));
-    const Part part = std::move(read_part({file.string()}, 1.0)).value().part;
+    const part::Part part = std::move(part::read_part({file.string()}, 1.0)).value().part;
     for (const ShellMethod method : {ShellMethod::kSurface, ShellMethod::kVoxelCenters}) {
       SCOPED_TRACE(std::string(name) + ", method " + std::to_string(static_cast<int>(method)));
-      ShellOptions options;
+      pointshell::ShellOptions options;
       options.voxel_size_m = 0.1;
       options.method = method;
-      const BakedShell shell =
-          std::move(bake_shell(part, options, [](const std::string&, double) {})).value();
+      const pointshell::BakedShell shell =
+          std::move(pointshell::bake_shell(part, options, [](const std::string&, double) {
+          })).value();
       const auto path = scratch / "part.pshell";
       ASSERT_TRUE(write_pshell(path, shell.content()).ok());
       EXPECT_EQ(verify_status(path, file), 0);
@@ -77,11 +79,11 @@ TEST(Verify, EndsForARadiusThatNoShellHas) {
   const test::ScratchFolder scratch;
   const auto file = scratch / "box.obj";
   test::write_file(file, test::as_obj(box_mesh(1, 2, 0.5)));
-  const Part part = std::move(read_part({file.string()}, 1.0)).value().part;
-  ShellOptions options;
+  const part::Part part = std::move(part::read_part({file.string()}, 1.0)).value().part;
+  pointshell::ShellOptions options;
   options.voxel_size_m = 0.1;
-  BakedShell shell =
-      std::move(bake_shell(part, options, [](const std::string&, double) {})).value();
+  pointshell::BakedShell shell =
+      std::move(pointshell::bake_shell(part, options, [](const std::string&, double) {})).value();
   for (const double radius : {1e-6, 1e-300, 0.0}) {
     shell.header.covering_radius_m = radius;
     const auto path = scratch / "part.pshell";

@@ -13,9 +13,9 @@ namespace forcelayer::test {
 namespace {
 
 struct Collected {
-  CollectedPoints points;
-  FieldSamples samples;
-  ContactSet set;
+  query::CollectedPoints points;
+  field::FieldSamples samples;
+  field::ContactSet set;
 };
 
 Collected random_contacts(Random& random, std::uint32_t count, float s) {
@@ -51,7 +51,7 @@ Collected random_contacts(Random& random, std::uint32_t count, float s) {
 glm::vec3 twin(const Collected& c, std::uint32_t i, float s) {
   const std::uint32_t count = c.points.count, last = count > 32 ? count - 32 : 0;
   const std::uint32_t first = std::min(i > 16 ? i - 16 : 0, last);
-  const float radius_m = kNeighbourVoxels * s, per_radius2 = 1.0f / (radius_m * radius_m);
+  const float radius_m = field::kNeighbourVoxels * s, per_radius2 = 1.0f / (radius_m * radius_m);
   float sum[3] = {0, 0, 0};
   for (std::uint32_t n = first; n < std::min(first + 32, count); ++n) {
     const float dx = c.points.rx[n] - c.points.rx[i], dy = c.points.ry[n] - c.points.ry[i],
@@ -86,10 +86,10 @@ TEST_P(AverageDirectionsOnEveryTarget, EqualTheirScalarTwinBitForBit) {
     Random random(seed);
     const auto count = static_cast<std::uint32_t>(random() % (seed % 2 ? 40 : 500));
     Collected c = random_contacts(random, count, kS);
-    const ContactSet before = c.set;
-    average_directions(c.points, c.samples, kS, -kS, c.set);
+    const field::ContactSet before = c.set;
+    field::average_directions(c.points, c.samples, kS, -kS, c.set);
     for (std::uint32_t i = 0; i < count; ++i) {
-      const Contact contact = c.set[i];
+      const field::Contact contact = c.set[i];
       const glm::vec3 expected = contact.depth_m > -kS ? twin(c, i, kS) : before[i].direction;
       ASSERT_EQ(contact.direction, expected) << "contact " << i << " of " << count;
     }

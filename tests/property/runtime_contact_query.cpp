@@ -11,7 +11,7 @@ namespace {
 constexpr int kScenes = 60;
 constexpr int kPosesPerScene = 20;
 
-void expect_same_points(const CollectedPoints& found, const std::vector<TwinPoint>& twin,
+void expect_same_points(const query::CollectedPoints& found, const std::vector<TwinPoint>& twin,
                         const Voxmap& voxmap) {
   ASSERT_EQ(found.count, twin.size());
   std::uint32_t counts[4] = {};
@@ -42,8 +42,8 @@ TEST(ContactQueryProperty, FindsWhatTestingEveryPointFinds) {
     const PointPart part = random_part(random, scene.voxel_size_m);
     const Voxmap voxmap = make_voxmap(scene);
     const Pshell shell = make_pshell(part);
-    ContactQuery query(voxmap, shell);
-    CollectedPoints found;
+    query::ContactQuery query(voxmap, shell);
+    query::CollectedPoints found;
     found.reserve(part.points.size());
     for (int i = 0; i < kPosesPerScene; ++i) {
       const Pose pose = random_pose(random, scene);
@@ -63,14 +63,14 @@ TEST(ContactQueryProperty, MisplacesNoPointByMoreThanItsRoundingBound) {
     const PointPart part = random_part(random, scene.voxel_size_m);
     const Voxmap voxmap = make_voxmap(scene);
     const Pshell shell = make_pshell(part);
-    const ContactQuery query(voxmap, shell);
-    // Beside the query's own rounding, the reference places the centre with another product:
+    const query::ContactQuery query(voxmap, shell);
+    // Beside the query's own rounding, the reference places the center with another product:
     // 2^-51 of the largest index.
     const double bound_voxels = query.rounding_bound_m() / scene.voxel_size_m + 5.1e7 * 0x1p-51;
     for (int i = 0; i < kPosesPerScene; ++i) {
       const Pose pose = random_pose(random, scene);
       const auto exact = double_twin(scene, part, pose);
-      const VoxelPose v = query.voxel_pose(pose);
+      const query::VoxelPose v = query.voxel_pose(pose);
       if (!v.within_reach) continue;
       for (const TwinPoint& t : exact) {
         const auto& p = part.points[t.index];

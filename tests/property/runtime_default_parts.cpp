@@ -21,25 +21,25 @@ namespace forcelayer::test {
 namespace {
 
 glm::dmat3 random_inertia(std::mt19937_64& random) {
-  PrincipalInertia inertia;
+  model::PrincipalInertia inertia;
   inertia.axes = glm::mat3_cast(random_orientation(random));
   for (int axis = 0; axis < 3; ++axis) {
     inertia.moments[axis] = std::pow(10.0, uniform(random, -6, -3));
   }
-  return tensor_of(inertia);
+  return model::tensor_of(inertia);
 }
 
-Vector6 random_vector(std::mt19937_64& random) {
-  return vector6(random_direction(random), random_direction(random) * 20.0);
+coupling::Vector6 random_vector(std::mt19937_64& random) {
+  return coupling::vector6(random_direction(random), random_direction(random) * 20.0);
 }
 
-StepSystem random_system(std::mt19937_64& random) {
-  StepSystem system;
+model::StepSystem random_system(std::mt19937_64& random) {
+  model::StepSystem system;
   const glm::dmat3 inertia = random_inertia(random);
   for (int row = 0; row < 3; ++row) {
-    system.inertia.lower[Symmetric6::at(row, row)] = 0.012;
+    system.inertia.lower[coupling::Symmetric6::at(row, row)] = 0.012;
     for (int column = 0; column <= row; ++column)
-      system.inertia.lower[Symmetric6::at(3 + row, 3 + column)] = inertia[column][row];
+      system.inertia.lower[coupling::Symmetric6::at(3 + row, 3 + column)] = inertia[column][row];
   }
   system.momentum = system.inertia * random_vector(random);
   system.translation = {2000, glm::dmat3(8.0), 15};
@@ -50,21 +50,21 @@ StepSystem random_system(std::mt19937_64& random) {
   return system;
 }
 
-std::vector<ContactRow> random_rows(std::mt19937_64& random) {
-  std::vector<ContactRow> rows(static_cast<std::size_t>(uniform(random, 0, 40)));
-  for (ContactRow& row : rows) {
+std::vector<model::ContactRow> random_rows(std::mt19937_64& random) {
+  std::vector<model::ContactRow> rows(static_cast<std::size_t>(uniform(random, 0, 40)));
+  for (model::ContactRow& row : rows) {
     const glm::dvec3 n = random_direction(random);
-    row.j = vector6(n, glm::cross(random_direction(random) * 0.03, n));
+    row.j = coupling::vector6(n, glm::cross(random_direction(random) * 0.03, n));
     row.weight = std::pow(10.0, uniform(random, -4, 1));
     row.onset = uniform(random, -1, 1);
   }
   return rows;
 }
 
-ContactRows columns_of(const std::vector<ContactRow>& rows) {
-  ContactRows columns;
+model::ContactRows columns_of(const std::vector<model::ContactRow>& rows) {
+  model::ContactRows columns;
   columns.reserve(rows.size());
-  for (const ContactRow& row : rows) columns.add(row);
+  for (const model::ContactRow& row : rows) columns.add(row);
   return columns;
 }
 
@@ -80,28 +80,28 @@ TEST(ContactRows, AreSummedAsOneAfterTheOther) {
   for (std::uint64_t seed = 1; seed <= 200; ++seed) {
     SCOPED_TRACE(seed);
     std::mt19937_64 random(seed);
-    const std::vector<ContactRow> rows = random_rows(random);
-    const Vector6 velocities[] = {random_vector(random), random_vector(random)};
+    const std::vector<model::ContactRow> rows = random_rows(random);
+    const coupling::Vector6 velocities[] = {random_vector(random), random_vector(random)};
     std::vector<double> energies_j;  // of the first width, then of all others
-    std::vector<ContactRowSum> sums;
+    std::vector<model::ContactRowSum> sums;
     for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
       use_vectors(target);
-      ContactRows columns = columns_of(rows);
+      model::ContactRows columns = columns_of(rows);
       const bool first = energies_j.size() < 4;
       for (const int at : {0, 1, 2, 3}) {
         const int which = at == 1 || at == 2;
-        const Vector6& v = velocities[which];
+        const coupling::Vector6& v = velocities[which];
         double energy_j = 0;
-        ContactRowSum sum;
-        for (const ContactRow& row : rows) {
-          const double short_of = row.onset - dot(row.j, v);
+        model::ContactRowSum sum;
+        for (const model::ContactRow& row : rows) {
+          const double short_of = row.onset - coupling::dot(row.j, v);
           if (!(short_of > 0)) continue;
           energy_j += 0.5 * row.weight * short_of * short_of;
           sum.matrix.add_outer(row.j, row.weight);
           for (int i = 0; i < 6; ++i) sum.impulse[i] += row.weight * row.onset * row.j[i];
         }
         const double found_j = columns.energy_j(v);
-        const ContactRowSum& found = columns.pushing();
+        const model::ContactRowSum& found = columns.pushing();
         EXPECT_NEAR(found_j, energy_j, 1e-14 * energy_j);
         const double scale = sum.matrix.lower[0] + sum.matrix.lower[2] + sum.matrix.lower[5];
         for (std::size_t i = 0; i < 21; ++i) {
@@ -119,8 +119,8 @@ TEST(ContactRows, AreSummedAsOneAfterTheOther) {
   }
 }
 
-ContactSet random_set(std::mt19937_64& random, double voxel_size_m) {
-  ContactSet set;
+field::ContactSet random_set(std::mt19937_64& random, double voxel_size_m) {
+  field::ContactSet set;
   const auto room = static_cast<std::uint32_t>(uniform(random, 0, 60));
   set.reserve(room);
   // Beyond the last contact stands anything.
@@ -141,47 +141,47 @@ ContactSet random_set(std::mt19937_64& random, double voxel_size_m) {
 }
 
 // That of three voxels of foam.
-ForceCurve foam_curve(double voxel_size_m) {
+field::ForceCurve foam_curve(double voxel_size_m) {
   const DistanceDefinition definition(2, 8, 6, 3);
   VoxelScene scene = distance_scene(
       voxel_size_m, {0, 0, -4}, {8, 8, 16}, [](const glm::dvec3& p) { return p.z; }, 2, definition);
   for (int i = 0; i * definition.quantum < 3; ++i) {
     scene.wide.compliance.push_back(static_cast<float>(i * i));
   }
-  return ForceCurve(make_voxmap(scene));
+  return field::ForceCurve(make_voxmap(scene));
 }
 
 // The definitions in contact_force.h, one contact after the other.
 struct SetTwin {
-  ContactTotals totals;
+  model::ContactTotals totals;
   double energy_j = 0;
-  std::vector<ContactRow> rows;
-  Vector6 brake{};
+  std::vector<model::ContactRow> rows;
+  coupling::Vector6 brake{};
   double brake_allowed = 0;
 };
 
-SetTwin twin_of(const ContactSet& set, const ContactLaw& law, const Vector6& velocity, double dt_s,
-                double reach_m) {
+SetTwin twin_of(const field::ContactSet& set, const model::ContactLaw& law,
+                const coupling::Vector6& velocity, double dt_s, double reach_m) {
   SetTwin twin;
   for (std::uint32_t i = 0; i < set.count; ++i) {
-    const Contact c = set[i];
+    const field::Contact c = set[i];
     twin.totals.count += c.depth_m > 0;
     twin.totals.depth_m = std::max(twin.totals.depth_m, c.depth_m);
     twin.totals.sharing += c.weight * std::clamp(c.depth_m / (0.125 * law.voxel_size_m), 0.0, 1.0);
   }
-  const LoadSharing load(twin.totals);
+  const model::LoadSharing load(twin.totals);
   for (std::uint32_t i = 0; i < set.count; ++i) {
-    const Contact c = set[i];
+    const field::Contact c = set[i];
     const double depth_m = c.depth_m;
     if (depth_m > 0) {
       twin.energy_j += law.stiffness_n_per_m * load.share(c) * law.curve.energy_m2(depth_m);
     }
     if (!(depth_m < -reach_m)) {
-      twin.rows.push_back(spring_row(c, law.curve.force_m(depth_m), load, law, dt_s));
+      twin.rows.push_back(model::spring_row(c, law.curve.force_m(depth_m), load, law, dt_s));
     }
-    const Vector6 j = separation_row(c);
-    const double allowed_mps = -depth_m / (kBrakeFrames * dt_s);
-    const double excess_mps = -dot(j, velocity) - allowed_mps;
+    const coupling::Vector6 j = model::separation_row(c);
+    const double allowed_mps = -depth_m / (model::kBrakeFrames * dt_s);
+    const double excess_mps = -coupling::dot(j, velocity) - allowed_mps;
     if (!(depth_m < 0 && excess_mps > 0)) continue;
     for (int k = 0; k < 6; ++k) twin.brake[k] += c.weight * excess_mps * j[k];
     twin.brake_allowed += c.weight * excess_mps * allowed_mps;
@@ -193,58 +193,59 @@ SetTwin twin_of(const ContactSet& set, const ContactLaw& law, const Vector6& vel
 // other gives, but for the order of the sums. Rows are the same bits.
 TEST(ContactForce, OfASetIsThatOfOneContactAfterTheOther) {
   constexpr double kS = 0.005, kDtS = 0.001;
-  const ContactLaw straight{8000, 6, kS, {}}, soft{8000, 6, kS, foam_curve(kS)};
+  const model::ContactLaw straight{8000, 6, kS, {}}, soft{8000, 6, kS, foam_curve(kS)};
   ASSERT_FALSE(soft.curve.is_straight());
   std::size_t rows_seen = 0, brakes_seen = 0;
   for (std::uint64_t seed = 1; seed <= 300; ++seed) {
     SCOPED_TRACE(seed);
     std::mt19937_64 random(seed);
-    const ContactSet set = random_set(random, kS);
-    const ContactLaw& law = seed % 3 == 0 ? soft : straight;
+    const field::ContactSet set = random_set(random, kS);
+    const model::ContactLaw& law = seed % 3 == 0 ? soft : straight;
     const double reach_m = uniform(random, 0, 1) * kS;
-    const Vector6 velocity = random_vector(random);
-    const StepSystem system = random_system(random);
+    const coupling::Vector6 velocity = random_vector(random);
+    const model::StepSystem system = random_system(random);
     const SetTwin twin = twin_of(set, law, velocity, kDtS, reach_m);
     rows_seen += twin.rows.size();
-    ContactTotals first;
-    ContactRow first_brake;
+    model::ContactTotals first;
+    model::ContactRow first_brake;
     for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
       use_vectors(target);
-      const ContactTotals totals = contact_totals(set, law);
+      const model::ContactTotals totals = model::contact_totals(set, law);
       EXPECT_EQ(totals.count, twin.totals.count);
       EXPECT_EQ(totals.depth_m, twin.totals.depth_m);
       EXPECT_NEAR(totals.sharing, twin.totals.sharing, 1e-14 * twin.totals.sharing);
       // Weights below one take away from what counting each as one gives, three quarters at most.
-      EXPECT_NEAR(contact_energy_j(totals, LoadSharing(totals), law), twin.energy_j,
+      EXPECT_NEAR(model::contact_energy_j(totals, model::LoadSharing(totals), law), twin.energy_j,
                   5e-14 * twin.energy_j);
 
-      ContactRows rows;
+      model::ContactRows rows;
       rows.reserve(set.count + 1);
-      rows.add(ContactRow{});  // so that they do not start where a vector would
-      add_contact_rows(set, LoadSharing(twin.totals), law, kDtS, reach_m, rows);
+      rows.add(model::ContactRow{});  // so that they do not start where a vector would
+      model::add_contact_rows(set, model::LoadSharing(twin.totals), law, kDtS, reach_m, rows);
       ASSERT_EQ(rows.size(), twin.rows.size() + 1);
-      const ContactRowColumns end = rows.next();
+      const model::ContactRowColumns end = rows.next();
       for (std::size_t n = 0; n < twin.rows.size(); ++n) {
-        const ContactRow& row = twin.rows[n];
+        const model::ContactRow& row = twin.rows[n];
         const std::ptrdiff_t at =
             static_cast<std::ptrdiff_t>(n) - static_cast<std::ptrdiff_t>(twin.rows.size());
         for (std::size_t k = 0; k < 6; ++k) ASSERT_EQ(end.at[k][at], row.j[k]) << n;
-        ASSERT_EQ(end.at[ContactRowColumns::kWeight][at], row.weight) << n;
-        ASSERT_EQ(end.at[ContactRowColumns::kOnset][at], row.onset) << n;
+        ASSERT_EQ(end.at[model::ContactRowColumns::kWeight][at], row.weight) << n;
+        ASSERT_EQ(end.at[model::ContactRowColumns::kOnset][at], row.onset) << n;
       }
       for (const double* column : end.at) {
         for (int n = 0; n < 8; ++n) ASSERT_EQ(column[n], 0);  // rows that push nothing
       }
 
-      ContactRow brake;
-      const bool brakes = braking_row(set, system.inertia, velocity, kDtS, brake);
-      ASSERT_EQ(brakes, dot(twin.brake, twin.brake) > 0);
+      model::ContactRow brake;
+      const bool brakes = model::braking_row(set, system.inertia, velocity, kDtS, brake);
+      ASSERT_EQ(brakes, coupling::dot(twin.brake, twin.brake) > 0);
       if (brakes) {
         double scale = 0;
         for (const double component : twin.brake) scale += std::abs(component);
         for (int k = 0; k < 6; ++k) EXPECT_NEAR(brake.j[k], twin.brake[k], 1e-13 * scale);
         EXPECT_NEAR(brake.onset, -twin.brake_allowed, 1e-14 * twin.brake_allowed);
-        EXPECT_NEAR(brake.weight * dot(brake.j, solve(system.inertia, brake.j)), 0.5, 1e-14);
+        EXPECT_NEAR(brake.weight * coupling::dot(brake.j, coupling::solve(system.inertia, brake.j)),
+                    0.5, 1e-14);
       }
       if (target == hwy::SupportedAndGeneratedTargets().front()) {
         first = totals, first_brake = brake;
@@ -268,23 +269,24 @@ TEST(ContactSolver, BalancesImpulsesAtTheEndOfTheStep) {
   for (std::uint64_t seed = 1; seed <= 300; ++seed) {
     SCOPED_TRACE(seed);
     std::mt19937_64 random(seed);
-    const StepSystem system = random_system(random);
-    const std::vector<ContactRow> rows = random_rows(random);
-    ContactRows columns = columns_of(rows);
-    const Vector6 v = solve_velocity(system, columns, random_vector(random));
-    Symmetric6 matrix = system.inertia;
-    Vector6 residual = system.momentum;
-    add_implicit(system.translation, system.displacement, linear_part(v), system.dt_s, 0, matrix,
-                 residual);
-    add_implicit(system.rotation, system.angle, angular_part(v), system.dt_s, 3, matrix, residual);
-    const Vector6 inner = matrix * v;
+    const model::StepSystem system = random_system(random);
+    const std::vector<model::ContactRow> rows = random_rows(random);
+    model::ContactRows columns = columns_of(rows);
+    const coupling::Vector6 v = model::solve_velocity(system, columns, random_vector(random));
+    coupling::Symmetric6 matrix = system.inertia;
+    coupling::Vector6 residual = system.momentum;
+    coupling::add_implicit(system.translation, system.displacement, coupling::linear_part(v),
+                           system.dt_s, 0, matrix, residual);
+    coupling::add_implicit(system.rotation, system.angle, coupling::angular_part(v), system.dt_s, 3,
+                           matrix, residual);
+    const coupling::Vector6 inner = matrix * v;
     double scale = 0, error = 0;
-    for (const ContactRow& row : rows) {
-      const double push = row.weight * std::max(0.0, row.onset - dot(row.j, v));
+    for (const model::ContactRow& row : rows) {
+      const double push = row.weight * std::max(0.0, row.onset - coupling::dot(row.j, v));
       for (int i = 0; i < 6; ++i) residual[i] += push * row.j[i];
     }
     for (int i = 0; i < 6; ++i) {
-      const double unit = 1 / std::sqrt(system.inertia.lower[Symmetric6::at(i, i)]);
+      const double unit = 1 / std::sqrt(system.inertia.lower[coupling::Symmetric6::at(i, i)]);
       error = std::max(error, std::abs(residual[i] - inner[i]) * unit);
       scale = std::max(scale, std::abs(inner[i]) * unit);
     }
@@ -294,20 +296,21 @@ TEST(ContactSolver, BalancesImpulsesAtTheEndOfTheStep) {
 }
 
 // The function that the solver minimises, for damping that is the same in all directions.
-double energy_j(const StepSystem& system, const std::vector<ContactRow>& rows, const Vector6& v) {
-  double sum = 0.5 * dot(v, system.inertia * v) - dot(v, system.momentum);
-  const auto add_coupling = [&](const CouplingHalf& half, const HalfStretch& stretch,
-                                const glm::dvec3& velocity) {
+double energy_j(const model::StepSystem& system, const std::vector<model::ContactRow>& rows,
+                const coupling::Vector6& v) {
+  double sum = 0.5 * coupling::dot(v, system.inertia * v) - coupling::dot(v, system.momentum);
+  const auto add_coupling = [&](const coupling::CouplingHalf& half,
+                                const coupling::HalfStretch& stretch, const glm::dvec3& velocity) {
     const double slope = half.damping[0][0] + system.dt_s * half.stiffness;
     const double force = glm::length(half.stiffness * stretch.displacement +
                                      half.damping * stretch.target_velocity - slope * velocity);
     sum += system.dt_s / slope *
            (force <= half.limit ? 0.5 * force * force : half.limit * (force - 0.5 * half.limit));
   };
-  add_coupling(system.translation, system.displacement, linear_part(v));
-  add_coupling(system.rotation, system.angle, angular_part(v));
-  for (const ContactRow& row : rows) {
-    const double short_of = std::max(0.0, row.onset - dot(row.j, v));
+  add_coupling(system.translation, system.displacement, coupling::linear_part(v));
+  add_coupling(system.rotation, system.angle, coupling::angular_part(v));
+  for (const model::ContactRow& row : rows) {
+    const double short_of = std::max(0.0, row.onset - coupling::dot(row.j, v));
     sum += 0.5 * row.weight * short_of * short_of;
   }
   return sum;
@@ -322,25 +325,25 @@ struct WideSystem {
   Wide6 impulse{};
 };
 
-WideSystem wide_system(const StepSystem& system, const std::vector<ContactRow>& rows,
+WideSystem wide_system(const model::StepSystem& system, const std::vector<model::ContactRow>& rows,
                        const Wide6& v) {
-  Vector6 narrow;
+  coupling::Vector6 narrow;
   for (int i = 0; i < 6; ++i) narrow[i] = static_cast<double>(v[i]);
-  Symmetric6 matrix = system.inertia;
-  Vector6 impulse = system.momentum;
-  add_implicit(system.translation, system.displacement, linear_part(narrow), system.dt_s, 0, matrix,
-               impulse);
-  add_implicit(system.rotation, system.angle, angular_part(narrow), system.dt_s, 3, matrix,
-               impulse);
+  coupling::Symmetric6 matrix = system.inertia;
+  coupling::Vector6 impulse = system.momentum;
+  coupling::add_implicit(system.translation, system.displacement, coupling::linear_part(narrow),
+                         system.dt_s, 0, matrix, impulse);
+  coupling::add_implicit(system.rotation, system.angle, coupling::angular_part(narrow), system.dt_s,
+                         3, matrix, impulse);
   WideSystem wide;
   for (int row = 0; row < 6; ++row) {
     wide.impulse[row] = impulse[row];
     for (int column = 0; column <= row; ++column) {
       wide.matrix[row][column] = wide.matrix[column][row] =
-          matrix.lower[Symmetric6::at(row, column)];
+          matrix.lower[coupling::Symmetric6::at(row, column)];
     }
   }
-  for (const ContactRow& row : rows) {
+  for (const model::ContactRow& row : rows) {
     long double speed = 0;
     for (int i = 0; i < 6; ++i) speed += row.j[i] * v[i];
     if (!(speed < row.onset)) continue;
@@ -367,17 +370,18 @@ Wide6 eliminated(WideSystem s) {
 }
 
 // The function that the solver minimises, for damping that is the same in all directions.
-long double energy_of(const StepSystem& system, const std::vector<ContactRow>& rows,
+long double energy_of(const model::StepSystem& system, const std::vector<model::ContactRow>& rows,
                       const Wide6& v) {
   long double sum = 0;
   for (int row = 0; row < 6; ++row) {
     sum -= v[row] * system.momentum[row];
     for (int column = 0; column < 6; ++column) {
-      const int at = Symmetric6::at(std::max(row, column), std::min(row, column));
+      const int at = coupling::Symmetric6::at(std::max(row, column), std::min(row, column));
       sum += 0.5L * v[row] * system.inertia.lower[at] * v[column];
     }
   }
-  const auto add_coupling = [&](const CouplingHalf& half, const HalfStretch& stretch, int first) {
+  const auto add_coupling = [&](const coupling::CouplingHalf& half,
+                                const coupling::HalfStretch& stretch, int first) {
     const long double slope = half.damping[0][0] + system.dt_s * half.stiffness;
     long double square = 0;
     for (int i = 0; i < 3; ++i) {
@@ -391,7 +395,7 @@ long double energy_of(const StepSystem& system, const std::vector<ContactRow>& r
   };
   add_coupling(system.translation, system.displacement, 0);
   add_coupling(system.rotation, system.angle, 3);
-  for (const ContactRow& row : rows) {
+  for (const model::ContactRow& row : rows) {
     long double short_of = row.onset;
     for (int i = 0; i < 6; ++i) short_of -= row.j[i] * v[i];
     if (short_of > 0) sum += 0.5L * row.weight * short_of * short_of;
@@ -399,8 +403,8 @@ long double energy_of(const StepSystem& system, const std::vector<ContactRow>& r
   return sum;
 }
 
-Wide6 wide_solution(const StepSystem& system, const std::vector<ContactRow>& rows,
-                    const Vector6& guess) {
+Wide6 wide_solution(const model::StepSystem& system, const std::vector<model::ContactRow>& rows,
+                    const coupling::Vector6& guess) {
   Wide6 v{};
   std::copy(guess.begin(), guess.end(), v.begin());
   for (int iteration = 0; iteration < 120; ++iteration) {
@@ -424,17 +428,17 @@ TEST(ContactSolver, IsThatOfExtendedPrecisionJudgedByEnergies) {
   for (std::uint64_t seed = 1; seed <= 300; ++seed) {
     SCOPED_TRACE(seed);
     std::mt19937_64 random(seed);
-    StepSystem system = random_system(random);
+    model::StepSystem system = random_system(random);
     const bool clamped = seed % 3 == 0;
     if (!clamped) system.translation.limit = system.rotation.limit = 1e9;
-    const std::vector<ContactRow> rows = random_rows(random);
-    ContactRows columns = columns_of(rows);
-    const Vector6 guess = random_vector(random);
-    const Vector6 v = solve_velocity(system, columns, guess);
+    const std::vector<model::ContactRow> rows = random_rows(random);
+    model::ContactRows columns = columns_of(rows);
+    const coupling::Vector6 guess = random_vector(random);
+    const coupling::Vector6 v = model::solve_velocity(system, columns, guess);
     const Wide6 truth = wide_solution(system, rows, guess);
     double error = 0, size = 0;
     for (int i = 0; i < 6; ++i) {
-      const double mass = system.inertia.lower[Symmetric6::at(i, i)];
+      const double mass = system.inertia.lower[coupling::Symmetric6::at(i, i)];
       const auto off = static_cast<double>(v[i] - truth[i]);
       error += mass * off * off;
       size += mass * v[i] * v[i];
@@ -450,23 +454,23 @@ TEST(ContactSolver, IsNeverWorseThanItsGuess) {
   for (std::uint64_t seed = 1; seed <= 3000; ++seed) {
     SCOPED_TRACE(seed);
     std::mt19937_64 random(seed);
-    const StepSystem system = random_system(random);
-    std::vector<ContactRow> rows = random_rows(random);
-    ContactRows columns = columns_of(rows);
+    const model::StepSystem system = random_system(random);
+    std::vector<model::ContactRow> rows = random_rows(random);
+    model::ContactRows columns = columns_of(rows);
     // A guess beyond reason, and one that is the solution but for hard rows that come to it.
-    Vector6 guess = random_vector(random);
+    coupling::Vector6 guess = random_vector(random);
     if (seed % 2 == 0) {
-      guess = solve_velocity(system, columns, guess);
+      guess = model::solve_velocity(system, columns, guess);
       for (int i = 0; i < 12; ++i) {
-        ContactRow row;
-        row.j = vector6(random_direction(random), random_direction(random) * 0.03);
+        model::ContactRow row;
+        row.j = coupling::vector6(random_direction(random), random_direction(random) * 0.03);
         row.weight = std::pow(10.0, uniform(random, 0, 5));
-        row.onset = dot(row.j, guess) - std::pow(10.0, uniform(random, -12, -2));
+        row.onset = coupling::dot(row.j, guess) - std::pow(10.0, uniform(random, -12, -2));
         rows.push_back(row);
       }
       columns = columns_of(rows);
     }
-    const Vector6 v = solve_velocity(system, columns, guess);
+    const coupling::Vector6 v = model::solve_velocity(system, columns, guess);
     const double before_j = energy_j(system, rows, guess), after_j = energy_j(system, rows, v);
     EXPECT_TRUE(std::isfinite(after_j));
     // The sums' own rounding: terms of both signs, each a few times the larger one.
@@ -478,23 +482,24 @@ TEST(RigidBody, KeepsAngularMomentumAndItsEnergyInBounds) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     SCOPED_TRACE(seed);
     std::mt19937_64 random(seed);
-    PrincipalInertia inertia{glm::mat3_cast(random_orientation(random)), {}};
+    model::PrincipalInertia inertia{glm::mat3_cast(random_orientation(random)), {}};
     for (int axis = 0; axis < 3; ++axis) inertia.moments[axis] = uniform(random, 1e-5, 4e-5);
-    RigidMass mass{0.012, tensor_of(inertia), {}};
+    model::RigidMass mass{0.012, model::tensor_of(inertia), {}};
     mass.inverse_inertia_1pkgm2 = glm::inverse(mass.inertia_kgm2);
     Pose pose{{0, 0, 0}, random_orientation(random)};
     Twist velocity{{0, 0, 0}, random_direction(random) * 20.0};
     const glm::dvec3 momentum =
-        turned(mass.inertia_kgm2, pose.orientation) * velocity.angular_radps;
-    const double energy_j = kinetic_energy_j(mass, pose.orientation, velocity);
+        model::turned(mass.inertia_kgm2, pose.orientation) * velocity.angular_radps;
+    const double energy_j = model::kinetic_energy_j(mass, pose.orientation, velocity);
     double lowest = energy_j, highest = energy_j;
     for (int step = 0; step < 100000; ++step) {
-      pose = advance(mass, pose, velocity, 1e-3);
-      const double now = kinetic_energy_j(mass, pose.orientation, velocity);
+      pose = model::advance(mass, pose, velocity, 1e-3);
+      const double now = model::kinetic_energy_j(mass, pose.orientation, velocity);
       lowest = std::min(lowest, now);
       highest = std::max(highest, now);
     }
-    const glm::dvec3 after = turned(mass.inertia_kgm2, pose.orientation) * velocity.angular_radps;
+    const glm::dvec3 after =
+        model::turned(mass.inertia_kgm2, pose.orientation) * velocity.angular_radps;
     // Rounding of 1e5 turns of the momentum into the body and back.
     EXPECT_LT(glm::length(after - momentum), 1e-9 * glm::length(momentum));
     // The midpoint rule swings by about the square of the angle per step (0.02), without drift.
@@ -510,23 +515,24 @@ TEST(RigidBody, TurnsByNoMoreThanItMay) {
   for (std::uint64_t seed = 1; seed <= 3000; ++seed) {
     SCOPED_TRACE(seed);
     std::mt19937_64 random(seed);
-    RigidMass mass{0.012, random_inertia(random), {}};
+    model::RigidMass mass{0.012, random_inertia(random), {}};
     mass.inverse_inertia_1pkgm2 = glm::inverse(mass.inertia_kgm2);
     const Pose pose{{0, 0, 0}, random_orientation(random)};
     const double asked_rad = std::pow(10.0, uniform(random, -3, 0));
     Twist velocity{{0, 0, 0}, random_direction(random) * (asked_rad / 1e-3)};
-    const double energy_before_j = kinetic_energy_j(mass, pose.orientation, velocity);
+    const double energy_before_j = model::kinetic_energy_j(mass, pose.orientation, velocity);
     Twist free = velocity;
     const auto turned_rad = [&](const Pose& to) {
-      return glm::length(rotation_vector(to.orientation * glm::conjugate(pose.orientation)));
+      return glm::length(
+          coupling::rotation_vector(to.orientation * glm::conjugate(pose.orientation)));
     };
-    const Pose unbounded = advance(mass, pose, free, 1e-3);
-    const Pose bounded = advance(mass, pose, velocity, 1e-3, asked_rad);
+    const Pose unbounded = model::advance(mass, pose, free, 1e-3);
+    const Pose bounded = model::advance(mass, pose, velocity, 1e-3, asked_rad);
     EXPECT_LE(turned_rad(bounded), asked_rad * (1 + 1e-9));
     if (bounded.orientation != unbounded.orientation) {
       ++held;
       EXPECT_GE(turned_rad(bounded), asked_rad * (1 - 1e-9));
-      EXPECT_LE(kinetic_energy_j(mass, bounded.orientation, velocity),
+      EXPECT_LE(model::kinetic_energy_j(mass, bounded.orientation, velocity),
                 energy_before_j * (1 + 1e-9));
     } else {
       EXPECT_LE(turned_rad(unbounded), asked_rad * (1 + 1e-9));
@@ -540,32 +546,32 @@ TEST(RigidBody, ARotationTooFastForTheStepGainsNoEnergy) {
   for (std::uint64_t seed = 1; seed <= 30; ++seed) {
     SCOPED_TRACE(seed);
     std::mt19937_64 random(seed);
-    RigidMass mass{0.012, random_inertia(random), {}};
+    model::RigidMass mass{0.012, random_inertia(random), {}};
     mass.inverse_inertia_1pkgm2 = glm::inverse(mass.inertia_kgm2);
     Pose pose{{0, 0, 0}, random_orientation(random)};
     Twist velocity{{0, 0, 0}, random_direction(random) * std::pow(10.0, uniform(random, 1, 4))};
-    const double energy_j = kinetic_energy_j(mass, pose.orientation, velocity);
+    const double energy_j = model::kinetic_energy_j(mass, pose.orientation, velocity);
     for (int step = 0; step < 5000; ++step) {
-      pose = advance(mass, pose, velocity, 1e-3);
-      ASSERT_LT(kinetic_energy_j(mass, pose.orientation, velocity), 1.5 * energy_j) << step;
+      pose = model::advance(mass, pose, velocity, 1e-3);
+      ASSERT_LT(model::kinetic_energy_j(mass, pose.orientation, velocity), 1.5 * energy_j) << step;
     }
   }
 }
 
 // A quarter of the step, a sixteenth of the error: second order.
 TEST(RigidBody, AsymmetricRotationIsOfSecondOrder) {
-  RigidMass mass{0.012, glm::dmat3(0), {}};
+  model::RigidMass mass{0.012, glm::dmat3(0), {}};
   mass.inertia_kgm2[0][0] = 1e-5, mass.inertia_kgm2[1][1] = 2e-5, mass.inertia_kgm2[2][2] = 3e-5;
   mass.inverse_inertia_1pkgm2 = glm::inverse(mass.inertia_kgm2);
   const auto end = [&](int steps) {
     Pose pose;
     Twist velocity{{0, 0, 0}, {3, 10, 1}};
-    for (int i = 0; i < steps; ++i) pose = advance(mass, pose, velocity, 0.5 / steps);
+    for (int i = 0; i < steps; ++i) pose = model::advance(mass, pose, velocity, 0.5 / steps);
     return pose.orientation;
   };
   const glm::dquat truth = end(500000);
   const auto error = [&](int steps) {
-    return glm::length(rotation_vector(end(steps) * glm::conjugate(truth)));
+    return glm::length(coupling::rotation_vector(end(steps) * glm::conjugate(truth)));
   };
   EXPECT_NEAR(std::log2(error(500) / error(2000)) / 2, 2, 0.1);
 }
@@ -574,7 +580,7 @@ TEST(PrincipalInertia, TakesTensorsApartAndTogether) {
   for (std::uint64_t seed = 1; seed <= 100; ++seed) {
     std::mt19937_64 random(seed);
     const glm::dmat3 tensor = random_inertia(random);
-    const glm::dmat3 again = tensor_of(principal_inertia(tensor));
+    const glm::dmat3 again = model::tensor_of(model::principal_inertia(tensor));
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j)
         EXPECT_NEAR(again[i][j], tensor[i][j], 1e-14 * 1e-3) << "seed " << seed;
@@ -586,11 +592,11 @@ TEST(Braking, OnlyRemovesEnergyAndNeverReverses) {
   for (std::uint64_t seed = 1; seed <= 500; ++seed) {
     SCOPED_TRACE(seed);
     std::mt19937_64 random(seed);
-    StepSystem system = random_system(random);
+    model::StepSystem system = random_system(random);
     system.translation = {1, glm::dmat3(0), 0};
     system.rotation = {1, glm::dmat3(0), 0};  // no coupling
-    const Vector6 before = solve(system.inertia, system.momentum);
-    ContactSet set;
+    const coupling::Vector6 before = coupling::solve(system.inertia, system.momentum);
+    field::ContactSet set;
     set.reserve(30);
     for (set.count = 0; set.count < 30; ++set.count) {
       const glm::vec3 arm_m(random_direction(random) * 0.03), push(random_direction(random));
@@ -598,13 +604,14 @@ TEST(Braking, OnlyRemovesEnergyAndNeverReverses) {
       set.ux[set.count] = push.x, set.uy[set.count] = push.y, set.uz[set.count] = push.z;
       set.depth_m[set.count] = static_cast<float>(-uniform(random, 0, 0.005));
     }
-    ContactRow row;
-    if (!braking_row(set, system.inertia, before, system.dt_s, row)) continue;
-    ContactRows rows = columns_of({row});
-    const Vector6 after = solve_velocity(system, rows, before);
-    EXPECT_LE(dot(after, system.inertia * after),
-              dot(before, system.inertia * before) * (1 + 1e-12));
-    const double approach_before = -dot(row.j, before), approach_after = -dot(row.j, after);
+    model::ContactRow row;
+    if (!model::braking_row(set, system.inertia, before, system.dt_s, row)) continue;
+    model::ContactRows rows = columns_of({row});
+    const coupling::Vector6 after = model::solve_velocity(system, rows, before);
+    EXPECT_LE(coupling::dot(after, system.inertia * after),
+              coupling::dot(before, system.inertia * before) * (1 + 1e-12));
+    const double approach_before = -coupling::dot(row.j, before),
+                 approach_after = -coupling::dot(row.j, after);
     EXPECT_LE(approach_after, approach_before * (1 + 1e-12));
     EXPECT_GE(approach_after, -1e-9 * approach_before);
   }
@@ -613,34 +620,35 @@ TEST(Braking, OnlyRemovesEnergyAndNeverReverses) {
 TEST(CouplingAngle, GoesOnPastHalfATurnAndFadesBeforeAWholeOne) {
   glm::dvec3 last(0);
   for (double angle = 0; angle < 1.99 * M_PI; angle += 0.01) {
-    const Pose target{{0, 0, 0}, rotation_by({0, 0, angle})};
-    last = continuous_angle({}, target, last);
+    const Pose target{{0, 0, 0}, coupling::rotation_by({0, 0, angle})};
+    last = coupling::continuous_angle({}, target, last);
     EXPECT_NEAR(last.z, angle, 1e-9);
   }
-  EXPECT_EQ(torque_share(M_PI), 1);
-  EXPECT_EQ(torque_share(2 * M_PI), 0);
-  EXPECT_NEAR(faded_angle_rad(2 * M_PI), M_PI / 4, 1e-12);  // half of the last quarter turn
+  EXPECT_EQ(coupling::torque_share(M_PI), 1);
+  EXPECT_EQ(coupling::torque_share(2 * M_PI), 0);
+  EXPECT_NEAR(coupling::faded_angle_rad(2 * M_PI), M_PI / 4,
+              1e-12);  // half of the last quarter turn
 }
 
 TEST(Allowance, EndsAtZeroWhenTheHandRests) {
-  const AllowanceLaw law{0.05, 0.01};
+  const model::AllowanceLaw law{0.05, 0.01};
   double allowance_j = 0.05;
   int frames = 0;
   for (; allowance_j > 0 && frames < 10000; ++frames)
-    allowance_j = faded_allowance_j(allowance_j, 0, law, 0.001);
+    allowance_j = model::faded_allowance_j(allowance_j, 0, law, 0.001);
   EXPECT_LT(frames, 300);  // ln(1e9) = 21 time constants
-  EXPECT_LE(faded_allowance_j(0, 1e9, law, 0.001), law.limit_j);
+  EXPECT_LE(model::faded_allowance_j(0, 1e9, law, 0.001), law.limit_j);
 }
 
 // A stretch of the coupling from before a contact is not felt when the contact begins, nor later.
 TEST(Passivity, EntryIsContinuousAndWhatIsHeldBackOnlyShrinks) {
   glm::dvec3 held(0.01, 0, 0);
-  EXPECT_EQ(glm::length(felt_stretch({0.01, 0, 0}, held, 0.001)), 0);
-  EXPECT_NEAR(felt_stretch({0.03, 0, 0}, held, 0.001).x, 0.02, 1e-5);
-  EXPECT_NEAR(felt_stretch({0.004, 0, 0}, held, 0.001).x, 0, 1e-12);
+  EXPECT_EQ(glm::length(coupling::felt_stretch({0.01, 0, 0}, held, 0.001)), 0);
+  EXPECT_NEAR(coupling::felt_stretch({0.03, 0, 0}, held, 0.001).x, 0.02, 1e-5);
+  EXPECT_NEAR(coupling::felt_stretch({0.004, 0, 0}, held, 0.001).x, 0, 1e-12);
   EXPECT_LE(held.x, 0.004);
-  EXPECT_NEAR(felt_stretch({0.01, 0, 0}, held, 0.001).x, 0.006, 1e-5);
-  EXPECT_NEAR(felt_stretch({-0.01, 0, 0}, held, 0.001).x, -0.01, 1e-12);
+  EXPECT_NEAR(coupling::felt_stretch({0.01, 0, 0}, held, 0.001).x, 0.006, 1e-5);
+  EXPECT_NEAR(coupling::felt_stretch({-0.01, 0, 0}, held, 0.001).x, -0.01, 1e-12);
   EXPECT_EQ(held.x, 0);
 }
 
@@ -656,9 +664,9 @@ TEST(Passivity, TheControllerTakesBackWhatWasGivenAndNoMore) {
             random_direction(random) * uniform(random, 0, 10)};
     double last = 0;
     for (int frame = 0; frame < 200; ++frame) {
-      if (frame % 50 == 0) add_given(energy, uniform(random, -1e-3, 1e-3));
+      if (frame % 50 == 0) coupling::add_given(energy, uniform(random, -1e-3, 1e-3));
       const double before_j = energy.given_j;
-      const Wrench damper = passivity_damping(energy, v, radius_m, limit, 0.001);
+      const Wrench damper = coupling::passivity_damping(energy, v, radius_m, limit, 0.001);
       const double power_w =
           glm::dot(damper.force_n, v.linear_mps) + glm::dot(damper.torque_nm, v.angular_radps);
       EXPECT_LE(power_w, 0);
@@ -666,7 +674,7 @@ TEST(Passivity, TheControllerTakesBackWhatWasGivenAndNoMore) {
       EXPECT_LE(glm::length(damper.force_n), limit * glm::length(v.linear_mps) * (1 + 1e-12));
       EXPECT_LE(std::abs(energy.damping_ns_per_m - last), limit * 0.001 / 0.006 * (1 + 1e-12));
       last = energy.damping_ns_per_m;
-      add_given(energy, power_w * 0.001);
+      coupling::add_given(energy, power_w * 0.001);
     }
     EXPECT_LE(energy.given_j, 1e-3);
   }
@@ -675,17 +683,17 @@ TEST(Passivity, TheControllerTakesBackWhatWasGivenAndNoMore) {
 // With the hand at rest, or before any energy was given, it does nothing.
 TEST(Passivity, TheControllerRestsWithTheHand) {
   EpisodeEnergy energy;
-  add_given(energy, -1);
-  const Wrench none = passivity_damping(energy, {{1, 0, 0}, {0, 0, 0}}, 0.1, 2, 0.001);
+  coupling::add_given(energy, -1);
+  const Wrench none = coupling::passivity_damping(energy, {{1, 0, 0}, {0, 0, 0}}, 0.1, 2, 0.001);
   EXPECT_EQ(none.force_n, glm::dvec3(0));
-  add_given(energy, 2);
-  const Wrench still = passivity_damping(energy, {}, 0.1, 2, 0.001);
+  coupling::add_given(energy, 2);
+  const Wrench still = coupling::passivity_damping(energy, {}, 0.1, 2, 0.001);
   EXPECT_EQ(still.force_n, glm::dvec3(0));
   EXPECT_EQ(still.torque_nm, glm::dvec3(0));
 }
 
 TEST(HandleVelocityEstimate, DoesNotSeeAJumpAndEndsAtZero) {
-  HandleVelocity estimate;
+  loop::HandleVelocity estimate;
   Pose pose;
   for (int i = 0; i < 10; ++i) estimate.update(pose, 0.001);
   pose.position_m.x = 0.01;  // a centimetre in one tick

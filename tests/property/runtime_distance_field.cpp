@@ -155,15 +155,15 @@ Voxel random_voxel(Random& random, const VoxelScene& scene) {
 Floats random_fraction(Random& random) {
   Floats f{};
   for (float& x : f) {
-    // Faces and centres of voxels too: that is where a mistake would show.
+    // Faces and centers of voxels too: that is where a mistake would show.
     x = random() % 8 == 0 ? 0.5f * static_cast<float>(random() % 2)
                           : static_cast<float>(integer(random, 0, (1 << 24) - 1)) * 0x1p-24f;
   }
   return f;
 }
 
-// The slope by its definition: differences between the codes of neighbouring voxels, each in the
-// middle between their centres, interpolated between these along the axis and between the centres
+// The slope by its definition: differences between the codes of neighboring voxels, each in the
+// middle between their centers, interpolated between these along the axis and between the centers
 // across it.
 glm::dvec3 defined_slope(const VoxelScene& scene, const Voxel& voxel, const Floats& fraction) {
   glm::dvec3 slope(0);
@@ -201,10 +201,10 @@ TEST_P(DistanceFieldOnEveryTarget, EqualsItsScalarTwinBitForBit) {
     const VoxelScene scene = random_distances(random);
     const auto cropped = static_cast<std::uint32_t>(random() % 2 ? random() % 64 : 0);
     const Voxmap voxmap = make_voxmap(scene, cropped);
-    const DistanceField field(voxmap);
+    const field::DistanceField field(voxmap);
     for (int frame = 0; frame < 3; ++frame) {  // the second finds its bricks decoded
       const auto count = static_cast<std::uint32_t>(integer(random, 0, 900));
-      CollectedPoints points;
+      query::CollectedPoints points;
       points.reserve(count);
       std::vector<Twin> twins;
       const std::uint64_t near_in_ten = random() % 10;
@@ -217,7 +217,7 @@ TEST_P(DistanceFieldOnEveryTarget, EqualsItsScalarTwinBitForBit) {
                 normal);
         twins.push_back(twin_of(scene, v, fraction, normal, cropped));
       }
-      FieldSamples samples;
+      field::FieldSamples samples;
       samples.reserve(count);
       field.measure(points, samples);
       for (std::uint32_t i = 0; i < count; ++i) {
@@ -241,8 +241,8 @@ TEST_P(DistanceFieldOnEveryTarget, HoldsWhereBricksReplaceEachOther) {
   }();
   static const Voxmap voxmap = make_voxmap(scene);
   Random random(8);
-  const DistanceField field(voxmap);
-  CollectedPoints points;
+  const field::DistanceField field(voxmap);
+  query::CollectedPoints points;
   points.reserve(5000);
   std::vector<Twin> twins;
   for (int i = 0; i < 5000; ++i) {
@@ -251,7 +251,7 @@ TEST_P(DistanceFieldOnEveryTarget, HoldsWhereBricksReplaceEachOther) {
     collect(points, voxmap, v, VoxelValue::kSurface, fraction, normal);
     twins.push_back(twin_of(scene, v, fraction, normal));
   }
-  FieldSamples samples;
+  field::FieldSamples samples;
   samples.reserve(5000);
   field.measure(points, samples);
   for (std::uint32_t i = 0; i < 5000; ++i) ASSERT_EQ(samples.depth_m[i], twins[i].depth_m);
@@ -265,7 +265,7 @@ TEST(DistanceField, GivesDepthInValuesOneAndTwoAlone) {
     const VoxelScene scene = random_distances(random, false);
     const Voxmap voxmap = make_voxmap(scene);
     constexpr std::uint32_t kCount = 5000;
-    CollectedPoints points;
+    query::CollectedPoints points;
     points.reserve(kCount);
     std::vector<VoxelValue> values;
     for (std::uint32_t i = 0; i < kCount; ++i) {
@@ -278,9 +278,9 @@ TEST(DistanceField, GivesDepthInValuesOneAndTwoAlone) {
       collect(points, voxmap, v, values.back(), random_fraction(random),
               as_floats(random_direction(random)));
     }
-    FieldSamples samples;
+    field::FieldSamples samples;
     samples.reserve(kCount);
-    DistanceField(voxmap).measure(points, samples);
+    field::DistanceField(voxmap).measure(points, samples);
     for (std::uint32_t i = 0; i < kCount; ++i) {
       if (!(samples.depth_m[i] > 0)) continue;
       ++pushes;
@@ -368,22 +368,22 @@ TEST(DistanceField, LeadsOutFromInsideAndHalfAVoxelBeyond) {
   const glm::dvec3 n(0, 0, 1);
   const VoxelScene scene = half_space(n, definition);
   const Voxmap voxmap = make_voxmap(scene);
-  const DistanceField field(voxmap);
+  const field::DistanceField field(voxmap);
   const auto push_at = [&](std::int64_t z, const Floats& normal) {
-    CollectedPoints points;
+    query::CollectedPoints points;
     points.reserve(1);
     collect(points, voxmap, {2, 3, z}, VoxelValue::kInterior, {0.5f, 0.5f, 0.5f}, normal);
-    FieldSamples samples;
+    field::FieldSamples samples;
     samples.reserve(1);
     field.measure(points, samples);
     return samples;
   };
   // A voxel behind the mesh, 3.4 behind the zero force: straight up, whatever the part's normal.
-  const FieldSamples near = push_at(-1, {1, 0, 0});
+  const field::FieldSamples near = push_at(-1, {1, 0, 0});
   EXPECT_GT(near.dz[0], 0.99f);
   EXPECT_NEAR(near.depth_m[0], 0.01 * (definition.zero + 0.5), 0.0004);
   // Where all codes are 0: the normal, and half a voxel.
-  const FieldSamples deep = push_at(-9, {0.6f, 0, 0.8f});
+  const field::FieldSamples deep = push_at(-9, {0.6f, 0, 0.8f});
   EXPECT_FLOAT_EQ(deep.dx[0], 0.6f);
   EXPECT_FLOAT_EQ(deep.dz[0], 0.8f);
   EXPECT_NEAR(deep.depth_m[0], 0.005, 1e-6);
@@ -395,8 +395,8 @@ TEST(DistanceField, TangentPlaneLiesWhereTheNearestVoxelSays) {
   const glm::dvec3 n = random_direction(random);
   const VoxelScene scene = half_space(n, definition);
   const Voxmap voxmap = make_voxmap(scene);
-  const TangentPlaneField field(voxmap);
-  CollectedPoints points;
+  const field::TangentPlaneField field(voxmap);
+  query::CollectedPoints points;
   points.reserve(300);
   std::vector<double> depths;
   for (int i = 0; i < 300; ++i) {
@@ -409,7 +409,7 @@ TEST(DistanceField, TangentPlaneLiesWhereTheNearestVoxelSays) {
     collect(points, voxmap, v, scene.at(v), as_floats(p - whole), as_floats(n));
     depths.push_back(definition.zero - height);
   }
-  FieldSamples samples;
+  field::FieldSamples samples;
   samples.reserve(300);
   field.measure(points, samples);
   for (std::uint32_t i = 0; i < 300; ++i) {
@@ -422,13 +422,13 @@ TEST(DistanceField, IsTheUsualOneWhereDistancesAre) {
   const Voxmap wide = make_voxmap(scene);
   const Voxmap two_bits =
       make_voxmap(offset_scene(0.01, {0, 0, 0}, {8, 8, 8}, 1, [](Voxel v) { return v[2] < 2; }));
-  EXPECT_EQ(usual_force(Model::kDefault, wide), ForceKind::kDistance);
-  EXPECT_EQ(usual_force(Model::kPaper, wide), ForceKind::kTangentPlane);
-  EXPECT_EQ(usual_force(Model::kDefault, two_bits), ForceKind::kLevel);
-  EXPECT_TRUE(make_force_field(Model::kDefault, ForceKind::kDistance, wide));
+  EXPECT_EQ(field::usual_force(Model::kDefault, wide), ForceKind::kDistance);
+  EXPECT_EQ(field::usual_force(Model::kPaper, wide), ForceKind::kTangentPlane);
+  EXPECT_EQ(field::usual_force(Model::kDefault, two_bits), ForceKind::kLevel);
+  EXPECT_TRUE(field::make_force_field(Model::kDefault, ForceKind::kDistance, wide));
   for (const auto& [map, kind] :
        {std::pair(&wide, ForceKind::kLevel), std::pair(&two_bits, ForceKind::kDistance)}) {
-    const auto refused = make_force_field(Model::kDefault, kind, *map);
+    const auto refused = field::make_force_field(Model::kDefault, kind, *map);
     ASSERT_FALSE(refused);
     EXPECT_EQ(exit_status(refused.error().code), 2);
   }

@@ -13,13 +13,14 @@
 namespace forcelayer::test {
 namespace {
 
-HapticReport bytes_of(const std::uint8_t (&report)[HAPTIC_REPORT_BYTES]) {
-  HapticReport bytes;
+devices::HapticReport bytes_of(const std::uint8_t (&report)[HAPTIC_REPORT_BYTES]) {
+  devices::HapticReport bytes;
   std::copy(std::begin(report), std::end(report), bytes.begin());
   return bytes;
 }
 
-HapticReport random_state(Random& random, HapticReading& reading, HapticFirmware& firmware) {
+devices::HapticReport random_state(Random& random, HapticReading& reading,
+                                   HapticFirmware& firmware) {
   const HapticDeviceRatings ratings = virtual_ratings();
   haptic_init(&firmware, &ratings);
   firmware.sequence = static_cast<std::uint32_t>(random());
@@ -43,14 +44,16 @@ TEST(HapticReport, TheHostReadsTheFirmwaresStates) {
     Random random(seed);
     HapticReading reading;
     HapticFirmware firmware;
-    const HapticReport report = random_state(random, reading, firmware);
-    HapticState state;
-    ASSERT_EQ(decode_state(report, state), HapticDefect::kNone) << "seed " << seed;
+    const devices::HapticReport report = random_state(random, reading, firmware);
+    devices::HapticState state;
+    ASSERT_EQ(devices::decode_state(report, state), devices::HapticDefect::kNone)
+        << "seed " << seed;
     EXPECT_EQ(state.sequence, firmware.sequence) << "seed " << seed;
     EXPECT_EQ(state.echo, firmware.echo) << "seed " << seed;
     EXPECT_EQ(state.buttons, reading.buttons) << "seed " << seed;
-    EXPECT_EQ(state.status, (reading.calibrated ? kHapticCalibrated : 0) |
-                                (reading.fault ? kHapticFault : 0) | kHapticWatchdog)
+    EXPECT_EQ(state.status, (reading.calibrated ? devices::kHapticCalibrated : 0) |
+                                (reading.fault ? devices::kHapticFault : 0) |
+                                devices::kHapticWatchdog)
         << "seed " << seed;
     const glm::dquat sent(reading.orientation_q30[0], reading.orientation_q30[1],
                           reading.orientation_q30[2], reading.orientation_q30[3]);
@@ -80,13 +83,14 @@ TEST(HapticReport, TheHostReadsTheFirmwaresRatings) {
     HapticFirmware firmware;
     haptic_init(&firmware, &ratings);
     const auto sequence = static_cast<std::uint32_t>(random());
-    const HapticReport hello = encode_hello(sequence, 7);
+    const devices::HapticReport hello = devices::encode_hello(sequence, 7);
     ASSERT_EQ(haptic_receive(&firmware, hello.data(), hello.size(), 7), 1);
     HapticReading reading = reading_of({});
     std::uint8_t report[HAPTIC_REPORT_BYTES];
     haptic_next_report(&firmware, &reading, 8, report);
-    HapticRatings read;
-    ASSERT_EQ(decode_ratings(bytes_of(report), read), HapticDefect::kNone) << "seed " << seed;
+    devices::HapticRatings read;
+    ASSERT_EQ(devices::decode_ratings(bytes_of(report), read), devices::HapticDefect::kNone)
+        << "seed " << seed;
     const DeviceCapabilities& device = read.capabilities;
     EXPECT_EQ(read.echo, sequence);
     EXPECT_EQ(device.sensed_axes, kAllAxes);
@@ -109,10 +113,10 @@ HapticFirmware armed_firmware() {
   HapticFirmware firmware;
   const HapticDeviceRatings ratings = virtual_ratings();
   haptic_init(&firmware, &ratings);
-  HapticCommand zero;
+  devices::HapticCommand zero;
   zero.motors_on = true;
   zero.watchdog_us = 20'000;
-  const HapticReport report = encode_command(zero);
+  const devices::HapticReport report = devices::encode_command(zero);
   EXPECT_EQ(haptic_receive(&firmware, report.data(), report.size(), 0), 1);
   return firmware;
 }
@@ -121,12 +125,12 @@ TEST(HapticReport, TheMotorsGetTheHostsWrenchWithinTheRatings) {
   for (std::uint64_t seed = 1; seed <= 2000; ++seed) {
     Random random(seed);
     HapticFirmware firmware = armed_firmware();
-    HapticCommand command;
+    devices::HapticCommand command;
     command.motors_on = true;
     command.watchdog_us = 20'000;
     command.wrench.force_n = random_direction(random) * std::exp(uniform(random, -8, 9));
     command.wrench.torque_nm = random_direction(random) * std::exp(uniform(random, -10, 9));
-    const HapticReport report = encode_command(command);
+    const devices::HapticReport report = devices::encode_command(command);
     ASSERT_EQ(haptic_receive(&firmware, report.data(), report.size(), 1000), 1);
     const HapticWrench motors = haptic_motors(&firmware, 0, 1000);
     // Below the rating to the microstep; above it the same direction, at most the rating.
@@ -153,11 +157,11 @@ TEST(HapticReport, AWrenchThatIsNotFiniteIsZeroWithTheMotorsOff) {
                         -std::numeric_limits<double>::infinity()};
   for (const double value : bad) {
     for (int axis = 0; axis < 6; ++axis) {
-      HapticCommand command;
+      devices::HapticCommand command;
       command.motors_on = true;
       command.wrench = {{1, 1, 1}, {1, 1, 1}};
       (axis < 3 ? command.wrench.force_n : command.wrench.torque_nm)[axis % 3] = value;
-      const HapticReport report = encode_command(command);
+      const devices::HapticReport report = devices::encode_command(command);
       EXPECT_EQ(report[2], 2);
       EXPECT_TRUE(
           std::all_of(report.begin() + 12, report.begin() + 36, [](auto b) { return b == 0; }));
@@ -170,14 +174,14 @@ TEST(HapticFirmware, HoldsNoWrenchLongerThanItsWatchdogWhateverTheClock) {
     Random random(seed);
     const auto start_us = static_cast<std::uint32_t>(random());  // the clock wraps
     HapticFirmware firmware = armed_firmware();
-    HapticCommand command;
+    devices::HapticCommand command;
     command.motors_on = true;
     command.watchdog_us = static_cast<std::uint32_t>(integer(random, 1, 60'000));
     const std::uint32_t held_us = std::min(command.watchdog_us, virtual_ratings().watchdog_us);
-    const HapticReport zero = encode_command(command);
+    const devices::HapticReport zero = devices::encode_command(command);
     command.wrench.force_n.x = 1;
-    const HapticReport push = encode_command(command);
-    const auto send = [&](const HapticReport& report, std::uint32_t at_us) {
+    const devices::HapticReport push = devices::encode_command(command);
+    const auto send = [&](const devices::HapticReport& report, std::uint32_t at_us) {
       ASSERT_EQ(haptic_receive(&firmware, report.data(), report.size(), at_us), 1);
     };
     send(zero, start_us);
@@ -201,7 +205,7 @@ TEST(HapticFirmware, HoldsNoWrenchLongerThanItsWatchdogWhateverTheClock) {
 
 // The documented check value, in a report made by Python's binascii.crc_hqx(bytes, 0xffff).
 TEST(HapticReport, GoldenBytes) {
-  const HapticReport hello = encode_hello(0x04030201, 0x08070605);
+  const devices::HapticReport hello = devices::encode_hello(0x04030201, 0x08070605);
   const std::uint8_t head[12] = {0x82, 1, 0, 0, 1, 2, 3, 4, 5, 6, 7, 8};
   EXPECT_TRUE(std::equal(std::begin(head), std::end(head), hello.begin()));
   EXPECT_EQ(hello[62] | hello[63] << 8, 0x2ee4);
@@ -211,16 +215,16 @@ TEST(HapticReport, EveryDamagedBitAndEveryOtherLengthIsRefusedByBothSides) {
   Random random(5);
   HapticReading reading;
   HapticFirmware firmware;
-  const HapticReport report = random_state(random, reading, firmware);
-  HapticCommand command;
+  const devices::HapticReport report = random_state(random, reading, firmware);
+  devices::HapticCommand command;
   command.motors_on = true;
   command.wrench.force_n = {1, 2, 3};
-  const HapticReport sent = encode_command(command);
+  const devices::HapticReport sent = devices::encode_command(command);
   for (std::size_t bit = 0; bit < 8 * report.size(); ++bit) {
-    HapticReport damaged = report;
+    devices::HapticReport damaged = report;
     damaged[bit / 8] ^= static_cast<std::uint8_t>(1u << bit % 8);
-    HapticState state;
-    EXPECT_NE(decode_state(damaged, state), HapticDefect::kNone) << "bit " << bit;
+    devices::HapticState state;
+    EXPECT_NE(devices::decode_state(damaged, state), devices::HapticDefect::kNone) << "bit " << bit;
     damaged = sent;
     damaged[bit / 8] ^= static_cast<std::uint8_t>(1u << bit % 8);
     HapticFirmware device = armed_firmware();
@@ -231,8 +235,9 @@ TEST(HapticReport, EveryDamagedBitAndEveryOtherLengthIsRefusedByBothSides) {
   longer.resize(200);
   for (std::size_t bytes = 0; bytes < longer.size(); ++bytes) {
     if (bytes == report.size()) continue;
-    HapticState state;
-    EXPECT_EQ(decode_state(std::span(longer).first(bytes), state), HapticDefect::kLength);
+    devices::HapticState state;
+    EXPECT_EQ(devices::decode_state(std::span(longer).first(bytes), state),
+              devices::HapticDefect::kLength);
     HapticFirmware device = armed_firmware();
     EXPECT_EQ(haptic_receive(&device, longer.data(), static_cast<std::uint32_t>(bytes), 1), 0);
   }
@@ -245,7 +250,7 @@ TEST(HapticReport, SoundChecksumsAroundNonsenseGiveFiniteValuesOrNone) {
     Random random(seed);
     HapticReading reading;
     HapticFirmware firmware;
-    HapticReport report = random_state(random, reading, firmware);
+    devices::HapticReport report = random_state(random, reading, firmware);
     const auto changes = integer(random, 1, 6);
     for (std::int64_t i = 0; i < changes; ++i) {
       report[static_cast<std::size_t>(integer(random, 0, 61))] =
@@ -260,8 +265,8 @@ TEST(HapticReport, SoundChecksumsAroundNonsenseGiveFiniteValuesOrNone) {
     }
     report[62] = static_cast<std::uint8_t>(crc);
     report[63] = static_cast<std::uint8_t>(crc >> 8);
-    HapticState state;
-    if (decode_state(report, state) != HapticDefect::kNone) continue;
+    devices::HapticState state;
+    if (devices::decode_state(report, state) != devices::HapticDefect::kNone) continue;
     ++taken;
     EXPECT_NEAR(glm::length(state.device_from_handle.orientation), 1, 1e-12) << "seed " << seed;
     EXPECT_LT(glm::length(state.device_from_handle.position_m), 40) << "seed " << seed;

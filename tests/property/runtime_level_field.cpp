@@ -26,7 +26,7 @@ constexpr std::array kMetrics{Metric::kChebyshev, Metric::kEuclidean};
 
 // Boxes, planks and loose voxels, offset by k layers that are whole: the box has room for them. It
 // lies across the edges of bricks, nodes and directory cells. The interior may be that of either
-// metric: the field reads only the layers around it, which are 26-neighbours with both.
+// metric: the field reads only the layers around it, which are 26-neighbors with both.
 VoxelScene layered_scene(Random& random, std::int64_t k, Metric metric) {
   Voxel min{}, dims{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -73,20 +73,20 @@ Voxel random_voxel(Random& random, const VoxelScene& scene) {
 std::array<float, 3> random_fraction(Random& random) {
   std::array<float, 3> f{};
   for (float& x : f) {
-    // Faces and centres of voxels too: that is where a mistake would show.
+    // Faces and centers of voxels too: that is where a mistake would show.
     x = random() % 8 == 0 ? 0.5f * static_cast<float>(random() % 2)
                           : static_cast<float>(integer(random, 0, (1 << 24) - 1)) * 0x1p-24f;
   }
   return f;
 }
 
-std::array<float, 3> direction_of(const FieldSamples& samples, std::uint32_t i) {
+std::array<float, 3> direction_of(const field::FieldSamples& samples, std::uint32_t i) {
   return {samples.dx[i], samples.dy[i], samples.dz[i]};
 }
 
 // Random points of a scene, some told to be in value 3, and the twin's answers.
 struct Probe {
-  CollectedPoints points;
+  query::CollectedPoints points;
   std::vector<TwinPush> twins;
 
   Probe(Random& random, const VoxelScene& scene, const Voxmap& voxmap, std::uint32_t cropped,
@@ -106,8 +106,8 @@ struct Probe {
 };
 
 // One field against the twin; how many points have depth.
-std::uint32_t compare_with_twin(const LevelField& field, const Probe& probe) {
-  FieldSamples samples;
+std::uint32_t compare_with_twin(const field::LevelField& field, const Probe& probe) {
+  field::FieldSamples samples;
   samples.reserve(probe.points.count);
   field.measure(probe.points, samples);
   std::uint32_t pushes = 0;
@@ -137,7 +137,7 @@ TEST_P(LevelFieldOnEveryTarget, EqualsItsScalarTwinBitForBit) {
     const VoxelScene scene = layered_scene(random, integer(random, 1, 3), metric);
     const auto cropped = static_cast<std::uint32_t>(random() % 2 ? random() % 64 : 0);
     const Voxmap voxmap = make_voxmap(scene, cropped);
-    const LevelField field(voxmap);
+    const field::LevelField field(voxmap);
     for (int frame = 0; frame < 3; ++frame) {  // the second finds its bricks decoded
       const auto count = static_cast<std::uint32_t>(integer(random, 0, 900));
       pushes += compare_with_twin(field, Probe(random, scene, voxmap, cropped, count));
@@ -155,16 +155,16 @@ TEST_P(LevelFieldOnEveryTarget, HoldsWhereBricksReplaceEachOther) {
   std::map<std::uint32_t, int> slots_used;
   const Voxmap voxmap = make_voxmap(scene);
   const auto& origin = voxmap.header().directory_origin;
-  const auto strides = LevelBricks(voxmap).strides();
+  const auto strides = field::LevelBricks(voxmap).strides();
   for (std::int64_t i = 0; i < 50; ++i)
     for (std::int64_t j = 0; j < 50; ++j) {
       const auto bx = static_cast<std::uint32_t>((scene.min[0] - origin[0]) / 8 + i);
       const auto by = static_cast<std::uint32_t>((scene.min[1] - origin[1]) / 8 + j);
       const auto bz = static_cast<std::uint32_t>((scene.min[2] - origin[2]) / 8);
-      ++slots_used[LevelBricks::slot(bx * strides[0] + by * strides[1] + bz)];
+      ++slots_used[field::LevelBricks::slot(bx * strides[0] + by * strides[1] + bz)];
     }
   ASSERT_LT(slots_used.size(), 2450u) << "2500 bricks, and none shares a slot";
-  const LevelField field(voxmap);
+  const field::LevelField field(voxmap);
   EXPECT_GT(compare_with_twin(field, Probe(random, scene, voxmap, 0, 5000)), 0u);
 }
 
@@ -190,9 +190,9 @@ TEST(LevelField, PushesNoPointsButThoseNearTheInterior) {
     const Metric metric = kMetrics[seed % 2];
     const VoxelScene scene = layered_scene(random, integer(random, 1, 3), metric);
     const Voxmap voxmap = make_voxmap(scene);
-    const LevelField field(voxmap);
+    const field::LevelField field(voxmap);
     constexpr std::uint32_t kCount = 20000;
-    CollectedPoints points;
+    query::CollectedPoints points;
     points.reserve(kCount);
     std::vector<VoxelValue> values;
     std::vector<double> steepness;
@@ -205,7 +205,7 @@ TEST(LevelField, PushesNoPointsButThoseNearTheInterior) {
       collect(points, voxmap, v, VoxelValue::kSurface, fraction,
               as_floats(random_direction(random)));
     }
-    FieldSamples samples;
+    field::FieldSamples samples;
     samples.reserve(kCount);
     field.measure(points, samples);
     std::uint32_t pushed = 0, interior = 0;
@@ -341,9 +341,9 @@ Surface wire(double length, double thickness) {
 }
 
 // Sum over the surface of depth * direction, in voxels.
-glm::dvec3 total_push(const ForceField& field, const Voxmap& voxmap, const VoxelScene& scene,
+glm::dvec3 total_push(const field::ForceField& field, const Voxmap& voxmap, const VoxelScene& scene,
                       const Surface& surface, const glm::dquat& turn, const glm::dvec3& place) {
-  CollectedPoints points;
+  query::CollectedPoints points;
   points.reserve(surface.points.size());
   for (std::size_t i = 0; i < surface.points.size(); ++i) {
     const glm::dvec3 p = turn * surface.points[i] + place;
@@ -354,7 +354,7 @@ glm::dvec3 total_push(const ForceField& field, const Voxmap& voxmap, const Voxel
     collect(points, voxmap, v, scene.at(v), as_floats(p - whole),
             as_floats(turn * surface.normals[i]));
   }
-  FieldSamples samples;
+  field::FieldSamples samples;
   samples.reserve(points.count);
   field.measure(points, samples);
   glm::dvec3 sum(0);
@@ -374,8 +374,8 @@ TEST(LevelField, NeverAttractsASheetOrAWireThinnerThanAVoxel) {
     const auto k = integer(random, 1, 3);
     const VoxelScene scene = half_space(n, k);
     const Voxmap voxmap = make_voxmap(scene);
-    const LevelField level(voxmap);
-    const TangentPlaneField tangent_plane(voxmap);
+    const field::LevelField level(voxmap);
+    const field::TangentPlaneField tangent_plane(voxmap);
     const double slant = std::abs(n.x) + std::abs(n.y) + std::abs(n.z);
     for (int i = 0; i < 60; ++i) {
       const double thickness = uniform(random, 0, 1);

@@ -61,7 +61,7 @@ void compare_frames(std::uint64_t seed, Outcome& outcome) {
   const PointPart part = random_part(random, scene.voxel_size_m);
   Run run = random_run(random, scene, part);
   const Parameters& p = run.parameters();
-  Simulation& simulation = run.simulation();
+  model::Simulation& simulation = run.simulation();
   for (int i = 0; i < 20; ++i) {
     const Pose start = random_pose(random, scene);
     State state = simulation.registered(start, start);

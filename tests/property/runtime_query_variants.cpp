@@ -16,14 +16,14 @@ namespace {
 // A query under test with its own output.
 struct Variant {
   std::string name;
-  QueryOptions options;
-  std::unique_ptr<ContactQuery> query;
-  CollectedPoints found;
+  query::QueryOptions options;
+  std::unique_ptr<query::ContactQuery> query;
+  query::CollectedPoints found;
   std::uint64_t looked_at = 0;
 };
 
-QueryOptions options_of(unsigned bits, unsigned threads) {
-  QueryOptions options;
+query::QueryOptions options_of(unsigned bits, unsigned threads) {
+  query::QueryOptions options;
   options.skip.clearance = (bits & 1) != 0;
   options.skip.super_blocks = (bits & 2) != 0;
   options.skip.coherence = (bits & 4) != 0;
@@ -32,19 +32,19 @@ QueryOptions options_of(unsigned bits, unsigned threads) {
 }
 
 // The scalar query without any skipping, which the twins in runtime_contact_query.cpp vouch for.
-QueryOptions plain_options() {
-  QueryOptions options = options_of(0, 1);
+query::QueryOptions plain_options() {
+  query::QueryOptions options = options_of(0, 1);
   options.vector = false;
   return options;
 }
 
 std::vector<Variant> make_variants(const Voxmap& voxmap, const Pshell& shell) {
   std::vector<Variant> variants;
-  const auto add = [&](std::string name, const QueryOptions& options) {
+  const auto add = [&](std::string name, const query::QueryOptions& options) {
     Variant v;
     v.name = std::move(name);
     v.options = options;
-    v.query = std::make_unique<ContactQuery>(voxmap, shell, options);
+    v.query = std::make_unique<query::ContactQuery>(voxmap, shell, options);
     v.found.reserve(shell.view().point_count);
     variants.push_back(std::move(v));
   };
@@ -71,7 +71,7 @@ void run_variant(Random& random, const Pose& pose, Variant& v) {
   v.query->rest();
 }
 
-bool same(const CollectedPoints& a, const CollectedPoints& b) {
+bool same(const query::CollectedPoints& a, const query::CollectedPoints& b) {
   const std::size_t n = a.count;
   return a.count == b.count && a.interior_count == b.interior_count &&
          a.surface_count == b.surface_count && a.proximity_count == b.proximity_count &&
@@ -144,8 +144,8 @@ void compare_along_a_motion(std::uint64_t seed, int poses, std::uint64_t& looked
   const auto cropped = static_cast<std::uint32_t>(seed % 4 == 0 ? random() % 64 : 0);
   const Voxmap voxmap = make_voxmap(scene, cropped);
   const Pshell shell = make_pshell(blocky_part(random, scene));
-  ContactQuery plain(voxmap, shell, plain_options());
-  CollectedPoints wanted;
+  query::ContactQuery plain(voxmap, shell, plain_options());
+  query::CollectedPoints wanted;
   wanted.reserve(shell.view().point_count);
   std::vector<Variant> variants = make_variants(voxmap, shell);
   Pose pose = random_pose(random, scene);
@@ -185,12 +185,13 @@ TEST(QueryVariants, FindTheEndsOfATurningBar) {
     for (int i = -200; i <= 200; ++i) part.add({half_m * i / 200.0, 0, 0}, {0, 0, 1});
     const Voxmap voxmap = make_voxmap(scene);
     const Pshell shell = make_pshell(part);
-    ContactQuery plain(voxmap, shell, plain_options());
-    CollectedPoints wanted;
+    query::ContactQuery plain(voxmap, shell, plain_options());
+    query::CollectedPoints wanted;
     wanted.reserve(shell.view().point_count);
     std::vector<Variant> variants = make_variants(voxmap, shell);
     Pose pose = random_pose(random, scene);
-    const glm::dquat step = rotation_by(random_direction(random) * uniform(random, 0.002, 0.03));
+    const glm::dquat step =
+        coupling::rotation_by(random_direction(random) * uniform(random, 0.002, 0.03));
     for (int i = 0; i < 200; ++i) {
       plain.run(pose, wanted);
       for (Variant& v : variants) {
@@ -213,8 +214,8 @@ TEST(QueryVariants, FindTheSamePointsWithEveryInstructionSet) {
   std::set<std::string> used;
   for (const std::int64_t target : targets) {
     use_target(target);
-    SCOPED_TRACE(kernel_target());
-    used.insert(kernel_target());
+    SCOPED_TRACE(query::kernel_target());
+    used.insert(query::kernel_target());
     std::uint64_t looked_at = 0, points = 0;
     for (std::uint64_t seed = 101; seed <= 108; ++seed) {
       compare_along_a_motion(seed, 30, looked_at, points);
@@ -238,8 +239,8 @@ TEST(QueryVariants, FindTheSamePointsInUniformAndEmptyMaps) {
   const Pshell shell = make_pshell(sphere_part(0.06, 2000, 0.01));
   for (const VoxelScene& scene : scenes) {
     const Voxmap voxmap = make_voxmap(scene);
-    ContactQuery plain(voxmap, shell, plain_options());
-    CollectedPoints wanted;
+    query::ContactQuery plain(voxmap, shell, plain_options());
+    query::CollectedPoints wanted;
     wanted.reserve(shell.view().point_count);
     std::vector<Variant> variants = make_variants(voxmap, shell);
     for (int i = 0; i < 50; ++i) {

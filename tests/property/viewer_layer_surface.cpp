@@ -48,7 +48,7 @@ std::set<Face> expected_faces(const DenseVoxels& voxels, VoxelValue layer) {
 }
 
 // The unit faces that the rectangles cover; fails where two cover the same one.
-std::set<Face> covered_faces(const QuadSurface& surface, double s) {
+std::set<Face> covered_faces(const viewer::QuadSurface& surface, double s) {
   std::set<Face> faces;
   for (std::uint64_t q = 0; q < surface.quad_count(); ++q) {
     std::array<std::array<std::int64_t, 3>, 4> corner{};  // in voxels
@@ -115,11 +115,12 @@ TEST(LayerSurface, CoversEachFaceOnceAndNoOther) {
     for (const VoxelValue layer :
          {VoxelValue::kInterior, VoxelValue::kSurface, VoxelValue::kProximity}) {
       const std::set<Face> expected = expected_faces(voxels, layer);
-      for (const Faces faces : {Faces::kMerged, Faces::kSingle}) {
-        const QuadSurface surface = layer_surface(built.voxmap(), layer, {0.1, -2.5, 0.07}, faces);
+      for (const viewer::Faces faces : {viewer::Faces::kMerged, viewer::Faces::kSingle}) {
+        const viewer::QuadSurface surface =
+            viewer::layer_surface(built.voxmap(), layer, {0.1, -2.5, 0.07}, faces);
         EXPECT_EQ(surface.voxel_faces, expected.size());
         EXPECT_EQ(covered_faces(surface, 0.005), expected);
-        if (faces == Faces::kSingle) {
+        if (faces == viewer::Faces::kSingle) {
           EXPECT_EQ(surface.quad_count(), expected.size());
         }
       }
@@ -155,10 +156,10 @@ TEST(CoarseLayers, CoverEachFaceOfACellOnceAndNoOther) {
     const BuiltVoxmap built(voxels);
     for (const int edge : {2, 4, 8}) {
       const DenseVoxels cells = coarse_cells(voxels, edge);
-      const CoarseLayers coarse(built.voxmap(), edge);
+      const viewer::CoarseLayers coarse(built.voxmap(), edge);
       for (const VoxelValue layer :
            {VoxelValue::kInterior, VoxelValue::kSurface, VoxelValue::kProximity}) {
-        const QuadSurface surface = coarse.surface(layer, {0.1, -2.5, 0.07});
+        const viewer::QuadSurface surface = coarse.surface(layer, {0.1, -2.5, 0.07});
         EXPECT_EQ(covered_faces(surface, 0.005 * edge), expected_faces(cells, layer));
       }
     }
@@ -172,9 +173,9 @@ TEST(CoarseLayers, ReadUniformBlocks) {
   const BuiltVoxmap built(voxels);
   for (const int edge : {2, 4, 8}) {
     const DenseVoxels cells = coarse_cells(voxels, edge);
-    const CoarseLayers coarse(built.voxmap(), edge);
+    const viewer::CoarseLayers coarse(built.voxmap(), edge);
     for (const VoxelValue layer : {VoxelValue::kInterior, VoxelValue::kSurface}) {
-      const QuadSurface surface = coarse.surface(layer, {0, 0, 0});
+      const viewer::QuadSurface surface = coarse.surface(layer, {0, 0, 0});
       EXPECT_EQ(covered_faces(surface, 0.005 * edge), expected_faces(cells, layer));
     }
   }
@@ -185,7 +186,8 @@ TEST(LayerSurface, UniformBlocksAreRead) {
   voxels.fill({0, 0, 0}, {64, 64, 64}, VoxelValue::kInterior);  // one entry of a lower node
   voxels.fill({0, 0, 64}, {64, 64, 72}, VoxelValue::kSurface);
   const BuiltVoxmap built(voxels);
-  const QuadSurface surface = layer_surface(built.voxmap(), VoxelValue::kInterior, {0, 0, 0});
+  const viewer::QuadSurface surface =
+      viewer::layer_surface(built.voxmap(), VoxelValue::kInterior, {0, 0, 0});
   EXPECT_EQ(surface.voxel_faces, 6u * 64 * 64);
   EXPECT_EQ(surface.quad_count(), 6u * 8 * 8);
 }

@@ -21,9 +21,9 @@ using reference::Random;
 using reference::real;
 using reference::whole;
 
-std::vector<VoxelIndex> voxels_of(const std::vector<Vec3d>& points_m) {
-  std::vector<VoxelIndex> voxels;
-  for (const Vec3d& p : points_m) {
+std::vector<lattice::VoxelIndex> voxels_of(const std::vector<mesh::Vec3d>& points_m) {
+  std::vector<lattice::VoxelIndex> voxels;
+  for (const mesh::Vec3d& p : points_m) {
     voxels.push_back({static_cast<std::int64_t>(std::floor(p[0])),
                       static_cast<std::int64_t>(std::floor(p[1])),
                       static_cast<std::int64_t>(std::floor(p[2]))});
@@ -50,7 +50,7 @@ TEST(Bake, EqualsTheReferenceWithManyLayers) {
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
     Random random(seed);
     const reference::MeshScene scene = reference::random_scene(random, 12, 4);
-    const auto layers = static_cast<std::uint32_t>(whole(random, 4, kMaxBakedLayers));
+    const auto layers = static_cast<std::uint32_t>(whole(random, 4, distance::kMaxBakedLayers));
     const auto expected = reference::offset_scene(
         reference::united_scene(scene.lattice(), {}, layers + 2), static_cast<int>(layers));
     const BakedScene baked(scene.objects(), options_with(layers));
@@ -65,20 +65,20 @@ TEST(Bake, ClearanceIsExactOnEveryLevel) {
     Random random(seed);
     reference::MeshScene scene = reference::random_scene(random, seed % 2 == 0 ? 4 : 16, 4);
     if (seed % 3 == 0) {  // two small things far apart, for distances across nodes and blocks
-      Mesh far = scene.meshes.front();
-      Vec3d step;
+      mesh::Mesh far = scene.meshes.front();
+      mesh::Vec3d step;
       for (double& x : step) x = static_cast<double>(whole(random, -2, 2) * whole(random, 0, 700));
-      for (Vec3d& vertex : far.vertices) {
+      for (mesh::Vec3d& vertex : far.vertices) {
         for (std::size_t d = 0; d < 3; ++d) vertex[d] += step[d];
       }
       scene.meshes = {scene.meshes.front(), far};
     }
     std::vector<LatticeMesh> meshes = scene.lattice();
     const BakedScene baked(scene.objects(), options_with(1));
-    std::vector<VoxelIndex> held;  // object by object: the grid around both would be large
+    std::vector<lattice::VoxelIndex> held;  // object by object: the grid around both would be large
     for (const LatticeMesh& mesh : meshes) {
       const auto values = reference::offset_scene(reference::united_scene({mesh}, {}, 3), 1);
-      values.for_each([&](const VoxelIndex& v) {
+      values.for_each([&](const lattice::VoxelIndex& v) {
         if (values.at(v) != 0) held.push_back(v);
       });
     }
@@ -96,7 +96,7 @@ TEST(Bake, FreeSeedsOpenWhatEnclosesThem) {
     const auto without = reference::united_scene(scene.lattice(), {}, 4);
     // Seeds anywhere in the box but in the surface of an object.
     for (int attempt = 0; attempt < 40 && scene.seeds_m.size() < 3; ++attempt) {
-      VoxelIndex voxel;
+      lattice::VoxelIndex voxel;
       for (std::size_t d = 0; d < 3; ++d) {
         voxel[d] = whole(random, without.geometry.low()[d], without.geometry.high()[d]);
       }
@@ -109,7 +109,7 @@ TEST(Bake, FreeSeedsOpenWhatEnclosesThem) {
     }
     const auto expected = reference::offset_scene(
         reference::united_scene(scene.lattice(), voxels_of(scene.seeds_m), 4), 2);
-    BakeOptions options = options_with(2);
+    voxelize::BakeOptions options = options_with(2);
     options.free_seeds_m = scene.seeds_m;
     reference::expect_equal(BakedScene(scene.objects(), options).map(), expected);
     if (HasFatalFailure()) return;
@@ -137,12 +137,13 @@ TEST(Bake, OffsettingEachObjectAndMergingGivesTheSame) {
       reference::DenseGrid marks = reference::grid_around(meshes, layers + 2);
       reference::mark_geometry(mesh, marks);
       reference::mark_free({}, marks);
-      marks.for_each([&](const VoxelIndex& v) {
+      marks.for_each([&](const lattice::VoxelIndex& v) {
         object.geometry.at(v) = marks.at(v) == 1;
         object.interior.at(v) = marks.at(v) == 0;
       });
       const auto values = reference::offset_scene(object, layers);
-      values.for_each([&](const VoxelIndex& v) { all.at(v) = merged(all.at(v), values.at(v)); });
+      values.for_each(
+          [&](const lattice::VoxelIndex& v) { all.at(v) = merged(all.at(v), values.at(v)); });
     }
     const BakedScene baked(scene.objects(), options_with(static_cast<std::uint32_t>(layers)));
     reference::expect_equal(baked.map(), all);
@@ -153,13 +154,13 @@ TEST(Bake, OffsettingEachObjectAndMergingGivesTheSame) {
 // Solids whose inside holds whole nodes and blocks without surface.
 TEST(Bake, DeepInteriorAndEnclosedFreeSpaceAreRight) {
   reference::MeshScene scene;
-  Mesh& mesh = scene.meshes.emplace_back();
+  mesh::Mesh& mesh = scene.meshes.emplace_back();
   constexpr double kLow = -777, kHigh = 901;  // 1679 voxels: a block of 512 lies inside
   reference::add_box(mesh, {kLow, kLow, kLow}, {kHigh + 0.5, kHigh + 0.5, kHigh + 0.5});
   const auto expect_inside = [&](const Voxmap& map, VoxelValue inside, int layers) {
     Random random(7);
     for (int n = 0; n < 200000; ++n) {
-      VoxelIndex v;
+      lattice::VoxelIndex v;
       std::int64_t outside = INT64_MIN;  // Chebyshev distance beyond the box, negative inside
       for (std::size_t d = 0; d < 3; ++d) {
         v[d] = n % 2 == 0 ? whole(random, -800, 920)
@@ -182,7 +183,7 @@ TEST(Bake, DeepInteriorAndEnclosedFreeSpaceAreRight) {
   const std::uint64_t side = 1679 + 2 * 1;  // the box and what lies at most k-1 outside
   EXPECT_EQ(solid.map().header().interior_voxels, side * side * side);
 
-  BakeOptions options = options_with(2);
+  voxelize::BakeOptions options = options_with(2);
   options.free_seeds_m = {{10, -20, 30}};
   expect_inside(BakedScene(scene.objects(), options).map(), VoxelValue::kFree, 2);
 }
@@ -192,7 +193,7 @@ TEST(Bake, SameBytesForAnyNumberOfThreadsAndOrderOfObjectsAndTriangles) {
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
     Random random(seed);
     reference::MeshScene scene = reference::random_scene(random, 200, 4);
-    BakeOptions options = options_with(2);
+    voxelize::BakeOptions options = options_with(2);
     options.threads = 1;
     const std::string expected = BakedScene(scene.objects(), options).bytes();
     for (const int threads : {2, 4, 16}) {
@@ -200,20 +201,20 @@ TEST(Bake, SameBytesForAnyNumberOfThreadsAndOrderOfObjectsAndTriangles) {
       ASSERT_EQ(BakedScene(scene.objects(), options).bytes(), expected) << threads << " threads";
     }
     std::shuffle(scene.meshes.begin(), scene.meshes.end(), random);
-    for (Mesh& mesh : scene.meshes) {
+    for (mesh::Mesh& mesh : scene.meshes) {
       std::shuffle(mesh.triangles.begin(), mesh.triangles.end(), random);
-      for (Triangle& triangle : mesh.triangles) {
+      for (mesh::Triangle& triangle : mesh.triangles) {
         std::rotate(triangle.begin(), triangle.begin() + whole(random, 0, 2), triangle.end());
         if (whole(random, 0, 1) == 0) std::swap(triangle[0], triangle[1]);
       }
     }
     ASSERT_EQ(BakedScene(scene.objects(), options).bytes(), expected) << "shuffled";
     // Duplicated triangles change the number of triangles and nothing else.
-    for (Mesh& mesh : scene.meshes) {
+    for (mesh::Mesh& mesh : scene.meshes) {
       const auto triangles = mesh.triangles;
       mesh.triangles.insert(mesh.triangles.end(), triangles.begin(), triangles.end());
     }
-    auto doubled = bake(scene.objects(), options);
+    auto doubled = voxelize::bake(scene.objects(), options);
     ASSERT_TRUE(doubled);
     doubled->header.triangles /= 2;
     test::ScratchFolder folder;

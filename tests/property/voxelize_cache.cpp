@@ -17,21 +17,21 @@ using reference::Random;
 using reference::real;
 using reference::whole;
 
-Digest digest_of_mesh(const Mesh& mesh) {
-  return DigestBuilder()
+cache::Digest digest_of_mesh(const mesh::Mesh& mesh) {
+  return cache::DigestBuilder()
       .bytes(std::as_bytes(std::span(mesh.vertices)))
       .bytes(std::as_bytes(std::span(mesh.triangles)))
       .finish();
 }
 
 struct CachedScene {
-  std::vector<Mesh> meshes;
-  std::vector<Vec3d> positions;
+  std::vector<mesh::Mesh> meshes;
+  std::vector<mesh::Vec3d> positions;
 
-  std::vector<SceneObject> objects() const {
-    std::vector<SceneObject> list;
+  std::vector<voxelize::SceneObject> objects() const {
+    std::vector<voxelize::SceneObject> list;
     for (std::size_t i = 0; i < meshes.size(); ++i) {
-      SceneObject& object = list.emplace_back();
+      voxelize::SceneObject& object = list.emplace_back();
       object.name = "object";
       object.mesh = &meshes[i];
       object.world_from_mesh.translation = positions[i];
@@ -46,34 +46,34 @@ CachedScene random_scene(Random& random) {
   const double extent = real(random, 20, 150);
   for (std::int64_t n = whole(random, 2, 6); n > 0; --n) {
     scene.meshes.push_back(reference::random_object(random, {0, 0, 0}, real(random, 5, extent)));
-    Vec3d at;
+    mesh::Vec3d at;
     for (double& x : at) x = real(random, -200, 200);
     scene.positions.push_back(at);
   }
   return scene;
 }
 
-std::string bytes_of(const Bake& bake) {
+std::string bytes_of(const voxelize::Bake& bake) {
   const auto bytes = voxmap_bytes(bake.content("{}"));
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-Bake baked(const CachedScene& scene, const BakeOptions& options) {
+voxelize::Bake baked(const CachedScene& scene, const voxelize::BakeOptions& options) {
   auto result = bake(scene.objects(), options);
   if (!result) throw std::runtime_error(to_line(result.error()));
   return std::move(*result);
 }
 
-std::size_t found(const Bake& bake) {
+std::size_t found(const voxelize::Bake& bake) {
   return static_cast<std::size_t>(
       std::count_if(bake.objects.begin(), bake.objects.end(),
-                    [](const ObjectReport& object) { return object.from_cache; }));
+                    [](const voxelize::ObjectReport& object) { return object.from_cache; }));
 }
 
 class BakeCacheTest : public ::testing::Test {
  protected:
   BakeCacheTest() {
-    auto cache = CacheFolder::open((scratch_ / "cache").string());
+    auto cache = cache::CacheFolder::open((scratch_ / "cache").string());
     if (!cache) throw std::runtime_error(to_line(cache.error()));
     cache_.emplace(std::move(*cache));
     plain_.voxel_size_m = 1;
@@ -89,8 +89,8 @@ class BakeCacheTest : public ::testing::Test {
   }
 
   test::ScratchFolder scratch_;
-  std::optional<CacheFolder> cache_;
-  BakeOptions plain_, cached_;
+  std::optional<cache::CacheFolder> cache_;
+  voxelize::BakeOptions plain_, cached_;
 };
 
 TEST_F(BakeCacheTest, SameBytesColdWarmAndAfterEveryChange) {
@@ -103,7 +103,7 @@ TEST_F(BakeCacheTest, SameBytesColdWarmAndAfterEveryChange) {
     use(static_cast<std::uint32_t>(whole(random, euclidean ? 1 : 0, 4)),
         euclidean ? Metric::kEuclidean : Metric::kChebyshev);
     ASSERT_EQ(bytes_of(baked(scene, cached_)), bytes_of(baked(scene, plain_))) << "cold";
-    const Bake warm = baked(scene, cached_);
+    const voxelize::Bake warm = baked(scene, cached_);
     ASSERT_EQ(bytes_of(warm), bytes_of(baked(scene, plain_))) << "warm";
     ASSERT_EQ(found(warm), scene.meshes.size());
     ASSERT_EQ(warm.reused_nodes, warm.nodes);
@@ -115,11 +115,12 @@ TEST_F(BakeCacheTest, SameBytesColdWarmAndAfterEveryChange) {
         scene.meshes.erase(scene.meshes.begin() + static_cast<std::ptrdiff_t>(i));
         scene.positions.erase(scene.positions.begin() + static_cast<std::ptrdiff_t>(i));
       } else if (change == 2) {  // all of it, by whole nodes: they look the same elsewhere
-        for (Vec3d& at : scene.positions) at[0] += 64 * static_cast<double>(whole(random, -9, 9));
+        for (mesh::Vec3d& at : scene.positions)
+          at[0] += 64 * static_cast<double>(whole(random, -9, 9));
       } else {
         scene.positions[i][static_cast<std::size_t>(change)] += real(random, -30, 30);
       }
-      const Bake result = baked(scene, cached_);
+      const voxelize::Bake result = baked(scene, cached_);
       ASSERT_EQ(bytes_of(result), bytes_of(baked(scene, plain_))) << "change " << change;
       reused += result.reused_nodes;
       rebuilt += result.nodes - result.reused_nodes;
@@ -142,7 +143,7 @@ TEST_F(BakeCacheTest, GrownObjectsAreFoundAcrossDirectoryCells) {
     SCOPED_TRACE(layers);
     use(layers, Metric::kEuclidean);
     cached_.find_cavities = true;
-    const Bake cold = baked(scene, cached_), warm = baked(scene, cached_);
+    const voxelize::Bake cold = baked(scene, cached_), warm = baked(scene, cached_);
     EXPECT_EQ(found(cold), 0u);
     EXPECT_EQ(found(warm), 1u);
     EXPECT_EQ(bytes_of(cold), bytes_of(baked(scene, plain_)));
@@ -183,7 +184,8 @@ TEST_F(BakeCacheTest, EveryInputOfAnObjectMakesAnotherEntry) {
   baked(scene, cached_);
   ASSERT_EQ(found(baked(scene, cached_)), 1u);
 
-  const auto expect_other = [&](const char* what, const CachedScene& changed, BakeOptions options) {
+  const auto expect_other = [&](const char* what, const CachedScene& changed,
+                                voxelize::BakeOptions options) {
     EXPECT_EQ(found(baked(changed, options)), 0u) << what;
     const std::string bytes = bytes_of(baked(changed, options));
     options.cache = nullptr;
@@ -198,19 +200,19 @@ TEST_F(BakeCacheTest, EveryInputOfAnObjectMakesAnotherEntry) {
   CachedScene swapped = scene;
   std::swap(swapped.meshes[0].triangles[0][0], swapped.meshes[0].triangles[0][1]);
   expect_other("triangle", swapped, cached_);
-  BakeOptions finer = cached_;
+  voxelize::BakeOptions finer = cached_;
   finer.voxel_size_m = 0.5;
   expect_other("voxel size", scene, finer);
-  BakeOptions seeded = cached_;
+  voxelize::BakeOptions seeded = cached_;
   seeded.free_seeds_m = {{10, 10, 10}};
   expect_other("free seed", scene, seeded);
-  BakeOptions layered = cached_;
+  voxelize::BakeOptions layered = cached_;
   layered.layers = 3;  // not in an object's key
   EXPECT_EQ(found(baked(scene, layered)), 1u);
-  BakeOptions with_cavities = cached_;
+  voxelize::BakeOptions with_cavities = cached_;
   with_cavities.find_cavities = true;
   EXPECT_EQ(found(baked(scene, with_cavities)), 0u) << "the entry knows nothing about cavities";
-  const Bake again = baked(scene, with_cavities);
+  const voxelize::Bake again = baked(scene, with_cavities);
   EXPECT_EQ(found(again), 1u);
   ASSERT_EQ(again.objects[0].cavities.size(), 1u);
   EXPECT_EQ(again.objects[0].cavities[0].voxels, 19u * 19 * 19);
@@ -222,14 +224,14 @@ TEST_F(BakeCacheTest, ShardsAreFoundByTheLastBake) {
   const CachedScene scene = random_scene(random);
   const auto objects = scene.objects();
   for (std::size_t i = 0; i < objects.size(); ++i) {
-    const auto shard = bake_shard(std::span(objects).subspan(i, 1), cached_);
+    const auto shard = voxelize::bake_shard(std::span(objects).subspan(i, 1), cached_);
     ASSERT_TRUE(shard) << to_line(shard.error());
     EXPECT_EQ(shard->objects.size(), 1u);
   }
-  const Bake result = baked(scene, cached_);
+  const voxelize::Bake result = baked(scene, cached_);
   EXPECT_EQ(found(result), objects.size());
   EXPECT_EQ(bytes_of(result), bytes_of(baked(scene, plain_)));
-  EXPECT_TRUE(bake_shard({}, cached_)) << "a shard with nothing in it";
+  EXPECT_TRUE(voxelize::bake_shard({}, cached_)) << "a shard with nothing in it";
 }
 
 TEST_F(BakeCacheTest, RegionsUseTheCacheToo) {

@@ -19,8 +19,9 @@ using reference::whole;
 
 constexpr double kTolerance = 2e-4;  // of single precision, in voxels
 
-BakeOptions distance_options(std::uint32_t layers, std::uint32_t bits, double range_voxels = 0) {
-  BakeOptions options = reference::options_with(layers, 1, Metric::kEuclidean);
+voxelize::BakeOptions distance_options(std::uint32_t layers, std::uint32_t bits,
+                                       double range_voxels = 0) {
+  voxelize::BakeOptions options = reference::options_with(layers, 1, Metric::kEuclidean);
   options.bits = bits;
   options.range_m = range_voxels;
   return options;
@@ -56,7 +57,7 @@ class Definition {
   double interior_, zero_, surface_, proximity_;
 };
 
-std::uint32_t code_at(const Voxmap& map, const VoxelIndex& v) {
+std::uint32_t code_at(const Voxmap& map, const lattice::VoxelIndex& v) {
   std::array<std::int32_t, 3> at;
   for (std::size_t d = 0; d < 3; ++d) {
     at[d] = static_cast<std::int32_t>(v[d] - map.view().directory_origin[d]);
@@ -68,7 +69,7 @@ std::uint32_t code_at(const Voxmap& map, const VoxelIndex& v) {
 double distance_from(const std::vector<LatticeMesh>& meshes, const Point& p) {
   double least = 1e300;
   for (const LatticeMesh& mesh : meshes) {
-    for (const LatticeTriangle& triangle : mesh) {
+    for (const lattice::LatticeTriangle& triangle : mesh) {
       least = std::min(least, reference::point_distance(triangle, p));
     }
   }
@@ -86,7 +87,7 @@ TEST(DistanceBake, EqualsTheReferenceOnRandomScenes) {
     const std::vector<LatticeMesh> meshes = scene.lattice();
     const int margin = static_cast<int>(layers) + 9;
     const auto sets = reference::united_scene(meshes, {}, margin);
-    BakeOptions options = distance_options(layers, bits, range);
+    voxelize::BakeOptions options = distance_options(layers, bits, range);
     // Every third scene has a soft covering, some thinner than a voxel.
     const double covering = seed % 3 == 0 ? reference::real(random, 0.5, 3) : 0;
     if (covering > 0) {
@@ -103,7 +104,7 @@ TEST(DistanceBake, EqualsTheReferenceOnRandomScenes) {
     ASSERT_EQ(baked.map().compliance().empty(), covering == 0);
     const Definition definition(header, layer);
     std::array<std::uint64_t, 4> counts{};
-    sets.geometry.for_each([&](const VoxelIndex& v) {
+    sets.geometry.for_each([&](const lattice::VoxelIndex& v) {
       const std::uint32_t found = code_at(baked.map(), v);
       ++counts[static_cast<std::size_t>(voxel_value(header, found))];
       if (HasFatalFailure()) return;
@@ -136,7 +137,7 @@ TEST(DistanceBake, KeepsTheStandoffAndWholeLayers) {
     const BakedScene baked(scene.objects(), distance_options(layers, random() % 2 ? 8 : 4));
     const auto grid = reference::grid_around(meshes, layers + 5);
     for (int n = 0; n < 3000; ++n) {
-      VoxelIndex v;
+      lattice::VoxelIndex v;
       for (std::size_t d = 0; d < 3; ++d) v[d] = whole(random, grid.low()[d], grid.high()[d]);
       const VoxelValue value = baked.map().value(v[0], v[1], v[2]);
       if (value == VoxelValue::kInterior) continue;
@@ -144,7 +145,7 @@ TEST(DistanceBake, KeepsTheStandoffAndWholeLayers) {
       for (double& x : p) x += reference::real(random, -0.5, 0.5);
       ASSERT_GE(distance_from(meshes, p), layers - 1.0);
       if (value != VoxelValue::kFree) continue;
-      VoxelIndex next = v;
+      lattice::VoxelIndex next = v;
       for (std::int64_t& x : next) x += whole(random, -1, 1);
       const VoxelValue beside = baked.map().value(next[0], next[1], next[2]);
       ASSERT_TRUE(beside == VoxelValue::kFree || beside == VoxelValue::kProximity);
@@ -163,7 +164,7 @@ TEST(DistanceBake, TheZeroForceLiesInTheForceLayer) {
     const auto grid = reference::grid_around(scene.lattice(), 8);
     int near = 0;
     for (int n = 0; n < 20000; ++n) {
-      VoxelIndex v;
+      lattice::VoxelIndex v;
       for (std::size_t d = 0; d < 3; ++d) v[d] = whole(random, grid.low()[d], grid.high()[d]);
       if (baked.map().value(v[0], v[1], v[2]) != VoxelValue::kProximity) continue;
       ++near;
@@ -171,10 +172,10 @@ TEST(DistanceBake, TheZeroForceLiesInTheForceLayer) {
       double code = 0;
       std::array<double, 3> f;
       for (double& x : f) x = random() % 2 ? reference::real(random, 0, 0.5) : 0.5;
-      VoxelIndex side;
+      lattice::VoxelIndex side;
       for (std::int64_t& x : side) x = random() % 2 ? 1 : -1;
       for (unsigned c = 0; c < 8; ++c) {
-        VoxelIndex at = v;
+        lattice::VoxelIndex at = v;
         double weight = 1;
         for (std::size_t d = 0; d < 3; ++d) {
           const bool other = (c >> d & 1) != 0;
@@ -193,14 +194,14 @@ TEST(DistanceBake, TheZeroForceLiesInTheForceLayer) {
 // that every depth has a way out.
 TEST(DistanceBake, DistancesGoThroughTheSurfaceEvenly) {
   Random random(3);
-  Mesh mesh;
+  mesh::Mesh mesh;
   reference::add_sphere(mesh, {0.3, 0.6, 0.1}, 14, 48);
-  const std::vector<SceneObject> objects{{"object", &mesh, Affine{}, {}, 0}};
+  const std::vector<voxelize::SceneObject> objects{{"object", &mesh, mesh::Affine{}, {}, 0}};
   const BakedScene baked(objects, distance_options(2, 8, 10));
   const VoxmapHeader& header = baked.map().header();
   const Definition definition(header);
   for (int n = 0; n < 4000; ++n) {
-    VoxelIndex v;
+    lattice::VoxelIndex v;
     for (std::size_t d = 0; d < 3; ++d) v[d] = whole(random, -22, 22);
     const Point p = reference::center_of(v);
     const double distance = std::hypot(p[0] - 0.3, p[1] - 0.6, p[2] - 0.1) - 14;
@@ -218,29 +219,30 @@ TEST(DistanceBake, SameBytesForAnyNumberOfThreadsOrderAndWholeVoxelShift) {
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
     Random random(seed);
     reference::MeshScene scene = reference::random_scene(random, 100, 3);
-    BakeOptions options = distance_options(2, 8);
+    voxelize::BakeOptions options = distance_options(2, 8);
     options.threads = 1;
     const BakedScene first(scene.objects(), options);
     options.threads = 4;
     std::shuffle(scene.meshes.begin(), scene.meshes.end(), random);
-    for (Mesh& mesh : scene.meshes) {
+    for (mesh::Mesh& mesh : scene.meshes) {
       std::shuffle(mesh.triangles.begin(), mesh.triangles.end(), random);
-      for (Triangle& triangle : mesh.triangles) {
+      for (mesh::Triangle& triangle : mesh.triangles) {
         std::rotate(triangle.begin(), triangle.begin() + whole(random, 0, 2), triangle.end());
         if (random() % 2) std::swap(triangle[0], triangle[1]);
       }
     }
     ASSERT_EQ(BakedScene(scene.objects(), options).bytes(), first.bytes());
-    const VoxelIndex by{whole(random, -90, 90), whole(random, -90, 90), whole(random, -90, 90)};
-    for (Mesh& mesh : scene.meshes) {
-      for (Vec3d& vertex : mesh.vertices) {
+    const lattice::VoxelIndex by{whole(random, -90, 90), whole(random, -90, 90),
+                                 whole(random, -90, 90)};
+    for (mesh::Mesh& mesh : scene.meshes) {
+      for (mesh::Vec3d& vertex : mesh.vertices) {
         for (std::size_t d = 0; d < 3; ++d) vertex[d] += static_cast<double>(by[d]);
       }
     }
     const BakedScene moved(scene.objects(), options);
     const VoxmapHeader& header = first.map().header();
     for (int n = 0; n < 20000; ++n) {
-      VoxelIndex v, w;
+      lattice::VoxelIndex v, w;
       for (std::size_t d = 0; d < 3; ++d) {
         v[d] = header.origin_voxel[d] +
                whole(random, 0, static_cast<std::int64_t>(header.dims_voxels[d]) - 1);
@@ -278,10 +280,10 @@ TEST(DistanceBake, ARegionHasTheVoxelsOfTheWhole) {
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
     Random random(seed);
     const reference::MeshScene scene = reference::random_scene(random, 24, 3);
-    BakeOptions options = distance_options(2, random() % 2 ? 8 : 4);
+    voxelize::BakeOptions options = distance_options(2, random() % 2 ? 8 : 4);
     const BakedScene all(scene.objects(), options);
     const VoxmapHeader& header = all.map().header();
-    VoxelIndex low, high;
+    lattice::VoxelIndex low, high;
     options.roi_m.emplace();
     for (std::size_t d = 0; d < 3; ++d) {
       const auto dim = static_cast<std::int64_t>(header.dims_voxels[d]);
@@ -293,7 +295,7 @@ TEST(DistanceBake, ARegionHasTheVoxelsOfTheWhole) {
     const BakedScene part(scene.objects(), options);
     reference::DenseGrid({low[0] - 3, low[1] - 3, low[2] - 3},
                          {high[0] + 3, high[1] + 3, high[2] + 3})
-        .for_each([&](const VoxelIndex& v) {
+        .for_each([&](const lattice::VoxelIndex& v) {
           bool inside = true;
           for (std::size_t d = 0; d < 3; ++d) inside &= v[d] >= low[d] && v[d] < high[d];
           if (HasFatalFailure()) return;

@@ -15,22 +15,23 @@ using reference::LatticeMesh;
 using reference::Random;
 using reference::whole;
 
-BakeOptions euclidean_options(std::uint32_t layers) {
+voxelize::BakeOptions euclidean_options(std::uint32_t layers) {
   return reference::options_with(layers, 1, Metric::kEuclidean);
 }
 
 // Corners on fine and on coarse lattices (so that distances tie), some of them equal, some large.
-LatticeTriangle random_triangle(Random& random) {
-  const std::int64_t grid = std::int64_t{1} << whole(random, 0, kSnapBits);
+lattice::LatticeTriangle random_triangle(Random& random) {
+  const std::int64_t grid = std::int64_t{1} << whole(random, 0, lattice::kSnapBits);
   // Some around the size from which wider integers are needed.
   const std::uint64_t size = random() % 8;
   const std::int64_t extent = size == 0   ? 4000
                               : size == 1 ? whole(random, 980, 1020)
                                           : whole(random, 1, 6);
-  LatticeTriangle triangle;
-  for (LatticePoint& corner : triangle) {
+  lattice::LatticeTriangle triangle;
+  for (lattice::LatticePoint& corner : triangle) {
     for (std::int64_t& x : corner) {
-      x = whole(random, -extent * kSnapUnits / grid, extent * kSnapUnits / grid) * grid;
+      x = whole(random, -extent * lattice::kSnapUnits / grid, extent * lattice::kSnapUnits / grid) *
+          grid;
     }
   }
   if (random() % 6 == 0) triangle[1] = triangle[0];
@@ -41,32 +42,35 @@ LatticeTriangle random_triangle(Random& random) {
 }
 
 // A voxel that the triangle passes by: somewhere on it, and a few voxels off.
-VoxelIndex voxel_near(Random& random, const LatticeTriangle& triangle, int radius) {
+lattice::VoxelIndex voxel_near(Random& random, const lattice::LatticeTriangle& triangle,
+                               int radius) {
   double s = reference::real(random, 0, 1), t = reference::real(random, 0, 1);
   if (s + t > 1) s = 1 - s, t = 1 - t;
-  VoxelIndex voxel;
+  lattice::VoxelIndex voxel;
   for (std::size_t d = 0; d < 3; ++d) {
     const double at = static_cast<double>(triangle[0][d]) +
                       s * static_cast<double>(triangle[1][d] - triangle[0][d]) +
                       t * static_cast<double>(triangle[2][d] - triangle[0][d]);
-    voxel[d] =
-        (static_cast<std::int64_t>(at) >> kSnapBits) + whole(random, -radius - 1, radius + 1);
+    voxel[d] = (static_cast<std::int64_t>(at) >> lattice::kSnapBits) +
+               whole(random, -radius - 1, radius + 1);
   }
   return voxel;
 }
 
 TEST(CenterDistance, EqualsTheNearestFeatures) {
-  constexpr double kUnit = static_cast<double>(kSnapUnits);
+  constexpr double kUnit = static_cast<double>(lattice::kSnapUnits);
   int near = 0, far = 0, ties = 0;
   for (std::uint64_t seed = 1; seed <= 6000; ++seed) {
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
     Random random(seed);
-    LatticeTriangle triangle = random_triangle(random);
+    lattice::LatticeTriangle triangle = random_triangle(random);
     if (seed % 4 == 0) {  // square to an axis, where distances are whole numbers
-      for (LatticePoint& corner : triangle) corner[seed / 4 % 3] = triangle[0][seed / 4 % 3];
+      for (lattice::LatticePoint& corner : triangle)
+        corner[seed / 4 % 3] = triangle[0][seed / 4 % 3];
     }
-    std::int64_t radius = interior_radius_units(seed % 8 == 1 ? 30 : whole(random, 1, 3));
-    const VoxelIndex voxel = voxel_near(random, triangle, static_cast<int>(radius / kSnapUnits));
+    std::int64_t radius = distance::interior_radius_units(seed % 8 == 1 ? 30 : whole(random, 1, 3));
+    const lattice::VoxelIndex voxel =
+        voxel_near(random, triangle, static_cast<int>(radius / lattice::kSnapUnits));
     const double distance =
         reference::point_distance(triangle, reference::center_of(voxel)) * kUnit;
     // Every other radius is the distance itself, or a unit more or less.
@@ -75,7 +79,8 @@ TEST(CenterDistance, EqualsTheNearestFeatures) {
     }
     const bool tie = std::abs(distance - static_cast<double>(radius)) < 1e-6;
     const bool expected = distance < static_cast<double>(radius) && !tie;
-    ASSERT_EQ(center_is_nearer(triangle, voxel, radius), expected) << "distance " << distance;
+    ASSERT_EQ(distance::center_is_nearer(triangle, voxel, radius), expected)
+        << "distance " << distance;
     ++(tie ? ties : expected ? near : far);
   }
   EXPECT_GT(near, 1000);
@@ -102,16 +107,16 @@ TEST(EuclideanBake, EqualsTheReferenceOnRandomScenes) {
 
 // A large triangle is cut where it leaves a node's surroundings, and decided on whole.
 TEST(EuclideanBake, LargeTrianglesAreExact) {
-  Mesh mesh;
+  mesh::Mesh mesh;
   reference::add_triangle(mesh, {-400.25, -300.5, 3.75}, {500.5, -200.125, 40.5},
                           {20.25, 600.75, -70.5});
-  const std::vector<SceneObject> objects{{"object", &mesh, Affine{}, {}, 0}};
+  const std::vector<voxelize::SceneObject> objects{{"object", &mesh, mesh::Affine{}, {}, 0}};
   const BakedScene baked(objects, euclidean_options(3));
-  const LatticeMesh lattice = reference::snapped(mesh, Affine{}, 1);
+  const LatticeMesh lattice = reference::snapped(mesh, mesh::Affine{}, 1);
   Random random(5);
   int near = 0;
   for (int n = 0; n < 1500; ++n) {
-    const VoxelIndex voxel = voxel_near(random, lattice[0], 3);
+    const lattice::VoxelIndex voxel = voxel_near(random, lattice[0], 3);
     const VoxelValue value = baked.map().value(voxel[0], voxel[1], voxel[2]);
     const bool expected = reference::is_near(lattice[0], voxel, reference::interior_radius(3));
     ASSERT_EQ(value == VoxelValue::kInterior, expected);
@@ -133,22 +138,22 @@ TEST(EuclideanBake, KeepsTheStandoffAndWholeLayers) {
     const BakedScene baked(scene.objects(), euclidean_options(static_cast<std::uint32_t>(layers)));
     const Voxmap& map = baked.map();
     const auto grid = reference::grid_around(meshes, layers + 3);
-    const auto level = [&](const VoxelIndex& v) {
+    const auto level = [&](const lattice::VoxelIndex& v) {
       constexpr int kLevels[4] = {2, -1, 0, 1};
       return kLevels[static_cast<int>(map.value(v[0], v[1], v[2]))];
     };
     for (int n = 0; n < 2000; ++n) {
-      VoxelIndex v;
+      lattice::VoxelIndex v;
       for (std::size_t d = 0; d < 3; ++d) v[d] = whole(random, grid.low()[d], grid.high()[d]);
       if (level(v) < 0) continue;
       reference::Point p = reference::center_of(v);
       for (double& x : p) x += reference::real(random, -0.5, 0.5);
       for (const LatticeMesh& mesh : meshes) {
-        for (const LatticeTriangle& triangle : mesh) {
+        for (const lattice::LatticeTriangle& triangle : mesh) {
           ASSERT_GE(reference::point_distance(triangle, p), layers - 1 - 1e-9);
         }
       }
-      VoxelIndex next = v;
+      lattice::VoxelIndex next = v;
       for (std::int64_t& x : next) x += whole(random, -1, 1);
       ASSERT_LE(std::abs(level(v) - level(next)), 1);
     }
@@ -159,14 +164,14 @@ TEST(EuclideanBake, SameBytesForAnyNumberOfThreadsAndOrder) {
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
     Random random(seed);
     reference::MeshScene scene = reference::random_scene(random, 150, 3);
-    BakeOptions options = euclidean_options(2);
+    voxelize::BakeOptions options = euclidean_options(2);
     options.threads = 1;
     const std::string expected = BakedScene(scene.objects(), options).bytes();
     options.threads = 4;
     std::shuffle(scene.meshes.begin(), scene.meshes.end(), random);
-    for (Mesh& mesh : scene.meshes) {
+    for (mesh::Mesh& mesh : scene.meshes) {
       std::shuffle(mesh.triangles.begin(), mesh.triangles.end(), random);
-      for (Triangle& triangle : mesh.triangles) {
+      for (mesh::Triangle& triangle : mesh.triangles) {
         std::rotate(triangle.begin(), triangle.begin() + whole(random, 0, 2), triangle.end());
       }
     }
@@ -175,15 +180,15 @@ TEST(EuclideanBake, SameBytesForAnyNumberOfThreadsAndOrder) {
 }
 
 TEST(EuclideanBake, RefusesWhatHasNoMeaning) {
-  Mesh mesh;
+  mesh::Mesh mesh;
   reference::add_box(mesh, {0, 0, 0}, {4, 4, 4});
-  const std::vector<SceneObject> objects{{"object", &mesh, Affine{}, {}, 0}};
-  const auto refused = [&](const BakeOptions& options) {
-    const auto baked = bake(objects, options);
+  const std::vector<voxelize::SceneObject> objects{{"object", &mesh, mesh::Affine{}, {}, 0}};
+  const auto refused = [&](const voxelize::BakeOptions& options) {
+    const auto baked = voxelize::bake(objects, options);
     return !baked && baked.error().code == ErrorCode::kUsage;
   };
   EXPECT_TRUE(refused(euclidean_options(0)));
-  BakeOptions options = euclidean_options(2);
+  voxelize::BakeOptions options = euclidean_options(2);
   options.bits = 3;
   EXPECT_TRUE(refused(options));
   options.bits = 8;

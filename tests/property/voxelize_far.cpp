@@ -18,11 +18,11 @@ using reference::whole;
 constexpr double kVoxelM = 1.0 / 256;
 constexpr double kBlockM = 512 * kVoxelM;  // 2 m
 
-Mesh on_lattice(Random& random) {
-  Mesh mesh = reference::random_object(
+mesh::Mesh on_lattice(Random& random) {
+  mesh::Mesh mesh = reference::random_object(
       random, {real(random, -20, 20), real(random, -20, 20), real(random, -20, 20)},
       real(random, 5, 60));
-  for (Vec3d& vertex : mesh.vertices) {
+  for (mesh::Vec3d& vertex : mesh.vertices) {
     for (double& x : vertex) x = std::nearbyint(x * 1024) / 1024 * kVoxelM;
   }
   return mesh;
@@ -32,22 +32,22 @@ TEST(FarScene, BakesToTheSameVoxelsAsNearTheOrigin) {
   for (std::uint64_t seed = 1; seed <= 30; ++seed) {
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
     Random random(seed);
-    const std::vector<Mesh> meshes = {on_lattice(random), on_lattice(random)};
-    Affine far;
+    const std::vector<mesh::Mesh> meshes = {on_lattice(random), on_lattice(random)};
+    mesh::Affine far;
     std::array<std::int64_t, 3> shift_voxels;
     for (std::size_t d = 0; d < 3; ++d) {  // about 1e5 m, whole blocks
       const std::int64_t blocks = whole(random, -1, 1) * (50000 + whole(random, 0, 99));
       far.translation[d] = static_cast<double>(blocks) * kBlockM;
       shift_voxels[d] = blocks * 512;
     }
-    std::vector<SceneObject> here, there;
-    for (const Mesh& mesh : meshes) {
-      here.push_back({"part", &mesh, Affine{}, {}, 0});
+    std::vector<voxelize::SceneObject> here, there;
+    for (const mesh::Mesh& mesh : meshes) {
+      here.push_back({"part", &mesh, mesh::Affine{}, {}, 0});
       there.push_back({"part", &mesh, far, {}, 0});
     }
-    BakeOptions options;
+    voxelize::BakeOptions options;
     options.voxel_size_m = kVoxelM;
-    const auto near_bake = bake(here, options), far_bake = bake(there, options);
+    const auto near_bake = voxelize::bake(here, options), far_bake = voxelize::bake(there, options);
     ASSERT_TRUE(near_bake) << to_line(near_bake.error());
     ASSERT_TRUE(far_bake) << to_line(far_bake.error());
     for (std::size_t d = 0; d < 3; ++d) {

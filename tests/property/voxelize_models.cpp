@@ -45,12 +45,13 @@ constexpr OddMesh kModels[] = {
     {"kettle.obj", [] { return test::as_obj(testing::kettle_mesh(24)); }, 12 * 24 * 24},
 };
 
-double longest_side(const Scene& scene) {
-  Vec3d low = apply(scene.objects[0].world_from_mesh, scene.mesh_of(scene.objects[0]).vertices[0]);
-  Vec3d high = low;
-  for (const MeshObject& part : scene.objects) {
-    for (const Vec3d& vertex : scene.mesh_of(part).vertices) {
-      const Vec3d world = apply(part.world_from_mesh, vertex);
+double longest_side(const mesh::Scene& scene) {
+  mesh::Vec3d low =
+      mesh::apply(scene.objects[0].world_from_mesh, scene.mesh_of(scene.objects[0]).vertices[0]);
+  mesh::Vec3d high = low;
+  for (const mesh::MeshObject& part : scene.objects) {
+    for (const mesh::Vec3d& vertex : scene.mesh_of(part).vertices) {
+      const mesh::Vec3d world = mesh::apply(part.world_from_mesh, vertex);
       for (std::size_t d = 0; d < 3; ++d) {
         low[d] = std::min(low[d], world[d]);
         high[d] = std::max(high[d], world[d]);
@@ -60,9 +61,9 @@ double longest_side(const Scene& scene) {
   return std::max({high[0] - low[0], high[1] - low[1], high[2] - low[2]});
 }
 
-std::vector<LatticeMesh> lattice_of(const Scene& scene, double voxel_size_m) {
+std::vector<LatticeMesh> lattice_of(const mesh::Scene& scene, double voxel_size_m) {
   std::vector<LatticeMesh> meshes;
-  for (const MeshObject& part : scene.objects) {
+  for (const mesh::MeshObject& part : scene.objects) {
     meshes.push_back(reference::snapped(scene.mesh_of(part), part.world_from_mesh, voxel_size_m));
   }
   return meshes;
@@ -73,16 +74,16 @@ class BakeModels : public ::testing::TestWithParam<OddMesh> {
   void SetUp() override {
     const test::ScratchFolder folder;
     const std::string path = path_of(GetParam(), folder);
-    auto read = read_scene(std::span(&path, 1), std::nullopt);
+    auto read = mesh::read_scene(std::span(&path, 1), std::nullopt);
     if (!read && read.error().code == ErrorCode::kUsage) {  // a format that defines no unit
-      read = read_scene(std::span(&path, 1), 1.0);
+      read = mesh::read_scene(std::span(&path, 1), 1.0);
     }
     ASSERT_TRUE(read) << to_line(read.error());
     scene_ = std::move(*read);
     size_m_ = longest_side(scene_);
   }
 
-  Scene scene_;
+  mesh::Scene scene_;
   double size_m_ = 0;
 };
 
@@ -113,11 +114,12 @@ class LatticeScene {
  public:
   explicit LatticeScene(const std::vector<LatticeMesh>& meshes) {
     for (const LatticeMesh& lattice : meshes) {
-      Mesh& mesh = meshes_.emplace_back();
-      for (const LatticeTriangle& t : lattice) {
+      mesh::Mesh& mesh = meshes_.emplace_back();
+      for (const lattice::LatticeTriangle& t : lattice) {
         const auto corner = [&](std::size_t k) {
-          Vec3d at;
-          for (std::size_t d = 0; d < 3; ++d) at[d] = static_cast<double>(t[k][d]) / kSnapUnits;
+          mesh::Vec3d at;
+          for (std::size_t d = 0; d < 3; ++d)
+            at[d] = static_cast<double>(t[k][d]) / lattice::kSnapUnits;
           return at;
         };
         reference::add_triangle(mesh, corner(0), corner(1), corner(2));
@@ -125,16 +127,16 @@ class LatticeScene {
     }
   }
 
-  BakedScene baked(const Affine& placing = {}) const {
-    std::vector<SceneObject> objects;
-    for (const Mesh& mesh : meshes_) objects.push_back({"part", &mesh, placing, {}, 0});
+  BakedScene baked(const mesh::Affine& placing = {}) const {
+    std::vector<voxelize::SceneObject> objects;
+    for (const mesh::Mesh& mesh : meshes_) objects.push_back({"part", &mesh, placing, {}, 0});
     return BakedScene(objects, options_with(2, 1));
   }
 
-  std::vector<Mesh>& meshes() { return meshes_; }
+  std::vector<mesh::Mesh>& meshes() { return meshes_; }
 
  private:
-  std::vector<Mesh> meshes_;
+  std::vector<mesh::Mesh> meshes_;
 };
 
 // All 48, or in the normal run one for each model, not the same for all.
@@ -155,7 +157,7 @@ void expect_equal_turned_and_mirrored(const std::vector<LatticeMesh>& lattice,
     // The half-open rule turned along: the bake's voxels, turned.
     const DenseGrid expected = reference::moved_reference(lattice, symmetry, 2);
     std::uint64_t wrong = 0, held = 0;
-    reference::grid_around(lattice, 4).for_each([&](const VoxelIndex& v) {
+    reference::grid_around(lattice, 4).for_each([&](const lattice::VoxelIndex& v) {
       const auto value = static_cast<std::uint8_t>(still.map().value(v[0], v[1], v[2]));
       wrong += value != expected.at(symmetry.voxel(v));
       held += value != 0;
@@ -176,13 +178,13 @@ void expect_equal_shifted(const std::vector<LatticeMesh>& lattice) {
   Random random(lattice.size());
   for (const std::int64_t far : {700, 1'000'000'000}) {
     SCOPED_TRACE(::testing::Message() << "by up to " << far);
-    VoxelIndex shift;
+    lattice::VoxelIndex shift;
     for (std::int64_t& x : shift) x = whole(random, -far, far);
-    Affine placing;
+    mesh::Affine placing;
     for (std::size_t d = 0; d < 3; ++d) placing.translation[d] = static_cast<double>(shift[d]);
     const BakedScene moved = scene.baked(placing);
     std::uint64_t wrong = 0;
-    reference::grid_around(lattice, 4).for_each([&](const VoxelIndex& v) {
+    reference::grid_around(lattice, 4).for_each([&](const lattice::VoxelIndex& v) {
       wrong += moved.map().value(v[0] + shift[0], v[1] + shift[1], v[2] + shift[2]) !=
                still.map().value(v[0], v[1], v[2]);
     });
@@ -197,23 +199,23 @@ void expect_equal_shuffled_and_doubled(const std::vector<LatticeMesh>& lattice) 
   const std::string expected = scene.baked().bytes();
   Random random(7);
   std::shuffle(scene.meshes().begin(), scene.meshes().end(), random);
-  for (Mesh& mesh : scene.meshes()) {
+  for (mesh::Mesh& mesh : scene.meshes()) {
     std::shuffle(mesh.triangles.begin(), mesh.triangles.end(), random);
-    for (Triangle& triangle : mesh.triangles) {
+    for (mesh::Triangle& triangle : mesh.triangles) {
       std::rotate(triangle.begin(), triangle.begin() + whole(random, 0, 2), triangle.end());
       if (whole(random, 0, 1) == 0) std::swap(triangle[0], triangle[1]);
     }
   }
   const BakedScene shuffled = scene.baked();
   ASSERT_EQ(shuffled.bytes(), expected);
-  for (Mesh& mesh : scene.meshes()) {
-    const std::vector<Triangle> triangles = mesh.triangles;
+  for (mesh::Mesh& mesh : scene.meshes()) {
+    const std::vector<mesh::Triangle> triangles = mesh.triangles;
     mesh.triangles.insert(mesh.triangles.end(), triangles.begin(), triangles.end());
   }
   const BakedScene doubled = scene.baked();  // its header counts twice the triangles
   EXPECT_EQ(doubled.map().header().triangles, 2 * shuffled.map().header().triangles);
   std::uint64_t wrong = 0;
-  reference::grid_around(lattice, 4).for_each([&](const VoxelIndex& v) {
+  reference::grid_around(lattice, 4).for_each([&](const lattice::VoxelIndex& v) {
     wrong += doubled.map().value(v[0], v[1], v[2]) != shuffled.map().value(v[0], v[1], v[2]);
   });
   EXPECT_EQ(wrong, 0u);

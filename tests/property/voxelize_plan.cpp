@@ -21,14 +21,15 @@ using reference::real;
 // becomes of the estimated time, which no test can hold.
 constexpr double kSizeFactor = 2;
 
-void expect_size_is_estimated(const std::vector<SceneObject>& objects, double voxel_size_m) {
-  BakeOptions options;
+void expect_size_is_estimated(const std::vector<voxelize::SceneObject>& objects,
+                              double voxel_size_m) {
+  voxelize::BakeOptions options;
   options.voxel_size_m = voxel_size_m;
-  const auto plan = plan_bakes(objects, options);
+  const auto plan = voxelize::plan_bakes(objects, options);
   ASSERT_TRUE(plan) << to_line(plan.error());
-  for (const PlannedSize& size : plan->sizes) {
+  for (const voxelize::PlannedSize& size : plan->sizes) {
     options.voxel_size_m = size.voxel_size_m;
-    const auto baked = bake(objects, options);
+    const auto baked = voxelize::bake(objects, options);
     ASSERT_TRUE(baked) << to_line(baked.error());
     const auto bytes = static_cast<double>(voxmap_bytes(baked->content({})).size());
     EXPECT_LT(size.file_bytes, bytes * kSizeFactor) << size.voxel_size_m;
@@ -40,7 +41,7 @@ void expect_size_is_estimated(const std::vector<SceneObject>& objects, double vo
 
 TEST(Plan, FileSizeOfTheSampleSceneIsEstimated) {
   const std::string path = FORCELAYER_SOURCE_DIR "/sample_data/bay.json";
-  const auto scene = read_scene(std::span(&path, 1), std::nullopt);
+  const auto scene = mesh::read_scene(std::span(&path, 1), std::nullopt);
   ASSERT_TRUE(scene) << to_line(scene.error());
   expect_size_is_estimated(objects_of(*scene), 0.01);
 }
@@ -51,7 +52,7 @@ TEST(Plan, FileSizesOfModelsAreEstimated) {
   for (const auto& [file, voxel_size_m] : files) {
     SCOPED_TRACE(file);
     const std::string path = test::model_path(file);
-    const auto scene = read_scene(std::span(&path, 1), 1.0);
+    const auto scene = mesh::read_scene(std::span(&path, 1), 1.0);
     ASSERT_TRUE(scene) << to_line(scene.error());
     expect_size_is_estimated(objects_of(*scene), voxel_size_m);
   }
@@ -59,49 +60,51 @@ TEST(Plan, FileSizesOfModelsAreEstimated) {
 
 TEST(Plan, TooLargeSizesAreMarked) {
   Random random(1);
-  const Mesh mesh = reference::random_object(random, {0, 0, 0}, 1e6);
-  BakeOptions options;
+  const mesh::Mesh mesh = reference::random_object(random, {0, 0, 0}, 1e6);
+  voxelize::BakeOptions options;
   options.voxel_size_m = 0.001;
-  const auto plan = plan_bakes(std::vector<SceneObject>{{"big", &mesh, Affine{}, {}, 0}}, options);
+  const auto plan = voxelize::plan_bakes(
+      std::vector<voxelize::SceneObject>{{"big", &mesh, mesh::Affine{}, {}, 0}}, options);
   ASSERT_TRUE(plan) << to_line(plan.error());
   EXPECT_FALSE(plan->sizes[0].fits);
   EXPECT_GT(plan->probe_sizes_m[1], 100);  // coarse, whatever was asked for
 }
 
 // A plate on each side of a gap along x, in voxels of 1 m.
-Mesh plates(double first_end, double gap) {
-  const auto box = [](Mesh& mesh, double x0, double x1) {
+mesh::Mesh plates(double first_end, double gap) {
+  const auto box = [](mesh::Mesh& mesh, double x0, double x1) {
     const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
     for (const double x : {x0, x1}) {
       for (const double y : {0.0, 20.0}) {
         for (const double z : {0.0, 20.0}) mesh.vertices.push_back({x, y, z});
       }
     }
-    constexpr std::array<Triangle, 12> kFaces = {{{0, 1, 3},
-                                                  {0, 3, 2},
-                                                  {4, 6, 7},
-                                                  {4, 7, 5},
-                                                  {0, 4, 5},
-                                                  {0, 5, 1},
-                                                  {2, 3, 7},
-                                                  {2, 7, 6},
-                                                  {0, 2, 6},
-                                                  {0, 6, 4},
-                                                  {1, 5, 7},
-                                                  {1, 7, 3}}};
-    for (const Triangle& t : kFaces) {
+    constexpr std::array<mesh::Triangle, 12> kFaces = {{{0, 1, 3},
+                                                        {0, 3, 2},
+                                                        {4, 6, 7},
+                                                        {4, 7, 5},
+                                                        {0, 4, 5},
+                                                        {0, 5, 1},
+                                                        {2, 3, 7},
+                                                        {2, 7, 6},
+                                                        {0, 2, 6},
+                                                        {0, 6, 4},
+                                                        {1, 5, 7},
+                                                        {1, 7, 3}}};
+    for (const mesh::Triangle& t : kFaces) {
       mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
     }
   };
-  Mesh mesh;
+  mesh::Mesh mesh;
   box(mesh, first_end - 3, first_end);
   box(mesh, first_end + gap, first_end + gap + 3);
   return mesh;
 }
 
 // Voxels of neither the force layer nor the interior between the plates.
-int passable_voxels(const Mesh& mesh, const BakeOptions& options, double first_end, double gap) {
-  const BakedScene baked({{"plates", &mesh, Affine{}, {}, 0}}, options);
+int passable_voxels(const mesh::Mesh& mesh, const voxelize::BakeOptions& options, double first_end,
+                    double gap) {
+  const BakedScene baked({{"plates", &mesh, mesh::Affine{}, {}, 0}}, options);
   int passable = 0;
   for (double x = std::floor(first_end); x <= first_end + gap; ++x) {
     const VoxelValue value = baked.map().value(static_cast<std::int64_t>(x), 10, 10);
@@ -110,10 +113,11 @@ int passable_voxels(const Mesh& mesh, const BakeOptions& options, double first_e
   return passable;
 }
 
-void expect_narrowest_gap(const BakeOptions& options, double gap) {
+void expect_narrowest_gap(const voxelize::BakeOptions& options, double gap) {
   SCOPED_TRACE(::testing::Message() << options.layers << " layers");
-  const Mesh some = plates(3, 5);
-  const auto plan = plan_bakes(std::vector<SceneObject>{{"p", &some, Affine{}, {}, 0}}, options);
+  const mesh::Mesh some = plates(3, 5);
+  const auto plan = voxelize::plan_bakes(
+      std::vector<voxelize::SceneObject>{{"p", &some, mesh::Affine{}, {}, 0}}, options);
   ASSERT_TRUE(plan) << to_line(plan.error());
   ASSERT_EQ(plan->sizes[0].narrowest_gap_m, gap);
   bool narrower_is_closed = false;
@@ -127,7 +131,7 @@ void expect_narrowest_gap(const BakeOptions& options, double gap) {
 }
 
 TEST(Plan, TheNarrowestGapIsPassableWhereverItLiesAndNoNarrowerOneIs) {
-  BakeOptions options;
+  voxelize::BakeOptions options;
   options.voxel_size_m = 1;
   for (options.layers = 0; options.layers <= 3; ++options.layers) {
     expect_narrowest_gap(options, 2 * options.layers + 2);

@@ -18,19 +18,19 @@ using reference::whole;
 
 // Meshes in voxels of 1 m.
 struct RoiScene {
-  std::vector<Mesh> meshes;
-  std::vector<SceneObject> objects() const {
-    std::vector<SceneObject> list;
-    for (const Mesh& mesh : meshes) list.push_back({"object", &mesh, Affine{}, {}, 0});
+  std::vector<mesh::Mesh> meshes;
+  std::vector<voxelize::SceneObject> objects() const {
+    std::vector<voxelize::SceneObject> list;
+    for (const mesh::Mesh& mesh : meshes) list.push_back({"object", &mesh, mesh::Affine{}, {}, 0});
     return list;
   }
 };
 
 using Roi = std::array<double, 6>;
 
-BakeOptions options_with(std::uint32_t layers, std::optional<Roi> roi = {},
-                         Metric metric = Metric::kChebyshev) {
-  BakeOptions options;
+voxelize::BakeOptions options_with(std::uint32_t layers, std::optional<Roi> roi = {},
+                                   Metric metric = Metric::kChebyshev) {
+  voxelize::BakeOptions options;
   options.voxel_size_m = 1;
   options.layers = layers;
   options.metric = metric;
@@ -39,7 +39,7 @@ BakeOptions options_with(std::uint32_t layers, std::optional<Roi> roi = {},
   return options;
 }
 
-bool inside_valid_box(const VoxmapHeader& header, const VoxelIndex& v) {
+bool inside_valid_box(const VoxmapHeader& header, const lattice::VoxelIndex& v) {
   for (std::size_t d = 0; d < 3; ++d) {
     if (v[d] < header.valid_min_voxel[d] || v[d] >= header.valid_max_voxel[d]) return false;
   }
@@ -51,7 +51,7 @@ void expect_region_of(const Voxmap& part, const Voxmap& full, const Roi& roi) {
   const VoxmapHeader &cut = part.header(), &all = full.header();
   const Status audited = audit_voxmap(part, "region");
   ASSERT_TRUE(audited) << to_line(audited.error());
-  VoxelIndex low, high;
+  lattice::VoxelIndex low, high;
   // Sides across which something lies; and across which something might for all that is known
   // before the bake: whether Euclidean layers end a voxel further out hangs on where a surface lies
   // in its voxel.
@@ -72,7 +72,7 @@ void expect_region_of(const Voxmap& part, const Voxmap& full, const Roi& roi) {
   std::uint64_t wrong = 0;
   reference::DenseGrid({low[0] - 3, low[1] - 3, low[2] - 3},
                        {high[0] + 3, high[1] + 3, high[2] + 3})
-      .for_each([&](const VoxelIndex& v) {
+      .for_each([&](const lattice::VoxelIndex& v) {
         bool in_region = true;
         for (std::size_t d = 0; d < 3; ++d) in_region &= v[d] >= low[d] && v[d] <= high[d];
         const VoxelValue expected = in_region ? full.value(v[0], v[1], v[2]) : VoxelValue::kFree;
@@ -89,10 +89,10 @@ TEST(BakeRoi, InsideEqualsTheFullBake) {
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
     Random random(seed);
     RoiScene scene;
-    Vec3d place;
+    mesh::Vec3d place;
     for (double& x : place) x = static_cast<double>(whole(random, -2, 2) * 512);
     for (std::int64_t n = whole(random, 1, 4); n > 0; --n) {
-      Vec3d center = place;
+      mesh::Vec3d center = place;
       for (double& x : center) x += real(random, -20, 20);
       scene.meshes.push_back(reference::random_object(random, center, real(random, 1, 60)));
     }
@@ -138,7 +138,7 @@ TEST(BakeRoi, DeepInsideOneSolid) {
     const Status audited = audit_voxmap(part.map(), "region");
     ASSERT_TRUE(audited) << to_line(audited.error());
     for (int n = 0; n < 20000; ++n) {
-      VoxelIndex v;
+      lattice::VoxelIndex v;
       bool inside = true;
       for (std::size_t d = 0; d < 3; ++d) {
         const auto low = static_cast<std::int64_t>(std::floor(roi[d])),
@@ -165,7 +165,8 @@ TEST(BakeRoi, ObjectsThatCannotTouchItAreSkipped) {
     const double x = 100 * i;
     reference::add_box(scene.meshes.emplace_back(), {x, 0, 0}, {x + 10, 10, 10});
   }
-  const auto result = bake(scene.objects(), options_with(2, Roi{90, -20, -20, 130, 30, 30}));
+  const auto result =
+      voxelize::bake(scene.objects(), options_with(2, Roi{90, -20, -20, 130, 30, 30}));
   ASSERT_TRUE(result);
   EXPECT_TRUE(result->objects[0].skipped);
   EXPECT_FALSE(result->objects[1].skipped);
@@ -173,7 +174,8 @@ TEST(BakeRoi, ObjectsThatCannotTouchItAreSkipped) {
   EXPECT_EQ(result->header.triangles, 36u);
   // The last object that may still reach the region is not skipped.
   for (const auto& [low_x, skipped] : {std::pair{115.0, true}, std::pair{114.0, false}}) {
-    const auto beside = bake(scene.objects(), options_with(2, Roi{low_x, 0, 0, 150, 10, 10}));
+    const auto beside =
+        voxelize::bake(scene.objects(), options_with(2, Roi{low_x, 0, 0, 150, 10, 10}));
     ASSERT_TRUE(beside);
     EXPECT_EQ(beside->objects[1].skipped, skipped) << low_x;
   }
@@ -200,7 +202,7 @@ TEST(BakeRoi, BesideTheScene) {
 TEST(BakeRoi, SeedsOutsideCount) {
   RoiScene scene;
   reference::add_box(scene.meshes.emplace_back(), {0, 0, 0}, {100, 100, 100});
-  BakeOptions options = options_with(2, Roi{40, 40, 40, 60, 60, 60});
+  voxelize::BakeOptions options = options_with(2, Roi{40, 40, 40, 60, 60, 60});
   options.free_seeds_m = {{10, 10, 10}};
   EXPECT_EQ(BakedScene(scene.objects(), options).map().header().interior_voxels, 0u);
 }

@@ -21,15 +21,15 @@ namespace {
 using reference::Random;
 using reference::whole;
 
-constexpr auto kUnits = static_cast<float>(kSnapUnits);
+constexpr auto kUnits = static_cast<float>(lattice::kSnapUnits);
 constexpr float kEverywhere = 256 * kUnits;  // a reach
 
 using Voxel = std::array<std::int64_t, 3>;
 
 // Corners anywhere in a box of that many units around `from`, and among them lines and points.
-LatticeTriangle any_triangle(Random& random, const LatticePoint& from) {
-  const std::int64_t size = (kSnapUnits / 4) << whole(random, 0, 8);
-  LatticeTriangle triangle;
+lattice::LatticeTriangle any_triangle(Random& random, const lattice::LatticePoint& from) {
+  const std::int64_t size = (lattice::kSnapUnits / 4) << whole(random, 0, 8);
+  lattice::LatticeTriangle triangle;
   for (std::size_t d = 0; d < 3; ++d) {
     for (auto& corner : triangle) corner[d] = from[d] + whole(random, -size, size);
   }
@@ -40,7 +40,7 @@ LatticeTriangle any_triangle(Random& random, const LatticePoint& from) {
 }
 
 // Point n of a cube, lattice units.
-std::array<float, 3> point_of(const PointCube& cube, std::size_t n) {
+std::array<float, 3> point_of(const distance::PointCube& cube, std::size_t n) {
   const std::size_t at[3] = {n >> 4, n >> 2 & 3, n & 3};
   std::array<float, 3> point;
   for (std::size_t d = 0; d < 3; ++d) {
@@ -53,17 +53,19 @@ std::array<float, 3> point_of(const PointCube& cube, std::size_t n) {
 // box of the node.
 struct Triangles {
   Triangles(Random& random, int count, const Voxel& low_voxel, std::int64_t edge_voxels,
-            const PointCube& cube) {
-    TriangleBatch batch(near);
+            const distance::PointCube& cube) {
+    distance::TriangleBatch batch(near);
     for (int i = 0; i < count; ++i) {
       const bool needle = random() % 2 == 0;
-      const auto at = point_of(cube, static_cast<std::size_t>(whole(random, 0, kCubePoints - 1)));
-      LatticePoint from;
+      const auto at =
+          point_of(cube, static_cast<std::size_t>(whole(random, 0, distance::kCubePoints - 1)));
+      lattice::LatticePoint from;
       for (std::size_t d = 0; d < 3; ++d) {
         from[d] = needle ? static_cast<std::int64_t>(at[d])
-                         : low_voxel[d] * kSnapUnits + whole(random, 0, edge_voxels * kSnapUnits);
+                         : low_voxel[d] * lattice::kSnapUnits +
+                               whole(random, 0, edge_voxels * lattice::kSnapUnits);
       }
-      exact.push_back(needle ? reference::random_needle(random, from, 96 * kSnapUnits)
+      exact.push_back(needle ? reference::random_needle(random, from, 96 * lattice::kSnapUnits)
                              : any_triangle(random, from));
       std::array<std::array<double, 3>, 3> corners;
       for (std::size_t k = 0; k < 3; ++k) {
@@ -72,12 +74,12 @@ struct Triangles {
       batch.add(corners, static_cast<std::uint32_t>(i));
     }
     batch.flush();
-    for (const PreparedTriangle& triangle : near) list.push_back(&triangle);
+    for (const distance::PreparedTriangle& triangle : near) list.push_back(&triangle);
   }
 
-  std::vector<LatticeTriangle> exact;
-  std::vector<PreparedTriangle> near;
-  std::vector<const PreparedTriangle*> list;
+  std::vector<lattice::LatticeTriangle> exact;
+  std::vector<distance::PreparedTriangle> near;
+  std::vector<const distance::PreparedTriangle*> list;
 };
 
 // The lowest voxel of a cell of the node.
@@ -87,8 +89,8 @@ Voxel random_cell(Random& random, std::int64_t edge) {
   return low;
 }
 
-PointCube cube_at(const Voxel& low_voxel, int step_voxels) {
-  PointCube cube;
+distance::PointCube cube_at(const Voxel& low_voxel, int step_voxels) {
+  distance::PointCube cube;
   cube.step = static_cast<float>(step_voxels) * kUnits;
   for (std::size_t d = 0; d < 3; ++d) {
     cube.first[d] = static_cast<float>(low_voxel[d]) * kUnits + cube.step / 2;
@@ -96,7 +98,7 @@ PointCube cube_at(const Voxel& low_voxel, int step_voxels) {
   return cube;
 }
 
-double exact_voxels(const LatticeTriangle& triangle, const std::array<float, 3>& point) {
+double exact_voxels(const lattice::LatticeTriangle& triangle, const std::array<float, 3>& point) {
   return reference::point_distance(triangle,
                                    {point[0] / kUnits, point[1] / kUnits, point[2] / kUnits});
 }
@@ -110,13 +112,13 @@ TEST_P(TriangleDistances, OfCellsAreWithinTheErrorThatTheSearchAllows) {
   for (std::uint64_t seed = 1; seed <= 300; ++seed) {
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
     Random random(seed);
-    const PointCube cube =
+    const distance::PointCube cube =
         random() % 2 ? cube_at({0, 0, 0}, 16) : cube_at(random_cell(random, 16), 4);
     const Triangles triangles(random, static_cast<int>(whole(random, 1, 150)), {0, 0, 0}, 64, cube);
-    std::vector<CubeValues> squared(triangles.list.size());
-    CubeValues least;
-    squared_distances(triangles.list, cube, squared.data(), least);
-    for (std::size_t n = 0; n < kCubePoints; ++n) {
+    std::vector<distance::CubeValues> squared(triangles.list.size());
+    distance::CubeValues least;
+    distance::squared_distances(triangles.list, cube, squared.data(), least);
+    for (std::size_t n = 0; n < distance::kCubePoints; ++n) {
       float lowest = 1e30f;
       for (std::size_t i = 0; i < squared.size(); ++i) {
         // A tenth of what the search allows: the header's 1e-4.
@@ -130,24 +132,25 @@ TEST_P(TriangleDistances, OfCellsAreWithinTheErrorThatTheSearchAllows) {
   }
 }
 
-std::array<float, 2 * kEighths> everywhere() {
-  std::array<float, 2 * kEighths> reach;
+std::array<float, 2 * distance::kEighths> everywhere() {
+  std::array<float, 2 * distance::kEighths> reach;
   reach.fill(kEverywhere);
   return reach;
 }
 
 // The least of two cubes' points from each triangle by itself, and which gives it.
 struct OneByOne {
-  OneByOne(const Triangles& triangles, const PointCube& cube) {
-    for (CubeValues& values : least) values.fill(1e30f);
+  OneByOne(const Triangles& triangles, const distance::PointCube& cube) {
+    for (distance::CubeValues& values : least) values.fill(1e30f);
     for (std::uint32_t i = 0; i < triangles.list.size(); ++i) {
-      one.find(TriangleList(triangles.list).subspan(i, 1), cube, everywhere());
+      one.find(distance::TriangleList(triangles.list).subspan(i, 1), cube, everywhere());
       for (std::size_t k = 0; k < 2; ++k) {
-        for (std::size_t n = 0; n < kCubePoints; ++n) {
+        for (std::size_t n = 0; n < distance::kCubePoints; ++n) {
           const float value = one.least(k)[n];
           std::uint32_t& best = which[k][n];
           if (value < least[k][n] ||
-              (value == least[k][n] && lies_before(triangles.near[i], triangles.near[best]))) {
+              (value == least[k][n] &&
+               distance::lies_before(triangles.near[i], triangles.near[best]))) {
             least[k][n] = value;
             best = i;
           }
@@ -155,9 +158,9 @@ struct OneByOne {
       }
     }
   }
-  NearestTriangles one;
-  std::array<CubeValues, 2> least;
-  std::array<std::array<std::uint32_t, kCubePoints>, 2> which{};
+  distance::NearestTriangles one;
+  std::array<distance::CubeValues, 2> least;
+  std::array<std::array<std::uint32_t, distance::kCubePoints>, 2> which{};
 };
 
 // Leaving out what is farther than the least, and what is out of reach, changes no bit.
@@ -167,17 +170,17 @@ TEST_P(TriangleDistances, TheNearestIsThatOfTheTrianglesOneByOne) {
     Random random(seed);
     // In the cell and beside it, so that many triangles are about as near.
     const Voxel low = random_cell(random, 8);
-    const PointCube cube = cube_at(low, 1);
+    const distance::PointCube cube = cube_at(low, 1);
     const Triangles triangles(random, static_cast<int>(whole(random, 1, 150)),
                               {low[0] - whole(random, 0, 8), low[1], low[2]}, 8, cube);
-    std::array<float, 2 * kEighths> reach;
+    std::array<float, 2 * distance::kEighths> reach;
     for (float& r : reach) r = static_cast<float>(whole(random, -1, 12)) * kUnits;
-    NearestTriangles all, within;
+    distance::NearestTriangles all, within;
     all.find(triangles.list, cube, everywhere());
     within.find(triangles.list, cube, reach);
     const OneByOne slow(triangles, cube);
     for (std::size_t k = 0; k < 2; ++k) {
-      for (std::size_t n = 0; n < kCubePoints; ++n) {
+      for (std::size_t n = 0; n < distance::kCubePoints; ++n) {
         ASSERT_EQ(all.least(k)[n], slow.least[k][n]) << "cube " << k << ", point " << n;
         ASSERT_EQ(all.which(k, n), slow.which[k][n]) << "cube " << k << ", point " << n;
         // Of every sixteenth the true distance too, which is slow.
@@ -185,13 +188,14 @@ TEST_P(TriangleDistances, TheNearestIsThatOfTheTrianglesOneByOne) {
           std::array<float, 3> point = point_of(cube, n);
           if (k == 1) point[2] += 4 * kUnits;
           double truth = 1e30;
-          for (const LatticeTriangle& triangle : triangles.exact) {
+          for (const lattice::LatticeTriangle& triangle : triangles.exact) {
             truth = std::min(truth, exact_voxels(triangle, point));
           }
           EXPECT_NEAR(std::sqrt(slow.least[k][n]) / kUnits, truth, 1e-4);
         }
-        std::size_t in = k * kEighths;
-        while ((eighth(static_cast<unsigned>(in % kEighths)) >> n & 1) == 0) ++in;
+        std::size_t in = k * distance::kEighths;
+        while ((distance::eighth(static_cast<unsigned>(in % distance::kEighths)) >> n & 1) == 0)
+          ++in;
         if (std::sqrt(slow.least[k][n]) > reach[in]) continue;
         ASSERT_EQ(within.least(k)[n], slow.least[k][n]) << "cube " << k << ", point " << n;
         ASSERT_EQ(within.which(k, n), slow.which[k][n]) << "cube " << k << ", point " << n;
@@ -208,23 +212,23 @@ TEST_P(TriangleDistances, TheSearchLeavesNothingOutThatMatters) {
     Random random(seed);
     const Triangles triangles(random, 24, {0, 0, 0}, 64, cube_at(random_cell(random, 4), 1));
     const float reach = kReaches[seed - 1];
-    std::array<float, 2 * kEighths> reaches;
+    std::array<float, 2 * distance::kEighths> reaches;
     reaches.fill(reach * kUnits);
     std::array<bool, 16 * 16 * 8> has_list{};
     const auto pair_at = [](int x, int y, int z) { return (x * 16 + y) * 8 + z; };
     const auto slow_at = [&](int x, int y, int z) {
-      return OneByOne(triangles, CellSearch::centers({4 * x, 4 * y, 8 * z}, 1));
+      return OneByOne(triangles, distance::CellSearch::centers({4 * x, 4 * y, 8 * z}, 1));
     };
-    NearestTriangles nearest;
-    CellSearch().run(
+    distance::NearestTriangles nearest;
+    distance::CellSearch().run(
         triangles.near, [&](const std::array<int, 3>&, int) { return reach; },
-        [&](const std::array<int, 3>& low, TriangleList list) {
+        [&](const std::array<int, 3>& low, distance::TriangleList list) {
           const int at[3] = {low[0] / 4, low[1] / 4, low[2] / 8};
           has_list[static_cast<std::size_t>(pair_at(at[0], at[1], at[2]))] = true;
-          nearest.find(list, CellSearch::centers(low, 1), reaches);
+          nearest.find(list, distance::CellSearch::centers(low, 1), reaches);
           const OneByOne slow = slow_at(at[0], at[1], at[2]);
           for (std::size_t k = 0; k < 2; ++k) {
-            for (std::size_t n = 0; n < kCubePoints; ++n) {
+            for (std::size_t n = 0; n < distance::kCubePoints; ++n) {
               if (std::sqrt(slow.least[k][n]) > reach * kUnits) continue;
               ASSERT_EQ(nearest.least(k)[n], slow.least[k][n])
                   << low[0] << ' ' << low[1] << ' ' << low[2];
@@ -237,7 +241,7 @@ TEST_P(TriangleDistances, TheSearchLeavesNothingOutThatMatters) {
         for (int z = 0; z < 8; ++z) {
           if (has_list[static_cast<std::size_t>(pair_at(x, y, z))]) continue;
           const OneByOne slow = slow_at(x, y, z);
-          for (const CubeValues& least : slow.least) {
+          for (const distance::CubeValues& least : slow.least) {
             EXPECT_GT(std::sqrt(*std::min_element(least.begin(), least.end())), reach * kUnits);
           }
         }

@@ -19,16 +19,17 @@ using reference::Random;
 using reference::whole;
 
 // A triangle with corners in a box of `size` voxels that touches the node's.
-LatticeTriangle random_triangle(Random& random, std::int64_t size) {
+lattice::LatticeTriangle random_triangle(Random& random, std::int64_t size) {
   const std::int64_t grid =
       std::array{1, 1, 256, 1024}[static_cast<std::size_t>(whole(random, 0, 3))];
-  LatticeTriangle corners;
+  lattice::LatticeTriangle corners;
   for (std::size_t d = 0; d < 3; ++d) {
-    const std::int64_t low = whole(random, 1 - size, 63) * kSnapUnits;
+    const std::int64_t low = whole(random, 1 - size, 63) * lattice::kSnapUnits;
     const bool flat = whole(random, 0, 7) == 0;
-    const std::int64_t plane = low + whole(random, 0, size * kSnapUnits - 1) / grid * grid;
+    const std::int64_t plane = low + whole(random, 0, size * lattice::kSnapUnits - 1) / grid * grid;
     for (auto& corner : corners) {
-      corner[d] = flat ? plane : low + whole(random, 0, size * kSnapUnits - 1) / grid * grid;
+      corner[d] =
+          flat ? plane : low + whole(random, 0, size * lattice::kSnapUnits - 1) / grid * grid;
     }
   }
   const std::int64_t degenerate = whole(random, 0, 15);
@@ -43,43 +44,47 @@ LatticeTriangle random_triangle(Random& random, std::int64_t size) {
   return corners;
 }
 
-bool is_small(const LatticeTriangle& corners) {
+bool is_small(const lattice::LatticeTriangle& corners) {
   for (std::size_t d = 0; d < 3; ++d) {
     const auto [low, high] = std::minmax({corners[0][d], corners[1][d], corners[2][d]});
-    if ((high >> kSnapBits) - (low >> kSnapBits) >= SmallTriangles::kMaxVoxels) return false;
+    if ((high >> lattice::kSnapBits) - (low >> lattice::kSnapBits) >=
+        scan::SmallTriangles::kMaxVoxels)
+      return false;
   }
   return true;
 }
 
 // What of the triangle lies in the node.
-void draw_slowly(const LatticeTriangle& corners, NodeCanvas& canvas) {
-  const TriangleOverlap triangle(corners);
-  for_each_cell(triangle.cells({0, 0, 0}, 3), [&](unsigned x, unsigned y, unsigned z) {
-    const BrickMask voxels = triangle.cells({8 * x, 8 * y, 8 * z});
+void draw_slowly(const lattice::LatticeTriangle& corners, scan::NodeCanvas& canvas) {
+  const lattice::TriangleOverlap triangle(corners);
+  lattice::for_each_cell(triangle.cells({0, 0, 0}, 3), [&](unsigned x, unsigned y, unsigned z) {
+    const lattice::BrickMask voxels = triangle.cells({8 * x, 8 * y, 8 * z});
     if (voxels.any()) canvas.brick(x, y, z) = canvas.brick(x, y, z) | voxels;
   });
 }
 
-void expect_equal_canvases(const NodeCanvas& fast, const NodeCanvas& slow) {
+void expect_equal_canvases(const scan::NodeCanvas& fast, const scan::NodeCanvas& slow) {
   ASSERT_EQ(fast.touched, slow.touched);
-  for_each_set(slow.touched, [&](unsigned n) { ASSERT_EQ(fast.bricks[n], slow.bricks[n]); });
+  lattice::for_each_set(slow.touched,
+                        [&](unsigned n) { ASSERT_EQ(fast.bricks[n], slow.bricks[n]); });
 }
 
 // Some triangles of up to 8 voxels.
 void expect_equal_small(std::uint64_t seed) {
   Random random(seed);
-  static NodeCanvas fast, slow;
+  static scan::NodeCanvas fast, slow;
   fast.clear();
   slow.clear();
-  SmallTriangles triangles;
+  scan::SmallTriangles triangles;
   for (std::int64_t n = whole(random, 1, 40); n > 0; --n) {
-    const LatticeTriangle corners = random_triangle(random, std::int64_t{1} << whole(random, 0, 3));
+    const lattice::LatticeTriangle corners =
+        random_triangle(random, std::int64_t{1} << whole(random, 0, 3));
     if (!is_small(corners)) continue;
     std::array<int, 3> low, high;
     for (std::size_t d = 0; d < 3; ++d) {
       const auto [least, most] = std::minmax({corners[0][d], corners[1][d], corners[2][d]});
-      low[d] = static_cast<int>(least >> kSnapBits);
-      high[d] = static_cast<int>(most >> kSnapBits);
+      low[d] = static_cast<int>(least >> lattice::kSnapBits);
+      high[d] = static_cast<int>(most >> lattice::kSnapBits);
     }
     triangles.draw(corners, low, high, fast);
     draw_slowly(corners, slow);
@@ -91,11 +96,12 @@ void expect_equal_small(std::uint64_t seed) {
 // One triangle of up to 512 voxels.
 void expect_equal_large(std::uint64_t seed) {
   Random random(seed);
-  static NodeCanvas fast, slow;
+  static scan::NodeCanvas fast, slow;
   fast.clear();
   slow.clear();
-  const LatticeTriangle corners = random_triangle(random, std::int64_t{1} << whole(random, 0, 9));
-  draw_large_triangle(corners, fast);
+  const lattice::LatticeTriangle corners =
+      random_triangle(random, std::int64_t{1} << whole(random, 0, 9));
+  scan::draw_large_triangle(corners, fast);
   draw_slowly(corners, slow);
   expect_equal_canvases(fast, slow);
 }

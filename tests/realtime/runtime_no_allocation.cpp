@@ -121,7 +121,7 @@ namespace {
 constexpr int kSteps = FORCELAYER_TEST_SANITIZED ? 10'000 : 100'000;
 
 // A hand that presses, slides, turns, jumps and sends nonsense.
-class TryingInput final : public InputSource {
+class TryingInput final : public loop::InputSource {
  public:
   explicit TryingInput(std::uint64_t seed) : random_(seed) {}
   bool next(double time_s, double, StepInput& input) noexcept override {
@@ -157,11 +157,11 @@ class Stepping {
     if (!run) throw std::runtime_error(to_line(run.error()));
     simulation_ = run->release_simulation();
     const Pose start{{0.08, 0.08, 0.05}, {1, 0, 0, 0}};
-    servo_ = std::make_unique<Servo>(*simulation_, input_, simulation_->registered(start, start),
-                                     OutputLimits{});
+    servo_ = std::make_unique<loop::Servo>(
+        *simulation_, input_, simulation_->registered(start, start), loop::OutputLimits{});
   }
 
-  Simulation& simulation() { return *simulation_; }
+  model::Simulation& simulation() { return *simulation_; }
 
   // Returns the frames that touched.
   int run(int steps) noexcept {
@@ -175,8 +175,8 @@ class Stepping {
 
  private:
   TryingInput input_;
-  std::unique_ptr<Simulation> simulation_;
-  std::unique_ptr<Servo> servo_;
+  std::unique_ptr<model::Simulation> simulation_;
+  std::unique_ptr<loop::Servo> servo_;
   Frame frame_;
 };
 

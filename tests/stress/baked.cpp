@@ -12,7 +12,7 @@ Voxmap BakedScene::open(test::VoxelKind kind) const {
   return std::move(*voxmap);
 }
 
-BakedPart::BakedPart(Mesh mesh, double voxel_size_m) : mesh_(std::move(mesh)) {
+BakedPart::BakedPart(mesh::Mesh mesh, double voxel_size_m) : mesh_(std::move(mesh)) {
   bake_part_file(mesh_, voxel_size_m, folder_ / "part.pshell");
 }
 

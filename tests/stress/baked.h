@@ -16,9 +16,9 @@ namespace forcelayer::stress {
 // A static scene, its mesh in world, m. By one thread at a time.
 class BakedScene {
  public:
-  BakedScene(Mesh mesh, double voxel_size_m)
+  BakedScene(mesh::Mesh mesh, double voxel_size_m)
       : mesh_(std::move(mesh)), voxel_size_m_(voxel_size_m) {}
-  const Mesh& mesh() const { return mesh_; }
+  const mesh::Mesh& mesh() const { return mesh_; }
   double voxel_size_m() const { return voxel_size_m_; }
 
   // The scene in voxels of a kind, baked when that kind is first asked for. Throws
@@ -26,7 +26,7 @@ class BakedScene {
   Voxmap open(test::VoxelKind kind = test::VoxelKind::kChebyshev) const;
 
  private:
-  Mesh mesh_;
+  mesh::Mesh mesh_;
   double voxel_size_m_;
   test::ScratchFolder folder_;
 };
@@ -34,18 +34,18 @@ class BakedScene {
 // A moving part, its mesh in the part's frame, m. Throws std::runtime_error where the bake fails.
 class BakedPart {
  public:
-  BakedPart(Mesh mesh, double voxel_size_m);
-  const Mesh& mesh() const { return mesh_; }
+  BakedPart(mesh::Mesh mesh, double voxel_size_m);
+  const mesh::Mesh& mesh() const { return mesh_; }
   Pshell open() const;
 
  private:
-  Mesh mesh_;
+  mesh::Mesh mesh_;
   test::ScratchFolder folder_;
 };
 
 // The two bakes, in units of their own: both areas name their options alike.
-void bake_scene_file(const Mesh& mesh, double voxel_size_m, test::VoxelKind kind,
+void bake_scene_file(const mesh::Mesh& mesh, double voxel_size_m, test::VoxelKind kind,
                      const std::filesystem::path& path);
-void bake_part_file(const Mesh& mesh, double voxel_size_m, const std::filesystem::path& path);
+void bake_part_file(const mesh::Mesh& mesh, double voxel_size_m, const std::filesystem::path& path);
 
 }  // namespace forcelayer::stress

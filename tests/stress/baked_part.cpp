@@ -6,18 +6,20 @@
 
 namespace forcelayer::stress {
 
-void bake_part_file(const Mesh& part, double voxel_size_m, const std::filesystem::path& path) {
-  Assembly assembly;
+void bake_part_file(const mesh::Mesh& part, double voxel_size_m,
+                    const std::filesystem::path& path) {
+  mesh::Assembly assembly;
   assembly.meshes.push_back(part);
   assembly.instances.push_back({0, "part", {}});
-  const PartInput input{&assembly, 1};
-  auto assembled = assemble_part(std::span(&input, 1));
+  const part::PartInput input{&assembly, 1};
+  auto assembled = part::assemble_part(std::span(&input, 1));
   if (!assembled) throw std::runtime_error(to_line(assembled.error()));
-  ShellOptions options;
+  pointshell::ShellOptions options;
   options.voxel_size_m = voxel_size_m;
-  options.effort = Effort::kFast;
+  options.effort = sample::Effort::kFast;
   options.threads = 1;
-  const auto baked = bake_shell(std::move(*assembled), options, [](const std::string&, double) {});
+  const auto baked =
+      pointshell::bake_shell(std::move(*assembled), options, [](const std::string&, double) {});
   if (!baked) throw std::runtime_error(to_line(baked.error()));
   const auto written = write_pshell(path, baked.value().content());
   if (!written) throw std::runtime_error(to_line(written.error()));

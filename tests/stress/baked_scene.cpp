@@ -9,24 +9,24 @@ namespace forcelayer::stress {
 namespace {
 
 // Three voxels of soft foam over a firmer layer, whose foot holds a device's 15 N at one point.
-Compliance covering(double voxel_size_m) {
+voxelize::Compliance covering(double voxel_size_m) {
   return {{1.5 * voxel_size_m, 1}, {2.5 * voxel_size_m, 6}, {3 * voxel_size_m, 20}};
 }
 
 }  // namespace
 
-void bake_scene_file(const Mesh& scene, double voxel_size_m, test::VoxelKind kind,
+void bake_scene_file(const mesh::Mesh& scene, double voxel_size_m, test::VoxelKind kind,
                      const std::filesystem::path& path) {
-  SceneObject object;
+  voxelize::SceneObject object;
   object.name = "scene";
   object.mesh = &scene;
-  BakeOptions options;
+  voxelize::BakeOptions options;
   options.voxel_size_m = voxel_size_m;
   if (kind != test::VoxelKind::kChebyshev) options.metric = Metric::kEuclidean;
   options.bits = test::bits_of(kind);
   if (kind == test::VoxelKind::kCovered8) options.compliance = covering(voxel_size_m);
   options.threads = 1;
-  const auto baked = bake(std::span(&object, 1), options);
+  const auto baked = voxelize::bake(std::span(&object, 1), options);
   if (!baked) throw std::runtime_error(to_line(baked.error()));
   const auto written = write_voxmap(path, baked.value().content(""));
   if (!written) throw std::runtime_error(to_line(written.error()));

@@ -39,18 +39,20 @@ Pose random_frame(Random& random) {
   return {origin, random_turn(random)};
 }
 
-Mesh moved(const Mesh& mesh, const Pose& pose) {
-  Mesh result;
+mesh::Mesh moved(const mesh::Mesh& mesh, const Pose& pose) {
+  mesh::Mesh result;
   append(result, mesh, pose);
   return result;
 }
 
-std::shared_ptr<const BakedScene> scene_of(const Mesh& mesh, const Pose& frame, double s = kS) {
+std::shared_ptr<const BakedScene> scene_of(const mesh::Mesh& mesh, const Pose& frame,
+                                           double s = kS) {
   return std::make_shared<BakedScene>(moved(mesh, frame), s);
 }
 
 // Parts are baked once for each shape and voxel size.
-std::shared_ptr<const BakedPart> part_of(const std::string& name, const Mesh& mesh, double s = kS) {
+std::shared_ptr<const BakedPart> part_of(const std::string& name, const mesh::Mesh& mesh,
+                                         double s = kS) {
   static std::map<std::pair<std::string, double>, std::shared_ptr<const BakedPart>> parts;
   auto& part = parts[{name, s}];
   if (!part) part = std::make_shared<BakedPart>(mesh, s);
@@ -86,15 +88,15 @@ Pose glide(const Pose& a, const Pose& b, double from_s, double to_s, double t_s)
 }
 
 // Plane through the frame's origin, free above (z > 0).
-Mesh slab(double half_m, double thickness_m) {
+mesh::Mesh slab(double half_m, double thickness_m) {
   return moved(box({half_m, half_m, thickness_m / 2}), at({0, 0, -thickness_m / 2}));
 }
 
 // A valley along y with walls at `half_angle` from the vertical plane x = 0, its line at the
 // origin.
-Mesh valley(double half_angle, double size_m) {
+mesh::Mesh valley(double half_angle, double size_m) {
   const double x = size_m * std::sin(half_angle), z = size_m * std::cos(half_angle);
-  Mesh mesh;
+  mesh::Mesh mesh;
   // Each wall is a wedge of solid beside the valley.
   append(
       mesh,
@@ -109,15 +111,15 @@ Mesh valley(double half_angle, double size_m) {
 }
 
 // A conical pit about z, its tip at the origin.
-Mesh pit(double half_angle, double size_m) {
+mesh::Mesh pit(double half_angle, double size_m) {
   const double r = size_m * std::sin(half_angle), z = size_m * std::cos(half_angle);
   return revolved(
       {{0, 0}, {0, -size_m / 4}, {r + size_m / 3, -size_m / 4}, {r + size_m / 3, z}, {r, z}}, 48);
 }
 
 // Stairs along x: treads and risers of `step_m`, on a solid.
-Mesh stairs(double step_m, int steps, double half_width_m) {
-  Mesh mesh;
+mesh::Mesh stairs(double step_m, int steps, double half_width_m) {
+  mesh::Mesh mesh;
   for (int i = 0; i < steps; ++i) {
     const double x = (i - steps / 2.0) * step_m, top = (i - steps / 2) * step_m;
     const double bottom = -(steps / 2 + 3) * step_m;
@@ -127,7 +129,7 @@ Mesh stairs(double step_m, int steps, double half_width_m) {
   return mesh;
 }
 
-Trial basic(Random& random, const Mesh& mesh, const std::shared_ptr<const BakedPart>& part,
+Trial basic(Random& random, const mesh::Mesh& mesh, const std::shared_ptr<const BakedPart>& part,
             Pose& frame, double s = kS) {
   frame = random_frame(random);
   Trial trial;
@@ -236,7 +238,7 @@ Trial thin_wall(std::uint64_t seed) {
 
 Trial spun_bar(std::uint64_t seed) {
   Random random(seed);
-  Mesh posts;
+  mesh::Mesh posts;
   append(posts, box(glm::dvec3(3, 30, 3) * kS), at({25 * kS, 0, 20 * kS}));
   append(posts, box(glm::dvec3(3, 3, 30) * kS), at({-16 * kS, 16 * kS, 0}));
   Pose frame;
@@ -249,19 +251,19 @@ Trial spun_bar(std::uint64_t seed) {
   trial.duration_s = 2;
   trial.target = [=](double t) {
     const double spun = rate_radps * std::max(0.0, t - 0.1);
-    return start * Pose{{0, 0, 0}, rotation_by(axis * spun)};
+    return start * Pose{{0, 0, 0}, coupling::rotation_by(axis * spun)};
   };
   return trial;
 }
 
 Trial two_surfaces(std::uint64_t seed) {
   Random random(seed);
-  Mesh corner = slab(40 * kS, 8 * kS);
+  mesh::Mesh corner = slab(40 * kS, 8 * kS);
   append(corner, box(glm::dvec3(4, 40, 20) * kS), at({-20 * kS, 0, 12 * kS}));
   Pose frame;
   Trial trial = basic(random, corner, block(), frame);
   const double depth = uniform(random, 1, 8) * kS;
-  const glm::dquat turn = rotation_by(0.1 * random_direction(random));
+  const glm::dquat turn = coupling::rotation_by(0.1 * random_direction(random));
   const Pose start = frame * Pose{{0, -20 * kS, 14 * kS}, turn};
   const Pose in = frame * Pose{{-8 * kS - depth, -20 * kS, 4.5 * kS - depth}, turn};
   const Pose end = frame * Pose{{-8 * kS - depth, 20 * kS, 4.5 * kS - depth}, turn};
@@ -281,7 +283,7 @@ Trial thin_part(std::uint64_t seed) {
   const bool wire = choice(random, 2) == 0;
   const auto part = wire ? part_of("wire", cylinder(0.15 * kS, 10 * kS, 8))
                          : part_of("plate", box(glm::dvec3(8, 6, 0.1) * kS));
-  Mesh mesh = slab(30 * kS, 8 * kS);
+  mesh::Mesh mesh = slab(30 * kS, 8 * kS);
   append(mesh, box(glm::dvec3(1, 20, 4) * kS), at({0, 0, 4 * kS}));
   Pose frame;
   Trial trial = basic(random, mesh, part, frame);
@@ -298,8 +300,8 @@ Trial thin_part(std::uint64_t seed) {
   return trial;
 }
 
-Mesh congested(Random& random) {
-  Mesh mesh;
+mesh::Mesh congested(Random& random) {
+  mesh::Mesh mesh;
   for (int i = 0; i < 14; ++i) {
     const Pose pose{random_direction(random) * uniform(random, 14, 26) * kS, random_turn(random)};
     switch (choice(random, 3)) {
@@ -342,14 +344,14 @@ std::function<Pose(double)> wandering(Random& random, const Pose& about, double 
       way += w.way * x;
       turn += w.turn * x;
     }
-    return Pose{about.position_m + way, rotation_by(turn) * about.orientation};
+    return Pose{about.position_m + way, coupling::rotation_by(turn) * about.orientation};
   };
 }
 
 Trial shaking(std::uint64_t seed) {
   Random random(seed);
   Pose frame;
-  const Mesh mesh = congested(random);
+  const mesh::Mesh mesh = congested(random);
   Trial trial = basic(random, mesh, block(), frame);
   trial.start = frame;
   trial.duration_s = 4;
@@ -360,7 +362,7 @@ Trial shaking(std::uint64_t seed) {
 Trial random_hand(std::uint64_t seed) {
   Random random(seed);
   Pose frame;
-  const Mesh mesh = congested(random);
+  const mesh::Mesh mesh = congested(random);
   Trial trial = basic(random, mesh, some_part(random), frame);
   trial.start = frame;
   trial.duration_s = 5;
@@ -374,9 +376,9 @@ Trial nut_on_bolt(std::uint64_t seed) {
   Random random(seed);
   constexpr double kFine = 0.001;
   constexpr double kRoot = 0.016, kDepth = 0.008, kPitch = 0.026, kGap = 0.0055;
-  Mesh bolt = cylinder(kRoot, 0.08, 32);
+  mesh::Mesh bolt = cylinder(kRoot, 0.08, 32);
   append(bolt, thread(kRoot, kDepth, kPitch, 5, 32));
-  Mesh nut = tube(kRoot + kDepth + kGap, kRoot + kDepth + kGap + 0.006, 0.02, 32);
+  mesh::Mesh nut = tube(kRoot + kDepth + kGap, kRoot + kDepth + kGap + 0.006, 0.02, 32);
   append(nut, thread(kRoot + kDepth + kGap, -kDepth, kPitch, 1.4, 32));
   Pose frame;
   Trial trial = basic(random, bolt, part_of("nut", nut, kFine), frame, kFine);
@@ -388,14 +390,14 @@ Trial nut_on_bolt(std::uint64_t seed) {
   trial.target = [=](double t) {
     const double share = std::clamp((t - 0.2) / 2.2, 0.0, 1.0);
     const double angle = 2 * M_PI * turns * share;
-    return frame *
-           Pose{{0, 0, kPitch * (0.5 + turns * share) + pull * share}, rotation_by({0, 0, angle})};
+    return frame * Pose{{0, 0, kPitch * (0.5 + turns * share) + pull * share},
+                        coupling::rotation_by({0, 0, angle})};
   };
   return trial;
 }
 
 // A device that fails in every way: NaN, infinities, denormals and huge numbers anywhere in the
-// input, jumps of up to a metre, lost frames, and a clock that stands still or leaps.
+// input, jumps of up to a meter, lost frames, and a clock that stands still or leaps.
 Trial bad_input(std::uint64_t seed) {
   Random random(seed);
   Trial trial = random_hand(seed);
@@ -488,15 +490,15 @@ Trial rest_trial(std::uint64_t seed) {
   const int surface = choice(random, 3);
   const auto part = some_part(random);
   Pose frame;
-  const Mesh mesh = surface == 0   ? slab(30 * kS, 8 * kS)
-                    : surface == 1 ? valley(half_angle, 45 * kS)
-                                   : pit(half_angle, 45 * kS);
+  const mesh::Mesh mesh = surface == 0   ? slab(30 * kS, 8 * kS)
+                          : surface == 1 ? valley(half_angle, 45 * kS)
+                                         : pit(half_angle, 45 * kS);
   Trial trial = basic(random, mesh, part, frame);
   const double start_z = surface == 0 ? 16 * kS : 60 * kS;
   const double depth = uniform(random, 0.5, 8) * kS;
   const glm::dvec3 aside(uniform(random, -2, 2) * kS, uniform(random, -2, 2) * kS, 0);
   const Pose start = frame * Pose{{0, 0, start_z}, random_turn(random)};
-  const glm::dquat nudge = rotation_by(0.3 * random_direction(random));
+  const glm::dquat nudge = coupling::rotation_by(0.3 * random_direction(random));
   Pose end =
       frame * Pose{aside + glm::dvec3(0, 0, surface == 0 ? -depth : 4 * kS - depth), {1, 0, 0, 0}};
   end.orientation = nudge * start.orientation;
@@ -515,7 +517,7 @@ Trial slide_trial(std::uint64_t seed, double depth_voxels) {
   const glm::dquat turn = random_turn(random);
   // The lowest point of the part touches the force layer's middle about 2.5 voxels up.
   double lowest = 0;
-  for (const Vec3d& v : part->mesh().vertices) {
+  for (const mesh::Vec3d& v : part->mesh().vertices) {
     lowest = std::min(lowest, (turn * glm::dvec3(v[0], v[1], v[2])).z);
   }
   const double touch = 2.5 * kS - lowest, depth = depth_voxels * kS;
@@ -546,7 +548,7 @@ Trial peg_trial(std::uint64_t seed, double clearance_voxels) {
   const double room_x = half + reach(axes[0]) + clearance_voxels * kS / 2;
   const double room_y = half + reach(axes[1]) + clearance_voxels * kS / 2;
   const double wall = 4 * kS, deep = 14 * kS;
-  Mesh hole;
+  mesh::Mesh hole;
   append(hole, box({wall / 2, room_y + wall, deep}), at({room_x + wall / 2, 0, 0}));
   append(hole, box({wall / 2, room_y + wall, deep}), at({-room_x - wall / 2, 0, 0}));
   append(hole, box({room_x + wall, wall / 2, deep}), at({0, room_y + wall / 2, 0}));
@@ -558,7 +560,7 @@ Trial peg_trial(std::uint64_t seed, double clearance_voxels) {
   // The hand misses the middle by more than the clearance, and tilts: the walls must guide the peg.
   const double miss = (1 + 0.5 * clearance_voxels) * kS;
   const glm::dvec3 aside(uniform(random, -1, 1) * miss, uniform(random, -1, 1) * miss, 0);
-  const glm::dquat tilt = rotation_by(0.02 * random_direction(random));
+  const glm::dquat tilt = coupling::rotation_by(0.02 * random_direction(random));
   const Pose start = frame * at(glm::dvec3(0, 0, deep + 12 * kS + 5 * kS));
   Pose end = frame * at(aside);
   end.orientation = tilt * end.orientation;

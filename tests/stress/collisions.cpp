@@ -33,25 +33,26 @@ std::string sample(const char* name) {
 }
 
 // The sample bay in one mesh: beams, posts, tubes, wires, skin, floor plate and bulkhead.
-Mesh bay_mesh() {
+mesh::Mesh bay_mesh() {
   const std::string input = sample("bay.json");
-  const auto scene = read_scene(std::span(&input, 1), std::nullopt);
+  const auto scene = mesh::read_scene(std::span(&input, 1), std::nullopt);
   if (!scene) throw std::runtime_error(to_line(scene.error()));
-  Mesh all;
-  for (const MeshObject& part : scene->objects) {
-    Mesh mesh = scene->mesh_of(part);
-    for (Vec3d& vertex : mesh.vertices) vertex = forcelayer::apply(part.world_from_mesh, vertex);
+  mesh::Mesh all;
+  for (const mesh::MeshObject& part : scene->objects) {
+    mesh::Mesh mesh = scene->mesh_of(part);
+    for (mesh::Vec3d& vertex : mesh.vertices)
+      vertex = forcelayer::mesh::apply(part.world_from_mesh, vertex);
     append(all, mesh);
   }
   return all;
 }
 
-Mesh pump_mesh() {
-  const auto assembly = read_assembly(sample("part.obj"));
+mesh::Mesh pump_mesh() {
+  const auto assembly = mesh::read_assembly(sample("part.obj"));
   if (!assembly) throw std::runtime_error(to_line(assembly.error()));
-  Mesh mesh = assembly->meshes.at(0);
-  for (Vec3d& vertex : mesh.vertices)
-    for (double& coordinate : vertex) coordinate *= 0.001;  // millimetres
+  mesh::Mesh mesh = assembly->meshes.at(0);
+  for (mesh::Vec3d& vertex : mesh.vertices)
+    for (double& coordinate : vertex) coordinate *= 0.001;  // millimeters
   return mesh;
 }
 
@@ -69,8 +70,8 @@ struct Bay {
   std::shared_ptr<const BakedPart> pump = std::make_shared<BakedPart>(pump_mesh(), kS);
   Voxmap voxmap = scene->open();
   Pshell shell = pump->open();
-  ContactQuery query{voxmap, shell, {}};
-  CollectedPoints points;
+  query::ContactQuery query{voxmap, shell, {}};
+  query::CollectedPoints points;
 };
 
 Bay& bay() {
@@ -83,7 +84,8 @@ Pose free_pose(Random& random) {
   for (int attempt = 0; attempt < 10000; ++attempt) {
     const glm::dvec3 place(uniform(random, -0.5, 0.5), uniform(random, -0.25, 0.25),
                            uniform(random, 0.08, 0.36));
-    const Pose pose{place, rotation_by(random_direction(random) * uniform(random, 0, M_PI))};
+    const Pose pose{place,
+                    coupling::rotation_by(random_direction(random) * uniform(random, 0, M_PI))};
     if (!bay().touches(pose)) return pose;
   }
   throw std::runtime_error("the bay has no room");
@@ -135,7 +137,8 @@ Strike random_strike(Random& random, const Pose& from, double begin_s) {
     Strike strike{from, from, from, begin_s, 1.875 * length / peak, uniform(random, 0.8, 2)};
     strike.deep.position_m += direction * length;
     strike.deep.orientation =
-        rotation_by(random_direction(random) * uniform(random, 0, kTurnRad)) * from.orientation;
+        coupling::rotation_by(random_direction(random) * uniform(random, 0, kTurnRad)) *
+        from.orientation;
     const glm::dvec3 sideways = random_direction(random);
     strike.aside = strike.deep;
     strike.aside.position_m +=

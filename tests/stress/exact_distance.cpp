@@ -23,7 +23,7 @@ struct ExactDistance::Models {
   std::shared_ptr<Model> scene, part;
 };
 
-ExactDistance::ExactDistance(const Mesh& scene, const Mesh& part)
+ExactDistance::ExactDistance(const mesh::Mesh& scene, const mesh::Mesh& part)
     : models_(new Models{fcl_model<fcl::RSSd>(scene), fcl_model<fcl::RSSd>(part)}) {}
 ExactDistance::~ExactDistance() = default;
 ExactDistance::ExactDistance(ExactDistance&&) noexcept = default;
@@ -43,7 +43,7 @@ void PathDistance::visit(const Pose& world_from_part, const glm::dvec3& center_m
     const glm::dvec3 way_m = world_from_part.orientation * center_m + world_from_part.position_m -
                              last_.orientation * center_m - last_.position_m;
     const double angle = glm::length(
-        rotation_vector(world_from_part.orientation * glm::conjugate(last_.orientation)));
+        coupling::rotation_vector(world_from_part.orientation * glm::conjugate(last_.orientation)));
     at_least_m_ -= glm::length(way_m) + radius_m_ * angle;
   }
   last_ = world_from_part;

@@ -11,7 +11,7 @@ namespace forcelayer::stress {
 class ExactDistance {
  public:
   // `scene` in world, `part` in the part's frame, m.
-  ExactDistance(const Mesh& scene, const Mesh& part);
+  ExactDistance(const mesh::Mesh& scene, const mesh::Mesh& part);
   ~ExactDistance();
   ExactDistance(ExactDistance&&) noexcept;
 

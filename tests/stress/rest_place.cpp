@@ -16,7 +16,7 @@ namespace {
 // Energy of the two springs at a pose.
 class RestEnergy {
  public:
-  RestEnergy(const Simulation& simulation, const Pose& target)
+  RestEnergy(const model::Simulation& simulation, const Pose& target)
       : parameters_(simulation.parameters()),
         target_(target),
         query_(simulation.voxmap(), simulation.shell(), {}),
@@ -31,43 +31,45 @@ class RestEnergy {
     rotation_ = {parameters_.coupling_nm_per_rad, glm::dmat3(0),
                  parameters_.coupling_torque_limit_nm};
     law_ = {parameters_.field_n_per_m, 0, parameters_.voxel_size_m,
-            ForceCurve(simulation.voxmap())};
+            field::ForceCurve(simulation.voxmap())};
   }
 
   // Infinite with a point in the interior.
   double operator()(const Pose& pose) {
     probe_.look_up(pose, contacts_);
     if (contacts_.interior > 0) return INFINITY;
-    const ContactTotals totals = contact_totals(contacts_, law_);
-    return spring_energy_j(translation_, target_.position_m - pose.position_m) +
-           spring_energy_j(
-               rotation_, rotation_vector(target_.orientation * glm::conjugate(pose.orientation))) +
-           contact_energy_j(totals, LoadSharing(totals), law_);
+    const model::ContactTotals totals = model::contact_totals(contacts_, law_);
+    return coupling::spring_energy_j(translation_, target_.position_m - pose.position_m) +
+           coupling::spring_energy_j(
+               rotation_,
+               coupling::rotation_vector(target_.orientation * glm::conjugate(pose.orientation))) +
+           model::contact_energy_j(totals, model::LoadSharing(totals), law_);
   }
 
  private:
-  static std::unique_ptr<ForceField> field_of(const Simulation& simulation) {
-    auto field =
-        make_force_field(Model::kDefault, simulation.parameters().force, simulation.voxmap());
+  static std::unique_ptr<field::ForceField> field_of(const model::Simulation& simulation) {
+    auto field = field::make_force_field(Model::kDefault, simulation.parameters().force,
+                                         simulation.voxmap());
     if (!field) throw std::runtime_error(to_line(field.error()));
     return std::move(*field);
   }
 
   const Parameters& parameters_;
   Pose target_;
-  ContactQuery query_;
-  std::unique_ptr<ForceField> field_;
-  CollectedPoints points_;
-  FieldSamples samples_;
-  FieldProbe probe_;
-  ContactSet contacts_;
-  CouplingHalf translation_, rotation_;
-  ContactLaw law_;
+  query::ContactQuery query_;
+  std::unique_ptr<field::ForceField> field_;
+  query::CollectedPoints points_;
+  field::FieldSamples samples_;
+  field::FieldProbe probe_;
+  field::ContactSet contacts_;
+  coupling::CouplingHalf translation_, rotation_;
+  model::ContactLaw law_;
 };
 
 }  // namespace
 
-RestPlace nearest_rest_place(const Simulation& simulation, const Pose& target, const Pose& start) {
+RestPlace nearest_rest_place(const model::Simulation& simulation, const Pose& target,
+                             const Pose& start) {
   constexpr double kFirstVoxels = 0.25, kLastVoxels = 0.005;
   RestEnergy energy(simulation, target);
   const Parameters& parameters = simulation.parameters();
@@ -84,8 +86,8 @@ RestPlace nearest_rest_place(const Simulation& simulation, const Pose& target, c
         if (motion < 6) {
           pose.position_m += way_m * axis;
         } else {
-          pose.orientation = glm::normalize(rotation_by(way_m / parameters.part_radius_m * axis) *
-                                            pose.orientation);
+          pose.orientation = glm::normalize(
+              coupling::rotation_by(way_m / parameters.part_radius_m * axis) * pose.orientation);
         }
         const double energy_j = energy(pose);
         if (!(energy_j < place.energy_j)) continue;

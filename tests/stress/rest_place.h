@@ -16,6 +16,7 @@ struct RestPlace {
 // world_from_center): compass search, along the three axes and about them, in steps that shrink
 // from a quarter of a voxel down to a two-hundredth, over poses without a point in the interior.
 // Slow: thousands of look-ups.
-RestPlace nearest_rest_place(const Simulation& simulation, const Pose& target, const Pose& start);
+RestPlace nearest_rest_place(const model::Simulation& simulation, const Pose& target,
+                             const Pose& start);
 
 }  // namespace forcelayer::stress

@@ -109,7 +109,7 @@ LongRun run(Model model, std::uint64_t frames) {
   const auto begin = std::chrono::steady_clock::now();
   for (std::uint64_t i = 0; i < frames; ++i) {
     const StepResult step = bench.step_to(hand.next());
-    result.hash = (result.hash ^ outcome_hash(step, bench.state)) * 0x100000001b3;
+    result.hash = (result.hash ^ model::outcome_hash(step, bench.state)) * 0x100000001b3;
     result.touching += step.report.surface > 0 ? 1 : 0;
     result.interior += step.report.interior > 0 ? 1 : 0;
     if (i == frames / 10) early_bytes = resident_bytes();
@@ -126,7 +126,7 @@ LongRun run(Model model, std::uint64_t frames) {
   const Pose part = bench.state.world_from_center, start = at_home.world_from_center;
   result.home_error_m = glm::length(part.position_m - start.position_m);
   result.home_error_rad =
-      glm::length(rotation_vector(part.orientation * glm::conjugate(start.orientation)));
+      glm::length(coupling::rotation_vector(part.orientation * glm::conjugate(start.orientation)));
   result.norm_error = std::abs(glm::length(part.orientation) - 1);
   return result;
 }

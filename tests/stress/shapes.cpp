@@ -8,45 +8,46 @@
 namespace forcelayer::stress {
 namespace {
 
-std::uint32_t add_vertex(Mesh& mesh, const glm::dvec3& p) {
+std::uint32_t add_vertex(mesh::Mesh& mesh, const glm::dvec3& p) {
   mesh.vertices.push_back({p.x, p.y, p.z});
   return static_cast<std::uint32_t>(mesh.vertices.size() - 1);
 }
 
-void add_quad(Mesh& mesh, std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) {
+void add_quad(mesh::Mesh& mesh, std::uint32_t a, std::uint32_t b, std::uint32_t c,
+              std::uint32_t d) {
   mesh.triangles.push_back({a, b, c});
   mesh.triangles.push_back({a, c, d});
 }
 
 // Drops triangles with two equal corners in space: where a profile touches the axis.
-void drop_degenerate(Mesh& mesh) {
-  std::erase_if(mesh.triangles, [&](const Triangle& t) {
+void drop_degenerate(mesh::Mesh& mesh) {
+  std::erase_if(mesh.triangles, [&](const mesh::Triangle& t) {
     const auto& v = mesh.vertices;
     return v[t[0]] == v[t[1]] || v[t[1]] == v[t[2]] || v[t[2]] == v[t[0]];
   });
 }
 
-Mesh empty_mesh() {
-  Mesh mesh;
+mesh::Mesh empty_mesh() {
+  mesh::Mesh mesh;
   mesh.single_precision = false;
   return mesh;
 }
 
 }  // namespace
 
-void append(Mesh& mesh, const Mesh& other, const Pose& pose) {
+void append(mesh::Mesh& mesh, const mesh::Mesh& other, const Pose& pose) {
   const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
-  for (const Vec3d& v : other.vertices) {
+  for (const mesh::Vec3d& v : other.vertices) {
     add_vertex(mesh, pose.orientation * glm::dvec3(v[0], v[1], v[2]) + pose.position_m);
   }
-  for (const Triangle& t : other.triangles) {
+  for (const mesh::Triangle& t : other.triangles) {
     mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
   }
   mesh.single_precision = false;
 }
 
-Mesh box(const glm::dvec3& half_m) {
-  Mesh mesh = empty_mesh();
+mesh::Mesh box(const glm::dvec3& half_m) {
+  mesh::Mesh mesh = empty_mesh();
   for (int corner = 0; corner < 8; ++corner) {
     add_vertex(mesh, {corner & 4 ? half_m.x : -half_m.x, corner & 2 ? half_m.y : -half_m.y,
                       corner & 1 ? half_m.z : -half_m.z});
@@ -60,8 +61,8 @@ Mesh box(const glm::dvec3& half_m) {
   return mesh;
 }
 
-Mesh sheet(double half_x_m, double half_y_m) {
-  Mesh mesh = empty_mesh();
+mesh::Mesh sheet(double half_x_m, double half_y_m) {
+  mesh::Mesh mesh = empty_mesh();
   add_vertex(mesh, {-half_x_m, -half_y_m, 0});
   add_vertex(mesh, {half_x_m, -half_y_m, 0});
   add_vertex(mesh, {half_x_m, half_y_m, 0});
@@ -70,8 +71,8 @@ Mesh sheet(double half_x_m, double half_y_m) {
   return mesh;
 }
 
-Mesh revolved(const std::vector<glm::dvec2>& profile_m, int segments) {
-  Mesh mesh = empty_mesh();
+mesh::Mesh revolved(const std::vector<glm::dvec2>& profile_m, int segments) {
+  mesh::Mesh mesh = empty_mesh();
   const auto rings = static_cast<std::uint32_t>(profile_m.size());
   for (int i = 0; i < segments; ++i) {
     const double angle = 2 * M_PI * i / segments;
@@ -95,7 +96,7 @@ Mesh revolved(const std::vector<glm::dvec2>& profile_m, int segments) {
   return mesh;
 }
 
-Mesh sphere(double radius_m, int segments) {
+mesh::Mesh sphere(double radius_m, int segments) {
   std::vector<glm::dvec2> profile;
   const int rings = std::max(3, segments / 2);
   for (int i = 0; i <= rings; ++i) {
@@ -106,7 +107,7 @@ Mesh sphere(double radius_m, int segments) {
   return revolved(profile, segments);
 }
 
-Mesh cylinder(double radius_m, double half_height_m, int segments) {
+mesh::Mesh cylinder(double radius_m, double half_height_m, int segments) {
   return revolved({{0, -half_height_m},
                    {radius_m, -half_height_m},
                    {radius_m, half_height_m},
@@ -114,7 +115,7 @@ Mesh cylinder(double radius_m, double half_height_m, int segments) {
                   segments);
 }
 
-Mesh tube(double inner_m, double outer_m, double half_height_m, int segments) {
+mesh::Mesh tube(double inner_m, double outer_m, double half_height_m, int segments) {
   return revolved({{inner_m, -half_height_m},
                    {outer_m, -half_height_m},
                    {outer_m, half_height_m},
@@ -122,8 +123,8 @@ Mesh tube(double inner_m, double outer_m, double half_height_m, int segments) {
                   segments);
 }
 
-Mesh prism(const std::vector<glm::dvec2>& polygon_m, double half_width_m) {
-  Mesh mesh = empty_mesh();
+mesh::Mesh prism(const std::vector<glm::dvec2>& polygon_m, double half_width_m) {
+  mesh::Mesh mesh = empty_mesh();
   const auto corners = static_cast<std::uint32_t>(polygon_m.size());
   for (const glm::dvec2& p : polygon_m) {
     add_vertex(mesh, {p.x, -half_width_m, p.y});
@@ -140,8 +141,9 @@ Mesh prism(const std::vector<glm::dvec2>& polygon_m, double half_width_m) {
   return mesh;
 }
 
-Mesh thread(double radius_m, double depth_m, double pitch_m, double turns, int segments_per_turn) {
-  Mesh mesh = empty_mesh();
+mesh::Mesh thread(double radius_m, double depth_m, double pitch_m, double turns,
+                  int segments_per_turn) {
+  mesh::Mesh mesh = empty_mesh();
   const int segments = static_cast<int>(std::lround(turns * segments_per_turn));
   for (int i = 0; i <= segments; ++i) {
     const double angle = 2 * M_PI * i / segments_per_turn;
@@ -164,9 +166,9 @@ Mesh thread(double radius_m, double depth_m, double pitch_m, double turns, int s
   return mesh;
 }
 
-double radius_m(const Mesh& mesh) {
+double radius_m(const mesh::Mesh& mesh) {
   double largest = 0;
-  for (const Vec3d& v : mesh.vertices) {
+  for (const mesh::Vec3d& v : mesh.vertices) {
     largest = std::max(largest, glm::length(glm::dvec3(v[0], v[1], v[2])));
   }
   return largest;

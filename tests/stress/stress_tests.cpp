@@ -43,12 +43,12 @@ void expect_safe(const Metrics& m, const std::string& what) {
 // The judge itself: two faceted spheres against what the spheres would have, and a bound on the
 // search changes nothing below it.
 TEST(ExactDistance, IsThatOfTheMeshesWithAndWithoutABound) {
-  const Mesh ball = sphere(0.02, 48);
+  const mesh::Mesh ball = sphere(0.02, 48);
   const ExactDistance exact(ball, ball);
   for (int i = 0; i < 40; ++i) {
     const double gap_m = 0.0005 * i;
-    const Pose pose{rotation_by({0.1 * i, 0.2, 0.3}) * glm::dvec3(0, 0, 0.04 + gap_m),
-                    rotation_by({0.3, 0.1 * i, 0})};
+    const Pose pose{coupling::rotation_by({0.1 * i, 0.2, 0.3}) * glm::dvec3(0, 0, 0.04 + gap_m),
+                    coupling::rotation_by({0.3, 0.1 * i, 0})};
     const double distance_m = exact.at(pose);
     // Chords of 48 segments lie up to r (1 - cos(pi/48)) inside the sphere, on either side.
     EXPECT_GE(distance_m, gap_m - 1e-12);
@@ -62,7 +62,7 @@ TEST(ExactDistance, IsThatOfTheMeshesWithAndWithoutABound) {
 // What the judge leaves out cannot be the smallest: along random paths, one after the other with
 // the smallest of all before as bound, it finds what measuring every pose to the end finds.
 TEST(PathDistance, FindsTheSmallestOfAllPoses) {
-  const Mesh scene = sphere(0.05, 16), part = box({0.02, 0.012, 0.006});
+  const mesh::Mesh scene = sphere(0.05, 16), part = box({0.02, 0.012, 0.006});
   const double radius_m = glm::length(glm::dvec3(0.02, 0.012, 0.006));
   const ExactDistance exact(scene, part);
   double smallest_m = 1e300, truth_m = 1e300;
@@ -80,7 +80,7 @@ TEST(PathDistance, FindsTheSmallestOfAllPoses) {
     // slow.
     const double step_m = std::pow(10, uniform(-5, -3));
     const glm::dvec3 goal = glm::normalize(vector(1)) * (0.1 - 0.002 * double(seed));
-    const Pose start{goal * 1.5, rotation_by(vector(3))};
+    const Pose start{goal * 1.5, coupling::rotation_by(vector(3))};
     Pose pose = start;
     for (int i = 0; i < 300; ++i) {
       if (seed % 2 == 0) {
@@ -88,7 +88,8 @@ TEST(PathDistance, FindsTheSmallestOfAllPoses) {
         pose.position_m = start.position_m + share * (goal - start.position_m);
       } else {
         pose.position_m += 0.05 * (goal - pose.position_m) + vector(step_m);
-        pose.orientation = glm::normalize(rotation_by(vector(10 * step_m)) * pose.orientation);
+        pose.orientation =
+            glm::normalize(coupling::rotation_by(vector(10 * step_m)) * pose.orientation);
       }
       path.visit(pose, {0, 0, 0});
       truth_m = std::min(truth_m, exact.at(pose));

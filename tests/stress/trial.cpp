@@ -20,10 +20,11 @@ bool finite(const glm::dvec3& v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
-// How far any point of a sphere about the centre goes between two poses of the centre.
+// How far any point of a sphere about the center goes between two poses of the center.
 double travel_m(const Pose& a, const Pose& b, double radius_m) {
   return glm::length(b.position_m - a.position_m) +
-         radius_m * glm::length(rotation_vector(b.orientation * glm::conjugate(a.orientation)));
+         radius_m *
+             glm::length(coupling::rotation_vector(b.orientation * glm::conjugate(a.orientation)));
 }
 
 // Peak to peak of a pose about the first one seen: the place, and the angle times a radius.
@@ -32,7 +33,8 @@ class Extent {
   void see(const Pose& pose) {
     if (!first_) first_ = pose;
     const glm::dvec3 way_m = pose.position_m - first_->position_m;
-    const glm::dvec3 turn = rotation_vector(pose.orientation * glm::conjugate(first_->orientation));
+    const glm::dvec3 turn =
+        coupling::rotation_vector(pose.orientation * glm::conjugate(first_->orientation));
     low_m_ = glm::min(low_m_, way_m);
     high_m_ = glm::max(high_m_, way_m);
     low_rad_ = glm::min(low_rad_, turn);
@@ -180,7 +182,7 @@ class Handle {
   // The wrench of the step, about the part's centroid where the coupling wants it.
   void feel(const Wrench& wrench, const glm::dvec3& target_m, const StepInput& input, double dt_s) {
     if (!hand_) return;
-    OutputFrame frame;
+    loop::OutputFrame frame;
     frame.wanted =
         DevicePlacement{}.device_wrench(wrench, target_m, input.world_from_handle.position_m);
     frame.unstretched = true;  // armed from the start
@@ -188,23 +190,24 @@ class Handle {
   }
 
  private:
-  static OutputLimits limits_of(const Parameters& parameters) {
-    OutputLimits limits;
+  static loop::OutputLimits limits_of(const Parameters& parameters) {
+    loop::OutputLimits limits;
     limits.max_force_n = parameters.max_force_n;
     limits.max_torque_nm = parameters.max_torque_nm;
     return limits;
   }
 
   const Trial& trial_;
-  std::optional<SimHand> hand_;
-  OutputStage output_;
+  std::optional<devices::SimHand> hand_;
+  loop::OutputStage output_;
   Wrench felt_;
 };
 
 Pose middle_of(const Pose& a, const Pose& b) {
   return {0.5 * (a.position_m + b.position_m),
           glm::normalize(
-              rotation_by(0.5 * rotation_vector(b.orientation * glm::conjugate(a.orientation))) *
+              coupling::rotation_by(
+                  0.5 * coupling::rotation_vector(b.orientation * glm::conjugate(a.orientation))) *
               a.orientation)};
 }
 
@@ -223,7 +226,7 @@ Run open_trial(const Trial& trial, Model model) {
   return std::move(*run);
 }
 
-std::unique_ptr<Simulation> make_simulation(const Trial& trial, Model model) {
+std::unique_ptr<model::Simulation> make_simulation(const Trial& trial, Model model) {
   return open_trial(trial, model).release_simulation();
 }
 
@@ -269,7 +272,7 @@ void Metrics::add(const Metrics& other) {
 
 Metrics run(const Trial& trial, Model model) {
   Run opened = open_trial(trial, model);
-  Simulation* const simulation = &opened.simulation();
+  model::Simulation* const simulation = &opened.simulation();
   const PshellHeader& shell = simulation->shell().header();
   const double s = simulation->voxmap().voxel_size_m(), dt_s = 1 / trial.rate_hz;
   const double radius_m = shell.bounding_radius_m + shell.covering_radius_m;
@@ -291,7 +294,7 @@ Metrics run(const Trial& trial, Model model) {
   State state = simulation->registered(trial.start, trial.start);
   const glm::dvec3 center_m(shell.center_m[0], shell.center_m[1], shell.center_m[2]);
   Handle handle(trial, simulation->parameters());
-  HandleVelocity velocity;
+  loop::HandleVelocity velocity;
   StepInput input;
   input.valid = 1;
   StepResult last{};

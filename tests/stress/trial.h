@@ -31,7 +31,7 @@ struct Trial {
   std::map<std::string, double> settings;
   DeviceCapabilities device = trial_device();
   // Closes the loop: the hand wants the handle at `target`, and feels what the device outputs.
-  std::optional<SimHandParameters> hand;
+  std::optional<devices::SimHandParameters> hand;
 
   // Spoils an input, or the time that passes, before the step sees it.
   std::function<void(StepInput& input, double& dt_s)> disturb;
@@ -89,7 +89,7 @@ struct Metrics {
 
 // What a trial runs in. Throws std::runtime_error where it cannot be set up.
 Run open_trial(const Trial& trial, Model model);
-std::unique_ptr<Simulation> make_simulation(const Trial& trial, Model model);
+std::unique_ptr<model::Simulation> make_simulation(const Trial& trial, Model model);
 
 // Runs `trial` under `model`. Throws std::runtime_error where it cannot be set up.
 Metrics run(const Trial& trial, Model model);

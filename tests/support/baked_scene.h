@@ -18,9 +18,9 @@
 namespace forcelayer::reference {
 
 // Two threads, whose order must not show.
-inline BakeOptions options_with(std::uint32_t layers, double voxel_size_m = 1,
-                                Metric metric = Metric::kChebyshev) {
-  BakeOptions options;
+inline voxelize::BakeOptions options_with(std::uint32_t layers, double voxel_size_m = 1,
+                                          Metric metric = Metric::kChebyshev) {
+  voxelize::BakeOptions options;
   options.voxel_size_m = voxel_size_m;
   options.layers = layers;
   options.metric = metric;
@@ -28,16 +28,16 @@ inline BakeOptions options_with(std::uint32_t layers, double voxel_size_m = 1,
   return options;
 }
 
-inline std::vector<SceneObject> objects_of(const std::vector<Mesh>& meshes,
-                                           const Affine& placing = {}) {
-  std::vector<SceneObject> objects;
-  for (const Mesh& mesh : meshes) objects.push_back({"object", &mesh, placing, {}, 0});
+inline std::vector<voxelize::SceneObject> objects_of(const std::vector<mesh::Mesh>& meshes,
+                                                     const mesh::Affine& placing = {}) {
+  std::vector<voxelize::SceneObject> objects;
+  for (const mesh::Mesh& mesh : meshes) objects.push_back({"object", &mesh, placing, {}, 0});
   return objects;
 }
 
-inline std::vector<SceneObject> objects_of(const Scene& scene) {
-  std::vector<SceneObject> objects;
-  for (const MeshObject& part : scene.objects) {
+inline std::vector<voxelize::SceneObject> objects_of(const mesh::Scene& scene) {
+  std::vector<voxelize::SceneObject> objects;
+  for (const mesh::MeshObject& part : scene.objects) {
     objects.push_back({part.name, &scene.mesh_of(part), part.world_from_mesh, {}, 0});
   }
   return objects;
@@ -46,8 +46,9 @@ inline std::vector<SceneObject> objects_of(const Scene& scene) {
 // Bakes, and reads the file's bytes back with every check on.
 class BakedScene {
  public:
-  BakedScene(const std::vector<SceneObject>& objects, const BakeOptions& options) {
-    const auto result = bake(objects, options);
+  BakedScene(const std::vector<voxelize::SceneObject>& objects,
+             const voxelize::BakeOptions& options) {
+    const auto result = voxelize::bake(objects, options);
     if (!result) throw std::runtime_error(to_line(result.error()));
     bytes_ = testing::AlignedBytes(voxmap_bytes(result->content("{}")));
     auto map = Voxmap::from_bytes(std::as_const(bytes_).bytes(), "baked scene",
@@ -70,10 +71,10 @@ class BakedScene {
 // counts are those of the grid.
 inline void expect_equal(const Voxmap& map, const DenseGrid& expected) {
   std::array<std::uint64_t, 4> counts{};
-  VoxelIndex low{INT64_MAX, INT64_MAX, INT64_MAX}, high{INT64_MIN, INT64_MIN, INT64_MIN};
+  lattice::VoxelIndex low{INT64_MAX, INT64_MAX, INT64_MAX}, high{INT64_MIN, INT64_MIN, INT64_MIN};
   std::uint64_t wrong = 0;
-  VoxelIndex first_wrong{};
-  expected.for_each([&](const VoxelIndex& v) {
+  lattice::VoxelIndex first_wrong{};
+  expected.for_each([&](const lattice::VoxelIndex& v) {
     const std::uint8_t value = expected.at(v);
     ++counts[value];
     for (std::size_t d = 0; d < 3 && value != 0; ++d) {
@@ -100,20 +101,23 @@ inline void expect_equal(const Voxmap& map, const DenseGrid& expected) {
 
 // Every uniform free entry promises its exact clearance: the Chebyshev distance from its box to the
 // nearest voxel that is not free. `held` are all voxels of the map that are not free.
-inline void expect_exact_clearance(const Voxmap& map, const std::vector<VoxelIndex>& held) {
+inline void expect_exact_clearance(const Voxmap& map,
+                                   const std::vector<lattice::VoxelIndex>& held) {
   const VoxmapHeader& header = map.header();
-  const auto lookup = [&](const VoxelIndex& v) {
+  const auto lookup = [&](const lattice::VoxelIndex& v) {
     const auto& origin = header.directory_origin;
     return map.view().lookup(static_cast<std::int32_t>(v[0] - origin[0]),
                              static_cast<std::int32_t>(v[1] - origin[1]),
                              static_cast<std::int32_t>(v[2] - origin[2]));
   };
-  const auto edge_at = [&](const VoxelIndex& v) { return std::int64_t{lookup(v).edge_voxels}; };
-  const auto check_entry = [&](const VoxelIndex& low, std::int64_t edge) {
+  const auto edge_at = [&](const lattice::VoxelIndex& v) {
+    return std::int64_t{lookup(v).edge_voxels};
+  };
+  const auto check_entry = [&](const lattice::VoxelIndex& low, std::int64_t edge) {
     const VoxelLookup found = lookup(low);
     if (found.code != 0 || found.edge_voxels != edge) return;
     std::int64_t nearest = INT64_MAX;
-    for (const VoxelIndex& v : held) {
+    for (const lattice::VoxelIndex& v : held) {
       std::int64_t distance = 0;
       for (std::size_t d = 0; d < 3; ++d) {
         distance = std::max({distance, low[d] - v[d], v[d] - (low[d] + edge - 1)});
@@ -124,7 +128,8 @@ inline void expect_exact_clearance(const Voxmap& map, const std::vector<VoxelInd
         << "entry of " << edge << " voxels at " << low[0] << ' ' << low[1] << ' ' << low[2];
   };
   // Every entry of every level: 512, then 64 and 8 voxels an edge where the one above has a child.
-  const auto walk = [&](const auto& self, const VoxelIndex& low, std::int64_t edge) -> void {
+  const auto walk = [&](const auto& self, const lattice::VoxelIndex& low,
+                        std::int64_t edge) -> void {
     check_entry(low, edge);
     if (::testing::Test::HasFatalFailure() || edge == 8 || edge_at(low) == edge) return;
     for (std::int64_t n = 0; n < 512; ++n) {

@@ -17,7 +17,7 @@ struct DracoChoice {
   bool edgebreaker = false;  // else sequential, which keeps the order of faces and vertices
 };
 
-inline std::string as_drc(const Mesh& mesh, const DracoChoice& choice = {}) {
+inline std::string as_drc(const mesh::Mesh& mesh, const DracoChoice& choice = {}) {
   draco::Mesh encoded;
   const auto count = static_cast<std::uint32_t>(mesh.vertices.size());
   encoded.set_num_points(count);

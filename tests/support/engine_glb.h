@@ -11,7 +11,7 @@ namespace forcelayer::test {
 
 // The JSON and the binary chunk of several meshes, each one primitive; `nodes` as given, the first
 // being the root.
-inline std::string as_glb(const std::vector<Mesh>& meshes, const std::string& nodes) {
+inline std::string as_glb(const std::vector<mesh::Mesh>& meshes, const std::string& nodes) {
   std::string binary, mesh_list, accessors, views;
   for (std::size_t i = 0; i < meshes.size(); ++i) {
     const std::string comma = i == 0 ? "" : ",", first = std::to_string(2 * i),
@@ -40,10 +40,10 @@ inline std::string as_glb(const std::vector<Mesh>& meshes, const std::string& no
 }
 
 // What engine_glb() holds: 34 instances of four meshes.
-inline std::vector<Mesh> engine_meshes() {
-  std::vector<Mesh> meshes = {cube(), odd::torus(80, 24)};
+inline std::vector<mesh::Mesh> engine_meshes() {
+  std::vector<mesh::Mesh> meshes = {cube(), odd::torus(80, 24)};
   for (const char* file : {"plate_holes.stl", "sensor.drc"}) {
-    meshes.push_back(std::move(read_assembly(model_path(file)).value().meshes[0]));
+    meshes.push_back(std::move(mesh::read_assembly(model_path(file)).value().meshes[0]));
   }
   return meshes;
 }

@@ -40,8 +40,8 @@ bool feasible_in_s(const std::vector<Constraint<Int>>& constraints) {
 // Whether the closed triangle has a point p with low <= p < high in every coordinate, or low < p <=
 // high where `high_closed`. `Int` must hold products of four extents.
 template <class Int>
-bool overlaps(const LatticeTriangle& triangle, const LatticePoint& low, const LatticePoint& high,
-              const std::array<bool, 3>& high_closed = {}) {
+bool overlaps(const lattice::LatticeTriangle& triangle, const lattice::LatticePoint& low,
+              const lattice::LatticePoint& high, const std::array<bool, 3>& high_closed = {}) {
   // p = v0 + s (v1 - v0) + t (v2 - v0) with s, t >= 0 and s + t <= 1.
   std::vector<Constraint<Int>> all = {{1, 0, 0, false}, {0, 1, 0, false}, {-1, -1, -1, false}};
   for (std::size_t d = 0; d < 3; ++d) {
@@ -64,12 +64,12 @@ bool overlaps(const LatticeTriangle& triangle, const LatticePoint& low, const La
 
 // The same for voxel (i, j, k) in cells of `edge` voxels whose lowest corner it is.
 template <class Int>
-bool overlaps_cell(const LatticeTriangle& triangle, const VoxelIndex& voxel,
+bool overlaps_cell(const lattice::LatticeTriangle& triangle, const lattice::VoxelIndex& voxel,
                    std::int64_t edge = 1) {
-  LatticePoint low, high;
+  lattice::LatticePoint low, high;
   for (std::size_t d = 0; d < 3; ++d) {
-    low[d] = voxel[d] * kSnapUnits;
-    high[d] = low[d] + edge * kSnapUnits;
+    low[d] = voxel[d] * lattice::kSnapUnits;
+    high[d] = low[d] + edge * lattice::kSnapUnits;
   }
   return overlaps<Int>(triangle, low, high);
 }

@@ -22,7 +22,7 @@ class FakeSocket {
   static constexpr std::size_t kQueue = 64;
 
   std::vector<std::uint8_t> descriptor;
-  HidDeviceInfo info;
+  devices::HidDeviceInfo info;
   std::function<void(std::span<const std::uint8_t>)> on_write;  // without the id's byte
 
   void plug(bool in) {
@@ -82,15 +82,15 @@ class FakeSocket {
   std::uint64_t plugs_ = 0, lost_ = 0;
 };
 
-class FakeHidBus final : public HidBus {
+class FakeHidBus final : public devices::HidBus {
  public:
   explicit FakeHidBus(std::vector<std::shared_ptr<FakeSocket>> sockets)
       : sockets_(std::move(sockets)) {}
 
-  std::vector<HidDeviceInfo> list(const HidSelector& selector) override {
-    std::vector<HidDeviceInfo> found;
+  std::vector<devices::HidDeviceInfo> list(const devices::HidSelector& selector) override {
+    std::vector<devices::HidDeviceInfo> found;
     for (const auto& socket : sockets_) {
-      const HidDeviceInfo& info = socket->info;
+      const devices::HidDeviceInfo& info = socket->info;
       if (socket->plugged() && (selector.vendor == 0 || selector.vendor == info.vendor) &&
           (selector.product == 0 || selector.product == info.product) &&
           (selector.serial.empty() || selector.serial == info.serial)) {
@@ -99,17 +99,17 @@ class FakeHidBus final : public HidBus {
     }
     return found;
   }
-  Result<std::unique_ptr<HidPort>> open(const HidDeviceInfo& info) override {
+  Result<std::unique_ptr<devices::HidPort>> open(const devices::HidDeviceInfo& info) override {
     for (const auto& socket : sockets_) {
       if (socket->info.path == info.path && socket->plugged()) {
-        return std::unique_ptr<HidPort>(std::make_unique<Port>(socket));
+        return std::unique_ptr<devices::HidPort>(std::make_unique<Port>(socket));
       }
     }
     return Error{ErrorCode::kDeviceNotFound, info.path, "", "is gone", ""};
   }
 
  private:
-  class Port final : public HidPort {
+  class Port final : public devices::HidPort {
    public:
     explicit Port(std::shared_ptr<FakeSocket> socket)
         : socket_(std::move(socket)), plugs_(socket_->plugs()) {}
@@ -151,8 +151,8 @@ class FakeHapticUnit {
   void run() {
     thread_ = std::thread([this] {
       std::array<std::uint8_t, HAPTIC_REPORT_BYTES> report{};
-      for (long long tick_ns = monotonic_ns(); !stop_; tick_ns += 1'000'000) {
-        sleep_until_ns(tick_ns);
+      for (long long tick_ns = machine::monotonic_ns(); !stop_; tick_ns += 1'000'000) {
+        machine::sleep_until_ns(tick_ns);
         if (burst_.exchange(false)) socket->send_all(make_burst());
         if (device.next_report(report)) socket->send(report);
       }

@@ -4,7 +4,7 @@
  * Arguments, separated by spaces: log=FILE (required), fault=KIND, at=SECONDS, when=FILE, and for
  * the handshake no-si, left-handed, no-watchdog, old-abi; silent (no reading ever), no-pose (a
  * quaternion of zeros). KIND: unplug, freeze, blip (three
- * readings missing), nan, absurd (millimetres from then on), mm (from the start), uncalibrated,
+ * readings missing), nan, absurd (millimeters from then on), mm (from the start), uncalibrated,
  * crash, hang. FAULT_PLUGIN_MODE=push in the environment: push mode.
  *
  * The hand comes down 30 mm in 0.3 s (way=SECONDS) and goes up again, until it feels the motors

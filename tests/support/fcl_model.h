@@ -13,15 +13,15 @@ namespace forcelayer::testing {
 
 // The mesh's triangles in a tree of bounding volumes: fcl::RSSd, fcl::OBBRSSd.
 template <class BoundingVolume>
-std::shared_ptr<fcl::BVHModel<BoundingVolume>> fcl_model(const Mesh& mesh) {
+std::shared_ptr<fcl::BVHModel<BoundingVolume>> fcl_model(const mesh::Mesh& mesh) {
   auto model = std::make_shared<fcl::BVHModel<BoundingVolume>>();
   model->beginModel(static_cast<int>(mesh.triangles.size()),
                     static_cast<int>(mesh.vertices.size()));
   const auto vertex = [&](std::uint32_t i) {
-    const Vec3d& v = mesh.vertices[i];
+    const mesh::Vec3d& v = mesh.vertices[i];
     return fcl::Vector3d(v[0], v[1], v[2]);
   };
-  for (const Triangle& t : mesh.triangles) {
+  for (const mesh::Triangle& t : mesh.triangles) {
     model->addTriangle(vertex(t[0]), vertex(t[1]), vertex(t[2]));
   }
   model->endModel();

@@ -17,13 +17,13 @@ struct Symmetry {
 
   // Voxels whose low side was half-open towards minus have it towards plus on a mirrored axis: a
   // voxel i of before is voxel -1 - i there, and holds its high side, not its low one.
-  VoxelIndex voxel(const VoxelIndex& v) const {
-    VoxelIndex result;
+  lattice::VoxelIndex voxel(const lattice::VoxelIndex& v) const {
+    lattice::VoxelIndex result;
     for (std::size_t d = 0; d < 3; ++d) result[d] = sign[d] > 0 ? v[from[d]] : -1 - v[from[d]];
     return result;
   }
-  LatticeTriangle triangle(const LatticeTriangle& t) const {
-    LatticeTriangle result;
+  lattice::LatticeTriangle triangle(const lattice::LatticeTriangle& t) const {
+    lattice::LatticeTriangle result;
     for (std::size_t k = 0; k < 3; ++k) {
       for (std::size_t d = 0; d < 3; ++d) result[k][d] = sign[d] * t[k][from[d]];
     }
@@ -31,7 +31,7 @@ struct Symmetry {
   }
   std::vector<LatticeMesh> meshes(std::vector<LatticeMesh> list) const {
     for (LatticeMesh& mesh : list) {
-      for (LatticeTriangle& t : mesh) t = triangle(t);
+      for (lattice::LatticeTriangle& t : mesh) t = triangle(t);
     }
     return list;
   }
@@ -49,13 +49,13 @@ inline std::vector<Symmetry> symmetries() {
 
 // G of the moved mesh by the reference, with the half-open rule moved along: on a mirrored axis a
 // voxel holds its high side and not its low one.
-inline bool overlaps_moved_voxel(const LatticeTriangle& triangle, const VoxelIndex& voxel,
-                                 const Symmetry& symmetry) {
-  LatticePoint low, high;
+inline bool overlaps_moved_voxel(const lattice::LatticeTriangle& triangle,
+                                 const lattice::VoxelIndex& voxel, const Symmetry& symmetry) {
+  lattice::LatticePoint low, high;
   std::array<bool, 3> high_closed;
   for (std::size_t d = 0; d < 3; ++d) {
-    low[d] = voxel[d] * kSnapUnits;
-    high[d] = low[d] + kSnapUnits;
+    low[d] = voxel[d] * lattice::kSnapUnits;
+    high[d] = low[d] + lattice::kSnapUnits;
     high_closed[d] = symmetry.sign[d] < 0;
   }
   return overlaps<Int128>(triangle, low, high, high_closed);
@@ -70,20 +70,22 @@ inline DenseGrid moved_reference(const std::vector<LatticeMesh>& meshes, const S
   for (const LatticeMesh& mesh : moved) {
     if (mesh.empty()) continue;
     DenseGrid object = grid_around({mesh}, 2);  // all beyond is free
-    for (const LatticeTriangle& triangle : mesh) {
-      VoxelIndex low, high;
+    for (const lattice::LatticeTriangle& triangle : mesh) {
+      lattice::VoxelIndex low, high;
       for (std::size_t d = 0; d < 3; ++d) {
         // On a mirrored axis a corner on a face belongs to the voxel below.
         const std::int64_t down = symmetry.sign[d] < 0 ? 1 : 0;
-        low[d] = (std::min({triangle[0][d], triangle[1][d], triangle[2][d]}) - down) >> kSnapBits;
-        high[d] = (std::max({triangle[0][d], triangle[1][d], triangle[2][d]}) - down) >> kSnapBits;
+        low[d] = (std::min({triangle[0][d], triangle[1][d], triangle[2][d]}) - down) >>
+                 lattice::kSnapBits;
+        high[d] = (std::max({triangle[0][d], triangle[1][d], triangle[2][d]}) - down) >>
+                  lattice::kSnapBits;
       }
-      DenseGrid(low, high).for_each([&](const VoxelIndex& v) {
+      DenseGrid(low, high).for_each([&](const lattice::VoxelIndex& v) {
         if (object.at(v) == 0 && overlaps_moved_voxel(triangle, v, symmetry)) object.at(v) = 1;
       });
     }
     mark_free({}, object);
-    object.for_each([&](const VoxelIndex& v) {
+    object.for_each([&](const lattice::VoxelIndex& v) {
       if (object.at(v) == 1) scene.geometry.at(v) = 1;
       if (object.at(v) == 0) scene.interior.at(v) = 1;
     });

@@ -39,7 +39,7 @@ struct TestShellOptions {
 // The shell's arrays, owned; content() is what the writer takes.
 class TestShell {
  public:
-  // `points` in metres, `normals` inward, of any length but zero; both in the part's frame.
+  // `points` in meters, `normals` inward, of any length but zero; both in the part's frame.
   TestShell(const std::vector<Vec3>& points, const std::vector<Vec3>& normals,
             const TestShellOptions& options)
       : provenance_(options.provenance) {

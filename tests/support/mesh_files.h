@@ -19,20 +19,21 @@
 
 namespace forcelayer::test {
 
-using Corners = std::vector<std::array<Vec3d, 3>>;  // the three corners of each triangle
+using Corners = std::vector<std::array<mesh::Vec3d, 3>>;  // the three corners of each triangle
 
-inline Corners corners_of(const Mesh& mesh, const Affine& placing = {}) {
+inline Corners corners_of(const mesh::Mesh& mesh, const mesh::Affine& placing = {}) {
   Corners corners;
   for (const auto& [a, b, c] : mesh.triangles) {
-    corners.push_back({apply(placing, mesh.vertices[a]), apply(placing, mesh.vertices[b]),
-                       apply(placing, mesh.vertices[c])});
+    corners.push_back({mesh::apply(placing, mesh.vertices[a]),
+                       mesh::apply(placing, mesh.vertices[b]),
+                       mesh::apply(placing, mesh.vertices[c])});
   }
   return corners;
 }
 
-inline Corners corners_of(const Assembly& assembly) {
+inline Corners corners_of(const mesh::Assembly& assembly) {
   Corners corners;
-  for (const MeshInstance& instance : assembly.instances) {
+  for (const mesh::MeshInstance& instance : assembly.instances) {
     const Corners more = corners_of(assembly.meshes[instance.mesh], instance.assembly_from_mesh);
     corners.insert(corners.end(), more.begin(), more.end());
   }
@@ -40,8 +41,8 @@ inline Corners corners_of(const Assembly& assembly) {
 }
 
 // A unit cube from the origin, 12 triangles, facing outwards.
-inline Mesh cube() {
-  Mesh mesh;
+inline mesh::Mesh cube() {
+  mesh::Mesh mesh;
   for (int i = 0; i < 8; ++i) {
     mesh.vertices.push_back({double(i & 1), double(i >> 1 & 1), double(i >> 2 & 1)});
   }
@@ -52,12 +53,12 @@ inline Mesh cube() {
 
 // A soup of up to `most` triangles over up to 30 vertices: degenerate and duplicate ones included,
 // coordinates of all magnitudes, exact as 32-bit floats.
-inline Mesh random_soup(std::mt19937_64& random, std::size_t most = 40) {
-  Mesh mesh;
+inline mesh::Mesh random_soup(std::mt19937_64& random, std::size_t most = 40) {
+  mesh::Mesh mesh;
   const std::size_t vertices = 3 + random() % 28;
   std::uniform_real_distribution<double> mantissa(-1, 1);
   for (std::size_t i = 0; i < vertices; ++i) {
-    Vec3d& vertex = mesh.vertices.emplace_back();
+    mesh::Vec3d& vertex = mesh.vertices.emplace_back();
     for (double& coordinate : vertex) {
       const int exponent = static_cast<int>(random() % 40) - 20;
       coordinate = static_cast<float>(std::ldexp(mantissa(random), exponent));
@@ -85,17 +86,17 @@ inline std::string number(double value) {
   return text;
 }
 
-inline std::string line(const char* start, const Vec3d& vertex) {
+inline std::string line(const char* start, const mesh::Vec3d& vertex) {
   return start + number(vertex[0]) + " " + number(vertex[1]) + " " + number(vertex[2]) + "\n";
 }
 
-inline std::string as_stl_binary(const Mesh& mesh, std::string_view header = "binary") {
+inline std::string as_stl_binary(const mesh::Mesh& mesh, std::string_view header = "binary") {
   std::string bytes(header);
   bytes.resize(80, ' ');
   put(bytes, static_cast<std::uint32_t>(mesh.triangles.size()));
   for (const auto& corners : corners_of(mesh)) {
     for (int i = 0; i < 3; ++i) put(bytes, 0.0f);
-    for (const Vec3d& corner : corners) {
+    for (const mesh::Vec3d& corner : corners) {
       for (const double coordinate : corner) put(bytes, static_cast<float>(coordinate));
     }
     put(bytes, std::uint16_t{0});
@@ -103,20 +104,20 @@ inline std::string as_stl_binary(const Mesh& mesh, std::string_view header = "bi
   return bytes;
 }
 
-inline std::string as_stl_ascii(const Mesh& mesh) {
+inline std::string as_stl_ascii(const mesh::Mesh& mesh) {
   std::string text = "solid a name with blanks\n";
   for (const auto& corners : corners_of(mesh)) {
     text += "  facet normal nan 0 0\n    outer loop\n";
-    for (const Vec3d& corner : corners) text += line("      vertex ", corner);
+    for (const mesh::Vec3d& corner : corners) text += line("      vertex ", corner);
     text += "    endloop\n  endfacet\n";
   }
   return text + "endsolid a name with blanks\n";
 }
 
-inline std::string as_obj(const Mesh& mesh) {
+inline std::string as_obj(const mesh::Mesh& mesh) {
   std::string text = "# a soup\no soup\n";
-  for (const Vec3d& vertex : mesh.vertices) text += line("v ", vertex);
-  for (const Triangle& t : mesh.triangles) {
+  for (const mesh::Vec3d& vertex : mesh.vertices) text += line("v ", vertex);
+  for (const mesh::Triangle& t : mesh.triangles) {
     text += "f";
     for (const std::uint32_t corner : t) text += " " + std::to_string(corner + 1);
     text += "\n";
@@ -124,17 +125,17 @@ inline std::string as_obj(const Mesh& mesh) {
   return text;
 }
 
-inline std::string as_off(const Mesh& mesh) {
+inline std::string as_off(const mesh::Mesh& mesh) {
   std::string text = "OFF\n" + std::to_string(mesh.vertices.size()) + " " +
                      std::to_string(mesh.triangles.size()) + " 0\n";
-  for (const Vec3d& vertex : mesh.vertices) text += line("", vertex);
+  for (const mesh::Vec3d& vertex : mesh.vertices) text += line("", vertex);
   for (const auto& [a, b, c] : mesh.triangles) {
     text += "3 " + std::to_string(a) + " " + std::to_string(b) + " " + std::to_string(c) + "\n";
   }
   return text;
 }
 
-inline std::string ply_header(const Mesh& mesh, const char* encoding, const char* type) {
+inline std::string ply_header(const mesh::Mesh& mesh, const char* encoding, const char* type) {
   const std::string property = std::string("property ") + type + " ";
   return std::string("ply\nformat ") + encoding + " 1.0\ncomment soup\nelement vertex " +
          std::to_string(mesh.vertices.size()) + "\n" + property + "x\n" + property + "y\n" +
@@ -142,9 +143,9 @@ inline std::string ply_header(const Mesh& mesh, const char* encoding, const char
          "\nproperty list uchar int vertex_indices\nend_header\n";
 }
 
-inline std::string as_ply_ascii(const Mesh& mesh) {
+inline std::string as_ply_ascii(const mesh::Mesh& mesh) {
   std::string text = ply_header(mesh, "ascii", "double");
-  for (const Vec3d& v : mesh.vertices) {
+  for (const mesh::Vec3d& v : mesh.vertices) {
     text += number(v[0]) + " " + number(v[1]) + " " + number(v[2]) + " 255\n";
   }
   for (const auto& [a, b, c] : mesh.triangles) {
@@ -153,14 +154,14 @@ inline std::string as_ply_ascii(const Mesh& mesh) {
   return text;
 }
 
-inline std::string as_ply_binary(const Mesh& mesh, std::endian order) {
+inline std::string as_ply_binary(const mesh::Mesh& mesh, std::endian order) {
   const bool big = order == std::endian::big;
   std::string bytes = ply_header(mesh, big ? "binary_big_endian" : "binary_little_endian", "float");
-  for (const Vec3d& vertex : mesh.vertices) {
+  for (const mesh::Vec3d& vertex : mesh.vertices) {
     for (const double coordinate : vertex) put(bytes, static_cast<float>(coordinate), big);
     put(bytes, std::uint8_t{255});
   }
-  for (const Triangle& triangle : mesh.triangles) {
+  for (const mesh::Triangle& triangle : mesh.triangles) {
     put(bytes, std::uint8_t{3});
     for (const std::uint32_t corner : triangle) put(bytes, static_cast<std::int32_t>(corner), big);
   }
@@ -182,19 +183,19 @@ inline std::string as_glb(std::string json, std::string binary) {
 }
 
 // Positions as floats, then indices of 32 bits.
-inline std::string gltf_binary(const Mesh& mesh) {
+inline std::string gltf_binary(const mesh::Mesh& mesh) {
   std::string binary;
-  for (const Vec3d& vertex : mesh.vertices) {
+  for (const mesh::Vec3d& vertex : mesh.vertices) {
     for (const double coordinate : vertex) put(binary, static_cast<float>(coordinate));
   }
-  for (const Triangle& triangle : mesh.triangles) {
+  for (const mesh::Triangle& triangle : mesh.triangles) {
     for (const std::uint32_t corner : triangle) put(binary, corner);
   }
   return binary;
 }
 
 // The JSON that describes gltf_binary(mesh), with `nodes` (and scene 0 of node 0) as given.
-inline std::string gltf_json(const Mesh& mesh, const std::string& nodes = R"([{"mesh":0}])",
+inline std::string gltf_json(const mesh::Mesh& mesh, const std::string& nodes = R"([{"mesh":0}])",
                              const std::string& more = "") {
   const std::string vertices = std::to_string(mesh.vertices.size());
   const std::string position_bytes = std::to_string(12 * mesh.vertices.size());
@@ -210,7 +211,9 @@ inline std::string gltf_json(const Mesh& mesh, const std::string& nodes = R"([{"
          std::to_string(12 * (mesh.vertices.size() + mesh.triangles.size())) + "}]" + more + "}";
 }
 
-inline std::string as_glb(const Mesh& mesh) { return as_glb(gltf_json(mesh), gltf_binary(mesh)); }
+inline std::string as_glb(const mesh::Mesh& mesh) {
+  return as_glb(gltf_json(mesh), gltf_binary(mesh));
+}
 
 inline std::string write_file(const std::filesystem::path& path, std::string_view bytes) {
   std::ofstream(path, std::ios::binary)
@@ -219,9 +222,9 @@ inline std::string write_file(const std::filesystem::path& path, std::string_vie
 }
 
 // Reads `bytes` as a file of the name "mesh" and `extension`, with "#" and `node` where given.
-inline Result<Assembly> read_bytes(std::string_view bytes, const std::string& extension,
-                                   const std::string& node = "") {
-  return read_source({"mesh" + extension, node, bytes});
+inline Result<mesh::Assembly> read_bytes(std::string_view bytes, const std::string& extension,
+                                         const std::string& node = "") {
+  return mesh::read_source({"mesh" + extension, node, bytes});
 }
 
 }  // namespace forcelayer::test

@@ -10,13 +10,13 @@ namespace forcelayer::reference {
 
 // Meshes in voxels of 1 m.
 struct MeshScene {
-  std::vector<Mesh> meshes;
-  std::vector<Vec3d> seeds_m;
+  std::vector<mesh::Mesh> meshes;
+  std::vector<mesh::Vec3d> seeds_m;
 
-  std::vector<SceneObject> objects() const { return objects_of(meshes); }
+  std::vector<voxelize::SceneObject> objects() const { return objects_of(meshes); }
   std::vector<LatticeMesh> lattice() const {
     std::vector<LatticeMesh> list;
-    for (const Mesh& mesh : meshes) list.push_back(snapped(mesh, Affine{}, 1));
+    for (const mesh::Mesh& mesh : meshes) list.push_back(snapped(mesh, mesh::Affine{}, 1));
     return list;
   }
 };
@@ -25,14 +25,14 @@ struct MeshScene {
 // more often than not.
 inline MeshScene random_scene(Random& random, double extent, std::int64_t most) {
   MeshScene scene;
-  Vec3d place;
+  mesh::Vec3d place;
   for (double& x : place) {
     x = static_cast<double>(whole(random, -3, 3) * 512 + whole(random, -8, 8));
   }
   for (std::int64_t n = whole(random, 1, most); n > 0; --n) {
-    Vec3d centre = place;
-    for (double& x : centre) x += real(random, -extent / 3, extent / 3);
-    scene.meshes.push_back(random_object(random, centre, real(random, 1, extent)));
+    mesh::Vec3d center = place;
+    for (double& x : center) x += real(random, -extent / 3, extent / 3);
+    scene.meshes.push_back(random_object(random, center, real(random, 1, extent)));
   }
   return scene;
 }

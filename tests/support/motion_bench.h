@@ -59,7 +59,7 @@ class MotionBench {
     const Pose& last = input.world_from_handle;
     input.handle_velocity = {
         (pose.position_m - last.position_m) / dt_s,
-        rotation_vector(pose.orientation * glm::conjugate(last.orientation)) / dt_s};
+        coupling::rotation_vector(pose.orientation * glm::conjugate(last.orientation)) / dt_s};
     input.world_from_handle = pose;
     return simulation->step(state, input, dt_s);
   }
@@ -71,7 +71,7 @@ class MotionBench {
   const Pose& part() const { return state.world_from_center; }
   const Parameters& parameters() const { return simulation->parameters(); }
 
-  std::unique_ptr<Simulation> simulation;
+  std::unique_ptr<model::Simulation> simulation;
   State state;
   StepInput input;
   double dt_s = 0.001;

@@ -34,8 +34,8 @@ inline std::string path_of(const OddMesh& mesh, const ScratchFolder& folder) {
 namespace odd {
 
 // A grid of rows x columns quads bent to a torus: closed, facing outwards.
-inline Mesh torus(std::uint32_t rows, std::uint32_t columns) {
-  Mesh mesh;
+inline mesh::Mesh torus(std::uint32_t rows, std::uint32_t columns) {
+  mesh::Mesh mesh;
   for (std::uint32_t i = 0; i < rows * columns; ++i) {
     const double turn = 2 * std::numbers::pi * (i / columns) / rows;
     const double tube = 2 * std::numbers::pi * (i % columns) / columns;
@@ -55,10 +55,10 @@ inline Mesh torus(std::uint32_t rows, std::uint32_t columns) {
 }
 
 // A hundred triangles that share nothing.
-inline Mesh soup() {
+inline mesh::Mesh soup() {
   std::mt19937_64 random(100);
   std::uniform_real_distribution<double> place(0, 1);
-  Mesh mesh;
+  mesh::Mesh mesh;
   for (std::uint32_t n = 0; n < 100; ++n) {
     for (int corner = 0; corner < 3; ++corner) {
       mesh.vertices.push_back({place(random), place(random), place(random)});
@@ -69,8 +69,8 @@ inline Mesh soup() {
 }
 
 // A closed surface with triangles missing, doubled, turned round and without area, in any order.
-inline Mesh broken() {
-  Mesh mesh = torus(40, 50);
+inline mesh::Mesh broken() {
+  mesh::Mesh mesh = torus(40, 50);
   std::mt19937_64 random(1);
   std::shuffle(mesh.triangles.begin(), mesh.triangles.end(), random);
   mesh.triangles.resize(3800);
@@ -86,13 +86,13 @@ inline Mesh broken() {
 // PLY's strips: two triangles a quad, the rows parted by -1. A strip's every other triangle stands
 // the other way round.
 inline std::string tristrips(std::uint32_t rows, std::uint32_t columns) {
-  const Mesh mesh = torus(rows, columns);
+  const mesh::Mesh mesh = torus(rows, columns);
   std::string bytes =
       "ply\nformat binary_little_endian 1.0\nelement vertex " +
       std::to_string(mesh.vertices.size()) +
       "\nproperty float x\nproperty float y\nproperty float z\nelement tristrips 1\n"
       "property list int int vertex_indices\nend_header\n";
-  for (const Vec3d& vertex : mesh.vertices) {
+  for (const mesh::Vec3d& vertex : mesh.vertices) {
     for (const double coordinate : vertex) put(bytes, static_cast<float>(coordinate));
   }
   put(bytes, static_cast<std::int32_t>(rows * (2 * columns + 3)));
@@ -142,7 +142,7 @@ inline std::string wall_with_hole() {
 
 // Three cubes, each below the one before and stretched by it.
 inline std::string nested_glb() {
-  const Mesh mesh = cube();
+  const mesh::Mesh mesh = cube();
   return as_glb(
       gltf_json(mesh,
                 R"([{"name":"block01","mesh":0,"children":[1],"scale":[0.25,0.5,0.25],)"
@@ -171,15 +171,15 @@ inline std::string ply_of_points(std::size_t points) {
   return text;
 }
 
-inline std::string obj_vertices(const Mesh& mesh, const char* behind = "") {
+inline std::string obj_vertices(const mesh::Mesh& mesh, const char* behind = "") {
   std::string text = "# a modeler's export\no Cube\n";
-  for (const Vec3d& v : mesh.vertices) {
+  for (const mesh::Vec3d& v : mesh.vertices) {
     text += "v " + number(v[0]) + " " + number(v[1]) + " " + number(v[2]) + behind + "\n";
   }
   return text;
 }
 
-inline std::string obj_faces(const Mesh& mesh, const char* line_end) {
+inline std::string obj_faces(const mesh::Mesh& mesh, const char* line_end) {
   std::string text;
   for (const auto& [a, b, c] : mesh.triangles) {
     text += "f " + std::to_string(a + 1) + " " + std::to_string(b + 1) + " " +
@@ -189,8 +189,8 @@ inline std::string obj_faces(const Mesh& mesh, const char* line_end) {
 }
 
 // Every triangle with three vertices of its own.
-inline Mesh unwelded(const Mesh& mesh) {
-  Mesh apart;
+inline mesh::Mesh unwelded(const mesh::Mesh& mesh) {
+  mesh::Mesh apart;
   for (const auto& corners : corners_of(mesh)) {
     const auto first = static_cast<std::uint32_t>(apart.vertices.size());
     apart.vertices.insert(apart.vertices.end(), corners.begin(), corners.end());

@@ -49,7 +49,7 @@ std::string as_om(OmMesh& mesh, OpenMesh::IO::Options options = {}) {
 }
 
 // Version 1.2, where faces are lists of vertices: any soup at all.
-inline std::string as_om_1_2(const Mesh& mesh) {
+inline std::string as_om_1_2(const mesh::Mesh& mesh) {
   std::string bytes = "OMT";
   bytes += static_cast<char>(1 << 5 | 2);
   put(bytes, static_cast<std::uint32_t>(mesh.vertices.size()));
@@ -58,11 +58,11 @@ inline std::string as_om_1_2(const Mesh& mesh) {
   constexpr std::uint16_t kFloat = 1 << 10, kThree = 2 << 11, k32Bits = 2 << 14, kFace = 2 << 2,
                           kTopology = 7 << 5;
   put(bytes, static_cast<std::uint16_t>(kFloat | kThree));  // positions of vertices
-  for (const Vec3d& vertex : mesh.vertices) {
+  for (const mesh::Vec3d& vertex : mesh.vertices) {
     for (const double coordinate : vertex) put(bytes, static_cast<float>(coordinate));
   }
   put(bytes, static_cast<std::uint16_t>(kFace | kTopology | k32Bits));
-  for (const Triangle& triangle : mesh.triangles) {
+  for (const mesh::Triangle& triangle : mesh.triangles) {
     for (const std::uint32_t corner : triangle) put(bytes, corner);
   }
   return bytes;

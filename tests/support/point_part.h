@@ -35,7 +35,7 @@ struct PointPart {
   }
 };
 
-// A sphere of `count` points along a Fibonacci spiral, so that blocks are neighbours.
+// A sphere of `count` points along a Fibonacci spiral, so that blocks are neighbors.
 inline PointPart sphere_part(double radius_m, std::size_t count, double voxel_size_m) {
   PointPart part;
   part.voxel_size_m = voxel_size_m;

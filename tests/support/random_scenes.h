@@ -51,7 +51,7 @@ inline PointPart random_part(Random& random, double voxel_size_m) {
   return part;
 }
 
-// A pose with the centre in or near the scene's box.
+// A pose with the center in or near the scene's box.
 inline Pose random_pose(Random& random, const VoxelScene& scene) {
   Pose pose;
   for (int axis = 0; axis < 3; ++axis) {

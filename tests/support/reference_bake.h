@@ -18,50 +18,53 @@ __extension__ typedef __int128 Int128;
 // A byte per voxel of a box, world voxel indices, both ends inclusive.
 class DenseGrid {
  public:
-  DenseGrid(const VoxelIndex& low, const VoxelIndex& high) : low_(low), high_(high) {
+  DenseGrid(const lattice::VoxelIndex& low, const lattice::VoxelIndex& high)
+      : low_(low), high_(high) {
     for (std::size_t d = 0; d < 3; ++d) dims_[d] = high[d] - low[d] + 1;
     values_.assign(static_cast<std::size_t>(dims_[0] * dims_[1] * dims_[2]), 0);
   }
 
-  bool contains(const VoxelIndex& v) const {
+  bool contains(const lattice::VoxelIndex& v) const {
     for (std::size_t d = 0; d < 3; ++d) {
       if (v[d] < low_[d] || v[d] > high_[d]) return false;
     }
     return true;
   }
-  std::uint8_t& at(const VoxelIndex& v) { return values_[index(v)]; }
-  std::uint8_t at(const VoxelIndex& v) const { return values_[index(v)]; }
-  const VoxelIndex& low() const { return low_; }
-  const VoxelIndex& high() const { return high_; }
+  std::uint8_t& at(const lattice::VoxelIndex& v) { return values_[index(v)]; }
+  std::uint8_t at(const lattice::VoxelIndex& v) const { return values_[index(v)]; }
+  const lattice::VoxelIndex& low() const { return low_; }
+  const lattice::VoxelIndex& high() const { return high_; }
 
   template <class F>
   void for_each(F&& f) const {
     for (std::int64_t x = low_[0]; x <= high_[0]; ++x) {
       for (std::int64_t y = low_[1]; y <= high_[1]; ++y) {
-        for (std::int64_t z = low_[2]; z <= high_[2]; ++z) f(VoxelIndex{x, y, z});
+        for (std::int64_t z = low_[2]; z <= high_[2]; ++z) f(lattice::VoxelIndex{x, y, z});
       }
     }
   }
 
  private:
-  std::size_t index(const VoxelIndex& v) const {
+  std::size_t index(const lattice::VoxelIndex& v) const {
     return static_cast<std::size_t>(((v[0] - low_[0]) * dims_[1] + (v[1] - low_[1])) * dims_[2] +
                                     (v[2] - low_[2]));
   }
 
-  VoxelIndex low_, high_;
+  lattice::VoxelIndex low_, high_;
   std::array<std::int64_t, 3> dims_;
   std::vector<std::uint8_t> values_;
 };
 
-using LatticeMesh = std::vector<LatticeTriangle>;
+using LatticeMesh = std::vector<lattice::LatticeTriangle>;
 
-inline LatticeMesh snapped(const Mesh& mesh, const Affine& world_from_mesh, double voxel_size_m) {
+inline LatticeMesh snapped(const mesh::Mesh& mesh, const mesh::Affine& world_from_mesh,
+                           double voxel_size_m) {
   LatticeMesh triangles;
-  for (const Triangle& corners : mesh.triangles) {
-    LatticeTriangle& triangle = triangles.emplace_back();
+  for (const mesh::Triangle& corners : mesh.triangles) {
+    lattice::LatticeTriangle& triangle = triangles.emplace_back();
     for (std::size_t k = 0; k < 3; ++k) {
-      triangle[k] = snap(apply(world_from_mesh, mesh.vertices[corners[k]]), voxel_size_m);
+      triangle[k] =
+          lattice::snap(mesh::apply(world_from_mesh, mesh.vertices[corners[k]]), voxel_size_m);
     }
   }
   return triangles;
@@ -69,13 +72,13 @@ inline LatticeMesh snapped(const Mesh& mesh, const Affine& world_from_mesh, doub
 
 // The grid that holds all meshes and `margin` voxels around them.
 inline DenseGrid grid_around(const std::vector<LatticeMesh>& meshes, std::int64_t margin) {
-  VoxelIndex low{INT64_MAX, INT64_MAX, INT64_MAX}, high{INT64_MIN, INT64_MIN, INT64_MIN};
+  lattice::VoxelIndex low{INT64_MAX, INT64_MAX, INT64_MAX}, high{INT64_MIN, INT64_MIN, INT64_MIN};
   for (const LatticeMesh& mesh : meshes) {
-    for (const LatticeTriangle& triangle : mesh) {
-      for (const LatticePoint& point : triangle) {
+    for (const lattice::LatticeTriangle& triangle : mesh) {
+      for (const lattice::LatticePoint& point : triangle) {
         for (std::size_t d = 0; d < 3; ++d) {
-          low[d] = std::min(low[d], (point[d] >> kSnapBits) - margin);
-          high[d] = std::max(high[d], (point[d] >> kSnapBits) + margin);
+          low[d] = std::min(low[d], (point[d] >> lattice::kSnapBits) - margin);
+          high[d] = std::max(high[d], (point[d] >> lattice::kSnapBits) + margin);
         }
       }
     }
@@ -85,13 +88,13 @@ inline DenseGrid grid_around(const std::vector<LatticeMesh>& meshes, std::int64_
 
 // G: marks with 1 the voxels of the mesh, each of a triangle's box tested by itself.
 inline void mark_geometry(const LatticeMesh& mesh, DenseGrid& grid) {
-  for (const LatticeTriangle& triangle : mesh) {
-    VoxelIndex low, high;
+  for (const lattice::LatticeTriangle& triangle : mesh) {
+    lattice::VoxelIndex low, high;
     for (std::size_t d = 0; d < 3; ++d) {
-      low[d] = std::min({triangle[0][d], triangle[1][d], triangle[2][d]}) >> kSnapBits;
-      high[d] = std::max({triangle[0][d], triangle[1][d], triangle[2][d]}) >> kSnapBits;
+      low[d] = std::min({triangle[0][d], triangle[1][d], triangle[2][d]}) >> lattice::kSnapBits;
+      high[d] = std::max({triangle[0][d], triangle[1][d], triangle[2][d]}) >> lattice::kSnapBits;
     }
-    DenseGrid(low, high).for_each([&](const VoxelIndex& v) {
+    DenseGrid(low, high).for_each([&](const lattice::VoxelIndex& v) {
       if (grid.at(v) == 0 && overlaps_cell<Int128>(triangle, v)) grid.at(v) = 1;
     });
   }
@@ -99,17 +102,17 @@ inline void mark_geometry(const LatticeMesh& mesh, DenseGrid& grid) {
 
 // F: marks with 2 what a 6-connected walk reaches from the grid's border and from the seeds. The
 // grid must leave a margin around the mesh.
-inline void mark_free(const std::vector<VoxelIndex>& seeds, DenseGrid& grid) {
-  std::vector<VoxelIndex> stack = {grid.low()};
+inline void mark_free(const std::vector<lattice::VoxelIndex>& seeds, DenseGrid& grid) {
+  std::vector<lattice::VoxelIndex> stack = {grid.low()};
   stack.insert(stack.end(), seeds.begin(), seeds.end());
   while (!stack.empty()) {
-    const VoxelIndex v = stack.back();
+    const lattice::VoxelIndex v = stack.back();
     stack.pop_back();
     if (!grid.contains(v) || grid.at(v) != 0) continue;
     grid.at(v) = 2;
     for (std::size_t d = 0; d < 3; ++d) {
       for (const std::int64_t step : {-1, 1}) {
-        VoxelIndex next = v;
+        lattice::VoxelIndex next = v;
         next[d] += step;
         stack.push_back(next);
       }
@@ -123,14 +126,15 @@ struct ReferenceScene {
 };
 
 inline ReferenceScene united_scene(const std::vector<LatticeMesh>& meshes,
-                                   const std::vector<VoxelIndex>& seeds, std::int64_t margin) {
+                                   const std::vector<lattice::VoxelIndex>& seeds,
+                                   std::int64_t margin) {
   ReferenceScene scene{grid_around(meshes, margin), grid_around(meshes, margin)};
   for (const LatticeMesh& mesh : meshes) {
     if (mesh.empty()) continue;
     DenseGrid object = grid_around({mesh}, 1);  // all beyond is free
     mark_geometry(mesh, object);
     mark_free(seeds, object);
-    object.for_each([&](const VoxelIndex& v) {
+    object.for_each([&](const lattice::VoxelIndex& v) {
       if (object.at(v) == 1) scene.geometry.at(v) = 1;
       if (object.at(v) == 0) scene.interior.at(v) = 1;
     });
@@ -142,7 +146,7 @@ inline ReferenceScene united_scene(const std::vector<LatticeMesh>& meshes,
 inline DenseGrid offset_scene(const ReferenceScene& scene, int layers) {
   const int reach = layers + 1;
   DenseGrid distance(scene.geometry.low(), scene.geometry.high());  // 1 + c(v); 0 = above reach
-  scene.geometry.for_each([&](const VoxelIndex& g) {
+  scene.geometry.for_each([&](const lattice::VoxelIndex& g) {
     if (scene.geometry.at(g) == 0) return;
     for (int x = -reach; x <= reach; ++x) {
       for (int y = -reach; y <= reach; ++y) {
@@ -155,7 +159,7 @@ inline DenseGrid offset_scene(const ReferenceScene& scene, int layers) {
     }
   });
   DenseGrid values(scene.geometry.low(), scene.geometry.high());
-  values.for_each([&](const VoxelIndex& v) {
+  values.for_each([&](const lattice::VoxelIndex& v) {
     const int c = distance.at(v) == 0 ? reach + 1 : distance.at(v) - 1;
     VoxelValue value = VoxelValue::kFree;
     if (c == layers + 1) value = VoxelValue::kProximity;

@@ -10,8 +10,8 @@ namespace forcelayer::reference {
 
 using Point = std::array<double, 3>;  // voxels
 
-inline Point in_voxels(const LatticePoint& p) {
-  constexpr double kUnit = static_cast<double>(kSnapUnits);
+inline Point in_voxels(const lattice::LatticePoint& p) {
+  constexpr double kUnit = static_cast<double>(lattice::kSnapUnits);
   return {static_cast<double>(p[0]) / kUnit, static_cast<double>(p[1]) / kUnit,
           static_cast<double>(p[2]) / kUnit};
 }
@@ -21,7 +21,7 @@ inline Point between(const Point& a, const Point& b, double t) {
 }
 
 // Of a point from a triangle (Ericson, Real-Time Collision Detection, 5.1.5), voxels.
-inline double point_distance(const LatticeTriangle& triangle, const Point& p) {
+inline double point_distance(const lattice::LatticeTriangle& triangle, const Point& p) {
   const Point a = in_voxels(triangle[0]), b = in_voxels(triangle[1]), c = in_voxels(triangle[2]);
   const auto minus = [](const Point& x, const Point& y) {
     return Point{x[0] - y[0], x[1] - y[1], x[2] - y[2]};
@@ -50,49 +50,50 @@ inline double point_distance(const LatticeTriangle& triangle, const Point& p) {
   return least;
 }
 
-inline Point center_of(const VoxelIndex& v) {
+inline Point center_of(const lattice::VoxelIndex& v) {
   return {static_cast<double>(v[0]) + 0.5, static_cast<double>(v[1]) + 0.5,
           static_cast<double>(v[2]) + 0.5};
 }
 
-// The centres of the interior's voxels are nearer than this to the surface, voxels: k - 1, half a
+// The centers of the interior's voxels are nearer than this to the surface, voxels: k - 1, half a
 // diagonal, and up to the second multiple of 2^-10 above.
 inline double interior_radius(int layers) { return layers - 1 + 888.0 / 1024.0; }
 
-// Whether the centre is less than `radius` from the triangle. Distances of lattice points that
+// Whether the center is less than `radius` from the triangle. Distances of lattice points that
 // differ from the radius by less than 1e-9 are equal to it.
-inline bool is_near(const LatticeTriangle& triangle, const VoxelIndex& voxel, double radius) {
+inline bool is_near(const lattice::LatticeTriangle& triangle, const lattice::VoxelIndex& voxel,
+                    double radius) {
   return point_distance(triangle, center_of(voxel)) < radius - 1e-9;
 }
 
 // The value of every voxel with Euclidean layers (voxmap_format.md, section 5): interior where I,
-// or where the centre is less than interior_radius() from the surface; surface, then proximity next
+// or where the center is less than interior_radius() from the surface; surface, then proximity next
 // to that, corners included. The margin must be above layers + 2.
 inline DenseGrid euclidean_scene(const std::vector<LatticeMesh>& meshes,
                                  const ReferenceScene& scene, int layers) {
   DenseGrid values(scene.geometry.low(), scene.geometry.high());
-  values.for_each([&](const VoxelIndex& v) {
+  values.for_each([&](const lattice::VoxelIndex& v) {
     if (scene.interior.at(v) == 1) values.at(v) = 1;
   });
   for (const LatticeMesh& mesh : meshes) {
-    for (const LatticeTriangle& triangle : mesh) {
-      VoxelIndex low, high;
+    for (const lattice::LatticeTriangle& triangle : mesh) {
+      lattice::VoxelIndex low, high;
       for (std::size_t d = 0; d < 3; ++d) {
         const auto [least, most] = std::minmax({triangle[0][d], triangle[1][d], triangle[2][d]});
-        low[d] = (least >> kSnapBits) - layers;
-        high[d] = (most >> kSnapBits) + layers;
+        low[d] = (least >> lattice::kSnapBits) - layers;
+        high[d] = (most >> lattice::kSnapBits) + layers;
       }
-      DenseGrid(low, high).for_each([&](const VoxelIndex& v) {
+      DenseGrid(low, high).for_each([&](const lattice::VoxelIndex& v) {
         if (values.at(v) == 0 && is_near(triangle, v, interior_radius(layers))) values.at(v) = 1;
       });
     }
   }
   for (const auto value : {VoxelValue::kSurface, VoxelValue::kProximity}) {
     const DenseGrid inner = values;
-    inner.for_each([&](const VoxelIndex& g) {
+    inner.for_each([&](const lattice::VoxelIndex& g) {
       if (inner.at(g) == 0) return;
       for (int n = 0; n < 27; ++n) {
-        const VoxelIndex v{g[0] + n / 9 - 1, g[1] + n / 3 % 3 - 1, g[2] + n % 3 - 1};
+        const lattice::VoxelIndex v{g[0] + n / 9 - 1, g[1] + n / 3 % 3 - 1, g[2] + n % 3 - 1};
         if (values.at(v) == 0) values.at(v) = static_cast<std::uint8_t>(value);
       }
     });

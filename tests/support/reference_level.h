@@ -114,7 +114,7 @@ struct ExactLevels {
 };
 
 // phi is the levels' sum with the trapezoid (1-f, 1, f) / 2 per axis; its slope along an axis has
-// the differences of neighbours, (f-1, 1-2f, f), on that axis in their place.
+// the differences of neighbors, (f-1, 1-2f, f), on that axis in their place.
 inline ExactLevels exact_levels(const VoxelScene& scene, const Voxel& voxel,
                                 const std::array<float, 3>& fraction) {
   std::array<std::array<double, 3>, 3> value{}, difference{};
@@ -139,7 +139,7 @@ inline ExactLevels exact_levels(const VoxelScene& scene, const Voxel& voxel,
 }
 
 // Appends a point to `points` as the contact query would leave it, whatever its voxel's value.
-inline void collect(CollectedPoints& points, const Voxmap& voxmap, const Voxel& voxel,
+inline void collect(query::CollectedPoints& points, const Voxmap& voxmap, const Voxel& voxel,
                     VoxelValue value, const std::array<float, 3>& fraction,
                     const std::array<float, 3>& normal) {
   const std::uint32_t at = points.count++;

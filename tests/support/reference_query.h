@@ -17,14 +17,14 @@ struct TwinPoint {
   VoxelValue value;
   Voxel voxel;                    // world index
   std::array<float, 3> fraction;  // of float_twin
-  std::array<float, 3> offset_m;  // of float_twin: from the centre, world axes
+  std::array<float, 3> offset_m;  // of float_twin: from the center, world axes
   std::array<float, 3> normal;    // of float_twin: world axes
   glm::dvec3 exact_fraction;      // of double_twin
   glm::dvec3 exact_offset_m;      // of double_twin
   glm::dvec3 exact_normal;        // of double_twin
 };
 
-// Every point in values 1, 2 and 3, in single precision about the centre (DESIGN 2).
+// Every point in values 1, 2 and 3, in single precision about the center.
 inline std::vector<TwinPoint> float_twin(const VoxelScene& scene, const PointPart& part,
                                          const Pose& world_from_center) {
   const glm::dmat3 r = glm::mat3_cast(world_from_center.orientation);

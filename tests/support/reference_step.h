@@ -6,7 +6,7 @@
 #include <glm/gtc/quaternion.hpp>
 
 #include "forcelayer/parameters.h"
-#include "runtime/model/state.h"
+#include "runtime/coupling/state.h"
 #include "tests/support/reference_query.h"
 
 namespace forcelayer::test {
@@ -42,7 +42,7 @@ inline Wrench reference_field(const Parameters& p, ReferenceFrame& frame) {
   return sum;
 }
 
-// Paper 5.3 with the degenerate cases at zero (DESIGN 6).
+// Paper 5.3 with the degenerate cases at zero.
 inline glm::dvec3 reference_braking(const Parameters& p, const ReferenceFrame& frame,
                                     const State& state, double dt_s) {
   glm::dvec3 sum(0);

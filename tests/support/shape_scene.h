@@ -38,7 +38,7 @@ inline std::vector<std::uint8_t> grown(const std::vector<std::uint8_t>& marked, 
 }
 
 // The scene of a solid, k offset layers. A voxel is part of the solid where the distance at its
-// centre is at most half the voxel's extent along the distance's gradient: exact for planes, and
+// center is at most half the voxel's extent along the distance's gradient: exact for planes, and
 // at least the voxels that the solid touches elsewhere to first order.
 inline VoxelScene shape_scene(double voxel_size_m, const Voxel& min, const Voxel& dims,
                               const SignedDistance& distance_m, std::uint32_t k = 2) {

@@ -20,16 +20,19 @@ inline double real(Random& random, double low, double high) {
   return std::uniform_real_distribution<double>(low, high)(random);
 }
 
-inline void add_triangle(Mesh& mesh, const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+inline void add_triangle(mesh::Mesh& mesh, const mesh::Vec3d& a, const mesh::Vec3d& b,
+                         const mesh::Vec3d& c) {
   const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
   mesh.vertices.insert(mesh.vertices.end(), {a, b, c});
   mesh.triangles.push_back({first, first + 1, first + 2});
 }
 
 // A box with corners `low` and `high`; bit f of `missing` leaves face f out.
-inline void add_box(Mesh& mesh, const Vec3d& low, const Vec3d& high, unsigned missing = 0) {
+inline void add_box(mesh::Mesh& mesh, const mesh::Vec3d& low, const mesh::Vec3d& high,
+                    unsigned missing = 0) {
   const auto corner = [&](unsigned n) {
-    return Vec3d{n & 1 ? high[0] : low[0], n & 2 ? high[1] : low[1], n & 4 ? high[2] : low[2]};
+    return mesh::Vec3d{n & 1 ? high[0] : low[0], n & 2 ? high[1] : low[1],
+                       n & 4 ? high[2] : low[2]};
   };
   constexpr unsigned kFaces[6][4] = {{0, 2, 6, 4}, {1, 5, 7, 3}, {0, 4, 5, 1},
                                      {2, 3, 7, 6}, {0, 1, 3, 2}, {4, 6, 7, 5}};
@@ -42,13 +45,13 @@ inline void add_box(Mesh& mesh, const Vec3d& low, const Vec3d& high, unsigned mi
 }
 
 // A closed sphere of rings x 2 rings faces.
-inline void add_sphere(Mesh& mesh, const Vec3d& centre, double radius, int rings) {
+inline void add_sphere(mesh::Mesh& mesh, const mesh::Vec3d& center, double radius, int rings) {
   const auto point = [&](int i, int j) {
     const double polar = 3.14159265358979 * i / rings,
                  turn = 3.14159265358979 * (j % (2 * rings)) / rings;
     const double ring = i == 0 || i == rings ? 0 : radius * std::sin(polar);
-    return Vec3d{centre[0] + ring * std::cos(turn), centre[1] + ring * std::sin(turn),
-                 centre[2] + radius * std::cos(polar)};
+    return mesh::Vec3d{center[0] + ring * std::cos(turn), center[1] + ring * std::sin(turn),
+                       center[2] + radius * std::cos(polar)};
   };
   for (int i = 0; i < rings; ++i) {
     for (int j = 0; j < 2 * rings; ++j) {
@@ -78,35 +81,35 @@ inline std::array<std::array<std::int64_t, 3>, 3> random_needle(
   return corners;
 }
 
-// One in units of 2^-10 voxel, through the centre of a voxel near `place`.
-inline void add_needle(Mesh& mesh, Random& random, const Vec3d& place, double longest) {
-  std::array<std::int64_t, 3> centre;
+// One in units of 2^-10 voxel, through the center of a voxel near `place`.
+inline void add_needle(mesh::Mesh& mesh, Random& random, const mesh::Vec3d& place, double longest) {
+  std::array<std::int64_t, 3> center;
   for (std::size_t d = 0; d < 3; ++d) {
-    centre[d] = static_cast<std::int64_t>(std::floor(place[d])) * 1024 + 512;
+    center[d] = static_cast<std::int64_t>(std::floor(place[d])) * 1024 + 512;
   }
-  std::array<Vec3d, 3> corners;
-  const auto units = random_needle(random, centre, static_cast<std::int64_t>(1024 * longest));
+  std::array<mesh::Vec3d, 3> corners;
+  const auto units = random_needle(random, center, static_cast<std::int64_t>(1024 * longest));
   for (std::size_t k = 0; k < 3; ++k) {
     for (std::size_t d = 0; d < 3; ++d) corners[k][d] = static_cast<double>(units[k][d]) / 1024;
   }
   add_triangle(mesh, corners[0], corners[1], corners[2]);
 }
 
-// One object of up to `extent` voxels around `centre`, coordinates in voxels.
-inline Mesh random_object(Random& random, const Vec3d& centre, double extent) {
-  Mesh mesh;
+// One object of up to `extent` voxels around `center`, coordinates in voxels.
+inline mesh::Mesh random_object(Random& random, const mesh::Vec3d& center, double extent) {
+  mesh::Mesh mesh;
   const double grid =
       std::array<double, 4>{0, 0, 0.5, 1}[static_cast<std::size_t>(whole(random, 0, 3))];
   const auto point = [&] {
-    Vec3d p;
+    mesh::Vec3d p;
     for (std::size_t d = 0; d < 3; ++d) {
-      p[d] = centre[d] + real(random, -extent / 2, extent / 2);
+      p[d] = center[d] + real(random, -extent / 2, extent / 2);
       if (grid > 0) p[d] = std::round(p[d] / grid) * grid;
     }
     return p;
   };
   const auto ordered_box = [&](unsigned missing) {
-    Vec3d a = point(), b = point();
+    mesh::Vec3d a = point(), b = point();
     for (std::size_t d = 0; d < 3; ++d) {
       if (a[d] > b[d]) std::swap(a[d], b[d]);
     }
@@ -119,7 +122,7 @@ inline Mesh random_object(Random& random, const Vec3d& centre, double extent) {
       break;
     case 1:  // segments and points
       for (std::int64_t n = whole(random, 1, 6); n > 0; --n) {
-        const Vec3d a = point();
+        const mesh::Vec3d a = point();
         add_triangle(mesh, a, whole(random, 0, 1) == 0 ? a : point(), a);
       }
       break;
@@ -130,12 +133,12 @@ inline Mesh random_object(Random& random, const Vec3d& centre, double extent) {
       ordered_box(1u << whole(random, 0, 5) | 1u << whole(random, 0, 5));
       break;
     case 4:  // a box in a box
-      add_box(mesh, {centre[0] - extent / 2, centre[1] - extent / 2, centre[2] - extent / 2},
-              {centre[0] + extent / 2, centre[1] + extent / 2, centre[2] + extent / 2});
+      add_box(mesh, {center[0] - extent / 2, center[1] - extent / 2, center[2] - extent / 2},
+              {center[0] + extent / 2, center[1] + extent / 2, center[2] + extent / 2});
       ordered_box(0);
       break;
     case 5:
-      add_sphere(mesh, centre, real(random, 0.3, extent / 2),
+      add_sphere(mesh, center, real(random, 0.3, extent / 2),
                  static_cast<int>(whole(random, 3, 8)));
       break;
     case 6:
@@ -143,7 +146,7 @@ inline Mesh random_object(Random& random, const Vec3d& centre, double extent) {
         add_needle(mesh, random, point(), extent);
       break;
     default:  // closed walls with a soup inside
-      add_sphere(mesh, centre, extent / 2, 6);
+      add_sphere(mesh, center, extent / 2, 6);
       for (std::int64_t n = whole(random, 1, 6); n > 0; --n)
         add_triangle(mesh, point(), point(), point());
   }

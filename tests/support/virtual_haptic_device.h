@@ -132,7 +132,7 @@ class VirtualHapticDevice {
   }
 
   std::uint32_t now_us() const {
-    return static_cast<std::uint32_t>((monotonic_ns() - begin_ns_) / 1000);
+    return static_cast<std::uint32_t>((machine::monotonic_ns() - begin_ns_) / 1000);
   }
 
  private:
@@ -149,7 +149,7 @@ class VirtualHapticDevice {
   bool sent_ = false;
   std::array<std::uint8_t, HAPTIC_REPORT_BYTES> last_{};
   std::vector<Taken> log_;
-  long long begin_ns_ = monotonic_ns();
+  long long begin_ns_ = machine::monotonic_ns();
 };
 
 inline bool is_zero(const HapticWrench& w) {

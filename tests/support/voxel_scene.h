@@ -77,8 +77,8 @@ struct VoxelScene {
   }
 };
 
-// The layers of DESIGN 3.5 around the voxels where `solid` holds: Chebyshev distance below k
-// interior, k surface, k + 1 proximity.
+// The layers (formats/voxmap_format.md, section 5) around the voxels where `solid` holds: Chebyshev
+// distance below k interior, k surface, k + 1 proximity.
 inline VoxelScene offset_scene(double voxel_size_m, Voxel min, Voxel dims, std::int64_t k,
                                const std::function<bool(Voxel)>& solid) {
   std::vector<Voxel> marked;

@@ -42,7 +42,7 @@ TEST(ErrorCodes, ExitStatusIsTheHundreds) {
 // Runs a body and gives its status and what it wrote to stderr.
 std::pair<int, std::string> outcome_of(const std::function<Status()>& body) {
   ::testing::internal::CaptureStderr();
-  const int status = run_command("tool", body);
+  const int status = command::run_command("tool", body);
   return {status, ::testing::internal::GetCapturedStderr()};
 }
 
@@ -77,7 +77,8 @@ ParseOutcome parse(std::vector<std::string> words) {
   ParseOutcome outcome{};
   ::testing::internal::CaptureStdout();
   ::testing::internal::CaptureStderr();
-  outcome.parsed = parse_arguments(app, static_cast<int>(argv.size()), argv.data(), outcome.status);
+  outcome.parsed =
+      command::parse_arguments(app, static_cast<int>(argv.size()), argv.data(), outcome.status);
   outcome.out = ::testing::internal::GetCapturedStdout();
   outcome.err = ::testing::internal::GetCapturedStderr();
   return outcome;
@@ -92,7 +93,7 @@ TEST(ParseArguments, HelpVersionAndWrongUsage) {
   EXPECT_EQ(help.err, "");
   const ParseOutcome version = parse({"--version"});
   EXPECT_EQ(version.status, 0);
-  EXPECT_EQ(version.out, std::string("tool ") + kVersion + "\n");
+  EXPECT_EQ(version.out, std::string("tool ") + command::kVersion + "\n");
   const std::vector<std::vector<std::string>> wrong = {{},
                                                        {"--number"},
                                                        {"--number", "x"},
@@ -114,11 +115,11 @@ TEST(Report, IsIndentedJsonAndNeverFailsOnBadText) {
   nlohmann::ordered_json report;
   report["b"] = 1;
   report["a"] = "not UTF-8: \xff";
-  ASSERT_TRUE(write_report(path, report));
+  ASSERT_TRUE(command::write_report(path, report));
   std::stringstream text;
   text << std::ifstream(path).rdbuf();
   EXPECT_EQ(text.str(), "{\n  \"b\": 1,\n  \"a\": \"not UTF-8: \xef\xbf\xbd\"\n}\n");
-  const Status failed = write_report(folder / "missing/report.json", report);
+  const Status failed = command::write_report(folder / "missing/report.json", report);
   ASSERT_FALSE(failed);
   EXPECT_EQ(failed.error().code, ErrorCode::kWriteFailed);
 }
@@ -130,7 +131,7 @@ void expect_clean_end(int number) {
   std::ofstream(folder / "scene.vox") << "old";
   const pid_t child = ::fork();
   if (child == 0) {
-    exit_cleanly_on_signals();
+    command::exit_cleanly_on_signals();
     auto first = AtomicFile::create(folder / "scene.vox");
     auto second = AtomicFile::create(folder / "part.pshell");
     if (!first || !second || test::entries_of(folder.path()) != 3) ::_exit(1);
@@ -155,7 +156,7 @@ TEST(Signals, AnIgnoredSignalStaysIgnored) {
   const pid_t child = ::fork();
   if (child == 0) {
     ::signal(SIGINT, SIG_IGN);
-    exit_cleanly_on_signals();
+    command::exit_cleanly_on_signals();
     ::raise(SIGINT);
     ::_exit(7);
   }
@@ -167,7 +168,7 @@ TEST(Signals, AnIgnoredSignalStaysIgnored) {
 TEST(ProgressLine, IsSilentWithoutATerminal) {
   ::testing::internal::CaptureStderr();
   {
-    ProgressLine progress(false);
+    command::ProgressLine progress(false);
     progress.show("baking", 0.5);
     progress.clear();
   }

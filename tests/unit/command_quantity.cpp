@@ -28,7 +28,7 @@ TEST(Quantity, Lengths) {
                {".5mm", 0.0005},  {"5.mm", 0.005},         {"1E+2mm", 0.1},   {"0mm", 0},
                {"-0", 0}};
   for (const auto& [text, meters] : cases) {
-    const auto length = parse_length(text);
+    const auto length = command::parse_length(text);
     ASSERT_TRUE(length) << text;
     EXPECT_EQ(*length, meters) << text;
   }
@@ -38,10 +38,10 @@ TEST(Quantity, Lengths) {
 TEST(Quantity, MetricSpellingsAreTheSameDouble) {
   for (int tenths = 1; tenths < 2000; ++tenths) {
     const std::string number = std::to_string(tenths / 10) + "." + std::to_string(tenths % 10);
-    const double meters = *parse_length(number + "e-3m");
-    EXPECT_EQ(*parse_length(number + "mm"), meters) << number;
-    EXPECT_EQ(*parse_length(number + "e3um"), meters) << number;
-    EXPECT_EQ(*parse_length(number + "e-1cm"), meters) << number;
+    const double meters = *command::parse_length(number + "e-3m");
+    EXPECT_EQ(*command::parse_length(number + "mm"), meters) << number;
+    EXPECT_EQ(*command::parse_length(number + "e3um"), meters) << number;
+    EXPECT_EQ(*command::parse_length(number + "e-1cm"), meters) << number;
     EXPECT_EQ(meters, std::strtod((number + "e-3").c_str(), nullptr)) << number;
   }
 }
@@ -51,65 +51,65 @@ TEST(Quantity, WrongLengths) {
        {"",      " ",     "5",     "mm",      "5 m m",   "5MM",    "5furlong", "nan",
         "inf",   "infmm", "nanmm", "1e999mm", "1e308km", "0x10mm", "5,5mm",    "--5mm",
         "+-5mm", "5mm3",  "5mm,",  "1e-400m", "five mm", "\x01mm"}) {
-    expect_usage_error(parse_length(text), text);
+    expect_usage_error(command::parse_length(text), text);
   }
 }
 
 TEST(Quantity, Units) {
-  EXPECT_EQ(*parse_unit("mm"), 0.001);
-  EXPECT_EQ(*parse_unit("m"), 1);
-  EXPECT_EQ(*parse_unit("in"), 0.0254);
+  EXPECT_EQ(*command::parse_unit("mm"), 0.001);
+  EXPECT_EQ(*command::parse_unit("m"), 1);
+  EXPECT_EQ(*command::parse_unit("in"), 0.0254);
   for (const char* text : {"", "MM", "meter", "mm ", "s"})
-    expect_usage_error(parse_unit(text), text);
+    expect_usage_error(command::parse_unit(text), text);
 }
 
 TEST(Quantity, Points) {
-  EXPECT_EQ(*parse_point("1,2,-3"), (std::array<double, 3>{1, 2, -3}));
-  EXPECT_EQ(*parse_point(" 1mm , 2 , 3cm "), (std::array<double, 3>{0.001, 2, 0.03}));
+  EXPECT_EQ(*command::parse_point("1,2,-3"), (std::array<double, 3>{1, 2, -3}));
+  EXPECT_EQ(*command::parse_point(" 1mm , 2 , 3cm "), (std::array<double, 3>{0.001, 2, 0.03}));
   for (const char* text :
        {"", "1,2", "1,2,3,4", "1,2,", ",,", "1,2,x", "1;2;3", "1 2 3", "1,2,inf", "1,2,3kg"}) {
-    expect_usage_error(parse_point(text), text);
+    expect_usage_error(command::parse_point(text), text);
   }
 }
 
 TEST(Quantity, Boxes) {
-  EXPECT_EQ(*parse_box("0,0,0,1mm,2,3"), (std::array<double, 6>{0, 0, 0, 0.001, 2, 3}));
+  EXPECT_EQ(*command::parse_box("0,0,0,1mm,2,3"), (std::array<double, 6>{0, 0, 0, 0.001, 2, 3}));
   for (const char* text : {"0,0,0,1,1", "0,0,0,1,1,0", "1,0,0,0,1,1", "0,0,0,0,0,0"}) {
-    expect_usage_error(parse_box(text), text);
+    expect_usage_error(command::parse_box(text), text);
   }
 }
 
 TEST(Quantity, Poses) {
-  const auto position_only = parse_pose("1,2mm,3");
+  const auto position_only = command::parse_pose("1,2mm,3");
   ASSERT_TRUE(position_only);
   EXPECT_EQ(position_only->position_m, (std::array<double, 3>{1, 0.002, 3}));
   EXPECT_EQ(position_only->orientation_wxyz, (std::array<double, 4>{1, 0, 0, 0}));
-  const auto pose = parse_pose("0,0,0,0,0,3,4");
+  const auto pose = command::parse_pose("0,0,0,0,0,3,4");
   ASSERT_TRUE(pose);
   EXPECT_EQ(pose->orientation_wxyz, (std::array<double, 4>{0, 0, 0.6, 0.8}));
   for (const char* text : {"", "0,0,0,1", "0,0,0,0,0,0,0", "0,0,0,1mm,0,0,0", "0,0,0,1,0,0,nan",
                            "0,0,0,1e200,0,0,0", "0,0,0,1,0,0,0,0"}) {
-    expect_usage_error(parse_pose(text), text);
+    expect_usage_error(command::parse_pose(text), text);
   }
 }
 
 TEST(Quantity, Durations) {
-  EXPECT_EQ(*parse_duration("10s"), 10);
-  EXPECT_EQ(*parse_duration("500ms"), 0.5);
-  EXPECT_EQ(*parse_duration("2min"), 120);
-  EXPECT_EQ(*parse_duration("0.5h"), 1800);
-  EXPECT_EQ(*parse_duration("0s"), 0);
+  EXPECT_EQ(*command::parse_duration("10s"), 10);
+  EXPECT_EQ(*command::parse_duration("500ms"), 0.5);
+  EXPECT_EQ(*command::parse_duration("2min"), 120);
+  EXPECT_EQ(*command::parse_duration("0.5h"), 1800);
+  EXPECT_EQ(*command::parse_duration("0s"), 0);
   for (const char* text : {"", "10", "0", "10m", "-1s", "infs", "1e308h"}) {
-    expect_usage_error(parse_duration(text), text);
+    expect_usage_error(command::parse_duration(text), text);
   }
 }
 
 TEST(Quantity, Forces) {
-  EXPECT_EQ(*parse_force_n("4N"), 4);
-  EXPECT_EQ(*parse_force_n("500mN"), 0.5);
-  EXPECT_EQ(*parse_force_n(" 0.1 kN"), 100);
+  EXPECT_EQ(*command::parse_force_n("4N"), 4);
+  EXPECT_EQ(*command::parse_force_n("500mN"), 0.5);
+  EXPECT_EQ(*command::parse_force_n(" 0.1 kN"), 100);
   for (const char* text : {"", "4", "0", "4lbf", "nanN", "1e308kN"}) {
-    expect_usage_error(parse_force_n(text), text);
+    expect_usage_error(command::parse_force_n(text), text);
   }
 }
 
@@ -124,9 +124,9 @@ TEST(Quantity, DoesNotDependOnTheLocale) {
   for (const char* name : {"de_DE.UTF-8", "de_DE", "fr_FR.UTF-8"}) {
     if (std::setlocale(LC_ALL, name)) break;  // where one is installed
   }
-  EXPECT_EQ(*parse_length("1.5mm"), 0.0015);
-  EXPECT_EQ(*parse_point("1.5,2.5,3.5"), (std::array<double, 3>{1.5, 2.5, 3.5}));
-  expect_usage_error(parse_length("1,5mm"), "1,5mm");
+  EXPECT_EQ(*command::parse_length("1.5mm"), 0.0015);
+  EXPECT_EQ(*command::parse_point("1.5,2.5,3.5"), (std::array<double, 3>{1.5, 2.5, 3.5}));
+  expect_usage_error(command::parse_length("1,5mm"), "1,5mm");
   std::setlocale(LC_ALL, c_before.c_str());
   std::locale::global(before);
 }

@@ -16,7 +16,7 @@ using namespace test;
 TEST(DracoReader, GivesUnquantizedSoupsBackUnchanged) {
   for (std::uint64_t seed = 0; seed < 50; ++seed) {
     std::mt19937_64 random(seed);
-    const Mesh mesh = random_soup(random);
+    const mesh::Mesh mesh = random_soup(random);
     // Draco's decoder refuses its encoder's streams with more vertices than faces have corners.
     if (mesh.vertices.size() > 3 * mesh.triangles.size()) continue;
     const auto assembly = read_bytes(as_drc(mesh), ".drc");
@@ -29,7 +29,7 @@ TEST(DracoReader, GivesUnquantizedSoupsBackUnchanged) {
 TEST(DracoReader, ReadsTheEdgebreakerEncoding) {
   const auto assembly = read_bytes(as_drc(cube(), {.edgebreaker = true}), ".drc");
   ASSERT_TRUE(assembly) << to_line(assembly.error());
-  const MeshFacts facts = mesh_facts(assembly->meshes[0]);
+  const mesh::MeshFacts facts = mesh::mesh_facts(assembly->meshes[0]);
   EXPECT_EQ(facts.triangles, 12u);
   EXPECT_TRUE(facts.closed);
   EXPECT_DOUBLE_EQ(facts.signed_volume, 1);
@@ -39,7 +39,7 @@ TEST(DracoReader, ReadsTheEdgebreakerEncoding) {
 TEST(DracoReader, DeclaresWhatQuantizationCost) {
   for (const int bits : {6, 11, 14}) {
     std::mt19937_64 random(static_cast<std::uint64_t>(bits));
-    Mesh mesh;
+    mesh::Mesh mesh;
     for (int i = 0; i < 300; ++i) {
       std::uniform_real_distribution<float> coordinate(-7, 13);
       mesh.vertices.push_back({coordinate(random), coordinate(random), coordinate(random)});
@@ -76,7 +76,7 @@ TEST(DracoReader, DeclaresWhatQuantizationCost) {
 }
 
 // A glTF primitive whose geometry is a Draco stream; `corners` is what its accessor announces.
-std::string as_draco_glb(const Mesh& mesh, const DracoChoice& choice, std::size_t corners) {
+std::string as_draco_glb(const mesh::Mesh& mesh, const DracoChoice& choice, std::size_t corners) {
   const std::string stream = as_drc(mesh, choice);
   return as_glb(
       R"({"asset":{"version":"2.0"},"extensionsRequired":["KHR_draco_mesh_compression"],
@@ -92,7 +92,7 @@ std::string as_draco_glb(const Mesh& mesh, const DracoChoice& choice, std::size_
 }
 
 TEST(DracoReader, ReadsCompressedPrimitivesOfGltf) {
-  const Mesh mesh = cube();
+  const mesh::Mesh mesh = cube();
   const auto assembly = read_bytes(as_draco_glb(mesh, {}, 36), ".glb");
   ASSERT_TRUE(assembly) << to_line(assembly.error());
   EXPECT_EQ(corners_of(*assembly), corners_of(mesh));

@@ -10,37 +10,37 @@ namespace {
 
 using namespace test;
 
-Assembly read_nodes(const std::string& nodes, const std::string& node = "",
-                    const std::string& more = "") {
-  const Mesh mesh = cube();
+mesh::Assembly read_nodes(const std::string& nodes, const std::string& node = "",
+                          const std::string& more = "") {
+  const mesh::Mesh mesh = cube();
   const auto assembly =
       read_bytes(as_glb(gltf_json(mesh, nodes, more), gltf_binary(mesh)), ".glb", node);
   EXPECT_TRUE(assembly) << to_line(assembly.error());
-  return assembly ? *assembly : Assembly{};
+  return assembly ? *assembly : mesh::Assembly{};
 }
 
-std::vector<std::string> names_of(const Assembly& assembly) {
+std::vector<std::string> names_of(const mesh::Assembly& assembly) {
   std::vector<std::string> names;
-  for (const MeshInstance& instance : assembly.instances) names.push_back(instance.name);
+  for (const mesh::MeshInstance& instance : assembly.instances) names.push_back(instance.name);
   return names;
 }
 
-Vec3d origin_of(const Assembly& assembly, std::size_t instance) {
+mesh::Vec3d origin_of(const mesh::Assembly& assembly, std::size_t instance) {
   return assembly.instances[instance].assembly_from_mesh.translation;
 }
 
-void expect_near(const Vec3d& a, const Vec3d& b) {
+void expect_near(const mesh::Vec3d& a, const mesh::Vec3d& b) {
   for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(a[i], b[i], 1e-12);  // a few roundings
 }
 
 TEST(GltfReader, SharesOneMeshBetweenNodes) {
-  const Assembly assembly = read_nodes(
+  const mesh::Assembly assembly = read_nodes(
       R"([{"name":"frame","children":[1,2],"translation":[1,0,0]},{"name":"left","mesh":0},
           {"name":"right","mesh":0,"translation":[0,5,0]}])");
   ASSERT_EQ(assembly.meshes.size(), 1u);
   EXPECT_EQ(names_of(assembly), (std::vector<std::string>{"frame/left", "frame/right"}));
-  EXPECT_EQ(origin_of(assembly, 0), (Vec3d{1, 0, 0}));
-  EXPECT_EQ(origin_of(assembly, 1), (Vec3d{1, 5, 0}));
+  EXPECT_EQ(origin_of(assembly, 0), (mesh::Vec3d{1, 0, 0}));
+  EXPECT_EQ(origin_of(assembly, 1), (mesh::Vec3d{1, 5, 0}));
   EXPECT_EQ(assembly.triangle_count(), 24u);
   EXPECT_EQ(assembly.meters_per_unit, 1.0);
   EXPECT_TRUE(assembly.warnings.empty());
@@ -48,18 +48,18 @@ TEST(GltfReader, SharesOneMeshBetweenNodes) {
 
 // A quarter turn about z (written with the rounding that files have), then a stretch.
 TEST(GltfReader, ComposesTranslationRotationScaleAsTheMatrixDoes) {
-  const Assembly parts = read_nodes(R"([{"mesh":0,"translation":[1,2,3],
+  const mesh::Assembly parts = read_nodes(R"([{"mesh":0,"translation":[1,2,3],
       "rotation":[0,0,0.70710677,0.70710677],"scale":[2,3,-4]}])");
-  const Assembly matrix =
+  const mesh::Assembly matrix =
       read_nodes(R"([{"mesh":0,"matrix":[0,2,0,0, -3,0,0,0, 0,0,-4,0, 1,2,3,1]}])");
   const Corners a = corners_of(parts), b = corners_of(matrix);
   ASSERT_EQ(a.size(), b.size());
   for (std::size_t i = 0; i < a.size(); ++i) {
     for (std::size_t corner = 0; corner < 3; ++corner) expect_near(a[i][corner], b[i][corner]);
   }
-  const Affine& placing = matrix.instances[0].assembly_from_mesh;
-  const Vec3d corner{1, 1, 1};
-  EXPECT_EQ(apply(placing, corner), (Vec3d{-2, 4, -1}));
+  const mesh::Affine& placing = matrix.instances[0].assembly_from_mesh;
+  const mesh::Vec3d corner{1, 1, 1};
+  EXPECT_EQ(mesh::apply(placing, corner), (mesh::Vec3d{-2, 4, -1}));
 }
 
 TEST(GltfReader, TellsSiblingsOfOneNameApart) {
@@ -75,7 +75,7 @@ TEST(GltfReader, SelectsASubTreeWhereItStands) {
       {"name":"spar","mesh":0},{"name":"tail","children":[5]},{"name":"rib","mesh":0}])";
   EXPECT_EQ(names_of(read_nodes(nodes, "wing")),
             (std::vector<std::string>{"plane/wing/rib", "plane/wing/spar"}));
-  EXPECT_EQ(origin_of(read_nodes(nodes, "wing"), 0), (Vec3d{1, 1, 0}));
+  EXPECT_EQ(origin_of(read_nodes(nodes, "wing"), 0), (mesh::Vec3d{1, 1, 0}));
   EXPECT_EQ(names_of(read_nodes(nodes, "spar")), (std::vector<std::string>{"plane/wing/spar"}));
   EXPECT_EQ(names_of(read_nodes(nodes, "plane/tail/rib")),
             (std::vector<std::string>{"plane/tail/rib"}));
@@ -83,7 +83,7 @@ TEST(GltfReader, SelectsASubTreeWhereItStands) {
 }
 
 TEST(GltfReader, ReadsTheDefaultSceneAndSaysWhatItLeavesOut) {
-  const Mesh mesh = cube();
+  const mesh::Mesh mesh = cube();
   std::string json = gltf_json(mesh, R"([{"mesh":0},{"mesh":1}])");
   json.replace(json.find("\"meshes\":["), 10,
                R"("meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]},)");
@@ -95,7 +95,7 @@ TEST(GltfReader, ReadsTheDefaultSceneAndSaysWhatItLeavesOut) {
 }
 
 TEST(GltfReader, TakesAllRootsWhereThereIsNoScene) {
-  const Mesh mesh = cube();
+  const mesh::Mesh mesh = cube();
   std::string json = gltf_json(mesh, R"([{"children":[1]},{"mesh":0},{"mesh":0}])");
   const std::string scene = R"("scene":0,"scenes":[{"nodes":[0]}],)";
   json.erase(json.find(scene), scene.size());
@@ -117,13 +117,13 @@ std::string base64(const std::string& bytes) {
   return text;
 }
 
-std::string json_with_uri(const Mesh& mesh, const std::string& uri) {
+std::string json_with_uri(const mesh::Mesh& mesh, const std::string& uri) {
   std::string json = gltf_json(mesh);
   return json.insert(json.rfind("{\"byteLength\"") + 1, "\"uri\":\"" + uri + "\",");
 }
 
 TEST(GltfReader, TakesBuffersFromDataUrisAndFilesBesideIt) {
-  const Mesh mesh = cube();
+  const mesh::Mesh mesh = cube();
   const auto inside = read_bytes(
       json_with_uri(mesh, "data:application/octet-stream;base64," + base64(gltf_binary(mesh))),
       ".gltf");
@@ -132,7 +132,7 @@ TEST(GltfReader, TakesBuffersFromDataUrisAndFilesBesideIt) {
   const ScratchFolder folder;
   write_file(folder / "my data.bin", gltf_binary(mesh));
   const auto beside =
-      read_assembly(write_file(folder / "mesh.gltf", json_with_uri(mesh, "my%20data.bin")));
+      mesh::read_assembly(write_file(folder / "mesh.gltf", json_with_uri(mesh, "my%20data.bin")));
   ASSERT_TRUE(beside) << to_line(beside.error());
   EXPECT_EQ(corners_of(*beside), corners_of(mesh));
 }
@@ -141,7 +141,7 @@ TEST(GltfReader, TakesBuffersFromDataUrisAndFilesBesideIt) {
 struct Handmade {
   std::string primitive, accessors, views, binary, more;
 
-  Result<Assembly> read() const {
+  Result<mesh::Assembly> read() const {
     return read_bytes(
         as_glb(R"({"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],)"
                R"("meshes":[{"primitives":[)" +
@@ -153,13 +153,13 @@ struct Handmade {
   }
 };
 
-const Vec3d kO{0, 0, 0}, kX{1, 0, 0}, kY{0, 1, 0}, kXY{1, 1, 0}, kZ{0, 0, 1};
+const mesh::Vec3d kO{0, 0, 0}, kX{1, 0, 0}, kY{0, 1, 0}, kXY{1, 1, 0}, kZ{0, 0, 1};
 
 // Five positions as floats, and the view and accessor 0 for them.
 Handmade five_points(const std::string& primitive) {
   Handmade made;
   made.primitive = primitive;
-  for (const Vec3d& point : {kO, kX, kY, kXY, kZ}) {
+  for (const mesh::Vec3d& point : {kO, kX, kY, kXY, kZ}) {
     for (const double coordinate : point) put(made.binary, static_cast<float>(coordinate));
   }
   made.views = R"({"buffer":0,"byteLength":60})";
@@ -202,7 +202,7 @@ TEST(GltfReader, TakesIndicesOfEverySize) {
 TEST(GltfReader, StepsOverInterleavedData) {
   Handmade made;
   made.primitive = R"({"attributes":{"POSITION":0}})";
-  for (const Vec3d& point : {kO, kX, kZ}) {
+  for (const mesh::Vec3d& point : {kO, kX, kZ}) {
     put(made.binary, 99.0f);
     for (const double coordinate : point) put(made.binary, static_cast<float>(coordinate));
   }
@@ -277,15 +277,15 @@ TEST(GltfReader, PlacesEveryGpuInstance) {
   const auto assembly = read_bytes(as_glb(json, made.binary), ".glb");
   ASSERT_TRUE(assembly) << to_line(assembly.error());
   EXPECT_EQ(names_of(*assembly), (std::vector<std::string>{"bolts/0", "bolts/1"}));
-  EXPECT_EQ(apply(assembly->instances[0].assembly_from_mesh, kX), (Vec3d{13, 0, 0}));
-  EXPECT_EQ(apply(assembly->instances[1].assembly_from_mesh, kX), (Vec3d{13, 2, 0}));
+  EXPECT_EQ(mesh::apply(assembly->instances[0].assembly_from_mesh, kX), (mesh::Vec3d{13, 0, 0}));
+  EXPECT_EQ(mesh::apply(assembly->instances[1].assembly_from_mesh, kX), (mesh::Vec3d{13, 2, 0}));
 }
 
 TEST(GltfReader, SaysThatSkinsAndMorphTargetsAreLeftOut) {
   Handmade made = five_points(R"({"attributes":{"POSITION":0},"mode":5,"targets":[{}]})");
   ASSERT_EQ(made.read()->warnings.size(), 1u);
   EXPECT_NE(made.read()->warnings[0].find("morph"), std::string::npos);
-  const Assembly skinned = read_nodes(R"([{"mesh":0,"skin":0}])");
+  const mesh::Assembly skinned = read_nodes(R"([{"mesh":0,"skin":0}])");
   ASSERT_EQ(skinned.warnings.size(), 1u);
   EXPECT_NE(skinned.warnings[0].find("skin"), std::string::npos);
 }

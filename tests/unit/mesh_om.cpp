@@ -9,9 +9,9 @@ namespace {
 
 using namespace test;
 
-void expect_cube(const Result<Assembly>& assembly) {
+void expect_cube(const Result<mesh::Assembly>& assembly) {
   ASSERT_TRUE(assembly) << to_line(assembly.error());
-  const MeshFacts facts = mesh_facts(assembly->meshes[0]);
+  const mesh::MeshFacts facts = mesh::mesh_facts(assembly->meshes[0]);
   EXPECT_EQ(facts.triangles, 12u);
   EXPECT_EQ(facts.vertices, 8u);
   EXPECT_TRUE(facts.closed);
@@ -67,7 +67,7 @@ TEST(OmReader, StepsOverEveryOtherChunk) {
 
 // Faces that a halfedge mesh could not hold.
 TEST(OmReader, KeepsEveryFaceOfOldFiles) {
-  Mesh mesh = cube();
+  mesh::Mesh mesh = cube();
   mesh.triangles.push_back(mesh.triangles[0]);
   mesh.triangles.push_back({0, 7, 0});
   mesh.triangles.push_back({0, 3, 4});

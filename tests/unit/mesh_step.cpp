@@ -29,13 +29,13 @@ class StepAssembly : public testing::Test {
 };
 
 TEST_F(StepAssembly, KeepsItsTreeAndInstances) {
-  const auto assembly = read_assembly(path_);
+  const auto assembly = mesh::read_assembly(path_);
   ASSERT_TRUE(assembly) << to_line(assembly.error());
   EXPECT_EQ(assembly->meshes.size(), 5u);  // nut, rod, bolt, bracket, plate
   EXPECT_EQ(assembly->instances.size(), 18u);
   EXPECT_EQ(assembly->instances[0].name, "clamp/rod-assembly_1/nut_1");
   EXPECT_EQ(assembly->meters_per_unit, 1e-3);
-  const auto rod = read_assembly(path_ + "#rod-assembly_1");
+  const auto rod = mesh::read_assembly(path_ + "#rod-assembly_1");
   ASSERT_TRUE(rod) << to_line(rod.error());
   EXPECT_EQ(rod->instances.size(), 3u);
   EXPECT_EQ(rod->instances[0].assembly_from_mesh.translation,
@@ -43,10 +43,10 @@ TEST_F(StepAssembly, KeepsItsTreeAndInstances) {
 }
 
 TEST_F(StepAssembly, GivesClosedSolidsThatFaceOutwards) {
-  const auto assembly = read_assembly(path_);
+  const auto assembly = mesh::read_assembly(path_);
   ASSERT_TRUE(assembly) << to_line(assembly.error());
-  for (const Mesh& mesh : assembly->meshes) {
-    const MeshFacts facts = mesh_facts(mesh);
+  for (const mesh::Mesh& mesh : assembly->meshes) {
+    const mesh::MeshFacts facts = mesh::mesh_facts(mesh);
     EXPECT_TRUE(facts.closed);
     EXPECT_TRUE(facts.consistently_oriented);
     EXPECT_GT(facts.signed_volume, 0);
@@ -55,10 +55,10 @@ TEST_F(StepAssembly, GivesClosedSolidsThatFaceOutwards) {
 
 // The same part as an STL, whose unit is the inch.
 TEST(StepReader, AgreesWithTheStlOfTheSamePart) {
-  const auto step = read_assembly(model_path("featuretype.step"));
-  const auto stl = read_assembly(model_path("featuretype.stl"));
+  const auto step = mesh::read_assembly(model_path("featuretype.step"));
+  const auto stl = mesh::read_assembly(model_path("featuretype.stl"));
   ASSERT_TRUE(step && stl);
-  const MeshFacts a = mesh_facts(step->meshes[0]), b = mesh_facts(stl->meshes[0]);
+  const mesh::MeshFacts a = mesh::mesh_facts(step->meshes[0]), b = mesh::mesh_facts(stl->meshes[0]);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     EXPECT_NEAR(a.max[axis] - a.min[axis], 25.4 * (b.max[axis] - b.min[axis]), 0.1);
   }
@@ -66,8 +66,8 @@ TEST(StepReader, AgreesWithTheStlOfTheSamePart) {
 }
 
 TEST(StepReader, DeclaresItsDeflection) {
-  const auto coarse = read_assembly(model_path("featuretype.step"), {.deflection_m = 1e-3});
-  const auto fine = read_assembly(model_path("featuretype.step"), {.deflection_m = 1e-5});
+  const auto coarse = mesh::read_assembly(model_path("featuretype.step"), {.deflection_m = 1e-3});
+  const auto fine = mesh::read_assembly(model_path("featuretype.step"), {.deflection_m = 1e-5});
   ASSERT_TRUE(coarse && fine);
   EXPECT_GT(fine->triangle_count(), coarse->triangle_count());
   EXPECT_GE(coarse->deviation_units, 1.0);
@@ -75,22 +75,27 @@ TEST(StepReader, DeclaresItsDeflection) {
   EXPECT_LT(fine->deviation_units, coarse->deviation_units);
 }
 
-double dot(const Vec3d& a, const Vec3d& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-Vec3d minus(const Vec3d& a, const Vec3d& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+double dot(const mesh::Vec3d& a, const mesh::Vec3d& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+mesh::Vec3d minus(const mesh::Vec3d& a, const mesh::Vec3d& b) {
+  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
 
-double distance_to_segment(const Vec3d& p, const Vec3d& a, const Vec3d& b) {
-  const Vec3d side = minus(b, a), to_p = minus(p, a);
+double distance_to_segment(const mesh::Vec3d& p, const mesh::Vec3d& a, const mesh::Vec3d& b) {
+  const mesh::Vec3d side = minus(b, a), to_p = minus(p, a);
   const double length2 = dot(side, side);
   const double t = length2 > 0 ? std::clamp(dot(to_p, side) / length2, 0.0, 1.0) : 0;
-  const Vec3d off = {to_p[0] - t * side[0], to_p[1] - t * side[1], to_p[2] - t * side[2]};
+  const mesh::Vec3d off = {to_p[0] - t * side[0], to_p[1] - t * side[1], to_p[2] - t * side[2]};
   return std::sqrt(dot(off, off));
 }
 
-double distance_to_triangle(const Vec3d& p, const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+double distance_to_triangle(const mesh::Vec3d& p, const mesh::Vec3d& a, const mesh::Vec3d& b,
+                            const mesh::Vec3d& c) {
   const double to_sides = std::min(
       {distance_to_segment(p, a, b), distance_to_segment(p, b, c), distance_to_segment(p, c, a)});
   // Over the inside of the triangle it is the distance from the plane.
-  const Vec3d u = minus(b, a), v = minus(c, a), w = minus(p, a);
+  const mesh::Vec3d u = minus(b, a), v = minus(c, a), w = minus(p, a);
   const double uu = dot(u, u), uv = dot(u, v), vv = dot(v, v), wu = dot(w, u), wv = dot(w, v);
   const double area2 = uu * vv - uv * uv;
   if (!(area2 > 0)) return to_sides;
@@ -103,15 +108,15 @@ double distance_to_triangle(const Vec3d& p, const Vec3d& a, const Vec3d& b, cons
 // point of it being farther from the coarse triangles than the coarse reading declares, but for
 // what the fine one deviates itself.
 TEST(StepReader, StaysWithinTheDeviationThatItDeclares) {
-  const auto coarse = read_assembly(model_path("featuretype.step"), {.deflection_m = 1e-3});
-  const auto fine = read_assembly(model_path("featuretype.step"), {.deflection_m = 1e-5});
+  const auto coarse = mesh::read_assembly(model_path("featuretype.step"), {.deflection_m = 1e-3});
+  const auto fine = mesh::read_assembly(model_path("featuretype.step"), {.deflection_m = 1e-5});
   ASSERT_TRUE(coarse && fine);
-  const Mesh& triangles = coarse->meshes[0];
+  const mesh::Mesh& triangles = coarse->meshes[0];
   double farthest = 0;
   for (std::size_t i = 0; i < fine->meshes[0].vertices.size(); i += 5) {
-    const Vec3d& p = fine->meshes[0].vertices[i];
+    const mesh::Vec3d& p = fine->meshes[0].vertices[i];
     double nearest = 1e300;
-    for (const Triangle& t : triangles.triangles) {
+    for (const mesh::Triangle& t : triangles.triangles) {
       nearest = std::min(nearest,
                          distance_to_triangle(p, triangles.vertices[t[0]], triangles.vertices[t[1]],
                                               triangles.vertices[t[2]]));
@@ -124,7 +129,7 @@ TEST(StepReader, StaysWithinTheDeviationThatItDeclares) {
 
 TEST(StepReaderOfDamage, SaysWhatItCannotParse) {
   const ScratchFolder folder;
-  const auto nothing = read_assembly(write_file(folder / "a.step", "no STEP file"));
+  const auto nothing = mesh::read_assembly(write_file(folder / "a.step", "no STEP file"));
   ASSERT_FALSE(nothing);
   EXPECT_EQ(exit_status(nothing.error().code), 3) << to_line(nothing.error());
 }

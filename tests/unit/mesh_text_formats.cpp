@@ -10,12 +10,12 @@ using namespace test;
 
 // The corners of the only mesh; empty, with a failure, where reading fails.
 Corners corners_in(const std::string& text, const std::string& extension) {
-  const Result<Assembly> assembly = read_bytes(text, extension);
+  const Result<mesh::Assembly> assembly = read_bytes(text, extension);
   EXPECT_TRUE(assembly) << to_line(assembly.error());
   return assembly ? corners_of(*assembly) : Corners{};
 }
 
-const Vec3d kO{0, 0, 0}, kX{1, 0, 0}, kY{0, 1, 0}, kXY{1, 1, 0};
+const mesh::Vec3d kO{0, 0, 0}, kX{1, 0, 0}, kY{0, 1, 0}, kXY{1, 1, 0};
 const std::string kObjVertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\n";
 
 TEST(ObjReader, TakesEveryFormOfACorner) {
@@ -130,7 +130,7 @@ TEST(PlyReader, TurnsEverySecondTriangleOfAStrip) {
 }
 
 TEST(PlyReader, TellsBinaryDataFromTheHeadersLineEnd) {
-  Mesh mesh = cube();
+  mesh::Mesh mesh = cube();
   for (const std::string line_end : {"\n", "\r\n", "\r"}) {
     const std::string bytes = as_ply_binary(mesh, std::endian::little);
     const std::size_t end = bytes.find("end_header\n") + 11;
@@ -147,7 +147,8 @@ TEST(PlyReader, TellsBinaryDataFromTheHeadersLineEnd) {
 
 TEST(ReadAssembly, NamesAnInstanceAfterItsFile) {
   const ScratchFolder folder;
-  const auto assembly = read_assembly(write_file(folder / "left.bracket.obj", as_obj(cube())));
+  const auto assembly =
+      mesh::read_assembly(write_file(folder / "left.bracket.obj", as_obj(cube())));
   ASSERT_TRUE(assembly);
   EXPECT_EQ(assembly->instances[0].name, "left.bracket");
   EXPECT_FALSE(assembly->meters_per_unit);
@@ -160,8 +161,8 @@ TEST(ReadAssembly, GoesByContentWhereTheFormatHasASignature) {
 }
 
 TEST(ReadAssembly, SaysWhatItCannotOpen) {
-  EXPECT_EQ(read_assembly("/nonexistent/a.stl").error().code, ErrorCode::kFileNotFound);
-  EXPECT_EQ(read_assembly("/").error().code, ErrorCode::kFileNotFound);
+  EXPECT_EQ(mesh::read_assembly("/nonexistent/a.stl").error().code, ErrorCode::kFileNotFound);
+  EXPECT_EQ(mesh::read_assembly("/").error().code, ErrorCode::kFileNotFound);
   EXPECT_EQ(read_bytes("x", ".txt").error().code, ErrorCode::kMeshUnsupported);
   EXPECT_EQ(read_bytes("x", "").error().code, ErrorCode::kMeshUnsupported);
   EXPECT_EQ(read_bytes(as_obj(cube()), ".obj", "part").error().code, ErrorCode::kSceneInvalid);
@@ -169,17 +170,17 @@ TEST(ReadAssembly, SaysWhatItCannotOpen) {
 
 TEST(ReadAssembly, TakesAHashInAFilesName) {
   const ScratchFolder folder;
-  EXPECT_TRUE(read_assembly(write_file(folder / "bracket#2.obj", as_obj(cube()))));
+  EXPECT_TRUE(mesh::read_assembly(write_file(folder / "bracket#2.obj", as_obj(cube()))));
 }
 
 TEST(Affines, Compose) {
-  const Affine turn{{0, -1, 0, 1, 0, 0, 0, 0, 1}, {10, 0, 0}};
-  const Affine stretch{{2, 0, 0, 0, 3, 0, 0, 0, 4}, {1, 2, 3}};
-  const Vec3d point{5, 7, 11};
-  const Affine both = compose(turn, stretch);
-  const Vec3d stretched = apply(stretch, point);
-  EXPECT_EQ(apply(both, point), apply(turn, stretched));
-  EXPECT_EQ(apply(stretch, point), (Vec3d{11, 23, 47}));
+  const mesh::Affine turn{{0, -1, 0, 1, 0, 0, 0, 0, 1}, {10, 0, 0}};
+  const mesh::Affine stretch{{2, 0, 0, 0, 3, 0, 0, 0, 4}, {1, 2, 3}};
+  const mesh::Vec3d point{5, 7, 11};
+  const mesh::Affine both = mesh::compose(turn, stretch);
+  const mesh::Vec3d stretched = mesh::apply(stretch, point);
+  EXPECT_EQ(mesh::apply(both, point), mesh::apply(turn, stretched));
+  EXPECT_EQ(mesh::apply(stretch, point), (mesh::Vec3d{11, 23, 47}));
 }
 
 }  // namespace

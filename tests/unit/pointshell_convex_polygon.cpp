@@ -9,35 +9,35 @@
 namespace forcelayer {
 namespace {
 
-ConvexPolygon regular_polygon(int corners) {
-  std::vector<Vec3> places;
+certificate::ConvexPolygon regular_polygon(int corners) {
+  std::vector<part::Vec3> places;
   for (int n = 0; n < corners; ++n) {
     const double angle = 2 * M_PI * (n + 0.5) / corners;
     places.push_back({std::cos(angle), std::sin(angle), 0});
   }
-  return ConvexPolygon(places);
+  return certificate::ConvexPolygon(places);
 }
 
 TEST(ConvexPolygon, IsSplitIntoTwo) {
   for (const int corners : {3, 4, 31}) {
-    ConvexPolygon kept = regular_polygon(corners), rest;
+    certificate::ConvexPolygon kept = regular_polygon(corners), rest;
     EXPECT_TRUE(kept.split({1, 0, 0}, 0.1, rest)) << corners;
-    for (const Vec3& corner : kept.corners()) EXPECT_LE(corner.x, 0.1 + 1e-15);
-    for (const Vec3& corner : rest.corners()) EXPECT_GE(corner.x, 0.1 - 1e-15);
+    for (const part::Vec3& corner : kept.corners()) EXPECT_LE(corner.x, 0.1 + 1e-15);
+    for (const part::Vec3& corner : rest.corners()) EXPECT_GE(corner.x, 0.1 - 1e-15);
     EXPECT_FALSE(kept.empty());
     EXPECT_FALSE(rest.empty());
   }
 }
 
 TEST(ConvexPolygon, WhollyOnOneSideIsSplitFromNothing) {
-  ConvexPolygon kept = regular_polygon(5), rest;
+  certificate::ConvexPolygon kept = regular_polygon(5), rest;
   EXPECT_TRUE(kept.split({1, 0, 0}, 2, rest));
   EXPECT_EQ(kept.corners().size(), 5u);
   EXPECT_TRUE(rest.empty());
 }
 
 TEST(ConvexPolygon, SaysThatItHasTooManyCornersToBeCut) {
-  ConvexPolygon kept = regular_polygon(32), rest;
+  certificate::ConvexPolygon kept = regular_polygon(32), rest;
   EXPECT_FALSE(kept.split({1, 0, 0}, 0, rest));
   EXPECT_EQ(kept.corners().size(), 32u);
   EXPECT_EQ(rest.corners().size(), 32u);

@@ -14,16 +14,16 @@ using std::numbers::pi;
 
 struct ClosedForm {
   double area, volume;
-  Vec3 centroid;
+  part::Vec3 centroid;
   std::array<double, 6> inertia;  // xx yy zz xy xz yz
 };
 
 // Tessellation with n segments errs by a few (1/n)^2; the lengths here are about 1.
-void expect_near(const MassProperties& actual, const ClosedForm& expected, double tolerance) {
+void expect_near(const part::MassProperties& actual, const ClosedForm& expected, double tolerance) {
   EXPECT_EQ(actual.source, MassSource::kVolume);
   EXPECT_NEAR(actual.area_m2, expected.area, tolerance * expected.area);
   EXPECT_NEAR(actual.volume_m3, expected.volume, tolerance * expected.volume);
-  EXPECT_NEAR(length(actual.centroid - expected.centroid), 0, tolerance);
+  EXPECT_NEAR(part::length(actual.centroid - expected.centroid), 0, tolerance);
   for (int n = 0; n < 6; ++n) EXPECT_NEAR(actual.inertia_m2[n], expected.inertia[n], tolerance);
 }
 
@@ -33,14 +33,14 @@ TEST(MassProperties, OfABoxAreExact) {
                        x * y * z,
                        {},
                        {(y * y + z * z) / 12, (x * x + z * z) / 12, (x * x + y * y) / 12, 0, 0, 0}};
-  expect_near(mass_properties(part_of(box_mesh(x, y, z))), box, 1e-14);
+  expect_near(part::mass_properties(part_of(box_mesh(x, y, z))), box, 1e-14);
 }
 
 TEST(MassProperties, OfASphere) {
   const double r = 0.8, moment = 0.4 * r * r;
   const ClosedForm sphere{
       4 * pi * r * r, 4.0 / 3 * pi * r * r * r, {}, {moment, moment, moment, 0, 0, 0}};
-  expect_near(mass_properties(part_of(sphere_mesh(r, 200))), sphere, 1e-3);
+  expect_near(part::mass_properties(part_of(sphere_mesh(r, 200))), sphere, 1e-3);
 }
 
 TEST(MassProperties, OfATorus) {
@@ -51,7 +51,7 @@ TEST(MassProperties, OfATorus) {
                          2 * pi * pi * ring * tube * tube,
                          {},
                          {across, across, along, 0, 0, 0}};
-  expect_near(mass_properties(part_of(torus_mesh(ring, tube, 150))), torus, 1e-3);
+  expect_near(part::mass_properties(part_of(torus_mesh(ring, tube, 150))), torus, 1e-3);
 }
 
 TEST(MassProperties, OfACylinder) {
@@ -59,7 +59,7 @@ TEST(MassProperties, OfACylinder) {
   const double across = (3 * r * r + h * h) / 12;
   const ClosedForm cylinder{
       2 * pi * r * (r + h), pi * r * r * h, {}, {across, across, r * r / 2, 0, 0, 0}};
-  expect_near(mass_properties(part_of(cylinder_mesh(r, h, 300))), cylinder, 1e-3);
+  expect_near(part::mass_properties(part_of(cylinder_mesh(r, h, 300))), cylinder, 1e-3);
 }
 
 TEST(MassProperties, OfACone) {
@@ -69,21 +69,21 @@ TEST(MassProperties, OfACone) {
                         pi * r * r * h / 3,
                         {0, 0, -h / 4},
                         {across, across, 0.3 * r * r, 0, 0, 0}};
-  expect_near(mass_properties(part_of(cone_mesh(r, 0, h, 300))), cone, 1e-3);
+  expect_near(part::mass_properties(part_of(cone_mesh(r, 0, h, 300))), cone, 1e-3);
 }
 
 // A box far from the origin and turned: off-diagonal elements are those of the tensor, and nothing
 // is lost to cancellation.
 TEST(MassProperties, OfATurnedBoxFarAway) {
-  Mesh mesh = box_mesh(0.2, 0.4, 0.6);
+  mesh::Mesh mesh = box_mesh(0.2, 0.4, 0.6);
   const double c = std::sqrt(0.5);
-  for (Vec3d& v : mesh.vertices) {
+  for (mesh::Vec3d& v : mesh.vertices) {
     v = {c * v[0] - c * v[1] + 1000, c * v[0] + c * v[1] - 2000, v[2] + 3000};
   }
-  const MassProperties actual = mass_properties(part_of(mesh));
+  const part::MassProperties actual = part::mass_properties(part_of(mesh));
   const double about_x = (0.16 + 0.36) / 12, about_y = (0.04 + 0.36) / 12;
   EXPECT_EQ(actual.source, MassSource::kVolume);
-  EXPECT_NEAR(length(actual.centroid - Vec3{1000, -2000, 3000}), 0, 1e-11);
+  EXPECT_NEAR(part::length(actual.centroid - part::Vec3{1000, -2000, 3000}), 0, 1e-11);
   EXPECT_NEAR(actual.inertia_m2[0], (about_x + about_y) / 2, 1e-10);
   EXPECT_NEAR(actual.inertia_m2[1], (about_x + about_y) / 2, 1e-10);
   EXPECT_NEAR(actual.inertia_m2[2], (0.04 + 0.16) / 12, 1e-10);
@@ -94,9 +94,9 @@ TEST(MassProperties, OfATurnedBoxFarAway) {
 }
 
 TEST(MassProperties, OfAnOpenMeshComeFromTheArea) {
-  Mesh mesh = box_mesh(1, 1, 1);
+  mesh::Mesh mesh = box_mesh(1, 1, 1);
   mesh.triangles.resize(10);  // without the face at x = +1/2
-  const MassProperties actual = mass_properties(part_of(mesh));
+  const part::MassProperties actual = part::mass_properties(part_of(mesh));
   EXPECT_EQ(actual.source, MassSource::kArea);
   EXPECT_EQ(actual.volume_m3, 0);
   EXPECT_DOUBLE_EQ(actual.area_m2, 5);
@@ -104,10 +104,10 @@ TEST(MassProperties, OfAnOpenMeshComeFromTheArea) {
 }
 
 TEST(MassProperties, ASheetFoldedOntoItselfHasNoVolume) {
-  Mesh mesh;
+  mesh::Mesh mesh;
   mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   mesh.triangles = {{0, 1, 2}, {0, 2, 1}};
-  const MassProperties actual = mass_properties(part_of(mesh));
+  const part::MassProperties actual = part::mass_properties(part_of(mesh));
   EXPECT_EQ(actual.source, MassSource::kArea);
   EXPECT_DOUBLE_EQ(actual.area_m2, 1);
 }

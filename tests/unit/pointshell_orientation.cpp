@@ -13,21 +13,23 @@ namespace {
 
 using namespace testing;
 
-void turn(Mesh& mesh, std::size_t t) { std::swap(mesh.triangles[t][1], mesh.triangles[t][2]); }
+void turn(mesh::Mesh& mesh, std::size_t t) {
+  std::swap(mesh.triangles[t][1], mesh.triangles[t][2]);
+}
 
-void turn_all(Mesh& mesh) {
+void turn_all(mesh::Mesh& mesh) {
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) turn(mesh, t);
 }
 
-double oriented_volume(Part part, OrientationReport* report = nullptr) {
-  const auto oriented = orient_outwards(part, 0);
+double oriented_volume(part::Part part, normals::OrientationReport* report = nullptr) {
+  const auto oriented = normals::orient_outwards(part, 0);
   EXPECT_TRUE(oriented.ok()) << (oriented ? "" : to_line(oriented.error()));
   if (report && oriented) *report = *oriented;
-  return mass_properties(part).volume_m3;
+  return part::mass_properties(part).volume_m3;
 }
 
 TEST(Orientation, LeavesAGoodMeshAlone) {
-  OrientationReport report;
+  normals::OrientationReport report;
   EXPECT_NEAR(oriented_volume(part_of(torus_mesh(1, 0.3, 20)), &report), 1.7, 0.1);
   EXPECT_EQ(report.flipped_triangles, 0u);
   EXPECT_EQ(report.patches, 1u);
@@ -35,9 +37,9 @@ TEST(Orientation, LeavesAGoodMeshAlone) {
 }
 
 TEST(Orientation, TurnsAnInvertedMeshRound) {
-  Mesh mesh = box_mesh(1, 2, 3);
+  mesh::Mesh mesh = box_mesh(1, 2, 3);
   turn_all(mesh);
-  OrientationReport report;
+  normals::OrientationReport report;
   EXPECT_NEAR(oriented_volume(part_of(mesh), &report), 6, 1e-12);
   EXPECT_EQ(report.flipped_triangles, 12u);
 }
@@ -45,8 +47,8 @@ TEST(Orientation, TurnsAnInvertedMeshRound) {
 TEST(Orientation, RepairsRandomlyTurnedTriangles) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     SCOPED_TRACE(seed);
-    Mesh mesh = torus_mesh(1, 0.3, 16);
-    const double volume = mass_properties(part_of(mesh)).volume_m3;
+    mesh::Mesh mesh = torus_mesh(1, 0.3, 16);
+    const double volume = part::mass_properties(part_of(mesh)).volume_m3;
     std::mt19937_64 random(seed);
     std::uint64_t turned = 0;
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -54,19 +56,19 @@ TEST(Orientation, RepairsRandomlyTurnedTriangles) {
       turn(mesh, t);
       ++turned;
     }
-    OrientationReport report;
+    normals::OrientationReport report;
     EXPECT_NEAR(oriented_volume(part_of(mesh), &report), volume, 1e-12);
     EXPECT_EQ(report.flipped_triangles, turned);
   }
 }
 
 TEST(Orientation, KeepsACavity) {
-  Mesh outer = box_mesh(3, 3, 3);
-  const Mesh inner = box_mesh(1, 1, 1);
-  for (const Vec3d& v : inner.vertices) outer.vertices.push_back(v);
-  for (const Triangle& t : inner.triangles)
+  mesh::Mesh outer = box_mesh(3, 3, 3);
+  const mesh::Mesh inner = box_mesh(1, 1, 1);
+  for (const mesh::Vec3d& v : inner.vertices) outer.vertices.push_back(v);
+  for (const mesh::Triangle& t : inner.triangles)
     outer.triangles.push_back({t[0] + 8, t[2] + 8, t[1] + 8});
-  OrientationReport report;
+  normals::OrientationReport report;
   EXPECT_NEAR(oriented_volume(part_of(outer), &report), 26, 1e-12);
   EXPECT_EQ(report.flipped_triangles, 0u);
   turn_all(outer);
@@ -75,35 +77,35 @@ TEST(Orientation, KeepsACavity) {
 }
 
 TEST(Orientation, JudgesOverlappingBodiesEachByItself) {
-  Mesh right = box_mesh(1, 1, 1), wrong = box_mesh(1, 1, 1);
-  for (Vec3d& v : wrong.vertices) v[0] += 0.5;
+  mesh::Mesh right = box_mesh(1, 1, 1), wrong = box_mesh(1, 1, 1);
+  for (mesh::Vec3d& v : wrong.vertices) v[0] += 0.5;
   turn_all(wrong);
-  OrientationReport report;
+  normals::OrientationReport report;
   EXPECT_NEAR(oriented_volume(part_of({right, wrong}), &report), 2, 1e-12);
   EXPECT_EQ(report.flipped_triangles, 12u);
 }
 
 // Six faces as six bodies, some turned: each alone is an open sheet, together they tell.
 TEST(Orientation, JudgesSheetsByTheWholePart) {
-  const Mesh box = box_mesh(1, 1, 1);
-  std::vector<Mesh> faces;
+  const mesh::Mesh box = box_mesh(1, 1, 1);
+  std::vector<mesh::Mesh> faces;
   for (std::size_t face = 0; face < 6; ++face) {
-    Mesh mesh;
+    mesh::Mesh mesh;
     mesh.vertices = box.vertices;
     mesh.triangles = {box.triangles[2 * face], box.triangles[2 * face + 1]};
     if (face == 3) turn_all(mesh);
     faces.push_back(mesh);
   }
-  OrientationReport report;
+  normals::OrientationReport report;
   oriented_volume(part_of(faces), &report);
   EXPECT_EQ(report.flipped_triangles, 2u);
 }
 
 // A body that another hides is judged by itself.
 TEST(Orientation, TurnsAHiddenBodyRound) {
-  Mesh inner = torus_mesh(1, 0.3, 16);
+  mesh::Mesh inner = torus_mesh(1, 0.3, 16);
   turn_all(inner);
-  OrientationReport report;
+  normals::OrientationReport report;
   oriented_volume(part_of({box_mesh(5, 5, 5), inner}), &report);
   EXPECT_EQ(report.flipped_triangles, inner.triangles.size());
   EXPECT_EQ(report.hidden_triangles, 0u);
@@ -111,29 +113,29 @@ TEST(Orientation, TurnsAHiddenBodyRound) {
 
 // The concave wall of a groove, as a body of its own, is no outside by itself but is in the part.
 TEST(Orientation, JudgesAGrooveByTheWholePart) {
-  Mesh groove = grid_mesh(24, 1, false, false, [](double u, double v) {
+  mesh::Mesh groove = grid_mesh(24, 1, false, false, [](double u, double v) {
     const double turn = std::numbers::pi * u;
-    return Vec3{std::cos(turn), 4 * v - 2, -std::sin(turn)};
+    return part::Vec3{std::cos(turn), 4 * v - 2, -std::sin(turn)};
   });
-  Mesh rest = box_mesh(4, 4, 4);  // under the groove, without its top at z = 0
-  for (Vec3d& v : rest.vertices) v[2] -= 2;
+  mesh::Mesh rest = box_mesh(4, 4, 4);  // under the groove, without its top at z = 0
+  for (mesh::Vec3d& v : rest.vertices) v[2] -= 2;
   rest.triangles.erase(rest.triangles.begin() + 2, rest.triangles.begin() + 4);
-  for (Mesh* mesh : {&groove, &rest}) {
-    OrientationReport report;
+  for (mesh::Mesh* mesh : {&groove, &rest}) {
+    normals::OrientationReport report;
     turn_all(*mesh);
     oriented_volume(part_of({groove, rest}), &report);
     turn_all(*mesh);
-    const bool groove_faces_up =
-        dot(doubled_area_normal(part_of(groove), 0), {0, 0, 1}) > 0;  // as grid_mesh makes it
+    const bool groove_faces_up = part::dot(part::doubled_area_normal(part_of(groove), 0),
+                                           {0, 0, 1}) > 0;  // as grid_mesh makes it
     const std::uint64_t groove_turned = (mesh == &groove) == groove_faces_up ? 48 : 0;
     EXPECT_EQ(report.flipped_triangles, groove_turned + (mesh == &rest ? 10 : 0));
   }
 }
 
 TEST(Orientation, DecidesForAnOpenBowl) {
-  Mesh mesh = sphere_mesh(1, 24);
+  mesh::Mesh mesh = sphere_mesh(1, 24);
   mesh.triangles.resize(mesh.triangles.size() / 2);
-  OrientationReport report;
+  normals::OrientationReport report;
   oriented_volume(part_of(mesh), &report);
   EXPECT_EQ(report.flipped_triangles, 0u);
   turn_all(mesh);
@@ -143,40 +145,40 @@ TEST(Orientation, DecidesForAnOpenBowl) {
 }
 
 TEST(Orientation, RefusesAnOpenSheet) {
-  Mesh mesh = box_mesh(1, 1, 1);
+  mesh::Mesh mesh = box_mesh(1, 1, 1);
   mesh.triangles.resize(2);
-  Part part = part_of(mesh);
-  const auto result = orient_outwards(part, 0.1);
+  part::Part part = part_of(mesh);
+  const auto result = normals::orient_outwards(part, 0.1);
   ASSERT_FALSE(result.ok());
   EXPECT_EQ(result.error().code, ErrorCode::kMeshUnorientable);
   EXPECT_EQ(result.error().where, "body 0");
 }
 
 TEST(Orientation, LeavesASheetTooSmallToMatter) {
-  Mesh mesh = box_mesh(1, 1, 1);
+  mesh::Mesh mesh = box_mesh(1, 1, 1);
   mesh.vertices.insert(mesh.vertices.end(), {{5, 0, 0}, {5.01, 0, 0}, {5, 0.01, 0}});
   mesh.triangles.push_back({8, 9, 10});
-  Part part = part_of(mesh);
-  const auto result = orient_outwards(part, 0.1);
+  part::Part part = part_of(mesh);
+  const auto result = normals::orient_outwards(part, 0.1);
   ASSERT_TRUE(result.ok());
   EXPECT_EQ(result->undecided_triangles, 1u);
 }
 
 TEST(Orientation, TakesTrianglesWithoutArea) {
-  Mesh mesh = box_mesh(1, 1, 1);
+  mesh::Mesh mesh = box_mesh(1, 1, 1);
   mesh.vertices.push_back({5, 0, 0});
   mesh.triangles.insert(mesh.triangles.end(), {{0, 0, 8}, {8, 8, 8}, {1, 8, 1}});
   EXPECT_NEAR(oriented_volume(part_of(mesh)), 1, 1e-12);
 }
 
 TEST(Orientation, OfTheModelsIsAsTheFilesGiveIt) {
-  std::vector<Part> parts = {part_of(kettle_mesh(24))};
+  std::vector<part::Part> parts = {part_of(kettle_mesh(24))};
   for (const char* file : {"bunny.drc", "dragon.drc", "counter.drc", "large_block.stl"}) {
     parts.push_back(part_of_model(file, 0.001));
   }
-  for (Part& part : parts) {
+  for (part::Part& part : parts) {
     SCOPED_TRACE(part.triangles.size());
-    const auto report = orient_outwards(part, 0);
+    const auto report = normals::orient_outwards(part, 0);
     ASSERT_TRUE(report.ok()) << to_line(report.error());
     EXPECT_EQ(report->flipped_triangles, 0u);
   }

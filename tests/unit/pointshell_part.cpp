@@ -12,63 +12,64 @@ namespace {
 using namespace testing;
 
 TEST(Part, IsTheSameForAnyOrderOfTriangles) {
-  const Mesh mesh = torus_mesh(1, 0.3, 12);
-  const Part part = part_of(mesh);
+  const mesh::Mesh mesh = torus_mesh(1, 0.3, 12);
+  const part::Part part = part_of(mesh);
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
-    const Part other = part_of(shuffled(mesh, seed));
+    const part::Part other = part_of(shuffled(mesh, seed));
     EXPECT_EQ(part.vertices, other.vertices);
     EXPECT_EQ(part.triangles, other.triangles);
   }
 }
 
 TEST(Part, DropsDuplicatesWithinABodyAndCountsThem) {
-  Mesh mesh = box_mesh(1, 1, 1);
+  mesh::Mesh mesh = box_mesh(1, 1, 1);
   mesh.triangles.push_back({3, 0, 2});  // the first, from another corner
   mesh.triangles.push_back({0, 3, 2});  // the first, turned round: another triangle
-  const Part part = part_of(mesh);
+  const part::Part part = part_of(mesh);
   EXPECT_EQ(part.input_triangles, 14u);
   EXPECT_EQ(part.duplicate_triangles, 1u);
   EXPECT_EQ(part.triangles.size(), 13u);
 }
 
 TEST(Part, WeldsEqualVerticesWhateverTheSignOfZero) {
-  Mesh mesh;
+  mesh::Mesh mesh;
   mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-0.0, 0, -0.0}, {0, 0, 1}};
   mesh.triangles = {{0, 1, 2}, {3, 1, 4}};
   EXPECT_EQ(part_of(mesh).vertices.size(), 4u);
 }
 
 TEST(Part, AMirroredPlacingStillFacesOutwards) {
-  Assembly assembly = assembly_of({box_mesh(1, 1, 1)});
+  mesh::Assembly assembly = assembly_of({box_mesh(1, 1, 1)});
   assembly.instances[0].assembly_from_mesh.linear = {-1, 0, 0, 0, 1, 0, 0, 0, 1};
-  const PartInput input{&assembly, 1};
-  const Part part = std::move(assemble_part({&input, 1})).value();
+  const part::PartInput input{&assembly, 1};
+  const part::Part part = std::move(part::assemble_part({&input, 1})).value();
   for (std::size_t t = 0; t < part.triangles.size(); ++t) {
-    EXPECT_GT(dot(doubled_area_normal(part, t), part.vertices[part.triangles[t][0]]), 0);
+    EXPECT_GT(part::dot(part::doubled_area_normal(part, t), part.vertices[part.triangles[t][0]]),
+              0);
   }
 }
 
 // The deviation that a STEP reader states reaches the shell's e_part, added to the user's own.
 TEST(Part, DeviationOfTheFilesCounts) {
-  Assembly exact = assembly_of({box_mesh(1, 1, 1)}), tessellated = exact;
+  mesh::Assembly exact = assembly_of({box_mesh(1, 1, 1)}), tessellated = exact;
   tessellated.deviation_units = 0.1;
-  const PartInput inputs[] = {{&exact, 1}, {&tessellated, 1e-3}};
-  const Part part = std::move(assemble_part(inputs)).value();
+  const part::PartInput inputs[] = {{&exact, 1}, {&tessellated, 1e-3}};
+  const part::Part part = std::move(part::assemble_part(inputs)).value();
   EXPECT_DOUBLE_EQ(part.deviation_m, 1e-4);
-  ShellOptions options;
+  pointshell::ShellOptions options;
   options.voxel_size_m = 0.2;
   options.mesh_deviation_m = 2e-5;
-  const auto shell = bake_shell(part, options, [](const std::string&, double) {});
+  const auto shell = pointshell::bake_shell(part, options, [](const std::string&, double) {});
   EXPECT_DOUBLE_EQ(shell.value().header.part_deviation_m, 1.2e-4);
 }
 
 TEST(Part, WithoutAreaIsAnError) {
-  Mesh mesh;
+  mesh::Mesh mesh;
   mesh.vertices = {{0, 0, 0}, {1, 1, 1}, {2, 2, 2}};
   mesh.triangles = {{0, 1, 2}};
-  const Assembly assembly = assembly_of({mesh});
-  const PartInput input{&assembly, 1};
-  const auto part = assemble_part({&input, 1});
+  const mesh::Assembly assembly = assembly_of({mesh});
+  const part::PartInput input{&assembly, 1};
+  const auto part = part::assemble_part({&input, 1});
   ASSERT_FALSE(part.ok());
   EXPECT_EQ(part.error().code, ErrorCode::kMeshEmpty);
 }
@@ -78,8 +79,8 @@ TEST(StoredPosition, HasFloatsAsCoordinates) {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> unit(-1, 1);
   for (int n = 0; n < 1000; ++n) {
-    const Vec3 given{unit(random), unit(random), unit(random)};
-    const Vec3 stored = as_stored(given);
+    const part::Vec3 given{unit(random), unit(random), unit(random)};
+    const part::Vec3 stored = sample::as_stored(given);
     const volatile float x = static_cast<float>(given.x), y = static_cast<float>(given.y),
                          z = static_cast<float>(given.z);
     EXPECT_EQ(stored.x, x);

@@ -33,7 +33,7 @@ Pose pose(const double* n) { return {{n[0], n[1], n[2]}, glm::dquat(n[3], n[4], 
 
 double distance_m(const Pose& a, const Pose& b) { return glm::length(a.position_m - b.position_m); }
 double angle_rad(const Pose& a, const Pose& b) {
-  return glm::length(rotation_vector(a.orientation * glm::conjugate(b.orientation)));
+  return glm::length(coupling::rotation_vector(a.orientation * glm::conjugate(b.orientation)));
 }
 
 forcelayer_reading reading_at(const Pose& device_from_handle) {
@@ -122,8 +122,9 @@ TEST_P(CInterface, PlacesDeviceGripAndPart) {
     Pose device_from_handle = inverse(world_from_device) * world_from_handle;
     device_from_handle.position_m /= options.motion_scale;
     const Pose grip{0.05 * random_direction(random), random_orientation(random)};
-    const Pose place{world_from_handle.position_m + 0.01 * random_direction(random),
-                     world_from_handle.orientation * rotation_by(0.2 * random_direction(random))};
+    const Pose place{
+        world_from_handle.position_m + 0.01 * random_direction(random),
+        world_from_handle.orientation * coupling::rotation_by(0.2 * random_direction(random))};
     const forcelayer_reading reading = reading_at(device_from_handle);
     const struct {
       const Pose *place, *grip;
@@ -275,7 +276,7 @@ class ServoThread {
     thread_ = std::thread([this] {
       while (!stop_) {
         tick();
-        sleep_until_ns(monotonic_ns() + 50'000);
+        machine::sleep_until_ns(machine::monotonic_ns() + 50'000);
       }
     });
   }
@@ -288,10 +289,10 @@ class ServoThread {
   // Waits for a minute at most.
   template <typename Done>
   bool soon(Done done) const {
-    const long long until_ns = monotonic_ns() + 60'000'000'000;
+    const long long until_ns = machine::monotonic_ns() + 60'000'000'000;
     while (!done()) {
-      if (monotonic_ns() > until_ns) return false;
-      sleep_until_ns(monotonic_ns() + 1'000'000);
+      if (machine::monotonic_ns() > until_ns) return false;
+      machine::sleep_until_ns(machine::monotonic_ns() + 1'000'000);
     }
     return true;
   }

@@ -216,17 +216,17 @@ TEST(DefaultModel, TheCouplingsAngleIsContinuousPastHalfATurn) {
 }
 
 // Remembers what was looked up, and what was there.
-class WatchedProbe final : public ContactProbe {
+class WatchedProbe final : public field::ContactProbe {
  public:
-  explicit WatchedProbe(ContactProbe& probe) : probe_(probe) {}
-  void look_up(const Pose& pose, ContactSet& out) noexcept override {
+  explicit WatchedProbe(field::ContactProbe& probe) : probe_(probe) {}
+  void look_up(const Pose& pose, field::ContactSet& out) noexcept override {
     probe_.look_up(pose, out);
     if (out.interior == 0) clear.push_back(pose);
   }
   std::vector<Pose> clear;  // poses with no point in the interior
 
  private:
-  ContactProbe& probe_;
+  field::ContactProbe& probe_;
 };
 
 // The guard by construction: whatever the hand does, the pose that is kept is one that was looked
@@ -237,19 +237,21 @@ TEST(DefaultModel, KeepsOnlyPosesThatWereLookedUpAndClear) {
   std::mt19937_64 random(seed);
   const Pose start = at(glm::dvec3(3, 2, 14) * kS);
   MotionBench bench(floor_scene(kS), box_part(glm::dvec3(4, 2, 1.5) * kS, kS, kS), start);
-  const Simulation& simulation = *bench.simulation;
-  ContactQuery query(simulation.voxmap(), simulation.shell(), {});
-  const auto field = make_force_field(Model::kDefault, ForceKind::kLevel, simulation.voxmap());
+  const model::Simulation& simulation = *bench.simulation;
+  query::ContactQuery query(simulation.voxmap(), simulation.shell(), {});
+  const auto field =
+      field::make_force_field(Model::kDefault, ForceKind::kLevel, simulation.voxmap());
   ASSERT_TRUE(field);
-  CollectedPoints points;
-  FieldSamples samples;
+  query::CollectedPoints points;
+  field::FieldSamples samples;
   points.reserve(simulation.shell().view().point_count);
   samples.reserve(simulation.shell().view().point_count);
-  ContactSet looked_up;
+  field::ContactSet looked_up;
   looked_up.reserve(simulation.shell().view().point_count);
-  FieldProbe probe(query, **field, points, samples);
+  field::FieldProbe probe(query, **field, points, samples);
   WatchedProbe watched(probe);
-  DefaultModel model(simulation.parameters(), watched, simulation.shell().view().point_count);
+  model::DefaultModel model(simulation.parameters(), watched,
+                            simulation.shell().view().point_count);
   State state = bench.state;
   StepInput input = bench.input;
   Pose goal = start;

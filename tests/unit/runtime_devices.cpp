@@ -18,10 +18,10 @@ namespace {
 
 constexpr const char* kHeader = "t_s,x_m,y_m,z_m,qw,qx,qy,qz\n";
 
-Result<MotionScript> read_text(const std::string& text) {
+Result<devices::MotionScript> read_text(const std::string& text) {
   const ScratchFolder folder;
   std::ofstream(folder / "motion.csv") << text;
-  return MotionScript::read(folder / "motion.csv");
+  return devices::MotionScript::read(folder / "motion.csv");
 }
 
 TEST(MotionScript, GoesStraightAndTurnsEvenly) {
@@ -31,7 +31,8 @@ TEST(MotionScript, GoesStraightAndTurnsEvenly) {
   EXPECT_EQ(script->pose(0).position_m, glm::dvec3(0));
   const Pose middle = script->pose(2);
   EXPECT_LT(glm::length(middle.position_m - glm::dvec3(0.5, 1, -2)), 1e-15);
-  EXPECT_LT(glm::length(rotation_vector(middle.orientation) - glm::dvec3(0, 0, M_PI / 2)), 1e-14);
+  EXPECT_LT(glm::length(coupling::rotation_vector(middle.orientation) - glm::dvec3(0, 0, M_PI / 2)),
+            1e-14);
   EXPECT_LT(glm::length(script->velocity(2).linear_mps - glm::dvec3(0.5, 1, -2)), 1e-15);
   EXPECT_LT(glm::length(script->velocity(2).angular_radps - glm::dvec3(0, 0, M_PI / 2)), 1e-14);
   EXPECT_EQ(script->velocity(0.5).linear_mps, glm::dvec3(0));
@@ -59,7 +60,8 @@ TEST(MotionScript, NamesTheLineThatIsWrong) {
     EXPECT_EQ(script.error().code, ErrorCode::kUsage) << c.text;
     EXPECT_EQ(script.error().where, c.where) << c.text;
   }
-  EXPECT_EQ(MotionScript::read("/nowhere/motion.csv").error().code, ErrorCode::kFileNotFound);
+  EXPECT_EQ(devices::MotionScript::read("/nowhere/motion.csv").error().code,
+            ErrorCode::kFileNotFound);
 }
 
 // Small files of every kind: every way to end the last line, every place to cut a file at.
@@ -99,7 +101,7 @@ TEST(MotionScript, SmallFilesAreReadWholeOrRefused) {
   ASSERT_FALSE(longer);
   EXPECT_NE(longer.error().what.find("4096"), std::string::npos);
   const AddressLimit limit(std::uint64_t{64} << 20);
-  EXPECT_FALSE(MotionScript::read("/dev/zero"));
+  EXPECT_FALSE(devices::MotionScript::read("/dev/zero"));
 }
 
 TEST(Placement, ThereAndBackIsTheSamePose) {
@@ -111,7 +113,8 @@ TEST(Placement, ThereAndBackIsTheSamePose) {
     const Pose handle{random_direction(random), random_orientation(random)};
     const Pose back = placement.device_from_handle(placement.world_from_handle(handle));
     EXPECT_LT(glm::length(back.position_m - handle.position_m), 1e-13) << "seed " << seed;
-    EXPECT_LT(glm::length(rotation_vector(back.orientation * glm::conjugate(handle.orientation))),
+    EXPECT_LT(glm::length(
+                  coupling::rotation_vector(back.orientation * glm::conjugate(handle.orientation))),
               1e-14)
         << "seed " << seed;
   }
@@ -141,12 +144,12 @@ TEST(Placement, KeepsThePowerAtTheHandle) {
 
 TEST(SimDevice, FollowsTheScriptInWorldPosesWhereverItIsPlaced) {
   DevicePlacement placement;
-  placement.world_from_device = {{5, -2, 1}, rotation_by({0.3, 0.4, 0.5})};
+  placement.world_from_device = {{5, -2, 1}, coupling::rotation_by({0.3, 0.4, 0.5})};
   placement.motion_scale = 4;
   const auto script = read_text(std::string(kHeader) + "0,0,0,0,1,0,0,0\n1,0.1,0,0,1,0,0,0\n");
   ASSERT_TRUE(script);
-  SimDevice device(*script, placement);
-  DeviceInput input(device, placement);
+  devices::SimDevice device(*script, placement);
+  loop::DeviceInput input(device, placement);
   StepInput step;
   ASSERT_TRUE(input.next(0.5, 0.001, step));
   EXPECT_EQ(step.valid, 1u);
@@ -155,7 +158,7 @@ TEST(SimDevice, FollowsTheScriptInWorldPosesWhereverItIsPlaced) {
 }
 
 TEST(HandleVelocity, FollowsAMotionAndStaysSmallForEncoderSteps) {
-  HandleVelocity estimate;
+  loop::HandleVelocity estimate;
   Pose pose;
   Twist v;
   for (int i = 0; i < 100; ++i) {
@@ -169,11 +172,11 @@ TEST(HandleVelocity, FollowsAMotionAndStaysSmallForEncoderSteps) {
     pose.position_m.x = (i / 10) % 2 ? 25e-6 : 0;  // one encoder step back and forth
     largest = std::max(largest, std::abs(estimate.update(pose, 0.001).linear_mps.x));
   }
-  EXPECT_LE(largest, 25e-6 / HandleVelocity::kTimeConstantS);
+  EXPECT_LE(largest, 25e-6 / loop::HandleVelocity::kTimeConstantS);
 }
 
 TEST(HandleVelocity, AJumpIsNoMotion) {
-  HandleVelocity estimate;
+  loop::HandleVelocity estimate;
   Pose pose;
   estimate.update(pose, 0.001);
   pose.position_m.x = 0.02;  // 20 m/s

@@ -32,7 +32,7 @@ double foam_n(double depth_m) { return 0.5 * 1000 * depth_m * depth_m / (3 * kS)
 TEST(ForceCurve, IsStraightWithoutATable) {
   const Voxmap voxmap =
       make_voxmap(offset_scene(kS, {0, 0, 0}, {16, 16, 16}, 2, [](Voxel v) { return v[2] == 4; }));
-  for (const ForceCurve& curve : {ForceCurve(), ForceCurve(voxmap)}) {
+  for (const field::ForceCurve& curve : {field::ForceCurve(), field::ForceCurve(voxmap)}) {
     EXPECT_TRUE(curve.is_straight());
     EXPECT_EQ(curve.deepening_m(), 0);
     for (const double depth_m : {-0.01, 0.0, 0.001, 1.0}) {
@@ -66,7 +66,7 @@ TEST(ForceCurve, IsTheTableAndItsIntegral) {
       }
       return double{table.back()};
     };
-    const ForceCurve curve(voxmap);
+    const field::ForceCurve curve(voxmap);
     ASSERT_FALSE(curve.is_straight());
     const double most_n = table.back();
     for (int n = 0; n < 40; ++n) {

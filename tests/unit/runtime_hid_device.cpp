@@ -17,10 +17,10 @@ constexpr long long kMs = 1'000'000;
 
 // A host that reads and writes once a millisecond until `done`, for ten seconds at most.
 template <typename Done>
-bool host_runs(HidDevice& host, const Wrench& wrench, DeviceSample& sample, Done done) {
-  const long long begin_ns = monotonic_ns();
+bool host_runs(devices::HidDevice& host, const Wrench& wrench, DeviceSample& sample, Done done) {
+  const long long begin_ns = machine::monotonic_ns();
   for (long long tick_ns = begin_ns; tick_ns < begin_ns + 10'000 * kMs; tick_ns += kMs) {
-    sleep_until_ns(tick_ns);
+    machine::sleep_until_ns(tick_ns);
     sample = host.read(0);
     host.write(wrench);
     EXPECT_EQ(host.capabilities().max_force_n, 12);  // the loop looks at them in every frame
@@ -40,7 +40,7 @@ struct HidDeviceTest : testing::Test {
   HidDeviceTest() { unit.run(); }
 
   FakeHapticUnit unit;
-  HidDevice host{std::make_unique<FakeHidBus>(std::vector{unit.socket}), {}};
+  devices::HidDevice host{std::make_unique<FakeHidBus>(std::vector{unit.socket}), {}};
   DeviceSample sample;
   const Wrench push{{1.25, -0.5, 3}, {0.01, 0, -0.02}};
 };
@@ -65,7 +65,7 @@ TEST_F(HidDeviceTest, CarriesPosesInAndWrenchesOut) {
   host.stop();
   EXPECT_TRUE(is_zero(unit.device.motors()));  // at once: stop() says so itself
   EXPECT_EQ(unit.device.refused(), 0u);
-  const HidStatistics statistics = host.statistics();
+  const devices::HidStatistics statistics = host.statistics();
   EXPECT_GE(statistics.states, 200u);
   EXPECT_EQ(statistics.malformed, 0u);
 }
@@ -80,7 +80,7 @@ TEST_F(HidDeviceTest, TakesTheNewestOfManyAndCountsWhatItMissed) {
     return static_cast<std::uint32_t>(std::lround(sample.device_from_handle.position_m.x * 1e8));
   };
   for (int attempt = 0; attempt < 20; ++attempt) {
-    const HidStatistics before = host.statistics();
+    const devices::HidStatistics before = host.statistics();
     const std::uint64_t lost = unit.socket->lost();
     const std::uint32_t first = report + 1;
     unit.burst();
@@ -118,7 +118,7 @@ TEST_F(HidDeviceTest, AnUnpluggedDeviceIsZeroAndComesBackFromZero) {
   // The host that goes on pushing is not felt before it has been at zero.
   EXPECT_TRUE(sample.output_held);
   for (int i = 0; i < 50; ++i) {
-    sleep_until_ns(monotonic_ns() + kMs);
+    machine::sleep_until_ns(machine::monotonic_ns() + kMs);
     host.write(push);
     ASSERT_TRUE(is_zero(unit.device.motors()));
   }
@@ -164,7 +164,7 @@ TEST_F(HidDeviceTest, AFaultThatTheDeviceReportsTakesItAway) {
 
 TEST_F(HidDeviceTest, ALoopThatStandsStillIsFadedOut) {
   felt(push);
-  sleep_until_ns(monotonic_ns() + 100 * kMs);  // no write()
+  machine::sleep_until_ns(machine::monotonic_ns() + 100 * kMs);  // no write()
   EXPECT_TRUE(is_zero(unit.device.motors()));
   bool fading = false;
   for (const auto& taken : unit.device.log()) fading |= (taken.flags & 2) != 0;
@@ -190,7 +190,7 @@ TEST_F(HidDeviceTest, AHostThatSleepsIsSeenByTheDevicesWatchdog) {
   EXPECT_TRUE(sample.present);
   asleep = false;
   for (int i = 0; i < 30; ++i) {
-    sleep_until_ns(monotonic_ns() + kMs);
+    machine::sleep_until_ns(machine::monotonic_ns() + kMs);
     host.write(push);
     ASSERT_TRUE(is_zero(unit.device.motors()));
   }
@@ -204,8 +204,8 @@ TEST(HidDeviceStart, RefusesWhatIsNoSoundHapticDevice) {
     unit.device.set_fault(fault);
     change(*unit.socket);
     unit.run();
-    HidDevice host(std::make_unique<FakeHidBus>(std::vector{unit.socket}),
-                   {0x16c0, 0x0486, "", ""});
+    devices::HidDevice host(std::make_unique<FakeHidBus>(std::vector{unit.socket}),
+                            {0x16c0, 0x0486, "", ""});
     const Status status = host.start();
     EXPECT_FALSE(status);
     return status.ok() ? Error{} : status.error();
@@ -248,12 +248,13 @@ TEST(HidSelection, FindsByUsageNameSerialAndPath) {
     made->info = {path, 0x16c0, product, serial, "unit", usage};
     return made;
   };
-  FakeHidBus bus({socket("/dev/h0", 1, "a", 0x0001'0006), socket("/dev/h1", 2, "b", kHapticUsage),
-                  socket("/dev/h2", 3, "c", kHapticUsage), socket("/dev/h3", 3, "d", 1)});
+  FakeHidBus bus({socket("/dev/h0", 1, "a", 0x0001'0006),
+                  socket("/dev/h1", 2, "b", devices::kHapticUsage),
+                  socket("/dev/h2", 3, "c", devices::kHapticUsage), socket("/dev/h3", 3, "d", 1)});
   const auto find = [&](const char* text) {
-    const auto selector = parse_hid_selector(text);
+    const auto selector = devices::parse_hid_selector(text);
     EXPECT_TRUE(selector) << text;
-    return find_hid_device(bus, *selector, {}, kHapticUsage, "device");
+    return devices::find_hid_device(bus, *selector, {}, devices::kHapticUsage, "device");
   };
   EXPECT_EQ(find("16c0:0002")->path, "/dev/h1");
   EXPECT_EQ(find("16C0:3:d")->path, "/dev/h3");
@@ -261,11 +262,11 @@ TEST(HidSelection, FindsByUsageNameSerialAndPath) {
   EXPECT_EQ(find("/dev/h0")->path, "/dev/h0");
   EXPECT_EQ(find("16c0:9").error().code, ErrorCode::kDeviceNotFound);
   EXPECT_EQ(find("/dev/none").error().code, ErrorCode::kDeviceNotFound);
-  const auto any = find_hid_device(bus, {}, {}, kHapticUsage, "device");
+  const auto any = devices::find_hid_device(bus, {}, {}, devices::kHapticUsage, "device");
   EXPECT_EQ(any.error().code, ErrorCode::kUsage);
   EXPECT_NE(any.error().what.find("/dev/h2"), std::string::npos);
   for (const char* text : {"", "16c0", ":", "16c0:", "16c0:12345", "0x16:1", "16c0:-1", "dev"}) {
-    EXPECT_FALSE(parse_hid_selector(text)) << text;
+    EXPECT_FALSE(devices::parse_hid_selector(text)) << text;
   }
 }
 

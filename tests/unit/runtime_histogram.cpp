@@ -17,7 +17,7 @@ namespace {
 TEST(Histogram, QuantilesAreWithinABucketOfTheSortedOnes) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     std::mt19937_64 random(seed);
-    DurationHistogram histogram;
+    loop::DurationHistogram histogram;
     std::vector<std::uint64_t> values;
     std::uniform_real_distribution<double> exponent(0, 30);
     for (int i = 0; i < 5000; ++i) {
@@ -37,7 +37,7 @@ TEST(Histogram, QuantilesAreWithinABucketOfTheSortedOnes) {
 }
 
 TEST(Histogram, TakesExtremesAndNothing) {
-  DurationHistogram histogram;
+  loop::DurationHistogram histogram;
   EXPECT_EQ(histogram.quantile_ns(0.5), 0u);
   histogram.record(-5);
   EXPECT_EQ(histogram.quantile_ns(1), 0u);
@@ -47,7 +47,7 @@ TEST(Histogram, TakesExtremesAndNothing) {
 }
 
 TEST(SpscRing, HandsEveryItemOverInOrder) {
-  SpscRing<std::uint64_t> ring(64);
+  machine::SpscRing<std::uint64_t> ring(64);
   constexpr std::uint64_t kItems = 20'000;
   std::thread producer([&] {
     for (std::uint64_t i = 0; i < kItems;) {
@@ -71,7 +71,7 @@ TEST(SpscRing, HandsEveryItemOverInOrder) {
 }
 
 TEST(SpscRing, RefusesWhenFull) {
-  SpscRing<int> ring(3);  // rounded up to 4
+  machine::SpscRing<int> ring(3);  // rounded up to 4
   for (int i = 0; i < 4; ++i) EXPECT_TRUE(ring.push(i));
   EXPECT_FALSE(ring.push(4));
   int item = -1;

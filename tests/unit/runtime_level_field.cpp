@@ -19,14 +19,15 @@ VoxelScene floor_scene(std::int64_t k) {
   return offset_scene(kS, {-12, -12, -3}, {24, 24, 12}, k, [](Voxel v) { return v[2] <= 0; });
 }
 
-FieldSamples sample_at(const Voxmap& voxmap, Voxel v, std::array<float, 3> fraction,
-                       std::array<float, 3> normal, VoxelValue value = VoxelValue::kSurface) {
-  CollectedPoints points;
+field::FieldSamples sample_at(const Voxmap& voxmap, Voxel v, std::array<float, 3> fraction,
+                              std::array<float, 3> normal,
+                              VoxelValue value = VoxelValue::kSurface) {
+  query::CollectedPoints points;
   points.reserve(1);
   collect(points, voxmap, v, value, fraction, normal);
-  FieldSamples samples;
+  field::FieldSamples samples;
   samples.reserve(1);
-  LevelField(voxmap).measure(points, samples);
+  field::LevelField(voxmap).measure(points, samples);
   return samples;
 }
 
@@ -34,7 +35,7 @@ TEST(LevelField, IsExactAboveAFloorAlongTheGrid) {
   for (std::int64_t k = 1; k <= 3; ++k) {
     const Voxmap voxmap = make_voxmap(floor_scene(k));
     for (const float f : {0.0f, 0.125f, 0.25f, 0.375f}) {
-      const FieldSamples samples = sample_at(voxmap, {2, -5, k}, {0.3f, 0.9f, f}, {0, 0, 1});
+      const field::FieldSamples samples = sample_at(voxmap, {2, -5, k}, {0.3f, 0.9f, f}, {0, 0, 1});
       EXPECT_FLOAT_EQ(samples.depth_m[0], static_cast<float>(kS) * (0.5f - f)) << "k " << k;
       EXPECT_EQ(samples.dx[0], 0.0f);
       EXPECT_EQ(samples.dy[0], 0.0f);
@@ -51,7 +52,7 @@ TEST(LevelField, BeginsEarlierWithEuclideanLayers) {
   scene.metric = Metric::kEuclidean;
   const Voxmap voxmap = make_voxmap(scene);
   for (const float f : {0.0f, 0.25f, 0.5f, 0.75f}) {
-    const FieldSamples samples = sample_at(voxmap, {2, -5, 1}, {0.3f, 0.9f, f}, {0, 0, 1});
+    const field::FieldSamples samples = sample_at(voxmap, {2, -5, 1}, {0.3f, 0.9f, f}, {0, 0, 1});
     EXPECT_NEAR(samples.depth_m[0], kS * (std::sqrt(3.0) / 2 - f), 1e-6 * kS);
     EXPECT_EQ(samples.dz[0], 1.0f);
   }
@@ -67,7 +68,7 @@ void expect_push_in_proximity(const std::function<bool(Voxel)>& solid, Voxel v,
   ASSERT_EQ(scene.at(v), VoxelValue::kProximity);
   for (const Metric metric : {Metric::kChebyshev, Metric::kEuclidean}) {
     scene.metric = metric;
-    const FieldSamples samples =
+    const field::FieldSamples samples =
         sample_at(make_voxmap(scene), v, fraction, normal, VoxelValue::kProximity);
     ASSERT_EQ(samples.depth_m[0] > 0, metric == Metric::kEuclidean);
     if (metric == Metric::kChebyshev) continue;
@@ -92,7 +93,7 @@ TEST(LevelField, NormalThatPointsIntoTheWallIsOverruled) {
   const Voxmap voxmap = make_voxmap(floor_scene(2));
   for (const std::array<float, 3> n :
        {std::array<float, 3>{0, 0, -1}, {1, 0, 0}, {0.8f, 0, 0.6f}}) {
-    const FieldSamples samples = sample_at(voxmap, {2, -5, 2}, {0.5f, 0.5f, 0.25f}, n);
+    const field::FieldSamples samples = sample_at(voxmap, {2, -5, 2}, {0.5f, 0.5f, 0.25f}, n);
     EXPECT_FLOAT_EQ(samples.dz[0], 1.0f);
     EXPECT_FLOAT_EQ(samples.depth_m[0], static_cast<float>(kS) * 0.25f);
   }
@@ -100,7 +101,8 @@ TEST(LevelField, NormalThatPointsIntoTheWallIsOverruled) {
 
 TEST(LevelField, DeepInsideOnlyTheNormalIsLeft) {
   const Voxmap voxmap = make_voxmap(floor_scene(2));
-  const FieldSamples samples = sample_at(voxmap, {2, -5, -1}, {0.5f, 0.5f, 0.5f}, {0.6f, 0, 0.8f});
+  const field::FieldSamples samples =
+      sample_at(voxmap, {2, -5, -1}, {0.5f, 0.5f, 0.5f}, {0.6f, 0, 0.8f});
   EXPECT_FLOAT_EQ(samples.dx[0], 0.6f);
   EXPECT_FLOAT_EQ(samples.dz[0], 0.8f);
   EXPECT_FLOAT_EQ(samples.depth_m[0], static_cast<float>(kS) * 0.5f * 1.4f);
@@ -108,34 +110,34 @@ TEST(LevelField, DeepInsideOnlyTheNormalIsLeft) {
 
 TEST(LevelField, RefusesAMapWithoutOffsetLayers) {
   VoxelScene scene = offset_scene(kS, {0, 0, 0}, {8, 8, 8}, 1, [](Voxel v) { return v[2] < 2; });
-  EXPECT_FALSE(LevelField::unreadable(make_voxmap(scene)));
+  EXPECT_FALSE(field::LevelField::unreadable(make_voxmap(scene)));
   scene.layers = 0;
   const Voxmap bare = make_voxmap(scene);
-  const auto error = LevelField::unreadable(bare);
+  const auto error = field::LevelField::unreadable(bare);
   ASSERT_TRUE(error);
   EXPECT_EQ(exit_status(error->code), 2);
   EXPECT_NE(to_line(*error).find("--layers"), std::string::npos) << to_line(*error);
-  EXPECT_EQ(usual_force(Model::kPaper, bare), ForceKind::kTangentPlane);
+  EXPECT_EQ(field::usual_force(Model::kPaper, bare), ForceKind::kTangentPlane);
 }
 
 TEST(LevelField, GoesWithTheRightModelOnly) {
   const Voxmap voxmap = make_voxmap(floor_scene(2));
-  EXPECT_EQ(usual_force(Model::kPaper, voxmap), ForceKind::kTangentPlane);
-  EXPECT_TRUE(make_force_field(Model::kPaper, ForceKind::kTangentPlane, voxmap));
-  const auto refused = make_force_field(Model::kPaper, ForceKind::kLevel, voxmap);
+  EXPECT_EQ(field::usual_force(Model::kPaper, voxmap), ForceKind::kTangentPlane);
+  EXPECT_TRUE(field::make_force_field(Model::kPaper, ForceKind::kTangentPlane, voxmap));
+  const auto refused = field::make_force_field(Model::kPaper, ForceKind::kLevel, voxmap);
   ASSERT_FALSE(refused);
   EXPECT_EQ(exit_status(refused.error().code), 2);
   Parameters parameters;
   parameters.model = Model::kPaper;
   parameters.force = ForceKind::kLevel;
-  const auto simulation = Simulation::create(make_voxmap(floor_scene(2)),
-                                             make_pshell(sphere_part(kS, 10, kS)), parameters);
+  const auto simulation = model::Simulation::create(
+      make_voxmap(floor_scene(2)), make_pshell(sphere_part(kS, 10, kS)), parameters);
   EXPECT_FALSE(simulation);
 }
 
 TEST(ForceField, MeanPointAreaIsTheShellsAreaOverItsPoints) {
   const Pshell shell = make_pshell(sphere_part(kS, 130, kS));
-  EXPECT_NEAR(mean_point_area_m2(shell), shell.header().area_m2 / 130, 1e-12);
+  EXPECT_NEAR(field::mean_point_area_m2(shell), shell.header().area_m2 / 130, 1e-12);
 }
 
 }  // namespace

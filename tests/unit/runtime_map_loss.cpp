@@ -30,7 +30,7 @@ constexpr double kS = 0.005;
 // the SIGBUS alone must tell.
 struct MappedRun {
   ScratchFolder folder;
-  std::unique_ptr<Simulation> sim;
+  std::unique_ptr<model::Simulation> sim;
   std::uint64_t frames = 0;
   OutputState output = OutputState::kWaiting;
   TripCause trip = TripCause::kNone;
@@ -51,25 +51,26 @@ struct MappedRun {
 
   void go(const std::function<void(const std::filesystem::path&)>& change) {
     const Pose high{{0.1, 0.1, 0.06}, {1, 0, 0, 0}}, low{{0.1, 0.1, 0.03}, {1, 0, 0, 0}};
-    SimDevice device(MotionScript({{0, high}, {0.1, low}, {0.6, {{0.9, 0.9, 0.03}, {1, 0, 0, 0}}}}),
-                     {});
-    DeviceInput input(device, {});
-    OutputLimits limits;
+    devices::SimDevice device(
+        devices::MotionScript({{0, high}, {0.1, low}, {0.6, {{0.9, 0.9, 0.03}, {1, 0, 0, 0}}}}),
+        {});
+    loop::DeviceInput input(device, {});
+    loop::OutputLimits limits;
     limits.max_force_n = 10;
     limits.max_torque_nm = 1;
     limits.rearm_alone = true;
-    Servo servo(*sim, input, sim->registered(high, high), limits);
-    LoopStatistics* const statistics = new LoopStatistics;
-    LoopOptions options;
+    loop::Servo servo(*sim, input, sim->registered(high, high), limits);
+    loop::LoopStatistics* const statistics = new loop::LoopStatistics;
+    loop::LoopOptions options;
     options.as_fast_as_possible = true;
     options.frames = 300;
-    run_loop(servo, options, nullptr, *statistics);
+    loop::run_loop(servo, options, nullptr, *statistics);
     EXPECT_GT(statistics->max_device_force_n, 1);
     // The time of a file's last writing has the grain of the system's ticks: up to 10 ms.
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
     change(folder.path());
-    if (looks) changed_files = check_mappings();
-    run_loop(servo, options, nullptr, *statistics);
+    if (looks) changed_files = machine::check_mappings();
+    loop::run_loop(servo, options, nullptr, *statistics);
     frames = statistics->frames;
     output = servo.output().state();
     trip = servo.output().last_trip();
@@ -128,13 +129,13 @@ TEST_P(MapLoss, FilesThatAreWrittenToStopTheRunAtZero) {
     EXPECT_EQ(run.changed_files, 1) << file;
     EXPECT_TRUE(run.stopped_at_zero()) << file << " after " << run.frames;
     // And stays there, while other files are none the worse for it.
-    EXPECT_EQ(check_mappings(), 1);
+    EXPECT_EQ(machine::check_mappings(), 1);
     MappedRun other(GetParam());
     other.go([](const auto&) {});
     EXPECT_EQ(other.frames, 600u);
     EXPECT_EQ(other.trip, TripCause::kNone);
   }
-  EXPECT_EQ(check_mappings(), 0);  // nothing is in use any more
+  EXPECT_EQ(machine::check_mappings(), 0);  // nothing is in use any more
 }
 
 // Threads that read the same lost page at once: each reads the words that stand for "nothing",
@@ -142,14 +143,14 @@ TEST_P(MapLoss, FilesThatAreWrittenToStopTheRunAtZero) {
 TEST(BusErrorDeathTest, NoThreadReadsAPageThatIsHalfMade) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   const auto race = [] {
-    contain_map_loss();
+    machine::contain_map_loss();
     constexpr std::size_t kPages = 500, kPageWords = 4096 / sizeof(std::uint32_t);
     constexpr int kThreads = 2;
     const ScratchFolder folder;
     const auto path = folder / "file";
     std::ofstream(path, std::ios::binary) << std::string(kPages * 4096, '\xff');
     const auto file = MappedFile::open_for_long(path);
-    const WatchedMapping watch(file->bytes(), file->stamp());
+    const machine::WatchedMapping watch(file->bytes(), file->stamp());
     std::filesystem::resize_file(path, 0);
     const auto* const words = reinterpret_cast<const volatile std::uint32_t*>(file->bytes().data());
     std::atomic<std::size_t> arrived{0}, wrong{0};
@@ -175,12 +176,12 @@ TEST(BusErrorDeathTest, NoThreadReadsAPageThatIsHalfMade) {
 
 // Each in a process of its own: SIGBUS is the whole process's.
 void cut(Model model, const char* file, std::uintmax_t bytes, bool looks) {
-  contain_map_loss();
+  machine::contain_map_loss();
   MappedRun run(model);
   run.looks = looks;
   run.go([&](const auto& folder) { std::filesystem::resize_file(folder / file, bytes); });
   std::filesystem::remove_all(run.folder.path());
-  std::_Exit(run.stopped_at_zero() && check_mappings() == 1 ? 0 : 1);
+  std::_Exit(run.stopped_at_zero() && machine::check_mappings() == 1 ? 0 : 1);
 }
 
 TEST_P(MapLossDeathTest, FilesThatAreCutShortStopTheRunAtZero) {
@@ -199,8 +200,8 @@ TEST_P(MapLossDeathTest, FilesThatAreCutShortStopTheRunAtZero) {
 TEST(BusErrorDeathTest, OtherBusErrorsAreNotHidden) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   const auto fault = [] {
-    contain_map_loss();
-    contain_map_loss();
+    machine::contain_map_loss();
+    machine::contain_map_loss();
     const ScratchFolder folder;
     const auto path = folder / "file";
     std::FILE* const file = std::fopen(path.c_str(), "w+");

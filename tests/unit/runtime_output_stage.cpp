@@ -14,15 +14,15 @@ namespace {
 
 constexpr double kDt = 0.001;
 
-OutputLimits limits() {
-  OutputLimits l;
+loop::OutputLimits limits() {
+  loop::OutputLimits l;
   l.max_force_n = 10;
   l.max_torque_nm = 0.5;
   return l;
 }
 
-OutputFrame frame(double force_n) {
-  OutputFrame f;
+loop::OutputFrame frame(double force_n) {
+  loop::OutputFrame f;
   f.wanted.force_n = {force_n, 0, 0};
   f.free_of_contact = true;
   return f;
@@ -31,7 +31,7 @@ OutputFrame frame(double force_n) {
 // Zero for 20 ms once armed: a device's side that writes for milliseconds sees it all the same.
 constexpr int kZeroFrames = 20;
 
-void expect_zero(OutputStage& stage, const OutputFrame& frame, int frames) {
+void expect_zero(loop::OutputStage& stage, const loop::OutputFrame& frame, int frames) {
   for (int i = 0; i < frames; ++i) {
     const Wrench out = stage.pass(frame, kDt);
     EXPECT_EQ(out.force_n, glm::dvec3(0)) << i;
@@ -41,15 +41,15 @@ void expect_zero(OutputStage& stage, const OutputFrame& frame, int frames) {
 }
 
 // A stage that has ramped in and holds `force_n`.
-OutputStage armed(double force_n) {
-  OutputStage stage(limits());
+loop::OutputStage armed(double force_n) {
+  loop::OutputStage stage(limits());
   for (int i = 0; i < 300; ++i) stage.pass(frame(force_n), kDt);
   EXPECT_EQ(stage.state(), OutputState::kArmed);
   return stage;
 }
 
 TEST(OutputStage, RampsInOver200Milliseconds) {
-  OutputStage stage(limits());
+  loop::OutputStage stage(limits());
   expect_zero(stage, frame(4), kZeroFrames);  // from the frame that arms: OutputWatch wants it
   double last = 0;
   for (int i = 1; i <= 200; ++i) {
@@ -62,8 +62,8 @@ TEST(OutputStage, RampsInOver200Milliseconds) {
 }
 
 TEST(OutputStage, DoesNotArmInAStretchedContact) {
-  OutputStage stage(limits());
-  OutputFrame f = frame(4);
+  loop::OutputStage stage(limits());
+  loop::OutputFrame f = frame(4);
   f.free_of_contact = false;
   for (int i = 0; i < 10; ++i) EXPECT_EQ(stage.pass(f, kDt).force_n.x, 0);
   EXPECT_EQ(stage.state(), OutputState::kWaiting);
@@ -73,8 +73,8 @@ TEST(OutputStage, DoesNotArmInAStretchedContact) {
 }
 
 TEST(OutputStage, NeverExceedsTheLimits) {
-  OutputStage stage = armed(1);
-  OutputFrame f = frame(0);
+  loop::OutputStage stage = armed(1);
+  loop::OutputFrame f = frame(0);
   f.wanted = {{300, -400, 0}, {0, 0, -7}};
   Wrench out;
   for (int i = 0; i < 50; ++i) {
@@ -86,15 +86,15 @@ TEST(OutputStage, NeverExceedsTheLimits) {
 }
 
 TEST(OutputStage, LimitsHowFastTheOutputRisesButNotHowFastItVanishes) {
-  OutputStage stage = armed(0);
+  loop::OutputStage stage = armed(0);
   EXPECT_NEAR(stage.pass(frame(10), kDt).force_n.x, 2, 1e-12);  // 10 N in 5 ms
   EXPECT_NEAR(stage.pass(frame(10), kDt).force_n.x, 4, 1e-12);
   EXPECT_EQ(stage.pass(frame(0), kDt).force_n.x, 0);
 }
 
 TEST(OutputStage, ASingleFaultyFrameIsABlip) {
-  OutputStage stage = armed(1);
-  OutputFrame f = frame(0);
+  loop::OutputStage stage = armed(1);
+  loop::OutputFrame f = frame(0);
   f.faulty = true;
   EXPECT_EQ(stage.pass(f, kDt).force_n.x, 0);
   EXPECT_EQ(stage.state(), OutputState::kArmed);
@@ -102,11 +102,11 @@ TEST(OutputStage, ASingleFaultyFrameIsABlip) {
 }
 
 TEST(OutputStage, LastingFaultsTripAndArmAgainWithARamp) {
-  OutputLimits l = limits();
+  loop::OutputLimits l = limits();
   l.rearm_alone = true;
-  OutputStage stage(l);
+  loop::OutputStage stage(l);
   for (int i = 0; i < 300; ++i) stage.pass(frame(1), kDt);
-  OutputFrame f = frame(0);
+  loop::OutputFrame f = frame(0);
   f.faulty = true;
   for (int i = 0; i < 7; ++i) EXPECT_EQ(stage.pass(f, kDt).force_n.x, 0);
   EXPECT_EQ(stage.state(), OutputState::kTripped);
@@ -117,7 +117,7 @@ TEST(OutputStage, LastingFaultsTripAndArmAgainWithARamp) {
 
 TEST(OutputStage, TheZeroIsATimeAndNotANumberOfFrames) {
   for (const auto& [dt_s, frames] : {std::pair{0.05, 1}, {0.01, 2}, {0.00025, 80}}) {
-    OutputStage stage(limits());
+    loop::OutputStage stage(limits());
     for (int i = 0; i < frames; ++i) EXPECT_EQ(stage.pass(frame(1), dt_s).force_n.x, 0) << dt_s;
     EXPECT_GT(stage.pass(frame(1), dt_s).force_n.x, 0) << dt_s;
   }
@@ -127,14 +127,14 @@ TEST(OutputStage, TheZeroIsATimeAndNotANumberOfFrames) {
 // gets stuck at its own zero, whenever the output arms or trips and arms again.
 TEST(OutputStage, ADevicesSideThatIsSlowSeesTheZero) {
   for (int first = 0; first < 14; ++first) {
-    OutputLimits l = limits();
+    loop::OutputLimits l = limits();
     l.rearm_alone = true;
-    OutputStage stage(l);
-    OutputWatch watch;
+    loop::OutputStage stage(l);
+    devices::OutputWatch watch;
     double felt_n = 0;
     int latched_frames = 0;
     for (int i = 0; i < 2000; ++i) {
-      OutputFrame f = frame(1);
+      loop::OutputFrame f = frame(1);
       if (i % 700 == 350) f.health.loop_late = true;  // trips, and arms again in the next frame
       const Wrench out = stage.pass(f, kDt);
       if (f.health.loop_late) watch.pass(out, 1);  // its own side let go as well
@@ -150,8 +150,8 @@ TEST(OutputStage, ADevicesSideThatIsSlowSeesTheZero) {
 TEST(OutputStage, WhatIsNotFiniteNeverPasses) {
   for (const double bad :
        {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
-    OutputStage stage = armed(1);
-    OutputFrame f = frame(0);
+    loop::OutputStage stage = armed(1);
+    loop::OutputFrame f = frame(0);
     f.wanted.torque_nm.y = bad;
     const Wrench out = stage.pass(f, kDt);
     EXPECT_EQ(out.force_n, glm::dvec3(0));
@@ -161,8 +161,8 @@ TEST(OutputStage, WhatIsNotFiniteNeverPasses) {
 }
 
 TEST(OutputStage, AHandTooFastTripsAndStaysTripped) {
-  OutputStage stage = armed(1);
-  OutputFrame f = frame(1);
+  loop::OutputStage stage = armed(1);
+  loop::OutputFrame f = frame(1);
   f.speed_mps = 6;
   EXPECT_EQ(stage.pass(f, kDt).force_n.x, 0);
   EXPECT_EQ(stage.last_trip(), TripCause::kOverSpeed);
@@ -170,21 +170,21 @@ TEST(OutputStage, AHandTooFastTripsAndStaysTripped) {
   EXPECT_EQ(stage.trips(), 1u);
 }
 
-OutputFrame with_trouble(InputTrouble trouble) {
-  OutputFrame f = frame(1);
+loop::OutputFrame with_trouble(InputTrouble trouble) {
+  loop::OutputFrame f = frame(1);
   f.faulty = true;
   f.health.trouble = trouble;
   return f;
 }
 
 struct BadFrame {
-  OutputFrame frame;
+  loop::OutputFrame frame;
   TripCause cause;
 };
 
 // Of the device or the map.
 std::vector<BadFrame> lost_frames() {
-  OutputFrame map_lost = frame(1);
+  loop::OutputFrame map_lost = frame(1);
   map_lost.map_lost = map_lost.faulty = true;
   return {{with_trouble(InputTrouble::kDeviceLost), TripCause::kDeviceLost},
           {with_trouble(InputTrouble::kNotCalibrated), TripCause::kNotCalibrated},
@@ -194,7 +194,7 @@ std::vector<BadFrame> lost_frames() {
 
 // Of the loop, the hand or the wrench.
 std::vector<BadFrame> passing_frames() {
-  OutputFrame late = frame(1), held = frame(1), fast = frame(1);
+  loop::OutputFrame late = frame(1), held = frame(1), fast = frame(1);
   late.health.loop_late = true;
   held.health.output_held = true;
   fast.speed_mps = 6;
@@ -206,7 +206,7 @@ TEST(OutputStage, EachCauseTripsInItsFrameAndIsNamed) {
   std::vector<BadFrame> cases = lost_frames();
   for (const BadFrame& more : passing_frames()) cases.push_back(more);
   for (const auto& [bad, cause] : cases) {
-    OutputStage stage = armed(1);
+    loop::OutputStage stage = armed(1);
     EXPECT_EQ(stage.pass(bad, kDt).force_n.x, 0) << to_text(cause);
     EXPECT_EQ(stage.state(), OutputState::kTripped) << to_text(cause);
     EXPECT_EQ(stage.last_trip(), cause);
@@ -216,16 +216,16 @@ TEST(OutputStage, EachCauseTripsInItsFrameAndIsNamed) {
 
 // It waits for the hand to lift the part, not for a device that is gone.
 TEST(OutputStage, WhatIsLostTripsAWaitingOutputToo) {
-  OutputFrame stretched = frame(1);
+  loop::OutputFrame stretched = frame(1);
   stretched.free_of_contact = false;
   const auto waiting = [&] {
-    OutputStage stage(limits());
+    loop::OutputStage stage(limits());
     expect_zero(stage, stretched, 10);
     EXPECT_EQ(stage.state(), OutputState::kWaiting);
     return stage;
   };
   for (auto [bad, cause] : lost_frames()) {
-    OutputStage stage = waiting();
+    loop::OutputStage stage = waiting();
     bad.free_of_contact = false;
     expect_zero(stage, bad, 1);
     EXPECT_EQ(stage.state(), OutputState::kTripped) << to_text(cause);
@@ -234,7 +234,7 @@ TEST(OutputStage, WhatIsLostTripsAWaitingOutputToo) {
     EXPECT_EQ(stage.trips(), 1u);
   }
   for (auto [bad, cause] : passing_frames()) {
-    OutputStage stage = waiting();
+    loop::OutputStage stage = waiting();
     bad.free_of_contact = cause != TripCause::kOutputHeld;  // held by its own side: it may arm
     expect_zero(stage, bad, 300);
     EXPECT_EQ(stage.state(), OutputState::kWaiting) << to_text(cause);
@@ -242,13 +242,13 @@ TEST(OutputStage, WhatIsLostTripsAWaitingOutputToo) {
     EXPECT_GT(stage.pass(frame(1), kDt).force_n.x, 0);
   }
   // Nonsense is a blip at first, and no late loop hides it.
-  OutputFrame overflowed = frame(0);
+  loop::OutputFrame overflowed = frame(0);
   overflowed.faulty = overflowed.not_finite = true;
   for (auto [nonsense, cause] :
        {BadFrame{with_trouble(InputTrouble::kNotFinite), TripCause::kInputNotFinite},
         BadFrame{with_trouble(InputTrouble::kImplausible), TripCause::kImplausible},
         BadFrame{overflowed, TripCause::kNotFinite}}) {
-    OutputStage stage = waiting();
+    loop::OutputStage stage = waiting();
     nonsense.health.loop_late = true;
     expect_zero(stage, nonsense, 5);
     EXPECT_EQ(stage.state(), OutputState::kWaiting);
@@ -261,8 +261,8 @@ TEST(OutputStage, NonsenseTripsAfterTheStaleLimit) {
   for (const auto& [trouble, cause] :
        {std::pair{InputTrouble::kNotFinite, TripCause::kInputNotFinite},
         std::pair{InputTrouble::kImplausible, TripCause::kImplausible}}) {
-    OutputStage stage = armed(1);
-    const OutputFrame f = with_trouble(trouble);
+    loop::OutputStage stage = armed(1);
+    const loop::OutputFrame f = with_trouble(trouble);
     for (int i = 0; i < 5; ++i) {
       EXPECT_EQ(stage.pass(f, kDt).force_n.x, 0);
       EXPECT_EQ(stage.state(), OutputState::kArmed);
@@ -273,8 +273,8 @@ TEST(OutputStage, NonsenseTripsAfterTheStaleLimit) {
 }
 
 TEST(OutputStage, AReadingThatGrowsOldFades) {
-  OutputStage stage = armed(1);
-  OutputFrame f = frame(1);
+  loop::OutputStage stage = armed(1);
+  loop::OutputFrame f = frame(1);
   for (const auto& [age, force] : {std::pair{0.2f, 1.0}, {0.4f, 1.0}, {0.7f, 0.5}, {1.0f, 0.0}}) {
     f.health.age_share = age;
     EXPECT_NEAR(stage.pass(f, kDt).force_n.x, force, 1e-6) << age;  // the age is a float
@@ -282,8 +282,8 @@ TEST(OutputStage, AReadingThatGrowsOldFades) {
 }
 
 TEST(OutputStage, TheClutchFadesOutAndRampsBackIn) {
-  OutputStage stage = armed(1);
-  OutputFrame f = frame(1);
+  loop::OutputStage stage = armed(1);
+  loop::OutputFrame f = frame(1);
   f.health.clutch = true;
   for (int i = 1; i <= 50; ++i) {
     EXPECT_NEAR(stage.pass(f, kDt).force_n.x, 1 - i / 50.0, 1e-12);
@@ -297,14 +297,14 @@ TEST(OutputStage, TheClutchFadesOutAndRampsBackIn) {
 
 // Nobody's hand says that it is ready when another thread loads a scene.
 TEST(OutputStage, ASwapFadesLikeTheClutchButArmsNothing) {
-  OutputStage stage = armed(1);
-  OutputFrame f = frame(1);
+  loop::OutputStage stage = armed(1);
+  loop::OutputFrame f = frame(1);
   f.health.swapping = true;
   for (int i = 1; i <= 50; ++i) EXPECT_NEAR(stage.pass(f, kDt).force_n.x, 1 - i / 50.0, 1e-12);
   EXPECT_TRUE(stage.at_zero());
   EXPECT_NEAR(stage.pass(frame(1), kDt).force_n.x, 1 / 200.0, 1e-12);
 
-  OutputFrame gone = with_trouble(InputTrouble::kDeviceLost);
+  loop::OutputFrame gone = with_trouble(InputTrouble::kDeviceLost);
   stage.pass(gone, kDt);
   ASSERT_EQ(stage.state(), OutputState::kTripped);
   for (int i = 0; i < 300; ++i) EXPECT_EQ(stage.pass(f, kDt).force_n.x, 0);
@@ -313,13 +313,13 @@ TEST(OutputStage, ASwapFadesLikeTheClutchButArmsNothing) {
 }
 
 TEST(OutputStage, TheClutchArmsATrippedOutputButNotWhileTheCauseLasts) {
-  OutputStage stage = armed(1);
-  OutputFrame gone = with_trouble(InputTrouble::kDeviceLost);
+  loop::OutputStage stage = armed(1);
+  loop::OutputFrame gone = with_trouble(InputTrouble::kDeviceLost);
   stage.pass(gone, kDt);
   gone.health.clutch = true;
   stage.pass(gone, kDt);
   EXPECT_EQ(stage.state(), OutputState::kTripped);
-  OutputFrame pressed = frame(1);
+  loop::OutputFrame pressed = frame(1);
   pressed.free_of_contact = false;
   pressed.health.clutch = true;
   expect_zero(stage, pressed, kZeroFrames);

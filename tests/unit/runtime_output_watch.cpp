@@ -9,14 +9,14 @@ namespace {
 const Wrench kPush{{3, 0, 0}, {0, 0.1, 0}};
 
 TEST(OutputWatch, GivesNothingBeforeTheLoopsFirstZero) {
-  OutputWatch watch;
+  devices::OutputWatch watch;
   EXPECT_EQ(watch.pass(kPush, 0).force_n.x, 0);
   EXPECT_EQ(watch.pass({}, 0).force_n.x, 0);
   EXPECT_EQ(watch.pass(kPush, 0).force_n.x, 3);
 }
 
 TEST(OutputWatch, HoldsFadesAndLatches) {
-  OutputWatch watch;
+  devices::OutputWatch watch;
   watch.pass({}, 0);
   EXPECT_EQ(watch.pass(kPush, 0.0015).force_n.x, 3);
   EXPECT_NEAR(watch.pass(kPush, 0.0035).force_n.x, 1.5, 1e-12);
@@ -32,7 +32,7 @@ TEST(OutputWatch, HoldsFadesAndLatches) {
 }
 
 TEST(OutputWatch, AnAgeThatIsNoNumberIsTooOld) {
-  OutputWatch watch;
+  devices::OutputWatch watch;
   watch.pass({}, 0);
   EXPECT_EQ(watch.pass(kPush, 0 / 0.0).force_n.x, 0);
   EXPECT_TRUE(watch.latched());

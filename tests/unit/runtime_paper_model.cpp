@@ -24,7 +24,7 @@ VoxelScene floor_scene() {
 }
 
 struct Bench {
-  std::unique_ptr<Simulation> simulation;
+  std::unique_ptr<model::Simulation> simulation;
   State state;
   StepInput input;
 };

@@ -99,7 +99,7 @@ TEST_F(ParametersTest, OfThePaperAreStableAtEveryRateAndMass) {
 // An empty request gets the default model, and the best field that the map can give.
 TEST_F(ParametersTest, ModelAndFieldFollowFromTheMap) {
   EXPECT_EQ(derive({}).values.model, Model::kDefault);
-  EXPECT_EQ(derive({}).values.force, usual_force(Model::kDefault, voxmap_));
+  EXPECT_EQ(derive({}).values.force, field::usual_force(Model::kDefault, voxmap_));
   RunRequest request;
   request.model = Model::kPaper;
   EXPECT_EQ(derive(request).values.force, ForceKind::kTangentPlane);

@@ -19,7 +19,7 @@
 namespace forcelayer::test {
 namespace {
 
-std::unique_ptr<Simulation> simulation(Model model) {
+std::unique_ptr<model::Simulation> simulation(Model model) {
   Voxmap voxmap = make_voxmap(
       offset_scene(0.01, {0, 0, 0}, {12, 12, 12}, 2, [](Voxel v) { return v[2] == 4; }));
   PointPart part = sphere_part(0.02, 50, 0.01);
@@ -63,7 +63,7 @@ TEST_P(PoseStreamOfARun, CarriesAFrame) {
   const auto sim = simulation(GetParam());
   auto receiver = PoseReceiver::open(0);
   ASSERT_TRUE(receiver);
-  auto sender = PoseSender::create(std::to_string(receiver->port()), *sim);
+  auto sender = stream::PoseSender::create(std::to_string(receiver->port()), *sim);
   ASSERT_TRUE(sender);
   Frame frame;
   frame.number = 77;
@@ -92,7 +92,7 @@ TEST_P(PoseStreamOfARun, CarriesAFrame) {
 TEST_P(PoseStreamOfARun, SendsSixtyASecondHoweverManyFramesAreOffered) {
   const auto sim = simulation(GetParam());
   auto receiver = PoseReceiver::open(0);
-  auto sender = PoseSender::create("127.0.0.1:" + std::to_string(receiver->port()), *sim);
+  auto sender = stream::PoseSender::create("127.0.0.1:" + std::to_string(receiver->port()), *sim);
   ASSERT_TRUE(sender);
   const auto end = std::chrono::steady_clock::now() + std::chrono::milliseconds(300);
   while (std::chrono::steady_clock::now() < end) {
@@ -109,9 +109,9 @@ TEST_P(PoseStreamOfARun, SendsAsOftenAsItIsAsked) {
   const auto sim = simulation(GetParam());
   for (const auto& [rate_hz, least, most] : {std::tuple{1e6, 10u, 10u}, {0.01, 1u, 1u}}) {
     auto receiver = PoseReceiver::open(0);
-    auto sender = PoseSender::create(std::to_string(receiver->port()), *sim, rate_hz);
+    auto sender = stream::PoseSender::create(std::to_string(receiver->port()), *sim, rate_hz);
     ASSERT_TRUE(sender);
-    PoseSender moved = std::move(*sender);
+    stream::PoseSender moved = std::move(*sender);
     for (int i = 0; i < 10; ++i) {
       moved.offer({});
       std::this_thread::sleep_for(std::chrono::microseconds(10));
@@ -125,7 +125,7 @@ TEST_P(PoseStreamOfARun, SendsAsOftenAsItIsAsked) {
 
 TEST_P(PoseStreamOfARun, NobodyListeningIsNoError) {
   const auto sim = simulation(GetParam());
-  auto sender = PoseSender::create("127.0.0.1:9", *sim);
+  auto sender = stream::PoseSender::create("127.0.0.1:9", *sim);
   ASSERT_TRUE(sender);
   for (int i = 0; i < 3; ++i) {
     sender->offer({});
@@ -191,7 +191,7 @@ TEST(PoseStream, MalformedDatagramsDoNothing) {
 TEST_P(PoseStreamOfARun, WhatIsNoAddressIsAnError) {
   const auto sim = simulation(GetParam());
   for (const char* target : {"", ":", "host:", "127.0.0.1:port", "no such host:7000"}) {
-    const auto sender = PoseSender::create(target, *sim);
+    const auto sender = stream::PoseSender::create(target, *sim);
     ASSERT_FALSE(sender) << target;
     EXPECT_EQ(sender.error().code, ErrorCode::kUsage) << target;
   }

@@ -78,15 +78,16 @@ TEST(Prefault, ReadsWhatThePartCanReachAndLittleElse) {
   const NoisyBar bar;
   const std::uint64_t file = bar.voxmap.bytes().size();
   ASSERT_GT(file, 1u << 20);
-  const std::uint64_t before = resident_bytes(bar.voxmap.bytes());
+  const std::uint64_t before = machine::resident_bytes(bar.voxmap.bytes());
   if (before > file / 2) GTEST_SKIP() << "this file system maps small files whole";
   // A sixteenth of the bar, in its middle.
   const std::int64_t from = 15 * kLong / 32, to = 17 * kLong / 32;
-  const ReachBox reach{{kS * double(from), 0, 0}, {kS * double(to), kS * kWide, kS * kWide}};
-  const std::uint64_t read = prefault(bar.voxmap, reach);
+  const machine::ReachBox reach{{kS * double(from), 0, 0},
+                                {kS * double(to), kS * kWide, kS * kWide}};
+  const std::uint64_t read = machine::prefault(bar.voxmap, reach);
   EXPECT_GE(read, file / 20);
   EXPECT_LE(read, file / 8);
-  const std::uint64_t after = resident_bytes(bar.voxmap.bytes());
+  const std::uint64_t after = machine::resident_bytes(bar.voxmap.bytes());
   EXPECT_GE(after, read);
   // The system maps some of what an earlier read-ahead left in its cache about a fault.
   EXPECT_LE(after, before + read + (256u << 10));
@@ -98,14 +99,14 @@ TEST(Prefault, ReadsWhatThePartCanReachAndLittleElse) {
   }
   sum_of_values(bar.voxmap, 0, kLong);
   EXPECT_GT(page_faults(), faults) << "the test has lost its teeth: everything was there";
-  EXPECT_GE(resident_bytes(bar.voxmap.bytes()), file * 7 / 8);
+  EXPECT_GE(machine::resident_bytes(bar.voxmap.bytes()), file * 7 / 8);
 }
 
 TEST(Prefault, AnEndlessReachIsTheWholeMapAndOneElsewhereNothing) {
   const NoisyBar bar;
   constexpr double kEndless = std::numeric_limits<double>::infinity();
-  EXPECT_EQ(prefault(bar.voxmap, {{1, 1, 1}, {2, 2, 2}}), 0u);
-  EXPECT_GE(prefault(bar.voxmap, {glm::dvec3(-kEndless), glm::dvec3(kEndless)}),
+  EXPECT_EQ(machine::prefault(bar.voxmap, {{1, 1, 1}, {2, 2, 2}}), 0u);
+  EXPECT_GE(machine::prefault(bar.voxmap, {glm::dvec3(-kEndless), glm::dvec3(kEndless)}),
             bar.voxmap.brick_count() * 128);
   const long faults = page_faults();
   sum_of_values(bar.voxmap, 0, kLong);

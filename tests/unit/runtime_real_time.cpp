@@ -29,7 +29,7 @@ std::vector<int> fifo_priorities() {
 
 bool fifo_is_granted() {
   bool granted = false;
-  std::thread([&] { granted = take_real_time_priority().empty(); }).join();
+  std::thread([&] { granted = machine::take_real_time_priority().empty(); }).join();
   return granted;
 }
 
@@ -39,7 +39,7 @@ std::size_t cores() {
   return static_cast<std::size_t>(CPU_COUNT(&set));
 }
 
-void expect_work(QueryWorkers& workers) {
+void expect_work(query::QueryWorkers& workers) {
   std::atomic<int> done{0};
   const auto count = [](void* context, std::uint32_t) noexcept {
     ++*static_cast<std::atomic<int>*>(context);
@@ -54,7 +54,7 @@ void expect_work(QueryWorkers& workers) {
 
 TEST(RealTime, HelpersRunAStepBelowTheLoop) {
   if (cores() < 2) GTEST_SKIP() << "one core: helpers keep their priority";
-  QueryWorkers workers(1);
+  query::QueryWorkers workers(1);
   EXPECT_TRUE(fifo_priorities().empty());
   const auto warnings = workers.take_real_time_priority();
   if (fifo_is_granted()) {
@@ -70,7 +70,7 @@ TEST(RealTime, HelpersRunAStepBelowTheLoop) {
 
 // Helpers that the loop spins for must not need its core.
 TEST(RealTime, MoreThreadsThanCoresKeepTheirPriority) {
-  QueryWorkers workers(static_cast<unsigned>(cores()));
+  query::QueryWorkers workers(static_cast<unsigned>(cores()));
   const auto warnings = workers.take_real_time_priority();
   ASSERT_EQ(warnings.size(), 1u);
   EXPECT_NE(warnings[0].find("cores"), std::string::npos) << warnings[0];

@@ -41,7 +41,7 @@ DeviceCapabilities motor() {
 }
 
 // A device whose readings a test writes.
-class PuppetDevice final : public Device {
+class PuppetDevice final : public devices::Device {
  public:
   const DeviceCapabilities& capabilities() const override { return capabilities_; }
   Status start() override { return {}; }
@@ -59,7 +59,7 @@ class PuppetDevice final : public Device {
 };
 
 // A slab whose force layer begins at z = 15 mm, and a ball of 20 mm.
-std::unique_ptr<Simulation> simulation(Model model, double ball_m = 0.02) {
+std::unique_ptr<model::Simulation> simulation(Model model, double ball_m = 0.02) {
   Voxmap voxmap =
       make_voxmap(offset_scene(kS, {0, 0, -2}, {48, 48, 8}, 2, [](Voxel v) { return v[2] <= 0; }));
   Pshell shell = make_pshell(sphere_part(ball_m, 300, kS));
@@ -71,8 +71,8 @@ std::unique_ptr<Simulation> simulation(Model model, double ball_m = 0.02) {
   return run->release_simulation();
 }
 
-OutputLimits limits() {
-  OutputLimits l;
+loop::OutputLimits limits() {
+  loop::OutputLimits l;
   l.max_force_n = 10;
   l.max_torque_nm = 0.1;
   return l;
@@ -80,11 +80,11 @@ OutputLimits limits() {
 
 // A hand at the device, above the slab at first.
 struct Bench {
-  std::unique_ptr<Simulation> sim;
+  std::unique_ptr<model::Simulation> sim;
   PuppetDevice device;
-  DeviceInput input{device, {}};
+  loop::DeviceInput input{device, {}};
   Pose hand{{0.1, 0.1, 0.05}, {1, 0, 0, 0}};
-  Servo servo{*sim, input, sim->registered(hand, hand), limits()};
+  loop::Servo servo{*sim, input, sim->registered(hand, hand), limits()};
   Frame frame;
 
   explicit Bench(Model model = kDefaultModel) : sim(simulation(model)) {
@@ -132,7 +132,7 @@ TEST_P(ServoTest, PressesAndEveryFaultOfTheInputTakesTheForceToZeroInTheSameTick
          s.device_from_handle.orientation = {0, 0, 0, 0};
        },
        6, TripCause::kInputNotFinite},
-      {"millimetres", [](auto& s) { s.device_from_handle.position_m *= 1000.0; }, 6,
+      {"millimeters", [](auto& s) { s.device_from_handle.position_m *= 1000.0; }, 6,
        TripCause::kImplausible},
   };
   for (const auto& c : cases) {
@@ -174,7 +174,7 @@ TEST_P(ServoTest, PressesAndEveryFaultOfTheInputTakesTheForceToZeroInTheSameTick
 
 // A source that believes its own numbers, as a device's input does not.
 TEST_P(ServoTest, NumbersThatAreNotFiniteAreNoFrozenDevice) {
-  struct NotFinite final : InputSource {
+  struct NotFinite final : loop::InputSource {
     bool next(double, double, StepInput& input) noexcept override {
       input.world_from_handle = {{std::nan(""), 0.1, 0.05}, {1, 0, 0, 0}};
       input.valid = kInputValid;
@@ -188,7 +188,7 @@ TEST_P(ServoTest, NumbersThatAreNotFiniteAreNoFrozenDevice) {
   } input;
   const auto sim = simulation(GetParam());
   const Pose hand{{0.1, 0.1, 0.05}, {1, 0, 0, 0}};
-  Servo servo(*sim, input, sim->registered(hand, hand), limits());
+  loop::Servo servo(*sim, input, sim->registered(hand, hand), limits());
   Frame frame;
   for (int i = 0; i < 6; ++i) {
     EXPECT_EQ(servo.output().trips(), 0u);
@@ -246,7 +246,7 @@ TEST(DeviceInput, TheHandIsAsFastAsItIsForASlowDeviceAndALargeScale) {
       device.sample.present = device.sample.calibrated = true;
       DevicePlacement placement;
       placement.motion_scale = scale;
-      DeviceInput input(device, placement);
+      loop::DeviceInput input(device, placement);
       StepInput step;
       for (int i = 0; i < 150; ++i) {
         device.sample.fresh = i % periods == 0;
@@ -285,7 +285,7 @@ TEST_P(ServoTest, TheClutchFreezesThePartInContactAndRegripsWithoutStretch) {
   bench.tick();
   const Pose part = bench.servo.state().world_from_center;
   bench.go_to(0.06);
-  bench.hand.orientation = rotation_by({0, 0, 0.3});
+  bench.hand.orientation = coupling::rotation_by({0, 0, 0.3});
   bench.go_to(0.05);
   const Pose held = bench.servo.state().world_from_center;
   EXPECT_EQ(held.position_m, part.position_m);
@@ -324,8 +324,8 @@ TEST_P(ServoTest, ThePartIsSwappedWithoutARestart) {
   parameters.rate_hz = 500;
   Voxmap slab =
       make_voxmap(offset_scene(kS, {0, 0, -2}, {8, 8, 8}, 2, [](Voxel v) { return v[2] <= 0; }));
-  auto slower =
-      Simulation::create(std::move(slab), make_pshell(sphere_part(0.02, 50, kS)), parameters);
+  auto slower = model::Simulation::create(std::move(slab), make_pshell(sphere_part(0.02, 50, kS)),
+                                          parameters);
   ASSERT_TRUE(slower);
   const Pose above{{0.1, 0.1, 0.08}, {1, 0, 0, 0}};
   EXPECT_FALSE(bench.servo.request_swap(**slower, {above, {}}));
@@ -356,9 +356,9 @@ TEST_P(ServoTest, AReplayGivesTheDevicesWrenchAgain) {
   std::vector<Wrench> felt;
   {
     Bench bench(GetParam());
-    auto writer = RecordingWriter::create(folder / "run.flr");
+    auto writer = stream::RecordingWriter::create(folder / "run.flr");
     ASSERT_TRUE(writer);
-    writer->begin(describe_run(*bench.sim, bench.servo.state(), DevicePlacement{}));
+    writer->begin(stream::describe_run(*bench.sim, bench.servo.state(), DevicePlacement{}));
     const auto tick = [&] {
       felt.push_back(bench.tick());
       ASSERT_TRUE(writer->add(bench.frame));
@@ -375,11 +375,11 @@ TEST_P(ServoTest, AReplayGivesTheDevicesWrenchAgain) {
     ASSERT_TRUE(writer->finish(0));
     EXPECT_GE(bench.servo.output().trips(), 2u);
   }
-  const auto recording = Recording::open(folder / "run.flr");
+  const auto recording = stream::Recording::open(folder / "run.flr");
   ASSERT_TRUE(recording);
   const auto sim = simulation(GetParam());
-  ReplayInput input(*recording);
-  Servo servo(*sim, input, recording->run().start, limits());
+  stream::ReplayInput input(*recording);
+  loop::Servo servo(*sim, input, recording->run().start, limits());
   Frame frame;
   for (std::size_t i = 0; i < felt.size(); ++i) {
     ASSERT_TRUE(servo.tick(frame));
@@ -393,11 +393,11 @@ TEST_P(ServoTest, AReplayGivesTheDevicesWrenchAgain) {
 // The fake device stands still in the loop's clock: a pause of the loop is noticed by the loop.
 TEST(Loop, APauseTripsAndEveryMissHasACause) {
   Bench bench;
-  class PausingInput final : public InputSource {
+  class PausingInput final : public loop::InputSource {
    public:
-    explicit PausingInput(InputSource& inner) : inner_(inner) {}
+    explicit PausingInput(loop::InputSource& inner) : inner_(inner) {}
     bool next(double t, double dt, StepInput& input) noexcept override {
-      if (++frames_ == 300) sleep_until_ns(monotonic_ns() + 60'000'000);
+      if (++frames_ == 300) machine::sleep_until_ns(machine::monotonic_ns() + 60'000'000);
       return inner_.next(t, dt, input);
     }
     InputHealth health() const noexcept override { return inner_.health(); }
@@ -406,16 +406,16 @@ TEST(Loop, APauseTripsAndEveryMissHasACause) {
     const DevicePlacement& placement() const override { return inner_.placement(); }
 
    private:
-    InputSource& inner_;
+    loop::InputSource& inner_;
     int frames_ = 0;
   } input(bench.input);
-  Servo servo(*bench.sim, input, bench.servo.state(), limits());
-  LoopOptions options;
+  loop::Servo servo(*bench.sim, input, bench.servo.state(), limits());
+  loop::LoopOptions options;
   options.frames = 400;
   options.stale_s = 0.05;  // a busy machine alone shall not reach it
   options.end_on_trip = true;
-  const auto statistics = std::make_unique<LoopStatistics>();
-  run_loop(servo, options, nullptr, *statistics);
+  const auto statistics = std::make_unique<loop::LoopStatistics>();
+  loop::run_loop(servo, options, nullptr, *statistics);
   EXPECT_EQ(servo.output().last_trip(), TripCause::kLoopLate);
   EXPECT_GE(statistics->deadline_misses, 1u);
   std::uint64_t sum = 0;
@@ -423,40 +423,41 @@ TEST(Loop, APauseTripsAndEveryMissHasACause) {
   EXPECT_EQ(sum, statistics->deadline_misses);
   bool found = false;
   for (std::size_t i = 0; i < statistics->worst.size(); ++i) {
-    found |= statistics->worst[i].frame == 299 && statistics->worst[i].cause == MissCause::kBlocked;
+    found |= statistics->worst[i].frame == 299 &&
+             statistics->worst[i].cause == loop::MissCause::kBlocked;
   }
   EXPECT_TRUE(found);
 }
 
 TEST(Loop, TheCauseOfAMissIsTheFirstThatApplies) {
-  TickCost cost;
+  loop::TickCost cost;
   cost.woke_late_ns = 2'000'000;
   cost.tick_ns = cost.cpu_ns = 100'000;
-  EXPECT_EQ(cause_of(cost), MissCause::kWokeLate);
+  EXPECT_EQ(loop::cause_of(cost), loop::MissCause::kWokeLate);
   cost.woke_late_ns = 0;
   cost.tick_ns = 5'000'000;
   cost.cpu_ns = 5'000'000;
-  EXPECT_EQ(cause_of(cost), MissCause::kLongTick);
+  EXPECT_EQ(loop::cause_of(cost), loop::MissCause::kLongTick);
   cost.minor_faults = 3;
-  EXPECT_EQ(cause_of(cost), MissCause::kMinorFault);
+  EXPECT_EQ(loop::cause_of(cost), loop::MissCause::kMinorFault);
   cost.cpu_ns = 100'000;
-  EXPECT_EQ(cause_of(cost), MissCause::kStoodStill);
+  EXPECT_EQ(loop::cause_of(cost), loop::MissCause::kStoodStill);
   cost.voluntary_switches = 1;
-  EXPECT_EQ(cause_of(cost), MissCause::kBlocked);
+  EXPECT_EQ(loop::cause_of(cost), loop::MissCause::kBlocked);
   cost.involuntary_switches = 1;
-  EXPECT_EQ(cause_of(cost), MissCause::kPreempted);
+  EXPECT_EQ(loop::cause_of(cost), loop::MissCause::kPreempted);
   cost.major_faults = 1;
-  EXPECT_EQ(cause_of(cost), MissCause::kMajorFault);
+  EXPECT_EQ(loop::cause_of(cost), loop::MissCause::kMajorFault);
 }
 
 TEST(Loop, TheWorstFramesAreKept) {
-  WorstFrames worst;
+  loop::WorstFrames worst;
   for (int i = 0; i < 1000; ++i) {
-    MissedFrame frame;
+    loop::MissedFrame frame;
     frame.late_ns = (i * 7919) % 1000;
     worst.add(frame);
   }
-  ASSERT_EQ(worst.size(), WorstFrames::kKept);
+  ASSERT_EQ(worst.size(), loop::WorstFrames::kKept);
   for (std::size_t i = 0; i < worst.size(); ++i) EXPECT_GE(worst[i].late_ns, 984);
 }
 

@@ -17,12 +17,12 @@ constexpr double kDtS = 0.001;
 const Pose kHome{{0.1, -0.2, 0.3}, {0.8, 0, 0.6, 0}};
 
 glm::dvec3 turned_by(const Pose& from, const Pose& to) {
-  return rotation_vector(to.orientation * glm::conjugate(from.orientation));
+  return coupling::rotation_vector(to.orientation * glm::conjugate(from.orientation));
 }
 
 // Without friction, steps and delay.
-SimHandParameters ideal() {
-  SimHandParameters p;
+devices::SimHandParameters ideal() {
+  devices::SimHandParameters p;
   p.device_friction_n = p.device_friction_nm = 0;
   p.encoder_step_m = p.encoder_step_rad = 0;
   p.force_step_n = p.torque_step_nm = 0;
@@ -33,8 +33,8 @@ SimHandParameters ideal() {
 // The hand gives way by force over stiffness and torque over stiffness, within the steps and what
 // friction holds.
 TEST(SimHand, GivesWayByForceOverStiffness) {
-  const SimHandParameters p;
-  SimHand hand(p, kHome);
+  const devices::SimHandParameters p;
+  devices::SimHand hand(p, kHome);
   const Wrench push{{3, -1, 2}, {0.02, 0.05, -0.03}};
   for (int frame = 0; frame < 3000; ++frame) hand.step(kHome, push, kDtS);
   const glm::dvec3 way_m = hand.pose().position_m - kHome.position_m;
@@ -48,14 +48,15 @@ TEST(SimHand, GivesWayByForceOverStiffness) {
 // Let go from a stretch, place and angle swing as damped oscillators do. The substep of 50 us
 // leaves about h w = 0.2% (place) and 0.25% (angle) of the amplitude.
 TEST(SimHand, SwingsAsADampedOscillator) {
-  const SimHandParameters p = ideal();
+  const devices::SimHandParameters p = ideal();
   const auto expected = [](double amplitude, double k, double b, double m, double t) {
     const double decay = b / (2 * m), w = std::sqrt(k / m - decay * decay);
     return amplitude * std::exp(-decay * t) * (std::cos(w * t) + decay / w * std::sin(w * t));
   };
   const glm::dvec3 axis = glm::normalize(glm::dvec3(1, 2, -2));
-  const Pose start{kHome.position_m + 0.01 * axis, rotation_by(0.1 * axis) * kHome.orientation};
-  SimHand hand(p, start);
+  const Pose start{kHome.position_m + 0.01 * axis,
+                   coupling::rotation_by(0.1 * axis) * kHome.orientation};
+  devices::SimHand hand(p, start);
   for (int frame = 1; frame <= 200; ++frame) {
     hand.step(kHome, {}, kDtS);
     const double t = frame * kDtS;
@@ -72,9 +73,9 @@ TEST(SimHand, SwingsAsADampedOscillator) {
 
 TEST(SimHand, FeelsTheLoopOneDelayLate) {
   for (const double delay_s : {0.0, 0.001, 0.003}) {
-    SimHandParameters p = ideal();
+    devices::SimHandParameters p = ideal();
     p.delay_s = delay_s;
-    SimHand hand(p, kHome);
+    devices::SimHand hand(p, kHome);
     const Wrench push{{5, 0, 0}, {0, 0.05, 0}};
     for (int frame = 1; frame <= 6; ++frame) {
       hand.step(kHome, push, kDtS);
@@ -88,15 +89,15 @@ TEST(SimHand, FeelsTheLoopOneDelayLate) {
 // What the encoders say is a whole number of steps, at most half a step an axis from the truth, on
 // any axis and past half a turn.
 TEST(SimHand, ReportsEncoderSteps) {
-  SimHandParameters p;
+  devices::SimHandParameters p;
   p.encoder_step_m = 1e-4;
   p.encoder_step_rad = 1e-2;
-  SimHand hand(p, kHome);
+  devices::SimHand hand(p, kHome);
   const glm::dvec3 axis = glm::normalize(glm::dvec3(-2, 1, 2));
   for (int frame = 0; frame < 4000; ++frame) {
     const double t = frame * kDtS;
     const Pose wanted{kHome.position_m + glm::dvec3(0.02 * t, 0, 0),
-                      rotation_by(t * axis) * kHome.orientation};
+                      coupling::rotation_by(t * axis) * kHome.orientation};
     const Pose said = hand.step(wanted, {}, kDtS);
     for (int i = 0; i < 3; ++i) {
       const double steps = said.position_m[i] / p.encoder_step_m;
@@ -109,9 +110,9 @@ TEST(SimHand, ReportsEncoderSteps) {
 }
 
 TEST(SimHand, PullsNoHarderThanAHand) {
-  SimHandParameters p = ideal();
+  devices::SimHandParameters p = ideal();
   p.hand_damping_ns_per_m = p.device_damping_ns_per_m = 0;
-  SimHand hand(p, kHome);
+  devices::SimHand hand(p, kHome);
   Pose far = kHome;
   far.position_m.x += 10;
   for (int frame = 0; frame < 100; ++frame) hand.step(far, {}, kDtS);
@@ -121,7 +122,8 @@ TEST(SimHand, PullsNoHarderThanAHand) {
 
 TEST(SimHandDevice, FollowsItsScriptAndFeelsWhatIsWritten) {
   const DevicePlacement placement{{{1, 2, 3}, {0.8, 0.6, 0, 0}}, 2};
-  SimHandDevice device(MotionScript({{0, kHome}}), placement, SimHandParameters());
+  devices::SimHandDevice device(devices::MotionScript({{0, kHome}}), placement,
+                                devices::SimHandParameters());
   const Pose first = placement.world_from_handle(device.read(0).device_from_handle);
   EXPECT_LT(glm::length(first.position_m - kHome.position_m), 1e-12);
   EXPECT_FALSE(device.capabilities().senses_velocity);

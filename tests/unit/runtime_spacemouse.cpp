@@ -22,17 +22,17 @@ Report words(int id, std::initializer_list<int> values) {
   return report;
 }
 
-SpaceMouseLayout layout_of(const Descriptor& descriptor) {
-  const auto parsed = parse_hid_report_descriptor(descriptor);
+devices::SpaceMouseLayout layout_of(const Descriptor& descriptor) {
+  const auto parsed = devices::parse_hid_report_descriptor(descriptor);
   EXPECT_TRUE(parsed) << (parsed ? "" : to_line(parsed.error()));
-  const auto layout = SpaceMouseLayout::from(*parsed);
+  const auto layout = devices::SpaceMouseLayout::from(*parsed);
   EXPECT_TRUE(layout);
   return *layout;
 }
 
 TEST(SpaceMouseLayout, ReadsSeparateReports) {
-  const SpaceMouseLayout layout = layout_of(separate_spacemouse());
-  SpaceMouseReading reading;
+  const devices::SpaceMouseLayout layout = layout_of(separate_spacemouse());
+  devices::SpaceMouseReading reading;
   EXPECT_TRUE(layout.take(words(1, {350, -175, 0}), reading));
   EXPECT_TRUE(layout.take(words(2, {0, -30, 700}), reading));
   EXPECT_EQ(reading.deflection, (std::array<double, 6>{1, -0.5, 0, 0, -30 / 350.0, 1}));
@@ -45,8 +45,8 @@ TEST(SpaceMouseLayout, ReadsSeparateReports) {
 }
 
 TEST(SpaceMouseLayout, ReadsTheCombinedReport) {
-  const SpaceMouseLayout layout = layout_of(combined_spacemouse());
-  SpaceMouseReading reading;
+  const devices::SpaceMouseLayout layout = layout_of(combined_spacemouse());
+  devices::SpaceMouseReading reading;
   EXPECT_TRUE(layout.take(words(1, {35, 70, 105, -140, -175, -210}), reading));
   EXPECT_EQ(reading.deflection, (std::array<double, 6>{0.1, 0.2, 0.3, -0.4, -0.5, -0.6}));
   EXPECT_FALSE(layout.take(Report{3, 0x01, 0x40}, reading));
@@ -54,8 +54,8 @@ TEST(SpaceMouseLayout, ReadsTheCombinedReport) {
 }
 
 TEST(SpaceMouseLayout, ShortAndForeignReportsChangeNothing) {
-  const SpaceMouseLayout layout = layout_of(combined_spacemouse());
-  SpaceMouseReading reading;
+  const devices::SpaceMouseLayout layout = layout_of(combined_spacemouse());
+  devices::SpaceMouseReading reading;
   reading.deflection[2] = 0.5;
   for (const Report& report :
        {Report{}, Report{1}, Report{9, 1, 2, 3, 4, 5, 6, 7, 8}, Report{2, 1, 1}}) {
@@ -71,23 +71,23 @@ TEST(SpaceMouseLayout, RefusesWhatHasNotSixAxes) {
   add(d, {0x05, 0x01, 0x09, 0x08, 0xa1, 0x01});
   add_axes(d, 1, 0x30, 5, 0x02);
   add(d, {0xc0});
-  auto parsed = parse_hid_report_descriptor(d);
+  auto parsed = devices::parse_hid_report_descriptor(d);
   ASSERT_TRUE(parsed);
-  const auto layout = SpaceMouseLayout::from(*parsed);
+  const auto layout = devices::SpaceMouseLayout::from(*parsed);
   ASSERT_FALSE(layout);
   EXPECT_EQ(layout.error().code, ErrorCode::kDeviceRefused);
   EXPECT_NE(layout.error().what.find("Rz"), std::string::npos);
   Descriptor joystick = combined_spacemouse();
   joystick[3] = 0x04;
-  parsed = parse_hid_report_descriptor(joystick);
+  parsed = devices::parse_hid_report_descriptor(joystick);
   ASSERT_TRUE(parsed);
-  EXPECT_FALSE(SpaceMouseLayout::from(*parsed));
+  EXPECT_FALSE(devices::SpaceMouseLayout::from(*parsed));
 }
 
 TEST(SpaceMouseMotion, RateControlMovesAlongTheAxesThatTheHandSees) {
-  SpaceMouseOptions options;
+  devices::SpaceMouseOptions options;
   options.dead_zone = 0.1;
-  SpaceMouseMotion motion(options);
+  devices::SpaceMouseMotion motion(options);
   // Fully towards the user, half way down, within the dead zone to the right.
   for (int i = 0; i < 1000; ++i) motion.advance({0.1, 1, 0.55}, 0.001);
   EXPECT_EQ(motion.velocity().linear_mps.x, 0);
@@ -101,9 +101,9 @@ TEST(SpaceMouseMotion, RateControlMovesAlongTheAxesThatTheHandSees) {
 }
 
 TEST(SpaceMouseMotion, TurnsAboutTheAxesThatTheHandSees) {
-  SpaceMouseOptions options;
+  devices::SpaceMouseOptions options;
   options.dead_zone = 0;
-  SpaceMouseMotion motion(options);
+  devices::SpaceMouseMotion motion(options);
   for (int i = 0; i < 500; ++i) motion.advance({0, 0, 0, 0, -1, 0}, 0.001);  // right side down
   const glm::dvec3 right = motion.device_from_handle().orientation * glm::dvec3(1, 0, 0);
   EXPECT_LT(right.z, -0.4);
@@ -112,10 +112,10 @@ TEST(SpaceMouseMotion, TurnsAboutTheAxesThatTheHandSees) {
 }
 
 TEST(SpaceMouseMotion, PositionControlGoesBackWhenReleased) {
-  SpaceMouseOptions options;
-  options.control = SpaceMouseControl::kPosition;
+  devices::SpaceMouseOptions options;
+  options.control = devices::SpaceMouseControl::kPosition;
   options.dead_zone = 0;
-  SpaceMouseMotion motion(options);
+  devices::SpaceMouseMotion motion(options);
   glm::dvec3 last(0);
   for (int i = 0; i < 500; ++i) {
     motion.advance({1, 0, 0, 0, 0, -0.5}, 0.001);
@@ -124,7 +124,7 @@ TEST(SpaceMouseMotion, PositionControlGoesBackWhenReleased) {
     last = now;
   }
   EXPECT_NEAR(last.x, 0.05, 1e-9);
-  EXPECT_NEAR(rotation_vector(motion.device_from_handle().orientation).z, 0.4, 1e-9);
+  EXPECT_NEAR(coupling::rotation_vector(motion.device_from_handle().orientation).z, 0.4, 1e-9);
   for (int i = 0; i < 1000; ++i) motion.advance({}, 0.001);
   EXPECT_EQ(motion.device_from_handle().position_m, glm::dvec3(0));
 }
@@ -132,14 +132,14 @@ TEST(SpaceMouseMotion, PositionControlGoesBackWhenReleased) {
 TEST(SpaceMouse, FollowsItsReportsLightsUpAndLetsGoOfASilentCap) {
   auto socket = std::make_shared<FakeSocket>();
   socket->descriptor = separate_spacemouse();
-  socket->info = {"/dev/fake1", 0x046d, 0xc626, "", "SpaceNavigator", kMultiAxisUsage};
+  socket->info = {"/dev/fake1", 0x046d, 0xc626, "", "SpaceNavigator", devices::kMultiAxisUsage};
   std::mutex mutex;
   std::vector<Report> written;
   socket->on_write = [&](std::span<const std::uint8_t> report) {
     const std::lock_guard lock(mutex);
     written.emplace_back(report.begin(), report.end());
   };
-  SpaceMouse mouse(std::make_unique<FakeHidBus>(std::vector{socket}), {}, {});
+  devices::SpaceMouse mouse(std::make_unique<FakeHidBus>(std::vector{socket}), {}, {});
   ASSERT_TRUE(mouse.start());
   EXPECT_EQ(mouse.capabilities().actuated_axes, 0u);
   double time_s = 0;
@@ -148,7 +148,7 @@ TEST(SpaceMouse, FollowsItsReportsLightsUpAndLetsGoOfASilentCap) {
   const auto until = [&](auto done, const Report& report) {
     for (int i = 0; i < 5000; ++i) {
       if (!report.empty() && i % 8 == 0) socket->send(report);
-      sleep_until_ns(monotonic_ns() + 1'000'000);
+      machine::sleep_until_ns(machine::monotonic_ns() + 1'000'000);
       sample = mouse.read(time_s += 0.001);
       if (done()) return true;
     }

@@ -77,7 +77,7 @@ std::uint64_t pressed(Model model, const HostState& state) {
   std::uint32_t contacts = 0;
   for (int frame = 0; frame < 300; ++frame) {
     const Pose hand{{0.00011 * frame, 0.001, 12 * kS - 0.00017 * frame},
-                    rotation_by({0.0013 * frame, 0, 0.0007 * frame})};
+                    coupling::rotation_by({0.0013 * frame, 0, 0.0007 * frame})};
     const Pose last = bench.input.world_from_handle;
     bench.input.handle_velocity.linear_mps = (hand.position_m - last.position_m) / bench.dt_s;
     bench.input.world_from_handle = hand;
@@ -93,7 +93,7 @@ std::uint64_t pressed(Model model, const HostState& state) {
       step();
     }
     contacts += result.report.contacts;
-    hash = hash * 31 + outcome_hash(result, bench.state);
+    hash = hash * 31 + model::outcome_hash(result, bench.state);
   }
   EXPECT_GT(contacts, 100u);
   return hash;

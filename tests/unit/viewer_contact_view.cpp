@@ -27,26 +27,26 @@ BuiltPshell foot() {
   return BuiltPshell({{0, 0, -0.02}}, {{0, 0, 1}}, options);
 }
 
-ContactView view_at(double height_m) {
+viewer::ContactView view_at(double height_m) {
   const BuiltVoxmap scene(half_space());
   const BuiltPshell part = foot();
-  auto field = make_force_field(Model::kPaper, ForceKind::kTangentPlane, scene.voxmap());
-  ContactViewSource source(scene.voxmap(), part.pshell(), Model::kPaper, std::move(*field));
+  auto field = field::make_force_field(Model::kPaper, ForceKind::kTangentPlane, scene.voxmap());
+  viewer::ContactViewSource source(scene.voxmap(), part.pshell(), Model::kPaper, std::move(*field));
   return source.at({{0.004, 0.004, height_m}, {1, 0, 0, 0}});
 }
 
 TEST(ContactView, NamesEachKindOfFrame) {
-  EXPECT_EQ(view_at(0.050).kind(), FrameKind::kFree);
-  EXPECT_EQ(view_at(0.034).kind(), FrameKind::kProximity);
-  EXPECT_EQ(view_at(0.027).kind(), FrameKind::kForceLayer);  // above the tangent plane
-  EXPECT_EQ(view_at(0.022).kind(), FrameKind::kContact);
-  EXPECT_EQ(view_at(0.018).kind(), FrameKind::kPenetration);
+  EXPECT_EQ(view_at(0.050).kind(), viewer::FrameKind::kFree);
+  EXPECT_EQ(view_at(0.034).kind(), viewer::FrameKind::kProximity);
+  EXPECT_EQ(view_at(0.027).kind(), viewer::FrameKind::kForceLayer);  // above the tangent plane
+  EXPECT_EQ(view_at(0.022).kind(), viewer::FrameKind::kContact);
+  EXPECT_EQ(view_at(0.018).kind(), viewer::FrameKind::kPenetration);
 }
 
 TEST(ContactView, PlacesTheContactWhereItIs) {
-  const ContactView view = view_at(0.022);
+  const viewer::ContactView view = view_at(0.022);
   ASSERT_EQ(view.points.size(), 1u);
-  const ViewPoint& point = view.points.front();
+  const viewer::ViewPoint& point = view.points.front();
   // The query's float arithmetic is good to some 1e-7 of the part's 20 mm.
   EXPECT_NEAR(point.position_m.x, 0.004, 1e-8);
   EXPECT_NEAR(point.position_m.z, 0.002, 1e-8);
@@ -62,19 +62,20 @@ TEST(Camera, LooksThroughTheOpenSide) {
   voxels.fill({0, 0, 0}, {40, 40, 40}, VoxelValue::kInterior);
   voxels.fill({5, 5, 5}, {35, 40, 35}, VoxelValue::kFree);  // open towards +y
   const BuiltVoxmap scene(voxels);
-  const glm::dvec3 direction = clearest_direction(scene.voxmap(), {{0.2, 0.2, 0.2}}, {}, 1.0);
+  const glm::dvec3 direction =
+      viewer::clearest_direction(scene.voxmap(), {{0.2, 0.2, 0.2}}, {}, 1.0);
   EXPECT_GT(direction.y, 0.7);
 }
 
 TEST(Camera, FramesTheWholeBox) {
-  WorldBox box;
+  viewer::WorldBox box;
   box.add({-1, -1, -1});
   box.add({3, 1, 0});
-  const CameraView wide = frame_box(box, {0, -1, 0}, 2.0);
+  const viewer::CameraView wide = viewer::frame_box(box, {0, -1, 0}, 2.0);
   EXPECT_EQ(wide.target_m, glm::dvec3(1, 0, -0.5));
   EXPECT_EQ(wide.up, glm::dvec3(0, 0, 1));
   EXPECT_NEAR(wide.half_height_m, 1.08 * 1.0, 1e-12);  // 4 m wide at twice the height
-  EXPECT_EQ(frame_box(box, {0, 0, 1}, 1.0).up, glm::dvec3(0, 1, 0));
+  EXPECT_EQ(viewer::frame_box(box, {0, 0, 1}, 1.0).up, glm::dvec3(0, 1, 0));
 }
 
 }  // namespace

@@ -8,9 +8,9 @@
 namespace forcelayer {
 namespace {
 
-Result<ViewOptions> parsed(const std::string& line) {
+Result<viewer::ViewOptions> parsed(const std::string& line) {
   CLI::App app{"", "voxview"};
-  const ViewOptionParser parser(app);
+  const viewer::ViewOptionParser parser(app);
   try {
     app.parse(line);
   } catch (const CLI::ParseError& error) {
@@ -33,13 +33,13 @@ TEST(ViewOptions, ReadsAPictureOfARun) {
   EXPECT_EQ(options->inputs.unit_m, 0.001);
   EXPECT_EQ(options->force, ForceKind::kLevel);
   EXPECT_EQ(options->to_eye, glm::dvec3(1, 2, 3));
-  EXPECT_EQ(options->focus, Focus::kScene);
+  EXPECT_EQ(options->focus, viewer::Focus::kScene);
   EXPECT_EQ(options->cut->axis, 1);
   EXPECT_EQ(options->cut->at_m, -0.005);
   EXPECT_FALSE(options->cut->keep_low);
-  EXPECT_TRUE((*options->shown)[Item::kMeshes]);
-  EXPECT_TRUE((*options->shown)[Item::kShell]);
-  EXPECT_FALSE((*options->shown)[Item::kForceLayer]);
+  EXPECT_TRUE((*options->shown)[viewer::Item::kMeshes]);
+  EXPECT_TRUE((*options->shown)[viewer::Item::kShell]);
+  EXPECT_FALSE((*options->shown)[viewer::Item::kForceLayer]);
 }
 
 TEST(ViewOptions, RefusesWhatMakesNoSense) {

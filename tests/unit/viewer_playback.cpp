@@ -8,8 +8,8 @@ namespace forcelayer {
 namespace {
 
 // 100 frames, 10 ms each; contact in frames 20-29 and 60-69, a guard cut in 65.
-std::vector<TraceRow> rows() {
-  std::vector<TraceRow> result(100);
+std::vector<viewer::TraceRow> rows() {
+  std::vector<viewer::TraceRow> result(100);
   for (std::size_t n = 0; n < result.size(); ++n) {
     result[n].time_s = 0.01 * static_cast<double>(n);
     result[n].contacts = (n >= 20 && n < 30) || (n >= 60 && n < 70) ? 3 : 0;
@@ -19,8 +19,8 @@ std::vector<TraceRow> rows() {
 }
 
 TEST(Playback, PlaysPausesAndEnds) {
-  const std::vector<TraceRow> run = rows();
-  Playback playback(run);
+  const std::vector<viewer::TraceRow> run = rows();
+  viewer::Playback playback(run);
   playback.advance(0.5);
   EXPECT_EQ(playback.index(), 0u);  // not yet playing
   playback.toggle();
@@ -38,8 +38,8 @@ TEST(Playback, PlaysPausesAndEnds) {
 }
 
 TEST(Playback, StepsAndSeeksWithinTheRun) {
-  const std::vector<TraceRow> run = rows();
-  Playback playback(run);
+  const std::vector<viewer::TraceRow> run = rows();
+  viewer::Playback playback(run);
   playback.step(-1);
   EXPECT_EQ(playback.index(), 0u);
   playback.step(10);
@@ -51,8 +51,8 @@ TEST(Playback, StepsAndSeeksWithinTheRun) {
 }
 
 TEST(Playback, JumpsToWhatHappened) {
-  const std::vector<TraceRow> run = rows();
-  Playback playback(run);
+  const std::vector<viewer::TraceRow> run = rows();
+  viewer::Playback playback(run);
   playback.jump_to_contact(true);
   EXPECT_EQ(playback.index(), 20u);
   playback.jump_to_contact(true);
@@ -67,11 +67,11 @@ TEST(Playback, JumpsToWhatHappened) {
 
 TEST(Live, RefusesWhatIsNoPort) {
   for (const char* text : {"", "port", "70000", "127.0.0.1:", "127.0.0.1:x"}) {
-    const auto receiver = listen_at(text);
+    const auto receiver = viewer::listen_at(text);
     ASSERT_FALSE(receiver) << text;
     EXPECT_EQ(receiver.error().code, ErrorCode::kUsage) << text;
   }
-  const auto receiver = listen_at("127.0.0.1:0");  // any free port
+  const auto receiver = viewer::listen_at("127.0.0.1:0");  // any free port
   ASSERT_TRUE(receiver) << to_line(receiver.error());
   EXPECT_NE(receiver->port(), 0);
 }

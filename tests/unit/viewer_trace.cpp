@@ -20,17 +20,17 @@ std::string row(double time_s, double force_n) {
          ",0,0,0.1,0.2,0.3,7,8,9,10,11,1200.5,x";
 }
 
-Result<std::vector<TraceRow>> read_text(const std::string& text) {
+Result<std::vector<viewer::TraceRow>> read_text(const std::string& text) {
   const test::ScratchFolder folder;
   std::ofstream(folder / "trace.csv") << text;
-  return read_trace(folder / "trace.csv");
+  return viewer::read_trace(folder / "trace.csv");
 }
 
 TEST(Trace, ReadsEveryColumnByName) {
   const auto rows = read_text(kHeader + "\r\n" + row(0.5, 2) + "\r\n" + row(0.501, -3) + "\n");
   ASSERT_TRUE(rows) << to_line(rows.error());
   ASSERT_EQ(rows->size(), 2u);
-  const TraceRow& first = rows->front();
+  const viewer::TraceRow& first = rows->front();
   EXPECT_EQ(first.time_s, 0.5);
   EXPECT_EQ(first.world_from_handle.position_m, glm::dvec3(1, 2, 3));
   EXPECT_EQ(first.world_from_part.position_m, glm::dvec3(4, 5, 6));
@@ -43,20 +43,20 @@ TEST(Trace, ReadsEveryColumnByName) {
   EXPECT_EQ(first.contacts, 10u);
   EXPECT_EQ(first.guard_cuts, 11u);
   EXPECT_EQ(first.step_ns, 1200.5);
-  EXPECT_EQ(strongest_row(*rows), 1u);
+  EXPECT_EQ(viewer::strongest_row(*rows), 1u);
 }
 
 TEST(Trace, FindsTheRowAtATime) {
   const auto rows = read_text(kHeader + "\n" + row(1, 0) + "\n" + row(2, 0) + "\n" + row(3, 0));
   ASSERT_TRUE(rows);
-  EXPECT_EQ(row_at(*rows, 0), 0u);
-  EXPECT_EQ(row_at(*rows, 2), 1u);
-  EXPECT_EQ(row_at(*rows, 2.9), 1u);
-  EXPECT_EQ(row_at(*rows, 99), 2u);
+  EXPECT_EQ(viewer::row_at(*rows, 0), 0u);
+  EXPECT_EQ(viewer::row_at(*rows, 2), 1u);
+  EXPECT_EQ(viewer::row_at(*rows, 2.9), 1u);
+  EXPECT_EQ(viewer::row_at(*rows, 99), 2u);
 }
 
 TEST(Trace, RefusesWhatItCannotRead) {
-  EXPECT_EQ(read_trace("/nowhere/trace.csv").error().code, ErrorCode::kFileNotFound);
+  EXPECT_EQ(viewer::read_trace("/nowhere/trace.csv").error().code, ErrorCode::kFileNotFound);
   EXPECT_EQ(read_text("").error().code, ErrorCode::kNotThisFormat);
   EXPECT_EQ(read_text("t_s,force\n1,2\n").error().code, ErrorCode::kNotThisFormat);
   EXPECT_EQ(read_text(kHeader + "\n").error().code, ErrorCode::kNotThisFormat);

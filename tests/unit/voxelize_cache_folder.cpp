@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr Digest kKey{0x0123456789abcdef, 0xfedcba9876543210};
+constexpr cache::Digest kKey{0x0123456789abcdef, 0xfedcba9876543210};
 
 std::vector<std::byte> content(std::size_t bytes, unsigned first = 7) {
   std::vector<std::byte> result(bytes);
@@ -26,12 +26,12 @@ std::vector<std::byte> content(std::size_t bytes, unsigned first = 7) {
 
 class CacheFolderTest : public ::testing::Test {
  protected:
-  CacheFolder open() {
-    auto cache = CacheFolder::open((scratch_ / "cache").string());
+  cache::CacheFolder open() {
+    auto cache = cache::CacheFolder::open((scratch_ / "cache").string());
     if (!cache) throw std::runtime_error(to_line(cache.error()));
     return std::move(*cache);
   }
-  bool finds(const CacheFolder& cache, const std::vector<std::byte>& expected) {
+  bool finds(const cache::CacheFolder& cache, const std::vector<std::byte>& expected) {
     const auto entry = cache.find("part", kKey);
     return entry && std::equal(expected.begin(), expected.end(), entry->bytes().begin(),
                                entry->bytes().end());
@@ -49,7 +49,7 @@ class CacheFolderTest : public ::testing::Test {
 };
 
 TEST_F(CacheFolderTest, FindsWhatWasKept) {
-  const CacheFolder cache = open();
+  const cache::CacheFolder cache = open();
   EXPECT_FALSE(cache.find("part", kKey));
   for (const std::size_t bytes : {0u, 1u, 8u, 100000u}) {
     cache.keep("part", kKey, content(bytes));
@@ -59,12 +59,12 @@ TEST_F(CacheFolderTest, FindsWhatWasKept) {
   EXPECT_TRUE(fs::exists(entry_path()));
   EXPECT_TRUE(fs::is_empty(scratch_ / "cache" / "tmp"));
   EXPECT_FALSE(cache.find("facts", kKey));
-  EXPECT_FALSE(cache.find("part", Digest{kKey.low + 1, kKey.high}));
+  EXPECT_FALSE(cache.find("part", cache::Digest{kKey.low + 1, kKey.high}));
   EXPECT_FALSE(cache.trouble());
 }
 
 TEST_F(CacheFolderTest, DamageInAnyByteIsFound) {
-  const CacheFolder cache = open();
+  const cache::CacheFolder cache = open();
   cache.keep("part", kKey, content(64));
   const std::string good = read(entry_path());
   ASSERT_EQ(good.size(), 128u);
@@ -83,15 +83,15 @@ TEST_F(CacheFolderTest, DamageInAnyByteIsFound) {
 }
 
 TEST_F(CacheFolderTest, AnEntryUnderAnotherNameIsForeign) {
-  const CacheFolder cache = open();
-  const Digest other{kKey.low + 1, kKey.high};
+  const cache::CacheFolder cache = open();
+  const cache::Digest other{kKey.low + 1, kKey.high};
   cache.keep("part", other, content(64));
   fs::copy_file(scratch_ / "cache" / "fe" / (other.hex() + ".part"), entry_path());
   EXPECT_FALSE(cache.find("part", kKey));
 }
 
 TEST_F(CacheFolderTest, LinksInsideAreNotFollowed) {
-  const CacheFolder cache = open();
+  const cache::CacheFolder cache = open();
   cache.keep("part", kKey, content(64));
   fs::rename(entry_path(), scratch_ / "elsewhere");
   fs::create_symlink(scratch_ / "elsewhere", entry_path());
@@ -105,13 +105,13 @@ TEST_F(CacheFolderTest, LinksInsideAreNotFollowed) {
   fs::create_directory_symlink(scratch_ / "folder", scratch_ / "cache" / "fe");
   EXPECT_FALSE(cache.find("part", kKey)) << "a folder that is a link";
   const auto count = std::distance(fs::directory_iterator(scratch_ / "folder"), {});
-  cache.keep("part", Digest{1, kKey.high}, content(32));
+  cache.keep("part", cache::Digest{1, kKey.high}, content(32));
   EXPECT_EQ(std::distance(fs::directory_iterator(scratch_ / "folder"), {}), count);
   EXPECT_TRUE(cache.trouble());
 }
 
 TEST_F(CacheFolderTest, WhatIsNoFileIsNotWaitedFor) {
-  const CacheFolder cache = open();
+  const cache::CacheFolder cache = open();
   fs::create_directories(entry_path().parent_path());
   ASSERT_EQ(::mkfifo(entry_path().c_str(), 0600), 0);
   EXPECT_FALSE(cache.find("part", kKey));
@@ -140,7 +140,7 @@ TEST_F(CacheFolderTest, RemovesWhatKilledWritersLeft) {
 
 TEST_F(CacheFolderTest, AFileInItsPlaceIsAnError) {
   write(scratch_ / "cache", "no folder");
-  const auto cache = CacheFolder::open((scratch_ / "cache").string());
+  const auto cache = cache::CacheFolder::open((scratch_ / "cache").string());
   ASSERT_FALSE(cache);
   EXPECT_EQ(cache.error().code, ErrorCode::kWriteFailed);
 }
@@ -152,7 +152,7 @@ TEST_F(CacheFolderTest, ManyAtOnce) {
   std::atomic<int> wrong = 0, found = 0;
   for (unsigned t = 0; t < 4; ++t) {
     threads.emplace_back([&, t] {
-      const CacheFolder cache = open();
+      const cache::CacheFolder cache = open();
       for (int i = 0; i < 200; ++i) {
         cache.keep("part", kKey, content(5000 + t, t));
         const auto entry = cache.find("part", kKey);

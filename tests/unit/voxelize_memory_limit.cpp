@@ -11,14 +11,14 @@
 namespace forcelayer {
 namespace {
 
-SnappedObject snapped(const Mesh& mesh, double voxel_size_m) {
-  auto object = snap_object(mesh, {}, voxel_size_m, "plate");
+scan::SnappedObject snapped(const mesh::Mesh& mesh, double voxel_size_m) {
+  auto object = scan::snap_object(mesh, {}, voxel_size_m, "plate");
   EXPECT_TRUE(object);
   return std::move(*object);
 }
 
-Mesh plate(double edge_m, bool upright = false) {
-  Mesh mesh;
+mesh::Mesh plate(double edge_m, bool upright = false) {
+  mesh::Mesh mesh;
   mesh.vertices = {{0, 0, 0}, {edge_m, 0, 0}, {0, edge_m, 0}, {1, 1, 1}, {1.1, 1, 1}, {1, 1.1, 1}};
   if (upright) std::swap(mesh.vertices[1][0], mesh.vertices[1][2]);
   mesh.triangles = {{3, 4, 5}, {0, 1, 2}};
@@ -28,10 +28,10 @@ Mesh plate(double edge_m, bool upright = false) {
 TEST(MemoryLimit, CountsTheLargestTriangle) {
   constexpr double kVoxels = 1e4 * 1e4 / 2;
   for (const bool upright : {false, true}) {
-    const Mesh mesh = plate(10, upright);
-    const SnappedObject object = snapped(mesh, 1e-3);
-    EXPECT_TRUE(fit_memory(object, "plate", 1e-3, 1.51 * kVoxels));
-    const Status refused = fit_memory(object, "plate", 1e-3, 1.49 * kVoxels);
+    const mesh::Mesh mesh = plate(10, upright);
+    const scan::SnappedObject object = snapped(mesh, 1e-3);
+    EXPECT_TRUE(voxelize::fit_memory(object, "plate", 1e-3, 1.51 * kVoxels));
+    const Status refused = voxelize::fit_memory(object, "plate", 1e-3, 1.49 * kVoxels);
     ASSERT_FALSE(refused);
     EXPECT_EQ(refused.error().code, ErrorCode::kBakeTooLarge);
     EXPECT_EQ(refused.error().where, "triangle 1 of plate");
@@ -42,8 +42,8 @@ TEST(MemoryLimit, CountsTheLargestTriangle) {
 }
 
 // An object of a meter with one vertex far away.
-Mesh stray_vertex(double away_m) {
-  Mesh mesh;
+mesh::Mesh stray_vertex(double away_m) {
+  mesh::Mesh mesh;
   mesh.vertices = {{0, 0, 0}, {0.01, 0, 0}, {0, 0.01, 0}, {1, 0, 0}, {0.005, 0.005, -away_m}};
   mesh.triangles = {{0, 1, 2}, {0, 1, 4}, {1, 3, 2}};
   return mesh;
@@ -51,11 +51,11 @@ Mesh stray_vertex(double away_m) {
 
 // The sliver covers no plane of voxels, but is a brick every 8 and a node every 64 voxels.
 TEST(MemoryLimit, CountsTheLongestSliver) {
-  const Mesh mesh = stray_vertex(1e4);
-  const SnappedObject object = snapped(mesh, 1e-2);
-  const double least = 1e6 / 64 * (8 * 96 + sizeof(LowerMaskNode));
-  EXPECT_TRUE(fit_memory(object, "part", 1e-2, 1.01 * least));
-  const Status refused = fit_memory(object, "part", 1e-2, 0.99 * least);
+  const mesh::Mesh mesh = stray_vertex(1e4);
+  const scan::SnappedObject object = snapped(mesh, 1e-2);
+  const double least = 1e6 / 64 * (8 * 96 + sizeof(masks::LowerMaskNode));
+  EXPECT_TRUE(voxelize::fit_memory(object, "part", 1e-2, 1.01 * least));
+  const Status refused = voxelize::fit_memory(object, "part", 1e-2, 0.99 * least);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::kBakeTooLarge);
   EXPECT_EQ(refused.error().where, "triangle 1 of part");
@@ -68,43 +68,45 @@ TEST(MemoryLimit, CountsTheLongestSliver) {
 TEST(MemoryLimit, SaysLessThanTheVoxelsTake) {
   for (const double away_m : {1.0, 10.0, 100.0}) {
     for (const double voxel_size_m : {1e-2, 1e-3}) {
-      const Mesh mesh = stray_vertex(away_m);
-      const SnappedObject object = snapped(mesh, voxel_size_m);
-      const auto tree = scan_convert(object, {-(1 << 20), -(1 << 20), -(1 << 20)});
+      const mesh::Mesh mesh = stray_vertex(away_m);
+      const scan::SnappedObject object = snapped(mesh, voxel_size_m);
+      const auto tree = scan::scan_convert(object, {-(1 << 20), -(1 << 20), -(1 << 20)});
       const double taken = static_cast<double>(tree->memUsage());
-      EXPECT_TRUE(fit_memory(object, "part", voxel_size_m, taken)) << away_m << " " << voxel_size_m;
+      EXPECT_TRUE(voxelize::fit_memory(object, "part", voxel_size_m, taken))
+          << away_m << " " << voxel_size_m;
       // And not so much less that it were of no use.
-      EXPECT_FALSE(fit_memory(object, "part", voxel_size_m, taken / 8));
+      EXPECT_FALSE(voxelize::fit_memory(object, "part", voxel_size_m, taken / 8));
     }
   }
 }
 
 TEST(MemoryLimit, NamesAVoxelSizeThatFits) {
-  for (const Mesh& mesh : {plate(10), stray_vertex(1e3)}) {
-    const Status refused = fit_memory(snapped(mesh, 1e-3), "plate", 1e-3, 1e6);
+  for (const mesh::Mesh& mesh : {plate(10), stray_vertex(1e3)}) {
+    const Status refused = voxelize::fit_memory(snapped(mesh, 1e-3), "plate", 1e-3, 1e6);
     ASSERT_FALSE(refused);
     double size_m = 0;
     const std::string& mend = refused.error().mend;
     ASSERT_EQ(std::sscanf(mend.c_str() + mend.find("--voxel-size"), "--voxel-size %lfm", &size_m),
               1);
-    EXPECT_TRUE(fit_memory(snapped(mesh, size_m), "plate", size_m, 1e6)) << mend;
-    EXPECT_FALSE(fit_memory(snapped(mesh, 0.9 * size_m), "plate", 0.9 * size_m, 1e6)) << mend;
+    EXPECT_TRUE(voxelize::fit_memory(snapped(mesh, size_m), "plate", size_m, 1e6)) << mend;
+    EXPECT_FALSE(voxelize::fit_memory(snapped(mesh, 0.9 * size_m), "plate", 0.9 * size_m, 1e6))
+        << mend;
   }
 }
 
 // Within the directory's limit, and some 10 TB.
 TEST(MemoryLimit, HoldsInABake) {
-  const Mesh mesh = plate(3000);
-  SceneObject object;
+  const mesh::Mesh mesh = plate(3000);
+  voxelize::SceneObject object;
   object.name = "plate";
   object.mesh = &mesh;
-  BakeOptions options;
+  voxelize::BakeOptions options;
   options.voxel_size_m = 1e-3;
   options.threads = 1;
-  const auto refused = bake(std::span(&object, 1), options);
+  const auto refused = voxelize::bake(std::span(&object, 1), options);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::kBakeTooLarge) << to_line(refused.error());
-  EXPECT_GT(available_bytes(), 1e8);
+  EXPECT_GT(voxelize::available_bytes(), 1e8);
 }
 
 }  // namespace

@@ -11,7 +11,7 @@
 #include <type_traits>
 #include <vector>
 
-namespace forcelayer {
+namespace forcelayer::cache {
 
 class BytePacker {
  public:
@@ -86,4 +86,4 @@ class ByteUnpacker {
   std::span<const std::byte> rest_;
 };
 
-}  // namespace forcelayer
+}  // namespace forcelayer::cache

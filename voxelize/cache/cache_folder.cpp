@@ -18,7 +18,7 @@
 #include "formats/file/descriptor.h"
 #include "formats/file/temporary_files.h"
 
-namespace forcelayer {
+namespace forcelayer::cache {
 namespace {
 
 constexpr std::array<unsigned char, 8> kMagic = {0x89, 'F', 'L', 'C', '\r', '\n', 0x1a, '\n'};
@@ -188,4 +188,4 @@ std::optional<std::string> CacheFolder::trouble() const {
   return trouble_;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::cache

@@ -19,7 +19,7 @@
 #include "formats/result.h"
 #include "voxelize/cache/digest.h"
 
-namespace forcelayer {
+namespace forcelayer::cache {
 
 // The content of an entry, mapped into memory.
 class CacheEntry {
@@ -66,4 +66,4 @@ class CacheFolder {
   mutable std::optional<std::string> trouble_;
 };
 
-}  // namespace forcelayer
+}  // namespace forcelayer::cache

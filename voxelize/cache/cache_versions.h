@@ -6,7 +6,7 @@
 
 #include <cstdint>
 
-namespace forcelayer {
+namespace forcelayer::cache {
 
 // ... a reader gives another mesh for the same file, or the record changes.
 inline constexpr std::uint32_t kAssemblyCacheVersion = 1;
@@ -25,4 +25,4 @@ inline constexpr std::uint32_t kGrowthCacheVersion = 2;
 // ... offset, bricks or clearance come out differently for the same voxels.
 inline constexpr std::uint64_t kNodeCacheVersion = 1;
 
-}  // namespace forcelayer
+}  // namespace forcelayer::cache

@@ -5,7 +5,7 @@
 
 #include <cstdio>
 
-namespace forcelayer {
+namespace forcelayer::cache {
 namespace {
 
 Digest digest(XXH128_hash_t hash) { return {hash.low64, hash.high64}; }
@@ -47,4 +47,4 @@ DigestBuilder& DigestBuilder::text(std::string_view text) {
 
 Digest DigestBuilder::finish() const { return digest(XXH3_128bits_digest(&state_->hash)); }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::cache

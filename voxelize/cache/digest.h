@@ -10,7 +10,7 @@
 #include <string>
 #include <string_view>
 
-namespace forcelayer {
+namespace forcelayer::cache {
 
 struct Digest {
   std::uint64_t low = 0, high = 0;
@@ -45,4 +45,4 @@ class DigestBuilder {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace forcelayer
+}  // namespace forcelayer::cache

@@ -7,14 +7,14 @@
 #include "voxelize/masks/mask_tree.h"
 #include "voxelize/masks/voxel_box.h"
 
-namespace forcelayer {
+namespace forcelayer::cache {
 
 // Appends the voxels of `tree`, whose voxels are counted from `origin` (a multiple of 512, world).
-void pack(const MaskTree& tree, const VoxelIndex& origin, BytePacker& packer);
+void pack(const masks::MaskTree& tree, const lattice::VoxelIndex& origin, BytePacker& packer);
 
 // Reads them back, counted from another `origin`. Throws BadPack where the bytes are no tree, or
 // hold voxels in a directory cell that `box` (world) does not touch.
-std::unique_ptr<MaskTree> unpack(ByteUnpacker& unpacker, const VoxelIndex& origin,
-                                 const VoxelBox& box);
+std::unique_ptr<masks::MaskTree> unpack(ByteUnpacker& unpacker, const lattice::VoxelIndex& origin,
+                                        const masks::VoxelBox& box);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::cache

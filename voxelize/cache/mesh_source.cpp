@@ -10,15 +10,15 @@
 #include "voxelize/cache/byte_pack.h"
 #include "voxelize/cache/cache_versions.h"
 
-namespace forcelayer {
+namespace forcelayer::cache {
 namespace {
 
 constexpr const char* kAssemblyKind = "assembly";
 constexpr const char* kFactsKind = "facts";
 
-std::vector<MeshOutline> outlines_of(const Assembly& assembly) {
+std::vector<MeshOutline> outlines_of(const mesh::Assembly& assembly) {
   std::vector<MeshOutline> outlines;
-  for (const Mesh& mesh : assembly.meshes) outlines.push_back(outline_of(mesh));
+  for (const mesh::Mesh& mesh : assembly.meshes) outlines.push_back(outline_of(mesh));
   return outlines;
 }
 
@@ -36,15 +36,15 @@ bool may_refer_to_files(std::string_view bytes, const std::string& extension) {
 }
 
 // The digest of everything that reading a file depends on; nothing where other files may count.
-std::optional<Digest> assembly_key(const std::string& path, const ReadOptions& options) {
-  const SourceFile source = named_file(path);
+std::optional<Digest> assembly_key(const std::string& path, const mesh::ReadOptions& options) {
+  const mesh::SourceFile source = mesh::named_file(path);
   const auto mapped = MappedFile::open(source.path);
   if (!mapped) return std::nullopt;  // reading it will say why
   const std::filesystem::path name = std::filesystem::path(source.path).filename();
   std::string extension = name.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  if (may_refer_to_files(text_of(*mapped), extension)) return std::nullopt;
+  if (may_refer_to_files(mesh::text_of(*mapped), extension)) return std::nullopt;
   DigestBuilder digest;
   digest.text(kAssemblyKind).value(kAssemblyCacheVersion);
   digest.text(name.string()).text(source.node);  // nodes without names are called by the file's
@@ -55,11 +55,12 @@ std::optional<Digest> assembly_key(const std::string& path, const ReadOptions& o
 }
 
 // The assembly without its meshes. There is an outline for each.
-std::vector<std::byte> pack(const Assembly& assembly, const std::vector<MeshOutline>& outlines) {
+std::vector<std::byte> pack(const mesh::Assembly& assembly,
+                            const std::vector<MeshOutline>& outlines) {
   BytePacker packer;
   packer.list(outlines);
   packer.value(std::uint64_t{assembly.instances.size()});
-  for (const MeshInstance& instance : assembly.instances) {
+  for (const mesh::MeshInstance& instance : assembly.instances) {
     packer.value(instance.mesh);
     packer.text(instance.name);
     packer.value(instance.assembly_from_mesh);
@@ -72,20 +73,20 @@ std::vector<std::byte> pack(const Assembly& assembly, const std::vector<MeshOutl
   return packer.bytes();
 }
 
-std::optional<Assembly> unpack(std::span<const std::byte> bytes,
-                               std::vector<MeshOutline>& outlines) {
+std::optional<mesh::Assembly> unpack(std::span<const std::byte> bytes,
+                                     std::vector<MeshOutline>& outlines) {
   try {
     ByteUnpacker unpacker(bytes);
     const auto list = unpacker.list<MeshOutline>();
     outlines.assign(list.begin(), list.end());
-    Assembly assembly;
+    mesh::Assembly assembly;
     assembly.meshes.resize(outlines.size());
     for (auto n = unpacker.value<std::uint64_t>(); n > 0; --n) {
-      MeshInstance& instance = assembly.instances.emplace_back();
+      mesh::MeshInstance& instance = assembly.instances.emplace_back();
       instance.mesh = unpacker.value<std::uint32_t>();
       if (instance.mesh >= outlines.size()) return std::nullopt;
       instance.name = unpacker.text();
-      instance.assembly_from_mesh = unpacker.value<Affine>();
+      instance.assembly_from_mesh = unpacker.value<mesh::Affine>();
     }
     const bool has_unit = unpacker.value<std::uint64_t>() != 0;
     const auto unit = unpacker.value<double>();
@@ -107,14 +108,14 @@ struct FactsRecord {
   std::array<double, 8> measures;
 };
 
-FactsRecord record_of(const MeshFacts& f) {
+FactsRecord record_of(const mesh::MeshFacts& f) {
   return {{f.triangles, f.vertices, f.distinct_vertices, f.degenerate_triangles,
            f.duplicate_triangles, f.boundary_edges, f.non_manifold_edges, f.flipped_edges},
           {f.closed, f.consistently_oriented},
           {f.min[0], f.min[1], f.min[2], f.max[0], f.max[1], f.max[2], f.area, f.signed_volume}};
 }
 
-MeshFacts facts_of(const FactsRecord& r) {
+mesh::MeshFacts facts_of(const FactsRecord& r) {
   const auto& [triangles, vertices, distinct, degenerate, duplicate, boundary, non_manifold,
                flipped] = r.counts;
   const auto& m = r.measures;
@@ -136,17 +137,17 @@ MeshFacts facts_of(const FactsRecord& r) {
 
 }  // namespace
 
-MeshOutline outline_of(const Mesh& mesh) {
+MeshOutline outline_of(const mesh::Mesh& mesh) {
   return {digest_of(std::as_bytes(std::span(mesh.vertices))),
           digest_of(std::as_bytes(std::span(mesh.triangles))), mesh.triangles.size(),
-          float_coordinate(mesh)};
+          mesh::float_coordinate(mesh)};
 }
 
 Digest MeshOutline::digest() const {
   return DigestBuilder().value(vertices).value(triangles).finish();
 }
 
-Result<Assembly> MeshSource::read(const std::string& path, const ReadOptions& options) {
+Result<mesh::Assembly> MeshSource::read(const std::string& path, const mesh::ReadOptions& options) {
   File file{path, options, {}, {}, {}};
   std::optional<Digest> key;
   if (cache_ != nullptr) key = assembly_key(path, options);
@@ -165,18 +166,18 @@ Result<Assembly> MeshSource::read(const std::string& path, const ReadOptions& op
   if (key && key == assembly_key(path, options)) {
     cache_->keep(kAssemblyKind, *key, pack(*assembly, file.outlines));
   }
-  file.meshes = std::exchange(assembly->meshes, std::vector<Mesh>(file.outlines.size()));
+  file.meshes = std::exchange(assembly->meshes, std::vector<mesh::Mesh>(file.outlines.size()));
   files_.push_back(std::move(file));
   return assembly;
 }
 
-std::vector<MeshOutline> MeshSource::outlines(const Scene& scene) const {
+std::vector<MeshOutline> MeshSource::outlines(const mesh::Scene& scene) const {
   std::vector<MeshOutline> all;
-  for (const MeshObject& part : scene.objects) all.push_back(outline(part));
+  for (const mesh::MeshObject& part : scene.objects) all.push_back(outline(part));
   return all;
 }
 
-Result<const Mesh*> MeshSource::mesh(const MeshObject& part) {
+Result<const mesh::Mesh*> MeshSource::mesh(const mesh::MeshObject& part) {
   File& file = files_[part.assembly];
   if (file.meshes.empty()) {
     auto assembly = read_(file.path, file.options);
@@ -194,10 +195,10 @@ Result<const Mesh*> MeshSource::mesh(const MeshObject& part) {
   return &file.meshes[part.mesh];
 }
 
-Result<MeshFacts> MeshSource::facts(const MeshObject& part) {
+Result<mesh::MeshFacts> MeshSource::facts(const mesh::MeshObject& part) {
   File& file = files_[part.assembly];
   file.facts.resize(file.outlines.size());
-  std::optional<MeshFacts>& facts = file.facts[part.mesh];
+  std::optional<mesh::MeshFacts>& facts = file.facts[part.mesh];
   if (facts) return *facts;
   const Digest key = DigestBuilder()
                          .text(kFactsKind)
@@ -213,7 +214,7 @@ Result<MeshFacts> MeshSource::facts(const MeshObject& part) {
   }
   const auto found = mesh(part);
   if (!found) return found.error();
-  facts = mesh_facts(**found);
+  facts = mesh::mesh_facts(**found);
   if (cache_ != nullptr) {
     const FactsRecord record = record_of(*facts);
     cache_->keep(kFactsKind, key, std::as_bytes(std::span(&record, 1)));
@@ -221,4 +222,4 @@ Result<MeshFacts> MeshSource::facts(const MeshObject& part) {
   return *facts;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::cache

@@ -15,7 +15,7 @@
 #include "voxelize/cache/cache_folder.h"
 #include "voxelize/cache/digest.h"
 
-namespace forcelayer {
+namespace forcelayer::cache {
 
 // A mesh that need not be in memory.
 struct MeshOutline {
@@ -25,37 +25,37 @@ struct MeshOutline {
 
   Digest digest() const;  // of the whole mesh
 };
-MeshOutline outline_of(const Mesh& mesh);
+MeshOutline outline_of(const mesh::Mesh& mesh);
 
 class MeshSource {
  public:
   // `cache` may be null. `read` reads the files that it does not hold.
-  explicit MeshSource(const CacheFolder* cache, AssemblyReader read = read_assembly)
+  explicit MeshSource(const CacheFolder* cache, mesh::AssemblyReader read = mesh::read_assembly)
       : cache_(cache), read_(std::move(read)) {}
 
   // For SceneReading::read. The assembly's meshes come empty; mesh() gives them.
-  Result<Assembly> read(const std::string& path, const ReadOptions& options);
+  Result<mesh::Assembly> read(const std::string& path, const mesh::ReadOptions& options);
 
-  const MeshOutline& outline(const MeshObject& part) const {
+  const MeshOutline& outline(const mesh::MeshObject& part) const {
     return files_[part.assembly].outlines[part.mesh];
   }
-  std::vector<MeshOutline> outlines(const Scene& scene) const;  // [objects]
+  std::vector<MeshOutline> outlines(const mesh::Scene& scene) const;  // [objects]
   // One caller at a time. An error where the file has changed meanwhile.
-  Result<const Mesh*> mesh(const MeshObject& part);
-  Result<MeshFacts> facts(const MeshObject& part);
+  Result<const mesh::Mesh*> mesh(const mesh::MeshObject& part);
+  Result<mesh::MeshFacts> facts(const mesh::MeshObject& part);
 
  private:
   struct File {
     std::string path;
-    ReadOptions options;
+    mesh::ReadOptions options;
     std::vector<MeshOutline> outlines;
-    std::vector<Mesh> meshes;  // empty until they are needed
-    std::vector<std::optional<MeshFacts>> facts;
+    std::vector<mesh::Mesh> meshes;  // empty until they are needed
+    std::vector<std::optional<mesh::MeshFacts>> facts;
   };
 
   const CacheFolder* cache_;
-  AssemblyReader read_;
+  mesh::AssemblyReader read_;
   std::vector<File> files_;  // [assemblies of the scene]
 };
 
-}  // namespace forcelayer
+}  // namespace forcelayer::cache

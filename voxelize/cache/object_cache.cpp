@@ -4,14 +4,14 @@
 #include "voxelize/cache/mask_pack.h"
 #include "voxelize/distance/euclidean_growth.h"
 
-namespace forcelayer {
+namespace forcelayer::cache {
 namespace {
 
 constexpr const char* kKind = "part";
 
 struct CavityRecord {
   std::uint64_t voxels;
-  VoxelIndex seed_voxel;
+  lattice::VoxelIndex seed_voxel;
   std::uint64_t opens_at_half_size;
 };
 
@@ -34,14 +34,14 @@ std::optional<CachedObject> CachedObject::find(const CacheFolder& cache, const D
   }
 }
 
-std::optional<ObjectVoxels> CachedObject::voxels(const VoxelIndex& scene_origin) const {
+std::optional<ObjectVoxels> CachedObject::voxels(const lattice::VoxelIndex& scene_origin) const {
   try {
     ByteUnpacker unpacker(entry_.bytes());
     unpacker.value<ObjectFacts>();
     unpacker.list<CavityRecord>();
     ObjectVoxels voxels;
     // grow_surface() reaches beyond the box of the mesh.
-    voxels.geometry = unpack(unpacker, scene_origin, facts_.box.grown(kMaxBakedLayers));
+    voxels.geometry = unpack(unpacker, scene_origin, facts_.box.grown(distance::kMaxBakedLayers));
     voxels.interior = unpack(unpacker, scene_origin, facts_.box);
     unpacker.expect_end();
     return voxels;
@@ -51,10 +51,10 @@ std::optional<ObjectVoxels> CachedObject::voxels(const VoxelIndex& scene_origin)
 }
 
 void keep_object(const CacheFolder& cache, const Digest& key, const ObjectFacts& facts,
-                 const std::vector<Cavity>& cavities, const ObjectVoxels& voxels,
-                 const VoxelIndex& scene_origin) {
+                 const std::vector<fill::Cavity>& cavities, const ObjectVoxels& voxels,
+                 const lattice::VoxelIndex& scene_origin) {
   std::vector<CavityRecord> records;
-  for (const Cavity& c : cavities) {
+  for (const fill::Cavity& c : cavities) {
     records.push_back({c.voxels, c.seed_voxel, c.opens_at_half_size});
   }
   BytePacker packer;
@@ -65,4 +65,4 @@ void keep_object(const CacheFolder& cache, const Digest& key, const ObjectFacts&
   cache.keep(kKind, key, packer.bytes());
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::cache

@@ -10,7 +10,7 @@
 #include "voxelize/masks/mask_tree.h"
 #include "voxelize/masks/voxel_box.h"
 
-namespace forcelayer {
+namespace forcelayer::cache {
 
 // Facts of one object by itself, before it is united with the others. Kept as it lies in memory.
 struct ObjectFacts {
@@ -20,15 +20,15 @@ struct ObjectFacts {
   std::uint64_t degenerate_triangles = 0;  // no area after snapping
   std::uint64_t geometry_voxels = 0;       // |G|
   std::uint64_t interior_voxels = 0;       // |I|
-  VoxelBox box;                            // of the voxels that hold corners of triangles
+  masks::VoxelBox box;                     // of the voxels that hold corners of triangles
   double snap_error_m = 0;
   std::uint64_t cavity_count = 0;
 };
 
 // Counted from the scene's origin.
 struct ObjectVoxels {
-  std::unique_ptr<MaskTree> geometry;  // G, or grow_surface() in its place
-  std::unique_ptr<MaskTree> interior;  // I
+  std::unique_ptr<masks::MaskTree> geometry;  // G, or grow_surface() in its place
+  std::unique_ptr<masks::MaskTree> interior;  // I
 };
 
 // An object found in the cache. Its voxels are read later.
@@ -37,20 +37,20 @@ class CachedObject {
   static std::optional<CachedObject> find(const CacheFolder& cache, const Digest& key);
 
   const ObjectFacts& facts() const { return facts_; }
-  const std::vector<Cavity>& cavities() const { return cavities_; }
+  const std::vector<fill::Cavity>& cavities() const { return cavities_; }
   // Nothing where the entry turns out to be damaged.
-  std::optional<ObjectVoxels> voxels(const VoxelIndex& scene_origin) const;
+  std::optional<ObjectVoxels> voxels(const lattice::VoxelIndex& scene_origin) const;
 
  private:
   explicit CachedObject(CacheEntry entry) : entry_(std::move(entry)) {}
 
   CacheEntry entry_;
   ObjectFacts facts_;
-  std::vector<Cavity> cavities_;
+  std::vector<fill::Cavity> cavities_;
 };
 
 void keep_object(const CacheFolder& cache, const Digest& key, const ObjectFacts& facts,
-                 const std::vector<Cavity>& cavities, const ObjectVoxels& voxels,
-                 const VoxelIndex& scene_origin);
+                 const std::vector<fill::Cavity>& cavities, const ObjectVoxels& voxels,
+                 const lattice::VoxelIndex& scene_origin);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::cache

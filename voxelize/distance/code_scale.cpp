@@ -4,7 +4,7 @@
 
 #include "voxelize/distance/distance_kernel.h"
 
-namespace forcelayer {
+namespace forcelayer::distance {
 namespace {
 
 // From a voxel's center to its corners.
@@ -48,4 +48,4 @@ CodeScale code_scale(std::uint32_t layers, std::uint32_t bits, double range_voxe
   return scale;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::distance

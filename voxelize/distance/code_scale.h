@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-namespace forcelayer {
+namespace forcelayer::distance {
 
 inline constexpr double kLeastRangeVoxels = 2, kMostRangeVoxels = 32;
 // The default: as deep as the force layer is felt, and at 8 bits beyond the mesh itself.
@@ -26,4 +26,4 @@ struct CodeScale {
 CodeScale code_scale(std::uint32_t layers, std::uint32_t bits, double range_voxels,
                      double layer_voxels = 1);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::distance

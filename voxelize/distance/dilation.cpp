@@ -10,7 +10,7 @@
 #include <algorithm>
 
 HWY_BEFORE_NAMESPACE();
-namespace forcelayer::HWY_NAMESPACE {
+namespace forcelayer::distance::HWY_NAMESPACE {
 namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
@@ -121,11 +121,11 @@ ValueCounts offset(const NodeHalo& halo, std::uint64_t* dilated, NodeCodes& code
 }
 
 }  // namespace
-}  // namespace forcelayer::HWY_NAMESPACE
+}  // namespace forcelayer::distance::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace forcelayer {
+namespace forcelayer::distance {
 namespace {
 HWY_EXPORT(offset);
 }  // namespace
@@ -154,5 +154,5 @@ ValueCounts offset_node(NodeHalo& halo, NodeCodes& codes) {
   return HWY_DYNAMIC_DISPATCH(offset)(halo, halo.dilated_.data(), codes);
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::distance
 #endif

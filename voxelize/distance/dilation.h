@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace forcelayer {
+namespace forcelayer::distance {
 
 // The two-bit values of a 64^3 node as rows along z: value = low + 2 high, [x*64 + y], bit z.
 struct alignas(64) NodeCodes {
@@ -63,4 +63,4 @@ class NodeHalo {
 // D(k+1) but neither D(k) nor I (paper 4.2). D(-1) is empty.
 ValueCounts offset_node(NodeHalo& halo, NodeCodes& codes);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::distance

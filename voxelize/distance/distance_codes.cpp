@@ -8,7 +8,7 @@
 
 #include "formats/lattice/brick_bits.h"
 
-namespace forcelayer {
+namespace forcelayer::distance {
 namespace {
 
 // The largest distance that decides a code, of voxels outside the solid and of those inside.
@@ -20,16 +20,17 @@ float inner_reach(const CodeScale& scale) {
 // Measures one 64^3 node at a time.
 class NodeMeasurement {
  public:
-  const NodeDistances& run(const SceneTriangles& triangles, const VoxelIndex& scene_origin,
-                           const MaskTree& geometry, const MaskTree& interior,
-                           const CodeScale& scale, const KeptBox& kept, const Coord& origin) {
+  const NodeDistances& run(const SceneTriangles& triangles, const lattice::VoxelIndex& scene_origin,
+                           const masks::MaskTree& geometry, const masks::MaskTree& interior,
+                           const CodeScale& scale, const masks::KeptBox& kept,
+                           const masks::Coord& origin) {
     scale_ = &scale;
     interior_ = &interior;
     origin_ = origin;
-    node_rows(interior, origin, node_.solid);
-    node_rows(geometry, origin, surface_);
+    masks::node_rows(interior, origin, node_.solid);
+    masks::node_rows(geometry, origin, surface_);
     node_.measured = {};
-    NodeIndex node;
+    scan::NodeIndex node;
     for (std::size_t d = 0; d < 3; ++d) {
       node[d] = (origin[static_cast<int>(d)] + scene_origin[d]) >> 6;
     }
@@ -39,7 +40,7 @@ class NodeMeasurement {
     search_.run(
         near_,
         [&](const std::array<int, 3>& low, int edge) {
-          return !all_set(node_.solid, low, edge) ? outer : inner > 0 ? inner : kNoReach;
+          return !masks::all_set(node_.solid, low, edge) ? outer : inner > 0 ? inner : kNoReach;
         },
         [&](const std::array<int, 3>& low, TriangleList list) {
           measure(low, list, outer, inner);
@@ -67,13 +68,13 @@ class NodeMeasurement {
     std::array<float, 2 * kEighths> reach;
     for (std::size_t cell = 0; cell < 2; ++cell) {
       const std::uint64_t solid =
-          cell_bits(node_.solid, {low[0], low[1], low[2] + 4 * static_cast<int>(cell)});
+          masks::cell_bits(node_.solid, {low[0], low[1], low[2] + 4 * static_cast<int>(cell)});
       for (unsigned n = 0; n < kEighths; ++n) {
         const bool all_solid = (solid & eighth(n)) == eighth(n);
         reach[cell * kEighths + n] = (!all_solid  ? outer
                                       : inner > 0 ? inner
                                                   : kNoReach) *
-                                     static_cast<float>(kSnapUnits);
+                                     static_cast<float>(lattice::kSnapUnits);
       }
     }
     nearest_.find(list, CellSearch::centers(low, 1), reach);
@@ -83,9 +84,10 @@ class NodeMeasurement {
   }
 
   void encode(const std::array<int, 3>& low, std::size_t cell, TriangleList list) {
-    const std::uint64_t solid = cell_bits(node_.solid, low);
+    const std::uint64_t solid = masks::cell_bits(node_.solid, low);
     std::uint64_t negative = solid;
-    for (std::uint64_t left = cell_bits(surface_, low) & ~solid; left != 0; left &= left - 1) {
+    for (std::uint64_t left = masks::cell_bits(surface_, low) & ~solid; left != 0;
+         left &= left - 1) {
       const int n = std::countr_zero(left);
       const PreparedTriangle& nearest = *list[nearest_.which(cell, static_cast<std::size_t>(n))];
       negative |= std::uint64_t{lies_inside(nearest, low, n)} << n;
@@ -106,7 +108,7 @@ class NodeMeasurement {
     constexpr double kOnwards = 1.25;
     const std::array<int, 3> voxel{low[0] + (n >> 4), low[1] + (n >> 2 & 3), low[2] + (n & 3)};
     std::array<double, 3> center;
-    for (std::size_t d = 0; d < 3; ++d) center[d] = (voxel[d] + 0.5) * double{kSnapUnits};
+    for (std::size_t d = 0; d < 3; ++d) center[d] = (voxel[d] + 0.5) * double{lattice::kSnapUnits};
     const std::array<double, 3> away = way_from(nearest, center);
     const double length = std::sqrt(away[0] * away[0] + away[1] * away[1] + away[2] * away[2]);
     if (!(length > 0)) return false;
@@ -122,25 +124,25 @@ class NodeMeasurement {
       const auto row = static_cast<std::size_t>(onwards[0] * 64 + onwards[1]);
       return (node_.solid[row] >> onwards[2] & 1) != 0;
     }
-    return interior_->isValueOn(origin_ + Coord(onwards[0], onwards[1], onwards[2]));
+    return interior_->isValueOn(origin_ + masks::Coord(onwards[0], onwards[1], onwards[2]));
   }
 
-  void crop(const KeptBox& kept) {
+  void crop(const masks::KeptBox& kept) {
     for (unsigned n = 0; n < 512; ++n) {
-      const Coord brick = entry_origin(origin_, n, 8);
+      const masks::Coord brick = masks::entry_origin(origin_, n, 8);
       if (kept.box.isInside(openvdb::CoordBBox::createCube(brick, 8))) continue;
       std::uint8_t* codes = measured(n);
       for (unsigned v = 0; v < kBrickVoxels; ++v) {
-        if (!kept.box.isInside(entry_origin(brick, v, 1))) codes[v] = free_code();
+        if (!kept.box.isInside(masks::entry_origin(brick, v, 1))) codes[v] = free_code();
       }
     }
   }
 
   const CodeScale* scale_ = nullptr;
-  const MaskTree* interior_ = nullptr;
-  Coord origin_;
+  const masks::MaskTree* interior_ = nullptr;
+  masks::Coord origin_;
   NodeDistances node_;
-  NodeRows surface_;
+  masks::NodeRows surface_;
   std::vector<PreparedTriangle> near_;
   CellSearch search_;
   NearestTriangles nearest_;
@@ -158,9 +160,10 @@ int DistanceCodes::reach(const CodeScale& scale) {
   return static_cast<int>(std::ceil(std::max(outer_reach(scale), inner_reach(scale)) + 0.5f));
 }
 
-DistanceCodes::DistanceCodes(std::vector<const SnappedObject*> objects,
-                             const VoxelIndex& scene_origin, const MaskTree& geometry,
-                             const MaskTree& interior, const CodeScale& scale, const KeptBox& kept)
+DistanceCodes::DistanceCodes(std::vector<const scan::SnappedObject*> objects,
+                             const lattice::VoxelIndex& scene_origin,
+                             const masks::MaskTree& geometry, const masks::MaskTree& interior,
+                             const CodeScale& scale, const masks::KeptBox& kept)
     : scene_origin_(scene_origin),
       geometry_(geometry),
       interior_(interior),
@@ -171,9 +174,9 @@ DistanceCodes::DistanceCodes(std::vector<const SnappedObject*> objects,
 
 DistanceCodes::~DistanceCodes() = default;
 
-const NodeDistances& DistanceCodes::codes(const Coord& origin) const {
+const NodeDistances& DistanceCodes::codes(const masks::Coord& origin) const {
   return scratch_->nodes.local().run(triangles_, scene_origin_, geometry_, interior_, scale_, kept_,
                                      origin);
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::distance

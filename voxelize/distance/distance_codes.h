@@ -9,14 +9,15 @@
 #include "voxelize/masks/mask_tree.h"
 #include "voxelize/masks/node_rows.h"
 
-namespace forcelayer {
+namespace forcelayer::distance {
 
 inline constexpr std::size_t kBrickVoxels = 512;
 
 // The codes of one 64^3 node.
 struct NodeDistances {
-  NodeRows solid;      // the interior's voxels
-  BrickMask measured;  // bricks with codes of their own; the others are solid or free throughout
+  masks::NodeRows solid;  // the interior's voxels
+  lattice::BrickMask
+      measured;  // bricks with codes of their own; the others are solid or free throughout
   std::vector<std::uint8_t> codes =
       std::vector<std::uint8_t>(512 * kBrickVoxels);  // [bricks][voxels]; undefined elsewhere
 
@@ -34,9 +35,10 @@ struct NodeDistances {
 class DistanceCodes {
  public:
   // Voxels outside `kept` are free.
-  DistanceCodes(std::vector<const SnappedObject*> objects, const VoxelIndex& scene_origin,
-                const MaskTree& geometry, const MaskTree& interior, const CodeScale& scale,
-                const KeptBox& kept);
+  DistanceCodes(std::vector<const scan::SnappedObject*> objects,
+                const lattice::VoxelIndex& scene_origin, const masks::MaskTree& geometry,
+                const masks::MaskTree& interior, const CodeScale& scale,
+                const masks::KeptBox& kept);
   ~DistanceCodes();
 
   // How many voxels around the geometry may have a code of their own.
@@ -45,18 +47,18 @@ class DistanceCodes {
   const CodeScale& scale() const { return scale_; }
 
   // The node at `origin`, counted from the scene's; valid until this thread's next call.
-  const NodeDistances& codes(const Coord& origin) const;
+  const NodeDistances& codes(const masks::Coord& origin) const;
 
  private:
   class Scratch;
 
-  VoxelIndex scene_origin_;
-  const MaskTree& geometry_;
-  const MaskTree& interior_;
+  lattice::VoxelIndex scene_origin_;
+  const masks::MaskTree& geometry_;
+  const masks::MaskTree& interior_;
   CodeScale scale_;
-  KeptBox kept_;
+  masks::KeptBox kept_;
   SceneTriangles triangles_;
   std::unique_ptr<Scratch> scratch_;
 };
 
-}  // namespace forcelayer
+}  // namespace forcelayer::distance

@@ -15,7 +15,7 @@
 #include "voxelize/distance/code_scale.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace forcelayer::HWY_NAMESPACE {
+namespace forcelayer::distance::HWY_NAMESPACE {
 namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
@@ -332,7 +332,7 @@ HWY_INLINE void nearest_in_cube(const PreparedTriangle* const* triangles,
 void nearest(const PreparedTriangle* const* triangles, std::size_t count, const PointCube& cube,
              const float* reach, float* squared, std::uint8_t* eighths, CubeValues* least,
              std::array<std::uint32_t, kCubePoints>* which) {
-  constexpr auto kUnits = static_cast<float>(kSnapUnits);
+  constexpr auto kUnits = static_cast<float>(lattice::kSnapUnits);
   constexpr float kAround = (half_diagonal(2) + kDistanceErrorVoxels) * kUnits;
   float limits[2 * kEighths];
   from_middles(triangles, count, cube, squared, limits);
@@ -360,7 +360,8 @@ void codes(const CubeValues& squared, std::uint64_t negative, const CodeScale& s
   const V most = set(4 * static_cast<float>(kMostRangeVoxels));
   for (std::size_t n = 0; n < kCubePoints; n += lanes()) {
     const V root = hn::Sqrt(hn::LoadU(kF, squared.data() + n));
-    const V length = hn::Min(hn::Mul(root, set(1.0f / static_cast<float>(kSnapUnits))), most);
+    const V length =
+        hn::Min(hn::Mul(root, set(1.0f / static_cast<float>(lattice::kSnapUnits))), most);
     const std::uint8_t bits[8] = {static_cast<std::uint8_t>(negative >> n),
                                   static_cast<std::uint8_t>(n + 8 < 64 ? negative >> (n + 8) : 0)};
     const V d = hn::IfThenElse(hn::LoadMaskBits(kF, bits), hn::Neg(length), length);
@@ -387,11 +388,11 @@ void codes(const CubeValues& squared, std::uint64_t negative, const CodeScale& s
 }
 
 }  // namespace
-}  // namespace forcelayer::HWY_NAMESPACE
+}  // namespace forcelayer::distance::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace forcelayer {
+namespace forcelayer::distance {
 namespace {
 
 HWY_EXPORT(distances);
@@ -457,7 +458,7 @@ std::array<double, 3> way_from(const PreparedTriangle& t, const std::array<doubl
                    height * double{t.normal[2]}};
   // So far inside that no edge is nearer, however the numbers are rounded.
   constexpr double kSurely = 4;
-  if (inside > kSurely && std::abs(height) < 4 * double{kSnapUnits}) {
+  if (inside > kSurely && std::abs(height) < 4 * double{lattice::kSnapUnits}) {
     return across;
   }
   Vec best{};
@@ -482,5 +483,5 @@ void codes_of_distances(const CubeValues& squared, std::uint64_t negative, const
   HWY_DYNAMIC_DISPATCH(codes)(squared, negative, scale, codes);
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::distance
 #endif

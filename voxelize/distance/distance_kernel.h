@@ -16,7 +16,7 @@
 #include "voxelize/distance/code_scale.h"
 #include "voxelize/distance/prepared_triangle.h"
 
-namespace forcelayer {
+namespace forcelayer::distance {
 
 inline constexpr float kDistanceErrorVoxels = 1e-3f;  // ten times the bound above
 
@@ -90,4 +90,4 @@ std::array<double, 3> way_from(const PreparedTriangle& triangle,
 void codes_of_distances(const CubeValues& squared, std::uint64_t negative, const CodeScale& scale,
                         std::uint8_t* codes);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::distance

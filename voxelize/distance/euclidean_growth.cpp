@@ -11,7 +11,7 @@
 #include "voxelize/distance/triangle_search.h"
 #include "voxelize/masks/node_rows.h"
 
-namespace forcelayer {
+namespace forcelayer::distance {
 namespace {
 
 __extension__ typedef __int128 Int128;
@@ -25,7 +25,7 @@ class CenterTest {
   using Vec = std::array<Int, 3>;
 
   // Corners in lattice units from the voxel's center.
-  CenterTest(const std::array<LatticePoint, 3>& corners, std::int64_t radius_units)
+  CenterTest(const std::array<lattice::LatticePoint, 3>& corners, std::int64_t radius_units)
       : radius2_(Int(radius_units) * radius_units) {
     for (std::size_t k = 0; k < 3; ++k) {
       for (std::size_t d = 0; d < 3; ++d) corners_[k][d] = corners[k][d];
@@ -81,14 +81,16 @@ class CenterTest {
 class NodeGrowth {
  public:
   // `triangles` are those of `object` alone.
-  std::unique_ptr<LowerMaskNode> run(const SnappedObject& object, const SceneTriangles& triangles,
-                                     const NodeIndex& node, const Coord& origin,
-                                     const MaskTree& interior, std::int64_t radius_units) {
+  std::unique_ptr<masks::LowerMaskNode> run(const scan::SnappedObject& object,
+                                            const SceneTriangles& triangles,
+                                            const scan::NodeIndex& node, const masks::Coord& origin,
+                                            const masks::MaskTree& interior,
+                                            std::int64_t radius_units) {
     object_ = &object;
-    node_rows(interior, origin, settled_);
+    masks::node_rows(interior, origin, settled_);
     grown_ = {};
     triangles.gather(node, triangles_);
-    constexpr auto kUnits = static_cast<float>(kSnapUnits);
+    constexpr auto kUnits = static_cast<float>(lattice::kSnapUnits);
     const float radius = static_cast<float>(radius_units) / kUnits;
     const float reach = radius + kDistanceErrorVoxels;
     surely_near_ = square((radius - kDistanceErrorVoxels) * kUnits);
@@ -96,12 +98,12 @@ class NodeGrowth {
     search_.run(
         triangles_,
         [&](const std::array<int, 3>& low, int edge) {
-          return all_set(settled_, low, edge) ? kNoReach : reach;
+          return masks::all_set(settled_, low, edge) ? kNoReach : reach;
         },
         [&](const std::array<int, 3>& low, TriangleList list) {
           mark_pair(low, list, reach * kUnits, node, radius_units);
         });
-    return node_of_rows(grown_, origin);
+    return masks::node_of_rows(grown_, origin);
   }
 
  private:
@@ -109,13 +111,13 @@ class NodeGrowth {
 
   // Two cells of 4^3 voxels, the second behind the first along z.
   void mark_pair(const std::array<int, 3>& low, TriangleList list, float reach_units,
-                 const NodeIndex& node, std::int64_t radius_units) {
+                 const scan::NodeIndex& node, std::int64_t radius_units) {
     std::array<std::array<int, 3>, 2> lows{low, low};
     lows[1][2] += 4;
     std::array<float, 2 * kEighths> reach;
     std::array<std::uint64_t, 2> open;
     for (std::size_t cell = 0; cell < 2; ++cell) {
-      open[cell] = ~cell_bits(settled_, lows[cell]);
+      open[cell] = ~masks::cell_bits(settled_, lows[cell]);
       for (unsigned n = 0; n < kEighths; ++n) {
         reach[cell * kEighths + n] = (open[cell] & eighth(n)) != 0 ? reach_units : kNoReach;
       }
@@ -134,22 +136,23 @@ class NodeGrowth {
         const int n = std::countr_zero(unsure);
         if (is_near(list, lows[cell], n, node, radius_units)) near |= std::uint64_t{1} << n;
       }
-      add_cell_bits(near, lows[cell], grown_);
+      masks::add_cell_bits(near, lows[cell], grown_);
     }
   }
 
   // Whether one of the triangles is near to voxel n of a cell.
-  bool is_near(TriangleList list, const std::array<int, 3>& low, int n, const NodeIndex& node,
+  bool is_near(TriangleList list, const std::array<int, 3>& low, int n, const scan::NodeIndex& node,
                std::int64_t radius_units) const {
-    const VoxelIndex voxel{node[0] * 64 + low[0] + (n >> 4), node[1] * 64 + low[1] + (n >> 2 & 3),
-                           node[2] * 64 + low[2] + (n & 3)};
+    const lattice::VoxelIndex voxel{node[0] * 64 + low[0] + (n >> 4),
+                                    node[1] * 64 + low[1] + (n >> 2 & 3),
+                                    node[2] * 64 + low[2] + (n & 3)};
     return std::any_of(list.begin(), list.end(), [&](const PreparedTriangle* triangle) {
       return center_is_nearer(object_->triangle(triangle->source), voxel, radius_units);
     });
   }
 
-  NodeRows grown_, settled_;  // the result; the interior, which needs no answer
-  const SnappedObject* object_ = nullptr;
+  masks::NodeRows grown_, settled_;  // the result; the interior, which needs no answer
+  const scan::SnappedObject* object_ = nullptr;
   std::vector<PreparedTriangle> triangles_;
   CellSearch search_;
   NearestTriangles nearest_;
@@ -158,13 +161,13 @@ class NodeGrowth {
 
 }  // namespace
 
-bool center_is_nearer(const LatticeTriangle& triangle, const VoxelIndex& voxel,
+bool center_is_nearer(const lattice::LatticeTriangle& triangle, const lattice::VoxelIndex& voxel,
                       std::int64_t radius_units) {
-  std::array<LatticePoint, 3> corners;
+  std::array<lattice::LatticePoint, 3> corners;
   std::int64_t largest = 0;
   for (std::size_t k = 0; k < 3; ++k) {
     for (std::size_t d = 0; d < 3; ++d) {
-      corners[k][d] = triangle[k][d] - (voxel[d] << kSnapBits) - kSnapUnits / 2;
+      corners[k][d] = triangle[k][d] - (voxel[d] << lattice::kSnapBits) - lattice::kSnapUnits / 2;
       largest = std::max(largest, std::abs(corners[k][d]));
     }
   }
@@ -175,25 +178,26 @@ bool center_is_nearer(const LatticeTriangle& triangle, const VoxelIndex& voxel,
   return CenterTest<WideInt>(corners, radius_units).near();
 }
 
-std::unique_ptr<MaskTree> grow_surface(const SnappedObject& object, const MaskTree& interior,
-                                       int layers, const VoxelIndex& scene_origin) {
+std::unique_ptr<masks::MaskTree> grow_surface(const scan::SnappedObject& object,
+                                              const masks::MaskTree& interior, int layers,
+                                              const lattice::VoxelIndex& scene_origin) {
   const std::int64_t radius_units = interior_radius_units(layers);
   const SceneTriangles triangles({&object}, layers);  // the radius is below that many voxels
-  std::vector<std::unique_ptr<LowerMaskNode>> nodes(triangles.nodes().size());
+  std::vector<std::unique_ptr<masks::LowerMaskNode>> nodes(triangles.nodes().size());
   tbb::enumerable_thread_specific<NodeGrowth> scratch;
   tbb::parallel_for(std::size_t{0}, nodes.size(), [&](std::size_t i) {
-    const NodeIndex& node = triangles.nodes()[i];
-    const Coord origin(static_cast<int>(node[0] * 64 - scene_origin[0]),
-                       static_cast<int>(node[1] * 64 - scene_origin[1]),
-                       static_cast<int>(node[2] * 64 - scene_origin[2]));
+    const scan::NodeIndex& node = triangles.nodes()[i];
+    const masks::Coord origin(static_cast<int>(node[0] * 64 - scene_origin[0]),
+                              static_cast<int>(node[1] * 64 - scene_origin[1]),
+                              static_cast<int>(node[2] * 64 - scene_origin[2]));
     nodes[i] = scratch.local().run(object, triangles, node, origin, interior, radius_units);
   });
-  auto tree = std::make_unique<MaskTree>();
+  auto tree = std::make_unique<masks::MaskTree>();
   for (auto& node : nodes) {
     if (node->getChildMask().isOff()) continue;
-    add_node(*tree, std::move(node));
+    masks::add_node(*tree, std::move(node));
   }
   return tree;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::distance

@@ -6,24 +6,27 @@
 #include "voxelize/masks/mask_tree.h"
 #include "voxelize/scan/snap.h"
 
-namespace forcelayer {
+namespace forcelayer::distance {
 
 inline constexpr std::uint32_t kMaxBakedLayers = 30;
 
 // A voxel becomes interior where its center is nearer than this to the surface, in lattice units:
 // k - 1 voxels, half a diagonal, and a little (voxmap_format.md, section 5). `layers` is k.
-constexpr std::int64_t interior_radius_units(int layers) { return (layers - 1) * kSnapUnits + 888; }
+constexpr std::int64_t interior_radius_units(int layers) {
+  return (layers - 1) * lattice::kSnapUnits + 888;
+}
 
 // The voxels outside `interior` whose centers are less than interior_radius_units() from the
 // object's surface, the voxels that the surface passes through among them. `layers` is 1 to
 // kMaxBakedLayers. Voxels count from `scene_origin`. Exact: the kernels decide where their error
 // allows it, center_is_nearer() elsewhere.
-std::unique_ptr<MaskTree> grow_surface(const SnappedObject& object, const MaskTree& interior,
-                                       int layers, const VoxelIndex& scene_origin);
+std::unique_ptr<masks::MaskTree> grow_surface(const scan::SnappedObject& object,
+                                              const masks::MaskTree& interior, int layers,
+                                              const lattice::VoxelIndex& scene_origin);
 
 // Whether the center of `voxel` is less than `radius_units` lattice units (1 to 2^15) from
 // `triangle`, in exact integer arithmetic.
-bool center_is_nearer(const LatticeTriangle& triangle, const VoxelIndex& voxel,
+bool center_is_nearer(const lattice::LatticeTriangle& triangle, const lattice::VoxelIndex& voxel,
                       std::int64_t radius_units);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::distance

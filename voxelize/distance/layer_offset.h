@@ -7,7 +7,7 @@
 #include "voxelize/masks/mask_tree.h"
 #include "voxelize/masks/voxel_box.h"
 
-namespace forcelayer {
+namespace forcelayer::distance {
 
 // With c(v) the Chebyshev distance from v to the nearest voxel of `geometry`, a voxel outside
 // `interior` becomes interior where c <= k-1, surface where c = k, proximity where c = k+1, else it
@@ -15,29 +15,29 @@ namespace forcelayer {
 class LayerOffset {
  public:
   // Voxels outside `kept` are free.
-  LayerOffset(const MaskTree& geometry, const MaskTree& interior, unsigned layers,
-              const KeptBox& kept);
+  LayerOffset(const masks::MaskTree& geometry, const masks::MaskTree& interior, unsigned layers,
+              const masks::KeptBox& kept);
 
   // Origins, ascending, of the nodes that can hold a voxel within k+1 of the geometry and of those
   // that a cropped side cuts inside a solid. Every other node is uniform: interior where an active
   // tile of `interior` covers it and it is kept, else free.
-  std::vector<Coord> nodes() const;
+  std::vector<masks::Coord> nodes() const;
 
-  const MaskTree& geometry() const { return geometry_; }
-  const MaskTree& interior() const { return interior_; }
+  const masks::MaskTree& geometry() const { return geometry_; }
+  const masks::MaskTree& interior() const { return interior_; }
   int layers() const { return layers_; }
-  const KeptBox& kept() const { return kept_; }
+  const masks::KeptBox& kept() const { return kept_; }
 
   // The values of the node at `origin`. `halo` is scratch space.
-  ValueCounts codes(const Coord& origin, NodeHalo& halo, NodeCodes& codes) const;
+  ValueCounts codes(const masks::Coord& origin, NodeHalo& halo, NodeCodes& codes) const;
 
  private:
-  void add_cut_solids(std::vector<Coord>& origins) const;
+  void add_cut_solids(std::vector<masks::Coord>& origins) const;
 
-  const MaskTree& geometry_;
-  const MaskTree& interior_;
+  const masks::MaskTree& geometry_;
+  const masks::MaskTree& interior_;
   int layers_;
-  KeptBox kept_;
+  masks::KeptBox kept_;
 };
 
-}  // namespace forcelayer
+}  // namespace forcelayer::distance

@@ -13,7 +13,7 @@
 #include <type_traits>
 
 HWY_BEFORE_NAMESPACE();
-namespace forcelayer::HWY_NAMESPACE {
+namespace forcelayer::distance::HWY_NAMESPACE {
 namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
@@ -184,11 +184,11 @@ void prepare(const TriangleVectors& corners, TriangleRows& numbers) {
 }
 
 }  // namespace
-}  // namespace forcelayer::HWY_NAMESPACE
+}  // namespace forcelayer::distance::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace forcelayer {
+namespace forcelayer::distance {
 namespace {
 
 HWY_EXPORT(prepare);
@@ -212,5 +212,5 @@ void TriangleBatch::flush() {
   count_ = 0;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::distance
 #endif

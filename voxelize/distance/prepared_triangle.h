@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace forcelayer {
+namespace forcelayer::distance {
 
 // In lattice units, from an origin that lies a whole number of voxels from the world's. Only
 // `corner` depends on the origin.
@@ -66,4 +66,4 @@ class TriangleBatch {
   std::array<std::uint32_t, kSize> sources_{};
 };
 
-}  // namespace forcelayer
+}  // namespace forcelayer::distance

@@ -4,11 +4,11 @@
 
 #include <algorithm>
 
-namespace forcelayer {
+namespace forcelayer::distance {
 namespace {
 
-constexpr double kNodeUnits = 64 * static_cast<double>(kSnapUnits);
-constexpr std::int64_t kWholeUnits = 128 * kSnapUnits;  // larger triangles are cut
+constexpr double kNodeUnits = 64 * static_cast<double>(lattice::kSnapUnits);
+constexpr std::int64_t kWholeUnits = 128 * lattice::kSnapUnits;  // larger triangles are cut
 
 using Point = std::array<double, 3>;
 
@@ -30,17 +30,18 @@ void cut(std::vector<Point>& polygon, std::size_t axis, double side, double boun
   polygon = std::move(kept);
 }
 
-std::array<Point, 3> relative(const LatticeTriangle& triangle, const NodeIndex& node) {
+std::array<Point, 3> relative(const lattice::LatticeTriangle& triangle,
+                              const scan::NodeIndex& node) {
   std::array<Point, 3> corners;
   for (std::size_t k = 0; k < 3; ++k) {
     for (std::size_t d = 0; d < 3; ++d) {
-      corners[k][d] = static_cast<double>(triangle[k][d] - node[d] * 64 * kSnapUnits);
+      corners[k][d] = static_cast<double>(triangle[k][d] - node[d] * 64 * lattice::kSnapUnits);
     }
   }
   return corners;
 }
 
-bool is_large(const LatticeTriangle& triangle) {
+bool is_large(const lattice::LatticeTriangle& triangle) {
   for (std::size_t d = 0; d < 3; ++d) {
     const auto [least, most] = std::minmax({triangle[0][d], triangle[1][d], triangle[2][d]});
     if (most - least > kWholeUnits) return true;
@@ -51,7 +52,7 @@ bool is_large(const LatticeTriangle& triangle) {
 void add_cut(const std::array<Point, 3>& corners, int reach, std::uint32_t source,
              TriangleBatch& near) {
   std::vector<Point> polygon(corners.begin(), corners.end());
-  const double margin = static_cast<double>(reach + 1) * static_cast<double>(kSnapUnits);
+  const double margin = static_cast<double>(reach + 1) * static_cast<double>(lattice::kSnapUnits);
   for (std::size_t d = 0; d < 3; ++d) {
     cut(polygon, d, 1, -margin);
     cut(polygon, d, -1, -(kNodeUnits + margin));
@@ -63,18 +64,18 @@ void add_cut(const std::array<Point, 3>& corners, int reach, std::uint32_t sourc
 
 }  // namespace
 
-SceneTriangles::SceneTriangles(std::vector<const SnappedObject*> objects, int reach)
+SceneTriangles::SceneTriangles(std::vector<const scan::SnappedObject*> objects, int reach)
     : objects_(std::move(objects)), reach_(reach) {
   struct Place {
-    NodeIndex node;
+    scan::NodeIndex node;
     Bin bin;
   };
   bins_.resize(objects_.size());
   tbb::parallel_for(std::size_t{0}, objects_.size(),
-                    [&](std::size_t i) { bins_[i] = bin_triangles(*objects_[i], reach); });
+                    [&](std::size_t i) { bins_[i] = scan::bin_triangles(*objects_[i], reach); });
   std::vector<Place> places;
   for (std::uint32_t i = 0; i < bins_.size(); ++i) {
-    const std::vector<NodeIndex>& nodes = bins_[i].nodes;
+    const std::vector<scan::NodeIndex>& nodes = bins_[i].nodes;
     for (std::uint32_t n = 0; n < nodes.size(); ++n) places.push_back({nodes[n], {i, n}});
   }
   std::stable_sort(places.begin(), places.end(),
@@ -99,7 +100,8 @@ std::size_t SceneTriangles::count_near(std::size_t n) const {
   return count;
 }
 
-void SceneTriangles::gather(const NodeIndex& node, std::vector<PreparedTriangle>& near) const {
+void SceneTriangles::gather(const scan::NodeIndex& node,
+                            std::vector<PreparedTriangle>& near) const {
   near.clear();
   const auto found = std::lower_bound(nodes_.begin(), nodes_.end(), node);
   if (found == nodes_.end() || *found != node) return;
@@ -110,10 +112,10 @@ void SceneTriangles::gather(const NodeIndex& node, std::vector<PreparedTriangle>
   TriangleBatch batch(near);
   for (std::size_t i = first_[at]; i < first_[at + 1]; ++i) {
     const auto [object, bin] = of_node_[i];
-    const NodeBins& bins = bins_[object];
+    const scan::NodeBins& bins = bins_[object];
     for (std::uint64_t t = bins.first[bin]; t < bins.first[bin + 1]; ++t) {
       const std::uint32_t number = bins.triangles[t];
-      const LatticeTriangle triangle = objects_[object]->triangle(number);
+      const lattice::LatticeTriangle triangle = objects_[object]->triangle(number);
       const std::array<Point, 3> corners = relative(triangle, node);
       if (is_large(triangle)) {
         add_cut(corners, reach_, number, batch);
@@ -125,4 +127,4 @@ void SceneTriangles::gather(const NodeIndex& node, std::vector<PreparedTriangle>
   batch.flush();
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::distance

@@ -13,22 +13,22 @@
 #include "voxelize/distance/distance_kernel.h"
 #include "voxelize/scan/node_bins.h"
 
-namespace forcelayer {
+namespace forcelayer::distance {
 
 // The triangles of some objects, sorted by the nodes that they come near to.
 class SceneTriangles {
  public:
   // A triangle is near a node when it comes nearer than `reach` voxels (1..64). The objects must
   // outlive this.
-  SceneTriangles(std::vector<const SnappedObject*> objects, int reach);
+  SceneTriangles(std::vector<const scan::SnappedObject*> objects, int reach);
 
   // The nodes that have triangles near, ascending.
-  const std::vector<NodeIndex>& nodes() const { return nodes_; }
+  const std::vector<scan::NodeIndex>& nodes() const { return nodes_; }
 
   // The triangles near `node`, in lattice units from its lowest corner; empty for a node that is
   // not in nodes(). A large triangle is cut to the piece that lies near, so that single precision
   // can hold it.
-  void gather(const NodeIndex& node, std::vector<PreparedTriangle>& near) const;
+  void gather(const scan::NodeIndex& node, std::vector<PreparedTriangle>& near) const;
 
  private:
   struct Bin {
@@ -38,11 +38,11 @@ class SceneTriangles {
   // How many triangles are near nodes_[n].
   std::size_t count_near(std::size_t n) const;
 
-  std::vector<const SnappedObject*> objects_;
+  std::vector<const scan::SnappedObject*> objects_;
   int reach_;
-  std::vector<NodeBins> bins_;      // [objects]
-  std::vector<NodeIndex> nodes_;    // [n]
-  std::vector<std::size_t> first_;  // [n + 1] offsets into of_node_
+  std::vector<scan::NodeBins> bins_;    // [objects]
+  std::vector<scan::NodeIndex> nodes_;  // [n]
+  std::vector<std::size_t> first_;      // [n + 1] offsets into of_node_
   std::vector<Bin> of_node_;
   std::size_t most_near_ = 0;  // the most that count_near() gives
 };
@@ -84,7 +84,7 @@ class CellSearch {
  private:
   using List = std::vector<const PreparedTriangle*>;
 
-  static constexpr auto kUnits = static_cast<float>(kSnapUnits);
+  static constexpr auto kUnits = static_cast<float>(lattice::kSnapUnits);
 
   static std::array<int, 3> child(const std::array<int, 3>& low, std::size_t n, int edge) {
     const int i = static_cast<int>(n);
@@ -198,4 +198,4 @@ class CellSearch {
   std::unique_ptr<std::uint64_t[]> within_;  // the cells within the limit, as bits
 };
 
-}  // namespace forcelayer
+}  // namespace forcelayer::distance

@@ -7,14 +7,14 @@
 
 #include "voxelize/masks/mask_tree.h"
 
-namespace forcelayer {
+namespace forcelayer::fill {
 
 struct InteriorPiece {
   std::uint64_t voxels = 0;
-  Coord seed;  // a voxel of the piece, deep inside a large one; counted as the tree's voxels
+  masks::Coord seed;  // a voxel of the piece, deep inside a large one; counted as the tree's voxels
 };
 
 // The 6-connected pieces of `interior`, the largest first, then by seed.
-std::vector<InteriorPiece> interior_pieces(const MaskTree& interior);
+std::vector<InteriorPiece> interior_pieces(const masks::MaskTree& interior);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::fill

@@ -9,7 +9,7 @@
 
 #include "formats/lattice/brick_bits.h"
 
-namespace forcelayer {
+namespace forcelayer::fill {
 namespace {
 
 // The flood runs on three scales, each an 8x8x8 mask: voxels of a brick, bricks of a 64^3 node,
@@ -20,10 +20,10 @@ namespace {
 
 // A node that holds surface.
 struct FloodNode {
-  const LowerMaskNode* geometry = nullptr;
-  BrickMask surface_bricks;                  // bricks that hold surface
-  BrickMask reached_bricks;                  // reached bricks among the others
-  std::vector<BrickMask> reached;            // [surface bricks, ascending] voxels
+  const masks::LowerMaskNode* geometry = nullptr;
+  lattice::BrickMask surface_bricks;         // bricks that hold surface
+  lattice::BrickMask reached_bricks;         // reached bricks among the others
+  std::vector<lattice::BrickMask> reached;   // [surface bricks, ascending] voxels
   std::array<std::uint16_t, 512> number_of;  // of each surface brick
   std::size_t cell = 0;                      // the node's directory cell
   unsigned entry = 0;                        // of the directory cell
@@ -34,18 +34,18 @@ struct FloodNode {
   };
   std::vector<Seed> seeds;  // to flood from in the next fill
 
-  BrickMask& reached_voxels(unsigned n) { return reached[number_of[n]]; }
-  const BrickMask& reached_voxels(unsigned n) const { return reached[number_of[n]]; }
+  lattice::BrickMask& reached_voxels(unsigned n) { return reached[number_of[n]]; }
+  const lattice::BrickMask& reached_voxels(unsigned n) const { return reached[number_of[n]]; }
   const std::uint64_t* surface_words(unsigned n) const {
-    return words_of(*geometry->getTable()[n].getChild());
+    return masks::words_of(*geometry->getTable()[n].getChild());
   }
 };
 
 // A directory cell that holds surface.
 struct FloodCell {
-  BrickMask surface_nodes;
-  BrickMask reached_nodes;  // reached nodes among the others
-  BrickMask seeds;          // nodes that a neighboring node has opened
+  lattice::BrickMask surface_nodes;
+  lattice::BrickMask reached_nodes;  // reached nodes among the others
+  lattice::BrickMask seeds;          // nodes that a neighboring node has opened
   std::array<std::uint32_t, 512> node_of{};
 };
 
@@ -54,8 +54,8 @@ constexpr std::int32_t kUnreached = -1;
 constexpr std::int32_t kReached = -2;
 constexpr std::size_t kOutside = SIZE_MAX;  // beyond the object's cells, reached from the start
 
-BrickMask load(const BrickMask& mask) {
-  BrickMask copy;
+lattice::BrickMask load(const lattice::BrickMask& mask) {
+  lattice::BrickMask copy;
   for (std::size_t x = 0; x < 8; ++x) {
     copy.words[x] =
         std::atomic_ref(const_cast<std::uint64_t&>(mask.words[x])).load(std::memory_order_relaxed);
@@ -63,7 +63,7 @@ BrickMask load(const BrickMask& mask) {
   return copy;
 }
 
-void store(BrickMask& mask, const BrickMask& value) {
+void store(lattice::BrickMask& mask, const lattice::BrickMask& value) {
   for (std::size_t x = 0; x < 8; ++x) {
     std::atomic_ref(mask.words[x]).store(value.words[x], std::memory_order_relaxed);
   }
@@ -75,10 +75,10 @@ struct Neighbor {
   bool reached = false;
 
   // The reached voxels of its brick n.
-  BrickMask brick(unsigned n) const {
-    if (node == nullptr) return reached ? full_mask() : BrickMask{};
+  lattice::BrickMask brick(unsigned n) const {
+    if (node == nullptr) return reached ? lattice::full_mask() : lattice::BrickMask{};
     if (test(node->surface_bricks, n)) return load(node->reached_voxels(n));
-    return test(load(node->reached_bricks), n) ? full_mask() : BrickMask{};
+    return test(load(node->reached_bricks), n) ? lattice::full_mask() : lattice::BrickMask{};
   }
 };
 
@@ -87,27 +87,27 @@ struct Neighbor {
 class NodeFill {
  public:
   // Voxels of a node's surface bricks to flood from; any content.
-  using Pending = std::array<BrickMask, 512>;
+  using Pending = std::array<lattice::BrickMask, 512>;
 
   NodeFill(FloodNode& node, Pending& pending) : node_(node), pending_(pending) {}
 
   // Takes in the voxels that the node across `side` has reached.
   void pull(int side, const Neighbor& neighbor) {
-    for_each_set(side_cells(~node_.reached_bricks, side), [&](unsigned n) {
-      if (test(node_.surface_bricks, n) && !any_on_side(unreached_voxels(n), side)) return;
-      push(n, across(neighbor.brick(stepped(n, side)), side));
+    lattice::for_each_set(lattice::side_cells(~node_.reached_bricks, side), [&](unsigned n) {
+      if (test(node_.surface_bricks, n) && !lattice::any_on_side(unreached_voxels(n), side)) return;
+      push(n, lattice::across(neighbor.brick(lattice::stepped(n, side)), side));
     });
   }
 
   // Reaches the open voxels among `voxels` of brick n.
-  void push(unsigned n, const BrickMask& voxels) {
+  void push(unsigned n, const lattice::BrickMask& voxels) {
     if (!test(node_.surface_bricks, n)) {
       if (!test(node_.reached_bricks, n) && voxels.any()) set(empty_seeds_, n);
       return;
     }
     const std::uint64_t* surface = node_.surface_words(n);
-    const BrickMask& reached = node_.reached_voxels(n);
-    BrickMask& pending = pending_[node_.number_of[n]];
+    const lattice::BrickMask& reached = node_.reached_voxels(n);
+    lattice::BrickMask& pending = pending_[node_.number_of[n]];
     if (!test(dirty_, n)) pending = {};
     std::uint64_t any = 0;
     for (std::size_t x = 0; x < 8; ++x) {
@@ -121,61 +121,64 @@ class NodeFill {
   void run() {
     for (;;) {
       if (empty_seeds_.any()) fill_empty_bricks();
-      const BrickMask todo = dirty_;
+      const lattice::BrickMask todo = dirty_;
       if (!todo.any()) return;
-      for_each_set(todo, [&](unsigned n) { fill_surface_brick(n); });
+      lattice::for_each_set(todo, [&](unsigned n) { fill_surface_brick(n); });
     }
   }
 
  private:
   // The voxels of a surface brick that are neither surface nor reached.
-  BrickMask unreached_voxels(unsigned n) const {
+  lattice::BrickMask unreached_voxels(unsigned n) const {
     const std::uint64_t* surface = node_.surface_words(n);
-    const BrickMask& reached = node_.reached_voxels(n);
-    BrickMask voxels;
+    const lattice::BrickMask& reached = node_.reached_voxels(n);
+    lattice::BrickMask voxels;
     for (std::size_t x = 0; x < 8; ++x) voxels.words[x] = ~(surface[x] | reached.words[x]);
     return voxels;
   }
 
   void fill_empty_bricks() {
-    const BrickMask unreached = ~(node_.surface_bricks | node_.reached_bricks);
-    const BrickMask added = flooded(empty_seeds_, unreached);
+    const lattice::BrickMask unreached = ~(node_.surface_bricks | node_.reached_bricks);
+    const lattice::BrickMask added = lattice::flooded(empty_seeds_, unreached);
     empty_seeds_ = {};
     store(node_.reached_bricks, node_.reached_bricks | added);
-    for (int side = 0; side < kSides; ++side) {
-      const BrickMask flow = across(full_mask(), opposite(side));
-      for_each_set(shifted(added, side) & node_.surface_bricks, [&](unsigned n) { push(n, flow); });
-      if (any_on_side(added, side)) node_.changed_sides |= 1u << side;
+    for (int side = 0; side < lattice::kSides; ++side) {
+      const lattice::BrickMask flow =
+          lattice::across(lattice::full_mask(), lattice::opposite(side));
+      lattice::for_each_set(lattice::shifted(added, side) & node_.surface_bricks,
+                            [&](unsigned n) { push(n, flow); });
+      if (lattice::any_on_side(added, side)) node_.changed_sides |= 1u << side;
     }
   }
 
   void fill_surface_brick(unsigned n) {
-    BrickMask& reached = node_.reached_voxels(n);
-    const BrickMask added = flooded(pending_[node_.number_of[n]], unreached_voxels(n));
+    lattice::BrickMask& reached = node_.reached_voxels(n);
+    const lattice::BrickMask added =
+        lattice::flooded(pending_[node_.number_of[n]], unreached_voxels(n));
     dirty_.words[n >> 6] &= ~(std::uint64_t{1} << (n & 63));
     store(reached, reached | added);
-    for (int side = 0; side < kSides; ++side) {
-      if (!any_on_side(added, side)) continue;
-      if (lies_on(n, side)) {
+    for (int side = 0; side < lattice::kSides; ++side) {
+      if (!lattice::any_on_side(added, side)) continue;
+      if (lattice::lies_on(n, side)) {
         node_.changed_sides |= 1u << side;
       } else {
-        push(stepped(n, side), across(added, opposite(side)));
+        push(lattice::stepped(n, side), lattice::across(added, lattice::opposite(side)));
       }
     }
   }
 
   FloodNode& node_;
-  BrickMask dirty_;        // surface bricks with something pending
-  BrickMask empty_seeds_;  // bricks without surface to flood from
-  Pending& pending_;       // [surface bricks] defined where dirty
+  lattice::BrickMask dirty_;        // surface bricks with something pending
+  lattice::BrickMask empty_seeds_;  // bricks without surface to flood from
+  Pending& pending_;                // [surface bricks] defined where dirty
 };
 
 class Flood {
  public:
-  explicit Flood(const MaskTree& geometry);
+  explicit Flood(const masks::MaskTree& geometry);
 
-  void run(std::span<const Coord> seeds);
-  std::unique_ptr<MaskTree> interior() const;
+  void run(std::span<const masks::Coord> seeds);
+  std::unique_ptr<masks::MaskTree> interior() const;
 
  private:
   struct NodePlace {
@@ -183,9 +186,9 @@ class Flood {
     unsigned entry;
   };
 
-  std::size_t cell_at(const Coord& voxel) const;
+  std::size_t cell_at(const masks::Coord& voxel) const;
   std::size_t cell_across(std::size_t cell, int side) const;
-  Coord cell_origin(std::size_t cell) const;
+  masks::Coord cell_origin(std::size_t cell) const;
   FloodCell* surface_cell(std::size_t cell) {
     return states_[cell] >= 0 ? &cells_[static_cast<std::size_t>(states_[cell])] : nullptr;
   }
@@ -194,16 +197,16 @@ class Flood {
   }
   NodePlace node_across(const FloodNode& node, int side) const;
   Neighbor neighbor(const FloodNode& node, int side) const;
-  BrickMask inflow(std::size_t cell) const;
+  lattice::BrickMask inflow(std::size_t cell) const;
 
-  void add_nodes(const MaskTree& geometry);
-  void seed(const Coord& voxel);
+  void add_nodes(const masks::MaskTree& geometry);
+  void seed(const masks::Coord& voxel);
   void seed_node(std::uint32_t number, unsigned brick, unsigned voxel);
   void fill(FloodNode& node, NodeFill::Pending& pending) const;
   void open_border();
   void wake(std::uint32_t node, int side);
-  void wake_all(std::size_t cell, const BrickMask& entries, int side);
-  void announce(std::size_t cell, const BrickMask& added);
+  void wake_all(std::size_t cell, const lattice::BrickMask& entries, int side);
+  void announce(std::size_t cell, const lattice::BrickMask& added);
   void spread_cells();
   void tell_neighbors(const FloodNode& node);
 
@@ -215,12 +218,12 @@ class Flood {
   std::vector<std::uint32_t> awake_;
 };
 
-Flood::Flood(const MaskTree& geometry) {
+Flood::Flood(const masks::MaskTree& geometry) {
   std::array<std::int64_t, 3> high;
   low_.fill(INT64_MAX);
   high.fill(INT64_MIN);
   for (auto cell = geometry.cbeginChildOn(); cell; ++cell) {
-    const Coord origin = cell->origin();
+    const masks::Coord origin = cell->origin();
     for (std::size_t d = 0; d < 3; ++d) {
       const std::int64_t at = origin[d] >> 9;
       low_[d] = std::min(low_[d], at);
@@ -232,13 +235,13 @@ Flood::Flood(const MaskTree& geometry) {
   add_nodes(geometry);
 }
 
-void Flood::add_nodes(const MaskTree& geometry) {
+void Flood::add_nodes(const masks::MaskTree& geometry) {
   for (auto upper = geometry.cbeginChildOn(); upper; ++upper) {
     const std::size_t cell = cell_at(upper->origin());
     states_[cell] = static_cast<std::int32_t>(cells_.size());
     FloodCell& flood_cell = cells_.emplace_back();
-    flood_cell.surface_nodes = mask_of(upper->getChildMask());
-    for_each_set(flood_cell.surface_nodes, [&](unsigned n) {
+    flood_cell.surface_nodes = masks::mask_of(upper->getChildMask());
+    lattice::for_each_set(flood_cell.surface_nodes, [&](unsigned n) {
       flood_cell.node_of[n] = static_cast<std::uint32_t>(nodes_.size());
       FloodNode& node = nodes_.emplace_back();
       node.geometry = upper->getTable()[n].getChild();
@@ -248,14 +251,14 @@ void Flood::add_nodes(const MaskTree& geometry) {
   }
   tbb::parallel_for(std::size_t{0}, nodes_.size(), [&](std::size_t i) {
     FloodNode& node = nodes_[i];
-    node.surface_bricks = mask_of(node.geometry->getChildMask());
+    node.surface_bricks = masks::mask_of(node.geometry->getChildMask());
     std::uint16_t number = 0;
-    for_each_set(node.surface_bricks, [&](unsigned n) { node.number_of[n] = number++; });
+    lattice::for_each_set(node.surface_bricks, [&](unsigned n) { node.number_of[n] = number++; });
     node.reached.resize(number);
   });
 }
 
-std::size_t Flood::cell_at(const Coord& voxel) const {
+std::size_t Flood::cell_at(const masks::Coord& voxel) const {
   std::size_t index = 0;
   for (std::size_t d = 0; d < 3; ++d) {
     const std::int64_t at = (voxel[d] >> 9) - low_[d];
@@ -265,23 +268,23 @@ std::size_t Flood::cell_at(const Coord& voxel) const {
   return index;
 }
 
-Coord Flood::cell_origin(std::size_t cell) const {
+masks::Coord Flood::cell_origin(std::size_t cell) const {
   const auto index = static_cast<std::int64_t>(cell);
-  return Coord(static_cast<int>((index / (dims_[1] * dims_[2]) + low_[0]) * 512),
-               static_cast<int>((index / dims_[2] % dims_[1] + low_[1]) * 512),
-               static_cast<int>((index % dims_[2] + low_[2]) * 512));
+  return masks::Coord(static_cast<int>((index / (dims_[1] * dims_[2]) + low_[0]) * 512),
+                      static_cast<int>((index / dims_[2] % dims_[1] + low_[1]) * 512),
+                      static_cast<int>((index % dims_[2] + low_[2]) * 512));
 }
 
 std::size_t Flood::cell_across(std::size_t cell, int side) const {
   constexpr int kStep = 512;
-  Coord origin = cell_origin(cell);
+  masks::Coord origin = cell_origin(cell);
   origin[side / 2] += side % 2 == 1 ? kStep : -kStep;
   return cell_at(origin);
 }
 
 Flood::NodePlace Flood::node_across(const FloodNode& node, int side) const {
-  return {lies_on(node.entry, side) ? cell_across(node.cell, side) : node.cell,
-          stepped(node.entry, side)};
+  return {lattice::lies_on(node.entry, side) ? cell_across(node.cell, side) : node.cell,
+          lattice::stepped(node.entry, side)};
 }
 
 Neighbor Flood::neighbor(const FloodNode& node, int side) const {
@@ -300,34 +303,34 @@ void Flood::wake(std::uint32_t node, int side) {
 
 // Wakes the surface nodes among `entries` of a cell: the neighbors across their `side` were
 // reached.
-void Flood::wake_all(std::size_t cell, const BrickMask& entries, int side) {
+void Flood::wake_all(std::size_t cell, const lattice::BrickMask& entries, int side) {
   FloodCell* flood_cell = surface_cell(cell);
   if (flood_cell == nullptr) return;
-  for_each_set(entries & flood_cell->surface_nodes,
-               [&](unsigned n) { wake(flood_cell->node_of[n], side); });
+  lattice::for_each_set(entries & flood_cell->surface_nodes,
+                        [&](unsigned n) { wake(flood_cell->node_of[n], side); });
 }
 
 // Wakes the neighbors of a cell's newly reached nodes.
-void Flood::announce(std::size_t cell, const BrickMask& added) {
-  for (int side = 0; side < kSides; ++side) {
-    wake_all(cell, shifted(added, side), opposite(side));
-    if (!any_on_side(added, side)) continue;
+void Flood::announce(std::size_t cell, const lattice::BrickMask& added) {
+  for (int side = 0; side < lattice::kSides; ++side) {
+    wake_all(cell, lattice::shifted(added, side), lattice::opposite(side));
+    if (!lattice::any_on_side(added, side)) continue;
     const std::size_t next = cell_across(cell, side);
     if (next == kOutside) continue;
-    wake_all(next, across(added, opposite(side)), opposite(side));
+    wake_all(next, lattice::across(added, lattice::opposite(side)), lattice::opposite(side));
     if (states_[next] != kReached) pending_cells_.push_back(next);
   }
 }
 
 // The nodes of a cell next to reached nodes, without surface, of other cells.
-BrickMask Flood::inflow(std::size_t cell) const {
-  BrickMask seeds;
-  for (int side = 0; side < kSides; ++side) {
+lattice::BrickMask Flood::inflow(std::size_t cell) const {
+  lattice::BrickMask seeds;
+  for (int side = 0; side < lattice::kSides; ++side) {
     const std::size_t next = cell_across(cell, side);
     if (next == kOutside || states_[next] == kReached) {
-      seeds = seeds | across(full_mask(), side);
+      seeds = seeds | lattice::across(lattice::full_mask(), side);
     } else if (const FloodCell* neighbor = surface_cell(next)) {
-      seeds = seeds | across(neighbor->reached_nodes, side);
+      seeds = seeds | lattice::across(neighbor->reached_nodes, side);
     }
   }
   return seeds;
@@ -339,27 +342,27 @@ void Flood::spread_cells() {
     pending_cells_.pop_back();
     if (states_[index] == kReached) continue;
     if (FloodCell* cell = surface_cell(index)) {
-      const BrickMask unreached = ~(cell->surface_nodes | cell->reached_nodes);
-      const BrickMask added = flooded(inflow(index) | cell->seeds, unreached);
+      const lattice::BrickMask unreached = ~(cell->surface_nodes | cell->reached_nodes);
+      const lattice::BrickMask added = lattice::flooded(inflow(index) | cell->seeds, unreached);
       cell->reached_nodes = cell->reached_nodes | added;
       cell->seeds = {};
       announce(index, added);
     } else {
       states_[index] = kReached;
-      announce(index, full_mask());
+      announce(index, lattice::full_mask());
     }
   }
 }
 
 // Wakes the neighbors of a node across the sides that its fill changed.
 void Flood::tell_neighbors(const FloodNode& node) {
-  for (int side = 0; side < kSides; ++side) {
+  for (int side = 0; side < lattice::kSides; ++side) {
     if ((node.changed_sides >> side & 1) == 0) continue;
     const NodePlace at = node_across(node, side);
     if (at.cell == kOutside || states_[at.cell] == kReached) continue;
     if (FloodCell* cell = surface_cell(at.cell)) {
       if (test(cell->surface_nodes, at.entry)) {
-        wake(cell->node_of[at.entry], opposite(side));
+        wake(cell->node_of[at.entry], lattice::opposite(side));
         continue;
       }
       set(cell->seeds, at.entry);
@@ -372,16 +375,16 @@ void Flood::tell_neighbors(const FloodNode& node) {
 void Flood::open_border() {
   for (std::size_t cell = 0; cell < states_.size(); ++cell) {
     bool border = false;
-    for (int side = 0; side < kSides; ++side) {
+    for (int side = 0; side < lattice::kSides; ++side) {
       if (cell_across(cell, side) != kOutside) continue;
       border = true;
-      wake_all(cell, side_cells(full_mask(), side), side);
+      wake_all(cell, lattice::side_cells(lattice::full_mask(), side), side);
     }
     if (border) pending_cells_.push_back(cell);
   }
 }
 
-void Flood::seed(const Coord& voxel) {
+void Flood::seed(const masks::Coord& voxel) {
   const std::size_t index = cell_at(voxel);
   if (index == kOutside) return;
   FloodCell* cell = surface_cell(index);
@@ -389,14 +392,14 @@ void Flood::seed(const Coord& voxel) {
     pending_cells_.push_back(index);
     return;
   }
-  const unsigned entry = UpperMaskNode::coordToOffset(voxel);
+  const unsigned entry = masks::UpperMaskNode::coordToOffset(voxel);
   if (!test(cell->surface_nodes, entry)) {
     set(cell->seeds, entry);
     pending_cells_.push_back(index);
     return;
   }
-  seed_node(cell->node_of[entry], LowerMaskNode::coordToOffset(voxel),
-            MaskLeaf::coordToOffset(voxel));
+  seed_node(cell->node_of[entry], masks::LowerMaskNode::coordToOffset(voxel),
+            masks::MaskLeaf::coordToOffset(voxel));
 }
 
 void Flood::seed_node(std::uint32_t number, unsigned brick, unsigned voxel) {
@@ -409,11 +412,11 @@ void Flood::seed_node(std::uint32_t number, unsigned brick, unsigned voxel) {
 void Flood::fill(FloodNode& node, NodeFill::Pending& pending) const {
   NodeFill fill(node, pending);
   node.changed_sides = 0;
-  for (int side = 0; side < kSides; ++side) {
+  for (int side = 0; side < lattice::kSides; ++side) {
     if (node.woken_sides >> side & 1) fill.pull(side, neighbor(node, side));
   }
   for (const FloodNode::Seed& seed : node.seeds) {
-    BrickMask point;
+    lattice::BrickMask point;
     set(point, seed.voxel);
     fill.push(seed.brick, point);
   }
@@ -422,9 +425,9 @@ void Flood::fill(FloodNode& node, NodeFill::Pending& pending) const {
   fill.run();
 }
 
-void Flood::run(std::span<const Coord> seeds) {
+void Flood::run(std::span<const masks::Coord> seeds) {
   open_border();
-  for (const Coord& voxel : seeds) seed(voxel);
+  for (const masks::Coord& voxel : seeds) seed(voxel);
   spread_cells();
   tbb::enumerable_thread_specific<NodeFill::Pending> pending;
   while (!awake_.empty()) {
@@ -438,41 +441,42 @@ void Flood::run(std::span<const Coord> seeds) {
 }
 
 // The interior of a node with surface; null where it has none.
-std::unique_ptr<LowerMaskNode> interior_node(const FloodNode& node, const Coord& origin) {
-  auto result = std::make_unique<LowerMaskNode>(origin, false, false);
-  const BrickMask unreached = ~(node.surface_bricks | node.reached_bricks);
+std::unique_ptr<masks::LowerMaskNode> interior_node(const FloodNode& node,
+                                                    const masks::Coord& origin) {
+  auto result = std::make_unique<masks::LowerMaskNode>(origin, false, false);
+  const lattice::BrickMask unreached = ~(node.surface_bricks | node.reached_bricks);
   bool any = unreached.any();
-  for_each_set(unreached, [&](unsigned n) { result->addTile(n, true, true); });
-  for_each_set(node.surface_bricks, [&](unsigned n) {
-    const BrickMask voxels =
-        ~(node.reached_voxels(n) | brick_of(*node.geometry->getTable()[n].getChild()));
+  lattice::for_each_set(unreached, [&](unsigned n) { result->addTile(n, true, true); });
+  lattice::for_each_set(node.surface_bricks, [&](unsigned n) {
+    const lattice::BrickMask voxels =
+        ~(node.reached_voxels(n) | masks::brick_of(*node.geometry->getTable()[n].getChild()));
     if (!voxels.any()) return;
     any = true;
-    auto leaf = std::make_unique<MaskLeaf>(entry_origin(origin, n, 8), false);
-    assign(*leaf, voxels);
+    auto leaf = std::make_unique<masks::MaskLeaf>(masks::entry_origin(origin, n, 8), false);
+    masks::assign(*leaf, voxels);
     result->addLeaf(leaf.release());
   });
   return any ? std::move(result) : nullptr;
 }
 
-std::unique_ptr<MaskTree> Flood::interior() const {
-  std::vector<std::unique_ptr<LowerMaskNode>> nodes(nodes_.size());
+std::unique_ptr<masks::MaskTree> Flood::interior() const {
+  std::vector<std::unique_ptr<masks::LowerMaskNode>> nodes(nodes_.size());
   tbb::parallel_for(std::size_t{0}, nodes.size(), [&](std::size_t i) {
     nodes[i] = interior_node(nodes_[i], nodes_[i].geometry->origin());
   });
-  auto tree = std::make_unique<MaskTree>();
+  auto tree = std::make_unique<masks::MaskTree>();
   for (std::size_t index = 0; index < states_.size(); ++index) {
-    const Coord origin = cell_origin(index);
+    const masks::Coord origin = cell_origin(index);
     const FloodCell* cell = surface_cell(index);
     if (cell == nullptr) {
       if (states_[index] == kUnreached) tree->addTile(origin, true, true);
       continue;
     }
-    auto upper = std::make_unique<UpperMaskNode>(origin, false, false);
-    const BrickMask unreached = ~(cell->surface_nodes | cell->reached_nodes);
+    auto upper = std::make_unique<masks::UpperMaskNode>(origin, false, false);
+    const lattice::BrickMask unreached = ~(cell->surface_nodes | cell->reached_nodes);
     bool any = unreached.any();
-    for_each_set(unreached, [&](unsigned n) { upper->addTile(n, true, true); });
-    for_each_set(cell->surface_nodes, [&](unsigned n) {
+    lattice::for_each_set(unreached, [&](unsigned n) { upper->addTile(n, true, true); });
+    lattice::for_each_set(cell->surface_nodes, [&](unsigned n) {
       auto& node = nodes[cell->node_of[n]];
       if (node == nullptr) return;
       any = true;
@@ -485,11 +489,12 @@ std::unique_ptr<MaskTree> Flood::interior() const {
 
 }  // namespace
 
-std::unique_ptr<MaskTree> flood_interior(const MaskTree& geometry, std::span<const Coord> seeds) {
-  if (geometry.empty()) return std::make_unique<MaskTree>();
+std::unique_ptr<masks::MaskTree> flood_interior(const masks::MaskTree& geometry,
+                                                std::span<const masks::Coord> seeds) {
+  if (geometry.empty()) return std::make_unique<masks::MaskTree>();
   Flood flood(geometry);
   flood.run(seeds);
   return flood.interior();
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::fill

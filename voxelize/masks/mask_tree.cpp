@@ -2,7 +2,7 @@
 
 #include "formats/lattice/brick_bits.h"
 
-namespace forcelayer {
+namespace forcelayer::masks {
 namespace {
 
 // Adds the voxels of `other` to `leaf`.
@@ -31,8 +31,8 @@ void unite_entry(Node& node, Node& other, unsigned n, UniteChildren&& unite_chil
 
 template <class Node, class UniteChildren>
 void unite_nodes(Node& node, Node& other, UniteChildren&& unite_children) {
-  const BrickMask used = mask_of(other.getChildMask()) | mask_of(other.getValueMask());
-  for_each_set(used, [&](unsigned n) { unite_entry(node, other, n, unite_children); });
+  const lattice::BrickMask used = mask_of(other.getChildMask()) | mask_of(other.getValueMask());
+  lattice::for_each_set(used, [&](unsigned n) { unite_entry(node, other, n, unite_children); });
 }
 
 void unite_upper_nodes(UpperMaskNode& upper, UpperMaskNode& other) {
@@ -76,4 +76,4 @@ void unite(MaskTree& tree, MaskTree&& other) {
 
 std::uint64_t voxel_count(const MaskTree& tree) { return tree.onVoxelCount(); }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::masks

@@ -14,7 +14,7 @@
 
 #include "formats/lattice/voxel_overlap.h"
 
-namespace forcelayer {
+namespace forcelayer::masks {
 
 using MaskLeaf = openvdb::tree::LeafNode<openvdb::ValueMask, 3>;      // 8^3 voxels: a brick
 using LowerMaskNode = openvdb::tree::InternalNode<MaskLeaf, 3>;       // 64^3 voxels
@@ -27,22 +27,22 @@ using openvdb::Coord;
 inline std::uint64_t* words_of(MaskLeaf& leaf) { return leaf.buffer().data(); }
 inline const std::uint64_t* words_of(const MaskLeaf& leaf) { return leaf.buffer().data(); }
 
-inline BrickMask brick_of(const MaskLeaf& leaf) {
-  BrickMask mask;
+inline lattice::BrickMask brick_of(const MaskLeaf& leaf) {
+  lattice::BrickMask mask;
   const std::uint64_t* words = words_of(leaf);
   for (int x = 0; x < 8; ++x) mask.words[x] = words[x];
   return mask;
 }
 
-inline void assign(MaskLeaf& leaf, const BrickMask& mask) {
+inline void assign(MaskLeaf& leaf, const lattice::BrickMask& mask) {
   std::uint64_t* words = words_of(leaf);
   for (int x = 0; x < 8; ++x) words[x] = mask.words[x];
 }
 
 // The 512 bits of a node's own mask (children or active tiles), in the order of BrickMask.
 template <class NodeMask>
-BrickMask mask_of(const NodeMask& node_mask) {
-  BrickMask mask;
+lattice::BrickMask mask_of(const NodeMask& node_mask) {
+  lattice::BrickMask mask;
   for (openvdb::Index x = 0; x < 8; ++x) {
     mask.words[x] = node_mask.template getWord<std::uint64_t>(x);
   }
@@ -63,4 +63,4 @@ void unite(MaskTree& tree, MaskTree&& other);
 
 std::uint64_t voxel_count(const MaskTree& tree);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::masks

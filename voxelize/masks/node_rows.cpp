@@ -2,7 +2,7 @@
 
 #include "formats/lattice/brick_bits.h"
 
-namespace forcelayer {
+namespace forcelayer::masks {
 namespace {
 
 std::uint64_t read_rows(const std::uint64_t* rows, unsigned byte) {
@@ -16,17 +16,17 @@ std::uint64_t read_rows(const std::uint64_t* rows, unsigned byte) {
 void node_rows(const MaskTree& tree, const Coord& origin, NodeRows& rows) {
   const auto* node = tree.probeConstNode<LowerMaskNode>(origin);
   if (node == nullptr) {
-    rows.fill(tree.isValueOn(origin) ? kAllBits : 0);
+    rows.fill(tree.isValueOn(origin) ? lattice::kAllBits : 0);
     return;
   }
   rows.fill(0);
-  const BrickMask leaves = mask_of(node->getChildMask());
-  for_each_set(leaves | mask_of(node->getValueMask()), [&](unsigned n) {
+  const lattice::BrickMask leaves = mask_of(node->getChildMask());
+  lattice::for_each_set(leaves | mask_of(node->getValueMask()), [&](unsigned n) {
     const std::uint64_t* words =
         test(leaves, n) ? words_of(*node->getTable()[n].getChild()) : nullptr;
     std::uint64_t* first = rows.data() + (n >> 6) * 8 * 64 + (n >> 3 & 7) * 8;
     for (int x = 0; x < 8; ++x) {
-      write_rows(words == nullptr ? kAllBits : words[x], first + x * 64, n & 7);
+      write_rows(words == nullptr ? lattice::kAllBits : words[x], first + x * 64, n & 7);
     }
   });
 }
@@ -39,7 +39,7 @@ std::unique_ptr<LowerMaskNode> node_of_rows(const NodeRows& rows, const Coord& o
     for (unsigned n = 0; n < 64; ++n) any |= first[(n >> 3) * 64 + (n & 7)];
     for (unsigned z = 0; z < 8; ++z) {
       if ((any >> (8 * z) & 0xff) == 0) continue;
-      BrickMask mask;
+      lattice::BrickMask mask;
       for (unsigned x = 0; x < 8; ++x) mask.words[x] = read_rows(first + x * 64, z);
       const unsigned n = column << 3 | z;
       auto leaf = std::make_unique<MaskLeaf>(entry_origin(origin, n, 8), false);
@@ -50,4 +50,4 @@ std::unique_ptr<LowerMaskNode> node_of_rows(const NodeRows& rows, const Coord& o
   return node;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::masks

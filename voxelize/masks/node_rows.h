@@ -8,7 +8,7 @@
 
 #include "voxelize/masks/mask_tree.h"
 
-namespace forcelayer {
+namespace forcelayer::masks {
 
 using NodeRows = std::array<std::uint64_t, 4096>;  // [x*64 + y], bit z
 
@@ -56,4 +56,4 @@ inline bool all_set(const NodeRows& rows, const std::array<int, 3>& low, int edg
   return true;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::masks

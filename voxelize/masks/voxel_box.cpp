@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace forcelayer {
+namespace forcelayer::masks {
 
 void VoxelBox::include(const VoxelBox& other) {
   for (std::size_t d = 0; d < 3; ++d) {
@@ -20,7 +20,7 @@ VoxelBox VoxelBox::grown(std::int64_t voxels) const {
   return box;
 }
 
-VoxelBox VoxelBox::shifted(const VoxelIndex& by) const {
+VoxelBox VoxelBox::shifted(const lattice::VoxelIndex& by) const {
   VoxelBox box = *this;
   for (std::size_t d = 0; d < 3 && !empty(); ++d) {
     box.low[d] += by[d];
@@ -42,4 +42,4 @@ bool VoxelBox::overlaps(const VoxelBox& other) const {
   return true;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::masks

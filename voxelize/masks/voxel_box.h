@@ -7,17 +7,17 @@
 
 #include "formats/lattice/voxel_overlap.h"
 
-namespace forcelayer {
+namespace forcelayer::masks {
 
 // In world voxel indices, `high` inclusive; empty where low > high.
 struct VoxelBox {
-  VoxelIndex low{INT64_MAX, INT64_MAX, INT64_MAX};
-  VoxelIndex high{INT64_MIN, INT64_MIN, INT64_MIN};
+  lattice::VoxelIndex low{INT64_MAX, INT64_MAX, INT64_MAX};
+  lattice::VoxelIndex high{INT64_MIN, INT64_MIN, INT64_MIN};
 
   bool empty() const { return low[0] > high[0]; }
   void include(const VoxelBox& other);
   VoxelBox grown(std::int64_t voxels) const;
-  VoxelBox shifted(const VoxelIndex& by) const;
+  VoxelBox shifted(const lattice::VoxelIndex& by) const;
   VoxelBox joined(const VoxelBox& other) const;
   bool overlaps(const VoxelBox& other) const;
 };
@@ -32,7 +32,7 @@ struct KeptBox {
 
 // Of voxels, nodes or directory cells, for hash tables.
 struct IndexHash {
-  std::size_t operator()(const VoxelIndex& index) const {
+  std::size_t operator()(const lattice::VoxelIndex& index) const {
     std::uint64_t hash = 0;
     for (const std::int64_t x : index) {
       hash = (hash ^ static_cast<std::uint64_t>(x)) * 0x9e3779b97f4a7c15u;
@@ -42,4 +42,4 @@ struct IndexHash {
   }
 };
 
-}  // namespace forcelayer
+}  // namespace forcelayer::masks

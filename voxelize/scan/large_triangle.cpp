@@ -14,7 +14,7 @@
 #include <bit>
 
 HWY_BEFORE_NAMESPACE();
-namespace forcelayer::HWY_NAMESPACE {
+namespace forcelayer::scan::HWY_NAMESPACE {
 namespace {
 
 constexpr std::size_t kU[3] = {1, 0, 0}, kW[3] = {2, 2, 1};  // axes of the projections
@@ -46,7 +46,7 @@ struct Edge {
     b = of_w;
     value = a * u0 + b * w0;
     above = positive(a) + positive(b);
-    least = least_sum(kSnapBits);
+    least = least_sum(lattice::kSnapBits);
     all_pass = 7 * (negative(a) + negative(b));
     some_pass = 7 * above;
     SquareCells::tabulate(static_cast<std::int32_t>(a), static_cast<std::int32_t>(b), sums);
@@ -58,7 +58,7 @@ struct Edge {
 using Edges = std::array<Edge, 3>;
 using Sides = std::array<std::array<std::int64_t, 3>, 3>;
 
-HWY_INLINE Sides sides_of(const LatticeTriangle& corners) {
+HWY_INLINE Sides sides_of(const lattice::LatticeTriangle& corners) {
   Sides sides;
   for (std::size_t k = 0; k < 3; ++k) {
     for (std::size_t d = 0; d < 3; ++d) sides[k][d] = corners[(k + 1) % 3][d] - corners[k][d];
@@ -67,8 +67,8 @@ HWY_INLINE Sides sides_of(const LatticeTriangle& corners) {
 }
 
 // The edges of the projection along d. Returns twice its signed area.
-HWY_INLINE std::int64_t set_up_projection(const LatticeTriangle& corners, const Sides& sides,
-                                          std::size_t d, Edges& edges) {
+HWY_INLINE std::int64_t set_up_projection(const lattice::LatticeTriangle& corners,
+                                          const Sides& sides, std::size_t d, Edges& edges) {
   const std::size_t u = kU[d], w = kW[d];
   // sides[2] runs from corner 2 back to corner 0.
   const std::int64_t area = sides[0][w] * sides[2][u] - sides[0][u] * sides[2][w];
@@ -110,10 +110,10 @@ HWY_INLINE std::uint64_t shadow_of(const Edges& edges, std::int64_t u, std::int6
 // Units and derivation are those of TriangleOverlap.
 class LargeTriangle {
  public:
-  HWY_INLINE explicit LargeTriangle(const LatticeTriangle& corners) : corners_(corners) {
+  HWY_INLINE explicit LargeTriangle(const lattice::LatticeTriangle& corners) : corners_(corners) {
     for (std::size_t d = 0; d < 3; ++d) {
-      low_[d] = std::min({corners[0][d], corners[1][d], corners[2][d]}) >> kSnapBits;
-      high_[d] = std::max({corners[0][d], corners[1][d], corners[2][d]}) >> kSnapBits;
+      low_[d] = std::min({corners[0][d], corners[1][d], corners[2][d]}) >> lattice::kSnapBits;
+      high_[d] = std::max({corners[0][d], corners[1][d], corners[2][d]}) >> lattice::kSnapBits;
     }
     const Sides sides = sides_of(corners);
     for (std::size_t d = 0; d < 3; ++d) {
@@ -125,8 +125,8 @@ class LargeTriangle {
       down_ += negative(normal_[d]);
       plane_ += normal_[d] * corners_[0][d];
     }
-    lo_ = least_sum(plane_, kSnapBits);
-    hi_ = greatest_sum(plane_, kSnapBits);
+    lo_ = least_sum(plane_, lattice::kSnapBits);
+    hi_ = greatest_sum(plane_, lattice::kSnapBits);
     // Sums of cells lie between 7 down and 7 up, and hi - lo is at most up - down + 1. Wrapped to
     // 32 bits, a sum outside lo..hi must not look like one inside.
     narrow_ = 8 * (up_ - down_) + 1 < (std::int64_t{1} << 32);
@@ -150,7 +150,7 @@ class LargeTriangle {
   }
 
   // The hit voxels of brick (x, y, z) of the node. False where there is none.
-  HWY_INLINE bool find_voxels(unsigned x, unsigned y, unsigned z, BrickMask& hit) const {
+  HWY_INLINE bool find_voxels(unsigned x, unsigned y, unsigned z, lattice::BrickMask& hit) const {
     const std::array<std::int64_t, 3> corner = {8 * x, 8 * y, 8 * z};
     std::int64_t offset = 0;
     for (std::size_t d = 0; d < 3; ++d) offset += normal_[d] * corner[d];
@@ -165,8 +165,8 @@ class LargeTriangle {
   }
 
   // The hit bricks of the node. False where there is none.
-  HWY_INLINE bool find_bricks(BrickMask& hit) const {
-    constexpr int kShift = kSnapBits + 3;
+  HWY_INLINE bool find_bricks(lattice::BrickMask& hit) const {
+    constexpr int kShift = lattice::kSnapBits + 3;
     const std::int64_t lo = least_sum(plane_, kShift), hi = greatest_sum(plane_, kShift);
     if (lo > 7 * up_ || hi < 7 * down_) return false;
     std::array<std::uint64_t, 3> shadow;
@@ -200,7 +200,7 @@ class LargeTriangle {
 
   HWY_INLINE bool cut_by_plane(const std::array<std::uint64_t, 3>& range,
                                const std::array<std::uint64_t, 3>& shadow, std::int64_t lo,
-                               std::int64_t hi, BrickMask& hit) const {
+                               std::int64_t hi, lattice::BrickMask& hit) const {
     unsigned planes =
         cells_below(shadow[0], shadow[1] & range[2] * kFirstColumn,
                     shadow[2] & range[1] * kFirstColumn & fill_rows(range[0]), hit.words);
@@ -240,7 +240,7 @@ class LargeTriangle {
     return cells;
   }
 
-  const LatticeTriangle& corners_;
+  const lattice::LatticeTriangle& corners_;
   std::array<std::int64_t, 3> low_, high_;  // voxels
   std::array<Edges, 3> edges_;
   std::array<std::int64_t, 3> normal_;
@@ -255,10 +255,12 @@ class LargeTriangle {
 // A triangle that lies in one layer of voxels across axis `d` hits those below its projection.
 class FlatTriangle {
  public:
-  HWY_INLINE FlatTriangle(const LatticeTriangle& corners, std::size_t d) : d_(d) {
+  HWY_INLINE FlatTriangle(const lattice::LatticeTriangle& corners, std::size_t d) : d_(d) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      low_[axis] = std::min({corners[0][axis], corners[1][axis], corners[2][axis]}) >> kSnapBits;
-      high_[axis] = std::max({corners[0][axis], corners[1][axis], corners[2][axis]}) >> kSnapBits;
+      low_[axis] =
+          std::min({corners[0][axis], corners[1][axis], corners[2][axis]}) >> lattice::kSnapBits;
+      high_[axis] =
+          std::max({corners[0][axis], corners[1][axis], corners[2][axis]}) >> lattice::kSnapBits;
     }
     set_up_projection(corners, sides_of(corners), d, edges_);
   }
@@ -291,7 +293,8 @@ class FlatTriangle {
       canvas.brick(layer >> 3, u, w).words[layer & 7] |= cells;
       return;
     }
-    BrickMask& brick = d_ == 1 ? canvas.brick(u, layer >> 3, w) : canvas.brick(u, w, layer >> 3);
+    lattice::BrickMask& brick =
+        d_ == 1 ? canvas.brick(u, layer >> 3, w) : canvas.brick(u, w, layer >> 3);
     for (unsigned x = 0; x < 8; ++x) {
       const std::uint64_t row = cells >> (8 * x) & 0xff;
       brick.words[x] |=
@@ -307,16 +310,17 @@ class FlatTriangle {
 // Marks the voxels of one brick.
 HWY_INLINE void draw_brick(const LargeTriangle& triangle, unsigned x, unsigned y, unsigned z,
                            NodeCanvas& canvas) {
-  BrickMask voxels;
+  lattice::BrickMask voxels;
   if (!triangle.find_voxels(x, y, z, voxels)) return;
-  BrickMask& target = canvas.brick(x, y, z);
+  lattice::BrickMask& target = canvas.brick(x, y, z);
   for (std::size_t i = 0; i < 8; ++i) target.words[i] |= voxels.words[i];
 }
 
-void draw_triangle(const LatticeTriangle& corners, NodeCanvas& canvas) {
+void draw_triangle(const lattice::LatticeTriangle& corners, NodeCanvas& canvas) {
   for (std::size_t d = 0; d < 3; ++d) {
-    const std::int64_t layer = corners[0][d] >> kSnapBits;
-    if (corners[1][d] >> kSnapBits == layer && corners[2][d] >> kSnapBits == layer) {
+    const std::int64_t layer = corners[0][d] >> lattice::kSnapBits;
+    if (corners[1][d] >> lattice::kSnapBits == layer &&
+        corners[2][d] >> lattice::kSnapBits == layer) {
       return FlatTriangle(corners, d).draw(canvas);
     }
   }
@@ -325,10 +329,10 @@ void draw_triangle(const LatticeTriangle& corners, NodeCanvas& canvas) {
   const auto [first, last] = triangle.bricks();
   if (first[0] > last[0] || first[1] > last[1] || first[2] > last[2]) return;
   if ((last[0] - first[0] + 1) * (last[1] - first[1] + 1) * (last[2] - first[2] + 1) > kFewBricks) {
-    BrickMask bricks;
+    lattice::BrickMask bricks;
     if (!triangle.find_bricks(bricks)) return;
-    for_each_cell(bricks, [&](unsigned x, unsigned y, unsigned z)
-                              HWY_ATTR { draw_brick(triangle, x, y, z, canvas); });
+    lattice::for_each_cell(bricks, [&](unsigned x, unsigned y, unsigned z)
+                                       HWY_ATTR { draw_brick(triangle, x, y, z, canvas); });
     return;
   }
   for (unsigned x = first[0]; x <= last[0]; ++x) {
@@ -339,18 +343,18 @@ void draw_triangle(const LatticeTriangle& corners, NodeCanvas& canvas) {
 }
 
 }  // namespace
-}  // namespace forcelayer::HWY_NAMESPACE
+}  // namespace forcelayer::scan::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace forcelayer {
+namespace forcelayer::scan {
 namespace {
 HWY_EXPORT(draw_triangle);
 }  // namespace
 
-void draw_large_triangle(const LatticeTriangle& corners, NodeCanvas& canvas) {
+void draw_large_triangle(const lattice::LatticeTriangle& corners, NodeCanvas& canvas) {
   HWY_DYNAMIC_DISPATCH(draw_triangle)(corners, canvas);
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::scan
 #endif

@@ -8,12 +8,12 @@
 #include "formats/lattice/voxel_overlap.h"
 #include "voxelize/scan/node_canvas.h"
 
-namespace forcelayer {
+namespace forcelayer::scan {
 
 // Up to this extent along every axis (512 voxels), 64 bits hold every value of the tests.
 inline constexpr std::int64_t kLargeTriangleUnits = std::int64_t{1} << 19;
 
 // Draws a triangle of at most that extent. Corners in lattice units from the node's lowest corner.
-void draw_large_triangle(const LatticeTriangle& corners, NodeCanvas& canvas);
+void draw_large_triangle(const lattice::LatticeTriangle& corners, NodeCanvas& canvas);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::scan

@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <unordered_map>
 
-namespace forcelayer {
+namespace forcelayer::scan {
 namespace {
 
-constexpr int kLog2NodeUnits = kSnapBits + 6;   // lattice units of a node's edge
-constexpr std::size_t kChunkTriangles = 16384;  // a task
+constexpr int kLog2NodeUnits = lattice::kSnapBits + 6;  // lattice units of a node's edge
+constexpr std::size_t kChunkTriangles = 16384;          // a task
 
 // The nodes that a run of consecutive triangles touches, and the pairs of node and triangle.
 class ChunkBins {
@@ -44,7 +44,7 @@ class ChunkBins {
     return found->second;
   }
 
-  std::unordered_map<NodeIndex, std::uint32_t, IndexHash> index_;
+  std::unordered_map<NodeIndex, std::uint32_t, masks::IndexHash> index_;
   std::uint32_t last_ = 0;
   NodeIndex last_node_{};
 };
@@ -65,7 +65,7 @@ void add_neighbors(const NodeIndex& low, const NodeIndex& high, std::vector<Node
   nodes = std::move(all);
 }
 
-void add_spanning(ChunkBins& bins, const LatticeTriangle& triangle, std::uint32_t number,
+void add_spanning(ChunkBins& bins, const lattice::LatticeTriangle& triangle, std::uint32_t number,
                   const NodeIndex& low, const NodeIndex& high, int reach) {
   const std::int64_t span =
       (high[0] - low[0] + 1) * (high[1] - low[1] + 1) * (high[2] - low[2] + 1);
@@ -80,13 +80,14 @@ void add_spanning(ChunkBins& bins, const LatticeTriangle& triangle, std::uint32_
   }
   constexpr int kLog2Node = 6;
   std::vector<NodeIndex> nodes;
-  for_each_group(TriangleOverlap(triangle), kLog2Node,
-                 [&](const VoxelIndex& corner, const BrickMask& hit) {
-                   for_each_cell(hit, [&](std::int64_t x, std::int64_t y, std::int64_t z) {
-                     nodes.push_back({(corner[0] >> kLog2Node) + x, (corner[1] >> kLog2Node) + y,
-                                      (corner[2] >> kLog2Node) + z});
-                   });
-                 });
+  lattice::for_each_group(
+      lattice::TriangleOverlap(triangle), kLog2Node,
+      [&](const lattice::VoxelIndex& corner, const lattice::BrickMask& hit) {
+        lattice::for_each_cell(hit, [&](std::int64_t x, std::int64_t y, std::int64_t z) {
+          nodes.push_back({(corner[0] >> kLog2Node) + x, (corner[1] >> kLog2Node) + y,
+                           (corner[2] >> kLog2Node) + z});
+        });
+      });
   if (reach > 0) add_neighbors(low, high, nodes);
   for (const NodeIndex& node : nodes) bins.add(node, number);
 }
@@ -95,12 +96,12 @@ void bin_chunk(const SnappedObject& object, int reach, std::size_t first, std::s
                ChunkBins& bins) {
   bins.entries.reserve(last - first);
   for (std::size_t i = first; i < last; ++i) {
-    const LatticeTriangle triangle = object.triangle(i);
+    const lattice::LatticeTriangle triangle = object.triangle(i);
     NodeIndex low, high;
     for (std::size_t d = 0; d < 3; ++d) {
       const auto [least, most] = std::minmax({triangle[0][d], triangle[1][d], triangle[2][d]});
-      low[d] = (least - reach * kSnapUnits) >> kLog2NodeUnits;
-      high[d] = (most + reach * kSnapUnits) >> kLog2NodeUnits;
+      low[d] = (least - reach * lattice::kSnapUnits) >> kLog2NodeUnits;
+      high[d] = (most + reach * lattice::kSnapUnits) >> kLog2NodeUnits;
     }
     if (low == high) {
       bins.add(low, static_cast<std::uint32_t>(i));
@@ -160,4 +161,4 @@ NodeBins bin_triangles(const SnappedObject& object, int reach) {
   return bins;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::scan

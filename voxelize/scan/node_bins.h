@@ -6,7 +6,7 @@
 
 #include "voxelize/scan/snap.h"
 
-namespace forcelayer {
+namespace forcelayer::scan {
 
 using NodeIndex = std::array<std::int64_t, 3>;  // world voxel index / 64, rounded down
 
@@ -20,4 +20,4 @@ struct NodeBins {
 // and possibly in others.
 NodeBins bin_triangles(const SnappedObject& object, int reach = 0);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::scan

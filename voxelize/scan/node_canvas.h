@@ -6,16 +6,16 @@
 
 #include "formats/lattice/voxel_overlap.h"
 
-namespace forcelayer {
+namespace forcelayer::scan {
 
 struct NodeCanvas {
-  BrickMask touched;                  // bricks that have been drawn to
-  std::array<BrickMask, 512> bricks;  // undefined where not touched
+  lattice::BrickMask touched;                  // bricks that have been drawn to
+  std::array<lattice::BrickMask, 512> bricks;  // undefined where not touched
 
   void clear() { touched = {}; }
 
   // Brick (x, y, z) of the node, each 0..7.
-  BrickMask& brick(unsigned x, unsigned y, unsigned z) {
+  lattice::BrickMask& brick(unsigned x, unsigned y, unsigned z) {
     const unsigned n = x << 6 | y << 3 | z;
     const std::uint64_t bit = std::uint64_t{1} << (n & 63);
     if ((touched.words[x] & bit) == 0) {
@@ -26,4 +26,4 @@ struct NodeCanvas {
   }
 };
 
-}  // namespace forcelayer
+}  // namespace forcelayer::scan

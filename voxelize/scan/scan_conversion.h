@@ -6,10 +6,11 @@
 #include "voxelize/masks/mask_tree.h"
 #include "voxelize/scan/snap.h"
 
-namespace forcelayer {
+namespace forcelayer::scan {
 
 // Exactly the half-open voxels that hold a point of a triangle, as leaves, counted from
 // `scene_origin` (a multiple of 512 voxels). Parallel over 64^3-voxel nodes.
-std::unique_ptr<MaskTree> scan_convert(const SnappedObject& object, const VoxelIndex& scene_origin);
+std::unique_ptr<masks::MaskTree> scan_convert(const SnappedObject& object,
+                                              const lattice::VoxelIndex& scene_origin);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::scan

@@ -13,7 +13,7 @@
 #include <bit>
 
 HWY_BEFORE_NAMESPACE();
-namespace forcelayer::HWY_NAMESPACE {
+namespace forcelayer::scan::HWY_NAMESPACE {
 namespace {
 
 using hn::Add;
@@ -60,8 +60,8 @@ HWY_INLINE void prepare_edge(Vector a, Vector b, Vector u0, Vector w0, std::size
   const Vector value = Add(Mul(a, u0), Mul(b, w0));
   // The least a u + b w is ceil((value + open) / 2^10) - reach, open = 1 where reach > 0.
   const Vector open = Min(reach, hn::Set(kLanes, 1));
-  const Vector rounded =
-      ShiftRight<kSnapBits>(Add(Add(value, open), hn::Set(kLanes, int{kSnapUnits} - 1)));
+  const Vector rounded = ShiftRight<lattice::kSnapBits>(
+      Add(Add(value, open), hn::Set(kLanes, int{lattice::kSnapUnits} - 1)));
   store(a, edge.a, first);
   store(b, edge.b, first);
   store(Sub(rounded, Add(reach, hn::Set(kLanes, 1))), edge.below, first);
@@ -100,11 +100,11 @@ HWY_INLINE void prepare(const SmallTriangles::Corners& units, std::size_t first,
     for (std::size_t k = 0; k < 3; ++k) corners[k][d] = load(units[k][d], first);
     const Vector least = Min(corners[0][d], Min(corners[1][d], corners[2][d]));
     const Vector most = Max(corners[0][d], Max(corners[1][d], corners[2][d]));
-    const Vector low = ShiftRight<kSnapBits>(least);
+    const Vector low = ShiftRight<lattice::kSnapBits>(least);
     store(low, tests.low[d], first);
-    store(Sub(ShiftRight<kSnapBits>(most), low), tests.span[d], first);
+    store(Sub(ShiftRight<lattice::kSnapBits>(most), low), tests.span[d], first);
     for (std::size_t k = 0; k < 3; ++k) {
-      corners[k][d] = Sub(corners[k][d], hn::ShiftLeft<kSnapBits>(low));
+      corners[k][d] = Sub(corners[k][d], hn::ShiftLeft<lattice::kSnapBits>(low));
     }
     for (std::size_t k = 0; k < 3; ++k) sides[k][d] = Sub(corners[(k + 1) % 3][d], corners[k][d]);
     store(corners[0][d], tests.anchor[d], first);
@@ -155,8 +155,9 @@ HWY_INLINE Bounds plane_bounds(const WindowTests& tests, std::size_t t) {
     up += std::max<std::int64_t>(n, 0);
     down += std::min<std::int64_t>(n, 0);
   }
-  const std::int64_t lo = ((value + (up > 0 ? 1 : 0) + kSnapUnits - 1) >> kSnapBits) - up;
-  const std::int64_t hi = ((value - (down < 0 ? 1 : 0)) >> kSnapBits) - down;
+  const std::int64_t lo =
+      ((value + (up > 0 ? 1 : 0) + lattice::kSnapUnits - 1) >> lattice::kSnapBits) - up;
+  const std::int64_t hi = ((value - (down < 0 ? 1 : 0)) >> lattice::kSnapBits) - down;
   return {static_cast<std::int32_t>(lo), static_cast<std::uint32_t>(hi - lo)};
 }
 
@@ -227,21 +228,22 @@ struct LaneBounds {
 };
 HWY_INLINE LaneBounds lane_bounds(const WindowTests& tests, std::size_t first) {
   const Vector zero = hn::Zero(kLanes), one = hn::Set(kLanes, 1);
-  const Vector fraction = hn::Set(kLanes, int{kSnapUnits} - 1);
+  const Vector fraction = hn::Set(kLanes, int{lattice::kSnapUnits} - 1);
   Vector whole = zero, rest = zero;  // n . anchor is 2^10 whole + rest
   Vector up = zero, down = zero;
   for (std::size_t d = 0; d < 3; ++d) {
     const Vector n = load(tests.normal[d], first), at = load(tests.anchor[d], first);
-    const Vector n_high = ShiftRight<kSnapBits>(n), n_low = hn::And(n, fraction);
-    const Vector at_high = ShiftRight<kSnapBits>(at), at_low = hn::And(at, fraction);
+    const Vector n_high = ShiftRight<lattice::kSnapBits>(n), n_low = hn::And(n, fraction);
+    const Vector at_high = ShiftRight<lattice::kSnapBits>(at), at_low = hn::And(at, fraction);
     whole = Add(whole, Add(Mul(n, at_high), Mul(n_high, at_low)));
     rest = Add(rest, Mul(n_low, at_low));
     up = Add(up, Max(n, zero));
     down = Add(down, Min(n, zero));
   }
   const Vector open_up = Min(up, one), open_down = Max(down, Neg(one));
-  const Vector lo = Sub(Add(whole, ShiftRight<kSnapBits>(Add(Add(rest, open_up), fraction))), up);
-  const Vector hi = Sub(Add(whole, ShiftRight<kSnapBits>(Add(rest, open_down))), down);
+  const Vector lo =
+      Sub(Add(whole, ShiftRight<lattice::kSnapBits>(Add(Add(rest, open_up), fraction))), up);
+  const Vector hi = Sub(Add(whole, ShiftRight<lattice::kSnapBits>(Add(rest, open_down))), down);
   return {lo, Sub(hi, lo)};
 }
 
@@ -382,11 +384,11 @@ void draw_batch(const SmallTriangles::Batch& batch, unsigned side, NodeCanvas& c
 }
 
 }  // namespace
-}  // namespace forcelayer::HWY_NAMESPACE
+}  // namespace forcelayer::scan::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace forcelayer {
+namespace forcelayer::scan {
 namespace {
 
 HWY_EXPORT(draw_batch);
@@ -413,7 +415,7 @@ void SmallTriangles::draw_batch(std::size_t number, NodeCanvas& canvas) {
   batches_[number].count = 0;
 }
 
-void SmallTriangles::draw(const LatticeTriangle& corners, const std::array<int, 3>& low,
+void SmallTriangles::draw(const lattice::LatticeTriangle& corners, const std::array<int, 3>& low,
                           const std::array<int, 3>& high, NodeCanvas& canvas) {
   const int x = high[0] - low[0], y = high[1] - low[1], z = high[2] - low[2];
   if ((x > 0) + (y > 0) + (z > 0) <= 1) return draw_row(low, high, canvas);
@@ -433,5 +435,5 @@ void SmallTriangles::finish(NodeCanvas& canvas) {
   }
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::scan
 #endif

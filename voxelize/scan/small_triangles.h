@@ -8,7 +8,7 @@
 
 #include "voxelize/scan/node_canvas.h"
 
-namespace forcelayer {
+namespace forcelayer::scan {
 
 // Triangles whose corners lie in at most 8 voxels along every axis, some of them in the node. With
 // 8 voxels, the normal is below 2^27 and 21 times its largest component fits 32 bits.
@@ -18,7 +18,7 @@ class SmallTriangles {
 
   // Draws a triangle, or keeps it to be drawn with others of its size. Corners in lattice units
   // from the node's lowest corner, `low` and `high` the lowest and highest of their voxels.
-  void draw(const LatticeTriangle& corners, const std::array<int, 3>& low,
+  void draw(const lattice::LatticeTriangle& corners, const std::array<int, 3>& low,
             const std::array<int, 3>& high, NodeCanvas& canvas);
 
   // Draws all that were kept, and forgets them.
@@ -38,4 +38,4 @@ class SmallTriangles {
   std::array<Batch, 3> batches_;  // of at most 2, 4 and 8 voxels along every axis
 };
 
-}  // namespace forcelayer
+}  // namespace forcelayer::scan

@@ -10,13 +10,13 @@
 
 #include "formats/voxmap_format.h"
 
-namespace forcelayer {
+namespace forcelayer::scan {
 namespace {
 
 constexpr std::size_t kGrain = 4096;  // elements a task
 
 // Largest |coordinate| of the world position that led to a lattice point, in meters.
-double largest_coordinate(const VoxelBox& box, double voxel_size_m) {
+double largest_coordinate(const masks::VoxelBox& box, double voxel_size_m) {
   double largest = 0;
   for (std::size_t d = 0; d < 3; ++d) {
     largest = std::max({largest, std::abs(static_cast<double>(box.low[d])),
@@ -27,8 +27,8 @@ double largest_coordinate(const VoxelBox& box, double voxel_size_m) {
 
 // Half a lattice step per axis, and the rounding of placing and dividing: at most eight roundings
 // of the largest coordinate per axis.
-double snap_error(const VoxelBox& box, double voxel_size_m) {
-  const double step_m = voxel_size_m / static_cast<double>(kSnapUnits);
+double snap_error(const masks::VoxelBox& box, double voxel_size_m) {
+  const double step_m = voxel_size_m / static_cast<double>(lattice::kSnapUnits);
   const double rounding_m =
       8 * std::numeric_limits<double>::epsilon() * largest_coordinate(box, voxel_size_m);
   return std::sqrt(3.0) * (step_m / 2 + rounding_m);
@@ -36,8 +36,8 @@ double snap_error(const VoxelBox& box, double voxel_size_m) {
 
 __extension__ typedef __int128 Int128;
 
-bool has_no_area(const LatticeTriangle& triangle) {
-  const LatticePoint &a = triangle[0], &b = triangle[1], &c = triangle[2];
+bool has_no_area(const lattice::LatticeTriangle& triangle) {
+  const lattice::LatticePoint &a = triangle[0], &b = triangle[1], &c = triangle[2];
   for (std::size_t u = 0; u < 3; ++u) {
     const std::size_t w = (u + 1) % 3;
     if (Int128{b[u] - a[u]} * (c[w] - a[w]) != Int128{b[w] - a[w]} * (c[u] - a[u])) return false;
@@ -45,10 +45,10 @@ bool has_no_area(const LatticeTriangle& triangle) {
   return true;
 }
 
-VoxelBox corner_box(const SnappedObject& object) {
+masks::VoxelBox corner_box(const SnappedObject& object) {
   return tbb::parallel_reduce(
-      tbb::blocked_range<std::size_t>(0, object.triangles.size(), kGrain), VoxelBox{},
-      [&](const tbb::blocked_range<std::size_t>& range, VoxelBox box) {
+      tbb::blocked_range<std::size_t>(0, object.triangles.size(), kGrain), masks::VoxelBox{},
+      [&](const tbb::blocked_range<std::size_t>& range, masks::VoxelBox box) {
         // In locals: the compiler keeps these in registers.
         auto [x0, y0, z0] = std::array<std::int64_t, 3>{INT64_MAX, INT64_MAX, INT64_MAX};
         auto [x1, y1, z1] = std::array<std::int64_t, 3>{INT64_MIN, INT64_MIN, INT64_MIN};
@@ -61,11 +61,12 @@ VoxelBox corner_box(const SnappedObject& object) {
           y1 = std::max(y1, std::max(a[1], std::max(b[1], c[1])));
           z1 = std::max(z1, std::max(a[2], std::max(b[2], c[2])));
         }
-        box.include({{x0 >> kSnapBits, y0 >> kSnapBits, z0 >> kSnapBits},
-                     {x1 >> kSnapBits, y1 >> kSnapBits, z1 >> kSnapBits}});
+        box.include(
+            {{x0 >> lattice::kSnapBits, y0 >> lattice::kSnapBits, z0 >> lattice::kSnapBits},
+             {x1 >> lattice::kSnapBits, y1 >> lattice::kSnapBits, z1 >> lattice::kSnapBits}});
         return box;
       },
-      [](VoxelBox a, const VoxelBox& b) {
+      [](masks::VoxelBox a, const masks::VoxelBox& b) {
         a.include(b);
         return a;
       });
@@ -73,7 +74,7 @@ VoxelBox corner_box(const SnappedObject& object) {
 
 }  // namespace
 
-Result<SnappedObject> snap_object(const Mesh& mesh, const Affine& world_from_mesh,
+Result<SnappedObject> snap_object(const mesh::Mesh& mesh, const mesh::Affine& world_from_mesh,
                                   double voxel_size_m, const std::string& name) {
   SnappedObject object;
   object.triangles = mesh.triangles;
@@ -83,11 +84,11 @@ Result<SnappedObject> snap_object(const Mesh& mesh, const Affine& world_from_mes
       tbb::blocked_range<std::size_t>(0, mesh.vertices.size(), kGrain), true,
       [&](const tbb::blocked_range<std::size_t>& range, bool all_inside) {
         for (std::size_t i = range.begin(); i < range.end(); ++i) {
-          const Vec3d world = apply(world_from_mesh, mesh.vertices[i]);
+          const mesh::Vec3d world = mesh::apply(world_from_mesh, mesh.vertices[i]);
           const bool fits = std::abs(world[0]) < limit_m && std::abs(world[1]) < limit_m &&
                             std::abs(world[2]) < limit_m;  // false for NaN too
           all_inside &= fits;
-          if (fits) object.vertices[i] = snap(world, voxel_size_m);
+          if (fits) object.vertices[i] = lattice::snap(world, voxel_size_m);
         }
         return all_inside;
       },
@@ -114,4 +115,4 @@ std::uint64_t degenerate_triangles(const SnappedObject& object) {
       std::plus<>());
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::scan

@@ -10,26 +10,26 @@
 #include "formats/result.h"
 #include "voxelize/masks/voxel_box.h"
 
-namespace forcelayer {
+namespace forcelayer::scan {
 
 // One object with its vertices on the lattice, in units of 2^-10 voxel from the world's origin.
 struct SnappedObject {
-  std::vector<LatticePoint> vertices;   // [vertices of the mesh]
-  std::span<const Triangle> triangles;  // of the mesh, not owned
-  VoxelBox box;                         // of the voxels that hold corners of triangles
-  double snap_error_m = 0;              // bound on how far a point of the surface was moved
+  std::vector<lattice::LatticePoint> vertices;  // [vertices of the mesh]
+  std::span<const mesh::Triangle> triangles;    // of the mesh, not owned
+  masks::VoxelBox box;                          // of the voxels that hold corners of triangles
+  double snap_error_m = 0;                      // bound on how far a point of the surface was moved
 
-  LatticeTriangle triangle(std::size_t index) const {
-    const Triangle& corners = triangles[index];
+  lattice::LatticeTriangle triangle(std::size_t index) const {
+    const mesh::Triangle& corners = triangles[index];
     return {vertices[corners[0]], vertices[corners[1]], vertices[corners[2]]};
   }
 };
 
 // Vertices beyond 2^52 voxels from the origin are an error (kSceneInvalid) with the mesh's `name`.
-Result<SnappedObject> snap_object(const Mesh& mesh, const Affine& world_from_mesh,
+Result<SnappedObject> snap_object(const mesh::Mesh& mesh, const mesh::Affine& world_from_mesh,
                                   double voxel_size_m, const std::string& name);
 
 // Triangles that have no area on the lattice.
 std::uint64_t degenerate_triangles(const SnappedObject& object);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::scan

@@ -13,7 +13,7 @@
 #include <cstdint>
 
 HWY_BEFORE_NAMESPACE();
-namespace forcelayer::HWY_NAMESPACE {
+namespace forcelayer::scan::HWY_NAMESPACE {
 namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
@@ -164,7 +164,7 @@ HWY_INLINE unsigned cells_below(std::uint64_t along_x, std::uint64_t along_y, st
 }
 
 }  // namespace
-}  // namespace forcelayer::HWY_NAMESPACE
+}  // namespace forcelayer::scan::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #endif

@@ -14,7 +14,7 @@
 #include "formats/lattice/brick_bits.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace forcelayer::HWY_NAMESPACE {
+namespace forcelayer::tree::HWY_NAMESPACE {
 namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
@@ -93,7 +93,7 @@ HWY_INLINE std::array<int, 8> uniform_values(const Plane& low, const Plane& high
   return values;
 }
 
-void cut(const NodeCodes& codes, BuiltNode& node) {
+void cut(const distance::NodeCodes& codes, BuiltNode& node) {
   Plane low, high;
   for (unsigned column = 0; column < 64; ++column) {
     const unsigned bx = column >> 3, by = column & 7;
@@ -117,7 +117,7 @@ void cut(const NodeCodes& codes, BuiltNode& node) {
         transposed = true;
       }
       Eight brick_low, brick_high;
-      BrickMask non_free;
+      lattice::BrickMask non_free;
       for (std::size_t x = 0; x < 8; ++x) {
         brick_low[x] = low[x][bz];
         brick_high[x] = high[x][bz];
@@ -131,17 +131,17 @@ void cut(const NodeCodes& codes, BuiltNode& node) {
 }
 
 }  // namespace
-}  // namespace forcelayer::HWY_NAMESPACE
+}  // namespace forcelayer::tree::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace forcelayer {
+namespace forcelayer::tree {
 namespace {
 HWY_EXPORT(cut);
 
 // The voxels with another code, eight at a time.
-BrickMask other_than(const std::uint8_t* codes, std::uint8_t code) {
-  BrickMask mask;
+lattice::BrickMask other_than(const std::uint8_t* codes, std::uint8_t code) {
+  lattice::BrickMask mask;
   for (unsigned row = 0; row < 64; ++row) {
     std::uint64_t bytes;
     std::memcpy(&bytes, codes + 8 * row, 8);
@@ -157,7 +157,7 @@ BrickMask other_than(const std::uint8_t* codes, std::uint8_t code) {
 struct CodeRange {
   unsigned least, most;
 };
-CodeRange range_of(const NodeDistances& node, unsigned n, unsigned free_code) {
+CodeRange range_of(const distance::NodeDistances& node, unsigned n, unsigned free_code) {
   if (!test(node.measured, n)) {
     const unsigned code = node.solid_row(n, 0) != 0 ? 0 : free_code;
     return {code, code};
@@ -165,16 +165,16 @@ CodeRange range_of(const NodeDistances& node, unsigned n, unsigned free_code) {
   const std::uint8_t* codes = node.brick(n);
   // As bytes, so that vectors hold sixteen.
   std::uint8_t least = 255, most = 0;
-  for (unsigned v = 0; v < kBrickVoxels; ++v) {
+  for (unsigned v = 0; v < distance::kBrickVoxels; ++v) {
     least = std::min(least, codes[v]);
     most = std::max(most, codes[v]);
   }
   return {least, most};
 }
 
-ValueCounts counts_of(const std::uint8_t* codes, const CodeScale& scale) {
+distance::ValueCounts counts_of(const std::uint8_t* codes, const distance::CodeScale& scale) {
   std::uint32_t interior = 0, surface = 0, proximity = 0;  // each with those before it
-  for (unsigned v = 0; v < kBrickVoxels; ++v) {
+  for (unsigned v = 0; v < distance::kBrickVoxels; ++v) {
     interior += codes[v] < scale.surface_code;
     surface += codes[v] < scale.proximity_code;
     proximity += codes[v] < scale.free_code;
@@ -183,8 +183,8 @@ ValueCounts counts_of(const std::uint8_t* codes, const CodeScale& scale) {
 }
 
 void pack(const std::uint8_t* codes, std::uint32_t bits, std::vector<Brick>& bricks) {
-  std::array<std::uint8_t, kBrickVoxels> bytes;
-  std::size_t count = kBrickVoxels;
+  std::array<std::uint8_t, distance::kBrickVoxels> bytes;
+  std::size_t count = distance::kBrickVoxels;
   if (bits == 8) {
     std::memcpy(bytes.data(), codes, count);
   } else {
@@ -200,7 +200,7 @@ void pack(const std::uint8_t* codes, std::uint32_t bits, std::vector<Brick>& bri
 
 }  // namespace
 
-BuiltNode cut_into_bricks(const NodeCodes& codes) {
+BuiltNode cut_into_bricks(const distance::NodeCodes& codes) {
   // Built in memory that is used again, so that the node's own arrays have their exact size.
   thread_local BuiltNode scratch;
   scratch.held = {};
@@ -210,8 +210,8 @@ BuiltNode cut_into_bricks(const NodeCodes& codes) {
   return scratch;
 }
 
-BuiltNode cut_into_bricks(const NodeDistances& distances, const CodeScale& scale,
-                          ValueCounts& counts) {
+BuiltNode cut_into_bricks(const distance::NodeDistances& distances,
+                          const distance::CodeScale& scale, distance::ValueCounts& counts) {
   BuiltNode node;
   const unsigned parts = scale.bits / 2;
   std::array<CodeRange, kNodeEntries> ranges;
@@ -230,7 +230,7 @@ BuiltNode cut_into_bricks(const NodeDistances& distances, const CodeScale& scale
     set(node.held, n);
     if (ranges[n].most == 0) {
       node.entries[n] = kInteriorEntry;
-      counts.interior += kBrickVoxels;
+      counts.interior += distance::kBrickVoxels;
       continue;
     }
     const std::uint8_t* codes = distances.brick(n);
@@ -242,5 +242,5 @@ BuiltNode cut_into_bricks(const NodeDistances& distances, const CodeScale& scale
   return node;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::tree
 #endif

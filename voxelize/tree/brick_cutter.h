@@ -5,14 +5,14 @@
 #include "voxelize/distance/distance_codes.h"
 #include "voxelize/tree/built_tree.h"
 
-namespace forcelayer {
+namespace forcelayer::tree {
 
 // Entries, bricks and the bricks' gaps. A uniform brick becomes a uniform entry without clearance.
-BuiltNode cut_into_bricks(const NodeCodes& codes);
+BuiltNode cut_into_bricks(const distance::NodeCodes& codes);
 
 // The same for quantized distances; adds the node's voxels to `counts`. In the entries a uniform
 // value of 0 stands for the free code and of 1 for code 0, so that they read as at two bits.
-BuiltNode cut_into_bricks(const NodeDistances& distances, const CodeScale& scale,
-                          ValueCounts& counts);
+BuiltNode cut_into_bricks(const distance::NodeDistances& distances,
+                          const distance::CodeScale& scale, distance::ValueCounts& counts);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::tree

@@ -8,7 +8,7 @@
 #include "formats/voxmap_format.h"
 #include "voxelize/tree/side_gaps.h"
 
-namespace forcelayer {
+namespace forcelayer::tree {
 
 using Entries = std::array<std::uint32_t, kNodeEntries>;  // of a node, as in the file
 using Brick = std::array<std::uint32_t, 32>;  // 512 two-bit values; wider voxels take several
@@ -23,7 +23,7 @@ inline constexpr std::uint32_t kInteriorEntry =
 // A node of 64^3 voxels.
 struct BuiltNode {
   Entries entries;              // uniform, or the number of a brick below
-  BrickMask held;               // entries that are not free
+  lattice::BrickMask held;      // entries that are not free
   std::vector<Brick> bricks;    // ascending by entry, BuiltTree::brick_parts each
   std::vector<BrickGaps> gaps;  // [bricks]
   // Taken over from an earlier bake: its entries hold their clearance and node_gaps is set, but
@@ -55,4 +55,4 @@ struct BuiltTree {
   }
 };
 
-}  // namespace forcelayer
+}  // namespace forcelayer::tree

@@ -11,7 +11,7 @@
 #include "voxelize/masks/voxel_box.h"
 #include "voxelize/tree/clearance_cube.h"
 
-namespace forcelayer {
+namespace forcelayer::tree {
 namespace {
 
 // On each level (bricks, nodes, directory cells) a cell is free, or holds voxels that are not free.
@@ -45,7 +45,7 @@ struct BrickLevel {
 
   std::size_t parents() const { return tree.lower.size(); }
   std::uint32_t parent(const Place& p) const { return tree.node(p[0], p[1], p[2]); }
-  const BrickMask& held(std::uint32_t parent) const { return tree.lower[parent].held; }
+  const lattice::BrickMask& held(std::uint32_t parent) const { return tree.lower[parent].held; }
   const Entries& entries(std::uint32_t parent) const { return tree.lower[parent].entries; }
   const BrickGaps& gaps(std::uint32_t parent, std::uint32_t entry) const {
     return tree.lower[parent].gaps[entry];
@@ -60,8 +60,8 @@ struct NodeLevel {
   static constexpr unsigned kEdge = kLowerNodeEdge;
 
   const BuiltTree& tree;
-  const std::vector<NodeGaps>& of_lower;  // [lower nodes]
-  std::vector<BrickMask> held_nodes;      // [upper nodes]
+  const std::vector<NodeGaps>& of_lower;       // [lower nodes]
+  std::vector<lattice::BrickMask> held_nodes;  // [upper nodes]
 
   NodeLevel(const BuiltTree& built, const std::vector<NodeGaps>& gaps_of_lower)
       : tree(built), of_lower(gaps_of_lower), held_nodes(built.upper.size()) {
@@ -74,7 +74,7 @@ struct NodeLevel {
 
   std::size_t parents() const { return tree.upper.size(); }
   std::uint32_t parent(const Place& p) const { return tree.directory_entry(p[0], p[1], p[2]); }
-  const BrickMask& held(std::uint32_t parent) const { return held_nodes[parent]; }
+  const lattice::BrickMask& held(std::uint32_t parent) const { return held_nodes[parent]; }
   const Entries& entries(std::uint32_t parent) const { return tree.upper[parent]; }
   const NodeGaps& gaps(std::uint32_t, std::uint32_t entry) const { return of_lower[entry]; }
   const NodeGaps* known(std::uint32_t) const { return nullptr; }
@@ -89,7 +89,7 @@ constexpr T kFar = std::numeric_limits<T>::max();
 
 // A mask's outermost cells towards a neighbor from which it lies in `direction`: a side, an edge or
 // a corner; all cells for kSelf.
-BrickMask facing_cells(unsigned direction) { return detail::kShells[direction][0]; }
+lattice::BrickMask facing_cells(unsigned direction) { return detail::kShells[direction][0]; }
 
 // Collects a parent's first distances from its own cells and from the layer of cells around it.
 template <class Level>
@@ -102,11 +102,12 @@ class FirstDistanceCube {
     for (unsigned direction = 0; direction < kDirections; ++direction) {
       const std::uint32_t parent = level.parent(neighbor(place, direction));
       if (is_free(parent)) continue;
-      const BrickMask facing = facing_cells(direction);
+      const lattice::BrickMask facing = facing_cells(direction);
       if (is_uniform(parent)) {
-        for_each_set(facing, [&](unsigned n) { lower_around_solid(place_of(direction, n)); });
+        lattice::for_each_set(facing,
+                              [&](unsigned n) { lower_around_solid(place_of(direction, n)); });
       } else {
-        for_each_set(facing & level.held(parent), [&](unsigned n) {
+        lattice::for_each_set(facing & level.held(parent), [&](unsigned n) {
           const std::uint32_t entry = level.entries(parent)[n];
           const std::size_t at = place_of(direction, n);
           is_uniform(entry) ? lower_around_solid(at) : lower_around(level.gaps(parent, entry), at);
@@ -116,10 +117,10 @@ class FirstDistanceCube {
   }
 
   // The parent's own cells, of which `held` are not free.
-  FirstDistances<Distance> result(const BrickMask& held) const {
+  FirstDistances<Distance> result(const lattice::BrickMask& held) const {
     FirstDistances<Distance> first;
     for (unsigned n = 0; n < kNodeEntries; ++n) first[n] = cells_[place_of(kSelf, n)];
-    for_each_set(held, [&](unsigned n) { first[n] = 0; });
+    lattice::for_each_set(held, [&](unsigned n) { first[n] = 0; });
     return first;
   }
 
@@ -179,7 +180,7 @@ class FirstDistanceMap {
     tbb::parallel_for(std::size_t{0}, places.size(), [&](std::size_t i) {
       const std::uint32_t parent = level.parent(places[i]);
       distances_[i] = FirstDistanceCube<Level>(level, places[i])
-                          .result(is_uniform(parent) ? BrickMask{} : level.held(parent));
+                          .result(is_uniform(parent) ? lattice::BrickMask{} : level.held(parent));
     });
   }
 
@@ -190,16 +191,17 @@ class FirstDistanceMap {
   }
 
  private:
-  std::unordered_map<Place, std::size_t, IndexHash> index_;
+  std::unordered_map<Place, std::size_t, masks::IndexHash> index_;
   std::vector<FirstDistances<Distance>> distances_;
 };
 
 // After how many steps to the 26 neighbors the held cells have reached all 512.
-int reach_of(const BrickMask& first) {
-  BrickMask held = first;
+int reach_of(const lattice::BrickMask& first) {
+  lattice::BrickMask held = first;
   int steps = 0;
-  for (; held != full_mask(); ++steps) {
-    for (const int side : {4, 2, 0}) held = held | shifted(held, side) | shifted(held, side + 1);
+  for (; held != lattice::full_mask(); ++steps) {
+    for (const int side : {4, 2, 0})
+      held = held | lattice::shifted(held, side) | lattice::shifted(held, side + 1);
   }
   return steps;
 }
@@ -277,8 +279,8 @@ std::vector<NodeGaps> gaps_of_parents(const Level& level) {
 }
 
 // The voxels of a brick that are not free: those of whose two bits one is set.
-BrickMask non_free(const Brick& brick) {
-  BrickMask mask;
+lattice::BrickMask non_free(const Brick& brick) {
+  lattice::BrickMask mask;
   for (std::size_t n = 0; n < brick.size(); ++n) {
     std::uint32_t bits = (brick[n] | brick[n] >> 1) & 0x55555555u;
     bits = (bits | bits >> 1) & 0x33333333u;
@@ -415,4 +417,4 @@ void add_clearance(BuiltTree& tree) {
   DirectoryDistances(tree, of_upper).fill_entries();
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::tree

@@ -4,10 +4,10 @@
 
 #include "voxelize/tree/built_tree.h"
 
-namespace forcelayer {
+namespace forcelayer::tree {
 
 // Sets the clearance of every free entry, on all three levels. Every brick and every node in the
 // tree must hold a voxel that is not free.
 void add_clearance(BuiltTree& tree);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::tree

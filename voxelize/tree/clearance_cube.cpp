@@ -10,7 +10,7 @@
 #include <utility>
 
 HWY_BEFORE_NAMESPACE();
-namespace forcelayer::HWY_NAMESPACE {
+namespace forcelayer::tree::HWY_NAMESPACE {
 namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
@@ -79,11 +79,11 @@ void spread_bytes(ClearanceCube<std::uint8_t>& cube, std::uint8_t edge) { spread
 void spread_words(ClearanceCube<std::uint16_t>& cube, std::uint16_t edge) { spread(cube, edge); }
 
 }  // namespace
-}  // namespace forcelayer::HWY_NAMESPACE
+}  // namespace forcelayer::tree::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace forcelayer {
+namespace forcelayer::tree {
 namespace {
 HWY_EXPORT(spread_bytes);
 HWY_EXPORT(spread_words);
@@ -98,5 +98,5 @@ void ClearanceCube<std::uint16_t>::spread(std::uint16_t edge) {
   HWY_DYNAMIC_DISPATCH(spread_words)(*this, edge);
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::tree
 #endif

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace forcelayer {
+namespace forcelayer::tree {
 
 // A cube of 8x8x8 cells with a margin of 0..7 cells on every side: planes of constant x, each of
 // rows along z.
@@ -40,4 +40,4 @@ class ClearanceCube {
   alignas(64) std::array<Distance, kMaxWidth * kMaxPlane + 2 * kPadding> cells_;
 };
 
-}  // namespace forcelayer
+}  // namespace forcelayer::tree

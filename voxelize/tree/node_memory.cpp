@@ -6,7 +6,7 @@
 #include "formats/lattice/brick_bits.h"
 #include "voxelize/cache/byte_pack.h"
 
-namespace forcelayer {
+namespace forcelayer::tree {
 namespace {
 
 constexpr const char* kKind = "nodes";
@@ -21,20 +21,25 @@ bool is_child_below(std::uint32_t entry, std::size_t count) {
 
 }  // namespace
 
-NodeMemory::NodeMemory(const CacheFolder& cache, std::string_view scene, double voxel_size_m)
+NodeMemory::NodeMemory(const cache::CacheFolder& cache, std::string_view scene, double voxel_size_m)
     : cache_(cache),
-      slot_(DigestBuilder().text(kKind).value(kVersion).text(scene).value(voxel_size_m).finish()),
+      slot_(cache::DigestBuilder()
+                .text(kKind)
+                .value(kVersion)
+                .text(scene)
+                .value(voxel_size_m)
+                .finish()),
       entry_(cache.find(kKind, slot_)) {
   if (!entry_) return;
   try {
     read(entry_->bytes());
-  } catch (const BadPack&) {
+  } catch (const cache::BadPack&) {
     index_.clear();
   }
 }
 
 void NodeMemory::read(std::span<const std::byte> bytes) {
-  ByteUnpacker unpacker(bytes);
+  cache::ByteUnpacker unpacker(bytes);
   memos_ = unpacker.list<NodeMemo>();
   lower_nodes_ = unpacker.list<std::uint32_t>();
   bricks_ = unpacker.list<std::uint32_t>();
@@ -43,16 +48,16 @@ void NodeMemory::read(std::span<const std::byte> bytes) {
   const std::size_t brick_count = bricks_.size() / kBrickWords;
   if (!std::all_of(lower_nodes_.begin(), lower_nodes_.end(),
                    [&](std::uint32_t entry) { return is_child_below(entry, brick_count); })) {
-    throw BadPack{};
+    throw cache::BadPack{};
   }
   index_.reserve(memos_.size());
   for (const NodeMemo& memo : memos_) {
-    if (!is_child_below(memo.entry, lower_count)) throw BadPack{};
+    if (!is_child_below(memo.entry, lower_count)) throw cache::BadPack{};
     index_.emplace(memo.key, &memo);
   }
 }
 
-const NodeMemo* NodeMemory::find(const Digest& key) const {
+const NodeMemo* NodeMemory::find(const cache::Digest& key) const {
   ++asked_;
   const auto found = index_.find(key);
   if (found == index_.end()) return nullptr;
@@ -83,7 +88,7 @@ BuiltNode NodeMemory::node(const NodeMemo& memo) const {
 }
 
 void NodeMemory::keep(const std::vector<NodeMemo>& nodes, const VoxelTree& tree) const {
-  BytePacker packer;
+  cache::BytePacker packer;
   packer.reserve(nodes.size() * sizeof(NodeMemo) +
                  (tree.lower_nodes.size() + tree.bricks.size()) * sizeof(std::uint32_t) + 64);
   packer.list(nodes);
@@ -92,4 +97,4 @@ void NodeMemory::keep(const std::vector<NodeMemo>& nodes, const VoxelTree& tree)
   cache_.keep(kKind, slot_, packer.bytes());
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::tree

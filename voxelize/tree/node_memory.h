@@ -13,27 +13,27 @@
 #include "voxelize/tree/built_tree.h"
 #include "voxelize/tree/sharing.h"
 
-namespace forcelayer {
+namespace forcelayer::tree {
 
 // A remembered node, but for its entries and bricks.
 struct NodeMemo {
-  Digest key;               // node_keys()
+  cache::Digest key;        // node_keys()
   std::uint32_t entry = 0;  // uniform without clearance, or the number of a lower node of the tree
   std::uint32_t interior = 0, surface = 0, proximity = 0;  // voxels
   NodeGaps gaps;
   std::uint16_t reserved = 0;
 
-  ValueCounts counts() const { return {interior, surface, proximity}; }
+  distance::ValueCounts counts() const { return {interior, surface, proximity}; }
 };
 
 class NodeMemory {
  public:
   // `scene` names the memory. Different scenes of one name and voxel size replace each other's
   // memory, which costs time alone: a node is found by its key.
-  NodeMemory(const CacheFolder& cache, std::string_view scene, double voxel_size_m);
+  NodeMemory(const cache::CacheFolder& cache, std::string_view scene, double voxel_size_m);
 
   // Null for an unknown key. Any thread may call these two.
-  const NodeMemo* find(const Digest& key) const;
+  const NodeMemo* find(const cache::Digest& key) const;
   BuiltNode node(const NodeMemo& memo) const;  // finished, with its own bricks
 
   std::size_t asked() const { return asked_; }  // calls of find()
@@ -44,17 +44,17 @@ class NodeMemory {
 
  private:
   struct KeyHash {
-    std::size_t operator()(const Digest& key) const { return key.low; }
+    std::size_t operator()(const cache::Digest& key) const { return key.low; }
   };
   void read(std::span<const std::byte> bytes);
 
   mutable std::atomic<std::size_t> asked_ = 0, found_ = 0;
-  const CacheFolder& cache_;
-  Digest slot_;
-  std::optional<CacheEntry> entry_;
+  const cache::CacheFolder& cache_;
+  cache::Digest slot_;
+  std::optional<cache::CacheEntry> entry_;
   std::span<const NodeMemo> memos_;
   std::span<const std::uint32_t> lower_nodes_, bricks_;
-  std::unordered_map<Digest, const NodeMemo*, KeyHash> index_;
+  std::unordered_map<cache::Digest, const NodeMemo*, KeyHash> index_;
 };
 
-}  // namespace forcelayer
+}  // namespace forcelayer::tree

@@ -9,7 +9,7 @@
 #include <cstring>
 #include <span>
 
-namespace forcelayer {
+namespace forcelayer::tree {
 namespace {
 
 // Finds equal records among many, in parallel. Records are dealt out by hash to buckets; a hash
@@ -164,4 +164,4 @@ VoxelTree share_equal(BuiltTree&& built, std::vector<std::uint32_t>& lower_numbe
   return tree;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::tree

@@ -6,7 +6,7 @@
 
 #include "voxelize/tree/built_tree.h"
 
-namespace forcelayer {
+namespace forcelayer::tree {
 
 // The arrays of a .vox file.
 struct VoxelTree {
@@ -21,4 +21,4 @@ struct VoxelTree {
 // `lower_numbers` maps the tree's lower nodes to those of the result.
 VoxelTree share_equal(BuiltTree&& built, std::vector<std::uint32_t>& lower_numbers);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::tree

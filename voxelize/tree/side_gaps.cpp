@@ -4,7 +4,7 @@
 
 #include "formats/lattice/brick_bits.h"
 
-namespace forcelayer {
+namespace forcelayer::tree {
 namespace {
 
 // Bits y*8 + z of the rows and columns within n steps of the facing side: [(dy+1)*3 + (dz+1)][n].
@@ -49,7 +49,7 @@ detail::Shells make_shells() {
 
 const detail::Shells detail::kShells = make_shells();
 
-BrickGaps::BrickGaps(const BrickMask& non_free) {
+BrickGaps::BrickGaps(const lattice::BrickMask& non_free) {
   // The union of the planes within n steps of the far end along x, of all planes, and of the planes
   // within n steps of the near end: [dx + 1][n].
   std::array<std::array<std::uint64_t, 8>, 3> along_x;
@@ -70,4 +70,4 @@ BrickGaps::BrickGaps(const BrickMask& non_free) {
   }
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::tree

@@ -8,7 +8,7 @@
 
 #include "formats/lattice/voxel_overlap.h"
 
-namespace forcelayer {
+namespace forcelayer::tree {
 
 // Directions from a cell to its 26 neighbors: (dx+1)*9 + (dy+1)*3 + (dz+1), dx, dy, dz in -1..1;
 // 13 is the cell itself.
@@ -28,7 +28,7 @@ struct NodeGaps {
 class BrickGaps {
  public:
   BrickGaps() = default;
-  explicit BrickGaps(const BrickMask& non_free);  // at least one voxel set
+  explicit BrickGaps(const lattice::BrickMask& non_free);  // at least one voxel set
   unsigned towards(unsigned direction) const {
     return static_cast<unsigned>(nibbles_[direction >> 4] >> 4 * (direction & 15)) & 15;
   }
@@ -40,12 +40,12 @@ class BrickGaps {
 // A node's gaps from those of its cells of `edge` voxels: `set_cells` (at least one) are not free,
 // and gap_of(n, direction) is the gap inside cell n.
 template <class GapOf>
-NodeGaps combine_gaps(const BrickMask& set_cells, unsigned edge, GapOf&& gap_of);
+NodeGaps combine_gaps(const lattice::BrickMask& set_cells, unsigned edge, GapOf&& gap_of);
 
 namespace detail {
 
 // Cells by how far behind a direction's facing side they lie: shells[direction][steps].
-using Shells = std::array<std::array<BrickMask, 8>, kDirections>;
+using Shells = std::array<std::array<lattice::BrickMask, 8>, kDirections>;
 extern const Shells kShells;
 
 // How many steps place i (0..7) lies behind the facing side, for a cube that lies towards d.
@@ -54,14 +54,14 @@ constexpr unsigned behind(unsigned i, int d) { return d > 0 ? i : d < 0 ? 7 - i 
 }  // namespace detail
 
 template <class GapOf>
-NodeGaps combine_gaps(const BrickMask& set_cells, unsigned edge, GapOf&& gap_of) {
+NodeGaps combine_gaps(const lattice::BrickMask& set_cells, unsigned edge, GapOf&& gap_of) {
   NodeGaps gaps;
   for (unsigned direction = 0; direction < kDirections; ++direction) {
     if (direction == kSelf) continue;
     const int d[3] = {static_cast<int>(direction / 9) - 1, static_cast<int>(direction / 3 % 3) - 1,
                       static_cast<int>(direction % 3) - 1};
     unsigned shell = 0;
-    BrickMask nearest;
+    lattice::BrickMask nearest;
     for (; shell < 8 && !nearest.any(); ++shell) {
       for (std::size_t x = 0; x < 8; ++x) {
         nearest.words[x] = set_cells.words[x] & detail::kShells[direction][shell].words[x];
@@ -69,7 +69,7 @@ NodeGaps combine_gaps(const BrickMask& set_cells, unsigned edge, GapOf&& gap_of)
     }
     --shell;
     unsigned least = edge;
-    for_each_cell(nearest, [&](unsigned x, unsigned y, unsigned z) {
+    lattice::for_each_cell(nearest, [&](unsigned x, unsigned y, unsigned z) {
       // Inside the cell, only the axes on which it lies `shell` cells behind count.
       const unsigned at[3] = {x, y, z};
       unsigned inner = 0;
@@ -84,4 +84,4 @@ NodeGaps combine_gaps(const BrickMask& set_cells, unsigned edge, GapOf&& gap_of)
   return gaps;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::tree

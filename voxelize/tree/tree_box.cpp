@@ -7,7 +7,7 @@
 
 #include "formats/voxmap_format.h"
 
-namespace forcelayer {
+namespace forcelayer::tree {
 namespace {
 
 using Voxel = std::array<std::int64_t, 3>;
@@ -25,7 +25,7 @@ Voxel directory_cell_low(std::size_t index, const std::array<std::uint32_t, 3>& 
 }
 
 // The distance, in voxels, of a box from the nearest cropped side; 0 where it reaches beyond one.
-std::int64_t known_distance(const Voxel& low, std::int64_t edge, const KeptBox& kept) {
+std::int64_t known_distance(const Voxel& low, std::int64_t edge, const masks::KeptBox& kept) {
   std::int64_t least = kMaxClearance;
   for (std::size_t d = 0; d < 3; ++d) {
     const auto axis = static_cast<int>(d);
@@ -39,7 +39,7 @@ std::int64_t known_distance(const Voxel& low, std::int64_t edge, const KeptBox& 
   return std::max<std::int64_t>(least, 0);
 }
 
-void clip(std::uint32_t& entry, const Voxel& low, std::int64_t edge, const KeptBox& kept) {
+void clip(std::uint32_t& entry, const Voxel& low, std::int64_t edge, const masks::KeptBox& kept) {
   if (!is_free(entry)) return;
   const auto known = static_cast<std::uint32_t>(known_distance(low, edge, kept));
   entry = uniform_entry(0, std::min(uniform_clearance(entry), known));
@@ -56,7 +56,7 @@ class TightBox {
   }
 
   void look_at(std::uint32_t entry, const Voxel& low, std::int64_t edge) {
-    const VoxelBox box{low, {low[0] + edge - 1, low[1] + edge - 1, low[2] + edge - 1}};
+    const masks::VoxelBox box{low, {low[0] + edge - 1, low[1] + edge - 1, low[2] + edge - 1}};
     if (is_free(entry) || holds(box)) return;
     if (is_uniform(entry)) {
       box_.include(box);
@@ -71,7 +71,7 @@ class TightBox {
     }
   }
 
-  const VoxelBox& box() const { return box_; }
+  const masks::VoxelBox& box() const { return box_; }
 
  private:
   // By planes and rows of eight voxels along z.
@@ -86,7 +86,7 @@ class TightBox {
         const std::uint64_t other = row_of_codes(row) ^ free_row_;
         if (other == 0) continue;
         const Voxel first{plane[0], plane[1] + y, plane[2]};
-        VoxelBox box{first, first};
+        masks::VoxelBox box{first, first};
         box.low[2] += std::countr_zero(other) >> code_shift;
         box.high[2] += (63 - std::countl_zero(other)) >> code_shift;
         if (!holds(box)) box_.include(box);
@@ -102,7 +102,7 @@ class TightBox {
     return bits_ == 4 ? word : word | std::uint64_t{tree_.bricks[bit / 32 + 1]} << 32;
   }
 
-  bool holds(const VoxelBox& box) const {
+  bool holds(const masks::VoxelBox& box) const {
     for (std::size_t d = 0; d < 3; ++d) {
       if (box.low[d] < box_.low[d] || box.high[d] > box_.high[d]) return false;
     }
@@ -112,12 +112,12 @@ class TightBox {
   const VoxelTree& tree_;
   std::uint32_t bits_;
   std::uint64_t free_row_ = 0;
-  VoxelBox box_;
+  masks::VoxelBox box_;
 };
 
 }  // namespace
 
-void clip_clearance(BuiltTree& tree, const KeptBox& kept) {
+void clip_clearance(BuiltTree& tree, const masks::KeptBox& kept) {
   tbb::parallel_for(std::size_t{0}, tree.directory.size(), [&](std::size_t i) {
     const Voxel cell = directory_cell_low(i, tree.dims);
     std::uint32_t& entry = tree.directory[i];
@@ -135,8 +135,8 @@ void clip_clearance(BuiltTree& tree, const KeptBox& kept) {
   });
 }
 
-VoxelBox tight_box(const VoxelTree& tree, const std::array<std::uint32_t, 3>& directory_dims,
-                   std::uint32_t bits, std::uint32_t free_code) {
+masks::VoxelBox tight_box(const VoxelTree& tree, const std::array<std::uint32_t, 3>& directory_dims,
+                          std::uint32_t bits, std::uint32_t free_code) {
   TightBox tight(tree, bits, free_code);
   for (std::size_t i = 0; i < tree.directory.size(); ++i) {
     tight.look_at(tree.directory[i], directory_cell_low(i, directory_dims), kUpperNodeEdge);
@@ -144,4 +144,4 @@ VoxelBox tight_box(const VoxelTree& tree, const std::array<std::uint32_t, 3>& di
   return tight.box();
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::tree

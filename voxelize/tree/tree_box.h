@@ -9,15 +9,15 @@
 #include "voxelize/tree/built_tree.h"
 #include "voxelize/tree/sharing.h"
 
-namespace forcelayer {
+namespace forcelayer::tree {
 
 // Lowers clearances to the distance of the nearest cropped side, beyond which nothing is known: 0
 // for entries that reach beyond one.
-void clip_clearance(BuiltTree& tree, const KeptBox& kept);
+void clip_clearance(BuiltTree& tree, const masks::KeptBox& kept);
 
 // The smallest box of all voxels that are not free, counted from the scene's origin; empty where
 // there are none. `free_code` is the code of free voxels.
-VoxelBox tight_box(const VoxelTree& tree, const std::array<std::uint32_t, 3>& directory_dims,
-                   std::uint32_t bits = 2, std::uint32_t free_code = 0);
+masks::VoxelBox tight_box(const VoxelTree& tree, const std::array<std::uint32_t, 3>& directory_dims,
+                          std::uint32_t bits = 2, std::uint32_t free_code = 0);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::tree

@@ -14,7 +14,7 @@
 #include "voxelize/tree/sharing.h"
 #include "voxelize/tree/tree_box.h"
 
-namespace forcelayer {
+namespace forcelayer::tree {
 namespace {
 
 // All entries uniform and the same.
@@ -26,20 +26,21 @@ bool is_collapsible(const Entries& entries) {
 
 // The nodes that may hold more than one value.
 struct SceneNodes {
-  explicit SceneNodes(std::vector<Coord> at)
+  explicit SceneNodes(std::vector<masks::Coord> at)
       : origins(std::move(at)),
         nodes(origins.size()),
         counts(nodes.size()),
         entries(nodes.size()) {}
 
-  std::vector<Coord> origins;  // ascending
+  std::vector<masks::Coord> origins;  // ascending
   std::vector<BuiltNode> nodes;
-  std::vector<ValueCounts> counts;
-  std::vector<Digest> keys;            // empty without a memory
+  std::vector<distance::ValueCounts> counts;
+  std::vector<cache::Digest> keys;     // empty without a memory
   std::vector<std::uint32_t> entries;  // the nodes' entries in the tree
 };
 
-SceneNodes measure_nodes(const LayerOffset& around, const DistanceCodes& distances) {
+SceneNodes measure_nodes(const distance::LayerOffset& around,
+                         const distance::DistanceCodes& distances) {
   SceneNodes result(around.nodes());
   tbb::parallel_for(std::size_t{0}, result.nodes.size(), [&](std::size_t i) {
     result.nodes[i] =
@@ -48,10 +49,10 @@ SceneNodes measure_nodes(const LayerOffset& around, const DistanceCodes& distanc
   return result;
 }
 
-SceneNodes build_nodes(const LayerOffset& offset, const NodeMemory* memory) {
+SceneNodes build_nodes(const distance::LayerOffset& offset, const NodeMemory* memory) {
   struct Scratch {
-    NodeHalo halo;
-    NodeCodes codes;
+    distance::NodeHalo halo;
+    distance::NodeCodes codes;
   };
   SceneNodes result(offset.nodes());
   if (memory != nullptr) result.keys = node_keys(offset, result.origins);
@@ -73,14 +74,14 @@ SceneNodes build_nodes(const LayerOffset& offset, const NodeMemory* memory) {
 // Puts the nodes and the uniform space around them into a tree and collapses uniform boxes.
 class TreeAssembly {
  public:
-  TreeAssembly(const MaskTree& interior, const KeptBox& kept,
+  TreeAssembly(const masks::MaskTree& interior, const masks::KeptBox& kept,
                const std::array<std::uint32_t, 3>& dims)
       : interior_(interior), kept_(kept) {
     tree_.dims = dims;
     tree_.directory.assign(std::size_t{dims[0]} * dims[1] * dims[2], kFreeEntry);
   }
 
-  BuiltTree run(SceneNodes& nodes, ValueCounts& counts);
+  BuiltTree run(SceneNodes& nodes, distance::ValueCounts& counts);
 
  private:
   struct NodePlace {
@@ -91,35 +92,35 @@ class TreeAssembly {
   };
   static constexpr std::uint64_t kNodeVoxels = 64 * 64 * 64;
 
-  std::size_t cell_at(const Coord& voxel) const {
+  std::size_t cell_at(const masks::Coord& voxel) const {
     return (static_cast<std::size_t>(voxel.x() >> 9) * tree_.dims[1] +
             static_cast<std::size_t>(voxel.y() >> 9)) *
                tree_.dims[2] +
            static_cast<std::size_t>(voxel.z() >> 9);
   }
-  Coord cell_origin(std::size_t cell) const {
-    return Coord(static_cast<int>(cell / tree_.dims[2] / tree_.dims[1]) * 512,
-                 static_cast<int>(cell / tree_.dims[2] % tree_.dims[1]) * 512,
-                 static_cast<int>(cell % tree_.dims[2]) * 512);
+  masks::Coord cell_origin(std::size_t cell) const {
+    return masks::Coord(static_cast<int>(cell / tree_.dims[2] / tree_.dims[1]) * 512,
+                        static_cast<int>(cell / tree_.dims[2] % tree_.dims[1]) * 512,
+                        static_cast<int>(cell % tree_.dims[2]) * 512);
   }
-  std::vector<NodePlace> places_of(const std::vector<Coord>& origins) const;
-  BrickMask solid_nodes(const Coord& cell) const;
+  std::vector<NodePlace> places_of(const std::vector<masks::Coord>& origins) const;
+  lattice::BrickMask solid_nodes(const masks::Coord& cell) const;
   std::vector<std::size_t> solid_cells() const;
   std::uint32_t add_node(BuiltNode&& node);
   std::uint32_t add_upper(const Entries& entries);
 
-  const MaskTree& interior_;
-  const KeptBox& kept_;
+  const masks::MaskTree& interior_;
+  const masks::KeptBox& kept_;
   BuiltTree tree_;
 };
 
 // In the order of the tree: by directory cell, then by entry.
 std::vector<TreeAssembly::NodePlace> TreeAssembly::places_of(
-    const std::vector<Coord>& origins) const {
+    const std::vector<masks::Coord>& origins) const {
   std::vector<NodePlace> order;
   order.reserve(origins.size());
   for (std::size_t i = 0; i < origins.size(); ++i) {
-    order.push_back({cell_at(origins[i]), UpperMaskNode::coordToOffset(origins[i]), i});
+    order.push_back({cell_at(origins[i]), masks::UpperMaskNode::coordToOffset(origins[i]), i});
   }
   std::sort(order.begin(), order.end());
   return order;
@@ -138,17 +139,17 @@ std::uint32_t TreeAssembly::add_upper(const Entries& entries) {
 }
 
 // The nodes of a directory cell that are interior by the interior's tiles alone and not cropped.
-BrickMask TreeAssembly::solid_nodes(const Coord& cell) const {
-  const auto* tiles = interior_.probeConstNode<UpperMaskNode>(cell);
-  BrickMask solid = tiles != nullptr            ? mask_of(tiles->getValueMask())
-                    : interior_.isValueOn(cell) ? full_mask()
-                                                : BrickMask{};
+lattice::BrickMask TreeAssembly::solid_nodes(const masks::Coord& cell) const {
+  const auto* tiles = interior_.probeConstNode<masks::UpperMaskNode>(cell);
+  lattice::BrickMask solid = tiles != nullptr            ? masks::mask_of(tiles->getValueMask())
+                             : interior_.isValueOn(cell) ? lattice::full_mask()
+                                                         : lattice::BrickMask{};
   if (!kept_.cropped() || kept_.box.isInside(openvdb::CoordBBox::createCube(cell, 512))) {
     return solid;
   }
-  BrickMask kept;
-  for_each_set(solid, [&](unsigned n) {
-    if (kept_.box.isInside(openvdb::CoordBBox::createCube(entry_origin(cell, n, 64), 64))) {
+  lattice::BrickMask kept;
+  lattice::for_each_set(solid, [&](unsigned n) {
+    if (kept_.box.isInside(openvdb::CoordBBox::createCube(masks::entry_origin(cell, n, 64), 64))) {
       set(kept, n);
     }
   });
@@ -158,7 +159,7 @@ BrickMask TreeAssembly::solid_nodes(const Coord& cell) const {
 // The directory cells that may have solid nodes, ascending.
 std::vector<std::size_t> TreeAssembly::solid_cells() const {
   std::vector<std::size_t> cells;
-  const auto add = [&](const Coord& origin) {
+  const auto add = [&](const masks::Coord& origin) {
     if (kept_.box.hasOverlap(openvdb::CoordBBox::createCube(origin, 512))) {
       cells.push_back(cell_at(origin));
     }
@@ -169,8 +170,8 @@ std::vector<std::size_t> TreeAssembly::solid_cells() const {
   return cells;
 }
 
-BuiltTree TreeAssembly::run(SceneNodes& nodes, ValueCounts& counts) {
-  for (const ValueCounts& node : nodes.counts) counts += node;
+BuiltTree TreeAssembly::run(SceneNodes& nodes, distance::ValueCounts& counts) {
+  for (const distance::ValueCounts& node : nodes.counts) counts += node;
   const std::vector<NodePlace> order = places_of(nodes.origins);
   const std::vector<std::size_t> solid = solid_cells();
   for (std::size_t i = 0, j = 0; i < order.size() || j < solid.size();) {
@@ -180,8 +181,8 @@ BuiltTree TreeAssembly::run(SceneNodes& nodes, ValueCounts& counts) {
     if (j < solid.size() && solid[j] == cell) ++j;
     Entries entries;
     entries.fill(kFreeEntry);
-    BrickMask solid_entries = solid_nodes(cell_origin(cell));
-    for_each_set(solid_entries, [&](unsigned n) { entries[n] = kInteriorEntry; });
+    lattice::BrickMask solid_entries = solid_nodes(cell_origin(cell));
+    lattice::for_each_set(solid_entries, [&](unsigned n) { entries[n] = kInteriorEntry; });
     for (; i < order.size() && order[i].cell == cell; ++i) {
       const unsigned n = order[i].entry;
       // The node's voxels are in nodes.counts.
@@ -211,8 +212,9 @@ std::vector<NodeMemo> memos_of(const SceneNodes& nodes, const BuiltTree& built) 
 }
 
 // The tree of the nodes with its clearance. Sets nodes.entries.
-BuiltTree assemble(const LayerOffset& offset, const std::array<std::uint32_t, 3>& directory_dims,
-                   SceneNodes& nodes, ValueCounts& counts) {
+BuiltTree assemble(const distance::LayerOffset& offset,
+                   const std::array<std::uint32_t, 3>& directory_dims, SceneNodes& nodes,
+                   distance::ValueCounts& counts) {
   BuiltTree built =
       TreeAssembly(offset.interior(), offset.kept(), directory_dims).run(nodes, counts);
   add_clearance(built);
@@ -222,9 +224,10 @@ BuiltTree assemble(const LayerOffset& offset, const std::array<std::uint32_t, 3>
 
 }  // namespace
 
-VoxelTree build_distance_tree(const LayerOffset& around, const DistanceCodes& distances,
+VoxelTree build_distance_tree(const distance::LayerOffset& around,
+                              const distance::DistanceCodes& distances,
                               const std::array<std::uint32_t, 3>& directory_dims,
-                              ValueCounts& counts) {
+                              distance::ValueCounts& counts) {
   SceneNodes nodes = measure_nodes(around, distances);
   BuiltTree built = assemble(around, directory_dims, nodes, counts);
   built.brick_parts = distances.scale().bits / 2;
@@ -232,7 +235,7 @@ VoxelTree build_distance_tree(const LayerOffset& around, const DistanceCodes& di
   return share_equal(std::move(built), lower_numbers);
 }
 
-void name_codes(VoxelTree& tree, const CodeScale& scale) {
+void name_codes(VoxelTree& tree, const distance::CodeScale& scale) {
   for (auto* entries : {&tree.directory, &tree.upper_nodes, &tree.lower_nodes}) {
     for (std::uint32_t& entry : *entries) {
       if (!is_uniform(entry)) continue;
@@ -242,8 +245,9 @@ void name_codes(VoxelTree& tree, const CodeScale& scale) {
   }
 }
 
-VoxelTree build_tree(const LayerOffset& offset, const std::array<std::uint32_t, 3>& directory_dims,
-                     const NodeMemory* memory, ValueCounts& counts) {
+VoxelTree build_tree(const distance::LayerOffset& offset,
+                     const std::array<std::uint32_t, 3>& directory_dims, const NodeMemory* memory,
+                     distance::ValueCounts& counts) {
   SceneNodes nodes = build_nodes(offset, memory);
   BuiltTree built = assemble(offset, directory_dims, nodes, counts);
   std::vector<NodeMemo> memos = memos_of(nodes, built);
@@ -258,4 +262,4 @@ VoxelTree build_tree(const LayerOffset& offset, const std::array<std::uint32_t, 
   return tree;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::tree

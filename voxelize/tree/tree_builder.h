@@ -10,21 +10,23 @@
 #include "voxelize/tree/node_memory.h"
 #include "voxelize/tree/sharing.h"
 
-namespace forcelayer {
+namespace forcelayer::tree {
 
 // The offset scene as a tree over `directory_dims` directory cells from the scene's origin. Uniform
 // boxes are collapsed, equal bricks and equal nodes stored once, and numbers follow the order of
 // the tree, so that the arrays depend on the voxels alone. A `memory` (may be null; nothing may be
 // cropped with one) supplies the nodes that did not change and keeps this tree.
-VoxelTree build_tree(const LayerOffset& offset, const std::array<std::uint32_t, 3>& directory_dims,
-                     const NodeMemory* memory, ValueCounts& counts);
+VoxelTree build_tree(const distance::LayerOffset& offset,
+                     const std::array<std::uint32_t, 3>& directory_dims, const NodeMemory* memory,
+                     distance::ValueCounts& counts);
 
 // The same for 4 and 8 bits. `around` lists the nodes: its layers are DistanceCodes::reach() less
 // one. Uniform entries read as at two bits (see brick_cutter.h) until name_codes() gives them the
 // codes of the file.
-VoxelTree build_distance_tree(const LayerOffset& around, const DistanceCodes& distances,
+VoxelTree build_distance_tree(const distance::LayerOffset& around,
+                              const distance::DistanceCodes& distances,
                               const std::array<std::uint32_t, 3>& directory_dims,
-                              ValueCounts& counts);
-void name_codes(VoxelTree& tree, const CodeScale& scale);
+                              distance::ValueCounts& counts);
+void name_codes(VoxelTree& tree, const distance::CodeScale& scale);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::tree

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <sstream>
 
-namespace forcelayer {
+namespace forcelayer::mesh {
 namespace {
 
 constexpr std::uint16_t kVersion20 = DRACO_BITSTREAM_VERSION(2, 0);
@@ -223,4 +223,4 @@ std::string quantization_warning(const DracoQuantization& quantization) {
   return text.str();
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::mesh

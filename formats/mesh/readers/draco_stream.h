@@ -10,7 +10,7 @@
 #include "formats/mesh/mesh.h"
 #include "formats/mesh/reader.h"
 
-namespace forcelayer {
+namespace forcelayer::mesh {
 
 struct DracoQuantization {
   int bits = 0;
@@ -31,4 +31,4 @@ DracoSurface decode_draco(const SourceFile& file, std::string_view stream, const
 // The warning that positions were rounded, with the bound for --mesh-deviation.
 std::string quantization_warning(const DracoQuantization& quantization);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::mesh

@@ -5,7 +5,7 @@
 
 #include "formats/mesh/readers/gltf_document.h"
 
-namespace forcelayer {
+namespace forcelayer::mesh {
 namespace {
 
 enum ComponentType : std::uint64_t {
@@ -193,4 +193,4 @@ std::vector<std::uint32_t> GltfDocument::read_indices(std::uint64_t accessor_ind
   return {numbers.begin(), numbers.end()};  // exact: 32-bit integers are doubles
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::mesh

@@ -8,7 +8,7 @@
 
 #include "formats/mesh/confined_path.h"
 
-namespace forcelayer {
+namespace forcelayer::mesh {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "glTF buffers are read in place");
@@ -264,4 +264,4 @@ std::string_view GltfDocument::buffer_view(std::uint64_t view_index) const {
   return buffers_[buffer].substr(offset, length);
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::mesh

@@ -12,7 +12,7 @@
 #include "formats/mesh/mesh.h"
 #include "formats/mesh/reader.h"
 
-namespace forcelayer {
+namespace forcelayer::mesh {
 
 class GltfDocument {
  public:
@@ -68,4 +68,4 @@ class GltfDocument {
   mutable std::uint64_t numbers_read_ = 0;
 };
 
-}  // namespace forcelayer
+}  // namespace forcelayer::mesh

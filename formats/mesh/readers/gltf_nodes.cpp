@@ -4,7 +4,7 @@
 #include <cmath>
 #include <set>
 
-namespace forcelayer {
+namespace forcelayer::mesh {
 namespace {
 
 std::string in_nodes(std::uint64_t index) { return "nodes[" + std::to_string(index) + "]"; }
@@ -242,4 +242,4 @@ void GltfNodes::add_warnings(std::vector<std::string>& warnings) const {
   }
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::mesh

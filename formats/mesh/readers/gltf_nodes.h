@@ -9,7 +9,7 @@
 #include "formats/mesh/node_names.h"
 #include "formats/mesh/readers/gltf_document.h"
 
-namespace forcelayer {
+namespace forcelayer::mesh {
 
 // One placing of a glTF mesh.
 struct GltfPlacing {
@@ -49,4 +49,4 @@ class GltfNodes {
   std::vector<Node> nodes_;  // of the scene or sub-tree, each before its children
 };
 
-}  // namespace forcelayer
+}  // namespace forcelayer::mesh

@@ -4,7 +4,7 @@
 #include <cstring>
 #include <set>
 
-namespace forcelayer {
+namespace forcelayer::mesh {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "OM files are read in place");
@@ -214,4 +214,4 @@ class ChunkWalker {
 
 OmContent read_om_chunks(const SourceFile& file) { return ChunkWalker(file).walk(); }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::mesh

@@ -5,7 +5,7 @@
 
 #include "formats/mesh/reader.h"
 
-namespace forcelayer {
+namespace forcelayer::mesh {
 
 struct OmContent {
   std::uint32_t vertices = 0;  // as the header announces
@@ -20,4 +20,4 @@ struct OmContent {
 // Throws ReadFailure where a chunk is cut short, unknown, missing or there twice.
 OmContent read_om_chunks(const SourceFile& file);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::mesh

@@ -4,7 +4,7 @@
 
 #include "formats/mesh/readers/text_cursor.h"
 
-namespace forcelayer {
+namespace forcelayer::mesh {
 namespace {
 
 struct NamedType {
@@ -152,4 +152,4 @@ std::uint64_t PlyElement::least_bytes(PlyEncoding encoding) const {
 
 PlyHeader read_ply_header(const SourceFile& file) { return HeaderReader(file).read(); }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::mesh

@@ -7,7 +7,7 @@
 
 #include "formats/mesh/reader.h"
 
-namespace forcelayer {
+namespace forcelayer::mesh {
 
 enum class PlyEncoding { kAscii, kLittleEndian, kBigEndian };
 
@@ -43,4 +43,4 @@ struct PlyHeader {
 // Throws ReadFailure where the header is not a PLY header.
 PlyHeader read_ply_header(const SourceFile& file);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::mesh

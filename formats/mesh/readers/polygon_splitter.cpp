@@ -6,7 +6,7 @@
 
 #include "formats/mesh/reader.h"
 
-namespace forcelayer {
+namespace forcelayer::mesh {
 namespace {
 
 // A polygon that leaves its plane by more than this share of its extent draws a warning. Rounding
@@ -187,4 +187,4 @@ void PolygonSplitter::add_warnings(std::vector<std::string>& warnings) const {
   }
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::mesh

@@ -8,7 +8,7 @@
 
 #include "formats/mesh/mesh.h"
 
-namespace forcelayer {
+namespace forcelayer::mesh {
 
 // Splits polygons into triangles that cover the polygon's own area: a convex polygon as a fan from
 // its first corner, any other by clipping ears in its best plane (Newell's normal). Counts the
@@ -44,4 +44,4 @@ class PolygonSplitter {
   std::uint64_t crossing_ = 0;          // polygons
 };
 
-}  // namespace forcelayer
+}  // namespace forcelayer::mesh

@@ -2,7 +2,7 @@
 #include "formats/mesh/reader.h"
 #include "formats/mesh/readers/draco_stream.h"
 
-namespace forcelayer {
+namespace forcelayer::mesh {
 
 Assembly read_drc(const SourceFile& file) {
   DracoSurface surface = decode_draco(file, file.bytes, "", std::nullopt);
@@ -14,4 +14,4 @@ Assembly read_drc(const SourceFile& file) {
   return assembly;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::mesh

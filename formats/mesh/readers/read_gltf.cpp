@@ -10,7 +10,7 @@
 #include "formats/mesh/readers/gltf_document.h"
 #include "formats/mesh/readers/gltf_nodes.h"
 
-namespace forcelayer {
+namespace forcelayer::mesh {
 namespace {
 
 enum PrimitiveMode : std::uint64_t { kTriangles = 4, kTriangleStrip = 5, kTriangleFan = 6 };
@@ -247,4 +247,4 @@ Assembly read_gltf(const SourceFile& file) {
   }
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::mesh

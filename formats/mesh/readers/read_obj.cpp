@@ -7,7 +7,7 @@
 #include "formats/mesh/readers/polygon_splitter.h"
 #include "formats/mesh/readers/text_cursor.h"
 
-namespace forcelayer {
+namespace forcelayer::mesh {
 namespace {
 
 class ObjReader {
@@ -156,4 +156,4 @@ class ObjReader {
 
 Assembly read_obj(const SourceFile& file) { return ObjReader(file).read(); }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::mesh

@@ -5,7 +5,7 @@
 #include "formats/mesh/readers/polygon_splitter.h"
 #include "formats/mesh/readers/text_cursor.h"
 
-namespace forcelayer {
+namespace forcelayer::mesh {
 namespace {
 
 class OffReader {
@@ -164,4 +164,4 @@ class OffReader {
 
 Assembly read_off(const SourceFile& file) { return OffReader(file).read(); }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::mesh

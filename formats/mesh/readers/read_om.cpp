@@ -13,7 +13,7 @@
 #include "formats/mesh/readers/om_chunks.h"
 #include "formats/mesh/readers/polygon_splitter.h"
 
-namespace forcelayer {
+namespace forcelayer::mesh {
 namespace {
 
 namespace om = OpenMesh;
@@ -185,4 +185,4 @@ Assembly read_om(const SourceFile& file) {
   return assembly;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::mesh

@@ -11,7 +11,7 @@
 #include "formats/mesh/readers/polygon_splitter.h"
 #include "formats/mesh/readers/text_cursor.h"
 
-namespace forcelayer {
+namespace forcelayer::mesh {
 namespace {
 
 // Values one after the other out of binary data.
@@ -335,4 +335,4 @@ Assembly read_ply(const SourceFile& file) {
   return PlyReader<BinaryValues>(file, header).read();
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::mesh

@@ -32,7 +32,7 @@
 #include "formats/mesh/node_names.h"
 #include "formats/mesh/reader.h"
 
-namespace forcelayer {
+namespace forcelayer::mesh {
 namespace {
 
 constexpr double kMetersPerMillimeter = 1e-3;
@@ -262,4 +262,4 @@ Assembly read_step(const SourceFile& file) {
   }
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::mesh

@@ -6,7 +6,7 @@
 #include "formats/mesh/reader.h"
 #include "formats/mesh/readers/text_cursor.h"
 
-namespace forcelayer {
+namespace forcelayer::mesh {
 namespace {
 
 constexpr std::uint64_t kHeaderBytes = 84;    // 80 of text, a 32-bit count
@@ -157,4 +157,4 @@ Assembly read_stl(const SourceFile& file) {
   return assembly_of(file, std::move(mesh));
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::mesh

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace forcelayer {
+namespace forcelayer::mesh {
 
 const char* parse_number_slow(const char* at, const char* end, double& number) {
   if (at != end && *at == '+') {
@@ -80,4 +80,4 @@ void TextCursor::fail_number(const char* what) const {
                     : std::string(what) + " " + in_quotes(word) + " is not a number");
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::mesh

@@ -9,7 +9,7 @@
 
 #include "formats/mesh/reader.h"
 
-namespace forcelayer {
+namespace forcelayer::mesh {
 
 // Parses the decimal number at the start of [at, end); returns the place after it, or nullptr where
 // there is none or it overflows a double. Correctly rounded, as std::from_chars. Accepts a leading
@@ -151,4 +151,4 @@ class TextCursor {
   bool backslash_joins_lines_;
 };
 
-}  // namespace forcelayer
+}  // namespace forcelayer::mesh

@@ -10,7 +10,7 @@
 #include "runtime/devices/hid/hid_report_descriptor.h"
 #include "runtime/machine/real_time.h"
 
-namespace forcelayer {
+namespace forcelayer::devices {
 namespace {
 
 constexpr long long kNsPerMs = 1'000'000;
@@ -79,7 +79,7 @@ DeviceSample HidDevice::read(double) noexcept {
   sample.buttons = state_.buttons;
   sample.sequence = state_.sequence;
   sample.calibrated = (state_.status & kHapticCalibrated) != 0;
-  const long long now_ns = monotonic_ns();
+  const long long now_ns = machine::monotonic_ns();
   sample.output_held = held_.load(std::memory_order_relaxed) ||
                        now_ns < held_until_ns_.load(std::memory_order_relaxed);
   sample.present = link_.connected() && now_ns >= absent_until_ns_.load(std::memory_order_relaxed);
@@ -87,7 +87,7 @@ DeviceSample HidDevice::read(double) noexcept {
 }
 
 void HidDevice::write(const Wrench& device_wrench) noexcept {
-  outgoing_.put({device_wrench, monotonic_ns(), ++frame_});
+  outgoing_.put({device_wrench, machine::monotonic_ns(), ++frame_});
   sem_post(&written_);
 }
 
@@ -107,9 +107,9 @@ Status HidDevice::attach(HidPort& port, const HidDeviceInfo& info) {
 bool HidDevice::send(HidPort& port, const HapticReport& report) noexcept {
   std::array<std::uint8_t, 1 + kHapticReportBytes> numbered{};  // reports have no number: 0
   std::copy(report.begin(), report.end(), numbered.begin() + 1);
-  const long long begin_ns = monotonic_ns();
+  const long long begin_ns = machine::monotonic_ns();
   const bool sent = port.write(numbered);
-  const auto took_ns = static_cast<std::uint64_t>(monotonic_ns() - begin_ns);
+  const auto took_ns = static_cast<std::uint64_t>(machine::monotonic_ns() - begin_ns);
   if (took_ns > longest_write_ns_.load(std::memory_order_relaxed)) {
     longest_write_ns_.store(took_ns, std::memory_order_relaxed);
   }
@@ -118,14 +118,14 @@ bool HidDevice::send(HidPort& port, const HapticReport& report) noexcept {
 
 // Asks for the capabilities until they come.
 Status HidDevice::greet(HidPort& port, const HidDeviceInfo& info) {
-  const long long begin_ns = monotonic_ns();
+  const long long begin_ns = machine::monotonic_ns();
   const std::uint32_t first = sequence_ + 1;
   long long hello_ns = begin_ns - kHelloMs * kNsPerMs;
   HapticDefect defect = HapticDefect::kNone;
   std::array<std::uint8_t, 2 * kHapticReportBytes> report;
-  while (monotonic_ns() - begin_ns < kGreetMs * kNsPerMs) {
-    if (monotonic_ns() - hello_ns >= kHelloMs * kNsPerMs) {
-      hello_ns = monotonic_ns();
+  while (machine::monotonic_ns() - begin_ns < kGreetMs * kNsPerMs) {
+    if (machine::monotonic_ns() - hello_ns >= kHelloMs * kNsPerMs) {
+      hello_ns = machine::monotonic_ns();
       if (!send(port, encode_hello(++sequence_, microseconds(hello_ns)))) break;
     }
     const int bytes = port.read(report, kHelloMs / 5);
@@ -178,11 +178,11 @@ Status HidDevice::check_ratings(const DeviceCapabilities& device, const HidDevic
 
 // A zero wrench opens the device's watchdog; then the first state must come.
 Status HidDevice::await_state(HidPort& port, const HidDeviceInfo& info) {
-  const long long begin_ns = monotonic_ns();
+  const long long begin_ns = machine::monotonic_ns();
   std::array<std::uint8_t, 2 * kHapticReportBytes> report;
   HapticDefect defect = HapticDefect::kNone;
   std::uint16_t status = 0;
-  while (monotonic_ns() - begin_ns < kFirstStateMs * kNsPerMs) {
+  while (machine::monotonic_ns() - begin_ns < kFirstStateMs * kNsPerMs) {
     if (!send_command(port, {}, {}, false)) break;
     const int bytes = port.read(report, kHelloMs / 5);
     if (bytes < 0) break;
@@ -195,7 +195,7 @@ Status HidDevice::await_state(HidPort& port, const HidDeviceInfo& info) {
       watch_ = {};
       watch_.taken = true;
       watch_.newest = state;
-      watch_.newest_ns = monotonic_ns();
+      watch_.newest_ns = machine::monotonic_ns();
       known_state_.store(state.sequence, std::memory_order_relaxed);
       states_.put(state);
       return {};
@@ -287,7 +287,7 @@ bool HidDevice::send_command(HidPort& port, const Outgoing& newest, const Wrench
   command.faded =
       wrench.force_n != newest.wrench.force_n || wrench.torque_nm != newest.wrench.torque_nm;
   command.sequence = ++sequence_;
-  command.time_us = microseconds(monotonic_ns());
+  command.time_us = microseconds(machine::monotonic_ns());
   command.wrench = wrench;
   command.watchdog_us = kWatchdogUs;
   command.answers = known_state_.load(std::memory_order_relaxed);
@@ -298,20 +298,20 @@ bool HidDevice::send_command(HidPort& port, const Outgoing& newest, const Wrench
 }
 
 void HidDevice::run_writer(HidPort& port) noexcept {
-  (void)take_real_time_priority();
+  (void)machine::take_real_time_priority();
   OutputWatch watch(stale_s_);
   bool lost = false;
-  for (long long next_ns = monotonic_ns(); !lost && !writer_stop_.load();) {
+  for (long long next_ns = machine::monotonic_ns(); !lost && !writer_stop_.load();) {
     const timespec until{next_ns / 1'000'000'000, static_cast<long>(next_ns % 1'000'000'000)};
     (void)sem_clockwait(&written_, CLOCK_MONOTONIC, &until);
     const bool fresh = outgoing_.take(newest_);
-    const long long now_ns = monotonic_ns();
+    const long long now_ns = machine::monotonic_ns();
     if (!fresh && now_ns < next_ns) continue;
     const double age_s = static_cast<double>(now_ns - newest_.written_ns) * 1e-9;
     const Wrench wrench = watch.pass(newest_.wrench, age_s);
     held_.store(watch.latched(), std::memory_order_relaxed);
     lost = !send_command(port, newest_, wrench, true);
-    next_ns = monotonic_ns() + (is_zero(wrench) ? kHeartbeatNs : kResendNs);
+    next_ns = machine::monotonic_ns() + (is_zero(wrench) ? kHeartbeatNs : kResendNs);
   }
   if (lost || !send_command(port, newest_, {}, false)) write_failed_.store(true);
 }
@@ -356,4 +356,4 @@ DeviceTrouble HidDevice::trouble() const {
   return link_.trouble();
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::devices

@@ -13,7 +13,7 @@
 #include "runtime/devices/output_watch.h"
 #include "runtime/machine/latest_value.h"
 
-namespace forcelayer {
+namespace forcelayer::devices {
 
 // Counts of reports.
 struct HidStatistics {
@@ -81,8 +81,8 @@ class HidDevice final : public Device, private HidLinkClient {
   DeviceCapabilities capabilities_;
   bool known_ = false;  // capabilities_ came from a device
   Watch watch_;
-  LatestValue<HapticState> states_;
-  LatestValue<Outgoing> outgoing_;
+  machine::LatestValue<HapticState> states_;
+  machine::LatestValue<Outgoing> outgoing_;
   HapticState state_;           // the loop's
   Outgoing newest_;             // the writer's
   std::uint32_t frame_ = 0;     // the loop's
@@ -101,4 +101,4 @@ class HidDevice final : public Device, private HidLinkClient {
   HidLink link_;
 };
 
-}  // namespace forcelayer
+}  // namespace forcelayer::devices

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-namespace forcelayer {
+namespace forcelayer::devices {
 namespace {
 
 constexpr std::uint8_t kVersion = 1;
@@ -199,4 +199,4 @@ HapticReport encode_hello(std::uint32_t sequence, std::uint32_t time_us) noexcep
   return Writer(HapticKind::kHello, 0, sequence, time_us).finish();
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::devices

@@ -8,7 +8,7 @@
 
 #include "forcelayer/device.h"
 
-namespace forcelayer {
+namespace forcelayer::devices {
 
 inline constexpr std::size_t kHapticReportBytes = 64;
 using HapticReport = std::array<std::uint8_t, kHapticReportBytes>;
@@ -84,4 +84,4 @@ HapticDefect decode_ratings(std::span<const std::uint8_t> bytes, HapticRatings& 
 HapticReport encode_command(const HapticCommand& command) noexcept;
 HapticReport encode_hello(std::uint32_t sequence, std::uint32_t time_us) noexcept;
 
-}  // namespace forcelayer
+}  // namespace forcelayer::devices

@@ -5,7 +5,7 @@
 
 #include "runtime/machine/real_time.h"
 
-namespace forcelayer {
+namespace forcelayer::devices {
 namespace {
 
 constexpr std::size_t kMaxReportBytes = 4096;
@@ -56,7 +56,7 @@ void HidLink::lose(const DeviceTrouble& why) noexcept {
 
 void HidLink::wait_to_retry() noexcept {
   for (int waited = 0; waited < kRetryMs && !stop_.load(); waited += kStopLookMs) {
-    sleep_until_ns(monotonic_ns() + kStopLookMs * 1'000'000LL);
+    machine::sleep_until_ns(machine::monotonic_ns() + kStopLookMs * 1'000'000LL);
   }
 }
 
@@ -68,13 +68,14 @@ HidLoss HidLink::read_round() noexcept {
     const int bytes = port_->read(report, wait_ms);
     if (bytes < 0) return {"the device was unplugged", "look at plug and power"};
     if (bytes == 0) break;
-    client_.take_report(std::span(report).first(static_cast<std::size_t>(bytes)), monotonic_ns());
+    client_.take_report(std::span(report).first(static_cast<std::size_t>(bytes)),
+                        machine::monotonic_ns());
   }
-  return client_.look(monotonic_ns());
+  return client_.look(machine::monotonic_ns());
 }
 
 void HidLink::run() noexcept {
-  (void)take_real_time_priority();  // the loop's own call has said what is refused
+  (void)machine::take_real_time_priority();  // the loop's own call has said what is refused
   while (!stop_.load()) {
     if (port_ == nullptr) {
       wait_to_retry();
@@ -100,4 +101,4 @@ void HidLink::run() noexcept {
   }
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::devices

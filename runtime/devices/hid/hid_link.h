@@ -9,7 +9,7 @@
 #include "runtime/devices/device.h"
 #include "runtime/devices/hid/hid_port.h"
 
-namespace forcelayer {
+namespace forcelayer::devices {
 
 // The reason why a connection ends, as in DeviceTrouble; null where it goes on.
 struct HidLoss {
@@ -87,4 +87,4 @@ class HidLink {
   DeviceTrouble trouble_;
 };
 
-}  // namespace forcelayer
+}  // namespace forcelayer::devices

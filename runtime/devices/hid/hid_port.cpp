@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <charconv>
 
-namespace forcelayer {
+namespace forcelayer::devices {
 namespace {
 
 std::string hex4(std::uint16_t value) {
@@ -75,4 +75,4 @@ Result<HidDeviceInfo> find_hid_device(HidBus& bus, const HidSelector& selector,
   return found.front();
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::devices

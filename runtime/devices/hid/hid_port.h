@@ -10,7 +10,7 @@
 
 #include "formats/result.h"
 
-namespace forcelayer {
+namespace forcelayer::devices {
 
 // The user's choice of a device. An empty or zero field fits any.
 struct HidSelector {
@@ -69,4 +69,4 @@ Result<HidDeviceInfo> find_hid_device(HidBus& bus, const HidSelector& selector,
                                       std::span<const std::uint16_t> vendors, std::uint32_t usage,
                                       const std::string& kind);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::devices

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <string>
 
-namespace forcelayer {
+namespace forcelayer::devices {
 namespace {
 
 constexpr std::uint32_t kMaxReportBits = 8 * 4096;  // Linux takes no longer reports either
@@ -250,4 +250,4 @@ bool read_hid_field(const HidField& field, bool numbered, std::span<const std::u
   return true;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::devices

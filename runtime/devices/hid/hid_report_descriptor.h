@@ -8,7 +8,7 @@
 
 #include "formats/result.h"
 
-namespace forcelayer {
+namespace forcelayer::devices {
 
 enum class HidReportKind : std::uint8_t { kInput, kOutput, kFeature };
 
@@ -51,4 +51,4 @@ Result<HidReportDescriptor> parse_hid_report_descriptor(std::span<const std::uin
 bool read_hid_field(const HidField& field, bool numbered, std::span<const std::uint8_t> report,
                     std::int64_t& value) noexcept;
 
-}  // namespace forcelayer
+}  // namespace forcelayer::devices

@@ -12,7 +12,7 @@
 #include "runtime/devices/hid/hid_port.h"
 #include "runtime/devices/hid/hid_report_descriptor.h"
 
-namespace forcelayer {
+namespace forcelayer::devices {
 namespace {
 
 // Serial numbers and names are ASCII in practice; any other character becomes '?'.
@@ -92,4 +92,4 @@ class HidapiBus final : public HidBus {
 
 std::unique_ptr<HidBus> make_hid_bus() { return std::make_unique<HidapiBus>(); }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::devices

@@ -8,7 +8,7 @@
 #include "runtime/devices/sim_device.h"
 #include "runtime/machine/real_time.h"
 
-namespace forcelayer {
+namespace forcelayer::devices {
 namespace {
 
 constexpr std::array<std::uint16_t, 2> kVendors = {0x256f, 0x046d};  // 3Dconnexion; Logitech before
@@ -51,12 +51,13 @@ void SpaceMouseMotion::advance(const std::array<double, 6>& deflection, double d
     velocity_ = {options_.speed_mps * move, options_.turn_radps * turn};
     pose_.position_m += velocity_.linear_mps * dt_s;
     pose_.orientation =
-        glm::normalize(rotation_by(velocity_.angular_radps * dt_s) * pose_.orientation);
+        glm::normalize(coupling::rotation_by(velocity_.angular_radps * dt_s) * pose_.orientation);
     return;
   }
-  const Pose now{options_.reach_m * move, rotation_by(options_.reach_rad * turn)};
-  velocity_ = {(now.position_m - pose_.position_m) / dt_s,
-               rotation_vector(now.orientation * glm::conjugate(pose_.orientation)) / dt_s};
+  const Pose now{options_.reach_m * move, coupling::rotation_by(options_.reach_rad * turn)};
+  velocity_ = {
+      (now.position_m - pose_.position_m) / dt_s,
+      coupling::rotation_vector(now.orientation * glm::conjugate(pose_.orientation)) / dt_s};
   pose_ = now;
 }
 
@@ -70,7 +71,7 @@ SpaceMouse::SpaceMouse(std::unique_ptr<HidBus> bus, HidSelector selector,
 DeviceSample SpaceMouse::read(double time_s) noexcept {
   handed_.take(held_);
   const bool present = link_.connected();
-  const double silent_s = static_cast<double>(monotonic_ns() - held_.moved_ns) * 1e-9;
+  const double silent_s = static_cast<double>(machine::monotonic_ns() - held_.moved_ns) * 1e-9;
   const bool moved = present && silent_s <= SpaceMouseMotion::kHoldS;
   motion_.advance(moved ? held_.reading.deflection : std::array<double, 6>{},
                   std::clamp(time_s - time_s_, 0.0, kMaxStepS));
@@ -121,4 +122,4 @@ void SpaceMouse::detach() noexcept {
   port_ = nullptr;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::devices

@@ -8,7 +8,7 @@
 #include "runtime/devices/hid/spacemouse_layout.h"
 #include "runtime/machine/latest_value.h"
 
-namespace forcelayer {
+namespace forcelayer::devices {
 
 enum class SpaceMouseControl {
   kRate,      // the cap's deflection is the handle's velocity
@@ -77,7 +77,7 @@ class SpaceMouse final : public Device, private HidLinkClient {
   HidPort* port_ = nullptr;  // while attached
   Report received_;          // the link's thread's
   bool news_ = false;        // received_ has been changed since it was handed over
-  LatestValue<Report> handed_;
+  machine::LatestValue<Report> handed_;
   Report held_;              // the loop's
   SpaceMouseMotion motion_;  // the loop's
   double time_s_ = 0;        // of the loop's last read()
@@ -85,4 +85,4 @@ class SpaceMouse final : public Device, private HidLinkClient {
   HidLink link_;
 };
 
-}  // namespace forcelayer
+}  // namespace forcelayer::devices

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace forcelayer {
+namespace forcelayer::devices {
 namespace {
 
 constexpr std::uint32_t kFirstAxis = hid_usage(0x01, 0x30);  // X; then Y Z Rx Ry Rz
@@ -73,4 +73,4 @@ std::vector<std::uint8_t> SpaceMouseLayout::led_report(bool on) const {
   return report;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::devices

@@ -10,7 +10,7 @@
 
 #include "runtime/devices/hid/hid_report_descriptor.h"
 
-namespace forcelayer {
+namespace forcelayer::devices {
 
 inline constexpr std::uint32_t kMultiAxisUsage = hid_usage(0x01, 0x08);
 
@@ -41,4 +41,4 @@ class SpaceMouseLayout {
   std::uint32_t led_report_bits_ = 0;
 };
 
-}  // namespace forcelayer
+}  // namespace forcelayer::devices

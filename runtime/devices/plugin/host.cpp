@@ -19,7 +19,7 @@
 #include "runtime/devices/plugin/plugin_link.h"
 #include "runtime/machine/real_time.h"
 
-namespace forcelayer {
+namespace forcelayer::devices {
 namespace {
 
 constexpr int kLinkDescriptor = 3;
@@ -59,7 +59,7 @@ class Exchange {
     const double* t = command_.wrench.torque_nm;
     const Wrench watched =
         watch_.pass({{f[0], f[1], f[2]}, {t[0], t[1], t[2]}},
-                    static_cast<double>(monotonic_ns() - command_.written_ns) / 1e9);
+                    static_cast<double>(machine::monotonic_ns() - command_.written_ns) / 1e9);
     for (int axis = 0; axis < 3; ++axis) {
       out.force_n[axis] = watched.force_n[axis];
       out.torque_nm[axis] = watched.torque_nm[axis];
@@ -90,7 +90,7 @@ extern "C" int exchange_once(void* context, const forcelayer_plugin_reading* rea
 // Pull mode: this process keeps the clock.
 void pull(const forcelayer_plugin& plugin, void* device, double rate_hz, Exchange& exchange) {
   const auto period_ns = static_cast<long long>(1e9 / rate_hz);
-  long long tick_ns = monotonic_ns();
+  long long tick_ns = machine::monotonic_ns();
   while (!exchange.ending()) {
     forcelayer_plugin_reading reading{};
     const int read = plugin.read(device, &reading);
@@ -98,8 +98,8 @@ void pull(const forcelayer_plugin& plugin, void* device, double rate_hz, Exchang
     const forcelayer_plugin_wrench wrench = exchange.wrench();
     const int written = plugin.write(device, &wrench);
     if (read < 0 || written < 0) return exchange.lose();
-    tick_ns = std::max(tick_ns + period_ns, monotonic_ns() - period_ns);
-    sleep_until_ns(tick_ns);
+    tick_ns = std::max(tick_ns + period_ns, machine::monotonic_ns() - period_ns);
+    machine::sleep_until_ns(tick_ns);
   }
   const forcelayer_plugin_wrench zero{};
   plugin.write(device, &zero);
@@ -129,8 +129,8 @@ const forcelayer_plugin* load(const char* library, PluginLink& link) {
 // A driver that hangs does not notice the end of the loop. This ends its process then.
 void end_after(pid_t parent) {
   std::thread([parent] {
-    while (getppid() == parent) sleep_until_ns(monotonic_ns() + kLookNs);
-    sleep_until_ns(monotonic_ns() + kCloseNs);
+    while (getppid() == parent) machine::sleep_until_ns(machine::monotonic_ns() + kLookNs);
+    machine::sleep_until_ns(machine::monotonic_ns() + kCloseNs);
     _exit(1);
   }).detach();
 }
@@ -148,8 +148,8 @@ int serve(const char* library, const char* arguments, pid_t parent, PluginLink& 
   }
   link.info = info;
   link.state.store(PluginState::kOpen, std::memory_order_release);
-  lock_memory();
-  take_real_time_priority();
+  machine::lock_memory();
+  machine::take_real_time_priority();
   end_after(parent);
   Exchange exchange(link, parent);
   if (plugin->run != nullptr) {
@@ -172,22 +172,22 @@ void end_in_order_on_signals() {
 }
 
 }  // namespace
-}  // namespace forcelayer
+}  // namespace forcelayer::devices
 
 int main(int argc, char** argv) {
-  using forcelayer::PluginLink;
+  using forcelayer::devices::PluginLink;
   void* const mapped = argc == 4 ? mmap(nullptr, sizeof(PluginLink), PROT_READ | PROT_WRITE,
-                                        MAP_SHARED, forcelayer::kLinkDescriptor, 0)
+                                        MAP_SHARED, forcelayer::devices::kLinkDescriptor, 0)
                                  : MAP_FAILED;
   if (mapped == MAP_FAILED) {
     std::fprintf(stderr, "voxrun-plugin: is started by voxrun --device plugin\n");
     return 2;
   }
   auto& link = *static_cast<PluginLink*>(mapped);
-  if (link.version != forcelayer::kPluginLinkVersion) {
-    forcelayer::fail(link, "voxrun and voxrun-plugin are of different versions");
+  if (link.version != forcelayer::devices::kPluginLinkVersion) {
+    forcelayer::devices::fail(link, "voxrun and voxrun-plugin are of different versions");
     return 1;
   }
-  forcelayer::end_in_order_on_signals();
-  return forcelayer::serve(argv[1], argv[2], static_cast<pid_t>(std::atoi(argv[3])), link);
+  forcelayer::devices::end_in_order_on_signals();
+  return forcelayer::devices::serve(argv[1], argv[2], static_cast<pid_t>(std::atoi(argv[3])), link);
 }

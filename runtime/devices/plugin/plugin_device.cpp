@@ -16,7 +16,7 @@
 
 #include "runtime/machine/real_time.h"
 
-namespace forcelayer {
+namespace forcelayer::devices {
 namespace {
 
 constexpr long long kPollNs = 2'000'000;
@@ -144,13 +144,15 @@ void PluginDevice::wait_for_end() noexcept {
 }
 
 Status PluginDevice::shake_hands() {
-  const long long until_ns = monotonic_ns() + static_cast<long long>(options_.open_s * 1e9);
+  const long long until_ns =
+      machine::monotonic_ns() + static_cast<long long>(options_.open_s * 1e9);
   while (link_->state.load(std::memory_order_acquire) == PluginState::kStarting) {
     if (ended_.load(std::memory_order_acquire)) {
       return failed(options_, end_text(exit_status_) + " before the device was open");
     }
-    if (monotonic_ns() > until_ns) return failed(options_, "does not open its device in time");
-    sleep_until_ns(monotonic_ns() + kPollNs);
+    if (machine::monotonic_ns() > until_ns)
+      return failed(options_, "does not open its device in time");
+    machine::sleep_until_ns(machine::monotonic_ns() + kPollNs);
   }
   if (link_->state.load(std::memory_order_acquire) == PluginState::kFailed) {
     return failed(options_, text_of(link_->error.data(), link_->error.size()));
@@ -205,7 +207,7 @@ void PluginDevice::write(const Wrench& device_wrench) noexcept {
     command.wrench.force_n[axis] = device_wrench.force_n[axis];
     command.wrench.torque_nm[axis] = device_wrench.torque_nm[axis];
   }
-  command.written_ns = monotonic_ns();
+  command.written_ns = machine::monotonic_ns();
   link_->commands.put(command);
 }
 
@@ -213,9 +215,9 @@ void PluginDevice::stop() noexcept {
   if (process_ < 0) return;
   write({});
   link_->stop.store(1, std::memory_order_release);
-  const long long until_ns = monotonic_ns() + kCloseNs;
-  while (!ended_.load(std::memory_order_acquire) && monotonic_ns() < until_ns) {
-    sleep_until_ns(monotonic_ns() + kPollNs);
+  const long long until_ns = machine::monotonic_ns() + kCloseNs;
+  while (!ended_.load(std::memory_order_acquire) && machine::monotonic_ns() < until_ns) {
+    machine::sleep_until_ns(machine::monotonic_ns() + kPollNs);
   }
   if (!ended_.load(std::memory_order_acquire)) {
     killed_ = true;
@@ -239,4 +241,4 @@ DeviceTrouble PluginDevice::trouble() const {
   return {"the plugin crashed: " + end_text(exit_status_), "look at the plugin, or its SDK"};
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::devices

@@ -13,7 +13,7 @@
 #include "runtime/devices/device.h"
 #include "runtime/devices/plugin/plugin_link.h"
 
-namespace forcelayer {
+namespace forcelayer::devices {
 
 struct PluginOptions {
   std::filesystem::path library;  // the plugin
@@ -60,4 +60,4 @@ class PluginDevice final : public Device {
   PluginReading last_{};
 };
 
-}  // namespace forcelayer
+}  // namespace forcelayer::devices

@@ -10,7 +10,7 @@
 #include "forcelayer/stale_limit.h"
 #include "runtime/machine/latest_value.h"
 
-namespace forcelayer {
+namespace forcelayer::devices {
 
 inline constexpr std::uint32_t kPluginLinkVersion = 1;
 
@@ -40,9 +40,9 @@ struct PluginLink {
   std::atomic<std::uint32_t> stop{0};  // by the host
   std::array<char, 256> error{};
   forcelayer_plugin_info info{};
-  alignas(64) LatestValue<PluginReading> readings;  // process to host
-  alignas(64) LatestValue<PluginCommand> commands;  // host to process
+  alignas(64) machine::LatestValue<PluginReading> readings;  // process to host
+  alignas(64) machine::LatestValue<PluginCommand> commands;  // host to process
 };
 static_assert(std::atomic<std::uint32_t>::is_always_lock_free);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::devices

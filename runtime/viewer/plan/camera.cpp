@@ -5,7 +5,7 @@
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
 
-namespace forcelayer {
+namespace forcelayer::viewer {
 namespace {
 
 constexpr double kMargin = 1.08;  // width of the picture over its contents
@@ -83,4 +83,4 @@ glm::dvec3 clearest_direction(const Voxmap& voxmap, const std::vector<glm::dvec3
   return best;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::viewer

@@ -8,7 +8,7 @@
 #include "formats/voxmap.h"
 #include "runtime/viewer/plan/view_scene.h"
 
-namespace forcelayer {
+namespace forcelayer::viewer {
 
 // A parallel projection, z up where the direction allows it.
 struct CameraView {
@@ -34,4 +34,4 @@ CameraView frame_box(const WorldBox& box, const glm::dvec3& direction, double as
 glm::dvec3 clearest_direction(const Voxmap& voxmap, const std::vector<glm::dvec3>& points_m,
                               const glm::dvec3& forces, double reach_m);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::viewer

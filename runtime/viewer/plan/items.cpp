@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace forcelayer {
+namespace forcelayer::viewer {
 
 ItemSet default_items(const ViewScene& scene) {
   ItemSet shown;
@@ -43,4 +43,4 @@ Result<ItemSet> parse_items(std::string_view list) {
   }
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::viewer

@@ -8,7 +8,7 @@
 #include "formats/result.h"
 #include "runtime/viewer/plan/view_scene.h"
 
-namespace forcelayer {
+namespace forcelayer::viewer {
 
 // Items that can be switched on and off.
 enum class Item : unsigned {
@@ -44,4 +44,4 @@ ItemSet without_moment(ItemSet shown);
 // Reads a list as "meshes,force-layer". Error: kUsage with the name that is unknown.
 Result<ItemSet> parse_items(std::string_view list);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::viewer

@@ -4,7 +4,7 @@
 #include <array>
 #include <string_view>
 
-namespace forcelayer {
+namespace forcelayer::viewer {
 
 inline constexpr std::array<std::string_view, 7> kKeyLines = {
     "mouse: left turns, middle or shift-left moves, right or wheel zooms",
@@ -15,4 +15,4 @@ inline constexpr std::array<std::string_view, 7> kKeyLines = {
     "left right: a frame, with shift ten   home end: first, last   n: next contact",
     "g: next guard cut   shift-n shift-g: the one before   h: keys   q: end"};
 
-}  // namespace forcelayer
+}  // namespace forcelayer::viewer

@@ -1,6 +1,6 @@
 #include "runtime/viewer/plan/legend.h"
 
-namespace forcelayer {
+namespace forcelayer::viewer {
 namespace {
 
 void add_scene(const PicturePlan& plan, const ViewScene& scene, std::vector<LegendEntry>& legend) {
@@ -74,4 +74,4 @@ std::vector<LegendEntry> legend_of(const PicturePlan& plan, const ViewScene& sce
   return legend;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::viewer

@@ -8,7 +8,7 @@
 #include "runtime/viewer/plan/style.h"
 #include "runtime/viewer/plan/view_scene.h"
 
-namespace forcelayer {
+namespace forcelayer::viewer {
 
 // The mark before a legend entry's label, as it looks in the picture.
 enum class Swatch { kSquare, kFramedSquare, kDot, kSmallSquare, kDiamond, kArrow, kLine, kCoil };
@@ -26,4 +26,4 @@ Color color_of(FrameKind kind);
 // The entries for the items of the plan.
 std::vector<LegendEntry> legend_of(const PicturePlan& plan, const ViewScene& scene);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::viewer

@@ -6,7 +6,7 @@
 
 #include "formats/command/quantity.h"
 
-namespace forcelayer {
+namespace forcelayer::viewer {
 namespace {
 
 constexpr int kSmallestPicture = 64, kLargestPicture = 8192;  // pixels a side
@@ -17,7 +17,7 @@ Error usage(const std::string& option, const std::string& what, const std::strin
 
 Result<std::optional<Pose>> pose_of(const std::string& text) {
   if (text.empty()) return std::optional<Pose>();
-  const auto pose = parse_pose(text);
+  const auto pose = command::parse_pose(text);
   if (!pose) return pose.error();
   const auto& p = pose->position_m;
   const auto& q = pose->orientation_wxyz;
@@ -26,7 +26,7 @@ Result<std::optional<Pose>> pose_of(const std::string& text) {
 
 Result<std::optional<double>> unit_of(const std::string& text) {
   if (text.empty()) return std::optional<double>();
-  const auto unit_m = parse_unit(text);
+  const auto unit_m = command::parse_unit(text);
   if (!unit_m) return unit_m.error();
   return std::optional<double>(*unit_m);
 }
@@ -102,12 +102,12 @@ Status ViewOptionParser::read_moment(ViewOptions& options) const {
   options.world_from_part = *pose;
   options.handle_from_part = *grip;
   if (!texts_.at.empty()) {
-    const auto at_s = parse_duration(texts_.at);
+    const auto at_s = command::parse_duration(texts_.at);
     if (!at_s) return at_s.error();
     options.at_s = *at_s;
   }
   if (!texts_.duration.empty()) {
-    const auto duration_s = parse_duration(texts_.duration);
+    const auto duration_s = command::parse_duration(texts_.duration);
     if (!duration_s) return duration_s.error();
     options.duration_s = *duration_s;
   }
@@ -132,7 +132,7 @@ Status ViewOptionParser::read_camera(ViewOptions& options) const {
   if (texts_.focus == "part") options.focus = Focus::kPart;
   if (texts_.focus == "scene") options.focus = Focus::kScene;
   if (!texts_.view_from.empty()) {
-    const auto given = parse_point(texts_.view_from);
+    const auto given = command::parse_point(texts_.view_from);
     if (!given) return given.error();
     const glm::dvec3 direction((*given)[0], (*given)[1], (*given)[2]);
     if (!(glm::length(direction) > 0)) {
@@ -171,4 +171,4 @@ Result<ViewOptions> ViewOptionParser::finish() const {
   return options;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::viewer

@@ -15,7 +15,7 @@ namespace CLI {
 class App;
 }
 
-namespace forcelayer {
+namespace forcelayer::viewer {
 
 enum class Focus { kAuto, kPart, kScene };
 
@@ -62,4 +62,4 @@ class ViewOptionParser {
   Texts texts_;
 };
 
-}  // namespace forcelayer
+}  // namespace forcelayer::viewer

@@ -4,7 +4,7 @@
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 
-namespace forcelayer {
+namespace forcelayer::viewer {
 namespace {
 
 std::optional<Moment> plan_moment(const ViewOptions& options, const std::vector<TraceRow>& rows) {
@@ -97,8 +97,8 @@ WorldBox box_of(const ViewScene& scene) {
 
 Result<std::unique_ptr<ContactViewSource>> make_contact_source(const ViewOptions& options,
                                                                const ViewScene& scene) {
-  const ForceKind force = options.force.value_or(usual_force(options.model, *scene.voxmap));
-  auto field = make_force_field(options.model, force, *scene.voxmap);
+  const ForceKind force = options.force.value_or(field::usual_force(options.model, *scene.voxmap));
+  auto field = field::make_force_field(options.model, force, *scene.voxmap);
   if (!field) return field.error();
   return std::make_unique<ContactViewSource>(*scene.voxmap, *scene.shell, options.model,
                                              std::move(*field));
@@ -185,4 +185,4 @@ nlohmann::ordered_json report_of(const PicturePlan& plan, const ViewScene& scene
   return report;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::viewer

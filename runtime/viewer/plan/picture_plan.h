@@ -13,7 +13,7 @@
 #include "runtime/viewer/run/moment.h"
 #include "runtime/viewer/surface/layer_change.h"
 
-namespace forcelayer {
+namespace forcelayer::viewer {
 
 struct PicturePlan {
   int width = 0, height = 0;  // pixels
@@ -52,4 +52,4 @@ std::string describe(const ViewScene& scene);
 // The plan in numbers, for scripts.
 nlohmann::ordered_json report_of(const PicturePlan& plan, const ViewScene& scene);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::viewer

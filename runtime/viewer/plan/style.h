@@ -4,7 +4,7 @@
 
 #include <array>
 
-namespace forcelayer {
+namespace forcelayer::viewer {
 
 using Color = std::array<double, 3>;  // red, green, blue, 0 to 1
 
@@ -31,4 +31,4 @@ inline constexpr double kForceLayerOpacity = 0.28;
 inline constexpr double kProximityOpacity = 0.12;
 inline constexpr double kUnchangedOpacity = 0.08;  // of the force layer where changes are shown
 
-}  // namespace forcelayer
+}  // namespace forcelayer::viewer

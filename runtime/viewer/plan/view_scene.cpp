@@ -7,7 +7,7 @@
 
 #include "formats/mesh/scene.h"
 
-namespace forcelayer {
+namespace forcelayer::viewer {
 namespace {
 
 std::string extension_of(const std::string& path) {
@@ -17,22 +17,23 @@ std::string extension_of(const std::string& path) {
   return extension;
 }
 
-glm::dvec3 place(const MeshObject& part, const Vec3d& vertex) {
-  const Vec3d p = apply(part.world_from_mesh, vertex);
+glm::dvec3 place(const mesh::MeshObject& part, const mesh::Vec3d& vertex) {
+  const mesh::Vec3d p = mesh::apply(part.world_from_mesh, vertex);
   return {p[0], p[1], p[2]};
 }
 
-void add_bounds(const Scene& scene, WorldBox& box) {
-  for (const MeshObject& part : scene.objects) {
-    for (const Vec3d& vertex : scene.mesh_of(part).vertices) box.add(place(part, vertex));
+void add_bounds(const mesh::Scene& scene, WorldBox& box) {
+  for (const mesh::MeshObject& part : scene.objects) {
+    for (const mesh::Vec3d& vertex : scene.mesh_of(part).vertices) box.add(place(part, vertex));
   }
 }
 
-ViewMesh view_mesh_of(const Scene& scene, const MeshObject& part, const glm::dvec3& origin_m) {
-  const Mesh& mesh = scene.mesh_of(part);
+ViewMesh view_mesh_of(const mesh::Scene& scene, const mesh::MeshObject& part,
+                      const glm::dvec3& origin_m) {
+  const mesh::Mesh& mesh = scene.mesh_of(part);
   ViewMesh view{part.name, {}, mesh.triangles};
   view.points.reserve(mesh.vertices.size());
-  for (const Vec3d& vertex : mesh.vertices) {
+  for (const mesh::Vec3d& vertex : mesh.vertices) {
     const glm::dvec3 p = place(part, vertex) - origin_m;
     view.points.push_back(
         {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)});
@@ -89,15 +90,15 @@ void add_box(const std::optional<Voxmap>& voxmap, WorldBox& bounds) {
 // The meshes of the part as one, in its frame.
 Status load_part(const ViewInputs& inputs, ViewScene& scene) {
   const auto unit_m = inputs.part_unit_m ? inputs.part_unit_m : inputs.unit_m;
-  const auto part = read_scene(std::array{inputs.part}, unit_m);
+  const auto part = mesh::read_scene(std::array{inputs.part}, unit_m);
   if (!part) return part.error();
   scene.warnings.insert(scene.warnings.end(), part->warnings.begin(), part->warnings.end());
   ViewMesh whole{inputs.part, {}, {}};
-  for (const MeshObject& piece : part->objects) {
+  for (const mesh::MeshObject& piece : part->objects) {
     const ViewMesh mesh = view_mesh_of(*part, piece, glm::dvec3(0));
     const auto base = static_cast<std::uint32_t>(whole.points.size());
     whole.points.insert(whole.points.end(), mesh.points.begin(), mesh.points.end());
-    for (const Triangle& t : mesh.triangles) {
+    for (const mesh::Triangle& t : mesh.triangles) {
       whole.triangles.push_back({t[0] + base, t[1] + base, t[2] + base});
     }
   }
@@ -140,14 +141,14 @@ Result<ViewScene> load_view_scene(const ViewInputs& inputs) {
     }
   }
   if (Status loaded = load_before(inputs.before, view); !loaded) return loaded.error();
-  const auto scene = read_scene(mesh_inputs, inputs.unit_m);
+  const auto scene = mesh::read_scene(mesh_inputs, inputs.unit_m);
   if (!scene) return scene.error();
   view.warnings = scene->warnings;
   add_bounds(*scene, view.bounds);
   add_box(view.voxmap, view.bounds);
   add_box(view.before, view.bounds);
   view.origin_m = view.bounds.middle_m();
-  for (const MeshObject& part : scene->objects) {
+  for (const mesh::MeshObject& part : scene->objects) {
     view.meshes.push_back(view_mesh_of(*scene, part, view.origin_m));
   }
   if (!inputs.part.empty()) {
@@ -156,4 +157,4 @@ Result<ViewScene> load_view_scene(const ViewInputs& inputs) {
   return view;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::viewer

@@ -12,7 +12,7 @@
 #include "formats/result.h"
 #include "formats/voxmap.h"
 
-namespace forcelayer {
+namespace forcelayer::viewer {
 
 // An axis-aligned box in the world. Empty until something was added.
 struct WorldBox {
@@ -29,7 +29,7 @@ struct WorldBox {
 struct ViewMesh {
   std::string name;
   std::vector<std::array<float, 3>> points;  // m
-  std::vector<Triangle> triangles;
+  std::vector<mesh::Triangle> triangles;
 };
 
 struct ViewScene {
@@ -64,4 +64,4 @@ Result<ViewScene> load_view_scene(const ViewInputs& inputs);
 // World box of the non-free voxels; empty where all is free.
 WorldBox voxmap_box(const Voxmap& voxmap);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::viewer

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace forcelayer {
+namespace forcelayer::viewer {
 
 const char* frame_kind_name(FrameKind kind) {
   switch (kind) {
@@ -36,7 +36,7 @@ Pose world_from_center(const Pose& world_from_part, const Pshell& shell) {
 }
 
 ContactViewSource::ContactViewSource(const Voxmap& voxmap, const Pshell& shell, Model model,
-                                     std::unique_ptr<ForceField> field)
+                                     std::unique_ptr<field::ForceField> field)
     : shell_(shell),
       model_(model),
       query_(voxmap, shell),
@@ -55,7 +55,7 @@ ContactView ContactViewSource::at(const Pose& world_from_part) {
   view.surface = points_.surface_count;
   view.interior = points_.interior_count;
   for (std::uint32_t n = 0; n < points_.count; ++n) {
-    const Contact contact = contacts_[n];
+    const field::Contact contact = contacts_[n];
     ViewPoint& point =
         view.points.emplace_back(ViewPoint{pose.position_m + glm::dvec3(contact.arm_m),
                                            {points_.nx[n], points_.ny[n], points_.nz[n]},
@@ -72,4 +72,4 @@ ContactView ContactViewSource::at(const Pose& world_from_part) {
   return view;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::viewer

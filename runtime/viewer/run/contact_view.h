@@ -12,7 +12,7 @@
 #include "formats/voxmap.h"
 #include "runtime/field/field_probe.h"
 
-namespace forcelayer {
+namespace forcelayer::viewer {
 
 // One shell point that lies in value 1, 2 or 3.
 struct ViewPoint {
@@ -42,22 +42,22 @@ struct ContactView {
 class ContactViewSource {
  public:
   ContactViewSource(const Voxmap& voxmap, const Pshell& shell, Model model,
-                    std::unique_ptr<ForceField> field);
+                    std::unique_ptr<field::ForceField> field);
 
   ContactView at(const Pose& world_from_part);
 
  private:
   const Pshell& shell_;
   Model model_;
-  ContactQuery query_;
-  std::unique_ptr<ForceField> field_;
-  CollectedPoints points_;
-  FieldSamples samples_;
-  FieldProbe probe_;
-  ContactSet contacts_;
+  query::ContactQuery query_;
+  std::unique_ptr<field::ForceField> field_;
+  query::CollectedPoints points_;
+  field::FieldSamples samples_;
+  field::FieldProbe probe_;
+  field::ContactSet contacts_;
 };
 
 // The part's centroid frame in the world (PshellHeader::center_m is its place in the part's).
 Pose world_from_center(const Pose& world_from_part, const Pshell& shell);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::viewer

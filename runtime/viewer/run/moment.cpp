@@ -6,7 +6,7 @@
 #include <glm/geometric.hpp>
 #include <utility>
 
-namespace forcelayer {
+namespace forcelayer::viewer {
 
 std::string text_of(const char* form, ...) {
   char text[512];
@@ -76,4 +76,4 @@ std::vector<std::string> describe(const Moment& moment) {
   return lines;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::viewer

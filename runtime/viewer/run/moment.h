@@ -9,7 +9,7 @@
 #include "runtime/viewer/run/contact_view.h"
 #include "runtime/viewer/run/trace.h"
 
-namespace forcelayer {
+namespace forcelayer::viewer {
 
 // The part at one moment.
 struct Moment {
@@ -43,4 +43,4 @@ std::vector<std::string> describe(const Moment& moment);
 // printf into a string.
 [[gnu::format(printf, 1, 2)]] std::string text_of(const char* form, ...);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::viewer

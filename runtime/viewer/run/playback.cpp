@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace forcelayer {
+namespace forcelayer::viewer {
 
 void Playback::toggle() {
   if (!playing_ && at_ + 1 == rows_.size()) at_ = 0;
@@ -50,4 +50,4 @@ void Playback::jump_to_guard_cut(bool forward) {
   jump(forward, [&](std::size_t n) { return rows_[n].guard_cuts > 0; });
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::viewer

@@ -5,7 +5,7 @@
 
 #include "runtime/viewer/run/trace.h"
 
-namespace forcelayer {
+namespace forcelayer::viewer {
 
 // A position in the rows of a run, which must outlive it and not be empty.
 class Playback {
@@ -35,4 +35,4 @@ class Playback {
   bool playing_ = false;
 };
 
-}  // namespace forcelayer
+}  // namespace forcelayer::viewer

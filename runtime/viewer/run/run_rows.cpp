@@ -10,18 +10,18 @@
 #include "runtime/model/simulation.h"
 #include "runtime/stream/recording.h"
 
-namespace forcelayer {
+namespace forcelayer::viewer {
 namespace {
 
 bool is_recording(const std::filesystem::path& path) {
   std::array<std::uint8_t, 8> magic{};
   std::ifstream file(path, std::ios::binary);
   file.read(reinterpret_cast<char*>(magic.data()), magic.size());
-  return file && magic == kRecordingMagic;
+  return file && magic == stream::kRecordingMagic;
 }
 
-TraceRow row_of(const Simulation& simulation, const StepInput& input, const StepResult& result,
-                const Pose& target) {
+TraceRow row_of(const model::Simulation& simulation, const StepInput& input,
+                const StepResult& result, const Pose& target) {
   const StepReport& report = result.report;
   TraceRow row;
   row.world_from_handle = input.world_from_handle;
@@ -36,10 +36,11 @@ TraceRow row_of(const Simulation& simulation, const StepInput& input, const Step
   return row;
 }
 
-Result<std::vector<TraceRow>> replayed(const Recording& recording, Simulation& simulation) {
+Result<std::vector<TraceRow>> replayed(const stream::Recording& recording,
+                                       model::Simulation& simulation) {
   using Clock = std::chrono::steady_clock;
   const double dt_s = 1 / recording.run().parameters.rate_hz;
-  ReplayInput input(recording);
+  stream::ReplayInput input(recording);
   State state = recording.run().start;
   std::vector<TraceRow> rows;
   StepInput step_input;
@@ -49,7 +50,7 @@ Result<std::vector<TraceRow>> replayed(const Recording& recording, Simulation& s
     const auto before = Clock::now();
     const StepResult result = simulation.step(state, step_input, dt_s);
     const std::chrono::duration<double, std::nano> took = Clock::now() - before;
-    const Pose target = coupling_target(state, step_input).world_from_center;
+    const Pose target = coupling::coupling_target(state, step_input).world_from_center;
     rows.push_back(row_of(simulation, step_input, result, target));
     rows.back().time_s = time_s;
     rows.back().step_ns = took.count();
@@ -67,7 +68,7 @@ Result<std::vector<TraceRow>> read_run(const std::filesystem::path& path,
     return Error{ErrorCode::kUsage, path.string(), "", "a recording is played on its files",
                  "give the .vox and the .pshell too"};
   }
-  auto recording = Recording::open(path);
+  auto recording = stream::Recording::open(path);
   if (!recording) return recording.error();
   auto map = Voxmap::open(voxmap);
   if (!map) return map.error();
@@ -75,7 +76,7 @@ Result<std::vector<TraceRow>> read_run(const std::filesystem::path& path,
   if (!part) return part.error();
   if (Status same = recording->check_files(*map, *part); !same) return same.error();
   auto simulation =
-      Simulation::create(std::move(*map), std::move(*part), recording->run().parameters);
+      model::Simulation::create(std::move(*map), std::move(*part), recording->run().parameters);
   if (!simulation) return simulation.error();
   auto rows = replayed(*recording, **simulation);
   if (rows && rows->empty()) {
@@ -114,4 +115,4 @@ TraceRow row_of(const PoseDatagram& datagram) {
   return row;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::viewer

@@ -9,7 +9,7 @@
 #include "formats/result.h"
 #include "runtime/viewer/run/trace.h"
 
-namespace forcelayer {
+namespace forcelayer::viewer {
 
 // Reads a trace CSV, or a recording (told by its magic), which is played again with `voxmap` and
 // `shell`: the files that it was made with, else kFilesDoNotMatch; kUsage where they are not given.
@@ -23,4 +23,4 @@ Result<PoseReceiver> listen_at(const std::string& text);
 // A datagram of the stream as a row.
 TraceRow row_of(const PoseDatagram& datagram);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::viewer

@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-namespace forcelayer {
+namespace forcelayer::viewer {
 namespace {
 
 constexpr std::array<std::string_view, 27> kColumns = {"t_s",
@@ -143,4 +143,4 @@ std::size_t strongest_row(const std::vector<TraceRow>& rows) {
   return static_cast<std::size_t>(strongest - rows.begin());
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::viewer

@@ -10,7 +10,7 @@
 #include "forcelayer/pose.h"
 #include "formats/result.h"
 
-namespace forcelayer {
+namespace forcelayer::viewer {
 
 struct TraceRow {
   double time_s = 0;
@@ -34,4 +34,4 @@ std::size_t row_at(const std::vector<TraceRow>& rows, double time_s);
 // The row of the greatest force on the hand.
 std::size_t strongest_row(const std::vector<TraceRow>& rows);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::viewer

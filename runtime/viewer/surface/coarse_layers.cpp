@@ -5,7 +5,7 @@
 
 #include "runtime/viewer/surface/layer_surface.h"
 
-namespace forcelayer {
+namespace forcelayer::viewer {
 namespace {
 
 constexpr int kBlockEdge = 8;  // cells
@@ -116,4 +116,4 @@ QuadSurface CoarseLayers::surface(VoxelValue layer, const glm::dvec3& origin_m) 
   return writer.take();
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::viewer

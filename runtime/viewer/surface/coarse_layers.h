@@ -7,7 +7,7 @@
 
 #include "runtime/viewer/surface/quad_surface.h"
 
-namespace forcelayer {
+namespace forcelayer::viewer {
 
 // A cell is in the force layer where one of its voxels is, else interior where one is, else
 // proximity where one is. Cells are aligned with the lattice.
@@ -34,4 +34,4 @@ class CoarseLayers {
   std::unordered_map<std::uint64_t, Block> blocks_;  // those that are not uniform boxes
 };
 
-}  // namespace forcelayer
+}  // namespace forcelayer::viewer

@@ -2,7 +2,7 @@
 
 #include "formats/command/quantity.h"
 
-namespace forcelayer {
+namespace forcelayer::viewer {
 
 Result<Cut> parse_cut(std::string_view text) {
   const Error wrong{ErrorCode::kUsage, "", "--cut", "'" + std::string(text) + "' is no cut",
@@ -11,9 +11,9 @@ Result<Cut> parse_cut(std::string_view text) {
   if (text.size() < 3) return wrong;
   const std::size_t axis = kAxes.find(text[0]);
   if (axis == std::string_view::npos || (text[1] != '<' && text[1] != '>')) return wrong;
-  const auto at_m = parse_length(text.substr(2));
+  const auto at_m = command::parse_length(text.substr(2));
   if (!at_m) return wrong;
   return Cut{static_cast<int>(axis), *at_m, text[1] == '<'};
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::viewer

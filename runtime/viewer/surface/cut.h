@@ -5,7 +5,7 @@
 
 #include "formats/result.h"
 
-namespace forcelayer {
+namespace forcelayer::viewer {
 
 // Takes away everything beyond `at_m`, on the side of growing (`keep_low`) or falling coordinates,
 // and shows the voxels at the cut by value.
@@ -18,4 +18,4 @@ struct Cut {
 // Reads "z<0.3" or "z<300mm" (the lower side stays) or "x>0". Error: kUsage.
 Result<Cut> parse_cut(std::string_view text);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::viewer

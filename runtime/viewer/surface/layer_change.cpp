@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <string>
 
-namespace forcelayer {
+namespace forcelayer::viewer {
 namespace {
 
 // Voxels of `value` in `map` but not in `other`. Voxels are relative to `map`.
@@ -73,4 +73,4 @@ Result<LayerChange> layer_change(const Voxmap& before, const Voxmap& after, Voxe
                      std::move(removed.surface)};
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::viewer

@@ -4,7 +4,7 @@
 #include "formats/result.h"
 #include "runtime/viewer/surface/quad_surface.h"
 
-namespace forcelayer {
+namespace forcelayer::viewer {
 
 // Voxels of one value in two maps of one lattice.
 struct LayerChange {
@@ -19,4 +19,4 @@ struct LayerChange {
 Result<LayerChange> layer_change(const Voxmap& before, const Voxmap& after, VoxelValue layer,
                                  const glm::dvec3& origin_m);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::viewer

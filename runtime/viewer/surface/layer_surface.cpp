@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace forcelayer {
+namespace forcelayer::viewer {
 namespace {
 
 struct Layer {
@@ -75,4 +75,4 @@ QuadSurface slice_surface(const Voxmap& voxmap, VoxelValue layer, int axis, std:
   return writer.take();
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::viewer

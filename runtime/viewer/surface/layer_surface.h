@@ -3,7 +3,7 @@
 
 #include "runtime/viewer/surface/quad_surface.h"
 
-namespace forcelayer {
+namespace forcelayer::viewer {
 
 // Whether `a` lies further out than `b`, in the order interior, surface, proximity, free.
 bool lies_further_out(VoxelValue a, VoxelValue b);
@@ -18,4 +18,4 @@ QuadSurface layer_surface(const Voxmap& voxmap, VoxelValue layer, const glm::dve
 QuadSurface slice_surface(const Voxmap& voxmap, VoxelValue layer, int axis, std::int64_t index,
                           int side, const glm::dvec3& origin_m);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::viewer

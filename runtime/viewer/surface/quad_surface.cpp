@@ -1,6 +1,6 @@
 #include "runtime/viewer/surface/quad_surface.h"
 
-namespace forcelayer {
+namespace forcelayer::viewer {
 
 // Covers the faces with rectangles: a run along u, then as many equal rows as follow.
 void QuadWriter::add(const RelativeVoxel& tile, int axis, int side, std::uint64_t mask) {
@@ -39,4 +39,4 @@ void QuadWriter::rectangle(const RelativeVoxel& tile, int axis, int side, std::a
   surface_.directions.push_back(static_cast<std::uint8_t>(2 * axis + (side > 0 ? 1 : 0)));
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::viewer

@@ -12,7 +12,7 @@
 #include "formats/voxmap.h"
 #include "formats/voxmap_walk.h"
 
-namespace forcelayer {
+namespace forcelayer::viewer {
 
 // Rectangles in space, each with four corners of its own, counter-clockwise from outside.
 struct QuadSurface {
@@ -167,4 +167,4 @@ inline VoxelValue relative_value(const Voxmap& voxmap, const RelativeVoxel& v) {
   return voxel_value(voxmap.header(), view.lookup(v[0], v[1], v[2]).code);
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::viewer

@@ -9,7 +9,7 @@
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 
-namespace forcelayer {
+namespace forcelayer::viewer {
 
 vtkStandardNewMacro(CadStyle);
 
@@ -58,4 +58,4 @@ void CadStyle::zoom(double factor) {
   Interactor->Render();
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::viewer

@@ -6,7 +6,7 @@
 #include <functional>
 #include <string>
 
-namespace forcelayer {
+namespace forcelayer::viewer {
 
 // Left turns, middle or shift-left moves, right or wheel zooms, the wheel towards the pointer.
 // The owner handles keys and other buttons.
@@ -38,4 +38,4 @@ class CadStyle : public vtkInteractorStyleTrackballCamera {
   bool dragging_ = false;  // a drag that on_press took
 };
 
-}  // namespace forcelayer
+}  // namespace forcelayer::viewer

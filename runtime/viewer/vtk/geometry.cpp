@@ -16,7 +16,7 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
-namespace forcelayer {
+namespace forcelayer::viewer {
 namespace {
 
 vtkSmartPointer<vtkPoints> points_of(const std::vector<std::array<float, 3>>& points) {
@@ -160,4 +160,4 @@ PolyData spring_between(const glm::dvec3& from_m, const glm::dvec3& to_m, double
   return data;
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::viewer

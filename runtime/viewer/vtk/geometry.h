@@ -13,7 +13,7 @@
 #include "runtime/viewer/run/contact_view.h"
 #include "runtime/viewer/surface/quad_surface.h"
 
-namespace forcelayer {
+namespace forcelayer::viewer {
 
 using PolyData = vtkSmartPointer<vtkPolyData>;
 
@@ -37,4 +37,4 @@ PolyData vectors_at(const std::vector<glm::dvec3>& places_m, const std::vector<g
 PolyData spring_between(const glm::dvec3& from_m, const glm::dvec3& to_m, double width_m,
                         const glm::dvec3& origin_m);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::viewer

@@ -13,7 +13,7 @@
 
 #include "runtime/viewer/vtk/shapes.h"
 
-namespace forcelayer {
+namespace forcelayer::viewer {
 namespace {
 
 void draw_swatch(Shapes& shapes, const LegendEntry& entry, double x, double y, double size) {
@@ -255,4 +255,4 @@ ScaleLength round_length(double wanted_m) {
   return {length_m, name};
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::viewer

@@ -11,7 +11,7 @@
 #include "runtime/viewer/plan/legend.h"
 #include "runtime/viewer/run/contact_view.h"
 
-namespace forcelayer {
+namespace forcelayer::viewer {
 
 class Overlay {
  public:
@@ -40,4 +40,4 @@ struct ScaleLength {
 };
 ScaleLength round_length(double wanted_m);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::viewer

@@ -18,7 +18,7 @@
 #include "runtime/viewer/vtk/stage.h"
 #include "runtime/viewer/vtk/triad.h"
 
-namespace forcelayer {
+namespace forcelayer::viewer {
 namespace {
 
 constexpr int kOversampling = 2;  // rendered larger and shrunk: smooth edges with depth peeling
@@ -116,4 +116,4 @@ Status write_picture(const std::filesystem::path& path, const ViewScene& scene,
   return write_png(path, shrunk(grab->GetOutput(), sampling));
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::viewer

@@ -7,10 +7,10 @@
 #include "runtime/viewer/plan/picture_plan.h"
 #include "runtime/viewer/plan/view_scene.h"
 
-namespace forcelayer {
+namespace forcelayer::viewer {
 
 // Renders and writes the file atomically. Errors: kWriteFailed.
 Status write_picture(const std::filesystem::path& path, const ViewScene& scene,
                      const PicturePlan& plan);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::viewer

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace forcelayer {
+namespace forcelayer::viewer {
 
 Shapes::Shapes() {
   colors_->SetNumberOfComponents(4);
@@ -40,4 +40,4 @@ void Shapes::box(double x0, double y0, double x1, double y1, const Color& color,
   polygon({{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}}, color, opacity);
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::viewer

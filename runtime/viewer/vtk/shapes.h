@@ -13,7 +13,7 @@
 
 #include "runtime/viewer/plan/style.h"
 
-namespace forcelayer {
+namespace forcelayer::viewer {
 
 struct Pixel {
   double x, y;
@@ -38,4 +38,4 @@ class Shapes {
   vtkNew<vtkActor2D> actor_;
 };
 
-}  // namespace forcelayer
+}  // namespace forcelayer::viewer

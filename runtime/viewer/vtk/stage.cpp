@@ -30,7 +30,7 @@
 #include "runtime/viewer/vtk/geometry.h"
 #include "runtime/viewer/vtk/voxel_faces.h"
 
-namespace forcelayer {
+namespace forcelayer::viewer {
 namespace {
 
 using Actor = vtkSmartPointer<vtkActor>;
@@ -442,4 +442,4 @@ void place_moment(Stage& stage, const ViewScene& scene, const Moment& moment) {
                         glm::length(force_n) > 0 ? 1.2 * radius_m : 0);
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::viewer

@@ -16,7 +16,7 @@
 #include "runtime/viewer/surface/cut.h"
 #include "runtime/viewer/surface/layer_change.h"
 
-namespace forcelayer {
+namespace forcelayer::viewer {
 
 // Fills two renderers that share a camera: `world`, and above it `marks`, which is never hidden
 // behind the world (contact points and forces). `scene` must outlive the stage.
@@ -68,4 +68,4 @@ class Stage {
 // Places all that a moment shows.
 void place_moment(Stage& stage, const ViewScene& scene, const Moment& moment);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::viewer

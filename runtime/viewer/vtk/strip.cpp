@@ -19,7 +19,7 @@
 #include "runtime/viewer/run/moment.h"
 #include "runtime/viewer/vtk/shapes.h"
 
-namespace forcelayer {
+namespace forcelayer::viewer {
 namespace {
 
 constexpr int kHeight = 104, kLeft = 150, kRight = 30, kBottom = 14;  // pixels
@@ -173,4 +173,4 @@ std::optional<double> Strip::time_at(int x, int y) const {
   return d.begin_s + share * (d.end_s - d.begin_s);
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::viewer

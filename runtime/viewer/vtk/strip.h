@@ -9,7 +9,7 @@
 
 #include "runtime/viewer/run/contact_view.h"
 
-namespace forcelayer {
+namespace forcelayer::viewer {
 
 struct StripPoint {
   double time_s;
@@ -39,4 +39,4 @@ class Strip {
   std::unique_ptr<Drawing> drawing_;
 };
 
-}  // namespace forcelayer
+}  // namespace forcelayer::viewer

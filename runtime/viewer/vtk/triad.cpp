@@ -9,7 +9,7 @@
 
 #include "runtime/viewer/plan/style.h"
 
-namespace forcelayer {
+namespace forcelayer::viewer {
 
 Triad::Triad(vtkRenderWindow* window, int layer) {
   vtkNew<vtkAxesActor> axes;
@@ -40,4 +40,4 @@ void Triad::aim(const glm::dvec3& to_eye, const glm::dvec3& up, int width, int h
   camera->SetParallelScale(1.5);
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::viewer

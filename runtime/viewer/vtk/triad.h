@@ -7,7 +7,7 @@
 
 #include <glm/vec3.hpp>
 
-namespace forcelayer {
+namespace forcelayer::viewer {
 
 class Triad {
  public:
@@ -21,4 +21,4 @@ class Triad {
   vtkNew<vtkRenderer> renderer_;
 };
 
-}  // namespace forcelayer
+}  // namespace forcelayer::viewer

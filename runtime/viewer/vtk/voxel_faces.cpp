@@ -9,7 +9,7 @@
 
 #include "runtime/viewer/vtk/geometry.h"
 
-namespace forcelayer {
+namespace forcelayer::viewer {
 namespace {
 
 constexpr double kEdgeOn = 1e-9;  // a face that is seen under less than this covers no pixel
@@ -82,4 +82,4 @@ void VoxelFaces::face_camera(const glm::dvec3& to_eye, const glm::dvec3& up) {
   }
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::viewer

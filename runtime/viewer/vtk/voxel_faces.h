@@ -12,7 +12,7 @@
 #include "runtime/viewer/plan/style.h"
 #include "runtime/viewer/surface/quad_surface.h"
 
-namespace forcelayer {
+namespace forcelayer::viewer {
 
 // One actor for each of the six directions that a voxel's face can have. Under a parallel camera a
 // direction is seen as a whole or not at all, and has one shade: half of the faces are never drawn,
@@ -38,4 +38,4 @@ class VoxelFaces {
   bool shown_ = true, plain_ = false;
 };
 
-}  // namespace forcelayer
+}  // namespace forcelayer::viewer

@@ -31,7 +31,7 @@
 #include "runtime/viewer/vtk/strip.h"
 #include "runtime/viewer/vtk/triad.h"
 
-namespace forcelayer {
+namespace forcelayer::viewer {
 namespace {
 
 constexpr unsigned long kTimerMs = 16;
@@ -442,7 +442,7 @@ class Window {
     report["frame_ms"] = turn();
     smooth_s_ = std::numeric_limits<double>::infinity();
     report["whole_frame_ms"] = turn();
-    return write_report(options_.frame_times, report);
+    return command::write_report(options_.frame_times, report);
   }
 
   struct Call {
@@ -492,4 +492,4 @@ Status show_window(const ViewScene& scene, const ViewOptions& options, const Pic
   return Window(scene, options, plan, std::move(feed)).run();
 }
 
-}  // namespace forcelayer
+}  // namespace forcelayer::viewer

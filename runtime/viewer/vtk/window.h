@@ -11,7 +11,7 @@
 #include "runtime/viewer/plan/view_scene.h"
 #include "runtime/viewer/run/trace.h"
 
-namespace forcelayer {
+namespace forcelayer::viewer {
 
 // The source of the part's poses: rows of a finished run, a stream, or neither.
 struct RunFeed {
@@ -23,4 +23,4 @@ struct RunFeed {
 Status show_window(const ViewScene& scene, const ViewOptions& options, const PicturePlan& plan,
                    RunFeed feed);
 
-}  // namespace forcelayer
+}  // namespace forcelayer::viewer

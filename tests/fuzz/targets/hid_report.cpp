@@ -9,17 +9,17 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace forcelayer;
   const std::span<const std::uint8_t> bytes(data, size);
-  HapticKind kind;
-  (void)haptic_report_kind(bytes, kind);
-  HapticState state;
-  if (decode_state(bytes, state) == HapticDefect::kNone) {
+  devices::HapticKind kind;
+  (void)devices::haptic_report_kind(bytes, kind);
+  devices::HapticState state;
+  if (devices::decode_state(bytes, state) == devices::HapticDefect::kNone) {
     const Pose& pose = state.device_from_handle;
     fuzz::require(std::isfinite(glm::length(pose.position_m)), "a position");
     fuzz::require(std::abs(glm::length(pose.orientation) - 1) < 1e-9, "a rotation");
     fuzz::require(std::isfinite(glm::length(state.velocity.linear_mps)), "a velocity");
   }
-  HapticRatings ratings;
-  if (decode_ratings(bytes, ratings) == HapticDefect::kNone) {
+  devices::HapticRatings ratings;
+  if (devices::decode_ratings(bytes, ratings) == devices::HapticDefect::kNone) {
     fuzz::require(ratings.capabilities.max_force_n >= 0, "a rating is no negative force");
   }
 

@@ -7,27 +7,27 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace forcelayer;
-  const auto assembly = read_source({"fuzz" FUZZ_EXTENSION, "", fuzz::text_of(data, size)});
+  const auto assembly = mesh::read_source({"fuzz" FUZZ_EXTENSION, "", fuzz::text_of(data, size)});
   if (!assembly) {
     fuzz::require(!assembly.error().what.empty(), "an error says what is wrong");
     return 0;
   }
   fuzz::require(!assembly->instances.empty(), "what is read is not empty");
-  for (const MeshInstance& instance : assembly->instances) {
+  for (const mesh::MeshInstance& instance : assembly->instances) {
     fuzz::require(instance.mesh < assembly->meshes.size(), "instances name meshes");
   }
-  for (const Mesh& mesh : assembly->meshes) {
-    for (const Vec3d& vertex : mesh.vertices) {
+  for (const mesh::Mesh& mesh : assembly->meshes) {
+    for (const mesh::Vec3d& vertex : mesh.vertices) {
       for (const double coordinate : vertex) {
         fuzz::require(std::isfinite(coordinate), "vertices are finite");
       }
     }
-    for (const Triangle& triangle : mesh.triangles) {
+    for (const mesh::Triangle& triangle : mesh.triangles) {
       for (const std::uint32_t corner : triangle) {
         fuzz::require(corner < mesh.vertices.size(), "triangles name vertices");
       }
     }
-    (void)mesh_facts(mesh);
+    (void)mesh::mesh_facts(mesh);
   }
   return 0;
 }

@@ -7,7 +7,7 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace forcelayer;
   const fuzz::MemoryFile file(fuzz::bytes_of(data, size));
-  const auto script = MotionScript::read(file.path());
+  const auto script = devices::MotionScript::read(file.path());
   if (!script) {
     fuzz::require(!script.error().what.empty(), "an error says what is wrong");
     return 0;

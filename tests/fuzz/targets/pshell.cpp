@@ -21,7 +21,7 @@ void feel(Pshell shell) {
   request.without_guarantee = true;
   auto run = open_run(std::move(map), std::move(shell), request);
   if (!run) return;
-  Simulation& simulation = run->simulation();
+  model::Simulation& simulation = run->simulation();
   const Pose start{{8 * s, 8 * s, 6 * s}, {1, 0, 0, 0}};
   State state = simulation.registered(start, start);
   for (int frame = 0; frame < 4; ++frame) {

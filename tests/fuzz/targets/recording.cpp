@@ -6,7 +6,7 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace forcelayer;
   const fuzz::MemoryFile file(fuzz::bytes_of(data, size));
-  const auto recording = Recording::open(file.path());
+  const auto recording = stream::Recording::open(file.path());
   if (!recording) {
     fuzz::require(!recording.error().what.empty(), "an error says what is wrong");
     return 0;

@@ -41,7 +41,7 @@ void feel(Voxmap map, Model model, Random& random) {
   }
   auto run = open_run(std::move(map), make_pshell(sphere_part(4 * s, 60, s)), request);
   if (!run) return;
-  Simulation& simulation = run->simulation();
+  model::Simulation& simulation = run->simulation();
   const Pose start{middle_m, random_orientation(random)};
   State state = simulation.registered(start, start);
   for (int frame = 0; frame < 8; ++frame) {

@@ -1,4 +1,5 @@
-// Everything that evolves from frame to frame. The frame `center` is that of forcelayer/step.h.
+// Everything that evolves from frame to frame, shared by coupling and models. The frame `center` is
+// that of forcelayer/step.h.
 #pragma once
 
 #include <cstdint>
@@ -17,8 +18,8 @@ struct EpisodeEnergy {
   double damping_ns_per_m = 0;  // that the passivity controller injects now
 };
 
-// Copy it to branch a simulation. Models keep their
-// own memory here too: a step depends on nothing else.
+// Copy it to branch a simulation. Models keep their own memory here too: a step depends on nothing
+// else.
 struct State {
   Pose world_from_center;   // where the part is
   Twist velocity;           // of the centroid, world axes
