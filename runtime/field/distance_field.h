@@ -25,10 +25,9 @@
 //   u = g + 0.05 b n, along d = u/|u|
 //   depth = s min(1, 10 |u|) (min(e, 1) + max(0, e - 1) min(1, 10 |g|)), e = -phi
 //   b: 0 for a depth up to 1.5 voxels, 1 from 2 on.
-// Halfway between two walls g vanishes, and the push with it. Deep inside, where all codes are 0,
-// the push is half a voxel along the normal, as the tangent plane gives; where distances are
-// stored, it leads to the nearest way out. Where u has no direction, the direction is n and the
-// depth min(e, 0).
+// Halfway between two walls g vanishes, and the push with it. Inside the scene the push leads to
+// the nearest way out where codes still differ, and half a voxel along the normal where all are 0,
+// as the tangent plane gives. Where u has no direction, the direction is n and the depth min(e, 0).
 #pragma once
 
 #include <array>
