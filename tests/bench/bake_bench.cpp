@@ -208,7 +208,7 @@ class Case {
       objects.push_back({part.name, &scene_.mesh_of(part), part.world_from_mesh, {}, 0});
     }
     const double wall_s = now_s(), cpu_start_s = cpu_s();
-    const voxelize::Bake bake = value_of(forcelayer::bake(objects, options(kind)));
+    const voxelize::Bake bake = value_of(forcelayer::voxelize::bake(objects, options(kind)));
     std::vector<cache::MeshOutline> outlines;
     for (const mesh::MeshObject& part : scene_.objects)
       outlines.push_back(cache::outline_of(scene_.mesh_of(part)));

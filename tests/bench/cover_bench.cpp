@@ -40,8 +40,8 @@ constexpr Making kMakings[] = {
     {"fast", ShellMethod::kSurface, sample::Effort::kFast},
     {"voxel centers", ShellMethod::kVoxelCenters, sample::Effort::kFull}};
 
-constexpr part::Part kParts[] = {part::Part::kSphere, part::Part::kBox, part::Part::kCylinder,
-                                 part::Part::kCone, part::Part::kTorus};
+constexpr Part kParts[] = {Part::kSphere, Part::kBox, Part::kCylinder,
+                                 Part::kCone, Part::kTorus};
 
 template <class T>
 T value_of(Result<T> result) {
@@ -50,7 +50,7 @@ T value_of(Result<T> result) {
 }
 
 // pointshell's points about the part's own origin.
-AnalyticShell baked_shell(part::Part part, const Making& making, double radius_voxels) {
+AnalyticShell baked_shell(Part part, const Making& making, double radius_voxels) {
   const mesh::Assembly assembly{
       {part_mesh(part, kDeviationVoxels * kS)}, {{0, "part", {}}}, 1, 0, {}};
   const part::PartInput input{&assembly, 1};
@@ -102,11 +102,11 @@ constexpr std::pair<const char*, Method> kModels[] = {{"paper", Method::kTangent
 constexpr const char* kGroups[] = {"flush and smooth", "corners and wedges"};
 
 Json row_of(const Making& making, double radius_voxels, int orientations) {
-  std::map<part::Part, PartShells> shells;
-  std::map<part::Part, Pshell> pshells;
+  std::map<Part, PartShells> shells;
+  std::map<Part, Pshell> pshells;
   std::size_t points = 0;
   double covering_m = 0;
-  for (const part::Part part : kParts) {
+  for (const Part part : kParts) {
     shells[part] = {baked_shell(part, making, radius_voxels), shells_of(part, kS, 1).fine};
     pshells.emplace(part, pshell_of(shells[part].tested, kS));
     points += shells[part].tested.points_m.size();

@@ -73,7 +73,7 @@ Outcome run_voxelize(const mesh::Mesh& meters, double voxel_size_m, const GridMa
       fs::temp_directory_path() / ("geometry_bench_" + std::to_string(::getpid()) + ".vox");
   const double wall_s = now_s(), cpu_start_s = cpu_s();
   {
-    const voxelize::Bake bake = value_of(forcelayer::bake(objects, options));
+    const voxelize::Bake bake = value_of(forcelayer::voxelize::bake(objects, options));
     value_of(write_voxmap(path, bake.content("{}")));
   }
   const double wall_end_s = now_s(), cpu_end_s = cpu_s();
