@@ -392,7 +392,6 @@ TEST_P(ServoTest, AReplayGivesTheDevicesWrenchAgain) {
 
 // The fake device stands still in the loop's clock: a pause of the loop is noticed by the loop.
 TEST(Loop, APauseTripsAndEveryMissHasACause) {
-  Bench bench;
   class PausingInput final : public loop::InputSource {
    public:
     explicit PausingInput(loop::InputSource& inner) : inner_(inner) {}
@@ -408,25 +407,32 @@ TEST(Loop, APauseTripsAndEveryMissHasACause) {
    private:
     loop::InputSource& inner_;
     int frames_ = 0;
-  } input(bench.input);
-  loop::Servo servo(*bench.sim, input, bench.servo.state(), limits());
-  loop::LoopOptions options;
-  options.frames = 400;
-  options.stale_s = 0.05;  // a busy machine alone shall not reach it
-  options.end_on_trip = true;
-  const auto statistics = std::make_unique<loop::LoopStatistics>();
-  loop::run_loop(servo, options, nullptr, *statistics);
-  EXPECT_EQ(servo.output().last_trip(), TripCause::kLoopLate);
-  EXPECT_GE(statistics->deadline_misses, 1u);
-  std::uint64_t sum = 0;
-  for (const std::uint64_t n : statistics->misses_by_cause) sum += n;
-  EXPECT_EQ(sum, statistics->deadline_misses);
-  bool found = false;
-  for (std::size_t i = 0; i < statistics->worst.size(); ++i) {
-    found |= statistics->worst[i].frame == 299 &&
-             statistics->worst[i].cause == loop::MissCause::kBlocked;
+  };
+  // A machine that is itself too late before the pause ends the run there: then once more.
+  for (int attempt = 0;; ++attempt) {
+    Bench bench;
+    PausingInput input(bench.input);
+    loop::Servo servo(*bench.sim, input, bench.servo.state(), limits());
+    loop::LoopOptions options;
+    options.frames = 400;
+    options.stale_s = 0.05;  // a busy machine alone shall not reach it
+    options.end_on_trip = true;
+    const auto statistics = std::make_unique<loop::LoopStatistics>();
+    loop::run_loop(servo, options, nullptr, *statistics);
+    if (statistics->frames < 300 && attempt < 20) continue;
+    EXPECT_EQ(servo.output().last_trip(), TripCause::kLoopLate);
+    EXPECT_GE(statistics->deadline_misses, 1u);
+    std::uint64_t sum = 0;
+    for (const std::uint64_t n : statistics->misses_by_cause) sum += n;
+    EXPECT_EQ(sum, statistics->deadline_misses);
+    bool found = false;
+    for (std::size_t i = 0; i < statistics->worst.size(); ++i) {
+      found |= statistics->worst[i].frame == 299 &&
+               statistics->worst[i].cause == loop::MissCause::kBlocked;
+    }
+    EXPECT_TRUE(found);
+    break;
   }
-  EXPECT_TRUE(found);
 }
 
 TEST(Loop, TheCauseOfAMissIsTheFirstThatApplies) {
