@@ -40,8 +40,7 @@ constexpr Making kMakings[] = {
     {"fast", ShellMethod::kSurface, sample::Effort::kFast},
     {"voxel centers", ShellMethod::kVoxelCenters, sample::Effort::kFull}};
 
-constexpr Part kParts[] = {Part::kSphere, Part::kBox, Part::kCylinder,
-                                 Part::kCone, Part::kTorus};
+constexpr Part kParts[] = {Part::kSphere, Part::kBox, Part::kCylinder, Part::kCone, Part::kTorus};
 
 template <class T>
 T value_of(Result<T> result) {
