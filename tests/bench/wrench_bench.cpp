@@ -318,8 +318,7 @@ void print(const std::string& group, const Json& rows) {
 }
 
 constexpr const char* kGroups[] = {"flush and smooth", "corners and wedges", "mesh pairs"};
-constexpr part::Part kParts[] = {part::Part::kSphere, part::Part::kBox, part::Part::kCylinder,
-                                 part::Part::kCone, part::Part::kTorus};
+constexpr Part kParts[] = {Part::kSphere, Part::kBox, Part::kCylinder, Part::kCone, Part::kTorus};
 constexpr const char* kPartNames[] = {"sphere", "box", "cylinder", "cone", "torus"};
 
 struct Choice {
@@ -336,9 +335,9 @@ struct Choice {
 Json judge_size(const Choice& choice, const std::vector<MeshPair>& pairs, double units) {
   const double s = units * kUnitM;
   Json points;
-  std::map<part::Part, PartShells> shells;
-  std::map<part::Part, Pshell> pshells;
-  for (const part::Part part : kParts) {
+  std::map<Part, PartShells> shells;
+  std::map<Part, Pshell> pshells;
+  for (const Part part : kParts) {
     shells[part] = shells_of(part, s, kPaperCover);
     pshells.emplace(part, pshell_of(shells[part].tested, s));
     points[kPartNames[static_cast<int>(part)]] = shells[part].tested.points_m.size();
