@@ -1,29 +1,14 @@
 // STEP and IGES through OpenCASCADE: the assembly tree with names and placings, every face
 // tessellated to a given deflection. OpenCASCADE turns all units into millimeters.
-#include <BRepMesh_IncrementalMesh.hxx>
-#include <BRep_Tool.hxx>
-#include <IGESCAFControl_Reader.hxx>
-#include <Interface_InterfaceModel.hxx>
 #include <Message.hxx>
 #include <Message_Messenger.hxx>
-#include <Poly_Triangulation.hxx>
-#include <STEPCAFControl_Reader.hxx>
-#include <STEPControl_Reader.hxx>
 #include <Standard_Failure.hxx>
-#include <StepShape_FaceSurface.hxx>
 #include <TDF_LabelSequence.hxx>
 #include <TDF_Tool.hxx>
 #include <TDataStd_Name.hxx>
 #include <TDocStd_Document.hxx>
-#include <TopExp_Explorer.hxx>
-#include <TopoDS.hxx>
-#include <TopoDS_Face.hxx>
-#include <TransferBRep.hxx>
-#include <Transfer_TransientProcess.hxx>
 #include <XCAFDoc_DocumentTool.hxx>
 #include <XCAFDoc_ShapeTool.hxx>
-#include <XSControl_TransferReader.hxx>
-#include <XSControl_WorkSession.hxx>
 #include <algorithm>
 #include <map>
 #include <mutex>
@@ -31,58 +16,13 @@
 
 #include "formats/mesh/node_names.h"
 #include "formats/mesh/reader.h"
+#include "formats/mesh/readers/step_document.h"
+#include "formats/mesh/readers/step_tessellator.h"
 
 namespace forcelayer::mesh {
 namespace {
 
 constexpr double kMetersPerMillimeter = 1e-3;
-constexpr double kAngularDeflectionRad = 0.35;  // 20 degrees: what small rounds need to stay round
-
-[[noreturn]] void fail(const SourceFile& file, ErrorCode code, std::string what) {
-  fail_read(file, code, "", std::move(what), "export the file again");
-}
-
-// Every face of a STEP file must have become a shape.
-void check_faces(const SourceFile& file, const Handle(XSControl_WorkSession) & session) {
-  const Handle(Interface_InterfaceModel) model = session->Model();
-  const Handle(Transfer_TransientProcess) process = session->TransferReader()->TransientProcess();
-  std::uint64_t faces = 0, lost = 0;
-  for (Standard_Integer i = 1; i <= model->NbEntities(); ++i) {
-    const Handle(Standard_Transient) entity = model->Value(i);
-    if (!entity->IsKind(STANDARD_TYPE(StepShape_FaceSurface))) continue;
-    ++faces;
-    if (TransferBRep::ShapeResult(process, entity).IsNull()) ++lost;
-  }
-  if (lost == 0) return;
-  fail(file, ErrorCode::kMeshIncomplete,
-       "OpenCASCADE could not read " + std::to_string(lost) + " of " + counted(faces, "face"));
-}
-
-template <typename Reader>
-void transfer(const SourceFile& file, Reader& reader, Handle(TDocStd_Document) & document) {
-  reader.SetNameMode(true);
-  reader.SetColorMode(false);
-  reader.SetLayerMode(false);
-  if (reader.ReadFile(file.path.c_str()) != IFSelect_RetDone) {
-    fail(file, ErrorCode::kMeshUnreadable, "OpenCASCADE cannot parse this file");
-  }
-  if (!reader.Transfer(document)) {
-    fail(file, ErrorCode::kMeshUnreadable, "OpenCASCADE cannot read the shapes of this file");
-  }
-}
-
-Handle(TDocStd_Document) read_document(const SourceFile& file) {
-  Handle(TDocStd_Document) document = new TDocStd_Document("BinXCAF");
-  if (lower_case_extension(file.path).starts_with(".ig")) {
-    IGESCAFControl_Reader reader;
-    transfer(file, reader, document);
-  } else {
-    STEPCAFControl_Reader reader;
-    transfer(file, reader, document);
-    check_faces(file, reader.Reader().WS());
-  }
-  return document;
-}
 
 Affine affine_of(const TopLoc_Location& location) {
   const gp_Trsf& transform = location.Transformation();
@@ -107,77 +47,20 @@ std::string name_of(const TDF_Label& label) {
   return name.c_str();
 }
 
-// The triangles of a shape in its own frame, millimeters.
-class Tessellator {
- public:
-  Tessellator(const SourceFile& file, double deflection_mm)
-      : file_(file), deflection_mm_(deflection_mm) {}
-
-  Mesh tessellate(const TopoDS_Shape& shape, const std::string& name) {
-    BRepMesh_IncrementalMesh(shape, deflection_mm_, false, kAngularDeflectionRad, false);
-    Mesh mesh;
-    mesh.single_precision = false;
-    std::uint64_t faces = 0, lost = 0;
-    for (TopExp_Explorer face(shape, TopAbs_FACE); face.More(); face.Next()) {
-      ++faces;
-      if (!add(TopoDS::Face(face.Current()), mesh)) ++lost;
-    }
-    if (lost > 0) {
-      fail_read(file_, ErrorCode::kMeshIncomplete, name,
-                "OpenCASCADE could not tessellate " + std::to_string(lost) + " of " +
-                    counted(faces, "face"),
-                "mend these faces where the part was drawn");
-    }
-    check_finite(file_, mesh, name);
-    return mesh;
-  }
-
-  double largest_deflection_mm() const { return largest_deflection_mm_; }
-
- private:
-  bool add(const TopoDS_Face& face, Mesh& mesh) {
-    TopLoc_Location location;
-    const Handle(Poly_Triangulation) triangulation = BRep_Tool::Triangulation(face, location);
-    if (triangulation.IsNull() || triangulation->NbTriangles() == 0) return false;
-    largest_deflection_mm_ = std::max(largest_deflection_mm_, triangulation->Deflection());
-    check_count(file_, mesh.vertices.size() + static_cast<std::uint64_t>(triangulation->NbNodes()),
-                "vertices");
-    const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
-    for (Standard_Integer i = 1; i <= triangulation->NbNodes(); ++i) {
-      const gp_Pnt node = triangulation->Node(i).Transformed(location.Transformation());
-      mesh.vertices.push_back({node.X(), node.Y(), node.Z()});
-    }
-    for (Standard_Integer i = 1; i <= triangulation->NbTriangles(); ++i) {
-      Standard_Integer a = 0, b = 0, c = 0;
-      triangulation->Triangle(i).Get(a, b, c);
-      if (face.Orientation() == TopAbs_REVERSED) std::swap(b, c);
-      const auto corner = [&](Standard_Integer n) {
-        return first + static_cast<std::uint32_t>(n - 1);
-      };
-      mesh.triangles.push_back({corner(a), corner(b), corner(c)});
-    }
-    return true;
-  }
-
-  const SourceFile& file_;
-  double deflection_mm_;
-  double largest_deflection_mm_ = 0;
-};
-
 class StepReader {
  public:
   explicit StepReader(const SourceFile& file)
       : file_(file), tessellator_(file, file.options.deflection_m / kMetersPerMillimeter) {}
 
   Assembly read() {
-    const Handle(TDocStd_Document) document = read_document(file_);
+    const Handle(TDocStd_Document) document = read_step_document(file_);
     TDF_LabelSequence roots;
     XCAFDoc_DocumentTool::ShapeTool(document->Main())->GetFreeShapes(roots);
     add_level(roots, nullptr, Affine{});
     const auto [first, last] = find_sub_tree(file_, names_);
     for (std::size_t i = first; i < last; ++i) place(i);
     if (assembly_.instances.empty()) {
-      fail(file_, ErrorCode::kMeshEmpty, "no faces in this file");
+      fail_read(file_, ErrorCode::kMeshEmpty, "", "no faces in this file", "export the file again");
     }
     assembly_.meters_per_unit = kMetersPerMillimeter;
     assembly_.deviation_units = std::max(file_.options.deflection_m / kMetersPerMillimeter,
@@ -203,7 +86,8 @@ class StepReader {
     if (name.empty()) name = name_of(product);
     if (name.empty()) name = "node" + std::to_string(names_.size());
     const NodeName node = name_node(name, parent, used);
-    if (node.depth > kDeepestNode) fail(file_, ErrorCode::kMeshUnsupported, "nested too deep");
+    if (node.depth > kDeepestNode)
+      fail_read(file_, ErrorCode::kMeshUnsupported, "", "nested too deep", "export the file again");
     names_.push_back(node);
     products_.push_back(product);
     // A referring label carries the placing; a product that stands alone has it in its shape.
@@ -240,7 +124,7 @@ class StepReader {
   static constexpr std::uint32_t kNoTriangles = 0xffffffff;
 
   const SourceFile& file_;
-  Tessellator tessellator_;
+  StepTessellator tessellator_;
   std::vector<NodeName> names_;  // of all nodes, each before its children
   std::vector<TDF_Label> products_;
   std::vector<Affine> placings_;
@@ -257,8 +141,8 @@ Assembly read_step(const SourceFile& file) {
   try {
     return StepReader(file).read();
   } catch (const Standard_Failure& failure) {
-    fail(file, ErrorCode::kMeshUnreadable,
-         std::string("OpenCASCADE: ") + failure.GetMessageString());
+    fail_read(file, ErrorCode::kMeshUnreadable, "",
+              std::string("OpenCASCADE: ") + failure.GetMessageString(), "export the file again");
   }
 }
 
