@@ -5,6 +5,7 @@
 #include <span>
 
 #include "formats/mesh/mesh_facts.h"
+#include "formats/mesh/scene.h"
 #include "voxelize/bake.h"
 
 namespace forcelayer::voxelize {
@@ -16,7 +17,7 @@ struct BakeFacts {
 };
 
 // `facts` are those of the objects' meshes.
-nlohmann::ordered_json report_of(const Bake& bake, std::span<const mesh::MeshFacts> facts,
-                                 const BakeFacts& run);
+nlohmann::ordered_json report_of(const Bake& bake, const mesh::Scene& scene,
+                                 std::span<const mesh::MeshFacts> facts, const BakeFacts& run);
 
 }  // namespace forcelayer::voxelize

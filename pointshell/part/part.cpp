@@ -102,6 +102,11 @@ Result<Part> assemble_part(std::span<const PartInput> inputs) {
   for (const PartInput& input : inputs) {
     part.deviation_m =
         std::max(part.deviation_m, input.assembly->deviation_units * input.meters_per_unit);
+    for (mesh::MissingFace face : input.assembly->missing_faces) {
+      for (double& coordinate : face.center) coordinate *= input.meters_per_unit;
+      face.size *= input.meters_per_unit;
+      part.missing_faces.push_back(std::move(face));
+    }
     for (const mesh::MeshInstance& instance : input.assembly->instances) {
       const mesh::Mesh& mesh = input.assembly->meshes[instance.mesh];
       append_instance(mesh, instance.assembly_from_mesh, input.meters_per_unit,
@@ -143,6 +148,9 @@ std::vector<std::vector<std::uint32_t>> triangles_by_body(const Part& part) {
 
 Part relative_to(Part part, const Vec3& origin) {
   for (Vec3& vertex : part.vertices) vertex = vertex - origin;
+  for (auto& [node, center, size] : part.missing_faces) {
+    center = {center[0] - origin.x, center[1] - origin.y, center[2] - origin.z};
+  }
   return part;
 }
 

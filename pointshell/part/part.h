@@ -27,6 +27,7 @@ struct Part {
   double largest_coordinate = 0;           // m, absolute, of any vertex as given
   bool single_precision = false;           // whether any file stores 32-bit vertices
   double deviation_m = 0;  // of the triangles from exact surfaces that a file holds (STEP, IGES)
+  std::vector<mesh::MissingFace> missing_faces;  // of those surfaces; part frame, m
 };
 
 // One mesh file's content and the unit to read it in.

@@ -9,7 +9,8 @@
 namespace forcelayer::cache {
 
 // ... a reader gives another mesh for the same file, or the record changes.
-inline constexpr std::uint32_t kAssemblyCacheVersion = 1;
+// 2: the record holds missing faces and the nodes left out.
+inline constexpr std::uint32_t kAssemblyCacheVersion = 2;
 
 // ... mesh_facts() gives other facts for the same mesh, or the record changes.
 inline constexpr std::uint32_t kFactsCacheVersion = 1;

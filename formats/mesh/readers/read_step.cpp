@@ -17,7 +17,8 @@
 #include "formats/mesh/node_names.h"
 #include "formats/mesh/reader.h"
 #include "formats/mesh/readers/step_document.h"
-#include "formats/mesh/readers/step_tessellator.h"
+#include "formats/mesh/step/face_report.h"
+#include "formats/mesh/step/tessellator.h"
 
 namespace forcelayer::mesh {
 namespace {
@@ -58,13 +59,19 @@ class StepReader {
     XCAFDoc_DocumentTool::ShapeTool(document->Main())->GetFreeShapes(roots);
     add_level(roots, nullptr, Affine{});
     const auto [first, last] = find_sub_tree(file_, names_);
-    for (std::size_t i = first; i < last; ++i) place(i);
-    if (assembly_.instances.empty()) {
-      fail_read(file_, ErrorCode::kMeshEmpty, "", "no faces in this file", "export the file again");
+    LeftOutNodes left_out = find_left_out(file_, names_);
+    for (std::size_t i = first; i < last; ++i) {
+      if (!left_out.is_out[i]) place(i);
     }
+    check_missing_faces(file_, left_out.unknown, assembly_);
+    if (assembly_.instances.empty()) {
+      fail_read(file_, ErrorCode::kMeshEmpty, "",
+                left_out.names.empty() ? "no faces in this file" : "no faces are left in this file",
+                "export the file again");
+    }
+    assembly_.left_out = std::move(left_out.names);
     assembly_.meters_per_unit = kMetersPerMillimeter;
-    assembly_.deviation_units = std::max(file_.options.deflection_m / kMetersPerMillimeter,
-                                         tessellator_.largest_deflection_mm());
+    assembly_.deviation_units = tessellator_.deviation_mm();
     return std::move(assembly_);
   }
 
@@ -105,14 +112,22 @@ class StepReader {
     TCollection_AsciiString entry;
     TDF_Tool::Entry(products_[node], entry);
     const auto [known, is_new] = meshes_.try_emplace(entry.ToCString(), kNoTriangles);
+    std::vector<LostFace>& lost = lost_faces_[known->first];
     if (is_new) {
-      Mesh mesh =
+      Tessellation made =
           tessellator_.tessellate(XCAFDoc_ShapeTool::GetShape(products_[node]), names_[node].path);
-      if (!mesh.triangles.empty()) {
-        assembly_.meshes.push_back(std::move(mesh));
+      add_face_warnings(made, names_[node].path, assembly_.warnings);
+      lost = std::move(made.lost);
+      if (!made.mesh.triangles.empty()) {
+        assembly_.meshes.push_back(std::move(made.mesh));
         known->second = static_cast<std::uint32_t>(assembly_.meshes.size() - 1);
       }
     }
+    for (const LostFace& face : lost) {
+      assembly_.missing_faces.push_back(
+          {names_[node].path, mesh::apply(placings_[node], face.center_mm), face.size_mm});
+    }
+    if (known->second == kNoTriangles && !lost.empty()) return;
     if (known->second == kNoTriangles) return add_warning(names_[node].path);
     assembly_.instances.push_back({known->second, names_[node].path, placings_[node]});
   }
@@ -128,7 +143,8 @@ class StepReader {
   std::vector<NodeName> names_;  // of all nodes, each before its children
   std::vector<TDF_Label> products_;
   std::vector<Affine> placings_;
-  std::map<std::string, std::uint32_t> meshes_;  // by product
+  std::map<std::string, std::uint32_t> meshes_;              // by product
+  std::map<std::string, std::vector<LostFace>> lost_faces_;  // by product
   Assembly assembly_;
 };
 
