@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "formats/command/command.h"
+#include "formats/command/output_file.h"
 #include "formats/command/progress_line.h"
 #include "formats/command/quantity.h"
 #include "formats/pshell.h"
@@ -250,7 +251,13 @@ int main(int argc, char** argv) {
   int exit_code = 0;
   if (!command::parse_arguments(app, argc, argv, exit_code)) return exit_code;
   command::exit_cleanly_on_signals();
-  return command::run_command("pointshell", [&] {
+  return command::run_command("pointshell", [&]() -> Status {
+    std::vector<std::string> inputs = arguments.inputs;
+    inputs.push_back(arguments.shell);
+    const command::OutputFile outputs[] = {
+        {"--output", &arguments.output, command::FileKind::kPshell},
+        {"--json", &arguments.json, command::FileKind::kReport}};
+    if (Status s = command::prepare_outputs(outputs, inputs); !s) return s;
     return arguments.verify ? verify_command(arguments) : bake_command(arguments);
   });
 }

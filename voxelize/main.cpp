@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "formats/command/command.h"
+#include "formats/command/output_file.h"
 #include "formats/command/progress_line.h"
 #include "formats/command/quantity.h"
 #include "formats/mesh/scene.h"
@@ -392,7 +393,13 @@ int run(int argc, char** argv) {
   declare(app, arguments);
   int exit_code = 0;
   if (!command::parse_arguments(app, argc, argv, exit_code)) return exit_code;
-  return command::run_command("voxelize", [&] { return voxelize(arguments); });
+  return command::run_command("voxelize", [&]() -> Status {
+    const command::OutputFile outputs[] = {
+        {"--output", &arguments.output, command::FileKind::kVoxmap},
+        {"--json", &arguments.json_path, command::FileKind::kReport}};
+    const Status prepared = command::prepare_outputs(outputs, arguments.inputs);
+    return prepared ? voxelize(arguments) : prepared;
+  });
 }
 
 }  // namespace

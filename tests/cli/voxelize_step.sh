@@ -38,7 +38,7 @@ cat >scene.json <<JSON
   {"name": "feature", "mesh": "$feature", "translation": ["1m", 0, 0], "mesh_deviation": "0.3mm"},
   {"name": "mesh", "mesh": "one.stl", "units": "mm", "translation": [0, "2m", 0]}]}
 JSON
-bake scene scene.json
+bake placed scene.json
 # One sub-tree, as the command line and the manifest name it.
 bake rod "$clamp#rod-assembly_1" --voxel-size 4mm
 printf '{"voxel_size": "4mm", "parts": [{"mesh": "%s"}]}' "$clamp#rod-assembly_1" >rod_manifest.json
@@ -51,7 +51,7 @@ for size in 4mm 1mm 4mm 1mm; do
 done
 
 rows clamp_4mm >clamp.rows
-rows scene >scene.rows
+rows placed >scene.rows
 python3 - <<'PYTHON' || fail "figures of the reports"
 import json
 def report(name): return json.load(open(name + ".json"))
@@ -66,7 +66,7 @@ for r in reports:
     assert 0.01 < share < 0.012, share
     closed = [p for p in r["parts"] if p["boundary_edges"] == 0 and p["interior_voxels"] > 0]
     assert r["voxel_size_m"] > 1e-3 or len(closed) == 18, [p["name"] for p in r["parts"] if p not in closed]
-feature, scene = report("feature_4mm"), report("scene")
+feature, scene = report("feature_4mm"), report("placed")
 # The worst part's: what its faces deviate and what the manifest declares on top.
 assert abs(scene["static_deviation_m"] - feature["static_deviation_m"] - 3e-4) < 1e-9, scene["static_deviation_m"]
 assert scene["triangles"] == reports[0]["triangles"] + feature["triangles"] + 1
