@@ -1,0 +1,17 @@
+// What of a STEP file OpenCASCADE did not turn into shapes.
+#pragma once
+
+#include <TDocStd_Document.hxx>
+#include <XSControl_WorkSession.hxx>
+
+#include "formats/mesh/reader.h"
+
+namespace forcelayer::mesh {
+
+// Throws kMeshIncomplete with the entities where a face, a solid or a placing of the file that was
+// read and transferred in `session` is not in `document`: OpenCASCADE leaves constructive and
+// tessellated solids out, and what it finds damaged, without an error.
+void check_step_losses(const SourceFile& file, const Handle(XSControl_WorkSession) & session,
+                       const Handle(TDocStd_Document) & document);
+
+}  // namespace forcelayer::mesh
