@@ -1,7 +1,7 @@
 // make_step_assembly FILE.step [UNIT [external]]: writes an assembly of 18 instances of five parts:
 // a plate, two angle brackets with three bolts and nuts each, and a rod with a nut on either end.
-// UNIT is that of the file (MM, M, INCH); the sizes below are millimeters. With "external" each
-// part is in a file of its own beside FILE.
+// UNIT is that of the lengths below: MM (default), INCH or M. With "external" each part goes to a
+// file of its own in the working folder.
 #include <BRepAlgoAPI_Cut.hxx>
 #include <BRepAlgoAPI_Fuse.hxx>
 #include <BRepBuilderAPI_MakeFace.hxx>

@@ -6,16 +6,20 @@
 #include <StepBasic_ProductDefinition.hxx>
 #include <StepData_StepModel.hxx>
 #include <StepData_UndefinedEntity.hxx>
+#include <StepGeom_Axis2Placement3d.hxx>
 #include <StepGeom_CartesianTransformationOperator3d.hxx>
 #include <StepGeom_Direction.hxx>
 #include <StepGeom_Surface.hxx>
+#include <StepRepr_ItemDefinedTransformation.hxx>
 #include <StepRepr_MappedItem.hxx>
 #include <StepRepr_NextAssemblyUsageOccurrence.hxx>
 #include <StepRepr_Representation.hxx>
 #include <StepRepr_RepresentationMap.hxx>
+#include <StepRepr_RepresentationRelationshipWithTransformation.hxx>
 #include <StepShape_Block.hxx>
 #include <StepShape_BooleanResult.hxx>
 #include <StepShape_ConnectedFaceSet.hxx>
+#include <StepShape_ContextDependentShapeRepresentation.hxx>
 #include <StepShape_FaceBasedSurfaceModel.hxx>
 #include <StepShape_FaceSurface.hxx>
 #include <StepShape_GeometricSet.hxx>
@@ -91,7 +95,7 @@ bool is_shape_of_triangles(const Entity& user) {
   return false;
 }
 
-// Whether OpenCASCADE reads this target of a mapped item: it drops scales and mirrors of an
+// Whether OpenCASCADE places a mapped item right at this target: it drops scales and mirrors of an
 // operator without a word, and completes axes that are left out differently from ISO 10303-42.
 bool can_be_placed(const Handle(StepRepr_RepresentationItem) & target) {
   if (target.IsNull()) return false;
@@ -108,6 +112,22 @@ bool can_be_placed(const Handle(StepRepr_RepresentationItem) & target) {
   };
   const gp_Vec x = vector_of(general->Axis1()), y = vector_of(general->Axis2());
   return x.Crossed(y).Dot(vector_of(in_space->Axis3())) > 0;
+}
+
+// Whether an occurrence in an assembly has a placing that OpenCASCADE reads; it takes another kind
+// for none, and leaves the part at the origin.
+bool can_be_placed(const Handle(StepShape_ContextDependentShapeRepresentation) & occurrence) {
+  if (occurrence->RepresentationRelation().IsNull()) return false;
+  const auto relation = Handle(StepRepr_RepresentationRelationshipWithTransformation)::DownCast(
+      occurrence->RepresentationRelation());
+  if (relation.IsNull()) return true;
+  const Handle(StepRepr_ItemDefinedTransformation) placing =
+      relation->TransformationOperator().ItemDefinedTransformation();
+  if (placing.IsNull()) return false;
+  for (const auto& frame : {placing->TransformItem1(), placing->TransformItem2()}) {
+    if (Handle(StepGeom_Axis2Placement3d)::DownCast(frame).IsNull()) return false;
+  }
+  return true;
 }
 
 class StepCheck {
@@ -220,6 +240,8 @@ class StepCheck {
       const bool is_placed = is_in_document(entity) && can_be_placed(item->MappingTarget());
       return is_item_of_shape(entity) && !is_placed && holds_faces(item);
     }
+    const auto occurrence = Handle(StepShape_ContextDependentShapeRepresentation)::DownCast(entity);
+    if (!occurrence.IsNull()) return !can_be_placed(occurrence);
     const auto use = Handle(StepRepr_NextAssemblyUsageOccurrence)::DownCast(entity);
     if (use.IsNull() || !result_of(use).IsNull()) return false;
     const Handle(StepBasic_ProductDefinition) whole = use->RelatingProductDefinition(),
