@@ -131,12 +131,14 @@ class StepReader {
     for (;;) {
       TDF_LabelSequence components;
       const bool has_shape = XCAFDoc_ShapeTool::GetComponents(product.label, components) ||
-                             count_faces(XCAFDoc_ShapeTool::GetShape(product.label)) > 0;
+                             count_faces(XCAFDoc_ShapeTool::GetShape(product.label)) > 0 ||
+                             product.file->content.triangles.contains(entry_of(product.label));
       const auto& references = product.file->content.references;
       const auto found = references.find(entry_of(product.label));
       if (found == references.end()) return components;
       if (has_shape) {
-        warn_of_unread(found->second, node);
+        if (warned_of_.insert(product.file->source.path + "#" + found->first).second)
+          warn_of_unread(found->second, node);
         return components;
       }
       const OpenFile& other = open_reference(*product.file, found->second, node);
@@ -163,7 +165,7 @@ class StepReader {
                 "export the assembly into one STEP file");
     }
     const auto [path, is_elsewhere] = find_reference(from.source, file_, *chosen, node);
-    if (is_elsewhere && warned_of_.insert(path).second) {
+    if (is_elsewhere && warned_of_.insert(path.string()).second) {
       assembly_.warnings.push_back(node + ": its file " + in_quotes(chosen->front()) +
                                    " was read from " + path.string());
     }
@@ -202,6 +204,7 @@ class StepReader {
     const auto [known, is_new] = meshes_.try_emplace({file, entry_of(label)}, kNoTriangles);
     if (is_new) {
       Mesh mesh = tessellator_.tessellate(XCAFDoc_ShapeTool::GetShape(label), names_[node].path);
+      add_triangles(*file, label, names_[node].path, mesh);
       if (!mesh.triangles.empty()) {
         assembly_.meshes.push_back(std::move(mesh));
         known->second = static_cast<std::uint32_t>(assembly_.meshes.size() - 1);
@@ -213,6 +216,27 @@ class StepReader {
       return;
     }
     assembly_.instances.push_back({known->second, names_[node].path, placings_[node]});
+  }
+
+  // The triangles that the file itself holds for a product.
+  void add_triangles(const OpenFile& file, const TDF_Label& label, const std::string& node,
+                     Mesh& mesh) {
+    const auto found = file.content.triangles.find(entry_of(label));
+    if (found == file.content.triangles.end()) return;
+    for (const Mesh& more : found->second) {
+      check_count(file.source, mesh.vertices.size() + more.vertices.size(), "vertices");
+      const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+      mesh.vertices.insert(mesh.vertices.end(), more.vertices.begin(), more.vertices.end());
+      for (const auto& [a, b, c] : more.triangles) {
+        mesh.triangles.push_back({first + a, first + b, first + c});
+      }
+    }
+    mesh.single_precision = false;
+    check_finite(file.source, mesh, node);
+    assembly_.warnings.push_back(
+        node +
+        " has triangles in place of exact surfaces: add with --mesh-deviation how far they "
+        "may lie from the part");
   }
 
   void warn_of_unread(const std::vector<std::vector<std::string>>& references,
@@ -230,8 +254,8 @@ class StepReader {
   StepTessellator tessellator_;
   std::map<std::filesystem::path, std::unique_ptr<OpenFile>> files_;
   std::vector<const OpenFile*> chain_;  // from the top file to that of the node in hand
-  std::set<std::filesystem::path> warned_of_;
-  std::vector<NodeName> names_;  // of all nodes, each before its children
+  std::set<std::string> warned_of_;     // files and products
+  std::vector<NodeName> names_;         // of all nodes, each before its children
   std::vector<Product> products_;
   std::vector<Affine> placings_;
   std::map<std::pair<const OpenFile*, std::string>, std::uint32_t> meshes_;  // by product

@@ -12,6 +12,7 @@
 #include "formats/mesh/readers/iges_losses.h"
 #include "formats/mesh/readers/step_losses.h"
 #include "formats/mesh/readers/step_references.h"
+#include "formats/mesh/readers/step_triangles.h"
 
 namespace forcelayer::mesh {
 namespace {
@@ -31,15 +32,35 @@ void read(const SourceFile& file, Reader& reader) {
             "export the file again");
 }
 
+// Null where OpenCASCADE gave the product none.
+TDF_Label label_of(const Handle(StepBasic_ProductDefinition) & product,
+                   const STEPCAFControl_Reader& reader) {
+  const TopoDS_Shape shape = TransferBRep::ShapeResult(
+      reader.Reader().WS()->TransferReader()->TransientProcess(), product);
+  TDF_Label label;
+  if (!shape.IsNull()) reader.GetShapeLabelMap().Find(shape, label);
+  return label;
+}
+
+// The triangles by the labels of their products; those without one are lost.
+ReadEntities keep_triangles(std::vector<TriangleItem>& items, const STEPCAFControl_Reader& reader,
+                            StepDocument& document) {
+  ReadEntities read;
+  for (auto& [product, mesh, entities] : items) {
+    const TDF_Label label = label_of(product, reader);
+    if (label.IsNull()) continue;
+    document.triangles[entry_of(label)].push_back(std::move(mesh));
+    for (const auto& entity : entities) read.insert(entity.get());
+  }
+  return read;
+}
+
 // The references by the labels of their products.
 void keep_references(const SourceFile& file, const std::vector<StepReference>& references,
                      const STEPCAFControl_Reader& reader, StepDocument& document) {
-  const Handle(Transfer_TransientProcess) process =
-      reader.Reader().WS()->TransferReader()->TransientProcess();
   for (const auto& [product, names] : references) {
-    const TopoDS_Shape shape = TransferBRep::ShapeResult(process, product);
-    TDF_Label label;
-    if (shape.IsNull() || !reader.GetShapeLabelMap().Find(shape, label)) {
+    const TDF_Label label = label_of(product, reader);
+    if (label.IsNull()) {
       fail_read(file, ErrorCode::kMeshIncomplete, product_name(product),
                 "its shape is in the file " + in_quotes(names.front()) +
                     ", and OpenCASCADE finds no place for it",
@@ -52,9 +73,11 @@ void keep_references(const SourceFile& file, const std::vector<StepReference>& r
 void read_step_file(const SourceFile& file, StepDocument& document) {
   STEPCAFControl_Reader reader;
   read(file, reader);
-  const std::vector<StepReference> references = take_references(reader.Reader().WS());
+  const Handle(XSControl_WorkSession) session = reader.Reader().WS();
+  std::vector<TriangleItem> items = take_triangles(session);
+  const std::vector<StepReference> references = take_references(session);
   const bool has_shapes = reader.Transfer(document.document);
-  check_step_losses(file, reader.Reader().WS(), document.document);
+  check_step_losses(file, session, document.document, keep_triangles(items, reader, document));
   keep_references(file, references, reader, document);
   if (!has_shapes) fail_shapes(file);
 }

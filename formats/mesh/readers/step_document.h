@@ -16,6 +16,8 @@ struct StepDocument {
   // Products whose shapes are in other files, by entry_of() their label: what this file calls each
   // of those files, the likeliest name first. No file is opened.
   std::map<std::string, std::vector<std::vector<std::string>>> references;
+  // Triangles of products that the file holds beside or in place of exact surfaces, millimeters.
+  std::map<std::string, std::vector<Mesh>> triangles;
 };
 
 // The place of a label in its document.

@@ -32,6 +32,7 @@
 #include <StepShape_SolidModel.hxx>
 #include <StepShape_Sphere.hxx>
 #include <StepShape_Torus.hxx>
+#include <StepVisual_TessellatedGeometricSet.hxx>
 #include <TCollection_HAsciiString.hxx>
 #include <TransferBRep.hxx>
 #include <Transfer_TransientProcess.hxx>
@@ -41,6 +42,7 @@
 #include <unordered_set>
 
 #include "formats/mesh/readers/step_faces.h"
+#include "formats/mesh/readers/step_triangles.h"
 
 namespace forcelayer::mesh {
 namespace {
@@ -58,13 +60,6 @@ bool is_solid(const Entity& entity) {
     if (entity->IsKind(type)) return true;
   }
   return false;
-}
-
-// The types of an entity that OpenCASCADE does not know: one, or those of a complex entity.
-std::vector<std::string> types_of(Handle(StepData_UndefinedEntity) entity) {
-  std::vector<std::string> types;
-  for (; !entity.IsNull(); entity = entity->Next()) types.emplace_back(entity->StepType());
-  return types;
 }
 
 // Solids, shells and faces of a schema that OpenCASCADE does not know: the tessellated ones and the
@@ -86,10 +81,9 @@ bool is_unknown_solid(const std::string& type) {
 // dimension where an annotation does.
 bool is_surface_set(const std::string& type) { return type.ends_with("TRIANGULATED_SURFACE_SET"); }
 
-bool is_shape_of_triangles(const Entity& user) {
-  const auto unknown = Handle(StepData_UndefinedEntity)::DownCast(user);
-  if (unknown.IsNull()) return user->IsKind(STANDARD_TYPE(StepShape_ShapeRepresentation));
-  for (const std::string& type : types_of(unknown)) {
+bool lists_shapes(const Entity& user) {
+  if (user->IsKind(STANDARD_TYPE(StepShape_ShapeRepresentation))) return true;
+  for (const std::string& type : unknown_types(user)) {
     if (type.starts_with("TESSELLATED_SHAPE_REPRESENTATION")) return true;
   }
   return false;
@@ -133,11 +127,12 @@ bool can_be_placed(const Handle(StepShape_ContextDependentShapeRepresentation) &
 class StepCheck {
  public:
   StepCheck(const Handle(XSControl_WorkSession) & session,
-            const Handle(TDocStd_Document) & document)
+            const Handle(TDocStd_Document) & document, const ReadEntities& read)
       : model_(Handle(StepData_StepModel)::DownCast(session->Model())),
         graph_(session->Graph()),
         process_(session->TransferReader()->TransientProcess()),
-        faces_(document) {}
+        faces_(document),
+        read_(read) {}
 
   void check(const SourceFile& file) {
     for (Standard_Integer i = 1; i <= model_->NbEntities(); ++i) look_at(i, model_->Value(i));
@@ -160,7 +155,9 @@ class StepCheck {
     } else if (entity->IsKind(STANDARD_TYPE(StepShape_GeometricSet))) {
       if (count_faces(result_of(entity)) < surfaces_of(entity)) lose(entity);
     } else if (entity->IsKind(STANDARD_TYPE(StepData_UndefinedEntity))) {
-      if (is_lost_unknown(Handle(StepData_UndefinedEntity)::DownCast(entity))) lose(entity);
+      if (!read_.contains(entity.get()) &&
+          is_lost_unknown(Handle(StepData_UndefinedEntity)::DownCast(entity)))
+        lose(entity);
     } else if (is_lost_placing(entity)) {
       lost_placings_.names.push_back(name_of(entity));
     }
@@ -196,14 +193,22 @@ class StepCheck {
   }
 
   bool is_lost_unknown(const Handle(StepData_UndefinedEntity) & entity) const {
-    for (const std::string& type : types_of(entity)) {
+    for (const std::string& type : unknown_types(entity)) {
       if (is_unknown_solid(type))
         return !stands_for_what_was_read(entity) && !is_part_of_standing(entity);
       if (!is_surface_set(type)) continue;
-      Interface_EntityIterator user = graph_.Sharings(entity);
-      for (user.Start(); user.More(); user.Next()) {
-        if (is_shape_of_triangles(user.Value())) return true;
-      }
+      if (is_listed_as_shape(entity)) return true;
+    }
+    return false;
+  }
+
+  // By a shape representation, or by a set that one lists.
+  bool is_listed_as_shape(const Entity& entity) const {
+    Interface_EntityIterator user = graph_.Sharings(entity);
+    for (user.Start(); user.More(); user.Next()) {
+      if (lists_shapes(user.Value())) return true;
+      const bool is_set = user.Value()->IsKind(STANDARD_TYPE(StepVisual_TessellatedGeometricSet));
+      if (is_set && is_listed_as_shape(user.Value())) return true;
     }
     return false;
   }
@@ -294,6 +299,7 @@ class StepCheck {
   const Interface_Graph& graph_;
   Handle(Transfer_TransientProcess) process_;
   DocumentFaces faces_;
+  const ReadEntities& read_;
   std::vector<Entity> lost_;
   std::unordered_set<const Standard_Transient*> is_lost_;
   Losses lost_faces_{"face", 0, {}}, damaged_shells_{"damaged shell", 0, {}},
@@ -303,8 +309,8 @@ class StepCheck {
 }  // namespace
 
 void check_step_losses(const SourceFile& file, const Handle(XSControl_WorkSession) & session,
-                       const Handle(TDocStd_Document) & document) {
-  StepCheck(session, document).check(file);
+                       const Handle(TDocStd_Document) & document, const ReadEntities& read) {
+  StepCheck(session, document, read).check(file);
 }
 
 }  // namespace forcelayer::mesh

@@ -3,15 +3,18 @@
 
 #include <TDocStd_Document.hxx>
 #include <XSControl_WorkSession.hxx>
+#include <unordered_set>
 
 #include "formats/mesh/reader.h"
 
 namespace forcelayer::mesh {
 
+using ReadEntities = std::unordered_set<const Standard_Transient*>;
+
 // Throws kMeshIncomplete with the entities where a face, a solid or a placing of the file that was
-// read and transferred in `session` is not in `document`: OpenCASCADE leaves constructive and
-// tessellated solids out, and what it finds damaged, without an error.
+// read and transferred in `session` is neither in `document` nor in `read`: OpenCASCADE leaves
+// constructive and tessellated solids out, and what it finds damaged, without an error.
 void check_step_losses(const SourceFile& file, const Handle(XSControl_WorkSession) & session,
-                       const Handle(TDocStd_Document) & document);
+                       const Handle(TDocStd_Document) & document, const ReadEntities& read);
 
 }  // namespace forcelayer::mesh
