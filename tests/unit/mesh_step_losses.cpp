@@ -144,6 +144,12 @@ TEST(IgesLosses, ADamagedSurfaceOfACube) {
   expect_in("D23 (type 142)", iges_error(with_parameters(box, 19, "144,21,0,0;")));
 }
 
+TEST(IgesLosses, AnExternalReference) {
+  const std::string text =
+      with_type(with_parameters(iges_box(false), 19, "416,8Hbolt.igs;"), 19, "416");
+  expect_in("1 external reference: D19 (type 416)", iges_error(text));
+}
+
 TEST(IgesLosses, ADamagedFaceOfASolid) {
   const std::string box = iges_box(true);
   expect_in("1 of 6 faces: D45 (type 510)", iges_error(with_parameters(box, 47, "190,0,0;")));

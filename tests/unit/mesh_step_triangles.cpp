@@ -112,6 +112,8 @@ TEST(StepTriangles, ThatAreDamagedOrNowhereAreNamed) {
     expect_lost(with_entities(without_box("#9104"), damaged + shape), lost);
   }
   expect_lost(with_entities(step_box(), kTetrahedron), lost);  // no shape lists it
+  const std::string of_itself = replaced(kTetrahedron, R"(\(#9102\))", "(#9103)");
+  expect_lost(with_entities(without_box("#9104"), of_itself + shape), "#9103 TESSELLATED_SOLID");
 }
 
 // The eight corners of a cube of 10 mm, and its sides, counterclockwise from outside.

@@ -42,6 +42,8 @@ bool is_constructive(const Entity& entity) {
 // Instances, single and in arrays, of what is defined once.
 bool is_placing(const Entity& entity) { return is_one_of(entity, {408, 412, 414}); }
 
+constexpr int kExternalReference = 416;
+
 bool is_group(const Entity& entity) { return is_one_of(entity, {308, 402, 406, 408, 412, 414}); }
 
 class IgesCheck {
@@ -55,7 +57,7 @@ class IgesCheck {
 
   void check(const SourceFile& file) {
     for (Standard_Integer i = 1; i <= model_->NbEntities(); ++i) look_at(model_->Entity(i));
-    fail_for_losses(file, {lost_faces_, lost_owners_, lost_solids_, lost_placings_},
+    fail_for_losses(file, {lost_faces_, lost_owners_, lost_solids_, lost_placings_, lost_files_},
                     "export the file again, with solids as boundary representations, or as STEP");
   }
 
@@ -72,6 +74,8 @@ class IgesCheck {
       }
     } else if (is_boundary(entity) && is_orphan(entity)) {
       lost_owners_.names.push_back(name_of(entity));
+    } else if (entity->TypeNumber() == kExternalReference) {
+      lost_files_.names.push_back(name_of(entity));
     } else if (is_placing(entity) && holds_faces(entity)) {
       if (!faces_.has(TransferBRep::ShapeResult(process_, entity))) {
         lost_placings_.names.push_back(name_of(entity));
@@ -121,7 +125,7 @@ class IgesCheck {
   DocumentFaces faces_;
   std::unordered_map<const IGESData_IGESEntity*, bool> holds_;
   Losses lost_faces_{"face", 0, {}}, lost_solids_{"solid", 0, {}}, lost_placings_{"placing", 0, {}},
-      lost_owners_{"face with the boundary", 0, {}};
+      lost_files_{"external reference", 0, {}}, lost_owners_{"face with the boundary", 0, {}};
 };
 
 }  // namespace

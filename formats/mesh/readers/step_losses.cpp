@@ -49,6 +49,8 @@ namespace {
 
 using Entity = Handle(Standard_Transient);
 
+constexpr int kMostLevels = 8;  // of what lists what; a damaged entity may list itself
+
 bool is_solid(const Entity& entity) {
   for (const Handle(Standard_Type) & type :
        {STANDARD_TYPE(StepShape_SolidModel), STANDARD_TYPE(StepShape_BooleanResult),
@@ -203,34 +205,37 @@ class StepCheck {
   }
 
   // By a shape representation, or by a set that one lists.
-  bool is_listed_as_shape(const Entity& entity) const {
+  bool is_listed_as_shape(const Entity& entity, int levels = kMostLevels) const {
+    if (levels == 0) return true;
     Interface_EntityIterator user = graph_.Sharings(entity);
     for (user.Start(); user.More(); user.Next()) {
       if (lists_shapes(user.Value())) return true;
       const bool is_set = user.Value()->IsKind(STANDARD_TYPE(StepVisual_TessellatedGeometricSet));
-      if (is_set && is_listed_as_shape(user.Value())) return true;
+      if (is_set && is_listed_as_shape(user.Value(), levels - 1)) return true;
     }
     return false;
   }
 
-  bool is_part_of_standing(const Entity& entity) const {
+  bool is_part_of_standing(const Entity& entity, int levels = kMostLevels) const {
+    if (levels == 0) return false;
     Interface_EntityIterator user = graph_.Sharings(entity);
     for (user.Start(); user.More(); user.Next()) {
       const Entity& whole = user.Value();
       if (!whole->IsKind(STANDARD_TYPE(StepData_UndefinedEntity))) continue;
-      if (stands_for_what_was_read(whole) || is_part_of_standing(whole)) return true;
+      if (stands_for_what_was_read(whole) || is_part_of_standing(whole, levels - 1)) return true;
     }
     return false;
   }
 
   // Triangles that are there beside the exact face, shell or solid that they approximate.
-  bool stands_for_what_was_read(const Entity& entity) const {
+  bool stands_for_what_was_read(const Entity& entity, int levels = kMostLevels) const {
+    if (levels == 0) return false;
     Interface_EntityIterator part = graph_.Shareds(entity);
     bool has_parts = false, all_parts_stand = true;
     for (part.Start(); part.More(); part.Next()) {
       if (part.Value()->IsKind(STANDARD_TYPE(StepData_UndefinedEntity))) {
         has_parts = true;
-        all_parts_stand = all_parts_stand && stands_for_what_was_read(part.Value());
+        all_parts_stand = all_parts_stand && stands_for_what_was_read(part.Value(), levels - 1);
       } else if (is_in_document(part.Value())) {
         return true;
       }

@@ -37,6 +37,8 @@ using Product = Handle(StepBasic_ProductDefinition);
 
 struct NotUnderstood {};
 
+constexpr int kMostLevels = 8;
+
 // The parameters of an entity that OpenCASCADE does not know, or of a list within; from 1 on.
 class Parameters {
  public:
@@ -135,14 +137,16 @@ class TriangleReader {
     mesh_.single_precision = false;
   }
 
-  void add(const Entity& entity) {
+  // Bodies list shells and faces, `levels` deep at most: a damaged one may list itself.
+  void add(const Entity& entity, int levels = kMostLevels) {
+    if (levels == 0) throw NotUnderstood{};
     const std::string type = type_of(entity);
     entities_.push_back(entity);
     if (const FaceKind* const kind = face_kind(type)) {
       add_face(Parameters(Unknown::DownCast(entity)), *kind);
     } else if (is_body(type)) {
       const Parameters items = Parameters(Unknown::DownCast(entity)).list(2);
-      for (int i = 1; i <= items.count(); ++i) add(items.entity(i));
+      for (int i = 1; i <= items.count(); ++i) add(items.entity(i), levels - 1);
     } else if (!is_without_area(type)) {
       throw NotUnderstood{};
     }
@@ -339,7 +343,8 @@ class TriangleFinder {
     }
   }
 
-  bool stands_for_exact(const Entity& entity) const {
+  bool stands_for_exact(const Entity& entity, int levels = kMostLevels) const {
+    if (levels == 0) return false;
     bool has_parts = false, all_stand = true;
     Interface_EntityIterator part = session_->Graph().Shareds(entity);
     for (part.Start(); part.More(); part.Next()) {
@@ -347,7 +352,7 @@ class TriangleFinder {
       const std::string type = type_of(part.Value());
       if (face_kind(type) == nullptr && !is_body(type)) continue;
       has_parts = true;
-      all_stand = all_stand && stands_for_exact(part.Value());
+      all_stand = all_stand && stands_for_exact(part.Value(), levels - 1);
     }
     return has_parts && all_stand;
   }
@@ -414,13 +419,14 @@ class TriangleFinder {
     return true;
   }
 
-  bool has_area(const Entity& item) const {
+  bool has_area(const Entity& item, int levels = kMostLevels) const {
+    if (levels == 0) return true;
     const std::vector<std::string> types = unknown_types(item);
     if (!types.empty()) return types.size() > 1 || !is_without_area(types.front());
     if (!item->IsKind(STANDARD_TYPE(StepVisual_TessellatedGeometricSet))) return false;
     Interface_EntityIterator part = session_->Graph().Shareds(item);
     for (part.Start(); part.More(); part.Next()) {
-      if (has_area(part.Value())) return true;
+      if (has_area(part.Value(), levels - 1)) return true;
     }
     return false;
   }
