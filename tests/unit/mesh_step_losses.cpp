@@ -74,10 +74,17 @@ TEST(StepLosses, ASolidOfANewerSchema) {
 TEST(StepLosses, DamagedFacesShellsAndSolids) {
   const std::string box = step_box();
   expect_in("1 of 6 faces: #", step_error(replaced(box, R"( = PLANE\()", " = PLANX(")));
-  expect_in("damaged shell: #16 CLOSED_SHELL",
+  expect_in("1 damaged entity: #16 CLOSED_SHELL",
             step_error(replaced(box, " = ADVANCED_FACE", " = ADVANCED_FACX")));
-  expect_in("damaged shell: #16 CLOSED_SHELL",
+  expect_in("1 damaged entity: #16 CLOSED_SHELL",
             step_error(replaced(box, R"(#17 = ADVANCED_FACE[^;]*;)", "")));
+  // References that lead nowhere; OpenCASCADE crashes on some.
+  expect_in("1 damaged entity: #",
+            step_error(replaced(box, R"( = VECTOR\('',#\d+)", " = VECTOR('',#9999")));
+  expect_in(" LINE", step_error(replaced(box, R"( = LINE\('',#\d+)", " = LINE('',$")));
+  expect_in("1 of 6 faces: #17 ADVANCED_FACE",
+            step_error(replaced(box, R"(#17 = ADVANCED_FACE\('',\(#\d+\))",
+                                "#17 = ADVANCED_FACE('',(#9999)")));
   // A face that its shell does not list.
   expect_in("1 of 6 faces: #17 ADVANCED_FACE",
             step_error(replaced(box, R"(CLOSED_SHELL\('',\(#17,)", "CLOSED_SHELL('',(")));
@@ -142,6 +149,14 @@ TEST(IgesLosses, ADamagedSurfaceOfACube) {
   // Of a face that is not a face any more, its boundary tells.
   expect_in("1 face with the boundary: D23 (type 142)", iges_error(with_type(box, 19, "999")));
   expect_in("D23 (type 142)", iges_error(with_parameters(box, 19, "144,21,0,0;")));
+}
+
+TEST(IgesLosses, APartOfABoundaryRepresentationThatLeadsNowhere) {
+  const std::string box = iges_box(true);
+  expect_in("1 of 6 faces: D45 (type 510)", iges_error(with_parameters(box, 45, "510,0,1,1,0;")));
+  expect_in("1 damaged entity: D15 (type 508)",
+            iges_error(with_parameters(box, 15, "508,1,0,47,1,1,0;")));
+  expect_in("damaged entity: D3 (type 514)", iges_error(with_parameters(box, 3, "514,1,17,1;")));
 }
 
 TEST(IgesLosses, AnExternalReference) {

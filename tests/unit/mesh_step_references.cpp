@@ -87,7 +87,7 @@ TEST_F(StepReferences, ADamagedFileIsNamedWithItsNode) {
   }
   write_file(home_ / "rod.stp", replaced(rod, " = ADVANCED_FACE", " = ADVANCED_FACX"));
   expect_error(ErrorCode::kMeshIncomplete, "rod.stp", "clamp/rod-assembly_1/rod_1",
-               "damaged shell");
+               "damaged entity");
 }
 
 TEST_F(StepReferences, AreFoundInFoldersAndByNameAlone) {

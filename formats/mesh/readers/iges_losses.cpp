@@ -2,6 +2,7 @@
 
 #include <IGESData_IGESEntity.hxx>
 #include <IGESData_IGESModel.hxx>
+#include <Interface_Check.hxx>
 #include <Interface_EntityIterator.hxx>
 #include <Interface_Graph.hxx>
 #include <TransferBRep.hxx>
@@ -17,6 +18,9 @@ namespace forcelayer::mesh {
 namespace {
 
 using Entity = Handle(IGESData_IGESEntity);
+
+constexpr const char* kMend =
+    "export the file again, with solids as boundary representations, or as STEP";
 
 bool is_one_of(const Entity& entity, std::initializer_list<int> types) {
   return std::find(types.begin(), types.end(), entity->TypeNumber()) != types.end();
@@ -46,6 +50,11 @@ constexpr int kExternalReference = 416;
 
 bool is_group(const Entity& entity) { return is_one_of(entity, {308, 402, 406, 408, 412, 414}); }
 
+std::string name_of(const Handle(IGESData_IGESModel) & model, const Entity& entity) {
+  return "D" + std::to_string(model->DNum(entity)) + " (type " +
+         std::to_string(entity->TypeNumber()) + ")";
+}
+
 class IgesCheck {
  public:
   IgesCheck(const Handle(XSControl_WorkSession) & session,
@@ -58,7 +67,7 @@ class IgesCheck {
   void check(const SourceFile& file) {
     for (Standard_Integer i = 1; i <= model_->NbEntities(); ++i) look_at(model_->Entity(i));
     fail_for_losses(file, {lost_faces_, lost_owners_, lost_solids_, lost_placings_, lost_files_},
-                    "export the file again, with solids as boundary representations, or as STEP");
+                    kMend);
   }
 
  private:
@@ -114,10 +123,7 @@ class IgesCheck {
     return holds_[entity.get()] = holds;
   }
 
-  std::string name_of(const Entity& entity) const {
-    return "D" + std::to_string(model_->DNum(entity)) + " (type " +
-           std::to_string(entity->TypeNumber()) + ")";
-  }
+  std::string name_of(const Entity& entity) const { return mesh::name_of(model_, entity); }
 
   Handle(IGESData_IGESModel) model_;
   const Interface_Graph& graph_;
@@ -128,7 +134,27 @@ class IgesCheck {
       lost_files_{"external reference", 0, {}}, lost_owners_{"face with the boundary", 0, {}};
 };
 
+constexpr int kFace = 510;
+
+bool is_of_boundary_representation(const Entity& entity) {
+  return is_one_of(entity, {186, 502, 504, 508, kFace, 514});
+}
+
 }  // namespace
+
+void check_iges_references(const SourceFile& file, const Handle(XSControl_WorkSession) & session) {
+  const auto model = Handle(IGESData_IGESModel)::DownCast(session->Model());
+  Losses faces{"face", 0, {}}, others{"damaged entity", 0, {}};
+  for (Standard_Integer i = 1; i <= model->NbEntities(); ++i) {
+    const Entity entity = model->Entity(i);
+    if (!is_of_boundary_representation(entity)) continue;
+    const bool is_face = entity->TypeNumber() == kFace;
+    if (is_face) ++faces.count;
+    if (model->Check(i, Standard_True)->NbFails() == 0) continue;
+    (is_face ? faces : others).names.push_back(name_of(model, entity));
+  }
+  fail_for_losses(file, {faces, others}, kMend);
+}
 
 void check_iges_losses(const SourceFile& file, const Handle(XSControl_WorkSession) & session,
                        const Handle(TDocStd_Document) & document) {

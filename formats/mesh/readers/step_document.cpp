@@ -74,6 +74,7 @@ void read_step_file(const SourceFile& file, StepDocument& document) {
   STEPCAFControl_Reader reader;
   read(file, reader);
   const Handle(XSControl_WorkSession) session = reader.Reader().WS();
+  check_step_references(file, session);
   std::vector<TriangleItem> items = take_triangles(session);
   const std::vector<StepReference> references = take_references(session);
   const bool has_shapes = reader.Transfer(document.document);
@@ -85,6 +86,7 @@ void read_step_file(const SourceFile& file, StepDocument& document) {
 void read_iges_file(const SourceFile& file, StepDocument& document) {
   IGESCAFControl_Reader reader;
   read(file, reader);
+  check_iges_references(file, reader.WS());
   const bool has_shapes = reader.Transfer(document.document);
   check_iges_losses(file, reader.WS(), document.document);
   if (!has_shapes) fail_shapes(file);

@@ -1,5 +1,6 @@
 #include "formats/mesh/readers/step_losses.h"
 
+#include <Interface_Check.hxx>
 #include <Interface_EntityIterator.hxx>
 #include <Interface_Graph.hxx>
 #include <Interface_UndefinedContent.hxx>
@@ -8,8 +9,14 @@
 #include <StepData_UndefinedEntity.hxx>
 #include <StepGeom_Axis2Placement3d.hxx>
 #include <StepGeom_CartesianTransformationOperator3d.hxx>
+#include <StepGeom_Curve.hxx>
 #include <StepGeom_Direction.hxx>
+#include <StepGeom_Pcurve.hxx>
+#include <StepGeom_Placement.hxx>
+#include <StepGeom_Point.hxx>
 #include <StepGeom_Surface.hxx>
+#include <StepGeom_SurfaceCurve.hxx>
+#include <StepGeom_Vector.hxx>
 #include <StepRepr_ItemDefinedTransformation.hxx>
 #include <StepRepr_MappedItem.hxx>
 #include <StepRepr_NextAssemblyUsageOccurrence.hxx>
@@ -18,7 +25,6 @@
 #include <StepRepr_RepresentationRelationshipWithTransformation.hxx>
 #include <StepShape_Block.hxx>
 #include <StepShape_BooleanResult.hxx>
-#include <StepShape_ConnectedFaceSet.hxx>
 #include <StepShape_ContextDependentShapeRepresentation.hxx>
 #include <StepShape_FaceBasedSurfaceModel.hxx>
 #include <StepShape_FaceSurface.hxx>
@@ -31,6 +37,7 @@
 #include <StepShape_ShellBasedSurfaceModel.hxx>
 #include <StepShape_SolidModel.hxx>
 #include <StepShape_Sphere.hxx>
+#include <StepShape_TopologicalRepresentationItem.hxx>
 #include <StepShape_Torus.hxx>
 #include <StepVisual_TessellatedGeometricSet.hxx>
 #include <TCollection_HAsciiString.hxx>
@@ -49,6 +56,7 @@ namespace {
 
 using Entity = Handle(Standard_Transient);
 
+constexpr const char* kMend = "export the file again, with all solids as boundary representations";
 constexpr int kMostLevels = 8;  // of what lists what; a damaged entity may list itself
 
 bool is_solid(const Entity& entity) {
@@ -126,6 +134,29 @@ bool can_be_placed(const Handle(StepShape_ContextDependentShapeRepresentation) &
   return true;
 }
 
+// "#45 ADVANCED_FACE 'left'".
+std::string name_of(const Handle(StepData_StepModel) & model, const Entity& entity) {
+  std::string name = "#" + std::to_string(model->IdentLabel(entity)) + " ";
+  const auto unknown = Handle(StepData_UndefinedEntity)::DownCast(entity);
+  Handle(TCollection_HAsciiString) given;
+  if (!unknown.IsNull()) {
+    name += unknown->StepType();
+    Entity none;
+    Interface_ParamType type{};
+    const Handle(Interface_UndefinedContent) content = unknown->UndefinedContent();
+    if (content->NbParams() > 0 && content->ParamType(1) == Interface_ParamText) {
+      content->ParamData(1, type, none, given);
+      given->RemoveAll('\'', Standard_True);
+    }
+  } else {
+    name += model->TypeName(entity);
+    const auto item = Handle(StepRepr_RepresentationItem)::DownCast(entity);
+    if (!item.IsNull()) given = item->Name();
+  }
+  if (!given.IsNull() && !given->IsEmpty()) name += " " + in_quotes(given->ToCString());
+  return name;
+}
+
 class StepCheck {
  public:
   StepCheck(const Handle(XSControl_WorkSession) & session,
@@ -137,21 +168,18 @@ class StepCheck {
         read_(read) {}
 
   void check(const SourceFile& file) {
-    for (Standard_Integer i = 1; i <= model_->NbEntities(); ++i) look_at(i, model_->Value(i));
+    for (Standard_Integer i = 1; i <= model_->NbEntities(); ++i) look_at(model_->Value(i));
     for (const Entity& entity : lost_) {
       if (!is_used_by_lost(entity)) lost_solids_.names.push_back(name_of(entity));
     }
-    fail_for_losses(file, {lost_faces_, damaged_shells_, lost_solids_, lost_placings_},
-                    "export the file again, with all solids as boundary representations");
+    fail_for_losses(file, {lost_faces_, lost_solids_, lost_placings_}, kMend);
   }
 
  private:
-  void look_at(Standard_Integer number, const Entity& entity) {
+  void look_at(const Entity& entity) {
     if (entity->IsKind(STANDARD_TYPE(StepShape_FaceSurface))) {
       ++lost_faces_.count;
       if (!is_in_document(entity)) lost_faces_.names.push_back(name_of(entity));
-    } else if (entity->IsKind(STANDARD_TYPE(StepShape_ConnectedFaceSet))) {
-      if (model_->IsErrorEntity(number)) damaged_shells_.names.push_back(name_of(entity));
     } else if (is_solid(entity)) {
       if (!is_in_document(entity)) lose(entity);
     } else if (entity->IsKind(STANDARD_TYPE(StepShape_GeometricSet))) {
@@ -278,27 +306,7 @@ class StepCheck {
     return false;
   }
 
-  std::string name_of(const Entity& entity) const {
-    std::string name = "#" + std::to_string(model_->IdentLabel(entity)) + " ";
-    const auto unknown = Handle(StepData_UndefinedEntity)::DownCast(entity);
-    Handle(TCollection_HAsciiString) given;
-    if (!unknown.IsNull()) {
-      name += unknown->StepType();
-      Entity none;
-      Interface_ParamType type{};
-      const Handle(Interface_UndefinedContent) content = unknown->UndefinedContent();
-      if (content->NbParams() > 0 && content->ParamType(1) == Interface_ParamText) {
-        content->ParamData(1, type, none, given);
-        given->RemoveAll('\'', Standard_True);
-      }
-    } else {
-      name += model_->TypeName(entity);
-      const auto item = Handle(StepRepr_RepresentationItem)::DownCast(entity);
-      if (!item.IsNull()) given = item->Name();
-    }
-    if (!given.IsNull() && !given->IsEmpty()) name += " " + in_quotes(given->ToCString());
-    return name;
-  }
+  std::string name_of(const Entity& entity) const { return mesh::name_of(model_, entity); }
 
   Handle(StepData_StepModel) model_;
   const Interface_Graph& graph_;
@@ -307,11 +315,56 @@ class StepCheck {
   const ReadEntities& read_;
   std::vector<Entity> lost_;
   std::unordered_set<const Standard_Transient*> is_lost_;
-  Losses lost_faces_{"face", 0, {}}, damaged_shells_{"damaged shell", 0, {}},
-      lost_solids_{"solid", 0, {}}, lost_placings_{"placing", 0, {}};
+  Losses lost_faces_{"face", 0, {}}, lost_solids_{"solid", 0, {}}, lost_placings_{"placing", 0, {}};
 };
 
+bool is_geometry(const Entity& entity) {
+  for (const Handle(Standard_Type) & type :
+       {STANDARD_TYPE(StepShape_TopologicalRepresentationItem), STANDARD_TYPE(StepGeom_Point),
+        STANDARD_TYPE(StepGeom_Curve), STANDARD_TYPE(StepGeom_Surface),
+        STANDARD_TYPE(StepGeom_Placement), STANDARD_TYPE(StepGeom_Direction),
+        STANDARD_TYPE(StepGeom_Vector)}) {
+    if (entity->IsKind(type)) return true;
+  }
+  return false;
+}
+
+// Curves in the parameters of a surface are read where they make sense, else computed again.
+bool is_in_parameters(const Entity& entity) {
+  return entity->IsKind(STANDARD_TYPE(StepGeom_Pcurve)) ||
+         entity->IsKind(STANDARD_TYPE(StepGeom_SurfaceCurve));
+}
+
+// Whether OpenCASCADE's check of the text tells of a reference that leads nowhere; it also fails
+// what is harmless, such as a name that is left out.
+bool leads_nowhere(const Handle(StepData_StepModel) & model, Standard_Integer number) {
+  const Handle(Interface_Check) check = model->Check(number, Standard_True);
+  const bool may_be_odd = is_in_parameters(model->Value(number));
+  for (Standard_Integer i = 1; i <= check->NbFails(); ++i) {
+    const std::string_view fail = check->CFail(i, Standard_True);
+    const auto says = [&](std::string_view words) { return fail.find(words) != fail.npos; };
+    if (says("nresolved") || says("Count of Parameters")) return true;
+    if (!may_be_odd && (says("illegal type") || says("not an Entity") || says("not a LIST"))) {
+      return true;
+    }
+  }
+  return false;
+}
+
 }  // namespace
+
+void check_step_references(const SourceFile& file, const Handle(XSControl_WorkSession) & session) {
+  const auto model = Handle(StepData_StepModel)::DownCast(session->Model());
+  Losses faces{"face", 0, {}}, others{"damaged entity", 0, {}};
+  for (Standard_Integer i = 1; i <= model->NbEntities(); ++i) {
+    const Entity& entity = model->Value(i);
+    const bool is_face = entity->IsKind(STANDARD_TYPE(StepShape_FaceSurface));
+    if (is_face) ++faces.count;
+    if (!is_geometry(entity) || !leads_nowhere(model, i)) continue;
+    (is_face ? faces : others).names.push_back(name_of(model, entity));
+  }
+  fail_for_losses(file, {faces, others}, kMend);
+}
 
 void check_step_losses(const SourceFile& file, const Handle(XSControl_WorkSession) & session,
                        const Handle(TDocStd_Document) & document, const ReadEntities& read) {

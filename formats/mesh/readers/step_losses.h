@@ -9,6 +9,10 @@
 
 namespace forcelayer::mesh {
 
+// Throws kMeshIncomplete with the entities where geometry or topology of the file that was read in
+// `session` refers to what is not there or makes no sense: OpenCASCADE may crash on it.
+void check_step_references(const SourceFile& file, const Handle(XSControl_WorkSession) & session);
+
 using ReadEntities = std::unordered_set<const Standard_Transient*>;
 
 // Throws kMeshIncomplete with the entities where a face, a solid or a placing of the file that was

@@ -1,9 +1,13 @@
 #include "formats/mesh/readers/step_references.h"
 
+#include <Interface_InterfaceModel.hxx>
 #include <STEPConstruct_ExternRefs.hxx>
 #include <StepBasic_DocumentFile.hxx>
 #include <StepBasic_Product.hxx>
 #include <StepBasic_ProductDefinitionFormation.hxx>
+#include <StepRepr_PropertyDefinition.hxx>
+#include <StepRepr_PropertyDefinitionRepresentation.hxx>
+#include <StepRepr_Representation.hxx>
 #include <TCollection_HAsciiString.hxx>
 #include <algorithm>
 
@@ -27,6 +31,20 @@ std::vector<std::string> take_names(const STEPConstruct_ExternRefs& references,
     *const_cast<char*>(name) = '\0';
   }
   return names;
+}
+
+// LoadExternRefs() crashes on a property of a document without a representation that it knows.
+void give_formats(const Handle(XSControl_WorkSession) & session) {
+  const Handle(Interface_InterfaceModel) model = session->Model();
+  for (Standard_Integer i = 1; i <= model->NbEntities(); ++i) {
+    const auto property =
+        Handle(StepRepr_PropertyDefinitionRepresentation)::DownCast(model->Value(i));
+    if (property.IsNull() || !property->UsedRepresentation().IsNull()) continue;
+    const Handle(StepRepr_PropertyDefinition) definition =
+        property->Definition().PropertyDefinition();
+    if (definition.IsNull() || definition->Definition().DocumentFile().IsNull()) continue;
+    property->SetUsedRepresentation(new StepRepr_Representation);
+  }
 }
 
 // A name as a path of this system, and whether it began with a drive of another.
@@ -62,6 +80,7 @@ std::vector<fs::path> paths_of(const std::vector<std::string>& names) {
 }  // namespace
 
 std::vector<StepReference> take_references(const Handle(XSControl_WorkSession) & session) {
+  give_formats(session);
   STEPConstruct_ExternRefs found(session);
   found.LoadExternRefs();
   std::vector<StepReference> references;
