@@ -81,6 +81,9 @@ TEST(StepLosses, DamagedFacesShellsAndSolids) {
   // References that lead nowhere; OpenCASCADE crashes on some.
   expect_in("1 damaged entity: #",
             step_error(replaced(box, R"( = VECTOR\('',#\d+)", " = VECTOR('',#9999")));
+  expect_in(
+      "1 damaged entity: #3 SHAPE_DEFINITION_REPRESENTATION",
+      step_error(replaced(box, R"(_REPRESENTATION\(#4,#10\))", "_REPRESENTATION(#9999,#10)")));
   expect_in(" LINE", step_error(replaced(box, R"( = LINE\('',#\d+)", " = LINE('',$")));
   expect_in("1 of 6 faces: #17 ADVANCED_FACE",
             step_error(replaced(box, R"(#17 = ADVANCED_FACE\('',\(#\d+\))",

@@ -20,6 +20,7 @@
 #include <StepRepr_ItemDefinedTransformation.hxx>
 #include <StepRepr_MappedItem.hxx>
 #include <StepRepr_NextAssemblyUsageOccurrence.hxx>
+#include <StepRepr_PropertyDefinition.hxx>
 #include <StepRepr_Representation.hxx>
 #include <StepRepr_RepresentationMap.hxx>
 #include <StepRepr_RepresentationRelationshipWithTransformation.hxx>
@@ -33,6 +34,7 @@
 #include <StepShape_RightAngularWedge.hxx>
 #include <StepShape_RightCircularCone.hxx>
 #include <StepShape_RightCircularCylinder.hxx>
+#include <StepShape_ShapeDefinitionRepresentation.hxx>
 #include <StepShape_ShapeRepresentation.hxx>
 #include <StepShape_ShellBasedSurfaceModel.hxx>
 #include <StepShape_SolidModel.hxx>
@@ -335,6 +337,14 @@ bool is_in_parameters(const Entity& entity) {
          entity->IsKind(STANDARD_TYPE(StepGeom_SurfaceCurve));
 }
 
+// Shapes that belong to no product, placings of nothing.
+bool lacks_an_end(const Entity& entity) {
+  const auto shape = Handle(StepShape_ShapeDefinitionRepresentation)::DownCast(entity);
+  if (!shape.IsNull()) return shape->Definition().PropertyDefinition().IsNull();
+  const auto item = Handle(StepRepr_MappedItem)::DownCast(entity);
+  return !item.IsNull() && item->MappingSource().IsNull();
+}
+
 // Whether OpenCASCADE's check of the text tells of a reference that leads nowhere; it also fails
 // what is harmless, such as a name that is left out.
 bool leads_nowhere(const Handle(StepData_StepModel) & model, Standard_Integer number) {
@@ -360,7 +370,8 @@ void check_step_references(const SourceFile& file, const Handle(XSControl_WorkSe
     const Entity& entity = model->Value(i);
     const bool is_face = entity->IsKind(STANDARD_TYPE(StepShape_FaceSurface));
     if (is_face) ++faces.count;
-    if (!is_geometry(entity) || !leads_nowhere(model, i)) continue;
+    const bool is_damaged = is_geometry(entity) ? leads_nowhere(model, i) : lacks_an_end(entity);
+    if (!is_damaged) continue;
     (is_face ? faces : others).names.push_back(name_of(model, entity));
   }
   fail_for_losses(file, {faces, others}, kMend);
