@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "formats/command/command.h"
+#include "formats/command/output_file.h"
 #include "formats/command/progress_line.h"
 #include "formats/command/quantity.h"
 #include "formats/pshell.h"
@@ -133,8 +134,9 @@ void warn(const Arguments& arguments, const std::string& text) {
   if (!arguments.quiet) std::fprintf(stderr, "pointshell: warning: %s\n", text.c_str());
 }
 
-// `voxel_size_m`: that the shell is made for.
-Result<part::Part> load_part(const Arguments& arguments, double voxel_size_m) {
+// Prints and keeps the warnings of the reading. `voxel_size_m`: that the shell is made for.
+Result<part::Part> load_part(const Arguments& arguments, double voxel_size_m,
+                             std::vector<std::string>& warnings) {
   const auto units = units_option(arguments.units);
   if (!units) return units.error();
   const auto reader = arguments.trust.reader();
@@ -144,7 +146,8 @@ Result<part::Part> load_part(const Arguments& arguments, double voxel_size_m) {
   options.missing_faces = arguments.missing_faces;
   auto files = part::read_part(arguments.inputs, *units, options, *reader);
   if (!files) return files.error();
-  for (const std::string& warning : files->warnings) warn(arguments, warning);
+  warnings = std::move(files->warnings);
+  for (const std::string& warning : warnings) warn(arguments, warning);
   return std::move(files->part);
 }
 
@@ -178,10 +181,14 @@ Status bake_command(const Arguments& arguments) {
   if (!options) return options.error();
   command::ProgressLine progress(arguments.quiet);
   progress.show("read", 0);
-  auto part = load_part(arguments, options->voxel_size_m);
+  std::vector<std::string> warnings;
+  auto part = load_part(arguments, options->voxel_size_m, warnings);
   if (!part) return part.error();
   const std::string imprecise = part::precision_warning(*part, options->voxel_size_m);
-  if (!imprecise.empty()) warn(arguments, imprecise);
+  if (!imprecise.empty()) {
+    warnings.push_back(imprecise);
+    warn(arguments, imprecise);
+  }
   const double read_s = now_s() - started_s;
   auto shell = bake_shell(*part, *options, [&](const std::string& stage, double share_done) {
     progress.show(stage, share_done);
@@ -201,6 +208,7 @@ Status bake_command(const Arguments& arguments) {
   report["peak_rss_bytes"] = command::peak_rss_bytes();
   report["file_bytes"] = *written;
   report["threads"] = arguments.threads;
+  report["warnings"] = warnings;
   return command::write_report(arguments.json, report);
 }
 
@@ -225,7 +233,8 @@ Status verify_command(const Arguments& arguments) {
   const double started_s = now_s();
   const auto shell = Pshell::open(arguments.shell, Verify::kStructureAndChecksums);
   if (!shell) return shell.error();
-  const auto part = load_part(arguments, shell->header().voxel_size_m);
+  std::vector<std::string> warnings;
+  const auto part = load_part(arguments, shell->header().voxel_size_m, warnings);
   if (!part) return part.error();
   certificate::CoveringProof proof;
   part::with_threads(arguments.threads, [&] { proof = verify_shell(*shell, *part); });
@@ -238,7 +247,8 @@ Status verify_command(const Arguments& arguments) {
                                         {"certificate_pieces", proof.pieces},
                                         {"holes", proof.holes.size()},
                                         {"seconds", {{"total", now_s() - started_s}}},
-                                        {"peak_rss_bytes", command::peak_rss_bytes()}};
+                                        {"peak_rss_bytes", command::peak_rss_bytes()},
+                                        {"warnings", warnings}};
     if (Status written = command::write_report(arguments.json, report); !written) return written;
   }
   if (!proof.proven) return open_surface(arguments, *shell, proof);
@@ -264,7 +274,13 @@ int main(int argc, char** argv) {
   int exit_code = 0;
   if (!command::parse_arguments(app, argc, argv, exit_code)) return exit_code;
   command::exit_cleanly_on_signals();
-  return command::run_command("pointshell", [&] {
+  return command::run_command("pointshell", [&]() -> Status {
+    std::vector<std::string> inputs = arguments.inputs;
+    inputs.push_back(arguments.shell);
+    const command::OutputFile outputs[] = {
+        {"--output", &arguments.output, command::FileKind::kPshell},
+        {"--json", &arguments.json, command::FileKind::kReport}};
+    if (Status s = command::prepare_outputs(outputs, inputs); !s) return s;
     return arguments.verify ? verify_command(arguments) : bake_command(arguments);
   });
 }

@@ -105,7 +105,8 @@ Json report_of(const Bake& bake, const mesh::Scene& scene, std::span<const mesh:
             {"total", run.total_s}}},
           {"peak_rss_bytes", command::peak_rss_bytes()},
           {"file_bytes", run.file_bytes},
-          {"threads", run.threads}};
+          {"threads", run.threads},
+          {"warnings", run.warnings}};
 }
 
 }  // namespace forcelayer::voxelize

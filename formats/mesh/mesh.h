@@ -61,7 +61,7 @@ struct Assembly {
 
 struct ReadOptions {
   double deflection_m = 1e-4;       // of triangles from exact surfaces (STEP, IGES)
-  bool allow_outside = false;       // whether a glTF file may name buffers outside its own folder
+  bool allow_outside = false;       // whether a glTF or STEP file may name files elsewhere
   std::uint64_t missing_faces = 0;  // how many faces of exact surfaces may stay without triangles
   std::vector<std::string> without = {};  // nodes left out, with all below; named as after "#"
 };

@@ -147,7 +147,10 @@ std::vector<std::vector<std::uint32_t>> triangles_by_body(const Part& part) {
 }
 
 Part relative_to(Part part, const Vec3& origin) {
-  for (Vec3& vertex : part.vertices) vertex = vertex - origin;
+  for (Vec3& vertex : part.vertices) {
+    vertex = vertex - origin;
+    part.largest_coordinate = std::max(part.largest_coordinate, max_abs(vertex));
+  }
   for (auto& [node, center, size] : part.missing_faces) {
     center = {center[0] - origin.x, center[1] - origin.y, center[2] - origin.z};
   }

@@ -1,0 +1,114 @@
+#include "formats/mesh/step/document.h"
+
+#include <IGESCAFControl_Reader.hxx>
+#include <STEPCAFControl_Reader.hxx>
+#include <STEPControl_Reader.hxx>
+#include <TDF_Tool.hxx>
+#include <TransferBRep.hxx>
+#include <Transfer_TransientProcess.hxx>
+#include <XSControl_TransferReader.hxx>
+#include <XSControl_WorkSession.hxx>
+
+#include "formats/mesh/step/iges_losses.h"
+#include "formats/mesh/step/losses.h"
+#include "formats/mesh/step/references.h"
+#include "formats/mesh/step/triangles.h"
+
+namespace forcelayer::mesh {
+namespace {
+
+template <typename Reader>
+void read(const SourceFile& file, Reader& reader) {
+  reader.SetNameMode(true);
+  reader.SetColorMode(false);
+  reader.SetLayerMode(false);
+  if (reader.ReadFile(file.path.c_str()) == IFSelect_RetDone) return;
+  fail_read(file, ErrorCode::kMeshUnreadable, "", "OpenCASCADE cannot parse this file",
+            "export the file again");
+}
+
+[[noreturn]] void fail_shapes(const SourceFile& file) {
+  fail_read(file, ErrorCode::kMeshUnreadable, "", "OpenCASCADE cannot read the shapes of this file",
+            "export the file again");
+}
+
+// Null where OpenCASCADE gave the product none.
+TDF_Label label_of(const Handle(StepBasic_ProductDefinition) & product,
+                   const STEPCAFControl_Reader& reader) {
+  const TopoDS_Shape shape = TransferBRep::ShapeResult(
+      reader.Reader().WS()->TransferReader()->TransientProcess(), product);
+  TDF_Label label;
+  if (!shape.IsNull()) reader.GetShapeLabelMap().Find(shape, label);
+  return label;
+}
+
+// The triangles by the labels of their products; those without one are lost.
+ReadEntities keep_triangles(std::vector<TriangleItem>& items, const STEPCAFControl_Reader& reader,
+                            StepDocument& document) {
+  ReadEntities read;
+  for (auto& [product, mesh, entities] : items) {
+    const TDF_Label label = label_of(product, reader);
+    if (label.IsNull()) continue;
+    document.triangles[entry_of(label)].push_back(std::move(mesh));
+    for (const auto& entity : entities) read.insert(entity.get());
+  }
+  return read;
+}
+
+// The references by the labels of their products.
+void keep_references(const SourceFile& file, const std::vector<StepReference>& references,
+                     const STEPCAFControl_Reader& reader, StepDocument& document) {
+  for (const auto& [product, names] : references) {
+    const TDF_Label label = label_of(product, reader);
+    if (label.IsNull()) {
+      fail_read(file, ErrorCode::kMeshIncomplete, product_name(product),
+                "its shape is in the file " + in_quotes(names.front()) +
+                    ", and OpenCASCADE finds no place for it",
+                "export the assembly into one file");
+    }
+    document.references[entry_of(label)].push_back(names);
+  }
+}
+
+void read_step_file(const SourceFile& file, StepDocument& document) {
+  STEPCAFControl_Reader reader;
+  read(file, reader);
+  const Handle(XSControl_WorkSession) session = reader.Reader().WS();
+  check_step_references(file, session);
+  std::vector<TriangleItem> items = take_triangles(session);
+  const std::vector<StepReference> references = take_references(session);
+  const bool has_shapes = reader.Transfer(document.document);
+  check_step_losses(file, session, document.document, keep_triangles(items, reader, document));
+  keep_references(file, references, reader, document);
+  if (!has_shapes) fail_shapes(file);
+}
+
+void read_iges_file(const SourceFile& file, StepDocument& document) {
+  IGESCAFControl_Reader reader;
+  read(file, reader);
+  check_iges_references(file, reader.WS());
+  const bool has_shapes = reader.Transfer(document.document);
+  check_iges_losses(file, reader.WS(), document.document);
+  if (!has_shapes) fail_shapes(file);
+}
+
+}  // namespace
+
+std::string entry_of(const TDF_Label& label) {
+  TCollection_AsciiString entry;
+  TDF_Tool::Entry(label, entry);
+  return entry.ToCString();
+}
+
+StepDocument read_step_document(const SourceFile& file) {
+  StepDocument document;
+  document.document = new TDocStd_Document("BinXCAF");
+  if (lower_case_extension(file.path).starts_with(".ig")) {
+    read_iges_file(file, document);
+  } else {
+    read_step_file(file, document);
+  }
+  return document;
+}
+
+}  // namespace forcelayer::mesh
