@@ -104,10 +104,10 @@ TEST(StepUnits, MillimeterInchAndMeter) {
       EXPECT_NE(found, assembly->instances.end()) << name;
       return found->assembly_from_mesh.translation;
     };
-    const auto expect_at = [&](const char* name, const mesh::Vec3d& made) {
+    const auto expect_at = [&, scale = unit_mm](const char* name, const mesh::Vec3d& made) {
       const mesh::Vec3d at = place(name);
       for (std::size_t axis = 0; axis < 3; ++axis) {
-        EXPECT_NEAR(at[axis], made[axis] * unit_mm, 1e-9 * unit_mm) << name;
+        EXPECT_NEAR(at[axis], made[axis] * scale, 1e-9 * scale) << name;
       }
     };
     expect_at("clamp/rod-assembly_1/rod_1", {90, 75, 20});
