@@ -11,6 +11,11 @@
 #include "tests/support/mesh_files.h"
 
 #ifdef FORCELAYER_STEP
+#include <BRepMesh_IncrementalMesh.hxx>
+#include <BRepTools.hxx>
+#include <TopExp_Explorer.hxx>
+
+#include "formats/mesh/step/edge_cover.h"
 #include "formats/mesh/step/tessellator.h"
 #include "tests/support/step_shapes.h"
 #endif
@@ -36,6 +41,13 @@ bool contains(const std::string& text, const std::string& word) {
 std::ptrdiff_t lines_with(const std::vector<std::string>& lines, const std::string& word) {
   return std::count_if(lines.begin(), lines.end(),
                        [&](const std::string& line) { return contains(line, word); });
+}
+
+// The n-th face of the shape, from 1.
+TopoDS_Face face_of(const TopoDS_Shape& shape, int number) {
+  TopExp_Explorer face(shape, TopAbs_FACE);
+  for (; number > 1; --number) face.Next();
+  return TopoDS::Face(face.Current());
 }
 
 TEST(StepTessellator, TakesSoundFacesAsTheyAre) {
@@ -129,6 +141,23 @@ TEST(StepTessellator, TriesCoarserDeflectionsAndSaysWhatTheyDeviate) {
   EXPECT_EQ(made.dropped, 0u);
   EXPECT_GE(made.deviation_mm, 0.2);
   EXPECT_EQ(tessellator.deviation_mm(), made.deviation_mm);
+}
+
+// OpenCASCADE gives top and bottom triangles that leave out the better part of the face.
+TEST(StepTessellator, DoesNotTakeTrianglesThatMissTheOutline) {
+  const TopoDS_Shape shape = crescent({-48, -53, -14}, {-0.4, -0.4, -0.5}, 0.3);
+  const TopoDS_Face top = face_of(shape, 3);
+  BRepMesh_IncrementalMesh(shape, 0.2, false, 0.35, false);
+  ASSERT_FALSE(mesh::triangles_of(top).empty());
+  EXPECT_FALSE(mesh::has_whole_outline(top));
+  EXPECT_FALSE(mesh::covers_edges(mesh::triangles_of(top), top, 0.8, 0.02));
+  BRepTools::Clean(shape);
+  EXPECT_EQ(tessellated(shape, 0.2).lost.size(), 2u);
+  for (int number = 1; number <= 6; ++number) {
+    const TopoDS_Shape box = BRepPrimAPI_MakeBox(10, 10, 10).Shape();
+    BRepMesh_IncrementalMesh(box, 0.2, false, 0.35, false);
+    EXPECT_TRUE(mesh::has_whole_outline(face_of(box, number)));
+  }
 }
 
 TEST(StepTessellator, MendsAFaceWhoseOutlineCrossesItself) {

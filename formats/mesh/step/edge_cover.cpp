@@ -4,38 +4,18 @@
 #include <BRep_Tool.hxx>
 #include <Bnd_Box.hxx>
 #include <GCPnts_TangentialDeflection.hxx>
+#include <Poly_PolygonOnTriangulation.hxx>
 #include <Poly_Triangulation.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopoDS.hxx>
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <iterator>
+#include <set>
+#include <utility>
 
 namespace forcelayer::mesh {
 namespace {
-
-using Corners = std::array<gp_XYZ, 3>;
-
-std::vector<Corners> triangles_near(const TopoDS_Shape& shape, const Bnd_Box& around) {
-  std::vector<Corners> triangles;
-  for (TopExp_Explorer face(shape, TopAbs_FACE); face.More(); face.Next()) {
-    TopLoc_Location location;
-    const Handle(Poly_Triangulation) made =
-        BRep_Tool::Triangulation(TopoDS::Face(face.Current()), location);
-    if (made.IsNull()) continue;
-    for (Standard_Integer i = 1; i <= made->NbTriangles(); ++i) {
-      Corners corners;
-      Bnd_Box box;
-      for (int n = 0; n < 3; ++n) {
-        const gp_Pnt node = made->Node(made->Triangle(i).Value(n + 1));
-        corners[static_cast<std::size_t>(n)] = node.Transformed(location.Transformation()).XYZ();
-        box.Add(gp_Pnt(corners[static_cast<std::size_t>(n)]));
-      }
-      if (!box.IsOut(around)) triangles.push_back(corners);
-    }
-  }
-  return triangles;
-}
 
 double distance_to_segment(const gp_XYZ& p, const gp_XYZ& a, const gp_XYZ& b) {
   const gp_XYZ side = b - a;
@@ -83,8 +63,64 @@ std::vector<gp_Pnt> edge_polygon(const TopoDS_Edge& edge, double tolerance_mm) {
   return polygon;
 }
 
-bool covers_edges(const TopoDS_Shape& shape, const TopoDS_Face& face, double distance_mm,
-                  double tolerance_mm) {
+bool has_whole_outline(const TopoDS_Face& face) {
+  using Side = std::pair<Standard_Integer, Standard_Integer>;
+  TopLoc_Location location;
+  const Handle(Poly_Triangulation) made = BRep_Tool::Triangulation(face, location);
+  if (made.IsNull()) return false;
+  std::set<Side> sides;
+  for (Standard_Integer i = 1; i <= made->NbTriangles(); ++i) {
+    const Poly_Triangle& triangle = made->Triangle(i);
+    for (int n = 0; n < 3; ++n) {
+      sides.insert(std::minmax({triangle.Value(n + 1), triangle.Value((n + 1) % 3 + 1)}));
+    }
+  }
+  for (TopExp_Explorer edge(face, TopAbs_EDGE); edge.More(); edge.Next()) {
+    const Handle(Poly_PolygonOnTriangulation) polygon =
+        BRep_Tool::PolygonOnTriangulation(TopoDS::Edge(edge.Current()), made, location);
+    if (polygon.IsNull()) return false;
+    const TColStd_Array1OfInteger& nodes = polygon->Nodes();
+    for (Standard_Integer i = nodes.Lower(); i < nodes.Upper(); ++i) {
+      const Standard_Integer from = nodes.Value(i), to = nodes.Value(i + 1);
+      if (made->Node(from).IsEqual(made->Node(to), 0)) continue;
+      if (!sides.contains(std::minmax({from, to}))) return false;
+    }
+  }
+  return true;
+}
+
+std::vector<Corners> triangles_of(const TopoDS_Shape& shape) {
+  std::vector<Corners> triangles;
+  for (TopExp_Explorer face(shape, TopAbs_FACE); face.More(); face.Next()) {
+    TopLoc_Location location;
+    const Handle(Poly_Triangulation) made =
+        BRep_Tool::Triangulation(TopoDS::Face(face.Current()), location);
+    if (made.IsNull()) continue;
+    for (Standard_Integer i = 1; i <= made->NbTriangles(); ++i) {
+      Corners& corners = triangles.emplace_back();
+      for (int n = 0; n < 3; ++n) {
+        const gp_Pnt node = made->Node(made->Triangle(i).Value(n + 1));
+        corners[static_cast<std::size_t>(n)] = node.Transformed(location.Transformation()).XYZ();
+      }
+    }
+  }
+  return triangles;
+}
+
+std::vector<Corners> triangles_of(const Mesh& mesh) {
+  std::vector<Corners> triangles;
+  for (const Triangle& triangle : mesh.triangles) {
+    Corners& corners = triangles.emplace_back();
+    for (std::size_t n = 0; n < 3; ++n) {
+      const auto& [x, y, z] = mesh.vertices[triangle[n]];
+      corners[n] = {x, y, z};
+    }
+  }
+  return triangles;
+}
+
+bool covers_edges(const std::vector<Corners>& triangles, const TopoDS_Face& face,
+                  double distance_mm, double tolerance_mm) {
   std::vector<std::vector<gp_Pnt>> polygons;
   Bnd_Box around;
   for (TopExp_Explorer edge(face, TopAbs_EDGE); edge.More(); edge.Next()) {
@@ -93,10 +129,16 @@ bool covers_edges(const TopoDS_Shape& shape, const TopoDS_Face& face, double dis
   }
   if (around.IsVoid()) return true;
   around.Enlarge(distance_mm);
-  const std::vector<Corners> triangles = triangles_near(shape, around);
+  std::vector<Corners> near;
+  std::copy_if(triangles.begin(), triangles.end(), std::back_inserter(near),
+               [&](const Corners& corners) {
+                 Bnd_Box box;
+                 for (const gp_XYZ& corner : corners) box.Add(gp_Pnt(corner));
+                 return !box.IsOut(around);
+               });
   for (const std::vector<gp_Pnt>& polygon : polygons) {
     for (std::size_t i = 1; i < polygon.size(); ++i) {
-      if (!covers_segment(triangles, polygon[i - 1].XYZ(), polygon[i].XYZ(),
+      if (!covers_segment(near, polygon[i - 1].XYZ(), polygon[i].XYZ(),
                           distance_mm - tolerance_mm)) {
         return false;
       }

@@ -25,9 +25,9 @@ namespace {
 constexpr double kAngularDeflectionRad = 0.35;  // 20 degrees: what small rounds need to stay round
 // Other deflections to try, in those that were asked for.
 constexpr double kFinerDeflections[] = {0.5, 0.25}, kCoarserDeflections[] = {2, 4};
-// In deflections: how far the edges of a face may be from its triangles once it was mended, and
+// In deflections: how far the edges of a face may be from triangles that do not end at them, and
 // polygons from edges in such tests.
-constexpr double kMendedReach = 2, kPolygonTolerance = 0.1;
+constexpr double kLooseReach = 2, kPolygonTolerance = 0.1;
 
 using Faces = std::vector<TopoDS_Face>;
 
@@ -38,16 +38,6 @@ Handle(Poly_Triangulation) triangulation_of(const TopoDS_Face& face, TopLoc_Loca
 
 void tessellate(const TopoDS_Shape& shape, double deflection_mm) {
   BRepMesh_IncrementalMesh(shape, deflection_mm, false, kAngularDeflectionRad, false);
-}
-
-Faces faces_without_triangles(const TopoDS_Shape& shape) {
-  Faces failed;
-  TopLoc_Location ignored;
-  for (TopExp_Explorer face(shape, TopAbs_FACE); face.More(); face.Next()) {
-    const TopoDS_Face& current = TopoDS::Face(face.Current());
-    if (triangulation_of(current, ignored).IsNull()) failed.push_back(current);
-  }
-  return failed;
 }
 
 LostFace lost_face(const TopoDS_Face& face) {
@@ -93,7 +83,7 @@ class ShapeTessellation {
   struct Attempt {
     TopoDS_Shape shape;
     Tessellation made;
-    Faces failed;  // without triangles, and not dropped
+    Faces failed;  // not tessellated, and not dropped
   };
 
   // What the tessellation of `shape` gives.
@@ -104,20 +94,26 @@ class ShapeTessellation {
     result.made.deflection_mm = deflection_mm;
     result.made.deviation_mm = deflection_mm;
     for (TopExp_Explorer face(shape, TopAbs_FACE); face.More(); face.Next()) {
-      add(TopoDS::Face(face.Current()), result.made);
+      const TopoDS_Face& current = TopoDS::Face(face.Current());
+      if (is_tessellated(current, deflection_mm)) {
+        add(current, deflection_mm, result.made);
+      } else {
+        result.failed.push_back(current);
+      }
     }
-    result.failed = faces_without_triangles(shape);
     return result;
   }
 
   // Drops the faces that leave no hole. Their edges are within a deviation of triangles of others.
   void drop_slivers(Attempt& result) const {
+    if (result.failed.empty()) return;
     Tessellation& made = result.made;
+    const std::vector<Corners> triangles = triangles_of(made.mesh);
     std::erase_if(result.failed, [&](const TopoDS_Face& face) {
       const double tolerance_mm = kPolygonTolerance * deflection_mm_;
       const double reach_mm = reach_from_edges(face, tolerance_mm);
       if (!(reach_mm <= deflection_mm_)) return false;
-      if (!covers_edges(result.shape, face, made.deviation_mm, tolerance_mm)) return false;
+      if (!covers_edges(triangles, face, made.deviation_mm, tolerance_mm)) return false;
       ++made.dropped;
       made.dropped_reach_mm = std::max(made.dropped_reach_mm, reach_mm);
       return true;
@@ -130,9 +126,6 @@ class ShapeTessellation {
     if (best.failed.empty() || !succeeds_alone(best.failed, deflection_mm)) return;
     BRepTools::Clean(shape_);
     tessellate(shape_, deflection_mm);
-    for (const TopoDS_Face& face : best.failed) {
-      if (is_wrong(face, deflection_mm)) return;
-    }
     keep_better(attempt(shape_, deflection_mm), best);
   }
 
@@ -142,18 +135,24 @@ class ShapeTessellation {
     if (other.failed.size() < best.failed.size()) best = std::move(other);
   }
 
-  // Whether the face has triangles that do not cover it.
-  bool is_wrong(const TopoDS_Face& face, double deflection_mm) const {
-    TopLoc_Location ignored;
-    return !triangulation_of(face, ignored).IsNull() && !is_sound(face, face, deflection_mm);
-  }
-
-  // Whether one of the faces, which are few, gets triangles: else the whole shape is not tried.
-  static bool succeeds_alone(const Faces& faces, double deflection_mm) {
+  // Whether one of the faces, which are few, succeeds: else the whole shape is not tried.
+  bool succeeds_alone(const Faces& faces, double deflection_mm) const {
     const TopoDS_Compound alone = compound_of(faces);
     BRepTools::Clean(alone);
     tessellate(alone, deflection_mm);
-    return faces_without_triangles(alone).size() < faces.size();
+    return std::any_of(faces.begin(), faces.end(), [&](const TopoDS_Face& face) {
+      return is_tessellated(face, deflection_mm);
+    });
+  }
+
+  // Whether the face has triangles, and they reach its outline.
+  bool is_tessellated(const TopoDS_Face& face, double deflection_mm) const {
+    TopLoc_Location ignored;
+    const Handle(Poly_Triangulation) made = triangulation_of(face, ignored);
+    return !made.IsNull() && (has_whole_outline(face) ||
+                              covers_edges(triangles_of(face), face,
+                                           reach_mm(std::max(deflection_mm, made->Deflection())),
+                                           kPolygonTolerance * deflection_mm_));
   }
 
   void try_mended(Attempt& best) const {
@@ -192,24 +191,29 @@ class ShapeTessellation {
     keep_better(std::move(other), best);
   }
 
-  // Whether the triangles of a face that was mended, or that failed at another deflection, stand
-  // for all of the face that it was.
+  // Whether the triangles of a mended face stand for all of the face that it was.
   bool is_sound(const TopoDS_Shape& mended, const TopoDS_Face& face, double deflection_mm) const {
-    TopExp_Explorer any(mended, TopAbs_FACE);
-    return any.More() && faces_without_triangles(mended).empty() &&
-           covers_edges(mended, face, reach_mm(deflection_mm), kPolygonTolerance * deflection_mm_);
+    std::uint64_t faces = 0;
+    for (TopExp_Explorer piece(mended, TopAbs_FACE); piece.More(); piece.Next(), ++faces) {
+      if (!is_tessellated(TopoDS::Face(piece.Current()), deflection_mm)) return false;
+    }
+    return faces > 0 && covers_edges(triangles_of(mended), face, reach_mm(deflection_mm),
+                                     kPolygonTolerance * deflection_mm_);
   }
 
-  // How far the edges of such a face may be from its triangles.
+  // How far the edges of a face may be from triangles that do not end at them.
   double reach_mm(double deflection_mm) const {
-    return kMendedReach * std::max(deflection_mm, deflection_mm_);
+    return kLooseReach * std::max(deflection_mm, deflection_mm_);
   }
 
-  void add(const TopoDS_Face& face, Tessellation& made) const {
+  void add(const TopoDS_Face& face, double deflection_mm, Tessellation& made) const {
     TopLoc_Location location;
     const Handle(Poly_Triangulation) triangulation = triangulation_of(face, location);
-    if (triangulation.IsNull()) return;
     made.deviation_mm = std::max(made.deviation_mm, triangulation->Deflection());
+    if (!has_whole_outline(face)) {
+      made.deviation_mm = std::max(made.deviation_mm,
+                                   reach_mm(std::max(deflection_mm, triangulation->Deflection())));
+    }
     Mesh& mesh = made.mesh;
     check_count(file_, mesh.vertices.size() + static_cast<std::uint64_t>(triangulation->NbNodes()),
                 "vertices");

@@ -10,7 +10,7 @@
 
 namespace forcelayer::mesh {
 
-// A face that got no triangles.
+// A face that got no triangles, or some that do not reach its outline.
 struct LostFace {
   Vec3d center_mm{};   // of the box around its edges, in the shape's frame
   double size_mm = 0;  // diagonal of that box
@@ -27,11 +27,11 @@ struct Tessellation {
   double deviation_mm = 0;  // how far a point of the shape may be from the triangles
 };
 
-// A shape whose faces do not all get triangles is tried again at finer deflections; the whole shape
-// each time, so that faces still meet at their edges. A face that then still has none is dropped
-// where that leaves no hole: all its edges belong to faces that have triangles, and no point of it
-// is farther than a deflection from them. For what is left coarser deflections are tried, and then
-// mending (ShapeFix).
+// A shape whose faces do not all get triangles that reach their outlines is tried again at finer
+// deflections; the whole shape each time, so that faces still meet at their edges. A face that then
+// still has none is dropped where that leaves no hole: all its edges belong to faces that have
+// triangles, and no point of it is farther than a deflection from them. For what is left coarser
+// deflections are tried, and then mending (ShapeFix).
 class StepTessellator {
  public:
   StepTessellator(const SourceFile& file, double deflection_mm)
