@@ -7,6 +7,11 @@
 
 namespace forcelayer {
 
+// Of the handle: the wrist of a hand as fast as max_speed_mps.
+inline double max_turn_radps(const RunRequest& request) {
+  return request.max_turn_radps.value_or(kTurnOfSpeedRadPerM * request.max_speed_mps);
+}
+
 inline loop::InputLimits input_limits(const RunRequest& request) {
   loop::InputLimits limits;
   limits.stale_s = request.stale_s;
@@ -18,6 +23,7 @@ inline loop::OutputLimits output_limits(const RunRequest& request, const Paramet
   limits.max_force_n = parameters.max_force_n;
   limits.max_torque_nm = parameters.max_torque_nm;
   limits.max_speed_mps = request.max_speed_mps;
+  limits.max_turn_radps = max_turn_radps(request);
   limits.stale_s = request.stale_s;
   return limits;
 }

@@ -9,6 +9,7 @@ namespace forcelayer::voxrun {
 namespace {
 
 constexpr double kMinRateHz = 1, kMaxRateHz = 100'000;
+constexpr double kLeast = 1e-3;  // of a speed limit: below it no hand could move
 
 Error usage(std::string where, std::string what, std::string mend) {
   return {ErrorCode::kUsage, "", std::move(where), std::move(what), std::move(mend)};
@@ -85,8 +86,12 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
   app.add_option("--stale-limit", texts_.stale,
                  "how long device or loop may be silent before the output trips (5ms)");
   app.add_option("--max-speed", options_.run.max_speed_mps,
-                 "of the handle, m/s; faster trips the output")
-      ->check(CLI::PositiveNumber);
+                 "of the handle, m/s, to 10; faster trips the output (5)")
+      ->check(CLI::Range(kLeast, kHighestMaxSpeedMps));
+  app.add_option(
+         "--max-turn", options_.run.max_turn_radps,
+         "of the handle, rad/s, to 100; faster trips the output (10 rad/m times --max-speed)")
+      ->check(CLI::Range(kLeast, kHighestMaxTurnRadps));
   app.add_flag("--without-watchdog", options_.without_watchdog,
                "use a device with motors that does not stop by itself");
   app.add_flag("--quiet", options_.quiet, "no report on the terminal");

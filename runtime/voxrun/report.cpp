@@ -10,6 +10,7 @@
 #include "formats/command/command.h"
 #include "runtime/model/simulation.h"
 #include "runtime/query/query_kernel.h"
+#include "runtime/run/limits.h"
 
 namespace forcelayer::voxrun {
 namespace {
@@ -177,6 +178,10 @@ void add_output(const RunFacts& facts, const loop::LoopStatistics& s, Json& json
   json["max_device_torque_nm"] = s.max_device_torque_nm;
   json["held_readings"] = s.held_readings;
   json["clutched_frames"] = s.clutched_frames;
+  const RunRequest& request = facts.options.run;
+  json["output_limits"] = {{"max_speed_mps", request.max_speed_mps},
+                           {"max_turn_radps", max_turn_radps(request)},
+                           {"stale_s", request.stale_s}};
   json["output_trips"] = facts.output_trips;
   if (!facts.device_counters.empty()) {
     Json& counters = json["device_counters"];

@@ -119,6 +119,10 @@ expect 0 'frames' floor.vox ball.pshell "${fast[@]}" --model paper --force tange
 expect 2 'reach' floor.vox ball.pshell "${fast[@]}" --reach 0,0,0,1,1
 expect 0 'scene in memory' floor.vox ball.pshell "${fast[@]}" --reach 50,50,50,51,51,51 --json far.json
 expect 2 'duration' floor.vox ball.pshell --duration 5
+expect 2 '--max-speed: .*10' floor.vox ball.pshell "${fast[@]}" --max-speed 11
+expect 2 '--max-turn: .*100' floor.vox ball.pshell "${fast[@]}" --max-turn 101
+expect 0 'frames' floor.vox ball.pshell "${fast[@]}" --max-speed 2 --json limits.json
+grep -q '"max_turn_radps": 20.0' limits.json || fail "no limit of the turning in the report"
 expect 2 'never end' floor.vox ball.pshell --as-fast-as-possible
 expect 2 'above zero' floor.vox ball.pshell "${fast[@]}" --mass -1
 expect 2 'line 3' floor.vox ball.pshell --motion <(printf 't_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0,0,1,0,0,0\n0,0,0,0,1,0,0,0\n') --as-fast-as-possible
