@@ -25,7 +25,7 @@ using loop::OutputGate;
 enum class Kind { kSound, kReady, kLate, kBad, kPassing, kLasting, kClutch, kSwap };
 constexpr Kind kKinds[] = {Kind::kSound,   Kind::kReady,   Kind::kLate,   Kind::kBad,
                            Kind::kPassing, Kind::kLasting, Kind::kClutch, Kind::kSwap};
-constexpr double kLateGain = 0.5;
+constexpr double kLateGain = 0.375;
 
 GateInput input_of(Kind kind) {
   GateInput in;
@@ -53,7 +53,7 @@ loop::GateLimits coarse(bool rearm_alone) {
   return limits;
 }
 
-// A state as far as it decides what follows: the bucket in fiftieths, the gain in quarters, the
+// A state as far as it decides what follows: the bucket in 400ths, the gain in eighths, the
 // frames since the last fault, whether the last frame was bad.
 struct Walker {
   OutputGate gate;
@@ -61,7 +61,7 @@ struct Walker {
   bool was_bad = false;
 
   auto key() const {
-    return std::tuple(gate.state(), std::lround(gate.gain() * 4), std::lround(gate.level() * 50),
+    return std::tuple(gate.state(), std::lround(gate.gain() * 8), std::lround(gate.level() * 400),
                       std::min(held, 4), was_bad);
   }
 };

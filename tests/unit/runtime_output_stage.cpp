@@ -295,6 +295,14 @@ TEST(OutputStage, NonsenseTripsAfterTheStaleLimit) {
   }
 }
 
+// What is gone is named, and not the nonsense before it.
+TEST(OutputStage, ALostDeviceIsNamedAfterNonsense) {
+  loop::OutputStage stage = armed(1);
+  expect_zero(stage, with_trouble(InputTrouble::kNotFinite), 5);
+  expect_zero(stage, with_trouble(InputTrouble::kDeviceLost), 1);
+  EXPECT_EQ(stage.last_trip(), TripCause::kDeviceLost);
+}
+
 TEST(OutputStage, AReadingThatGrowsOldFades) {
   loop::OutputStage stage = armed(1);
   loop::OutputFrame f = frame(1);
