@@ -19,7 +19,9 @@ inline double late_gain(double age_share) noexcept {
 
 class OutputWatch {
  public:
-  explicit OutputWatch(double stale_s = kStaleLimitS) : stale_s_(stale_s) {}
+  // No more than kStaleCeilingS, whatever is asked for.
+  explicit OutputWatch(double stale_s = kStaleLimitS)
+      : stale_s_(stale_s < kStaleCeilingS ? stale_s : kStaleCeilingS) {}
 
   // The wrench for the motors now. `newest` is the loop's last, written `age_s` ago. It fades with
   // age (late_gain). Beyond the stale limit it is zero, and stays so until the loop has written

@@ -69,7 +69,8 @@ struct RunRequest {
 
   DeviceCapabilities device = default_device();  // its ratings are never exceeded
   DevicePlacement placement;                     // of the device in the scene
-  double stale_s = kStaleLimitS;  // silence of device or caller that takes the output to zero
+  double stale_s = kStaleLimitS;  // silence of device or caller that takes the output to zero; of
+                                  // the device's never more than kStaleCeilingS
   double max_speed_mps = 5;       // of the handle at the device: faster trips the output; to 10
   std::optional<double> max_turn_radps;  // the same for its rotation; none: kTurnOfSpeedRadPerM
                                          // times max_speed_mps; to 100

@@ -1,6 +1,8 @@
 // The limits of input and output that a request asks for.
 #pragma once
 
+#include <algorithm>
+
 #include "forcelayer/run.h"
 #include "runtime/loop/input_source.h"
 #include "runtime/loop/output_stage.h"
@@ -14,7 +16,7 @@ inline double max_turn_radps(const RunRequest& request) {
 
 inline loop::InputLimits input_limits(const RunRequest& request) {
   loop::InputLimits limits;
-  limits.stale_s = request.stale_s;
+  limits.stale_s = std::min(request.stale_s, kStaleCeilingS);
   return limits;
 }
 
@@ -24,7 +26,7 @@ inline loop::OutputLimits output_limits(const RunRequest& request, const Paramet
   limits.max_torque_nm = parameters.max_torque_nm;
   limits.max_speed_mps = request.max_speed_mps;
   limits.max_turn_radps = max_turn_radps(request);
-  limits.stale_s = request.stale_s;
+  limits.stale_s = std::min(request.stale_s, kStaleCeilingS);
   return limits;
 }
 

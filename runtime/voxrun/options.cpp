@@ -84,7 +84,7 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
                  "device button that holds the part while the hand moves (hardware: 0)")
       ->check(CLI::Range(0, 31));
   app.add_option("--stale-limit", texts_.stale,
-                 "how long device or loop may be silent before the output trips (5ms)");
+                 "how long device or loop may be silent before the output trips, to 50ms (5ms)");
   app.add_option("--max-speed", options_.run.max_speed_mps,
                  "of the handle, m/s, to 10; faster trips the output (5)")
       ->check(CLI::Range(kLeast, kHighestMaxSpeedMps));
@@ -152,6 +152,10 @@ Status OptionParser::read_safety(Options& options) const {
   const auto seconds = command::parse_duration(texts_.stale);
   if (!seconds) return about("--stale-limit", seconds.error());
   if (!(*seconds > 0)) return usage("--stale-limit", "must be above zero", "");
+  if (*seconds > kStaleCeilingS) {
+    return usage("--stale-limit", "is above 50ms, for which a hand would feel a force of the past",
+                 "give 50ms or less");
+  }
   options.run.stale_s = *seconds;
   return {};
 }

@@ -123,6 +123,9 @@ expect 2 '--max-speed: .*10' floor.vox ball.pshell "${fast[@]}" --max-speed 11
 expect 2 '--max-turn: .*100' floor.vox ball.pshell "${fast[@]}" --max-turn 101
 expect 0 'frames' floor.vox ball.pshell "${fast[@]}" --max-speed 2 --json limits.json
 grep -q '"max_turn_radps": 20.0' limits.json || fail "no limit of the turning in the report"
+expect 2 '--stale-limit: is above 50ms' floor.vox ball.pshell "${fast[@]}" --stale-limit 51ms
+expect 0 'frames' floor.vox ball.pshell "${fast[@]}" --stale-limit 50ms
+expect 2 '--rate: is too slow for a device with motors' floor.vox ball.pshell --device plugin --plugin none.so --rate 49
 expect 2 'never end' floor.vox ball.pshell --as-fast-as-possible
 expect 2 'above zero' floor.vox ball.pshell "${fast[@]}" --mass -1
 expect 2 'line 3' floor.vox ball.pshell --motion <(printf 't_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0,0,1,0,0,0\n0,0,0,0,1,0,0,0\n') --as-fast-as-possible

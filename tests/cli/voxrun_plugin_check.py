@@ -10,15 +10,19 @@ import os
 import signal
 import subprocess
 import tempfile
+import threading
 import time
 
 BIN = os.environ["FORCELAYER_BIN_DIR"]
 SLACK_S = 0.4  # beside the stale limit, for everything to be noticed and to pass
-STALE_S = 0.25
-AT_ONCE = 4  # runs at a time: each is three processes that wake a thousand times a second
+STALE_S = 0.05
+AT_ONCE = 2  # runs at a time: each is three processes that wake a thousand times a second
 
 
 def command(name, arguments, extra=()):
+    for left in ("csv", "csv.part", "json", "now"):  # by a try before this one
+        if os.path.exists(f"{name}.{left}"):
+            os.remove(f"{name}.{left}")
     return [f"{BIN}/voxrun", "floor.vox", "ball.pshell", "--device", "plugin", "--plugin",
             f"{BIN}/fault_plugin.so", "--plugin-args", f"log={name}.csv {arguments}",
             "--world-from-device", "0.1,0.1,0.06", "--json", f"{name}.json", "--quiet",
@@ -26,6 +30,7 @@ def command(name, arguments, extra=()):
 
 
 STARTED = []
+MINE = threading.local()  # processes of the check that runs on this thread
 
 
 def run(arguments, **more):
@@ -33,6 +38,7 @@ def run(arguments, **more):
     process = subprocess.Popen(arguments, stderr=said, stdout=subprocess.DEVNULL, **more)
     process.said = said
     STARTED.append(process)
+    MINE.processes.append(process)
     return process
 
 
@@ -40,6 +46,27 @@ def said(process):
     """On stderr, so far."""
     process.said.seek(0)
     return process.said.read()
+
+
+# What a machine with more to do does to a loop: it is late by more than the stale limit.
+LATE = "the loop was late", "took the motors to zero by itself", "no fresh reading"
+
+
+def in_time(check):
+    """Runs a check; one whose loop was late is made again."""
+    for tries_left in reversed(range(8)):
+        MINE.processes = []
+        try:
+            return check()
+        except AssertionError:
+            late = any(text in said(process) for process in MINE.processes for text in LATE)
+            if not late or not tries_left:
+                raise
+            for process in MINE.processes:
+                if process.poll() is None:
+                    process.kill()
+                process.wait()
+            time.sleep(2)  # its device writes its log to the end
 
 
 def wait_until(true, process, what):
@@ -274,7 +301,7 @@ def the_example():
     finish(run(
         [f"{BIN}/voxrun", "floor.vox", "ball.pshell", "--device", "plugin", "--plugin",
          f"{BIN}/spring_plugin.so", "--world-from-device", "0.1,0.1,0.055", "--duration", "4s",
-         "--stale-limit", "250ms", "--json", "example.json", "--quiet"]), 0)
+         "--stale-limit", "50ms", "--json", "example.json", "--quiet"]), 0)
     report = json.load(open("example.json"))
     assert report["max_device_force_n"] > 0.3 and report["output_trips"] == 0, report
 
@@ -286,7 +313,7 @@ CHECKS = (*(functools.partial(device_fault, fault) for fault in FAULTS),
           a_file_that_is_cut_short, a_trip_that_waits, refusals, the_example)
 try:
     with concurrent.futures.ThreadPoolExecutor(AT_ONCE) as pool:
-        for check in [pool.submit(check) for check in CHECKS]:
+        for check in [pool.submit(in_time, check) for check in CHECKS]:
             check.result()
 finally:
     for process in STARTED:
