@@ -47,6 +47,9 @@ TEST(OutputWatch, AnAgeThatIsNoNumberIsTooOld) {
   watch.pass({}, 0);
   EXPECT_EQ(watch.pass(kPush, 0 / 0.0).force_n.x, 0);
   EXPECT_TRUE(watch.latched());
+  watch.pass({}, 0);
+  EXPECT_EQ(watch.pass(kPush, -1e9).force_n.x, 0);  // written in a time to come
+  EXPECT_TRUE(watch.latched());
 }
 
 }  // namespace
