@@ -100,8 +100,8 @@ Json capabilities_json(const DeviceCapabilities& c) {
 
 std::string capabilities_text(const DeviceCapabilities& c) {
   std::string line =
-      text("device %s: senses %d axes, drives %d, at most %.4g N and %.4g N m", c.name.c_str(),
-           std::popcount(c.sensed_axes), std::popcount(c.actuated_axes),
+      text("device %s: senses %d axes, drives %d, at most %.4g N and %.4g N m",
+           escaped(c.name).c_str(), std::popcount(c.sensed_axes), std::popcount(c.actuated_axes),
            drives_force(c) ? c.max_force_n : 0, drives_torque(c) ? c.max_torque_nm : 0);
   if (c.workspace_radius_m > 0) line += text(", workspace %.3g m about it", c.workspace_radius_m);
   if (c.rate_hz > 0) line += text(", %.6g Hz", c.rate_hz);

@@ -153,7 +153,7 @@ loop::LoopOptions loop_options(const Options& options, const Session& session,
 
 void print_warnings(const RunFacts& facts, std::size_t first) {
   for (std::size_t i = first; i < facts.warnings.size(); ++i) {
-    std::fprintf(stderr, "voxrun: warning: %s\n", facts.warnings[i].c_str());
+    std::fprintf(stderr, "voxrun: warning: %s\n", escaped(facts.warnings[i]).c_str());
   }
 }
 
