@@ -3,6 +3,7 @@
 #include <array>
 #include <vector>
 
+#include "formats/pshell.h"
 #include "formats/pshell_sections.h"
 #include "formats/section_table.h"
 
@@ -56,7 +57,11 @@ PaddedLayout lay_out(const PshellContent& content) {
 
 Result<std::uint64_t> write_pshell(const std::filesystem::path& path,
                                    const PshellContent& content) {
-  return write_layout(path, lay_out(content).layout);
+  const auto check = [](MappedFile file, std::string_view name) {
+    const auto shell = Pshell::from_file(std::move(file), name);
+    return shell ? Status() : shell.error();
+  };
+  return write_layout(path, lay_out(content).layout, check);
 }
 
 std::vector<std::byte> pshell_bytes(const PshellContent& content) {

@@ -354,12 +354,22 @@ std::vector<std::byte> bytes_of(const FileLayout& layout) {
   return bytes;
 }
 
-Result<std::uint64_t> write_layout(const std::filesystem::path& path, const FileLayout& layout) {
+Result<std::uint64_t> write_layout(const std::filesystem::path& path, const FileLayout& layout,
+                                   ReaderCheck check) {
   auto file = AtomicFile::create(path);
   if (!file) return file.error();
   if (Status written = file->write(layout.front); !written) return written.error();
   for (const auto& piece : layout.pieces) {
     if (Status written = file->write(piece); !written) return written.error();
+  }
+  auto written = file->read_back();
+  if (!written) return written.error();
+  if (!written->bytes().empty()) {
+    if (Status sound = check(std::move(*written), path.string()); !sound) {
+      return Error{ErrorCode::kInternal, path.string(), "",
+                   "not written, because its reader would refuse it: " + to_line(sound.error()),
+                   "report this with the input"};
+    }
   }
   if (Status committed = file->commit(); !committed) return committed.error();
   return layout.file_bytes;

@@ -93,7 +93,12 @@ FileLayout lay_out_file(std::span<const std::byte> header, const HeaderRule& rul
 // All bytes of `layout`, one after the other.
 std::vector<std::byte> bytes_of(const FileLayout& layout);
 
-// Writes `layout` to `path` atomically; returns the file's size.
-Result<std::uint64_t> write_layout(const std::filesystem::path& path, const FileLayout& layout);
+// Whether a reader accepts a file; the name is for its errors.
+using ReaderCheck = Status (*)(MappedFile file, std::string_view name);
+
+// Writes `layout` to `path` atomically; returns the file's size. What its reader would refuse is
+// not written: kInternal.
+Result<std::uint64_t> write_layout(const std::filesystem::path& path, const FileLayout& layout,
+                                   ReaderCheck check);
 
 }  // namespace forcelayer

@@ -37,6 +37,20 @@ Box shifted(Box box, const Voxel& by, std::int64_t sign) {
   return box;
 }
 
+Voxel scaled(const Voxel& at, std::int64_t edge) {
+  return {at[0] * edge, at[1] * edge, at[2] * edge};
+}
+
+// Makes `box` hold `other` too.
+void extend(Box& box, const Box& other) {
+  if (other.empty()) return;
+  if (box.empty()) box = other;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    box.low[axis] = std::min(box.low[axis], other.low[axis]);
+    box.high[axis] = std::max(box.high[axis], other.high[axis]);
+  }
+}
+
 Box cube(std::int64_t edge) { return {{0, 0, 0}, {edge, edge, edge}}; }
 
 // The content of a node or brick: the number of voxels of values 1, 2 and 3, and their tight box
@@ -47,13 +61,8 @@ struct Summary {
 
   void add(const Summary& child, const Voxel& at) {
     if (child.tight.empty()) return;
-    const Box box = shifted(child.tight, at, 1);
-    if (tight.empty()) tight = box;
-    for (std::size_t n = 0; n < 3; ++n) {
-      counts[n] += child.counts[n];
-      tight.low[n] = std::min(tight.low[n], box.low[n]);
-      tight.high[n] = std::max(tight.high[n], box.high[n]);
-    }
+    extend(tight, shifted(child.tight, at, 1));
+    for (std::size_t n = 0; n < 3; ++n) counts[n] += child.counts[n];
   }
 };
 
@@ -75,25 +84,14 @@ class Summaries {
         }
       }
     }
+    group_cells();
   }
 
   const Summary& scene() const { return scene_; }
 
   // Whether a box, relative to the directory's origin, holds a voxel that is not free.
   bool holds_non_free(const Box& box) const {
-    const Box overlap = intersection(box, scene_.tight);
-    if (overlap.empty()) return false;
-    const auto& dims = view_.directory_dims;
-    for (std::int64_t x = overlap.low[0] >> 9; x <= (overlap.high[0] - 1) >> 9; ++x) {
-      for (std::int64_t y = overlap.low[1] >> 9; y <= (overlap.high[1] - 1) >> 9; ++y) {
-        for (std::int64_t z = overlap.low[2] >> 9; z <= (overlap.high[2] - 1) >> 9; ++z) {
-          const std::uint32_t entry = view_.directory[(x * dims[1] + y) * dims[2] + z];
-          const Voxel at{x * kUpperNodeEdge, y * kUpperNodeEdge, z * kUpperNodeEdge};
-          if (entry_holds_non_free(entry, kUpperNodeEdge, shifted(overlap, at, -1))) return true;
-        }
-      }
-    }
-    return false;
+    return group_holds_non_free(groups_.size(), {0, 0, 0}, box);
   }
 
  private:
@@ -169,8 +167,73 @@ class Summaries {
     return entry_holds_non_free(entries[std::uint64_t{node} * kNodeEntries + n], edge / 8, box);
   }
 
+  // Tight boxes of 4^3 directory cells, of 4^3 such groups, and so on up to one group. Without
+  // them, a look around every free cell of a scene of n cells in a row would take n^2 steps.
+  void group_cells() {
+    std::array<std::int64_t, 3> dims;
+    for (std::size_t axis = 0; axis < 3; ++axis) dims[axis] = view_.directory_dims[axis];
+    while (std::max({dims[0], dims[1], dims[2]}) > 1) {
+      const std::array<std::int64_t, 3> below = dims;
+      for (std::int64_t& cells : dims) cells = (cells + kGroupEdge - 1) / kGroupEdge;
+      Groups groups{dims, std::vector<Box>(static_cast<std::size_t>(dims[0] * dims[1] * dims[2]))};
+      for (std::int64_t x = 0; x < below[0]; ++x) {
+        for (std::int64_t y = 0; y < below[1]; ++y) {
+          for (std::int64_t z = 0; z < below[2]; ++z) {
+            const Voxel at{x / kGroupEdge, y / kGroupEdge, z / kGroupEdge};
+            extend(groups.tight[groups.index(at)], tight_box(groups_.size(), {x, y, z}));
+          }
+        }
+      }
+      groups_.push_back(std::move(groups));
+    }
+  }
+
+  // Of directory cell `at` at level 0, of a group above it; relative to the directory's origin.
+  Box tight_box(std::size_t level, const Voxel& at) const {
+    if (level > 0) return groups_[level - 1].tight[groups_[level - 1].index(at)];
+    const Box box = of_entry(cell(at), kUpperNodeEdge, upper_).tight;
+    return box.empty() ? box : shifted(box, scaled(at, kUpperNodeEdge), 1);
+  }
+
+  // Level 0: directory cell `at`; else a group.
+  bool group_holds_non_free(std::size_t level, const Voxel& at, const Box& box) const {
+    if (level == 0) {
+      const Voxel low = scaled(at, kUpperNodeEdge);
+      return entry_holds_non_free(cell(at), kUpperNodeEdge, shifted(box, low, -1));
+    }
+    const Box overlap = intersection(box, tight_box(level, at));
+    if (overlap.empty()) return false;
+    std::int64_t edge = kUpperNodeEdge;  // of the cells or groups below
+    for (std::size_t n = 1; n < level; ++n) edge *= kGroupEdge;
+    for (std::int64_t x = overlap.low[0] / edge; x * edge < overlap.high[0]; ++x) {
+      for (std::int64_t y = overlap.low[1] / edge; y * edge < overlap.high[1]; ++y) {
+        for (std::int64_t z = overlap.low[2] / edge; z * edge < overlap.high[2]; ++z) {
+          if (group_holds_non_free(level - 1, {x, y, z}, overlap)) return true;
+        }
+      }
+    }
+    return false;
+  }
+
+  std::uint32_t cell(const Voxel& at) const {
+    const auto& dims = view_.directory_dims;
+    return view_.directory[(at[0] * dims[1] + at[1]) * dims[2] + at[2]];
+  }
+
+  static constexpr std::int64_t kGroupEdge = 4;
+
+  struct Groups {
+    std::array<std::int64_t, 3> dims;
+    std::vector<Box> tight;
+
+    std::size_t index(const Voxel& at) const {
+      return static_cast<std::size_t>((at[0] * dims[1] + at[1]) * dims[2] + at[2]);
+    }
+  };
+
   const Voxmap& map_;
   const VoxmapView& view_;
+  std::vector<Groups> groups_;  // from the smallest on
   std::vector<Summary> bricks_, lower_, upper_;
   Summary scene_;
 };

@@ -1,6 +1,7 @@
 #include "formats/voxmap_writer.h"
 
 #include "formats/section_table.h"
+#include "formats/voxmap.h"
 #include "formats/voxmap_sections.h"
 
 namespace forcelayer {
@@ -24,7 +25,11 @@ FileLayout lay_out(const VoxmapContent& content) {
 
 Result<std::uint64_t> write_voxmap(const std::filesystem::path& path,
                                    const VoxmapContent& content) {
-  return write_layout(path, lay_out(content));
+  const auto check = [](MappedFile file, std::string_view name) {
+    const auto map = Voxmap::from_file(std::move(file), name);
+    return map ? Status() : map.error();
+  };
+  return write_layout(path, lay_out(content), check);
 }
 
 std::vector<std::byte> voxmap_bytes(const VoxmapContent& content) {

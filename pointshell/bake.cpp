@@ -223,6 +223,10 @@ Result<BakedShell> bake(part::Part part, const ShellOptions& options,
   const std::vector<double> weights = sample::area_weights(cells, ordered);
   shell.covered_area_m2 = std::accumulate(weights.begin(), weights.end(), 0.0);
   fill_points(ordered, normals, weights, shell);
+  if (std::all_of(shell.weight_m2.begin(), shell.weight_m2.end(), [](float w) { return w == 0; })) {
+    return Error{ErrorCode::kMeshEmpty, "", "", "the part's area is too small for single precision",
+                 "check --units"};
+  }
   fill_header(options, mass, ordered, radius, part, shell);
   stages.end();
   return shell;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "formats/command/command.h"
+#include "formats/command/output_file.h"
 #include "formats/command/progress_line.h"
 #include "formats/command/quantity.h"
 #include "formats/pshell.h"
@@ -125,14 +126,16 @@ void warn(const Arguments& arguments, const std::string& text) {
   if (!arguments.quiet) std::fprintf(stderr, "pointshell: warning: %s\n", escaped(text).c_str());
 }
 
-Result<part::Part> load_part(const Arguments& arguments) {
+// Prints and keeps the warnings of the reading.
+Result<part::Part> load_part(const Arguments& arguments, std::vector<std::string>& warnings) {
   const auto units = units_option(arguments.units);
   if (!units) return units.error();
   const auto reader = arguments.trust.reader();
   if (!reader) return reader.error();
   auto files = part::read_part(arguments.inputs, *units, *reader);
   if (!files) return files.error();
-  for (const std::string& warning : files->warnings) warn(arguments, warning);
+  warnings = std::move(files->warnings);
+  for (const std::string& warning : warnings) warn(arguments, warning);
   return std::move(files->part);
 }
 
@@ -166,10 +169,14 @@ Status bake_command(const Arguments& arguments) {
   if (!options) return options.error();
   command::ProgressLine progress(arguments.quiet);
   progress.show("read", 0);
-  auto part = load_part(arguments);
+  std::vector<std::string> warnings;
+  auto part = load_part(arguments, warnings);
   if (!part) return part.error();
   const std::string imprecise = part::precision_warning(*part, options->voxel_size_m);
-  if (!imprecise.empty()) warn(arguments, imprecise);
+  if (!imprecise.empty()) {
+    warnings.push_back(imprecise);
+    warn(arguments, imprecise);
+  }
   const double read_s = now_s() - started_s;
   auto shell = bake_shell(*part, *options, [&](const std::string& stage, double share_done) {
     progress.show(stage, share_done);
@@ -189,6 +196,7 @@ Status bake_command(const Arguments& arguments) {
   report["peak_rss_bytes"] = command::peak_rss_bytes();
   report["file_bytes"] = *written;
   report["threads"] = arguments.threads;
+  report["warnings"] = warnings;
   return command::write_report(arguments.json, report);
 }
 
@@ -213,7 +221,8 @@ Status verify_command(const Arguments& arguments) {
   const double started_s = now_s();
   const auto shell = Pshell::open(arguments.shell, Verify::kStructureAndChecksums);
   if (!shell) return shell.error();
-  const auto part = load_part(arguments);
+  std::vector<std::string> warnings;
+  const auto part = load_part(arguments, warnings);
   if (!part) return part.error();
   certificate::CoveringProof proof;
   part::with_threads(arguments.threads, [&] { proof = verify_shell(*shell, *part); });
@@ -226,7 +235,8 @@ Status verify_command(const Arguments& arguments) {
                                         {"certificate_pieces", proof.pieces},
                                         {"holes", proof.holes.size()},
                                         {"seconds", {{"total", now_s() - started_s}}},
-                                        {"peak_rss_bytes", command::peak_rss_bytes()}};
+                                        {"peak_rss_bytes", command::peak_rss_bytes()},
+                                        {"warnings", warnings}};
     if (Status written = command::write_report(arguments.json, report); !written) return written;
   }
   if (!proof.proven) return open_surface(arguments, *shell, proof);
@@ -252,7 +262,13 @@ int main(int argc, char** argv) {
   int exit_code = 0;
   if (!command::parse_arguments(app, argc, argv, exit_code)) return exit_code;
   command::exit_cleanly_on_signals();
-  return command::run_command("pointshell", [&] {
+  return command::run_command("pointshell", [&]() -> Status {
+    std::vector<std::string> inputs = arguments.inputs;
+    inputs.push_back(arguments.shell);
+    const command::OutputFile outputs[] = {
+        {"--output", &arguments.output, command::FileKind::kPshell},
+        {"--json", &arguments.json, command::FileKind::kReport}};
+    if (Status s = command::prepare_outputs(outputs, inputs); !s) return s;
     return arguments.verify ? verify_command(arguments) : bake_command(arguments);
   });
 }

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "formats/command/command.h"
+#include "formats/command/output_file.h"
 #include "formats/command/progress_line.h"
 #include "formats/command/quantity.h"
 #include "formats/mesh/scene.h"
@@ -259,6 +260,21 @@ void print_narrow_passages(const Bake& bake) {
   if (found == 0) std::printf("no cavity opens at half the voxel size\n");
 }
 
+std::vector<std::string> warnings_of(const mesh::Scene& scene, const cache::MeshSource& meshes,
+                                     const BakeOptions& options) {
+  std::vector<std::string> warnings = all_warnings(scene, meshes.outlines(scene), options);
+  if (options.cache != nullptr && options.cache->trouble()) {
+    warnings.push_back("nothing was kept in the cache " + *options.cache->trouble());
+  }
+  return warnings;
+}
+
+void print_warnings(const std::vector<std::string>& warnings) {
+  for (const std::string& warning : warnings) {
+    std::fprintf(stderr, "voxelize: warning: %s\n", escaped(warning).c_str());
+  }
+}
+
 // The plan reads the meshes and does not use the cache.
 Status print_plan(const Arguments& arguments, const mesh::Scene& scene, cache::MeshSource& meshes,
                   BakeOptions options) {
@@ -271,9 +287,15 @@ Status print_plan(const Arguments& arguments, const mesh::Scene& scene, cache::M
   }
   const auto plan = plan_bakes(objects, options);
   if (!plan) return plan.error();
-  if (!arguments.quiet) std::fputs(table_of(*plan).c_str(), stdout);
+  const std::vector<std::string> warnings = warnings_of(scene, meshes, options);
+  if (!arguments.quiet) {
+    print_warnings(warnings);
+    std::fputs(table_of(*plan).c_str(), stdout);
+  }
   if (arguments.json_path.empty()) return {};
-  return command::write_report(arguments.json_path, report_of(*plan));
+  nlohmann::ordered_json report = report_of(*plan);
+  report["warnings"] = warnings;
+  return command::write_report(arguments.json_path, report);
 }
 
 void print_shard(const Arguments& arguments, const Bake& bake) {
@@ -317,17 +339,6 @@ Result<std::vector<mesh::MeshFacts>> facts_of(const mesh::Scene& scene, cache::M
     all.push_back(*facts);
   }
   return all;
-}
-
-void print_warnings(const mesh::Scene& scene, const cache::MeshSource& meshes,
-                    const BakeOptions& options, const cache::CacheFolder* cache) {
-  std::vector<std::string> warnings = all_warnings(scene, meshes.outlines(scene), options);
-  if (cache != nullptr && cache->trouble()) {
-    warnings.push_back("nothing was kept in the cache " + *cache->trouble());
-  }
-  for (const std::string& warning : warnings) {
-    std::fprintf(stderr, "voxelize: warning: %s\n", escaped(warning).c_str());
-  }
 }
 
 Status voxelize(const Arguments& arguments) {
@@ -376,8 +387,9 @@ Status voxelize(const Arguments& arguments) {
   run.total_s = clock.total_s();
   progress.clear();
 
+  run.warnings = warnings_of(*scene, meshes, *options);
   if (!arguments.quiet) {
-    print_warnings(*scene, meshes, *options, options->cache);
+    print_warnings(run.warnings);
     is_shard ? print_shard(arguments, *bake) : print_summary(arguments.output, *bake, run);
     if (arguments.narrow_passages) print_narrow_passages(*bake);
   }
@@ -393,7 +405,13 @@ int run(int argc, char** argv) {
   declare(app, arguments);
   int exit_code = 0;
   if (!command::parse_arguments(app, argc, argv, exit_code)) return exit_code;
-  return command::run_command("voxelize", [&] { return voxelize(arguments); });
+  return command::run_command("voxelize", [&]() -> Status {
+    const command::OutputFile outputs[] = {
+        {"--output", &arguments.output, command::FileKind::kVoxmap},
+        {"--json", &arguments.json_path, command::FileKind::kReport}};
+    const Status prepared = command::prepare_outputs(outputs, arguments.inputs);
+    return prepared ? voxelize(arguments) : prepared;
+  });
 }
 
 }  // namespace

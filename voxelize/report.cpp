@@ -91,7 +91,8 @@ Json report_of(const Bake& bake, std::span<const mesh::MeshFacts> facts, const B
             {"total", run.total_s}}},
           {"peak_rss_bytes", command::peak_rss_bytes()},
           {"file_bytes", run.file_bytes},
-          {"threads", run.threads}};
+          {"threads", run.threads},
+          {"warnings", run.warnings}};
 }
 
 }  // namespace forcelayer::voxelize

@@ -3,6 +3,8 @@
 
 #include <nlohmann/json_fwd.hpp>
 #include <span>
+#include <string>
+#include <vector>
 
 #include "formats/mesh/mesh_facts.h"
 #include "voxelize/bake.h"
@@ -13,6 +15,7 @@ struct BakeFacts {
   double read_s = 0, write_s = 0, total_s = 0;
   std::uint64_t file_bytes = 0;
   int threads = 0;
+  std::vector<std::string> warnings;  // as they are printed
 };
 
 // `facts` are those of the objects' meshes.

@@ -114,6 +114,7 @@ Result<AtomicFile> AtomicFile::create(const fs::path& target) {
     return file;
   }
   if (Status opened = file.open_temporary(); !opened) return opened.error();
+  if (exists) file.take_over(status);
   return file;
 }
 
@@ -133,10 +134,26 @@ Status AtomicFile::open_temporary() {
   return {};
 }
 
+// Only root may give a file away; a member of a group may give it to the group.
+void AtomicFile::take_over(const struct stat& old) noexcept {
+  struct stat own {};
+  if (::fstat(descriptor_, &own) != 0) return;
+  const bool same_owner = own.st_uid == old.st_uid && own.st_gid == old.st_gid;
+  if (!same_owner && ::fchown(descriptor_, old.st_uid, old.st_gid) != 0 &&
+      ::fchown(descriptor_, own.st_uid, old.st_gid) != 0) {
+    return;  // another group's rights are not for ours
+  }
+  ::fchmod(descriptor_, old.st_mode & 0777);
+}
+
 Status AtomicFile::write(std::span<const std::byte> bytes) {
   const int failed = write_all(descriptor_, bytes);
   if (failed != 0) return write_error(failed);
   return {};
+}
+
+Result<MappedFile> AtomicFile::read_back() const {
+  return temporary_.empty() ? Result<MappedFile>(MappedFile()) : MappedFile::open(temporary_);
 }
 
 Status AtomicFile::commit() {

@@ -1,11 +1,14 @@
 // Writing a file so that a reader sees all of the old bytes or all of the new ones.
 #pragma once
 
+#include <sys/stat.h>
+
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <span>
 
+#include "formats/file/mapped_file.h"
 #include "formats/result.h"
 
 namespace forcelayer {
@@ -13,7 +16,8 @@ namespace forcelayer {
 // A temporary file in the target's folder, renamed over the target by commit(). Without commit()
 // the temporary is removed and the target stays as it was. The same holds when SIGINT, SIGTERM or
 // SIGHUP ends the process, after a call of exit_cleanly_on_signals(). A target that is a symbolic
-// link stays one: the file that it points to is replaced. A device, a pipe or an open descriptor
+// link stays one: the file that it points to is replaced. The new file has the old one's owner,
+// group and mode, as far as the user may give them. A device, a pipe or an open descriptor
 // (/dev/stdout) is written to directly.
 class AtomicFile {
  public:
@@ -24,11 +28,15 @@ class AtomicFile {
   static Result<AtomicFile> create(const std::filesystem::path& target);
 
   Status write(std::span<const std::byte> bytes);  // appends
-  Status commit();                                 // flush to disk, rename, flush the folder
+  // What was written so far, to be checked before commit(); empty where it cannot be read back,
+  // because the target is written to directly.
+  Result<MappedFile> read_back() const;
+  Status commit();  // flush to disk, rename, flush the folder
 
  private:
   AtomicFile() = default;
   Status open_temporary();
+  void take_over(const struct stat& old) noexcept;  // owner, group and mode, where we may
   void discard() noexcept;
   Error write_error(int number) const;
 

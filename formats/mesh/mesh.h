@@ -52,7 +52,7 @@ struct Assembly {
 
 struct ReadOptions {
   double deflection_m = 1e-4;  // of triangles from exact surfaces (STEP, IGES)
-  bool allow_outside = false;  // whether a glTF file may name buffers outside its own folder
+  bool allow_outside = false;  // whether a glTF or STEP file may name files outside its own folder
 };
 
 // Reads STL, OBJ, PLY, OFF, OM, DRC, glTF/GLB (by content where the format has a signature, else by

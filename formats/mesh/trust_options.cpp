@@ -18,7 +18,7 @@ void TrustOptions::declare(CLI::App& app) {
       ->check(CLI::Range(kLeastMemoryBytes, std::uint64_t{1} << 46));
   app.add_option("--sandbox-time", sandbox_time, "time for one file, such as 30s (default 5min)");
   app.add_flag("--allow-outside", allow_outside,
-               "let a manifest or a glTF file name files outside its own folder");
+               "let a manifest, a glTF or a STEP file name files outside its own folder");
 }
 
 Result<AssemblyReader> TrustOptions::reader() const {

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/command/command.h"
+#include "formats/command/output_file.h"
 #include "formats/voxinfo/export.h"
 #include "formats/voxinfo/facts.h"
 #include "formats/voxinfo/sample.h"
@@ -88,6 +89,9 @@ int run(int argc, char** argv) {
   int exit_code = 0;
   if (!command::parse_arguments(app, argc, argv, exit_code)) return exit_code;
   return command::run_command("voxinfo", [&]() -> Status {
+    const command::OutputFile outputs[] = {{"OUT", &out, command::FileKind::kExport},
+                                           {"--json", &json_path, command::FileKind::kReport}};
+    if (Status s = command::prepare_outputs(outputs, {&path, 1}); !s) return s;
     if (*verify) return verify_file(path, quiet);
     if (*sample) return sample_file(path, quiet);
     if (*export_to) return export_file(path, out);

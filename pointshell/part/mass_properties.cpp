@@ -47,18 +47,41 @@ struct Integrals {
   }
 };
 
-// Inertia per unit mass about the centroid, from integrals about an origin.
-std::array<double, 6> inertia_about_centroid(const Integrals& integrals, const Vec3& centroid) {
+// Second moments per unit mass about the centroid, from integrals about an origin.
+Moments moments_about_centroid(const Integrals& integrals, const Vec3& centroid) {
   Moments m = integrals.second;
   for (double& moment : m) moment /= integrals.measure;
   Integrals::accumulate(m, products(centroid, centroid), -1);
+  return m;
+}
+
+std::array<double, 6> inertia_of(const Moments& m) {
   return {m[1] + m[2], m[0] + m[2], m[0] + m[1], -m[3], -m[4], -m[5]};
 }
 
-Vec3 middle_of_box(const Part& part) {
+// Whether some distribution of mass has these moments: the matrix has no eigenvalue below zero. A
+// surface that crosses itself bounds some volume inside out, which counts as negative mass.
+bool are_physical(const Moments& m) {
+  const auto [xx, yy, zz, xy, xz, yz] = m;
+  const double size = std::abs(xx) + std::abs(yy) + std::abs(zz);
+  const double rounding = 1e-12 * size;  // a flat plate's least moment may be that far below zero
+  if (!(std::min({xx, yy, zz}) >= -rounding)) return false;
+  const double minors[] = {xx * yy - xy * xy, xx * zz - xz * xz, yy * zz - yz * yz};
+  if (!(*std::min_element(std::begin(minors), std::end(minors)) >= -rounding * size)) return false;
+  const double determinant =
+      xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz);
+  return determinant >= -rounding * size * size;
+}
+
+bool holds(const Box& box, const Vec3& place) {
+  return place.x >= box.low.x && place.y >= box.low.y && place.z >= box.low.z &&
+         place.x <= box.high.x && place.y <= box.high.y && place.z <= box.high.z;
+}
+
+Box box_of_vertices(const Part& part) {
   Box box;
   for (const Vec3& v : part.vertices) box.grow(v);
-  return 0.5 * (box.low + box.high);
+  return box;
 }
 
 }  // namespace
@@ -86,7 +109,8 @@ bool is_closed(std::span<const mesh::Triangle> triangles) {
 }
 
 MassProperties mass_properties(const Part& part) {
-  const Vec3 origin = middle_of_box(part);
+  const Box box = box_of_vertices(part);
+  const Vec3 origin = 0.5 * (box.low + box.high);
   Integrals surface, solid;
   for (std::size_t t = 0; t < part.triangles.size(); ++t) {
     auto [a, b, c] = triangle_piece(part, t);
@@ -98,13 +122,18 @@ MassProperties mass_properties(const Part& part) {
   properties.area_m2 = surface.measure;
   // A volume that is only rounding belongs to a sheet folded onto itself.
   const bool solid_enough = solid.measure > 1e-9 * std::pow(surface.measure, 1.5);
-  const bool from_volume = solid_enough && is_closed(part.triangles);
+  const auto centroid_of = [](const Integrals& integrals) {
+    return (1 / integrals.measure) * integrals.first;
+  };
+  const bool from_volume = solid_enough && is_closed(part.triangles) &&
+                           holds(box, origin + centroid_of(solid)) &&
+                           are_physical(moments_about_centroid(solid, centroid_of(solid)));
   const Integrals& integrals = from_volume ? solid : surface;
   properties.source = from_volume ? MassSource::kVolume : MassSource::kArea;
   properties.volume_m3 = from_volume ? solid.measure : 0;
-  const Vec3 centroid = (1 / integrals.measure) * integrals.first;
+  const Vec3 centroid = centroid_of(integrals);
   properties.centroid = origin + centroid;
-  properties.inertia_m2 = inertia_about_centroid(integrals, centroid);
+  properties.inertia_m2 = inertia_of(moments_about_centroid(integrals, centroid));
   return properties;
 }
 

@@ -24,9 +24,10 @@ struct MassProperties {
 // theorem holds for the body that they bound.
 bool is_closed(std::span<const mesh::Triangle> triangles);
 
-// Computed from the volume where the part is closed and its volume positive, else from the area as
-// of a thin sheet. Triangles must face outwards. The integrals are those of Eberly, "Polyhedral
-// Mass Properties", 2002, over tetrahedra about the middle of the part.
+// Computed from the volume where the part is closed, its volume positive and its moments those of
+// some mass (a surface that crosses itself can have others), else from the area as of a thin sheet.
+// Triangles must face outwards. The integrals are those of Eberly, "Polyhedral Mass Properties",
+// 2002, over tetrahedra about the middle of the part.
 MassProperties mass_properties(const Part& part);
 
 }  // namespace forcelayer::part

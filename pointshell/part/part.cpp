@@ -142,7 +142,10 @@ std::vector<std::vector<std::uint32_t>> triangles_by_body(const Part& part) {
 }
 
 Part relative_to(Part part, const Vec3& origin) {
-  for (Vec3& vertex : part.vertices) vertex = vertex - origin;
+  for (Vec3& vertex : part.vertices) {
+    vertex = vertex - origin;
+    part.largest_coordinate = std::max(part.largest_coordinate, max_abs(vertex));
+  }
   return part;
 }
 

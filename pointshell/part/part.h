@@ -24,8 +24,9 @@ struct Part {
   std::uint64_t input_triangles = 0;       // over all instances
   std::uint64_t duplicate_triangles = 0;   // dropped: corners, orientation and body of another
   std::uint64_t degenerate_triangles = 0;  // kept and covered, although they have no area
-  double largest_coordinate = 0;           // m, absolute, of any vertex as given
-  bool single_precision = false;           // whether any file stores 32-bit vertices
+  double largest_coordinate =
+      0;  // m, absolute, of any vertex, as given or moved: all rounding follows it
+  bool single_precision = false;  // whether any file stores 32-bit vertices
   double deviation_m = 0;  // of the triangles from exact surfaces that a file holds (STEP, IGES)
 };
 

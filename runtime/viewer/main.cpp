@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/command/command.h"
+#include "formats/command/output_file.h"
 #include "runtime/viewer/plan/keys.h"
 #include "runtime/viewer/plan/options.h"
 #include "runtime/viewer/plan/picture_plan.h"
@@ -69,6 +70,16 @@ Status draw(const ViewOptions& options, const ViewScene& scene, RunFeed feed) {
   return show_window(scene, options, *plan, std::move(feed));
 }
 
+Status prepare_outputs(ViewOptions& options) {
+  std::vector<std::string> inputs = options.inputs.inputs;
+  inputs.insert(inputs.end(), {options.inputs.before, options.inputs.part, options.run});
+  const command::OutputFile outputs[] = {
+      {"--screenshot", &options.screenshot, command::FileKind::kPicture},
+      {"--json", &options.json, command::FileKind::kReport},
+      {"--frame-times", &options.frame_times, command::FileKind::kReport}};
+  return command::prepare_outputs(outputs, inputs);
+}
+
 Status find_screen(const ViewOptions& options, char** argv) {
   const bool endless =
       options.screenshot.empty() && options.frame_times.empty() && !options.duration_s;
@@ -80,8 +91,9 @@ Status find_screen(const ViewOptions& options, char** argv) {
 }
 
 Status run(const ViewOptionParser& parser, char** argv) {
-  const auto options = parser.finish();
+  auto options = parser.finish();
   if (!options) return options.error();
+  if (Status s = prepare_outputs(*options); !s) return s;
   if (Status screen = find_screen(*options, argv); !screen) return screen;
   const auto scene = load_view_scene(options->inputs);
   if (!scene) return scene.error();

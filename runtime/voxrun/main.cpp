@@ -9,6 +9,7 @@
 
 #include "formats/command/command.h"
 #include "formats/command/number_option.h"
+#include "formats/command/output_file.h"
 #include "runtime/voxrun/doctor.h"
 #include "runtime/voxrun/options.h"
 #include "runtime/voxrun/session.h"
@@ -30,6 +31,17 @@ void end_loop_on_signals() {
     action.sa_flags = static_cast<int>(SA_RESETHAND);  // a second one ends the process
     sigaction(number, &action, nullptr);
   }
+}
+
+forcelayer::Status prepare_outputs(forcelayer::voxrun::Options& options) {
+  using forcelayer::command::FileKind;
+  const std::string inputs[] = {options.run.scene.string(), options.run.part.string(),
+                                options.motion, options.replay, options.plugin};
+  const forcelayer::command::OutputFile outputs[] = {
+      {"--json", &options.json, FileKind::kReport},
+      {"--trace", &options.trace, FileKind::kTable},
+      {"--record", &options.record, FileKind::kRecording}};
+  return forcelayer::command::prepare_outputs(outputs, inputs);
 }
 
 // voxrun doctor [...]: argv begins with "doctor".
@@ -57,8 +69,9 @@ int main(int argc, char** argv) {
   if (!forcelayer::command::parse_arguments(app, argc, argv, status)) return status;
   end_loop_on_signals();
   status = forcelayer::command::run_command("voxrun", [&]() -> forcelayer::Status {
-    const auto options = parser.finish();
+    auto options = parser.finish();
     if (!options) return options.error();
+    if (forcelayer::Status s = prepare_outputs(*options); !s) return s;
     return forcelayer::voxrun::run_session(*options, stop_signal);
   });
   const int ended_by = stop_signal.load();

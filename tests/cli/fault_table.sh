@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Every test that the table of faults names exists, and every fault of the scripts is in the table.
+# Every test that the tables of faults and of CAD traps name exists, and every fault of the scripts is in the table.
 set -euo pipefail
 exec python3 - "$FORCELAYER_SOURCE_DIR/tests" <<'PYTHON'
 import pathlib, re, sys
@@ -46,6 +46,17 @@ for script in ("voxelize_faults", "voxrun_faults"):
             wrong.append(f"the table lacks {script} ({fault})")
 if len(rows) < 30:
     wrong.append(f"only {len(rows)} rows")
+traps = [line for line in (tests.parent / "formats/mesh/traps.md").read_text().splitlines() if line.startswith("| ")][1:]
+for row in traps:
+    entries = re.findall(r"`(\w+)\.(\w+)`", row.strip("| ").split(" | ")[-1])
+    if not entries:
+        wrong.append(f"no test: {row}")
+    for group, rest in entries:
+        there = (tests / "cli" / f"{rest}.sh").exists() if group == "cli" else f"{group}.{rest}" in declared
+        if not there:
+            wrong.append(f"no such test: {group}.{rest}")
+if len(traps) < 10:
+    wrong.append(f"only {len(traps)} traps")
 print("\n".join(wrong) or f"{len(rows)} faults, every test there")
 sys.exit(bool(wrong))
 PYTHON

@@ -38,7 +38,7 @@ cat >scene.json <<JSON
   {"name": "feature", "mesh": "$feature", "translation": ["1m", 0, 0], "mesh_deviation": "0.3mm"},
   {"name": "mesh", "mesh": "one.stl", "units": "mm", "translation": [0, "2m", 0]}]}
 JSON
-bake scene scene.json
+bake placed scene.json
 # One sub-tree, as the command line and the manifest name it.
 bake rod "$clamp#rod-assembly_1" --voxel-size 4mm
 printf '{"voxel_size": "4mm", "parts": [{"mesh": "%s"}]}' "$clamp#rod-assembly_1" >rod_manifest.json
@@ -51,7 +51,7 @@ for size in 4mm 1mm 4mm 1mm; do
 done
 
 rows clamp_4mm >clamp.rows
-rows scene >scene.rows
+rows placed >scene.rows
 python3 - <<'PYTHON' || fail "figures of the reports"
 import json
 def report(name): return json.load(open(name + ".json"))
@@ -66,7 +66,7 @@ for r in reports:
     assert 0.01 < share < 0.012, share
     closed = [p for p in r["parts"] if p["boundary_edges"] == 0 and p["interior_voxels"] > 0]
     assert r["voxel_size_m"] > 1e-3 or len(closed) == 18, [p["name"] for p in r["parts"] if p not in closed]
-feature, scene = report("feature_4mm"), report("scene")
+feature, scene = report("feature_4mm"), report("placed")
 # The worst part's: what its faces deviate and what the manifest declares on top.
 assert abs(scene["static_deviation_m"] - feature["static_deviation_m"] - 3e-4) < 1e-9, scene["static_deviation_m"]
 assert scene["triangles"] == reports[0]["triangles"] + feature["triangles"] + 1
@@ -75,6 +75,44 @@ def voxels(path):
 moved = {(i + 7, j, k - 3, value) for i, j, k, value in voxels("clamp.rows")}
 there = {v for v in voxels("scene.rows") if v[0] < 200 and v[1] < 400}
 assert moved and moved == there, (len(moved), len(there))
+PYTHON
+
+# Parts in files of their own: the same voxels, also in the sandbox; what is missing or lies elsewhere is one line.
+mkdir -p external/home
+(cd external/home && "$bin/make_step_assembly" clamp.step MM external) || exit 1
+part=external/home/clamp.step
+for more in "" --sandbox; do
+  "$bin/voxelize" $part --voxel-size 4mm -o parts.vox --quiet $more 2>err || fail "external references $more: $(cat err)"
+  cmp -s <(rows parts) clamp.rows || fail "external references give other voxels $more"
+done
+refuse() {  # refuse STATUS TEXT OPTIONS...: by both commands, with nothing written
+  local status=$1 text=$2
+  shift 2
+  for command in "voxelize --voxel-size 4mm -o no.vox" "pointshell --voxel-size 4mm -o no.pshell"; do
+    "$bin/"$command $part --quiet "$@" 2>err
+    [ $? = "$status" ] && [ "$(wc -l <err)" = 1 ] && grep -qF -- "$text" err || fail "$command $*, not '$text': $(cat err)"
+    [ ! -e no.vox ] && [ ! -e no.pshell ] || fail "$command $*: a file was written"
+  done
+}
+mv external/home/rod.stp external/rod.stp
+refuse 1 "clamp/rod-assembly_1/rod_1: its shape is in the file 'rod.stp', which is missing"
+sed -i "s|'rod.stp'|'../rod.stp'|" $part
+for more in --quiet --sandbox; do
+  refuse 3 "clamp/rod-assembly_1/rod_1: its shape is in the file '../rod.stp', which leads outside the folder" $more
+  "$bin/voxelize" $part --voxel-size 4mm -o parts.vox --quiet --allow-outside $more 2>err || fail "--allow-outside $more: $(cat err)"
+  cmp -s <(rows parts) clamp.rows || fail "--allow-outside gives other voxels $more"
+done
+# What is read from another place is a warning, on the terminal and in the reports.
+mv external/rod.stp external/home
+"$bin/voxelize" $part --voxel-size 4mm -o parts.vox --json parts.json >out 2>err || fail "by name: $(cat err)"
+"$bin/pointshell" $part --voxel-size 4mm -o parts.pshell --effort fast --json shell.json >out 2>>err || fail "by name: $(cat err)"
+[ "$(grep -c "warning: .*its file '../rod.stp' was read from external/home/rod.stp" err)" = 2 ] || fail "warnings: $(cat err)"
+"$bin/voxelize" $part --voxel-size 4mm --plan --json plan.json >out 2>err || fail "plan: $(cat err)"
+python3 - <<'PYTHON' || fail "warnings of the reports"
+import json
+for name in ("parts", "shell", "plan"):
+    warnings = json.load(open(name + ".json"))["warnings"]
+    assert len([w for w in warnings if "was read from external/home/rod.stp" in w]) == 1, (name, warnings)
 PYTHON
 
 finish

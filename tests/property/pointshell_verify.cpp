@@ -75,7 +75,7 @@ TEST(Verify, RefusesAFileThatLacksAPoint) {
   }
 }
 
-TEST(Verify, EndsForARadiusThatNoShellHas) {
+TEST(Verify, EndsForARadiusAndACenterThatNoShellHas) {
   const test::ScratchFolder scratch;
   const auto file = scratch / "box.obj";
   test::write_file(file, test::as_obj(box_mesh(1, 2, 0.5)));
@@ -89,6 +89,14 @@ TEST(Verify, EndsForARadiusThatNoShellHas) {
     const auto path = scratch / "part.pshell";
     ASSERT_TRUE(write_pshell(path, shell.content()).ok());
     EXPECT_EQ(verify_status(path, file), 4) << radius;
+  }
+  // Centers so far away that the part's corners cannot be told apart from there.
+  shell.header.covering_radius_m = 0.05;
+  for (const double x : {1e13, 1e20, 1e300}) {
+    shell.header.center_m = {x, 0, 0};
+    const auto path = scratch / "part.pshell";
+    ASSERT_TRUE(write_pshell(path, shell.content()).ok());
+    EXPECT_EQ(verify_status(path, file), 4) << x;
   }
 }
 

@@ -1,5 +1,7 @@
-// make_step_assembly FILE.step: writes an assembly of 18 instances of five parts: a plate, two
-// angle brackets with three bolts and nuts each, and a rod with a nut on either end. Millimeters.
+// make_step_assembly FILE.step [UNIT [external]]: writes an assembly of 18 instances of five parts:
+// a plate, two angle brackets with three bolts and nuts each, and a rod with a nut on either end.
+// UNIT is that of the lengths below: MM (default), INCH or M. With "external" each part goes to a
+// file of its own in the working folder.
 #include <BRepAlgoAPI_Cut.hxx>
 #include <BRepAlgoAPI_Fuse.hxx>
 #include <BRepBuilderAPI_MakeFace.hxx>
@@ -7,6 +9,7 @@
 #include <BRepPrimAPI_MakeBox.hxx>
 #include <BRepPrimAPI_MakeCylinder.hxx>
 #include <BRepPrimAPI_MakePrism.hxx>
+#include <Interface_Static.hxx>
 #include <Message.hxx>
 #include <Message_Messenger.hxx>
 #include <STEPCAFControl_Writer.hxx>
@@ -120,13 +123,17 @@ void fill(const Handle(TDocStd_Document) & document) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 2) return std::fputs("usage: make_step_assembly FILE.step\n", stderr), 2;
+  if (argc < 2 || argc > 4) {
+    return std::fputs("usage: make_step_assembly FILE.step [UNIT [external]]\n", stderr), 2;
+  }
   Message::DefaultMessenger()->ChangePrinters().Clear();
   Handle(TDocStd_Document) document;
   XCAFApp_Application::GetApplication()->NewDocument("BinXCAF", document);
   fill(document);
   STEPCAFControl_Writer writer;
   writer.SetNameMode(true);
-  if (!writer.Transfer(document)) return 1;
+  if (argc > 2 && !Interface_Static::SetCVal("write.step.unit", argv[2])) return 1;
+  const char* const prefix_of_external_files = argc > 3 ? "" : nullptr;
+  if (!writer.Transfer(document, STEPControl_AsIs, prefix_of_external_files)) return 1;
   return writer.Write(argv[1]) == IFSelect_RetDone ? 0 : 1;
 }

@@ -107,6 +107,27 @@ TEST(AtomicFile, HasTheModeOfAnOrdinaryFile) {
   EXPECT_EQ(status.st_mode & 0777, 0644u);
 }
 
+TEST(AtomicFile, KeepsOwnerAndModeOfTheOldFile) {
+  const ScratchFolder folder;
+  const std::string path = (folder.path() / "scene.vox").string();
+  write_text(path, "first");
+  ASSERT_EQ(::chmod(path.c_str(), 0460), 0);
+  constexpr uid_t kOther = 12345;  // nobody here
+  const bool is_root = ::geteuid() == 0;
+  if (is_root) {
+    ASSERT_EQ(::chown(path.c_str(), kOther, kOther + 1), 0);
+  }
+  write_text(path, "second");
+  struct stat status {};
+  ASSERT_EQ(::stat(path.c_str(), &status), 0);
+  EXPECT_EQ(content_of(path), "second");
+  EXPECT_EQ(status.st_mode & 0777, 0460u);
+  EXPECT_EQ(status.st_uid, is_root ? kOther : ::geteuid());
+  if (is_root) {
+    EXPECT_EQ(status.st_gid, kOther + 1);
+  }
+}
+
 TEST(AtomicFile, TakesLongNames) {
   const ScratchFolder folder;
   const fs::path path = folder.path() / std::string(255, 'x');

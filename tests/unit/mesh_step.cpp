@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <numbers>
+#include <utility>
 
 #include "formats/mesh/mesh_facts.h"
 #include "tests/support/mesh_files.h"
@@ -50,6 +52,68 @@ TEST_F(StepAssembly, GivesClosedSolidsThatFaceOutwards) {
     EXPECT_TRUE(facts.closed);
     EXPECT_TRUE(facts.consistently_oriented);
     EXPECT_GT(facts.signed_volume, 0);
+  }
+}
+
+// A product of make_step_assembly: how its box lies and what it holds, in the unit of the file.
+struct MadePart {
+  mesh::Vec3d min, max;
+  double volume;
+};
+
+// Closed forms of the shapes in make_step_assembly.cpp.
+MadePart made_part(const std::string& instance) {
+  const double root3 = std::sqrt(3.0), pi = std::numbers::pi;
+  const std::string name = instance.substr(instance.rfind('/') + 1);
+  if (name.starts_with("nut")) {
+    return {{-10, -5 * root3, 0}, {10, 5 * root3, 8}, 8 * (150 * root3 - 25 * pi)};
+  }
+  if (name.starts_with("rod")) return {{-5, -5, 0}, {5, 5, 200}, 200 * 25 * pi};
+  if (name.starts_with("bolt")) {
+    return {{-9, -4.5 * root3, -40}, {9, 4.5 * root3, 6}, 6 * 121.5 * root3 + 40 * 25 * pi};
+  }
+  if (name.starts_with("bracket")) return {{0, 0, 0}, {60, 100, 60}, 110000 - 4 * 10 * 25 * pi};
+  return {{0, 0, 0}, {180, 150, 20}, 180 * 150 * 20};
+}
+
+// Names, places, boxes and volumes in every unit are those that the assembly was made with.
+TEST(StepUnits, MillimeterInchAndMeter) {
+  const ScratchFolder folder;
+  for (const auto& [unit, unit_mm] : {std::pair{"MM", 1.0}, {"INCH", 25.4}, {"M", 1000.0}}) {
+    const std::string path = folder / (std::string(unit) + ".step");
+    const std::string command = FORCELAYER_BIN_DIR "/make_step_assembly " + path + " " + unit;
+    ASSERT_EQ(std::system(command.c_str()), 0);
+    const double deflection_mm = 1e-3 * unit_mm;
+    const auto assembly = mesh::read_assembly(path, {.deflection_m = deflection_mm * 1e-3});
+    ASSERT_TRUE(assembly) << to_line(assembly.error());
+    EXPECT_EQ(assembly->meters_per_unit, 1e-3);
+    ASSERT_EQ(assembly->instances.size(), 18u);
+    for (const mesh::MeshInstance& instance : assembly->instances) {
+      const MadePart made = made_part(instance.name);
+      const mesh::MeshFacts facts = mesh::mesh_facts(assembly->meshes[instance.mesh]);
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        EXPECT_NEAR(facts.min[axis], made.min[axis] * unit_mm, deflection_mm) << instance.name;
+        EXPECT_NEAR(facts.max[axis], made.max[axis] * unit_mm, deflection_mm) << instance.name;
+      }
+      const double volume_mm3 = made.volume * std::pow(unit_mm, 3);
+      EXPECT_NEAR(facts.signed_volume / volume_mm3, 1, 1e-3) << instance.name;
+    }
+    const auto place = [&](const char* name) {
+      const auto found = std::find_if(assembly->instances.begin(), assembly->instances.end(),
+                                      [&](const auto& each) { return each.name == name; });
+      EXPECT_NE(found, assembly->instances.end()) << name;
+      return found->assembly_from_mesh.translation;
+    };
+    const auto expect_at = [&](const char* name, const mesh::Vec3d& made) {
+      const mesh::Vec3d at = place(name);
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        EXPECT_NEAR(at[axis], made[axis] * unit_mm, 1e-9 * unit_mm) << name;
+      }
+    };
+    expect_at("clamp/rod-assembly_1/rod_1", {90, 75, 20});
+    expect_at("clamp/rod-assembly_1/nut_2", {90, 75, 202});
+    expect_at("clamp/bracket-assembly_2/nut-bolt-assembly_1/bolt_1", {130, 105, 30});
+    expect_at("clamp/plate_1", {0, 0, 0});
   }
 }
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <numbers>
+#include <random>
 
 #include "tests/support/part_support.h"
 
@@ -110,6 +111,39 @@ TEST(MassProperties, ASheetFoldedOntoItselfHasNoVolume) {
   const part::MassProperties actual = part::mass_properties(part_of(mesh));
   EXPECT_EQ(actual.source, MassSource::kArea);
   EXPECT_DOUBLE_EQ(actual.area_m2, 1);
+}
+
+// Whether `inertia` is that of some mass: no second moment is negative in any of many directions.
+bool is_inertia_of_a_mass(const std::array<double, 6>& inertia, std::mt19937_64& random) {
+  const auto& [xx, yy, zz, xy, xz, yz] = inertia;
+  const double half_trace = (xx + yy + zz) / 2;
+  std::normal_distribution<double> normal;
+  for (int n = 0; n < 2000; ++n) {
+    part::Vec3 u{normal(random), normal(random), normal(random)};
+    u = (1 / part::length(u)) * u;
+    const double about_u = xx * u.x * u.x + yy * u.y * u.y + zz * u.z * u.z +
+                           2 * (xy * u.x * u.y + xz * u.x * u.z + yz * u.y * u.z);
+    if (half_trace - about_u < -1e-9 * half_trace) return false;
+  }
+  return true;
+}
+
+TEST(MassProperties, OfBoxesThatCrossThemselvesAreThoseOfSomeMass) {
+  int from_area = 0, from_volume = 0;
+  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+    std::mt19937_64 random(seed);
+    std::uniform_real_distribution<double> coordinate(-1, 1);
+    mesh::Mesh mesh = box_mesh(1, 1, 1);
+    for (mesh::Vec3d& v : mesh.vertices) {
+      v = {coordinate(random), coordinate(random), coordinate(random)};
+    }
+    const part::MassProperties actual = part::mass_properties(part_of(mesh));
+    EXPECT_TRUE(is_inertia_of_a_mass(actual.inertia_m2, random)) << "seed " << seed;
+    EXPECT_LE(part::max_abs(actual.centroid), 1) << "seed " << seed;
+    (actual.source == MassSource::kArea ? from_area : from_volume) += 1;
+  }
+  EXPECT_GT(from_area, 50);
+  EXPECT_GT(from_volume, 20);
 }
 
 }  // namespace

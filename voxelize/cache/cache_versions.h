@@ -8,8 +8,9 @@
 
 namespace forcelayer::cache {
 
-// ... a reader gives another mesh for the same file, or the record changes.
-inline constexpr std::uint32_t kAssemblyCacheVersion = 1;
+// ... a reader gives another mesh for the same file, or refuses it, or the record changes.
+// 2: STEP and IGES files of which faces are lost are refused.
+inline constexpr std::uint32_t kAssemblyCacheVersion = 2;
 
 // ... mesh_facts() gives other facts for the same mesh, or the record changes.
 inline constexpr std::uint32_t kFactsCacheVersion = 1;

@@ -1,22 +1,25 @@
-// STEP and IGES through OpenCASCADE: the assembly tree with names and placings, every face
-// tessellated to a given deflection. OpenCASCADE turns all units into millimeters.
+// STEP and IGES through OpenCASCADE: the assembly tree with names and placings, over all files that
+// it is spread over, every face tessellated to a given deflection. OpenCASCADE turns all units into
+// millimeters.
 #include <Message.hxx>
 #include <Message_Messenger.hxx>
 #include <Standard_Failure.hxx>
 #include <TDF_LabelSequence.hxx>
-#include <TDF_Tool.hxx>
 #include <TDataStd_Name.hxx>
 #include <TDocStd_Document.hxx>
 #include <XCAFDoc_DocumentTool.hxx>
 #include <XCAFDoc_ShapeTool.hxx>
 #include <algorithm>
+#include <filesystem>
 #include <map>
+#include <memory>
 #include <mutex>
-#include <sstream>
 
 #include "formats/mesh/node_names.h"
 #include "formats/mesh/reader.h"
 #include "formats/mesh/readers/step_document.h"
+#include "formats/mesh/readers/step_faces.h"
+#include "formats/mesh/readers/step_references.h"
 #include "formats/mesh/readers/step_tessellator.h"
 
 namespace forcelayer::mesh {
@@ -47,16 +50,37 @@ std::string name_of(const TDF_Label& label) {
   return name.c_str();
 }
 
+// A file of the assembly: the one that the user named, or one that another refers to.
+struct OpenFile {
+  SourceFile source;
+  StepDocument content;
+};
+
+struct Product {
+  const OpenFile* file = nullptr;
+  TDF_Label label;  // null where it only holds the roots of a file
+};
+
+TDF_LabelSequence roots_of(const OpenFile& file) {
+  TDF_LabelSequence roots;
+  XCAFDoc_DocumentTool::ShapeTool(file.content.document->Main())->GetFreeShapes(roots);
+  return roots;
+}
+
+bool is_step_name(const std::string& name) {
+  const std::string extension = lower_case_extension(name);
+  return extension == ".stp" || extension == ".step" || extension == ".igs" || extension == ".iges";
+}
+
 class StepReader {
  public:
   explicit StepReader(const SourceFile& file)
       : file_(file), tessellator_(file, file.options.deflection_m / kMetersPerMillimeter) {}
 
   Assembly read() {
-    const Handle(TDocStd_Document) document = read_step_document(file_);
-    TDF_LabelSequence roots;
-    XCAFDoc_DocumentTool::ShapeTool(document->Main())->GetFreeShapes(roots);
-    add_level(roots, nullptr, Affine{});
+    const OpenFile& top = open(file_, "");
+    chain_.push_back(&top);
+    add_level(top, roots_of(top), nullptr, Affine{});
     const auto [first, last] = find_sub_tree(file_, names_);
     for (std::size_t i = first; i < last; ++i) place(i);
     if (assembly_.instances.empty()) {
@@ -69,66 +93,172 @@ class StepReader {
   }
 
  private:
-  void add_level(const TDF_LabelSequence& labels, const NodeName* parent,
+  void add_level(const OpenFile& file, const TDF_LabelSequence& labels, const NodeName* parent,
                  const Affine& assembly_from_parent) {
     std::set<std::string> used;
     for (TDF_LabelSequence::Iterator label(labels); label.More(); label.Next()) {
-      add_node(label.Value(), parent, used, assembly_from_parent);
+      add_node({&file, label.Value()}, parent, used, assembly_from_parent);
     }
   }
 
   // An instance bears its own name, else its product's.
-  void add_node(const TDF_Label& label, const NodeName* parent, std::set<std::string>& used,
+  void add_node(Product product, const NodeName* parent, std::set<std::string>& used,
                 const Affine& assembly_from_parent) {
-    TDF_Label product = label;
-    const bool refers = XCAFDoc_ShapeTool::GetReferredShape(label, product);
+    const TDF_Label label = product.label;
+    const bool refers = XCAFDoc_ShapeTool::GetReferredShape(label, product.label);
     std::string name = name_of(label);
-    if (name.empty()) name = name_of(product);
+    if (name.empty()) name = name_of(product.label);
     if (name.empty()) name = "node" + std::to_string(names_.size());
     const NodeName node = name_node(name, parent, used);
     if (node.depth > kDeepestNode)
       fail_read(file_, ErrorCode::kMeshUnsupported, "", "nested too deep", "export the file again");
+    // A referring label carries the placing; a product that stands alone has it in its shape.
+    Affine placing =
+        refers ? compose(assembly_from_parent, affine_of(XCAFDoc_ShapeTool::GetLocation(label)))
+               : assembly_from_parent;
+    const std::size_t files = chain_.size();
+    const TDF_LabelSequence components = follow_references(product, placing, node.path);
     names_.push_back(node);
     products_.push_back(product);
-    // A referring label carries the placing; a product that stands alone has it in its shape.
-    placings_.push_back(
-        refers ? compose(assembly_from_parent, affine_of(XCAFDoc_ShapeTool::GetLocation(label)))
-               : assembly_from_parent);
-    TDF_LabelSequence components;
-    if (!XCAFDoc_ShapeTool::GetComponents(product, components)) return;
-    const Affine placing = placings_.back();
-    add_level(components, &node, placing);
+    placings_.push_back(placing);
+    add_level(*product.file, components, &node, placing);
+    chain_.resize(files);
+  }
+
+  // The components of a product. Where its shape is in another file, that file's root takes its
+  // place; where there are several roots, they are its components.
+  TDF_LabelSequence follow_references(Product& product, Affine& placing, const std::string& node) {
+    for (;;) {
+      TDF_LabelSequence components;
+      const bool has_shape = XCAFDoc_ShapeTool::GetComponents(product.label, components) ||
+                             count_faces(XCAFDoc_ShapeTool::GetShape(product.label)) > 0 ||
+                             product.file->content.triangles.contains(entry_of(product.label));
+      const auto& references = product.file->content.references;
+      const auto found = references.find(entry_of(product.label));
+      if (found == references.end()) return components;
+      if (has_shape) {
+        if (warned_of_.insert(product.file->source.path + "#" + found->first).second)
+          warn_of_unread(found->second, node);
+        return components;
+      }
+      const OpenFile& other = open_reference(*product.file, found->second, node);
+      const TDF_LabelSequence roots = roots_of(other);
+      product = {&other, {}};
+      if (roots.Length() != 1) return roots;
+      product.label = roots.First();
+      if (XCAFDoc_ShapeTool::GetReferredShape(roots.First(), product.label)) {
+        placing = compose(placing, affine_of(XCAFDoc_ShapeTool::GetLocation(roots.First())));
+      }
+    }
+  }
+
+  const OpenFile& open_reference(const OpenFile& from,
+                                 const std::vector<std::vector<std::string>>& references,
+                                 const std::string& node) {
+    const auto chosen = std::find_if(references.begin(), references.end(), [](const auto& names) {
+      return std::any_of(names.begin(), names.end(), is_step_name);
+    });
+    if (chosen == references.end()) {
+      fail_read(from.source, ErrorCode::kMeshUnsupported, node,
+                "its shape is in the file " + in_quotes(references.front().front()) +
+                    ", which is neither STEP nor IGES",
+                "export the assembly into one STEP file");
+    }
+    const auto [path, is_elsewhere] = find_reference(from.source, file_, *chosen, node);
+    if (is_elsewhere && warned_of_.insert(path.string()).second) {
+      assembly_.warnings.push_back(node + ": its file " + in_quotes(chosen->front()) +
+                                   " was read from " + path.string());
+    }
+    const OpenFile& other = open({path.string(), "", {}, file_.options}, node);
+    if (std::find(chain_.begin(), chain_.end(), &other) != chain_.end()) {
+      fail_read(from.source, ErrorCode::kMeshUnreadable, node,
+                "its shape is in the file " + in_quotes(chosen->front()) +
+                    ", which it is itself a part of",
+                "export the assembly into one file");
+    }
+    chain_.push_back(&other);
+    return other;
+  }
+
+  // Reads each file once. An error bears the node that needs the file.
+  const OpenFile& open(const SourceFile& source, const std::string& node) {
+    std::error_code ignored;
+    const auto key = std::filesystem::weakly_canonical(source.path, ignored);
+    std::unique_ptr<OpenFile>& file = files_[key];
+    if (file) return *file;
+    try {
+      file = std::make_unique<OpenFile>(OpenFile{source, read_step_document(source)});
+      return *file;
+    } catch (ReadFailure& failure) {
+      if (failure.error.where.empty()) failure.error.where = node;
+      throw;
+    } catch (const Standard_Failure& failure) {
+      fail_read(source, ErrorCode::kMeshUnreadable, node,
+                std::string("OpenCASCADE: ") + failure.GetMessageString(), "export the file again");
+    }
   }
 
   void place(std::size_t node) {
-    if (XCAFDoc_ShapeTool::IsAssembly(products_[node])) return;
-    TCollection_AsciiString entry;
-    TDF_Tool::Entry(products_[node], entry);
-    const auto [known, is_new] = meshes_.try_emplace(entry.ToCString(), kNoTriangles);
+    const auto& [file, label] = products_[node];
+    if (label.IsNull() || XCAFDoc_ShapeTool::IsAssembly(label)) return;
+    const auto [known, is_new] = meshes_.try_emplace({file, entry_of(label)}, kNoTriangles);
     if (is_new) {
-      Mesh mesh =
-          tessellator_.tessellate(XCAFDoc_ShapeTool::GetShape(products_[node]), names_[node].path);
+      Mesh mesh = tessellator_.tessellate(XCAFDoc_ShapeTool::GetShape(label), names_[node].path);
+      add_triangles(*file, label, names_[node].path, mesh);
       if (!mesh.triangles.empty()) {
         assembly_.meshes.push_back(std::move(mesh));
         known->second = static_cast<std::uint32_t>(assembly_.meshes.size() - 1);
       }
     }
-    if (known->second == kNoTriangles) return add_warning(names_[node].path);
+    if (known->second == kNoTriangles) {
+      assembly_.warnings.push_back(names_[node].path +
+                                   " left out: it has no faces, only curves or points");
+      return;
+    }
     assembly_.instances.push_back({known->second, names_[node].path, placings_[node]});
   }
 
-  void add_warning(const std::string& path) {
-    assembly_.warnings.push_back(path + " left out: it has no faces, only curves or points");
+  // The triangles that the file itself holds for a product.
+  void add_triangles(const OpenFile& file, const TDF_Label& label, const std::string& node,
+                     Mesh& mesh) {
+    const auto found = file.content.triangles.find(entry_of(label));
+    if (found == file.content.triangles.end()) return;
+    for (const Mesh& more : found->second) {
+      check_count(file.source, mesh.vertices.size() + more.vertices.size(), "vertices");
+      const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+      mesh.vertices.insert(mesh.vertices.end(), more.vertices.begin(), more.vertices.end());
+      for (const auto& [a, b, c] : more.triangles) {
+        mesh.triangles.push_back({first + a, first + b, first + c});
+      }
+    }
+    mesh.single_precision = false;
+    check_finite(file.source, mesh, node);
+    assembly_.warnings.push_back(
+        node +
+        " has triangles in place of exact surfaces: add with --mesh-deviation how far they "
+        "may lie from the part");
+  }
+
+  void warn_of_unread(const std::vector<std::vector<std::string>>& references,
+                      const std::string& node) {
+    for (const auto& names : references) {
+      if (!std::any_of(names.begin(), names.end(), is_step_name)) continue;
+      assembly_.warnings.push_back(node + " has a shape of its own: its file " +
+                                   in_quotes(names.front()) + " was not read");
+    }
   }
 
   static constexpr std::uint32_t kNoTriangles = 0xffffffff;
 
   const SourceFile& file_;
   StepTessellator tessellator_;
-  std::vector<NodeName> names_;  // of all nodes, each before its children
-  std::vector<TDF_Label> products_;
+  std::map<std::filesystem::path, std::unique_ptr<OpenFile>> files_;
+  std::vector<const OpenFile*> chain_;  // from the top file to that of the node in hand
+  std::set<std::string> warned_of_;     // files and products
+  std::vector<NodeName> names_;         // of all nodes, each before its children
+  std::vector<Product> products_;
   std::vector<Affine> placings_;
-  std::map<std::string, std::uint32_t> meshes_;  // by product
+  std::map<std::pair<const OpenFile*, std::string>, std::uint32_t> meshes_;  // by product
   Assembly assembly_;
 };
 

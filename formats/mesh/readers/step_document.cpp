@@ -1,62 +1,112 @@
 #include "formats/mesh/readers/step_document.h"
 
 #include <IGESCAFControl_Reader.hxx>
-#include <Interface_InterfaceModel.hxx>
 #include <STEPCAFControl_Reader.hxx>
 #include <STEPControl_Reader.hxx>
-#include <StepShape_FaceSurface.hxx>
+#include <TDF_Tool.hxx>
 #include <TransferBRep.hxx>
 #include <Transfer_TransientProcess.hxx>
 #include <XSControl_TransferReader.hxx>
 #include <XSControl_WorkSession.hxx>
 
+#include "formats/mesh/readers/iges_losses.h"
+#include "formats/mesh/readers/step_losses.h"
+#include "formats/mesh/readers/step_references.h"
+#include "formats/mesh/readers/step_triangles.h"
+
 namespace forcelayer::mesh {
 namespace {
 
-[[noreturn]] void fail(const SourceFile& file, ErrorCode code, std::string what) {
-  fail_read(file, code, "", std::move(what), "export the file again");
-}
-
-// Every face of a STEP file must have become a shape.
-void check_faces(const SourceFile& file, const Handle(XSControl_WorkSession) & session) {
-  const Handle(Interface_InterfaceModel) model = session->Model();
-  const Handle(Transfer_TransientProcess) process = session->TransferReader()->TransientProcess();
-  std::uint64_t faces = 0, lost = 0;
-  for (Standard_Integer i = 1; i <= model->NbEntities(); ++i) {
-    const Handle(Standard_Transient) entity = model->Value(i);
-    if (!entity->IsKind(STANDARD_TYPE(StepShape_FaceSurface))) continue;
-    ++faces;
-    if (TransferBRep::ShapeResult(process, entity).IsNull()) ++lost;
-  }
-  if (lost == 0) return;
-  fail(file, ErrorCode::kMeshIncomplete,
-       "OpenCASCADE could not read " + std::to_string(lost) + " of " + counted(faces, "face"));
-}
-
 template <typename Reader>
-void transfer(const SourceFile& file, Reader& reader, Handle(TDocStd_Document) & document) {
+void read(const SourceFile& file, Reader& reader) {
   reader.SetNameMode(true);
   reader.SetColorMode(false);
   reader.SetLayerMode(false);
-  if (reader.ReadFile(file.path.c_str()) != IFSelect_RetDone) {
-    fail(file, ErrorCode::kMeshUnreadable, "OpenCASCADE cannot parse this file");
+  if (reader.ReadFile(file.path.c_str()) == IFSelect_RetDone) return;
+  fail_read(file, ErrorCode::kMeshUnreadable, "", "OpenCASCADE cannot parse this file",
+            "export the file again");
+}
+
+[[noreturn]] void fail_shapes(const SourceFile& file) {
+  fail_read(file, ErrorCode::kMeshUnreadable, "", "OpenCASCADE cannot read the shapes of this file",
+            "export the file again");
+}
+
+// Null where OpenCASCADE gave the product none.
+TDF_Label label_of(const Handle(StepBasic_ProductDefinition) & product,
+                   const STEPCAFControl_Reader& reader) {
+  const TopoDS_Shape shape = TransferBRep::ShapeResult(
+      reader.Reader().WS()->TransferReader()->TransientProcess(), product);
+  TDF_Label label;
+  if (!shape.IsNull()) reader.GetShapeLabelMap().Find(shape, label);
+  return label;
+}
+
+// The triangles by the labels of their products; those without one are lost.
+ReadEntities keep_triangles(std::vector<TriangleItem>& items, const STEPCAFControl_Reader& reader,
+                            StepDocument& document) {
+  ReadEntities read;
+  for (auto& [product, mesh, entities] : items) {
+    const TDF_Label label = label_of(product, reader);
+    if (label.IsNull()) continue;
+    document.triangles[entry_of(label)].push_back(std::move(mesh));
+    for (const auto& entity : entities) read.insert(entity.get());
   }
-  if (!reader.Transfer(document)) {
-    fail(file, ErrorCode::kMeshUnreadable, "OpenCASCADE cannot read the shapes of this file");
+  return read;
+}
+
+// The references by the labels of their products.
+void keep_references(const SourceFile& file, const std::vector<StepReference>& references,
+                     const STEPCAFControl_Reader& reader, StepDocument& document) {
+  for (const auto& [product, names] : references) {
+    const TDF_Label label = label_of(product, reader);
+    if (label.IsNull()) {
+      fail_read(file, ErrorCode::kMeshIncomplete, product_name(product),
+                "its shape is in the file " + in_quotes(names.front()) +
+                    ", and OpenCASCADE finds no place for it",
+                "export the assembly into one file");
+    }
+    document.references[entry_of(label)].push_back(names);
   }
+}
+
+void read_step_file(const SourceFile& file, StepDocument& document) {
+  STEPCAFControl_Reader reader;
+  read(file, reader);
+  const Handle(XSControl_WorkSession) session = reader.Reader().WS();
+  check_step_references(file, session);
+  std::vector<TriangleItem> items = take_triangles(session);
+  const std::vector<StepReference> references = take_references(session);
+  const bool has_shapes = reader.Transfer(document.document);
+  check_step_losses(file, session, document.document, keep_triangles(items, reader, document));
+  keep_references(file, references, reader, document);
+  if (!has_shapes) fail_shapes(file);
+}
+
+void read_iges_file(const SourceFile& file, StepDocument& document) {
+  IGESCAFControl_Reader reader;
+  read(file, reader);
+  check_iges_references(file, reader.WS());
+  const bool has_shapes = reader.Transfer(document.document);
+  check_iges_losses(file, reader.WS(), document.document);
+  if (!has_shapes) fail_shapes(file);
 }
 
 }  // namespace
 
-Handle(TDocStd_Document) read_step_document(const SourceFile& file) {
-  Handle(TDocStd_Document) document = new TDocStd_Document("BinXCAF");
+std::string entry_of(const TDF_Label& label) {
+  TCollection_AsciiString entry;
+  TDF_Tool::Entry(label, entry);
+  return entry.ToCString();
+}
+
+StepDocument read_step_document(const SourceFile& file) {
+  StepDocument document;
+  document.document = new TDocStd_Document("BinXCAF");
   if (lower_case_extension(file.path).starts_with(".ig")) {
-    IGESCAFControl_Reader reader;
-    transfer(file, reader, document);
+    read_iges_file(file, document);
   } else {
-    STEPCAFControl_Reader reader;
-    transfer(file, reader, document);
-    check_faces(file, reader.Reader().WS());
+    read_step_file(file, document);
   }
   return document;
 }

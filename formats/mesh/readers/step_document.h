@@ -1,14 +1,30 @@
 // The document of a STEP or IGES file, as OpenCASCADE reads it.
 #pragma once
 
+#include <TDF_Label.hxx>
 #include <TDocStd_Document.hxx>
+#include <map>
+#include <string>
+#include <vector>
 
 #include "formats/mesh/reader.h"
 
 namespace forcelayer::mesh {
 
-// Reads the whole file; OpenCASCADE turns all units into millimeters. Throws where the
-// file cannot be parsed, or where a face of it did not become a shape.
-Handle(TDocStd_Document) read_step_document(const SourceFile& file);
+struct StepDocument {
+  Handle(TDocStd_Document) document;
+  // Products whose shapes are in other files, by entry_of() their label: what this file calls each
+  // of those files, the likeliest name first. No file is opened.
+  std::map<std::string, std::vector<std::vector<std::string>>> references;
+  // Triangles of products that the file holds beside or in place of exact surfaces, millimeters.
+  std::map<std::string, std::vector<Mesh>> triangles;
+};
+
+// The place of a label in its document.
+std::string entry_of(const TDF_Label& label);
+
+// Reads the whole file; OpenCASCADE turns all units into millimeters. Throws where the file cannot
+// be parsed, or where a face, a solid or a placing of it did not become a shape.
+StepDocument read_step_document(const SourceFile& file);
 
 }  // namespace forcelayer::mesh

@@ -1,0 +1,164 @@
+#include "formats/command/output_file.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <system_error>
+
+namespace forcelayer::command {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Kind {
+  const char* name;                       // "a voxmap"
+  const char* ending;                     // the usual one, for the mend
+  std::string_view magic;                 // the first bytes; empty for text
+  std::vector<std::string_view> endings;  // of this kind, in lower case
+};
+
+const Kind& kind_of(FileKind kind) {
+  static const std::array<Kind, 7> kKinds = {{
+      {"a voxmap", ".vox", "\211FLV", {".vox"}},
+      {"a point shell", ".pshell", "\211FLP", {".pshell"}},
+      {"a report", ".json", "", {".json"}},
+      {"a table", ".csv", "", {".csv"}},
+      {"a recording", ".flr", "\211FLR", {".flr"}},
+      {"a picture", ".png", "\211PNG", {".png"}},
+      {"an export", "", "", {}},  // whose ending says what it is
+  }};
+  return kKinds[static_cast<std::size_t>(kind)];
+}
+
+// Endings of what commands read or write. Every other ending may be used for any file.
+constexpr std::string_view kKnownEndings[] = {
+    ".vox", ".pshell", ".json", ".csv", ".flr", ".png", ".vdb",  ".stl", ".obj",  ".ply", ".off",
+    ".om",  ".drc",    ".gltf", ".glb", ".bin", ".stp", ".step", ".igs", ".iges", ".mtl"};
+
+// Of files that a command did not write in text: their beginnings.
+constexpr std::string_view kBinaryBeginnings[] = {"\211FL", "\211PNG", "glTF", "DRACO"};
+
+std::string ending_of(const std::string& path) {
+  std::string ending = fs::path(path).extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return ending;
+}
+
+template <typename Range>
+bool contains(const Range& range, std::string_view text) {
+  return std::find(std::begin(range), std::end(range), text) != std::end(range);
+}
+
+Error refuse(const OutputFile& output, std::string what, std::string mend) {
+  return {ErrorCode::kUsage, *output.path, output.option, std::move(what), std::move(mend)};
+}
+
+// By any name or link. Where neither exists yet, by the name.
+bool same_file(const std::string& a, const std::string& b) {
+  std::error_code error;
+  if (fs::equivalent(a, b, error)) return true;
+  return fs::weakly_canonical(a, error) == fs::weakly_canonical(b, error) && !error;
+}
+
+// "file.glb" of "file.glb#Node", unless a file has the whole name.
+std::string file_of(const std::string& input) {
+  std::error_code error;
+  const std::size_t mark = input.rfind('#');
+  if (mark == std::string::npos || fs::exists(input, error)) return input;
+  return input.substr(0, mark);
+}
+
+// The first bytes of a file that is there.
+std::string beginning_of(const std::string& path) {
+  std::string bytes(8, '\0');
+  std::ifstream file(path, std::ios::binary);
+  file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  bytes.resize(static_cast<std::size_t>(file.gcount()));
+  return bytes;
+}
+
+Status check_ending(const OutputFile& output) {
+  const Kind& kind = kind_of(output.kind);
+  const std::string ending = ending_of(*output.path);
+  if (kind.endings.empty() || contains(kind.endings, ending)) return {};
+  if (!contains(kKnownEndings, ending)) return {};
+  return refuse(output, std::string(kind.name) + " is not called " + ending,
+                std::string("choose a name that ends in ") + kind.ending);
+}
+
+Status check_replaced(const OutputFile& output) {
+  const Kind& kind = kind_of(output.kind);
+  const std::string there = beginning_of(*output.path);
+  if (there.empty()) return {};
+  const bool fits = kind.magic.empty()
+                        ? std::none_of(std::begin(kBinaryBeginnings), std::end(kBinaryBeginnings),
+                                       [&](std::string_view b) { return there.starts_with(b); })
+                        : there.starts_with(kind.magic);
+  if (fits) return {};
+  return refuse(output, std::string("is there already, and is not ") + kind.name,
+                "choose another name, or remove the file first");
+}
+
+// The file that is already there under an output's name; false for a device, a pipe, or nothing.
+bool replaces_file(const OutputFile& output) {
+  std::error_code error;
+  return fs::is_regular_file(*output.path, error);
+}
+
+Status check(const OutputFile& output, std::span<const OutputFile> before,
+             std::span<const std::string> inputs) {
+  for (const OutputFile& other : before) {
+    std::error_code error;
+    const bool is_device = fs::exists(*output.path, error) && !replaces_file(output);
+    if (other.path->empty() || is_device || !same_file(*other.path, *output.path)) continue;
+    return refuse(output, std::string("is what ") + other.option + " writes too",
+                  "give each a name of its own");
+  }
+  if (*output.path == "-") return {};
+  std::error_code error;
+  if (fs::exists(*output.path, error) && !replaces_file(output)) return {};
+  for (const std::string& input : inputs) {
+    if (!same_file(file_of(input), *output.path)) continue;
+    return refuse(output, "is an input of this command, and would be replaced",
+                  "choose another name");
+  }
+  if (Status ending = check_ending(output); !ending) return ending;
+  return replaces_file(output) ? check_replaced(output) : Status();
+}
+
+// Standard output as a path; from here on what is printed goes to standard error.
+Result<std::string> take_standard_output() {
+  std::fflush(stdout);
+  const int taken = ::fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 3);
+  if (taken < 0 || ::dup2(STDERR_FILENO, STDOUT_FILENO) < 0) {
+    return Error{ErrorCode::kWriteFailed, "", "standard output", std::strerror(errno), ""};
+  }
+  return "/dev/fd/" + std::to_string(taken);
+}
+
+}  // namespace
+
+Status prepare_outputs(std::span<const OutputFile> outputs, std::span<const std::string> inputs) {
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    if (outputs[i].path->empty()) continue;
+    if (Status checked = check(outputs[i], outputs.first(i), inputs); !checked) return checked;
+  }
+  for (const OutputFile& output : outputs) {
+    if (*output.path != "-") continue;
+    auto path = take_standard_output();
+    if (!path) return path.error();
+    *output.path = std::move(*path);
+  }
+  return {};
+}
+
+}  // namespace forcelayer::command

@@ -1,0 +1,33 @@
+// The files that a command writes: none of them may destroy an input, or a file of another kind.
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "formats/result.h"
+
+namespace forcelayer::command {
+
+enum class FileKind { kVoxmap, kPshell, kReport, kTable, kRecording, kPicture, kExport };
+
+// A file that the user asked for.
+struct OutputFile {
+  const char* option;  // that names it, for errors
+  std::string* path;   // as typed; empty where the option was not given
+  FileKind kind;
+};
+
+// Checks, before anything is read or written, that no output
+// - is an input: the same file by any name, link or "FILE#NODE";
+// - is another output;
+// - has an ending that belongs to another kind of file ("scene.stl" for a voxmap);
+// - replaces a baked file, or is a baked file or a picture that replaces something else. An empty
+// file, a device and a
+//   pipe can be written to.
+// "-" becomes a path that writes to standard output, and what else the command prints goes to
+// standard error. Errors: kUsage.
+Status prepare_outputs(std::span<const OutputFile> outputs, std::span<const std::string> inputs);
+
+}  // namespace forcelayer::command

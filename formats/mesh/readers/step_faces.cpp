@@ -1,0 +1,83 @@
+#include "formats/mesh/readers/step_faces.h"
+
+#include <TDF_LabelSequence.hxx>
+#include <TopExp_Explorer.hxx>
+#include <TopoDS_Iterator.hxx>
+#include <XCAFDoc_DocumentTool.hxx>
+#include <XCAFDoc_ShapeTool.hxx>
+
+namespace forcelayer::mesh {
+namespace {
+
+using ShapeSet = std::unordered_set<const TopoDS_TShape*>;
+
+// Looks at each shape once, however often it is placed.
+void add_faces(const TopoDS_Shape& shape, ShapeSet& seen, ShapeSet& faces) {
+  if (shape.IsNull() || !seen.insert(shape.TShape().get()).second) return;
+  if (shape.ShapeType() == TopAbs_FACE) {
+    faces.insert(shape.TShape().get());
+    return;
+  }
+  for (TopoDS_Iterator part(shape); part.More(); part.Next()) add_faces(part.Value(), seen, faces);
+}
+
+std::string text_of(const Losses& losses) {
+  constexpr std::size_t kMostNames = 5;
+  std::string text = losses.count > 0 ? std::to_string(losses.names.size()) + " of " +
+                                            counted(losses.count, losses.kind)
+                                      : counted(losses.names.size(), losses.kind);
+  for (std::size_t i = 0; i < losses.names.size() && i < kMostNames; ++i) {
+    text += (i == 0 ? ": " : ", ") + losses.names[i];
+  }
+  if (losses.names.size() > kMostNames) {
+    text += " and " + std::to_string(losses.names.size() - kMostNames) + " more";
+  }
+  return text;
+}
+
+}  // namespace
+
+DocumentFaces::DocumentFaces(const Handle(TDocStd_Document) & document) {
+  TDF_LabelSequence roots;
+  XCAFDoc_DocumentTool::ShapeTool(document->Main())->GetFreeShapes(roots);
+  ShapeSet seen;
+  for (TDF_LabelSequence::Iterator root(roots); root.More(); root.Next()) {
+    add_faces(XCAFDoc_ShapeTool::GetShape(root.Value()), seen, faces_);
+  }
+}
+
+bool DocumentFaces::has(const TopoDS_Shape& shape) const {
+  if (shape.IsNull()) return false;
+  for (TopExp_Explorer face(shape, TopAbs_FACE); face.More(); face.Next()) {
+    if (faces_.contains(face.Current().TShape().get())) return true;
+  }
+  return false;
+}
+
+bool contains_face_of(const TopoDS_Shape& whole, const TopoDS_Shape& part) {
+  ShapeSet seen, faces;
+  add_faces(whole, seen, faces);
+  if (part.IsNull()) return false;
+  for (TopExp_Explorer face(part, TopAbs_FACE); face.More(); face.Next()) {
+    if (faces.contains(face.Current().TShape().get())) return true;
+  }
+  return false;
+}
+
+std::uint64_t count_faces(const TopoDS_Shape& shape) {
+  std::uint64_t count = 0;
+  if (shape.IsNull()) return count;
+  for (TopExp_Explorer face(shape, TopAbs_FACE); face.More(); face.Next()) ++count;
+  return count;
+}
+
+void fail_for_losses(const SourceFile& file, const std::vector<Losses>& all, const char* mend) {
+  std::string text;
+  for (const Losses& losses : all) {
+    if (!losses.names.empty()) text += (text.empty() ? "" : "; ") + text_of(losses);
+  }
+  if (text.empty()) return;
+  fail_read(file, ErrorCode::kMeshIncomplete, "", "OpenCASCADE could not read " + text, mend);
+}
+
+}  // namespace forcelayer::mesh

@@ -1,0 +1,42 @@
+// The faces that the document of a STEP or IGES file holds, and what of a file has no shape there.
+#pragma once
+
+#include <TDocStd_Document.hxx>
+#include <TopoDS_Shape.hxx>
+#include <TopoDS_TShape.hxx>
+#include <cstdint>
+#include <string>
+#include <unordered_set>
+#include <vector>
+
+#include "formats/mesh/reader.h"
+
+namespace forcelayer::mesh {
+
+class DocumentFaces {
+ public:
+  explicit DocumentFaces(const Handle(TDocStd_Document) & document);
+
+  // Whether a face of `shape` is in the document.
+  bool has(const TopoDS_Shape& shape) const;
+
+ private:
+  std::unordered_set<const TopoDS_TShape*> faces_;
+};
+
+std::uint64_t count_faces(const TopoDS_Shape& shape);
+
+// Whether a face of `part` is one of `whole`, wherever it is placed.
+bool contains_face_of(const TopoDS_Shape& whole, const TopoDS_Shape& part);
+
+// What of one kind is lost: "2 of 6 faces: #45 ADVANCED_FACE 'left', #77 ADVANCED_FACE".
+struct Losses {
+  const char* kind;                // in the singular
+  std::uint64_t count = 0;         // in the file; 0 where only the lost ones are counted
+  std::vector<std::string> names;  // of those that are lost
+};
+
+// Throws kMeshIncomplete where anything is lost.
+void fail_for_losses(const SourceFile& file, const std::vector<Losses>& all, const char* mend);
+
+}  // namespace forcelayer::mesh

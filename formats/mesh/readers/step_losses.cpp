@@ -1,0 +1,385 @@
+#include "formats/mesh/readers/step_losses.h"
+
+#include <Interface_Check.hxx>
+#include <Interface_EntityIterator.hxx>
+#include <Interface_Graph.hxx>
+#include <Interface_UndefinedContent.hxx>
+#include <StepBasic_ProductDefinition.hxx>
+#include <StepData_StepModel.hxx>
+#include <StepData_UndefinedEntity.hxx>
+#include <StepGeom_Axis2Placement3d.hxx>
+#include <StepGeom_CartesianTransformationOperator3d.hxx>
+#include <StepGeom_Curve.hxx>
+#include <StepGeom_Direction.hxx>
+#include <StepGeom_Pcurve.hxx>
+#include <StepGeom_Placement.hxx>
+#include <StepGeom_Point.hxx>
+#include <StepGeom_Surface.hxx>
+#include <StepGeom_SurfaceCurve.hxx>
+#include <StepGeom_Vector.hxx>
+#include <StepRepr_ItemDefinedTransformation.hxx>
+#include <StepRepr_MappedItem.hxx>
+#include <StepRepr_NextAssemblyUsageOccurrence.hxx>
+#include <StepRepr_PropertyDefinition.hxx>
+#include <StepRepr_Representation.hxx>
+#include <StepRepr_RepresentationMap.hxx>
+#include <StepRepr_RepresentationRelationshipWithTransformation.hxx>
+#include <StepShape_Block.hxx>
+#include <StepShape_BooleanResult.hxx>
+#include <StepShape_ContextDependentShapeRepresentation.hxx>
+#include <StepShape_FaceBasedSurfaceModel.hxx>
+#include <StepShape_FaceSurface.hxx>
+#include <StepShape_GeometricSet.hxx>
+#include <StepShape_HalfSpaceSolid.hxx>
+#include <StepShape_RightAngularWedge.hxx>
+#include <StepShape_RightCircularCone.hxx>
+#include <StepShape_RightCircularCylinder.hxx>
+#include <StepShape_ShapeDefinitionRepresentation.hxx>
+#include <StepShape_ShapeRepresentation.hxx>
+#include <StepShape_ShellBasedSurfaceModel.hxx>
+#include <StepShape_SolidModel.hxx>
+#include <StepShape_Sphere.hxx>
+#include <StepShape_TopologicalRepresentationItem.hxx>
+#include <StepShape_Torus.hxx>
+#include <StepVisual_TessellatedGeometricSet.hxx>
+#include <TCollection_HAsciiString.hxx>
+#include <TransferBRep.hxx>
+#include <Transfer_TransientProcess.hxx>
+#include <XSControl_TransferReader.hxx>
+#include <gp_Vec.hxx>
+#include <string_view>
+#include <unordered_set>
+
+#include "formats/mesh/readers/step_faces.h"
+#include "formats/mesh/readers/step_triangles.h"
+
+namespace forcelayer::mesh {
+namespace {
+
+using Entity = Handle(Standard_Transient);
+
+constexpr const char* kMend = "export the file again, with all solids as boundary representations";
+constexpr int kMostLevels = 8;  // of what lists what; a damaged entity may list itself
+
+bool is_solid(const Entity& entity) {
+  for (const Handle(Standard_Type) & type :
+       {STANDARD_TYPE(StepShape_SolidModel), STANDARD_TYPE(StepShape_BooleanResult),
+        STANDARD_TYPE(StepShape_Block), STANDARD_TYPE(StepShape_Sphere),
+        STANDARD_TYPE(StepShape_Torus), STANDARD_TYPE(StepShape_RightAngularWedge),
+        STANDARD_TYPE(StepShape_RightCircularCone), STANDARD_TYPE(StepShape_RightCircularCylinder),
+        STANDARD_TYPE(StepShape_HalfSpaceSolid), STANDARD_TYPE(StepShape_ShellBasedSurfaceModel),
+        STANDARD_TYPE(StepShape_FaceBasedSurfaceModel)}) {
+    if (entity->IsKind(type)) return true;
+  }
+  return false;
+}
+
+// Solids, shells and faces of a schema that OpenCASCADE does not know: the tessellated ones and the
+// newer primitives of AP242 among them.
+bool is_unknown_solid(const std::string& type) {
+  for (const std::string_view end :
+       {"_SOLID", "_SOLID_TAPERED", "_FACE", "_SHELL", "_BREP", "_SURFACE_MODEL"}) {
+    if (type.ends_with(end)) return true;
+  }
+  for (const std::string_view primitive :
+       {"ELLIPSOID", "ECCENTRIC_CONE", "FACETED_PRIMITIVE", "RECTANGULAR_PYRAMID", "TETRAHEDRON",
+        "CONVEX_HEXAHEDRON", "CYCLIDE_SEGMENT"}) {
+    if (type.starts_with(primitive)) return true;
+  }
+  return false;
+}
+
+// Triangles that are a shape where a shape representation lists them, and the picture of a
+// dimension where an annotation does.
+bool is_surface_set(const std::string& type) { return type.ends_with("TRIANGULATED_SURFACE_SET"); }
+
+bool lists_shapes(const Entity& user) {
+  if (user->IsKind(STANDARD_TYPE(StepShape_ShapeRepresentation))) return true;
+  for (const std::string& type : unknown_types(user)) {
+    if (type.starts_with("TESSELLATED_SHAPE_REPRESENTATION")) return true;
+  }
+  return false;
+}
+
+// Whether OpenCASCADE places a mapped item right at this target: it drops scales and mirrors of an
+// operator without a word, and completes axes that are left out differently from ISO 10303-42.
+bool can_be_placed(const Handle(StepRepr_RepresentationItem) & target) {
+  if (target.IsNull()) return false;
+  const auto general = Handle(StepGeom_CartesianTransformationOperator)::DownCast(target);
+  if (general.IsNull()) return true;
+  const auto in_space = Handle(StepGeom_CartesianTransformationOperator3d)::DownCast(target);
+  if (in_space.IsNull() || (general->HasScale() && general->Scale() != 1)) return false;
+  const int axes = general->HasAxis1() + general->HasAxis2() + in_space->HasAxis3();
+  if (axes == 0) return true;
+  if (axes < 3) return false;
+  const auto vector_of = [](const Handle(StepGeom_Direction) & axis) {
+    return gp_Vec(axis->DirectionRatiosValue(1), axis->DirectionRatiosValue(2),
+                  axis->DirectionRatiosValue(3));
+  };
+  const gp_Vec x = vector_of(general->Axis1()), y = vector_of(general->Axis2());
+  return x.Crossed(y).Dot(vector_of(in_space->Axis3())) > 0;
+}
+
+// Whether an occurrence in an assembly has a placing that OpenCASCADE reads; it takes another kind
+// for none, and leaves the part at the origin.
+bool can_be_placed(const Handle(StepShape_ContextDependentShapeRepresentation) & occurrence) {
+  if (occurrence->RepresentationRelation().IsNull()) return false;
+  const auto relation = Handle(StepRepr_RepresentationRelationshipWithTransformation)::DownCast(
+      occurrence->RepresentationRelation());
+  if (relation.IsNull()) return true;
+  const Handle(StepRepr_ItemDefinedTransformation) placing =
+      relation->TransformationOperator().ItemDefinedTransformation();
+  if (placing.IsNull()) return false;
+  for (const auto& frame : {placing->TransformItem1(), placing->TransformItem2()}) {
+    if (Handle(StepGeom_Axis2Placement3d)::DownCast(frame).IsNull()) return false;
+  }
+  return true;
+}
+
+// "#45 ADVANCED_FACE 'left'".
+std::string name_of(const Handle(StepData_StepModel) & model, const Entity& entity) {
+  std::string name = "#" + std::to_string(model->IdentLabel(entity)) + " ";
+  const auto unknown = Handle(StepData_UndefinedEntity)::DownCast(entity);
+  Handle(TCollection_HAsciiString) given;
+  if (!unknown.IsNull()) {
+    name += unknown->StepType();
+    Entity none;
+    Interface_ParamType type{};
+    const Handle(Interface_UndefinedContent) content = unknown->UndefinedContent();
+    if (content->NbParams() > 0 && content->ParamType(1) == Interface_ParamText) {
+      content->ParamData(1, type, none, given);
+      given->RemoveAll('\'', Standard_True);
+    }
+  } else {
+    name += model->TypeName(entity);
+    const auto item = Handle(StepRepr_RepresentationItem)::DownCast(entity);
+    if (!item.IsNull()) given = item->Name();
+  }
+  if (!given.IsNull() && !given->IsEmpty()) name += " " + in_quotes(given->ToCString());
+  return name;
+}
+
+class StepCheck {
+ public:
+  StepCheck(const Handle(XSControl_WorkSession) & session,
+            const Handle(TDocStd_Document) & document, const ReadEntities& read)
+      : model_(Handle(StepData_StepModel)::DownCast(session->Model())),
+        graph_(session->Graph()),
+        process_(session->TransferReader()->TransientProcess()),
+        faces_(document),
+        read_(read) {}
+
+  void check(const SourceFile& file) {
+    for (Standard_Integer i = 1; i <= model_->NbEntities(); ++i) look_at(model_->Value(i));
+    for (const Entity& entity : lost_) {
+      if (!is_used_by_lost(entity)) lost_solids_.names.push_back(name_of(entity));
+    }
+    fail_for_losses(file, {lost_faces_, lost_solids_, lost_placings_}, kMend);
+  }
+
+ private:
+  void look_at(const Entity& entity) {
+    if (entity->IsKind(STANDARD_TYPE(StepShape_FaceSurface))) {
+      ++lost_faces_.count;
+      if (!is_in_document(entity)) lost_faces_.names.push_back(name_of(entity));
+    } else if (is_solid(entity)) {
+      if (!is_in_document(entity)) lose(entity);
+    } else if (entity->IsKind(STANDARD_TYPE(StepShape_GeometricSet))) {
+      if (count_faces(result_of(entity)) < surfaces_of(entity)) lose(entity);
+    } else if (entity->IsKind(STANDARD_TYPE(StepData_UndefinedEntity))) {
+      if (!read_.contains(entity.get()) &&
+          is_lost_unknown(Handle(StepData_UndefinedEntity)::DownCast(entity)))
+        lose(entity);
+    } else if (is_lost_placing(entity)) {
+      lost_placings_.names.push_back(name_of(entity));
+    }
+  }
+
+  void lose(const Entity& entity) {
+    lost_.push_back(entity);
+    is_lost_.insert(entity.get());
+  }
+
+  // Operands and parts go with the solid that they belong to.
+  bool is_used_by_lost(const Entity& entity) const {
+    Interface_EntityIterator user = graph_.Sharings(entity);
+    for (user.Start(); user.More(); user.Next()) {
+      if (is_lost_.contains(user.Value().get())) return true;
+    }
+    return false;
+  }
+
+  TopoDS_Shape result_of(const Entity& entity) const {
+    return TransferBRep::ShapeResult(process_, entity);
+  }
+
+  bool is_in_document(const Entity& entity) const { return faces_.has(result_of(entity)); }
+
+  std::uint64_t surfaces_of(const Entity& set) const {
+    std::uint64_t count = 0;
+    Interface_EntityIterator element = graph_.Shareds(set);
+    for (element.Start(); element.More(); element.Next()) {
+      if (element.Value()->IsKind(STANDARD_TYPE(StepGeom_Surface))) ++count;
+    }
+    return count;
+  }
+
+  bool is_lost_unknown(const Handle(StepData_UndefinedEntity) & entity) const {
+    for (const std::string& type : unknown_types(entity)) {
+      if (is_unknown_solid(type))
+        return !stands_for_what_was_read(entity) && !is_part_of_standing(entity);
+      if (!is_surface_set(type)) continue;
+      if (is_listed_as_shape(entity)) return true;
+    }
+    return false;
+  }
+
+  // By a shape representation, or by a set that one lists.
+  bool is_listed_as_shape(const Entity& entity, int levels = kMostLevels) const {
+    if (levels == 0) return true;
+    Interface_EntityIterator user = graph_.Sharings(entity);
+    for (user.Start(); user.More(); user.Next()) {
+      if (lists_shapes(user.Value())) return true;
+      const bool is_set = user.Value()->IsKind(STANDARD_TYPE(StepVisual_TessellatedGeometricSet));
+      if (is_set && is_listed_as_shape(user.Value(), levels - 1)) return true;
+    }
+    return false;
+  }
+
+  bool is_part_of_standing(const Entity& entity, int levels = kMostLevels) const {
+    if (levels == 0) return false;
+    Interface_EntityIterator user = graph_.Sharings(entity);
+    for (user.Start(); user.More(); user.Next()) {
+      const Entity& whole = user.Value();
+      if (!whole->IsKind(STANDARD_TYPE(StepData_UndefinedEntity))) continue;
+      if (stands_for_what_was_read(whole) || is_part_of_standing(whole, levels - 1)) return true;
+    }
+    return false;
+  }
+
+  // Triangles that are there beside the exact face, shell or solid that they approximate.
+  bool stands_for_what_was_read(const Entity& entity, int levels = kMostLevels) const {
+    if (levels == 0) return false;
+    Interface_EntityIterator part = graph_.Shareds(entity);
+    bool has_parts = false, all_parts_stand = true;
+    for (part.Start(); part.More(); part.Next()) {
+      if (part.Value()->IsKind(STANDARD_TYPE(StepData_UndefinedEntity))) {
+        has_parts = true;
+        all_parts_stand = all_parts_stand && stands_for_what_was_read(part.Value(), levels - 1);
+      } else if (is_in_document(part.Value())) {
+        return true;
+      }
+    }
+    return has_parts && all_parts_stand;
+  }
+
+  // A mapped item, or an occurrence in an assembly, of what has faces.
+  bool is_lost_placing(const Entity& entity) const {
+    if (entity->DynamicType() == STANDARD_TYPE(StepRepr_MappedItem)) {
+      const auto item = Handle(StepRepr_MappedItem)::DownCast(entity);
+      const bool is_placed = is_in_document(entity) && can_be_placed(item->MappingTarget());
+      return is_item_of_shape(entity) && !is_placed && holds_faces(item);
+    }
+    const auto occurrence = Handle(StepShape_ContextDependentShapeRepresentation)::DownCast(entity);
+    if (!occurrence.IsNull()) return !can_be_placed(occurrence);
+    const auto use = Handle(StepRepr_NextAssemblyUsageOccurrence)::DownCast(entity);
+    if (use.IsNull() || !result_of(use).IsNull()) return false;
+    const Handle(StepBasic_ProductDefinition) whole = use->RelatingProductDefinition(),
+                                              part = use->RelatedProductDefinition();
+    if (whole.IsNull() || part.IsNull() || count_faces(result_of(part)) == 0) return false;
+    return !contains_face_of(result_of(whole), result_of(part));
+  }
+
+  bool is_item_of_shape(const Entity& entity) const {
+    Interface_EntityIterator user = graph_.Sharings(entity);
+    for (user.Start(); user.More(); user.Next()) {
+      if (user.Value()->IsKind(STANDARD_TYPE(StepShape_ShapeRepresentation))) return true;
+    }
+    return false;
+  }
+
+  bool holds_faces(const Handle(StepRepr_MappedItem) & item) const {
+    if (item->MappingSource().IsNull()) return false;
+    const Handle(StepRepr_Representation) source = item->MappingSource()->MappedRepresentation();
+    if (source.IsNull()) return false;
+    for (Standard_Integer i = 1; i <= source->NbItems(); ++i) {
+      if (count_faces(result_of(source->ItemsValue(i))) > 0) return true;
+    }
+    return false;
+  }
+
+  std::string name_of(const Entity& entity) const { return mesh::name_of(model_, entity); }
+
+  Handle(StepData_StepModel) model_;
+  const Interface_Graph& graph_;
+  Handle(Transfer_TransientProcess) process_;
+  DocumentFaces faces_;
+  const ReadEntities& read_;
+  std::vector<Entity> lost_;
+  std::unordered_set<const Standard_Transient*> is_lost_;
+  Losses lost_faces_{"face", 0, {}}, lost_solids_{"solid", 0, {}}, lost_placings_{"placing", 0, {}};
+};
+
+bool is_geometry(const Entity& entity) {
+  for (const Handle(Standard_Type) & type :
+       {STANDARD_TYPE(StepShape_TopologicalRepresentationItem), STANDARD_TYPE(StepGeom_Point),
+        STANDARD_TYPE(StepGeom_Curve), STANDARD_TYPE(StepGeom_Surface),
+        STANDARD_TYPE(StepGeom_Placement), STANDARD_TYPE(StepGeom_Direction),
+        STANDARD_TYPE(StepGeom_Vector)}) {
+    if (entity->IsKind(type)) return true;
+  }
+  return false;
+}
+
+// Curves in the parameters of a surface are read where they make sense, else computed again.
+bool is_in_parameters(const Entity& entity) {
+  return entity->IsKind(STANDARD_TYPE(StepGeom_Pcurve)) ||
+         entity->IsKind(STANDARD_TYPE(StepGeom_SurfaceCurve));
+}
+
+// Shapes that belong to no product, placings of nothing.
+bool lacks_an_end(const Entity& entity) {
+  const auto shape = Handle(StepShape_ShapeDefinitionRepresentation)::DownCast(entity);
+  if (!shape.IsNull()) return shape->Definition().PropertyDefinition().IsNull();
+  const auto item = Handle(StepRepr_MappedItem)::DownCast(entity);
+  return !item.IsNull() && item->MappingSource().IsNull();
+}
+
+// Whether OpenCASCADE's check of the text tells of a reference that leads nowhere; it also fails
+// what is harmless, such as a name that is left out.
+bool leads_nowhere(const Handle(StepData_StepModel) & model, Standard_Integer number) {
+  const Handle(Interface_Check) check = model->Check(number, Standard_True);
+  const bool may_be_odd = is_in_parameters(model->Value(number));
+  for (Standard_Integer i = 1; i <= check->NbFails(); ++i) {
+    const std::string_view fail = check->CFail(i, Standard_True);
+    const auto says = [&](std::string_view words) { return fail.find(words) != fail.npos; };
+    if (says("nresolved") || says("Count of Parameters")) return true;
+    if (!may_be_odd && (says("illegal type") || says("not an Entity") || says("not a LIST"))) {
+      return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace
+
+void check_step_references(const SourceFile& file, const Handle(XSControl_WorkSession) & session) {
+  const auto model = Handle(StepData_StepModel)::DownCast(session->Model());
+  Losses faces{"face", 0, {}}, others{"damaged entity", 0, {}};
+  for (Standard_Integer i = 1; i <= model->NbEntities(); ++i) {
+    const Entity& entity = model->Value(i);
+    const bool is_face = entity->IsKind(STANDARD_TYPE(StepShape_FaceSurface));
+    if (is_face) ++faces.count;
+    const bool is_damaged = is_geometry(entity) ? leads_nowhere(model, i) : lacks_an_end(entity);
+    if (!is_damaged) continue;
+    (is_face ? faces : others).names.push_back(name_of(model, entity));
+  }
+  fail_for_losses(file, {faces, others}, kMend);
+}
+
+void check_step_losses(const SourceFile& file, const Handle(XSControl_WorkSession) & session,
+                       const Handle(TDocStd_Document) & document, const ReadEntities& read) {
+  StepCheck(session, document, read).check(file);
+}
+
+}  // namespace forcelayer::mesh

@@ -1,0 +1,26 @@
+// make_box_file FILE.step|FILE.igs [solid]: writes a box of 10 x 20 x 30 mm from the origin, as six
+// trimmed surfaces in IGES, or as a solid with six faces.
+#include <BRepPrimAPI_MakeBox.hxx>
+#include <IGESControl_Controller.hxx>
+#include <IGESControl_Writer.hxx>
+#include <Message.hxx>
+#include <Message_Messenger.hxx>
+#include <STEPControl_Writer.hxx>
+#include <cstdio>
+#include <string>
+
+int main(int argc, char** argv) {
+  if (argc < 2) return std::fputs("usage: make_box_file FILE.step|FILE.igs [solid]\n", stderr), 2;
+  Message::DefaultMessenger()->ChangePrinters().Clear();
+  const TopoDS_Shape box = BRepPrimAPI_MakeBox(10, 20, 30).Shape();
+  const std::string path = argv[1];
+  if (path.ends_with(".igs")) {
+    IGESControl_Controller::Init();
+    const bool solid = argc > 2;
+    IGESControl_Writer writer("MM", solid ? 1 : 0);
+    return writer.AddShape(box) && writer.Write(path.c_str()) ? 0 : 1;
+  }
+  STEPControl_Writer writer;
+  if (writer.Transfer(box, STEPControl_AsIs) != IFSelect_RetDone) return 1;
+  return writer.Write(path.c_str()) == IFSelect_RetDone ? 0 : 1;
+}

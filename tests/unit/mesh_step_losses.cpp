@@ -1,0 +1,207 @@
+// What OpenCASCADE leaves out of a STEP or IGES file is an error that names it.
+#include <gtest/gtest.h>
+
+#include "tests/support/models.h"
+#include "tests/support/step_files.h"
+
+namespace forcelayer {
+namespace {
+
+using namespace test;
+
+#ifdef FORCELAYER_STEP
+
+// The error of reading `text`; "" where it is read.
+std::string error_of(const std::string& text, const std::string& extension) {
+  const ScratchFolder folder;
+  const auto assembly = mesh::read_assembly(write_file(folder / ("a" + extension), text));
+  if (assembly) return "";
+  EXPECT_EQ(assembly.error().code, ErrorCode::kMeshIncomplete) << to_line(assembly.error());
+  return to_line(assembly.error());
+}
+
+std::string step_error(const std::string& text) { return error_of(text, ".step"); }
+std::string iges_error(const std::string& text) { return error_of(text, ".igs"); }
+
+void expect_in(const std::string& part, const std::string& text) {
+  EXPECT_NE(text.find(part), std::string::npos) << "'" << part << "' is not in: " << text;
+}
+
+// ", `item`" at the end of the items of the box's shape.
+std::string with_item(const std::string& text, const std::string& item) {
+  return replaced(text, R"((ADVANCED_BREP_SHAPE_REPRESENTATION\('',\([^)]*)\))",
+                  "$1," + item + ")");
+}
+
+constexpr const char* kFrame =
+    "#9002=AXIS2_PLACEMENT_3D('',#9003,$,$);\n#9003=CARTESIAN_POINT('',(100.,0.,0.));\n";
+
+TEST(StepLosses, OfASoundFileThereAreNone) {
+  EXPECT_EQ(step_error(step_box()), "");
+  EXPECT_EQ(iges_error(iges_box(false)), "");
+  EXPECT_EQ(iges_error(iges_box(true)), "");
+}
+
+TEST(StepLosses, AConstructiveSolidBesideAnExactOne) {
+  const std::string solid =
+      with_entities(with_item(step_box(), "#9004"),
+                    std::string(kFrame) +
+                        "#9001=BLOCK('block',#9002,5.,5.,5.);\n#9004=CSG_SOLID('lid',#9001);\n");
+  expect_in("1 solid: #9004 CSG_SOLID 'lid'", step_error(solid));
+  // Of a tree only the root is named.
+  const std::string tree = with_entities(
+      with_item(step_box(), "#9004"),
+      std::string(kFrame) +
+          "#9001=BLOCK('',#9002,5.,5.,5.);\n#9005=SPHERE('',3.,#9003);\n"
+          "#9006=BOOLEAN_RESULT('',.DIFFERENCE.,#9001,#9005);\n#9004=CSG_SOLID('lid',#9006);\n");
+  expect_in("1 solid: #9004 CSG_SOLID 'lid';", step_error(tree));
+  // Without any reference to it, it is as lost.
+  const std::string alone =
+      with_entities(step_box(), std::string(kFrame) + "#9001=BLOCK('block',#9002,5.,5.,5.);\n");
+  expect_in("1 solid: #9001 BLOCK 'block'", step_error(alone));
+}
+
+TEST(StepLosses, ASolidOfANewerSchema) {
+  const std::string text =
+      with_entities(with_item(step_box(), "#9001"),
+                    std::string(kFrame) +
+                        "#9001=EXTRUDED_AREA_SOLID_TAPERED('rib',#9002,#9003,1.,#9002);\n"
+                        "#9005=ELLIPSOID('egg',#9002,1.,2.,3.);\n");
+  expect_in("2 solids: #9001 EXTRUDED_AREA_SOLID_TAPERED 'rib', #9005 ELLIPSOID 'egg'",
+            step_error(text));
+}
+
+TEST(StepLosses, DamagedFacesShellsAndSolids) {
+  const std::string box = step_box();
+  expect_in("1 of 6 faces: #", step_error(replaced(box, R"( = PLANE\()", " = PLANX(")));
+  expect_in("1 damaged entity: #16 CLOSED_SHELL",
+            step_error(replaced(box, " = ADVANCED_FACE", " = ADVANCED_FACX")));
+  expect_in("1 damaged entity: #16 CLOSED_SHELL",
+            step_error(replaced(box, R"(#17 = ADVANCED_FACE[^;]*;)", "")));
+  // References that lead nowhere; OpenCASCADE crashes on some.
+  expect_in("1 damaged entity: #",
+            step_error(replaced(box, R"( = VECTOR\('',#\d+)", " = VECTOR('',#9999")));
+  expect_in(
+      "1 damaged entity: #3 SHAPE_DEFINITION_REPRESENTATION",
+      step_error(replaced(box, R"(_REPRESENTATION\(#4,#10\))", "_REPRESENTATION(#9999,#10)")));
+  expect_in(" LINE", step_error(replaced(box, R"( = LINE\('',#\d+)", " = LINE('',$")));
+  expect_in("1 of 6 faces: #17 ADVANCED_FACE",
+            step_error(replaced(box, R"(#17 = ADVANCED_FACE\('',\(#\d+\))",
+                                "#17 = ADVANCED_FACE('',(#9999)")));
+  // A face that its shell does not list.
+  expect_in("1 of 6 faces: #17 ADVANCED_FACE",
+            step_error(replaced(box, R"(CLOSED_SHELL\('',\(#17,)", "CLOSED_SHELL('',(")));
+  expect_in("6 of 6 faces",
+            step_error(replaced(box, "MANIFOLD_SOLID_BREP", "MANIFOLD_SOLID_BREX")));
+}
+
+// The box placed twice by mapped items, which AP203 assemblies use; `target` places the second.
+std::string twice_mapped(const std::string& target) {
+  return with_entities(
+      replaced(step_box(), R"(SHAPE_DEFINITION_REPRESENTATION\((#\d+),#10\))",
+               "SHAPE_DEFINITION_REPRESENTATION($1,#9200)"),
+      "#9200=SHAPE_REPRESENTATION('',(#9202,#9203,#9204),#345);\n"
+      "#9201=REPRESENTATION_MAP(#9204,#10);\n"
+      "#9202=MAPPED_ITEM('one',#9201,#9205);\n#9203=MAPPED_ITEM('two',#9201,#9207);\n"
+      "#9204=AXIS2_PLACEMENT_3D('',#9208,$,$);\n#9205=AXIS2_PLACEMENT_3D('',#9206,$,$);\n"
+      "#9206=CARTESIAN_POINT('',(100.,0.,0.));\n#9207=" +
+          target +
+          "\n#9208=CARTESIAN_POINT('',(0.,0.,0.));\n#9209=CARTESIAN_POINT('',(200.,0.,0.));\n"
+          "#9210=DIRECTION('',(-1.,0.,0.));\n#9211=DIRECTION('',(0.,1.,0.));\n"
+          "#9212=DIRECTION('',(0.,0.,1.));\n");
+}
+
+TEST(StepLosses, MappedItemsAreReadOrNamed) {
+  const ScratchFolder folder;
+  const auto placed = mesh::read_assembly(
+      write_file(folder / "a.step", twice_mapped("AXIS2_PLACEMENT_3D('',#9209,$,$);")));
+  ASSERT_TRUE(placed) << to_line(placed.error());
+  ASSERT_EQ(placed->instances.size(), 2u);
+  EXPECT_EQ(placed->instances[0].assembly_from_mesh.translation, (mesh::Vec3d{100, 0, 0}));
+  EXPECT_EQ(placed->instances[1].assembly_from_mesh.translation, (mesh::Vec3d{200, 0, 0}));
+  const std::string lost = "1 placing: #9203 MAPPED_ITEM 'two'";
+  for (const char* target :
+       {"CARTESIAN_TRANSFORMATION_OPERATOR_3D('','','',$,$,#9209,2.,$);",              // scaled
+        "CARTESIAN_TRANSFORMATION_OPERATOR_3D('','','',#9210,#9211,#9209,1.,#9212);",  // mirrored
+        "CARTESIAN_TRANSFORMATION_OPERATOR_3D('','','',#9210,$,#9209,1.,$);",  // axes left out
+        "NO_SUCH_PLACEMENT('',#9209);"}) {
+    expect_in(lost, step_error(twice_mapped(target)));
+  }
+}
+
+TEST(StepLosses, OccurrencesWithoutAPlacing) {
+  const ScratchFolder folder;
+  run_in(folder.path(), "make_step_assembly clamp.step");
+  const std::string clamp = read_text(folder / "clamp.step");
+  expect_in("1 placing: #", step_error(replaced(clamp, "ITEM_DEFINED_TRANSFORMATION",
+                                                "FREELY_DEFINED_TRANSFORMATION")));
+  // Without the entity that ties the occurrence to its placing the part stands nowhere.
+  expect_in(
+      "NEXT_ASSEMBLY_USAGE_OCCURRENCE",
+      step_error(replaced(clamp, R"(#\d+ = CONTEXT_DEPENDENT_SHAPE_REPRESENTATION[^;]*;)", "")));
+}
+
+TEST(IgesLosses, ADamagedSurfaceOfACube) {
+  const std::string box = iges_box(false);
+  const std::string lost = "1 of 6 faces: D19 (type 144)";
+  expect_in(lost, iges_error(with_parameters(box, 21, "108,0.,0.,0.,0.,0,0.,0.,0.,0.;")));
+  expect_in(lost, iges_error(with_parameters(box, 21, "108,x,y,z;")));
+  expect_in(lost, iges_error(with_parameters(box, 19, "144,0,1,0,23;")));
+  expect_in(lost, iges_error(with_parameters(box, 19, "144,27,1,0,23;")));
+  expect_in(lost, iges_error(with_type(box, 21, "999")));
+  // Of a face that is not a face any more, its boundary tells.
+  expect_in("1 face with the boundary: D23 (type 142)", iges_error(with_type(box, 19, "999")));
+  expect_in("D23 (type 142)", iges_error(with_parameters(box, 19, "144,21,0,0;")));
+}
+
+TEST(IgesLosses, APartOfABoundaryRepresentationThatLeadsNowhere) {
+  const std::string box = iges_box(true);
+  expect_in("1 of 6 faces: D45 (type 510)", iges_error(with_parameters(box, 45, "510,0,1,1,0;")));
+  expect_in("1 damaged entity: D15 (type 508)",
+            iges_error(with_parameters(box, 15, "508,1,0,47,1,1,0;")));
+  expect_in("damaged entity: D3 (type 514)", iges_error(with_parameters(box, 3, "514,1,17,1;")));
+}
+
+TEST(IgesLosses, AnExternalReference) {
+  const std::string text =
+      with_type(with_parameters(iges_box(false), 19, "416,8Hbolt.igs;"), 19, "416");
+  expect_in("1 external reference: D19 (type 416)", iges_error(text));
+}
+
+TEST(IgesLosses, ADamagedFaceOfASolid) {
+  const std::string box = iges_box(true);
+  expect_in("1 of 6 faces: D45 (type 510)", iges_error(with_parameters(box, 47, "190,0,0;")));
+  expect_in("D45 (type 510)", iges_error(with_parameters(box, 45, "510,0,1,1,55;")));
+}
+
+TEST(IgesLosses, AConstructiveSolid) {
+  // The group's first face becomes a block of its own.
+  const std::string text =
+      with_type(with_parameters(iges_box(false), 19, "150,5.,5.,5.;"), 19, "150");
+  expect_in("1 solid: D19 (type 150)", iges_error(text));
+}
+
+// The independent count: the faces of a text, by a pattern, are those of the meshes.
+TEST(StepLosses, NoFaceOfTheTextIsMissing) {
+  const ScratchFolder folder;
+  run_in(folder.path(), "make_step_assembly clamp.step");
+  const std::string clamp = read_text(folder / "clamp.step"), box = step_box();
+  const std::string feature = read_text(model_path("featuretype.step"));
+  EXPECT_EQ(count_step_faces(box), 6u);
+  for (const std::string& text : {box, clamp, feature}) {
+    const auto assembly = mesh::read_assembly(write_file(folder / "a.step", text));
+    ASSERT_TRUE(assembly) << to_line(assembly.error());
+    EXPECT_EQ(count_patches(*assembly), count_step_faces(text));
+  }
+  for (const std::string& text : {iges_box(false), iges_box(true)}) {
+    EXPECT_EQ(count_iges_faces(text), 6u);
+    const auto assembly = mesh::read_assembly(write_file(folder / "a.igs", text));
+    ASSERT_TRUE(assembly) << to_line(assembly.error());
+    EXPECT_EQ(count_patches(*assembly), 6u);
+  }
+}
+
+#endif
+
+}  // namespace
+}  // namespace forcelayer
