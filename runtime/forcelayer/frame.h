@@ -22,8 +22,8 @@ enum class TripCause : std::uint32_t {
   kNotCalibrated,   // its poses cannot be trusted
   kFrozen,          // no fresh reading within the stale limit
   kInputNotFinite,  // NaN, infinity, or no unit quaternion
-  kImplausible,     // far outside the workspace, or faster there than any hand
-  kOverSpeed,       // the hand was faster than the limit
+  kImplausible,     // far outside the workspace, a jump, or not what its velocity says
+  kOverSpeed,       // the hand moved or turned faster than the limit
   kNotFinite,       // the motion overflowed
   kLoopLate,        // a frame began later than the stale limit allows
   kOutputHeld,      // the device's own side keeps the motors at zero

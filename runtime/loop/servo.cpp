@@ -63,6 +63,7 @@ OutputFrame Servo::output_frame(const Frame& frame) const noexcept {
   out.not_finite = (report.faults & (kFaultNonFiniteInput | kFaultNonFiniteState)) != 0;
   out.map_lost = (report.faults & kFaultMapLost) != 0;
   out.speed_mps = glm::length(input.handle_velocity.linear_mps) / placement.motion_scale;
+  out.turn_radps = glm::length(input.handle_velocity.angular_radps);
   out.free_of_contact = report.interior + report.surface + report.proximity == 0;
   const glm::dvec3 gap_m =
       target.world_from_center.position_m - report.world_from_center.position_m;
