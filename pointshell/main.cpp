@@ -28,11 +28,19 @@ struct Arguments {
   std::string output, voxel_size, units, covering_radius, mesh_deviation, json;
   std::string method = "surface", effort = "full";
   mesh::TrustOptions trust;
+  std::uint64_t missing_faces = 0;
   unsigned threads = 0;
   bool quiet = false;
   bool verify = false;
   std::string shell;  // verify: the .pshell file
 };
+
+void declare_missing_faces(CLI::App& app, Arguments& arguments) {
+  app.add_option("--missing-faces", arguments.missing_faces,
+                 "accept up to this many faces of a STEP or IGES file that get no triangles "
+                 "(default 0); the guarantee does not cover them")
+      ->check(CLI::NonNegativeNumber);
+}
 
 void declare_bake(CLI::App& app, Arguments& arguments) {
   app.add_option(
@@ -51,6 +59,7 @@ void declare_bake(CLI::App& app, Arguments& arguments) {
       ->check(CLI::IsMember({"fast", "full"}));
   app.add_option("--mesh-deviation", arguments.mesh_deviation,
                  "how far the mesh may be from the true part (default: 0)");
+  declare_missing_faces(app, arguments);
   arguments.trust.declare(app);
   app.add_option("--threads", arguments.threads, "at most this many (default: all)")
       ->check(CLI::Range(1, 1024));
@@ -64,6 +73,7 @@ void declare_verify(CLI::App& app, Arguments& arguments) {
   verify->add_option("PART", arguments.shell, "the .pshell file")->required();
   verify->add_option("MESH", arguments.inputs, "the mesh files it was made from")->required();
   verify->add_option("--units", arguments.units, "unit of the mesh files");
+  declare_missing_faces(*verify, arguments);
   arguments.trust.declare(*verify);
   verify->add_option("--threads", arguments.threads, "at most this many (default: all)")
       ->check(CLI::Range(1, 1024));
@@ -126,13 +136,17 @@ void warn(const Arguments& arguments, const std::string& text) {
   if (!arguments.quiet) std::fprintf(stderr, "pointshell: warning: %s\n", escaped(text).c_str());
 }
 
-// Prints and keeps the warnings of the reading.
-Result<part::Part> load_part(const Arguments& arguments, std::vector<std::string>& warnings) {
+// Prints and keeps the warnings of the reading. `voxel_size_m`: that the shell is made for.
+Result<part::Part> load_part(const Arguments& arguments, double voxel_size_m,
+                             std::vector<std::string>& warnings) {
   const auto units = units_option(arguments.units);
   if (!units) return units.error();
   const auto reader = arguments.trust.reader();
   if (!reader) return reader.error();
-  auto files = part::read_part(arguments.inputs, *units, *reader);
+  mesh::ReadOptions options;
+  options.deflection_m = mesh::baked_deflection_m(voxel_size_m);
+  options.missing_faces = arguments.missing_faces;
+  auto files = part::read_part(arguments.inputs, *units, options, *reader);
   if (!files) return files.error();
   warnings = std::move(files->warnings);
   for (const std::string& warning : warnings) warn(arguments, warning);
@@ -170,7 +184,7 @@ Status bake_command(const Arguments& arguments) {
   command::ProgressLine progress(arguments.quiet);
   progress.show("read", 0);
   std::vector<std::string> warnings;
-  auto part = load_part(arguments, warnings);
+  auto part = load_part(arguments, options->voxel_size_m, warnings);
   if (!part) return part.error();
   const std::string imprecise = part::precision_warning(*part, options->voxel_size_m);
   if (!imprecise.empty()) {
@@ -222,7 +236,7 @@ Status verify_command(const Arguments& arguments) {
   const auto shell = Pshell::open(arguments.shell, Verify::kStructureAndChecksums);
   if (!shell) return shell.error();
   std::vector<std::string> warnings;
-  const auto part = load_part(arguments, warnings);
+  const auto part = load_part(arguments, shell->header().voxel_size_m, warnings);
   if (!part) return part.error();
   certificate::CoveringProof proof;
   part::with_threads(arguments.threads, [&] { proof = verify_shell(*shell, *part); });

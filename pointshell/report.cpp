@@ -6,8 +6,9 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-namespace forcelayer::pointshell {
+#include "formats/mesh/missing_faces.h"
 
+namespace forcelayer::pointshell {
 std::string part_hash(const part::Part& part) {
   XXH64_hash_t hash = XXH3_64bits(part.vertices.data(), part.vertices.size() * sizeof(part::Vec3));
   hash = XXH3_64bits_withSeed(part.triangles.data(), part.triangles.size() * sizeof(mesh::Triangle),
@@ -34,7 +35,8 @@ std::string provenance(const part::Part& part, const ShellOptions& options) {
                               {"covering_radius_m", requested_covering_radius(options)},
                               {"mesh_deviation_m", options.mesh_deviation_m}};
   if (options.method == ShellMethod::kSurface) json["effort"] = effort_name(options.effort);
-  return json.dump();
+  if (!part.missing_faces.empty()) json["missing_faces"] = mesh::json_of(part.missing_faces);
+  return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
 double points_over_bound(const PshellHeader& header, double area_m2) {
@@ -77,6 +79,7 @@ nlohmann::ordered_json bake_report(const BakedShell& shell, const ShellOptions& 
       {"inertia_m2", header.inertia_m2},
       {"bounding_radius_m", header.bounding_radius_m},
       {"part_deviation_m", header.part_deviation_m},
+      {"missing_faces", mesh::json_of(part.missing_faces)},
       {"mean_block_radius_voxels", shell.mean_block_radius_m / header.voxel_size_m},
       {"certificate_pieces", shell.certificate_pieces}};
   if (options.method == ShellMethod::kSurface) report["effort"] = effort_name(options.effort);

@@ -37,7 +37,8 @@ struct Arguments {
   std::string metric, range, compliance;
   std::uint32_t bits = 2;
   mesh::TrustOptions trust;
-  std::vector<std::string> free_seeds;
+  std::vector<std::string> free_seeds, without;
+  std::uint64_t missing_faces = 0;
   int threads = 0;
   bool narrow_passages = false;
   bool plan = false;
@@ -72,6 +73,13 @@ void declare(CLI::App& app, Arguments& arguments) {
       "x,y,z of a point whose surroundings are free, such as the inside of a cabin (repeatable)");
   app.add_option("--mesh-deviation", arguments.mesh_deviation,
                  "how far the meshes may lie from the true surfaces, such as 0.1mm");
+  app.add_option("--without", arguments.without,
+                 "node of an assembly that is left out before it is read, with all below it; named "
+                 "as after FILE# (repeatable)");
+  app.add_option("--missing-faces", arguments.missing_faces,
+                 "accept up to this many faces of each STEP or IGES file that get no triangles "
+                 "(default 0); the guarantee does not cover them")
+      ->check(CLI::NonNegativeNumber);
   app.add_option("--roi", arguments.roi,
                  "x0,y0,z0,x1,y1,z1 of a region; what lies outside it is left out of the file");
   app.add_option("--cache", arguments.cache,
@@ -324,6 +332,8 @@ Result<mesh::Scene> read_inputs(const Arguments& arguments, cache::MeshSource& m
   if (!shard) return shard.error();
   reading.shard = *shard;
   reading.allow_outside = arguments.trust.allow_outside;
+  reading.missing_faces = arguments.missing_faces;
+  reading.without = arguments.without;
   reading.read = [&](const std::string& path, const mesh::ReadOptions& options) {
     return meshes.read(path, options);
   };
@@ -396,7 +406,7 @@ Status voxelize(const Arguments& arguments) {
   if (arguments.json_path.empty()) return {};
   const auto facts = facts_of(*scene, meshes);
   if (!facts) return facts.error();
-  return command::write_report(arguments.json_path, report_of(*bake, *facts, run));
+  return command::write_report(arguments.json_path, report_of(*bake, *scene, *facts, run));
 }
 
 int run(int argc, char** argv) {

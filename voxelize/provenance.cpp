@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/command/command.h"
+#include "formats/mesh/missing_faces.h"
 
 namespace forcelayer::voxelize {
 namespace {
@@ -35,6 +36,7 @@ std::string provenance_of(const mesh::Scene& scene, std::span<const cache::MeshO
                {"free_seeds_m", options.free_seeds_m},
                {"mesh_deviation_m", options.mesh_deviation_m},
                {"parts", parts}};
+  if (!scene.missing_faces.empty()) json["missing_faces"] = mesh::json_of(scene.missing_faces);
   if (options.roi_m) json["roi_m"] = *options.roi_m;
   if (options.metric == Metric::kEuclidean) json["metric"] = "euclidean";
   if (options.bits != 2) json["bits"] = options.bits;

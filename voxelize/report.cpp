@@ -2,8 +2,10 @@
 
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "formats/command/command.h"
+#include "formats/mesh/missing_faces.h"
 
 namespace forcelayer::voxelize {
 
@@ -44,9 +46,19 @@ Json report_of_object(const ObjectReport& object, const mesh::MeshFacts& facts,
           {"outside_roi", object.skipped}};
 }
 
+// The nodes that --without left out.
+Json left_out_of(const mesh::Scene& scene) {
+  std::set<std::string> names;
+  for (const mesh::Assembly& assembly : scene.assemblies) {
+    names.insert(assembly.left_out.begin(), assembly.left_out.end());
+  }
+  return names;
+}
+
 }  // namespace
 
-Json report_of(const Bake& bake, std::span<const mesh::MeshFacts> facts, const BakeFacts& run) {
+Json report_of(const Bake& bake, const mesh::Scene& scene, std::span<const mesh::MeshFacts> facts,
+               const BakeFacts& run) {
   const VoxmapHeader& header = bake.header;
   Json origin_m = Json::array();
   for (const std::int64_t voxel : header.origin_voxel) {
@@ -74,6 +86,8 @@ Json report_of(const Bake& bake, std::span<const mesh::MeshFacts> facts, const B
           {"cropped_sides", header.cropped_sides},
           {"triangles", header.triangles},
           {"static_deviation_m", header.static_deviation_m},
+          {"missing_faces", mesh::json_of(scene.missing_faces)},
+          {"without", left_out_of(scene)},
           {"nodes", bake.nodes},
           {"nodes_from_cache", bake.reused_nodes},
           {"parts", parts},

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "formats/mesh/mesh_facts.h"
+#include "formats/mesh/scene.h"
 #include "voxelize/bake.h"
 
 namespace forcelayer::voxelize {
@@ -19,7 +20,7 @@ struct BakeFacts {
 };
 
 // `facts` are those of the objects' meshes.
-nlohmann::ordered_json report_of(const Bake& bake, std::span<const mesh::MeshFacts> facts,
-                                 const BakeFacts& run);
+nlohmann::ordered_json report_of(const Bake& bake, const mesh::Scene& scene,
+                                 std::span<const mesh::MeshFacts> facts, const BakeFacts& run);
 
 }  // namespace forcelayer::voxelize

@@ -160,6 +160,14 @@ void send_content(Sender& sender, const Assembly& assembly) {
   sender.value(assembly.deviation_units);
   sender.value(std::uint64_t{assembly.warnings.size()});
   for (const std::string& warning : assembly.warnings) sender.list(warning);
+  sender.value(std::uint64_t{assembly.missing_faces.size()});
+  for (const MissingFace& face : assembly.missing_faces) {
+    sender.list(face.node);
+    sender.value(face.center);
+    sender.value(face.size);
+  }
+  sender.value(std::uint64_t{assembly.left_out.size()});
+  for (const std::string& name : assembly.left_out) sender.list(name);
 }
 
 void expect(bool sound) {
@@ -207,6 +215,16 @@ Assembly receive_content(Receiver& receiver) {
   expect(std::isfinite(assembly.deviation_units) && assembly.deviation_units >= 0);
   for (auto n = receiver.value<std::uint64_t>(); n > 0; --n) {
     assembly.warnings.push_back(receiver.text());
+  }
+  for (auto n = receiver.value<std::uint64_t>(); n > 0; --n) {
+    MissingFace& face = assembly.missing_faces.emplace_back();
+    face.node = receiver.text();
+    face.center = receiver.value<Vec3d>();
+    face.size = receiver.value<double>();
+    expect(all_finite(face.center) && std::isfinite(face.size) && face.size >= 0);
+  }
+  for (auto n = receiver.value<std::uint64_t>(); n > 0; --n) {
+    assembly.left_out.push_back(receiver.text());
   }
   return assembly;
 }

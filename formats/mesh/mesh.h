@@ -39,6 +39,13 @@ struct MeshInstance {
   Affine assembly_from_mesh;
 };
 
+// A face of an exact surface (STEP, IGES) that has no triangles: a hole that the user accepted.
+struct MissingFace {
+  std::string node;  // name of the instance that it belongs to
+  Vec3d center{};    // of the box around its edges; file units, assembly frame
+  double size = 0;   // diagonal of that box, file units
+};
+
 // The content of one mesh file: meshes, and the places where they stand.
 struct Assembly {
   std::vector<Mesh> meshes;
@@ -47,18 +54,27 @@ struct Assembly {
   // How far the triangles may lie from exact surfaces that the file holds (STEP, IGES), file units.
   double deviation_units = 0;
   std::vector<std::string> warnings;  // a line each: oddities of a file that was read all the same
-  std::uint64_t triangle_count() const;  // over all instances
+  std::vector<MissingFace> missing_faces;  // at most ReadOptions::missing_faces
+  std::vector<std::string> left_out;       // those of ReadOptions::without that name a node here
+  std::uint64_t triangle_count() const;    // over all instances
 };
 
 struct ReadOptions {
-  double deflection_m = 1e-4;  // of triangles from exact surfaces (STEP, IGES)
-  bool allow_outside = false;  // whether a glTF or STEP file may name files outside its own folder
+  double deflection_m = 1e-4;       // of triangles from exact surfaces (STEP, IGES)
+  bool allow_outside = false;       // whether a glTF or STEP file may name files elsewhere
+  std::uint64_t missing_faces = 0;  // how many faces of exact surfaces may stay without triangles
+  std::vector<std::string> without = {};  // nodes left out, with all below; named as after "#"
 };
+
+// ReadOptions::deflection_m of every mesh that is baked for voxels of this size: a hundredth of a
+// voxel, for the scene and for the part.
+constexpr double baked_deflection_m(double voxel_size_m) { return 0.01 * voxel_size_m; }
 
 // Reads STL, OBJ, PLY, OFF, OM, DRC, glTF/GLB (by content where the format has a signature, else by
 // extension), STEP and IGES where built with OpenCASCADE. `path` may end in "#NODE" for the
-// sub-tree of that name in an assembly format. Never loses a face: a file that cannot be read whole
-// is an error with file, place and reason (kMesh* codes). A file with no triangles is kMeshEmpty.
+// sub-tree of that name in an assembly format. Never loses a face beyond
+// ReadOptions::missing_faces: a file that cannot be read whole is an error with file, place and
+// reason (kMesh* codes). A file with no triangles is kMeshEmpty.
 Result<Assembly> read_assembly(const std::string& path, const ReadOptions& options = {});
 
 }  // namespace forcelayer::mesh

@@ -31,4 +31,19 @@ NodeName name_node(const std::string& name, const NodeName* parent, std::set<std
 std::pair<std::size_t, std::size_t> find_sub_tree(const SourceFile& file,
                                                   const std::vector<NodeName>& nodes);
 
+// What `file.options.without` leaves out of a tree.
+struct LeftOutNodes {
+  std::vector<bool> is_out;        // [nodes]
+  std::vector<std::string> names;  // those that name a node
+  std::vector<std::string> unknown;
+};
+
+// The nodes that `file.options.without` names, as find_sub_tree() does, with all below them. Throws
+// kSceneInvalid where several nodes fit; a name that fits none is listed as unknown.
+LeftOutNodes find_left_out(const SourceFile& file, const std::vector<NodeName>& nodes);
+
+// "the nearest are: a/b, a/c": the names of `paths`, and of the nodes above them, that are spelled
+// most like `name`. Empty where there are none.
+std::string nearest_names_text(const std::string& name, const std::vector<std::string>& paths);
+
 }  // namespace forcelayer::mesh

@@ -117,11 +117,15 @@ Error no_mesh(const std::string& path, int status) {
 
 std::optional<int> run_as_sandbox(int argc, char** argv) {
   main_is_ready = true;
-  if (argc != 5 || std::strcmp(argv[1], kChildOption) != 0) return std::nullopt;
+  if (argc < 6 || std::strcmp(argv[1], kChildOption) != 0) return std::nullopt;
   ReadOptions options;
-  const char* const number = argv[3];
-  std::from_chars(number, number + std::strlen(number), options.deflection_m);
+  const auto read_number = [](const char* text, auto& number) {
+    std::from_chars(text, text + std::strlen(text), number);
+  };
+  read_number(argv[3], options.deflection_m);
   options.allow_outside = std::strcmp(argv[4], "allow-outside") == 0;
+  read_number(argv[5], options.missing_faces);
+  options.without.assign(argv + 6, argv + argc);
   return send_assembly(kResultDescriptor, read_assembly(argv[2], options)) ? 0 : 1;
 }
 
@@ -132,16 +136,19 @@ Result<Assembly> read_in_sandbox(const std::string& path, const ReadOptions& opt
   }
   int pipe[2];
   if (::pipe2(pipe, O_CLOEXEC) != 0) return no_child(path, errno);
-  const std::string name = "sandbox", option = kChildOption,
-                    deflection = exact_text(options.deflection_m),
-                    outside = options.allow_outside ? "allow-outside" : "stay-inside";
-  char* const arguments[] = {
-      const_cast<char*>(name.c_str()),    const_cast<char*>(option.c_str()),
-      const_cast<char*>(path.c_str()),    const_cast<char*>(deflection.c_str()),
-      const_cast<char*>(outside.c_str()), nullptr};
+  std::vector<std::string> words = {"sandbox",
+                                    kChildOption,
+                                    path,
+                                    exact_text(options.deflection_m),
+                                    options.allow_outside ? "allow-outside" : "stay-inside",
+                                    std::to_string(options.missing_faces)};
+  words.insert(words.end(), options.without.begin(), options.without.end());
+  std::vector<char*> arguments;  // made before fork: a child of threads may not take memory
+  for (std::string& word : words) arguments.push_back(word.data());
+  arguments.push_back(nullptr);
   const pid_t parent = ::getpid();
   const pid_t child = ::fork();
-  if (child == 0) become_reader(pipe[1], parent, limits, arguments);
+  if (child == 0) become_reader(pipe[1], parent, limits, arguments.data());
   const int fork_error = errno;
   ::close(pipe[1]);
   if (child < 0) {

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "formats/mesh/confined_path.h"
+#include "formats/mesh/node_names.h"
 #include "formats/mesh/reader.h"
 #include "formats/mesh/scene_manifest.h"
 #include "formats/mesh/units.h"
@@ -41,6 +42,7 @@ class SceneReader {
   Status add(const Placing& placing);
   Status add_manifest(const std::string& path);
   Status add_folder(const std::string& path, std::optional<double> meters_per_unit);
+  Status check_left_out() const;
   Scene finish();
 
  private:
@@ -66,7 +68,9 @@ Result<std::uint32_t> SceneReader::assembly_of(const std::string& file) {
   if (const auto found = read_.find(file); found != read_.end()) return found->second;
   ReadOptions options;
   const auto voxel_size_m = reading_.voxel_size_m ? reading_.voxel_size_m : scene_.voxel_size_m;
-  if (voxel_size_m) options.deflection_m = kDeflectionVoxels * *voxel_size_m;
+  if (voxel_size_m) options.deflection_m = baked_deflection_m(*voxel_size_m);
+  options.missing_faces = reading_.missing_faces;
+  options.without = reading_.without;
   auto assembly = reading_.read(file, options);
   if (!assembly) return assembly.error();
   for (const std::string& warning : assembly->warnings) {
@@ -86,6 +90,12 @@ Status SceneReader::add(const Placing& placing) {
       meters_per_unit(assembly, placing.file, placing.meters_per_unit, scene_.warnings);
   if (!unit) return unit.error();
   const Affine world_from_assembly = compose(placing.world_from_object, scaling(*unit));
+  for (MissingFace face : assembly.missing_faces) {
+    if (!placing.name.empty()) face.node = placing.name + "/" + face.node;
+    face.center = mesh::apply(world_from_assembly, face.center);
+    face.size *= largest_stretch(world_from_assembly);
+    scene_.missing_faces.push_back(std::move(face));
+  }
   for (const MeshInstance& instance : assembly.instances) {
     if (!is_in_shard(number++)) continue;
     MeshObject& object = scene_.objects.emplace_back();
@@ -149,6 +159,24 @@ Status SceneReader::add_folder(const std::string& path, std::optional<double> me
   return {};
 }
 
+// Every name of --without must be that of a node.
+Status SceneReader::check_left_out() const {
+  std::vector<std::string> known;
+  for (const Assembly& assembly : scene_.assemblies) {
+    for (const MeshInstance& instance : assembly.instances) known.push_back(instance.name);
+  }
+  for (const std::string& name : reading_.without) {
+    const auto has = [&](const Assembly& assembly) {
+      return std::find(assembly.left_out.begin(), assembly.left_out.end(), name) !=
+             assembly.left_out.end();
+    };
+    if (std::any_of(scene_.assemblies.begin(), scene_.assemblies.end(), has)) continue;
+    return Error{ErrorCode::kSceneInvalid, "", "--without",
+                 "no file has a node called " + in_quotes(name), nearest_names_text(name, known)};
+  }
+  return {};
+}
+
 // A name that occurs again gets a number: "bolt", "bolt#2", ...
 Scene SceneReader::finish() {
   std::map<std::string, int> seen;
@@ -180,6 +208,7 @@ Result<Scene> read_scene(std::span<const std::string> inputs, std::optional<doub
     }
     if (!added) return added.error();
   }
+  if (Status named = reader.check_left_out(); !named) return named.error();
   return reader.finish();
 }
 

@@ -27,8 +27,9 @@ struct MeshObject {
 
 struct Scene {
   std::vector<Assembly> assemblies;
-  std::vector<MeshObject> objects;    // one per instance
-  std::vector<std::string> warnings;  // a line each, with file
+  std::vector<MeshObject> objects;         // one per instance
+  std::vector<std::string> warnings;       // a line each, with file
+  std::vector<MissingFace> missing_faces;  // node: the object's name; world, meters
   // Set by a manifest; the command line overrides it.
   std::optional<double> voxel_size_m;
   std::optional<std::uint32_t> layers;
@@ -50,6 +51,8 @@ struct SceneShard {
 struct SceneReading {
   std::optional<double> voxel_size_m;  // over a manifest's; exact surfaces are tessellated to it
   bool allow_outside = false;          // whether a manifest may name files outside its own folder
+  std::uint64_t missing_faces = 0;     // ReadOptions::missing_faces of each file
+  std::vector<std::string> without;    // ReadOptions::without; each names a node of some file
   SceneShard shard;  // objects of other shards are left out, and not read where that is known
   // Reads each file once, in the order of Scene::assemblies.
   std::function<Result<Assembly>(const std::string& path, const ReadOptions& options)> read =
@@ -57,14 +60,12 @@ struct SceneReading {
   std::function<void(double share_done)> progress;  // may be empty
 };
 
-// Triangles of exact surfaces (STEP, IGES) deviate from them by at most this share of a voxel.
-inline constexpr double kDeflectionVoxels = 0.01;
-
 // Reads every input: a mesh or assembly file (`FILE#NODE` for a sub-tree), a folder (the mesh files
 // in it, sorted by name), or a manifest (`.json`; described in voxelize/baking.md).
 // `meters_per_unit` is the user's unit: required where a format defines none (else kUsage), and a
 // warning where it overrides one. It does not apply to a manifest's objects, which name theirs.
-// Errors of a manifest (kSceneInvalid) name the key.
+// Errors of a manifest (kSceneInvalid) name the key. A name of `SceneReading::without` that no file
+// has is kSceneInvalid, with the nearest names.
 Result<Scene> read_scene(std::span<const std::string> inputs, std::optional<double> meters_per_unit,
                          const SceneReading& reading = {});
 

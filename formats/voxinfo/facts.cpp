@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <limits>
 
+#include "formats/command/provenance.h"
+
 namespace forcelayer::voxinfo {
 namespace {
 
@@ -144,6 +146,11 @@ __attribute__((format(printf, 2, 3))) void add_line(std::string& text, const cha
   text += '\n';
 }
 
+void add_missing_faces(std::string& text, std::string_view provenance) {
+  const std::string missing = command::missing_faces_text(provenance);
+  if (!missing.empty()) add_line(text, "  missing faces     %s", missing.c_str());
+}
+
 std::string cropped_text(std::uint32_t sides) {
   if (sides == 0) return "everywhere";
   std::string text = "up to the cropped sides";
@@ -184,6 +191,7 @@ std::string summary_of_voxmap(const Voxmap& map, const std::string& path) {
            h.interior_voxels, h.surface_voxels, h.proximity_voxels);
   add_line(text, "  triangles         %" PRIu64, h.triangles);
   add_line(text, "  static deviation  %.6g m", h.static_deviation_m);
+  add_missing_faces(text, map.provenance());
   add_line(text, "  valid             %s", cropped_text(h.cropped_sides).c_str());
   add_line(text,
            "  tree              %u x %u x %u cells, %" PRIu64 " upper nodes, %" PRIu64
@@ -202,6 +210,7 @@ std::string summary_of_pshell(const Pshell& shell, const std::string& path) {
   add_line(text, "  covering radius   %.9g m", h.covering_radius_m);
   add_line(text, "  made for voxels   %.9g m", h.voxel_size_m);
   add_line(text, "  part deviation    %.6g m", h.part_deviation_m);
+  add_missing_faces(text, shell.provenance());
   add_line(text, "  area, volume      %.6g m2, %.6g m3; mass from the %s", h.area_m2, h.volume_m3,
            kMassSourceNames[h.mass_source]);
   add_line(text, "  centroid          %.9g %.9g %.9g m", h.center_m[0], h.center_m[1],

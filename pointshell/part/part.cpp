@@ -102,6 +102,11 @@ Result<Part> assemble_part(std::span<const PartInput> inputs) {
   for (const PartInput& input : inputs) {
     part.deviation_m =
         std::max(part.deviation_m, input.assembly->deviation_units * input.meters_per_unit);
+    for (mesh::MissingFace face : input.assembly->missing_faces) {
+      for (double& coordinate : face.center) coordinate *= input.meters_per_unit;
+      face.size *= input.meters_per_unit;
+      part.missing_faces.push_back(std::move(face));
+    }
     for (const mesh::MeshInstance& instance : input.assembly->instances) {
       const mesh::Mesh& mesh = input.assembly->meshes[instance.mesh];
       append_instance(mesh, instance.assembly_from_mesh, input.meters_per_unit,
@@ -145,6 +150,9 @@ Part relative_to(Part part, const Vec3& origin) {
   for (Vec3& vertex : part.vertices) {
     vertex = vertex - origin;
     part.largest_coordinate = std::max(part.largest_coordinate, max_abs(vertex));
+  }
+  for (auto& [node, center, size] : part.missing_faces) {
+    center = {center[0] - origin.x, center[1] - origin.y, center[2] - origin.z};
   }
   return part;
 }

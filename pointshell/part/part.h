@@ -28,6 +28,7 @@ struct Part {
       0;  // m, absolute, of any vertex, as given or moved: all rounding follows it
   bool single_precision = false;  // whether any file stores 32-bit vertices
   double deviation_m = 0;  // of the triangles from exact surfaces that a file holds (STEP, IGES)
+  std::vector<mesh::MissingFace> missing_faces;  // of those surfaces; part frame, m
 };
 
 // One mesh file's content and the unit to read it in.

@@ -4,12 +4,13 @@
 
 namespace forcelayer::part {
 Result<PartFiles> read_part(const std::vector<std::string>& paths,
-                            std::optional<double> chosen_unit_m, const mesh::AssemblyReader& read) {
+                            std::optional<double> chosen_unit_m, const mesh::ReadOptions& options,
+                            const mesh::AssemblyReader& read) {
   PartFiles files;
   std::vector<mesh::Assembly> assemblies;
   std::vector<double> units;
   for (const std::string& path : paths) {
-    auto assembly = read(path, {});
+    auto assembly = read(path, options);
     if (!assembly) return assembly.error();
     for (const std::string& warning : assembly->warnings) {
       files.warnings.push_back(path + ": " + warning);

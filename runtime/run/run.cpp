@@ -139,11 +139,13 @@ Result<OpenedFiles> prepare(Voxmap voxmap, Pshell shell, const RunRequest& reque
       model::Simulation::create(std::move(voxmap), std::move(shell), *parameters, query);
   if (!simulation) return simulation.error();
   opened.simulation = std::move(*simulation);
-  opened.guarantee = separation_guarantee(opened.simulation->voxmap().header(),
-                                          opened.simulation->shell().header(),
-                                          opened.simulation->query().rounding_bound_m());
+  const VoxmapHeader& scene = opened.simulation->voxmap().header();
+  const PshellHeader& part = opened.simulation->shell().header();
+  const double pose_error_m = opened.simulation->query().rounding_bound_m();
+  opened.guarantee = separation_guarantee(scene, part, pose_error_m);
   if (!request.without_guarantee) {
-    if (Status s = require_guarantee(opened.guarantee, request.part.string()); !s) return s.error();
+    const Status ensured = require_guarantee(scene, part, pose_error_m, request.part.string());
+    if (!ensured) return ensured.error();
   }
   return opened;
 }

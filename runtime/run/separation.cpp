@@ -29,19 +29,57 @@ std::string length_text(const std::optional<double>& length_m) {
   return text;
 }
 
+// The same as an option takes it.
+std::string option_text(double length_m) {
+  std::string text = length_text(length_m);
+  std::erase(text, ' ');
+  return text;
+}
+
+double chord_m(const VoxmapHeader& voxmap) {
+  const double layers = voxmap.offset_layers - 1.0;
+  // Half-way along a chord of s/2 a point is s/4 from either end.
+  return std::sqrt(layers * layers - 1.0 / 16) * voxmap.voxel_size_m;
+}
+
+// The fewest layers that leave something when this length, in voxels, is spent.
+std::string layers_text(double spent_voxels) {
+  constexpr double kMostLayers = 30;  // that voxelize bakes
+  const double layers = std::floor(std::hypot(spent_voxels, 0.25)) + 2;
+  if (!(layers <= kMostLayers)) return "bake both for larger voxels";
+  return "bake the scene with --layers " + std::to_string(static_cast<int>(layers));
+}
+
+// What would give a guarantee. A smaller covering radius is no help where the deviations alone are
+// too much.
+std::string advice(const VoxmapHeader& voxmap, const PshellHeader& shell, double pose_error_m) {
+  constexpr double kBelowRoom = 0.9;  // of what would leave nothing
+  const double s = voxmap.voxel_size_m;
+  const double deviations_m = voxmap.static_deviation_m + shell.part_deviation_m;
+  const double given_m = deviations_m + pose_error_m + arc_deviation_m(s, shell.bounding_radius_m);
+  const std::string more_layers = layers_text((given_m + shell.covering_radius_m) / s);
+  if (voxmap.offset_layers < 2) return more_layers;
+  const double room_m = chord_m(voxmap) - given_m;
+  if (room_m > 0.1 * s) {
+    return "bake the part with --covering-radius " + option_text(kBelowRoom * room_m) +
+           " or less, or " + more_layers;
+  }
+  return more_layers + ", or both from closer meshes: the scene's deviates by " +
+         length_text(voxmap.static_deviation_m) + " and the part's by " +
+         length_text(shell.part_deviation_m) + " (--mesh-deviation, and what the files declare)";
+}
+
 }  // namespace
 
 SeparationGuarantee separation_guarantee(const VoxmapHeader& voxmap, const PshellHeader& shell,
                                          double pose_error_m) {
   if (voxmap.offset_layers < 2) return {};
   const double s = voxmap.voxel_size_m;
-  const double layers = voxmap.offset_layers - 1.0;
+  const double layers_m = (voxmap.offset_layers - 1.0) * s;
   const double spent_m =
       shell.covering_radius_m + voxmap.static_deviation_m + shell.part_deviation_m + pose_error_m;
-  // Half-way along a chord of s/2 a point is s/4 from either end.
-  const double chord_m = std::sqrt(layers * layers - 1.0 / 16) * s;
-  return {positive(layers * s - spent_m),
-          positive(chord_m - spent_m - arc_deviation_m(s, shell.bounding_radius_m))};
+  return {positive(layers_m - spent_m),
+          positive(chord_m(voxmap) - spent_m - arc_deviation_m(s, shell.bounding_radius_m))};
 }
 
 std::string guarantee_text(const SeparationGuarantee& guarantee) {
@@ -49,12 +87,14 @@ std::string guarantee_text(const SeparationGuarantee& guarantee) {
          " between frames whose points travel at most half a voxel";
 }
 
-Status require_guarantee(const SeparationGuarantee& guarantee, const std::string& part) {
+Status require_guarantee(const VoxmapHeader& voxmap, const PshellHeader& shell, double pose_error_m,
+                         const std::string& part) {
+  const SeparationGuarantee guarantee = separation_guarantee(voxmap, shell, pose_error_m);
   if (guarantee.tested_m && guarantee.swept_m) return {};
   return Error{ErrorCode::kFilesDoNotMatch, part, "",
                "no separation is guaranteed with this scene (" + guarantee_text(guarantee) + ")",
-               "bake the scene with two layers or more or the part with a smaller "
-               "--covering-radius, or run without (--without-guarantee, without_guarantee)"};
+               advice(voxmap, shell, pose_error_m) +
+                   ", or run without (--without-guarantee, without_guarantee)"};
 }
 
 }  // namespace forcelayer

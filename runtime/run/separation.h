@@ -15,8 +15,9 @@ namespace forcelayer {
 SeparationGuarantee separation_guarantee(const VoxmapHeader& voxmap, const PshellHeader& shell,
                                          double pose_error_m);
 
-// An error where one of the two bounds is none. `part`: the shell's path, for the error. Errors:
-// kFilesDoNotMatch.
-Status require_guarantee(const SeparationGuarantee& guarantee, const std::string& part);
+// An error where one of the two bounds is none, with what would mend that. `part`: the shell's
+// path, for the error. Errors: kFilesDoNotMatch.
+Status require_guarantee(const VoxmapHeader& voxmap, const PshellHeader& shell, double pose_error_m,
+                         const std::string& part);
 
 }  // namespace forcelayer

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/command/command.h"
+#include "formats/command/provenance.h"
 #include "runtime/model/simulation.h"
 #include "runtime/query/query_kernel.h"
 #include "runtime/run/limits.h"
@@ -273,6 +274,8 @@ Json report_json(const Run& run, const RunFacts& facts, const loop::LoopStatisti
   json["faulty_frames"] = s.faulty_frames;
   json["guaranteed_separation_m"] = number(run.guarantee().tested_m);
   json["guaranteed_swept_separation_m"] = number(run.guarantee().swept_m);
+  json["missing_faces"] = command::missing_faces_in(run.simulation().voxmap().provenance()) +
+                          command::missing_faces_in(run.simulation().shell().provenance());
   json["pose_error_m"] = run.simulation().query().rounding_bound_m();
   json["step_ns"] = percentiles(s.step);
   json["threads"] = facts.options.run.threads;

@@ -8,6 +8,7 @@
 
 #include "formats/command/command.h"
 #include "formats/command/progress_line.h"
+#include "formats/command/provenance.h"
 #include "runtime/loop/loop.h"
 #include "runtime/loop/servo.h"
 #include "runtime/machine/map_loss.h"
@@ -89,6 +90,17 @@ void warn(const std::vector<std::string>& more, std::vector<std::string>& warnin
   warnings.insert(warnings.end(), more.begin(), more.end());
 }
 
+// Where a baked file was made without some of its faces, the guarantee says nothing about those.
+void warn_of_missing_faces(const Options& options, const Run& run,
+                           std::vector<std::string>& warnings) {
+  const auto warn_of = [&](const std::filesystem::path& path, std::string_view provenance) {
+    const std::string text = command::missing_faces_text(provenance);
+    if (!text.empty()) warnings.push_back(path.string() + ": " + text);
+  };
+  warn_of(options.run.scene, run.simulation().voxmap().provenance());
+  warn_of(options.run.part, run.simulation().shell().provenance());
+}
+
 // Registers the part where the hand is now.
 Status take_hold(const Options& options, Session& session) {
   const auto device_from_handle = wait_for_pose(*session.device.device);
@@ -113,6 +125,7 @@ Status prepare_run(const Options& options, Session& session) {
   if (!run) return run.error();
   session.run = std::move(*run);
   warn(session.run->warnings(), session.facts.warnings);
+  warn_of_missing_faces(options, *session.run, session.facts.warnings);
   if (!session.recording) return take_hold(options, session);
   session.start = session.recording->run().start;
   return {};

@@ -46,7 +46,8 @@ runtime/examples:       runtime/forcelayer
 runtime/query:          formats runtime/forcelayer runtime/machine
 runtime/viewer/surface: formats formats/command
 voxelize/fill:          formats/lattice voxelize/masks
-formats/mesh/readers:   formats formats/mesh
+formats/mesh/step:      formats formats/mesh
+formats/mesh/readers:   formats formats/mesh formats/mesh/step
 pointshell/part:        formats formats/mesh
 runtime/field:          formats runtime/forcelayer runtime/query
 voxelize/scan:          formats formats/lattice formats/mesh voxelize/masks
@@ -61,7 +62,7 @@ runtime/devices/hid:    formats runtime/coupling runtime/devices runtime/forcela
 runtime/devices/plugin: runtime/devices runtime/forcelayer runtime/machine
 runtime/loop:           runtime/coupling runtime/devices runtime/forcelayer runtime/machine runtime/model
 voxelize/tree:          formats formats/lattice voxelize/cache voxelize/distance voxelize/masks
-pointshell:             formats formats/command pointshell/certificate pointshell/normals pointshell/part pointshell/sample
+pointshell:             formats formats/command formats/mesh pointshell/certificate pointshell/normals pointshell/part pointshell/sample
 runtime/run:            formats runtime/field runtime/forcelayer runtime/loop runtime/machine runtime/model
 runtime/stream:         formats runtime/forcelayer runtime/loop runtime/machine runtime/model
 voxelize:               formats formats/command formats/mesh voxelize/cache voxelize/distance voxelize/fill voxelize/masks voxelize/scan voxelize/tree

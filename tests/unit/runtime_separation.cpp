@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
+#include <string>
 
 namespace forcelayer::test {
 namespace {
@@ -55,6 +57,59 @@ TEST(Separation, IsNoneWhereTheBoundIsNotPositive) {
   const auto between = separation_guarantee(scene(2), part(0.98 * kVoxelSizeM), 0);
   EXPECT_TRUE(between.tested_m);
   EXPECT_FALSE(between.swept_m);
+}
+
+std::string advice(const VoxmapHeader& map, const PshellHeader& shell) {
+  const Status ensured = require_guarantee(map, shell, 0, "part.pshell");
+  return ensured ? "" : ensured.error().mend;
+}
+
+bool ensured(const VoxmapHeader& map, const PshellHeader& shell) {
+  return bool(require_guarantee(map, shell, 0, "part.pshell"));
+}
+
+// What the advice names is enough, and a layer fewer is not.
+TEST(Separation, AdvisesLayersThatAreEnough) {
+  for (const double deviation_m : {0.0, 0.002, 0.006, 0.02}) {
+    VoxmapHeader map = scene(1);
+    PshellHeader shell = part(0.9 * kVoxelSizeM);
+    shell.part_deviation_m = deviation_m;
+    unsigned layers = 0;
+    const std::string text = advice(map, shell);
+    ASSERT_EQ(std::sscanf(text.c_str(), "bake the scene with --layers %u", &layers), 1) << text;
+    map.offset_layers = layers;
+    EXPECT_TRUE(ensured(map, shell)) << text;
+    map.offset_layers = layers - 1;
+    EXPECT_FALSE(ensured(map, shell)) << text;
+  }
+}
+
+TEST(Separation, AdvisesACoveringRadiusThatIsSmallEnough) {
+  VoxmapHeader map = scene(2);
+  map.static_deviation_m = 0.001;
+  PshellHeader shell = part(0.9 * kVoxelSizeM);
+  double radius_mm = 0;
+  const std::string text = advice(map, shell);
+  ASSERT_EQ(std::sscanf(text.c_str(), "bake the part with --covering-radius %lfmm", &radius_mm), 1)
+      << text;
+  shell.covering_radius_m = 1e-3 * radius_mm;
+  EXPECT_TRUE(ensured(map, shell)) << text;
+}
+
+// Where the deviations alone are too much, a smaller covering radius is no help.
+TEST(Separation, AdvisesCloserMeshesWhereNoCoveringRadiusHelps) {
+  VoxmapHeader map = scene(2);
+  map.static_deviation_m = 0.003;
+  PshellHeader shell = part(0.001);
+  shell.part_deviation_m = 0.0025;
+  PshellHeader dense = shell;
+  dense.covering_radius_m = 1e-9;
+  ASSERT_FALSE(ensured(map, dense));
+  const std::string text = advice(map, shell);
+  EXPECT_EQ(text.find("--covering-radius"), std::string::npos) << text;
+  EXPECT_NE(text.find("deviates by 3 mm and the part's by 2.5 mm"), std::string::npos) << text;
+  shell.part_deviation_m = 1;
+  EXPECT_NE(advice(map, shell).find("larger voxels"), std::string::npos);
 }
 
 }  // namespace

@@ -10,7 +10,8 @@ namespace forcelayer::cache {
 
 // ... a reader gives another mesh for the same file, or refuses it, or the record changes.
 // 2: STEP and IGES files of which faces are lost are refused.
-inline constexpr std::uint32_t kAssemblyCacheVersion = 2;
+// 3: the record holds missing faces and the nodes left out.
+inline constexpr std::uint32_t kAssemblyCacheVersion = 3;
 
 // ... mesh_facts() gives other facts for the same mesh, or the record changes.
 inline constexpr std::uint32_t kFactsCacheVersion = 1;

@@ -49,8 +49,9 @@ std::optional<Digest> assembly_key(const std::string& path, const mesh::ReadOpti
   digest.text(kAssemblyKind).value(kAssemblyCacheVersion);
   digest.text(name.string()).text(source.node);  // nodes without names are called by the file's
   if (extension.starts_with(".st") || extension.starts_with(".ig")) {
-    if (extension != ".stl") digest.value(options.deflection_m);
+    if (extension != ".stl") digest.value(options.deflection_m).value(options.missing_faces);
   }
+  for (const std::string& node : options.without) digest.text(node);
   return digest.value(digest_of(mapped->bytes())).finish();
 }
 
@@ -70,6 +71,14 @@ std::vector<std::byte> pack(const mesh::Assembly& assembly,
   packer.value(assembly.deviation_units);
   packer.value(std::uint64_t{assembly.warnings.size()});
   for (const std::string& warning : assembly.warnings) packer.text(warning);
+  packer.value(std::uint64_t{assembly.missing_faces.size()});
+  for (const mesh::MissingFace& face : assembly.missing_faces) {
+    packer.text(face.node);
+    packer.value(face.center);
+    packer.value(face.size);
+  }
+  packer.value(std::uint64_t{assembly.left_out.size()});
+  for (const std::string& name : assembly.left_out) packer.text(name);
   return packer.bytes();
 }
 
@@ -94,6 +103,15 @@ std::optional<mesh::Assembly> unpack(std::span<const std::byte> bytes,
     assembly.deviation_units = unpacker.value<double>();
     for (auto n = unpacker.value<std::uint64_t>(); n > 0; --n) {
       assembly.warnings.push_back(unpacker.text());
+    }
+    for (auto n = unpacker.value<std::uint64_t>(); n > 0; --n) {
+      mesh::MissingFace& face = assembly.missing_faces.emplace_back();
+      face.node = unpacker.text();
+      face.center = unpacker.value<mesh::Vec3d>();
+      face.size = unpacker.value<double>();
+    }
+    for (auto n = unpacker.value<std::uint64_t>(); n > 0; --n) {
+      assembly.left_out.push_back(unpacker.text());
     }
     unpacker.expect_end();
     return assembly;

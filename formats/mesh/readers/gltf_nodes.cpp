@@ -167,8 +167,13 @@ void GltfNodes::select() {
   std::vector<NodeName> names;
   for (const Node& node : nodes_) names.push_back(node.name);
   const auto [first, last] = find_sub_tree(document_.file(), names);
-  nodes_ = std::vector<Node>(nodes_.begin() + static_cast<std::ptrdiff_t>(first),
-                             nodes_.begin() + static_cast<std::ptrdiff_t>(last));
+  LeftOutNodes left_out = find_left_out(document_.file(), names);
+  std::vector<Node> kept;
+  for (std::size_t i = first; i < last; ++i) {
+    if (!left_out.is_out[i]) kept.push_back(std::move(nodes_[i]));
+  }
+  nodes_ = std::move(kept);
+  left_out_ = std::move(left_out.names);
 }
 
 // node_from_instance of EXT_mesh_gpu_instancing; the identity where the node has no such extension.
@@ -235,7 +240,7 @@ void GltfNodes::add_warnings(std::vector<std::string>& warnings) const {
                        " with a skin: read without it, where the node stands");
   }
   const std::uint64_t left_out = document_.count("meshes") - placed.size();
-  if (left_out > 0 && document_.file().node.empty()) {
+  if (left_out > 0 && document_.file().node.empty() && left_out_.empty()) {
     warnings.push_back(std::to_string(left_out) + " of " +
                        std::to_string(document_.count("meshes")) +
                        " meshes left out: no node of the default scene places them");

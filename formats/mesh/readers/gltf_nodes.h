@@ -21,12 +21,13 @@ struct GltfPlacing {
 // Walks the default scene of `document`, or the sub-tree that its file's "#NODE" selects: a node's
 // path, or its label where only one node has it. A label is the node's name, else its mesh's, else
 // "node7"; siblings of the same label become "label:2", "label:3". Sub-trees keep their place in
-// the assembly.
+// the assembly. ReadOptions::without is obeyed.
 class GltfNodes {
  public:
   explicit GltfNodes(const GltfDocument& document);  // throws ReadFailure
 
   std::vector<GltfPlacing> placings() const;
+  const std::vector<std::string>& left_out() const { return left_out_; }  // Assembly::left_out
   void add_warnings(std::vector<std::string>& warnings) const;
 
  private:
@@ -47,6 +48,7 @@ class GltfNodes {
 
   const GltfDocument& document_;
   std::vector<Node> nodes_;  // of the scene or sub-tree, each before its children
+  std::vector<std::string> left_out_;
 };
 
 }  // namespace forcelayer::mesh

@@ -176,10 +176,12 @@ class GltfReader {
     if (assembly_.instances.empty()) {
       document_.fail(ErrorCode::kMeshEmpty, "",
                      lines_and_points_ > 0 ? "no triangles in this file, only points or lines"
-                                           : "no node with a mesh in this file",
+                     : !nodes_.left_out().empty() ? "no node with a mesh is left in this file"
+                                                  : "no node with a mesh in this file",
                      "export a surface mesh");
     }
     add_warnings();
+    assembly_.left_out = nodes_.left_out();
     return std::move(assembly_);
   }
 

@@ -17,10 +17,11 @@
 
 #include "formats/mesh/node_names.h"
 #include "formats/mesh/reader.h"
-#include "formats/mesh/readers/step_document.h"
-#include "formats/mesh/readers/step_faces.h"
-#include "formats/mesh/readers/step_references.h"
-#include "formats/mesh/readers/step_tessellator.h"
+#include "formats/mesh/step/document.h"
+#include "formats/mesh/step/face_report.h"
+#include "formats/mesh/step/faces.h"
+#include "formats/mesh/step/references.h"
+#include "formats/mesh/step/tessellator.h"
 
 namespace forcelayer::mesh {
 namespace {
@@ -72,6 +73,14 @@ bool is_step_name(const std::string& name) {
   return extension == ".stp" || extension == ".step" || extension == ".igs" || extension == ".iges";
 }
 
+constexpr std::uint32_t kNoTriangles = 0xffffffff;
+
+// A product once it is tessellated.
+struct TessellatedProduct {
+  std::uint32_t mesh = kNoTriangles;  // index into Assembly::meshes
+  std::vector<LostFace> lost;
+};
+
 class StepReader {
  public:
   explicit StepReader(const SourceFile& file)
@@ -82,13 +91,19 @@ class StepReader {
     chain_.push_back(&top);
     add_level(top, roots_of(top), nullptr, Affine{});
     const auto [first, last] = find_sub_tree(file_, names_);
-    for (std::size_t i = first; i < last; ++i) place(i);
-    if (assembly_.instances.empty()) {
-      fail_read(file_, ErrorCode::kMeshEmpty, "", "no faces in this file", "export the file again");
+    LeftOutNodes left_out = find_left_out(file_, names_);
+    for (std::size_t i = first; i < last; ++i) {
+      if (!left_out.is_out[i]) place(i);
     }
+    check_missing_faces(file_, left_out.unknown, assembly_);
+    if (assembly_.instances.empty()) {
+      fail_read(file_, ErrorCode::kMeshEmpty, "",
+                left_out.names.empty() ? "no faces in this file" : "no faces are left in this file",
+                "export the file again");
+    }
+    assembly_.left_out = std::move(left_out.names);
     assembly_.meters_per_unit = kMetersPerMillimeter;
-    assembly_.deviation_units = std::max(file_.options.deflection_m / kMetersPerMillimeter,
-                                         tessellator_.largest_deflection_mm());
+    assembly_.deviation_units = tessellator_.deviation_mm();
     return std::move(assembly_);
   }
 
@@ -201,21 +216,32 @@ class StepReader {
   void place(std::size_t node) {
     const auto& [file, label] = products_[node];
     if (label.IsNull() || XCAFDoc_ShapeTool::IsAssembly(label)) return;
-    const auto [known, is_new] = meshes_.try_emplace({file, entry_of(label)}, kNoTriangles);
+    const auto [known, is_new] = products_done_.try_emplace({file, entry_of(label)});
+    auto& [mesh, lost] = known->second;
     if (is_new) {
-      Mesh mesh = tessellator_.tessellate(XCAFDoc_ShapeTool::GetShape(label), names_[node].path);
-      add_triangles(*file, label, names_[node].path, mesh);
-      if (!mesh.triangles.empty()) {
-        assembly_.meshes.push_back(std::move(mesh));
-        known->second = static_cast<std::uint32_t>(assembly_.meshes.size() - 1);
+      Tessellation made =
+          tessellator_.tessellate(XCAFDoc_ShapeTool::GetShape(label), names_[node].path);
+      add_face_warnings(made, names_[node].path, assembly_.warnings);
+      add_triangles(*file, label, names_[node].path, made.mesh);
+      lost = std::move(made.lost);
+      if (!made.mesh.triangles.empty()) {
+        assembly_.meshes.push_back(std::move(made.mesh));
+        mesh = static_cast<std::uint32_t>(assembly_.meshes.size() - 1);
       }
     }
-    if (known->second == kNoTriangles) {
-      assembly_.warnings.push_back(names_[node].path +
-                                   " left out: it has no faces, only curves or points");
+    for (const LostFace& face : lost) {
+      assembly_.missing_faces.push_back({names_[node].path,
+                                         forcelayer::mesh::apply(placings_[node], face.center_mm),
+                                         face.size_mm});
+    }
+    if (mesh == kNoTriangles) {
+      if (lost.empty()) {
+        assembly_.warnings.push_back(names_[node].path +
+                                     " left out: it has no faces, only curves or points");
+      }
       return;
     }
-    assembly_.instances.push_back({known->second, names_[node].path, placings_[node]});
+    assembly_.instances.push_back({mesh, names_[node].path, placings_[node]});
   }
 
   // The triangles that the file itself holds for a product.
@@ -248,8 +274,6 @@ class StepReader {
     }
   }
 
-  static constexpr std::uint32_t kNoTriangles = 0xffffffff;
-
   const SourceFile& file_;
   StepTessellator tessellator_;
   std::map<std::filesystem::path, std::unique_ptr<OpenFile>> files_;
@@ -258,7 +282,7 @@ class StepReader {
   std::vector<NodeName> names_;         // of all nodes, each before its children
   std::vector<Product> products_;
   std::vector<Affine> placings_;
-  std::map<std::pair<const OpenFile*, std::string>, std::uint32_t> meshes_;  // by product
+  std::map<std::pair<const OpenFile*, std::string>, TessellatedProduct> products_done_;
   Assembly assembly_;
 };
 

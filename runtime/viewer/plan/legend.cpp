@@ -7,6 +7,9 @@ void add_scene(const PicturePlan& plan, const ViewScene& scene, std::vector<Lege
   if (!scene.meshes.empty() && plan.shown[Item::kMeshes]) {
     legend.push_back({Swatch::kSquare, kSceneColor, 1, "scene (mesh)"});
   }
+  if (!scene.missing_faces.empty() && plan.shown[Item::kMeshes]) {
+    legend.push_back({Swatch::kFramedSquare, kMissingFaceColor, 1, "face missing from the mesh"});
+  }
   if (!scene.voxmap) return;
   if (plan.shown[Item::kInterior]) {
     legend.push_back({Swatch::kSquare, kInteriorColor, 1, "interior voxels (value 1)"});

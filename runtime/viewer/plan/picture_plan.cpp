@@ -165,6 +165,7 @@ nlohmann::ordered_json report_of(const PicturePlan& plan, const ViewScene& scene
   report["to_eye"] = numbers(plan.camera.to_eye);
   report["up"] = numbers(plan.camera.up);
   report["meshes"] = scene.meshes.size();
+  report["missing_faces"] = scene.missing_faces.size();
   if (plan.moment) {
     const Moment& moment = *plan.moment;
     auto& json = report["moment"];

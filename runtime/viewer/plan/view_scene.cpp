@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <filesystem>
 #include <glm/common.hpp>
+#include <limits>
 
 #include "formats/mesh/scene.h"
 
@@ -87,10 +89,34 @@ void add_box(const std::optional<Voxmap>& voxmap, WorldBox& bounds) {
   bounds.add(box.high_m);
 }
 
+// The cube about the middle of the face whose diagonal is the face's.
+ViewMesh cube_around(const mesh::MissingFace& face, const glm::dvec3& origin_m) {
+  const double half_edge_m = face.size / (2 * std::sqrt(3.0));
+  ViewMesh cube{face.node, {}, {}};
+  for (int corner = 0; corner < 8; ++corner) {
+    auto& point = cube.points.emplace_back();
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto n = static_cast<std::size_t>(axis);
+      const double middle_m = face.center[n] - origin_m[axis];
+      point[n] = static_cast<float>(middle_m + (corner >> axis & 1 ? half_edge_m : -half_edge_m));
+    }
+  }
+  cube.triangles = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
+                    {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
+  return cube;
+}
+
+// A picture shows a file as far as it can be read: a face without triangles is a warning here.
+mesh::SceneReading reading_for_pictures() {
+  mesh::SceneReading reading;
+  reading.missing_faces = std::numeric_limits<std::uint64_t>::max();
+  return reading;
+}
+
 // The meshes of the part as one, in its frame.
 Status load_part(const ViewInputs& inputs, ViewScene& scene) {
   const auto unit_m = inputs.part_unit_m ? inputs.part_unit_m : inputs.unit_m;
-  const auto part = mesh::read_scene(std::array{inputs.part}, unit_m);
+  const auto part = mesh::read_scene(std::array{inputs.part}, unit_m, reading_for_pictures());
   if (!part) return part.error();
   scene.warnings.insert(scene.warnings.end(), part->warnings.begin(), part->warnings.end());
   ViewMesh whole{inputs.part, {}, {}};
@@ -141,15 +167,21 @@ Result<ViewScene> load_view_scene(const ViewInputs& inputs) {
     }
   }
   if (Status loaded = load_before(inputs.before, view); !loaded) return loaded.error();
-  const auto scene = mesh::read_scene(mesh_inputs, inputs.unit_m);
+  const auto scene = mesh::read_scene(mesh_inputs, inputs.unit_m, reading_for_pictures());
   if (!scene) return scene.error();
   view.warnings = scene->warnings;
   add_bounds(*scene, view.bounds);
+  for (const mesh::MissingFace& face : scene->missing_faces) {
+    view.bounds.add({face.center[0], face.center[1], face.center[2]});
+  }
   add_box(view.voxmap, view.bounds);
   add_box(view.before, view.bounds);
   view.origin_m = view.bounds.middle_m();
   for (const mesh::MeshObject& part : scene->objects) {
     view.meshes.push_back(view_mesh_of(*scene, part, view.origin_m));
+  }
+  for (const mesh::MissingFace& face : scene->missing_faces) {
+    view.missing_faces.push_back(cube_around(face, view.origin_m));
   }
   if (!inputs.part.empty()) {
     if (Status loaded = load_part(inputs, view); !loaded) return loaded.error();

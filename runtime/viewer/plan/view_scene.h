@@ -38,6 +38,7 @@ struct ViewScene {
   glm::dvec3 origin_m{0, 0, 0};
   WorldBox bounds;  // of meshes and voxmap
   std::vector<ViewMesh> meshes;
+  std::vector<ViewMesh> missing_faces;  // a cube around each face of STEP or IGES without triangles
   std::optional<ViewMesh> part;
   std::optional<Voxmap> voxmap;
   std::optional<Voxmap> before;  // an earlier bake, to compare with `voxmap`

@@ -146,7 +146,7 @@ struct Stage::Actors {
   VoxelFaces quick_interior;
   VoxelFaces cut_force_layer, cut_proximity, force_layer, proximity;
   VoxelFaces quick_force_layer, quick_proximity;
-  Actor meshes, mesh_edges;
+  Actor meshes, mesh_edges, missing_faces;
   Actor part, part_edges, target, shell, spring;
   Glyphs contact_points{sphere(), kContactColor, false};
   Glyphs contact_forces{arrow(9), kContactColor, true};
@@ -225,6 +225,14 @@ void Stage::build_scene() {
   actors_->mesh_edges = line_actor(edges->GetOutput(), kEdgeColor, 1);
   world_->AddActor(actors_->meshes);
   world_->AddActor(actors_->mesh_edges);
+  if (scene_.missing_faces.empty()) return;
+  vtkNew<vtkAppendPolyData> frames;
+  for (const ViewMesh& cube : scene_.missing_faces) {
+    frames->AddInputData(feature_edges_of(poly_data_of(cube)));
+  }
+  frames->Update();
+  actors_->missing_faces = line_actor(frames->GetOutput(), kMissingFaceColor, 3);
+  marks_->AddActor(actors_->missing_faces);
 }
 
 void Stage::build_layers(const std::optional<LayerChange>& change) {
@@ -287,7 +295,9 @@ void Stage::show(const ItemSet& shown) {
   const auto set = [&](const Actor& actor, Item what) {
     if (actor != nullptr) actor->SetVisibility(shown[what]);
   };
-  for (const Actor& actor : {a.meshes, a.mesh_edges}) set(actor, Item::kMeshes);
+  for (const Actor& actor : {a.meshes, a.mesh_edges, a.missing_faces}) {
+    set(actor, Item::kMeshes);
+  }
   for (const Actor& actor : {a.part, a.part_edges}) set(actor, Item::kPart);
   for (const Actor& actor : {a.target, a.spring}) set(actor, Item::kHandle);
   shown_ = shown;

@@ -1,4 +1,4 @@
-#include "formats/mesh/readers/step_losses.h"
+#include "formats/mesh/step/losses.h"
 
 #include <Interface_Check.hxx>
 #include <Interface_EntityIterator.hxx>
@@ -50,8 +50,8 @@
 #include <string_view>
 #include <unordered_set>
 
-#include "formats/mesh/readers/step_faces.h"
-#include "formats/mesh/readers/step_triangles.h"
+#include "formats/mesh/step/faces.h"
+#include "formats/mesh/step/triangles.h"
 
 namespace forcelayer::mesh {
 namespace {

@@ -1,4 +1,4 @@
-#include "formats/mesh/readers/step_triangles.h"
+#include "formats/mesh/step/triangles.h"
 
 #include <Interface_EntityIterator.hxx>
 #include <Interface_Graph.hxx>

@@ -1,4 +1,4 @@
-#include "formats/mesh/readers/step_references.h"
+#include "formats/mesh/step/references.h"
 
 #include <Interface_InterfaceModel.hxx>
 #include <STEPConstruct_ExternRefs.hxx>

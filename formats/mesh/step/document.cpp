@@ -1,4 +1,4 @@
-#include "formats/mesh/readers/step_document.h"
+#include "formats/mesh/step/document.h"
 
 #include <IGESCAFControl_Reader.hxx>
 #include <STEPCAFControl_Reader.hxx>
@@ -9,10 +9,10 @@
 #include <XSControl_TransferReader.hxx>
 #include <XSControl_WorkSession.hxx>
 
-#include "formats/mesh/readers/iges_losses.h"
-#include "formats/mesh/readers/step_losses.h"
-#include "formats/mesh/readers/step_references.h"
-#include "formats/mesh/readers/step_triangles.h"
+#include "formats/mesh/step/iges_losses.h"
+#include "formats/mesh/step/losses.h"
+#include "formats/mesh/step/references.h"
+#include "formats/mesh/step/triangles.h"
 
 namespace forcelayer::mesh {
 namespace {

@@ -1,0 +1,246 @@
+#include "formats/mesh/step/tessellator.h"
+
+#include <BRepBndLib.hxx>
+#include <BRepMesh_IncrementalMesh.hxx>
+#include <BRepTools.hxx>
+#include <BRep_Builder.hxx>
+#include <BRep_Tool.hxx>
+#include <Bnd_Box.hxx>
+#include <Poly_Triangulation.hxx>
+#include <ShapeBuild_ReShape.hxx>
+#include <Standard_Failure.hxx>
+#include <TopExp_Explorer.hxx>
+#include <TopoDS.hxx>
+#include <TopoDS_Compound.hxx>
+#include <algorithm>
+#include <cmath>
+
+#include "formats/mesh/step/edge_cover.h"
+#include "formats/mesh/step/mending.h"
+#include "formats/mesh/step/sliver.h"
+
+namespace forcelayer::mesh {
+namespace {
+
+constexpr double kAngularDeflectionRad = 0.35;  // 20 degrees: what small rounds need to stay round
+// Other deflections to try, in those that were asked for.
+constexpr double kFinerDeflections[] = {0.5, 0.25}, kCoarserDeflections[] = {2, 4};
+// In deflections: how far the edges of a face may be from its triangles once it was mended, and
+// polygons from edges in such tests.
+constexpr double kMendedReach = 2, kPolygonTolerance = 0.1;
+
+using Faces = std::vector<TopoDS_Face>;
+
+Handle(Poly_Triangulation) triangulation_of(const TopoDS_Face& face, TopLoc_Location& location) {
+  const Handle(Poly_Triangulation) made = BRep_Tool::Triangulation(face, location);
+  return made.IsNull() || made->NbTriangles() == 0 ? Handle(Poly_Triangulation)() : made;
+}
+
+void tessellate(const TopoDS_Shape& shape, double deflection_mm) {
+  BRepMesh_IncrementalMesh(shape, deflection_mm, false, kAngularDeflectionRad, false);
+}
+
+Faces faces_without_triangles(const TopoDS_Shape& shape) {
+  Faces failed;
+  TopLoc_Location ignored;
+  for (TopExp_Explorer face(shape, TopAbs_FACE); face.More(); face.Next()) {
+    const TopoDS_Face& current = TopoDS::Face(face.Current());
+    if (triangulation_of(current, ignored).IsNull()) failed.push_back(current);
+  }
+  return failed;
+}
+
+LostFace lost_face(const TopoDS_Face& face) {
+  Bnd_Box box;
+  for (TopExp_Explorer edge(face, TopAbs_EDGE); edge.More(); edge.Next()) {
+    BRepBndLib::Add(edge.Current(), box, false);
+  }
+  if (box.IsVoid() || box.IsOpen()) return {};
+  const gp_XYZ low = box.CornerMin().XYZ(), high = box.CornerMax().XYZ();
+  const gp_XYZ center = 0.5 * (low + high);
+  return {{center.X(), center.Y(), center.Z()}, (high - low).Modulus()};
+}
+
+TopoDS_Compound compound_of(const Faces& faces) {
+  TopoDS_Compound compound;
+  const BRep_Builder builder;
+  builder.MakeCompound(compound);
+  for (const TopoDS_Face& face : faces) builder.Add(compound, face);
+  return compound;
+}
+
+// The attempts at one shape.
+class ShapeTessellation {
+ public:
+  ShapeTessellation(const SourceFile& file, const TopoDS_Shape& shape, double deflection_mm)
+      : file_(file), shape_(shape), deflection_mm_(deflection_mm) {}
+
+  // Finer triangles cost least, and keep the faces joined; dropping a face costs its reach, coarser
+  // triangles theirs.
+  Tessellation best() {
+    tessellate(shape_, deflection_mm_);
+    Attempt best = attempt(shape_, deflection_mm_);
+    for (const double share : kFinerDeflections) try_deflection(share * deflection_mm_, best);
+    drop_slivers(best);
+    for (const double share : kCoarserDeflections) try_deflection(share * deflection_mm_, best);
+    try_mended(best);
+    best.made.wanted_deflection_mm = deflection_mm_;
+    for (const TopoDS_Face& face : best.failed) best.made.lost.push_back(lost_face(face));
+    return std::move(best.made);
+  }
+
+ private:
+  struct Attempt {
+    TopoDS_Shape shape;
+    Tessellation made;
+    Faces failed;  // without triangles, and not dropped
+  };
+
+  // What the tessellation of `shape` gives.
+  Attempt attempt(const TopoDS_Shape& shape, double deflection_mm) const {
+    Attempt result;
+    result.shape = shape;
+    result.made.mesh.single_precision = false;
+    result.made.deflection_mm = deflection_mm;
+    result.made.deviation_mm = deflection_mm;
+    for (TopExp_Explorer face(shape, TopAbs_FACE); face.More(); face.Next()) {
+      add(TopoDS::Face(face.Current()), result.made);
+    }
+    result.failed = faces_without_triangles(shape);
+    return result;
+  }
+
+  // Drops the faces that leave no hole. Their edges are within a deviation of triangles of others.
+  void drop_slivers(Attempt& result) const {
+    Tessellation& made = result.made;
+    std::erase_if(result.failed, [&](const TopoDS_Face& face) {
+      const double tolerance_mm = kPolygonTolerance * deflection_mm_;
+      const double reach_mm = reach_from_edges(face, tolerance_mm);
+      if (!(reach_mm <= deflection_mm_)) return false;
+      if (!covers_edges(result.shape, face, made.deviation_mm, tolerance_mm)) return false;
+      ++made.dropped;
+      made.dropped_reach_mm = std::max(made.dropped_reach_mm, reach_mm);
+      return true;
+    });
+    made.deviation_mm += made.dropped_reach_mm;
+  }
+
+  // Takes this deflection where fewer faces fail at it.
+  void try_deflection(double deflection_mm, Attempt& best) const {
+    if (best.failed.empty() || !succeeds_alone(best.failed, deflection_mm)) return;
+    BRepTools::Clean(shape_);
+    tessellate(shape_, deflection_mm);
+    for (const TopoDS_Face& face : best.failed) {
+      if (is_wrong(face, deflection_mm)) return;
+    }
+    keep_better(attempt(shape_, deflection_mm), best);
+  }
+
+  // Faces that were dropped before are dropped again, where they fail again.
+  void keep_better(Attempt other, Attempt& best) const {
+    if (best.made.dropped > 0) drop_slivers(other);
+    if (other.failed.size() < best.failed.size()) best = std::move(other);
+  }
+
+  // Whether the face has triangles that do not cover it.
+  bool is_wrong(const TopoDS_Face& face, double deflection_mm) const {
+    TopLoc_Location ignored;
+    return !triangulation_of(face, ignored).IsNull() && !is_sound(face, face, deflection_mm);
+  }
+
+  // Whether one of the faces, which are few, gets triangles: else the whole shape is not tried.
+  static bool succeeds_alone(const Faces& faces, double deflection_mm) {
+    const TopoDS_Compound alone = compound_of(faces);
+    BRepTools::Clean(alone);
+    tessellate(alone, deflection_mm);
+    return faces_without_triangles(alone).size() < faces.size();
+  }
+
+  void try_mended(Attempt& best) const {
+    try {
+      for (const double share : {1.0, 0.5, 0.25, 2.0, 4.0}) {
+        if (best.failed.empty()) return;
+        try_mended(share * deflection_mm_, best);
+      }
+    } catch (const Standard_Failure&) {
+      // Mending is a favor: without it the face is lost, and said to be.
+    }
+  }
+
+  void try_mended(double deflection_mm, Attempt& best) const {
+    Faces mendable;
+    for (const TopoDS_Face& face : best.failed) {
+      const Handle(ShapeBuild_ReShape) context = new ShapeBuild_ReShape;
+      const TopoDS_Shape mended = mend_face(face, context, deflection_mm_);
+      if (mended.IsNull()) continue;
+      BRepTools::Clean(mended);
+      tessellate(mended, deflection_mm);
+      if (is_sound(mended, face, deflection_mm)) mendable.push_back(face);
+    }
+    if (mendable.empty()) return;
+    const Handle(ShapeBuild_ReShape) context = new ShapeBuild_ReShape;
+    for (const TopoDS_Face& face : mendable) mend_face(face, context, deflection_mm_);
+    const TopoDS_Shape whole = context->Apply(shape_);
+    BRepTools::Clean(whole);
+    tessellate(whole, deflection_mm);
+    for (const TopoDS_Face& face : mendable) {
+      if (!is_sound(context->Apply(face), face, deflection_mm)) return;
+    }
+    Attempt other = attempt(whole, deflection_mm);
+    other.made.healed = mendable.size();
+    other.made.deviation_mm = std::max(other.made.deviation_mm, reach_mm(deflection_mm));
+    keep_better(std::move(other), best);
+  }
+
+  // Whether the triangles of a face that was mended, or that failed at another deflection, stand
+  // for all of the face that it was.
+  bool is_sound(const TopoDS_Shape& mended, const TopoDS_Face& face, double deflection_mm) const {
+    TopExp_Explorer any(mended, TopAbs_FACE);
+    return any.More() && faces_without_triangles(mended).empty() &&
+           covers_edges(mended, face, reach_mm(deflection_mm), kPolygonTolerance * deflection_mm_);
+  }
+
+  // How far the edges of such a face may be from its triangles.
+  double reach_mm(double deflection_mm) const {
+    return kMendedReach * std::max(deflection_mm, deflection_mm_);
+  }
+
+  void add(const TopoDS_Face& face, Tessellation& made) const {
+    TopLoc_Location location;
+    const Handle(Poly_Triangulation) triangulation = triangulation_of(face, location);
+    if (triangulation.IsNull()) return;
+    made.deviation_mm = std::max(made.deviation_mm, triangulation->Deflection());
+    Mesh& mesh = made.mesh;
+    check_count(file_, mesh.vertices.size() + static_cast<std::uint64_t>(triangulation->NbNodes()),
+                "vertices");
+    const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+    for (Standard_Integer i = 1; i <= triangulation->NbNodes(); ++i) {
+      const gp_Pnt node = triangulation->Node(i).Transformed(location.Transformation());
+      mesh.vertices.push_back({node.X(), node.Y(), node.Z()});
+    }
+    for (Standard_Integer i = 1; i <= triangulation->NbTriangles(); ++i) {
+      Standard_Integer a = 0, b = 0, c = 0;
+      triangulation->Triangle(i).Get(a, b, c);
+      if (face.Orientation() == TopAbs_REVERSED) std::swap(b, c);
+      const auto corner = [&](Standard_Integer n) {
+        return first + static_cast<std::uint32_t>(n - 1);
+      };
+      mesh.triangles.push_back({corner(a), corner(b), corner(c)});
+    }
+  }
+
+  const SourceFile& file_;
+  const TopoDS_Shape& shape_;
+  double deflection_mm_;
+};
+
+}  // namespace
+
+Tessellation StepTessellator::tessellate(const TopoDS_Shape& shape, const std::string& name) {
+  Tessellation made = ShapeTessellation(file_, shape, deflection_mm_).best();
+  check_finite(file_, made.mesh, name);
+  deviation_mm_ = std::max(deviation_mm_, made.deviation_mm);
+  return made;
+}
+
+}  // namespace forcelayer::mesh

@@ -1,0 +1,52 @@
+// Tessellates the shapes of a STEP or IGES file.
+#pragma once
+
+#include <TopoDS_Shape.hxx>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "formats/mesh/reader.h"
+
+namespace forcelayer::mesh {
+
+// A face that got no triangles.
+struct LostFace {
+  Vec3d center_mm{};   // of the box around its edges, in the shape's frame
+  double size_mm = 0;  // diagonal of that box
+};
+
+struct Tessellation {
+  Mesh mesh;  // in the shape's frame, millimeters
+  std::vector<LostFace> lost;
+  std::uint64_t dropped = 0;    // faces without area that need no triangles
+  double dropped_reach_mm = 0;  // no point of those is farther from their edges
+  std::uint64_t healed = 0;     // faces that were mended first
+  double deflection_mm = 0;     // of the triangles, as asked of OpenCASCADE
+  double wanted_deflection_mm = 0;
+  double deviation_mm = 0;  // how far a point of the shape may be from the triangles
+};
+
+// A shape whose faces do not all get triangles is tried again at finer deflections; the whole shape
+// each time, so that faces still meet at their edges. A face that then still has none is dropped
+// where that leaves no hole: all its edges belong to faces that have triangles, and no point of it
+// is farther than a deflection from them. For what is left coarser deflections are tried, and then
+// mending (ShapeFix).
+class StepTessellator {
+ public:
+  StepTessellator(const SourceFile& file, double deflection_mm)
+      : file_(file), deflection_mm_(deflection_mm), deviation_mm_(deflection_mm) {}
+
+  // `name` is the node, for errors.
+  Tessellation tessellate(const TopoDS_Shape& shape, const std::string& name);
+
+  // The largest deviation of all shapes so far, at least the deflection.
+  double deviation_mm() const { return deviation_mm_; }
+
+ private:
+  const SourceFile& file_;
+  double deflection_mm_;
+  double deviation_mm_;
+};
+
+}  // namespace forcelayer::mesh

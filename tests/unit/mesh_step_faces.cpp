@@ -1,0 +1,295 @@
+// Faces of STEP files that OpenCASCADE does not tessellate: dropped, tried otherwise, mended, or
+// lost with a word, in a build with it.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+
+#include "formats/mesh/mesh_facts.h"
+#include "formats/mesh/scene.h"
+#include "tests/support/mesh_files.h"
+
+#ifdef FORCELAYER_STEP
+#include "formats/mesh/step/tessellator.h"
+#include "tests/support/step_shapes.h"
+#endif
+
+namespace forcelayer {
+namespace {
+
+using namespace test;
+
+#ifdef FORCELAYER_STEP
+
+const mesh::SourceFile kFile{"a.step", "", ""};
+
+mesh::Tessellation tessellated(const TopoDS_Shape& shape, double deflection_mm) {
+  return mesh::StepTessellator(kFile, deflection_mm).tessellate(shape, "node");
+}
+
+bool contains(const std::string& text, const std::string& word) {
+  return text.find(word) != std::string::npos;
+}
+
+// How many lines hold `word`.
+std::ptrdiff_t lines_with(const std::vector<std::string>& lines, const std::string& word) {
+  return std::count_if(lines.begin(), lines.end(),
+                       [&](const std::string& line) { return contains(line, word); });
+}
+
+TEST(StepTessellator, TakesSoundFacesAsTheyAre) {
+  const auto made = tessellated(BRepPrimAPI_MakeBox(10, 10, 10).Shape(), 0.1);
+  EXPECT_EQ(made.mesh.triangles.size(), 12u);
+  EXPECT_TRUE(made.lost.empty());
+  EXPECT_EQ(made.dropped + made.healed, 0u);
+  EXPECT_EQ(made.deflection_mm, 0.1);
+  EXPECT_EQ(made.deviation_mm, 0.1);
+}
+
+TEST(StepTessellator, DropsAFaceWithoutAreaAndCountsIt) {
+  for (const double width : {1e-8, 2e-11}) {  // the second has 1e-10 mm^2
+    const auto made = tessellated(cube_with_sliver(width), 0.1);
+    EXPECT_TRUE(made.lost.empty());
+    ASSERT_EQ(made.dropped, 1u);
+    // The sliver is as wide as it is; its edges count with the tolerance of their polygons.
+    EXPECT_GE(made.dropped_reach_mm, width);
+    EXPECT_LE(made.dropped_reach_mm, 0.1);
+    EXPECT_GE(made.deviation_mm, 0.1 + made.dropped_reach_mm);
+    EXPECT_NEAR(mesh::mesh_facts(made.mesh).area, 600, 1e-3);
+  }
+}
+
+// Two shared vertices are no shared edges: nothing covers the sliver.
+TEST(StepTessellator, DoesNotDropASliverThatStandsAlone) {
+  Polyhedron sheets;
+  sheets.add({{0, 0, 0}, {10, 0, 0}, {10, 10, 0}, {0, 10, 0}});
+  sheets.add({{0, 0, 5}, {10, 0, 5}, {10, 1e-6, 5}, {0, 1e-6, 5}});
+  const auto made = tessellated(sheets.shape(), 0.1);
+  EXPECT_EQ(made.dropped, 0u);
+  ASSERT_EQ(made.lost.size(), 1u);
+  EXPECT_NEAR(made.lost[0].center_mm[0], 5, 1e-3);
+  EXPECT_NEAR(made.lost[0].center_mm[2], 5, 1e-3);
+  EXPECT_NEAR(made.lost[0].size_mm, 10, 1e-3);
+}
+
+// Its free side too is nowhere farther from the neighbor than the sliver is wide.
+TEST(StepTessellator, DropsASliverWithAFreeSide) {
+  Polyhedron sheet;
+  sheet.add({{0, 0, 0}, {10, 0, 0}, {10, 10, 0}, {0, 10, 0}});
+  sheet.add({{10, 0, 0}, {0, 0, 0}, {0, -1e-6, 0}, {10, -1e-6, 0}});
+  const auto made = tessellated(sheet.shape(), 0.1);
+  EXPECT_EQ(made.dropped, 1u);
+  EXPECT_TRUE(made.lost.empty());
+}
+
+// Only one end of it touches the neighbor.
+TEST(StepTessellator, DoesNotDropASliverThatSticksOut) {
+  Polyhedron sheet;
+  sheet.add({{0, 0, 0}, {10, 0, 0}, {10, 10, 0}, {0, 10, 0}});
+  sheet.add({{0, 0, 0}, {0, 1e-6, 0}, {0, 1e-6, 10}, {0, 0, 10}});
+  const auto made = tessellated(sheet.shape(), 0.1);
+  EXPECT_EQ(made.dropped, 0u);
+  EXPECT_EQ(made.lost.size(), 1u);
+}
+
+// Its area as an integral is zero, its lobes are not.
+TEST(StepTessellator, IsNotFooledByLobesWhoseAreasCancel) {
+  const auto made = tessellated(crossed_face(), 0.1);
+  EXPECT_EQ(made.dropped, 0u);
+  ASSERT_EQ(made.lost.size(), 1u);
+  EXPECT_GT(made.lost[0].size_mm, 99);
+}
+
+// A crescent's top and bottom fail at this deflection and are thinner than it. They are not dropped
+// where finer triangles serve; where none do, dropping deviates less than coarser triangles.
+TEST(StepTessellator, DropsWhatIsThinnerThanTheDeflection) {
+  const auto made = tessellated(crescent({48, -58, 37}, {-0.4, 0, -0.9}, 0.3), 1);
+  EXPECT_TRUE(made.lost.empty());
+  EXPECT_EQ(made.dropped, 2u);
+  EXPECT_EQ(made.deflection_mm, 1);
+  EXPECT_GT(made.dropped_reach_mm, 0.3);  // that the outlines are apart somewhere
+  EXPECT_NEAR(made.deviation_mm, 1 + made.dropped_reach_mm, 1e-12);
+}
+
+TEST(StepTessellator, TriesFinerDeflections) {
+  const TopoDS_Shape shape = crescent_for_finer();
+  const auto made = tessellated(shape, 1);
+  EXPECT_TRUE(made.lost.empty());
+  EXPECT_EQ(made.deflection_mm, 0.5);
+  EXPECT_EQ(made.wanted_deflection_mm, 1);
+  EXPECT_EQ(made.healed, 0u);
+}
+
+TEST(StepTessellator, TriesCoarserDeflectionsAndSaysWhatTheyDeviate) {
+  mesh::StepTessellator tessellator(kFile, 0.1);
+  const auto made = tessellator.tessellate(crescent_for_coarser(), "node");
+  EXPECT_TRUE(made.lost.empty());
+  EXPECT_EQ(made.deflection_mm, 0.2);
+  EXPECT_EQ(made.dropped, 0u);
+  EXPECT_GE(made.deviation_mm, 0.2);
+  EXPECT_EQ(tessellator.deviation_mm(), made.deviation_mm);
+}
+
+TEST(StepTessellator, MendsAFaceWhoseOutlineCrossesItself) {
+  const auto made = tessellated(bow_tie(), 0.1);
+  EXPECT_TRUE(made.lost.empty());
+  EXPECT_EQ(made.healed, 1u);
+  EXPECT_NEAR(mesh::mesh_facts(made.mesh).area, 50, 1e-6);  // two lobes of 10 x 5 / 2
+  EXPECT_GE(made.deviation_mm, 0.1);
+}
+
+// From the file to the assembly.
+class StepFaces : public testing::Test {
+ protected:
+  void SetUp() override {
+    const std::string command = FORCELAYER_BIN_DIR "/make_step_faces " + path_;
+    ASSERT_EQ(std::system(command.c_str()), 0);
+  }
+
+  Result<mesh::Assembly> read(std::uint64_t missing_faces,
+                              std::vector<std::string> without = {}) const {
+    return mesh::read_assembly(path_,
+                               {.missing_faces = missing_faces, .without = std::move(without)});
+  }
+
+  ScratchFolder folder_;
+  std::string path_ = folder_ / "tray.step";
+};
+
+TEST_F(StepFaces, ALostFaceIsAnErrorThatNamesNodePlaceAndWayOut) {
+  const auto tray = read(0);
+  ASSERT_FALSE(tray);
+  EXPECT_EQ(tray.error().code, ErrorCode::kMeshIncomplete);
+  const std::string line = to_line(tray.error());
+  for (const char* word : {"1 face:", "tray/bad at (450, 10, 40) mm", "--missing-faces 1"}) {
+    EXPECT_TRUE(contains(line, word)) << line << " has no " << word;
+  }
+}
+
+TEST_F(StepFaces, AcceptsAsManyLostFacesAsItIsTold) {
+  const auto tray = read(1);
+  ASSERT_TRUE(tray) << to_line(tray.error());
+  EXPECT_EQ(tray->instances.size(), 3u);
+  ASSERT_EQ(tray->missing_faces.size(), 1u);
+  const mesh::MissingFace& face = tray->missing_faces[0];
+  EXPECT_EQ(face.node, "tray/bad");
+  EXPECT_NEAR(face.center[0], 450, 0.1);
+  EXPECT_NEAR(face.center[1], 10, 0.1);
+  EXPECT_NEAR(face.center[2], 40, 0.1);
+  EXPECT_NEAR(face.size, 101, 2);  // 100 x 12
+  EXPECT_EQ(lines_with(tray->warnings, "no guarantee covers it"), 1);
+  EXPECT_EQ(lines_with(tray->warnings, "tray/seam: 1 face thinner than the deflection left out"),
+            1);
+}
+
+TEST_F(StepFaces, CountsADroppedFaceAsDeviation) {
+  const auto plain = mesh::read_assembly(path_ + "#cube");
+  const auto seam = mesh::read_assembly(path_ + "#seam");
+  ASSERT_TRUE(plain && seam);
+  EXPECT_EQ(plain->deviation_units, 0.1);
+  EXPECT_GT(seam->deviation_units, 0.1);
+  EXPECT_LE(seam->deviation_units, 0.2);
+}
+
+TEST_F(StepFaces, LeavesANodeOutBeforeItIsTessellated) {
+  const auto tray = read(0, {"bad"});
+  ASSERT_TRUE(tray) << to_line(tray.error());
+  EXPECT_EQ(tray->instances.size(), 2u);
+  EXPECT_EQ(tray->left_out, std::vector<std::string>{"bad"});
+  EXPECT_TRUE(tray->missing_faces.empty());
+}
+
+TEST_F(StepFaces, SaysWithTheLostFaceWhichNameFitsNoNode) {
+  const auto tray = read(0, {"bda"});
+  ASSERT_FALSE(tray);
+  EXPECT_TRUE(contains(to_line(tray.error()), "no node of this file is called 'bda'"))
+      << to_line(tray.error());
+}
+
+TEST_F(StepFaces, GoThroughTheSceneToTheWorld) {
+  mesh::SceneReading reading;
+  reading.missing_faces = 1;
+  const auto scene = mesh::read_scene(std::array{path_}, std::nullopt, reading);
+  ASSERT_TRUE(scene) << to_line(scene.error());
+  ASSERT_EQ(scene->missing_faces.size(), 1u);
+  EXPECT_NEAR(scene->missing_faces[0].center[0], 0.45, 1e-4);
+  EXPECT_NEAR(scene->missing_faces[0].size, 0.101, 0.002);
+  reading.without = {"bad", "sem"};
+  const auto misspelled = mesh::read_scene(std::array{path_}, std::nullopt, reading);
+  ASSERT_FALSE(misspelled);
+  EXPECT_EQ(misspelled.error().code, ErrorCode::kSceneInvalid);
+  const std::string line = to_line(misspelled.error());
+  EXPECT_TRUE(contains(line, "no file has a node called 'sem'")) << line;
+  EXPECT_TRUE(contains(line, "the nearest are: tray/seam")) << line;
+}
+
+#endif
+
+// Nodes left out of glTF, in any build.
+constexpr const char* kNodes =
+    R"([{"name":"top","children":[1,2,3]},{"name":"a","mesh":0},{"name":"b","children":[4]},)"
+    R"({"name":"a","mesh":0},{"name":"leaf","mesh":0}])";
+
+Result<mesh::Assembly> read_glb(std::vector<std::string> without) {
+  const std::string bytes = as_glb(gltf_json(cube(), kNodes), gltf_binary(cube()));
+  mesh::SourceFile file{"mesh.glb", "", bytes};
+  file.options.without = std::move(without);
+  return mesh::read_source(file);
+}
+
+std::vector<std::string> names_of(const mesh::Assembly& assembly) {
+  std::vector<std::string> names;
+  for (const mesh::MeshInstance& instance : assembly.instances) names.push_back(instance.name);
+  return names;
+}
+
+TEST(Without, LeavesOutANodeWithAllBelowIt) {
+  using Names = std::vector<std::string>;
+  const auto all = read_glb({});
+  ASSERT_TRUE(all) << to_line(all.error());
+  EXPECT_EQ(names_of(*all), (Names{"top/a", "top/b/leaf", "top/a:2"}));
+  const auto by_label = read_glb({"b", "a:2"});
+  ASSERT_TRUE(by_label);
+  EXPECT_EQ(names_of(*by_label), Names{"top/a"});
+  EXPECT_EQ(by_label->left_out, (Names{"b", "a:2"}));
+  EXPECT_TRUE(by_label->warnings.empty());
+  const auto by_path = read_glb({"top/b/leaf"});
+  ASSERT_TRUE(by_path);
+  EXPECT_EQ(names_of(*by_path), (Names{"top/a", "top/a:2"}));
+}
+
+TEST(Without, SaysThatNothingIsLeft) {
+  const auto nothing = read_glb({"top"});
+  ASSERT_FALSE(nothing);
+  EXPECT_EQ(nothing.error().code, ErrorCode::kMeshEmpty);
+  EXPECT_NE(nothing.error().what.find("is left"), std::string::npos);
+}
+
+TEST(Without, TakesNamesOfOtherFilesForUnknown) {
+  const auto all = read_glb({"elsewhere"});
+  ASSERT_TRUE(all);
+  EXPECT_EQ(all->instances.size(), 3u);
+  EXPECT_TRUE(all->left_out.empty());
+}
+
+TEST(Without, RefusesANameOfSeveralNodes) {
+  const std::string nodes =
+      R"([{"name":"top","children":[1,2]},{"name":"l","children":[3]},{"name":"r","children":[4]},)"
+      R"({"name":"x","mesh":0},{"name":"x","mesh":0}])";
+  const std::string bytes = as_glb(gltf_json(cube(), nodes), gltf_binary(cube()));
+  mesh::SourceFile file{"mesh.glb", "", bytes};
+  file.options.without = {"x"};
+  const auto several = mesh::read_source(file);
+  ASSERT_FALSE(several);
+  EXPECT_EQ(several.error().code, ErrorCode::kSceneInvalid);
+  EXPECT_NE(to_line(several.error()).find("top/l/x, top/r/x"), std::string::npos);
+}
+
+// One length decides for the scene and for the part.
+TEST(BakedDeflection, IsAHundredthOfAVoxel) {
+  EXPECT_DOUBLE_EQ(mesh::baked_deflection_m(0.005), 5e-5);
+}
+
+}  // namespace
+}  // namespace forcelayer
