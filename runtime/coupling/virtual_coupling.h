@@ -44,11 +44,4 @@ void add_force(const CouplingHalf& half, const HalfStretch& stretch, const glm::
 void add_torque(const CouplingHalf& half, const HalfStretch& stretch, const Vector6& guess,
                 double dt_s, Symmetric6& matrix, Vector6& impulse) noexcept;
 
-// Stiffness against turning (N m/rad, world axes) that a force at an arm has because the arm turns
-// with the part: (r.F) 1 - (r F^T + F r^T) / 2, the second derivative of -F.r. A force that pushes
-// the grip towards the centroid tips the part over, so that it is indefinite. This is its positive
-// part, the nearest positive semi-definite matrix: the rest stays explicit, for the energy rule
-// (runtime/model/motion_allowance.h) to judge.
-glm::dmat3 lever_stiffness(const glm::dvec3& arm_m, const glm::dvec3& force_n) noexcept;
-
 }  // namespace forcelayer::coupling

@@ -24,13 +24,6 @@ Quadratic smooth_part(const StepSystem& system, const coupling::Vector6& guess) 
   coupling::add_force(system.translation, system.displacement, system.arm_m, guess, system.dt_s,
                       q.matrix, q.impulse);
   coupling::add_torque(system.rotation, system.angle, guess, system.dt_s, q.matrix, q.impulse);
-  const double dt2 = system.dt_s * system.dt_s;
-  for (int row = 0; row < 3; ++row) {
-    for (int column = 0; column <= row; ++column) {
-      q.matrix.lower[coupling::Symmetric6::at(3 + row, 3 + column)] +=
-          dt2 * system.lever_nm_per_rad[column][row];
-    }
-  }
   return q;
 }
 

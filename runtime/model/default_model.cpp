@@ -56,6 +56,11 @@ glm::dvec3 angle_rad(const State& state, const coupling::GripTarget& target, con
   return coupling::continuous_angle(part.orientation, target.orientation, state.coupling_angle_rad);
 }
 
+// The velocity of the point at an arm from the point whose velocity is given.
+Twist at_arm(const Twist& velocity, const glm::dvec3& arm_m) {
+  return {velocity.linear_mps + glm::cross(velocity.angular_radps, arm_m), velocity.angular_radps};
+}
+
 template <typename T>
 bool same_bits(const T& a, const T& b) {
   static_assert(std::is_trivially_copyable_v<T>);
@@ -170,26 +175,23 @@ DefaultModel::Motion DefaultModel::prepare(const State& state, const coupling::G
                                            double dt_s) const noexcept {
   Motion motion;
   StepSystem& system = motion.system;
-  const glm::dmat3 inertia = turned(mass_.inertia_kgm2, state.world_from_center.orientation);
-  for (int row = 0; row < 3; ++row) {
-    system.inertia.lower[coupling::Symmetric6::at(row, row)] = mass_.mass_kg;
-    for (int column = 0; column <= row; ++column) {
-      system.inertia.lower[coupling::Symmetric6::at(3 + row, 3 + column)] = inertia[column][row];
-    }
-  }
+  // The apparent mass sits at the grip, not at the centroid: there the spring can neither swing it
+  // nor tip it over.
+  system.arm_m = coupling::grip_arm_m(target, state.world_from_center);
+  coupling::add_at_arm(glm::dmat3(mass_.mass_kg), system.arm_m, system.inertia);
+  coupling::add_block(turned(mass_.inertia_kgm2, state.world_from_center.orientation), 3,
+                      system.inertia);
   motion.start = coupling::vector6(state.velocity.linear_mps, state.velocity.angular_radps);
   system.momentum = system.inertia * motion.start;
   system.translation = translation_;
   system.displacement = {coupling::grip_stretch_m(target, state.world_from_center),
                          target.velocity.linear_mps};
-  system.arm_m = coupling::grip_arm_m(target, state.world_from_center);
-  system.lever_nm_per_rad = coupling::lever_stiffness(
-      system.arm_m, coupling::spring_force(translation_, system.displacement.displacement));
   system.angle = {angle_rad(state, target, state.world_from_center), target.velocity.angular_radps};
   system.rotation = rotation_at(system.angle.displacement, state.world_from_center.orientation);
   system.dt_s = dt_s;
   motion.energy_before_j =
-      kinetic_energy_j(mass_, state.world_from_center.orientation, state.velocity) +
+      kinetic_energy_j(mass_, state.world_from_center.orientation,
+                       at_arm(state.velocity, system.arm_m)) +
       potential_j(system.displacement.displacement, system.angle.displacement, here_);
   return motion;
 }
@@ -198,8 +200,8 @@ DefaultModel::Motion DefaultModel::prepare(const State& state, const coupling::G
 // it.
 void DefaultModel::choose(Motion& motion, double remaining_s) noexcept {
   solve_motion(motion, remaining_s);
-  const double shares = std::ceil(travel_m(motion.velocity, remaining_s) /
-                                  (0.5 * kTravelMargin * parameters_.voxel_size_m));
+  const double shares =
+      std::ceil(travel_m(motion, remaining_s) / (0.5 * kTravelMargin * parameters_.voxel_size_m));
   if (shares > 1) solve_motion(motion, remaining_s / shares);
   limit_travel(motion);
 }
@@ -223,11 +225,13 @@ bool DefaultModel::make(State& state, Motion& motion, const coupling::GripTarget
   const double least_m = state.allowance_j == 0 ? kLeastTravelVoxels * parameters_.voxel_size_m : 0;
   bool cut = false;
   for (int attempt = 0; attempt <= kResolves + kHalvings; ++attempt) {
-    if (!(travel_m(motion.velocity, dt_s) > least_m)) return false;
-    Twist velocity{coupling::linear_part(motion.velocity), coupling::angular_part(motion.velocity)};
-    const double kinetic_j = kinetic_energy_j(mass_, state.world_from_center.orientation, velocity);
-    const Pose candidate =
-        advance(mass_, state.world_from_center, velocity, dt_s, most_turn_rad(velocity, dt_s));
+    if (!(travel_m(motion, dt_s) > least_m)) return false;
+    const Twist first{coupling::linear_part(motion.velocity),
+                      coupling::angular_part(motion.velocity)};
+    const double kinetic_j = kinetic_energy_j(mass_, state.world_from_center.orientation,
+                                              at_arm(first, motion.system.arm_m));
+    Twist velocity;
+    const Pose candidate = moved(state.world_from_center, target, motion, velocity);
     look_up(candidate, there_);
     double rise_j = 0;
     const bool clear = field::no_new_interior(here_, there_);
@@ -259,7 +263,7 @@ bool DefaultModel::affordable(const State& state, const Motion& motion,
   if (here_.in_free_space() && there_.in_free_space()) return true;  // nothing to gain it from
   const double energy_j = kinetic_j + potential_j(coupling::grip_stretch_m(target, candidate),
                                                   angle_rad(state, target, candidate), there_);
-  const double travel = travel_m(motion.velocity, motion.system.dt_s);
+  const double travel = travel_m(motion, motion.system.dt_s);
   const double descent_j = kDescentShare * parameters_.coupling_n_per_m * travel * travel;
   rise_j = energy_j + descent_j - motion.energy_before_j;
   return rise_j <= state.allowance_j;
@@ -291,24 +295,45 @@ void DefaultModel::limit_travel(Motion& motion) const noexcept {
   const double dt_s = motion.system.dt_s;
   double limit_m = 0.5 * kTravelMargin * parameters_.voxel_size_m;
   if (here_.interior > 0) limit_m = std::min(limit_m, parameters_.recovery_mps * dt_s);
-  const double travel = travel_m(motion.velocity, dt_s);
+  const double travel = travel_m(motion, dt_s);
   if (!(travel > limit_m)) return;
   for (double& component : motion.velocity) component *= limit_m / travel;
 }
 
-// Longest way that any point of the shell can go: its arc is at most the centroid's way and the
-// angle times the radius.
-double DefaultModel::travel_m(const coupling::Vector6& velocity, double dt_s) const noexcept {
-  return dt_s * (glm::length(coupling::linear_part(velocity)) +
-                 parameters_.part_radius_m * glm::length(coupling::angular_part(velocity)));
+// Where a motion leads. The mass turns about the grip and carries the centroid round it; so a body
+// that tumbles may go farther than its first velocity says, by a few per cent for long parts. Then
+// it goes slower: s/2 holds for the pose itself.
+Pose DefaultModel::moved(const Pose& from, const coupling::GripTarget& target, Motion& motion,
+                         Twist& velocity) const noexcept {
+  const double dt_s = motion.system.dt_s, limit_m = 0.5 * parameters_.voxel_size_m;
+  const glm::dvec3& arm_m = motion.system.arm_m;
+  for (double share = 1; share > 1e-3; share *= 0.5) {
+    const Twist first{share * coupling::linear_part(motion.velocity),
+                      share * coupling::angular_part(motion.velocity)};
+    const double left_m = kTravelMargin * limit_m - dt_s * glm::length(first.linear_mps);
+    velocity = at_arm(first, arm_m);
+    Pose pose =
+        advance(mass_, from, velocity, dt_s, std::max(0.0, left_m) / parameters_.part_radius_m);
+    const glm::dvec3 arm_there_m = coupling::grip_arm_m(target, pose);
+    pose.position_m -= arm_there_m - arm_m;
+    velocity = at_arm(velocity, -arm_there_m);
+    const double turn_rad =
+        glm::length(coupling::rotation_vector(pose.orientation * glm::conjugate(from.orientation)));
+    const double way_m =
+        glm::length(pose.position_m - from.position_m) + parameters_.part_radius_m * turn_rad;
+    if (way_m <= limit_m) return pose;
+  }
+  velocity = {};
+  return from;
 }
 
-// The angle that s/2 leaves to the rotation. A body that tumbles turns by another angle than its
-// first velocity says, by a few per cent for long parts.
-double DefaultModel::most_turn_rad(const Twist& velocity, double dt_s) const noexcept {
-  const double left_m =
-      0.5 * kTravelMargin * parameters_.voxel_size_m - dt_s * glm::length(velocity.linear_mps);
-  return std::max(0.0, left_m) / parameters_.part_radius_m;
+// Longest way that any point of the shell can go: its arc is at most the centroid's way and the
+// angle times the radius. The centroid's way about the grip is longer than its first velocity says
+// by at most half of the arm times the angle squared.
+double DefaultModel::travel_m(const Motion& motion, double dt_s) const noexcept {
+  const double turn_rad = dt_s * glm::length(coupling::angular_part(motion.velocity));
+  return dt_s * glm::length(coupling::linear_part(motion.velocity)) +
+         turn_rad * (parameters_.part_radius_m + 0.5 * glm::length(motion.system.arm_m) * turn_rad);
 }
 
 double DefaultModel::potential_j(const glm::dvec3& displacement_m, const glm::dvec3& angle_rad,

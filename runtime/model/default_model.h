@@ -53,8 +53,9 @@ class DefaultModel {
                   const Pose& candidate, double kinetic_j, double& rise_j) const noexcept;
   void add_found_contacts(Motion& motion) noexcept;
   void limit_travel(Motion& motion) const noexcept;
-  double travel_m(const coupling::Vector6& velocity, double dt_s) const noexcept;
-  double most_turn_rad(const Twist& velocity, double dt_s) const noexcept;
+  Pose moved(const Pose& from, const coupling::GripTarget& target, Motion& motion,
+             Twist& velocity) const noexcept;
+  double travel_m(const Motion& motion, double dt_s) const noexcept;
   double potential_j(const glm::dvec3& displacement_m, const glm::dvec3& angle_rad,
                      const LookUp& contacts) const noexcept;
   coupling::CouplingHalf rotation_at(const glm::dvec3& angle_rad,

@@ -48,8 +48,6 @@ model::StepSystem random_system(std::mt19937_64& random) {
   system.angle.displacement = random_direction(random) * uniform(random, 0, 1);
   // Half of them held by the centroid.
   system.arm_m = random_direction(random) * std::max(0.0, uniform(random, -0.1, 0.1));
-  system.lever_nm_per_rad = coupling::lever_stiffness(
-      system.arm_m, coupling::spring_force(system.translation, system.displacement.displacement));
   system.dt_s = 0.001;
   return system;
 }
@@ -60,12 +58,6 @@ void add_coupling(const model::StepSystem& system, const coupling::Vector6& v,
   coupling::add_force(system.translation, system.displacement, system.arm_m, v, system.dt_s, matrix,
                       impulse);
   coupling::add_torque(system.rotation, system.angle, v, system.dt_s, matrix, impulse);
-  for (int row = 0; row < 3; ++row) {
-    for (int column = 0; column <= row; ++column) {
-      matrix.lower[coupling::Symmetric6::at(3 + row, 3 + column)] +=
-          system.dt_s * system.dt_s * system.lever_nm_per_rad[column][row];
-    }
-  }
 }
 
 std::vector<model::ContactRow> random_rows(std::mt19937_64& random) {
@@ -326,7 +318,6 @@ double energy_j(const model::StepSystem& system, const std::vector<model::Contac
   add_half(system.translation, system.displacement,
            coupling::linear_part(v) + glm::cross(w, system.arm_m));
   add_half(system.rotation, system.angle, w);
-  sum += 0.5 * system.dt_s * system.dt_s * glm::dot(w, system.lever_nm_per_rad * w);
   for (const model::ContactRow& row : rows) {
     const double short_of = std::max(0.0, row.onset - coupling::dot(row.j, v));
     sum += 0.5 * row.weight * short_of * short_of;
@@ -415,11 +406,6 @@ long double energy_of(const model::StepSystem& system, const std::vector<model::
   };
   add_half(system.translation, system.displacement, 0);
   add_half(system.rotation, system.angle, 3);
-  for (int i = 0; i < 3; ++i) {
-    for (int k = 0; k < 3; ++k) {
-      sum += 0.5L * system.dt_s * system.dt_s * v[3 + i] * system.lever_nm_per_rad[k][i] * v[3 + k];
-    }
-  }
   for (const model::ContactRow& row : rows) {
     long double short_of = row.onset;
     for (int i = 0; i < 6; ++i) short_of -= row.j[i] * v[i];
@@ -620,7 +606,6 @@ TEST(Braking, OnlyRemovesEnergyAndNeverReverses) {
     model::StepSystem system = random_system(random);
     system.translation = {1, glm::dmat3(0), 0};
     system.rotation = {1, glm::dmat3(0), 0};  // no coupling
-    system.lever_nm_per_rad = glm::dmat3(0);
     const coupling::Vector6 before = coupling::solve(system.inertia, system.momentum);
     field::ContactSet set;
     set.reserve(30);
