@@ -36,7 +36,7 @@ constexpr double kAllowanceFadeS = 0.01;
 constexpr double kLeastMomentShare = 1e-3;  // of the largest principal moment
 
 constexpr ParameterInfo kTable[] = {
-    {"mass_kg", "--mass", "apparent mass of the part, kg", &Parameters::mass_kg},
+    {"mass_kg", "--mass", "apparent mass of the part in the scene, kg", &Parameters::mass_kg},
     {"coupling_n_per_m", "--coupling-stiffness", "coupling spring k_T, N/m",
      &Parameters::coupling_n_per_m},
     {"coupling_ns_per_m", "--coupling-damping", "coupling damper b_T, N s/m",
