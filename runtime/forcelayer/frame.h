@@ -40,7 +40,10 @@ struct Frame {
   StepInput input;
   InputHealth health;  // of the input
   StepResult result;
-  Wrench device_wrench;            // after arming and limits: about the handle, device axes
+  Wrench device_wrench;    // after arming and limits: about the handle, device axes
+  double to_hand_j = 0;    // work of the last frame's device_wrench on the hand until now
+  double generated_j = 0;  // sum over contact episodes of the peak of the work on the hand: what a
+                           // passive scene, which stores none at first, could not give
   std::uint64_t outcome_hash = 0;  // of the wrench and the state after the step
   Pose world_from_target;          // of the centroid: where the coupling pulls the part
   std::int64_t step_ns = 0;        // of the step alone

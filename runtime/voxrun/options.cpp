@@ -82,10 +82,14 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
          "it wants to be")
       ->check(CLI::IsMember({"firm", "loose"}));
   app.add_option("--start", texts_.start, "world_from_part at the start: x,y,z[,qw,qx,qy,qz]");
-  app.add_option("--grip", texts_.grip, "handle_from_part, in the same way");
+  app.add_option("--grip", texts_.grip,
+                 "handle_from_part, in the same way: the handle's origin is where the hand holds "
+                 "the part");
   app.add_option("--world-from-device", texts_.world_from_device, "place of the device");
-  command::add_number(app, "--motion-scale", options_.run.placement.motion_scale,
-                      "scene meters a meter of the device", {1e-6, 1e6});
+  command::add_number(
+      app, "--motion-scale", options_.run.placement.motion_scale,
+      "scene meters a meter of the device; the hand feels the scene's force times that",
+      {1e-6, 1e6});
   app.add_option(
       "--reach", texts_.reach,
       "x0,y0,z0,x1,y1,z1: box of the scene that the part can reach; its pages of the "
