@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <type_traits>
 #include <utility>
 #include <variant>
@@ -52,7 +53,11 @@ struct Error {
   std::string mend;   // how to mend it; may be empty
 };
 
-// "FILE: WHERE: WHAT; MEND" on one line, control characters escaped.
+// The text as it may stand on a terminal: as \xNN the bytes of control characters (C0, C1), of line
+// ends and directions of Unicode, and of what is no UTF-8.
+std::string escaped(std::string_view text);
+
+// "FILE: WHERE: WHAT; MEND" on one line, escaped.
 std::string to_line(const Error& error);
 
 // A value or an Error.

@@ -61,7 +61,8 @@ void declare_bake(CLI::App& app, Arguments& arguments) {
                  "how far the mesh may be from the true part (default: 0)");
   declare_missing_faces(app, arguments);
   arguments.trust.declare(app);
-  app.add_option("--threads", arguments.threads, "at most this many (default: all)");
+  app.add_option("--threads", arguments.threads, "at most this many (default: all)")
+      ->check(CLI::Range(1, 1024));
   app.add_option("--json", arguments.json, "write a machine-readable report to this file");
   app.add_flag("--quiet", arguments.quiet, "no progress line, no summary, no warnings");
 }
@@ -74,7 +75,8 @@ void declare_verify(CLI::App& app, Arguments& arguments) {
   verify->add_option("--units", arguments.units, "unit of the mesh files");
   declare_missing_faces(*verify, arguments);
   arguments.trust.declare(*verify);
-  verify->add_option("--threads", arguments.threads, "at most this many (default: all)");
+  verify->add_option("--threads", arguments.threads, "at most this many (default: all)")
+      ->check(CLI::Range(1, 1024));
   verify->add_option("--json", arguments.json, "write a machine-readable report to this file");
   verify->add_flag("--quiet", arguments.quiet, "no summary, no warnings");
   verify->callback([&arguments] { arguments.verify = true; });
@@ -131,7 +133,7 @@ Result<ShellOptions> bake_options(const Arguments& arguments) {
 }
 
 void warn(const Arguments& arguments, const std::string& text) {
-  if (!arguments.quiet) std::fprintf(stderr, "pointshell: warning: %s\n", text.c_str());
+  if (!arguments.quiet) std::fprintf(stderr, "pointshell: warning: %s\n", escaped(text).c_str());
 }
 
 // Prints and keeps the warnings of the reading. `voxel_size_m`: that the shell is made for.
@@ -157,7 +159,7 @@ void print_summary(const Arguments& arguments, const BakedShell& shell) {
   std::printf(
       "%s: %llu points (%s), covering radius %.6g m proven (%.4f voxels), %.3f of the "
       "planar bound\n",
-      arguments.output.c_str(), static_cast<unsigned long long>(header.point_count),
+      escaped(arguments.output).c_str(), static_cast<unsigned long long>(header.point_count),
       arguments.method.c_str(), header.covering_radius_m,
       header.covering_radius_m / header.voxel_size_m,
       points_over_bound(header, shell.covered_area_m2));
@@ -254,7 +256,7 @@ Status verify_command(const Arguments& arguments) {
   if (!proof.proven) return open_surface(arguments, *shell, proof);
   if (!arguments.quiet) {
     std::printf("%s: proven: every point of the surface is within %.6g m of one of %llu points\n",
-                arguments.shell.c_str(), shell->header().covering_radius_m,
+                escaped(arguments.shell).c_str(), shell->header().covering_radius_m,
                 static_cast<unsigned long long>(shell->header().point_count));
   }
   return {};

@@ -55,7 +55,7 @@ void declare(CLI::App& app, Arguments& arguments) {
   app.add_option("--units", arguments.units,
                  "unit of meshes whose format defines none: mm, cm, m, in, ...");
   app.add_option("--layers", arguments.layers,
-                 "voxel layers by which the force layer is offset (default 2)");
+                 "voxel layers by which the force layer is offset, 0 to 30 (default 2)");
   app.add_option("--metric", arguments.metric,
                  "how the offset is measured: chebyshev or euclidean (default chebyshev; euclidean "
                  "with --bits 4 and 8)")
@@ -237,7 +237,7 @@ void print_summary(const std::string& output, const Bake& bake, const BakeFacts&
   std::printf(
       "%s: %llu x %llu x %llu voxels of %g mm, %llu interior, %llu force layer, %llu proximity; "
       "%.1f MB in %.2f s\n",
-      output.c_str(), static_cast<unsigned long long>(h.dims_voxels[0]),
+      escaped(output).c_str(), static_cast<unsigned long long>(h.dims_voxels[0]),
       static_cast<unsigned long long>(h.dims_voxels[1]),
       static_cast<unsigned long long>(h.dims_voxels[2]), h.voxel_size_m * 1e3,
       static_cast<unsigned long long>(h.interior_voxels),
@@ -259,8 +259,9 @@ void print_narrow_passages(const Bake& bake) {
       std::printf(
           "%s: a cavity of %.3g cm3 is closed only by a passage narrower than %g mm; "
           "--free-seed %.9g,%.9g,%.9g opens it, and so does half the voxel size\n",
-          object.name.c_str(), static_cast<double>(cavity.voxels) * std::pow(size_m * 1e2, 3),
-          size_m * 1e3, center_m(i), center_m(j), center_m(k));
+          escaped(object.name).c_str(),
+          static_cast<double>(cavity.voxels) * std::pow(size_m * 1e2, 3), size_m * 1e3, center_m(i),
+          center_m(j), center_m(k));
     }
   }
   if (found > kMostLines) std::printf("... and %d more: see --json\n", found - kMostLines);
@@ -278,7 +279,7 @@ std::vector<std::string> warnings_of(const mesh::Scene& scene, const cache::Mesh
 
 void print_warnings(const std::vector<std::string>& warnings) {
   for (const std::string& warning : warnings) {
-    std::fprintf(stderr, "voxelize: warning: %s\n", warning.c_str());
+    std::fprintf(stderr, "voxelize: warning: %s\n", escaped(warning).c_str());
   }
 }
 
@@ -310,7 +311,7 @@ void print_shard(const Arguments& arguments, const Bake& bake) {
                                    [](const ObjectReport& object) { return object.from_cache; });
   std::printf("shard %s: %zu objects, %zu baked, %zu found in %s\n", arguments.shard.c_str(),
               bake.objects.size(), bake.objects.size() - static_cast<std::size_t>(found),
-              static_cast<std::size_t>(found), arguments.cache.c_str());
+              static_cast<std::size_t>(found), escaped(arguments.cache).c_str());
 }
 
 Result<mesh::Scene> read_inputs(const Arguments& arguments, cache::MeshSource& meshes,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdio>
 #include <span>
 #include <string>
 #include <vector>
@@ -213,7 +214,30 @@ Result<double> parse_duration(std::string_view text) {
   if (split->number < 0) {
     return usage("duration " + quoted(text) + " is negative", "write it like 10s or 500ms");
   }
-  return scaled(*split, *unit);
+  const auto seconds = scaled(*split, *unit);
+  if (seconds && *seconds > kLongestS) {
+    return usage("duration " + quoted(text) + " is above 10000h", "write it like 10s or 500ms");
+  }
+  return seconds;
+}
+
+std::string to_text(const Bounds& bounds) {
+  char text[80];
+  std::snprintf(text, sizeof text, "%.6g to %.6g", bounds.least, bounds.most);
+  return text;
+}
+
+Result<double> parse_number(std::string_view text, const Bounds& bounds) {
+  const auto split = split_number(text);
+  if (!split || !split->rest.empty()) {
+    const bool finite = bool(split);
+    return usage(quoted(text) + (finite ? " is not a bare number" : " is not a finite number"),
+                 "give " + to_text(bounds));
+  }
+  if (!(split->number >= bounds.least && split->number <= bounds.most)) {
+    return usage(quoted(text) + " is outside " + to_text(bounds), "give " + to_text(bounds));
+  }
+  return split->number;
 }
 
 Result<double> parse_force_n(std::string_view text) {

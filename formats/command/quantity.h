@@ -1,9 +1,10 @@
-// Lengths, vectors, poses and durations as they are typed on a command line. They are read alike in
-// every locale and are finite; errors are kUsage. Metric units shift the decimal point of the text,
-// so 1.1mm, 0.0011m and 1.1e-3m are the same double.
+// Numbers, lengths, vectors, poses and durations as they are typed on a command line. They are read
+// alike in every locale and are finite; errors are kUsage. Metric units shift the decimal point of
+// the text, so 1.1mm, 0.0011m and 1.1e-3m are the same double.
 #pragma once
 
 #include <array>
+#include <string>
 #include <string_view>
 
 #include "formats/result.h"
@@ -15,6 +16,18 @@ struct PoseText {
   std::array<double, 3> position_m{0, 0, 0};
   std::array<double, 4> orientation_wxyz{1, 0, 0, 0};
 };
+
+// What an option takes, both ends included.
+struct Bounds {
+  double least = 0;
+  double most = 0;
+};
+
+// "0.001 to 10"
+std::string to_text(const Bounds& bounds);
+
+// A bare number within bounds.
+Result<double> parse_number(std::string_view text, const Bounds& bounds);
 
 // Meters in one `unit` (nm, um, mm, cm, dm, m, km, in, ft, yd).
 Result<double> parse_unit(std::string_view unit);
@@ -31,7 +44,9 @@ Result<std::array<double, 6>> parse_box(std::string_view text);
 // "x,y,z" or "x,y,z,qw,qx,qy,qz"; the quaternion is normalized and must not be zero.
 Result<PoseText> parse_pose(std::string_view text);
 
-// "10s", "500ms", "2min" in seconds; the unit is required and the number not negative.
+// "10s", "500ms", "2min" in seconds; the unit is required, the number not negative, and the time at
+// most kLongestS.
+inline constexpr double kLongestS = 10'000 * 3600.0;
 Result<double> parse_duration(std::string_view text);
 
 // "4N", "500mN", "0.1kN" in newtons; the unit is required.

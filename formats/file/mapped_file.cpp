@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdio>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -20,13 +21,56 @@ Error open_error(const std::filesystem::path& path, int number) {
           missing ? "check the path" : ""};
 }
 
+// A hash (FNV-1a) of the name under which the descriptor's file now stands; one of nothing where
+// the system does not tell.
+std::uint64_t name_of(int descriptor) noexcept {
+  char link[32], name[4096];
+  std::snprintf(link, sizeof link, "/proc/self/fd/%d", descriptor);
+  const ssize_t length = ::readlink(link, name, sizeof name);
+  std::uint64_t hash = 0xcbf29ce484222325u;
+  for (ssize_t i = 0; i < length; ++i) {
+    hash = (hash ^ static_cast<unsigned char>(name[i])) * 0x100000001b3u;
+  }
+  return hash;
+}
+
 }  // namespace
 
-bool FileStamp::changed() const noexcept {
-  if (descriptor < 0) return false;
+FileStamp::FileStamp(int descriptor) noexcept : descriptor_(descriptor) {
+  asked_ = ask(facts_);
+  facts_.name = name_of(descriptor_);
+}
+
+bool FileStamp::ask(Facts& facts) const noexcept {
   struct stat now {};
-  return ::fstat(descriptor, &now) != 0 || now.st_size != bytes ||
-         now.st_mtim.tv_sec != written_s || now.st_mtim.tv_nsec != written_ns;
+  if (::fstat(descriptor_, &now) != 0) return false;
+  facts.bytes = now.st_size;
+  facts.written_s = now.st_mtim.tv_sec;
+  facts.written_ns = now.st_mtim.tv_nsec;
+  facts.changed_s = now.st_ctim.tv_sec;
+  facts.changed_ns = now.st_ctim.tv_nsec;
+  facts.links = now.st_nlink;
+  facts.mode = now.st_mode;
+  facts.owner = now.st_uid;
+  facts.group = now.st_gid;
+  return true;
+}
+
+bool FileStamp::changed() noexcept {
+  if (descriptor_ < 0) return false;
+  Facts now;
+  if (!asked_ || !ask(now)) return true;
+  if (now.bytes != facts_.bytes || now.written_s != facts_.written_s ||
+      now.written_ns != facts_.written_ns) {
+    return true;
+  }
+  if (now.changed_s == facts_.changed_s && now.changed_ns == facts_.changed_ns) return false;
+  now.name = name_of(descriptor_);
+  const bool explained = now.links != facts_.links || now.mode != facts_.mode ||
+                         now.owner != facts_.owner || now.group != facts_.group ||
+                         now.name != facts_.name;
+  if (explained) facts_ = now;
+  return !explained;
 }
 
 MappedFile::MappedFile(MappedFile&& other) noexcept { *this = std::move(other); }
@@ -53,6 +97,8 @@ Result<MappedFile> MappedFile::map(const std::filesystem::path& path, bool keep)
   // O_NONBLOCK: a named pipe must be refused, not waited for.
   Descriptor descriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
   if (!descriptor.valid()) return open_error(path, errno);
+  // Before the size is known: whatever changes from here on is found.
+  const FileStamp stamp = keep ? FileStamp(descriptor.number()) : FileStamp();
   struct stat status {};
   if (::fstat(descriptor.number(), &status) != 0) return open_error(path, errno);
   if (S_ISDIR(status.st_mode)) {
@@ -71,8 +117,7 @@ Result<MappedFile> MappedFile::map(const std::filesystem::path& path, bool keep)
   }
   if (!keep) return file;
   file.path_ = path;
-  file.stamp_ = {descriptor.number(), status.st_size, status.st_mtim.tv_sec,
-                 status.st_mtim.tv_nsec};
+  file.stamp_ = stamp;
   file.descriptor_ = std::move(descriptor);
   return file;
 }

@@ -11,16 +11,34 @@
 
 namespace forcelayer {
 
-// A file's size and the time of its last writing, which change when it is written to in place. (Its
-// ctime would also change when it is renamed or replaced, which does no harm.)
-struct FileStamp {
-  int descriptor = -1;  // of the file; its owner keeps it open
-  std::int64_t bytes = 0;
-  std::int64_t written_s = 0, written_ns = 0;
+// What the system says of a file that is written to in place: its size, the time of its last
+// writing, and the time of its last change, which nobody can set back. The latter also changes with
+// names, rights and owner, which do no harm: a change that they explain is taken over.
+class FileStamp {
+ public:
+  FileStamp() = default;
 
-  // Whether the file has changed since, or can no longer be asked. False without a file.
+  // Of an open file; its owner keeps it open.
+  explicit FileStamp(int descriptor) noexcept;
+
+  // Whether the file was written to since, or can no longer be asked. False without a file.
   // Calls the system; touches no page of the file.
-  bool changed() const noexcept;
+  bool changed() noexcept;
+
+ private:
+  struct Facts {
+    std::int64_t bytes = 0;
+    std::int64_t written_s = 0, written_ns = 0;
+    std::int64_t changed_s = 0, changed_ns = 0;
+    std::uint64_t links = 0;
+    std::uint32_t mode = 0, owner = 0, group = 0;
+    std::uint64_t name = 0;  // a hash of where the descriptor now points
+  };
+  bool ask(Facts& facts) const noexcept;
+
+  int descriptor_ = -1;
+  bool asked_ = false;
+  Facts facts_;
 };
 
 class MappedFile {

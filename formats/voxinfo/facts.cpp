@@ -165,7 +165,7 @@ std::string summary_of_voxmap(const Voxmap& map, const std::string& path) {
   const auto extent = [&](std::size_t axis) {
     return static_cast<double>(h.dims_voxels[axis]) * s;
   };
-  std::string text = path + ": scene, .vox " + version_of(h.file) + "\n";
+  std::string text = escaped(path) + ": scene, .vox " + version_of(h.file) + "\n";
   add_line(text, "  voxel size        %.9g m, %u bits a voxel, %s metric", s, h.bits_per_voxel,
            kMetricNames[h.metric]);
   add_line(text,
@@ -204,7 +204,7 @@ std::string summary_of_voxmap(const Voxmap& map, const std::string& path) {
 
 std::string summary_of_pshell(const Pshell& shell, const std::string& path) {
   const PshellHeader& h = shell.header();
-  std::string text = path + ": part, .pshell " + version_of(h.file) + "\n";
+  std::string text = escaped(path) + ": part, .pshell " + version_of(h.file) + "\n";
   add_line(text, "  points            %" PRIu64 ", %s, in %" PRIu64 " blocks of %u", h.point_count,
            kMethodNames[h.method], h.block_count, h.block_points);
   add_line(text, "  covering radius   %.9g m", h.covering_radius_m);

@@ -39,7 +39,7 @@ Status verify_file(const std::string& path, bool quiet) {
     if (Status audited = audit_voxmap(*map, path); !audited) return audited;
   }
   if (!quiet) {
-    std::cout << path << ": valid; structure and checksums hold"
+    std::cout << escaped(path) << ": valid; structure and checksums hold"
               << (map ? ", counts, box and clearances are true\n" : "\n");
   }
   return flush_stdout();

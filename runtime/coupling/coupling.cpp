@@ -25,6 +25,13 @@ CouplingStretch coupling_stretch(const State& state, const CouplingTarget& targe
   };
 }
 
+GripTarget grip_target(const State& state, const StepInput& input) noexcept {
+  const Pose& grip = state.handle_from_center;
+  return {input.world_from_handle.position_m,
+          input.world_from_handle.orientation * grip.orientation, input.handle_velocity,
+          -(glm::conjugate(grip.orientation) * grip.position_m)};
+}
+
 glm::dvec3 rotation_vector(const glm::dquat& rotation) noexcept {
   const glm::dvec3 axis(rotation.x, rotation.y, rotation.z);
   const double sine = glm::length(axis);  // of the half-angle

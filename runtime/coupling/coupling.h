@@ -1,5 +1,5 @@
 // The virtual coupling (paper 5.1): how far and how fast the part is from where the handle pulls
-// it.
+// it. The paper's model pulls the centroid, the default model the point that the hand holds.
 #pragma once
 
 #include "forcelayer/parameters.h"
@@ -24,6 +24,28 @@ struct CouplingStretch {
 
 CouplingTarget coupling_target(const State& state, const StepInput& input) noexcept;
 CouplingStretch coupling_stretch(const State& state, const CouplingTarget& target) noexcept;
+
+// The same of the default model: where the hand pulls the grip, the handle's point of the part, and
+// to which orientation it turns the part. The lever of the grip and the part's turn in the hand do
+// not mix: a handle that turns about its origin pulls at nothing, however long the lever.
+struct GripTarget {
+  glm::dvec3 point_m{0};               // the handle's origin, world
+  glm::dquat orientation{1, 0, 0, 0};  // of the part, world
+  Twist velocity;                      // of the handle's origin, world axes
+  glm::dvec3 lever_m{0};               // from the centroid to the grip, axes of the part
+};
+
+GripTarget grip_target(const State& state, const StepInput& input) noexcept;
+
+// From the part's centroid to the grip, world axes.
+inline glm::dvec3 grip_arm_m(const GripTarget& target, const Pose& world_from_center) noexcept {
+  return world_from_center.orientation * target.lever_m;
+}
+
+// From the part's grip to the handle's origin, world axes.
+inline glm::dvec3 grip_stretch_m(const GripTarget& target, const Pose& world_from_center) noexcept {
+  return target.point_m - (world_from_center.position_m + grip_arm_m(target, world_from_center));
+}
 
 // Equivalent axis times angle, in [0, pi], of a unit quaternion. Zero for the identity.
 glm::dvec3 rotation_vector(const glm::dquat& rotation) noexcept;

@@ -8,10 +8,9 @@
 
 namespace forcelayer::coupling {
 
-glm::dvec3 continuous_angle(const Pose& world_from_center, const Pose& world_from_target,
+glm::dvec3 continuous_angle(const glm::dquat& part, const glm::dquat& target,
                             const glm::dvec3& last) noexcept {
-  const glm::dvec3 shorter = rotation_vector(world_from_target.orientation *
-                                             glm::conjugate(world_from_center.orientation));
+  const glm::dvec3 shorter = rotation_vector(target * glm::conjugate(part));
   const double angle = glm::length(shorter);
   if (angle < 1e-9) return shorter;
   const glm::dvec3 longer = shorter * ((angle - 2 * M_PI) / angle);

@@ -10,7 +10,7 @@ namespace forcelayer::coupling {
 // Rotation vector (rad, world axes) that turns the part to its target: of the two of up to a whole
 // turn that do, the one nearer to `last`, that of the frame before. So a part that is held while
 // the hand turns on past pi is still pulled back the way it came.
-glm::dvec3 continuous_angle(const Pose& world_from_center, const Pose& world_from_target,
+glm::dvec3 continuous_angle(const glm::dquat& part, const glm::dquat& target,
                             const glm::dvec3& last) noexcept;
 
 // Share of the coupling's torque at an angle: all of it up to three quarters of a turn, fading to

@@ -2,12 +2,21 @@
 // entry into contact without a blow, and a damper that takes back what was generated.
 #pragma once
 
-#include "runtime/coupling/state.h"
+#include "forcelayer/pose.h"
 
 namespace forcelayer::coupling {
 
-// Work of a wrench that was held while the target of the coupling went from one pose to another, J.
-// Positive: the hand received it. (A device holds its output between samples, so this is exact.)
+// Energy that the hand was given, by contact episode, J.
+struct EpisodeEnergy {
+  double given_j = 0;           // since the episode began; negative: the hand paid
+  double peak_j = 0;            // highest of that since then, at least 0
+  double generated_j = 0;       // sum of the peaks of past episodes
+  double damping_ns_per_m = 0;  // that the passivity controller injects now
+};
+
+// Work of a wrench about the handle's origin that was held while the handle went from one pose to
+// another, J. Positive: the hand received it. (A device holds its output between samples, so this
+// is exact.)
 double held_work_j(const Wrench& wrench, const Pose& from, const Pose& to) noexcept;
 
 // Adds what the hand received. The peak of that sum is energy that a passive scene, which stores

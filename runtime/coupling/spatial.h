@@ -3,6 +3,9 @@
 
 #include <array>
 #include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+#include <glm/matrix.hpp>
 #include <glm/vec3.hpp>
 
 namespace forcelayer::coupling {
@@ -47,6 +50,32 @@ inline Vector6 operator*(const Symmetric6& a, const Vector6& x) {
     y[row] += a.lower[n++] * x[row];
   }
   return y;
+}
+
+// Adds a symmetric 3x3 matrix on the diagonal, at row `first`.
+inline void add_block(const glm::dmat3& block, int first, Symmetric6& matrix) {
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column <= row; ++column) {
+      matrix.lower[Symmetric6::at(first + row, first + column)] += block[column][row];
+    }
+  }
+}
+
+// Adds J^T S J, J giving the velocity v + w x r of the point at the arm r: a mass or a damping that
+// sits there, S symmetric.
+inline void add_at_arm(const glm::dmat3& s, const glm::dvec3& arm_m, Symmetric6& matrix) {
+  const glm::dmat3 moment(glm::cross(arm_m, s[0]), glm::cross(arm_m, s[1]),
+                          glm::cross(arm_m, s[2]));
+  const glm::dmat3 turned = glm::transpose(moment);
+  add_block(s, 0, matrix);
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) {
+      matrix.lower[Symmetric6::at(3 + row, column)] += moment[column][row];
+    }
+  }
+  add_block(
+      {glm::cross(arm_m, turned[0]), glm::cross(arm_m, turned[1]), glm::cross(arm_m, turned[2])}, 3,
+      matrix);
 }
 
 // The x of a x = b by Cholesky. A pivot that rounding made non-positive leaves its component zero,

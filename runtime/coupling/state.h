@@ -10,33 +10,24 @@
 
 namespace forcelayer {
 
-// Energy that the coupling gives to the hand, by contact episode (passivity.h), J.
-struct EpisodeEnergy {
-  double given_j = 0;           // since the episode began; negative: the hand paid
-  double peak_j = 0;            // highest of that since then, at least 0
-  double generated_j = 0;       // sum of the peaks of past episodes
-  double damping_ns_per_m = 0;  // that the passivity controller injects now
-};
-
 // Copy it to branch a simulation. Models keep their own memory here too: a step depends on nothing
 // else.
 struct State {
   Pose world_from_center;   // where the part is
   Twist velocity;           // of the centroid, world axes
-  Pose handle_from_center;  // the grip: the coupling pulls towards world_from_handle * this
+  Pose handle_from_center;  // the grip: its orientation is the part's turn in the hand, its inverse
+                            // has the point of the part that the hand holds
 
-  // The hand's side in the frame before.
-  Pose target;            // world_from_handle * handle_from_center
-  Twist target_velocity;  // of the centroid there, world axes
-  Wrench wrench;          // on the hand, held until the next frame
-  EpisodeEnergy energy;
-  std::uint32_t has_target = 0;  // 0: no frame yet
+  // The hand in the frame before.
+  Pose world_from_handle;
+  Twist handle_velocity;         // of its origin, world axes
+  std::uint32_t has_handle = 0;  // 0: no frame yet
 
   // Memory of the default model.
   std::uint32_t settled = 0;         // 1: the part rests until the handle moves
   std::uint64_t in_contact = 0;      // 1: a point was not in free space
   glm::dvec3 coupling_angle_rad{0};  // part to target, continuous past pi (coupling_angle.h)
-  glm::dvec3 held_back_m{0};         // stretch that is not felt (passivity.h)
+  glm::dvec3 held_back_m{0};         // stretch of the grip that is not felt (passivity.h)
   glm::dvec3 held_back_rad{0};       // the same of the angle
   double allowance_j = 0;            // motion_allowance.h
 

@@ -17,7 +17,7 @@ struct CouplingHalf {
   double limit = 0;       // N or N m
 };
 
-// Spring displacement and relative velocity of one half (target less part; part less target).
+// Spring displacement of one half (target less part), and how fast its target moves.
 struct HalfStretch {
   glm::dvec3 displacement{0};
   glm::dvec3 target_velocity{0};
@@ -32,11 +32,16 @@ glm::dvec3 effective_stretch(const CouplingHalf& half, const HalfStretch& stretc
 // clamped spring's force.
 double spring_energy_j(const CouplingHalf& half, const glm::dvec3& displacement) noexcept;
 
-// Adds this half, implicit over dt, to the block of the 6x6 system that starts at `first` (0 or 3).
-// A clamped force enters with its secant stiffness at `guess` (the velocity expected at the end of
-// the step): the quadratic that touches the clamped energy there and lies above it elsewhere.
-// Returns whether it is clamped.
-bool add_implicit(const CouplingHalf& half, const HalfStretch& stretch, const glm::dvec3& guess,
-                  double dt_s, int first, Symmetric6& matrix, Vector6& impulse) noexcept;
+// The clamped spring alone, N or N m.
+glm::dvec3 spring_force(const CouplingHalf& half, const glm::dvec3& displacement) noexcept;
+
+// Each adds one half, implicit over dt, to the 6x6 system of the velocities of the part's centroid:
+// a force that acts at `arm_m` from the centroid (world axes), and a torque. A clamped half enters
+// with its secant stiffness at `guess`, the velocity expected at the end of the step: the quadratic
+// that touches the clamped energy there and lies above it elsewhere.
+void add_force(const CouplingHalf& half, const HalfStretch& stretch, const glm::dvec3& arm_m,
+               const Vector6& guess, double dt_s, Symmetric6& matrix, Vector6& impulse) noexcept;
+void add_torque(const CouplingHalf& half, const HalfStretch& stretch, const Vector6& guess,
+                double dt_s, Symmetric6& matrix, Vector6& impulse) noexcept;
 
 }  // namespace forcelayer::coupling

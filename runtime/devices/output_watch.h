@@ -19,16 +19,19 @@ inline double late_gain(double age_share) noexcept {
 
 class OutputWatch {
  public:
-  explicit OutputWatch(double stale_s = kStaleLimitS) : stale_s_(stale_s) {}
+  // No more than kStaleCeilingS, whatever is asked for.
+  explicit OutputWatch(double stale_s = kStaleLimitS)
+      : stale_s_(stale_s < kStaleCeilingS ? stale_s : kStaleCeilingS) {}
 
   // The wrench for the motors now. `newest` is the loop's last, written `age_s` ago. It fades with
   // age (late_gain). Beyond the stale limit it is zero, and stays so until the loop has written
   // exactly zero. The loop does that while it is not armed and for OutputLimits::zero_s after
   // arming; then it ramps.
   Wrench pass(const Wrench& newest, double age_s) noexcept {
-    if (!(age_s <= stale_s_)) latched_ = true;
+    const bool in_time = age_s >= 0 && age_s <= stale_s_;  // not for NaN, nor for a time to come
+    if (!in_time) latched_ = true;
     const bool zero = newest.force_n == glm::dvec3(0) && newest.torque_nm == glm::dvec3(0);
-    if (latched_ && age_s <= stale_s_ && zero) latched_ = false;
+    if (latched_ && in_time && zero) latched_ = false;
     if (latched_) return {};
     const double gain = late_gain(age_s / stale_s_);
     return {newest.force_n * gain, newest.torque_nm * gain};

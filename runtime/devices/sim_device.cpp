@@ -21,10 +21,7 @@ SimDevice::SimDevice(MotionScript script, const DevicePlacement& placement)
 DeviceSample SimDevice::read(double time_s) noexcept {
   DeviceSample sample;
   sample.device_from_handle = placement_.device_from_handle(script_.pose(time_s));
-  const Twist world = script_.velocity(time_s);
-  const glm::dquat device_from_axes = glm::conjugate(placement_.world_from_device.orientation);
-  sample.velocity = {device_from_axes * world.linear_mps / placement_.motion_scale,
-                     device_from_axes * world.angular_radps};
+  sample.velocity = placement_.device_twist(script_.velocity(time_s));
   sample.fresh = sample.present = true;
   sample.sequence = ++sequence_;
   return sample;

@@ -46,8 +46,10 @@ typedef struct forcelayer_options {
   int senses_velocity;             /* 1: the readings hold velocities; 0: they are estimated */
   double world_from_device[7];     /* where the device stands in the scene */
   double motion_scale;             /* scene meters a meter of the device */
-  double stale_s;                  /* silence of device or caller that trips the output */
-  double max_speed_mps;            /* of the handle at the device: faster trips the output */
+  double stale_s;                  /* silence of device or caller that trips the output; of the
+                                    * device's never more than 0.05 */
+  double max_speed_mps;            /* of the handle at the device: faster trips the output; to 10 */
+  double max_turn_radps;           /* the same for its rotation; to 100 */
   int without_guarantee;           /* 1: open also files that guarantee no separation */
 } forcelayer_options;
 

@@ -22,8 +22,8 @@ enum class TripCause : std::uint32_t {
   kNotCalibrated,   // its poses cannot be trusted
   kFrozen,          // no fresh reading within the stale limit
   kInputNotFinite,  // NaN, infinity, or no unit quaternion
-  kImplausible,     // far outside the workspace, or faster there than any hand
-  kOverSpeed,       // the hand was faster than the limit
+  kImplausible,     // far outside the workspace, a jump, or not what its velocity says
+  kOverSpeed,       // the hand moved or turned faster than the limit
   kNotFinite,       // the motion overflowed
   kLoopLate,        // a frame began later than the stale limit allows
   kOutputHeld,      // the device's own side keeps the motors at zero
@@ -40,7 +40,10 @@ struct Frame {
   StepInput input;
   InputHealth health;  // of the input
   StepResult result;
-  Wrench device_wrench;            // after arming and limits: about the handle, device axes
+  Wrench device_wrench;    // after arming and limits: about the handle, device axes
+  double to_hand_j = 0;    // work of the last frame's device_wrench on the hand until now
+  double generated_j = 0;  // sum over contact episodes of the peak of the work on the hand: what a
+                           // passive scene, which stores none at first, could not give
   std::uint64_t outcome_hash = 0;  // of the wrench and the state after the step
   Pose world_from_target;          // of the centroid: where the coupling pulls the part
   std::int64_t step_ns = 0;        // of the step alone

@@ -13,7 +13,7 @@ enum class InputTrouble : std::uint32_t {
   kNotCalibrated = 2,  // it answers, but its poses cannot be trusted
   kFrozen = 3,         // no fresh reading within the stale limit
   kNotFinite = 4,      // NaN, infinity, or no unit quaternion
-  kImplausible = 5,    // far outside the workspace, or faster there than any hand
+  kImplausible = 5,    // far outside the workspace, a jump, or not what its velocity says
 };
 inline constexpr std::uint32_t kInputTroubles = 6;
 

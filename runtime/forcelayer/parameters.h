@@ -42,8 +42,9 @@ struct Parameters {
   double rate_hz = 1000;      // 1 / dt
   double voxel_size_m = 0;    // s, of the map
   double part_radius_m = 0;   // R: of all shell points about the centroid
-  double mass_kg = 0;         // apparent mass (paper 5.1: 12 g)
-  glm::dmat3 inertia_kgm2{};  // about the centroid, part's axes (paper: 2/5 m R^2, isotropic)
+  double mass_kg = 0;         // apparent mass (paper 5.1: 12 g), in the scene
+  glm::dmat3 inertia_kgm2{};  // apparent, part's axes: about the grip (paper: about the centroid,
+                              // 2/5 m R^2, isotropic)
 
   double coupling_n_per_m = 0;        // k_T
   double coupling_ns_per_m = 0;       // b_T

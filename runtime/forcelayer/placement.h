@@ -9,17 +9,18 @@ namespace forcelayer {
 
 struct DevicePlacement {
   Pose world_from_device;
-  double motion_scale = 1;  // scene meters a meter of the device; rotations are never scaled
+  double motion_scale = 1;  // c: scene meters a meter of the device; rotations are never scaled
 
   Pose world_from_handle(const Pose& device_from_handle) const noexcept;
   Pose device_from_handle(const Pose& world_from_handle) const noexcept;
   Twist world_twist(const Twist& device_twist) const noexcept;
+  Twist device_twist(const Twist& world_twist) const noexcept;
 
-  // `on_hand` acts at `point_m` (world axes, torque about that point); the result is about the
-  // handle's origin in device axes. The force is not scaled: the hand feels the coupling's
-  // stiffness times motion_scale.
-  Wrench device_wrench(const Wrench& on_hand, const glm::dvec3& point_m,
-                       const glm::dvec3& handle_m) const noexcept;
+  // The scene's wrench on the hand (world axes, about the handle's origin) as the device gives it
+  // (device axes, about the same). The scale is a transformer: way divided by c, force times c,
+  // torque unchanged, so that work at the device is work in the scene. The hand feels a stiffness,
+  // a damping or a mass of the scene times c^2.
+  Wrench device_wrench(const Wrench& on_hand) const noexcept;
 };
 
 // Where the part begins: in the scene, in the hand, or both. With one of them, or none, the hand

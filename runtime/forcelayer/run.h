@@ -41,6 +41,12 @@ namespace forcelayer {
 // and the delay (1 ms) that such devices show; it holds a hand.
 DeviceCapabilities default_device();
 
+// Most that a request may ask of the over-speed trip: no hand is faster, and where the velocity is
+// estimated from the poses, what is faster counts as noise.
+inline constexpr double kHighestMaxSpeedMps = 10;
+inline constexpr double kHighestMaxTurnRadps = 100;
+inline constexpr double kTurnOfSpeedRadPerM = kHighestMaxTurnRadps / kHighestMaxSpeedMps;
+
 // Everything that decides what a run is. The defaults are what most people want; only the files
 // must be named.
 struct RunRequest {
@@ -63,9 +69,12 @@ struct RunRequest {
 
   DeviceCapabilities device = default_device();  // its ratings are never exceeded
   DevicePlacement placement;                     // of the device in the scene
-  double stale_s = kStaleLimitS;  // silence of device or caller that takes the output to zero
-  double max_speed_mps = 5;       // of the handle at the device: faster trips the output
-  unsigned threads = 1;           // of the contact query; worth more than 1 from 16384 points on
+  double stale_s = kStaleLimitS;  // silence of device or caller that takes the output to zero; of
+                                  // the device's never more than kStaleCeilingS
+  double max_speed_mps = 5;       // of the handle at the device: faster trips the output; to 10
+  std::optional<double> max_turn_radps;  // the same for its rotation; none: kTurnOfSpeedRadPerM
+                                         // times max_speed_mps; to 100
+  unsigned threads = 1;  // of the contact query; worth more than 1 from 16384 points on
 
   // Open also files that guarantee no separation.
   bool without_guarantee = false;

@@ -49,13 +49,12 @@ struct StepReport {
   std::uint32_t saturated = 0;    // 1: the coupling's clamp was at work
   std::uint32_t outside_map = 0;  // 1: a point lay beyond a cropped side: no guarantee
   double depth_m = 0;             // of the deepest contact
-  double to_hand_j = 0;           // work of the wrench that was held until this frame, on the hand
-  double generated_j = 0;  // sum over contact episodes of the peak of the energy given to the hand:
-                           // what a passive scene, which stores none at first, could not give
 };
 
+// Wrenches on the hand, world axes, before the device's limits.
 struct StepResult {
-  Wrench wrench;  // on the hand, about the part's centroid, world axes; before the device's limits
+  Wrench wrench;     // about the part's centroid
+  Wrench at_handle;  // the same about the handle's origin, where the hand feels it
   StepReport report;
 };
 

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <glm/geometric.hpp>
 
+#include "runtime/coupling/coupling.h"
 #include "runtime/model/vectors.h"
 
 namespace forcelayer::loop {
@@ -13,6 +14,7 @@ namespace {
 constexpr double kUnitTolerance = 1e-3;  // of a quaternion's length; a device's floats err by 1e-7
 constexpr double kLeastPeriods = 2.5;    // stale limit of a slow device, in its own periods
 constexpr double kLeastJumpM = 0.001;    // noise and quantization of the coarsest device
+constexpr double kLeastTurnRad = 0.01;   // the same of its rotation
 
 }  // namespace
 
@@ -63,26 +65,58 @@ InputTrouble DeviceInput::trouble(const DeviceSample& sample, double dt_s) noexc
   if (outside_workspace(device, pose.position_m, limits_.workspace_reach)) {
     return InputTrouble::kImplausible;
   }
-  const double reach_m = kLeastJumpM + limits_.max_jump_mps * (since_good_s_ + dt_s);
-  const bool jumped =
-      device.hardware && has_good_ && glm::length(pose.position_m - last_good_m_) > reach_m;
-  return jumped ? InputTrouble::kImplausible : InputTrouble::kNone;
+  const bool cannot_be = device.hardware && (jumped(pose, dt_s) || claims_too_much(sample));
+  return cannot_be ? InputTrouble::kImplausible : InputTrouble::kNone;
+}
+
+bool DeviceInput::jumped(const Pose& device_from_handle, double dt_s) const noexcept {
+  if (!has_good_) return false;
+  const double since_s = since_good_s_ + dt_s;
+  const double moved_m = glm::length(device_from_handle.position_m - last_good_.position_m);
+  const double turned_rad = glm::length(coupling::rotation_vector(
+      made_unit(device_from_handle).orientation * glm::conjugate(last_good_.orientation)));
+  return moved_m > kLeastJumpM + limits_.max_jump_mps * since_s ||
+         turned_rad > kLeastTurnRad + limits_.max_turn_radps * since_s;
+}
+
+bool DeviceInput::claims_too_much(const DeviceSample& sample) noexcept {
+  if (!device_.capabilities().senses_velocity || !sample.fresh) return false;
+  unshown_ = !check_.knows();
+  const bool believed =
+      check_.believes(made_unit(sample.device_from_handle), sample.velocity, since_checked_s_);
+  since_checked_s_ = 0;
+  return !believed;
 }
 
 // Between the readings of a slow device the last velocity holds.
-Twist DeviceInput::velocity(const DeviceSample& sample, double dt_s) noexcept {
-  if (device_.capabilities().senses_velocity) return sample.velocity;
-  since_fresh_s_ += dt_s;
-  if (sample.fresh) {
-    estimate_ = velocity_.update(sample.device_from_handle, since_fresh_s_);
-    since_fresh_s_ = 0;
-  }
+Twist DeviceInput::velocity(const DeviceSample& sample) noexcept {
+  if (!sample.fresh) return estimate_;
+  estimate_ = device_.capabilities().senses_velocity
+                  ? (unshown_ ? Twist{} : sample.velocity)
+                  : velocity_.update(sample.device_from_handle, since_fresh_s_);
+  since_fresh_s_ = 0;
   return estimate_;
+}
+
+// What a reading that is refused leaves behind.
+void DeviceInput::forget() noexcept {
+  velocity_.reset();
+  estimate_ = {};
+  since_fresh_s_ = 0;
+  // A device that comes back may do so anywhere. One that only sent nonsense may not jump.
+  if (health_.trouble != InputTrouble::kDeviceLost &&
+      health_.trouble != InputTrouble::kNotCalibrated) {
+    return;
+  }
+  has_good_ = false;
+  check_.reset();
 }
 
 bool DeviceInput::next(double time_s, double dt_s, StepInput& input) noexcept {
   DeviceSample sample = device_.read(time_s);
   age_s_ = sample.fresh ? 0 : age_s_ + dt_s;
+  since_checked_s_ += dt_s;
+  since_fresh_s_ += dt_s;
   health_ = {};
   health_.trouble = trouble(sample, dt_s);
   health_.age_share = static_cast<float>(std::min(1.0, age_s_ / limits_.stale_s));
@@ -96,19 +130,14 @@ bool DeviceInput::next(double time_s, double dt_s, StepInput& input) noexcept {
   if (health_.trouble != InputTrouble::kNone) {
     input.valid = kInputInvalid;
     input.handle_velocity = {};
-    velocity_.reset();
-    estimate_ = {};
-    since_fresh_s_ = 0;
-    // A device that comes back may do so anywhere. One that only sent nonsense may not jump.
-    has_good_ = has_good_ && health_.trouble != InputTrouble::kDeviceLost &&
-                health_.trouble != InputTrouble::kNotCalibrated;
+    forget();
     since_good_s_ += dt_s;
     return true;
   }
   has_good_ = true;
-  last_good_m_ = sample.device_from_handle.position_m;
+  last_good_ = sample.device_from_handle;
   since_good_s_ = age_s_;
-  input.handle_velocity = placement_.world_twist(velocity(sample, dt_s));
+  input.handle_velocity = placement_.world_twist(velocity(sample));
   return true;
 }
 

@@ -8,6 +8,7 @@
 #include "forcelayer/stale_limit.h"
 #include "runtime/devices/device.h"
 #include "runtime/loop/handle_velocity.h"
+#include "runtime/loop/velocity_check.h"
 
 namespace forcelayer::loop {
 
@@ -34,12 +35,13 @@ class InputSource {
 // Limits beyond which a reading is refused.
 struct InputLimits {
   double stale_s = kStaleLimitS;  // without a fresh reading; at least 2.5 of its periods
-  double max_jump_mps = HandleVelocity::kMaxSpeedMps;  // between readings of hardware
+  double max_jump_mps = HandleVelocity::kMaxSpeedMps;     // between readings of hardware
+  double max_turn_radps = HandleVelocity::kMaxTurnRadps;  // the same for its rotation
   double workspace_reach = 2;  // in workspace radii: a pose farther out is in another unit
 };
 
-// A device that is placed in the scene. Refuses readings that are old or implausible, and estimates
-// the velocity where the device does not sense it.
+// A device that is placed in the scene. Refuses readings that are old or implausible, holds a
+// sensed velocity of hardware against its poses, and estimates the velocity where it is not sensed.
 class DeviceInput final : public InputSource {
  public:
   // `device` must be started, and outlive this.
@@ -54,18 +56,24 @@ class DeviceInput final : public InputSource {
 
  private:
   InputTrouble trouble(const DeviceSample& sample, double dt_s) noexcept;
-  Twist velocity(const DeviceSample& sample, double dt_s) noexcept;  // device axes
+  bool jumped(const Pose& device_from_handle, double dt_s) const noexcept;
+  bool claims_too_much(const DeviceSample& sample) noexcept;
+  Twist velocity(const DeviceSample& sample) noexcept;  // device axes
+  void forget() noexcept;
 
   devices::Device& device_;
   DevicePlacement placement_;
   InputLimits limits_;
   HandleVelocity velocity_;
-  Twist estimate_;            // of the last fresh reading, device axes
+  VelocityCheck check_;  // of sensed velocities
+  double since_checked_s_ = 0;
+  bool unshown_ = false;      // no pose shows yet whether the sensed velocity can be
+  Twist estimate_;            // sensed or estimated at the last fresh reading, device axes
   double since_fresh_s_ = 0;  // age of that reading
   InputHealth health_;
-  double age_s_ = 0;           // of the newest reading
-  double since_good_s_ = 0;    // age of the last accepted reading
-  glm::dvec3 last_good_m_{0};  // its position
+  double age_s_ = 0;         // of the newest reading
+  double since_good_s_ = 0;  // age of the last accepted reading
+  Pose last_good_;           // its pose
   bool has_good_ = false;
 };
 

@@ -87,14 +87,15 @@ void WorstFrames::add(const MissedFrame& frame) noexcept {
 }
 
 // An episode (passivity.h) begins where the part leaves free space.
-void LoopStatistics::count_energy(const StepReport& report) noexcept {
+void LoopStatistics::count_energy(const Frame& frame) noexcept {
+  const StepReport& report = frame.result.report;
   const bool in_contact = report.interior + report.surface + report.proximity > 0;
   if (in_contact && !in_episode_) {
     ++contact_episodes;
     past_episodes_generated_j_ = generated_j;
   }
   in_episode_ = in_contact;
-  generated_j = report.generated_j;
+  generated_j = frame.generated_j;
   worst_episode_generated_j =
       std::max(worst_episode_generated_j, generated_j - past_episodes_generated_j_);
 }
@@ -116,7 +117,7 @@ void LoopStatistics::count(const Frame& frame) noexcept {
   max_torque_nm = std::max(max_torque_nm, glm::length(frame.result.wrench.torque_nm));
   max_device_force_n = std::max(max_device_force_n, glm::length(frame.device_wrench.force_n));
   max_device_torque_nm = std::max(max_device_torque_nm, glm::length(frame.device_wrench.torque_nm));
-  count_energy(report);
+  count_energy(frame);
   step.record(frame.step_ns);
 }
 

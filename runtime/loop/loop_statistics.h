@@ -106,7 +106,7 @@ struct LoopStatistics {
   void count(const Frame& frame, const TickCost& cost, std::int64_t period_ns) noexcept;
 
  private:
-  void count_energy(const StepReport& report) noexcept;
+  void count_energy(const Frame& frame) noexcept;
 
   double past_episodes_generated_j_ = 0;
   bool in_episode_ = false;

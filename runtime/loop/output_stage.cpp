@@ -12,12 +12,13 @@ namespace {
 
 // The report of the device's side that it has let go of the motors again arrives late.
 constexpr double kHeldGraceS = 0.05;
+constexpr double kRounding = 1e-12;  // of a wrench's length, relative
 
 struct CauseRow {
   TripCause cause;
   const char* text;
   const char* mend;
-  bool trips_waiting;  // an output that waits trips on it too, since it does not pass by itself
+  bool lasting;  // it does not pass by itself: an output that waits trips on it too
 };
 
 constexpr CauseRow kCauses[] = {
@@ -28,8 +29,10 @@ constexpr CauseRow kCauses[] = {
      true},
     {TripCause::kInputNotFinite, "the device's pose is not finite", "look at the device's driver",
      true},
-    {TripCause::kImplausible, "the device's pose cannot be: far outside its workspace, or a jump",
-     "look at the driver's units (meters) and at the encoders", true},
+    {TripCause::kImplausible,
+     "the device's pose cannot be: far outside its workspace, a jump, or not what its velocity "
+     "says",
+     "look at the driver's units (meters, radians) and at the encoders", true},
     {TripCause::kOverSpeed, "the hand is too fast", "was the device let go or overpowered?", false},
     {TripCause::kNotFinite, "the motion or its wrench is not finite",
      "please report it, with a recording (--record)", true},
@@ -53,25 +56,23 @@ glm::dvec3 moved(const glm::dvec3& last, const glm::dvec3& wanted, double step) 
   return last + model::clamped(wanted - last, step);
 }
 
+// What is wrong with a faulty frame: the cause to trip once faults last.
+TripCause fault_of(const OutputFrame& frame) {
+  if (!frame.faulty) return TripCause::kNone;
+  switch (frame.health.trouble) {
+    case InputTrouble::kImplausible:
+      return TripCause::kImplausible;
+    case InputTrouble::kNotFinite:
+      return TripCause::kInputNotFinite;
+    default:
+      return frame.not_finite ? TripCause::kNotFinite : TripCause::kFrozen;
+  }
+}
+
 }  // namespace
 
-void OutputStage::trip(TripCause cause) noexcept {
-  state_ = OutputState::kTripped;
-  last_trip_ = cause;
-  ++trips_;
-}
-
-bool OutputStage::may_arm(const OutputFrame& frame) const noexcept {
-  if (frame.faulty || !model::is_finite(frame.wanted) || cause_to_trip(frame) != TripCause::kNone) {
-    return false;
-  }
-  if (frame.health.clutch) return true;  // the hand grips the part anew, without stretch
-  if (state_ == OutputState::kTripped && !limits_.rearm_alone) return false;
-  return frame.free_of_contact || frame.unstretched;
-}
-
 // The first cause that forbids output in this frame, the gravest first. Faults of one frame are no
-// cause: they give zero in that frame, and trip once they last for stale_s.
+// cause: they give zero in that frame.
 TripCause OutputStage::cause_to_trip(const OutputFrame& frame) const noexcept {
   const InputTrouble trouble = frame.health.trouble;
   if (frame.map_lost) return TripCause::kMapLost;
@@ -79,21 +80,13 @@ TripCause OutputStage::cause_to_trip(const OutputFrame& frame) const noexcept {
   if (trouble == InputTrouble::kNotCalibrated) return TripCause::kNotCalibrated;
   if (trouble == InputTrouble::kFrozen) return TripCause::kFrozen;  // stale already
   if (!frame.faulty && !model::is_finite(frame.wanted)) return TripCause::kNotFinite;
-  if (faulty_s_ > limits_.stale_s) {
-    if (trouble == InputTrouble::kImplausible) return TripCause::kImplausible;
-    if (trouble == InputTrouble::kNotFinite) return TripCause::kInputNotFinite;
-    return frame.not_finite ? TripCause::kNotFinite : TripCause::kFrozen;
-  }
   if (frame.health.loop_late) return TripCause::kLoopLate;
-  if (frame.speed_mps > limits_.max_speed_mps) return TripCause::kOverSpeed;
-  const bool settled = state_ == OutputState::kArmed && armed_s_ > kHeldGraceS;
+  const bool fast =
+      frame.speed_mps > limits_.max_speed_mps || frame.turn_radps > limits_.max_turn_radps;
+  if (fast) return TripCause::kOverSpeed;
+  const bool settled = gate_.armed() && gate_.armed_s() > kHeldGraceS;
   if (settled && frame.health.output_held) return TripCause::kOutputHeld;
   return TripCause::kNone;
-}
-
-bool OutputStage::trips_on(TripCause cause) const noexcept {
-  return (state_ == OutputState::kArmed && cause != TripCause::kNone) ||
-         (state_ == OutputState::kWaiting && row_of(cause).trips_waiting);
 }
 
 Wrench OutputStage::limited(const Wrench& wanted, double gain) const noexcept {
@@ -107,31 +100,32 @@ Wrench OutputStage::slewed(const Wrench& wanted, double dt_s) const noexcept {
           moved(last_.torque_nm, wanted.torque_nm, limits_.max_torque_nm * share)};
 }
 
+// Whether the wrench may go out, whatever came before.
+bool OutputStage::allowed(const Wrench& wrench) const noexcept {
+  return glm::length(wrench.force_n) <= limits_.max_force_n * (1 + kRounding) &&
+         glm::length(wrench.torque_nm) <= limits_.max_torque_nm * (1 + kRounding);
+}
+
 Wrench OutputStage::pass(const OutputFrame& frame, double dt_s) noexcept {
-  faulty_s_ = frame.faulty ? faulty_s_ + dt_s : 0;
-  bool arming = false;
-  if (const TripCause cause = cause_to_trip(frame); trips_on(cause)) {
-    trip(cause);
-  } else if (state_ != OutputState::kArmed && may_arm(frame)) {
-    state_ = OutputState::kArmed;
-    armed_s_ = 0;
-    arming = true;
-  }
-  if (state_ != OutputState::kArmed || arming) gain_ = 0;
-  if (state_ != OutputState::kArmed || frame.faulty || arming) {
-    last_ = {};
-    return last_;
-  }
-  armed_s_ += dt_s;
-  if (armed_s_ + 0.5 * dt_s < limits_.zero_s) {
-    last_ = {};
-    return last_;
-  }
-  gain_ = frame.health.clutch || frame.health.swapping
-              ? std::max(0.0, gain_ - dt_s / limits_.fade_s)
-              : std::min(1.0, gain_ + dt_s / limits_.ramp_s);
-  last_ = slewed(limited(frame.wanted, gain_ * devices::late_gain(frame.health.age_share)), dt_s);
+  GateInput input;
+  input.cause = cause_to_trip(frame);
+  input.lasting = row_of(input.cause).lasting;
+  input.fault = fault_of(frame);
+  input.late_gain = devices::late_gain(frame.health.age_share);
+  input.ready = frame.free_of_contact || frame.unstretched;
+  input.clutch = frame.health.clutch;
+  input.swapping = frame.health.swapping;
+  const double gain = gate_.pass(input, dt_s);
+  last_ = gain > 0 ? slewed(limited(frame.wanted, gain), dt_s) : Wrench{};
+  if (allowed(last_)) return last_;
+  gate_.trip(TripCause::kNotFinite);
+  last_ = {};
   return last_;
+}
+
+OutputState OutputStage::state() const {
+  if (gate_.armed()) return OutputState::kArmed;
+  return gate_.state() == GateState::kWaiting ? OutputState::kWaiting : OutputState::kTripped;
 }
 
 }  // namespace forcelayer::loop

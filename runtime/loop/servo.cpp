@@ -44,35 +44,51 @@ void Servo::take_swap(const StepInput& input) noexcept {
   model::Simulation* const next = next_.load(std::memory_order_acquire);
   if (next == nullptr) return;
   const std::uint64_t frame = state_.frame;
-  const EpisodeEnergy energy = state_.energy;
   state_ = next->registered(next_start_, input.world_from_handle);
   state_.frame = frame;
-  state_.energy = energy;
   simulation_ = next;
   next_.store(nullptr, std::memory_order_release);
 }
 
-OutputFrame Servo::output_frame(const Frame& frame) const noexcept {
+// The step's wrench and the passivity controller's at the device, and the work that went through
+// the device's port until now.
+Wrench Servo::wanted_at_device(Frame& frame, bool free_of_contact) noexcept {
+  const DevicePlacement& placement = input_.placement();
+  Wrench wanted = placement.device_wrench(frame.result.at_handle);
+  constexpr std::uint32_t kNoPose = kFaultInvalidInput | kFaultNonFiniteInput;
+  if ((frame.result.report.faults & kNoPose) != 0) {
+    port_.lose_handle();
+  } else {
+    port_.arrive(placement.device_from_handle(frame.input.world_from_handle), !free_of_contact);
+    const Parameters& p = simulation_->parameters();
+    const Wrench damper = port_.damping(placement.device_twist(frame.input.handle_velocity),
+                                        p.part_radius_m / placement.motion_scale,
+                                        p.passivity_damping_ns_per_m, dt_s_);
+    wanted.force_n += damper.force_n;
+    wanted.torque_nm += damper.torque_nm;
+  }
+  frame.to_hand_j = port_.to_hand_j();
+  frame.generated_j = port_.generated_j();
+  return wanted;
+}
+
+OutputFrame Servo::output_frame(Frame& frame) noexcept {
   const StepReport& report = frame.result.report;
   const StepInput& input = frame.input;
-  const DevicePlacement& placement = input_.placement();
-  const coupling::CouplingTarget target = coupling::coupling_target(state_, input);
+  const coupling::GripTarget target = coupling::grip_target(state_, input);
   OutputFrame out;
   out.health = frame.health;
   out.faulty = report.faults != 0;
   out.not_finite = (report.faults & (kFaultNonFiniteInput | kFaultNonFiniteState)) != 0;
   out.map_lost = (report.faults & kFaultMapLost) != 0;
-  out.speed_mps = glm::length(input.handle_velocity.linear_mps) / placement.motion_scale;
+  out.speed_mps = glm::length(input.handle_velocity.linear_mps) / input_.placement().motion_scale;
+  out.turn_radps = glm::length(input.handle_velocity.angular_radps);
   out.free_of_contact = report.interior + report.surface + report.proximity == 0;
-  const glm::dvec3 gap_m =
-      target.world_from_center.position_m - report.world_from_center.position_m;
+  const glm::dvec3 gap_m = coupling::grip_stretch_m(target, report.world_from_center);
   const glm::dvec3 turn_rad = coupling::rotation_vector(
-      target.world_from_center.orientation * glm::conjugate(report.world_from_center.orientation));
+      target.orientation * glm::conjugate(report.world_from_center.orientation));
   out.unstretched = glm::length(gap_m) < kNoStretchM && glm::length(turn_rad) < kNoStretchRad;
-  // The force acts where the coupling holds the hand, at its target: the power at the handle is
-  // then the coupling's.
-  out.wanted = placement.device_wrench(frame.result.wrench, target.world_from_center.position_m,
-                                       input.world_from_handle.position_m);
+  out.wanted = wanted_at_device(frame, out.free_of_contact);
   return out;
 }
 
@@ -91,6 +107,7 @@ bool Servo::tick(Frame& frame) noexcept {
   frame.result = simulation_->step(state_, frame.input, dt_s_);
   frame.step_ns = machine::monotonic_ns() - begin_ns;
   frame.device_wrench = output_.pass(output_frame(frame), dt_s_);
+  port_.leave(frame.device_wrench);
   frame.output = output_.state();
   frame.world_from_target = coupling::coupling_target(state_, frame.input).world_from_center;
   frame.last_trip = output_.last_trip();

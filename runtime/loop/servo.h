@@ -5,6 +5,7 @@
 #include <atomic>
 
 #include "forcelayer/frame.h"
+#include "runtime/loop/device_port.h"
 #include "runtime/loop/input_source.h"
 #include "runtime/loop/output_stage.h"
 #include "runtime/model/simulation.h"
@@ -63,12 +64,14 @@ class Servo {
 
   void take_health(const StepInput& input, InputHealth& health) noexcept;
   void take_swap(const StepInput& input) noexcept;
-  OutputFrame output_frame(const Frame& frame) const noexcept;
+  OutputFrame output_frame(Frame& frame) noexcept;
+  Wrench wanted_at_device(Frame& frame, bool free_of_contact) noexcept;
 
   model::Simulation* simulation_;
   InputSource& input_;
   State state_;
   OutputStage output_;
+  DevicePort port_;
   double dt_s_;
   std::uint32_t clutch_buttons_ = 0;
   bool late_ = false;

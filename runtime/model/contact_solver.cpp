@@ -21,10 +21,9 @@ struct Quadratic {
 // All but the rows, at the secant that belongs to `guess`.
 Quadratic smooth_part(const StepSystem& system, const coupling::Vector6& guess) {
   Quadratic q{system.inertia, system.momentum};
-  coupling::add_implicit(system.translation, system.displacement, coupling::linear_part(guess),
-                         system.dt_s, 0, q.matrix, q.impulse);
-  coupling::add_implicit(system.rotation, system.angle, coupling::angular_part(guess), system.dt_s,
-                         3, q.matrix, q.impulse);
+  coupling::add_force(system.translation, system.displacement, system.arm_m, guess, system.dt_s,
+                      q.matrix, q.impulse);
+  coupling::add_torque(system.rotation, system.angle, guess, system.dt_s, q.matrix, q.impulse);
   return q;
 }
 

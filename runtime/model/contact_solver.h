@@ -14,6 +14,7 @@ struct StepSystem {
   coupling::Vector6 momentum{};
   coupling::CouplingHalf translation, rotation;
   coupling::HalfStretch displacement, angle;
+  glm::dvec3 arm_m{0};  // from the centroid to the grip, where the force acts
   double dt_s = 0;
 };
 

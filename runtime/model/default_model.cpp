@@ -41,10 +41,24 @@ glm::dmat3 critical_damping_shape(const glm::dmat3& inertia_kgm2) {
   return tensor_of(inertia);
 }
 
-Twist mean_velocity(const Pose& from, const Pose& to, double dt_s) {
+// Mean velocity of the part over a frame: of its grip, world axes.
+Twist mean_velocity(const coupling::GripTarget& target, const Pose& from, const Pose& to,
+                    double dt_s) {
   if (!(dt_s > 0)) return {};
-  return {(to.position_m - from.position_m) / dt_s,
+  const glm::dvec3 way_m = to.position_m - from.position_m + coupling::grip_arm_m(target, to) -
+                           coupling::grip_arm_m(target, from);
+  return {way_m / dt_s,
           coupling::rotation_vector(to.orientation * glm::conjugate(from.orientation)) / dt_s};
+}
+
+// The angle from the part at a pose to its target, continuous with that of the state.
+glm::dvec3 angle_rad(const State& state, const coupling::GripTarget& target, const Pose& part) {
+  return coupling::continuous_angle(part.orientation, target.orientation, state.coupling_angle_rad);
+}
+
+// The velocity of the point at an arm from the point whose velocity is given.
+Twist at_arm(const Twist& velocity, const glm::dvec3& arm_m) {
+  return {velocity.linear_mps + glm::cross(velocity.angular_radps, arm_m), velocity.angular_radps};
 }
 
 template <typename T>
@@ -84,17 +98,20 @@ DefaultModel::DefaultModel(const Parameters& parameters, field::ContactProbe& pr
 
 StepResult DefaultModel::step(State& state, const StepInput& input, double dt_s) noexcept {
   StepResult result;
-  const coupling::CouplingTarget target = coupling::coupling_target(state, input);
+  const coupling::GripTarget target = coupling::grip_target(state, input);
   look_up_here(state.world_from_center);
-  const bool hand_still = state.has_target != 0 &&
-                          same_bits(target.world_from_center, state.target) &&
-                          same_bits(target.velocity, state.target_velocity);
-  refill_allowance(state, target, dt_s);
+  const bool hand_still = state.has_handle != 0 &&
+                          same_bits(input.world_from_handle, state.world_from_handle) &&
+                          same_bits(input.handle_velocity, state.handle_velocity);
+  refill_allowance(state, target, input.world_from_handle, dt_s);
   if (!hand_still) state.settled = 0;
   const Pose before = state.world_from_center;
   if (state.settled == 0) move(state, target, dt_s, result.report);
-  const Twist way = mean_velocity(before, state.world_from_center, dt_s);
-  result.wrench = wrench_on_hand(state, target, way, dt_s, result.report);
+  const Twist way = mean_velocity(target, before, state.world_from_center, dt_s);
+  result.at_handle = wrench_on_hand(state, target, way, dt_s, result.report);
+  const glm::dvec3 arm_m = coupling::grip_arm_m(target, state.world_from_center);
+  result.wrench = {result.at_handle.force_n,
+                   result.at_handle.torque_nm + glm::cross(arm_m, result.at_handle.force_n)};
   StepReport& report = result.report;
   report.world_from_center = state.world_from_center;
   report.interior = here_.interior;
@@ -120,18 +137,18 @@ void DefaultModel::look_up_here(const Pose& pose) noexcept {
   here_known_ = true;
 }
 
-void DefaultModel::refill_allowance(State& state, const coupling::CouplingTarget& target,
-                                    double dt_s) const noexcept {
+void DefaultModel::refill_allowance(State& state, const coupling::GripTarget& target,
+                                    const Pose& handle, double dt_s) const noexcept {
   double work_j = 0;
-  if (state.has_target != 0) {
-    const Pose& now = target.world_from_center;
-    const Pose& last = state.target;
-    const double stretch_m = glm::length(now.position_m - state.world_from_center.position_m) +
-                             glm::length(now.position_m - last.position_m);
+  if (state.has_handle != 0) {
+    const Pose& last = state.world_from_handle;
+    const double stretch_m =
+        glm::length(coupling::grip_stretch_m(target, state.world_from_center)) +
+        glm::length(handle.position_m - last.position_m);
     const double force_n = std::min(translation_.limit, translation_.stiffness * stretch_m);
     const double torque_nm = std::min(
         rotation_.limit, rotation_.stiffness * (glm::length(state.coupling_angle_rad) + 1));
-    work_j = handle_work_j(last, now, force_n, torque_nm);
+    work_j = handle_work_j(last, handle, force_n, torque_nm);
   }
   const AllowanceLaw law{parameters_.allowance_j, parameters_.allowance_fade_s};
   state.allowance_j = faded_allowance_j(state.allowance_j, work_j, law, dt_s);
@@ -139,7 +156,7 @@ void DefaultModel::refill_allowance(State& state, const coupling::CouplingTarget
 
 // One frame: motions of at most s/2 until the time or the look-ups are used up. What is left of the
 // time then is not made up: the part lags, and follows in the next frames.
-void DefaultModel::move(State& state, const coupling::CouplingTarget& target, double dt_s,
+void DefaultModel::move(State& state, const coupling::GripTarget& target, double dt_s,
                         StepReport& report) noexcept {
   double remaining_s = dt_s;
   for (int look_ups = 0; look_ups < parameters_.look_ups && remaining_s > 1e-9 * dt_s; ++look_ups) {
@@ -154,30 +171,27 @@ void DefaultModel::move(State& state, const coupling::CouplingTarget& target, do
   }
 }
 
-DefaultModel::Motion DefaultModel::prepare(const State& state,
-                                           const coupling::CouplingTarget& target,
+DefaultModel::Motion DefaultModel::prepare(const State& state, const coupling::GripTarget& target,
                                            double dt_s) const noexcept {
   Motion motion;
   StepSystem& system = motion.system;
-  const glm::dmat3 inertia = turned(mass_.inertia_kgm2, state.world_from_center.orientation);
-  for (int row = 0; row < 3; ++row) {
-    system.inertia.lower[coupling::Symmetric6::at(row, row)] = mass_.mass_kg;
-    for (int column = 0; column <= row; ++column) {
-      system.inertia.lower[coupling::Symmetric6::at(3 + row, 3 + column)] = inertia[column][row];
-    }
-  }
+  // The apparent mass sits at the grip, not at the centroid: there the spring can neither swing it
+  // nor tip it over.
+  system.arm_m = coupling::grip_arm_m(target, state.world_from_center);
+  coupling::add_at_arm(glm::dmat3(mass_.mass_kg), system.arm_m, system.inertia);
+  coupling::add_block(turned(mass_.inertia_kgm2, state.world_from_center.orientation), 3,
+                      system.inertia);
   motion.start = coupling::vector6(state.velocity.linear_mps, state.velocity.angular_radps);
   system.momentum = system.inertia * motion.start;
   system.translation = translation_;
-  system.displacement = {target.world_from_center.position_m - state.world_from_center.position_m,
+  system.displacement = {coupling::grip_stretch_m(target, state.world_from_center),
                          target.velocity.linear_mps};
-  system.angle = {coupling::continuous_angle(state.world_from_center, target.world_from_center,
-                                             state.coupling_angle_rad),
-                  target.velocity.angular_radps};
+  system.angle = {angle_rad(state, target, state.world_from_center), target.velocity.angular_radps};
   system.rotation = rotation_at(system.angle.displacement, state.world_from_center.orientation);
   system.dt_s = dt_s;
   motion.energy_before_j =
-      kinetic_energy_j(mass_, state.world_from_center.orientation, state.velocity) +
+      kinetic_energy_j(mass_, state.world_from_center.orientation,
+                       at_arm(state.velocity, system.arm_m)) +
       potential_j(system.displacement.displacement, system.angle.displacement, here_);
   return motion;
 }
@@ -186,8 +200,8 @@ DefaultModel::Motion DefaultModel::prepare(const State& state,
 // it.
 void DefaultModel::choose(Motion& motion, double remaining_s) noexcept {
   solve_motion(motion, remaining_s);
-  const double shares = std::ceil(travel_m(motion.velocity, remaining_s) /
-                                  (0.5 * kTravelMargin * parameters_.voxel_size_m));
+  const double shares =
+      std::ceil(travel_m(motion, remaining_s) / (0.5 * kTravelMargin * parameters_.voxel_size_m));
   if (shares > 1) solve_motion(motion, remaining_s / shares);
   limit_travel(motion);
 }
@@ -205,24 +219,25 @@ void DefaultModel::solve_motion(Motion& motion, double dt_s) noexcept {
 
 // Looks up where the motion leads and keeps it, or mends it until it can be kept. False: the part
 // stays where it is.
-bool DefaultModel::make(State& state, Motion& motion, const coupling::CouplingTarget& target,
+bool DefaultModel::make(State& state, Motion& motion, const coupling::GripTarget& target,
                         StepReport& report) noexcept {
   const double dt_s = motion.system.dt_s;
   const double least_m = state.allowance_j == 0 ? kLeastTravelVoxels * parameters_.voxel_size_m : 0;
   bool cut = false;
   for (int attempt = 0; attempt <= kResolves + kHalvings; ++attempt) {
-    if (!(travel_m(motion.velocity, dt_s) > least_m)) return false;
-    Twist velocity{coupling::linear_part(motion.velocity), coupling::angular_part(motion.velocity)};
-    const double kinetic_j = kinetic_energy_j(mass_, state.world_from_center.orientation, velocity);
-    const Pose candidate =
-        advance(mass_, state.world_from_center, velocity, dt_s, most_turn_rad(velocity, dt_s));
+    if (!(travel_m(motion, dt_s) > least_m)) return false;
+    const Twist first{coupling::linear_part(motion.velocity),
+                      coupling::angular_part(motion.velocity)};
+    const double kinetic_j = kinetic_energy_j(mass_, state.world_from_center.orientation,
+                                              at_arm(first, motion.system.arm_m));
+    Twist velocity;
+    const Pose candidate = moved(state.world_from_center, target, motion, velocity);
     look_up(candidate, there_);
     double rise_j = 0;
     const bool clear = field::no_new_interior(here_, there_);
     if (clear && affordable(state, motion, target, candidate, kinetic_j, rise_j)) {
       state.allowance_j = std::max(0.0, state.allowance_j - rise_j);
-      state.coupling_angle_rad =
-          coupling::continuous_angle(candidate, target.world_from_center, state.coupling_angle_rad);
+      state.coupling_angle_rad = angle_rad(state, target, candidate);
       state.world_from_center = here_pose_ = candidate;
       state.velocity = velocity;
       std::swap(here_, there_);
@@ -242,16 +257,13 @@ bool DefaultModel::make(State& state, Motion& motion, const coupling::CouplingTa
 }
 
 bool DefaultModel::affordable(const State& state, const Motion& motion,
-                              const coupling::CouplingTarget& target, const Pose& candidate,
+                              const coupling::GripTarget& target, const Pose& candidate,
                               double kinetic_j, double& rise_j) const noexcept {
   if (here_.interior > 0) return true;  // led out: slow, and its energy is not the scene's
   if (here_.in_free_space() && there_.in_free_space()) return true;  // nothing to gain it from
-  const glm::dvec3 angle_rad =
-      coupling::continuous_angle(candidate, target.world_from_center, state.coupling_angle_rad);
-  const double energy_j =
-      kinetic_j +
-      potential_j(target.world_from_center.position_m - candidate.position_m, angle_rad, there_);
-  const double travel = travel_m(motion.velocity, motion.system.dt_s);
+  const double energy_j = kinetic_j + potential_j(coupling::grip_stretch_m(target, candidate),
+                                                  angle_rad(state, target, candidate), there_);
+  const double travel = travel_m(motion, motion.system.dt_s);
   const double descent_j = kDescentShare * parameters_.coupling_n_per_m * travel * travel;
   rise_j = energy_j + descent_j - motion.energy_before_j;
   return rise_j <= state.allowance_j;
@@ -283,24 +295,45 @@ void DefaultModel::limit_travel(Motion& motion) const noexcept {
   const double dt_s = motion.system.dt_s;
   double limit_m = 0.5 * kTravelMargin * parameters_.voxel_size_m;
   if (here_.interior > 0) limit_m = std::min(limit_m, parameters_.recovery_mps * dt_s);
-  const double travel = travel_m(motion.velocity, dt_s);
+  const double travel = travel_m(motion, dt_s);
   if (!(travel > limit_m)) return;
   for (double& component : motion.velocity) component *= limit_m / travel;
 }
 
-// Longest way that any point of the shell can go: its arc is at most the centroid's way and the
-// angle times the radius.
-double DefaultModel::travel_m(const coupling::Vector6& velocity, double dt_s) const noexcept {
-  return dt_s * (glm::length(coupling::linear_part(velocity)) +
-                 parameters_.part_radius_m * glm::length(coupling::angular_part(velocity)));
+// Where a motion leads. The mass turns about the grip and carries the centroid round it; so a body
+// that tumbles may go farther than its first velocity says, by a few per cent for long parts. Then
+// it goes slower: s/2 holds for the pose itself.
+Pose DefaultModel::moved(const Pose& from, const coupling::GripTarget& target, Motion& motion,
+                         Twist& velocity) const noexcept {
+  const double dt_s = motion.system.dt_s, limit_m = 0.5 * parameters_.voxel_size_m;
+  const glm::dvec3& arm_m = motion.system.arm_m;
+  for (double share = 1; share > 1e-3; share *= 0.5) {
+    const Twist first{share * coupling::linear_part(motion.velocity),
+                      share * coupling::angular_part(motion.velocity)};
+    const double left_m = kTravelMargin * limit_m - dt_s * glm::length(first.linear_mps);
+    velocity = at_arm(first, arm_m);
+    Pose pose =
+        advance(mass_, from, velocity, dt_s, std::max(0.0, left_m) / parameters_.part_radius_m);
+    const glm::dvec3 arm_there_m = coupling::grip_arm_m(target, pose);
+    pose.position_m -= arm_there_m - arm_m;
+    velocity = at_arm(velocity, -arm_there_m);
+    const double turn_rad =
+        glm::length(coupling::rotation_vector(pose.orientation * glm::conjugate(from.orientation)));
+    const double way_m =
+        glm::length(pose.position_m - from.position_m) + parameters_.part_radius_m * turn_rad;
+    if (way_m <= limit_m) return pose;
+  }
+  velocity = {};
+  return from;
 }
 
-// The angle that s/2 leaves to the rotation. A body that tumbles turns by another angle than its
-// first velocity says, by a few per cent for long parts.
-double DefaultModel::most_turn_rad(const Twist& velocity, double dt_s) const noexcept {
-  const double left_m =
-      0.5 * kTravelMargin * parameters_.voxel_size_m - dt_s * glm::length(velocity.linear_mps);
-  return std::max(0.0, left_m) / parameters_.part_radius_m;
+// Longest way that any point of the shell can go: its arc is at most the centroid's way and the
+// angle times the radius. The centroid's way about the grip is longer than its first velocity says
+// by at most half of the arm times the angle squared.
+double DefaultModel::travel_m(const Motion& motion, double dt_s) const noexcept {
+  const double turn_rad = dt_s * glm::length(coupling::angular_part(motion.velocity));
+  return dt_s * glm::length(coupling::linear_part(motion.velocity)) +
+         turn_rad * (parameters_.part_radius_m + 0.5 * glm::length(motion.system.arm_m) * turn_rad);
 }
 
 double DefaultModel::potential_j(const glm::dvec3& displacement_m, const glm::dvec3& angle_rad,
@@ -331,26 +364,24 @@ double DefaultModel::angle_energy_j(const glm::dvec3& angle_rad) const noexcept 
          torque_nm * coupling::faded_angle_rad(angle);
 }
 
-// The coupling's reaction on the hand, less the stretch that the hand never paid for. The damper
-// goes by the part's mean velocity over the frame: where the look-ups end before the time does,
-// that of the last motion is more than the part went.
-Wrench DefaultModel::wrench_on_hand(State& state, const coupling::CouplingTarget& target,
+// The coupling's reaction on the hand at the handle's origin, less the stretch that the hand never
+// paid for. The damper goes by the grip's mean velocity over the frame: where the look-ups end
+// before the time does, that of the last motion is more than the part went.
+Wrench DefaultModel::wrench_on_hand(State& state, const coupling::GripTarget& target,
                                     const Twist& way, double dt_s,
                                     StepReport& report) const noexcept {
   const bool entering = state.in_contact == 0;
   state.in_contact = here_.in_free_space() ? 0 : 1;
   if (state.in_contact == 0) return {};
   const Pose& part = state.world_from_center;
-  const glm::dvec3 angle_rad =
-      coupling::continuous_angle(part, target.world_from_center, state.coupling_angle_rad);
-  const coupling::CouplingHalf rotation = rotation_at(angle_rad, part.orientation);
+  const glm::dvec3 angle = angle_rad(state, target, part);
+  const coupling::CouplingHalf rotation = rotation_at(angle, part.orientation);
   // Spring and damper as one stretch: that of the spring alone with the same force.
   const glm::dvec3 stretch_m = coupling::effective_stretch(
-      translation_,
-      {target.world_from_center.position_m - part.position_m, target.velocity.linear_mps},
+      translation_, {coupling::grip_stretch_m(target, part), target.velocity.linear_mps},
       way.linear_mps);
   const glm::dvec3 stretch_rad = coupling::effective_stretch(
-      rotation, {angle_rad, target.velocity.angular_radps}, way.angular_radps);
+      rotation, {angle, target.velocity.angular_radps}, way.angular_radps);
   if (entering) {
     state.held_back_m = stretch_m;
     state.held_back_rad = stretch_rad;

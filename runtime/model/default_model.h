@@ -22,7 +22,8 @@ class DefaultModel {
                const field::ForceCurve& curve = {});
 
   // One frame. A pure function of its arguments and of the constructor's. The wrench is the
-  // reaction of the coupling on the hand; exactly zero when every point is free.
+  // reaction of the coupling on the hand, which acts at the grip: the hand feels no torque but that
+  // of the rotational spring. Exactly zero when every point is free.
   StepResult step(State& state, const StepInput& input, double dt_s) noexcept;
 
  private:
@@ -38,28 +39,29 @@ class DefaultModel {
   void look_up(const Pose& pose, LookUp& out) noexcept;
 
   void look_up_here(const Pose& pose) noexcept;
-  void refill_allowance(State& state, const coupling::CouplingTarget& target,
+  void refill_allowance(State& state, const coupling::GripTarget& target, const Pose& handle,
                         double dt_s) const noexcept;
-  void move(State& state, const coupling::CouplingTarget& target, double dt_s,
+  void move(State& state, const coupling::GripTarget& target, double dt_s,
             StepReport& report) noexcept;
-  Motion prepare(const State& state, const coupling::CouplingTarget& target,
+  Motion prepare(const State& state, const coupling::GripTarget& target,
                  double dt_s) const noexcept;
   void choose(Motion& motion, double remaining_s) noexcept;
   void solve_motion(Motion& motion, double dt_s) noexcept;
-  bool make(State& state, Motion& motion, const coupling::CouplingTarget& target,
+  bool make(State& state, Motion& motion, const coupling::GripTarget& target,
             StepReport& report) noexcept;
-  bool affordable(const State& state, const Motion& motion, const coupling::CouplingTarget& target,
+  bool affordable(const State& state, const Motion& motion, const coupling::GripTarget& target,
                   const Pose& candidate, double kinetic_j, double& rise_j) const noexcept;
   void add_found_contacts(Motion& motion) noexcept;
   void limit_travel(Motion& motion) const noexcept;
-  double travel_m(const coupling::Vector6& velocity, double dt_s) const noexcept;
-  double most_turn_rad(const Twist& velocity, double dt_s) const noexcept;
+  Pose moved(const Pose& from, const coupling::GripTarget& target, Motion& motion,
+             Twist& velocity) const noexcept;
+  double travel_m(const Motion& motion, double dt_s) const noexcept;
   double potential_j(const glm::dvec3& displacement_m, const glm::dvec3& angle_rad,
                      const LookUp& contacts) const noexcept;
   coupling::CouplingHalf rotation_at(const glm::dvec3& angle_rad,
                                      const glm::dquat& orientation) const noexcept;
   double angle_energy_j(const glm::dvec3& angle_rad) const noexcept;
-  Wrench wrench_on_hand(State& state, const coupling::CouplingTarget& target, const Twist& way,
+  Wrench wrench_on_hand(State& state, const coupling::GripTarget& target, const Twist& way,
                         double dt_s, StepReport& report) const noexcept;
 
   Parameters parameters_;

@@ -74,6 +74,15 @@ Wrench coupling_wrench(const Parameters& parameters, const coupling::CouplingStr
               parameters.coupling_nms_per_rad * stretch.angular_radps};
 }
 
+// The coupling pulls the centroid: handle and part are registered at its center of mass (paper
+// 5.1). So its force on the hand acts at the centroid's target, which the handle carries like a
+// rigid lever.
+Wrench at_handle(const Wrench& on_hand, const coupling::CouplingTarget& target,
+                 const StepInput& input) {
+  const glm::dvec3 arm_m = target.world_from_center.position_m - input.world_from_handle.position_m;
+  return {on_hand.force_n, on_hand.torque_nm + glm::cross(arm_m, on_hand.force_n)};
+}
+
 // Symplectic Euler: velocity from the old forces, pose from the new velocity. The inertia is
 // isotropic, so there is no gyroscopic term.
 void integrate(const Parameters& parameters, const Wrench& wrench, double dt_s, State& state) {
@@ -103,12 +112,15 @@ StepResult paper_step(const StepContext& context, State& state, const StepInput&
 
   Wrench on_part = field_wrench(context, report);
   if (parameters.braking) on_part.force_n += braking_force(context, state.velocity, dt_s);
-  const Wrench coupling = coupling_wrench(
-      parameters, coupling::coupling_stretch(state, coupling::coupling_target(state, input)),
-      report.saturated);
+  const coupling::CouplingTarget target = coupling::coupling_target(state, input);
+  const Wrench coupling =
+      coupling_wrench(parameters, coupling::coupling_stretch(state, target), report.saturated);
   on_part.force_n += coupling.force_n;
   on_part.torque_nm += coupling.torque_nm;
-  if (context.points.count > 0) result.wrench = {-coupling.force_n, -coupling.torque_nm};
+  if (context.points.count > 0) {
+    result.wrench = {-coupling.force_n, -coupling.torque_nm};
+    result.at_handle = at_handle(result.wrench, target, input);
+  }
   integrate(parameters, on_part, dt_s, state);
   return result;
 }

@@ -8,7 +8,7 @@
 
 namespace forcelayer::model {
 
-// Mass properties about the centroid, in the axes of the body.
+// Mass properties about the center of mass, in the axes of the body.
 struct RigidMass {
   double mass_kg = 1;
   glm::dmat3 inertia_kgm2{1};

@@ -1,10 +1,5 @@
 #include "runtime/model/simulation.h"
 
-#include <algorithm>
-#include <glm/geometric.hpp>
-
-#include "runtime/coupling/coupling.h"
-#include "runtime/coupling/passivity.h"
 #include "runtime/machine/step_arithmetic.h"
 #include "runtime/model/paper_model.h"
 #include "runtime/model/vectors.h"
@@ -27,11 +22,9 @@ std::uint32_t input_faults(const StepInput& input) {
 StepResult stopped(State& state, const State& before, std::uint32_t faults) {
   state = before;
   state.velocity = {};
-  state.wrench = {};
   StepResult result;
   result.report.world_from_center = before.world_from_center;
   result.report.faults = faults;
-  result.report.generated_j = coupling::total_generated_j(before.energy);
   return result;
 }
 
@@ -41,49 +34,10 @@ StepResult regripped(const State& before, const StepInput& input, State& state) 
   state = {};
   state.world_from_center = before.world_from_center;
   state.handle_from_center = inverse(input.world_from_handle) * before.world_from_center;
-  state.energy = before.energy;
-  coupling::end_episode(state.energy);
   state.frame = before.frame;
   StepResult result;
   result.report.world_from_center = before.world_from_center;
-  result.report.generated_j = coupling::total_generated_j(state.energy);
   return result;
-}
-
-// Adds the passivity controller's damper, within the larger of the device's limit and the wrench
-// that there is.
-void add_control(const Parameters& parameters, State& state, const Twist& velocity, double dt_s,
-                 Wrench& wrench) {
-  const Wrench damper =
-      coupling::passivity_damping(state.energy, velocity, parameters.part_radius_m,
-                                  parameters.passivity_damping_ns_per_m, dt_s);
-  const auto sum = [](const glm::dvec3& a, const glm::dvec3& b, double limit) {
-    return clamped(a + b, std::max(limit, glm::length(a)));
-  };
-  wrench = {sum(wrench.force_n, damper.force_n, parameters.max_force_n),
-            sum(wrench.torque_nm, damper.torque_nm, parameters.max_torque_nm)};
-}
-
-// The energy that the wrench of the frame before gave to the hand until now, and the frame's wrench
-// for the next.
-void observe_energy(const Parameters& parameters, State& state, const StepInput& input, double dt_s,
-                    StepResult& result) {
-  const coupling::CouplingTarget target = coupling::coupling_target(state, input);
-  StepReport& report = result.report;
-  if (state.has_target != 0) {
-    report.to_hand_j = coupling::held_work_j(state.wrench, state.target, target.world_from_center);
-    coupling::add_given(state.energy, report.to_hand_j);
-  }
-  if (report.interior + report.surface + report.proximity == 0) {
-    coupling::end_episode(state.energy);
-  } else if (parameters.passivity_damping_ns_per_m > 0 && dt_s > 0) {
-    add_control(parameters, state, target.velocity, dt_s, result.wrench);
-  }
-  report.generated_j = coupling::total_generated_j(state.energy);
-  state.target = target.world_from_center;
-  state.target_velocity = target.velocity;
-  state.wrench = result.wrench;
-  state.has_target = 1;
 }
 
 }  // namespace
@@ -179,7 +133,9 @@ StepResult Simulation::step(State& state, const StepInput& input, double dt_s) n
              !is_finite(result.wrench)) {
     result = stopped(state, before, kFaultNonFiniteState);
   } else {
-    observe_energy(parameters_, state, input, dt_s, result);
+    state.world_from_handle = input.world_from_handle;
+    state.handle_velocity = input.handle_velocity;
+    state.has_handle = 1;
   }
   ++state.frame;
   return result;

@@ -9,7 +9,7 @@ template <typename Baked>
 Result<Baked> open(const std::filesystem::path& path) {
   auto file = MappedFile::open_for_long(path);
   if (!file) return file.error();
-  const FileStamp stamp = file->stamp();
+  FileStamp stamp = file->stamp();
   const machine::WatchedMapping watch(file->bytes(), stamp);
   auto baked = Baked::from_file(std::move(*file), path.string(), Verify::kStructureAndChecksums);
   if (baked && (watch.lost() || stamp.changed())) {

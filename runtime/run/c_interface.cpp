@@ -9,6 +9,7 @@
 #include "forcelayer/pose_datagram.h"
 #include "forcelayer/run.h"
 #include "runtime/machine/map_loss.h"
+#include "runtime/run/limits.h"
 
 using namespace forcelayer;
 
@@ -78,6 +79,7 @@ Result<RunRequest> request_from(const char* scene, const char* part, const force
   request.placement = {pose_from(o.world_from_device), o.motion_scale};
   request.stale_s = o.stale_s;
   request.max_speed_mps = o.max_speed_mps;
+  request.max_turn_radps = o.max_turn_radps;
   request.without_guarantee = o.without_guarantee != 0;
   return request;
 }
@@ -128,6 +130,7 @@ void forcelayer_default_options(forcelayer_options* options) {
   options->motion_scale = request.placement.motion_scale;
   options->stale_s = request.stale_s;
   options->max_speed_mps = request.max_speed_mps;
+  options->max_turn_radps = max_turn_radps(request);
 }
 
 forcelayer_runtime* forcelayer_open(const char* scene, const char* part,

@@ -36,7 +36,7 @@ constexpr double kAllowanceFadeS = 0.01;
 constexpr double kLeastMomentShare = 1e-3;  // of the largest principal moment
 
 constexpr ParameterInfo kTable[] = {
-    {"mass_kg", "--mass", "apparent mass of the part, kg", &Parameters::mass_kg},
+    {"mass_kg", "--mass", "apparent mass of the part in the scene, kg", &Parameters::mass_kg},
     {"coupling_n_per_m", "--coupling-stiffness", "coupling spring k_T, N/m",
      &Parameters::coupling_n_per_m},
     {"coupling_ns_per_m", "--coupling-damping", "coupling damper b_T, N s/m",
@@ -137,16 +137,24 @@ constexpr const char* kInertial =
     "M / (delay + dt / 2 + the velocity estimate's lag), M its apparent inertia: a phase margin of "
     "33 degrees";
 
-// Stiffness at the handle, in scene coordinates: the hand feels it times the motion scale.
-Bound stiffness_bound(const DeviceCapabilities& device, double dt_s, double motion_scale) {
+// The hand feels a stiffness, damping or mass of the scene times this (placement.h): the square of
+// the motion scale.
+double felt_share(const RunRequest& request) {
+  return request.placement.motion_scale * request.placement.motion_scale;
+}
+
+// Of a stiffness in the scene.
+Bound stiffness_bound(const RunRequest& request, double dt_s) {
+  const DeviceCapabilities& device = request.device;
   Bound bound;
   if (device.max_stiffness_n_per_m > 0) bound.lower_to(device.max_stiffness_n_per_m, kRated);
   bound.lower_to(renderable_stiffness(device.damping_ns_per_m, device.delay_s, dt_s), kDamped);
   bound.lower_to(dissipated_stiffness(device.friction_n, device.encoder_step_m), kQuantised);
-  bound.value /= motion_scale;
+  bound.value /= felt_share(request);
   return bound;
 }
 
+// Turning has no scale, and no arm: the coupling's force acts at the grip.
 Bound rotation_bound(const DeviceCapabilities& device, double dt_s) {
   Bound bound;
   if (device.max_stiffness_nm_per_rad > 0) bound.lower_to(device.max_stiffness_nm_per_rad, kRated);
@@ -155,12 +163,23 @@ Bound rotation_bound(const DeviceCapabilities& device, double dt_s) {
   return bound;
 }
 
-Bound damping_bound(const DeviceCapabilities& device, double inertia, double dt_s, double scale) {
+// Of a damping at the device, whose handle has this mass or moment.
+Bound damping_bound(const DeviceCapabilities& device, double inertia, double dt_s) {
   Bound bound;
   const double lag_s = device.senses_velocity ? 0 : loop::HandleVelocity::kTimeConstantS;
   bound.lower_to(renderable_damping(inertia, device.delay_s + lag_s, dt_s), kInertial);
-  bound.value /= scale;
   return bound;
+}
+
+// Of a damping in the scene.
+Bound linear_damping_bound(const RunRequest& request, double dt_s) {
+  Bound bound = damping_bound(request.device, request.device.apparent_mass_kg, dt_s);
+  bound.value /= felt_share(request);
+  return bound;
+}
+
+Bound rotation_damping_bound(const RunRequest& request, double dt_s) {
+  return damping_bound(request.device, request.device.apparent_inertia_kgm2, dt_s);
 }
 
 // Warns where a setting is beyond its bound.
@@ -176,20 +195,39 @@ void warn_beyond(const Bound& bound, const char* option, double value, const cha
 void warn_of_coupling(const RunRequest& request, DerivedParameters& derived) {
   const DeviceCapabilities& device = request.device;
   const Parameters& p = derived.values;
-  const double dt_s = 1 / p.rate_hz, scale = request.placement.motion_scale;
-  warn_beyond(stiffness_bound(device, dt_s, scale), "--coupling-stiffness", p.coupling_n_per_m,
-              "N/m", device, derived);
+  const double dt_s = 1 / p.rate_hz;
+  warn_beyond(stiffness_bound(request, dt_s), "--coupling-stiffness", p.coupling_n_per_m, "N/m",
+              device, derived);
   warn_beyond(rotation_bound(device, dt_s), "--coupling-stiffness-rot", p.coupling_nm_per_rad,
               "N m/rad", device, derived);
-  warn_beyond(damping_bound(device, device.apparent_mass_kg, dt_s, scale), "--coupling-damping",
-              p.coupling_ns_per_m, "N s/m", device, derived);
-  warn_beyond(damping_bound(device, device.apparent_inertia_kgm2, dt_s, 1),
-              "--coupling-damping-rot", p.coupling_nms_per_rad, "N m s/rad", device, derived);
+  warn_beyond(linear_damping_bound(request, dt_s), "--coupling-damping", p.coupling_ns_per_m,
+              "N s/m", device, derived);
+  warn_beyond(rotation_damping_bound(request, dt_s), "--coupling-damping-rot",
+              p.coupling_nms_per_rad, "N m s/rad", device, derived);
 }
 
-std::string borne_reason(const DeviceCapabilities& device, const Bound& bound) {
-  return format("%g of the stiffness that ", kBoundShare) + device.name +
-         " bears over the motion scale: " + bound.source;
+std::string borne_reason(const char* what, const DeviceCapabilities& device, const Bound& bound) {
+  return format("%g of the ", kBoundShare) + what + " that " + device.name +
+         " bears: " + bound.source;
+}
+
+constexpr const char* kLinear = "stiffness over the motion scale squared";
+constexpr const char* kLinearDamping = "damping over the motion scale squared";
+
+// A damping that is critical, or what the device bears of it.
+void choose_damping(Choice& choice, const char* name, double critical, const std::string& why,
+                    const char* what, const DeviceCapabilities& device, const Bound& bound) {
+  const double borne = kBoundShare * bound.value;
+  choice.set(name, std::min(critical, borne),
+             borne < critical ? borne_reason(what, device, bound) : why);
+}
+
+// Apparent mass: what the hand feels is the scene's times the square of the motion scale.
+void choose_mass(const RunRequest& request, Choice& choice) {
+  choice.set("mass_kg", kApparentMassKg / felt_share(request),
+             request.placement.motion_scale == 1
+                 ? "apparent mass of the paper (5.1)"
+                 : "apparent mass of the paper (5.1) over the motion scale squared");
 }
 
 // Device limits: the user's, never above the ratings.
@@ -214,10 +252,10 @@ void choose_coupling(const RunRequest& request, DerivedParameters& derived) {
   Parameters& p = derived.values;
   const double dt_s = 1 / p.rate_hz, inertia_kgm2 = p.inertia_kgm2[0][0];
   const double comfortable = kComfortableLoad * kComfortableLoad * p.mass_kg / (dt_s * dt_s);
-  const Bound bound = stiffness_bound(device, dt_s, request.placement.motion_scale);
+  const Bound bound = stiffness_bound(request, dt_s);
   const double borne = kBoundShare * bound.value;
   choice.set("coupling_n_per_m", std::min(comfortable, borne),
-             borne < comfortable ? borne_reason(device, bound)
+             borne < comfortable ? borne_reason(kLinear, device, bound)
                                  : "(m / 16 dt^2): comfortably stable at this rate (paper 5.1)");
   choice.set("coupling_ns_per_m", 2 * std::sqrt(p.mass_kg * p.coupling_n_per_m),
              "2 sqrt(m k_T): critically damped (paper 5.1)");
@@ -225,7 +263,7 @@ void choose_coupling(const RunRequest& request, DerivedParameters& derived) {
   const double borne_rot = kBoundShare * bound_rot.value;
   const double same_frequency = p.coupling_n_per_m * inertia_kgm2 / p.mass_kg;
   choice.set("coupling_nm_per_rad", std::min(same_frequency, borne_rot),
-             borne_rot < same_frequency ? borne_reason(device, bound_rot)
+             borne_rot < same_frequency ? borne_reason("stiffness", device, bound_rot)
                                         : "k_T I / m: the frequency of the translation");
   choice.set("coupling_nms_per_rad", 2 * std::sqrt(inertia_kgm2 * p.coupling_nm_per_rad),
              "2 sqrt(I k_R): critically damped (paper 5.1)");
@@ -264,7 +302,7 @@ void choose_field(const RunRequest& request, double arm_m, DerivedParameters& de
 void derive_paper(const RunRequest& request, const Pshell& shell, DerivedParameters& derived) {
   Choice choice(request, derived);
   Parameters& p = derived.values;
-  choice.set("mass_kg", kApparentMassKg, "apparent mass of the paper (5.1)");
+  choose_mass(request, choice);
   p.inertia_kgm2 = glm::dmat3(0.4 * p.mass_kg * p.part_radius_m * p.part_radius_m);
   choose_coupling(request, derived);
   choice.set("coupling_force_limit_n", p.coupling_n_per_m * p.voxel_size_m / 2,
@@ -299,28 +337,34 @@ void choose_default_coupling(const RunRequest& request, DerivedParameters& deriv
   Choice choice(request, derived);
   Parameters& p = derived.values;
   const double dt_s = 1 / p.rate_hz;
-  const Bound bound = stiffness_bound(device, dt_s, request.placement.motion_scale);
+  const Bound bound = stiffness_bound(request, dt_s);
   const bool bounded = std::isfinite(bound.value);
-  choice.set(
-      "coupling_n_per_m", bounded ? kBoundShare * bound.value : kUnratedStiffness,
-      bounded ? borne_reason(device, bound) : device.name + " states no stiffness and no damping");
-  choice.set("coupling_ns_per_m", 2 * std::sqrt(p.mass_kg * p.coupling_n_per_m),
-             "2 sqrt(m k_T): critically damped (paper 5.1)");
+  choice.set("coupling_n_per_m",
+             bounded ? kBoundShare * bound.value : kUnratedStiffness / felt_share(request),
+             bounded ? borne_reason(kLinear, device, bound)
+                     : device.name + " states no stiffness and no damping");
+  choose_damping(choice, "coupling_ns_per_m", 2 * std::sqrt(p.mass_kg * p.coupling_n_per_m),
+                 "2 sqrt(m k_T): critically damped (paper 5.1)", kLinearDamping, device,
+                 linear_damping_bound(request, dt_s));
   const Bound bound_rot = rotation_bound(device, dt_s);
   const double borne_rot = kBoundShare * bound_rot.value;
   const double same_frequency = p.coupling_n_per_m * mean_moment(p.inertia_kgm2) / p.mass_kg;
   choice.set("coupling_nm_per_rad", std::min(same_frequency, borne_rot),
              borne_rot < same_frequency
-                 ? borne_reason(device, bound_rot)
+                 ? borne_reason("stiffness", device, bound_rot)
                  : "k_T I / m, I the mean moment: the frequency of the translation");
   const model::PrincipalInertia inertia = model::principal_inertia(p.inertia_kgm2);
   const double largest = std::max({inertia.moments.x, inertia.moments.y, inertia.moments.z});
-  choice.set("coupling_nms_per_rad", 2 * std::sqrt(largest * p.coupling_nm_per_rad),
-             "2 sqrt(I k_R), I the largest moment: critically damped about every principal axis");
+  choose_damping(
+      choice, "coupling_nms_per_rad", 2 * std::sqrt(largest * p.coupling_nm_per_rad),
+      "2 sqrt(I k_R), I the largest moment: critically damped about every principal axis",
+      "damping", device, rotation_damping_bound(request, dt_s));
   // A device that renders none still moves and turns the part: the output stage keeps it at zero.
   const bool forces = p.max_force_n > 0, torques = p.max_torque_nm > 0;
-  choice.set("coupling_force_limit_n", forces ? p.max_force_n : kUnratedForceN,
-             forces ? "what the device can bear" : "the device renders no force");
+  choice.set(
+      "coupling_force_limit_n",
+      (forces ? p.max_force_n : kUnratedForceN) / request.placement.motion_scale,
+      forces ? "what the device can bear over the motion scale" : "the device renders no force");
   choice.set("coupling_torque_limit_nm", torques ? p.max_torque_nm : kUnratedTorqueNm,
              torques ? "what the device can bear" : "the device renders no torque");
   warn_of_coupling(request, derived);
@@ -332,9 +376,9 @@ void choose_guard(const RunRequest& request, DerivedParameters& derived) {
   Parameters& p = derived.values;
   choice.set("contact_damping_ratio", kContactDampingRatio, "calms a single point in two frames");
   // At 3 m/s a hand throws; a look-up costs much, so there are at most eight in a millisecond.
-  const double dt_s = 1 / p.rate_hz;
+  const double dt_s = 1 / p.rate_hz, throw_mps = kThrowMps * request.placement.motion_scale;
   choice.set("look_ups",
-             std::clamp(std::ceil(2 * kThrowMps * dt_s / p.voxel_size_m), 2.0,
+             std::clamp(std::ceil(2 * throw_mps * dt_s / p.voxel_size_m), 2.0,
                         std::max(2.0, std::ceil(8000 * dt_s))),
              "follows a hand at 3 m/s, within eight look-ups a millisecond");
   choice.set("recovery_mps", kRecoveryMps, "slow enough to let go");
@@ -351,8 +395,7 @@ void choose_control(const RunRequest& request, DerivedParameters& derived) {
   choice.set("passivity_damping_ns_per_m", 0, "off unless asked for");
   if (!(device.damping_ns_per_m > 0)) return;
   Bound bound;
-  bound.lower_to(device.damping_ns_per_m / request.placement.motion_scale,
-                 "b > |B|, b its own damping (Colgate and Schenkel)");
+  bound.lower_to(device.damping_ns_per_m, "b > |B|, b its own damping (Colgate and Schenkel)");
   warn_beyond(bound, "--passivity-damping", derived.values.passivity_damping_ns_per_m, "N s/m",
               device, derived);
 }
@@ -361,7 +404,7 @@ void derive_default(const RunRequest& request, const Voxmap& voxmap, const Pshel
                     DerivedParameters& derived) {
   Choice choice(request, derived);
   Parameters& p = derived.values;
-  choice.set("mass_kg", kApparentMassKg, "apparent mass of the paper (5.1)");
+  choose_mass(request, choice);
   p.inertia_kgm2 = shell_inertia_kgm2(shell.header(), p.mass_kg, p.part_radius_m, p.voxel_size_m);
   choose_default_coupling(request, derived);
   const double covering = steepest_n_per_m(voxmap);

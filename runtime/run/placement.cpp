@@ -1,7 +1,5 @@
 #include "forcelayer/placement.h"
 
-#include <glm/geometric.hpp>
-
 namespace forcelayer {
 
 Pose DevicePlacement::world_from_handle(const Pose& device_from_handle) const noexcept {
@@ -21,12 +19,16 @@ Twist DevicePlacement::world_twist(const Twist& device_twist) const noexcept {
           world_from_axes * device_twist.angular_radps};
 }
 
-Wrench DevicePlacement::device_wrench(const Wrench& on_hand, const glm::dvec3& point_m,
-                                      const glm::dvec3& handle_m) const noexcept {
+Twist DevicePlacement::device_twist(const Twist& world_twist) const noexcept {
   const glm::dquat device_from_axes = glm::conjugate(world_from_device.orientation);
-  const glm::dvec3 about_handle =
-      on_hand.torque_nm + glm::cross(point_m - handle_m, on_hand.force_n);
-  return {device_from_axes * on_hand.force_n, device_from_axes * about_handle};
+  return {device_from_axes * world_twist.linear_mps / motion_scale,
+          device_from_axes * world_twist.angular_radps};
+}
+
+Wrench DevicePlacement::device_wrench(const Wrench& on_hand) const noexcept {
+  const glm::dquat device_from_axes = glm::conjugate(world_from_device.orientation);
+  return {device_from_axes * (motion_scale * on_hand.force_n),
+          device_from_axes * on_hand.torque_nm};
 }
 
 }  // namespace forcelayer

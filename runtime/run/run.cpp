@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <limits>
 #include <utility>
 
 #include "runtime/loop/input_source.h"
@@ -21,20 +23,29 @@ namespace {
 constexpr double kSizeRatioWarning = 100;  // units are the likely cause
 
 Status check_range(const RunRequest& request) {
+  constexpr double kAny = std::numeric_limits<double>::max();
   const struct {
     const char* name;
     double value;
     bool may_be_zero;
-  } fields[] = {{"rate_hz", request.rate_hz, false},
-                {"motion_scale", request.placement.motion_scale, false},
-                {"stale_s", request.stale_s, false},
-                {"max_speed_mps", request.max_speed_mps, false},
-                {"max_force_n", request.device.max_force_n, true},
-                {"max_torque_nm", request.device.max_torque_nm, true}};
+    double most;
+  } fields[] = {{"rate_hz", request.rate_hz, false, kAny},
+                {"motion_scale", request.placement.motion_scale, false, kAny},
+                {"stale_s", request.stale_s, false, kAny},
+                {"max_speed_mps", request.max_speed_mps, false, kHighestMaxSpeedMps},
+                {"max_turn_radps", max_turn_radps(request), false, kHighestMaxTurnRadps},
+                {"max_force_n", request.device.max_force_n, true, kAny},
+                {"max_torque_nm", request.device.max_torque_nm, true, kAny}};
   for (const auto& field : fields) {
-    if (field.value > 0 || (field.may_be_zero && field.value == 0)) continue;
+    const bool above = field.value > 0 || (field.may_be_zero && field.value == 0);
+    if (above && field.value <= field.most) continue;
+    char most[64];
+    std::snprintf(most, sizeof most, "is above %.4g, or not finite", field.most);
     return Error{ErrorCode::kUsage, "", field.name,
-                 field.may_be_zero ? "must be zero or above" : "must be above zero", ""};
+                 above               ? most
+                 : field.may_be_zero ? "must be zero or above"
+                                     : "must be above zero",
+                 ""};
   }
   return {};
 }

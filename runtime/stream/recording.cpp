@@ -174,6 +174,14 @@ class Reader {
     const bool valid = p.rate_hz > 0 && std::isfinite(1 / p.rate_hz) && p.mass_kg > 0 &&
                        p.voxel_size_m > 0 && p.part_radius_m > 0 && p.inertia_kgm2[0][0] > 0;
     if (!valid) return error(ErrorCode::kFieldInvalid, "parameters", "are out of their range");
+    for (const ParameterInfo& info : parameter_table()) {
+      if (p.*(info.member) >= 0) continue;
+      return error(ErrorCode::kFieldInvalid, "parameter " + std::string(info.name), "is negative");
+    }
+    if (p.model == Model::kPaper && p.force != ForceKind::kTangentPlane) {
+      return error(ErrorCode::kFieldInvalid, "header",
+                   "names a force that its model, the paper's, does not know");
+    }
     return p;
   }
 

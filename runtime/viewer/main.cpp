@@ -98,7 +98,7 @@ Status run(const ViewOptionParser& parser, char** argv) {
   const auto scene = load_view_scene(options->inputs);
   if (!scene) return scene.error();
   for (const std::string& warning : scene->warnings) {
-    std::fprintf(stderr, "voxview: warning: %s\n", warning.c_str());
+    std::fprintf(stderr, "voxview: warning: %s\n", escaped(warning).c_str());
   }
   RunFeed feed;
   if (!options->run.empty()) {

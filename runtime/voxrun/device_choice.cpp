@@ -43,20 +43,34 @@ Result<ChosenDevice> make_sim(const Options& options) {
   return chosen;
 }
 
+// Age at which the device's side drops a wrench: periods of the loop, where it is slow.
+double watch_s(const Options& options) {
+  return std::max(options.run.stale_s, kLeastLoopPeriods / options.run.rate_hz);
+}
+
+// The device's side takes the motors to zero between the frames of a slower loop.
+Status check_rate(const Options& options) {
+  if (watch_s(options) <= kStaleCeilingS) return {};
+  return Error{ErrorCode::kUsage, "", "--rate", "is too slow for a device with motors",
+               "give 50 or more"};
+}
+
 Result<ChosenDevice> make_device(const Options& options) {
+  if (options.device == "plugin" || is_hid(options.device)) {
+    if (Status fast = check_rate(options); !fast) return fast.error();
+  }
   if (options.device == "plugin") {
     ChosenDevice chosen;
     devices::PluginOptions plugin;
     plugin.library = options.plugin;
     plugin.arguments = options.plugin_args;
-    plugin.stale_s = std::max(options.run.stale_s, kLeastLoopPeriods / options.run.rate_hz);
+    plugin.stale_s = watch_s(options);
     chosen.device = std::make_unique<devices::PluginDevice>(plugin);
     return chosen;
   }
   if (is_hid(options.device)) {
-    const double stale_s = std::max(options.run.stale_s, kLeastLoopPeriods / options.run.rate_hz);
     ChosenDevice chosen;
-    chosen.device = make_hid_device(options.hid, options.device, stale_s);
+    chosen.device = make_hid_device(options.hid, options.device, watch_s(options));
     return chosen;
   }
   return make_sim(options);

@@ -2,8 +2,6 @@
 
 #include <chrono>
 
-#include "runtime/machine/map_loss.h"
-
 namespace forcelayer::voxrun {
 
 FrameSinks::FrameSinks(machine::SpscRing<Frame>& ring, std::vector<FrameSink> sinks,
@@ -28,7 +26,6 @@ void FrameSinks::drain() {
 void FrameSinks::run() {
   while (!ended_.load(std::memory_order_acquire)) {
     drain();
-    machine::check_mappings();
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   drain();

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "formats/command/number_option.h"
 #include "runtime/devices/hid/hid_device.h"
 
 namespace forcelayer::voxrun {
@@ -22,20 +23,20 @@ void add_hid_options(CLI::App& app, HidOptions& options) {
                  "spacemouse: rate (its deflection is a speed) or position (it is a place)")
       ->check(CLI::IsMember({"rate", "position"}))
       ->group(group);
-  app.add_option("--dead-zone", cap.dead_zone, "spacemouse: share of full deflection that is rest")
-      ->check(CLI::Range(0.0, 0.9))
+  command::add_number(app, "--dead-zone", cap.dead_zone,
+                      "spacemouse: share of full deflection that is rest", {0, 0.9})
       ->group(group);
-  app.add_option("--cap-speed", cap.speed_mps, "spacemouse, rate: m/s at full deflection")
-      ->check(CLI::PositiveNumber)
+  command::add_number(app, "--cap-speed", cap.speed_mps, "spacemouse, rate: m/s at full deflection",
+                      {1e-6, 10})
       ->group(group);
-  app.add_option("--cap-turn-speed", cap.turn_radps, "spacemouse, rate: rad/s at full deflection")
-      ->check(CLI::PositiveNumber)
+  command::add_number(app, "--cap-turn-speed", cap.turn_radps,
+                      "spacemouse, rate: rad/s at full deflection", {1e-6, 100})
       ->group(group);
-  app.add_option("--cap-reach", cap.reach_m, "spacemouse, position: m at full deflection")
-      ->check(CLI::PositiveNumber)
+  command::add_number(app, "--cap-reach", cap.reach_m, "spacemouse, position: m at full deflection",
+                      {1e-6, 10})
       ->group(group);
-  app.add_option("--cap-turn", cap.reach_rad, "spacemouse, position: rad at full deflection")
-      ->check(CLI::PositiveNumber)
+  command::add_number(app, "--cap-turn", cap.reach_rad,
+                      "spacemouse, position: rad at full deflection", {1e-6, 6.3})
       ->group(group);
 }
 

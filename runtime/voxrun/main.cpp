@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "formats/command/command.h"
+#include "formats/command/number_option.h"
 #include "formats/command/output_file.h"
 #include "runtime/voxrun/doctor.h"
 #include "runtime/voxrun/options.h"
@@ -49,8 +50,8 @@ int doctor(int argc, char** argv) {
                "voxrun doctor"};
   forcelayer::voxrun::DoctorOptions options;
   app.add_option("--json", options.json, "write a report");
-  app.add_option("--clock", options.clock_s, "seconds for which the clock is measured; 0: not")
-      ->check(CLI::Range(0.0, 3600.0));
+  forcelayer::command::add_number(app, "--clock", options.clock_s,
+                                  "seconds for which the clock is measured; 0: not", {0, 3600});
   int status = 0;
   if (!forcelayer::command::parse_arguments(app, argc, argv, status)) return status;
   return forcelayer::command::run_command("voxrun doctor",

@@ -1,14 +1,40 @@
 #include "runtime/voxrun/options.h"
 
 #include <CLI/CLI.hpp>
-#include <cmath>
+#include <utility>
 
-#include "formats/command/quantity.h"
+#include "formats/command/number_option.h"
 
 namespace forcelayer::voxrun {
 namespace {
 
-constexpr double kMinRateHz = 1, kMaxRateHz = 100'000;
+constexpr command::Bounds kRates{1, 100'000};
+constexpr double kLeast = 1e-3;  // of a speed limit: below it no hand could move
+
+// Of the physical parameters: what no device, part or scene goes beyond.
+command::Bounds bounds_of(std::string_view parameter) {
+  constexpr std::pair<std::string_view, command::Bounds> kBounds[] = {
+      {"mass_kg", {1e-6, 1e3}},
+      {"coupling_n_per_m", {1e-3, 1e7}},
+      {"coupling_ns_per_m", {1e-6, 1e5}},
+      {"coupling_nm_per_rad", {1e-6, 1e5}},
+      {"coupling_nms_per_rad", {1e-9, 1e4}},
+      {"coupling_force_limit_n", {1e-6, 1e4}},
+      {"coupling_torque_limit_nm", {1e-6, 1e3}},
+      {"field_n_per_m", {1e-3, 1e8}},
+      {"contact_damping_ratio", {1e-3, 100}},
+      {"look_ups", {1, 10'000}},
+      {"recovery_mps", {1e-6, 10}},
+      {"allowance_j", {1e-12, 100}},
+      {"allowance_fade_s", {1e-6, 3600}},
+      {"passivity_damping_ns_per_m", {0, 1e5}},
+      {"max_force_n", {1e-6, 1000}},
+      {"max_torque_nm", {1e-6, 100}}};
+  for (const auto& [name, bounds] : kBounds) {
+    if (name == parameter) return bounds;
+  }
+  return {0, 1e9};
+}
 
 Error usage(std::string where, std::string what, std::string mend) {
   return {ErrorCode::kUsage, "", std::move(where), std::move(what), std::move(mend)};
@@ -39,9 +65,8 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
   add_hid_options(app, options_.hid);
   app.add_option("--plugin", options_.plugin, "library of the device plugin");
   app.add_option("--plugin-args", options_.plugin_args, "text for the plugin");
-  app.add_option("--duration", texts_.duration, "how long to run, like 10s or 2min");
-  app.add_option("--rate", options_.run.rate_hz, "frames a second")
-      ->check(CLI::Range(kMinRateHz, kMaxRateHz));
+  app.add_option("--duration", texts_.duration, "how long to run, like 10s or 2min, to 10000h");
+  command::add_number(app, "--rate", options_.run.rate_hz, "frames a second", kRates);
   app.add_option("--threads", options_.run.threads, "that share the contact query")
       ->check(CLI::Range(1, 256));
   app.add_option("--model", texts_.model, "dynamic model: default or paper");
@@ -57,10 +82,14 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
          "it wants to be")
       ->check(CLI::IsMember({"firm", "loose"}));
   app.add_option("--start", texts_.start, "world_from_part at the start: x,y,z[,qw,qx,qy,qz]");
-  app.add_option("--grip", texts_.grip, "handle_from_part, in the same way");
+  app.add_option("--grip", texts_.grip,
+                 "handle_from_part, in the same way: the handle's origin is where the hand holds "
+                 "the part");
   app.add_option("--world-from-device", texts_.world_from_device, "place of the device");
-  app.add_option("--motion-scale", options_.run.placement.motion_scale,
-                 "scene meters a meter of the device");
+  command::add_number(
+      app, "--motion-scale", options_.run.placement.motion_scale,
+      "scene meters a meter of the device; the hand feels the scene's force times that",
+      {1e-6, 1e6});
   app.add_option(
       "--reach", texts_.reach,
       "x0,y0,z0,x1,y1,z1: box of the scene that the part can reach; its pages of the "
@@ -71,8 +100,8 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
   app.add_option("--record", options_.record, "write a recording for --replay");
   app.add_option("--replay", options_.replay, "repeat a recording bit for bit");
   app.add_option("--udp", options_.udp, "send the pose stream to [HOST:]PORT");
-  app.add_option("--udp-rate", options_.udp_rate_hz, "datagrams of the pose stream a second")
-      ->check(CLI::Range(kMinRateHz, kMaxRateHz));
+  command::add_number(app, "--udp-rate", options_.udp_rate_hz,
+                      "datagrams of the pose stream a second", kRates);
   app.add_flag("--without-guarantee", options_.run.without_guarantee,
                "start even where no separation is guaranteed");
   app.add_option("--after-trip", texts_.after_trip,
@@ -83,16 +112,19 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
                  "device button that holds the part while the hand moves (hardware: 0)")
       ->check(CLI::Range(0, 31));
   app.add_option("--stale-limit", texts_.stale,
-                 "how long device or loop may be silent before the output trips (5ms)");
-  app.add_option("--max-speed", options_.run.max_speed_mps,
-                 "of the handle, m/s; faster trips the output")
-      ->check(CLI::PositiveNumber);
+                 "how long device or loop may be silent before the output trips, to 50ms (5ms)");
+  command::add_number(app, "--max-speed", options_.run.max_speed_mps,
+                      "of the handle, m/s; faster trips the output; 5",
+                      {kLeast, kHighestMaxSpeedMps});
+  command::add_number(app, "--max-turn", options_.run.max_turn_radps,
+                      "of the handle, rad/s; faster trips the output; 10 rad/m times --max-speed",
+                      {kLeast, kHighestMaxTurnRadps});
   app.add_flag("--without-watchdog", options_.without_watchdog,
                "use a device with motors that does not stop by itself");
   app.add_flag("--quiet", options_.quiet, "no report on the terminal");
   for (const ParameterInfo& info : parameter_table()) {
-    app.add_option(std::string(info.option), settings_[std::string(info.option)],
-                   std::string(info.what))
+    command::add_number(app, std::string(info.option), settings_[std::string(info.option)],
+                        std::string(info.what), bounds_of(info.name))
         ->group("Physical parameters");
   }
 }
@@ -147,6 +179,10 @@ Status OptionParser::read_safety(Options& options) const {
   const auto seconds = command::parse_duration(texts_.stale);
   if (!seconds) return about("--stale-limit", seconds.error());
   if (!(*seconds > 0)) return usage("--stale-limit", "must be above zero", "");
+  if (*seconds > kStaleCeilingS) {
+    return usage("--stale-limit", "is above 50ms, for which a hand would feel a force of the past",
+                 "give 50ms or less");
+  }
   options.run.stale_s = *seconds;
   return {};
 }
@@ -157,10 +193,6 @@ Status OptionParser::check(const Options& options) const {
     return usage("--after-trip", "rearm is for simulated hands", "give end or wait");
   }
   if (Status hid = check_hid_options(app_, options.hid, options.device); !hid) return hid;
-  if (!(options.run.placement.motion_scale > 0) ||
-      !std::isfinite(options.run.placement.motion_scale)) {
-    return usage("--motion-scale", "must be above zero", "");
-  }
   if ((options.device == "plugin") != !options.plugin.empty()) {
     return usage("--plugin", "and --device plugin go together", "give both");
   }

@@ -11,6 +11,7 @@
 #include "formats/command/provenance.h"
 #include "runtime/model/simulation.h"
 #include "runtime/query/query_kernel.h"
+#include "runtime/run/limits.h"
 
 namespace forcelayer::voxrun {
 namespace {
@@ -100,8 +101,8 @@ Json capabilities_json(const DeviceCapabilities& c) {
 
 std::string capabilities_text(const DeviceCapabilities& c) {
   std::string line =
-      text("device %s: senses %d axes, drives %d, at most %.4g N and %.4g N m", c.name.c_str(),
-           std::popcount(c.sensed_axes), std::popcount(c.actuated_axes),
+      text("device %s: senses %d axes, drives %d, at most %.4g N and %.4g N m",
+           escaped(c.name).c_str(), std::popcount(c.sensed_axes), std::popcount(c.actuated_axes),
            drives_force(c) ? c.max_force_n : 0, drives_torque(c) ? c.max_torque_nm : 0);
   if (c.workspace_radius_m > 0) line += text(", workspace %.3g m about it", c.workspace_radius_m);
   if (c.rate_hz > 0) line += text(", %.6g Hz", c.rate_hz);
@@ -178,6 +179,10 @@ void add_output(const RunFacts& facts, const loop::LoopStatistics& s, Json& json
   json["max_device_torque_nm"] = s.max_device_torque_nm;
   json["held_readings"] = s.held_readings;
   json["clutched_frames"] = s.clutched_frames;
+  const RunRequest& request = facts.options.run;
+  json["output_limits"] = {{"max_speed_mps", request.max_speed_mps},
+                           {"max_turn_radps", max_turn_radps(request)},
+                           {"stale_s", request.stale_s}};
   json["output_trips"] = facts.output_trips;
   if (!facts.device_counters.empty()) {
     Json& counters = json["device_counters"];

@@ -12,6 +12,7 @@
 #include "runtime/loop/loop.h"
 #include "runtime/loop/servo.h"
 #include "runtime/machine/map_loss.h"
+#include "runtime/machine/map_watch.h"
 #include "runtime/machine/real_time.h"
 #include "runtime/run/baked_files.h"
 #include "runtime/run/limits.h"
@@ -165,7 +166,7 @@ loop::LoopOptions loop_options(const Options& options, const Session& session,
 
 void print_warnings(const RunFacts& facts, std::size_t first) {
   for (std::size_t i = first; i < facts.warnings.size(); ++i) {
-    std::fprintf(stderr, "voxrun: warning: %s\n", facts.warnings[i].c_str());
+    std::fprintf(stderr, "voxrun: warning: %s\n", escaped(facts.warnings[i]).c_str());
   }
 }
 
@@ -270,6 +271,7 @@ Status run_frames(const Options& options, Session& session, std::atomic<int>& st
   sinks.push_back(progress_sink(loop, progress));
   machine::SpscRing<Frame> ring(kRingFrames);
   FrameSinks frame_sinks(ring, std::move(sinks), stop);
+  const machine::MapWatch watch;  // beside the sinks: a reader of theirs may stall
   model::Simulation& simulation = session.run->simulation();
   const Voxmap& voxmap = simulation.voxmap();
   session.facts.scene_file_bytes = voxmap.bytes().size();

@@ -5,7 +5,6 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
-#include "forcelayer/placement.h"
 #include "runtime/coupling/coupling.h"
 #include "runtime/devices/sim_device.h"
 #include "runtime/loop/handle_velocity.h"
@@ -98,10 +97,8 @@ double ripple(const Push& push, Model model, double stiffness,
         device.step(push.wanted(way + (touched ? push.beyond : 0)), felt, kDtS);
     input.handle_velocity = velocity.update(input.world_from_handle, kDtS);
     const StepResult result = simulation->step(state, input, kDtS);
-    const glm::dvec3 target_m = simulation->world_from_center(input.world_from_handle).position_m;
     loop::OutputFrame out;
-    out.wanted = DevicePlacement{}.device_wrench(result.wrench, target_m,
-                                                 input.world_from_handle.position_m);
+    out.wanted = result.at_handle;
     out.unstretched = true;
     felt = output.pass(out, kDtS);
     touched |= result.report.contacts > 0;

@@ -120,9 +120,9 @@ Json step_cost(std::uint64_t steps) {
     const StepResult result = model.step(state, input, kDtS);
     const double all_us = us_since(begin) - measuring_us;
     // As Simulation does: what the hand saw.
-    state.target = simulation->world_from_center(input.world_from_handle);
-    state.target_velocity = input.handle_velocity;
-    state.has_target = 1;
+    state.world_from_handle = input.world_from_handle;
+    state.handle_velocity = input.handle_velocity;
+    state.has_handle = 1;
     const double one_control_us = control.run_us();
     if (t < 1) continue;
     control_us.push_back(one_control_us);

@@ -48,7 +48,7 @@ wait $!
 cc -std=c11 -shared -fPIC -I "$FORCELAYER_SOURCE_DIR/runtime" \
   "$FORCELAYER_SOURCE_DIR/runtime/examples/spring_plugin.c" -o spring_plugin.so -lm
 "$bin/voxrun" floor.vox ball.pshell --device plugin --plugin ./spring_plugin.so --quiet \
-  --plugin-args depth=0.01 --world-from-device 0.1,0.1,0.1 --duration 200ms --stale-limit 250ms ||
+  --plugin-args depth=0.01 --world-from-device 0.1,0.1,0.1 --duration 200ms --stale-limit 50ms ||
   fail "the plugin"
 status=0
 "$bin/voxrun" floor.vox ball.pshell --device plugin --plugin ./spring_plugin.so --quiet \

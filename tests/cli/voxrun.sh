@@ -119,8 +119,32 @@ expect 0 'frames' floor.vox ball.pshell "${fast[@]}" --model paper --force tange
 expect 2 'reach' floor.vox ball.pshell "${fast[@]}" --reach 0,0,0,1,1
 expect 0 'scene in memory' floor.vox ball.pshell "${fast[@]}" --reach 50,50,50,51,51,51 --json far.json
 expect 2 'duration' floor.vox ball.pshell --duration 5
+expect 2 "--max-speed: '11' is outside" floor.vox ball.pshell "${fast[@]}" --max-speed 11
+expect 2 "--max-turn: '101' is outside" floor.vox ball.pshell "${fast[@]}" --max-turn 101
+expect 0 'frames' floor.vox ball.pshell "${fast[@]}" --max-speed 2 --json limits.json
+grep -q '"max_turn_radps": 20.0' limits.json || fail "no limit of the turning in the report"
+expect 2 '--stale-limit: is above 50ms' floor.vox ball.pshell "${fast[@]}" --stale-limit 51ms
+expect 0 'frames' floor.vox ball.pshell "${fast[@]}" --stale-limit 50ms
+expect 2 '--rate: is too slow for a device with motors' floor.vox ball.pshell --device plugin --plugin none.so --rate 49
 expect 2 'never end' floor.vox ball.pshell --as-fast-as-possible
-expect 2 'above zero' floor.vox ball.pshell "${fast[@]}" --mass -1
+expect 2 "'-1' is outside" floor.vox ball.pshell "${fast[@]}" --mass -1
+# Every option that takes a number: not finite, and far outside.
+numbers=$("$bin/voxrun" --help | sed -nE 's/^ +(--[a-z-]+) NUMBER.*/\1/p')
+[ "$(wc -w <<<"$numbers")" -ge 25 ] || fail "options with numbers: $numbers"
+for option in $numbers; do
+  for number in nan -nan inf; do
+    expect 2 "$option: '$number' is not a finite number" floor.vox ball.pshell "${fast[@]}" $option=$number
+  done
+  for number in 1e300 -1; do
+    expect 2 "$option: '$number' is outside" floor.vox ball.pshell "${fast[@]}" $option=$number
+  done
+done
+"$bin/voxrun" --help | grep -E 'FLOAT|:DOUBLE' && fail "a number that is read elsewhere"
+for option in --duration --stale-limit; do
+  for time in nans infs 1e300s 1e400s; do
+    expect 2 "$option: " floor.vox ball.pshell "${fast[@]}" $option $time
+  done
+done
 expect 2 'line 3' floor.vox ball.pshell --motion <(printf 't_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0,0,1,0,0,0\n0,0,0,0,1,0,0,0\n') --as-fast-as-possible
 expect 2 'recording' floor.vox ball.pshell --device replay --replay run.flr --model paper
 head -c 5000 run.flr >cut.flr

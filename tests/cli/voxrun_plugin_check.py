@@ -7,18 +7,23 @@ import csv
 import functools
 import json
 import os
+import shutil
 import signal
 import subprocess
 import tempfile
+import threading
 import time
 
 BIN = os.environ["FORCELAYER_BIN_DIR"]
 SLACK_S = 0.4  # beside the stale limit, for everything to be noticed and to pass
-STALE_S = 0.25
-AT_ONCE = 4  # runs at a time: each is three processes that wake a thousand times a second
+STALE_S = 0.05
+AT_ONCE = 2  # runs at a time: each is three processes that wake a thousand times a second
 
 
 def command(name, arguments, extra=()):
+    for left in ("csv", "csv.part", "json", "now"):  # by a try before this one
+        if os.path.exists(f"{name}.{left}"):
+            os.remove(f"{name}.{left}")
     return [f"{BIN}/voxrun", "floor.vox", "ball.pshell", "--device", "plugin", "--plugin",
             f"{BIN}/fault_plugin.so", "--plugin-args", f"log={name}.csv {arguments}",
             "--world-from-device", "0.1,0.1,0.06", "--json", f"{name}.json", "--quiet",
@@ -26,6 +31,7 @@ def command(name, arguments, extra=()):
 
 
 STARTED = []
+MINE = threading.local()  # processes of the check that runs on this thread
 
 
 def run(arguments, **more):
@@ -33,6 +39,7 @@ def run(arguments, **more):
     process = subprocess.Popen(arguments, stderr=said, stdout=subprocess.DEVNULL, **more)
     process.said = said
     STARTED.append(process)
+    MINE.processes.append(process)
     return process
 
 
@@ -40,6 +47,27 @@ def said(process):
     """On stderr, so far."""
     process.said.seek(0)
     return process.said.read()
+
+
+# What a machine with more to do does to a loop: it is late by more than the stale limit.
+LATE = "the loop was late", "took the motors to zero by itself", "no fresh reading"
+
+
+def in_time(check):
+    """Runs a check; one whose loop was late is made again."""
+    for tries_left in reversed(range(8)):
+        MINE.processes = []
+        try:
+            return check()
+        except AssertionError:
+            late = any(text in said(process) for process in MINE.processes for text in LATE)
+            if not late or not tries_left:
+                raise
+            for process in MINE.processes:
+                if process.poll() is None:
+                    process.kill()
+                process.wait()
+            time.sleep(2)  # its device writes its log to the end
 
 
 def wait_until(true, process, what):
@@ -50,7 +78,7 @@ def wait_until(true, process, what):
 
 
 def start(name, arguments, extra=(), mode="pull", **variables):
-    environment = dict(os.environ, FAULT_PLUGIN_MODE=mode, **variables)
+    environment = dict(os.environ, FORCELAYER_PLUGIN_MODE=mode, **variables)
     return run(command(name, arguments, extra), env=environment)
 
 
@@ -116,6 +144,8 @@ FAULTS = {
     "uncalibrated": "not calibrated",
     "crash": "does not answer (the plugin crashed: its process was ended by signal",
     "hang": "no fresh reading from the device (the plugin hung and was killed); one of its",
+    "wild": "does not answer (the plugin wrote over the memory that it shares with the loop)",
+    "wild-index": "does not answer (the plugin wrote over the memory that it shares with the loop)",
 }
 
 
@@ -158,6 +188,37 @@ def push_mode():
     process = start("push", "fault=unplug at=0.3", mode="push")
     assert "does not answer" in finish(process, 5)
     check_motors("push", limit_s=STALE_S + SLACK_S)
+
+
+def memory_that_cannot_be_cut():
+    finish(start("shrink", "fault=shrink at=0.3", ["--duration", "6s"]), 0)
+    assert any(fault for _, _, fault in motors("shrink")), "it did not try"
+    assert json.load(open("shrink.json"))["output_trips"] == 0
+
+
+def a_library_without_a_slash():
+    """It is the file that was checked, not one of that name in the system's folders."""
+    shutil.copy(f"{BIN}/fault_plugin.so", "plain.so")
+    os.makedirs("elsewhere", exist_ok=True)
+    shutil.copy("floor.vox", "elsewhere/plain.so")  # no library
+    arguments = command("plain", "facts=plain.txt", ["--duration", "100ms"])
+    arguments[arguments.index("--plugin") + 1] = "plain.so"
+    folder = os.path.join(os.getcwd(), "elsewhere")
+    finish(run(arguments, env=dict(os.environ, LD_LIBRARY_PATH=folder)), 0)
+
+
+def what_its_process_gets():
+    read_end, write_end = os.pipe()
+    finish(run(command("facts", "facts=facts.txt", ["--duration", "100ms"]), pass_fds=(write_end,),
+               env=dict(os.environ, SECRET="x", LC_TIME="C", FORCELAYER_PLUGIN_LICENSE="y")), 0)
+    os.close(read_end)
+    os.close(write_end)
+    facts = open("facts.txt").read().splitlines()
+    assert "NoNewPrivs:\t1" in facts, facts
+    assert [fact for fact in facts if fact.startswith("fd")] == ["fd 0", "fd 1", "fd 2", "fd 3"], facts
+    got = {fact[4:] for fact in facts if fact.startswith("env")}
+    assert {"PATH", "LC_TIME", "FORCELAYER_PLUGIN_LICENSE"} <= got, got
+    assert not {"SECRET", "FORCELAYER_BIN_DIR", "LD_PRELOAD"} & got, got
 
 
 def a_slow_start():
@@ -274,7 +335,7 @@ def the_example():
     finish(run(
         [f"{BIN}/voxrun", "floor.vox", "ball.pshell", "--device", "plugin", "--plugin",
          f"{BIN}/spring_plugin.so", "--world-from-device", "0.1,0.1,0.055", "--duration", "4s",
-         "--stale-limit", "250ms", "--json", "example.json", "--quiet"]), 0)
+         "--stale-limit", "50ms", "--json", "example.json", "--quiet"]), 0)
     report = json.load(open("example.json"))
     assert report["max_device_force_n"] > 0.3 and report["output_trips"] == 0, report
 
@@ -282,11 +343,12 @@ def the_example():
 CHECKS = (*(functools.partial(device_fault, fault) for fault in FAULTS),
           *(functools.partial(fault_while_waiting, fault) for fault in FAULTS),
           a_file_that_is_cut_short_while_waiting, push_mode, a_slow_start,
-          a_late_reading_is_a_blip, signals, a_host_that_stands_still, a_host_that_dies,
+          a_late_reading_is_a_blip, memory_that_cannot_be_cut, a_library_without_a_slash,
+          what_its_process_gets, signals, a_host_that_stands_still, a_host_that_dies,
           a_file_that_is_cut_short, a_trip_that_waits, refusals, the_example)
 try:
     with concurrent.futures.ThreadPoolExecutor(AT_ONCE) as pool:
-        for check in [pool.submit(check) for check in CHECKS]:
+        for check in [pool.submit(in_time, check) for check in CHECKS]:
             check.result()
 finally:
     for process in STARTED:

@@ -163,6 +163,19 @@ TEST(Recording, FieldsOutOfRangeAreNamed) {
     ASSERT_FALSE(opened) << c.offset;
     EXPECT_EQ(opened.error().code, c.code) << c.offset;
   }
+  for (const char* name : {"max_force_n", "max_torque_nm", "coupling_n_per_m", "look_ups"}) {
+    std::string negative = bytes;
+    negative[negative.find(name) + 63] |= '\x80';  // of the number after a name of 56 bytes
+    const auto opened = open_bytes(negative);
+    ASSERT_FALSE(opened) << name;
+    EXPECT_EQ(opened.error().where, std::string("parameter ") + name);
+    EXPECT_EQ(opened.error().what, "is negative");
+  }
+  std::string mixed = bytes;
+  mixed[28] = 0;  // the paper's model
+  mixed[32] = 1;  // the level field
+  EXPECT_EQ(open_bytes(mixed).error().what,
+            "names a force that its model, the paper's, does not know");
   std::string newer = bytes;
   newer[14] = 1;  // a higher minor version is read
   EXPECT_TRUE(open_bytes(newer));

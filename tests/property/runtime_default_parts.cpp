@@ -46,8 +46,18 @@ model::StepSystem random_system(std::mt19937_64& random) {
   system.rotation = {0.5, glm::dmat3(1e-3), 0.1};
   system.displacement.displacement = random_direction(random) * uniform(random, 0, 0.02);
   system.angle.displacement = random_direction(random) * uniform(random, 0, 1);
+  // Half of them held by the centroid.
+  system.arm_m = random_direction(random) * std::max(0.0, uniform(random, -0.1, 0.1));
   system.dt_s = 0.001;
   return system;
+}
+
+// The coupling's rows of a system, with the clamp's secant at `v`.
+void add_coupling(const model::StepSystem& system, const coupling::Vector6& v,
+                  coupling::Symmetric6& matrix, coupling::Vector6& impulse) {
+  coupling::add_force(system.translation, system.displacement, system.arm_m, v, system.dt_s, matrix,
+                      impulse);
+  coupling::add_torque(system.rotation, system.angle, v, system.dt_s, matrix, impulse);
 }
 
 std::vector<model::ContactRow> random_rows(std::mt19937_64& random) {
@@ -275,10 +285,7 @@ TEST(ContactSolver, BalancesImpulsesAtTheEndOfTheStep) {
     const coupling::Vector6 v = model::solve_velocity(system, columns, random_vector(random));
     coupling::Symmetric6 matrix = system.inertia;
     coupling::Vector6 residual = system.momentum;
-    coupling::add_implicit(system.translation, system.displacement, coupling::linear_part(v),
-                           system.dt_s, 0, matrix, residual);
-    coupling::add_implicit(system.rotation, system.angle, coupling::angular_part(v), system.dt_s, 3,
-                           matrix, residual);
+    add_coupling(system, v, matrix, residual);
     const coupling::Vector6 inner = matrix * v;
     double scale = 0, error = 0;
     for (const model::ContactRow& row : rows) {
@@ -299,16 +306,18 @@ TEST(ContactSolver, BalancesImpulsesAtTheEndOfTheStep) {
 double energy_j(const model::StepSystem& system, const std::vector<model::ContactRow>& rows,
                 const coupling::Vector6& v) {
   double sum = 0.5 * coupling::dot(v, system.inertia * v) - coupling::dot(v, system.momentum);
-  const auto add_coupling = [&](const coupling::CouplingHalf& half,
-                                const coupling::HalfStretch& stretch, const glm::dvec3& velocity) {
+  const auto add_half = [&](const coupling::CouplingHalf& half,
+                            const coupling::HalfStretch& stretch, const glm::dvec3& velocity) {
     const double slope = half.damping[0][0] + system.dt_s * half.stiffness;
     const double force = glm::length(half.stiffness * stretch.displacement +
                                      half.damping * stretch.target_velocity - slope * velocity);
     sum += system.dt_s / slope *
            (force <= half.limit ? 0.5 * force * force : half.limit * (force - 0.5 * half.limit));
   };
-  add_coupling(system.translation, system.displacement, coupling::linear_part(v));
-  add_coupling(system.rotation, system.angle, coupling::angular_part(v));
+  const glm::dvec3 w = coupling::angular_part(v);
+  add_half(system.translation, system.displacement,
+           coupling::linear_part(v) + glm::cross(w, system.arm_m));
+  add_half(system.rotation, system.angle, w);
   for (const model::ContactRow& row : rows) {
     const double short_of = std::max(0.0, row.onset - coupling::dot(row.j, v));
     sum += 0.5 * row.weight * short_of * short_of;
@@ -331,10 +340,7 @@ WideSystem wide_system(const model::StepSystem& system, const std::vector<model:
   for (int i = 0; i < 6; ++i) narrow[i] = static_cast<double>(v[i]);
   coupling::Symmetric6 matrix = system.inertia;
   coupling::Vector6 impulse = system.momentum;
-  coupling::add_implicit(system.translation, system.displacement, coupling::linear_part(narrow),
-                         system.dt_s, 0, matrix, impulse);
-  coupling::add_implicit(system.rotation, system.angle, coupling::angular_part(narrow), system.dt_s,
-                         3, matrix, impulse);
+  add_coupling(system, narrow, matrix, impulse);
   WideSystem wide;
   for (int row = 0; row < 6; ++row) {
     wide.impulse[row] = impulse[row];
@@ -380,21 +386,26 @@ long double energy_of(const model::StepSystem& system, const std::vector<model::
       sum += 0.5L * v[row] * system.inertia.lower[at] * v[column];
     }
   }
-  const auto add_coupling = [&](const coupling::CouplingHalf& half,
-                                const coupling::HalfStretch& stretch, int first) {
+  const long double arm[] = {system.arm_m.x, system.arm_m.y, system.arm_m.z};
+  const auto add_half = [&](const coupling::CouplingHalf& half,
+                            const coupling::HalfStretch& stretch, int first) {
     const long double slope = half.damping[0][0] + system.dt_s * half.stiffness;
     long double square = 0;
     for (int i = 0; i < 3; ++i) {
+      // Of the grip: v + w x arm.
+      long double velocity = v[first + i];
+      if (first == 0) {
+        velocity += v[3 + (i + 1) % 3] * arm[(i + 2) % 3] - v[3 + (i + 2) % 3] * arm[(i + 1) % 3];
+      }
       const long double force = half.stiffness * stretch.displacement[i] +
-                                half.damping[0][0] * stretch.target_velocity[i] -
-                                slope * v[first + i];
+                                half.damping[0][0] * stretch.target_velocity[i] - slope * velocity;
       square += force * force;
     }
     const long double force = std::sqrt(square), limit = half.limit;
     sum += system.dt_s / slope * (force <= limit ? 0.5L * square : limit * (force - 0.5L * limit));
   };
-  add_coupling(system.translation, system.displacement, 0);
-  add_coupling(system.rotation, system.angle, 3);
+  add_half(system.translation, system.displacement, 0);
+  add_half(system.rotation, system.angle, 3);
   for (const model::ContactRow& row : rows) {
     long double short_of = row.onset;
     for (int i = 0; i < 6; ++i) short_of -= row.j[i] * v[i];
@@ -620,8 +631,7 @@ TEST(Braking, OnlyRemovesEnergyAndNeverReverses) {
 TEST(CouplingAngle, GoesOnPastHalfATurnAndFadesBeforeAWholeOne) {
   glm::dvec3 last(0);
   for (double angle = 0; angle < 1.99 * M_PI; angle += 0.01) {
-    const Pose target{{0, 0, 0}, coupling::rotation_by({0, 0, angle})};
-    last = coupling::continuous_angle({}, target, last);
+    last = coupling::continuous_angle({1, 0, 0, 0}, coupling::rotation_by({0, 0, angle}), last);
     EXPECT_NEAR(last.z, angle, 1e-9);
   }
   EXPECT_EQ(coupling::torque_share(M_PI), 1);
@@ -659,7 +669,7 @@ TEST(Passivity, TheControllerTakesBackWhatWasGivenAndNoMore) {
     SCOPED_TRACE(seed);
     std::mt19937_64 random(seed);
     const double limit = uniform(random, 0.1, 5), radius_m = uniform(random, 0.01, 0.1);
-    EpisodeEnergy energy;
+    coupling::EpisodeEnergy energy;
     Twist v{random_direction(random) * uniform(random, 0, 1),
             random_direction(random) * uniform(random, 0, 10)};
     double last = 0;
@@ -682,7 +692,7 @@ TEST(Passivity, TheControllerTakesBackWhatWasGivenAndNoMore) {
 
 // With the hand at rest, or before any energy was given, it does nothing.
 TEST(Passivity, TheControllerRestsWithTheHand) {
-  EpisodeEnergy energy;
+  coupling::EpisodeEnergy energy;
   coupling::add_given(energy, -1);
   const Wrench none = coupling::passivity_damping(energy, {{1, 0, 0}, {0, 0, 0}}, 0.1, 2, 0.001);
   EXPECT_EQ(none.force_n, glm::dvec3(0));

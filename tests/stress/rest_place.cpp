@@ -16,7 +16,7 @@ namespace {
 // Energy of the two springs at a pose.
 class RestEnergy {
  public:
-  RestEnergy(const model::Simulation& simulation, const Pose& target)
+  RestEnergy(const model::Simulation& simulation, const coupling::GripTarget& target)
       : parameters_(simulation.parameters()),
         target_(target),
         query_(simulation.voxmap(), simulation.shell(), {}),
@@ -39,7 +39,7 @@ class RestEnergy {
     probe_.look_up(pose, contacts_);
     if (contacts_.interior > 0) return INFINITY;
     const model::ContactTotals totals = model::contact_totals(contacts_, law_);
-    return coupling::spring_energy_j(translation_, target_.position_m - pose.position_m) +
+    return coupling::spring_energy_j(translation_, coupling::grip_stretch_m(target_, pose)) +
            coupling::spring_energy_j(
                rotation_,
                coupling::rotation_vector(target_.orientation * glm::conjugate(pose.orientation))) +
@@ -55,7 +55,7 @@ class RestEnergy {
   }
 
   const Parameters& parameters_;
-  Pose target_;
+  coupling::GripTarget target_;
   query::ContactQuery query_;
   std::unique_ptr<field::ForceField> field_;
   query::CollectedPoints points_;
@@ -68,8 +68,8 @@ class RestEnergy {
 
 }  // namespace
 
-RestPlace nearest_rest_place(const model::Simulation& simulation, const Pose& target,
-                             const Pose& start) {
+RestPlace nearest_rest_place(const model::Simulation& simulation,
+                             const coupling::GripTarget& target, const Pose& start) {
   constexpr double kFirstVoxels = 0.25, kLastVoxels = 0.005;
   RestEnergy energy(simulation, target);
   const Parameters& parameters = simulation.parameters();

@@ -6,8 +6,8 @@
 #include <glm/gtc/quaternion.hpp>
 #include <stdexcept>
 
-#include "forcelayer/placement.h"
 #include "runtime/coupling/coupling.h"
+#include "runtime/loop/device_port.h"
 #include "runtime/loop/handle_velocity.h"
 #include "runtime/loop/output_stage.h"
 #include "tests/stress/exact_distance.h"
@@ -156,8 +156,8 @@ void count_frame(const StepResult& result, const Parameters& limits, Metrics& me
     ++metrics.non_finite;
     return;
   }
-  const double force_n = glm::length(result.wrench.force_n);
-  const double torque_nm = glm::length(result.wrench.torque_nm);
+  const double force_n = glm::length(result.at_handle.force_n);
+  const double torque_nm = glm::length(result.at_handle.torque_nm);
   metrics.peak_force_n = std::max(metrics.peak_force_n, force_n);
   metrics.peak_torque_nm = std::max(metrics.peak_torque_nm, torque_nm);
   // Rounding of a clamped length aside.
@@ -170,7 +170,7 @@ void count_frame(const StepResult& result, const Parameters& limits, Metrics& me
 class Handle {
  public:
   Handle(const Trial& trial, const Parameters& parameters)
-      : trial_(trial), output_(limits_of(parameters)) {
+      : trial_(trial), parameters_(parameters), output_(limits_of(parameters)) {
     if (trial.hand) hand_.emplace(*trial.hand, trial.target(0));
   }
 
@@ -179,15 +179,28 @@ class Handle {
     return hand_ ? hand_->step(wanted, felt_, dt_s) : wanted;
   }
 
-  // The wrench of the step, about the part's centroid where the coupling wants it.
-  void feel(const Wrench& wrench, const glm::dvec3& target_m, const StepInput& input, double dt_s) {
-    if (!hand_) return;
+  // The step's outcome, and what the passivity controller adds. A handle that the script moves
+  // feels no device: its wrench goes through the port as it is.
+  void feel(const StepResult& result, const StepInput& input, double dt_s) {
+    const StepReport& report = result.report;
+    if (report.faults != 0) {
+      port_.lose_handle();
+    } else {
+      port_.arrive(input.world_from_handle,
+                   report.interior + report.surface + report.proximity > 0);
+    }
+    const Wrench damper =
+        port_.damping(input.handle_velocity, parameters_.part_radius_m,
+                      report.faults == 0 ? parameters_.passivity_damping_ns_per_m : 0, dt_s);
     loop::OutputFrame frame;
-    frame.wanted =
-        DevicePlacement{}.device_wrench(wrench, target_m, input.world_from_handle.position_m);
+    frame.wanted = {result.at_handle.force_n + damper.force_n,
+                    result.at_handle.torque_nm + damper.torque_nm};
     frame.unstretched = true;  // armed from the start
-    felt_ = output_.pass(frame, dt_s);
+    felt_ = hand_ ? output_.pass(frame, dt_s) : frame.wanted;
+    port_.leave(felt_);
   }
+
+  double generated_j() const { return port_.generated_j(); }
 
  private:
   static loop::OutputLimits limits_of(const Parameters& parameters) {
@@ -198,8 +211,10 @@ class Handle {
   }
 
   const Trial& trial_;
+  const Parameters& parameters_;
   std::optional<devices::SimHand> hand_;
   loop::OutputStage output_;
+  loop::DevicePort port_;
   Wrench felt_;
 };
 
@@ -323,7 +338,7 @@ Metrics run(const Trial& trial, Model model) {
       distance->visit(simulation->world_from_part(part), center_m);
     }
     const Pose target = simulation->world_from_center(input.world_from_handle);
-    handle.feel(result.wrench, target.position_m, input, dt_s);
+    handle.feel(result, seen, dt_s);
     if (frame > 0 && result.report.surface + result.report.interior > 0 &&
         last.report.surface + last.report.interior == 0) {
       metrics.approach_mps.push_back(travel_m(before, part, radius_m) / dt_s);
@@ -338,13 +353,13 @@ Metrics run(const Trial& trial, Model model) {
     }
     last = result;
   }
-  metrics.generated_j = metrics.worst_generated_j = last.report.generated_j;
+  metrics.generated_j = metrics.worst_generated_j = handle.generated_j();
   metrics.lag_m.push_back(lag_m);
   if (hold) hold->report(metrics);
   if (trial.rest_place && model == Model::kDefault) {
     const Pose& part = last.report.world_from_center;
-    const Pose target = simulation->world_from_center(input.world_from_handle);
-    const RestPlace place = nearest_rest_place(*simulation, target, part);
+    const RestPlace place =
+        nearest_rest_place(*simulation, coupling::grip_target(state, input), part);
     metrics.place_error_voxels.push_back(
         glm::length(part.position_m - place.world_from_center.position_m) / s);
   }

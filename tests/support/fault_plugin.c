@@ -5,7 +5,10 @@
  * the handshake no-si, left-handed, no-watchdog, old-abi; silent (no reading ever), no-pose (a
  * quaternion of zeros). KIND: unplug, freeze, blip (three
  * readings missing), nan, absurd (millimeters from then on), mm (from the start), uncalibrated,
- * crash, hang. FAULT_PLUGIN_MODE=push in the environment: push mode.
+ * crash, hang; wild (0xff over the memory that is shared with the loop), wild-index (over the words
+ * that say where a value is), shrink (tries to cut that memory short). FORCELAYER_PLUGIN_MODE=push
+ * in the environment: push mode. facts=FILE: what the process may do, written when the device is
+ * opened.
  *
  * The hand comes down 30 mm in 0.3 s (way=SECONDS) and goes up again, until it feels the motors
  * push; it then stays there. So a loop that begins late finds it out of contact, too. With `below`
@@ -16,6 +19,7 @@
  * "t_s,motor_force_z_n,fault,stays" with t_s of CLOCK_MONOTONIC, one a millisecond; fault is 1 from
  * when the fault was injected, stays from when the hand does. */
 #define _GNU_SOURCE
+#include <fcntl.h>
 #include <math.h>
 #include <signal.h>
 #include <stdio.h>
@@ -99,6 +103,43 @@ static void stay(struct driver* d, double t_s, double way) {
   d->wire->stays = 1;
 }
 
+/* Over all that is shared, or over each word there that is an index. */
+static void write_wildly(int indices) {
+  char line[512];
+  FILE* maps = fopen("/proc/self/maps", "r");
+  while (maps != NULL && fgets(line, sizeof line, maps) != NULL) {
+    unsigned long begin, end;
+    if (strstr(line, "forcelayer-plugin") == NULL || sscanf(line, "%lx-%lx", &begin, &end) != 2) {
+      continue;
+    }
+    if (!indices) memset((void*)begin, 0xff, end - begin);
+    for (unsigned* word = (unsigned*)begin; indices && word < (unsigned*)end; ++word) {
+      if (*word > 0 && *word < 8 && word > (unsigned*)begin + 4) *word = 0x7fffffff;
+    }
+  }
+  if (maps != NULL) fclose(maps);
+}
+
+/* Descriptors, rights and environment of this process, a line each. */
+static void write_facts(const char* path) {
+  char line[4096];
+  FILE* facts = fopen(path, "w");
+  FILE* status = fopen("/proc/self/status", "r");
+  if (facts == NULL || status == NULL) return;
+  while (fgets(line, sizeof line, status) != NULL) {
+    if (strncmp(line, "NoNewPrivs", 10) == 0) fputs(line, facts);
+  }
+  for (int number = 0; number < 256; ++number) {
+    if (number == fileno(facts) || number == fileno(status)) continue;
+    if (fcntl(number, F_GETFD) >= 0) fprintf(facts, "fd %d\n", number);
+  }
+  for (char** variable = environ; *variable != NULL; ++variable) {
+    fprintf(facts, "env %.*s\n", (int)strcspn(*variable, "="), *variable);
+  }
+  fclose(status);
+  fclose(facts);
+}
+
 static int open_device(const char* arguments, forcelayer_plugin_info* info, void** out, char* error,
                        size_t error_bytes) {
   static struct driver driver;
@@ -109,6 +150,9 @@ static int open_device(const char* arguments, forcelayer_plugin_info* info, void
   value_of(arguments, "when=", driver.when, sizeof driver.when);
   driver.way_s = atof(value_of(arguments, "way=", way, sizeof way));
   if (!(driver.way_s > 0)) driver.way_s = 0.3;
+  char facts[400];
+  value_of(arguments, "facts=", facts, sizeof facts);
+  if (facts[0] != 0) write_facts(facts);
   if (path[0] == 0) {
     snprintf(error, error_bytes, "needs log=FILE");
     return 1;
@@ -180,6 +224,9 @@ static int read_device(void* opaque, forcelayer_plugin_reading* reading) {
   if (is(d, "absurd")) reading->position_m[2] *= 1000;
   if (is(d, "uncalibrated")) reading->status = 0;
   if (is(d, "crash")) abort();
+  if (is(d, "wild")) write_wildly(0);
+  if (is(d, "wild-index")) write_wildly(1);
+  if (is(d, "shrink") && ftruncate(3, 0) == 0) abort();
   while (is(d, "hang")) sleep_ms(1000);
   return 1;
 }
@@ -217,6 +264,6 @@ static const forcelayer_plugin kPush = {open_device, NULL, NULL, run_device, clo
 /* The mode is chosen before open(), so by the environment. */
 const forcelayer_plugin* forcelayer_plugin_entry(uint32_t host_abi) {
   if (host_abi != FORCELAYER_PLUGIN_ABI) return NULL;
-  const char* mode = getenv("FAULT_PLUGIN_MODE");
+  const char* mode = getenv("FORCELAYER_PLUGIN_MODE");
   return mode != NULL && strcmp(mode, "push") == 0 ? &kPush : &kPull;
 }

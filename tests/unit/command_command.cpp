@@ -1,5 +1,6 @@
 // The habits of all commands: exit status, one line on stderr, reports, signals.
 #include "formats/command/command.h"
+#include "formats/command/number_option.h"
 
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -61,6 +62,39 @@ TEST(RunCommand, TurnsOutcomesIntoStatusAndOneLine) {
   EXPECT_EQ(text.rfind("tool: out of memory", 0), 0u);
 }
 
+// What a terminal would do with a text is not left to who wrote the text.
+TEST(Escaped, WhatATerminalDoesNotShowInItsPlace) {
+  const std::pair<const char*, const char*> cases[] = {
+      {"plain, \xc3\xa4 \xe6\xbc\xa2 \xf0\x9f\x98\x80",
+       "plain, \xc3\xa4 \xe6\xbc\xa2 \xf0\x9f\x98\x80"},
+      {"\x1b[2J\n\x7f", "\\x1b[2J\\x0a\\x7f"},
+      {"\xc2\x85\xc2\x9b"
+       "31m",
+       "\\xc2\\x85\\xc2\\x9b"
+       "31m"},                                     // C1: next line, control sequence
+      {"\xc2\xa0|\xc2\xa1", "\xc2\xa0|\xc2\xa1"},  // the first that are none
+      {"\xe2\x80\xa8\xe2\x80\xa9", "\\xe2\\x80\\xa8\\xe2\\x80\\xa9"},  // U+2028, U+2029
+      {"\xe2\x80\xae"
+       "gpj.exe",
+       "\\xe2\\x80\\xae"
+       "gpj.exe"},  // U+202E
+      {"\xe2\x81\xa6\xe2\x80\x8f\xd8\x9c", "\\xe2\\x81\\xa6\\xe2\\x80\\x8f\\xd8\\x9c"},
+      {"\x9b"
+       "31m \xff",
+       "\\x9b"
+       "31m \\xff"},                                 // no UTF-8: C1 in Latin-1
+      {"\xc3", "\\xc3"},                             // cut off
+      {"\xc0\x8a", "\\xc0\\x8a"},                    // a line end, written too long
+      {"\xe0\x82\x85", "\\xe0\\x82\\x85"},           // the same of C1
+      {"\xed\xa0\x80", "\\xed\\xa0\\x80"},           // a surrogate
+      {"\xf4\x90\x80\x80", "\\xf4\\x90\\x80\\x80"},  // beyond the last character
+  };
+  for (const auto& [text, shown] : cases) EXPECT_EQ(escaped(text), shown);
+  EXPECT_EQ(escaped(std::string_view("a\0b", 3)), "a\\x00b");
+  EXPECT_EQ(to_line({ErrorCode::kUsage, "\xe2\x80\xae", "", "\xc2\x9b", ""}),
+            "\\xe2\\x80\\xae: \\xc2\\x9b");
+}
+
 struct ParseOutcome {
   bool parsed;
   int status;
@@ -70,7 +104,9 @@ struct ParseOutcome {
 ParseOutcome parse(std::vector<std::string> words) {
   CLI::App app{"A tool", "tool"};
   int number = 0;
+  double speed = 0;
   app.add_option("--number", number, "a number")->required();
+  command::add_number(app, "--speed", speed, "of a hand", {0.5, 10});
   std::vector<char*> argv;
   words.insert(words.begin(), "tool");
   for (auto& word : words) argv.push_back(word.data());
@@ -90,6 +126,8 @@ TEST(ParseArguments, HelpVersionAndWrongUsage) {
   EXPECT_FALSE(help.parsed);
   EXPECT_EQ(help.status, 0);
   EXPECT_NE(help.out.find("--number"), std::string::npos);
+  EXPECT_NE(help.out.find("of a hand (0.5 to 10)"), std::string::npos) << help.out;
+  EXPECT_TRUE(parse({"--number", "4", "--speed", "0.5"}).parsed);
   EXPECT_EQ(help.err, "");
   const ParseOutcome version = parse({"--version"});
   EXPECT_EQ(version.status, 0);
@@ -98,7 +136,15 @@ TEST(ParseArguments, HelpVersionAndWrongUsage) {
                                                        {"--number"},
                                                        {"--number", "x"},
                                                        {"--number", "1", "--color"},
-                                                       {"--number", "1", "extra"}};
+                                                       {"--number", "1", "extra"},
+                                                       {"--number", "1", "--speed", "nan"},
+                                                       {"--number", "1", "--speed", "inf"},
+                                                       {"--number", "1", "--speed", "1e400"},
+                                                       {"--number", "1", "--speed", "10.1"},
+                                                       {"--number", "1", "--speed", "0.4"},
+                                                       {"--number", "1", "--speed", "-1"},
+                                                       {"--number", "1", "--speed", "5mm"},
+                                                       {"--number", "1", "--speed="}};
   for (const auto& words : wrong) {
     const ParseOutcome outcome = parse(words);
     EXPECT_FALSE(outcome.parsed);

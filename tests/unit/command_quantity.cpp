@@ -18,6 +18,29 @@ void expect_usage_error(const Result<T>& result, const std::string& text) {
   EXPECT_FALSE(result.error().mend.empty()) << text;
 }
 
+TEST(Quantity, BareNumbersWithinBounds) {
+  const command::Bounds bounds{0.001, 10};
+  for (const auto& [text, number] :
+       {std::pair{"0.001", 0.001}, {"10", 10.0}, {" +5 ", 5.0}, {"1e-2", 0.01}}) {
+    const auto parsed = command::parse_number(text, bounds);
+    ASSERT_TRUE(parsed) << text;
+    EXPECT_EQ(*parsed, number);
+  }
+  for (const char* text : {"nan", "NaN", "-nan", "inf", "-inf", "infinity", "1e400", "", "x", "5mm",
+                           "5 5", "10.001", "0.0009", "-1", "0x5"}) {
+    expect_usage_error(command::parse_number(text, bounds), text);
+  }
+  EXPECT_EQ(command::parse_number("nan", bounds).error().what, "'nan' is not a finite number");
+  EXPECT_EQ(command::parse_number("11", bounds).error().what, "'11' is outside 0.001 to 10");
+}
+
+TEST(Quantity, NoDurationIsBeyondItsBound) {
+  EXPECT_EQ(*command::parse_duration("10000h"), command::kLongestS);
+  for (const char* text : {"10001h", "1e300s", "nans", "infs", "nan s", "1e400s"}) {
+    expect_usage_error(command::parse_duration(text), text);
+  }
+}
+
 TEST(Quantity, Lengths) {
   const struct {
     const char* text;

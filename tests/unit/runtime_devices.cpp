@@ -120,24 +120,26 @@ TEST(Placement, ThereAndBackIsTheSamePose) {
   }
 }
 
-// Carrying the wrench to the grip and the velocity to the point are each other's transpose.
-TEST(Placement, KeepsThePowerAtTheHandle) {
+// The scale is a transformer: force and velocity, and torque and turning, are each other's
+// transpose.
+TEST(Placement, WorkAtTheDeviceIsWorkInTheScene) {
   for (std::uint64_t seed = 1; seed <= 200; ++seed) {
     Random random(seed);
     DevicePlacement placement;
     placement.world_from_device = {random_direction(random), random_orientation(random)};
+    placement.motion_scale = uniform(random, 0.1, 10);
     const Wrench on_hand{random_direction(random), random_direction(random)};
     const Twist device{random_direction(random), random_direction(random)};
-    const Twist world = placement.world_twist(device);
-    const glm::dvec3 handle_m = random_direction(random), point_m = random_direction(random);
-    const Wrench felt = placement.device_wrench(on_hand, point_m, handle_m);
-    const glm::dvec3 point_mps =
-        world.linear_mps + glm::cross(world.angular_radps, point_m - handle_m);
-    const double power_w =
-        glm::dot(on_hand.force_n, point_mps) + glm::dot(on_hand.torque_nm, world.angular_radps);
+    const Twist world = placement.world_twist(device), back = placement.device_twist(world);
+    EXPECT_LT(glm::length(back.linear_mps - device.linear_mps), 3e-15) << "seed " << seed;
+    EXPECT_LT(glm::length(back.angular_radps - device.angular_radps), 3e-15) << "seed " << seed;
+    const Wrench felt = placement.device_wrench(on_hand);
+    EXPECT_NEAR(glm::length(felt.torque_nm), glm::length(on_hand.torque_nm), 1e-15);
+    const double power_w = glm::dot(on_hand.force_n, world.linear_mps) +
+                           glm::dot(on_hand.torque_nm, world.angular_radps);
     EXPECT_NEAR(
         glm::dot(felt.force_n, device.linear_mps) + glm::dot(felt.torque_nm, device.angular_radps),
-        power_w, 1e-13)
+        power_w, 1e-14)
         << "seed " << seed;
   }
 }

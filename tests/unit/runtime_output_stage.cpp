@@ -92,13 +92,36 @@ TEST(OutputStage, LimitsHowFastTheOutputRisesButNotHowFastItVanishes) {
   EXPECT_EQ(stage.pass(frame(0), kDt).force_n.x, 0);
 }
 
-TEST(OutputStage, ASingleFaultyFrameIsABlip) {
+TEST(OutputStage, ASingleFaultyFrameIsABlipAndRampsInAnew) {
   loop::OutputStage stage = armed(1);
   loop::OutputFrame f = frame(0);
   f.faulty = true;
-  EXPECT_EQ(stage.pass(f, kDt).force_n.x, 0);
+  expect_zero(stage, f, 1);
   EXPECT_EQ(stage.state(), OutputState::kArmed);
-  EXPECT_EQ(stage.pass(frame(1), kDt).force_n.x, 1);
+  expect_zero(stage, frame(1), kZeroFrames - 1);
+  for (int i = 1; i <= 200; ++i) {
+    EXPECT_NEAR(stage.pass(frame(1), kDt).force_n.x, i / 200.0, 1e-12);
+  }
+  EXPECT_EQ(stage.trips(), 0u);
+}
+
+TEST(OutputStage, AHandThatTurnsTooFastTrips) {
+  loop::OutputStage stage = armed(1);
+  loop::OutputFrame f = frame(1);
+  f.turn_radps = 49;
+  EXPECT_EQ(stage.pass(f, kDt).force_n.x, 1);
+  f.turn_radps = 1e300;
+  EXPECT_EQ(stage.pass(f, kDt).force_n.x, 0);
+  EXPECT_EQ(stage.last_trip(), TripCause::kOverSpeed);
+}
+
+// Limits that are none, as a damaged recording has them, let nothing through.
+TEST(OutputStage, ChecksItsOwnResultLast) {
+  loop::OutputLimits l = limits();
+  l.max_force_n = -10;
+  loop::OutputStage stage(l);
+  expect_zero(stage, frame(4), 400);
+  EXPECT_EQ(stage.last_trip(), TripCause::kNotFinite);
 }
 
 TEST(OutputStage, LastingFaultsTripAndArmAgainWithARamp) {
@@ -270,6 +293,14 @@ TEST(OutputStage, NonsenseTripsAfterTheStaleLimit) {
     stage.pass(f, kDt);
     EXPECT_EQ(stage.last_trip(), cause);
   }
+}
+
+// What is gone is named, and not the nonsense before it.
+TEST(OutputStage, ALostDeviceIsNamedAfterNonsense) {
+  loop::OutputStage stage = armed(1);
+  expect_zero(stage, with_trouble(InputTrouble::kNotFinite), 5);
+  expect_zero(stage, with_trouble(InputTrouble::kDeviceLost), 1);
+  EXPECT_EQ(stage.last_trip(), TripCause::kDeviceLost);
 }
 
 TEST(OutputStage, AReadingThatGrowsOldFades) {

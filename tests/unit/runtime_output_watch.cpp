@@ -31,10 +31,24 @@ TEST(OutputWatch, HoldsFadesAndLatches) {
   EXPECT_EQ(watch.pass(kPush, 0).force_n.x, 3);
 }
 
+// It has a limit of its own, whatever the loop asks for.
+TEST(OutputWatch, NoOneAsksForMoreThanItsCeiling) {
+  for (const double stale_s : {10.0, 1e300, 0 / 0.0}) {
+    devices::OutputWatch watch(stale_s);
+    watch.pass({}, 0);
+    EXPECT_EQ(watch.pass(kPush, 0.02).force_n.x, 3);
+    EXPECT_EQ(watch.pass(kPush, 0.0501).force_n.x, 0);
+    EXPECT_TRUE(watch.latched());
+  }
+}
+
 TEST(OutputWatch, AnAgeThatIsNoNumberIsTooOld) {
   devices::OutputWatch watch;
   watch.pass({}, 0);
   EXPECT_EQ(watch.pass(kPush, 0 / 0.0).force_n.x, 0);
+  EXPECT_TRUE(watch.latched());
+  watch.pass({}, 0);
+  EXPECT_EQ(watch.pass(kPush, -1e9).force_n.x, 0);  // written in a time to come
   EXPECT_TRUE(watch.latched());
 }
 

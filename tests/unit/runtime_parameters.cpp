@@ -120,10 +120,57 @@ TEST_F(ParametersTest, StayWithinWhatTheDeviceBears) {
   RunRequest request;
   // Inside the bound, not on it.
   EXPECT_DOUBLE_EQ(derive(request, device).values.coupling_n_per_m, 0.9 * 0.6 / 0.0015);
-  request.placement.motion_scale = 2;  // the hand feels twice the stiffness
-  EXPECT_DOUBLE_EQ(derive(request, device).values.coupling_n_per_m, 0.9 * 0.3 / 0.0015);
-  request.settings["coupling_n_per_m"] = 700;
+  request.placement.motion_scale = 2;  // the hand feels four times the stiffness
+  EXPECT_DOUBLE_EQ(derive(request, device).values.coupling_n_per_m, 0.9 * 0.15 / 0.0015);
+  request.settings["coupling_n_per_m"] = 110;
   EXPECT_EQ(derive(request, device).warnings.size(), 1u);
+}
+
+// With any scale the hand feels the same: stiffness, damping and mass of the scene times its
+// square, force times itself, and turning as it is.
+TEST_F(ParametersTest, FeelTheSameAtEveryScale) {
+  DeviceCapabilities device = strong_device();
+  device.damping_ns_per_m = 2, device.damping_nms_per_rad = 0.005;
+  device.apparent_mass_kg = 0.03, device.apparent_inertia_kgm2 = 2e-5;
+  for (const Model model : {Model::kPaper, Model::kDefault}) {
+    RunRequest request;
+    request.model = model;
+    const Parameters one = derive(request, device).values;
+    for (const double c : {0.1, 0.5, 3.0, 10.0}) {
+      SCOPED_TRACE(testing::Message() << to_text(model) << ", scale " << c);
+      request.placement.motion_scale = c;
+      const DerivedParameters derived = derive(request, device);
+      const Parameters& p = derived.values;
+      const auto expect_felt = [](double felt, double as_one) {
+        EXPECT_NEAR(felt, as_one, 1e-12 * as_one);
+      };
+      expect_felt(p.mass_kg * c * c, one.mass_kg);
+      expect_felt(p.coupling_n_per_m * c * c, one.coupling_n_per_m);
+      expect_felt(p.coupling_ns_per_m * c * c, one.coupling_ns_per_m);
+      if (model == Model::kPaper) continue;  // whose clamp is k_T s/2
+      expect_felt(p.coupling_force_limit_n * c, one.coupling_force_limit_n);
+      expect_felt(p.coupling_torque_limit_nm, one.coupling_torque_limit_nm);
+      EXPECT_EQ(p.max_force_n, one.max_force_n);
+      EXPECT_TRUE(derived.warnings.empty()) << derived.warnings[0];
+    }
+  }
+}
+
+// However heavy the part, what the damper asks of the handle stays within what it can render; a
+// setting beyond draws a warning with the bound.
+TEST_F(ParametersTest, DampingStaysWithinWhatTheHandleBears) {
+  DeviceCapabilities device = strong_device();
+  device.damping_ns_per_m = 2, device.damping_nms_per_rad = 0.005;
+  device.apparent_mass_kg = 0.2, device.apparent_inertia_kgm2 = 2e-4;
+  device.delay_s = 0.001;
+  for (const double mass_kg : {0.001, 0.012, 1.0, 100.0}) {
+    RunRequest request;
+    request.settings["mass_kg"] = mass_kg;
+    const DerivedParameters derived = derive(request, device);
+    EXPECT_TRUE(derived.warnings.empty()) << derived.warnings[0];
+    EXPECT_LE(derived.values.coupling_ns_per_m, 0.9 * 0.2 / 0.0065 * (1 + 1e-12)) << mass_kg;
+    EXPECT_LE(derived.values.coupling_nms_per_rad, 0.9 * 2e-4 / 0.0065 * (1 + 1e-12)) << mass_kg;
+  }
 }
 
 // Each bound of the device loop draws a warning of its own, with the number and where it is from.

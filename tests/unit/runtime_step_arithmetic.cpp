@@ -121,6 +121,7 @@ std::uint64_t through_c(const HostState& state, const ScratchFolder& folder) {
                         error, sizeof error);
     ASSERT_NE(runtime, nullptr) << error;
     forcelayer_reading reading{};
+    reading.device_from_handle[0] = reading.device_from_handle[1] = 0.1;  // below the part
     reading.device_from_handle[3] = 1;
     reading.fresh = reading.present = reading.calibrated = 1;
     const double start[7] = {0.1, 0.1, 0.06, 0.6, 0, 0.8, 0};

@@ -4,6 +4,8 @@
 #include <dlfcn.h>
 #include <signal.h>
 #include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -12,6 +14,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <glm/geometric.hpp>
 #include <string>
 #include <thread>
 
@@ -37,7 +40,12 @@ void fail(PluginLink& link, const std::string& what) {
 // Carries readings from the plugin to the loop, and watched wrenches back.
 class Exchange {
  public:
-  Exchange(PluginLink& link, pid_t parent) : link_(link), parent_(parent), watch_(link.stale_s) {}
+  Exchange(PluginLink& link, pid_t parent, const forcelayer_plugin_info& info)
+      : link_(link),
+        parent_(parent),
+        max_force_n_(info.max_force_n),
+        max_torque_nm_(info.max_torque_nm),
+        watch_(link.stale_s) {}
 
   // The loop says so, or is no more.
   bool ending() const {
@@ -46,20 +54,27 @@ class Exchange {
   }
 
   void give(const forcelayer_plugin_reading& reading) {
-    link_.readings.put({reading, ++sequence_, watch_.latched() ? 1u : 0u});
+    readings_.put(link_.readings, {reading, ++sequence_, watch_.latched() ? 1u : 0u});
   }
 
   void lose() { link_.state.store(PluginState::kLost, std::memory_order_release); }
 
   forcelayer_plugin_wrench wrench() {
-    link_.commands.take(command_);
+    commands_.take(link_.commands, command_);
     forcelayer_plugin_wrench out{};
-    if (ending() || command_.written_ns == 0) return out;
+    if (ending() || command_.written_ns == 0 || !link_.whole() || commands_.broken()) return out;
     const double* f = command_.wrench.force_n;
     const double* t = command_.wrench.torque_nm;
-    const Wrench watched =
-        watch_.pass({{f[0], f[1], f[2]}, {t[0], t[1], t[2]}},
-                    static_cast<double>(machine::monotonic_ns() - command_.written_ns) / 1e9);
+    const Wrench newest{{f[0], f[1], f[2]}, {t[0], t[1], t[2]}};
+    // The loop keeps within the ratings: what does not, the plugin itself wrote over.
+    if (!(glm::length(newest.force_n) <= max_force_n_ * kRounding &&
+          glm::length(newest.torque_nm) <= max_torque_nm_ * kRounding)) {
+      return out;
+    }
+    const double age_s =
+        (static_cast<double>(machine::monotonic_ns()) - static_cast<double>(command_.written_ns)) /
+        1e9;
+    const Wrench watched = watch_.pass(newest, age_s);
     for (int axis = 0; axis < 3; ++axis) {
       out.force_n[axis] = watched.force_n[axis];
       out.torque_nm[axis] = watched.torque_nm[axis];
@@ -68,9 +83,14 @@ class Exchange {
   }
 
  private:
+  static constexpr double kRounding = 1 + 1e-9;
+
   PluginLink& link_;
   pid_t parent_;
+  double max_force_n_, max_torque_nm_;
   OutputWatch watch_;
+  machine::ValueProducer<PluginReading> readings_;
+  machine::ValueConsumer<PluginCommand> commands_;
   PluginCommand command_{};
   std::uint64_t sequence_ = 0;
 };
@@ -151,7 +171,7 @@ int serve(const char* library, const char* arguments, pid_t parent, PluginLink& 
   machine::lock_memory();
   machine::take_real_time_priority();
   end_after(parent);
-  Exchange exchange(link, parent);
+  Exchange exchange(link, parent, info);
   if (plugin->run != nullptr) {
     const forcelayer_plugin_host host{&exchange, exchange_once};
     plugin->run(device, &host);
@@ -171,6 +191,13 @@ void end_in_order_on_signals() {
   signal(SIGPIPE, SIG_IGN);
 }
 
+// The plugin's code gets what it needs: no descriptor but the terminal's and the link, and no way
+// to rights that this process has not.
+void give_up_rights() {
+  syscall(SYS_close_range, kLinkDescriptor + 1, ~0u, 0);
+  prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0);
+}
+
 }  // namespace
 }  // namespace forcelayer::devices
 
@@ -184,10 +211,11 @@ int main(int argc, char** argv) {
     return 2;
   }
   auto& link = *static_cast<PluginLink*>(mapped);
-  if (link.version != forcelayer::devices::kPluginLinkVersion) {
+  if (!link.whole()) {
     forcelayer::devices::fail(link, "voxrun and voxrun-plugin are of different versions");
     return 1;
   }
+  forcelayer::devices::give_up_rights();
   forcelayer::devices::end_in_order_on_signals();
   return forcelayer::devices::serve(argv[1], argv[2], static_cast<pid_t>(std::atoi(argv[3])), link);
 }

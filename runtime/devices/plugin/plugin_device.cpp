@@ -1,5 +1,6 @@
 #include "runtime/devices/plugin/plugin_device.h"
 
+#include <fcntl.h>
 #include <signal.h>
 #include <spawn.h>
 #include <sys/mman.h>
@@ -11,8 +12,10 @@
 #include <cmath>
 #include <cstring>
 #include <new>
+#include <string_view>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include "runtime/machine/real_time.h"
 
@@ -40,8 +43,48 @@ std::string end_text(int status) {
   return "its process ended with status " + std::to_string(WEXITSTATUS(status));
 }
 
+// Whether a plugin's process could have said this in order.
+bool is_state(PluginState state) {
+  return state == PluginState::kStarting || state == PluginState::kOpen ||
+         state == PluginState::kFailed || state == PluginState::kLost ||
+         state == PluginState::kClosed;
+}
+
 std::string text_of(const char* characters, std::size_t room) {
   return {characters, strnlen(characters, room)};
+}
+
+// Variables of the environment that a plugin's process gets: those by which programs find their
+// files and speak their language, those of SDKs named in plugin.md, those of sanitizers, and what
+// is meant for a plugin by its name.
+bool is_passed(std::string_view variable) {
+  constexpr std::string_view kNames[] = {"PATH=",
+                                         "HOME=",
+                                         "USER=",
+                                         "LOGNAME=",
+                                         "LANG=",
+                                         "TZ=",
+                                         "TMPDIR=",
+                                         "XDG_RUNTIME_DIR=",
+                                         "LD_LIBRARY_PATH=",
+                                         "GTDD_HOME=",
+                                         "ASAN_OPTIONS=",
+                                         "LSAN_OPTIONS=",
+                                         "TSAN_OPTIONS=",
+                                         "UBSAN_OPTIONS="};
+  for (const std::string_view name : kNames) {
+    if (variable.starts_with(name)) return true;
+  }
+  return variable.starts_with("LC_") || variable.starts_with("FORCELAYER_PLUGIN_");
+}
+
+std::vector<char*> passed_environment() {
+  std::vector<char*> passed;
+  for (char** variable = environ; *variable != nullptr; ++variable) {
+    if (is_passed(*variable)) passed.push_back(*variable);
+  }
+  passed.push_back(nullptr);
+  return passed;
 }
 
 bool sound(double value) { return std::isfinite(value) && value >= 0; }
@@ -98,8 +141,11 @@ PluginDevice::~PluginDevice() {
 }
 
 Status PluginDevice::launch() {
-  const int memory = memfd_create("forcelayer-plugin", MFD_CLOEXEC);
-  if (memory < 0 || ftruncate(memory, sizeof(PluginLink)) != 0) {
+  // Sealed: were it cut short, the loop's next look at it would end the loop.
+  constexpr int kSeals = F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL;
+  const int memory = memfd_create("forcelayer-plugin", MFD_CLOEXEC | MFD_ALLOW_SEALING);
+  if (memory < 0 || ftruncate(memory, sizeof(PluginLink)) != 0 ||
+      fcntl(memory, F_ADD_SEALS, kSeals) != 0) {
     if (memory >= 0) close(memory);
     return failed(options_, "there is no memory to share with its process");
   }
@@ -123,7 +169,9 @@ Status PluginDevice::launch() {
               parent = std::to_string(getpid());
   char* const arguments[] = {host.data(), library.data(), options_.arguments.data(), parent.data(),
                              nullptr};
-  const int failure = posix_spawn(&process_, host.c_str(), &files, &attributes, arguments, environ);
+  std::vector<char*> environment = passed_environment();
+  const int failure =
+      posix_spawn(&process_, host.c_str(), &files, &attributes, arguments, environment.data());
   posix_spawn_file_actions_destroy(&files);
   posix_spawnattr_destroy(&attributes);
   close(memory);
@@ -157,18 +205,23 @@ Status PluginDevice::shake_hands() {
   if (link_->state.load(std::memory_order_acquire) == PluginState::kFailed) {
     return failed(options_, text_of(link_->error.data(), link_->error.size()));
   }
-  if (const char* what = flaw(link_->info)) {
+  const forcelayer_plugin_info info = link_->info;  // checked and used as it is now
+  if (const char* what = flaw(info)) {
     return Error{ErrorCode::kDeviceRefused, options_.library.string(), "handshake", what,
                  "see runtime/devices/plugin/plugin.md"};
   }
-  capabilities_ = capabilities_of(link_->info);
+  capabilities_ = capabilities_of(info);
   return {};
 }
 
 Status PluginDevice::start() {
   std::error_code failure;
-  for (const auto* path : {&options_.library, &options_.host}) {
-    if (std::filesystem::is_regular_file(*path, failure)) continue;
+  for (auto* path : {&options_.library, &options_.host}) {
+    if (std::filesystem::is_regular_file(*path, failure)) {
+      // A name without a slash would be looked for in the system's folders of libraries.
+      *path = std::filesystem::canonical(*path, failure);
+      continue;
+    }
     return Error{ErrorCode::kDeviceNotFound, path->string(), "", "no such file",
                  path == &options_.host ? "voxrun-plugin is installed beside voxrun"
                                         : "give the plugin's library with --plugin"};
@@ -183,8 +236,11 @@ Status PluginDevice::start() {
 
 DeviceSample PluginDevice::read(double) noexcept {
   DeviceSample sample;
-  const bool fresh = link_ != nullptr && link_->readings.take(last_);
-  sample.present = link_ != nullptr && !ended_.load(std::memory_order_relaxed) &&
+  const bool fresh = link_ != nullptr && readings_.take(link_->readings, last_);
+  if (link_ != nullptr && (!link_->whole() || readings_.broken() || !is_state(link_->state))) {
+    overwritten_ = true;
+  }
+  sample.present = link_ != nullptr && !overwritten_ && !ended_.load(std::memory_order_relaxed) &&
                    link_->state.load(std::memory_order_relaxed) == PluginState::kOpen;
   const forcelayer_plugin_reading& r = last_.reading;
   const double* q = r.orientation_wxyz;
@@ -208,7 +264,7 @@ void PluginDevice::write(const Wrench& device_wrench) noexcept {
     command.wrench.torque_nm[axis] = device_wrench.torque_nm[axis];
   }
   command.written_ns = machine::monotonic_ns();
-  link_->commands.put(command);
+  commands_.put(link_->commands, command);
 }
 
 void PluginDevice::stop() noexcept {
@@ -230,6 +286,10 @@ void PluginDevice::stop() noexcept {
 // The end of the process tells the trouble, unless stop() asked for it.
 DeviceTrouble PluginDevice::trouble() const {
   if (link_ == nullptr) return {};
+  if (overwritten_) {
+    return {"the plugin wrote over the memory that it shares with the loop",
+            "look at the plugin, or its SDK: it writes outside its own memory"};
+  }
   if (killed_) {
     return {"the plugin hung and was killed", "one of its functions, or its SDK, does not return"};
   }

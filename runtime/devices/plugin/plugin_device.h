@@ -57,6 +57,9 @@ class PluginDevice final : public Device {
   std::atomic<bool> ended_{false};
   int exit_status_ = 0;  // of waitpid; read after ended_
   bool killed_ = false;  // by stop(), as it did not close its device
+  machine::ValueProducer<PluginCommand> commands_;
+  machine::ValueConsumer<PluginReading> readings_;
+  std::atomic<bool> overwritten_{false};  // the shared memory, by the plugin
   PluginReading last_{};
 };
 
