@@ -172,7 +172,9 @@ Result<ViewScene> load_view_scene(const ViewInputs& inputs) {
   view.warnings = scene->warnings;
   add_bounds(*scene, view.bounds);
   for (const mesh::MissingFace& face : scene->missing_faces) {
-    view.bounds.add({face.center[0], face.center[1], face.center[2]});
+    const glm::dvec3 center_m(face.center[0], face.center[1], face.center[2]);
+    view.bounds.add(center_m - 0.5 * face.size);
+    view.bounds.add(center_m + 0.5 * face.size);
   }
   add_box(view.voxmap, view.bounds);
   add_box(view.before, view.bounds);
