@@ -23,8 +23,8 @@ struct OrientationReport {
 // consistent: the smaller area is turned. Then rays decide which side of the whole patch is outside
 // (Takayama, Jacobson, Kavan and Sorkine-Hornung, "A simple method for correcting facet
 // orientations in polygon meshes based on ray casting", 2014). They start at points spread over the
-// patch; the outside is the side from which more rays leave the part without meeting it again, whatever
-// the orientation in the file. Holes and gaps do no harm while most rays from within meet
+// patch; the outside is the side from which more rays leave the part without meeting it again,
+// whatever the orientation in the file. Holes and gaps do no harm while most rays from within meet
 // the part. A patch that no ray leaves, because other bodies hide it, is judged within its own
 // body. A patch that is hidden there too (a cavity) is turned as the larger area of its body's
 // visible patches.

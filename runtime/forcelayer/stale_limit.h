@@ -6,8 +6,8 @@ namespace forcelayer {
 // Older than this, neither a reading nor a wrench counts.
 inline constexpr double kStaleLimitS = 0.005;
 
-// The longest stale limit that anyone may ask for. A hand that a wrench is no longer meant for feels
-// it for so long at most.
+// The longest stale limit that anyone may ask for. A hand that a wrench is no longer meant for
+// feels it for so long at most.
 inline constexpr double kStaleCeilingS = 0.05;
 
 }  // namespace forcelayer

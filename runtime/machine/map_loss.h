@@ -16,10 +16,10 @@ namespace forcelayer::machine {
 // The commands call this; users of the library may.
 void contain_map_loss();
 
-// Asks the system whether the watched files are unchanged (FileStamp::changed), marks the changed ones as lost, and
-// returns how many are lost. This finds files that are written to in place, and files that are cut
-// while the loop reads nothing of them (a part at rest). Call it from any thread but the loop's: it
-// makes one system call a file (about a microsecond) and touches no page.
+// Asks the system whether the watched files are unchanged (FileStamp::changed), marks the changed
+// ones as lost, and returns how many are lost. This finds files that are written to in place, and
+// files that are cut while the loop reads nothing of them (a part at rest). Call it from any thread
+// but the loop's: it makes one system call a file (about a microsecond) and touches no page.
 int check_mappings() noexcept;
 
 // Watches a mapping for its own lifetime. At most 64 are watched at once; more stay unwatched.

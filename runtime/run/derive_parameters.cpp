@@ -435,6 +435,20 @@ double largest_contact_arm_m(const Pshell& shell) {
   return std::sqrt(largest2);
 }
 
+std::optional<std::string> arm_warning(const RunRequest& request, const Parameters& parameters,
+                                       double arm_m) {
+  if (parameters.model != Model::kPaper) return std::nullopt;
+  const Bound bound = rotation_bound(request.device, 1 / parameters.rate_hz);
+  const double felt = parameters.coupling_nm_per_rad + parameters.coupling_n_per_m * arm_m * arm_m;
+  if (!(felt > bound.value)) return std::nullopt;
+  return format(
+             "the handle is %.3g m from the part's centroid, where the paper's coupling acts: when "
+             "it turns it feels %.3g N m/rad, above the %.3g N m/rad that ",
+             arm_m, felt, bound.value) +
+         request.device.name + " can render stably: " + bound.source +
+         "; grip it nearer, or use --model default";
+}
+
 Result<DerivedParameters> derive_parameters(const RunRequest& request, const Voxmap& voxmap,
                                             const Pshell& shell) {
   if (Status valid = check_settings(request); !valid) return valid.error();

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,5 +25,11 @@ Result<DerivedParameters> derive_parameters(const RunRequest& request, const Vox
 // Largest |r x n| over the shell's points, m: the arm with which a contact force can turn the part
 // about its centroid.
 double largest_contact_arm_m(const Pshell& shell);
+
+// A warning where the paper's coupling, which acts at the centroid, is stiffer against turning than
+// the device can render: a handle at an arm of `arm_m` from it feels k_R + k_T L^2. The default
+// model's acts at the grip, and no arm makes it stiffer.
+std::optional<std::string> arm_warning(const RunRequest& request, const Parameters& parameters,
+                                       double arm_m);
 
 }  // namespace forcelayer

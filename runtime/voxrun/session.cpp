@@ -15,6 +15,7 @@
 #include "runtime/machine/map_watch.h"
 #include "runtime/machine/real_time.h"
 #include "runtime/run/baked_files.h"
+#include "runtime/run/derive_parameters.h"
 #include "runtime/run/limits.h"
 #include "runtime/stream/pose_sender.h"
 #include "runtime/stream/recording.h"
@@ -126,8 +127,15 @@ Status prepare_run(const Options& options, Session& session) {
   session.run = std::move(*run);
   warn(session.run->warnings(), session.facts.warnings);
   warn_of_missing_faces(options, *session.run, session.facts.warnings);
-  if (!session.recording) return take_hold(options, session);
-  session.start = session.recording->run().start;
+  if (session.recording) {
+    session.start = session.recording->run().start;
+    return {};
+  }
+  if (Status held = take_hold(options, session); !held) return held;
+  const double arm_m = glm::length(session.start.handle_from_center.position_m);
+  if (const auto warning = arm_warning(session.request, session.run->parameters(), arm_m)) {
+    warn({*warning}, session.facts.warnings);
+  }
   return {};
 }
 

@@ -71,6 +71,8 @@ FILES = {
     "stability_hands": (("campaign", "case", "model"), {}),
     "stability_map": (("model", "rate_hz", "mass_kg"), same("10", "100", "1e3", "1e4", "1e5", "1e6")),
     "stability_device": (("task", "model", "grip", "delay_s"), same("quiet_to", "bound", "default")),
+    "stability_grips": (("model", "scale", "delay_s", "hand", "clutch", "axis", "arm_m"), {}),
+    "stability_loops": (("model", "scale", "loop"), same("loops")),
     "stability_step": (("part",), times("p50_us")),
     "skip_bake": (("scene", "bake"), {**times("seconds"), **same("triangles_left_out", "nodes_left_out")}),
     "skip_query": (("scene", "points", "way"), {**times("p50_us")}),
@@ -299,6 +301,16 @@ def stability_device(results):
                 "quiet_to": r["quiet_to"], "trembles_at": r["trembles_at"], "default": r["default"]}
 
 
+def stability_grips(results):
+    for r in results:
+        yield "stability_grips", {**r, "clutch": int(r["clutch"]), "quiet": int(r["quiet"])}
+
+
+def stability_loops(results):
+    for r in results:
+        yield "stability_loops", r
+
+
 def stability_step(results):
     for part in ("query", "field", "solve", "beyond_query", "control"):
         yield "stability_step", {"part": part, "contacts": results["contacts_p50"], "steps": results["steps"],
@@ -368,7 +380,8 @@ ROWS = {"bake": bake, "bake_wide": bake_kinds, "bake_error": bake_error, "bake_g
         "stability_cases": stability_cases, "stability_rest": stability_one_case("rest"),
         "stability_table2": stability_one_case("table2"),
         "stability_hands": stability_one_case("hands", "stability_hands"), "stability_map": stability_map,
-        "stability_device": stability_device, "stability_step": stability_step, "skipped": skipped,
+        "stability_device": stability_device, "stability_grips": stability_grips,
+        "stability_loops": stability_loops, "stability_step": stability_step, "skipped": skipped,
         "paper_table": paper, "loop": loop}
 OF_VECTORS = (bake_kinds, force_cost)  # which put the vectors of the run into the rows
 

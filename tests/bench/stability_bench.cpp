@@ -6,6 +6,8 @@
 //                                     Ctrl-C ends it with what there is
 //   stability_bench map               stable and unstable settings: stiffness, mass and rate
 //   stability_bench device            the loop closed by a simulated hand and device
+//   stability_bench grips             handles that hold the part aside of its centroid: which swing
+//   stability_bench loops             what closed loops in contact give the hand, at every scale
 //   stability_bench step [STEPS]      cost of a step with 200 contacts and more (100000)
 //   stability_bench all               all of them but hands, which take hours
 // Each writes stability_NAME.json (bench_report.h); --json FILE writes another file. Seeds run from
@@ -333,6 +335,8 @@ int run_tables(int argc, char** argv) {
       {"hands", [&] { return random_hands(amount(100'000'000)); }},
       {"map", setting_map},
       {"device", device_table},
+      {"grips", grip_map},
+      {"loops", loop_table},
       {"step", [&] { return step_cost(amount(100'000)); }}};
   bool known = false;
   for (const auto& [name, table] : tables) {

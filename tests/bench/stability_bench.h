@@ -24,6 +24,10 @@ Json random_hands(std::uint64_t frames);
 Json setting_map();
 // The same loop closed by a simulated hand and device, beside the bounds that defaults obey.
 Json device_table();
+// Which handles swing: arm, hand, delay, scale and clutch, for both models.
+Json grip_map();
+// What slow closed loops in contact give the hand at the device's port, at every scale.
+Json loop_table();
 // Time of the default model's step beyond its contact queries, with 200 contacts and more.
 Json step_cost(std::uint64_t steps);
 

@@ -86,6 +86,17 @@ def pivoted(column, *keys, then=lambda rows: rows):
     return lambda rows: by(column, keys, then(rows))
 
 
+def grips(rows):
+    """One row for all arms, axes and clutches."""
+    groups = {}
+    for row in rows:
+        groups.setdefault(tuple(row[key] for key in ("model", "scale", "delay_s", "hand")), []).append(row)
+    for (model, scale, delay_s, hand), group in groups.items():
+        steps = [row["swing_steps"] for row in group]
+        yield {"model": model, "scale": scale, "delay_s": delay_s, "hand": hand, "grips": len(group),
+               "quiet": sum(row["quiet"] for row in group), "swing_steps": None if None in steps else max(steps)}
+
+
 def least_squares(x, y):
     """The exponent e of y = factor x^e, and the largest factor between a y and it."""
     x, y = [math.log(v) for v in x], [math.log(v) for v in y]
@@ -316,6 +327,13 @@ TABLES = {
         ("task", lambda r: r["task"].split("_")[0]), ("model", text("model")), ("grip", text("grip")),
         ("delay, ms", scaled("delay_s", 1e3)), ("default", scaled("default", 1, 2)), ("bound", scaled("bound", 1, 2)),
         ("quiet up to", scaled("quiet_to", 1, 2))]),
+    "stability_grips": ("stability_grips", grips, [
+        ("model", text("model")), ("scale", text("scale")), ("delay, ms", scaled("delay_s", 1e3)), ("hand", text("hand")),
+        ("quiet", text("quiet")), ("of", text("grips")), ("most, encoder steps", scaled("swing_steps", 1, 2))]),
+    "stability_loops": ("stability_loops", list, [
+        ("model", text("model")), ("scale", text("scale")), ("loop", text("loop")), ("loops", text("loops")),
+        ("given at most, uJ", scaled("given_j", 1e6, 2)), ("beyond the sampled spring, uJ", scaled("over_j", 1e6, 2)),
+        ("beyond it by 20 uJ", text("over_bound"))]),
     "stability_step": ("stability_step", list, [
         ("part of the step", lambda r: r["part"].replace("_", " the ")), ("contacts", text("contacts")),
         ("steps", text("steps")),

@@ -7,7 +7,7 @@
 
 #include "runtime/coupling/coupling_angle.h"
 #include "runtime/coupling/virtual_coupling.h"
-#include "tests/support/held_part.h"
+#include "tests/support/grip_map.h"
 #include "tests/support/random_scenes.h"
 
 namespace forcelayer::test {
@@ -159,54 +159,7 @@ TEST(Grip, AForceAtAnArmEntersTheSystemWithItsJacobian) {
   }
 }
 
-// A plane oblique to the grid, through the origin, with stored distances.
-glm::dvec3 plane_normal() { return glm::normalize(glm::dvec3(0.2, -0.15, 1)); }
-
-VoxelScene plane() {
-  return distance_scene(
-      kS, {-40, -40, -14}, {80, 80, 40},
-      [n = plane_normal()](const glm::dvec3& p) { return glm::dot(p, n) - 0.3 * kS; }, 2,
-      DistanceDefinition(2, 8, 4));
-}
-
-PointPart block() { return box_part(glm::dvec3(8, 5, 4) * kS, kS, kS); }
-
-HeldPartOptions above_the_plane(double arm_m, int axis, double scale) {
-  HeldPartOptions options;
-  options.motion_scale = scale;
-  options.start = {plane_normal() * 14.0 * kS, coupling::rotation_by({0.3, 0.2, 0.5})};
-  options.part_from_handle.position_m[axis % 3] = axis < 3 ? arm_m : -arm_m;
-  options.part_from_handle.orientation = coupling::rotation_by({0.4, -0.2, 0.1});
-  return options;
-}
-
-// The block lies flat on the plane, but for a few degrees.
-HeldPartOptions flat_above_the_plane(double arm_m, int axis, double scale) {
-  HeldPartOptions options = above_the_plane(arm_m, axis, scale);
-  const glm::dvec3 n = plane_normal();
-  options.start.orientation =
-      coupling::rotation_by(glm::cross({0, 0, 1}, n)) * coupling::rotation_by({0.02, 0.03, 0.5});
-  return options;
-}
-
 constexpr double kScales[] = {0.1, 1, 10};
-
-// Goes down until something touches, then a little farther, and waits for the ramp.
-Pose press(HeldPart& held, double beyond_m) {
-  const double step_m = std::min(5e-4, 5e-5 / held.placement().motion_scale);
-  Pose handle = held.start_handle();
-  for (int i = 0; i < 20000 && held.frame().result.report.contacts == 0; ++i) {
-    handle.position_m -= plane_normal() * step_m;
-    held.tick(handle);
-  }
-  EXPECT_GT(held.frame().result.report.contacts, 0u);
-  for (double way_m = 0; way_m < beyond_m; way_m += 2e-5) {
-    handle.position_m -= plane_normal() * 2e-5;
-    held.tick(handle);
-  }
-  for (int i = 0; i < 500; ++i) held.tick(handle);
-  return handle;
-}
 
 TEST(Grip, AtRestInFreeSpaceTheHandFeelsExactlyNothing) {
   for (const double scale : kScales) {
@@ -279,40 +232,9 @@ TEST(Grip, AHandleThatTurnsFeelsTheRotationalSpringAlone) {
   }
 }
 
-// Peak to peak of the handle in the last second of twenty, in steps of its encoder: the larger of
-// place and angle.
-double swing_steps(HeldPart& held, const devices::SimHandParameters& hand, bool let_go) {
-  const glm::dvec3 n = plane_normal();
-  const double step_m = std::min(5e-4, 5e-5 / held.placement().motion_scale);
-  Pose wanted = held.start_handle(), first;
-  double beyond_m = 0;
-  bool touched = false;
-  glm::dvec3 low_m(1e300), high_m(-1e300), low_rad(1e300), high_rad(-1e300);
-  for (int i = 0; i < 20000; ++i) {
-    if (!touched) {
-      wanted.position_m -= n * step_m;
-    } else if (beyond_m < 0.01) {
-      wanted.position_m -= n * 5e-5;
-      beyond_m += 5e-5;
-    }
-    if (let_go && i == 8000) held.device().let_go();
-    touched |= held.tick(wanted).result.report.contacts > 0;
-    if (i < 19000) continue;
-    const Pose& handle = held.device().pose();
-    if (i == 19000) first = handle;
-    const glm::dvec3 turn =
-        coupling::rotation_vector(handle.orientation * glm::conjugate(first.orientation));
-    low_m = glm::min(low_m, handle.position_m), high_m = glm::max(high_m, handle.position_m);
-    low_rad = glm::min(low_rad, turn), high_rad = glm::max(high_rad, turn);
-  }
-  EXPECT_TRUE(touched);
-  return std::max(glm::length(high_m - low_m) / hand.encoder_step_m,
-                  glm::length(high_rad - low_rad) / hand.encoder_step_rad);
-}
-
 // The map of grips, thinned: a part pressed on a plane by a hand of every temper that then holds
 // still or lets go. With the coupling at the centroid a loose hand swings by 3 degrees at 0.2 m.
-// stability_bench grips has the whole map.
+// `stability_bench grips` has the whole map.
 TEST(Grip, NoArmMakesAHandleSwing) {
   const char* const tempers[] = {"none", "loose", "firm"};
   constexpr double kStillSteps = 8;
@@ -334,42 +256,6 @@ TEST(Grip, NoArmMakesAHandleSwing) {
   }
 }
 
-// One closed loop of the handle in contact.
-struct Loop {
-  const char* name;
-  double size;       // m or rad
-  double per_speed;  // of that in a second, over the speed in m/s
-  Pose (*at)(const Pose& from, double size, double angle);
-};
-
-const Loop kLoops[] = {
-    {"press and slide", 0.002, 1,
-     [](const Pose& from, double size, double a) {
-       const glm::dvec3 n = plane_normal(), t = glm::normalize(glm::cross(n, {0, 1, 0}));
-       return Pose{from.position_m + size * (t * std::sin(a) + n * (0.9 * (1 - std::cos(a)))),
-                   from.orientation};
-     }},
-    {"slide aslant", 0.002, 1,
-     [](const Pose& from, double size, double a) {
-       const glm::dvec3 n = plane_normal(), t = glm::normalize(glm::cross(n, {0, 1, 0}));
-       return Pose{
-           from.position_m + size * (t * std::sin(a) + glm::cross(n, t) * (1 - std::cos(a))),
-           from.orientation};
-     }},
-    {"turn", 0.05, 20,
-     [](const Pose& from, double size, double a) {
-       const glm::dvec3 n = plane_normal(), t = glm::normalize(glm::cross(n, {0, 1, 0}));
-       const glm::dvec3 turn = size * (t * std::sin(a) + glm::cross(n, t) * (1 - std::cos(a)));
-       return Pose{from.position_m, coupling::rotation_by(turn) * from.orientation};
-     }},
-    {"turn and press", 0.05, 10,
-     [](const Pose& from, double size, double a) {
-       const glm::dvec3 n = plane_normal(), t = glm::normalize(glm::cross(n, {0, 1, 0}));
-       return Pose{from.position_m + 0.0015 * (1 - std::cos(a)) * n,
-                   coupling::rotation_by(size * std::sin(a) * t) * from.orientation};
-     }},
-};
-
 // Slow loops at the port: what the hand gets beyond what a sampled spring must give is nothing, at
 // any scale, and the report is what the motors did.
 TEST(Grip, ClosedLoopsInContactGiveTheHandNothing) {
@@ -378,32 +264,18 @@ TEST(Grip, ClosedLoopsInContactGiveTheHandNothing) {
   const PointPart part = block();
   int cell = 0, worked = 0;
   for (const double scale : {0.1, 0.3, 1.0, 5.0, 10.0}) {
-    for (const Loop& loop : kLoops) {
-      for (const double way : {1.0, -1.0}) {
+    for (const HandleLoop& loop : kHandleLoops) {
+      for (const bool back : {false, true}) {
         const double speed_mps = std::array{0.001, 0.02, 0.005}[static_cast<std::size_t>(cell) % 3];
         const double arm_m = std::array{0.0, 0.03, 0.1}[static_cast<std::size_t>(cell) % 3];
         const int axis = cell++ % 3 == 1 ? 0 : 2;  // over the block's foot, or high above it
-        SCOPED_TRACE(testing::Message() << loop.name << (way > 0 ? "" : " back") << ", scale "
-                                        << scale << ", " << speed_mps << " m/s, arm " << arm_m);
+        SCOPED_TRACE(testing::Message() << loop.name << (back ? " back" : "") << ", scale " << scale
+                                        << ", " << speed_mps << " m/s, arm " << arm_m);
         HeldPart held(scene, part, flat_above_the_plane(arm_m, axis, scale));
-        const Pose from = press(held, 0.005);
-        const int period =
-            static_cast<int>(2 * M_PI * loop.size / (speed_mps * loop.per_speed * kDt));
-        double reported_j = 0;
-        for (int i = 0; i <= 2 * period; ++i) {
-          // The first loop carries the part to where it then goes round.
-          if (i == period) held.work() = {};
-          const Frame& frame = held.tick(loop.at(from, loop.size, way * 2 * M_PI * i / period));
-          if (i > period) reported_j += frame.to_hand_j;
-        }
-        const PortWork& work = held.work();
-        const Parameters& p = held.parameters();
-        const double sampled_j = 0.5 * kDt *
-                                 (p.coupling_n_per_m * scale * scale * work.speed2_s +
-                                  p.coupling_nm_per_rad * work.turning2_s);
-        EXPECT_LE(work.given_j, sampled_j + kFreeJ);
+        const LoopWork work = loop_work(held, loop, speed_mps, back);
+        EXPECT_LE(work.given_j, work.sampled_j + kFreeJ);
+        EXPECT_NEAR(work.reported_j, work.given_j, 1e-9);
         worked += work.moved_j > 1e-3;
-        EXPECT_NEAR(reported_j, work.given_j, 1e-9);
         EXPECT_EQ(held.servo().output().trips(), 0u);
       }
     }

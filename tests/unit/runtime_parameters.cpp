@@ -156,6 +156,27 @@ TEST_F(ParametersTest, FeelTheSameAtEveryScale) {
   }
 }
 
+// The paper's coupling acts at the centroid: a handle at an arm turns against k_R + k_T L^2. The
+// default model's does not.
+TEST_F(ParametersTest, WarnOfAnArmThatThePapersCouplingIsTooStiffFor) {
+  DeviceCapabilities device = strong_device();
+  device.damping_ns_per_m = 2, device.damping_nms_per_rad = 0.005;  // 10 N m/rad
+  for (const Model model : {Model::kPaper, Model::kDefault}) {
+    RunRequest request;
+    request.model = model;
+    request.device = device;
+    Parameters p = derive(request, device).values;
+    p.coupling_n_per_m = 1000, p.coupling_nm_per_rad = 1;
+    EXPECT_FALSE(arm_warning(request, p, 0.0948));  // 9.99 N m/rad
+    const auto warning = arm_warning(request, p, 0.095);
+    ASSERT_EQ(warning.has_value(), model == Model::kPaper);
+    if (!warning) continue;
+    EXPECT_NE(warning->find("above the 10 N m/rad that test device"), std::string::npos)
+        << *warning;
+    EXPECT_NE(warning->find("0.095 m"), std::string::npos) << *warning;
+  }
+}
+
 // However heavy the part, what the damper asks of the handle stays within what it can render; a
 // setting beyond draws a warning with the bound.
 TEST_F(ParametersTest, DampingStaysWithinWhatTheHandleBears) {
