@@ -51,7 +51,7 @@ T value_of(Result<T> result) {
 // pointshell's points about the part's own origin.
 AnalyticShell baked_shell(Part part, const Making& making, double radius_voxels) {
   const mesh::Assembly assembly{
-      {part_mesh(part, kDeviationVoxels * kS)}, {{0, "part", {}}}, 1, 0, {}};
+      {part_mesh(part, kDeviationVoxels * kS)}, {{0, "part", {}}}, 1, 0, {}, {}, {}};
   const part::PartInput input{&assembly, 1};
   pointshell::ShellOptions options;
   options.voxel_size_m = kS;

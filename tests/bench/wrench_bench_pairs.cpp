@@ -62,7 +62,7 @@ mesh::Mesh of_size(mesh::Mesh mesh, double longest_m) {
 }
 
 forcelayer::part::Part soup_of(const mesh::Mesh& mesh) {
-  const mesh::Assembly assembly{{mesh}, {{0, "scene", {}}}, 1, 0, {}};
+  const mesh::Assembly assembly{{mesh}, {{0, "scene", {}}}, 1, 0, {}, {}, {}};
   const part::PartInput input{&assembly, 1};
   return value_of(part::assemble_part({&input, 1}));
 }
