@@ -143,7 +143,8 @@ TEST_P(CInterface, PlacesDeviceGripAndPart) {
       // In its first frame a part that is pulled moves by less than 2 mm of the device's: its mass
       // and the force are scaled with the scene.
       const bool pulled = c.place != nullptr && c.grip != nullptr;
-      EXPECT_LT(distance_m(pose(result.world_from_part), c.first), pulled ? 2e-3 * options.motion_scale : 1e-12);
+      EXPECT_LT(distance_m(pose(result.world_from_part), c.first),
+                pulled ? 2e-3 * options.motion_scale : 1e-12);
       EXPECT_EQ(result.output, unsigned{FORCELAYER_ARMED});
       for (int i = 0; i < 1500; ++i) forcelayer_step(runtime, &reading, &result);
       // A part that is not pulled stays; one that is comes near (1e-5: the coupling creeps).
