@@ -90,11 +90,14 @@ def grips(rows):
     """One row for all arms, axes and clutches."""
     groups = {}
     for row in rows:
-        groups.setdefault(tuple(row[key] for key in ("model", "scale", "delay_s", "hand")), []).append(row)
-    for (model, scale, delay_s, hand), group in groups.items():
+        groups.setdefault(tuple(row[key] for key in ("run", "model", "scale", "delay_s", "hand")), []).append(row)
+    summed = []
+    for (run, model, scale, delay_s, hand), group in groups.items():
         steps = [row["swing_steps"] for row in group]
-        yield {"model": model, "scale": scale, "delay_s": delay_s, "hand": hand, "grips": len(group),
-               "quiet": sum(row["quiet"] for row in group), "swing_steps": None if None in steps else max(steps)}
+        summed.append({"run": run, "model": model, "scale": scale, "delay_s": delay_s, "hand": hand,
+                       "grips": len(group), "quiet": sum(row["quiet"] for row in group),
+                       "swing_steps": None if None in steps else max(steps)})
+    return summed
 
 
 def least_squares(x, y):
