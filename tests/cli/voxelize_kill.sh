@@ -57,7 +57,7 @@ for n in range(kills):
     if n % 10 == 9:  # from an empty cache
         subprocess.run(["rm", "-rf", "cache"])
     process = bake("scene.vox", "--cache", "cache")
-    time.sleep(dice.uniform(0, length_s))
+    time.sleep(dice.uniform(0, 2 * length_s))  # with the cache it takes longer
     process.send_signal(signal.SIGKILL)
     status = process.wait()
     killed += status == -9
