@@ -114,7 +114,7 @@ void LoopStatistics::count(const Frame& frame) noexcept {
   held_readings += frame.health.age_share > 0;
   outcome_hash = (outcome_hash ^ frame.outcome_hash) * 0x100000001b3u;
   max_force_n = std::max(max_force_n, glm::length(frame.result.wrench.force_n));
-  max_torque_nm = std::max(max_torque_nm, glm::length(frame.result.wrench.torque_nm));
+  max_torque_nm = std::max(max_torque_nm, glm::length(frame.result.at_handle.torque_nm));
   max_device_force_n = std::max(max_device_force_n, glm::length(frame.device_wrench.force_n));
   max_device_torque_nm = std::max(max_device_torque_nm, glm::length(frame.device_wrench.torque_nm));
   count_energy(frame);

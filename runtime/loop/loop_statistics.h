@@ -88,7 +88,7 @@ struct LoopStatistics {
   std::uint64_t skipped_ticks = 0;            // ticks that passed while a frame was late
   std::uint64_t dropped_frames = 0;           // that the ring had no room for
   std::uint64_t outcome_hash = 0;             // of all frames in order
-  double max_force_n = 0, max_torque_nm = 0;  // of the step's wrench
+  double max_force_n = 0, max_torque_nm = 0;  // of the step, about the handle
   double max_device_force_n = 0, max_device_torque_nm = 0;  // of the device's
   double generated_j = 0;                                   // over all contact episodes
   std::uint64_t contact_episodes = 0;                       // from free space to free space
