@@ -87,6 +87,10 @@ void check_mass_fields(const PshellHeader& h, FieldChecks& checks) {
   check_mass_fields(h, checks);
   checks.require(h.method <= static_cast<std::uint32_t>(ShellMethod::kSurface),
                  offsetof(PshellHeader, method), "method", "is not a known method");
+  checks.require(is_finite_not_negative(h.convex_radius_m), offsetof(PshellHeader, convex_radius_m),
+                 "convex_radius_m", "is not a finite length");
+  checks.require(is_finite_not_negative(h.convex_gap_m), offsetof(PshellHeader, convex_gap_m),
+                 "convex_gap_m", "is not a finite length");
   if (!is_newer_minor(h.file)) {
     checks.require(std::all_of(h.reserved.begin(), h.reserved.end(), [](auto b) { return b == 0; }),
                    offsetof(PshellHeader, reserved), "reserved", "is not zero");
@@ -98,7 +102,9 @@ Status check_section_sizes(const PshellHeader& h, std::span<const std::span<cons
                            std::span<const SectionRule> rules, std::string_view name) {
   const std::uint64_t stored = h.block_count * h.block_points;
   for (std::size_t i = 0; i < rules.size(); ++i) {
-    if (rules[i].element_bytes == 1 || (!rules[i].required && all[i].empty())) continue;
+    const bool any_size = rules[i].element_bytes == 1 ||
+                          rules[i].id == static_cast<std::uint32_t>(PshellSection::kLosses);
+    if (any_size || (!rules[i].required && all[i].empty())) continue;
     const bool blocks = rules[i].id == static_cast<std::uint32_t>(PshellSection::kBlocks);
     const bool super = rules[i].id == static_cast<std::uint32_t>(PshellSection::kSuperBlocks);
     const std::uint64_t wanted = blocks ? h.block_count : super ? h.super_block_count : stored;
@@ -189,6 +195,28 @@ Status check_padding_points(const PshellView& v, std::string_view name) {
   return {};
 }
 
+// Entries ascend, and what is proven grows with the distance at least as fast as the distance.
+[[gnu::cold]] Status check_losses(std::span<const DistanceLoss> losses, std::string_view name) {
+  if (losses.size() > kMaxLosses) {
+    return Error{ErrorCode::kSectionInvalid, std::string(name), "losses",
+                 std::to_string(losses.size()) + " entries; at most " + std::to_string(kMaxLosses) +
+                     " are allowed",
+                 "bake or copy it again"};
+  }
+  for (std::size_t i = 0; i < losses.size(); ++i) {
+    const DistanceLoss& own = losses[i];
+    if (!(std::isfinite(own.distance_m) && own.loss_m >= 0 && own.loss_m <= own.distance_m)) {
+      return entry_error(name, "losses", i, "loss is not between zero and a finite distance");
+    }
+    if (i > 0 &&
+        !(own.distance_m > losses[i - 1].distance_m && own.loss_m <= losses[i - 1].loss_m)) {
+      return entry_error(name, "losses", i,
+                         "distance does not ascend, or loss is above that of a smaller distance");
+    }
+  }
+  return {};
+}
+
 Status check_elements(const PshellView& v, const PshellHeader& h, std::string_view name) {
   if (Status s = check_points(v, h.bounding_radius_m, name); !s) return s;
   if (Status s = check_padding_points(v, name); !s) return s;
@@ -201,6 +229,10 @@ Status check_elements(const PshellView& v, const PshellHeader& h, std::string_vi
 }
 
 }  // namespace
+
+SurfaceDistanceTerms Pshell::surface_distance_terms() const {
+  return {header_->covering_radius_m, header_->convex_radius_m, header_->convex_gap_m, losses_};
+}
 
 Result<Pshell> Pshell::open(const std::filesystem::path& path, Verify verify) {
   auto file = MappedFile::open_for_long(path);
@@ -252,7 +284,9 @@ Result<Pshell> Pshell::read(std::span<const std::byte> bytes, std::string_view n
                  .blocks = elements_of<BoundingSphere>(all[7]).data(),
                  .super_blocks = elements_of<BoundingSphere>(all[8]).data(),
                  .cone_cos = all[9].empty() ? nullptr : column(9)};
-  shell.provenance_ = {reinterpret_cast<const char*>(all[10].data()), all[10].size()};
+  shell.provenance_ = {reinterpret_cast<const char*>(all[11].data()), all[11].size()};
+  shell.losses_ = elements_of<DistanceLoss>(all[10]);
+  if (Status s = check_losses(shell.losses_, name); !s) return s.error();
   if (Status s = check_elements(shell.view_, h, name); !s) return s.error();
   return shell;
 }

@@ -9,6 +9,7 @@
 #include "formats/file/mapped_file.h"
 #include "formats/pshell_format.h"
 #include "formats/result.h"
+#include "formats/surface_distance.h"
 #include "formats/voxmap.h"
 
 namespace forcelayer {
@@ -41,6 +42,7 @@ class Pshell {
   const PshellHeader& header() const { return *header_; }
   const PshellView& view() const { return view_; }
   std::string_view provenance() const { return provenance_; }
+  SurfaceDistanceTerms surface_distance_terms() const;  // valid while this lives
   std::span<const std::byte> bytes() const { return bytes_; }
   const FileStamp& stamp() const { return file_.stamp(); }  // never changes for bytes in memory
 
@@ -54,6 +56,7 @@ class Pshell {
   const PshellHeader* header_ = nullptr;
   PshellView view_;
   std::string_view provenance_;
+  std::span<const DistanceLoss> losses_;
 };
 
 }  // namespace forcelayer

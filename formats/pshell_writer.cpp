@@ -40,6 +40,7 @@ PaddedLayout lay_out(const PshellContent& content) {
   bytes.push_back(std::as_bytes(content.blocks));
   bytes.push_back(std::as_bytes(content.super_blocks));
   bytes.push_back(std::as_bytes(std::span(result.columns[7])));
+  bytes.push_back(std::as_bytes(content.losses));
   bytes.push_back(std::as_bytes(std::span(content.provenance)));
 
   const auto rules = pshell_section_rules();

@@ -24,6 +24,7 @@ struct PshellContent {
   std::span<const BoundingSphere> super_blocks;  // [super_block_count]
   std::span<const float> cone_cos;               // [point_count] or empty
   std::string_view provenance;                   // JSON, may be empty
+  std::span<const DistanceLoss> losses;          // ascending, may be empty
 };
 
 // Writes `content` to `path` atomically; returns the file's size in bytes. Same content, same

@@ -83,7 +83,7 @@ Status check_magic(std::span<const std::byte> bytes, std::string_view name,
                "bake or copy it again"};
 }
 
-Status check_version(const FileHeader& header, std::string_view name) {
+Status check_version(const FileHeader& header, std::string_view name, const HeaderRule& rule) {
   const std::string file(name);
   if (header.endian_tag == 0x04030201) {
     return Error{ErrorCode::kWrongEndianness, file, "header byte 8", "big-endian file",
@@ -94,11 +94,11 @@ Status check_version(const FileHeader& header, std::string_view name) {
                  "endian tag " + hex(header.endian_tag) + " is not " + hex(kEndianTag),
                  "bake or copy it again"};
   }
-  if (header.major != kFormatMajor) {
+  if (header.major != rule.major) {
     return Error{ErrorCode::kUnknownVersion, file, "header byte 12",
                  "format version " + std::to_string(header.major) + "." +
                      std::to_string(header.minor) + "; this program reads version " +
-                     std::to_string(kFormatMajor),
+                     std::to_string(rule.major),
                  "bake it again or use the program that belongs to it"};
   }
   return {};
@@ -259,7 +259,7 @@ Status check_file_header(std::span<const std::byte> bytes, std::string_view name
                  "the bytes in memory are not 64-byte aligned", ""};
   }
   const FileHeader header = read_file_header(bytes);
-  if (Status version = check_version(header, name); !version) return version;
+  if (Status version = check_version(header, name, rule); !version) return version;
   if (Status sum = check_header_checksum(bytes, name, header, rule); !sum) return sum;
   return check_size_and_features(bytes, name, header);
 }
@@ -315,7 +315,7 @@ FileLayout lay_out_file(std::span<const std::byte> header, const HeaderRule& rul
   FileHeader file{};
   file.magic = rule.magic;
   file.endian_tag = kEndianTag;
-  file.major = kFormatMajor;
+  file.major = rule.major;
   file.minor = kFormatMinor;
   file.header_bytes = rule.header_bytes;
   file.section_count = static_cast<std::uint32_t>(sections.size());

@@ -29,9 +29,10 @@ constexpr std::uint64_t aligned_offset(std::uint64_t offset) {
   return (offset + kSectionAlignment - 1) / kSectionAlignment * kSectionAlignment;
 }
 
-// The magic and the size of a format's header.
+// The magic, the major version and the size of a format's header.
 struct HeaderRule {
   std::array<std::uint8_t, 8> magic;
+  std::uint16_t major;         // another is refused
   std::uint32_t header_bytes;  // of this minor version
 };
 

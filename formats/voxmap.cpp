@@ -14,37 +14,34 @@ bool is_voxel_index(std::int64_t index) {
   return index >= -kMaxVoxelIndex && index <= kMaxVoxelIndex;
 }
 
+// The metric, and the lengths that go with it.
 void check_encoding_fields(const VoxmapHeader& h, FieldChecks& checks) {
   checks.require(h.metric <= static_cast<std::uint32_t>(Metric::kEuclidean),
                  offsetof(VoxmapHeader, metric), "metric", "is not a metric that this version has");
-  checks.require(h.bits_per_voxel == 2 || h.bits_per_voxel == 4 || h.bits_per_voxel == 8,
-                 offsetof(VoxmapHeader, bits_per_voxel), "bits_per_voxel", "is not 2, 4 or 8");
   if (!checks.status()) return;
-  if (h.bits_per_voxel == 2) {
-    checks.require(h.range_m == 0, offsetof(VoxmapHeader, range_m), "range_m",
-                   "is not zero at 2 bits");
-    checks.require(h.quantum_m == 0, offsetof(VoxmapHeader, quantum_m), "quantum_m",
-                   "is not zero at 2 bits");
-    checks.require((h.zero_code | h.surface_code | h.proximity_code | h.free_code) == 0,
-                   offsetof(VoxmapHeader, zero_code), "zero_code and thresholds",
-                   "are not zero at 2 bits");
-    return;
-  }
-  const std::uint32_t max_code = (1u << h.bits_per_voxel) - 1;
-  checks.require(std::isfinite(h.range_m) && h.range_m > 0, offsetof(VoxmapHeader, range_m),
-                 "range_m", "is not a positive length");
-  checks.require(std::isfinite(h.quantum_m) && h.quantum_m > 0 && h.quantum_m <= h.range_m,
-                 offsetof(VoxmapHeader, quantum_m), "quantum_m",
-                 "is not a positive length within the range");
-  checks.require(h.zero_code <= max_code, offsetof(VoxmapHeader, zero_code), "zero_code",
-                 "is above the highest code");
-  checks.require(h.surface_code > 0, offsetof(VoxmapHeader, surface_code), "surface_code",
-                 "leaves no code to the interior");
-  checks.require(h.proximity_code > h.surface_code, offsetof(VoxmapHeader, proximity_code),
-                 "proximity_code", "is not above surface_code");
-  checks.require(h.free_code > h.proximity_code && h.free_code <= max_code,
-                 offsetof(VoxmapHeader, free_code), "free_code",
-                 "is not above proximity_code or above the highest code");
+  const bool euclidean = h.metric == static_cast<std::uint32_t>(Metric::kEuclidean);
+  const auto length = [&](double value, std::size_t offset, const char* field) {
+    checks.require(euclidean ? std::isfinite(value) && value > 0 : value == 0, offset, field,
+                   euclidean ? "is not a positive length" : "is not zero in the Chebyshev metric");
+  };
+  length(h.zero_force_m, offsetof(VoxmapHeader, zero_force_m), "zero_force_m");
+  length(h.force_depth_m, offsetof(VoxmapHeader, force_depth_m), "force_depth_m");
+  checks.require(h.force_depth_m <= h.zero_force_m, offsetof(VoxmapHeader, force_depth_m),
+                 "force_depth_m", "is more than zero_force_m");
+  checks.require(!euclidean || h.offset_layers > 0, offsetof(VoxmapHeader, offset_layers),
+                 "offset_layers", "is zero in the Euclidean metric");
+  checks.require(h.distance_quantum_m == 0 || (euclidean && h.distance_quantum_m > 0 &&
+                                               h.distance_quantum_m * kMostDistanceCode <=
+                                                   kMaxVoxelSizeM * kMostDistanceCode),
+                 offsetof(VoxmapHeader, distance_quantum_m), "distance_quantum_m",
+                 "is not zero, and not a step of Euclidean distances");
+  constexpr auto kHighest = static_cast<std::int32_t>(kMostDistanceCode);
+  checks.require(has_distances(h) ? h.distance_zero_code > 0 && h.distance_zero_code < kHighest
+                                  : h.distance_zero_code == 0,
+                 offsetof(VoxmapHeader, distance_zero_code), "distance_zero_code",
+                 has_distances(h) ? "is not between 1 and 254" : "is not zero without distances");
+  checks.require(h.object_count <= kMostObjects, offsetof(VoxmapHeader, object_count),
+                 "object_count", "is above 65535");
 }
 
 void check_directory_fields(const VoxmapHeader& h, FieldChecks& checks) {
@@ -148,25 +145,27 @@ void check_count_fields(const VoxmapHeader& h, FieldChecks& checks) {
                  "is not a finite length");
   if (!is_newer_minor(h.file)) {
     checks.require(h.reserved0 == 0, offsetof(VoxmapHeader, reserved0), "reserved", "is not zero");
+    checks.require(h.reserved1 == 0, offsetof(VoxmapHeader, reserved1), "reserved", "is not zero");
     checks.require(std::all_of(h.reserved.begin(), h.reserved.end(), [](auto b) { return b == 0; }),
                    offsetof(VoxmapHeader, reserved), "reserved", "is not zero");
   }
   return checks.status();
 }
 
-// The entries that a level of the tree may have.
+// The entries that a level of a tree may have.
 struct EntryRule {
-  std::uint64_t child_count;   // elements of the next level's section
-  std::uint32_t max_code;      // 2^bits_per_voxel - 1
-  std::uint32_t lowest_free;   // of the codes that mean free: 0 at 2 bits, else free_code
-  std::uint32_t highest_free;  // 0 at 2 bits, else max_code
+  std::uint64_t child_count;  // elements of the next level's section
+  std::uint32_t value_mask;   // the bits that hold a uniform entry's value
+  std::uint32_t most_value;
+  std::uint32_t clearance_mask;  // the bits that may be set beside the value 0
 };
 
 // Whether an entry breaks the rule. Without branches, so that the loop below is vectorized.
 bool is_bad_entry(std::uint32_t entry, const EntryRule& rule) {
-  const std::uint32_t value = uniform_value(entry);
-  const bool free = (value >= rule.lowest_free) & (value <= rule.highest_free);
-  const bool bad_value = (value > rule.max_code) | (!free & (uniform_clearance(entry) != 0));
+  const std::uint32_t value = entry & rule.value_mask;
+  const std::uint32_t allowed = value == 0 ? rule.clearance_mask : 0;
+  const std::uint32_t rest = entry & ~(kUniformBit | rule.value_mask);
+  const bool bad_value = (value > rule.most_value) | ((rest & ~allowed) != 0);
   const bool bad_child = entry >= rule.child_count;
   return is_uniform(entry) ? bad_value : bad_child;
 }
@@ -176,15 +175,17 @@ bool is_bad_entry(std::uint32_t entry, const EntryRule& rule) {
     return "child index " + std::to_string(entry) + " of " + std::to_string(rule.child_count) +
            " children";
   }
-  if (uniform_value(entry) > rule.max_code) {
-    return "value " + std::to_string(uniform_value(entry)) + " is above " +
-           std::to_string(rule.max_code);
+  const std::uint32_t value = entry & rule.value_mask;
+  if (value > rule.most_value) {
+    return "value " + std::to_string(value) + " is above " + std::to_string(rule.most_value);
   }
-  return "reserved bits of a value that is not free are not zero";
+  return rule.clearance_mask != 0 ? "reserved bits of a value that is not free are not zero"
+                                  : "reserved bits are not zero";
 }
 
-Status check_entries(std::span<const std::uint32_t> entries, const EntryRule& rule,
-                     std::string_view name, const char* section) {
+[[gnu::noinline]] Status check_entries(std::span<const std::uint32_t> entries,
+                                       const EntryRule& rule, std::string_view name,
+                                       const char* section) {
   constexpr std::size_t kChunk = 4096;
   for (std::size_t begin = 0; begin < entries.size(); begin += kChunk) {
     const auto chunk = entries.subspan(begin, std::min(kChunk, entries.size() - begin));
@@ -201,29 +202,81 @@ Status check_entries(std::span<const std::uint32_t> entries, const EntryRule& ru
   return {};
 }
 
-Status check_directory_size(const VoxmapHeader& h, std::size_t entries, std::string_view name) {
+// The sections of one tree, as they stand in the file.
+struct TreeSections {
+  const char* directory;
+  const char* upper_nodes;
+  const char* lower_nodes;
+  std::span<const std::span<const std::byte>> bytes;  // of the four
+};
+
+// Checks a tree of elements of `bits` bits. Compiled for size, like what calls it.
+[[gnu::cold]] Status check_tree(const VoxmapHeader& h, const TreeSections& sections,
+                                std::uint32_t bits, EntryRule rule, std::string_view name,
+                                TreeCounts& counts) {
+  const auto directory = elements_of<std::uint32_t>(sections.bytes[0]);
+  const auto upper_nodes = elements_of<std::uint32_t>(sections.bytes[1]);
+  const auto lower_nodes = elements_of<std::uint32_t>(sections.bytes[2]);
+  counts = {upper_nodes.size() / kNodeEntries, lower_nodes.size() / kNodeEntries,
+            sections.bytes[3].size() / brick_bytes(bits)};
   const std::uint64_t wanted =
       std::uint64_t{h.directory_dims[0]} * h.directory_dims[1] * h.directory_dims[2];
-  if (entries == wanted) return {};
-  return Error{ErrorCode::kSectionInvalid, std::string(name), "directory",
-               std::to_string(entries) + " entries where the header says " + std::to_string(wanted),
-               "bake or copy it again"};
+  if (directory.size() != wanted) {
+    return Error{ErrorCode::kSectionInvalid, std::string(name), sections.directory,
+                 std::to_string(directory.size()) + " entries where the header says " +
+                     std::to_string(wanted),
+                 "bake or copy it again"};
+  }
+  rule.child_count = counts.upper_nodes;
+  if (Status s = check_entries(directory, rule, name, sections.directory); !s) return s;
+  rule.child_count = counts.lower_nodes;
+  if (Status s = check_entries(upper_nodes, rule, name, sections.upper_nodes); !s) return s;
+  rule.child_count = counts.bricks;
+  return check_entries(lower_nodes, rule, name, sections.lower_nodes);
 }
 
-Status check_compliance(const VoxmapHeader& h, std::span<const float> forces,
-                        std::string_view name) {
+template <std::uint32_t kBits>
+TreeView<kBits> view_of(const VoxmapHeader& h, const TreeSections& sections) {
+  TreeView<kBits> view{elements_of<std::uint32_t>(sections.bytes[0]).data(),
+                       elements_of<std::uint32_t>(sections.bytes[1]).data(),
+                       elements_of<std::uint32_t>(sections.bytes[2]).data(),
+                       elements_of<std::uint32_t>(sections.bytes[3]).data(),
+                       h.directory_origin,
+                       {}};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    view.directory_dims[axis] = static_cast<std::int32_t>(h.directory_dims[axis]);
+  }
+  return view;
+}
+
+// Sections of a tree that the header does not announce.
+[[gnu::cold]] Status check_absent(const TreeSections& sections, const char* field,
+                                  std::string_view name) {
+  for (const std::span<const std::byte> bytes : sections.bytes) {
+    if (bytes.empty()) continue;
+    return Error{ErrorCode::kSectionInvalid, std::string(name), sections.directory,
+                 std::string("the tree stands in a file whose ") + field + " is zero",
+                 "bake or copy it again"};
+  }
+  return {};
+}
+
+[[gnu::cold]] Status check_compliance(const VoxmapHeader& h, std::span<const float> forces,
+                                      std::string_view name) {
   if (forces.empty()) return {};
   const auto wrong = [&](const char* what) {
     return Error{ErrorCode::kSectionInvalid, std::string(name), "compliance", what,
                  "bake or copy it again"};
   };
-  if (h.bits_per_voxel == 2) return wrong("stands in a file of 2 bits, which has no depths");
-  if (forces.size() > std::size_t{h.zero_code} + 1)
-    return wrong("has more entries than the codes have depths");
+  if (!has_distances(h)) return wrong("stands in a file that stores no distances");
+  const double deepest_m = h.zero_force_m + (h.distance_zero_code + 1.0) * h.distance_quantum_m;
+  if (static_cast<double>(forces.size() - 1) * h.distance_quantum_m > deepest_m) {
+    return wrong("is deeper than the distances");
+  }
   for (std::size_t i = 0; i < forces.size(); ++i) {
     const float least = i == 0 ? 0.0f : forces[i - 1];
     const float most = i == 0 ? 0.0f : kMostComplianceN;
-    const double steep_n = kMostComplianceNPerM * h.quantum_m;
+    const double steep_n = kMostComplianceNPerM * h.distance_quantum_m;
     if (forces[i] >= least && forces[i] <= most && forces[i] - least <= steep_n) continue;
     return Error{ErrorCode::kEntryInvalid, std::string(name),
                  "compliance entry " + std::to_string(i),
@@ -263,56 +316,111 @@ Result<Voxmap> Voxmap::read(std::span<const std::byte> bytes, std::string_view n
   const VoxmapHeader& h = *map.header_;
   if (Status s = check_header_fields(h, name); !s) return s.error();
 
-  const auto rules = voxmap_section_rules(h.bits_per_voxel);
+  const auto rules = voxmap_section_rules();
   const auto sections = check_sections(bytes, name, rules);
   if (!sections) return sections.error();
   if (verify == Verify::kStructureAndChecksums) {
     if (Status s = check_section_checksums(bytes, name, rules, file); !s) return s.error();
   }
-  const auto directory = elements_of<std::uint32_t>((*sections)[0]);
-  const auto upper_nodes = elements_of<std::uint32_t>((*sections)[1]);
-  const auto lower_nodes = elements_of<std::uint32_t>((*sections)[2]);
-  map.upper_node_count_ = upper_nodes.size() / kNodeEntries;
-  map.lower_node_count_ = lower_nodes.size() / kNodeEntries;
-  map.brick_count_ = (*sections)[3].size() / brick_bytes(h.bits_per_voxel);
+  if (Status s = map.read_trees(*sections, name); !s) return s.error();
   map.compliance_ = elements_of<float>((*sections)[4]);
   map.provenance_ = {reinterpret_cast<const char*>((*sections)[5].data()), (*sections)[5].size()};
-  if (Status s = map.check_tree(directory, upper_nodes, lower_nodes, name); !s) return s.error();
   if (Status s = check_compliance(h, map.compliance_, name); !s) return s.error();
-  map.view_ = {directory.data(),   upper_nodes.data(),
-               lower_nodes.data(), elements_of<std::uint32_t>((*sections)[3]).data(),
-               h.directory_origin, {},
-               h.bits_per_voxel};
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    map.view_.directory_dims[axis] = static_cast<std::int32_t>(h.directory_dims[axis]);
-  }
+  if (Status s = map.read_names((*sections)[14], name); !s) return s.error();
   return map;
 }
 
-Status Voxmap::check_tree(std::span<const std::uint32_t> directory,
-                          std::span<const std::uint32_t> upper_nodes,
-                          std::span<const std::uint32_t> lower_nodes, std::string_view name) const {
-  if (Status s = check_directory_size(*header_, directory.size(), name); !s) return s;
-  const std::uint32_t max_code = (1u << header_->bits_per_voxel) - 1;
-  const std::uint32_t lowest_free = lowest_free_code(*header_);
-  EntryRule rule{upper_node_count_, max_code, lowest_free, lowest_free == 0 ? 0 : max_code};
-  if (Status s = check_entries(directory, rule, name, "directory"); !s) return s;
-  rule.child_count = lower_node_count_;
-  if (Status s = check_entries(upper_nodes, rule, name, "upper nodes"); !s) return s;
-  rule.child_count = brick_count_;
-  return check_entries(lower_nodes, rule, name, "lower nodes");
+[[gnu::cold]] Status Voxmap::read_trees(std::span<const std::span<const std::byte>> sections,
+                                        std::string_view name) {
+  const VoxmapHeader& h = *header_;
+  const TreeSections values{"directory", "upper nodes", "lower nodes", sections.subspan(0, 4)};
+  const EntryRule value_rule{0, 0xff, 3, kMaxClearance << 8};
+  if (Status s = check_tree(h, values, kValueBits, value_rule, name, value_counts_); !s) return s;
+  view_ = view_of<kValueBits>(h, values);
+
+  const TreeSections distances{"distance directory", "distance upper nodes", "distance lower nodes",
+                               sections.subspan(6, 4)};
+  if (!has_distances(h)) {
+    if (Status s = check_absent(distances, "distance_quantum_m", name); !s) return s;
+  } else {
+    const EntryRule rule{0, 0xffff, kMostDistanceCode, 0};
+    if (Status s = check_tree(h, distances, kDistanceBits, rule, name, distance_counts_); !s) {
+      return s;
+    }
+    distances_ = view_of<kDistanceBits>(h, distances);
+  }
+  const TreeSections objects{"object directory", "object upper nodes", "object lower nodes",
+                             sections.subspan(10, 4)};
+  if (h.object_count == 0) return check_absent(objects, "object_count", name);
+  const EntryRule rule{0, 0xffff, h.object_count, 0};
+  objects_ = view_of<kObjectBits>(h, objects);
+  return check_tree(h, objects, kObjectBits, rule, name, object_counts_);
 }
 
-VoxelValue Voxmap::value(std::int64_t i, std::int64_t j, std::int64_t k) const {
+[[gnu::cold]] Status Voxmap::read_names(std::span<const std::byte> names, std::string_view name) {
+  const std::string_view text(reinterpret_cast<const char*>(names.data()), names.size());
+  const auto wrong = [&](std::string what) {
+    return Error{ErrorCode::kSectionInvalid, std::string(name), "object names", std::move(what),
+                 "bake or copy it again"};
+  };
+  if (!text.empty() && text.back() != '\0') return wrong("the last name has no end");
+  const auto count = static_cast<std::uint64_t>(std::count(text.begin(), text.end(), '\0'));
+  if (count != header_->object_count) {
+    return wrong(std::to_string(count) + " names where the header says " +
+                 std::to_string(header_->object_count));
+  }
+  object_names_.reserve(count);
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = text.find('\0', begin);
+    object_names_.push_back(text.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return {};
+}
+
+std::string_view Voxmap::object_name(std::uint32_t object) const {
+  return object >= 1 && object <= object_names_.size() ? object_names_[object - 1]
+                                                       : std::string_view();
+}
+
+std::optional<std::array<std::int32_t, 3>> Voxmap::in_directory(std::int64_t i, std::int64_t j,
+                                                                std::int64_t k) const {
   const std::array<std::int64_t, 3> world{i, j, k};
   std::array<std::int32_t, 3> relative{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const std::int64_t origin = header_->directory_origin[axis];
     const std::int64_t extent = std::int64_t{header_->directory_dims[axis]} * kUpperNodeEdge;
-    if (world[axis] < origin || world[axis] >= origin + extent) return VoxelValue::kFree;
+    if (world[axis] < origin || world[axis] >= origin + extent) return std::nullopt;
     relative[axis] = static_cast<std::int32_t>(world[axis] - origin);
   }
-  return voxel_value(*header_, view_.lookup(relative[0], relative[1], relative[2]).code);
+  return relative;
+}
+
+VoxelValue Voxmap::value(std::int64_t i, std::int64_t j, std::int64_t k) const {
+  const auto at = in_directory(i, j, k);
+  if (!at) return VoxelValue::kFree;
+  return static_cast<VoxelValue>(view_.lookup((*at)[0], (*at)[1], (*at)[2]).code);
+}
+
+std::uint32_t Voxmap::nearest_object(std::int64_t i, std::int64_t j, std::int64_t k) const {
+  const auto at = in_directory(i, j, k);
+  if (!at || objects() == nullptr) return 0;
+  return objects_.lookup((*at)[0], (*at)[1], (*at)[2]).code;
+}
+
+std::uint32_t Voxmap::distance_code(std::int64_t i, std::int64_t j, std::int64_t k) const {
+  const auto at = in_directory(i, j, k);
+  return at ? distances_.lookup((*at)[0], (*at)[1], (*at)[2]).code : kMostDistanceCode;
+}
+
+double Voxmap::least_distance_m(std::int64_t i, std::int64_t j, std::int64_t k) const {
+  if (distances() == nullptr) return -std::numeric_limits<double>::infinity();
+  return forcelayer::least_distance_m(*header_, distance_code(i, j, k));
+}
+
+double Voxmap::most_distance_m(std::int64_t i, std::int64_t j, std::int64_t k) const {
+  if (distances() == nullptr) return std::numeric_limits<double>::infinity();
+  return forcelayer::most_distance_m(*header_, distance_code(i, j, k));
 }
 
 double steepest_n_per_m(const Voxmap& map) {
@@ -321,7 +429,7 @@ double steepest_n_per_m(const Voxmap& map) {
   for (std::size_t i = 1; i < forces.size(); ++i) {
     steepest_n = std::max(steepest_n, double{forces[i]} - double{forces[i - 1]});
   }
-  return steepest_n / map.header().quantum_m;
+  return steepest_n / map.header().distance_quantum_m;
 }
 
 }  // namespace forcelayer

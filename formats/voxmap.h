@@ -4,8 +4,10 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string_view>
+#include <vector>
 
 #include "formats/file/mapped_file.h"
 #include "formats/result.h"
@@ -13,23 +15,23 @@
 
 namespace forcelayer {
 
-// The result of one look-up in the tree.
+// The result of one look-up in a tree.
 struct VoxelLookup {
-  std::uint32_t code = 0;       // the stored value: a VoxelValue at two bits, else a distance code
-  std::uint32_t clearance = 0;  // of the entry's box, in voxels; 0 = unknown (or in a brick)
+  std::uint32_t code = 0;         // the stored value: a VoxelValue, a distance code, an object
+  std::uint32_t clearance = 0;    // of the entry's box, in voxels; 0 = unknown (or in a brick)
   std::uint32_t edge_voxels = 1;  // of the uniform box that holds the voxel: 512, 64, 8 or 1
 };
 
-// The tree as bare pointers, for hot paths. Trivially copyable; valid while its Voxmap lives.
+// A tree as bare pointers, for hot paths. Trivially copyable; valid while its Voxmap lives.
 // Coordinates are voxel indices relative to `directory_origin`.
-struct VoxmapView {
+template <std::uint32_t kBits>
+struct TreeView {
   const std::uint32_t* directory = nullptr;    // [dims x][dims y][dims z]
   const std::uint32_t* upper_nodes = nullptr;  // [count][512]
   const std::uint32_t* lower_nodes = nullptr;  // [count][512]
-  const std::uint32_t* bricks = nullptr;       // [count][16 * bits_per_voxel] words
+  const std::uint32_t* bricks = nullptr;       // [count][16 * kBits] words
   std::array<std::int64_t, 3> directory_origin{};
   std::array<std::int32_t, 3> directory_dims{};  // cells of 512 voxels
-  std::uint32_t bits_per_voxel = 2;
 
   // Whether relative voxel (x, y, z) lies in the directory; outside it all is free.
   bool contains(std::int32_t x, std::int32_t y, std::int32_t z) const {
@@ -46,15 +48,37 @@ struct VoxmapView {
     std::uint32_t entry =
         directory[(std::int64_t{x >> 9} * directory_dims[1] + (y >> 9)) * directory_dims[2] +
                   (z >> 9)];
-    if (is_uniform(entry)) return {uniform_value(entry), uniform_clearance(entry), kUpperNodeEdge};
+    if (is_uniform(entry)) return uniform(entry, kUpperNodeEdge);
     entry = upper_nodes[std::uint64_t{entry} * kNodeEntries + slot(x, y, z, 6)];
-    if (is_uniform(entry)) return {uniform_value(entry), uniform_clearance(entry), kLowerNodeEdge};
+    if (is_uniform(entry)) return uniform(entry, kLowerNodeEdge);
     entry = lower_nodes[std::uint64_t{entry} * kNodeEntries + slot(x, y, z, 3)];
-    if (is_uniform(entry)) return {uniform_value(entry), uniform_clearance(entry), kBrickEdge};
-    const std::uint32_t bit = slot(x, y, z, 0) * bits_per_voxel;
-    const std::uint32_t word = bricks[std::uint64_t{entry} * 16 * bits_per_voxel + (bit >> 5)];
-    return {(word >> (bit & 31)) & ((1u << bits_per_voxel) - 1), 0, 1};
+    if (is_uniform(entry)) return uniform(entry, kBrickEdge);
+    return {brick_code(entry, slot(x, y, z, 0)), 0, 1};
   }
+
+  // The stored code of voxel n = x*64 + y*8 + z of a brick.
+  std::uint32_t brick_code(std::uint32_t brick, std::uint32_t n) const {
+    const std::uint32_t bit = n * kBits;
+    const std::uint32_t word = bricks[std::uint64_t{brick} * 16 * kBits + (bit >> 5)];
+    return (word >> (bit & 31)) & ((1u << kBits) - 1);
+  }
+
+  static VoxelLookup uniform(std::uint32_t entry, std::uint32_t edge_voxels) {
+    if constexpr (kBits == kValueBits) {
+      return {uniform_value(entry), uniform_clearance(entry), edge_voxels};
+    } else {
+      return {uniform_wide_value(entry), 0, edge_voxels};
+    }
+  }
+};
+
+using VoxmapView = TreeView<kValueBits>;       // codes are VoxelValues
+using DistanceView = TreeView<kDistanceBits>;  // voxmap_format.md, section 6
+using ObjectView = TreeView<kObjectBits>;      // numbers of objects from 1 on, 0 for none
+
+// How many nodes and bricks a tree has.
+struct TreeCounts {
+  std::uint64_t upper_nodes = 0, lower_nodes = 0, bricks = 0;
 };
 
 // How much of a file open() verifies. Structure is always checked: sizes, alignment, reserved bits,
@@ -79,16 +103,33 @@ class Voxmap {
 
   const VoxmapHeader& header() const { return *header_; }
   const VoxmapView& view() const { return view_; }
+
+  // Distances and objects; null where the map stores none.
+  const DistanceView* distances() const { return has_distances(*header_) ? &distances_ : nullptr; }
+  const ObjectView* objects() const { return header_->object_count > 0 ? &objects_ : nullptr; }
+  // The name of object 1 to object_count; empty for any other number.
+  std::string_view object_name(std::uint32_t object) const;
+  // The number of the object nearest to world voxel (i, j, k); 0 where none is known.
+  std::uint32_t nearest_object(std::int64_t i, std::int64_t j, std::int64_t k) const;
+  // The least distance from the static mesh that the center of world voxel (i, j, k) can have, by
+  // its stored code, m: -infinity for the lowest code, the reach of the codes beyond it.
+  double least_distance_m(std::int64_t i, std::int64_t j, std::int64_t k) const;
+  // The most that it can be, but for a writer's error: infinity for the highest code and beyond.
+  double most_distance_m(std::int64_t i, std::int64_t j, std::int64_t k) const;
+
   double voxel_size_m() const { return header_->voxel_size_m; }
 
   // Value of world voxel (i, j, k), any index: free outside the directory.
   VoxelValue value(std::int64_t i, std::int64_t j, std::int64_t k) const;
 
-  std::uint64_t upper_node_count() const { return upper_node_count_; }
-  std::uint64_t lower_node_count() const { return lower_node_count_; }
-  std::uint64_t brick_count() const { return brick_count_; }
-  // Force of one contact point, N, at depths of 0, 1, 2, ... times quantum_m (voxmap_format.md,
-  // section 6). May be empty; else it starts at 0, never decreases, and ends above 0.
+  std::uint64_t upper_node_count() const { return value_counts_.upper_nodes; }
+  std::uint64_t lower_node_count() const { return value_counts_.lower_nodes; }
+  std::uint64_t brick_count() const { return value_counts_.bricks; }
+  const TreeCounts& distance_counts() const { return distance_counts_; }
+  const TreeCounts& object_counts() const { return object_counts_; }
+  // Force of one contact point, N, at depths of 0, 1, 2, ... times distance_quantum_m
+  // (voxmap_format.md, section 6). May be empty; else it starts at 0, never decreases, and ends
+  // above 0.
   std::span<const float> compliance() const { return compliance_; }
   std::string_view provenance() const { return provenance_; }  // JSON text
   std::span<const std::byte> bytes() const { return bytes_; }  // the whole file
@@ -98,15 +139,22 @@ class Voxmap {
   Voxmap() = default;
   static Result<Voxmap> read(std::span<const std::byte> bytes, std::string_view name, Verify verify,
                              const MappedFile* file);
-  Status check_tree(std::span<const std::uint32_t> directory,
-                    std::span<const std::uint32_t> upper_nodes,
-                    std::span<const std::uint32_t> lower_nodes, std::string_view name) const;
+  Status read_trees(std::span<const std::span<const std::byte>> sections, std::string_view name);
+  Status read_names(std::span<const std::byte> names, std::string_view name);
+  // The code of a distance; the highest outside of the directory. The map stores distances.
+  std::uint32_t distance_code(std::int64_t i, std::int64_t j, std::int64_t k) const;
+  // The position of a world voxel relative to the directory; nothing outside of it.
+  std::optional<std::array<std::int32_t, 3>> in_directory(std::int64_t i, std::int64_t j,
+                                                          std::int64_t k) const;
 
   MappedFile file_;
   std::span<const std::byte> bytes_;
   const VoxmapHeader* header_ = nullptr;
   VoxmapView view_;
-  std::uint64_t upper_node_count_ = 0, lower_node_count_ = 0, brick_count_ = 0;
+  DistanceView distances_;
+  ObjectView objects_;
+  TreeCounts value_counts_, distance_counts_, object_counts_;
+  std::vector<std::string_view> object_names_;  // [object - 1]
   std::span<const float> compliance_;
   std::string_view provenance_;
 };

@@ -1,18 +1,23 @@
-// The .vox file: the static scene as voxels in a fixed-depth 512-tree (paper 4.3), byte by byte.
+// The .vox file: the static scene as voxels in fixed-depth 512-trees (paper 4.3), byte by byte.
 // The normative text is voxmap_format.md.
 //
-//   header | section table | directory | upper nodes | lower nodes | bricks | [compliance] | [json]
+//   header | section table | values | [compliance] | [json] | [distances] | [objects, names]
 //
-// A directory entry stands for a directory cell of 512^3 voxels, an entry of an upper node for
-// 64^3, one of a lower node for 8^3; a brick holds 8^3 voxels. Inside nodes and bricks, entry n =
-// x*64 + y*8 + z (z runs fastest).
+// Values, distances and objects are trees of one shape, each a directory, upper nodes, lower nodes
+// and bricks. A directory entry stands for a directory cell of 512^3 voxels, an entry of an upper
+// node for 64^3, one of a lower node for 8^3; a brick holds 8^3 voxels. Inside nodes and bricks,
+// entry n = x*64 + y*8 + z (z runs fastest).
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "formats/file_format.h"
 
 namespace forcelayer {
+
+inline constexpr std::uint16_t kVoxmapMajor = 2;
 
 // Table 1 of the paper, after offsetting (4.2).
 enum class VoxelValue : std::uint8_t { kFree = 0, kInterior = 1, kSurface = 2, kProximity = 3 };
@@ -28,9 +33,10 @@ inline constexpr std::uint32_t kMaxDirectoryDim = 1u << 21;  // cells; 2^30 voxe
 inline constexpr std::int64_t kMaxVoxelIndex = std::int64_t{1} << 52;  // doubles hold it exactly
 
 // A tree entry of 32 bits. Bit 31 clear: bits 0-30 are the index of a child in the next level's
-// section. Bit 31 set: the whole box has the value of bits 0-7; where that value is free, bits
-// 8-30 are its clearance: the Chebyshev distance in voxels from the box to the nearest non-free
-// voxel, rounded down (0 = unknown); elsewhere they are zero.
+// section. Bit 31 set: the whole box has one value. In the tree of values it stands in bits 0-7;
+// where it is free, bits 8-30 are the box's clearance: the Chebyshev distance in voxels from the
+// box to the nearest non-free voxel, rounded down (0 = unknown); elsewhere they are zero. In the
+// trees of distances and objects it stands in bits 0-15, and bits 16-30 are zero.
 //   A clearance of c promises that every voxel within c-1 steps (per axis) of the box is free.
 inline constexpr std::uint32_t kUniformBit = 0x8000'0000u;
 inline constexpr std::uint32_t kMaxClearance = (1u << 23) - 1;
@@ -42,19 +48,34 @@ constexpr std::uint32_t uniform_clearance(std::uint32_t entry) {
 constexpr std::uint32_t uniform_entry(std::uint32_t value, std::uint32_t clearance = 0) {
   return kUniformBit | (clearance << 8) | value;
 }
+constexpr std::uint32_t uniform_wide_value(std::uint32_t entry) { return entry & 0xffffu; }
 
 inline constexpr double kMinVoxelSizeM = 1e-9;
 inline constexpr double kMaxVoxelSizeM = 1e6;
 inline constexpr std::uint32_t kMaxOffsetLayers = 65535;
 
+// The trees' element n stands at bit n * bits of a brick.
+inline constexpr std::uint32_t kValueBits = 2, kDistanceBits = 8, kObjectBits = 16;
+inline constexpr std::uint32_t kMostDistanceCode = 255;  // "this distance or more"
+inline constexpr std::uint32_t kMostObjects = 65535;     // 0 stands for none
+inline constexpr std::uint32_t kMostObjectNameBytes = 1u << 16;
+
 enum class VoxmapSection : std::uint32_t {
-  kDirectory = 1,   // uint32 entries, dims x*y*z, z fastest
-  kUpperNodes = 2,  // 512 uint32 entries each
-  kLowerNodes = 3,  // 512 uint32 entries each
-  kBricks = 4,      // 512 values of bits_per_voxel each; value n at bit n*bits of the brick
-  kCompliance =
-      5,  // float32 force (N per contact point) over depth in steps of quantum_m; optional
-  kProvenance = 6,  // UTF-8 JSON: content hashes and the options that affect voxels
+  kDirectory = 1,          // uint32 entries, dims x*y*z, z fastest
+  kUpperNodes = 2,         // 512 uint32 entries each
+  kLowerNodes = 3,         // 512 uint32 entries each
+  kBricks = 4,             // 512 values of two bits each
+  kCompliance = 5,         // float32 force (N per contact point) over depth; optional
+  kProvenance = 6,         // UTF-8 JSON: content hashes and the options that affect voxels
+  kDistanceDirectory = 7,  // 7 to 10 as 1 to 4, of codes of eight bits; all four, or none
+  kDistanceUpperNodes = 8,
+  kDistanceLowerNodes = 9,
+  kDistanceBricks = 10,
+  kObjectDirectory = 11,  // 11 to 14 as 1 to 4, of numbers of 16 bits; with 15, or none
+  kObjectUpperNodes = 12,
+  kObjectLowerNodes = 13,
+  kObjectBricks = 14,
+  kObjectNames = 15,  // UTF-8, each name ended by a zero byte
 };
 
 // The sides of the valid box where a region of interest cut the scene. Beyond a side whose bit is
@@ -78,21 +99,21 @@ struct VoxmapHeader {                            // offset
   std::uint32_t cropped_sides;                   // 168  CroppedSide bits
   std::uint32_t offset_layers;                   // 172  k
   std::uint32_t metric;                          // 176  Metric
-  std::uint32_t bits_per_voxel;                  // 180  2, 4 or 8
+  std::uint32_t reserved0;                       // 180  zero
   std::array<std::int64_t, 3> directory_origin;  // 184  lowest voxel of entry 0; multiple of 512
   std::array<std::uint32_t, 3> directory_dims;   // 208  directory cells
-  std::uint32_t reserved0;                       // 220  zero
+  std::uint32_t object_count;                    // 220  names; 0 without objects
   std::uint64_t interior_voxels;                 // 224
   std::uint64_t surface_voxels;                  // 232
   std::uint64_t proximity_voxels;                // 240
   std::uint64_t triangles;                       // 248  of the scene
   double static_deviation_m;                     // 256  e_static of the separation guarantee
-  double range_m;                         // 264  4, 8 bits: depth of the stored distances; else 0
-  double quantum_m;                       // 272  4, 8 bits: meters per step; else 0
-  std::uint32_t zero_code;                // 280  4, 8 bits: code of the zero force; else 0
-  std::uint32_t surface_code;             // 284  4, 8 bits: lowest code of value 2
-  std::uint32_t proximity_code;           // 288  4, 8 bits: lowest code of value 3
-  std::uint32_t free_code;                // 292  4, 8 bits: lowest code of value 0
+  double zero_force_m;                    // 264  where the force begins, from the static mesh;
+                                          //      Euclidean only, else 0
+  double force_depth_m;                   // 272  from there down to the interior; else 0
+  double distance_quantum_m;              // 280  a code's step; 0 without distances
+  std::int32_t distance_zero_code;        // 288  code of distances from 0 to a step; else 0
+  std::uint32_t reserved1;                // 292  zero
   std::array<std::uint8_t, 88> reserved;  // 296  zero
 };
 static_assert(sizeof(VoxmapHeader) == 384);
@@ -126,29 +147,45 @@ constexpr KnownBox known_box(const VoxmapHeader& header,
 inline constexpr float kMostComplianceN = 1e6f;
 inline constexpr double kMostComplianceNPerM = 1e12;
 
-// At 4 and 8 bits: the depth of the force layer, from the zero-force surface to the interior, in
-// voxels and to the nearest step.
-constexpr double force_layer_voxels(const VoxmapHeader& header) {
-  if (header.zero_code <= header.surface_code) return 0;
-  return (header.zero_code - header.surface_code) * header.quantum_m / header.voxel_size_m;
-}
-
 // Bytes of a brick.
-constexpr std::uint32_t brick_bytes(std::uint32_t bits_per_voxel) {
-  return kNodeEntries / 8 * bits_per_voxel;
+constexpr std::uint32_t brick_bytes(std::uint32_t bits) { return kNodeEntries / 8 * bits; }
+
+// Whether a map stores distances, and the depth of its force layer in voxels.
+constexpr bool has_distances(const VoxmapHeader& header) { return header.distance_quantum_m > 0; }
+constexpr double force_layer_voxels(const VoxmapHeader& header) {
+  return header.force_depth_m / header.voxel_size_m;
 }
 
-// The value of Table 1 that a stored code of this map stands for.
-constexpr VoxelValue voxel_value(const VoxmapHeader& header, std::uint32_t code) {
-  if (header.bits_per_voxel == 2) return static_cast<VoxelValue>(code & 3);
-  if (code >= header.free_code) return VoxelValue::kFree;
-  if (code >= header.proximity_code) return VoxelValue::kProximity;
-  return code >= header.surface_code ? VoxelValue::kSurface : VoxelValue::kInterior;
+// The layers of value 2 that the force layer takes: one for each voxel of its depth, or part of
+// one.
+constexpr std::uint32_t force_layers(double force_depth_voxels) {
+  std::uint32_t layers = 1;
+  while (layers + 1e-9 < force_depth_voxels) ++layers;
+  return layers;
 }
 
-// The lowest code that stands for free. At 4 and 8 bits all codes above it are free too.
-constexpr std::uint32_t lowest_free_code(const VoxmapHeader& header) {
-  return header.bits_per_voxel == 2 ? 0 : header.free_code;
+// No point in a free voxel of Euclidean layers is nearer to the static mesh than this, m; 0 in the
+// Chebyshev metric, or beyond a cropped side. Within n + 1 steps of the voxel (n the force layers)
+// no center is nearer to the mesh than R, the interior's radius, so the mesh lies outside of the
+// balls of radius R around them. These overlap up to n + 1 + sqrt(R^2 - 1/2) voxels from the
+// voxel's center along an axis, and the point is half a voxel from it.
+inline double free_distance_m(const VoxmapHeader& header) {
+  if (header.zero_force_m <= 0) return 0;
+  const double s = header.voxel_size_m;
+  const double radius = (header.zero_force_m - header.force_depth_m) / s;
+  const double layers = force_layers(header.force_depth_m / s);
+  return (layers + 0.5 + std::sqrt(std::max(0.0, radius * radius - 0.5))) * s;
+}
+
+// The least and the largest distance from the static mesh that a code can stand for, m; infinite
+// for the lowest code and the highest.
+constexpr double least_distance_m(const VoxmapHeader& header, std::uint32_t code) {
+  if (code == 0) return -std::numeric_limits<double>::infinity();
+  return (static_cast<double>(code) - header.distance_zero_code) * header.distance_quantum_m;
+}
+constexpr double most_distance_m(const VoxmapHeader& header, std::uint32_t code) {
+  if (code >= kMostDistanceCode) return std::numeric_limits<double>::infinity();
+  return (static_cast<double>(code) + 1 - header.distance_zero_code) * header.distance_quantum_m;
 }
 
 }  // namespace forcelayer

@@ -1,4 +1,4 @@
-// A walk over a voxmap's tree: every uniform box and brick with its place, in the order of the
+// A walk over a tree of a voxmap: every uniform box and brick with its place, in the order of the
 // file's directory (x slowest, z fastest). It takes no memory. A node that several entries share is
 // visited once for each of them.
 #pragma once
@@ -18,14 +18,6 @@ struct VoxmapRegion {
   std::uint32_t entry = 0;  // a uniform entry, or a brick's index
 };
 
-// The stored code of voxel n = x*64 + y*8 + z of a brick.
-inline std::uint32_t brick_code(const VoxmapView& view, std::uint32_t brick, std::uint32_t n) {
-  const std::uint32_t bit = n * view.bits_per_voxel;
-  const std::uint64_t first_word = std::uint64_t{brick} * 16 * view.bits_per_voxel;
-  const std::uint32_t word = view.bricks[first_word + (bit >> 5)];
-  return (word >> (bit & 31)) & ((1u << view.bits_per_voxel) - 1);
-}
-
 namespace voxmap_walk {
 
 // The place of entry n of a node at `low` whose entries have `edge` voxels.
@@ -34,8 +26,8 @@ inline std::array<std::int64_t, 3> child_low(const std::array<std::int64_t, 3>& 
   return {low[0] + edge * (n >> 6), low[1] + edge * ((n >> 3) & 7), low[2] + edge * (n & 7)};
 }
 
-template <typename Visit>
-void visit_entry(const VoxmapView& view, std::uint32_t entry,
+template <std::uint32_t kBits, typename Visit>
+void visit_entry(const TreeView<kBits>& view, std::uint32_t entry,
                  const std::array<std::int64_t, 3>& low, std::uint32_t edge, Visit& visit) {
   if (is_uniform(entry)) {
     visit(VoxmapRegion{low, edge, false, entry});
@@ -59,8 +51,8 @@ void visit_entry(const VoxmapView& view, std::uint32_t entry,
 
 // Calls visit(const VoxmapRegion&) for every uniform box and brick; the boxes are disjoint and fill
 // the directory.
-template <typename Visit>
-void for_each_region(const VoxmapView& view, Visit visit) {
+template <std::uint32_t kBits, typename Visit>
+void for_each_region(const TreeView<kBits>& view, Visit visit) {
   const auto& dims = view.directory_dims;
   const std::uint32_t* entry = view.directory;
   for (std::int64_t x = 0; x < dims[0]; ++x) {

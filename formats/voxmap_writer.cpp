@@ -8,11 +8,21 @@ namespace forcelayer {
 namespace {
 
 FileLayout lay_out(const VoxmapContent& content) {
-  const auto rules = voxmap_section_rules(content.header.bits_per_voxel);
-  const std::span<const std::byte> bytes[] = {
-      std::as_bytes(content.directory),   std::as_bytes(content.upper_nodes),
-      std::as_bytes(content.lower_nodes), std::as_bytes(content.bricks),
-      std::as_bytes(content.compliance),  std::as_bytes(std::span(content.provenance))};
+  const auto names = std::as_bytes(std::span(content.object_names));
+  std::vector<std::span<const std::byte>> bytes;
+  const auto add_tree = [&](const TreeContent& tree) {
+    for (const auto& part : {tree.directory, tree.upper_nodes, tree.lower_nodes, tree.bricks}) {
+      bytes.push_back(std::as_bytes(part));
+    }
+  };
+  add_tree(content.values);
+  bytes.push_back(std::as_bytes(content.compliance));
+  bytes.push_back(std::as_bytes(std::span(content.provenance)));
+  add_tree(content.distances);
+  add_tree(content.objects);
+  bytes.push_back(names);
+
+  const auto rules = voxmap_section_rules();
   std::vector<SectionContent> sections;
   for (std::size_t i = 0; i < rules.size(); ++i) {
     if (!rules[i].required && bytes[i].empty()) continue;

@@ -14,14 +14,23 @@
 namespace forcelayer {
 
 // A finished tree in memory, in the file's own layout. The caller owns the arrays.
-struct VoxmapContent {
-  VoxmapHeader header{};                       // all but `header.file`, which the writer fills in
+struct TreeContent {
   std::span<const std::uint32_t> directory;    // [dims x][dims y][dims z] entries
   std::span<const std::uint32_t> upper_nodes;  // [count][512] entries
   std::span<const std::uint32_t> lower_nodes;  // [count][512] entries
-  std::span<const std::uint32_t> bricks;       // [count][16 * bits_per_voxel] words
-  std::span<const float> compliance;           // may be empty
-  std::string_view provenance;                 // JSON, may be empty
+  std::span<const std::uint32_t> bricks;       // [count][16 * bits] words
+};
+
+// A finished map. Distances are written where the header has a quantum for them, objects where it
+// counts some.
+struct VoxmapContent {
+  VoxmapHeader header{};              // all but `header.file`, which the writer fills in
+  TreeContent values;                 // of two bits
+  TreeContent distances;              // of eight
+  TreeContent objects;                // of sixteen
+  std::string_view object_names;      // each ended by a zero byte
+  std::span<const float> compliance;  // may be empty
+  std::string_view provenance;        // JSON, may be empty
 };
 
 // Writes `content` to `path` atomically; returns the file's size in bytes. The content is trusted

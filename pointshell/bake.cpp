@@ -12,6 +12,7 @@
 
 #include "pointshell/certificate/certificate.h"
 #include "pointshell/certificate/hidden_surface.h"
+#include "pointshell/certificate/surface_losses.h"
 #include "pointshell/normals/normals.h"
 #include "pointshell/part/mass_properties.h"
 #include "pointshell/part/parallel.h"
@@ -199,12 +200,18 @@ Result<BakedShell> bake(part::Part part, const ShellOptions& options,
     points = std::move(covering.positions);
     proof = std::move(covering.proof);
   }
-  if (const certificate::HiddenSurface hidden(centered); hidden.possible()) {
+  const certificate::HiddenSurface hidden(centered);
+  if (hidden.possible()) {
     stages.begin("hidden");
     shell.hidden_points =
         certificate::leave_out_hidden_points(centered, hidden, radius, points, *proof);
   }
   shell.certificate_pieces = proof->pieces;
+  certificate::CoveredPart covered{centered, points, radius, options.voxel_size_m, &hidden};
+  if (options.method == ShellMethod::kSurface) {
+    stages.begin("corners");
+    shell.corner_points = sample::fill_lossy_places(covered, points);
+  }
 
   stages.begin("order");
   std::vector<part::Vec3> ordered;
@@ -214,6 +221,12 @@ Result<BakedShell> bake(part::Part part, const ShellOptions& options,
     ordered.push_back(points[n]);
   }
   fill_blocks(ordered, shell);
+
+  stages.begin("losses");
+  covered.points = ordered;
+  certificate::SurfaceLosses losses = certificate::find_losses(covered);
+  shell.loss_pieces = losses.pieces;
+  shell.losses = std::move(losses.losses);
 
   stages.begin("normals");
   sample::RestrictedCells cells(tree, radius);
@@ -228,6 +241,8 @@ Result<BakedShell> bake(part::Part part, const ShellOptions& options,
                  "check --units"};
   }
   fill_header(options, mass, ordered, radius, part, shell);
+  shell.header.convex_radius_m = losses.convex_radius;
+  shell.header.convex_gap_m = losses.convex_gap;
   stages.end();
   return shell;
 }
@@ -250,6 +265,10 @@ Result<BakedShell> bake_shell(part::Part part, const ShellOptions& options,
   return std::move(*shell);
 }
 
+SurfaceDistanceTerms BakedShell::surface_distance_terms() const {
+  return {header.covering_radius_m, header.convex_radius_m, header.convex_gap_m, losses};
+}
+
 PshellContent BakedShell::content() const {
   PshellContent content;
   content.header = header;
@@ -259,6 +278,7 @@ PshellContent BakedShell::content() const {
   content.cone_cos = cone_cos;
   content.blocks = blocks;
   content.super_blocks = super_blocks;
+  content.losses = losses;
   return content;
 }
 

@@ -8,6 +8,7 @@
 
 #include "formats/pshell_writer.h"
 #include "formats/result.h"
+#include "formats/surface_distance.h"
 #include "pointshell/normals/orientation.h"
 #include "pointshell/part/part.h"
 #include "pointshell/sample/covering_points.h"
@@ -35,15 +36,19 @@ struct BakedShell {
   PshellHeader header{};
   std::vector<float> x, y, z, nx, ny, nz, weight_m2, cone_cos;
   std::vector<BoundingSphere> blocks, super_blocks;
+  std::vector<DistanceLoss> losses;
 
   normals::OrientationReport orientation;
   std::uint64_t certificate_pieces = 0;
+  std::uint64_t loss_pieces = 0;
+  std::uint64_t corner_points = 0;  // added where the others cut off corners and edges
   std::uint64_t hidden_points = 0;  // left out: they lie inside another of the part's bodies
   double covered_area_m2 = 0;       // sum of the weights
   double mean_block_radius_m = 0;
   std::vector<std::pair<std::string, double>> stage_seconds;
 
-  PshellContent content() const;  // valid while this lives and stays
+  PshellContent content() const;                        // valid while this lives and stays
+  SurfaceDistanceTerms surface_distance_terms() const;  // the same
 };
 
 // Called with the stage that runs and the share of it that is done, in [0, 1].

@@ -7,10 +7,12 @@
 #include <string>
 #include <vector>
 
+#include "formats/command/arguments.h"
 #include "formats/command/command.h"
 #include "formats/command/output_file.h"
 #include "formats/command/progress_line.h"
 #include "formats/command/quantity.h"
+#include "formats/mesh/reader.h"
 #include "formats/pshell.h"
 #include "formats/pshell_writer.h"
 #include "pointshell/bake.h"
@@ -28,6 +30,7 @@ struct Arguments {
   std::string output, voxel_size, units, covering_radius, mesh_deviation, json;
   std::string method = "surface", effort = "full";
   mesh::TrustOptions trust;
+  std::vector<std::string> without;
   std::uint64_t missing_faces = 0;
   unsigned threads = 0;
   bool quiet = false;
@@ -35,7 +38,11 @@ struct Arguments {
   std::string shell;  // verify: the .pshell file
 };
 
-void declare_missing_faces(CLI::App& app, Arguments& arguments) {
+void declare_reading(CLI::App& app, Arguments& arguments) {
+  app.add_option("--without", arguments.without,
+                 "nodes of an assembly that are left out before it is read, with all below them; "
+                 "named as after FILE# (repeatable)")
+      ->allow_extra_args(false);
   app.add_option("--missing-faces", arguments.missing_faces,
                  "accept up to this many faces of a STEP or IGES file that get no triangles "
                  "(default 0); the guarantee does not cover them")
@@ -45,8 +52,8 @@ void declare_missing_faces(CLI::App& app, Arguments& arguments) {
 void declare_bake(CLI::App& app, Arguments& arguments) {
   app.add_option(
       "INPUT", arguments.inputs,
-      "mesh files of one rigid part: stl, obj, ply, off, om, drc, gltf, glb (file.glb#Node "
-      "for a sub-tree); step, iges where built with OpenCASCADE");
+      "mesh files of one rigid part: stl, obj, ply, off, om, drc, gltf, glb; step, iges where "
+      "built with OpenCASCADE; FILE#Node, FILE#{Cover,Bolt*} for nodes of an assembly");
   app.add_option("-o,--output", arguments.output, "the .pshell file to write");
   app.add_option("--voxel-size", arguments.voxel_size, "of the scene it will move in, like 5mm");
   app.add_option("--units", arguments.units,
@@ -59,7 +66,7 @@ void declare_bake(CLI::App& app, Arguments& arguments) {
       ->check(CLI::IsMember({"fast", "full"}));
   app.add_option("--mesh-deviation", arguments.mesh_deviation,
                  "how far the mesh may be from the true part (default: 0)");
-  declare_missing_faces(app, arguments);
+  declare_reading(app, arguments);
   arguments.trust.declare(app);
   app.add_option("--threads", arguments.threads, "at most this many (default: all)")
       ->check(CLI::Range(1, 1024));
@@ -69,11 +76,12 @@ void declare_bake(CLI::App& app, Arguments& arguments) {
 
 void declare_verify(CLI::App& app, Arguments& arguments) {
   CLI::App* verify = app.add_subcommand(
-      "verify", "prove a shell's covering radius again, from the shell and its meshes alone");
+      "verify",
+      "prove a shell's covering radius and losses again, from the shell and its meshes alone");
   verify->add_option("PART", arguments.shell, "the .pshell file")->required();
   verify->add_option("MESH", arguments.inputs, "the mesh files it was made from")->required();
   verify->add_option("--units", arguments.units, "unit of the mesh files");
-  declare_missing_faces(*verify, arguments);
+  declare_reading(*verify, arguments);
   arguments.trust.declare(*verify);
   verify->add_option("--threads", arguments.threads, "at most this many (default: all)")
       ->check(CLI::Range(1, 1024));
@@ -146,6 +154,7 @@ Result<part::Part> load_part(const Arguments& arguments, double voxel_size_m,
   mesh::ReadOptions options;
   options.deflection_m = mesh::baked_deflection_m(voxel_size_m);
   options.missing_faces = arguments.missing_faces;
+  options.without = arguments.without;
   auto files = part::read_part(arguments.inputs, *units, options, *reader);
   if (!files) return files.error();
   warnings = std::move(files->warnings);
@@ -163,6 +172,14 @@ void print_summary(const Arguments& arguments, const BakedShell& shell) {
       arguments.method.c_str(), header.covering_radius_m,
       header.covering_radius_m / header.voxel_size_m,
       points_over_bound(header, shell.covered_area_m2));
+  std::printf("points 2 voxels from a scene prove %.4g voxels for the whole surface\n",
+              surface_distance_bound_m(shell.surface_distance_terms(), 2 * header.voxel_size_m) /
+                  header.voxel_size_m);
+  for (const mesh::NamedFile& file : mesh::unite_by_file(arguments.inputs)) {
+    if (file.nodes.empty()) continue;
+    std::printf("%s: at the identity pose it stands where it is installed in %s\n",
+                escaped(arguments.output).c_str(), escaped(file.path).c_str());
+  }
   if (shell.hidden_points > 0) {
     std::printf("%llu points left out inside another body of the part\n",
                 static_cast<unsigned long long>(shell.hidden_points));
@@ -231,6 +248,18 @@ Error open_surface(const Arguments& arguments, const Pshell& shell,
           "bake the part again from this mesh in this unit"};
 }
 
+Error lossy_surface(const Arguments& arguments, const Pshell& shell,
+                    const certificate::LossProof& proof) {
+  const auto& center = shell.header().center_m;
+  char what[200];
+  std::snprintf(what, sizeof what,
+                "the shell's points do not prove the distances that the file states for the "
+                "surface at (%.6g, %.6g, %.6g) m",
+                proof.open.x + center[0], proof.open.y + center[1], proof.open.z + center[2]);
+  return {ErrorCode::kFilesDoNotMatch, arguments.shell, "", what,
+          "bake the part again from this mesh in this unit"};
+}
+
 Status verify_command(const Arguments& arguments) {
   const double started_s = now_s();
   const auto shell = Pshell::open(arguments.shell, Verify::kStructureAndChecksums);
@@ -239,14 +268,21 @@ Status verify_command(const Arguments& arguments) {
   const auto part = load_part(arguments, shell->header().voxel_size_m, warnings);
   if (!part) return part.error();
   certificate::CoveringProof proof;
-  part::with_threads(arguments.threads, [&] { proof = verify_shell(*shell, *part); });
+  certificate::LossProof losses;
+  part::with_threads(arguments.threads, [&] {
+    proof = verify_shell(*shell, *part);
+    if (proof.proven) losses = verify_losses(*shell, *part);
+  });
   if (!arguments.json.empty()) {
-    const nlohmann::ordered_json report{{"proven", proof.proven},
+    const nlohmann::ordered_json report{{"proven", proof.proven && losses.proven},
                                         {"points", shell->header().point_count},
                                         {"covering_radius_m", shell->header().covering_radius_m},
+                                        {"convex_radius_m", shell->header().convex_radius_m},
+                                        {"convex_gap_m", shell->header().convex_gap_m},
                                         {"voxel_size_m", shell->header().voxel_size_m},
                                         {"triangles", part->input_triangles},
                                         {"certificate_pieces", proof.pieces},
+                                        {"loss_pieces", losses.pieces},
                                         {"holes", proof.holes.size()},
                                         {"seconds", {{"total", now_s() - started_s}}},
                                         {"peak_rss_bytes", command::peak_rss_bytes()},
@@ -254,10 +290,14 @@ Status verify_command(const Arguments& arguments) {
     if (Status written = command::write_report(arguments.json, report); !written) return written;
   }
   if (!proof.proven) return open_surface(arguments, *shell, proof);
+  if (!losses.proven) return lossy_surface(arguments, *shell, losses);
   if (!arguments.quiet) {
-    std::printf("%s: proven: every point of the surface is within %.6g m of one of %llu points\n",
-                escaped(arguments.shell).c_str(), shell->header().covering_radius_m,
-                static_cast<unsigned long long>(shell->header().point_count));
+    std::printf(
+        "%s: proven: every point of the surface is within %.6g m of one of %llu points, and within "
+        "%.6g m of a combination of them (convex radius %.6g m)\n",
+        escaped(arguments.shell).c_str(), shell->header().covering_radius_m,
+        static_cast<unsigned long long>(shell->header().point_count), shell->header().convex_gap_m,
+        shell->header().convex_radius_m);
   }
   return {};
 }

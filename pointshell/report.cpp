@@ -53,10 +53,18 @@ nlohmann::ordered_json bake_report(const BakedShell& shell, const ShellOptions& 
     total += spent;
   }
   seconds["total"] = total;
+  nlohmann::ordered_json losses = nlohmann::ordered_json::array();
+  for (const DistanceLoss& entry : shell.losses) {
+    losses.push_back({{"distance_m", entry.distance_m}, {"loss_m", entry.loss_m}});
+  }
   nlohmann::ordered_json report{
       {"points", header.point_count},
       {"method", method_name(options.method)},
       {"covering_radius_m", header.covering_radius_m},
+      {"convex_radius_m", header.convex_radius_m},
+      {"convex_gap_m", header.convex_gap_m},
+      {"losses", losses},
+      {"corner_points", shell.corner_points},
       {"area_m2", header.area_m2},
       {"voxel_size_m", header.voxel_size_m},
       {"points_over_planar_bound", points_over_bound(header, shell.covered_area_m2)},
@@ -81,7 +89,8 @@ nlohmann::ordered_json bake_report(const BakedShell& shell, const ShellOptions& 
       {"part_deviation_m", header.part_deviation_m},
       {"missing_faces", mesh::json_of(part.missing_faces)},
       {"mean_block_radius_voxels", shell.mean_block_radius_m / header.voxel_size_m},
-      {"certificate_pieces", shell.certificate_pieces}};
+      {"certificate_pieces", shell.certificate_pieces},
+      {"loss_pieces", shell.loss_pieces}};
   if (options.method == ShellMethod::kSurface) report["effort"] = effort_name(options.effort);
   report["seconds"] = seconds;
   return report;

@@ -1,5 +1,6 @@
 #include "pointshell/verify.h"
 
+#include <optional>
 #include <vector>
 
 #include "pointshell/certificate/hidden_surface.h"
@@ -14,18 +15,26 @@ std::size_t most_holes(std::size_t points, std::size_t triangles) {
   return 1'000'000 + 100 * points + triangles;
 }
 
-}  // namespace
-
-certificate::CoveringProof verify_shell(const Pshell& shell, const part::Part& part) {
-  const PshellView& view = shell.view();
-  const auto& center_m = shell.header().center_m;
+std::vector<part::Vec3> stored_points(const PshellView& view) {
   std::vector<part::Vec3> points;
   points.reserve(view.point_count);
   for (std::uint64_t n = 0; n < view.point_count; ++n) {
     points.push_back({view.x[n], view.y[n], view.z[n]});
   }
+  return points;
+}
+
+part::Part centered_part(const Pshell& shell, const part::Part& part) {
+  const auto& center_m = shell.header().center_m;
+  return part::relative_to(part, {center_m[0], center_m[1], center_m[2]});
+}
+
+}  // namespace
+
+certificate::CoveringProof verify_shell(const Pshell& shell, const part::Part& part) {
+  const std::vector<part::Vec3> points = stored_points(shell.view());
   const double radius = shell.header().covering_radius_m;
-  part::Part centered = part::relative_to(part, {center_m[0], center_m[1], center_m[2]});
+  part::Part centered = centered_part(shell, part);
   const certificate::CoveringProof proof = certificate::prove_covering(
       centered, points, radius, most_holes(points.size(), part.triangles.size()));
   // A part of several bodies may be open only where one body hides another.
@@ -36,6 +45,19 @@ certificate::CoveringProof verify_shell(const Pshell& shell, const part::Part& p
   const certificate::HiddenSurface hidden(centered);
   return hidden.possible() ? certificate::continue_proof(centered, points, radius, proof, &hidden)
                            : proof;
+}
+
+certificate::LossProof verify_losses(const Pshell& shell, const part::Part& part) {
+  const std::vector<part::Vec3> points = stored_points(shell.view());
+  const PshellHeader& header = shell.header();
+  part::Part centered = centered_part(shell, part);
+  const bool oriented = centered.body_names.size() > 1 &&
+                        normals::orient_outwards(centered, header.covering_radius_m);
+  std::optional<certificate::HiddenSurface> hidden;
+  if (oriented) hidden.emplace(centered);
+  return certificate::prove_losses({centered, points, header.covering_radius_m, header.voxel_size_m,
+                                    hidden ? &*hidden : nullptr},
+                                   shell.surface_distance_terms());
 }
 
 }  // namespace forcelayer::pointshell

@@ -33,7 +33,7 @@ done
 # either SHORT LONG: the words for this form.
 either() { if [ $long = yes ]; then echo "$2"; else echo "$1"; fi; }
 
-# What a part builds.
+# Names the targets that a part builds.
 declare -A targets=(
   [bake]="bake_bench voxelize" [error]=geometry_bench [growth]=voxelize [plan]=voxelize [tree]="voxelize voxinfo"
   [shell]="shell_bench pointshell" [cover]=cover_bench [query]=query_bench [force]=force_bench [wrench]=wrench_bench

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Writes sample_data/: a bay of an aircraft, a pump to move through it, and a hand motion.
+"""Writes sample_data/: a bay of an aircraft, a pump to move through it, a hand motion, and a small
+assembly with installed parts.
 
 Usage: make_sample_data.py [FOLDER]      (default: sample_data beside scripts)
 
@@ -11,7 +12,7 @@ import pathlib
 import random
 import sys
 
-from samplegen import bay, mesh_files, motion, pump
+from samplegen import bay, housing, mesh_files, motion, pump
 
 SEED = 1999
 
@@ -41,6 +42,7 @@ def write_sample_data(folder):
     mesh_files.write_stl(folder / "return_line.stl", bay.return_line())
     mesh_files.write_ply(folder / "wires.ply", bay.wire_bundle(random.Random(SEED)))
     mesh_files.write_obj(folder / "part.obj", pump.pump(), "pump")
+    housing.housing_assembly().write(folder / "gearbox.glb")
     (folder / "bay.json").write_text(json.dumps(MANIFEST, indent=2) + "\n", encoding="ascii")
     (folder / "press.csv").write_text(motion.motion_csv(), encoding="ascii")
 

@@ -23,7 +23,8 @@ export SOURCE_DATE_EPOCH
 make_packages() {  # SOURCE BUILD
   say "building packages of $1"
   cmake -S "$1" -B "$2" -G Ninja -DCMAKE_BUILD_TYPE=Release -DFORCELAYER_MAN_PAGES=ON \
-    -DFORCELAYER_TESTS=OFF -DFORCELAYER_BENCHMARKS=OFF >"$2.configure.log"
+    -DFORCELAYER_TESTS=OFF -DFORCELAYER_BENCHMARKS=OFF -DFORCELAYER_PRECOMPILED_HEADERS=OFF \
+    -DFORCELAYER_WARNINGS_AS_ERRORS=ON >"$2.configure.log"
   cmake --build "$2"
   rm -rf "$2/packages"
   (cd "$2" && umask 022 && cpack -G DEB -B "$2/packages" >"$2.cpack.log")

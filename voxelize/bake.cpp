@@ -55,16 +55,26 @@ struct SceneRegion {
 
 distance::CodeScale scale_of(const BakeOptions& options) {
   const double layer = force_layer_voxels(options);
-  const double range = options.range_m > 0
-                           ? options.range_m / options.voxel_size_m
-                           : distance::default_range_voxels(options.bits) + layer - 1;
-  return distance::code_scale(options.layers, options.bits, range, layer);
+  const double range = options.range_m > 0 ? options.range_m / options.voxel_size_m
+                                           : distance::kUsualRangeVoxels + layer - 1;
+  return distance::code_scale(options.layers, range, layer);
 }
 
-// How many voxels around the geometry may be anything but free.
+// How many layers of voxels lie around what the layers are counted from: the interior's, and those
+// of the force layer.
+unsigned counted_layers(const BakeOptions& options) {
+  return grows_surface(options) ? 1 : options.layers;
+}
+unsigned force_layers_of(const BakeOptions& options) {
+  return force_layers(force_layer_voxels(options));
+}
+
+// How many voxels around the geometry may have a value or a distance of their own. Without stored
+// distances it is the same, so that the values' tree is.
 int reach_of(const BakeOptions& options) {
-  if (stores_distances(options)) return distance::DistanceCodes::reach(scale_of(options));
-  return static_cast<int>(options.layers) + (grows_surface(options) ? 2 : 1);
+  const auto layers = static_cast<int>(options.layers + force_layers_of(options));
+  if (!grows_surface(options)) return layers;
+  return std::max(layers + 1, distance::DistanceCodes::reach(scale_of(options)));
 }
 
 Result<SceneRegion> choose_region(const std::vector<ObjectBake>& bakes,
@@ -98,7 +108,12 @@ Result<SceneRegion> choose_region(const std::vector<ObjectBake>& bakes,
 
 // The union of the objects' voxels, counted from the directory's origin.
 struct SceneVoxels {
-  masks::MaskTree geometry, interior;
+  masks::MaskTree geometry, interior, grown;
+
+  // The voxels that layers are counted from.
+  const masks::MaskTree& counted(const BakeOptions& options) const {
+    return grows_surface(options) ? grown : geometry;
+  }
 };
 
 // Bakes the objects side by side; each is united as soon as it is done.
@@ -112,7 +127,10 @@ Status unite_objects(Objects objects, const BakeOptions& options, const SceneReg
     if (!voxels) return voxels.error();
     const std::lock_guard lock(uniting);
     Stopwatch watch;
-    masks::unite(scene.geometry, std::move(*voxels->geometry));
+    if (stores_distances(options) || !grows_surface(options)) {
+      masks::unite(scene.geometry, std::move(*voxels->geometry));
+    }
+    if (voxels->grown) masks::unite(scene.grown, std::move(*voxels->grown));
     masks::unite(scene.interior, std::move(*voxels->interior));
     bakes[i].seconds.unite = watch.lap_s();
     show_progress(options, "voxels",
@@ -132,13 +150,13 @@ masks::KeptBox kept_box(const SceneRegion& region) {
   return {{low, high}, region.region.cropped_sides};
 }
 
-// Two bits: layers around the geometry. In a grown surface all but one layer are in it already.
+// The values: layers around the geometry. In a grown surface the interior's are in it already.
 tree::VoxelTree build_layers(const SceneVoxels& scene, const SceneRegion& region,
                              const BakeOptions& options, distance::ValueCounts& counts,
                              Bake& bake) {
   const masks::KeptBox kept = kept_box(region);
-  const distance::LayerOffset offset(scene.geometry, scene.interior,
-                                     grows_surface(options) ? 1 : options.layers, kept);
+  const distance::LayerOffset offset(scene.counted(options), scene.interior,
+                                     counted_layers(options), force_layers_of(options), kept);
   if (options.cache == nullptr || options.scene_name.empty() || kept.cropped()) {
     return tree::build_tree(offset, region.directory.dims, nullptr, counts);
   }
@@ -149,20 +167,19 @@ tree::VoxelTree build_layers(const SceneVoxels& scene, const SceneRegion& region
   return tree;
 }
 
-// 4 and 8 bits: distances from the snapped meshes.
+// Distances from the snapped meshes.
 tree::VoxelTree build_distances(const SceneVoxels& scene, const SceneRegion& region,
-                                const std::vector<ObjectBake>& bakes, const BakeOptions& options,
-                                distance::ValueCounts& counts) {
+                                const std::vector<ObjectBake>& bakes, const BakeOptions& options) {
   std::vector<const scan::SnappedObject*> objects;
   for (std::size_t i = 0; i < bakes.size(); ++i) {
     if (!region.skipped[i]) objects.push_back(&bakes[i].snapped);
   }
   const masks::KeptBox kept = kept_box(region);
-  const distance::LayerOffset around(scene.geometry, scene.interior,
-                                     static_cast<unsigned>(reach_of(options) - 1), kept);
+  const auto reach = static_cast<unsigned>(distance::DistanceCodes::reach(scale_of(options)));
+  const distance::LayerOffset around(scene.geometry, scene.interior, reach - 1, 1, kept);
   const distance::DistanceCodes distances(std::move(objects), region.directory.origin,
                                           scene.geometry, scene.interior, scale_of(options), kept);
-  return tree::build_distance_tree(around, distances, region.directory.dims, counts);
+  return tree::build_distance_tree(around, distances, region.directory.dims);
 }
 
 // The box of all voxels that are not free.
@@ -172,9 +189,7 @@ masks::VoxelBox tight_box_of(const tree::VoxelTree& tree, const SceneRegion& reg
   if (region.region.cropped_sides == 0 && options.metric == Metric::kChebyshev) {
     return region.region.box;
   }
-  const std::uint32_t free_code = stores_distances(options) ? scale_of(options).free_code : 0;
-  return tree::tight_box(tree, region.directory.dims, options.bits, free_code)
-      .shifted(region.directory.origin);
+  return tree::tight_box(tree, region.directory.dims).shifted(region.directory.origin);
 }
 
 VoxmapHeader header_of(const SceneRegion& region, const masks::VoxelBox& tight,
@@ -191,15 +206,14 @@ VoxmapHeader header_of(const SceneRegion& region, const masks::VoxelBox& tight,
   }
   header.offset_layers = options.layers;
   header.metric = static_cast<std::uint32_t>(options.metric);
-  header.bits_per_voxel = options.bits;
-  if (stores_distances(options)) {
+  if (grows_surface(options)) {
     const distance::CodeScale scale = scale_of(options);
-    header.range_m = scale.range * options.voxel_size_m;
-    header.quantum_m = scale.quantum * options.voxel_size_m;
-    header.zero_code = scale.zero_code;
-    header.surface_code = scale.surface_code;
-    header.proximity_code = scale.proximity_code;
-    header.free_code = scale.free_code;
+    header.zero_force_m = scale.zero_force * options.voxel_size_m;
+    header.force_depth_m = scale.force_depth * options.voxel_size_m;
+    if (stores_distances(options)) {
+      header.distance_quantum_m = scale.quantum * options.voxel_size_m;
+      header.distance_zero_code = scale.zero_code;
+    }
   }
   header.directory_origin = region.directory.origin;
   header.directory_dims = region.directory.dims;
@@ -209,25 +223,21 @@ VoxmapHeader header_of(const SceneRegion& region, const masks::VoxelBox& tight,
   return header;
 }
 
-// The tree of the scene and the header.
+// The trees of the scene and the header.
 void build_map(const SceneVoxels& scene, const SceneRegion& region,
                const std::vector<ObjectBake>& bakes, const BakeOptions& options, Bake& bake) {
   distance::ValueCounts counts;
   masks::VoxelBox tight;
   if (!region.directory.empty()) {
-    tree::VoxelTree tree = stores_distances(options)
-                               ? build_distances(scene, region, bakes, options, counts)
-                               : build_layers(scene, region, options, counts, bake);
-    tight = tight_box_of(tree, region, options);
-    if (stores_distances(options)) tree::name_codes(tree, scale_of(options));
-    bake.directory = std::move(tree.directory);
-    bake.upper_nodes = std::move(tree.upper_nodes);
-    bake.lower_nodes = std::move(tree.lower_nodes);
-    bake.bricks = std::move(tree.bricks);
+    bake.values = build_layers(scene, region, options, counts, bake);
+    tight = tight_box_of(bake.values, region, options);
+    if (stores_distances(options)) {
+      bake.distances = build_distances(scene, region, bakes, options);
+    }
   }
   bake.header = header_of(region, tight, counts, options);
   if (stores_distances(options)) {
-    bake.compliance = compliance_table(options.compliance, bake.header.quantum_m);
+    bake.compliance = compliance_table(options.compliance, bake.header.distance_quantum_m);
   }
 }
 

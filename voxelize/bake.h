@@ -1,8 +1,8 @@
 // The whole bake in memory: from static objects to the force layer in a 512-tree.
 //
 //   each object:  snap -> scan (G) -> fill (I) [-> grow by Euclidean distance]
-//   the scene:    unite -> layers, or distances -> bricks -> tree with clearance -> equal parts
-//   shared
+//   the scene:    unite -> layers -> bricks -> tree with clearance -> equal parts shared
+//                       -> distances -> bricks -> tree -> equal parts shared
 //
 // voxelize/README.md follows a triangle through these stages. The voxels are the sets of the
 // paper's sections 4.1 and 4.2; the bytes are the same for any number of threads and any order of
@@ -18,6 +18,7 @@
 #include "voxelize/bake_options.h"
 #include "voxelize/fill/cavity.h"
 #include "voxelize/stopwatch.h"
+#include "voxelize/tree/sharing.h"
 
 namespace forcelayer::voxelize {
 
@@ -36,15 +37,18 @@ struct ObjectReport {
 // A finished bake, which owns what VoxmapContent points to.
 struct Bake {
   VoxmapHeader header{};
-  std::vector<std::uint32_t> directory, upper_nodes, lower_nodes, bricks;
+  tree::VoxelTree values, distances;
   std::vector<float> compliance;
   std::vector<ObjectReport> objects;  // in the order given
   // With a cache: nodes of 64^3 voxels near surfaces, and how many did not have to be built.
   std::uint64_t nodes = 0, reused_nodes = 0;
   StageSeconds seconds;
 
+  static TreeContent content_of(const tree::VoxelTree& tree) {
+    return {tree.directory, tree.upper_nodes, tree.lower_nodes, tree.bricks};
+  }
   VoxmapContent content(std::string_view provenance) const {
-    return {header, directory, upper_nodes, lower_nodes, bricks, compliance, provenance};
+    return {header, content_of(values), content_of(distances), {}, {}, compliance, provenance};
   }
 };
 

@@ -16,7 +16,9 @@ Error wrong(const char* what, std::string why, const char* mend) {
 // The compliance and the range that must hold it.
 Status check_compliance_depth(const BakeOptions& options) {
   if (options.compliance.empty()) return {};
-  if (options.bits == 2) return wrong("compliance", "needs stored distances", "add --bits 8");
+  if (!stores_distances(options)) {
+    return wrong("compliance", "needs stored distances", "leave out --lean and --metric chebyshev");
+  }
   if (Status checked = check_compliance(options.compliance); !checked) return checked;
   const double layer = force_layer_voxels(options);
   if (!(layer + 1 <= distance::kMostRangeVoxels &&
@@ -30,21 +32,17 @@ Status check_compliance_depth(const BakeOptions& options) {
   return {};
 }
 
-// Metric, bits and range.
+// Metric and range.
 Status check_kind(const BakeOptions& options) {
-  if (options.bits != 2 && options.bits != 4 && options.bits != 8) {
-    return wrong("bits", "are not 2, 4 or 8", "");
-  }
-  if (options.metric != Metric::kEuclidean && options.bits != 2) {
-    return wrong("bits", "of more than 2 store Euclidean distances", "add --metric euclidean");
-  }
   if (options.metric == Metric::kEuclidean && options.layers == 0) {
     return wrong("layers", "are none: there is nothing for the metric to measure",
-                 "use --layers 1 or more");
+                 "use --layers 1 or more, or --metric chebyshev");
   }
   if (Status depth = check_compliance_depth(options); !depth) return depth;
   if (options.range_m == 0) return {};
-  if (options.bits == 2) return wrong("range", "has no meaning at 2 bits", "leave it out");
+  if (!stores_distances(options)) {
+    return wrong("range", "has no meaning without stored distances", "leave it out");
+  }
   const double voxels = options.range_m / options.voxel_size_m;
   if (!(voxels >= distance::kLeastRangeVoxels && voxels <= distance::kMostRangeVoxels)) {
     return wrong("range", "is not between 2 and 32 voxels", "");

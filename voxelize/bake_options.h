@@ -34,12 +34,12 @@ struct SceneObject {
 struct BakeOptions {
   double voxel_size_m = 0;
   std::uint32_t layers = 2;            // k, at most kMaxBakedLayers
-  Metric metric = Metric::kChebyshev;  // Euclidean layers need k of 1 or more
-  std::uint32_t bits = 2;              // 4 and 8: quantized distances; Euclidean only
-  // How deep inside the zero force distances are kept (4, 8 bits); 0: default_range_voxels().
+  Metric metric = Metric::kEuclidean;  // Euclidean layers need k of 1 or more
+  bool distances = true;               // whether to store them; in the Euclidean metric alone
+  // How deep below the zero-force surface distances are kept; 0: as deep as is usual.
   double range_m = 0;
-  // Force over depth (4, 8 bits). The zero force lies as far above the interior as the compliance
-  // is deep, and at least a voxel. Empty: the model's own stiffness.
+  // Force over depth, with distances. The zero force lies as far above the interior as the
+  // compliance is deep, and at least a voxel. Empty: the model's own stiffness.
   Compliance compliance = {};
   std::vector<mesh::Vec3d> free_seeds_m;  // world; they open every object that encloses them
   double mesh_deviation_m = 0;            // declared deviation of all meshes from the truth
@@ -56,15 +56,17 @@ struct BakeOptions {
 // Errors (kUsage) for options out of range.
 Status check_options(const BakeOptions& options);
 
-// Whether an object's surface voxels are those of grow_surface() in place of G.
+// Whether layers are counted from grow_surface() in place of G.
 inline bool grows_surface(const BakeOptions& options) {
-  return options.metric == Metric::kEuclidean && options.bits == 2;
+  return options.metric == Metric::kEuclidean;
 }
 
-// Whether voxels hold quantized distances.
-inline bool stores_distances(const BakeOptions& options) { return options.bits != 2; }
+// Whether distances are stored beside the values.
+inline bool stores_distances(const BakeOptions& options) {
+  return options.distances && options.metric == Metric::kEuclidean;
+}
 
-// How deep the force layer of stored distances is, in voxels.
+// How deep the force layer is, in voxels.
 double force_layer_voxels(const BakeOptions& options);
 
 }  // namespace forcelayer::voxelize

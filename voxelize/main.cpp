@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "formats/command/arguments.h"
 #include "formats/command/command.h"
 #include "formats/command/output_file.h"
 #include "formats/command/progress_line.h"
@@ -16,9 +17,13 @@
 #include "voxelize/bake.h"
 #include "voxelize/cache/cache_folder.h"
 #include "voxelize/cache/mesh_source.h"
+#include "voxelize/forecast.h"
+#include "voxelize/listing.h"
+#include "voxelize/memory_limit.h"
 #include "voxelize/plan.h"
 #include "voxelize/provenance.h"
 #include "voxelize/report.h"
+#include "voxelize/size_text.h"
 #include "voxelize/stopwatch.h"
 #include "voxelize/warnings.h"
 
@@ -35,12 +40,13 @@ struct Arguments {
   std::string cache, shard;
   std::optional<std::uint32_t> layers;
   std::string metric, range, compliance;
-  std::uint32_t bits = 2;
+  bool lean = false;
   mesh::TrustOptions trust;
   std::vector<std::string> free_seeds, without;
   std::uint64_t missing_faces = 0;
   int threads = 0;
   bool narrow_passages = false;
+  bool list = false;
   bool plan = false;
   bool quiet = false;
 };
@@ -48,7 +54,8 @@ struct Arguments {
 void declare(CLI::App& app, Arguments& arguments) {
   app.add_option(
          "INPUT", arguments.inputs,
-         "mesh files, assemblies (FILE.glb#Node for a sub-tree), folders, or a manifest (.json)")
+         "mesh files, assemblies (FILE#Node, FILE#{Cover,Bolt*} for nodes of one), folders, or a "
+         "manifest (.json)")
       ->required();
   app.add_option("-o,--output", arguments.output, "the .vox file to write");
   app.add_option("--voxel-size", arguments.voxel_size, "edge of a voxel, such as 5mm");
@@ -57,25 +64,27 @@ void declare(CLI::App& app, Arguments& arguments) {
   app.add_option("--layers", arguments.layers,
                  "voxel layers by which the force layer is offset, 0 to 30 (default 2)");
   app.add_option("--metric", arguments.metric,
-                 "how the offset is measured: chebyshev or euclidean (default chebyshev; euclidean "
-                 "with --bits 4 and 8)")
+                 "how the offset is measured: euclidean, or chebyshev for the paper's model, which "
+                 "stores no distances (default euclidean)")
       ->check(CLI::IsMember({"chebyshev", "euclidean"}));
-  app.add_option("--bits", arguments.bits,
-                 "bits per voxel: 2 for the four values, 4 or 8 for distances (default 2)")
-      ->check(CLI::IsMember({2, 4, 8}));
+  app.add_flag("--lean", arguments.lean,
+               "store the four values alone: a smaller file without distances, exact forces and "
+               "proven clearance");
   app.add_option("--range", arguments.range,
-                 "how deep distances are kept with --bits 4 and 8 (default 2 and 4 voxels)");
+                 "how deep below the beginning of the force distances are kept, 2 to 32 voxels "
+                 "(default 4 voxels)");
   app.add_option("--compliance", arguments.compliance,
-                 "DEPTH:FORCE,...: how a soft surface presses back, such as 2mm:0.5N,6mm:4N "
-                 "(with --bits 4 and 8)");
+                 "DEPTH:FORCE,...: how a soft surface presses back, such as 2mm:0.5N,6mm:4N");
   app.add_option(
-      "--free-seed", arguments.free_seeds,
-      "x,y,z of a point whose surroundings are free, such as the inside of a cabin (repeatable)");
+         "--free-seed", arguments.free_seeds,
+         "x,y,z of a point whose surroundings are free, such as the inside of a cabin (repeatable)")
+      ->allow_extra_args(false);
   app.add_option("--mesh-deviation", arguments.mesh_deviation,
                  "how far the meshes may lie from the true surfaces, such as 0.1mm");
   app.add_option("--without", arguments.without,
-                 "node of an assembly that is left out before it is read, with all below it; named "
-                 "as after FILE# (repeatable)");
+                 "nodes of an assembly that are left out before it is read, with all below them; "
+                 "named as after FILE#, or as a part of the manifest (repeatable)")
+      ->allow_extra_args(false);
   app.add_option("--missing-faces", arguments.missing_faces,
                  "accept up to this many faces of each STEP or IGES file that get no triangles "
                  "(default 0); the guarantee does not cover them")
@@ -91,6 +100,9 @@ void declare(CLI::App& app, Arguments& arguments) {
                "report which cavities open again at half the voxel size (slow)");
   app.add_option("--threads", arguments.threads, "threads (default: all)")
       ->check(CLI::Range(1, 1024));
+  app.add_flag("--list", arguments.list,
+               "bake nothing: print the tree of each file, by the names that can follow FILE# and "
+               "--without");
   app.add_flag(
       "--plan", arguments.plan,
       "bake nothing: print what the voxel size, its half and its quarter would give and cost");
@@ -115,13 +127,8 @@ Result<BakeOptions> options_of(const Arguments& arguments, const mesh::Scene& sc
                  "add it, for example --voxel-size 5mm"};
   }
   options.layers = arguments.layers.value_or(scene.layers.value_or(2));
-  options.bits = arguments.bits;
-  const bool wide = arguments.bits != 2;
-  if (wide && arguments.metric == "chebyshev") {
-    return Error{ErrorCode::kUsage, "", "--metric", "chebyshev knows two bits only",
-                 "leave --metric out, or --bits"};
-  }
-  if (wide || arguments.metric == "euclidean") options.metric = Metric::kEuclidean;
+  if (arguments.metric == "chebyshev") options.metric = Metric::kChebyshev;
+  options.distances = !arguments.lean;
   if (options.metric == Metric::kEuclidean && options.layers == 0) {
     return Error{ErrorCode::kUsage, "", "--layers", "0 leaves the metric nothing to measure",
                  "use --layers 1 or more, or --metric chebyshev"};
@@ -129,18 +136,18 @@ Result<BakeOptions> options_of(const Arguments& arguments, const mesh::Scene& sc
   if (!arguments.range.empty()) {
     const auto range = command::parse_length(arguments.range);
     if (!range) return usage("--range", range.error());
-    if (!wide) {
-      return Error{ErrorCode::kUsage, "", "--range", "has no meaning at 2 bits",
-                   "leave it out, or add --bits 8"};
+    if (!stores_distances(options)) {
+      return Error{ErrorCode::kUsage, "", "--range", "has no meaning without stored distances",
+                   "leave it out, or --lean and --metric chebyshev"};
     }
     options.range_m = *range;
   }
   if (!arguments.compliance.empty()) {
     const auto compliance = parse_compliance(arguments.compliance);
     if (!compliance) return compliance.error();
-    if (!wide) {
-      return Error{ErrorCode::kUsage, "", "--compliance", "has no depth to go by at 2 bits",
-                   "add --bits 8"};
+    if (!stores_distances(options)) {
+      return Error{ErrorCode::kUsage, "", "--compliance", "needs stored distances",
+                   "leave out --lean and --metric chebyshev"};
     }
     options.compliance = *compliance;
   }
@@ -201,10 +208,15 @@ Status check_early(const Arguments& arguments) {
   if (is_shard && arguments.plan) {
     return Error{ErrorCode::kUsage, "", "--shard", "has no meaning with --plan", "leave it out"};
   }
-  const bool writes_file = !is_shard && !arguments.plan;
-  if (!writes_file && !arguments.output.empty()) {
-    return Error{ErrorCode::kUsage, "", "--output",
+  if (arguments.list && (is_shard || arguments.plan)) {
+    return Error{ErrorCode::kUsage, "", "--list",
                  std::string("has no meaning with ") + (is_shard ? "--shard" : "--plan"),
+                 "leave one of them out"};
+  }
+  const bool writes_file = !is_shard && !arguments.plan && !arguments.list;
+  if (!writes_file && !arguments.output.empty()) {
+    const char* const other = is_shard ? "--shard" : arguments.plan ? "--plan" : "--list";
+    return Error{ErrorCode::kUsage, "", "--output", std::string("has no meaning with ") + other,
                  "leave it out"};
   }
   if (writes_file && arguments.output.empty()) {
@@ -213,7 +225,7 @@ Status check_early(const Arguments& arguments) {
   if (const auto shard = shard_of(arguments); !shard) return shard.error();
   if (const auto reader = arguments.trust.reader(); !reader) return reader.error();
   mesh::Scene unknown;
-  unknown.voxel_size_m = 1;  // a manifest may give it
+  unknown.voxel_size_m = 1;  // a manifest may give it; a list needs none
   const auto options = options_of(arguments, unknown);
   return options ? Status() : options.error();
 }
@@ -230,6 +242,14 @@ std::vector<SceneObject> objects_of(const mesh::Scene& scene, cache::MeshSource&
     object.mesh_digest = meshes.outline(part).digest();
   }
   return objects;
+}
+
+// Before the bake, so that a wrong unit is seen in time.
+void print_size(const mesh::Scene& scene, const Forecast& forecast) {
+  if (scene.objects.empty()) return;
+  std::printf("scene: %zu object%s, %s\n", scene.objects.size(),
+              scene.objects.size() == 1 ? "" : "s", size_text_m(forecast.box_m, 1).c_str());
+  std::fflush(stdout);
 }
 
 void print_summary(const std::string& output, const Bake& bake, const BakeFacts& run) {
@@ -258,7 +278,7 @@ void print_narrow_passages(const Bake& bake) {
       const auto center_m = [&](std::int64_t n) { return (static_cast<double>(n) + 0.5) * size_m; };
       std::printf(
           "%s: a cavity of %.3g cm3 is closed only by a passage narrower than %g mm; "
-          "--free-seed %.9g,%.9g,%.9g opens it, and so does half the voxel size\n",
+          "--free-seed %.9gm,%.9gm,%.9gm opens it, and so does half the voxel size\n",
           escaped(object.name).c_str(),
           static_cast<double>(cavity.voxels) * std::pow(size_m * 1e2, 3), size_m * 1e3, center_m(i),
           center_m(j), center_m(k));
@@ -314,14 +334,36 @@ void print_shard(const Arguments& arguments, const Bake& bake) {
               static_cast<std::size_t>(found), escaped(arguments.cache).c_str());
 }
 
+// --units, in meters.
+Result<std::optional<double>> unit_of(const Arguments& arguments) {
+  if (arguments.units.empty()) return std::optional<double>();
+  const auto parsed = command::parse_unit(arguments.units);
+  if (!parsed) return usage("--units", parsed.error());
+  return std::optional<double>(*parsed);
+}
+
+Status print_list(const Arguments& arguments) {
+  const auto unit = unit_of(arguments);
+  if (!unit) return unit.error();
+  mesh::ReadOptions options;
+  options.without = arguments.without;
+  if (!arguments.voxel_size.empty()) {
+    options.deflection_m = mesh::baked_deflection_m(*command::parse_length(arguments.voxel_size));
+  }
+  const auto listed = list_files(arguments.inputs, *unit, options, *arguments.trust.reader());
+  if (!listed) return listed.error();
+  if (!arguments.quiet) {
+    print_warnings(listed->warnings);
+    std::fputs(table_of(*listed).c_str(), stdout);
+  }
+  if (arguments.json_path.empty()) return {};
+  return command::write_report(arguments.json_path, report_of(*listed));
+}
+
 Result<mesh::Scene> read_inputs(const Arguments& arguments, cache::MeshSource& meshes,
                                 command::ProgressLine& progress) {
-  std::optional<double> unit;
-  if (!arguments.units.empty()) {
-    const auto parsed = command::parse_unit(arguments.units);
-    if (!parsed) return usage("--units", parsed.error());
-    unit = *parsed;
-  }
+  const auto unit = unit_of(arguments);
+  if (!unit) return unit.error();
   mesh::SceneReading reading;
   if (!arguments.voxel_size.empty()) {
     const auto size = command::parse_length(arguments.voxel_size);
@@ -338,7 +380,7 @@ Result<mesh::Scene> read_inputs(const Arguments& arguments, cache::MeshSource& m
     return meshes.read(path, options);
   };
   reading.progress = [&](double done) { progress.show("reading", kReadingDone * done); };
-  return mesh::read_scene(arguments.inputs, unit, reading);
+  return mesh::read_scene(arguments.inputs, *unit, reading);
 }
 
 Result<std::vector<mesh::MeshFacts>> facts_of(const mesh::Scene& scene, cache::MeshSource& meshes) {
@@ -353,6 +395,7 @@ Result<std::vector<mesh::MeshFacts>> facts_of(const mesh::Scene& scene, cache::M
 
 Status voxelize(const Arguments& arguments) {
   if (Status checked = check_early(arguments); !checked) return checked;
+  if (arguments.list) return print_list(arguments);
   Stopwatch clock;
   BakeFacts run;
   command::ProgressLine progress(arguments.quiet);
@@ -376,6 +419,15 @@ Status voxelize(const Arguments& arguments) {
     progress.clear();
     return print_plan(arguments, *scene, meshes, *options);
   }
+  const std::vector<cache::MeshOutline> outlines = meshes.outlines(*scene);
+  const Forecast forecast = forecast_of(*scene, outlines, *options);
+  if (Status fits = check_forecast(forecast, *options, available_bytes()); !fits) return fits;
+  const auto large = forecast_warning(forecast, *options);
+  if (!arguments.quiet) {
+    progress.clear();
+    print_size(*scene, forecast);
+    if (large) print_warnings({*large});
+  }
   options->progress = [&](const char* stage, double done) {
     progress.show(stage, kReadingDone + (kWritingDone - kReadingDone) * done);
   };
@@ -398,8 +450,10 @@ Status voxelize(const Arguments& arguments) {
   progress.clear();
 
   run.warnings = warnings_of(*scene, meshes, *options);
+  if (!arguments.quiet) print_warnings(run.warnings);
+  if (large) run.warnings.push_back(*large);
+  run.scene_box_m = forecast.box_m;
   if (!arguments.quiet) {
-    print_warnings(run.warnings);
     is_shard ? print_shard(arguments, *bake) : print_summary(arguments.output, *bake, run);
     if (arguments.narrow_passages) print_narrow_passages(*bake);
   }

@@ -198,8 +198,8 @@ Result<cache::ObjectVoxels> bake_voxels(const SceneObject& object, const BakeOpt
   bake.facts.interior_voxels = masks::voxel_count(*voxels.interior);
   bake.seconds.flood = watch.lap_s();
   if (grows_surface(options)) {
-    voxels.geometry = distance::grow_surface(bake.snapped, *voxels.interior,
-                                             static_cast<int>(options.layers), scene_origin);
+    voxels.grown = distance::grow_surface(bake.snapped, *voxels.interior,
+                                          static_cast<int>(options.layers), scene_origin);
   }
   bake.seconds.near = watch.lap_s();
   if (!stores_distances(options)) bake.snapped = {};

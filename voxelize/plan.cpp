@@ -109,18 +109,22 @@ double interior_radius_voxels(const BakeOptions& options) {
 
 // Where the force begins; with Chebyshev layers along an axis, where it begins lowest.
 double standoff_voxels(const BakeOptions& options) {
-  if (options.bits != 2) {
-    return distance::code_scale(options.layers, options.bits, 4).zero +
-           force_layer_voxels(options) - 1;
+  if (stores_distances(options)) {
+    return distance::code_scale(options.layers, distance::kUsualRangeVoxels,
+                                force_layer_voxels(options))
+        .zero_force;
   }
   if (!grows_surface(options)) return options.layers;
   return interior_radius_voxels(options) + std::sqrt(3.0) / 2;
 }
 
 double narrowest_gap_voxels(const BakeOptions& options) {
-  // Three voxels lie between the two walls' interiors. In the middle of the middle one, phi is 1/2
-  // and the force has not yet begun (runtime/field/level_field.h).
-  if (options.bits == 2 && grows_surface(options)) return 2 * interior_radius_voxels(options) + 3;
+  // Wherever the walls lie on the lattice, some voxel's center is up to half a voxel from the
+  // middle and still where the force begins. In a lean file three voxels lie between the two walls'
+  // interiors, and in the middle of the middle one phi is 1/2 (runtime/field/level_field.h).
+  if (grows_surface(options)) {
+    return 2 * (interior_radius_voxels(options) + force_layer_voxels(options)) + 1;
+  }
   return 2 * standoff_voxels(options) + 2;
 }
 

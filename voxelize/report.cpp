@@ -52,6 +52,7 @@ Json left_out_of(const mesh::Scene& scene) {
   for (const mesh::Assembly& assembly : scene.assemblies) {
     names.insert(assembly.left_out.begin(), assembly.left_out.end());
   }
+  names.insert(scene.parts_left_out.begin(), scene.parts_left_out.end());
   return names;
 }
 
@@ -76,7 +77,7 @@ Json report_of(const Bake& bake, const mesh::Scene& scene, std::span<const mesh:
           {"layers", header.offset_layers},
           {"metric", header.metric == static_cast<std::uint32_t>(Metric::kEuclidean) ? "euclidean"
                                                                                      : "chebyshev"},
-          {"bits_per_voxel", header.bits_per_voxel},
+          {"distances", has_distances(header)},
           {"counts",
            {{"interior", header.interior_voxels},
             {"surface", header.surface_voxels},
@@ -85,6 +86,8 @@ Json report_of(const Bake& bake, const mesh::Scene& scene, std::span<const mesh:
           {"valid_max_voxel", header.valid_max_voxel},
           {"cropped_sides", header.cropped_sides},
           {"triangles", header.triangles},
+          {"scene_low_m", run.scene_box_m.low},
+          {"scene_high_m", run.scene_box_m.high},
           {"static_deviation_m", header.static_deviation_m},
           {"missing_faces", mesh::json_of(scene.missing_faces)},
           {"without", left_out_of(scene)},

@@ -4,14 +4,13 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
 #include <exception>
-#include <iostream>
 #include <new>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <string_view>
 
 #include "formats/file/atomic_file.h"
@@ -69,20 +68,6 @@ int run_command(const char* name, const std::function<Status()>& body) noexcept 
   } catch (...) {
     return fail(name, {ErrorCode::kInternal, "", "", "unknown exception", ""});
   }
-}
-
-bool parse_arguments(CLI::App& app, int argc, char** argv, int& exit_code) {
-  app.set_version_flag("--version", app.get_name() + " " + kVersion);
-  try {
-    app.parse(argc, argv);
-    return true;
-  } catch (const CLI::Success& done) {  // --help, --version
-    exit_code = app.exit(done);
-  } catch (const CLI::ParseError& error) {
-    exit_code = fail(app.get_name().c_str(), {ErrorCode::kUsage, "", "", error.what(),
-                                              "see " + app.get_name() + " --help"});
-  }
-  return false;
 }
 
 Status write_report(const std::string& path, const nlohmann::ordered_json& report) {

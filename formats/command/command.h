@@ -1,4 +1,4 @@
-// The frame of every command: arguments, one-line errors, exit status, signals, reports.
+// The frame of every command: one-line errors, exit status, signals, reports.
 #pragma once
 
 #include <functional>
@@ -8,10 +8,6 @@
 
 #include "formats/result.h"
 
-namespace CLI {
-class App;
-}
-
 namespace forcelayer::command {
 
 inline constexpr const char* kVersion = FORCELAYER_VERSION;
@@ -19,10 +15,6 @@ inline constexpr const char* kVersion = FORCELAYER_VERSION;
 // Runs a command's body and turns its outcome into an exit status. An Error or an escaped exception
 // becomes one line on stderr, "COMMAND: ERROR"; std::bad_alloc is kOutOfMemory.
 int run_command(const char* name, const std::function<Status()>& body) noexcept;
-
-// Parses argv into `app`; --help and --version print and end with status 0 (returns false with
-// `exit_code` 0), a wrong command line gives one line on stderr and status 2.
-bool parse_arguments(CLI::App& app, int argc, char** argv, int& exit_code);
 
 // Writes `report` to `path` atomically, indented, with a final newline.
 Status write_report(const std::string& path, const nlohmann::ordered_json& report);

@@ -43,7 +43,7 @@ constexpr std::string_view kKnownEndings[] = {
     ".vox", ".pshell", ".json", ".csv", ".flr", ".png", ".vdb",  ".stl", ".obj",  ".ply", ".off",
     ".om",  ".drc",    ".gltf", ".glb", ".bin", ".stp", ".step", ".igs", ".iges", ".mtl"};
 
-// Of files that a command did not write in text: their beginnings.
+// The beginnings of files that no text may replace.
 constexpr std::string_view kBinaryBeginnings[] = {"\211FL", "\211PNG", "glTF", "DRACO"};
 
 std::string ending_of(const std::string& path) {

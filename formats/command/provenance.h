@@ -1,4 +1,4 @@
-// What the provenance of a baked file tells a user of it. It is text from the file: no promise.
+// Reads the provenance of a baked file for its user. It is text from the file: no promise.
 #pragma once
 
 #include <cstdint>

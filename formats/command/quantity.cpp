@@ -22,6 +22,15 @@ struct Unit {
 constexpr Unit kLengthUnits[] = {
     {"nm", -9, 1}, {"um", -6, 1}, {"mm", -3, 1},     {"cm", -2, 1},     {"dm", -1, 1},
     {"m", 0, 1},   {"km", 3, 1},  {"in", 0, 0.0254}, {"ft", 0, 0.3048}, {"yd", 0, 0.9144}};
+
+// Other spellings of units of length. The two micrometers are those of the signs U+00B5 and U+03BC.
+struct Spelling {
+  std::string_view text, unit;
+};
+constexpr Spelling kSpellings[] = {
+    {"\xC2\xB5m", "um"}, {"\xCE\xBCm", "um"}, {"\"", "in"},   {"inch", "in"}, {"NM", "nm"},
+    {"UM", "um"},        {"MM", "mm"},        {"CM", "cm"},   {"DM", "dm"},   {"M", "m"},
+    {"KM", "km"},        {"IN", "in"},        {"INCH", "in"}, {"FT", "ft"},   {"YD", "yd"}};
 constexpr Unit kTimeUnits[] = {
     {"us", -6, 1}, {"ms", -3, 1}, {"s", 0, 1}, {"min", 0, 60}, {"h", 0, 3600}};
 constexpr Unit kForceUnits[] = {{"mN", -3, 1}, {"N", 0, 1}, {"kN", 3, 1}};
@@ -86,13 +95,20 @@ const Unit* find_unit(std::span<const Unit> units, std::string_view name) {
   return found == units.end() ? nullptr : &*found;
 }
 
+const Unit* find_length_unit(std::string_view name) {
+  const auto other =
+      std::find_if(std::begin(kSpellings), std::end(kSpellings),
+                   [name](const Spelling& spelling) { return spelling.text == name; });
+  return find_unit(kLengthUnits, other == std::end(kSpellings) ? name : other->unit);
+}
+
 Error unknown_length_unit(std::string_view name) {
   return usage(quoted(name) + " is not a unit of length",
                "use one of nm, um, mm, cm, dm, m, km, in, ft, yd");
 }
 
 Result<double> scaled_length(const NumberAndRest& split) {
-  const Unit* unit = find_unit(kLengthUnits, split.rest);
+  const Unit* unit = find_length_unit(split.rest);
   return unit ? scaled(split, *unit) : Result<double>(unknown_length_unit(split.rest));
 }
 
@@ -106,16 +122,18 @@ std::vector<std::string_view> split_commas(std::string_view text) {
   }
 }
 
-// One component of a vector: meters where it has no unit.
-Result<double> parse_component(std::string_view text) {
+using ParseComponent = Result<double> (*)(std::string_view text);
+
+Result<double> parse_bare(std::string_view text) {
   const auto split = split_number(text);
   if (!split) return split.error();
   if (split->rest.empty()) return split->number;
-  return scaled_length(*split);
+  return usage(quoted(trimmed(text)) + " is not a bare number", "leave the unit out");
 }
 
 template <std::size_t kCount>
-Result<std::array<double, kCount>> parse_components(std::string_view text, const char* form) {
+Result<std::array<double, kCount>> parse_components(std::string_view text, const char* form,
+                                                    ParseComponent parse_component) {
   const auto parts = split_commas(text);
   if (parts.size() != kCount) {
     return usage(quoted(text) + " has " + std::to_string(parts.size()) + " numbers instead of " +
@@ -157,7 +175,7 @@ Result<std::array<double, 4>> parse_quaternion(std::span<const std::string_view>
 }  // namespace
 
 Result<double> parse_unit(std::string_view unit) {
-  const Unit* found = find_unit(kLengthUnits, unit);
+  const Unit* found = find_length_unit(unit);
   if (!found) return unknown_length_unit(unit);
   return scaled({1, "1", ""}, *found);
 }
@@ -167,15 +185,19 @@ Result<double> parse_length(std::string_view text) {
   if (!split) return split.error();
   if (!split->rest.empty()) return scaled_length(*split);
   if (split->number == 0) return 0.0;
-  return usage("length " + quoted(text) + " has no unit", "write it like 5mm or 0.005m");
+  return usage("length " + quoted(trimmed(text)) + " has no unit", "write it like 5mm or 0.005m");
 }
 
 Result<std::array<double, 3>> parse_point(std::string_view text) {
-  return parse_components<3>(text, "x,y,z");
+  return parse_components<3>(text, "x,y,z", parse_length);
+}
+
+Result<std::array<double, 3>> parse_direction(std::string_view text) {
+  return parse_components<3>(text, "x,y,z", parse_bare);
 }
 
 Result<std::array<double, 6>> parse_box(std::string_view text) {
-  auto box = parse_components<6>(text, "x0,y0,z0,x1,y1,z1");
+  auto box = parse_components<6>(text, "x0,y0,z0,x1,y1,z1", parse_length);
   if (!box) return box;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (!((*box)[axis] < (*box)[axis + 3])) {
@@ -193,7 +215,7 @@ Result<PoseText> parse_pose(std::string_view text) {
   }
   PoseText pose;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const auto meters = parse_component(parts[axis]);
+    const auto meters = parse_length(parts[axis]);
     if (!meters) return meters.error();
     pose.position_m[axis] = *meters;
   }

@@ -17,7 +17,7 @@ struct PoseText {
   std::array<double, 4> orientation_wxyz{1, 0, 0, 0};
 };
 
-// What an option takes, both ends included.
+// The range of an option, both ends included.
 struct Bounds {
   double least = 0;
   double most = 0;
@@ -29,19 +29,24 @@ std::string to_text(const Bounds& bounds);
 // A bare number within bounds.
 Result<double> parse_number(std::string_view text, const Bounds& bounds);
 
-// Meters in one `unit` (nm, um, mm, cm, dm, m, km, in, ft, yd).
+// Meters in one `unit`: nm, um, mm, cm, dm, m, km, in, ft, yd; also in capitals, `inch`, `"`, and
+// both signs for micro.
 Result<double> parse_unit(std::string_view unit);
 
 // "5mm", "0.2in", "0.005m" in meters. The unit is required: a bare number other than 0 is an error.
 Result<double> parse_length(std::string_view text);
 
-// "x,y,z", each with a unit or bare (meters).
+// "x,y,z", each a length as above.
 Result<std::array<double, 3>> parse_point(std::string_view text);
+
+// "x,y,z", three bare numbers.
+Result<std::array<double, 3>> parse_direction(std::string_view text);
 
 // "x0,y0,z0,x1,y1,z1" in the same way, with x0 < x1 and so on.
 Result<std::array<double, 6>> parse_box(std::string_view text);
 
-// "x,y,z" or "x,y,z,qw,qx,qy,qz"; the quaternion is normalized and must not be zero.
+// "x,y,z" or "x,y,z,qw,qx,qy,qz", x, y and z lengths as above; the quaternion is normalized and
+// must not be zero.
 Result<PoseText> parse_pose(std::string_view text);
 
 // "10s", "500ms", "2min" in seconds; the unit is required, the number not negative, and the time at

@@ -28,8 +28,8 @@ class AtomicFile {
   static Result<AtomicFile> create(const std::filesystem::path& target);
 
   Status write(std::span<const std::byte> bytes);  // appends
-  // What was written so far, to be checked before commit(); empty where it cannot be read back,
-  // because the target is written to directly.
+  // Maps the bytes written so far, to be checked before commit(); empty where it cannot be read
+  // back, because the target is written to directly.
   Result<MappedFile> read_back() const;
   Status commit();  // flush to disk, rename, flush the folder
 

@@ -11,14 +11,14 @@
 
 namespace forcelayer {
 
-// What the system says of a file that is written to in place: its size, the time of its last
-// writing, and the time of its last change, which nobody can set back. The latter also changes with
-// names, rights and owner, which do no harm: a change that they explain is taken over.
+// The facts that the system gives of a file that is written to in place: its size, the time of its
+// last writing, and the time of its last change, which nobody can set back. The latter also changes
+// with names, rights and owner, which do no harm: a change that they explain is taken over.
 class FileStamp {
  public:
   FileStamp() = default;
 
-  // Of an open file; its owner keeps it open.
+  // The stamp of an open file; its owner keeps it open.
   explicit FileStamp(int descriptor) noexcept;
 
   // Whether the file was written to since, or can no longer be asked. False without a file.

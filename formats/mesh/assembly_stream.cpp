@@ -166,6 +166,14 @@ void send_content(Sender& sender, const Assembly& assembly) {
     sender.value(face.center);
     sender.value(face.size);
   }
+  sender.value(std::uint64_t{assembly.nodes.size()});
+  for (const AssemblyNode& node : assembly.nodes) {
+    sender.list(node.label);
+    sender.list(node.path);
+    sender.value(std::uint64_t{node.depth});
+    sender.value(node.first_instance);
+    sender.value(node.instance_count);
+  }
   sender.value(std::uint64_t{assembly.left_out.size()});
   for (const std::string& name : assembly.left_out) sender.list(name);
 }
@@ -189,6 +197,20 @@ Mesh receive_mesh(Receiver& receiver) {
     for (const std::uint32_t corner : triangle) expect(corner < mesh.vertices.size());
   }
   return mesh;
+}
+
+// Depths descend by any number and ascend by one, from 0.
+AssemblyNode receive_node(Receiver& receiver, const Assembly& assembly) {
+  AssemblyNode node;
+  node.label = receiver.text();
+  node.path = receiver.text();
+  node.depth = receiver.value<std::uint64_t>();
+  node.first_instance = receiver.value<std::uint32_t>();
+  node.instance_count = receiver.value<std::uint32_t>();
+  expect(node.depth <= (assembly.nodes.empty() ? 0 : assembly.nodes.back().depth + 1));
+  expect(node.first_instance <= assembly.instances.size());
+  expect(node.instance_count <= assembly.instances.size() - node.first_instance);
+  return node;
 }
 
 Assembly receive_content(Receiver& receiver) {
@@ -224,8 +246,12 @@ Assembly receive_content(Receiver& receiver) {
     expect(all_finite(face.center) && std::isfinite(face.size) && face.size >= 0);
   }
   for (auto n = receiver.value<std::uint64_t>(); n > 0; --n) {
+    assembly.nodes.push_back(receive_node(receiver, assembly));
+  }
+  for (auto n = receiver.value<std::uint64_t>(); n > 0; --n) {
     assembly.left_out.push_back(receiver.text());
   }
+  measure_instances(assembly);
   return assembly;
 }
 

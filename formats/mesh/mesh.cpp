@@ -1,5 +1,8 @@
 #include "formats/mesh/mesh.h"
 
+#include <algorithm>
+#include <limits>
+
 namespace forcelayer::mesh {
 
 Vec3d apply(const Affine& a_from_b, const Vec3d& b) {
@@ -23,6 +26,59 @@ Affine compose(const Affine& a_from_b, const Affine& b_from_c) {
   }
   a_from_c.translation = apply(a_from_b, b_from_c.translation);
   return a_from_c;
+}
+
+Box empty_box() {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  return {{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
+}
+
+void extend(Box& box, const Vec3d& point) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    box.low[axis] = std::min(box.low[axis], point[axis]);
+    box.high[axis] = std::max(box.high[axis], point[axis]);
+  }
+}
+
+void extend(Box& box, const Box& other) {
+  if (other.low[0] > other.high[0]) return;
+  extend(box, other.low);
+  extend(box, other.high);
+}
+
+Box box_of(const Mesh& mesh, const Affine& a_from_mesh) {
+  Box box = empty_box();
+  for (const Vec3d& vertex : mesh.vertices) extend(box, apply(a_from_mesh, vertex));
+  return box;
+}
+
+Box box_of(const Box& box, const Affine& a_from_b) {
+  Box moved = empty_box();
+  if (box.low[0] > box.high[0]) return moved;
+  for (unsigned corner = 0; corner < 8; ++corner) {
+    extend(moved, apply(a_from_b, {corner & 1 ? box.high[0] : box.low[0],
+                                   corner & 2 ? box.high[1] : box.low[1],
+                                   corner & 4 ? box.high[2] : box.low[2]}));
+  }
+  return moved;
+}
+
+void measure_instances(Assembly& assembly) {
+  std::uint64_t vertices = 0;
+  for (const MeshInstance& instance : assembly.instances) {
+    vertices += assembly.meshes[instance.mesh].vertices.size();
+  }
+  if (vertices <= kMostMeasuredVertices) {
+    for (MeshInstance& instance : assembly.instances) {
+      instance.box = box_of(assembly.meshes[instance.mesh], instance.assembly_from_mesh);
+    }
+    return;
+  }
+  std::vector<Box> boxes;
+  for (const Mesh& mesh : assembly.meshes) boxes.push_back(box_of(mesh, {}));
+  for (MeshInstance& instance : assembly.instances) {
+    instance.box = box_of(boxes[instance.mesh], instance.assembly_from_mesh);
+  }
 }
 
 std::uint64_t Assembly::triangle_count() const {

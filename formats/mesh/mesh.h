@@ -32,11 +32,32 @@ struct Affine {
 Vec3d apply(const Affine& a_from_b, const Vec3d& b);
 Affine compose(const Affine& a_from_b, const Affine& b_from_c);
 
+// An axis-aligned box; empty where low > high.
+struct Box {
+  Vec3d low, high;
+};
+Box empty_box();
+void extend(Box& box, const Vec3d& point);
+void extend(Box& box, const Box& other);
+Box box_of(const Mesh& mesh, const Affine& a_from_mesh);  // around the vertices, in a
+Box box_of(const Box& box, const Affine& a_from_b);       // around the corners of a box, in a
+
 // One placing of a mesh in the assembly.
 struct MeshInstance {
   std::uint32_t mesh = 0;  // index into Assembly::meshes
   std::string name;        // path of node names, "/" between; the file's stem where it has none
   Affine assembly_from_mesh;
+  Box box{};  // around its vertices; file units, assembly frame
+};
+
+// A node of the tree that an assembly format holds.
+struct AssemblyNode {
+  std::string label;      // unique among its siblings
+  std::string path;       // labels from the root on, "/" between
+  std::size_t depth = 0;  // 0 for roots
+  // The instances of the node and of all below it: those from `first_instance` on, in order.
+  std::uint32_t first_instance = 0;
+  std::uint32_t instance_count = 0;
 };
 
 // A face of an exact surface (STEP, IGES) that has no triangles: a hole that the user accepted.
@@ -50,6 +71,9 @@ struct MissingFace {
 struct Assembly {
   std::vector<Mesh> meshes;
   std::vector<MeshInstance> instances;
+  // The whole tree, each node before its children; empty for a format without nodes. Nodes that
+  // were not read have no instances.
+  std::vector<AssemblyNode> nodes;
   std::optional<double> meters_per_unit;  // where the format or file defines it (glTF: 1)
   // How far the triangles may lie from exact surfaces that the file holds (STEP, IGES), file units.
   double deviation_units = 0;
@@ -59,11 +83,18 @@ struct Assembly {
   std::uint64_t triangle_count() const;    // over all instances
 };
 
+// Sets MeshInstance::box of every instance. A small file may place more vertices than a lifetime
+// measures; beyond this count, which takes a second, boxes are those around the corners of boxes,
+// and larger than need be where instances are turned.
+inline constexpr std::uint64_t kMostMeasuredVertices = 200'000'000;
+void measure_instances(Assembly& assembly);
+
 struct ReadOptions {
   double deflection_m = 1e-4;       // of triangles from exact surfaces (STEP, IGES)
   bool allow_outside = false;       // whether a glTF or STEP file may name files elsewhere
   std::uint64_t missing_faces = 0;  // how many faces of exact surfaces may stay without triangles
-  std::vector<std::string> without = {};  // nodes left out, with all below; named as after "#"
+  std::vector<std::string> nodes = {};    // those read, with all below; empty: all
+  std::vector<std::string> without = {};  // nodes left out, with all below
 };
 
 // ReadOptions::deflection_m of every mesh that is baked for voxels of this size: a hundredth of a
@@ -71,8 +102,8 @@ struct ReadOptions {
 constexpr double baked_deflection_m(double voxel_size_m) { return 0.01 * voxel_size_m; }
 
 // Reads STL, OBJ, PLY, OFF, OM, DRC, glTF/GLB (by content where the format has a signature, else by
-// extension), STEP and IGES where built with OpenCASCADE. `path` may end in "#NODE" for the
-// sub-tree of that name in an assembly format. Never loses a face beyond
+// extension), STEP and IGES where built with OpenCASCADE. `path` may end in "#NODES" for nodes of
+// an assembly format (node_names.h says how they are named). Never loses a face beyond
 // ReadOptions::missing_faces: a file that cannot be read whole is an error with file, place and
 // reason (kMesh* codes). A file with no triangles is kMeshEmpty.
 Result<Assembly> read_assembly(const std::string& path, const ReadOptions& options = {});

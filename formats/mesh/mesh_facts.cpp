@@ -139,6 +139,16 @@ void count_edges(const std::vector<EdgeUse>& uses, MeshFacts& facts) {
 
 }  // namespace
 
+double area_of(const Mesh& mesh) {
+  double area = 0;
+  for (const auto& [i, j, k] : mesh.triangles) {
+    const Vec3d& a = mesh.vertices[i];
+    const Vec3d normal = cross(minus(mesh.vertices[j], a), minus(mesh.vertices[k], a));
+    area += std::hypot(normal[0], normal[1], normal[2]) / 2;
+  }
+  return area;
+}
+
 MeshFacts mesh_facts(const Mesh& mesh) {
   MeshFacts facts;
   facts.triangles = mesh.triangles.size();

@@ -26,6 +26,8 @@ struct MeshFacts {
   double signed_volume = 0;  // file units^3; positive where a closed mesh faces outwards
 };
 
+double area_of(const Mesh& mesh);  // file units^2
+
 // Looks at every triangle and edge once: a sort of three edges a triangle.
 MeshFacts mesh_facts(const Mesh& mesh);
 

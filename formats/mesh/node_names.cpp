@@ -5,39 +5,77 @@
 #include <numeric>
 #include <string_view>
 
+#include "formats/mesh/reader.h"
+
 namespace forcelayer::mesh {
 namespace {
 
-[[noreturn]] void fail_ambiguous(const SourceFile& file, const std::string& where,
-                                 const std::vector<NodeName>& nodes,
-                                 const std::vector<std::size_t>& found) {
-  constexpr std::size_t kListed = 8;
-  const std::size_t choices = found.empty() ? nodes.size() : found.size();
-  std::string list;
-  for (std::size_t i = 0; i < std::min(choices, kListed); ++i) {
-    list += (i == 0 ? "" : ", ") + nodes[found.empty() ? i : found[i]].path;
-  }
-  if (choices > kListed) list += ", ...";
-  fail_read(file, ErrorCode::kSceneInvalid, where,
-            found.empty() ? "no node of this name" : "several nodes of this name",
-            "use one of: " + list);
+constexpr const char* kWildcards = "*?";
+
+bool has_wildcard(const std::string& name) {
+  return name.find_first_of(kWildcards) != std::string::npos;
 }
 
-// The node of this path, else all nodes of this label.
-std::vector<std::size_t> nodes_of(const std::string& name, const std::vector<NodeName>& nodes) {
+// Whether `text` is `pattern`, whose `*` and `?` stand for letters other than "/".
+bool matches(std::string_view text, std::string_view pattern) {
+  std::size_t t = 0, p = 0;
+  std::size_t star = std::string_view::npos, star_text = 0;  // the last `*`, and the text it took
+  while (t < text.size()) {
+    if (p < pattern.size() && pattern[p] == '*') {
+      star = p++;
+      star_text = t;
+    } else if (p < pattern.size() &&
+               (pattern[p] == text[t] || (pattern[p] == '?' && text[t] != '/'))) {
+      ++p;
+      ++t;
+    } else if (star != std::string_view::npos && text[star_text] != '/') {
+      p = star + 1;
+      t = ++star_text;
+    } else {
+      return false;
+    }
+  }
+  return pattern.find_first_not_of('*', p) == std::string_view::npos;
+}
+
+// Whether `path`, or what follows one of its slashes, passes `test`.
+template <typename Test>
+bool any_end(std::string_view path, const Test& test) {
+  for (std::size_t start = 0;; ++start) {
+    if (test(path.substr(start))) return true;
+    start = path.find('/', start);
+    if (start == std::string_view::npos) return false;
+  }
+}
+
+bool ends_as(const std::string& path, const std::string& name) {
+  return any_end(path, [&](std::string_view end) { return end == name; });
+}
+
+bool ends_like(const std::string& path, const std::string& pattern) {
+  return any_end(path, [&](std::string_view end) { return matches(end, pattern); });
+}
+
+// The node of this path, else all whose paths end so, else all that fit the wildcards.
+std::vector<std::size_t> nodes_of(const std::string& name, std::span<const AssemblyNode> nodes) {
   std::vector<std::size_t> found;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     if (nodes[i].path == name) return {i};
-    if (nodes[i].label == name) found.push_back(i);
+    if (ends_as(nodes[i].path, name)) found.push_back(i);
+  }
+  if (!found.empty() || !has_wildcard(name)) return found;
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    if (ends_like(nodes[i].path, name)) found.push_back(i);
   }
   return found;
 }
 
-// The node behind the last of those below `first`.
-std::size_t end_of_sub_tree(std::size_t first, const std::vector<NodeName>& nodes) {
-  std::size_t last = first + 1;
-  while (last < nodes.size() && nodes[last].depth > nodes[first].depth) ++last;
-  return last;
+void mark_sub_tree(std::size_t first, std::span<const AssemblyNode> nodes,
+                   std::vector<bool>& is_in) {
+  std::size_t i = first;
+  do {
+    is_in[i++] = true;
+  } while (i < nodes.size() && nodes[i].depth > nodes[first].depth);
 }
 
 // How many letters must be put in, taken out or changed to make one of the other (Levenshtein).
@@ -55,56 +93,153 @@ std::size_t spelling_distance(std::string_view a, std::string_view b) {
   return row.back();
 }
 
+// "the nearest are: a/b, a/c": the nodes that are spelled most like `name`.
+class NearestNames {
+ public:
+  explicit NearestNames(const std::string& name) : name_(name) {}
+
+  void add(std::span<const AssemblyNode> nodes) {
+    constexpr std::size_t kListed = 5;
+    for (const AssemblyNode& node : nodes) {
+      nearest_.emplace(
+          std::min(spelling_distance(name_, node.path), spelling_distance(name_, node.label)),
+          node.path);
+      if (nearest_.size() > kListed) nearest_.erase(std::prev(nearest_.end()));
+    }
+  }
+  std::string text() const {
+    std::string text;
+    for (const auto& [distance, path] : nearest_) {
+      text += (text.empty() ? "the nearest are: " : ", ") + path;
+    }
+    return text;
+  }
+
+ private:
+  std::string name_;
+  std::set<std::pair<std::size_t, std::string>> nearest_;
+};
+
+Error several(const std::string& where, const std::vector<std::size_t>& found,
+              std::span<const AssemblyNode> nodes) {
+  constexpr std::size_t kListed = 8;
+  std::string list;
+  for (std::size_t i = 0; i < std::min(found.size(), kListed); ++i) {
+    list += (i == 0 ? "" : ", ") + nodes[found[i]].path;
+  }
+  if (found.size() > kListed) list += ", ...";
+  return {ErrorCode::kSceneInvalid, "", where, "several nodes of this name", "use one of: " + list};
+}
+
+bool is_ambiguous(const std::string& name, const std::vector<std::size_t>& found) {
+  return found.size() > 1 && !has_wildcard(name);
+}
+
 }  // namespace
 
-NodeName name_node(const std::string& name, const NodeName* parent, std::set<std::string>& used) {
+AssemblyNode name_node(const std::string& name, const AssemblyNode* parent,
+                       std::set<std::string>& used) {
   std::string label = name;
   for (int number = 2; !used.insert(label).second; ++number) {
-    label = name + ":" + std::to_string(number);
+    label = name + "[" + std::to_string(number) + "]";
   }
   if (parent == nullptr) return {label, label, 0};
   return {label, parent->path + "/" + label, parent->depth + 1};
 }
 
-std::pair<std::size_t, std::size_t> find_sub_tree(const SourceFile& file,
-                                                  const std::vector<NodeName>& nodes) {
-  if (file.node.empty()) return {0, nodes.size()};
-  const std::vector<std::size_t> found = nodes_of(file.node, nodes);
-  if (found.size() != 1) fail_ambiguous(file, "#" + file.node, nodes, found);
-  return {found[0], end_of_sub_tree(found[0], nodes)};
+bool fits_name(const std::string& path, const std::string& name) {
+  return ends_as(path, name) || ends_like(path, name);
 }
 
-LeftOutNodes find_left_out(const SourceFile& file, const std::vector<NodeName>& nodes) {
-  LeftOutNodes left_out{std::vector<bool>(nodes.size()), {}, {}};
-  for (const std::string& name : file.options.without) {
-    const std::vector<std::size_t> found = nodes_of(name, nodes);
-    if (found.size() > 1) fail_ambiguous(file, "--without " + name, nodes, found);
-    (found.empty() ? left_out.unknown : left_out.names).push_back(name);
-    if (found.empty()) continue;
-    const std::size_t last = end_of_sub_tree(found[0], nodes);
-    for (std::size_t i = found[0]; i < last; ++i) left_out.is_out[i] = true;
+std::vector<std::string> names_in(const std::string& name) {
+  if (name.size() < 2 || name.front() != '{' || name.back() != '}') return {name};
+  std::vector<std::string> names;
+  for (std::size_t start = 1; start < name.size();) {
+    const std::size_t end = std::min(name.find(',', start), name.size() - 1);
+    if (end > start) names.push_back(name.substr(start, end - start));
+    start = end + 1;
   }
-  return left_out;
+  return names.empty() ? std::vector<std::string>{name} : names;
 }
 
-std::string nearest_names_text(const std::string& name, const std::vector<std::string>& paths) {
-  constexpr std::size_t kListed = 5;
-  std::set<std::pair<std::size_t, std::string>> nearest;
-  for (std::string path : paths) {
-    while (!path.empty()) {  // the node, then those above it
-      const auto slash = path.rfind('/');
-      const std::string label = slash == std::string::npos ? path : path.substr(slash + 1);
-      nearest.emplace(std::min(spelling_distance(name, path), spelling_distance(name, label)),
-                      path);
-      if (nearest.size() > kListed) nearest.erase(std::prev(nearest.end()));
-      path.resize(slash == std::string::npos ? 0 : slash);
+Result<std::vector<bool>> choose_nodes(std::span<const std::string> names,
+                                       std::span<const AssemblyNode> nodes) {
+  std::vector<bool> is_in(nodes.size(), names.empty());
+  for (const std::string& list : names) {
+    for (const std::string& name : names_in(list)) {
+      const std::vector<std::size_t> found = nodes_of(name, nodes);
+      if (is_ambiguous(name, found)) return several("#" + name, found, nodes);
+      if (found.empty()) {
+        NearestNames nearest(name);
+        nearest.add(nodes);
+        return Error{ErrorCode::kSceneInvalid, "", "#" + name, "no node of this name",
+                     nearest.text()};
+      }
+      for (const std::size_t node : found) mark_sub_tree(node, nodes, is_in);
     }
   }
-  std::string text;
-  for (const auto& [distance, path] : nearest) {
-    text += (text.empty() ? "the nearest are: " : ", ") + path;
+  return is_in;
+}
+
+NodesToRead nodes_to_read(const SourceFile& file, std::span<const AssemblyNode> nodes) {
+  const auto fail = [&](const Error& error) {
+    fail_read(file, error.code, error.where, error.what, error.mend);
+  };
+  auto chosen = choose_nodes(file.options.nodes, nodes);
+  if (!chosen) fail(chosen.error());
+  NodesToRead to_read{std::move(*chosen), {}, {}};
+  std::vector<bool> is_out(nodes.size());
+  for (const std::string& list : file.options.without) {
+    for (const std::string& name : names_in(list)) {
+      const std::vector<std::size_t> found = nodes_of(name, nodes);
+      if (is_ambiguous(name, found)) fail(several("--without " + name, found, nodes));
+      (found.empty() ? to_read.unknown : to_read.left_out).push_back(name);
+      for (const std::size_t node : found) mark_sub_tree(node, nodes, is_out);
+    }
   }
-  return text;
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    if (is_out[i]) to_read.is_read[i] = false;
+  }
+  return to_read;
+}
+
+void set_instances(std::span<const std::size_t> nodes_of_instances, std::span<AssemblyNode> nodes) {
+  const auto first_from = [&](std::size_t node) {
+    return static_cast<std::uint32_t>(
+        std::lower_bound(nodes_of_instances.begin(), nodes_of_instances.end(), node) -
+        nodes_of_instances.begin());
+  };
+  std::vector<std::size_t> open;  // nodes whose sub-trees go on
+  const auto close_down_to = [&](std::size_t depth, std::size_t end) {
+    for (; open.size() > depth; open.pop_back()) {
+      AssemblyNode& node = nodes[open.back()];
+      node.instance_count = first_from(end) - node.first_instance;
+    }
+  };
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    close_down_to(nodes[i].depth, i);
+    nodes[i].first_instance = first_from(i);
+    open.push_back(i);
+  }
+  close_down_to(0, nodes.size());
+}
+
+Status check_left_out(std::span<const std::string> without, std::span<const Assembly> assemblies) {
+  for (const std::string& list : without) {
+    for (const std::string& name : names_in(list)) {
+      const bool is_known =
+          std::any_of(assemblies.begin(), assemblies.end(), [&](const Assembly& assembly) {
+            return std::find(assembly.left_out.begin(), assembly.left_out.end(), name) !=
+                   assembly.left_out.end();
+          });
+      if (is_known) continue;
+      NearestNames nearest(name);
+      for (const Assembly& assembly : assemblies) nearest.add(assembly.nodes);
+      return Error{ErrorCode::kSceneInvalid, "", "--without",
+                   "no file has a node called " + in_quotes(name), nearest.text()};
+    }
+  }
+  return {};
 }
 
 }  // namespace forcelayer::mesh

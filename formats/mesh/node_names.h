@@ -1,49 +1,56 @@
-// Names in the node trees of assembly formats: labels, paths, and the sub-tree behind "#NODE".
+// Names in the node trees of assembly formats: labels, paths, and how a user names nodes.
+//
+// A name is a path, or the end of one where no other path ends alike: "Cover", "Housing/Cover". `*`
+// stands for any letters but "/", `?` for one; a name with either may fit several nodes.
+// "{Cover,Bolt*}" is a list of names. A node that bears such letters itself is found by its own
+// name first. The second sibling of a name is "Bolt[2]".
 #pragma once
 
-#include <cstdint>
 #include <set>
+#include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "formats/mesh/reader.h"
+#include "formats/result.h"
 
 namespace forcelayer::mesh {
-
-struct NodeName {
-  std::string label;  // unique among its siblings
-  std::string path;   // labels from the root on, "/" between
-  std::size_t depth;  // 0 for roots
-};
 
 // A deeper tree is damage; the memory of its paths would grow with the square of the depth.
 inline constexpr std::size_t kDeepestNode = 1000;
 
 // The name of a node called `name` under `parent` (null for roots), whose earlier children bear the
-// labels `used`: "name", else "name:2", "name:3".
-NodeName name_node(const std::string& name, const NodeName* parent, std::set<std::string>& used);
+// labels `used`: "name", else "name[2]", "name[3]".
+AssemblyNode name_node(const std::string& name, const AssemblyNode* parent,
+                       std::set<std::string>& used);
 
-// First and last (exclusive) node of the sub-tree that `file.node` names: by its path, or by its
-// label where only one node has that label. All nodes where `file.node` is empty. In `nodes` each
-// stands before its children. Throws kSceneInvalid, with a list of nodes, where none or several
-// fit.
-std::pair<std::size_t, std::size_t> find_sub_tree(const SourceFile& file,
-                                                  const std::vector<NodeName>& nodes);
+// Whether a node of this path is meant by `name`, which is no list.
+bool fits_name(const std::string& path, const std::string& name);
 
-// What `file.options.without` leaves out of a tree.
-struct LeftOutNodes {
-  std::vector<bool> is_out;        // [nodes]
-  std::vector<std::string> names;  // those that name a node
-  std::vector<std::string> unknown;
+// [nodes] Whether each of `nodes` is meant by one of `names`, or is below such a one. All are where
+// there are no names. In `nodes` each stands before its children. kSceneInvalid where a name fits
+// no node, with the nearest names, or several and has no wildcard.
+Result<std::vector<bool>> choose_nodes(std::span<const std::string> names,
+                                       std::span<const AssemblyNode> nodes);
+
+// The nodes of a file that its options ask for.
+struct NodesToRead {
+  std::vector<bool> is_read;          // [nodes]
+  std::vector<std::string> left_out;  // names of ReadOptions::without that name a node
+  std::vector<std::string> unknown;   // and the others
 };
 
-// The nodes that `file.options.without` names, as find_sub_tree() does, with all below them. Throws
-// kSceneInvalid where several nodes fit; a name that fits none is listed as unknown.
-LeftOutNodes find_left_out(const SourceFile& file, const std::vector<NodeName>& nodes);
+// Obeys ReadOptions::nodes and ::without. Throws ReadFailure as choose_nodes() fails; a name of
+// ::without that fits no node is no failure here.
+NodesToRead nodes_to_read(const SourceFile& file, std::span<const AssemblyNode> nodes);
 
-// "the nearest are: a/b, a/c": the names of `paths`, and of the nodes above them, that are spelled
-// most like `name`. Empty where there are none.
-std::string nearest_names_text(const std::string& name, const std::vector<std::string>& paths);
+// Sets the instances of `nodes`. [instances] `nodes_of_instances`: the node of each, ascending.
+void set_instances(std::span<const std::size_t> nodes_of_instances, std::span<AssemblyNode> nodes);
+
+// An error where a name of `without` is in the list `left_out` of no assembly.
+Status check_left_out(std::span<const std::string> without, std::span<const Assembly> assemblies);
+
+// The names of "{A,B}", else `name` alone.
+std::vector<std::string> names_in(const std::string& name);
 
 }  // namespace forcelayer::mesh

@@ -73,11 +73,36 @@ struct PathStamp {
 
 }  // namespace
 
-SourceFile named_file(const std::string& path) {
-  const auto hash = path.rfind('#');
-  std::error_code ignored;
-  if (hash == std::string::npos || std::filesystem::exists(path, ignored)) return {path, "", {}};
-  return {path.substr(0, hash), path.substr(hash + 1), {}};
+NamedFile named_file(const std::string& path) {
+  const auto exists = [](const std::string& name) {
+    std::error_code ignored;
+    return std::filesystem::exists(name, ignored);
+  };
+  if (path.find('#') == std::string::npos || exists(path)) return {path, {}};
+  std::size_t hash = path.find('#');
+  while (hash != std::string::npos && !exists(path.substr(0, hash)))
+    hash = path.find('#', hash + 1);
+  if (hash == std::string::npos) hash = path.rfind('#');
+  NamedFile file{path.substr(0, hash), {}};
+  if (hash + 1 < path.size()) file.nodes.push_back(path.substr(hash + 1));
+  return file;
+}
+
+std::vector<NamedFile> unite_by_file(std::span<const std::string> inputs) {
+  std::vector<NamedFile> files;
+  for (const std::string& input : inputs) {
+    NamedFile named = named_file(input);
+    const auto known = std::find_if(files.begin(), files.end(),
+                                    [&](const NamedFile& file) { return file.path == named.path; });
+    if (known == files.end()) {
+      files.push_back(std::move(named));
+    } else if (known->nodes.empty() || named.nodes.empty()) {
+      known->nodes.clear();
+    } else {
+      known->nodes.push_back(named.nodes.front());
+    }
+  }
+  return files;
 }
 
 bool has_mesh_extension(const std::string& path) {
@@ -92,11 +117,13 @@ bool may_have_nodes(const std::string& path) {
 Result<Assembly> read_source(const SourceFile& file) {
   try {
     const Format& format = format_of(file);
-    if (!file.node.empty() && !format.has_nodes) {
-      fail_read(file, ErrorCode::kSceneInvalid, "#" + file.node,
+    if (!file.options.nodes.empty() && !format.has_nodes) {
+      fail_read(file, ErrorCode::kSceneInvalid, "#" + file.options.nodes.front(),
                 std::string(format.name) + " files have no nodes", "leave the part after # out");
     }
-    return format.read(file);
+    Assembly assembly = format.read(file);
+    measure_instances(assembly);
+    return assembly;
   } catch (const ReadFailure& failure) {
     return failure.error;
   } catch (const std::bad_alloc&) {
@@ -105,8 +132,9 @@ Result<Assembly> read_source(const SourceFile& file) {
 }
 
 Result<Assembly> read_assembly(const std::string& path, const ReadOptions& options) {
-  SourceFile file = named_file(path);
-  file.options = options;
+  NamedFile named = named_file(path);
+  SourceFile file{std::move(named.path), {}, options};
+  file.options.nodes.insert(file.options.nodes.end(), named.nodes.begin(), named.nodes.end());
   const PathStamp before(file.path);
   const Result<MappedFile> mapped = MappedFile::open(file.path);
   if (!mapped) return mapped.error();

@@ -4,8 +4,10 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "formats/file/mapped_file.h"
 #include "formats/mesh/mesh.h"
@@ -16,19 +18,27 @@ namespace forcelayer::mesh {
 // One mesh file in memory.
 struct SourceFile {
   std::string path;        // as the user gave it, without "#NODE"
-  std::string node;        // after "#"; empty for the whole file
   std::string_view bytes;  // all of it
   ReadOptions options = {};
 };
 
-// The file and node of "FILE#NODE", or the file of that whole name where one exists. Reads nothing.
-SourceFile named_file(const std::string& path);
+// "FILE#NODE" taken apart. A file may have "#" in its name: the first part that is the name of a
+// file counts.
+struct NamedFile {
+  std::string path;
+  std::vector<std::string> nodes;  // the text after "#"; none for the whole file
+};
+NamedFile named_file(const std::string& path);
 
 // ".stl" of "Part.STL"; empty where the name has no extension.
 std::string lower_case_extension(const std::string& path);
 
 // Whether `path` has the extension of a mesh format.
 bool has_mesh_extension(const std::string& path);
+
+// Each of `inputs` ("FILE#NODE") by the order of files, with all nodes that are named of a file;
+// none where one input names the whole of it.
+std::vector<NamedFile> unite_by_file(std::span<const std::string> inputs);
 
 // Whether a file of this name may have nodes ("FILE#NODE"): by its extension; true for an unknown
 // one.

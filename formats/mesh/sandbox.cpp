@@ -117,7 +117,7 @@ Error no_mesh(const std::string& path, int status) {
 
 std::optional<int> run_as_sandbox(int argc, char** argv) {
   main_is_ready = true;
-  if (argc < 6 || std::strcmp(argv[1], kChildOption) != 0) return std::nullopt;
+  if (argc < 7 || std::strcmp(argv[1], kChildOption) != 0) return std::nullopt;
   ReadOptions options;
   const auto read_number = [](const char* text, auto& number) {
     std::from_chars(text, text + std::strlen(text), number);
@@ -125,7 +125,12 @@ std::optional<int> run_as_sandbox(int argc, char** argv) {
   read_number(argv[3], options.deflection_m);
   options.allow_outside = std::strcmp(argv[4], "allow-outside") == 0;
   read_number(argv[5], options.missing_faces);
-  options.without.assign(argv + 6, argv + argc);
+  int nodes = 0;
+  read_number(argv[6], nodes);
+  char** const first = argv + 7;
+  if (nodes < 0 || nodes > argc - 7) return 1;
+  options.nodes.assign(first, first + nodes);
+  options.without.assign(first + nodes, argv + argc);
   return send_assembly(kResultDescriptor, read_assembly(argv[2], options)) ? 0 : 1;
 }
 
@@ -141,7 +146,9 @@ Result<Assembly> read_in_sandbox(const std::string& path, const ReadOptions& opt
                                     path,
                                     exact_text(options.deflection_m),
                                     options.allow_outside ? "allow-outside" : "stay-inside",
-                                    std::to_string(options.missing_faces)};
+                                    std::to_string(options.missing_faces),
+                                    std::to_string(options.nodes.size())};
+  words.insert(words.end(), options.nodes.begin(), options.nodes.end());
   words.insert(words.end(), options.without.begin(), options.without.end());
   std::vector<char*> arguments;  // made before fork: a child of threads may not take memory
   for (std::string& word : words) arguments.push_back(word.data());

@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <filesystem>
 #include <map>
+#include <set>
+#include <utility>
 
 #include "formats/mesh/confined_path.h"
+#include "formats/mesh/grouped_warnings.h"
 #include "formats/mesh/node_names.h"
 #include "formats/mesh/reader.h"
 #include "formats/mesh/scene_manifest.h"
@@ -15,12 +18,14 @@ namespace {
 
 // A file, and the place and name of its content in the scene.
 struct Placing {
-  std::string file;
+  std::string file;  // as the user gave it, "#NODE" included
   std::string name;  // of the object; empty: the file's own names
   std::optional<double> meters_per_unit;
   Affine world_from_object;  // meters
   std::vector<Vec3d> free_seeds_m;
   double deviation_m = 0;
+  std::string stated_in = {};  // "parts[3] of scene.json"; empty on the command line
+  NamedFile named = {};        // `file`, taken apart
 };
 
 Affine scaling(double factor) { return {{factor, 0, 0, 0, factor, 0, 0, 0, factor}, {0, 0, 0}}; }
@@ -35,83 +40,39 @@ Status check_inside(const std::string& path, const Manifest& manifest) {
   return {};
 }
 
+// First lists everything that is to be placed, then reads each file once, with all nodes that are
+// wanted of it, and places them.
 class SceneReader {
  public:
   explicit SceneReader(const SceneReading& reading) : reading_(reading) {}
 
-  Status add(const Placing& placing);
   Status add_manifest(const std::string& path);
   Status add_folder(const std::string& path, std::optional<double> meters_per_unit);
-  Status check_left_out() const;
-  Scene finish();
+  void add(Placing placing);
+  Result<Scene> finish();
 
  private:
-  Result<std::uint32_t> assembly_of(const std::string& file);
+  void leave_out_parts();
+  Status place_all();
+  Status place(const Placing& placing);
+  Result<std::uint32_t> assembly_of(const Placing& placing);
+  std::vector<std::string> nodes_wanted_of(const std::string& path) const;
   bool is_in_shard(std::size_t number) const {
     return number % reading_.shard.count == reading_.shard.index;
   }
 
-  void show_progress(std::size_t done, std::size_t all) const {
-    if (reading_.progress) {
-      reading_.progress(static_cast<double>(done) / static_cast<double>(all));
-    }
-  }
-
   const SceneReading& reading_;
   Scene scene_;
-  std::size_t inputs_ = 0;                     // placings so far
+  std::vector<Placing> placings_;
+  std::vector<std::string> without_;           // names, none a list
+  std::size_t number_ = 0;                     // of the placing in hand
   std::map<std::string, std::uint32_t> read_;  // files read so far
+  GroupedWarnings warnings_{"files"};
 };
 
-// Reads a file on its first use; a manifest may name it several times.
-Result<std::uint32_t> SceneReader::assembly_of(const std::string& file) {
-  if (const auto found = read_.find(file); found != read_.end()) return found->second;
-  ReadOptions options;
-  const auto voxel_size_m = reading_.voxel_size_m ? reading_.voxel_size_m : scene_.voxel_size_m;
-  if (voxel_size_m) options.deflection_m = baked_deflection_m(*voxel_size_m);
-  options.missing_faces = reading_.missing_faces;
-  options.without = reading_.without;
-  auto assembly = reading_.read(file, options);
-  if (!assembly) return assembly.error();
-  for (const std::string& warning : assembly->warnings) {
-    scene_.warnings.push_back(file + ": " + warning);
-  }
-  scene_.assemblies.push_back(std::move(*assembly));
-  return read_[file] = static_cast<std::uint32_t>(scene_.assemblies.size() - 1);
-}
-
-Status SceneReader::add(const Placing& placing) {
-  std::size_t number = inputs_++;
-  if (!is_in_shard(number) && !may_have_nodes(placing.file)) return {};
-  const auto index = assembly_of(placing.file);
-  if (!index) return index.error();
-  const Assembly& assembly = scene_.assemblies[*index];
-  const auto unit =
-      meters_per_unit(assembly, placing.file, placing.meters_per_unit, scene_.warnings);
-  if (!unit) return unit.error();
-  const Affine world_from_assembly = compose(placing.world_from_object, scaling(*unit));
-  for (MissingFace face : assembly.missing_faces) {
-    if (!placing.name.empty()) face.node = placing.name + "/" + face.node;
-    face.center = mesh::apply(world_from_assembly, face.center);
-    face.size *= largest_stretch(world_from_assembly);
-    scene_.missing_faces.push_back(std::move(face));
-  }
-  for (const MeshInstance& instance : assembly.instances) {
-    if (!is_in_shard(number++)) continue;
-    MeshObject& object = scene_.objects.emplace_back();
-    object.name = placing.name;
-    if (object.name.empty() || assembly.instances.size() > 1) {
-      object.name += (object.name.empty() ? "" : "/") + instance.name;
-    }
-    object.file = placing.file;
-    object.assembly = *index;
-    object.mesh = instance.mesh;
-    object.world_from_mesh = compose(world_from_assembly, instance.assembly_from_mesh);
-    object.free_seeds_m = placing.free_seeds_m;
-    object.deviation_m =
-        placing.deviation_m + assembly.deviation_units * largest_stretch(world_from_assembly);
-  }
-  return {};
+void SceneReader::add(Placing placing) {
+  placing.named = named_file(placing.file);
+  placings_.push_back(std::move(placing));
 }
 
 Status SceneReader::add_manifest(const std::string& path) {
@@ -125,17 +86,11 @@ Status SceneReader::add_manifest(const std::string& path) {
   scene_.roi_m = manifest->roi_m;
   scene_.free_seeds_m.insert(scene_.free_seeds_m.end(), manifest->free_seeds_m.begin(),
                              manifest->free_seeds_m.end());
+  scene_.without.insert(scene_.without.end(), manifest->without.begin(), manifest->without.end());
   for (std::size_t i = 0; i < manifest->objects.size(); ++i) {
-    show_progress(i, manifest->objects.size());
     const ManifestObject& object = manifest->objects[i];
-    const Status added = add({object.mesh, object.name, object.meters_per_unit,
-                              object.world_from_object, object.free_seeds_m, object.deviation_m});
-    if (added) continue;
-    Error error = added.error();
-    if (error.code == ErrorCode::kUsage) error.code = ErrorCode::kSceneInvalid;
-    error.where = "parts[" + std::to_string(i) + "] of " + path +
-                  (error.where.empty() ? "" : ", " + error.where);
-    return error;
+    add({object.mesh, object.name, object.meters_per_unit, object.world_from_object,
+         object.free_seeds_m, object.deviation_m, "parts[" + std::to_string(i) + "] of " + path});
   }
   return {};
 }
@@ -152,38 +107,162 @@ Status SceneReader::add_folder(const std::string& path, std::optional<double> me
                  "name a folder with mesh files"};
   }
   std::sort(files.begin(), files.end());
-  for (const std::string& file : files) {
-    show_progress(static_cast<std::size_t>(&file - files.data()), files.size());
-    if (Status added = add({file, "", meters_per_unit, {}, {}, 0}); !added) return added;
+  for (const std::string& file : files) add({file, "", meters_per_unit, {}, {}, 0});
+  return {};
+}
+
+// What is wanted of a file by all placings that are read; empty for the whole.
+std::vector<std::string> SceneReader::nodes_wanted_of(const std::string& path) const {
+  std::vector<std::string> wanted;
+  for (const Placing& placing : placings_) {
+    if (placing.named.path != path) continue;
+    if (placing.named.nodes.empty()) return {};
+    for (const std::string& node : placing.named.nodes) {
+      if (std::find(wanted.begin(), wanted.end(), node) == wanted.end()) wanted.push_back(node);
+    }
+  }
+  return wanted;
+}
+
+// Reads a file on its first use.
+Result<std::uint32_t> SceneReader::assembly_of(const Placing& placing) {
+  const std::string& path = placing.named.path;
+  if (const auto found = read_.find(path); found != read_.end()) return found->second;
+  ReadOptions options;
+  const auto voxel_size_m = reading_.voxel_size_m ? reading_.voxel_size_m : scene_.voxel_size_m;
+  if (voxel_size_m) options.deflection_m = baked_deflection_m(*voxel_size_m);
+  options.missing_faces = reading_.missing_faces;
+  options.nodes = nodes_wanted_of(path);
+  options.without = without_;
+  auto assembly = reading_.read(path, options);
+  if (!assembly) return assembly.error();
+  for (const std::string& warning : assembly->warnings) {
+    warnings_.add(path, warning);
+  }
+  scene_.assemblies.push_back(std::move(*assembly));
+  return read_[path] = static_cast<std::uint32_t>(scene_.assemblies.size() - 1);
+}
+
+// The instances of an assembly, and the paths of their nodes, that a placing names.
+struct Chosen {
+  std::vector<bool> instances;
+  std::set<std::string> paths;
+};
+
+Result<Chosen> chosen_of(const Placing& placing, const Assembly& assembly) {
+  Chosen chosen{std::vector<bool>(assembly.instances.size(), placing.named.nodes.empty()), {}};
+  const auto is_chosen = choose_nodes(placing.named.nodes, assembly.nodes);
+  if (!is_chosen) return is_chosen.error();
+  for (std::size_t i = 0; i < assembly.nodes.size(); ++i) {
+    const AssemblyNode& node = assembly.nodes[i];
+    if (!(*is_chosen)[i]) continue;
+    chosen.paths.insert(node.path);
+    std::fill_n(chosen.instances.begin() + node.first_instance, node.instance_count, true);
+  }
+  return chosen;
+}
+
+Status SceneReader::place(const Placing& placing) {
+  std::size_t number = number_++;
+  if (!is_in_shard(number) && !may_have_nodes(placing.file)) return {};
+  const auto index = assembly_of(placing);
+  if (!index) return index.error();
+  const Assembly& assembly = scene_.assemblies[*index];
+  const auto chosen = chosen_of(placing, assembly);
+  if (!chosen) return chosen.error();
+  std::vector<std::string> warnings;
+  const auto unit =
+      meters_per_unit(assembly, placing.named.path, placing.meters_per_unit, warnings);
+  if (!unit) return unit.error();
+  for (const std::string& warning : warnings) warnings_.add(placing.named.path, warning);
+  const Affine world_from_assembly = compose(placing.world_from_object, scaling(*unit));
+  for (MissingFace face : assembly.missing_faces) {
+    if (!placing.named.nodes.empty() && !chosen->paths.contains(face.node)) continue;
+    if (!placing.name.empty()) face.node = placing.name + "/" + face.node;
+    face.center = mesh::apply(world_from_assembly, face.center);
+    face.size *= largest_stretch(world_from_assembly);
+    scene_.missing_faces.push_back(std::move(face));
+  }
+  const auto count = std::count(chosen->instances.begin(), chosen->instances.end(), true);
+  for (std::size_t i = 0; i < assembly.instances.size(); ++i) {
+    if (!chosen->instances[i]) continue;
+    const MeshInstance& instance = assembly.instances[i];
+    if (!is_in_shard(number++)) continue;
+    MeshObject& object = scene_.objects.emplace_back();
+    object.name = placing.name;
+    if (object.name.empty() || count > 1) {
+      object.name += (object.name.empty() ? "" : "/") + instance.name;
+    }
+    object.file = placing.file;
+    object.assembly = *index;
+    object.mesh = instance.mesh;
+    object.world_from_mesh = compose(world_from_assembly, instance.assembly_from_mesh);
+    object.box_m = box_of(instance.box, world_from_assembly);
+    object.free_seeds_m = placing.free_seeds_m;
+    object.deviation_m =
+        placing.deviation_m + assembly.deviation_units * largest_stretch(world_from_assembly);
   }
   return {};
 }
 
-// Every name of --without must be that of a node.
-Status SceneReader::check_left_out() const {
-  std::vector<std::string> known;
-  for (const Assembly& assembly : scene_.assemblies) {
-    for (const MeshInstance& instance : assembly.instances) known.push_back(instance.name);
-  }
-  for (const std::string& name : reading_.without) {
-    const auto has = [&](const Assembly& assembly) {
-      return std::find(assembly.left_out.begin(), assembly.left_out.end(), name) !=
-             assembly.left_out.end();
-    };
-    if (std::any_of(scene_.assemblies.begin(), scene_.assemblies.end(), has)) continue;
-    return Error{ErrorCode::kSceneInvalid, "", "--without",
-                 "no file has a node called " + in_quotes(name), nearest_names_text(name, known)};
+Status SceneReader::place_all() {
+  for (const Placing& placing : placings_) {
+    if (reading_.progress) {
+      reading_.progress(static_cast<double>(number_) / static_cast<double>(placings_.size()));
+    }
+    const Status placed = place(placing);
+    if (placed) continue;
+    Error error = placed.error();
+    if (error.file.empty()) error.file = placing.named.path;
+    if (placing.stated_in.empty()) return error;
+    // A file is read for the first placing that needs it, with the nodes of all.
+    const auto culprit =
+        std::find_if(placings_.begin(), placings_.end(), [&](const Placing& other) {
+          return other.named.path == placing.named.path && !other.named.nodes.empty() &&
+                 error.where == "#" + other.named.nodes.front();
+        });
+    const Placing& stated = culprit == placings_.end() ? placing : *culprit;
+    if (error.code == ErrorCode::kUsage) error.code = ErrorCode::kSceneInvalid;
+    error.where = stated.stated_in + (error.where.empty() ? "" : ", " + error.where);
+    return error;
   }
   return {};
 }
 
-// A name that occurs again gets a number: "bolt", "bolt#2", ...
-Scene SceneReader::finish() {
+// Takes the names of --without that are those of a manifest's parts: such a part is not read.
+void SceneReader::leave_out_parts() {
+  const auto is_left_out = [&](const Placing& placing) {
+    return !placing.name.empty() &&
+           std::any_of(without_.begin(), without_.end(), [&](const std::string& name) {
+             if (!fits_name(placing.name, name)) return false;
+             scene_.parts_left_out.insert(name);
+             return true;
+           });
+  };
+  std::erase_if(placings_, is_left_out);
+}
+
+Result<Scene> SceneReader::finish() {
+  for (const auto* list : {&reading_.without, &std::as_const(scene_.without)}) {
+    for (const std::string& names : *list) {
+      for (std::string& name : names_in(names)) without_.push_back(std::move(name));
+    }
+  }
+  leave_out_parts();
+  if (Status placed = place_all(); !placed) return placed.error();
+  std::vector<std::string> nodes_left_out;
+  for (const std::string& name : without_) {
+    if (!scene_.parts_left_out.contains(name)) nodes_left_out.push_back(name);
+  }
+  if (Status named = check_left_out(nodes_left_out, scene_.assemblies); !named)
+    return named.error();
+  // A name that occurs again gets a number: "bolt", "bolt#2", ...
   std::map<std::string, int> seen;
   for (MeshObject& object : scene_.objects) {
     const int number = ++seen[object.name];
     if (number > 1) object.name += "#" + std::to_string(number);
   }
+  scene_.warnings = warnings_.lines();
   return std::move(scene_);
 }
 
@@ -204,11 +283,10 @@ Result<Scene> read_scene(std::span<const std::string> inputs, std::optional<doub
     } else if (std::filesystem::is_directory(input, ignored)) {
       added = reader.add_folder(input, meters_per_unit);
     } else {
-      added = reader.add({input, "", meters_per_unit, {}, {}, 0});
+      reader.add({input, "", meters_per_unit, {}, {}, 0});
     }
     if (!added) return added.error();
   }
-  if (Status named = reader.check_left_out(); !named) return named.error();
   return reader.finish();
 }
 

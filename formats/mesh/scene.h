@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -16,11 +17,12 @@ namespace forcelayer::mesh {
 
 // An object of a scene: a mesh in its final pose.
 struct MeshObject {
-  std::string name;                 // unique in the scene
-  std::string file;                 // as the user gave it
-  std::uint32_t assembly = 0;       // index into Scene::assemblies
-  std::uint32_t mesh = 0;           // index into Assembly::meshes
-  Affine world_from_mesh;           // to meters: the unit is part of it
+  std::string name;            // unique in the scene
+  std::string file;            // as the user gave it
+  std::uint32_t assembly = 0;  // index into Scene::assemblies
+  std::uint32_t mesh = 0;      // index into Assembly::meshes
+  Affine world_from_mesh;      // to meters: the unit is part of it
+  Box box_m{};                 // world; larger than need be where the manifest turns the object
   std::vector<Vec3d> free_seeds_m;  // world
   double deviation_m = 0;           // that the manifest declares for it
 };
@@ -35,6 +37,8 @@ struct Scene {
   std::optional<std::uint32_t> layers;
   std::optional<std::array<double, 6>> roi_m;
   std::vector<Vec3d> free_seeds_m;
+  std::vector<std::string> without;      // beside that of the command line
+  std::set<std::string> parts_left_out;  // of all `without`, those that name a manifest's part
 
   const Mesh& mesh_of(const MeshObject& object) const {
     return assemblies[object.assembly].meshes[object.mesh];
@@ -52,7 +56,8 @@ struct SceneReading {
   std::optional<double> voxel_size_m;  // over a manifest's; exact surfaces are tessellated to it
   bool allow_outside = false;          // whether a manifest may name files outside its own folder
   std::uint64_t missing_faces = 0;     // ReadOptions::missing_faces of each file
-  std::vector<std::string> without;    // ReadOptions::without; each names a node of some file
+  // ReadOptions::without; each names a node of some file, or a part of a manifest
+  std::vector<std::string> without;
   SceneShard shard;  // objects of other shards are left out, and not read where that is known
   // Reads each file once, in the order of Scene::assemblies.
   std::function<Result<Assembly>(const std::string& path, const ReadOptions& options)> read =
@@ -60,8 +65,8 @@ struct SceneReading {
   std::function<void(double share_done)> progress;  // may be empty
 };
 
-// Reads every input: a mesh or assembly file (`FILE#NODE` for a sub-tree), a folder (the mesh files
-// in it, sorted by name), or a manifest (`.json`; described in voxelize/baking.md).
+// Reads every input: a mesh or assembly file (`FILE#NODE` for nodes of it), a folder (the mesh
+// files in it, sorted by name), or a manifest (`.json`; described in voxelize/baking.md).
 // `meters_per_unit` is the user's unit: required where a format defines none (else kUsage), and a
 // warning where it overrides one. It does not apply to a manifest's objects, which name theirs.
 // Errors of a manifest (kSceneInvalid) name the key. A name of `SceneReading::without` that no file

@@ -70,9 +70,13 @@ T parsed(Result<T> result, const std::string& key) {
   return std::move(*result);
 }
 
-// A text with a unit, or a bare number of meters.
+// A text with a unit, or 0.
 double length(const Json& json, const std::string& key) {
-  if (json.is_number()) return finite_number(json, key);
+  if (json.is_number()) {
+    const double number = finite_number(json, key);
+    if (number == 0) return 0;
+    throw BadKey{key, "is " + json.dump() + ", without a unit", R"(write it like "5mm")"};
+  }
   return parsed(command::parse_length(text(json, key)), key);
 }
 
@@ -108,22 +112,35 @@ std::vector<Vec3d> points(const Json& json, const std::string& key) {
   return list;
 }
 
-// Four rows of four numbers; the last row is 0 0 0 1; the translation in meters.
+std::vector<std::string> names(const Json& json, const std::string& key) {
+  if (!json.is_array()) throw BadKey{key, "is not a list of names", R"(write it like ["Cover"])"};
+  std::vector<std::string> list;
+  for (std::size_t i = 0; i < json.size(); ++i) {
+    list.push_back(text(json[i], key + "[" + std::to_string(i) + "]"));
+  }
+  return list;
+}
+
+// Four rows of three numbers and a length; the last row is 0 0 0 1.
 Affine matrix(const Json& json, const std::string& key) {
   if (!json.is_array() || json.size() != 4) throw BadKey{key, "is not a list of four rows", ""};
   Affine affine;
   for (std::size_t i = 0; i < 4; ++i) {
     const std::string row_key = key + "[" + std::to_string(i) + "]";
-    const auto row = numbers<4>(json[i], row_key);
     if (i == 3) {
-      if (row != std::array<double, 4>{0, 0, 0, 1}) {
+      if (json[i] != Json{0, 0, 0, 1}) {
         throw BadKey{row_key, "is not 0, 0, 0, 1",
                      "give the matrix row by row, the translation last in each row"};
       }
       continue;
     }
-    for (std::size_t j = 0; j < 3; ++j) affine.linear[i * 3 + j] = row[j];
-    affine.translation[i] = row[3];
+    if (!json[i].is_array() || json[i].size() != 4) {
+      throw BadKey{row_key, "is not a list of three numbers and a length", ""};
+    }
+    for (std::size_t j = 0; j < 3; ++j) {
+      affine.linear[i * 3 + j] = finite_number(json[i][j], row_key + "[" + std::to_string(j) + "]");
+    }
+    affine.translation[i] = length(json[i][3], row_key + "[3]");
   }
   return affine;
 }
@@ -204,7 +221,7 @@ std::array<double, 6> box(const Json& json, const std::string& key) {
 }
 
 Manifest read_fields(const Json& json, const std::filesystem::path& folder) {
-  const Fields fields(json, "", {"voxel_size", "layers", "roi", "free_seeds", "parts"});
+  const Fields fields(json, "", {"voxel_size", "layers", "roi", "free_seeds", "without", "parts"});
   Manifest manifest;
   if (const Json* size = fields.find("voxel_size")) {
     manifest.voxel_size_m = length(*size, "voxel_size");
@@ -219,6 +236,7 @@ Manifest read_fields(const Json& json, const std::filesystem::path& folder) {
   if (const Json* roi = fields.find("roi")) manifest.roi_m = box(*roi, "roi");
   if (const Json* seeds = fields.find("free_seeds"))
     manifest.free_seeds_m = points(*seeds, "free_seeds");
+  if (const Json* without = fields.find("without")) manifest.without = names(*without, "without");
   const Json* parts = fields.find("parts");
   if (parts == nullptr || !parts->is_array() || parts->empty()) {
     throw BadKey{"parts", "is missing, no list, or empty",

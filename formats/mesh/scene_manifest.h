@@ -25,6 +25,7 @@ struct Manifest {
   std::optional<std::uint32_t> layers;
   std::optional<std::array<double, 6>> roi_m;
   std::vector<Vec3d> free_seeds_m;
+  std::vector<std::string> without;  // nodes and parts
   std::vector<ManifestObject> objects;
 };
 

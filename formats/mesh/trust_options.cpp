@@ -1,24 +1,22 @@
 #include "formats/mesh/trust_options.h"
 
-#include <CLI/CLI.hpp>
-
-#include "formats/command/quantity.h"
+#include "formats/command/arguments.h"
 
 namespace forcelayer::mesh {
 
 void TrustOptions::declare(CLI::App& app) {
   // With less memory the program itself does not load.
   constexpr std::uint64_t kLeastMemoryBytes = std::uint64_t{256} << 20;
-  app.add_flag("--sandbox", sandbox,
-               "read each mesh file in a process of its own: a crash, a hang or too much memory is "
-               "an error about that file");
-  app.add_option("--sandbox-memory", sandbox_memory_bytes,
-                 "memory of that process, such as 2GiB (default 8GiB)")
-      ->transform(CLI::AsSizeValue(false))
-      ->check(CLI::Range(kLeastMemoryBytes, std::uint64_t{1} << 46));
-  app.add_option("--sandbox-time", sandbox_time, "time for one file, such as 30s (default 5min)");
-  app.add_flag("--allow-outside", allow_outside,
-               "let a manifest, a glTF or a STEP file name files outside its own folder");
+  command::add_flag(app, "--sandbox", sandbox,
+                    "read each mesh file in a process of its own: a crash, a hang or too much "
+                    "memory is an error about that file");
+  command::add_bytes(app, "--sandbox-memory", sandbox_memory_bytes,
+                     "memory of that process, such as 2GiB (default 8GiB)", kLeastMemoryBytes,
+                     std::uint64_t{1} << 46);
+  command::add_text(app, "--sandbox-time", sandbox_time,
+                    "time for one file, such as 30s (default 5min)");
+  command::add_flag(app, "--allow-outside", allow_outside,
+                    "let a manifest, a glTF or a STEP file name files outside its own folder");
 }
 
 Result<AssemblyReader> TrustOptions::reader() const {

@@ -24,7 +24,7 @@ Result<double> meters_per_unit(const Assembly& assembly, const std::string& path
   }
   if (!chosen) return *defined;
   if (defined && *defined != *chosen) {
-    warnings.push_back(path + ": its format defines a unit of " + text_of(*defined) +
+    warnings.push_back("its format defines a unit of " + text_of(*defined) +
                        " m; the given unit makes it " + text_of(*chosen) + " m");
   }
   return *chosen;

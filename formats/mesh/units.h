@@ -11,7 +11,8 @@
 namespace forcelayer::mesh {
 
 // Meters per unit of `assembly`, read from `path`. `chosen` is what --units says, in meters; it is
-// required (else kUsage) unless the file defines its unit, and overrides that with a warning.
+// required (else kUsage) unless the file defines its unit, and overrides that with a warning
+// (without the path).
 Result<double> meters_per_unit(const Assembly& assembly, const std::string& path,
                                std::optional<double> chosen, std::vector<std::string>& warnings);
 

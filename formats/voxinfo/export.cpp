@@ -64,12 +64,12 @@ Status export_voxmap_csv(const Voxmap& map, const std::string& out) {
   csv->append("i,j,k,value\n");
   for_each_region(map.view(), [&](const VoxmapRegion& region) {
     if (!region.is_brick) {
-      const VoxelValue value = voxel_value(map.header(), uniform_value(region.entry));
+      const VoxelValue value = static_cast<VoxelValue>(uniform_value(region.entry));
       if (value != VoxelValue::kFree) append_uniform_box(*csv, region, value);
       return;
     }
     for (std::uint32_t n = 0; n < kNodeEntries; ++n) {
-      const VoxelValue value = voxel_value(map.header(), brick_code(map.view(), region.entry, n));
+      const VoxelValue value = static_cast<VoxelValue>(map.view().brick_code(region.entry, n));
       if (value == VoxelValue::kFree) continue;
       append_row(*csv, voxmap_walk::child_low(region.low, n, 1), value);
     }

@@ -17,8 +17,14 @@ Status export_baked_file(const BakedFile& file, const std::string& out);
 Status export_voxmap_csv(const Voxmap& map, const std::string& out);
 Status export_voxmap_ply(const Voxmap& map, const std::string& out);
 Status export_pshell_ply(const Pshell& shell, const std::string& out);
-// A UInt8 grid of VoxelValues named "voxmap": index (i, j, k) is world voxel (i, j, k), active
-// where not free, and the transform puts it at the voxel's center in meters.
+// Grids of OpenVDB's own types; index (i, j, k) is world voxel (i, j, k), and the transform puts it
+// at the voxel's center in meters:
+//   "voxmap"      Int32: VoxelValues, active where not free
+//   "distance_m"  Float: the lower ends of the stored distances' steps, m; the background is that
+//   of
+//                 code 255, and all other codes are active; only where the map stores distances
+//   "object"      Int32: numbers of the nearest objects, active where there is one; only where the
+//                 map stores objects
 Status export_voxmap_vdb(const Voxmap& map, const std::string& out);
 
 }  // namespace forcelayer::voxinfo

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "formats/command/provenance.h"
+#include "formats/voxmap_walk.h"
 
 namespace forcelayer::voxinfo {
 namespace {
@@ -51,17 +52,9 @@ std::array<double, 3> origin_m(const VoxmapHeader& h) {
   return meters;
 }
 
-// At 4 and 8 bits: the distance of the zero-force surface from the static mesh (voxmap_format.md,
-// section 6).
-double zero_force_m(const Voxmap& map) {
-  const VoxmapHeader& h = map.header();
-  const double layer = map.compliance().empty() ? 1 : force_layer_voxels(h);
-  return (h.offset_layers - 1 + 0.8660254037844386 + 0.001 + layer) * h.voxel_size_m;
-}
-
 // The depth at which a compliance table ends.
 double compliance_depth_m(const Voxmap& map) {
-  return static_cast<double>(map.compliance().size() - 1) * map.header().quantum_m;
+  return static_cast<double>(map.compliance().size() - 1) * map.header().distance_quantum_m;
 }
 
 ordered_json report_of_voxmap(const Voxmap& map) {
@@ -75,16 +68,19 @@ ordered_json report_of_voxmap(const Voxmap& map) {
   report["dims"] = h.dims_voxels;
   report["layers"] = h.offset_layers;
   report["metric"] = kMetricNames[h.metric];
-  report["bits_per_voxel"] = h.bits_per_voxel;
-  if (h.bits_per_voxel != 2) {
-    report["zero_force_m"] = zero_force_m(map);
-    report["range_m"] = h.range_m;
-    report["quantum_m"] = h.quantum_m;
-    report["codes"] = {{"zero", h.zero_code},
-                       {"surface", h.surface_code},
-                       {"proximity", h.proximity_code},
-                       {"free", h.free_code}};
+  if (h.zero_force_m > 0) {
+    report["zero_force_m"] = h.zero_force_m;
+    report["force_depth_m"] = h.force_depth_m;
   }
+  if (has_distances(h)) {
+    report["distances"] = {{"quantum_m", h.distance_quantum_m},
+                           {"deepest_m", most_distance_m(h, 0)},
+                           {"farthest_m", least_distance_m(h, kMostDistanceCode)},
+                           {"upper_nodes", map.distance_counts().upper_nodes},
+                           {"lower_nodes", map.distance_counts().lower_nodes},
+                           {"bricks", map.distance_counts().bricks}};
+  }
+  report["object_count"] = h.object_count;
   report["counts"] = {{"interior", h.interior_voxels},
                       {"surface", h.surface_voxels},
                       {"proximity", h.proximity_voxels}};
@@ -117,6 +113,12 @@ ordered_json report_of_pshell(const Pshell& shell) {
   report["points"] = h.point_count;
   report["method"] = kMethodNames[h.method];
   report["covering_radius_m"] = h.covering_radius_m;
+  report["convex_radius_m"] = h.convex_radius_m;
+  report["convex_gap_m"] = h.convex_gap_m;
+  report["losses"] = ordered_json::array();
+  for (const DistanceLoss& entry : shell.surface_distance_terms().losses) {
+    report["losses"].push_back({{"distance_m", entry.distance_m}, {"loss_m", entry.loss_m}});
+  }
   report["area_m2"] = h.area_m2;
   report["voxel_size_m"] = h.voxel_size_m;
   report["part_deviation_m"] = h.part_deviation_m;
@@ -166,8 +168,7 @@ std::string summary_of_voxmap(const Voxmap& map, const std::string& path) {
     return static_cast<double>(h.dims_voxels[axis]) * s;
   };
   std::string text = escaped(path) + ": scene, .vox " + version_of(h.file) + "\n";
-  add_line(text, "  voxel size        %.9g m, %u bits a voxel, %s metric", s, h.bits_per_voxel,
-           kMetricNames[h.metric]);
+  add_line(text, "  voxel size        %.9g m, %s metric", s, kMetricNames[h.metric]);
   add_line(text,
            "  box               %" PRIu64 " x %" PRIu64 " x %" PRIu64
            " voxels, %.6g x %.6g x %.6g m",
@@ -175,11 +176,21 @@ std::string summary_of_voxmap(const Voxmap& map, const std::string& path) {
   add_line(text, "  lowest voxel      %" PRId64 " %" PRId64 " %" PRId64 ", at %.9g %.9g %.9g m",
            h.origin_voxel[0], h.origin_voxel[1], h.origin_voxel[2], low[0], low[1], low[2]);
   add_line(text, "  offset layers     %u", h.offset_layers);
-  if (h.bits_per_voxel != 2) {
-    add_line(
-        text,
-        "  zero force        %.4g mm off; distances down to %.4g mm below it, in steps of %.3g mm",
-        1e3 * zero_force_m(map), 1e3 * h.range_m, 1e3 * h.quantum_m);
+  if (h.zero_force_m > 0) {
+    add_line(text, "  force             from %.4g mm off the mesh, %.4g mm deep",
+             1e3 * h.zero_force_m, 1e3 * h.force_depth_m);
+  }
+  if (has_distances(h)) {
+    add_line(text,
+             "  distances         from %.4g to %.4g mm in steps of %.3g mm, %" PRIu64 " bricks",
+             1e3 * most_distance_m(h, 0), 1e3 * least_distance_m(h, kMostDistanceCode),
+             1e3 * h.distance_quantum_m, map.distance_counts().bricks);
+  } else {
+    add_line(text, "  distances         none");
+  }
+  if (h.object_count > 0) {
+    add_line(text, "  objects           %u, nearest ones in %" PRIu64 " bricks", h.object_count,
+             map.object_counts().bricks);
   }
   if (!map.compliance().empty()) {
     add_line(text, "  compliance        a contact point feels %.4g N at %.4g mm, at most %.4g N/m",
@@ -208,6 +219,11 @@ std::string summary_of_pshell(const Pshell& shell, const std::string& path) {
   add_line(text, "  points            %" PRIu64 ", %s, in %" PRIu64 " blocks of %u", h.point_count,
            kMethodNames[h.method], h.block_count, h.block_points);
   add_line(text, "  covering radius   %.9g m", h.covering_radius_m);
+  add_line(text, "  convex radius     %.9g m, with a gap of %.9g m", h.convex_radius_m,
+           h.convex_gap_m);
+  const double two_voxels_m = 2 * h.voxel_size_m;
+  add_line(text, "  proven            %.6g m for the surface where points are %.6g m from a scene",
+           surface_distance_bound_m(shell.surface_distance_terms(), two_voxels_m), two_voxels_m);
   add_line(text, "  made for voxels   %.9g m", h.voxel_size_m);
   add_line(text, "  part deviation    %.6g m", h.part_deviation_m);
   add_missing_faces(text, shell.provenance());
@@ -222,6 +238,26 @@ std::string summary_of_pshell(const Pshell& shell, const std::string& path) {
 }
 
 }  // namespace
+
+std::vector<ObjectFacts> objects_of(const Voxmap& map) {
+  if (map.objects() == nullptr) return {};
+  std::vector<ObjectFacts> objects(map.header().object_count);
+  for (std::uint32_t n = 0; n < objects.size(); ++n) objects[n].name = map.object_name(n + 1);
+  const auto count = [&](std::uint32_t object, std::uint64_t voxels) {
+    if (object >= 1 && object <= objects.size()) objects[object - 1].voxels += voxels;
+  };
+  for_each_region(*map.objects(), [&](const VoxmapRegion& region) {
+    const std::uint64_t edge = region.edge_voxels;
+    if (!region.is_brick) {
+      count(uniform_wide_value(region.entry), edge * edge * edge);
+      return;
+    }
+    for (std::uint32_t n = 0; n < kNodeEntries; ++n) {
+      count(map.objects()->brick_code(region.entry, n), 1);
+    }
+  });
+  return objects;
+}
 
 ordered_json report_of(const BakedFile& file) {
   const Voxmap* map = std::get_if<Voxmap>(&file);

@@ -3,6 +3,8 @@
 
 #include <nlohmann/json.hpp>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "formats/voxinfo/files.h"
 
@@ -13,5 +15,15 @@ nlohmann::ordered_json report_of(const BakedFile& file);
 
 // The same in a few lines of text.
 std::string summary_of(const BakedFile& file, const std::string& path);
+
+// An object of a scene, and the number of voxels that it is stored as nearest to. The name lives as
+// long as the map.
+struct ObjectFacts {
+  std::string_view name;
+  std::uint64_t voxels = 0;
+};
+
+// The objects in the order of their numbers; none where the map stores none.
+std::vector<ObjectFacts> objects_of(const Voxmap& map);
 
 }  // namespace forcelayer::voxinfo

@@ -4,12 +4,13 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
+#include "formats/audit/voxmap_audit.h"
+#include "formats/command/arguments.h"
 #include "formats/command/command.h"
 #include "formats/command/output_file.h"
 #include "formats/voxinfo/export.h"
 #include "formats/voxinfo/facts.h"
 #include "formats/voxinfo/sample.h"
-#include "formats/voxmap_audit.h"
 
 namespace forcelayer::voxinfo {
 namespace {
@@ -20,15 +21,47 @@ Status flush_stdout() {
   return Error{ErrorCode::kWriteFailed, "", "standard output", "cannot be written", ""};
 }
 
-Status show_facts(const std::string& path, const std::string& json_path, bool quiet) {
-  const auto file = open_baked_file(path, Verify::kStructure);
+struct FactsRequest {
+  std::string path, json_path;
+  bool objects = false, quiet = false;
+};
+
+Status show_facts(const FactsRequest& request) {
+  const auto file = open_baked_file(request.path, Verify::kStructure);
   if (!file) return file.error();
-  if (!json_path.empty()) {
-    if (Status written = command::write_report(json_path, report_of(*file)); !written)
-      return written;
+  std::vector<ObjectFacts> objects;
+  if (request.objects) {
+    const Voxmap* map = std::get_if<Voxmap>(&*file);
+    if (!map) {
+      return Error{ErrorCode::kUsage, request.path, "--objects", "a part has no objects",
+                   "give a .vox file"};
+    }
+    objects = objects_of(*map);
   }
-  if (!quiet) std::cout << summary_of(*file, path);
+  if (!request.json_path.empty()) {
+    nlohmann::ordered_json report = report_of(*file);
+    for (const ObjectFacts& object : objects) {
+      report["objects"].push_back({{"name", std::string(object.name)}, {"voxels", object.voxels}});
+    }
+    if (Status s = command::write_report(request.json_path, report); !s) return s;
+  }
+  if (!request.quiet) {
+    std::cout << summary_of(*file, request.path);
+    std::uint32_t number = 0;
+    for (const ObjectFacts& object : objects) {
+      std::cout << "  object " << ++number << '\t' << object.voxels << " voxels\t"
+                << escaped(object.name) << '\n';
+    }
+  }
   return flush_stdout();
+}
+
+// The facts that the audit has proven of this map.
+std::string audited(const Voxmap& map) {
+  std::string facts = ", counts, box, clearances and layers are true";
+  if (map.distances() != nullptr) facts += ", distances are possible";
+  if (map.objects() != nullptr) facts += ", objects are there";
+  return facts;
 }
 
 Status verify_file(const std::string& path, bool quiet) {
@@ -36,11 +69,11 @@ Status verify_file(const std::string& path, bool quiet) {
   if (!file) return file.error();
   const Voxmap* map = std::get_if<Voxmap>(&*file);
   if (map) {
-    if (Status audited = audit_voxmap(*map, path); !audited) return audited;
+    if (Status s = audit_voxmap(*map, path); !s) return s;
   }
   if (!quiet) {
     std::cout << escaped(path) << ": valid; structure and checksums hold"
-              << (map ? ", counts, box and clearances are true\n" : "\n");
+              << (map ? audited(*map) : "") << '\n';
   }
   return flush_stdout();
 }
@@ -68,16 +101,25 @@ Status export_file(const std::string& path, const std::string& out) {
 int run(int argc, char** argv) {
   CLI::App app{"Looks into .vox scenes and .pshell parts", "voxinfo"};
   std::string path, out, json_path;
-  bool quiet = false;
+  bool quiet = false, objects = false;
   app.add_option("FILE", path, "a .vox or .pshell file, whose facts are printed");
   app.add_option("--json", json_path, "write the facts to this file as JSON");
+  app.add_flag("--objects", objects,
+               "list a scene's objects, with the voxels that each is nearest to");
   app.add_flag("--quiet", quiet, "print nothing but errors");
   app.require_subcommand(0, 1);
   auto* verify =
-      app.add_subcommand("verify", "check every structure, checksum and promised fact of a file");
+      app.add_subcommand("verify",
+                         "check every structure, checksum and promised fact of a file; of a scene: "
+                         "that the counts, the box and every clearance are true, that no wall of "
+                         "layers has a hole, that each distance is one that its voxel's value and "
+                         "its neighbors allow, and that each object is in the list");
   verify->add_option("FILE", path, "a .vox or .pshell file")->required();
   auto* sample = app.add_subcommand(
-      "sample", "read `x y z` lines in meters and print each point's voxel value, 0 to 3");
+      "sample",
+      "read `x y z` lines in meters and print each point's voxel: its value, 0 to 3, and, where "
+      "the "
+      "scene has them, least and most distance from the mesh in meters and the nearest object");
   sample->add_option("FILE", path, "a .vox file")->required();
   auto* export_to = app.add_subcommand("export", "write a file in another format");
   export_to->add_option("FILE", path, "a .vox or .pshell file")->required();
@@ -98,7 +140,7 @@ int run(int argc, char** argv) {
     if (path.empty()) {
       return Error{ErrorCode::kUsage, "", "", "no file given", "see voxinfo --help"};
     }
-    return show_facts(path, json_path, quiet);
+    return show_facts({path, json_path, objects, quiet});
   });
 }
 

@@ -83,7 +83,7 @@ void for_each_surface_brick(const Voxmap& map, Use use) {
       use(BrickFaces(map, region));
       return;
     }
-    if (voxel_value(map.header(), uniform_value(region.entry)) != VoxelValue::kSurface) return;
+    if (static_cast<VoxelValue>(uniform_value(region.entry)) != VoxelValue::kSurface) return;
     VoxmapRegion box = region;
     box.edge_voxels = kBrickEdge;
     const std::int64_t edge = region.edge_voxels;

@@ -4,6 +4,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -47,9 +48,32 @@ bool is_beyond_cropped_side(const VoxmapHeader& h, const std::array<std::int64_t
   return false;
 }
 
+// Where nothing is known, or by the highest code, a bound is infinite.
+void write_distance(std::ostream& lines, double meters) {
+  char text[32];
+  const auto end = std::to_chars(text, text + sizeof text, meters).ptr;
+  lines << '\t' << std::string_view(text, static_cast<std::size_t>(end - text));
+}
+
+void write_line(std::ostream& lines, const Voxmap& map, const std::array<std::int64_t, 3>& voxel,
+                bool known) {
+  const auto [i, j, k] = voxel;
+  lines << static_cast<int>(map.value(i, j, k));
+  if (map.distances() != nullptr) {
+    constexpr double kUnknown = std::numeric_limits<double>::infinity();
+    write_distance(lines, known ? map.least_distance_m(i, j, k) : -kUnknown);
+    write_distance(lines, known ? map.most_distance_m(i, j, k) : kUnknown);
+  }
+  if (map.objects() != nullptr) {
+    lines << '\t';
+    if (known) lines << escaped(map.object_name(map.nearest_object(i, j, k)));
+  }
+  lines << '\n';
+}
+
 }  // namespace
 
-Status sample_voxmap(const Voxmap& map, std::istream& points, std::ostream& values,
+Status sample_voxmap(const Voxmap& map, std::istream& points, std::ostream& lines,
                      std::uint64_t& outside_points) {
   outside_points = 0;
   std::string line;
@@ -62,8 +86,9 @@ Status sample_voxmap(const Voxmap& map, std::istream& points, std::ostream& valu
                    "write x y z in meters"};
     }
     const auto voxel = voxel_of(*point, map.voxel_size_m());
-    outside_points += is_beyond_cropped_side(map.header(), voxel);
-    values << static_cast<int>(map.value(voxel[0], voxel[1], voxel[2])) << '\n';
+    const bool known = !is_beyond_cropped_side(map.header(), voxel);
+    outside_points += !known;
+    write_line(lines, map, voxel, known);
   }
   return {};
 }

@@ -1,4 +1,4 @@
-// Reading the values of a voxmap at points.
+// Reading a voxmap at points.
 #pragma once
 
 #include <istream>
@@ -8,11 +8,13 @@
 
 namespace forcelayer::voxinfo {
 
-// Reads lines `x y z` (meters, world frame, spaces or commas between) and writes the VoxelValue of
-// each point's voxel, 0 to 3, a line each. Blank lines are skipped. `outside_points` receives the
-// number of points beyond a cropped side, where nothing is known and 0 is written. Errors: kUsage
-// with the line's number.
-Status sample_voxmap(const Voxmap& map, std::istream& points, std::ostream& values,
+// Reads lines `x y z` (meters, world frame, spaces or commas between) and writes a line for each
+// point's voxel, with tabs between: its VoxelValue, 0 to 3; where the map stores distances, the
+// least and the most that its center can be from the mesh, m, infinite where there is no bound;
+// where it stores objects, the nearest one's name, or nothing. Blank lines are skipped.
+// `outside_points` receives the number of points beyond a cropped side, where nothing is known and
+// the value is 0. Errors: kUsage with the line's number.
+Status sample_voxmap(const Voxmap& map, std::istream& points, std::ostream& lines,
                      std::uint64_t& outside_points);
 
 }  // namespace forcelayer::voxinfo

@@ -12,9 +12,6 @@
 namespace forcelayer::voxinfo {
 namespace {
 
-using ValueTree = openvdb::tree::Tree4<std::uint8_t, 5, 4, 3>::Type;
-using ValueGrid = openvdb::Grid<ValueTree>;
-
 // A stream that ends in a BufferedOutput.
 class OutputBuffer : public std::streambuf {
  public:
@@ -50,35 +47,54 @@ openvdb::Coord coord(const std::array<std::int64_t, 3>& voxel) {
           static_cast<std::int32_t>(voxel[2])};
 }
 
-void add_brick(const Voxmap& map, const VoxmapRegion& region, ValueTree& tree) {
-  ValueTree::LeafNodeType* leaf = nullptr;
-  for (std::uint32_t n = 0; n < kNodeEntries; ++n) {
-    const VoxelValue value = voxel_value(map.header(), brick_code(map.view(), region.entry, n));
-    if (value == VoxelValue::kFree) continue;
-    if (!leaf) leaf = tree.touchLeaf(coord(region.low));
-    leaf->setValueOn(n, static_cast<std::uint8_t>(value));  // a leaf numbers voxels as a brick does
-  }
-}
-
-ValueGrid::Ptr make_grid(const Voxmap& map) {
-  auto grid = ValueGrid::create(0);
-  grid->setName("voxmap");
-  const double s = map.voxel_size_m();
-  auto transform = openvdb::math::Transform::createLinearTransform(s);
-  transform->postTranslate(openvdb::Vec3d(0.5 * s));  // OpenVDB's index is a voxel's center
+// A grid of the elements that are not `background`, as value(element).
+template <typename Grid, std::uint32_t kBits, typename Value>
+typename Grid::Ptr make_grid(const char* name, double voxel_size_m, const TreeView<kBits>& view,
+                             std::uint32_t background, Value value) {
+  using Stored = typename Grid::ValueType;
+  const auto stored = [&](std::uint32_t element) { return static_cast<Stored>(value(element)); };
+  auto grid = Grid::create(stored(background));
+  grid->setName(name);
+  auto transform = openvdb::math::Transform::createLinearTransform(voxel_size_m);
+  // OpenVDB's index is a voxel's center.
+  transform->postTranslate(openvdb::Vec3d(0.5 * voxel_size_m));
   grid->setTransform(transform);
-  for_each_region(map.view(), [&](const VoxmapRegion& region) {
-    if (region.is_brick) {
-      add_brick(map, region, grid->tree());
+  for_each_region(view, [&](const VoxmapRegion& region) {
+    const openvdb::Coord low = coord(region.low);
+    if (!region.is_brick) {
+      const std::uint32_t element = TreeView<kBits>::uniform(region.entry, 1).code;
+      if (element == background) return;
+      const auto last = static_cast<std::int32_t>(region.edge_voxels) - 1;
+      grid->tree().sparseFill({low, low.offsetBy(last)}, stored(element), true);
       return;
     }
-    const VoxelValue value = voxel_value(map.header(), uniform_value(region.entry));
-    if (value == VoxelValue::kFree) return;
-    const openvdb::Coord low = coord(region.low);
-    const auto last = static_cast<std::int32_t>(region.edge_voxels) - 1;
-    grid->tree().sparseFill({low, low.offsetBy(last)}, static_cast<std::uint8_t>(value), true);
+    typename Grid::TreeType::LeafNodeType* leaf = nullptr;
+    for (std::uint32_t n = 0; n < kNodeEntries; ++n) {
+      const std::uint32_t element = view.brick_code(region.entry, n);
+      if (element == background) continue;
+      if (!leaf) leaf = grid->tree().touchLeaf(low);
+      leaf->setValueOn(n, stored(element));  // a leaf numbers voxels as a brick does
+    }
   });
   return grid;
+}
+
+openvdb::GridPtrVec make_grids(const Voxmap& map) {
+  const auto itself = [](std::uint32_t element) { return element; };
+  const double s = map.voxel_size_m();
+  openvdb::GridPtrVec grids{make_grid<openvdb::Int32Grid>("voxmap", s, map.view(), 0, itself)};
+  if (map.distances() != nullptr) {
+    const VoxmapHeader& h = map.header();
+    grids.push_back(make_grid<openvdb::FloatGrid>(
+        "distance_m", s, *map.distances(), kMostDistanceCode, [&](std::uint32_t code) {
+          // Code 0 has no lower bound: here it stands for the step that it ends.
+          return (static_cast<double>(code) - h.distance_zero_code) * h.distance_quantum_m;
+        }));
+  }
+  if (map.objects() != nullptr) {
+    grids.push_back(make_grid<openvdb::Int32Grid>("object", s, *map.objects(), 0, itself));
+  }
+  return grids;
 }
 
 }  // namespace
@@ -89,13 +105,11 @@ Status export_voxmap_vdb(const Voxmap& map, const std::string& out) {
                  "export a .csv or bake nearer to the origin"};
   }
   openvdb::initialize();
-  if (!ValueGrid::isRegistered()) ValueGrid::registerGrid();
   auto vdb = BufferedOutput::create(out);
   if (!vdb) return vdb.error();
   OutputBuffer buffer(*vdb);
   std::ostream stream(&buffer);
-  openvdb::GridPtrVec grids{make_grid(map)};
-  openvdb::io::Stream(stream).write(grids);
+  openvdb::io::Stream(stream).write(make_grids(map));
   return vdb->finish();
 }
 

@@ -1,5 +1,7 @@
 #include "pointshell/part/part_files.h"
 
+#include "formats/mesh/grouped_warnings.h"
+#include "formats/mesh/node_names.h"
 #include "formats/mesh/units.h"
 
 namespace forcelayer::part {
@@ -9,16 +11,20 @@ Result<PartFiles> read_part(const std::vector<std::string>& paths,
   PartFiles files;
   std::vector<mesh::Assembly> assemblies;
   std::vector<double> units;
-  for (const std::string& path : paths) {
-    auto assembly = read(path, options);
+  mesh::GroupedWarnings warnings("files");
+  for (auto& [path, nodes] : mesh::unite_by_file(paths)) {
+    mesh::ReadOptions own = options;
+    own.nodes = nodes;
+    auto assembly = read(path, own);
     if (!assembly) return assembly.error();
-    for (const std::string& warning : assembly->warnings) {
-      files.warnings.push_back(path + ": " + warning);
-    }
-    const auto unit = mesh::meters_per_unit(*assembly, path, chosen_unit_m, files.warnings);
+    const auto unit = mesh::meters_per_unit(*assembly, path, chosen_unit_m, assembly->warnings);
     if (!unit) return unit.error();
+    for (const std::string& warning : assembly->warnings) warnings.add(path, warning);
     units.push_back(*unit);
     assemblies.push_back(std::move(*assembly));
+  }
+  if (Status named = mesh::check_left_out(options.without, assemblies); !named) {
+    return named.error();
   }
   std::vector<PartInput> inputs;
   for (std::size_t n = 0; n < assemblies.size(); ++n) inputs.push_back({&assemblies[n], units[n]});
@@ -29,6 +35,7 @@ Result<PartFiles> read_part(const std::vector<std::string>& paths,
     return error;
   }
   files.part = std::move(*part);
+  files.warnings = warnings.lines();
   return files;
 }
 

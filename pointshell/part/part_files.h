@@ -16,10 +16,11 @@ struct PartFiles {
   std::vector<std::string> warnings;  // a line each
 };
 
-// Reads all files with these options and unites them. `meters_per_unit` is the user's choice of
-// unit. It is required (else kUsage) where a format defines none; where a format defines one, it
-// overrides that with a warning. Other errors: those of read_assembly and assemble_part, with the
-// file's name.
+// Reads all files with these options, each once ("FILE#NODE" as in read_assembly), and unites them.
+// A name of ReadOptions::without that no file has is kSceneInvalid. `meters_per_unit` is the user's
+// choice of unit. It is required (else kUsage) where a format defines none; where a format defines
+// one, it overrides that with a warning. Other errors: those of read_assembly and assemble_part,
+// with the file's name.
 Result<PartFiles> read_part(const std::vector<std::string>& paths,
                             std::optional<double> meters_per_unit,
                             const mesh::ReadOptions& options = {},

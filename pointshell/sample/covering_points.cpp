@@ -5,6 +5,7 @@
 
 #include "formats/pshell_format.h"
 #include "pointshell/certificate/point_grid.h"
+#include "pointshell/sample/feature_points.h"
 #include "pointshell/sample/front_sampling.h"
 #include "pointshell/sample/hole_filling.h"
 #include "pointshell/sample/order.h"
@@ -65,15 +66,19 @@ class CoveringBuilder {
   }
 
  private:
-  // The front's points in block order, so that points near in space are near in memory.
-  std::vector<part::SurfacePoint> spread(const part::TriangleTree& tree) const {
-    const std::vector<part::SurfacePoint> front = hexagonal_front(tree, recipe_.spacing * radius_);
+  // Feature points, which stay, and the front's in block order, so that points near in space are
+  // near in memory.
+  std::vector<Relaxation::Point> spread(const part::TriangleTree& tree) const {
+    std::vector<part::SurfacePoint> all = feature_points(tree.part(), radius_);
+    const std::size_t features = all.size();
+    const auto front = hexagonal_front(tree, recipe_.spacing * radius_, all);
+    all.insert(all.end(), front.begin(), front.end());
     std::vector<part::Vec3> positions;
-    for (const part::SurfacePoint& point : front) positions.push_back(point.position);
-    std::vector<part::SurfacePoint> ordered;
+    for (const part::SurfacePoint& point : all) positions.push_back(point.position);
+    std::vector<Relaxation::Point> ordered;
     for (const std::uint32_t n :
          block_order(positions, kDefaultBlockPoints, kDefaultSuperBlockBlocks)) {
-      ordered.push_back(front[n]);
+      ordered.push_back({all[n], n < features});
     }
     return ordered;
   }

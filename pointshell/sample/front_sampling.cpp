@@ -31,9 +31,10 @@ struct FrontPoint {
   part::Vec3 normal;
 };
 
-// A cube and its finished points.
+// A cube and its points: the given ones, and once it is finished those of the front.
 struct Cube {
   CubeIndex index;
+  std::size_t given;
   std::vector<FrontPoint> points;
 };
 
@@ -63,7 +64,7 @@ std::vector<Cube> cubes_of(const part::Part& part, double edge) {
     return true;
   });
   std::vector<Cube> cubes;
-  for (const CubeIndex& index : indices) cubes.push_back({index, {}});
+  for (const CubeIndex& index : indices) cubes.push_back({index, 0, {}});
   return cubes;
 }
 
@@ -144,17 +145,18 @@ class CubeFront {
                         static_cast<double>(index.k)}),
         grid_(low_, kCubeEdge * spacing, kNeighborReach * spacing) {}
 
-  // Points of finished cubes around: the front starts from those in the rim.
-  void take_from(const Cube& neighbor) {
-    for (const FrontPoint& point : neighbor.points) grid_.add(point);
+  // Points of this cube and of those around: the front starts from them.
+  void take_from(const Cube& cube) {
+    for (const FrontPoint& point : cube.points) grid_.add(point);
   }
 
-  std::vector<FrontPoint> grow() {
+  // Appends the points of the front.
+  void grow(std::vector<FrontPoint>& points) {
     const std::size_t given = grid_.points().size();
     advance();
     visit_seeds();
     const auto& all = grid_.points();
-    return {all.begin() + static_cast<std::ptrdiff_t>(given), all.end()};
+    points.insert(points.end(), all.begin() + static_cast<std::ptrdiff_t>(given), all.end());
   }
 
  private:
@@ -267,18 +269,17 @@ void grow_cube(const part::TriangleTree& tree, double spacing, const CubeMap& nu
     for (int dj = -1; dj <= 1; ++dj) {
       for (int dk = -1; dk <= 1; ++dk) {
         const auto found = numbers.find({cube.index.i + di, cube.index.j + dj, cube.index.k + dk});
-        if (found != numbers.end() && found->second != number) {
-          front.take_from(cubes[found->second]);
-        }
+        if (found != numbers.end()) front.take_from(cubes[found->second]);
       }
     }
   }
-  cube.points = front.grow();
+  front.grow(cube.points);
 }
 
 }  // namespace
 
-std::vector<part::SurfacePoint> hexagonal_front(const part::TriangleTree& tree, double spacing) {
+std::vector<part::SurfacePoint> hexagonal_front(const part::TriangleTree& tree, double spacing,
+                                                std::span<const part::SurfacePoint> given) {
   std::vector<Cube> cubes = cubes_of(tree.part(), kCubeEdge * spacing);
   CubeMap numbers;
   std::array<std::vector<std::size_t>, 8> turns;
@@ -287,13 +288,23 @@ std::vector<part::SurfacePoint> hexagonal_front(const part::TriangleTree& tree, 
     numbers[index] = n;
     turns[(index.i & 1) << 2 | (index.j & 1) << 1 | (index.k & 1)].push_back(n);
   }
+  for (const part::SurfacePoint& point : given) {
+    const auto found = numbers.find(cube_of(point.position, kCubeEdge * spacing));
+    if (found == numbers.end()) continue;  // beside its triangle by rounding
+    Cube& cube = cubes[found->second];
+    cube.points.push_back(
+        {point, part::normalized(part::doubled_area_normal(tree.part(), point.triangle))});
+    cube.given = cube.points.size();
+  }
   for (const std::vector<std::size_t>& turn : turns) {
     part::parallel_for_each_index(
         turn.size(), 1, [&](std::size_t n) { grow_cube(tree, spacing, numbers, cubes, turn[n]); });
   }
   std::vector<part::SurfacePoint> points;
   for (const Cube& cube : cubes) {
-    for (const FrontPoint& point : cube.points) points.push_back(point.place);
+    for (std::size_t n = cube.given; n < cube.points.size(); ++n) {
+      points.push_back(cube.points[n].place);
+    }
   }
   return points;
 }

@@ -1,6 +1,7 @@
 // Spreading points over a surface in hexagons that grow from where points stand already.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "pointshell/part/triangle_tree.h"
@@ -14,6 +15,8 @@ namespace forcelayer::sample {
 // The part is cut into cubes, which are filled in eight turns. Cubes of one turn do not touch, and
 // each cube continues the rows of its finished neighbors. So the result is the same for any number
 // of threads.
-std::vector<part::SurfacePoint> hexagonal_front(const part::TriangleTree& tree, double spacing);
+// Fronts grow from `given` points as well, and keep off them; the result is without them.
+std::vector<part::SurfacePoint> hexagonal_front(const part::TriangleTree& tree, double spacing,
+                                                std::span<const part::SurfacePoint> given);
 
 }  // namespace forcelayer::sample

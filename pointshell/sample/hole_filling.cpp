@@ -1,49 +1,17 @@
 #include "pointshell/sample/hole_filling.h"
 
 #include <algorithm>
-#include <cstdint>
-#include <unordered_map>
 
+#include "pointshell/sample/sparse_set.h"
 #include "pointshell/sample/stored_position.h"
 
 namespace forcelayer::sample {
 namespace {
 
-// A growing set of points in cubic cells, to ask whether any is close.
-class SparseSet {
- public:
-  explicit SparseSet(double separation) : separation_(separation) {}
-
-  bool any_within_separation(const part::Vec3& p) const {
-    for (int di = -1; di <= 1; ++di) {
-      for (int dj = -1; dj <= 1; ++dj) {
-        for (int dk = -1; dk <= 1; ++dk) {
-          const auto found = cells_.find(key_of(p, di, dj, dk));
-          if (found == cells_.end()) continue;
-          for (const part::Vec3& q : found->second) {
-            if (part::length_squared(p - q) < separation_ * separation_) return true;
-          }
-        }
-      }
-    }
-    return false;
-  }
-
-  void add(const part::Vec3& p) { cells_[key_of(p, 0, 0, 0)].push_back(p); }
-
- private:
-  // Far cells may share a key, which costs time and changes nothing.
-  std::uint64_t key_of(const part::Vec3& p, int di, int dj, int dk) const {
-    const auto bits = [&](double coordinate, int step) {
-      const double cell = std::floor(coordinate / separation_) + step;
-      return static_cast<std::uint64_t>(static_cast<std::int64_t>(cell)) & ((1u << 21) - 1);
-    };
-    return bits(p.x, di) << 42 | bits(p.y, dj) << 21 | bits(p.z, dk);
-  }
-
-  double separation_;
-  std::unordered_map<std::uint64_t, std::vector<part::Vec3>> cells_;
-};
+// In radii. Loss at aimed_distance() above which a place gets a point; on a plane without edges the
+// largest is 0.29.
+constexpr double kFilledLoss = 0.485;
+constexpr double kAddedSeparation = 2;  // of points that are added at once
 
 }  // namespace
 
@@ -61,6 +29,20 @@ std::vector<part::Vec3> deepest_holes(std::vector<certificate::Hole> holes, doub
     positions.push_back(position);
   }
   return positions;
+}
+
+std::size_t fill_lossy_places(certificate::CoveredPart covered, std::vector<part::Vec3>& points) {
+  const double limit = kFilledLoss * covered.radius;
+  const std::size_t before = points.size();
+  covered.points = points;
+  std::vector<certificate::Hole> holes = certificate::places_above_loss(covered, limit);
+  while (!holes.empty()) {
+    const std::vector<part::Vec3> added = deepest_holes(holes, kAddedSeparation * covered.radius);
+    points.insert(points.end(), added.begin(), added.end());
+    covered.points = points;
+    holes = certificate::places_above_loss(covered, limit, holes);
+  }
+  return points.size() - before;
 }
 
 certificate::CoveringProof fill_holes(const part::Part& part, double radius,

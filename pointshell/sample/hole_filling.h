@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "pointshell/certificate/certificate.h"
+#include "pointshell/certificate/surface_losses.h"
 #include "pointshell/part/part.h"
 #include "pointshell/part/vec3.h"
 
@@ -17,5 +18,10 @@ std::vector<part::Vec3> deepest_holes(std::vector<certificate::Hole> holes, doub
 // proof. It ends, because every point added is about `radius` away from all others.
 certificate::CoveringProof fill_holes(const part::Part& part, double radius,
                                       std::vector<part::Vec3>& points);
+
+// Appends points on the surface to `points` until every place of it has a combination of points of
+// little loss: sharp corners, tips and creases that the points' convex hull cuts off. Ends, because
+// every point added is farther than that loss from all others. Returns the number added.
+std::size_t fill_lossy_places(certificate::CoveredPart covered, std::vector<part::Vec3>& points);
 
 }  // namespace forcelayer::sample

@@ -36,12 +36,12 @@ class Centroid {
 
 }  // namespace
 
-Relaxation::Relaxation(const part::TriangleTree& tree, double radius,
-                       std::vector<part::SurfacePoint> points)
+Relaxation::Relaxation(const part::TriangleTree& tree, double radius, std::span<const Point> points)
     : tree_(tree), radius_(radius), cells_(tree, radius) {
-  for (const part::SurfacePoint& point : points) {
-    positions_.push_back(point.position);
-    triangles_.push_back(point.triangle);
+  for (const Point& point : points) {
+    positions_.push_back(point.place.position);
+    triangles_.push_back(point.place.triangle);
+    fixed_.push_back(point.fixed);
   }
   farthest_ = positions_;
   cell_radius_.resize(positions_.size());
@@ -88,7 +88,7 @@ Relaxation::Move Relaxation::find_move(std::size_t n, CellCenter center, double 
     }
   });
   move.cell_radius = std::sqrt(farthest_squared);
-  if (farthest_squared == 0) return move;
+  if (farthest_squared == 0 || fixed_[point]) return move;
   const part::Vec3 middle =
       center == CellCenter::kCentroid ? centroid.of(place) : smallest_ball(corners).center;
   move.to = slide(triangles_[point], place + factor * (middle - place), cells_.triangles_near(n));
@@ -112,6 +112,7 @@ void Relaxation::add(const part::Vec3& place) {
   const part::SurfacePoint point = tree_.nearest(place).point;
   positions_.push_back(point.position);
   triangles_.push_back(point.triangle);
+  fixed_.push_back(false);
   farthest_.push_back(point.position);
   cell_radius_.push_back(0);
 }

@@ -18,8 +18,12 @@ enum class CellCenter {
 
 class Relaxation {
  public:
+  struct Point {
+    part::SurfacePoint place;
+    bool fixed;  // never moves
+  };
   // `radius` (m) is the covering radius that is aimed at.
-  Relaxation(const part::TriangleTree& tree, double radius, std::vector<part::SurfacePoint> points);
+  Relaxation(const part::TriangleTree& tree, double radius, std::span<const Point> points);
 
   // Chooses the points that the following steps move, by ascending index, and looks up what is
   // near them. Good for moves of up to `slack` (m).
@@ -56,6 +60,7 @@ class Relaxation {
   RestrictedCells cells_;
   std::vector<part::Vec3> positions_, farthest_;
   std::vector<std::uint32_t> triangles_;  // that each point lies on
+  std::vector<char> fixed_;
   std::vector<double> cell_radius_;
   std::vector<std::uint32_t> chosen_;
   std::vector<Move> moves_;

@@ -43,7 +43,7 @@ class Device {
   // Takes the output to zero and disconnects. Safe to call twice.
   virtual void stop() noexcept = 0;
 
-  // What its own side counted since start(), for the report.
+  // Counts of its own side since start(), for the report.
   virtual std::vector<DeviceCounter> counters() const { return {}; }
 
   // For a message. Not for the loop's thread.

@@ -10,7 +10,8 @@ std::uint64_t entry_number(const BrickCache::BrickIndex& brick, int shift) {
 }
 
 // The entry of the 64^3 voxels around a brick: a lower node, or uniform.
-std::uint32_t lower_entry(const VoxmapView& map, const BrickCache::BrickIndex& brick) {
+template <std::uint32_t kBits>
+std::uint32_t lower_entry(const TreeView<kBits>& map, const BrickCache::BrickIndex& brick) {
   const auto& dims = map.directory_dims;
   const std::uint32_t entry =
       map.directory[(std::int64_t{brick[0] >> 6} * dims[1] + (brick[1] >> 6)) * dims[2] +
@@ -20,7 +21,8 @@ std::uint32_t lower_entry(const VoxmapView& map, const BrickCache::BrickIndex& b
 }
 
 // The entry of a brick below `lower`, a lower node or uniform.
-std::uint32_t entry_below(const VoxmapView& map, std::uint32_t lower,
+template <std::uint32_t kBits>
+std::uint32_t entry_below(const TreeView<kBits>& map, std::uint32_t lower,
                           const BrickCache::BrickIndex& brick) {
   if (is_uniform(lower)) return lower;
   return map.lower_nodes[std::uint64_t{lower} * kNodeEntries + entry_number(brick, 0)];
@@ -49,7 +51,8 @@ bool BrickCache::near_cropped_side(const BrickIndex& brick) const noexcept {
   return false;
 }
 
-std::uint32_t brick_entry(const VoxmapView& map, const BrickCache::BrickIndex& brick,
+template <std::uint32_t kBits>
+std::uint32_t brick_entry(const TreeView<kBits>& map, const BrickCache::BrickIndex& brick,
                           std::uint32_t outside) noexcept {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (brick[axis] < 0 || brick[axis] >> 6 >= map.directory_dims[axis]) return outside;
@@ -57,8 +60,8 @@ std::uint32_t brick_entry(const VoxmapView& map, const BrickCache::BrickIndex& b
   return entry_below(map, lower_entry(map, brick), brick);
 }
 
-template <std::size_t kEdge>
-std::array<std::uint32_t, kEdge * kEdge * kEdge> brick_entries(const VoxmapView& map,
+template <std::size_t kEdge, std::uint32_t kBits>
+std::array<std::uint32_t, kEdge * kEdge * kEdge> brick_entries(const TreeView<kBits>& map,
                                                                const BrickCache::BrickIndex& first,
                                                                std::uint32_t outside) noexcept {
   constexpr auto kSteps = static_cast<std::int32_t>(kEdge) - 1;
@@ -79,10 +82,14 @@ std::array<std::uint32_t, kEdge * kEdge * kEdge> brick_entries(const VoxmapView&
   return entries;
 }
 
-template std::array<std::uint32_t, 8> brick_entries<2>(const VoxmapView&,
-                                                       const BrickCache::BrickIndex&,
-                                                       std::uint32_t) noexcept;
+template std::uint32_t brick_entry(const VoxmapView&, const BrickCache::BrickIndex&,
+                                   std::uint32_t) noexcept;
+template std::uint32_t brick_entry(const DistanceView&, const BrickCache::BrickIndex&,
+                                   std::uint32_t) noexcept;
 template std::array<std::uint32_t, 27> brick_entries<3>(const VoxmapView&,
+                                                        const BrickCache::BrickIndex&,
+                                                        std::uint32_t) noexcept;
+template std::array<std::uint32_t, 27> brick_entries<3>(const DistanceView&,
                                                         const BrickCache::BrickIndex&,
                                                         std::uint32_t) noexcept;
 

@@ -70,12 +70,13 @@ class BrickCache {
 
 // The tree entry of the brick of voxels 8 b to 8 b + 7, relative to the directory: a uniform value
 // or the index of a stored brick. `outside` beyond the directory.
-std::uint32_t brick_entry(const VoxmapView& map, const BrickCache::BrickIndex& brick,
+template <std::uint32_t kBits>
+std::uint32_t brick_entry(const TreeView<kBits>& map, const BrickCache::BrickIndex& brick,
                           std::uint32_t outside) noexcept;
 
 // The entries of kEdge^3 bricks from `first` on, z fastest.
-template <std::size_t kEdge>
-std::array<std::uint32_t, kEdge * kEdge * kEdge> brick_entries(const VoxmapView& map,
+template <std::size_t kEdge, std::uint32_t kBits>
+std::array<std::uint32_t, kEdge * kEdge * kEdge> brick_entries(const TreeView<kBits>& map,
                                                                const BrickCache::BrickIndex& first,
                                                                std::uint32_t outside) noexcept;
 

@@ -8,16 +8,17 @@ void ContactSet::reserve(std::uint64_t points) {
   weight.resize(room, 1);
   point.resize(room);
   value.resize(room);
+  is_barred.resize(room);
 }
 
-bool no_new_interior(const ContactSet& earlier, const ContactSet& later) noexcept {
-  if (later.interior == 0) return true;
+bool none_newly_barred(const ContactSet& earlier, const ContactSet& later) noexcept {
+  if (later.barred == 0) return true;
   std::uint32_t at = 0;
   for (std::uint32_t i = 0; i < later.count; ++i) {
-    if (!later.is_interior(i)) continue;
+    if (later.is_barred[i] == 0) continue;
     while (at < earlier.count && earlier.point[at] < later.point[i]) ++at;
     if (at == earlier.count || earlier.point[at] != later.point[i]) return false;
-    if (!earlier.is_interior(at)) return false;
+    if (earlier.is_barred[at] == 0) return false;
   }
   return true;
 }

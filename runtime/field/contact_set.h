@@ -17,7 +17,7 @@ struct Contact {
   float depth_m = 0;        // into the force layer; negative: a gap
   float weight = 1;         // area that the point stands for, over the shell's mean
   std::uint32_t point = 0;  // of the shell; ascending in a set
-  bool interior = false;    // in value 1, behind the force layer
+  bool barred = false;      // the guard keeps points out of where this one is
 };
 
 // The contacts of a pose in columns. A column has room for every shell point and kPadding more; the
@@ -30,26 +30,32 @@ struct ContactSet {
   std::uint32_t surface = 0;    // points in value 2
   std::uint32_t proximity = 0;  // points in value 3
   bool outside_map = false;     // a point lay beyond a cropped side
+  std::uint32_t barred = 0;     // points that the guard keeps out of where they are: in value 1, or
+                                // with a proven distance below the guard's
+  // No shell point is nearer to the static mesh, m: the least proven distance, and at most that of
+  // a point in a free voxel. 0 where nothing is proven.
+  float least_distance_m = 0;
+  std::uint32_t nearest =
+      kNone;  // its place in the set; kNone where all are farther, or none known
+  static constexpr std::uint32_t kNone = UINT32_MAX;
 
   std::vector<float> rx, ry, rz;  // arm_m
   std::vector<float> ux, uy, uz;  // direction
   std::vector<float> depth_m, weight;
   std::vector<std::uint32_t> point;
   std::vector<std::uint8_t> value;  // VoxelValue: 1, 2 or 3
+  std::vector<std::uint8_t> is_barred;
 
   void reserve(std::uint64_t points);  // set-up only
   Contact operator[](std::uint32_t i) const noexcept {
     return {{rx[i], ry[i], rz[i]}, {ux[i], uy[i], uz[i]}, depth_m[i], weight[i], point[i],
-            is_interior(i)};
-  }
-  bool is_interior(std::uint32_t i) const noexcept {
-    return value[i] == static_cast<std::uint8_t>(VoxelValue::kInterior);
+            is_barred[i] != 0};
   }
   bool in_free_space() const noexcept { return interior + surface + proximity == 0; }
 };
 
-// Whether every interior point of `later` is interior in `earlier` too.
-bool no_new_interior(const ContactSet& earlier, const ContactSet& later) noexcept;
+// Whether every barred point of `later` is barred in `earlier` too.
+bool none_newly_barred(const ContactSet& earlier, const ContactSet& later) noexcept;
 
 // Finds the contacts of a pose for the default model.
 class ContactProbe {

@@ -10,22 +10,15 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "a word's first byte is its lowest");
 
 // Eight codes along z of a stored brick, a byte each.
-std::uint64_t row_of(const VoxmapView& map, std::uint32_t brick, int x, int y) {
-  const auto* bytes = reinterpret_cast<const std::uint8_t*>(map.bricks + std::uint64_t{brick} * 16 *
-                                                                             map.bits_per_voxel);
-  const int first = x * 64 + y * 8;
+std::uint64_t row_of(const DistanceView& map, std::uint32_t brick, int x, int y) {
+  const auto* bytes =
+      reinterpret_cast<const std::uint8_t*>(map.bricks) + std::uint64_t{brick} * 512;
   std::uint64_t row = 0;
-  if (map.bits_per_voxel == 8) {
-    std::memcpy(&row, bytes + first, 8);
-    return row;
-  }
-  std::memcpy(&row, bytes + first / 2, 4);
-  row = (row | row << 16) & 0x0000ffff0000ffffu;
-  row = (row | row << 8) & 0x00ff00ff00ff00ffu;
-  return (row | row << 4) & 0x0f0f0f0f0f0f0f0fu;
+  std::memcpy(&row, bytes + x * 64 + y * 8, 8);
+  return row;
 }
 
-std::uint64_t row_of_entry(const VoxmapView& map, std::uint32_t entry, int x, int y) {
+std::uint64_t row_of_entry(const DistanceView& map, std::uint32_t entry, int x, int y) {
   if (is_uniform(entry)) return uniform_value(entry) * 0x0101010101010101u;
   return row_of(map, entry, x, y);
 }
@@ -50,8 +43,7 @@ Words joined(const Words& low, const Words& high, int shift) {
 
 DistanceBricks::DistanceBricks(const Voxmap& voxmap)
     : BrickCache(voxmap),
-      map_(voxmap.view()),
-      free_code_((1u << voxmap.header().bits_per_voxel) - 1),
+      map_(*voxmap.distances()),
       codes_(std::size_t{kBrickBytes} * kSlots + 2 * kMargin) {}
 
 const std::uint8_t* DistanceBricks::hold_brick(std::int32_t bx, std::int32_t by,
@@ -85,8 +77,8 @@ const std::uint8_t* DistanceBricks::hold_brick(std::int32_t bx, std::int32_t by,
 
 // From the brick and the 26 around it, row by row. Outside the directory all is free.
 void DistanceBricks::gather(const BrickIndex& brick, Halo& halo) const noexcept {
-  const std::array<std::uint32_t, 27> entries =
-      brick_entries<3>(map_, {brick[0] - 1, brick[1] - 1, brick[2] - 1}, uniform_entry(free_code_));
+  const std::array<std::uint32_t, 27> entries = brick_entries<3>(
+      map_, {brick[0] - 1, brick[1] - 1, brick[2] - 1}, uniform_entry(kMostDistanceCode));
   for (int x = 0; x < 10; ++x) {
     for (int y = 0; y < 10; ++y) {
       const int in_x = x + 7, in_y = y + 7;  // from the bricks before on
@@ -112,7 +104,8 @@ void DistanceBricks::gather_voxelwise(const BrickIndex& brick, Halo& halo) const
           std::min(std::max(at, known().low[axis]), known().high[axis] - 1));
     }
     const bool inside = map_.contains(voxel[0], voxel[1], voxel[2]);
-    const std::uint32_t code = inside ? map_.lookup(voxel[0], voxel[1], voxel[2]).code : free_code_;
+    const std::uint32_t code =
+        inside ? map_.lookup(voxel[0], voxel[1], voxel[2]).code : kMostDistanceCode;
     Row& row = halo[static_cast<std::size_t>(in_halo[0])][static_cast<std::size_t>(in_halo[1])];
     if (in_halo[2] == 0) row = {0, 0};
     if (in_halo[2] < 8) {
@@ -124,15 +117,35 @@ void DistanceBricks::gather_voxelwise(const BrickIndex& brick, Halo& halo) const
 }
 
 std::optional<Error> DistanceField::unreadable(const Voxmap& voxmap) {
-  if (voxmap.header().bits_per_voxel != 2) return std::nullopt;
-  return Error{ErrorCode::kUsage, "", "distance field", "the scene stores the four values alone",
-               "bake the scene with --bits 8, or use --force level"};
+  if (voxmap.distances() != nullptr) return std::nullopt;
+  return Error{ErrorCode::kUsage, "", "distance field", "the scene stores no distances",
+               "bake the scene without --lean and --metric chebyshev, or use --force level"};
 }
 
+// A code stands for the middle of its step.
 DistanceField::DistanceField(const Voxmap& voxmap)
-    : scale_{static_cast<float>(voxmap.voxel_size_m()),
-             static_cast<float>(voxmap.header().zero_code),
-             static_cast<float>(voxmap.header().quantum_m / voxmap.voxel_size_m())},
-      bricks_(voxmap) {}
+    : cropped_(voxmap.header().cropped_sides != 0), bricks_(voxmap) {
+  const VoxmapHeader& h = voxmap.header();
+  const double codes_per_voxel = h.voxel_size_m / h.distance_quantum_m;
+  scale_.voxel_size_m = static_cast<float>(h.voxel_size_m);
+  scale_.zero_code =
+      static_cast<float>(h.distance_zero_code - 0.5 + h.zero_force_m / h.distance_quantum_m);
+  scale_.voxels_per_code = static_cast<float>(1 / codes_per_voxel);
+  scale_.mesh_code = static_cast<float>(h.distance_zero_code);
+  scale_.squared_codes_per_voxel = static_cast<float>(codes_per_voxel * codes_per_voxel);
+}
+
+// The codes of unknown voxels are those of known ones, which is no bound.
+void DistanceField::disprove_beside_cropped_sides(const query::CollectedPoints& points,
+                                                  FieldSamples& samples) const noexcept {
+  const KnownBox& known = bricks_.known();
+  for (std::uint32_t i = 0; i < points.count; ++i) {
+    const std::array<std::int64_t, 3> voxel{points.vx[i], points.vy[i], points.vz[i]};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      if (voxel[axis] - 1 >= known.low[axis] && voxel[axis] + 1 < known.high[axis]) continue;
+      samples.distance_m[i] = 0;
+    }
+  }
+}
 
 }  // namespace forcelayer::field

@@ -1,9 +1,9 @@
-// The distance field: depth and direction from stored distances (4 and 8 bits a voxel;
-// formats/voxmap_format.md, section 6).
+// The distance field: depth and direction from stored distances (formats/voxmap_format.md, section
+// 6).
 //
 // phi is the stored distance from the zero-force surface, in voxels, interpolated trilinearly
-// between the eight voxel centers around a point. It is continuous, and negative only in voxels of
-// values 1 and 2 (voxmap_format.md, section 6).
+// between the eight voxel centers around a point. It is continuous, and negative only in voxels
+// that are not free (voxmap_format.md, section 6).
 //
 // g is the slope of phi, per voxel. Along an axis it is made of the differences of neighboring
 // codes: each belongs to the middle between its two centers, and g is interpolated between such
@@ -28,6 +28,13 @@
 // Halfway between two walls g vanishes, and the push with it. Inside the scene the push leads to
 // the nearest way out where codes still differ, and half a voxel along the normal where all are 0,
 // as the tangent plane gives. Where u has no direction, the direction is n and the depth min(e, 0).
+//
+// Proven distance. The squared distance to a set, less |x|^2, is concave. So with D_i the lower
+// bounds that the eight codes stand for, w_i their trilinear weights and t_a the point's place
+// between the centers along axis a,
+//   d^2 >= sum_i w_i max(D_i, 0)^2 - s^2 sum_a t_a (1 - t_a).
+// A code of 0 has no lower bound and counts as 0, like all at or below the mesh. A point next to a
+// cropped side has no proven distance. Rounding comes off under the root.
 #pragma once
 
 #include <array>
@@ -56,7 +63,7 @@ class DistanceBricks : public BrickCache {
   static constexpr std::uint32_t kFirstBytes = kPlaneBytes + kRowBytes + 4;
   static constexpr std::uint32_t kMargin = 8;  // bytes that may be read beyond all bricks
 
-  // The map has 4 or 8 bits per voxel and outlives this.
+  // The map stores distances and outlives this.
   explicit DistanceBricks(const Voxmap& voxmap);
 
   // Per slot kBrickBytes of codes.
@@ -79,16 +86,17 @@ class DistanceBricks : public BrickCache {
   void gather(const BrickIndex& brick, Halo& halo) const noexcept;
   void gather_voxelwise(const BrickIndex& brick, Halo& halo) const noexcept;
 
-  VoxmapView map_;
-  std::uint32_t free_code_;
+  DistanceView map_;
   std::vector<std::uint8_t> codes_;
 };
 
 // From codes to meters.
 struct DistanceScale {
   float voxel_size_m = 0;
-  float zero_code = 0;
+  float zero_code = 0;  // of the zero-force surface
   float voxels_per_code = 0;
+  float mesh_code = 0;  // of distances from 0 to a step
+  float squared_codes_per_voxel = 0;
 };
 
 class DistanceField final : public ForceField {
@@ -102,9 +110,14 @@ class DistanceField final : public ForceField {
   // As ForceField says; by one thread at a time. In distance_field_kernel.cpp.
   void measure(const query::CollectedPoints& points, FieldSamples& samples) const noexcept override;
   bool has_exact_slopes() const noexcept override { return true; }
+  bool proves_distances() const noexcept override { return true; }
 
  private:
+  void disprove_beside_cropped_sides(const query::CollectedPoints& points,
+                                     FieldSamples& samples) const noexcept;
+
   DistanceScale scale_;
+  bool cropped_;
   mutable DistanceBricks bricks_;  // no answer depends on which bricks are there
 };
 

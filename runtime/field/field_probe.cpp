@@ -9,7 +9,15 @@ namespace {
 // which must still hold the part off.
 constexpr float kLeastWeight = 0.25f, kMostWeight = 4.0f;
 
+// How far behind the force layer the guard holds points, in voxels.
+constexpr double kGuardVoxels = 0.2;
+
 }  // namespace
+
+double guard_distance_m(const VoxmapHeader& header) {
+  if (!has_distances(header)) return 0;
+  return header.zero_force_m - header.force_depth_m - kGuardVoxels * header.voxel_size_m;
+}
 
 FieldProbe::FieldProbe(query::ContactQuery& query, const ForceField& field,
                        query::CollectedPoints& points, FieldSamples& samples)
@@ -18,6 +26,9 @@ FieldProbe::FieldProbe(query::ContactQuery& query, const ForceField& field,
       points_(points),
       samples_(samples),
       weight_(query.shell().view().point_count) {
+  const VoxmapHeader& header = query.voxmap().header();
+  guard_m_ = field.proves_distances() ? static_cast<float>(guard_distance_m(header)) : 0;
+  free_m_ = field.proves_distances() ? static_cast<float>(free_distance_m(header)) : 0;
   const auto mean_m2 = static_cast<float>(mean_point_area_m2(query.shell()));
   const float* weight_m2 = query.shell().view().weight_m2;
   for (std::size_t i = 0; i < weight_.size(); ++i) {
@@ -28,6 +39,26 @@ FieldProbe::FieldProbe(query::ContactQuery& query, const ForceField& field,
 void FieldProbe::look_up(const Pose& world_from_center, ContactSet& out) noexcept {
   query_.run(world_from_center, points_);
   read(out);
+}
+
+// The points that the guard keeps out, and the least proven distance.
+void FieldProbe::bar(ContactSet& out) const noexcept {
+  out.barred = 0;
+  out.least_distance_m = free_m_;
+  out.nearest = ContactSet::kNone;
+  for (std::uint32_t i = 0; i < out.count; ++i) {
+    bool barred = out.value[i] == static_cast<std::uint8_t>(VoxelValue::kInterior);
+    if (field_.proves_distances()) {
+      const float distance_m = samples_.distance_m[i];
+      barred = barred || distance_m < guard_m_;
+      if (distance_m < out.least_distance_m) {
+        out.least_distance_m = distance_m;
+        out.nearest = i;
+      }
+    }
+    out.is_barred[i] = barred ? 1 : 0;
+    out.barred += barred ? 1 : 0;
+  }
 }
 
 void FieldProbe::read(ContactSet& out) noexcept {
@@ -46,6 +77,7 @@ void FieldProbe::read(ContactSet& out) noexcept {
   copy(points_.index, out.point);
   copy(points_.value, out.value);
   for (std::uint32_t i = 0; i < out.count; ++i) out.weight[i] = weight_[out.point[i]];
+  bar(out);
   if (field_.has_exact_slopes()) return;
   const auto voxel_size_m = static_cast<float>(query_.voxmap().voxel_size_m());
   average_directions(points_, samples_, voxel_size_m, -voxel_size_m, out);

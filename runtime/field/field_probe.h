@@ -12,7 +12,8 @@ namespace forcelayer::field {
 
 class FieldProbe final : public ContactProbe {
  public:
-  // All must outlive the probe; `points` and `samples` have room for every shell point.
+  // All must outlive the probe; `points` and `samples` have room for every shell point. The guard
+  // bars points from where their proven distance is below guard_distance_m(), beside the interior.
   FieldProbe(query::ContactQuery& query, const ForceField& field, query::CollectedPoints& points,
              FieldSamples& samples);
 
@@ -21,12 +22,19 @@ class FieldProbe final : public ContactProbe {
   void read(ContactSet& out) noexcept;
 
  private:
+  void bar(ContactSet& out) const noexcept;
+
   query::ContactQuery& query_;
   const ForceField& field_;
   query::CollectedPoints& points_;
   FieldSamples& samples_;
   std::vector<float> weight_;  // Contact::weight of every shell point
+  float guard_m_, free_m_;     // 0 where nothing is proven
 };
+
+// The proven distance from the static mesh below which the guard lets no shell point go: a fifth of
+// a voxel behind the force layer. 0 in maps without stored distances.
+double guard_distance_m(const VoxmapHeader& header);
 
 // The direction in which the static surface faces at a contact: the field's slope, averaged over
 // neighbors.

@@ -7,8 +7,8 @@ namespace forcelayer::field {
 ForceCurve::ForceCurve(const Voxmap& voxmap) {
   if (voxmap.compliance().empty()) return;
   const VoxmapHeader& header = voxmap.header();
-  step_m_ = header.quantum_m;
-  deepening_m_ = std::max(0.0, force_layer_voxels(header) - 1) * header.voxel_size_m;
+  step_m_ = header.distance_quantum_m;
+  deepening_m_ = std::max(0.0, header.force_depth_m - header.voxel_size_m);
   const double per_n = 1 / steepest_n_per_m(voxmap);
   for (const float force_n : voxmap.compliance()) {
     Node node{per_n * double{force_n}, 0};

@@ -13,7 +13,7 @@ constexpr std::size_t kLanePadding = 64;  // elements behind the last that a vec
 
 void FieldSamples::reserve(std::uint64_t points) {
   const std::size_t room = points + kLanePadding;
-  for (auto* values : {&depth_m, &dx, &dy, &dz, &gx, &gy, &gz}) values->resize(room);
+  for (auto* values : {&depth_m, &dx, &dy, &dz, &gx, &gy, &gz, &distance_m}) values->resize(room);
 }
 
 ForceKind usual_force(Model model, const Voxmap& voxmap) {
@@ -37,7 +37,7 @@ Result<std::unique_ptr<ForceField>> make_force_field(Model model, ForceKind kind
     if (auto reason = DistanceField::unreadable(voxmap)) return *reason;
     return std::unique_ptr<ForceField>(std::make_unique<DistanceField>(voxmap));
   }
-  return std::unique_ptr<ForceField>(std::make_unique<TangentPlaneField>(voxmap));
+  return std::unique_ptr<ForceField>(std::make_unique<TangentPlaneField>(voxmap.voxel_size_m()));
 }
 
 double mean_point_area_m2(const Pshell& shell) {

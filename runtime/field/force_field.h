@@ -20,12 +20,14 @@ struct FieldSamples {
   std::vector<float> depth_m;     // signed: negative is how far the point is from having depth
   std::vector<float> dx, dy, dz;  // direction: unit, world axes, out of the static scene
   std::vector<float> gx, gy, gz;  // slope of the field, per voxel, world axes
+  // No point of the static mesh is nearer than this; only where ForceField::proves_distances().
+  std::vector<float> distance_m;
 
   void reserve(std::uint64_t points);  // set-up only
 };
 
-// Measures collected points. Points in values 1 and 2 may have depth, and in the level field of
-// Euclidean layers some points in value 3 (level_field.h). The field does not decide which point
+// Measures collected points. Points in values 1 and 2 may have depth, and around Euclidean layers
+// some points in value 3. The field does not decide which point
 // lies in which value, so the guard and the guarantee do not depend on it.
 class ForceField {
  public:
@@ -36,6 +38,9 @@ class ForceField {
   // normal.
   virtual void measure(const query::CollectedPoints& points,
                        FieldSamples& samples) const noexcept = 0;
+
+  // Whether measure() fills FieldSamples::distance_m.
+  virtual bool proves_distances() const noexcept { return false; }
 
   // Whether the directions of measure() are exact enough to need no averaging over neighbors
   // (average_directions() in field_probe.h).

@@ -148,12 +148,6 @@ void LevelBricks::decode_voxelwise(const BrickIndex& brick, std::uint8_t* levels
 
 std::optional<Error> LevelField::unreadable(const Voxmap& voxmap) {
   const VoxmapHeader& header = voxmap.header();
-  if (header.bits_per_voxel != 2) {
-    return Error{ErrorCode::kUsage, "", "level field",
-                 "the scene stores distances of " + std::to_string(header.bits_per_voxel) +
-                     " bits, the level field reads two-bit values",
-                 "leave --force out or use --force distance, or bake the scene with --bits 2"};
-  }
   if (header.offset_layers == 0) {
     return Error{ErrorCode::kUsage, "", "level field",
                  "the scene has no offset layers, so its values jump from interior to proximity",

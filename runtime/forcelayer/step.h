@@ -37,6 +37,13 @@ enum Fault : std::uint32_t {
   kFaultMapLost = 8,         // a baked file was cut short or written to: nothing can be trusted
 };
 
+// What is known of a frame's clearance, the distance between the exact surfaces of part and scene.
+enum class ClearanceKind : std::uint32_t {
+  kNone,     // nothing: the scene stores no distances, or a premise of the proof fails
+  kAtLeast,  // no shell point is near enough to the scene to be measured
+  kProven,   // measured: at least so much, by the stored distances
+};
+
 // Report of a frame. Counts are those at `world_from_center`.
 struct StepReport {
   Pose world_from_center;         // the pose that was tested
@@ -49,6 +56,10 @@ struct StepReport {
   std::uint32_t saturated = 0;    // 1: the coupling's clamp was at work
   std::uint32_t outside_map = 0;  // 1: a point lay beyond a cropped side: no guarantee
   double depth_m = 0;             // of the deepest contact
+  std::uint32_t barred = 0;       // points nearer than the guard allows: its bound does not hold
+  ClearanceKind clearance_kind = ClearanceKind::kNone;
+  double clearance_m = 0;         // 0 where nothing is proven
+  glm::dvec3 nearest_point_m{0};  // kProven: the shell point nearest to the scene, world
 };
 
 // Wrenches on the hand, world axes, before the device's limits.

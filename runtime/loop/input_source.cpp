@@ -98,7 +98,7 @@ Twist DeviceInput::velocity(const DeviceSample& sample) noexcept {
   return estimate_;
 }
 
-// What a reading that is refused leaves behind.
+// Clears all that comes from earlier readings, once one is refused.
 void DeviceInput::forget() noexcept {
   velocity_.reset();
   estimate_ = {};

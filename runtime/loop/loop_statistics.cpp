@@ -100,6 +100,20 @@ void LoopStatistics::count_energy(const Frame& frame) noexcept {
       std::max(worst_episode_generated_j, generated_j - past_episodes_generated_j_);
 }
 
+void LoopStatistics::count_clearance(const Frame& frame) noexcept {
+  const StepReport& report = frame.result.report;
+  if (report.clearance_kind == ClearanceKind::kNone) {
+    ++unproven_frames;
+    return;
+  }
+  if (least_clearance.kind != ClearanceKind::kNone &&
+      report.clearance_m >= least_clearance.clearance_m) {
+    return;
+  }
+  least_clearance = {report.clearance_kind, report.clearance_m, frame.time_s,
+                     report.nearest_point_m};
+}
+
 void LoopStatistics::count(const Frame& frame) noexcept {
   const StepReport& report = frame.result.report;
   ++frames;
@@ -107,6 +121,7 @@ void LoopStatistics::count(const Frame& frame) noexcept {
   penetration_frames += report.interior > 0;
   contact_frames += report.contacts > 0;
   guard_cuts += report.guard_cuts;
+  barred_frames += report.barred > 0;
   outside_map_frames += report.outside_map;
   saturated_frames += report.saturated;
   faulty_frames += report.faults != 0;
@@ -118,6 +133,7 @@ void LoopStatistics::count(const Frame& frame) noexcept {
   max_device_force_n = std::max(max_device_force_n, glm::length(frame.device_wrench.force_n));
   max_device_torque_nm = std::max(max_device_torque_nm, glm::length(frame.device_wrench.torque_nm));
   count_energy(frame);
+  count_clearance(frame);
   step.record(frame.step_ns);
 }
 

@@ -79,6 +79,7 @@ struct LoopStatistics {
   std::uint64_t penetration_frames = 0;  // a point in value 1
   std::uint64_t contact_frames = 0;      // an intersection with depth
   std::uint64_t guard_cuts = 0;
+  std::uint64_t barred_frames = 0;  // a point nearer than the guard allows
   std::uint64_t outside_map_frames = 0;
   std::uint64_t saturated_frames = 0;
   std::uint64_t faulty_frames = 0;
@@ -101,12 +102,22 @@ struct LoopStatistics {
   std::uint64_t minor_faults = 0, major_faults = 0;  // of the loop's thread, in its ticks
   std::uint64_t voluntary_switches = 0, involuntary_switches = 0;
 
+  // The frame with the least clearance of those of which something is known.
+  struct LeastClearance {
+    ClearanceKind kind = ClearanceKind::kNone;
+    double clearance_m = 0, time_s = 0;
+    glm::dvec3 point_m{0};
+  };
+  LeastClearance least_clearance;
+  std::uint64_t unproven_frames = 0;  // of which no clearance is known
+
   void count(const Frame& frame) noexcept;
   // Only of a loop with a clock; `period_ns` is its period.
   void count(const Frame& frame, const TickCost& cost, std::int64_t period_ns) noexcept;
 
  private:
   void count_energy(const Frame& frame) noexcept;
+  void count_clearance(const Frame& frame) noexcept;
 
   double past_episodes_generated_j_ = 0;
   bool in_episode_ = false;

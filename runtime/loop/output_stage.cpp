@@ -56,7 +56,7 @@ glm::dvec3 moved(const glm::dvec3& last, const glm::dvec3& wanted, double step) 
   return last + model::clamped(wanted - last, step);
 }
 
-// What is wrong with a faulty frame: the cause to trip once faults last.
+// The cause to trip with if this frame's fault lasts.
 TripCause fault_of(const OutputFrame& frame) {
   if (!frame.faulty) return TripCause::kNone;
   switch (frame.health.trouble) {

@@ -8,9 +8,9 @@
 
 namespace forcelayer::machine {
 
-// What the two sides share; it may lie in memory that two processes map. Three slots are in use:
-// the producer fills one, the consumer reads one, `between` says which one changes hands. There are
-// four so that whatever stands in `between` names a slot.
+// The memory that the two sides share; it may lie in memory that two processes map. Three slots are
+// in use: the producer fills one, the consumer reads one, `between` says which one changes hands.
+// There are four so that whatever stands in `between` names a slot.
 template <typename T>
 struct SharedValue {
   static_assert(std::is_trivially_copyable_v<T>);

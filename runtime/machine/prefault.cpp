@@ -65,12 +65,13 @@ struct IndexBox {
 };
 
 // Adds the bricks below one entry that meet `box`.
-void add_bricks(const VoxmapView& view, std::uint32_t entry, const Index& low, std::uint32_t edge,
-                const IndexBox& box, PageSet& pages) {
+template <std::uint32_t kBits>
+void add_bricks(const TreeView<kBits>& view, std::uint32_t entry, const Index& low,
+                std::uint32_t edge, const IndexBox& box, PageSet& pages) {
   if (is_uniform(entry) || !box.meets(low, edge)) return;
   if (edge == kBrickEdge) {
-    const std::size_t words = std::size_t{16} * view.bits_per_voxel;
-    pages.add(view.bricks + entry * words, words * sizeof(std::uint32_t));
+    constexpr std::size_t kWords = std::size_t{16} * kBits;
+    pages.add(view.bricks + entry * kWords, kWords * sizeof(std::uint32_t));
     return;
   }
   const std::uint32_t* const nodes = edge == kUpperNodeEdge ? view.upper_nodes : view.lower_nodes;
@@ -78,6 +79,21 @@ void add_bricks(const VoxmapView& view, std::uint32_t entry, const Index& low, s
     add_bricks(view, nodes[std::uint64_t{entry} * kNodeEntries + n],
                voxmap_walk::child_low(low, n, edge / 8), edge / 8, box, pages);
   }
+}
+
+// Adds the bricks of a tree that meet `box`.
+template <std::uint32_t kBits>
+void add_bricks(const TreeView<kBits>& view, const IndexBox& box, PageSet& pages) {
+  const auto& dims = view.directory_dims;
+  const std::uint32_t* entry = view.directory;
+  for (std::int64_t x = 0; x < dims[0]; ++x)
+    for (std::int64_t y = 0; y < dims[1]; ++y)
+      for (std::int64_t z = 0; z < dims[2]; ++z) {
+        const Index low{view.directory_origin[0] + x * kUpperNodeEdge,
+                        view.directory_origin[1] + y * kUpperNodeEdge,
+                        view.directory_origin[2] + z * kUpperNodeEdge};
+        add_bricks(view, *entry++, low, kUpperNodeEdge, box, pages);
+      }
 }
 
 // The voxels of `reach` and those of the bricks next to them. Anything far out is as good as the
@@ -99,7 +115,6 @@ IndexBox voxels_of(const ReachBox& reach, double voxel_size_m) {
 }  // namespace
 
 std::uint64_t prefault(const Voxmap& voxmap, const ReachBox& reach) {
-  const VoxmapView& view = voxmap.view();
   const auto page_bytes = static_cast<std::uintptr_t>(sysconf(_SC_PAGESIZE));
   const auto first = reinterpret_cast<std::uintptr_t>(voxmap.bytes().data());
   if (first % page_bytes == 0) {
@@ -109,16 +124,9 @@ std::uint64_t prefault(const Voxmap& voxmap, const ReachBox& reach) {
   }
   PageSet pages(voxmap.bytes());
   const IndexBox box = voxels_of(reach, voxmap.voxel_size_m());
-  const auto& dims = view.directory_dims;
-  const std::uint32_t* entry = view.directory;
-  for (std::int64_t x = 0; x < dims[0]; ++x)
-    for (std::int64_t y = 0; y < dims[1]; ++y)
-      for (std::int64_t z = 0; z < dims[2]; ++z) {
-        const Index low{view.directory_origin[0] + x * kUpperNodeEdge,
-                        view.directory_origin[1] + y * kUpperNodeEdge,
-                        view.directory_origin[2] + z * kUpperNodeEdge};
-        add_bricks(view, *entry++, low, kUpperNodeEdge, box, pages);
-      }
+  add_bricks(voxmap.view(), box, pages);
+  if (const DistanceView* distances = voxmap.distances()) add_bricks(*distances, box, pages);
+  if (const ObjectView* objects = voxmap.objects()) add_bricks(*objects, box, pages);
   return pages.read();
 }
 

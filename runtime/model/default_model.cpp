@@ -24,8 +24,8 @@ constexpr double kLeastTravelVoxels = 1e-9;
 // While the hand rests, a motion must lower the energy by this share of k_T times its square.
 constexpr double kDescentShare = 1e-4;
 
-// Where an interior point must end, behind where a force layer of one voxel begins to push. That is
-// 0.1 to 0.6 voxels before the interior, by the kind of map.
+// Where a barred point must end, behind where a force layer of one voxel begins to push. That is
+// 0.1 to 0.8 voxels before the guard's place, by the kind of map.
 constexpr double kGuardDepthVoxels = 0.4;
 // At least so far it is pushed back per new solve.
 constexpr double kGuardPushVoxels = 0.15;
@@ -120,7 +120,20 @@ StepResult DefaultModel::step(State& state, const StepInput& input, double dt_s)
   report.contacts = here_.totals.count;
   report.depth_m = double{here_.totals.depth_m};
   report.outside_map = here_.outside_map ? 1 : 0;
+  report.barred = here_.barred;
+  report_distance(report);
   return result;
+}
+
+// The least distance of a shell point; Simulation makes a clearance of it.
+void DefaultModel::report_distance(StepReport& report) const noexcept {
+  if (!(here_.least_distance_m > 0) || here_.outside_map) return;
+  report.clearance_m = double{here_.least_distance_m};
+  report.clearance_kind = ClearanceKind::kAtLeast;
+  if (here_.nearest == field::ContactSet::kNone) return;
+  report.clearance_kind = ClearanceKind::kProven;
+  report.nearest_point_m =
+      report.world_from_center.position_m + glm::dvec3(here_[here_.nearest].arm_m);
 }
 
 void DefaultModel::look_up(const Pose& pose, LookUp& out) noexcept {
@@ -234,7 +247,7 @@ bool DefaultModel::make(State& state, Motion& motion, const coupling::GripTarget
     const Pose candidate = moved(state.world_from_center, target, motion, velocity);
     look_up(candidate, there_);
     double rise_j = 0;
-    const bool clear = field::no_new_interior(here_, there_);
+    const bool clear = field::none_newly_barred(here_, there_);
     if (clear && affordable(state, motion, target, candidate, kinetic_j, rise_j)) {
       state.allowance_j = std::max(0.0, state.allowance_j - rise_j);
       state.coupling_angle_rad = angle_rad(state, target, candidate);
@@ -259,7 +272,7 @@ bool DefaultModel::make(State& state, Motion& motion, const coupling::GripTarget
 bool DefaultModel::affordable(const State& state, const Motion& motion,
                               const coupling::GripTarget& target, const Pose& candidate,
                               double kinetic_j, double& rise_j) const noexcept {
-  if (here_.interior > 0) return true;  // led out: slow, and its energy is not the scene's
+  if (here_.barred > 0) return true;  // led out: slow, and its energy is not the scene's
   if (here_.in_free_space() && there_.in_free_space()) return true;  // nothing to gain it from
   const double energy_j = kinetic_j + potential_j(coupling::grip_stretch_m(target, candidate),
                                                   angle_rad(state, target, candidate), there_);
@@ -270,7 +283,7 @@ bool DefaultModel::affordable(const State& state, const Motion& motion,
 }
 
 // Adds the contacts of the pose to which the motion led, linearised there: as springs, and for
-// interior points as hard rows that take them back into the force layer.
+// barred points as hard rows that take them back into the force layer.
 void DefaultModel::add_found_contacts(Motion& motion) noexcept {
   const double dt_s = motion.system.dt_s, s = parameters_.voxel_size_m;
   const double guard_depth_m = kGuardDepthVoxels * s + contact_.curve.deepening_m();
@@ -278,7 +291,7 @@ void DefaultModel::add_found_contacts(Motion& motion) noexcept {
     if (!(there_.depth_m[i] > 0)) continue;
     const field::Contact c = there_[i];
     const double separation = coupling::dot(separation_row(c), motion.velocity);
-    if (!c.interior) {
+    if (!c.barred) {
       const double force_m = contact_.curve.force_m(c.depth_m) + dt_s * separation;
       rows_.add(spring_row(c, force_m, there_.load, contact_, dt_s));
       continue;
@@ -294,7 +307,7 @@ void DefaultModel::add_found_contacts(Motion& motion) noexcept {
 void DefaultModel::limit_travel(Motion& motion) const noexcept {
   const double dt_s = motion.system.dt_s;
   double limit_m = 0.5 * kTravelMargin * parameters_.voxel_size_m;
-  if (here_.interior > 0) limit_m = std::min(limit_m, parameters_.recovery_mps * dt_s);
+  if (here_.barred > 0) limit_m = std::min(limit_m, parameters_.recovery_mps * dt_s);
   const double travel = travel_m(motion, dt_s);
   if (!(travel > limit_m)) return;
   for (double& component : motion.velocity) component *= limit_m / travel;

@@ -2,7 +2,7 @@
 // when the hand rests, whatever the stiffness, mass and rate.
 //
 // A frame is one or more motions of at most s/2 of travel. Each is solved, looked up where it
-// leads, and kept only if no point is in the interior there and its energy is in order
+// leads, and kept only if no point is barred there (contact_set.h) and its energy is in order
 // (motion_allowance.h); the pose that was looked up is the pose that is kept, bit for bit. A motion
 // that fails is solved again with the contacts found where it led, then shortened, then dropped.
 #pragma once
@@ -39,6 +39,7 @@ class DefaultModel {
   void look_up(const Pose& pose, LookUp& out) noexcept;
 
   void look_up_here(const Pose& pose) noexcept;
+  void report_distance(StepReport& report) const noexcept;
   void refill_allowance(State& state, const coupling::GripTarget& target, const Pose& handle,
                         double dt_s) const noexcept;
   void move(State& state, const coupling::GripTarget& target, double dt_s,

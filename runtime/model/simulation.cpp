@@ -1,5 +1,7 @@
 #include "runtime/model/simulation.h"
 
+#include <algorithm>
+
 #include "runtime/machine/step_arithmetic.h"
 #include "runtime/model/paper_model.h"
 #include "runtime/model/vectors.h"
@@ -50,6 +52,8 @@ Simulation::Simulation(Voxmap voxmap, Pshell shell, const Parameters& parameters
       voxmap_watch_(voxmap_.bytes(), voxmap_.stamp()),
       shell_watch_(shell_.bytes(), shell_.stamp()),
       query_(voxmap_, shell_, query) {
+  deviations_m_ = voxmap_.header().static_deviation_m + shell_.header().part_deviation_m +
+                  query_.rounding_bound_m();
   points_.reserve(shell_.view().point_count);
   samples_.reserve(shell_.view().point_count);
 }
@@ -78,6 +82,15 @@ void Simulation::make_default_model() {
   probe_ = std::make_unique<field::FieldProbe>(query_, *field_, points_, samples_);
   default_ = std::make_unique<DefaultModel>(parameters_, *probe_, shell_.view().point_count,
                                             field::ForceCurve(voxmap_));
+}
+
+// From the least distance of a shell point to that of the exact surfaces.
+void Simulation::prove_clearance(StepReport& report) const noexcept {
+  if (report.clearance_kind == ClearanceKind::kNone) return;
+  const double proven_m =
+      surface_distance_bound_m(shell_.surface_distance_terms(), report.clearance_m) - deviations_m_;
+  if (!(proven_m > 0)) report.clearance_kind = ClearanceKind::kNone;
+  report.clearance_m = std::max(0.0, proven_m);
 }
 
 Pose Simulation::world_from_part(const Pose& world_from_center) const {
@@ -125,6 +138,7 @@ StepResult Simulation::step(State& state, const StepInput& input, double dt_s) n
       break;
     case Model::kDefault:
       result = default_->step(state, input, dt_s);
+      prove_clearance(result.report);
       break;
   }
   if (voxmap_watch_.lost() || shell_watch_.lost()) {

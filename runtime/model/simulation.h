@@ -68,11 +68,13 @@ class Simulation {
   Simulation(Voxmap voxmap, Pshell shell, const Parameters& parameters,
              const query::QueryOptions& query);
   void make_default_model();
+  void prove_clearance(StepReport& report) const noexcept;
 
   Voxmap voxmap_;
   Pshell shell_;
   Parameters parameters_;
   machine::WatchedMapping voxmap_watch_, shell_watch_;
+  double deviations_m_ = 0;  // of scene, part and pose together
   query::ContactQuery query_;
   std::unique_ptr<field::ForceField> field_;
   query::CollectedPoints points_;

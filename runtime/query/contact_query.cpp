@@ -1,7 +1,6 @@
 #include "runtime/query/contact_query.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstring>
 #include <glm/gtc/quaternion.hpp>
@@ -14,25 +13,6 @@ constexpr std::size_t kLanePadding = 128;  // elements behind the last that a ve
 constexpr std::size_t kChunksPerThread = 8;  // so that a slow thread holds up little
 constexpr std::size_t kSharedBlocks = 256;   // fewer would be done before a helper starts
 constexpr float kBelowOne = 0x1.fffffep-1f;
-
-// VoxelValue of every stored code of a map (voxmap_format.md, bricks).
-std::array<std::uint8_t, 256> value_table(const VoxmapHeader& header) {
-  std::array<std::uint8_t, 256> table{};
-  for (std::uint32_t code = 0; code < table.size(); ++code) {
-    VoxelValue value = VoxelValue::kFree;
-    if (header.bits_per_voxel == 2) {
-      value = static_cast<VoxelValue>(code & 3u);
-    } else if (code < header.surface_code) {
-      value = VoxelValue::kInterior;
-    } else if (code < header.proximity_code) {
-      value = VoxelValue::kSurface;
-    } else if (code < header.free_code) {
-      value = VoxelValue::kProximity;
-    }
-    table[code] = static_cast<std::uint8_t>(value);
-  }
-  return table;
-}
 
 // Voxels are looked up only within reach of the directory (VoxelPose::within_reach), so clamping
 // changes no answer.
@@ -62,10 +42,6 @@ KernelMap kernel_map(const Voxmap& voxmap) {
     map.tight_max[axis] = to_int32(low + static_cast<std::int64_t>(header.dims_voxels[axis]));
   }
   map.cropped = header.cropped_sides != 0;
-  map.log2_bits = static_cast<std::uint32_t>(std::countr_zero(header.bits_per_voxel));
-  map.surface_code = header.surface_code;
-  map.proximity_code = header.proximity_code;
-  map.free_code = header.free_code;
   map.voxel_size_m = static_cast<float>(voxmap.voxel_size_m());
   return map;
 }
@@ -141,12 +117,11 @@ ContactQuery::ContactQuery(const Voxmap& voxmap, const Pshell& shell, const Quer
       shell_(shell),
       radius_voxels_(shell.header().bounding_radius_m / voxmap.voxel_size_m()),
       voxel_size_m_(static_cast<float>(voxmap.voxel_size_m())),
-      value_of_code_(value_table(voxmap.header())),
       kernel_map_(kernel_map(voxmap)),
       kernel_shell_(kernel_shell(shell)),
       use_kernel_(options.vector && !directory_is_empty(voxmap) &&
                   kernel_reaches(voxmap.upper_node_count(), voxmap.lower_node_count(),
-                                 voxmap.brick_count(), voxmap.header().bits_per_voxel)),
+                                 voxmap.brick_count())),
       all_free_(voxmap.header().dims_voxels[0] == 0),
       skipper_(shell, voxmap.voxel_size_m(), skip_options(options, use_kernel_)) {
   known_ = known_box(voxmap.header(), voxmap.header().directory_origin);
@@ -239,7 +214,7 @@ void ContactQuery::collect_point(const VoxelPose& pose, std::uint32_t point,
   if (beyond_cropped_side(voxel[0], voxel[1], voxel[2])) out.outside_map = true;
   const VoxmapView& map = voxmap_.view();
   if (!map.contains(voxel[0], voxel[1], voxel[2])) return;
-  const auto value = value_of_code_[map.lookup(voxel[0], voxel[1], voxel[2]).code & 0xff];
+  const auto value = static_cast<std::uint8_t>(map.lookup(voxel[0], voxel[1], voxel[2]).code);
   if (value == 0) return;
 
   const std::uint32_t at = out.count++;

@@ -106,7 +106,6 @@ class ContactQuery {
   const Pshell& shell_;
   double radius_voxels_;
   float voxel_size_m_;
-  std::array<std::uint8_t, 256> value_of_code_{};  // VoxelValue of a stored code
   // Box of the voxels that are known, relative to the directory; unbounded where nothing was cut.
   KnownBox known_;
   KernelMap kernel_map_;

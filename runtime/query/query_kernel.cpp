@@ -177,34 +177,19 @@ HWY_INLINE TreeEnd descend(const KernelMap& map, const Int3& voxel, Mask valid) 
   return end;
 }
 
-// Codes to VoxelValues. At two bits they are the same.
-HWY_INLINE VU value_of(const KernelMap& map, VU code) {
-  const U u;
-  if (map.log2_bits == 1) return code;
-  const auto step = [&](VU value, std::uint32_t below, std::uint32_t then) HWY_ATTR {
-    return hn::IfThenElse(hn::Lt(code, hn::Set(u, below)), hn::Set(u, then), value);
-  };
-  VU value = step(hn::Zero(u), map.free_code, 3);
-  value = step(value, map.proximity_code, 2);
-  return step(value, map.surface_code, 1);
-}
-
 // VoxelValue of each voxel; free where `valid` does not hold.
 HWY_INLINE VU look_up(const KernelMap& map, const Int3& voxel, Mask valid) {
   const U u;
   const TreeEnd end = descend(map, voxel, valid);
-  VU code = hn::And(end.entry, hn::Set(u, 0xff));
+  VU value = hn::And(end.entry, hn::Set(u, 0xff));
   if (!hn::AllFalse(u, end.in_brick)) {
-    const int log2_bits = static_cast<int>(map.log2_bits);
-    const VU bit = hn::ShiftLeftSame(slot<0>(voxel), log2_bits);
-    const VU word = gather(
-        map.bricks, hn::Add(hn::ShiftLeftSame(end.entry, 4 + log2_bits), hn::ShiftRight<5>(bit)),
-        end.in_brick);
-    const VU stored = hn::And(hn::Shr(word, hn::And(bit, hn::Set(u, 31))),
-                              hn::Set(u, (1u << (1u << log2_bits)) - 1));
-    code = hn::IfThenElse(end.in_brick, stored, code);
+    const VU bit = hn::ShiftLeft<1>(slot<0>(voxel));
+    const VU word = gather(map.bricks, hn::Add(hn::ShiftLeft<5>(end.entry), hn::ShiftRight<5>(bit)),
+                           end.in_brick);
+    const VU stored = hn::And(hn::Shr(word, hn::And(bit, hn::Set(u, 31))), hn::Set(u, 3));
+    value = hn::IfThenElse(end.in_brick, stored, value);
   }
-  return hn::IfThenElseZero(valid, value_of(map, code));
+  return hn::IfThenElseZero(valid, value);
 }
 
 HWY_INLINE Mask outside_known(const KernelMap& map, const Int3& voxel) {
@@ -349,9 +334,8 @@ HWY_INLINE VF inside_clearance(const KernelMap& map, const VoxelPose& pose,
   const U u;
   const Mask valid = in_directory(map, center.voxel);
   const TreeEnd end = descend(map, center.voxel, valid);
-  const VU code = hn::And(end.entry, hn::Set(u, 0xff));
-  const Mask free =
-      hn::AndNot(end.in_brick, hn::And(valid, hn::Eq(value_of(map, code), hn::Zero(u))));
+  const VU value = hn::And(end.entry, hn::Set(u, 0xff));
+  const Mask free = hn::AndNot(end.in_brick, hn::And(valid, hn::Eq(value, hn::Zero(u))));
   const VI one = hn::Set(i, 1);
   const VI clearance =
       hn::BitCast(i, hn::And(hn::ShiftRight<8>(end.entry), hn::Set(u, kMaxClearance)));
@@ -436,11 +420,10 @@ HWY_EXPORT(CollectBlocks);
 HWY_EXPORT(SurveyDiscs);
 HWY_EXPORT(TargetName);
 
-bool kernel_reaches(std::uint64_t upper_nodes, std::uint64_t lower_nodes, std::uint64_t bricks,
-                    std::uint32_t bits_per_voxel) {
+bool kernel_reaches(std::uint64_t upper_nodes, std::uint64_t lower_nodes, std::uint64_t bricks) {
   constexpr std::uint64_t kLargest = std::uint64_t{1} << 31;  // signed indices
   return upper_nodes * kNodeEntries <= kLargest && lower_nodes * kNodeEntries <= kLargest &&
-         bricks * 16 * bits_per_voxel <= kLargest;
+         bricks * 32 <= kLargest;
 }
 
 void collect_blocks(const KernelMap& map, const KernelShell& shell, const VoxelPose& pose,

@@ -22,9 +22,6 @@ struct KernelMap {
   std::array<std::int32_t, 3> known_min{};  // box of the known voxels, where sides are cropped
   std::array<std::int32_t, 3> known_max{};  // exclusive
   bool cropped = false;
-  std::uint32_t log2_bits = 1;  // of the bits per voxel
-  // Lowest codes of values 2, 3 and 0 at 4 and 8 bits (voxmap_format.md).
-  std::uint32_t surface_code = 0, proximity_code = 0, free_code = 0;
   float voxel_size_m = 0;
 };
 
@@ -51,8 +48,7 @@ struct PointColumns {
 };
 
 // Whether the kernels' 32-bit gathers reach everything in a map of these counts.
-bool kernel_reaches(std::uint64_t upper_nodes, std::uint64_t lower_nodes, std::uint64_t bricks,
-                    std::uint32_t bits_per_voxel);
+bool kernel_reaches(std::uint64_t upper_nodes, std::uint64_t lower_nodes, std::uint64_t bricks);
 
 // Appends the points of `blocks` (ascending block numbers) that lie in values 1, 2 and 3 to `out`,
 // bit for bit as ContactQuery::collect_point() does.

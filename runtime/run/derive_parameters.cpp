@@ -143,7 +143,7 @@ double felt_share(const RunRequest& request) {
   return request.placement.motion_scale * request.placement.motion_scale;
 }
 
-// Of a stiffness in the scene.
+// The bound of a stiffness in the scene.
 Bound stiffness_bound(const RunRequest& request, double dt_s) {
   const DeviceCapabilities& device = request.device;
   Bound bound;
@@ -163,7 +163,7 @@ Bound rotation_bound(const DeviceCapabilities& device, double dt_s) {
   return bound;
 }
 
-// Of a damping at the device, whose handle has this mass or moment.
+// The bound of a damping at the device, whose handle has this mass or moment.
 Bound damping_bound(const DeviceCapabilities& device, double inertia, double dt_s) {
   Bound bound;
   const double lag_s = device.senses_velocity ? 0 : loop::HandleVelocity::kTimeConstantS;
@@ -171,7 +171,7 @@ Bound damping_bound(const DeviceCapabilities& device, double inertia, double dt_
   return bound;
 }
 
-// Of a damping in the scene.
+// The bound of a damping in the scene.
 Bound linear_damping_bound(const RunRequest& request, double dt_s) {
   Bound bound = damping_bound(request.device, request.device.apparent_mass_kg, dt_s);
   bound.value /= felt_share(request);

@@ -9,7 +9,7 @@
 
 namespace forcelayer {
 
-// Of the handle: the wrist of a hand as fast as max_speed_mps.
+// Limit of the handle: the wrist of a hand as fast as max_speed_mps.
 inline double max_turn_radps(const RunRequest& request) {
   return request.max_turn_radps.value_or(kTurnOfSpeedRadPerM * request.max_speed_mps);
 }

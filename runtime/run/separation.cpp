@@ -50,7 +50,7 @@ std::string layers_text(double spent_voxels) {
   return "bake the scene with --layers " + std::to_string(static_cast<int>(layers));
 }
 
-// What would give a guarantee. A smaller covering radius is no help where the deviations alone are
+// Says how to get a guarantee. A smaller covering radius is no help where the deviations alone are
 // too much.
 std::string advice(const VoxmapHeader& voxmap, const PshellHeader& shell, double pose_error_m) {
   constexpr double kBelowRoom = 0.9;  // of what would leave nothing
@@ -72,14 +72,22 @@ std::string advice(const VoxmapHeader& voxmap, const PshellHeader& shell, double
 }  // namespace
 
 SeparationGuarantee separation_guarantee(const VoxmapHeader& voxmap, const PshellHeader& shell,
-                                         double pose_error_m) {
-  if (voxmap.offset_layers < 2) return {};
+                                         double pose_error_m, const DistanceGuard& guard) {
   const double s = voxmap.voxel_size_m;
-  const double layers_m = (voxmap.offset_layers - 1.0) * s;
-  const double spent_m =
-      shell.covering_radius_m + voxmap.static_deviation_m + shell.part_deviation_m + pose_error_m;
-  return {positive(layers_m - spent_m),
-          positive(chord_m(voxmap) - spent_m - arc_deviation_m(s, shell.bounding_radius_m))};
+  const double deviations_m = voxmap.static_deviation_m + shell.part_deviation_m + pose_error_m;
+  const double arc_m = arc_deviation_m(s, shell.bounding_radius_m);
+  double tested_m = 0, swept_m = 0;
+  if (voxmap.offset_layers >= 2) {
+    tested_m = (voxmap.offset_layers - 1.0) * s - shell.covering_radius_m;
+    swept_m = chord_m(voxmap) - arc_m - shell.covering_radius_m;
+  }
+  const double g = guard.distance_m;
+  if (g > 0.25 * s) {
+    const double between_m = std::max(0.0, std::sqrt(g * g - s * s / 16) - arc_m);
+    tested_m = std::max(tested_m, surface_distance_bound_m(guard.shell, g));
+    swept_m = std::max(swept_m, surface_distance_bound_m(guard.shell, between_m));
+  }
+  return {positive(tested_m - deviations_m), positive(swept_m - deviations_m)};
 }
 
 std::string guarantee_text(const SeparationGuarantee& guarantee) {
@@ -88,8 +96,8 @@ std::string guarantee_text(const SeparationGuarantee& guarantee) {
 }
 
 Status require_guarantee(const VoxmapHeader& voxmap, const PshellHeader& shell, double pose_error_m,
-                         const std::string& part) {
-  const SeparationGuarantee guarantee = separation_guarantee(voxmap, shell, pose_error_m);
+                         const DistanceGuard& guard, const std::string& part) {
+  const SeparationGuarantee guarantee = separation_guarantee(voxmap, shell, pose_error_m, guard);
   if (guarantee.tested_m && guarantee.swept_m) return {};
   return Error{ErrorCode::kFilesDoNotMatch, part, "",
                "no separation is guaranteed with this scene (" + guarantee_text(guarantee) + ")",

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "formats/command/arguments.h"
 #include "formats/command/command.h"
 #include "formats/command/output_file.h"
 #include "runtime/viewer/plan/keys.h"

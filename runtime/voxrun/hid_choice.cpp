@@ -2,7 +2,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "formats/command/number_option.h"
+#include "formats/command/arguments.h"
 #include "runtime/devices/hid/hid_device.h"
 
 namespace forcelayer::voxrun {

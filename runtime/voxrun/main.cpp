@@ -7,8 +7,8 @@
 #include <cstdio>
 #include <string_view>
 
+#include "formats/command/arguments.h"
 #include "formats/command/command.h"
-#include "formats/command/number_option.h"
 #include "formats/command/output_file.h"
 #include "runtime/voxrun/doctor.h"
 #include "runtime/voxrun/options.h"

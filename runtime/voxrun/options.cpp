@@ -3,7 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <utility>
 
-#include "formats/command/number_option.h"
+#include "formats/command/arguments.h"
 
 namespace forcelayer::voxrun {
 namespace {
@@ -11,7 +11,7 @@ namespace {
 constexpr command::Bounds kRates{1, 100'000};
 constexpr double kLeast = 1e-3;  // of a speed limit: below it no hand could move
 
-// Of the physical parameters: what no device, part or scene goes beyond.
+// Bounds of the physical parameters, which no device, part or scene goes beyond.
 command::Bounds bounds_of(std::string_view parameter) {
   constexpr std::pair<std::string_view, command::Bounds> kBounds[] = {
       {"mass_kg", {1e-6, 1e3}},

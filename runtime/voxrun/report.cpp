@@ -198,6 +198,35 @@ void add_output(const RunFacts& facts, const loop::LoopStatistics& s, Json& json
 
 }  // namespace
 
+// The least clearance of the run, rounded down; nothing where the scene stores no distances.
+std::string clearance_text(const loop::LoopStatistics& s) {
+  const auto& least = s.least_clearance;
+  if (least.kind == ClearanceKind::kNone) return "";
+  const double mm = std::floor(least.clearance_m * 1e6) / 1e3;
+  std::string line =
+      least.kind == ClearanceKind::kAtLeast
+          ? text("clearance: at least %.3f mm, nothing was nearer\n", mm)
+          : text("least proven clearance %.3f mm at %.3f s, at %.4g, %.4g, %.4g m\n", mm,
+                 least.time_s, least.point_m.x, least.point_m.y, least.point_m.z);
+  if (s.unproven_frames > 0) {
+    line += text("%llu frames of which no clearance is proven\n",
+                 static_cast<unsigned long long>(s.unproven_frames));
+  }
+  return line;
+}
+
+Json clearance_json(const loop::LoopStatistics& s) {
+  const auto& least = s.least_clearance;
+  if (least.kind == ClearanceKind::kNone) return nullptr;
+  Json json = {{"clearance_m", least.clearance_m},
+               {"t_s", least.time_s},
+               {"at_least", least.kind == ClearanceKind::kAtLeast}};
+  if (least.kind == ClearanceKind::kProven) {
+    json["point_m"] = {least.point_m.x, least.point_m.y, least.point_m.z};
+  }
+  return json;
+}
+
 std::string start_text(const Run& run, const RunFacts& facts) {
   const VoxmapHeader& map = run.simulation().voxmap().header();
   const PshellHeader& shell = run.simulation().shell().header();
@@ -242,6 +271,7 @@ std::string end_text(const RunFacts& facts, const loop::LoopStatistics& s) {
                   us(s.wakeup.quantile_ns(0.99)), us(s.wakeup.max_ns()));
     if (s.deadline_misses > 0) lines += misses_text(s);
   }
+  lines += clearance_text(s);
   if (s.outside_map_frames > 0) {
     lines += text("%llu frames beyond a cropped side: no guarantee there\n",
                   static_cast<unsigned long long>(s.outside_map_frames));
@@ -269,6 +299,9 @@ Json report_json(const Run& run, const RunFacts& facts, const loop::LoopStatisti
   json["penetration_ratio"] = number(penetration_ratio(s));
   json["contact_frames"] = s.contact_frames;
   json["guard_cuts"] = s.guard_cuts;
+  json["barred_frames"] = s.barred_frames;
+  json["least_clearance"] = clearance_json(s);
+  json["unproven_frames"] = s.unproven_frames;
   json["outside_map_frames"] = s.outside_map_frames;
   json["saturated_frames"] = s.saturated_frames;
   json["faulty_frames"] = s.faulty_frames;

@@ -4,7 +4,7 @@ include(CMakePackageConfigHelpers)
 # The public headers: runtime/forcelayer, and of formats what those include. No room's header.
 install(DIRECTORY runtime/forcelayer DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
         COMPONENT development FILES_MATCHING PATTERN "*.h")
-foreach(header result.h voxmap.h voxmap_format.h pshell.h pshell_format.h file_format.h
+foreach(header result.h voxmap.h voxmap_format.h pshell.h pshell_format.h surface_distance.h file_format.h
         file/mapped_file.h file/descriptor.h)
   get_filename_component(folder formats/${header} DIRECTORY)
   install(FILES formats/${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/forcelayer/${folder}

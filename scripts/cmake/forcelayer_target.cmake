@@ -17,12 +17,40 @@ target_compile_options(forcelayer_options INTERFACE
   $<$<AND:$<CONFIG:Release>,$<STREQUAL:${CMAKE_SYSTEM_PROCESSOR},x86_64>>:$<BUILD_INTERFACE:-fcf-protection>>)
 include(CheckPIESupported)
 check_pie_supported()
+include(forcelayer_headers)
+if(FORCELAYER_PRECOMPILED_HEADERS)
+  # More of that bug, which gcc 12 silences in headers of the system that are not precompiled.
+  # scripts/package.sh builds with these warnings.
+  target_compile_options(forcelayer_options INTERFACE
+    $<BUILD_INTERFACE:-Wno-array-bounds -Wno-stringop-overflow -Wno-stringop-overread>)
+endif()
+# What runs once, as often as a device reports, or calls others to do the work is small rather than fast.
+# Under sanitizers it is quick to compile: -O0 takes three fifths of the time of -O1.
+set(forcelayer_small $<$<CONFIG:Release>:-Os>)
+if(CMAKE_CXX_FLAGS MATCHES "-fsanitize" AND NOT FORCELAYER_FUZZERS)
+  set(forcelayer_small -O0)
+endif()
+forcelayer_headers(library LIBRARY)
+forcelayer_headers(small_library LIBRARY OPTIONS ${forcelayer_small})
+forcelayer_headers(command OPTIONS ${forcelayer_small})
 
-# forcelayer_library(NAME SOURCES ... [PUBLIC libs] [PRIVATE libs] [INSTALL])
-# makes the static library forcelayer_NAME with the alias forcelayer::NAME.
+# forcelayer_library(NAME SOURCES ... [SMALL ...] [PUBLIC libs] [PRIVATE libs] [HEADERS ...] [INSTALL])
+# makes the static library forcelayer_NAME with the alias forcelayer::NAME. SOURCES are compiled for
+# speed, SMALL for size. HEADERS are precompiled for SOURCES beside the standard ones.
 function(forcelayer_library name)
-  cmake_parse_arguments(ARG "INSTALL" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
-  add_library(forcelayer_${name} STATIC ${ARG_SOURCES})
+  cmake_parse_arguments(ARG "INSTALL" "" "SOURCES;SMALL;PUBLIC;PRIVATE;HEADERS" ${ARGN})
+  list(TRANSFORM ARG_SMALL PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/ REGEX "^[^/]")
+  list(REMOVE_ITEM ARG_SOURCES ${ARG_SMALL})
+  if(ARG_SOURCES AND ARG_SMALL)
+    add_library(forcelayer_${name}_small OBJECT ${ARG_SMALL})
+    target_include_directories(forcelayer_${name}_small PRIVATE ${PROJECT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/runtime)
+    target_link_libraries(forcelayer_${name}_small PRIVATE forcelayer_options ${ARG_PUBLIC} ${ARG_PRIVATE})
+    target_compile_options(forcelayer_${name}_small PRIVATE ${forcelayer_small})
+    forcelayer_use_headers(forcelayer_${name}_small small_library)
+    list(APPEND ARG_SOURCES $<TARGET_OBJECTS:forcelayer_${name}_small>)
+    set(ARG_SMALL)
+  endif()
+  add_library(forcelayer_${name} STATIC ${ARG_SOURCES} ${ARG_SMALL})
   add_library(forcelayer::${name} ALIAS forcelayer_${name})
   set_target_properties(forcelayer_${name} PROPERTIES EXPORT_NAME ${name})
   target_include_directories(forcelayer_${name} PUBLIC
@@ -33,6 +61,14 @@ function(forcelayer_library name)
   target_compile_features(forcelayer_${name} PUBLIC cxx_std_20)
   target_link_libraries(forcelayer_${name} PUBLIC ${ARG_PUBLIC}
                         PRIVATE $<BUILD_INTERFACE:forcelayer_options> ${ARG_PRIVATE})
+  if(ARG_SMALL)
+    target_compile_options(forcelayer_${name} PRIVATE ${forcelayer_small})
+    forcelayer_use_headers(forcelayer_${name} small_library)
+  elseif(ARG_HEADERS)
+    forcelayer_own_headers(forcelayer_${name} ${ARG_HEADERS})
+  else()
+    forcelayer_use_headers(forcelayer_${name} library)
+  endif()
   if(ARG_INSTALL)
     install(TARGETS forcelayer_${name} EXPORT forcelayer COMPONENT development)
   endif()
@@ -46,6 +82,8 @@ function(forcelayer_command name)
   cmake_parse_arguments(ARG "INTERNAL" "COMPONENT" "SOURCES;LIBRARIES" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE forcelayer_options ${ARG_LIBRARIES})
+  target_compile_options(${name} PRIVATE ${forcelayer_small})  # the command's own code runs once
+  forcelayer_use_headers(${name} command)
   target_link_options(${name} PRIVATE $<$<CONFIG:Release>:LINKER:-z,relro,-z,now>)
   install(TARGETS ${name} COMPONENT ${ARG_COMPONENT})
   if(HELP2MAN AND FORCELAYER_MAN_PAGES AND NOT ARG_INTERNAL)

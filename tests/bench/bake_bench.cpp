@@ -50,18 +50,16 @@ constexpr Model kModels[] = {{"bunny", "scan/stanford-bunny.obj", "m"},
                              {"counter", "cad/counter.unitsmm.stl", "mm"},
                              {"engine", "cad/2CylinderEngine.glb", ""}};
 
-// What a bake can store; the usual one first.
+// The kinds of maps that a bake can write; the cheapest first, the default last.
 struct Kind {
   const char* name;
   Metric metric;
-  std::uint32_t bits;
+  bool distances;
 };
-constexpr Kind kKinds[] = {{"two bits", Metric::kChebyshev, 2},
-                           {"two bits, euclidean", Metric::kEuclidean, 2},
-                           {"4 bits", Metric::kEuclidean, 4},
-                           {"8 bits", Metric::kEuclidean, 8}};
-// The stored distances lie between these, voxels from the mesh, outside and inside: what the 8 bits
-// of the default range tell apart, rounded up.
+constexpr Kind kKinds[] = {{"lean, chebyshev", Metric::kChebyshev, false},
+                           {"lean", Metric::kEuclidean, false},
+                           {"full", Metric::kEuclidean, true}};
+// The stored distances lie between these, voxels from the mesh, outside and inside, rounded up.
 constexpr int kExteriorBand = 6, kInteriorBand = 2;
 
 struct Best {
@@ -197,7 +195,7 @@ class Case {
     voxelize::BakeOptions options;
     options.voxel_size_m = voxel_size_m_;
     options.metric = kind.metric;
-    options.bits = kind.bits;
+    options.distances = kind.distances;
     return options;
   }
 
@@ -230,10 +228,9 @@ class Case {
                                         number(voxel_size_m_) + "m",
                                         "--units",
                                         peer_units_,
-                                        "--bits",
-                                        std::to_string(kind.bits),
                                         "--metric",
                                         metric_name(kind.metric)};
+    if (!kind.distances && kind.metric == Metric::kEuclidean) command.push_back("--lean");
     const ProcessRun run = run_process(command);
     best.add(run.wall_s, run.cpu_s);
     return run.peak_rss_bytes;

@@ -204,7 +204,7 @@ def force_cost(rows, machine):
         fields = [("tangent plane", "2", r, "tangent_plane_ns_per_band_point", None),
                   ("level field", "2", r, "level_ns_per_band_point", "level_every_brick_new_ns_per_band_point")]
         for d in r.get("distances", ()):
-            bits = str(d["bits"])
+            bits = str(d.get("bits", 8))
             fields += [("stored distance", bits, d, "distance_ns_per_band_point",
                         "distance_every_brick_new_ns_per_band_point"),
                        ("nearest stored distance", bits, d, "nearest_ns_per_band_point", None)]

@@ -50,8 +50,10 @@ T value_of(Result<T> result) {
 
 // pointshell's points about the part's own origin.
 AnalyticShell baked_shell(Part part, const Making& making, double radius_voxels) {
-  const mesh::Assembly assembly{
-      {part_mesh(part, kDeviationVoxels * kS)}, {{0, "part", {}}}, 1, 0, {}, {}, {}};
+  mesh::Assembly assembly;
+  assembly.meshes = {part_mesh(part, kDeviationVoxels * kS)};
+  assembly.instances = {{0, "part", {}}};
+  assembly.meters_per_unit = 1;
   const part::PartInput input{&assembly, 1};
   pointshell::ShellOptions options;
   options.voxel_size_m = kS;

@@ -108,8 +108,7 @@ Json judge_all(const Choice& choice, double s_units, double cover, int orientati
     for (int i = 0; i < orientations; ++i) {
       // The same contact in maps of every kind.
       const std::mt19937_64 same = random;
-      for (const VoxelKind kind : {VoxelKind::kChebyshev, VoxelKind::kEuclidean,
-                                   VoxelKind::kDistance4, VoxelKind::kDistance8}) {
+      for (const VoxelKind kind : {VoxelKind::kChebyshev, VoxelKind::kLean, VoxelKind::kFull}) {
         random = same;
         const ContactCase contact(combination, shells[combination.part], s, random, kind);
         for (const Method method : kMethods) {
@@ -186,7 +185,7 @@ Json measure_distance_cost(VoxelKind kind, const AnalyticStatic& plane, double s
   samples.reserve(points.count + level_points.count);
   const double count = points.count, level_count = level_points.count;
   const field::DistanceField distance(voxmap);
-  const field::TangentPlaneField nearest(voxmap);
+  const field::TangentPlaneField nearest(s);
   double distance_ns = 1e300, nearest_ns = 1e300, level_ns = 1e300, query_ns = 1e300;
   for (int turn = 0; turn < 20; ++turn) {
     constexpr double kTurnS = 0.05;
@@ -204,12 +203,11 @@ Json measure_distance_cost(VoxelKind kind, const AnalyticStatic& plane, double s
     cold_ns = std::min(cold_ns, least_ns(0, 1, [&] { fresh.measure(points, samples); }));
   }
   std::printf(
-      "  %u bits: %u points collected; per point distance %.2f ns (every brick new: %.1f), nearest "
+      "  %u points collected; per point distance %.2f ns (every brick new: %.1f), nearest "
       "and tangent plane %.2f ns, level beside it %.2f ns; query %.1f us\n",
-      scene.wide.bits, points.count, distance_ns / count, cold_ns / count, nearest_ns / count,
+      points.count, distance_ns / count, cold_ns / count, nearest_ns / count,
       level_ns / level_count, query_ns / 1000);
-  return {{"bits", scene.wide.bits},
-          {"collected_points", points.count},
+  return {{"collected_points", points.count},
           {"distance_ns_per_point", distance_ns / count},
           {"distance_every_brick_new_ns_per_point", cold_ns / count},
           {"nearest_ns_per_point", nearest_ns / count},
@@ -245,7 +243,7 @@ Json measure_cost(const char* name, const AnalyticShell& shell, double height_m)
   samples.reserve(points.count);
   const double count = points.count;
   const field::LevelField level(voxmap);
-  const field::TangentPlaneField tangent_plane(voxmap);
+  const field::TangentPlaneField tangent_plane(s);
   // In turns, so that all meet the machine in the same states.
   double level_ns = 1e300, tangent_ns = 1e300, query_ns = 1e300;
   for (int turn = 0; turn < 20; ++turn) {
@@ -267,18 +265,16 @@ Json measure_cost(const char* name, const AnalyticShell& shell, double height_m)
       "%.1f), tangent plane %.2f ns; query %.1f us; frame, level over tangent plane: %.3f\n",
       name, points.count, shell.points_m.size(), level_ns / count, cold_ns / count,
       tangent_ns / count, query_ns / 1000, ratio);
-  return {
-      {"part", name},
-      {"shell_points", shell.points_m.size()},
-      {"collected_points", points.count},
-      {"level_ns_per_point", level_ns / count},
-      {"level_every_brick_new_ns_per_point", cold_ns / count},
-      {"tangent_plane_ns_per_point", tangent_ns / count},
-      {"query_ns", query_ns},
-      {"frame_level_over_tangent_plane", ratio},
-      {"distances",
-       {measure_distance_cost(VoxelKind::kDistance8, plane, s, pshell, height_m, level, points),
-        measure_distance_cost(VoxelKind::kDistance4, plane, s, pshell, height_m, level, points)}}};
+  return {{"part", name},
+          {"shell_points", shell.points_m.size()},
+          {"collected_points", points.count},
+          {"level_ns_per_point", level_ns / count},
+          {"level_every_brick_new_ns_per_point", cold_ns / count},
+          {"tangent_plane_ns_per_point", tangent_ns / count},
+          {"query_ns", query_ns},
+          {"frame_level_over_tangent_plane", ratio},
+          {"distances",
+           {measure_distance_cost(VoxelKind::kFull, plane, s, pshell, height_m, level, points)}}};
 }
 
 // Finer voxels mean more points, which average over the lattice as more orientations do.

@@ -124,10 +124,6 @@ const char* name_of(Method method) {
       return "2-bit Euclidean, level";
     case Method::kEuclideanContacts:
       return "2-bit Euclidean, default's";
-    case Method::kDistance4:
-      return "4-bit distance";
-    case Method::kNearest8:
-      return "8-bit nearest, tangent pl.";
     case Method::kNormal8:
       return "8-bit trilinear, normal";
     case Method::kCellSlope8:
@@ -142,14 +138,11 @@ VoxelKind kind_of(Method method) {
   switch (method) {
     case Method::kEuclideanLevel:
     case Method::kEuclideanContacts:
-      return VoxelKind::kEuclidean;
-    case Method::kDistance4:
-      return VoxelKind::kDistance4;
-    case Method::kNearest8:
+      return VoxelKind::kLean;
     case Method::kNormal8:
     case Method::kCellSlope8:
     case Method::kDistance8:
-      return VoxelKind::kDistance8;
+      return VoxelKind::kFull;
     default:
       return VoxelKind::kChebyshev;
   }
@@ -290,11 +283,10 @@ void ContactCase::bake_around() {
       bake(kind_, surface, s_, kLayers, low - 2 * s_, high + 2 * s_));
   voxmap_ = std::make_unique<Voxmap>(test::make_voxmap(*scene_));
   dense_ = std::make_unique<DenseFields>(body_, *scene_);
-  if (scene_->wide.bits == 2) {
+  if (!scene_->has_distances()) {
     field_ = std::make_unique<field::LevelField>(*voxmap_);
   } else {
     field_ = std::make_unique<field::DistanceField>(*voxmap_);
-    nearest_ = std::make_unique<field::TangentPlaneField>(*voxmap_);
   }
 }
 
@@ -410,14 +402,11 @@ Wrench ContactCase::force(Method method, const Placed& placed) const {
   switch (method) {
     case Method::kLevel:
     case Method::kEuclideanLevel:
-    case Method::kDistance4:
     case Method::kDistance8:
       return field_force(*field_, placed, false);
     case Method::kContacts:
     case Method::kEuclideanContacts:
       return field_force(*field_, placed, true);
-    case Method::kNearest8:
-      return field_force(*nearest_, placed, false);
     default:
       break;
   }
@@ -438,10 +427,12 @@ Wrench ContactCase::force(Method method, const Placed& placed) const {
     return sum(placed, [&](const glm::dvec3& x, const glm::dvec3& n, double weight) {
       const auto at = [&](const glm::ivec3& v) { return double(scene_->code_at({v.x, v.y, v.z})); };
       const Reading read = trilinear(x / s_, at);
-      const double codes = scene_->wide.zero_code - read.phi;
+      const double zero =
+          scene_->distances.zero_code - 0.5 + scene_->zero_force_m() / scene_->distances.quantum_m;
+      const double codes = zero - read.phi;
       if (!(codes > 0)) return glm::dvec3(0);
       const glm::dvec3 along = method == Method::kNormal8 ? n : glm::normalize(read.slope);
-      return weight * codes * scene_->wide.quantum_m * along;
+      return weight * codes * scene_->distances.quantum_m * along;
     });
   }
   int intersections = 0;

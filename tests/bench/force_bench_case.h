@@ -45,11 +45,9 @@ enum class Method {
   // In maps of other kinds.
   kEuclideanLevel,     // the level field in Euclidean layers
   kEuclideanContacts,  // ... with averaged directions
-  kDistance4,          // runtime/field/distance_field.h at 4 bits
-  kNearest8,           // nearest voxel of 8 bits and tangent plane
-  kNormal8,            // trilinear depth of 8 bits, along the part's normal
+  kNormal8,            // trilinear depth by stored distances, along the part's normal
   kCellSlope8,         // the same along the slope of that interpolation, which jumps between cells
-  kDistance8,          // runtime/field/distance_field.h at 8 bits
+  kDistance8,          // runtime/field/distance_field.h
 };
 VoxelKind kind_of(Method method);
 inline constexpr Method kMethods[] = {Method::kTangentPlane,      Method::kTangentPlaneAveraged,
@@ -57,8 +55,7 @@ inline constexpr Method kMethods[] = {Method::kTangentPlane,      Method::kTange
                                       Method::kSlopeOnly,         Method::kLevel,
                                       Method::kContacts,          Method::kDistance,
                                       Method::kStandoff,          Method::kEuclideanLevel,
-                                      Method::kEuclideanContacts, Method::kDistance4,
-                                      Method::kNearest8,          Method::kNormal8,
+                                      Method::kEuclideanContacts, Method::kNormal8,
                                       Method::kCellSlope8,        Method::kDistance8};
 const char* name_of(Method method);
 
@@ -132,7 +129,7 @@ class ContactCase {
   std::unique_ptr<test::VoxelScene> scene_;
   std::unique_ptr<Voxmap> voxmap_;
   std::unique_ptr<DenseFields> dense_;
-  std::unique_ptr<field::ForceField> field_, nearest_;
+  std::unique_ptr<field::ForceField> field_;
   std::vector<TruthTable> truth_;  // [depth]; areas over the mean: points
 };
 

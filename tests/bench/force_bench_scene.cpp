@@ -128,8 +128,8 @@ double interior_radius_voxels(int layers) { return layers - 1 + 888.0 / 1024; }
 
 double zero_force_voxels(VoxelKind kind, int layers, const glm::dvec3& n) {
   if (kind == VoxelKind::kChebyshev) return layers * norm1(n);
-  if (kind == VoxelKind::kEuclidean) return interior_radius_voxels(layers) + std::sqrt(3.0) / 2;
-  return test::DistanceDefinition(static_cast<std::uint32_t>(layers), 8, 4).zero;
+  if (kind == VoxelKind::kLean) return interior_radius_voxels(layers) + std::sqrt(3.0) / 2;
+  return test::DistanceDefinition(static_cast<std::uint32_t>(layers)).zero_force;
 }
 
 namespace {
@@ -169,14 +169,13 @@ test::VoxelScene bake_euclidean(const AnalyticStatic& body, double s, int layers
 test::VoxelScene bake(VoxelKind kind, const AnalyticStatic& body, double s, int layers,
                       const glm::dvec3& low, const glm::dvec3& high) {
   if (kind == VoxelKind::kChebyshev) return bake(body, s, layers, low, high);
-  if (kind == VoxelKind::kEuclidean) return bake_euclidean(body, s, layers, low, high);
+  if (kind == VoxelKind::kLean) return bake_euclidean(body, s, layers, low, high);
   test::Voxel min{}, dims{};
   box_around(low, high, s, layers + 5, min, dims);
   const auto k = static_cast<std::uint32_t>(layers);
-  const bool eight = kind == VoxelKind::kDistance8;
   return test::distance_scene(
       s, min, dims, [&](const glm::dvec3& p) { return body.distance_m(p); }, k,
-      test::DistanceDefinition(k, eight ? 8 : 4, eight ? 4 : 2));
+      test::DistanceDefinition(k));
 }
 
 test::VoxelScene bake(const AnalyticStatic& body, double s, int layers, const glm::dvec3& low,

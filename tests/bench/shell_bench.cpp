@@ -224,7 +224,10 @@ class MeshCase {
 // A shape's shell against its closed form. Points within a covering radius of an edge or tip are
 // judged apart: there a normal between those of the two faces is what the rule asks for.
 Json shape_row(const AnalyticShape& shape, int voxels, ShellMethod method) {
-  const mesh::Assembly assembly{{shape.mesh}, {{0, shape.name, {}}}, 1, 0, {}, {}, {}};
+  mesh::Assembly assembly;
+  assembly.meshes = {shape.mesh};
+  assembly.instances = {{0, shape.name, {}}};
+  assembly.meters_per_unit = 1;
   const part::PartInput input{&assembly, 1};
   const part::Part part = value_of(part::assemble_part({&input, 1}));
   pointshell::ShellOptions options;

@@ -412,17 +412,17 @@ def summary():
 
         def said(method):
             return f"{percent(of[method]['force_error'])} in {digits(of[method]['frame_p50_us'])} us"
-        return [f"{label}, {of['default']['cases']} cases", f"{said('default')}; `--bits 8`: {said('default, 8 bits')}",
+        return [f"{label}, {of['default']['cases']} cases", f"{said('default, 8 bits')}; `--metric chebyshev`: {said('default')}",
                 f"trilinear level set {said('shell in a trilinear level set')}; FCL {said('FCL mesh contacts')}", "wrench"]
     lines = [
         ["contact query, 10^6 points against a wall", f"{digits(ours)} us",
          f"OpenVDB `ValueAccessor` {digits(vdb)} us; FCL {digits(fcl)} us", "query"],
         ["contact query, 10^6 points all in contact", f"{digits(every)} us", "a frame: 1,000 us", "query"],
-        ["bake of the engine, 1024 voxels across, whole command", f"{digits(engine['command_s'])} s",
+        ["bake of the engine, `--metric chebyshev`, 1024 voxels across, whole command", f"{digits(engine['command_s'])} s",
          f"`vdb_tool -mesh2ls` {digits(engine['vdb_tool_s'])} s", "bake"],
-        [f"bake of {most['triangles'] / 1e6:g} million triangles, {most['voxels']:,} voxels across",
+        [f"bake of {most['triangles'] / 1e6:g} million triangles, `--metric chebyshev`, {most['voxels']:,} voxels across",
          f"{digits(most['wall_s'])} s, {digits(most['peak_bytes'] / 1e6)} MB", "", "growth"],
-        ["bake of the paper's 593,409 polygons at 5 mm", f"{digits(paper_bake['paper_model'])} s, "
+        ["bake of the paper's 593,409 polygons at 5 mm, `--metric chebyshev`", f"{digits(paper_bake['paper_model'])} s, "
          f"{digits(files['paper_model'] / 1e6)} MB", f"1999: {paper_bake['in_1999']} s, {files['in_1999'] / 1e6:g} MB", "paper"],
         wrench_row("flush and smooth", "force error, smooth contacts, 5 mm"),
         wrench_row("mesh pairs", "force error, pairs of meshes, 5 mm"),

@@ -147,9 +147,8 @@ struct KindRun {
   Method judged_as;
 };
 constexpr KindRun kKinds[] = {
-    {"default, Euclidean layers", VoxelKind::kEuclidean, Method::kEuclideanContacts},
-    {"default, 4 bits", VoxelKind::kDistance4, Method::kDistance4},
-    {"default, 8 bits", VoxelKind::kDistance8, Method::kDistance8}};
+    {"default, Euclidean layers", VoxelKind::kLean, Method::kEuclideanContacts},
+    {"default, distances", VoxelKind::kFull, Method::kDistance8}};
 
 std::unique_ptr<field::ForceField> usual_field(const Voxmap& voxmap) {
   auto field =
@@ -274,8 +273,7 @@ Json bill_of(const std::vector<MeshPair>& pairs, double s) {
   Json bill;
   for (const MeshPair& pair : pairs) {
     double two_bits_s = 0;
-    for (const VoxelKind kind : {VoxelKind::kChebyshev, VoxelKind::kEuclidean,
-                                 VoxelKind::kDistance4, VoxelKind::kDistance8}) {
+    for (const VoxelKind kind : {VoxelKind::kChebyshev, VoxelKind::kLean, VoxelKind::kFull}) {
       const test::ScratchFolder folder;
       double least_s = 1e300;
       for (int turn = 0; turn < 3; ++turn) {

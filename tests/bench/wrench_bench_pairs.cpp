@@ -62,7 +62,10 @@ mesh::Mesh of_size(mesh::Mesh mesh, double longest_m) {
 }
 
 forcelayer::part::Part soup_of(const mesh::Mesh& mesh) {
-  const mesh::Assembly assembly{{mesh}, {{0, "scene", {}}}, 1, 0, {}, {}, {}};
+  mesh::Assembly assembly;
+  assembly.meshes = {mesh};
+  assembly.instances = {{0, "scene", {}}};
+  assembly.meters_per_unit = 1;
   const part::PartInput input{&assembly, 1};
   return value_of(part::assemble_part({&input, 1}));
 }

@@ -35,12 +35,13 @@ refuse "pointshell sees voxelize or runtime" '#include *[<"](voxelize|runtime)/'
 rooms='
 formats:
 formats/lattice:
+formats/audit:          formats
 formats/command:        formats
 runtime/forcelayer:     formats
 runtime/machine:        formats
 voxelize/masks:         formats/lattice
 formats/mesh:           formats formats/command
-formats/voxinfo:        formats formats/command
+formats/voxinfo:        formats formats/audit formats/command
 runtime/coupling:       runtime/forcelayer
 runtime/examples:       runtime/forcelayer
 runtime/query:          formats runtime/forcelayer runtime/machine
@@ -51,9 +52,9 @@ formats/mesh/readers:   formats formats/mesh formats/mesh/step
 pointshell/part:        formats formats/mesh
 runtime/field:          formats runtime/forcelayer runtime/query
 voxelize/scan:          formats formats/lattice formats/mesh voxelize/masks
-pointshell/certificate: pointshell/part
+pointshell/certificate: formats pointshell/part
 runtime/model:          formats runtime/coupling runtime/field runtime/forcelayer runtime/machine runtime/query
-voxelize/distance:      formats/lattice voxelize/masks voxelize/scan
+voxelize/distance:      formats formats/lattice voxelize/masks voxelize/scan
 pointshell/sample:      formats formats/lattice pointshell/certificate pointshell/part
 runtime/devices:        formats runtime/coupling runtime/forcelayer runtime/model
 voxelize/cache:         formats formats/lattice formats/mesh voxelize/distance voxelize/fill voxelize/masks

@@ -40,7 +40,7 @@ status=0
 # A free port, taken and given back.
 port=$(python3 -c 'import socket; s = socket.socket(socket.AF_INET, socket.SOCK_DGRAM); s.bind(("127.0.0.1", 0)); print(s.getsockname()[1])')
 "$bin/example_pose_receiver" "$port" 3 >poses.txt &
-"$bin/voxrun" floor.vox ball.pshell --start 0.1,0.1,0.2 --duration 2s --udp "$port" --quiet
+"$bin/voxrun" floor.vox ball.pshell --start 0.1m,0.1m,0.2m --duration 2s --udp "$port" --quiet
 wait $!
 [ "$(grep -c 'part   0.1000   0.1000   0.2000 m' poses.txt)" -ge 10 ] || fail "$(cat poses.txt)"
 
@@ -48,7 +48,7 @@ wait $!
 cc -std=c11 -shared -fPIC -I "$FORCELAYER_SOURCE_DIR/runtime" \
   "$FORCELAYER_SOURCE_DIR/runtime/examples/spring_plugin.c" -o spring_plugin.so -lm
 "$bin/voxrun" floor.vox ball.pshell --device plugin --plugin ./spring_plugin.so --quiet \
-  --plugin-args depth=0.01 --world-from-device 0.1,0.1,0.1 --duration 200ms --stale-limit 50ms ||
+  --plugin-args depth=0.01 --world-from-device 0.1m,0.1m,0.1m --duration 200ms --stale-limit 50ms ||
   fail "the plugin"
 status=0
 "$bin/voxrun" floor.vox ball.pshell --device plugin --plugin ./spring_plugin.so --quiet \

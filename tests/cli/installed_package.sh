@@ -17,15 +17,15 @@ cmake -S "$FORCELAYER_SOURCE_DIR/tests/consumer" -B "$scratch/build" -G Ninja \
 cmake --build "$scratch/build"
 
 golden=$FORCELAYER_SOURCE_DIR/tests/golden
-"$scratch/build/consumer" "$golden/v1.vox" "$golden/v1.pshell" >"$scratch/consumer.txt" 2>&1 && said=0 || said=$?
+"$scratch/build/consumer" "$golden/v2.vox" "$golden/v2.pshell" >"$scratch/consumer.txt" 2>&1 && said=0 || said=$?
 cat "$scratch/consumer.txt"
 [ "$said" -eq 0 ] && grep -q 'model default, 10 frames' "$scratch/consumer.txt" || { echo FAILED >&2; exit 1; }
-"$scratch/build/consumer_c" "$golden/v1.vox" "$golden/v1.pshell"
+"$scratch/build/consumer_c" "$golden/v2.vox" "$golden/v2.pshell"
 
 # Public headers alone: those of runtime/forcelayer, and the ones of formats that they include.
 headers=$(cd "$scratch/prefix/include" && find . -name '*.h' | sort)
 expected=$(cd "$FORCELAYER_SOURCE_DIR/runtime" && find ./forcelayer -name '*.h'
-  cd ../formats && printf './forcelayer/formats/%s\n' {result,voxmap,voxmap_format,pshell,pshell_format,file_format}.h \
+  cd ../formats && printf './forcelayer/formats/%s\n' {result,voxmap,voxmap_format,pshell,pshell_format,surface_distance,file_format}.h \
     file/{mapped_file,descriptor}.h)
 if ! diff <(echo "$headers") <(sort <<<"$expected"); then
   echo "FAILED: other headers are installed than the public ones" >&2

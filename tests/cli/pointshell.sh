@@ -65,7 +65,7 @@ expect 1 "verify of a missing shell" verify "$work/none.pshell" "$work/box.obj" 
 for method in surface voxel-centers; do
   part=$work/$method.pshell
   expect 0 "bake $method" "${box[@]}" -o "$part" --voxel-size 1mm --method $method --json "$work/$method.json"
-  for key in points method covering_radius_m area_m2 voxel_size_m seconds total peak_rss_bytes; do
+  for key in points method covering_radius_m convex_radius_m convex_gap_m losses area_m2 voxel_size_m seconds total peak_rss_bytes; do
     grep -q "\"$key\"" "$work/$method.json" || fail "report of $method has no $key"
   done
   expect 0 "verify $method" verify "$part" "${box[@]}" --json "$work/verify.json"

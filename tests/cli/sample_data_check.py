@@ -43,22 +43,22 @@ def read_ply(path):
 
 
 def read_glb(path):
-    """Triangles of every instance, placed in the scene, by node name."""
+    """Name and triangles of every instance, placed in the scene."""
     data = path.read_bytes()
     magic, version, length = struct.unpack_from("<4sII", data, 0)
     assert (magic, version, length) == (b"glTF", 2, len(data)), path
     text_bytes = struct.unpack_from("<I", data, 12)[0]
     gltf = json.loads(data[20:20 + text_bytes])
     binary = data[28 + text_bytes:]
-    solids = {}
+    solids = []
 
     def visit(index, place):
         node = gltf["nodes"][index]
         here = (lambda p: place(placed(node, p)))
         if "mesh" in node:
             mesh = gltf["meshes"][node["mesh"]]
-            solids[node["name"]] = [tuple(here(p) for p in t)
-                                    for t in mesh_triangles(gltf, binary, mesh)]
+            solids.append((node["name"], [tuple(here(p) for p in t)
+                                          for t in mesh_triangles(gltf, binary, mesh)]))
         for child in node.get("children", []):
             visit(child, here)
 
@@ -139,17 +139,18 @@ def main():
     folder = pathlib.Path(sys.argv[1])
     checked = 0
     for path in sorted(folder.iterdir()):
-        solids, unit_mm = {}, 1
+        solids, unit_mm = [], 1
         if path.suffix == ".glb":
             solids, unit_mm = read_glb(path), 1000
         elif path.suffix in READERS:
-            solids = {path.name: READERS[path.suffix](path)}
-        for name, triangles in solids.items():
+            solids = [(path.name, READERS[path.suffix](path))]
+        for name, triangles in solids:
             for group in components(triangles):
                 check(name, group, unit_mm)
                 checked += 1
-    # 7 wires, 3 frames, 2 beams, 6 posts, 12 brackets and the 6 other files.
-    assert checked == 36, f"{checked} solids"
+    # 7 wires, 3 frames, 2 beams, 6 posts, 12 brackets and the 6 other files; a housing, its cover, 4
+    # bolts, a pin and 2 halves of a clip.
+    assert checked == 45, f"{checked} solids"
 
 
 if __name__ == "__main__":

@@ -39,7 +39,7 @@ EOF
 printf 'solid nothing\nendsolid nothing\n' >empty.stl
 
 # What works.
-"$bin/voxelize" cube.obj --units cm --voxel-size 1mm -o scene.vox --json report.json >out 2>err || fail "cube: $(cat err)"
+"$bin/voxelize" cube.obj --units cm --voxel-size 1mm --metric chebyshev -o scene.vox --json report.json >out 2>err || fail "cube: $(cat err)"
 [ -s err ] && fail "noise on stderr in a pipe: $(cat err)"
 "$bin/voxinfo" verify scene.vox >out || fail "the scene is not valid"
 python3 - report.json <<'EOF' || fail "report"
@@ -60,39 +60,36 @@ printf '0.005 0.005 0.005\n-0.0025 0.005 0.005\n-0.0015 0.005 0.005\n-0.0035 0.0
   "$bin/voxinfo" sample scene.vox >out || fail "sample"
 [ "$(tr '\n' ' ' <out)" = "1 3 2 0 " ] || fail "wrong values along x: $(cat out)"
 
-"$bin/voxelize" cube.obj --units cm --voxel-size 1mm -o kept.vox --quiet --threads 3 >out 2>err || fail "quiet run"
+"$bin/voxelize" cube.obj --units cm --voxel-size 1mm --metric chebyshev -o kept.vox --quiet --threads 3 >out 2>err || fail "quiet run"
 [ -s out ] || [ -s err ] && fail "--quiet prints"
 cmp -s scene.vox kept.vox || fail "another number of threads gives other bytes"
 
 # A free seed opens the cube.
 "$bin/voxelize" cube.obj --units cm --voxel-size 1mm -o scene.vox --quiet --free-seed 5mm,5mm,5mm || fail "free seed"
 echo '0.005 0.005 0.005' | "$bin/voxinfo" sample scene.vox >out
-[ "$(cat out)" = 0 ] || fail "the free seed opened nothing"
+[ "$(cut -f1 out)" = 0 ] || fail "the free seed opened nothing"
 
-# The other kinds of voxels: with Euclidean layers the interior is what has its center less than 1.867
-# voxels from the cube, 14^3 voxels but for the rows along its twelve edges; and distances count from
-# 2.867 voxels off.
-"$bin/voxelize" cube.obj --units cm --voxel-size 1mm -o scene.vox --quiet --metric euclidean --json report.json || fail "euclidean"
-"$bin/voxinfo" verify scene.vox --quiet || fail "the Euclidean scene is not valid"
-python3 - report.json <<'EOF' || fail "euclidean report"
+# By default layers are Euclidean: the interior is what has its center less than 1.867 voxels from the
+# cube, 14^3 voxels but for the rows along its twelve edges; and distances are stored, from the mesh.
+for kind in "" --lean; do
+  "$bin/voxelize" cube.obj --units cm --voxel-size 1mm -o scene.vox --quiet $kind --json report.json || fail "bake $kind"
+  "$bin/voxinfo" verify scene.vox --quiet || fail "the scene $kind is not valid"
+  python3 - report.json "$kind" <<'EOF' || fail "report $kind"
 import json, sys
 r = json.load(open(sys.argv[1]))
-assert r["metric"] == "euclidean" and r["bits_per_voxel"] == 2 and r["layers"] == 2, r
+assert r["metric"] == "euclidean" and r["distances"] == (sys.argv[2] == "") and r["layers"] == 2, r
 assert r["counts"]["interior"] == 14**3 - (12 * 14 - 2 * 8), r
 EOF
-for bits in 4 8; do
-  "$bin/voxelize" cube.obj --units cm --voxel-size 1mm -o scene.vox --quiet --bits $bits || fail "$bits bits"
-  "$bin/voxinfo" verify scene.vox --quiet || fail "the scene of $bits bits is not valid"
   "$bin/voxinfo" scene.vox --json report.json >out
-  grep -q 'zero force        2.867 mm' out || fail "facts of $bits bits: $(cat out)"
-  grep -q "\"bits_per_voxel\": $bits" report.json || fail "bits of $bits"
-  printf '0.005 0.005 0.005\n-0.0015 0.005 0.005\n-0.0035 0.005 0.005\n-0.0045 0.005 0.005\n-0.0075 0.005 0.005\n' |
+  grep -q 'force             from 2.867 mm' out || fail "facts $kind: $(cat out)"
+  grep -q "distances         $([ -n "$kind" ] && echo none || echo from)" out || fail "distances $kind: $(cat out)"
+  printf '0.005 0.005 0.005\n-0.0015 0.005 0.005\n-0.0025 0.005 0.005\n-0.0035 0.005 0.005\n-0.0045 0.005 0.005\n' |
     "$bin/voxinfo" sample scene.vox >out || fail "sample"
-  [ "$(tr '\n' ' ' <out)" = "1 1 2 3 0 " ] || fail "wrong values along x at $bits bits: $(cat out)"
+  [ "$(cut -f1 out | tr '\n' ' ')" = "1 1 2 3 0 " ] || fail "wrong values along x $kind: $(cat out)"
 done
 
 # A soft covering: the zero force lies its depth above the interior, and the file has its table.
-"$bin/voxelize" cube.obj --units cm --voxel-size 1mm -o scene.vox --quiet --bits 8 --compliance 1mm:500mN,3mm:4N || fail "soft covering"
+"$bin/voxelize" cube.obj --units cm --voxel-size 1mm -o scene.vox --quiet --compliance 1mm:500mN,3mm:4N || fail "soft covering"
 "$bin/voxinfo" verify scene.vox --quiet || fail "the scene with a soft covering is not valid"
 "$bin/voxinfo" scene.vox --json report.json >out
 grep -q 'compliance        a contact point feels 4 N at 3' out || fail "facts of a soft covering: $(cat out)"
@@ -100,14 +97,14 @@ python3 - report.json <<'EOF' || fail "report of a soft covering"
 import json, sys
 r = json.load(open(sys.argv[1]))
 c = r["compliance"]
-assert c["force_n"] == 4 and abs(c["depth_m"] - 0.003) <= r["quantum_m"], r
+assert c["force_n"] == 4 and abs(c["depth_m"] - 0.003) <= r["distances"]["quantum_m"], r
 assert abs(c["steepest_n_per_m"] - 1750) < 1, c
-assert abs(r["zero_force_m"] - 0.004867) <= r["quantum_m"], r
+assert abs(r["zero_force_m"] - 0.0048672) < 1e-6 and r["force_depth_m"] == 0.003, r
 assert r["provenance"]["compliance"] == [{"depth_m": 0.001, "force_n": 0.5}, {"depth_m": 0.003, "force_n": 4}], r
 EOF
-printf '0.005 0.005 0.005\n-0.0015 0.005 0.005\n-0.0035 0.005 0.005\n-0.0055 0.005 0.005\n-0.0065 0.005 0.005\n-0.0095 0.005 0.005\n' |
+printf '0.005 0.005 0.005\n-0.0015 0.005 0.005\n-0.0035 0.005 0.005\n-0.0045 0.005 0.005\n-0.0055 0.005 0.005\n-0.0065 0.005 0.005\n' |
   "$bin/voxinfo" sample scene.vox >out || fail "sample"
-[ "$(tr '\n' ' ' <out)" = "1 1 2 2 3 0 " ] || fail "wrong values along x under a soft covering: $(cat out)"
+[ "$(cut -f1 out | tr '\n' ' ')" = "1 1 2 2 3 0 " ] || fail "wrong values along x under a soft covering: $(cat out)"
 
 # A manifest, the sample scene, a folder.
 cat >scene.json <<'EOF'
@@ -116,7 +113,7 @@ cat >scene.json <<'EOF'
            {"name": "b", "mesh": "cube.obj", "units": "cm", "translation": ["3cm", 0, 0],
             "rotation": [0.7071067811865476, 0, 0, 0.7071067811865476], "scale": [1, 2, 1]}]}
 EOF
-"$bin/voxelize" scene.json -o scene.vox --json report.json --quiet || fail "manifest"
+"$bin/voxelize" scene.json --metric chebyshev -o scene.vox --json report.json --quiet || fail "manifest"
 python3 - report.json <<'EOF' || fail "manifest report"
 import json, sys
 r = json.load(open(sys.argv[1]))
@@ -139,35 +136,56 @@ expect 2 "--units" cube.obj --voxel-size 1mm -o scene.vox
 expect 2 "--units" cube.obj --units parsec --voxel-size 1mm -o scene.vox
 expect 2 "layers" cube.obj --units cm --voxel-size 1mm --layers 31 -o scene.vox
 expect 2 "--metric" cube.obj --units cm --voxel-size 1mm --metric manhattan -o scene.vox
-expect 2 "--bits" cube.obj --units cm --voxel-size 1mm --bits 3 -o scene.vox
-expect 2 "--metric" cube.obj --units cm --voxel-size 1mm --metric chebyshev --bits 8 -o scene.vox
-expect 2 "--layers" cube.obj --units cm --voxel-size 1mm --bits 8 --layers 0 -o scene.vox
-expect 2 "--range" cube.obj --units cm --voxel-size 1mm --range 4mm -o scene.vox
-expect 2 "range" cube.obj --units cm --voxel-size 1mm --bits 8 --range 1mm -o scene.vox
-expect 2 "--compliance" cube.obj --units cm --voxel-size 1mm --compliance 2mm:1N -o scene.vox
-for curve in 2mm 2mm:1 2:1N 2mm:1N, 2mm:1N,1mm:2N 1mm:2N,2mm:1N 2mm:0N 2mm:-1N 0mm:1N 2mm:2000kN; do
-  expect 2 "--compliance" cube.obj --units cm --voxel-size 1mm --bits 8 --compliance $curve -o scene.vox
+expect 2 "--layers" cube.obj --units cm --voxel-size 1mm --layers 0 -o scene.vox
+expect 2 "range" cube.obj --units cm --voxel-size 1mm --range 1mm -o scene.vox
+for kind in --lean "--metric chebyshev"; do
+  expect 2 "--range" cube.obj --units cm --voxel-size 1mm $kind --range 4mm -o scene.vox
+  expect 2 "--compliance" cube.obj --units cm --voxel-size 1mm $kind --compliance 2mm:1N -o scene.vox
 done
-expect 2 "compliance" cube.obj --units cm --voxel-size 1mm --bits 8 --compliance 40mm:1N -o scene.vox
-expect 2 "range" cube.obj --units cm --voxel-size 1mm --bits 8 --compliance 3mm:1N --range 3mm -o scene.vox
-expect 2 "--free-seed" cube.obj --units cm --voxel-size 1mm --free-seed 1,2 -o scene.vox
+for curve in 2mm 2mm:1 2:1N 2mm:1N, 2mm:1N,1mm:2N 1mm:2N,2mm:1N 2mm:0N 2mm:-1N 0mm:1N 2mm:2000kN; do
+  expect 2 "--compliance" cube.obj --units cm --voxel-size 1mm --compliance $curve -o scene.vox
+done
+expect 2 "compliance" cube.obj --units cm --voxel-size 1mm --compliance 40mm:1N -o scene.vox
+expect 2 "range" cube.obj --units cm --voxel-size 1mm --compliance 3mm:1N --range 3mm -o scene.vox
+expect 2 "--free-seed" cube.obj --units cm --voxel-size 1mm --free-seed 1mm,2mm -o scene.vox
+# A bare number is no length, wherever one is asked.
+expect 2 "--voxel-size: length '5' has no unit; write it like 5mm or 0.005m" cube.obj --units cm --voxel-size 5 -o scene.vox
+expect 2 "--free-seed: length '5' has no unit" cube.obj --units cm --voxel-size 1mm --free-seed 5,5mm,5mm -o scene.vox
+expect 2 "--roi: length '5' has no unit" cube.obj --units cm --voxel-size 1mm --roi 0,0,0,5,5mm,5mm -o scene.vox
+expect 2 "--units: 'furlong' is not a unit of length" cube.obj --units furlong --voxel-size 1mm -o scene.vox
 expect 2 "" cube.obj --units cm --voxel-size 1mm
 expect 2 "" --units cm --voxel-size 1mm -o scene.vox
 expect 2 "--no-such-option" cube.obj --no-such-option -o scene.vox
 expect 1 "missing.stl" missing.stl --units mm --voxel-size 1mm -o scene.vox
 expect 1 "no/such/folder" cube.obj --units cm --voxel-size 1mm -o no/such/folder/scene.vox
 expect 3 "no triangles" empty.stl --units mm --voxel-size 1mm -o scene.vox
-expect 3 "directory" cube.obj --units km --voxel-size 1um -o scene.vox
+# Too large for the file: two cubes far apart. Too large for any machine: surfaces of trillions of voxels.
+printf '{"parts": [{"mesh": "cube.obj", "units": "mm"}, {"mesh": "cube.obj", "units": "mm", "translation": ["100km", 0, 0]}]}' >bad.json
+expect 3 "directory" bad.json --voxel-size 1um -o scene.vox
 grep -q "use --voxel-size .*m or more" err || fail "no voxel size that would fit: $(cat err)"
+expect 3 "at 0.001 mm the scene takes at least 3.6e+10 GB of memory; this process can have" cube.obj --units km --voxel-size 1um -o scene.vox
+grep -q "; the scene is 1000 m across: --units mm? Else use --voxel-size .*m or more, or --roi$" err || fail "no mend: $(cat err)"
 expect 3 "free seed" cube.obj --units cm --voxel-size 1mm --free-seed 0,5mm,5mm -o scene.vox
-expect 3 "directory" cube.obj --units km --voxel-size 2mm -o scene.vox
+# Long and large, but possible: a warning before it starts.
+timeout 2 "$bin/voxelize" cube.obj --units m --voxel-size 0.1mm --threads 1 -o scene.vox >out 2>err
+grep -q "^voxelize: warning: this bake may take .* min and .* GB of memory: the scene is 1 m across; use --voxel-size .*m or more, or --roi$" err ||
+  fail "no warning of a long bake: $(cat err)"
+grep -q "^scene: 1 object, 1000 x 1000 x 1000 mm$" out || fail "no size of the scene: $(cat out)"
+rm -f scene.vox bad.json
 
 # Errors of manifests name the key.
 manifest_error() {
   printf '%s' "$2" >bad.json
   expect 3 "$1" bad.json --voxel-size 1mm -o scene.vox
 }
-manifest_error "2^52" '{"parts": [{"mesh": "cube.obj", "units": "cm", "translation": [1e15, 0, 0]}]}'
+manifest_error "2^52" '{"parts": [{"mesh": "cube.obj", "units": "cm", "translation": ["1e15m", 0, 0]}]}'
+for key in '"roi": [0, 0, 0, "1m", 5, "1m"]' '"free_seeds": [[0, 5, 0]]' '"voxel_size": 5'; do
+  manifest_error 'is 5, without a unit; write it like "5mm"' "{$key, \"parts\": [{\"mesh\": \"cube.obj\", \"units\": \"cm\"}]}"
+done
+manifest_error 'parts[0].translation[1]: is 5, without a unit' '{"parts": [{"mesh": "cube.obj", "units": "cm", "translation": [0, 5, 0]}]}'
+manifest_error 'parts[0].matrix[1][3]: is 5, without a unit' '{"parts": [{"mesh": "cube.obj", "units": "cm", "matrix": [[1,0,0,0],[0,1,0,5],[0,0,1,0],[0,0,0,1]]}]}'
+manifest_error 'parts[0].mesh_deviation: is 0.5, without a unit' '{"parts": [{"mesh": "cube.obj", "units": "cm", "mesh_deviation": 0.5}]}'
+manifest_error 'without: is not a list of names' '{"without": "b", "parts": [{"mesh": "cube.obj", "units": "cm"}]}'
 manifest_error "byte" '{"parts": ['
 manifest_error "parts: " '{"voxel_size": "1mm"}'
 manifest_error "parts[0].mesh" '{"parts": [{"units": "mm"}]}'

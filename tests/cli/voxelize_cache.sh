@@ -20,7 +20,7 @@ for i in range(12):
     parts.append({"name": "box %d" % i, "mesh": "box%d.obj" % i, "units": "mm",
                   "translation": ["%dmm" % (45 * (i % 4)), "%dmm" % (50 * (i // 4)), 0]})
 box("cabin.obj", (0, 0, 0), (60, 60, 60), [((20, 20, 20), (40, 40, 40))])
-parts.append({"name": "cabin", "mesh": "cabin.obj", "units": "mm", "translation": [0.3, 0, 0]})
+parts.append({"name": "cabin", "mesh": "cabin.obj", "units": "mm", "translation": ["300mm", 0, 0]})
 json.dump({"voxel_size": "1mm", "parts": parts}, open("scene.json", "w"))
 PYTHON
 
@@ -91,7 +91,7 @@ expect 2 "--shard" scene.json --cache shards --shard 0/4
 expect 2 "--shard" scene.json --cache shards --shard 1
 expect 2 "--output" scene.json --cache shards --shard 1/4 -o out.vox
 expect 2 "--output" scene.json
-expect 2 "--roi" scene.json -o out.vox --roi 0,0,0,1,1
+expect 2 "--roi" scene.json -o out.vox --roi 0,0,0,1m,1m
 [ ! -e out.vox ] || fail "an output file was left"
 
 # A region: by the command line and by the manifest, with and without the cache.
@@ -128,11 +128,11 @@ shell, inside = cabin["cavities"]
 assert inside["volume_m3"] == 19 ** 3 * 1e-9 or abs(inside["volume_m3"] - 19 ** 3 * 1e-9) < 1e-15, inside
 x, y, z = inside["free_seed_m"]
 assert 0.320 < x < 0.341 and 0.020 < y < 0.041 and 0.020 < z < 0.041, inside
-open("seed", "w").write("%.9g,%.9g,%.9g" % (x, y, z))
+open("seed", "w").write("%.9gm,%.9gm,%.9gm" % (x, y, z))
 assert abs(r["parts"][0]["interior_m3"] - 19 * 29 * 24 * 1e-9) < 1e-12, r["parts"][0]
 PYTHON
 bake opened.vox --free-seed "$(cat seed)"
-echo "$(tr , ' ' <seed)" | "$bin/voxinfo" sample opened.vox | grep -qx 0 || fail "the seed opened nothing"
+echo "$(tr -d m <seed | tr , ' ')" | "$bin/voxinfo" sample opened.vox | cut -f1 | grep -qx 0 || fail "the seed opened nothing"
 
 # Narrow passages: a lid with a slot of 0.7 mm over a box, which voxels of 1 mm close and those of 0.5 mm do not.
 cat >slotted.obj <<'OBJ'

@@ -31,34 +31,57 @@ reader() { "$python" "$golden/read_baked_file.py" "$@"; }
 value() { "$python" -c 'import json,sys; print(eval("r" + sys.argv[2], {"r": json.load(open(sys.argv[1]))}))' "$@"; }
 
 # Facts, for people and for programs.
-"$voxinfo" "$golden/v1.vox" --json vox.json >facts
-grep -q '262145 interior, 4098 surface, 4097 proximity' facts || fail "facts of v1.vox"
-expect_equal counts "$(value vox.json '["counts"]["surface"]')" 4098
-expect_equal origin "$(value vox.json '["origin_voxel"]')" "[-514, 0, -8]"
-expect_equal dims "$(value vox.json '["dims"]')" "[84, 70, 72]"
+"$voxinfo" "$golden/v2.vox" --json vox.json >facts
+grep -q '4097 interior, 1762 surface, 2266 proximity' facts || fail "facts of v2.vox"
+expect_equal counts "$(value vox.json '["counts"]["surface"]')" 1762
+expect_equal origin "$(value vox.json '["origin_voxel"]')" "[-514, 6, 6]"
+expect_equal dims "$(value vox.json '["dims"]')" "[47, 37, 37]"
 expect_equal layers "$(value vox.json '["layers"]')" 2
 expect_equal size "$(value vox.json '["voxel_size_m"]')" 0.0025
 expect_equal sides "$(value vox.json '["cropped_sides"]')" "['max_x']"
 expect_equal provenance "$(value vox.json '["provenance"]["inputs"]')" "[]"
-"$voxinfo" "$golden/v1.pshell" --json shell.json >facts
-grep -q 'points            100' facts || fail "facts of v1.pshell"
+grep -q 'distances         none' facts || fail "v2.vox has no distances"
+"$voxinfo" "$golden/v2_distances.vox" --objects --json full.json >facts
+grep -q 'force             from 2.867 mm off the mesh, 1 mm deep' facts || fail "force: $(cat facts)"
+grep -q 'distances         from -3.938 to 4 mm in steps of 0.0312 mm, 1 bricks' facts || fail "distances: $(cat facts)"
+grep -q 'objects           2, nearest ones in 1 bricks' facts || fail "objects: $(cat facts)"
+left=$(reader "$golden/v2_distances.vox" --objects | grep -c ',1$')
+grep -qP "^  object 1\t$left voxels\tleft$" facts || fail "object 1: $(cat facts)"
+expect_equal "object 2" "$(value full.json '["objects"][1]')" "{'name': 'right', 'voxels': $((512 - left))}"
+expect_equal "objects" "$(value full.json '["object_count"]')" 2
+expect_equal "zero force" "$(value full.json '["zero_force_m"]')" 0.0028671875
+"$voxinfo" "$golden/v2_distances.vox" | grep -q '  object 1' && fail "objects without --objects"
+expect_refused 2 "a part has no objects" "$voxinfo" "$golden/v2.pshell" --objects
+"$voxinfo" "$golden/v2.pshell" --json shell.json >facts
+grep -q 'points            100' facts || fail "facts of v2.pshell"
 expect_equal points "$(value shell.json '["points"]')" 100
 expect_equal radius "$(value shell.json '["covering_radius_m"]')" 0.002
 expect_equal method "$(value shell.json '["method"]')" surface
-"$voxinfo" "$golden/v1.vox" --json /dev/stdout --quiet >stdout.json
+expect_equal "convex radius" "$(value shell.json '["convex_radius_m"]')" 0.00175
+expect_equal "convex gap" "$(value shell.json '["convex_gap_m"]')" 0.00025
+expect_equal losses "$(value shell.json '["losses"][2]["loss_m"]')" 0.0005
+# The reader in Python and the command prove the same distance of the surface.
+reader "$golden/v2.pshell" >header.json
+proven=$(value header.json '["surface_distance_of_2_voxels_m"]')
+grep -q "proven            $("$python" -c "print('%.6g' % $proven)") m" facts || fail "proven distance"
+"$voxinfo" "$golden/v2.vox" --json /dev/stdout --quiet >stdout.json
 cmp stdout.json vox.json || fail "--json /dev/stdout"
 expect_equal version "$("$voxinfo" --version | cut -d' ' -f1)" voxinfo
 
 # An independent reader sees the same voxels and points, in every kind that voxelize bakes too.
-scenes="v1 v1_wide baked_chebyshev baked_euclidean baked_distance4 baked_distance8 baked_covered8"
+scenes="v2 v2_distances baked_chebyshev baked_lean baked_full baked_covered"
 for scene in $scenes; do
   "$voxinfo" verify "$golden/$scene.vox" --quiet
   "$voxinfo" export "$golden/$scene.vox" "$scene.csv"
   { echo i,j,k,value; reader "$golden/$scene.vox" --rows; } | cmp - "$scene.csv" || fail "$scene.csv"
 done
-"$voxinfo" verify "$golden/v1.pshell" | grep -q valid || fail "verify v1.pshell"
-"$voxinfo" export "$golden/v1.pshell" shell.ply
-reader "$golden/v1.pshell" --rows >rows
+expect_equal verify "$("$voxinfo" verify "$golden/v2.vox" | cut -d: -f2-)" \
+  " valid; structure and checksums hold, counts, box, clearances and layers are true"
+expect_equal verify "$("$voxinfo" verify "$golden/v2_distances.vox" | cut -d, -f4-)" \
+  " clearances and layers are true, distances are possible, objects are there"
+"$voxinfo" verify "$golden/v2.pshell" | grep -q valid || fail "verify v2.pshell"
+"$voxinfo" export "$golden/v2.pshell" shell.ply
+reader "$golden/v2.pshell" --rows >rows
 "$python" - <<'PYTHON' || fail shell.ply
 import struct
 data = open("shell.ply", "rb").read()
@@ -69,14 +92,14 @@ assert [list(row) for row in struct.iter_unpack("<3d4fI", body)] == rows
 PYTHON
 
 # Faces of the force layer: as many as the voxels' sides that face something else, wound outwards.
-"$voxinfo" export "$golden/v1.vox" faces.ply
+"$voxinfo" export "$golden/v2.vox" faces.ply
 "$python" - <<'PYTHON' || fail faces.ply
 import re, struct
 data = open("faces.ply", "rb").read()
 head, body = data.split(b"end_header\n", 1)
 vertices, faces = (int(n) for n in re.findall(rb"element \w+ (\d+)", head))
 points = [tuple(round(c / 0.0025) for c in row) for row in struct.iter_unpack("<3d", body[:24 * vertices])]
-layer = {tuple(int(n) for n in line.split(",")[:3]) for line in open("v1.csv") if line.endswith(",2\n")}
+layer = {tuple(int(n) for n in line.split(",")[:3]) for line in open("v2.csv") if line.endswith(",2\n")}
 expected = sum((i + a, j + b, k + c) not in layer for i, j, k in layer
                for a, b, c in [(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)])
 quads = list(struct.iter_unpack("<B4i", body[24 * vertices:]))
@@ -91,56 +114,80 @@ for four, *corners in quads:
     assert four == 4 and inside in layer and outside not in layer, p
 PYTHON
 
-# .vdb: the same voxels, where this build can write it.
+# .vdb: the same voxels, distances and objects in grids of OpenVDB's own types, where this build can
+# write them.
 if [ -x "$FORCELAYER_BIN_DIR/vdb_rows" ]; then
   for scene in $scenes; do
     "$voxinfo" export "$golden/$scene.vox" "$scene.vdb"
     size=$(reader "$golden/$scene.vox" | "$python" -c 'import json,sys; print(json.load(sys.stdin)["voxel_size_m"])')
-    "$FORCELAYER_BIN_DIR/vdb_rows" "$scene.vdb" "$size" | LC_ALL=C sort >vdb_rows
+    "$FORCELAYER_BIN_DIR/vdb_rows" "$scene.vdb" "$size" voxmap | LC_ALL=C sort >vdb_rows
     tail -n +2 "$scene.csv" | LC_ALL=C sort | cmp - vdb_rows || fail "$scene.vdb"
   done
+  full=$golden/v2_distances.vox
+  "$FORCELAYER_BIN_DIR/vdb_rows" v2_distances.vdb 0.001 object | LC_ALL=C sort >vdb_rows
+  reader "$full" --objects | LC_ALL=C sort | cmp - vdb_rows || fail "objects in .vdb"
+  # Distances in meters: of code c, (c - 127) / 32 voxels of 1 mm, to the precision of a float.
+  "$FORCELAYER_BIN_DIR/vdb_rows" v2_distances.vdb 0.001 distance_m |
+    awk -F, -v OFS=, '{ print $1, $2, $3, int($4 * 32000 + 127.5) }' | LC_ALL=C sort >vdb_rows
+  reader "$full" --distances | LC_ALL=C sort | cmp - vdb_rows || fail "distances in .vdb"
+  status=0
+  "$FORCELAYER_BIN_DIR/vdb_rows" v2.vdb 0.0025 distance_m || status=$?
+  expect_equal "a lean scene has no distances" "$status" 3
 else
-  expect_refused 2 "no OpenVDB" "$voxinfo" export "$golden/v1.vox" scene.vdb
+  expect_refused 2 "no OpenVDB" "$voxinfo" export "$golden/v2.vox" scene.vdb
 fi
 
 # Values at points: inside, force layer, proximity, free, outside, on a voxel's lower face.
-printf '%s\n' '-1.25 0.1 0.1' '-1.2812 0.1 0.1' '-1.2838,0.1,0.1' '0 0 0' '' '+1e30 0 0' '-1.28 0.1 0.1' |
-  "$voxinfo" sample "$golden/v1.vox" >values 2>warning
-expect_equal samples "$(paste -sd' ' values)" "1 2 3 0 0 1"
+printf '%s\n' '-1.25 0.04 0.04' '-1.2812 0.04 0.04' '-1.2838,0.04,0.04' '-1.3 0 0' '0 0 0' '' '+1e30 0 0' '-1.28 0.04 0.04' |
+  "$voxinfo" sample "$golden/v2.vox" >values 2>warning
+expect_equal samples "$(paste -sd' ' values)" "1 2 3 0 0 0 1"
 grep -q '2 points lie beyond a cropped side' warning || fail "no warning: $(cat warning)"
-expect_equal "no input" "$("$voxinfo" sample "$golden/v1.vox" </dev/null)" ""
+# Value, least and most distance of the voxel's center, nearest object: the voxels (3, 3, 3), (1, 3, 3)
+# and (7, 7, 7), one beside the brick, and one outside of the directory.
+printf '%s\n' '.0035 .0035 .0035' '.0015 .0035 .0035' '.0075 .0075 .0075' '.01 0 0' '-1 0 0' |
+  "$voxinfo" sample "$golden/v2_distances.vox" >values
+"$python" - <<'PYTHON' || fail "distances of samples: $(cat values)"
+rows = [line.rstrip("\n").split("\t") for line in open("values")]
+bounds = [(127, 128, "1", "left"), (191, 192, "2", "left"), (255, None, "3", "right"),
+          (255, None, "0", ""), (255, None, "0", "")]
+for row, (least, most, value, name) in zip(rows, bounds, strict=True):
+    expected = [(code - 127) * (0.001 / 32) if code else float("inf") for code in (least, most)]
+    assert row[0] == value and row[3] == name and len(row) == 4, row
+    assert [float(number) for number in row[1:3]] == expected, row
+PYTHON
+expect_equal "no input" "$("$voxinfo" sample "$golden/v2.vox" </dev/null)" ""
 for line in '1 2' '1 2 3 4' '1 2 x' '1 2 nan' '1 2 inf' '1 2 3mm'; do
   printf '0 0 0\n%s\n' "$line" >points
   status=0
-  "$voxinfo" sample "$golden/v1.vox" <points >out 2>err || status=$?
+  "$voxinfo" sample "$golden/v2.vox" <points >out 2>err || status=$?
   expect_equal "status of '$line'" "$status" 2
   grep -q 'input line 2' err || fail "'$line': $(cat err)"
 done
 
 # Wrong usage, missing files, other files, damaged files.
 expect_refused 2 "no file given" "$voxinfo"
-expect_refused 2 "--color" "$voxinfo" "$golden/v1.vox" --color
+expect_refused 2 "--color" "$voxinfo" "$golden/v2.vox" --color
 expect_refused 2 "FILE" "$voxinfo" verify
-expect_refused 2 ".csv, .ply or .vdb" "$voxinfo" export "$golden/v1.vox" scene.stl
-expect_refused 2 "exported to .ply" "$voxinfo" export "$golden/v1.pshell" shell.csv
+expect_refused 2 ".csv, .ply or .vdb" "$voxinfo" export "$golden/v2.vox" scene.stl
+expect_refused 2 "exported to .ply" "$voxinfo" export "$golden/v2.pshell" shell.csv
 expect_refused 1 "no such file" "$voxinfo" missing.vox
 expect_refused 1 "folder" "$voxinfo" verify "$golden"
-expect_refused 1 "no/such/folder" "$voxinfo" export "$golden/v1.vox" no/such/folder/out.csv
-expect_refused 4 "this is a .pshell" "$voxinfo" sample "$golden/v1.pshell"
+expect_refused 1 "no/such/folder" "$voxinfo" export "$golden/v2.vox" no/such/folder/out.csv
+expect_refused 4 "this is a .pshell" "$voxinfo" sample "$golden/v2.pshell"
 printf 'VOX \226\0\0\0MAIN' >magica.vox
 expect_refused 4 "MagicaVoxel" "$voxinfo" magica.vox
 : >empty.pshell
 expect_refused 4 "empty" "$voxinfo" empty.pshell
-head -c 1000 "$golden/v1.vox" >cut.vox
+head -c 1000 "$golden/v2.vox" >cut.vox
 expect_refused 4 "cut off" "$voxinfo" cut.vox
-{ cat "$golden/v1.vox"; echo; } >longer.vox
+{ cat "$golden/v2.vox"; echo; } >longer.vox
 expect_refused 4 "appended" "$voxinfo" verify longer.vox
-cp "$golden/v1.vox" damaged.vox
+cp "$golden/v2.vox" damaged.vox
 printf '\377' | dd of=damaged.vox bs=1 seek=11000 conv=notrunc status=none
 expect_refused 4 "damaged" "$voxinfo" verify damaged.vox
 
 # A fact that is not true, under right checksums: one surface voxel too many.
-if "$python" - "$golden/v1.vox" liar.vox <<'PYTHON'
+if "$python" - "$golden/v2.vox" liar.vox <<'PYTHON'
 import struct, sys
 try:
     import xxhash
@@ -162,13 +209,13 @@ fi
 echo old >old.csv
 expect_refused 4 "cut off" "$voxinfo" export cut.vox old.csv
 expect_equal "old file" "$(cat old.csv)" old
-(ulimit -f 100; expect_refused 1 "cannot be written" "$voxinfo" export "$golden/v1.vox" old.csv; exit $failed) || failed=1
+(ulimit -f 100; expect_refused 1 "cannot be written" "$voxinfo" export "$golden/v2.vox" old.csv; exit $failed) || failed=1
 expect_equal "old file" "$(cat old.csv)" old
 expect_equal "temporaries" "$(find . -name '*.tmp')" ""
 
 # A signal in the middle of an export.
 mkfifo pipe.csv
-"$voxinfo" export "$golden/v1.vox" pipe.csv &
+"$voxinfo" export "$golden/v2.vox" pipe.csv &
 exporting=$!
 exec 3<pipe.csv  # the export is blocked in its first write: more than a pipe holds
 kill -TERM $exporting

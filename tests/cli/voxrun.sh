@@ -52,7 +52,7 @@ header = """t_s handle_x_m handle_y_m handle_z_m handle_qw handle_qx handle_qy h
 part_y_m part_z_m part_qw part_qx part_qy part_qz force_x_n force_y_n force_z_n torque_x_nm
 torque_y_nm torque_z_nm points_proximity points_surface points_interior contacts depth_m
 guard_cuts step_ns device_force_x_n device_force_y_n device_force_z_n device_torque_x_nm device_torque_y_nm
-device_torque_z_nm output""".split()
+device_torque_z_nm clearance_m output""".split()
 assert list(rows[0]) == header
 for a, b in zip(rows, again_rows, strict=True):
     assert all(a[k] == b[k] for k in header if k != "step_ns"), (a, b)
@@ -76,8 +76,8 @@ printf 't_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0.1,0.1,0.1,1,0,0,0\n1,0.1,0.1,0.1,1,0,0,
 still=(--device sim --motion still.csv --as-fast-as-possible --trace still_run.csv)
 expect 0 'frames' floor.vox ball.pshell "${still[@]}" && part_goes 0.1 0.1
 expect 0 'frames' floor.vox ball.pshell "${still[@]}" --grip 0,0,20mm && part_goes 0.12 0.12
-expect 0 'frames' floor.vox ball.pshell "${still[@]}" --start 0.1,0.1,0.15 && part_goes 0.15 0.15
-expect 0 'frames' floor.vox ball.pshell "${still[@]}" --start 0.1,0.1,0.15 --grip 0,0,20mm &&
+expect 0 'frames' floor.vox ball.pshell "${still[@]}" --start 0.1m,0.1m,0.15m && part_goes 0.15 0.15
+expect 0 'frames' floor.vox ball.pshell "${still[@]}" --start 0.1m,0.1m,0.15m --grip 0,0,20mm &&
   part_goes 0.15 0.12
 
 # A hand that feels the loop gives way, where one that feels nothing goes on to where it wants to be.
@@ -98,7 +98,7 @@ expect 2 'is for the sim device' floor.vox ball.pshell --device replay --replay 
 
 # The clock: half a second in real time, neither much less nor more.
 begin=$(date +%s%N)
-expect 0 'deadline misses' floor.vox ball.pshell --duration 500ms --start 0.1,0.1,0.2
+expect 0 'deadline misses' floor.vox ball.pshell --duration 500ms --start 0.1m,0.1m,0.2m
 took=$((($(date +%s%N) - begin) / 1000000))
 [ "$took" -ge 499 ] || fail "500 ms took $took ms"
 
@@ -116,8 +116,8 @@ expect 2 'tangent-plane force only' floor.vox ball.pshell --model paper --force 
 expect 2 'no offset layers' unlayered.vox ball.pshell "${fast[@]}" --force level --without-guarantee
 expect 0 'frames' floor.vox ball.pshell "${fast[@]}" --force tangent-plane
 expect 0 'frames' floor.vox ball.pshell "${fast[@]}" --model paper --force tangent-plane
-expect 2 'reach' floor.vox ball.pshell "${fast[@]}" --reach 0,0,0,1,1
-expect 0 'scene in memory' floor.vox ball.pshell "${fast[@]}" --reach 50,50,50,51,51,51 --json far.json
+expect 2 'reach' floor.vox ball.pshell "${fast[@]}" --reach 0,0,0,1m,1m
+expect 0 'scene in memory' floor.vox ball.pshell "${fast[@]}" --reach 50m,50m,50m,51m,51m,51m --json far.json
 expect 2 'duration' floor.vox ball.pshell --duration 5
 expect 2 "--max-speed: '11' is outside" floor.vox ball.pshell "${fast[@]}" --max-speed 11
 expect 2 "--max-turn: '101' is outside" floor.vox ball.pshell "${fast[@]}" --max-turn 101
@@ -157,7 +157,7 @@ expect 4 'recorded with' unlayered.vox ball.pshell --device replay --replay run.
 rm -f bad.json bad.csv
 expect 4 'none' floor.vox coarse.pshell "${fast[@]}" --json bad.json --trace bad.csv
 [ ! -e bad.json ] && [ ! -e bad.csv ] || fail "output left behind"
-"$bin/voxrun" floor.vox ball.pshell --start 0.1,0.1,0.2 --json signal.json --quiet 2>err.txt &
+"$bin/voxrun" floor.vox ball.pshell --start 0.1m,0.1m,0.2m --json signal.json --quiet 2>err.txt &
 sleep 0.5
 kill -TERM $!
 status=0
@@ -180,7 +180,7 @@ assert all(abs(a - b) < 1e-12 for a, b in zip(handle, (0.1, 0.1, 0.2))), handle
 PYTHON
 receiver=$!
 until [ -s port ]; do sleep 0.05; done
-expect 0 'frames' floor.vox ball.pshell --start 0.1,0.1,0.2 --world-from-device 5,0,0 \
+expect 0 'frames' floor.vox ball.pshell --start 0.1m,0.1m,0.2m --world-from-device 5m,0,0 \
   --duration 500ms --udp "$(cat port)"
 wait "$receiver" || fail "no pose stream"
 expect 2 '--udp' floor.vox ball.pshell --duration 1s --udp nonsense:nonsense

@@ -36,7 +36,7 @@ disk_full() {
   done
   # In the middle of a run with a clock: it ends there, not at its end.
   local begin=$SECONDS
-  LD_PRELOAD=$shim FAULT_WRITE_ERRNO=28 FAULT_WRITE_AFTER=5000 timeout 100 "$voxrun" floor.vox ball.pshell --start 0.1,0.1,0.2 \
+  LD_PRELOAD=$shim FAULT_WRITE_ERRNO=28 FAULT_WRITE_AFTER=5000 timeout 100 "$voxrun" floor.vox ball.pshell --start 0.1m,0.1m,0.2m \
     --duration 60s --quiet --trace long.csv 2>"$scratch/err.txt"
   [ $? = 1 ] && tail -n 1 "$scratch/err.txt" | grep -q 'long.csv: .*No space left' || fail "in the middle: $(cat "$scratch/err.txt")"
   [ $((SECONDS - begin)) -lt 40 ] || fail "the run went on for $((SECONDS - begin)) s"
@@ -252,7 +252,7 @@ clock_jumps() {
   # With a clock: half a second is half a second.
   local begin
   begin=$(date +%s%N)
-  LD_PRELOAD=$shim FAULT_CLOCK_JUMPS=1 timeout 60 "$voxrun" floor.vox ball.pshell --start 0.1,0.1,0.2 --duration 500ms --quiet --json run.json 2>err.txt ||
+  LD_PRELOAD=$shim FAULT_CLOCK_JUMPS=1 timeout 60 "$voxrun" floor.vox ball.pshell --start 0.1m,0.1m,0.2m --duration 500ms --quiet --json run.json 2>err.txt ||
     fail "status $?: $(cat err.txt)"
   [ $((($(date +%s%N) - begin) / 1000000)) -ge 499 ] || fail "500 ms took less"
   python3 -c 'import json; r = json.load(open("run.json")); assert r["frames"] == 500, r["frames"]' || fail "frames"

@@ -26,7 +26,7 @@ def command(name, arguments, extra=()):
             os.remove(f"{name}.{left}")
     return [f"{BIN}/voxrun", "floor.vox", "ball.pshell", "--device", "plugin", "--plugin",
             f"{BIN}/fault_plugin.so", "--plugin-args", f"log={name}.csv {arguments}",
-            "--world-from-device", "0.1,0.1,0.06", "--json", f"{name}.json", "--quiet",
+            "--world-from-device", "0.1m,0.1m,0.06m", "--json", f"{name}.json", "--quiet",
             "--stale-limit", f"{int(STALE_S * 1000)}ms", *extra]
 
 
@@ -334,7 +334,7 @@ def refusals():
 def the_example():
     finish(run(
         [f"{BIN}/voxrun", "floor.vox", "ball.pshell", "--device", "plugin", "--plugin",
-         f"{BIN}/spring_plugin.so", "--world-from-device", "0.1,0.1,0.055", "--duration", "4s",
+         f"{BIN}/spring_plugin.so", "--world-from-device", "0.1m,0.1m,0.055m", "--duration", "4s",
          "--stale-limit", "50ms", "--json", "example.json", "--quiet"]), 0)
     report = json.load(open("example.json"))
     assert report["max_device_force_n"] > 0.3 and report["output_trips"] == 0, report

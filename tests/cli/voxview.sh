@@ -24,7 +24,7 @@ scene = json.load(open(sys.argv[1] + "/bay.json"))
 for part in scene["parts"]:
     part["mesh"] = sys.argv[1] + "/" + part["mesh"]
     if part["name"] == "hydraulic_line":
-        part["translation"] = [0, 0, 0.03]
+        part["translation"] = [0, 0, "30mm"]
 print(json.dumps(scene))
 END
 "$bin/voxelize" moved.json -o moved.vox --voxel-size 8mm --quiet --allow-outside
@@ -42,8 +42,8 @@ check layer picture.png facts.json 0.008 bay.csv 1
 "$bin/voxview" bay.vox "${plain[@]}" --view-from 0,1,0 --show proximity
 check layer picture.png facts.json 0.008 bay.csv 3
 
-# The other kinds of voxels.
-for kind in "--metric euclidean" "--bits 4" "--bits 8" "--bits 8 --compliance 4mm:1N,20mm:6N"; do
+# The kinds of maps.
+for kind in "--metric chebyshev" --lean "--range 30mm" "--compliance 4mm:1N,20mm:6N"; do
   "$bin/voxelize" "$data/bay.json" -o kind.vox --voxel-size 8mm --quiet $kind
   "$bin/voxinfo" export kind.vox kind.csv
   "$bin/voxview" kind.vox "${plain[@]}" --view-from 0,0,1 --show force-layer
@@ -106,7 +106,7 @@ END
 
 # A machined part with another on it, which moves by 30 and 20 mm between two bakes.
 counter=$FORCELAYER_SOURCE_DIR/tests/models/counter.drc
-for bake in "counter 0.05,0.15,0.29" "counter_moved 0.08,0.17,0.29"; do
+for bake in 'counter "50mm","150mm","290mm"' 'counter_moved "80mm","170mm","290mm"'; do
   read -r name place <<<"$bake"
   cat >$name.json <<END
 {"parts": [{"mesh": "$counter", "units": "mm"},

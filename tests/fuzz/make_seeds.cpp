@@ -49,8 +49,8 @@ void mesh_seeds() {
 
 // Baked files of every kind that were committed once.
 void baked_seeds() {
-  for (const char* name : {"v1.vox", "v1_wide.vox", "baked_euclidean.vox", "baked_distance4.vox",
-                           "baked_distance8.vox", "baked_covered8.vox"}) {
+  for (const char* name : {"v2.vox", "v2_distances.vox", "baked_chebyshev.vox", "baked_lean.vox",
+                           "baked_full.vox", "baked_covered.vox"}) {
     const auto file =
         MappedFile::open(std::filesystem::path(FORCELAYER_SOURCE_DIR) / "tests" / "golden" / name);
     if (!file) throw std::runtime_error(to_line(file.error()));
@@ -61,11 +61,11 @@ void baked_seeds() {
 
 void manifest_seeds() {
   seed("manifest", "whole",
-       R"({"voxel_size": "5mm", "layers": 2, "roi": {"min": [0, 0, 0], "max": [1, 1, 1]},
- "free_seeds": [[0.5, 0.5, 0.5]],
+       R"({"voxel_size": "5mm", "layers": 2, "roi": [0, 0, 0, "1m", "1m", "1m"],
+ "free_seeds": [["0.5m", "0.5m", "0.5m"]], "without": ["Cover", "Bolt*"],
  "parts": [
-  {"mesh": "a.obj", "units": "mm", "translation": [1, 2, 3], "rotation": [0, 0, 0, 1], "scale": 2},
-  {"mesh": "b.stl", "units": "m", "matrix": [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]}]})");
+  {"mesh": "a.obj", "units": "mm", "translation": ["1mm", 0, "3MM"], "rotation": [0, 0, 0, 1], "scale": 2},
+  {"mesh": "b.stl", "units": "m", "matrix": [[1,0,0,0],[0,1,0,"5mm"],[0,0,1,0],[0,0,0,1]]}]})");
   seed("manifest", "least", R"({"parts": [{"mesh": "a.obj", "units": "mm"}]})");
 }
 

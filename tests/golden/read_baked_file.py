@@ -4,6 +4,8 @@
     read_baked_file.py FILE          one line of JSON with the header's fields
     read_baked_file.py FILE --rows   every non-free voxel as `i,j,k,value`, or every shell point as
                                      `x,y,z,nx,ny,nz,weight_m2,block` in the part frame
+    read_baked_file.py FILE --distances   every voxel whose code is not 255 as `i,j,k,code`
+    read_baked_file.py FILE --objects     every voxel that has an object as `i,j,k,object`
 
 Checksums are compared where the python module `xxhash` is installed.
 """
@@ -22,17 +24,18 @@ FILE_HEADER = [("magic", "8s"), ("endian_tag", "I"), ("major", "H"), ("minor", "
                ("reserved_file", "Q")]
 VOX_HEADER = [("voxel_size_m", "d"), ("origin_voxel", "3q"), ("dims_voxels", "3Q"),
               ("valid_min_voxel", "3q"), ("valid_max_voxel", "3q"), ("cropped_sides", "I"),
-              ("offset_layers", "I"), ("metric", "I"), ("bits_per_voxel", "I"),
-              ("directory_origin", "3q"), ("directory_dims", "3I"), ("reserved0", "I"),
+              ("offset_layers", "I"), ("metric", "I"), ("reserved0", "I"),
+              ("directory_origin", "3q"), ("directory_dims", "3I"), ("object_count", "I"),
               ("interior_voxels", "Q"), ("surface_voxels", "Q"), ("proximity_voxels", "Q"),
-              ("triangles", "Q"), ("static_deviation_m", "d"), ("range_m", "d"), ("quantum_m", "d"),
-              ("zero_code", "I"), ("surface_code", "I"), ("proximity_code", "I"),
-              ("free_code", "I"), ("reserved", "88s")]
+              ("triangles", "Q"), ("static_deviation_m", "d"), ("zero_force_m", "d"),
+              ("force_depth_m", "d"), ("distance_quantum_m", "d"), ("distance_zero_code", "i"),
+              ("reserved1", "I"), ("reserved", "88s")]
 PSHELL_HEADER = [("point_count", "Q"), ("block_points", "I"), ("super_block_blocks", "I"),
                  ("block_count", "Q"), ("super_block_count", "Q"), ("covering_radius_m", "d"),
                  ("voxel_size_m", "d"), ("bounding_radius_m", "d"), ("part_deviation_m", "d"),
                  ("center_m", "3d"), ("area_m2", "d"), ("volume_m3", "d"), ("inertia_m2", "6d"),
-                 ("mass_source", "I"), ("method", "I"), ("triangles", "Q"), ("reserved", "24s")]
+                 ("mass_source", "I"), ("method", "I"), ("triangles", "Q"), ("convex_radius_m", "d"), ("convex_gap_m", "d"),
+                 ("reserved", "8s")]
 VOX_MAGIC = bytes([0x89]) + b"FLV\r\n\x1a\n"
 PSHELL_MAGIC = bytes([0x89]) + b"FLP\r\n\x1a\n"
 
@@ -54,9 +57,10 @@ def check_checksum(data, expected, what):
 
 def read_container(data):
     """Header fields and sections {id: bytes} of either format."""
-    fields = FILE_HEADER + {VOX_MAGIC: VOX_HEADER, PSHELL_MAGIC: PSHELL_HEADER}[data[:8]]
+    fields, major = {VOX_MAGIC: (VOX_HEADER, 2), PSHELL_MAGIC: (PSHELL_HEADER, 2)}[data[:8]]
+    fields = FILE_HEADER + fields
     header, size = read_fields(data, fields)
-    assert header["endian_tag"] == 0x01020304 and header["major"] == 1
+    assert header["endian_tag"] == 0x01020304 and header["major"] == major
     assert header["header_bytes"] == size and header["file_bytes"] == len(data)
     assert header["required_features"] == 0
     for name, value in header.items():
@@ -76,26 +80,23 @@ def read_container(data):
     return header, sections
 
 
-class Voxmap:
-    def __init__(self, header, sections):
-        self.header, self.bits = header, header["bits_per_voxel"]
-        self.levels = [struct.unpack("<%dI" % (len(sections[i]) // 4), sections[i])
-                       for i in (1, 2, 3)]
-        self.bricks = sections[4]
+class Tree:
+    """One of the three trees: `first` is its directory's section, `background` is left out."""
 
-    def value_of(self, code):
-        if self.bits == 2:
-            return code
-        thresholds = [("surface_code", 1), ("proximity_code", 2), ("free_code", 3)]
-        for name, value in thresholds:
-            if code < self.header[name]:
-                return value
-        return 0
+    def __init__(self, header, sections, first, bits, background):
+        self.header, self.bits, self.background = header, bits, background
+        self.levels = []
+        for number in range(first, first + 3):
+            section = sections.get(number, b"")
+            self.levels.append(struct.unpack("<%dI" % (len(section) // 4), section))
+        self.bricks = sections.get(first + 3, b"")
 
-    def brick_code(self, brick, n):
+    def brick_element(self, brick, n):
         bit = n * self.bits
-        byte = self.bricks[brick * 64 * self.bits + bit // 8]
-        return byte >> (bit % 8) & ((1 << self.bits) - 1)
+        at = brick * 64 * self.bits + bit // 8
+        if self.bits == 16:
+            return self.bricks[at] + 256 * self.bricks[at + 1]
+        return self.bricks[at] >> (bit % 8) & ((1 << self.bits) - 1)
 
     def rows(self):
         dims = self.header["directory_dims"]
@@ -106,9 +107,9 @@ class Voxmap:
 
     def box_rows(self, entry, low, edge, level):
         if entry >> 31:
-            value = self.value_of(entry & 0xff)
-            if value:
-                yield from ((low[0] + x, low[1] + y, low[2] + z, value) for x in range(edge)
+            element = entry & (0xff if self.bits == 2 else 0xffff)
+            if element != self.background:
+                yield from ((low[0] + x, low[1] + y, low[2] + z, element) for x in range(edge)
                             for y in range(edge) for z in range(edge))
             return
         child = edge // 8
@@ -116,8 +117,14 @@ class Voxmap:
             at = [low[0] + child * (n >> 6), low[1] + child * (n >> 3 & 7), low[2] + child * (n & 7)]
             if level < 3:
                 yield from self.box_rows(self.levels[level][entry * 512 + n], at, child, level + 1)
-            elif value := self.value_of(self.brick_code(entry, n)):
-                yield (*at, value)
+            elif (element := self.brick_element(entry, n)) != self.background:
+                yield (*at, element)
+
+
+def object_names(header, sections):
+    names = sections.get(15, b"").split(bytes(1))
+    assert names.pop() == b"" and len(names) == header["object_count"]
+    return [name.decode("utf-8", "replace") for name in names]
 
 
 def shell_rows(header, sections):
@@ -128,16 +135,50 @@ def shell_rows(header, sections):
         yield (*position, *(column[i] for column in columns[3:]), i // header["block_points"])
 
 
+def losses(sections):
+    """Entries [distance_m, loss_m] of a shell's table, checked."""
+    section = sections.get(11, b"")
+    entries = [list(struct.unpack_from("<2d", section, at)) for at in range(0, len(section), 16)]
+    assert len(entries) <= 256
+    for index, (distance, loss) in enumerate(entries):
+        assert 0 <= loss <= distance < float("inf")
+        assert index == 0 or (entries[index - 1][0] < distance and loss <= entries[index - 1][1])
+    return entries
+
+
+def surface_distance(header, entries, distance):
+    """The distance of the part's surface that shell points at this distance prove (section 4)."""
+    bounds = [0.0, distance - header["covering_radius_m"]]
+    if distance >= header["convex_radius_m"]:
+        bounds.append((distance ** 2 - header["convex_radius_m"] ** 2) ** 0.5
+                      - header["convex_gap_m"])
+    for own, loss in entries:
+        if distance >= own:
+            bounds.append(distance - loss)
+        elif distance ** 2 >= own ** 2 - (own - loss) ** 2:
+            bounds.append((distance ** 2 - own ** 2 + (own - loss) ** 2) ** 0.5)
+    return max(bounds)
+
+
 def main():
     with open(sys.argv[1], "rb") as file:
         header, sections = read_container(file.read())
     is_scene = header["magic"] == VOX_MAGIC
-    if sys.argv[2:] == ["--rows"]:
-        rows = Voxmap(header, sections).rows() if is_scene else shell_rows(header, sections)
+    trees = {"--rows": (1, 2, 0), "--distances": (7, 8, 255), "--objects": (11, 16, 0)}
+    if sys.argv[2:]:
+        tree = trees[sys.argv[2]]
+        rows = Tree(header, sections, *tree).rows() if is_scene else shell_rows(header, sections)
         for row in rows:
             print(*row, sep=",")
         return
     plain = {name: value for name, value in header.items() if not isinstance(value, bytes)}
+    if is_scene:
+        plain["objects"] = object_names(header, sections)
+    else:
+        entries = losses(sections)
+        plain["losses"] = entries
+        plain["surface_distance_of_2_voxels_m"] = surface_distance(header, entries,
+                                                                   2 * header["voxel_size_m"])
     print(json.dumps({**plain, "checksums_compared": xxhash is not None}))
 
 

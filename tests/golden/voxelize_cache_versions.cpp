@@ -27,8 +27,10 @@ struct Golden {
 constexpr Golden kGolden[] = {
     {"assembly", 2, "7e7b61859842d11bf3d865ed9446ae25"},
     {"assembly", 3, "7e7b61859842d11bf3d865ed9446ae25"},
+    {"assembly", 4, "7e7b61859842d11bf3d865ed9446ae25"},
     {"facts", 1, "5969afd315368bd0abbc5d4dca1f187a"},
     {"part", 1, "1c4d57068bd7dcebb03b7856ce94f27c"},
+    {"part", 2, "1c4d57068bd7dcebb03b7856ce94f27c"},
     {"node", 1, "b3fc25335a66c7ce49d0e54e610980d0"},
     {"near voxels", 2, "90bd1485eae1eddd72590f4c2a8fca18"},
 };
@@ -105,6 +107,7 @@ voxelize::BakeOptions golden_options(std::uint32_t layers) {
   voxelize::BakeOptions options;
   options.voxel_size_m = 1;
   options.layers = layers;
+  options.metric = Metric::kChebyshev;
   options.find_cavities = true;
   options.threads = 2;
   return options;
@@ -135,6 +138,7 @@ TEST(CacheVersions, OfAssembliesAndFacts) {
        std::filesystem::directory_iterator(FORCELAYER_SOURCE_DIR "/sample_data")) {
     const std::string extension = entry.path().extension().string();
     if (extension == ".json" || extension == ".csv" || extension.empty()) continue;
+    if (entry.path().stem() == "gearbox") continue;  // younger than the digests
     files.push_back(entry.path());
   }
   std::sort(files.begin(), files.end());
@@ -217,8 +221,8 @@ TEST(CacheVersions, OfNodes) {
   for (const std::uint32_t layers : {0u, 1u, 2u, 5u}) {
     const auto baked = voxelize::bake(golden_objects(meshes), golden_options(layers));
     ASSERT_TRUE(baked) << to_line(baked.error());
-    for (const auto* words :
-         {&baked->directory, &baked->upper_nodes, &baked->lower_nodes, &baked->bricks}) {
+    for (const auto* words : {&baked->values.directory, &baked->values.upper_nodes,
+                              &baked->values.lower_nodes, &baked->values.bricks}) {
       digest.bytes(std::as_bytes(std::span(*words)));
     }
   }

@@ -2,7 +2,7 @@
 // files are seeds of the fuzz targets as well.
 #include <gtest/gtest.h>
 
-#include "formats/voxmap_audit.h"
+#include "formats/audit/voxmap_audit.h"
 #include "tests/support/baked_scene.h"
 #include "tests/support/golden_bytes.h"
 
@@ -10,7 +10,7 @@ namespace forcelayer {
 namespace {
 
 // A tilted wedge that is closed, with a sheet beside it; coordinates in 1/64 voxel of 1 mm, so that
-// they are the same on every machine. The far voxels of the widest kind stay in one node.
+// they are the same on every machine. All that is not free stays in one node.
 mesh::Mesh golden_scene() {
   constexpr double kUnit = 0.001 / 64;
   mesh::Mesh mesh;
@@ -32,29 +32,24 @@ std::vector<std::byte> baked(voxelize::BakeOptions options) {
   return voxmap_bytes(result->content("{}"));
 }
 
-voxelize::BakeOptions wide(std::uint32_t bits) {
+TEST(GoldenKinds, Chebyshev) {
   voxelize::BakeOptions options;
-  options.metric = Metric::kEuclidean;
-  options.bits = bits;
-  return options;
+  options.metric = Metric::kChebyshev;
+  testing::expect_golden_bytes("baked_chebyshev.vox", baked(options));
 }
 
-TEST(GoldenKinds, Chebyshev) { testing::expect_golden_bytes("baked_chebyshev.vox", baked({})); }
-
-TEST(GoldenKinds, Euclidean) {
-  testing::expect_golden_bytes("baked_euclidean.vox", baked(wide(2)));
+TEST(GoldenKinds, Lean) {
+  voxelize::BakeOptions options;
+  options.distances = false;
+  testing::expect_golden_bytes("baked_lean.vox", baked(options));
 }
 
-TEST(GoldenKinds, FourBits) { testing::expect_golden_bytes("baked_distance4.vox", baked(wide(4))); }
-
-TEST(GoldenKinds, EightBits) {
-  testing::expect_golden_bytes("baked_distance8.vox", baked(wide(8)));
-}
+TEST(GoldenKinds, Full) { testing::expect_golden_bytes("baked_full.vox", baked({})); }
 
 TEST(GoldenKinds, SoftCovering) {
-  voxelize::BakeOptions options = wide(8);
+  voxelize::BakeOptions options;
   options.compliance = {{0.001, 0.5}, {0.0025, 4}};
-  testing::expect_golden_bytes("baked_covered8.vox", baked(options));
+  testing::expect_golden_bytes("baked_covered.vox", baked(options));
 }
 
 // The files say what they are to a reader of today, and all that they say is true.
@@ -62,20 +57,19 @@ TEST(GoldenKinds, AreRead) {
   const struct {
     const char* name;
     Metric metric;
-    std::uint32_t bits;
-    bool covered;
-  } files[] = {{"baked_chebyshev.vox", Metric::kChebyshev, 2, false},
-               {"baked_euclidean.vox", Metric::kEuclidean, 2, false},
-               {"baked_distance4.vox", Metric::kEuclidean, 4, false},
-               {"baked_distance8.vox", Metric::kEuclidean, 8, false},
-               {"baked_covered8.vox", Metric::kEuclidean, 8, true}};
+    bool distances, covered;
+  } files[] = {{"baked_chebyshev.vox", Metric::kChebyshev, false, false},
+               {"baked_lean.vox", Metric::kEuclidean, false, false},
+               {"baked_full.vox", Metric::kEuclidean, true, false},
+               {"baked_covered.vox", Metric::kEuclidean, true, true}};
   for (const auto& file : files) {
     SCOPED_TRACE(file.name);
     const auto map = Voxmap::open(testing::golden_path(file.name), Verify::kStructureAndChecksums);
     ASSERT_TRUE(map) << to_line(map.error());
-    EXPECT_TRUE(audit_voxmap(*map, file.name));
+    const Status audited = audit_voxmap(*map, file.name);
+    EXPECT_TRUE(audited) << to_line(audited.error());
     EXPECT_EQ(map->header().metric, static_cast<std::uint32_t>(file.metric));
-    EXPECT_EQ(map->header().bits_per_voxel, file.bits);
+    EXPECT_EQ(map->distances() != nullptr, file.distances);
     EXPECT_EQ(!map->compliance().empty(), file.covered);
     EXPECT_GT(map->header().surface_voxels, 500u);
     EXPECT_EQ(map->lower_node_count(), 1u);

@@ -219,7 +219,7 @@ TEST(VoxrunVmSpaceMouse, MovesThePartOntoTheWall) {
     for (; !stop; machine::sleep_until_ns(machine::monotonic_ns() + 10 * kMs)) cap.send(down);
   });
   Voxrun run(
-      "--device spacemouse --world-from-device 0.1,0.1,0.1 --duration 1s --record cap.flr "
+      "--device spacemouse --world-from-device 0.1m,0.1m,0.1m --duration 1s --record cap.flr "
       "--trace cap.csv --json cap.json");
   const int status = run.wait();
   stop = true;

@@ -25,9 +25,9 @@ Status open_as(std::span<const std::byte> bytes, Verify verify) {
 }
 
 const Format kFormats[] = {
-    {"vox", [] { return golden_file_bytes("v1.vox"); }, open_as<Voxmap>},
-    {"wide vox", [] { return golden_file_bytes("v1_wide.vox"); }, open_as<Voxmap>},
-    {"pshell", [] { return golden_file_bytes("v1.pshell"); }, open_as<Pshell>}};
+    {"vox", [] { return golden_file_bytes("v2.vox"); }, open_as<Voxmap>},
+    {"vox with distances", [] { return golden_file_bytes("v2_distances.vox"); }, open_as<Voxmap>},
+    {"pshell", [] { return golden_file_bytes("v2.pshell"); }, open_as<Pshell>}};
 
 class DamagedFile : public ::testing::TestWithParam<Format> {
  protected:
@@ -128,7 +128,8 @@ TEST_P(DamagedFile, VersionsAndFeatures) {
   EXPECT_EQ(refused(with_field(8, std::uint32_t{0x04030201}).bytes()).code,
             ErrorCode::kWrongEndianness);
   EXPECT_EQ(refused(with_field(8, std::uint32_t{7}).bytes()).code, ErrorCode::kFieldInvalid);
-  for (const int major : {0, 2, 65535}) {
+  const int own = read_at<FileHeader>(whole_.bytes(), 0).major;
+  for (const int major : {0, own - 1, own + 1, 65535}) {
     const Error error = refused(with_field(12, static_cast<std::uint16_t>(major)).bytes());
     EXPECT_EQ(error.code, ErrorCode::kUnknownVersion);
   }
@@ -140,7 +141,7 @@ TEST_P(DamagedFile, VersionsAndFeatures) {
   }
 }
 
-// A later minor version may give meaning to reserved bytes; version 1.0 may not.
+// A later minor version may give meaning to reserved bytes; minor version 0 may not.
 TEST_P(DamagedFile, ReservedBytesBelongToLaterMinorVersions) {
   const auto header = read_at<FileHeader>(whole_.bytes(), 0);
   for (const std::size_t at : {std::size_t{56}, std::size_t{header.header_bytes} - 1}) {
@@ -247,8 +248,8 @@ TEST_P(DamagedFile, NoCountAsksForMemory) {
 }
 
 TEST(OtherFormat, APshellGivenAsVoxAndTheOtherWayRound) {
-  const AlignedBytes shell = golden_file_bytes("v1.pshell");
-  const AlignedBytes scene = golden_file_bytes("v1.vox");
+  const AlignedBytes shell = golden_file_bytes("v2.pshell");
+  const AlignedBytes scene = golden_file_bytes("v2.vox");
   const auto as_scene = Voxmap::from_bytes(shell.bytes(), "part.pshell");
   ASSERT_FALSE(as_scene);
   EXPECT_EQ(as_scene.error().code, ErrorCode::kNotThisFormat);
@@ -272,7 +273,7 @@ TEST(OtherFormat, MissingFolderAndEmptyFile) {
 }
 
 TEST(OtherFormat, UnalignedMemoryIsRefused) {
-  AlignedBytes scene = golden_file_bytes("v1.vox");
+  AlignedBytes scene = golden_file_bytes("v2.vox");
   std::vector<std::byte> shifted(scene.bytes().size() + 8);
   std::copy(scene.bytes().begin(), scene.bytes().end(), shifted.begin() + 8);
   AlignedBytes moved(shifted);

@@ -14,7 +14,7 @@ namespace {
 constexpr float kFloatNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kFloatInfinity = std::numeric_limits<float>::infinity();
 
-AlignedBytes shell_bytes() { return golden_file_bytes("v1.pshell"); }
+AlignedBytes shell_bytes() { return golden_file_bytes("v2.pshell"); }
 
 template <typename T>
 void expect_refused(std::size_t offset, T value, const char* field) {
@@ -43,6 +43,8 @@ TEST(PshellFields, Counts) {
 TEST(PshellFields, Numbers) {
   for (const double wrong : {-1e-9, kInfinity, kNan}) {
     expect_refused(AT(covering_radius_m), wrong, "covering_radius_m");
+    expect_refused(AT(convex_radius_m), wrong, "convex_radius_m");
+    expect_refused(AT(convex_gap_m), wrong, "convex_gap_m");
     expect_refused(AT(bounding_radius_m), wrong, "bounding_radius_m");
     expect_refused(AT(part_deviation_m), wrong, "part_deviation_m");
     expect_refused(AT(area_m2), wrong, "area_m2");
@@ -59,7 +61,7 @@ TEST(PshellFields, Numbers) {
   expect_refused(AT(mass_source), 0u, "volume_m3");
   expect_refused(AT(mass_source), 2u, "mass_source");
   expect_refused(AT(method), 2u, "method");
-  expect_refused(AT(reserved) + 23, std::uint8_t{1}, "reserved");
+  expect_refused(AT(reserved) + 7, std::uint8_t{1}, "reserved");
 }
 
 #undef AT
@@ -133,6 +135,45 @@ TEST(PshellElements, Spheres) {
         expect_bad_element(PshellSection::kSuperBlocks, 4 * index + part, wrong,
                            "super-blocks entry " + number);
       }
+    }
+  }
+}
+
+// The golden table is (2, 1.5), (4, 0.75), (8, 0.5) mm.
+TEST(PshellElements, Losses) {
+  const auto expect_bad_loss = [](std::size_t number, double value, const std::string& where) {
+    SCOPED_TRACE(std::to_string(number) + " = " + std::to_string(value));
+    AlignedBytes bytes = shell_bytes();
+    const auto shell =
+        open_with<Pshell>(bytes, element(bytes, PshellSection::kLosses, number, 8), value);
+    ASSERT_FALSE(shell);
+    EXPECT_EQ(shell.error().code, ErrorCode::kEntryInvalid);
+    EXPECT_EQ(shell.error().where, where) << to_line(shell.error());
+  };
+  for (const double wrong : {kNan, kInfinity, -1.0, 0.001}) {
+    expect_bad_loss(0, wrong, "losses entry 0");  // a distance below the loss
+  }
+  for (const double wrong : {kNan, kInfinity, -1e-9, 0.0021}) {
+    expect_bad_loss(1, wrong, "losses entry 0");
+  }
+  expect_bad_loss(2, 0.002, "losses entry 1");   // as near as the entry before
+  expect_bad_loss(3, 0.0016, "losses entry 1");  // a larger loss, farther away
+  expect_bad_loss(5, 0.0008, "losses entry 2");
+}
+
+TEST(PshellElements, TooManyLosses) {
+  const auto [points, normals] = golden_points();
+  for (const std::size_t count : {kMaxLosses, kMaxLosses + 1}) {
+    TestShellOptions options = golden_shell_options();
+    options.losses.clear();
+    for (std::size_t n = 0; n < count; ++n) {
+      options.losses.push_back({0.002 + 0.001 * static_cast<double>(n), 0.001});
+    }
+    const AlignedBytes bytes(pshell_bytes(TestShell(points, normals, options).content()));
+    const auto shell = Pshell::from_bytes(bytes.bytes(), "part.pshell");
+    EXPECT_EQ(shell.ok(), count == kMaxLosses);
+    if (!shell) {
+      EXPECT_EQ(shell.error().where, "losses");
     }
   }
 }

@@ -12,9 +12,9 @@
 namespace forcelayer::testing {
 namespace {
 
-AlignedBytes scene_bytes() { return golden_file_bytes("v1.vox"); }
+AlignedBytes scene_bytes() { return golden_file_bytes("v2.vox"); }
 
-AlignedBytes wide_scene_bytes() { return golden_file_bytes("v1_wide.vox"); }
+AlignedBytes distance_scene_bytes() { return golden_file_bytes("v2_distances.vox"); }
 
 template <typename T>
 void expect_refused(AlignedBytes (*make)(), std::size_t offset, T value, const char* field) {
@@ -37,14 +37,14 @@ TEST(VoxmapFields, TightBox) {
   expect_refused(scene_bytes, AT(origin_voxel), std::int64_t{INT64_MIN}, "origin_voxel");
   expect_refused(scene_bytes, AT(origin_voxel), std::int64_t{INT64_MAX}, "origin_voxel");
   expect_refused(scene_bytes, AT(dims_voxels), std::uint64_t{0}, "dims_voxels");
-  expect_refused(scene_bytes, AT(dims_voxels) + 8, std::uint64_t{513}, "dims_voxels");
+  expect_refused(scene_bytes, AT(dims_voxels) + 8, std::uint64_t{507}, "dims_voxels");
   expect_refused(scene_bytes, AT(dims_voxels) + 16, ~std::uint64_t{0}, "dims_voxels");
 }
 
 TEST(VoxmapFields, ValidBox) {
   expect_refused(scene_bytes, AT(valid_min_voxel), std::int64_t{-513}, "valid_min_voxel");
   expect_refused(scene_bytes, AT(valid_min_voxel), std::int64_t{INT64_MIN}, "valid_min_voxel");
-  expect_refused(scene_bytes, AT(valid_max_voxel), std::int64_t{-431}, "valid_max_voxel");
+  expect_refused(scene_bytes, AT(valid_max_voxel), std::int64_t{-468}, "valid_max_voxel");
   expect_refused(scene_bytes, AT(valid_max_voxel) + 8, std::int64_t{-200}, "valid_max_voxel");
   expect_refused(scene_bytes, AT(valid_max_voxel), std::int64_t{INT64_MAX}, "valid_max_voxel");
   expect_refused(scene_bytes, AT(cropped_sides), std::uint32_t{64}, "cropped_sides");
@@ -53,9 +53,6 @@ TEST(VoxmapFields, ValidBox) {
 TEST(VoxmapFields, Enumerations) {
   expect_refused(scene_bytes, AT(offset_layers), std::uint32_t{65536}, "offset_layers");
   expect_refused(scene_bytes, AT(metric), std::uint32_t{2}, "metric");
-  for (const std::uint32_t wrong : {0u, 1u, 3u, 16u, 32u, ~0u}) {
-    expect_refused(scene_bytes, AT(bits_per_voxel), wrong, "bits_per_voxel");
-  }
 }
 
 TEST(VoxmapFields, Directory) {
@@ -69,6 +66,7 @@ TEST(VoxmapFields, Directory) {
                  std::uint64_t{kMaxDirectoryDim} << 32 | kMaxDirectoryDim, "directory_dims");
   expect_refused(scene_bytes, AT(directory_dims), ~0u, "directory_dims");
   expect_refused(scene_bytes, AT(reserved0), 1u, "reserved");
+  expect_refused(scene_bytes, AT(reserved1), 1u, "reserved");
 }
 
 TEST(VoxmapFields, DirectoryThatDoesNotFitItsSection) {
@@ -80,32 +78,66 @@ TEST(VoxmapFields, DirectoryThatDoesNotFitItsSection) {
 }
 
 TEST(VoxmapFields, Counts) {
-  const std::uint64_t volume = 84 * 70 * 72;
+  const std::uint64_t volume = 47 * 37 * 37;
   expect_refused(scene_bytes, AT(interior_voxels), volume, "surface_voxels");
   expect_refused(scene_bytes, AT(interior_voxels), volume + 1, "interior_voxels");
   expect_refused(scene_bytes, AT(proximity_voxels), ~std::uint64_t{0}, "proximity_voxels");
 }
 
-TEST(VoxmapFields, CodesAtTwoBits) {
-  expect_refused(scene_bytes, AT(range_m), 0.1, "range_m");
-  expect_refused(scene_bytes, AT(quantum_m), 0.1, "quantum_m");
-  for (const std::size_t at :
-       {AT(zero_code), AT(surface_code), AT(proximity_code), AT(free_code)}) {
-    expect_refused(scene_bytes, at, 1u, "thresholds");
+TEST(VoxmapFields, LengthsOfTheMetric) {
+  // v2.vox is Chebyshev and has none of them.
+  for (const double wrong : {0.001, -0.001, kNan}) {
+    expect_refused(scene_bytes, AT(zero_force_m), wrong, "zero_force_m");
+    expect_refused(scene_bytes, AT(force_depth_m), wrong, "force_depth_m");
+    expect_refused(scene_bytes, AT(distance_quantum_m), wrong, "distance_quantum_m");
+  }
+  expect_refused(scene_bytes, AT(metric), 1u, "zero_force_m");
+  expect_refused(scene_bytes, AT(distance_zero_code), 1, "distance_zero_code");
+  // v2_distances.vox is Euclidean.
+  expect_refused(distance_scene_bytes, AT(metric), 0u, "zero_force_m");
+  expect_refused(distance_scene_bytes, AT(offset_layers), 0u, "offset_layers");
+  for (const double wrong : {0.0, -0.001, kInfinity, kNan}) {
+    expect_refused(distance_scene_bytes, AT(zero_force_m), wrong, "zero_force_m");
+    expect_refused(distance_scene_bytes, AT(force_depth_m), wrong, "force_depth_m");
+  }
+  expect_refused(distance_scene_bytes, AT(force_depth_m), 0.003, "force_depth_m");
+  for (const double wrong : {-1e-9, 1.1 * kMaxVoxelSizeM, kInfinity, kNan}) {
+    expect_refused(distance_scene_bytes, AT(distance_quantum_m), wrong, "distance_quantum_m");
+  }
+  for (const std::int32_t wrong : {0, -1, 255, INT32_MAX, INT32_MIN}) {
+    expect_refused(distance_scene_bytes, AT(distance_zero_code), wrong, "distance_zero_code");
   }
 }
 
-TEST(VoxmapFields, CodesAtFourBits) {
-  for (const double wrong : {0.0, -1.0, kInfinity, kNan}) {
-    expect_refused(wide_scene_bytes, AT(range_m), wrong, "range_m");
-    expect_refused(wide_scene_bytes, AT(quantum_m), wrong, "quantum_m");
+TEST(VoxmapFields, Objects) {
+  for (const std::uint32_t wrong : {kMostObjects + 1, ~0u}) {
+    expect_refused(distance_scene_bytes, AT(object_count), wrong, "object_count");
   }
-  expect_refused(wide_scene_bytes, AT(quantum_m), 0.005, "quantum_m");
-  expect_refused(wide_scene_bytes, AT(zero_code), 16u, "zero_code");
-  expect_refused(wide_scene_bytes, AT(surface_code), 0u, "surface_code");
-  expect_refused(wide_scene_bytes, AT(surface_code), 8u, "proximity_code");
-  expect_refused(wide_scene_bytes, AT(proximity_code), 11u, "free_code");
-  expect_refused(wide_scene_bytes, AT(free_code), 16u, "free_code");
+  // A header that counts other objects than the names, and trees that it does not announce.
+  const struct {
+    std::size_t offset;
+    std::uint64_t value;  // of four bytes, or eight
+    const char* where;
+    const char* what;
+  } cases[] = {
+      {AT(object_count), 1, "object names", "2 names where the header says 1"},
+      {AT(object_count), 3, "object names", "2 names where the header says 3"},
+      {AT(object_count), 0, "object directory", "whose object_count is zero"},
+      {AT(distance_quantum_m), 0, "distance directory", "whose distance_quantum_m is zero"}};
+  for (const auto& c : cases) {
+    AlignedBytes bytes = distance_scene_bytes();
+    if (c.offset == AT(object_count)) {
+      write_at(bytes.bytes(), c.offset, static_cast<std::uint32_t>(c.value));
+    } else {
+      write_at(bytes.bytes(), c.offset, c.value);
+      write_at(bytes.bytes(), AT(distance_zero_code), 0);
+    }
+    const auto map = open_with<Voxmap>(bytes, 0, bytes.bytes()[0]);
+    ASSERT_FALSE(map) << c.what;
+    EXPECT_EQ(map.error().code, ErrorCode::kSectionInvalid);
+    EXPECT_EQ(map.error().where, c.where);
+    EXPECT_NE(map.error().what.find(c.what), std::string::npos) << to_line(map.error());
+  }
 }
 
 #undef AT
@@ -131,7 +163,7 @@ TEST(VoxmapEntries, ChildrenOutOfRangeAtEveryLevel) {
     const char* name;
     std::uint64_t entries, children;
   };
-  const Level levels[] = {{VoxmapSection::kDirectory, "directory", 4, map->upper_node_count()},
+  const Level levels[] = {{VoxmapSection::kDirectory, "directory", 2, map->upper_node_count()},
                           {VoxmapSection::kUpperNodes, "upper nodes", 512 * map->upper_node_count(),
                            map->lower_node_count()},
                           {VoxmapSection::kLowerNodes, "lower nodes", 512 * map->lower_node_count(),
@@ -154,17 +186,134 @@ TEST(VoxmapEntries, ValuesAndReservedBits) {
     expect_bad_entry(scene_bytes, VoxmapSection::kUpperNodes, 511, entry, "upper nodes");
     expect_bad_entry(scene_bytes, VoxmapSection::kLowerNodes, 7, entry, "lower nodes");
   }
-  for (const std::uint32_t entry : {uniform_entry(16), uniform_entry(10, 1), uniform_entry(0, 1)}) {
-    expect_bad_entry(wide_scene_bytes, VoxmapSection::kLowerNodes, 7, entry, "lower nodes");
+  // Codes up to 255, objects up to two, and nothing in bits 16 to 30.
+  for (const std::uint32_t entry :
+       {uniform_entry(256), uniform_entry(0xffff), uniform_entry(0) | 0x10000u,
+        uniform_entry(255) | 0x40000000u}) {
+    expect_bad_entry(distance_scene_bytes, VoxmapSection::kDistanceDirectory, 0, entry,
+                     "distance directory");
+    expect_bad_entry(distance_scene_bytes, VoxmapSection::kDistanceUpperNodes, 5, entry,
+                     "distance upper nodes");
+    expect_bad_entry(distance_scene_bytes, VoxmapSection::kDistanceLowerNodes, 511, entry,
+                     "distance lower nodes");
   }
-  AlignedBytes bytes = wide_scene_bytes();
-  const std::size_t lower =
-      section_offset(bytes.bytes(), static_cast<std::uint32_t>(VoxmapSection::kLowerNodes));
-  EXPECT_TRUE(open_with<Voxmap>(bytes, lower + 28, uniform_entry(11, 9)));
+  for (const std::uint32_t entry : {uniform_entry(3), uniform_entry(0xffff),
+                                    uniform_entry(0) | 0x10000u, uniform_entry(2) | 0x40000000u}) {
+    expect_bad_entry(distance_scene_bytes, VoxmapSection::kObjectDirectory, 0, entry,
+                     "object directory");
+    expect_bad_entry(distance_scene_bytes, VoxmapSection::kObjectUpperNodes, 5, entry,
+                     "object upper nodes");
+    expect_bad_entry(distance_scene_bytes, VoxmapSection::kObjectLowerNodes, 511, entry,
+                     "object lower nodes");
+  }
+}
+
+TEST(VoxmapEntries, ChildrenOfTheOtherTrees) {
+  const struct {
+    VoxmapSection section;
+    const char* name;
+  } sections[] = {{VoxmapSection::kDistanceDirectory, "distance directory"},
+                  {VoxmapSection::kDistanceUpperNodes, "distance upper nodes"},
+                  {VoxmapSection::kDistanceLowerNodes, "distance lower nodes"},
+                  {VoxmapSection::kObjectDirectory, "object directory"},
+                  {VoxmapSection::kObjectUpperNodes, "object upper nodes"},
+                  {VoxmapSection::kObjectLowerNodes, "object lower nodes"}};
+  for (const auto& [section, name] : sections) {
+    for (const std::uint32_t child : {1u, 0x7fffffffu}) {  // each has one child
+      expect_bad_entry(distance_scene_bytes, section, 0, child, name);
+    }
+  }
+}
+
+// Opens v2_distances.vox with changed content.
+template <typename Change>
+Result<Voxmap> with_content(Change change) {
+  const GoldenDistances golden;
+  VoxmapContent content = golden.content();
+  change(content);
+  static AlignedBytes bytes;  // a map that opens points into it
+  bytes = AlignedBytes(voxmap_bytes(content));
+  return Voxmap::from_bytes(bytes.bytes(), "scene.vox", Verify::kStructureAndChecksums);
+}
+
+TEST(VoxmapSections, TreesOfAnotherShape) {
+  const std::vector<std::uint32_t> two(2, uniform_entry(0));
+  for (const auto part :
+       {&VoxmapContent::values, &VoxmapContent::distances, &VoxmapContent::objects}) {
+    const auto longer = with_content([&](VoxmapContent& c) { (c.*part).directory = two; });
+    ASSERT_FALSE(longer);
+    EXPECT_EQ(longer.error().code, ErrorCode::kSectionInvalid);
+    EXPECT_EQ(longer.error().what, "2 entries where the header says 1");
+    const auto missing = with_content([&](VoxmapContent& c) { (c.*part).directory = {}; });
+    ASSERT_FALSE(missing);
+    EXPECT_EQ(missing.error().what, "0 entries where the header says 1");
+  }
+}
+
+// Sections of a tree without nodes or bricks may be absent.
+TEST(VoxmapSections, UniformTreesNeedADirectoryAlone) {
+  const std::vector<std::uint32_t> far{uniform_entry(255)}, none{uniform_entry(0)};
+  const auto map = with_content([&](VoxmapContent& c) {
+    c.distances = {far, {}, {}, {}};
+    c.objects = {none, {}, {}, {}};
+  });
+  ASSERT_TRUE(map) << to_line(map.error());
+  EXPECT_EQ(map->distance_counts().upper_nodes, 0u);
+  EXPECT_EQ(map->least_distance_m(3, 3, 3), 128 * (0.001 / 32));
+  EXPECT_EQ(map->nearest_object(3, 3, 3), 0u);
+}
+
+TEST(VoxmapSections, LeanFilesHaveTheSameBytesInSharedSections) {
+  const GoldenDistances golden;
+  VoxmapContent content = golden.content();
+  const std::vector<std::byte> whole = voxmap_bytes(content);
+  content.header.distance_quantum_m = 0;
+  content.header.distance_zero_code = 0;
+  content.header.object_count = 0;
+  content.distances = content.objects = {};
+  content.object_names = {};
+  content.compliance = {};
+  const std::vector<std::byte> lean = voxmap_bytes(content);
+  for (const std::uint32_t id : {1u, 2u, 3u, 4u, 6u}) {
+    const auto a = read_at<SectionEntry>(whole, table_entry_of(whole, id));
+    const auto b = read_at<SectionEntry>(lean, table_entry_of(lean, id));
+    EXPECT_EQ(a.bytes, b.bytes);
+    EXPECT_EQ(a.checksum, b.checksum);
+  }
+}
+
+TEST(VoxmapSections, Names) {
+  const auto open = [](std::string_view names) {
+    return with_content([&](VoxmapContent& c) { c.object_names = names; });
+  };
+  using namespace std::string_view_literals;
+  const auto empty_names = open("\0\0"sv);
+  ASSERT_TRUE(empty_names);
+  EXPECT_EQ(empty_names->object_name(2), "");
+  const struct {
+    std::string_view names;
+    const char* what;
+  } cases[] = {{"left\0right"sv, "the last name has no end"},
+               {""sv, "0 names where the header says 2"},
+               {"left\0"sv, "1 names where the header says 2"},
+               {"left\0right\0\0"sv, "3 names where the header says 2"}};
+  for (const auto& c : cases) {
+    const auto map = open(c.names);
+    ASSERT_FALSE(map) << c.what;
+    EXPECT_EQ(map.error().where, "object names");
+    EXPECT_EQ(map.error().what, c.what);
+    EXPECT_EQ(exit_status(map.error().code), 4);
+  }
+  const auto unannounced = with_content([](VoxmapContent& c) {
+    c.header.object_count = 0;
+    c.objects = {};
+  });
+  ASSERT_FALSE(unannounced);
+  EXPECT_EQ(unannounced.error().what, "2 names where the header says 0");
 }
 
 TEST(VoxmapEntries, Compliance) {
-  AlignedBytes (*const make)() = wide_scene_bytes;
+  AlignedBytes (*const make)() = distance_scene_bytes;
   for (const float wrong : {-1.0f, 0.1f, std::numeric_limits<float>::infinity(),
                             std::numeric_limits<float>::quiet_NaN()}) {
     AlignedBytes bytes = make();
@@ -176,28 +325,29 @@ TEST(VoxmapEntries, Compliance) {
   }
 }
 
-Result<Voxmap> with_compliance(const std::vector<float>& forces, double quantum_m = 0.0005) {
-  const GoldenWideVoxmap golden;
-  VoxmapContent content = golden.content();
-  content.header.quantum_m = quantum_m;
-  content.compliance = forces;
-  const AlignedBytes bytes(voxmap_bytes(content));
-  return Voxmap::from_bytes(bytes.bytes(), "scene.vox", Verify::kStructureAndChecksums);
+Result<Voxmap> with_compliance(const std::vector<float>& forces, double quantum_m = 0.001 / 32) {
+  return with_content([&](VoxmapContent& c) {
+    c.header.distance_quantum_m = quantum_m;
+    c.compliance = forces;
+  });
 }
 
 TEST(VoxmapEntries, ComplianceIsBounded) {
   ASSERT_TRUE(with_compliance({0, 0, 1e6f, 1e6f, 1e6f}));
   ASSERT_TRUE(with_compliance({0, 1}, 1e-12));
+  std::vector<float> deepest(220, 1);  // 2.867 voxels and 128 steps
+  deepest[0] = 0;
+  ASSERT_TRUE(with_compliance(deepest));
   const struct {
     std::vector<float> forces;
     const char* where;
-    double quantum_m = 0.0005;
+    double quantum_m = 0.001 / 32;
   } cases[] = {{{0.5f, 1}, "compliance entry 0"},
                {{0, 1, 1.1e6f}, "compliance entry 2"},
                {{0, 1}, "compliance entry 1", 0.9e-12},  // above 1e12 N/m
                {{0}, "compliance"},
                {{0, 0, 0}, "compliance"},
-               {{0, 1, 2, 3, 4, 5}, "compliance"}};  // deeper than code 0
+               {std::vector<float>(221, 0), "compliance"}};  // deeper than code 0
   for (const auto& c : cases) {
     const auto map = with_compliance(c.forces, c.quantum_m);
     ASSERT_FALSE(map) << c.where << " of " << c.forces.size();
@@ -206,7 +356,7 @@ TEST(VoxmapEntries, ComplianceIsBounded) {
   }
 }
 
-TEST(VoxmapEntries, ComplianceNeedsDepth) {
+TEST(VoxmapEntries, ComplianceNeedsDistances) {
   DenseVoxels voxels({0, 0, 0}, {8, 8, 8}, 0.001);
   voxels.set(3, 3, 3, VoxelValue::kSurface);
   const DenseTree tree(voxels, {});
@@ -235,6 +385,8 @@ void look_around(const Voxmap& map, std::mt19937_64& random) {
                        y = static_cast<std::int32_t>(world[1] - view.directory_origin[1]),
                        z = static_cast<std::int32_t>(world[2] - view.directory_origin[2]);
     if (view.contains(x, y, z)) sum += view.lookup(x, y, z).clearance;
+    sum += map.object_name(map.nearest_object(world[0], world[1], world[2])).size();
+    sum += map.least_distance_m(world[0], world[1], world[2]) > 0;
   }
   for (const float force : map.compliance()) sum += force > 0;
   for (const char c : map.provenance()) sum += static_cast<unsigned char>(c);
@@ -265,7 +417,7 @@ TEST(VoxmapCorruption, IsRefusedOrHarmless) {
   for (std::uint64_t seed = 1; seed <= 3000; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     std::mt19937_64 random(seed);
-    AlignedBytes bytes = seed % 3 == 0 ? wide_scene_bytes() : scene_bytes();
+    AlignedBytes bytes = seed % 3 == 0 ? distance_scene_bytes() : scene_bytes();
     // Half of the damage goes to header and table, where it is most telling.
     const std::size_t limit = seed % 2 ? bytes.bytes().size() : 600;
     corrupt(bytes.bytes().subspan(64), limit - 64, random);

@@ -26,13 +26,13 @@ void expect_refused(const Result<std::uint64_t>& written, const test::ScratchFol
 TEST(Writers, AVoxmapThatItsReaderWouldRefuseIsNotWritten) {
   const test::ScratchFolder folder;
   std::ofstream(folder / "old") << "old";
-  const GoldenWideVoxmap golden;
+  const GoldenDistances golden;
   VoxmapContent content = golden.content();
-  content.header.zero_code = 16;
-  expect_refused(write_voxmap(folder / "old", content), folder, "zero_code");
+  content.header.distance_zero_code = 1 << 21;
+  expect_refused(write_voxmap(folder / "old", content), folder, "distance_zero_code");
   content = golden.content();
   const std::vector<std::uint32_t> directory{7};  // an upper node that is not there
-  content.directory = directory;
+  content.values.directory = directory;
   expect_refused(write_voxmap(folder / "old", content), folder, "directory");
   EXPECT_TRUE(write_voxmap(folder / "old", golden.content()));
 }

@@ -78,6 +78,7 @@ mesh::Assembly two_cubes() {
   assembly.meters_per_unit = 0.001;
   assembly.deviation_units = 0.25;
   assembly.warnings = {"odd", "odder"};
+  assembly.nodes = {{"a", "a", 0, 0, 2}, {"b", "a/b", 1, 0, 1}, {"", "a/", 1, 1, 1}};
   return assembly;
 }
 
@@ -101,7 +102,28 @@ TEST(AssemblyStream, BringsEverything) {
   EXPECT_EQ(got.meters_per_unit, 0.001);
   EXPECT_EQ(got.deviation_units, 0.25);
   EXPECT_EQ(got.warnings, assembly.warnings);
+  ASSERT_EQ(got.nodes.size(), 3u);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(got.nodes[i].label, assembly.nodes[i].label);
+    EXPECT_EQ(got.nodes[i].path, assembly.nodes[i].path);
+    EXPECT_EQ(got.nodes[i].depth, assembly.nodes[i].depth);
+    EXPECT_EQ(got.nodes[i].first_instance, assembly.nodes[i].first_instance);
+    EXPECT_EQ(got.nodes[i].instance_count, assembly.nodes[i].instance_count);
+  }
+  EXPECT_EQ(got.instances[1].box.low,
+            mesh::box_of(assembly.meshes[1], assembly.instances[1].assembly_from_mesh).low);
   EXPECT_EQ(corners_of(got), corners_of(assembly));
+}
+
+TEST(AssemblyStream, RefusesNodesOfInstancesThatAreNotThere) {
+  for (const mesh::AssemblyNode& wrong :
+       {mesh::AssemblyNode{"x", "x", 0, 3, 0}, mesh::AssemblyNode{"x", "x", 0, 1, 2},
+        mesh::AssemblyNode{"x", "x", 0, 0xffffffff, 0xffffffff},
+        mesh::AssemblyNode{"x", "x", 3, 0, 1}}) {
+    mesh::Assembly assembly = two_cubes();
+    assembly.nodes.push_back(wrong);
+    EXPECT_EQ(sent(assembly).broken, mesh::BrokenStream::kNonsense);
+  }
 }
 
 TEST(AssemblyStream, BringsLargeMeshes) {

@@ -154,7 +154,7 @@ TEST(DamagedGltf, SaysWhichNodesThereAre) {
   const std::string nodes = R"([{"name":"root","children":[1,2]},{"name":"a","mesh":0},
                                 {"name":"b","children":[3]},{"name":"a","mesh":0}])";
   expect_error(read_nodes(nodes, "c"), ErrorCode::kSceneInvalid, "#c",
-               "no node of this name; use one of: root, root/a, root/b, root/b/a");
+               "no node of this name; the nearest are: root/a, root/b, root/b/a, root");
   expect_error(read_nodes(nodes, "a"), ErrorCode::kSceneInvalid, "#a",
                "several nodes of this name; use one of: root/a, root/b/a");
 }

@@ -1,29 +1,66 @@
 // The audit accepts the truth and notices every single untruth.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <random>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
 
-#include "formats/voxmap_audit.h"
+#include "formats/audit/layer_distance.h"
+#include "formats/audit/voxmap_audit.h"
+#include "tests/support/distance_scene.h"
 #include "tests/support/file_surgery.h"
 #include "tests/support/golden_content.h"
 
 namespace forcelayer::testing {
 namespace {
 
+#ifdef __SANITIZE_ADDRESS__
+constexpr std::uint64_t kShare = 6;  // a sixth of the seeds: such an audit takes 20 times as long
+#else
+constexpr std::uint64_t kShare = 1;
+#endif
+constexpr std::int64_t kEdge = 48;  // of the scenes, voxels
+
+// Interior boxes at random with their layers, anywhere beside the faces of nodes.
 DenseVoxels random_scene(std::mt19937_64& random) {
-  const VoxelIndex lowest{static_cast<std::int64_t>(random() % 1100) - 600, -20, 500};
-  DenseVoxels voxels(lowest, {40, 40, 40}, 0.001);
+  const VoxelIndex lowest{static_cast<std::int64_t>(random() % 1100) - 600, -20, 490};
+  DenseVoxels voxels(lowest, {kEdge, kEdge, kEdge}, 0.001);
+  std::vector<VoxelBox> solids;
   for (int box = 0; box < 4; ++box) {
-    VoxelIndex low{}, high{};
+    VoxelBox solid;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      low[axis] = lowest[axis] + static_cast<std::int64_t>(random() % 40);
-      high[axis] =
-          std::min(lowest[axis] + 40, low[axis] + 1 + static_cast<std::int64_t>(random() % 20));
+      solid.low[axis] = lowest[axis] + 2 + static_cast<std::int64_t>(random() % (kEdge - 4));
+      solid.high[axis] = std::min(lowest[axis] + kEdge - 2,
+                                  solid.low[axis] + 1 + static_cast<std::int64_t>(random() % 20));
     }
-    voxels.fill(low, high, static_cast<VoxelValue>(random() % 4));
+    solids.push_back(solid);
   }
-  voxels.set(lowest[0] + 20, lowest[1] + 20, lowest[2] + 20, VoxelValue::kSurface);
+  for (const int layer : {2, 1, 0}) {
+    constexpr VoxelValue kValues[] = {VoxelValue::kInterior, VoxelValue::kSurface,
+                                      VoxelValue::kProximity};
+    for (const VoxelBox& solid : solids) {
+      VoxelBox grown = solid;
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        grown.low[axis] -= layer;
+        grown.high[axis] += layer;
+      }
+      voxels.fill(grown.low, grown.high, kValues[layer]);
+    }
+  }
   return voxels;
+}
+
+VoxelIndex random_voxel(const VoxelBox& box, std::mt19937_64& random) {
+  VoxelIndex at{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    at[axis] =
+        box.low[axis] + static_cast<std::int64_t>(
+                            random() % static_cast<std::uint64_t>(box.high[axis] - box.low[axis]));
+  }
+  return at;
 }
 
 DenseVoxmapOptions random_options(std::mt19937_64& random, const DenseVoxels& voxels) {
@@ -47,7 +84,7 @@ Status audit(AlignedBytes& bytes) {
 }
 
 TEST(VoxmapAudit, AcceptsTheTruth) {
-  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 12 / kShare; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     std::mt19937_64 random(seed);
     const DenseVoxels voxels = random_scene(random);
@@ -58,10 +95,10 @@ TEST(VoxmapAudit, AcceptsTheTruth) {
 }
 
 TEST(VoxmapAudit, AcceptsGoldenFilesAndAnEmptyScene) {
-  AlignedBytes golden = golden_file_bytes("v1.vox");
+  AlignedBytes golden = golden_file_bytes("v2.vox");
   EXPECT_TRUE(audit(golden));
-  AlignedBytes wide = golden_file_bytes("v1_wide.vox");
-  EXPECT_TRUE(audit(wide));
+  AlignedBytes distances = golden_file_bytes("v2_distances.vox");
+  EXPECT_TRUE(audit(distances));
   AlignedBytes empty = dense_voxmap_bytes(DenseVoxels({0, 0, 0}, {1, 1, 1}, 0.001));
   EXPECT_TRUE(audit(empty));
 }
@@ -69,7 +106,7 @@ TEST(VoxmapAudit, AcceptsGoldenFilesAndAnEmptyScene) {
 // Clearances of the test helper are the true distances: one more is a lie. Random entries of every
 // level are raised, one at a time.
 TEST(VoxmapAudit, NoticesEveryClearanceThatIsTooLarge) {
-  for (std::uint64_t seed = 31; seed <= 36; ++seed) {
+  for (std::uint64_t seed = 31; seed < 31 + 6 / kShare; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     std::mt19937_64 random(seed);
     const DenseVoxels voxels = random_scene(random);
@@ -82,7 +119,7 @@ TEST(VoxmapAudit, NoticesEveryClearanceThatIsTooLarge) {
       const auto id = static_cast<std::uint32_t>(section);
       const auto entry = read_at<SectionEntry>(whole.bytes(), table_entry_of(whole.bytes(), id));
       int raised = 0;
-      for (int tries = 0; tries < 200 && raised < 25; ++tries) {
+      for (int tries = 0; tries < 200 && raised < 8; ++tries) {
         AlignedBytes bytes(whole.bytes());
         const std::size_t at = entry.offset + 4 * (random() % (entry.bytes / 4));
         const auto word = read_at<std::uint32_t>(bytes.bytes(), at);
@@ -108,13 +145,235 @@ TEST(VoxmapAudit, NoticesWrongCountsAndBoxes) {
        {offsetof(VoxmapHeader, interior_voxels), offsetof(VoxmapHeader, surface_voxels),
         offsetof(VoxmapHeader, proximity_voxels), offsetof(VoxmapHeader, dims_voxels),
         offsetof(VoxmapHeader, dims_voxels) + 16, offsetof(VoxmapHeader, origin_voxel) + 8}) {
-    AlignedBytes bytes = golden_file_bytes("v1.vox");
+    AlignedBytes bytes = golden_file_bytes("v2.vox");
     write_at(bytes.bytes(), at, read_at<std::uint64_t>(bytes.bytes(), at) + 1);
     const Status status = audit(bytes);
     ASSERT_FALSE(status) << at;
     EXPECT_EQ(status.error().code, ErrorCode::kEntryInvalid);
     EXPECT_EQ(status.error().where.rfind("header (", 0), 0u);
   }
+}
+
+// One voxel of another value, with counts and box that agree: the layers do not.
+TEST(VoxmapAudit, NoticesEveryHoleInALayer) {
+  using enum VoxelValue;
+  const std::pair<VoxelValue, VoxelValue> changes[] = {
+      {kSurface, kFree},      {kSurface, kProximity}, {kSurface, kInterior}, {kInterior, kFree},
+      {kProximity, kSurface}, {kProximity, kFree},    {kFree, kProximity},   {kFree, kSurface}};
+  std::set<std::string> reasons;
+  for (std::uint64_t seed = 51; seed <= 50 + (3 + kShare - 1) / kShare; ++seed) {
+    std::mt19937_64 random(seed);
+    const DenseVoxels whole = random_scene(random);
+    for (const auto& [from, to] : changes) {
+      SCOPED_TRACE("seed " + std::to_string(seed) + " from " +
+                   std::to_string(static_cast<int>(from)) + " to " +
+                   std::to_string(static_cast<int>(to)));
+      int noticed = 0;
+      for (int tries = 0; tries < 20000 && noticed < 3; ++tries) {
+        const VoxelIndex at = random_voxel(whole.box(), random);
+        if (whole.value(at[0], at[1], at[2]) != from) continue;
+        DenseVoxels voxels = whole;
+        voxels.set(at[0], at[1], at[2], to);
+        AlignedBytes bytes = dense_voxmap_bytes(voxels);
+        const Status status = audit(bytes);
+        ASSERT_FALSE(status);
+        EXPECT_EQ(status.error().where.rfind("voxel ", 0), 0u) << to_line(status.error());
+        reasons.insert(status.error().what);
+        ++noticed;
+      }
+      EXPECT_EQ(noticed, 3);
+    }
+  }
+  EXPECT_EQ(reasons.size(), 4u);  // each of the checks has found something
+}
+
+// With no layers, where the surface is the mesh's own voxels, the proximity alone is checked.
+TEST(VoxmapAudit, PlainClassificationHasProximityOnly) {
+  DenseVoxels sheet({0, 0, 0}, {12, 12, 12}, 0.001);  // open: no interior
+  sheet.fill({1, 1, 1}, {11, 11, 4}, VoxelValue::kProximity);
+  sheet.fill({2, 2, 2}, {10, 10, 3}, VoxelValue::kSurface);
+  AlignedBytes plain = dense_voxmap_bytes(sheet, {.offset_layers = 0});
+  EXPECT_TRUE(audit(plain));
+  AlignedBytes layered = dense_voxmap_bytes(sheet, {.offset_layers = 1});
+  EXPECT_FALSE(audit(layered));
+  sheet.set(1, 5, 2, VoxelValue::kFree);
+  AlignedBytes hole = dense_voxmap_bytes(sheet, {.offset_layers = 0});
+  EXPECT_FALSE(audit(hole));
+}
+
+// A region cut out of a scene is whole up to its cropped sides; with sides that are said to be
+// uncut it is not.
+TEST(VoxmapAudit, LooksNotAcrossCroppedSides) {
+  int refused = 0;
+  for (std::uint64_t seed = 61; seed < 61 + 12 / kShare; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    std::mt19937_64 random(seed);
+    const DenseVoxels whole = random_scene(random);
+    VoxelBox region = whole.box();
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      region.low[axis] += 5 + static_cast<std::int64_t>(random() % 10);
+      region.high[axis] -= 5 + static_cast<std::int64_t>(random() % 10);
+    }
+    DenseVoxels cut(region.low,
+                    {region.high[0] - region.low[0], region.high[1] - region.low[1],
+                     region.high[2] - region.low[2]},
+                    0.001);
+    bool any = false, cut_through = false;
+    for_each_voxel(whole.box(), [&](const VoxelIndex& v) {
+      const VoxelValue value = whole.value(v[0], v[1], v[2]);
+      if (value == VoxelValue::kFree) return;
+      any |= cut.holds(v[0], v[1], v[2]);
+      if (cut.holds(v[0], v[1], v[2])) {
+        cut.set(v[0], v[1], v[2], value);
+      } else {
+        cut_through |= value == VoxelValue::kInterior && voxel_distance(region, v) == 1;
+      }
+    });
+    if (!any) continue;
+    AlignedBytes cropped =
+        dense_voxmap_bytes(cut, {.clearances = true, .cropped_sides = 63, .valid_box = region});
+    const Status status = audit(cropped);
+    EXPECT_TRUE(status) << to_line(status.error());
+    if (!cut_through) continue;
+    AlignedBytes uncut = dense_voxmap_bytes(cut, {.valid_box = region});
+    refused += !audit(uncut);
+  }
+  EXPECT_GT(refused, kShare == 1 ? 3 : 0);
+}
+
+// Scenes with distances: boxes and points at random, their distance the least of all.
+struct DistanceCase {
+  explicit DistanceCase(std::uint64_t seed)
+      : random(seed),
+        layers(1 + static_cast<std::uint32_t>(seed % 3)),
+        definition(layers, seed % 2 ? 4 : 6, seed % 2 ? 1 : 2.3) {
+    const test::Voxel low{-24 + static_cast<std::int64_t>(random() % 16), 490, -530};
+    std::vector<std::array<glm::dvec3, 2>> boxes;  // in voxels: a middle, half an extent
+    std::uniform_real_distribution<double> along(16, 24), half(0, 3);
+    for (int box = 0; box < 3; ++box) {
+      boxes.push_back({glm::dvec3(along(random) + static_cast<double>(low[0]),
+                                  along(random) + static_cast<double>(low[1]),
+                                  along(random) + static_cast<double>(low[2])),
+                       box == 0 ? glm::dvec3(0) : glm::dvec3(half(random), half(random), 0.3)});
+    }
+    scene = test::distance_scene(
+        0.001, low, {40, 40, 40},
+        [&](const glm::dvec3& point_m) {
+          double nearest = 1e9;
+          for (const auto& [middle, extent] : boxes) {
+            double outside = 0, inside = -1e9;
+            for (int axis = 0; axis < 3; ++axis) {
+              const double beyond = std::abs(point_m[axis] / 0.001 - middle[axis]) - extent[axis];
+              outside += std::max(beyond, 0.0) * std::max(beyond, 0.0);
+              inside = std::max(inside, beyond);
+            }
+            nearest = std::min(nearest, std::sqrt(outside) + std::min(inside, 0.0));
+          }
+          return nearest * 0.001;
+        },
+        layers, definition);
+  }
+
+  AlignedBytes bytes(std::uint32_t cropped_sides = 0) const {
+    return AlignedBytes(voxmap_bytes(test::SceneFile(scene).content(cropped_sides)));
+  }
+
+  std::size_t index(std::size_t x, std::size_t y, std::size_t z) const {
+    return (x * 40 + y) * 40 + z;
+  }
+
+  // The largest code of the six neighbors of an inner voxel.
+  std::uint32_t most_beside(std::size_t i) const {
+    std::uint8_t most = 0;
+    for (const std::size_t step : {1u, 40u, 1600u}) {
+      most = std::max({most, scene.codes[i - step], scene.codes[i + step]});
+    }
+    return most;
+  }
+
+  std::mt19937_64 random;
+  std::uint32_t layers;
+  test::DistanceDefinition definition;
+  test::VoxelScene scene;
+};
+
+TEST(VoxmapAudit, AcceptsTrueDistances) {
+  for (std::uint64_t seed = 1; seed <= 12 / kShare; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    AlignedBytes bytes = DistanceCase(seed).bytes();
+    const Status status = audit(bytes);
+    EXPECT_TRUE(status) << to_line(status.error());
+  }
+}
+
+// A code that the voxel's value cannot have, or that its neighbors cannot have beside them.
+TEST(VoxmapAudit, NoticesEveryCodeThatCannotBe) {
+  for (std::uint64_t seed = 1; seed <= 6 / kShare; ++seed) {
+    DistanceCase truth(seed);
+    const auto& d = truth.definition;
+    const auto n = static_cast<double>(d.force_layers);
+    const double q = d.quantum, from_layers[] = {layer_distance_voxels(truth.layers, n + 1), 0,
+                                                 layer_distance_voxels(truth.layers, 0),
+                                                 layer_distance_voxels(truth.layers, n)};
+    int planted[6] = {};
+    for (int tries = 0; tries < 60000; ++tries) {
+      const std::size_t i =
+          truth.index(1 + truth.random() % 38, 1 + truth.random() % 38, 1 + truth.random() % 38);
+      const int value = truth.scene.values[i];
+      int kind = static_cast<int>(truth.random() % 6);
+      std::uint32_t code = 0;
+      if (kind == 0 && value == 1) {
+        code = d.code(d.interior + 1.5 * q);  // an interior voxel too far out
+      } else if (kind >= 1 && kind <= 3 && value == (kind == 3 ? 0 : kind + 1)) {
+        code = d.code(from_layers[value] - 2 * q);  // others too near
+      } else if (kind == 4 && value >= 2) {
+        code =
+            d.code(most_layer_distance_voxels(truth.layers, n + value - 2) + 2 * q);  // or too far
+      } else if (kind == 5 && value == 0) {
+        code = truth.most_beside(i) + static_cast<std::uint32_t>(1 / q) + 2;  // a leap
+      } else {
+        continue;
+      }
+      if (planted[kind] == 2 || code > 255 || (kind == 5 && code == 255)) continue;
+      const std::uint8_t before = truth.scene.codes[i];
+      truth.scene.codes[i] = static_cast<std::uint8_t>(code);
+      AlignedBytes bytes = truth.bytes();
+      truth.scene.codes[i] = before;
+      const Status status = audit(bytes);
+      ASSERT_FALSE(status) << "seed " << seed << " kind " << kind << " code " << code;
+      EXPECT_NE(status.error().what.find("its code"), std::string::npos);
+      ++planted[kind];
+    }
+    for (const int kind : {0, 1, 2, 3}) EXPECT_EQ(planted[kind], 2) << "kind " << kind;
+    EXPECT_GT(planted[4] + planted[5], 0);
+  }
+}
+
+// Entries of free space: "or more" that is not true, because a neighbor is near.
+TEST(VoxmapAudit, NoticesFarCodesBesideNearOnes) {
+  const GoldenDistances golden;
+  VoxmapContent content = golden.content();
+  content.header.distance_zero_code = 80;  // 255 now stands for 5.5 voxels and more
+  AlignedBytes bytes(voxmap_bytes(content));
+  EXPECT_FALSE(audit(bytes));
+}
+
+TEST(VoxmapAudit, NoticesAForceThatBeginsElsewhere) {
+  AlignedBytes bytes = golden_file_bytes("v2_distances.vox");
+  write_at(bytes.bytes(), offsetof(VoxmapHeader, zero_force_m), 0.0029);
+  const Status status = audit(bytes);
+  ASSERT_FALSE(status);
+  EXPECT_NE(status.error().where.find("zero_force_m"), std::string::npos);
+}
+
+TEST(VoxmapAudit, NoticesObjectsThatAreNot) {
+  AlignedBytes bytes = golden_file_bytes("v2_distances.vox");
+  const std::size_t bricks =
+      section_offset(bytes.bytes(), static_cast<std::uint32_t>(VoxmapSection::kObjectBricks));
+  write_at(bytes.bytes(), bricks + 2 * 77, std::uint16_t{3});
+  const Status status = audit(bytes);
+  ASSERT_FALSE(status);
+  EXPECT_EQ(status.error().where, "object brick 0 voxel 77");
 }
 
 }  // namespace

@@ -152,11 +152,11 @@ field::ContactSet random_set(std::mt19937_64& random, double voxel_size_m) {
 
 // That of three voxels of foam.
 field::ForceCurve foam_curve(double voxel_size_m) {
-  const DistanceDefinition definition(2, 8, 6, 3);
+  const DistanceDefinition definition(2, 6, 3);
   VoxelScene scene = distance_scene(
       voxel_size_m, {0, 0, -4}, {8, 8, 16}, [](const glm::dvec3& p) { return p.z; }, 2, definition);
   for (int i = 0; i * definition.quantum < 3; ++i) {
-    scene.wide.compliance.push_back(static_cast<float>(i * i));
+    scene.distances.compliance.push_back(static_cast<float>(i * i));
   }
   return field::ForceCurve(make_voxmap(scene));
 }

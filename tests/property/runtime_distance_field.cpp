@@ -1,5 +1,5 @@
-// The distance field: bit for bit its scalar twin; exact in front of walls; depth in values 1 and 2
-// alone; leads out from inside. The tangent plane over stored distances beside it.
+// The distance field: bit for bit its scalar twin; exact in front of walls; no depth in free
+// voxels; leads out from inside; proven distances never above the exact ones.
 #include "runtime/field/distance_field.h"
 
 #include <gtest/gtest.h>
@@ -35,6 +35,7 @@ float code_of(const VoxelScene& scene, Voxel v, std::uint32_t cropped_sides) {
 
 struct Twin {
   float phi = 0, depth_m = 0;  // signed
+  float distance_m = 0;        // proven
   Floats direction{}, slope{};
 };
 
@@ -73,14 +74,40 @@ Twin twin_of(const VoxelScene& scene, const Voxel& voxel, const Floats& fraction
                       mix(along_x(0, out[2]), along_x(1, out[2]), share[1])};
   const Floats cell{step_x, mix(step_y[0], step_y[1], share[0]),
                     mix(step_z[0], step_z[1], share[0])};
-  const auto step = static_cast<float>(scene.wide.quantum_m / scene.voxel_size_m);
+  const auto step = static_cast<float>(scene.distances.quantum_m / scene.voxel_size_m);
   const auto size_m = static_cast<float>(scene.voxel_size_m);
   Twin twin;
-  twin.phi = (code - static_cast<float>(scene.wide.zero_code)) * step;
+  // Codes are rounded down: each stands for the middle of its step.
+  const double zero_code =
+      scene.distances.zero_code - 0.5 + scene.zero_force_m() / scene.distances.quantum_m;
+  twin.phi = (code - static_cast<float>(zero_code)) * step;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const float a = share[axis] - 0.5f, b = std::abs(a);
     const float kept = (b - 1.5f) * b + 1.0f;
     twin.slope[axis] = (kept * cell[axis] + a * (beside[axis] - code)) * step;
+  }
+  // Squares of the corners' lower bounds, interpolated as the kernel does.
+  const auto mesh_code = static_cast<float>(scene.distances.zero_code);
+  const auto square = [&](int x, int y, int z) {
+    const float above = std::max(at(x, y, z) - mesh_code, 0.0f);
+    return above * above;
+  };
+  const auto squares_along_z = [&](int x, int y) {
+    return mix(square(x, y, 0), square(x, y, 1), share[2]);
+  };
+  const float squared = mix(mix(squares_along_z(0, 0), squares_along_z(0, 1), share[1]),
+                            mix(squares_along_z(1, 0), squares_along_z(1, 1), share[1]), share[0]);
+  float spread = 0;
+  for (const float t : share) spread += t * (1.0f - t);
+  const double codes = scene.voxel_size_m / scene.distances.quantum_m;
+  const float lost = spread * static_cast<float>(codes * codes) + 0.125f;
+  twin.distance_m = std::sqrt(std::max(squared - lost, 0.0f)) *
+                    (static_cast<float>(1 / codes) * size_m * (1 - 4 * 0x1p-23f));
+  for (std::size_t axis = 0; axis < 3; ++axis) {  // beside a cropped side nothing is proven
+    const std::int64_t first = scene.min[axis], end = first + scene.dims[axis];
+    const bool below = (cropped_sides >> (2 * axis) & 1) != 0 && voxel[axis] - 1 < first;
+    const bool above = (cropped_sides >> (2 * axis + 1) & 1) != 0 && voxel[axis] + 1 >= end;
+    if (below || above) twin.distance_m = 0;
   }
   const auto length_of = [](const Floats& v) {
     return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
@@ -124,8 +151,7 @@ VoxelScene random_distances(Random& random, bool with_noise = true) {
     spheres.push_back(sphere);
   }
   const bool noise = with_noise && random() % 4 == 0;
-  const std::uint32_t bits = random() % 2 ? 8 : 4;
-  const DistanceDefinition definition(static_cast<std::uint32_t>(integer(random, 1, 3)), bits,
+  const DistanceDefinition definition(static_cast<std::uint32_t>(integer(random, 1, 3)),
                                       uniform(random, 2, 6));
   return distance_scene(
       s, min, dims,
@@ -185,7 +211,7 @@ glm::dvec3 defined_slope(const VoxelScene& scene, const Voxel& voxel, const Floa
       slope[axis] += weight * (code_of(scene, high, 0) - code_of(scene, low, 0));
     }
   }
-  return slope * (scene.wide.quantum_m / scene.voxel_size_m);
+  return slope * (scene.distances.quantum_m / scene.voxel_size_m);
 }
 
 class DistanceFieldOnEveryTarget : public EveryTarget {};
@@ -224,6 +250,7 @@ TEST_P(DistanceFieldOnEveryTarget, EqualsItsScalarTwinBitForBit) {
         ASSERT_EQ(samples.depth_m[i], twins[i].depth_m) << "point " << i;
         ASSERT_EQ((Floats{samples.dx[i], samples.dy[i], samples.dz[i]}), twins[i].direction);
         ASSERT_EQ((Floats{samples.gx[i], samples.gy[i], samples.gz[i]}), twins[i].slope);
+        ASSERT_EQ(samples.distance_m[i], twins[i].distance_m);
         pushes += twins[i].depth_m > 0;
       }
     }
@@ -237,7 +264,7 @@ TEST_P(DistanceFieldOnEveryTarget, HoldsWhereBricksReplaceEachOther) {
     return distance_scene(
         0.003, {-64, 0, 100}, {400, 400, 12},
         [&](const glm::dvec3&) { return 0.003 * static_cast<double>(random() % 9); }, 2,
-        DistanceDefinition(2, 8, 4));
+        DistanceDefinition(2));
   }();
   static const Voxmap voxmap = make_voxmap(scene);
   Random random(8);
@@ -257,7 +284,7 @@ TEST_P(DistanceFieldOnEveryTarget, HoldsWhereBricksReplaceEachOther) {
   for (std::uint32_t i = 0; i < 5000; ++i) ASSERT_EQ(samples.depth_m[i], twins[i].depth_m);
 }
 
-TEST(DistanceField, GivesDepthInValuesOneAndTwoAlone) {
+TEST(DistanceField, GivesNoDepthInFreeVoxels) {
   std::uint32_t pushes = 0;
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
@@ -284,7 +311,7 @@ TEST(DistanceField, GivesDepthInValuesOneAndTwoAlone) {
     for (std::uint32_t i = 0; i < kCount; ++i) {
       if (!(samples.depth_m[i] > 0)) continue;
       ++pushes;
-      ASSERT_TRUE(values[i] == VoxelValue::kInterior || values[i] == VoxelValue::kSurface);
+      ASSERT_NE(values[i], VoxelValue::kFree);
     }
   }
   EXPECT_GT(pushes, 1000u);
@@ -339,22 +366,23 @@ VoxelScene half_space(const glm::dvec3& n, const DistanceDefinition& definition)
 }
 
 TEST(DistanceField, IsExactInFrontOfAPlaneButForTheQuantum) {
-  for (const std::uint32_t bits : {4u, 8u}) {
-    const DistanceDefinition definition(2, bits, bits == 8 ? 4 : 2);
+  for (const double range_voxels : {2.0, 4.0}) {
+    const DistanceDefinition definition(2, range_voxels);
     for (std::uint64_t seed = 1; seed <= 20; ++seed) {
       Random random(seed);
       const glm::dvec3 n = random_direction(random);
       const VoxelScene scene = half_space(n, definition);
       for (int i = 0; i < 200; ++i) {
-        const double height = uniform(random, definition.zero - 1, definition.zero + 0.5);
+        const double height =
+            uniform(random, definition.zero_force - 1, definition.zero_force + 0.5);
         glm::dvec3 p = random_direction(random) * uniform(random, 0, 6);
         p += n * (height - glm::dot(n, p));
         const glm::dvec3 whole = glm::floor(p);
         const Voxel v{static_cast<std::int64_t>(whole.x), static_cast<std::int64_t>(whole.y),
                       static_cast<std::int64_t>(whole.z)};
         const Twin twin = twin_of(scene, v, as_floats(p - whole), as_floats(-n));
-        // Half a step, and up to one where a value's threshold cuts a code off.
-        EXPECT_NEAR(twin.phi, height - definition.zero, 1.0 * definition.quantum + 1e-5);
+        // Each code is off by up to half a step.
+        EXPECT_NEAR(twin.phi, height - definition.zero_force, 0.5 * definition.quantum + 1e-5);
         for (int a = 0; a < 3; ++a) {
           EXPECT_NEAR(twin.direction[static_cast<std::size_t>(a)], n[a], 3 * definition.quantum);
         }
@@ -363,8 +391,84 @@ TEST(DistanceField, IsExactInFrontOfAPlaneButForTheQuantum) {
   }
 }
 
+// Never above the exact distance, at any place: from spheres, sheets without an inside, edges and
+// corners, in front of and behind them, near and far beyond the codes. And not far below it.
+TEST(DistanceField, ProvenDistancesAreNeverAboveTheExactOnes) {
+  std::vector<double> slack;
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    Random random(seed);
+    const double s = std::array<double, 3>{0.0007, 0.005, 0.3}[random() % 3];
+    Voxel min{};
+    const Voxel dims{22, 22, 22};
+    for (std::int64_t& low : min) low = integer(random, -2, 2) * 512 - integer(random, 2, 20);
+    std::vector<std::function<double(const glm::dvec3&)>> bodies;
+    for (std::int64_t n = integer(random, 1, 4); n > 0; --n) {
+      glm::dvec3 at;
+      for (int a = 0; a < 3; ++a) {
+        at[a] =
+            s * (static_cast<double>(min[static_cast<std::size_t>(a)]) + uniform(random, 0, 22));
+      }
+      const glm::dvec3 half =
+          s * glm::dvec3(uniform(random, 0, 8), uniform(random, 0, 8), uniform(random, 0, 8));
+      const double radius = s * uniform(random, 0, 6);
+      const int kind = static_cast<int>(random() % 4);
+      const glm::dmat3 turn =
+          glm::mat3_cast(glm::angleAxis(uniform(random, 0, 3), random_direction(random)));
+      bodies.push_back([=](const glm::dvec3& p) {
+        const glm::dvec3 q = (p - at) * turn;
+        if (kind == 0) return glm::length(q) - radius;  // a sphere; a point where it is small
+        glm::dvec3 h = half;
+        if (kind == 1) h.z = 0;                                        // a sheet
+        if (kind == 2) h = glm::dvec3(h.x, 0, 0);                      // a line
+        return glm::length(glm::max(glm::abs(q) - h, glm::dvec3(0)));  // a box, as a set
+      });
+    }
+    const auto exact_m = [&](const glm::dvec3& p) {
+      double least = 1e300;
+      for (const auto& body : bodies) least = std::min(least, body(p));
+      return least;
+    };
+    const DistanceDefinition definition(static_cast<std::uint32_t>(integer(random, 1, 3)),
+                                        uniform(random, 2, 8));
+    const VoxelScene scene = distance_scene(s, min, dims, exact_m, 2, definition);
+    const Voxmap voxmap = make_voxmap(scene);
+    const field::DistanceField field(voxmap);
+    query::CollectedPoints points;
+    points.reserve(2000);
+    std::vector<double> exact;
+    for (int i = 0; i < 2000; ++i) {
+      Voxel v{};
+      for (std::size_t a = 0; a < 3; ++a) v[a] = min[a] + integer(random, 1, 20);
+      const Floats fraction = random_fraction(random);
+      collect(points, voxmap, v, VoxelValue::kSurface, fraction,
+              as_floats(random_direction(random)));
+      glm::dvec3 p;
+      for (int a = 0; a < 3; ++a) {
+        const auto n = static_cast<std::size_t>(a);
+        p[a] = s * (static_cast<double>(v[n]) + double{fraction[n]});
+      }
+      exact.push_back(std::max(exact_m(p), 0.0));
+    }
+    field::FieldSamples samples;
+    samples.reserve(2000);
+    field.measure(points, samples);
+    for (std::size_t i = 0; i < exact.size(); ++i) {
+      ASSERT_LE(double{samples.distance_m[i]}, exact[i]) << "point " << i;
+      const double voxels = exact[i] / s;
+      if (voxels > 1.5 && voxels < definition.zero_force + 2) {
+        slack.push_back(voxels - double{samples.distance_m[i]} / s);
+      }
+    }
+  }
+  ASSERT_GT(slack.size(), 10000u);
+  std::sort(slack.begin(), slack.end());
+  EXPECT_LT(slack[slack.size() / 2], 0.15);
+  EXPECT_LT(slack[slack.size() * 99 / 100], 0.4);
+}
+
 TEST(DistanceField, LeadsOutFromInsideAndHalfAVoxelBeyond) {
-  const DistanceDefinition definition(2, 8, 4);
+  const DistanceDefinition definition(2);
   const glm::dvec3 n(0, 0, 1);
   const VoxelScene scene = half_space(n, definition);
   const Voxmap voxmap = make_voxmap(scene);
@@ -381,7 +485,7 @@ TEST(DistanceField, LeadsOutFromInsideAndHalfAVoxelBeyond) {
   // A voxel behind the mesh, 3.4 behind the zero force: straight up, whatever the part's normal.
   const field::FieldSamples near = push_at(-1, {1, 0, 0});
   EXPECT_GT(near.dz[0], 0.99f);
-  EXPECT_NEAR(near.depth_m[0], 0.01 * (definition.zero + 0.5), 0.0004);
+  EXPECT_NEAR(near.depth_m[0], 0.01 * (definition.zero_force + 0.5), 0.0004);
   // Where all codes are 0: the normal, and half a voxel.
   const field::FieldSamples deep = push_at(-9, {0.6f, 0, 0.8f});
   EXPECT_FLOAT_EQ(deep.dx[0], 0.6f);
@@ -389,49 +493,19 @@ TEST(DistanceField, LeadsOutFromInsideAndHalfAVoxelBeyond) {
   EXPECT_NEAR(deep.depth_m[0], 0.005, 1e-6);
 }
 
-TEST(DistanceField, TangentPlaneLiesWhereTheNearestVoxelSays) {
-  const DistanceDefinition definition(2, 8, 4);
-  Random random(11);
-  const glm::dvec3 n = random_direction(random);
-  const VoxelScene scene = half_space(n, definition);
-  const Voxmap voxmap = make_voxmap(scene);
-  const field::TangentPlaneField field(voxmap);
-  query::CollectedPoints points;
-  points.reserve(300);
-  std::vector<double> depths;
-  for (int i = 0; i < 300; ++i) {
-    const double height = uniform(random, definition.zero - 1, definition.zero - 0.05);
-    glm::dvec3 p = random_direction(random) * uniform(random, 0, 6);
-    p += n * (height - glm::dot(n, p));
-    const glm::dvec3 whole = glm::floor(p);
-    const Voxel v{static_cast<std::int64_t>(whole.x), static_cast<std::int64_t>(whole.y),
-                  static_cast<std::int64_t>(whole.z)};
-    collect(points, voxmap, v, scene.at(v), as_floats(p - whole), as_floats(n));
-    depths.push_back(definition.zero - height);
-  }
-  field::FieldSamples samples;
-  samples.reserve(300);
-  field.measure(points, samples);
-  for (std::uint32_t i = 0; i < 300; ++i) {
-    EXPECT_NEAR(samples.depth_m[i] / 0.01, depths[i], definition.quantum + 1e-5);
-  }
-}
-
 TEST(DistanceField, IsTheUsualOneWhereDistancesAre) {
-  const VoxelScene scene = half_space({0, 0, 1}, DistanceDefinition(2, 8, 4));
-  const Voxmap wide = make_voxmap(scene);
-  const Voxmap two_bits =
+  const VoxelScene scene = half_space({0, 0, 1}, DistanceDefinition(2));
+  const Voxmap full = make_voxmap(scene);
+  const Voxmap lean =
       make_voxmap(offset_scene(0.01, {0, 0, 0}, {8, 8, 8}, 1, [](Voxel v) { return v[2] < 2; }));
-  EXPECT_EQ(field::usual_force(Model::kDefault, wide), ForceKind::kDistance);
-  EXPECT_EQ(field::usual_force(Model::kPaper, wide), ForceKind::kTangentPlane);
-  EXPECT_EQ(field::usual_force(Model::kDefault, two_bits), ForceKind::kLevel);
-  EXPECT_TRUE(field::make_force_field(Model::kDefault, ForceKind::kDistance, wide));
-  for (const auto& [map, kind] :
-       {std::pair(&wide, ForceKind::kLevel), std::pair(&two_bits, ForceKind::kDistance)}) {
-    const auto refused = field::make_force_field(Model::kDefault, kind, *map);
-    ASSERT_FALSE(refused);
-    EXPECT_EQ(exit_status(refused.error().code), 2);
-  }
+  EXPECT_EQ(field::usual_force(Model::kDefault, full), ForceKind::kDistance);
+  EXPECT_EQ(field::usual_force(Model::kPaper, full), ForceKind::kTangentPlane);
+  EXPECT_EQ(field::usual_force(Model::kDefault, lean), ForceKind::kLevel);
+  EXPECT_TRUE(field::make_force_field(Model::kDefault, ForceKind::kDistance, full));
+  EXPECT_TRUE(field::make_force_field(Model::kDefault, ForceKind::kLevel, full));
+  const auto refused = field::make_force_field(Model::kDefault, ForceKind::kDistance, lean);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(exit_status(refused.error().code), 2);
 }
 
 }  // namespace

@@ -375,7 +375,7 @@ TEST(LevelField, NeverAttractsASheetOrAWireThinnerThanAVoxel) {
     const VoxelScene scene = half_space(n, k);
     const Voxmap voxmap = make_voxmap(scene);
     const field::LevelField level(voxmap);
-    const field::TangentPlaneField tangent_plane(voxmap);
+    const field::TangentPlaneField tangent_plane(voxmap.voxel_size_m());
     const double slant = std::abs(n.x) + std::abs(n.y) + std::abs(n.z);
     for (int i = 0; i < 60; ++i) {
       const double thickness = uniform(random, 0, 1);

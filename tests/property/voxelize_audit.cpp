@@ -3,7 +3,7 @@
 
 #include <random>
 
-#include "formats/voxmap_audit.h"
+#include "formats/audit/voxmap_audit.h"
 #include "tests/support/baked_scene.h"
 #include "tests/support/file_surgery.h"
 

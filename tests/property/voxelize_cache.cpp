@@ -178,6 +178,7 @@ TEST_F(BakeCacheTest, DamagedEntriesAreRebuilt) {
 
 // An object's key holds everything that its voxels depend on.
 TEST_F(BakeCacheTest, EveryInputOfAnObjectMakesAnotherEntry) {
+  use(2, Metric::kChebyshev);
   CachedScene scene;
   reference::add_box(scene.meshes.emplace_back(), {0, 0, 0}, {20, 20, 20});
   scene.positions.push_back({0, 0, 0});

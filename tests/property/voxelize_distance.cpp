@@ -1,6 +1,8 @@
-// Voxels of 4 and 8 bits: every stored distance against the dense reference, the values that are
-// read from it, and what the force field relies on.
+// Stored distances: every code and the layers beside it against the dense reference, and the bounds
+// that the force field and the proofs rely on.
 #include <gtest/gtest.h>
+
+#include <functional>
 
 #include "tests/support/baked_scene.h"
 #include "tests/support/every_target.h"
@@ -19,51 +21,25 @@ using reference::whole;
 
 constexpr double kTolerance = 2e-4;  // of single precision, in voxels
 
-voxelize::BakeOptions distance_options(std::uint32_t layers, std::uint32_t bits,
-                                       double range_voxels = 0) {
+voxelize::BakeOptions distance_options(std::uint32_t layers, double range_voxels = 0) {
   voxelize::BakeOptions options = reference::options_with(layers, 1, Metric::kEuclidean);
-  options.bits = bits;
   options.range_m = range_voxels;
   return options;
 }
 
-// The definition of voxmap_format.md, section 6, in doubles.
-class Definition {
- public:
-  explicit Definition(const VoxmapHeader& header, double layer_voxels = 1) : h_(header) {
-    interior_ = h_.offset_layers - 1 + std::sqrt(3.0) / 2 + 1e-3;
-    zero_ = interior_ + layer_voxels;
-    surface_ = zero_ + (3 + 3 * std::sqrt(2.0) + std::sqrt(3.0)) / 8 + quantum();
-    proximity_ = surface_ + std::sqrt(3.0);
-  }
-  double quantum() const { return h_.quantum_m / h_.voxel_size_m; }
-  double zero() const { return zero_; }
+// The code of a distance in voxels of 1 m, rounded down (voxmap_format.md, section 6).
+std::int64_t code_of(const VoxmapHeader& header, double distance) {
+  const double steps = std::floor(distance / header.distance_quantum_m) + header.distance_zero_code;
+  return static_cast<std::int64_t>(std::clamp(steps, 0.0, 255.0));
+}
 
-  std::uint32_t code(double distance) const {
-    const double steps = (distance - zero_) / quantum() + h_.zero_code;
-    const auto nearest = static_cast<std::int64_t>(std::llround(std::max(steps, 0.0)));
-    const auto between = [&](std::uint32_t low, std::uint32_t high) {
-      return static_cast<std::uint32_t>(
-          std::clamp<std::int64_t>(nearest, std::int64_t{low}, std::int64_t{high}));
-    };
-    if (distance < interior_) return between(0, h_.surface_code - 1);
-    if (distance < surface_) return between(h_.surface_code, h_.proximity_code - 1);
-    if (distance < proximity_) return between(h_.proximity_code, h_.free_code - 1);
-    return h_.free_code;
-  }
-
- private:
-  const VoxmapHeader& h_;
-  double interior_, zero_, surface_, proximity_;
-};
-
-std::uint32_t code_at(const Voxmap& map, const lattice::VoxelIndex& v) {
+std::int64_t code_at(const Voxmap& map, const lattice::VoxelIndex& v) {
   std::array<std::int32_t, 3> at;
   for (std::size_t d = 0; d < 3; ++d) {
     at[d] = static_cast<std::int32_t>(v[d] - map.view().directory_origin[d]);
   }
-  if (!map.view().contains(at[0], at[1], at[2])) return map.header().free_code;
-  return map.view().lookup(at[0], at[1], at[2]).code;
+  if (!map.distances()->contains(at[0], at[1], at[2])) return kMostDistanceCode;
+  return map.distances()->lookup(at[0], at[1], at[2]).code;
 }
 
 double distance_from(const std::vector<LatticeMesh>& meshes, const Point& p) {
@@ -76,53 +52,120 @@ double distance_from(const std::vector<LatticeMesh>& meshes, const Point& p) {
   return least;
 }
 
+// The layers of voxmap_format.md, section 5, by definition: the interior, and `n` times its
+// neighbors and theirs.
+class Layers {
+ public:
+  Layers(const reference::DenseGrid& inside, const reference::DenseGrid& grid, int n,
+         const std::function<double(const lattice::VoxelIndex&)>& distance, double radius)
+      : steps_(grid.low(), grid.high()), n_(n) {
+    std::vector<lattice::VoxelIndex> edge;
+    grid.for_each([&](const lattice::VoxelIndex& v) {
+      if (inside.at(v) != 1 && !(distance(v) < radius)) return;
+      steps_.at(v) = 1;
+      edge.push_back(v);
+    });
+    for (int step = 2; step <= n + 2; ++step) {
+      std::vector<lattice::VoxelIndex> next;
+      for (const lattice::VoxelIndex& v : edge) {
+        for (int i = 0; i < 27; ++i) {
+          const lattice::VoxelIndex w{v[0] + i / 9 - 1, v[1] + i / 3 % 3 - 1, v[2] + i % 3 - 1};
+          if (!steps_.contains(w) || steps_.at(w) != 0) continue;
+          steps_.at(w) = static_cast<std::uint8_t>(step);
+          next.push_back(w);
+        }
+      }
+      edge = std::move(next);
+    }
+  }
+
+  VoxelValue at(const lattice::VoxelIndex& v) const {
+    const int step = steps_.at(v);
+    if (step == 0) return VoxelValue::kFree;
+    if (step == 1) return VoxelValue::kInterior;
+    return step <= n_ + 1 ? VoxelValue::kSurface : VoxelValue::kProximity;
+  }
+
+ private:
+  reference::DenseGrid steps_;  // from the interior, which has 1
+  int n_;
+};
+
 TEST(DistanceBake, EqualsTheReferenceOnRandomScenes) {
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
     Random random(seed);
     const reference::MeshScene scene = reference::random_scene(random, seed % 4 == 0 ? 30 : 12, 3);
     const auto layers = static_cast<std::uint32_t>(whole(random, 1, 3));
-    const std::uint32_t bits = random() % 2 ? 8 : 4;
     const double range = random() % 2 ? 0 : reference::real(random, 2, 9);
     const std::vector<LatticeMesh> meshes = scene.lattice();
     const int margin = static_cast<int>(layers) + 9;
     const auto sets = reference::united_scene(meshes, {}, margin);
-    voxelize::BakeOptions options = distance_options(layers, bits, range);
+    voxelize::BakeOptions options = distance_options(layers, range);
     // Every third scene has a soft covering, some thinner than a voxel.
     const double covering = seed % 3 == 0 ? reference::real(random, 0.5, 3) : 0;
     if (covering > 0) {
       options.compliance = {{covering / 3, 0.5}, {covering, 4}};
       if (range > 0) options.range_m = std::max(range, covering + 1);
     }
-    const double layer = std::max(1.0, covering);
+    const double depth = std::max(1.0, covering);
     const BakedScene baked(scene.objects(), options);
     const VoxmapHeader& header = baked.map().header();
-    ASSERT_EQ(header.bits_per_voxel, bits);
-    ASSERT_GE(header.zero_code * header.quantum_m, header.range_m * (1 - 1e-9));
-    ASSERT_EQ(header.surface_code,
-              header.zero_code - std::lround(layer * header.voxel_size_m / header.quantum_m));
+    const double radius = layers - 1 + 888.0 / 1024;
+    ASSERT_DOUBLE_EQ(header.zero_force_m, radius + depth);
+    ASSERT_DOUBLE_EQ(header.force_depth_m, depth);
+    ASSERT_LE(most_distance_m(header, 0), header.zero_force_m - options.range_m);
+    ASSERT_GE(least_distance_m(header, kMostDistanceCode), header.zero_force_m + 2.9);
     ASSERT_EQ(baked.map().compliance().empty(), covering == 0);
-    const Definition definition(header, layer);
+    const auto distance = [&](const lattice::VoxelIndex& v) {
+      return distance_from(meshes, reference::center_of(v));
+    };
+    const Layers values(sets.interior, sets.geometry, static_cast<int>(std::ceil(depth)), distance,
+                        radius);
     std::array<std::uint64_t, 4> counts{};
     sets.geometry.for_each([&](const lattice::VoxelIndex& v) {
-      const std::uint32_t found = code_at(baked.map(), v);
-      ++counts[static_cast<std::size_t>(voxel_value(header, found))];
       if (HasFatalFailure()) return;
-      const double distance = distance_from(meshes, reference::center_of(v));
+      const VoxelValue value = baked.map().value(v[0], v[1], v[2]);
+      ++counts[static_cast<std::size_t>(value)];
+      ASSERT_EQ(value, values.at(v));
+      const std::int64_t found = code_at(baked.map(), v);
+      // Never above the distance, and less by no more than the error that a writer may make.
       const auto is_code_of = [&](double signed_distance) {
-        const std::uint32_t low = definition.code(signed_distance - kTolerance);
-        return low <= found && found <= definition.code(signed_distance + kTolerance);
+        return found >= code_of(header, signed_distance - 1e-3 - kTolerance) &&
+               found <= code_of(header, signed_distance);
       };
       // The side of a surface voxel's center has a test of its own.
       const bool inside = sets.interior.at(v) == 1, surface = sets.geometry.at(v) == 1;
-      ASSERT_TRUE(is_code_of(inside ? -distance : distance) ||
-                  (surface && !inside && is_code_of(-distance)))
-          << "code " << found << " at distance " << distance << (inside ? ", inside" : "");
+      ASSERT_TRUE(is_code_of(inside ? -distance(v) : distance(v)) ||
+                  (surface && !inside && is_code_of(-distance(v))))
+          << "code " << found << " at distance " << distance(v) << (inside ? ", inside" : "");
     });
     if (HasFatalFailure()) return;
     EXPECT_EQ(header.interior_voxels, counts[1]);
     EXPECT_EQ(header.surface_voxels, counts[2]);
     EXPECT_EQ(header.proximity_voxels, counts[3]);
+  }
+}
+
+// Leaving the distances out changes no byte of the values.
+TEST(DistanceBake, LeanFilesHaveTheSameValues) {
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
+    Random random(seed);
+    const reference::MeshScene scene = reference::random_scene(random, 40, 3);
+    voxelize::BakeOptions options =
+        distance_options(static_cast<std::uint32_t>(whole(random, 1, 3)));
+    const auto full = voxelize::bake(scene.objects(), options);
+    options.distances = false;
+    const auto lean = voxelize::bake(scene.objects(), options);
+    ASSERT_TRUE(full && lean);
+    EXPECT_EQ(full->values.directory, lean->values.directory);
+    EXPECT_EQ(full->values.upper_nodes, lean->values.upper_nodes);
+    EXPECT_EQ(full->values.lower_nodes, lean->values.lower_nodes);
+    EXPECT_EQ(full->values.bricks, lean->values.bricks);
+    EXPECT_FALSE(full->distances.bricks.empty());
+    EXPECT_TRUE(lean->distances.directory.empty());
+    EXPECT_LT(voxmap_bytes(lean->content("")).size(), voxmap_bytes(full->content("")).size());
   }
 }
 
@@ -134,7 +177,7 @@ TEST(DistanceBake, KeepsTheStandoffAndWholeLayers) {
     const reference::MeshScene scene = reference::random_scene(random, 12, 3);
     const std::vector<LatticeMesh> meshes = scene.lattice();
     const auto layers = static_cast<std::uint32_t>(whole(random, 2, 3));
-    const BakedScene baked(scene.objects(), distance_options(layers, random() % 2 ? 8 : 4));
+    const BakedScene baked(scene.objects(), distance_options(layers));
     const auto grid = reference::grid_around(meshes, layers + 5);
     for (int n = 0; n < 3000; ++n) {
       lattice::VoxelIndex v;
@@ -153,21 +196,24 @@ TEST(DistanceBake, KeepsTheStandoffAndWholeLayers) {
   }
 }
 
-// What is read trilinearly is negative only in values 1 and 2, whatever the scene.
-TEST(DistanceBake, TheZeroForceLiesInTheForceLayer) {
+// Distances interpolated in a free voxel are beyond the zero-force surface, whatever the scene.
+TEST(DistanceBake, NoForceBeginsInAFreeVoxel) {
   for (std::uint64_t seed = 1; seed <= 16; ++seed) {
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
     Random random(seed);
     const reference::MeshScene scene = reference::random_scene(random, 10, 3);
-    const BakedScene baked(scene.objects(), distance_options(2, random() % 2 ? 8 : 4));
+    voxelize::BakeOptions options =
+        distance_options(static_cast<std::uint32_t>(whole(random, 1, 3)));
+    if (seed % 4 == 0) options.compliance = {{reference::real(random, 1, 3), 4}};
+    const BakedScene baked(scene.objects(), options);
     const VoxmapHeader& header = baked.map().header();
     const auto grid = reference::grid_around(scene.lattice(), 8);
     int near = 0;
-    for (int n = 0; n < 20000; ++n) {
+    for (int n = 0; n < 40000; ++n) {
       lattice::VoxelIndex v;
       for (std::size_t d = 0; d < 3; ++d) v[d] = whole(random, grid.low()[d], grid.high()[d]);
-      if (baked.map().value(v[0], v[1], v[2]) != VoxelValue::kProximity) continue;
-      ++near;
+      if (baked.map().value(v[0], v[1], v[2]) != VoxelValue::kFree) continue;
+      near += baked.map().value(v[0] + 1, v[1], v[2]) != VoxelValue::kFree;
       // Anywhere in the voxel; often in its corners, where it is nearest to others.
       double code = 0;
       std::array<double, 3> f;
@@ -182,9 +228,11 @@ TEST(DistanceBake, TheZeroForceLiesInTheForceLayer) {
           weight *= other ? f[d] : 1 - f[d];
           if (other) at[d] += side[d];
         }
-        code += weight * code_at(baked.map(), at);
+        code += weight * static_cast<double>(code_at(baked.map(), at));
       }
-      ASSERT_GE(code, header.zero_code);
+      const double distance =
+          (code - header.distance_zero_code) * header.distance_quantum_m / header.voxel_size_m;
+      ASSERT_GE(distance, header.zero_force_m / header.voxel_size_m);
     }
     EXPECT_GT(near, 100);
   }
@@ -197,20 +245,19 @@ TEST(DistanceBake, DistancesGoThroughTheSurfaceEvenly) {
   mesh::Mesh mesh;
   reference::add_sphere(mesh, {0.3, 0.6, 0.1}, 14, 48);
   const std::vector<voxelize::SceneObject> objects{{"object", &mesh, mesh::Affine{}, {}, 0}};
-  const BakedScene baked(objects, distance_options(2, 8, 10));
+  const BakedScene baked(objects, distance_options(2, 10));
   const VoxmapHeader& header = baked.map().header();
-  const Definition definition(header);
+  const double quantum = header.distance_quantum_m;
   for (int n = 0; n < 4000; ++n) {
     lattice::VoxelIndex v;
     for (std::size_t d = 0; d < 3; ++d) v[d] = whole(random, -22, 22);
     const Point p = reference::center_of(v);
     const double distance = std::hypot(p[0] - 0.3, p[1] - 0.6, p[2] - 0.1) - 14;
-    const std::uint32_t code = code_at(baked.map(), v);
-    const double expected = (distance - definition.zero()) / definition.quantum();
-    if (code == 0 || code >= header.free_code) continue;
+    const std::int64_t code = code_at(baked.map(), v);
+    if (code == 0 || code == kMostDistanceCode) continue;
     // The mesh lies up to 0.04 voxels inside the sphere.
-    ASSERT_NEAR(static_cast<double>(code) - header.zero_code, expected,
-                1.1 + 0.05 / definition.quantum());
+    ASSERT_NEAR(static_cast<double>(code - header.distance_zero_code), distance / quantum,
+                1.1 + 0.05 / quantum);
   }
 }
 
@@ -219,7 +266,7 @@ TEST(DistanceBake, SameBytesForAnyNumberOfThreadsOrderAndWholeVoxelShift) {
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
     Random random(seed);
     reference::MeshScene scene = reference::random_scene(random, 100, 3);
-    voxelize::BakeOptions options = distance_options(2, 8);
+    voxelize::BakeOptions options = distance_options(2);
     options.threads = 1;
     const BakedScene first(scene.objects(), options);
     options.threads = 4;
@@ -256,10 +303,10 @@ TEST(DistanceBake, SameBytesForAnyNumberOfThreadsOrderAndWholeVoxelShift) {
 // Every width of vectors that this machine has gives the same bytes, of Euclidean layers too.
 class DistanceBakeOnEveryTarget : public test::EveryTarget {
  protected:
-  static std::string bytes(std::uint32_t bits) {
+  static std::string bytes() {
     Random random(21);
     const reference::MeshScene scene = reference::random_scene(random, 60, 3);
-    return BakedScene(scene.objects(), distance_options(2, bits)).bytes();
+    return BakedScene(scene.objects(), distance_options(2)).bytes();
   }
 };
 INSTANTIATE_TEST_SUITE_P(Targets, DistanceBakeOnEveryTarget,
@@ -267,12 +314,9 @@ INSTANTIATE_TEST_SUITE_P(Targets, DistanceBakeOnEveryTarget,
                          [](const auto& target) { return hwy::TargetName(target.param); });
 
 TEST_P(DistanceBakeOnEveryTarget, GivesTheSameBytes) {
-  for (const std::uint32_t bits : {2u, 4u, 8u}) {
-    const std::string here = bytes(bits);
-    use(0);
-    EXPECT_EQ(bytes(bits), here) << bits << " bits";
-    use(GetParam());
-  }
+  const std::string here = bytes();
+  use(0);
+  EXPECT_EQ(bytes(), here);
 }
 
 TEST(DistanceBake, ARegionHasTheVoxelsOfTheWhole) {
@@ -280,7 +324,7 @@ TEST(DistanceBake, ARegionHasTheVoxelsOfTheWhole) {
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
     Random random(seed);
     const reference::MeshScene scene = reference::random_scene(random, 24, 3);
-    voxelize::BakeOptions options = distance_options(2, random() % 2 ? 8 : 4);
+    voxelize::BakeOptions options = distance_options(2);
     const BakedScene all(scene.objects(), options);
     const VoxmapHeader& header = all.map().header();
     lattice::VoxelIndex low, high;
@@ -299,7 +343,7 @@ TEST(DistanceBake, ARegionHasTheVoxelsOfTheWhole) {
           bool inside = true;
           for (std::size_t d = 0; d < 3; ++d) inside &= v[d] >= low[d] && v[d] < high[d];
           if (HasFatalFailure()) return;
-          ASSERT_EQ(code_at(part.map(), v), inside ? code_at(all.map(), v) : header.free_code);
+          ASSERT_EQ(code_at(part.map(), v), inside ? code_at(all.map(), v) : kMostDistanceCode);
         });
     if (HasFatalFailure()) return;
   }

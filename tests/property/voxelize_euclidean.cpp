@@ -1,4 +1,4 @@
-// Euclidean layers of two bits against the dense reference, and the exact test behind them.
+// Euclidean layers against the dense reference, and the exact test behind them.
 #include <gtest/gtest.h>
 
 #include "tests/support/baked_scene.h"
@@ -189,16 +189,14 @@ TEST(EuclideanBake, RefusesWhatHasNoMeaning) {
   };
   EXPECT_TRUE(refused(euclidean_options(0)));
   voxelize::BakeOptions options = euclidean_options(2);
-  options.bits = 3;
-  EXPECT_TRUE(refused(options));
-  options.bits = 8;
-  options.metric = Metric::kChebyshev;
-  EXPECT_TRUE(refused(options));
-  options.metric = Metric::kEuclidean;
   options.range_m = 1;
   EXPECT_TRUE(refused(options));
-  options.bits = 2;
   options.range_m = 4;
+  EXPECT_FALSE(refused(options));
+  options.distances = false;
+  EXPECT_TRUE(refused(options));
+  options.distances = true;
+  options.metric = Metric::kChebyshev;
   EXPECT_TRUE(refused(options));
 }
 

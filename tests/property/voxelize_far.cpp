@@ -55,10 +55,10 @@ TEST(FarScene, BakesToTheSameVoxelsAsNearTheOrigin) {
                 near_bake->header.origin_voxel[d] + shift_voxels[d]);
     }
     ASSERT_EQ(far_bake->header.dims_voxels, near_bake->header.dims_voxels);
-    ASSERT_EQ(far_bake->directory, near_bake->directory);
-    ASSERT_EQ(far_bake->upper_nodes, near_bake->upper_nodes);
-    ASSERT_EQ(far_bake->lower_nodes, near_bake->lower_nodes);
-    ASSERT_EQ(far_bake->bricks, near_bake->bricks);
+    ASSERT_EQ(far_bake->values.directory, near_bake->values.directory);
+    ASSERT_EQ(far_bake->values.upper_nodes, near_bake->values.upper_nodes);
+    ASSERT_EQ(far_bake->values.lower_nodes, near_bake->values.lower_nodes);
+    ASSERT_EQ(far_bake->values.bricks, near_bake->values.bricks);
     // What far coordinates round off in general stays far below the snap itself, and is counted.
     EXPECT_GE(far_bake->header.static_deviation_m, near_bake->header.static_deviation_m);
     EXPECT_LT(far_bake->header.static_deviation_m,

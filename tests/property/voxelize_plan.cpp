@@ -133,6 +133,7 @@ void expect_narrowest_gap(const voxelize::BakeOptions& options, double gap) {
 TEST(Plan, TheNarrowestGapIsPassableWhereverItLiesAndNoNarrowerOneIs) {
   voxelize::BakeOptions options;
   options.voxel_size_m = 1;
+  options.metric = Metric::kChebyshev;
   for (options.layers = 0; options.layers <= 3; ++options.layers) {
     expect_narrowest_gap(options, 2 * options.layers + 2);
   }

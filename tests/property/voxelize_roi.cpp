@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "formats/voxmap_audit.h"
+#include "formats/audit/voxmap_audit.h"
 #include "tests/support/baked_scene.h"
 #include "tests/support/soups.h"
 
@@ -53,10 +53,10 @@ void expect_region_of(const Voxmap& part, const Voxmap& full, const Roi& roi) {
   ASSERT_TRUE(audited) << to_line(audited.error());
   lattice::VoxelIndex low, high;
   // Sides across which something lies; and across which something might for all that is known
-  // before the bake: whether Euclidean layers end a voxel further out hangs on where a surface lies
-  // in its voxel.
+  // before the bake: Euclidean distances reach three voxels beyond the layers, and whether layers
+  // end a voxel further out hangs on where a surface lies in its voxel.
   std::uint32_t cropped = 0, maybe_cropped = 0;
-  const std::int64_t slack = all.metric == static_cast<std::uint32_t>(Metric::kEuclidean) ? 1 : 0;
+  const std::int64_t slack = all.metric == static_cast<std::uint32_t>(Metric::kEuclidean) ? 4 : 0;
   for (std::size_t d = 0; d < 3; ++d) {
     low[d] = static_cast<std::int64_t>(std::floor(roi[d]));
     high[d] = static_cast<std::int64_t>(std::ceil(roi[d + 3])) - 1;

@@ -22,9 +22,9 @@ void bake_scene_file(const mesh::Mesh& scene, double voxel_size_m, test::VoxelKi
   object.mesh = &scene;
   voxelize::BakeOptions options;
   options.voxel_size_m = voxel_size_m;
-  if (kind != test::VoxelKind::kChebyshev) options.metric = Metric::kEuclidean;
-  options.bits = test::bits_of(kind);
-  if (kind == test::VoxelKind::kCovered8) options.compliance = covering(voxel_size_m);
+  if (kind == test::VoxelKind::kChebyshev) options.metric = Metric::kChebyshev;
+  options.distances = test::stores_distances(kind);
+  if (kind == test::VoxelKind::kCovered) options.compliance = covering(voxel_size_m);
   options.threads = 1;
   const auto baked = voxelize::bake(std::span(&object, 1), options);
   if (!baked) throw std::runtime_error(to_line(baked.error()));

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <glm/gtc/quaternion.hpp>
 #include <random>
+#include <thread>
 
 #include "forcelayer/forcelayer.h"
 #include "runtime/model/outcome_hash.h"
@@ -190,13 +191,19 @@ TEST(LongRun, OpeningAndClosingLeaksNothing) {
     ASSERT_EQ(forcelayer_step(runtime, &reading, &result), 0);
     forcelayer_close(runtime);
   };
+  const auto threads = entries_of("/proc/self/task");
   for (int i = 0; i < kOpenings / 10; ++i) open_and_close();
   const double bytes = resident_bytes();
-  const auto files = entries_of("/proc/self/fd"), threads = entries_of("/proc/self/task");
+  const auto files = entries_of("/proc/self/fd");
   const auto maps = mappings();
   for (int i = kOpenings / 10; i < kOpenings; ++i) open_and_close();
   EXPECT_LT(resident_bytes() - bytes, kFlatBytes);
   EXPECT_EQ(entries_of("/proc/self/fd"), files);
+  // A thread that was joined stands in the list until the kernel has buried it.
+  const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+  while (entries_of("/proc/self/task") > threads && std::chrono::steady_clock::now() < until) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
   EXPECT_EQ(entries_of("/proc/self/task"), threads);
   EXPECT_LE(mappings(), maps + 2);  // the heap may take another piece
 }

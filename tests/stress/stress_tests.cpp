@@ -182,7 +182,7 @@ TEST_P(EveryKind, RandomHandsNeverGetInside) {
 // In a soft covering some come in slowly, perhaps because it is solved as if it were as stiff as at
 // its stiffest: 6 of 1200 take more than a second, one 1.9 s.
 TEST_P(EveryKind, RestIsQuietInEveryTrial) {
-  const bool covered = GetParam() == test::VoxelKind::kCovered8;
+  const bool covered = GetParam() == test::VoxelKind::kCovered;
   for (std::uint64_t seed = 1; seed <= trials(60); ++seed) {
     Trial trial = rest_trial(seed);
     if (covered) trial.duration_s += 3;
@@ -222,7 +222,7 @@ TEST_P(EveryKind, APressHoldsFifteenNewtonsWithEveryVoxelSize) {
   for (const double s : {0.005, 0.002, 0.001}) {
     for (std::uint64_t seed = 1; seed <= trials(4); ++seed) {
       Trial trial = press_trial(seed, s);
-      if (GetParam() == test::VoxelKind::kCovered8) trial.duration_s += 12;  // one creeps for 5 s
+      if (GetParam() == test::VoxelKind::kCovered) trial.duration_s += 12;  // one creeps for 5 s
       const Metrics m = run_here(trial);
       expect_safe(m, "press seed " + std::to_string(seed));
       ASSERT_EQ(m.rest_force_n.size(), 1u);
@@ -236,7 +236,7 @@ TEST_P(EveryKind, APressHoldsFifteenNewtonsWithEveryVoxelSize) {
 // covering begins farther out: 4 of 240 hands, which set off all at once, reach it while the part
 // still catches up, and get 4 uJ to 0.35 mJ of its kinetic energy before anything touches.
 TEST_P(EveryKind, ASlowHandIsGivenNothing) {
-  const double most_j = GetParam() == test::VoxelKind::kCovered8 ? 1e-3 : 1e-6;
+  const double most_j = GetParam() == test::VoxelKind::kCovered ? 1e-3 : 1e-6;
   for (const char* name : {"press-hold", "wedge", "sphere-in-cone"}) {
     for (std::uint64_t seed = 1; seed <= trials(4); ++seed) {
       EXPECT_LT(run_here(case_named(name).make(seed)).generated_j, most_j)

@@ -83,10 +83,20 @@ class DenseVoxels {
     for_each_voxel({low, high}, [&](const VoxelIndex& v) { set(v[0], v[1], v[2], value); });
   }
 
+  // An interior box with one layer of surface and one of proximity, where nothing stands yet.
+  void add_solid(const VoxelIndex& low, const VoxelIndex& high) {
+    fill(shifted(low, -2), shifted(high, 2), VoxelValue::kProximity);
+    fill(shifted(low, -1), shifted(high, 1), VoxelValue::kSurface);
+    fill(low, high, VoxelValue::kInterior);
+  }
+
   const VoxelBox& box() const { return box_; }
   double voxel_size_m() const { return voxel_size_m_; }
 
  private:
+  static VoxelIndex shifted(const VoxelIndex& voxel, std::int64_t by) {
+    return {voxel[0] + by, voxel[1] + by, voxel[2] + by};
+  }
   std::size_t at(std::int64_t i, std::int64_t j, std::int64_t k) const {
     const std::int64_t rows = box_.high[1] - box_.low[1], columns = box_.high[2] - box_.low[2];
     return static_cast<std::size_t>(((i - box_.low[0]) * rows + (j - box_.low[1])) * columns +
@@ -129,8 +139,11 @@ class DenseTree {
 
   // Valid while this lives.
   VoxmapContent content() const {
-    return {header_,       directory_, upper_.words,       lower_.words,
-            bricks_.words, {},         options_.provenance};
+    VoxmapContent content;
+    content.header = header_;
+    content.values = {directory_, upper_.words, lower_.words, bricks_.words};
+    content.provenance = options_.provenance;
+    return content;
   }
   VoxmapHeader& header() { return header_; }
 
@@ -175,7 +188,6 @@ class DenseTree {
   void fill_header() {
     header_.voxel_size_m = voxels_.voxel_size_m();
     header_.offset_layers = options_.offset_layers;
-    header_.bits_per_voxel = 2;
     header_.static_deviation_m = options_.static_deviation_m;
     header_.cropped_sides = options_.cropped_sides;
     const VoxelBox& valid = options_.valid_box.empty() ? tight_ : options_.valid_box;

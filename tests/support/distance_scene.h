@@ -1,5 +1,5 @@
-// Scenes of 4 and 8 bits from signed distances instead of meshes, by the definition of
-// voxmap_format.md, section 6. Nothing of voxelize is used here.
+// Scenes with stored distances from signed distances instead of meshes, by the definition of
+// voxmap_format.md, sections 5 and 6. Nothing of voxelize is used here.
 #pragma once
 
 #include <algorithm>
@@ -13,48 +13,24 @@ namespace forcelayer::test {
 
 // The definition, in doubles and voxels.
 struct DistanceDefinition {
-  std::uint32_t bits = 8;
-  double range = 4, quantum = 0;
-  double interior = 0, zero = 0, surface = 0, proximity = 0;  // values by distance
-  std::uint32_t zero_code = 0, surface_code = 0, proximity_code = 0, free_code = 0;
+  double interior = 0, zero_force = 0, force_depth = 0, range = 0, quantum = 0;
+  std::int32_t zero_code = 0;
+  std::int64_t force_layers = 1;
 
-  // `layer_voxels`: how deep the force layer is, more than 1 under a soft covering.
-  DistanceDefinition(std::uint32_t k, std::uint32_t bits_per_voxel, double range_voxels,
-                     double layer_voxels = 1)
-      : bits(bits_per_voxel), range(range_voxels) {
-    interior = k - 1 + std::sqrt(3.0) / 2 + 1e-3;
-    zero = interior + layer_voxels;
-    free_code = (1u << bits) - 1;
-    const double reach = (3 + 3 * std::sqrt(2.0) + std::sqrt(3.0)) / 8;
-    for (zero_code = free_code; zero_code > 0; --zero_code) {
-      quantum = range / zero_code;
-      const double t = reach + quantum, kept = bits == 8 ? t + std::sqrt(3.0) : t + quantum;
-      if (zero_code + std::ceil(kept / quantum) > free_code) continue;
-      surface = zero + t;
-      proximity = surface + std::sqrt(3.0);
-      proximity_code = zero_code + static_cast<std::uint32_t>(std::ceil(t / quantum));
-      surface_code = zero_code - static_cast<std::uint32_t>(std::lround(layer_voxels / quantum));
-      break;
-    }
-  }
+  // `depth_voxels`: how deep the force layer is, more than 1 under a soft covering.
+  explicit DistanceDefinition(std::uint32_t k, double range_voxels = 4, double depth_voxels = 1)
+      : interior(k - 1 + 888.0 / 1024),
+        zero_force(interior + depth_voxels),
+        force_depth(depth_voxels),
+        range(std::max(range_voxels, zero_force)),
+        quantum((range + 3) / 253),
+        zero_code(1 - static_cast<std::int32_t>(std::floor((zero_force - range) / quantum))),
+        force_layers(static_cast<std::int64_t>(std::ceil(depth_voxels - 1e-9))) {}
 
+  // Rounded down, as a writer must; it may err by a thousandth of a voxel more.
   std::uint32_t code(double distance) const {
-    const double steps = (distance - zero) / quantum + zero_code;
-    const auto nearest = static_cast<std::int64_t>(std::llround(std::clamp(steps, 0.0, 1e6)));
-    const auto between = [&](std::uint32_t low, std::uint32_t high) {
-      return static_cast<std::uint32_t>(
-          std::clamp<std::int64_t>(nearest, std::int64_t{low}, std::int64_t{high}));
-    };
-    if (distance < interior) return between(0, surface_code - 1);
-    if (distance < surface) return between(surface_code, proximity_code - 1);
-    if (distance < proximity) return between(proximity_code, free_code - 1);
-    return free_code;
-  }
-
-  VoxelValue value(std::uint32_t code) const {
-    if (code < surface_code) return VoxelValue::kInterior;
-    if (code < proximity_code) return VoxelValue::kSurface;
-    return code < free_code ? VoxelValue::kProximity : VoxelValue::kFree;
+    return static_cast<std::uint32_t>(
+        std::clamp(std::floor(distance / quantum) + zero_code, 0.0, 255.0));
   }
 };
 
@@ -62,21 +38,22 @@ struct DistanceDefinition {
 inline VoxelScene distance_scene(double voxel_size_m, const Voxel& min, const Voxel& dims,
                                  const std::function<double(const glm::dvec3&)>& distance_m,
                                  std::uint32_t k, const DistanceDefinition& definition) {
-  VoxelScene scene;
-  scene.voxel_size_m = voxel_size_m;
-  scene.min = min;
-  scene.dims = dims;
+  const auto distance = [&](const Voxel& v) {
+    return distance_m(voxel_size_m * (glm::dvec3(v[0], v[1], v[2]) + 0.5)) / voxel_size_m;
+  };
+  // The layers are Chebyshev layers around the interior.
+  VoxelScene scene =
+      offset_scene(voxel_size_m, min, dims, 1, definition.force_layers,
+                   [&](const Voxel& v) { return distance(v) < definition.interior; });
   scene.layers = k;
-  scene.wide = {
-      definition.bits,      definition.range * voxel_size_m, definition.quantum * voxel_size_m,
-      definition.zero_code, definition.surface_code,         definition.proximity_code,
-      definition.free_code};
-  scene.values = VoxelScene::filled(voxel_size_m, min, dims, [&](const Voxel& v) {
-                   const glm::dvec3 p = voxel_size_m * (glm::dvec3(v[0], v[1], v[2]) + 0.5);
-                   const std::uint32_t code = definition.code(distance_m(p) / voxel_size_m);
-                   scene.codes.push_back(static_cast<std::uint8_t>(code));
-                   return definition.value(code);
-                 }).values;
+  scene.metric = Metric::kEuclidean;
+  scene.zero_force_voxels = definition.zero_force;
+  scene.force_depth_voxels = definition.force_depth;
+  scene.distances = {definition.quantum * voxel_size_m, definition.zero_code};
+  VoxelScene::filled(voxel_size_m, min, dims, [&](const Voxel& v) {
+    scene.codes.push_back(static_cast<std::uint8_t>(definition.code(distance(v))));
+    return VoxelValue::kFree;
+  });
   return scene;
 }
 

@@ -15,7 +15,7 @@ inline VoxelScene plane() {
   return distance_scene(
       kPlaneVoxelM, {-40, -40, -14}, {80, 80, 40},
       [n = plane_normal()](const glm::dvec3& p) { return glm::dot(p, n) - 0.3 * kPlaneVoxelM; }, 2,
-      DistanceDefinition(2, 8, 4));
+      DistanceDefinition(2));
 }
 
 inline PointPart block() {

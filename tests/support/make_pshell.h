@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <limits>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -27,6 +28,10 @@ using Vec3 = std::array<double, 3>;
 struct TestShellOptions {
   double voxel_size_m = 0.005;
   double covering_radius_m = 0.004;
+  double convex_radius_m = 0;
+  std::optional<double>
+      convex_gap_m;  // absent: the covering radius, which the nearest point proves
+  std::vector<DistanceLoss> losses;
   double part_deviation_m = 0;
   Vec3 center_m{0, 0, 0};  // part frame; the stored points are relative to it
   double weight_m2 = 2.5e-5;
@@ -42,7 +47,7 @@ class TestShell {
   // `points` in meters, `normals` inward, of any length but zero; both in the part's frame.
   TestShell(const std::vector<Vec3>& points, const std::vector<Vec3>& normals,
             const TestShellOptions& options)
-      : provenance_(options.provenance) {
+      : provenance_(options.provenance), losses_(options.losses) {
     if (points.empty() || points.size() != normals.size()) {
       throw std::invalid_argument("a shell needs points and as many normals");
     }
@@ -62,8 +67,8 @@ class TestShell {
 
   // Valid while this lives.
   PshellContent content() const {
-    return {header_,    position_[0], position_[1], position_[2],  normal_[0], normal_[1],
-            normal_[2], weight_,      blocks_,      super_blocks_, cone_,      provenance_};
+    return {header_, position_[0], position_[1],  position_[2], normal_[0],  normal_[1], normal_[2],
+            weight_, blocks_,      super_blocks_, cone_,        provenance_, losses_};
   }
   PshellHeader& header() { return header_; }
 
@@ -113,6 +118,8 @@ class TestShell {
     header_.block_count = blocks_.size();
     header_.super_block_count = super_blocks_.size();
     header_.covering_radius_m = options.covering_radius_m;
+    header_.convex_radius_m = options.convex_radius_m;
+    header_.convex_gap_m = options.convex_gap_m.value_or(options.covering_radius_m);
     header_.voxel_size_m = options.voxel_size_m;
     double radius = 0;
     for (std::size_t i = 0; i < weight_.size(); ++i) radius = std::max(radius, distance(i, {}));
@@ -130,6 +137,7 @@ class TestShell {
   std::vector<float> weight_, cone_;
   std::vector<BoundingSphere> blocks_, super_blocks_;
   std::string provenance_;
+  std::vector<DistanceLoss> losses_;
 };
 
 // A Pshell in memory with these points. Movable; throws where the reader refuses the bytes.

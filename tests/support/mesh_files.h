@@ -224,7 +224,9 @@ inline std::string write_file(const std::filesystem::path& path, std::string_vie
 // Reads `bytes` as a file of the name "mesh" and `extension`, with "#" and `node` where given.
 inline Result<mesh::Assembly> read_bytes(std::string_view bytes, const std::string& extension,
                                          const std::string& node = "") {
-  return mesh::read_source({"mesh" + extension, node, bytes});
+  mesh::SourceFile file{"mesh" + extension, bytes, {}};
+  if (!node.empty()) file.options.nodes = {node};
+  return mesh::read_source(file);
 }
 
 }  // namespace forcelayer::test

@@ -101,6 +101,7 @@ inline void save_pshell(const std::filesystem::path& path, const PointPart& part
   h.block_count = blocks.size();
   h.super_block_count = super_blocks.size();
   h.covering_radius_m = part.covering_radius_m;
+  h.convex_gap_m = part.covering_radius_m;  // the nearest point alone
   h.voxel_size_m = part.voxel_size_m;
   h.bounding_radius_m = bounding_radius_m * (1 + 1e-12);
   h.center_m = part.center_m;

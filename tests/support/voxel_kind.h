@@ -1,5 +1,5 @@
-// The kinds of voxels that a scene can be baked to (voxmap_format.md, 5 and 6), the last with a
-// soft covering.
+// The kinds of maps that a scene can be baked to (voxmap_format.md, sections 5 and 6): Chebyshev or
+// Euclidean layers alone, distances beside them, and those with a soft covering.
 #pragma once
 
 #include <array>
@@ -7,19 +7,17 @@
 
 namespace forcelayer::test {
 
-enum class VoxelKind { kChebyshev, kEuclidean, kDistance4, kDistance8, kCovered8 };
+enum class VoxelKind { kChebyshev, kLean, kFull, kCovered };
 
-inline constexpr std::array kVoxelKinds{VoxelKind::kChebyshev, VoxelKind::kEuclidean,
-                                        VoxelKind::kDistance4, VoxelKind::kDistance8,
-                                        VoxelKind::kCovered8};
+inline constexpr std::array kVoxelKinds{VoxelKind::kChebyshev, VoxelKind::kLean, VoxelKind::kFull,
+                                        VoxelKind::kCovered};
 
-constexpr std::uint32_t bits_of(VoxelKind kind) {
-  if (kind == VoxelKind::kDistance4) return 4;
-  return kind == VoxelKind::kDistance8 || kind == VoxelKind::kCovered8 ? 8 : 2;
+constexpr bool stores_distances(VoxelKind kind) {
+  return kind == VoxelKind::kFull || kind == VoxelKind::kCovered;
 }
 
 constexpr const char* name_of(VoxelKind kind) {
-  constexpr const char* kNames[] = {"chebyshev", "euclidean", "distance4", "distance8", "covered8"};
+  constexpr const char* kNames[] = {"chebyshev", "lean", "full", "covered"};
   return kNames[static_cast<int>(kind)];
 }
 

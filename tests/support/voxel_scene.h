@@ -7,8 +7,10 @@
 #include <cstdlib>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <random>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "formats/voxmap.h"
@@ -28,14 +30,24 @@ struct VoxelScene {
   std::vector<std::uint8_t> values;  // z fastest
   Metric metric = Metric::kChebyshev;
 
-  // At 4 and 8 bits: what the header says, and the codes beside the values.
-  struct Wide {
-    std::uint32_t bits = 2;
-    double range_m = 0, quantum_m = 0;
-    std::uint32_t zero_code = 0, surface_code = 0, proximity_code = 0, free_code = 0;
+  // Euclidean only: where the force begins, from the mesh (0: as the layers say), and its depth.
+  double zero_force_voxels = 0, force_depth_voxels = 1;
+
+  // Stored distances: what the header says, and the codes beside the values; none without a
+  // quantum.
+  struct Distances {
+    double quantum_m = 0;
+    std::int32_t zero_code = 0;
     std::vector<float> compliance = {};
-  } wide{};
+  } distances{};
   std::vector<std::uint8_t> codes;
+
+  bool has_distances() const { return distances.quantum_m > 0; }
+
+  double zero_force_m() const {
+    const double usual = layers - 1 + 888.0 / 1024 + force_depth_voxels;
+    return (zero_force_voxels > 0 ? zero_force_voxels : usual) * voxel_size_m;
+  }
 
   static VoxelScene filled(double voxel_size_m, Voxel min, Voxel dims,
                            const std::function<VoxelValue(Voxel)>& value) {
@@ -58,12 +70,10 @@ struct VoxelScene {
                      : static_cast<VoxelValue>(values[static_cast<std::size_t>(index)]);
   }
 
-  // What the file stores: the value at two bits.
+  // The stored distance, as far as codes go outside the box.
   std::uint32_t code_at(const Voxel& v) const {
     const std::int64_t index = index_of(v);
-    if (index < 0) return wide.free_code;
-    return wide.bits == 2 ? values[static_cast<std::size_t>(index)]
-                          : codes[static_cast<std::size_t>(index)];
+    return index < 0 ? kMostDistanceCode : codes[static_cast<std::size_t>(index)];
   }
 
  private:
@@ -78,9 +88,9 @@ struct VoxelScene {
 };
 
 // The layers (formats/voxmap_format.md, section 5) around the voxels where `solid` holds: Chebyshev
-// distance below k interior, k surface, k + 1 proximity.
+// distance below k interior, from there n layers of surface, then one of proximity.
 inline VoxelScene offset_scene(double voxel_size_m, Voxel min, Voxel dims, std::int64_t k,
-                               const std::function<bool(Voxel)>& solid) {
+                               std::int64_t n, const std::function<bool(Voxel)>& solid) {
   std::vector<Voxel> marked;
   for (std::int64_t i = 0; i < dims[0]; ++i)
     for (std::int64_t j = 0; j < dims[1]; ++j)
@@ -89,11 +99,11 @@ inline VoxelScene offset_scene(double voxel_size_m, Voxel min, Voxel dims, std::
   VoxelScene scene =
       VoxelScene::filled(voxel_size_m, min, dims, [](Voxel) { return VoxelValue{}; });
   scene.layers = static_cast<std::uint32_t>(k);
-  std::vector<std::int64_t> distance(scene.values.size(), k + 2);
+  std::vector<std::int64_t> distance(scene.values.size(), k + n + 1);
   for (const Voxel& m : marked)
-    for (std::int64_t i = -k - 1; i <= k + 1; ++i)
-      for (std::int64_t j = -k - 1; j <= k + 1; ++j)
-        for (std::int64_t l = -k - 1; l <= k + 1; ++l) {
+    for (std::int64_t i = -k - n; i <= k + n; ++i)
+      for (std::int64_t j = -k - n; j <= k + n; ++j)
+        for (std::int64_t l = -k - n; l <= k + n; ++l) {
           const Voxel r{m[0] + i - min[0], m[1] + j - min[1], m[2] + l - min[2]};
           if (r[0] < 0 || r[1] < 0 || r[2] < 0 || r[0] >= dims[0] || r[1] >= dims[1] ||
               r[2] >= dims[2])
@@ -103,119 +113,79 @@ inline VoxelScene offset_scene(double voxel_size_m, Voxel min, Voxel dims, std::
         }
   for (std::size_t i = 0; i < distance.size(); ++i) {
     const VoxelValue value = distance[i] < k        ? VoxelValue::kInterior
-                             : distance[i] == k     ? VoxelValue::kSurface
-                             : distance[i] == k + 1 ? VoxelValue::kProximity
+                             : distance[i] < k + n  ? VoxelValue::kSurface
+                             : distance[i] == k + n ? VoxelValue::kProximity
                                                     : VoxelValue::kFree;
     scene.values[i] = static_cast<std::uint8_t>(value);
   }
   return scene;
 }
+inline VoxelScene offset_scene(double voxel_size_m, Voxel min, Voxel dims, std::int64_t k,
+                               const std::function<bool(Voxel)>& solid) {
+  return offset_scene(voxel_size_m, min, dims, k, 1, solid);
+}
 
-// Builds the 512-tree of a scene, uniform boxes collapsed, clearance by looking at every non-free
-// brick: exact for bricks' boxes, so a lower bound for voxels.
+// A 512-tree of elements of `bits` bits, uniform boxes collapsed.
 class SceneTree {
  public:
-  explicit SceneTree(const VoxelScene& scene) : scene_(scene) {
+  using Element = std::function<std::uint32_t(const Voxel&)>;
+  using Uniform = std::function<std::uint32_t(std::uint32_t element, const Voxel&, std::int64_t)>;
+
+  // `element` gives the element of a voxel in the scene's box, `outside` all others; `uniform`
+  // makes the entry of a uniform box.
+  SceneTree(const VoxelScene& scene, std::uint32_t bits, std::uint32_t outside, Element element,
+            Uniform uniform)
+      : scene_(scene),
+        bits_(bits),
+        outside_(outside),
+        element_(std::move(element)),
+        uniform_(std::move(uniform)) {
+    Voxel origin{}, cells{};
     for (int axis = 0; axis < 3; ++axis) {
-      const std::int64_t low = scene.min[axis] >> 9;
-      const std::int64_t high =
-          (scene.min[axis] + std::max<std::int64_t>(scene.dims[axis], 1) - 1) >> 9;
-      origin_[axis] = low * 512;
-      blocks_[axis] = high - low + 1;
+      origin[axis] = directory_low(scene, axis);
+      cells[axis] = directory_dim(scene, axis);
     }
-    find_occupied_bricks();
-    for (std::int64_t i = 0; i < blocks_[0]; ++i)
-      for (std::int64_t j = 0; j < blocks_[1]; ++j)
-        for (std::int64_t k = 0; k < blocks_[2]; ++k)
+    for (std::int64_t i = 0; i < cells[0]; ++i)
+      for (std::int64_t j = 0; j < cells[1]; ++j)
+        for (std::int64_t k = 0; k < cells[2]; ++k)
           directory_.push_back(
-              entry({origin_[0] + 512 * i, origin_[1] + 512 * j, origin_[2] + 512 * k}, 512));
+              entry({origin[0] + 512 * i, origin[1] + 512 * j, origin[2] + 512 * k}, 512));
   }
 
-  VoxmapContent content(std::uint32_t cropped_sides = 0) const {
-    VoxmapContent content;
-    VoxmapHeader& h = content.header;
-    h.voxel_size_m = scene_.voxel_size_m;
-    h.offset_layers = scene_.layers;
-    h.metric =
-        static_cast<std::uint32_t>(scene_.wide.bits == 2 ? scene_.metric : Metric::kEuclidean);
-    h.bits_per_voxel = scene_.wide.bits;
-    h.range_m = scene_.wide.range_m;
-    h.quantum_m = scene_.wide.quantum_m;
-    h.zero_code = scene_.wide.zero_code;
-    h.surface_code = scene_.wide.surface_code;
-    h.proximity_code = scene_.wide.proximity_code;
-    h.free_code = scene_.wide.free_code;
-    h.cropped_sides = cropped_sides;
-    fill_tight_box(h);
-    for (int axis = 0; axis < 3; ++axis) {
-      h.valid_min_voxel[axis] = scene_.min[axis];
-      h.valid_max_voxel[axis] = scene_.min[axis] + scene_.dims[axis];
-      h.directory_origin[axis] = origin_[axis];
-      h.directory_dims[axis] = static_cast<std::uint32_t>(blocks_[axis]);
-    }
-    for (const std::uint8_t value : scene_.values) {
-      h.interior_voxels += value == 1;
-      h.surface_voxels += value == 2;
-      h.proximity_voxels += value == 3;
-    }
-    content.directory = directory_;
-    content.upper_nodes = upper_;
-    content.lower_nodes = lower_;
-    content.bricks = bricks_;
-    content.compliance = scene_.wide.compliance;
-    return content;
+  TreeContent content() const { return {directory_, upper_, lower_, bricks_}; }
+
+  static std::int64_t directory_low(const VoxelScene& scene, int axis) {
+    return (scene.min[axis] >> 9) * 512;
+  }
+  static std::int64_t directory_dim(const VoxelScene& scene, int axis) {
+    const std::int64_t last = scene.min[axis] + std::max<std::int64_t>(scene.dims[axis], 1) - 1;
+    return (last >> 9) - (scene.min[axis] >> 9) + 1;
   }
 
- private:
-  struct Brick {
-    Voxel min;
-  };
+  static constexpr std::uint32_t kMixed = 1u << 31;
 
-  void find_occupied_bricks() {
-    for (std::int64_t i = scene_.min[0] & ~7; i < scene_.min[0] + scene_.dims[0]; i += 8)
-      for (std::int64_t j = scene_.min[1] & ~7; j < scene_.min[1] + scene_.dims[1]; j += 8)
-        for (std::int64_t k = scene_.min[2] & ~7; k < scene_.min[2] + scene_.dims[2]; k += 8)
-          if (uniform_code_of({i, j, k}, 8) != scene_.wide.free_code)
-            occupied_.push_back({{i, j, k}});
-  }
-
-  static constexpr std::uint32_t kMixed = 256;
-
-  // Where the whole box has one code, that.
-  std::uint32_t uniform_code_of(const Voxel& min, std::int64_t edge) const {
-    bool outside_free = false;
+  // Where the whole box has one element, that.
+  std::uint32_t uniform_element_of(const Voxel& min, std::int64_t edge) const {
+    bool reaches_outside = false;
     Voxel low{}, high{};
     for (int axis = 0; axis < 3; ++axis) {
       low[axis] = std::max(min[axis], scene_.min[axis]);
       high[axis] = std::min(min[axis] + edge, scene_.min[axis] + scene_.dims[axis]);
-      if (low[axis] >= high[axis]) return scene_.wide.free_code;
-      if (high[axis] - low[axis] < edge) outside_free = true;
+      if (low[axis] >= high[axis]) return outside_;
+      if (high[axis] - low[axis] < edge) reaches_outside = true;
     }
-    const std::uint32_t first = outside_free ? scene_.wide.free_code : scene_.code_at(low);
+    const std::uint32_t first = reaches_outside ? outside_ : element_(low);
     for (std::int64_t i = low[0]; i < high[0]; ++i)
       for (std::int64_t j = low[1]; j < high[1]; ++j)
         for (std::int64_t k = low[2]; k < high[2]; ++k)
-          if (scene_.code_at({i, j, k}) != first) return kMixed;
+          if (element_({i, j, k}) != first) return kMixed;
     return first;
   }
 
-  std::uint32_t clearance(const Voxel& min, std::int64_t edge) const {
-    std::int64_t best = kMaxClearance;
-    for (const Brick& brick : occupied_) {
-      std::int64_t distance = 0;
-      for (int axis = 0; axis < 3; ++axis) {
-        distance = std::max({distance, brick.min[axis] - (min[axis] + edge - 1),
-                             min[axis] - (brick.min[axis] + 7)});
-      }
-      best = std::min(best, distance);
-    }
-    return static_cast<std::uint32_t>(best);
-  }
-
+ private:
   std::uint32_t entry(const Voxel& min, std::int64_t edge) {
-    const std::uint32_t code = uniform_code_of(min, edge);
-    if (code == scene_.wide.free_code) return uniform_entry(code, clearance(min, edge));
-    if (code != kMixed) return uniform_entry(code);
+    const std::uint32_t element = uniform_element_of(min, edge);
+    if (element != kMixed) return uniform_(element, min, edge);
     if (edge == 8) return brick(min);
     auto& nodes = edge == 512 ? upper_ : lower_;
     std::vector<std::uint32_t> children(kNodeEntries);
@@ -232,15 +202,109 @@ class SceneTree {
 
   std::uint32_t brick(const Voxel& min) {
     const std::size_t first = bricks_.size();
-    const std::uint32_t bits = scene_.wide.bits, in_word = 32 / bits,
-                        words = kNodeEntries / in_word;
+    const std::uint32_t in_word = 32 / bits_, words = kNodeEntries / in_word;
     bricks_.resize(first + words);
     for (std::uint32_t slot = 0; slot < kNodeEntries; ++slot) {
-      const std::uint32_t code =
-          scene_.code_at({min[0] + (slot >> 6), min[1] + ((slot >> 3) & 7), min[2] + (slot & 7)});
-      bricks_[first + slot / in_word] |= code << (bits * (slot % in_word));
+      const Voxel v{min[0] + (slot >> 6), min[1] + ((slot >> 3) & 7), min[2] + (slot & 7)};
+      bool inside = true;
+      for (int axis = 0; axis < 3; ++axis) {
+        inside &= v[axis] >= scene_.min[axis] && v[axis] < scene_.min[axis] + scene_.dims[axis];
+      }
+      const std::uint32_t element = inside ? element_(v) : outside_;
+      bricks_[first + slot / in_word] |= element << (bits_ * (slot % in_word));
     }
     return static_cast<std::uint32_t>(first / words);
+  }
+
+  const VoxelScene& scene_;
+  std::uint32_t bits_, outside_;
+  Element element_;
+  Uniform uniform_;
+  std::vector<std::uint32_t> directory_, upper_, lower_, bricks_;
+};
+
+// The .vox file of a scene. Clearance by looking at every non-free brick: exact for bricks' boxes,
+// so a lower bound for voxels.
+class SceneFile {
+ public:
+  explicit SceneFile(const VoxelScene& scene)
+      : scene_(scene), occupied_(occupied_bricks(scene)), values_(tree_of_values()) {
+    if (scene.has_distances()) {
+      distances_.emplace(
+          scene, kDistanceBits, kMostDistanceCode, [&](const Voxel& v) { return scene.code_at(v); },
+          [](std::uint32_t code, const Voxel&, std::int64_t) { return uniform_entry(code); });
+    }
+  }
+
+  VoxmapContent content(std::uint32_t cropped_sides = 0) const {
+    VoxmapContent content;
+    VoxmapHeader& h = content.header;
+    h.voxel_size_m = scene_.voxel_size_m;
+    h.offset_layers = scene_.layers;
+    h.metric = static_cast<std::uint32_t>(scene_.metric);
+    if (scene_.metric == Metric::kEuclidean) {
+      h.zero_force_m = scene_.zero_force_m();
+      h.force_depth_m = scene_.force_depth_voxels * scene_.voxel_size_m;
+    }
+    h.distance_quantum_m = scene_.distances.quantum_m;
+    h.distance_zero_code = scene_.distances.zero_code;
+    h.cropped_sides = cropped_sides;
+    fill_tight_box(h);
+    for (int axis = 0; axis < 3; ++axis) {
+      h.valid_min_voxel[axis] = scene_.min[axis];
+      h.valid_max_voxel[axis] = scene_.min[axis] + scene_.dims[axis];
+      h.directory_origin[axis] = SceneTree::directory_low(scene_, axis);
+      h.directory_dims[axis] = static_cast<std::uint32_t>(SceneTree::directory_dim(scene_, axis));
+    }
+    for (const std::uint8_t value : scene_.values) {
+      h.interior_voxels += value == 1;
+      h.surface_voxels += value == 2;
+      h.proximity_voxels += value == 3;
+    }
+    content.values = values_.content();
+    if (distances_) content.distances = distances_->content();
+    content.compliance = scene_.distances.compliance;
+    return content;
+  }
+
+ private:
+  struct Brick {
+    Voxel min;
+  };
+
+  static std::vector<Brick> occupied_bricks(const VoxelScene& scene) {
+    std::vector<Brick> occupied;
+    for (std::int64_t i = scene.min[0] & ~7; i < scene.min[0] + scene.dims[0]; i += 8)
+      for (std::int64_t j = scene.min[1] & ~7; j < scene.min[1] + scene.dims[1]; j += 8)
+        for (std::int64_t k = scene.min[2] & ~7; k < scene.min[2] + scene.dims[2]; k += 8)
+          for (std::int64_t n = 0; n < kNodeEntries; ++n)
+            if (scene.at({i + (n >> 6), j + (n >> 3 & 7), k + (n & 7)}) != VoxelValue::kFree) {
+              occupied.push_back({{i, j, k}});
+              break;
+            }
+    return occupied;
+  }
+
+  SceneTree tree_of_values() const {
+    return SceneTree(
+        scene_, kValueBits, 0,
+        [&](const Voxel& v) { return static_cast<std::uint32_t>(scene_.at(v)); },
+        [&](std::uint32_t value, const Voxel& min, std::int64_t edge) {
+          return uniform_entry(value, value == 0 ? clearance(min, edge) : 0);
+        });
+  }
+
+  std::uint32_t clearance(const Voxel& min, std::int64_t edge) const {
+    std::int64_t best = kMaxClearance;
+    for (const Brick& brick : occupied_) {
+      std::int64_t distance = 0;
+      for (int axis = 0; axis < 3; ++axis) {
+        distance = std::max({distance, brick.min[axis] - (min[axis] + edge - 1),
+                             min[axis] - (brick.min[axis] + 7)});
+      }
+      best = std::min(best, distance);
+    }
+    return static_cast<std::uint32_t>(best);
   }
 
   void fill_tight_box(VoxmapHeader& h) const {
@@ -264,15 +328,14 @@ class SceneTree {
   }
 
   const VoxelScene& scene_;
-  Voxel origin_{}, blocks_{};
   std::vector<Brick> occupied_;
-  std::vector<std::uint32_t> directory_, upper_, lower_, bricks_;
+  SceneTree values_;
+  std::optional<SceneTree> distances_;
 };
 
 inline void save_voxmap(const std::filesystem::path& path, const VoxelScene& scene,
                         std::uint32_t cropped_sides = 0) {
-  const SceneTree tree(scene);
-  save_bytes(path, voxmap_bytes(tree.content(cropped_sides)));
+  save_bytes(path, voxmap_bytes(SceneFile(scene).content(cropped_sides)));
 }
 
 inline Voxmap make_voxmap(const VoxelScene& scene, std::uint32_t cropped_sides = 0) {

@@ -1,6 +1,5 @@
 // The habits of all commands: exit status, one line on stderr, reports, signals.
 #include "formats/command/command.h"
-#include "formats/command/number_option.h"
 
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -14,6 +13,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "formats/command/arguments.h"
 #include "formats/command/progress_line.h"
 #include "formats/file/atomic_file.h"
 #include "formats/result.h"

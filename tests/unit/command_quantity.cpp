@@ -69,9 +69,22 @@ TEST(Quantity, MetricSpellingsAreTheSameDouble) {
   }
 }
 
+TEST(Quantity, SpellingsOfUnits) {
+  for (const char* text : {"5MM", "5mm", "5 MM"}) EXPECT_EQ(*command::parse_length(text), 0.005);
+  for (const char* text : {"5\"", "5in", "5IN", "5inch", "5 inch"}) {
+    EXPECT_EQ(*command::parse_length(text), 5 * 0.0254) << text;
+  }
+  for (const char* text : {"5um", "5\xC2\xB5m", "5\xCE\xBCm"}) {  // U+00B5, U+03BC
+    EXPECT_EQ(*command::parse_length(text), 5e-6) << text;
+  }
+  EXPECT_EQ(*command::parse_unit("MM"), 0.001);
+  EXPECT_EQ(*command::parse_unit("inch"), 0.0254);
+  EXPECT_EQ(*command::parse_unit("\xC2\xB5m"), 1e-6);
+}
+
 TEST(Quantity, WrongLengths) {
   for (const char* text :
-       {"",      " ",     "5",     "mm",      "5 m m",   "5MM",    "5furlong", "nan",
+       {"",      " ",     "5",     "mm",      "5 m m",   "5Mm",    "5furlong", "nan",
         "inf",   "infmm", "nanmm", "1e999mm", "1e308km", "0x10mm", "5,5mm",    "--5mm",
         "+-5mm", "5mm3",  "5mm,",  "1e-400m", "five mm", "\x01mm"}) {
     expect_usage_error(command::parse_length(text), text);
@@ -82,28 +95,38 @@ TEST(Quantity, Units) {
   EXPECT_EQ(*command::parse_unit("mm"), 0.001);
   EXPECT_EQ(*command::parse_unit("m"), 1);
   EXPECT_EQ(*command::parse_unit("in"), 0.0254);
-  for (const char* text : {"", "MM", "meter", "mm ", "s"})
+  for (const char* text : {"", "Mm", "meter", "mm ", "s"})
     expect_usage_error(command::parse_unit(text), text);
 }
 
 TEST(Quantity, Points) {
-  EXPECT_EQ(*command::parse_point("1,2,-3"), (std::array<double, 3>{1, 2, -3}));
-  EXPECT_EQ(*command::parse_point(" 1mm , 2 , 3cm "), (std::array<double, 3>{0.001, 2, 0.03}));
-  for (const char* text :
-       {"", "1,2", "1,2,3,4", "1,2,", ",,", "1,2,x", "1;2;3", "1 2 3", "1,2,inf", "1,2,3kg"}) {
+  EXPECT_EQ(*command::parse_point("1m,0,-3m"), (std::array<double, 3>{1, 0, -3}));
+  EXPECT_EQ(*command::parse_point(" 1mm , 2m , 3cm "), (std::array<double, 3>{0.001, 2, 0.03}));
+  EXPECT_EQ(command::parse_point("1m,5,0").error().what, "length '5' has no unit");
+  for (const char* text : {"", "1m,2m", "1m,2m,3m,4m", "1m,2m,", ",,", "1m,2m,x", "1m;2m;3m",
+                           "1m 2m 3m", "1m,2m,inf", "1m,2m,3kg", "1m,2m,3"}) {
     expect_usage_error(command::parse_point(text), text);
   }
 }
 
-TEST(Quantity, Boxes) {
-  EXPECT_EQ(*command::parse_box("0,0,0,1mm,2,3"), (std::array<double, 6>{0, 0, 0, 0.001, 2, 3}));
-  for (const char* text : {"0,0,0,1,1", "0,0,0,1,1,0", "1,0,0,0,1,1", "0,0,0,0,0,0"}) {
-    expect_usage_error(command::parse_box(text), text);
+TEST(Quantity, Directions) {
+  EXPECT_EQ(*command::parse_direction("1,-2,0.5"), (std::array<double, 3>{1, -2, 0.5}));
+  for (const char* text : {"", "1,2", "1m,2,3", "1,2,x"}) {
+    expect_usage_error(command::parse_direction(text), text);
   }
 }
 
+TEST(Quantity, Boxes) {
+  EXPECT_EQ(*command::parse_box("0,0,0,1mm,2m,3m"), (std::array<double, 6>{0, 0, 0, 0.001, 2, 3}));
+  for (const char* text :
+       {"0,0,0,1m,1m", "0,0,0,1m,1m,0", "1m,0,0,0,1m,1m", "0,0,0,0,0,0", "0,0,0,1m,1m,1"}) {
+    expect_usage_error(command::parse_box(text), text);
+  }
+  EXPECT_EQ(command::parse_box("0,0,0,5,1m,1m").error().what, "length '5' has no unit");
+}
+
 TEST(Quantity, Poses) {
-  const auto position_only = command::parse_pose("1,2mm,3");
+  const auto position_only = command::parse_pose("1m,2mm,3m");
   ASSERT_TRUE(position_only);
   EXPECT_EQ(position_only->position_m, (std::array<double, 3>{1, 0.002, 3}));
   EXPECT_EQ(position_only->orientation_wxyz, (std::array<double, 4>{1, 0, 0, 0}));
@@ -111,7 +134,7 @@ TEST(Quantity, Poses) {
   ASSERT_TRUE(pose);
   EXPECT_EQ(pose->orientation_wxyz, (std::array<double, 4>{0, 0, 0.6, 0.8}));
   for (const char* text : {"", "0,0,0,1", "0,0,0,0,0,0,0", "0,0,0,1mm,0,0,0", "0,0,0,1,0,0,nan",
-                           "0,0,0,1e200,0,0,0", "0,0,0,1,0,0,0,0"}) {
+                           "0,0,0,1e200,0,0,0", "0,0,5", "5,0,0,1,0,0,0", "0,0,0,1,0,0,0,0"}) {
     expect_usage_error(command::parse_pose(text), text);
   }
 }
@@ -148,7 +171,7 @@ TEST(Quantity, DoesNotDependOnTheLocale) {
     if (std::setlocale(LC_ALL, name)) break;  // where one is installed
   }
   EXPECT_EQ(*command::parse_length("1.5mm"), 0.0015);
-  EXPECT_EQ(*command::parse_point("1.5,2.5,3.5"), (std::array<double, 3>{1.5, 2.5, 3.5}));
+  EXPECT_EQ(*command::parse_direction("1.5,2.5,3.5"), (std::array<double, 3>{1.5, 2.5, 3.5}));
   expect_usage_error(command::parse_length("1,5mm"), "1,5mm");
   std::setlocale(LC_ALL, c_before.c_str());
   std::locale::global(before);

@@ -64,9 +64,9 @@ TEST(GltfReader, ComposesTranslationRotationScaleAsTheMatrixDoes) {
 
 TEST(GltfReader, TellsSiblingsOfOneNameApart) {
   const std::string nodes = R"([{"name":"row","children":[1,2,3,4]},{"name":"bolt","mesh":0},
-      {"name":"bolt","mesh":0},{"mesh":0},{"name":"bolt:2","mesh":0}])";
+      {"name":"bolt","mesh":0},{"mesh":0},{"name":"bolt[2]","mesh":0}])";
   EXPECT_EQ(names_of(read_nodes(nodes)),
-            (std::vector<std::string>{"row/bolt", "row/bolt:2", "row/node3", "row/bolt:2:2"}));
+            (std::vector<std::string>{"row/bolt", "row/bolt[2]", "row/node3", "row/bolt[2][2]"}));
 }
 
 TEST(GltfReader, SelectsASubTreeWhereItStands) {

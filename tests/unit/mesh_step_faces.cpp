@@ -27,7 +27,7 @@ using namespace test;
 
 #ifdef FORCELAYER_STEP
 
-const mesh::SourceFile kFile{"a.step", "", ""};
+const mesh::SourceFile kFile{"a.step", "", {}};
 
 mesh::Tessellation tessellated(const TopoDS_Shape& shape, double deflection_mm) {
   return mesh::StepTessellator(kFile, deflection_mm).tessellate(shape, "node");
@@ -262,7 +262,7 @@ constexpr const char* kNodes =
 
 Result<mesh::Assembly> read_glb(std::vector<std::string> without) {
   const std::string bytes = as_glb(gltf_json(cube(), kNodes), gltf_binary(cube()));
-  mesh::SourceFile file{"mesh.glb", "", bytes};
+  mesh::SourceFile file{"mesh.glb", bytes, {}};
   file.options.without = std::move(without);
   return mesh::read_source(file);
 }
@@ -277,15 +277,15 @@ TEST(Without, LeavesOutANodeWithAllBelowIt) {
   using Names = std::vector<std::string>;
   const auto all = read_glb({});
   ASSERT_TRUE(all) << to_line(all.error());
-  EXPECT_EQ(names_of(*all), (Names{"top/a", "top/b/leaf", "top/a:2"}));
-  const auto by_label = read_glb({"b", "a:2"});
+  EXPECT_EQ(names_of(*all), (Names{"top/a", "top/b/leaf", "top/a[2]"}));
+  const auto by_label = read_glb({"b", "a[2]"});
   ASSERT_TRUE(by_label);
   EXPECT_EQ(names_of(*by_label), Names{"top/a"});
-  EXPECT_EQ(by_label->left_out, (Names{"b", "a:2"}));
+  EXPECT_EQ(by_label->left_out, (Names{"b", "a[2]"}));
   EXPECT_TRUE(by_label->warnings.empty());
   const auto by_path = read_glb({"top/b/leaf"});
   ASSERT_TRUE(by_path);
-  EXPECT_EQ(names_of(*by_path), (Names{"top/a", "top/a:2"}));
+  EXPECT_EQ(names_of(*by_path), (Names{"top/a", "top/a[2]"}));
 }
 
 TEST(Without, SaysThatNothingIsLeft) {
@@ -307,7 +307,7 @@ TEST(Without, RefusesANameOfSeveralNodes) {
       R"([{"name":"top","children":[1,2]},{"name":"l","children":[3]},{"name":"r","children":[4]},)"
       R"({"name":"x","mesh":0},{"name":"x","mesh":0}])";
   const std::string bytes = as_glb(gltf_json(cube(), nodes), gltf_binary(cube()));
-  mesh::SourceFile file{"mesh.glb", "", bytes};
+  mesh::SourceFile file{"mesh.glb", bytes, {}};
   file.options.without = {"x"};
   const auto several = mesh::read_source(file);
   ASSERT_FALSE(several);

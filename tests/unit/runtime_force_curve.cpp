@@ -16,12 +16,12 @@ constexpr double kS = 0.005;  // voxel size, m
 
 // A floor at height 0 under a soft layer of `layer_voxels`, with the table of `force_n` over depth.
 VoxelScene soft_floor(double layer_voxels, const std::function<double(double)>& force_n) {
-  const DistanceDefinition definition(2, 8, layer_voxels + 3, layer_voxels);
+  const DistanceDefinition definition(2, layer_voxels + 3, layer_voxels);
   VoxelScene scene = distance_scene(
       kS, {-16, -16, -4}, {32, 32, 18}, [](const glm::dvec3& p) { return p.z; }, 2, definition);
   const double quantum_m = definition.quantum * kS;
   for (std::uint32_t i = 0; i * quantum_m < layer_voxels * kS; ++i) {
-    scene.wide.compliance.push_back(static_cast<float>(force_n(i * quantum_m)));
+    scene.distances.compliance.push_back(static_cast<float>(force_n(i * quantum_m)));
   }
   return scene;
 }
@@ -50,13 +50,13 @@ TEST(ForceCurve, IsTheTableAndItsIntegral) {
     std::uniform_real_distribution<double> uniform(0, 1);
     VoxelScene scene = soft_floor(1 + 4 * uniform(random), [](double) { return 0.0; });
     double force_n = 0;
-    for (float& entry : scene.wide.compliance) {
+    for (float& entry : scene.distances.compliance) {
       entry = static_cast<float>(force_n);
       if (random() % 3 != 0) force_n += std::pow(10, -3 + 4 * uniform(random));
     }
-    scene.wide.compliance.back() += 1;
+    scene.distances.compliance.back() += 1;
     const Voxmap voxmap = make_voxmap(scene);
-    const double step_m = voxmap.header().quantum_m, stiffness = steepest_n_per_m(voxmap);
+    const double step_m = voxmap.header().distance_quantum_m, stiffness = steepest_n_per_m(voxmap);
     const auto table = voxmap.compliance();
     const auto table_n = [&](double depth_m) {
       for (std::size_t i = 1; i < table.size(); ++i) {
@@ -108,7 +108,7 @@ TEST(SoftLayer, APressRestsWhereTheTableHoldsIt) {
     const double depth_m = result.report.depth_m;
     // Codes are to the nearest half step, the table is straight between its entries.
     EXPECT_NEAR(depth_m, zero_m - bench.part().position_m.z,
-                bench.simulation->voxmap().header().quantum_m);
+                bench.simulation->voxmap().header().distance_quantum_m);
     EXPECT_NEAR(result.wrench.force_n.z, foam_n(depth_m), 0.001 + 0.01 * foam_n(depth_m));
     EXPECT_GT(depth_m, last_depth_m + 0.0005);
     last_depth_m = depth_m;

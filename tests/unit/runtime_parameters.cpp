@@ -105,7 +105,7 @@ TEST_F(ParametersTest, ModelAndFieldFollowFromTheMap) {
   EXPECT_EQ(derive(request).values.force, ForceKind::kTangentPlane);
   voxmap_ = make_voxmap(distance_scene(
       0.005, {0, 0, 0}, {16, 16, 16}, [](const glm::dvec3& p) { return p.z; }, 2,
-      DistanceDefinition(2, 8, 4)));
+      DistanceDefinition(2)));
   EXPECT_EQ(derive({}).values.force, ForceKind::kDistance);
   EXPECT_EQ(derive(request).values.force, ForceKind::kTangentPlane);
   request.model = Model::kDefault;
@@ -224,10 +224,10 @@ TEST_F(ParametersTest, WarnOfEveryBoundOfTheDeviceLoop) {
 // The steepest slope of a soft covering is the field's stiffness, unless the user scales it; the
 // paper's model says that it leaves the covering out.
 TEST_F(ParametersTest, FollowASoftCovering) {
-  const DistanceDefinition definition(2, 8, 4);
+  const DistanceDefinition definition(2);
   VoxelScene scene = distance_scene(
       0.005, {0, 0, 0}, {16, 16, 16}, [](const glm::dvec3& p) { return p.z; }, 2, definition);
-  scene.wide.compliance = {0, 0.25f, 2, 2.5f};
+  scene.distances.compliance = {0, 0.25f, 2, 2.5f};
   voxmap_ = make_voxmap(scene);
   RunRequest request;
   request.model = Model::kDefault;

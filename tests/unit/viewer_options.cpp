@@ -21,7 +21,7 @@ Result<viewer::ViewOptions> parsed(const std::string& line) {
 
 TEST(ViewOptions, ReadsAPictureOfARun) {
   const auto options = parsed(
-      "bay.json bay.vox part.pshell --trace run.csv --at 2500ms --grip 0,0,1 --size 640x480 "
+      "bay.json bay.vox part.pshell --trace run.csv --at 2500ms --grip 0,0,1m --size 640x480 "
       "--units mm --force level --view-from 1,2,3 --focus scene --cut y>-5mm --show meshes,shell");
   ASSERT_TRUE(options) << to_line(options.error());
   EXPECT_EQ(options->inputs.inputs.size(), 3u);

@@ -11,14 +11,16 @@ namespace forcelayer::cache {
 // ... a reader gives another mesh for the same file, or refuses it, or the record changes.
 // 2: STEP and IGES files of which faces are lost are refused.
 // 3: the record holds missing faces and the nodes left out.
-inline constexpr std::uint32_t kAssemblyCacheVersion = 3;
+// 4: the record holds the tree of nodes; siblings of a name are called "name[2]".
+inline constexpr std::uint32_t kAssemblyCacheVersion = 4;
 
 // ... mesh_facts() gives other facts for the same mesh, or the record changes.
 inline constexpr std::uint32_t kFactsCacheVersion = 1;
 
 // ... snap, scan conversion, flood or the search for cavities give something else for the same
 // input, or the record changes.
-inline constexpr std::uint32_t kObjectCacheVersion = 1;
+// 2: the record holds the grown surface beside G.
+inline constexpr std::uint32_t kObjectCacheVersion = 2;
 
 // ... grow_surface() finds other voxels. Counts beside the version above.
 // 2: needles are not near beyond their tips.

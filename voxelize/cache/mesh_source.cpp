@@ -37,7 +37,7 @@ bool may_refer_to_files(std::string_view bytes, const std::string& extension) {
 
 // The digest of everything that reading a file depends on; nothing where other files may count.
 std::optional<Digest> assembly_key(const std::string& path, const mesh::ReadOptions& options) {
-  const mesh::SourceFile source = mesh::named_file(path);
+  const mesh::NamedFile source = mesh::named_file(path);
   const auto mapped = MappedFile::open(source.path);
   if (!mapped) return std::nullopt;  // reading it will say why
   const std::filesystem::path name = std::filesystem::path(source.path).filename();
@@ -47,7 +47,9 @@ std::optional<Digest> assembly_key(const std::string& path, const mesh::ReadOpti
   if (may_refer_to_files(mesh::text_of(*mapped), extension)) return std::nullopt;
   DigestBuilder digest;
   digest.text(kAssemblyKind).value(kAssemblyCacheVersion);
-  digest.text(name.string()).text(source.node);  // nodes without names are called by the file's
+  digest.text(name.string());  // nodes without names are called by the file's
+  digest.value(std::uint64_t{options.nodes.size()});
+  for (const std::string& node : options.nodes) digest.text(node);
   if (extension.starts_with(".st") || extension.starts_with(".ig")) {
     if (extension != ".stl") digest.value(options.deflection_m).value(options.missing_faces);
   }
@@ -65,6 +67,7 @@ std::vector<std::byte> pack(const mesh::Assembly& assembly,
     packer.value(instance.mesh);
     packer.text(instance.name);
     packer.value(instance.assembly_from_mesh);
+    packer.value(instance.box);
   }
   packer.value(std::uint64_t{assembly.meters_per_unit.has_value()});
   packer.value(assembly.meters_per_unit.value_or(0));
@@ -76,6 +79,13 @@ std::vector<std::byte> pack(const mesh::Assembly& assembly,
     packer.text(face.node);
     packer.value(face.center);
     packer.value(face.size);
+  }
+  packer.value(std::uint64_t{assembly.nodes.size()});
+  for (const mesh::AssemblyNode& node : assembly.nodes) {
+    packer.text(node.label);
+    packer.text(node.path);
+    packer.value(std::uint64_t{node.depth});
+    packer.value(std::array{node.first_instance, node.instance_count});
   }
   packer.value(std::uint64_t{assembly.left_out.size()});
   for (const std::string& name : assembly.left_out) packer.text(name);
@@ -96,6 +106,7 @@ std::optional<mesh::Assembly> unpack(std::span<const std::byte> bytes,
       if (instance.mesh >= outlines.size()) return std::nullopt;
       instance.name = unpacker.text();
       instance.assembly_from_mesh = unpacker.value<mesh::Affine>();
+      instance.box = unpacker.value<mesh::Box>();
     }
     const bool has_unit = unpacker.value<std::uint64_t>() != 0;
     const auto unit = unpacker.value<double>();
@@ -109,6 +120,16 @@ std::optional<mesh::Assembly> unpack(std::span<const std::byte> bytes,
       face.node = unpacker.text();
       face.center = unpacker.value<mesh::Vec3d>();
       face.size = unpacker.value<double>();
+    }
+    for (auto n = unpacker.value<std::uint64_t>(); n > 0; --n) {
+      mesh::AssemblyNode& node = assembly.nodes.emplace_back();
+      node.label = unpacker.text();
+      node.path = unpacker.text();
+      node.depth = unpacker.value<std::uint64_t>();
+      const auto range = unpacker.value<std::array<std::uint32_t, 2>>();
+      node.first_instance = range[0];
+      node.instance_count = range[1];
+      if (std::uint64_t{range[0]} + range[1] > assembly.instances.size()) return std::nullopt;
     }
     for (auto n = unpacker.value<std::uint64_t>(); n > 0; --n) {
       assembly.left_out.push_back(unpacker.text());
@@ -158,7 +179,7 @@ mesh::MeshFacts facts_of(const FactsRecord& r) {
 MeshOutline outline_of(const mesh::Mesh& mesh) {
   return {digest_of(std::as_bytes(std::span(mesh.vertices))),
           digest_of(std::as_bytes(std::span(mesh.triangles))), mesh.triangles.size(),
-          mesh::float_coordinate(mesh)};
+          mesh::float_coordinate(mesh), mesh::area_of(mesh)};
 }
 
 Digest MeshOutline::digest() const {

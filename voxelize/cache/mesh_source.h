@@ -22,6 +22,7 @@ struct MeshOutline {
   Digest vertices, triangles;  // of the two arrays
   std::uint64_t triangle_count = 0;
   double float_coordinate = 0;  // largest coordinate if vertices are 32-bit floats, else 0
+  double area = 0;              // of the triangles, file units^2
 
   Digest digest() const;  // of the whole mesh
 };

@@ -40,9 +40,12 @@ std::optional<ObjectVoxels> CachedObject::voxels(const lattice::VoxelIndex& scen
     unpacker.value<ObjectFacts>();
     unpacker.list<CavityRecord>();
     ObjectVoxels voxels;
-    // grow_surface() reaches beyond the box of the mesh.
-    voxels.geometry = unpack(unpacker, scene_origin, facts_.box.grown(distance::kMaxBakedLayers));
+    voxels.geometry = unpack(unpacker, scene_origin, facts_.box);
     voxels.interior = unpack(unpacker, scene_origin, facts_.box);
+    if (unpacker.value<std::uint64_t>() != 0) {
+      // It reaches beyond the box of the mesh.
+      voxels.grown = unpack(unpacker, scene_origin, facts_.box.grown(distance::kMaxBakedLayers));
+    }
     unpacker.expect_end();
     return voxels;
   } catch (const BadPack&) {
@@ -62,6 +65,8 @@ void keep_object(const CacheFolder& cache, const Digest& key, const ObjectFacts&
   packer.list(records);
   pack(*voxels.geometry, scene_origin, packer);
   pack(*voxels.interior, scene_origin, packer);
+  packer.value(std::uint64_t{voxels.grown != nullptr});
+  if (voxels.grown) pack(*voxels.grown, scene_origin, packer);
   cache.keep(kKind, key, packer.bytes());
 }
 

@@ -1,4 +1,4 @@
-// The voxels of one object in a cache: G, I and the facts that the report needs.
+// The voxels of one object in a cache: G, I, the grown surface and the facts that the report needs.
 #pragma once
 
 #include <memory>
@@ -27,8 +27,9 @@ struct ObjectFacts {
 
 // Counted from the scene's origin.
 struct ObjectVoxels {
-  std::unique_ptr<masks::MaskTree> geometry;  // G, or grow_surface() in its place
+  std::unique_ptr<masks::MaskTree> geometry;  // G
   std::unique_ptr<masks::MaskTree> interior;  // I
+  std::unique_ptr<masks::MaskTree> grown;     // grow_surface(); null in the Chebyshev metric
 };
 
 // An object found in the cache. Its voxels are read later.

@@ -1,50 +1,25 @@
 #include "voxelize/distance/code_scale.h"
 
+#include <algorithm>
 #include <cmath>
 
-#include "voxelize/distance/distance_kernel.h"
+#include "formats/lattice/voxel_overlap.h"
+#include "formats/voxmap_format.h"
+#include "voxelize/distance/euclidean_growth.h"
 
 namespace forcelayer::distance {
-namespace {
 
-// From a voxel's center to its corners.
-const double kHalfDiagonal = std::sqrt(3.0) / 2;
-
-// A point lies between eight voxel centers. Their mean distance from the nearest of them, by
-// trilinear weights, is at most this: at the voxel's corner.
-const double kMeanReach = (3 + 3 * std::sqrt(2.0) + std::sqrt(3.0)) / 8;
-
-}  // namespace
-
-CodeScale code_scale(std::uint32_t layers, std::uint32_t bits, double range_voxels,
-                     double layer_voxels) {
+CodeScale code_scale(std::uint32_t layers, double range_voxels, double force_depth_voxels) {
   CodeScale scale;
-  scale.bits = bits;
-  scale.range = range_voxels;
-  scale.interior_below = layers - 1 + kHalfDiagonal + double{kDistanceErrorVoxels};
-  scale.layer = layer_voxels;
-  scale.zero = scale.interior_below + layer_voxels;
-  const std::uint32_t highest = (1u << bits) - 1;
-  scale.free_code = highest;
-  // The finest quantum of which a whole number of steps leads from the zero force to the range,
-  // with codes left for the proximity voxels; at 8 bits, for their distances.
-  for (std::uint32_t steps = highest; steps > 0; --steps) {
-    const double quantum = range_voxels / steps;
-    const double surface = kMeanReach + quantum;  // outside the zero force
-    const double kept = bits == 8 ? surface + 2 * kHalfDiagonal : surface + quantum;
-    const auto up = [&](double distance) {
-      return steps + static_cast<std::uint32_t>(std::ceil(distance / quantum));
-    };
-    if (up(kept) > highest) continue;
-    scale.quantum = quantum;
-    scale.zero_code = steps;
-    scale.surface_code = steps - static_cast<std::uint32_t>(std::lround(layer_voxels / quantum));
-    scale.proximity_code = up(surface);
-    scale.surface_below = scale.zero + surface;
-    break;
-  }
-  // No free voxel touches one of the force layer.
-  scale.proximity_below = scale.surface_below + 2 * kHalfDiagonal;
+  const double interior = static_cast<double>(interior_radius_units(static_cast<int>(layers))) /
+                          static_cast<double>(lattice::kSnapUnits);
+  scale.force_depth = force_depth_voxels;
+  scale.zero_force = interior + force_depth_voxels;
+  const double range = std::max(range_voxels, scale.zero_force);
+  // One code is lost to rounding at either end.
+  scale.quantum = (range + kOutsideVoxels) / (kMostDistanceCode - 2);
+  scale.zero_code =
+      1 - static_cast<std::int32_t>(std::floor((scale.zero_force - range) / scale.quantum));
   return scale;
 }
 

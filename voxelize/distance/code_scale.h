@@ -1,29 +1,32 @@
-// The distance that each code of 4 or 8 bits stands for (formats/voxmap_format.md, section 6).
+// The distances that the codes of a map stand for (formats/voxmap_format.md, section 6).
 #pragma once
 
 #include <cstdint>
 
 namespace forcelayer::distance {
 
-inline constexpr double kLeastRangeVoxels = 2, kMostRangeVoxels = 32;
-// The default: as deep as the force layer is felt, and at 8 bits beyond the mesh itself.
-constexpr double default_range_voxels(std::uint32_t bits) { return bits == 8 ? 4 : 2; }
+// How deep distances are kept, in voxels below the zero-force surface, and at least down to the
+// mesh. The default reaches beyond it.
+inline constexpr double kLeastRangeVoxels = 2, kMostRangeVoxels = 32, kUsualRangeVoxels = 4;
 
-// Lengths in voxels, distances from the static surface.
+// How far distances are kept in front of the zero-force surface, in voxels. A force reads the codes
+// of centers up to 2.12 voxels beyond the eight around its point, and those are up to sqrt(3)/2
+// from it; the clearance is told up to here.
+inline constexpr double kOutsideVoxels = 3;
+
+// Lengths in voxels, distances from the static surface. Code c stands for distances from
+// (c - zero_code) quantum to a quantum more; code 0 for those and all below, code 255 for all
+// above.
 struct CodeScale {
-  std::uint32_t bits = 0;
-  double zero = 0;            // of the zero-force surface
-  double layer = 0;           // from there down to the interior: 1, or as deep as the compliance
-  double interior_below = 0;  // Table 1 by distance of a voxel's center
-  double surface_below = 0;
-  double proximity_below = 0;
-  double range = 0;
+  double zero_force = 0;   // the zero-force surface
+  double force_depth = 0;  // from there down to the interior: 1, or as deep as the compliance
   double quantum = 0;
-  std::uint32_t zero_code = 0, surface_code = 0, proximity_code = 0, free_code = 0;
+  std::int32_t zero_code = 0;
+
+  double least_of(std::int32_t code) const { return (code - zero_code) * quantum; }
 };
 
-// `layers` at least 1, `bits` 4 or 8, `layer_voxels` at least 1 and a voxel less than the range.
-CodeScale code_scale(std::uint32_t layers, std::uint32_t bits, double range_voxels,
-                     double layer_voxels = 1);
+// `layers` at least 1; `force_depth_voxels` at least 1, and a voxel less than the range.
+CodeScale code_scale(std::uint32_t layers, double range_voxels, double force_depth_voxels = 1);
 
 }  // namespace forcelayer::distance

@@ -16,7 +16,7 @@ namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 
 constexpr int kEdge = 64;  // voxels of a node
-constexpr int kRadii = 3;  // k-1, k and k+1
+constexpr int kRadii = 3;
 constexpr hn::CappedTag<std::uint64_t, 8> kTag{};
 using V = hn::Vec<decltype(kTag)>;
 
@@ -31,17 +31,18 @@ HWY_INLINE V stepped(V below, V here, V above, int step) {
 
 // One plane dilated along z by the three radii: [radius][row].
 HWY_INLINE void dilate_along_z(const NodeHalo& halo, int plane, std::uint64_t* out) {
-  const int layers = halo.halo() - 1, stride = halo.stride();
+  const int stride = halo.stride();
   for (int y = 0; y < halo.width(); y += lanes()) {
     const V below = load(halo.rows(plane, 0) + y), here = load(halo.rows(plane, 1) + y),
             above = load(halo.rows(plane, 2) + y);
-    V row = layers == 0 ? hn::Zero(kTag) : here;
-    for (int step = 1; step < layers; ++step) row = hn::Or(row, stepped(below, here, above, step));
-    hn::StoreU(row, kTag, out + y);
-    row = hn::Or(row, layers == 0 ? here : stepped(below, here, above, layers));
-    hn::StoreU(row, kTag, out + stride + y);
-    row = hn::Or(row, stepped(below, here, above, layers + 1));
-    hn::StoreU(row, kTag, out + 2 * stride + y);
+    V row = hn::Zero(kTag);
+    int reached = -1;
+    for (int r = 0; r < kRadii; ++r) {
+      for (; reached < halo.radius(r); ++reached) {
+        row = hn::Or(row, reached < 0 ? here : stepped(below, here, above, reached + 1));
+      }
+      hn::StoreU(row, kTag, out + r * stride + y);
+    }
   }
 }
 
@@ -49,7 +50,7 @@ HWY_INLINE void dilate_along_z(const NodeHalo& halo, int plane, std::uint64_t* o
 HWY_INLINE void dilate_along_y(const NodeHalo& halo, const std::uint64_t* along_z,
                                std::uint64_t* out) {
   for (int r = 0; r < kRadii; ++r) {
-    const int radius = halo.halo() - 2 + r;
+    const int radius = halo.radius(r);
     const std::uint64_t* from = along_z + r * halo.stride() + halo.halo();
     for (int y = 0; y < kEdge; y += lanes()) {
       V row = hn::Zero(kTag);
@@ -91,8 +92,8 @@ class PlaneClassifier {
       if (!halo_.occupied(plane)) continue;
       const std::uint64_t* rows = dilated_ + plane * kRadii * kEdge + y;
       within[2] = hn::Or(within[2], load(rows + 2 * kEdge));
-      if (std::abs(dx) <= reach - 1) within[1] = hn::Or(within[1], load(rows + kEdge));
-      if (std::abs(dx) <= reach - 2) within[0] = hn::Or(within[0], load(rows));
+      if (std::abs(dx) <= halo_.radius(1)) within[1] = hn::Or(within[1], load(rows + kEdge));
+      if (std::abs(dx) <= halo_.radius(0)) within[0] = hn::Or(within[0], load(rows));
     }
   }
 
@@ -130,9 +131,10 @@ namespace {
 HWY_EXPORT(offset);
 }  // namespace
 
-void NodeHalo::begin(int halo) {
-  halo_ = halo;
-  width_ = 64 + 2 * halo;
+void NodeHalo::begin(int layers, int force_layers) {
+  halo_ = layers + force_layers;
+  force_layers_ = force_layers;
+  width_ = 64 + 2 * halo_;
   planes_ = 0;
   occupied_.assign(static_cast<std::size_t>(width_), 0);
   rows_.resize(static_cast<std::size_t>(width_ * 3 * stride()));

@@ -31,10 +31,15 @@ class NodeHalo {
  public:
   static constexpr int kMaxHalo = 31;
 
-  // Empties the halo and sets its depth, 1..kMaxHalo.
-  void begin(int halo);
+  // Empties the halo and sets the layers of offset_node(): k, and n of the force layer. Its depth
+  // is k + n, at most kMaxHalo.
+  void begin(int layers, int force_layers);
 
   int halo() const { return halo_; }
+  // The radii of offset_node(), ascending: k - 1, k - 1 + n and k + n.
+  int radius(int i) const {
+    return i == 2 ? halo_ : i == 1 ? halo_ - 1 : halo_ - 1 - force_layers_;
+  }
   int width() const { return width_; }  // planes, and rows of a plane
   bool empty() const { return planes_ == 0; }
   bool occupied(int plane) const { return occupied_[static_cast<std::size_t>(plane)] != 0; }
@@ -50,7 +55,7 @@ class NodeHalo {
   int stride() const { return (width_ + 15) / 8 * 8; }
 
  private:
-  int halo_ = 0, width_ = 0, planes_ = 0;
+  int halo_ = 0, force_layers_ = 1, width_ = 0, planes_ = 0;
   std::vector<std::uint64_t> rows_;
   std::vector<std::uint8_t> occupied_;
 
@@ -58,9 +63,9 @@ class NodeHalo {
   std::vector<std::uint64_t> dilated_;  // [plane][radius][64] rows, dilated along z and y
 };
 
-// With D(r) the voxels within Chebyshev distance r of a set voxel, k + 1 the halo's depth and I
-// codes.low on entry: interior where D(k-1) or I, surface where D(k) otherwise, proximity where
-// D(k+1) but neither D(k) nor I (paper 4.2). D(-1) is empty.
+// With D(r) the voxels within Chebyshev distance r of a set voxel and I codes.low on entry:
+// interior where D(k-1) or I, surface where D(k-1+n) otherwise, proximity where D(k+n) but neither
+// D(k-1+n) nor I (paper 4.2, where n is 1). D(-1) is empty.
 ValueCounts offset_node(NodeHalo& halo, NodeCodes& codes);
 
 }  // namespace forcelayer::distance

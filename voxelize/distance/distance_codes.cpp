@@ -7,14 +7,17 @@
 #include <cstring>
 
 #include "formats/lattice/brick_bits.h"
+#include "formats/voxmap_format.h"
 
 namespace forcelayer::distance {
 namespace {
 
 // The largest distance that decides a code, of voxels outside the solid and of those inside.
-float outer_reach(const CodeScale& scale) { return static_cast<float>(scale.proximity_below); }
+float outer_reach(const CodeScale& scale) {
+  return static_cast<float>(scale.least_of(kMostDistanceCode)) + kDistanceErrorVoxels;
+}
 float inner_reach(const CodeScale& scale) {
-  return static_cast<float>(std::max(0.0, scale.range - scale.zero + scale.quantum));
+  return static_cast<float>(std::max(0.0, -scale.least_of(1)));
 }
 
 // Measures one 64^3 node at a time.
@@ -57,11 +60,11 @@ class NodeMeasurement {
     set(node_.measured, n);
     for (unsigned row = 0; row < 64; ++row) {
       const unsigned bits = node_.solid_row(n, row);
-      for (unsigned z = 0; z < 8; ++z) codes[8 * row + z] = (bits >> z & 1) != 0 ? 0 : free_code();
+      for (unsigned z = 0; z < 8; ++z)
+        codes[8 * row + z] = (bits >> z & 1) != 0 ? 0 : kMostDistanceCode;
     }
     return codes;
   }
-  std::uint8_t free_code() const { return static_cast<std::uint8_t>(scale_->free_code); }
 
   // Two cells of 4^3 voxels, the second behind the first along z.
   void measure(const std::array<int, 3>& low, TriangleList list, float outer, float inner) {
@@ -133,7 +136,7 @@ class NodeMeasurement {
       if (kept.box.isInside(openvdb::CoordBBox::createCube(brick, 8))) continue;
       std::uint8_t* codes = measured(n);
       for (unsigned v = 0; v < kBrickVoxels; ++v) {
-        if (!kept.box.isInside(masks::entry_origin(brick, v, 1))) codes[v] = free_code();
+        if (!kept.box.isInside(masks::entry_origin(brick, v, 1))) codes[v] = kMostDistanceCode;
       }
     }
   }

@@ -1,4 +1,4 @@
-// Voxels of 4 and 8 bits: quantized distances from the surface, node by node.
+// Stored distances: codes of signed distances from the surface, node by node.
 #pragma once
 
 #include <memory>
@@ -17,7 +17,7 @@ inline constexpr std::size_t kBrickVoxels = 512;
 struct NodeDistances {
   masks::NodeRows solid;  // the interior's voxels
   lattice::BrickMask
-      measured;  // bricks with codes of their own; the others are solid or free throughout
+      measured;  // bricks with codes of their own; the others are deep inside or far outside
   std::vector<std::uint8_t> codes =
       std::vector<std::uint8_t>(512 * kBrickVoxels);  // [bricks][voxels]; undefined elsewhere
 
@@ -34,7 +34,7 @@ struct NodeDistances {
 // whose center lies on the interior's side of the surface.
 class DistanceCodes {
  public:
-  // Voxels outside `kept` are free.
+  // Voxels outside `kept` have the highest code.
   DistanceCodes(std::vector<const scan::SnappedObject*> objects,
                 const lattice::VoxelIndex& scene_origin, const masks::MaskTree& geometry,
                 const masks::MaskTree& interior, const CodeScale& scale,

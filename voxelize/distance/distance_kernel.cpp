@@ -12,6 +12,7 @@
 #include <cmath>
 
 #include "formats/lattice/voxel_overlap.h"
+#include "formats/voxmap_format.h"
 #include "voxelize/distance/code_scale.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -355,9 +356,9 @@ void codes(const CubeValues& squared, std::uint64_t negative, const CodeScale& s
            std::uint8_t* out) {
   constexpr hn::RebindToSigned<decltype(kF)> kI{};
   constexpr hn::Rebind<std::uint8_t, decltype(kI)> kBytes{};
-  const auto code = [&](std::uint32_t c) HWY_ATTR { return hn::Set(kI, static_cast<int>(c)); };
-  // Greater distances have the highest code too.
-  const V most = set(4 * static_cast<float>(kMostRangeVoxels));
+  // Greater distances have the code of the nearest end too.
+  const V most =
+      set(static_cast<float>(std::max(scale.least_of(kMostDistanceCode), -scale.least_of(0)) + 1));
   for (std::size_t n = 0; n < kCubePoints; n += lanes()) {
     const V root = hn::Sqrt(hn::LoadU(kF, squared.data() + n));
     const V length =
@@ -365,25 +366,12 @@ void codes(const CubeValues& squared, std::uint64_t negative, const CodeScale& s
     const std::uint8_t bits[8] = {static_cast<std::uint8_t>(negative >> n),
                                   static_cast<std::uint8_t>(n + 8 < 64 ? negative >> (n + 8) : 0)};
     const V d = hn::IfThenElse(hn::LoadMaskBits(kF, bits), hn::Neg(length), length);
-    const V steps = hn::Mul(hn::Sub(d, set(static_cast<float>(scale.zero))),
-                            set(static_cast<float>(1 / scale.quantum)));
-    auto nearest = hn::Add(hn::NearestInt(steps), code(scale.zero_code));
-    // Clamped to the codes of the value (interior, surface, ...) that the distance has.
-    const auto below = [&](double bound) HWY_ATTR {
-      return hn::RebindMask(kI, hn::Lt(d, set(static_cast<float>(bound))));
-    };
-    const auto interior = below(scale.interior_below), surface = below(scale.surface_below),
-               proximity = below(scale.proximity_below);
-    const auto pick = [&](std::uint32_t in_interior, std::uint32_t in_surface,
-                          std::uint32_t in_proximity, std::uint32_t in_free) HWY_ATTR {
-      const auto outer = hn::IfThenElse(proximity, code(in_proximity), code(in_free));
-      return hn::IfThenElse(interior, code(in_interior),
-                            hn::IfThenElse(surface, code(in_surface), outer));
-    };
-    nearest = hn::Max(nearest, pick(0, scale.surface_code, scale.proximity_code, scale.free_code));
-    nearest = hn::Min(nearest, pick(scale.surface_code - 1, scale.proximity_code - 1,
-                                    scale.free_code - 1, scale.free_code));
-    hn::StoreU(hn::DemoteTo(kBytes, nearest), kBytes, out + n);
+    // Rounded down, and before that less what the arithmetic may be off.
+    const V steps =
+        hn::Mul(hn::Sub(d, set(kDistanceErrorVoxels)), set(static_cast<float>(1 / scale.quantum)));
+    const auto code = hn::Add(hn::ConvertTo(kI, hn::Floor(steps)), hn::Set(kI, scale.zero_code));
+    const auto stored = hn::Min(hn::Max(code, hn::Zero(kI)), hn::Set(kI, 255));
+    hn::StoreU(hn::DemoteTo(kBytes, stored), kBytes, out + n);
   }
 }
 

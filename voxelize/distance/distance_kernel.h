@@ -85,8 +85,8 @@ class NearestTriangles {
 std::array<double, 3> way_from(const PreparedTriangle& triangle,
                                const std::array<double, 3>& point);
 
-// The codes of voxels whose centers have these squared distances. A set bit of `negative` makes
-// the distance negative.
+// The codes of voxels whose centers have these squared distances, rounded down. A set bit of
+// `negative` makes the distance negative.
 void codes_of_distances(const CubeValues& squared, std::uint64_t negative, const CodeScale& scale,
                         std::uint8_t* codes);
 

@@ -75,8 +75,12 @@ ValueCounts crop(const masks::Coord& origin, const openvdb::CoordBBox& box, Node
 }  // namespace
 
 LayerOffset::LayerOffset(const masks::MaskTree& geometry, const masks::MaskTree& interior,
-                         unsigned layers, const masks::KeptBox& kept)
-    : geometry_(geometry), interior_(interior), layers_(static_cast<int>(layers)), kept_(kept) {}
+                         unsigned layers, unsigned force_layers, const masks::KeptBox& kept)
+    : geometry_(geometry),
+      interior_(interior),
+      layers_(static_cast<int>(layers)),
+      force_layers_(static_cast<int>(force_layers)),
+      kept_(kept) {}
 
 // Adds the nodes of solids that the border of the kept box cuts.
 void LayerOffset::add_cut_solids(std::vector<masks::Coord>& origins) const {
@@ -95,7 +99,7 @@ void LayerOffset::add_cut_solids(std::vector<masks::Coord>& origins) const {
 }
 
 std::vector<masks::Coord> LayerOffset::nodes() const {
-  const int reach = layers_ + 1;
+  const int reach = layers_ + force_layers_;
   std::vector<masks::Coord> origins;
   for (auto upper = geometry_.cbeginChildOn(); upper; ++upper) {
     for (auto node = upper->cbeginChildOn(); node; ++node) {
@@ -123,7 +127,7 @@ std::vector<masks::Coord> LayerOffset::nodes() const {
 
 ValueCounts LayerOffset::codes(const masks::Coord& origin, NodeHalo& halo, NodeCodes& codes) const {
   masks::node_rows(interior_, origin, codes.low);
-  halo.begin(layers_ + 1);
+  halo.begin(layers_, force_layers_);
   gather(geometry_, origin, halo);
   const ValueCounts counts = offset_node(halo, codes);
   if (!kept_.cropped() || kept_.box.isInside(node_box(origin))) return counts;

@@ -9,16 +9,17 @@
 
 namespace forcelayer::distance {
 
-// With c(v) the Chebyshev distance from v to the nearest voxel of `geometry`, a voxel outside
-// `interior` becomes interior where c <= k-1, surface where c = k, proximity where c = k+1, else it
-// is free. The trees must outlive the object; codes() may run on many threads.
+// With c(v) the Chebyshev distance from v to the nearest voxel of `geometry`, k `layers` and n
+// `force_layers`, a voxel outside `interior` becomes interior where c <= k-1, surface where it is
+// up to k-1+n, proximity where c = k+n, else it is free (paper 4.2, where n is 1). The trees must
+// outlive the object; codes() may run on many threads.
 class LayerOffset {
  public:
   // Voxels outside `kept` are free.
   LayerOffset(const masks::MaskTree& geometry, const masks::MaskTree& interior, unsigned layers,
-              const masks::KeptBox& kept);
+              unsigned force_layers, const masks::KeptBox& kept);
 
-  // Origins, ascending, of the nodes that can hold a voxel within k+1 of the geometry and of those
+  // Origins, ascending, of the nodes that can hold a voxel within k+n of the geometry and of those
   // that a cropped side cuts inside a solid. Every other node is uniform: interior where an active
   // tile of `interior` covers it and it is kept, else free.
   std::vector<masks::Coord> nodes() const;
@@ -26,6 +27,7 @@ class LayerOffset {
   const masks::MaskTree& geometry() const { return geometry_; }
   const masks::MaskTree& interior() const { return interior_; }
   int layers() const { return layers_; }
+  int force_layers() const { return force_layers_; }
   const masks::KeptBox& kept() const { return kept_; }
 
   // The values of the node at `origin`. `halo` is scratch space.
@@ -36,7 +38,7 @@ class LayerOffset {
 
   const masks::MaskTree& geometry_;
   const masks::MaskTree& interior_;
-  int layers_;
+  int layers_, force_layers_;
   masks::KeptBox kept_;
 };
 

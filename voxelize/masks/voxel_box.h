@@ -30,7 +30,7 @@ struct KeptBox {
   bool cropped() const { return cropped_sides != 0; }
 };
 
-// Of voxels, nodes or directory cells, for hash tables.
+// Hashes indices of voxels, nodes or directory cells.
 struct IndexHash {
   std::size_t operator()(const lattice::VoxelIndex& index) const {
     std::uint64_t hash = 0;

@@ -139,27 +139,12 @@ namespace forcelayer::tree {
 namespace {
 HWY_EXPORT(cut);
 
-// The voxels with another code, eight at a time.
-lattice::BrickMask other_than(const std::uint8_t* codes, std::uint8_t code) {
-  lattice::BrickMask mask;
-  for (unsigned row = 0; row < 64; ++row) {
-    std::uint64_t bytes;
-    std::memcpy(&bytes, codes + 8 * row, 8);
-    bytes ^= code * 0x0101010101010101u;
-    // The high bit of each byte that is not zero, then those bits side by side.
-    constexpr std::uint64_t kLow = 0x7f7f7f7f7f7f7f7fu;
-    const std::uint64_t other = (((bytes & kLow) + kLow) | bytes) & ~kLow;
-    mask.words[row >> 3] |= (other >> 7) * 0x0102040810204080u >> 56 << (8 * (row & 7));
-  }
-  return mask;
-}
-
 struct CodeRange {
-  unsigned least, most;
+  std::uint8_t least, most;
 };
-CodeRange range_of(const distance::NodeDistances& node, unsigned n, unsigned free_code) {
+CodeRange range_of(const distance::NodeDistances& node, unsigned n) {
   if (!test(node.measured, n)) {
-    const unsigned code = node.solid_row(n, 0) != 0 ? 0 : free_code;
+    const std::uint8_t code = node.solid_row(n, 0) != 0 ? 0 : kMostDistanceCode;
     return {code, code};
   }
   const std::uint8_t* codes = node.brick(n);
@@ -170,32 +155,6 @@ CodeRange range_of(const distance::NodeDistances& node, unsigned n, unsigned fre
     most = std::max(most, codes[v]);
   }
   return {least, most};
-}
-
-distance::ValueCounts counts_of(const std::uint8_t* codes, const distance::CodeScale& scale) {
-  std::uint32_t interior = 0, surface = 0, proximity = 0;  // each with those before it
-  for (unsigned v = 0; v < distance::kBrickVoxels; ++v) {
-    interior += codes[v] < scale.surface_code;
-    surface += codes[v] < scale.proximity_code;
-    proximity += codes[v] < scale.free_code;
-  }
-  return {interior, surface - interior, proximity - surface};
-}
-
-void pack(const std::uint8_t* codes, std::uint32_t bits, std::vector<Brick>& bricks) {
-  std::array<std::uint8_t, distance::kBrickVoxels> bytes;
-  std::size_t count = distance::kBrickVoxels;
-  if (bits == 8) {
-    std::memcpy(bytes.data(), codes, count);
-  } else {
-    count /= 2;
-    for (std::size_t i = 0; i < count; ++i) {
-      bytes[i] = static_cast<std::uint8_t>(codes[2 * i] | codes[2 * i + 1] << 4);
-    }
-  }
-  for (std::size_t at = 0; at < count; at += sizeof(Brick)) {
-    std::memcpy(bricks.emplace_back().data(), bytes.data() + at, sizeof(Brick));
-  }
 }
 
 }  // namespace
@@ -210,34 +169,24 @@ BuiltNode cut_into_bricks(const distance::NodeCodes& codes) {
   return scratch;
 }
 
-BuiltNode cut_into_bricks(const distance::NodeDistances& distances,
-                          const distance::CodeScale& scale, distance::ValueCounts& counts) {
+BuiltNode cut_into_bricks(const distance::NodeDistances& distances) {
   BuiltNode node;
-  const unsigned parts = scale.bits / 2;
   std::array<CodeRange, kNodeEntries> ranges;
   std::size_t bricks = 0;
   for (unsigned n = 0; n < kNodeEntries; ++n) {
-    ranges[n] = range_of(distances, n, scale.free_code);
-    bricks += ranges[n].least != scale.free_code && ranges[n].most != 0;
+    ranges[n] = range_of(distances, n);
+    bricks += ranges[n].least != ranges[n].most;
   }
-  node.bricks.reserve(bricks * parts);
-  node.gaps.reserve(bricks);
+  node.bricks.resize(bricks * kDistanceBrickParts);
+  std::uint32_t next = 0;
   for (unsigned n = 0; n < kNodeEntries; ++n) {
-    if (ranges[n].least == scale.free_code) {
-      node.entries[n] = kFreeEntry;
+    if (ranges[n].least == ranges[n].most) {
+      node.entries[n] = uniform_entry(ranges[n].least);
       continue;
     }
-    set(node.held, n);
-    if (ranges[n].most == 0) {
-      node.entries[n] = kInteriorEntry;
-      counts.interior += distance::kBrickVoxels;
-      continue;
-    }
-    const std::uint8_t* codes = distances.brick(n);
-    counts += counts_of(codes, scale);
-    node.entries[n] = static_cast<std::uint32_t>(node.bricks.size() / parts);
-    pack(codes, scale.bits, node.bricks);
-    node.gaps.emplace_back(other_than(codes, static_cast<std::uint8_t>(scale.free_code)));
+    node.entries[n] = next++;
+    std::memcpy(node.bricks[std::size_t{node.entries[n]} * kDistanceBrickParts].data(),
+                distances.brick(n), sizeof(Brick) * kDistanceBrickParts);
   }
   return node;
 }

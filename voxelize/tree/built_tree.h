@@ -11,7 +11,7 @@
 namespace forcelayer::tree {
 
 using Entries = std::array<std::uint32_t, kNodeEntries>;  // of a node, as in the file
-using Brick = std::array<std::uint32_t, 32>;  // 512 two-bit values; wider voxels take several
+using Brick = std::array<std::uint32_t, 32>;  // 512 two-bit values; wider elements take several
 
 inline constexpr std::uint32_t kFreeEntry = uniform_entry(0);
 constexpr bool is_free(std::uint32_t entry) {
@@ -37,7 +37,7 @@ struct BuiltTree {
   std::vector<std::uint32_t> directory;  // uniform, or the number of an upper node
   std::vector<Entries> upper;            // uniform, or the number of a lower node
   std::vector<BuiltNode> lower;
-  std::uint32_t brick_parts = 1;  // 128 bytes each: 2 at 4 bits, 4 at 8
+  std::uint32_t brick_parts = 1;  // of a brick, 128 bytes each
 
   // Entry of directory cell (x, y, z); free outside the directory.
   std::uint32_t directory_entry(std::int64_t x, std::int64_t y, std::int64_t z) const {

@@ -91,7 +91,9 @@ class NodeKeys {
     std::vector<cache::Digest> result(origins.size());
     tbb::parallel_for(std::size_t{0}, origins.size(), [&](std::size_t i) {
       std::array<cache::Digest, 28> inputs;
-      inputs[27] = {cache::kNodeCacheVersion, static_cast<std::uint64_t>(offset_.layers())};
+      inputs[27] = {cache::kNodeCacheVersion,
+                    static_cast<std::uint64_t>(offset_.layers()) << 32 |
+                        static_cast<std::uint64_t>(offset_.force_layers())};
       for (int n = 0; n < 27; ++n) {
         inputs[static_cast<std::size_t>(n)] = digest_at(
             origins[i].offsetBy((n / 9 - 1) * kEdge, (n / 3 % 3 - 1) * kEdge, (n % 3 - 1) * kEdge));

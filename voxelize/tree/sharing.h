@@ -13,7 +13,7 @@ struct VoxelTree {
   std::vector<std::uint32_t> directory;    // [dims x][dims y][dims z]
   std::vector<std::uint32_t> upper_nodes;  // [count][512]
   std::vector<std::uint32_t> lower_nodes;  // [count][512]
-  std::vector<std::uint32_t> bricks;       // [count][16 * bits]
+  std::vector<std::uint32_t> bricks;       // [count][16 * bits of an element]
 };
 
 // The tree with every different brick and node once, numbered by first use in the order of the

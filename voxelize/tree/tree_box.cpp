@@ -48,12 +48,7 @@ void clip(std::uint32_t& entry, const Voxel& low, std::int64_t edge, const masks
 // Finds the smallest box by looking only at entries that could enlarge it.
 class TightBox {
  public:
-  TightBox(const VoxelTree& tree, std::uint32_t bits, std::uint32_t free_code)
-      : tree_(tree), bits_(bits) {
-    for (std::uint32_t z = 0; z < kBrickEdge; ++z) {
-      free_row_ |= std::uint64_t{free_code} << z * bits;
-    }
-  }
+  explicit TightBox(const VoxelTree& tree) : tree_(tree) {}
 
   void look_at(std::uint32_t entry, const Voxel& low, std::int64_t edge) {
     const masks::VoxelBox box{low, {low[0] + edge - 1, low[1] + edge - 1, low[2] + edge - 1}};
@@ -77,29 +72,25 @@ class TightBox {
   // By planes and rows of eight voxels along z.
   void look_at_brick(std::uint32_t brick, const Voxel& low) {
     constexpr std::int64_t kEdge = kBrickEdge;
-    const int code_shift = std::countr_zero(bits_);
     for (std::int64_t x = 0; x < kEdge; ++x) {
       const Voxel plane{low[0] + x, low[1], low[2]};
       if (holds({plane, {plane[0], plane[1] + kEdge - 1, plane[2] + kEdge - 1}})) continue;
       for (std::int64_t y = 0; y < kEdge; ++y) {
         const auto row = static_cast<std::size_t>((brick * kEdge + x) * kEdge + y);
-        const std::uint64_t other = row_of_codes(row) ^ free_row_;
-        if (other == 0) continue;
+        const std::uint32_t values = row_of_values(row);
+        if (values == 0) continue;
         const Voxel first{plane[0], plane[1] + y, plane[2]};
         masks::VoxelBox box{first, first};
-        box.low[2] += std::countr_zero(other) >> code_shift;
-        box.high[2] += (63 - std::countl_zero(other)) >> code_shift;
+        box.low[2] += std::countr_zero(values) / 2;
+        box.high[2] += (31 - std::countl_zero(values)) / 2;
         if (!holds(box)) box_.include(box);
       }
     }
   }
 
-  // The eight codes of a row, the first lowest. Rows are numbered through all bricks.
-  std::uint64_t row_of_codes(std::size_t row) const {
-    const std::size_t bit = row * kBrickEdge * bits_;
-    const std::uint32_t word = tree_.bricks[bit / 32];
-    if (bits_ == 2) return word >> bit % 32 & 0xffff;
-    return bits_ == 4 ? word : word | std::uint64_t{tree_.bricks[bit / 32 + 1]} << 32;
+  // The eight values of a row, the first lowest. Rows are numbered through all bricks.
+  std::uint32_t row_of_values(std::size_t row) const {
+    return tree_.bricks[row / 2] >> row % 2 * 16 & 0xffff;
   }
 
   bool holds(const masks::VoxelBox& box) const {
@@ -110,8 +101,6 @@ class TightBox {
   }
 
   const VoxelTree& tree_;
-  std::uint32_t bits_;
-  std::uint64_t free_row_ = 0;
   masks::VoxelBox box_;
 };
 
@@ -135,9 +124,9 @@ void clip_clearance(BuiltTree& tree, const masks::KeptBox& kept) {
   });
 }
 
-masks::VoxelBox tight_box(const VoxelTree& tree, const std::array<std::uint32_t, 3>& directory_dims,
-                          std::uint32_t bits, std::uint32_t free_code) {
-  TightBox tight(tree, bits, free_code);
+masks::VoxelBox tight_box(const VoxelTree& tree,
+                          const std::array<std::uint32_t, 3>& directory_dims) {
+  TightBox tight(tree);
   for (std::size_t i = 0; i < tree.directory.size(); ++i) {
     tight.look_at(tree.directory[i], directory_cell_low(i, directory_dims), kUpperNodeEdge);
   }

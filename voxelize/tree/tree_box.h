@@ -16,8 +16,8 @@ namespace forcelayer::tree {
 void clip_clearance(BuiltTree& tree, const masks::KeptBox& kept);
 
 // The smallest box of all voxels that are not free, counted from the scene's origin; empty where
-// there are none. `free_code` is the code of free voxels.
-masks::VoxelBox tight_box(const VoxelTree& tree, const std::array<std::uint32_t, 3>& directory_dims,
-                          std::uint32_t bits = 2, std::uint32_t free_code = 0);
+// there are none.
+masks::VoxelBox tight_box(const VoxelTree& tree,
+                          const std::array<std::uint32_t, 3>& directory_dims);
 
 }  // namespace forcelayer::tree

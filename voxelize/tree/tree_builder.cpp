@@ -43,8 +43,7 @@ SceneNodes measure_nodes(const distance::LayerOffset& around,
                          const distance::DistanceCodes& distances) {
   SceneNodes result(around.nodes());
   tbb::parallel_for(std::size_t{0}, result.nodes.size(), [&](std::size_t i) {
-    result.nodes[i] =
-        cut_into_bricks(distances.codes(result.origins[i]), distances.scale(), result.counts[i]);
+    result.nodes[i] = cut_into_bricks(distances.codes(result.origins[i]));
   });
   return result;
 }
@@ -74,11 +73,13 @@ SceneNodes build_nodes(const distance::LayerOffset& offset, const NodeMemory* me
 // Puts the nodes and the uniform space around them into a tree and collapses uniform boxes.
 class TreeAssembly {
  public:
+  // Uniform entries where no node is: `outside`, or `inside` where the interior covers the box.
   TreeAssembly(const masks::MaskTree& interior, const masks::KeptBox& kept,
-               const std::array<std::uint32_t, 3>& dims)
-      : interior_(interior), kept_(kept) {
+               const std::array<std::uint32_t, 3>& dims, std::uint32_t outside,
+               std::uint32_t inside)
+      : interior_(interior), kept_(kept), outside_(outside), inside_(inside) {
     tree_.dims = dims;
-    tree_.directory.assign(std::size_t{dims[0]} * dims[1] * dims[2], kFreeEntry);
+    tree_.directory.assign(std::size_t{dims[0]} * dims[1] * dims[2], outside);
   }
 
   BuiltTree run(SceneNodes& nodes, distance::ValueCounts& counts);
@@ -111,6 +112,7 @@ class TreeAssembly {
 
   const masks::MaskTree& interior_;
   const masks::KeptBox& kept_;
+  std::uint32_t outside_, inside_;
   BuiltTree tree_;
 };
 
@@ -180,9 +182,9 @@ BuiltTree TreeAssembly::run(SceneNodes& nodes, distance::ValueCounts& counts) {
                                                  : std::min(order[i].cell, solid[j]);
     if (j < solid.size() && solid[j] == cell) ++j;
     Entries entries;
-    entries.fill(kFreeEntry);
+    entries.fill(outside_);
     lattice::BrickMask solid_entries = solid_nodes(cell_origin(cell));
-    lattice::for_each_set(solid_entries, [&](unsigned n) { entries[n] = kInteriorEntry; });
+    lattice::for_each_set(solid_entries, [&](unsigned n) { entries[n] = inside_; });
     for (; i < order.size() && order[i].cell == cell; ++i) {
       const unsigned n = order[i].entry;
       // The node's voxels are in nodes.counts.
@@ -216,7 +218,8 @@ BuiltTree assemble(const distance::LayerOffset& offset,
                    const std::array<std::uint32_t, 3>& directory_dims, SceneNodes& nodes,
                    distance::ValueCounts& counts) {
   BuiltTree built =
-      TreeAssembly(offset.interior(), offset.kept(), directory_dims).run(nodes, counts);
+      TreeAssembly(offset.interior(), offset.kept(), directory_dims, kFreeEntry, kInteriorEntry)
+          .run(nodes, counts);
   add_clearance(built);
   if (offset.kept().cropped()) clip_clearance(built, offset.kept());
   return built;
@@ -226,23 +229,15 @@ BuiltTree assemble(const distance::LayerOffset& offset,
 
 VoxelTree build_distance_tree(const distance::LayerOffset& around,
                               const distance::DistanceCodes& distances,
-                              const std::array<std::uint32_t, 3>& directory_dims,
-                              distance::ValueCounts& counts) {
+                              const std::array<std::uint32_t, 3>& directory_dims) {
   SceneNodes nodes = measure_nodes(around, distances);
-  BuiltTree built = assemble(around, directory_dims, nodes, counts);
-  built.brick_parts = distances.scale().bits / 2;
+  distance::ValueCounts counts;  // of nothing here
+  BuiltTree built = TreeAssembly(around.interior(), around.kept(), directory_dims,
+                                 uniform_entry(kMostDistanceCode), uniform_entry(0))
+                        .run(nodes, counts);
+  built.brick_parts = kDistanceBrickParts;
   std::vector<std::uint32_t> lower_numbers;
   return share_equal(std::move(built), lower_numbers);
-}
-
-void name_codes(VoxelTree& tree, const distance::CodeScale& scale) {
-  for (auto* entries : {&tree.directory, &tree.upper_nodes, &tree.lower_nodes}) {
-    for (std::uint32_t& entry : *entries) {
-      if (!is_uniform(entry)) continue;
-      entry = uniform_value(entry) == 0 ? uniform_entry(scale.free_code, uniform_clearance(entry))
-                                        : uniform_entry(0);
-    }
-  }
 }
 
 VoxelTree build_tree(const distance::LayerOffset& offset,

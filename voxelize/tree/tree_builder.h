@@ -20,13 +20,10 @@ VoxelTree build_tree(const distance::LayerOffset& offset,
                      const std::array<std::uint32_t, 3>& directory_dims, const NodeMemory* memory,
                      distance::ValueCounts& counts);
 
-// The same for 4 and 8 bits. `around` lists the nodes: its layers are DistanceCodes::reach() less
-// one. Uniform entries read as at two bits (see brick_cutter.h) until name_codes() gives them the
-// codes of the file.
+// The tree of the distances' codes over the same directory cells. `around` lists the nodes: its
+// layers and force layers together are DistanceCodes::reach().
 VoxelTree build_distance_tree(const distance::LayerOffset& around,
                               const distance::DistanceCodes& distances,
-                              const std::array<std::uint32_t, 3>& directory_dims,
-                              distance::ValueCounts& counts);
-void name_codes(VoxelTree& tree, const distance::CodeScale& scale);
+                              const std::array<std::uint32_t, 3>& directory_dims);
 
 }  // namespace forcelayer::tree

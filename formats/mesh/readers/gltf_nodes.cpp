@@ -71,7 +71,7 @@ Affine parent_from_node(const GltfDocument& document, std::uint64_t index) {
 
 GltfNodes::GltfNodes(const GltfDocument& document) : document_(document) {
   walk();
-  select();
+  choose();
 }
 
 std::vector<std::uint64_t> GltfNodes::indices(const nlohmann::json& object, const char* key) const {
@@ -163,17 +163,16 @@ void GltfNodes::walk() {
   }
 }
 
-void GltfNodes::select() {
-  std::vector<NodeName> names;
+void GltfNodes::choose() {
+  NodesToRead to_read = nodes_to_read(document_.file(), tree());
+  is_read_ = std::move(to_read.is_read);
+  left_out_ = std::move(to_read.left_out);
+}
+
+std::vector<AssemblyNode> GltfNodes::tree() const {
+  std::vector<AssemblyNode> names;
   for (const Node& node : nodes_) names.push_back(node.name);
-  const auto [first, last] = find_sub_tree(document_.file(), names);
-  LeftOutNodes left_out = find_left_out(document_.file(), names);
-  std::vector<Node> kept;
-  for (std::size_t i = first; i < last; ++i) {
-    if (!left_out.is_out[i]) kept.push_back(std::move(nodes_[i]));
-  }
-  nodes_ = std::move(kept);
-  left_out_ = std::move(left_out.names);
+  return names;
 }
 
 // node_from_instance of EXT_mesh_gpu_instancing; the identity where the node has no such extension.
@@ -207,7 +206,9 @@ std::vector<Affine> GltfNodes::instancing_of(const nlohmann::json& node) const {
 
 std::vector<GltfPlacing> GltfNodes::placings() const {
   std::vector<GltfPlacing> placings;
-  for (const Node& node : nodes_) {
+  for (std::size_t n = 0; n < nodes_.size(); ++n) {
+    if (!is_read_[n]) continue;
+    const Node& node = nodes_[n];
     const nlohmann::json& json = document_.element("nodes", node.index);
     if (!json.contains("mesh")) continue;
     const std::uint64_t mesh = document_.index(json, "mesh");
@@ -220,7 +221,7 @@ std::vector<GltfPlacing> GltfNodes::placings() const {
     for (std::size_t i = 0; i < instances.size(); ++i) {
       const std::string path =
           instances.size() == 1 ? node.name.path : node.name.path + "/" + std::to_string(i);
-      placings.push_back({mesh, path, compose(node.assembly_from_node, instances[i])});
+      placings.push_back({mesh, path, n, compose(node.assembly_from_node, instances[i])});
     }
   }
   return placings;
@@ -229,8 +230,9 @@ std::vector<GltfPlacing> GltfNodes::placings() const {
 void GltfNodes::add_warnings(std::vector<std::string>& warnings) const {
   std::uint64_t skinned = 0;
   std::set<std::uint64_t> placed;
-  for (const Node& node : nodes_) {
-    const nlohmann::json& json = document_.element("nodes", node.index);
+  for (std::size_t n = 0; n < nodes_.size(); ++n) {
+    if (!is_read_[n]) continue;
+    const nlohmann::json& json = document_.element("nodes", nodes_[n].index);
     if (!json.contains("mesh")) continue;
     skinned += json.contains("skin") ? 1 : 0;
     placed.insert(document_.index(json, "mesh"));
@@ -240,7 +242,7 @@ void GltfNodes::add_warnings(std::vector<std::string>& warnings) const {
                        " with a skin: read without it, where the node stands");
   }
   const std::uint64_t left_out = document_.count("meshes") - placed.size();
-  if (left_out > 0 && document_.file().node.empty() && left_out_.empty()) {
+  if (left_out > 0 && document_.file().options.nodes.empty() && left_out_.empty()) {
     warnings.push_back(std::to_string(left_out) + " of " +
                        std::to_string(document_.count("meshes")) +
                        " meshes left out: no node of the default scene places them");

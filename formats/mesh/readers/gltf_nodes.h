@@ -15,25 +15,25 @@ namespace forcelayer::mesh {
 struct GltfPlacing {
   std::uint64_t mesh;  // glTF index
   std::string path;    // of node labels, "/" between
+  std::size_t node;    // index into GltfNodes::tree()
   Affine assembly_from_mesh;
 };
 
-// Walks the default scene of `document`, or the sub-tree that its file's "#NODE" selects: a node's
-// path, or its label where only one node has it. A label is the node's name, else its mesh's, else
-// "node7"; siblings of the same label become "label:2", "label:3". Sub-trees keep their place in
-// the assembly. ReadOptions::without is obeyed.
+// Walks the default scene of `document`. A label is the node's name, else its mesh's, else "node7".
+// Sub-trees keep their place in the assembly. ReadOptions::nodes and ::without are obeyed.
 class GltfNodes {
  public:
   explicit GltfNodes(const GltfDocument& document);  // throws ReadFailure
 
   std::vector<GltfPlacing> placings() const;
+  std::vector<AssemblyNode> tree() const;  // all nodes; no instances yet
   const std::vector<std::string>& left_out() const { return left_out_; }  // Assembly::left_out
   void add_warnings(std::vector<std::string>& warnings) const;
 
  private:
   struct Node {
     std::uint64_t index;  // glTF's
-    NodeName name;
+    AssemblyNode name;
     Affine assembly_from_node;
   };
 
@@ -43,11 +43,12 @@ class GltfNodes {
   void walk();
   std::vector<Node> siblings(const std::vector<std::uint64_t>& indices, const Node* parent) const;
   std::string name_of(std::uint64_t index) const;
-  void select();
+  void choose();
   std::vector<Affine> instancing_of(const nlohmann::json& node) const;
 
   const GltfDocument& document_;
-  std::vector<Node> nodes_;  // of the scene or sub-tree, each before its children
+  std::vector<Node> nodes_;    // each before its children
+  std::vector<bool> is_read_;  // [nodes]
   std::vector<std::string> left_out_;
 };
 

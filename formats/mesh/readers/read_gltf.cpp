@@ -173,6 +173,8 @@ class GltfReader {
   Assembly read() {
     assembly_.meters_per_unit = 1.0;
     for (const GltfPlacing& placing : nodes_.placings()) place(placing);
+    assembly_.nodes = nodes_.tree();
+    set_instances(nodes_of_instances_, assembly_.nodes);
     if (assembly_.instances.empty()) {
       document_.fail(ErrorCode::kMeshEmpty, "",
                      lines_and_points_ > 0 ? "no triangles in this file, only points or lines"
@@ -191,6 +193,7 @@ class GltfReader {
     if (is_new) known->second = read_mesh(placing.mesh);
     if (known->second == kNoTriangles) return;
     assembly_.instances.push_back({known->second, placing.path, placing.assembly_from_mesh});
+    nodes_of_instances_.push_back(placing.node);
   }
 
   std::uint32_t read_mesh(std::uint64_t index) {
@@ -232,6 +235,7 @@ class GltfReader {
   GltfDocument document_;
   GltfNodes nodes_;
   Assembly assembly_;
+  std::vector<std::size_t> nodes_of_instances_;    // [instances]
   std::map<std::uint64_t, std::uint32_t> meshes_;  // glTF mesh to Assembly::meshes
   std::uint64_t lines_and_points_ = 0;             // primitives
   std::uint64_t morphed_ = 0;                      // meshes

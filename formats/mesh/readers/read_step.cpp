@@ -15,6 +15,7 @@
 #include <memory>
 #include <mutex>
 
+#include "formats/mesh/grouped_warnings.h"
 #include "formats/mesh/node_names.h"
 #include "formats/mesh/reader.h"
 #include "formats/mesh/step/document.h"
@@ -49,6 +50,18 @@ std::string name_of(const TDF_Label& label) {
   Standard_PCharacter place = name.data();
   text.ToUTF8CString(place);
   return name.c_str();
+}
+
+bool all_of(std::string_view text, std::string_view letters) {
+  return !text.empty() && text.find_first_not_of(letters) == std::string_view::npos;
+}
+
+// Whether no designer typed the name of an instance: SolidWorks numbers them "NAUO1", and
+// OpenCASCADE calls one without a name, such as Creo's, by the place of its product, "=>[0:1:1:3]".
+bool is_made_up(std::string_view name) {
+  if (name.starts_with("NAUO")) return all_of(name.substr(4), "0123456789");
+  return name.starts_with("=>[") && name.ends_with("]") &&
+         all_of(name.substr(3, name.size() - 4), "0123456789:");
 }
 
 // A file of the assembly: the one that the user named, or one that another refers to.
@@ -90,25 +103,30 @@ class StepReader {
     const OpenFile& top = open(file_, "");
     chain_.push_back(&top);
     add_level(top, roots_of(top), nullptr, Affine{});
-    const auto [first, last] = find_sub_tree(file_, names_);
-    LeftOutNodes left_out = find_left_out(file_, names_);
-    for (std::size_t i = first; i < last; ++i) {
-      if (!left_out.is_out[i]) place(i);
+    NodesToRead to_read = nodes_to_read(file_, names_);
+    for (std::size_t i = 0; i < names_.size(); ++i) {
+      if (to_read.is_read[i]) place(i);
     }
-    check_missing_faces(file_, left_out.unknown, assembly_);
+    check_missing_faces(file_, to_read.unknown, assembly_);
     if (assembly_.instances.empty()) {
-      fail_read(file_, ErrorCode::kMeshEmpty, "",
-                left_out.names.empty() ? "no faces in this file" : "no faces are left in this file",
-                "export the file again");
+      fail_read(
+          file_, ErrorCode::kMeshEmpty, "",
+          to_read.left_out.empty() ? "no faces in this file" : "no faces are left in this file",
+          "export the file again");
     }
-    assembly_.left_out = std::move(left_out.names);
+    for (std::string& line : node_warnings_.lines()) {
+      assembly_.warnings.push_back(std::move(line));
+    }
+    set_instances(nodes_of_instances_, names_);
+    assembly_.nodes = std::move(names_);
+    assembly_.left_out = std::move(to_read.left_out);
     assembly_.meters_per_unit = kMetersPerMillimeter;
     assembly_.deviation_units = tessellator_.deviation_mm();
     return std::move(assembly_);
   }
 
  private:
-  void add_level(const OpenFile& file, const TDF_LabelSequence& labels, const NodeName* parent,
+  void add_level(const OpenFile& file, const TDF_LabelSequence& labels, const AssemblyNode* parent,
                  const Affine& assembly_from_parent) {
     std::set<std::string> used;
     for (TDF_LabelSequence::Iterator label(labels); label.More(); label.Next()) {
@@ -116,15 +134,15 @@ class StepReader {
     }
   }
 
-  // An instance bears its own name, else its product's.
-  void add_node(Product product, const NodeName* parent, std::set<std::string>& used,
+  // An instance bears the name that its designer gave it, else its product's.
+  void add_node(Product product, const AssemblyNode* parent, std::set<std::string>& used,
                 const Affine& assembly_from_parent) {
     const TDF_Label label = product.label;
     const bool refers = XCAFDoc_ShapeTool::GetReferredShape(label, product.label);
     std::string name = name_of(label);
-    if (name.empty()) name = name_of(product.label);
+    if (name.empty() || is_made_up(name)) name = name_of(product.label);
     if (name.empty()) name = "node" + std::to_string(names_.size());
-    const NodeName node = name_node(name, parent, used);
+    const AssemblyNode node = name_node(name, parent, used);
     if (node.depth > kDeepestNode)
       fail_read(file_, ErrorCode::kMeshUnsupported, "", "nested too deep", "export the file again");
     // A referring label carries the placing; a product that stands alone has it in its shape.
@@ -184,7 +202,7 @@ class StepReader {
       assembly_.warnings.push_back(node + ": its file " + in_quotes(chosen->front()) +
                                    " was read from " + path.string());
     }
-    const OpenFile& other = open({path.string(), "", {}, file_.options}, node);
+    const OpenFile& other = open({path.string(), {}, file_.options}, node);
     if (std::find(chain_.begin(), chain_.end(), &other) != chain_.end()) {
       fail_read(from.source, ErrorCode::kMeshUnreadable, node,
                 "its shape is in the file " + in_quotes(chosen->front()) +
@@ -236,12 +254,12 @@ class StepReader {
     }
     if (mesh == kNoTriangles) {
       if (lost.empty()) {
-        assembly_.warnings.push_back(names_[node].path +
-                                     " left out: it has no faces, only curves or points");
+        node_warnings_.add(names_[node].path, "left out: no faces, only curves or points");
       }
       return;
     }
     assembly_.instances.push_back({mesh, names_[node].path, placings_[node]});
+    nodes_of_instances_.push_back(node);
   }
 
   // The triangles that the file itself holds for a product.
@@ -259,10 +277,9 @@ class StepReader {
     }
     mesh.single_precision = false;
     check_finite(file.source, mesh, node);
-    assembly_.warnings.push_back(
-        node +
-        " has triangles in place of exact surfaces: add with --mesh-deviation how far they "
-        "may lie from the part");
+    node_warnings_.add(node,
+                       "triangles in place of exact surfaces: add with --mesh-deviation how far "
+                       "they may lie from the part");
   }
 
   void warn_of_unread(const std::vector<std::vector<std::string>>& references,
@@ -279,10 +296,12 @@ class StepReader {
   std::map<std::filesystem::path, std::unique_ptr<OpenFile>> files_;
   std::vector<const OpenFile*> chain_;  // from the top file to that of the node in hand
   std::set<std::string> warned_of_;     // files and products
-  std::vector<NodeName> names_;         // of all nodes, each before its children
+  std::vector<AssemblyNode> names_;     // of all nodes, each before its children
   std::vector<Product> products_;
   std::vector<Affine> placings_;
   std::map<std::pair<const OpenFile*, std::string>, TessellatedProduct> products_done_;
+  GroupedWarnings node_warnings_{"nodes"};
+  std::vector<std::size_t> nodes_of_instances_;  // [instances]
   Assembly assembly_;
 };
 

@@ -56,7 +56,7 @@ void check_missing_faces(const SourceFile& file, const std::vector<std::string>&
   }
   if (missing.size() > kListed) places += "; ...";
   std::string mend =
-      "mend them where the part was drawn, leave their node out (voxelize --without), or accept "
+      "mend them where the part was drawn, leave their node out with --without, or accept "
       "the holes with --missing-faces " +
       std::to_string(missing.size());
   for (const std::string& name : unknown_nodes) {

@@ -1,4 +1,4 @@
-// What is said about the faces of a STEP or IGES file that were not tessellated as they are.
+// The lines about the faces of a STEP or IGES file that were not tessellated as they are.
 #pragma once
 
 #include <string>

@@ -29,7 +29,7 @@ std::uint64_t count_faces(const TopoDS_Shape& shape);
 // Whether a face of `part` is one of `whole`, wherever it is placed.
 bool contains_face_of(const TopoDS_Shape& whole, const TopoDS_Shape& part);
 
-// What of one kind is lost: "2 of 6 faces: #45 ADVANCED_FACE 'left', #77 ADVANCED_FACE".
+// The lost entities of one kind: "2 of 6 faces: #45 ADVANCED_FACE 'left', #77 ADVANCED_FACE".
 struct Losses {
   const char* kind;                // in the singular
   std::uint64_t count = 0;         // in the file; 0 where only the lost ones are counted

@@ -35,7 +35,7 @@ bool is_surface(const Entity& entity) {
   return is_one_of(entity, {114, 118, 120, 122, 128, 140, 190, 192, 194, 196, 198});
 }
 
-// What bounds a face.
+// The types of entities that bound a face.
 bool is_boundary(const Entity& entity) { return is_one_of(entity, {141, 142, 508}); }
 
 // Primitives, sweeps, Boolean trees and assemblies of constructive solids.

@@ -1,4 +1,4 @@
-// What of an IGES file OpenCASCADE did not turn into shapes.
+// Finds the parts of an IGES file that OpenCASCADE did not turn into shapes.
 #pragma once
 
 #include <TDocStd_Document.hxx>

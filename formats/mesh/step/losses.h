@@ -1,4 +1,4 @@
-// What of a STEP file OpenCASCADE did not turn into shapes.
+// Finds the parts of a STEP file that OpenCASCADE did not turn into shapes.
 #pragma once
 
 #include <TDocStd_Document.hxx>

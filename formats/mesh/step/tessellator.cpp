@@ -86,7 +86,7 @@ class ShapeTessellation {
     Faces failed;  // not tessellated, and not dropped
   };
 
-  // What the tessellation of `shape` gives.
+  // Tessellates `shape` once, at this deflection.
   Attempt attempt(const TopoDS_Shape& shape, double deflection_mm) const {
     Attempt result;
     result.shape = shape;

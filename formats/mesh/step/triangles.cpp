@@ -89,7 +89,7 @@ class Parameters {
   Handle(Interface_UndefinedContent) content_;
 };
 
-// What distinguishes the four kinds of triangles; edges and points beside them have no area.
+// The differences between the four kinds of triangles; edges and points beside them have no area.
 struct FaceKind {
   const char* type;
   bool has_link;      // to an exact face, after the normals

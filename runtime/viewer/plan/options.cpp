@@ -132,7 +132,7 @@ Status ViewOptionParser::read_camera(ViewOptions& options) const {
   if (texts_.focus == "part") options.focus = Focus::kPart;
   if (texts_.focus == "scene") options.focus = Focus::kScene;
   if (!texts_.view_from.empty()) {
-    const auto given = command::parse_point(texts_.view_from);
+    const auto given = command::parse_direction(texts_.view_from);
     if (!given) return given.error();
     const glm::dvec3 direction((*given)[0], (*given)[1], (*given)[2]);
     if (!(glm::length(direction) > 0)) {

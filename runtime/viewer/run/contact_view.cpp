@@ -62,7 +62,8 @@ ContactView ContactViewSource::at(const Pose& world_from_part) {
                                            static_cast<VoxelValue>(points_.value[n])});
     // The paper's model feels the field's own directions, and nothing in the interior.
     const bool paper = model_ == Model::kPaper;
-    if (!(contact.depth_m > 0) || (paper && contact.interior)) continue;
+    if (!(contact.depth_m > 0) || (paper && view.points.back().value == VoxelValue::kInterior))
+      continue;
     point.depth_m = contact.depth_m;
     point.direction = paper ? glm::dvec3(samples_.dx[n], samples_.dy[n], samples_.dz[n])
                             : glm::dvec3(contact.direction);

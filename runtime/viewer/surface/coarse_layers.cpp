@@ -49,7 +49,7 @@ CoarseLayers::CoarseLayers(const Voxmap& voxmap, int edge_voxels)
   walk_tree(
       voxmap.view(),
       [&](const RelativeVoxel& low, std::int32_t edge, std::uint32_t code) {
-        const bool filled = voxel_value(voxmap.header(), code) != VoxelValue::kFree;
+        const bool filled = static_cast<VoxelValue>(code) != VoxelValue::kFree;
         if (filled && edge < kBlockEdge * edge_) add_block(low);
       },
       [&](const RelativeVoxel& low) { add_block(low); });
@@ -100,7 +100,7 @@ QuadSurface CoarseLayers::surface(VoxelValue layer, const glm::dvec3& origin_m) 
   walk_tree(
       view,
       [&](const RelativeVoxel& low, std::int32_t edge, std::uint32_t code) {
-        if (voxel_value(voxmap_.header(), code) != layer || edge < kBlockEdge * edge_) return;
+        if (static_cast<VoxelValue>(code) != layer || edge < kBlockEdge * edge_) return;
         finder.uniform_box({low[0] / edge_, low[1] / edge_, low[2] / edge_}, edge / edge_);
       },
       [](const RelativeVoxel&) {});

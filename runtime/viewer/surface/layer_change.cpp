@@ -45,7 +45,7 @@ Comparison difference(const Voxmap& map, const Voxmap& other, VoxelValue value,
     if (only > 0) finder.brick(low);
   };
   const auto box = [&](const RelativeVoxel& low, std::int32_t edge, std::uint32_t code) {
-    if (voxel_value(map.header(), code) != value) return;
+    if (static_cast<VoxelValue>(code) != value) return;
     for (std::int32_t x = 0; x < edge; x += 8) {
       for (std::int32_t y = 0; y < edge; y += 8) {
         for (std::int32_t z = 0; z < edge; z += 8) brick({low[0] + x, low[1] + y, low[2] + z});

@@ -31,7 +31,7 @@ QuadSurface layer_surface(const Voxmap& voxmap, VoxelValue layer, const glm::dve
   walk_tree(
       view,
       [&](const RelativeVoxel& low, std::int32_t edge, std::uint32_t code) {
-        if (voxel_value(voxmap.header(), code) == layer) finder.uniform_box(low, edge);
+        if (static_cast<VoxelValue>(code) == layer) finder.uniform_box(low, edge);
       },
       [&](const RelativeVoxel& low) { finder.brick(low); });
   return writer.take();
@@ -69,7 +69,7 @@ QuadSurface slice_surface(const Voxmap& voxmap, VoxelValue layer, int axis, std:
   walk_tree(
       view,
       [&](const RelativeVoxel& low, std::int32_t edge, std::uint32_t code) {
-        if (voxel_value(voxmap.header(), code) == layer) tiles(low, edge, true);
+        if (static_cast<VoxelValue>(code) == layer) tiles(low, edge, true);
       },
       [&](const RelativeVoxel& low) { tiles(low, kBrickEdge, false); });
   return writer.take();

@@ -164,7 +164,7 @@ void walk_tree(const VoxmapView& view, Box box, Brick brick) {
 inline VoxelValue relative_value(const Voxmap& voxmap, const RelativeVoxel& v) {
   const VoxmapView& view = voxmap.view();
   if (!view.contains(v[0], v[1], v[2])) return VoxelValue::kFree;
-  return voxel_value(voxmap.header(), view.lookup(v[0], v[1], v[2]).code);
+  return static_cast<VoxelValue>(view.lookup(v[0], v[1], v[2]).code);
 }
 
 }  // namespace forcelayer::viewer

@@ -7,7 +7,7 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace forcelayer;
-  const auto assembly = mesh::read_source({"fuzz" FUZZ_EXTENSION, "", fuzz::text_of(data, size)});
+  const auto assembly = mesh::read_source({"fuzz" FUZZ_EXTENSION, fuzz::text_of(data, size), {}});
   if (!assembly) {
     fuzz::require(!assembly.error().what.empty(), "an error says what is wrong");
     return 0;

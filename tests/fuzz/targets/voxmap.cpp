@@ -2,7 +2,7 @@
 #include "formats/voxmap.h"
 
 #include "forcelayer/run.h"
-#include "formats/voxmap_audit.h"
+#include "formats/audit/voxmap_audit.h"
 #include "runtime/model/simulation.h"
 #include "tests/fuzz/baked_mutator.h"
 #include "tests/support/aligned_bytes.h"

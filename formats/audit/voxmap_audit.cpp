@@ -1,16 +1,18 @@
-#include "formats/voxmap_audit.h"
+#include "formats/audit/voxmap_audit.h"
 
 #include <algorithm>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "formats/audit/parts.h"
 #include "formats/voxmap_walk.h"
 
 namespace forcelayer {
 namespace {
 
-using Voxel = std::array<std::int64_t, 3>;
+using voxmap_audit::untrue;
+using voxmap_audit::Voxel;
 
 // Half-open, relative to the directory's origin or to a node's lowest voxel.
 struct Box {
@@ -69,7 +71,7 @@ struct Summary {
 // The summaries of all stored elements, from the bricks up; a shared element has one.
 class Summaries {
  public:
-  explicit Summaries(const Voxmap& map) : map_(map), view_(map.view()) {
+  explicit Summaries(const Voxmap& map) : view_(map.view()) {
     bricks_.reserve(map.brick_count());
     for (std::uint32_t b = 0; b < map.brick_count(); ++b) bricks_.push_back(of_brick(b));
     lower_ = of_nodes(view_.lower_nodes, map.lower_node_count(), kBrickEdge, bricks_);
@@ -98,7 +100,7 @@ class Summaries {
   Summary of_brick(std::uint32_t brick) const {
     Summary summary;
     for (std::uint32_t n = 0; n < kNodeEntries; ++n) {
-      const VoxelValue value = voxel_value(map_.header(), brick_code(view_, brick, n));
+      const VoxelValue value = static_cast<VoxelValue>(view_.brick_code(brick, n));
       if (value != VoxelValue::kFree) {
         summary.add(full(value, 1), voxmap_walk::child_low({0, 0, 0}, n, 1));
       }
@@ -118,7 +120,7 @@ class Summaries {
   Summary of_entry(std::uint32_t entry, std::int64_t edge,
                    const std::vector<Summary>& children) const {
     if (!is_uniform(entry)) return children[entry];
-    return full(voxel_value(map_.header(), uniform_value(entry)), edge);
+    return full(static_cast<VoxelValue>(uniform_value(entry)), edge);
   }
 
   std::vector<Summary> of_nodes(const std::uint32_t* entries, std::uint64_t count,
@@ -137,7 +139,7 @@ class Summaries {
   // `box` is relative to the entry's lowest voxel.
   bool entry_holds_non_free(std::uint32_t entry, std::int64_t edge, const Box& box) const {
     if (is_uniform(entry)) {
-      const bool free = voxel_value(map_.header(), uniform_value(entry)) == VoxelValue::kFree;
+      const bool free = static_cast<VoxelValue>(uniform_value(entry)) == VoxelValue::kFree;
       return !free && !intersection(box, cube(edge)).empty();
     }
     const std::vector<Summary>& level = edge == kUpperNodeEdge   ? upper_
@@ -161,7 +163,7 @@ class Summaries {
   bool child_holds_non_free(std::uint32_t node, std::uint32_t n, std::int64_t edge,
                             const Box& box) const {
     if (edge == kBrickEdge) {
-      return voxel_value(map_.header(), brick_code(view_, node, n)) != VoxelValue::kFree;
+      return static_cast<VoxelValue>(view_.brick_code(node, n)) != VoxelValue::kFree;
     }
     const std::uint32_t* entries = edge == kUpperNodeEdge ? view_.upper_nodes : view_.lower_nodes;
     return entry_holds_non_free(entries[std::uint64_t{node} * kNodeEntries + n], edge / 8, box);
@@ -188,7 +190,8 @@ class Summaries {
     }
   }
 
-  // Of directory cell `at` at level 0, of a group above it; relative to the directory's origin.
+  // The tight box of directory cell `at` at level 0, of a group above it; relative to the
+  // directory's origin.
   Box tight_box(std::size_t level, const Voxel& at) const {
     if (level > 0) return groups_[level - 1].tight[groups_[level - 1].index(at)];
     const Box box = of_entry(cell(at), kUpperNodeEdge, upper_).tight;
@@ -231,17 +234,11 @@ class Summaries {
     }
   };
 
-  const Voxmap& map_;
   const VoxmapView& view_;
   std::vector<Groups> groups_;  // from the smallest on
   std::vector<Summary> bricks_, lower_, upper_;
   Summary scene_;
 };
-
-Error untrue(std::string_view name, std::string where, std::string what) {
-  return {ErrorCode::kEntryInvalid, std::string(name), std::move(where), std::move(what),
-          "bake it again"};
-}
 
 Status audit_counts(const VoxmapHeader& h, const Summary& scene, std::string_view name) {
   const struct {
@@ -319,7 +316,10 @@ Status audit_voxmap(const Voxmap& map, std::string_view name) {
   const Summaries summaries(map);
   if (Status s = audit_counts(map.header(), summaries.scene(), name); !s) return s;
   if (Status s = audit_tight_box(map.header(), summaries.scene(), name); !s) return s;
-  return audit_clearances(map, summaries, name);
+  if (Status s = audit_clearances(map, summaries, name); !s) return s;
+  if (Status s = voxmap_audit::audit_layers(map, name); !s) return s;
+  if (Status s = voxmap_audit::audit_distances(map, name); !s) return s;
+  return voxmap_audit::audit_objects(map, name);
 }
 
 }  // namespace forcelayer

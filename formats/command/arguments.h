@@ -1,0 +1,45 @@
+// The command line: its parsing, and the kinds of options that several commands have. Sources that
+// declare options by these alone need not compile CLI11.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+
+#include "formats/command/quantity.h"
+
+namespace CLI {
+class App;
+class Option;
+}  // namespace CLI
+
+namespace forcelayer::command {
+
+// Parses argv into `app`; --help and --version print and end with status 0 (returns false with
+// `exit_code` 0), a wrong command line gives one line on stderr and status 2.
+bool parse_arguments(CLI::App& app, int argc, char** argv, int& exit_code);
+
+// Declares an option that takes a number within `bounds`, which its help names, and hands it to
+// `take`. What is not finite or outside is a wrong command line (quantity.h: parse_number).
+CLI::Option* add_number(CLI::App& app, const std::string& name, const std::string& help,
+                        const Bounds& bounds, std::function<void(double)> take);
+
+// The same into a variable.
+template <typename T>
+CLI::Option* add_number(CLI::App& app, const std::string& name, T& value, const std::string& help,
+                        const Bounds& bounds) {
+  return add_number(app, name, help, bounds, [&value](double number) { value = number; });
+}
+
+// Declares an option that takes a size in bytes, such as 2GiB, from `least` to `most`.
+CLI::Option* add_bytes(CLI::App& app, const std::string& name, std::uint64_t& bytes,
+                       const std::string& help, std::uint64_t least, std::uint64_t most);
+
+// Declares an option that takes a text as it is typed.
+CLI::Option* add_text(CLI::App& app, const std::string& name, std::string& text,
+                      const std::string& help);
+
+// Declares an option without a value.
+CLI::Option* add_flag(CLI::App& app, const std::string& name, bool& given, const std::string& help);
+
+}  // namespace forcelayer::command

@@ -1,0 +1,489 @@
+#include "pointshell/certificate/surface_losses.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <iterator>
+#include <limits>
+
+#include "pointshell/certificate/convex_combination.h"
+#include "pointshell/certificate/hidden_surface.h"
+#include "pointshell/certificate/point_grid.h"
+#include "pointshell/part/parallel.h"
+#include "pointshell/part/pieces.h"
+
+namespace forcelayer::certificate {
+namespace {
+
+// In radii.
+constexpr double kTileEdge = 3;  // triangles are bisected to this edge first
+// Stored losses may be this much above the largest at a corner, and above that of a plane.
+constexpr double kTolerance = 0.01, kPlaneTolerance = 0.03;
+constexpr double kSmallest = 0.02;  // a piece smaller than this is not bisected
+constexpr double kSmallestHidden = 0.1;
+constexpr double kStoredMargin = 1e-4;  // outweighs that another machine rounds another way
+// Claims are proven down to smaller pieces than those that they were found with.
+constexpr double kSmallestClaimed = 0.005;
+constexpr std::size_t kTilesPerTask = 256;
+// Distances of the table, in aimed distances: each is this factor above the one before. Between
+// them the losses of neighbors lose less than a hundredth of a voxel.
+constexpr std::size_t kLosses = 12;
+constexpr double kFirstLoss = 0.5920802773, kLossRatio = 1.14;
+// The distance at which points are to prove much: the middle of the force layer, and no less than
+// it is for the covering radius of voxel centers.
+constexpr double kAimedVoxels = 1.64, kAimedRadii = 1.894;
+
+struct Corner {
+  part::Vec3 place;
+  Combination combination;
+};
+using CornerPiece = std::array<Corner, 3>;
+
+double edge_squared(const CornerPiece& piece, int corner) {
+  return part::length_squared(piece[(corner + 1) % 3].place - piece[corner].place);
+}
+
+int longest_edge(const CornerPiece& piece) {
+  int longest = 0;
+  for (int corner = 1; corner < 3; ++corner) {
+    if (edge_squared(piece, corner) > edge_squared(piece, longest)) longest = corner;
+  }
+  return longest;
+}
+
+// The second moments of a piece's corners about one place o, which is chosen to make the largest of
+// them small.
+std::array<double, 3> moments_about_common_place(const CornerPiece& piece) {
+  const auto about = [&](const part::Vec3& o) {
+    std::array<double, 3> moments;
+    for (int n = 0; n < 3; ++n) {
+      const Combination& c = piece[n].combination;
+      moments[n] = c.second_moment + part::length_squared(c.place - o);
+    }
+    return moments;
+  };
+  const auto largest = [](const std::array<double, 3>& m) { return std::max({m[0], m[1], m[2]}); };
+  const part::Vec3& c0 = piece[0].combination.place;
+  std::array<double, 3> best = about(c0);
+  const auto consider = [&](const part::Vec3& o) {
+    const std::array<double, 3> moments = about(o);
+    if (largest(moments) < largest(best)) best = moments;
+  };
+  for (int n = 0; n < 3; ++n) {
+    const Combination &a = piece[n].combination, &b = piece[(n + 1) % 3].combination;
+    const part::Vec3 along = b.place - a.place;
+    const double squared = part::length_squared(along);
+    if (!(squared > 0)) continue;
+    const double share = 0.5 + (b.second_moment - a.second_moment) / (2 * squared);
+    consider(a.place + std::clamp(share, 0.0, 1.0) * along);
+  }
+  // The place in the corners' plane about which all three have the same moment.
+  const part::Vec3 u = piece[1].combination.place - c0, v = piece[2].combination.place - c0;
+  const double uu = part::dot(u, u), vv = part::dot(v, v), uv = part::dot(u, v);
+  const double determinant = uu * vv - uv * uv;
+  if (determinant > 1e-12 * uu * vv) {
+    const double m0 = piece[0].combination.second_moment;
+    const double ru = (uu + piece[1].combination.second_moment - m0) / 2;
+    const double rv = (vv + piece[2].combination.second_moment - m0) / 2;
+    consider(c0 + ((ru * vv - rv * uv) / determinant) * u +
+             ((rv * uu - ru * uv) / determinant) * v);
+  }
+  return best;
+}
+
+// The combinations of places that were asked for last, as neighboring pieces share corners.
+class CornerCache {
+ public:
+  CornerCache(const PointGrid& grid, double radius, double point_distance)
+      : finder_(grid, radius, point_distance), known_(kSlots) {}
+
+  Corner at(const part::Vec3& place) {
+    Slot& slot = known_[slot_of(place)];
+    if (!slot.used || !(slot.corner.place == place)) {
+      slot = {{place, finder_.at(place)}, true};
+    }
+    return slot.corner;
+  }
+
+ private:
+  static constexpr std::size_t kSlots = 2048;
+  struct Slot {
+    Corner corner;
+    bool used = false;
+  };
+
+  static std::size_t slot_of(const part::Vec3& p) {
+    std::uint64_t hash = std::bit_cast<std::uint64_t>(p.x + 0.0);
+    hash = hash * 0x9e3779b97f4a7c15u + std::bit_cast<std::uint64_t>(p.y + 0.0);
+    hash = hash * 0x9e3779b97f4a7c15u + std::bit_cast<std::uint64_t>(p.z + 0.0);
+    return (hash * 0x9e3779b97f4a7c15u) >> 53;
+  }
+
+  CombinationFinder finder_;
+  std::vector<Slot> known_;
+};
+
+// What is known about a piece. Margins outweigh all rounding.
+class PieceBounds {
+ public:
+  PieceBounds(const CornerPiece& piece, double radius, double margin)
+      : piece_(piece), radius_(radius), margin_(margin) {
+    const std::array<double, 3> moments = moments_about_common_place(piece);
+    for (int n = 0; n < 3; ++n) moments_[n] = rounded_up(moments[n]);
+  }
+
+  // The loss of every place of the piece is at most this. Every place is also within the radius of
+  // a point.
+  double loss(double point_distance) const {
+    double largest = 0;
+    for (int n = 0; n < 3; ++n) {
+      largest = std::max(largest, distance_loss(point_distance, moments_[n], gap(n)));
+    }
+    return std::min(largest, radius_);
+  }
+
+  // The largest loss at a corner, which no bisection makes smaller.
+  double corner_loss(double point_distance) const {
+    double largest = 0;
+    for (int n = 0; n < 3; ++n) {
+      largest = std::max(largest, corner_loss(n, point_distance));
+    }
+    return std::min(largest, radius_);
+  }
+  double corner_loss(int n, double point_distance) const {
+    return distance_loss(point_distance, rounded_up(piece_[n].combination.second_moment), gap(n));
+  }
+
+  double largest_moment() const { return std::max({moments_[0], moments_[1], moments_[2]}); }
+  double largest_gap() const { return std::max({gap(0), gap(1), gap(2)}); }
+  double largest_corner_moment() const {
+    double largest = 0;
+    for (const Corner& corner : piece_) {
+      largest = std::max(largest, rounded_up(corner.combination.second_moment));
+    }
+    return largest;
+  }
+
+  double size() const { return std::sqrt(edge_squared(piece_, longest_edge(piece_))); }
+  part::Vec3 middle() const {
+    return (1.0 / 3) * (piece_[0].place + piece_[1].place + piece_[2].place);
+  }
+  const CornerPiece& piece() const { return piece_; }
+
+ private:
+  double gap(int n) const { return piece_[n].combination.gap + margin_; }
+  double rounded_up(double moment) const {
+    constexpr double kReach = CombinationFinder::kReach;
+    return moment * (1 + 0x1p-44) + 0x1p-44 * kReach * kReach * radius_ * radius_;
+  }
+
+  const CornerPiece& piece_;
+  const double radius_, margin_;
+  std::array<double, 3> moments_;
+};
+
+bool may_be_hidden(const CoveredPart& covered) {
+  return covered.hidden != nullptr && covered.hidden->possible();
+}
+
+enum class Verdict { kDone, kBisect, kOpen };
+
+// Bisects pieces until `judge` is done with each. Hidden pieces are left out; one that the judge
+// does not want to have bisected is handed to judge.open(). One of it per task.
+template <typename Judge>
+class PieceProver {
+ public:
+  PieceProver(const CoveredPart& covered, const PointGrid& grid, Judge& judge)
+      : covered_(covered),
+        margin_(proof_margin(covered.part, covered.radius)),
+        aim_(aimed_distance(covered)),
+        corners_(grid, covered.radius, aim_),
+        judge_(judge) {}
+
+  void prove(std::span<const part::Vec3> tile) {
+    prove({corners_.at(tile[0]), corners_.at(tile[1]), corners_.at(tile[2])});
+  }
+
+  std::uint64_t pieces = 0;
+
+ private:
+  void prove(const CornerPiece& piece) {
+    if (judge_.given_up()) return;
+    ++pieces;
+    const PieceBounds bounds(piece, covered_.radius, margin_);
+    const Verdict verdict = judge_.judge(bounds);
+    if (verdict == Verdict::kDone) return;
+    if (may_be_hidden(covered_) && bounds.size() <= covered_.radius &&
+        covered_.hidden->holds_ball(bounds.middle(), bounds.size())) {
+      return;
+    }
+    if (verdict == Verdict::kOpen) return judge_.open(bounds);
+    const int from = longest_edge(piece);
+    const Corner &a = piece[from], &b = piece[(from + 1) % 3], &c = piece[(from + 2) % 3];
+    const Corner middle = better(corners_.at(0.5 * (a.place + b.place)), a, b);
+    prove({a, middle, c});
+    prove({middle, b, c});
+  }
+
+  // The corner halfway between two others, with its own combination or with the mean of theirs.
+  Corner better(Corner own, const Corner& a, const Corner& b) const {
+    const Combination &ca = a.combination, &cb = b.combination;
+    const part::Vec3 middle = 0.5 * (ca.place + cb.place);
+    const Combination mean{middle,
+                           0.5 * (ca.second_moment + cb.second_moment) +
+                               0.25 * part::length_squared(ca.place - cb.place),
+                           part::length(own.place - middle)};
+    const auto loss = [&](const Combination& c) {
+      return distance_loss(aim_, c.second_moment, c.gap);
+    };
+    if (loss(mean) < loss(own.combination)) own.combination = mean;
+    return own;
+  }
+
+  const CoveredPart& covered_;
+  const double margin_, aim_;
+  CornerCache corners_;
+  Judge& judge_;
+};
+
+// Runs a judge over tiles [0, count), one copy of `judge` for each task; returns the copies in
+// order.
+template <typename Judge, typename Tile>
+std::vector<Judge> judge_tiles(const CoveredPart& covered, const PointGrid& grid,
+                               const Judge& judge, std::size_t count, const Tile& tile,
+                               std::uint64_t& pieces) {
+  const std::size_t tasks = (count + kTilesPerTask - 1) / kTilesPerTask;
+  std::vector<Judge> judges(tasks, judge);
+  std::vector<std::uint64_t> pieces_of(tasks);
+  part::parallel_for_each_index(tasks, 1, [&](std::size_t task) {
+    PieceProver<Judge> prover(covered, grid, judges[task]);
+    const std::size_t end = std::min((task + 1) * kTilesPerTask, count);
+    for (std::size_t n = task * kTilesPerTask; n < end; ++n) prover.prove(tile(n));
+    pieces_of[task] = prover.pieces;
+  });
+  for (const std::uint64_t n : pieces_of) pieces += n;
+  return judges;
+}
+
+// The same over the whole part; merge(judge) takes each copy, and ends it by returning false.
+template <typename Judge, typename Merge>
+void judge_part(const CoveredPart& covered, const Judge& judge, std::uint64_t& pieces,
+                const Merge& merge) {
+  const PointGrid grid(covered.points, CombinationFinder::kReach * covered.radius);
+  part::for_each_tile_batch(
+      covered.part, kTileEdge * covered.radius, [&](std::span<const part::Piece> tiles) {
+        const auto tile = [&](std::size_t n) { return std::span<const part::Vec3>(tiles[n]); };
+        for (Judge& own : judge_tiles(covered, grid, judge, tiles.size(), tile, pieces)) {
+          if (!merge(own)) return false;
+        }
+        return true;
+      });
+}
+
+// Looks for corners above a loss, and piece by piece for the largest loss at corners.
+struct SearchJudge {
+  double point_distance, limit;
+  double smallest;       // m, of pieces without a corner above the limit
+  double smallest_open;  // m, of pieces that might be hidden
+  std::vector<Hole> holes;
+
+  bool given_up() const { return false; }
+  Verdict judge(const PieceBounds& piece) const {
+    if (piece.loss(point_distance) <= limit) return Verdict::kDone;
+    if (piece.corner_loss(point_distance) > limit) {
+      return piece.size() <= smallest_open ? Verdict::kOpen : Verdict::kBisect;
+    }
+    return piece.size() <= smallest ? Verdict::kDone : Verdict::kBisect;
+  }
+  void open(const PieceBounds& bounds) {
+    const CornerPiece& piece = bounds.piece();
+    int worst = 0;
+    for (int n = 1; n < 3; ++n) {
+      if (bounds.corner_loss(n, point_distance) > bounds.corner_loss(worst, point_distance))
+        worst = n;
+    }
+    holes.push_back({piece[worst].place,
+                     bounds.corner_loss(worst, point_distance),
+                     {piece[0].place, piece[1].place, piece[2].place}});
+  }
+};
+
+SearchJudge search_for(const CoveredPart& covered, double limit) {
+  const double smallest_open = may_be_hidden(covered) ? kSmallestHidden * covered.radius
+                                                      : std::numeric_limits<double>::infinity();
+  return {aimed_distance(covered), limit, kSmallest * covered.radius, smallest_open, {}};
+}
+
+void append(std::vector<Hole>& to, std::vector<Hole>& from) {
+  std::move(from.begin(), from.end(), std::back_inserter(to));
+}
+
+using Distances = std::array<double, kLosses>;
+
+Distances table_distances(const CoveredPart& covered) {
+  Distances distances;
+  double distance = kFirstLoss * aimed_distance(covered);
+  for (double& own : distances) own = distance, distance *= kLossRatio;
+  return distances;
+}
+
+// The largest losses at the corners of tiles, from which find_losses() sets out.
+struct EstimateJudge {
+  Distances distances;
+  Distances losses{};
+
+  bool given_up() const { return false; }
+  Verdict judge(const PieceBounds& piece) {
+    for (std::size_t i = 0; i < kLosses; ++i) {
+      losses[i] = std::max(losses[i], piece.corner_loss(distances[i]));
+    }
+    return Verdict::kDone;
+  }
+  void open(const PieceBounds&) {}
+};
+
+// Finds losses that hold: pieces are bisected until they are as good as the estimate, as pieces
+// before them, or about as their own corners.
+struct FindJudge {
+  Distances distances, wanted;
+  double slack;
+  double smallest;       // m
+  double smallest_open;  // m, of pieces that might be hidden
+  double radius;
+  Distances losses{};
+  double moment = 0, gap = 0;
+
+  bool given_up() const { return false; }
+  Verdict judge(const PieceBounds& piece) {
+    bool good = true, as_good_as_corners = true;
+    for (std::size_t i = 0; i < kLosses; ++i) {
+      const double own = piece.loss(distances[i]);
+      if (own <= std::max(wanted[i], losses[i])) continue;
+      good = false;
+      if (own > piece.corner_loss(distances[i]) + slack) as_good_as_corners = false;
+    }
+    if (good) {
+      open(piece);
+      return Verdict::kDone;
+    }
+    if (piece.size() > (as_good_as_corners ? smallest_open : smallest)) return Verdict::kBisect;
+    return Verdict::kOpen;
+  }
+  // Keeps what holds for the piece.
+  void open(const PieceBounds& piece) {
+    for (std::size_t i = 0; i < kLosses; ++i) {
+      losses[i] = std::max(losses[i], piece.loss(distances[i]));
+    }
+    if (piece.largest_gap() < radius) {
+      moment = std::max(moment, piece.largest_moment());
+      gap = std::max(gap, piece.largest_gap());
+    } else {
+      gap = std::max(gap, radius);  // the nearest point alone
+    }
+  }
+};
+
+struct ClaimJudge {
+  const SurfaceDistanceTerms& claimed;
+  double smallest;
+  std::vector<part::Vec3> places;
+
+  bool given_up() const { return !places.empty(); }
+  Verdict judge(const PieceBounds& piece) const {
+    const bool pair_holds =
+        (piece.largest_gap() <= claimed.convex_gap_m &&
+         piece.largest_moment() <= claimed.convex_radius_m * claimed.convex_radius_m) ||
+        claimed.convex_gap_m >= claimed.covering_radius_m;
+    const bool losses_hold = std::all_of(
+        claimed.losses.begin(), claimed.losses.end(),
+        [&](const DistanceLoss& entry) { return piece.loss(entry.distance_m) <= entry.loss_m; });
+    if (pair_holds && losses_hold) return Verdict::kDone;
+    return piece.size() > smallest ? Verdict::kBisect : Verdict::kOpen;
+  }
+  void open(const PieceBounds& piece) { places.push_back(piece.piece()[0].place); }
+};
+
+}  // namespace
+
+double aimed_distance(const CoveredPart& covered) {
+  return std::max(kAimedVoxels * covered.voxel_size, kAimedRadii * covered.radius);
+}
+
+std::vector<Hole> places_above_loss(const CoveredPart& covered, double limit) {
+  std::vector<Hole> holes;
+  std::uint64_t pieces = 0;
+  judge_part(covered, search_for(covered, limit), pieces, [&](SearchJudge& judge) {
+    append(holes, judge.holes);
+    return true;
+  });
+  return holes;
+}
+
+std::vector<Hole> places_above_loss(const CoveredPart& covered, double limit,
+                                    std::span<const Hole> from) {
+  std::vector<Hole> holes;
+  std::uint64_t pieces = 0;
+  const PointGrid grid(covered.points, CombinationFinder::kReach * covered.radius);
+  const auto tile = [&](std::size_t n) { return std::span<const part::Vec3>(from[n].piece); };
+  for (SearchJudge& judge :
+       judge_tiles(covered, grid, search_for(covered, limit), from.size(), tile, pieces)) {
+    append(holes, judge.holes);
+  }
+  return holes;
+}
+
+SurfaceLosses find_losses(const CoveredPart& covered) {
+  SurfaceLosses found;
+  const double radius = covered.radius;
+  EstimateJudge estimate{table_distances(covered)};
+  judge_part(covered, estimate, found.pieces, [&](EstimateJudge& judge) {
+    for (std::size_t i = 0; i < kLosses; ++i) {
+      estimate.losses[i] = std::max(estimate.losses[i], judge.losses[i]);
+    }
+    return true;
+  });
+  FindJudge all{.distances = estimate.distances,
+                .wanted = estimate.losses,
+                .slack = kTolerance * radius,
+                .smallest = kSmallest * radius,
+                .smallest_open = may_be_hidden(covered) ? kSmallestHidden * radius
+                                                        : std::numeric_limits<double>::infinity(),
+                .radius = radius};
+  for (std::size_t i = 0; i < kLosses; ++i) {
+    const double of_plane = distance_loss(all.distances[i], radius * radius, 0);
+    all.wanted[i] =
+        std::max(all.wanted[i] + kTolerance * radius, of_plane + kPlaneTolerance * radius);
+  }
+  const FindJudge fresh = all;
+  judge_part(covered, fresh, found.pieces, [&](FindJudge& judge) {
+    for (std::size_t i = 0; i < kLosses; ++i) {
+      all.losses[i] = std::max(all.losses[i], judge.losses[i]);
+    }
+    all.moment = std::max(all.moment, judge.moment);
+    all.gap = std::max(all.gap, judge.gap);
+    return true;
+  });
+  const double margin = kStoredMargin * radius;
+  found.convex_radius = std::sqrt(all.moment) + margin;
+  found.convex_gap = all.gap + margin;
+  for (std::size_t i = 0; i < kLosses; ++i) {
+    found.losses.push_back({all.distances[i], std::min(all.losses[i] + margin, radius)});
+  }
+  return found;
+}
+
+LossProof prove_losses(const CoveredPart& covered, const SurfaceDistanceTerms& claimed) {
+  LossProof proof;
+  proof.proven = true;
+  judge_part(covered, ClaimJudge{claimed, kSmallestClaimed * covered.radius, {}}, proof.pieces,
+             [&](ClaimJudge& judge) {
+               if (judge.places.empty()) return true;
+               proof.proven = false;
+               proof.open = judge.places.front();
+               return false;
+             });
+  return proof;
+}
+
+}  // namespace forcelayer::certificate

@@ -1,0 +1,159 @@
+#!/usr/bin/env bash
+# Assemblies by the names of their nodes: the tree, one node, all but one, several as one part, and the messages for
+# names that fit nothing or too much. The sample assembly as GLB and, in a build with OpenCASCADE, as STEP.
+set -u
+source "$FORCELAYER_SOURCE_DIR/tests/support/command_test.sh"
+cp "$data/gearbox.glb" .
+
+# refuses STATUS TEXT COMMAND...: ends with STATUS and one line that holds TEXT.
+refuses() {
+  local status=$1 text=$2
+  shift 2
+  "$bin/$@" >out 2>err
+  local got=$?
+  [ $got = "$status" ] || fail "status $got instead of $status: $*: $(cat err)"
+  [ "$(wc -l <err)" = 1 ] || fail "not one line on stderr: $*: $(cat err)"
+  grep -qF -- "$text" err || fail "no '$text' on stderr: $*: $(cat err)"
+}
+bake() {  # bake OUTPUT ARGUMENTS...
+  local output=$1
+  shift
+  "$bin/voxelize" "$@" --voxel-size 1mm -o "$output.vox" --json "$output.json" >out 2>err || fail "voxelize $*: $(cat err)"
+}
+shell() {  # shell OUTPUT ARGUMENTS...
+  local output=$1
+  shift
+  "$bin/pointshell" "$@" --voxel-size 1mm -o "$output.pshell" --effort fast >out 2>err || fail "pointshell $*: $(cat err)"
+}
+names() { python3 -c 'import json, sys; print(*[p["name"] for p in json.load(open(sys.argv[1]))["parts"]])' "$1.json"; }
+
+# check_assembly FILE MEAN_TOLERANCE: everything below, of the sample in one format.
+check_assembly() {
+  local file=$1
+  "$bin/voxelize" --list "$file" --json list.json >list.txt 2>err || fail "list: $(cat err)"
+  python3 - list.json "$file" <<'PYTHON' || fail "the list of $file"
+import json, sys
+listed = json.load(open(sys.argv[1]))["files"]
+assert len(listed) == 1 and listed[0]["file"] == sys.argv[2], listed
+nodes = {n["node"]: n for n in listed[0]["nodes"]}
+lid = ["Cover"] + ["Bolt"] + [f"Bolt[{n}]" for n in (2, 3, 4)]
+expected = (["Gearbox", "Gearbox/Housing", "Gearbox/Lid"] + [f"Gearbox/Lid/{n}" for n in lid]
+            + ["Gearbox/Pin", "Gearbox/Clip", "Gearbox/Clip/Half", "Gearbox/Clip/Half[2]"])
+assert sorted(nodes) == sorted(expected), sorted(nodes)
+assert nodes["Gearbox"]["instances"] == 9 and nodes["Gearbox/Lid"]["instances"] == 5
+assert nodes["Gearbox"]["triangles"] == sum(n["triangles"] for n in nodes.values() if n["instances"] == 1)
+assert all(n["closed"] for n in nodes.values())
+# As scripts/samplegen/housing.py draws them; a circle's polygon lies inside of it by less than 1 %.
+def near(node, low, high):
+    for key, corner in (("low_m", low), ("high_m", high)):
+        assert all(abs(a - b * 1e-3) < 1e-4 for a, b in zip(nodes[node][key], corner)), (node, nodes[node])
+near("Gearbox/Housing", (0, 0, 0), (110, 70, 40))
+near("Gearbox/Lid/Cover", (0, 0, 40), (80, 70, 46))
+near("Gearbox/Pin", (89.1, 30.1, 0), (98.9, 39.9, 60))
+near("Gearbox/Lid/Bolt[3]", (72.5, 62.97, 28), (79.5, 69.03, 49))
+near("Gearbox/Clip/Half", (94.1, 25, 42), (104, 45, 50))
+PYTHON
+  grep -q "^ *4 .* Gearbox/Lid/Bolt" list.txt && fail "the four bolts are four nodes"
+  grep -qE "^ +5 +[0-9]+ +80 x 70 x 21 mm +closed +Gearbox/Lid$" list.txt || fail "no row of the lid: $(cat list.txt)"
+  grep -q "^$file: 9 instances, [0-9]* triangles, 110 x 70 x 60 mm, closed; unit 0*.*1 m$" list.txt ||
+    grep -q "^$file: 9 instances" list.txt || fail "no line of the file: $(head -1 list.txt)"
+  "$bin/voxelize" --list "$file#Lid" --without 'Bolt*' | grep -q "Cover$" || fail "a list of a sub-tree"
+  [ "$("$bin/voxelize" --list "$file#Clip" --json - 2>/dev/null | python3 -c 'import json, sys; print(len(json.load(sys.stdin)["files"][0]["nodes"]))')" = 3 ] ||
+    fail "a list on standard output"
+
+  # The scene without the cover, and the cover as the part, in its seat at the identity pose.
+  bake opened "$file" --without Cover
+  grep -q "^scene: 8 objects, 110 x 70 x 60 mm$" out || fail "no size of the scene: $(cat out)"
+  case $(names opened) in *Cover*) fail "the cover was not left out: $(names opened)" ;; esac
+  shell cover "$file#Cover"
+  grep -qxF "cover.pshell: at the identity pose it stands where it is installed in $file" out ||
+    fail "no word of where the part stands: $(cat out)"
+  python3 - "$("$bin/voxinfo" cover.pshell --json - 2>/dev/null)" <<'PYTHON' || fail "the cover is elsewhere"
+import json, sys
+center = json.loads(sys.argv[1])["center_m"]
+assert abs(center[0] - 0.040) < 1e-4 and abs(center[1] - 0.035) < 1e-4 and abs(center[2] - 0.043) < 1e-4, center
+PYTHON
+
+  # Several nodes as one part, in each way to say so; the same bytes.
+  shell clip "$file#Clip"
+  shell halves "$file#{Half,Half[2]}"
+  shell starred "$file#Half*"
+  shell listed "$file#Half" "$file#Half[2]"
+  shell rest "$file#Gearbox" --without '{Housing,Lid,Pin}'
+  for other in halves starred listed rest; do
+    cmp -s clip.pshell $other.pshell || fail "$other.pshell differs from clip.pshell"
+  done
+  bake bolts "$file#Bolt*"
+  [ "$(names bolts | wc -w)" = 4 ] || fail "not four bolts: $(names bolts)"
+  bake pair "$file#Pin" "$file#Bolt[2]"
+  [ "$(names pair)" = "Gearbox/Pin Gearbox/Lid/Bolt[2]" ] || fail "two nodes: $(names pair)"
+
+  # In a manifest: nodes of one file as parts, nodes left out, parts left out by their names.
+  cat >scene.json <<JSON
+{"parts": [{"name": "box", "mesh": "$file#Housing"}, {"name": "lid", "mesh": "$file#Lid"},
+           {"name": "pin", "mesh": "$file#Pin", "translation": [0, 0, "5MM"]}], "without": ["Cover"]}
+JSON
+  bake manifest scene.json
+  [ "$(names manifest)" = "box lid/Gearbox/Lid/Bolt lid/Gearbox/Lid/Bolt[2] lid/Gearbox/Lid/Bolt[3] lid/Gearbox/Lid/Bolt[4] pin" ] ||
+    fail "a manifest: $(names manifest)"
+  bake fewer scene.json --without pin --without 'Bolt[?]'
+  [ "$(names fewer)" = "box lid" ] || fail "a manifest without its pin: $(names fewer)"
+  python3 -c 'import json; assert json.load(open("fewer.json"))["without"] == ["Bolt[?]", "Cover", "pin"]' ||
+    fail "what was left out is not in the report"
+
+  # Mistakes.
+  refuses 3 "#Covr: no node of this name; the nearest are: Gearbox/Lid/Cover" voxelize "$file#Covr" --voxel-size 1mm -o no.vox
+  refuses 3 "#Covr: no node of this name; the nearest are: Gearbox/Lid/Cover" pointshell "$file#Covr" --voxel-size 1mm -o no.pshell
+  refuses 3 "#Covr: no node of this name; the nearest are: Gearbox/Lid/Cover" voxelize --list "$file#Covr"
+  refuses 3 "no file has a node called 'Covr'; the nearest are: Gearbox/Lid/Cover" voxelize "$file" --without Covr --voxel-size 1mm -o no.vox
+  refuses 3 "no file has a node called 'Covr'; the nearest are: Gearbox/Lid/Cover" pointshell "$file" --without Covr --voxel-size 1mm -o no.pshell
+  refuses 3 "no file has a node called 'Covr'" voxelize --list "$file" --without Covr
+  refuses 3 "#Screw*: no node of this name" voxelize "$file#{Cover,Screw*}" --voxel-size 1mm -o no.vox
+  printf '{"parts": [{"mesh": "%s#Pin"}, {"mesh": "%s#Pim"}]}' "$file" "$file" >bad.json
+  refuses 3 "parts[1] of bad.json, #Pim: no node of this name; the nearest are: Gearbox/Pin" voxelize bad.json --voxel-size 1mm -o no.vox
+  refuses 3 "no node with a mesh is left" voxelize gearbox.glb --without Gearbox --voxel-size 1mm -o no.vox
+}
+
+check_assembly gearbox.glb
+refuses 2 "--list: takes no manifest" voxelize --list scene.json
+refuses 2 "--output: has no meaning with --list" voxelize --list gearbox.glb -o no.vox
+refuses 2 "--list: has no meaning with --plan" voxelize --list gearbox.glb --plan
+cp "$data/skin.stl" .
+"$bin/voxelize" --list skin.stl | grep -q "no unit in this format: add --units$" || fail "a format without units"
+"$bin/voxelize" --list skin.stl --units mm | grep -q "1200 x 800.8 x 44.58 mm" || fail "a list with --units"
+refuses 3 "STL files have no nodes" voxelize "skin.stl#Cover" --units mm --voxel-size 5mm -o no.vox
+
+# In the sandbox, and from a cache: the same bytes.
+bake plain gearbox.glb --without Cover
+bake boxed gearbox.glb --without Cover --sandbox
+bake first gearbox.glb --without Cover --cache cache
+bake again gearbox.glb --without Cover --cache cache
+bake whole gearbox.glb --cache cache
+bake two 'gearbox.glb#Pin' 'gearbox.glb#Clip' --cache cache
+bake two_plain 'gearbox.glb#Pin' 'gearbox.glb#Clip' --sandbox
+for other in boxed first again; do cmp -s plain.vox $other.vox || fail "$other.vox differs from plain.vox"; done
+cmp -s two.vox two_plain.vox || fail "two nodes, from the cache and in the sandbox"
+cmp -s plain.vox whole.vox && fail "the whole is no more than a piece"
+
+# Units: a scene that is 1000 times too large is refused or warned of before it is baked, and one warning does for many.
+for n in $(seq 12); do cp gearbox.glb "copy_$n.glb"; done
+"$bin/voxelize" copy_*.glb --units mm --voxel-size 1mm -o copies.vox --json copies.json >out 2>err || fail "copies: $(cat err)"
+[ "$(grep -c "defines a unit of 1 m" err)" = 1 ] && grep -q "and 11 other files: its format defines a unit" err ||
+  fail "not one warning for twelve files: $(cat err)"
+"$bin/voxelize" 'copy_1.glb#Pin' 'copy_1.glb#Bolt*' 'copy_1.glb#Clip' --units mm --voxel-size 1mm -o copies.vox >out 2>err
+[ "$(wc -l <err)" = 1 ] || fail "not one warning for three nodes of a file: $(cat err)"
+
+if "$bin/make_sample_step" gearbox.step 2>/dev/null; then
+  check_assembly gearbox.step
+  # Exact surfaces and their polygons are of one place and size.
+  bake glb gearbox.glb
+  bake step gearbox.step
+  python3 - <<'PYTHON' || fail "the scenes of GLB and STEP differ"
+import json
+a, b = (json.load(open(n + ".json")) for n in ("glb", "step"))
+assert a["origin_voxel"] == b["origin_voxel"] and a["dims"] == b["dims"]
+for key in ("interior", "surface", "proximity"):
+    assert abs(a["counts"][key] - b["counts"][key]) < 0.01 * a["counts"][key], (key, a["counts"], b["counts"])
+PYTHON
+fi
+finish

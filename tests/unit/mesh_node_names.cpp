@@ -1,0 +1,160 @@
+// How nodes of an assembly are named: paths, ends of paths, wildcards, lists.
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "formats/mesh/grouped_warnings.h"
+#include "formats/mesh/node_names.h"
+
+namespace forcelayer {
+namespace {
+
+using mesh::AssemblyNode;
+
+// Gearbox with a lid of a cover and three bolts, a clip of two halves, and one more cover.
+std::vector<AssemblyNode> gearbox() {
+  const std::vector<std::pair<int, const char*>> names = {
+      {0, "Gearbox"}, {1, "Lid"},  {2, "Cover"}, {2, "Bolt"},  {2, "Bolt"},   {2, "Bolt"},
+      {1, "Clip"},    {2, "Half"}, {2, "Half"},  {1, "Cover"}, {2, "M6 1/2*"}};
+  std::vector<AssemblyNode> nodes;
+  std::vector<std::pair<AssemblyNode, std::set<std::string>>> open = {{}};
+  for (const auto& [depth, name] : names) {
+    open.resize(static_cast<std::size_t>(depth) + 1);
+    const AssemblyNode* const parent = depth == 0 ? nullptr : &open.back().first;
+    nodes.push_back(mesh::name_node(name, parent, open.back().second));
+    open.push_back({nodes.back(), {}});
+  }
+  return nodes;
+}
+
+// The paths of the outermost nodes that are chosen, or the error.
+std::string chosen(const std::vector<std::string>& names) {
+  const auto nodes = gearbox();
+  const auto is_in = mesh::choose_nodes(names, nodes);
+  if (!is_in) return to_line(is_in.error());
+  std::string text;
+  std::size_t inside_of = nodes.size();  // depth of the chosen node above, else none
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    if (inside_of < nodes.size() && nodes[i].depth <= inside_of) inside_of = nodes.size();
+    if (inside_of < nodes.size()) {
+      EXPECT_TRUE((*is_in)[i]) << nodes[i].path << " is below a chosen node";
+      continue;
+    }
+    if (!(*is_in)[i]) continue;
+    text += (text.empty() ? "" : " ") + nodes[i].path;
+    inside_of = nodes[i].depth;
+  }
+  return text;
+}
+
+TEST(NodeNames, ArePathsOrEndsOfPaths) {
+  EXPECT_EQ(chosen({}), "Gearbox");
+  EXPECT_EQ(chosen({"Gearbox/Lid/Cover"}), "Gearbox/Lid/Cover");
+  EXPECT_EQ(chosen({"Lid/Cover"}), "Gearbox/Lid/Cover");
+  EXPECT_EQ(chosen({"Clip"}), "Gearbox/Clip");
+  EXPECT_EQ(chosen({"Gearbox/Cover"}), "Gearbox/Cover");
+}
+
+TEST(NodeNames, NumberSiblingsOfOneName) {
+  EXPECT_EQ(chosen({"Bolt[2]"}), "Gearbox/Lid/Bolt[2]");
+  EXPECT_EQ(chosen({"Lid/Bolt[3]"}), "Gearbox/Lid/Bolt[3]");
+  EXPECT_EQ(chosen({"Half"}), "Gearbox/Clip/Half");
+}
+
+TEST(NodeNames, HaveWildcardsWithinALabel) {
+  EXPECT_EQ(chosen({"Bolt*"}), "Gearbox/Lid/Bolt Gearbox/Lid/Bolt[2] Gearbox/Lid/Bolt[3]");
+  EXPECT_EQ(chosen({"Bolt[?]"}), "Gearbox/Lid/Bolt[2] Gearbox/Lid/Bolt[3]");
+  EXPECT_EQ(chosen({"C*"}), "Gearbox/Lid/Cover Gearbox/Clip Gearbox/Cover");
+  EXPECT_EQ(chosen({"Gearbox/*/Cover"}), "Gearbox/Lid/Cover");
+  EXPECT_EQ(chosen({"*"}), "Gearbox");
+  EXPECT_EQ(chosen({"Cl??"}), "Gearbox/Clip");
+}
+
+TEST(NodeNames, MayBeLists) {
+  EXPECT_EQ(chosen({"{Lid/Cover,Half*}"}),
+            "Gearbox/Lid/Cover Gearbox/Clip/Half Gearbox/Clip/Half[2]");
+  EXPECT_EQ(chosen({"Clip", "Lid"}), "Gearbox/Lid Gearbox/Clip");
+  EXPECT_EQ(chosen({"{Clip}"}), "Gearbox/Clip");
+}
+
+TEST(NodeNames, OfDesignersMayHoldWhatElseHasAMeaning) {
+  EXPECT_EQ(chosen({"M6 1/2*"}), "Gearbox/Cover/M6 1/2*");
+  EXPECT_EQ(mesh::names_in("{}"), std::vector<std::string>{"{}"});
+  EXPECT_EQ(mesh::names_in("a,b"), std::vector<std::string>{"a,b"});
+}
+
+TEST(NodeNames, ThatFitNothingOrSeveralSayWhatWould) {
+  EXPECT_EQ(chosen({"Cover"}),
+            "#Cover: several nodes of this name; use one of: Gearbox/Lid/Cover, Gearbox/Cover");
+  const std::string missing = chosen({"Bold"});
+  EXPECT_TRUE(
+      missing.starts_with("#Bold: no node of this name; the nearest are: "
+                          "Gearbox/Lid/Bolt, "))
+      << missing;
+  EXPECT_TRUE(chosen({"{Clip,Bolt[4]}"}).starts_with("#Bolt[4]: no node of this name"));
+  EXPECT_TRUE(chosen({"Screw*"}).starts_with("#Screw*: no node of this name"));
+}
+
+// Against all ways to let a star take letters.
+bool slow_match(std::string_view text, std::string_view pattern) {
+  if (pattern.empty()) return text.empty();
+  if (pattern[0] == '*') {
+    for (std::size_t taken = 0;; ++taken) {
+      if (slow_match(text.substr(taken), pattern.substr(1))) return true;
+      if (taken == text.size() || text[taken] == '/') return false;
+    }
+  }
+  if (text.empty()) return false;
+  const bool same = text[0] == pattern[0] || (pattern[0] == '?' && text[0] != '/');
+  return same && slow_match(text.substr(1), pattern.substr(1));
+}
+
+TEST(NodeNames, MatchAsTheDefinitionDoes) {
+  std::mt19937 random(25);
+  const auto word = [&](std::string_view letters) {
+    std::string text;
+    for (unsigned n = random() % 7; n > 0; --n) text += letters[random() % letters.size()];
+    return text;
+  };
+  int matched = 0;
+  for (int trial = 0; trial < 20000; ++trial) {
+    const std::string path = word("ab/"), pattern = word("ab/*?");
+    bool expected = false;
+    for (std::size_t start = 0; start <= path.size(); ++start) {
+      if (start > 0 && path[start - 1] != '/') continue;
+      expected = expected || slow_match(std::string_view(path).substr(start), pattern);
+    }
+    EXPECT_EQ(mesh::fits_name(path, pattern), expected) << path << " " << pattern;
+    matched += expected;
+  }
+  EXPECT_GT(matched, 1000);
+}
+
+TEST(NodeNames, GiveEachNodeTheInstancesBelowIt) {
+  auto nodes = gearbox();
+  const std::vector<std::size_t> nodes_of_instances = {2, 3, 4, 4, 7, 8, 9};
+  mesh::set_instances(nodes_of_instances, nodes);
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    std::uint32_t first = 0, count = 0;
+    for (const std::size_t node : nodes_of_instances) {
+      const bool is_below = node == i || nodes[node].path.starts_with(nodes[i].path + "/");
+      count += is_below;
+      first += node < i;
+    }
+    EXPECT_EQ(nodes[i].instance_count, count) << nodes[i].path;
+    EXPECT_EQ(nodes[i].first_instance, first) << nodes[i].path;
+  }
+}
+
+TEST(GroupedWarnings, AreOneLineForAllThatSayTheSame) {
+  mesh::GroupedWarnings warnings("files");
+  for (int n = 0; n < 66; ++n) warnings.add("part" + std::to_string(n) + ".stl", "is coarse");
+  warnings.add("part0.stl", "is coarse");
+  warnings.add("part0.stl", "is odd");
+  warnings.add("part1.stl", "is odd");
+  EXPECT_EQ(warnings.lines(), (std::vector<std::string>{"part0.stl and 65 other files: is coarse",
+                                                        "part0.stl and 1 other file: is odd"}));
+}
+
+}  // namespace
+}  // namespace forcelayer

@@ -1,0 +1,103 @@
+#include "voxelize/forecast.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "formats/mesh/units.h"
+#include "voxelize/size_text.h"
+
+namespace forcelayer::voxelize {
+namespace {
+
+// Bytes at the peak, and seconds of one thread, per face of a voxel on the surface: from bakes of
+// sample_data/gearbox.glb at 0.1 and 0.05 mm and of an engine at 0.5 and 0.25 mm, which took 8 to
+// 15 bytes for the values and 22 to 28 with distances. The least is less than half of the smallest
+// of these.
+struct Cost {
+  double least_bytes, bytes, thread_s;
+};
+
+Cost cost_of(const BakeOptions& options) {
+  if (stores_distances(options)) return {6, 32, 2e-6};
+  if (options.metric == Metric::kEuclidean) return {3, 12, 8e-7};
+  return {3, 10, 5e-7};
+}
+
+bool touches(const mesh::Box& box, const std::optional<std::array<double, 6>>& roi_m) {
+  if (!roi_m) return true;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (box.high[axis] < (*roi_m)[axis] || box.low[axis] > (*roi_m)[axis + 3]) return false;
+  }
+  return true;
+}
+
+// "the scene is 745 m across"
+std::string across_text(const Forecast& forecast) {
+  char text[80];
+  std::snprintf(text, sizeof text, "the scene is %.4g m across", longest_side(forecast.box_m));
+  return text;
+}
+
+// The likeliest mistake: meters that are millimeters. `voxel_size_m` would do.
+std::string mend_of(const Forecast& forecast, double voxel_size_m) {
+  constexpr double kLongestMadeThing = 50, kMeter = 0.9;
+  char text[160];
+  if (longest_side(forecast.box_m) >= kLongestMadeThing && forecast.largest_unit_m >= kMeter) {
+    std::snprintf(text, sizeof text, ": --units mm? Else use --voxel-size %.2gm or more, or --roi",
+                  voxel_size_m);
+  } else {
+    std::snprintf(text, sizeof text, "; use --voxel-size %.2gm or more, or --roi", voxel_size_m);
+  }
+  return across_text(forecast) + text;
+}
+
+}  // namespace
+
+Forecast forecast_of(const mesh::Scene& scene, std::span<const cache::MeshOutline> meshes,
+                     const BakeOptions& options) {
+  Forecast forecast;
+  forecast.box_m = mesh::empty_box();
+  double area_m2 = 0;
+  for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+    const mesh::MeshObject& object = scene.objects[i];
+    mesh::extend(forecast.box_m, object.box_m);
+    const double stretch_m = mesh::largest_stretch(object.world_from_mesh);
+    forecast.largest_unit_m = std::max(forecast.largest_unit_m, stretch_m);
+    if (touches(object.box_m, options.roi_m)) area_m2 += meshes[i].area * stretch_m * stretch_m;
+  }
+  forecast.surface_voxels = area_m2 / (options.voxel_size_m * options.voxel_size_m);
+  const Cost cost = cost_of(options);
+  forecast.least_memory_bytes = cost.least_bytes * forecast.surface_voxels;
+  forecast.memory_bytes = cost.bytes * forecast.surface_voxels;
+  forecast.bake_s = cost.thread_s * forecast.surface_voxels / std::max(1, options.threads);
+  return forecast;
+}
+
+Status check_forecast(const Forecast& forecast, const BakeOptions& options,
+                      double available_bytes) {
+  if (forecast.least_memory_bytes <= available_bytes) return {};
+  char what[160];
+  std::snprintf(
+      what, sizeof what,
+      "at %g mm the scene takes at least %.3g GB of memory; this process can have %.3g GB",
+      options.voxel_size_m * 1e3, forecast.least_memory_bytes * 1e-9, available_bytes * 1e-9);
+  const double larger = std::sqrt(forecast.memory_bytes / available_bytes);
+  return Error{ErrorCode::kBakeTooLarge, "", "", what,
+               mend_of(forecast, larger * options.voxel_size_m)};
+}
+
+std::optional<std::string> forecast_warning(const Forecast& forecast, const BakeOptions& options) {
+  constexpr double kLongS = 60, kLargeBytes = 1e9;
+  if (!(forecast.bake_s > kLongS && forecast.memory_bytes > kLargeBytes)) return std::nullopt;
+  char text[160];
+  std::snprintf(text, sizeof text,
+                "this bake may take %.2g min and %.2g GB of memory%s: ", forecast.bake_s / 60,
+                forecast.memory_bytes * 1e-9,
+                options.cache == nullptr ? "" : " for what is not in the cache");
+  const double larger =
+      std::sqrt(std::min(forecast.bake_s / kLongS, forecast.memory_bytes / kLargeBytes));
+  return text + mend_of(forecast, larger * options.voxel_size_m);
+}
+
+}  // namespace forcelayer::voxelize
