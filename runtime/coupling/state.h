@@ -10,6 +10,14 @@
 
 namespace forcelayer {
 
+// The seat of a part that starts installed (runtime/field/seat.h). It closes when the part has
+// entered it and left it again, and nothing opens it anew.
+enum SeatUse : std::uint32_t {
+  kSeatClosed = 0,   // or none
+  kSeatOpen = 1,     // given, and the part was not yet there
+  kSeatEntered = 2,  // the part is there, or was and may return
+};
+
 // Copy it to branch a simulation. Models keep their own memory here too: a step depends on nothing
 // else.
 struct State {
@@ -31,7 +39,9 @@ struct State {
   glm::dvec3 held_back_rad{0};       // the same of the angle
   double allowance_j = 0;            // motion_allowance.h
 
-  std::uint64_t frame = 0;  // steps done
+  std::uint64_t frame = 0;   // steps done
+  std::uint32_t seat = 0;    // SeatUse
+  std::uint32_t unused = 0;  // zero
 };
 static_assert(std::is_trivially_copyable_v<State>);
 

@@ -38,6 +38,10 @@ struct ContactSet {
   std::uint32_t nearest =
       kNone;  // its place in the set; kNone where all are farther, or none known
   static constexpr std::uint32_t kNone = UINT32_MAX;
+  // Points that are nearer to an object of the open seat than force and guard allow elsewhere. They
+  // count as interior only where they are barred, too.
+  std::uint32_t seated = 0;
+  bool seat_open = false;
 
   std::vector<float> rx, ry, rz;  // arm_m
   std::vector<float> ux, uy, uz;  // direction
@@ -45,6 +49,10 @@ struct ContactSet {
   std::vector<std::uint32_t> point;
   std::vector<std::uint8_t> value;  // VoxelValue: 1, 2 or 3
   std::vector<std::uint8_t> is_barred;
+  // Only while the seat is open: whether the nearest object is of the seat; the field's slope, per
+  // voxel.
+  std::vector<std::uint8_t> of_seat;
+  std::vector<float> gx, gy, gz;
 
   void reserve(std::uint64_t points);  // set-up only
   Contact operator[](std::uint32_t i) const noexcept {
@@ -57,6 +65,12 @@ struct ContactSet {
 // Whether every barred point of `later` is barred in `earlier` too.
 bool none_newly_barred(const ContactSet& earlier, const ContactSet& later) noexcept;
 
+// Bars the points of the seat in `later` that have gone through a surface on the way from
+// `earlier`: against the direction there, to where the stored distance rises again. A sheet, or a
+// plate of less than two voxels, has no inside that would tell it. `way_m` is the centroid's. Such
+// a point is to be pushed back to the side it came from.
+void bar_crossings(const ContactSet& earlier, const glm::vec3& way_m, ContactSet& later) noexcept;
+
 // Finds the contacts of a pose for the default model.
 class ContactProbe {
  public:
@@ -64,6 +78,9 @@ class ContactProbe {
 
   // Every point in values 1, 2 and 3 at this pose. Never allocates, locks or throws.
   virtual void look_up(const Pose& world_from_center, ContactSet& out) noexcept = 0;
+
+  // Whether the rules of the seat hold from now on. Without one: never.
+  virtual void open_seat(bool) noexcept {}
 };
 
 }  // namespace forcelayer::field

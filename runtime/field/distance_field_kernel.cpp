@@ -22,7 +22,6 @@ namespace HWY_NAMESPACE {
 namespace {
 
 // The constants of the push in distance_field.h.
-constexpr float kLeastSlope = 0.1f;    // per voxel: a shorter slope's direction is not trusted
 constexpr float kBeyondSlope = 0.05f;  // share of the normal that counts beside the slope
 constexpr float kBuriedVoxels = 1.5f;  // depth from which it begins to; half a voxel later in full
 constexpr float kNoDirection = 1e-6f;  // a shorter vector has no direction
@@ -216,6 +215,8 @@ class Kernel : public FieldKernel<DistanceBricks> {
     slope[1] = hn::Mul(continued(slope[1], share[1], code, beside_y), step);
     slope[2] = hn::Mul(continued(slope[2], share[2], code, beside_z), step);
     const VF phi = hn::Mul(hn::Sub(code, hn::Set(kF, scale_.zero_code)), step);
+    hn::StoreU(hn::Mul(phi, hn::Set(kF, scale_.voxel_size_m)), kF,
+               &samples_.from_zero_force_m[first + i]);
     push(lanes, phi, slope, first + i);
     prove(squared_between_corners(around[1], around[2], share, hn::Set(kF, scale_.mesh_code)),
           share, first + i);

@@ -1,6 +1,11 @@
 #include "runtime/field/field_probe.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
 
 namespace forcelayer::field {
 namespace {
@@ -8,6 +13,14 @@ namespace {
 // Least and largest weight of a point. A shell may hold points of almost no area at its edges,
 // which must still hold the part off.
 constexpr float kLeastWeight = 0.25f, kMostWeight = 4.0f;
+
+// How much deeper than it lies there a seat lets a point go, in voxels: room for a spring, and for
+// what interpolation is off between flat and curved faces.
+constexpr float kSeatGiveVoxels = 0.25f;
+
+// So far above the lowest code a seat must end, in voxels: between centers of which some have that
+// code, the interpolated distance is up to so much above the true one.
+constexpr double kUntoldVoxels = 0.35;
 
 // How far behind the force layer the guard holds points, in voxels.
 constexpr double kGuardVoxels = 0.2;
@@ -29,6 +42,7 @@ FieldProbe::FieldProbe(query::ContactQuery& query, const ForceField& field,
   const VoxmapHeader& header = query.voxmap().header();
   guard_m_ = field.proves_distances() ? static_cast<float>(guard_distance_m(header)) : 0;
   free_m_ = field.proves_distances() ? static_cast<float>(free_distance_m(header)) : 0;
+  zero_force_m_ = static_cast<float>(header.zero_force_m);
   const auto mean_m2 = static_cast<float>(mean_point_area_m2(query.shell()));
   const float* weight_m2 = query.shell().view().weight_m2;
   for (std::size_t i = 0; i < weight_.size(); ++i) {
@@ -61,6 +75,103 @@ void FieldProbe::bar(ContactSet& out) const noexcept {
   }
 }
 
+// The object nearest to collected point i.
+std::uint32_t FieldProbe::object_of(std::uint32_t i) const noexcept {
+  const ObjectView* const objects = query_.voxmap().objects();
+  if (objects == nullptr) return 0;
+  return objects->lookup(points_.vx[i], points_.vy[i], points_.vz[i]).code;
+}
+
+std::uint32_t FieldProbe::object_near(const glm::dvec3& world_m) const noexcept {
+  const glm::dvec3 at = glm::floor(world_m / query_.voxmap().voxel_size_m());
+  constexpr double kFar = 9e15;  // more than any voxel's index
+  if (!(std::max({std::abs(at.x), std::abs(at.y), std::abs(at.z)}) < kFar)) return 0;
+  return query_.voxmap().nearest_object(static_cast<std::int64_t>(at.x),
+                                        static_cast<std::int64_t>(at.y),
+                                        static_cast<std::int64_t>(at.z));
+}
+
+float FieldProbe::stored_distance_m(std::uint32_t i) const noexcept {
+  return zero_force_m_ + samples_.from_zero_force_m[i];
+}
+
+// Points near an object of the seat follow the seat's rules: force and guard where the part touches
+// the object, or as deep as it lies there, in place of the force layer and the guard before it.
+void FieldProbe::apply_seat(ContactSet& out) const noexcept {
+  for (std::uint32_t i = 0; i < out.count; ++i) {
+    const SeatObject* const object = seat_.find(object_of(i));
+    out.of_seat[i] = object != nullptr ? 1 : 0;
+    if (object == nullptr) continue;
+    const glm::vec3 slope(samples_.gx[i], samples_.gy[i], samples_.gz[i]);
+    const float steepness = glm::length(slope), distance_m = stored_distance_m(i);
+    const bool barred = distance_m < object->floor_m;
+    if (out.is_barred[i] != 0 || out.depth_m[i] > 0) ++out.seated;
+    if (out.is_barred[i] != 0) --out.barred;
+    if (barred) ++out.barred;
+    if (!barred && out.value[i] == static_cast<std::uint8_t>(VoxelValue::kInterior)) --out.interior;
+    out.is_barred[i] = barred ? 1 : 0;
+    const glm::vec3 direction = steepness < kLeastSlope
+                                    ? glm::vec3(points_.nx[i], points_.ny[i], points_.nz[i])
+                                    : slope / steepness;
+    out.ux[i] = direction.x, out.uy[i] = direction.y, out.uz[i] = direction.z;
+    out.depth_m[i] = object->contact_m - distance_m;
+    out.gx[i] = slope.x, out.gy[i] = slope.y, out.gz[i] = slope.z;
+  }
+  if (out.seated == 0) return;
+  out.least_distance_m = 0;
+  out.nearest = ContactSet::kNone;
+}
+
+// Whether the stored distances can hold the part where it lies in an object of its seat. Below the
+// lowest code they tell no depth, and next to it interpolation tells too little.
+Status FieldProbe::check_depth(const SeatObject& object) const {
+  const VoxmapHeader& header = query_.voxmap().header();
+  const double told_m = header.distance_quantum_m * (header.distance_zero_code - 1) -
+                        kUntoldVoxels * header.voxel_size_m;
+  if (-double{object.floor_m} < told_m) return {};
+  const std::string_view name = query_.voxmap().object_name(object.object);
+  char depth[80], most[80];
+  std::snprintf(depth, sizeof depth, "the part starts %.3g mm inside ", 1000 * object.overlap_m());
+  std::snprintf(most, sizeof most, "; the stored distances hold a seat up to %.3g mm deep",
+                1000 * (told_m - (double{object.contact_m} - double{object.floor_m})));
+  return Error{
+      ErrorCode::kUsage, "", "start",
+      depth + (name.empty() ? std::string("the scene") : std::string(name)) + most,
+      "check --start and the units of both files, or bake the scene with a larger --range"};
+}
+
+Status FieldProbe::find_seat(const Pose& world_from_center) {
+  seat_ = {};
+  seat_open_ = false;
+  query_.run(world_from_center, points_);
+  field_.measure(points_, samples_);
+  const auto voxel_size_m = static_cast<float>(query_.voxmap().voxel_size_m());
+  Seat seat;
+  for (std::uint32_t i = 0; i < points_.count; ++i) {
+    const bool interior = points_.value[i] == static_cast<std::uint8_t>(VoxelValue::kInterior);
+    const bool near =
+        field_.proves_distances() && (samples_.distance_m[i] < guard_m_ || samples_.depth_m[i] > 0);
+    if (!interior && !near) continue;
+    if (!field_.proves_distances()) {
+      return Error{ErrorCode::kUsage, "", "start",
+                   "the part starts inside the scene, and a scene without stored distances cannot "
+                   "tell a seat from a penetration",
+                   "bake the scene without --lean and --metric chebyshev, or start elsewhere "
+                   "(--start)"};
+    }
+    SeatObject& object = seat.at(object_of(i));
+    object.contact_m = std::min(object.contact_m, stored_distance_m(i));
+    ++object.points;
+  }
+  const auto step_m = static_cast<float>(query_.voxmap().header().distance_quantum_m);
+  for (SeatObject& object : seat.entries()) {
+    object.floor_m = object.contact_m - kSeatGiveVoxels * voxel_size_m - step_m;
+    if (Status told = check_depth(object); !told) return told;
+  }
+  seat_ = std::move(seat);
+  return {};
+}
+
 void FieldProbe::read(ContactSet& out) noexcept {
   field_.measure(points_, samples_);
   out.count = points_.count;
@@ -78,6 +189,9 @@ void FieldProbe::read(ContactSet& out) noexcept {
   copy(points_.value, out.value);
   for (std::uint32_t i = 0; i < out.count; ++i) out.weight[i] = weight_[out.point[i]];
   bar(out);
+  out.seat_open = seat_open_;
+  out.seated = 0;
+  if (seat_open_) apply_seat(out);
   if (field_.has_exact_slopes()) return;
   const auto voxel_size_m = static_cast<float>(query_.voxmap().voxel_size_m());
   average_directions(points_, samples_, voxel_size_m, -voxel_size_m, out);

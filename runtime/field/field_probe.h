@@ -6,6 +6,7 @@
 
 #include "runtime/field/contact_set.h"
 #include "runtime/field/force_field.h"
+#include "runtime/field/seat.h"
 #include "runtime/query/contact_query.h"
 
 namespace forcelayer::field {
@@ -18,11 +19,27 @@ class FieldProbe final : public ContactProbe {
              FieldSamples& samples);
 
   void look_up(const Pose& world_from_center, ContactSet& out) noexcept override;
+  void open_seat(bool open) noexcept override { seat_open_ = open && !seat_.empty(); }
+
+  // Finds the seat of a part that starts at `world_from_center`: the objects that a shell point
+  // touches there, that is, in whose force layer or nearer it lies. None is no error. Not for the
+  // servo's thread. Errors, kUsage: the part penetrates the scene and no seat can be told, because
+  // the scene stores no distances or the part lies deeper than they tell.
+  Status find_seat(const Pose& world_from_center);
+  const Seat& seat() const { return seat_; }
+
+  // The number of the object nearest to a place; 0 where the map names none there.
+  std::uint32_t object_near(const glm::dvec3& world_m) const noexcept;
+
   // The second half of look_up(): depth and direction of the points that the query collected.
   void read(ContactSet& out) noexcept;
 
  private:
   void bar(ContactSet& out) const noexcept;
+  void apply_seat(ContactSet& out) const noexcept;
+  std::uint32_t object_of(std::uint32_t i) const noexcept;
+  float stored_distance_m(std::uint32_t i) const noexcept;
+  Status check_depth(const SeatObject& object) const;
 
   query::ContactQuery& query_;
   const ForceField& field_;
@@ -30,6 +47,9 @@ class FieldProbe final : public ContactProbe {
   FieldSamples& samples_;
   std::vector<float> weight_;  // Contact::weight of every shell point
   float guard_m_, free_m_;     // 0 where nothing is proven
+  float zero_force_m_;         // the zero-force surface, from the static mesh
+  Seat seat_;
+  bool seat_open_ = false;
 };
 
 // The proven distance from the static mesh below which the guard lets no shell point go: a fifth of

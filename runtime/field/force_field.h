@@ -14,14 +14,19 @@
 
 namespace forcelayer::field {
 
+// A slope of a field, per voxel, that is shorter than this has no direction that can be trusted.
+inline constexpr float kLeastSlope = 0.1f;
+
 // One sample for each of the CollectedPoints, in their order. The force on the part at a point of
 // positive depth is stiffness * depth * direction.
 struct FieldSamples {
   std::vector<float> depth_m;     // signed: negative is how far the point is from having depth
   std::vector<float> dx, dy, dz;  // direction: unit, world axes, out of the static scene
   std::vector<float> gx, gy, gz;  // slope of the field, per voxel, world axes
-  // No point of the static mesh is nearer than this; only where ForceField::proves_distances().
-  std::vector<float> distance_m;
+  // Only where ForceField::proves_distances(). No point of the static mesh is nearer than
+  // distance_m. from_zero_force_m is the stored distance, interpolated, less that of the zero-force
+  // surface: a measure, and no bound.
+  std::vector<float> distance_m, from_zero_force_m;
 
   void reserve(std::uint64_t points);  // set-up only
 };

@@ -56,6 +56,8 @@ struct StepReport {
   std::uint32_t saturated = 0;    // 1: the coupling's clamp was at work
   std::uint32_t outside_map = 0;  // 1: a point lay beyond a cropped side: no guarantee
   double depth_m = 0;             // of the deepest contact
+  std::uint32_t seated = 0;       // points nearer to an object of the open seat than is allowed
+                                  // elsewhere; more than 0: no clearance is known
   std::uint32_t barred = 0;       // points nearer than the guard allows: its bound does not hold
   ClearanceKind clearance_kind = ClearanceKind::kNone;
   double clearance_m = 0;         // 0 where nothing is proven

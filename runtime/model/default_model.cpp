@@ -99,6 +99,7 @@ DefaultModel::DefaultModel(const Parameters& parameters, field::ContactProbe& pr
 StepResult DefaultModel::step(State& state, const StepInput& input, double dt_s) noexcept {
   StepResult result;
   const coupling::GripTarget target = coupling::grip_target(state, input);
+  open_seat(state.seat != kSeatClosed);
   look_up_here(state.world_from_center);
   const bool hand_still = state.has_handle != 0 &&
                           same_bits(input.world_from_handle, state.world_from_handle) &&
@@ -121,6 +122,11 @@ StepResult DefaultModel::step(State& state, const StepInput& input, double dt_s)
   report.depth_m = double{here_.totals.depth_m};
   report.outside_map = here_.outside_map ? 1 : 0;
   report.barred = here_.barred;
+  report.seated = here_.seated;
+  if (here_.seated > 0) state.seat = kSeatEntered;
+  // No point is within force layer or guard of the seat's objects: with the seat and without it the
+  // same points are pushed and barred.
+  if (here_.seated == 0 && state.seat == kSeatEntered) state.seat = kSeatClosed;
   report_distance(report);
   return result;
 }
@@ -134,6 +140,13 @@ void DefaultModel::report_distance(StepReport& report) const noexcept {
   report.clearance_kind = ClearanceKind::kProven;
   report.nearest_point_m =
       report.world_from_center.position_m + glm::dvec3(here_[here_.nearest].arm_m);
+}
+
+void DefaultModel::open_seat(bool open) noexcept {
+  if (open == seat_open_) return;
+  probe_.open_seat(open);
+  seat_open_ = open;
+  here_known_ = false;
 }
 
 void DefaultModel::look_up(const Pose& pose, LookUp& out) noexcept {
@@ -246,6 +259,8 @@ bool DefaultModel::make(State& state, Motion& motion, const coupling::GripTarget
     Twist velocity;
     const Pose candidate = moved(state.world_from_center, target, motion, velocity);
     look_up(candidate, there_);
+    field::bar_crossings(
+        here_, glm::vec3(candidate.position_m - state.world_from_center.position_m), there_);
     double rise_j = 0;
     const bool clear = field::none_newly_barred(here_, there_);
     if (clear && affordable(state, motion, target, candidate, kinetic_j, rise_j)) {

@@ -38,6 +38,7 @@ class DefaultModel {
 
   void look_up(const Pose& pose, LookUp& out) noexcept;
 
+  void open_seat(bool open) noexcept;
   void look_up_here(const Pose& pose) noexcept;
   void report_distance(StepReport& report) const noexcept;
   void refill_allowance(State& state, const coupling::GripTarget& target, const Pose& handle,
@@ -74,6 +75,7 @@ class DefaultModel {
   LookUp here_, there_;  // at the part's pose, and where a motion would lead
   Pose here_pose_;
   bool here_known_ = false;
+  bool seat_open_ = false;  // what the probe was told last
   ContactRows rows_;
 };
 

@@ -37,6 +37,7 @@ StepResult regripped(const State& before, const StepInput& input, State& state) 
   state.world_from_center = before.world_from_center;
   state.handle_from_center = inverse(input.world_from_handle) * before.world_from_center;
   state.frame = before.frame;
+  state.seat = before.seat;
   StepResult result;
   result.report.world_from_center = before.world_from_center;
   return result;
@@ -80,6 +81,10 @@ Result<std::unique_ptr<Simulation>> Simulation::create(Voxmap voxmap, Pshell she
 
 void Simulation::make_default_model() {
   probe_ = std::make_unique<field::FieldProbe>(query_, *field_, points_, samples_);
+  make_default_model_of_probe();
+}
+
+void Simulation::make_default_model_of_probe() {
   default_ = std::make_unique<DefaultModel>(parameters_, *probe_, shell_.view().point_count,
                                             field::ForceCurve(voxmap_));
 }
@@ -105,6 +110,7 @@ Pose Simulation::world_from_center(const Pose& world_from_part) const {
 
 State Simulation::registered(const Pose& world_from_part, const Pose& world_from_handle) const {
   State state;
+  state.seat = world_from_seat_ ? kSeatOpen : kSeatClosed;
   state.world_from_center = world_from_center(world_from_part);
   state.handle_from_center = inverse(world_from_handle) * state.world_from_center;
   return state;
@@ -114,6 +120,29 @@ State Simulation::registered(const PartStart& start, const Pose& world_from_hand
   const Pose held = world_from_handle * start.handle_from_part.value_or(Pose{});
   State state = registered(start.world_from_part.value_or(held), world_from_handle);
   if (start.handle_from_part) state.handle_from_center = world_from_center(*start.handle_from_part);
+  return state;
+}
+
+Status Simulation::find_seat(const Pose& world_from_center) {
+  world_from_seat_.reset();
+  if (!probe_) return {};
+  const machine::StepArithmetic arithmetic;
+  if (Status found = probe_->find_seat(world_from_center); !found) return found;
+  make_default_model_of_probe();
+  if (!probe_->seat().empty()) world_from_seat_ = world_from_center;
+  return {};
+}
+
+std::span<const field::SeatObject> Simulation::seat() const {
+  return probe_ ? probe_->seat().objects() : std::span<const field::SeatObject>{};
+}
+
+Result<State> Simulation::begin(const PartStart& start, const Pose& world_from_handle) {
+  State state = registered(start, world_from_handle);
+  const Pose seat =
+      start.world_from_seat ? world_from_center(*start.world_from_seat) : state.world_from_center;
+  if (Status found = find_seat(seat); !found) return found.error();
+  state.seat = world_from_seat_ ? kSeatOpen : kSeatClosed;
   return state;
 }
 

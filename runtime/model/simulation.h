@@ -2,6 +2,8 @@
 #pragma once
 
 #include <memory>
+#include <optional>
+#include <span>
 
 #include "forcelayer/parameters.h"
 #include "forcelayer/placement.h"
@@ -45,6 +47,16 @@ class Simulation {
   // The same for a start that may name place and grip.
   State registered(const PartStart& start, const Pose& world_from_handle) const;
 
+  // Seats the part: from here on registered() opens the seat on the objects that the part touches
+  // at `world_from_center` (runtime/field/seat.h), or none where it touches nothing. The paper's
+  // model has none. Not beside step(). Errors: kUsage where no seat can be told from a penetration.
+  Status find_seat(const Pose& world_from_center);
+  std::span<const field::SeatObject> seat() const;
+  const std::optional<Pose>& world_from_seat() const { return world_from_seat_; }
+
+  // registered(), seated where `start` says. Errors: as find_seat().
+  Result<State> begin(const PartStart& start, const Pose& world_from_handle);
+
   // One frame of `dt_s` seconds. Never throws, allocates, locks, logs or calls the system.
   StepResult step(State& state, const StepInput& input, double dt_s) noexcept;
 
@@ -68,6 +80,7 @@ class Simulation {
   Simulation(Voxmap voxmap, Pshell shell, const Parameters& parameters,
              const query::QueryOptions& query);
   void make_default_model();
+  void make_default_model_of_probe();
   void prove_clearance(StepReport& report) const noexcept;
 
   Voxmap voxmap_;
@@ -81,6 +94,7 @@ class Simulation {
   field::FieldSamples samples_;
   std::unique_ptr<field::FieldProbe> probe_;  // of the default model
   std::unique_ptr<DefaultModel> default_;
+  std::optional<Pose> world_from_seat_;  // of the centroid frame; none without a seat
 };
 
 }  // namespace forcelayer::model

@@ -65,7 +65,9 @@ Result<Pose> checked_pose(Pose pose, const char* name) {
 
 Result<PartStart> checked_start(PartStart start) {
   const std::pair<std::optional<Pose>*, const char*> poses[] = {
-      {&start.world_from_part, "world_from_part"}, {&start.handle_from_part, "handle_from_part"}};
+      {&start.world_from_part, "world_from_part"},
+      {&start.world_from_seat, "world_from_seat"},
+      {&start.handle_from_part, "handle_from_part"}};
   for (const auto& [pose, name] : poses) {
     if (!*pose) continue;
     const auto checked = checked_pose(**pose, name);
@@ -254,8 +256,9 @@ Status Run::start(const PartStart& start, const DeviceSample& first) {
   parts.finish_swap();  // one that nobody waits for any more: the user wants what it brings
   const Pose world_from_handle =
       parts.request.placement.world_from_handle(loop::made_unit(first.device_from_handle));
-  parts.started = std::make_unique<StartedServo>(
-      simulation(), parts.request, simulation().registered(*checked, world_from_handle));
+  const auto state = simulation().begin(*checked, world_from_handle);
+  if (!state) return state.error();
+  parts.started = std::make_unique<StartedServo>(simulation(), parts.request, *state);
   return {};
 }
 
@@ -303,7 +306,17 @@ Status Run::swap(const std::filesystem::path& scene, const std::filesystem::path
   auto opened = open_files(request);
   if (!opened) return opened.error();
   parts.next = std::move(*opened);
-  if (!servo.request_swap(*parts.next->simulation, *checked)) {
+  model::Simulation& next = *parts.next->simulation;
+  // Where the hand decides the place, it is not known yet, and the part has no seat there.
+  const auto& seat = checked->world_from_seat ? checked->world_from_seat : checked->world_from_part;
+  if (seat) {
+    const Status seated = next.find_seat(next.world_from_center(*seat));
+    if (!seated) {
+      parts.next.reset();
+      return seated.error();
+    }
+  }
+  if (!servo.request_swap(next, *checked)) {
     parts.next.reset();
     return Error{ErrorCode::kUsage, "", "swap", "the rate would be another", ""};
   }

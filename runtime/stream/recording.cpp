@@ -144,11 +144,12 @@ class Reader {
     }
     if (h.major != kRecordingMajor) {
       return error(ErrorCode::kUnknownVersion, "header",
-                   "has version " + std::to_string(h.major) + ", this program reads version 1");
+                   "has version " + std::to_string(h.major) + ", this program reads version 2");
     }
     const bool sizes = h.header_bytes == sizeof h && h.frame_bytes == sizeof(RecordedFrame) &&
                        h.parameter_count <= kMaxRecordedParameters;
-    const bool kinds = is_known_model(h.model) && is_known_force(h.force) && h.braking <= 1;
+    const bool kinds = is_known_model(h.model) && is_known_force(h.force) && h.braking <= 1 &&
+                       h.seat <= kSeatEntered;
     const bool zeros =
         std::all_of(h.reserved.begin(), h.reserved.end(), [](auto b) { return b == 0; });
     if (!sizes || !kinds || !zeros || !poses_valid(h) || !(h.motion_scale > 0) ||
@@ -167,7 +168,8 @@ class Reader {
       return std::all_of(n.begin(), n.end(), [](double x) { return std::isfinite(x); }) &&
              std::abs(glm::length(pose_from_numbers(n).orientation) - 1) < kUnitTolerance;
     };
-    return valid(h.world_from_center) && valid(h.handle_from_center) && valid(h.world_from_device);
+    return valid(h.world_from_center) && valid(h.handle_from_center) &&
+           valid(h.world_from_device) && (h.seat == kSeatClosed || valid(h.world_from_seat));
   }
 
   Result<Parameters> check_parameters(const Parameters& p) const {
@@ -193,7 +195,10 @@ class Reader {
 
 RecordedRun describe_run(const model::Simulation& simulation, const State& start,
                          const DevicePlacement& placement) {
-  return {simulation.parameters(), start, placement,
+  return {simulation.parameters(),
+          start,
+          simulation.world_from_seat(),
+          placement,
           simulation.voxmap().header().file.header_checksum,
           simulation.shell().header().file.header_checksum};
 }
@@ -223,6 +228,10 @@ void RecordingWriter::begin(const RecordedRun& run) {
   h.handle_from_center = pose_numbers(run.start.handle_from_center);
   h.world_from_device = pose_numbers(run.placement.world_from_device);
   h.motion_scale = run.placement.motion_scale;
+  if (run.world_from_seat) {
+    h.world_from_seat = pose_numbers(*run.world_from_seat);
+    h.seat = run.start.seat;
+  }
   for (const auto& bytes : {bytes_of(h), bytes_of(parameters)}) {
     head_.insert(head_.end(), bytes.begin(), bytes.end());
   }
@@ -296,6 +305,10 @@ Result<Recording> Recording::open(const std::filesystem::path& path) {
   recording.run_.parameters = *parameters;
   recording.run_.start.world_from_center = pose_from_numbers(header->world_from_center);
   recording.run_.start.handle_from_center = pose_from_numbers(header->handle_from_center);
+  if (header->seat != kSeatClosed) {
+    recording.run_.start.seat = header->seat;
+    recording.run_.world_from_seat = pose_from_numbers(header->world_from_seat);
+  }
   recording.run_.placement = {pose_from_numbers(header->world_from_device), header->motion_scale};
   recording.run_.voxmap_checksum = header->voxmap_checksum;
   recording.run_.shell_checksum = header->shell_checksum;

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <span>
 
 #include "forcelayer/frame.h"
@@ -19,6 +20,7 @@ namespace forcelayer::stream {
 struct RecordedRun {
   Parameters parameters;
   State start;
+  std::optional<Pose> world_from_seat;  // of the part's centroid frame
   DevicePlacement placement;
   std::uint64_t voxmap_checksum = 0, shell_checksum = 0;
 };

@@ -15,8 +15,8 @@ inline constexpr std::array<std::uint8_t, 8> kRecordingMagic = {0x89, 'F',  'L',
 inline constexpr std::array<std::uint8_t, 8> kRecordingEndMagic = {0x89, 'F',  'L',  'E',
                                                                    '\r', '\n', 0x1a, '\n'};
 inline constexpr std::uint32_t kRecordingEndianTag = 0x01020304;
-inline constexpr std::uint16_t kRecordingMajor = 1;
-inline constexpr std::uint16_t kRecordingMinor = 1;
+inline constexpr std::uint16_t kRecordingMajor = 2;
+inline constexpr std::uint16_t kRecordingMinor = 0;
 inline constexpr std::uint32_t kMaxRecordedParameters = 256;
 
 struct RecordingHeader {                     // offset
@@ -24,7 +24,7 @@ struct RecordingHeader {                     // offset
   std::uint32_t endian_tag;                  //   8
   std::uint16_t major;                       //  12
   std::uint16_t minor;                       //  14
-  std::uint32_t header_bytes;                //  16  256
+  std::uint32_t header_bytes;                //  16  320
   std::uint32_t parameter_count;             //  20
   std::uint32_t frame_bytes;                 //  24  128
   std::uint32_t model;                       //  28  Model
@@ -36,9 +36,12 @@ struct RecordingHeader {                     // offset
   std::array<double, 7> handle_from_center;  // 112  the grip, in the same way
   std::array<double, 7> world_from_device;   // 168  placement, in the same way
   double motion_scale;                       // 224
-  std::array<std::uint8_t, 24> reserved;     // 232  zero
+  std::array<double, 7> world_from_seat;     // 232  of the part's centroid frame where it is seated
+  std::uint32_t seat;                        // 288  SeatUse at the start
+  std::array<std::uint8_t, 28> reserved;     // 292  zero
 };
-static_assert(sizeof(RecordingHeader) == 256);
+static_assert(sizeof(RecordingHeader) == 320);
+static_assert(offsetof(RecordingHeader, seat) == 288);
 static_assert(offsetof(RecordingHeader, world_from_center) == 56);
 static_assert(offsetof(RecordingHeader, motion_scale) == 224);
 

@@ -82,6 +82,9 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
          "it wants to be")
       ->check(CLI::IsMember({"firm", "loose"}));
   app.add_option("--start", texts_.start, "world_from_part at the start: x,y,z[,qw,qx,qy,qz]");
+  app.add_option("--seat", texts_.seat,
+                 "world_from_part where the part is installed: it may touch there what it touches, "
+                 "until it has left those objects (where it starts)");
   app.add_option("--grip", texts_.grip,
                  "handle_from_part, in the same way: the handle's origin is where the hand holds "
                  "the part");
@@ -150,6 +153,10 @@ Status OptionParser::read_texts(Options& options) const {
   if (!texts_.start.empty()) {
     options.start.world_from_part.emplace();
     if (Status s = read_pose("--start", texts_.start, *options.start.world_from_part); !s) return s;
+  }
+  if (!texts_.seat.empty()) {
+    options.start.world_from_seat.emplace();
+    if (Status s = read_pose("--seat", texts_.seat, *options.start.world_from_seat); !s) return s;
   }
   if (!texts_.grip.empty()) {
     options.start.handle_from_part.emplace();

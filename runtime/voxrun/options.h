@@ -52,7 +52,7 @@ class OptionParser {
 
  private:
   struct Texts {
-    std::string scene, part, duration, model, force, start, grip, world_from_device, reach,
+    std::string scene, part, duration, model, force, start, seat, grip, world_from_device, reach,
         after_trip, stale;
     unsigned clutch_button = 0;
     bool no_braking = false;

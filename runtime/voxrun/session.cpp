@@ -106,8 +106,10 @@ void warn_of_missing_faces(const Options& options, const Run& run,
 Status take_hold(const Options& options, Session& session) {
   const auto device_from_handle = wait_for_pose(*session.device.device);
   if (!device_from_handle) return device_from_handle.error();
-  session.start = session.run->simulation().registered(
+  auto begun = session.run->simulation().begin(
       options.start, session.request.placement.world_from_handle(*device_from_handle));
+  if (!begun) return begun.error();
+  session.start = *begun;
   return {};
 }
 
@@ -128,8 +130,10 @@ Status prepare_run(const Options& options, Session& session) {
   warn(session.run->warnings(), session.facts.warnings);
   warn_of_missing_faces(options, *session.run, session.facts.warnings);
   if (session.recording) {
-    session.start = session.recording->run().start;
-    return {};
+    const stream::RecordedRun& recorded = session.recording->run();
+    session.start = recorded.start;
+    return recorded.world_from_seat ? session.run->simulation().find_seat(*recorded.world_from_seat)
+                                    : Status{};
   }
   if (Status held = take_hold(options, session); !held) return held;
   const double arm_m = glm::length(session.start.handle_from_center.position_m);

@@ -1,0 +1,52 @@
+// The seat of a part that starts installed: the objects that it touches there, and how near to each
+// of them it may come while its seat is open.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace forcelayer::field {
+
+// An object of the seat. Distances are from its surface, negative inside, as the stored ones are
+// interpolated.
+struct SeatObject {
+  std::uint32_t object = 0;  // its number in the file; 0 where the file names none
+  float contact_m = 0;  // where the force begins: 0, or how deep a shell point lies in the seat
+  float floor_m = 0;    // the guard lets no shell point deeper
+  std::uint32_t points = 0;  // shell points that touch it in the seat
+
+  double overlap_m() const { return -double{contact_m}; }  // how deep the part lies in it
+};
+
+class Seat {
+ public:
+  bool empty() const { return objects_.empty(); }
+  std::span<const SeatObject> objects() const { return objects_; }  // ascending by number
+
+  // Null where the object is not of the seat.
+  const SeatObject* find(std::uint32_t object) const noexcept {
+    const auto at = std::lower_bound(
+        objects_.begin(), objects_.end(), object,
+        [](const SeatObject& of_seat, std::uint32_t number) { return of_seat.object < number; });
+    return at != objects_.end() && at->object == object ? &*at : nullptr;
+  }
+
+  // The object's entry, added where there is none. Set-up only.
+  SeatObject& at(std::uint32_t object) {
+    const auto place = std::lower_bound(
+        objects_.begin(), objects_.end(), object,
+        [](const SeatObject& of_seat, std::uint32_t number) { return of_seat.object < number; });
+    if (place != objects_.end() && place->object == object) return *place;
+    SeatObject entry;
+    entry.object = object;
+    return *objects_.insert(place, entry);
+  }
+  std::span<SeatObject> entries() { return objects_; }
+
+ private:
+  std::vector<SeatObject> objects_;
+};
+
+}  // namespace forcelayer::field
