@@ -50,9 +50,10 @@ struct ContactSet {
   std::vector<std::uint8_t> value;  // VoxelValue: 1, 2 or 3
   std::vector<std::uint8_t> is_barred;
   // Only while the seat is open: whether the nearest object is of the seat; the field's slope, per
-  // voxel.
+  // voxel; the unit direction away from the surface, to the side on which the point is.
   std::vector<std::uint8_t> of_seat;
   std::vector<float> gx, gy, gz;
+  std::vector<float> sx, sy, sz;
 
   void reserve(std::uint64_t points);  // set-up only
   Contact operator[](std::uint32_t i) const noexcept {
@@ -65,12 +66,6 @@ struct ContactSet {
 // Whether every barred point of `later` is barred in `earlier` too.
 bool none_newly_barred(const ContactSet& earlier, const ContactSet& later) noexcept;
 
-// Bars the points of the seat in `later` that have gone through a surface on the way from
-// `earlier`: against the direction there, to where the stored distance rises again. A sheet, or a
-// plate of less than two voxels, has no inside that would tell it. `way_m` is the centroid's. Such
-// a point is to be pushed back to the side it came from.
-void bar_crossings(const ContactSet& earlier, const glm::vec3& way_m, ContactSet& later) noexcept;
-
 // Finds the contacts of a pose for the default model.
 class ContactProbe {
  public:
@@ -81,6 +76,11 @@ class ContactProbe {
 
   // Whether the rules of the seat hold from now on. Without one: never.
   virtual void open_seat(bool) noexcept {}
+
+  // Bars the points of the seat in `later`, the set of the last look_up(), that have gone through a
+  // surface on the way from `earlier`. `way_m` is the centroid's.
+  virtual void bar_crossings(const ContactSet& /*earlier*/, const glm::vec3& /*way_m*/,
+                             ContactSet& /*later*/) const noexcept {}
 };
 
 }  // namespace forcelayer::field

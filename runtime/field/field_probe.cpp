@@ -14,9 +14,12 @@ namespace {
 // which must still hold the part off.
 constexpr float kLeastWeight = 0.25f, kMostWeight = 4.0f;
 
-// How much deeper than it lies there a seat lets a point go, in voxels: room for a spring, and for
-// what interpolation is off between flat and curved faces.
-constexpr float kSeatGiveVoxels = 0.25f;
+// How deep a seat lets a point go, in voxels: room for a spring, and for what interpolation is off
+// between flat and curved faces; and how much deeper at least than a point lies there.
+constexpr float kSeatGiveVoxels = 0.25f, kLeastGiveVoxels = 0.05f;
+
+// From this slope on, per voxel, a point lies in front of one face.
+constexpr float kFaceSlope = 0.9f;
 
 // So far above the lowest code a seat must end, in voxels: between centers of which some have that
 // code, the interpolated distance is up to so much above the true one.
@@ -95,6 +98,52 @@ float FieldProbe::stored_distance_m(std::uint32_t i) const noexcept {
   return zero_force_m_ + samples_.from_zero_force_m[i];
 }
 
+// Whether one of the distances around collected point i is negative.
+bool FieldProbe::lies_beside_solid(std::uint32_t i) const noexcept {
+  const DistanceView& distances = *query_.voxmap().distances();
+  const std::int32_t zero_code = query_.voxmap().header().distance_zero_code;
+  const std::array<std::int32_t, 3> low{points_.vx[i] - (points_.fx[i] < 0.5f ? 1 : 0),
+                                        points_.vy[i] - (points_.fy[i] < 0.5f ? 1 : 0),
+                                        points_.vz[i] - (points_.fz[i] < 0.5f ? 1 : 0)};
+  for (int n = 0; n < 8; ++n) {
+    const std::int32_t x = low[0] + (n >> 2), y = low[1] + (n >> 1 & 1), z = low[2] + (n & 1);
+    if (!distances.contains(x, y, z)) continue;
+    // A center on the surface has the code below that of zero.
+    if (static_cast<std::int32_t>(distances.lookup(x, y, z).code) < zero_code - 1) return true;
+  }
+  return false;
+}
+
+void FieldProbe::bar_crossings(const ContactSet& earlier, const glm::vec3& way_m,
+                               ContactSet& later) const noexcept {
+  if (!earlier.seat_open || !later.seat_open) return;
+  // A sheet midway between voxel centers has this distance in the middle: half a diagonal.
+  const auto sheet_m = static_cast<float>(0.87 * query_.voxmap().voxel_size_m());
+  std::uint32_t at = 0;
+  for (std::uint32_t i = 0; i < later.count; ++i) {
+    if (later.of_seat[i] == 0) continue;
+    while (at < earlier.count && earlier.point[at] < later.point[i]) ++at;
+    if (at == earlier.count) return;
+    if (earlier.point[at] != later.point[i] || earlier.of_seat[at] == 0) continue;
+    const glm::vec3 side(earlier.sx[at], earlier.sy[at], earlier.sz[at]);
+    const glm::vec3 slope(later.gx[i], later.gy[i], later.gz[i]);
+    const glm::vec3 moved_m =
+        way_m + glm::vec3(later.rx[i] - earlier.rx[at], later.ry[i] - earlier.ry[at],
+                          later.rz[i] - earlier.rz[at]);
+    const float into_m = -glm::dot(moved_m, side);
+    // Halfway between two walls the slope turns as well, but the distance falls from there on, and
+    // is larger than it can be told for a sheet.
+    const bool rises = glm::dot(moved_m, slope) > 0 && stored_distance_m(i) < sheet_m;
+    if (!(into_m > 0 && rises && glm::dot(slope, side) < kLeastSlope) || lies_beside_solid(i)) {
+      continue;
+    }
+    if (later.is_barred[i] == 0) ++later.barred;
+    later.is_barred[i] = 1;
+    later.ux[i] = side.x, later.uy[i] = side.y, later.uz[i] = side.z;
+    later.depth_m[i] = std::max(later.depth_m[i], into_m);
+  }
+}
+
 // Points near an object of the seat follow the seat's rules: force and guard where the part touches
 // the object, or as deep as it lies there, in place of the force layer and the guard before it.
 void FieldProbe::apply_seat(ContactSet& out) const noexcept {
@@ -114,7 +163,13 @@ void FieldProbe::apply_seat(ContactSet& out) const noexcept {
                                     ? glm::vec3(points_.nx[i], points_.ny[i], points_.nz[i])
                                     : slope / steepness;
     out.ux[i] = direction.x, out.uy[i] = direction.y, out.uz[i] = direction.z;
-    out.depth_m[i] = object->contact_m - distance_m;
+    out.depth_m[i] = std::min(object->contact_m, in_seat_m_[points_.index[i]]) - distance_m;
+    // Short slopes are of places near the middle of a sheet, where they tell no side. A point that
+    // touches it has the part, and so its inward normal, on its own side.
+    constexpr float kSideSlope = 0.5f;
+    const glm::vec3 side =
+        steepness < kSideSlope ? glm::vec3(points_.nx[i], points_.ny[i], points_.nz[i]) : direction;
+    out.sx[i] = side.x, out.sy[i] = side.y, out.sz[i] = side.z;
     out.gx[i] = slope.x, out.gy[i] = slope.y, out.gz[i] = slope.z;
   }
   if (out.seated == 0) return;
@@ -131,9 +186,9 @@ Status FieldProbe::check_depth(const SeatObject& object) const {
   if (-double{object.floor_m} < told_m) return {};
   const std::string_view name = query_.voxmap().object_name(object.object);
   char depth[80], most[80];
-  std::snprintf(depth, sizeof depth, "the part starts %.3g mm inside ", 1000 * object.overlap_m());
+  std::snprintf(depth, sizeof depth, "the part starts %.3g mm inside ", 1000 * object.overlap_m);
   std::snprintf(most, sizeof most, "; the stored distances hold a seat up to %.3g mm deep",
-                1000 * (told_m - (double{object.contact_m} - double{object.floor_m})));
+                1000 * (told_m - kLeastGiveVoxels * header.voxel_size_m));
   return Error{
       ErrorCode::kUsage, "", "start",
       depth + (name.empty() ? std::string("the scene") : std::string(name)) + most,
@@ -143,6 +198,7 @@ Status FieldProbe::check_depth(const SeatObject& object) const {
 Status FieldProbe::find_seat(const Pose& world_from_center) {
   seat_ = {};
   seat_open_ = false;
+  in_seat_m_.assign(weight_.size(), 0);
   query_.run(world_from_center, points_);
   field_.measure(points_, samples_);
   const auto voxel_size_m = static_cast<float>(query_.voxmap().voxel_size_m());
@@ -160,12 +216,20 @@ Status FieldProbe::find_seat(const Pose& world_from_center) {
                    "(--start)"};
     }
     SeatObject& object = seat.at(object_of(i));
-    object.contact_m = std::min(object.contact_m, stored_distance_m(i));
+    const float distance_m = stored_distance_m(i);
+    in_seat_m_[points_.index[i]] = distance_m;
+    object.floor_m = std::min(object.floor_m, distance_m);
     ++object.points;
+    // In a corner interpolation mixes two faces: it says nothing of how deep other points may lie.
+    const glm::vec3 slope(samples_.gx[i], samples_.gy[i], samples_.gz[i]);
+    if (glm::length(slope) > kFaceSlope) object.contact_m = std::min(object.contact_m, distance_m);
   }
   const auto step_m = static_cast<float>(query_.voxmap().header().distance_quantum_m);
   for (SeatObject& object : seat.entries()) {
-    object.floor_m = object.contact_m - kSeatGiveVoxels * voxel_size_m - step_m;
+    object.overlap_m = -double{object.floor_m};
+    object.floor_m = std::min(object.floor_m - kLeastGiveVoxels * voxel_size_m,
+                              -kSeatGiveVoxels * voxel_size_m) -
+                     step_m;
     if (Status told = check_depth(object); !told) return told;
   }
   seat_ = std::move(seat);

@@ -21,6 +21,13 @@ class FieldProbe final : public ContactProbe {
   void look_up(const Pose& world_from_center, ContactSet& out) noexcept override;
   void open_seat(bool open) noexcept override { seat_open_ = open && !seat_.empty(); }
 
+  // A sheet, or a plate of less than some two voxels, has no inside that would tell who has gone
+  // through: it is told by the way. A point has where it moved against the direction in which its
+  // side lay, to where the distance rises again, and no negative distance is near. It is to be
+  // pushed back to the side it came from.
+  void bar_crossings(const ContactSet& earlier, const glm::vec3& way_m,
+                     ContactSet& later) const noexcept override;
+
   // Finds the seat of a part that starts at `world_from_center`: the objects that a shell point
   // touches there, that is, in whose force layer or nearer it lies. None is no error. Not for the
   // servo's thread. Errors, kUsage: the part penetrates the scene and no seat can be told, because
@@ -39,6 +46,7 @@ class FieldProbe final : public ContactProbe {
   void apply_seat(ContactSet& out) const noexcept;
   std::uint32_t object_of(std::uint32_t i) const noexcept;
   float stored_distance_m(std::uint32_t i) const noexcept;
+  bool lies_beside_solid(std::uint32_t i) const noexcept;
   Status check_depth(const SeatObject& object) const;
 
   query::ContactQuery& query_;
@@ -49,6 +57,7 @@ class FieldProbe final : public ContactProbe {
   float guard_m_, free_m_;     // 0 where nothing is proven
   float zero_force_m_;         // the zero-force surface, from the static mesh
   Seat seat_;
+  std::vector<float> in_seat_m_;  // of every shell point: its distance there where it touches, or 0
   bool seat_open_ = false;
 };
 

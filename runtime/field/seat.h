@@ -17,7 +17,7 @@ struct SeatObject {
   float floor_m = 0;    // the guard lets no shell point deeper
   std::uint32_t points = 0;  // shell points that touch it in the seat
 
-  double overlap_m() const { return -double{contact_m}; }  // how deep the part lies in it
+  double overlap_m = 0;  // how deep the part lies in it, by the deepest shell point
 };
 
 class Seat {

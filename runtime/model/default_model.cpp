@@ -259,7 +259,7 @@ bool DefaultModel::make(State& state, Motion& motion, const coupling::GripTarget
     Twist velocity;
     const Pose candidate = moved(state.world_from_center, target, motion, velocity);
     look_up(candidate, there_);
-    field::bar_crossings(
+    probe_.bar_crossings(
         here_, glm::vec3(candidate.position_m - state.world_from_center.position_m), there_);
     double rise_j = 0;
     const bool clear = field::none_newly_barred(here_, there_);

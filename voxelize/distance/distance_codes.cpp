@@ -29,6 +29,7 @@ class NodeMeasurement {
                            const masks::Coord& origin) {
     scale_ = &scale;
     interior_ = &interior;
+    geometry_ = &geometry;
     origin_ = origin;
     masks::node_rows(interior, origin, node_.solid);
     masks::node_rows(geometry, origin, surface_);
@@ -93,7 +94,7 @@ class NodeMeasurement {
          left &= left - 1) {
       const int n = std::countr_zero(left);
       const PreparedTriangle& nearest = *list[nearest_.which(cell, static_cast<std::size_t>(n))];
-      negative |= std::uint64_t{lies_inside(nearest, low, n)} << n;
+      negative |= std::uint64_t{lies_inside(nearest, low, n, list)} << n;
     }
     std::array<std::uint8_t, kCubePoints> codes;
     codes_of_distances(nearest_.least(cell), negative, *scale_, codes.data());
@@ -104,30 +105,80 @@ class NodeMeasurement {
     }
   }
 
+  // What lies at a voxel of the node or beside it.
+  enum class Side { kSurface, kInside, kOutside };
+  Side side_of(const std::array<int, 3>& voxel) const {
+    const bool in_node = ((voxel[0] | voxel[1] | voxel[2]) & ~63) == 0;
+    const masks::Coord at = origin_ + masks::Coord(voxel[0], voxel[1], voxel[2]);
+    const auto row = static_cast<std::size_t>(voxel[0] * 64 + voxel[1]);
+    const auto holds = [&](const masks::NodeRows& rows, const masks::MaskTree& tree) {
+      return in_node ? (rows[row] >> voxel[2] & 1) != 0 : tree.isValueOn(at);
+    };
+    if (holds(node_.solid, *interior_)) return Side::kInside;
+    return holds(surface_, *geometry_) ? Side::kSurface : Side::kOutside;
+  }
+
   // Whether voxel n of a cell, through which the surface passes, has its center inside. The vector
   // from the surface's nearest point to the center leads to the center's side. 1.25 voxels further
-  // along it lies a voxel that this piece of surface does not pass through: inside or outside.
-  bool lies_inside(const PreparedTriangle& nearest, const std::array<int, 3>& low, int n) const {
+  // along it lies a voxel that this piece of surface does not pass through: inside or outside, or
+  // at an edge in another piece, which climb() leads away from.
+  bool lies_inside(const PreparedTriangle& nearest, const std::array<int, 3>& low, int n,
+                   TriangleList list) {
     constexpr double kOnwards = 1.25;
     const std::array<int, 3> voxel{low[0] + (n >> 4), low[1] + (n >> 2 & 3), low[2] + (n & 3)};
     std::array<double, 3> center;
     for (std::size_t d = 0; d < 3; ++d) center[d] = (voxel[d] + 0.5) * double{lattice::kSnapUnits};
     const std::array<double, 3> away = way_from(nearest, center);
-    const double length = std::sqrt(away[0] * away[0] + away[1] * away[1] + away[2] * away[2]);
+    const double length = length_of(away);
     if (!(length > 0)) return false;
     // A component of half a voxel or more leads to the next voxel along its axis.
     const double half = 0.5 / kOnwards * length;
     std::array<int, 3> onwards;
-    bool in_node = true;
     for (std::size_t d = 0; d < 3; ++d) {
       onwards[d] = voxel[d] + (away[d] >= half) - (away[d] < -half);
-      in_node = in_node && (onwards[d] & ~63) == 0;
     }
-    if (in_node) {
-      const auto row = static_cast<std::size_t>(onwards[0] * 64 + onwards[1]);
-      return (node_.solid[row] >> onwards[2] & 1) != 0;
+    const Side side = side_of(onwards);
+    return side == Side::kInside || (side == Side::kSurface && climb(center, list));
+  }
+
+  // Follows the distance upwards from a center, in steps that stay clear of the surface, until a
+  // voxel without surface tells the side; false where none does within two voxels. The list holds
+  // every triangle within 2.6 voxels of its cells' centers (CellSearch), so none that could be in
+  // the way is missing.
+  bool climb(const std::array<double, 3>& center, TriangleList list) {
+    constexpr auto kVoxel = static_cast<double>(lattice::kSnapUnits);
+    constexpr double kStep = 0.25 * kVoxel, kFarthest = 2 * kVoxel, kNear = 2.6 * kVoxel;
+    beside_.clear();
+    for (const PreparedTriangle* const triangle : list) {
+      if (length_of(way_from(*triangle, center)) < kNear) beside_.push_back(triangle);
     }
-    return interior_->isValueOn(origin_ + masks::Coord(onwards[0], onwards[1], onwards[2]));
+    std::array<double, 3> at = center;
+    for (double gone = 0; gone < kFarthest;) {
+      std::array<double, 3> away{};
+      double least = 1e300;
+      for (const PreparedTriangle* const triangle : beside_) {
+        const std::array<double, 3> way = way_from(*triangle, at);
+        const double length = length_of(way);
+        if (length < least) least = length, away = way;
+      }
+      // A center on the surface is on no side; beyond the step the lattice's rounding does not
+      // matter.
+      if (!(least > kDistanceErrorVoxels * kVoxel) || least > kNear) return false;
+      const double step = std::min(kStep, 0.9 * least);
+      std::array<int, 3> voxel;
+      for (std::size_t d = 0; d < 3; ++d) {
+        at[d] += away[d] * (step / least);
+        voxel[d] = static_cast<int>(std::floor(at[d] / kVoxel));
+      }
+      gone += step;
+      const Side side = side_of(voxel);
+      if (side != Side::kSurface) return side == Side::kInside;
+    }
+    return false;
+  }
+
+  static double length_of(const std::array<double, 3>& v) {
+    return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
   }
 
   void crop(const masks::KeptBox& kept) {
@@ -142,11 +193,12 @@ class NodeMeasurement {
   }
 
   const CodeScale* scale_ = nullptr;
-  const masks::MaskTree* interior_ = nullptr;
+  const masks::MaskTree *interior_ = nullptr, *geometry_ = nullptr;
   masks::Coord origin_;
   NodeDistances node_;
   masks::NodeRows surface_;
   std::vector<PreparedTriangle> near_;
+  std::vector<const PreparedTriangle*> beside_;  // of climb()
   CellSearch search_;
   NearestTriangles nearest_;
 };
