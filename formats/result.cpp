@@ -62,6 +62,11 @@ std::string escaped(std::string_view text) {
   return shown;
 }
 
+std::size_t utf8_bytes(std::string_view text) {
+  const Character character = first_of(text);
+  return character.valid ? character.bytes : 0;
+}
+
 std::string to_line(const Error& error) {
   std::string line;
   for (const std::string* part : {&error.file, &error.where}) {

@@ -1,6 +1,7 @@
 // Results that a caller must check: a value, or an error with a fixed code and its place.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -56,6 +57,9 @@ struct Error {
 // The text as it may stand on a terminal: as \xNN the bytes of control characters (C0, C1), of line
 // ends and directions of Unicode, and of what is no UTF-8.
 std::string escaped(std::string_view text);
+
+// How many bytes the first character of a text takes that is not empty; 0 where it is no UTF-8.
+std::size_t utf8_bytes(std::string_view text);
 
 // "FILE: WHERE: WHAT; MEND" on one line, escaped.
 std::string to_line(const Error& error);

@@ -109,7 +109,8 @@ class Voxmap {
   const ObjectView* objects() const { return header_->object_count > 0 ? &objects_ : nullptr; }
   // The name of object 1 to object_count; empty for any other number.
   std::string_view object_name(std::uint32_t object) const;
-  // The number of the object nearest to world voxel (i, j, k); 0 where none is known.
+  // The number of the object nearest to the center of world voxel (i, j, k); 0 where none is known.
+  // Where the code of its distance is 0 or 255, none was measured, and the number is a hint.
   std::uint32_t nearest_object(std::int64_t i, std::int64_t j, std::int64_t k) const;
   // The least distance from the static mesh that the center of world voxel (i, j, k) can have, by
   // its stored code, m: -infinity for the lowest code, the reach of the codes beyond it.

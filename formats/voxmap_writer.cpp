@@ -1,5 +1,7 @@
 #include "formats/voxmap_writer.h"
 
+#include <algorithm>
+
 #include "formats/section_table.h"
 #include "formats/voxmap.h"
 #include "formats/voxmap_sections.h"
@@ -32,6 +34,19 @@ FileLayout lay_out(const VoxmapContent& content) {
 }
 
 }  // namespace
+
+void add_object_name(std::string_view name, std::string& object_names) {
+  while (!name.empty()) {
+    const std::size_t bytes = utf8_bytes(name);
+    if (bytes == 0 || name[0] == '\0') {
+      object_names += "\xef\xbf\xbd";
+    } else {
+      object_names += name.substr(0, bytes);
+    }
+    name.remove_prefix(std::max<std::size_t>(bytes, 1));
+  }
+  object_names += '\0';
+}
 
 Result<std::uint64_t> write_voxmap(const std::filesystem::path& path,
                                    const VoxmapContent& content) {

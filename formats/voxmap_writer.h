@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -32,6 +33,10 @@ struct VoxmapContent {
   std::span<const float> compliance;  // may be empty
   std::string_view provenance;        // JSON, may be empty
 };
+
+// Adds a name to VoxmapContent::object_names. What is no UTF-8, and bytes that are zero, become
+// U+FFFD.
+void add_object_name(std::string_view name, std::string& object_names);
 
 // Writes `content` to `path` atomically; returns the file's size in bytes. The content is trusted
 // to be valid (Voxmap::open is the validator). Same content, same bytes.

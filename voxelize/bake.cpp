@@ -167,19 +167,26 @@ tree::VoxelTree build_layers(const SceneVoxels& scene, const SceneRegion& region
   return tree;
 }
 
-// Distances from the snapped meshes.
-tree::VoxelTree build_distances(const SceneVoxels& scene, const SceneRegion& region,
-                                const std::vector<ObjectBake>& bakes, const BakeOptions& options) {
+// Distances from the snapped meshes, and the nearest objects.
+tree::DistanceTrees build_distances(const SceneVoxels& scene, const SceneRegion& region,
+                                    const std::vector<ObjectBake>& bakes,
+                                    const BakeOptions& options) {
   std::vector<const scan::SnappedObject*> objects;
+  std::vector<std::uint16_t> numbers;
   for (std::size_t i = 0; i < bakes.size(); ++i) {
-    if (!region.skipped[i]) objects.push_back(&bakes[i].snapped);
+    if (region.skipped[i]) continue;
+    objects.push_back(&bakes[i].snapped);
+    if (stores_objects(options, bakes.size())) {
+      numbers.push_back(static_cast<std::uint16_t>(i + 1));
+    }
   }
   const masks::KeptBox kept = kept_box(region);
   const auto reach = static_cast<unsigned>(distance::DistanceCodes::reach(scale_of(options)));
   const distance::LayerOffset around(scene.geometry, scene.interior, reach - 1, 1, kept);
   const distance::DistanceCodes distances(std::move(objects), region.directory.origin,
-                                          scene.geometry, scene.interior, scale_of(options), kept);
-  return tree::build_distance_tree(around, distances, region.directory.dims);
+                                          scene.geometry, scene.interior, scale_of(options), kept,
+                                          std::move(numbers));
+  return tree::build_distance_trees(around, distances, region.directory.dims);
 }
 
 // The box of all voxels that are not free.
@@ -232,13 +239,22 @@ void build_map(const SceneVoxels& scene, const SceneRegion& region,
     bake.values = build_layers(scene, region, options, counts, bake);
     tight = tight_box_of(bake.values, region, options);
     if (stores_distances(options)) {
-      bake.distances = build_distances(scene, region, bakes, options);
+      tree::DistanceTrees trees = build_distances(scene, region, bakes, options);
+      bake.distances = std::move(trees.distances);
+      bake.nearest_objects = std::move(trees.objects);
     }
   }
   bake.header = header_of(region, tight, counts, options);
   if (stores_distances(options)) {
     bake.compliance = compliance_table(options.compliance, bake.header.distance_quantum_m);
   }
+}
+
+// Names the objects that the map tells apart.
+void add_names(Objects objects, const BakeOptions& options, Bake& bake) {
+  if (!stores_objects(options, objects.size())) return;
+  bake.header.object_count = static_cast<std::uint32_t>(objects.size());
+  for (const SceneObject& object : objects) add_object_name(object.name, bake.object_names);
 }
 
 // Moves the objects' reports and times into the bake.
@@ -287,6 +303,7 @@ Result<Bake> bake_scene(Objects objects, const BakeOptions& options) {
   watch.lap_s();
   show_progress(options, "force layer", 0.7);
   build_map(scene, *region, *bakes, options, bake);
+  add_names(objects, options, bake);
   for (const ObjectBake& object : *bakes) bake.header.triangles += object.facts.triangles;
   bake.header.static_deviation_m = static_deviation_m(objects, *bakes, options);
   bake.seconds.tree = watch.lap_s();

@@ -2,11 +2,11 @@
 //
 //   each object:  snap -> scan (G) -> fill (I) [-> grow by Euclidean distance]
 //   the scene:    unite -> layers -> bricks -> tree with clearance -> equal parts shared
-//                       -> distances -> bricks -> tree -> equal parts shared
+//                       -> distances and nearest objects -> bricks -> trees -> equal parts shared
 //
 // voxelize/README.md follows a triangle through these stages. The voxels are the sets of the
 // paper's sections 4.1 and 4.2; the bytes are the same for any number of threads and any order of
-// objects and triangles.
+// objects and triangles, but that objects are numbered in their order.
 #pragma once
 
 #include <span>
@@ -37,7 +37,8 @@ struct ObjectReport {
 // A finished bake, which owns what VoxmapContent points to.
 struct Bake {
   VoxmapHeader header{};
-  tree::VoxelTree values, distances;
+  tree::VoxelTree values, distances, nearest_objects;
+  std::string object_names;  // as in the file
   std::vector<float> compliance;
   std::vector<ObjectReport> objects;  // in the order given
   // With a cache: nodes of 64^3 voxels near surfaces, and how many did not have to be built.
@@ -48,7 +49,13 @@ struct Bake {
     return {tree.directory, tree.upper_nodes, tree.lower_nodes, tree.bricks};
   }
   VoxmapContent content(std::string_view provenance) const {
-    return {header, content_of(values), content_of(distances), {}, {}, compliance, provenance};
+    return {header,
+            content_of(values),
+            content_of(distances),
+            content_of(nearest_objects),
+            object_names,
+            compliance,
+            provenance};
   }
 };
 

@@ -36,6 +36,7 @@ struct BakeOptions {
   std::uint32_t layers = 2;            // k, at most kMaxBakedLayers
   Metric metric = Metric::kEuclidean;  // Euclidean layers need k of 1 or more
   bool distances = true;               // whether to store them; in the Euclidean metric alone
+  bool objects = true;                 // whether to store the nearest ones; with distances alone
   // How deep below the zero-force surface distances are kept; 0: as deep as is usual.
   double range_m = 0;
   // Force over depth, with distances. The zero force lies as far above the interior as the
@@ -64,6 +65,11 @@ inline bool grows_surface(const BakeOptions& options) {
 // Whether distances are stored beside the values.
 inline bool stores_distances(const BakeOptions& options) {
   return options.distances && options.metric == Metric::kEuclidean;
+}
+
+// Whether the nearest of `count` objects are stored beside the distances.
+inline bool stores_objects(const BakeOptions& options, std::size_t count) {
+  return options.objects && stores_distances(options) && count <= kMostObjects;
 }
 
 // How deep the force layer is, in voxels.

@@ -12,6 +12,12 @@ std::vector<std::string> all_warnings(const mesh::Scene& scene,
                                       std::span<const cache::MeshOutline> meshes,
                                       const BakeOptions& options) {
   std::vector<std::string> warnings = scene.warnings;
+  if (scene.objects.size() > kMostObjects && options.objects && stores_distances(options)) {
+    warnings.push_back(
+        "the file does not tell objects apart: " + std::to_string(scene.objects.size()) +
+        " are more than the " + std::to_string(kMostObjects) +
+        " that it can name; leave some out with --without, or join some");
+  }
   std::map<std::string, double> coarse_files;  // with the widest spacing of each, meters
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
     const mesh::MeshObject& part = scene.objects[i];

@@ -237,25 +237,75 @@ std::string summary_of_pshell(const Pshell& shell, const std::string& path) {
   return text;
 }
 
+// Counts the voxels of each object, in the trees of objects and of distances at once. Where the map
+// stores distances, a number beside a code that was not measured is a hint and does not count.
+class ObjectCount {
+ public:
+  ObjectCount(const Voxmap& map, std::vector<ObjectFacts>& objects)
+      : numbers_(*map.objects()), objects_(objects) {
+    if (map.distances() != nullptr) codes_ = *map.distances();
+  }
+
+  void run() {
+    const auto& dims = numbers_.directory_dims;
+    const std::int64_t cells = std::int64_t{dims[0]} * dims[1] * dims[2];
+    for (std::int64_t n = 0; n < cells; ++n) {
+      const std::uint32_t codes = codes_.directory == nullptr ? kMeasured : codes_.directory[n];
+      count(kUpperNodeEdge, numbers_.directory[n], codes);
+    }
+  }
+
+ private:
+  static constexpr std::uint32_t kMeasured = uniform_entry(1);
+
+  static bool is_measured(std::uint32_t code) { return code > 0 && code < kMostDistanceCode; }
+
+  // Child n of an entry whose cube has this edge; a uniform entry is its own child.
+  template <std::uint32_t kBits>
+  static std::uint32_t child(const TreeView<kBits>& tree, std::uint32_t edge, std::uint32_t entry,
+                             std::uint32_t n) {
+    if (is_uniform(entry)) return entry;
+    const std::uint32_t* nodes = edge == kUpperNodeEdge ? tree.upper_nodes : tree.lower_nodes;
+    return nodes[std::uint64_t{entry} * kNodeEntries + n];
+  }
+  // The element of voxel n of a brick, or of a uniform box.
+  template <std::uint32_t kBits>
+  static std::uint32_t element(const TreeView<kBits>& tree, std::uint32_t entry, std::uint32_t n) {
+    return is_uniform(entry) ? uniform_wide_value(entry) : tree.brick_code(entry, n);
+  }
+
+  void count(std::uint32_t edge, std::uint32_t numbers, std::uint32_t codes) {
+    if (is_uniform(numbers) && uniform_wide_value(numbers) == 0) return;
+    if (is_uniform(codes) && !is_measured(uniform_wide_value(codes))) return;
+    if (is_uniform(numbers) && is_uniform(codes)) {
+      add(uniform_wide_value(numbers), std::uint64_t{edge} * edge * edge);
+      return;
+    }
+    for (std::uint32_t n = 0; n < kNodeEntries; ++n) {
+      if (edge > kBrickEdge) {
+        count(edge / 8, child(numbers_, edge, numbers, n), child(codes_, edge, codes, n));
+      } else if (is_measured(element(codes_, codes, n))) {
+        add(element(numbers_, numbers, n), 1);
+      }
+    }
+  }
+
+  void add(std::uint32_t object, std::uint64_t voxels) {
+    if (object >= 1 && object <= objects_.size()) objects_[object - 1].voxels += voxels;
+  }
+
+  const ObjectView& numbers_;
+  DistanceView codes_;  // without a directory where the map stores no distances
+  std::vector<ObjectFacts>& objects_;
+};
+
 }  // namespace
 
 std::vector<ObjectFacts> objects_of(const Voxmap& map) {
   if (map.objects() == nullptr) return {};
   std::vector<ObjectFacts> objects(map.header().object_count);
   for (std::uint32_t n = 0; n < objects.size(); ++n) objects[n].name = map.object_name(n + 1);
-  const auto count = [&](std::uint32_t object, std::uint64_t voxels) {
-    if (object >= 1 && object <= objects.size()) objects[object - 1].voxels += voxels;
-  };
-  for_each_region(*map.objects(), [&](const VoxmapRegion& region) {
-    const std::uint64_t edge = region.edge_voxels;
-    if (!region.is_brick) {
-      count(uniform_wide_value(region.entry), edge * edge * edge);
-      return;
-    }
-    for (std::uint32_t n = 0; n < kNodeEntries; ++n) {
-      count(map.objects()->brick_code(region.entry, n), 1);
-    }
-  });
+  ObjectCount(map, objects).run();
   return objects;
 }
 

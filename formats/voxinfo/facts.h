@@ -16,8 +16,8 @@ nlohmann::ordered_json report_of(const BakedFile& file);
 // The same in a few lines of text.
 std::string summary_of(const BakedFile& file, const std::string& path);
 
-// An object of a scene, and the number of voxels that it is stored as nearest to. The name lives as
-// long as the map.
+// An object of a scene, and how many of the voxels with a measured distance are nearest to it. The
+// name lives as long as the map.
 struct ObjectFacts {
   std::string_view name;
   std::uint64_t voxels = 0;

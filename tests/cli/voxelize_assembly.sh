@@ -65,6 +65,21 @@ PYTHON
   bake opened "$file" --without Cover
   grep -q "^scene: 8 objects, 110 x 70 x 60 mm$" out || fail "no size of the scene: $(cat out)"
   case $(names opened) in *Cover*) fail "the cover was not left out: $(names opened)" ;; esac
+  # Beside each distance stands the object that it is from, by its name in the list.
+  "$bin/voxinfo" verify opened.vox --quiet || fail "the opened gearbox is not valid"
+  "$bin/voxinfo" opened.vox --objects --json objects.json >out || fail "objects"
+  grep -q "^  objects           8, nearest ones in [1-9][0-9]* bricks$" out || fail "no number of objects: $(cat out)"
+  python3 - opened.json objects.json <<'PYTHON' || fail "the objects of the file: $(cat objects.json)"
+import json, sys
+baked, file = (json.load(open(name)) for name in sys.argv[1:])
+assert baked["object_count"] == file["object_count"] == len(file["objects"]) == 8, file
+assert [o["name"] for o in file["objects"]] == [p["name"] for p in baked["parts"]], file
+assert all(o["voxels"] > 1000 for o in file["objects"]), file
+PYTHON
+  # Over the top of the pin, beside the housing, far away.
+  printf '%s\n' '0.094 0.035 0.0625' '-0.0025 0.035 0.02' '0.2 0.2 0.2' | "$bin/voxinfo" sample opened.vox >out
+  [ "$(cut -f4 out | paste -sd' ')" = "Gearbox/Pin Gearbox/Housing " ] || fail "nearest objects: $(cat out)"
+
   shell cover "$file#Cover"
   grep -qxF "cover.pshell: at the identity pose it stands where it is installed in $file" out ||
     fail "no word of where the part stands: $(cat out)"

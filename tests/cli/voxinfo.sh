@@ -45,9 +45,20 @@ grep -q 'distances         none' facts || fail "v2.vox has no distances"
 grep -q 'force             from 2.867 mm off the mesh, 1 mm deep' facts || fail "force: $(cat facts)"
 grep -q 'distances         from -3.938 to 4 mm in steps of 0.0312 mm, 1 bricks' facts || fail "distances: $(cat facts)"
 grep -q 'objects           2, nearest ones in 1 bricks' facts || fail "objects: $(cat facts)"
-left=$(reader "$golden/v2_distances.vox" --objects | grep -c ',1$')
+# Of the voxels with a measured distance, those of each object.
+of_object() {
+  LC_ALL=C join -t' ' <(reader "$golden/$1.vox" --objects | sed 's/,\([0-9]*\)$/ \1/' | LC_ALL=C sort) \
+    <(reader "$golden/$1.vox" --distances | sed 's/,\([0-9]*\)$/ \1/' | LC_ALL=C sort) |
+    awk -v object="$2" '$2 == object && $3 > 0' | wc -l
+}
+left=$(of_object v2_distances 1)
+right=$(of_object v2_distances 2)
+[ "$left" -gt 100 ] && [ "$right" -gt 100 ] || fail "too few voxels: $left and $right"
 grep -qP "^  object 1\t$left voxels\tleft$" facts || fail "object 1: $(cat facts)"
-expect_equal "object 2" "$(value full.json '["objects"][1]')" "{'name': 'right', 'voxels': $((512 - left))}"
+expect_equal "object 2" "$(value full.json '["objects"][1]')" "{'name': 'right', 'voxels': $right}"
+"$voxinfo" "$golden/baked_objects.vox" --objects >facts
+grep -qP "^  object 1\t$(of_object baked_objects 1) voxels\twedge$" facts || fail "the wedge: $(cat facts)"
+grep -qP "^  object 2\t$(of_object baked_objects 2) voxels\tsheet$" facts || fail "the sheet: $(cat facts)"
 expect_equal "objects" "$(value full.json '["object_count"]')" 2
 expect_equal "zero force" "$(value full.json '["zero_force_m"]')" 0.0028671875
 "$voxinfo" "$golden/v2_distances.vox" | grep -q '  object 1' && fail "objects without --objects"
@@ -69,7 +80,7 @@ cmp stdout.json vox.json || fail "--json /dev/stdout"
 expect_equal version "$("$voxinfo" --version | cut -d' ' -f1)" voxinfo
 
 # An independent reader sees the same voxels and points, in every kind that voxelize bakes too.
-scenes="v2 v2_distances baked_chebyshev baked_lean baked_full baked_covered"
+scenes="v2 v2_distances baked_chebyshev baked_lean baked_full baked_covered baked_objects"
 for scene in $scenes; do
   "$voxinfo" verify "$golden/$scene.vox" --quiet
   "$voxinfo" export "$golden/$scene.vox" "$scene.csv"

@@ -58,6 +58,24 @@ check cut picture.png facts.json 0.008 bay.csv 2 24
   --show interior,force-layer,proximity
 check cut picture.png facts.json 0.008 bay.csv 0 -1
 
+"$bin/voxview" "$data/gearbox.glb" --color object --plain --size 800x600 --view-from 1,-1,1 --json facts.json \
+  --screenshot picture.png
+"$python" - <<'END'
+import json
+from matplotlib import image
+import numpy
+picture = numpy.round(255 * image.imread("picture.png")[:, :, :3]).astype(int)
+objects = json.load(open("facts.json"))["objects"]
+assert len(objects) == 9 and objects[0]["name"] == "Gearbox/Housing", objects
+colors = {tuple(round(255 * x) for x in o["color"]) for o in objects}
+assert len(colors) == 9, colors
+# All are seen from above, in their colors and no others.
+shown = {color: int((picture == color).all(axis=2).sum()) for color in colors}
+assert min(shown.values()) > 20, shown
+paper = int((picture == 255).all(axis=2).sum())
+assert sum(shown.values()) + paper == 800 * 600, (shown, paper)
+END
+
 # A change.
 "$bin/voxview" --compare bay.vox moved.vox "${plain[@]}" --view-from 0.0,1,0 --show part
 check change picture.png facts.json 0.008 bay.csv moved.csv

@@ -266,6 +266,23 @@ def check_layers(screen):
     ends(process, 0, "q")
 
 
+def check_objects(screen):
+    """The object under the pointer is named, and no longer where there is none."""
+    process = viewer(screen, DATA / "bay.json", "--color", "object", "--view-from", "0,0,1")
+    screen.wait(drawn, "the window")
+    screen.point(WIDTH - 5, HEIGHT - 5)
+    time.sleep(1)
+    bare = screen.wait(drawn, "no object under the pointer")
+    screen.point(WIDTH // 2, HEIGHT // 2)
+    named = screen.changed(bare, "the name of the object under the pointer")
+    below_words = (slice(HEIGHT // 2, HEIGHT), slice(0, WIDTH // 2))
+    assert (named[below_words] == bare[below_words]).all(), "more than words has changed"
+    screen.point(WIDTH - 5, HEIGHT - 5)
+    screen.same(bare, "no name")
+    screen.key("q")
+    ends(process, 0, "q")
+
+
 def unharmed(sender, what):
     """The run went through all frames and felt in each what it feels alone. It ends with 5 where a
     busy machine held its loop up in the last frames, viewer or not."""
@@ -335,6 +352,7 @@ def main():
     try:
         check_replay(screen)
         check_layers(screen)
+        check_objects(screen)
         check_live(screen)
         check_ends(screen)
     finally:

@@ -50,7 +50,7 @@ void mesh_seeds() {
 // Baked files of every kind that were committed once.
 void baked_seeds() {
   for (const char* name : {"v2.vox", "v2_distances.vox", "baked_chebyshev.vox", "baked_lean.vox",
-                           "baked_full.vox", "baked_covered.vox"}) {
+                           "baked_full.vox", "baked_covered.vox", "baked_objects.vox"}) {
     const auto file =
         MappedFile::open(std::filesystem::path(FORCELAYER_SOURCE_DIR) / "tests" / "golden" / name);
     if (!file) throw std::runtime_error(to_line(file.error()));

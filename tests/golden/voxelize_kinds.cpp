@@ -22,14 +22,18 @@ mesh::Mesh golden_scene() {
   return mesh;
 }
 
-std::vector<std::byte> baked(voxelize::BakeOptions options) {
-  const mesh::Mesh mesh = golden_scene();
-  const voxelize::SceneObject object{"object", &mesh, mesh::Affine{}, {}, 0};
+std::vector<std::byte> baked(const std::vector<voxelize::SceneObject>& objects,
+                             voxelize::BakeOptions options) {
   options.voxel_size_m = 0.001;
   options.threads = 2;
-  const auto result = voxelize::bake(std::span(&object, 1), options);
+  const auto result = voxelize::bake(objects, options);
   if (!result) throw std::runtime_error(to_line(result.error()));
   return voxmap_bytes(result->content("{}"));
+}
+
+std::vector<std::byte> baked(const voxelize::BakeOptions& options) {
+  const mesh::Mesh mesh = golden_scene();
+  return baked({{"object", &mesh, mesh::Affine{}, {}, 0}}, options);
 }
 
 TEST(GoldenKinds, Chebyshev) {
@@ -52,16 +56,28 @@ TEST(GoldenKinds, SoftCovering) {
   testing::expect_golden_bytes("baked_covered.vox", baked(options));
 }
 
+TEST(GoldenKinds, TwoObjects) {
+  mesh::Mesh wedge = golden_scene(), sheet = golden_scene();
+  wedge.triangles.pop_back();
+  sheet.triangles = {sheet.triangles.back()};
+  testing::expect_golden_bytes(
+      "baked_objects.vox",
+      baked({{"wedge", &wedge, mesh::Affine{}, {}, 0}, {"sheet", &sheet, mesh::Affine{}, {}, 0}},
+            {}));
+}
+
 // The files say what they are to a reader of today, and all that they say is true.
 TEST(GoldenKinds, AreRead) {
   const struct {
     const char* name;
     Metric metric;
     bool distances, covered;
-  } files[] = {{"baked_chebyshev.vox", Metric::kChebyshev, false, false},
-               {"baked_lean.vox", Metric::kEuclidean, false, false},
-               {"baked_full.vox", Metric::kEuclidean, true, false},
-               {"baked_covered.vox", Metric::kEuclidean, true, true}};
+    std::uint32_t objects;
+  } files[] = {{"baked_chebyshev.vox", Metric::kChebyshev, false, false, 0},
+               {"baked_lean.vox", Metric::kEuclidean, false, false, 0},
+               {"baked_full.vox", Metric::kEuclidean, true, false, 1},
+               {"baked_covered.vox", Metric::kEuclidean, true, true, 1},
+               {"baked_objects.vox", Metric::kEuclidean, true, false, 2}};
   for (const auto& file : files) {
     SCOPED_TRACE(file.name);
     const auto map = Voxmap::open(testing::golden_path(file.name), Verify::kStructureAndChecksums);
@@ -71,6 +87,8 @@ TEST(GoldenKinds, AreRead) {
     EXPECT_EQ(map->header().metric, static_cast<std::uint32_t>(file.metric));
     EXPECT_EQ(map->distances() != nullptr, file.distances);
     EXPECT_EQ(!map->compliance().empty(), file.covered);
+    EXPECT_EQ(map->header().object_count, file.objects);
+    EXPECT_EQ(map->object_counts().bricks > 0, file.objects > 1);
     EXPECT_GT(map->header().surface_voxels, 500u);
     EXPECT_EQ(map->lower_node_count(), 1u);
   }

@@ -71,7 +71,7 @@ struct Triangles {
       for (std::size_t k = 0; k < 3; ++k) {
         for (std::size_t d = 0; d < 3; ++d) corners[k][d] = static_cast<double>(exact[i][k][d]);
       }
-      batch.add(corners, static_cast<std::uint32_t>(i));
+      batch.add(corners, static_cast<std::uint32_t>(i), 0);
     }
     batch.flush();
     for (const distance::PreparedTriangle& triangle : near) list.push_back(&triangle);

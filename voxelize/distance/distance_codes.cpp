@@ -26,8 +26,9 @@ class NodeMeasurement {
   const NodeDistances& run(const SceneTriangles& triangles, const lattice::VoxelIndex& scene_origin,
                            const masks::MaskTree& geometry, const masks::MaskTree& interior,
                            const CodeScale& scale, const masks::KeptBox& kept,
-                           const masks::Coord& origin) {
+                           std::span<const std::uint16_t> numbers, const masks::Coord& origin) {
     scale_ = &scale;
+    tells_objects_ = !numbers.empty();
     interior_ = &interior;
     geometry_ = &geometry;
     origin_ = origin;
@@ -39,6 +40,7 @@ class NodeMeasurement {
       node[d] = (origin[static_cast<int>(d)] + scene_origin[d]) >> 6;
     }
     triangles.gather(node, near_);
+    if (tells_objects_) choice_.begin(numbers, near_);
     const float outer = std::max(outer_reach(scale), inner_reach(scale));
     const float inner = inner_reach(scale);
     search_.run(
@@ -50,6 +52,9 @@ class NodeMeasurement {
           measure(low, list, outer, inner);
         });
     if (kept.cropped()) crop(kept);
+    if (tells_objects_) {
+      node_.objects = &choice_.finish(node_.measured, node_.codes.data(), kept, origin);
+    }
     return node_;
   }
 
@@ -82,12 +87,15 @@ class NodeMeasurement {
       }
     }
     nearest_.find(list, CellSearch::centers(low, 1), reach);
+    bool any_measured = false;
     for (std::size_t cell = 0; cell < 2; ++cell) {
-      encode({low[0], low[1], low[2] + 4 * static_cast<int>(cell)}, cell, list);
+      any_measured |= encode({low[0], low[1], low[2] + 4 * static_cast<int>(cell)}, cell, list);
     }
+    if (tells_objects_ && any_measured) choice_.add(low, list, reach, nearest_);
   }
 
-  void encode(const std::array<int, 3>& low, std::size_t cell, TriangleList list) {
+  // Whether one of the codes is measured.
+  bool encode(const std::array<int, 3>& low, std::size_t cell, TriangleList list) {
     const std::uint64_t solid = masks::cell_bits(node_.solid, low);
     std::uint64_t negative = solid;
     for (std::uint64_t left = masks::cell_bits(surface_, low) & ~solid; left != 0;
@@ -103,6 +111,9 @@ class NodeMeasurement {
     for (int n = 0; n < 16; ++n) {
       std::memcpy(out + (n >> 2) * 64 + (n & 3) * 8, codes.data() + 4 * n, 4);
     }
+    unsigned any = 0;  // not std::any_of: vectors take all at once
+    for (const std::uint8_t code : codes) any |= is_measured(code);
+    return any != 0;
   }
 
   // What lies at a voxel of the node or beside it.
@@ -201,6 +212,8 @@ class NodeMeasurement {
   std::vector<const PreparedTriangle*> beside_;  // of climb()
   CellSearch search_;
   NearestTriangles nearest_;
+  bool tells_objects_ = false;
+  ObjectChoice choice_;
 };
 
 }  // namespace
@@ -218,20 +231,22 @@ int DistanceCodes::reach(const CodeScale& scale) {
 DistanceCodes::DistanceCodes(std::vector<const scan::SnappedObject*> objects,
                              const lattice::VoxelIndex& scene_origin,
                              const masks::MaskTree& geometry, const masks::MaskTree& interior,
-                             const CodeScale& scale, const masks::KeptBox& kept)
+                             const CodeScale& scale, const masks::KeptBox& kept,
+                             std::vector<std::uint16_t> numbers)
     : scene_origin_(scene_origin),
       geometry_(geometry),
       interior_(interior),
       scale_(scale),
       kept_(kept),
       triangles_(std::move(objects), reach(scale)),
+      numbers_(std::move(numbers)),
       scratch_(std::make_unique<Scratch>()) {}
 
 DistanceCodes::~DistanceCodes() = default;
 
 const NodeDistances& DistanceCodes::codes(const masks::Coord& origin) const {
   return scratch_->nodes.local().run(triangles_, scene_origin_, geometry_, interior_, scale_, kept_,
-                                     origin);
+                                     numbers_, origin);
 }
 
 }  // namespace forcelayer::distance

@@ -1,17 +1,17 @@
-// Stored distances: codes of signed distances from the surface, node by node.
+// Stored distances: codes of signed distances from the surface, and the objects that these are
+// from, node by node.
 #pragma once
 
 #include <memory>
 #include <vector>
 
 #include "voxelize/distance/code_scale.h"
+#include "voxelize/distance/nearest_objects.h"
 #include "voxelize/distance/triangle_search.h"
 #include "voxelize/masks/mask_tree.h"
 #include "voxelize/masks/node_rows.h"
 
 namespace forcelayer::distance {
-
-inline constexpr std::size_t kBrickVoxels = 512;
 
 // The codes of one 64^3 node.
 struct NodeDistances {
@@ -20,6 +20,7 @@ struct NodeDistances {
       measured;  // bricks with codes of their own; the others are deep inside or far outside
   std::vector<std::uint8_t> codes =
       std::vector<std::uint8_t>(512 * kBrickVoxels);  // [bricks][voxels]; undefined elsewhere
+  const NodeObjects* objects = nullptr;               // null where they are not told apart
 
   const std::uint8_t* brick(unsigned n) const { return codes.data() + n * kBrickVoxels; }
   // Eight voxels along z of brick n, row = x*8 + y, as bits: the solid ones.
@@ -34,17 +35,19 @@ struct NodeDistances {
 // whose center lies on the interior's side of the surface.
 class DistanceCodes {
  public:
-  // Voxels outside `kept` have the highest code.
+  // Voxels outside `kept` have the highest code. `numbers` are those of the objects, ascending and
+  // from 1 on; without them objects are not told apart.
   DistanceCodes(std::vector<const scan::SnappedObject*> objects,
                 const lattice::VoxelIndex& scene_origin, const masks::MaskTree& geometry,
-                const masks::MaskTree& interior, const CodeScale& scale,
-                const masks::KeptBox& kept);
+                const masks::MaskTree& interior, const CodeScale& scale, const masks::KeptBox& kept,
+                std::vector<std::uint16_t> numbers = {});
   ~DistanceCodes();
 
   // How many voxels around the geometry may have a code of their own.
   static int reach(const CodeScale& scale);
 
   const CodeScale& scale() const { return scale_; }
+  bool tells_objects() const { return !numbers_.empty(); }
 
   // The node at `origin`, counted from the scene's; valid until this thread's next call.
   const NodeDistances& codes(const masks::Coord& origin) const;
@@ -58,6 +61,7 @@ class DistanceCodes {
   CodeScale scale_;
   masks::KeptBox kept_;
   SceneTriangles triangles_;
+  std::vector<std::uint16_t> numbers_;  // [objects]
   std::unique_ptr<Scratch> scratch_;
 };
 

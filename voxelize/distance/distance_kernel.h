@@ -67,6 +67,12 @@ class NearestTriangles {
     const std::uint32_t number = which_[cube][point];
     return (number & kTied) == 0 ? number : first_tied(cube, point);
   }
+  // The eighths in which triangle i of the list was measured, as bits, those of the second cube
+  // from bit 8 on. In all others a triangle is farther within reach, by more than
+  // kDistanceErrorVoxels, than the nearest.
+  unsigned measured_in(std::size_t i) const {
+    return eighths_[i] | static_cast<unsigned>(eighths_[triangles_.size() + 8 + i]) << 8;
+  }
 
  private:
   static constexpr std::uint32_t kTied = std::uint32_t{1} << 31;

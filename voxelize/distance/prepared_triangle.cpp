@@ -208,6 +208,7 @@ void TriangleBatch::flush() {
     PreparedTriangle& triangle = list_->emplace_back();
     std::memcpy(&triangle, numbers.data(), sizeof numbers);
     triangle.source = sources_[i];
+    triangle.object = objects_[i];
   }
   count_ = 0;
 }

@@ -23,6 +23,7 @@ struct PreparedTriangle {
   std::array<float, 2> direction_2, direction_3;
   float length_2, length_3;
   std::uint32_t source;  // the triangle's number in its object
+  std::uint32_t object;  // its object's number in SceneTriangles, from 0 on
 };
 
 // An order of triangles that a shift of the whole scene by whole voxels does not change.
@@ -43,11 +44,13 @@ class TriangleBatch {
   explicit TriangleBatch(std::vector<PreparedTriangle>& list) : list_(&list) {}
 
   // Corners from the origin. Their order does not matter.
-  void add(const std::array<std::array<double, 3>, 3>& corners, std::uint32_t source) {
+  void add(const std::array<std::array<double, 3>, 3>& corners, std::uint32_t source,
+           std::uint32_t object) {
     for (std::size_t k = 0; k < 3; ++k) {
       for (std::size_t d = 0; d < 3; ++d) corners_[k][d][count_] = corners[k][d];
     }
     sources_[count_] = source;
+    objects_[count_] = object;
     if (++count_ == kSize) flush();
   }
   void flush();
@@ -63,7 +66,7 @@ class TriangleBatch {
   std::vector<PreparedTriangle>* list_;
   std::size_t count_ = 0;
   Vectors corners_{};
-  std::array<std::uint32_t, kSize> sources_{};
+  std::array<std::uint32_t, kSize> sources_{}, objects_{};
 };
 
 }  // namespace forcelayer::distance

@@ -50,7 +50,7 @@ bool is_large(const lattice::LatticeTriangle& triangle) {
 }
 
 void add_cut(const std::array<Point, 3>& corners, int reach, std::uint32_t source,
-             TriangleBatch& near) {
+             std::uint32_t object, TriangleBatch& near) {
   std::vector<Point> polygon(corners.begin(), corners.end());
   const double margin = static_cast<double>(reach + 1) * static_cast<double>(lattice::kSnapUnits);
   for (std::size_t d = 0; d < 3; ++d) {
@@ -58,7 +58,7 @@ void add_cut(const std::array<Point, 3>& corners, int reach, std::uint32_t sourc
     cut(polygon, d, -1, -(kNodeUnits + margin));
   }
   for (std::size_t i = 2; i < polygon.size(); ++i) {
-    near.add({polygon[0], polygon[i - 1], polygon[i]}, source);
+    near.add({polygon[0], polygon[i - 1], polygon[i]}, source, object);
   }
 }
 
@@ -118,9 +118,9 @@ void SceneTriangles::gather(const scan::NodeIndex& node,
       const lattice::LatticeTriangle triangle = objects_[object]->triangle(number);
       const std::array<Point, 3> corners = relative(triangle, node);
       if (is_large(triangle)) {
-        add_cut(corners, reach_, number, batch);
+        add_cut(corners, reach_, number, object, batch);
       } else {
-        batch.add(corners, number);
+        batch.add(corners, number, object);
       }
     }
   }

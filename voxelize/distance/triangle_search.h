@@ -25,9 +25,9 @@ class SceneTriangles {
   // The nodes that have triangles near, ascending.
   const std::vector<scan::NodeIndex>& nodes() const { return nodes_; }
 
-  // The triangles near `node`, in lattice units from its lowest corner; empty for a node that is
-  // not in nodes(). A large triangle is cut to the piece that lies near, so that single precision
-  // can hold it.
+  // The triangles near `node`, in lattice units from its lowest corner and in the order of their
+  // objects; empty for a node that is not in nodes(). A large triangle is cut to the piece that
+  // lies near, so that single precision can hold it.
   void gather(const scan::NodeIndex& node, std::vector<PreparedTriangle>& near) const;
 
  private:

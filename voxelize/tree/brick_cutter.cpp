@@ -191,5 +191,21 @@ BuiltNode cut_into_bricks(const distance::NodeDistances& distances) {
   return node;
 }
 
+BuiltNode cut_into_bricks(const distance::NodeObjects& objects) {
+  BuiltNode node;
+  node.bricks.resize(static_cast<std::size_t>(lattice::count(objects.several)) * kObjectBrickParts);
+  std::uint32_t next = 0;
+  for (unsigned n = 0; n < kNodeEntries; ++n) {
+    if (!test(objects.several, n)) {
+      node.entries[n] = uniform_entry(objects.of_brick[n]);
+      continue;
+    }
+    node.entries[n] = next++;
+    std::memcpy(node.bricks[std::size_t{node.entries[n]} * kObjectBrickParts].data(),
+                objects.brick(n), sizeof(Brick) * kObjectBrickParts);
+  }
+  return node;
+}
+
 }  // namespace forcelayer::tree
 #endif

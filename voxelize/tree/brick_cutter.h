@@ -14,4 +14,8 @@ BuiltNode cut_into_bricks(const distance::NodeCodes& codes);
 inline constexpr std::uint32_t kDistanceBrickParts = 4;
 BuiltNode cut_into_bricks(const distance::NodeDistances& distances);
 
+// And for numbers of objects, in bricks of kObjectBrickParts.
+inline constexpr std::uint32_t kObjectBrickParts = 8;
+BuiltNode cut_into_bricks(const distance::NodeObjects& objects);
+
 }  // namespace forcelayer::tree

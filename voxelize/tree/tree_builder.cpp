@@ -39,11 +39,19 @@ struct SceneNodes {
   std::vector<std::uint32_t> entries;  // the nodes' entries in the tree
 };
 
-SceneNodes measure_nodes(const distance::LayerOffset& around,
-                         const distance::DistanceCodes& distances) {
-  SceneNodes result(around.nodes());
-  tbb::parallel_for(std::size_t{0}, result.nodes.size(), [&](std::size_t i) {
-    result.nodes[i] = cut_into_bricks(distances.codes(result.origins[i]));
+struct MeasuredNodes {
+  SceneNodes distances, objects;  // none of objects where they are not told apart
+};
+
+MeasuredNodes measure_nodes(const distance::LayerOffset& around,
+                            const distance::DistanceCodes& distances) {
+  std::vector<masks::Coord> origins = around.nodes();
+  MeasuredNodes result{SceneNodes(origins), SceneNodes({})};
+  if (distances.tells_objects()) result.objects = SceneNodes(std::move(origins));
+  tbb::parallel_for(std::size_t{0}, result.distances.nodes.size(), [&](std::size_t i) {
+    const distance::NodeDistances& node = distances.codes(result.distances.origins[i]);
+    result.distances.nodes[i] = cut_into_bricks(node);
+    if (node.objects != nullptr) result.objects.nodes[i] = cut_into_bricks(*node.objects);
   });
   return result;
 }
@@ -227,17 +235,23 @@ BuiltTree assemble(const distance::LayerOffset& offset,
 
 }  // namespace
 
-VoxelTree build_distance_tree(const distance::LayerOffset& around,
-                              const distance::DistanceCodes& distances,
-                              const std::array<std::uint32_t, 3>& directory_dims) {
-  SceneNodes nodes = measure_nodes(around, distances);
-  distance::ValueCounts counts;  // of nothing here
-  BuiltTree built = TreeAssembly(around.interior(), around.kept(), directory_dims,
-                                 uniform_entry(kMostDistanceCode), uniform_entry(0))
-                        .run(nodes, counts);
-  built.brick_parts = kDistanceBrickParts;
-  std::vector<std::uint32_t> lower_numbers;
-  return share_equal(std::move(built), lower_numbers);
+DistanceTrees build_distance_trees(const distance::LayerOffset& around,
+                                   const distance::DistanceCodes& distances,
+                                   const std::array<std::uint32_t, 3>& directory_dims) {
+  MeasuredNodes nodes = measure_nodes(around, distances);
+  const auto tree_of = [&](SceneNodes& of, std::uint32_t outside, std::uint32_t brick_parts) {
+    distance::ValueCounts counts;  // of nothing here
+    BuiltTree built = TreeAssembly(around.interior(), around.kept(), directory_dims,
+                                   uniform_entry(outside), uniform_entry(0))
+                          .run(of, counts);
+    built.brick_parts = brick_parts;
+    std::vector<std::uint32_t> lower_numbers;
+    return share_equal(std::move(built), lower_numbers);
+  };
+  DistanceTrees trees;
+  trees.distances = tree_of(nodes.distances, kMostDistanceCode, kDistanceBrickParts);
+  if (distances.tells_objects()) trees.objects = tree_of(nodes.objects, 0, kObjectBrickParts);
+  return trees;
 }
 
 VoxelTree build_tree(const distance::LayerOffset& offset,

@@ -20,10 +20,14 @@ VoxelTree build_tree(const distance::LayerOffset& offset,
                      const std::array<std::uint32_t, 3>& directory_dims, const NodeMemory* memory,
                      distance::ValueCounts& counts);
 
-// The tree of the distances' codes over the same directory cells. `around` lists the nodes: its
-// layers and force layers together are DistanceCodes::reach().
-VoxelTree build_distance_tree(const distance::LayerOffset& around,
-                              const distance::DistanceCodes& distances,
-                              const std::array<std::uint32_t, 3>& directory_dims);
+// The trees of the distances' codes and of the objects' numbers over the same directory cells; that
+// of the objects has nothing where the distances do not tell them apart. `around` lists the nodes:
+// its layers and force layers together are DistanceCodes::reach().
+struct DistanceTrees {
+  VoxelTree distances, objects;
+};
+DistanceTrees build_distance_trees(const distance::LayerOffset& around,
+                                   const distance::DistanceCodes& distances,
+                                   const std::array<std::uint32_t, 3>& directory_dims);
 
 }  // namespace forcelayer::tree

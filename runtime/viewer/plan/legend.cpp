@@ -1,11 +1,42 @@
 #include "runtime/viewer/plan/legend.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace forcelayer::viewer {
 namespace {
 
+// The end of a name as far as a legend has room.
+std::string short_name(const std::string& name) {
+  constexpr std::size_t kMost = 28;
+  const std::string shown = escaped(name);
+  if (shown.size() <= kMost) return shown;
+  std::size_t from = shown.size() - kMost;
+  const std::size_t node = shown.find('/', from);
+  if (node != std::string::npos) from = node + 1;
+  while (from < shown.size() && (shown[from] & 0xc0) == 0x80) ++from;  // whole characters
+  return "... " + shown.substr(from);
+}
+
+void add_objects(const ViewScene& scene, std::vector<LegendEntry>& legend) {
+  constexpr std::size_t kMost = 16;
+  const std::size_t count = scene.meshes.size();
+  const std::size_t named = count <= kMost ? count : kMost - 1;
+  for (std::size_t n = 0; n < named; ++n) {
+    legend.push_back({Swatch::kSquare, color_of_mesh(n), 1, short_name(scene.meshes[n].name)});
+  }
+  if (named == count) return;
+  legend.push_back(
+      {Swatch::kSquare, kBackground, 0, std::to_string(count - named) + " more objects"});
+}
+
 void add_scene(const PicturePlan& plan, const ViewScene& scene, std::vector<LegendEntry>& legend) {
   if (!scene.meshes.empty() && plan.shown[Item::kMeshes]) {
-    legend.push_back({Swatch::kSquare, kSceneColor, 1, "scene (mesh)"});
+    if (plan.color_objects) {
+      add_objects(scene, legend);
+    } else {
+      legend.push_back({Swatch::kSquare, kSceneColor, 1, "scene (mesh)"});
+    }
   }
   if (!scene.missing_faces.empty() && plan.shown[Item::kMeshes]) {
     legend.push_back({Swatch::kFramedSquare, kMissingFaceColor, 1, "face missing from the mesh"});
@@ -51,6 +82,19 @@ void add_moment(const PicturePlan& plan, const ViewScene& scene, std::vector<Leg
 }
 
 }  // namespace
+
+Color color_of_mesh(std::size_t number) {
+  // Around the circle of hues in steps of the golden ratio, which never come back to where they
+  // were; every other darker, so that neighbors differ in more than hue.
+  const double hue = 6 * std::fmod(0.11 + 0.6180339887 * static_cast<double>(number), 1.0);
+  const double value = number % 2 == 0 ? 0.93 : 0.68, saturation = 0.45;
+  Color color;
+  for (std::size_t n = 0; n < 3; ++n) {
+    const double from = std::fmod(hue + (n == 0 ? 5 : n == 1 ? 3 : 1), 6.0);
+    color[n] = value * (1 - saturation * std::clamp(std::min(from, 4 - from), 0.0, 1.0));
+  }
+  return color;
+}
 
 Color color_of(FrameKind kind) {
   switch (kind) {

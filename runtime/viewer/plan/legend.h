@@ -23,6 +23,9 @@ struct LegendEntry {
 // The color that marks a kind of frame.
 Color color_of(FrameKind kind);
 
+// The color of the scene's mesh of this number. Meshes that follow each other differ clearly.
+Color color_of_mesh(std::size_t number);
+
 // The entries for the items of the plan.
 std::vector<LegendEntry> legend_of(const PicturePlan& plan, const ViewScene& scene);
 

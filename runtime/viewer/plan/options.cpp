@@ -81,6 +81,12 @@ ViewOptionParser::ViewOptionParser(CLI::App& app) {
   app.add_option("--cut", texts_.cut, "show one side only: z<300mm, x>0m");
   app.add_option("--show", texts_.shown,
                  "list of meshes, interior, force-layer, proximity, part, shell, contacts, handle");
+  app.add_option(
+         "--color", texts_.color,
+         "color of the scene's meshes: one, or object for one each; with a .vox, the window "
+         "then names the object under the pointer")
+      ->check(CLI::IsMember({"one", "object"}))
+      ->capture_default_str();
   app.add_flag("--plain", options_.plain, "flat opaque colors, no words: for measuring");
 }
 
@@ -162,6 +168,7 @@ Result<ViewOptions> ViewOptionParser::finish() const {
   if (Status units = read_units(options); !units) return units.error();
   if (Status moment = read_moment(options); !moment) return moment.error();
   if (Status camera = read_camera(options); !camera) return camera.error();
+  options.color_objects = texts_.color == "object";
   if (options.inputs.inputs.empty()) {
     return usage("", "nothing to show", "name meshes, a manifest, a .vox or a .pshell");
   }

@@ -36,6 +36,7 @@ struct ViewOptions {
   std::optional<int> pixels_per_voxel;
   std::optional<Cut> cut;
   std::optional<ItemSet> shown;
+  bool color_objects = false;  // the meshes, each in a color of its own
   bool plain = false;
 };
 
@@ -51,7 +52,7 @@ class ViewOptionParser {
  private:
   struct Texts {
     std::string units, part_units, size = "1600x1000", at, duration, part_pose, grip, model, force;
-    std::string view_from, focus = "auto", cut, shown;
+    std::string view_from, focus = "auto", cut, shown, color = "one";
     int pixels_per_voxel = 0;
   };
   Status read_units(ViewOptions& options) const;

@@ -4,6 +4,8 @@
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 
+#include "runtime/viewer/plan/legend.h"
+
 namespace forcelayer::viewer {
 namespace {
 
@@ -142,6 +144,7 @@ Result<PicturePlan> plan_picture(const ViewOptions& options, const ViewScene& sc
   plan.shown = options.shown.value_or(default_items(scene));
   plan.cut = options.cut;
   plan.plain = options.plain;
+  plan.color_objects = options.color_objects;
   plan.title = {describe(scene)};
   std::optional<Moment> moment = plan_moment(options, rows);
   if (scene.before) {
@@ -166,6 +169,12 @@ nlohmann::ordered_json report_of(const PicturePlan& plan, const ViewScene& scene
   report["up"] = numbers(plan.camera.up);
   report["meshes"] = scene.meshes.size();
   report["missing_faces"] = scene.missing_faces.size();
+  if (plan.color_objects) {
+    auto& objects = report["objects"] = nlohmann::ordered_json::array();
+    for (std::size_t n = 0; n < scene.meshes.size(); ++n) {
+      objects.push_back({{"name", scene.meshes[n].name}, {"color", color_of_mesh(n)}});
+    }
+  }
   if (plan.moment) {
     const Moment& moment = *plan.moment;
     auto& json = report["moment"];

@@ -32,6 +32,7 @@ void CadStyle::OnMouseMove() {
     on_drag(at[0], at[1]);
   } else {
     Superclass::OnMouseMove();
+    if (State == VTKIS_NONE) on_hover(at[0], at[1]);
   }
 }
 

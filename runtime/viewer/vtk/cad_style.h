@@ -20,6 +20,7 @@ class CadStyle : public vtkInteractorStyleTrackballCamera {
   // follows away from the camera and gives it to on_drag.
   std::function<bool(int, int)> on_press;
   std::function<void(int, int)> on_drag;
+  std::function<void(int, int)> on_hover;  // the pointer moved there with no button held
 
   void OnChar() override {}
   void OnTimer() override {}  // else the last motion is repeated while a button is held

@@ -1,6 +1,7 @@
 #include "runtime/viewer/vtk/geometry.h"
 
 #include <vtkCellArray.h>
+#include <vtkCellData.h>
 #include <vtkDoubleArray.h>
 #include <vtkFeatureEdges.h>
 #include <vtkFloatArray.h>
@@ -10,6 +11,7 @@
 #include <vtkPoints.h>
 #include <vtkStaticCleanPolyData.h>
 #include <vtkTypeInt32Array.h>
+#include <vtkUnsignedCharArray.h>
 
 #include <algorithm>
 #include <cmath>
@@ -75,6 +77,16 @@ PolyData poly_data_of(const QuadSurface& surface, int direction) {
   data->SetPoints(points_of(corners));
   data->SetPolys(cells_of(corners.size() / 4, 4, [](std::size_t n) { return n; }));
   return data;
+}
+
+void color_cells(const PolyData& mesh, const Color& color) {
+  vtkNew<vtkUnsignedCharArray> colors;
+  colors->SetNumberOfComponents(3);
+  colors->SetNumberOfTuples(mesh->GetNumberOfCells());
+  for (int n = 0; n < 3; ++n) {
+    colors->FillComponent(n, std::round(255 * color[static_cast<std::size_t>(n)]));
+  }
+  mesh->GetCellData()->SetScalars(colors);
 }
 
 PolyData feature_edges_of(const PolyData& mesh) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "formats/pshell.h"
+#include "runtime/viewer/plan/style.h"
 #include "runtime/viewer/plan/view_scene.h"
 #include "runtime/viewer/run/contact_view.h"
 #include "runtime/viewer/surface/quad_surface.h"
@@ -20,6 +21,9 @@ using PolyData = vtkSmartPointer<vtkPolyData>;
 PolyData poly_data_of(const ViewMesh& mesh);
 // The rectangles of one direction (QuadSurface::directions).
 PolyData poly_data_of(const QuadSurface& surface, int direction);
+
+// Gives every cell of a mesh this color.
+void color_cells(const PolyData& mesh, const Color& color);
 
 // Edges where a mesh turns by more than 30 degrees or ends.
 PolyData feature_edges_of(const PolyData& mesh);

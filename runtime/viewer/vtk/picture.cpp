@@ -90,7 +90,7 @@ Status write_picture(const std::filesystem::path& path, const ViewScene& scene,
   const int sampling = plan.plain ? 1 : kOversampling;
   const int width = plan.width * sampling, height = plan.height * sampling;
   const Layers layers(width, height);
-  Stage stage(scene, plan.change, layers.world, layers.marks);
+  Stage stage(scene, plan, layers.world, layers.marks);
   const bool placed = plan.moment || scene.bounds.empty;  // a shell alone stands where it is
   stage.show(placed ? plan.shown : without_moment(plan.shown));
   if (plan.moment) place_moment(stage, scene, *plan.moment);

@@ -24,6 +24,7 @@
 #include <glm/gtc/quaternion.hpp>
 #include <vector>
 
+#include "runtime/viewer/plan/legend.h"
 #include "runtime/viewer/plan/style.h"
 #include "runtime/viewer/surface/coarse_layers.h"
 #include "runtime/viewer/surface/layer_surface.h"
@@ -183,14 +184,14 @@ struct Stage::Actors {
         quick_proximity(world, kProximityColor, kProximityOpacity) {}
 };
 
-Stage::Stage(const ViewScene& scene, const std::optional<LayerChange>& change, vtkRenderer* world,
+Stage::Stage(const ViewScene& scene, const PicturePlan& plan, vtkRenderer* world,
              vtkRenderer* marks)
     : scene_(scene),
       world_(world),
       marks_(marks),
-      actors_(std::make_unique<Actors>(world, change.has_value())) {
-  build_scene();
-  build_layers(change);
+      actors_(std::make_unique<Actors>(world, plan.change.has_value())) {
+  build_scene(plan.color_objects);
+  build_layers(plan.change);
   build_part();
   for (Glyphs* glyphs : actors_->glyphs()) marks_->AddActor(glyphs->actor);
   for (vtkRenderer* renderer : {world_, marks_}) {
@@ -209,19 +210,22 @@ Stage::Stage(const ViewScene& scene, const std::optional<LayerChange>& change, v
   observer_ = world_->AddObserver(vtkCommand::StartEvent, start);
 }
 
-void Stage::build_scene() {
+void Stage::build_scene(bool color_objects) {
   if (scene_.meshes.empty()) return;
   // One actor for all: an assembly of hundreds of parts turns as fast as one part. Edges mesh by
   // mesh: where two parts touch, both keep theirs.
   vtkNew<vtkAppendPolyData> meshes, edges;
-  for (const ViewMesh& mesh : scene_.meshes) {
-    const PolyData data = poly_data_of(mesh);
+  for (std::size_t n = 0; n < scene_.meshes.size(); ++n) {
+    const PolyData data = poly_data_of(scene_.meshes[n]);
+    if (color_objects) color_cells(data, color_of_mesh(n));
     meshes->AddInputData(data);
     edges->AddInputData(feature_edges_of(data));
   }
   meshes->Update();
   edges->Update();
   actors_->meshes = surface_actor(meshes->GetOutput(), kSceneColor);
+  actors_->meshes->GetMapper()->SetScalarModeToUseCellData();
+  actors_->meshes->GetMapper()->SetScalarVisibility(color_objects);
   actors_->mesh_edges = line_actor(edges->GetOutput(), kEdgeColor, 1);
   world_->AddActor(actors_->meshes);
   world_->AddActor(actors_->mesh_edges);

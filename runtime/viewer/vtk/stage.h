@@ -10,6 +10,7 @@
 
 #include "runtime/viewer/plan/camera.h"
 #include "runtime/viewer/plan/items.h"
+#include "runtime/viewer/plan/picture_plan.h"
 #include "runtime/viewer/plan/view_scene.h"
 #include "runtime/viewer/run/contact_view.h"
 #include "runtime/viewer/run/moment.h"
@@ -22,9 +23,8 @@ namespace forcelayer::viewer {
 // behind the world (contact points and forces). `scene` must outlive the stage.
 class Stage {
  public:
-  // `change` is drawn in place of the layers where there is one.
-  Stage(const ViewScene& scene, const std::optional<LayerChange>& change, vtkRenderer* world,
-        vtkRenderer* marks);
+  // The plan's change is drawn in place of the layers where there is one.
+  Stage(const ViewScene& scene, const PicturePlan& plan, vtkRenderer* world, vtkRenderer* marks);
   ~Stage();
 
   std::uint64_t voxel_rectangles() const { return voxel_rectangles_; }  // of all layers
@@ -47,7 +47,7 @@ class Stage {
 
  private:
   struct Actors;
-  void build_scene();
+  void build_scene(bool color_objects);
   void build_layers(const std::optional<LayerChange>& change);
   void build_part();
   QuadSurface cut_sheet(const Cut& cut, VoxelValue value) const;

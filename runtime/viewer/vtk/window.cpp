@@ -25,6 +25,7 @@
 #include "runtime/viewer/plan/style.h"
 #include "runtime/viewer/run/playback.h"
 #include "runtime/viewer/run/run_rows.h"
+#include "runtime/viewer/surface/pick.h"
 #include "runtime/viewer/vtk/cad_style.h"
 #include "runtime/viewer/vtk/overlay.h"
 #include "runtime/viewer/vtk/stage.h"
@@ -119,12 +120,13 @@ class Window {
     style_->on_key = [this](const std::string& key) { press(key); };
     style_->on_press = [this](int x, int y) { return scrub(x, y); };
     style_->on_drag = [this](int x, int y) { scrub(x, y); };
+    style_->on_hover = [this](int x, int y) { hover(x, y); };
     style_->SetDefaultRenderer(world_);
     interactor_->SetInteractorStyle(style_);
     observe(interactor_, vtkCommand::TimerEvent, [](Window& window) { window.tick(); });
     observe(interactor_, vtkCommand::RenderEvent, [](Window& window) { window.changed_ = true; });
     observe(world_, vtkCommand::StartEvent, [](Window& window) { window.lay_out(); });
-    stage_.emplace(scene_, plan_.change, world_, marks_);
+    stage_.emplace(scene_, plan_, world_, marks_);
     triad_.emplace(window_, 1);
     overlay_.emplace(words_, 1.0);
     strip_.emplace(words_);
@@ -219,6 +221,7 @@ class Window {
                               1e3 * cut_ -> at_m,
                               cut_ -> keep_low ? "the side below" : "the side above"));
     }
+    if (!pointed_at_.empty()) lines.push_back("here: " + pointed_at_);
     if (help_) {
       lines.insert(lines.end(), kKeyLines.begin(), kKeyLines.end());
     } else {
@@ -238,6 +241,7 @@ class Window {
     now.shown = shown_;
     if (!moment_ && !scene_.bounds.empty) now.shown = without_moment(shown_);
     now.moment = moment_;
+    now.color_objects = plan_.color_objects;
     // The legend asks only whether there is a change, not which.
     if (plan_.change) now.change.emplace();
     stage_->show(now.shown);
@@ -315,6 +319,22 @@ class Window {
   glm::dvec3 up() const {
     const double* sky = world_->GetActiveCamera()->GetViewUp();
     return {sky[0], sky[1], sky[2]};
+  }
+
+  // Names the object under the pointer.
+  void hover(int x, int y) {
+    if (!plan_.color_objects || !scene_.voxmap) return;
+    world_->SetDisplayPoint(x, y, 0);
+    world_->DisplayToWorld();
+    const double* near = world_->GetWorldPoint();
+    // From the eye's side of all voxels: what is drawn may begin behind them.
+    const double back_m = glm::length(scene_.bounds.high_m - scene_.bounds.low_m);
+    const Ray ray{scene_.origin_m + glm::dvec3(near[0], near[1], near[2]) + back_m * to_eye(),
+                  -to_eye()};
+    const std::string name = escaped(object_on(*scene_.voxmap, ray, cut_));
+    if (name == pointed_at_) return;
+    pointed_at_ = name;
+    changed_ = true;
   }
 
   bool scrub(int x, int y) {
@@ -463,6 +483,7 @@ class Window {
   Pose grip_;
   double speed_ = 1;  // of playing, in run time per time
   std::vector<StripPoint> strip_points_;
+  std::string pointed_at_;  // the name of the object under the pointer
   bool help_ = false;
   bool changed_ = false;        // the picture is out of date
   bool quick_ = false;          // the last frame was drawn in coarser voxels

@@ -1,0 +1,28 @@
+// What a ray through a voxmap meets first.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <optional>
+#include <string_view>
+
+#include "formats/voxmap.h"
+#include "runtime/viewer/surface/cut.h"
+
+namespace forcelayer::viewer {
+
+// In the world. `along` need not have unit length, but some.
+struct Ray {
+  glm::dvec3 from_m{0, 0, 0}, along{0, 0, 1};
+};
+
+// The first interior voxel on the ray, on the side that the cut leaves; nothing where there is
+// none.
+std::optional<std::array<std::int64_t, 3>> interior_on(const Voxmap& voxmap, const Ray& ray,
+                                                       const std::optional<Cut>& cut);
+
+// The name of the object that this voxel is nearest to; empty where none is known.
+std::string_view object_on(const Voxmap& voxmap, const Ray& ray, const std::optional<Cut>& cut);
+
+}  // namespace forcelayer::viewer

@@ -1,0 +1,175 @@
+#include "voxelize/distance/nearest_objects.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "voxelize/distance/triangle_search.h"
+
+namespace forcelayer::distance {
+namespace {
+
+// The number of a voxel in its brick, x*64 + y*8 + z.
+constexpr unsigned voxel_of(unsigned x, unsigned y, unsigned z) { return x * 64 + y * 8 + z; }
+
+// The eighth of its cube that point n lies in.
+constexpr std::size_t eighth_of(std::size_t n) {
+  return (n >> 5) * 4 + (n >> 3 & 1) * 2 + (n >> 1 & 1);
+}
+
+}  // namespace
+
+void ObjectChoice::begin(std::span<const std::uint16_t> numbers,
+                         const std::vector<PreparedTriangle>& near) {
+  numbers_ = numbers;
+  of_pair_.fill(0);
+  // The triangles stand in the order of their objects.
+  one_object_ = near.empty() || near.front().object == near.back().object;
+}
+
+void ObjectChoice::add(const std::array<int, 3>& low, TriangleList list,
+                       const std::array<float, 2 * kEighths>& reach,
+                       const NearestTriangles& nearest) {
+  const auto brick = static_cast<unsigned>((low[0] >> 3) << 6 | (low[1] >> 3) << 3 | low[2] >> 3);
+  const auto pair = static_cast<unsigned>((low[0] >> 2 & 1) * 2 + (low[1] >> 2 & 1));
+  std::uint32_t& of_pair = of_pair_[brick * kPairs + pair];
+  if (one_object_) {
+    of_pair = numbers_[list[0]->object];
+    return;
+  }
+  // The object of each eighth, and the eighths that several objects are near to.
+  std::array<std::uint32_t, 2 * kEighths> objects;
+  unsigned any = 0, several = 0;
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    for (unsigned bits = nearest.measured_in(i) & ~several; bits != 0; bits &= bits - 1) {
+      const unsigned bit = bits & -bits;
+      std::uint32_t& object = objects[static_cast<std::size_t>(std::countr_zero(bits))];
+      if ((any & bit) == 0) object = list[i]->object;
+      if (object != list[i]->object) several |= bit;
+      any |= bit;
+    }
+  }
+  const auto first = static_cast<std::size_t>(std::countr_zero(any));
+  bool one = several == 0;
+  for (unsigned n = 0; n < objects.size(); ++n) {
+    one = one && ((any >> n & 1) == 0 || objects[n] == objects[first]);
+  }
+  if (one) {
+    of_pair = numbers_[objects[first]];
+    return;
+  }
+  of_pair = kSeveral;
+  std::array<std::array<std::uint16_t, kCubePoints>, 2> chosen{};
+  for (std::size_t cell = 0; cell < 2; ++cell) {
+    for (std::size_t n = 0; n < kCubePoints; ++n) {
+      const std::size_t at = cell * kEighths + eighth_of(n);
+      if (((any & ~several) >> at & 1) != 0) chosen[cell][n] = numbers_[objects[at]];
+    }
+  }
+  if (several != 0) choose(low, list, several, reach, nearest, chosen);
+  if (node_.numbers.empty()) node_.numbers.resize(512 * kBrickVoxels);
+  std::uint16_t* out = node_.numbers.data() + brick * kBrickVoxels;
+  const auto x0 = static_cast<unsigned>(low[0] & 7), y0 = static_cast<unsigned>(low[1] & 7);
+  for (unsigned cell = 0; cell < 2; ++cell) {
+    for (unsigned n = 0; n < kCubePoints; ++n) {
+      out[voxel_of(x0 + (n >> 4), y0 + (n >> 2 & 3), 4 * cell + (n & 3))] = chosen[cell][n];
+    }
+  }
+}
+
+// Measures in the eighths of `several` from one object after the other. A voxel has the first that
+// is as near as the nearest.
+void ObjectChoice::choose(const std::array<int, 3>& low, TriangleList list, unsigned several,
+                          const std::array<float, 2 * kEighths>& reach,
+                          const NearestTriangles& nearest,
+                          std::array<std::array<std::uint16_t, kCubePoints>, 2>& chosen) {
+  constexpr float kMore = kEquallyNearVoxels * static_cast<float>(lattice::kSnapUnits);
+  std::array<CubeValues, 2> limit;
+  std::array<float, 2 * kEighths> near_enough{};  // a triangle farther than this changes nothing
+  for (std::size_t cell = 0; cell < 2; ++cell) {
+    for (std::size_t n = 0; n < kCubePoints; ++n) {
+      const std::size_t at = cell * kEighths + eighth_of(n);
+      const float most = std::sqrt(nearest.least(cell)[n]) + kMore;
+      limit[cell][n] = (several >> at & 1) != 0 ? most * most : -1.0f;
+      near_enough[at] = std::max(near_enough[at], most);
+    }
+  }
+  for (std::size_t n = 0; n < reach.size(); ++n) {
+    near_enough[n] = (several >> n & 1) != 0 ? std::min(near_enough[n], reach[n]) : kNoReach;
+  }
+  sorted_.clear();
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    if ((nearest.measured_in(i) & several) != 0) sorted_.push_back(list[i]);
+  }
+  std::sort(
+      sorted_.begin(), sorted_.end(),
+      [](const PreparedTriangle* a, const PreparedTriangle* b) { return a->object < b->object; });
+  for (auto first = sorted_.begin(); first != sorted_.end();) {
+    const std::uint32_t object = (*first)->object;
+    const auto end = std::find_if(first, sorted_.end(), [&](const PreparedTriangle* triangle) {
+      return triangle->object != object;
+    });
+    of_one_.find(TriangleList(first, end), CellSearch::centers(low, 1), near_enough);
+    for (std::size_t cell = 0; cell < 2; ++cell) {
+      const CubeValues& least = of_one_.least(cell);
+      for (std::size_t n = 0; n < kCubePoints; ++n) {
+        if (chosen[cell][n] == 0 && least[n] <= limit[cell][n]) {
+          chosen[cell][n] = numbers_[object];
+        }
+      }
+    }
+    first = end;
+  }
+}
+
+// Gives every voxel of a brick its number.
+void ObjectChoice::spread(unsigned n, const std::uint8_t* codes, const masks::KeptBox& kept,
+                          const masks::Coord& brick) {
+  if (node_.numbers.empty()) node_.numbers.resize(512 * kBrickVoxels);
+  std::uint16_t* numbers = node_.numbers.data() + n * kBrickVoxels;
+  std::uint32_t lowest = kSeveral;
+  for (unsigned v = 0; v < kBrickVoxels; ++v) {
+    if (!is_measured(codes[v])) continue;
+    const std::uint32_t of_pair = of_pair_[n * kPairs + (v >> 8) * 2 + (v >> 5 & 1)];
+    if (of_pair != kSeveral) numbers[v] = static_cast<std::uint16_t>(of_pair);
+    lowest = std::min<std::uint32_t>(lowest, numbers[v]);
+  }
+  if (lowest == kSeveral) lowest = 0;
+  bool one = true;
+  for (unsigned v = 0; v < kBrickVoxels; ++v) {
+    if (!is_measured(codes[v])) {
+      const bool outside = kept.cropped() && !kept.box.isInside(masks::entry_origin(brick, v, 1));
+      numbers[v] = outside ? std::uint16_t{0} : static_cast<std::uint16_t>(lowest);
+    }
+    one = one && numbers[v] == numbers[0];
+  }
+  if (one) {
+    node_.of_brick[n] = numbers[0];
+  } else {
+    set(node_.several, n);
+  }
+}
+
+const NodeObjects& ObjectChoice::finish(const lattice::BrickMask& coded, const std::uint8_t* codes,
+                                        const masks::KeptBox& kept, const masks::Coord& origin) {
+  node_.of_brick.fill(0);
+  node_.several = {};
+  lattice::for_each_set(coded, [&](unsigned n) {
+    const std::uint32_t* pairs = of_pair_.data() + n * kPairs;
+    const std::uint32_t number = *std::max_element(pairs, pairs + kPairs);
+    const bool one = std::all_of(pairs, pairs + kPairs, [&](std::uint32_t of_pair) {
+      return of_pair == number || of_pair == 0;
+    });
+    const masks::Coord brick = masks::entry_origin(origin, n, 8);
+    const bool whole =
+        !kept.cropped() || kept.box.isInside(openvdb::CoordBBox::createCube(brick, 8));
+    if (one && number != kSeveral && whole) {
+      node_.of_brick[n] = static_cast<std::uint16_t>(number);
+    } else {
+      spread(n, codes + n * kBrickVoxels, kept, brick);
+    }
+  });
+  return node_;
+}
+
+}  // namespace forcelayer::distance
