@@ -261,6 +261,77 @@ TEST(DistanceBake, DistancesGoThroughTheSurfaceEvenly) {
   }
 }
 
+// In a voxel with surface the sign is that of the center's side, at the edges of solids too.
+TEST(DistanceBake, SurfaceVoxelsHaveTheSideOfTheirCenter) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    Random random(seed);
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
+    // A box turned at random, at least five voxels thick.
+    std::array<double, 9> axes{};
+    std::array<double, 4> q{};
+    double squared = 0;
+    for (double& component : q) {
+      component = reference::real(random, -1, 1);
+      squared += component * component;
+    }
+    for (double& component : q) component /= std::sqrt(squared);
+    const auto [w, x, y, z] = q;
+    axes = {1 - 2 * (y * y + z * z), 2 * (x * y - z * w),     2 * (x * z + y * w),
+            2 * (x * y + z * w),     1 - 2 * (x * x + z * z), 2 * (y * z - x * w),
+            2 * (x * z - y * w),     2 * (y * z + x * w),     1 - 2 * (x * x + y * y)};
+    std::array<double, 3> half{}, middle{};
+    for (double& h : half) h = reference::real(random, 2.5, 9);
+    for (double& m : middle) m = reference::real(random, -1, 1);
+    mesh::Mesh mesh;
+    for (int n = 0; n < 8; ++n) {
+      const std::array<double, 3> at{n & 1 ? half[0] : -half[0], n & 2 ? half[1] : -half[1],
+                                     n & 4 ? half[2] : -half[2]};
+      mesh::Vec3d vertex{};
+      for (std::size_t d = 0; d < 3; ++d) {
+        vertex[d] =
+            middle[d] + axes[3 * d] * at[0] + axes[3 * d + 1] * at[1] + axes[3 * d + 2] * at[2];
+      }
+      mesh.vertices.push_back(vertex);
+    }
+    for (const mesh::Triangle& triangle : {mesh::Triangle{0, 2, 1},
+                                           {1, 2, 3},
+                                           {4, 5, 6},
+                                           {5, 7, 6},
+                                           {0, 1, 4},
+                                           {1, 5, 4},
+                                           {2, 6, 3},
+                                           {3, 6, 7},
+                                           {0, 4, 2},
+                                           {2, 4, 6},
+                                           {1, 3, 5},
+                                           {3, 7, 5}}) {
+      mesh.triangles.push_back(triangle);
+    }
+    const std::vector<voxelize::SceneObject> objects{{"box", &mesh, mesh::Affine{}, {}, 0}};
+    const BakedScene baked(objects, distance_options(2, 6));
+    const VoxmapHeader& header = baked.map().header();
+    int near = 0;
+    for (int n = 0; n < 20000; ++n) {
+      lattice::VoxelIndex v;
+      for (std::size_t d = 0; d < 3; ++d) v[d] = whole(random, -16, 16);
+      const Point p = reference::center_of(v);
+      double inside = -1e9;  // of the box's own coordinates
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        double along = 0;
+        for (std::size_t d = 0; d < 3; ++d) along += axes[3 * d + axis] * (p[d] - middle[d]);
+        inside = std::max(inside, std::abs(along) - half[axis]);
+      }
+      // Snapped corners are up to 0.001 voxels off; and outside, this is no distance at edges.
+      if (std::abs(inside) < 0.01 || inside > 0.9 || inside < -0.9) continue;
+      ++near;
+      const std::int64_t code = code_at(baked.map(), v);
+      ASSERT_EQ(code >= header.distance_zero_code, inside > 0)
+          << "voxel " << v[0] << ' ' << v[1] << ' ' << v[2] << ", " << inside;
+    }
+    EXPECT_GT(near, 200);
+  }
+}
+
 TEST(DistanceBake, SameBytesForAnyNumberOfThreadsOrderAndWholeVoxelShift) {
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     SCOPED_TRACE(::testing::Message() << "seed " << seed);

@@ -153,18 +153,19 @@ class NodeMeasurement {
   }
 
   // Follows the distance upwards from a center, in steps that stay clear of the surface, until a
-  // voxel without surface tells the side; false where none does within two voxels. The list holds
+  // voxel without surface tells the side; false where none does within 2.3 voxels. The list holds
   // every triangle within 2.6 voxels of its cells' centers (CellSearch), so none that could be in
   // the way is missing.
   bool climb(const std::array<double, 3>& center, TriangleList list) {
     constexpr auto kVoxel = static_cast<double>(lattice::kSnapUnits);
-    constexpr double kStep = 0.25 * kVoxel, kFarthest = 2 * kVoxel, kNear = 2.6 * kVoxel;
+    constexpr double kStep = 0.25 * kVoxel, kFarthest = 2.3 * kVoxel, kNear = 2.6 * kVoxel;
+    constexpr int kSteps = 40;  // of which the first may be short
     beside_.clear();
     for (const PreparedTriangle* const triangle : list) {
       if (length_of(way_from(*triangle, center)) < kNear) beside_.push_back(triangle);
     }
     std::array<double, 3> at = center;
-    for (double gone = 0; gone < kFarthest;) {
+    for (int n = 0; n < kSteps; ++n) {
       std::array<double, 3> away{};
       double least = 1e300;
       for (const PreparedTriangle* const triangle : beside_) {
@@ -181,7 +182,9 @@ class NodeMeasurement {
         at[d] += away[d] * (step / least);
         voxel[d] = static_cast<int>(std::floor(at[d] / kVoxel));
       }
-      gone += step;
+      if (length_of({at[0] - center[0], at[1] - center[1], at[2] - center[2]}) > kFarthest) {
+        return false;
+      }
       const Side side = side_of(voxel);
       if (side != Side::kSurface) return side == Side::kInside;
     }
