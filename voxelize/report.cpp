@@ -78,6 +78,7 @@ Json report_of(const Bake& bake, const mesh::Scene& scene, std::span<const mesh:
           {"metric", header.metric == static_cast<std::uint32_t>(Metric::kEuclidean) ? "euclidean"
                                                                                      : "chebyshev"},
           {"distances", has_distances(header)},
+          {"zero_force_m", header.zero_force_m},
           {"counts",
            {{"interior", header.interior_voxels},
             {"surface", header.surface_voxels},

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "formats/guard.h"
+
 namespace forcelayer::field {
 namespace {
 
@@ -9,15 +11,7 @@ namespace {
 // which must still hold the part off.
 constexpr float kLeastWeight = 0.25f, kMostWeight = 4.0f;
 
-// How far behind the force layer the guard holds points, in voxels.
-constexpr double kGuardVoxels = 0.2;
-
 }  // namespace
-
-double guard_distance_m(const VoxmapHeader& header) {
-  if (!has_distances(header)) return 0;
-  return header.zero_force_m - header.force_depth_m - kGuardVoxels * header.voxel_size_m;
-}
 
 FieldProbe::FieldProbe(query::ContactQuery& query, const ForceField& field,
                        query::CollectedPoints& points, FieldSamples& samples)
@@ -29,6 +23,7 @@ FieldProbe::FieldProbe(query::ContactQuery& query, const ForceField& field,
   const VoxmapHeader& header = query.voxmap().header();
   guard_m_ = field.proves_distances() ? static_cast<float>(guard_distance_m(header)) : 0;
   free_m_ = field.proves_distances() ? static_cast<float>(free_distance_m(header)) : 0;
+  told_by_distance_ = field.proves_distances() && has_standoff(header);
   const auto mean_m2 = static_cast<float>(mean_point_area_m2(query.shell()));
   const float* weight_m2 = query.shell().view().weight_m2;
   for (std::size_t i = 0; i < weight_.size(); ++i) {
@@ -46,8 +41,10 @@ void FieldProbe::bar(ContactSet& out) const noexcept {
   out.barred = 0;
   out.least_distance_m = free_m_;
   out.nearest = ContactSet::kNone;
+  std::uint32_t proximity = 0;  // points of value 3 that are not barred
   for (std::uint32_t i = 0; i < out.count; ++i) {
-    bool barred = out.value[i] == static_cast<std::uint8_t>(VoxelValue::kInterior);
+    bool barred =
+        !told_by_distance_ && out.value[i] == static_cast<std::uint8_t>(VoxelValue::kInterior);
     if (field_.proves_distances()) {
       const float distance_m = samples_.distance_m[i];
       barred = barred || distance_m < guard_m_;
@@ -58,7 +55,12 @@ void FieldProbe::bar(ContactSet& out) const noexcept {
     }
     out.is_barred[i] = barred ? 1 : 0;
     out.barred += barred ? 1 : 0;
+    proximity += !barred && out.value[i] == static_cast<std::uint8_t>(VoxelValue::kProximity);
   }
+  if (!told_by_distance_) return;
+  out.interior = out.barred;
+  out.proximity = proximity;
+  out.surface = out.count - out.barred - proximity;
 }
 
 void FieldProbe::read(ContactSet& out) noexcept {

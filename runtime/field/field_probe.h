@@ -14,6 +14,8 @@ class FieldProbe final : public ContactProbe {
  public:
   // All must outlive the probe; `points` and `samples` have room for every shell point. The guard
   // bars points from where their proven distance is below guard_distance_m(), beside the interior.
+  // In a map with a standoff the proven distance alone tells: the interior is where a point is
+  // barred, and other points of value 1 count as points of the force layer.
   FieldProbe(query::ContactQuery& query, const ForceField& field, query::CollectedPoints& points,
              FieldSamples& samples);
 
@@ -30,11 +32,8 @@ class FieldProbe final : public ContactProbe {
   FieldSamples& samples_;
   std::vector<float> weight_;  // Contact::weight of every shell point
   float guard_m_, free_m_;     // 0 where nothing is proven
+  bool told_by_distance_;      // and not by value 1
 };
-
-// The proven distance from the static mesh below which the guard lets no shell point go: a fifth of
-// a voxel behind the force layer. 0 in maps without stored distances.
-double guard_distance_m(const VoxmapHeader& header);
 
 // The direction in which the static surface faces at a contact: the field's slope, averaged over
 // neighbors.
