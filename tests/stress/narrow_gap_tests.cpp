@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <ctime>
 #include <fstream>
 #include <glm/geometric.hpp>
 #include <map>
@@ -173,7 +174,12 @@ struct Row {
 
 std::string table_of(const std::vector<Row>& rows) {
   std::ostringstream text;
-  text << "run,map,covering_voxels,case,runs,all_pass_voxels,some_pass_voxels,nearest_voxels,"
+  char date[16];
+  const std::time_t now = std::time(nullptr);
+  std::strftime(date, sizeof date, "%Y-%m-%d", std::gmtime(&now));
+  text << "# machine: seeded simulations, the same on every machine\n"
+       << "# run 1: stress_tests --gtest_filter=NarrowGaps.*; " << date << "\n"
+       << "run,map,covering_voxels,case,runs,all_pass_voxels,some_pass_voxels,nearest_voxels,"
           "guaranteed_voxels\n";
   for (const Row& row : rows) {
     char line[200];
