@@ -10,6 +10,8 @@
 namespace forcelayer {
 namespace {
 
+constexpr double kRoundingVoxels = 1e-6;  // of two lengths in meters
+
 bool is_voxel_index(std::int64_t index) {
   return index >= -kMaxVoxelIndex && index <= kMaxVoxelIndex;
 }
@@ -28,8 +30,12 @@ void check_encoding_fields(const VoxmapHeader& h, FieldChecks& checks) {
   length(h.force_depth_m, offsetof(VoxmapHeader, force_depth_m), "force_depth_m");
   checks.require(h.force_depth_m <= h.zero_force_m, offsetof(VoxmapHeader, force_depth_m),
                  "force_depth_m", "is more than zero_force_m");
-  checks.require(!euclidean || h.offset_layers > 0, offsetof(VoxmapHeader, offset_layers),
-                 "offset_layers", "is zero in the Euclidean metric");
+  checks.require(!has_standoff(h) || has_distances(h), offsetof(VoxmapHeader, offset_layers),
+                 "offset_layers", "is zero in the Euclidean metric, without distances");
+  checks.require(!has_standoff(h) || interior_radius_m(h) / h.voxel_size_m >=
+                                         kLeastInteriorVoxels - kRoundingVoxels,
+                 offsetof(VoxmapHeader, zero_force_m), "zero_force_m",
+                 "is less than 888/1024 voxel more than force_depth_m");
   checks.require(h.distance_quantum_m == 0 || (euclidean && h.distance_quantum_m > 0 &&
                                                h.distance_quantum_m * kMostDistanceCode <=
                                                    kMaxVoxelSizeM * kMostDistanceCode),

@@ -97,7 +97,7 @@ struct VoxmapHeader {                            // offset
   std::array<std::int64_t, 3> valid_min_voxel;   // 120  inclusive
   std::array<std::int64_t, 3> valid_max_voxel;   // 144  exclusive
   std::uint32_t cropped_sides;                   // 168  CroppedSide bits
-  std::uint32_t offset_layers;                   // 172  k
+  std::uint32_t offset_layers;                   // 172  k; 0: a standoff, or none at all
   std::uint32_t metric;                          // 176  Metric
   std::uint32_t reserved0;                       // 180  zero
   std::array<std::int64_t, 3> directory_origin;  // 184  lowest voxel of entry 0; multiple of 512
@@ -156,6 +156,25 @@ constexpr double force_layer_voxels(const VoxmapHeader& header) {
   return header.force_depth_m / header.voxel_size_m;
 }
 
+// Where the Euclidean interior ends, from the static mesh, in voxels: of k layers, and at least.
+// Half a diagonal of a voxel is less, so all voxels that the mesh passes through are interior.
+inline constexpr double kLeastInteriorVoxels = 888.0 / 1024;
+constexpr double interior_radius_voxels(std::uint32_t layers) {
+  return static_cast<double>(layers) - 1 + kLeastInteriorVoxels;
+}
+
+// Where the Euclidean interior of a map ends, from the static mesh, m.
+constexpr double interior_radius_m(const VoxmapHeader& header) {
+  return header.zero_force_m - header.force_depth_m;
+}
+
+// Whether the force begins at a standoff of its own, where no number of layers places it. Stored
+// distances tell then where a point may be, in place of the values (section 7).
+constexpr bool has_standoff(const VoxmapHeader& header) {
+  return header.offset_layers == 0 &&
+         header.metric == static_cast<std::uint32_t>(Metric::kEuclidean);
+}
+
 // The layers of value 2 that the force layer takes: one for each voxel of its depth, or part of
 // one.
 constexpr std::uint32_t force_layers(double force_depth_voxels) {
@@ -172,7 +191,7 @@ constexpr std::uint32_t force_layers(double force_depth_voxels) {
 inline double free_distance_m(const VoxmapHeader& header) {
   if (header.zero_force_m <= 0) return 0;
   const double s = header.voxel_size_m;
-  const double radius = (header.zero_force_m - header.force_depth_m) / s;
+  const double radius = interior_radius_m(header) / s;
   const double layers = force_layers(header.force_depth_m / s);
   return (layers + 0.5 + std::sqrt(std::max(0.0, radius * radius - 0.5))) * s;
 }

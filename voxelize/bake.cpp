@@ -57,7 +57,7 @@ distance::CodeScale scale_of(const BakeOptions& options) {
   const double layer = force_layer_voxels(options);
   const double range = options.range_m > 0 ? options.range_m / options.voxel_size_m
                                            : distance::kUsualRangeVoxels + layer - 1;
-  return distance::code_scale(options.layers, range, layer);
+  return distance::code_scale(interior_radius_units(options), range, layer);
 }
 
 // How many layers of voxels lie around what the layers are counted from: the interior's, and those
@@ -72,9 +72,10 @@ unsigned force_layers_of(const BakeOptions& options) {
 // How many voxels around the geometry may have a value or a distance of their own. Without stored
 // distances it is the same, so that the values' tree is.
 int reach_of(const BakeOptions& options) {
-  const auto layers = static_cast<int>(options.layers + force_layers_of(options));
-  if (!grows_surface(options)) return layers;
-  return std::max(layers + 1, distance::DistanceCodes::reach(scale_of(options)));
+  const auto force = static_cast<int>(force_layers_of(options));
+  if (!grows_surface(options)) return static_cast<int>(options.layers) + force;
+  const auto interior = static_cast<int>(interior_radius_units(options) / lattice::kSnapUnits) + 1;
+  return std::max(interior + force + 1, distance::DistanceCodes::reach(scale_of(options)));
 }
 
 Result<SceneRegion> choose_region(const std::vector<ObjectBake>& bakes,
@@ -199,10 +200,28 @@ masks::VoxelBox tight_box_of(const tree::VoxelTree& tree, const SceneRegion& reg
   return tree::tight_box(tree, region.directory.dims).shifted(region.directory.origin);
 }
 
-VoxmapHeader header_of(const SceneRegion& region, const masks::VoxelBox& tight,
-                       const distance::ValueCounts& counts, const BakeOptions& options) {
+}  // namespace
+
+VoxmapHeader header_lengths(const BakeOptions& options) {
   VoxmapHeader header{};
   header.voxel_size_m = options.voxel_size_m;
+  header.offset_layers = options.layers;
+  header.metric = static_cast<std::uint32_t>(options.metric);
+  if (!grows_surface(options)) return header;
+  const distance::CodeScale scale = scale_of(options);
+  header.zero_force_m = scale.zero_force * options.voxel_size_m;
+  header.force_depth_m = scale.force_depth * options.voxel_size_m;
+  if (!stores_distances(options)) return header;
+  header.distance_quantum_m = scale.quantum * options.voxel_size_m;
+  header.distance_zero_code = scale.zero_code;
+  return header;
+}
+
+namespace {
+
+VoxmapHeader header_of(const SceneRegion& region, const masks::VoxelBox& tight,
+                       const distance::ValueCounts& counts, const BakeOptions& options) {
+  VoxmapHeader header = header_lengths(options);
   header.valid_min_voxel = region.region.box.low;
   header.cropped_sides = region.region.cropped_sides;
   for (std::size_t d = 0; d < 3; ++d) {
@@ -210,17 +229,6 @@ VoxmapHeader header_of(const SceneRegion& region, const masks::VoxelBox& tight,
     if (tight.empty()) continue;
     header.origin_voxel[d] = tight.low[d];
     header.dims_voxels[d] = static_cast<std::uint64_t>(tight.high[d] - tight.low[d] + 1);
-  }
-  header.offset_layers = options.layers;
-  header.metric = static_cast<std::uint32_t>(options.metric);
-  if (grows_surface(options)) {
-    const distance::CodeScale scale = scale_of(options);
-    header.zero_force_m = scale.zero_force * options.voxel_size_m;
-    header.force_depth_m = scale.force_depth * options.voxel_size_m;
-    if (stores_distances(options)) {
-      header.distance_quantum_m = scale.quantum * options.voxel_size_m;
-      header.distance_zero_code = scale.zero_code;
-    }
   }
   header.directory_origin = region.directory.origin;
   header.directory_dims = region.directory.dims;

@@ -59,6 +59,10 @@ struct Bake {
   }
 };
 
+// What the options alone decide of a header: voxel size, layers, metric and the lengths of force
+// and distances.
+VoxmapHeader header_lengths(const BakeOptions& options);
+
 // Errors: kBakeTooLarge before any memory is taken, kSceneInvalid for a seed inside geometry or a
 // position beyond the lattice, kMeshEmpty where there is no triangle at all, kUsage for options out
 // of range.

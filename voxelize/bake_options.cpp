@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "voxelize/distance/code_scale.h"
 #include "voxelize/distance/euclidean_growth.h"
@@ -32,9 +33,40 @@ Status check_compliance_depth(const BakeOptions& options) {
   return {};
 }
 
+// The standoff, and that the force layer fits between it and the surface.
+Status check_standoff(const BakeOptions& options) {
+  if (options.standoff_m == 0) return {};
+  if (!stores_distances(options)) {
+    return wrong("standoff", "needs stored distances, which tell the guard where a part may be",
+                 "leave out --lean and --metric chebyshev, or use --layers");
+  }
+  if (options.layers != 0) {
+    return wrong("standoff", "says where the force begins, and so do layers",
+                 "leave one of them out");
+  }
+  const double s = options.voxel_size_m, layer = force_layer_voxels(options);
+  const double least_m = (layer + kLeastInteriorVoxels) * s;
+  // A unit in the last place of lengths that were divided and multiplied does not count.
+  if (options.standoff_m >= least_m * (1 - 1e-9) &&
+      options.standoff_m <= kMostStandoffVoxels * s * (1 + 1e-9)) {
+    return {};
+  }
+  char why[200];
+  std::snprintf(
+      why, sizeof why,
+      "is %.4g mm, not between %.4g and %.4g mm: the force layer's %.4g voxels and 888/1024 "
+      "voxel, and %.4g voxels",
+      options.standoff_m * 1e3, least_m * 1e3, kMostStandoffVoxels * s * 1e3, layer,
+      kMostStandoffVoxels);
+  return wrong("standoff", why,
+               options.standoff_m < least_m ? "use a larger one, or smaller voxels"
+                                            : "use a smaller one, or larger voxels");
+}
+
 // Metric and range.
 Status check_kind(const BakeOptions& options) {
-  if (options.metric == Metric::kEuclidean && options.layers == 0) {
+  if (Status standoff = check_standoff(options); !standoff) return standoff;
+  if (options.standoff_m == 0 && options.metric == Metric::kEuclidean && options.layers == 0) {
     return wrong("layers", "are none: there is nothing for the metric to measure",
                  "use --layers 1 or more, or --metric chebyshev");
   }
@@ -66,9 +98,25 @@ Status check_options(const BakeOptions& options) {
   return {};
 }
 
+std::int64_t interior_radius_units(const BakeOptions& options) {
+  if (options.standoff_m == 0) {
+    return distance::interior_radius_units(static_cast<int>(options.layers));
+  }
+  const double units = (options.standoff_m / options.voxel_size_m - force_layer_voxels(options)) *
+                       static_cast<double>(lattice::kSnapUnits);
+  constexpr double kRounding = 1e-4;  // of the lengths, in lattice units
+  return static_cast<std::int64_t>(std::ceil(units - kRounding));
+}
+
+double interior_radius_voxels(const BakeOptions& options) {
+  return static_cast<double>(interior_radius_units(options)) /
+         static_cast<double>(lattice::kSnapUnits);
+}
+
 double force_layer_voxels(const BakeOptions& options) {
-  if (options.compliance.empty()) return 1;
-  return std::max(1.0, options.compliance.back().depth_m / options.voxel_size_m);
+  const double least = options.standoff_m > 0 ? kStandoffForceVoxels : 1;
+  if (options.compliance.empty()) return least;
+  return std::max(least, options.compliance.back().depth_m / options.voxel_size_m);
 }
 
 }  // namespace forcelayer::voxelize

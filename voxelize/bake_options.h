@@ -31,9 +31,16 @@ struct SceneObject {
   std::optional<cache::Digest> mesh_digest = {};  // of all of the mesh; needed for a cache
 };
 
+// With a standoff, how deep the force layer is where no compliance makes it deeper, in voxels, and
+// the largest standoff. The least is the depth of the force layer and kLeastInteriorVoxels. A point
+// alone holds a hand's whole force at 0.15 voxels (derive_parameters.cpp), before the guard does.
+inline constexpr double kStandoffForceVoxels = 0.1, kMostStandoffVoxels = 30;
+
 struct BakeOptions {
   double voxel_size_m = 0;
-  std::uint32_t layers = 2;            // k, at most kMaxBakedLayers
+  std::uint32_t layers = 2;  // k, at most kMaxBakedLayers; 0 with a standoff
+  // With distances: how far from the mesh the force begins; 0: where the layers place it.
+  double standoff_m = 0;
   Metric metric = Metric::kEuclidean;  // Euclidean layers need k of 1 or more
   bool distances = true;               // whether to store them; in the Euclidean metric alone
   bool objects = true;                 // whether to store the nearest ones; with distances alone
@@ -74,5 +81,10 @@ inline bool stores_objects(const BakeOptions& options, std::size_t count) {
 
 // How deep the force layer is, in voxels.
 double force_layer_voxels(const BakeOptions& options);
+
+// Where the Euclidean interior ends, in lattice units from the mesh: as the layers say, or the
+// force layer's depth below the standoff, rounded up.
+std::int64_t interior_radius_units(const BakeOptions& options);
+double interior_radius_voxels(const BakeOptions& options);
 
 }  // namespace forcelayer::voxelize

@@ -39,7 +39,7 @@ struct Arguments {
   std::string voxel_size, units, mesh_deviation, roi;
   std::string cache, shard;
   std::optional<std::uint32_t> layers;
-  std::string metric, range, compliance;
+  std::string metric, standoff, range, compliance;
   bool lean = false;
   mesh::TrustOptions trust;
   std::vector<std::string> free_seeds, without;
@@ -63,6 +63,11 @@ void declare(CLI::App& app, Arguments& arguments) {
                  "unit of meshes whose format defines none: mm, cm, m, in, ...");
   app.add_option("--layers", arguments.layers,
                  "voxel layers by which the force layer is offset, 0 to 30 (default 2)");
+  app.add_option(
+      "--standoff", arguments.standoff,
+      "how far from the meshes the force begins, in place of --layers: 0.97 voxels (with "
+      "a compliance its depth and 0.87 voxels) to 30 voxels, such as 11mm; narrower gaps "
+      "are passed, by stored distances");
   app.add_option("--metric", arguments.metric,
                  "how the offset is measured: euclidean, or chebyshev for the paper's model, which "
                  "stores no distances (default euclidean)")
@@ -127,9 +132,28 @@ Result<BakeOptions> options_of(const Arguments& arguments, const mesh::Scene& sc
                  "add it, for example --voxel-size 5mm"};
   }
   options.layers = arguments.layers.value_or(scene.layers.value_or(2));
+  if (!arguments.standoff.empty()) {
+    const auto standoff = command::parse_length(arguments.standoff);
+    if (!standoff) return usage("--standoff", standoff.error());
+    if (arguments.layers) {
+      return Error{ErrorCode::kUsage, "", "--standoff",
+                   "says where the force begins, and so does --layers", "leave one of them out"};
+    }
+    if (arguments.lean || arguments.metric == "chebyshev") {
+      return Error{ErrorCode::kUsage, "", "--standoff",
+                   "needs stored distances, which tell the guard where a part may be",
+                   "leave out --lean and --metric chebyshev, or use --layers"};
+    }
+    if (!(*standoff > 0)) {
+      return Error{ErrorCode::kUsage, "", "--standoff", "is not a length above zero",
+                   "use at least 0.97 voxels"};
+    }
+    options.standoff_m = *standoff;
+    options.layers = 0;  // in place of the manifest's, too
+  }
   if (arguments.metric == "chebyshev") options.metric = Metric::kChebyshev;
   options.distances = !arguments.lean;
-  if (options.metric == Metric::kEuclidean && options.layers == 0) {
+  if (options.standoff_m == 0 && options.metric == Metric::kEuclidean && options.layers == 0) {
     return Error{ErrorCode::kUsage, "", "--layers", "0 leaves the metric nothing to measure",
                  "use --layers 1 or more, or --metric chebyshev"};
   }
@@ -227,7 +251,8 @@ Status check_early(const Arguments& arguments) {
   mesh::Scene unknown;
   unknown.voxel_size_m = 1;  // a manifest may give it; a list needs none
   const auto options = options_of(arguments, unknown);
-  return options ? Status() : options.error();
+  if (!options) return options.error();
+  return arguments.voxel_size.empty() ? Status() : check_options(*options);
 }
 
 std::vector<SceneObject> objects_of(const mesh::Scene& scene, cache::MeshSource& meshes) {

@@ -26,7 +26,7 @@ std::optional<cache::Digest> object_key(const SceneObject& object, const BakeOpt
   digest.bytes(std::as_bytes(std::span(options.free_seeds_m)));
   digest.bytes(std::as_bytes(std::span(object.free_seeds_m)));
   if (grows_surface(options)) {
-    digest.value(distance::interior_radius_units(options.layers)).value(cache::kGrowthCacheVersion);
+    digest.value(interior_radius_units(options)).value(cache::kGrowthCacheVersion);
   }
   return digest.finish();
 }
@@ -199,7 +199,7 @@ Result<cache::ObjectVoxels> bake_voxels(const SceneObject& object, const BakeOpt
   bake.seconds.flood = watch.lap_s();
   if (grows_surface(options)) {
     voxels.grown = distance::grow_surface(bake.snapped, *voxels.interior,
-                                          static_cast<int>(options.layers), scene_origin);
+                                          interior_radius_units(options), scene_origin);
   }
   bake.seconds.near = watch.lap_s();
   if (!stores_distances(options)) bake.snapped = {};

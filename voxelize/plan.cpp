@@ -6,9 +6,8 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "formats/guard.h"
 #include "voxelize/directory_limit.h"
-#include "voxelize/distance/code_scale.h"
-#include "voxelize/distance/euclidean_growth.h"
 #include "voxelize/stopwatch.h"
 
 namespace forcelayer::voxelize {
@@ -53,8 +52,15 @@ Result<Probe> probe(std::span<const SceneObject> objects, BakeOptions options,
   for (SceneObject& object : unseeded) object.free_seeds_m.clear();
   options.free_seeds_m.clear();
   options.progress = nullptr;
-  options.range_m *= voxel_size_m / options.voxel_size_m;  // as many voxels
+  const double ratio = voxel_size_m / options.voxel_size_m;
+  options.range_m *= ratio;  // as many voxels
+  options.standoff_m *= ratio;
   options.voxel_size_m = voxel_size_m;
+  if (options.standoff_m > 0) {  // a compliance keeps its depth, whatever the voxel size
+    options.standoff_m = std::clamp(
+        options.standoff_m, (force_layer_voxels(options) + kLeastInteriorVoxels) * voxel_size_m,
+        kMostStandoffVoxels * voxel_size_m);
+  }
   Probe result;
   result.voxel_size_m = voxel_size_m;
   result.bake_s = std::numeric_limits<double>::infinity();
@@ -101,18 +107,10 @@ bool fits(const Probe& coarse, double voxel_size_m) {
   return static_cast<bool>(fit_directory(box, voxel_size_m));
 }
 
-// Where the interior of two-bit Euclidean layers ends.
-double interior_radius_voxels(const BakeOptions& options) {
-  return static_cast<double>(distance::interior_radius_units(options.layers)) /
-         static_cast<double>(lattice::kSnapUnits);
-}
-
 // Where the force begins; with Chebyshev layers along an axis, where it begins lowest.
 double standoff_voxels(const BakeOptions& options) {
   if (stores_distances(options)) {
-    return distance::code_scale(options.layers, distance::kUsualRangeVoxels,
-                                force_layer_voxels(options))
-        .zero_force;
+    return interior_radius_voxels(options) + force_layer_voxels(options);
   }
   if (!grows_surface(options)) return options.layers;
   return interior_radius_voxels(options) + std::sqrt(3.0) / 2;
@@ -128,9 +126,17 @@ double narrowest_gap_voxels(const BakeOptions& options) {
   return 2 * standoff_voxels(options) + 2;
 }
 
+std::string length_text(double length_m) {
+  if (!(length_m > 0)) return "-";
+  char text[32];
+  std::snprintf(text, sizeof text, "%.4g mm", length_m * 1e3);
+  return text;
+}
+
 }  // namespace
 
 Result<Plan> plan_bakes(std::span<const SceneObject> objects, const BakeOptions& options) {
+  if (Status checked = check_options(options); !checked) return checked.error();
   Plan plan;
   const double fine =
       std::clamp(longest_side_m(objects) / kProbeVoxels, kMinVoxelSizeM, kMaxVoxelSizeM / 2);
@@ -150,8 +156,14 @@ Result<Plan> plan_bakes(std::span<const SceneObject> objects, const BakeOptions&
     size.voxel_size_m = s;
     BakeOptions sized = options;
     sized.voxel_size_m = s;
-    size.standoff_m = standoff_voxels(sized) * s;
-    size.narrowest_gap_m = narrowest_gap_voxels(sized) * s;
+    size.possible = static_cast<bool>(check_options(sized));
+    if (size.possible) {
+      size.standoff_m = standoff_voxels(sized) * s;
+      size.narrowest_gap_m = narrowest_gap_voxels(sized) * s;
+      const VoxmapHeader lengths = header_lengths(sized);
+      size.passed_gap_m = passed_gap_m(lengths);
+      size.guaranteed_separation_m = usual_separation_m(lengths);
+    }
     size.shell_points_per_m2 = kShellPointsPerVoxelFace / (s * s);
     size.file_bytes = bytes.at(1 / s);
     size.bake_s = seconds.at(1 / s);
@@ -162,31 +174,46 @@ Result<Plan> plan_bakes(std::span<const SceneObject> objects, const BakeOptions&
 
 std::string table_of(const Plan& plan) {
   char line[200];
-  std::snprintf(line, sizeof line, "%10s %10s %10s %18s %10s %10s\n", "voxel", "standoff", "gap",
-                "shell points/dm2", "file", "bake");
+  std::snprintf(line, sizeof line, "%10s %10s %10s %10s %10s %18s %10s %10s\n", "voxel", "standoff",
+                "gap", "passed", "proven", "shell points/dm2", "file", "bake");
   std::string table = line;
   for (const PlannedSize& size : plan.sizes) {
-    std::snprintf(line, sizeof line, "%7.4g mm %7.4g mm %7.4g mm %18.0f %7.3g MB %8.2g s%s\n",
-                  size.voxel_size_m * 1e3, size.standoff_m * 1e3, size.narrowest_gap_m * 1e3,
-                  size.shell_points_per_m2 * 1e-2, size.file_bytes * 1e-6, size.bake_s,
+    const std::string proven =
+        size.guaranteed_separation_m > 0 ? length_text(size.guaranteed_separation_m) : "none";
+    std::snprintf(line, sizeof line, "%10s %10s %10s %10s %10s %18.0f %7.3g MB %8.2g s%s%s\n",
+                  length_text(size.voxel_size_m).c_str(), length_text(size.standoff_m).c_str(),
+                  length_text(size.narrowest_gap_m).c_str(), length_text(size.passed_gap_m).c_str(),
+                  size.possible ? proven.c_str() : "-", size.shell_points_per_m2 * 1e-2,
+                  size.file_bytes * 1e-6, size.bake_s,
+                  size.possible ? "" : "  the standoff is beyond 30 voxels",
                   size.fits ? "" : "  too large for a .vox file");
     table += line;
   }
-  std::snprintf(line, sizeof line,
-                "standoff: of a resting contact, per side; gap: what a thin part passes without "
-                "contact, add its thickness\nfile and bake: extrapolated from bakes at %.4g and "
-                "%.4g mm\n",
+  std::snprintf(line, sizeof line, "file and bake: extrapolated from bakes at %.4g and %.4g mm\n",
                 plan.probe_sizes_m[0] * 1e3, plan.probe_sizes_m[1] * 1e3);
-  return table + line;
+  return table +
+         "standoff: of a resting contact, per side; gap: what a thin part passes without contact, "
+         "add "
+         "its thickness\n"
+         "passed: what a part 2 voxels thick or more passes in contact, add its thickness; proven: "
+         "how far apart it stays\nthen, for a shell of the usual covering radius, before "
+         "deviations "
+         "of the meshes\n" +
+         line;
 }
 
 nlohmann::ordered_json report_of(const Plan& plan) {
   using Json = nlohmann::ordered_json;
+  const auto or_null = [](double length_m) {
+    return length_m > 0 ? Json(length_m) : Json(nullptr);
+  };
   Json sizes = Json::array();
   for (const PlannedSize& size : plan.sizes) {
     sizes.push_back({{"voxel_size_m", size.voxel_size_m},
-                     {"standoff_m", size.standoff_m},
-                     {"narrowest_gap_m", size.narrowest_gap_m},
+                     {"standoff_m", or_null(size.standoff_m)},
+                     {"narrowest_gap_m", or_null(size.narrowest_gap_m)},
+                     {"passed_gap_m", size.possible ? Json(size.passed_gap_m) : Json(nullptr)},
+                     {"guaranteed_separation_m", or_null(size.guaranteed_separation_m)},
                      {"shell_points_per_m2", size.shell_points_per_m2},
                      {"file_bytes", std::round(size.file_bytes)},
                      {"bake_s", size.bake_s},

@@ -18,15 +18,21 @@ namespace forcelayer::voxelize {
 struct PlannedSize {
   double voxel_size_m = 0;
   // The distance from a surface at which the force begins, where a resting contact holds a point of
-  // the part: the mean over where the surface lies in its voxel, half a voxel less at worst. In
-  // voxels: k with Chebyshev layers along the lattice, more in other directions; k + 0.73 with
-  // Euclidean layers; k + 0.87 with stored distances, plus the depth of a compliance beyond one
-  // voxel.
+  // the part: as asked for, or by the layers the mean over where the surface lies in its voxel,
+  // half a voxel less at worst. In voxels: k with Chebyshev layers along the lattice, more in other
+  // directions; k + 0.73 with Euclidean layers; k + 0.87 with stored distances, plus the depth of a
+  // compliance beyond one voxel.
   double standoff_m = 0;
   // The narrowest gap between parallel walls along the lattice that a thin part passes without
-  // contact, wherever it lies: 2k + 2 voxels, 2k + 2.73 with Euclidean layers, 2k + 3.73 with
-  // stored distances. A part of thickness t needs t more.
+  // contact, wherever it lies: 2k + 2 voxels with Chebyshev layers, else twice the standoff of
+  // stored distances and a voxel, 2k + 2.73 with k layers. A part of thickness t needs t more.
   double narrowest_gap_m = 0;
+  // The narrowest gap less the part's thickness that a part two voxels thick or more passes in
+  // contact on both sides, and the separation proven then for a shell of the usual covering radius,
+  // 0 for none (formats/guard.h).
+  double passed_gap_m = 0;
+  double guaranteed_separation_m = 0;
+  bool possible = true;            // whether the standoff is one of this voxel size
   double shell_points_per_m2 = 0;  // of the moving part's surface, at pointshell's default radius
   double file_bytes = 0;           // estimated
   double bake_s = 0;               // estimated: without reading, on as many threads as the bake has

@@ -40,6 +40,7 @@ std::string provenance_of(const mesh::Scene& scene, std::span<const cache::MeshO
   if (options.roi_m) json["roi_m"] = *options.roi_m;
   if (options.metric == Metric::kChebyshev) json["metric"] = "chebyshev";
   if (options.metric == Metric::kEuclidean && !options.distances) json["lean"] = true;
+  if (options.standoff_m > 0) json["standoff_m"] = options.standoff_m;
   if (options.range_m > 0) json["range_m"] = options.range_m;
   for (const auto& [depth_m, force_n] : options.compliance) {
     json["compliance"].push_back({{"depth_m", depth_m}, {"force_n", force_n}});

@@ -79,6 +79,7 @@ Json report_of(const Bake& bake, const mesh::Scene& scene, std::span<const mesh:
                                                                                      : "chebyshev"},
           {"distances", has_distances(header)},
           {"object_count", header.object_count},
+          {"zero_force_m", header.zero_force_m},
           {"counts",
            {{"interior", header.interior_voxels},
             {"surface", header.surface_voxels},

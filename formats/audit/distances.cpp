@@ -20,18 +20,18 @@ class CodeRules {
  public:
   explicit CodeRules(const VoxmapHeader& h) {
     const double n = force_layers(std::min(force_layer_voxels(h), 1e3));
-    const std::uint32_t k = h.offset_layers;
+    const double radius = interior_radius_m(h) / h.voxel_size_m;
     for (std::uint32_t code = 0; code < 256; ++code) {
       const double least = least_distance_m(h, code) / h.voxel_size_m - kRoundingVoxels;
       const double most =
           most_distance_m(h, code) / h.voxel_size_m + kWriterErrorVoxels + kRoundingVoxels;
       // In the order of VoxelValue: the steps from the interior that the value stands for.
-      beside_value_[0][code] = most >= layer_distance_voxels(k, n + 1);
-      beside_value_[1][code] = least < interior_radius_voxels(k);
-      beside_value_[2][code] =
-          most >= layer_distance_voxels(k, 0) && least <= most_layer_distance_voxels(k, n);
-      beside_value_[3][code] =
-          most >= layer_distance_voxels(k, n) && least <= most_layer_distance_voxels(k, n + 1);
+      beside_value_[0][code] = most >= layer_distance_voxels(radius, n + 1);
+      beside_value_[1][code] = least < radius;
+      beside_value_[2][code] = most >= layer_distance_voxels(radius, 0) &&
+                               least <= most_layer_distance_voxels(radius, n);
+      beside_value_[3][code] = most >= layer_distance_voxels(radius, n) &&
+                               least <= most_layer_distance_voxels(radius, n + 1);
       nearest_[code] = least > 0 ? least : most < 0 ? -most : 0;
       farthest_[code] = std::max(std::abs(least), std::abs(most));
     }
@@ -249,7 +249,9 @@ class DistanceAudit {
   std::optional<Error> bad_;
 };
 
+// Of layers. A standoff is what the two lengths say; opening the file has checked its bounds.
 Status audit_lengths(const VoxmapHeader& h, std::string_view name) {
+  if (has_standoff(h)) return {};
   const double expected_m =
       interior_radius_voxels(h.offset_layers) * h.voxel_size_m + h.force_depth_m;
   if (std::abs(h.zero_force_m - expected_m) <= 1e-6 * h.voxel_size_m) return {};

@@ -2,25 +2,20 @@
 #pragma once
 
 #include <cmath>
-#include <cstdint>
 
 namespace forcelayer {
 
-// Where the Euclidean interior of k layers ends, from the mesh, in voxels.
-inline double interior_radius_voxels(std::uint32_t layers) {
-  return static_cast<double>(layers) - 1 + 888.0 / 1024;
-}
-
 // The least distance from the mesh of a voxel's center, in voxels, where no voxel within `steps`
-// of it is interior; `layers` at least 1.
-inline double layer_distance_voxels(std::uint32_t layers, double steps) {
-  const double radius = interior_radius_voxels(layers);
-  return std::sqrt(steps * steps + radius * radius + 2 * steps * std::sqrt(radius * radius - 0.5));
+// of it is interior; the interior ends at the distance `radius_voxels`, kLeastInteriorVoxels or
+// more.
+inline double layer_distance_voxels(double radius_voxels, double steps) {
+  const double squared = radius_voxels * radius_voxels;
+  return std::sqrt(steps * steps + squared + 2 * steps * std::sqrt(squared - 0.5));
 }
 
 // The largest distance that it can have where one within `steps` of it is interior.
-inline double most_layer_distance_voxels(std::uint32_t layers, double steps) {
-  return interior_radius_voxels(layers) + steps * std::sqrt(3.0);
+inline double most_layer_distance_voxels(double radius_voxels, double steps) {
+  return radius_voxels + steps * std::sqrt(3.0);
 }
 
 }  // namespace forcelayer

@@ -248,7 +248,7 @@ class LayerAudit {
   }
 
   void check_node(const Voxel& low, const Around& around) {
-    if (header_.offset_layers > 0) {
+    if (header_.offset_layers > 0 || has_standoff(header_)) {
       const NodeBits near = grown(around, 0, steps_);
       expect_none(
           low, far_from_crop(low, 0),

@@ -13,7 +13,8 @@ using Voxel = std::array<std::int64_t, 3>;
 
 // The values are the layers around the interior that voxmap_format.md, section 10, defines: the
 // surface is the force layers around it, proximity one more, and all else is free. With k = 0
-// proximity alone is looked at. A neighborhood of nodes that occurs many times is looked at once.
+// in the Chebyshev metric proximity alone is looked at. A neighborhood of nodes that occurs many
+// times is looked at once.
 Status audit_layers(const Voxmap& map, std::string_view name);
 
 // Codes of distances are possible beside the values (section 13.2) and beside each other: over a

@@ -1,11 +1,13 @@
 #include "formats/voxinfo/facts.h"
 
 #include <cinttypes>
+#include <cmath>
 #include <cstdarg>
 #include <cstdio>
 #include <limits>
 
 #include "formats/command/provenance.h"
+#include "formats/guard.h"
 #include "formats/voxmap_walk.h"
 
 namespace forcelayer::voxinfo {
@@ -57,6 +59,11 @@ double compliance_depth_m(const Voxmap& map) {
   return static_cast<double>(map.compliance().size() - 1) * map.header().distance_quantum_m;
 }
 
+// Null for none.
+ordered_json length_or_null(double length_m) {
+  return length_m > 0 ? ordered_json(length_m) : ordered_json(nullptr);
+}
+
 ordered_json report_of_voxmap(const Voxmap& map) {
   const VoxmapHeader& h = map.header();
   ordered_json report;
@@ -69,6 +76,7 @@ ordered_json report_of_voxmap(const Voxmap& map) {
   report["layers"] = h.offset_layers;
   report["metric"] = kMetricNames[h.metric];
   if (h.zero_force_m > 0) {
+    if (has_standoff(h)) report["standoff_m"] = h.zero_force_m;
     report["zero_force_m"] = h.zero_force_m;
     report["force_depth_m"] = h.force_depth_m;
   }
@@ -80,6 +88,8 @@ ordered_json report_of_voxmap(const Voxmap& map) {
                            {"lower_nodes", map.distance_counts().lower_nodes},
                            {"bricks", map.distance_counts().bricks}};
   }
+  report["passed_gap_m"] = passed_gap_m(h);
+  report["guaranteed_separation_m"] = length_or_null(usual_separation_m(h));
   report["object_count"] = h.object_count;
   report["counts"] = {{"interior", h.interior_voxels},
                       {"surface", h.surface_voxels},
@@ -160,6 +170,14 @@ std::string cropped_text(std::uint32_t sides) {
   return text;
 }
 
+// Rounded down: what is proven must not be quoted larger than it is.
+std::string millimeters(double length_m) {
+  const double unit = std::pow(10, std::floor(std::log10(1e3 * length_m)) - 2);
+  char text[40];
+  std::snprintf(text, sizeof text, "%.4g mm", std::floor(1e3 * length_m / unit) * unit);
+  return text;
+}
+
 std::string summary_of_voxmap(const Voxmap& map, const std::string& path) {
   const VoxmapHeader& h = map.header();
   const auto low = origin_m(h);
@@ -175,11 +193,24 @@ std::string summary_of_voxmap(const Voxmap& map, const std::string& path) {
            h.dims_voxels[0], h.dims_voxels[1], h.dims_voxels[2], extent(0), extent(1), extent(2));
   add_line(text, "  lowest voxel      %" PRId64 " %" PRId64 " %" PRId64 ", at %.9g %.9g %.9g m",
            h.origin_voxel[0], h.origin_voxel[1], h.origin_voxel[2], low[0], low[1], low[2]);
-  add_line(text, "  offset layers     %u", h.offset_layers);
+  if (has_standoff(h)) {
+    add_line(text, "  standoff          %.4g mm; distances tell where a part may be",
+             1e3 * h.zero_force_m);
+  } else {
+    add_line(text, "  offset layers     %u", h.offset_layers);
+  }
   if (h.zero_force_m > 0) {
     add_line(text, "  force             from %.4g mm off the mesh, %.4g mm deep",
              1e3 * h.zero_force_m, 1e3 * h.force_depth_m);
   }
+  add_line(text,
+           "  passes            a part 2 voxels thick or more with %.4g mm of room, both sides "
+           "together",
+           1e3 * passed_gap_m(h));
+  const double separation_m = usual_separation_m(h);
+  add_line(text, "  proven then       %s for a shell of the usual covering radius, %.4g mm",
+           separation_m > 0 ? millimeters(separation_m).c_str() : "nothing",
+           1e3 * std::sqrt(3.0) / 2 * s);
   if (has_distances(h)) {
     add_line(text,
              "  distances         from %.4g to %.4g mm in steps of %.3g mm, %" PRIu64 " bricks",

@@ -26,12 +26,14 @@ struct ContactSet {
   static constexpr std::size_t kPadding = 64;
 
   std::uint32_t count = 0;
+  // Points by value. In a map with a standoff: barred points, points of value 3 that are not, and
+  // all others.
   std::uint32_t interior = 0;   // points in value 1
   std::uint32_t surface = 0;    // points in value 2
   std::uint32_t proximity = 0;  // points in value 3
   bool outside_map = false;     // a point lay beyond a cropped side
-  std::uint32_t barred = 0;     // points that the guard keeps out of where they are: in value 1, or
-                                // with a proven distance below the guard's
+  std::uint32_t barred = 0;     // points that the guard keeps out of where they are: in value 1
+                                // (without a standoff), or with a proven distance below the guard's
   // No shell point is nearer to the static mesh, m: the least proven distance, and at most that of
   // a point in a free voxel. 0 where nothing is proven.
   float least_distance_m = 0;

@@ -7,6 +7,8 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
+#include "formats/guard.h"
+
 namespace forcelayer::field {
 namespace {
 
@@ -25,15 +27,11 @@ constexpr float kFaceSlope = 0.9f;
 // code, the interpolated distance is up to so much above the true one.
 constexpr double kUntoldVoxels = 0.35;
 
-// How far behind the force layer the guard holds points, in voxels.
-constexpr double kGuardVoxels = 0.2;
+bool is_interior(std::uint8_t value) {
+  return value == static_cast<std::uint8_t>(VoxelValue::kInterior);
+}
 
 }  // namespace
-
-double guard_distance_m(const VoxmapHeader& header) {
-  if (!has_distances(header)) return 0;
-  return header.zero_force_m - header.force_depth_m - kGuardVoxels * header.voxel_size_m;
-}
 
 FieldProbe::FieldProbe(query::ContactQuery& query, const ForceField& field,
                        query::CollectedPoints& points, FieldSamples& samples)
@@ -46,6 +44,7 @@ FieldProbe::FieldProbe(query::ContactQuery& query, const ForceField& field,
   guard_m_ = field.proves_distances() ? static_cast<float>(guard_distance_m(header)) : 0;
   free_m_ = field.proves_distances() ? static_cast<float>(free_distance_m(header)) : 0;
   zero_force_m_ = static_cast<float>(header.zero_force_m);
+  told_by_distance_ = field.proves_distances() && has_standoff(header);
   const auto mean_m2 = static_cast<float>(mean_point_area_m2(query.shell()));
   const float* weight_m2 = query.shell().view().weight_m2;
   for (std::size_t i = 0; i < weight_.size(); ++i) {
@@ -63,8 +62,10 @@ void FieldProbe::bar(ContactSet& out) const noexcept {
   out.barred = 0;
   out.least_distance_m = free_m_;
   out.nearest = ContactSet::kNone;
+  std::uint32_t proximity = 0;  // points of value 3 that are not barred
   for (std::uint32_t i = 0; i < out.count; ++i) {
-    bool barred = out.value[i] == static_cast<std::uint8_t>(VoxelValue::kInterior);
+    bool barred =
+        !told_by_distance_ && out.value[i] == static_cast<std::uint8_t>(VoxelValue::kInterior);
     if (field_.proves_distances()) {
       const float distance_m = samples_.distance_m[i];
       barred = barred || distance_m < guard_m_;
@@ -75,7 +76,12 @@ void FieldProbe::bar(ContactSet& out) const noexcept {
     }
     out.is_barred[i] = barred ? 1 : 0;
     out.barred += barred ? 1 : 0;
+    proximity += !barred && out.value[i] == static_cast<std::uint8_t>(VoxelValue::kProximity);
   }
+  if (!told_by_distance_) return;
+  out.interior = out.barred;
+  out.proximity = proximity;
+  out.surface = out.count - out.barred - proximity;
 }
 
 // The object nearest to collected point i.
@@ -155,9 +161,10 @@ void FieldProbe::apply_seat(ContactSet& out) const noexcept {
     const float steepness = glm::length(slope), distance_m = stored_distance_m(i);
     const bool barred = distance_m < object->floor_m;
     if (out.is_barred[i] != 0 || out.depth_m[i] > 0) ++out.seated;
+    const bool interior = told_by_distance_ ? out.is_barred[i] != 0 : is_interior(out.value[i]);
+    if (interior && !barred) --out.interior, ++out.surface;
     if (out.is_barred[i] != 0) --out.barred;
     if (barred) ++out.barred;
-    if (!barred && out.value[i] == static_cast<std::uint8_t>(VoxelValue::kInterior)) --out.interior;
     out.is_barred[i] = barred ? 1 : 0;
     const glm::vec3 direction = steepness < kLeastSlope
                                     ? glm::vec3(points_.nx[i], points_.ny[i], points_.nz[i])
@@ -204,7 +211,7 @@ Status FieldProbe::find_seat(const Pose& world_from_center) {
   const auto voxel_size_m = static_cast<float>(query_.voxmap().voxel_size_m());
   Seat seat;
   for (std::uint32_t i = 0; i < points_.count; ++i) {
-    const bool interior = points_.value[i] == static_cast<std::uint8_t>(VoxelValue::kInterior);
+    const bool interior = !told_by_distance_ && is_interior(points_.value[i]);
     const bool near =
         field_.proves_distances() && (samples_.distance_m[i] < guard_m_ || samples_.depth_m[i] > 0);
     if (!interior && !near) continue;

@@ -15,6 +15,8 @@ class FieldProbe final : public ContactProbe {
  public:
   // All must outlive the probe; `points` and `samples` have room for every shell point. The guard
   // bars points from where their proven distance is below guard_distance_m(), beside the interior.
+  // In a map with a standoff the proven distance alone tells: the interior is where a point is
+  // barred, and other points of value 1 count as points of the force layer.
   FieldProbe(query::ContactQuery& query, const ForceField& field, query::CollectedPoints& points,
              FieldSamples& samples);
 
@@ -59,11 +61,8 @@ class FieldProbe final : public ContactProbe {
   Seat seat_;
   std::vector<float> in_seat_m_;  // of every shell point: its distance there where it touches, or 0
   bool seat_open_ = false;
+  bool told_by_distance_;  // and not by value 1
 };
-
-// The proven distance from the static mesh below which the guard lets no shell point go: a fifth of
-// a voxel behind the force layer. 0 in maps without stored distances.
-double guard_distance_m(const VoxmapHeader& header);
 
 // The direction in which the static surface faces at a contact: the field's slope, averaged over
 // neighbors.

@@ -150,8 +150,13 @@ std::optional<Error> LevelField::unreadable(const Voxmap& voxmap) {
   const VoxmapHeader& header = voxmap.header();
   if (header.offset_layers == 0) {
     return Error{ErrorCode::kUsage, "", "level field",
-                 "the scene has no offset layers, so its values jump from interior to proximity",
-                 "bake the scene with --layers 1 or more, or use --force tangent-plane"};
+                 has_standoff(header)
+                     ? "the scene has a standoff, which its distances tell"
+                     : "the scene has no offset layers, so its values jump from interior to "
+                       "proximity",
+                 has_standoff(header)
+                     ? "leave --force out, or bake the scene with --layers in place of --standoff"
+                     : "bake the scene with --layers 1 or more, or use --force tangent-plane"};
   }
   return std::nullopt;
 }

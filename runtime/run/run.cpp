@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-#include "runtime/field/field_probe.h"
+#include "formats/guard.h"
 #include "runtime/loop/input_source.h"
 #include "runtime/loop/loop_statistics.h"
 #include "runtime/loop/servo.h"
@@ -147,7 +147,7 @@ Result<OpenedFiles> prepare(Voxmap voxmap, Pshell shell, const RunRequest& reque
   const double pose_error_m = opened.simulation->query().rounding_bound_m();
   const bool guarded =
       parameters->model == Model::kDefault && parameters->force == ForceKind::kDistance;
-  const DistanceGuard guard{guarded ? field::guard_distance_m(scene) : 0,
+  const DistanceGuard guard{guarded ? guard_distance_m(scene) : 0,
                             opened.simulation->shell().surface_distance_terms()};
   opened.guarantee = separation_guarantee(scene, part, pose_error_m, guard);
   if (!request.without_guarantee) {

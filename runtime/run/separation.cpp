@@ -50,11 +50,37 @@ std::string layers_text(double spent_voxels) {
   return "bake the scene with --layers " + std::to_string(static_cast<int>(layers));
 }
 
+// The least standoff at which the guard's distance leaves something between frames.
+std::string standoff_text(const VoxmapHeader& voxmap, double pose_error_m, double arc_m,
+                          double part_deviation_m, const DistanceGuard& guard) {
+  constexpr double kAboveNothing = 0.01;  // voxels: more than the rounding of the text
+  const double s = voxmap.voxel_size_m;
+  const double spent_m = voxmap.static_deviation_m + part_deviation_m + pose_error_m;
+  const double between_m =
+      least_point_distance_for_m(guard.shell, spent_m + kAboveNothing * s) + arc_m;
+  const double guard_m = std::hypot(between_m, 0.25 * s);
+  const double standoff_m = voxmap.zero_force_m + std::max(0.0, guard_m - guard.distance_m);
+  char text[64];
+  std::snprintf(text, sizeof text, "--standoff %.4gmm", standoff_m * 1000 + 5e-4 * s * 1000);
+  return text;
+}
+
 // Says how to get a guarantee. A smaller covering radius is no help where the deviations alone are
 // too much.
-std::string advice(const VoxmapHeader& voxmap, const PshellHeader& shell, double pose_error_m) {
+std::string advice(const VoxmapHeader& voxmap, const PshellHeader& shell, double pose_error_m,
+                   const DistanceGuard& guard) {
   constexpr double kBelowRoom = 0.9;  // of what would leave nothing
   const double s = voxmap.voxel_size_m;
+  if (has_standoff(voxmap)) {
+    if (!(guard.distance_m > 0)) {
+      return "leave out --model and --force: with a standoff the distance field holds the "
+             "guarantee";
+    }
+    const double arc_m = arc_deviation_m(s, shell.bounding_radius_m);
+    return "bake the scene with " +
+           standoff_text(voxmap, pose_error_m, arc_m, shell.part_deviation_m, guard) +
+           " or more, or the part with a smaller --covering-radius";
+  }
   const double deviations_m = voxmap.static_deviation_m + shell.part_deviation_m;
   const double given_m = deviations_m + pose_error_m + arc_deviation_m(s, shell.bounding_radius_m);
   const std::string more_layers = layers_text((given_m + shell.covering_radius_m) / s);
@@ -101,7 +127,7 @@ Status require_guarantee(const VoxmapHeader& voxmap, const PshellHeader& shell, 
   if (guarantee.tested_m && guarantee.swept_m) return {};
   return Error{ErrorCode::kFilesDoNotMatch, part, "",
                "no separation is guaranteed with this scene (" + guarantee_text(guarantee) + ")",
-               advice(voxmap, shell, pose_error_m) +
+               advice(voxmap, shell, pose_error_m, guard) +
                    ", or run without (--without-guarantee, without_guarantee)"};
 }
 

@@ -17,7 +17,7 @@
 
 namespace forcelayer {
 
-// The guard's distance g, field::guard_distance_m(), and what the shell proves from it. No distance
+// The guard's distance g, guard_distance_m(), and what the shell proves from it. No distance
 // where the guard goes by voxels alone.
 struct DistanceGuard {
   double distance_m = 0;

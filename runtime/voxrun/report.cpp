@@ -231,9 +231,10 @@ std::string start_text(const Run& run, const RunFacts& facts) {
   const VoxmapHeader& map = run.simulation().voxmap().header();
   const PshellHeader& shell = run.simulation().shell().header();
   const Parameters& p = run.parameters();
-  return text("scene: voxels of %.4g mm, %u offset layers, %llu force-layer voxels\n",
-              map.voxel_size_m * 1000, map.offset_layers,
-              static_cast<unsigned long long>(map.surface_voxels)) +
+  const std::string begin = has_standoff(map) ? text("standoff %.4g mm", map.zero_force_m * 1000)
+                                              : text("%u offset layers", map.offset_layers);
+  return text("scene: voxels of %.4g mm, %s, %llu force-layer voxels\n", map.voxel_size_m * 1000,
+              begin.c_str(), static_cast<unsigned long long>(map.surface_voxels)) +
          text("part: %llu points, covering radius %.4g mm, %.4g mm across\n",
               static_cast<unsigned long long>(shell.point_count), shell.covering_radius_m * 1000,
               2000 * shell.bounding_radius_m) +

@@ -74,6 +74,7 @@ FILES = {
     "stability_grips": (("model", "scale", "delay_s", "hand", "clutch", "axis", "arm_m"), {}),
     "stability_loops": (("model", "scale", "loop"), same("loops")),
     "stability_step": (("part",), times("p50_us")),
+    "narrow_gaps": (("map", "covering_voxels", "case"), same("all_pass_voxels", "some_pass_voxels")),
     "skip_bake": (("scene", "bake"), {**times("seconds"), **same("triangles_left_out", "nodes_left_out")}),
     "skip_query": (("scene", "points", "way"), {**times("p50_us")}),
     "skip_tree": (("scene",), same("voxels_in_bricks", "bricks_needed", "bricks_stored")),

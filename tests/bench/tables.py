@@ -341,6 +341,11 @@ TABLES = {
         ("part of the step", lambda r: r["part"].replace("_", " the ")), ("contacts", text("contacts")),
         ("steps", text("steps")),
         *((f"{key.replace('999', '99.9')}, us", scaled(f"{key}_us", 1, 2)) for key in ("p50", "p99", "p999", "max"))]),
+    "narrow_gaps": ("narrow_gaps", list, [
+        ("part", text("case")), ("map", text("map")), ("covering radius, voxels", scaled("covering_voxels")),
+        ("runs", text("runs")), ("all pass from", scaled("all_pass_voxels", 1, 2)),
+        ("none passes below", scaled("some_pass_voxels", 1, 2)), ("nearest / proven", lambda r: pair(
+            r["nearest_voxels"], r["guaranteed_voxels"]))]),
     "skip_bake": ("skip_bake", list, [
         ("scene", text("scene")), ("bake", text("bake")), ("parts left out", text("parts_left_out")),
         ("of", text("parts")), ("triangles left out", text("triangles_left_out")), ("of", text("triangles")),

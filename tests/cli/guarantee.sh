@@ -25,6 +25,22 @@ for kind in bay:distance {bay,lean,chebyshev}:level {bay,lean,chebyshev}:tangent
     --as-fast-as-possible --json $kind.run.json >$scene.txt 2>&1 || { cat $scene.txt; exit 1; }
 done
 
+# With a standoff the guarantee is the guard's, by distances alone. Another force has none.
+"$bin/voxelize" "$data/bay.json" -o near.vox --quiet --voxel-size 5mm --standoff 6.5mm
+"$bin/voxrun" near.vox fine.pshell --device sim --motion "$data/press.csv" --duration 2s --as-fast-as-possible \
+  --json near.json >near.txt 2>&1 || { cat near.txt; exit 1; }
+grep -q "standoff 6.50[0-9] mm" near.txt || { cat near.txt; exit 1; }
+python3 - <<'PYTHON'
+import json
+run = json.load(open("near.json"))
+assert 0.0005 < run["guaranteed_swept_separation_m"] < run["guaranteed_separation_m"] < 0.005, run
+assert run["force_layer_frames"] > 100 and run["penetration_frames"] == run["barred_frames"] == 0, run
+assert run["guaranteed_separation_m"] <= run["least_clearance"]["clearance_m"] < 0.0065, run
+PYTHON
+status=0
+"$bin/voxrun" near.vox fine.pshell --device sim --force tangent-plane --duration 1s >near.txt 2>&1 || status=$?
+[ $status != 0 ] && grep -q "leave out --model and --force" near.txt || { cat near.txt; exit 1; }
+
 for shell in full fast fine centers; do
   "$bin/pointshell" verify $shell.pshell "$data/part.obj" --units mm --quiet
   "$bin/voxinfo" $shell.pshell --json $shell.json >facts

@@ -129,7 +129,41 @@ mkdir folder && cp cube.obj folder/b.obj && cp cube.obj folder/a.OBJ
 grep -q '"triangles": 24' report.json || fail "the folder's files were not both read"
 rm -rf folder
 
+# A standoff in place of layers: a valid file that says it, from a cache too.
+near=(cube.obj --units cm --voxel-size 1mm --standoff 1.3mm --quiet)
+"$bin/voxelize" cube.obj --units cm --voxel-size 1mm --cache cache --quiet -o scene.vox || fail "layers into a cache"
+for _ in first second; do
+  "$bin/voxelize" "${near[@]}" --cache cache -o cached.vox --json report.json || fail "standoff with a cache"
+  "$bin/voxelize" "${near[@]}" -o near.vox && cmp near.vox cached.vox || fail "the cache changes a standoff"
+done
+grep -q '"layers": 0' report.json || fail "a standoff has no layers"
+"$bin/voxinfo" verify near.vox --quiet || fail "a file with a standoff is not valid"
+"$bin/voxinfo" near.vox --json facts.json >facts
+grep -q "standoff          1.3 mm" facts && grep -q "2.6 mm of room" facts && grep -q "proven then" facts ||
+  fail "voxinfo does not say the standoff: $(cat facts)"
+python3 - <<'EOF' || fail "the facts of a standoff"
+import json
+facts = json.load(open("facts.json"))
+assert facts["layers"] == 0 and facts["provenance"]["standoff_m"] == 0.0013, facts
+assert 0.0013 <= facts["standoff_m"] < 0.0013 + 1e-3 / 1024, facts  # rounded up to 2^-10 voxel
+assert facts["standoff_m"] == facts["zero_force_m"] and facts["passed_gap_m"] == 2 * facts["standoff_m"], facts
+assert facts["guaranteed_separation_m"] > 1e-4, facts
+EOF
+"$bin/voxelize" "${near[@]}" --compliance 0.4mm:2N -o near.vox && "$bin/voxinfo" verify near.vox --quiet ||
+  fail "a standoff with a compliance"
+rm -rf cache cached.vox near.vox facts facts.json
+
 # What does not.
+for option in --lean "--metric chebyshev"; do
+  expect 2 "--standoff: needs stored distances" cube.obj --units cm --voxel-size 1mm --standoff 2mm $option -o scene.vox
+done
+expect 2 "--standoff: says where the force begins, and so does --layers" cube.obj --units cm --voxel-size 1mm --standoff 2mm \
+  --layers 2 -o scene.vox
+expect 2 "standoff: is 0.5 mm, not between 0.9672 and 30 mm" cube.obj --units cm --voxel-size 1mm --standoff 0.5mm -o scene.vox
+expect 2 "use a smaller one, or larger voxels" cube.obj --units cm --voxel-size 1mm --standoff 31mm -o scene.vox
+expect 2 "not between 2.867 and 30 mm" cube.obj --units cm --voxel-size 1mm --standoff 2.8mm --compliance 2mm:1N -o scene.vox
+expect 2 "--standoff" cube.obj --units cm --voxel-size 1mm --standoff 0mm -o scene.vox
+expect 2 "--standoff" cube.obj --units cm --voxel-size 1mm --standoff 2 -o scene.vox
 expect 2 "--voxel-size" cube.obj --units cm -o scene.vox
 expect 2 "unit" cube.obj --units cm --voxel-size 5 -o scene.vox
 expect 2 "--units" cube.obj --voxel-size 1mm -o scene.vox

@@ -33,6 +33,25 @@ promised = plan[1]["shell_points_per_m2"] * part["area_m2"]
 # A part as small as this one has a quarter of its points on edges and corners, which the plan does not know.
 assert 0.65 < promised / part["points"] < 1.25, (promised, part["points"])
 EOF
+# A standoff: twice as much is passed, and a separation is proven for every usual shell. The file says what the plan said.
+"$bin/voxelize" "$data/bay.json" --plan --voxel-size 10mm --standoff 90mm --json plan.json >out
+grep -q "the standoff is beyond 30 voxels" out || fail "a standoff of 36 voxels: $(cat out)"
+"$bin/voxelize" "$data/bay.json" --plan --voxel-size 5mm --standoff 6.5mm --json plan.json >out
+"$bin/voxelize" "$data/bay.json" --voxel-size 5mm --standoff 6.5mm -o near.vox --quiet
+"$bin/voxinfo" near.vox --json near.json >facts
+python3 - <<'EOF' || fail "the plan of a standoff"
+import json, math
+plan, near = json.load(open("plan.json"))["plan"], json.load(open("near.json"))
+for p in plan:
+    assert 0.0065 <= p["standoff_m"] <= 0.0065 + p["voxel_size_m"] / 1024, p
+    assert abs(p["passed_gap_m"] - 2 * p["standoff_m"]) < 1e-12, p
+    g, s = p["standoff_m"] - 0.3 * p["voxel_size_m"], p["voxel_size_m"]
+    proven = math.sqrt(g * g - s * s / 16) - math.sqrt(0.75) * s
+    assert abs(p["guaranteed_separation_m"] - proven) < 1e-9 and proven > 0.1 * s, (p, proven)
+assert near["passed_gap_m"] == plan[0]["passed_gap_m"], (near, plan)
+assert 0 < plan[0]["guaranteed_separation_m"] - near["guaranteed_separation_m"] < 1e-5, (near, plan)  # static deviation
+EOF
+
 # A scene of many thin parts, whose surfaces count for little at the sizes that the plan looks at. Within a factor of two: two
 # coarse bakes cannot know which bricks of the fine ones will be equal. Measured 1.3 here, 0.9 to 1.6 on other scenes.
 python=/usr/bin/python3

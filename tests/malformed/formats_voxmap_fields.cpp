@@ -95,7 +95,6 @@ TEST(VoxmapFields, LengthsOfTheMetric) {
   expect_refused(scene_bytes, AT(distance_zero_code), 1, "distance_zero_code");
   // v2_distances.vox is Euclidean.
   expect_refused(distance_scene_bytes, AT(metric), 0u, "zero_force_m");
-  expect_refused(distance_scene_bytes, AT(offset_layers), 0u, "offset_layers");
   for (const double wrong : {0.0, -0.001, kInfinity, kNan}) {
     expect_refused(distance_scene_bytes, AT(zero_force_m), wrong, "zero_force_m");
     expect_refused(distance_scene_bytes, AT(force_depth_m), wrong, "force_depth_m");
@@ -107,6 +106,26 @@ TEST(VoxmapFields, LengthsOfTheMetric) {
   for (const std::int32_t wrong : {0, -1, 255, INT32_MAX, INT32_MIN}) {
     expect_refused(distance_scene_bytes, AT(distance_zero_code), wrong, "distance_zero_code");
   }
+}
+
+AlignedBytes standoff_bytes() {
+  AlignedBytes bytes = distance_scene_bytes();
+  write_at(bytes.bytes(), AT(offset_layers), 0u);
+  return bytes;
+}
+
+// Without layers the lengths tell where the interior ends; it holds all that the mesh passes
+// through, and distances tell the rest.
+TEST(VoxmapFields, Standoff) {
+  AlignedBytes bytes = standoff_bytes();
+  EXPECT_TRUE(open_with<Voxmap>(bytes, AT(zero_force_m), 0.001 * (1 + 888.0 / 1024)));
+  expect_refused(standoff_bytes, AT(zero_force_m), 0.001 * (1 + 887.0 / 1024), "zero_force_m");
+  expect_refused(standoff_bytes, AT(force_depth_m), 0.0021, "zero_force_m");
+  const auto lean = [] {
+    AlignedBytes made = golden_file_bytes("baked_lean.vox");
+    return made;
+  };
+  expect_refused(+lean, AT(offset_layers), 0u, "offset_layers");
 }
 
 TEST(VoxmapFields, Objects) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "formats/audit/layer_distance.h"
+#include "formats/voxmap_format.h"
 
 namespace forcelayer {
 namespace {
@@ -32,11 +33,12 @@ double distance_to_block(const Point& x, int m) {
 // as near: 13.2.
 TEST(DistanceBounds, LayersImplyTheirDistance) {
   std::mt19937_64 random(1);
-  for (int k = 1; k <= 4; ++k) {
-    const double radius = interior_radius_voxels(static_cast<std::uint32_t>(k));
+  // Of one to four layers, and of standoffs between them.
+  for (const double more : {0.0, 0.11, 0.5, 1.0, 1.7, 2.0, 3.0}) {
+    const double radius = kLeastInteriorVoxels + more;
     for (int m = 0; m <= 5; ++m) {
-      SCOPED_TRACE("k " + std::to_string(k) + " m " + std::to_string(m));
-      const double bound = layer_distance_voxels(static_cast<std::uint32_t>(k), m);
+      SCOPED_TRACE("radius " + std::to_string(radius) + " m " + std::to_string(m));
+      const double bound = layer_distance_voxels(radius, m);
       std::uniform_real_distribution<double> along(-(m + radius + 1), m + radius + 1);
       double nearest = 1e9;
       for (int sample = 0; sample < 200000; ++sample) {
@@ -55,8 +57,9 @@ TEST(DistanceBounds, LayersImplyTheirDistance) {
 // The table of 13.3: what an interpolation in a free voxel keeps above the zero force.
 TEST(DistanceBounds, InterpolationInFreeVoxelsStaysAboveTheZeroForce) {
   const auto margin = [](std::uint32_t k, int n) {
-    return (layer_distance_voxels(k, n + 1) + 7 * layer_distance_voxels(k, n)) / 8 -
-           (interior_radius_voxels(k) + n);
+    const double radius = interior_radius_voxels(k);
+    return (layer_distance_voxels(radius, n + 1) + 7 * layer_distance_voxels(radius, n)) / 8 -
+           (radius + n);
   };
   const double table[4][4] = {{-0.090, -0.146, -0.186, -0.211},
                               {0.073, 0.051, 0.029, 0.011},
@@ -100,7 +103,8 @@ TEST(DistanceBounds, InterpolationAttainsItsBound) {
         for (const Point& x : mesh) nearest = std::min(nearest, distance(x, center));
         mean += nearest / 8;
       }
-      EXPECT_NEAR(mean, (layer_distance_voxels(k, n + 1) + 7 * layer_distance_voxels(k, n)) / 8,
+      EXPECT_NEAR(mean,
+                  (layer_distance_voxels(radius, n + 1) + 7 * layer_distance_voxels(radius, n)) / 8,
                   1e-12);
     }
   }

@@ -312,9 +312,11 @@ TEST(VoxmapAudit, NoticesEveryCodeThatCannotBe) {
     DistanceCase truth(seed);
     const auto& d = truth.definition;
     const auto n = static_cast<double>(d.force_layers);
-    const double q = d.quantum, from_layers[] = {layer_distance_voxels(truth.layers, n + 1), 0,
-                                                 layer_distance_voxels(truth.layers, 0),
-                                                 layer_distance_voxels(truth.layers, n)};
+    const double q = d.quantum,
+                 from_layers[] = {
+                     layer_distance_voxels(interior_radius_voxels(truth.layers), n + 1), 0,
+                     layer_distance_voxels(interior_radius_voxels(truth.layers), 0),
+                     layer_distance_voxels(interior_radius_voxels(truth.layers), n)};
     int planted[6] = {};
     for (int tries = 0; tries < 60000; ++tries) {
       const std::size_t i =
@@ -328,7 +330,8 @@ TEST(VoxmapAudit, NoticesEveryCodeThatCannotBe) {
         code = d.code(from_layers[value] - 2 * q);  // others too near
       } else if (kind == 4 && value >= 2) {
         code =
-            d.code(most_layer_distance_voxels(truth.layers, n + value - 2) + 2 * q);  // or too far
+            d.code(most_layer_distance_voxels(interior_radius_voxels(truth.layers), n + value - 2) +
+                   2 * q);  // or too far
       } else if (kind == 5 && value == 0) {
         code = truth.most_beside(i) + static_cast<std::uint32_t>(1 / q) + 2;  // a leap
       } else {

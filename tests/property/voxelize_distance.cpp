@@ -4,6 +4,7 @@
 
 #include <functional>
 
+#include "formats/audit/voxmap_audit.h"
 #include "tests/support/baked_scene.h"
 #include "tests/support/every_target.h"
 #include "tests/support/mesh_scene.h"
@@ -91,8 +92,9 @@ class Layers {
   int n_;
 };
 
+// Of layers, and of every other scene with a standoff in their place.
 TEST(DistanceBake, EqualsTheReferenceOnRandomScenes) {
-  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 24; ++seed) {
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
     Random random(seed);
     const reference::MeshScene scene = reference::random_scene(random, seed % 4 == 0 ? 30 : 12, 3);
@@ -108,10 +110,17 @@ TEST(DistanceBake, EqualsTheReferenceOnRandomScenes) {
       options.compliance = {{covering / 3, 0.5}, {covering, 4}};
       if (range > 0) options.range_m = std::max(range, covering + 1);
     }
-    const double depth = std::max(1.0, covering);
+    double depth = std::max(1.0, covering), radius = layers - 1 + 888.0 / 1024;
+    if (seed > 12) {
+      depth = std::max(voxelize::kStandoffForceVoxels, covering);
+      radius = seed % 4 == 0 ? 888.0 / 1024 : std::round(reference::real(random, 890, 3000)) / 1024;
+      options.layers = 0;
+      options.standoff_m = radius + depth;
+    }
     const BakedScene baked(scene.objects(), options);
     const VoxmapHeader& header = baked.map().header();
-    const double radius = layers - 1 + 888.0 / 1024;
+    ASSERT_EQ(has_standoff(header), seed > 12);
+    ASSERT_TRUE(audit_voxmap(baked.map(), "baked scene"));
     ASSERT_DOUBLE_EQ(header.zero_force_m, radius + depth);
     ASSERT_DOUBLE_EQ(header.force_depth_m, depth);
     ASSERT_LE(most_distance_m(header, 0), header.zero_force_m - options.range_m);
@@ -205,6 +214,10 @@ TEST(DistanceBake, NoForceBeginsInAFreeVoxel) {
     voxelize::BakeOptions options =
         distance_options(static_cast<std::uint32_t>(whole(random, 1, 3)));
     if (seed % 4 == 0) options.compliance = {{reference::real(random, 1, 3), 4}};
+    if (seed % 4 == 3) {  // of any
+      options.layers = 0;
+      options.standoff_m = reference::real(random, 0.97, 4);
+    }
     const BakedScene baked(scene.objects(), options);
     const VoxmapHeader& header = baked.map().header();
     const auto grid = reference::grid_around(scene.lattice(), 8);
@@ -236,6 +249,64 @@ TEST(DistanceBake, NoForceBeginsInAFreeVoxel) {
     }
     EXPECT_GT(near, 100);
   }
+}
+
+// Whatever the standoff, a point on the other side of the mesh proves nothing, and no proof is
+// above the distance (voxmap_format.md, section 13.4): the guard holds by it alone.
+TEST(DistanceBake, DistancesProveNothingInsideAndNeverTooMuch) {
+  int inside_points = 0, proven_points = 0;
+  for (std::uint64_t seed = 1; seed <= 24; ++seed) {
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
+    Random random(seed);
+    mesh::Mesh mesh;  // a solid, convex or nearly so, whose side is known
+    const Point center{reference::real(random, -9, 9), reference::real(random, -9, 9),
+                       reference::real(random, -9, 9)};
+    const double radius = reference::real(random, 1.2, 7);
+    reference::add_sphere(mesh, {center[0], center[1], center[2]}, radius, 12);
+    const std::vector<voxelize::SceneObject> objects{{"object", &mesh, mesh::Affine{}, {}, 0}};
+    voxelize::BakeOptions options = distance_options(0);
+    options.standoff_m = reference::real(random, 0.97, 2.5);
+    const BakedScene baked(objects, options);
+    const VoxmapHeader& header = baked.map().header();
+    const std::vector<LatticeMesh> meshes{reference::snapped(mesh, mesh::Affine{}, 1)};
+    for (int n = 0; n < 3000; ++n) {
+      Point p;
+      for (std::size_t d = 0; d < 3; ++d) {
+        p[d] = center[d] + reference::real(random, -radius - 3, radius + 3);
+      }
+      lattice::VoxelIndex low;
+      std::array<double, 3> t;
+      double squared = 0;
+      for (std::size_t d = 0; d < 3; ++d) {
+        low[d] = static_cast<std::int64_t>(std::floor(p[d] - 0.5));
+        t[d] = p[d] - 0.5 - static_cast<double>(low[d]);
+        squared -= t[d] * (1 - t[d]);
+      }
+      for (unsigned c = 0; c < 8; ++c) {
+        lattice::VoxelIndex at = low;
+        double weight = 1;
+        for (std::size_t d = 0; d < 3; ++d) {
+          const bool other = (c >> d & 1) != 0;
+          weight *= other ? t[d] : 1 - t[d];
+          if (other) ++at[d];
+        }
+        const auto code = static_cast<std::uint32_t>(code_at(baked.map(), at));
+        const double least = std::max(0.0, least_distance_m(header, code));
+        squared += weight * least * least;
+      }
+      const double proven = squared > 0 ? std::sqrt(squared) : 0;
+      // 1e-9: of double precision.
+      ASSERT_LE(proven, distance_from(meshes, p) + 1e-9);
+      proven_points += proven > 0.5;
+      // Within the mesh's inscribed sphere: 12 segments reach it to 0.95 of the radius.
+      if (std::hypot(p[0] - center[0], p[1] - center[1], p[2] - center[2]) > 0.93 * radius)
+        continue;
+      ++inside_points;
+      ASSERT_LE(proven, 1e-4);
+    }
+  }
+  EXPECT_GT(inside_points, 2000);
+  EXPECT_GT(proven_points, 10000);
 }
 
 // Where the surface's voxels lie between inside and outside, distances go on through it evenly, so

@@ -201,5 +201,31 @@ TEST(EuclideanBake, RefusesWhatHasNoMeaning) {
   EXPECT_TRUE(refused(options));
 }
 
+TEST(EuclideanBake, RefusesStandoffsThatItCannotHold) {
+  mesh::Mesh mesh;
+  reference::add_box(mesh, {0, 0, 0}, {4, 4, 4});
+  const std::vector<voxelize::SceneObject> objects{{"object", &mesh, mesh::Affine{}, {}, 0}};
+  const auto refused = [&](double standoff, const auto& change) {
+    voxelize::BakeOptions options = euclidean_options(0);
+    options.standoff_m = standoff;
+    change(options);
+    const auto baked = voxelize::bake(objects, options);
+    return !baked && baked.error().code == ErrorCode::kUsage;
+  };
+  const auto none = [](voxelize::BakeOptions&) {};
+  const double least = 0.1 + 888.0 / 1024;
+  EXPECT_FALSE(refused(least, none));
+  EXPECT_TRUE(refused(least - 1e-3, none));
+  EXPECT_TRUE(refused(-1, none));
+  EXPECT_FALSE(refused(30, none));
+  EXPECT_TRUE(refused(30.01, none));
+  EXPECT_TRUE(refused(2, [](voxelize::BakeOptions& o) { o.layers = 2; }));
+  EXPECT_TRUE(refused(2, [](voxelize::BakeOptions& o) { o.distances = false; }));
+  EXPECT_TRUE(refused(2, [](voxelize::BakeOptions& o) { o.metric = Metric::kChebyshev; }));
+  const auto covered = [](voxelize::BakeOptions& o) { o.compliance = {{1.5, 4}}; };
+  EXPECT_TRUE(refused(2.3, covered));
+  EXPECT_FALSE(refused(2.4, covered));
+}
+
 }  // namespace
 }  // namespace forcelayer

@@ -16,8 +16,9 @@ namespace forcelayer::stress {
 // A static scene, its mesh in world, m. By one thread at a time.
 class BakedScene {
  public:
-  BakedScene(mesh::Mesh mesh, double voxel_size_m)
-      : mesh_(std::move(mesh)), voxel_size_m_(voxel_size_m) {}
+  // `standoff_m`: of kFull, which is then the only kind; 0: as layers say.
+  BakedScene(mesh::Mesh mesh, double voxel_size_m, double standoff_m = 0)
+      : mesh_(std::move(mesh)), voxel_size_m_(voxel_size_m), standoff_m_(standoff_m) {}
   const mesh::Mesh& mesh() const { return mesh_; }
   double voxel_size_m() const { return voxel_size_m_; }
 
@@ -27,14 +28,15 @@ class BakedScene {
 
  private:
   mesh::Mesh mesh_;
-  double voxel_size_m_;
+  double voxel_size_m_, standoff_m_;
   test::ScratchFolder folder_;
 };
 
-// A moving part, its mesh in the part's frame, m. Throws std::runtime_error where the bake fails.
+// A moving part, its mesh in the part's frame, m; a covering radius of 0 is the usual one. Throws
+// std::runtime_error where the bake fails.
 class BakedPart {
  public:
-  BakedPart(mesh::Mesh mesh, double voxel_size_m);
+  BakedPart(mesh::Mesh mesh, double voxel_size_m, double covering_radius_m = 0);
   const mesh::Mesh& mesh() const { return mesh_; }
   Pshell open() const;
 
@@ -45,7 +47,8 @@ class BakedPart {
 
 // The two bakes, in units of their own: both areas name their options alike.
 void bake_scene_file(const mesh::Mesh& mesh, double voxel_size_m, test::VoxelKind kind,
-                     const std::filesystem::path& path);
-void bake_part_file(const mesh::Mesh& mesh, double voxel_size_m, const std::filesystem::path& path);
+                     const std::filesystem::path& path, double standoff_m = 0);
+void bake_part_file(const mesh::Mesh& mesh, double voxel_size_m, const std::filesystem::path& path,
+                    double covering_radius_m = 0);
 
 }  // namespace forcelayer::stress

@@ -6,8 +6,8 @@
 
 namespace forcelayer::stress {
 
-void bake_part_file(const mesh::Mesh& part, double voxel_size_m,
-                    const std::filesystem::path& path) {
+void bake_part_file(const mesh::Mesh& part, double voxel_size_m, const std::filesystem::path& path,
+                    double covering_radius_m) {
   mesh::Assembly assembly;
   assembly.meshes.push_back(part);
   assembly.instances.push_back({0, "part", {}});
@@ -16,6 +16,7 @@ void bake_part_file(const mesh::Mesh& part, double voxel_size_m,
   if (!assembled) throw std::runtime_error(to_line(assembled.error()));
   pointshell::ShellOptions options;
   options.voxel_size_m = voxel_size_m;
+  options.covering_radius_m = covering_radius_m;
   options.effort = sample::Effort::kFast;
   options.threads = 1;
   const auto baked =

@@ -16,7 +16,7 @@ voxelize::Compliance covering(double voxel_size_m) {
 }  // namespace
 
 void bake_scene_file(const mesh::Mesh& scene, double voxel_size_m, test::VoxelKind kind,
-                     const std::filesystem::path& path) {
+                     const std::filesystem::path& path, double standoff_m) {
   voxelize::SceneObject object;
   object.name = "scene";
   object.mesh = &scene;
@@ -25,6 +25,11 @@ void bake_scene_file(const mesh::Mesh& scene, double voxel_size_m, test::VoxelKi
   if (kind == test::VoxelKind::kChebyshev) options.metric = Metric::kChebyshev;
   options.distances = test::stores_distances(kind);
   if (kind == test::VoxelKind::kCovered) options.compliance = covering(voxel_size_m);
+  if (kind == test::VoxelKind::kNear) standoff_m = test::kNearStandoffVoxels * voxel_size_m;
+  if (standoff_m > 0) {
+    options.standoff_m = standoff_m;
+    options.layers = 0;
+  }
   options.threads = 1;
   const auto baked = voxelize::bake(std::span(&object, 1), options);
   if (!baked) throw std::runtime_error(to_line(baked.error()));

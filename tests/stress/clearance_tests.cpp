@@ -91,7 +91,13 @@ std::unique_ptr<model::Simulation> simulation_of(const BakedScene& scene, const 
   return std::move(*simulation);
 }
 
-TEST(Clearance, IsNeverAboveTheExactDistanceAndNotFarBelow) {
+// Whose force begins here, in voxels; 0: two layers.
+class Clearance : public ::testing::TestWithParam<double> {};
+INSTANTIATE_TEST_SUITE_P(Standoffs, Clearance, ::testing::Values(0, 1.9), [](const auto& standoff) {
+  return standoff.param > 0 ? "Near" : "TwoLayers";
+});
+
+TEST_P(Clearance, IsNeverAboveTheExactDistanceAndNotFarBelow) {
   const int scenes = std::getenv("FORCELAYER_LONG_TESTS") != nullptr ? 1200 : 12;
   constexpr int kPoses = 100;
   std::vector<double> slack;  // voxels, where the exact distance is 1.2 voxels or more
@@ -100,7 +106,7 @@ TEST(Clearance, IsNeverAboveTheExactDistanceAndNotFarBelow) {
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
     Random random(static_cast<std::uint64_t>(seed));
     const double s = std::pow(10, random.uniform(-3.5, -1.5));
-    const BakedScene scene(random_scene(random, s), s);
+    const BakedScene scene(random_scene(random, s), s, GetParam() * s);
     const BakedPart part(random_part(random, s), s);
     const auto simulation = simulation_of(scene, part);
     const ExactDistance exact(scene.mesh(), part.mesh());

@@ -7,6 +7,8 @@
 #include <cstdio>
 #include <string>
 
+#include "formats/guard.h"
+
 namespace forcelayer::test {
 namespace {
 
@@ -64,6 +66,79 @@ TEST(Separation, IsWhatTheGuardHoldsWhereThatIsMore) {
   guard.distance_m = 0.5 * kVoxelSizeM;
   EXPECT_EQ(*separation_guarantee(scene(2), shell, 0, guard).tested_m,
             *separation_guarantee(scene(2), shell, 0, {}).tested_m);
+}
+
+VoxmapHeader scene_with_standoff(double standoff_voxels) {
+  VoxmapHeader header = scene(0);
+  header.metric = static_cast<std::uint32_t>(Metric::kEuclidean);
+  header.zero_force_m = standoff_voxels * kVoxelSizeM;
+  header.force_depth_m = 0.1 * kVoxelSizeM;
+  header.distance_quantum_m = 0.03 * kVoxelSizeM;
+  header.distance_zero_code = 90;
+  return header;
+}
+
+// The guard stands 0.3 voxels behind the standoff, and the guarantee is what any shell of that
+// covering radius proves from there; voxels add nothing.
+TEST(Separation, FollowsTheStandoff) {
+  for (const double standoff : {0.97, 1.1, 1.3, 1.7, 2.3, 4.0}) {
+    SCOPED_TRACE(standoff);
+    const VoxmapHeader map = scene_with_standoff(standoff);
+    const double g = standoff - 0.3;
+    ASSERT_NEAR(guard_distance_m(map), g * kVoxelSizeM, 1e-15);
+    for (const double radius : {std::sqrt(3.0) / 2, std::sqrt(3.0) / 4}) {
+      const PshellHeader shell = part(radius * kVoxelSizeM);
+      DistanceGuard guard{guard_distance_m(map), {}};
+      guard.shell.covering_radius_m = shell.covering_radius_m;
+      guard.shell.convex_radius_m = 1;  // proves nothing more
+      const auto bound = separation_guarantee(map, shell, 0, guard);
+      const double swept = std::sqrt(g * g - 1.0 / 16) - radius;
+      // 1e-9: the bound of the shell comes off rounded.
+      EXPECT_NEAR(bound.tested_m.value_or(0), std::max(0.0, g - radius) * kVoxelSizeM, 1e-9);
+      EXPECT_EQ(bound.tested_m.has_value(), g - radius > 0);
+      EXPECT_EQ(bound.swept_m.has_value(), swept > 0);
+      if (radius > 0.8) {
+        EXPECT_NEAR(usual_separation_m(map), std::max(0.0, swept) * kVoxelSizeM, 1e-12);
+      }
+    }
+  }
+}
+
+// 2.6 voxels of room and a tenth of a voxel proven for every shell of the usual covering radius.
+TEST(Separation, AStandoffPassesGapsThatLayersClose) {
+  const VoxmapHeader near = scene_with_standoff(1.3);
+  EXPECT_NEAR(passed_gap_m(near), 2.6 * kVoxelSizeM, 1e-12);
+  EXPECT_GT(usual_separation_m(near), 0.1 * kVoxelSizeM);
+  // Nearer than this the guard is in the way before the force is: its own bound counts.
+  const VoxmapHeader nearest = scene_with_standoff(0.97);
+  EXPECT_GT(passed_gap_m(nearest), 2 * nearest.zero_force_m);
+  EXPECT_LT(passed_gap_m(nearest), 2.1 * kVoxelSizeM);
+}
+
+TEST(Separation, AdvisesAStandoffThatIsEnough) {
+  VoxmapHeader map = scene_with_standoff(1.0);
+  map.static_deviation_m = 3e-4;
+  PshellHeader shell = part(0.9 * kVoxelSizeM);
+  DistanceGuard guard{guard_distance_m(map), {}};
+  guard.shell.covering_radius_m = shell.covering_radius_m;
+  guard.shell.convex_radius_m = 1;
+  const Status refused = require_guarantee(map, shell, 1e-6, guard, "part.pshell");
+  ASSERT_FALSE(refused);
+  double standoff_mm = 0;
+  ASSERT_EQ(std::sscanf(refused.error().mend.c_str(), "bake the scene with --standoff %lfmm",
+                        &standoff_mm),
+            1)
+      << refused.error().mend;
+  for (const double more_mm : {0.0, -0.1}) {  // that is enough; a tenth of a millimeter less is not
+    map = scene_with_standoff((standoff_mm + more_mm) * 1e-3 / kVoxelSizeM);
+    map.static_deviation_m = 3e-4;
+    guard.distance_m = guard_distance_m(map);
+    EXPECT_EQ(bool(require_guarantee(map, shell, 1e-6, guard, "part.pshell")), more_mm == 0);
+  }
+  guard.distance_m = 0;  // by another force than that of distances
+  const Status other = require_guarantee(map, shell, 1e-6, guard, "part.pshell");
+  ASSERT_FALSE(other);
+  EXPECT_NE(other.error().mend.find("--force"), std::string::npos);
 }
 
 TEST(Separation, IsNoneWhereTheBoundIsNotPositive) {

@@ -5,14 +5,14 @@
 
 #include "formats/lattice/voxel_overlap.h"
 #include "formats/voxmap_format.h"
-#include "voxelize/distance/euclidean_growth.h"
 
 namespace forcelayer::distance {
 
-CodeScale code_scale(std::uint32_t layers, double range_voxels, double force_depth_voxels) {
+CodeScale code_scale(std::int64_t interior_radius_units, double range_voxels,
+                     double force_depth_voxels) {
   CodeScale scale;
-  const double interior = static_cast<double>(interior_radius_units(static_cast<int>(layers))) /
-                          static_cast<double>(lattice::kSnapUnits);
+  const double interior =
+      static_cast<double>(interior_radius_units) / static_cast<double>(lattice::kSnapUnits);
   scale.force_depth = force_depth_voxels;
   scale.zero_force = interior + force_depth_voxels;
   const double range = std::max(range_voxels, scale.zero_force);

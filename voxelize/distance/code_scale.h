@@ -26,7 +26,9 @@ struct CodeScale {
   double least_of(std::int32_t code) const { return (code - zero_code) * quantum; }
 };
 
-// `layers` at least 1; `force_depth_voxels` at least 1, and a voxel less than the range.
-CodeScale code_scale(std::uint32_t layers, double range_voxels, double force_depth_voxels = 1);
+// The interior ends `interior_radius_units` lattice units from the surface; `force_depth_voxels` is
+// above 0, and a voxel less than the range.
+CodeScale code_scale(std::int64_t interior_radius_units, double range_voxels,
+                     double force_depth_voxels);
 
 }  // namespace forcelayer::distance

@@ -179,10 +179,11 @@ bool center_is_nearer(const lattice::LatticeTriangle& triangle, const lattice::V
 }
 
 std::unique_ptr<masks::MaskTree> grow_surface(const scan::SnappedObject& object,
-                                              const masks::MaskTree& interior, int layers,
+                                              const masks::MaskTree& interior,
+                                              std::int64_t radius_units,
                                               const lattice::VoxelIndex& scene_origin) {
-  const std::int64_t radius_units = interior_radius_units(layers);
-  const SceneTriangles triangles({&object}, layers);  // the radius is below that many voxels
+  const auto whole_voxels = static_cast<int>(radius_units / lattice::kSnapUnits);
+  const SceneTriangles triangles({&object}, whole_voxels + 1);
   std::vector<std::unique_ptr<masks::LowerMaskNode>> nodes(triangles.nodes().size());
   tbb::enumerable_thread_specific<NodeGrowth> scratch;
   tbb::parallel_for(std::size_t{0}, nodes.size(), [&](std::size_t i) {

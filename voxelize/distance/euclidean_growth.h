@@ -10,18 +10,21 @@ namespace forcelayer::distance {
 
 inline constexpr std::uint32_t kMaxBakedLayers = 30;
 
-// A voxel becomes interior where its center is nearer than this to the surface, in lattice units:
-// k - 1 voxels, half a diagonal, and a little (voxmap_format.md, section 5). `layers` is k.
+// A voxel becomes interior where its center is nearer than a radius to the surface, in lattice
+// units: half a diagonal and a little, and k - 1 voxels more for k layers (voxmap_format.md,
+// section 10). `layers` is k.
+inline constexpr std::int64_t kLeastInteriorUnits = 888;
 constexpr std::int64_t interior_radius_units(int layers) {
-  return (layers - 1) * lattice::kSnapUnits + 888;
+  return (layers - 1) * lattice::kSnapUnits + kLeastInteriorUnits;
 }
 
-// The voxels outside `interior` whose centers are less than interior_radius_units() from the
-// object's surface, the voxels that the surface passes through among them. `layers` is 1 to
-// kMaxBakedLayers. Voxels count from `scene_origin`. Exact: the kernels decide where their error
-// allows it, center_is_nearer() elsewhere.
+// The voxels outside `interior` whose centers are less than `radius_units` from the object's
+// surface, the voxels that the surface passes through among them. The radius is from
+// kLeastInteriorUnits to interior_radius_units(kMaxBakedLayers). Voxels count from `scene_origin`.
+// Exact: the kernels decide where their error allows it, center_is_nearer() elsewhere.
 std::unique_ptr<masks::MaskTree> grow_surface(const scan::SnappedObject& object,
-                                              const masks::MaskTree& interior, int layers,
+                                              const masks::MaskTree& interior,
+                                              std::int64_t radius_units,
                                               const lattice::VoxelIndex& scene_origin);
 
 // Whether the center of `voxel` is less than `radius_units` lattice units (1 to 2^15) from

@@ -110,8 +110,11 @@ std::string describe(const ViewScene& scene) {
   std::string line;
   if (scene.voxmap) {
     const VoxmapHeader& header = scene.voxmap->header();
-    line = text_of("%s: %g mm voxels, %u offset layers, %llu force-layer voxels",
-                   scene.voxmap_name.c_str(), 1e3 * header.voxel_size_m, header.offset_layers,
+    const std::string begin = has_standoff(header)
+                                  ? text_of("standoff %g mm", 1e3 * header.zero_force_m)
+                                  : text_of("%u offset layers", header.offset_layers);
+    line = text_of("%s: %g mm voxels, %s, %llu force-layer voxels", scene.voxmap_name.c_str(),
+                   1e3 * header.voxel_size_m, begin.c_str(),
                    static_cast<unsigned long long>(header.surface_voxels));
   }
   if (scene.shell) {
