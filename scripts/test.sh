@@ -66,7 +66,7 @@ if [ "$full" = yes ]; then
 elif [ "$more" = yes ]; then
   echo "This should take about 50 minutes on two cores where nothing is compiled yet (estimated from processor time)."
 else
-  echo "This takes about 17 minutes on two cores where nothing is compiled yet."
+  echo "This takes about 15 minutes on two cores where nothing is compiled yet."
 fi
 
 install_packages
