@@ -49,8 +49,10 @@ struct ContactSet {
   std::vector<float> ux, uy, uz;  // direction
   std::vector<float> depth_m, weight;
   std::vector<std::uint32_t> point;
-  std::vector<std::uint8_t> value;  // VoxelValue: 1, 2 or 3
-  std::vector<std::uint8_t> is_barred;
+  std::vector<std::uint8_t> value;      // VoxelValue: 1, 2 or 3
+  std::vector<std::uint8_t> is_barred;  // 0: not; kBarredWay: by the way there, and depth_m is how
+                                        // far it went against its side
+  static constexpr std::uint8_t kBarredWay = 2;
   // Only while the seat is open: whether the nearest object is of the seat; the field's slope, per
   // voxel; the unit direction away from the surface, to the side on which the point is.
   std::vector<std::uint8_t> of_seat;

@@ -138,15 +138,15 @@ void FieldProbe::bar_crossings(const ContactSet& earlier, const glm::vec3& way_m
                           later.rz[i] - earlier.rz[at]);
     const float into_m = -glm::dot(moved_m, side);
     // Halfway between two walls the slope turns as well, but the distance falls from there on, and
-    // is larger than it can be told for a sheet.
+    // is larger than it can be for a sheet.
     const bool rises = glm::dot(moved_m, slope) > 0 && stored_distance_m(i) < sheet_m;
-    if (!(into_m > 0 && rises && glm::dot(slope, side) < kLeastSlope) || lies_beside_solid(i)) {
-      continue;
-    }
+    // Not that of a wall of the part that stands on the sheet, whose normal lies along it.
+    const bool turned = glm::dot(slope, side) < -0.5f * glm::length(slope);
+    if (!(into_m > 0 && rises && turned) || lies_beside_solid(i)) continue;
     if (later.is_barred[i] == 0) ++later.barred;
-    later.is_barred[i] = 1;
+    later.is_barred[i] = ContactSet::kBarredWay;
     later.ux[i] = side.x, later.uy[i] = side.y, later.uz[i] = side.z;
-    later.depth_m[i] = std::max(later.depth_m[i], into_m);
+    later.depth_m[i] = into_m;
   }
 }
 

@@ -29,6 +29,8 @@ constexpr double kDescentShare = 1e-4;
 constexpr double kGuardDepthVoxels = 0.4;
 // At least so far it is pushed back per new solve.
 constexpr double kGuardPushVoxels = 0.15;
+// The same of a point that went through a sheet: less than that would be rounding.
+constexpr double kSheetPushVoxels = 0.002;
 // Stiffness of a guard's row over that of a contact: hard, but well-conditioned.
 constexpr double kGuardHardness = 100;
 
@@ -314,7 +316,12 @@ void DefaultModel::add_found_contacts(Motion& motion) noexcept {
     ContactRow row;
     row.j = separation_row(c);
     row.weight = kGuardHardness * dt_s * dt_s * contact_.stiffness_n_per_m + 1e3 * mass_.mass_kg;
-    row.onset = separation + std::max(kGuardPushVoxels * s, c.depth_m - guard_depth_m) / dt_s;
+    // A point that went through a sheet ends a little before where it was; others are led back into
+    // the force layer.
+    const double back_m = there_.is_barred[i] == field::ContactSet::kBarredWay
+                              ? double{c.depth_m} + kSheetPushVoxels * s
+                              : std::max(kGuardPushVoxels * s, c.depth_m - guard_depth_m);
+    row.onset = separation + back_m / dt_s;
     rows_.add(row);
   }
 }
