@@ -44,7 +44,8 @@ def write_sample_data(folder):
     mesh_files.write_obj(folder / "part.obj", pump.pump(), "pump")
     housing.housing_assembly().write(folder / "gearbox.glb")
     (folder / "bay.json").write_text(json.dumps(MANIFEST, indent=2) + "\n", encoding="ascii")
-    (folder / "press.csv").write_text(motion.motion_csv(), encoding="ascii")
+    (folder / "press.csv").write_text(motion.motion_csv(motion.PRESS), encoding="ascii")
+    (folder / "lift.csv").write_text(motion.motion_csv(motion.LIFT), encoding="ascii")
 
 
 def main():

@@ -1,4 +1,5 @@
-"""A hand that takes the pump through the bay in ten seconds, pressing where it should not.
+"""Hands: one takes the pump through the bay in ten seconds, pressing where it should not; one lifts a
+part of the gearbox off.
 
 world_from_handle at 100 Hz as `t_s,x_m,y_m,z_m,qw,qx,qy,qz`; the grip is the pump's own frame.
 Commanded poses go 6 to 8 mm into the exact surfaces, so that forces build up.
@@ -9,7 +10,7 @@ import math
 RATE_HZ = 100
 
 # (end time in s, position in mm, turn about z in degrees, tilt about x in degrees)
-KEYS = [
+PRESS = [
     (0.0, (280, 0, 500), 0, 0),
     (0.2, (280, 0, 500), 0, 0),        # free space above the floor
     (1.2, (280, 0, 303), 0, 0),        # down through the opening
@@ -29,14 +30,21 @@ KEYS = [
     (10.0, (280, 0, 500), 0, 0),
 ]
 
+LIFT = [
+    (0.0, (0, 0, 0), 0, 0),  # the assembly's own frame: where each part of it is installed
+    (0.3, (0, 0, 0), 0, 0),
+    (2.3, (0, 0, 60), 0, 0),
+    (2.5, (0, 0, 60), 0, 0),
+]
+
 
 def _ease(t):
     """Minimum-jerk share of the way: at rest at both ends."""
     return t * t * t * (10 - 15 * t + 6 * t * t)
 
 
-def _pose_at(time_s):
-    for before, after in zip(KEYS, KEYS[1:]):
+def _pose_at(keys, time_s):
+    for before, after in zip(keys, keys[1:]):
         if time_s <= after[0]:
             share = _ease((time_s - before[0]) / (after[0] - before[0]))
             mix = lambda a, b: a + (b - a) * share
@@ -52,11 +60,11 @@ def _quaternion(turn_deg, tilt_deg):
             math.sin(a) * math.cos(b))
 
 
-def motion_csv():
+def motion_csv(keys):
     lines = ["t_s,x_m,y_m,z_m,qw,qx,qy,qz"]
-    for tick in range(int(KEYS[-1][0] * RATE_HZ) + 1):
+    for tick in range(round(keys[-1][0] * RATE_HZ) + 1):
         time_s = tick / RATE_HZ
-        position, turn, tilt = _pose_at(time_s)
+        position, turn, tilt = _pose_at(keys, time_s)
         # Adding zero turns -0 into 0: the sign of a zero is not the same on every machine.
         numbers = [f"{round(c / 1000, 6) + 0.0:.6f}" for c in position]
         numbers += [f"{round(c, 9) + 0.0:.9f}" for c in _quaternion(turn, tilt)]
