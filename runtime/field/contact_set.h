@@ -81,6 +81,9 @@ class ContactProbe {
   // surface on the way from `earlier`. `way_m` is the centroid's.
   virtual void bar_crossings(const ContactSet& /*earlier*/, const glm::vec3& /*way_m*/,
                              ContactSet& /*later*/) const noexcept {}
+
+  // The number of the object nearest to a place, world; 0 where none is known.
+  virtual std::uint32_t object_near(const glm::dvec3& /*world_m*/) const noexcept { return 0; }
 };
 
 }  // namespace forcelayer::field
