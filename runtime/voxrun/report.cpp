@@ -225,7 +225,7 @@ void add_objects(const Run& run, const loop::LoopStatistics& s, Json& json) {
   for (const auto& of_seat : run.simulation().seat()) {
     Json& entry = seat.emplace_back();
     entry["object"] = object_json(run, of_seat.object);
-    entry["overlap_m"] = of_seat.overlap_m;
+    entry["overlap_m"] = of_seat.overlap_m + 0.0;  // no "-0.0"
     entry["points"] = of_seat.points;
   }
   Json& touched = json["touched_objects"] = Json::array();
