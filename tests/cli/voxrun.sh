@@ -184,4 +184,4 @@ until [ -s port ]; do sleep 0.05; done
 expect 0 'frames' floor.vox ball.pshell --start 0.1m,0.1m,0.2m --world-from-device 5m,0,0 \
   --duration 500ms --udp "$(cat port)"
 wait "$receiver" || fail "no pose stream"
-expect 2 '--udp' floor.vox ball.pshell --duration 1s --udp nonsense:nonsense
+expect 2 '--udp' floor.vox ball.pshell --duration 1s --start 0.1m,0.1m,0.2m --udp nonsense:nonsense
