@@ -145,7 +145,7 @@ TEST(Recording, FieldsOutOfRangeAreNamed) {
     ErrorCode code;
   } cases[] = {
       {0, 'x', ErrorCode::kNotThisFormat},  {8, 0x01, ErrorCode::kWrongEndianness},
-      {12, 2, ErrorCode::kUnknownVersion},  {16, 17, ErrorCode::kFieldInvalid},
+      {12, 3, ErrorCode::kUnknownVersion},  {16, 17, ErrorCode::kFieldInvalid},
       {21, 127, ErrorCode::kFieldInvalid},   // parameter_count beyond the limit
       {24, 64, ErrorCode::kFieldInvalid},    // frame_bytes
       {28, 99, ErrorCode::kFieldInvalid},    // model
@@ -153,8 +153,8 @@ TEST(Recording, FieldsOutOfRangeAreNamed) {
       {36, 2, ErrorCode::kFieldInvalid},     // braking
       {87, 0x7f, ErrorCode::kFieldInvalid},  // a quaternion that is not unit
       {231, -1, ErrorCode::kFieldInvalid},   // negative motion scale
-      {240, 1, ErrorCode::kFieldInvalid},    // reserved
-      {256, 'X', ErrorCode::kFieldInvalid},  // an unknown name where a needed one stood
+      {300, 1, ErrorCode::kFieldInvalid},    // reserved
+      {320, 'X', ErrorCode::kFieldInvalid},  // an unknown name where a needed one stood
   };
   for (const auto& c : cases) {
     std::string broken = bytes;
