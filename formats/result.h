@@ -40,10 +40,11 @@ enum class ErrorCode : int {
   kDeviceNotFound = 500,
   kDeviceFailed = 501,
   kDeviceRefused = 502,  // present but unsafe or not as declared
+  kAnswerIsNo = 600,     // checked as asked, and the answer is no
 };
 
 // The exit status of a command that ends with this error: 1 internal or I/O, 2 usage, 3 mesh or
-// scene, 4 baked file, 5 device.
+// scene, 4 baked file, 5 device, 6 the answer is no.
 constexpr int exit_status(ErrorCode code) { return static_cast<int>(code) / 100; }
 
 struct Error {

@@ -48,13 +48,14 @@ def read_trace(path):
         if missing:
             raise TraceError(f"{path}: line 1: no column '{missing[0]}'; "
                              "give the CSV that voxrun --trace wrote")
-        columns = {name: [] for name in header}
+        columns = {name: [] for name in COLUMNS}
         for number, row in enumerate(rows, start=2):
             try:
                 if len(row) != len(header):
                     raise ValueError("a row of another length")
                 for name, cell in zip(header, row):
-                    columns[name].append(float(cell))
+                    if name in columns:
+                        columns[name].append(float(cell))
             except ValueError as error:
                 raise TraceError(f"{path}: line {number}: {error}") from None
     if not columns["t_s"]:

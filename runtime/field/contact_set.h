@@ -10,6 +10,10 @@
 
 namespace forcelayer::field {
 
+constexpr bool is_interior(std::uint8_t value) {
+  return value == static_cast<std::uint8_t>(VoxelValue::kInterior);
+}
+
 // One shell point in or near the force layer. Vectors in world axes.
 struct Contact {
   glm::vec3 arm_m{0};       // from the part's centroid
@@ -85,6 +89,9 @@ class ContactProbe {
   // surface on the way from `earlier`. `way_m` is the centroid's.
   virtual void bar_crossings(const ContactSet& /*earlier*/, const glm::vec3& /*way_m*/,
                              ContactSet& /*later*/) const noexcept {}
+
+  // The number of the object nearest to a place, world; 0 where none is known.
+  virtual std::uint32_t object_near(const glm::dvec3& /*world_m*/) const noexcept { return 0; }
 };
 
 }  // namespace forcelayer::field

@@ -37,8 +37,9 @@ class FieldProbe final : public ContactProbe {
   Status find_seat(const Pose& world_from_center);
   const Seat& seat() const { return seat_; }
 
-  // The number of the object nearest to a place; 0 where the map names none there.
-  std::uint32_t object_near(const glm::dvec3& world_m) const noexcept;
+  // 0 where the map names none, and where it did not measure the distance: a number is a hint
+  // there.
+  std::uint32_t object_near(const glm::dvec3& world_m) const noexcept override;
 
   // The second half of look_up(): depth and direction of the points that the query collected.
   void read(ContactSet& out) noexcept;

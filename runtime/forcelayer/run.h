@@ -20,6 +20,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "forcelayer/device.h"
@@ -93,20 +94,28 @@ struct SeparationGuarantee {
 // "0.67 mm at every frame, 0.51 mm between frames ...", or "none ..."; rounded down.
 std::string guarantee_text(const SeparationGuarantee& guarantee);
 
-// The frames of a run so far.
+// The frames of a run so far. Objects are numbers in the scene's file: Run::object_name().
 struct RunStatistics {
   std::uint64_t frames = 0;
   std::uint64_t force_layer_frames = 0;  // with a point in the force layer or in the interior
   std::uint64_t contact_frames = 0;      // with a contact
   std::uint64_t penetration_frames = 0;  // with a point in the interior: no guarantee there
   std::uint64_t outside_map_frames = 0;  // with a point beyond a cropped side: the same
-  std::uint64_t guard_cuts = 0;          // motions that the guard shortened
-  std::uint64_t saturated_frames = 0;    // in which the coupling's clamp was at work
-  std::uint64_t faulty_frames = 0;       // in which the step reported a fault
-  std::uint64_t trips = 0;               // of the output
-  double max_force_n = 0;                // at the device
-  double max_torque_nm = 0;              // at the device
+  std::uint64_t seated_frames = 0;       // in which the part was in its seat: no clearance is known
+  std::optional<double> guarantee_from_s;  // when the part had left its seat, 0 without one; none:
+                                           // it has not, and no separation is guaranteed yet
+  std::uint64_t guard_cuts = 0;            // motions that the guard shortened
+  std::uint64_t saturated_frames = 0;      // in which the coupling's clamp was at work
+  std::uint64_t faulty_frames = 0;         // in which the step reported a fault
+  std::uint64_t trips = 0;                 // of the output
+  double max_force_n = 0;                  // at the device
+  double max_torque_nm = 0;                // at the device
   double generated_j = 0;  // energy given to the hand that a passive scene could not give
+
+  // The frame with the least clearance of those of which something is known.
+  ClearanceKind least_clearance_kind = ClearanceKind::kNone;
+  double least_clearance_m = 0, least_clearance_s = 0;  // how much, and when
+  std::uint32_t least_clearance_object = 0;             // to which object; 0: not known
   std::uint64_t step_p50_ns = 0, step_p99_ns = 0, step_max_ns = 0;
 };
 
@@ -163,6 +172,10 @@ class Run {
 
   // Figures of the frames since start().
   RunStatistics statistics() const;
+
+  // The name of an object of the scene by its number; empty for 0 and where the file names none.
+  // After a swap(): of the scene that is in use then.
+  std::string_view object_name(std::uint32_t object) const;
 
   // Asks the system for real time: locked memory, and real-time priority for the calling thread
   // and the query's helpers. Call it once, on the servo thread, when every other thread runs.

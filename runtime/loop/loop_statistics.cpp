@@ -86,6 +86,20 @@ void WorstFrames::add(const MissedFrame& frame) noexcept {
   if (least->late_ns < frame.late_ns) *least = frame;
 }
 
+void TouchedObjects::add(const TouchedObject& touched) noexcept {
+  std::size_t at = 0;
+  while (at < size_ && totals_[at].object != touched.object) ++at;
+  if (at == kKept) {
+    ++left_out_;
+    return;
+  }
+  size_ = std::max(size_, at + 1);
+  TouchedTotal& total = totals_[at];
+  total.object = touched.object;
+  ++total.frames;
+  total.max_force_n = std::max(total.max_force_n, double{touched.force_n});
+}
+
 // An episode (passivity.h) begins where the part leaves free space.
 void LoopStatistics::count_energy(const Frame& frame) noexcept {
   const StepReport& report = frame.result.report;
@@ -111,7 +125,22 @@ void LoopStatistics::count_clearance(const Frame& frame) noexcept {
     return;
   }
   least_clearance = {report.clearance_kind, report.clearance_m, frame.time_s,
-                     report.nearest_point_m};
+                     report.nearest_point_m, report.nearest_object};
+}
+
+void LoopStatistics::note_firsts(const Frame& frame) noexcept {
+  const StepReport& report = frame.result.report;
+  const auto note = [&](bool happened, std::optional<FirstFrame>& first) {
+    if (happened && !first) first = FirstFrame{frame.time_s, report.touched};
+  };
+  note(report.interior > 0, first_penetration);
+  note(report.contacts > report.seat_contacts, first_contact);
+  note(report.outside_map != 0, first_outside_map);
+  if (report.seat_open != 0) {
+    guarantee_from_s.reset();
+  } else if (!guarantee_from_s) {
+    guarantee_from_s = frame.time_s;
+  }
 }
 
 void LoopStatistics::count(const Frame& frame) noexcept {
@@ -123,6 +152,7 @@ void LoopStatistics::count(const Frame& frame) noexcept {
   guard_cuts += report.guard_cuts;
   barred_frames += report.barred > 0;
   outside_map_frames += report.outside_map;
+  seated_frames += report.seated > 0;
   saturated_frames += report.saturated;
   faulty_frames += report.faults != 0;
   clutched_frames += frame.input.valid == kInputClutched;
@@ -134,6 +164,10 @@ void LoopStatistics::count(const Frame& frame) noexcept {
   max_device_torque_nm = std::max(max_device_torque_nm, glm::length(frame.device_wrench.torque_nm));
   count_energy(frame);
   count_clearance(frame);
+  note_firsts(frame);
+  for (const TouchedObject& pushed : report.touched) {
+    if (pushed.object != 0) touched.add(pushed);
+  }
   step.record(frame.step_ns);
 }
 

@@ -3,6 +3,8 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
+#include <span>
 
 #include "forcelayer/frame.h"
 #include "runtime/loop/histogram.h"
@@ -73,6 +75,34 @@ class WorstFrames {
   std::size_t size_ = 0;
 };
 
+// How long and how hard the part pushed against an object.
+struct TouchedTotal {
+  std::uint32_t object = 0;  // its number in the scene's file
+  std::uint64_t frames = 0;
+  double max_force_n = 0;
+};
+
+// The objects that were touched, in the order in which they were. Of more than fit, the later ones
+// are only counted.
+class TouchedObjects {
+ public:
+  static constexpr std::size_t kKept = 256;
+  void add(const TouchedObject& touched) noexcept;
+  std::span<const TouchedTotal> totals() const { return {totals_.data(), size_}; }
+  std::uint64_t left_out() const { return left_out_; }  // frames times objects
+
+ private:
+  std::array<TouchedTotal, kKept> totals_{};
+  std::size_t size_ = 0;
+  std::uint64_t left_out_ = 0;
+};
+
+// The first frame of a kind.
+struct FirstFrame {
+  double time_s = 0;
+  std::array<TouchedObject, 4> touched{};  // StepReport::touched
+};
+
 struct LoopStatistics {
   std::uint64_t frames = 0;
   std::uint64_t force_layer_frames = 0;  // a point in value 2 or 1
@@ -81,6 +111,7 @@ struct LoopStatistics {
   std::uint64_t guard_cuts = 0;
   std::uint64_t barred_frames = 0;  // a point nearer than the guard allows
   std::uint64_t outside_map_frames = 0;
+  std::uint64_t seated_frames = 0;  // a point nearer to the open seat than is allowed elsewhere
   std::uint64_t saturated_frames = 0;
   std::uint64_t faulty_frames = 0;
   std::uint64_t clutched_frames = 0;
@@ -107,9 +138,17 @@ struct LoopStatistics {
     ClearanceKind kind = ClearanceKind::kNone;
     double clearance_m = 0, time_s = 0;
     glm::dvec3 point_m{0};
+    std::uint32_t object = 0;  // nearest to the point; 0: not known
   };
   LeastClearance least_clearance;
   std::uint64_t unproven_frames = 0;  // of which no clearance is known
+  TouchedObjects touched;
+
+  // From when on the guarantee holds: the frame in which the seat closed, the first one without a
+  // seat; none while the seat is open.
+  std::optional<double> guarantee_from_s;
+  // None: no such frame. Contacts with the objects of the open seat count as none here.
+  std::optional<FirstFrame> first_penetration, first_contact, first_outside_map;
 
   void count(const Frame& frame) noexcept;
   // Only of a loop with a clock; `period_ns` is its period.
@@ -118,6 +157,7 @@ struct LoopStatistics {
  private:
   void count_energy(const Frame& frame) noexcept;
   void count_clearance(const Frame& frame) noexcept;
+  void note_firsts(const Frame& frame) noexcept;
 
   double past_episodes_generated_j_ = 0;
   bool in_episode_ = false;

@@ -10,6 +10,7 @@
 #include "runtime/coupling/passivity.h"
 #include "runtime/model/motion_allowance.h"
 #include "runtime/model/principal_inertia.h"
+#include "runtime/model/touched_objects.h"
 #include "runtime/model/vectors.h"
 
 namespace forcelayer::model {
@@ -129,7 +130,9 @@ StepResult DefaultModel::step(State& state, const StepInput& input, double dt_s)
   // No point is within force layer or guard of the seat's objects: with the seat and without it the
   // same points are pushed and barred.
   if (here_.seated == 0 && state.seat == kSeatEntered) state.seat = kSeatClosed;
+  report.seat_open = state.seat != kSeatClosed ? 1 : 0;
   report_distance(report);
+  report_touched(here_, here_.totals, here_.load, contact_, probe_, report);
   return result;
 }
 
@@ -142,6 +145,7 @@ void DefaultModel::report_distance(StepReport& report) const noexcept {
   report.clearance_kind = ClearanceKind::kProven;
   report.nearest_point_m =
       report.world_from_center.position_m + glm::dvec3(here_[here_.nearest].arm_m);
+  report.nearest_object = probe_.object_near(report.nearest_point_m);
 }
 
 void DefaultModel::open_seat(bool open) noexcept {

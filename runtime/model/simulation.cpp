@@ -26,6 +26,7 @@ StepResult stopped(State& state, const State& before, std::uint32_t faults) {
   state.velocity = {};
   StepResult result;
   result.report.world_from_center = before.world_from_center;
+  result.report.seat_open = before.seat != kSeatClosed ? 1 : 0;
   result.report.faults = faults;
   return result;
 }
@@ -40,6 +41,7 @@ StepResult regripped(const State& before, const StepInput& input, State& state) 
   state.seat = before.seat;
   StepResult result;
   result.report.world_from_center = before.world_from_center;
+  result.report.seat_open = before.seat != kSeatClosed ? 1 : 0;
   return result;
 }
 

@@ -341,6 +341,8 @@ RunStatistics Run::statistics() const {
   out.contact_frames = seen.contact_frames;
   out.penetration_frames = seen.penetration_frames;
   out.outside_map_frames = seen.outside_map_frames;
+  out.seated_frames = seen.seated_frames;
+  out.guarantee_from_s = seen.guarantee_from_s;
   out.guard_cuts = seen.guard_cuts;
   out.saturated_frames = seen.saturated_frames;
   out.faulty_frames = seen.faulty_frames;
@@ -348,10 +350,18 @@ RunStatistics Run::statistics() const {
   out.max_force_n = seen.max_device_force_n;
   out.max_torque_nm = seen.max_device_torque_nm;
   out.generated_j = seen.generated_j;
+  out.least_clearance_kind = seen.least_clearance.kind;
+  out.least_clearance_m = seen.least_clearance.clearance_m;
+  out.least_clearance_s = seen.least_clearance.time_s;
+  out.least_clearance_object = seen.least_clearance.object;
   out.step_p50_ns = seen.step.quantile_ns(0.5);
   out.step_p99_ns = seen.step.quantile_ns(0.99);
   out.step_max_ns = seen.step.max_ns();
   return out;
+}
+
+std::string_view Run::object_name(std::uint32_t object) const {
+  return simulation().voxmap().object_name(object);
 }
 
 std::vector<std::string> Run::make_real_time() {

@@ -1,6 +1,7 @@
 #include "runtime/voxrun/options.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <utility>
 
 #include "formats/command/arguments.h"
@@ -98,6 +99,10 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
       "x0,y0,z0,x1,y1,z1: box of the scene that the part can reach; its pages of the "
       "map, and no others, are kept in memory from the start (what the device's workspace "
       "allows, where that is known; else all)");
+  app.add_option("--fail-on", texts_.fail_on,
+                 "penetration, contact (but in the seat), outside (of the map) or seat (not left): "
+                 "end with status 6 where it happened; repeatable")
+      ->join(',');
   app.add_option("--json", options_.json, "write a report");
   app.add_option("--trace", options_.trace, "write a CSV line a frame");
   app.add_option("--record", options_.record, "write a recording for --replay");
@@ -177,6 +182,28 @@ Status OptionParser::read_reach(Options& options) const {
   return {};
 }
 
+Status OptionParser::read_fail_on(Options& options) const {
+  constexpr std::pair<std::string_view, FailOn> kKinds[] = {{"penetration", kFailOnPenetration},
+                                                            {"contact", kFailOnContact},
+                                                            {"outside", kFailOnOutside},
+                                                            {"seat", kFailOnSeat}};
+  std::string_view rest = texts_.fail_on;
+  while (!rest.empty()) {
+    const std::string_view word = rest.substr(0, rest.find(','));
+    std::uint32_t bit = 0;
+    for (const auto& [name, kind] : kKinds) {
+      if (name == word) bit = kind;
+    }
+    if (bit == 0) {
+      return usage("--fail-on", "'" + std::string(word) + "' is nothing that a run is checked for",
+                   "give penetration, contact, outside or seat");
+    }
+    options.fail_on |= bit;
+    rest.remove_prefix(std::min(rest.size(), word.size() + 1));
+  }
+  return {};
+}
+
 Status OptionParser::read_safety(Options& options) const {
   if (app_.count("--clutch-button") > 0) options.clutch_button = texts_.clutch_button;
   if (texts_.after_trip == "end") options.after_trip = AfterTrip::kEnd;
@@ -243,6 +270,7 @@ Result<Options> OptionParser::finish() const {
   }
   if (Status read = read_texts(options); !read) return read.error();
   if (Status read = read_safety(options); !read) return read.error();
+  if (Status read = read_fail_on(options); !read) return read.error();
   if (Status sound = check(options); !sound) return sound.error();
   return options;
 }

@@ -23,6 +23,14 @@ enum class AfterTrip {
   kRearm,  // it arms again by itself: simulated hands only
 };
 
+// What makes a run end with status 6 (--fail-on): bits.
+enum FailOn : std::uint32_t {
+  kFailOnPenetration = 1,  // a penetration frame
+  kFailOnContact = 2,      // a contact, but with the objects of the open seat
+  kFailOnOutside = 4,      // a frame beyond a cropped side
+  kFailOnSeat = 8,         // a seat that is open at the end
+};
+
 struct Options {
   RunRequest run;  // its device: set once that is known
   std::string device = "sim";
@@ -37,6 +45,7 @@ struct Options {
   double udp_rate_hz = 60;
   PartStart start;                         // --start and --grip
   std::optional<machine::ReachBox> reach;  // --reach: none: what the handle's workspace allows
+  std::uint32_t fail_on = 0;               // FailOn bits
   std::optional<AfterTrip> after_trip;     // none: the device's own
   std::optional<unsigned> clutch_button;   // none: the device's own
 };
@@ -53,13 +62,14 @@ class OptionParser {
  private:
   struct Texts {
     std::string scene, part, duration, model, force, start, seat, grip, world_from_device, reach,
-        after_trip, stale;
+        fail_on, after_trip, stale;
     unsigned clutch_button = 0;
     bool no_braking = false;
   };
   Status read_texts(Options& options) const;
   Status read_reach(Options& options) const;
   Status read_safety(Options& options) const;
+  Status read_fail_on(Options& options) const;
   Status check(const Options& options) const;
 
   CLI::App& app_;

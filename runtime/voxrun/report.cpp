@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstdarg>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "formats/command/command.h"
@@ -12,20 +10,13 @@
 #include "runtime/model/simulation.h"
 #include "runtime/query/query_kernel.h"
 #include "runtime/run/limits.h"
+#include "runtime/voxrun/text.h"
+#include "runtime/voxrun/verdict.h"
 
 namespace forcelayer::voxrun {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-[[gnu::format(printf, 1, 2)]] std::string text(const char* pattern, ...) {
-  char line[512];
-  std::va_list arguments;
-  va_start(arguments, pattern);
-  std::vsnprintf(line, sizeof line, pattern, arguments);
-  va_end(arguments);
-  return line;
-}
 
 std::optional<double> penetration_ratio(const loop::LoopStatistics& s) {
   if (s.force_layer_frames == 0) return std::nullopt;
@@ -196,36 +187,81 @@ void add_output(const RunFacts& facts, const loop::LoopStatistics& s, Json& json
   }
 }
 
-}  // namespace
-
-// The least clearance of the run, rounded down; nothing where the scene stores no distances.
-std::string clearance_text(const loop::LoopStatistics& s) {
-  const auto& least = s.least_clearance;
-  if (least.kind == ClearanceKind::kNone) return "";
-  const double mm = std::floor(least.clearance_m * 1e6) / 1e3;
-  std::string line =
-      least.kind == ClearanceKind::kAtLeast
-          ? text("clearance: at least %.3f mm, nothing was nearer\n", mm)
-          : text("least proven clearance %.3f mm at %.3f s, at %.4g, %.4g, %.4g m\n", mm,
-                 least.time_s, least.point_m.x, least.point_m.y, least.point_m.z);
-  if (s.unproven_frames > 0) {
-    line += text("%llu frames of which no clearance is proven\n",
-                 static_cast<unsigned long long>(s.unproven_frames));
-  }
-  return line;
+// Null where nothing is known by a name.
+Json object_json(const Run& run, std::uint32_t object) {
+  return object == 0 ? Json(nullptr) : Json(object_text(run, object));
 }
 
-Json clearance_json(const loop::LoopStatistics& s) {
+Json clearance_json(const Run& run, const loop::LoopStatistics& s) {
   const auto& least = s.least_clearance;
   if (least.kind == ClearanceKind::kNone) return nullptr;
   Json json = {{"clearance_m", least.clearance_m},
                {"t_s", least.time_s},
-               {"at_least", least.kind == ClearanceKind::kAtLeast}};
+               {"at_least", least.kind == ClearanceKind::kAtLeast},
+               {"object", object_json(run, least.object)}};
   if (least.kind == ClearanceKind::kProven) {
     json["point_m"] = {least.point_m.x, least.point_m.y, least.point_m.z};
   }
   return json;
 }
+
+// The objects that were touched, the one with the largest force first.
+std::vector<loop::TouchedTotal> by_force(const loop::LoopStatistics& s) {
+  const auto seen = s.touched.totals();
+  std::vector<loop::TouchedTotal> totals(seen.begin(), seen.end());
+  std::sort(totals.begin(), totals.end(),
+            [](const auto& a, const auto& b) { return a.max_force_n > b.max_force_n; });
+  return totals;
+}
+
+double seconds_of(const Run& run, const loop::TouchedTotal& total) {
+  return static_cast<double>(total.frames) / run.parameters().rate_hz;
+}
+
+void add_objects(const Run& run, const loop::LoopStatistics& s, Json& json) {
+  json["seated_frames"] = s.seated_frames;
+  json["guarantee_from_s"] = number(s.guarantee_from_s);
+  Json& seat = json["seat"] = Json::array();
+  for (const auto& of_seat : run.simulation().seat()) {
+    Json& entry = seat.emplace_back();
+    entry["object"] = object_json(run, of_seat.object);
+    entry["overlap_m"] = of_seat.overlap_m + 0.0;  // no "-0.0"
+    entry["points"] = of_seat.points;
+  }
+  Json& touched = json["touched_objects"] = Json::array();
+  for (const loop::TouchedTotal& total : by_force(s)) {
+    Json& entry = touched.emplace_back();
+    entry["name"] = object_text(run, total.object);
+    entry["seconds"] = seconds_of(run, total);
+    entry["max_force_n"] = total.max_force_n;
+  }
+}
+
+// "touched A (0.3 s, up to 2 N), B (...)", the strongest first; nothing where none was named.
+std::string touched_text(const Run& run, const loop::LoopStatistics& s) {
+  constexpr std::size_t kNamed = 8;
+  const auto totals = by_force(s);
+  if (totals.empty()) return "";
+  std::string line;
+  for (std::size_t i = 0; i < totals.size() && i < kNamed; ++i) {
+    line += text("%s%s (%.3f s, up to %.3g N)", i == 0 ? "touched " : ", ",
+                 escaped(object_text(run, totals[i].object)).c_str(), seconds_of(run, totals[i]),
+                 totals[i].max_force_n);
+  }
+  if (totals.size() > kNamed) line += text(" and %zu more", totals.size() - kNamed);
+  return line + "\n";
+}
+
+// What the part is seated on, and how deep where that is no rounding; nothing without a seat.
+std::string seated_text(const Run& run, const RunFacts& facts) {
+  if (run.simulation().seat().empty()) return "";
+  return text(
+      "%s%s\n",
+      facts.options.start.world_from_seat ? "the part's seat is on " : "the part is seated on ",
+      seat_text(run, 0.1 * run.parameters().voxel_size_m).c_str());
+}
+
+}  // namespace
 
 std::string start_text(const Run& run, const RunFacts& facts) {
   const VoxmapHeader& map = run.simulation().voxmap().header();
@@ -243,10 +279,14 @@ std::string start_text(const Run& run, const RunFacts& facts) {
               p.rate_hz, facts.device.c_str(), p.coupling_n_per_m, p.field_n_per_m,
               p.mass_kg * 1000) +
          (facts.capabilities ? capabilities_text(*facts.capabilities) : std::string()) +
-         "guaranteed separation: " + guarantee_text(run.guarantee()) + "\n";
+         seated_text(run, facts) +
+         (run.simulation().seat().empty()
+              ? "guaranteed separation: "
+              : "guaranteed separation, once the part has left its seat: ") +
+         guarantee_text(run.guarantee()) + "\n";
 }
 
-std::string end_text(const RunFacts& facts, const loop::LoopStatistics& s) {
+std::string end_text(const Run& run, const RunFacts& facts, const loop::LoopStatistics& s) {
   const auto ratio = penetration_ratio(s);
   const auto us = [](std::uint64_t ns) { return static_cast<double>(ns) / 1000; };
   std::string lines =
@@ -272,11 +312,7 @@ std::string end_text(const RunFacts& facts, const loop::LoopStatistics& s) {
                   us(s.wakeup.quantile_ns(0.99)), us(s.wakeup.max_ns()));
     if (s.deadline_misses > 0) lines += misses_text(s);
   }
-  lines += clearance_text(s);
-  if (s.outside_map_frames > 0) {
-    lines += text("%llu frames beyond a cropped side: no guarantee there\n",
-                  static_cast<unsigned long long>(s.outside_map_frames));
-  }
+  lines += touched_text(run, s);
   if (facts.output_trips > 0) {
     lines += text("output tripped %llu times, last: %s\n",
                   static_cast<unsigned long long>(facts.output_trips), to_text(facts.last_trip));
@@ -297,13 +333,15 @@ Json report_json(const Run& run, const RunFacts& facts, const loop::LoopStatisti
   json["frames"] = s.frames;
   json["force_layer_frames"] = s.force_layer_frames;
   json["penetration_frames"] = s.penetration_frames;
+  json["verdict"] = verdict_word(run, s);
   json["penetration_ratio"] = number(penetration_ratio(s));
   json["contact_frames"] = s.contact_frames;
   json["guard_cuts"] = s.guard_cuts;
   json["barred_frames"] = s.barred_frames;
-  json["least_clearance"] = clearance_json(s);
+  json["least_clearance"] = clearance_json(run, s);
   json["unproven_frames"] = s.unproven_frames;
   json["outside_map_frames"] = s.outside_map_frames;
+  add_objects(run, s, json);
   json["saturated_frames"] = s.saturated_frames;
   json["faulty_frames"] = s.faulty_frames;
   json["guaranteed_separation_m"] = number(run.guarantee().tested_m);

@@ -35,7 +35,7 @@ struct RunFacts {
 };
 
 std::string start_text(const Run& run, const RunFacts& facts);
-std::string end_text(const RunFacts& facts, const loop::LoopStatistics& statistics);
+std::string end_text(const Run& run, const RunFacts& facts, const loop::LoopStatistics& statistics);
 nlohmann::ordered_json report_json(const Run& run, const RunFacts& facts,
                                    const loop::LoopStatistics& statistics);
 

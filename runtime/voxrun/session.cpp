@@ -23,6 +23,7 @@
 #include "runtime/voxrun/frame_sinks.h"
 #include "runtime/voxrun/report.h"
 #include "runtime/voxrun/trace_writer.h"
+#include "runtime/voxrun/verdict.h"
 
 namespace forcelayer::voxrun {
 namespace {
@@ -336,7 +337,10 @@ Status run_session(const Options& options, std::atomic<int>& stop) {
   print_warnings(session.facts, 0);
   const auto statistics = std::make_unique<loop::LoopStatistics>();
   if (Status s = run_frames(options, session, stop, *statistics); !s) return s;
-  if (!options.quiet) std::cout << end_text(session.facts, *statistics) << std::flush;
+  if (!options.quiet) {
+    std::cout << end_text(*session.run, session.facts, *statistics)
+              << verdict_text(*session.run, *statistics) << std::flush;
+  }
   if (!options.json.empty()) {
     if (Status s = command::write_report(options.json,
                                          report_json(*session.run, session.facts, *statistics));
@@ -345,7 +349,8 @@ Status run_session(const Options& options, std::atomic<int>& stop) {
     }
   }
   if (Status sound = check_output(session.facts); !sound) return sound;
-  return check_replay(session);
+  if (Status repeated = check_replay(session); !repeated) return repeated;
+  return check_verdict(options, *session.run, *statistics);
 }
 
 }  // namespace forcelayer::voxrun

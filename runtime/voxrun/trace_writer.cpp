@@ -13,7 +13,7 @@ constexpr const char* kHeader =
     "force_x_n,force_y_n,force_z_n,torque_x_nm,torque_y_nm,torque_z_nm,"
     "points_proximity,points_surface,points_interior,contacts,depth_m,guard_cuts,step_ns,"
     "device_force_x_n,device_force_y_n,device_force_z_n,"
-    "device_torque_x_nm,device_torque_y_nm,device_torque_z_nm,clearance_m,output\n";
+    "device_torque_x_nm,device_torque_y_nm,device_torque_z_nm,clearance_m,output,nearest_object\n";
 
 }  // namespace
 
@@ -47,6 +47,21 @@ void TraceWriter::put(const Pose& pose) {
   for (const double value : {q.w, q.x, q.y, q.z}) put(value);
 }
 
+// A line a frame, whatever the name holds: escaped, and quoted where CSV asks for it.
+void TraceWriter::put_name(std::uint32_t object) {
+  const std::string name = escaped(simulation_->voxmap().object_name(object));
+  if (name.find_first_of(",\"") == std::string::npos) {
+    text_ += name;
+    return;
+  }
+  text_ += '"';
+  for (const char c : name) {
+    if (c == '"') text_ += '"';
+    text_ += c;
+  }
+  text_ += '"';
+}
+
 Status TraceWriter::add(const Frame& frame) {
   const StepReport& report = frame.result.report;
   put(frame.time_s);
@@ -69,7 +84,8 @@ Status TraceWriter::add(const Frame& frame) {
     put(report.clearance_m);
   }
   put(static_cast<std::int64_t>(frame.output));
-  text_.back() = '\n';
+  put_name(report.nearest_object);
+  text_ += '\n';
   return text_.size() < kFlushBytes ? Status{} : flush();
 }
 

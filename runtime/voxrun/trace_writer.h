@@ -26,6 +26,7 @@ class TraceWriter {
   void put(double value);
   void put(std::int64_t value);
   void put(const Pose& pose);
+  void put_name(std::uint32_t object);
 
   AtomicFile file_;
   const model::Simulation* simulation_;

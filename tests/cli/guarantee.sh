@@ -48,7 +48,7 @@ for shell in full fast fine centers; do
     --as-fast-as-possible --json $shell.run.json >$shell.txt 2>&1 || { cat $shell.txt; exit 1; }
   "$bin/voxrun" bay.vox $shell.pshell --device sim --motion "$data/press.csv" --duration 2s --as-fast-as-possible \
     --json $shell.full.json >$shell.full.txt 2>&1 || { cat $shell.full.txt; exit 1; }
-  grep -q "least proven clearance [0-9.]* mm at [0-9.]* s, at " $shell.full.txt || { cat $shell.full.txt; exit 1; }
+  grep -q "least proven clearance [0-9.]* mm to [^ ]* at [0-9.]* s, at " $shell.full.txt || { cat $shell.full.txt; exit 1; }
   python3 - $shell <<'PYTHON'
 import glob, json, math, re, sys
 shell = sys.argv[1]

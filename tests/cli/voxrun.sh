@@ -32,7 +32,8 @@ import csv, json, math
 run, again = json.load(open("run.json")), json.load(open("again.json"))
 for key in """model frames force_layer_frames penetration_frames penetration_ratio guard_cuts
 outside_map_frames saturated_frames guaranteed_separation_m guaranteed_swept_separation_m step_ns
-deadline_misses max_force_n max_torque_nm energy_generated_j parameters""".split():
+deadline_misses max_force_n max_torque_nm energy_generated_j parameters verdict seated_frames
+guarantee_from_s seat least_clearance touched_objects""".split():
     assert key in run, key
 assert all(k in run["step_ns"] for k in ("p50", "p99", "p999", "max"))
 assert run["frames"] == 700 and run["force_layer_frames"] > 100, run["frames"]
@@ -52,7 +53,7 @@ header = """t_s handle_x_m handle_y_m handle_z_m handle_qw handle_qx handle_qy h
 part_y_m part_z_m part_qw part_qx part_qy part_qz force_x_n force_y_n force_z_n torque_x_nm
 torque_y_nm torque_z_nm points_proximity points_surface points_interior contacts depth_m
 guard_cuts step_ns device_force_x_n device_force_y_n device_force_z_n device_torque_x_nm device_torque_y_nm
-device_torque_z_nm clearance_m output""".split()
+device_torque_z_nm clearance_m output nearest_object""".split()
 assert list(rows[0]) == header
 for a, b in zip(rows, again_rows, strict=True):
     assert all(a[k] == b[k] for k in header if k != "step_ns"), (a, b)
@@ -183,4 +184,4 @@ until [ -s port ]; do sleep 0.05; done
 expect 0 'frames' floor.vox ball.pshell --start 0.1m,0.1m,0.2m --world-from-device 5m,0,0 \
   --duration 500ms --udp "$(cat port)"
 wait "$receiver" || fail "no pose stream"
-expect 2 '--udp' floor.vox ball.pshell --duration 1s --udp nonsense:nonsense
+expect 2 '--udp' floor.vox ball.pshell --duration 1s --start 0.1m,0.1m,0.2m --udp nonsense:nonsense

@@ -1,0 +1,83 @@
+// The set-up of a seat: FieldProbe::find_seat().
+#include <algorithm>
+#include <cstdio>
+#include <glm/geometric.hpp>
+
+#include "runtime/field/field_probe.h"
+
+namespace forcelayer::field {
+namespace {
+
+// How deep a seat lets a point go, in voxels: room for a spring, and for what interpolation is off
+// between flat and curved faces; and how much deeper at least than a point lies there.
+constexpr float kSeatGiveVoxels = 0.25f, kLeastGiveVoxels = 0.05f;
+
+// From this slope on, per voxel, a point lies in front of one face.
+constexpr float kFaceSlope = 0.9f;
+
+// So far above the lowest code a seat must end, in voxels: between centers of which some have that
+// code, the interpolated distance is up to so much above the true one.
+constexpr double kUntoldVoxels = 0.35;
+
+}  // namespace
+
+// Whether the stored distances can hold the part where it lies in an object of its seat. Below the
+// lowest code they tell no depth, and next to it interpolation tells too little.
+Status FieldProbe::check_depth(const SeatObject& object) const {
+  const VoxmapHeader& header = query_.voxmap().header();
+  const double told_m = header.distance_quantum_m * (header.distance_zero_code - 1) -
+                        kUntoldVoxels * header.voxel_size_m;
+  if (-double{object.floor_m} < told_m) return {};
+  const std::string_view name = query_.voxmap().object_name(object.object);
+  char depth[80], most[80];
+  std::snprintf(depth, sizeof depth, "the part starts %.3g mm inside ", 1000 * object.overlap_m);
+  std::snprintf(most, sizeof most, "; the stored distances hold a seat up to %.3g mm deep",
+                1000 * (told_m - kLeastGiveVoxels * header.voxel_size_m));
+  return Error{
+      ErrorCode::kUsage, "", "start",
+      depth + (name.empty() ? std::string("the scene") : std::string(name)) + most,
+      "check --start and the units of both files, or bake the scene with a larger --range"};
+}
+
+Status FieldProbe::find_seat(const Pose& world_from_center) {
+  seat_ = {};
+  seat_open_ = false;
+  in_seat_m_.assign(weight_.size(), 0);
+  query_.run(world_from_center, points_);
+  field_.measure(points_, samples_);
+  const auto voxel_size_m = static_cast<float>(query_.voxmap().voxel_size_m());
+  Seat seat;
+  for (std::uint32_t i = 0; i < points_.count; ++i) {
+    const bool interior = !told_by_distance_ && is_interior(points_.value[i]);
+    const bool near =
+        field_.proves_distances() && (samples_.distance_m[i] < guard_m_ || samples_.depth_m[i] > 0);
+    if (!interior && !near) continue;
+    if (!field_.proves_distances()) {
+      return Error{ErrorCode::kUsage, "", "start",
+                   "the part starts inside the scene, and a scene without stored distances cannot "
+                   "tell a seat from a penetration",
+                   "bake the scene without --lean and --metric chebyshev, or start elsewhere "
+                   "(--start)"};
+    }
+    SeatObject& object = seat.at(object_of(i));
+    const float distance_m = stored_distance_m(i);
+    in_seat_m_[points_.index[i]] = distance_m;
+    object.floor_m = std::min(object.floor_m, distance_m);
+    ++object.points;
+    // In a corner interpolation mixes two faces: it says nothing of how deep other points may lie.
+    const glm::vec3 slope(samples_.gx[i], samples_.gy[i], samples_.gz[i]);
+    if (glm::length(slope) > kFaceSlope) object.contact_m = std::min(object.contact_m, distance_m);
+  }
+  const auto step_m = static_cast<float>(query_.voxmap().header().distance_quantum_m);
+  for (SeatObject& object : seat.entries()) {
+    object.overlap_m = -double{object.floor_m};
+    object.floor_m = std::min(object.floor_m - kLeastGiveVoxels * voxel_size_m,
+                              -kSeatGiveVoxels * voxel_size_m) -
+                     step_m;
+    if (Status told = check_depth(object); !told) return told;
+  }
+  seat_ = std::move(seat);
+  return {};
+}
+
+}  // namespace forcelayer::field

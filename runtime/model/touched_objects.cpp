@@ -1,0 +1,66 @@
+#include "runtime/model/touched_objects.h"
+
+#include <algorithm>
+#include <array>
+
+namespace forcelayer::model {
+namespace {
+
+// The forces of the objects that were found, as vectors.
+class ObjectForces {
+ public:
+  // Of more objects than fit, those found last are left out.
+  void add(std::uint32_t object, const glm::dvec3& force_n) noexcept {
+    std::size_t at = 0;
+    while (at < size_ && objects_[at] != object) ++at;
+    if (at == objects_.size()) return;
+    if (at == size_) {
+      objects_[size_] = object;
+      forces_n_[size_++] = {};
+    }
+    forces_n_[at] += force_n;
+  }
+
+  void strongest(StepReport& report) const noexcept {
+    for (std::size_t i = 0; i < size_; ++i) {
+      TouchedObject found{objects_[i], static_cast<float>(glm::length(forces_n_[i]))};
+      for (TouchedObject& kept : report.touched) {
+        if (kept.object == 0 || found.force_n > kept.force_n) std::swap(kept, found);
+      }
+    }
+  }
+
+ private:
+  std::array<std::uint32_t, 32> objects_;
+  std::array<glm::dvec3, 32> forces_n_;
+  std::size_t size_ = 0;
+};
+
+}  // namespace
+
+void report_touched(const field::ContactSet& set, const ContactTotals& totals,
+                    const LoadSharing& load, const ContactLaw& law,
+                    const field::ContactProbe& probe, StepReport& report) noexcept {
+  const std::uint32_t run = (totals.count + kAskedContacts - 1) / kAskedContacts;
+  ObjectForces forces;
+  glm::dvec3 force_n{0};  // of the run
+  std::uint32_t in_run = 0, deepest = 0, seen = 0;
+  for (std::uint32_t i = 0; i < set.count && seen < totals.count; ++i) {
+    if (!(set.depth_m[i] > 0)) continue;
+    const field::Contact contact = set[i];
+    force_n += law.stiffness_n_per_m * load.share(contact) *
+               law.curve.force_m(double{contact.depth_m}) * glm::dvec3(contact.direction);
+    if (set.seat_open && set.of_seat[i] != 0) ++report.seat_contacts;
+    if (in_run == 0 || set.depth_m[i] > set.depth_m[deepest]) deepest = i;
+    ++seen, ++in_run;
+    if (in_run < run && seen < totals.count) continue;
+    const std::uint32_t object =
+        probe.object_near(report.world_from_center.position_m + glm::dvec3(set[deepest].arm_m));
+    if (object != 0) forces.add(object, force_n);
+    force_n = {};
+    in_run = 0;
+  }
+  forces.strongest(report);
+}
+
+}  // namespace forcelayer::model

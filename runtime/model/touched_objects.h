@@ -1,0 +1,19 @@
+// The objects that the part pushes against, and how hard: for the report of a frame.
+#pragma once
+
+#include "forcelayer/step.h"
+#include "runtime/model/contact_force.h"
+
+namespace forcelayer::model {
+
+// At most so many contacts are asked for their object. Of more, runs of neighbors in the shell's
+// order share the object of their deepest one.
+inline constexpr std::uint32_t kAskedContacts = 256;
+
+// Sets StepReport::touched and seat_contacts from the contacts of `set`, whose totals and sharing
+// are given, at the pose `report.world_from_center`.
+void report_touched(const field::ContactSet& set, const ContactTotals& totals,
+                    const LoadSharing& load, const ContactLaw& law,
+                    const field::ContactProbe& probe, StepReport& report) noexcept;
+
+}  // namespace forcelayer::model
