@@ -26,8 +26,11 @@ class NodeMeasurement {
   const NodeDistances& run(const SceneTriangles& triangles, const lattice::VoxelIndex& scene_origin,
                            const masks::MaskTree& geometry, const masks::MaskTree& interior,
                            const CodeScale& scale, const masks::KeptBox& kept,
-                           std::span<const std::uint16_t> numbers, const masks::Coord& origin) {
+                           const CenterGrowth* growth, std::span<const std::uint16_t> numbers,
+                           const masks::Coord& origin) {
     scale_ = &scale;
+    growth_ = growth;
+    if (growth != nullptr) node_.grown = {};
     tells_objects_ = !numbers.empty();
     interior_ = &interior;
     geometry_ = &geometry;
@@ -35,11 +38,10 @@ class NodeMeasurement {
     masks::node_rows(interior, origin, node_.solid);
     masks::node_rows(geometry, origin, surface_);
     node_.measured = {};
-    scan::NodeIndex node;
     for (std::size_t d = 0; d < 3; ++d) {
-      node[d] = (origin[static_cast<int>(d)] + scene_origin[d]) >> 6;
+      index_[d] = (origin[static_cast<int>(d)] + scene_origin[d]) >> 6;
     }
-    triangles.gather(node, near_);
+    triangles.gather(index_, near_);
     if (tells_objects_) choice_.begin(numbers, near_);
     const float outer = std::max(outer_reach(scale), inner_reach(scale));
     const float inner = inner_reach(scale);
@@ -97,6 +99,10 @@ class NodeMeasurement {
   // Whether one of the codes is measured.
   bool encode(const std::array<int, 3>& low, std::size_t cell, TriangleList list) {
     const std::uint64_t solid = masks::cell_bits(node_.solid, low);
+    if (growth_ != nullptr) {
+      masks::add_cell_bits(growth_->near(nearest_.least(cell), ~solid, list, index_, low), low,
+                           node_.grown);
+    }
     std::uint64_t negative = solid;
     for (std::uint64_t left = masks::cell_bits(surface_, low) & ~solid; left != 0;
          left &= left - 1) {
@@ -309,7 +315,9 @@ class NodeMeasurement {
 
   const CodeScale* scale_ = nullptr;
   const masks::MaskTree *interior_ = nullptr, *geometry_ = nullptr;
+  const CenterGrowth* growth_ = nullptr;
   masks::Coord origin_;
+  scan::NodeIndex index_;
   NodeDistances node_;
   masks::NodeRows surface_;
   std::vector<PreparedTriangle> near_;
@@ -337,7 +345,7 @@ DistanceCodes::DistanceCodes(std::vector<const scan::SnappedObject*> objects,
                              const lattice::VoxelIndex& scene_origin,
                              const masks::MaskTree& geometry, const masks::MaskTree& interior,
                              const CodeScale& scale, const masks::KeptBox& kept,
-                             std::vector<std::uint16_t> numbers)
+                             std::int64_t growth_units, std::vector<std::uint16_t> numbers)
     : scene_origin_(scene_origin),
       geometry_(geometry),
       interior_(interior),
@@ -345,13 +353,15 @@ DistanceCodes::DistanceCodes(std::vector<const scan::SnappedObject*> objects,
       kept_(kept),
       triangles_(std::move(objects), reach(scale)),
       numbers_(std::move(numbers)),
-      scratch_(std::make_unique<Scratch>()) {}
+      scratch_(std::make_unique<Scratch>()) {
+  if (growth_units > 0) growth_.emplace(triangles_, growth_units);
+}
 
 DistanceCodes::~DistanceCodes() = default;
 
 const NodeDistances& DistanceCodes::codes(const masks::Coord& origin) const {
   return scratch_->nodes.local().run(triangles_, scene_origin_, geometry_, interior_, scale_, kept_,
-                                     numbers_, origin);
+                                     growth_ ? &*growth_ : nullptr, numbers_, origin);
 }
 
 }  // namespace forcelayer::distance

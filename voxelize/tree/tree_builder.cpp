@@ -41,17 +41,22 @@ struct SceneNodes {
 
 struct MeasuredNodes {
   SceneNodes distances, objects;  // none of objects where they are not told apart
+  std::vector<std::unique_ptr<masks::LowerMaskNode>> grown;  // none where the surface does not grow
 };
 
 MeasuredNodes measure_nodes(const distance::LayerOffset& around,
                             const distance::DistanceCodes& distances) {
   std::vector<masks::Coord> origins = around.nodes();
-  MeasuredNodes result{SceneNodes(origins), SceneNodes({})};
+  MeasuredNodes result{SceneNodes(origins), SceneNodes({}), {}};
+  if (distances.grows_surface()) result.grown.resize(origins.size());
   if (distances.tells_objects()) result.objects = SceneNodes(std::move(origins));
   tbb::parallel_for(std::size_t{0}, result.distances.nodes.size(), [&](std::size_t i) {
     const distance::NodeDistances& node = distances.codes(result.distances.origins[i]);
     result.distances.nodes[i] = cut_into_bricks(node);
     if (node.objects != nullptr) result.objects.nodes[i] = cut_into_bricks(*node.objects);
+    if (distances.grows_surface()) {
+      result.grown[i] = masks::node_of_rows(node.grown, result.distances.origins[i]);
+    }
   });
   return result;
 }
@@ -250,6 +255,7 @@ DistanceTrees build_distance_trees(const distance::LayerOffset& around,
   };
   DistanceTrees trees;
   trees.distances = tree_of(nodes.distances, kMostDistanceCode, kDistanceBrickParts);
+  if (distances.grows_surface()) trees.grown = masks::tree_of_nodes(nodes.grown);
   if (distances.tells_objects()) trees.objects = tree_of(nodes.objects, 0, kObjectBrickParts);
   return trees;
 }

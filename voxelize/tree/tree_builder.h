@@ -22,9 +22,10 @@ VoxelTree build_tree(const distance::LayerOffset& offset,
 
 // The trees of the distances' codes and of the objects' numbers over the same directory cells; that
 // of the objects has nothing where the distances do not tell them apart. `around` lists the nodes:
-// its layers and force layers together are DistanceCodes::reach().
+// its layers and force layers together are DistanceCodes::reach(). Beside them, the surface grown.
 struct DistanceTrees {
   VoxelTree distances, objects;
+  std::unique_ptr<masks::MaskTree> grown;  // null where the surface does not grow
 };
 DistanceTrees build_distance_trees(const distance::LayerOffset& around,
                                    const distance::DistanceCodes& distances,
