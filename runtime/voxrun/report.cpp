@@ -269,8 +269,8 @@ std::string touched_text(const Scenes& scenes, const loop::LoopStatistics& s) {
   std::string line;
   for (std::size_t i = 0; i < totals.size() && i < kNamed; ++i) {
     line += text("%s%s (%.3f s, up to %.3g N)", i == 0 ? "touched " : ", ",
-                 escaped(scenes.object_text(totals[i].object)).c_str(), seconds_of(scenes, totals[i]),
-                 totals[i].max_force_n);
+                 escaped(scenes.object_text(totals[i].object)).c_str(),
+                 seconds_of(scenes, totals[i]), totals[i].max_force_n);
   }
   if (totals.size() > kNamed) line += text(" and %zu more", totals.size() - kNamed);
   return line + "\n";
@@ -304,9 +304,8 @@ std::string start_text(const Scenes& scenes, const RunFacts& facts) {
               p.mass_kg * 1000) +
          (facts.capabilities ? capabilities_text(*facts.capabilities) : std::string()) +
          seated_text(scenes, facts) +
-         (scenes.seat().empty()
-              ? "guaranteed separation: "
-              : "guaranteed separation, once the part has left its seat: ") +
+         (scenes.seat().empty() ? "guaranteed separation: "
+                                : "guaranteed separation, once the part has left its seat: ") +
          guarantee_text(scenes.guarantee()) + "\n";
 }
 
@@ -371,8 +370,9 @@ Json report_json(const Scenes& scenes, const RunFacts& facts, const loop::LoopSt
   json["faulty_frames"] = s.faulty_frames;
   json["guaranteed_separation_m"] = number(scenes.guarantee().tested_m);
   json["guaranteed_swept_separation_m"] = number(scenes.guarantee().swept_m);
-  json["missing_faces"] = command::missing_faces_in(scenes.first().simulation().voxmap().provenance()) +
-                          command::missing_faces_in(scenes.first().simulation().shell().provenance());
+  json["missing_faces"] =
+      command::missing_faces_in(scenes.first().simulation().voxmap().provenance()) +
+      command::missing_faces_in(scenes.first().simulation().shell().provenance());
   json["pose_error_m"] = scenes.first().simulation().query().rounding_bound_m();
   json["step_ns"] = percentiles(s.step);
   json["threads"] = facts.options.run.threads;

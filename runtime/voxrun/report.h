@@ -36,7 +36,8 @@ struct RunFacts {
 };
 
 std::string start_text(const Scenes& scenes, const RunFacts& facts);
-std::string end_text(const Scenes& scenes, const RunFacts& facts, const loop::LoopStatistics& statistics);
+std::string end_text(const Scenes& scenes, const RunFacts& facts,
+                     const loop::LoopStatistics& statistics);
 nlohmann::ordered_json report_json(const Scenes& scenes, const RunFacts& facts,
                                    const loop::LoopStatistics& statistics);
 

@@ -149,8 +149,7 @@ std::vector<std::string> SceneChange::see(const Frame& frame) {
     const std::string seat = seat_text(scenes_, 0.1 * scenes_.parameters().voxel_size_m);
     events.push_back("the scene is " + escaped(scenes_.path_of_last()) +
                      (seat.empty() ? "" : "; the part is seated on " + seat) +
-                     "; guaranteed separation: " +
-                     guarantee_text(scenes_.list().back().guarantee));
+                     "; guaranteed separation: " + guarantee_text(scenes_.list().back().guarantee));
   }
   // A frame that is held may be of the change before.
   if (due_ && asked_.empty() && !frame.health.swapping) {
@@ -178,8 +177,8 @@ void SceneChange::run() {
 
 Status SceneChange::wait_until_held(std::unique_lock<std::mutex>& lock) {
   if (!changed_.wait_for(lock, kHoldTimeout, [&] { return ended_ || is_held_; })) {
-    return Error{ErrorCode::kDeviceFailed, "", "", "the device gives no reading to hold the part by",
-                 "try again once it does"};
+    return Error{ErrorCode::kDeviceFailed, "", "",
+                 "the device gives no reading to hold the part by", "try again once it does"};
   }
   return {};
 }

@@ -25,8 +25,8 @@ struct UsedScene {
   std::vector<field::SeatObject> seat;
 };
 
-// The scenes of a run in their order. Objects are numbered as in LoopStatistics. Any thread may call
-// it; the seat of the first scene is that of its run.
+// The scenes of a run in their order. Objects are numbered as in LoopStatistics. Any thread may
+// call it; the seat of the first scene is that of its run.
 class Scenes {
  public:
   // `first` must outlive this, and stay where it is.

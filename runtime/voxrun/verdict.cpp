@@ -145,7 +145,8 @@ std::string verdict_text(const Scenes& scenes, const LoopStatistics& s) {
   if (!s.first_penetration) return line + clearance_part(scenes, s) + "; 0 penetration frames\n";
   return line + text("%llu penetration frame%s, the first at %.3f s%s\n",
                      printable(s.penetration_frames), ending(s.penetration_frames),
-                     s.first_penetration->time_s, against(scenes, *s.first_penetration, true).c_str());
+                     s.first_penetration->time_s,
+                     against(scenes, *s.first_penetration, true).c_str());
 }
 
 Status check_verdict(const Options& options, const Scenes& scenes, const LoopStatistics& s) {

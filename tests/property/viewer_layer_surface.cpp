@@ -140,8 +140,8 @@ DenseVoxels without_object(const Voxmap& map, std::uint32_t object) {
   DenseVoxels voxels(h.origin_voxel, extent, h.voxel_size_m);
   for_each_voxel(voxels.box(), [&](const VoxelIndex& v) {
     const auto [i, j, k] = v;
-    const bool known = std::isfinite(map.least_distance_m(i, j, k)) &&
-                       std::isfinite(map.most_distance_m(i, j, k));
+    const bool known =
+        std::isfinite(map.least_distance_m(i, j, k)) && std::isfinite(map.most_distance_m(i, j, k));
     const std::uint32_t nearest = known ? map.nearest_object(i, j, k) : 0;
     if (nearest != 0 && nearest != object) voxels.set(i, j, k, map.value(i, j, k));
   });
@@ -159,8 +159,8 @@ TEST(LayerSurface, LeavesOutTheVoxelsOfHiddenObjects) {
     for (const VoxelValue layer : {VoxelValue::kInterior, VoxelValue::kSurface}) {
       const std::set<Face> expected = expected_faces(voxels, layer);
       EXPECT_FALSE(expected.empty());
-      const viewer::QuadSurface surface = viewer::layer_surface(
-          map, layer, {0, 0, 0}, viewer::Faces::kMerged, hidden);
+      const viewer::QuadSurface surface =
+          viewer::layer_surface(map, layer, {0, 0, 0}, viewer::Faces::kMerged, hidden);
       EXPECT_EQ(covered_faces(surface, map.voxel_size_m()), expected);
     }
   }

@@ -9,15 +9,18 @@ namespace {
 
 using Shown = ObjectTree::Shown;
 
-const std::vector<std::string> kNames = {"Gearbox/Housing", "Gearbox/Lid/Cover",
-                                         "Gearbox/Lid/Bolt", "Gearbox/Lid/Bolt[2]", "rack"};
+const std::vector<std::string> kNames = {"Gearbox/Housing", "Gearbox/Lid/Cover", "Gearbox/Lid/Bolt",
+                                         "Gearbox/Lid/Bolt[2]", "rack"};
 
 std::string text_of(const ObjectTree& tree) {
   std::string text;
   for (const ObjectTree::Row& row : tree.rows()) {
     text += std::string(2 * row.depth, ' ') + (row.node == tree.selected() ? ">" : "") +
             std::string(row.label) +
-            (row.shown == Shown::kAll ? "" : row.shown == Shown::kSome ? " some" : " none") + "\n";
+            (row.shown == Shown::kAll    ? ""
+             : row.shown == Shown::kSome ? " some"
+                                         : " none") +
+            "\n";
   }
   return text;
 }
@@ -27,9 +30,10 @@ TEST(ObjectTree, HidesAndIsolatesWhatIsChosen) {
   EXPECT_EQ(text_of(tree), ">Gearbox\n  Housing\n  Lid\n    Cover\n    Bolt\n    Bolt[2]\nrack\n");
   tree.step(2);
   tree.toggle();
-  EXPECT_EQ(text_of(tree),
-            "Gearbox some\n  Housing\n  >Lid none\n    Cover none\n    Bolt none\n    Bolt[2] none\n"
-            "rack\n");
+  EXPECT_EQ(
+      text_of(tree),
+      "Gearbox some\n  Housing\n  >Lid none\n    Cover none\n    Bolt none\n    Bolt[2] none\n"
+      "rack\n");
   EXPECT_EQ(tree.hidden(), (std::vector<std::string>{kNames[1], kNames[2], kNames[3]}));
   tree.select_object("Gearbox/Lid/Bolt");
   tree.toggle();

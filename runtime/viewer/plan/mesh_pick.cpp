@@ -11,7 +11,8 @@ glm::dvec3 point_of(const ViewMesh& mesh, std::uint32_t n) {
   return {double{p[0]}, double{p[1]}, double{p[2]}};
 }
 
-// How far along the ray it meets the triangle; infinity where it misses (Moeller and Trumbore 1997).
+// How far along the ray it meets the triangle; infinity where it misses (Moeller and Trumbore
+// 1997).
 double distance_to(const Ray& ray, const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
   constexpr double kMissed = std::numeric_limits<double>::infinity();
   const glm::dvec3 ab = b - a, ac = c - a, across = glm::cross(ray.along, ac);

@@ -55,8 +55,8 @@ ObjectTree::Shown ObjectTree::shown_of(const Node& node) const {
 void ObjectTree::add_rows(const std::vector<std::size_t>& nodes, std::vector<Row>& rows) const {
   for (const std::size_t n : nodes) {
     const Node& node = nodes_[n];
-    rows.push_back({n, node.label, node.depth, !node.children.empty(), node.is_open,
-                    shown_of(node), node.objects.size(), node.objects.front()});
+    rows.push_back({n, node.label, node.depth, !node.children.empty(), node.is_open, shown_of(node),
+                    node.objects.size(), node.objects.front()});
     if (node.is_open) add_rows(node.children, rows);
   }
 }
@@ -83,11 +83,11 @@ void ObjectTree::select_object(std::string_view name) {
 void ObjectTree::step(int by) {
   const std::vector<Row> all = rows();
   if (all.empty()) return;
-  const auto at = std::find_if(all.begin(), all.end(),
-                               [&](const Row& row) { return row.node == selected_; });
+  const auto at =
+      std::find_if(all.begin(), all.end(), [&](const Row& row) { return row.node == selected_; });
   const auto row = static_cast<int>(at == all.end() ? 0 : at - all.begin()) + by;
-  selected_ = all[static_cast<std::size_t>(std::clamp(row, 0, static_cast<int>(all.size()) - 1))]
-                  .node;
+  selected_ =
+      all[static_cast<std::size_t>(std::clamp(row, 0, static_cast<int>(all.size()) - 1))].node;
 }
 
 void ObjectTree::fold() {

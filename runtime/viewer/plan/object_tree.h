@@ -58,8 +58,8 @@ class ObjectTree {
   Shown shown_of(const Node& node) const;
   void add_rows(const std::vector<std::size_t>& nodes, std::vector<Row>& rows) const;
 
-  std::vector<std::string> names_;  // [objects]
-  std::vector<char> shown_;         // [objects]
+  std::vector<std::string> names_;   // [objects]
+  std::vector<char> shown_;          // [objects]
   std::vector<std::size_t> leaves_;  // [objects] its node
   std::vector<Node> nodes_;
   std::vector<std::size_t> roots_;

@@ -18,8 +18,8 @@ struct Ray {
   glm::dvec3 from_m{0, 0, 0}, along{0, 0, 1};
 };
 
-// The first interior voxel on the ray, on the side that the cut leaves, that is of no hidden object;
-// nothing where there is none.
+// The first interior voxel on the ray, on the side that the cut leaves, that is of no hidden
+// object; nothing where there is none.
 std::optional<std::array<std::int64_t, 3>> interior_on(const Voxmap& voxmap, const Ray& ray,
                                                        const std::optional<Cut>& cut,
                                                        const HiddenObjects& hidden = {});

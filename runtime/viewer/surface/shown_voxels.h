@@ -23,7 +23,7 @@ class ShownVoxels {
   VoxelValue value(const RelativeVoxel& v) const {
     const VoxelValue value = relative_value(voxmap_, v);
     return hides_ && value != VoxelValue::kFree && hidden_[object_of(v)] != 0 ? VoxelValue::kFree
-                                                                             : value;
+                                                                              : value;
   }
 
   // Calls brick(low) for the 8^3 boxes of a uniform box in which an object may be known.
@@ -37,8 +37,9 @@ class ShownVoxels {
     }
     const std::int32_t part = edge / 8;
     for (std::int32_t n = 0; n < 512; ++n) {
-      known_bricks({low[0] + (n >> 6) * part, low[1] + (n >> 3 & 7) * part, low[2] + (n & 7) * part},
-                   part, brick);
+      known_bricks(
+          {low[0] + (n >> 6) * part, low[1] + (n >> 3 & 7) * part, low[2] + (n & 7) * part}, part,
+          brick);
     }
   }
 

@@ -237,8 +237,8 @@ void Stage::build_scene(bool color_objects) {
   marks_->AddActor(actors_->missing_faces);
 }
 
-// One actor for all: an assembly of hundreds of parts turns as fast as one part. Edges mesh by mesh:
-// where two parts touch, both keep theirs.
+// One actor for all: an assembly of hundreds of parts turns as fast as one part. Edges mesh by
+// mesh: where two parts touch, both keep theirs.
 void Stage::draw_meshes() {
   const auto draw = [&](const Actor& actor, const std::vector<PolyData>& data) {
     vtkNew<vtkAppendPolyData> all;
@@ -257,8 +257,8 @@ void Stage::build_layers() {
   if (!scene_.voxmap) return;
   voxel_rectangles_ = most_rectangles_ = 0;
   for (std::size_t n = 0; n < kLayers.size(); ++n) {
-    const QuadSurface surface = layer_surface(*scene_.voxmap, kLayers[n], scene_.origin_m,
-                                              Faces::kMerged, hidden_objects_);
+    const QuadSurface surface =
+        layer_surface(*scene_.voxmap, kLayers[n], scene_.origin_m, Faces::kMerged, hidden_objects_);
     voxel_rectangles_ += surface.quad_count();
     most_rectangles_ = std::max(most_rectangles_, surface.quad_count());
     actors_->layers()[n]->set(surface);

@@ -70,8 +70,8 @@ class Stage {
   std::unique_ptr<Actors> actors_;
   std::uint64_t voxel_rectangles_ = 0;
   std::uint64_t most_rectangles_ = 0;  // of one layer
-  std::vector<char> hidden_meshes_;  // [meshes of the scene]
-  HiddenObjects hidden_objects_;     // [objects of the voxmap + 1]; empty: none
+  std::vector<char> hidden_meshes_;    // [meshes of the scene]
+  HiddenObjects hidden_objects_;       // [objects of the voxmap + 1]; empty: none
   std::optional<Cut> cut_;
   ItemSet shown_;
   bool has_quick_ = false, quickly_ = false;

@@ -251,6 +251,7 @@ class Window {
     if (!moment_ && !scene_.bounds.empty) now.shown = without_moment(shown_);
     now.moment = moment_;
     now.color_objects = plan_.color_objects;
+    now.hidden = objects_.hidden();
     // The legend asks only whether there is a change, not which.
     if (plan_.change) now.change.emplace();
     stage_->show(now.shown);
