@@ -38,8 +38,8 @@ struct NodeDistances {
 // whose center lies on the interior's side of the surface.
 class DistanceCodes {
  public:
-  // Voxels outside `kept` have the highest code. The surface grows by `growth_units` (CenterGrowth),
-  // from 1 on; 0 leaves that out. `numbers` are those of the objects, ascending and
+  // Voxels outside `kept` have the highest code. The surface grows by `growth_units`
+  // (CenterGrowth), from 1 on; 0 leaves that out. `numbers` are those of the objects, ascending and
   // from 1 on; without them objects are not told apart.
   DistanceCodes(std::vector<const scan::SnappedObject*> objects,
                 const lattice::VoxelIndex& scene_origin, const masks::MaskTree& geometry,
@@ -53,6 +53,15 @@ class DistanceCodes {
   const CodeScale& scale() const { return scale_; }
   bool tells_objects() const { return !numbers_.empty(); }
   bool grows_surface() const { return growth_.has_value(); }
+  const masks::MaskTree& geometry() const { return geometry_; }
+  const masks::MaskTree& interior() const { return interior_; }
+
+  // The node at `origin`, counted from the scene's, by its place in the world.
+  scan::NodeIndex node_at(const masks::Coord& origin) const;
+  // The objects that come within reach of it, ascending, and their numbers; no numbers where
+  // objects are not told apart.
+  std::vector<std::uint32_t> objects_near(const masks::Coord& origin) const;
+  std::vector<std::uint32_t> numbers_near(const masks::Coord& origin) const;
 
   // The node at `origin`, counted from the scene's; valid until this thread's next call.
   const NodeDistances& codes(const masks::Coord& origin) const;
