@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "formats/command/text.h"
 #include "runtime/model/simulation.h"
-#include "runtime/voxrun/text.h"
 
 namespace forcelayer::voxrun {
 namespace {
+
+using command::text;
 
 using loop::FirstFrame;
 using loop::LoopStatistics;
