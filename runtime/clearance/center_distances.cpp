@@ -12,7 +12,18 @@ namespace {
 constexpr std::size_t kMostBlocks = 1 << 14;  // 100 MB; beyond that all are read anew
 constexpr float kRoundDown = 1 - 0x1p-20f;    // exceeds the rounding of a squared distance
 constexpr double kSumRounding = 1e-5;         // voxels^2, of the interpolation, from floats
-constexpr double kMostVoxel = 1 << 30;
+// Places as integers, and those whose bricks have a key.
+constexpr double kMostInteger = 1 << 30, kMostVoxel = 1 << 23;
+
+// floor(), of what an integer holds: without the call that it is on the least of x86.
+std::int32_t floor_of(double x) {
+  const auto whole = static_cast<std::int32_t>(x);
+  return whole - (x < whole ? 1 : 0);
+}
+
+bool is_within(const glm::dvec3& p, double most) {
+  return std::abs(p.x) < most && std::abs(p.y) < most && std::abs(p.z) < most;
+}
 
 int in_block(int x, int y, int z) { return (x * 9 + y) * 9 + z; }
 
@@ -59,7 +70,7 @@ CenterDistances::CenterDistances(const Voxmap& voxmap, const LeftOut& left_out, 
     for (std::int32_t y = -bricks; y <= bricks; ++y) {
       for (std::int32_t z = -bricks; z <= bricks; ++z) {
         const float least = least_between({x, y, z});
-        if (least + fronts_.least_voxels() <= cap_) sorted.push_back({least, {x, y, z}});
+        if (least <= cap_) sorted.push_back({least, {x, y, z}});
       }
     }
   }
@@ -96,10 +107,8 @@ double CenterDistances::free_around(const glm::dvec3& p) const {
     if (outside > 0) around = outside;
   }
   const VoxmapView& view = voxmap_.view();
-  if (std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) < kMostVoxel) {
-    const std::int32_t v[3] = {static_cast<std::int32_t>(std::floor(p.x)),
-                               static_cast<std::int32_t>(std::floor(p.y)),
-                               static_cast<std::int32_t>(std::floor(p.z))};
+  if (is_within(p, kMostInteger)) {
+    const std::int32_t v[3] = {floor_of(p.x), floor_of(p.y), floor_of(p.z)};
     if (view.contains(v[0], v[1], v[2])) {
       const VoxelLookup found = view.lookup(v[0], v[1], v[2]);
       if (found.code != static_cast<std::uint32_t>(VoxelValue::kFree)) return 0;
@@ -155,9 +164,7 @@ void CenterDistances::read(const BrickIndex& brick, Block& block) const {
   }
 }
 
-CenterDistances::Block& CenterDistances::block_of(const BrickIndex& brick) {
-  const std::uint64_t key = key_of(brick);
-  if (key == last_key_) return *last_;
+CenterDistances::Block& CenterDistances::block_of(const BrickIndex& brick, std::uint64_t key) {
   auto found = blocks_.find(key);
   if (found == blocks_.end()) {
     if (blocks_.size() >= kMostBlocks) {
@@ -176,6 +183,7 @@ CenterDistances::Block& CenterDistances::block_of(const BrickIndex& brick) {
 void CenterDistances::find_near(const BrickIndex& brick, Block& block) {
   block.has_near = true;
   for (std::size_t i = 0; i < offsets_.size(); ++i) {
+    if (offset_least_[i] + fronts_.least_voxels() > cap_) break;
     const BrickIndex& o = offsets_[i];
     const Front* const front = fronts_.of({brick[0] + o[0], brick[1] + o[1], brick[2] + o[2]});
     if (front == nullptr) continue;
@@ -184,10 +192,10 @@ void CenterDistances::find_near(const BrickIndex& brick, Block& block) {
 }
 
 // The center's distance, from the fronts around.
-float CenterDistances::search(const BrickIndex& brick, Block& block, int x, int y, int z) {
+float CenterDistances::search(const BrickIndex& brick, Block& block, int at) {
   if (!block.has_near) find_near(brick, block);
-  const glm::vec3 center(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f,
-                         static_cast<float>(z) + 0.5f);
+  const glm::vec3 center(static_cast<float>(at / 81) + 0.5f, static_cast<float>(at / 9 % 9) + 0.5f,
+                         static_cast<float>(at % 9) + 0.5f);
   const auto least_of_front = static_cast<float>(fronts_.least_voxels());
   auto best = static_cast<float>(cap_);
   constexpr std::size_t kTogether = 8;
@@ -206,7 +214,7 @@ float CenterDistances::search(const BrickIndex& brick, Block& block, int x, int 
     }
     for (const float sum : least) best = std::min(best, sum);
   }
-  const auto i = static_cast<std::size_t>(in_block(x, y, z));
+  const auto i = static_cast<std::size_t>(at);
   double distance = fronts_.distance_voxels(best, block.known[i]);
   if (cropped_) {
     const glm::dvec3 place =
@@ -218,32 +226,32 @@ float CenterDistances::search(const BrickIndex& brick, Block& block, int x, int 
 }
 
 double CenterDistances::at(const glm::dvec3& place) {
-  const glm::dvec3 from_center = place - 0.5, low = glm::floor(from_center);
-  if (!(std::max({std::abs(low.x), std::abs(low.y), std::abs(low.z)}) < kMostVoxel)) {
-    return std::min(cap_, free_around(place));
-  }
-  const std::int32_t v[3] = {static_cast<std::int32_t>(low.x), static_cast<std::int32_t>(low.y),
-                             static_cast<std::int32_t>(low.z)};
+  if (!is_within(place, kMostVoxel)) return std::min(cap_, free_around(place));
+  const glm::dvec3 from_center = place - 0.5;
+  const std::int32_t v[3] = {floor_of(from_center.x), floor_of(from_center.y),
+                             floor_of(from_center.z)};
   const BrickIndex brick{v[0] >> 3, v[1] >> 3, v[2] >> 3};
-  Block& block = block_of(brick);
-  const glm::dvec3 t = from_center - low;
-  double squared = 0;
+  const std::uint64_t key = key_of(brick);
+  Block& block = key == last_key_ ? *last_ : block_of(brick, key);
+  const int first = in_block(v[0] & 7, v[1] & 7, v[2] & 7);
+  double corner[8];
   for (int n = 0; n < 8; ++n) {
-    const int x = (v[0] & 7) + (n >> 2), y = (v[1] & 7) + (n >> 1 & 1), z = (v[2] & 7) + (n & 1);
-    float of_center = block.squared[static_cast<std::size_t>(in_block(x, y, z))];
-    if (of_center < 0) of_center = search(brick, block, x, y, z);
-    squared += ((n >> 2) != 0 ? t.x : 1 - t.x) * ((n >> 1 & 1) != 0 ? t.y : 1 - t.y) *
-               ((n & 1) != 0 ? t.z : 1 - t.z) * static_cast<double>(of_center);
+    const int at = first + in_block(n >> 2, n >> 1 & 1, n & 1);
+    float squared = block.squared[static_cast<std::size_t>(at)];
+    if (squared < 0) squared = search(brick, block, at);
+    corner[n] = static_cast<double>(squared);
   }
-  const double lost = t.x * (1 - t.x) + t.y * (1 - t.y) + t.z * (1 - t.z) + kSumRounding;
-  return std::sqrt(std::max(0.0, squared - lost));
+  const double x = from_center.x - v[0], y = from_center.y - v[1], z = from_center.z - v[2];
+  const auto mix = [](double a, double b, double share) { return a + (b - a) * share; };
+  const double low = mix(mix(corner[0], corner[1], z), mix(corner[2], corner[3], z), y);
+  const double high = mix(mix(corner[4], corner[5], z), mix(corner[6], corner[7], z), y);
+  const double lost = x * (1 - x) + y * (1 - y) + z * (1 - z) + kSumRounding;
+  return std::sqrt(std::max(0.0, mix(low, high, x) - lost));
 }
 
 CenterDistances::Nearest CenterDistances::nearest(const glm::dvec3& place) {
   Nearest nearest{0, std::numeric_limits<double>::infinity()};
-  if (!(std::max({std::abs(place.x), std::abs(place.y), std::abs(place.z)}) < kMostVoxel)) {
-    return nearest;
-  }
+  if (!is_within(place, kMostVoxel)) return nearest;
   const glm::dvec3 low = glm::floor(place / 8.0);
   const BrickIndex brick{static_cast<std::int32_t>(low.x), static_cast<std::int32_t>(low.y),
                          static_cast<std::int32_t>(low.z)};

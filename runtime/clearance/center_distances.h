@@ -55,10 +55,10 @@ class CenterDistances {
     std::vector<Near> near;  // by `least`, where it is asked for
   };
 
-  Block& block_of(const BrickIndex& brick);
+  Block& block_of(const BrickIndex& brick, std::uint64_t key);
   void read(const BrickIndex& brick, Block& block) const;
   void find_near(const BrickIndex& brick, Block& block);
-  float search(const BrickIndex& brick, Block& block, int x, int y, int z);
+  float search(const BrickIndex& brick, Block& block, int at);  // of its center `at`
   double side_distance(const glm::dvec3& place) const;
 
   const Voxmap& voxmap_;

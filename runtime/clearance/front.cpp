@@ -19,12 +19,6 @@ double reach_voxels(const VoxmapHeader& h) {
          h.voxel_size_m;
 }
 
-std::uint64_t key_of(const BrickIndex& brick) {
-  std::uint64_t key = 0;
-  for (const std::int32_t b : brick) key = key << 21 | (static_cast<std::uint32_t>(b) & 0x1fffffu);
-  return key;
-}
-
 Fronts::Fronts(const Voxmap& voxmap, const LeftOut& left_out, Window window)
     : voxmap_(voxmap),
       left_out_(left_out),

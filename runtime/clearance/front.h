@@ -67,7 +67,12 @@ class Fronts {
 // The lower end of the highest code: what is beyond reach is at least this far away, in voxels.
 double reach_voxels(const VoxmapHeader& header);
 
-std::uint64_t key_of(const BrickIndex& brick);
+// A number of its own for every brick.
+inline std::uint64_t key_of(const BrickIndex& brick) {
+  std::uint64_t key = 0;
+  for (const std::int32_t b : brick) key = key << 21 | (static_cast<std::uint32_t>(b) & 0x1fffffu);
+  return key;
+}
 
 // A brick's entry in a tree: a uniform one, or a stored brick's number. `outside` beyond the
 // directory.

@@ -1,7 +1,7 @@
 // The least proven distance of a part's shell points from the static mesh, at a pose. Blocks of
 // points that cannot have it are not looked at: a block's bounding sphere in space that is known to
 // be that far away, or a block that cannot have come nearer since it was last looked at. The answer
-// is that of looking at every point.
+// is no less than that of looking at every point, and no more than the truth.
 #pragma once
 
 #include <cstdint>
