@@ -62,7 +62,7 @@ Status check(const Options& options) {
   if (!part) return part.error();
   const auto allowed = named_objects(*scene, options.allow);
   if (!allowed) return allowed.error();
-  const auto rows = read_part_path(options.path);
+  const auto rows = read_part_path(options.path, options.scene, options.part);
   if (!rows) return rows.error();
   const clearance::CenterPath path(*rows, *part);
   const double read_s = now_s();

@@ -72,8 +72,8 @@ runtime/run:            formats runtime/field runtime/forcelayer runtime/loop ru
 runtime/stream:         formats runtime/forcelayer runtime/loop runtime/machine runtime/model
 voxelize:               formats formats/command formats/mesh formats/mesh/sandbox voxelize/cache voxelize/distance voxelize/fill voxelize/limits voxelize/masks voxelize/scan voxelize/tree
 runtime/viewer/run:     formats runtime/coupling runtime/field runtime/forcelayer runtime/model runtime/stream
-runtime/voxrun:         formats formats/command runtime/devices runtime/devices/hid runtime/devices/plugin runtime/forcelayer runtime/loop runtime/machine runtime/model runtime/query runtime/run runtime/stream
-runtime/voxcheck:       formats formats/command formats/path runtime/clearance runtime/forcelayer runtime/run
+runtime/voxrun:         formats formats/command formats/path runtime/devices runtime/devices/hid runtime/devices/plugin runtime/forcelayer runtime/loop runtime/machine runtime/model runtime/query runtime/run runtime/stream
+runtime/voxcheck:       formats formats/command formats/path runtime/clearance runtime/forcelayer runtime/model runtime/run runtime/stream
 runtime/viewer/plan:    formats formats/command formats/mesh runtime/forcelayer runtime/viewer/run runtime/viewer/surface
 runtime/viewer/vtk:     formats formats/command runtime/forcelayer runtime/viewer/plan runtime/viewer/run runtime/viewer/surface
 runtime/viewer:         formats formats/command runtime/viewer/plan runtime/viewer/run runtime/viewer/vtk
