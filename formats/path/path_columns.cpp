@@ -4,6 +4,8 @@
 #include <cmath>
 #include <span>
 
+#include "formats/path/quaternion.h"
+
 namespace forcelayer {
 namespace {
 
@@ -94,6 +96,7 @@ std::optional<std::string> find_orientation(const std::string& prefix, const Sea
     return std::nullopt;
   }
   if (found > 0) return missing(absent, ": a quaternion has the columns qw, qx, qy and qz");
+  absent.clear();
   for (std::size_t n = 0; n < 3; ++n) {
     if (search.take(4 + n, prefix + kAxes[n], kAngles)) {
       ++found;
@@ -106,15 +109,6 @@ std::optional<std::string> find_orientation(const std::string& prefix, const Sea
   search.columns.turn = PathColumns::Turn::kAngles;
   search.columns.values = 7;
   return std::nullopt;
-}
-
-using Quaternion = std::array<double, 4>;  // w, x, y, z
-
-Quaternion product(const Quaternion& a, const Quaternion& b) {
-  return {a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
-          a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
-          a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1],
-          a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0]};
 }
 
 // Turns about the world's axes: x first, then y, then z.

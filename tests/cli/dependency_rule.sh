@@ -42,7 +42,7 @@ runtime/forcelayer:     formats
 runtime/machine:        formats
 voxelize/masks:         formats/lattice
 formats/mesh:           formats formats/command
-formats/voxinfo:        formats formats/audit formats/command
+formats/voxinfo:        formats formats/audit formats/command formats/path
 runtime/coupling:       runtime/forcelayer
 runtime/examples:       runtime/forcelayer
 runtime/query:          formats runtime/forcelayer runtime/machine
