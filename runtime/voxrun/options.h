@@ -47,7 +47,7 @@ struct Options {
   std::string plugin, plugin_args;  // of the device "plugin"
   HidOptions hid;                   // of the devices "hid" and "spacemouse"
   std::string hand;  // that holds the sim device; empty: the script moves it, whatever it feels
-  std::string motion, json, trace, record, replay, udp;
+  std::string motion, json, trace, save_path, record, replay, udp;
   double udp_rate_hz = 60;
   PartStart start;                         // --start and --grip
   std::optional<machine::ReachBox> reach;  // --reach: none: what the handle's workspace allows
