@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "formats/command/text.h"
-#include "runtime/model/simulation.h"
 
 namespace forcelayer::voxrun {
 namespace {
