@@ -6,6 +6,8 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
+#include "runtime/clearance/front_kernel.h"
+
 namespace forcelayer::clearance {
 namespace {
 
@@ -198,21 +200,12 @@ float CenterDistances::search(const BrickIndex& brick, Block& block, int at) {
                          static_cast<float>(at % 9) + 0.5f);
   const auto least_of_front = static_cast<float>(fronts_.least_voxels());
   auto best = static_cast<float>(cap_);
-  constexpr std::size_t kTogether = 8;
   for (const Block::Near& near : block.near) {
     if (near.least + least_of_front >= best) break;
-    const glm::vec3 from = center - near.low;
     const Front& f = *near.front;
-    std::array<float, kTogether> least;
-    least.fill(best);
-    for (std::size_t i = 0; i < f.x.size(); i += kTogether) {
-      for (std::size_t n = 0; n < kTogether; ++n) {
-        const float dx = f.x[i + n] - from.x, dy = f.y[i + n] - from.y, dz = f.z[i + n] - from.z;
-        const float sum = std::sqrt(dx * dx + dy * dy + dz * dz) + f.least[i + n];
-        least[n] = sum < least[n] ? sum : least[n];
-      }
-    }
-    for (const float sum : least) best = std::min(best, sum);
+    const glm::vec3 from = center - near.low;
+    best = least_sum({f.x.data(), f.y.data(), f.z.data(), f.least.data(), f.x.size()}, from.x,
+                     from.y, from.z, best);
   }
   const auto i = static_cast<std::size_t>(at);
   double distance = fronts_.distance_voxels(best, block.known[i]);
