@@ -11,6 +11,9 @@
 namespace forcelayer::clearance {
 namespace {
 
+// Fronts at the far end of what is stored must be so far from the mesh, in voxels (front.h).
+constexpr double kFarEnough = 2.7;
+
 constexpr std::size_t kMostBlocks = 1 << 14;  // 100 MB; beyond that all are read anew
 constexpr float kRoundDown = 1 - 0x1p-20f;    // exceeds the rounding of a squared distance
 constexpr double kSumRounding = 1e-5;         // voxels^2, of the interpolation, from floats
@@ -59,7 +62,9 @@ CenterDistances::CenterDistances(const Voxmap& voxmap, const LeftOut& left_out, 
       known_(known_box(voxmap.header(), voxmap.header().directory_origin)),
       cropped_(voxmap.header().cropped_sides != 0),
       all_free_(voxmap.header().dims_voxels[0] == 0),
-      fronts_(voxmap, left_out, leaves_out_ ? Fronts::Window::kMesh : Fronts::Window::kReach),
+      fronts_(voxmap, left_out,
+              leaves_out_ || reach_voxels(voxmap.header()) < kFarEnough ? Fronts::Window::kMesh
+                                                                        : Fronts::Window::kReach),
       mesh_fronts_(voxmap, left_out, Fronts::Window::kMesh) {
   const VoxmapHeader& h = voxmap.header();
   tight_low_ = to_vec(h.origin_voxel) - to_vec(h.directory_origin);
