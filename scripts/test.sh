@@ -86,7 +86,7 @@ else
   run_tests asan -LE stress  # the stress tests judge motion, and are slow under sanitizers
   check_runtime_only
   configure clang
-  build clang voxelize pointshell voxinfo voxrun voxview mesh_tests
+  build clang voxelize pointshell voxinfo voxrun voxcheck voxview mesh_tests
   test_safety clang
 fi
 

@@ -25,6 +25,7 @@ in_tree() {
 
 in_tree workstation forcelayer-runtime -- '
   voxrun --version
+  voxcheck --version
   voxrun /tmp/golden/v2.vox /tmp/golden/v2.pshell --duration 0.05s --as-fast-as-possible --without-guarantee
   if dpkg -l | grep -E "openvdb|openmesh|draco|libtbb|vtk|boost"; then
     echo "FAILED: the runtime package brought an offline library" >&2
@@ -35,7 +36,8 @@ in_tree everything forcelayer-runtime forcelayer-tools forcelayer-viewer libforc
   voxelize /tmp/corner.obj --units m --voxel-size 20mm -o /tmp/corner.vox
   pointshell /tmp/corner.obj --units m --voxel-size 20mm -o /tmp/corner.pshell
   voxinfo verify /tmp/corner.vox
-  voxrun /tmp/corner.vox /tmp/corner.pshell --start 3m,0,0 --duration 0.1s
+  voxrun /tmp/corner.vox /tmp/corner.pshell --start 3m,0,0 --duration 0.1s --save-path /tmp/path.csv
+  voxcheck /tmp/corner.vox /tmp/corner.pshell /tmp/path.csv
   voxview --version
   test -e /usr/include/forcelayer/run.h'
 printf '\n== the packages install and run\n'

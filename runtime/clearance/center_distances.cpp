@@ -6,8 +6,13 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
+#include "runtime/clearance/front_kernel.h"
+
 namespace forcelayer::clearance {
 namespace {
+
+// Fronts at the far end of what is stored must be so far from the mesh, in voxels (front.h).
+constexpr double kFarEnough = 2.7;
 
 constexpr std::size_t kMostBlocks = 1 << 14;  // 100 MB; beyond that all are read anew
 constexpr float kRoundDown = 1 - 0x1p-20f;    // exceeds the rounding of a squared distance
@@ -57,7 +62,9 @@ CenterDistances::CenterDistances(const Voxmap& voxmap, const LeftOut& left_out, 
       known_(known_box(voxmap.header(), voxmap.header().directory_origin)),
       cropped_(voxmap.header().cropped_sides != 0),
       all_free_(voxmap.header().dims_voxels[0] == 0),
-      fronts_(voxmap, left_out, leaves_out_ ? Fronts::Window::kMesh : Fronts::Window::kReach),
+      fronts_(voxmap, left_out,
+              leaves_out_ || reach_voxels(voxmap.header()) < kFarEnough ? Fronts::Window::kMesh
+                                                                        : Fronts::Window::kReach),
       mesh_fronts_(voxmap, left_out, Fronts::Window::kMesh) {
   const VoxmapHeader& h = voxmap.header();
   tight_low_ = to_vec(h.origin_voxel) - to_vec(h.directory_origin);
@@ -198,21 +205,12 @@ float CenterDistances::search(const BrickIndex& brick, Block& block, int at) {
                          static_cast<float>(at % 9) + 0.5f);
   const auto least_of_front = static_cast<float>(fronts_.least_voxels());
   auto best = static_cast<float>(cap_);
-  constexpr std::size_t kTogether = 8;
   for (const Block::Near& near : block.near) {
     if (near.least + least_of_front >= best) break;
-    const glm::vec3 from = center - near.low;
     const Front& f = *near.front;
-    std::array<float, kTogether> least;
-    least.fill(best);
-    for (std::size_t i = 0; i < f.x.size(); i += kTogether) {
-      for (std::size_t n = 0; n < kTogether; ++n) {
-        const float dx = f.x[i + n] - from.x, dy = f.y[i + n] - from.y, dz = f.z[i + n] - from.z;
-        const float sum = std::sqrt(dx * dx + dy * dy + dz * dz) + f.least[i + n];
-        least[n] = sum < least[n] ? sum : least[n];
-      }
-    }
-    for (const float sum : least) best = std::min(best, sum);
+    const glm::vec3 from = center - near.low;
+    best = least_sum({f.x.data(), f.y.data(), f.z.data(), f.least.data(), f.x.size()}, from.x,
+                     from.y, from.z, best);
   }
   const auto i = static_cast<std::size_t>(at);
   double distance = fronts_.distance_voxels(best, block.known[i]);

@@ -69,9 +69,33 @@ std::size_t CenterPath::pose_beyond(double travel_m, std::size_t first, std::siz
   return static_cast<std::size_t>(at - begin);
 }
 
-double CenterPath::arc_deviation_m(std::size_t pose, double shares) const {
-  const double turn_rad = turn_rad_[pose] * shares;
+// A point at the radius r that turns evenly by a deviates from its chord, at equal shares of both
+// ways, by r a^2 / 8 at most.
+double CenterPath::arc_deviation_m(double turn_rad) const {
   return kRoundUp * radius_m_ * turn_rad * turn_rad / 8;
+}
+
+// Compared with a part that goes evenly from a to b, whose points deviate from their chords by that
+// of an arc. Between two poses a point deviates no more than at them, and by the arc of that
+// motion.
+double CenterPath::deviation_m(const Moment& a, const Moment& b) const {
+  const Pose from = world_from_center(a), to = world_from_center(b);
+  const glm::dvec3 way_m = to.position_m - from.position_m, turn_rad = turn_between(from, to);
+  const double begin_m = travel_m(a), all_m = travel_m(b) - begin_m;
+  const Between poses = between(a, b);
+  if (poses.count() == 0) return arc_deviation_m(glm::length(turn_rad));
+  double deviation_m = 0, most_turn_rad = turn_rad_[a.pose];
+  for (std::size_t pose = poses.first; pose < poses.beyond; ++pose) {
+    const double share = all_m > 0 ? (travel_m_[pose] - begin_m) / all_m : 0;
+    const Pose& there = world_from_center_[pose];
+    const Pose even{from.position_m + way_m * share,
+                    coupling::rotation_by(turn_rad * share) * from.orientation};
+    deviation_m = std::max(deviation_m, glm::length(there.position_m - even.position_m) +
+                                            radius_m_ * glm::length(turn_between(even, there)));
+    most_turn_rad = std::max(most_turn_rad, turn_rad_[pose]);
+  }
+  return kRoundUp * deviation_m + arc_deviation_m(glm::length(turn_rad)) +
+         arc_deviation_m(most_turn_rad);
 }
 
 }  // namespace forcelayer::clearance

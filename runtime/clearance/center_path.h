@@ -34,11 +34,22 @@ class CenterPath {
   // `travel_m`; `last` where there is none.
   std::size_t pose_beyond(double travel_m, std::size_t first, std::size_t last) const;
 
-  // How far a point of the shell deviates from the straight way between two moments of one motion
-  // at most, m: at a radius r that turns by a, at equal shares of both ways, r a^2 / 8.
-  double arc_deviation_m(std::size_t pose, double shares) const;
+  // The poses strictly between two moments: from `first` to before `beyond`.
+  struct Between {
+    std::size_t first, beyond;
+    std::size_t count() const { return beyond > first ? beyond - first : 0; }
+  };
+  static Between between(const Moment& a, const Moment& b) {
+    return {a.pose + 1, b.share > 0 ? b.pose + 1 : b.pose};
+  }
+
+  // How far any shell point deviates at most, m, from the straight way between where it is at two
+  // moments, as long as the part goes from one to the other. Takes time with each pose between.
+  double deviation_m(const Moment& a, const Moment& b) const;
 
  private:
+  double arc_deviation_m(double turn_rad) const;
+
   double radius_m_;  // of the shell about the centroid
   std::vector<double> time_s_, travel_m_;
   std::vector<double> turn_rad_;  // from each pose to the next

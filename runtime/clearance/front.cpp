@@ -10,6 +10,7 @@ constexpr double kHalfDiagonal = 0.8660254037844387;  // of a voxel, rounded up
 constexpr double kHalfSquare = 0.375;                 // half its square
 constexpr double kWriterError = 0.002;                // of a code, in voxels (voxmap_format.md, 6)
 constexpr double kRounding = 1e-4;                    // voxels: far above that of the sums
+constexpr double kDeepest = 0.9;                      // voxels: no voxel of the mesh is deeper
 constexpr std::size_t kPadding = 16;                  // voxels of a front are looked at together
 
 }  // namespace
@@ -27,6 +28,9 @@ Fronts::Fronts(const Voxmap& voxmap, const LeftOut& left_out, Window window)
   from_mesh_ = window == Window::kMesh
                    ? 1
                    : reach_voxels(voxmap.header()) - kHalfDiagonal - quantum_ - kWriterError;
+  // Codes may end where the voxels of the mesh are not yet told apart from those inside.
+  const VoxmapHeader& h = voxmap.header();
+  counts_lowest_ = window == Window::kMesh && (h.distance_zero_code - 1) * quantum_ < kDeepest;
   low_ = std::max(0.0, from_mesh_ - kHalfDiagonal);
   high_ = from_mesh_ + kHalfDiagonal;
 }
@@ -34,9 +38,9 @@ Fronts::Fronts(const Voxmap& voxmap, const LeftOut& left_out, Window window)
 double Fronts::distance_voxels(double least_sum, double known_voxels) const {
   const double sum = least_sum - kRounding;
   if (from_mesh_ <= 1) {
-    // From L = 3 on the loss is at most this. Below, the nearest point's own voxel counts: it is
-    // found at L and twice half a diagonal at most.
-    const double far = sum - kHalfSquare * 1.5;
+    // From L = 3 on, B between 1 and 2 h, the loss is at most this. Below, a sum is less than 4;
+    // the nearest point's own voxel has L and twice half a diagonal at most.
+    const double far = sum - kHalfSquare * (1 / (3 - 2 * kHalfDiagonal) + 1);
     return std::max({0.0, known_voxels, sum >= 4 ? far : sum - 2 * kHalfDiagonal});
   }
   const auto loss = [&](double to_front) { return kHalfSquare * (1 / to_front + 1 / from_mesh_); };
@@ -51,15 +55,20 @@ const Front* Fronts::of(const BrickIndex& brick) {
   const DistanceView& distances = *voxmap_.distances();
   const ObjectView* const objects = voxmap_.objects();
   const std::uint32_t entry = entry_of(distances, brick, uniform_entry(kMostDistanceCode));
-  if (is_uniform(entry) && code_in(distances, entry, 0) == kMostDistanceCode) return nullptr;
+  if (is_uniform(entry)) {
+    const std::uint32_t code = code_in(distances, entry, 0);
+    if (code == kMostDistanceCode || (code == 0 && !counts_lowest_)) return nullptr;
+  }
   const std::uint32_t named =
       objects != nullptr ? entry_of(*objects, brick, uniform_entry(0)) : uniform_entry(0);
   auto front = std::make_unique<Front>();
   const std::int32_t zero = voxmap_.header().distance_zero_code;
   for (std::uint32_t n = 0; n < kNodeEntries; ++n) {
     const auto code = static_cast<std::int32_t>(code_in(distances, entry, n));
-    if (code == 0 || code == static_cast<std::int32_t>(kMostDistanceCode)) continue;
-    const double low = (code - zero) * quantum_, high = low + quantum_ + kWriterError;
+    if (code == static_cast<std::int32_t>(kMostDistanceCode)) continue;
+    if (code == 0 && !counts_lowest_) continue;
+    const double low = code == 0 ? -Front::kFar : (code - zero) * quantum_;
+    const double high = (code + 1 - zero) * quantum_ + kWriterError;
     const double least = std::max({0.0, low, -high}), most = std::max(high, -low);
     if (most < low_ || least > high_) continue;
     const std::uint32_t object = objects != nullptr ? code_in(*objects, named, n) : 0;

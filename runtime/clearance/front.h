@@ -10,9 +10,14 @@
 // both ends. So the least |x - w| + D(w) of all voxels with distances in that window, less that
 // loss, is no more than L.
 //
+// No such voxel is inside of a solid, where codes may end: x is not, so the segment would go
+// through a voxel of the mesh, no more than 2 h from it, and B is more.
+//
 // Objects can be left out of a scene. Then only voxels that are nearest to others count, and B is
-// one voxel, because only close to an object its voxels are nearest to it. An object that lies
-// within three voxels of one that is left out can be hidden by it.
+// one voxel, because only close to an object its voxels are nearest to it. Where z is in a pocket
+// that the voxels of the mesh close, the one through which the segment enters takes its place: B is
+// then up to 2 h. An object that lies within three voxels of one that is left out can be hidden by
+// it.
 #pragma once
 
 #include <cstdint>
@@ -58,9 +63,10 @@ class Fronts {
  private:
   const Voxmap& voxmap_;
   const LeftOut& left_out_;
-  double quantum_;     // voxels
-  double low_, high_;  // the window
-  double from_mesh_;   // B
+  double quantum_;      // voxels
+  bool counts_lowest_;  // voxels of the lowest code make a front, too
+  double low_, high_;   // the window
+  double from_mesh_;    // B
   std::unordered_map<std::uint64_t, std::unique_ptr<Front>> fronts_;
 };
 

@@ -14,6 +14,9 @@ constexpr double kEdge = 1.0 / 16;
 constexpr double kInside = 0.5;
 constexpr double kShortest = 1.0 / 4096;
 
+// How many poses a straight way is compared with at most.
+constexpr std::size_t kMostPoses = 1024;
+
 constexpr double kRounding = 1e-6;  // voxels: exceeds that of the bounds here
 
 }  // namespace
@@ -21,6 +24,11 @@ constexpr double kRounding = 1e-6;  // voxels: exceeds that of the bounds here
 PathWalk::PathWalk(const CenterPath& path, PartDistance& part, double voxel_size_m,
                    const WalkLimits& limits)
     : path_(path), part_(part), voxel_size_m_(voxel_size_m), limits_(limits) {}
+
+// What a piece must prove for the least distance of the path to be told, and what for it to be told
+// and no piece to be too near.
+double PathWalk::enough() const { return limits_.least_voxels - kLeastTolerance; }
+double PathWalk::wanted() const { return std::max(limits_.required_voxels, enough()); }
 
 Sample PathWalk::sample(const Moment& moment, double enough_voxels) {
   ++tested_;
@@ -34,22 +42,22 @@ Sample PathWalk::sample(const Moment& moment, double enough_voxels) {
 
 double PathWalk::proven_between(const Sample& a, const Sample& b) const {
   const double travel = (b.travel_m - a.travel_m) / voxel_size_m_;
-  const double by_ends = (a.least.voxels + b.least.voxels - travel) / 2;
-  const bool one_motion =
-      b.moment.pose == a.moment.pose || (b.moment.pose == a.moment.pose + 1 && b.moment.share == 0);
-  if (!one_motion) return by_ends - kRounding;
-  const double end = b.moment.pose == a.moment.pose ? b.moment.share : 1;
-  const double arc = path_.arc_deviation_m(a.moment.pose, end - a.moment.share) / voxel_size_m_;
+  const double by_ends = (a.least.voxels + b.least.voxels - travel) / 2 - kRounding;
+  if (by_ends >= wanted()) return by_ends;
   const double nearer = std::min(a.least.voxels, b.least.voxels);
   const double squared = nearer * nearer - travel * travel / 4;
-  const double by_chord = squared > 0 ? std::sqrt(squared) - arc : 0;
-  return std::max(by_ends, by_chord) - kRounding;
+  const double by_chord = squared > 0 ? std::sqrt(squared) - kRounding : 0;
+  // Where that would not do, nothing is gained by looking at every pose.
+  const bool is_of_use = by_chord > by_ends && (by_chord >= wanted() || by_chord >= enough());
+  const CenterPath::Between poses = CenterPath::between(a.moment, b.moment);
+  if (!is_of_use || poses.count() > kMostPoses) return by_ends;
+  return std::max(by_ends, by_chord - path_.deviation_m(a.moment, b.moment) / voxel_size_m_);
 }
 
 // Whether a piece need not be cut any more.
 bool PathWalk::is_settled(const Sample& a, const Sample& b, double proven, double travel) const {
   if (travel < kShortest) return true;
-  if (proven < limits_.least_voxels - kLeastTolerance) return false;
+  if (proven < enough()) return false;
   const double required = limits_.required_voxels;
   if (proven >= required) return true;
   const bool near_a = a.least.voxels < required, near_b = b.least.voxels < required;
@@ -59,10 +67,9 @@ bool PathWalk::is_settled(const Sample& a, const Sample& b, double proven, doubl
 
 // A moment between two others that halves the way: a pose of the path where there is one.
 Moment PathWalk::between(const Sample& a, const Sample& b) {
-  const std::size_t first = a.moment.pose + 1;
-  const std::size_t beyond = b.moment.share > 0 ? b.moment.pose + 1 : b.moment.pose;
-  if (first < beyond) {
-    return {path_.pose_beyond((a.travel_m + b.travel_m) / 2, first, beyond - 1), 0};
+  if (const CenterPath::Between poses = CenterPath::between(a.moment, b.moment);
+      poses.count() > 0) {
+    return {path_.pose_beyond((a.travel_m + b.travel_m) / 2, poses.first, poses.beyond - 1), 0};
   }
   if (last_subdivided_ != a.moment.pose) ++motions_subdivided_;
   last_subdivided_ = a.moment.pose;

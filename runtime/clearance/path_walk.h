@@ -3,9 +3,9 @@
 //
 // Between two moments whose points travel S at most, every shell point is at least
 //   (d_a + d_b - S) / 2
-// from the static mesh, where d_a and d_b are proven for all points at the two moments; within one
-// motion, whose points go along chords of at most S and deviate from these by at most `arc`, also
-//   sqrt(min(d_a, d_b)^2 - S^2 / 4) - arc
+// from the static mesh, where d_a and d_b are proven for all points at the two moments; and where
+// the points deviate from the straight ways between the moments by at most `e`, also
+//   sqrt(min(d_a, d_b)^2 - S^2 / 4) - e
 // (voxmap_format.md, 13.4). What is not covered so is cut in two.
 #pragma once
 
@@ -55,6 +55,8 @@ class PathWalk {
  private:
   Sample sample(const Moment& moment, double enough_voxels);
   double proven_between(const Sample& a, const Sample& b) const;
+  double enough() const;
+  double wanted() const;
   bool is_settled(const Sample& a, const Sample& b, double proven, double travel) const;
   Moment between(const Sample& a, const Sample& b);
   void cover(const Sample& a, const Sample& b);

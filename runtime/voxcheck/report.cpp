@@ -1,6 +1,7 @@
 #include "runtime/voxcheck/report.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -200,7 +201,12 @@ Json report_json(const Report& report) {
 Status write_curve(const Report& report) {
   std::string table = "from_s,to_s,clearance_m\n";
   for (const auto& piece : report.result.curve) {
-    table += text("%.9g,%.9g,%.9g\n", piece.from_s, piece.to_s, piece.clearance_m);
+    for (const double number : {piece.from_s, piece.to_s, piece.clearance_m}) {
+      char digits[32];  // the shortest text that reads back as the same number
+      table.append(digits, std::to_chars(digits, digits + sizeof digits, number).ptr);
+      table += ',';
+    }
+    table.back() = '\n';
   }
   return write_text(report.options.csv, table);
 }

@@ -39,7 +39,7 @@ if(TARGET voxelize)
     "voxelize turns static meshes into a voxmap with an offset force layer,\npointshell turns a moving part into a covering set of surface points, and\nvoxinfo checks and exports what they wrote.")
 endif()
 debian_package(runtime forcelayer-runtime science "six-degree-of-freedom haptic rendering at 1 kHz"
-  "voxrun maps a baked scene and a baked part into memory and drives a haptic\ndevice with the contact forces between them. It needs none of the libraries\nthat baking needs.")
+  "voxrun maps a baked scene and a baked part into memory and drives a haptic\ndevice with the contact forces between them. voxcheck proves the clearance\nalong a path. Neither needs the libraries that baking needs.")
 if(TARGET voxview)
   debian_package(viewer forcelayer-viewer science "shows haptic scenes, baked files and runs"
     "voxview draws meshes, voxmaps, point shells and recorded or live runs of\nvoxrun.")

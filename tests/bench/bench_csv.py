@@ -78,6 +78,9 @@ FILES = {
     "skip_bake": (("scene", "bake"), {**times("seconds"), **same("triangles_left_out", "nodes_left_out")}),
     "skip_query": (("scene", "points", "way"), {**times("p50_us")}),
     "skip_tree": (("scene",), same("voxels_in_bricks", "bricks_needed", "bricks_stored")),
+    "path": (("scenes", "from_voxels"), {"poses": SAME, "median": 1.02, "p99": 1.02}),
+    "path_poses": (("scenes",), same("moments", "too_much", "planted", "found")),
+    "path_time": (("clearance_mm", "threads"), {**same("poses", "moments_tested"), **times("cpu_s")}),
     "paper": (("figure",), {}),
     "paper_steps": (("model", "points"), times("p50_us", "p99_us")),
     "loop": (("figure",), {}),
@@ -343,6 +346,18 @@ def skipped(rows):
                     "p99_us": figures["frame_us"]["p99"]}
 
 
+def path(rows):
+    for r in rows:
+        yield "path_poses", {key: r[key] for key in ("scenes", "moments", "too_much", "planted", "found")}
+        for line in r["ranges"]:
+            yield "path", {"scenes": r["scenes"], **line}
+
+
+def path_time(rows):
+    for r in rows:
+        yield "path_time", r
+
+
 def paper(results):
     own, part, at_1_khz = results["paper"], results["part"], results["points_at_1_khz"]
     figures = [("triangles", own["polygons"], results["bake"]["triangles"], None),
@@ -383,7 +398,7 @@ ROWS = {"bake": bake, "bake_wide": bake_kinds, "bake_error": bake_error, "bake_g
         "stability_hands": stability_one_case("hands", "stability_hands"), "stability_map": stability_map,
         "stability_device": stability_device, "stability_grips": stability_grips,
         "stability_loops": stability_loops, "stability_step": stability_step, "skipped": skipped,
-        "paper_table": paper, "loop": loop}
+        "path": path, "path_time": path_time, "paper_table": paper, "loop": loop}
 OF_VECTORS = (bake_kinds, force_cost)  # which put the vectors of the run into the rows
 
 

@@ -359,6 +359,18 @@ TABLES = {
         ("points looked at", scaled("points_looked_at")), ("blocks looked at", scaled("blocks_looked_at")),
         ("pages touched", text("pages_touched")), ("found", scaled("points_found")),
         ("p50 / p99, us", lambda r: pair(r["p50_us"], r["p99_us"]))]),
+    "path_poses": ("path_poses", list, [
+        ("scenes", text("scenes")), ("moments", text("moments")), ("proven too much", text("too_much")),
+        ("paths too near", text("planted")), ("found", text("found"))]),
+    "path": ("path", list, [
+        ("scenes", text("scenes")), ("exact distance, voxels", lambda r: f"{r['from_voxels']} to {r['to_voxels']}"),
+        ("poses", text("poses")), ("slack: median", scaled("median", 1, 2)), ("p99", scaled("p99", 1, 2)),
+        ("most", scaled("most", 1, 2))]),
+    "path_time": ("path_time", list, [
+        ("required, mm", text("clearance_mm")), ("threads", text("threads")), ("points", text("points")),
+        ("poses", text("poses")), ("moments looked at", text("moments_tested")), ("violations", text("violations")),
+        ("reading, s", scaled("read_s", 1, 2)), ("checking, s", scaled("check_s", 1, 2)),
+        ("processor, s", scaled("cpu_s", 1, 2)), ("memory, MB", scaled("peak_bytes", 1e-6))]),
     "paper": ("paper", lambda rows: [r for r in rows if r["figure"] != "points_at_1_khz_reached"], [
         ("figure", lambda r: PAPER_ROWS.get(r["figure"], (r["figure"].replace("_", " "),))[0]),
         ("1999", paper_cell("in_1999")), ("paper's model", paper_cell("paper_model")), ("`default`", paper_cell("default"))]),

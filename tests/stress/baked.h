@@ -2,8 +2,11 @@
 // them.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <memory>
+#include <optional>
+#include <span>
 
 #include "formats/mesh/mesh.h"
 #include "formats/pshell.h"
@@ -48,6 +51,11 @@ class BakedPart {
 // The two bakes, in units of their own: both areas name their options alike.
 void bake_scene_file(const mesh::Mesh& mesh, double voxel_size_m, test::VoxelKind kind,
                      const std::filesystem::path& path, double standoff_m = 0);
+// Several objects, numbered in their order, with distances; within a region of interest (world box,
+// low corner and high corner, m) where there is one.
+void bake_objects_file(std::span<const mesh::Mesh> objects, double voxel_size_m,
+                       const std::filesystem::path& path, double standoff_m = 0,
+                       const std::optional<std::array<double, 6>>& roi_m = {});
 void bake_part_file(const mesh::Mesh& mesh, double voxel_size_m, const std::filesystem::path& path,
                     double covering_radius_m = 0);
 

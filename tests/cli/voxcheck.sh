@@ -1,0 +1,131 @@
+#!/usr/bin/env bash
+# voxcheck as a user meets it: verdicts, seats, allowed objects, every kind of path and report, errors.
+set -euo pipefail
+bin=$FORCELAYER_BIN_DIR
+data=$FORCELAYER_SOURCE_DIR/sample_data
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+cd "$scratch"
+
+fail() { echo "FAILED: $*" >&2; exit 1; }
+
+# check STATUS ARGUMENTS...: that exit status; what was said is in out.txt and err.txt.
+check() {
+  local wanted=$1 status=0
+  shift
+  "$bin/voxcheck" "$@" >out.txt 2>err.txt || status=$?
+  [ "$status" -eq "$wanted" ] || { cat out.txt err.txt; fail "status $status instead of $wanted: $*"; }
+  [ "$(wc -l <err.txt)" -eq $((wanted != 0)) ] || { cat err.txt; fail "stderr has not one line for an error: $*"; }
+}
+says() { grep -qE -e "$1" out.txt || { cat out.txt; fail "not said: '$1'"; }; }
+errs() { grep -qE -e "$1" err.txt || { cat err.txt; fail "no '$1' on stderr"; }; }
+
+"$bin/voxelize" "$data/gearbox.glb" --without Lid --voxel-size 1mm -o opened.vox --quiet
+"$bin/pointshell" "$data/gearbox.glb#Cover" --voxel-size 1mm -o cover.pshell --quiet
+
+# Straight up, out of its place; with a pause. The same path in other words.
+python3 - <<'PYTHON'
+def rows(way):
+    return [(0.01 * i, *way(0.01 * i)) for i in range(101)]
+out = rows(lambda t: (0, 0, 0.06 * max(0, t - 0.2)))
+def write(name, header, lines):
+    with open(name, "w", newline="") as file:
+        file.write(header + "\n" + "\n".join(lines) + "\n")
+write("out.csv", "t_s,x_m,y_m,z_m,qw,qx,qy,qz", [f"{t:.2f},{x},{y},{z:.6f},1,0,0,0" for t, x, y, z in out])
+write("mm.csv", "\ufeff# saved by hand\r\nt_ms;x_mm;y_mm;z_mm;rx_deg;ry_deg;rz_deg",
+      [f"{1000 * t:.0f};{1000 * x};{1000 * y};{1000 * z:.3f};0;0;0".replace(".", ",") for t, x, y, z in out])
+# Above the gearbox, and once, between two rows, through it.
+write("over.csv", "t_s,x_m,y_m,z_m", ["0,0,0,0.2", "1,0,0,0.1", "2,0,0,0.2"])
+write("through.csv", "t_s,x_m,y_m,z_m", ["0,0,0,0.2", "1,0,0,-0.2", "2,0,0,-0.2"])
+write("rest.csv", "t_s,x_m,y_m,z_m", ["0,0,0,0", "1,0,0,0"])
+PYTHON
+
+# Clear, by the usual half inch and by more.
+check 0 opened.vox cover.pshell over.csv --json over.json
+says '^clear: 12\.700 mm required; (least proven clearance|at least) [0-9.]+ mm'
+python3 - <<'PYTHON'
+import json
+over = json.load(open("over.json"))
+assert over["verdict"] == "clear" and over["violations"] == [] and over["poses"] == 3, over
+assert over["required_clearance_m"] == 0.0127 and over["least_clearance"]["clearance_m"] >= 0.0127, over
+PYTHON
+
+# What happens between two rows is seen. Every report says the same.
+check 6 opened.vox cover.pshell through.csv --json through.json --csv curve.csv --junit through.xml \
+  --code-quality quality.json --github
+says '^NOT clear: 12\.700 mm required; not proven in 1 stretch$'
+says '^::error file=through\.csv,title=clearance::12\.700 mm required; 0\.[0-9]+ to 0\.[0-9]+ s: 0\.000 mm proven'
+errs '^voxcheck: cover\.pshell: at 0\.[0-9]+ s: 12\.700 mm required, but not proven: '
+python3 - <<'PYTHON'
+import csv, json, xml.etree.ElementTree as tree
+report, quality = json.load(open("through.json")), json.load(open("quality.json"))
+[violation] = report["violations"]
+assert report["verdict"] == "not clear" and report["motions_subdivided"] == 1, report
+assert 0 < violation["from_s"] < violation["to_s"] < 1, violation
+assert violation["clearance_m"] == 0 and violation["object"].startswith("Gearbox/"), violation
+curve = [[float(cell) for cell in row] for row in list(csv.reader(open("curve.csv")))[1:]]
+assert curve[0][0] == 0 and curve[-1][1] == 2
+assert all(a[1] == b[0] for a, b in zip(curve, curve[1:])), "the curve has gaps"
+near = [row for row in curve if row[2] < 0.0127]
+assert near[0][0] == violation["from_s"] and near[-1][1] == violation["to_s"], (near[0], violation)
+assert len(quality) == 1 and quality[0]["location"]["path"] == "through.csv" and quality[0]["fingerprint"]
+suite = tree.parse("through.xml").getroot()
+assert suite.get("failures") == "1" and "mm proven" in suite.find("testcase/failure").get("message")
+PYTHON
+
+# The seat: until the part has left it, only other objects count; without one it is a violation.
+check 6 opened.vox cover.pshell out.csv --clearance 1mm
+check 0 opened.vox cover.pshell out.csv --clearance 1mm --seat 0,0,0m --json out.json
+says '^seated on Gearbox/Housing from 0\.000 to 0\.[0-9]{3} s; else clear: 1\.000 mm required'
+"$bin/voxinfo" path out.csv --reverse -o in.csv --quiet
+check 0 opened.vox cover.pshell in.csv --clearance 1mm --seat 0,0,0m
+says '^seated on Gearbox/Housing from 0\.[0-9]{3} to 1\.000 s; else clear'
+check 0 opened.vox cover.pshell out.csv --clearance 1mm --allow Housing
+check 0 opened.vox cover.pshell out.csv --clearance 1mm --allow 'Gear*/Ho?sing' --threads 1
+check 6 opened.vox cover.pshell through.csv --clearance 1mm --seat 0,0,0m
+# Pushed into its seat it is not clear.
+printf 't_s,x_m,y_m,z_m\n0,0,0,0\n1,0,0,-0.003\n2,0,0,0.06\n' >pushed.csv
+check 6 opened.vox cover.pshell pushed.csv --clearance 1mm --seat 0,0,0m
+says 'pushed deeper into Gearbox/Housing than it is seated'
+
+# One path, however it is written; however many threads.
+check 0 opened.vox cover.pshell mm.csv --clearance 1mm --seat 0,0,0m --json mm.json
+check 0 opened.vox cover.pshell out.csv --clearance 1mm --seat 0,0,0m --json threads.json --threads 5
+"$bin/voxrun" opened.vox cover.pshell --motion out.csv --as-fast-as-possible --quiet --trace trace.csv \
+  --save-path path.csv --record run.flr
+for kind in trace.csv path.csv run.flr; do
+  check 0 opened.vox cover.pshell $kind --clearance 1mm --seat 0,0,0m --json "${kind%.*}.json"
+done
+python3 - <<'PYTHON'
+import json
+def told(name):
+    report = json.load(open(name))
+    return {key: report[key] for key in report if key not in ("seconds", "threads")}
+assert told("out.json") == told("threads.json")
+assert told("trace.json") == told("path.json") == told("run.json")
+a, b = told("out.json"), told("mm.json")
+assert abs(a["least_clearance"]["clearance_m"] - b["least_clearance"]["clearance_m"]) < 1e-9, (a, b)
+assert a["seated"][0]["to_s"] == b["seated"][0]["to_s"]
+PYTHON
+"$bin/voxinfo" path mm.csv -o back.csv --quiet
+"$bin/voxinfo" path back.csv --json back.json | grep -q '^back.csv: 101 poses from 0 to 1 s; a way of 0.048 m' ||
+  fail "voxinfo path does not say what is there"
+check 0 opened.vox cover.pshell back.csv --clearance 1mm --seat 0,0,0m
+
+# Errors: one line, the right status, nothing half-written.
+check 2 opened.vox cover.pshell out.csv --allow Nobody
+errs "'Nobody' names no object of the scene"
+check 2 opened.vox cover.pshell out.csv --clearance 12
+check 2 opened.vox cover.pshell out.csv --clearance 1m
+errs 'voxels of this scene.*--voxel-size [0-9.]+mm or more'
+check 2 opened.vox cover.pshell out.csv --json out.csv
+check 1 opened.vox cover.pshell none.csv
+check 2 opened.vox cover.pshell opened.vox
+check 4 cover.pshell opened.vox out.csv
+"$bin/voxelize" "$data/gearbox.glb" --without Lid --voxel-size 1mm --lean -o lean.vox --quiet
+check 2 lean.vox cover.pshell out.csv --json lean.json
+errs 'stores no distances.*bake it without --lean'
+[ ! -e lean.json ] || fail "a report of a check that was not made"
+check 4 lean.vox cover.pshell run.flr
+errs 'is not the file that the run was recorded with'
+echo "all good"
