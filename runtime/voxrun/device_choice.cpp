@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/geometric.hpp>
 #include <utility>
 
 #include "runtime/devices/plugin/plugin_device.h"
@@ -23,6 +24,21 @@ Pose resting_handle(const Options& options) {
   return *start.world_from_part * inverse(start.handle_from_part.value_or(Pose{}));
 }
 
+// From rest to rest along `way_m`, with the least jerk.
+devices::MotionScript pulled(const Pose& from, const glm::dvec3& way_m) {
+  constexpr double kRestS = 0.3, kEndS = 0.2, kLeastS = 2, kMeanMps = 0.05, kRowsPerS = 100;
+  const double move_s = std::max(kLeastS, glm::length(way_m) / kMeanMps);
+  std::vector<devices::MotionScript::Row> rows = {{0, from}};
+  const auto count = static_cast<int>(std::ceil(move_s * kRowsPerS));
+  for (int n = 0; n <= count; ++n) {
+    const double t = static_cast<double>(n) / count;
+    const double share = t * t * t * (10 - 15 * t + 6 * t * t);
+    rows.push_back({kRestS + t * move_s, {from.position_m + share * way_m, from.orientation}});
+  }
+  rows.push_back({kRestS + move_s + kEndS, rows.back().world_from_handle});
+  return devices::MotionScript(std::move(rows));
+}
+
 Result<ChosenDevice> make_sim(const Options& options) {
   const DevicePlacement& placement = options.run.placement;
   ChosenDevice chosen;
@@ -31,6 +47,10 @@ Result<ChosenDevice> make_sim(const Options& options) {
     auto read = devices::MotionScript::read(options.motion);
     if (!read) return read.error();
     script = std::move(*read);
+    chosen.motion_end_s = script.end_s();
+  }
+  if (options.pull_m) {
+    script = pulled(resting_handle(options), *options.pull_m);
     chosen.motion_end_s = script.end_s();
   }
   if (options.hand.empty()) {

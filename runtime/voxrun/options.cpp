@@ -89,6 +89,9 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
   app.add_flag("--as-fast-as-possible", options_.as_fast_as_possible,
                "no clock: every frame follows the last at once");
   app.add_option("--motion", options_.motion, "CSV of hand poses for the sim device");
+  app.add_option("--pull", texts_.pull,
+                 "x,y,z: in place of --motion, a hand that rests for 0.3 s and then moves the part "
+                 "straight by this way, such as 0,0,60mm, at 5 cm/s or in two seconds");
   app.add_option(
          "--hand", options_.hand,
          "a simulated hand that feels the sim device: firm or loose; --motion is then where "
@@ -267,6 +270,14 @@ Status OptionParser::read_scenes(Options& options) const {
   return {};
 }
 
+Status OptionParser::read_pull(Options& options) const {
+  if (texts_.pull.empty()) return {};
+  const auto way = command::parse_point(texts_.pull);
+  if (!way) return about("--pull", way.error());
+  options.pull_m = {(*way)[0], (*way)[1], (*way)[2]};
+  return {};
+}
+
 Status OptionParser::check(const Options& options) const {
   if (!options.scene_next.empty() || options.scene_button) {
     const char* const option = options.scene_button ? "--scene-button" : "--scene-next";
@@ -283,6 +294,9 @@ Status OptionParser::check(const Options& options) const {
   if (!options.motion.empty() && options.device != "sim") {
     return usage("--motion", "is for the sim device", "leave out --device");
   }
+  if (options.pull_m && (options.device != "sim" || !options.motion.empty())) {
+    return usage("--pull", "is a motion of the sim device", "leave out --device and --motion");
+  }
   if (!options.hand.empty() && options.device != "sim") {
     return usage("--hand", "is for the sim device", "leave out --device");
   }
@@ -290,9 +304,10 @@ Status OptionParser::check(const Options& options) const {
     return usage("--replay", "and --device replay go together", "give both");
   }
   if (options.replay.empty()) {
-    const bool endless = !options.duration_s && options.motion.empty();
+    const bool endless = !options.duration_s && options.motion.empty() && !options.pull_m;
     if (options.as_fast_as_possible && endless) {
-      return usage("--as-fast-as-possible", "would never end", "give --duration or --motion");
+      return usage("--as-fast-as-possible", "would never end",
+                   "give --duration, --motion or --pull");
     }
     return {};
   }
@@ -322,6 +337,7 @@ Result<Options> OptionParser::finish() const {
   if (Status read = read_safety(options); !read) return read.error();
   if (Status read = read_fail_on(options); !read) return read.error();
   if (Status read = read_scenes(options); !read) return read.error();
+  if (Status read = read_pull(options); !read) return read.error();
   if (Status sound = check(options); !sound) return sound.error();
   return options;
 }

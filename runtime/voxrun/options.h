@@ -48,6 +48,7 @@ struct Options {
   HidOptions hid;                   // of the devices "hid" and "spacemouse"
   std::string hand;  // that holds the sim device; empty: the script moves it, whatever it feels
   std::string motion, json, trace, save_path, record, replay, udp;
+  std::optional<glm::dvec3> pull_m;  // --pull: a hand's way, world axes
   double udp_rate_hz = 60;
   PartStart start;                         // --start and --grip
   std::optional<machine::ReachBox> reach;  // --reach: none: what the handle's workspace allows
@@ -74,7 +75,7 @@ class OptionParser {
  private:
   struct Texts {
     std::string scene, part, duration, model, force, start, seat, grip, world_from_device, reach,
-        fail_on, after_trip, stale, scene_next;
+        fail_on, after_trip, stale, scene_next, pull;
     unsigned clutch_button = 0, scene_button = 0;
     bool no_braking = false;
   };
@@ -82,6 +83,7 @@ class OptionParser {
   Status read_reach(Options& options) const;
   Status read_safety(Options& options) const;
   Status read_scenes(Options& options) const;
+  Status read_pull(Options& options) const;
   Status read_fail_on(Options& options) const;
   Status check(const Options& options) const;
 

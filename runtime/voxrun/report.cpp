@@ -231,7 +231,8 @@ std::vector<loop::TouchedTotal> by_force(const Scenes& scenes, const loop::LoopS
 // The scenes in their order; null: no separation is guaranteed.
 Json scenes_json(const Scenes& scenes) {
   Json json = Json::array();
-  for (const UsedScene& scene : scenes.list()) {
+  for (std::size_t n = 0; n < scenes.count(); ++n) {
+    const UsedScene& scene = scenes[n];
     json.push_back({{"scene", scene.path},
                     {"from_s", scene.from_s},
                     {"guaranteed_separation_m", number(scene.guarantee.tested_m)},
@@ -267,6 +268,7 @@ void add_objects(const Scenes& scenes, const loop::LoopStatistics& s, Json& json
 std::string touched_text(const Scenes& scenes, const loop::LoopStatistics& s) {
   constexpr std::size_t kNamed = 8;
   const auto totals = by_force(scenes, s);
+  if (s.contact_frames == 0) return "touched nothing\n";
   if (totals.empty()) return "";
   std::string line;
   for (std::size_t i = 0; i < totals.size() && i < kNamed; ++i) {

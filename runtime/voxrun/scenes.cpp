@@ -17,12 +17,12 @@ using command::text;
 
 constexpr auto kHoldTimeout = std::chrono::seconds(1);  // a fade takes 50 ms
 
-UsedScene used(const Run& run, const std::string& path) {
-  UsedScene scene;
-  scene.path = path;
-  scene.guarantee = run.guarantee();
+std::unique_ptr<UsedScene> used(const Run& run, const std::string& path) {
+  auto scene = std::make_unique<UsedScene>();
+  scene->path = path;
+  scene->guarantee = run.guarantee();
   const std::uint32_t count = run.simulation().voxmap().header().object_count;
-  for (std::uint32_t n = 1; n <= count; ++n) scene.object_names.emplace_back(run.object_name(n));
+  for (std::uint32_t n = 1; n <= count; ++n) scene->object_names.emplace_back(run.object_name(n));
   return scene;
 }
 
@@ -36,32 +36,31 @@ Scenes::Scenes(const Run& first, const std::string& path) : first_(first) {
   scenes_.push_back(used(first, path));
 }
 
-void Scenes::add(UsedScene scene) {
+void Scenes::add(std::unique_ptr<UsedScene> scene) {
   const std::lock_guard lock(mutex_);
   scenes_.push_back(std::move(scene));
 }
 
 void Scenes::begins(std::uint32_t scene, double time_s) {
   const std::lock_guard lock(mutex_);
-  scenes_[scene].from_s = time_s;
+  scenes_[scene]->from_s = time_s;
 }
 
-std::vector<UsedScene> Scenes::list() const {
+std::size_t Scenes::count() const {
   const std::lock_guard lock(mutex_);
-  return scenes_;
+  return scenes_.size();
 }
 
-std::string Scenes::path_of_last() const {
+const UsedScene& Scenes::operator[](std::size_t scene) const {
   const std::lock_guard lock(mutex_);
-  return scenes_.back().path;
+  return *scenes_[scene];
 }
 
 std::string Scenes::object_name(std::uint32_t object) const {
-  const std::lock_guard lock(mutex_);
-  for (const UsedScene& scene : scenes_) {
-    if (object == 0) return "";
-    if (object <= scene.object_names.size()) return scene.object_names[object - 1];
-    object -= static_cast<std::uint32_t>(scene.object_names.size());
+  for (std::size_t n = 0; object > 0 && n < count(); ++n) {
+    const std::vector<std::string>& names = (*this)[n].object_names;
+    if (object <= names.size()) return names[object - 1];
+    object -= static_cast<std::uint32_t>(names.size());
   }
   return "";
 }
@@ -73,17 +72,14 @@ std::string Scenes::object_text(std::uint32_t object) const {
 }
 
 std::vector<field::SeatObject> Scenes::seat() const {
-  const std::lock_guard lock(mutex_);
-  if (scenes_.size() == 1) {
-    const auto seat = first_.simulation().seat();
-    return {seat.begin(), seat.end()};
-  }
-  std::vector<field::SeatObject> seat = scenes_.back().seat;
+  const std::size_t last = count() - 1;
+  const std::span<const field::SeatObject> of_last =
+      last == 0 ? first_.simulation().seat() : (*this)[last].seat;
   std::uint32_t before = 0;
-  for (const UsedScene& scene : scenes_) {
-    if (&scene == &scenes_.back()) break;
-    before += static_cast<std::uint32_t>(scene.object_names.size());
+  for (std::size_t n = 0; n < last; ++n) {
+    before += static_cast<std::uint32_t>((*this)[n].object_names.size());
   }
+  std::vector<field::SeatObject> seat(of_last.begin(), of_last.end());
   for (field::SeatObject& of_seat : seat) {
     if (of_seat.object != 0) of_seat.object += before;
   }
@@ -91,11 +87,10 @@ std::vector<field::SeatObject> Scenes::seat() const {
 }
 
 SeparationGuarantee Scenes::guarantee() const {
-  const std::lock_guard lock(mutex_);
-  SeparationGuarantee all = scenes_.front().guarantee;
-  for (const UsedScene& scene : scenes_) {
-    all.tested_m = least(all.tested_m, scene.guarantee.tested_m);
-    all.swept_m = least(all.swept_m, scene.guarantee.swept_m);
+  SeparationGuarantee all = (*this)[0].guarantee;
+  for (std::size_t n = 1; n < count(); ++n) {
+    all.tested_m = least(all.tested_m, (*this)[n].guarantee.tested_m);
+    all.swept_m = least(all.swept_m, (*this)[n].guarantee.swept_m);
   }
   return all;
 }
@@ -149,15 +144,15 @@ std::vector<std::string> SceneChange::see(const Frame& frame) {
     scene_ = frame.scene;
     scenes_.begins(scene_, frame.time_s);
     const std::string seat = seat_text(scenes_, 0.1 * scenes_.parameters().voxel_size_m);
-    events.push_back("the scene is " + escaped(scenes_.path_of_last()) +
+    events.push_back("the scene is " + escaped(scenes_.last().path) +
                      (seat.empty() ? "" : "; the part is seated on " + seat) +
-                     "; guaranteed separation: " + guarantee_text(scenes_.list().back().guarantee));
+                     "; guaranteed separation: " + guarantee_text(scenes_.last().guarantee));
   }
   // A frame that is held may be of the change before.
   if (due_ && asked_.empty() && !frame.health.swapping) {
     due_ = false;
     asked_ = listed_ < options_.scene_next.size() ? options_.scene_next[listed_++].path
-                                                  : scenes_.path_of_last();
+                                                  : scenes_.last().path;
   }
   if (!asked_.empty()) changed_.notify_all();
   return events;
@@ -206,8 +201,8 @@ Status SceneChange::change() {
   const Pose world_from_center = world_from_center_;
   lock.unlock();
   if (Status seated = simulation.find_seat(world_from_center); !seated) return seated;
-  UsedScene scene = used(*next_, request_.scene.string());
-  scene.seat.assign(simulation.seat().begin(), simulation.seat().end());
+  auto scene = used(*next_, request_.scene.string());
+  scene->seat.assign(simulation.seat().begin(), simulation.seat().end());
   scenes_.add(std::move(scene));
   PartStart start;
   start.world_from_part = simulation.world_from_part(world_from_center);

@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <condition_variable>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -35,11 +36,12 @@ class Scenes {
   const Run& first() const { return first_; }
   const Parameters& parameters() const { return first_.parameters(); }
 
-  void add(UsedScene scene);
+  void add(std::unique_ptr<UsedScene> scene);
   void begins(std::uint32_t scene, double time_s);  // Frame::scene
 
-  std::vector<UsedScene> list() const;
-  std::string path_of_last() const;
+  std::size_t count() const;
+  const UsedScene& operator[](std::size_t scene) const;  // stays where it is
+  const UsedScene& last() const { return (*this)[count() - 1]; }
   // Empty for 0, and where the file has none.
   std::string object_name(std::uint32_t object) const;
   // "object 3" by its number in the file, where it has no name there.
@@ -50,7 +52,7 @@ class Scenes {
  private:
   const Run& first_;
   mutable std::mutex mutex_;
-  std::vector<UsedScene> scenes_;  // the first one's seat is empty: see first_
+  std::vector<std::unique_ptr<UsedScene>> scenes_;  // the first one's seat is empty: see first_
 };
 
 // Reads scenes on a thread of its own while the loop runs. When one is ready, the servo holds the

@@ -231,7 +231,7 @@ def check_replay(screen):
     screen.key("End")
     last = screen.changed(scrubbed, "the last frame, in free space")
     # Neither title nor strip: the arrow of the force on the hand is gone with the force.
-    assert (last[200:400, :500] > 60).any(axis=2).all(), "a black arrow without a force"
+    assert (last[240:400, :500] > 60).any(axis=2).all(), "a black arrow without a force"
 
     screen.key("x")
     side = screen.wait(drawn, "a view along x")
@@ -241,6 +241,7 @@ def check_replay(screen):
     screen.event(BUTTON_RELEASE, 300, 200, 4)
     screen.changed(moved, "zooming")
     screen.key("x")
+    screen.point(*middle)  # what lies under the pointer is named
     screen.same(side, "along x again")
 
     screen.x.XResizeWindow(screen.display, ctypes.c_ulong(screen.window()), 900, 700)
@@ -267,7 +268,8 @@ def check_layers(screen):
 
 
 def check_objects(screen):
-    """The object under the pointer is named, and no longer where there is none."""
+    """The object under the pointer is named, and no longer where there is none; the tree of objects
+    hides and isolates."""
     process = viewer(screen, DATA / "bay.json", "--color", "object", "--view-from", "0,0,1")
     screen.wait(drawn, "the window")
     screen.point(WIDTH - 5, HEIGHT - 5)
@@ -277,8 +279,32 @@ def check_objects(screen):
     named = screen.changed(bare, "the name of the object under the pointer")
     below_words = (slice(HEIGHT // 2, HEIGHT), slice(0, WIDTH // 2))
     assert (named[below_words] == bare[below_words]).all(), "more than words has changed"
+    screen.key("v")
+    hidden = screen.changed(named, "the object under the pointer is hidden")
+    assert (hidden[below_words] != bare[below_words]).any(), "nothing is hidden in the scene"
     screen.point(WIDTH - 5, HEIGHT - 5)
-    screen.same(bare, "no name")
+    screen.key("a")
+    screen.same(bare, "all objects, and no name")
+    screen.key("o")
+    tree = screen.changed(bare, "the tree")
+    for _ in range(2):
+        screen.key("Down")
+    chosen = screen.changed(tree, "another line is chosen")
+    screen.key("i")
+    alone = screen.changed(chosen, "one object alone")
+    paper = lambda picture: (picture[:HEIGHT, :WIDTH] == 255).all(axis=2).mean()
+    assert paper(alone) > paper(tree) + 0.1, "the others are not hidden"
+    screen.key("i")
+    screen.same(chosen, "all objects again")
+    # A click on the square before a line hides what the line names, and another one shows it.
+    left, top = 18, min(y for y in range(40, HEIGHT) if chosen[y, 26].max() < 60)
+    for wanted in ("hidden by a click", "shown by a click"):
+        before = screen.picture()
+        screen.scrub((left + 7, top + 5), (left + 7, top + 5))
+        clicked = screen.changed(before, wanted)
+    assert (clicked[below_words] == tree[below_words]).all(), "not all are shown again"
+    screen.key("o")
+    screen.same(bare, "no tree")
     screen.key("q")
     ends(process, 0, "q")
 

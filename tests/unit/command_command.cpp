@@ -15,6 +15,7 @@
 
 #include "formats/command/arguments.h"
 #include "formats/command/progress_line.h"
+#include "formats/command/provenance.h"
 #include "formats/file/atomic_file.h"
 #include "formats/result.h"
 #include "tests/support/scratch_folder.h"
@@ -30,6 +31,23 @@ TEST(ErrorLine, IsOneLineWithFilePlaceReasonAndMend) {
   EXPECT_EQ(to_line({ErrorCode::kUsage, "", "", "what", ""}), "what");
   EXPECT_EQ(to_line({ErrorCode::kUsage, "a\nb\x1b[31m\x7f", "", "c\td", ""}),
             "a\\x0ab\\x1b[31m\\x7f: c\\x09d");
+}
+
+TEST(Provenance, CountsMissingFacesOfWhateverStandsThere) {
+  using command::missing_faces_in;
+  EXPECT_EQ(missing_faces_in(R"({"missing_faces": [{"node": "a", "size": [1, 2]}, {}]})"), 2u);
+  EXPECT_EQ(missing_faces_in(R"({"a": {"missing_faces": [1]}, "missing_faces": [[1, 2], 3, "x"]})"),
+            3u);
+  EXPECT_EQ(missing_faces_in(R"({"missing_faces": [1, 2], "missing_faces": {"a": [1]}})"), 0u);
+  for (const char* none :
+       {"", "{}", "[]", "7", R"({"missing_faces": []})", R"({"missing_faces": 3})",
+        R"([{"missing_faces": [1]}])", R"(["missing_faces", [1]])", R"({"missing_faces": [1,2)"}) {
+    EXPECT_EQ(missing_faces_in(none), 0u) << none;
+  }
+  std::string deep = R"({"missing_faces": [)" + std::string(100'000, '[');
+  EXPECT_EQ(missing_faces_in(deep), 0u);
+  deep += std::string(100'000, ']') + "]}";
+  EXPECT_EQ(missing_faces_in(deep), 1u);
 }
 
 TEST(ErrorCodes, ExitStatusIsTheHundreds) {

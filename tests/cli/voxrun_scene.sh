@@ -1,0 +1,102 @@
+#!/usr/bin/env bash
+# The scene changes while the loop runs: at a time, at a signal to a new file by the same name, and not at all where the
+# new one is unusable. No frame is lost, the part stays where it is, and what is taken away no longer holds it.
+set -u
+source "$FORCELAYER_SOURCE_DIR/tests/support/command_test.sh"
+
+# A plate below z = 0, a post beside it, a block around where the part is held, and the part, a cube of 20 mm.
+python3 - <<'PYTHON' || exit 1
+FACES = ["1 3 4 2", "5 6 8 7", "1 2 6 5", "3 7 8 4", "1 5 7 3", "2 4 8 6"]
+def box(name, low, high):
+    with open(name, "w") as f:
+        for k in range(8):
+            f.write("v %g %g %g\n" % tuple(high[d] if k >> d & 1 else low[d] for d in range(3)))
+        f.writelines("f " + face + "\n" for face in FACES)
+box("plate.obj", (-60, -60, -10), (60, 60, 0))
+box("post.obj", (80, -10, -60), (100, 10, 60))
+box("block.obj", (-50, -50, -50), (50, 50, 50))
+box("part.obj", (-10, -10, -10), (10, 10, 10))
+# Down onto the plate, 3 mm into it by the hand; and 40 mm further later on.
+rows = [(0, 40), (0.3, 7), (1.4, 7), (1.8, -33), (2, -33)]
+with open("press.csv", "w") as f:
+    f.write("t_s,x_m,y_m,z_m,qw,qx,qy,qz\n")
+    f.writelines(f"{t},0,0,{z / 1000},1,0,0,0\n" for t, z in rows)
+PYTHON
+scene() { "$bin/voxelize" "${@:2}" --units mm --voxel-size 2mm -o "$1.vox" --quiet || fail "bake $1"; }
+scene plate plate.obj post.obj
+scene open post.obj
+scene buried block.obj post.obj
+cp plate.vox first.vox
+"$bin/pointshell" part.obj --units mm --voxel-size 2mm -o part.pshell --quiet || fail "the part"
+run=("$bin/voxrun" first.vox part.pshell --motion press.csv --duration 2s --after-trip rearm)
+
+# check REPORT SCENES: every frame is there, and the part went through the plate only once that was gone.
+check() {
+  python3 - "$@" <<'PYTHON' || fail "$1: $(cat err)"
+import csv, json, sys
+report = json.load(open(sys.argv[1] + ".json"))
+rows = [{k: v if k == "nearest_object" else float(v or "nan") for k, v in row.items()}
+        for row in csv.DictReader(open(sys.argv[1] + ".csv"))]
+scenes = report["scenes"]
+assert [s["scene"] for s in scenes] == sys.argv[2:], scenes
+assert len(rows) == report["frames"] == 2000 and report["dropped_frames"] == 0, report["frames"]
+assert all(abs(b["t_s"] - a["t_s"] - 0.001) < 1e-9 for a, b in zip(rows, rows[1:])), "a frame is missing"
+z = [row["part_z_m"] for row in rows]
+assert max(abs(b - a) for a, b in zip(z, z[1:])) < 1e-3, "the part jumped"
+assert report["penetration_frames"] == 0
+i = round(scenes[1]["from_s"] * 1000)
+assert 500 <= i < 1400, i
+assert min(z[:i]) > 0.0105, "the plate did not hold the part"
+assert abs(z[i] - z[i - 1]) < 1e-9 and abs(z[i + 1] - z[i]) < 5e-4, "the part was torn"
+for row in rows[i - 1:i + 1]:
+    assert all(row[f"device_force_{axis}_n"] == 0 for axis in "xyz"), "a force while the scene was changed"
+assert z[-1] < -0.015, "the part did not go on after the change"
+assert report["touched_objects"][0]["name"] == "plate", report["touched_objects"]
+near = {row["nearest_object"] for row in rows[i + 1:]}
+assert "plate" not in near and "plate" in {row["nearest_object"] for row in rows[:i]}, near
+assert scenes[0]["from_s"] == 0 and all(s["guaranteed_separation_m"] > 0 for s in scenes), scenes
+PYTHON
+}
+"${run[@]}" --scene-next open.vox@0.6s --json timed.json --trace timed.csv >out 2>err || fail "status $?: $(cat err)"
+check timed first.vox open.vox
+grep -qE "^voxrun: at [01]\.[0-9]+ s: the scene is open.vox; guaranteed separation: [0-9.]+ mm" err || fail "not said: $(cat err)"
+
+# A new file by the same name, which the run reads when it is told to; and one that is not there. The files are watched
+# all the time: a file that is replaced, by a rename, is another one.
+"${run[@]}" --json asked.json --trace asked.csv >out 2>err &
+running=$!
+sleep 0.5
+cp open.vox next.vox && mv next.vox first.vox
+for try in $(seq 100); do
+  kill -USR1 $running 2>/dev/null
+  grep -q "the scene is" err && break
+  sleep 0.05
+done
+wait $running || fail "status $?: $(cat err)"
+cp plate.vox first.vox
+python3 - <<'PYTHON' || fail "the list of scenes: $(cat err)"
+import json
+scenes = json.load(open("asked.json"))["scenes"]
+assert len(scenes) >= 2 and {s["scene"] for s in scenes} == {"first.vox"}, scenes
+json.dump({**json.load(open("asked.json")), "scenes": scenes[:2]}, open("asked.json", "w"))
+PYTHON
+check asked first.vox first.vox
+
+# What cannot be used changes nothing. A part in the middle of a solid has no side to be on.
+"$bin/voxrun" first.vox part.pshell --motion press.csv --duration 0.5s --after-trip rearm --scene-next missing.vox@0.1s \
+  --scene-next buried.vox@0.2s --json stays.json >out 2>err || fail "status $?: $(cat err)"
+grep -qE "^voxrun: at 0\.[0-9]+ s: the scene stays: missing.vox: " err || fail "a missing scene: $(cat err)"
+grep -qE "^voxrun: at 0\.[0-9]+ s: the scene stays: .*" err || fail "a solid around the part: $(cat err)"
+[ "$(grep -c 'the scene stays' err)" = 2 ] || fail "not two refusals: $(cat err)"
+python3 -c 'import json; s = json.load(open("stays.json"))["scenes"]; assert len(s) == 1, s' || fail "a refused scene is listed"
+
+refuses() {  # refuses TEXT ARGUMENTS...
+  "$bin/voxrun" first.vox part.pshell --motion press.csv "${@:2}" >out 2>err
+  [ $? = 2 ] && [ "$(wc -l <err)" = 1 ] && grep -qF -- "$1" err || fail "no '$1': ${*:2}: $(cat err)"
+}
+refuses "--scene-next: needs a clock" --scene-next open.vox --as-fast-as-possible
+refuses "--scene-next: has no place in a recording" --scene-next open.vox --record run.flr
+refuses "--scene-next: 'open.vox@1s' comes before the one before it" --scene-next plate.vox@2s --scene-next open.vox@1s
+refuses "--scene-button: needs a clock" --scene-button 1 --as-fast-as-possible
+refuses "--json: is an input of this command" --scene-next open.vox --json open.vox
+finish
