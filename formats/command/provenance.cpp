@@ -4,15 +4,61 @@
 
 namespace forcelayer::command {
 
+using Json = nlohmann::ordered_json;  // as in reports: one instance of its templates
+
+namespace {
+
+// Counts the elements of the array "missing_faces" of the outermost object.
+class FaceCounter {
+ public:
+  std::uint64_t count() const { return count_; }
+
+  bool null() { return value(); }
+  bool boolean(bool) { return value(); }
+  bool number_integer(std::int64_t) { return value(); }
+  bool number_unsigned(std::uint64_t) { return value(); }
+  bool number_float(double, const std::string&) { return value(); }
+  bool string(std::string&) { return value(); }
+  bool binary(Json::binary_t&) { return value(); }
+  bool start_object(std::size_t) { return open(true); }
+  bool start_array(std::size_t) { return open(false); }
+  bool end_object() { return close(); }
+  bool end_array() { return close(); }
+  bool key(std::string& name) {
+    if (depth_ != 1) return true;
+    in_faces_ = name == "missing_faces";
+    if (in_faces_) count_ = 0;  // of two keys of one name the last one counts
+    return true;
+  }
+  bool parse_error(std::size_t, const std::string&, const Json::exception&) { return false; }
+
+ private:
+  bool value() {
+    if (depth_ == 2 && in_faces_ && in_array_) ++count_;
+    return true;
+  }
+  bool open(bool object) {
+    value();
+    if (depth_ == 0 && !object) in_faces_ = false;
+    if (depth_ == 1) in_array_ = !object;
+    ++depth_;
+    return true;
+  }
+  bool close() {
+    --depth_;
+    return true;
+  }
+
+  std::uint64_t count_ = 0;
+  int depth_ = 0;
+  bool in_faces_ = false, in_array_ = false;
+};
+
+}  // namespace
+
 std::uint64_t missing_faces_in(std::string_view provenance) {
-  constexpr int kMaxDepth = 32;
-  const auto limit_depth = [](int depth, nlohmann::json::parse_event_t, nlohmann::json&) {
-    return depth <= kMaxDepth;
-  };
-  const nlohmann::json json = nlohmann::json::parse(provenance, limit_depth, false);
-  if (!json.is_object()) return 0;
-  const auto faces = json.find("missing_faces");
-  return faces != json.end() && faces->is_array() ? faces->size() : 0;
+  FaceCounter counter;
+  return Json::sax_parse(provenance, &counter) ? counter.count() : 0;
 }
 
 std::string missing_faces_text(std::string_view provenance) {

@@ -2,10 +2,9 @@
 
 #include "formats/voxmap_format.h"
 #include "runtime/query/contact_query.h"
+#include "runtime/query/vector_targets.h"
 
-// Compiles what follows once per instruction set. Vectors stand in structures here, which those of
-// unknown size cannot.
-#define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
+// Compiles what follows once per instruction set.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "runtime/query/query_kernel.cpp"
 #include <hwy/foreach_target.h>

@@ -1,5 +1,5 @@
 // The vectorised inner loops of the contact query, dispatched at run time to the machine's
-// instruction set (Highway: AVX-512, AVX2, SSE4, SSSE3; NEON, which scripts/test_neon.sh runs in an
+// instruction set (Highway: AVX-512, AVX2, SSE4; NEON, which scripts/test_neon.sh runs in an
 // emulator). Plain pointers in and out.
 #pragma once
 
