@@ -5,6 +5,7 @@
 #include <cmath>
 #include <string>
 
+#include "formats/bulk_checks.h"
 #include "formats/field_check.h"
 #include "formats/pshell_sections.h"
 #include "formats/voxmap_format.h"
@@ -12,15 +13,9 @@
 namespace forcelayer {
 namespace {
 
-// A point is outside a sphere when it is farther by more than this share of the squared radius:
-// squares of floats are exact in double precision, and two additions round by 2^-53 each.
-constexpr double kSphereTolerance = 0x1p-50;
-// A unit vector computed in single precision has a squared length this close to 1.
-constexpr double kUnitTolerance = 2e-6;
-
 // The error for an element of a section that breaks its rule.
-[[gnu::cold]] Error entry_error(std::string_view name, const std::string& section,
-                                std::size_t index, std::string what) {
+Error entry_error(std::string_view name, const std::string& section, std::size_t index,
+                  std::string what) {
   return {ErrorCode::kEntryInvalid, std::string(name), section + " entry " + std::to_string(index),
           std::move(what), "bake or copy it again"};
 }
@@ -63,8 +58,7 @@ void check_mass_fields(const PshellHeader& h, FieldChecks& checks) {
   }
 }
 
-// Compiled for size: it runs once a file, between loops over the whole file.
-[[gnu::cold]] Status check_header_fields(const PshellHeader& h, std::string_view name) {
+Status check_header_fields(const PshellHeader& h, std::string_view name) {
   FieldChecks checks(name);
   check_block_fields(h, checks);
   checks.require(h.voxel_size_m >= kMinVoxelSizeM && h.voxel_size_m <= kMaxVoxelSizeM,
@@ -98,10 +92,8 @@ void check_mass_fields(const PshellHeader& h, FieldChecks& checks) {
   return checks.status();
 }
 
-[[gnu::cold]] Status check_section_sizes(const PshellHeader& h,
-                                         std::span<const std::span<const std::byte>> all,
-                                         std::span<const SectionRule> rules,
-                                         std::string_view name) {
+Status check_section_sizes(const PshellHeader& h, std::span<const std::span<const std::byte>> all,
+                           std::span<const SectionRule> rules, std::string_view name) {
   const std::uint64_t stored = h.block_count * h.block_points;
   for (std::size_t i = 0; i < rules.size(); ++i) {
     const bool any_size = rules[i].element_bytes == 1 ||
@@ -120,30 +112,13 @@ void check_mass_fields(const PshellHeader& h, FieldChecks& checks) {
   return {};
 }
 
-double squared_distance(const PshellView& v, std::size_t i, const BoundingSphere& sphere) {
-  const double dx = double{v.x[i]} - sphere.x, dy = double{v.y[i]} - sphere.y,
-               dz = double{v.z[i]} - sphere.z;
-  return dx * dx + dy * dy + dz * dz;
-}
-
-// Whether no point of [begin, end) lies outside `sphere`. NaN lies outside.
-bool holds_points(const BoundingSphere& sphere, const PshellView& v, std::size_t begin,
-                  std::size_t end) {
-  const double limit = double{sphere.radius} * sphere.radius * (1 + kSphereTolerance);
-  unsigned outside = 0;
-  for (std::size_t i = begin; i < end; ++i) outside |= !(squared_distance(v, i, sphere) <= limit);
-  return outside == 0;
-}
-
 bool is_finite_sphere(const BoundingSphere& s) {
   return std::isfinite(s.x) && std::isfinite(s.y) && std::isfinite(s.z) &&
          std::isfinite(s.radius) && s.radius >= 0;
 }
 
-// Over all points, this and the next, and so fast.
-[[gnu::noinline]] Status check_spheres(const PshellView& v, std::span<const BoundingSphere> spheres,
-                                       std::uint64_t points_each, const std::string& section,
-                                       std::string_view name) {
+Status check_spheres(const PshellView& v, std::span<const BoundingSphere> spheres,
+                     std::uint64_t points_each, const std::string& section, std::string_view name) {
   const std::uint64_t stored = v.block_count * v.block_points;
   for (std::size_t i = 0; i < spheres.size(); ++i) {
     if (!is_finite_sphere(spheres[i])) {
@@ -157,34 +132,27 @@ bool is_finite_sphere(const BoundingSphere& s) {
   return {};
 }
 
-[[gnu::noinline]] Status check_points(const PshellView& v, double bounding_radius_m,
-                                      std::string_view name) {
-  const double limit = bounding_radius_m * bounding_radius_m * (1 + kSphereTolerance);
-  double area_m2 = 0;
-  for (std::size_t i = 0; i < v.point_count; ++i) {
-    if (!(squared_distance(v, i, BoundingSphere{0, 0, 0, 0}) <= limit)) {
-      return entry_error(name, "x, y, z", i, "point is not finite or beyond the bounding radius");
-    }
-    const double nx = v.nx[i], ny = v.ny[i], nz = v.nz[i];
-    if (!(std::abs(nx * nx + ny * ny + nz * nz - 1) <= kUnitTolerance)) {
-      return entry_error(name, "normals", i, "normal is not of unit length");
-    }
-    if (!(std::isfinite(v.weight_m2[i]) && v.weight_m2[i] >= 0)) {
-      return entry_error(name, "weight", i, "weight is not a finite area");
-    }
-    area_m2 += v.weight_m2[i];
-    if (v.cone_cos && !(v.cone_cos[i] >= -1 && v.cone_cos[i] <= 1)) {
-      return entry_error(name, "normal cones", i, "cosine is not between -1 and 1");
-    }
+Status check_points(const PshellView& v, double bounding_radius_m, std::string_view name) {
+  const PointsChecked checked = check_points(v, bounding_radius_m);
+  switch (checked.fault) {
+    case PointFault::kPosition:
+      return entry_error(name, "x, y, z", checked.bad,
+                         "point is not finite or beyond the bounding radius");
+    case PointFault::kNormal:
+      return entry_error(name, "normals", checked.bad, "normal is not of unit length");
+    case PointFault::kWeight:
+      return entry_error(name, "weight", checked.bad, "weight is not a finite area");
+    case PointFault::kCone:
+      return entry_error(name, "normal cones", checked.bad, "cosine is not between -1 and 1");
+    case PointFault::kNone:
+      break;
   }
-  if (!(area_m2 > 0)) {
-    return entry_error(name, "weight", 0, "every weight is zero, so no contact would have a force");
-  }
-  return {};
+  if (checked.area_m2 > 0) return {};
+  return entry_error(name, "weight", 0, "every weight is zero, so no contact would have a force");
 }
 
 // Elements beyond point_count repeat the last point, bit for bit, with weight zero.
-[[gnu::cold]] Status check_padding_points(const PshellView& v, std::string_view name) {
+Status check_padding_points(const PshellView& v, std::string_view name) {
   const std::size_t last = v.point_count - 1;
   const float* const columns[] = {v.x, v.y, v.z, v.nx, v.ny, v.nz, v.cone_cos};
   const auto bits = [](float number) { return std::bit_cast<std::uint32_t>(number); };
@@ -201,7 +169,7 @@ bool is_finite_sphere(const BoundingSphere& s) {
 }
 
 // Entries ascend, and what is proven grows with the distance at least as fast as the distance.
-[[gnu::cold]] Status check_losses(std::span<const DistanceLoss> losses, std::string_view name) {
+Status check_losses(std::span<const DistanceLoss> losses, std::string_view name) {
   if (losses.size() > kMaxLosses) {
     return Error{ErrorCode::kSectionInvalid, std::string(name), "losses",
                  std::to_string(losses.size()) + " entries; at most " + std::to_string(kMaxLosses) +
@@ -222,8 +190,7 @@ bool is_finite_sphere(const BoundingSphere& s) {
   return {};
 }
 
-[[gnu::cold]] Status check_elements(const PshellView& v, const PshellHeader& h,
-                                    std::string_view name) {
+Status check_elements(const PshellView& v, const PshellHeader& h, std::string_view name) {
   if (Status s = check_points(v, h.bounding_radius_m, name); !s) return s;
   if (Status s = check_padding_points(v, name); !s) return s;
   const std::uint64_t block_points = v.block_points;
@@ -257,8 +224,8 @@ Result<Pshell> Pshell::from_bytes(std::span<const std::byte> bytes, std::string_
   return read(bytes, name, verify, nullptr);
 }
 
-[[gnu::cold]] Result<Pshell> Pshell::read(std::span<const std::byte> bytes, std::string_view name,
-                                          Verify verify, const MappedFile* file) {
+Result<Pshell> Pshell::read(std::span<const std::byte> bytes, std::string_view name, Verify verify,
+                            const MappedFile* file) {
   if (Status s = check_file_header(bytes, name, kPshellHeaderRule); !s) return s.error();
   Pshell shell;
   shell.bytes_ = bytes;

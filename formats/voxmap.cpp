@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "formats/bulk_checks.h"
 #include "formats/field_check.h"
 #include "formats/voxmap_sections.h"
 
@@ -134,7 +135,7 @@ void check_count_fields(const VoxmapHeader& h, FieldChecks& checks) {
 }
 
 // Compiled for size: it runs once a file, between loops over the whole file.
-[[gnu::cold]] Status check_header_fields(const VoxmapHeader& h, std::string_view name) {
+Status check_header_fields(const VoxmapHeader& h, std::string_view name) {
   FieldChecks checks(name);
   checks.require(h.voxel_size_m >= kMinVoxelSizeM && h.voxel_size_m <= kMaxVoxelSizeM,
                  offsetof(VoxmapHeader, voxel_size_m), "voxel_size_m",
@@ -158,25 +159,7 @@ void check_count_fields(const VoxmapHeader& h, FieldChecks& checks) {
   return checks.status();
 }
 
-// The entries that a level of a tree may have.
-struct EntryRule {
-  std::uint64_t child_count;  // elements of the next level's section
-  std::uint32_t value_mask;   // the bits that hold a uniform entry's value
-  std::uint32_t most_value;
-  std::uint32_t clearance_mask;  // the bits that may be set beside the value 0
-};
-
-// Whether an entry breaks the rule. Without branches, so that the loop below is vectorized.
-bool is_bad_entry(std::uint32_t entry, const EntryRule& rule) {
-  const std::uint32_t value = entry & rule.value_mask;
-  const std::uint32_t allowed = value == 0 ? rule.clearance_mask : 0;
-  const std::uint32_t rest = entry & ~(kUniformBit | rule.value_mask);
-  const bool bad_value = (value > rule.most_value) | ((rest & ~allowed) != 0);
-  const bool bad_child = entry >= rule.child_count;
-  return is_uniform(entry) ? bad_value : bad_child;
-}
-
-[[gnu::cold]] std::string describe_bad_entry(std::uint32_t entry, const EntryRule& rule) {
+std::string describe_bad_entry(std::uint32_t entry, const EntryRule& rule) {
   if (!is_uniform(entry)) {
     return "child index " + std::to_string(entry) + " of " + std::to_string(rule.child_count) +
            " children";
@@ -189,23 +172,13 @@ bool is_bad_entry(std::uint32_t entry, const EntryRule& rule) {
                                   : "reserved bits are not zero";
 }
 
-[[gnu::noinline]] Status check_entries(std::span<const std::uint32_t> entries,
-                                       const EntryRule& rule, std::string_view name,
-                                       const char* section) {
-  constexpr std::size_t kChunk = 4096;
-  for (std::size_t begin = 0; begin < entries.size(); begin += kChunk) {
-    const auto chunk = entries.subspan(begin, std::min(kChunk, entries.size() - begin));
-    unsigned bad = 0;
-    for (const std::uint32_t entry : chunk) bad |= is_bad_entry(entry, rule);
-    if (bad == 0) continue;
-    const auto found = std::find_if(chunk.begin(), chunk.end(),
-                                    [&](std::uint32_t entry) { return is_bad_entry(entry, rule); });
-    const std::size_t index = begin + static_cast<std::size_t>(found - chunk.begin());
-    const std::string where = std::string(section) + " entry " + std::to_string(index);
-    return Error{ErrorCode::kEntryInvalid, std::string(name), where,
-                 describe_bad_entry(*found, rule), "bake or copy it again"};
-  }
-  return {};
+Status check_entries(std::span<const std::uint32_t> entries, const EntryRule& rule,
+                     std::string_view name, const char* section) {
+  const std::size_t index = first_bad_entry(entries, rule);
+  if (index == entries.size()) return {};
+  return Error{ErrorCode::kEntryInvalid, std::string(name),
+               std::string(section) + " entry " + std::to_string(index),
+               describe_bad_entry(entries[index], rule), "bake or copy it again"};
 }
 
 // The sections of one tree, as they stand in the file.
@@ -216,10 +189,9 @@ struct TreeSections {
   std::span<const std::span<const std::byte>> bytes;  // of the four
 };
 
-// Checks a tree of elements of `bits` bits. Compiled for size, like what calls it.
-[[gnu::cold]] Status check_tree(const VoxmapHeader& h, const TreeSections& sections,
-                                std::uint32_t bits, EntryRule rule, std::string_view name,
-                                TreeCounts& counts) {
+// Checks a tree of elements of `bits` bits.
+Status check_tree(const VoxmapHeader& h, const TreeSections& sections, std::uint32_t bits,
+                  EntryRule rule, std::string_view name, TreeCounts& counts) {
   const auto directory = elements_of<std::uint32_t>(sections.bytes[0]);
   const auto upper_nodes = elements_of<std::uint32_t>(sections.bytes[1]);
   const auto lower_nodes = elements_of<std::uint32_t>(sections.bytes[2]);
@@ -256,8 +228,7 @@ TreeView<kBits> view_of(const VoxmapHeader& h, const TreeSections& sections) {
 }
 
 // Sections of a tree that the header does not announce.
-[[gnu::cold]] Status check_absent(const TreeSections& sections, const char* field,
-                                  std::string_view name) {
+Status check_absent(const TreeSections& sections, const char* field, std::string_view name) {
   for (const std::span<const std::byte> bytes : sections.bytes) {
     if (bytes.empty()) continue;
     return Error{ErrorCode::kSectionInvalid, std::string(name), sections.directory,
@@ -267,8 +238,8 @@ TreeView<kBits> view_of(const VoxmapHeader& h, const TreeSections& sections) {
   return {};
 }
 
-[[gnu::cold]] Status check_compliance(const VoxmapHeader& h, std::span<const float> forces,
-                                      std::string_view name) {
+Status check_compliance(const VoxmapHeader& h, std::span<const float> forces,
+                        std::string_view name) {
   if (forces.empty()) return {};
   const auto wrong = [&](const char* what) {
     return Error{ErrorCode::kSectionInvalid, std::string(name), "compliance", what,
@@ -336,8 +307,8 @@ Result<Voxmap> Voxmap::read(std::span<const std::byte> bytes, std::string_view n
   return map;
 }
 
-[[gnu::cold]] Status Voxmap::read_trees(std::span<const std::span<const std::byte>> sections,
-                                        std::string_view name) {
+Status Voxmap::read_trees(std::span<const std::span<const std::byte>> sections,
+                          std::string_view name) {
   const VoxmapHeader& h = *header_;
   const TreeSections values{"directory", "upper nodes", "lower nodes", sections.subspan(0, 4)};
   const EntryRule value_rule{0, 0xff, 3, kMaxClearance << 8};
@@ -363,7 +334,7 @@ Result<Voxmap> Voxmap::read(std::span<const std::byte> bytes, std::string_view n
   return check_tree(h, objects, kObjectBits, rule, name, object_counts_);
 }
 
-[[gnu::cold]] Status Voxmap::read_names(std::span<const std::byte> names, std::string_view name) {
+Status Voxmap::read_names(std::span<const std::byte> names, std::string_view name) {
   const std::string_view text(reinterpret_cast<const char*>(names.data()), names.size());
   const auto wrong = [&](std::string what) {
     return Error{ErrorCode::kSectionInvalid, std::string(name), "object names", std::move(what),

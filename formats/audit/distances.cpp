@@ -1,10 +1,13 @@
+#include <algorithm>
+#include <bit>
 #include <cmath>
-#include <limits>
+#include <cstring>
 #include <optional>
-#include <unordered_set>
+#include <utility>
 #include <vector>
 
-#include "formats/audit/layer_distance.h"
+#include "formats/audit/code_rules.h"
+#include "formats/audit/neighborhoods.h"
 #include "formats/audit/parts.h"
 #include "formats/voxmap_walk.h"
 
@@ -12,45 +15,39 @@ namespace forcelayer::voxmap_audit {
 namespace {
 
 constexpr std::uint32_t kFarEntry = uniform_entry(kMostDistanceCode);
-constexpr double kWriterErrorVoxels = 0.002;  // a code's distance may be lower than the true one
-constexpr double kRoundingVoxels = 1e-9;      // of the header's doubles
-
-// Which codes may stand beside which values and codes.
-class CodeRules {
+// A set of numbers, in one piece of memory.
+class SeenPairs {
  public:
-  explicit CodeRules(const VoxmapHeader& h) {
-    const double n = force_layers(std::min(force_layer_voxels(h), 1e3));
-    const double radius = interior_radius_m(h) / h.voxel_size_m;
-    for (std::uint32_t code = 0; code < 256; ++code) {
-      const double least = least_distance_m(h, code) / h.voxel_size_m - kRoundingVoxels;
-      const double most =
-          most_distance_m(h, code) / h.voxel_size_m + kWriterErrorVoxels + kRoundingVoxels;
-      // In the order of VoxelValue: the steps from the interior that the value stands for.
-      beside_value_[0][code] = most >= layer_distance_voxels(radius, n + 1);
-      beside_value_[1][code] = least < radius;
-      beside_value_[2][code] = most >= layer_distance_voxels(radius, 0) &&
-                               least <= most_layer_distance_voxels(radius, n);
-      beside_value_[3][code] = most >= layer_distance_voxels(radius, n) &&
-                               least <= most_layer_distance_voxels(radius, n + 1);
-      nearest_[code] = least > 0 ? least : most < 0 ? -most : 0;
-      farthest_[code] = std::max(std::abs(least), std::abs(most));
-    }
-    for (std::uint32_t a = 0; a < 256; ++a) {
-      for (std::uint32_t b = 0; b < 256; ++b) {
-        beside_code_[a][b] = nearest_[a] <= farthest_[b] + 1 && nearest_[b] <= farthest_[a] + 1;
-      }
-    }
+  // Whether the pair is new.
+  bool insert(std::uint32_t a, std::uint32_t b) {
+    if (2 * (count_ + 1) > slots_.size()) grow();
+    const std::uint64_t pair = std::uint64_t{a} << 32 | b;
+    std::uint64_t& slot = find(pair + 1);
+    if (slot != 0) return false;
+    slot = pair + 1;
+    ++count_;
+    return true;
   }
-
-  bool beside_value(std::uint32_t value, std::uint32_t code) const {
-    return beside_value_[value][code];
-  }
-  bool beside_code(std::uint32_t a, std::uint32_t b) const { return beside_code_[a][b]; }
 
  private:
-  std::array<double, 256> nearest_{}, farthest_{};  // of the unsigned distance, voxels
-  std::array<std::array<bool, 256>, 4> beside_value_{};
-  std::array<std::array<bool, 256>, 256> beside_code_{};
+  // No pair is UINT64_MAX: an entry that is uniform has zeros in it.
+  std::uint64_t& find(std::uint64_t key) {
+    std::size_t at = key * 0x9e3779b97f4a7c15u >> shift_;
+    while (slots_[at] != 0 && slots_[at] != key) at = (at + 1) & (slots_.size() - 1);
+    return slots_[at];
+  }
+  void grow() {
+    std::vector<std::uint64_t> old = std::exchange(slots_, {});
+    slots_.resize(std::max<std::size_t>(1024, 2 * old.size()));
+    shift_ = 64 - std::countr_zero(slots_.size());
+    for (const std::uint64_t key : old) {
+      if (key != 0) find(key) = key;
+    }
+  }
+
+  std::vector<std::uint64_t> slots_;
+  std::size_t count_ = 0;
+  int shift_ = 0;
 };
 
 class DistanceAudit {
@@ -110,10 +107,6 @@ class DistanceAudit {
   std::uint32_t value_entry(const Voxel& cell) const {
     return without_clearance(values_.directory[index(cell)]);
   }
-  static std::uint32_t without_clearance(std::uint32_t entry) {
-    return is_uniform(entry) ? uniform_entry(uniform_value(entry)) : entry;
-  }
-
   // Child n of an entry whose cube has this edge; a uniform entry is its own child.
   template <std::uint32_t kBits>
   static std::uint32_t child(const TreeView<kBits>& tree, std::int64_t edge, std::uint32_t entry,
@@ -135,20 +128,62 @@ class DistanceAudit {
   }
 
   // Whether a box is to be looked at: not where nothing of it is known, and once where all is.
-  bool is_new(const Span& box, const Span& known, std::unordered_set<std::uint64_t>& seen,
-              std::uint32_t a, std::uint32_t b) {
-    if (bad_ || known.empty()) return false;
-    return !(known == box) || seen.insert(std::uint64_t{a} << 32 | b).second;
+  bool is_new(const Span& box, SeenPairs& seen, std::uint32_t a, std::uint32_t b) {
+    if (bad_) return false;
+    if (header_.cropped_sides != 0) {
+      const Span known = known_part(box, known_);
+      if (known.empty() || !(known == box)) return !known.empty();
+    }
+    return seen.insert(a, b);
+  }
+
+  // The codes of a brick or of a uniform box of its size.
+  CodeRules::BrickCodes codes_of(std::uint32_t entry) const {
+    CodeRules::BrickCodes codes;
+    if (is_uniform(entry)) {
+      codes.fill(static_cast<std::uint8_t>(uniform_wide_value(entry)));
+    } else {
+      std::memcpy(codes.data(), distances_.bricks + std::uint64_t{entry} * 16 * kDistanceBits,
+                  codes.size());
+    }
+    return codes;
+  }
+  // The outermost ones along an axis.
+  CodeRules::FaceCodes face_of(std::uint32_t entry, std::size_t axis, bool upper) const {
+    const CodeRules::BrickCodes codes = codes_of(entry);
+    const std::size_t step = std::size_t{64} >> (3 * axis);
+    const std::size_t row = axis == 0 ? 8 : 64, column = axis == 2 ? 8 : 1;
+    CodeRules::FaceCodes face;
+    for (std::size_t i = 0; i < 8; ++i) {
+      for (std::size_t j = 0; j < 8; ++j) {
+        face[i * 8 + j] = codes[(upper ? 7 * step : 0) + i * row + j * column];
+      }
+    }
+    return face;
+  }
+  bool surely_beside_values(std::uint32_t values, std::uint32_t codes) const {
+    std::array<std::uint8_t, 128> bytes;
+    if (is_uniform(values)) {
+      bytes.fill(static_cast<std::uint8_t>(uniform_value(values) * 0x55));
+    } else {
+      std::memcpy(bytes.data(), values_.bricks + std::uint64_t{values} * 16 * kValueBits,
+                  bytes.size());
+    }
+    return rules_.surely_beside_values(bytes.data(), codes_of(codes));
   }
 
   // Values beside the codes of the same voxels.
   void compare(std::int64_t edge, const Voxel& low, std::uint32_t values, std::uint32_t codes) {
-    const Span box = Span::cube(low, edge), known = known_part(box, known_);
-    if (is_uniform(values) && is_uniform(codes)) {
+    const bool uniform = is_uniform(values) && is_uniform(codes);
+    if (uniform && rules_.beside_value(uniform_value(values), uniform_wide_value(codes))) return;
+    const Span box = Span::cube(low, edge);
+    if (uniform) {
+      const Span known = known_part(box, known_);
       if (!known.empty()) check_value(known.low, uniform_value(values), uniform_wide_value(codes));
       return;
     }
-    if (!is_new(box, known, compared_[level(edge)], values, codes)) return;
+    if (!is_new(box, compared_[level(edge)], values, codes)) return;
+    if (edge == kBrickEdge && surely_beside_values(values, codes)) return;
     for (std::uint32_t n = 0; n < kNodeEntries; ++n) {
       const Voxel at = voxmap_walk::child_low(low, n, edge / 8);
       if (edge > kBrickEdge) {
@@ -169,8 +204,8 @@ class DistanceAudit {
   // Neighbors over faces, both in one entry's cube.
   void look_inside(std::int64_t edge, const Voxel& low, std::uint32_t entry) {
     if (is_uniform(entry)) return;
-    const Span box = Span::cube(low, edge), known = known_part(box, known_);
-    if (!is_new(box, known, inside_[level(edge)], entry, 0)) return;
+    if (!is_new(Span::cube(low, edge), inside_[level(edge)], entry, 0)) return;
+    if (edge == kBrickEdge && rules_.surely_even(codes_of(entry))) return;
     for (std::uint32_t n = 0; n < kNodeEntries; ++n) {
       const Voxel at = voxmap_walk::child_low(low, n, edge / 8);
       if (edge > kBrickEdge) look_inside(edge / 8, at, child(distances_, edge, entry, n));
@@ -191,17 +226,23 @@ class DistanceAudit {
   // Neighbors over the face between the cube at `low` and the next one along `axis`.
   void look_between(std::int64_t edge, std::size_t axis, const Voxel& low, std::uint32_t a,
                     std::uint32_t b) {
+    const bool uniform = is_uniform(a) && is_uniform(b);
+    if (uniform && rules_.beside_code(uniform_wide_value(a), uniform_wide_value(b))) return;
     Span box = Span::cube(low, edge);  // the last layer of one and the first of the other
     box.low[axis] = box.high[axis] - 1;
     box.high[axis] += 1;
-    Span known = known_part(box, known_);
-    if (known.high[axis] - known.low[axis] < 2) return;
-    if (is_uniform(a) && is_uniform(b)) {
-      if (!known.empty())
-        check_codes(axis, known.low, uniform_wide_value(a), uniform_wide_value(b));
+    if (uniform || header_.cropped_sides != 0) {
+      const Span known = known_part(box, known_);
+      if (known.empty() || known.high[axis] - known.low[axis] < 2) return;
+      if (uniform) {
+        return check_codes(axis, known.low, uniform_wide_value(a), uniform_wide_value(b));
+      }
+    }
+    if (!is_new(box, between_[axis][level(edge)], a, b)) return;
+    if (edge == kBrickEdge &&
+        rules_.surely_beside(face_of(a, axis, true), face_of(b, axis, false))) {
       return;
     }
-    if (!is_new(box, known, between_[axis][level(edge)], a, b)) return;
     const std::uint32_t step = 64u >> (3 * axis);
     for (std::uint32_t n = 0; n < kNodeEntries; ++n) {
       if ((n / step & 7) != 7) continue;
@@ -244,8 +285,8 @@ class DistanceAudit {
   const DistanceView& distances_;
   KnownBox known_;
   CodeRules rules_;
-  std::array<std::unordered_set<std::uint64_t>, 3> compared_, inside_;  // by level
-  std::array<std::array<std::unordered_set<std::uint64_t>, 3>, 3> between_;
+  std::array<SeenPairs, 3> compared_, inside_;  // by level
+  std::array<std::array<SeenPairs, 3>, 3> between_;
   std::optional<Error> bad_;
 };
 
@@ -271,14 +312,18 @@ Status audit_distances(const Voxmap& map, std::string_view name) {
 
 Status audit_objects(const Voxmap& map, std::string_view name) {
   if (map.objects() == nullptr) return {};
-  for (std::uint32_t brick = 0; brick < map.object_counts().bricks; ++brick) {
-    for (std::uint32_t n = 0; n < kNodeEntries; ++n) {
-      const std::uint32_t object = map.objects()->brick_code(brick, n);
-      if (object <= map.header().object_count) continue;
-      return untrue(name, "object brick " + std::to_string(brick) + " voxel " + std::to_string(n),
-                    "names object " + std::to_string(object) + " of " +
-                        std::to_string(map.header().object_count));
-    }
+  const auto most = static_cast<std::uint16_t>(map.header().object_count);
+  for (std::uint64_t brick = 0; brick < map.object_counts().bricks; ++brick) {
+    std::array<std::uint16_t, kNodeEntries> objects;
+    std::memcpy(objects.data(), map.objects()->bricks + brick * 16 * kObjectBits, sizeof objects);
+    unsigned above = 0;
+    for (const std::uint16_t object : objects) above |= object > most;
+    if (above == 0) continue;
+    const auto largest = std::max_element(objects.begin(), objects.end());
+    return untrue(name,
+                  "object brick " + std::to_string(brick) + " voxel " +
+                      std::to_string(largest - objects.begin()),
+                  "names object " + std::to_string(*largest) + " of " + std::to_string(most));
   }
   return {};
 }

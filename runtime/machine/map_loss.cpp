@@ -8,6 +8,7 @@
 #include <atomic>
 #include <cstdint>
 #include <mutex>
+#include <optional>
 
 #include "formats/voxmap_format.h"
 
@@ -18,13 +19,12 @@ namespace {
 struct Slot {
   std::atomic<std::uintptr_t> begin{0}, end{0};
   std::atomic<bool> lost{false};
-  bool taken = false;
-  FileStamp file;
+  std::optional<FileStamp> file;  // of a slot that is taken
 };
 
 constexpr std::size_t kSlots = 64;
 std::array<Slot, kSlots> slots;
-std::mutex slots_mutex;  // of `taken` and `file`; never taken by the handler or by a step
+std::mutex slots_mutex;  // of `file`; never taken by the handler or by a step
 struct sigaction previous {};
 std::uintptr_t page_bytes = 4096;
 static_assert(std::atomic<std::uintptr_t>::is_always_lock_free);
@@ -81,8 +81,8 @@ int check_mappings() noexcept {
   const std::lock_guard lock(slots_mutex);
   int lost = 0;
   for (Slot& slot : slots) {
-    if (!slot.taken) continue;
-    if (slot.file.changed()) slot.lost.store(true, std::memory_order_relaxed);
+    if (!slot.file) continue;
+    if (slot.file->changed()) slot.lost.store(true, std::memory_order_relaxed);
     lost += slot.lost.load(std::memory_order_relaxed) ? 1 : 0;
   }
   return lost;
@@ -92,8 +92,7 @@ WatchedMapping::WatchedMapping(std::span<const std::byte> bytes, const FileStamp
   const std::lock_guard lock(slots_mutex);
   for (std::size_t i = 0; i < kSlots; ++i) {
     Slot& slot = slots[i];
-    if (slot.taken) continue;
-    slot.taken = true;
+    if (slot.file) continue;
     slot.file = file;
     slot.lost.store(false, std::memory_order_relaxed);
     const auto begin = reinterpret_cast<std::uintptr_t>(bytes.data());
@@ -110,8 +109,7 @@ WatchedMapping::~WatchedMapping() {
   Slot& slot = slots[static_cast<std::size_t>(slot_)];
   slot.end.store(0, std::memory_order_release);
   slot.begin.store(0, std::memory_order_release);
-  slot.file = {};
-  slot.taken = false;
+  slot.file.reset();
 }
 
 bool WatchedMapping::lost() const noexcept {

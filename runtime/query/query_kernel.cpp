@@ -4,8 +4,7 @@
 #include "runtime/query/contact_query.h"
 #include "runtime/query/vector_targets.h"
 
-// Compiles what follows once per instruction set. Vectors stand in structures here, which those of
-// unknown size cannot.
+// Compiles what follows once per instruction set.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "runtime/query/query_kernel.cpp"
 #include <hwy/foreach_target.h>

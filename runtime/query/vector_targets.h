@@ -2,6 +2,6 @@
 // before Highway.
 #pragma once
 
-// These kernels hold vectors in arrays, which vectors of unknown size cannot be in. Processors with
-// SSSE3 and no SSE4 (Core 2 of 2006, Bobcat) go without vectors.
+// The kernels hold vectors in arrays and structures, which vectors of unknown size cannot be in.
+// Processors with SSSE3 and no SSE4 (Core 2 of 2006, Bobcat) run them without vectors.
 #define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)

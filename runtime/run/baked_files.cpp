@@ -1,9 +1,13 @@
 #include "runtime/run/baked_files.h"
 
+#include "formats/audit/voxmap_audit.h"
 #include "runtime/machine/map_loss.h"
 
 namespace forcelayer {
 namespace {
+
+Status audit(const Voxmap& map, std::string_view name) { return audit_voxmap(map, name); }
+Status audit(const Pshell&, std::string_view) { return {}; }  // reading it has proven all of it
 
 template <typename Baked>
 Result<Baked> open(const std::filesystem::path& path) {
@@ -12,6 +16,9 @@ Result<Baked> open(const std::filesystem::path& path) {
   FileStamp stamp = file->stamp();
   const machine::WatchedMapping watch(file->bytes(), stamp);
   auto baked = Baked::from_file(std::move(*file), path.string(), Verify::kStructureAndChecksums);
+  if (baked) {
+    if (Status s = audit(*baked, path.string()); !s && !watch.lost()) return s.error();
+  }
   if (baked && (watch.lost() || stamp.changed())) {
     return Error{ErrorCode::kTruncated, path.string(), "",
                  "was cut short or written to while it was being read",

@@ -1,0 +1,186 @@
+#include <algorithm>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "formats/audit/contents.h"
+#include "formats/audit/distance_cube.h"
+#include "formats/audit/neighborhoods.h"
+#include "formats/audit/parts.h"
+
+namespace forcelayer::voxmap_audit {
+namespace {
+
+std::int64_t clearance_of(std::uint32_t entry) {
+  return is_uniform(entry) && uniform_value(entry) == 0 ? uniform_clearance(entry) : 0;
+}
+
+// The clearances inside nodes of one level, whose cells have `edge` voxels.
+class NodeClearances {
+ public:
+  explicit NodeClearances(std::int64_t edge) : edge_(edge) {
+    for (std::uint32_t n = 0; n < kNodeEntries; ++n) solid_.add(n, Gaps{});
+  }
+
+  // `gaps(entry)` are those of a child that is stored.
+  template <class GapsOf>
+  void add_node(const std::uint32_t* entries, GapsOf gaps) {
+    Ring& ring = rings_.emplace_back();
+    std::int64_t& most = most_.emplace_back(1);
+    for (std::uint32_t n = 0; n < kNodeEntries; ++n) {
+      most = std::max(most, clearance_of(entries[n]));
+      if (is_uniform(entries[n])) {
+        if (uniform_value(entries[n]) != 0) ring.add(n, Gaps{});
+      } else if (const Gaps& own = gaps(entries[n]); own[kCenter] < edge_) {
+        ring.add(n, own);
+      }
+    }
+  }
+
+  // Calls doubt(n) for each free entry of the node in the middle whose clearance is more than the
+  // cube of distances shows.
+  template <class Doubt>
+  void check(const std::uint32_t* entries, const Around& around, Doubt doubt) {
+    const std::int64_t most = most_[around[kCenter]];
+    if (most == 1) return;  // they promise their own voxels alone
+    const std::int64_t margin = std::min((most - 2) / edge_ + 1, kCells - 1);
+    cube_.clear(margin);
+    for (std::size_t d = 0; d < kDirections; ++d) {
+      if (!is_uniform(around[d])) {
+        cube_.add(rings_[around[d]], d);
+      } else if (around[d] != kFreeEntry) {
+        cube_.add(solid_, d);
+      }
+    }
+    cube_.spread(static_cast<int>(edge_));
+    for (std::uint32_t n = 0; n < kNodeEntries; ++n) {
+      // Beyond the margin all is an edge farther for each cell.
+      const auto least = std::min<std::int64_t>(cube_.at(n), margin * edge_ + 1);
+      if (clearance_of(entries[n]) > least) doubt(n);
+    }
+  }
+
+  std::int64_t edge() const { return edge_; }
+  // The largest clearance of a node's entries, 1 or more.
+  std::int64_t most(std::uint32_t node) const { return most_[node]; }
+
+ private:
+  std::int64_t edge_;
+  std::vector<Ring> rings_;
+  std::vector<std::int64_t> most_;
+  Ring solid_;
+  DistanceCube cube_;
+};
+
+class ClearanceAudit {
+ public:
+  ClearanceAudit(const Voxmap& map, const Contents& contents, std::string_view name)
+      : name_(name), view_(map.view()), contents_(contents), known_(known_box(map.header())) {
+    for (std::uint64_t n = 0; n < map.lower_node_count(); ++n) {
+      bricks_.add_node(lower(n),
+                       [&](std::uint32_t b) -> const Gaps& { return contents.brick_gaps(b); });
+    }
+    for (std::uint64_t n = 0; n < map.upper_node_count(); ++n) {
+      nodes_.add_node(upper(n),
+                      [&](std::uint32_t b) -> const Gaps& { return contents.node_gaps(b); });
+      most_below_.push_back(most_below(upper(n)));
+    }
+  }
+
+  bool ended() const { return bad_.has_value(); }
+
+  bool cell(const Voxel& low, const Around& around) {
+    const std::uint32_t entry = around[kCenter];
+    if (is_uniform(entry)) {
+      look(low, kUpperNodeEdge, directory_entry(low));
+      return false;
+    }
+    return check(nodes_, upper(entry), low, around, most_below_[entry], seen_cells_);
+  }
+
+  void node(const Voxel& low, const Around& around) {
+    const std::uint32_t entry = around[kCenter];
+    if (!is_uniform(entry)) check(bricks_, lower(entry), low, around, 1, seen_nodes_);
+  }
+
+  Status status() const { return bad_ ? Status(*bad_) : Status(); }
+
+ private:
+  const std::uint32_t* lower(std::uint64_t node) const {
+    return view_.lower_nodes + node * kNodeEntries;
+  }
+  const std::uint32_t* upper(std::uint64_t node) const {
+    return view_.upper_nodes + node * kNodeEntries;
+  }
+  // The largest clearance of what an upper node's children hold.
+  std::int64_t most_below(const std::uint32_t* entries) const {
+    std::int64_t most = 1;
+    for (std::uint32_t n = 0; n < kNodeEntries; ++n) {
+      if (!is_uniform(entries[n])) most = std::max(most, bricks_.most(entries[n]));
+    }
+    return most;
+  }
+  std::uint32_t directory_entry(const Voxel& low) const {
+    Voxel at;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      at[axis] = (low[axis] - view_.directory_origin[axis]) / kUpperNodeEdge;
+    }
+    const auto& dims = view_.directory_dims;
+    return view_.directory[(at[0] * dims[1] + at[1]) * dims[2] + at[2]];
+  }
+
+  bool is_known(const Span& box) const { return known_part(box, known_) == box; }
+
+  // The clearances of a node at `low`; false where it was checked before, with all below it.
+  bool check(NodeClearances& level, const std::uint32_t* entries, const Voxel& low,
+             const Around& around, std::int64_t below, AroundSet& seen) {
+    const Span box = Span::cube(low, kCells * level.edge());
+    const std::int64_t most = level.most(around[kCenter]);
+    if (is_known(grown(box, std::max(most, below) - 1)) && !seen.insert(around).second)
+      return false;
+    const auto look_at = [&](std::uint32_t n) {
+      look(voxmap_walk::child_low(low, n, level.edge()), level.edge(), entries[n]);
+    };
+    if (is_known(grown(box, most - 1))) {
+      level.check(entries, around, look_at);
+    } else {
+      for (std::uint32_t n = 0; n < kNodeEntries; ++n) look_at(n);
+    }
+    return true;
+  }
+
+  // Looks at all that lies within the reach of the clearance of a uniform box.
+  void look(const Voxel& low, std::int64_t edge, std::uint32_t entry) {
+    const std::int64_t clearance = clearance_of(entry);
+    if (bad_ || clearance == 0) return;
+    const Span reach = grown(Span::cube(low, edge), clearance - 1);
+    const bool known = is_known(reach);
+    if (known && !contents_.holds_non_free(shifted(reach, view_.directory_origin, -1))) return;
+    bad_ = untrue(
+        name_, "free box of " + std::to_string(edge) + " voxels at " + voxel_text(low),
+        "its clearance " + std::to_string(clearance) + " is not true: " +
+            (known ? "a voxel within its reach is not free" : "reaches across a cropped side"));
+  }
+
+  std::string_view name_;
+  const VoxmapView& view_;
+  const Contents& contents_;
+  KnownBox known_;
+  NodeClearances bricks_{kBrickEdge};
+  NodeClearances nodes_{kLowerNodeEdge};
+  std::vector<std::int64_t> most_below_;  // [upper node]
+  AroundSet seen_cells_, seen_nodes_;
+  std::optional<Error> bad_;
+};
+
+}  // namespace
+
+Status audit_clearances(const Voxmap& map, const Contents& contents, std::string_view name) {
+  const auto audit = std::make_unique<ClearanceAudit>(map, contents, name);
+  NeighborhoodWalk walk(map.view(), *audit);
+  walk.run();
+  return audit->status();
+}
+
+}  // namespace forcelayer::voxmap_audit

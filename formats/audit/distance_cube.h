@@ -1,0 +1,85 @@
+// Distances between cells of nodes and what is not free around them. Internal to formats/audit/.
+//
+// A cell beside one that holds something lies as far from it as the gap between them and one more.
+// A cell with free cells all around lies one edge farther from everything than the nearest of these
+// does.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <limits>
+
+#include "formats/audit/neighborhoods.h"
+
+namespace forcelayer::voxmap_audit {
+
+inline constexpr std::int64_t kCells = 8;  // of a node, along an axis
+
+constexpr std::int64_t flat(const Voxel& at, std::int64_t width) {
+  return (at[0] * width + at[1]) * width + at[2];
+}
+
+using Distance = std::uint16_t;  // at most 8 cells of 64 voxels
+
+// The distances of the cells of a node, and of one layer of cells around it, from what the node
+// holds: of a cell that holds something 0, of those beside it its gap and 1; else kFar.
+class Ring {
+ public:
+  static constexpr Distance kFar = std::numeric_limits<Distance>::max();
+  static constexpr std::int64_t kWidth = kCells + 2;
+
+  Ring() { cells_.fill(kFar); }
+
+  // Cell n holds something.
+  void add(std::uint32_t n, const Gaps& gaps) {
+    const Voxel at = voxmap_walk::child_low({1, 1, 1}, n, 1);
+    for (std::size_t d = 0; d < kDirections; ++d) {
+      Distance& cell = cells_[static_cast<std::size_t>(flat(beside(at, d), kWidth))];
+      const int distance = d == kCenter ? 0 : gaps[d] + 1;
+      cell = std::min(cell, static_cast<Distance>(distance));
+    }
+  }
+
+  const Distance* row(std::int64_t x, std::int64_t y) const {
+    return cells_.data() + flat({x + 1, y + 1, 0}, kWidth);
+  }
+
+ private:
+  std::array<Distance, kWidth * kWidth * kWidth> cells_;
+};
+
+// 8^3 cells and a margin of up to seven cells around them.
+class DistanceCube {
+ public:
+  DistanceCube();
+
+  // `margin` cells, at most kCells - 1.
+  void clear(std::int64_t margin);
+
+  // The ring of the node in this direction.
+  void add(const Ring& ring, std::size_t in_direction);
+
+  // Each distance becomes the least over its neighbors' plus `edge`, as often as the margin is
+  // wide. Cells at the border take in what is no neighbor of theirs; with each step that error
+  // comes one cell nearer, and the middle stays right.
+  void spread(int edge);
+
+  Distance at(std::uint32_t n) const {
+    return cells_[static_cast<std::size_t>(
+        kPad + flat({(n >> 6) + margin_, (n >> 3 & 7) + margin_, (n & 7) + margin_}, width_))];
+  }
+
+ private:
+  static constexpr std::int64_t kMostWidth = kCells + 2 * (kCells - 1);
+  static constexpr std::int64_t kPad = kMostWidth * kMostWidth;
+  using Cells = std::array<Distance, kMostWidth * kMostWidth * kMostWidth + 2 * kPad>;
+
+  Distance* row(std::int64_t x, std::int64_t y) {
+    return cells_.data() + kPad + flat({x + margin_, y + margin_, margin_}, width_);
+  }
+
+  std::int64_t margin_ = 0, width_ = kCells;
+  Cells cells_, one_, two_;
+};
+
+}  // namespace forcelayer::voxmap_audit

@@ -1,0 +1,52 @@
+// Sets of voxels as bits, which grow: a node of 64^3 voxels and what lies around it, 64 voxels
+// along z in a word. Internal to formats/audit/.
+#pragma once
+
+#include <vector>
+
+#include "formats/audit/neighborhoods.h"
+
+namespace forcelayer::voxmap_audit {
+
+// A node and `margin` rows around it along x and y, up to 63; along z the words below and above.
+class NodeRows {
+ public:
+  static constexpr std::int64_t kNode = kLowerNodeEdge;
+  using Rows = std::vector<std::uint64_t>;  // a word for each row along z
+
+  NodeRows(const std::vector<BrickPlanes>& planes, const VoxmapView& view, std::int64_t margin);
+
+  enum Set { kInterior, kUpToSurface, kUpToProximity };
+
+  void fill(const Around& around);
+
+  // The 64 rows of the node at x.
+  const std::uint64_t* plane(Set set, std::int64_t x) const {
+    return &sets_[set][kMiddle][index(x, 0)];
+  }
+
+  // The voxels of the node that lie within `steps` of one in `set`, rows [x][y]; at most `margin`
+  // steps, and not of kUpToProximity.
+  const Rows& grown(Set set, std::int64_t steps);
+
+ private:
+  enum Along { kBelow, kMiddle, kAbove };
+  struct ColumnRows;
+
+  std::size_t index(std::int64_t x, std::int64_t y) const {
+    return static_cast<std::size_t>((x + margin_) * width_ + y + margin_);
+  }
+  void fill_column(const Around& around, std::int64_t x, std::int64_t y);
+  void store_rows(Along along, std::int64_t x, std::int64_t y, const std::uint64_t* low,
+                  const std::uint64_t* high);
+  bool column_rows(std::uint32_t node, std::int64_t begin, std::uint32_t first, std::uint32_t last,
+                   ColumnRows& rows) const;
+
+  const std::vector<BrickPlanes>& planes_;
+  const VoxmapView& view_;
+  std::int64_t margin_, width_;
+  std::array<std::array<Rows, 3>, 3> sets_;  // [set][along]
+  Rows along_z_, along_y_, grown_;
+};
+
+}  // namespace forcelayer::voxmap_audit

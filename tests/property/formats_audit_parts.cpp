@@ -1,0 +1,215 @@
+// The loops of the audit that look at many voxels at once, against one voxel at a time.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+
+#include "formats/audit/code_rules.h"
+#include "formats/audit/contents.h"
+#include "formats/audit/node_rows.h"
+#include "tests/support/file_surgery.h"
+#include "tests/support/golden_content.h"
+
+namespace forcelayer::voxmap_audit {
+namespace {
+
+using Words = std::array<std::uint32_t, 32>;
+
+std::uint32_t value_of(const Words& brick, std::uint32_t n) {
+  return brick[n / 16] >> (2 * (n % 16)) & 3;
+}
+
+// Values at random, most of them free where `dense` is small.
+Words random_brick(std::mt19937_64& random, unsigned dense) {
+  Words brick{};
+  for (std::uint32_t n = 0; n < 512; ++n) {
+    if (random() % 100 < dense) brick[n / 16] |= (1 + random() % 3) << (2 * (n % 16));
+  }
+  return brick;
+}
+
+// The layers of free voxels between a brick and its neighbor in a direction.
+int gap_of(const Words& brick, std::size_t towards) {
+  const auto d = direction(towards);
+  int least = 8;
+  for (std::uint32_t n = 0; n < 512; ++n) {
+    if (value_of(brick, n) == 0) continue;
+    const int at[3] = {static_cast<int>(n >> 6), static_cast<int>(n >> 3 & 7),
+                       static_cast<int>(n & 7)};
+    int gap = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      if (d[axis] != 0) gap = std::max(gap, d[axis] < 0 ? at[axis] : 7 - at[axis]);
+    }
+    least = std::min(least, gap);
+  }
+  return least;
+}
+
+TEST(BrickFacts, CountsBoxAndGapsAreThoseOfTheVoxels) {
+  std::mt19937_64 random(1);
+  for (int trial = 0; trial < 300; ++trial) {
+    const Words brick = random_brick(random, trial == 0 ? 0 : 1u << trial % 7);
+    const BrickFacts facts = facts_of(planes_of(brick.data()));
+    std::array<std::uint16_t, 3> counts{};
+    std::array<std::uint8_t, 3> low{8, 8, 8}, high{};
+    for (std::uint32_t n = 0; n < 512; ++n) {
+      if (value_of(brick, n) == 0) continue;
+      ++counts[value_of(brick, n) - 1];
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const auto at = static_cast<std::uint8_t>(n >> (6 - 3 * axis) & 7);
+        low[axis] = std::min(low[axis], at);
+        high[axis] = std::max<std::uint8_t>(high[axis], at + 1);
+      }
+    }
+    EXPECT_EQ(facts.counts, counts) << trial;
+    if (high[0] > 0) {
+      EXPECT_EQ(facts.low, low) << trial;
+      EXPECT_EQ(facts.high, high) << trial;
+    }
+    for (std::size_t d = 0; d < kDirections; ++d) {
+      EXPECT_EQ(facts.gaps[d], d == kCenter && high[0] > 0 ? 0 : gap_of(brick, d))
+          << trial << " " << d;
+    }
+  }
+}
+
+// A map of 27 nodes, some of them uniform, whose bricks are `bricks`.
+struct Nodes {
+  explicit Nodes(std::mt19937_64& random) {
+    for (int i = 0; i < 40; ++i) bricks.push_back(random_brick(random, 1u << i % 7));
+    for (const Words& brick : bricks) planes.push_back(planes_of(brick.data()));
+    for (std::uint32_t n = 0; n < kDirections; ++n) {
+      around[n] = random() % 4 == 0 ? uniform_entry(static_cast<std::uint32_t>(random() % 4)) : n;
+      for (int i = 0; i < 512; ++i) {
+        const bool uniform = random() % 3 == 0;
+        entries.push_back(uniform ? uniform_entry(static_cast<std::uint32_t>(random() % 4),
+                                                  static_cast<std::uint32_t>(random() % 2))
+                                  : static_cast<std::uint32_t>(random() % bricks.size()));
+      }
+    }
+    view.lower_nodes = entries.data();
+    view.bricks = bricks[0].data();
+  }
+
+  // Of a voxel from -64 to 127 along each axis, from the middle node on.
+  std::uint32_t value(int x, int y, int z) const {
+    const auto part = [](int at) { return (at + 64) / 64; };
+    const std::uint32_t node =
+        around[static_cast<std::size_t>((part(x) * 3 + part(y)) * 3 + part(z))];
+    if (is_uniform(node)) return uniform_value(node);
+    const auto slot = [](int a, int b, int c) {
+      return static_cast<std::uint32_t>((a & 7) * 64 + (b & 7) * 8 + (c & 7));
+    };
+    const std::uint32_t entry = entries[node * 512 + slot(x >> 3 & 7, y >> 3 & 7, z >> 3 & 7)];
+    return is_uniform(entry) ? uniform_value(entry) : value_of(bricks[entry], slot(x, y, z));
+  }
+
+  std::vector<Words> bricks;
+  std::vector<BrickPlanes> planes;
+  std::vector<std::uint32_t> entries;
+  Around around{};
+  VoxmapView view;
+};
+
+TEST(NodeRows, AreTheVoxelsAndGrowAsTheyDo) {
+  for (const std::int64_t margin : {1, 3, 11}) {
+    std::mt19937_64 random(static_cast<std::uint64_t>(margin));
+    const Nodes nodes(random);
+    NodeRows rows(nodes.planes, nodes.view, margin);
+    rows.fill(nodes.around);
+    const auto in_set = [&](NodeRows::Set set, int x, int y, int z) {
+      const std::uint32_t value = nodes.value(x, y, z);
+      return set == NodeRows::kInterior      ? value == 1
+             : set == NodeRows::kUpToSurface ? value == 1 || value == 2
+                                             : value != 0;
+    };
+    for (const NodeRows::Set set :
+         {NodeRows::kInterior, NodeRows::kUpToSurface, NodeRows::kUpToProximity}) {
+      for (int i = 0; i < 3000; ++i) {
+        const int x = static_cast<int>(random() % 64), y = static_cast<int>(random() % 64),
+                  z = static_cast<int>(random() % 64);
+        EXPECT_EQ(rows.plane(set, x)[y] >> z & 1, in_set(set, x, y, z));
+      }
+    }
+    for (const std::int64_t steps : {std::int64_t{1}, margin}) {
+      for (const NodeRows::Set set : {NodeRows::kInterior, NodeRows::kUpToSurface}) {
+        const NodeRows::Rows& grown = rows.grown(set, steps);
+        for (int i = 0; i < 300; ++i) {
+          const int at[3] = {static_cast<int>(random() % 3 == 0 ? 63 : random() % 64),
+                             static_cast<int>(random() % 64),
+                             static_cast<int>(random() % 3 == 0 ? 0 : random() % 64)};
+          const int reach = static_cast<int>(steps);
+          bool near = false;
+          for (int x = -reach; x <= reach && !near; ++x) {
+            for (int y = -reach; y <= reach && !near; ++y) {
+              for (int z = -reach; z <= reach && !near; ++z) {
+                near = in_set(set, at[0] + x, at[1] + y, at[2] + z);
+              }
+            }
+          }
+          EXPECT_EQ(grown[static_cast<std::size_t>(at[0] * 64 + at[1])] >> at[2] & 1, near);
+        }
+      }
+    }
+  }
+}
+
+// What is surely allowed is allowed, pair by pair; and codes that change slowly surely are.
+TEST(CodeRules, WhatIsSureIsTrue) {
+  const testing::AlignedBytes golden = testing::golden_file_bytes("v2_distances.vox");
+  auto header = testing::read_at<VoxmapHeader>(golden.bytes(), 0);
+  std::mt19937_64 random(5);
+  int sure = 0, unsure = 0;
+  for (int trial = 0; trial < 3000; ++trial) {
+    header.distance_quantum_m = header.voxel_size_m / (1 + random() % 32);
+    header.distance_zero_code = 1 + static_cast<int>(random() % 254);
+    const CodeRules rules(header);
+    CodeRules::BrickCodes codes;
+    // A slope of any steepness, and in one of three a code at random.
+    const int slope[3] = {static_cast<int>(random() % 41) - 20, static_cast<int>(random() % 9) - 4,
+                          static_cast<int>(random() % 3) - 1};
+    const int begin = static_cast<int>(random() % 256);
+    for (int n = 0; n < 512; ++n) {
+      const int code = begin + slope[0] * (n >> 6) + slope[1] * (n >> 3 & 7) + slope[2] * (n & 7);
+      codes[static_cast<std::size_t>(n)] = static_cast<std::uint8_t>(std::clamp(code, 0, 255));
+    }
+    if (trial % 3 == 0) codes[random() % 512] = static_cast<std::uint8_t>(random() % 256);
+    bool even = true;
+    for (std::uint32_t n = 0; n < 512; ++n) {
+      for (const std::uint32_t step : {64u, 8u, 1u}) {
+        if ((n / step & 7) != 7) even &= rules.beside_code(codes[n], codes[n + step]);
+      }
+    }
+    EXPECT_TRUE(even || !rules.surely_even(codes)) << trial;
+    (rules.surely_even(codes) ? sure : unsure) += even;
+    EXPECT_TRUE(trial % 3 == 0 || rules.surely_even(codes) || !even || begin == 0 ||
+                std::count(codes.begin(), codes.end(), 0) +
+                    std::count(codes.begin(), codes.end(), 255))
+        << trial;
+
+    std::array<std::uint8_t, 128> values{};
+    bool allowed = true;
+    for (std::uint32_t n = 0; n < 512; ++n) {
+      std::uint32_t value = 0;
+      while (value < 3 && !rules.beside_value(value, codes[n])) ++value;
+      if (trial % 5 == 0 && n == 77) value = static_cast<std::uint32_t>(random() % 4);
+      values[n / 4] = static_cast<std::uint8_t>(values[n / 4] | value << (2 * (n % 4)));
+      allowed &= rules.beside_value(value, codes[n]);
+    }
+    EXPECT_EQ(rules.surely_beside_values(values.data(), codes), allowed) << trial;
+
+    CodeRules::FaceCodes a, b;
+    bool beside = true;
+    for (std::size_t i = 0; i < 64; ++i) {
+      a[i] = codes[i];
+      b[i] = codes[i + 64 * (random() % 2)];
+      beside &= rules.beside_code(a[i], b[i]);
+    }
+    EXPECT_TRUE(beside || !rules.surely_beside(a, b)) << trial;
+  }
+  EXPECT_GT(sure, 500);
+  EXPECT_LT(unsure, sure / 4);
+}
+
+}  // namespace
+}  // namespace forcelayer::voxmap_audit
