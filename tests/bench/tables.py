@@ -359,6 +359,12 @@ TABLES = {
         ("points looked at", scaled("points_looked_at")), ("blocks looked at", scaled("blocks_looked_at")),
         ("pages touched", text("pages_touched")), ("found", scaled("points_found")),
         ("p50 / p99, us", lambda r: pair(r["p50_us"], r["p99_us"]))]),
+    "python": ("python", list, [
+        ("question", lambda r: f"`{r['question']}`"), ("points", text("points")), ("threads", text("threads")),
+        ("poses", text("poses")), ("Python, us a pose", lambda r: digits(1e6 * r["python_cpu_s"] / r["poses"], 3)),
+        ("C++, us a pose", lambda r: digits(1e6 * r["cpp_cpu_s"] / r["poses"], 3)),
+        ("speed of Python over C++", lambda r: digits(r["cpp_cpu_s"] / r["python_cpu_s"])),
+        ("by the clock", lambda r: digits(r["cpp_wall_s"] / r["python_wall_s"]))]),
     "paper": ("paper", lambda rows: [r for r in rows if r["figure"] != "points_at_1_khz_reached"], [
         ("figure", lambda r: PAPER_ROWS.get(r["figure"], (r["figure"].replace("_", " "),))[0]),
         ("1999", paper_cell("in_1999")), ("paper's model", paper_cell("paper_model")), ("`default`", paper_cell("default"))]),
