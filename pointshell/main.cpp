@@ -9,9 +9,11 @@
 
 #include "formats/command/arguments.h"
 #include "formats/command/command.h"
+#include "formats/command/help.h"
 #include "formats/command/output_file.h"
 #include "formats/command/progress_line.h"
 #include "formats/command/quantity.h"
+#include "formats/command/version.h"
 #include "formats/mesh/reader.h"
 #include "formats/pshell.h"
 #include "formats/pshell_writer.h"
@@ -90,6 +92,23 @@ void declare_verify(CLI::App& app, Arguments& arguments) {
   verify->callback([&arguments] { arguments.verify = true; });
 }
 
+void arrange(CLI::App& app) {
+#ifdef FORCELAYER_STEP
+  command::set_version(app, "reads STEP and IGES");
+#else
+  command::set_version(app, "without STEP and IGES");
+#endif
+  command::arrange_help(
+      app,
+      {{"Output", {"-o"}},
+       {"What is read", {"--units", "--without", "--missing-faces", "--mesh-deviation"}},
+       {"The shell", {"--voxel-size", "--method", "--covering-radius", "--effort", "--threads"}},
+       {"Files of others", {"--sandbox", "--sandbox-memory", "--sandbox-time", "--allow-outside"}}},
+      "  pointshell part.obj --units mm --voxel-size 5mm -o part.pshell\n"
+      "  pointshell 'gearbox.glb#Cover' --voxel-size 1mm -o cover.pshell   a part of an assembly\n"
+      "  pointshell verify part.pshell part.obj --units mm                 proves it again");
+}
+
 Error usage(std::string what, std::string mend) {
   return {ErrorCode::kUsage, "", "", std::move(what), std::move(mend)};
 }
@@ -141,7 +160,9 @@ Result<ShellOptions> bake_options(const Arguments& arguments) {
 }
 
 void warn(const Arguments& arguments, const std::string& text) {
-  if (!arguments.quiet) std::fprintf(stderr, "pointshell: warning: %s\n", escaped(text).c_str());
+  if (arguments.quiet) return;
+  command::wipe_progress_line();
+  std::fprintf(stderr, "pointshell: warning: %s\n", escaped(text).c_str());
 }
 
 // Prints and keeps the warnings of the reading. `voxel_size_m`: that the shell is made for.
@@ -313,6 +334,7 @@ int main(int argc, char** argv) {
   Arguments arguments;
   declare_bake(app, arguments);
   declare_verify(app, arguments);
+  arrange(app);
   int exit_code = 0;
   if (!command::parse_arguments(app, argc, argv, exit_code)) return exit_code;
   command::exit_cleanly_on_signals();

@@ -5,11 +5,11 @@
 #   scripts/bench.sh --long [PART...]        the long form: over half an hour; results in build/bench/long, and from
 #                                            there in tests/bench/results/<machine> and in the pages
 #   scripts/bench.sh [--long] --out FOLDER   results in FOLDER alone
-# Parts: bake error growth plan tree shell cover query force wrench motion trajectory stability skip path paper (all of
+# Parts: bake error growth plan tree shell cover query force wrench motion trajectory stability skip path python paper (all of
 # them by default), and loop (by name only; the long form takes half an hour).
 source "$(dirname "$0")/common.sh"
 
-all_parts=(bake error growth plan tree shell cover query force wrench motion trajectory stability skip path paper)
+all_parts=(bake error growth plan tree shell cover query force wrench motion trajectory stability skip path python paper)
 bin=$root/build/release/bin
 bench=$root/tests/bench
 long=no
@@ -38,7 +38,7 @@ declare -A targets=(
   [bake]="bake_bench voxelize" [error]=geometry_bench [growth]=voxelize [plan]=voxelize [tree]="voxelize voxinfo"
   [shell]="shell_bench pointshell" [cover]=cover_bench [query]=query_bench [force]=force_bench [wrench]=wrench_bench
   [motion]=motion_bench [trajectory]=trajectory_bench [stability]=stability_bench
-  [skip]="skip_bench voxelize pointshell" [path]="path_bench voxelize pointshell voxrun voxcheck" [paper]="voxelize pointshell voxrun" [loop]="voxelize pointshell voxrun")
+  [skip]="skip_bench voxelize pointshell" [path]="path_bench voxelize pointshell voxrun voxcheck" [python]="python_bench forcelayer_python voxelize pointshell voxrun" [paper]="voxelize pointshell voxrun" [loop]="voxelize pointshell voxrun")
 
 # The long form also measures what a processor without AVX-512 would run.
 held_to_avx2() {
@@ -101,6 +101,7 @@ part_path() {
   "$bin/path_bench" $(either "--moments 3000" "") --json "$out/path.json"
   "$bench/path_time.py" $(either --short "") --json "$out/path_time.json"
 }
+part_python() { "$bench/python_bench.py" $(either --short "") --json "$out/python_bench.json"; }
 part_paper() { "$bench/paper_table.py" $(either --short "") --json "$out/paper_table.json"; }
 part_loop() {
   "$bench/bench_loop.py" --minutes "$(either 1 30)" --out "$root/build/loop_bench" --json "$out/loop.json"

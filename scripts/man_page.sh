@@ -12,8 +12,10 @@ summary=${help%%$'\n'*}
   echo '[EXIT STATUS]'
   echo '0 done; 1 internal or I/O failure; 2 wrong usage; 3 unusable mesh or scene, or a bake too large;'
   echo '4 unusable baked file; 5 device failure; 6 checked, and the answer is no; 128+n ended by signal n.'
+  echo '[ENVIRONMENT]'
+  echo 'NO_COLOR: where it is set and not empty, nothing is colored on a terminal.'
   # Options stand in the summary's own layout: they are read as they are.
-  for subcommand in $(sed -n '/^Subcommands:/,$p' <<<"$help" | awk 'NR > 1 && NF {print $1}'); do
+  for subcommand in $(sed -n '/^Subcommands:/,/^$/s/^  \([a-z]*\) .*/\1/p' <<<"$help"); do
     echo "[SUBCOMMAND ${subcommand^^}]"
     echo '.nf'
     "$command" "$subcommand" --help | sed 's/\\/\\e/g; s/^\./\\\&./'

@@ -19,12 +19,13 @@ for tool in help2man lintian; do
 done
 SOURCE_DATE_EPOCH=$(git -C "$root" log -1 --format=%ct)
 export SOURCE_DATE_EPOCH
+commit=$(git -C "$root" rev-parse --short=12 HEAD)
 
 make_packages() {  # SOURCE BUILD
   say "building packages of $1"
   cmake -S "$1" -B "$2" -G Ninja -DCMAKE_BUILD_TYPE=Release -DFORCELAYER_MAN_PAGES=ON \
     -DFORCELAYER_TESTS=OFF -DFORCELAYER_BENCHMARKS=OFF -DFORCELAYER_PRECOMPILED_HEADERS=OFF \
-    -DFORCELAYER_WARNINGS_AS_ERRORS=ON >"$2.configure.log"
+    -DFORCELAYER_WARNINGS_AS_ERRORS=ON -DFORCELAYER_COMMIT="$commit" >"$2.configure.log"
   cmake --build "$2"
   rm -rf "$2/packages"
   (cd "$2" && umask 022 && cpack -G DEB -B "$2/packages" >"$2.cpack.log")

@@ -9,9 +9,11 @@
 
 #include "formats/command/arguments.h"
 #include "formats/command/command.h"
+#include "formats/command/help.h"
 #include "formats/command/output_file.h"
 #include "formats/command/progress_line.h"
 #include "formats/command/quantity.h"
+#include "formats/command/version.h"
 #include "formats/mesh/sandbox/trust_options.h"
 #include "formats/mesh/scene.h"
 #include "voxelize/bake.h"
@@ -113,6 +115,27 @@ void declare(CLI::App& app, Arguments& arguments) {
       "bake nothing: print what the voxel size, its half and its quarter would give and cost");
   app.add_option("--json", arguments.json_path, "write a report to this file");
   app.add_flag("--quiet", arguments.quiet, "print nothing but errors");
+}
+
+void arrange(CLI::App& app) {
+#ifdef FORCELAYER_STEP
+  command::set_version(app, "reads STEP and IGES");
+#else
+  command::set_version(app, "without STEP and IGES");
+#endif
+  command::arrange_help(
+      app,
+      {{"Output", {"-o", "--list", "--plan", "--narrow-passages"}},
+       {"What is read", {"--units", "--without", "--missing-faces", "--mesh-deviation"}},
+       {"The map",
+        {"--voxel-size", "--layers", "--standoff", "--metric", "--lean", "--range", "--compliance",
+         "--free-seed", "--roi"}},
+       {"Many bakes", {"--cache", "--shard", "--threads"}},
+       {"Files of others", {"--sandbox", "--sandbox-memory", "--sandbox-time", "--allow-outside"}}},
+      "  voxelize bay.json --voxel-size 5mm --plan                 what a voxel size gives\n"
+      "  voxelize bay.json --voxel-size 5mm -o bay.vox             a scene of many files\n"
+      "  voxelize --list gearbox.glb                               the parts of an assembly\n"
+      "  voxelize gearbox.glb --without Cover --voxel-size 1mm -o opened.vox");
 }
 
 Error usage(const char* option, const Error& error) {
@@ -324,6 +347,7 @@ std::vector<std::string> warnings_of(const mesh::Scene& scene, const cache::Mesh
 
 void print_warnings(const std::vector<std::string>& warnings) {
   for (const std::string& warning : warnings) {
+    command::wipe_progress_line();
     std::fprintf(stderr, "voxelize: warning: %s\n", escaped(warning).c_str());
   }
 }
@@ -493,6 +517,7 @@ int run(int argc, char** argv) {
   CLI::App app{"Bakes a static scene into the voxmap of a .vox file", "voxelize"};
   Arguments arguments;
   declare(app, arguments);
+  arrange(app);
   int exit_code = 0;
   if (!command::parse_arguments(app, argc, argv, exit_code)) return exit_code;
   return command::run_command("voxelize", [&]() -> Status {

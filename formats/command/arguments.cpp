@@ -5,21 +5,42 @@
 #include <utility>
 
 #include "formats/command/command.h"
+#include "formats/command/help.h"
+#include "formats/command/version.h"
 
 namespace forcelayer::command {
 
+void set_version(CLI::App& app, const std::string& facts) {
+  std::string text = app.get_name() + " " + kVersion;
+  const std::string of_commit = *commit() == 0 ? "" : std::string("commit ") + commit();
+  const std::string between = of_commit.empty() || facts.empty() ? "" : "; ";
+  if (!of_commit.empty() || !facts.empty()) text += " (" + of_commit + between + facts + ")";
+  app.set_version_flag("--version", text);
+}
+
 bool parse_arguments(CLI::App& app, int argc, char** argv, int& exit_code) {
-  app.set_version_flag("--version", app.get_name() + " " + kVersion);
+  if (app.get_version_ptr() == nullptr) set_version(app);
+  wrap_help(app);
   try {
     app.parse(argc, argv);
     return true;
   } catch (const CLI::Success& done) {  // --help, --version
     exit_code = app.exit(done);
   } catch (const CLI::ParseError& wrong) {
-    const Error error{ErrorCode::kUsage, "", "", wrong.what(), "see " + app.get_name() + " --help"};
+    std::string mend = "see " + app.get_name() + " --help";
+    const std::string meant = did_you_mean(app);
+    if (!meant.empty()) mend = meant;
+    const Error error{ErrorCode::kUsage, "", "", wrong.what(), mend};
     exit_code = run_command(app.get_name().c_str(), [&] { return Status(error); });
   }
   return false;
+}
+
+std::string with_default(const std::string& help, double number) {
+  if (number == 0) return help;
+  char text[32];
+  std::snprintf(text, sizeof text, ", default %.6g", number);
+  return help + text;
 }
 
 CLI::Option* add_number(CLI::App& app, const std::string& name, const std::string& help,

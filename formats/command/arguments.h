@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 
 #include "formats/command/quantity.h"
@@ -19,16 +20,23 @@ namespace forcelayer::command {
 // `exit_code` 0), a wrong command line gives one line on stderr and status 2.
 bool parse_arguments(CLI::App& app, int argc, char** argv, int& exit_code);
 
+// "HELP, default 1000"; HELP where the number is 0.
+std::string with_default(const std::string& help, double number);
+inline double to_default(double value) { return value; }
+inline double to_default(const std::optional<double>& value) { return value.value_or(0); }
+
 // Declares an option that takes a number within `bounds`, which its help names, and hands it to
 // `take`. What is not finite or outside is a wrong command line (quantity.h: parse_number).
 CLI::Option* add_number(CLI::App& app, const std::string& name, const std::string& help,
                         const Bounds& bounds, std::function<void(double)> take);
 
-// The same into a variable.
+// The same into a variable. Its help names the value so far as the default, where that is a number
+// other than 0.
 template <typename T>
 CLI::Option* add_number(CLI::App& app, const std::string& name, T& value, const std::string& help,
                         const Bounds& bounds) {
-  return add_number(app, name, help, bounds, [&value](double number) { value = number; });
+  const std::string known = with_default(help, to_default(value));
+  return add_number(app, name, known, bounds, [&value](double number) { value = number; });
 }
 
 // Declares an option that takes a size in bytes, such as 2GiB, from `least` to `most`.

@@ -4,34 +4,68 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
 #include <exception>
 #include <new>
-#include <nlohmann/json.hpp>
 #include <span>
 #include <string_view>
 
-#include "formats/file/atomic_file.h"
+#include "formats/command/help.h"
+#include "formats/command/progress_line.h"
+#include "formats/command/report.h"
 #include "formats/file/temporary_files.h"
 
 namespace forcelayer::command {
 namespace {
 
 int fail(const char* name, const Error& error) {
-  std::fprintf(stderr, "%s: %s\n", name, to_line(error).c_str());
+  wipe_progress_line();
+  const bool color = wants_color(STDERR_FILENO);
+  std::fprintf(stderr, "%s%s:%s %s\n", color ? "\x1b[1;31m" : "", name, color ? "\x1b[0m" : "",
+               to_line(error).c_str());
+  try {
+    report_failure(error);
+  } catch (...) {  // too little memory for it: the line has been said
+  }
   return exit_status(error.code);
 }
 
+// The end of a text that is made without a call that a signal handler may not make.
+std::size_t append(std::span<char> line, std::size_t length, std::string_view text) {
+  const std::size_t added = std::min(text.size(), line.size() - length);
+  std::copy_n(text.begin(), added, line.begin() + static_cast<std::ptrdiff_t>(length));
+  return length + added;
+}
+
+// "voxelize: ended by SIGINT; nothing is left half-written": whatever was begun is removed, and a
+// file that is complete stays.
 extern "C" void end_on_signal(int number) {
-  remove_temporary_files();
+  const bool removed = remove_temporary_files();
+  wipe_progress_line();
+  const char* const signal_name = sigabbrev_np(number);
+  std::array<char, 256> line{};
+  std::size_t length = append(line, 0, program_invocation_short_name);
+  length = append(line, length, ": ended by SIG");
+  length = append(line, length, signal_name != nullptr ? signal_name : "?");
+  length = append(line, length,
+                  removed ? "; what was half-written is removed, files that were there "
+                            "before are as they were\n"
+                          : "; nothing was half-written\n");
+  if (number != SIGPIPE) {
+    const bool said = ::write(2, line.data(), length) >= 0;
+    static_cast<void>(said);  // nobody is there
+  }
   _exit(128 + number);
 }
 
 // The kernel's answer to a read of a mapped file beyond its new end.
 extern "C" void end_on_bus_error(int) {
   remove_temporary_files();
+  wipe_progress_line();
   constexpr std::string_view kMessage =
       ": an input file was cut short while it was being read; start again\n";
   const char* const name = program_invocation_short_name;
@@ -68,15 +102,6 @@ int run_command(const char* name, const std::function<Status()>& body) noexcept 
   } catch (...) {
     return fail(name, {ErrorCode::kInternal, "", "", "unknown exception", ""});
   }
-}
-
-Status write_report(const std::string& path, const nlohmann::ordered_json& report) {
-  auto file = AtomicFile::create(path);
-  if (!file) return file.error();
-  const std::string text =
-      report.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
-  if (Status written = file->write(std::as_bytes(std::span(text))); !written) return written;
-  return file->commit();
 }
 
 std::uint64_t peak_rss_bytes() {

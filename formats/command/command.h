@@ -16,13 +16,14 @@ inline constexpr const char* kVersion = FORCELAYER_VERSION;
 // becomes one line on stderr, "COMMAND: ERROR"; std::bad_alloc is kOutOfMemory.
 int run_command(const char* name, const std::function<Status()>& body) noexcept;
 
-// Writes `report` to `path` atomically, indented, with a final newline.
+// Writes `report` to `path` atomically, indented, with a final newline; behind the common head
+// where it is the report of --json (report.h).
 Status write_report(const std::string& path, const nlohmann::ordered_json& report);
 
 // From here on, SIGINT, SIGTERM, SIGHUP and SIGPIPE remove the temporary files of all AtomicFiles
-// and end the process with status 128+n. A signal that the caller ignores stays ignored. A write
-// beyond the file-size limit is an error of that write. A mapped file that is cut short ends the
-// process with one line and status 1.
+// and end the process with status 128+n, and a line that says so. A signal that the caller ignores
+// stays ignored. A write beyond the file-size limit is an error of that write. A mapped file that
+// is cut short ends the process with one line and status 1.
 void exit_cleanly_on_signals();
 
 // Highest resident set of this process so far.

@@ -13,6 +13,8 @@
 #include <fstream>
 #include <system_error>
 
+#include "formats/command/report.h"
+
 namespace forcelayer::command {
 namespace {
 
@@ -40,8 +42,10 @@ const Kind& kind_of(FileKind kind) {
 
 // Endings of what commands read or write. Every other ending may be used for any file.
 constexpr std::string_view kKnownEndings[] = {
-    ".vox", ".pshell", ".json", ".csv", ".flr", ".png", ".vdb",  ".stl", ".obj",  ".ply", ".off",
-    ".om",  ".drc",    ".gltf", ".glb", ".bin", ".stp", ".step", ".igs", ".iges", ".mtl"};
+    ".vox", ".pshell", ".json", ".csv", ".flr", ".png", ".vdb", ".stl", ".obj", ".ply", ".off",
+    ".om", ".drc", ".gltf", ".glb", ".bin", ".stp", ".step", ".igs", ".iges", ".mtl",
+    // Pictures and pages of other kinds, which no command writes.
+    ".jpg", ".jpeg", ".gif", ".bmp", ".tif", ".tiff", ".webp", ".svg", ".pdf", ".html"};
 
 // The beginnings of files that no text may replace.
 constexpr std::string_view kBinaryBeginnings[] = {"\211FL", "\211PNG", "glTF", "DRACO"};
@@ -67,14 +71,6 @@ bool same_file(const std::string& a, const std::string& b) {
   std::error_code error;
   if (fs::equivalent(a, b, error)) return true;
   return fs::weakly_canonical(a, error) == fs::weakly_canonical(b, error) && !error;
-}
-
-// "file.glb" of "file.glb#Node", unless a file has the whole name.
-std::string file_of(const std::string& input) {
-  std::error_code error;
-  const std::size_t mark = input.rfind('#');
-  if (mark == std::string::npos || fs::exists(input, error)) return input;
-  return input.substr(0, mark);
 }
 
 // The first bytes of a file that is there.
@@ -147,6 +143,13 @@ Result<std::string> take_standard_output() {
 
 }  // namespace
 
+std::string file_of(const std::string& input) {
+  std::error_code error;
+  const std::size_t mark = input.rfind('#');
+  if (mark == std::string::npos || fs::exists(input, error)) return input;
+  return input.substr(0, mark);
+}
+
 Status prepare_outputs(std::span<const OutputFile> outputs, std::span<const std::string> inputs) {
   for (std::size_t i = 0; i < outputs.size(); ++i) {
     if (outputs[i].path->empty()) continue;
@@ -157,6 +160,10 @@ Status prepare_outputs(std::span<const OutputFile> outputs, std::span<const std:
     auto path = take_standard_output();
     if (!path) return path.error();
     *output.path = std::move(*path);
+  }
+  for (const OutputFile& output : outputs) {
+    const bool is_report = std::string_view(output.option) == "--json";
+    if (is_report && !output.path->empty()) begin_report(*output.path, inputs);
   }
   return {};
 }

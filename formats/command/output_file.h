@@ -19,6 +19,9 @@ struct OutputFile {
   FileKind kind;
 };
 
+// "file.glb" of "file.glb#Node", unless a file has the whole name.
+std::string file_of(const std::string& input);
+
 // Checks, before anything is read or written, that no output
 // - is an input: the same file by any name, link or "FILE#NODE";
 // - is another output;
@@ -27,7 +30,7 @@ struct OutputFile {
 // file, a device and a
 //   pipe can be written to.
 // "-" becomes a path that writes to standard output, and what else the command prints goes to
-// standard error. Errors: kUsage.
+// standard error. What --json names becomes the command's report (report.h). Errors: kUsage.
 Status prepare_outputs(std::span<const OutputFile> outputs, std::span<const std::string> inputs);
 
 }  // namespace forcelayer::command

@@ -2,8 +2,10 @@
 
 #include <unistd.h>
 
+#include <atomic>
 #include <chrono>
 #include <cstdio>
+#include <string_view>
 
 namespace forcelayer::command {
 namespace {
@@ -12,22 +14,37 @@ double now_s() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
+// The line that stands on the terminal, so that others can wipe it.
+std::atomic<bool> on_terminal{false};
+constexpr std::string_view kWipe = "\r\x1b[K";
+
 }  // namespace
+
+void wipe_progress_line() noexcept {
+  if (!on_terminal.exchange(false)) return;
+  const bool wiped = ::write(2, kWipe.data(), kWipe.size()) >= 0;
+  static_cast<void>(wiped);  // nobody looks
+}
 
 ProgressLine::ProgressLine(bool quiet) : active_(!quiet && isatty(2) == 1), started_s_(now_s()) {}
 
 void ProgressLine::clear() {
-  if (active_ && last_shown_s_ >= 0) std::fputs("\r\x1b[K", stderr);
+  if (active_) wipe_progress_line();
   last_shown_s_ = -1;
 }
 
 void ProgressLine::show(const std::string& stage, double share_done) {
   constexpr double kIntervalS = 0.1;
+  constexpr double kTold = 0.1;  // before a tenth is done, nobody knows how long the rest takes
   if (!active_ || now_s() - last_shown_s_ < kIntervalS) return;
   last_shown_s_ = now_s();
   const double elapsed_s = last_shown_s_ - started_s_;
-  const double left_s = share_done > 0.01 ? elapsed_s * (1 - share_done) / share_done : 0;
-  std::fprintf(stderr, "\r\x1b[K%s  %3.0f%%  %.0f s left", stage.c_str(), 100 * share_done, left_s);
+  char left[32] = "";
+  if (share_done >= kTold) {
+    std::snprintf(left, sizeof left, "  %.0f s left", elapsed_s * (1 - share_done) / share_done);
+  }
+  std::fprintf(stderr, "%s%s  %3.0f%%%s", kWipe.data(), stage.c_str(), 100 * share_done, left);
+  on_terminal = true;
 }
 
 }  // namespace forcelayer::command

@@ -5,6 +5,10 @@
 
 namespace forcelayer::command {
 
+// Wipes the line that is on the terminal, if any; the next show() writes it again. For what else is
+// printed there. Async-signal-safe.
+void wipe_progress_line() noexcept;
+
 // Rewritten in place on stderr; nothing where stderr is no terminal, or when quiet.
 class ProgressLine {
  public:

@@ -33,11 +33,13 @@ void unregister_temporary_file(std::size_t slot) noexcept {
   if (slot < kSlots) std::free(slots[slot].exchange(nullptr));
 }
 
-void remove_temporary_files() noexcept {
+bool remove_temporary_files() noexcept {
+  bool removed = false;
   for (auto& slot : slots) {
     const char* path = slot.exchange(nullptr);  // not freed: free() is not async-signal-safe
-    if (path != nullptr) ::unlink(path);
+    if (path != nullptr && ::unlink(path) == 0) removed = true;
   }
+  return removed;
 }
 
 }  // namespace forcelayer

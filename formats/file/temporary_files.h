@@ -13,7 +13,8 @@ std::size_t register_temporary_file(const char* path);
 // Forgets the file of `slot`: it was renamed or removed.
 void unregister_temporary_file(std::size_t slot) noexcept;
 
-// Removes all registered files. Async-signal-safe; for a handler that ends the process.
-void remove_temporary_files() noexcept;
+// Removes all registered files; whether there were any. Async-signal-safe; for a handler that ends
+// the process.
+bool remove_temporary_files() noexcept;
 
 }  // namespace forcelayer

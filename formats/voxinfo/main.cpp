@@ -7,6 +7,7 @@
 #include "formats/audit/voxmap_audit.h"
 #include "formats/command/arguments.h"
 #include "formats/command/command.h"
+#include "formats/command/help.h"
 #include "formats/command/output_file.h"
 #include "formats/voxinfo/export.h"
 #include "formats/voxinfo/facts.h"
@@ -99,6 +100,13 @@ Status export_file(const std::string& path, const std::string& out) {
   return export_baked_file(*file, out);
 }
 
+using Report = nlohmann::ordered_json;
+
+// The outcome of a subcommand that is done, with its report where one is wanted.
+Status reported(const Status& done, const std::string& json_path, const Report& report) {
+  return done && !json_path.empty() ? command::write_report(json_path, report) : done;
+}
+
 int run(int argc, char** argv) {
   CLI::App app{"Looks into .vox scenes and .pshell parts", "voxinfo"};
   std::string path, out, json_path;
@@ -146,6 +154,15 @@ int run(int argc, char** argv) {
     subcommand->add_flag("--quiet", quiet, "print nothing but errors");
   }
 
+  for (auto* subcommand : {verify, sample, export_to}) {
+    subcommand->add_option("--json", json_path, "write a report to this file");
+  }
+  command::arrange_help(
+      app, {{"Output", {"--objects"}}},
+      "  voxinfo bay.vox                              what the file is\n"
+      "  voxinfo verify bay.vox                       whether it keeps its promises\n"
+      "  echo 0.1 0.2 0.3 | voxinfo sample bay.vox    what is at a point, in meters\n"
+      "  voxinfo export bay.vox layer.ply             for other programs");
   int exit_code = 0;
   if (!command::parse_arguments(app, argc, argv, exit_code)) return exit_code;
   return command::run_command("voxinfo", [&]() -> Status {
@@ -154,9 +171,9 @@ int run(int argc, char** argv) {
                                            {"--json", &json_path, command::FileKind::kReport}};
     const std::string inputs[] = {path, of_path.shell};
     if (Status s = command::prepare_outputs(outputs, inputs); !s) return s;
-    if (*verify) return verify_file(path, quiet);
-    if (*sample) return sample_file(path, quiet);
-    if (*export_to) return export_file(path, out);
+    if (*verify) return reported(verify_file(path, quiet), json_path, {{"valid", true}});
+    if (*sample) return reported(sample_file(path, quiet), json_path, Report::object());
+    if (*export_to) return reported(export_file(path, out), json_path, {{"output", out}});
     if (*path_command) {
       of_path.path = path;
       of_path.json = json_path;

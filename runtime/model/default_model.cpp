@@ -8,6 +8,7 @@
 
 #include "runtime/coupling/coupling_angle.h"
 #include "runtime/coupling/passivity.h"
+#include "runtime/field/surface_clearance.h"
 #include "runtime/model/motion_allowance.h"
 #include "runtime/model/principal_inertia.h"
 #include "runtime/model/touched_objects.h"
@@ -138,14 +139,12 @@ StepResult DefaultModel::step(State& state, const StepInput& input, double dt_s)
 
 // The least distance of a shell point; Simulation makes a clearance of it.
 void DefaultModel::report_distance(StepReport& report) const noexcept {
-  if (!(here_.least_distance_m > 0) || here_.outside_map) return;
-  report.clearance_m = double{here_.least_distance_m};
-  report.clearance_kind = ClearanceKind::kAtLeast;
-  if (here_.nearest == field::ContactSet::kNone) return;
-  report.clearance_kind = ClearanceKind::kProven;
-  report.nearest_point_m =
-      report.world_from_center.position_m + glm::dvec3(here_[here_.nearest].arm_m);
-  report.nearest_object = probe_.object_near(report.nearest_point_m);
+  const field::PoseClearance least =
+      field::point_clearance(here_, report.world_from_center.position_m, probe_);
+  report.clearance_m = least.clearance_m;
+  report.clearance_kind = least.kind;
+  report.nearest_point_m = least.nearest_point_m;
+  report.nearest_object = least.nearest_object;
 }
 
 void DefaultModel::open_seat(bool open) noexcept {

@@ -1,6 +1,6 @@
 #include "runtime/model/simulation.h"
 
-#include <algorithm>
+#include <utility>
 
 #include "runtime/machine/step_arithmetic.h"
 #include "runtime/model/paper_model.h"
@@ -54,9 +54,8 @@ Simulation::Simulation(Voxmap voxmap, Pshell shell, const Parameters& parameters
       parameters_(parameters),
       voxmap_watch_(voxmap_.bytes(), voxmap_.stamp()),
       shell_watch_(shell_.bytes(), shell_.stamp()),
-      query_(voxmap_, shell_, query) {
-  deviations_m_ = voxmap_.header().static_deviation_m + shell_.header().part_deviation_m +
-                  query_.rounding_bound_m();
+      query_(voxmap_, shell_, query),
+      clearance_(query_) {
   points_.reserve(shell_.view().point_count);
   samples_.reserve(shell_.view().point_count);
 }
@@ -66,12 +65,7 @@ Simulation::~Simulation() = default;
 Result<std::unique_ptr<Simulation>> Simulation::create(Voxmap voxmap, Pshell shell,
                                                        const Parameters& parameters,
                                                        const query::QueryOptions& query) {
-  const double radius_voxels = shell.header().bounding_radius_m / voxmap.voxel_size_m();
-  if (!(radius_voxels < query::ContactQuery::kMaxRadiusVoxels)) {
-    return Error{ErrorCode::kFilesDoNotMatch, "", "bounding radius",
-                 "the part is more than a million voxels of the scene across",
-                 "check the units that scene and part were baked with"};
-  }
+  if (Status fits = query::ContactQuery::check_size(voxmap, shell); !fits) return fits.error();
   std::unique_ptr<Simulation> simulation(
       new Simulation(std::move(voxmap), std::move(shell), parameters, query));
   auto field = field::make_force_field(parameters.model, parameters.force, simulation->voxmap_);
@@ -89,15 +83,6 @@ void Simulation::make_default_model() {
 void Simulation::make_default_model_of_probe() {
   default_ = std::make_unique<DefaultModel>(parameters_, *probe_, shell_.view().point_count,
                                             field::ForceCurve(voxmap_));
-}
-
-// From the least distance of a shell point to that of the exact surfaces.
-void Simulation::prove_clearance(StepReport& report) const noexcept {
-  if (report.clearance_kind == ClearanceKind::kNone) return;
-  const double proven_m =
-      surface_distance_bound_m(shell_.surface_distance_terms(), report.clearance_m) - deviations_m_;
-  if (!(proven_m > 0)) report.clearance_kind = ClearanceKind::kNone;
-  report.clearance_m = std::max(0.0, proven_m);
 }
 
 Pose Simulation::world_from_part(const Pose& world_from_center) const {
@@ -169,7 +154,7 @@ StepResult Simulation::step(State& state, const StepInput& input, double dt_s) n
       break;
     case Model::kDefault:
       result = default_->step(state, input, dt_s);
-      prove_clearance(result.report);
+      clearance_.prove(result.report.clearance_kind, result.report.clearance_m);
       break;
   }
   if (voxmap_watch_.lost() || shell_watch_.lost()) {

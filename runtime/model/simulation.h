@@ -13,6 +13,7 @@
 #include "runtime/coupling/state.h"
 #include "runtime/field/field_probe.h"
 #include "runtime/field/force_field.h"
+#include "runtime/field/surface_clearance.h"
 #include "runtime/machine/map_loss.h"
 #include "runtime/model/default_model.h"
 #include "runtime/query/contact_query.h"
@@ -81,14 +82,13 @@ class Simulation {
              const query::QueryOptions& query);
   void make_default_model();
   void make_default_model_of_probe();
-  void prove_clearance(StepReport& report) const noexcept;
 
   Voxmap voxmap_;
   Pshell shell_;
   Parameters parameters_;
   machine::WatchedMapping voxmap_watch_, shell_watch_;
-  double deviations_m_ = 0;  // of scene, part and pose together
   query::ContactQuery query_;
+  field::SurfaceClearance clearance_;
   std::unique_ptr<field::ForceField> field_;
   query::CollectedPoints points_;
   field::FieldSamples samples_;

@@ -112,6 +112,13 @@ void CollectedPoints::clear() noexcept {
   outside_map = false;
 }
 
+Status ContactQuery::check_size(const Voxmap& voxmap, const Pshell& shell) {
+  if (shell.header().bounding_radius_m / voxmap.voxel_size_m() < kMaxRadiusVoxels) return {};
+  return Error{ErrorCode::kFilesDoNotMatch, "", "bounding radius",
+               "the part is more than a million voxels of the scene across",
+               "check the units that scene and part were baked with"};
+}
+
 ContactQuery::ContactQuery(const Voxmap& voxmap, const Pshell& shell, const QueryOptions& options)
     : voxmap_(voxmap),
       shell_(shell),

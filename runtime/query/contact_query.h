@@ -61,7 +61,10 @@ struct QueryOptions {
 // voxels (integers) and a fraction.
 class ContactQuery {
  public:
-  // Both files must outlive the query. The shell's radius must stay below kMaxRadiusVoxels voxels.
+  // Errors: kFilesDoNotMatch where the shell's radius is kMaxRadiusVoxels voxels or more.
+  static Status check_size(const Voxmap& voxmap, const Pshell& shell);
+
+  // Both files must outlive the query, and pass check_size().
   ContactQuery(const Voxmap& voxmap, const Pshell& shell, const QueryOptions& options = {});
 
   // Fills `out`, which has room for the shell's points, with the part's centroid frame at

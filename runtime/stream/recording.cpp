@@ -339,6 +339,12 @@ bool ReplayInput::next(double, double, StepInput& input) noexcept {
   return true;
 }
 
+Error ReplayInput::difference(const std::string& name) const {
+  return {ErrorCode::kInternal, name, "frame " + std::to_string(first_difference_),
+          "gave another outcome than was recorded",
+          "replay with the program and on the kind of machine that recorded it"};
+}
+
 void ReplayInput::output(const Frame& frame) noexcept {
   if (frame.outcome_hash == recording_.frames()[at_ - 1].outcome_hash) return;
   if (differing_++ == 0) first_difference_ = frame.number;

@@ -84,6 +84,8 @@ class ReplayInput final : public loop::InputSource {
 
   std::uint64_t differing_frames() const { return differing_; }
   std::uint64_t first_difference() const { return first_difference_; }
+  // About the first of them; `name` is the recording's.
+  Error difference(const std::string& name) const;
 
  private:
   const Recording& recording_;

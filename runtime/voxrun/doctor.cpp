@@ -349,7 +349,7 @@ std::string findings_text(const std::vector<Finding>& findings) {
 
 Status run_doctor(const DoctorOptions& options) {
   const auto findings = examine_machine("/", options.clock_s);
-  std::cout << findings_text(findings) << std::flush;
+  if (!options.quiet) std::cout << findings_text(findings) << std::flush;
   return options.json.empty() ? Status{}
                               : command::write_report(options.json, findings_json(findings));
 }

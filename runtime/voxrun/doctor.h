@@ -33,6 +33,7 @@ std::string findings_text(const std::vector<Finding>& findings);
 struct DoctorOptions {
   std::string json;
   double clock_s = 2;
+  bool quiet = false;
 };
 
 // Examines, prints, and writes the report where one is wanted.

@@ -9,7 +9,10 @@
 
 #include "formats/command/arguments.h"
 #include "formats/command/command.h"
+#include "formats/command/help.h"
 #include "formats/command/output_file.h"
+#include "formats/command/version.h"
+#include "runtime/query/query_kernel.h"
 #include "runtime/voxrun/doctor.h"
 #include "runtime/voxrun/options.h"
 #include "runtime/voxrun/session.h"
@@ -53,18 +56,46 @@ forcelayer::Status prepare_outputs(forcelayer::voxrun::Options& options) {
   return forcelayer::command::prepare_outputs(outputs, inputs);
 }
 
+void arrange(CLI::App& app) {
+  using namespace forcelayer;
+  command::set_version(app, std::string("vectors ") + query::kernel_target());
+  command::arrange_help(
+      app,
+      {{"Device",
+        {"--device", "--plugin", "--plugin-args", "--motion", "--hand", "--world-from-device",
+         "--motion-scale", "--clutch-button", "--after-trip", "--stale-limit", "--max-speed",
+         "--max-turn", "--without-watchdog"}},
+       {"Part and scene",
+        {"--start", "--seat", "--grip", "--reach", "--without-guarantee", "--fail-on"}},
+       {"Loop",
+        {"--duration", "--rate", "--threads", "--as-fast-as-possible", "--model", "--force",
+         "--no-braking"}},
+       {"Output", {"--trace", "--record", "--replay", "--udp", "--udp-rate"}}},
+      "  voxrun bay.vox part.pshell --motion press.csv --trace run.csv   a scripted hand\n"
+      "  voxrun bay.vox part.pshell --device hid --duration 10min        a hand on a device\n"
+      "  voxrun opened.vox cover.pshell --motion lift.csv --fail-on penetration,seat\n"
+      "  voxrun bay.vox part.pshell --device replay --replay run.flr     again, bit for bit\n"
+      "  voxrun doctor                                                   looks at the machine");
+}
+
 // voxrun doctor [...]: argv begins with "doctor".
 int doctor(int argc, char** argv) {
   CLI::App app{"Says what of this machine stands in the way of a quiet loop, and how to mend it",
                "voxrun doctor"};
   forcelayer::voxrun::DoctorOptions options;
   app.add_option("--json", options.json, "write a report");
+  app.add_flag("--quiet", options.quiet, "no report on the terminal");
   forcelayer::command::add_number(app, "--clock", options.clock_s,
                                   "seconds for which the clock is measured; 0: not", {0, 3600});
+  forcelayer::command::arrange_help(app, {}, "  voxrun doctor --json machine.json");
   int status = 0;
   if (!forcelayer::command::parse_arguments(app, argc, argv, status)) return status;
-  return forcelayer::command::run_command("voxrun doctor",
-                                          [&] { return forcelayer::voxrun::run_doctor(options); });
+  return forcelayer::command::run_command("voxrun doctor", [&]() -> forcelayer::Status {
+    const forcelayer::command::OutputFile outputs[] = {
+        {"--json", &options.json, forcelayer::command::FileKind::kReport}};
+    if (auto s = forcelayer::command::prepare_outputs(outputs, {}); !s) return s;
+    return forcelayer::voxrun::run_doctor(options);
+  });
 }
 
 }  // namespace
@@ -74,6 +105,7 @@ int main(int argc, char** argv) {
   CLI::App app{"Runs the haptic loop between a .vox scene and a .pshell part", "voxrun"};
   app.footer("voxrun doctor says what of this machine stands in the way of a quiet loop.");
   forcelayer::voxrun::OptionParser parser(app);
+  arrange(app);
   int status = 0;
   if (!forcelayer::command::parse_arguments(app, argc, argv, status)) return status;
   end_loop_on_signals();

@@ -73,16 +73,18 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
   app.add_option("scene", texts_.scene, "the scene, a .vox file")->required();
   app.add_option("part", texts_.part, "the moving part, a .pshell file")->required();
   app.add_option("--device", options_.device,
-                 "sim (a scripted hand), hid, spacemouse, plugin or replay")
+                 "sim (a scripted hand; default), hid, spacemouse, plugin or replay")
       ->check(CLI::IsMember({"sim", "hid", "spacemouse", "plugin", "replay"}));
   add_hid_options(app, options_.hid);
   app.add_option("--plugin", options_.plugin, "library of the device plugin");
   app.add_option("--plugin-args", options_.plugin_args, "text for the plugin");
-  app.add_option("--duration", texts_.duration, "how long to run, like 10s or 2min, to 10000h");
+  app.add_option("--duration", texts_.duration,
+                 "how long to run, like 10s or 2min, to 10000h; default: as long as --motion");
   command::add_number(app, "--rate", options_.run.rate_hz, "frames a second", kRates);
-  app.add_option("--threads", options_.run.threads, "that share the contact query")
+  app.add_option("--threads", options_.run.threads, "that share the contact query, default 1")
       ->check(CLI::Range(1, 256));
-  app.add_option("--model", texts_.model, "dynamic model: default or paper");
+  app.add_option("--model", texts_.model,
+                 "dynamic model: default, or paper for the method of 1999");
   app.add_option("--force", texts_.force,
                  "force field: tangent-plane, level or distance (the model's own)");
   app.add_flag("--no-braking", texts_.no_braking, "no pre-contact braking");
@@ -147,8 +149,7 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
   app.add_option("--stale-limit", texts_.stale,
                  "how long device or loop may be silent before the output trips, to 50ms (5ms)");
   command::add_number(app, "--max-speed", options_.run.max_speed_mps,
-                      "of the handle, m/s; faster trips the output; 5",
-                      {kLeast, kHighestMaxSpeedMps});
+                      "of the handle, m/s; faster trips the output", {kLeast, kHighestMaxSpeedMps});
   command::add_number(app, "--max-turn", options_.run.max_turn_radps,
                       "of the handle, rad/s; faster trips the output; 10 rad/m times --max-speed",
                       {kLeast, kHighestMaxTurnRadps});

@@ -255,10 +255,7 @@ struct FrameOutputs {
 
 Status check_replay(const Session& session) {
   if (session.replay == nullptr || session.replay->differing_frames() == 0) return {};
-  return Error{ErrorCode::kInternal, session.facts.options.replay,
-               "frame " + std::to_string(session.replay->first_difference()),
-               "gave another outcome than was recorded",
-               "replay with the program and on the kind of machine that recorded it"};
+  return session.replay->difference(session.facts.options.replay);
 }
 
 bool is_of_device(TripCause cause) {

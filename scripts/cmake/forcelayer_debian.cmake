@@ -44,6 +44,11 @@ if(TARGET voxview)
   debian_package(viewer forcelayer-viewer science "shows haptic scenes, baked files and runs"
     "voxview draws meshes, voxmaps, point shells and recorded or live runs of\nvoxrun.")
 endif()
+if(TARGET forcelayer_python)
+  debian_package(python python3-forcelayer python "proven clearance and haptic simulation from Python"
+    "import forcelayer opens baked scenes and parts, tells the proven clearance at\nmany poses at once, and steps and replays the haptic simulation.")
+  get_target_property(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS forcelayer_python FORCELAYER_DEBIAN_DEPENDS)
+endif()
 debian_package(development libforcelayer-dev libdevel "library for haptic rendering by voxel sampling"
   "Headers, static libraries and CMake files to embed the runtime in a servo\nloop of your own, and to read and write its files.")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "libglm-dev, libhwy-dev, libhidapi-dev")

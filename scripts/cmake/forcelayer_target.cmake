@@ -86,6 +86,10 @@ function(forcelayer_command name)
   forcelayer_use_headers(${name} command)
   target_link_options(${name} PRIVATE $<$<CONFIG:Release>:LINKER:-z,relro,-z,now>)
   install(TARGETS ${name} COMPONENT ${ARG_COMPONENT})
+  if(NOT ARG_INTERNAL)
+    install(FILES ${PROJECT_SOURCE_DIR}/scripts/completion.bash RENAME ${name} COMPONENT ${ARG_COMPONENT}
+            DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/bash-completion/completions)
+  endif()
   if(HELP2MAN AND FORCELAYER_MAN_PAGES AND NOT ARG_INTERNAL)
     set(page ${CMAKE_BINARY_DIR}/man/${name}.1.gz)
     add_custom_command(OUTPUT ${page} DEPENDS ${name} ${PROJECT_SOURCE_DIR}/scripts/man_page.sh VERBATIM

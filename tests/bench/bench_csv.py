@@ -81,6 +81,7 @@ FILES = {
     "path": (("scenes", "from_voxels"), {"poses": SAME, "median": 1.02, "p99": 1.02}),
     "path_poses": (("scenes",), same("moments", "too_much", "planted", "found")),
     "path_time": (("clearance_mm", "threads"), {**same("poses", "moments_tested"), **times("cpu_s")}),
+    "python": (("question", "points", "threads"), times("python_cpu_s", "cpp_cpu_s")),
     "paper": (("figure",), {}),
     "paper_steps": (("model", "points"), times("p50_us", "p99_us")),
     "loop": (("figure",), {}),
@@ -321,6 +322,11 @@ def stability_step(results):
                                  **{f"{key}_us": value for key, value in results[f"{part}_us"].items()}}
 
 
+def python_bench(rows):
+    for r in rows:
+        yield "python", r
+
+
 def skipped(rows):
     for r in rows:
         b, total = r["bake"], r["bake"]["total"]
@@ -397,7 +403,7 @@ ROWS = {"bake": bake, "bake_wide": bake_kinds, "bake_error": bake_error, "bake_g
         "stability_table2": stability_one_case("table2"),
         "stability_hands": stability_one_case("hands", "stability_hands"), "stability_map": stability_map,
         "stability_device": stability_device, "stability_grips": stability_grips,
-        "stability_loops": stability_loops, "stability_step": stability_step, "skipped": skipped,
+        "stability_loops": stability_loops, "stability_step": stability_step, "skipped": skipped, "python_bench": python_bench,
         "path": path, "path_time": path_time, "paper_table": paper, "loop": loop}
 OF_VECTORS = (bake_kinds, force_cost)  # which put the vectors of the run into the rows
 

@@ -371,6 +371,12 @@ TABLES = {
         ("poses", text("poses")), ("moments looked at", text("moments_tested")), ("violations", text("violations")),
         ("reading, s", scaled("read_s", 1, 2)), ("checking, s", scaled("check_s", 1, 2)),
         ("processor, s", scaled("cpu_s", 1, 2)), ("memory, MB", scaled("peak_bytes", 1e-6))]),
+    "python": ("python", list, [
+        ("question", lambda r: f"`{r['question']}`"), ("points", text("points")), ("threads", text("threads")),
+        ("poses", text("poses")), ("Python, us a pose", lambda r: digits(1e6 * r["python_cpu_s"] / r["poses"], 3)),
+        ("C++, us a pose", lambda r: digits(1e6 * r["cpp_cpu_s"] / r["poses"], 3)),
+        ("speed of Python over C++", lambda r: digits(r["cpp_cpu_s"] / r["python_cpu_s"])),
+        ("by the clock", lambda r: digits(r["cpp_wall_s"] / r["python_wall_s"]))]),
     "paper": ("paper", lambda rows: [r for r in rows if r["figure"] != "points_at_1_khz_reached"], [
         ("figure", lambda r: PAPER_ROWS.get(r["figure"], (r["figure"].replace("_", " "),))[0]),
         ("1999", paper_cell("in_1999")), ("paper's model", paper_cell("paper_model")), ("`default`", paper_cell("default"))]),

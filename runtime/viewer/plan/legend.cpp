@@ -81,7 +81,9 @@ void add_moment(const PicturePlan& plan, const ViewScene& scene, std::vector<Leg
   }
   if (!plan.shown[Item::kContacts]) return;
   if (scene.voxmap && scene.shell) {
-    legend.push_back({Swatch::kArrow, kContactColor, 1, "contact: force on the part"});
+    legend.push_back(
+        {Swatch::kArrow, kContactColor, 1,
+         text_of("contact: force on the part, %g times the depth", arrow_scale(scene))});
     legend.push_back({Swatch::kDot, kForceLayerColor, 1, "point in the force layer, depth 0"});
     legend.push_back({Swatch::kSmallSquare, kProximityColor, 1, "point in proximity"});
     legend.push_back({Swatch::kDiamond, kPenetrationColor, 1, "point in interior"});

@@ -10,12 +10,22 @@
 namespace forcelayer::viewer {
 namespace {
 
-std::optional<Moment> plan_moment(const ViewOptions& options, const std::vector<TraceRow>& rows) {
+// Errors: kUsage for a time that the run does not have.
+Result<std::optional<Moment>> plan_moment(const ViewOptions& options,
+                                          const std::vector<TraceRow>& rows) {
   std::optional<Moment> moment;
   if (options.world_from_part) {
     moment.emplace();
     moment->world_from_part = *options.world_from_part;
   } else if (!rows.empty()) {
+    const double first_s = rows.front().time_s, last_s = rows.back().time_s;
+    // As far beyond the last row as this is from the one before: it was then not over yet.
+    const double frame_s = rows.size() > 1 ? last_s - rows[rows.size() - 2].time_s : 0;
+    if (options.at_s && !(*options.at_s >= first_s && *options.at_s <= last_s + frame_s)) {
+      return Error{ErrorCode::kUsage, options.run, "--at",
+                   text_of("the run has no %g s", *options.at_s),
+                   text_of("give a time from %g s to %g s", first_s, last_s)};
+    }
     const std::size_t at = options.at_s ? row_at(rows, *options.at_s) : strongest_row(rows);
     moment = moment_of(rows[at], options.handle_from_part.value_or(grip_of(rows.front())));
   }
@@ -43,9 +53,19 @@ glm::dvec3 sum_of_forces(const ContactView& contacts) {
   return sum;
 }
 
+// Where the eye is by default: with a cut, on the side that it takes away.
+glm::dvec3 usual_direction(const ViewOptions& options) {
+  glm::dvec3 direction = default_direction();
+  if (options.cut) {
+    double& across = direction[options.cut->axis];
+    across = options.cut->keep_low ? std::abs(across) : -std::abs(across);
+  }
+  return direction;
+}
+
 CameraView part_camera(const ViewOptions& options, const ViewScene& scene, const Moment& moment) {
-  glm::dvec3 direction = options.to_eye.value_or(default_direction());
-  if (!options.to_eye && scene.voxmap) {
+  glm::dvec3 direction = options.to_eye.value_or(usual_direction(options));
+  if (!options.to_eye && !options.cut && scene.voxmap) {
     direction = clearest_direction(*scene.voxmap, points_to_see(scene, moment),
                                    sum_of_forces(moment.contacts),
                                    glm::length(scene.bounds.high_m - scene.bounds.low_m));
@@ -59,9 +79,10 @@ CameraView part_camera(const ViewOptions& options, const ViewScene& scene, const
 CameraView plan_camera(const ViewOptions& options, const ViewScene& scene,
                        const std::optional<Moment>& moment) {
   const bool on_part = options.focus != Focus::kScene && moment && scene.shell;
-  CameraView view = on_part ? part_camera(options, scene, *moment)
-                            : frame_box(box_of(scene), options.to_eye.value_or(default_direction()),
-                                        static_cast<double>(options.width) / options.height);
+  CameraView view =
+      on_part ? part_camera(options, scene, *moment)
+              : frame_box(box_of(scene), options.to_eye.value_or(usual_direction(options)),
+                          static_cast<double>(options.width) / options.height);
   if (options.pixels_per_voxel && scene.voxmap) {
     // Pixels line up with voxels seen along an axis.
     const double s = scene.voxmap->voxel_size_m();
@@ -139,6 +160,15 @@ WorldBox box_of(const ViewScene& scene) {
   return box;
 }
 
+double arrow_scale(const ViewScene& scene) {
+  if (!scene.voxmap || !scene.shell) return 1;
+  const VoxmapHeader& header = scene.voxmap->header();
+  const double depth_m = header.force_depth_m > 0 ? header.force_depth_m : header.voxel_size_m;
+  const double most = 0.5 * scene.shell->header().bounding_radius_m / depth_m;
+  const double power = std::pow(10, std::floor(std::log10(most)));
+  return (most / power >= 5 ? 5 : most / power >= 2 ? 2 : 1) * power;
+}
+
 Result<std::unique_ptr<ContactViewSource>> make_contact_source(const ViewOptions& options,
                                                                const ViewScene& scene) {
   const ForceKind force = options.force.value_or(field::usual_force(options.model, *scene.voxmap));
@@ -194,7 +224,9 @@ Result<PicturePlan> plan_picture(const ViewOptions& options, const ViewScene& sc
   if (!hidden) return hidden.error();
   plan.hidden = std::move(*hidden);
   plan.title = {describe(scene)};
-  std::optional<Moment> moment = plan_moment(options, rows);
+  auto planned = plan_moment(options, rows);
+  if (!planned) return planned.error();
+  std::optional<Moment>& moment = *planned;
   if (scene.before) {
     if (Status change = plan_change(scene, plan); !change) return change.error();
   }

@@ -136,10 +136,11 @@ std::size_t row_at(const std::vector<TraceRow>& rows, double time_s) {
 }
 
 std::size_t strongest_row(const std::vector<TraceRow>& rows) {
-  const auto strongest =
-      std::max_element(rows.begin(), rows.end(), [](const TraceRow& a, const TraceRow& b) {
-        return glm::length(a.on_hand.force_n) < glm::length(b.on_hand.force_n);
-      });
+  const auto less = [](const TraceRow& a, const TraceRow& b) {
+    if ((a.contacts > 0) != (b.contacts > 0)) return b.contacts > 0;
+    return glm::length(a.on_hand.force_n) < glm::length(b.on_hand.force_n);
+  };
+  const auto strongest = std::max_element(rows.begin(), rows.end(), less);
   return static_cast<std::size_t>(strongest - rows.begin());
 }
 

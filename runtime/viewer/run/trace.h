@@ -31,7 +31,8 @@ Result<std::vector<TraceRow>> read_trace(const std::filesystem::path& path);
 // The row at or just before `time_s`; the first where all are later. `rows` must not be empty.
 std::size_t row_at(const std::vector<TraceRow>& rows, double time_s);
 
-// The row of the greatest force on the hand.
+// The row of the greatest force on the hand, of those with a contact where there are any: braking
+// and the part's mass are felt without one.
 std::size_t strongest_row(const std::vector<TraceRow>& rows);
 
 }  // namespace forcelayer::viewer

@@ -460,7 +460,7 @@ void Stage::place_target(const Pose& world_from_part, const Pose& world_from_tar
                               width_m, scene_.origin_m));
 }
 
-void Stage::place_contacts(const ContactView& contacts, double arrow_m) {
+void Stage::place_contacts(const ContactView& contacts, double dot_m, double per_depth) {
   struct Places {
     std::vector<glm::dvec3> at, vector;
   } contact, layer, proximity, interior;
@@ -471,7 +471,6 @@ void Stage::place_contacts(const ContactView& contacts, double arrow_m) {
     kind->at.push_back(point.position_m);
     kind->vector.push_back(point.depth_m * point.direction);
   }
-  const double dot_m = 0.06 * arrow_m, per_depth = arrow_m / std::max(contacts.deepest_m, 1e-12);
   Actors& a = *actors_;
   a.contact_points.set(contact.at, contact.vector, scene_.origin_m, dot_m);
   a.contact_forces.set(contact.at, contact.vector, scene_.origin_m, per_depth);
@@ -495,7 +494,7 @@ void place_moment(Stage& stage, const ViewScene& scene, const Moment& moment) {
   }
   if (!scene.shell) return;
   const double radius_m = scene.shell->header().bounding_radius_m;
-  stage.place_contacts(moment.contacts, 0.5 * radius_m);
+  stage.place_contacts(moment.contacts, 0.03 * radius_m, arrow_scale(scene));
   const glm::dvec3 force_n = moment.on_hand ? moment.on_hand->force_n : glm::dvec3(0);
   stage.place_net_force(world_from_center(moment.world_from_part, *scene.shell).position_m, force_n,
                         glm::length(force_n) > 0 ? 1.2 * radius_m : 0);

@@ -48,8 +48,8 @@ class Stage {
   void place_part(const Pose& world_from_part);
   // Draws the part at the coupling's target as an outline, with a spring from there to the part.
   void place_target(const Pose& world_from_part, const Pose& world_from_target);
-  // Points and forces; the longest arrow, at the greatest depth, is `arrow_m` long.
-  void place_contacts(const ContactView& contacts, double arrow_m);
+  // Points, and forces as arrows, which are `per_depth` times as long as their points are deep.
+  void place_contacts(const ContactView& contacts, double dot_m, double per_depth);
   // The force on the hand as one arrow of `length_m` at the part's centroid; zero hides it.
   void place_net_force(const glm::dvec3& at_m, const glm::dvec3& direction, double length_m);
 

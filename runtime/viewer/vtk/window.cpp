@@ -477,7 +477,8 @@ class Window {
       const int axis = cut_ ? cut_->axis + 1 : 0;
       cut_.reset();
       const glm::dvec3 middle_m = followed_m_.value_or(box_of(scene_).middle_m());
-      if (axis < 3) cut_ = Cut{axis, middle_m[axis], true};
+      // The side towards the eye goes: else it would hide the cut.
+      if (axis < 3) cut_ = Cut{axis, middle_m[axis], to_eye()[axis] >= 0};
     } else if (key == "C" && cut_) {
       cut_->keep_low = !cut_->keep_low;
     } else if (key == "comma" && cut_) {

@@ -1,0 +1,200 @@
+#include "formats/command/help.h"
+
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdlib>
+#include <memory>
+#include <numeric>
+#include <stdexcept>
+#include <string_view>
+
+namespace forcelayer::command {
+namespace {
+
+constexpr const char* kCommon = "Every command";
+constexpr std::size_t kNameColumns = 28;
+
+// Text in lines of at most `width` columns, each but the first behind `indent` blanks.
+std::string wrapped(std::string_view text, std::size_t width, std::size_t indent) {
+  std::string lines;
+  std::size_t column = 0;
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find(' '), text.size());
+    if (column > 0 && column + 1 + end > width) {
+      lines += '\n' + std::string(indent, ' ');
+      column = 0;
+    }
+    if (column > 0) lines += ' ', ++column;
+    lines += text.substr(0, end);
+    column += end;
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  return lines;
+}
+
+// A type as CLI11 names it, in words: what stands behind the option, and what is said of it.
+struct TypeWords {
+  std::string placeholder, bounds;
+};
+TypeWords words_of(const std::string& type) {
+  if (const std::size_t open = type.find('{'); open != std::string::npos) {
+    std::string choices = type.substr(open + 1, type.find('}', open) - open - 1);
+    std::replace(choices.begin(), choices.end(), ',', '|');
+    return {choices, ""};
+  }
+  if (type.find("SIZE") != std::string::npos) return {"SIZE", ""};
+  const std::string within = "INT in [";
+  if (const std::size_t at = type.find(within); at != std::string::npos) {
+    std::string range = type.substr(at + within.size(), type.find(']', at) - at - within.size());
+    if (const std::size_t dash = range.find(" - "); dash != std::string::npos) {
+      range.replace(dash, 3, " to ");
+    }
+    return {"N", " (" + range + ")"};
+  }
+  if (type.starts_with("UINT") || type.starts_with("INT")) return {"N", ""};
+  return {type, ""};
+}
+
+class HelpFormatter : public CLI::Formatter {
+ public:
+  HelpFormatter() { column_width(kNameColumns); }
+
+  std::string make_option_opts(const CLI::Option* option) const override {
+    if (option->get_type_size() == 0) return "";
+    std::string text = words_of(option->get_type_name()).placeholder;
+    if (option->get_positional()) text.clear();  // its name says what it is
+    if (option->get_expected_max() == CLI::detail::expected_max_vector_size) text += "...";
+    return text.empty() || text.starts_with("...") ? text : " " + text;
+  }
+  std::string make_option(const CLI::Option* option, bool is_positional) const override {
+    const std::string bounds = words_of(option->get_type_name()).bounds;
+    return entry(make_option_name(option, is_positional) + make_option_opts(option),
+                 option->get_description() + bounds);
+  }
+  std::string make_subcommand(const CLI::App* sub) const override {
+    return entry(sub->get_display_name(true), sub->get_description());
+  }
+  std::string make_description(const CLI::App* app) const override {
+    return wrapped(app->get_description(), kHelpColumns, 0) + "\n";
+  }
+  std::string make_usage(const CLI::App* app, std::string name) const override {
+    const std::string usage = CLI::Formatter::make_usage(app, std::move(name));
+    constexpr std::string_view kTitle = "Usage:";
+    return bold(std::string(kTitle)) + usage.substr(kTitle.size());
+  }
+  std::string make_group(std::string group, bool is_positional,
+                         std::vector<const CLI::Option*> options) const override {
+    std::string text = '\n' + bold(group + ":") + '\n';
+    for (const CLI::Option* option : options) text += make_option(option, is_positional);
+    return text;
+  }
+  std::string make_help(const CLI::App* app, std::string name,
+                        CLI::AppFormatMode mode) const override {
+    std::string text = make_description(app) + make_usage(app, std::move(name)) +
+                       make_positionals(app) + grouped_options(app) + make_subcommands(app, mode);
+    const std::string footer = make_footer(app);
+    return footer.empty() ? text : text + '\n' + footer;
+  }
+
+ private:
+  // The groups in the order in which they were named first, but the common one last.
+  std::string grouped_options(const CLI::App* app) const {
+    std::string text;
+    for (const bool common : {false, true}) {
+      for (const std::string& group : app->get_groups()) {
+        if (group.empty() || (group == kCommon) != common) continue;
+        const auto options = app->get_options([&group](const CLI::Option* option) {
+          return option->get_group() == group && option->nonpositional();
+        });
+        if (!options.empty()) text += make_group(group, false, options);
+      }
+    }
+    return text;
+  }
+
+  static std::string bold(const std::string& text) {
+    return wants_color(STDOUT_FILENO) ? "\x1b[1m" + text + "\x1b[0m" : text;
+  }
+  static std::string entry(const std::string& name, const std::string& what) {
+    std::string line = "  " + name;
+    if (line.size() + 2 > kNameColumns) {
+      line += '\n' + std::string(kNameColumns, ' ');
+    } else {
+      line.resize(kNameColumns, ' ');
+    }
+    return line + wrapped(what, kHelpColumns - kNameColumns, kNameColumns) + '\n';
+  }
+};
+
+// Least number of letters to insert, remove, change or swap with the next.
+std::size_t spelling_distance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> before, last(b.size() + 1), row(b.size() + 1);
+  std::iota(last.begin(), last.end(), std::size_t{0});
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      row[j] = std::min({last[j] + 1, row[j - 1] + 1, last[j - 1] + (a[i - 1] != b[j - 1])});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) {
+        row[j] = std::min(row[j], before[j - 2] + 1);
+      }
+    }
+    before = std::exchange(last, row);
+  }
+  return last.back();
+}
+
+}  // namespace
+
+bool wants_color(int descriptor) {
+  const char* const no = std::getenv("NO_COLOR");
+  if (no != nullptr && *no != '\0') return false;
+  const char* const terminal = std::getenv("TERM");
+  return isatty(descriptor) == 1 && terminal != nullptr && std::string_view(terminal) != "dumb";
+}
+
+void arrange_help(CLI::App& app, std::initializer_list<HelpGroup> groups,
+                  const std::string& examples) {
+  for (const HelpGroup& group : groups) {
+    for (const char* const name : group.options) {
+      CLI::Option* const option = app.get_option_no_throw(name);
+      if (option == nullptr) throw std::logic_error(std::string("help: no option ") + name);
+      option->group(group.title);
+    }
+  }
+  std::string footer = app.get_footer();
+  if (!footer.empty()) footer += "\n\n";
+  app.footer(footer + "Examples:\n" + examples);
+}
+
+void wrap_help(CLI::App& app) {
+  app.formatter(std::make_shared<HelpFormatter>());
+  for (const char* const name : {"--json", "--quiet", "--help", "--version"}) {
+    if (CLI::Option* const option = app.get_option_no_throw(name)) option->group(kCommon);
+  }
+  for (CLI::App* const sub : app.get_subcommands({})) wrap_help(*sub);
+}
+
+std::string did_you_mean(const CLI::App& app) {
+  std::vector<const CLI::App*> asked{&app};
+  for (const CLI::App* const sub : app.get_subcommands()) asked.push_back(sub);
+  for (const std::string& argument : app.remaining(true)) {
+    if (!argument.starts_with("-")) continue;
+    const std::string typed = argument.substr(0, argument.find('='));
+    std::string best;
+    std::size_t least = std::max<std::size_t>(2, typed.size() / 3) + 1;
+    for (const CLI::App* const one : asked) {
+      for (const CLI::Option* const option : one->get_options()) {
+        for (const std::string& name : option->get_lnames()) {
+          const std::size_t distance = spelling_distance(typed, "--" + name);
+          if (distance < least) least = distance, best = "did you mean --" + name + "?";
+        }
+      }
+    }
+    if (!best.empty()) return best;
+  }
+  return "";
+}
+
+}  // namespace forcelayer::command

@@ -1,0 +1,104 @@
+#include "formats/command/report.h"
+
+#include <errno.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "formats/command/command.h"
+#include "formats/command/output_file.h"
+#include "formats/command/version.h"
+#include "formats/file/atomic_file.h"
+#include "formats/file/mapped_file.h"
+#include "formats/section_table.h"
+
+namespace forcelayer::command {
+namespace {
+
+using Json = nlohmann::ordered_json;
+namespace fs = std::filesystem;
+
+// The report of this process. Its writers are on one thread.
+struct Begun {
+  std::string path;
+  std::vector<std::string> inputs;
+  Json written;
+};
+Begun begun;
+
+// As the baked files' own checksums: XXH3, 64 bits. Null where it is no file that can be read.
+Json hash_of(const std::string& path) {
+  std::error_code failure;
+  if (!fs::is_regular_file(path, failure)) return nullptr;
+  const auto file = MappedFile::open_for_long(path);
+  if (!file) return nullptr;
+  const auto hash = checksum(*file, 0, file->bytes().size());
+  if (!hash) return nullptr;
+  char text[17];
+  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(*hash));
+  return std::string(text);
+}
+
+// Assignments: lists in braces compile to ten times as much.
+Json head() {
+  Json report;
+  report["schema_version"] = kReportSchema;
+  report["tool"] = program_invocation_short_name;
+  report["tool_version"] = kVersion;
+  report["commit"] = std::string(commit());
+  report["exit_status"] = 0;
+  report["warnings"] = Json::array();
+  Json& inputs = report["input_files"] = Json::array();
+  for (const std::string& path : begun.inputs) {
+    Json& input = inputs.emplace_back();
+    input["path"] = path;
+    input["xxh3"] = hash_of(path);
+  }
+  return report;
+}
+
+Status write_json(const std::string& path, const Json& report) {
+  auto file = AtomicFile::create(path);
+  if (!file) return file.error();
+  const std::string text = report.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  if (Status written = file->write(std::as_bytes(std::span(text))); !written) return written;
+  return file->commit();
+}
+
+}  // namespace
+
+void begin_report(const std::string& path, std::span<const std::string> inputs) {
+  begun = {path, {}, nullptr};
+  for (const std::string& input : inputs) {
+    if (!input.empty()) begun.inputs.push_back(file_of(input));
+  }
+}
+
+Status write_report(const std::string& path, const Json& report) {
+  if (path.empty() || path != begun.path) return write_json(path, report);
+  Json whole = head();
+  for (const auto& [key, value] : report.items()) whole[key] = value;
+  Status written = write_json(path, whole);
+  if (written) begun.written = std::move(whole);
+  return written;
+}
+
+void report_failure(const Error& error) {
+  if (begun.path.empty()) return;
+  const bool stream = begun.path.starts_with("/dev/");  // what is written there cannot be replaced
+  if (stream && !begun.written.is_null()) return;
+  Json report = begun.written.is_null() ? head() : begun.written;
+  report["exit_status"] = exit_status(error.code);
+  Json& told = report["error"];
+  told["code"] = static_cast<int>(error.code);
+  told["file"] = error.file;
+  told["where"] = error.where;
+  told["what"] = error.what;
+  told["mend"] = error.mend;
+  told["line"] = to_line(error);
+  const Status written = write_json(begun.path, report);
+  static_cast<void>(written);  // the command has failed already, and says so
+}
+
+}  // namespace forcelayer::command

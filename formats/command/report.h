@@ -1,0 +1,24 @@
+// The report that --json asks for: the head that all commands share, and reports of failures.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "formats/result.h"
+
+namespace forcelayer::command {
+
+// Version of the reports' common keys (README.md).
+inline constexpr int kReportSchema = 1;
+
+// From here on write_report() puts the common head before what is written to `path`, and a failure
+// is reported there. `inputs`: as typed; nodes behind "FILE#" count as the file. prepare_outputs()
+// calls it.
+void begin_report(const std::string& path, std::span<const std::string> inputs);
+
+// Writes the error and its exit status into the report that was begun, beside what stands in it
+// already; nothing where none was. run_command() calls it.
+void report_failure(const Error& error);
+
+}  // namespace forcelayer::command

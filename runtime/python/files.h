@@ -1,0 +1,112 @@
+// What both halves of the module share: open files, exceptions, arrays.
+#pragma once
+
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+
+#include <cstring>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "forcelayer/pose.h"
+#include "formats/pshell.h"
+#include "formats/voxmap.h"
+#include "runtime/python/pose_batch.h"
+
+namespace forcelayer::python {
+
+namespace py = pybind11;
+
+// An Error on its way to Python, where it becomes forcelayer.Error with the commands' text.
+class Failure : public std::runtime_error {
+ public:
+  explicit Failure(Error error) : std::runtime_error(to_line(error)), code(error.code) {}
+  ErrorCode code;
+};
+
+template <typename T>
+T take(Result<T> result) {
+  if (!result) throw Failure(result.error());
+  return std::move(*result);
+}
+inline void check(const Status& status) {
+  if (!status) throw Failure(status.error());
+}
+
+struct Part {
+  explicit Part(const std::filesystem::path& file);
+  std::filesystem::path path;
+  Pshell shell;
+};
+
+class Scene {
+ public:
+  explicit Scene(const std::filesystem::path& file);
+
+  // For poses of a part; kept for the parts that asked last.
+  std::shared_ptr<PoseBatch> poses_of(const std::shared_ptr<Part>& part);
+
+  const std::filesystem::path path;
+  const Voxmap map;
+  PointBatch points;
+
+ private:
+  struct Asked {
+    std::weak_ptr<Part> part;
+    std::shared_ptr<PoseBatch> batch;  // not to be used once the part is gone
+  };
+  std::vector<Asked> asked_;
+};
+
+// Rows of numbers: other types are converted, arrays of doubles are read where they are.
+using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
+
+// The rows of an array of shape (n, kColumns), or (kColumns,) for one. Throws Failure, kUsage.
+template <std::size_t kColumns>
+std::span<const std::array<double, kColumns>> rows_of(const Doubles& array, const char* name) {
+  const bool one = array.ndim() == 1 && array.shape(0) == kColumns;
+  if (!one && !(array.ndim() == 2 && array.shape(1) == kColumns)) {
+    std::string shape;
+    for (py::ssize_t axis = 0; axis < array.ndim(); ++axis) {
+      shape += (axis == 0 ? "" : ", ") + std::to_string(array.shape(axis));
+    }
+    throw Failure({ErrorCode::kUsage, "", name, "has the shape (" + shape + ")",
+                   "give an array of shape (n, " + std::to_string(kColumns) + ")"});
+  }
+  const auto* rows = reinterpret_cast<const std::array<double, kColumns>*>(array.data());
+  return {rows, one ? 1 : static_cast<std::size_t>(array.shape(0))};
+}
+
+// The only row of an array of shape (kColumns,).
+template <std::size_t kColumns>
+const std::array<double, kColumns>& row_of(const Doubles& array, const char* name) {
+  if (array.ndim() == 1) return rows_of<kColumns>(array, name)[0];
+  throw Failure({ErrorCode::kUsage, "", name, "is no single row",
+                 "give " + std::to_string(kColumns) + " numbers"});
+}
+
+// `count` rows to be filled in; what lies between their fields is zero, so equal rows are equal
+// bytes.
+template <typename Row>
+py::array_t<Row> empty_rows(std::size_t count) {
+  py::array_t<Row> rows(static_cast<py::ssize_t>(count));
+  std::memset(static_cast<void*>(rows.mutable_data()), 0, count * sizeof(Row));
+  return rows;
+}
+
+// A pose, its quaternion made unit. Throws Failure, kUsage.
+Pose pose_of(const std::array<double, 7>& numbers, const std::string& name);
+
+// For work that has released the interpreter: whether nobody pressed Ctrl-C.
+bool nobody_interrupts();
+// Throws what Ctrl-C set, or Failure for the number of a row that is none.
+void check_done(std::int64_t done, const char* name, const char* what);
+
+void bind_simulation(py::module_& module);
+
+}  // namespace forcelayer::python

@@ -1,0 +1,16 @@
+"""Forcelayer: how near does this part come to what?
+
+Opens what `voxelize` and `pointshell` baked, asks for clearance at many poses at once, and steps or
+replays the haptic simulation. Lengths are meters; a pose is x y z and a quaternion qw qx qy qz.
+
+>>> import forcelayer
+>>> scene, part = forcelayer.Scene("bay.vox"), forcelayer.Part("part.pshell")
+>>> frames = forcelayer.replay(scene, part, "run.flr").frames
+>>> clearance = scene.clearance(part, frames["world_from_part"])["clearance_m"]
+>>> clearance.shape == frames.shape
+True
+"""
+
+from ._forcelayer import (Error, Moment, Part, Replay, Scene, Simulation, __version__, replay)
+
+__all__ = ["Error", "Moment", "Part", "Replay", "Scene", "Simulation", "replay"]

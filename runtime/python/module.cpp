@@ -1,0 +1,418 @@
+// `import forcelayer`: scenes, parts, and questions to them. Every docstring is a doctest.
+#include "runtime/python/files.h"
+
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include <glm/geometric.hpp>
+
+#include "runtime/run/baked_files.h"
+
+namespace forcelayer::python {
+
+Scene::Scene(const std::filesystem::path& file)
+    : path(file), map(take(open_scene(file))), points(map) {}
+
+std::shared_ptr<PoseBatch> Scene::poses_of(const std::shared_ptr<Part>& part) {
+  constexpr std::size_t kKept = 4;
+  std::erase_if(asked_, [](const Asked& asked) { return asked.part.expired(); });
+  for (const Asked& asked : asked_) {
+    if (asked.part.lock() == part) return asked.batch;
+  }
+  std::shared_ptr<PoseBatch> made = take(PoseBatch::create(map, part->shell));
+  if (asked_.size() == kKept) asked_.erase(asked_.begin());
+  asked_.push_back({part, made});
+  return made;
+}
+
+Part::Part(const std::filesystem::path& file) : path(file), shell(take(open_part(file))) {}
+
+Pose pose_of(const std::array<double, 7>& n, const std::string& name) {
+  const glm::dquat q(n[3], n[4], n[5], n[6]);
+  const double length = glm::length(q), sum = n[0] + n[1] + n[2];
+  if (!std::isfinite(sum) || !std::isfinite(length) || !(length > 0)) {
+    throw Failure({ErrorCode::kUsage, "", name, "is no pose",
+                   "give finite meters and a quaternion that is not zero"});
+  }
+  return {{n[0], n[1], n[2]}, q / length};
+}
+
+bool nobody_interrupts() {
+  const py::gil_scoped_acquire python;
+  return PyErr_CheckSignals() == 0;
+}
+
+void check_done(std::int64_t done, const char* name, const char* what) {
+  if (done == kAllDone) return;
+  if (done == kStopped) throw py::error_already_set();
+  throw Failure({ErrorCode::kUsage, "", name, "row " + std::to_string(done) + what, ""});
+}
+
+namespace {
+
+const char* const kNoPose = " is no pose: give finite meters and a quaternion that is not zero";
+
+template <typename Answer, typename Ask>
+py::array_t<Answer> ask_poses(const std::shared_ptr<Scene>& scene,
+                              const std::shared_ptr<Part>& part, const Doubles& poses,
+                              const Ask& ask) {
+  const auto rows = rows_of<7>(poses, "poses");
+  const std::shared_ptr<PoseBatch> batch = scene->poses_of(part);
+  auto answers = empty_rows<Answer>(rows.size());
+  const std::span<Answer> out(answers.mutable_data(), rows.size());
+  std::int64_t done = kAllDone;
+  {
+    const py::gil_scoped_release other_threads;
+    done = ask(*batch, rows, out);
+  }
+  check_done(done, "poses", kNoPose);
+  return answers;
+}
+
+// A read-only view of the file's own numbers.
+template <typename T>
+py::array view_of(const std::shared_ptr<Part>& part, std::vector<py::ssize_t> shape,
+                  std::vector<py::ssize_t> strides, const T* first) {
+  py::array view(py::dtype::of<T>(), std::move(shape), std::move(strides), first, py::cast(part));
+  view.attr("flags").attr("writeable") = false;
+  return view;
+}
+
+// Three columns of floats as an array of shape (points, 3). They lie one behind the other in the
+// file, at equal distances.
+py::array columns_of(const std::shared_ptr<Part>& part, const float* x, const float* y,
+                     const float* z) {
+  const auto points = static_cast<py::ssize_t>(part->shell.view().point_count);
+  const auto apart = reinterpret_cast<const char*>(y) - reinterpret_cast<const char*>(x);
+  const auto next = reinterpret_cast<const char*>(z) - reinterpret_cast<const char*>(y);
+  if (apart != next) {  // a writer of another kind: sections may stand in any order
+    py::array_t<float> copy({points, py::ssize_t{3}});
+    auto at = copy.mutable_unchecked<2>();
+    for (py::ssize_t i = 0; i < points; ++i) at(i, 0) = x[i], at(i, 1) = y[i], at(i, 2) = z[i];
+    return copy;
+  }
+  return view_of(part, {points, 3}, {sizeof(float), apart}, x);
+}
+
+py::array_t<double> vector_of(const std::array<double, 3>& v) {
+  return py::array_t<double>(3, v.data());
+}
+
+std::vector<std::string> object_names(const Scene& scene) {
+  std::vector<std::string> names{""};
+  for (std::uint32_t n = 1; n <= scene.map.header().object_count; ++n) {
+    names.emplace_back(scene.map.object_name(n));
+  }
+  return names;
+}
+
+void bind_scene(py::module_& module) {
+  py::class_<Scene, std::shared_ptr<Scene>>(module, "Scene", R"(A baked scene: a `.vox` file.
+
+The whole file is checked when it is opened, its checksums too.
+
+>>> scene = forcelayer.Scene("bay.vox")
+>>> scene
+forcelayer.Scene('bay.vox')
+>>> scene.voxel_size_m
+0.005
+>>> forcelayer.Scene("nowhere.vox")
+Traceback (most recent call last):
+forcelayer.Error: nowhere.vox: no such file; check the path
+)")
+      .def(py::init<const std::filesystem::path&>(), py::arg("path"))
+      .def("__repr__",
+           [](const Scene& s) {
+             return "forcelayer.Scene(" + std::string(py::repr(py::str(s.path.string()))) + ")";
+           })
+      .def_readonly("path", &Scene::path, R"(The file, as it was named.
+
+>>> forcelayer.Scene("bay.vox").path.name
+'bay.vox'
+)")
+      .def_property_readonly(
+          "voxel_size_m", [](const Scene& s) { return s.map.voxel_size_m(); },
+          R"(Edge of a voxel, meters.
+
+>>> forcelayer.Scene("bay.vox").voxel_size_m
+0.005
+)")
+      .def_property_readonly(
+          "origin_voxel", [](const Scene& s) { return s.map.header().origin_voxel; },
+          R"(Lowest voxel that is not free, in voxels from the world's origin.
+
+>>> len(forcelayer.Scene("bay.vox").origin_voxel)
+3
+)")
+      .def_property_readonly(
+          "dims_voxels", [](const Scene& s) { return s.map.header().dims_voxels; },
+          R"(Extent of the box of voxels that are not free.
+
+>>> min(forcelayer.Scene("bay.vox").dims_voxels) > 0
+True
+)")
+      .def_property_readonly(
+          "stores_distances", [](const Scene& s) { return s.map.distances() != nullptr; },
+          R"(Whether distances are stored. Without them no clearance is known.
+
+>>> forcelayer.Scene("bay.vox").stores_distances
+True
+)")
+      .def_property_readonly("objects", &object_names,
+                             R"(Names of the scene's objects by their number; number 0 is none.
+
+>>> scene = forcelayer.Scene("bay.vox")
+>>> scene.objects[0], len(scene.objects) > 1
+('', True)
+)")
+      .def_property_readonly(
+          "provenance", [](const Scene& s) { return std::string(s.map.provenance()); },
+          R"(What the file was baked from and how: the text of a JSON object.
+
+>>> import json
+>>> json.loads(forcelayer.Scene("bay.vox").provenance)["voxel_size_m"]
+0.005
+)")
+      .def(
+          "sample",
+          [](Scene& scene, const Doubles& points_m, unsigned threads) {
+            const auto rows = rows_of<3>(points_m, "points_m");
+            auto answers = empty_rows<PointAnswer>(rows.size());
+            const std::span<PointAnswer> out(answers.mutable_data(), rows.size());
+            std::int64_t done = kAllDone;
+            {
+              const py::gil_scoped_release other_threads;
+              done = scene.points.sample(rows, threads, out, nobody_interrupts);
+            }
+            check_done(done, "points_m", " is not finite");
+            return answers;
+          },
+          py::arg("points_m"), py::kw_only(), py::arg("threads") = 0,
+          R"(The scene at points of the world, shape (n, 3), meters.
+
+A structured array with a row for each point:
+
+    value             of the voxel: 0 free, 1 interior, 2 surface (the force layer), 3 proximity
+    known             False beyond a side at which the scene was cropped
+    distance_m        from the meshes, interpolated between stored distances; negative inside;
+                      NaN where none is stored
+    least_distance_m  no point of the meshes is nearer; 0 where nothing is proven
+    gradient          of the distance, world axes: away from the meshes; NaN where none is stored
+    object            number of the nearest object, see `objects`; 0 where none is known
+
+`threads`: 0 for all. Other Python threads run meanwhile.
+
+>>> scene = forcelayer.Scene("bay.vox")
+>>> scene.sample([[9.0, 9.0, 9.0]])["value"]  # far away all is free
+array([0], dtype=uint8)
+>>> scene.sample([[9.0, 9.0]])
+Traceback (most recent call last):
+forcelayer.Error: points_m: has the shape (1, 2); give an array of shape (n, 3)
+)")
+      .def(
+          "query",
+          [](const std::shared_ptr<Scene>& scene, const std::shared_ptr<Part>& part,
+             const Doubles& poses, unsigned threads) {
+            return ask_poses<PointCounts>(
+                scene, part, poses, [threads](PoseBatch& batch, auto rows, auto out) {
+                  return batch.count(rows, threads, out, nobody_interrupts);
+                });
+          },
+          py::arg("part"), py::arg("poses"), py::kw_only(), py::arg("threads") = 0,
+          R"(How many points of the part lie where, at each pose.
+
+`poses`: shape (n, 7), world_from_part as x y z (meters) and a quaternion qw qx qy qz, which is
+made unit. A structured array with a row for each pose:
+
+    interior, surface, proximity   points in voxels of value 1, 2 and 3
+    outside_map                    True: a point lies beyond a side at which the scene was cropped
+
+`threads`: 0 for all. Other Python threads run meanwhile.
+
+>>> scene, part = forcelayer.Scene("bay.vox"), forcelayer.Part("part.pshell")
+>>> far, seated = [9, 9, 9, 1, 0, 0, 0], [0, 0, 0, 1, 0, 0, 0]
+>>> counts = scene.query(part, [far, seated])
+>>> counts["interior"][0] + counts["surface"][0] + counts["proximity"][0]
+0
+)")
+      .def(
+          "clearance",
+          [](const std::shared_ptr<Scene>& scene, const std::shared_ptr<Part>& part,
+             const Doubles& poses, unsigned threads) {
+            return ask_poses<ClearanceAnswer>(
+                scene, part, poses, [threads](PoseBatch& batch, auto rows, auto out) {
+                  return batch.clearance(rows, threads, out, nobody_interrupts);
+                });
+          },
+          py::arg("part"), py::arg("poses"), py::kw_only(), py::arg("threads") = 0,
+          R"(How far the exact surfaces of part and scene are apart at least, at each pose.
+
+The bound is proven from the two files, as the runtime proves it for every frame. It holds at these
+poses, and says nothing of the way between them. `poses`: as for query(). A structured array with a
+row for each pose:
+
+    clearance_m       a lower bound, meters; NaN where nothing is known
+    measured          False: no point is within reach of the stored distances, "at least" so much
+    nearest_object    number of the object nearest to the nearest point, see `objects`; 0: not known
+    nearest_point_m   the nearest shell point, world; NaN where not measured
+    interior, surface, proximity, outside_map   as of query(); where the scene has a standoff, by
+                      distance
+
+`threads`: 0 for all. Other Python threads run meanwhile.
+
+>>> scene, part = forcelayer.Scene("bay.vox"), forcelayer.Part("part.pshell")
+>>> answer = scene.clearance(part, [9, 9, 9, 1, 0, 0, 0])[0]
+>>> bool(answer["measured"]), bool(answer["clearance_m"] > 0.01)
+(False, True)
+>>> scene.clearance(part, [0, 0, 0, 0, 0, 0, 0])
+Traceback (most recent call last):
+forcelayer.Error: poses: row 0 is no pose: give finite meters and a quaternion that is not zero
+)");
+}
+
+void bind_part(py::module_& module) {
+  py::class_<Part, std::shared_ptr<Part>>(module, "Part", R"(A baked part: a `.pshell` file.
+
+The whole file is checked when it is opened, its checksums too.
+
+>>> part = forcelayer.Part("part.pshell")
+>>> part
+forcelayer.Part('part.pshell')
+>>> part.points_m.shape == (part.point_count, 3)
+True
+)")
+      .def(py::init<const std::filesystem::path&>(), py::arg("path"))
+      .def("__repr__",
+           [](const Part& p) {
+             return "forcelayer.Part(" + std::string(py::repr(py::str(p.path.string()))) + ")";
+           })
+      .def_readonly("path", &Part::path, R"(The file, as it was named.
+
+>>> forcelayer.Part("part.pshell").path.name
+'part.pshell'
+)")
+      .def_property_readonly(
+          "point_count", [](const Part& p) { return p.shell.view().point_count; },
+          R"(Number of shell points.
+
+>>> forcelayer.Part("part.pshell").point_count > 100
+True
+)")
+      .def_property_readonly(
+          "points_m",
+          [](const std::shared_ptr<Part>& p) {
+            const PshellView& v = p->shell.view();
+            return columns_of(p, v.x, v.y, v.z);
+          },
+          R"(The shell points, shape (n, 3), meters: in the part's axes, from `center_m`.
+
+A view of the file, no copy; it cannot be written to.
+
+>>> points = forcelayer.Part("part.pshell").points_m
+>>> points.dtype, points.flags.owndata, points.flags.writeable
+(dtype('float32'), False, False)
+)")
+      .def_property_readonly(
+          "normals",
+          [](const std::shared_ptr<Part>& p) {
+            const PshellView& v = p->shell.view();
+            return columns_of(p, v.nx, v.ny, v.nz);
+          },
+          R"(Inward unit normals of the points, shape (n, 3): a view of the file.
+
+>>> bool(abs((forcelayer.Part("part.pshell").normals ** 2).sum(axis=1) - 1).max() < 1e-5)
+True
+)")
+      .def_property_readonly(
+          "areas_m2",
+          [](const std::shared_ptr<Part>& p) {
+            const PshellView& v = p->shell.view();
+            return view_of(p, {static_cast<py::ssize_t>(v.point_count)}, {sizeof(float)},
+                           v.weight_m2);
+          },
+          R"(Area that each point stands for, shape (n,): a view of the file.
+
+>>> part = forcelayer.Part("part.pshell")
+>>> bool(abs(part.areas_m2.sum() / part.area_m2 - 1) < 0.01)
+True
+)")
+      .def_property_readonly(
+          "center_m", [](const Part& p) { return vector_of(p.shell.header().center_m); },
+          R"(The centroid, in the frame of the part's mesh.
+
+>>> forcelayer.Part("part.pshell").center_m.shape
+(3,)
+)")
+      .def_property_readonly(
+          "area_m2", [](const Part& p) { return p.shell.header().area_m2; },
+          R"(Area of the part's surface.
+
+>>> forcelayer.Part("part.pshell").area_m2 > 0
+True
+)")
+      .def_property_readonly(
+          "covering_radius_m", [](const Part& p) { return p.shell.header().covering_radius_m; },
+          R"(Every point of the part's surface lies within this of a shell point: proven.
+
+>>> forcelayer.Part("part.pshell").covering_radius_m < 0.005
+True
+)")
+      .def_property_readonly(
+          "bounding_radius_m", [](const Part& p) { return p.shell.header().bounding_radius_m; },
+          R"(Radius of all points about `center_m`.
+
+>>> forcelayer.Part("part.pshell").bounding_radius_m > 0.01
+True
+)")
+      .def_property_readonly(
+          "provenance", [](const Part& p) { return std::string(p.shell.provenance()); },
+          R"(What the file was baked from and how: the text of a JSON object.
+
+>>> forcelayer.Part("part.pshell").provenance.startswith("{")
+True
+)");
+}
+
+// forcelayer.Error, with the text that a command prints behind its name.
+void bind_error(py::module_& module) {
+  static PyObject* const type = PyErr_NewExceptionWithDoc(
+      "forcelayer.Error", R"(What a command would print as its error: what, where, how to mend it.
+
+`code` is the error's number and `exit_status` that of a command that ends with it, both as in the
+project's README.
+
+>>> try:
+...     forcelayer.Part("bay.vox")
+... except forcelayer.Error as error:
+...     print(error.code, error.exit_status)
+400 4
+)",
+      PyExc_Exception, nullptr);
+  module.attr("Error") = py::handle(type);
+  py::register_exception_translator([](std::exception_ptr thrown) {
+    try {
+      if (thrown) std::rethrow_exception(thrown);
+    } catch (const Failure& failure) {
+      const py::object error = py::handle(type)(failure.what());
+      error.attr("code") = static_cast<int>(failure.code);
+      error.attr("exit_status") = exit_status(failure.code);
+      PyErr_SetObject(type, error.ptr());
+    }
+  });
+}
+
+}  // namespace
+
+PYBIND11_MODULE(_forcelayer, module) {
+  PYBIND11_NUMPY_DTYPE(PointAnswer, value, known, distance_m, least_distance_m, gradient, object);
+  PYBIND11_NUMPY_DTYPE(PointCounts, interior, surface, proximity, outside_map);
+  PYBIND11_NUMPY_DTYPE(ClearanceAnswer, clearance_m, measured, nearest_object, nearest_point_m,
+                       interior, surface, proximity, outside_map);
+  module.attr("__version__") = FORCELAYER_VERSION;
+  bind_error(module);
+  bind_part(module);
+  bind_scene(module);
+  bind_simulation(module);
+}
+
+}  // namespace forcelayer::python

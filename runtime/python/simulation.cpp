@@ -1,0 +1,538 @@
+// Steps and replays: forcelayer.Simulation and forcelayer.replay().
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "forcelayer/pose_datagram.h"
+#include "forcelayer/run.h"
+#include "runtime/loop/handle_velocity.h"
+#include "runtime/loop/loop_statistics.h"
+#include "runtime/loop/servo.h"
+#include "runtime/model/simulation.h"
+#include "runtime/python/files.h"
+#include "runtime/run/limits.h"
+#include "runtime/stream/recording.h"
+
+namespace forcelayer::python {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr std::size_t kFramesBetweenAsking = 64;  // whether Ctrl-C was pressed
+
+using Vector = std::array<double, 3>;
+Vector numbers(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
+
+// One frame as a row of an array.
+struct FrameRow {
+  double t_s;
+  PoseNumbers world_from_handle, world_from_part;
+  Vector force_n, torque_nm;
+  double clearance_m, depth_m;
+  Vector nearest_point_m;
+  std::uint32_t nearest_object, interior, surface, proximity, contacts, guard_cuts, barred, seated,
+      faults;
+  bool measured, outside_map, seat_open, saturated;
+};
+
+FrameRow row_of_frame(const Frame& frame, const model::Simulation& simulation) {
+  const StepReport& r = frame.result.report;
+  FrameRow row{};
+  row.t_s = frame.time_s;
+  row.world_from_handle = pose_numbers(frame.input.world_from_handle);
+  row.world_from_part = pose_numbers(simulation.world_from_part(r.world_from_center));
+  row.force_n = numbers(frame.result.wrench.force_n);
+  row.torque_nm = numbers(frame.result.wrench.torque_nm);
+  row.measured = r.clearance_kind == ClearanceKind::kProven;
+  row.clearance_m = r.clearance_kind == ClearanceKind::kNone ? kNan : r.clearance_m;
+  row.nearest_point_m = numbers(row.measured ? r.nearest_point_m : glm::dvec3(kNan));
+  row.nearest_object = row.measured ? r.nearest_object : 0;
+  row.depth_m = r.depth_m;
+  row.interior = r.interior, row.surface = r.surface, row.proximity = r.proximity;
+  row.contacts = r.contacts, row.guard_cuts = r.guard_cuts, row.barred = r.barred;
+  row.seated = r.seated, row.faults = r.faults;
+  row.outside_map = r.outside_map != 0;
+  row.seat_open = r.seat_open != 0;
+  row.saturated = r.saturated != 0;
+  return row;
+}
+
+std::string object_text(const Scene& scene, std::uint32_t object) {
+  const std::string_view name = scene.map.object_name(object);
+  return name.empty() ? "object " + std::to_string(object) : std::string(name);
+}
+
+py::object object_or_none(const Scene& scene, std::uint32_t object) {
+  return object == 0 ? py::object(py::none()) : py::str(object_text(scene, object));
+}
+
+py::object least_clearance(const Scene& scene, const loop::LoopStatistics& s) {
+  const auto& least = s.least_clearance;
+  if (least.kind == ClearanceKind::kNone) return py::none();
+  py::dict d;
+  d["clearance_m"] = least.clearance_m;
+  d["t_s"] = least.time_s;
+  d["at_least"] = least.kind == ClearanceKind::kAtLeast;
+  d["object"] = object_or_none(scene, least.object);
+  if (least.kind == ClearanceKind::kProven) d["point_m"] = numbers(least.point_m);
+  return d;
+}
+
+// The run so far, by the names of `voxrun --json`.
+py::dict report_of(const Scene& scene, const loop::LoopStatistics& s, double rate_hz) {
+  py::dict d;
+  d["frames"] = s.frames;
+  d["force_layer_frames"] = s.force_layer_frames;
+  d["penetration_frames"] = s.penetration_frames;
+  d["contact_frames"] = s.contact_frames;
+  d["barred_frames"] = s.barred_frames;
+  d["outside_map_frames"] = s.outside_map_frames;
+  d["seated_frames"] = s.seated_frames;
+  d["saturated_frames"] = s.saturated_frames;
+  d["guard_cuts"] = s.guard_cuts;
+  d["max_force_n"] = s.max_force_n;
+  d["max_torque_nm"] = s.max_torque_nm;
+  d["guarantee_from_s"] = s.guarantee_from_s;
+  d["least_clearance"] = least_clearance(scene, s);
+  py::list touched;
+  for (const loop::TouchedTotal& total : s.touched.totals()) {
+    py::dict entry;
+    entry["name"] = object_text(scene, total.object);
+    entry["seconds"] = static_cast<double>(total.frames) / rate_hz;
+    entry["max_force_n"] = total.max_force_n;
+    touched.append(entry);
+  }
+  d["touched_objects"] = touched;
+  return d;
+}
+
+Run open(const Scene& scene, const Part& part, RunRequest request) {
+  request.scene = scene.path;
+  request.part = part.path;
+  // The same mapped bytes: a file that was replaced meanwhile is not mixed in.
+  return take(open_run(take(Voxmap::from_bytes(scene.map.bytes(), scene.path.string())),
+                       take(Pshell::from_bytes(part.shell.bytes(), part.path.string())), request));
+}
+
+// Everything that evolves, and what was counted of it.
+struct Moment {
+  State state;
+  loop::HandleVelocity velocity;
+  loop::LoopStatistics statistics;
+  const void* of = nullptr;  // the simulation
+};
+
+// forcelayer.Simulation.
+class Stepper {
+ public:
+  Stepper(std::shared_ptr<Scene> scene, std::shared_ptr<Part> part, const RunRequest& request)
+      : scene_(std::move(scene)), part_(std::move(part)), run_(open(*scene_, *part_, request)) {}
+
+  void start(const Doubles& world_from_part, const std::optional<Doubles>& world_from_handle,
+             const std::optional<Doubles>& world_from_seat) {
+    PartStart start;
+    start.world_from_part =
+        pose_of(row_of<7>(world_from_part, "world_from_part"), "world_from_part");
+    if (world_from_seat) {
+      start.world_from_seat =
+          pose_of(row_of<7>(*world_from_seat, "world_from_seat"), "world_from_seat");
+    }
+    const Pose handle =
+        world_from_handle
+            ? pose_of(row_of<7>(*world_from_handle, "world_from_handle"), "world_from_handle")
+            : *start.world_from_part;
+    moment_.reset();
+    auto begun = std::make_shared<Moment>();
+    begun->state = take(simulation().begin(start, handle));
+    begun->of = this;
+    begun->velocity.update(handle, dt_s());
+    moment_ = std::move(begun);
+  }
+
+  py::object step(const Doubles& world_from_handle, const std::optional<Doubles>& velocity) {
+    return run(single_row(world_from_handle, "world_from_handle"), velocity)[py::int_(0)];
+  }
+
+  py::array_t<FrameRow> run(const Doubles& world_from_handle,
+                            const std::optional<Doubles>& velocity) {
+    const auto handles = rows_of<7>(world_from_handle, "world_from_handle");
+    std::span<const std::array<double, 6>> velocities;
+    if (velocity) velocities = rows_of<6>(*velocity, "handle_velocity");
+    if (velocity && velocities.size() != handles.size()) {
+      throw Failure({ErrorCode::kUsage, "", "handle_velocity",
+                     "has " + std::to_string(velocities.size()) + " rows for " +
+                         std::to_string(handles.size()) + " poses",
+                     ""});
+    }
+    require_start();
+    auto rows = empty_rows<FrameRow>(handles.size());
+    FrameRow* const out = rows.mutable_data();
+    auto next = std::make_shared<Moment>(*moment_);  // where a pose is none, nothing has happened
+    std::int64_t done = kAllDone;
+    {
+      const py::gil_scoped_release other_threads;
+      done = frames(*next, handles, velocities, out);
+    }
+    check_done(done, "world_from_handle",
+               " is no pose: give finite meters and a quaternion that is not zero");
+    moment_ = std::move(next);
+    return rows;
+  }
+
+  std::shared_ptr<Moment> moment() const {
+    require_start();
+    return std::make_shared<Moment>(*moment_);
+  }
+  void set_moment(const std::shared_ptr<Moment>& moment) {
+    if (moment->of != this) {
+      throw Failure({ErrorCode::kUsage, "", "moment", "is of another simulation", ""});
+    }
+    moment_ = std::make_shared<Moment>(*moment);
+  }
+
+  py::dict report() const {
+    require_start();
+    return report_of(*scene_, moment_->statistics, run_.parameters().rate_hz);
+  }
+
+  PoseNumbers world_from_part() const {
+    require_start();
+    return pose_numbers(simulation().world_from_part(moment_->state.world_from_center));
+  }
+
+  std::map<std::string, double> parameters() const {
+    std::map<std::string, double> all;
+    for (const ParameterInfo& info : parameter_table()) {
+      all[std::string(info.name)] = run_.parameters().*(info.member);
+    }
+    all["rate_hz"] = run_.parameters().rate_hz;
+    return all;
+  }
+  const Run& opened() const { return run_; }
+
+ private:
+  static Doubles single_row(const Doubles& pose, const char* name) {
+    row_of<7>(pose, name);
+    return pose;
+  }
+  void require_start() const {
+    if (moment_) return;
+    throw Failure({ErrorCode::kUsage, "", "simulation", "has not been started",
+                   "call start(world_from_part) first"});
+  }
+  double dt_s() const { return 1 / run_.parameters().rate_hz; }
+  model::Simulation& simulation() { return run_.simulation(); }
+  const model::Simulation& simulation() const { return run_.simulation(); }
+
+  std::int64_t frames(Moment& moment, std::span<const PoseNumbers> handles,
+                      std::span<const std::array<double, 6>> velocities, FrameRow* out) {
+    Frame frame;
+    for (std::size_t i = 0; i < handles.size(); ++i) {
+      if (i % kFramesBetweenAsking == kFramesBetweenAsking - 1 && !nobody_interrupts()) {
+        return kStopped;
+      }
+      frame.number = moment.state.frame;
+      frame.time_s = static_cast<double>(frame.number) * dt_s();
+      Pose handle = pose_from_numbers(handles[i]);
+      const double length = glm::length(handle.orientation);
+      if (!std::isfinite(length) || !(length > 0)) return static_cast<std::int64_t>(i);
+      handle.orientation /= length;
+      frame.input.world_from_handle = handle;
+      frame.input.valid = kInputValid;
+      if (velocities.empty()) {
+        frame.input.handle_velocity = moment.velocity.update(handle, dt_s());
+      } else {
+        const auto& v = velocities[i];
+        frame.input.handle_velocity = {{v[0], v[1], v[2]}, {v[3], v[4], v[5]}};
+      }
+      frame.result = simulation().step(moment.state, frame.input, dt_s());
+      if ((frame.result.report.faults & kFaultNonFiniteInput) != 0) {
+        return static_cast<std::int64_t>(i);
+      }
+      moment.statistics.count(frame);
+      out[i] = row_of_frame(frame, simulation());
+    }
+    return kAllDone;
+  }
+
+  std::shared_ptr<Scene> scene_;
+  std::shared_ptr<Part> part_;
+  Run run_;
+  std::shared_ptr<Moment> moment_;
+};
+
+// forcelayer.Replay.
+struct Replay {
+  py::array frames;
+  py::dict report;
+};
+
+std::int64_t replay_frames(loop::Servo& servo, const stream::Recording& recording,
+                           loop::LoopStatistics& statistics, FrameRow* out) {
+  Frame frame;
+  for (std::size_t i = 0; i < recording.frames().size(); ++i) {
+    if (i % kFramesBetweenAsking == kFramesBetweenAsking - 1 && !nobody_interrupts()) {
+      return kStopped;
+    }
+    servo.tick(frame);
+    statistics.count(frame);
+    out[i] = row_of_frame(frame, servo.simulation());
+  }
+  return kAllDone;
+}
+
+Replay replay(const std::shared_ptr<Scene>& scene, const std::shared_ptr<Part>& part,
+              const std::filesystem::path& path) {
+  const stream::Recording recording = take(stream::Recording::open(path));
+  check(recording.check_files(scene->map, part->shell));
+  RunRequest request;
+  request.recorded = recording.run().parameters;
+  request.placement = recording.run().placement;
+  request.without_guarantee = true;  // what was run is told
+  Run run = open(*scene, *part, request);
+  model::Simulation& simulation = run.simulation();
+  if (recording.run().world_from_seat) {
+    check(simulation.find_seat(*recording.run().world_from_seat));
+  }
+  stream::ReplayInput input(recording);
+  loop::Servo servo(simulation, input, recording.run().start,
+                    output_limits(request, run.parameters()));
+  const auto statistics = std::make_unique<loop::LoopStatistics>();
+  auto rows = empty_rows<FrameRow>(recording.frames().size());
+  std::int64_t done = kAllDone;
+  {
+    const py::gil_scoped_release other_threads;
+    done = replay_frames(servo, recording, *statistics, rows.mutable_data());
+  }
+  check_done(done, "recording", "");
+  if (input.differing_frames() > 0) throw Failure(input.difference(path.string()));
+  return {rows, report_of(*scene, *statistics, run.parameters().rate_hz)};
+}
+
+RunRequest request_of(const std::string& model, const std::optional<std::string>& force,
+                      double rate_hz, const std::map<std::string, double>& settings,
+                      bool without_guarantee) {
+  RunRequest request;
+  const auto known = parse_model(model);
+  if (!known) {
+    throw Failure({ErrorCode::kUsage, "", "model", "'" + model + "' is no model",
+                   "use 'default' or 'paper'"});
+  }
+  request.model = *known;
+  if (force) {
+    request.force = parse_force(*force);
+    if (!request.force) {
+      throw Failure({ErrorCode::kUsage, "", "force", "'" + *force + "' is no force field",
+                     "use 'tangent-plane', 'level' or 'distance'"});
+    }
+  }
+  request.rate_hz = rate_hz;
+  request.settings = settings;
+  request.without_guarantee = without_guarantee;
+  return request;
+}
+
+py::dict guarantee_of(const SeparationGuarantee& guarantee) {
+  py::dict d;
+  d["tested_m"] = guarantee.tested_m;
+  d["swept_m"] = guarantee.swept_m;
+  return d;
+}
+
+}  // namespace
+
+void bind_simulation(py::module_& module) {
+  PYBIND11_NUMPY_DTYPE(FrameRow, t_s, world_from_handle, world_from_part, force_n, torque_nm,
+                       clearance_m, depth_m, nearest_point_m, nearest_object, interior, surface,
+                       proximity, contacts, guard_cuts, barred, seated, faults, measured,
+                       outside_map, seat_open, saturated);
+
+  py::class_<Moment, std::shared_ptr<Moment>>(module, "Moment", R"(A moment of a simulation.
+
+Simulation.moment gives it and takes it back: a branch of the run.
+
+>>> simulation = forcelayer.Simulation(forcelayer.Scene("bay.vox"), forcelayer.Part("part.pshell"))
+>>> simulation.start([0.2, 0.15, 0.3, 1, 0, 0, 0])
+>>> isinstance(simulation.moment, forcelayer.Moment)
+True
+)");
+
+  py::class_<Stepper>(module, "Simulation", R"(A part in a scene, moved by a hand, frame by frame.
+
+`model`: "default", or "paper" for the method of 1999. `force`: "distance", "level" or
+"tangent-plane"; None for the best that the file allows. `settings`: physical parameters by the
+names of `parameters`; the others are derived from voxel size, part and rate. Files that guarantee
+no separation are refused, unless `without_guarantee` is set.
+
+A frame lasts 1 / rate_hz seconds, whatever the clock says: the outcome depends on the arguments
+alone, to the last bit.
+
+>>> scene, part = forcelayer.Scene("bay.vox"), forcelayer.Part("part.pshell")
+>>> simulation = forcelayer.Simulation(scene, part, settings={"mass_kg": 0.05})
+>>> simulation.start([0.2, 0.15, 0.3, 1, 0, 0, 0])
+>>> frame = simulation.step([0.2, 0.15, 0.2999, 1, 0, 0, 0])
+>>> frame["force_n"].tolist()  # free space has no force
+[0.0, 0.0, 0.0]
+>>> forcelayer.Simulation(scene, part, model="fast")
+Traceback (most recent call last):
+forcelayer.Error: model: 'fast' is no model; use 'default' or 'paper'
+)")
+      .def(py::init([](const std::shared_ptr<Scene>& scene, const std::shared_ptr<Part>& part,
+                       const std::string& model, const std::optional<std::string>& force,
+                       double rate_hz, const std::map<std::string, double>& settings,
+                       bool without_guarantee) {
+             return std::make_unique<Stepper>(
+                 scene, part, request_of(model, force, rate_hz, settings, without_guarantee));
+           }),
+           py::arg("scene"), py::arg("part"), py::kw_only(), py::arg("model") = "default",
+           py::arg("force") = py::none(), py::arg("rate_hz") = 1000.0,
+           py::arg("settings") = std::map<std::string, double>{},
+           py::arg("without_guarantee") = false)
+      .def("start", &Stepper::start, py::arg("world_from_part"),
+           py::arg("world_from_handle") = py::none(), py::arg("world_from_seat") = py::none(),
+           R"(Places the part at rest, held without stretch. Frames are counted from here on.
+
+Poses are x y z (meters) and a quaternion qw qx qy qz. Without `world_from_handle` the hand holds
+the part's own frame. A part that touches objects at `world_from_seat` (without it: where it starts)
+is installed there: until it has left them, it may touch them.
+
+>>> simulation = forcelayer.Simulation(forcelayer.Scene("bay.vox"), forcelayer.Part("part.pshell"))
+>>> simulation.start([0.2, 0.15, 0.3, 0, 0, 0, 0])
+Traceback (most recent call last):
+forcelayer.Error: world_from_part: is no pose; give finite meters and a quaternion that is not zero
+)")
+      .def("step", &Stepper::step, py::arg("world_from_handle"),
+           py::arg("handle_velocity") = py::none(), R"(One frame: moves the hand, then the part.
+
+`handle_velocity`: linear (m/s) and angular (rad/s), six numbers, world axes; None: estimated from
+the poses, as for a device that does not sense it. Returns a row of run()'s array.
+
+>>> simulation = forcelayer.Simulation(forcelayer.Scene("bay.vox"), forcelayer.Part("part.pshell"))
+>>> simulation.step([0, 0, 0, 1, 0, 0, 0])
+Traceback (most recent call last):
+forcelayer.Error: simulation: has not been started; call start(world_from_part) first
+)")
+      .def("run", &Stepper::run, py::arg("world_from_handle"),
+           py::arg("handle_velocity") = py::none(), R"(Many frames: a pose of the hand each, (n, 7).
+
+A structured array with a row for each frame:
+
+    t_s                 since start()
+    world_from_handle, world_from_part   x y z qw qx qy qz
+    force_n, torque_nm  on the hand, world axes; the torque about the part's centroid
+    clearance_m, measured, nearest_object, nearest_point_m   as of Scene.clearance()
+    depth_m             of the deepest contact
+    interior, surface, proximity, contacts, guard_cuts, barred, seated   counts
+    faults              0: none
+    outside_map, seat_open, saturated   True or False
+
+Where a pose is none, nothing has happened. Other Python threads run meanwhile.
+
+>>> import numpy
+>>> simulation = forcelayer.Simulation(forcelayer.Scene("bay.vox"), forcelayer.Part("part.pshell"))
+>>> simulation.start([0.2, 0.15, 0.3, 1, 0, 0, 0])
+>>> path = numpy.tile([0.2, 0.15, 0.3, 1, 0, 0, 0], (100, 1))
+>>> path[:, 2] -= numpy.linspace(0, 0.01, 100)
+>>> frames = simulation.run(path)
+>>> bool(frames["world_from_part"][-1, 2] < 0.3)
+True
+)")
+      .def_property("moment", &Stepper::moment, &Stepper::set_moment,
+                    R"(Everything that evolves, to come back to it.
+
+>>> simulation = forcelayer.Simulation(forcelayer.Scene("bay.vox"), forcelayer.Part("part.pshell"))
+>>> simulation.start([0.2, 0.15, 0.3, 1, 0, 0, 0])
+>>> before = simulation.moment
+>>> first = simulation.step([0.2, 0.15, 0.29, 1, 0, 0, 0])
+>>> simulation.moment = before
+>>> first.tobytes() == simulation.step([0.2, 0.15, 0.29, 1, 0, 0, 0]).tobytes()
+True
+)")
+      .def_property_readonly("report", &Stepper::report,
+                             R"(The run since start(): a dict by the names of `voxrun --json`.
+
+>>> simulation = forcelayer.Simulation(forcelayer.Scene("bay.vox"), forcelayer.Part("part.pshell"))
+>>> simulation.start([0.2, 0.15, 0.3, 1, 0, 0, 0])
+>>> simulation.report["frames"], simulation.report["penetration_frames"]
+(0, 0)
+)")
+      .def_property_readonly("world_from_part", &Stepper::world_from_part,
+                             R"(Where the part is: x y z qw qx qy qz.
+
+>>> simulation = forcelayer.Simulation(forcelayer.Scene("bay.vox"), forcelayer.Part("part.pshell"))
+>>> simulation.start([0.2, 0.15, 0.3, 1, 0, 0, 0])
+>>> [round(x, 6) for x in simulation.world_from_part[:3]]
+[0.2, 0.15, 0.3]
+)")
+      .def_property_readonly("parameters", &Stepper::parameters,
+                             R"(The physical parameters in use, by name; the unit ends the name.
+
+>>> simulation = forcelayer.Simulation(forcelayer.Scene("bay.vox"), forcelayer.Part("part.pshell"))
+>>> simulation.parameters["rate_hz"]
+1000.0
+)")
+      .def_property_readonly(
+          "reasons", [](const Stepper& s) { return s.opened().reasons(); },
+          R"(By the name of a parameter, the rule by which it was chosen.
+
+>>> scene, part = forcelayer.Scene("bay.vox"), forcelayer.Part("part.pshell")
+>>> forcelayer.Simulation(scene, part, settings={"mass_kg": 0.05}).reasons["mass_kg"]
+'set'
+)")
+      .def_property_readonly(
+          "warnings", [](const Stepper& s) { return s.opened().warnings(); },
+          R"(Sentences that `voxrun` would print as warnings.
+
+>>> forcelayer.Simulation(forcelayer.Scene("bay.vox"), forcelayer.Part("part.pshell")).warnings
+[]
+)")
+      .def_property_readonly(
+          "guarantee", [](const Stepper& s) { return guarantee_of(s.opened().guarantee()); },
+          R"(How far apart the exact surfaces stay while no report says otherwise, meters.
+
+In every frame ("tested_m"), and on the way from one to the next ("swept_m"); None where nothing is
+guaranteed.
+
+>>> simulation = forcelayer.Simulation(forcelayer.Scene("bay.vox"), forcelayer.Part("part.pshell"))
+>>> simulation.guarantee["tested_m"] > simulation.guarantee["swept_m"] > 0
+True
+)");
+
+  py::class_<Replay>(module, "Replay", R"(What replay() returns.
+
+>>> scene, part = forcelayer.Scene("bay.vox"), forcelayer.Part("part.pshell")
+>>> forcelayer.replay(scene, part, "run.flr").frames.ndim
+1
+)")
+      .def_readonly("frames", &Replay::frames, R"(A row for each frame, as of Simulation.run().
+
+>>> scene, part = forcelayer.Scene("bay.vox"), forcelayer.Part("part.pshell")
+>>> bool(forcelayer.replay(scene, part, "run.flr").frames["t_s"][0] == 0)
+True
+)")
+      .def_readonly("report", &Replay::report, R"(A dict by the names of `voxrun --json`.
+
+>>> scene, part = forcelayer.Scene("bay.vox"), forcelayer.Part("part.pshell")
+>>> forcelayer.replay(scene, part, "run.flr").report["penetration_frames"]
+0
+)");
+
+  module.def("replay", &replay, py::arg("scene"), py::arg("part"), py::arg("recording"),
+             R"(Repeats a recorded run (`voxrun --record FILE`) bit for bit.
+
+The files must be those of the run. An outcome that differs from the recorded one is an error.
+Other Python threads run meanwhile.
+
+>>> scene, part = forcelayer.Scene("bay.vox"), forcelayer.Part("part.pshell")
+>>> run = forcelayer.replay(scene, part, "run.flr")
+>>> len(run.frames) == run.report["frames"]
+True
+>>> forcelayer.replay(scene, part, "bay.vox")
+Traceback (most recent call last):
+forcelayer.Error: bay.vox: header: is no recording; record the run again
+)");
+}
+
+}  // namespace forcelayer::python

@@ -1,0 +1,36 @@
+#!/usr/bin/env bash
+# The Python package: doctests, type stubs, the examples of its page, and its answers beside those of the commands.
+set -euo pipefail
+python=/usr/bin/python3
+source "$FORCELAYER_SOURCE_DIR/tests/support/skipped.sh"
+bin=$FORCELAYER_BIN_DIR
+data=$FORCELAYER_SOURCE_DIR/sample_data
+export PYTHONPATH=$FORCELAYER_BUILD_DIR/python
+skip_without pybind11-dev test -e "$PYTHONPATH/forcelayer/__init__.py"
+skip_without python3-numpy "$python" -c 'import numpy'
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+cd "$folder"
+
+"$bin/voxelize" "$data/bay.json" --voxel-size 5mm -o bay.vox --quiet
+"$bin/voxelize" "$data/bay.json" --voxel-size 5mm --lean -o lean.vox --quiet
+"$bin/voxelize" "$data/bay.json" --voxel-size 5mm --roi 0,-0.3m,0.2m,0.4m,0.3m,0.5m -o cropped.vox --quiet
+"$bin/pointshell" "$data/part.obj" --units mm --voxel-size 5mm -o part.pshell --quiet
+"$bin/voxrun" bay.vox part.pshell --motion "$data/press.csv" --as-fast-as-possible --quiet \
+  --record run.flr --trace run.csv --json run.json
+export FORCELAYER_BIN_DIR
+"$python" -B "$FORCELAYER_SOURCE_DIR/tests/cli/python_module_check.py"
+
+# The notebook, and the ten lines of the page.
+if "$python" -c 'import matplotlib' 2>/dev/null; then
+  export MPLBACKEND=Agg
+  "$python" -B "$FORCELAYER_SOURCE_DIR/runtime/examples/clearance_study.py" >study.txt
+  grep -q '^least clearance 11.52 mm to structure/bay_structure/floor/floor_beam_left at 1.782 s$' study.txt
+  grep -q '; 0 penetration frames$' study.txt
+  [ -s plane.png ] && [ -s clearance.png ]
+  sed -n 's/^    //p' "$FORCELAYER_SOURCE_DIR/runtime/python/README.md" >lines.py
+  [ "$(grep -c . lines.py)" -le 10 ]
+  "$python" -B lines.py
+  grep -q 'proven clearance' clearance.svg
+fi
+echo "all good"
