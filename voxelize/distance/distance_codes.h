@@ -38,8 +38,8 @@ struct NodeDistances {
 // whose center lies on the interior's side of the surface.
 class DistanceCodes {
  public:
-  // Voxels outside `kept` have the highest code. The surface grows by `growth_units` (CenterGrowth),
-  // from 1 on; 0 leaves that out. `numbers` are those of the objects, ascending and
+  // Voxels outside `kept` have the highest code. The surface grows by `growth_units`
+  // (CenterGrowth), from 1 on; 0 leaves that out. `numbers` are those of the objects, ascending and
   // from 1 on; without them objects are not told apart.
   DistanceCodes(std::vector<const scan::SnappedObject*> objects,
                 const lattice::VoxelIndex& scene_origin, const masks::MaskTree& geometry,
