@@ -261,6 +261,25 @@ DistanceCodes::DistanceCodes(std::vector<const scan::SnappedObject*> objects,
 
 DistanceCodes::~DistanceCodes() = default;
 
+scan::NodeIndex DistanceCodes::node_at(const masks::Coord& origin) const {
+  scan::NodeIndex node;
+  for (std::size_t d = 0; d < 3; ++d) {
+    node[d] = (origin[static_cast<int>(d)] + scene_origin_[d]) >> 6;
+  }
+  return node;
+}
+
+std::vector<std::uint32_t> DistanceCodes::objects_near(const masks::Coord& origin) const {
+  return triangles_.objects_near(node_at(origin));
+}
+
+std::vector<std::uint32_t> DistanceCodes::numbers_near(const masks::Coord& origin) const {
+  if (!tells_objects()) return {};
+  std::vector<std::uint32_t> near = objects_near(origin);
+  for (std::uint32_t& object : near) object = numbers_[object];
+  return near;
+}
+
 const NodeDistances& DistanceCodes::codes(const masks::Coord& origin) const {
   return scratch_->nodes.local().run(triangles_, scene_origin_, geometry_, interior_, scale_, kept_,
                                      growth_ ? &*growth_ : nullptr, numbers_, origin);

@@ -53,6 +53,15 @@ class DistanceCodes {
   const CodeScale& scale() const { return scale_; }
   bool tells_objects() const { return !numbers_.empty(); }
   bool grows_surface() const { return growth_.has_value(); }
+  const masks::MaskTree& geometry() const { return geometry_; }
+  const masks::MaskTree& interior() const { return interior_; }
+
+  // The node at `origin`, counted from the scene's, by its place in the world.
+  scan::NodeIndex node_at(const masks::Coord& origin) const;
+  // The objects that come within reach of it, ascending, and their numbers; no numbers where
+  // objects are not told apart.
+  std::vector<std::uint32_t> objects_near(const masks::Coord& origin) const;
+  std::vector<std::uint32_t> numbers_near(const masks::Coord& origin) const;
 
   // The node at `origin`, counted from the scene's; valid until this thread's next call.
   const NodeDistances& codes(const masks::Coord& origin) const;
