@@ -171,7 +171,6 @@ TEST_F(BakeCacheTest, DistancesAreFoundUnderTheNumbersOfTheNextBake) {
 // The same bake again after every kind of damage to the cache.
 // Euclidean layers reach beyond an object's box, here into other directory cells.
 TEST_F(BakeCacheTest, GrownObjectsAreFoundAcrossDirectoryCells) {
-  plain_.distances = cached_.distances = false;  // with distances objects do not grow
   CachedScene scene;
   reference::add_box(scene.meshes.emplace_back(), {0, 0, 0}, {12, 12, 12});
   scene.positions.push_back({0, 512 - 12, 0});
