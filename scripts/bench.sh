@@ -6,7 +6,8 @@
 #                                            there in tests/bench/results/<machine> and in the pages
 #   scripts/bench.sh [--long] --out FOLDER   results in FOLDER alone
 # Parts: bake error growth plan tree shell cover query force wrench motion trajectory stability skip path python paper (all of
-# them by default), and loop (by name only; the long form takes half an hour).
+# them by default), loop (by name only; the long form takes half an hour), and targets (by name only: what the speed of bake
+# and query must be, beside what it is).
 source "$(dirname "$0")/common.sh"
 
 all_parts=(bake error growth plan tree shell cover query force wrench motion trajectory stability skip path python paper)
@@ -22,7 +23,7 @@ while [ $# -gt 0 ]; do
     --out) out=${2:?--out needs a folder}; shift ;;
     -h | --help) usage; exit 0 ;;
     *)
-      [[ " ${all_parts[*]} loop " == *" $1 "* ]] || { usage >&2; exit 2; }
+      [[ " ${all_parts[*]} loop targets " == *" $1 "* ]] || { usage >&2; exit 2; }
       parts+=("$1")
       ;;
   esac
@@ -38,7 +39,8 @@ declare -A targets=(
   [bake]="bake_bench voxelize" [error]=geometry_bench [growth]=voxelize [plan]=voxelize [tree]="voxelize voxinfo"
   [shell]="shell_bench pointshell" [cover]=cover_bench [query]=query_bench [force]=force_bench [wrench]=wrench_bench
   [motion]=motion_bench [trajectory]=trajectory_bench [stability]=stability_bench
-  [skip]="skip_bench voxelize pointshell" [path]="path_bench voxelize pointshell voxrun voxcheck" [python]="python_bench forcelayer_python voxelize pointshell voxrun" [paper]="voxelize pointshell voxrun" [loop]="voxelize pointshell voxrun")
+  [skip]="skip_bench voxelize pointshell" [path]="path_bench voxelize pointshell voxrun voxcheck" [python]="python_bench forcelayer_python voxelize pointshell voxrun" [paper]="voxelize pointshell voxrun" [loop]="voxelize pointshell voxrun"
+  [targets]="bake_bench voxelize query_bench")
 
 # The long form also measures what a processor without AVX-512 would run.
 held_to_avx2() {
@@ -103,6 +105,7 @@ part_path() {
 }
 part_python() { "$bench/python_bench.py" $(either --short "") --json "$out/python_bench.json"; }
 part_paper() { "$bench/paper_table.py" $(either --short "") --json "$out/paper_table.json"; }
+part_targets() { "$bench/speed_targets.py" $(either --short "") --json "$out/speed_targets.json"; }
 part_loop() {
   "$bench/bench_loop.py" --minutes "$(either 1 30)" --out "$root/build/loop_bench" --json "$out/loop.json"
 }

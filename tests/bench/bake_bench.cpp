@@ -163,6 +163,7 @@ class Case {
                 {"triangles", peer_mesh_.triangles.size()},
                 {"voxels_across", voxels_},
                 {"voxel_size_m", voxel_size_m_},
+                {"vdb_tool", to_json(vdb_tool_)},
                 {"vdb_tool_without_reading", to_json(vdb_tool_no_reading_)},
                 {"vdb_bytes", vdb_bytes_},
                 {"mesh_to_volume", to_json(scan_mesh_to_volume_.best)}};

@@ -41,13 +41,13 @@ def aircraft_scene(folder, polygons=593409):
     return Scene("aircraft", folder / "aircraft_bay.json", None, 8.0)
 
 
-def bake(bin_folder, scene, voxel_size_m, output, repeat=1):
+def bake(bin_folder, scene, voxel_size_m, output, repeat=1, options=()):
     """The report of voxelize, with `wall_s`, `cpu_s` and `peak_rss_bytes` of the whole process: the
     least of the repetitions, since other work on the machine only ever adds time."""
     report, usage = output.with_suffix(".report.json"), output.with_suffix(".usage.json")
     command = [sys.executable, ROOT / "tests/bench/measured_run.py", usage,
                bin_folder / "voxelize", scene.path, "-o", output, "--quiet", "--json", report,
-               "--voxel-size", f"{voxel_size_m:.9g}m"]
+               "--voxel-size", f"{voxel_size_m:.9g}m", *options]
     if scene.units:
         command += ["--units", scene.units]
     best = None

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <vector>
 
 #include "formats/lattice/voxel_overlap.h"
@@ -14,6 +15,7 @@
 #include "tests/support/reference_distance.h"
 #include "tests/support/soups.h"
 #include "voxelize/distance/triangle_search.h"
+#include "voxelize/scan/snap.h"
 
 namespace forcelayer {
 namespace {
@@ -71,7 +73,7 @@ struct Triangles {
       for (std::size_t k = 0; k < 3; ++k) {
         for (std::size_t d = 0; d < 3; ++d) corners[k][d] = static_cast<double>(exact[i][k][d]);
       }
-      batch.add(corners, static_cast<std::uint32_t>(i), 0);
+      batch.add(corners, static_cast<std::uint32_t>(i), 0, distance::Claim{});
     }
     batch.flush();
     for (const distance::PreparedTriangle& triangle : near) list.push_back(&triangle);
@@ -132,76 +134,99 @@ TEST_P(TriangleDistances, OfCellsAreWithinTheErrorThatTheSearchAllows) {
   }
 }
 
-std::array<float, 2 * distance::kEighths> everywhere() {
-  std::array<float, 2 * distance::kEighths> reach;
+using Cell = std::array<int, 3>;  // its lowest voxel
+
+std::array<float, distance::kEighths> everywhere() {
+  std::array<float, distance::kEighths> reach;
   reach.fill(kEverywhere);
   return reach;
 }
 
-// The least of two cubes' points from each triangle by itself, and which gives it.
+// The least of a cell's voxels from each triangle by itself, and which gives it.
 struct OneByOne {
-  OneByOne(const Triangles& triangles, const distance::PointCube& cube) {
-    for (distance::CubeValues& values : least) values.fill(1e30f);
-    for (std::uint32_t i = 0; i < triangles.list.size(); ++i) {
-      one.find(distance::TriangleList(triangles.list).subspan(i, 1), cube, everywhere());
-      for (std::size_t k = 0; k < 2; ++k) {
-        for (std::size_t n = 0; n < distance::kCubePoints; ++n) {
-          const float value = one.least(k)[n];
-          std::uint32_t& best = which[k][n];
-          if (value < least[k][n] ||
-              (value == least[k][n] &&
-               distance::lies_before(triangles.near[i], triangles.near[best]))) {
-            least[k][n] = value;
-            best = i;
-          }
+  OneByOne(const std::vector<distance::PreparedTriangle>& near, const Cell& low) {
+    least.fill(1e30f);
+    for (std::uint32_t i = 0; i < near.size(); ++i) {
+      const distance::PreparedTriangle* const triangle = &near[i];
+      one.find(distance::TriangleList(&triangle, 1), low, everywhere());
+      for (std::size_t n = 0; n < distance::kCubePoints; ++n) {
+        const float value = one.least()[n];
+        std::uint32_t& best = which[n];
+        if (value < least[n] || (value == least[n] && distance::lies_before(near[i], near[best]))) {
+          least[n] = value;
+          best = i;
         }
       }
     }
   }
   distance::NearestTriangles one;
-  std::array<distance::CubeValues, 2> least;
-  std::array<std::array<std::uint32_t, distance::kCubePoints>, 2> which{};
+  distance::CubeValues least;
+  std::array<std::uint32_t, distance::kCubePoints> which{};
 };
 
 // Leaving out what is farther than the least, and what is out of reach, changes no bit.
 TEST_P(TriangleDistances, TheNearestIsThatOfTheTrianglesOneByOne) {
-  for (std::uint64_t seed = 1; seed <= 1500; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 2000; ++seed) {
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
     Random random(seed);
     // In the cell and beside it, so that many triangles are about as near.
-    const Voxel low = random_cell(random, 8);
+    const Voxel low = random_cell(random, 4);
+    const Cell cell{static_cast<int>(low[0]), static_cast<int>(low[1]), static_cast<int>(low[2])};
     const distance::PointCube cube = cube_at(low, 1);
     const Triangles triangles(random, static_cast<int>(whole(random, 1, 150)),
                               {low[0] - whole(random, 0, 8), low[1], low[2]}, 8, cube);
-    std::array<float, 2 * distance::kEighths> reach;
+    std::array<float, distance::kEighths> reach;
     for (float& r : reach) r = static_cast<float>(whole(random, -1, 12)) * kUnits;
     distance::NearestTriangles all, within;
-    all.find(triangles.list, cube, everywhere());
-    within.find(triangles.list, cube, reach);
-    const OneByOne slow(triangles, cube);
-    for (std::size_t k = 0; k < 2; ++k) {
-      for (std::size_t n = 0; n < distance::kCubePoints; ++n) {
-        ASSERT_EQ(all.least(k)[n], slow.least[k][n]) << "cube " << k << ", point " << n;
-        ASSERT_EQ(all.which(k, n), slow.which[k][n]) << "cube " << k << ", point " << n;
-        // Of every sixteenth the true distance too, which is slow.
-        if (n % 16 == seed % 16) {
-          std::array<float, 3> point = point_of(cube, n);
-          if (k == 1) point[2] += 4 * kUnits;
-          double truth = 1e30;
-          for (const lattice::LatticeTriangle& triangle : triangles.exact) {
-            truth = std::min(truth, exact_voxels(triangle, point));
-          }
-          EXPECT_NEAR(std::sqrt(slow.least[k][n]) / kUnits, truth, 1e-4);
+    all.find(triangles.list, cell, everywhere());
+    within.find(triangles.list, cell, reach);
+    const OneByOne slow(triangles.near, cell);
+    for (std::size_t n = 0; n < distance::kCubePoints; ++n) {
+      ASSERT_EQ(all.least()[n], slow.least[n]) << "point " << n;
+      ASSERT_EQ(all.which(n), slow.which[n]) << "point " << n;
+      // Of every sixteenth the true distance too, which is slow.
+      if (n % 16 == seed % 16) {
+        const std::array<float, 3> point = point_of(cube, n);
+        double truth = 1e30;
+        for (const lattice::LatticeTriangle& triangle : triangles.exact) {
+          truth = std::min(truth, exact_voxels(triangle, point));
         }
-        std::size_t in = k * distance::kEighths;
-        while ((distance::eighth(static_cast<unsigned>(in % distance::kEighths)) >> n & 1) == 0)
-          ++in;
-        if (std::sqrt(slow.least[k][n]) > reach[in]) continue;
-        ASSERT_EQ(within.least(k)[n], slow.least[k][n]) << "cube " << k << ", point " << n;
-        ASSERT_EQ(within.which(k, n), slow.which[k][n]) << "cube " << k << ", point " << n;
+        EXPECT_NEAR(std::sqrt(slow.least[n]) / kUnits, truth, 1e-4);
       }
+      std::size_t in = 0;
+      while ((distance::eighth(static_cast<unsigned>(in)) >> n & 1) == 0) ++in;
+      if (std::sqrt(slow.least[n]) > reach[in]) continue;
+      ASSERT_EQ(within.least()[n], slow.least[n]) << "point " << n;
+      ASSERT_EQ(within.which(n), slow.which[n]) << "point " << n;
     }
   }
+}
+
+// What the search finds in a cell is what the triangles one by one give, within reach.
+void expect_the_nearest(const std::vector<distance::PreparedTriangle>& near, const Cell& low,
+                        distance::TriangleList list, float reach) {
+  std::array<float, distance::kEighths> reaches;
+  reaches.fill(reach * kUnits);
+  const OneByOne slow(near, low);
+  distance::NearestTriangles nearest;
+  if (!list.empty()) nearest.find(list, low, reaches);
+  for (std::size_t n = 0; n < distance::kCubePoints; ++n) {
+    if (std::sqrt(slow.least[n]) > reach * kUnits) continue;
+    ASSERT_FALSE(list.empty()) << low[0] << ' ' << low[1] << ' ' << low[2];
+    ASSERT_EQ(nearest.least()[n], slow.least[n]) << low[0] << ' ' << low[1] << ' ' << low[2];
+    ASSERT_EQ(list[nearest.which(n)], &near[slow.which[n]]);
+  }
+}
+
+using Lists = std::map<Cell, std::vector<const distance::PreparedTriangle*>>;
+Lists lists_of(const std::vector<distance::PreparedTriangle>& near, float reach) {
+  Lists lists;
+  distance::CellSearch().run(
+      near, [&](const Cell&, int) { return reach; },
+      [&](const Cell& low, distance::TriangleList list, distance::TriangleList) {
+        lists[low].assign(list.begin(), list.end());
+      });
+  return lists;
 }
 
 // Nor does what the lists of the search leave out. Where it has no list nothing is in reach.
@@ -212,42 +237,137 @@ TEST_P(TriangleDistances, TheSearchLeavesNothingOutThatMatters) {
     Random random(seed);
     const Triangles triangles(random, 24, {0, 0, 0}, 64, cube_at(random_cell(random, 4), 1));
     const float reach = kReaches[seed - 1];
-    std::array<float, 2 * distance::kEighths> reaches;
-    reaches.fill(reach * kUnits);
-    std::array<bool, 16 * 16 * 8> has_list{};
-    const auto pair_at = [](int x, int y, int z) { return (x * 16 + y) * 8 + z; };
-    const auto slow_at = [&](int x, int y, int z) {
-      return OneByOne(triangles, distance::CellSearch::centers({4 * x, 4 * y, 8 * z}, 1));
-    };
-    distance::NearestTriangles nearest;
-    distance::CellSearch().run(
-        triangles.near, [&](const std::array<int, 3>&, int) { return reach; },
-        [&](const std::array<int, 3>& low, distance::TriangleList list) {
-          const int at[3] = {low[0] / 4, low[1] / 4, low[2] / 8};
-          has_list[static_cast<std::size_t>(pair_at(at[0], at[1], at[2]))] = true;
-          nearest.find(list, distance::CellSearch::centers(low, 1), reaches);
-          const OneByOne slow = slow_at(at[0], at[1], at[2]);
-          for (std::size_t k = 0; k < 2; ++k) {
-            for (std::size_t n = 0; n < distance::kCubePoints; ++n) {
-              if (std::sqrt(slow.least[k][n]) > reach * kUnits) continue;
-              ASSERT_EQ(nearest.least(k)[n], slow.least[k][n])
-                  << low[0] << ' ' << low[1] << ' ' << low[2];
-              ASSERT_EQ(list[nearest.which(k, n)], triangles.list[slow.which[k][n]]);
-            }
-          }
-        });
-    for (int x = 0; x < 16; ++x) {
-      for (int y = 0; y < 16; ++y) {
-        for (int z = 0; z < 8; ++z) {
-          if (has_list[static_cast<std::size_t>(pair_at(x, y, z))]) continue;
-          const OneByOne slow = slow_at(x, y, z);
-          for (const distance::CubeValues& least : slow.least) {
-            EXPECT_GT(std::sqrt(*std::min_element(least.begin(), least.end())), reach * kUnits);
-          }
+    Lists lists = lists_of(triangles.near, reach);
+    for (int x = 0; x < 64; x += 4) {
+      for (int y = 0; y < 64; y += 4) {
+        for (int z = 0; z < 64; z += 4) {
+          expect_the_nearest(triangles.near, {x, y, z}, lists[{x, y, z}], reach);
+          if (HasFatalFailure()) return;
         }
       }
     }
   }
+}
+
+// A closed surface of revolution, turned and bent at random: spheres, cylinders with sharp rims,
+// cones, their triangles smaller than the step of claims or longer than a cell, and needles.
+mesh::Mesh random_surface(Random& random) {
+  const auto segments = static_cast<std::uint32_t>(whole(random, 3, 40));
+  const double radius = reference::real(random, 0.5, 14);
+  std::vector<std::array<double, 2>> profile;  // radius, height
+  if (random() % 2 == 0) {
+    const std::int64_t rings = whole(random, 2, 20);
+    for (std::int64_t i = 1; i < rings; ++i) {
+      const double angle = M_PI * static_cast<double>(i) / static_cast<double>(rings);
+      profile.push_back({radius * std::sin(angle), -radius * std::cos(angle)});
+    }
+  } else {
+    const double height = reference::real(random, 0.5, 30);
+    const std::int64_t rings = whole(random, 2, 5);
+    for (std::int64_t i = 0; i < rings; ++i) {
+      profile.push_back({radius * reference::real(random, 0.95, 1),
+                         height * (static_cast<double>(i) / static_cast<double>(rings - 1) - 0.5)});
+    }
+  }
+  mesh::Mesh mesh;
+  for (const auto& [r, h] : profile) {
+    for (std::uint32_t i = 0; i < segments; ++i) {
+      const double angle = 2 * M_PI * i / segments;
+      mesh.vertices.push_back({r * std::cos(angle), r * std::sin(angle), h});
+    }
+  }
+  const auto rings = static_cast<std::uint32_t>(profile.size());
+  const auto poles = static_cast<std::uint32_t>(mesh.vertices.size());
+  const double beyond = random() % 2 == 0 ? 0 : 0.05 * radius;
+  mesh.vertices.push_back({0, 0, profile.front()[1] - beyond});
+  mesh.vertices.push_back({0, 0, profile.back()[1] + beyond});
+  for (std::uint32_t i = 0; i < segments; ++i) {
+    const std::uint32_t j = (i + 1) % segments;
+    mesh.triangles.push_back({poles, j, i});
+    mesh.triangles.push_back({poles + 1, (rings - 1) * segments + i, (rings - 1) * segments + j});
+    for (std::uint32_t ring = 0; ring + 1 < rings; ++ring) {
+      const std::uint32_t a = ring * segments + i, b = ring * segments + j;
+      mesh.triangles.push_back({a, b, a + segments});
+      mesh.triangles.push_back({b, b + segments, a + segments});
+    }
+  }
+  constexpr std::array<double, 4> kBends{0, 0, 0.01, 0.2};
+  const double bend = kBends[random() % 4];
+  std::array<double, 4> q{};
+  double squared = 0;
+  for (double& c : q) c = reference::real(random, -1, 1), squared += c * c;
+  for (double& c : q) c /= std::sqrt(squared);
+  const auto [w, x, y, z] = q;
+  const std::array<double, 9> axes{
+      1 - 2 * (y * y + z * z), 2 * (x * y - z * w),     2 * (x * z + y * w),
+      2 * (x * y + z * w),     1 - 2 * (x * x + z * z), 2 * (y * z - x * w),
+      2 * (x * z - y * w),     2 * (y * z + x * w),     1 - 2 * (x * x + y * y)};
+  const bool along_the_grid = random() % 3 == 0;
+  const double middle = reference::real(random, 30, 34);
+  for (mesh::Vec3d& vertex : mesh.vertices) {
+    const mesh::Vec3d from = vertex;
+    for (std::size_t d = 0; d < 3; ++d) {
+      if (!along_the_grid) {
+        vertex[d] = axes[3 * d] * from[0] + axes[3 * d + 1] * from[1] + axes[3 * d + 2] * from[2];
+      }
+      vertex[d] += middle + bend * reference::real(random, -1, 1);
+    }
+  }
+  return mesh;
+}
+
+// Some of the triangles left out, turned over, doubled, or with corners of their own.
+void damage(Random& random, mesh::Mesh& mesh) {
+  std::vector<mesh::Triangle> kept;
+  for (mesh::Triangle triangle : mesh.triangles) {
+    const auto fate = random() % 40;
+    if (fate == 0) continue;
+    if (fate == 1) std::swap(triangle[0], triangle[1]);
+    if (fate == 2) kept.push_back(triangle);
+    if (fate > 30) {
+      for (std::uint32_t& corner : triangle) {
+        mesh.vertices.push_back(mesh.vertices[corner]);
+        corner = static_cast<std::uint32_t>(mesh.vertices.size() - 1);
+      }
+    }
+    kept.push_back(triangle);
+  }
+  mesh.triangles = kept;
+}
+
+// What a triangle's neighbors claim is left out of its lists, and changes no bit either.
+TEST_P(TriangleDistances, OfSurfacesWhatNeighborsClaimChangesNothing) {
+  std::size_t claimed = 0, near_cells = 0, listed = 0, without_claims = 0;
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
+    Random random(seed);
+    mesh::Mesh mesh = random_surface(random);
+    if (random() % 3 == 0) damage(random, mesh);
+    auto object = scan::snap_object(mesh, {}, 1, "surface");
+    ASSERT_TRUE(object);
+    const int reach = static_cast<int>(whole(random, 2, 7));
+    const distance::SceneTriangles triangles({&*object}, reach + 1);
+    std::vector<distance::PreparedTriangle> near;
+    triangles.gather({0, 0, 0}, near);
+    ASSERT_EQ(near.size(), mesh.triangles.size());
+    Lists lists = lists_of(near, static_cast<float>(reach));
+    std::vector<distance::PreparedTriangle> open = near;
+    for (distance::PreparedTriangle& triangle : open) {
+      claimed += triangle.open != distance::Claim::kAllOpen;
+      triangle.open = distance::Claim::kAllOpen;
+    }
+    for (const auto& [low, list] : lists_of(open, static_cast<float>(reach))) {
+      without_claims += list.size();
+      listed += lists[low].size();
+      if (random() % 24 != 0) continue;
+      ++near_cells;
+      expect_the_nearest(near, low, lists[low], static_cast<float>(reach));
+      if (HasFatalFailure()) return;
+    }
+  }
+  EXPECT_GT(claimed, 5000u);
+  EXPECT_GT(near_cells, 500u);
+  EXPECT_LT(listed, without_claims * 9 / 10) << "claims leave hardly anything out";
 }
 
 }  // namespace

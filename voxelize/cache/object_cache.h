@@ -29,7 +29,7 @@ struct ObjectFacts {
 struct ObjectVoxels {
   std::unique_ptr<masks::MaskTree> geometry;  // G
   std::unique_ptr<masks::MaskTree> interior;  // I
-  std::unique_ptr<masks::MaskTree> grown;     // grow_surface(); null in the Chebyshev metric
+  std::unique_ptr<masks::MaskTree> grown;     // grow_surface(); null where objects do not grow
 };
 
 // An object found in the cache. Its voxels are read later.

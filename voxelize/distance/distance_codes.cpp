@@ -8,6 +8,7 @@
 
 #include "formats/lattice/brick_bits.h"
 #include "formats/voxmap_format.h"
+#include "voxelize/distance/near_path.h"
 
 namespace forcelayer::distance {
 namespace {
@@ -42,6 +43,7 @@ class NodeMeasurement {
       index_[d] = (origin[static_cast<int>(d)] + scene_origin[d]) >> 6;
     }
     triangles.gather(index_, near_);
+    path_.begin_node();
     if (tells_objects_) choice_.begin(numbers, near_);
     const float outer = std::max(outer_reach(scale), inner_reach(scale));
     const float inner = inner_reach(scale);
@@ -50,8 +52,8 @@ class NodeMeasurement {
         [&](const std::array<int, 3>& low, int edge) {
           return !masks::all_set(node_.solid, low, edge) ? outer : inner > 0 ? inner : kNoReach;
         },
-        [&](const std::array<int, 3>& low, TriangleList list) {
-          measure(low, list, outer, inner);
+        [&](const std::array<int, 3>& low, TriangleList list, TriangleList around) {
+          measure(low, list, around, outer, inner);
         });
     if (kept.cropped()) crop(kept);
     if (tells_objects_) {
@@ -74,44 +76,38 @@ class NodeMeasurement {
     return codes;
   }
 
-  // Two cells of 4^3 voxels, the second behind the first along z.
-  void measure(const std::array<int, 3>& low, TriangleList list, float outer, float inner) {
-    std::array<float, 2 * kEighths> reach;
-    for (std::size_t cell = 0; cell < 2; ++cell) {
-      const std::uint64_t solid =
-          masks::cell_bits(node_.solid, {low[0], low[1], low[2] + 4 * static_cast<int>(cell)});
-      for (unsigned n = 0; n < kEighths; ++n) {
-        const bool all_solid = (solid & eighth(n)) == eighth(n);
-        reach[cell * kEighths + n] = (!all_solid  ? outer
-                                      : inner > 0 ? inner
-                                                  : kNoReach) *
-                                     static_cast<float>(lattice::kSnapUnits);
-      }
+  // A cell of 4^3 voxels.
+  void measure(const std::array<int, 3>& low, TriangleList list, TriangleList around, float outer,
+               float inner) {
+    const std::uint64_t solid = masks::cell_bits(node_.solid, low);
+    std::array<float, kEighths> reach;
+    for (unsigned n = 0; n < kEighths; ++n) {
+      const bool all_solid = (solid & eighth(n)) == eighth(n);
+      reach[n] = (!all_solid  ? outer
+                  : inner > 0 ? inner
+                              : kNoReach) *
+                 static_cast<float>(lattice::kSnapUnits);
     }
-    nearest_.find(list, CellSearch::centers(low, 1), reach);
-    bool any_measured = false;
-    for (std::size_t cell = 0; cell < 2; ++cell) {
-      any_measured |= encode({low[0], low[1], low[2] + 4 * static_cast<int>(cell)}, cell, list);
+    nearest_.find(list, low, reach);
+    if (growth_ != nullptr) {
+      masks::add_cell_bits(growth_->near(nearest_.least(), ~solid, list, index_, low), low,
+                           node_.grown);
     }
-    if (tells_objects_ && any_measured) choice_.add(low, list, reach, nearest_);
+    if (encode(low, solid, list, around) && tells_objects_) choice_.add(low, list, reach, nearest_);
   }
 
   // Whether one of the codes is measured.
-  bool encode(const std::array<int, 3>& low, std::size_t cell, TriangleList list) {
-    const std::uint64_t solid = masks::cell_bits(node_.solid, low);
-    if (growth_ != nullptr) {
-      masks::add_cell_bits(growth_->near(nearest_.least(cell), ~solid, list, index_, low), low,
-                           node_.grown);
-    }
+  bool encode(const std::array<int, 3>& low, std::uint64_t solid, TriangleList list,
+              TriangleList around) {
     std::uint64_t negative = solid;
     for (std::uint64_t left = masks::cell_bits(surface_, low) & ~solid; left != 0;
          left &= left - 1) {
       const int n = std::countr_zero(left);
-      const PreparedTriangle& nearest = *list[nearest_.which(cell, static_cast<std::size_t>(n))];
-      negative |= std::uint64_t{lies_inside(nearest, low, n, list)} << n;
+      const PreparedTriangle& nearest = *list[nearest_.which(static_cast<std::size_t>(n))];
+      negative |= std::uint64_t{lies_inside(nearest, low, n, around)} << n;
     }
     std::array<std::uint8_t, kCubePoints> codes;
-    codes_of_distances(nearest_.least(cell), negative, *scale_, codes.data());
+    codes_of_distances(nearest_.least(), negative, *scale_, codes.data());
     const auto brick = static_cast<unsigned>((low[0] >> 3) << 6 | (low[1] >> 3) << 3 | low[2] >> 3);
     std::uint8_t* out = measured(brick) + (low[0] & 7) * 64 + (low[1] & 7) * 8 + (low[2] & 7);
     for (int n = 0; n < 16; ++n) {
@@ -140,7 +136,7 @@ class NodeMeasurement {
   // along it lies a voxel that this piece of surface does not pass through: inside or outside, or
   // at an edge in another piece, which climb() leads away from.
   bool lies_inside(const PreparedTriangle& nearest, const std::array<int, 3>& low, int n,
-                   TriangleList list) {
+                   TriangleList around) {
     constexpr double kOnwards = 1.25;
     const std::array<int, 3> voxel{low[0] + (n >> 4), low[1] + (n >> 2 & 3), low[2] + (n & 3)};
     std::array<double, 3> center;
@@ -156,7 +152,9 @@ class NodeMeasurement {
     }
     const Side side = side_of(onwards);
     if (side != Side::kSurface) return side == Side::kInside;
-    return has_inside_around(voxel) && climb(center, nearest, list);
+    if (!has_inside_around(voxel)) return false;
+    path_.begin(low, around);
+    return climb(center);
   }
 
   // Whether one of the voxels that climb() can come to lies inside: up to two steps away.
@@ -179,127 +177,32 @@ class NodeMeasurement {
     return (any >> (voxel[2] - 2) & 31) != 0;
   }
 
-  // A triangle beside the path of climb(): it is at least this far from a place.
-  struct Beside {
-    const PreparedTriangle* triangle;
-    std::array<double, 3> from;
-    double distance;
-    bool measured;  // else the distance is that of the bounding box
-  };
-  // Of climb(), lattice units: where it ends, which triangles count, from the center.
-  static constexpr double kFarthest = 2.3 * double{lattice::kSnapUnits},
-                          kNear = 2.6 * double{lattice::kSnapUnits};
-  static constexpr double kAround = 0.5 * double{lattice::kSnapUnits}, kPathRounding = 1e-3;
-
   // Follows the distance upwards from a center, in steps that stay clear of the surface, until a
-  // voxel without surface tells the side; false where none does within 2.3 voxels. The list holds
-  // every triangle within 2.6 voxels of its cells' centers (CellSearch), so none that could be in
-  // the way is missing. `nearest` is the triangle that is nearest to the center.
-  bool climb(const std::array<double, 3>& center, const PreparedTriangle& nearest_to_center,
-             TriangleList list) {
+  // voxel without surface tells the side; false where none does within NearPath::kFarthest.
+  bool climb(const std::array<double, 3>& center) {
     constexpr double kVoxel = lattice::kSnapUnits, kStep = 0.25 * kVoxel;
     constexpr int kSteps = 40;  // of which the first may be short
-    beside_.clear();
-    std::size_t first = 0;
-    for (const PreparedTriangle* const triangle : list) {
-      const double least = box_distance(*triangle, center) - 1;  // rounded in single precision
-      if (triangle == &nearest_to_center) first = beside_.size();
-      if (least < kNear) beside_.push_back({triangle, center, least, false});
-    }
-    std::array<double, 3> at = center, looked_at{};
-    active_.clear();
-    Beside* nearest = &beside_[first];
+    std::array<double, 3> at = center;
     for (int n = 0; n < kSteps; ++n) {
       std::array<double, 3> away{};
-      if (active_.empty() || squared_between(at, looked_at) > kAround * kAround) {
-        look_around(at, center, nearest);
-        looked_at = at;
-      }
-      const double least = nearest_of(active_, at, center, nearest, away);
+      const double least = path_.nearest(at, center, away);
       // A center on the surface is on no side; beyond the step the lattice's rounding does not
       // matter.
-      if (!(least > kDistanceErrorVoxels * kVoxel) || least > kNear) return false;
+      if (!(least > kDistanceErrorVoxels * kVoxel) || least > NearPath::kNear) return false;
       const double step = std::min(kStep, 0.9 * least);
       std::array<int, 3> voxel;
       for (std::size_t d = 0; d < 3; ++d) {
         at[d] += away[d] * (step / least);
         voxel[d] = static_cast<int>(std::floor(at[d] / kVoxel));
       }
-      if (length_of({at[0] - center[0], at[1] - center[1], at[2] - center[2]}) > kFarthest) {
+      if (length_of({at[0] - center[0], at[1] - center[1], at[2] - center[2]}) >
+          NearPath::kFarthest) {
         return false;
       }
       const Side side = side_of(voxel);
       if (side != Side::kSurface) return side == Side::kInside;
     }
     return false;
-  }
-
-  // The distance of the nearest of these triangles that count, of equally near ones the first, and
-  // the way from it. `nearest` is that triangle; before, one that is probably near. Measured are
-  // those that can have come near enough since they were last measured.
-  static double nearest_of(const std::vector<Beside*>& triangles, const std::array<double, 3>& at,
-                           const std::array<double, 3>& center, Beside*& nearest,
-                           std::array<double, 3>& away) {
-    Beside* const first = nearest;
-    away = way_from(*first->triangle, at);
-    double least = length_of(away);
-    for (Beside* const beside : triangles) {
-      if (beside == first || is_farther(*beside, at, least)) continue;
-      if (!beside->measured) {
-        beside->measured = true;
-        beside->distance = length_of(way_from(*beside->triangle, center));
-        if (beside->distance >= kNear) beside->distance = 1e300;
-        if (is_farther(*beside, at, least)) continue;
-      }
-      const std::array<double, 3> way = way_from(*beside->triangle, at);
-      const double length = length_of(way);
-      beside->from = at;
-      beside->distance = length;
-      if (length < least || (length == least && beside < nearest)) {
-        least = length;
-        nearest = beside;
-        away = way;
-      }
-    }
-    return least;
-  }
-
-  static bool is_farther(const Beside& beside, const std::array<double, 3>& at, double distance) {
-    const double farther = beside.distance - distance - kPathRounding;
-    return farther > 0 && farther * farther > squared_between(beside.from, at);
-  }
-
-  // Sets active_ to the triangles that can be nearest within kAround of a place.
-  void look_around(const std::array<double, 3>& at, const std::array<double, 3>& center,
-                   Beside*& nearest) {
-    active_.clear();
-    for (Beside& beside : beside_) active_.push_back(&beside);
-    std::array<double, 3> away;
-    const double least = nearest_of(active_, at, center, nearest, away);
-    std::erase_if(active_, [&](const Beside* beside) {
-      return beside != nearest && is_farther(*beside, at, least + 2 * kAround);
-    });
-  }
-
-  static double squared_between(const std::array<double, 3>& a, const std::array<double, 3>& b) {
-    const double x = a[0] - b[0], y = a[1] - b[1], z = a[2] - b[2];
-    return x * x + y * y + z * z;
-  }
-
-  static double length_of(const std::array<double, 3>& v) {
-    return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-  }
-
-  // The distance of a triangle's bounding box from a point.
-  static double box_distance(const PreparedTriangle& t, const std::array<double, 3>& point) {
-    double squared = 0;
-    for (std::size_t d = 0; d < 3; ++d) {
-      const double from = t.corner[d] + std::min({0.0f, t.edge_1[d], t.edge_2[d]}) - point[d],
-                   to = t.corner[d] + std::max({0.0f, t.edge_1[d], t.edge_2[d]}) - point[d];
-      const double gap = std::max({from, -to, 0.0});
-      squared += gap * gap;
-    }
-    return std::sqrt(squared);
   }
 
   void crop(const masks::KeptBox& kept) {
@@ -321,8 +224,7 @@ class NodeMeasurement {
   NodeDistances node_;
   masks::NodeRows surface_;
   std::vector<PreparedTriangle> near_;
-  std::vector<Beside> beside_;   // of climb()
-  std::vector<Beside*> active_;  // of these
+  NearPath path_;  // of climb()
   CellSearch search_;
   NearestTriangles nearest_;
   bool tells_objects_ = false;

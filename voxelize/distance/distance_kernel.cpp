@@ -21,7 +21,7 @@ namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-constexpr hn::CappedTag<float, 16> kF{};
+constexpr hn::CappedTag<float, 8> kF{};
 constexpr hn::RebindToUnsigned<decltype(kF)> kU{};
 using V = hn::Vec<decltype(kF)>;
 
@@ -108,11 +108,19 @@ HWY_INLINE V off_edge(V along, V left, float length) {
   return hn::Add(hn::Mul(beyond, beyond), hn::Mul(left, left));
 }
 
-HWY_INLINE V squared_distance(const PreparedTriangle& t, const TriangleCoordinates& at) {
-  const V from_1 = off_edge(at.u, at.v, t.length_1);
-  const V from_2 = off_edge(at.along_2, at.left_2, t.length_2);
-  const V from_3 = off_edge(at.along_3, at.left_3, t.length_3);
-  const V least = hn::Min(hn::Min(from_1, from_2), from_3);
+// Squared distances in the plane from the edges, and from the triangle: 0 above and below it.
+struct PlanarDistances {
+  V from_1, from_2, from_3;
+  V planar;
+};
+
+HWY_INLINE PlanarDistances planar_distances(const PreparedTriangle& t,
+                                            const TriangleCoordinates& at) {
+  PlanarDistances d;
+  d.from_1 = off_edge(at.u, at.v, t.length_1);
+  d.from_2 = off_edge(at.along_2, at.left_2, t.length_2);
+  d.from_3 = off_edge(at.along_3, at.left_3, t.length_3);
+  const V least = hn::Min(hn::Min(d.from_1, d.from_2), d.from_3);
   // The sign of `inside` is set where one of the three is negative. Edge 2 leads away from corner
   // 0, so the inside is to its right.
   const V margin = set(kInsideTolerance);
@@ -120,8 +128,12 @@ HWY_INLINE V squared_distance(const PreparedTriangle& t, const TriangleCoordinat
                           hn::Sub(at.left_3, margin));
   const auto outside =
       hn::BroadcastSignBit(hn::BitCast(hn::RebindToSigned<decltype(kF)>(), inside));
-  const V planar = hn::And(hn::BitCast(kF, outside), least);
-  return hn::Add(planar, hn::Mul(at.height, at.height));
+  d.planar = hn::And(hn::BitCast(kF, outside), least);
+  return d;
+}
+
+HWY_INLINE V squared_distance(const PreparedTriangle& t, const TriangleCoordinates& at) {
+  return hn::Add(planar_distances(t, at).planar, hn::Mul(at.height, at.height));
 }
 
 // Steps along x: faster than each point from scratch, and rounded differently.
@@ -154,7 +166,7 @@ void distances(const PreparedTriangle* const* triangles, std::size_t count, cons
 HWY_INLINE std::uint64_t bits_of(hn::Mask<decltype(kF)> mask) {
   std::uint8_t bits[8] = {};
   hn::StoreMaskBits(kF, mask, bits);
-  return std::uint64_t{bits[0]} | std::uint64_t{bits[1]} << 8;
+  return bits[0];
 }
 
 void within(const CubeValues* values, std::size_t count, const CubeValues& limits,
@@ -168,105 +180,106 @@ void within(const CubeValues* values, std::size_t count, const CubeValues& limit
   }
 }
 
-// Two eighths, one behind the other along z, are computed together where they fill a vector.
-constexpr std::size_t kTogether = hn::MaxLanes(kF) >= 2 * kEighths ? 2 : 1;
-
-// 2 x 2 x 2 points `step` apart, point x*4 + y*2 + z, the lowest at `first`; and another such eight
-// `further` steps on along z.
-class SixteenPoints {
+// 2 x 2 x 2 points `step` apart, point x*4 + y*2 + z, the lowest at `first`.
+class EightPoints {
  public:
-  HWY_INLINE SixteenPoints(const std::array<float, 3>& first, float step, float further)
-      : first_(first), step_(step), further_(further) {}
+  HWY_INLINE EightPoints(const std::array<float, 3>& first, float step)
+      : first_(first), step_(step) {}
   HWY_INLINE V x(std::size_t n) const { return at(0, n); }
   HWY_INLINE V y(std::size_t n) const { return at(1, n); }
-  HWY_INLINE V z(std::size_t n) const {
-    HWY_ALIGN static constexpr float kSecond[16] = {0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1};
-    const V second = hn::Mul(set(further_), hn::Load(kF, kSecond + n));
-    return hn::Add(set(first_[2]), hn::Mul(set(step_), hn::Add(steps(2, n), second)));
-  }
+  HWY_INLINE V z(std::size_t n) const { return at(2, n); }
 
  private:
-  static HWY_INLINE V steps(int axis, std::size_t n) {
-    HWY_ALIGN static constexpr float kSteps[3][16] = {
-        {0, 0, 0, 0, 1, 1, 1, 1, 0, 0, 0, 0, 1, 1, 1, 1},
-        {0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 1, 1},
-        {0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1}};
-    return hn::Load(kF, kSteps[axis] + n);
-  }
   HWY_INLINE V at(int axis, std::size_t n) const {
+    HWY_ALIGN static constexpr float kSteps[3][8] = {
+        {0, 0, 0, 0, 1, 1, 1, 1}, {0, 0, 1, 1, 0, 0, 1, 1}, {0, 1, 0, 1, 0, 1, 0, 1}};
     return hn::Add(set(first_[static_cast<std::size_t>(axis)]),
-                   hn::Mul(set(step_), steps(axis, n)));
+                   hn::Mul(set(step_), hn::Load(kF, kSteps[axis] + n)));
   }
 
   std::array<float, 3> first_;
-  float step_, further_;
+  float step_;
 };
 
-// Squared distances of the middles of the two cubes' eighths, [triangles][2][eighths], and the
-// least of each middle.
-HWY_INLINE void from_middles(const PreparedTriangle* const* triangles, std::size_t count,
-                             const PointCube& cube, float* squared, float* least) {
-  const float half = cube.step / 2;
-  const SixteenPoints middles({cube.first[0] + half, cube.first[1] + half, cube.first[2] + half},
-                              2 * cube.step, 2);
-  // Where a vector holds one cube's eighths, a step of four points leads to the second cube.
-  constexpr bool kOneByOne = hn::MaxLanes(kF) == kEighths;
-  constexpr std::size_t kFirst = kOneByOne ? kEighths : 2 * kEighths;
-  for (std::size_t n = 0; n < kFirst; n += lanes()) {
+// The least of an open feature's squared distances; of the others they are out of the way.
+constexpr float kFarAway = 1e30f;
+HWY_INLINE V if_open(const PreparedTriangle& t, unsigned bit, V squared) {
+  return hn::Max(squared, set((t.open >> bit & 1) != 0 ? 0.0f : kFarAway));
+}
+
+// Where the points' surroundings, `around` lattice units to every side, lie so far beside the
+// triangle that others are nearer there (claims.h).
+HWY_INLINE hn::Mask<decltype(kF)> is_beside(const PreparedTriangle& t,
+                                            const TriangleCoordinates& at, const PlanarDistances& d,
+                                            float around, float margin) {
+  constexpr float kOpenRadius = kOpenRadiusVoxels * static_cast<float>(lattice::kSnapUnits);
+  const V beside = hn::Sqrt(d.planar);
+  const V most = hn::Add(hn::Mul(set(t.slope), hn::Add(hn::Abs(at.height), set(around))),
+                         set(margin + around));
+  auto result = hn::Gt(beside, most);
+  if (t.open == 0) return result;
+  // The nearest points of the surroundings are within `around` of the point's own.
+  const auto square = [](V v) HWY_ATTR { return hn::Mul(v, v); };
+  const V edges =
+      hn::Min(hn::Min(if_open(t, 0, d.from_1), if_open(t, 1, d.from_2)), if_open(t, 2, d.from_3));
+  const V off_edges = hn::Add(beside, set(around + margin));
+  result = hn::And(result, hn::Gt(edges, square(off_edges)));
+  const V v2 = square(at.v);
+  const V corner_0 = hn::Add(square(at.u), v2),
+          corner_1 = hn::Add(square(hn::Sub(at.u, set(t.length_1))), v2),
+          corner_2 = hn::Add(square(hn::Sub(at.along_2, set(t.length_2))), square(at.left_2));
+  const V corners =
+      hn::Min(hn::Min(if_open(t, 3, corner_0), if_open(t, 4, corner_1)), if_open(t, 5, corner_2));
+  return hn::And(result, hn::Gt(corners, square(hn::Add(off_edges, set(kOpenRadius)))));
+}
+
+// For each triangle the cells that it may be the nearest to, as bits. `squared` is scratch space of
+// eight numbers a triangle.
+void near_eighths(const PreparedTriangle* const* triangles, std::size_t count,
+                  const EightCells& cells, float margin, float* squared, std::uint8_t* bits) {
+  const EightPoints middles(cells.first, cells.step);
+  std::fill_n(bits, count, std::uint8_t{0});
+  for (std::size_t n = 0; n < kEighths; n += lanes()) {
     const V x = middles.x(n), y = middles.y(n), z = middles.z(n);
-    V best = set(1e30f), best_second = best;
+    V least = set(kFarAway);
     for (std::size_t i = 0; i < count; ++i) {
       const PreparedTriangle& t = *triangles[i];
-      TriangleCoordinates at = from_triangle(t, x, y, z);
-      const V d = squared_distance(t, at);
-      hn::StoreU(d, kF, squared + 2 * kEighths * i + n);
-      best = hn::Min(best, d);
-      if constexpr (kOneByOne) {
-        advance(at, step_along(t, 2, 4 * cube.step));
-        const V second = squared_distance(t, at);
-        hn::StoreU(second, kF, squared + 2 * kEighths * i + kEighths + n);
-        best_second = hn::Min(best_second, second);
+      const TriangleCoordinates at = from_triangle(t, x, y, z);
+      const PlanarDistances planar = planar_distances(t, at);
+      V d = hn::Add(planar.planar, hn::Mul(at.height, at.height));
+      least = hn::Min(least, d);
+      if (t.open != Claim::kAllOpen) {
+        d = hn::IfThenElse(is_beside(t, at, planar, cells.around, margin), set(kFarAway), d);
       }
+      hn::StoreU(d, kF, squared + kEighths * i + n);
     }
-    hn::StoreU(best, kF, least + n);
-    if constexpr (kOneByOne) hn::StoreU(best_second, kF, least + kEighths + n);
+    const V reach = hn::LoadU(kF, cells.reach.data() + n), around = set(cells.around);
+    V limit = hn::Add(hn::Min(reach, hn::Add(hn::Sqrt(least), around)), around);
+    limit = hn::IfThenElse(hn::Lt(reach, hn::Zero(kF)), set(-1), hn::Mul(limit, limit));
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto near = hn::Le(hn::LoadU(kF, squared + kEighths * i + n), limit);
+      bits[i] = static_cast<std::uint8_t>(bits[i] | bits_of(near) << n);
+    }
   }
 }
 
-// For each triangle and cube a byte: bit n is set where the triangle is within the limit of eighth
-// n.
-HWY_INLINE void eighths_within(const float* squared, std::size_t count, const float* limits,
-                               std::uint8_t* first, std::uint8_t* second) {
-  for (std::size_t i = 0; i < count; ++i) {
-    std::uint64_t bits = 0;
-    for (std::size_t n = 0; n < 2 * kEighths; n += lanes()) {
-      const V value = hn::LoadU(kF, squared + 2 * kEighths * i + n);
-      bits |= bits_of(hn::Le(value, hn::LoadU(kF, limits + n))) << n;
-    }
-    first[i] = static_cast<std::uint8_t>(bits);
-    second[i] = static_cast<std::uint8_t>(bits >> 8);
-  }
-}
-
-// Takes the bytes of eight triangles. Bit i of the result is set where triangle i is within the
-// limit of `eighth`, or of the next where two are computed together.
+// Takes the bytes of eight triangles. Bit i of the result is set where triangle i is near `eighth`.
 HWY_INLINE std::uint64_t near_of(const std::uint8_t* eighths, std::size_t eighth) {
   std::uint64_t bytes;
   hwy::CopyBytes<8>(eighths, &bytes);
   bytes >>= eighth;
-  if (kTogether == 2) bytes |= bytes >> 1;
   return (bytes & 0x0101010101010101u) * 0x0102040810204080u >> 56;
 }
 
-// The nearest triangle of each point of `kTogether` eighths, from number `eighth` on, among the
-// triangles within their limits: its squared distance and its number, with the highest bit set
-// where several are equally near. Eight zero bytes must follow the bytes in `eighths`.
+// The nearest triangle of each point of an eighth, among the triangles near it: its squared
+// distance and its number, with the highest bit set where several are equally near. Eight zero
+// bytes must follow the bytes in `eighths`.
 HWY_INLINE void nearest_of(const PreparedTriangle* const* triangles, const std::uint8_t* eighths,
-                           std::size_t count, std::size_t eighth, const SixteenPoints& points,
+                           std::size_t count, std::size_t eighth, const EightPoints& points,
                            float* least, std::uint32_t* which) {
-  for (std::size_t n = 0; n < kTogether * kEighths; n += lanes()) {
+  for (std::size_t n = 0; n < kEighths; n += lanes()) {
     const V x = points.x(n), y = points.y(n), z = points.z(n);
-    V best = set(1e30f);
+    V best = set(kFarAway);
     auto best_at = hn::Zero(kU);
     auto tied = hn::Lt(best, best);
     for (std::size_t first = 0; first < count; first += 64) {
@@ -307,48 +320,22 @@ std::uint32_t first_at(const PreparedTriangle* const* triangles, const std::uint
   return number;
 }
 
-HWY_INLINE void nearest_in_cube(const PreparedTriangle* const* triangles,
-                                const std::uint8_t* eighths, std::size_t count,
-                                const PointCube& cube, float* least, std::uint32_t* which) {
-  for (std::size_t n = 0; n < kEighths; n += kTogether) {
+void nearest(const PreparedTriangle* const* triangles, const std::uint8_t* eighths,
+             std::size_t count, const PointCube& cube, float* least, std::uint32_t* which) {
+  for (std::size_t n = 0; n < kEighths; ++n) {
     const std::size_t low[3] = {2 * (n >> 2), 2 * (n >> 1 & 1), 2 * (n & 1)};
     std::array<float, 3> first;
     for (std::size_t d = 0; d < 3; ++d) {
       first[d] = cube.first[d] + cube.step * static_cast<float>(low[d]);
     }
-    float near[kTogether * kEighths];
-    std::uint32_t number[kTogether * kEighths];
-    nearest_of(triangles, eighths, count, n, SixteenPoints(first, cube.step, 2), near, number);
-    for (std::size_t pair = 0; pair < kTogether * kEighths / 2; ++pair) {
-      const std::size_t to =
-          (low[0] + (pair >> 1 & 1)) * 16 + (low[1] + (pair & 1)) * 4 + low[2] + 2 * (pair >> 2);
+    float near[kEighths];
+    std::uint32_t number[kEighths];
+    nearest_of(triangles, eighths, count, n, EightPoints(first, cube.step), near, number);
+    for (std::size_t pair = 0; pair < kEighths / 2; ++pair) {
+      const std::size_t to = (low[0] + (pair >> 1)) * 16 + (low[1] + (pair & 1)) * 4 + low[2];
       hwy::CopyBytes<8>(near + 2 * pair, least + to);
       hwy::CopyBytes<8>(number + 2 * pair, which + to);
     }
-  }
-}
-
-// Scratch space: `squared` holds sixteen numbers a triangle, `eighths` two bytes a triangle and
-// sixteen more.
-void nearest(const PreparedTriangle* const* triangles, std::size_t count, const PointCube& cube,
-             const float* reach, float* squared, std::uint8_t* eighths, CubeValues* least,
-             std::array<std::uint32_t, kCubePoints>* which) {
-  constexpr auto kUnits = static_cast<float>(lattice::kSnapUnits);
-  constexpr float kAround = (half_diagonal(2) + kDistanceErrorVoxels) * kUnits;
-  float limits[2 * kEighths];
-  from_middles(triangles, count, cube, squared, limits);
-  for (std::size_t n = 0; n < 2 * kEighths; ++n) {
-    const float limit = std::min(reach[n], std::sqrt(limits[n]) + kAround) + kAround;
-    limits[n] = reach[n] < 0 ? -1.0f : limit * limit;
-  }
-  std::uint8_t* of_cube[2] = {eighths, eighths + count + 8};
-  eighths_within(squared, count, limits, of_cube[0], of_cube[1]);
-  PointCube one = cube;
-  for (std::size_t k = 0; k < 2; ++k) {
-    const std::uint64_t none = 0;
-    hwy::CopyBytes<8>(&none, of_cube[k] + count);
-    nearest_in_cube(triangles, of_cube[k], count, one, least[k].data(), which[k].data());
-    one.first[2] += 4 * cube.step;
   }
 }
 
@@ -363,8 +350,7 @@ void codes(const CubeValues& squared, std::uint64_t negative, const CodeScale& s
     const V root = hn::Sqrt(hn::LoadU(kF, squared.data() + n));
     const V length =
         hn::Min(hn::Mul(root, set(1.0f / static_cast<float>(lattice::kSnapUnits))), most);
-    const std::uint8_t bits[8] = {static_cast<std::uint8_t>(negative >> n),
-                                  static_cast<std::uint8_t>(n + 8 < 64 ? negative >> (n + 8) : 0)};
+    const std::uint8_t bits[8] = {static_cast<std::uint8_t>(negative >> n)};
     const V d = hn::IfThenElse(hn::LoadMaskBits(kF, bits), hn::Neg(length), length);
     // Rounded down, and before that less what the arithmetic may be off.
     const V steps =
@@ -385,6 +371,7 @@ namespace {
 
 HWY_EXPORT(distances);
 HWY_EXPORT(within);
+HWY_EXPORT(near_eighths);
 HWY_EXPORT(nearest);
 HWY_EXPORT(first_at);
 HWY_EXPORT(codes);
@@ -407,30 +394,53 @@ void bits_within(const CubeValues* values, std::size_t count, const CubeValues& 
   HWY_DYNAMIC_DISPATCH(within)(values, count, limits, bits);
 }
 
-void NearestTriangles::find(TriangleList triangles, const PointCube& first,
-                            const std::array<float, 2 * kEighths>& reach) {
-  const std::size_t count = triangles.size();
-  triangles_ = triangles;
-  first_ = first;
-  if (squared_.size() < 2 * kEighths * count) {
-    squared_.resize(2 * kEighths * count);
-    eighths_.resize(2 * (count + 8));
+void NearEighths::find(TriangleList triangles, const std::array<int, 3>& low, int edge,
+                       const std::array<float, kEighths>& reach) {
+  constexpr auto kUnits = static_cast<float>(lattice::kSnapUnits);
+  EightCells cells;
+  cells.step = static_cast<float>(edge) * kUnits;
+  for (std::size_t d = 0; d < 3; ++d) {
+    cells.first[d] = static_cast<float>(low[d]) * kUnits + cells.step / 2;
   }
-  HWY_DYNAMIC_DISPATCH(nearest)
-  (triangles.data(), count, first, reach.data(), squared_.data(), eighths_.data(), least_.data(),
-   which_.data());
+  cells.around = (half_diagonal(edge) + kDistanceErrorVoxels) * kUnits;
+  cells.reach = reach;
+  find(triangles, cells);
 }
 
-std::uint32_t NearestTriangles::first_tied(std::size_t cube, std::size_t point) const {
-  const std::size_t at[3] = {point >> 4, point >> 2 & 3, (point & 3) + 4 * cube};
+void NearEighths::find(TriangleList triangles, const EightCells& cells) {
+  constexpr auto kUnits = static_cast<float>(lattice::kSnapUnits);
+  const std::size_t count = triangles.size();
+  if (squared_.size() < kEighths * count) squared_.resize(2 * kEighths * count);
+  bits_.resize(std::max(bits_.size(), count + 8));
+  const float most = *std::max_element(cells.reach.begin(), cells.reach.end()) / kUnits;
+  const float margin = (claim_margin_voxels(most) + kDistanceErrorVoxels) * kUnits;
+  HWY_DYNAMIC_DISPATCH(near_eighths)
+  (triangles.data(), count, cells, margin, squared_.data(), bits_.data());
+  std::fill_n(bits_.data() + count, 8, std::uint8_t{0});
+}
+
+void NearestTriangles::find(TriangleList triangles, const std::array<int, 3>& low,
+                            const std::array<float, kEighths>& reach) {
+  constexpr auto kUnits = static_cast<float>(lattice::kSnapUnits);
+  triangles_ = triangles;
+  cube_.step = kUnits;
+  for (std::size_t d = 0; d < 3; ++d) {
+    cube_.first[d] = static_cast<float>(low[d]) * kUnits + kUnits / 2;
+  }
+  near_.find(triangles, low, 2, reach);
+  HWY_DYNAMIC_DISPATCH(nearest)
+  (triangles.data(), near_.bits(), triangles.size(), cube_, least_.data(), which_.data());
+}
+
+std::uint32_t NearestTriangles::first_tied(std::size_t point) const {
+  const std::size_t at[3] = {point >> 4, point >> 2 & 3, point & 3};
   std::array<float, 3> place;
   for (std::size_t d = 0; d < 3; ++d) {
-    place[d] = first_.first[d] + first_.step * static_cast<float>(at[d]);
+    place[d] = cube_.first[d] + cube_.step * static_cast<float>(at[d]);
   }
-  const std::size_t eighth = at[0] / 2 * 4 + at[1] / 2 * 2 + (point & 3) / 2;
-  const std::size_t count = triangles_.size();
-  return HWY_DYNAMIC_DISPATCH(first_at)(triangles_.data(), eighths_.data() + cube * (count + 8),
-                                        count, eighth, place, least_[cube][point]);
+  const std::size_t eighth = at[0] / 2 * 4 + at[1] / 2 * 2 + at[2] / 2;
+  return HWY_DYNAMIC_DISPATCH(first_at)(triangles_.data(), near_.bits(), triangles_.size(), eighth,
+                                        place, least_[point]);
 }
 
 std::array<double, 3> way_from(const PreparedTriangle& t, const std::array<double, 3>& point) {

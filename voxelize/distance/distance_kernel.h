@@ -49,42 +49,66 @@ constexpr std::uint64_t eighth(unsigned n) {
 }
 inline constexpr std::size_t kEighths = 8;
 
-// The nearest triangle of each point of two cubes, the second behind the first along z, and its
-// squared distance.
+// Eight cells, `step` apart, in lattice units: the lowest one's middle, how far from their middles
+// the places are that count, and for each how near triangles matter; a negative reach asks for
+// nothing. Eighth n = x*4 + y*2 + z.
+struct EightCells {
+  std::array<float, 3> first;
+  float step, around;
+  std::array<float, kEighths> reach;
+};
+
+// Which triangles may be the nearest to which eighths of a cell.
+class NearEighths {
+ public:
+  void find(TriangleList triangles, const EightCells& cells);
+  // The centers of voxels in the eighths, of `edge` voxels, of the cell at voxel `low` of a node.
+  void find(TriangleList triangles, const std::array<int, 3>& low, int edge,
+            const std::array<float, kEighths>& reach);
+
+  // The eighths that triangle i of the list may be the nearest to, within reach of a place, as
+  // bits. In all others it is farther within reach, by more than kDistanceErrorVoxels,
+  // than the nearest, or farther than another triangle of its object, so that the kernels see it
+  // (claims.h).
+  unsigned eighths(std::size_t i) const { return bits_[i]; }
+
+  const std::uint8_t* bits() const { return bits_.data(); }  // [triangles], and 8 zero bytes
+
+ private:
+  std::vector<float> squared_;  // [triangles][eighths] from the eighths' middles
+  std::vector<std::uint8_t> bits_;
+};
+
+// The nearest triangle of each voxel's center in a cell of 4^3 voxels, and its squared distance.
 class NearestTriangles {
  public:
-  // Takes at least one triangle. `reach` gives for each eighth of the cubes, in lattice units, up
-  // to which distance the result must be exact; a negative reach asks for nothing. Beyond the reach
-  // least() is the distance of some triangle, or 1e30.
-  void find(TriangleList triangles, const PointCube& first,
-            const std::array<float, 2 * kEighths>& reach);
+  // Takes at least one triangle, and the cell's lowest voxel in its node. `reach` gives for each
+  // eighth of the cell, in lattice units, up to which distance the result must be exact; a negative
+  // reach asks for nothing. Beyond the reach least() is the distance of some triangle, or 1e30.
+  void find(TriangleList triangles, const std::array<int, 3>& low,
+            const std::array<float, kEighths>& reach);
 
-  const CubeValues& least(std::size_t cube) const { return least_[cube]; }
+  const CubeValues& least() const { return least_; }
   // The place in the list of the nearest triangle: of equally near ones the first by lies_before(),
   // so that the order of the list does not matter. Undefined where least() is 1e30. The list must
   // still be there.
-  std::uint32_t which(std::size_t cube, std::size_t point) const {
-    const std::uint32_t number = which_[cube][point];
-    return (number & kTied) == 0 ? number : first_tied(cube, point);
+  std::uint32_t which(std::size_t point) const {
+    const std::uint32_t number = which_[point];
+    return (number & kTied) == 0 ? number : first_tied(point);
   }
-  // The eighths in which triangle i of the list was measured, as bits, those of the second cube
-  // from bit 8 on. In all others a triangle is farther within reach, by more than
-  // kDistanceErrorVoxels, than the nearest.
-  unsigned measured_in(std::size_t i) const {
-    return eighths_[i] | static_cast<unsigned>(eighths_[triangles_.size() + 8 + i]) << 8;
-  }
+  // The eighths in which triangle i of the list was measured (NearEighths).
+  unsigned measured_in(std::size_t i) const { return near_.eighths(i); }
 
  private:
   static constexpr std::uint32_t kTied = std::uint32_t{1} << 31;
 
-  std::uint32_t first_tied(std::size_t cube, std::size_t point) const;
+  std::uint32_t first_tied(std::size_t point) const;
 
   TriangleList triangles_;  // of the last find()
-  PointCube first_;
-  std::array<CubeValues, 2> least_;
-  std::array<std::array<std::uint32_t, kCubePoints>, 2> which_;
-  std::vector<float> squared_;         // [triangles][cubes][eighths] from the eighths' middles
-  std::vector<std::uint8_t> eighths_;  // [cubes][triangles] bits of the eighths in reach
+  PointCube cube_;
+  NearEighths near_;
+  CubeValues least_;
+  std::array<std::uint32_t, kCubePoints> which_;
 };
 
 // The vector from the nearest point of a triangle to `point`, lattice units.

@@ -83,8 +83,8 @@ class CenterTest {
 class NodeGrowth {
  public:
   std::unique_ptr<masks::LowerMaskNode> run(const SceneTriangles& triangles,
-                                            const CenterGrowth& growth,
-                                            const scan::NodeIndex& node, const masks::Coord& origin,
+                                            const CenterGrowth& growth, const scan::NodeIndex& node,
+                                            const masks::Coord& origin,
                                             const masks::MaskTree& interior) {
     masks::node_rows(interior, origin, settled_);
     grown_ = {};
@@ -94,32 +94,22 @@ class NodeGrowth {
         [&](const std::array<int, 3>& low, int edge) {
           return masks::all_set(settled_, low, edge) ? kNoReach : growth.reach();
         },
-        [&](const std::array<int, 3>& low, TriangleList list) {
-          mark_pair(low, list, growth, node);
+        [&](const std::array<int, 3>& low, TriangleList list, TriangleList) {
+          mark_cell(low, list, growth, node);
         });
     return masks::node_of_rows(grown_, origin);
   }
 
  private:
-  // Two cells of 4^3 voxels, the second behind the first along z.
-  void mark_pair(const std::array<int, 3>& low, TriangleList list, const CenterGrowth& growth,
+  void mark_cell(const std::array<int, 3>& low, TriangleList list, const CenterGrowth& growth,
                  const scan::NodeIndex& node) {
-    std::array<std::array<int, 3>, 2> lows{low, low};
-    lows[1][2] += 4;
-    std::array<float, 2 * kEighths> reach;
-    std::array<std::uint64_t, 2> open;
-    for (std::size_t cell = 0; cell < 2; ++cell) {
-      open[cell] = ~masks::cell_bits(settled_, lows[cell]);
-      for (unsigned n = 0; n < kEighths; ++n) {
-        reach[cell * kEighths + n] =
-            (open[cell] & eighth(n)) != 0 ? growth.reach() * kUnits : kNoReach;
-      }
+    const std::uint64_t open = ~masks::cell_bits(settled_, low);
+    std::array<float, kEighths> reach;
+    for (unsigned n = 0; n < kEighths; ++n) {
+      reach[n] = (open & eighth(n)) != 0 ? growth.reach() * kUnits : kNoReach;
     }
-    nearest_.find(list, CellSearch::centers(low, 1), reach);
-    for (std::size_t cell = 0; cell < 2; ++cell) {
-      masks::add_cell_bits(growth.near(nearest_.least(cell), open[cell], list, node, lows[cell]),
-                           lows[cell], grown_);
-    }
+    nearest_.find(list, low, reach);
+    masks::add_cell_bits(growth.near(nearest_.least(), open, list, node, low), low, grown_);
   }
 
   masks::NodeRows grown_, settled_;  // the result; the interior, which needs no answer
@@ -157,8 +147,7 @@ CenterGrowth::CenterGrowth(const SceneTriangles& triangles, std::int64_t radius_
 }
 
 std::uint64_t CenterGrowth::near(const CubeValues& least, std::uint64_t open, TriangleList list,
-                                 const scan::NodeIndex& node,
-                                 const std::array<int, 3>& low) const {
+                                 const scan::NodeIndex& node, const std::array<int, 3>& low) const {
   if (open == 0) return 0;
   std::uint64_t near = 0, maybe = 0;
   bits_within(&least, 1, maybe_near_, &maybe);

@@ -22,23 +22,22 @@ constexpr std::size_t eighth_of(std::size_t n) {
 void ObjectChoice::begin(std::span<const std::uint16_t> numbers,
                          const std::vector<PreparedTriangle>& near) {
   numbers_ = numbers;
-  of_pair_.fill(0);
+  of_cell_.fill(0);
   // The triangles stand in the order of their objects.
   one_object_ = near.empty() || near.front().object == near.back().object;
 }
 
 void ObjectChoice::add(const std::array<int, 3>& low, TriangleList list,
-                       const std::array<float, 2 * kEighths>& reach,
-                       const NearestTriangles& nearest) {
+                       const std::array<float, kEighths>& reach, const NearestTriangles& nearest) {
   const auto brick = static_cast<unsigned>((low[0] >> 3) << 6 | (low[1] >> 3) << 3 | low[2] >> 3);
-  const auto pair = static_cast<unsigned>((low[0] >> 2 & 1) * 2 + (low[1] >> 2 & 1));
-  std::uint32_t& of_pair = of_pair_[brick * kPairs + pair];
+  const auto cell = static_cast<unsigned>((low[0] & 4) + (low[1] >> 1 & 2) + (low[2] >> 2 & 1));
+  std::uint32_t& of_cell = of_cell_[brick * kCells + cell];
   if (one_object_) {
-    of_pair = numbers_[list[0]->object];
+    of_cell = numbers_[list[0]->object];
     return;
   }
   // The object of each eighth, and the eighths that several objects are near to.
-  std::array<std::uint32_t, 2 * kEighths> objects;
+  std::array<std::uint32_t, kEighths> objects;
   unsigned any = 0, several = 0;
   for (std::size_t i = 0; i < list.size(); ++i) {
     for (unsigned bits = nearest.measured_in(i) & ~several; bits != 0; bits &= bits - 1) {
@@ -55,44 +54,38 @@ void ObjectChoice::add(const std::array<int, 3>& low, TriangleList list,
     one = one && ((any >> n & 1) == 0 || objects[n] == objects[first]);
   }
   if (one) {
-    of_pair = numbers_[objects[first]];
+    of_cell = numbers_[objects[first]];
     return;
   }
-  of_pair = kSeveral;
-  std::array<std::array<std::uint16_t, kCubePoints>, 2> chosen{};
-  for (std::size_t cell = 0; cell < 2; ++cell) {
-    for (std::size_t n = 0; n < kCubePoints; ++n) {
-      const std::size_t at = cell * kEighths + eighth_of(n);
-      if (((any & ~several) >> at & 1) != 0) chosen[cell][n] = numbers_[objects[at]];
-    }
+  of_cell = kSeveral;
+  std::array<std::uint16_t, kCubePoints> chosen{};
+  for (std::size_t n = 0; n < kCubePoints; ++n) {
+    const std::size_t at = eighth_of(n);
+    if (((any & ~several) >> at & 1) != 0) chosen[n] = numbers_[objects[at]];
   }
   if (several != 0) choose(low, list, several, reach, nearest, chosen);
   if (node_.numbers.empty()) node_.numbers.resize(512 * kBrickVoxels);
   std::uint16_t* out = node_.numbers.data() + brick * kBrickVoxels;
-  const auto x0 = static_cast<unsigned>(low[0] & 7), y0 = static_cast<unsigned>(low[1] & 7);
-  for (unsigned cell = 0; cell < 2; ++cell) {
-    for (unsigned n = 0; n < kCubePoints; ++n) {
-      out[voxel_of(x0 + (n >> 4), y0 + (n >> 2 & 3), 4 * cell + (n & 3))] = chosen[cell][n];
-    }
+  const auto x0 = static_cast<unsigned>(low[0] & 7), y0 = static_cast<unsigned>(low[1] & 7),
+             z0 = static_cast<unsigned>(low[2] & 7);
+  for (unsigned n = 0; n < kCubePoints; ++n) {
+    out[voxel_of(x0 + (n >> 4), y0 + (n >> 2 & 3), z0 + (n & 3))] = chosen[n];
   }
 }
 
 // Measures in the eighths of `several` from one object after the other. A voxel has the first that
 // is as near as the nearest.
 void ObjectChoice::choose(const std::array<int, 3>& low, TriangleList list, unsigned several,
-                          const std::array<float, 2 * kEighths>& reach,
-                          const NearestTriangles& nearest,
-                          std::array<std::array<std::uint16_t, kCubePoints>, 2>& chosen) {
+                          const std::array<float, kEighths>& reach, const NearestTriangles& nearest,
+                          std::array<std::uint16_t, kCubePoints>& chosen) {
   constexpr float kMore = kEquallyNearVoxels * static_cast<float>(lattice::kSnapUnits);
-  std::array<CubeValues, 2> limit;
-  std::array<float, 2 * kEighths> near_enough{};  // a triangle farther than this changes nothing
-  for (std::size_t cell = 0; cell < 2; ++cell) {
-    for (std::size_t n = 0; n < kCubePoints; ++n) {
-      const std::size_t at = cell * kEighths + eighth_of(n);
-      const float most = std::sqrt(nearest.least(cell)[n]) + kMore;
-      limit[cell][n] = (several >> at & 1) != 0 ? most * most : -1.0f;
-      near_enough[at] = std::max(near_enough[at], most);
-    }
+  CubeValues limit;
+  std::array<float, kEighths> near_enough{};  // a triangle farther than this changes nothing
+  for (std::size_t n = 0; n < kCubePoints; ++n) {
+    const std::size_t at = eighth_of(n);
+    const float most = std::sqrt(nearest.least()[n]) + kMore;
+    limit[n] = (several >> at & 1) != 0 ? most * most : -1.0f;
+    near_enough[at] = std::max(near_enough[at], most);
   }
   for (std::size_t n = 0; n < reach.size(); ++n) {
     near_enough[n] = (several >> n & 1) != 0 ? std::min(near_enough[n], reach[n]) : kNoReach;
@@ -109,14 +102,10 @@ void ObjectChoice::choose(const std::array<int, 3>& low, TriangleList list, unsi
     const auto end = std::find_if(first, sorted_.end(), [&](const PreparedTriangle* triangle) {
       return triangle->object != object;
     });
-    of_one_.find(TriangleList(first, end), CellSearch::centers(low, 1), near_enough);
-    for (std::size_t cell = 0; cell < 2; ++cell) {
-      const CubeValues& least = of_one_.least(cell);
-      for (std::size_t n = 0; n < kCubePoints; ++n) {
-        if (chosen[cell][n] == 0 && least[n] <= limit[cell][n]) {
-          chosen[cell][n] = numbers_[object];
-        }
-      }
+    of_one_.find(TriangleList(first, end), low, near_enough);
+    const CubeValues& least = of_one_.least();
+    for (std::size_t n = 0; n < kCubePoints; ++n) {
+      if (chosen[n] == 0 && least[n] <= limit[n]) chosen[n] = numbers_[object];
     }
     first = end;
   }
@@ -130,8 +119,8 @@ void ObjectChoice::spread(unsigned n, const std::uint8_t* codes, const masks::Ke
   std::uint32_t lowest = kSeveral;
   for (unsigned v = 0; v < kBrickVoxels; ++v) {
     if (!is_measured(codes[v])) continue;
-    const std::uint32_t of_pair = of_pair_[n * kPairs + (v >> 8) * 2 + (v >> 5 & 1)];
-    if (of_pair != kSeveral) numbers[v] = static_cast<std::uint16_t>(of_pair);
+    const std::uint32_t of_cell = of_cell_[n * kCells + (v >> 8) * 4 + (v >> 4 & 2) + (v >> 2 & 1)];
+    if (of_cell != kSeveral) numbers[v] = static_cast<std::uint16_t>(of_cell);
     lowest = std::min<std::uint32_t>(lowest, numbers[v]);
   }
   if (lowest == kSeveral) lowest = 0;
@@ -155,10 +144,10 @@ const NodeObjects& ObjectChoice::finish(const lattice::BrickMask& coded, const s
   node_.of_brick.fill(0);
   node_.several = {};
   lattice::for_each_set(coded, [&](unsigned n) {
-    const std::uint32_t* pairs = of_pair_.data() + n * kPairs;
-    const std::uint32_t number = *std::max_element(pairs, pairs + kPairs);
-    const bool one = std::all_of(pairs, pairs + kPairs, [&](std::uint32_t of_pair) {
-      return of_pair == number || of_pair == 0;
+    const std::uint32_t* cells = of_cell_.data() + n * kCells;
+    const std::uint32_t number = *std::max_element(cells, cells + kCells);
+    const bool one = std::all_of(cells, cells + kCells, [&](std::uint32_t of_cell) {
+      return of_cell == number || of_cell == 0;
     });
     const masks::Coord brick = masks::entry_origin(origin, n, 8);
     const bool whole =

@@ -44,10 +44,10 @@ class ObjectChoice {
   // live until finish().
   void begin(std::span<const std::uint16_t> numbers, const std::vector<PreparedTriangle>& near);
 
-  // Two cells of 4^3 voxels, the second behind the first along z: the triangles and the reach of
-  // NearestTriangles::find(), and what it found. Some of the codes must be measured.
+  // A cell of 4^3 voxels: the triangles and the reach of NearestTriangles::find(), and what it
+  // found. Some of the codes must be measured.
   void add(const std::array<int, 3>& low, TriangleList list,
-           const std::array<float, 2 * kEighths>& reach, const NearestTriangles& nearest);
+           const std::array<float, kEighths>& reach, const NearestTriangles& nearest);
 
   // The node's objects, of the codes as stored: [bricks][voxels], defined in the bricks of `coded`.
   // A voxel without a measured distance has the lowest number that stands in its brick, or none; it
@@ -56,19 +56,19 @@ class ObjectChoice {
                             const masks::KeptBox& kept, const masks::Coord& origin);
 
  private:
-  // A brick has four pairs of cells: [bricks][x][y].
-  static constexpr std::size_t kPairs = 4;
+  // A brick has eight cells: [bricks][x][y][z].
+  static constexpr std::size_t kCells = 8;
   static constexpr std::uint32_t kSeveral = UINT32_MAX;
 
   void choose(const std::array<int, 3>& low, TriangleList list, unsigned several,
-              const std::array<float, 2 * kEighths>& reach, const NearestTriangles& nearest,
-              std::array<std::array<std::uint16_t, kCubePoints>, 2>& chosen);
+              const std::array<float, kEighths>& reach, const NearestTriangles& nearest,
+              std::array<std::uint16_t, kCubePoints>& chosen);
   void spread(unsigned n, const std::uint8_t* codes, const masks::KeptBox& kept,
               const masks::Coord& brick);
 
   std::span<const std::uint16_t> numbers_;
   bool one_object_ = false;                            // in all of the node
-  std::array<std::uint32_t, 512 * kPairs> of_pair_{};  // a number, kSeveral, or 0 without codes
+  std::array<std::uint32_t, 512 * kCells> of_cell_{};  // a number, kSeveral, or 0 without codes
   std::vector<const PreparedTriangle*> sorted_;        // by object
   NearestTriangles of_one_;
   NodeObjects node_;

@@ -58,7 +58,7 @@ void add_cut(const std::array<Point, 3>& corners, int reach, std::uint32_t sourc
     cut(polygon, d, -1, -(kNodeUnits + margin));
   }
   for (std::size_t i = 2; i < polygon.size(); ++i) {
-    near.add({polygon[0], polygon[i - 1], polygon[i]}, source, object);
+    near.add({polygon[0], polygon[i - 1], polygon[i]}, source, object, Claim{});
   }
 }
 
@@ -71,8 +71,11 @@ SceneTriangles::SceneTriangles(std::vector<const scan::SnappedObject*> objects, 
     Bin bin;
   };
   bins_.resize(objects_.size());
-  tbb::parallel_for(std::size_t{0}, objects_.size(),
-                    [&](std::size_t i) { bins_[i] = scan::bin_triangles(*objects_[i], reach); });
+  claims_.resize(objects_.size());
+  tbb::parallel_for(std::size_t{0}, objects_.size(), [&](std::size_t i) {
+    bins_[i] = scan::bin_triangles(*objects_[i], reach);
+    claims_[i] = claims_of(*objects_[i]);
+  });
   std::vector<Place> places;
   for (std::uint32_t i = 0; i < bins_.size(); ++i) {
     const std::vector<scan::NodeIndex>& nodes = bins_[i].nodes;
@@ -129,7 +132,7 @@ void SceneTriangles::gather(const scan::NodeIndex& node,
       if (is_large(triangle)) {
         add_cut(corners, reach_, number, object, batch);
       } else {
-        batch.add(corners, number, object);
+        batch.add(corners, number, object, claims_[object][number]);
       }
     }
   }

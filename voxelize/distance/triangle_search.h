@@ -48,9 +48,10 @@ class SceneTriangles {
 
   std::vector<const scan::SnappedObject*> objects_;
   int reach_;
-  std::vector<scan::NodeBins> bins_;    // [objects]
-  std::vector<scan::NodeIndex> nodes_;  // [n]
-  std::vector<std::size_t> first_;      // [n + 1] offsets into of_node_
+  std::vector<scan::NodeBins> bins_;        // [objects]
+  std::vector<std::vector<Claim>> claims_;  // [objects][triangles]
+  std::vector<scan::NodeIndex> nodes_;      // [n]
+  std::vector<std::size_t> first_;          // [n + 1] offsets into of_node_
   std::vector<Bin> of_node_;
   std::size_t most_near_ = 0;  // the most that count_near() gives
 };
@@ -58,23 +59,32 @@ class SceneTriangles {
 // The reach of a cell that needs no triangle.
 inline constexpr float kNoReach = -1;
 
-// The search inside one node. Its lists are supersets: a triangle that is left out cannot be the
-// nearest to a voxel within the cell's reach, and the result does not depend on the others.
+// The search inside one node: from the node to cells of 16, 8 and 4 voxels. Its lists are
+// supersets: a triangle that is left out cannot be the nearest to a voxel within the cell's reach,
+// nor as near as the nearest of its object, and the result does not depend on the others.
 class CellSearch {
  public:
-  // Calls leaf(low, triangles) for pairs of cells of 4^3 voxels, the second behind the first along
-  // z, with the triangles that may be the nearest to the center of a voxel of the pair, within the
-  // reach. `low` is the first cell's lowest voxel, counted from the node's. reach_of(low, edge)
-  // gives the reach, in voxels, of the cell of `edge` voxels (16 or 4) at `low`, or kNoReach.
+  // Calls leaf(low, triangles, around) for cells of 4^3 voxels, with the triangles that may be the
+  // nearest to the center of one of its voxels, within the reach, and with all triangles whose
+  // boxes are within the reach of the center of a voxel of the cell of 16 around it. `low` is the
+  // cell's lowest voxel, counted from the node's. reach_of(low, edge) gives the reach, in voxels,
+  // of the cell of `edge` voxels (16, 8 or 4) at `low`, or kNoReach.
   template <class ReachOf, class Leaf>
   void run(const std::vector<PreparedTriangle>& near, const ReachOf& reach_of, const Leaf& leaf) {
     split_node(near, reach_of);
     for (std::size_t n = 0; n < kCubePoints; ++n) {
-      if (cells_[0][n].empty()) continue;
+      if (cells_[n].empty()) continue;
       const std::array<int, 3> low = child({0, 0, 0}, n, 16);
-      split_cell(cells_[0][n], low, reach_of);
-      for (std::size_t m = 0; m < kCubePoints; ++m) {
-        if (!cells_[1][m].empty()) leaf(child(low, m, 4), TriangleList(cells_[1][m]));
+      const TriangleList around(cells_[n]);
+      split_cell(around, low, 8, reach_of, eighths_[0]);
+      for (unsigned i = 0; i < kEighths; ++i) {
+        if (eighths_[0][i].empty()) continue;
+        const std::array<int, 3> of_8 = eighth_of(low, i, 8);
+        split_cell(eighths_[0][i], of_8, 4, reach_of, eighths_[1]);
+        for (unsigned j = 0; j < kEighths; ++j) {
+          if (eighths_[1][j].empty()) continue;
+          leaf(eighth_of(of_8, j, 4), TriangleList(eighths_[1][j]), around);
+        }
       }
     }
   }
@@ -97,6 +107,10 @@ class CellSearch {
   static std::array<int, 3> child(const std::array<int, 3>& low, std::size_t n, int edge) {
     const int i = static_cast<int>(n);
     return {low[0] + edge * (i >> 4), low[1] + edge * (i >> 2 & 3), low[2] + edge * (i & 3)};
+  }
+  static std::array<int, 3> eighth_of(const std::array<int, 3>& low, unsigned n, int edge) {
+    const int i = static_cast<int>(n);
+    return {low[0] + edge * (i >> 2), low[1] + edge * (i >> 1 & 1), low[2] + edge * (i & 1)};
   }
 
   // How far from a cell's middle a triangle may be within reach of a voxel center, lattice units.
@@ -130,7 +144,7 @@ class CellSearch {
   template <class ReachOf>
   void split_node(const std::vector<PreparedTriangle>& near, const ReachOf& reach_of) {
     constexpr int kManyCells = 8;
-    for (List& cell : cells_[0]) cell.clear();
+    for (List& cell : cells_) cell.clear();
     CubeValues limits;
     std::uint64_t open = 0;
     float most = 0;
@@ -146,33 +160,31 @@ class CellSearch {
       if (std::popcount(cells) > kManyCells) {
         large_.push_back(&triangle);
       } else {
-        add(&triangle, cells, cells_[0]);
+        add(&triangle, cells, cells_);
       }
     }
     CubeValues least;
     measure(large_, {0, 0, 0}, 16, least);
     bits_within(squared_.get(), large_.size(), limits, within_.get());
     for (std::size_t i = 0; i < large_.size(); ++i) {
-      add(large_[i], within_[i] & open & cells_beside(*large_[i], most), cells_[0]);
+      add(large_[i], within_[i] & open & cells_beside(*large_[i], most), cells_);
     }
   }
 
-  // Lists the triangles of the cells of 4 voxels in a cell of 16, by distance.
+  // Lists the triangles of the eighths, of `edge` voxels, of a cell.
   template <class ReachOf>
-  void split_cell(const List& triangles, const std::array<int, 3>& low, const ReachOf& reach_of) {
-    for (List& cell : cells_[1]) cell.clear();
-    CubeValues least;
-    measure(triangles, low, 4, least);
-    CubeValues limits;
-    for (std::size_t n = 0; n < kCubePoints; ++n) {
-      const float reach = reach_of(child(low, n, 4), 4);
-      const float limit = std::min(limit_of(reach, 4), std::sqrt(least[n]) + 2 * limit_of(0, 4));
-      limits[n] = reach < 0 ? -1.0f : limit * limit;
+  void split_cell(TriangleList triangles, const std::array<int, 3>& low, int edge,
+                  const ReachOf& reach_of, std::array<List, kEighths>& lists) {
+    std::array<float, kEighths> reach;
+    for (unsigned n = 0; n < kEighths; ++n) {
+      lists[n].clear();
+      reach[n] = reach_of(eighth_of(low, n, edge), edge) * kUnits;
     }
-    bits_within(squared_.get(), triangles.size(), limits, within_.get());
+    near_.find(triangles, low, edge, reach);
     for (std::size_t i = 0; i < triangles.size(); ++i) {
-      const std::uint64_t pairs = (within_[i] | within_[i] >> 1) & 0x5555555555555555u;
-      add(triangles[i], pairs, cells_[1]);
+      for (unsigned bits = near_.eighths(i); bits != 0; bits &= bits - 1) {
+        lists[static_cast<std::size_t>(std::countr_zero(bits))].push_back(triangles[i]);
+      }
     }
   }
 
@@ -197,7 +209,9 @@ class CellSearch {
     }
   }
 
-  std::array<std::array<List, kCubePoints>, 2> cells_;
+  std::array<List, kCubePoints> cells_;                // of 16 voxels
+  std::array<std::array<List, kEighths>, 2> eighths_;  // of 8 and of 4 voxels, of one cell each
+  NearEighths near_;
   List large_;
   // Results of measure(), [triangles], with room for room_ triangles. Not vectors: a vector would
   // zero its elements and copy them to grow, and the first touch of memory is the slowest.

@@ -1,0 +1,90 @@
+#!/usr/bin/env python3
+"""What the speed of bake and query must be, beside what it is, with the peers in the same run.
+
+Usage: speed_targets.py [--bin FOLDER] [--short] [--json FILE]
+
+Bakes the shared models (bake_bench --wide) and the generated bays: the default bake may take 2.5 times the processor
+time of --metric chebyshev, whole commands. vdb_tool, writing the same band, must take 40 times as long as the default
+bake from 512 voxels on, whole commands. Runs query_bench with a million points beside FCL.
+"""
+
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+import bench_scenes
+
+VOXEL_M = 0.005
+MOST_OVER_LEAN = 2.5
+LEAST_OVER_VDB_TOOL = 40
+POINTS = "1000000"
+# Median time of a frame over that of FCL's contacts, at most.
+MOST_OVER_FCL = {"corner": 0.8, "tight fit": 1.0}
+# The worst motion over brute force, at most.
+MOST_OVER_BRUTE_FORCE = {"tumbling": 1.2}
+
+
+def run(*command):
+    subprocess.run([str(word) for word in command], check=True)
+
+
+def model_rows(bin_folder, folder, short):
+    report = folder / "wide.json"
+    run(bin_folder / "bake_bench", "--wide", "--repeat", 2 if short else 5, "--voxels", 512,
+        *(() if short else (1024,)), "--json", report)
+    rows = []
+    for row in json.loads(report.read_text())["results"]:
+        kinds = row["kinds"]
+        lean, full = (kinds[kind]["command"] for kind in ("lean, chebyshev", "full"))
+        scene = f"{row['model']}, {row['voxels_across']} voxels"
+        rows.append((f"{scene}: processor time over lean", full["cpu_s"] / lean["cpu_s"], "<=", MOST_OVER_LEAN))
+        rows.append((f"{scene}: vdb_tool over default", row["vdb_tool"]["wall_s"] / full["wall_s"], ">=",
+                     LEAST_OVER_VDB_TOOL))
+    return rows
+
+
+def bay_rows(bin_folder, folder, short):
+    rows = []
+    for polygons in (593409,) if short else (593409, 10_500_000):
+        scene = bench_scenes.aircraft_scene(folder / f"bay_{polygons}", polygons)
+        voxel_m = VOXEL_M if polygons < 1e6 else 0.002
+        lean, full = (bench_scenes.bake(bin_folder, scene, voxel_m, folder / "bay.vox", 1 if short else 3, options)
+                      for options in (("--metric", "chebyshev"), ()))
+        rows.append((f"bay of {polygons} polygons: processor time over lean", full["cpu_s"] / lean["cpu_s"], "<=",
+                     MOST_OVER_LEAN))
+    return rows
+
+
+def query_rows(bin_folder, folder, short):
+    report = folder / "query.json"
+    motions = [*MOST_OVER_FCL, *MOST_OVER_BRUTE_FORCE, "wall"]
+    run(bin_folder / "query_bench", *(word for motion in motions for word in ("--motion", motion)), "--from", POINTS,
+        "--largest", POINTS, "--seconds", 0.5 if short else 5, "--our-seconds", 2 if short else 30, "--json", report)
+    rows = []
+    for row in json.loads(report.read_text())["results"]["rows"]:
+        p50 = {name: method["frame_ns"]["p50"] for name, method in row["methods"].items()}
+        ours, motion = p50["all skipping"], row["motion"]
+        for peer, most in (("FCL meshes, contacts", MOST_OVER_FCL.get(motion)),
+                           ("no skipping", MOST_OVER_BRUTE_FORCE.get(motion))):
+            if most is not None:
+                rows.append((f"{motion}, 10^6 points, {ours / 1e3:.0f} us: over {peer}", ours / p50[peer], "<=", most))
+    return rows
+
+
+def main():
+    arguments = bench_scenes.arguments(sys.modules[__name__], "speed_targets", bench_scenes.SHORT)
+    with tempfile.TemporaryDirectory() as name:
+        rows = [row for part in (model_rows, bay_rows, query_rows)
+                for row in part(arguments.bin, pathlib.Path(name), arguments.short)]
+    print(f"{'':62} {'measured':>9}  target")
+    for text, measured, relation, target in rows:
+        met = measured <= target if relation == "<=" else measured >= target
+        print(f"{text:62} {measured:9.2f}  {relation} {target}{'' if met else '   missed'}")
+    bench_scenes.write_report("speed_targets", [dict(zip(("what", "measured", "relation", "target"), row))
+                                                for row in rows], arguments.json)
+
+
+if __name__ == "__main__":
+    main()
