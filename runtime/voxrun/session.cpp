@@ -23,6 +23,7 @@
 #include "runtime/voxrun/device_choice.h"
 #include "runtime/voxrun/frame_sinks.h"
 #include "runtime/voxrun/report.h"
+#include "runtime/voxrun/scenes.h"
 #include "runtime/voxrun/trace_writer.h"
 #include "runtime/voxrun/verdict.h"
 
@@ -44,6 +45,7 @@ struct Session {
   std::unique_ptr<loop::InputSource> input;
   stream::ReplayInput* replay = nullptr;  // the input, where it is one
   std::optional<Run> run;
+  std::optional<Scenes> scenes;  // of the run
   State start;
 
   ~Session() {
@@ -129,6 +131,7 @@ Status prepare_run(const Options& options, Session& session) {
   auto run = open_run(std::move(*voxmap), std::move(*shell), session.request);
   if (!run) return run.error();
   session.run = std::move(*run);
+  session.scenes.emplace(*session.run, options.run.scene.string());
   warn(session.run->warnings(), session.facts.warnings);
   warn_of_missing_faces(options, *session.run, session.facts.warnings);
   if (session.recording) {
@@ -199,7 +202,7 @@ struct FrameOutputs {
       recording.emplace(std::move(*writer));
     }
     if (!options.trace.empty()) {
-      auto writer = TraceWriter::create(options.trace, session.run->simulation());
+      auto writer = TraceWriter::create(options.trace, *session.scenes);
       if (!writer) return writer.error();
       trace = std::move(*writer);
     }
@@ -290,15 +293,18 @@ FrameSink progress_sink(const loop::LoopOptions& loop, command::ProgressLine& li
 }
 
 Status run_frames(const Options& options, Session& session, std::atomic<int>& stop,
-                  loop::LoopStatistics& statistics) {
+                  std::atomic<int>& next_scene, loop::LoopStatistics& statistics) {
   FrameOutputs outputs;
   if (Status opened = outputs.open(options, session); !opened) return opened;
   const loop::LoopOptions loop = loop_options(options, session, stop);
   command::ProgressLine progress(options.quiet);
   auto sinks = outputs.sinks();
   OutputEvents events(session.clutch_buttons != 0);
-  sinks.push_back([&events](const Frame& frame) -> Status {
+  const machine::ReachBox reach = reach_of(options, session);
+  SceneChange change(options, session.request, reach, *session.scenes, next_scene);
+  sinks.push_back([&](const Frame& frame) -> Status {
     events.see(frame);
+    for (const std::string& event : change.see(frame)) events.add(frame.time_s, event, true);
     return {};
   });
   sinks.push_back(progress_sink(loop, progress));
@@ -308,7 +314,7 @@ Status run_frames(const Options& options, Session& session, std::atomic<int>& st
   model::Simulation& simulation = session.run->simulation();
   const Voxmap& voxmap = simulation.voxmap();
   session.facts.scene_file_bytes = voxmap.bytes().size();
-  session.facts.prefaulted_bytes = machine::prefault(voxmap, reach_of(options, session));
+  session.facts.prefaulted_bytes = machine::prefault(voxmap, reach);
   const std::size_t warned = session.facts.warnings.size();
   // Once every other thread runs: the stack of a later one would count as locked, and may be
   // refused.
@@ -328,11 +334,15 @@ Status run_frames(const Options& options, Session& session, std::atomic<int>& st
   limits.rearm_alone = session.after_trip == AfterTrip::kRearm;
   loop::Servo servo(simulation, *session.input, session.start, limits);
   servo.set_clutch_buttons(session.clutch_buttons);
+  change.begin(servo);
   const long long begin_ns = machine::monotonic_ns();
   loop::run_loop(servo, loop, &ring, statistics);
   session.facts.steal_s = machine::steal_seconds() - stolen_s;
   session.facts.wall_s = static_cast<double>(machine::monotonic_ns() - begin_ns) / 1e9;
-  session.facts.resident_bytes = machine::resident_bytes(voxmap.bytes());
+  change.finish();
+  const Voxmap& last = change.map() != nullptr ? *change.map() : voxmap;
+  session.facts.scene_file_bytes = last.bytes().size();
+  session.facts.resident_bytes = machine::resident_bytes(last.bytes());
   if (session.device.device) session.device.device->stop();
   if (Status drained = frame_sinks.finish(); !drained) return drained;
   session.facts.output_trips = servo.output().trips();
@@ -349,28 +359,28 @@ Status run_frames(const Options& options, Session& session, std::atomic<int>& st
 
 }  // namespace
 
-Status run_session(const Options& options, std::atomic<int>& stop) {
+Status run_session(const Options& options, std::atomic<int>& stop, std::atomic<int>& next_scene) {
   Session session(options);
   machine::contain_map_loss();
   if (Status s = prepare_run(options, session); !s) return s;
-  if (!options.quiet) std::cout << start_text(*session.run, session.facts) << std::flush;
+  if (!options.quiet) std::cout << start_text(*session.scenes, session.facts) << std::flush;
   print_warnings(session.facts, 0);
   const auto statistics = std::make_unique<loop::LoopStatistics>();
-  if (Status s = run_frames(options, session, stop, *statistics); !s) return s;
+  if (Status s = run_frames(options, session, stop, next_scene, *statistics); !s) return s;
   if (!options.quiet) {
-    std::cout << end_text(*session.run, session.facts, *statistics)
-              << verdict_text(*session.run, *statistics) << std::flush;
+    std::cout << end_text(*session.scenes, session.facts, *statistics)
+              << verdict_text(*session.scenes, *statistics) << std::flush;
   }
   if (!options.json.empty()) {
     if (Status s = command::write_report(options.json,
-                                         report_json(*session.run, session.facts, *statistics));
+                                         report_json(*session.scenes, session.facts, *statistics));
         !s) {
       return s;
     }
   }
   if (Status sound = check_output(session.facts); !sound) return sound;
   if (Status repeated = check_replay(session); !repeated) return repeated;
-  return check_verdict(options, *session.run, *statistics);
+  return check_verdict(options, *session.scenes, *statistics);
 }
 
 }  // namespace forcelayer::voxrun
