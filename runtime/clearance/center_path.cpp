@@ -31,16 +31,19 @@ CenterPath::CenterPath(std::span<const PathRow> rows, const Pshell& shell)
     double travel_m = 0;
     if (!world_from_center_.empty()) {
       const Pose& before = world_from_center_.back();
-      const double turn_rad = glm::length(turn_between(before, center));
-      turn_rad_.push_back(turn_rad);
-      travel_m = travel_m_.back() + kRoundUp * (glm::length(center.position_m - before.position_m) +
-                                                radius_m_ * turn_rad);
+      turn_rad_.push_back(glm::length(turn_between(before, center)));
+      travel_m = travel_m_.back() + travel_between_m(before, center);
     }
     time_s_.push_back(row.time_s);
     travel_m_.push_back(travel_m);
     world_from_center_.push_back(center);
   }
   turn_rad_.push_back(0);
+}
+
+double CenterPath::travel_between_m(const Pose& from, const Pose& to) const {
+  return kRoundUp * (glm::length(to.position_m - from.position_m) +
+                     radius_m_ * glm::length(turn_between(from, to)));
 }
 
 double CenterPath::time_s(const Moment& m) const {

@@ -30,6 +30,9 @@ class CenterPath {
   // What no point of the shell has travelled more than since the first pose, along its arcs, m.
   double travel_m(const Moment& moment) const;
 
+  // What no point of the shell would travel more than from one pose to another, m.
+  double travel_between_m(const Pose& from, const Pose& to) const;
+
   // The first pose, of those from `first` to `last`, before which no point has travelled more than
   // `travel_m`; `last` where there is none.
   std::size_t pose_beyond(double travel_m, std::size_t first, std::size_t last) const;

@@ -17,7 +17,8 @@ namespace {
 constexpr std::size_t kShares = 64;          // of a path; whatever the threads
 constexpr std::size_t kFirstMoments = 1024;  // for a first idea of the least distance
 constexpr double kMeasuredBeyond = 2;        // voxels above what is required
-constexpr double kMostCapVoxels = 160;       // that a search is made for
+constexpr double kSeatVoxels = 2;       // of travel from the seat: an end of a path there is in it
+constexpr double kMostCapVoxels = 160;  // that a search is made for
 
 // Calls work(thread, task) for each task, each from one of the threads.
 void share_out(unsigned threads, std::size_t tasks,
@@ -215,14 +216,25 @@ bool is_same(const Moment& a, const Moment& b) { return a.pose == b.pose && a.sh
 // part is in its seat.
 class PathParts {
  public:
-  PathParts(const Check& check, const CenterPath& path, const CheckRequest& request)
-      : check_(check), path_(path), request_(request), to_{path.poses() - 1, 0} {
+  PathParts(const Check& check, const CenterPath& path, const CheckRequest& request,
+            double voxel_size_m)
+      : check_(check),
+        path_(path),
+        request_(request),
+        seat_reach_m_(kSeatVoxels * voxel_size_m),
+        to_{path.poses() - 1, 0} {
     middle_ = check.walk(request.allowed, from_, to_);
   }
 
-  // Takes from both ends all that is too near, until the part has left its seat.
-  void leave_seat() {
-    while (!middle_.pieces.empty()) {
+  // Takes from those ends of the path that lie in the seat all that is too near, until the part has
+  // left it.
+  void leave_seat(const Pose& world_from_center_in_seat) {
+    const auto is_seated = [&](const Moment& moment) {
+      return path_.travel_between_m(world_from_center_in_seat, path_.world_from_center(moment)) <
+             seat_reach_m_;
+    };
+    const bool begins = is_seated(from_), ends = is_seated(to_);
+    while (!middle_.pieces.empty() && (begins || ends)) {
       const auto far = [](const Piece& piece) { return !piece.too_near; };
       const auto first = std::find_if(middle_.pieces.begin(), middle_.pieces.end(), far);
       const auto last = std::find_if(middle_.pieces.rbegin(), middle_.pieces.rend(), far);
@@ -231,9 +243,11 @@ class PathParts {
         middle_ = {};
         return;
       }
-      if (first == middle_.pieces.begin() && last == middle_.pieces.rbegin()) return;
-      from_ = first->from;
-      to_ = last->to;
+      const bool leaves = begins && first != middle_.pieces.begin();
+      const bool returns = ends && last != middle_.pieces.rbegin();
+      if (!leaves && !returns) return;
+      if (leaves) from_ = first->from;
+      if (returns) to_ = last->to;
       middle_ = check_.walk(request_.allowed, from_, to_);
     }
   }
@@ -288,6 +302,7 @@ class PathParts {
   const Check& check_;
   const CenterPath& path_;
   const CheckRequest& request_;
+  double seat_reach_m_;
   Moment from_, to_;
   Check::Walked middle_;
   double least_voxels_ = std::numeric_limits<double>::infinity();
@@ -307,16 +322,17 @@ Result<CheckResult> check_path(const Voxmap& voxmap, const Pshell& shell, const 
   if (Status sound = check_request(voxmap, check, request); !sound) return sound.error();
   std::optional<SeatStretch> seat;
   CheckResult result;
+  Pose in_seat;
   if (request.world_from_seat) {
     const auto& c = shell.header().center_m;
-    auto found = SeatStretch::find(
-        voxmap, shell, *request.world_from_seat * Pose{glm::dvec3(c[0], c[1], c[2]), {1, 0, 0, 0}});
+    in_seat = *request.world_from_seat * Pose{glm::dvec3(c[0], c[1], c[2]), {1, 0, 0, 0}};
+    auto found = SeatStretch::find(voxmap, shell, in_seat);
     if (!found) return found.error();
     seat.emplace(std::move(*found));
     for (const auto& object : seat->objects()) result.seat_objects.push_back(object.object);
   }
-  PathParts parts(check, path, request);
-  if (seat) parts.leave_seat();
+  PathParts parts(check, path, request, voxmap.voxel_size_m());
+  if (seat) parts.leave_seat(in_seat);
   result.poses = path.poses();
   parts.add_to(result, seat ? &*seat : nullptr);
   return result;

@@ -1,12 +1,13 @@
 #include "runtime/clearance/seat_stretch.h"
 
-#include <algorithm>
-
 #include "runtime/field/field_probe.h"
 
 namespace forcelayer::clearance {
+namespace {
 
 constexpr double kStepVoxels = 0.5;
+
+}  // namespace
 
 struct SeatStretch::Parts {
   Parts(const Voxmap& voxmap, const Pshell& shell, std::unique_ptr<field::ForceField> force_field)

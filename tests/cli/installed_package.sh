@@ -32,14 +32,16 @@ if ! diff <(echo "$headers") <(sort <<<"$expected"); then
   exit 1
 fi
 
-# What voxrun loads: libc and its parts, Highway, hidapi and what that needs, nothing else; small.
+# What voxrun and voxcheck load: libc and its parts, Highway, hidapi and what that needs, nothing else; small.
 if [ "$(cache_entry CMAKE_BUILD_TYPE)" = Release ]; then
   allowed='^(linux-vdso|ld-linux-.*|libc|libm|libstdc\+\+|libgcc_s|libhwy|libhidapi-hidraw|libudev)$'
-  if ldd "$scratch/prefix/bin/voxrun" | sed 's/^[[:space:]]*//; s/ .*//; s|.*/||; s/\.so.*//' |
-    grep -vE "$allowed"; then
-    echo "FAILED: the installed voxrun loads that" >&2
-    exit 1
-  fi
+  for command in voxrun voxcheck; do
+    if ldd "$scratch/prefix/bin/$command" | sed 's/^[[:space:]]*//; s/ .*//; s|.*/||; s/\.so.*//' |
+      grep -vE "$allowed"; then
+      echo "FAILED: the installed $command loads that" >&2
+      exit 1
+    fi
+  done
   strip -o "$scratch/voxrun" "$scratch/prefix/bin/voxrun"
   bytes=$(stat -c %s "$scratch/voxrun")
   echo "voxrun: $bytes bytes stripped"

@@ -83,6 +83,10 @@ says '^seated on Gearbox/Housing from 0\.[0-9]{3} to 1\.000 s; else clear'
 check 0 opened.vox cover.pshell out.csv --clearance 1mm --allow Housing
 check 0 opened.vox cover.pshell out.csv --clearance 1mm --allow 'Gear*/Ho?sing' --threads 1
 check 6 opened.vox cover.pshell through.csv --clearance 1mm --seat 0,0,0m
+# What ends near the seat's object elsewhere is not in the seat.
+printf 't_s,x_m,y_m,z_m\n0,0,0,0\n1,0,0,0.06\n2,0.03,0,0.005\n' >elsewhere.csv
+check 6 opened.vox cover.pshell elsewhere.csv --clearance 5.5mm --seat 0,0,0m --allow 'Clip/*' --allow Pin --json elsewhere.json
+grep -q '"object": "Gearbox/Housing"' elsewhere.json || fail "the seat's object is let off elsewhere"
 # Pushed into its seat it is not clear.
 printf 't_s,x_m,y_m,z_m\n0,0,0,0\n1,0,0,-0.003\n2,0,0,0.06\n' >pushed.csv
 check 6 opened.vox cover.pshell pushed.csv --clearance 1mm --seat 0,0,0m

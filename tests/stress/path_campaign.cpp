@@ -87,6 +87,7 @@ class Campaign {
     const double s = scene_.voxel_size_m, time_s = path.time_s(moment);
     JudgedMoment m;
     m.exact = exact;
+    m.premise_failed = scene_.roi_m.has_value();
     m.along = INFINITY;
     for (const auto& piece : result.curve) {
       if (piece.from_s <= time_s && time_s <= piece.to_s) {
@@ -98,7 +99,6 @@ class Campaign {
       const CenterPath alone({{row_of(0, part)}}, shell_);
       const CheckResult of_it = checked(alone, std::clamp(exact, 1.0, 14.0) * s);
       m.alone = of_it.clearance_m / s;
-      m.premise_failed = of_it.least.beyond_side;
     }
     judged.moments.push_back(m);
   }

@@ -13,7 +13,7 @@ struct JudgedMoment {
   double exact = 0;             // between the meshes
   double along = 0;             // proven for the piece of the path around it
   double alone = -1;            // proven for it alone; negative where that was not asked for
-  bool premise_failed = false;  // a point at a cropped side or beyond it
+  bool premise_failed = false;  // the scene is cropped: nothing is proven beyond its sides
   bool too_much() const { return along > exact + 1e-6 || alone > exact + 1e-6; }
 };
 

@@ -1,12 +1,21 @@
-// A motion file of the simulated hand.
+// A path: of the simulated hand, and of the part.
 #include <cmath>
 
+#include "formats/path/path_edit.h"
 #include "runtime/devices/motion_script.h"
 #include "tests/fuzz/fuzz_target.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace forcelayer;
   const fuzz::MemoryFile file(fuzz::bytes_of(data, size));
+  const auto path = read_path(file.path(), PathOf::kPart);
+  fuzz::require(path.ok() || !path.error().what.empty(), "an error says what is wrong");
+  if (path) {
+    const auto facts = path_facts(*path);
+    fuzz::require(facts.poses > 0 && facts.end_s >= facts.begin_s,
+                  "a path has poses, and they ascend");
+    fuzz::require(reversed(*path).size() == path->size(), "a reversed path has the same poses");
+  }
   const auto script = devices::MotionScript::read(file.path());
   if (!script) {
     fuzz::require(!script.error().what.empty(), "an error says what is wrong");
