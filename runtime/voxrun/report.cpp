@@ -7,14 +7,16 @@
 
 #include "formats/command/command.h"
 #include "formats/command/provenance.h"
+#include "formats/command/text.h"
 #include "runtime/model/simulation.h"
 #include "runtime/query/query_kernel.h"
 #include "runtime/run/limits.h"
-#include "runtime/voxrun/text.h"
 #include "runtime/voxrun/verdict.h"
 
 namespace forcelayer::voxrun {
 namespace {
+
+using command::text;
 
 using Json = nlohmann::ordered_json;
 
@@ -29,10 +31,12 @@ Json number(const std::optional<double>& value) {
 }
 
 Json percentiles(const loop::DurationHistogram& h) {
-  return {{"p50", h.quantile_ns(0.5)},
-          {"p99", h.quantile_ns(0.99)},
-          {"p999", h.quantile_ns(0.999)},
-          {"max", h.max_ns()}};
+  Json json;
+  json["p50"] = h.quantile_ns(0.5);
+  json["p99"] = h.quantile_ns(0.99);
+  json["p999"] = h.quantile_ns(0.999);
+  json["max"] = h.max_ns();
+  return json;
 }
 
 Json parameters_json(const Parameters& p) {
@@ -67,27 +71,36 @@ Json capabilities_json(const DeviceCapabilities& c) {
     return json;
   };
   const auto declared = [](double value) { return value > 0 ? Json(value) : Json(nullptr); };
-  return {{"name", c.name},
-          {"sensed_axes", axes(c.sensed_axes)},
-          {"actuated_axes", axes(c.actuated_axes)},
-          {"max_force_n", drives_force(c) ? c.max_force_n : 0},
-          {"max_torque_nm", drives_torque(c) ? c.max_torque_nm : 0},
-          {"max_stiffness_n_per_m", declared(c.max_stiffness_n_per_m)},
-          {"max_stiffness_nm_per_rad", declared(c.max_stiffness_nm_per_rad)},
-          {"damping_ns_per_m", c.damping_ns_per_m},
-          {"damping_nms_per_rad", c.damping_nms_per_rad},
-          {"friction_n", declared(c.friction_n)},
-          {"friction_nm", declared(c.friction_nm)},
-          {"encoder_step_m", declared(c.encoder_step_m)},
-          {"encoder_step_rad", declared(c.encoder_step_rad)},
-          {"apparent_mass_kg", declared(c.apparent_mass_kg)},
-          {"apparent_inertia_kgm2", declared(c.apparent_inertia_kgm2)},
-          {"delay_s", c.delay_s},
-          {"workspace_radius_m", declared(c.workspace_radius_m)},
-          {"rate_hz", declared(c.rate_hz)},
-          {"senses_velocity", c.senses_velocity},
-          {"watchdog_s", declared(c.watchdog_s)},
-          {"hardware", c.hardware}};
+  Json json;  // assignments: lists in braces compile to several times as much
+  json["name"] = c.name;
+  json["sensed_axes"] = axes(c.sensed_axes);
+  json["actuated_axes"] = axes(c.actuated_axes);
+  json["max_force_n"] = drives_force(c) ? c.max_force_n : 0.0;
+  json["max_torque_nm"] = drives_torque(c) ? c.max_torque_nm : 0.0;
+  const struct {
+    const char* name;
+    double value;
+    bool told;  // null where it is 0
+  } figures[] = {{"max_stiffness_n_per_m", c.max_stiffness_n_per_m, true},
+                 {"max_stiffness_nm_per_rad", c.max_stiffness_nm_per_rad, true},
+                 {"damping_ns_per_m", c.damping_ns_per_m, false},
+                 {"damping_nms_per_rad", c.damping_nms_per_rad, false},
+                 {"friction_n", c.friction_n, true},
+                 {"friction_nm", c.friction_nm, true},
+                 {"encoder_step_m", c.encoder_step_m, true},
+                 {"encoder_step_rad", c.encoder_step_rad, true},
+                 {"apparent_mass_kg", c.apparent_mass_kg, true},
+                 {"apparent_inertia_kgm2", c.apparent_inertia_kgm2, true},
+                 {"delay_s", c.delay_s, false},
+                 {"workspace_radius_m", c.workspace_radius_m, true},
+                 {"rate_hz", c.rate_hz, true}};
+  for (const auto& figure : figures) {
+    json[figure.name] = figure.told ? declared(figure.value) : Json(figure.value);
+  }
+  json["senses_velocity"] = c.senses_velocity;
+  json["watchdog_s"] = declared(c.watchdog_s);
+  json["hardware"] = c.hardware;
+  return json;
 }
 
 std::string capabilities_text(const DeviceCapabilities& c) {
@@ -134,17 +147,18 @@ Json worst_json(const loop::LoopStatistics& s) {
             [](const auto& a, const auto& b) { return a.late_ns > b.late_ns; });
   Json json = Json::array();
   for (const loop::MissedFrame& f : frames) {
-    json.push_back({{"frame", f.frame},
-                    {"cause", to_text(f.cause)},
-                    {"late_ns", f.late_ns},
-                    {"woke_late_ns", f.cost.woke_late_ns},
-                    {"tick_ns", f.cost.tick_ns},
-                    {"step_ns", f.step_ns},
-                    {"cpu_ns", f.cost.cpu_ns},
-                    {"minor_faults", f.cost.minor_faults},
-                    {"major_faults", f.cost.major_faults},
-                    {"voluntary_switches", f.cost.voluntary_switches},
-                    {"involuntary_switches", f.cost.involuntary_switches}});
+    Json& one = json.emplace_back();
+    one["frame"] = f.frame;
+    one["cause"] = to_text(f.cause);
+    one["late_ns"] = f.late_ns;
+    one["woke_late_ns"] = f.cost.woke_late_ns;
+    one["tick_ns"] = f.cost.tick_ns;
+    one["step_ns"] = f.step_ns;
+    one["cpu_ns"] = f.cost.cpu_ns;
+    one["minor_faults"] = f.cost.minor_faults;
+    one["major_faults"] = f.cost.major_faults;
+    one["voluntary_switches"] = f.cost.voluntary_switches;
+    one["involuntary_switches"] = f.cost.involuntary_switches;
   }
   return json;
 }
@@ -188,85 +202,109 @@ void add_output(const RunFacts& facts, const loop::LoopStatistics& s, Json& json
 }
 
 // Null where nothing is known by a name.
-Json object_json(const Run& run, std::uint32_t object) {
-  return object == 0 ? Json(nullptr) : Json(object_text(run, object));
+Json object_json(const Scenes& scenes, std::uint32_t object) {
+  return object == 0 ? Json(nullptr) : Json(scenes.object_text(object));
 }
 
-Json clearance_json(const Run& run, const loop::LoopStatistics& s) {
+Json clearance_json(const Scenes& scenes, const loop::LoopStatistics& s) {
   const auto& least = s.least_clearance;
   if (least.kind == ClearanceKind::kNone) return nullptr;
   Json json = {{"clearance_m", least.clearance_m},
                {"t_s", least.time_s},
                {"at_least", least.kind == ClearanceKind::kAtLeast},
-               {"object", object_json(run, least.object)}};
+               {"object", object_json(scenes, least.object)}};
   if (least.kind == ClearanceKind::kProven) {
     json["point_m"] = {least.point_m.x, least.point_m.y, least.point_m.z};
   }
   return json;
 }
 
-// The objects that were touched, the one with the largest force first.
-std::vector<loop::TouchedTotal> by_force(const loop::LoopStatistics& s) {
-  const auto seen = s.touched.totals();
-  std::vector<loop::TouchedTotal> totals(seen.begin(), seen.end());
+// The objects that were touched, the one with the largest force first. One that has a name in
+// several scenes is one object.
+std::vector<loop::TouchedTotal> by_force(const Scenes& scenes, const loop::LoopStatistics& s) {
+  std::vector<loop::TouchedTotal> totals;
+  for (const loop::TouchedTotal& seen : s.touched.totals()) {
+    const std::string name = scenes.object_name(seen.object);
+    const auto same = std::find_if(totals.begin(), totals.end(), [&](const auto& total) {
+      return !name.empty() && scenes.object_name(total.object) == name;
+    });
+    if (same == totals.end()) {
+      totals.push_back(seen);
+      continue;
+    }
+    same->frames += seen.frames;
+    same->max_force_n = std::max(same->max_force_n, seen.max_force_n);
+  }
   std::sort(totals.begin(), totals.end(),
             [](const auto& a, const auto& b) { return a.max_force_n > b.max_force_n; });
   return totals;
 }
 
-double seconds_of(const Run& run, const loop::TouchedTotal& total) {
-  return static_cast<double>(total.frames) / run.parameters().rate_hz;
+// The scenes in their order; null: no separation is guaranteed.
+Json scenes_json(const Scenes& scenes) {
+  Json json = Json::array();
+  for (const UsedScene& scene : scenes.list()) {
+    json.push_back({{"scene", scene.path},
+                    {"from_s", scene.from_s},
+                    {"guaranteed_separation_m", number(scene.guarantee.tested_m)},
+                    {"guaranteed_swept_separation_m", number(scene.guarantee.swept_m)}});
+  }
+  return json;
 }
 
-void add_objects(const Run& run, const loop::LoopStatistics& s, Json& json) {
+double seconds_of(const Scenes& scenes, const loop::TouchedTotal& total) {
+  return static_cast<double>(total.frames) / scenes.parameters().rate_hz;
+}
+
+void add_objects(const Scenes& scenes, const loop::LoopStatistics& s, Json& json) {
   json["seated_frames"] = s.seated_frames;
   json["guarantee_from_s"] = number(s.guarantee_from_s);
   Json& seat = json["seat"] = Json::array();
-  for (const auto& of_seat : run.simulation().seat()) {
+  for (const auto& of_seat : scenes.seat()) {
     Json& entry = seat.emplace_back();
-    entry["object"] = object_json(run, of_seat.object);
+    entry["object"] = object_json(scenes, of_seat.object);
     entry["overlap_m"] = of_seat.overlap_m + 0.0;  // no "-0.0"
     entry["points"] = of_seat.points;
   }
   Json& touched = json["touched_objects"] = Json::array();
-  for (const loop::TouchedTotal& total : by_force(s)) {
+  for (const loop::TouchedTotal& total : by_force(scenes, s)) {
     Json& entry = touched.emplace_back();
-    entry["name"] = object_text(run, total.object);
-    entry["seconds"] = seconds_of(run, total);
+    entry["name"] = scenes.object_text(total.object);
+    entry["seconds"] = seconds_of(scenes, total);
     entry["max_force_n"] = total.max_force_n;
   }
 }
 
 // "touched A (0.3 s, up to 2 N), B (...)", the strongest first; nothing where none was named.
-std::string touched_text(const Run& run, const loop::LoopStatistics& s) {
+std::string touched_text(const Scenes& scenes, const loop::LoopStatistics& s) {
   constexpr std::size_t kNamed = 8;
-  const auto totals = by_force(s);
+  const auto totals = by_force(scenes, s);
   if (totals.empty()) return "";
   std::string line;
   for (std::size_t i = 0; i < totals.size() && i < kNamed; ++i) {
     line += text("%s%s (%.3f s, up to %.3g N)", i == 0 ? "touched " : ", ",
-                 escaped(object_text(run, totals[i].object)).c_str(), seconds_of(run, totals[i]),
-                 totals[i].max_force_n);
+                 escaped(scenes.object_text(totals[i].object)).c_str(),
+                 seconds_of(scenes, totals[i]), totals[i].max_force_n);
   }
   if (totals.size() > kNamed) line += text(" and %zu more", totals.size() - kNamed);
   return line + "\n";
 }
 
 // What the part is seated on, and how deep where that is no rounding; nothing without a seat.
-std::string seated_text(const Run& run, const RunFacts& facts) {
-  if (run.simulation().seat().empty()) return "";
+std::string seated_text(const Scenes& scenes, const RunFacts& facts) {
+  if (scenes.seat().empty()) return "";
   return text(
       "%s%s\n",
       facts.options.start.world_from_seat ? "the part's seat is on " : "the part is seated on ",
-      seat_text(run, 0.1 * run.parameters().voxel_size_m).c_str());
+      seat_text(scenes, 0.1 * scenes.parameters().voxel_size_m).c_str());
 }
 
 }  // namespace
 
-std::string start_text(const Run& run, const RunFacts& facts) {
-  const VoxmapHeader& map = run.simulation().voxmap().header();
-  const PshellHeader& shell = run.simulation().shell().header();
-  const Parameters& p = run.parameters();
+std::string start_text(const Scenes& scenes, const RunFacts& facts) {
+  const VoxmapHeader& map = scenes.first().simulation().voxmap().header();
+  const PshellHeader& shell = scenes.first().simulation().shell().header();
+  const Parameters& p = scenes.parameters();
   const std::string begin = has_standoff(map) ? text("standoff %.4g mm", map.zero_force_m * 1000)
                                               : text("%u offset layers", map.offset_layers);
   return text("scene: voxels of %.4g mm, %s, %llu force-layer voxels\n", map.voxel_size_m * 1000,
@@ -279,14 +317,13 @@ std::string start_text(const Run& run, const RunFacts& facts) {
               p.rate_hz, facts.device.c_str(), p.coupling_n_per_m, p.field_n_per_m,
               p.mass_kg * 1000) +
          (facts.capabilities ? capabilities_text(*facts.capabilities) : std::string()) +
-         seated_text(run, facts) +
-         (run.simulation().seat().empty()
-              ? "guaranteed separation: "
-              : "guaranteed separation, once the part has left its seat: ") +
-         guarantee_text(run.guarantee()) + "\n";
+         seated_text(scenes, facts) +
+         (scenes.seat().empty() ? "guaranteed separation: "
+                                : "guaranteed separation, once the part has left its seat: ") +
+         guarantee_text(scenes.guarantee()) + "\n";
 }
 
-std::string end_text(const Run& run, const RunFacts& facts, const loop::LoopStatistics& s) {
+std::string end_text(const Scenes& scenes, const RunFacts& facts, const loop::LoopStatistics& s) {
   const auto ratio = penetration_ratio(s);
   const auto us = [](std::uint64_t ns) { return static_cast<double>(ns) / 1000; };
   std::string lines =
@@ -312,7 +349,7 @@ std::string end_text(const Run& run, const RunFacts& facts, const loop::LoopStat
                   us(s.wakeup.quantile_ns(0.99)), us(s.wakeup.max_ns()));
     if (s.deadline_misses > 0) lines += misses_text(s);
   }
-  lines += touched_text(run, s);
+  lines += touched_text(scenes, s);
   if (facts.output_trips > 0) {
     lines += text("output tripped %llu times, last: %s\n",
                   static_cast<unsigned long long>(facts.output_trips), to_text(facts.last_trip));
@@ -320,35 +357,37 @@ std::string end_text(const Run& run, const RunFacts& facts, const loop::LoopStat
   return lines;
 }
 
-Json report_json(const Run& run, const RunFacts& facts, const loop::LoopStatistics& s) {
+Json report_json(const Scenes& scenes, const RunFacts& facts, const loop::LoopStatistics& s) {
   Json json;
   json["version"] = command::kVersion;
   json["scene"] = facts.options.run.scene.string();
+  json["scenes"] = scenes_json(scenes);
   json["part"] = facts.options.run.part.string();
   json["device"] = facts.device;
   json["device_capabilities"] =
       facts.capabilities ? capabilities_json(*facts.capabilities) : Json(nullptr);
-  json["model"] = to_text(run.parameters().model);
-  json["force"] = to_text(run.parameters().force);
+  json["model"] = to_text(scenes.parameters().model);
+  json["force"] = to_text(scenes.parameters().force);
   json["frames"] = s.frames;
   json["force_layer_frames"] = s.force_layer_frames;
   json["penetration_frames"] = s.penetration_frames;
-  json["verdict"] = verdict_word(run, s);
+  json["verdict"] = verdict_word(scenes, s);
   json["penetration_ratio"] = number(penetration_ratio(s));
   json["contact_frames"] = s.contact_frames;
   json["guard_cuts"] = s.guard_cuts;
   json["barred_frames"] = s.barred_frames;
-  json["least_clearance"] = clearance_json(run, s);
+  json["least_clearance"] = clearance_json(scenes, s);
   json["unproven_frames"] = s.unproven_frames;
   json["outside_map_frames"] = s.outside_map_frames;
-  add_objects(run, s, json);
+  add_objects(scenes, s, json);
   json["saturated_frames"] = s.saturated_frames;
   json["faulty_frames"] = s.faulty_frames;
-  json["guaranteed_separation_m"] = number(run.guarantee().tested_m);
-  json["guaranteed_swept_separation_m"] = number(run.guarantee().swept_m);
-  json["missing_faces"] = command::missing_faces_in(run.simulation().voxmap().provenance()) +
-                          command::missing_faces_in(run.simulation().shell().provenance());
-  json["pose_error_m"] = run.simulation().query().rounding_bound_m();
+  json["guaranteed_separation_m"] = number(scenes.guarantee().tested_m);
+  json["guaranteed_swept_separation_m"] = number(scenes.guarantee().swept_m);
+  json["missing_faces"] =
+      command::missing_faces_in(scenes.first().simulation().voxmap().provenance()) +
+      command::missing_faces_in(scenes.first().simulation().shell().provenance());
+  json["pose_error_m"] = scenes.first().simulation().query().rounding_bound_m();
   json["step_ns"] = percentiles(s.step);
   json["threads"] = facts.options.run.threads;
   json["instruction_set"] = query::kernel_target();
@@ -366,8 +405,8 @@ Json report_json(const Run& run, const RunFacts& facts, const loop::LoopStatisti
   json["scene_file_bytes"] = facts.scene_file_bytes;
   json["scene_prefaulted_bytes"] = facts.prefaulted_bytes;
   json["scene_resident_bytes"] = facts.resident_bytes;
-  json["parameters"] = parameters_json(run.parameters());
-  json["parameter_reasons"] = run.reasons();
+  json["parameters"] = parameters_json(scenes.parameters());
+  json["parameter_reasons"] = scenes.first().reasons();
   json["warnings"] = facts.warnings;
   return json;
 }
