@@ -79,6 +79,21 @@ class HelpFormatter : public CLI::Formatter {
   std::string make_description(const CLI::App* app) const override {
     return wrapped(app->get_description(), kHelpColumns, 0) + "\n";
   }
+  std::string make_footer(const CLI::App* app) const override {
+    std::string text, footer = app->get_footer();
+    for (std::string_view rest = footer; !rest.empty();) {
+      const std::size_t end = std::min(rest.find('\n'), rest.size());
+      const std::string_view line = rest.substr(0, end);
+      const std::size_t indent = std::min(line.find_first_not_of(' '), line.size());
+      text += std::string(line.substr(0, indent)) +
+              (line.size() > kHelpColumns
+                   ? wrapped(line.substr(indent), kHelpColumns - indent, indent + 2)
+                   : std::string(line.substr(indent))) +
+              '\n';
+      rest.remove_prefix(std::min(end + 1, rest.size()));
+    }
+    return text;
+  }
   std::string make_usage(const CLI::App* app, std::string name) const override {
     const std::string usage = CLI::Formatter::make_usage(app, std::move(name));
     constexpr std::string_view kTitle = "Usage:";

@@ -21,22 +21,19 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Kind {
-  const char* name;                       // "a voxmap"
-  const char* ending;                     // the usual one, for the mend
-  std::string_view magic;                 // the first bytes; empty for text
-  std::vector<std::string_view> endings;  // of this kind, in lower case
+  const char* name;         // "a voxmap"
+  std::string_view ending;  // in lower case; empty: any, which says what it is
+  std::string_view magic;   // the first bytes; empty for text
 };
 
 const Kind& kind_of(FileKind kind) {
-  static const std::array<Kind, 7> kKinds = {{
-      {"a voxmap", ".vox", "\211FLV", {".vox"}},
-      {"a point shell", ".pshell", "\211FLP", {".pshell"}},
-      {"a report", ".json", "", {".json"}},
-      {"a table", ".csv", "", {".csv"}},
-      {"a recording", ".flr", "\211FLR", {".flr"}},
-      {"a picture", ".png", "\211PNG", {".png"}},
-      {"an export", "", "", {}},  // whose ending says what it is
-  }};
+  static constexpr Kind kKinds[] = {{"a voxmap", ".vox", "\211FLV"},
+                                    {"a point shell", ".pshell", "\211FLP"},
+                                    {"a report", ".json", ""},
+                                    {"a table", ".csv", ""},
+                                    {"a recording", ".flr", "\211FLR"},
+                                    {"a picture", ".png", "\211PNG"},
+                                    {"an export", "", ""}};
   return kKinds[static_cast<std::size_t>(kind)];
 }
 
@@ -85,10 +82,10 @@ std::string beginning_of(const std::string& path) {
 Status check_ending(const OutputFile& output) {
   const Kind& kind = kind_of(output.kind);
   const std::string ending = ending_of(*output.path);
-  if (kind.endings.empty() || contains(kind.endings, ending)) return {};
+  if (kind.ending.empty() || kind.ending == ending) return {};
   if (!contains(kKnownEndings, ending)) return {};
   return refuse(output, std::string(kind.name) + " is not called " + ending,
-                std::string("choose a name that ends in ") + kind.ending);
+                "choose a name that ends in " + std::string(kind.ending));
 }
 
 Status check_replaced(const OutputFile& output) {

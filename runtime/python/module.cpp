@@ -4,8 +4,12 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include <algorithm>
+#include <cmath>
 #include <glm/geometric.hpp>
 
+#include "formats/path/path_file.h"
+#include "runtime/clearance/path_check.h"
 #include "runtime/run/baked_files.h"
 
 namespace forcelayer::python {
@@ -104,6 +108,100 @@ std::vector<std::string> object_names(const Scene& scene) {
     names.emplace_back(scene.map.object_name(n));
   }
   return names;
+}
+
+// The numbers of objects by their names; throws Failure for a name that is none.
+clearance::LeftOut numbers_of(const Scene& scene, const std::vector<std::string>& names) {
+  clearance::LeftOut left_out(scene.map.header().object_count + std::size_t{1});
+  for (const std::string& name : names) {
+    bool found = false;
+    for (std::uint32_t n = 1; n <= scene.map.header().object_count; ++n) {
+      if (scene.map.object_name(n) != name) continue;
+      left_out[n] = 1;
+      found = true;
+    }
+    if (!found) {
+      throw Failure({ErrorCode::kUsage, scene.path.string(), "allow",
+                     "has no object '" + name + "'", "see Scene.objects"});
+    }
+  }
+  return left_out;
+}
+
+py::dict dict_of(const Scene& scene, const clearance::CheckedMoment& moment) {
+  py::dict d;
+  d["clearance_m"] = moment.clearance_m;
+  d["most_m"] = moment.most_m;
+  d["t_s"] = moment.time_s;
+  d["object"] = moment.object == 0 ? py::object(py::none())
+                                   : py::str(std::string(scene.map.object_name(moment.object)));
+  d["point_m"] = std::array<double, 3>{moment.point_m.x, moment.point_m.y, moment.point_m.z};
+  return d;
+}
+
+py::dict dict_of(const Scene& scene, const clearance::CheckResult& result, double required_m) {
+  py::dict d;
+  d["verdict"] = result.clear() ? "clear" : "not clear";
+  d["required_clearance_m"] = required_m;
+  d["clearance_m"] = result.clearance_m;
+  d["least_clearance"] =
+      result.at_least ? py::object(py::none()) : py::object(dict_of(scene, result.least));
+  py::list violations;
+  for (const clearance::Violation& violation : result.violations) {
+    py::dict v;
+    v["from_s"] = violation.from_s;
+    v["to_s"] = violation.to_s;
+    v["clearance_m"] = violation.clearance_m;
+    v["worst"] = dict_of(scene, violation.worst);
+    violations.append(v);
+  }
+  d["violations"] = violations;
+  py::list seated;
+  for (const auto& stretch : result.seated)
+    seated.append(py::make_tuple(stretch.from_s, stretch.to_s));
+  d["seated"] = seated;
+  auto curve = empty_rows<clearance::CurvePiece>(result.curve.size());
+  std::copy(result.curve.begin(), result.curve.end(), curve.mutable_data());
+  d["curve"] = curve;
+  return d;
+}
+
+py::dict check_path(const Scene& scene, const Part& part, const Doubles& t_s, const Doubles& poses,
+                    double required_m, const std::vector<std::string>& allow,
+                    const std::optional<Doubles>& world_from_seat, unsigned threads) {
+  const auto numbers = rows_of<7>(poses, "poses");
+  if (t_s.ndim() != 1 || static_cast<std::size_t>(t_s.shape(0)) != numbers.size() ||
+      numbers.empty()) {
+    throw Failure({ErrorCode::kUsage, "", "t_s", "has another length than poses, or is empty",
+                   "give a time for each pose"});
+  }
+  std::vector<PathRow> rows;
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    const std::string row = "row " + std::to_string(i);
+    const Pose pose = pose_of(numbers[i], "poses: " + row);
+    const double time_s = t_s.data()[i];
+    if (!std::isfinite(time_s) || (i > 0 && !(time_s > rows.back().time_s))) {
+      throw Failure({ErrorCode::kUsage, "", "t_s", row + " is not later than the row before", ""});
+    }
+    const glm::dvec3& p = pose.position_m;
+    const glm::dquat& q = pose.orientation;
+    rows.push_back({time_s, {p.x, p.y, p.z}, {q.w, q.x, q.y, q.z}});
+  }
+  if (!(required_m >= 0)) {
+    throw Failure({ErrorCode::kUsage, "", "clearance_m", "must not be negative", ""});
+  }
+  clearance::CheckRequest request{required_m, thread_count(threads), numbers_of(scene, allow), {}};
+  if (world_from_seat) {
+    request.world_from_seat =
+        pose_of(row_of<7>(*world_from_seat, "world_from_seat"), "world_from_seat");
+  }
+  clearance::CheckResult result;
+  {
+    const py::gil_scoped_release other_threads;
+    const clearance::CenterPath path(rows, part.shell);
+    result = take(clearance::check_path(scene.map, part.shell, path, request));
+  }
+  return dict_of(scene, result, required_m);
 }
 
 void bind_scene(py::module_& module) {
@@ -267,6 +365,34 @@ row for each pose:
 >>> scene.clearance(part, [0, 0, 0, 0, 0, 0, 0])
 Traceback (most recent call last):
 forcelayer.Error: poses: row 0 is no pose: give finite meters and a quaternion that is not zero
+)")
+      .def("check", &check_path, py::arg("part"), py::arg("t_s"), py::arg("poses"),
+           py::arg("clearance_m") = 0.0127, py::kw_only(),
+           py::arg("allow") = std::vector<std::string>{}, py::arg("world_from_seat") = py::none(),
+           py::arg("threads") = 0,
+           R"(Whether the part keeps a clearance along a path, between the poses too: as `voxcheck`.
+
+`t_s`: times, ascending, one for each pose. Between poses the centroid goes straight and the
+orientation turns evenly. `allow`: names of objects that may be near. `world_from_seat`: where the
+part is installed. A dict:
+
+    verdict           "clear" or "not clear"
+    clearance_m       proven along the whole path, meters
+    least_clearance   where it is: clearance_m, most_m (the exact clearance is no more), t_s, object,
+                      point_m; None where nothing is near
+    violations        a dict each: from_s, to_s, clearance_m, worst (as least_clearance)
+    seated            (from_s, to_s) in which only objects of the seat are nearer than required
+    curve             a structured array: from_s, to_s, clearance_m
+
+`threads`: 0 for all; no answer depends on it. Other Python threads run meanwhile.
+
+>>> scene, part = forcelayer.Scene("bay.vox"), forcelayer.Part("part.pshell")
+>>> frames = forcelayer.replay(scene, part, "run.flr").frames
+>>> answer = scene.check(part, frames["t_s"], frames["world_from_part"], 0.005)
+>>> answer["verdict"], answer["violations"], answer["clearance_m"] > 0.005
+('clear', [], True)
+>>> scene.check(part, frames["t_s"], frames["world_from_part"], 0.0127)["violations"][0]["worst"]["object"]
+'structure/bay_structure/floor/floor_beam_left'
 )");
 }
 
@@ -406,6 +532,7 @@ project's README.
 PYBIND11_MODULE(_forcelayer, module) {
   PYBIND11_NUMPY_DTYPE(PointAnswer, value, known, distance_m, least_distance_m, gradient, object);
   PYBIND11_NUMPY_DTYPE(PointCounts, interior, surface, proximity, outside_map);
+  PYBIND11_NUMPY_DTYPE(clearance::CurvePiece, from_s, to_s, clearance_m);
   PYBIND11_NUMPY_DTYPE(ClearanceAnswer, clearance_m, measured, nearest_object, nearest_point_m,
                        interior, surface, proximity, outside_map);
   module.attr("__version__") = FORCELAYER_VERSION;

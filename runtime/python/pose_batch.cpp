@@ -20,12 +20,6 @@ constexpr double kFarVoxels = 0x1p53;  // coordinates beyond stay beyond every m
 constexpr float kBelowOne = 0x1.fffffep-1f;
 constexpr std::size_t kChunksPerThread = 8;  // so that a slow thread holds up little
 
-unsigned thread_count(unsigned wanted) {
-  constexpr unsigned kMost = 1024;
-  const unsigned all = std::max(1u, std::thread::hardware_concurrency());
-  return std::min(wanted == 0 ? all : wanted, kMost);
-}
-
 // Calls work(worker, begin, end) for shares of `count` items, on this thread and on helpers. A
 // share that follows another is near it, which helps what remembers. work() returns the number of
 // an item that it cannot answer, or kAllDone; the least such number is returned.
@@ -86,6 +80,12 @@ bool read_pose(const PoseNumbers& numbers, Pose& pose) {
 }
 
 }  // namespace
+
+unsigned thread_count(unsigned wanted) {
+  constexpr unsigned kMost = 1024;
+  const unsigned all = std::max(1u, std::thread::hardware_concurrency());
+  return std::min(wanted == 0 ? all : wanted, kMost);
+}
 
 // One thread's view of scene and part.
 class PoseBatch::Probe {

@@ -44,6 +44,9 @@ struct PointAnswer {
   bool known = false;                // false: beyond a cropped side
 };
 
+// `wanted`; for 0 that of the machine.
+unsigned thread_count(unsigned wanted);
+
 // Asked on the calling thread about every 50 ms: false ends the work, and kStopped is returned.
 using KeepGoing = std::function<bool()>;
 inline constexpr std::int64_t kAllDone = -1, kStopped = -2;

@@ -10,11 +10,11 @@
 #include "forcelayer/run.h"
 #include "runtime/loop/handle_velocity.h"
 #include "runtime/loop/loop_statistics.h"
-#include "runtime/loop/servo.h"
+#include "runtime/model/outcome_hash.h"
 #include "runtime/model/simulation.h"
 #include "runtime/python/files.h"
-#include "runtime/run/limits.h"
 #include "runtime/stream/recording.h"
+#include "runtime/stream/replay.h"
 
 namespace forcelayer::python {
 namespace {
@@ -108,12 +108,18 @@ py::dict report_of(const Scene& scene, const loop::LoopStatistics& s, double rat
   return d;
 }
 
+// The same mapped bytes: a file that was replaced meanwhile is not mixed in.
+Voxmap same_map(const Scene& scene) {
+  return take(Voxmap::from_bytes(scene.map.bytes(), scene.path.string()));
+}
+Pshell same_shell(const Part& part) {
+  return take(Pshell::from_bytes(part.shell.bytes(), part.path.string()));
+}
+
 Run open(const Scene& scene, const Part& part, RunRequest request) {
   request.scene = scene.path;
   request.part = part.path;
-  // The same mapped bytes: a file that was replaced meanwhile is not mixed in.
-  return take(open_run(take(Voxmap::from_bytes(scene.map.bytes(), scene.path.string())),
-                       take(Pshell::from_bytes(part.shell.bytes(), part.path.string())), request));
+  return take(open_run(same_map(scene), same_shell(part), request));
 }
 
 // Everything that evolves, and what was counted of it.
@@ -269,46 +275,49 @@ struct Replay {
   py::dict report;
 };
 
-std::int64_t replay_frames(loop::Servo& servo, const stream::Recording& recording,
-                           loop::LoopStatistics& statistics, FrameRow* out) {
+// Ends a replay.
+struct Interrupted {};
+
+// The number of the first frame with another outcome than was recorded; none where all have it.
+std::optional<std::size_t> replay_frames(model::Simulation& simulation,
+                                         const stream::Recording& recording,
+                                         loop::LoopStatistics& statistics, FrameRow* out) {
+  std::optional<std::size_t> first_difference;
   Frame frame;
-  for (std::size_t i = 0; i < recording.frames().size(); ++i) {
+  stream::replay_steps(recording, simulation, [&](const stream::ReplayedStep& step) {
+    const std::size_t i = frame.number;
     if (i % kFramesBetweenAsking == kFramesBetweenAsking - 1 && !nobody_interrupts()) {
-      return kStopped;
+      throw Interrupted();
     }
-    servo.tick(frame);
+    frame.time_s = step.time_s;
+    frame.input = step.input;
+    frame.result = step.result;
     statistics.count(frame);
-    out[i] = row_of_frame(frame, servo.simulation());
-  }
-  return kAllDone;
+    out[i] = row_of_frame(frame, simulation);
+    const bool same =
+        model::outcome_hash(step.result, step.state) == recording.frames()[i].outcome_hash;
+    if (!same && !first_difference) first_difference = i;
+    ++frame.number;
+  });
+  return first_difference;
 }
 
 Replay replay(const std::shared_ptr<Scene>& scene, const std::shared_ptr<Part>& part,
               const std::filesystem::path& path) {
   const stream::Recording recording = take(stream::Recording::open(path));
-  check(recording.check_files(scene->map, part->shell));
-  RunRequest request;
-  request.recorded = recording.run().parameters;
-  request.placement = recording.run().placement;
-  request.without_guarantee = true;  // what was run is told
-  Run run = open(*scene, *part, request);
-  model::Simulation& simulation = run.simulation();
-  if (recording.run().world_from_seat) {
-    check(simulation.find_seat(*recording.run().world_from_seat));
-  }
-  stream::ReplayInput input(recording);
-  loop::Servo servo(simulation, input, recording.run().start,
-                    output_limits(request, run.parameters()));
+  const auto simulation =
+      take(stream::recorded_simulation(recording, same_map(*scene), same_shell(*part)));
   const auto statistics = std::make_unique<loop::LoopStatistics>();
   auto rows = empty_rows<FrameRow>(recording.frames().size());
-  std::int64_t done = kAllDone;
-  {
+  std::optional<std::size_t> differing;
+  try {
     const py::gil_scoped_release other_threads;
-    done = replay_frames(servo, recording, *statistics, rows.mutable_data());
+    differing = replay_frames(*simulation, recording, *statistics, rows.mutable_data());
+  } catch (const Interrupted&) {
+    throw py::error_already_set();
   }
-  check_done(done, "recording", "");
-  if (input.differing_frames() > 0) throw Failure(input.difference(path.string()));
-  return {rows, report_of(*scene, *statistics, run.parameters().rate_hz)};
+  if (differing) throw Failure(stream::outcome_differs(path.string(), *differing));
+  return {rows, report_of(*scene, *statistics, simulation->parameters().rate_hz)};
 }
 
 RunRequest request_of(const std::string& model, const std::optional<std::string>& force,

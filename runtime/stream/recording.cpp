@@ -339,8 +339,8 @@ bool ReplayInput::next(double, double, StepInput& input) noexcept {
   return true;
 }
 
-Error ReplayInput::difference(const std::string& name) const {
-  return {ErrorCode::kInternal, name, "frame " + std::to_string(first_difference_),
+Error outcome_differs(const std::string& name, std::uint64_t first) {
+  return {ErrorCode::kInternal, name, "frame " + std::to_string(first),
           "gave another outcome than was recorded",
           "replay with the program and on the kind of machine that recorded it"};
 }

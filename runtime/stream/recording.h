@@ -69,6 +69,10 @@ class Recording {
   std::string name_;
 };
 
+// The error of a replay whose frame `first` is the first with another outcome. `name`: the
+// recording's.
+Error outcome_differs(const std::string& name, std::uint64_t first);
+
 // The inputs of a recording, frame by frame. Counts the frames whose outcome differs from the
 // recorded one.
 class ReplayInput final : public loop::InputSource {
@@ -84,8 +88,6 @@ class ReplayInput final : public loop::InputSource {
 
   std::uint64_t differing_frames() const { return differing_; }
   std::uint64_t first_difference() const { return first_difference_; }
-  // About the first of them; `name` is the recording's.
-  Error difference(const std::string& name) const;
 
  private:
   const Recording& recording_;

@@ -6,6 +6,7 @@
 
 #include "formats/command/arguments.h"
 #include "formats/command/command.h"
+#include "formats/command/help.h"
 #include "formats/command/output_file.h"
 #include "runtime/viewer/plan/keys.h"
 #include "runtime/viewer/plan/options.h"
@@ -99,6 +100,7 @@ Status run(const ViewOptionParser& parser, char** argv) {
   const auto scene = load_view_scene(options->inputs);
   if (!scene) return scene.error();
   for (const std::string& warning : scene->warnings) {
+    if (options->quiet) break;
     std::fprintf(stderr, "voxview: warning: %s\n", escaped(warning).c_str());
   }
   RunFeed feed;
@@ -115,8 +117,8 @@ Status run(const ViewOptionParser& parser, char** argv) {
 
 int main(int argc, char** argv) {
   CLI::App app{
-      "Show meshes, baked files and runs: in a window, or with --screenshot as a picture. Without "
-      "a\n"
+      "Shows meshes, baked files and runs: in a window, or with --screenshot as a picture. Without "
+      "a "
       "display, pictures are drawn under xvfb-run.",
       "voxview"};
   const forcelayer::viewer::ViewOptionParser parser(app);
@@ -124,6 +126,17 @@ int main(int argc, char** argv) {
   for (const std::string_view line : forcelayer::viewer::kKeyLines)
     keys += "  " + std::string(line) + "\n";
   app.footer(keys);
+  forcelayer::command::arrange_help(
+      app,
+      {{"What is shown",
+        {"--part", "--compare", "--units", "--part-units", "--show", "--color", "--cut"}},
+       {"A run and its moment",
+        {"--trace", "--at", "--listen", "--duration", "--part-pose", "--grip", "--model",
+         "--force"}},
+       {"The eye", {"--view-from", "--focus", "--pixels-per-voxel", "--plain"}},
+       {"Output", {"--screenshot", "--size", "--frame-times"}}},
+      "  voxview bay.json bay.vox part.pshell --trace run.csv              a run, in a window\n"
+      "  voxview bay.json bay.vox --cut 'y<0mm' --screenshot bay.png       a picture");
   int exit_code = 0;
   if (!forcelayer::command::parse_arguments(app, argc, argv, exit_code)) return exit_code;
   return forcelayer::command::run_command("voxview",

@@ -6,6 +6,7 @@
 
 #include "formats/command/arguments.h"
 #include "formats/command/command.h"
+#include "formats/command/help.h"
 #include "formats/command/output_file.h"
 #include "runtime/clearance/path_check.h"
 #include "runtime/run/baked_files.h"
@@ -84,6 +85,12 @@ int run(int argc, char** argv) {
       "voxcheck"};
   app.footer("Exit status 0: clear; 6: not clear.");
   OptionParser parser(app);
+  command::arrange_help(
+      app,
+      {{"What is asked", {"--clearance", "--seat", "--allow"}},
+       {"Output", {"--csv", "--junit", "--code-quality", "--github"}}},
+      "  voxcheck bay.vox part.pshell run.csv                      12.7 mm along a trace\n"
+      "  voxcheck bay.vox part.pshell path.csv --clearance 3mm --junit verdict.xml");
   int status = 0;
   if (!command::parse_arguments(app, argc, argv, status)) return status;
   command::exit_cleanly_on_signals();

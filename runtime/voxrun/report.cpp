@@ -31,10 +31,12 @@ Json number(const std::optional<double>& value) {
 }
 
 Json percentiles(const loop::DurationHistogram& h) {
-  return {{"p50", h.quantile_ns(0.5)},
-          {"p99", h.quantile_ns(0.99)},
-          {"p999", h.quantile_ns(0.999)},
-          {"max", h.max_ns()}};
+  Json json;
+  json["p50"] = h.quantile_ns(0.5);
+  json["p99"] = h.quantile_ns(0.99);
+  json["p999"] = h.quantile_ns(0.999);
+  json["max"] = h.max_ns();
+  return json;
 }
 
 Json parameters_json(const Parameters& p) {
@@ -69,27 +71,36 @@ Json capabilities_json(const DeviceCapabilities& c) {
     return json;
   };
   const auto declared = [](double value) { return value > 0 ? Json(value) : Json(nullptr); };
-  return {{"name", c.name},
-          {"sensed_axes", axes(c.sensed_axes)},
-          {"actuated_axes", axes(c.actuated_axes)},
-          {"max_force_n", drives_force(c) ? c.max_force_n : 0},
-          {"max_torque_nm", drives_torque(c) ? c.max_torque_nm : 0},
-          {"max_stiffness_n_per_m", declared(c.max_stiffness_n_per_m)},
-          {"max_stiffness_nm_per_rad", declared(c.max_stiffness_nm_per_rad)},
-          {"damping_ns_per_m", c.damping_ns_per_m},
-          {"damping_nms_per_rad", c.damping_nms_per_rad},
-          {"friction_n", declared(c.friction_n)},
-          {"friction_nm", declared(c.friction_nm)},
-          {"encoder_step_m", declared(c.encoder_step_m)},
-          {"encoder_step_rad", declared(c.encoder_step_rad)},
-          {"apparent_mass_kg", declared(c.apparent_mass_kg)},
-          {"apparent_inertia_kgm2", declared(c.apparent_inertia_kgm2)},
-          {"delay_s", c.delay_s},
-          {"workspace_radius_m", declared(c.workspace_radius_m)},
-          {"rate_hz", declared(c.rate_hz)},
-          {"senses_velocity", c.senses_velocity},
-          {"watchdog_s", declared(c.watchdog_s)},
-          {"hardware", c.hardware}};
+  Json json;  // assignments: lists in braces compile to several times as much
+  json["name"] = c.name;
+  json["sensed_axes"] = axes(c.sensed_axes);
+  json["actuated_axes"] = axes(c.actuated_axes);
+  json["max_force_n"] = drives_force(c) ? c.max_force_n : 0.0;
+  json["max_torque_nm"] = drives_torque(c) ? c.max_torque_nm : 0.0;
+  const struct {
+    const char* name;
+    double value;
+    bool told;  // null where it is 0
+  } figures[] = {{"max_stiffness_n_per_m", c.max_stiffness_n_per_m, true},
+                 {"max_stiffness_nm_per_rad", c.max_stiffness_nm_per_rad, true},
+                 {"damping_ns_per_m", c.damping_ns_per_m, false},
+                 {"damping_nms_per_rad", c.damping_nms_per_rad, false},
+                 {"friction_n", c.friction_n, true},
+                 {"friction_nm", c.friction_nm, true},
+                 {"encoder_step_m", c.encoder_step_m, true},
+                 {"encoder_step_rad", c.encoder_step_rad, true},
+                 {"apparent_mass_kg", c.apparent_mass_kg, true},
+                 {"apparent_inertia_kgm2", c.apparent_inertia_kgm2, true},
+                 {"delay_s", c.delay_s, false},
+                 {"workspace_radius_m", c.workspace_radius_m, true},
+                 {"rate_hz", c.rate_hz, true}};
+  for (const auto& figure : figures) {
+    json[figure.name] = figure.told ? declared(figure.value) : Json(figure.value);
+  }
+  json["senses_velocity"] = c.senses_velocity;
+  json["watchdog_s"] = declared(c.watchdog_s);
+  json["hardware"] = c.hardware;
+  return json;
 }
 
 std::string capabilities_text(const DeviceCapabilities& c) {
@@ -136,17 +147,18 @@ Json worst_json(const loop::LoopStatistics& s) {
             [](const auto& a, const auto& b) { return a.late_ns > b.late_ns; });
   Json json = Json::array();
   for (const loop::MissedFrame& f : frames) {
-    json.push_back({{"frame", f.frame},
-                    {"cause", to_text(f.cause)},
-                    {"late_ns", f.late_ns},
-                    {"woke_late_ns", f.cost.woke_late_ns},
-                    {"tick_ns", f.cost.tick_ns},
-                    {"step_ns", f.step_ns},
-                    {"cpu_ns", f.cost.cpu_ns},
-                    {"minor_faults", f.cost.minor_faults},
-                    {"major_faults", f.cost.major_faults},
-                    {"voluntary_switches", f.cost.voluntary_switches},
-                    {"involuntary_switches", f.cost.involuntary_switches}});
+    Json& one = json.emplace_back();
+    one["frame"] = f.frame;
+    one["cause"] = to_text(f.cause);
+    one["late_ns"] = f.late_ns;
+    one["woke_late_ns"] = f.cost.woke_late_ns;
+    one["tick_ns"] = f.cost.tick_ns;
+    one["step_ns"] = f.step_ns;
+    one["cpu_ns"] = f.cost.cpu_ns;
+    one["minor_faults"] = f.cost.minor_faults;
+    one["major_faults"] = f.cost.major_faults;
+    one["voluntary_switches"] = f.cost.voluntary_switches;
+    one["involuntary_switches"] = f.cost.involuntary_switches;
   }
   return json;
 }

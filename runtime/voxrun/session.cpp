@@ -255,7 +255,7 @@ struct FrameOutputs {
 
 Status check_replay(const Session& session) {
   if (session.replay == nullptr || session.replay->differing_frames() == 0) return {};
-  return session.replay->difference(session.facts.options.replay);
+  return stream::outcome_differs(session.facts.options.replay, session.replay->first_difference());
 }
 
 bool is_of_device(TripCause cause) {

@@ -27,6 +27,9 @@ endif()
 # What runs once, as often as a device reports, or calls others to do the work is small rather than fast.
 # Under sanitizers it is quick to compile: -O0 takes three fifths of the time of -O1.
 set(forcelayer_small $<$<CONFIG:Release>:-Os>)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_GREATER_EQUAL 12)
+  set(forcelayer_small $<$<CONFIG:Release>:-Oz>)  # voxrun: 8 kB less
+endif()
 if(CMAKE_CXX_FLAGS MATCHES "-fsanitize" AND NOT FORCELAYER_FUZZERS)
   set(forcelayer_small -O0)
 endif()

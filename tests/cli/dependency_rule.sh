@@ -71,7 +71,7 @@ pointshell:             formats formats/command formats/mesh formats/mesh/sandbo
 runtime/run:            formats runtime/field runtime/forcelayer runtime/loop runtime/machine runtime/model
 runtime/stream:         formats runtime/forcelayer runtime/loop runtime/machine runtime/model
 voxelize:               formats formats/command formats/mesh formats/mesh/sandbox voxelize/cache voxelize/distance voxelize/fill voxelize/limits voxelize/masks voxelize/scan voxelize/tree
-runtime/python:         formats runtime/field runtime/forcelayer runtime/loop runtime/machine runtime/model runtime/query runtime/run runtime/stream
+runtime/python:         formats formats/path runtime/clearance runtime/field runtime/forcelayer runtime/loop runtime/machine runtime/model runtime/query runtime/run runtime/stream
 runtime/viewer/run:     formats runtime/coupling runtime/field runtime/forcelayer runtime/model runtime/stream
 runtime/voxrun:         formats formats/command formats/path runtime/devices runtime/devices/hid runtime/devices/plugin runtime/forcelayer runtime/loop runtime/machine runtime/model runtime/query runtime/run runtime/stream
 runtime/voxcheck:       formats formats/command formats/path runtime/clearance runtime/forcelayer runtime/model runtime/run runtime/stream

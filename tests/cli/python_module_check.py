@@ -182,6 +182,38 @@ def check_replay(scene, part, run):
     assert numpy.nanmax(numpy.abs(answers["clearance_m"] - frames["clearance_m"])) < 1e-9
 
 
+def check_paths(scene, part, run):
+    """check() is voxcheck: its verdict, its violations and its curve."""
+    frames = run.frames[::5]
+    rows = numpy.column_stack([frames["t_s"], frames["world_from_part"]])
+    numpy.savetxt("path.csv", rows, "%.17g", ",", header="t_s,x_m,y_m,z_m,qw,qx,qy,qz", comments="")
+    for required_m, allow, status in ((0.005, [], 0), (0.0119, [], 6), (0.0119, ["hydraulic_line"], 6)):
+        told = subprocess.run([BIN / "voxcheck", "bay.vox", "part.pshell", "path.csv", "--clearance", f"{required_m}m",
+                               "--quiet", "--json", "check.json", *[f"--allow={name}" for name in allow]],
+                              capture_output=True, text=True)
+        assert told.returncode == status, told.stderr
+        report = json.load(open("check.json"))
+        answer = scene.check(part, frames["t_s"], frames["world_from_part"], required_m, allow=allow)
+        assert answer["verdict"] == report["verdict"] == ("clear" if status == 0 else "not clear")
+        assert abs(answer["clearance_m"] - report["least_clearance"]["clearance_m"]) < 1e-9
+        assert answer["clearance_m"] <= answer["least_clearance"]["clearance_m"]
+        assert answer["least_clearance"]["object"] == report["least_clearance"]["object"]
+        times = [(v["from_s"], v["to_s"]) for v in answer["violations"]]
+        assert times == [(v["from_s"], v["to_s"]) for v in report["violations"]]
+        assert {v["worst"]["object"] for v in answer["violations"]}.isdisjoint(allow)
+        curve = answer["curve"]
+        assert (curve["from_s"][1:] == curve["to_s"][:-1]).all() and (curve["to_s"] > curve["from_s"]).all()
+        assert curve["clearance_m"].min() >= answer["clearance_m"] - 1e-12
+        # What is proven between poses is proven at them.
+        at = scene.clearance(part, frames["world_from_part"])["clearance_m"]
+        assert numpy.nanmin(at) > answer["clearance_m"] - 1e-3
+    one, two = (scene.check(part, frames["t_s"], frames["world_from_part"], 0.012, threads=n) for n in (1, 2))
+    assert one["curve"].tobytes() == two["curve"].tobytes() and one["violations"] == two["violations"]
+    expect_error(lambda: scene.check(part, [0, 0], frames["world_from_part"][:2]), "t_s: row 1 is not later")
+    expect_error(lambda: scene.check(part, [0], frames["world_from_part"][:2]), "t_s: has another length")
+    expect_error(lambda: scene.check(part, [0, 1], frames["world_from_part"][:2], allow=["nothing"]), "no object 'nothing'")
+
+
 def check_simulation(scene, part, run):
     """step() is run(), a moment is a branch, and a bad pose changes nothing."""
     start = run.frames["world_from_part"][1200]
@@ -309,6 +341,7 @@ def main():
     check_against_twin(scene, part, poses)
     check_samples(scene)
     check_simulation(scene, part, run)
+    check_paths(scene, part, run)
     check_errors()
     check_threads(scene, part, poses)
     check_views(part)

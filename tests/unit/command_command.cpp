@@ -1,5 +1,9 @@
 // The habits of all commands: exit status, one line on stderr, reports, signals.
 #include "formats/command/command.h"
+#include "formats/command/help.h"
+#include "formats/command/output_file.h"
+#include "formats/command/report.h"
+#include "formats/command/version.h"
 
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -149,7 +153,9 @@ TEST(ParseArguments, HelpVersionAndWrongUsage) {
   EXPECT_EQ(help.err, "");
   const ParseOutcome version = parse({"--version"});
   EXPECT_EQ(version.status, 0);
-  EXPECT_EQ(version.out, std::string("tool ") + command::kVersion + "\n");
+  const std::string commit = command::commit();
+  EXPECT_EQ(version.out, std::string("tool ") + command::kVersion +
+                             (commit.empty() ? "" : " (commit " + commit + ")") + "\n");
   const std::vector<std::vector<std::string>> wrong = {{},
                                                        {"--number"},
                                                        {"--number", "x"},
@@ -171,6 +177,72 @@ TEST(ParseArguments, HelpVersionAndWrongUsage) {
     EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
     EXPECT_EQ(outcome.err.rfind("tool: ", 0), 0u) << outcome.err;
   }
+}
+
+TEST(ParseArguments, NamesTheOptionThatWasMeant) {
+  const std::pair<const char*, const char*> meant[] = {{"--nubmer", "did you mean --number?"},
+                                                       {"--speeed=3", "did you mean --speed?"},
+                                                       {"--velocity", "see tool --help"},
+                                                       {"-x", "see tool --help"}};
+  for (const auto& [typed, mend] : meant) {
+    EXPECT_NE(parse({"--number", "1", typed}).err.find(mend), std::string::npos) << typed;
+  }
+}
+
+TEST(ParseArguments, HelpFitsAndIsGrouped) {
+  CLI::App app{
+      "A tool whose description is long enough to be wrapped, which it is where a line of it "
+      "would be wider than a hundred columns",
+      "tool"};
+  std::string text, choice;
+  std::vector<std::string> many;
+  int number = 0;
+  bool quiet = false;
+  app.add_option("INPUT", many, "files")->required();
+  app.add_option("--text", text, std::string(40, 'a') + " " + std::string(60, 'b'));
+  app.add_option("--choice", choice, "one of two")->check(CLI::IsMember({"left", "right"}));
+  app.add_option("--number", number, "a number")->check(CLI::Range(1, 9));
+  app.add_flag("--quiet", quiet, "print nothing but errors");
+  command::arrange_help(app, {{"What", {"--text"}}}, "  tool x");
+  EXPECT_THROW(command::arrange_help(app, {{"What", {"--none"}}}, ""), std::logic_error);
+  command::wrap_help(app);
+  const std::string help = app.help();
+  std::stringstream lines(help);
+  for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 100u) << line;
+  const std::string want[] = {"\nWhat:\n  --text TEXT ", "\n  --choice left|right ",
+                              "\n  --number N ", "a number (1 to 9)\n", "\nExamples:\n  tool x\n"};
+  for (const std::string& part : want) EXPECT_NE(help.find(part), std::string::npos) << help;
+  EXPECT_LT(help.find("\nOptions:"), help.find("\nEvery command:"));
+  EXPECT_EQ(help.find('\x1b'), std::string::npos) << "colors without a terminal";
+}
+
+TEST(Report, HasTheCommonHeadAndTheFailure) {
+  const test::ScratchFolder folder;
+  std::ofstream(folder / "in.vox") << "abc";
+  std::string path = folder / "report.json";
+  const std::string inputs[] = {(folder / "in.vox").string() + "#Node", (folder / "none").string()};
+  const command::OutputFile outputs[] = {{"--json", &path, command::FileKind::kReport}};
+  const auto read = [&] { return nlohmann::json::parse(std::ifstream(path)); };
+  ASSERT_TRUE(command::prepare_outputs(outputs, inputs));
+  ASSERT_TRUE(command::write_report(path, {{"answer", 42}, {"warnings", {"w"}}}));
+  nlohmann::json report = read();
+  EXPECT_EQ(report["schema_version"], 1);
+  EXPECT_EQ(report["tool_version"], command::kVersion);
+  EXPECT_EQ(report["exit_status"], 0);
+  EXPECT_EQ(report["answer"], 42);
+  EXPECT_EQ(report["warnings"][0], "w");
+  EXPECT_EQ(report["input_files"][0]["path"], (folder / "in.vox").string());
+  EXPECT_EQ(report["input_files"][0]["xxh3"], "78af5f94892f3950");  // XXH3 of "abc"
+  EXPECT_TRUE(report["input_files"][1]["xxh3"].is_null());
+  const Error error{ErrorCode::kAnswerIsNo, "f", "w", "no", "mend"};
+  ::testing::internal::CaptureStderr();
+  EXPECT_EQ(command::run_command("tool", [&] { return Status(error); }), 6);
+  EXPECT_EQ(::testing::internal::GetCapturedStderr(), "tool: f: w: no; mend\n");
+  report = read();
+  EXPECT_EQ(report["exit_status"], 6);
+  EXPECT_EQ(report["answer"], 42) << "what was reported before stays";
+  EXPECT_EQ(report["error"]["line"], "f: w: no; mend");
+  command::begin_report("", {});
 }
 
 TEST(Report, IsIndentedJsonAndNeverFailsOnBadText) {

@@ -1,5 +1,5 @@
 import os
-from typing import Any, Mapping, Optional, Union
+from typing import Any, Mapping, Optional, Sequence, Union
 
 import numpy
 from numpy.typing import ArrayLike, NDArray
@@ -33,6 +33,17 @@ class Scene:
     def sample(self, points_m: ArrayLike, *, threads: int = 0) -> Rows: ...
     def query(self, part: Part, poses: ArrayLike, *, threads: int = 0) -> Rows: ...
     def clearance(self, part: Part, poses: ArrayLike, *, threads: int = 0) -> Rows: ...
+    def check(
+        self,
+        part: Part,
+        t_s: ArrayLike,
+        poses: ArrayLike,
+        clearance_m: float = 0.0127,
+        *,
+        allow: Sequence[str] = [],
+        world_from_seat: Optional[ArrayLike] = None,
+        threads: int = 0,
+    ) -> dict[str, Any]: ...
 
 class Part:
     def __init__(self, path: Path) -> None: ...

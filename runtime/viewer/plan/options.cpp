@@ -90,6 +90,7 @@ ViewOptionParser::ViewOptionParser(CLI::App& app) {
                  "color of the scene's meshes: one, or object for one each")
       ->check(CLI::IsMember({"one", "object"}))
       ->capture_default_str();
+  app.add_flag("--quiet", options_.quiet, "print nothing but errors");
   app.add_flag("--plain", options_.plain, "flat opaque colors, no words: for measuring");
 }
 

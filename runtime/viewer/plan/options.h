@@ -38,7 +38,7 @@ struct ViewOptions {
   std::optional<ItemSet> shown;
   bool color_objects = false;           // the meshes, each in a color of its own
   std::vector<std::string> hide, only;  // names of objects, as after --without of voxelize
-  bool plain = false;
+  bool plain = false, quiet = false;
 };
 
 // Holds the texts that CLI11 fills in. finish() turns them into ViewOptions and finds

@@ -1,0 +1,83 @@
+#!/usr/bin/env bash
+# The habits of all commands on a terminal: help that fits, with examples; "did you mean"; colors and progress where they
+# are wanted; reports of failures; completion; a signal that says what was left.
+source "$FORCELAYER_SOURCE_DIR/tests/support/command_test.sh"
+commands=()
+for name in voxelize pointshell voxinfo voxrun voxcheck voxview; do [ ! -x "$bin/$name" ] || commands+=("$name"); done
+[ ${#commands[@]} -ge 2 ] || fail "no commands"
+"$bin/make_runtime_files" .
+
+for name in "${commands[@]}"; do
+  "$bin/$name" --help >help.txt || fail "$name --help"
+  awk 'length($0) > 100' help.txt | grep . && fail "$name: lines above 100 columns"
+  grep -q $'\x1b' help.txt && fail "$name: colors in a pipe"
+  grep -A 4 '^Every command:' help.txt | grep -q -- '--help' || fail "$name: no group for every command"
+  for option in --json --quiet --version; do grep -q -- "^  $option" help.txt || fail "$name has no $option"; done
+  sed -n '/^Examples:/,$p' help.txt | grep -qE "^  (.* )?$name " || fail "$name: no example"
+  "$bin/$name" --version | grep -qE "^$name [0-9.]+( \(.*\))?$" || fail "$name --version: $("$bin/$name" --version)"
+  "$bin/$name" --josn x 2>err.txt && fail "$name took --josn"
+  grep -q 'did you mean --json?' err.txt || fail "$name: $(cat err.txt)"
+  # Completion, from the same help.
+  source "$FORCELAYER_SOURCE_DIR/scripts/completion.bash"
+  COMP_WORDS=("$bin/$name" --js) COMP_CWORD=1
+  _forcelayer_complete
+  [ "${COMPREPLY[*]}" = --json ] || fail "$name: --js completes to '${COMPREPLY[*]}'"
+done
+COMP_WORDS=("$bin/voxrun" a b --device s) COMP_CWORD=4
+_forcelayer_complete
+[ "${COMPREPLY[*]}" = "sim spacemouse" ] || fail "--device s completes to '${COMPREPLY[*]}'"
+COMP_WORDS=("$bin/voxinfo" ver) COMP_CWORD=1
+_forcelayer_complete
+[ "${COMPREPLY[*]}" = verify ] || fail "voxinfo ver completes to '${COMPREPLY[*]}'"
+for sub in 'voxinfo verify' 'voxinfo sample' 'voxinfo export' 'voxrun doctor'; do
+  read -r name word <<<"$sub"
+  "$bin/$name" "$word" --help >help.txt
+  for option in --json --quiet; do grep -q -- "^  $option" help.txt || fail "$sub has no $option"; done
+done
+
+# A report on failure too, with what was read.
+head -c 3000 floor.vox >cut.vox
+for call in "voxinfo cut.vox" "voxinfo verify cut.vox" "voxrun cut.vox ball.pshell --duration 1ms"; do
+  read -r name words <<<"$call"
+  # shellcheck disable=SC2086  # words
+  "$bin/$name" $words --json report.json 2>err.txt
+  status=$?
+  python3 - "$status" "$(cut -d' ' -f2- err.txt)" <<'END' || fail "$call: $(cat report.json)"
+import json, sys
+report = json.load(open("report.json"))
+assert report["schema_version"] == 1 and report["exit_status"] == int(sys.argv[1]) == 4
+assert report["error"]["line"] == sys.argv[2], report["error"]
+assert report["input_files"][0]["path"] == "cut.vox" and len(report["input_files"][0]["xxh3"]) == 16
+END
+  rm report.json
+done
+"$bin/voxrun" floor.vox ball.pshell --motion press.csv --as-fast-as-possible --fail-on contact --json report.json --quiet 2>err.txt
+[ $? = 6 ] || fail "--fail-on contact: $(cat err.txt)"
+grep -q '"exit_status": 6' report.json && grep -q '"frames"' report.json || fail "the report of a 'no'"
+
+# On a terminal: an error is colored, unless that is not wanted.
+if command -v script >/dev/null; then
+  on_terminal() { script -qec "$1" /dev/null </dev/null; }
+  TERM=xterm on_terminal "$bin/voxinfo none.vox" >seen.txt
+  grep -q $'^\x1b\[1;31mvoxinfo:\x1b\[0m none.vox: no such file' seen.txt || fail "no color: $(cat -v seen.txt)"
+  for plain in "NO_COLOR=1 TERM=xterm" TERM=dumb; do
+    on_terminal "env $plain $bin/voxinfo none.vox" >seen.txt
+    grep -q $'\x1b' seen.txt && fail "colors in spite of $plain"
+  done
+  # The progress line is gone at the end, and tells no time before a tenth is done.
+  TERM=xterm on_terminal "$bin/voxrun floor.vox ball.pshell --start 0.1m,0.1m,0.2m --duration 2s --quiet" >seen.txt
+  [ ! -s seen.txt ] || fail "--quiet on a terminal: $(cat -v seen.txt)"
+  TERM=xterm on_terminal "$bin/voxrun floor.vox ball.pshell --start 0.1m,0.1m,0.2m --duration 2s" >seen.txt
+  python3 - <<'END' || fail "progress: $(cat -v seen.txt)"
+import re
+seen = open("seen.txt", errors="replace").read()
+shown = re.findall(r"running +(\d+)%(?:  (\d+) s left)?", seen)
+assert len(shown) > 5, shown
+for share, left in shown:
+    assert bool(left) == (int(share) > 10) or int(share) in (9, 10), shown
+    if left:
+        assert abs(int(left) - 2 * (1 - int(share) / 100)) <= 1, (share, left)
+assert not re.search(r"left[^\x1b]*$", seen), "it stands at the end"
+END
+fi
+finish
