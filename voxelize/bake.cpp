@@ -8,9 +8,9 @@
 #include <mutex>
 #include <thread>
 
-#include "voxelize/directory_limit.h"
+#include "voxelize/limits/directory_limit.h"
+#include "voxelize/limits/region.h"
 #include "voxelize/object_bake.h"
-#include "voxelize/region.h"
 #include "voxelize/tree/tree_box.h"
 #include "voxelize/tree/tree_builder.h"
 
@@ -48,9 +48,9 @@ Result<std::vector<ObjectBake>> snap_objects(Objects objects, const BakeOptions&
 
 // The voxels of the scene that a bake keeps.
 struct SceneRegion {
-  Region region;
-  Directory directory;        // empty where the region can hold nothing
-  std::vector<char> skipped;  // [objects] cannot touch the region
+  limits::Region region;
+  limits::Directory directory;  // empty where the region can hold nothing
+  std::vector<char> skipped;    // [objects] cannot touch the region
 };
 
 distance::CodeScale scale_of(const BakeOptions& options) {
@@ -86,7 +86,8 @@ Result<SceneRegion> choose_region(const std::vector<ObjectBake>& bakes,
   SceneRegion result;
   masks::VoxelBox scene;
   for (const ObjectBake& bake : bakes) scene.include(bake.facts.box);
-  result.region = region_of(scene.grown(reach_of(options)), options.roi_m, options.voxel_size_m);
+  result.region =
+      limits::region_of(scene.grown(reach_of(options)), options.roi_m, options.voxel_size_m);
   const bool cropped = result.region.cropped_sides != 0;
   const masks::VoxelBox within_reach = result.region.box.grown(reach_of(options) + 1);
   bool any = false;
@@ -97,11 +98,11 @@ Result<SceneRegion> choose_region(const std::vector<ObjectBake>& bakes,
     any = true;
     if (!cropped) continue;
     // The object is filled from all of its triangles, so all of its voxels must be addressable.
-    const auto fits = fit_directory(box.joined(within_reach), options.voxel_size_m);
+    const auto fits = limits::fit_directory(box.joined(within_reach), options.voxel_size_m);
     if (!fits) return fits.error();
   }
   if (!any) return result;
-  const auto directory = fit_directory(result.region.box, options.voxel_size_m);
+  const auto directory = limits::fit_directory(result.region.box, options.voxel_size_m);
   if (!directory) return directory.error();
   result.directory = *directory;
   return result;
@@ -151,6 +152,10 @@ masks::KeptBox kept_box(const SceneRegion& region) {
   return {{low, high}, region.region.cropped_sides};
 }
 
+bool remembers_nodes(const BakeOptions& options, const masks::KeptBox& kept) {
+  return options.cache != nullptr && !options.scene_name.empty() && !kept.cropped();
+}
+
 // The values: layers around the geometry. In a grown surface the interior's are in it already.
 tree::VoxelTree build_layers(const SceneVoxels& scene, const SceneRegion& region,
                              const BakeOptions& options, distance::ValueCounts& counts,
@@ -158,7 +163,7 @@ tree::VoxelTree build_layers(const SceneVoxels& scene, const SceneRegion& region
   const masks::KeptBox kept = kept_box(region);
   const distance::LayerOffset offset(scene.counted(options), scene.interior,
                                      counted_layers(options), force_layers_of(options), kept);
-  if (options.cache == nullptr || options.scene_name.empty() || kept.cropped()) {
+  if (!remembers_nodes(options, kept)) {
     return tree::build_tree(offset, region.directory.dims, nullptr, counts);
   }
   const tree::NodeMemory memory(*options.cache, options.scene_name, options.voxel_size_m);
@@ -171,12 +176,14 @@ tree::VoxelTree build_layers(const SceneVoxels& scene, const SceneRegion& region
 // Distances from the snapped meshes, and the nearest objects.
 tree::DistanceTrees build_distances(const SceneVoxels& scene, const SceneRegion& region,
                                     const std::vector<ObjectBake>& bakes,
-                                    const BakeOptions& options) {
+                                    const BakeOptions& options, Bake& bake) {
   std::vector<const scan::SnappedObject*> objects;
+  std::vector<cache::Digest> keys;
   std::vector<std::uint16_t> numbers;
   for (std::size_t i = 0; i < bakes.size(); ++i) {
     if (region.skipped[i]) continue;
     objects.push_back(&bakes[i].snapped);
+    if (bakes[i].key) keys.push_back(*bakes[i].key);
     if (stores_objects(options, bakes.size())) {
       numbers.push_back(static_cast<std::uint16_t>(i + 1));
     }
@@ -184,10 +191,21 @@ tree::DistanceTrees build_distances(const SceneVoxels& scene, const SceneRegion&
   const masks::KeptBox kept = kept_box(region);
   const auto reach = static_cast<unsigned>(distance::DistanceCodes::reach(scale_of(options)));
   const distance::LayerOffset around(scene.geometry, scene.interior, reach - 1, 1, kept);
-  const distance::DistanceCodes distances(std::move(objects), region.directory.origin,
-                                          scene.geometry, scene.interior, scale_of(options), kept,
-                                          std::move(numbers));
-  return tree::build_distance_trees(around, distances, region.directory.dims);
+  const bool has_memory = remembers_nodes(options, kept) && keys.size() == objects.size();
+  const distance::DistanceCodes distances(
+      std::move(objects), region.directory.origin, scene.geometry, scene.interior,
+      scale_of(options), kept, grows_objects(options) ? 0 : interior_radius_units(options),
+      std::move(numbers));
+  if (!has_memory) {
+    return tree::build_distance_trees(around, distances, region.directory.dims, nullptr);
+  }
+  const tree::DistanceMemory memory(*options.cache, options.scene_name, options.voxel_size_m,
+                                    std::move(keys));
+  tree::DistanceTrees trees =
+      tree::build_distance_trees(around, distances, region.directory.dims, &memory);
+  bake.distance_nodes = memory.asked();
+  bake.reused_distance_nodes = memory.found();
+  return trees;
 }
 
 // The box of all voxels that are not free.
@@ -239,18 +257,19 @@ VoxmapHeader header_of(const SceneRegion& region, const masks::VoxelBox& tight,
 }
 
 // The trees of the scene and the header.
-void build_map(const SceneVoxels& scene, const SceneRegion& region,
-               const std::vector<ObjectBake>& bakes, const BakeOptions& options, Bake& bake) {
+void build_map(SceneVoxels& scene, const SceneRegion& region, const std::vector<ObjectBake>& bakes,
+               const BakeOptions& options, Bake& bake) {
   distance::ValueCounts counts;
   masks::VoxelBox tight;
   if (!region.directory.empty()) {
-    bake.values = build_layers(scene, region, options, counts, bake);
-    tight = tight_box_of(bake.values, region, options);
     if (stores_distances(options)) {
-      tree::DistanceTrees trees = build_distances(scene, region, bakes, options);
+      tree::DistanceTrees trees = build_distances(scene, region, bakes, options, bake);
       bake.distances = std::move(trees.distances);
       bake.nearest_objects = std::move(trees.objects);
+      if (trees.grown) masks::unite(scene.grown, std::move(*trees.grown));
     }
+    bake.values = build_layers(scene, region, options, counts, bake);
+    tight = tight_box_of(bake.values, region, options);
   }
   bake.header = header_of(region, tight, counts, options);
   if (stores_distances(options)) {
@@ -332,7 +351,7 @@ Result<Bake> bake_objects(Objects objects, const BakeOptions& options) {
   masks::VoxelBox scene;
   for (const ObjectBake& object : *bakes) scene.include(object.facts.box);
   if (!scene.empty()) {
-    const auto directory = fit_directory(scene, options.voxel_size_m);
+    const auto directory = limits::fit_directory(scene, options.voxel_size_m);
     if (!directory) return directory.error();
     std::mutex counting;
     std::size_t done = 0;

@@ -3,18 +3,18 @@
 #include <cmath>
 
 #include "voxelize/cache/cache_versions.h"
-#include "voxelize/directory_limit.h"
 #include "voxelize/distance/euclidean_growth.h"
 #include "voxelize/fill/cavities.h"
 #include "voxelize/fill/flood.h"
-#include "voxelize/memory_limit.h"
+#include "voxelize/limits/directory_limit.h"
+#include "voxelize/limits/memory_limit.h"
 #include "voxelize/scan/scan_conversion.h"
 
 namespace forcelayer::voxelize {
 namespace {
 
 // The digest of everything that an object's voxels depend on; nothing where the object does not say
-// what its mesh is. The scene, its region of interest and its layers (unless they grow the surface)
+// what its mesh is. The scene, its region of interest and its layers (unless they grow its surface)
 // are not in it.
 std::optional<cache::Digest> object_key(const SceneObject& object, const BakeOptions& options) {
   if (!object.mesh_digest) return std::nullopt;
@@ -25,7 +25,7 @@ std::optional<cache::Digest> object_key(const SceneObject& object, const BakeOpt
   digest.value(options.voxel_size_m);
   digest.bytes(std::as_bytes(std::span(options.free_seeds_m)));
   digest.bytes(std::as_bytes(std::span(object.free_seeds_m)));
-  if (grows_surface(options)) {
+  if (grows_objects(options)) {
     digest.value(interior_radius_units(options)).value(cache::kGrowthCacheVersion);
   }
   return digest.finish();
@@ -126,7 +126,7 @@ void find_narrow_passages(const SceneObject& object, const BakeOptions& options,
   const auto snapped =
       scan::snap_object(mesh, object.world_from_mesh, halved.voxel_size_m, object.name);
   if (!snapped) return;
-  const auto directory = fit_directory(snapped->box, halved.voxel_size_m);
+  const auto directory = limits::fit_directory(snapped->box, halved.voxel_size_m);
   if (!directory) return;
   const auto geometry = scan::scan_convert(*snapped, directory->origin);
   const auto seeds = seed_voxels(object, halved, snapped->box, *geometry, directory->origin);
@@ -184,8 +184,8 @@ Result<cache::ObjectVoxels> object_voxels(const SceneObject& object, const BakeO
 
 Result<cache::ObjectVoxels> bake_voxels(const SceneObject& object, const BakeOptions& options,
                                         const lattice::VoxelIndex& scene_origin, ObjectBake& bake) {
-  const Status fits =
-      fit_memory(bake.snapped, object.name, options.voxel_size_m, available_bytes());
+  const Status fits = limits::fit_memory(bake.snapped, object.name, options.voxel_size_m,
+                                         limits::available_bytes());
   if (!fits) return fits.error();
   Stopwatch watch;
   cache::ObjectVoxels voxels;
@@ -197,7 +197,7 @@ Result<cache::ObjectVoxels> bake_voxels(const SceneObject& object, const BakeOpt
   bake.facts.geometry_voxels = masks::voxel_count(*voxels.geometry);
   bake.facts.interior_voxels = masks::voxel_count(*voxels.interior);
   bake.seconds.flood = watch.lap_s();
-  if (grows_surface(options)) {
+  if (grows_objects(options)) {
     voxels.grown = distance::grow_surface(bake.snapped, *voxels.interior,
                                           interior_radius_units(options), scene_origin);
   }
