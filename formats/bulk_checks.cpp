@@ -31,6 +31,7 @@ PointFault fault_of(const PshellView& v, std::size_t i, double limit) {
   if (!(std::abs(nx * nx + ny * ny + nz * nz - 1) <= kUnitTolerance)) return PointFault::kNormal;
   if (!(std::isfinite(v.weight_m2[i]) && v.weight_m2[i] >= 0)) return PointFault::kWeight;
   if (v.cone_cos && !(v.cone_cos[i] >= -1 && v.cone_cos[i] <= 1)) return PointFault::kCone;
+  if (v.two_sided && v.two_sided[i] > 1) return PointFault::kSides;
   return PointFault::kNone;
 }
 

@@ -30,7 +30,7 @@ inline constexpr double kSphereTolerance = 0x1p-50;
 bool holds_points(const BoundingSphere& sphere, const PshellView& view, std::size_t begin,
                   std::size_t end);
 
-enum class PointFault { kNone, kPosition, kNormal, kWeight, kCone };
+enum class PointFault { kNone, kPosition, kNormal, kWeight, kCone, kSides };
 struct PointsChecked {
   std::size_t bad = 0;  // the first point with a fault
   PointFault fault = PointFault::kNone;

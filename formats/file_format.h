@@ -15,7 +15,6 @@ inline constexpr std::array<std::uint8_t, 8> kVoxmapMagic = {0x89, 'F',  'L',  '
 inline constexpr std::array<std::uint8_t, 8> kPshellMagic = {0x89, 'F',  'L',  'P',
                                                              '\r', '\n', 0x1a, '\n'};
 inline constexpr std::uint32_t kEndianTag = 0x01020304;
-inline constexpr std::uint16_t kFormatMinor = 0;
 inline constexpr std::uint64_t kSectionAlignment = 64;  // bytes, of every section's offset
 
 struct FileHeader {                   // offset

@@ -85,7 +85,7 @@ Status check_header_fields(const PshellHeader& h, std::string_view name) {
                  "convex_radius_m", "is not a finite length");
   checks.require(is_finite_not_negative(h.convex_gap_m), offsetof(PshellHeader, convex_gap_m),
                  "convex_gap_m", "is not a finite length");
-  if (!is_newer_minor(h.file)) {
+  if (!is_newer_minor(h.file, kPshellHeaderRule)) {
     checks.require(std::all_of(h.reserved.begin(), h.reserved.end(), [](auto b) { return b == 0; }),
                    offsetof(PshellHeader, reserved), "reserved", "is not zero");
   }
@@ -96,7 +96,7 @@ Status check_section_sizes(const PshellHeader& h, std::span<const std::span<cons
                            std::span<const SectionRule> rules, std::string_view name) {
   const std::uint64_t stored = h.block_count * h.block_points;
   for (std::size_t i = 0; i < rules.size(); ++i) {
-    const bool any_size = rules[i].element_bytes == 1 ||
+    const bool any_size = rules[i].id == static_cast<std::uint32_t>(PshellSection::kProvenance) ||
                           rules[i].id == static_cast<std::uint32_t>(PshellSection::kLosses);
     if (any_size || (!rules[i].required && all[i].empty())) continue;
     const bool blocks = rules[i].id == static_cast<std::uint32_t>(PshellSection::kBlocks);
@@ -144,6 +144,8 @@ Status check_points(const PshellView& v, double bounding_radius_m, std::string_v
       return entry_error(name, "weight", checked.bad, "weight is not a finite area");
     case PointFault::kCone:
       return entry_error(name, "normal cones", checked.bad, "cosine is not between -1 and 1");
+    case PointFault::kSides:
+      return entry_error(name, "two-sided points", checked.bad, "is neither 0 nor 1");
     case PointFault::kNone:
       break;
   }
@@ -160,7 +162,8 @@ Status check_padding_points(const PshellView& v, std::string_view name) {
     const bool repeats = std::all_of(std::begin(columns), std::end(columns), [&](const float* c) {
       return c == nullptr || bits(c[i]) == bits(c[last]);
     });
-    if (!repeats || bits(v.weight_m2[i]) != 0) {
+    const bool same_sides = !v.two_sided || v.two_sided[i] == v.two_sided[last];
+    if (!repeats || !same_sides || bits(v.weight_m2[i]) != 0) {
       return entry_error(name, "point sections", i,
                          "padding does not repeat the last point with weight zero");
     }
@@ -234,7 +237,7 @@ Result<Pshell> Pshell::read(std::span<const std::byte> bytes, std::string_view n
   if (Status s = check_header_fields(h, name); !s) return s.error();
 
   const auto rules = pshell_section_rules();
-  const auto sections = check_sections(bytes, name, rules);
+  const auto sections = check_sections(bytes, name, kPshellHeaderRule, rules);
   if (!sections) return sections.error();
   if (verify == Verify::kStructureAndChecksums) {
     if (Status s = check_section_checksums(bytes, name, rules, file); !s) return s.error();
@@ -242,21 +245,23 @@ Result<Pshell> Pshell::read(std::span<const std::byte> bytes, std::string_view n
   const auto& all = *sections;
   if (Status s = check_section_sizes(h, all, rules, name); !s) return s.error();
   const auto column = [&](std::size_t i) { return elements_of<float>(all[i]).data(); };
-  shell.view_ = {.point_count = h.point_count,
-                 .block_points = h.block_points,
-                 .super_block_blocks = h.super_block_blocks,
-                 .block_count = h.block_count,
-                 .super_block_count = h.super_block_count,
-                 .x = column(0),
-                 .y = column(1),
-                 .z = column(2),
-                 .nx = column(3),
-                 .ny = column(4),
-                 .nz = column(5),
-                 .weight_m2 = column(6),
-                 .blocks = elements_of<BoundingSphere>(all[7]).data(),
-                 .super_blocks = elements_of<BoundingSphere>(all[8]).data(),
-                 .cone_cos = all[9].empty() ? nullptr : column(9)};
+  shell.view_ = {
+      .point_count = h.point_count,
+      .block_points = h.block_points,
+      .super_block_blocks = h.super_block_blocks,
+      .block_count = h.block_count,
+      .super_block_count = h.super_block_count,
+      .x = column(0),
+      .y = column(1),
+      .z = column(2),
+      .nx = column(3),
+      .ny = column(4),
+      .nz = column(5),
+      .weight_m2 = column(6),
+      .blocks = elements_of<BoundingSphere>(all[7]).data(),
+      .super_blocks = elements_of<BoundingSphere>(all[8]).data(),
+      .cone_cos = all[9].empty() ? nullptr : column(9),
+      .two_sided = all[12].empty() ? nullptr : elements_of<std::uint8_t>(all[12]).data()};
   shell.provenance_ = {reinterpret_cast<const char*>(all[11].data()), all[11].size()};
   shell.losses_ = elements_of<DistanceLoss>(all[10]);
   if (Status s = check_losses(shell.losses_, name); !s) return s.error();

@@ -28,6 +28,8 @@ struct PshellView {
   const BoundingSphere* blocks = nullptr;
   const BoundingSphere* super_blocks = nullptr;
   const float* cone_cos = nullptr;  // nullptr where the file has none
+  // 1 where a point has no inside, and its normal may be turned round; nullptr where all have one.
+  const std::uint8_t* two_sided = nullptr;
 };
 
 // A mapped .pshell file. Movable; views and spans live as long as it does.

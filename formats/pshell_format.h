@@ -2,7 +2,7 @@
 // The normative text is pshell_format.md.
 //
 //   header | section table | x | y | z | nx | ny | nz | weight | blocks | super-blocks | [cones] |
-//   [losses] | [json]
+//   [losses] | [json] | [two-sided points]
 //
 // Points stand in blocks of `block_points`, blocks in super-blocks of
 // `super_block_blocks`. Every point
@@ -15,6 +15,7 @@
 namespace forcelayer {
 
 inline constexpr std::uint16_t kPshellMajor = 2;
+inline constexpr std::uint16_t kPshellMinor = 1;  // of a file with points that have no inside
 
 enum class ShellMethod : std::uint32_t { kVoxelCenters = 0, kSurface = 1 };
 enum class MassSource : std::uint32_t { kVolume = 0, kArea = 1 };
@@ -42,6 +43,7 @@ enum class PshellSection : std::uint32_t {
   kNormalCones = 10,  // float32 each: cosine of the half-angle; optional
   kLosses = 11,       // DistanceLoss each; optional
   kProvenance = 12,   // UTF-8 JSON; optional
+  kTwoSided = 13,     // uint8 each: 1 where a point has no inside; optional, since 2.1
 };
 
 struct BoundingSphere {  // holds its points whatever the rounding

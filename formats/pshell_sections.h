@@ -8,10 +8,11 @@
 
 namespace forcelayer {
 
-inline constexpr HeaderRule kPshellHeaderRule{kPshellMagic, kPshellMajor, sizeof(PshellHeader)};
+inline constexpr HeaderRule kPshellHeaderRule{kPshellMagic, kPshellMajor, kPshellMinor,
+                                              sizeof(PshellHeader)};
 
 // In ascending order of id.
-constexpr std::array<SectionRule, 12> pshell_section_rules() {
+constexpr std::array<SectionRule, 13> pshell_section_rules() {
   constexpr auto id = [](PshellSection section) { return static_cast<std::uint32_t>(section); };
   return {{{id(PshellSection::kPositionX), "x", sizeof(float), true},
            {id(PshellSection::kPositionY), "y", sizeof(float), true},
@@ -24,7 +25,8 @@ constexpr std::array<SectionRule, 12> pshell_section_rules() {
            {id(PshellSection::kSuperBlocks), "super-blocks", sizeof(BoundingSphere), true},
            {id(PshellSection::kNormalCones), "normal cones", sizeof(float), false},
            {id(PshellSection::kLosses), "losses", sizeof(DistanceLoss), false},
-           {id(PshellSection::kProvenance), "provenance", 1, false}}};
+           {id(PshellSection::kProvenance), "provenance", 1, false},
+           {id(PshellSection::kTwoSided), "two-sided points", 1, false, 1}}};
 }
 
 }  // namespace forcelayer

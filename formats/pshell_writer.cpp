@@ -22,6 +22,7 @@ std::vector<float> padded(std::span<const float> values, const PshellHeader& hea
 // The sections' own storage must outlive the layout that points into it.
 struct PaddedLayout {
   std::array<std::vector<float>, 8> columns;  // x y z nx ny nz weight cone
+  std::vector<std::uint8_t> two_sided;
   FileLayout layout;
 };
 
@@ -42,12 +43,18 @@ PaddedLayout lay_out(const PshellContent& content) {
   bytes.push_back(std::as_bytes(std::span(result.columns[7])));
   bytes.push_back(std::as_bytes(content.losses));
   bytes.push_back(std::as_bytes(std::span(content.provenance)));
+  result.two_sided.assign(content.two_sided.begin(), content.two_sided.end());
+  if (!content.two_sided.empty()) {
+    result.two_sided.resize(content.header.block_count * content.header.block_points,
+                            content.two_sided.back());
+  }
+  bytes.push_back(std::as_bytes(std::span(result.two_sided)));
 
   const auto rules = pshell_section_rules();
   std::vector<SectionContent> sections;
   for (std::size_t i = 0; i < rules.size(); ++i) {
     if (!rules[i].required && bytes[i].empty()) continue;
-    sections.push_back({rules[i].id, rules[i].element_bytes, bytes[i]});
+    sections.push_back({rules[i].id, rules[i].element_bytes, bytes[i], rules[i].minor});
   }
   result.layout =
       lay_out_file(std::as_bytes(std::span(&content.header, 1)), kPshellHeaderRule, sections);

@@ -25,6 +25,7 @@ struct PshellContent {
   std::span<const float> cone_cos;               // [point_count] or empty
   std::string_view provenance;                   // JSON, may be empty
   std::span<const DistanceLoss> losses;          // ascending, may be empty
+  std::span<const std::uint8_t> two_sided;       // [point_count] 1 without an inside, or empty
 };
 
 // Writes `content` to `path` atomically; returns the file's size in bytes. Same content, same

@@ -25,7 +25,6 @@ enum class ErrorCode : int {
   kMeshUnsupported = 303,   // a format or feature that this build does not read
   kSceneInvalid = 304,      // a manifest, node name, seed or transform that makes no sense
   kBakeTooLarge = 305,      // more voxels than the format's directory can hold
-  kMeshUnorientable = 306,  // a part that does not say which side is inside
   kNotThisFormat = 400,     // wrong magic
   kWrongEndianness = 401,   // written on a big-endian machine
   kUnknownVersion = 402,    // a newer major version

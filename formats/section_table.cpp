@@ -108,8 +108,8 @@ Status check_version(const FileHeader& header, std::string_view name, const Head
 Status check_header_checksum(std::span<const std::byte> bytes, std::string_view name,
                              const FileHeader& header, const HeaderRule& rule) {
   const std::string file(name);
-  const bool right_size = is_newer_minor(header) ? header.header_bytes >= rule.header_bytes
-                                                 : header.header_bytes == rule.header_bytes;
+  const bool right_size = is_newer_minor(header, rule) ? header.header_bytes >= rule.header_bytes
+                                                       : header.header_bytes == rule.header_bytes;
   if (!right_size || header.header_bytes > kMaxHeaderBytes ||
       header.header_bytes % kSectionAlignment != 0) {
     return Error{ErrorCode::kFieldInvalid, file, "header byte 16",
@@ -142,7 +142,7 @@ Status check_header_checksum(std::span<const std::byte> bytes, std::string_view 
 }
 
 Status check_size_and_features(std::span<const std::byte> bytes, std::string_view name,
-                               const FileHeader& header) {
+                               const FileHeader& header, const HeaderRule& rule) {
   const std::string file(name);
   if (bytes.size() != header.file_bytes) {
     const bool shorter = bytes.size() < header.file_bytes;
@@ -159,7 +159,7 @@ Status check_size_and_features(std::span<const std::byte> bytes, std::string_vie
                  "needs features " + hex(unknown) + " that this program does not know",
                  "use a newer version of this program"};
   }
-  if (header.reserved != 0 && !is_newer_minor(header)) {
+  if (header.reserved != 0 && !is_newer_minor(header, rule)) {
     return Error{ErrorCode::kFieldInvalid, file, "header byte 56", "reserved bytes are not zero",
                  "bake or copy it again"};
   }
@@ -229,9 +229,12 @@ Status check_padding(std::span<const std::byte> bytes, std::uint64_t begin, std:
   return {};
 }
 
-const SectionRule* find_rule(std::span<const SectionRule> rules, std::uint32_t id) {
-  const auto found = std::find_if(rules.begin(), rules.end(),
-                                  [id](const SectionRule& rule) { return rule.id == id; });
+// Null where files of this minor version have no such section.
+const SectionRule* find_rule(std::span<const SectionRule> rules, std::uint32_t id,
+                             std::uint16_t minor) {
+  const auto found = std::find_if(rules.begin(), rules.end(), [&](const SectionRule& rule) {
+    return rule.id == id && rule.minor <= minor;
+  });
   return found == rules.end() ? nullptr : &*found;
 }
 
@@ -249,7 +252,9 @@ Status check_required(std::span<const SectionEntry> table, std::span<const Secti
 
 }  // namespace
 
-bool is_newer_minor(const FileHeader& header) { return header.minor > kFormatMinor; }
+bool is_newer_minor(const FileHeader& header, const HeaderRule& rule) {
+  return header.minor > rule.minor;
+}
 
 Status check_file_header(std::span<const std::byte> bytes, std::string_view name,
                          const HeaderRule& rule) {
@@ -261,19 +266,20 @@ Status check_file_header(std::span<const std::byte> bytes, std::string_view name
   const FileHeader header = read_file_header(bytes);
   if (Status version = check_version(header, name, rule); !version) return version;
   if (Status sum = check_header_checksum(bytes, name, header, rule); !sum) return sum;
-  return check_size_and_features(bytes, name, header);
+  return check_size_and_features(bytes, name, header, rule);
 }
 
 Result<std::vector<std::span<const std::byte>>> check_sections(std::span<const std::byte> bytes,
                                                                std::string_view name,
+                                                               const HeaderRule& header_rule,
                                                                std::span<const SectionRule> rules) {
   const FileHeader header = read_file_header(bytes);
   const auto table = section_table(bytes);
   std::vector<std::span<const std::byte>> sections(rules.size());
   std::uint64_t end = table_end(header);
   for (std::size_t index = 0; index < table.size(); ++index) {
-    const PlacedEntry placed{table[index], index, find_rule(rules, table[index].id)};
-    if (Status s = check_identity(placed, table, is_newer_minor(header), name); !s) {
+    const PlacedEntry placed{table[index], index, find_rule(rules, table[index].id, header.minor)};
+    if (Status s = check_identity(placed, table, is_newer_minor(header, header_rule), name); !s) {
       return s.error();
     }
     if (Status s = check_placement(placed, end, header.file_bytes, name); !s) return s.error();
@@ -299,7 +305,7 @@ Status check_section_checksums(std::span<const std::byte> bytes, std::string_vie
     if (!sum) return sum.error();
     const std::uint64_t actual = *sum;
     if (actual == entry.checksum) continue;
-    const SectionRule* rule = find_rule(rules, entry.id);
+    const SectionRule* rule = find_rule(rules, entry.id, read_file_header(bytes).minor);
     return Error{ErrorCode::kChecksumMismatch, std::string(name),
                  rule ? rule->name : "section " + std::to_string(entry.id),
                  "the section is damaged: its checksum is " + hex(actual) + " and not " +
@@ -316,7 +322,7 @@ FileLayout lay_out_file(std::span<const std::byte> header, const HeaderRule& rul
   file.magic = rule.magic;
   file.endian_tag = kEndianTag;
   file.major = rule.major;
-  file.minor = kFormatMinor;
+  for (const SectionContent& section : sections) file.minor = std::max(file.minor, section.minor);
   file.header_bytes = rule.header_bytes;
   file.section_count = static_cast<std::uint32_t>(sections.size());
 

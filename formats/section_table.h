@@ -29,10 +29,11 @@ constexpr std::uint64_t aligned_offset(std::uint64_t offset) {
   return (offset + kSectionAlignment - 1) / kSectionAlignment * kSectionAlignment;
 }
 
-// The magic, the major version and the size of a format's header.
+// The magic, the version and the size of a format's header.
 struct HeaderRule {
   std::array<std::uint8_t, 8> magic;
   std::uint16_t major;         // another is refused
+  std::uint16_t minor;         // the highest that is known; a higher one is read
   std::uint32_t header_bytes;  // of this minor version
 };
 
@@ -42,6 +43,7 @@ struct SectionRule {
   const char* name;             // for errors
   std::uint32_t element_bytes;  // exact
   bool required;                // must stand in the table, if only with zero bytes
+  std::uint16_t minor = 0;      // the minor version that brought it; unknown in files of lower ones
 };
 
 // Checks the first 64 bytes, the header's checksum, the exact size of the file, version and feature
@@ -50,11 +52,12 @@ struct SectionRule {
 Status check_file_header(std::span<const std::byte> bytes, std::string_view name,
                          const HeaderRule& rule);
 
-// Checks the section table and returns the sections' bytes: one span for each rule, in the rules'
-// order (ascending ids), empty where an optional section is absent. The file header has been
-// checked before.
+// Checks the section table against a format's rules and returns the sections' bytes: one span for
+// each rule, in the rules' order (ascending ids), empty where an optional section is absent. The
+// file header has been checked before.
 Result<std::vector<std::span<const std::byte>>> check_sections(std::span<const std::byte> bytes,
                                                                std::string_view name,
+                                                               const HeaderRule& header_rule,
                                                                std::span<const SectionRule> rules);
 
 // Checks every section's checksum against the table; the table has been checked. Where `bytes` are
@@ -64,7 +67,7 @@ Status check_section_checksums(std::span<const std::byte> bytes, std::string_vie
 
 // Whether the file has a minor version that this reader does not know. Such a file may give meaning
 // to bytes that are reserved here, lengthen the header and add sections.
-bool is_newer_minor(const FileHeader& header);
+bool is_newer_minor(const FileHeader& header, const HeaderRule& rule);
 
 // The elements of a checked section.
 template <typename T>
@@ -84,10 +87,12 @@ struct SectionContent {
   std::uint32_t id;
   std::uint32_t element_bytes;
   std::span<const std::byte> bytes;
+  std::uint16_t minor = 0;  // SectionRule::minor
 };
 
 // Lays out a file whose format header is `header` (a FileHeader first; its other fields are filled
-// in here) and whose sections, in ascending order of id, are `sections`.
+// in here) and whose sections, in ascending order of id, are `sections`. Its minor version is the
+// lowest that has them all.
 FileLayout lay_out_file(std::span<const std::byte> header, const HeaderRule& rule,
                         std::span<const SectionContent> sections);
 

@@ -150,7 +150,7 @@ Status check_header_fields(const VoxmapHeader& h, std::string_view name) {
   checks.require(is_finite_not_negative(h.static_deviation_m),
                  offsetof(VoxmapHeader, static_deviation_m), "static_deviation_m",
                  "is not a finite length");
-  if (!is_newer_minor(h.file)) {
+  if (!is_newer_minor(h.file, kVoxmapHeaderRule)) {
     checks.require(h.reserved0 == 0, offsetof(VoxmapHeader, reserved0), "reserved", "is not zero");
     checks.require(h.reserved1 == 0, offsetof(VoxmapHeader, reserved1), "reserved", "is not zero");
     checks.require(std::all_of(h.reserved.begin(), h.reserved.end(), [](auto b) { return b == 0; }),
@@ -294,7 +294,7 @@ Result<Voxmap> Voxmap::read(std::span<const std::byte> bytes, std::string_view n
   if (Status s = check_header_fields(h, name); !s) return s.error();
 
   const auto rules = voxmap_section_rules();
-  const auto sections = check_sections(bytes, name, rules);
+  const auto sections = check_sections(bytes, name, kVoxmapHeaderRule, rules);
   if (!sections) return sections.error();
   if (verify == Verify::kStructureAndChecksums) {
     if (Status s = check_section_checksums(bytes, name, rules, file); !s) return s.error();

@@ -8,7 +8,7 @@
 
 namespace forcelayer {
 
-inline constexpr HeaderRule kVoxmapHeaderRule{kVoxmapMagic, kVoxmapMajor, sizeof(VoxmapHeader)};
+inline constexpr HeaderRule kVoxmapHeaderRule{kVoxmapMagic, kVoxmapMajor, 0, sizeof(VoxmapHeader)};
 
 // In ascending order of id.
 constexpr std::array<SectionRule, 15> voxmap_section_rules() {

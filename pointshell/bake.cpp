@@ -9,6 +9,7 @@
 #include <limits>
 #include <numeric>
 #include <optional>
+#include <thread>
 
 #include "pointshell/certificate/certificate.h"
 #include "pointshell/certificate/hidden_surface.h"
@@ -25,6 +26,11 @@
 namespace forcelayer::pointshell {
 namespace {
 
+// The stages of a bake and about which share of it each takes.
+constexpr std::pair<const char*, double> kStageShares[] = {
+    {"orientation", 0.07}, {"points", 0.5}, {"hidden", 0.05},  {"corners", 0.1},
+    {"order", 0.01},       {"losses", 0.2}, {"normals", 0.05}, {"weights", 0.02}};
+
 class Stages {
  public:
   Stages(BakedShell& shell, const BakeProgress& progress) : shell_(shell), progress_(progress) {}
@@ -33,8 +39,17 @@ class Stages {
     end();
     name_ = name;
     started_ = std::chrono::steady_clock::now();
-    progress_(name, 0);
+    before_ = 0;
+    for (const auto& [stage, share] : kStageShares) {
+      share_ = share;
+      if (name == stage) break;
+      before_ += share;
+    }
+    show(0);
   }
+
+  // `share_done`: of the stage.
+  void show(double share_done) const { progress_(name_, before_ + share_ * share_done); }
 
   void end() {
     if (name_.empty()) return;
@@ -47,11 +62,13 @@ class Stages {
   BakedShell& shell_;
   const BakeProgress& progress_;
   std::string name_;
+  double before_ = 0, share_ = 0;  // of the bake: what is done, and the stage's own
   std::chrono::steady_clock::time_point started_;
 };
 
-// Working memory for each point of a bake, with room to spare.
-constexpr double kBytesPerPoint = 400;
+// Working memory for each point and triangle of a bake, with room to spare, and processor time.
+constexpr double kBytesPerPoint = 400, kBytesPerTriangle = 330;
+constexpr double kSecondsPerPoint = 85e-6, kSecondsPerTriangle = 9e-6;
 // The most points that a method needs, as a multiple of the planar bound.
 constexpr double kMostOfBound = 3;
 
@@ -59,8 +76,23 @@ double physical_memory_bytes() {
   return static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
 }
 
-// Refuses a bake that would run for hours and then out of memory.
-Status check_size(const part::MassProperties& mass, double radius) {
+// Refuses a bake that would run for hours and then out of memory, or make what no file holds.
+Status check_size(const part::Part& part, const part::MassProperties& mass, double radius,
+                  double voxel_size_m) {
+  const auto farthest = std::max_element(
+      part.vertices.begin(), part.vertices.end(), [&](const part::Vec3& a, const part::Vec3& b) {
+        return part::length_squared(a - mass.centroid) < part::length_squared(b - mass.centroid);
+      });
+  const double reach_m = part::length(*farthest - mass.centroid);
+  if (reach_m > kMaxRadiusVoxels * voxel_size_m) {
+    char what[200];
+    std::snprintf(what, sizeof what,
+                  "the vertex at (%.6g, %.6g, %.6g) m is %.3g m from the centroid, more than a "
+                  "million voxels",
+                  farthest->x, farthest->y, farthest->z, reach_m);
+    return Error{ErrorCode::kBakeTooLarge, "", "", what,
+                 "look for a stray vertex in the mesh, and check --units"};
+  }
   const double expected = planar_bound(mass.area_m2, radius), most = kMostOfBound * expected;
   if (most < static_cast<double>(kMaxShellPoints) &&
       most * kBytesPerPoint < physical_memory_bytes()) {
@@ -137,6 +169,9 @@ void fill_points(std::span<const part::Vec3> points, const normals::ShellNormals
     shell.weight_m2.push_back(static_cast<float>(weights[n]));
     shell.cone_cos.push_back(static_cast<float>(normals.cone_cos[n]));
   }
+  if (std::find(normals.two_sided.begin(), normals.two_sided.end(), 1) != normals.two_sided.end()) {
+    shell.two_sided = normals.two_sided;
+  }
 }
 
 void fill_blocks(std::span<const part::Vec3> points, BakedShell& shell) {
@@ -177,11 +212,11 @@ Result<BakedShell> bake(part::Part part, const ShellOptions& options,
   double radius = requested_covering_radius(options);
 
   stages.begin("orientation");
-  const auto orientation = normals::orient_outwards(part, radius);
-  if (!orientation) return orientation.error();
-  shell.orientation = *orientation;
-  const part::MassProperties mass = part::mass_properties(part);
-  if (const Status fits = check_size(mass, radius); !fits) return fits.error();
+  shell.orientation = normals::orient_outwards(part, radius);
+  const part::MassProperties mass = part::mass_properties(part, shell.orientation.loose);
+  shell.loose_triangles = mass.loose_triangles;
+  if (const Status fits = check_size(part, mass, radius, options.voxel_size_m); !fits)
+    return fits.error();
   const part::Part centered = part::relative_to(part, mass.centroid);
 
   stages.begin("points");
@@ -196,7 +231,7 @@ Result<BakedShell> bake(part::Part part, const ShellOptions& options,
     proof = std::move(*covered);
   } else {
     sample::CoveringPoints covering = sample::covering_points(
-        tree, radius, options.effort, [&](double share_done) { progress("points", share_done); });
+        tree, radius, options.effort, [&](double share_done) { stages.show(share_done); });
     points = std::move(covering.positions);
     proof = std::move(covering.proof);
   }
@@ -231,7 +266,8 @@ Result<BakedShell> bake(part::Part part, const ShellOptions& options,
   stages.begin("normals");
   sample::RestrictedCells cells(tree, radius);
   cells.find_lists(ordered);
-  const normals::ShellNormals normals = normals::shell_normals(cells, ordered, radius);
+  const normals::ShellNormals normals =
+      normals::shell_normals(cells, ordered, radius, shell.orientation.of_sheet);
   stages.begin("weights");
   const std::vector<double> weights = sample::area_weights(cells, ordered);
   shell.covered_area_m2 = std::accumulate(weights.begin(), weights.end(), 0.0);
@@ -251,6 +287,21 @@ Result<BakedShell> bake(part::Part part, const ShellOptions& options,
 
 double planar_bound(double area_m2, double radius_m) {
   return 2 / (3 * std::sqrt(3.0)) * area_m2 / (radius_m * radius_m);
+}
+
+BakeCost expected_cost(const part::Part& part, const ShellOptions& options) {
+  double area_m2 = 0;
+  for (std::size_t t = 0; t < part.triangles.size(); ++t) {
+    area_m2 += part::length(part::doubled_area_normal(part, t)) / 2;
+  }
+  const auto triangles = static_cast<double>(part.triangles.size());
+  const unsigned cores = std::max(1u, std::thread::hardware_concurrency());
+  const double threads = options.threads == 0 ? cores : std::min(options.threads, cores);
+  BakeCost cost;
+  cost.points = planar_bound(area_m2, requested_covering_radius(options));
+  cost.seconds = (kSecondsPerPoint * cost.points + kSecondsPerTriangle * triangles) / threads;
+  cost.bytes = kBytesPerPoint * cost.points + kBytesPerTriangle * triangles;
+  return cost;
 }
 
 double requested_covering_radius(const ShellOptions& options) {
@@ -279,6 +330,7 @@ PshellContent BakedShell::content() const {
   content.blocks = blocks;
   content.super_blocks = super_blocks;
   content.losses = losses;
+  content.two_sided = two_sided;
   return content;
 }
 

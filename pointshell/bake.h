@@ -31,19 +31,27 @@ double planar_bound(double area_m2, double radius_m);
 // The radius that the options ask for, m.
 double requested_covering_radius(const ShellOptions& options);
 
+// About what a bake will take, on a core of 2025.
+struct BakeCost {
+  double points = 0, seconds = 0, bytes = 0;
+};
+BakeCost expected_cost(const part::Part& part, const ShellOptions& options);
+
 // A shell with the arrays that its content refers to.
 struct BakedShell {
   PshellHeader header{};
   std::vector<float> x, y, z, nx, ny, nz, weight_m2, cone_cos;
   std::vector<BoundingSphere> blocks, super_blocks;
   std::vector<DistanceLoss> losses;
+  std::vector<std::uint8_t> two_sided;  // of points on sheets 1; empty where there are no sheets
 
   normals::OrientationReport orientation;
   std::uint64_t certificate_pieces = 0;
   std::uint64_t loss_pieces = 0;
-  std::uint64_t corner_points = 0;  // added where the others cut off corners and edges
-  std::uint64_t hidden_points = 0;  // left out: they lie inside another of the part's bodies
-  double covered_area_m2 = 0;       // sum of the weights
+  std::uint64_t corner_points = 0;    // added where the others cut off corners and edges
+  std::uint64_t hidden_points = 0;    // left out: they lie inside another of the part's bodies
+  std::uint64_t loose_triangles = 0;  // that do not count in the volume
+  double covered_area_m2 = 0;         // sum of the weights
   double mean_block_radius_m = 0;
   std::vector<std::pair<std::string, double>> stage_seconds;
 
@@ -51,10 +59,11 @@ struct BakedShell {
   SurfaceDistanceTerms surface_distance_terms() const;  // the same
 };
 
-// Called with the stage that runs and the share of it that is done, in [0, 1].
+// Called with the stage that runs and the share of the bake that is done, in [0, 1].
 using BakeProgress = std::function<void(const std::string& stage, double share_done)>;
 
-// Errors: kMeshUnorientable, kBakeTooLarge. The same shell for any number of threads.
+// Errors: kMeshEmpty; kBakeTooLarge where the shell is more than memory or the format holds. The
+// same shell for any number of threads.
 Result<BakedShell> bake_shell(part::Part part, const ShellOptions& options,
                               const BakeProgress& progress);
 

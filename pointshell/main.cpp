@@ -183,13 +183,13 @@ Result<part::Part> load_part(const Arguments& arguments, double voxel_size_m,
   return std::move(files->part);
 }
 
-void print_summary(const Arguments& arguments, const BakedShell& shell) {
+void print_summary(const Arguments& arguments, const BakedShell& shell, const part::Part& part) {
   const PshellHeader& header = shell.header;
   if (arguments.quiet) return;
   std::printf(
-      "%s: %llu points (%s), covering radius %.6g m proven (%.4f voxels), %.3f of the "
+      "%s: %s (%s), covering radius %.6g m proven (%.4f voxels), %.3f of the "
       "planar bound\n",
-      escaped(arguments.output).c_str(), static_cast<unsigned long long>(header.point_count),
+      escaped(arguments.output).c_str(), mesh::counted(header.point_count, "point").c_str(),
       arguments.method.c_str(), header.covering_radius_m,
       header.covering_radius_m / header.voxel_size_m,
       points_over_bound(header, shell.covered_area_m2));
@@ -201,14 +201,14 @@ void print_summary(const Arguments& arguments, const BakedShell& shell) {
     std::printf("%s: at the identity pose it stands where it is installed in %s\n",
                 escaped(arguments.output).c_str(), escaped(file.path).c_str());
   }
-  if (shell.hidden_points > 0) {
-    std::printf("%llu points left out inside another body of the part\n",
-                static_cast<unsigned long long>(shell.hidden_points));
-  }
-  if (shell.orientation.flipped_triangles > 0) {
-    std::printf("%llu triangles turned to face outwards\n",
-                static_cast<unsigned long long>(shell.orientation.flipped_triangles));
-  }
+  const auto print_counted = [](std::uint64_t count, const char* singular, const char* what) {
+    if (count > 0) std::printf("%s %s\n", mesh::counted(count, singular).c_str(), what);
+  };
+  print_counted(shell.hidden_points, "point", "left out inside another body of the part");
+  print_counted(shell.orientation.flipped_triangles, "triangle", "turned to face outwards");
+  print_counted(part.duplicate_triangles, "triangle", "that others repeat counted once");
+  print_counted(shell.loose_triangles, "loose triangle",
+                "without a say in the volume: hidden, or smaller than the covering radius");
 }
 
 double now_s() {
@@ -229,11 +229,21 @@ Status bake_command(const Arguments& arguments) {
     warnings.push_back(imprecise);
     warn(arguments, imprecise);
   }
+  if (const std::string cost = cost_warning(expected_cost(*part, *options), *part); !cost.empty()) {
+    progress.clear();
+    warnings.push_back(cost);
+    warn(arguments, cost);
+  }
   const double read_s = now_s() - started_s;
   auto shell = bake_shell(*part, *options, [&](const std::string& stage, double share_done) {
     progress.show(stage, share_done);
   });
   if (!shell) return shell.error();
+  if (const std::string sheets = sheet_warning(*shell); !sheets.empty()) {
+    warnings.push_back(sheets);
+    progress.clear();
+    warn(arguments, sheets);
+  }
   PshellContent content = shell->content();
   const std::string origin = provenance(*part, *options);
   content.provenance = origin;
@@ -242,7 +252,7 @@ Status bake_command(const Arguments& arguments) {
   if (!written) return written.error();
   shell->stage_seconds.insert(shell->stage_seconds.begin(), {"read", read_s});
   shell->stage_seconds.push_back({"write", now_s() - write_started_s});
-  print_summary(arguments, *shell);
+  print_summary(arguments, *shell, *part);
   if (arguments.json.empty()) return {};
   nlohmann::ordered_json report = bake_report(*shell, *options, *part);
   report["peak_rss_bytes"] = command::peak_rss_bytes();

@@ -3,12 +3,30 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "formats/mesh/missing_faces.h"
+#include "formats/mesh/reader.h"
 
 namespace forcelayer::pointshell {
+namespace {
+
+nlohmann::ordered_json json_of(const std::vector<normals::Sheet>& sheets) {
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  for (const normals::Sheet& sheet : sheets) {
+    rows.push_back({{"body", sheet.body},
+                    {"triangles", sheet.triangles},
+                    {"area_m2", sheet.area_m2},
+                    {"center_m", {sheet.middle.x, sheet.middle.y, sheet.middle.z}},
+                    {"size_m", sheet.size_m}});
+  }
+  return rows;
+}
+
+}  // namespace
+
 std::string part_hash(const part::Part& part) {
   XXH64_hash_t hash = XXH3_64bits(part.vertices.data(), part.vertices.size() * sizeof(part::Vec3));
   hash = XXH3_64bits_withSeed(part.triangles.data(), part.triangles.size() * sizeof(mesh::Triangle),
@@ -37,6 +55,38 @@ std::string provenance(const part::Part& part, const ShellOptions& options) {
   if (options.method == ShellMethod::kSurface) json["effort"] = effort_name(options.effort);
   if (!part.missing_faces.empty()) json["missing_faces"] = mesh::json_of(part.missing_faces);
   return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
+
+std::string cost_warning(const BakeCost& cost, const part::Part& part) {
+  constexpr double kMinute = 60, kGigabyte = 1e9;
+  if (cost.seconds <= kMinute && cost.bytes <= kGigabyte) return "";
+  char text[200];
+  std::snprintf(text, sizeof text,
+                "%.2g points for %.3g triangles: this takes about %.2g minutes and %.2g GB; a "
+                "larger voxel size, a coarser mesh or --effort fast takes less",
+                cost.points, static_cast<double>(part.triangles.size()), cost.seconds / kMinute,
+                cost.bytes / kGigabyte);
+  return text;
+}
+
+std::string sheet_warning(const BakedShell& shell) {
+  constexpr std::size_t kListed = 4;
+  const std::vector<normals::Sheet>& sheets = shell.orientation.sheets;
+  if (sheets.empty()) return "";
+  std::string text = mesh::counted(sheets.size(), "open sheet") + ": ";
+  for (std::size_t n = 0; n < std::min(sheets.size(), kListed); ++n) {
+    const normals::Sheet& sheet = sheets[n];
+    char place[160];
+    std::snprintf(place, sizeof place, ", %.3g m across, about (%.6g, %.6g, %.6g) m", sheet.size_m,
+                  sheet.middle.x, sheet.middle.y, sheet.middle.z);
+    text += (n == 0 ? "" : "; ") + sheet.body + ", " + mesh::counted(sheet.triangles, "triangle") +
+            place;
+  }
+  if (sheets.size() > kListed) text += "; ...";
+  return text +
+         ". Their points act on both sides, which needs a scene with distances (not --lean) and "
+         "not "
+         "--model paper; mass is taken from the area";
 }
 
 double points_over_bound(const PshellHeader& header, double area_m2) {
@@ -79,8 +129,11 @@ nlohmann::ordered_json bake_report(const BakedShell& shell, const ShellOptions& 
         {"flipped_triangles", shell.orientation.flipped_triangles},
         {"hidden_triangles", shell.orientation.hidden_triangles},
         {"undecided_triangles", shell.orientation.undecided_triangles},
+        {"loose_triangles", shell.loose_triangles},
         {"boundary_edges", shell.orientation.boundary_edges},
         {"nonmanifold_edges", shell.orientation.nonmanifold_edges}}},
+      {"sheets", json_of(shell.orientation.sheets)},
+      {"two_sided_points", std::count(shell.two_sided.begin(), shell.two_sided.end(), 1)},
       {"mass_source", header.mass_source == 0 ? "volume" : "area"},
       {"volume_m3", header.volume_m3},
       {"center_m", header.center_m},

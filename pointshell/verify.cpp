@@ -38,10 +38,8 @@ certificate::CoveringProof verify_shell(const Pshell& shell, const part::Part& p
   const certificate::CoveringProof proof = certificate::prove_covering(
       centered, points, radius, most_holes(points.size(), part.triangles.size()));
   // A part of several bodies may be open only where one body hides another.
-  if (proof.proven || proof.given_up || part.body_names.size() < 2 ||
-      !normals::orient_outwards(centered, radius)) {
-    return proof;
-  }
+  if (proof.proven || proof.given_up || part.body_names.size() < 2) return proof;
+  normals::orient_outwards(centered, radius);
   const certificate::HiddenSurface hidden(centered);
   return hidden.possible() ? certificate::continue_proof(centered, points, radius, proof, &hidden)
                            : proof;
@@ -51,10 +49,11 @@ certificate::LossProof verify_losses(const Pshell& shell, const part::Part& part
   const std::vector<part::Vec3> points = stored_points(shell.view());
   const PshellHeader& header = shell.header();
   part::Part centered = centered_part(shell, part);
-  const bool oriented = centered.body_names.size() > 1 &&
-                        normals::orient_outwards(centered, header.covering_radius_m);
   std::optional<certificate::HiddenSurface> hidden;
-  if (oriented) hidden.emplace(centered);
+  if (centered.body_names.size() > 1) {
+    normals::orient_outwards(centered, header.covering_radius_m);
+    hidden.emplace(centered);
+  }
   return certificate::prove_losses({centered, points, header.covering_radius_m, header.voxel_size_m,
                                     hidden ? &*hidden : nullptr},
                                    shell.surface_distance_terms());

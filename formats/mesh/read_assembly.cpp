@@ -4,6 +4,7 @@
 #include <new>
 
 #include "formats/file/mapped_file.h"
+#include "formats/mesh/foreign_files.h"
 #include "formats/mesh/mesh.h"
 #include "formats/mesh/reader.h"
 
@@ -15,15 +16,20 @@ struct Format {
   std::string_view signature;   // first bytes of the file; empty where the format has none
   std::string_view extensions;  // each between dots
   bool has_nodes;               // whether "#NODE" makes sense
+  bool is_text;                 // where the signature is another
   Assembly (*read)(const SourceFile&);
 };
 
 constexpr Format kFormats[] = {
-    {"glTF", "glTF", ".glb.gltf.", true, read_gltf}, {"Draco", "DRACO", ".drc.", false, read_drc},
-    {"PLY", "ply", ".ply.", false, read_ply},        {"STL", "", ".stl.", false, read_stl},
-    {"OBJ", "", ".obj.", false, read_obj},           {"OFF", "", ".off.", false, read_off},
-    {"OpenMesh", "", ".om.", false, read_om},        {"STEP", "", ".step.stp.", true, read_step},
-    {"IGES", "", ".iges.igs.", true, read_step},
+    {"glTF", "glTF", ".glb.gltf.", true, true, read_gltf},
+    {"Draco", "DRACO", ".drc.", false, true, read_drc},
+    {"PLY", "ply", ".ply.", false, true, read_ply},
+    {"STL", "", ".stl.", false, false, read_stl},
+    {"OBJ", "", ".obj.", false, true, read_obj},
+    {"OFF", "", ".off.", false, true, read_off},
+    {"OpenMesh", "", ".om.", false, false, read_om},
+    {"STEP", "", ".step.stp.", true, true, read_step},
+    {"IGES", "", ".iges.igs.", true, true, read_step},
 };
 
 // The format of this extension, or null.
@@ -40,11 +46,10 @@ const Format& format_of(const SourceFile& file) {
   for (const Format& format : kFormats) {
     if (!format.signature.empty() && file.bytes.starts_with(format.signature)) return format;
   }
-  const std::string extension = lower_case_extension(file.path);
-  if (const Format* const named = find_format(extension)) return *named;
-  fail_read(file, ErrorCode::kMeshUnsupported, "",
-            in_quotes(extension) + " is not the extension of a mesh format that is read here",
-            "use stl, obj, ply, off, om, drc, glb, gltf or step");
+  const Format* const named = find_format(lower_case_extension(file.path));
+  if (named == nullptr || named->is_text) refuse_foreign_content(file);
+  if (named != nullptr) return *named;
+  refuse_extension(file);
 }
 
 // Identity, size and time of a file, to find out whether somebody wrote to it meanwhile.

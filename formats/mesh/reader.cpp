@@ -67,7 +67,10 @@ std::string in_quotes(std::string_view word) {
 }
 
 std::string counted(std::uint64_t count, const char* singular) {
-  return std::to_string(count) + " " + singular + (count == 1 ? "" : "s");
+  std::string text = std::to_string(count) + " " + singular;
+  if (count == 1) return text;
+  if (text.ends_with('y')) return text.substr(0, text.size() - 1) + "ies";
+  return text + "s";
 }
 
 }  // namespace forcelayer::mesh

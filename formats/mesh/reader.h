@@ -70,7 +70,7 @@ Assembly assembly_of(const SourceFile& file, Mesh mesh);
 // 'word', shortened where it is long.
 std::string in_quotes(std::string_view word);
 
-// "1 polygon", "3 polygons".
+// "1 polygon", "3 polygons", "2 entities".
 std::string counted(std::uint64_t count, const char* singular);
 
 // read_assembly() of a file that is in memory already.

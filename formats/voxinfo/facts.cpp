@@ -1,5 +1,6 @@
 #include "formats/voxinfo/facts.h"
 
+#include <algorithm>
 #include <cinttypes>
 #include <cmath>
 #include <cstdarg>
@@ -115,6 +116,14 @@ ordered_json report_of_voxmap(const Voxmap& map) {
   return report;
 }
 
+// Points of open sheets.
+std::uint64_t two_sided_points(const Pshell& shell) {
+  const PshellView& view = shell.view();
+  if (view.two_sided == nullptr) return 0;
+  return static_cast<std::uint64_t>(
+      std::count(view.two_sided, view.two_sided + view.point_count, 1));
+}
+
 ordered_json report_of_pshell(const Pshell& shell) {
   const PshellHeader& h = shell.header();
   ordered_json report;
@@ -143,6 +152,7 @@ ordered_json report_of_pshell(const Pshell& shell) {
   report["super_block_blocks"] = h.super_block_blocks;
   report["super_blocks"] = h.super_block_count;
   report["normal_cones"] = shell.view().cone_cos != nullptr;
+  report["two_sided_points"] = two_sided_points(shell);
   report["file_bytes"] = h.file.file_bytes;
   report["provenance"] = parsed_provenance(shell.provenance());
   return report;
@@ -249,6 +259,9 @@ std::string summary_of_pshell(const Pshell& shell, const std::string& path) {
   std::string text = escaped(path) + ": part, .pshell " + version_of(h.file) + "\n";
   add_line(text, "  points            %" PRIu64 ", %s, in %" PRIu64 " blocks of %u", h.point_count,
            kMethodNames[h.method], h.block_count, h.block_points);
+  if (const std::uint64_t sheets = two_sided_points(shell); sheets > 0) {
+    add_line(text, "  open sheets       %" PRIu64 " of the points have no inside", sheets);
+  }
   add_line(text, "  covering radius   %.9g m", h.covering_radius_m);
   add_line(text, "  convex radius     %.9g m, with a gap of %.9g m", h.convex_radius_m,
            h.convex_gap_m);

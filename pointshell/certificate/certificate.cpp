@@ -5,6 +5,7 @@
 #include <iterator>
 
 #include "pointshell/certificate/convex_polygon.h"
+#include "pointshell/certificate/flat_patches.h"
 #include "pointshell/certificate/hidden_surface.h"
 #include "pointshell/certificate/point_grid.h"
 #include "pointshell/part/parallel.h"
@@ -20,12 +21,11 @@ constexpr std::size_t kTilesPerTask = 32;
 // In radii. An open piece whose ball is smaller than this is not cut further to find out whether it
 // is hidden.
 constexpr double kSmallestHidden = 0.1;
-
 // Proves single tiles; one of it per task, as it keeps scratch memory.
 class TileProver {
  public:
   TileProver(const PointGrid& grid, double radius, const HiddenSurface* hidden)
-      : grid_(grid), radius_(radius), hidden_(hidden) {}
+      : grid_(grid), whole_radius_(radius), radius_(radius), hidden_(hidden) {}
 
   void prove(std::span<const part::Vec3> tile) {
     ConvexPolygon polygon(tile);
@@ -38,10 +38,27 @@ class TileProver {
     prove(polygon, 0, candidates_.size());
   }
 
+  void prove(const SurfacePieces& dense) {
+    bound_by_patches(
+        dense, whole_radius_, [&](const FlatPatch& patch) { return covers(patch); },
+        [&](std::span<const part::Vec3> polygon) { prove(polygon); });
+  }
+
   std::vector<Hole> holes;
   std::uint64_t pieces = 0;
 
  private:
+  // Whether points cover the rectangle with so much to spare that they cover all near it.
+  bool covers(const FlatPatch& patch) {
+    const std::size_t known = holes.size();
+    radius_ = whole_radius_ - patch.gap;
+    prove(patch.corners);
+    radius_ = whole_radius_;
+    const bool covered = holes.size() == known;
+    holes.resize(known);
+    return covered;
+  }
+
   static part::Vec3 middle_of(std::span<const part::Vec3> corners) {
     part::Vec3 sum;
     for (const part::Vec3& corner : corners) sum += corner;
@@ -137,20 +154,22 @@ class TileProver {
   }
 
   const PointGrid& grid_;
-  const double radius_;
+  const double whole_radius_;
+  double radius_;  // of the proof in hand
   const HiddenSurface* hidden_;
   std::vector<part::Vec3> candidates_;  // a stack, one range for every level of the recursion
 };
 
-// Proves tile(0) to tile(count - 1) and adds the outcome to `proof`.
+// Proves tile(0) to tile(count - 1), so many in a task, and adds the outcome to `proof`.
 template <typename Tile>
-void prove_tiles(std::size_t count, const Tile& tile, const PointGrid& grid, double radius,
-                 const HiddenSurface* hidden, CoveringProof& proof) {
-  const std::size_t tasks = (count + kTilesPerTask - 1) / kTilesPerTask;
+void prove_tiles(std::size_t count, std::size_t tiles_per_task, const Tile& tile,
+                 const PointGrid& grid, double radius, const HiddenSurface* hidden,
+                 CoveringProof& proof) {
+  const std::size_t tasks = (count + tiles_per_task - 1) / tiles_per_task;
   std::vector<TileProver> provers(tasks, TileProver(grid, radius, hidden));
   part::parallel_for_each_index(tasks, 1, [&](std::size_t task) {
-    const std::size_t end = std::min((task + 1) * kTilesPerTask, count);
-    for (std::size_t n = task * kTilesPerTask; n < end; ++n) provers[task].prove(tile(n));
+    const std::size_t end = std::min((task + 1) * tiles_per_task, count);
+    for (std::size_t n = task * tiles_per_task; n < end; ++n) provers[task].prove(tile(n));
   });
   for (TileProver& prover : provers) {
     std::move(prover.holes.begin(), prover.holes.end(), std::back_inserter(proof.holes));
@@ -179,9 +198,14 @@ CoveringProof prove_covering(const part::Part& part, std::span<const part::Vec3>
   const PointGrid grid(points, kGridCell * radius);
   part::for_each_tile_batch(
       part, kTileEdge * proof_radius, [&](std::span<const part::Piece> tiles) {
-        prove_tiles(
-            tiles.size(), [&](std::size_t n) { return std::span<const part::Vec3>(tiles[n]); },
-            grid, proof_radius, nullptr, proof);
+        const TileGroups groups = group_tiles(tiles, kTileEdge * proof_radius);
+        const auto sparse = [&](std::size_t n) {
+          return std::span<const part::Vec3>(tiles[groups.sparse[n]]);
+        };
+        const auto dense = [&](std::size_t n) -> const SurfacePieces& { return groups.dense[n]; };
+        prove_tiles(groups.sparse.size(), kTilesPerTask, sparse, grid, proof_radius, nullptr,
+                    proof);
+        prove_tiles(groups.dense.size(), 1, dense, grid, proof_radius, nullptr, proof);
         proof.given_up = proof.holes.size() > most_holes;
         return !proof.given_up;
       });
@@ -196,7 +220,7 @@ CoveringProof continue_proof(const part::Part& part, std::span<const part::Vec3>
   CoveringProof proof;
   proof.pieces = failed.pieces;
   prove_tiles(
-      failed.holes.size(),
+      failed.holes.size(), kTilesPerTask,
       [&](std::size_t n) { return std::span<const part::Vec3>(failed.holes[n].piece); }, grid,
       radius - proof_margin(part, radius), hidden, proof);
   proof.proven = proof.holes.empty();

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "pointshell/certificate/convex_combination.h"
+#include "pointshell/certificate/flat_patches.h"
 #include "pointshell/certificate/hidden_surface.h"
 #include "pointshell/certificate/point_grid.h"
 #include "pointshell/part/parallel.h"
@@ -22,10 +23,12 @@ constexpr double kTileEdge = 3;  // triangles are bisected to this edge first
 constexpr double kTolerance = 0.01, kPlaneTolerance = 0.03;
 constexpr double kSmallest = 0.02;  // a piece smaller than this is not bisected
 constexpr double kSmallestHidden = 0.1;
-constexpr double kStoredMargin = 1e-4;  // outweighs that another machine rounds another way
+constexpr double kSmallestOfPatch = 0.1;  // the pieces of a patch are not bisected below this
+constexpr double kStoredMargin = 1e-4;    // outweighs that another machine rounds another way
 // Claims are proven down to smaller pieces than those that they were found with.
 constexpr double kSmallestClaimed = 0.005;
 constexpr std::size_t kTilesPerTask = 256;
+constexpr std::size_t kMostEstimated = 64;  // pieces of a group that the estimate looks at
 // Distances of the table, in aimed distances: each is this factor above the one before. Between
 // them the losses of neighbors lose less than a hundredth of a voxel.
 constexpr std::size_t kLosses = 12;
@@ -205,9 +208,46 @@ class PieceProver {
     prove({corners_.at(tile[0]), corners_.at(tile[1]), corners_.at(tile[2])});
   }
 
+  void prove(const SurfacePieces& dense) {
+    if constexpr (Judge::kOnlyLooks) {
+      const std::size_t step = (dense.size() + kMostEstimated - 1) / kMostEstimated;
+      for (std::size_t n = 0; n < dense.size(); n += step) prove(dense[n].first(3));
+    } else {
+      bound_by_patches(
+          dense, covered_.radius, [&](const FlatPatch& patch) { return is_done(patch); },
+          [&](std::span<const part::Vec3> polygon) {
+            for (std::size_t n = 2; n < polygon.size(); ++n) {
+              prove(
+                  {corners_.at(polygon[0]), corners_.at(polygon[n - 1]), corners_.at(polygon[n])});
+            }
+          });
+    }
+  }
+
   std::uint64_t pieces = 0;
 
  private:
+  bool is_done(const FlatPatch& patch) {
+    const Corner a = corners_.at(patch.corners[0]), b = corners_.at(patch.corners[1]),
+                 c = corners_.at(patch.corners[2]), d = corners_.at(patch.corners[3]);
+    return is_done({a, b, c}, patch.gap) && is_done({a, c, d}, patch.gap);
+  }
+
+  // Whether the judge is done with the piece and all that is within `gap` of it.
+  bool is_done(const CornerPiece& piece, double gap) {
+    if (judge_.given_up()) return true;
+    ++pieces;
+    const PieceBounds bounds(piece, covered_.radius, margin_ + gap);
+    if (judge_.judge(bounds) == Verdict::kDone) return true;
+    if (may_be_hidden(covered_) && bounds.size() <= covered_.radius &&
+        covered_.hidden->holds_ball(bounds.middle(), bounds.size() + gap)) {
+      return true;
+    }
+    if (bounds.size() < kSmallestOfPatch * covered_.radius) return false;
+    const auto [first, second] = halves(piece);
+    return is_done(first, gap) && is_done(second, gap);
+  }
+
   void prove(const CornerPiece& piece) {
     if (judge_.given_up()) return;
     ++pieces;
@@ -219,11 +259,16 @@ class PieceProver {
       return;
     }
     if (verdict == Verdict::kOpen) return judge_.open(bounds);
+    const auto [first, second] = halves(piece);
+    prove(first);
+    prove(second);
+  }
+
+  std::array<CornerPiece, 2> halves(const CornerPiece& piece) {
     const int from = longest_edge(piece);
     const Corner &a = piece[from], &b = piece[(from + 1) % 3], &c = piece[(from + 2) % 3];
     const Corner middle = better(corners_.at(0.5 * (a.place + b.place)), a, b);
-    prove({a, middle, c});
-    prove({middle, b, c});
+    return {CornerPiece{a, middle, c}, CornerPiece{middle, b, c}};
   }
 
   // The corner halfway between two others, with its own combination or with the mean of theirs.
@@ -247,19 +292,19 @@ class PieceProver {
   Judge& judge_;
 };
 
-// Runs a judge over tiles [0, count), one copy of `judge` for each task; returns the copies in
-// order.
+// Runs a judge over tiles [0, count), one copy of `judge` for each task of so many; returns the
+// copies in order.
 template <typename Judge, typename Tile>
 std::vector<Judge> judge_tiles(const CoveredPart& covered, const PointGrid& grid,
-                               const Judge& judge, std::size_t count, const Tile& tile,
-                               std::uint64_t& pieces) {
-  const std::size_t tasks = (count + kTilesPerTask - 1) / kTilesPerTask;
+                               const Judge& judge, std::size_t count, std::size_t tiles_per_task,
+                               const Tile& tile, std::uint64_t& pieces) {
+  const std::size_t tasks = (count + tiles_per_task - 1) / tiles_per_task;
   std::vector<Judge> judges(tasks, judge);
   std::vector<std::uint64_t> pieces_of(tasks);
   part::parallel_for_each_index(tasks, 1, [&](std::size_t task) {
     PieceProver<Judge> prover(covered, grid, judges[task]);
-    const std::size_t end = std::min((task + 1) * kTilesPerTask, count);
-    for (std::size_t n = task * kTilesPerTask; n < end; ++n) prover.prove(tile(n));
+    const std::size_t end = std::min((task + 1) * tiles_per_task, count);
+    for (std::size_t n = task * tiles_per_task; n < end; ++n) prover.prove(tile(n));
     pieces_of[task] = prover.pieces;
   });
   for (const std::uint64_t n : pieces_of) pieces += n;
@@ -273,8 +318,17 @@ void judge_part(const CoveredPart& covered, const Judge& judge, std::uint64_t& p
   const PointGrid grid(covered.points, CombinationFinder::kReach * covered.radius);
   part::for_each_tile_batch(
       covered.part, kTileEdge * covered.radius, [&](std::span<const part::Piece> tiles) {
-        const auto tile = [&](std::size_t n) { return std::span<const part::Vec3>(tiles[n]); };
-        for (Judge& own : judge_tiles(covered, grid, judge, tiles.size(), tile, pieces)) {
+        const TileGroups groups = group_tiles(tiles, kTileEdge * covered.radius);
+        const auto sparse = [&](std::size_t n) {
+          return std::span<const part::Vec3>(tiles[groups.sparse[n]]);
+        };
+        const auto dense = [&](std::size_t n) -> const SurfacePieces& { return groups.dense[n]; };
+        for (Judge& own : judge_tiles(covered, grid, judge, groups.sparse.size(), kTilesPerTask,
+                                      sparse, pieces)) {
+          if (!merge(own)) return false;
+        }
+        for (Judge& own :
+             judge_tiles(covered, grid, judge, groups.dense.size(), 1, dense, pieces)) {
           if (!merge(own)) return false;
         }
         return true;
@@ -287,6 +341,7 @@ struct SearchJudge {
   double smallest;       // m, of pieces without a corner above the limit
   double smallest_open;  // m, of pieces that might be hidden
   std::vector<Hole> holes;
+  static constexpr bool kOnlyLooks = false;
 
   bool given_up() const { return false; }
   Verdict judge(const PieceBounds& piece) const {
@@ -332,6 +387,7 @@ Distances table_distances(const CoveredPart& covered) {
 struct EstimateJudge {
   Distances distances;
   Distances losses{};
+  static constexpr bool kOnlyLooks = true;
 
   bool given_up() const { return false; }
   Verdict judge(const PieceBounds& piece) {
@@ -353,6 +409,7 @@ struct FindJudge {
   double radius;
   Distances losses{};
   double moment = 0, gap = 0;
+  static constexpr bool kOnlyLooks = false;
 
   bool given_up() const { return false; }
   Verdict judge(const PieceBounds& piece) {
@@ -388,6 +445,7 @@ struct ClaimJudge {
   const SurfaceDistanceTerms& claimed;
   double smallest;
   std::vector<part::Vec3> places;
+  static constexpr bool kOnlyLooks = false;
 
   bool given_up() const { return !places.empty(); }
   Verdict judge(const PieceBounds& piece) const {
@@ -426,8 +484,8 @@ std::vector<Hole> places_above_loss(const CoveredPart& covered, double limit,
   std::uint64_t pieces = 0;
   const PointGrid grid(covered.points, CombinationFinder::kReach * covered.radius);
   const auto tile = [&](std::size_t n) { return std::span<const part::Vec3>(from[n].piece); };
-  for (SearchJudge& judge :
-       judge_tiles(covered, grid, search_for(covered, limit), from.size(), tile, pieces)) {
+  for (SearchJudge& judge : judge_tiles(covered, grid, search_for(covered, limit), from.size(),
+                                        kTilesPerTask, tile, pieces)) {
     append(holes, judge.holes);
   }
   return holes;

@@ -67,27 +67,29 @@ double angle_at(const part::Vec3& place, const part::Piece& corners, double same
 // Finds the normals of points one by one; one of it per task, as it keeps scratch memory.
 class NormalFinder {
  public:
-  NormalFinder(const part::TriangleTree& tree, double radius)
-      : tree_(tree), part_(tree.part()), radius_(radius) {}
+  NormalFinder(const part::TriangleTree& tree, double radius, const std::vector<bool>& of_sheet)
+      : tree_(tree), part_(tree.part()), radius_(radius), of_sheet_(of_sheet) {}
 
-  // `near` holds at least the triangles within kReach radii of `point`.
-  void find(const part::Vec3& point, std::span<const std::uint32_t> near, part::Vec3& inward,
-            double& cone_cos) {
+  // Fills element n. `near` holds at least the triangles within kReach radii of `point`.
+  void find(const part::Vec3& point, std::span<const std::uint32_t> near, std::size_t n,
+            ShellNormals& normals) {
     const part::SurfacePoint foot = tree_.nearest(point, near);
     const double listed_reach = (sample::RestrictedCells::kReach - 1) * radius_ * (1 - 1e-9);
     const bool listed = part::length(point - foot.position) <= listed_reach;
     gather(foot.position, listed ? near : triangles_near(foot.position));
     const part::Vec3 seed = seed_at(foot);
     const part::Vec3 outward = smoothed(foot.position, seed);
-    inward = -outward;
-    cone_cos = cone_about(foot.position, outward);
+    normals.inward[n] = -outward;
+    normals.two_sided[n] = is_on_sheet(foot) ? 1 : 0;
+    normals.cone_cos[n] = normals.two_sided[n] ? -1 : cone_about(foot.position, outward);
   }
 
  private:
   struct Face {
     part::Piece corners;
     part::Vec3 normal;  // unit, or zero where the triangle has no area
-    double area = -1;   // of it within the radius of the foot; negative: not yet known
+    bool of_sheet;
+    double area = -1;  // of it within the radius of the foot; negative: not yet known
   };
 
   std::span<const std::uint32_t> triangles_near(const part::Vec3& place) {
@@ -103,21 +105,36 @@ class NormalFinder {
       const part::Vec3 normal =
           part::normalized(part::cross(corners[1] - corners[0], corners[2] - corners[0]));
       if (std::abs(part::dot(normal, foot - corners[0])) < radius_) {
-        faces_.push_back({corners, normal});
+        faces_.push_back({corners, normal, of_sheet_[t]});
       }
     }
   }
 
-  part::Vec3 seed_at(const part::SurfacePoint& foot) const {
+  // Calls visit(face, place) for the faces that pass through `foot`, at their nearest place.
+  template <typename Visit>
+  void visit_faces_at(const part::Vec3& foot, const Visit& visit) const {
     const double same_place = kSamePlace * radius_;
-    part::Vec3 sum;
     for (const Face& face : faces_) {
-      if (std::abs(part::dot(face.normal, foot.position - face.corners[0])) > same_place) continue;
-      const part::Vec3 nearest = part::nearest_on_triangle(foot.position, face.corners[0],
-                                                           face.corners[1], face.corners[2]);
-      if (part::length_squared(nearest - foot.position) > same_place * same_place) continue;
-      sum += angle_at(nearest, face.corners, same_place) * face.normal;
+      if (std::abs(part::dot(face.normal, foot - face.corners[0])) > same_place) continue;
+      const part::Vec3 nearest =
+          part::nearest_on_triangle(foot, face.corners[0], face.corners[1], face.corners[2]);
+      if (part::length_squared(nearest - foot) > same_place * same_place) continue;
+      visit(face, nearest);
     }
+  }
+
+  bool is_on_sheet(const part::SurfacePoint& foot) const {
+    bool found = of_sheet_[foot.triangle];
+    visit_faces_at(foot.position,
+                   [&](const Face& face, const part::Vec3&) { found = found || face.of_sheet; });
+    return found;
+  }
+
+  part::Vec3 seed_at(const part::SurfacePoint& foot) const {
+    part::Vec3 sum;
+    visit_faces_at(foot.position, [&](const Face& face, const part::Vec3& place) {
+      sum += angle_at(place, face.corners, kSamePlace * radius_) * face.normal;
+    });
     // Faces back to back cancel; then the triangle of the foot decides.
     if (part::length(sum) > kCanceled) return part::normalized(sum);
     return nearest_area_normal(foot);
@@ -180,6 +197,7 @@ class NormalFinder {
   const part::TriangleTree& tree_;
   const part::Part& part_;
   const double radius_;
+  const std::vector<bool>& of_sheet_;
   std::vector<std::uint32_t> triangles_;
   std::vector<Face> faces_;  // near the foot
 };
@@ -212,14 +230,15 @@ double area_within_ball(const part::Vec3& center, double radius, const part::Vec
 }
 
 ShellNormals shell_normals(const sample::RestrictedCells& cells, std::span<const part::Vec3> points,
-                           double radius) {
+                           double radius, const std::vector<bool>& of_sheet) {
   ShellNormals normals;
   normals.inward.resize(points.size());
   normals.cone_cos.resize(points.size());
+  normals.two_sided.resize(points.size());
   part::parallel_ranges(points.size(), 256, [&](std::size_t begin, std::size_t end) {
-    NormalFinder finder(cells.tree(), radius);
+    NormalFinder finder(cells.tree(), radius, of_sheet);
     for (std::size_t n = begin; n < end; ++n) {
-      finder.find(points[n], cells.triangles_near(n), normals.inward[n], normals.cone_cos[n]);
+      finder.find(points[n], cells.triangles_near(n), n, normals);
     }
   });
   return normals;

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 #include <tuple>
 #include <vector>
 
+#include "pointshell/part/mass_properties.h"
 #include "pointshell/part/parallel.h"
 #include "pointshell/part/pieces.h"
 #include "pointshell/part/triangle_tree.h"
@@ -262,20 +262,36 @@ void turn_patches(part::Part& part, const Patches& patches, const std::vector<Sk
   }
 }
 
-Error undecided_error(const part::Part& part, const std::vector<std::uint32_t>& patch) {
+bool is_closed(const part::Part& part, const std::vector<std::uint32_t>& patch) {
+  std::vector<mesh::Triangle> triangles;
+  for (const std::uint32_t t : patch) triangles.push_back(part.triangles[t]);
+  return part::is_closed(triangles);
+}
+
+// Judges patch `patch` by its sky.
+void classify(const part::Part& part, const std::vector<std::uint32_t>& patch, const Sky& sky,
+              double negligible_size_m, OrientationReport& report) {
+  const auto mark = [&](std::vector<bool>& triangles) {
+    for (const std::uint32_t t : patch) triangles[t] = true;
+  };
   const part::Box box = part::box_of(part, patch);
-  const part::Vec3 middle = 0.5 * (box.low + box.high);
-  char place[128];
-  std::snprintf(place, sizeof place, "%zu triangles about (%.6g, %.6g, %.6g) m", patch.size(),
-                middle.x, middle.y, middle.z);
-  return {ErrorCode::kMeshUnorientable, "", part.body_names[part.body[patch.front()]],
-          std::string(place) + " form an open sheet that does not say which side is inside",
-          "close the surface or give the sheet a thickness"};
+  const double size_m = part::length(box.high - box.low);
+  const bool negligible = size_m <= negligible_size_m;
+  if (sky.hidden()) report.hidden_triangles += patch.size();
+  if ((sky.hidden() || negligible) && !is_closed(part, patch)) mark(report.loose);
+  if (sky.hidden() || std::abs(sky.decisiveness()) >= kDecisive) return;
+  if (negligible) {
+    report.undecided_triangles += patch.size();
+    return;
+  }
+  mark(report.of_sheet);
+  report.sheets.push_back({part.body_names[part.body[patch.front()]], patch.size(),
+                           area_of(part, patch), 0.5 * (box.low + box.high), size_m});
 }
 
 }  // namespace
 
-Result<OrientationReport> orient_outwards(part::Part& part, double negligible_size_m) {
+OrientationReport orient_outwards(part::Part& part, double negligible_size_m) {
   OrientationReport report;
   const std::vector<mesh::Triangle> given = part.triangles;
   const Patches patches = find_patches(part, find_links(part, report));
@@ -284,15 +300,15 @@ Result<OrientationReport> orient_outwards(part::Part& part, double negligible_si
     if (patches.turned[t]) turn(part, t);
   }
   const std::vector<Sky> skies = look_around(part, patches);
+  report.of_sheet.assign(given.size(), false);
+  report.loose.assign(given.size(), false);
   for (std::size_t n = 0; n < skies.size(); ++n) {
     const std::vector<std::uint32_t>& patch = patches.triangles[n];
     if (area_of(part, patch) == 0) continue;
-    if (skies[n].hidden()) report.hidden_triangles += patch.size();
-    if (skies[n].hidden() || std::abs(skies[n].decisiveness()) >= kDecisive) continue;
-    const part::Box box = part::box_of(part, patch);
-    if (part::length(box.high - box.low) > negligible_size_m) return undecided_error(part, patch);
-    report.undecided_triangles += patch.size();
+    classify(part, patch, skies[n], negligible_size_m, report);
   }
+  std::stable_sort(report.sheets.begin(), report.sheets.end(),
+                   [](const Sheet& a, const Sheet& b) { return a.area_m2 > b.area_m2; });
   turn_patches(part, patches, skies);
   for (std::size_t t = 0; t < given.size(); ++t) {
     const bool has_area = part::length_squared(part::doubled_area_normal(part, t)) > 0;

@@ -2,11 +2,22 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
+#include <vector>
 
-#include "formats/result.h"
 #include "pointshell/part/part.h"
+#include "pointshell/part/vec3.h"
 
 namespace forcelayer::normals {
+
+// An open patch with the outside on both sides.
+struct Sheet {
+  std::string body;
+  std::uint64_t triangles = 0;
+  double area_m2 = 0;
+  part::Vec3 middle;  // of its box, m, part frame
+  double size_m = 0;  // diagonal of that box
+};
 
 struct OrientationReport {
   std::uint64_t patches = 0;              // connected over edges that two triangles share
@@ -15,9 +26,14 @@ struct OrientationReport {
   std::uint64_t undecided_triangles = 0;  // in patches too small to matter, left as in the file
   std::uint64_t boundary_edges = 0;       // with one triangle
   std::uint64_t nonmanifold_edges = 0;    // with more than two
+  std::vector<Sheet> sheets;              // the largest area first
+  std::vector<bool> of_sheet;             // [triangle]
+  // [triangle] in an open patch that is hidden, or too small to matter: what it bounds is no volume
+  std::vector<bool> loose;
 };
 
-// Turns triangles round so that their normals point out of the part.
+// Turns triangles round so that their normals point out of the part. Those of sheets stay as they
+// are in their patch.
 //
 // Triangles of a body that share an edge with exactly one other are joined into patches and made
 // consistent: the smaller area is turned. Then rays decide which side of the whole patch is outside
@@ -30,8 +46,8 @@ struct OrientationReport {
 // visible patches.
 //
 // The decisiveness (front - back) / (front + back) of the shares of rays that leave is 1 for a
-// closed body and 0 for a flat sheet. Below 0.15 either way is an error (kMeshUnorientable) with
-// the patch's place, unless the patch is smaller than `negligible_size_m`.
-Result<OrientationReport> orient_outwards(part::Part& part, double negligible_size_m);
+// closed body and 0 for a flat sheet. A patch with less than 0.15 either way is a sheet, unless it
+// is smaller than `negligible_size_m` or has no area.
+OrientationReport orient_outwards(part::Part& part, double negligible_size_m);
 
 }  // namespace forcelayer::normals

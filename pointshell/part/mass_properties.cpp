@@ -84,6 +84,20 @@ Box box_of_vertices(const Part& part) {
   return box;
 }
 
+// The triangles that bound a volume; empty where none is bounded.
+std::vector<bool> bounding_triangles(const Part& part, const std::vector<bool>& loose) {
+  std::vector<bool> bounds(part.triangles.size(), true);
+  if (is_closed(part.triangles)) return bounds;
+  if (std::find(loose.begin(), loose.end(), true) == loose.end()) return {};
+  bounds = loose;
+  bounds.flip();
+  std::vector<mesh::Triangle> rest;
+  for (std::size_t t = 0; t < bounds.size(); ++t) {
+    if (bounds[t]) rest.push_back(part.triangles[t]);
+  }
+  return is_closed(rest) ? bounds : std::vector<bool>{};
+}
+
 }  // namespace
 
 bool is_closed(std::span<const mesh::Triangle> triangles) {
@@ -108,15 +122,16 @@ bool is_closed(std::span<const mesh::Triangle> triangles) {
   return true;
 }
 
-MassProperties mass_properties(const Part& part) {
+MassProperties mass_properties(const Part& part, const std::vector<bool>& loose) {
   const Box box = box_of_vertices(part);
   const Vec3 origin = 0.5 * (box.low + box.high);
+  const std::vector<bool> bounds = bounding_triangles(part, loose);
   Integrals surface, solid;
   for (std::size_t t = 0; t < part.triangles.size(); ++t) {
     auto [a, b, c] = triangle_piece(part, t);
     a = a - origin, b = b - origin, c = c - origin;
     surface.add<3>(length(doubled_area_normal(part, t)) / 2, {a, b, c});
-    solid.add<4>(dot(a, cross(b, c)) / 6, {Vec3{}, a, b, c});
+    if (!bounds.empty() && bounds[t]) solid.add<4>(dot(a, cross(b, c)) / 6, {Vec3{}, a, b, c});
   }
   MassProperties properties;
   properties.area_m2 = surface.measure;
@@ -125,12 +140,15 @@ MassProperties mass_properties(const Part& part) {
   const auto centroid_of = [](const Integrals& integrals) {
     return (1 / integrals.measure) * integrals.first;
   };
-  const bool from_volume = solid_enough && is_closed(part.triangles) &&
-                           holds(box, origin + centroid_of(solid)) &&
+  const bool from_volume = solid_enough && holds(box, origin + centroid_of(solid)) &&
                            are_physical(moments_about_centroid(solid, centroid_of(solid)));
   const Integrals& integrals = from_volume ? solid : surface;
   properties.source = from_volume ? MassSource::kVolume : MassSource::kArea;
   properties.volume_m3 = from_volume ? solid.measure : 0;
+  if (from_volume) {
+    properties.loose_triangles =
+        static_cast<std::uint64_t>(std::count(bounds.begin(), bounds.end(), false));
+  }
   const Vec3 centroid = centroid_of(integrals);
   properties.centroid = origin + centroid;
   properties.inertia_m2 = inertia_of(moments_about_centroid(integrals, centroid));

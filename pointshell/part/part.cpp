@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <map>
 #include <numeric>
 #include <tuple>
 
@@ -55,20 +56,65 @@ void weld(const CornerSoup& soup, Part& part) {
   }
 }
 
-// Rotates every triangle to its lowest vertex, sorts, and drops exact duplicates within a body.
-void sort_triangles(Part& part) {
-  for (mesh::Triangle& t : part.triangles) {
-    std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
+// The same corners from the same first one, the other way round.
+mesh::Triangle turned(const mesh::Triangle& t) { return {t[0], t[2], t[1]}; }
+
+mesh::Triangle either_way(const mesh::Triangle& t) { return std::min(t, turned(t)); }
+
+// Whether two bodies, as lists of their triangles, are the same but for their triangles' sides.
+bool same_triangles(const Part& part, std::span<const std::uint32_t> a,
+                    std::span<const std::uint32_t> b) {
+  std::vector<mesh::Triangle> of_a, of_b;
+  for (const std::uint32_t t : a) of_a.push_back(either_way(part.triangles[t]));
+  for (const std::uint32_t t : b) of_b.push_back(either_way(part.triangles[t]));
+  std::sort(of_a.begin(), of_a.end());
+  std::sort(of_b.begin(), of_b.end());
+  return of_a == of_b;
+}
+
+// Whether each body is another one again.
+std::vector<bool> repeated_bodies(const Part& part) {
+  std::vector<bool> repeated(part.body_names.size());
+  if (repeated.size() < 2) return repeated;
+  const auto of_body = triangles_by_body(part);
+  using Sums = std::array<std::uint64_t, 4>;  // of corners, and the number of triangles
+  std::map<Sums, std::vector<std::size_t>> known;
+  for (std::size_t body = 0; body < of_body.size(); ++body) {
+    Sums sums{0, 0, 0, of_body[body].size()};
+    for (const std::uint32_t t : of_body[body]) {
+      for (int n = 0; n < 3; ++n) sums[n] += either_way(part.triangles[t])[n];
+    }
+    std::vector<std::size_t>& alike = known[sums];
+    repeated[body] = std::any_of(alike.begin(), alike.end(), [&](std::size_t other) {
+      return same_triangles(part, of_body[body], of_body[other]);
+    });
+    if (!repeated[body]) alike.push_back(body);
   }
-  std::vector<std::uint32_t> order(part.triangles.size());
-  std::iota(order.begin(), order.end(), 0u);
+  return repeated;
+}
+
+// Drops of `order`, in which triangles ascend, those that are there already in their body.
+void drop_repeated(const Part& part, std::vector<std::uint32_t>& order) {
   const auto key = [&](std::uint32_t t) { return std::tie(part.triangles[t], part.body[t]); };
-  std::sort(order.begin(), order.end(),
-            [&](std::uint32_t a, std::uint32_t b) { return key(a) < key(b); });
   order.erase(std::unique(order.begin(), order.end(),
                           [&](std::uint32_t a, std::uint32_t b) { return key(a) == key(b); }),
               order.end());
-  part.duplicate_triangles = part.triangles.size() - order.size();
+  const std::vector<std::uint32_t> all = order;
+  const auto has = [&](const mesh::Triangle& triangle, std::uint32_t body) {
+    const auto wanted = std::tie(triangle, body);
+    const auto found =
+        std::lower_bound(all.begin(), all.end(), wanted,
+                         [&](std::uint32_t t, const auto& value) { return key(t) < value; });
+    return found != all.end() && key(*found) == wanted;
+  };
+  std::erase_if(order, [&](std::uint32_t t) {
+    const mesh::Triangle& own = part.triangles[t];
+    return own[2] < own[1] && has(turned(own), part.body[t]);
+  });
+}
+
+// Keeps the triangles of `order`, in that order.
+void keep_triangles(Part& part, std::span<const std::uint32_t> order) {
   std::vector<mesh::Triangle> triangles;
   std::vector<std::uint32_t> body;
   triangles.reserve(order.size());
@@ -79,6 +125,29 @@ void sort_triangles(Part& part) {
   }
   part.triangles = std::move(triangles);
   part.body = std::move(body);
+}
+
+// Rotates every triangle to its lowest vertex, sorts, and drops those that are there already.
+void sort_triangles(Part& part) {
+  for (mesh::Triangle& t : part.triangles) {
+    std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
+  }
+  std::vector<std::uint32_t> order(part.triangles.size());
+  std::iota(order.begin(), order.end(), 0u);
+  const auto key = [&](std::uint32_t t) { return std::tie(part.triangles[t], part.body[t]); };
+  std::sort(order.begin(), order.end(),
+            [&](std::uint32_t a, std::uint32_t b) { return key(a) < key(b); });
+  drop_repeated(part, order);
+  keep_triangles(part, order);
+  const std::vector<bool> repeated = repeated_bodies(part);
+  if (std::find(repeated.begin(), repeated.end(), true) != repeated.end()) {
+    order.clear();
+    for (std::uint32_t t = 0; t < part.triangles.size(); ++t) {
+      if (!repeated[part.body[t]]) order.push_back(t);
+    }
+    keep_triangles(part, order);
+  }
+  part.duplicate_triangles = part.input_triangles - part.triangles.size();
 }
 
 void measure(Part& part) {

@@ -22,7 +22,7 @@ struct Part {
   std::vector<std::uint32_t> body;        // [m] index into body_names
   std::vector<std::string> body_names;
   std::uint64_t input_triangles = 0;       // over all instances
-  std::uint64_t duplicate_triangles = 0;   // dropped: corners, orientation and body of another
+  std::uint64_t duplicate_triangles = 0;   // dropped: the corners of another of their body
   std::uint64_t degenerate_triangles = 0;  // kept and covered, although they have no area
   double largest_coordinate =
       0;  // m, absolute, of any vertex, as given or moved: all rounding follows it
@@ -37,7 +37,10 @@ struct PartInput {
   double meters_per_unit = 1;
 };
 
-// Unites all instances of all inputs. Error: kMeshEmpty where no triangle has an area.
+// Unites all instances of all inputs. Triangles of a body that have the same corners, either way
+// round, are one; so are bodies that have the same triangles. Two faces back to back are one face:
+// a sheet, or a wall between two rooms of a solid, not a second volume.
+// Error: kMeshEmpty where no triangle has an area.
 Result<Part> assemble_part(std::span<const PartInput> inputs);
 
 // The corners of a triangle or of a piece of one, m.

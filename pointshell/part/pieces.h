@@ -2,8 +2,11 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <functional>
+#include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "pointshell/part/part.h"
@@ -32,7 +35,54 @@ inline std::array<Piece, 2> bisected(const Piece& piece, int from) {
   return {Piece{a, middle, c}, Piece{middle, b, c}};
 }
 
-// Bisects all triangles into tiles with no edge longer than `longest_edge_m`, and hands them to
+// A triangle that is long and thin. Bisecting it again and again would give slivers beside each
+// other, (length / edge)^1.6 of them; slices across its longest edge are (length / edge).
+class Needle {
+ public:
+  // Nothing where the triangle is no needle next to pieces with edges of `longest_edge_m`.
+  static std::optional<Needle> of(const Piece& piece, double longest_edge_m);
+
+  std::size_t slices() const { return slices_; }
+  // The pieces of a slice: up to three triangles with no edge longer than `longest_edge_m`.
+  template <typename Take>
+  void visit_slice(std::size_t slice, const Take& take) const {
+    const double t0 = share(slice), t1 = share(slice + 1);
+    const Vec3 a = on_edge(t0), b = on_edge(t1), c = beside_edge(t1), d = beside_edge(t0);
+    if (t0 < foot_ && foot_ < t1) {
+      take_with_area({a, b, apex_}, take);
+      take_with_area({b, c, apex_}, take);
+      take_with_area({a, apex_, d}, take);
+    } else {
+      take_with_area({a, b, c}, take);
+      take_with_area({a, c, d}, take);
+    }
+  }
+  // The slices [first, last) that may reach into the box.
+  std::pair<std::size_t, std::size_t> slices_near(const Box& box) const;
+
+ private:
+  double share(std::size_t slice) const {
+    return static_cast<double>(slice) / static_cast<double>(slices_);
+  }
+  Vec3 on_edge(double t) const { return t == 1 ? to_ : from_ + t * (to_ - from_); }
+  Vec3 beside_edge(double t) const {
+    if (t == 0) return from_;
+    if (t == 1) return to_;
+    return t < foot_ ? from_ + (t / foot_) * (apex_ - from_)
+                     : apex_ + ((t - foot_) / (1 - foot_)) * (to_ - apex_);
+  }
+  template <typename Take>
+  static void take_with_area(const Piece& piece, const Take& take) {
+    if (!(piece[0] == piece[1] || piece[1] == piece[2] || piece[2] == piece[0])) take(piece);
+  }
+
+  Vec3 from_, to_, apex_;  // the ends of the longest edge, and the third corner
+  double foot_ = 0;        // of the apex, as a share of the way along the edge
+  double height_ = 0;      // of the apex above the edge, m
+  std::size_t slices_ = 0;
+};
+
+// Cuts all triangles into tiles with no edge longer than `longest_edge_m`, and hands them to
 // `take` in batches, always the same for the same part, so that memory stays bounded. Ends early
 // where `take` returns false.
 void for_each_tile_batch(const Part& part, double longest_edge_m,

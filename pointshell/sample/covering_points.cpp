@@ -1,10 +1,12 @@
 #include "pointshell/sample/covering_points.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "formats/pshell_format.h"
 #include "pointshell/certificate/point_grid.h"
+#include "pointshell/part/pieces.h"
 #include "pointshell/sample/feature_points.h"
 #include "pointshell/sample/front_sampling.h"
 #include "pointshell/sample/hole_filling.h"
@@ -130,13 +132,50 @@ class CoveringBuilder {
   int steps_done_ = 0;
 };
 
+// The triangles that show where the surface is: where many are far smaller than the radius, a few
+// in each small cube. Points are spread over these and relaxed among them; only the proof needs
+// all.
+std::vector<std::uint32_t> telling_triangles(const part::Part& part, double radius) {
+  constexpr double kCube = 0.25, kSmall = 0.2;  // in radii: edges of cubes and of small triangles
+  constexpr std::size_t kPerCube = 8;
+  using Cube = std::array<std::int64_t, 3>;
+  std::vector<std::uint32_t> telling;
+  std::vector<std::pair<Cube, std::uint32_t>> small;
+  for (std::uint32_t t = 0; t < part.triangles.size(); ++t) {
+    const part::Piece piece = part::triangle_piece(part, t);
+    if (part::longest_edge(piece).length_squared > kSmall * kSmall * radius * radius) {
+      telling.push_back(t);
+      continue;
+    }
+    const part::Vec3 p = (1 / (kCube * radius)) * part::centroid(piece);
+    small.push_back(
+        {{part::floor_to_int(p.x), part::floor_to_int(p.y), part::floor_to_int(p.z)}, t});
+  }
+  std::sort(small.begin(), small.end());
+  for (std::size_t first = 0; first < small.size();) {
+    std::size_t end = first + 1;
+    while (end < small.size() && small[end].first == small[first].first) ++end;
+    const std::size_t step = (end - first + kPerCube - 1) / kPerCube;
+    for (std::size_t n = first; n < end; n += step) telling.push_back(small[n].second);
+    first = end;
+  }
+  std::sort(telling.begin(), telling.end());
+  return telling;
+}
+
 }  // namespace
 
 CoveringPoints covering_points(const part::TriangleTree& tree, double radius, Effort effort,
                                const std::function<void(double)>& progress) {
   const Recipe& recipe = effort == Effort::kFast ? kFast : kFull;
   CoveringPoints covering;
-  covering.positions = CoveringBuilder(tree, radius, recipe, progress).build();
+  std::vector<std::uint32_t> telling = telling_triangles(tree.part(), radius);
+  if (2 * telling.size() < tree.part().triangles.size()) {
+    const part::TriangleTree thinned(tree.part(), std::move(telling));
+    covering.positions = CoveringBuilder(thinned, radius, recipe, progress).build();
+  } else {
+    covering.positions = CoveringBuilder(tree, radius, recipe, progress).build();
+  }
   covering.proof = fill_holes(tree.part(), radius, covering.positions);
   progress(1);
   return covering;

@@ -240,6 +240,13 @@ class CubeFront {
         box.low.y >= low_.y + edge || box.high.z < low_.z || box.low.z >= low_.z + edge) {
       return;
     }
+    if (const auto needle = part::Needle::of(piece, kSeedEdge * spacing_)) {
+      const auto [first, last] = needle->slices_near({low_, low_ + part::Vec3{edge, edge, edge}});
+      for (std::size_t n = first; n < last; ++n) {
+        needle->visit_slice(n, [&](const part::Piece& slice) { visit_seeds_of(slice, triangle); });
+      }
+      return;
+    }
     const part::LongestEdge longest = part::longest_edge(piece);
     if (longest.length_squared > kSeedEdge * kSeedEdge * spacing_ * spacing_) {
       for (const part::Piece& half : part::bisected(piece, longest.from))

@@ -41,6 +41,21 @@ void FieldProbe::look_up(const Pose& world_from_center, ContactSet& out) noexcep
   read(out);
 }
 
+// Whether collected point i is of an open sheet, and has no inside.
+bool FieldProbe::is_two_sided(std::uint32_t i) const noexcept {
+  const std::uint8_t* const two_sided = query_.shell().view().two_sided;
+  return two_sided != nullptr && two_sided[points_.index[i]] != 0;
+}
+
+// The normal of a point without an inside says nothing: with zero in its place, the field takes
+// every direction from the scene's slope, and gives no depth where there is none.
+void FieldProbe::forget_sides() noexcept {
+  if (query_.shell().view().two_sided == nullptr) return;
+  for (std::uint32_t i = 0; i < points_.count; ++i) {
+    if (is_two_sided(i)) points_.nx[i] = points_.ny[i] = points_.nz[i] = 0;
+  }
+}
+
 // The points that the guard keeps out, and the least proven distance.
 void FieldProbe::bar(ContactSet& out) const noexcept {
   out.barred = 0;
@@ -130,7 +145,11 @@ void FieldProbe::bar_crossings(const ContactSet& earlier, const glm::vec3& way_m
     const bool rises = glm::dot(moved_m, slope) > 0 && stored_distance_m(i) < sheet_m;
     // Not that of a wall of the part that stands on the sheet, whose normal lies along it.
     const bool turned = glm::dot(slope, side) < -0.5f * glm::length(slope);
-    if (!(into_m > 0 && rises && turned) || lies_beside_solid(i)) continue;
+    // A point without an inside would forget its side in the middle of a sheet: it may not go
+    // there.
+    const bool forgets = is_two_sided(i) && later.sx[i] == 0 && later.sy[i] == 0 &&
+                         later.sz[i] == 0 && stored_distance_m(i) < sheet_m;
+    if (!(into_m > 0 && (forgets || (rises && turned))) || lies_beside_solid(i)) continue;
     if (later.is_barred[i] == 0) ++later.barred;
     later.is_barred[i] = ContactSet::kBarredWay;
     later.ux[i] = side.x, later.uy[i] = side.y, later.uz[i] = side.z;
@@ -159,9 +178,10 @@ void FieldProbe::apply_seat(ContactSet& out) const noexcept {
                                     : slope / steepness;
     out.ux[i] = direction.x, out.uy[i] = direction.y, out.uz[i] = direction.z;
     out.depth_m[i] = std::min(object->contact_m, in_seat_m_[points_.index[i]]) - distance_m;
+    if (direction == glm::vec3(0)) out.depth_m[i] = std::min(out.depth_m[i], 0.0f);
     // Short slopes are of places near the middle of a sheet, where they tell no side. A point that
-    // touches it has the part, and so its inward normal, on its own side.
-    constexpr float kSideSlope = 0.5f;
+    // touches it has the part, and so its inward normal, on its own side. One without an inside has
+    // no side there.
     const glm::vec3 side =
         steepness < kSideSlope ? glm::vec3(points_.nx[i], points_.ny[i], points_.nz[i]) : direction;
     out.sx[i] = side.x, out.sy[i] = side.y, out.sz[i] = side.z;
@@ -173,6 +193,7 @@ void FieldProbe::apply_seat(ContactSet& out) const noexcept {
 }
 
 void FieldProbe::read(ContactSet& out) noexcept {
+  forget_sides();
   field_.measure(points_, samples_);
   out.count = points_.count;
   out.interior = points_.interior_count;

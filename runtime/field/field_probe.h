@@ -33,7 +33,8 @@ class FieldProbe final : public ContactProbe {
   // Finds the seat of a part that starts at `world_from_center`: the objects that a shell point
   // touches there, that is, in whose force layer or nearer it lies. None is no error. Not for the
   // servo's thread. Errors, kUsage: the part penetrates the scene and no seat can be told, because
-  // the scene stores no distances or the part lies deeper than they tell.
+  // the scene stores no distances, the part lies deeper than they tell, or a sheet of the part lies
+  // in a sheet of the scene.
   Status find_seat(const Pose& world_from_center);
   const Seat& seat() const { return seat_; }
 
@@ -45,12 +46,15 @@ class FieldProbe final : public ContactProbe {
   void read(ContactSet& out) noexcept;
 
  private:
+  bool is_two_sided(std::uint32_t i) const noexcept;
+  void forget_sides() noexcept;
   void bar(ContactSet& out) const noexcept;
   void apply_seat(ContactSet& out) const noexcept;
   std::uint32_t object_of(std::uint32_t i) const noexcept;
   float stored_distance_m(std::uint32_t i) const noexcept;
   bool lies_beside_solid(std::uint32_t i) const noexcept;
   Status check_depth(const SeatObject& object) const;
+  Status check_side(std::uint32_t i) const;
 
   query::ContactQuery& query_;
   const ForceField& field_;

@@ -39,11 +39,24 @@ Status FieldProbe::check_depth(const SeatObject& object) const {
       "check --start and the units of both files, or bake the scene with a larger --range"};
 }
 
+// Whether the side on which collected point i touches the scene is known.
+Status FieldProbe::check_side(std::uint32_t i) const {
+  const glm::vec3 slope(samples_.gx[i], samples_.gy[i], samples_.gz[i]);
+  if (!is_two_sided(i) || glm::length(slope) >= kSideSlope || lies_beside_solid(i)) return {};
+  const std::string_view name = query_.voxmap().object_name(object_of(i));
+  return Error{ErrorCode::kUsage, "", "start",
+               "an open sheet of the part starts in a sheet of " +
+                   (name.empty() ? std::string("the scene") : std::string(name)) +
+                   ": nothing tells on which side of it",
+               "give one of them a thickness, or start elsewhere (--start)"};
+}
+
 Status FieldProbe::find_seat(const Pose& world_from_center) {
   seat_ = {};
   seat_open_ = false;
   in_seat_m_.assign(weight_.size(), 0);
   query_.run(world_from_center, points_);
+  forget_sides();
   field_.measure(points_, samples_);
   const auto voxel_size_m = static_cast<float>(query_.voxmap().voxel_size_m());
   Seat seat;
@@ -59,6 +72,7 @@ Status FieldProbe::find_seat(const Pose& world_from_center) {
                    "bake the scene without --lean and --metric chebyshev, or start elsewhere "
                    "(--start)"};
     }
+    if (Status side = check_side(i); !side) return side;
     SeatObject& object = seat.at(object_of(i));
     const float distance_m = stored_distance_m(i);
     in_seat_m_[points_.index[i]] = distance_m;

@@ -16,6 +16,8 @@ namespace forcelayer::field {
 
 // A slope of a field, per voxel, that is shorter than this has no direction that can be trusted.
 inline constexpr float kLeastSlope = 0.1f;
+// A slope that is shorter than this, at a surface, is of a place near the middle of a sheet.
+inline constexpr float kSideSlope = 0.5f;
 
 // One sample for each of the CollectedPoints, in their order. The force on the part at a point of
 // positive depth is stiffness * depth * direction.

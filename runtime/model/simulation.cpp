@@ -20,6 +20,18 @@ std::uint32_t input_faults(const StepInput& input) {
   return 0;
 }
 
+// A point without an inside can take its direction from stored distances alone.
+Status check_sides(const PshellView& shell, const field::ForceField& field) {
+  if (shell.two_sided == nullptr || field.proves_distances()) return {};
+  const auto count = std::count(shell.two_sided, shell.two_sided + shell.point_count, 1);
+  return Error{ErrorCode::kUsage, "", "part",
+               std::to_string(count) + " of its " + std::to_string(shell.point_count) +
+                   " points are of open sheets and have no inside, which only stored distances do "
+                   "without",
+               "use --model default and --force distance with a scene that was baked without "
+               "--lean, or close the surface"};
+}
+
 // The part where it was, at rest, and nothing for the hand.
 StepResult stopped(State& state, const State& before, std::uint32_t faults) {
   state = before;
@@ -70,6 +82,7 @@ Result<std::unique_ptr<Simulation>> Simulation::create(Voxmap voxmap, Pshell she
       new Simulation(std::move(voxmap), std::move(shell), parameters, query));
   auto field = field::make_force_field(parameters.model, parameters.force, simulation->voxmap_);
   if (!field) return field.error();
+  if (Status sides = check_sides(simulation->shell_.view(), **field); !sides) return sides.error();
   simulation->field_ = std::move(*field);
   if (parameters.model == Model::kDefault) simulation->make_default_model();
   return simulation;

@@ -136,7 +136,7 @@ class MeshCase {
         part_(value_of(part::read_part({mesh_}, std::string_view(model.units) == "mm" ? 1e-3 : 1))
                   .part),
         voxel_size_m_(longest_side(part_) / voxels) {
-    value_of(normals::orient_outwards(part_, voxel_size_m_));
+    normals::orient_outwards(part_, voxel_size_m_);
   }
 
   void run(Json& rows) const {

@@ -34,7 +34,6 @@ f 3 7 8 4
 f 1 5 7 3
 f 2 4 8 6
 OBJ
-printf 'v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\n' >"$work/sheet.obj"
 printf 'v 0 0 0\nv 1 0 0\nv 1 1 0\n' >"$work/points.obj"
 box=("$work/box.obj" --units mm --quiet)
 out=(-o "$work/out.pshell")
@@ -55,9 +54,25 @@ expect 2 "radius for voxel centers" "${box[@]}" "${out[@]}" --voxel-size 1mm --m
 expect 1 "missing mesh" "$work/none.obj" "${out[@]}" --units mm --voxel-size 1mm
 expect 1 "unwritable output" "${box[@]}" -o "$work/none/out.pshell" --voxel-size 1mm
 expect 3 "mesh without triangles" "$work/points.obj" "${out[@]}" --units mm --voxel-size 1mm
-expect 3 "sheet" "$work/sheet.obj" "${out[@]}" --units mm --voxel-size 0.1mm
 expect 3 "too large" "${box[@]}" "${out[@]}" --voxel-size 1nm
 expect 3 "too large for voxel centers" "${box[@]}" "${out[@]}" --voxel-size 1nm --method voxel-centers
+
+# An open sheet is baked; all of them are in one line, and a shell without sides says so.
+printf 'v 0 0 0\nv 1 0 0\nv 1 1 0\nv 5 0 0\nv 6 0 0\nv 5 3 0\nf 1 2 3\nf 4 5 6\n' >"$work/sheets.obj"
+"$bin/pointshell" "$work/sheets.obj" -o "$work/sheets.pshell" --units mm --voxel-size 0.1mm --json "$work/sheets.json" >"$work/stdout" 2>"$work/stderr" ||
+  fail "sheets: $(cat "$work/stderr")"
+[ "$(grep -c 'warning: 2 open sheets: sheets, 1 triangle, ' "$work/stderr")" -eq 1 ] || fail "sheets are not in one warning: $(cat "$work/stderr")"
+"$bin/pointshell" verify "$work/sheets.pshell" "$work/sheets.obj" --units mm --quiet || fail "a shell of sheets is not proven again"
+"$bin/voxinfo" "$work/sheets.pshell" --json "$work/facts.json" | grep -q 'open sheets' || fail "voxinfo says nothing of sheets"
+python3 - "$work/sheets.json" "$work/facts.json" <<'PY' || fail "reports of sheets"
+import json, sys
+bake, facts = (json.load(open(name)) for name in sys.argv[1:])
+assert [sheet["area_m2"] for sheet in bake["sheets"]] == sorted((sheet["area_m2"] for sheet in bake["sheets"]), reverse=True), bake
+assert len(bake["sheets"]) == 2 and bake["mass_source"] == "area" and bake["two_sided_points"] == bake["points"], bake
+assert facts["two_sided_points"] == bake["points"] and facts["version"] == "2.1", facts
+assert any("2 open sheets" in line for line in bake["warnings"]), bake
+PY
+rm -f "$work"/sheets.*
 expect 2 "verify without a mesh" verify "$work/part.pshell"
 expect 4 "verify of a mesh as shell" verify "$work/box.obj" "$work/box.obj" --units mm
 expect 1 "verify of a missing shell" verify "$work/none.pshell" "$work/box.obj" --units mm

@@ -28,6 +28,34 @@ TEST(Golden, PshellBytes) {
                       pshell_bytes(TestShell(points, normals, golden_shell_options()).content()));
 }
 
+// Version 2.1: every third point of the same shell has no inside.
+TestShellOptions two_sided_golden_options() {
+  TestShellOptions options = golden_shell_options();
+  for (std::size_t i = 0; i < 100; ++i) options.two_sided.push_back(i % 3 == 0 ? 1 : 0);
+  return options;
+}
+
+TEST(Golden, TwoSidedPshellBytes) {
+  const auto [points, normals] = golden_points();
+  expect_golden_bytes(
+      "v2_1.pshell",
+      pshell_bytes(TestShell(points, normals, two_sided_golden_options()).content()));
+}
+
+TEST(Golden, TwoSidedPshellValues) {
+  const auto shell = Pshell::open(golden_path("v2_1.pshell"), Verify::kStructureAndChecksums);
+  ASSERT_TRUE(shell) << to_line(shell.error());
+  EXPECT_EQ(shell->header().file.minor, 1u);
+  ASSERT_NE(shell->view().two_sided, nullptr);
+  for (std::size_t i = 0; i < 128; ++i) {
+    EXPECT_EQ(shell->view().two_sided[i], std::min<std::size_t>(i, 99) % 3 == 0) << i;
+  }
+  const auto old = Pshell::open(golden_path("v2.pshell"));
+  ASSERT_TRUE(old);
+  EXPECT_EQ(old->header().file.minor, 0u);
+  EXPECT_EQ(old->view().two_sided, nullptr);
+}
+
 TEST(Golden, VoxmapValues) {
   const auto map = Voxmap::open(golden_path("v2.vox"), Verify::kStructureAndChecksums);
   ASSERT_TRUE(map) << to_line(map.error());

@@ -146,6 +146,17 @@ def losses(sections):
     return entries
 
 
+def two_sided_points(header, sections):
+    """How many points have no inside; the section is checked."""
+    if 13 not in sections:
+        return 0
+    sides = sections[13]
+    count = header["point_count"]
+    assert header["minor"] >= 1 and len(sides) == header["block_count"] * header["block_points"]
+    assert all(side in (0, 1) for side in sides) and len(set(sides[count - 1:])) == 1
+    return sum(sides[:count])
+
+
 def surface_distance(header, entries, distance):
     """The distance of the part's surface that shell points at this distance prove (section 4)."""
     bounds = [0.0, distance - header["covering_radius_m"]]
@@ -177,6 +188,7 @@ def main():
     else:
         entries = losses(sections)
         plain["losses"] = entries
+        plain["two_sided_points"] = two_sided_points(header, sections)
         plain["surface_distance_of_2_voxels_m"] = surface_distance(header, entries,
                                                                    2 * header["voxel_size_m"])
     print(json.dumps({**plain, "checksums_compared": xxhash is not None}))

@@ -141,13 +141,13 @@ TEST_P(DamagedFile, VersionsAndFeatures) {
   }
 }
 
-// A later minor version may give meaning to reserved bytes; minor version 0 may not.
+// A later minor version may give meaning to reserved bytes; a known one may not.
 TEST_P(DamagedFile, ReservedBytesBelongToLaterMinorVersions) {
   const auto header = read_at<FileHeader>(whole_.bytes(), 0);
   for (const std::size_t at : {std::size_t{56}, std::size_t{header.header_bytes} - 1}) {
     AlignedBytes bytes = with_field(at, std::uint8_t{1});
     EXPECT_EQ(refused(bytes.bytes()).code, ErrorCode::kFieldInvalid);
-    write_at(bytes.bytes(), offsetof(FileHeader, minor), std::uint16_t{1});
+    write_at(bytes.bytes(), offsetof(FileHeader, minor), std::uint16_t{7});
     resign(bytes.bytes());
     EXPECT_TRUE(GetParam().open(bytes.bytes(), Verify::kStructureAndChecksums));
   }
@@ -183,7 +183,7 @@ TEST_P(DamagedFile, LongerHeaderAndUnknownSectionOfALaterMinorVersion) {
   const Status status =
       GetParam().open(AlignedBytes(bytes).bytes(), Verify::kStructureAndChecksums);
   EXPECT_TRUE(status) << to_line(status.error());
-  write_at(bytes, offsetof(FileHeader, minor), kFormatMinor);
+  write_at(bytes, offsetof(FileHeader, minor), std::uint16_t{0});
   resign(bytes);
   EXPECT_EQ(refused(AlignedBytes(bytes).bytes()).code, ErrorCode::kFieldInvalid);
 }

@@ -5,6 +5,7 @@
 #include "pointshell/certificate/certificate.h"
 #include "pointshell/certificate/point_grid.h"
 #include "pointshell/report.h"
+#include "pointshell/verify.h"
 #include "tests/support/long_tests.h"
 #include "tests/support/part_support.h"
 #include "tests/support/stored_shell.h"
@@ -118,6 +119,88 @@ TEST_P(CoveringOfModel, HoldsAtRandomPlaces) {
 
 INSTANTIATE_TEST_SUITE_P(, CoveringOfModel, ::testing::ValuesIn(kModels),
                          [](const auto& model) { return test::test_name_of(model.param.file); });
+
+// A plate with grooves far finer than the covering radius on top, each as long as the plate.
+mesh::Mesh grooved_mesh(double side, double pitch, double depth, double height) {
+  mesh::Mesh mesh;
+  const int grooves = static_cast<int>(std::lround(side / pitch));
+  const auto add = [&](double x, double z) {
+    for (const double y : {0.0, side}) mesh.vertices.push_back({x, y, z});
+  };
+  for (int n = 0; n <= 2 * grooves; ++n) {
+    add(n * pitch / 2, n % 2 == 0 ? height : height - depth);
+  }
+  const auto strip = [&](std::uint32_t a, std::uint32_t b) {
+    mesh.triangles.push_back({a, b, b + 1});
+    mesh.triangles.push_back({a, b + 1, a + 1});
+  };
+  const auto last = static_cast<std::uint32_t>(4 * grooves);
+  for (std::uint32_t n = 0; n < last; n += 2) strip(n, n + 2);
+  add(side, 0), add(0, 0);
+  strip(last, last + 2), strip(last + 2, last + 4), strip(last + 4, 0);
+  for (std::uint32_t n = 0; n < last + 2; n += 2) {  // the two ends, from the corner at the origin
+    mesh.triangles.push_back({last + 4, n + 2, n});
+    mesh.triangles.push_back({last + 5, n + 1, n + 3});
+  }
+  return mesh;
+}
+
+// Patches stand for the grooves: few pieces are looked at, and nothing is proven too much.
+TEST(Covering, HoldsOverDetailFarFinerThanTheRadius) {
+  const Case c{"grooves", part_of(grooved_mesh(2, 0.004, 0.003, 0.1)), 0.1};
+  const pointshell::BakedShell shell = bake(c, ShellMethod::kSurface);
+  EXPECT_EQ(shell.header.mass_source, static_cast<std::uint32_t>(MassSource::kVolume));
+  expect_sampled_covering(c.part, shell, samples());
+  // One by one the strips would need a piece for each point that is near each of them.
+  EXPECT_LT(shell.certificate_pieces, 100 * shell.header.point_count);
+  EXPECT_LT(shell.loss_pieces, 400 * shell.header.point_count);
+  const Pshell file = stored(shell);
+  EXPECT_TRUE(pointshell::verify_shell(file, c.part).proven);
+  EXPECT_TRUE(pointshell::verify_losses(file, c.part).proven);
+  // The proof needs nearly every point on the grooves.
+  const part::Part centered = part::relative_to(c.part, center(shell));
+  int needed = 0;
+  for (std::size_t n = 0; n < 15; ++n) {
+    std::vector<part::Vec3> points = positions_of(shell);
+    points.erase(points.begin() + static_cast<std::ptrdiff_t>(n * points.size() / 15));
+    const auto proof =
+        certificate::prove_covering(centered, points, shell.header.covering_radius_m);
+    needed += proof.proven ? 0 : 1;
+    if (proof.proven) continue;
+    // Each hole is a place that no point covers.
+    const certificate::PointGrid grid(points, shell.header.covering_radius_m);
+    for (const certificate::Hole& hole : proof.holes) {
+      EXPECT_GE(grid.nearest_distance(hole.position, 1.1 * shell.header.covering_radius_m),
+                shell.header.covering_radius_m * (1 - 1e-9));
+    }
+  }
+  EXPECT_GT(needed, 10);
+}
+
+// A triangle that reaches far out costs what its length costs, not more.
+TEST(Covering, OfANeedleTakesPointsAlongItsLength) {
+  mesh::Mesh mesh = box_mesh(1, 1, 1);
+  mesh.vertices.insert(mesh.vertices.end(), {{500, 0.3, 0.1}, {0, 0.01, 0.5}, {0.01, 0, 0.5}});
+  mesh.triangles.push_back({8, 9, 10});
+  const Case c{"needle", part_of(mesh), 0.2};
+  const pointshell::BakedShell shell = bake(c, ShellMethod::kSurface);
+  expect_sampled_covering(c.part, shell, samples());
+  EXPECT_LT(shell.header.point_count, 500 / 0.2 + 400);
+  EXPECT_LT(shell.certificate_pieces, 20 * shell.header.point_count);
+}
+
+TEST(Covering, OfAPartTooFarAcrossIsRefusedBeforeItBegins) {
+  mesh::Mesh mesh = box_mesh(1, 1, 1);
+  mesh.vertices.push_back({1e8, 0, 0});
+  mesh.triangles.push_back({0, 1, 8});
+  pointshell::ShellOptions options;
+  options.voxel_size_m = 0.2;
+  const auto shell =
+      pointshell::bake_shell(part_of(mesh), options, [](const std::string&, double) {});
+  ASSERT_FALSE(shell);
+  EXPECT_EQ(shell.error().code, ErrorCode::kBakeTooLarge);
+  EXPECT_NE(shell.error().what.find("(1e+08, 0, 0)"), std::string::npos);
+}
 
 TEST(Covering, RadiusIsTheOneAskedFor) {
   for (const Case& c : shapes()) {

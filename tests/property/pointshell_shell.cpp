@@ -7,8 +7,11 @@
 #include "pointshell/certificate/point_grid.h"
 #include "pointshell/certificate/winding_number.h"
 #include "pointshell/normals/normals.h"
+#include "pointshell/report.h"
 #include "pointshell/sample/weights.h"
+#include "pointshell/verify.h"
 #include "tests/support/part_support.h"
+#include "tests/support/stored_shell.h"
 
 namespace forcelayer {
 namespace {
@@ -84,6 +87,35 @@ TEST(Shell, WeightsAreTheAreasNearestToThePoints) {
     const double expected = shell.weight_m2[n] / shell.header.area_m2 * kSamples;
     EXPECT_NEAR(hits[n], expected, 6 * std::sqrt(expected) + 1) << "seed " << kSeed;
   }
+}
+
+// A box with two open sheets: their points, and no others, have no inside.
+TEST(Shell, PointsOfOpenSheetsHaveNoInside) {
+  mesh::Mesh mesh = box_mesh(1, 1, 1);
+  mesh.vertices.insert(mesh.vertices.end(), {{3, 0, 0}, {4, 0, 0}, {4, 1, 0}, {3, 1, 0}});
+  mesh.triangles.insert(mesh.triangles.end(), {{8, 9, 10}, {8, 10, 11}});
+  const part::Part part = part_of(mesh);
+  pointshell::ShellOptions options;
+  options.voxel_size_m = 0.15;
+  const auto shell = pointshell::bake_shell(part, options, [](const std::string&, double) {});
+  ASSERT_TRUE(shell) << to_line(shell.error());
+  EXPECT_EQ(shell->header.mass_source, static_cast<std::uint32_t>(MassSource::kArea));
+  ASSERT_EQ(shell->orientation.sheets.size(), 1u);
+  ASSERT_EQ(shell->two_sided.size(), shell->x.size());
+  for (std::size_t n = 0; n < shell->x.size(); ++n) {
+    const bool on_sheet = shell->x[n] + shell->header.center_m[0] > 1;
+    EXPECT_EQ(shell->two_sided[n] != 0, on_sheet) << n;
+    if (on_sheet) {
+      EXPECT_EQ(shell->cone_cos[n], -1);
+    }
+  }
+  EXPECT_NE(pointshell::sheet_warning(*shell).find("1 open sheet: body 0, 2 triangles"),
+            std::string::npos);
+  EXPECT_TRUE(pointshell::verify_shell(stored(*shell), part).proven);
+  mesh.triangles.resize(12);
+  const auto closed =
+      pointshell::bake_shell(part_of(mesh), options, [](const std::string&, double) {});
+  EXPECT_TRUE(closed->two_sided.empty());
 }
 
 TEST(Shell, SpheresHoldTheirPoints) {

@@ -1,6 +1,8 @@
-// make_box_file FILE.step|FILE.igs [solid]: writes a box of 10 x 20 x 30 mm from the origin, as six
-// trimmed surfaces in IGES, or as a solid with six faces.
+// make_box_file FILE.step|FILE.igs [solid|cylinder]: writes a box of 10 x 20 x 30 mm from the
+// origin, as six trimmed surfaces in IGES, or as a solid with six faces; or a cylinder of 10 mm
+// radius and 30 mm height, as three trimmed surfaces.
 #include <BRepPrimAPI_MakeBox.hxx>
+#include <BRepPrimAPI_MakeCylinder.hxx>
 #include <IGESControl_Controller.hxx>
 #include <IGESControl_Writer.hxx>
 #include <Message.hxx>
@@ -12,11 +14,13 @@
 int main(int argc, char** argv) {
   if (argc < 2) return std::fputs("usage: make_box_file FILE.step|FILE.igs [solid]\n", stderr), 2;
   Message::DefaultMessenger()->ChangePrinters().Clear();
-  const TopoDS_Shape box = BRepPrimAPI_MakeBox(10, 20, 30).Shape();
+  const bool cylinder = argc > 2 && argv[2] == std::string("cylinder");
+  const TopoDS_Shape box =
+      cylinder ? BRepPrimAPI_MakeCylinder(10, 30).Shape() : BRepPrimAPI_MakeBox(10, 20, 30).Shape();
   const std::string path = argv[1];
   if (path.ends_with(".igs")) {
     IGESControl_Controller::Init();
-    const bool solid = argc > 2;
+    const bool solid = argc > 2 && !cylinder;
     IGESControl_Writer writer("MM", solid ? 1 : 0);
     return writer.AddShape(box) && writer.Write(path.c_str()) ? 0 : 1;
   }

@@ -38,6 +38,7 @@ struct TestShellOptions {
   std::uint32_t block_points = kDefaultBlockPoints;
   std::uint32_t super_block_blocks = kDefaultSuperBlockBlocks;
   bool cones = false;
+  std::vector<std::uint8_t> two_sided;  // of each point; empty: all have an inside
   std::string provenance = "{}";
 };
 
@@ -47,7 +48,7 @@ class TestShell {
   // `points` in meters, `normals` inward, of any length but zero; both in the part's frame.
   TestShell(const std::vector<Vec3>& points, const std::vector<Vec3>& normals,
             const TestShellOptions& options)
-      : provenance_(options.provenance), losses_(options.losses) {
+      : two_sided_(options.two_sided), provenance_(options.provenance), losses_(options.losses) {
     if (points.empty() || points.size() != normals.size()) {
       throw std::invalid_argument("a shell needs points and as many normals");
     }
@@ -67,8 +68,9 @@ class TestShell {
 
   // Valid while this lives.
   PshellContent content() const {
-    return {header_, position_[0], position_[1],  position_[2], normal_[0],  normal_[1], normal_[2],
-            weight_, blocks_,      super_blocks_, cone_,        provenance_, losses_};
+    return {header_,    position_[0], position_[1], position_[2], normal_[0],
+            normal_[1], normal_[2],   weight_,      blocks_,      super_blocks_,
+            cone_,      provenance_,  losses_,      two_sided_};
   }
   PshellHeader& header() { return header_; }
 
@@ -135,6 +137,7 @@ class TestShell {
   PshellHeader header_{};
   std::array<std::vector<float>, 3> position_, normal_;
   std::vector<float> weight_, cone_;
+  std::vector<std::uint8_t> two_sided_;
   std::vector<BoundingSphere> blocks_, super_blocks_;
   std::string provenance_;
   std::vector<DistanceLoss> losses_;

@@ -22,6 +22,7 @@ struct PointPart {
   std::array<double, 6> inertia_m2{1e-4, 1e-4, 1e-4, 0, 0, 0};
   std::uint32_t block_points = kDefaultBlockPoints;
   std::uint32_t super_block_blocks = kDefaultSuperBlockBlocks;
+  bool two_sided = false;  // whether all points are without an inside
   std::vector<std::array<float, 3>> points, normals;
 
   void add(const std::array<double, 3>& point, std::array<double, 3> normal) {
@@ -114,6 +115,8 @@ inline void save_pshell(const std::filesystem::path& path, const PointPart& part
   content.weight_m2 = columns[6];
   content.blocks = blocks;
   content.super_blocks = super_blocks;
+  const std::vector<std::uint8_t> two_sided(part.two_sided ? count : 0, 1);
+  content.two_sided = two_sided;
 
   save_bytes(path, pshell_bytes(content));
 }

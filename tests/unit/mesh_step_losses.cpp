@@ -1,6 +1,10 @@
 // What OpenCASCADE leaves out of a STEP or IGES file is an error that names it.
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <numbers>
+
+#include "formats/mesh/mesh_facts.h"
 #include "tests/support/models.h"
 #include "tests/support/step_files.h"
 
@@ -179,6 +183,33 @@ TEST(IgesLosses, AConstructiveSolid) {
   const std::string text =
       with_type(with_parameters(iges_box(false), 19, "150,5.,5.,5.;"), 19, "150");
   expect_in("1 solid: D19 (type 150)", iges_error(text));
+}
+
+// Three trimmed surfaces, each with its own circles: as they are read they form one closed surface.
+TEST(IgesLosses, LooseFacesAreSewnIntoAClosedSurface) {
+  const ScratchFolder folder;
+  run_in(folder.path(), "make_box_file rod.igs cylinder");
+  const auto rod = mesh::read_assembly((folder / "rod.igs").string());
+  ASSERT_TRUE(rod) << to_line(rod.error());
+  ASSERT_EQ(rod->meshes.size(), 1u);
+  const mesh::MeshFacts facts = mesh::mesh_facts(rod->meshes[0]);
+  EXPECT_TRUE(facts.closed);
+  EXPECT_NEAR(std::abs(facts.signed_volume), std::numbers::pi * 10 * 10 * 30, 100);
+  ASSERT_EQ(rod->warnings.size(), 1u);
+  EXPECT_NE(rod->warnings[0].find("3 loose faces sewn where edges are within 0.1 mm"),
+            std::string::npos)
+      << rod->warnings[0];
+  EXPECT_LT(rod->deviation_units, 0.11);  // a deflection, and gaps of next to nothing
+}
+
+TEST(StepLosses, AFileThatCannotBeParsedSaysWhy) {
+  const ScratchFolder folder;
+  const std::string text = replaced(step_box(), "DATA;", "DATA");
+  const auto assembly = mesh::read_assembly(write_file(folder / "a.step", text));
+  ASSERT_FALSE(assembly);
+  EXPECT_EQ(assembly.error().code, ErrorCode::kMeshUnreadable);
+  expect_in("OpenCASCADE cannot parse this file: ERR StepFile", to_line(assembly.error()));
+  expect_in("expecting DATA", to_line(assembly.error()));
 }
 
 // The independent count: the faces of a text, by a pattern, are those of the meshes.

@@ -24,11 +24,20 @@ TEST(Part, IsTheSameForAnyOrderOfTriangles) {
 TEST(Part, DropsDuplicatesWithinABodyAndCountsThem) {
   mesh::Mesh mesh = box_mesh(1, 1, 1);
   mesh.triangles.push_back({3, 0, 2});  // the first, from another corner
-  mesh.triangles.push_back({0, 3, 2});  // the first, turned round: another triangle
+  mesh.triangles.push_back({0, 3, 2});  // the first, turned round
   const part::Part part = part_of(mesh);
   EXPECT_EQ(part.input_triangles, 14u);
-  EXPECT_EQ(part.duplicate_triangles, 1u);
-  EXPECT_EQ(part.triangles.size(), 13u);
+  EXPECT_EQ(part.duplicate_triangles, 2u);
+  EXPECT_EQ(part.triangles, part_of(box_mesh(1, 1, 1)).triangles);
+}
+
+// Bodies that are alike but for one triangle are two.
+TEST(Part, DropsABodyThatIsAnotherAgain) {
+  const mesh::Mesh box = box_mesh(1, 1, 1);
+  mesh::Mesh open = box;
+  open.triangles.pop_back();
+  EXPECT_EQ(part_of({box, box, box}).triangles.size(), 12u);
+  EXPECT_EQ(part_of({box, open, box, open}).triangles.size(), 12u + 11u);
 }
 
 TEST(Part, WeldsEqualVerticesWhateverTheSignOfZero) {

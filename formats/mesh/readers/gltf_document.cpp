@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "formats/mesh/confined_path.h"
+#include "formats/mesh/readers/meshopt_view.h"
 
 namespace forcelayer::mesh {
 namespace {
@@ -22,6 +23,14 @@ constexpr std::string_view kKnownExtensions[] = {
     "KHR_draco_mesh_compression", "KHR_mesh_quantization", "EXT_mesh_gpu_instancing",
     "KHR_texture_transform",      "KHR_texture_basisu",    "EXT_texture_webp",
     "EXT_texture_avif",           "KHR_lights_punctual",   "KHR_xmp_json_ld"};
+constexpr const char* kMeshopt = "EXT_meshopt_compression";
+
+// The object of an extension, or null.
+const nlohmann::json* extension_of(const nlohmann::json& object, const char* name) {
+  const auto extensions = object.find("extensions");
+  if (extensions == object.end() || !extensions->contains(name)) return nullptr;
+  return &extensions->at(name);
+}
 
 std::uint32_t uint32_at(std::string_view bytes, std::uint64_t offset) {
   std::uint32_t value = 0;
@@ -149,9 +158,17 @@ void GltfDocument::check_version_and_extensions() const {
         name.starts_with("KHR_materials_")) {
       continue;
     }
+    if (name == kMeshopt && reads_meshopt()) continue;
+    if (name == kMeshopt) fail_meshopt("extensionsRequired");
     fail(ErrorCode::kMeshUnsupported, "extensionsRequired",
          "the extension " + in_quotes(name) + " is not read", "export the mesh without it");
   }
+}
+
+void GltfDocument::fail_meshopt(std::string where) const {
+  fail(ErrorCode::kMeshUnsupported, std::move(where),
+       std::string("this build does not read ") + kMeshopt,
+       "build with libmeshoptimizer-dev, or export the mesh without it");
 }
 
 const nlohmann::json& GltfDocument::element(const char* list, std::uint64_t index) const {
@@ -198,6 +215,13 @@ void GltfDocument::load_buffers(std::string_view binary) {
   for (std::uint64_t i = 0; i < buffer_count; ++i) {
     const nlohmann::json& buffer = element("buffers", i);
     std::string_view bytes = binary;
+    // Stands in for readers that do not know the compression, and has no bytes.
+    const nlohmann::json* const meshopt = extension_of(buffer, kMeshopt);
+    if (meshopt != nullptr && meshopt->value("fallback", false) && !buffer.contains("uri")) {
+      if (!reads_meshopt()) fail_meshopt(in_list("buffers", i));
+      buffers_.emplace_back();
+      continue;
+    }
     if (buffer.contains("uri")) {
       bytes = load_buffer(buffer, i);
     } else if (i != 0) {
@@ -251,6 +275,44 @@ std::uint64_t GltfDocument::most_unfolded() const {
 std::string_view GltfDocument::buffer_view(std::uint64_t view_index) const {
   const nlohmann::json& view = element("bufferViews", view_index);
   const std::string where = in_list("bufferViews", view_index);
+  const nlohmann::json* const meshopt = extension_of(view, kMeshopt);
+  if (meshopt == nullptr || !reads_meshopt()) return stored_view(view, where);
+  const auto known = decompressed_views_.find(view_index);
+  if (known != decompressed_views_.end()) return known->second;
+  std::string bytes = decompressed_view(*meshopt, where);
+  if (bytes.size() != index(view, "byteLength")) {
+    fail(ErrorCode::kMeshUnreadable, where,
+         "announces " + std::to_string(index(view, "byteLength")) +
+             " bytes, and its compressed stream " + std::to_string(bytes.size()));
+  }
+  return decompressed_views_.emplace(view_index, std::move(bytes)).first->second;
+}
+
+std::string GltfDocument::decompressed_view(const nlohmann::json& extension,
+                                            const std::string& where) const {
+  MeshoptView view;
+  view.packed = stored_view(extension, where);
+  view.mode = extension.at("mode").get<std::string>();
+  view.filter = extension.value("filter", "NONE");
+  view.count = index(extension, "count");
+  view.stride = index(extension, "byteStride");
+  constexpr std::uint64_t kLongestElement = 256;
+  const std::uint64_t most = sizeof(double) * most_unfolded();
+  if (view.stride > kLongestElement || view.count > most ||
+      (decompressed_bytes_ += view.count * view.stride) > most) {
+    fail(ErrorCode::kMeshUnsupported, where,
+         "brings what the file unfolds to over " + std::to_string(most) + " bytes");
+  }
+  auto bytes = decode_meshopt(view);
+  if (!bytes) {
+    fail(ErrorCode::kMeshUnreadable, where,
+         "a stream of " + std::string(kMeshopt) + " that is damaged", "export or copy it again");
+  }
+  return std::move(*bytes);
+}
+
+std::string_view GltfDocument::stored_view(const nlohmann::json& view,
+                                           const std::string& where) const {
   const std::uint64_t buffer = index(view, "buffer");
   if (buffer >= buffers_.size()) {
     fail(ErrorCode::kMeshUnreadable, where, "names a buffer that does not exist");

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
@@ -32,6 +33,7 @@ class GltfDocument {
   std::uint64_t index_or(const nlohmann::json& object, const char* key,
                          std::uint64_t missing) const;
 
+  // The bytes of a view; those of a compressed one (EXT_meshopt_compression) as they were before.
   std::string_view buffer_view(std::uint64_t index) const;
 
   // The most numbers, and the most instances, that accessors, meshes and nodes may make by sharing
@@ -52,8 +54,11 @@ class GltfDocument {
   std::string_view take_apart_glb(std::string_view& binary) const;
   void parse_json(std::string_view text);
   void check_version_and_extensions() const;
+  [[noreturn]] void fail_meshopt(std::string where) const;
   void load_buffers(std::string_view binary);
   std::string_view load_buffer(const nlohmann::json& buffer, std::uint64_t index);
+  std::string_view stored_view(const nlohmann::json& view, const std::string& where) const;
+  std::string decompressed_view(const nlohmann::json& extension, const std::string& where) const;
   Accessor accessor(std::uint64_t index) const;
   void read_components(const Accessor& accessor, std::vector<double>& numbers) const;
   void apply_sparse(const nlohmann::json& json, const Accessor& accessor,
@@ -65,6 +70,8 @@ class GltfDocument {
   std::deque<MappedFile> mapped_buffers_;    // of files beside this one
   std::vector<std::string_view> buffers_;
   std::uint64_t buffer_bytes_ = 0;  // of all buffers
+  mutable std::map<std::uint64_t, std::string> decompressed_views_;
+  mutable std::uint64_t decompressed_bytes_ = 0;  // of these
   mutable std::uint64_t numbers_read_ = 0;
 };
 

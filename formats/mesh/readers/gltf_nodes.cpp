@@ -4,6 +4,8 @@
 #include <cmath>
 #include <set>
 
+#include "formats/mesh/grouped_warnings.h"
+
 namespace forcelayer::mesh {
 namespace {
 
@@ -204,6 +206,16 @@ std::vector<Affine> GltfNodes::instancing_of(const nlohmann::json& node) const {
   return instances;
 }
 
+// The weights of morph targets before any animation: the node's, else its mesh's.
+std::vector<double> GltfNodes::weights_of(const nlohmann::json& node) const {
+  const nlohmann::json& mesh = document_.element("meshes", document_.index(node, "mesh"));
+  for (const nlohmann::json* const object : {&node, &mesh}) {
+    const auto found = object->find("weights");
+    if (found != object->end()) return found->get<std::vector<double>>();
+  }
+  return {};
+}
+
 std::vector<GltfPlacing> GltfNodes::placings() const {
   std::vector<GltfPlacing> placings;
   for (std::size_t n = 0; n < nodes_.size(); ++n) {
@@ -212,6 +224,7 @@ std::vector<GltfPlacing> GltfNodes::placings() const {
     const nlohmann::json& json = document_.element("nodes", node.index);
     if (!json.contains("mesh")) continue;
     const std::uint64_t mesh = document_.index(json, "mesh");
+    const std::vector<double> weights = weights_of(json);
     const std::vector<Affine> instances = instancing_of(json);
     if (placings.size() + instances.size() > document_.most_unfolded()) {
       document_.fail(
@@ -221,26 +234,26 @@ std::vector<GltfPlacing> GltfNodes::placings() const {
     for (std::size_t i = 0; i < instances.size(); ++i) {
       const std::string path =
           instances.size() == 1 ? node.name.path : node.name.path + "/" + std::to_string(i);
-      placings.push_back({mesh, path, n, compose(node.assembly_from_node, instances[i])});
+      placings.push_back({mesh, path, n, compose(node.assembly_from_node, instances[i]), weights});
     }
   }
   return placings;
 }
 
 void GltfNodes::add_warnings(std::vector<std::string>& warnings) const {
-  std::uint64_t skinned = 0;
+  GroupedWarnings skinned("nodes");
   std::set<std::uint64_t> placed;
   for (std::size_t n = 0; n < nodes_.size(); ++n) {
     if (!is_read_[n]) continue;
     const nlohmann::json& json = document_.element("nodes", nodes_[n].index);
     if (!json.contains("mesh")) continue;
-    skinned += json.contains("skin") ? 1 : 0;
+    if (json.contains("skin")) {
+      skinned.add(nodes_[n].name.path,
+                  "skinned, read in its bind pose where the node stands: joints move nothing");
+    }
     placed.insert(document_.index(json, "mesh"));
   }
-  if (skinned > 0) {
-    warnings.push_back(counted(skinned, "node") +
-                       " with a skin: read without it, where the node stands");
-  }
+  for (std::string& line : skinned.lines()) warnings.push_back(std::move(line));
   const std::uint64_t left_out = document_.count("meshes") - placed.size();
   if (left_out > 0 && document_.file().options.nodes.empty() && left_out_.empty()) {
     warnings.push_back(std::to_string(left_out) + " of " +

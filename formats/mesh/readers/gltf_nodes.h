@@ -17,6 +17,7 @@ struct GltfPlacing {
   std::string path;    // of node labels, "/" between
   std::size_t node;    // index into GltfNodes::tree()
   Affine assembly_from_mesh;
+  std::vector<double> weights;  // of the mesh's morph targets; those that are missing are 0
 };
 
 // Walks the default scene of `document`. A label is the node's name, else its mesh's, else "node7".
@@ -45,6 +46,7 @@ class GltfNodes {
   std::string name_of(std::uint64_t index) const;
   void choose();
   std::vector<Affine> instancing_of(const nlohmann::json& node) const;
+  std::vector<double> weights_of(const nlohmann::json& node) const;
 
   const GltfDocument& document_;
   std::vector<Node> nodes_;    // each before its children

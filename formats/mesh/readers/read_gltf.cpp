@@ -1,5 +1,6 @@
 // glTF 2.0, .glb and .gltf: the node tree, with a mesh for each glTF mesh. The primitives of a mesh
 // are one object (they differ in material only) and become one triangle mesh.
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <set>
@@ -15,11 +16,18 @@ namespace {
 
 enum PrimitiveMode : std::uint64_t { kTriangles = 4, kTriangleStrip = 5, kTriangleFan = 6 };
 
-// The triangles of one glTF mesh.
+// A morph target that takes part in the default shape.
+struct MorphTarget {
+  std::uint64_t positions;  // accessor of what it adds
+  double weight;
+  friend auto operator<=>(const MorphTarget&, const MorphTarget&) = default;
+};
+
+// The triangles of one glTF mesh, with these weights of its morph targets.
 class MeshReader {
  public:
-  MeshReader(const GltfDocument& document, std::uint64_t index)
-      : document_(document), where_("meshes[" + std::to_string(index) + "]") {
+  MeshReader(const GltfDocument& document, std::uint64_t index, const std::vector<double>& weights)
+      : document_(document), weights_(weights), where_("meshes[" + std::to_string(index) + "]") {
     const nlohmann::json& primitives = document.element("meshes", index).at("primitives");
     for (std::size_t i = 0; i < primitives.size(); ++i) {
       primitive_where_ = where_ + ".primitives[" + std::to_string(i) + "]";
@@ -50,7 +58,7 @@ class MeshReader {
       return read_draco(primitive, extensions->at("KHR_draco_mesh_compression"), mode);
     }
     const std::uint64_t positions = position_accessor(primitive);
-    const std::uint32_t first = read_positions(positions);
+    const std::uint32_t first = read_positions(positions, targets_of(primitive));
     const std::uint64_t vertex_count =
         document_.index(document_.element("accessors", positions), "count");
     add_triangles(corners_of(primitive, vertex_count), mode, first);
@@ -64,16 +72,37 @@ class MeshReader {
     return document_.index(*attributes, "POSITION");
   }
 
-  // Appends the accessor's vertices, once where primitives share it; returns the first one's index.
-  std::uint32_t read_positions(std::uint64_t accessor) {
-    const auto [place, is_new] =
-        first_vertices_.try_emplace(accessor, static_cast<std::uint32_t>(mesh_.vertices.size()));
+  std::vector<MorphTarget> targets_of(const nlohmann::json& primitive) const {
+    std::vector<MorphTarget> targets;
+    const auto all = primitive.find("targets");
+    if (all == primitive.end()) return targets;
+    for (std::size_t n = 0; n < std::min(all->size(), weights_.size()); ++n) {
+      const nlohmann::json& target = all->at(n);
+      if (weights_[n] == 0 || !target.contains("POSITION")) continue;
+      targets.push_back({document_.index(target, "POSITION"), weights_[n]});
+    }
+    return targets;
+  }
+
+  // Appends the accessor's vertices, moved by morph targets, once where primitives share them;
+  // returns the first one's index.
+  std::uint32_t read_positions(std::uint64_t accessor, const std::vector<MorphTarget>& targets) {
+    const auto [place, is_new] = first_vertices_.try_emplace(
+        {accessor, targets}, static_cast<std::uint32_t>(mesh_.vertices.size()));
     if (!is_new) return place->second;
     constexpr std::uint64_t kFloat = 5126;
     const nlohmann::json& json = document_.element("accessors", accessor);
     has_integer_positions_ =
         has_integer_positions_ || document_.index(json, "componentType") != kFloat;
-    const std::vector<double> numbers = document_.read_numbers(accessor, 3);
+    std::vector<double> numbers = document_.read_numbers(accessor, 3);
+    for (const MorphTarget& target : targets) {
+      const std::vector<double> added = document_.read_numbers(target.positions, 3);
+      if (added.size() != numbers.size()) {
+        document_.fail(ErrorCode::kMeshUnreadable, primitive_where_,
+                       "has a morph target of another number of vertices");
+      }
+      for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i] += target.weight * added[i];
+    }
     check_count(document_.file(), mesh_.vertices.size() + numbers.size() / 3, "vertices");
     for (std::size_t i = 0; i < numbers.size(); i += 3) {
       mesh_.vertices.push_back({numbers[i], numbers[i + 1], numbers[i + 2]});
@@ -126,6 +155,11 @@ class MeshReader {
 
   void read_draco(const nlohmann::json& primitive, const nlohmann::json& extension,
                   std::uint64_t mode) {
+    if (!targets_of(primitive).empty()) {
+      document_.fail(ErrorCode::kMeshUnsupported, primitive_where_,
+                     "has morph targets that move the vertices of a Draco stream",
+                     "export the mesh without Draco compression");
+    }
     const std::uint64_t view = document_.index(extension, "bufferView");
     const std::uint64_t id = document_.index(extension.at("attributes"), "POSITION");
     DracoSurface surface = decode_draco(document_.file(), document_.buffer_view(view),
@@ -156,11 +190,12 @@ class MeshReader {
   }
 
   const GltfDocument& document_;
+  const std::vector<double>& weights_;
   std::string where_;
   std::string primitive_where_;
   Mesh mesh_;
-  std::map<std::uint64_t, std::uint32_t> first_vertices_;  // by accessor
-  std::uint64_t lines_and_points_ = 0;                     // primitives
+  std::map<std::pair<std::uint64_t, std::vector<MorphTarget>>, std::uint32_t> first_vertices_;
+  std::uint64_t lines_and_points_ = 0;  // primitives
   bool has_morph_targets_ = false;
   bool has_integer_positions_ = false;
   std::optional<DracoQuantization> quantization_;  // the coarsest
@@ -189,15 +224,15 @@ class GltfReader {
 
  private:
   void place(const GltfPlacing& placing) {
-    const auto [known, is_new] = meshes_.try_emplace(placing.mesh, kNoTriangles);
-    if (is_new) known->second = read_mesh(placing.mesh);
+    const auto [known, is_new] = meshes_.try_emplace({placing.mesh, placing.weights}, kNoTriangles);
+    if (is_new) known->second = read_mesh(placing.mesh, placing.weights);
     if (known->second == kNoTriangles) return;
     assembly_.instances.push_back({known->second, placing.path, placing.assembly_from_mesh});
     nodes_of_instances_.push_back(placing.node);
   }
 
-  std::uint32_t read_mesh(std::uint64_t index) {
-    MeshReader reader(document_, index);
+  std::uint32_t read_mesh(std::uint64_t index, const std::vector<double>& weights) {
+    MeshReader reader(document_, index, weights);
     lines_and_points_ += reader.lines_and_points();
     morphed_ += reader.has_morph_targets() ? 1 : 0;
     has_integer_positions_ = has_integer_positions_ || reader.has_integer_positions();
@@ -220,7 +255,7 @@ class GltfReader {
     }
     if (morphed_ > 0) {
       warnings.push_back(counted(morphed_, "mesh") +
-                         " with morph targets: read without them, in the base shape");
+                         " with morph targets: read in the default shape");
     }
     if (has_integer_positions_) {
       warnings.push_back(
@@ -235,10 +270,11 @@ class GltfReader {
   GltfDocument document_;
   GltfNodes nodes_;
   Assembly assembly_;
-  std::vector<std::size_t> nodes_of_instances_;    // [instances]
-  std::map<std::uint64_t, std::uint32_t> meshes_;  // glTF mesh to Assembly::meshes
-  std::uint64_t lines_and_points_ = 0;             // primitives
-  std::uint64_t morphed_ = 0;                      // meshes
+  std::vector<std::size_t> nodes_of_instances_;  // [instances]
+  // A glTF mesh with its weights to Assembly::meshes.
+  std::map<std::pair<std::uint64_t, std::vector<double>>, std::uint32_t> meshes_;
+  std::uint64_t lines_and_points_ = 0;  // primitives
+  std::uint64_t morphed_ = 0;           // meshes
   bool has_integer_positions_ = false;
   std::optional<DracoQuantization> quantization_;  // the coarsest
 };

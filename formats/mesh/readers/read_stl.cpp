@@ -3,6 +3,7 @@
 #include <bit>
 #include <cstring>
 
+#include "formats/mesh/foreign_files.h"
 #include "formats/mesh/reader.h"
 #include "formats/mesh/readers/text_cursor.h"
 
@@ -40,6 +41,7 @@ bool starts_as_text(const SourceFile& file) {
 void check_binary_size(const SourceFile& file) {
   const std::uint64_t bytes = file.bytes.size();
   if (bytes < kHeaderBytes) {
+    refuse_foreign_content(file);
     fail_read(file, ErrorCode::kMeshUnreadable, at_byte(bytes),
               "too short for a binary STL (84 bytes) and no ASCII STL ('solid')",
               "export the mesh again");
@@ -47,6 +49,7 @@ void check_binary_size(const SourceFile& file) {
   const std::uint64_t announced = announced_triangles(file.bytes);
   const std::uint64_t expected = kHeaderBytes + announced * kTriangleBytes;
   if (bytes == expected) return;
+  refuse_foreign_content(file);
   const std::string counts = "the header announces " + counted(announced, "triangle") + " (" +
                              std::to_string(expected) + " bytes), the file has " +
                              std::to_string(bytes) + " bytes";

@@ -133,7 +133,7 @@ Error receive_error(Receiver& receiver) {
   const auto code = receiver.value<std::uint64_t>();
   const bool known = (code > 100 && code <= static_cast<int>(ErrorCode::kOutOfMemory)) ||
                      (code >= static_cast<int>(ErrorCode::kMeshUnreadable) &&
-                      code <= static_cast<int>(ErrorCode::kMeshUnorientable));
+                      code <= static_cast<int>(ErrorCode::kBakeTooLarge));
   if (!known) throw BrokenStream::kNonsense;
   error.code = static_cast<ErrorCode>(code);
   for (std::string* text : {&error.file, &error.where, &error.what, &error.mend}) {

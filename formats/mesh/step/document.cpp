@@ -11,6 +11,7 @@
 
 #include "formats/mesh/step/iges_losses.h"
 #include "formats/mesh/step/losses.h"
+#include "formats/mesh/step/occt_messages.h"
 #include "formats/mesh/step/references.h"
 #include "formats/mesh/step/triangles.h"
 
@@ -22,13 +23,15 @@ void read(const SourceFile& file, Reader& reader) {
   reader.SetNameMode(true);
   reader.SetColorMode(false);
   reader.SetLayerMode(false);
+  const OcctMessages messages;
   if (reader.ReadFile(file.path.c_str()) == IFSelect_RetDone) return;
-  fail_read(file, ErrorCode::kMeshUnreadable, "", "OpenCASCADE cannot parse this file",
-            "export the file again");
+  fail_read(file, ErrorCode::kMeshUnreadable, "",
+            "OpenCASCADE cannot parse this file" + messages.reason(), "export the file again");
 }
 
-[[noreturn]] void fail_shapes(const SourceFile& file) {
-  fail_read(file, ErrorCode::kMeshUnreadable, "", "OpenCASCADE cannot read the shapes of this file",
+[[noreturn]] void fail_shapes(const SourceFile& file, const OcctMessages& messages) {
+  fail_read(file, ErrorCode::kMeshUnreadable, "",
+            "OpenCASCADE cannot read the shapes of this file" + messages.reason(),
             "export the file again");
 }
 
@@ -77,19 +80,21 @@ void read_step_file(const SourceFile& file, StepDocument& document) {
   check_step_references(file, session);
   std::vector<TriangleItem> items = take_triangles(session);
   const std::vector<StepReference> references = take_references(session);
+  const OcctMessages messages;
   const bool has_shapes = reader.Transfer(document.document);
   check_step_losses(file, session, document.document, keep_triangles(items, reader, document));
   keep_references(file, references, reader, document);
-  if (!has_shapes) fail_shapes(file);
+  if (!has_shapes) fail_shapes(file, messages);
 }
 
 void read_iges_file(const SourceFile& file, StepDocument& document) {
   IGESCAFControl_Reader reader;
   read(file, reader);
   check_iges_references(file, reader.WS());
+  const OcctMessages messages;
   const bool has_shapes = reader.Transfer(document.document);
   check_iges_losses(file, reader.WS(), document.document);
-  if (!has_shapes) fail_shapes(file);
+  if (!has_shapes) fail_shapes(file, messages);
 }
 
 }  // namespace

@@ -29,6 +29,12 @@ void add_face_warnings(const Tessellation& tessellation, const std::string& path
                        (tessellation.dropped == 1 ? "it" : "them") + " is farther than " +
                        length_text(tessellation.dropped_reach_mm) + " from the faces beside them");
   }
+  if (tessellation.sewn > 0) {
+    warnings.push_back(
+        path + ": " + counted(tessellation.sewn, "loose face") + " sewn where edges are within " +
+        length_text(tessellation.sewing_tolerance_mm) + " of each other; the largest gap is " +
+        length_text(tessellation.sewn_gap_mm));
+  }
   if (tessellation.healed > 0) {
     warnings.push_back(path + ": " + counted(tessellation.healed, "face") +
                        " mended by OpenCASCADE (ShapeFix) to get triangles");

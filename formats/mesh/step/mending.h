@@ -1,9 +1,11 @@
-// Mends faces that OpenCASCADE does not tessellate as they are.
+// Mends faces that OpenCASCADE does not tessellate as they are, and joins those that stand loose.
 #pragma once
 
 #include <ShapeBuild_ReShape.hxx>
 #include <TopoDS_Face.hxx>
 #include <TopoDS_Shape.hxx>
+#include <cstdint>
+#include <optional>
 
 namespace forcelayer::mesh {
 
@@ -12,5 +14,17 @@ namespace forcelayer::mesh {
 // `largest_tolerance_mm`.
 TopoDS_Shape mend_face(const TopoDS_Face& face, const Handle(ShapeBuild_ReShape) & context,
                        double largest_tolerance_mm);
+
+// A shape whose loose faces are sewn.
+struct SewnShape {
+  TopoDS_Shape shape;
+  std::uint64_t faces = 0;  // that were loose
+  double gap_mm = 0;        // the largest that was closed, as the tolerances of the edges say
+};
+
+// Joins the faces of `shape` that are in no shell, as IGES has them, where their edges are within
+// `tolerance_mm` of each other: they then get the same triangles' corners there. Nothing where
+// fewer than two are loose, no two meet, or a face would be lost.
+std::optional<SewnShape> sew_loose_faces(const TopoDS_Shape& shape, double tolerance_mm);
 
 }  // namespace forcelayer::mesh

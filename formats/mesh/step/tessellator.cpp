@@ -240,8 +240,24 @@ class ShapeTessellation {
 
 }  // namespace
 
+// Without triangles where there is nothing to sew.
+Tessellation StepTessellator::tessellate_sewn(const TopoDS_Shape& shape) const {
+  const auto sewn = sew_loose_faces(shape, deflection_mm_);
+  if (!sewn) return {};
+  Tessellation made = ShapeTessellation(file_, sewn->shape, deflection_mm_).best();
+  made.sewn = sewn->faces;
+  made.sewn_gap_mm = sewn->gap_mm;
+  made.sewing_tolerance_mm = deflection_mm_;
+  made.deviation_mm += sewn->gap_mm;
+  return made;
+}
+
 Tessellation StepTessellator::tessellate(const TopoDS_Shape& shape, const std::string& name) {
-  Tessellation made = ShapeTessellation(file_, shape, deflection_mm_).best();
+  Tessellation made = tessellate_sewn(shape);
+  if (made.sewn == 0 || !made.lost.empty()) {
+    Tessellation loose = ShapeTessellation(file_, shape, deflection_mm_).best();
+    if (made.sewn == 0 || loose.lost.size() < made.lost.size()) made = std::move(loose);
+  }
   check_finite(file_, made.mesh, name);
   deviation_mm_ = std::max(deviation_mm_, made.deviation_mm);
   return made;

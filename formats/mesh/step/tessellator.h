@@ -22,7 +22,10 @@ struct Tessellation {
   std::uint64_t dropped = 0;    // faces without area that need no triangles
   double dropped_reach_mm = 0;  // no point of those is farther from their edges
   std::uint64_t healed = 0;     // faces that were mended first
-  double deflection_mm = 0;     // of the triangles, as asked of OpenCASCADE
+  std::uint64_t sewn = 0;       // loose faces that were joined first
+  double sewn_gap_mm = 0;       // the largest gap that this closed
+  double sewing_tolerance_mm = 0;
+  double deflection_mm = 0;  // of the triangles, as asked of OpenCASCADE
   double wanted_deflection_mm = 0;
   double deviation_mm = 0;  // how far a point of the shape may be from the triangles
 };
@@ -31,7 +34,8 @@ struct Tessellation {
 // deflections; the whole shape each time, so that faces still meet at their edges. A face that then
 // still has none is dropped where that leaves no hole: all its edges belong to faces that have
 // triangles, and no point of it is farther than a deflection from them. For what is left coarser
-// deflections are tried, and then mending (ShapeFix).
+// deflections are tried, and then mending (ShapeFix). Before all that, loose faces are sewn within
+// a deflection.
 class StepTessellator {
  public:
   StepTessellator(const SourceFile& file, double deflection_mm)
@@ -44,6 +48,8 @@ class StepTessellator {
   double deviation_mm() const { return deviation_mm_; }
 
  private:
+  Tessellation tessellate_sewn(const TopoDS_Shape& shape) const;
+
   const SourceFile& file_;
   double deflection_mm_;
   double deviation_mm_;

@@ -1,0 +1,83 @@
+// Files that no reader takes are called by their names.
+#include <gtest/gtest.h>
+
+#include "tests/support/mesh_files.h"
+
+namespace forcelayer {
+namespace {
+
+using namespace test;
+using namespace std::string_literals;
+
+Error refusal(const std::string& bytes, const std::string& extension) {
+  const auto read = read_bytes(bytes, extension);
+  EXPECT_FALSE(read) << extension;
+  return read ? Error{} : read.error();
+}
+
+std::string utf16(const std::string& text, bool little) {
+  std::string bytes = little ? "\xff\xfe" : "\xfe\xff";
+  for (const char c : text) bytes += little ? std::string{c, '\0'} : std::string{'\0', c};
+  return bytes;
+}
+
+TEST(ForeignFiles, Utf16TextIsNamedInEveryTextFormat) {
+  for (const bool little : {true, false}) {
+    for (const char* extension : {".obj", ".off", ".ply", ".stl", ".gltf", ".step", ".igs"}) {
+      SCOPED_TRACE(extension);
+      for (const std::string text : {"v",
+                                     "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\n"
+                                     "vertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n"}) {
+        const Error error = refusal(utf16(text, little), extension);
+        EXPECT_EQ(error.code, ErrorCode::kMeshUnsupported);
+        EXPECT_NE(error.what.find("UTF-16"), std::string::npos) << to_line(error);
+        EXPECT_NE(error.mend.find("UTF-8"), std::string::npos);
+      }
+    }
+  }
+}
+
+TEST(ForeignFiles, OthersAreNamedByTheirEnding) {
+  const std::pair<const char*, const char*> endings[] = {{".sldprt", "SolidWorks"},
+                                                         {".CATPart", "CATIA"},
+                                                         {".x_t", "Parasolid"},
+                                                         {".3MF", "3MF"},
+                                                         {".fbx", "FBX"},
+                                                         {".dae", "COLLADA"},
+                                                         {".jt", "JT"},
+                                                         {".ipt", "Inventor"}};
+  for (const auto& [extension, name] : endings) {
+    const Error error = refusal("anything", extension);
+    EXPECT_EQ(error.code, ErrorCode::kMeshUnsupported);
+    EXPECT_NE(error.what.find(name), std::string::npos) << to_line(error);
+    EXPECT_EQ(error.mend.find("export it as"), 0u) << to_line(error);
+  }
+  EXPECT_NE(refusal("anything", ".xyz").what.find("is not the extension of a mesh format"),
+            std::string::npos);
+  EXPECT_NE(refusal("anything", "").what.find("is not the extension"), std::string::npos);
+}
+
+TEST(ForeignFiles, OthersAreNamedByTheirContent) {
+  EXPECT_NE(refusal("PK\x03\x04...", ".obj").what.find("ZIP"), std::string::npos);
+  EXPECT_NE(refusal("\x1f\x8b\x08...", ".step").what.find("gzip"), std::string::npos);
+  EXPECT_NE(refusal("PK\x03\x04...", ".stl").what.find("ZIP"), std::string::npos);
+  EXPECT_NE(refusal("\xd0\xcf\x11\xe0...", ".prt").what.find("CAD system"), std::string::npos);
+}
+
+// The header of a binary STL may begin with anything.
+TEST(ForeignFiles, ABinaryStlThatBeginsLikeAnotherFileIsRead) {
+  for (const std::string start : {"PK\x03\x04", "\xff\xfe", "<?xml"}) {
+    std::string bytes = start;
+    bytes.resize(80, ' ');
+    put(bytes, std::uint32_t{1});
+    for (const float x : {0.f, 0.f, 1.f, 0.f, 0.f, 0.f, 1.f, 0.f, 0.f, 0.f, 1.f, 0.f})
+      put(bytes, x);
+    put(bytes, std::uint16_t{0});
+    const auto read = read_bytes(bytes, ".stl");
+    ASSERT_TRUE(read) << to_line(read.error());
+    EXPECT_EQ(read->triangle_count(), 1u);
+  }
+}
+
+}  // namespace
+}  // namespace forcelayer
