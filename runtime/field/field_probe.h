@@ -2,6 +2,7 @@
 // averaged over neighboring contacts, in one look-up.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "runtime/field/contact_set.h"
@@ -37,6 +38,10 @@ class FieldProbe final : public ContactProbe {
   Status find_seat(const Pose& world_from_center);
   const Seat& seat() const { return seat_; }
 
+  // Whether a part with that seat may start elsewhere, at `world_from_center`. Not for the servo's
+  // thread. Errors, kUsage: the guard bars a point there.
+  Status check_clear(const Pose& world_from_center);
+
   // 0 where the map names none, and where it did not measure the distance: a number is a hint
   // there.
   std::uint32_t object_near(const glm::dvec3& world_m) const noexcept override;
@@ -51,6 +56,7 @@ class FieldProbe final : public ContactProbe {
   float stored_distance_m(std::uint32_t i) const noexcept;
   bool lies_beside_solid(std::uint32_t i) const noexcept;
   Status check_depth(const SeatObject& object) const;
+  std::string name_of(std::uint32_t object) const;
 
   query::ContactQuery& query_;
   const ForceField& field_;

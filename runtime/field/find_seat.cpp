@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <glm/geometric.hpp>
+#include <string>
 
 #include "runtime/field/field_probe.h"
 
@@ -19,6 +20,20 @@ constexpr float kFaceSlope = 0.9f;
 // code, the interpolated distance is up to so much above the true one.
 constexpr double kUntoldVoxels = 0.35;
 
+// Two-bit values alike in all of the interior tell no seat from a penetration.
+Error no_distances(bool stored) {
+  if (stored) {
+    return {ErrorCode::kUsage, "", "start",
+            "the part starts inside the scene, and this force field cannot tell a seat from a "
+            "penetration",
+            "leave out --force, or start elsewhere (--start)"};
+  }
+  return {ErrorCode::kUsage, "", "start",
+          "the part starts inside the scene, and a scene without stored distances cannot tell a "
+          "seat from a penetration",
+          "bake the scene without --lean and --metric chebyshev, or start elsewhere (--start)"};
+}
+
 }  // namespace
 
 // Whether the stored distances can hold the part where it lies in an object of its seat. Below the
@@ -28,15 +43,37 @@ Status FieldProbe::check_depth(const SeatObject& object) const {
   const double told_m = header.distance_quantum_m * (header.distance_zero_code - 1) -
                         kUntoldVoxels * header.voxel_size_m;
   if (-double{object.floor_m} < told_m) return {};
-  const std::string_view name = query_.voxmap().object_name(object.object);
   char depth[80], most[80];
-  std::snprintf(depth, sizeof depth, "the part starts %.3g mm inside ", 1000 * object.overlap_m);
+  std::snprintf(depth, sizeof depth, "the part starts %s%.3g mm inside ",
+                object.overlap_m < told_m ? "" : "more than ",
+                1000 * std::min(object.overlap_m, told_m));
   std::snprintf(most, sizeof most, "; the stored distances hold a seat up to %.3g mm deep",
                 1000 * (told_m - kLeastGiveVoxels * header.voxel_size_m));
-  return Error{
-      ErrorCode::kUsage, "", "start",
-      depth + (name.empty() ? std::string("the scene") : std::string(name)) + most,
-      "check --start and the units of both files, or bake the scene with a larger --range"};
+  return Error{ErrorCode::kUsage, "", "start", depth + name_of(object.object) + most,
+               "check --start and the units of both files; bake the scene with --free-seed where "
+               "the inside of an object is air, or with a larger --range"};
+}
+
+std::string FieldProbe::name_of(std::uint32_t object) const {
+  const std::string_view name = query_.voxmap().object_name(object);
+  return name.empty() ? "the scene" : std::string(name);
+}
+
+Status FieldProbe::check_clear(const Pose& world_from_center) {
+  ContactSet there;
+  there.reserve(weight_.size());
+  const bool open = seat_open_;
+  open_seat(true);
+  look_up(world_from_center, there);
+  seat_open_ = open;
+  for (std::uint32_t i = 0; i < there.count; ++i) {
+    if (there.is_barred[i] == 0) continue;
+    return Error{ErrorCode::kUsage, "", "start",
+                 "the part starts inside " + name_of(object_of(i)) +
+                     ", or nearer to it than the guard allows, and that is not where its seat is",
+                 "start it clear of the scene (--start), or leave out --seat"};
+  }
+  return {};
 }
 
 Status FieldProbe::find_seat(const Pose& world_from_center) {
@@ -52,13 +89,7 @@ Status FieldProbe::find_seat(const Pose& world_from_center) {
     const bool near =
         field_.proves_distances() && (samples_.distance_m[i] < guard_m_ || samples_.depth_m[i] > 0);
     if (!interior && !near) continue;
-    if (!field_.proves_distances()) {
-      return Error{ErrorCode::kUsage, "", "start",
-                   "the part starts inside the scene, and a scene without stored distances cannot "
-                   "tell a seat from a penetration",
-                   "bake the scene without --lean and --metric chebyshev, or start elsewhere "
-                   "(--start)"};
-    }
+    if (!field_.proves_distances()) return no_distances(query_.voxmap().distances() != nullptr);
     SeatObject& object = seat.at(object_of(i));
     const float distance_m = stored_distance_m(i);
     in_seat_m_[points_.index[i]] = distance_m;

@@ -100,8 +100,9 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
       "map, and no others, are kept in memory from the start (what the device's workspace "
       "allows, where that is known; else all)");
   app.add_option("--fail-on", texts_.fail_on,
-                 "penetration, contact (but in the seat), outside (of the map) or seat (not left): "
-                 "end with status 6 where it happened; repeatable")
+                 "contact (but in the seat), outside (of the map) or seat (not left): end with "
+                 "status 6 where it happened, as a run with penetration does in any case; "
+                 "repeatable")
       ->join(',');
   app.add_option("--json", options_.json, "write a report");
   app.add_option("--trace", options_.trace, "write a CSV line a frame");
@@ -239,6 +240,9 @@ Status OptionParser::check(const Options& options) const {
   if ((options.device == "replay") != !options.replay.empty()) {
     return usage("--replay", "and --device replay go together", "give both");
   }
+  if (options.start.world_from_seat && options.run.model == Model::kPaper) {
+    return usage("--seat", "is for --model default: the paper's has no seat", "leave it out");
+  }
   if (options.replay.empty()) {
     const bool endless = !options.duration_s && options.motion.empty();
     if (options.as_fast_as_possible && endless) {
@@ -247,7 +251,7 @@ Status OptionParser::check(const Options& options) const {
     return {};
   }
   const char* const fixed[] = {"--model", "--force", "--no-braking",        "--rate",
-                               "--start", "--grip",  "--world-from-device", "--motion-scale"};
+                               "--start", "--seat", "--grip",  "--world-from-device", "--motion-scale"};
   for (const char* option : fixed) {
     if (app_.count(option) > 0) {
       return usage(option, "is part of the recording", "leave it out with --replay");

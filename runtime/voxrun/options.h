@@ -23,7 +23,7 @@ enum class AfterTrip {
   kRearm,  // it arms again by itself: simulated hands only
 };
 
-// What makes a run end with status 6 (--fail-on): bits.
+// What makes a run end with status 6: penetration in any case, and what --fail-on adds. Bits.
 enum FailOn : std::uint32_t {
   kFailOnPenetration = 1,  // a penetration frame
   kFailOnContact = 2,      // a contact, but with the objects of the open seat
@@ -45,7 +45,7 @@ struct Options {
   double udp_rate_hz = 60;
   PartStart start;                         // --start and --grip
   std::optional<machine::ReachBox> reach;  // --reach: none: what the handle's workspace allows
-  std::uint32_t fail_on = 0;               // FailOn bits
+  std::uint32_t fail_on = kFailOnPenetration;  // FailOn bits
   std::optional<AfterTrip> after_trip;     // none: the device's own
   std::optional<unsigned> clutch_button;   // none: the device's own
 };

@@ -228,6 +228,7 @@ void add_objects(const Run& run, const loop::LoopStatistics& s, Json& json) {
     entry["overlap_m"] = of_seat.overlap_m + 0.0;  // no "-0.0"
     entry["points"] = of_seat.points;
   }
+  json["narrowest_felt_m"] = narrowest_felt_m(run);
   Json& touched = json["touched_objects"] = Json::array();
   for (const loop::TouchedTotal& total : by_force(s)) {
     Json& entry = touched.emplace_back();
@@ -252,13 +253,29 @@ std::string touched_text(const Run& run, const loop::LoopStatistics& s) {
   return line + "\n";
 }
 
+// Narrower features of the scene may lie between the points of the shell.
+double narrowest_felt_m(const Run& run) {
+  return 2 * run.simulation().shell().header().covering_radius_m;
+}
+
 // What the part is seated on, and how deep where that is no rounding; nothing without a seat.
 std::string seated_text(const Run& run, const RunFacts& facts) {
   if (run.simulation().seat().empty()) return "";
   return text(
-      "%s%s\n",
+      "%s%s\nwhile it is there, it may pass through features narrower than %.3g mm, and through "
+      "objects hidden behind those of the seat\n",
       facts.options.start.world_from_seat ? "the part's seat is on " : "the part is seated on ",
-      seat_text(run, 0.1 * run.parameters().voxel_size_m).c_str());
+      seat_text(run, 0.1 * run.parameters().voxel_size_m).c_str(), 1000 * narrowest_felt_m(run));
+}
+
+// When the guarantee holds; where nothing is guarded, it is no fact about every frame.
+const char* guarantee_title(const Run& run) {
+  if (run.parameters().model == Model::kPaper) {
+    return "guaranteed separation, where no point penetrates (this model has no guard): ";
+  }
+  return run.simulation().seat().empty()
+             ? "guaranteed separation: "
+             : "guaranteed separation, once the part has left its seat: ";
 }
 
 }  // namespace
@@ -279,11 +296,7 @@ std::string start_text(const Run& run, const RunFacts& facts) {
               p.rate_hz, facts.device.c_str(), p.coupling_n_per_m, p.field_n_per_m,
               p.mass_kg * 1000) +
          (facts.capabilities ? capabilities_text(*facts.capabilities) : std::string()) +
-         seated_text(run, facts) +
-         (run.simulation().seat().empty()
-              ? "guaranteed separation: "
-              : "guaranteed separation, once the part has left its seat: ") +
-         guarantee_text(run.guarantee()) + "\n";
+         seated_text(run, facts) + guarantee_title(run) + guarantee_text(run.guarantee()) + "\n";
 }
 
 std::string end_text(const Run& run, const RunFacts& facts, const loop::LoopStatistics& s) {
