@@ -8,9 +8,9 @@
 #include <mutex>
 #include <thread>
 
-#include "voxelize/directory_limit.h"
+#include "voxelize/limits/directory_limit.h"
+#include "voxelize/limits/region.h"
 #include "voxelize/object_bake.h"
-#include "voxelize/region.h"
 #include "voxelize/tree/tree_box.h"
 #include "voxelize/tree/tree_builder.h"
 
@@ -48,9 +48,9 @@ Result<std::vector<ObjectBake>> snap_objects(Objects objects, const BakeOptions&
 
 // The voxels of the scene that a bake keeps.
 struct SceneRegion {
-  Region region;
-  Directory directory;        // empty where the region can hold nothing
-  std::vector<char> skipped;  // [objects] cannot touch the region
+  limits::Region region;
+  limits::Directory directory;  // empty where the region can hold nothing
+  std::vector<char> skipped;    // [objects] cannot touch the region
 };
 
 distance::CodeScale scale_of(const BakeOptions& options) {
@@ -86,7 +86,8 @@ Result<SceneRegion> choose_region(const std::vector<ObjectBake>& bakes,
   SceneRegion result;
   masks::VoxelBox scene;
   for (const ObjectBake& bake : bakes) scene.include(bake.facts.box);
-  result.region = region_of(scene.grown(reach_of(options)), options.roi_m, options.voxel_size_m);
+  result.region =
+      limits::region_of(scene.grown(reach_of(options)), options.roi_m, options.voxel_size_m);
   const bool cropped = result.region.cropped_sides != 0;
   const masks::VoxelBox within_reach = result.region.box.grown(reach_of(options) + 1);
   bool any = false;
@@ -97,11 +98,11 @@ Result<SceneRegion> choose_region(const std::vector<ObjectBake>& bakes,
     any = true;
     if (!cropped) continue;
     // The object is filled from all of its triangles, so all of its voxels must be addressable.
-    const auto fits = fit_directory(box.joined(within_reach), options.voxel_size_m);
+    const auto fits = limits::fit_directory(box.joined(within_reach), options.voxel_size_m);
     if (!fits) return fits.error();
   }
   if (!any) return result;
-  const auto directory = fit_directory(result.region.box, options.voxel_size_m);
+  const auto directory = limits::fit_directory(result.region.box, options.voxel_size_m);
   if (!directory) return directory.error();
   result.directory = *directory;
   return result;
@@ -332,7 +333,7 @@ Result<Bake> bake_objects(Objects objects, const BakeOptions& options) {
   masks::VoxelBox scene;
   for (const ObjectBake& object : *bakes) scene.include(object.facts.box);
   if (!scene.empty()) {
-    const auto directory = fit_directory(scene, options.voxel_size_m);
+    const auto directory = limits::fit_directory(scene, options.voxel_size_m);
     if (!directory) return directory.error();
     std::mutex counting;
     std::size_t done = 0;

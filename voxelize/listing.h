@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "formats/mesh/mesh.h"
-#include "formats/mesh/trust_options.h"
+#include "formats/mesh/sandbox/trust_options.h"
 #include "formats/result.h"
 
 namespace forcelayer::voxelize {

@@ -12,14 +12,14 @@
 #include "formats/command/output_file.h"
 #include "formats/command/progress_line.h"
 #include "formats/command/quantity.h"
+#include "formats/mesh/sandbox/trust_options.h"
 #include "formats/mesh/scene.h"
-#include "formats/mesh/trust_options.h"
 #include "voxelize/bake.h"
 #include "voxelize/cache/cache_folder.h"
 #include "voxelize/cache/mesh_source.h"
 #include "voxelize/forecast.h"
+#include "voxelize/limits/memory_limit.h"
 #include "voxelize/listing.h"
-#include "voxelize/memory_limit.h"
 #include "voxelize/plan.h"
 #include "voxelize/provenance.h"
 #include "voxelize/report.h"
@@ -446,7 +446,8 @@ Status voxelize(const Arguments& arguments) {
   }
   const std::vector<cache::MeshOutline> outlines = meshes.outlines(*scene);
   const Forecast forecast = forecast_of(*scene, outlines, *options);
-  if (Status fits = check_forecast(forecast, *options, available_bytes()); !fits) return fits;
+  if (Status fits = check_forecast(forecast, *options, limits::available_bytes()); !fits)
+    return fits;
   const auto large = forecast_warning(forecast, *options);
   if (!arguments.quiet) {
     progress.clear();

@@ -3,11 +3,11 @@
 #include <cmath>
 
 #include "voxelize/cache/cache_versions.h"
-#include "voxelize/directory_limit.h"
 #include "voxelize/distance/euclidean_growth.h"
 #include "voxelize/fill/cavities.h"
 #include "voxelize/fill/flood.h"
-#include "voxelize/memory_limit.h"
+#include "voxelize/limits/directory_limit.h"
+#include "voxelize/limits/memory_limit.h"
 #include "voxelize/scan/scan_conversion.h"
 
 namespace forcelayer::voxelize {
@@ -126,7 +126,7 @@ void find_narrow_passages(const SceneObject& object, const BakeOptions& options,
   const auto snapped =
       scan::snap_object(mesh, object.world_from_mesh, halved.voxel_size_m, object.name);
   if (!snapped) return;
-  const auto directory = fit_directory(snapped->box, halved.voxel_size_m);
+  const auto directory = limits::fit_directory(snapped->box, halved.voxel_size_m);
   if (!directory) return;
   const auto geometry = scan::scan_convert(*snapped, directory->origin);
   const auto seeds = seed_voxels(object, halved, snapped->box, *geometry, directory->origin);
@@ -184,8 +184,8 @@ Result<cache::ObjectVoxels> object_voxels(const SceneObject& object, const BakeO
 
 Result<cache::ObjectVoxels> bake_voxels(const SceneObject& object, const BakeOptions& options,
                                         const lattice::VoxelIndex& scene_origin, ObjectBake& bake) {
-  const Status fits =
-      fit_memory(bake.snapped, object.name, options.voxel_size_m, available_bytes());
+  const Status fits = limits::fit_memory(bake.snapped, object.name, options.voxel_size_m,
+                                         limits::available_bytes());
   if (!fits) return fits.error();
   Stopwatch watch;
   cache::ObjectVoxels voxels;

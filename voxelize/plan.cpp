@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/guard.h"
-#include "voxelize/directory_limit.h"
+#include "voxelize/limits/directory_limit.h"
 #include "voxelize/stopwatch.h"
 
 namespace forcelayer::voxelize {
@@ -104,7 +104,7 @@ bool fits(const Probe& coarse, double voxel_size_m) {
     box.low[d] = std::llround(std::floor(static_cast<double>(coarse.box.low[d]) * ratio));
     box.high[d] = std::llround(std::ceil(static_cast<double>(coarse.box.high[d] + 1) * ratio));
   }
-  return static_cast<bool>(fit_directory(box, voxel_size_m));
+  return static_cast<bool>(limits::fit_directory(box, voxel_size_m));
 }
 
 // Where the force begins; with Chebyshev layers along an axis, where it begins lowest.

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "formats/mesh/trust_options.h"
+#include "formats/mesh/sandbox/trust_options.h"
 #include "formats/result.h"
 #include "pointshell/part/part.h"
 

@@ -47,26 +47,28 @@ runtime/examples:       runtime/forcelayer
 runtime/query:          formats runtime/forcelayer runtime/machine
 runtime/viewer/surface: formats formats/command
 voxelize/fill:          formats/lattice voxelize/masks
+formats/mesh/sandbox:   formats formats/command formats/mesh
 formats/mesh/step:      formats formats/mesh
 formats/mesh/readers:   formats formats/mesh formats/mesh/step
-pointshell/part:        formats formats/mesh
+pointshell/part:        formats formats/mesh formats/mesh/sandbox
 runtime/field:          formats runtime/forcelayer runtime/query
 voxelize/scan:          formats formats/lattice formats/mesh voxelize/masks
 pointshell/certificate: formats pointshell/part
 runtime/model:          formats runtime/coupling runtime/field runtime/forcelayer runtime/machine runtime/query
+voxelize/limits:        formats formats/lattice voxelize/masks voxelize/scan
 voxelize/distance:      formats formats/lattice voxelize/masks voxelize/scan
 pointshell/sample:      formats formats/lattice pointshell/certificate pointshell/part
 runtime/devices:        formats runtime/coupling runtime/forcelayer runtime/model
-voxelize/cache:         formats formats/lattice formats/mesh voxelize/distance voxelize/fill voxelize/masks
+voxelize/cache:         formats formats/lattice formats/mesh formats/mesh/sandbox voxelize/distance voxelize/fill voxelize/masks
 pointshell/normals:     formats pointshell/part pointshell/sample
 runtime/devices/hid:    formats runtime/coupling runtime/devices runtime/forcelayer runtime/machine
 runtime/devices/plugin: runtime/devices runtime/forcelayer runtime/machine
 runtime/loop:           runtime/coupling runtime/devices runtime/forcelayer runtime/machine runtime/model
 voxelize/tree:          formats formats/lattice voxelize/cache voxelize/distance voxelize/masks
-pointshell:             formats formats/command formats/mesh pointshell/certificate pointshell/normals pointshell/part pointshell/sample
+pointshell:             formats formats/command formats/mesh formats/mesh/sandbox pointshell/certificate pointshell/normals pointshell/part pointshell/sample
 runtime/run:            formats runtime/field runtime/forcelayer runtime/loop runtime/machine runtime/model
 runtime/stream:         formats runtime/forcelayer runtime/loop runtime/machine runtime/model
-voxelize:               formats formats/command formats/mesh voxelize/cache voxelize/distance voxelize/fill voxelize/masks voxelize/scan voxelize/tree
+voxelize:               formats formats/command formats/mesh formats/mesh/sandbox voxelize/cache voxelize/distance voxelize/fill voxelize/limits voxelize/masks voxelize/scan voxelize/tree
 runtime/viewer/run:     formats runtime/coupling runtime/field runtime/forcelayer runtime/model runtime/stream
 runtime/voxrun:         formats formats/command runtime/devices runtime/devices/hid runtime/devices/plugin runtime/forcelayer runtime/loop runtime/machine runtime/model runtime/query runtime/run runtime/stream
 runtime/viewer/plan:    formats formats/command formats/mesh runtime/forcelayer runtime/viewer/run runtime/viewer/surface
@@ -85,7 +87,8 @@ while IFS=: read -r room allowed; do
   [ "$room" != formats ] || folders+=(formats/file)
   mapfile -t files < <(find "${folders[@]}" -maxdepth 1 \( -name '*.h' -o -name '*.cpp' -o -name '*.c' \))
   [ ${#files[@]} -gt 0 ] || { echo "FAILED: no files in room $room" >&2; fail=1; continue; }
-  [ ${#files[@]} -le 30 ] || { echo "FAILED: ${#files[@]} files in room $room: it is two" >&2; fail=1; }
+  count=$(printf '%s\n' "${files[@]}" | grep -cE "^$room/[^/]+$")
+  [ "$count" -le 25 ] || { echo "FAILED: $count files in room $room: it is two" >&2; fail=1; }
   while read -r file included; do
     other=$(room_of "$(dirname "$included")")
     case " $room $allowed " in *" $other "*) continue ;; esac

@@ -7,8 +7,8 @@
 #include <random>
 #include <thread>
 
-#include "formats/mesh/assembly_stream.h"
-#include "formats/mesh/sandbox.h"
+#include "formats/mesh/sandbox/assembly_stream.h"
+#include "formats/mesh/sandbox/sandbox.h"
 #include "tests/support/address_limit.h"
 #include "tests/support/mesh_files.h"
 

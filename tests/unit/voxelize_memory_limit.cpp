@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "voxelize/bake.h"
+#include "voxelize/limits/memory_limit.h"
 #include "voxelize/masks/mask_tree.h"
-#include "voxelize/memory_limit.h"
 #include "voxelize/scan/scan_conversion.h"
 
 namespace forcelayer {
@@ -30,8 +30,8 @@ TEST(MemoryLimit, CountsTheLargestTriangle) {
   for (const bool upright : {false, true}) {
     const mesh::Mesh mesh = plate(10, upright);
     const scan::SnappedObject object = snapped(mesh, 1e-3);
-    EXPECT_TRUE(voxelize::fit_memory(object, "plate", 1e-3, 1.51 * kVoxels));
-    const Status refused = voxelize::fit_memory(object, "plate", 1e-3, 1.49 * kVoxels);
+    EXPECT_TRUE(limits::fit_memory(object, "plate", 1e-3, 1.51 * kVoxels));
+    const Status refused = limits::fit_memory(object, "plate", 1e-3, 1.49 * kVoxels);
     ASSERT_FALSE(refused);
     EXPECT_EQ(refused.error().code, ErrorCode::kBakeTooLarge);
     EXPECT_EQ(refused.error().where, "triangle 1 of plate");
@@ -54,8 +54,8 @@ TEST(MemoryLimit, CountsTheLongestSliver) {
   const mesh::Mesh mesh = stray_vertex(1e4);
   const scan::SnappedObject object = snapped(mesh, 1e-2);
   const double least = 1e6 / 64 * (8 * 96 + sizeof(masks::LowerMaskNode));
-  EXPECT_TRUE(voxelize::fit_memory(object, "part", 1e-2, 1.01 * least));
-  const Status refused = voxelize::fit_memory(object, "part", 1e-2, 0.99 * least);
+  EXPECT_TRUE(limits::fit_memory(object, "part", 1e-2, 1.01 * least));
+  const Status refused = limits::fit_memory(object, "part", 1e-2, 0.99 * least);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::kBakeTooLarge);
   EXPECT_EQ(refused.error().where, "triangle 1 of part");
@@ -72,24 +72,24 @@ TEST(MemoryLimit, SaysLessThanTheVoxelsTake) {
       const scan::SnappedObject object = snapped(mesh, voxel_size_m);
       const auto tree = scan::scan_convert(object, {-(1 << 20), -(1 << 20), -(1 << 20)});
       const double taken = static_cast<double>(tree->memUsage());
-      EXPECT_TRUE(voxelize::fit_memory(object, "part", voxel_size_m, taken))
+      EXPECT_TRUE(limits::fit_memory(object, "part", voxel_size_m, taken))
           << away_m << " " << voxel_size_m;
       // And not so much less that it were of no use.
-      EXPECT_FALSE(voxelize::fit_memory(object, "part", voxel_size_m, taken / 8));
+      EXPECT_FALSE(limits::fit_memory(object, "part", voxel_size_m, taken / 8));
     }
   }
 }
 
 TEST(MemoryLimit, NamesAVoxelSizeThatFits) {
   for (const mesh::Mesh& mesh : {plate(10), stray_vertex(1e3)}) {
-    const Status refused = voxelize::fit_memory(snapped(mesh, 1e-3), "plate", 1e-3, 1e6);
+    const Status refused = limits::fit_memory(snapped(mesh, 1e-3), "plate", 1e-3, 1e6);
     ASSERT_FALSE(refused);
     double size_m = 0;
     const std::string& mend = refused.error().mend;
     ASSERT_EQ(std::sscanf(mend.c_str() + mend.find("--voxel-size"), "--voxel-size %lfm", &size_m),
               1);
-    EXPECT_TRUE(voxelize::fit_memory(snapped(mesh, size_m), "plate", size_m, 1e6)) << mend;
-    EXPECT_FALSE(voxelize::fit_memory(snapped(mesh, 0.9 * size_m), "plate", 0.9 * size_m, 1e6))
+    EXPECT_TRUE(limits::fit_memory(snapped(mesh, size_m), "plate", size_m, 1e6)) << mend;
+    EXPECT_FALSE(limits::fit_memory(snapped(mesh, 0.9 * size_m), "plate", 0.9 * size_m, 1e6))
         << mend;
   }
 }
@@ -106,7 +106,7 @@ TEST(MemoryLimit, HoldsInABake) {
   const auto refused = voxelize::bake(std::span(&object, 1), options);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::kBakeTooLarge) << to_line(refused.error());
-  EXPECT_GT(voxelize::available_bytes(), 1e8);
+  EXPECT_GT(limits::available_bytes(), 1e8);
 }
 
 }  // namespace

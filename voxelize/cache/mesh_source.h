@@ -9,8 +9,8 @@
 
 #include "formats/mesh/mesh.h"
 #include "formats/mesh/mesh_facts.h"
+#include "formats/mesh/sandbox/trust_options.h"
 #include "formats/mesh/scene.h"
-#include "formats/mesh/trust_options.h"
 #include "formats/result.h"
 #include "voxelize/cache/cache_folder.h"
 #include "voxelize/cache/digest.h"

@@ -1,4 +1,4 @@
-#include "formats/mesh/assembly_stream.h"
+#include "formats/mesh/sandbox/assembly_stream.h"
 
 #include <poll.h>
 #include <unistd.h>

@@ -7,7 +7,7 @@
 #include "formats/result.h"
 #include "voxelize/masks/voxel_box.h"
 
-namespace forcelayer::voxelize {
+namespace forcelayer::limits {
 
 // The directory over a box of voxels: cells of 512^3 voxels.
 struct Directory {
@@ -21,4 +21,4 @@ struct Directory {
 // that would fit, where it would have more than 2^28 entries or 2^21 on an axis.
 Result<Directory> fit_directory(const masks::VoxelBox& box, double voxel_size_m);
 
-}  // namespace forcelayer::voxelize
+}  // namespace forcelayer::limits

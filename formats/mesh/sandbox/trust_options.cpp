@@ -1,4 +1,4 @@
-#include "formats/mesh/trust_options.h"
+#include "formats/mesh/sandbox/trust_options.h"
 
 #include "formats/command/arguments.h"
 

@@ -1,4 +1,4 @@
-#include "voxelize/memory_limit.h"
+#include "voxelize/limits/memory_limit.h"
 
 #include <sys/resource.h>
 #include <sys/sysinfo.h>
@@ -9,7 +9,7 @@
 
 #include "voxelize/masks/mask_tree.h"
 
-namespace forcelayer::voxelize {
+namespace forcelayer::limits {
 namespace {
 
 // A brick of 512 bits with its place in the tree takes 96 bytes, and holds 64 voxels of a plane.
@@ -98,4 +98,4 @@ Status fit_memory(const scan::SnappedObject& object, const std::string& name, do
                what, mend};
 }
 
-}  // namespace forcelayer::voxelize
+}  // namespace forcelayer::limits

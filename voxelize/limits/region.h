@@ -7,7 +7,7 @@
 
 #include "voxelize/masks/voxel_box.h"
 
-namespace forcelayer::voxelize {
+namespace forcelayer::limits {
 
 struct Region {
   masks::VoxelBox box;              // the file's valid box
@@ -20,4 +20,4 @@ struct Region {
 Region region_of(const masks::VoxelBox& scene, const std::optional<std::array<double, 6>>& roi_m,
                  double voxel_size_m);
 
-}  // namespace forcelayer::voxelize
+}  // namespace forcelayer::limits

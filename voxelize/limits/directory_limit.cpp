@@ -1,4 +1,4 @@
-#include "voxelize/directory_limit.h"
+#include "voxelize/limits/directory_limit.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 
 #include "formats/voxmap_format.h"
 
-namespace forcelayer::voxelize {
+namespace forcelayer::limits {
 namespace {
 
 constexpr int kLog2Cell = 9;
@@ -69,4 +69,4 @@ Result<Directory> fit_directory(const masks::VoxelBox& box, double voxel_size_m)
   return directory;
 }
 
-}  // namespace forcelayer::voxelize
+}  // namespace forcelayer::limits

@@ -1,4 +1,4 @@
-#include "formats/mesh/sandbox.h"
+#include "formats/mesh/sandbox/sandbox.h"
 
 #include <fcntl.h>
 #include <signal.h>
@@ -14,7 +14,7 @@
 #include <cstring>
 #include <system_error>
 
-#include "formats/mesh/assembly_stream.h"
+#include "formats/mesh/sandbox/assembly_stream.h"
 
 namespace forcelayer::mesh {
 namespace {

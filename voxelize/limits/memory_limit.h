@@ -6,7 +6,7 @@
 #include "formats/result.h"
 #include "voxelize/scan/snap.h"
 
-namespace forcelayer::voxelize {
+namespace forcelayer::limits {
 
 // Bytes that this process can have at all: memory and swap, or less by its own limit.
 double available_bytes();
@@ -18,4 +18,4 @@ double available_bytes();
 Status fit_memory(const scan::SnappedObject& object, const std::string& name, double voxel_size_m,
                   double available);
 
-}  // namespace forcelayer::voxelize
+}  // namespace forcelayer::limits

@@ -1,11 +1,11 @@
-#include "voxelize/region.h"
+#include "voxelize/limits/region.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "formats/voxmap_format.h"
 
-namespace forcelayer::voxelize {
+namespace forcelayer::limits {
 namespace {
 
 // The voxels that [low_m, high_m) touches along one axis, clamped to the lattice.
@@ -45,4 +45,4 @@ Region region_of(const masks::VoxelBox& scene, const std::optional<std::array<do
   return region;
 }
 
-}  // namespace forcelayer::voxelize
+}  // namespace forcelayer::limits

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "formats/mesh/mesh.h"
-#include "formats/mesh/sandbox.h"
+#include "formats/mesh/sandbox/sandbox.h"
 #include "formats/result.h"
 
 namespace CLI {
