@@ -217,7 +217,8 @@ Status check_padding_points(const PshellView& v, std::string_view name) {
   return {};
 }
 
-Status check_elements(const PshellView& v, const PshellHeader& h, std::string_view name) {
+[[gnu::noinline]] Status check_elements(const PshellView& v, const PshellHeader& h,
+                                        std::string_view name) {
   if (Status s = check_points(v, h.bounding_radius_m, name); !s) return s;
   if (Status s = check_padding_points(v, name); !s) return s;
   const std::uint64_t block_points = v.block_points;
@@ -251,8 +252,8 @@ Result<Pshell> Pshell::from_bytes(std::span<const std::byte> bytes, std::string_
   return read(bytes, name, verify, nullptr);
 }
 
-Result<Pshell> Pshell::read(std::span<const std::byte> bytes, std::string_view name, Verify verify,
-                            const MappedFile* file) {
+[[gnu::cold]] Result<Pshell> Pshell::read(std::span<const std::byte> bytes, std::string_view name,
+                                          Verify verify, const MappedFile* file) {
   if (Status s = check_file_header(bytes, name, kPshellHeaderRule); !s) return s.error();
   Pshell shell;
   shell.bytes_ = bytes;

@@ -9,8 +9,7 @@ namespace forcelayer {
 
 Status check_start(const model::Simulation& simulation, const Pose& world_from_center) {
   const Voxmap& voxmap = simulation.voxmap();
-  const auto enclosed =
-      query::find_enclosed_object(voxmap, simulation.shell(), world_from_center);
+  const auto enclosed = query::find_enclosed_object(voxmap, simulation.shell(), world_from_center);
   if (!enclosed) return {};
   const std::string_view name = voxmap.object_name(enclosed->object);
   const glm::dvec3& p = enclosed->world_m;

@@ -250,8 +250,9 @@ Status OptionParser::check(const Options& options) const {
     }
     return {};
   }
-  const char* const fixed[] = {"--model", "--force", "--no-braking",        "--rate",
-                               "--start", "--seat", "--grip",  "--world-from-device", "--motion-scale"};
+  const char* const fixed[] = {"--model",       "--force", "--no-braking", "--rate",
+                               "--start",       "--seat",  "--grip",       "--world-from-device",
+                               "--motion-scale"};
   for (const char* option : fixed) {
     if (app_.count(option) > 0) {
       return usage(option, "is part of the recording", "leave it out with --replay");

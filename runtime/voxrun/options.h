@@ -43,11 +43,11 @@ struct Options {
   std::string hand;  // that holds the sim device; empty: the script moves it, whatever it feels
   std::string motion, json, trace, record, replay, udp;
   double udp_rate_hz = 60;
-  PartStart start;                         // --start and --grip
-  std::optional<machine::ReachBox> reach;  // --reach: none: what the handle's workspace allows
+  PartStart start;                             // --start and --grip
+  std::optional<machine::ReachBox> reach;      // --reach: none: what the handle's workspace allows
   std::uint32_t fail_on = kFailOnPenetration;  // FailOn bits
-  std::optional<AfterTrip> after_trip;     // none: the device's own
-  std::optional<unsigned> clutch_button;   // none: the device's own
+  std::optional<AfterTrip> after_trip;         // none: the device's own
+  std::optional<unsigned> clutch_button;       // none: the device's own
 };
 
 // Declares the options to CLI11. finish() turns what was parsed into Options and refuses

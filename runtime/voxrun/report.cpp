@@ -218,6 +218,11 @@ double seconds_of(const Run& run, const loop::TouchedTotal& total) {
   return static_cast<double>(total.frames) / run.parameters().rate_hz;
 }
 
+// Narrower features of the scene may lie between the points of the shell.
+double narrowest_felt_m(const Run& run) {
+  return 2 * run.simulation().shell().header().covering_radius_m;
+}
+
 void add_objects(const Run& run, const loop::LoopStatistics& s, Json& json) {
   json["seated_frames"] = s.seated_frames;
   json["guarantee_from_s"] = number(s.guarantee_from_s);
@@ -251,11 +256,6 @@ std::string touched_text(const Run& run, const loop::LoopStatistics& s) {
   }
   if (totals.size() > kNamed) line += text(" and %zu more", totals.size() - kNamed);
   return line + "\n";
-}
-
-// Narrower features of the scene may lie between the points of the shell.
-double narrowest_felt_m(const Run& run) {
-  return 2 * run.simulation().shell().header().covering_radius_m;
 }
 
 // What the part is seated on, and how deep where that is no rounding; nothing without a seat.

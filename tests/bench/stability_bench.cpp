@@ -9,7 +9,7 @@
 //   stability_bench device            the loop closed by a simulated hand and device
 //   stability_bench grips             handles that hold the part aside of its centroid: which swing
 //   stability_bench loops             what closed loops in contact give the hand, at every scale
-//   stability_bench seats [PAIRS]     parts that start installed (203)
+//   stability_bench seats [PAIRS [FIRST]]  parts that start installed (203, from pair 0 on)
 //   stability_bench step [STEPS]      cost of a step with 200 contacts and more (100000)
 //   stability_bench all               all of them but hands, which take hours
 // Each writes stability_NAME.json (bench_report.h); --json FILE writes another file. Seeds run from
@@ -340,7 +340,8 @@ int run_tables(int argc, char** argv) {
       {"device", device_table},
       {"grips", grip_map},
       {"loops", loop_table},
-      {"seats", [&] { return seat_table(amount(203)); }},
+      {"seats",
+       [&] { return seat_table(amount(203), words.size() > 2 ? std::stoull(words[2]) : 0); }},
       {"step", [&] { return step_cost(amount(100'000)); }}};
   bool known = false;
   for (const auto& [name, table] : tables) {

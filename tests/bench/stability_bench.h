@@ -31,7 +31,7 @@ Json grip_map();
 // What slow closed loops in contact give the hand at the device's port, at every scale.
 Json loop_table();
 // Installed parts: rest, depth under hands at random, removal and return.
-Json seat_table(std::uint64_t pairs);
+Json seat_table(std::uint64_t pairs, std::uint64_t first);
 // Time of the default model's step beyond its contact queries, with 200 contacts and more.
 Json step_cost(std::uint64_t steps);
 

@@ -40,7 +40,8 @@ Json sweep_row(double factor, std::uint64_t contact_frames) {
 }  // namespace
 
 Json field_sweep(std::uint64_t contact_frames) {
-  std::printf("field: the paper's model with braking, by its field stiffness over its coupling's\n");
+  std::printf(
+      "field: the paper's model with braking, by its field stiffness over its coupling's\n");
   Json rows = Json::array();
   rows.push_back(sweep_row(0, contact_frames));
   for (const double factor : kFactors) rows.push_back(sweep_row(factor, contact_frames));

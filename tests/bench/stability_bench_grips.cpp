@@ -97,9 +97,9 @@ Json loop_table() {
           for (const double speed_mps : {0.001, 0.005, 0.02}) {
             for (const bool back : {false, true}) {
               const int axis = arm_m == 0.03 ? 0 : 2;
-              test::HeldPartOptions options =
-                  seated ? test::seated_on_the_plane(arm_m, axis, scale)
-                         : test::flat_above_the_plane(arm_m, axis, scale);
+              test::HeldPartOptions options = seated
+                                                  ? test::seated_on_the_plane(arm_m, axis, scale)
+                                                  : test::flat_above_the_plane(arm_m, axis, scale);
               options.model = model;
               test::HeldPart held(scene, part, options);
               const test::LoopWork work = test::loop_work(held, loop, speed_mps, back);

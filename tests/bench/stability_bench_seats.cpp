@@ -7,15 +7,16 @@
 
 namespace forcelayer::stress {
 
-Json seat_table(std::uint64_t pairs) {
+Json seat_table(std::uint64_t pairs, std::uint64_t first) {
   constexpr double kPushSeconds = 10;
   Json rows = Json::array();
   std::printf("seats: lengths in voxels; depth is beyond that at the start\n");
-  for (std::uint64_t seed = 0; seed < pairs; ++seed) {
+  for (std::uint64_t seed = first; seed < first + pairs; ++seed) {
     const InstalledPair pair = installed_pair(seed);
     const SeatOutcome o = try_seat(pair, seed, kPushSeconds);
     std::printf(
-        "  %3llu %-20s %.2f mm, gap %.2f: drift %.3f, %.2g N still, start %.3f, depth %.3f, removal "
+        "  %3llu %-20s %.2f mm, gap %.2f: drift %.3f, %.2g N still, start %.3f, depth %.3f, "
+        "removal "
         "%.3f, touching %.2f%s%s%s %s\n",
         static_cast<unsigned long long>(seed), pair.kind, pair.voxel_size_m * 1e3, pair.gap_m * 1e3,
         o.drift, o.still_force_n, o.start_depth, o.depth, o.removal_depth, o.touching,

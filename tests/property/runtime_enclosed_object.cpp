@@ -40,8 +40,8 @@ TEST(EnclosedObject, IsFoundWhereAndOnlyWhereItIsInside) {
     const double radius_m = uniform(random, 0.5, 3) * kS;
     const glm::dvec3 part_m = random_direction(random) * uniform(random, 0, 0.03);
     const Voxmap voxmap = make_voxmap(ball(center_m, radius_m, lean));
-    const auto found = query::find_enclosed_object(voxmap, shell,
-                                                   {part_m, random_orientation(random)});
+    const auto found =
+        query::find_enclosed_object(voxmap, shell, {part_m, random_orientation(random)});
     const double apart_m = glm::length(center_m - part_m);
     // In a lean scene the object is known to two voxels' diagonals.
     const double room_m = lean ? std::sqrt(3.0) * 2 * kS : kS;

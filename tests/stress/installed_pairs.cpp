@@ -53,9 +53,7 @@ Depth in_tube(double bore, double outer, double low, double high) {
 }
 
 Depth in_either(Depth a, Depth b) {
-  return [a = std::move(a), b = std::move(b)](const glm::dvec3& p) {
-    return std::max(a(p), b(p));
-  };
+  return [a = std::move(a), b = std::move(b)](const glm::dvec3& p) { return std::max(a(p), b(p)); };
 }
 
 constexpr double kNoBore = -1;
@@ -86,9 +84,8 @@ InstalledPair bracket_on_sheet(double unit, double gap, Random& random) {
   pair.depth_in_scene_m = [unit](const glm::dvec3& p) {
     return std::max(std::abs(p.x), std::abs(p.y)) < 60 * unit ? -p.z : -1;
   };
-  pair.depth_in_part_m =
-      in_either(in_box({a / 2, 0, t / 2}, {a / 2, 15 * unit, t / 2}),
-                in_box({t / 2, 0, a / 2}, {t / 2, 15 * unit, a / 2}));
+  pair.depth_in_part_m = in_either(in_box({a / 2, 0, t / 2}, {a / 2, 15 * unit, t / 2}),
+                                   in_box({t / 2, 0, a / 2}, {t / 2, 15 * unit, a / 2}));
   return pair;
 }
 
@@ -97,8 +94,8 @@ InstalledPair pin_in_blind_hole(double unit, double gap, Random& random) {
   const double outer = 40 * unit, low = -deep - 15 * unit;
   InstalledPair pair;
   pair.kind = "pin in blind hole";
-  pair.scene = revolved(
-      {{0, low}, {outer, low}, {outer, 0}, {bore, 0}, {bore, -deep}, {0, -deep}}, kSegments);
+  pair.scene = revolved({{0, low}, {outer, low}, {outer, 0}, {bore, 0}, {bore, -deep}, {0, -deep}},
+                        kSegments);
   pair.part = cylinder(bore - gap, deep, kSegments);
   pair.pair_from_part = at(0, 0, gap);
   pair.removal_m = deep + 25 * unit;
@@ -142,19 +139,15 @@ InstalledPair cover_on_box(double unit, double gap, Random& random) {
   const double wall = random.uniform(2, 6) * unit, inner = post + gap;
   InstalledPair pair;
   pair.kind = "cover on box";
-  pair.part = revolved({{inner, -rim},
-                        {inner + wall, -rim},
-                        {inner + wall, wall},
-                        {0, wall},
-                        {0, 0},
-                        {inner, 0}},
-                       kSegments);
+  pair.part = revolved(
+      {{inner, -rim}, {inner + wall, -rim}, {inner + wall, wall}, {0, wall}, {0, 0}, {inner, 0}},
+      kSegments);
   pair.pair_from_part = at(0, 0, gap);
   pair.removal_m = rim + 30 * unit;
   append(pair.scene, cylinder(post, 20 * unit, kSegments), at(0, 0, -20 * unit));
   pair.depth_in_scene_m = in_tube(kNoBore, post, -40 * unit, 0);
-  pair.depth_in_part_m = in_either(in_tube(inner, inner + wall, -rim, wall),
-                                   in_tube(kNoBore, inner + wall, 0, wall));
+  pair.depth_in_part_m =
+      in_either(in_tube(inner, inner + wall, -rim, wall), in_tube(kNoBore, inner + wall, 0, wall));
   return pair;
 }
 
@@ -175,8 +168,8 @@ InstalledPair bolt_through_plates(double unit, double gap, Random& random) {
   append(pair.scene, tube(bore, 35 * unit, 6 * unit, kSegments), at(0, 0, -24 * unit));
   pair.depth_in_scene_m = in_either(in_tube(bore, 35 * unit, -12 * unit, 0),
                                     in_tube(bore, 35 * unit, -30 * unit, -18 * unit));
-  pair.depth_in_part_m = in_either(in_tube(kNoBore, shank, -36 * unit, 8 * unit),
-                                   in_tube(kNoBore, head, 0, 8 * unit));
+  pair.depth_in_part_m =
+      in_either(in_tube(kNoBore, shank, -36 * unit, 8 * unit), in_tube(kNoBore, head, 0, 8 * unit));
   return pair;
 }
 

@@ -1,5 +1,5 @@
-// Parts where they are installed, made at random: what they are installed in, how they come out, and
-// both solids as formulas.
+// Parts where they are installed, made at random: what they are installed in, how they come out,
+// and both solids as formulas.
 #pragma once
 
 #include <cstdint>
@@ -14,9 +14,9 @@ namespace forcelayer::stress {
 // In the pair's own frame: it comes out along +z.
 struct InstalledPair {
   const char* kind = "";
-  mesh::Mesh scene;     // pair axes, m
-  mesh::Mesh part;      // part axes, m
-  Pose pair_from_part;  // where it is installed
+  mesh::Mesh scene;      // pair axes, m
+  mesh::Mesh part;       // part axes, m
+  Pose pair_from_part;   // where it is installed
   double removal_m = 0;  // as far as it has to go to be clear of everything
   // How deep a place lies in the scene (pair axes) or in the part (part axes), m; not above 0:
   // outside. Round solids are taken as round: their facets are off by 0.2% of the radius. What is
@@ -29,8 +29,8 @@ struct InstalledPair {
 
 constexpr int kInstalledKinds = 7;
 
-// Pair `seed`: kinds take turns; voxels of 1 to 5 mm, gaps of 0 to 1 mm, features of three to thirty
-// voxels, turned at random against the grid. The same seed gives the same pair.
+// Pair `seed`: kinds take turns; voxels of 1 to 5 mm, gaps of 0 to 1 mm, features of three to
+// thirty voxels, turned at random against the grid. The same seed gives the same pair.
 InstalledPair installed_pair(std::uint64_t seed);
 
 }  // namespace forcelayer::stress

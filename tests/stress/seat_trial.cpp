@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <glm/geometric.hpp>
 #include <map>
 #include <memory>
@@ -75,6 +76,45 @@ std::vector<glm::dvec3> edge_samples(const mesh::Mesh& mesh, double spacing_m) {
   return out;
 }
 
+// Places, and a sphere around each few of them: depth changes by no more than the way.
+class Samples {
+ public:
+  explicit Samples(std::vector<glm::dvec3> places) : places_(std::move(places)) {
+    for (std::size_t first = 0; first < places_.size(); first += kGroup) {
+      const std::size_t end = std::min(places_.size(), first + kGroup);
+      const glm::dvec3 middle = 0.5 * (places_[first] + places_[end - 1]);
+      double radius_m = 0;
+      for (std::size_t i = first; i < end; ++i) {
+        radius_m = std::max(radius_m, glm::length(places_[i] - middle));
+      }
+      spheres_.push_back({middle, radius_m});
+    }
+  }
+
+  // The larger of `depth_m` and the depth of the deepest place in a solid.
+  double deepest_m(const std::function<double(const glm::dvec3&)>& depth_in_solid_m,
+                   const Pose& solid_from_places, double depth_m) const {
+    const auto at = [&](const glm::dvec3& place) {
+      return depth_in_solid_m(solid_from_places.position_m + solid_from_places.orientation * place);
+    };
+    for (std::size_t n = 0; n < spheres_.size(); ++n) {
+      if (at(spheres_[n].middle) + spheres_[n].radius_m <= depth_m) continue;
+      const std::size_t end = std::min(places_.size(), (n + 1) * kGroup);
+      for (std::size_t i = n * kGroup; i < end; ++i) depth_m = std::max(depth_m, at(places_[i]));
+    }
+    return depth_m;
+  }
+
+ private:
+  static constexpr std::size_t kGroup = 16;
+  struct Sphere {
+    glm::dvec3 middle;
+    double radius_m;
+  };
+  std::vector<glm::dvec3> places_;
+  std::vector<Sphere> spheres_;
+};
+
 mesh::Mesh moved(const mesh::Mesh& mesh, const Pose& pose) {
   mesh::Mesh result;
   append(result, mesh, pose);
@@ -89,7 +129,7 @@ Pose wandering(const Pose& start, double time_s, const std::array<glm::dvec3, 4>
            glm::dvec3(std::sin(2 * M_PI * phases[n].x), std::sin(1.3 * 2 * M_PI * phases[n].y),
                       std::sin(0.7 * 2 * M_PI * phases[n].z));
   };
-  const double ramp = std::min(1.0, time_s);
+  const double ramp = std::min(1.0, 2 * time_s);
   return {
       start.position_m + ramp * 0.008 * (wave(0, 0.5) + 0.4 * wave(1, 2.1)),
       coupling::rotation_by(ramp * 0.15 * (wave(2, 0.4) + 0.4 * wave(3, 1.7))) * start.orientation};
@@ -118,7 +158,7 @@ class SeatTrial {
       out.refused = to_line(begun.error());
       return out;
     }
-    out.start_depth = std::max(0.0, depth_m()) / pair_.voxel_size_m;
+    out.start_depth = depth_m(0) / pair_.voxel_size_m;
     hold_still(out);
     push_at_random(seed, push_seconds, out);
     take_out(out);
@@ -156,22 +196,15 @@ class SeatTrial {
     return inverse(pair_.world_from_pair) * simulation_->world_from_part(state_.world_from_center);
   }
 
-  // Of the deepest place of either surface in the other solid, m; negative: apart.
-  double depth_m() const {
-    const Pose pair_from_part = this->pair_from_part(), part_from_pair = inverse(pair_from_part);
-    double deepest = -1;
-    for (const glm::dvec3& p : part_samples_) {
-      deepest = std::max(deepest, pair_.depth_in_scene_m(pair_from_part.position_m +
-                                                         pair_from_part.orientation * p));
-    }
-    for (const glm::dvec3& p : scene_samples_) {
-      deepest = std::max(deepest, pair_.depth_in_part_m(part_from_pair.position_m +
-                                                        part_from_pair.orientation * p));
-    }
-    return deepest;
+  // Of the deepest place of either surface in the other solid, m, or `least_m` where that is more.
+  double depth_m(double least_m) const {
+    const Pose there = pair_from_part();
+    const double of_part_m = part_samples_.deepest_m(pair_.depth_in_scene_m, there, least_m);
+    return scene_samples_.deepest_m(pair_.depth_in_part_m, inverse(there), of_part_m);
   }
-  double beyond_start(const SeatOutcome& out) const {
-    return depth_m() / pair_.voxel_size_m - out.start_depth;
+  void see_depth(const SeatOutcome& out, double& most_beyond_start) const {
+    const double so_far = out.start_depth + most_beyond_start;
+    most_beyond_start = depth_m(so_far * pair_.voxel_size_m) / pair_.voxel_size_m - out.start_depth;
   }
 
   // The farthest that a shell point can be from where it is installed, voxels.
@@ -195,20 +228,25 @@ class SeatTrial {
     }
   }
 
+  // Hands of two seconds, each with a way of its own; a seat that was left is taken anew.
   void push_at_random(std::uint64_t seed, double seconds, SeatOutcome& out) {
-    begin_again();
+    constexpr int kHandFrames = 2000;
     std::mt19937_64 engine(seed + 1000);
-    std::array<glm::dvec3, 4> phases;
-    for (glm::dvec3& phase : phases) {
-      for (int axis = 0; axis < 3; ++axis) {
-        phase[axis] = std::uniform_real_distribution<double>(-1, 1)(engine);
-      }
-    }
     const int frames = static_cast<int>(seconds / kDt);
-    int looked = 0, touching = 0;
-    for (int i = 0; i < frames; ++i) {
-      step_to(wandering(start_, i * kDt, phases));
-      if (i % kDepthEvery == 0) out.depth = std::max(out.depth, beyond_start(out));
+    int looked = 0, touching = 0, hand = 0;
+    std::array<glm::dvec3, 4> phases;
+    for (int i = 0; i < frames; ++i, ++hand) {
+      if (i == 0 || hand == kHandFrames || state_.seat == kSeatClosed) {
+        begin_again();
+        hand = 0;
+        for (glm::dvec3& phase : phases) {
+          for (int axis = 0; axis < 3; ++axis) {
+            phase[axis] = std::uniform_real_distribution<double>(-1, 1)(engine);
+          }
+        }
+      }
+      step_to(wandering(start_, hand * kDt, phases));
+      if (i % kDepthEvery == 0) see_depth(out, out.depth);
       if (i % kTouchEvery != 0) continue;
       ++looked;
       touching += exact_.at(pair_from_part(), pair_.voxel_size_m) == 0;
@@ -225,11 +263,11 @@ class SeatTrial {
       Pose handle = start_;
       handle.position_m += std::min(i, frames) * kDt * kSpeed * way;
       step_to(handle);
-      if (i % kDepthEvery == 0) out.removal_depth = std::max(out.removal_depth, beyond_start(out));
+      if (i % kDepthEvery == 0) see_depth(out, out.removal_depth);
     }
-    const double went_m = glm::dot(state_.world_from_center.position_m -
-                                       simulation_->world_from_center(start_).position_m,
-                                   way);
+    const double went_m = glm::dot(
+        state_.world_from_center.position_m - simulation_->world_from_center(start_).position_m,
+        way);
     out.came_out =
         went_m > pair_.removal_m - 0.5 * pair_.voxel_size_m && state_.seat == kSeatClosed;
   }
@@ -245,7 +283,7 @@ class SeatTrial {
       const double share = i < kFrames ? i / double{kFrames} : 2 - i / double{kFrames};
       handle.position_m += std::max(0.0, share) * way;
       step_to(handle);
-      if (i % kDepthEvery == 0) out.removal_depth = std::max(out.removal_depth, beyond_start(out));
+      if (i % kDepthEvery == 0) see_depth(out, out.removal_depth);
       if (state_.seat == kSeatClosed) return;
     }
     out.tried_back = true;
@@ -255,7 +293,7 @@ class SeatTrial {
 
   const InstalledPair& pair_;
   Pose start_;
-  std::vector<glm::dvec3> part_samples_, scene_samples_;
+  Samples part_samples_, scene_samples_;
   ExactDistance exact_;
   std::unique_ptr<model::Simulation> simulation_;
   State state_;

@@ -44,8 +44,7 @@ inline HeldPartOptions flat_above_the_plane(double arm_m, int axis, double scale
 inline HeldPartOptions seated_on_the_plane(double arm_m, int axis, double scale) {
   HeldPartOptions options = above_the_plane(arm_m, axis, scale);
   const glm::dvec3 n = plane_normal(), axis_rad = glm::cross({0, 0, 1}, n);
-  const glm::dvec3 tilt =
-      glm::normalize(axis_rad) * std::atan2(glm::length(axis_rad), n.z);
+  const glm::dvec3 tilt = glm::normalize(axis_rad) * std::atan2(glm::length(axis_rad), n.z);
   options.start = {n * 4.3 * kPlaneVoxelM,
                    coupling::rotation_by(tilt) * coupling::rotation_by({0, 0, 0.5})};
   options.seated = true;
