@@ -16,10 +16,10 @@ Json seat_table(std::uint64_t pairs, std::uint64_t first) {
     const SeatOutcome o = try_seat(pair, seed, kPushSeconds);
     std::printf(
         "  %3llu %-20s %.2f mm, gap %.2f: drift %.3f, %.2g N still, start %.3f, depth %.3f, "
-        "removal "
+        "edges "
         "%.3f, touching %.2f%s%s%s %s\n",
         static_cast<unsigned long long>(seed), pair.kind, pair.voxel_size_m * 1e3, pair.gap_m * 1e3,
-        o.drift, o.still_force_n, o.start_depth, o.depth, o.removal_depth, o.touching,
+        o.drift, o.still_force_n, o.start_depth, o.depth, o.edge_depth, o.touching,
         o.came_out ? "" : ", STAYED", o.tried_back ? "" : ", not tried back",
         o.tried_back && !o.went_back ? ", NOT BACK" : "", o.refused.c_str());
     std::fflush(stdout);
@@ -32,7 +32,7 @@ Json seat_table(std::uint64_t pairs, std::uint64_t first) {
                     {"drift_voxels", o.drift},
                     {"still_force_n", o.still_force_n},
                     {"depth_voxels", o.depth},
-                    {"removal_depth_voxels", o.removal_depth},
+                    {"edge_depth_voxels", o.edge_depth},
                     {"touching", o.touching},
                     {"came_out", o.came_out ? 1 : 0},
                     {"tried_back", o.tried_back ? 1 : 0},

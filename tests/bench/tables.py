@@ -117,7 +117,7 @@ def seats(rows):
             "run": run, "pair": kind, "pairs": len(group), "refused": len(group) - len(seated),
             **{most: max(row[column] for row in seated) for most, column in (
                 ("drift", "drift_voxels"), ("force", "still_force_n"), ("start", "start_depth_voxels"),
-                ("removal", "removal_depth_voxels"))},
+                ("edges", "edge_depth_voxels"))},
             **{name: depths[max(0, math.ceil(share * len(depths)) - 1)] for name, share in SEAT_QUANTILES.items()},
             "deep": sum(depth > 0.6 for depth in depths),
             "touching": sum(row["touching"] for row in seated) / len(seated),
@@ -373,7 +373,7 @@ TABLES = {
         ("pair", text("pair")), ("pairs", text("pairs")), ("refused", text("refused")), ("drift", scaled("drift", 1, 2)),
         ("still, N", scaled("force", 1, 2)), ("at the start", scaled("start", 1, 2)),
         *((f"depth {name}", scaled(name, 1, 2)) for name in SEAT_QUANTILES), ("above 0.6", text("deep")),
-        ("removal", scaled("removal", 1, 2)), ("meshes meet", share("touching", 2)), ("came out", text("out")),
+        ("edges", scaled("edges", 1, 2)), ("meshes meet", share("touching", 2)), ("came out", text("out")),
         ("went back", text("back"))]),
     "stability_step": ("stability_step", list, [
         ("part of the step", lambda r: r["part"].replace("_", " the ")), ("contacts", text("contacts")),

@@ -158,7 +158,9 @@ class SeatTrial {
       out.refused = to_line(begun.error());
       return out;
     }
-    out.start_depth = depth_m(0) / pair_.voxel_size_m;
+    see_depth(out);
+    out.start_depth = std::max(out.depth, out.edge_depth);
+    out.depth = out.edge_depth = 0;
     hold_still(out);
     push_at_random(seed, push_seconds, out);
     take_out(out);
@@ -196,15 +198,19 @@ class SeatTrial {
     return inverse(pair_.world_from_pair) * simulation_->world_from_part(state_.world_from_center);
   }
 
-  // Of the deepest place of either surface in the other solid, m, or `least_m` where that is more.
-  double depth_m(double least_m) const {
+  // Keeps the most of how deep the part's surface lies in the scene, beyond the start, and the
+  // scene's sharp edges in the part; voxels.
+  void see_depth(SeatOutcome& out) const {
+    const double s = pair_.voxel_size_m;
     const Pose there = pair_from_part();
-    const double of_part_m = part_samples_.deepest_m(pair_.depth_in_scene_m, there, least_m);
-    return scene_samples_.deepest_m(pair_.depth_in_part_m, inverse(there), of_part_m);
-  }
-  void see_depth(const SeatOutcome& out, double& most_beyond_start) const {
-    const double so_far = out.start_depth + most_beyond_start;
-    most_beyond_start = depth_m(so_far * pair_.voxel_size_m) / pair_.voxel_size_m - out.start_depth;
+    out.depth =
+        part_samples_.deepest_m(pair_.depth_in_scene_m, there, (out.start_depth + out.depth) * s) /
+            s -
+        out.start_depth;
+    out.edge_depth = scene_samples_.deepest_m(pair_.depth_in_part_m, inverse(there),
+                                              (out.start_depth + out.edge_depth) * s) /
+                         s -
+                     out.start_depth;
   }
 
   // The farthest that a shell point can be from where it is installed, voxels.
@@ -246,7 +252,7 @@ class SeatTrial {
         }
       }
       step_to(wandering(start_, hand * kDt, phases));
-      if (i % kDepthEvery == 0) see_depth(out, out.depth);
+      if (i % kDepthEvery == 0) see_depth(out);
       if (i % kTouchEvery != 0) continue;
       ++looked;
       touching += exact_.at(pair_from_part(), pair_.voxel_size_m) == 0;
@@ -263,7 +269,7 @@ class SeatTrial {
       Pose handle = start_;
       handle.position_m += std::min(i, frames) * kDt * kSpeed * way;
       step_to(handle);
-      if (i % kDepthEvery == 0) see_depth(out, out.removal_depth);
+      if (i % kDepthEvery == 0) see_depth(out);
     }
     const double went_m = glm::dot(
         state_.world_from_center.position_m - simulation_->world_from_center(start_).position_m,
@@ -283,7 +289,7 @@ class SeatTrial {
       const double share = i < kFrames ? i / double{kFrames} : 2 - i / double{kFrames};
       handle.position_m += std::max(0.0, share) * way;
       step_to(handle);
-      if (i % kDepthEvery == 0) see_depth(out, out.removal_depth);
+      if (i % kDepthEvery == 0) see_depth(out);
       if (state_.seat == kSeatClosed) return;
     }
     out.tried_back = true;

@@ -13,13 +13,13 @@ namespace forcelayer::stress {
 // Lengths in voxels.
 struct SeatOutcome {
   std::string refused;  // why the start is, if so; then nothing else is known
-  double start_depth =
-      0;             // of the deepest place of either surface in the other solid, at the start
+  // Of the deepest place of either surface in the other solid, at the start.
+  double start_depth = 0;
   double drift = 0;  // the farthest that a shell point went under a hand that holds still
   double still_force_n = 0;
-  double depth = 0;          // the most beyond the start, under hands at random
-  double removal_depth = 0;  // the same while it is taken out and put back
-  double touching = 0;  // share of the poses under hands at random in which the meshes meet (FCL)
+  double depth = 0;       // the most that the part's surface was in the scene, beyond the start
+  double edge_depth = 0;  // the same of the scene's sharp edges in the part
+  double touching = 0;    // share of the poses under random hands in which the meshes meet (FCL)
   bool came_out = false;
   bool tried_back = false;  // the seat was open still
   bool went_back = false;
