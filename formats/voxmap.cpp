@@ -284,8 +284,8 @@ Result<Voxmap> Voxmap::from_bytes(std::span<const std::byte> bytes, std::string_
   return read(bytes, name, verify, nullptr);
 }
 
-Result<Voxmap> Voxmap::read(std::span<const std::byte> bytes, std::string_view name, Verify verify,
-                            const MappedFile* file) {
+[[gnu::cold]] Result<Voxmap> Voxmap::read(std::span<const std::byte> bytes, std::string_view name,
+                                          Verify verify, const MappedFile* file) {
   if (Status s = check_file_header(bytes, name, kVoxmapHeaderRule); !s) return s.error();
   Voxmap map;
   map.bytes_ = bytes;

@@ -26,9 +26,11 @@ inline std::array<std::int64_t, 3> child_low(const std::array<std::int64_t, 3>& 
   return {low[0] + edge * (n >> 6), low[1] + edge * ((n >> 3) & 7), low[2] + edge * (n & 7)};
 }
 
-template <std::uint32_t kBits, typename Visit>
+template <std::uint32_t kBits, typename Wanted, typename Visit>
 void visit_entry(const TreeView<kBits>& view, std::uint32_t entry,
-                 const std::array<std::int64_t, 3>& low, std::uint32_t edge, Visit& visit) {
+                 const std::array<std::int64_t, 3>& low, std::uint32_t edge, Wanted& wanted,
+                 Visit& visit) {
+  if (!wanted(low, std::int64_t{edge})) return;
   if (is_uniform(entry)) {
     visit(VoxmapRegion{low, edge, false, entry});
     return;
@@ -40,19 +42,20 @@ void visit_entry(const TreeView<kBits>& view, std::uint32_t entry,
     const std::uint32_t child = nodes[std::uint64_t{entry} * kNodeEntries + n];
     const auto at = child_low(low, n, child_edge);
     if (below_are_bricks && !is_uniform(child)) {
-      visit(VoxmapRegion{at, kBrickEdge, true, child});
+      if (wanted(at, std::int64_t{child_edge})) visit(VoxmapRegion{at, kBrickEdge, true, child});
     } else {
-      visit_entry(view, child, at, child_edge, visit);
+      visit_entry(view, child, at, child_edge, wanted, visit);
     }
   }
 }
 
 }  // namespace voxmap_walk
 
-// Calls visit(const VoxmapRegion&) for every uniform box and brick; the boxes are disjoint and fill
-// the directory.
-template <std::uint32_t kBits, typename Visit>
-void for_each_region(const TreeView<kBits>& view, Visit visit) {
+// Calls visit(const VoxmapRegion&) for every uniform box and brick in boxes of which wanted(low,
+// edge) is true: the lowest voxel of a box and its edge in voxels, those of the boxes around it
+// first.
+template <std::uint32_t kBits, typename Wanted, typename Visit>
+void for_each_region_where(const TreeView<kBits>& view, Wanted wanted, Visit visit) {
   const auto& dims = view.directory_dims;
   const std::uint32_t* entry = view.directory;
   for (std::int64_t x = 0; x < dims[0]; ++x) {
@@ -62,10 +65,17 @@ void for_each_region(const TreeView<kBits>& view, Visit visit) {
                                  {view.directory_origin[0] + x * kUpperNodeEdge,
                                   view.directory_origin[1] + y * kUpperNodeEdge,
                                   view.directory_origin[2] + z * kUpperNodeEdge},
-                                 kUpperNodeEdge, visit);
+                                 kUpperNodeEdge, wanted, visit);
       }
     }
   }
+}
+
+// The same for every uniform box and brick; the boxes are disjoint and fill the directory.
+template <std::uint32_t kBits, typename Visit>
+void for_each_region(const TreeView<kBits>& view, Visit visit) {
+  for_each_region_where(
+      view, [](const std::array<std::int64_t, 3>&, std::int64_t) { return true; }, visit);
 }
 
 }  // namespace forcelayer

@@ -94,7 +94,7 @@ part_motion() { "$bin/motion_bench" --json "$out/motion.json"; }
 part_trajectory() { "$bin/trajectory_bench" $(either "--seeds 1 --nominal" "") --json "$out/trajectory.json"; }
 part_stability() {
   local table
-  for table in $(either "rest:150 table2:300000 device map loops step:20000" "cases rest table2 device map grips loops step"); do
+  for table in $(either "rest:150 table2:300000 device map loops seats:21 step:20000" "cases rest table2 field device map grips loops seats step"); do
     "$bin/stability_bench" ${table/:/ } --json "$out/stability_${table%:*}.json"
   done
 }

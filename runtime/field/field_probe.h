@@ -2,6 +2,7 @@
 // averaged over neighboring contacts, in one look-up.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "runtime/field/contact_set.h"
@@ -38,6 +39,10 @@ class FieldProbe final : public ContactProbe {
   Status find_seat(const Pose& world_from_center);
   const Seat& seat() const { return seat_; }
 
+  // Whether a part with that seat may start elsewhere, at `world_from_center`. Not for the servo's
+  // thread. Errors, kUsage: the guard bars a point there.
+  Status check_clear(const Pose& world_from_center);
+
   // 0 where the map names none, and where it did not measure the distance: a number is a hint
   // there.
   std::uint32_t object_near(const glm::dvec3& world_m) const noexcept override;
@@ -53,8 +58,13 @@ class FieldProbe final : public ContactProbe {
   std::uint32_t object_of(std::uint32_t i) const noexcept;
   float stored_distance_m(std::uint32_t i) const noexcept;
   bool lies_beside_solid(std::uint32_t i) const noexcept;
+  bool lies_in_hollow(std::uint32_t i, float steepness) const noexcept;
+  float bulge(std::uint32_t i) const noexcept;
+  float steepness(std::uint32_t i) const noexcept;
+  float seat_distance_m(std::uint32_t i, float steepness) const noexcept;
   Status check_depth(const SeatObject& object) const;
   Status check_side(std::uint32_t i) const;
+  std::string name_of(std::uint32_t object) const;
 
   query::ContactQuery& query_;
   const ForceField& field_;

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <glm/geometric.hpp>
+#include <string>
 
 #include "runtime/field/field_probe.h"
 
@@ -19,6 +20,20 @@ constexpr float kFaceSlope = 0.9f;
 // code, the interpolated distance is up to so much above the true one.
 constexpr double kUntoldVoxels = 0.35;
 
+// Two-bit values alike in all of the interior tell no seat from a penetration.
+Error no_distances(bool stored) {
+  if (stored) {
+    return {ErrorCode::kUsage, "", "start",
+            "the part starts inside the scene, and this force field cannot tell a seat from a "
+            "penetration",
+            "leave out --force, or start elsewhere (--start)"};
+  }
+  return {ErrorCode::kUsage, "", "start",
+          "the part starts inside the scene, and a scene without stored distances cannot tell a "
+          "seat from a penetration",
+          "bake the scene without --lean and --metric chebyshev, or start elsewhere (--start)"};
+}
+
 }  // namespace
 
 // Whether the stored distances can hold the part where it lies in an object of its seat. Below the
@@ -27,26 +42,46 @@ Status FieldProbe::check_depth(const SeatObject& object) const {
   const VoxmapHeader& header = query_.voxmap().header();
   const double told_m = header.distance_quantum_m * (header.distance_zero_code - 1) -
                         kUntoldVoxels * header.voxel_size_m;
-  if (-double{object.floor_m} < told_m) return {};
-  const std::string_view name = query_.voxmap().object_name(object.object);
+  if (-std::min(double{object.floor_m}, double{object.hollow_floor_m}) < told_m) return {};
   char depth[80], most[80];
-  std::snprintf(depth, sizeof depth, "the part starts %.3g mm inside ", 1000 * object.overlap_m);
+  std::snprintf(depth, sizeof depth, "the part starts %s%.3g mm inside ",
+                object.overlap_m < told_m ? "" : "more than ",
+                1000 * std::min(object.overlap_m, told_m));
   std::snprintf(most, sizeof most, "; the stored distances hold a seat up to %.3g mm deep",
                 1000 * (told_m - kLeastGiveVoxels * header.voxel_size_m));
-  return Error{
-      ErrorCode::kUsage, "", "start",
-      depth + (name.empty() ? std::string("the scene") : std::string(name)) + most,
-      "check --start and the units of both files, or bake the scene with a larger --range"};
+  return Error{ErrorCode::kUsage, "", "start", depth + name_of(object.object) + most,
+               "check --start and the units of both files; bake the scene with --free-seed where "
+               "the inside of an object is air, or with a larger --range"};
+}
+
+std::string FieldProbe::name_of(std::uint32_t object) const {
+  const std::string_view name = query_.voxmap().object_name(object);
+  return name.empty() ? "the scene" : std::string(name);
+}
+
+Status FieldProbe::check_clear(const Pose& world_from_center) {
+  ContactSet there;
+  there.reserve(weight_.size());
+  const bool open = seat_open_;
+  open_seat(true);
+  look_up(world_from_center, there);
+  seat_open_ = open;
+  for (std::uint32_t i = 0; i < there.count; ++i) {
+    if (there.is_barred[i] == 0) continue;
+    return Error{ErrorCode::kUsage, "", "start",
+                 "the part starts inside " + name_of(object_of(i)) +
+                     ", or nearer to it than the guard allows, and that is not where its seat is",
+                 "start it clear of the scene (--start), or leave out --seat"};
+  }
+  return {};
 }
 
 // Whether the side on which collected point i touches the scene is known.
 Status FieldProbe::check_side(std::uint32_t i) const {
   const glm::vec3 slope(samples_.gx[i], samples_.gy[i], samples_.gz[i]);
   if (!is_two_sided(i) || glm::length(slope) >= kSideSlope || lies_beside_solid(i)) return {};
-  const std::string_view name = query_.voxmap().object_name(object_of(i));
   return Error{ErrorCode::kUsage, "", "start",
-               "an open sheet of the part starts in a sheet of " +
-                   (name.empty() ? std::string("the scene") : std::string(name)) +
+               "an open sheet of the part starts in a sheet of " + name_of(object_of(i)) +
                    ": nothing tells on which side of it",
                "give one of them a thickness, or start elsewhere (--start)"};
 }
@@ -65,29 +100,27 @@ Status FieldProbe::find_seat(const Pose& world_from_center) {
     const bool near =
         field_.proves_distances() && (samples_.distance_m[i] < guard_m_ || samples_.depth_m[i] > 0);
     if (!interior && !near) continue;
-    if (!field_.proves_distances()) {
-      return Error{ErrorCode::kUsage, "", "start",
-                   "the part starts inside the scene, and a scene without stored distances cannot "
-                   "tell a seat from a penetration",
-                   "bake the scene without --lean and --metric chebyshev, or start elsewhere "
-                   "(--start)"};
-    }
+    if (!field_.proves_distances()) return no_distances(query_.voxmap().distances() != nullptr);
     if (Status side = check_side(i); !side) return side;
     SeatObject& object = seat.at(object_of(i));
     const float distance_m = stored_distance_m(i);
     in_seat_m_[points_.index[i]] = distance_m;
-    object.floor_m = std::min(object.floor_m, distance_m);
     ++object.points;
     // In a corner interpolation mixes two faces: it says nothing of how deep other points may lie.
-    const glm::vec3 slope(samples_.gx[i], samples_.gy[i], samples_.gz[i]);
-    if (glm::length(slope) > kFaceSlope) object.contact_m = std::min(object.contact_m, distance_m);
+    const float slope = steepness(i), guarded_m = seat_distance_m(i, slope);
+    const bool in_hollow = lies_in_hollow(i, slope);
+    float& floor_m = in_hollow ? object.hollow_floor_m : object.floor_m;
+    floor_m = std::min(floor_m, guarded_m);
+    if (!in_hollow) object.overlap_m = std::max(object.overlap_m, -double{distance_m});
+    if (slope > kFaceSlope) object.contact_m = std::min(object.contact_m, distance_m);
   }
   const auto step_m = static_cast<float>(query_.voxmap().header().distance_quantum_m);
   for (SeatObject& object : seat.entries()) {
-    object.overlap_m = -double{object.floor_m};
-    object.floor_m = std::min(object.floor_m - kLeastGiveVoxels * voxel_size_m,
-                              -kSeatGiveVoxels * voxel_size_m) -
-                     step_m;
+    for (float* const floor_m : {&object.floor_m, &object.hollow_floor_m}) {
+      *floor_m =
+          std::min(*floor_m - kLeastGiveVoxels * voxel_size_m, -kSeatGiveVoxels * voxel_size_m) -
+          step_m;
+    }
     if (Status told = check_depth(object); !told) return told;
   }
   seat_ = std::move(seat);

@@ -142,6 +142,10 @@ Result<State> Simulation::begin(const PartStart& start, const Pose& world_from_h
   const Pose seat =
       start.world_from_seat ? world_from_center(*start.world_from_seat) : state.world_from_center;
   if (Status found = find_seat(seat); !found) return found.error();
+  if (start.world_from_seat && probe_) {
+    const machine::StepArithmetic arithmetic;
+    if (Status clear = probe_->check_clear(state.world_from_center); !clear) return clear.error();
+  }
   state.seat = world_from_seat_ ? kSeatOpen : kSeatClosed;
   return state;
 }

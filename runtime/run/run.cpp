@@ -17,6 +17,7 @@
 #include "runtime/run/derive_parameters.h"
 #include "runtime/run/limits.h"
 #include "runtime/run/separation.h"
+#include "runtime/run/start_check.h"
 
 namespace forcelayer {
 namespace {
@@ -258,6 +259,9 @@ Status Run::start(const PartStart& start, const DeviceSample& first) {
       parts.request.placement.world_from_handle(loop::made_unit(first.device_from_handle));
   const auto state = simulation().begin(*checked, world_from_handle);
   if (!state) return state.error();
+  if (!parts.request.without_guarantee) {
+    if (Status s = check_start(simulation(), state->world_from_center); !s) return s;
+  }
   parts.started = std::make_unique<StartedServo>(simulation(), parts.request, *state);
   return {};
 }
@@ -309,12 +313,13 @@ Status Run::swap(const std::filesystem::path& scene, const std::filesystem::path
   model::Simulation& next = *parts.next->simulation;
   // Where the hand decides the place, it is not known yet, and the part has no seat there.
   const auto& seat = checked->world_from_seat ? checked->world_from_seat : checked->world_from_part;
-  if (seat) {
-    const Status seated = next.find_seat(next.world_from_center(*seat));
-    if (!seated) {
-      parts.next.reset();
-      return seated.error();
-    }
+  Status sound = seat ? next.find_seat(next.world_from_center(*seat)) : Status{};
+  if (sound && checked->world_from_part && !request.without_guarantee) {
+    sound = check_start(next, next.world_from_center(*checked->world_from_part));
+  }
+  if (!sound) {
+    parts.next.reset();
+    return sound.error();
   }
   if (!servo.request_swap(next, *checked)) {
     parts.next.reset();

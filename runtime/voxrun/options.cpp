@@ -117,8 +117,9 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
       "map, and no others, are kept in memory from the start (what the device's workspace "
       "allows, where that is known; else all)");
   app.add_option("--fail-on", texts_.fail_on,
-                 "penetration, contact (but in the seat), outside (of the map) or seat (not left): "
-                 "end with status 6 where it happened; repeatable")
+                 "contact (but in the seat), outside (of the map) or seat (not left): end with "
+                 "status 6 where it happened, as a run with penetration does in any case; "
+                 "repeatable")
       ->join(',');
   app.add_option("--scene-next", texts_.scene_next,
                  "FILE or FILE@TIME: a .vox file that follows the scene while the run goes on, at "
@@ -304,6 +305,9 @@ Status OptionParser::check(const Options& options) const {
   if ((options.device == "replay") != !options.replay.empty()) {
     return usage("--replay", "and --device replay go together", "give both");
   }
+  if (options.start.world_from_seat && options.run.model == Model::kPaper) {
+    return usage("--seat", "is for --model default: the paper's has no seat", "leave it out");
+  }
   if (options.replay.empty()) {
     const bool endless = !options.duration_s && options.motion.empty() && !options.pull_m;
     if (options.as_fast_as_possible && endless) {
@@ -312,8 +316,9 @@ Status OptionParser::check(const Options& options) const {
     }
     return {};
   }
-  const char* const fixed[] = {"--model", "--force", "--no-braking",        "--rate",
-                               "--start", "--grip",  "--world-from-device", "--motion-scale"};
+  const char* const fixed[] = {"--model",       "--force", "--no-braking", "--rate",
+                               "--start",       "--seat",  "--grip",       "--world-from-device",
+                               "--motion-scale"};
   for (const char* option : fixed) {
     if (app_.count(option) > 0) {
       return usage(option, "is part of the recording", "leave it out with --replay");

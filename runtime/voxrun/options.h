@@ -23,7 +23,7 @@ enum class AfterTrip {
   kRearm,  // it arms again by itself: simulated hands only
 };
 
-// What makes a run end with status 6 (--fail-on): bits.
+// What makes a run end with status 6: penetration in any case, and what --fail-on adds. Bits.
 enum FailOn : std::uint32_t {
   kFailOnPenetration = 1,  // a penetration frame
   kFailOnContact = 2,      // a contact, but with the objects of the open seat
@@ -50,13 +50,13 @@ struct Options {
   std::string motion, json, trace, save_path, record, replay, udp;
   std::optional<glm::dvec3> pull_m;  // --pull: a hand's way, world axes
   double udp_rate_hz = 60;
-  PartStart start;                         // --start and --grip
-  std::optional<machine::ReachBox> reach;  // --reach: none: what the handle's workspace allows
-  std::uint32_t fail_on = 0;               // FailOn bits
-  std::optional<AfterTrip> after_trip;     // none: the device's own
-  std::optional<unsigned> clutch_button;   // none: the device's own
-  std::vector<NextScene> scene_next;       // --scene-next
-  std::optional<unsigned> scene_button;    // that asks for the next scene; none: SIGUSR1 alone
+  PartStart start;                             // --start and --grip
+  std::optional<machine::ReachBox> reach;      // --reach: none: what the handle's workspace allows
+  std::uint32_t fail_on = kFailOnPenetration;  // FailOn bits
+  std::optional<AfterTrip> after_trip;         // none: the device's own
+  std::optional<unsigned> clutch_button;       // none: the device's own
+  std::vector<NextScene> scene_next;           // --scene-next
+  std::optional<unsigned> scene_button;        // that asks for the next scene; none: SIGUSR1 alone
 };
 
 // Whether the scene can change while such a run goes on. `asked_by`: an option, for the error.

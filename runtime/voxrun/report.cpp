@@ -253,6 +253,11 @@ Json scenes_json(const Scenes& scenes) {
   return json;
 }
 
+// Narrower features of the scene may lie between the points of the shell.
+double narrowest_felt_m(const Scenes& scenes) {
+  return 2 * scenes.first().simulation().shell().header().covering_radius_m;
+}
+
 double seconds_of(const Scenes& scenes, const loop::TouchedTotal& total) {
   return static_cast<double>(total.frames) / scenes.parameters().rate_hz;
 }
@@ -267,6 +272,7 @@ void add_objects(const Scenes& scenes, const loop::LoopStatistics& s, Json& json
     entry["overlap_m"] = of_seat.overlap_m + 0.0;  // no "-0.0"
     entry["points"] = of_seat.points;
   }
+  json["narrowest_felt_m"] = narrowest_felt_m(scenes);
   Json& touched = json["touched_objects"] = Json::array();
   for (const loop::TouchedTotal& total : by_force(scenes, s)) {
     Json& entry = touched.emplace_back();
@@ -296,9 +302,20 @@ std::string touched_text(const Scenes& scenes, const loop::LoopStatistics& s) {
 std::string seated_text(const Scenes& scenes, const RunFacts& facts) {
   if (scenes.seat().empty()) return "";
   return text(
-      "%s%s\n",
+      "%s%s\nwhile it is there, it may pass through features narrower than %.3g mm, and through "
+      "objects hidden behind those of the seat\n",
       facts.options.start.world_from_seat ? "the part's seat is on " : "the part is seated on ",
-      seat_text(scenes, 0.1 * scenes.parameters().voxel_size_m).c_str());
+      seat_text(scenes, 0.1 * scenes.parameters().voxel_size_m).c_str(),
+      1000 * narrowest_felt_m(scenes));
+}
+
+// When the guarantee holds; where nothing is guarded, it is no fact about every frame.
+const char* guarantee_title(const Scenes& scenes) {
+  if (scenes.parameters().model == Model::kPaper) {
+    return "guaranteed separation, where no point penetrates (this model has no guard): ";
+  }
+  return scenes.seat().empty() ? "guaranteed separation: "
+                               : "guaranteed separation, once the part has left its seat: ";
 }
 
 }  // namespace
@@ -319,10 +336,8 @@ std::string start_text(const Scenes& scenes, const RunFacts& facts) {
               p.rate_hz, facts.device.c_str(), p.coupling_n_per_m, p.field_n_per_m,
               p.mass_kg * 1000) +
          (facts.capabilities ? capabilities_text(*facts.capabilities) : std::string()) +
-         seated_text(scenes, facts) +
-         (scenes.seat().empty() ? "guaranteed separation: "
-                                : "guaranteed separation, once the part has left its seat: ") +
-         guarantee_text(scenes.guarantee()) + "\n";
+         seated_text(scenes, facts) + guarantee_title(scenes) + guarantee_text(scenes.guarantee()) +
+         "\n";
 }
 
 std::string end_text(const Scenes& scenes, const RunFacts& facts, const loop::LoopStatistics& s) {

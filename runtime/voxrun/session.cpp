@@ -18,6 +18,7 @@
 #include "runtime/run/baked_files.h"
 #include "runtime/run/derive_parameters.h"
 #include "runtime/run/limits.h"
+#include "runtime/run/start_check.h"
 #include "runtime/stream/pose_sender.h"
 #include "runtime/stream/recording.h"
 #include "runtime/voxrun/device_choice.h"
@@ -141,6 +142,14 @@ Status prepare_run(const Options& options, Session& session) {
                                     : Status{};
   }
   if (Status held = take_hold(options, session); !held) return held;
+  const model::Simulation& simulation = session.run->simulation();
+  if (Status sound = check_start(simulation, session.start.world_from_center); !sound) {
+    if (!options.run.without_guarantee) return sound;
+    warn({sound.error().where + ": " + sound.error().what}, session.facts.warnings);
+  }
+  if (options.start.world_from_seat && simulation.seat().empty()) {
+    warn({"--seat: the part touches nothing there"}, session.facts.warnings);
+  }
   const double arm_m = glm::length(session.start.handle_from_center.position_m);
   if (const auto warning = arm_warning(session.request, session.run->parameters(), arm_m)) {
     warn({*warning}, session.facts.warnings);

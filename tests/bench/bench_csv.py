@@ -68,11 +68,13 @@ FILES = {
     "motion_drift": (("model",), {}),
     "trajectory": (("motion", "model", "stiffness_factor", "voxel_m", "rate_hz"), {"error_m": 1.02}),
     "stability": (("campaign", "case", "model"), {"penetration_ratio": 1.5, "quiet_share": 1.3}),
+    "stability_field": (("factor",), {"penetration_ratio": 1.5}),
     "stability_hands": (("campaign", "case", "model"), {}),
     "stability_map": (("model", "rate_hz", "mass_kg"), same("10", "100", "1e3", "1e4", "1e5", "1e6")),
     "stability_device": (("task", "model", "grip", "delay_s"), same("quiet_to", "bound", "default")),
     "stability_grips": (("model", "scale", "delay_s", "hand", "clutch", "axis", "arm_m"), {}),
-    "stability_loops": (("model", "scale", "loop"), same("loops")),
+    "stability_loops": (("model", "start", "scale", "loop"), same("loops")),
+    "stability_seats": (("seed", "pair"), {}),
     "stability_step": (("part",), times("p50_us")),
     "narrow_gaps": (("map", "covering_voxels", "case"), same("all_pass_voxels", "some_pass_voxels")),
     "skip_bake": (("scene", "bake"), {**times("seconds"), **same("triangles_left_out", "nodes_left_out")}),
@@ -316,6 +318,16 @@ def stability_loops(results):
         yield "stability_loops", r
 
 
+def stability_field(results):
+    for r in results:
+        yield "stability_field", r
+
+
+def stability_seats(results):
+    for r in results:
+        yield "stability_seats", r
+
+
 def stability_step(results):
     for part in ("query", "field", "solve", "beyond_query", "control"):
         yield "stability_step", {"part": part, "contacts": results["contacts_p50"], "steps": results["steps"],
@@ -403,8 +415,9 @@ ROWS = {"bake": bake, "bake_wide": bake_kinds, "bake_error": bake_error, "bake_g
         "stability_table2": stability_one_case("table2"),
         "stability_hands": stability_one_case("hands", "stability_hands"), "stability_map": stability_map,
         "stability_device": stability_device, "stability_grips": stability_grips,
-        "stability_loops": stability_loops, "stability_step": stability_step, "skipped": skipped, "python_bench": python_bench,
-        "path": path, "path_time": path_time, "paper_table": paper, "loop": loop}
+        "stability_loops": stability_loops, "stability_seats": stability_seats,
+        "stability_field": stability_field, "stability_step": stability_step, "skipped": skipped,
+        "python_bench": python_bench, "path": path, "path_time": path_time, "paper_table": paper, "loop": loop}
 OF_VECTORS = (bake_kinds, force_cost)  # which put the vectors of the run into the rows
 
 

@@ -18,6 +18,8 @@ Json case_table(std::uint64_t trials);
 Json rest_table(std::uint64_t trials);
 // The paper's Table 2 and the default model beside it, each until `contact_frames` are counted.
 Json table2(std::uint64_t contact_frames);
+// The paper's model in the same collisions, by its field stiffness.
+Json field_sweep(std::uint64_t contact_frames);
 // Random hands in congested scenes, the default model, until `frames` are counted.
 Json random_hands(std::uint64_t frames);
 // Quiet, moving and unstable settings: stiffness, mass and rate; a prescribed handle.
@@ -28,6 +30,8 @@ Json device_table();
 Json grip_map();
 // What slow closed loops in contact give the hand at the device's port, at every scale.
 Json loop_table();
+// Installed parts: rest, depth under hands at random, removal and return.
+Json seat_table(std::uint64_t pairs, std::uint64_t first);
 // Time of the default model's step beyond its contact queries, with 200 contacts and more.
 Json step_cost(std::uint64_t steps);
 

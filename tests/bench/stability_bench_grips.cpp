@@ -10,6 +10,7 @@ namespace {
 
 constexpr double kStillSteps = 8;  // of the encoder: below that the handle rests
 constexpr double kFreeJ = 2e-5;    // beyond what a sampled spring must give
+constexpr double kWorkedJ = 1e-3;  // either way: a loop that says something
 constexpr double kArmsM[] = {0, 0.1, 0.2, 0.3, 0.5};
 constexpr const char* kAxes[] = {"x", "y", "z"};
 constexpr const char* kTempers[] = {"none", "loose", "firm"};
@@ -70,21 +71,35 @@ Json grip_map() {
   return rows;
 }
 
+namespace {
+
+// How a loop's part begins: above the plane, or installed on it with its seat open.
+struct LoopStart {
+  Model model;
+  bool seated;
+};
+constexpr LoopStart kLoopStarts[] = {
+    {Model::kPaper, false}, {Model::kDefault, false}, {Model::kDefault, true}};
+
+}  // namespace
+
 Json loop_table() {
   Json rows = Json::array();
   std::printf("loops: the second of two closed loops in contact, uJ; over: beyond kT/2 int v^2\n");
   const test::VoxelScene scene = test::plane();
   const test::PointPart part = test::block();
-  for (const Model model : kBothModels) {
+  for (const auto& [model, seated] : kLoopStarts) {
     for (const double scale : {0.1, 0.3, 1.0, 3.0, 10.0}) {
       for (const test::HandleLoop& loop : test::kHandleLoops) {
         double most_over_j = -INFINITY, most_given_j = -INFINITY, moved_j = 0;
-        int over = 0, loops = 0;
+        int over = 0, loops = 0, worked = 0;
         for (const double arm_m : {0.0, 0.03, 0.1}) {
           for (const double speed_mps : {0.001, 0.005, 0.02}) {
             for (const bool back : {false, true}) {
-              test::HeldPartOptions options =
-                  test::flat_above_the_plane(arm_m, arm_m == 0.03 ? 0 : 2, scale);
+              const int axis = arm_m == 0.03 ? 0 : 2;
+              test::HeldPartOptions options = seated
+                                                  ? test::seated_on_the_plane(arm_m, axis, scale)
+                                                  : test::flat_above_the_plane(arm_m, axis, scale);
               options.model = model;
               test::HeldPart held(scene, part, options);
               const test::LoopWork work = test::loop_work(held, loop, speed_mps, back);
@@ -92,18 +107,23 @@ Json loop_table() {
               most_given_j = std::max(most_given_j, work.given_j);
               moved_j = std::max(moved_j, work.moved_j);
               over += work.given_j > work.sampled_j + kFreeJ;
+              worked += work.moved_j > kWorkedJ;
               ++loops;
             }
           }
         }
-        std::printf("  %-8s scale %-4g %-16s given at most %9.2f, over %9.2f; %d of %d over 20\n",
-                    name_of(model), scale, loop.name, most_given_j * 1e6, most_over_j * 1e6, over,
-                    loops);
+        std::printf(
+            "  %-8s %-6s scale %-4g %-16s given at most %9.2f, over %9.2f; %d of %d over 20; %d "
+            "with 1 mJ\n",
+            name_of(model), seated ? "seated" : "", scale, loop.name, most_given_j * 1e6,
+            most_over_j * 1e6, over, loops, worked);
         std::fflush(stdout);
         rows.push_back({{"model", name_of(model)},
+                        {"start", seated ? "seated" : "above"},
                         {"scale", scale},
                         {"loop", loop.name},
                         {"loops", loops},
+                        {"worked", worked},
                         {"given_j", most_given_j},
                         {"over_j", most_over_j},
                         {"moved_j", moved_j},

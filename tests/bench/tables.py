@@ -100,6 +100,32 @@ def grips(rows):
     return summed
 
 
+SEAT_QUANTILES = {"p50": 0.5, "p90": 0.9, "most": 1}
+
+
+def seats(rows):
+    """One row for all pairs of a kind, and one for all."""
+    groups = {}
+    for row in rows:
+        for kind in (row["pair"], "all"):
+            groups.setdefault((row["run"], kind), []).append(row)
+    summed = []
+    for (run, kind), group in sorted(groups.items(), key=lambda item: item[0][1] == "all"):
+        seated = [row for row in group if not row["refused"]]
+        depths = sorted(row["depth_voxels"] for row in seated)
+        summed.append({
+            "run": run, "pair": kind, "pairs": len(group), "refused": len(group) - len(seated),
+            **{most: max(row[column] for row in seated) for most, column in (
+                ("drift", "drift_voxels"), ("force", "still_force_n"), ("start", "start_depth_voxels"),
+                ("edges", "edge_depth_voxels"))},
+            **{name: depths[max(0, math.ceil(share * len(depths)) - 1)] for name, share in SEAT_QUANTILES.items()},
+            "deep": sum(depth > 0.6 for depth in depths),
+            "touching": sum(row["touching"] for row in seated) / len(seated),
+            "out": f'{sum(row["came_out"] for row in seated)} of {len(seated)}',
+            "back": f'{sum(row["went_back"] for row in seated)} of {sum(row["tried_back"] for row in seated)}'})
+    return summed
+
+
 def least_squares(x, y):
     """The exponent e of y = factor x^e, and the largest factor between a y and it."""
     x, y = [math.log(v) for v in x], [math.log(v) for v in y]
@@ -307,6 +333,11 @@ TABLES = {
         ("motion", text("motion")), ("model", text("model")), ("stiffness, times", scaled("stiffness_factor")),
         ("voxel, mm", scaled("voxel_m", 1e3)), *((f"{rate} Hz, mm", of(rate, "error_m", 1e3, 2)) for rate in RATES)]),
     "stability_table2": ("stability", where(campaign="table2"), OUTCOME),
+    "stability_field": ("stability_field", list, [
+        ("field over coupling", lambda r: "as derived" if r["factor"] is None else digits(r["factor"])),
+        ("field, N/m", scaled("field_n_per_m", 1, 2)), ("trials", text("trials")),
+        ("contact frames", text("force_layer_frames")), ("penetrating", share("penetration_ratio", 2)),
+        ("energy, J", scaled("energy_generated_j", 1, 2))]),
     "stability_hands": ("stability_hands", list, OUTCOME),
     "stability_rest": ("stability", where(campaign="rest"), [
         ("model", text("model")), ("trials", text("trials")), ("quiet", text("quiet")),
@@ -334,9 +365,16 @@ TABLES = {
         ("model", text("model")), ("scale", text("scale")), ("delay, ms", scaled("delay_s", 1e3)), ("hand", text("hand")),
         ("quiet", text("quiet")), ("of", text("grips")), ("most, encoder steps", scaled("swing_steps", 1, 2))]),
     "stability_loops": ("stability_loops", list, [
-        ("model", text("model")), ("scale", text("scale")), ("loop", text("loop")), ("loops", text("loops")),
+        ("model", text("model")), ("start", text("start")), ("scale", text("scale")), ("loop", text("loop")), ("loops", text("loops")),
+        ("with 1 mJ either way", text("worked")),
         ("given at most, uJ", scaled("given_j", 1e6, 2)), ("beyond the sampled spring, uJ", scaled("over_j", 1e6, 2)),
         ("beyond it by 20 uJ", text("over_bound"))]),
+    "stability_seats": ("stability_seats", seats, [
+        ("pair", text("pair")), ("pairs", text("pairs")), ("refused", text("refused")), ("drift", scaled("drift", 1, 2)),
+        ("still, N", scaled("force", 1, 2)), ("at the start", scaled("start", 1, 2)),
+        *((f"depth {name}", scaled(name, 1, 2)) for name in SEAT_QUANTILES), ("above 0.6", text("deep")),
+        ("edges", scaled("edges", 1, 2)), ("meshes meet", share("touching", 2)), ("came out", text("out")),
+        ("went back", text("back"))]),
     "stability_step": ("stability_step", list, [
         ("part of the step", lambda r: r["part"].replace("_", " the ")), ("contacts", text("contacts")),
         ("steps", text("steps")),

@@ -98,8 +98,61 @@ PYTHON
 run 6 opened.vox cover.pshell --motion back.csv --fail-on contact --fail-on penetration
 errs 'cover.pshell: at 0\.[0-9]{3} s: the part touched the scene; --trace shows every frame$'
 
+# The energy that is reported is what the trace says that the motors did, at every scale: the sum of the peaks of the
+# work on the hand, by episode of contact.
+python3 - <<'PYTHON'
+import random
+random.seed(7)
+with open("shake.csv", "w") as file:
+    file.write("t_s,x_m,y_m,z_m,qw,qx,qy,qz\n")
+    for i in range(401):
+        at = [random.uniform(-0.004, 0.004) for _ in range(3)] if 20 < i < 380 else [0, 0, 0]
+        file.write(f"{0.005 * i:.3f},{at[0]:.6f},{at[1]:.6f},{at[2]:.6f},1,{at[1]:.6f},{at[2]:.6f},{at[0]:.6f}\n")
+PYTHON
+for scale in 0.3 1 4; do
+  run 0 opened.vox cover.pshell --motion shake.csv --motion-scale $scale --start 0,0,0mm --trace run.csv --json run.json \
+    --world-from-device 10mm,20mm,5mm,0.8,0.2,-0.4,0.4 --max-speed 10 --max-turn 100
+  python3 - $scale <<'PYTHON'
+import csv, json, math, sys
+scale = float(sys.argv[1])
+def times(a, b):
+    return (a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3], a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
+            a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1], a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0])
+def back(q):
+    return (q[0], -q[1], -q[2], -q[3])
+def turned(q, v):
+    return times(times(q, (0, *v)), back(q))[1:]
+device = (0.8, 0.2, -0.4, 0.4)
+length = math.sqrt(sum(c * c for c in device))
+device = tuple(c / length for c in device)
+given = peak = total = 0
+last = None
+for row in csv.DictReader(open("run.csv")):
+    at = [float(row[f"handle_{k}_m"]) for k in "xyz"]
+    facing = [float(row[f"handle_q{k}"]) for k in "wxyz"]
+    if last:
+        way = turned(back(device), [(a - b) / scale for a, b in zip(at, last[0])])
+        turn = times(facing, back(last[1]))
+        sine = math.sqrt(sum(c * c for c in turn[1:]))
+        angle = 2 * math.atan2(sine, abs(turn[0])) * (1 if turn[0] > 0 else -1)
+        turn = turned(back(device), [c * (angle / sine if sine > 0 else 0) for c in turn[1:]])
+        given += sum(f * w for f, w in zip(last[2], way)) + sum(t * w for t, w in zip(last[3], turn))
+        peak = max(peak, given)
+    if all(int(row["points_" + k]) == 0 for k in ("proximity", "surface", "interior")):
+        total, given, peak = total + peak, 0, 0
+    last = (at, facing, [float(row[f"device_force_{k}_n"]) for k in "xyz"],
+            [float(row[f"device_torque_{k}_nm"]) for k in "xyz"])
+total += peak
+reported = json.load(open("run.json"))["energy_generated_j"]
+assert total > 1e-5, (scale, total)
+assert abs(reported - total) < 1e-6 * total, (scale, reported, total)
+PYTHON
+done
+
 # The model of 1999 has no seat and no guard: it starts in a penetration, and says so.
-run 0 opened.vox cover.pshell --motion rest.csv --model paper --json run.json
+run 6 opened.vox cover.pshell --motion rest.csv --model paper --json run.json
+errs 'cover.pshell: at 0\.[0-9]{3} s: the part penetrated the scene'
+grep -q '^guaranteed separation, where no point penetrates' out.txt || fail "a guarantee that does not hold"
 says '^NOT clear: [0-9]+ penetration frames?, the first at 0\.[0-9]{3} s'
 python3 - <<'PYTHON'
 import json
@@ -126,4 +179,44 @@ says '^clear: no clearance is known; 0 penetration frames$'
 
 run 2 opened.vox cover.pshell --motion out.csv --fail-on quark
 errs "'quark' is nothing that a run is checked for"
+run 2 opened.vox cover.pshell --motion out.csv --seat 0,0,0mm --model paper
+errs 'the paper.s has no seat'
+run 2 opened.vox cover.pshell --motion out.csv --force level
+errs 'leave out --force'
+run 2 lean.vox cover.pshell --motion out.csv
+errs 'the part starts inside the scene, and a scene without stored distances cannot tell a seat from a penetration; bake'
+
+# Apart from its seat, it may start anywhere but in the scene.
+run 0 opened.vox cover.pshell --motion rest.csv --start 0,0,30mm --seat 0,0,0mm
+says '^its seat on Gearbox/Housing is open, and it was never there'
+run 2 opened.vox cover.pshell --motion rest.csv --start 0,0,-1mm --seat 0,0,0mm
+errs 'and that is not where its seat is; start it clear'
+run 0 opened.vox cover.pshell --motion rest.csv --start 0,0,30mm --seat 0,0,30mm
+errs '--seat: the part touches nothing there'
+
+# Surfaces are not solids: a part about an object, and an object about a part.
+python3 - <<'PYTHON'
+def box(name, half):
+    corners = [(x, y, z) for x in (-half, half) for y in (-half, half) for z in (-half, half)]
+    faces = [(1, 2, 4, 3), (5, 7, 8, 6), (1, 5, 6, 2), (3, 4, 8, 7), (1, 3, 7, 5), (2, 6, 8, 4)]
+    with open(name, "w") as file:
+        file.writelines(f"v {x} {y} {z}\n" for x, y, z in corners)
+        file.writelines("f {} {} {} {}\n".format(*face) for face in faces)
+box("nut.obj", 4)
+box("cube.obj", 30)
+PYTHON
+"$bin/voxelize" nut.obj --units mm --voxel-size 1mm -o nut.vox --quiet
+"$bin/voxelize" nut.obj --units mm --voxel-size 1mm --lean -o nut_lean.vox --quiet
+"$bin/voxelize" cube.obj --units mm --voxel-size 1mm -o cube.vox --quiet
+"$bin/pointshell" cube.obj --units mm --voxel-size 1mm -o cube.pshell --quiet
+"$bin/pointshell" nut.obj --units mm --voxel-size 1mm -o nut.pshell --quiet
+run 2 nut.vox cube.pshell --motion rest.csv
+errs 'start: nut lies inside the part, at .* m, where no point of its shell is; bake the scene without it'
+run 2 nut_lean.vox cube.pshell --motion rest.csv
+errs 'start: an object lies inside the part'
+run 0 nut.vox cube.pshell --motion rest.csv --start 0,0,60mm
+run 0 nut.vox cube.pshell --motion rest.csv --without-guarantee
+errs 'warning: start: nut lies inside the part'
+run 2 cube.vox nut.pshell --motion rest.csv
+errs 'start: the part starts more than [0-9.]* mm inside (cube|the scene); .*--free-seed'
 echo "all passed"

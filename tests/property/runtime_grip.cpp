@@ -269,9 +269,13 @@ TEST(Grip, ClosedLoopsInContactGiveTheHandNothing) {
         const double speed_mps = std::array{0.001, 0.02, 0.005}[static_cast<std::size_t>(cell) % 3];
         const double arm_m = std::array{0.0, 0.03, 0.1}[static_cast<std::size_t>(cell) % 3];
         const int axis = cell++ % 3 == 1 ? 0 : 2;  // over the block's foot, or high above it
-        SCOPED_TRACE(testing::Message() << loop.name << (back ? " back" : "") << ", scale " << scale
-                                        << ", " << speed_mps << " m/s, arm " << arm_m);
-        HeldPart held(scene, part, flat_above_the_plane(arm_m, axis, scale));
+        SCOPED_TRACE(testing::Message()
+                     << loop.name << (back ? " back" : "") << ", scale " << scale << ", "
+                     << speed_mps << " m/s, arm " << arm_m << (cell % 2 == 0 ? ", seated" : ""));
+        const bool seated = cell % 2 == 0;
+        HeldPart held(scene, part,
+                      seated ? seated_on_the_plane(arm_m, axis, scale)
+                             : flat_above_the_plane(arm_m, axis, scale));
         const LoopWork work = loop_work(held, loop, speed_mps, back);
         EXPECT_LE(work.given_j, work.sampled_j + kFreeJ);
         EXPECT_NEAR(work.reported_j, work.given_j, 1e-9);

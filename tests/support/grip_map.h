@@ -40,6 +40,17 @@ inline HeldPartOptions flat_above_the_plane(double arm_m, int axis, double scale
   return options;
 }
 
+// The block is installed there: it lies flat on the plane, and touches it.
+inline HeldPartOptions seated_on_the_plane(double arm_m, int axis, double scale) {
+  HeldPartOptions options = above_the_plane(arm_m, axis, scale);
+  const glm::dvec3 n = plane_normal(), axis_rad = glm::cross({0, 0, 1}, n);
+  const glm::dvec3 tilt = glm::normalize(axis_rad) * std::atan2(glm::length(axis_rad), n.z);
+  options.start = {n * 4.3 * kPlaneVoxelM,
+                   coupling::rotation_by(tilt) * coupling::rotation_by({0, 0, 0.5})};
+  options.seated = true;
+  return options;
+}
+
 // Goes down until something touches, then a little farther, and waits for the ramp.
 inline Pose press(HeldPart& held, double beyond_m) {
   const double step_m = std::min(5e-4, 5e-5 / held.placement().motion_scale);

@@ -111,6 +111,7 @@ struct HeldPartOptions {
   std::optional<devices::SimHandParameters> hand;  // none: the handle is where the test has it
   Pose start;                                      // world_from_part, gripped there without stretch
   Pose part_from_handle;                           // the grip
+  bool seated = false;  // installed where it starts (runtime/field/README.md, "Seats")
 };
 
 class HeldPart {
@@ -121,8 +122,7 @@ class HeldPart {
         placement_(placed(options)),
         device_(capabilities(options), options.hand, placement_.device_from_handle(start_handle_)),
         input_(device_, placement_),
-        servo_(run_.simulation(), input_,
-               run_.simulation().registered(options.start, start_handle_),
+        servo_(run_.simulation(), input_, begun(run_.simulation(), options, start_handle_),
                limits(run_.parameters())) {}
 
   // One period. `wanted`: where test or hand have the handle, device axes.
@@ -169,6 +169,15 @@ class HeldPart {
     auto run = open_run(make_voxmap(scene), make_pshell(part), request);
     if (!run) throw std::runtime_error(to_line(run.error()));
     return std::move(*run);
+  }
+  static State begun(model::Simulation& simulation, const HeldPartOptions& options,
+                     const Pose& start_handle) {
+    if (!options.seated) return simulation.registered(options.start, start_handle);
+    PartStart start;
+    start.world_from_part = options.start;
+    const auto state = simulation.begin(start, start_handle);
+    if (!state) throw std::runtime_error(to_line(state.error()));
+    return *state;
   }
   static loop::OutputLimits limits(const Parameters& parameters) {
     loop::OutputLimits limits;

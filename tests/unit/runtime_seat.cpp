@@ -163,6 +163,37 @@ TEST(Seat, WhatCannotBeToldIsRefused) {
   EXPECT_EQ(clear.state.seat, kSeatClosed);
 }
 
+// A part that is installed elsewhere may start anywhere but in the scene.
+TEST(Seat, AStartApartFromTheSeatIsClear) {
+  MotionBench bench(floor_with_distances(), block(), resting(6 * kS));
+  const auto begin = [&](const Pose& at) {
+    PartStart start;
+    start.world_from_part = at;
+    start.world_from_seat = resting();
+    return bench.simulation->begin(start, at);
+  };
+  EXPECT_TRUE(begin(resting()));
+  EXPECT_TRUE(begin(resting(6 * kS)));
+  const auto inside = begin(resting(-0.5 * kS));
+  ASSERT_FALSE(inside);
+  EXPECT_EQ(inside.error().code, ErrorCode::kUsage);
+  EXPECT_NE(inside.error().what.find("not where its seat is"), std::string::npos);
+}
+
+TEST(Seat, AForceWithoutDistancesIsRefusedForWhatItIs) {
+  RunRequest request;
+  request.device = paper_device();
+  request.without_guarantee = true;
+  request.force = ForceKind::kLevel;
+  auto run = open_run(make_voxmap(floor_with_distances()), make_pshell(block()), request);
+  ASSERT_TRUE(run) << to_line(run.error());
+  PartStart start;
+  start.world_from_part = resting();
+  const auto begun = run->simulation().begin(start, resting());
+  ASSERT_FALSE(begun);
+  EXPECT_NE(begun.error().mend.find("leave out --force"), std::string::npos);
+}
+
 TEST(Seat, ARecordingHasIt) {
   SeatedBlock bench(floor_with_distances());
   ASSERT_TRUE(bench.begun);

@@ -1,0 +1,26 @@
+#include "runtime/run/start_check.h"
+
+#include <cstdio>
+#include <string>
+
+#include "runtime/query/enclosed_object.h"
+
+namespace forcelayer {
+
+Status check_start(const model::Simulation& simulation, const Pose& world_from_center) {
+  const Voxmap& voxmap = simulation.voxmap();
+  const auto enclosed = query::find_enclosed_object(voxmap, simulation.shell(), world_from_center);
+  if (!enclosed) return {};
+  const std::string_view name = voxmap.object_name(enclosed->object);
+  const glm::dvec3& p = enclosed->world_m;
+  char at[120];
+  std::snprintf(at, sizeof at,
+                " lies inside the part, at %.4g, %.4g, %.4g m, where no point of its shell is", p.x,
+                p.y, p.z);
+  return Error{ErrorCode::kUsage, "", "start",
+               (name.empty() ? std::string("an object") : std::string(name)) + at,
+               "bake the scene without it (--without), start elsewhere (--start), or run without "
+               "the guarantee (--without-guarantee, without_guarantee)"};
+}
+
+}  // namespace forcelayer
