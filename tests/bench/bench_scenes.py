@@ -41,8 +41,8 @@ def aircraft_scene(folder, polygons=593409):
     return Scene("aircraft", folder / "aircraft_bay.json", None, 8.0)
 
 
-def bake(bin_folder, scene, voxel_size_m, output, repeat=1):
-    """The report of voxelize, with `wall_s`, `cpu_s` and `peak_rss_bytes` of the whole process: the
+def bake(bin_folder, scene, voxel_size_m, output, repeat=1, options=()):
+    """The report of voxelize with more options, and `wall_s`, `cpu_s` and `peak_rss_bytes` of the whole process: the
     least of the repetitions, since other work on the machine only ever adds time."""
     report, usage = output.with_suffix(".report.json"), output.with_suffix(".usage.json")
     command = [sys.executable, ROOT / "tests/bench/measured_run.py", usage,
@@ -50,6 +50,7 @@ def bake(bin_folder, scene, voxel_size_m, output, repeat=1):
                "--voxel-size", f"{voxel_size_m:.9g}m"]
     if scene.units:
         command += ["--units", scene.units]
+    command += options
     best = None
     for _ in range(repeat):
         subprocess.run(command, check=True)
