@@ -5,12 +5,12 @@
 #   scripts/bench.sh --long [PART...]        the long form: over half an hour; results in build/bench/long, and from
 #                                            there in tests/bench/results/<machine> and in the pages
 #   scripts/bench.sh [--long] --out FOLDER   results in FOLDER alone
-# Parts: bake error growth plan tree shell cover query force wrench motion trajectory stability skip path python paper (all of
+# Parts: bake error growth plan tree shell cover query force wrench clearance motion trajectory stability skip path python paper (all of
 # them by default), loop (by name only; the long form takes half an hour), and targets (by name only: what the speed of bake
 # and query must be, beside what it is).
 source "$(dirname "$0")/common.sh"
 
-all_parts=(bake error growth plan tree shell cover query force wrench motion trajectory stability skip path python paper)
+all_parts=(bake error growth plan tree shell cover query force wrench clearance motion trajectory stability skip path python paper)
 bin=$root/build/release/bin
 bench=$root/tests/bench
 long=no
@@ -37,7 +37,7 @@ either() { if [ $long = yes ]; then echo "$2"; else echo "$1"; fi; }
 # Names the targets that a part builds.
 declare -A targets=(
   [bake]="bake_bench voxelize" [error]=geometry_bench [growth]=voxelize [plan]=voxelize [tree]="voxelize voxinfo"
-  [shell]="shell_bench pointshell" [cover]=cover_bench [query]=query_bench [force]=force_bench [wrench]=wrench_bench
+  [shell]="shell_bench pointshell" [cover]=cover_bench [query]=query_bench [force]=force_bench [wrench]=wrench_bench [clearance]=clearance_bench
   [motion]=motion_bench [trajectory]=trajectory_bench [stability]=stability_bench
   [skip]="skip_bench voxelize pointshell" [path]="path_bench voxelize pointshell voxrun voxcheck" [python]="python_bench forcelayer_python voxelize pointshell voxrun" [paper]="voxelize pointshell voxrun" [loop]="voxelize pointshell voxrun"
   [targets]="bake_bench voxelize query_bench")
@@ -55,6 +55,7 @@ part_bake() {
       $([ $long$model != yescounter ] || echo 2048) --json "$out/bake_$model.json"
   done
   "$bin/bake_bench" --wide --repeat $(either 3 9) $(either "--voxels 512" "") --json "$out/bake_wide.json"
+  "$bench/bake_full.py" $(either "--short --repeat 1" "") --json "$out/bake_full.json"
   [ $long = no ] || "$bin/bake_bench" --wide --repeat 15 --voxels 128 --json "$out/bake_wide_coarse.json"
   if held_to_avx2; then
     "$bin/bake_bench" --wide --repeat 9 --vectors AVX2 --json "$out/bake_wide_avx2.json"
@@ -90,6 +91,7 @@ part_force() {
   ! held_to_avx2 || "$bin/force_bench" --cost --vectors AVX2 --json "$out/force_cost_avx2.json"
 }
 part_wrench() { "$bin/wrench_bench" --s $(either "" 1) 0.5 --orientations 1 --pair-cases 2 --json "$out/wrench.json"; }
+part_clearance() { "$bin/clearance_bench" $(either "--poses 5000" "") --json "$out/clearance.json"; }
 part_motion() { "$bin/motion_bench" --json "$out/motion.json"; }
 part_trajectory() { "$bin/trajectory_bench" $(either "--seeds 1 --nominal" "") --json "$out/trajectory.json"; }
 part_stability() {

@@ -1,8 +1,9 @@
 // A tiny receiver of the pose stream: example_pose_receiver PORT [SECONDS] prints where the part
-// is.
+// is, and how near to what.
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <string>
 
 #include "forcelayer/pose_receiver.h"
 
@@ -24,9 +25,14 @@ int main(int argc, char** argv) {
     const auto newest = receiver->newest();
     if (!newest) continue;
     const auto& part = newest->world_from_part;
-    std::printf("%8.3f s  part %8.4f %8.4f %8.4f m  force %6.2f %6.2f %6.2f N  lost %llu\n",
+    const char* const known[] = {"no clearance is known", "clearance at least", "clearance"};
+    std::printf("%8.3f s  part %8.4f %8.4f %8.4f m  force %6.2f %6.2f %6.2f N  lost %llu  %s",
                 newest->time_s, part[0], part[1], part[2], newest->force_n[0], newest->force_n[1],
-                newest->force_n[2], static_cast<unsigned long long>(receiver->lost()));
+                newest->force_n[2], static_cast<unsigned long long>(receiver->lost()),
+                known[newest->clearance_kind]);
+    if (newest->clearance_kind > 0) std::printf(" %.3f mm", 1e3 * newest->clearance_m);
+    const std::string name(object_name_of(*newest));
+    std::printf("%s%s\n", name.empty() ? "" : " to ", name.c_str());
     std::fflush(stdout);
   }
   return 0;

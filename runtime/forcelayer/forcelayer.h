@@ -71,6 +71,13 @@ enum {
   FORCELAYER_TRIPPED = 2  /* zero until the clutch is pressed and released */
 };
 
+/* What is known of the clearance: the distance between the surfaces of part and scene. */
+enum {
+  FORCELAYER_CLEARANCE_NONE = 0,     /* nothing */
+  FORCELAYER_CLEARANCE_AT_LEAST = 1, /* no point is near enough to the scene to be measured */
+  FORCELAYER_CLEARANCE_PROVEN = 2    /* measured, by the stored distances */
+};
+
 /* The outcome of one period. */
 typedef struct forcelayer_result {
   double force_n[3];         /* for the motors: device axes */
@@ -79,6 +86,9 @@ typedef struct forcelayer_result {
   uint32_t output;           /* FORCELAYER_WAITING, ... */
   uint32_t contacts;         /* points with depth in the force layer */
   uint32_t interior;         /* points in the interior; above 0 the guarantee does not hold */
+  uint32_t clearance;        /* FORCELAYER_CLEARANCE_NONE, ... */
+  uint32_t nearest_object;   /* number of the nearest object; 0: not known */
+  double clearance_m;        /* a lower bound; 0 where nothing is known */
 } forcelayer_result;
 
 /* Fills all options. */
@@ -114,6 +124,10 @@ int forcelayer_step(forcelayer_runtime* runtime, const forcelayer_reading* readi
  * is. Released (0): the hand holds it anew, without stretch, and the output ramps in. To press and
  * release it is also how a tripped output is armed again. */
 void forcelayer_set_clutch(forcelayer_runtime* runtime, int pressed);
+
+/* The name of an object of the scene, by its number in a result; "" for any other number. From the
+ * servo thread. The text is valid until the scene is swapped or closed. */
+const char* forcelayer_object_name(const forcelayer_runtime* runtime, uint32_t object);
 
 /* Why the output tripped last, as text; "none". From the servo thread. The text is constant. */
 const char* forcelayer_last_trip(const forcelayer_runtime* runtime);

@@ -39,6 +39,7 @@ enum Fault : std::uint32_t {
 };
 
 // What is known of a frame's clearance, the distance between the exact surfaces of part and scene.
+// The numbers stand in the pose stream.
 enum class ClearanceKind : std::uint32_t {
   kNone,     // nothing: the scene stores no distances, or a premise of the proof fails
   kAtLeast,  // no shell point is near enough to the scene to be measured

@@ -169,12 +169,21 @@ int forcelayer_step(forcelayer_runtime* runtime, const forcelayer_reading* readi
   const Frame& frame = run.frame();
   result->output = static_cast<uint32_t>(frame.output);
   result->contacts = frame.result.report.contacts;
-  result->interior = frame.result.report.interior;
+  const StepReport& report = frame.result.report;
+  result->interior = report.interior;
+  result->clearance = static_cast<uint32_t>(report.clearance_kind);
+  result->clearance_m = report.clearance_m;
+  result->nearest_object = report.nearest_object;
   return 0;
 }
 
 void forcelayer_set_clutch(forcelayer_runtime* runtime, int pressed) {
   runtime->run.set_clutch(pressed != 0);
+}
+
+const char* forcelayer_object_name(const forcelayer_runtime* runtime, uint32_t object) {
+  const std::string_view name = runtime->run.object_name(object);
+  return name.empty() ? "" : name.data();  // a zero ends each in the file
 }
 
 const char* forcelayer_last_trip(const forcelayer_runtime* runtime) {

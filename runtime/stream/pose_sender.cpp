@@ -125,6 +125,13 @@ PoseDatagram PoseSender::datagram(const Frame& frame) noexcept {
   d.flags = (report.guard_cuts > 0 ? kPoseGuardCut : 0u) |
             (report.outside_map != 0 ? kPoseOutsideMap : 0u) |
             (report.faults != 0 ? kPoseFaulty : 0u) | (report.saturated != 0 ? kPoseSaturated : 0u);
+  d.clearance_m = report.clearance_m;
+  d.clearance_kind = static_cast<std::uint32_t>(report.clearance_kind);
+  d.nearest_object = report.nearest_object;
+  for (int axis = 0; axis < 3; ++axis) {
+    d.nearest_point_m[static_cast<std::size_t>(axis)] = report.nearest_point_m[axis];
+  }
+  set_object_name(d, simulation_->voxmap().object_name(report.nearest_object));
   return d;
 }
 

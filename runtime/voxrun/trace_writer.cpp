@@ -15,7 +15,8 @@ constexpr const char* kHeader =
     "force_x_n,force_y_n,force_z_n,torque_x_nm,torque_y_nm,torque_z_nm,"
     "points_proximity,points_surface,points_interior,contacts,depth_m,guard_cuts,step_ns,"
     "device_force_x_n,device_force_y_n,device_force_z_n,"
-    "device_torque_x_nm,device_torque_y_nm,device_torque_z_nm,clearance_m,output,nearest_object\n";
+    "device_torque_x_nm,device_torque_y_nm,device_torque_z_nm,"
+    "clearance_m,clearance_at_least,output,nearest_object\n";
 
 }  // namespace
 
@@ -80,9 +81,10 @@ Status TraceWriter::add(const Frame& frame) {
   for (int axis = 0; axis < 3; ++axis) put(frame.device_wrench.force_n[axis]);
   for (int axis = 0; axis < 3; ++axis) put(frame.device_wrench.torque_nm[axis]);
   if (report.clearance_kind == ClearanceKind::kNone) {
-    text_ += ',';
+    text_ += ",,";
   } else {
     put(report.clearance_m);
+    put(std::int64_t{report.clearance_kind == ClearanceKind::kAtLeast});
   }
   put(static_cast<std::int64_t>(frame.output));
   put_name(report.nearest_object == 0 ? 0 : frame.objects_before + report.nearest_object);

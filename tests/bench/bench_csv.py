@@ -45,6 +45,7 @@ FILES = {
     "bake": (("model", "voxels"), {**times("bake_s", "command_s", "vdb_tool_s", "straightforward_s", "scan_1_thread_s"),
                                    **same("file_bytes", "scan_voxels")}),
     "bake_kinds": (("vectors", "model", "voxels", "kind"), {**times("bake_s", "command_s"), **same("file_bytes")}),
+    "bake_full": (("scene", "voxels", "triangles", "kind"), {**times("cpu_s"), **same("file_bytes"), "peak_bytes": MEMORY}),
     "bake_error": (("scene", "program", "voxels"),
                    {**times("wall_s"), **same("missed_voxels", "added_voxels", "wrong_voxels", "rms_voxels", "max_voxels"),
                     "peak_bytes": MEMORY}),
@@ -76,6 +77,8 @@ FILES = {
     "stability_loops": (("model", "start", "scale", "loop"), same("loops")),
     "stability_seats": (("seed", "pair"), {}),
     "stability_step": (("part",), times("p50_us")),
+    "clearance": (("scenes", "from_voxels", "to_voxels"), {"poses": SAME, "slack_median": 1.02, "slack_p99": 1.02}),
+    "clearance_poses": (("scenes",), same("poses", "too_much")),
     "narrow_gaps": (("map", "covering_voxels", "case"), same("all_pass_voxels", "some_pass_voxels")),
     "skip_bake": (("scene", "bake"), {**times("seconds"), **same("triangles_left_out", "nodes_left_out")}),
     "skip_query": (("scene", "points", "way"), {**times("p50_us")}),
@@ -111,6 +114,14 @@ def bake_kinds(rows, machine):
                 "command_s": kind.get("command", {}).get("wall_s"), "file_bytes": kind["file_bytes"],
                 "vdb_tool_bake_s": r["vdb_tool_without_reading"]["wall_s"],
                 "mesh_to_volume_s": r["mesh_to_volume"]["wall_s"], "vdb_bytes": r["vdb_bytes"]}
+
+
+def bake_full(rows):
+    for r in rows:
+        yield "bake_full", {
+            "scene": r["scene"], "voxels": r["voxels_across"], "triangles": r["triangles"], "voxel_m": r["voxel_size_m"],
+            "kind": r["kind"], "wall_s": r["wall_s"], "cpu_s": r["cpu_s"], "peak_bytes": r["peak_rss_bytes"],
+            "file_bytes": r["file_bytes"]}
 
 
 def bake_error(rows):
@@ -241,6 +252,18 @@ def wrench(rows):
                 yield "wrench_files", {
                     "voxel_m": r["voxel_size_m"], "pair": pair, "kind": kind, "file_bytes": figures["file_bytes"],
                     "force_layer_voxels": figures["force_layer_voxels"], "bake_s": figures["bake_s"]}
+
+
+def clearance(rows):
+    for r in rows:
+        yield "clearance_poses", {key: r[key] for key in ("scenes", "poses", "too_much", "premise_failed", "objects_right",
+                                                          "objects_wrong")}
+        for line in r["ranges"]:
+            spreads = {f"{name}_{key}": (line[of] or {}).get(key)
+                       for name, of in (("slack", "slack"), ("provable", "of_provable"), ("by_points", "of_by_points"))
+                       for key in ("median", "p99", "most")}
+            yield "clearance", {"scenes": r["scenes"], "from_voxels": line["from_voxels"], "to_voxels": line["to_voxels"],
+                                "poses": line["poses"], "without": line["without"], "compared": line["compared"], **spreads}
 
 
 def motion(results):
@@ -408,9 +431,9 @@ def loop(results):
             yield "loop", {"figure": f"{clock[:-3]}_{key}_us", "value": value / 1e3}
 
 
-ROWS = {"bake": bake, "bake_wide": bake_kinds, "bake_error": bake_error, "bake_growth": bake_growth,
+ROWS = {"bake": bake, "bake_wide": bake_kinds, "bake_full": bake_full, "bake_error": bake_error, "bake_growth": bake_growth,
         "bake_plan": bake_plan, "tree_memory": tree_memory, "shell": shell, "cover": cover, "query": query,
-        "force": force, "force_part": force, "force_cost": force_cost, "wrench": wrench, "motion": motion, "trajectory": trajectory,
+        "force": force, "force_part": force, "force_cost": force_cost, "wrench": wrench, "clearance": clearance, "motion": motion, "trajectory": trajectory,
         "stability_cases": stability_cases, "stability_rest": stability_one_case("rest"),
         "stability_table2": stability_one_case("table2"),
         "stability_hands": stability_one_case("hands", "stability_hands"), "stability_map": stability_map,

@@ -42,14 +42,15 @@ def aircraft_scene(folder, polygons=593409):
 
 
 def bake(bin_folder, scene, voxel_size_m, output, repeat=1, options=()):
-    """The report of voxelize, with `wall_s`, `cpu_s` and `peak_rss_bytes` of the whole process: the
+    """The report of voxelize with more options, and `wall_s`, `cpu_s` and `peak_rss_bytes` of the whole process: the
     least of the repetitions, since other work on the machine only ever adds time."""
     report, usage = output.with_suffix(".report.json"), output.with_suffix(".usage.json")
     command = [sys.executable, ROOT / "tests/bench/measured_run.py", usage,
                bin_folder / "voxelize", scene.path, "-o", output, "--quiet", "--json", report,
-               "--voxel-size", f"{voxel_size_m:.9g}m", *options]
+               "--voxel-size", f"{voxel_size_m:.9g}m"]
     if scene.units:
         command += ["--units", scene.units]
+    command += options
     best = None
     for _ in range(repeat):
         subprocess.run(command, check=True)

@@ -86,6 +86,11 @@ def pivoted(column, *keys, then=lambda rows: rows):
     return lambda rows: by(column, keys, then(rows))
 
 
+def of_kind(row, kind):
+    """Processor time, s, and size, MB, of a kind of map."""
+    return row["of"][kind]["cpu_s"], row["of"][kind]["file_bytes"] / 1e6
+
+
 def grips(rows):
     """One row for all arms, axes and clutches."""
     groups = {}
@@ -379,6 +384,24 @@ TABLES = {
         ("part of the step", lambda r: r["part"].replace("_", " the ")), ("contacts", text("contacts")),
         ("steps", text("steps")),
         *((f"{key.replace('999', '99.9')}, us", scaled(f"{key}_us", 1, 2)) for key in ("p50", "p99", "p999", "max"))]),
+    "bake_full": ("bake_full", pivoted("kind", "scene", "voxels", "triangles"), [
+        ("scene", text("scene")), ("voxels across", text("voxels")), ("triangles", text("triangles")),
+        ("lean Chebyshev: processor s / MB", lambda r: pair(*of_kind(r, "lean, chebyshev"))),
+        ("full: processor s / MB", lambda r: pair(*of_kind(r, "full"))),
+        *((f"{kind} over lean Chebyshev: processor / bytes", lambda r, kind=kind: pair(
+            *(a / b for a, b in zip(of_kind(r, kind), of_kind(r, "lean, chebyshev"))), figures=2)) for kind in ("lean", "full"))]),
+    "clearance_poses": ("clearance_poses", list, [
+        ("scenes", text("scenes")), ("poses", text("poses")), ("claimed too much", text("too_much")),
+        ("beyond a cropped side", text("premise_failed")),
+        ("nearest object right", lambda r: percent(r["objects_right"] / (r["objects_right"] + r["objects_wrong"]), 4)),
+        ("of", lambda r: f"{r['objects_right'] + r['objects_wrong']:,}")]),
+    "clearance": ("clearance", list, [
+        ("scenes", text("scenes")),
+        ("exact distance, voxels", lambda r: f"{r['from_voxels']:g} to {'the end' if r['to_voxels'] is None else format(r['to_voxels'], 'g')}"),
+        ("poses", text("poses")), ("nothing proven", lambda r: percent(r["without"] / r["poses"])),
+        *((f"{label}: median, 99%, most", lambda r, key=key: pair(*(r[f"{key}_{of}"] for of in ("median", "p99", "most")), figures=2)
+           if r[f"{key}_median"] is not None else "")
+          for label, key in (("slack", "slack"), ("best of the files", "provable"), ("exact points", "by_points")))]),
     "narrow_gaps": ("narrow_gaps", list, [
         ("part", text("case")), ("map", text("map")), ("covering radius, voxels", scaled("covering_voxels")),
         ("runs", text("runs")), ("all pass from", scaled("all_pass_voxels", 1, 2)),

@@ -53,7 +53,7 @@ header = """t_s handle_x_m handle_y_m handle_z_m handle_qw handle_qx handle_qy h
 part_y_m part_z_m part_qw part_qx part_qy part_qz force_x_n force_y_n force_z_n torque_x_nm
 torque_y_nm torque_z_nm points_proximity points_surface points_interior contacts depth_m
 guard_cuts step_ns device_force_x_n device_force_y_n device_force_z_n device_torque_x_nm device_torque_y_nm
-device_torque_z_nm clearance_m output nearest_object""".split()
+device_torque_z_nm clearance_m clearance_at_least output nearest_object""".split()
 assert list(rows[0]) == header
 for a, b in zip(rows, again_rows, strict=True):
     assert all(a[k] == b[k] for k in header if k != "step_ns"), (a, b)
@@ -175,7 +175,7 @@ s.bind(("127.0.0.1", 0))
 open("port", "w").write(f"{s.getsockname()[1]}\n")
 s.settimeout(20)
 data = s.recv(2048)
-assert len(data) == 280 and struct.unpack_from("<IHH", data) == (0x53504C46, 1, 280)
+assert len(data) == 384 and struct.unpack_from("<IHH", data) == (0x53504C46, 2, 384)
 handle = struct.unpack_from("<3d", data, 96)
 assert all(abs(a - b) < 1e-12 for a, b in zip(handle, (0.1, 0.1, 0.2))), handle
 PYTHON

@@ -96,6 +96,9 @@ assert abs(shown["t_s"] - 2.2) < 0.002, shown
 for name in ("points_proximity", "points_surface", "points_interior", "contacts"):
     assert int(row[name]) == shown[name], (name, row[name], shown)
 assert int(row["contacts"]) > 0
+told = shown["clearance"]
+assert told == {"clearance_m": float(row["clearance_m"]), "at_least": False, "object": row["nearest_object"]}, told
+assert told["clearance_m"] > 0 and told["object"], told
 # Poses are written to the last bit, depths computed in single precision about the same center.
 assert abs(float(row["depth_m"]) - shown["deepest_m"]) < 1e-7, (row["depth_m"], shown)
 END
@@ -104,7 +107,8 @@ done
 "$bin/voxview" bay.vox part.pshell --listen 47219 --duration 2s "${tiny[@]}"
 "$python" - <<'END'
 import json
-assert json.load(open("facts.json"))["moment"]["t_s"] > 0
+shown = json.load(open("facts.json"))["moment"]
+assert shown["t_s"] > 0 and shown["clearance"]["clearance_m"] > 0, shown
 END
 kill -0 $sender || fail "the run did not outlive its viewer"
 kill $sender

@@ -77,7 +77,11 @@ void runtime_seeds() {
   datagram.magic = kPoseMagic;
   datagram.version = kPoseVersion;
   datagram.bytes = sizeof datagram;
-  datagram.world_from_part = datagram.world_from_handle = {1, 2, 3, 1, 0, 0, 0};
+  datagram.world_from_part = datagram.world_from_handle =
+      datagram.world_from_target = {1, 2, 3, 1, 0, 0, 0};
+  datagram.clearance_m = 0.004;
+  datagram.clearance_kind = datagram.nearest_object = 2;
+  set_object_name(datagram, "beam");
   seed("pose_datagram", "whole", {reinterpret_cast<const char*>(&datagram), sizeof datagram});
 }
 

@@ -15,6 +15,7 @@
 #include "runtime/coupling/coupling.h"
 #include "runtime/machine/real_time.h"
 #include "tests/support/both_models.h"
+#include "tests/support/distance_scene.h"
 #include "tests/support/random_scenes.h"
 #include "tests/support/scratch_folder.h"
 
@@ -60,10 +61,10 @@ struct CInterface : BothModels {
   ~CInterface() override { forcelayer_close(runtime); }
 
   std::string file(const char* name) const { return (folder / name).string(); }
-  void open() {
+  void open(const char* scene = "floor.vox") {
     forcelayer_close(runtime);
-    runtime = forcelayer_open(file("floor.vox").c_str(), file("ball.pshell").c_str(), &options,
-                              error, sizeof error);
+    runtime = forcelayer_open(file(scene).c_str(), file("ball.pshell").c_str(), &options, error,
+                              sizeof error);
     ASSERT_NE(runtime, nullptr) << error;
   }
   int start(const Pose* world_from_part, const Pose* handle_from_part,
@@ -152,6 +153,45 @@ TEST_P(CInterface, PlacesDeviceGripAndPart) {
       EXPECT_LT(angle_rad(pose(result.world_from_part), c.last), pulled ? 1e-3 : 1e-12);
     }
   }
+}
+
+// A ball over a floor: measured near it, "at least" far away, and nothing by the paper's model.
+TEST_P(CInterface, TellsTheClearance) {
+  const DistanceDefinition definition(2);
+  save_voxmap(
+      folder / "distances.vox",
+      distance_scene(
+          0.005, {0, 0, -8}, {48, 48, 40}, [](const glm::dvec3& p) { return p.z; }, 2, definition));
+  open("distances.vox");
+  const bool tells = GetParam() == Model::kDefault;
+  for (const double gap_m : {0.015, 0.05}) {  // beyond the force, which begins at 14.3 mm
+    const Pose place{{0.12, 0.12, 0.02 + gap_m}, {1, 0, 0, 0}};
+    const forcelayer_reading reading = reading_at(place);
+    ASSERT_EQ(start(nullptr, nullptr, reading), 0) << error;
+    forcelayer_result result;
+    ASSERT_EQ(forcelayer_step(runtime, &reading, &result), 0);
+    const unsigned near =
+        gap_m < 0.02 ? FORCELAYER_CLEARANCE_PROVEN : FORCELAYER_CLEARANCE_AT_LEAST;
+    EXPECT_EQ(result.clearance, tells ? near : unsigned{FORCELAYER_CLEARANCE_NONE});
+    EXPECT_LE(result.clearance_m, gap_m);
+    EXPECT_EQ(result.clearance_m > 0.005, tells);
+    EXPECT_EQ(result.nearest_object, 0u);  // the scene names none
+    EXPECT_STREQ(forcelayer_object_name(runtime, result.nearest_object), "");
+  }
+}
+
+TEST_P(CInterface, NamesTheObjectsOfTheScene) {
+  const auto scene = Voxmap::open(FORCELAYER_SOURCE_DIR "/tests/golden/baked_objects.vox");
+  ASSERT_TRUE(scene);
+  const double s = scene->voxel_size_m();
+  save_pshell(folder / "small.pshell", sphere_part(4 * s, 400, s));
+  options.without_guarantee = 1;
+  runtime = forcelayer_open(FORCELAYER_SOURCE_DIR "/tests/golden/baked_objects.vox",
+                            (folder / "small.pshell").c_str(), &options, error, sizeof error);
+  ASSERT_NE(runtime, nullptr) << error;
+  EXPECT_STREQ(forcelayer_object_name(runtime, 1), "wedge");
+  EXPECT_STREQ(forcelayer_object_name(runtime, 2), "sheet");
+  EXPECT_STREQ(forcelayer_object_name(runtime, 3), "");
 }
 
 TEST_P(CInterface, RefusesWhatIsNoPoseAndNoReading) {

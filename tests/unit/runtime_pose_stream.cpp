@@ -72,6 +72,10 @@ TEST_P(PoseStreamOfARun, CarriesAFrame) {
   frame.result.report.contacts = 5;
   frame.result.report.guard_cuts = 1;
   frame.result.report.world_from_center.position_m = {1, 1, 1};
+  frame.result.report.clearance_kind = ClearanceKind::kProven;
+  frame.result.report.clearance_m = 0.0125;
+  frame.result.report.nearest_object = 3;
+  frame.result.report.nearest_point_m = {4, 5, 6};
   frame.world_from_target.position_m = {2, 1, 1};
   frame.output = OutputState::kArmed;
   sender->offer(frame);
@@ -85,6 +89,11 @@ TEST_P(PoseStreamOfARun, CarriesAFrame) {
   EXPECT_EQ(received->force_n[2], 3);
   EXPECT_EQ(received->contacts, 5u);
   EXPECT_EQ(received->output, 1u);
+  EXPECT_EQ(received->clearance_kind, 2u);
+  EXPECT_EQ(received->clearance_m, 0.0125);
+  EXPECT_EQ(received->nearest_object, 3u);
+  EXPECT_EQ(received->nearest_point_m[2], 6);
+  EXPECT_EQ(object_name_of(*received), "");  // a scene without names
   EXPECT_EQ(received->flags, std::uint32_t{kPoseGuardCut});
   EXPECT_FALSE(receiver->newest());
 }
@@ -133,6 +142,20 @@ TEST_P(PoseStreamOfARun, NobodyListeningIsNoError) {
   }
 }
 
+TEST(PoseStream, NamesAreCutBetweenCharacters) {
+  PoseDatagram d{};
+  for (const std::string& name : {std::string(), std::string("beam"), std::string(64, 'x')}) {
+    set_object_name(d, name);
+    EXPECT_EQ(object_name_of(d), name);
+  }
+  set_object_name(d, std::string(200, 'y'));
+  EXPECT_EQ(object_name_of(d), std::string(64, 'y'));
+  set_object_name(d, std::string(63, 'z') + "\xc3\xa4");  // whose two bytes do not fit
+  EXPECT_EQ(object_name_of(d), std::string(63, 'z'));
+  set_object_name(d, std::string(62, 'z') + "\xc3\xa4" + "z");
+  EXPECT_EQ(object_name_of(d), std::string(62, 'z') + "\xc3\xa4");
+}
+
 TEST(PoseStream, ReceiverTakesTheNewestAndCountsWhatIsMissing) {
   auto receiver = PoseReceiver::open(0);
   ASSERT_TRUE(receiver);
@@ -167,7 +190,7 @@ TEST(PoseStream, MalformedDatagramsDoNothing) {
   bad.magic ^= 1;
   send(&bad, sizeof bad);
   bad = good;
-  bad.version = 2;
+  bad.version = 1;
   send(&bad, sizeof bad);
   bad = good;
   bad.bytes = 300;
@@ -183,6 +206,15 @@ TEST(PoseStream, MalformedDatagramsDoNothing) {
   send(&bad, sizeof bad);
   bad = good;
   bad.output = 3;
+  send(&bad, sizeof bad);
+  bad = good;
+  bad.clearance_kind = 3;
+  send(&bad, sizeof bad);
+  bad = good;
+  bad.clearance_m = -1e-3;
+  send(&bad, sizeof bad);
+  bad = good;
+  bad.nearest_point_m[2] = std::nan("");
   send(&bad, sizeof bad);
   EXPECT_FALSE(receiver->newest());
   EXPECT_EQ(receiver->ignored(), sent);

@@ -46,6 +46,21 @@ TEST(Trace, ReadsEveryColumnByName) {
   EXPECT_EQ(viewer::strongest_row(*rows), 1u);
 }
 
+TEST(Trace, ReadsTheClearanceWhereItIsTold) {
+  const std::string header = kHeader + ",clearance_m,clearance_at_least,output,nearest_object\n";
+  const auto rows = read_text(header + row(0, 2) + ",0.0125,0,1,\"beam, \"\"left\"\"\"\r\n" +
+                              row(1, 2) + ",0.02,1,1,\n" + row(2, 2) + ",,,1,\n");
+  ASSERT_TRUE(rows) << to_line(rows.error());
+  ASSERT_TRUE((*rows)[0].clearance);
+  EXPECT_EQ((*rows)[0].clearance->clearance_m, 0.0125);
+  EXPECT_FALSE((*rows)[0].clearance->at_least);
+  EXPECT_EQ((*rows)[0].clearance->object, "beam, \"left\"");
+  ASSERT_TRUE((*rows)[1].clearance);
+  EXPECT_TRUE((*rows)[1].clearance->at_least);
+  EXPECT_FALSE((*rows)[2].clearance);
+  EXPECT_FALSE(read_text(kHeader + "\n" + row(1, 0) + "\n")->front().clearance);
+}
+
 TEST(Trace, FindsTheRowAtATime) {
   const auto rows = read_text(kHeader + "\n" + row(1, 0) + "\n" + row(2, 0) + "\n" + row(3, 0));
   ASSERT_TRUE(rows);

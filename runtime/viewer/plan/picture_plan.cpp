@@ -266,6 +266,11 @@ nlohmann::ordered_json report_of(const PicturePlan& plan, const ViewScene& scene
     json["points_interior"] = moment.contacts.interior;
     json["contacts"] = moment.contacts.contacts;
     json["deepest_m"] = moment.contacts.deepest_m;
+    if (moment.clearance) {
+      json["clearance"] = {{"clearance_m", moment.clearance->clearance_m},
+                           {"at_least", moment.clearance->at_least},
+                           {"object", moment.clearance->object}};
+    }
     if (moment.on_hand) json["force_n"] = numbers(moment.on_hand->force_n);
     if (const auto& clearance_m = moment.contacts.clearance_m) {
       json["clearance_m"] = *clearance_m;

@@ -33,6 +33,7 @@ Moment moment_of(const TraceRow& row, const Pose& handle_from_part) {
       row.world_from_target.value_or(row.world_from_handle * handle_from_part);
   moment.on_hand = row.on_hand;
   moment.guard_cuts = row.guard_cuts;
+  moment.clearance = row.clearance;
   moment.contacts.proximity = row.points_proximity;
   moment.contacts.surface = row.points_surface;
   moment.contacts.interior = row.points_interior;
@@ -59,12 +60,25 @@ Pose grip_of(const TraceRow& first) {
   return inverse(first.world_from_handle) * first.world_from_part;
 }
 
+namespace {
+
+std::string describe_clearance(const std::optional<RowClearance>& clearance) {
+  if (!clearance) return "no clearance is known";
+  const double mm = std::floor(clearance->clearance_m * 1e6) / 1e3;  // never more than proven
+  if (clearance->at_least) return text_of("clearance at least %.3f mm", mm);
+  const std::string object = escaped(clearance->object);
+  return text_of("clearance %.3f mm", mm) + (object.empty() ? "" : " to " + object);
+}
+
+}  // namespace
+
 std::vector<std::string> describe(const Moment& moment) {
   std::vector<std::string> lines;
   if (moment.time_s && moment.on_hand) {
     lines.push_back(text_of("t = %.3f s    on the hand: %.2f N, %.4f N m", *moment.time_s,
                             glm::length(moment.on_hand->force_n),
                             glm::length(moment.on_hand->torque_nm)));
+    lines.push_back(describe_clearance(moment.clearance));
   }
   const ContactView& view = moment.contacts;
   const std::string deepest =

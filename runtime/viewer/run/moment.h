@@ -18,6 +18,7 @@ struct Moment {
   std::optional<Pose> world_from_target;  // where the hand wants the part
   std::optional<Wrench> on_hand;          // about the part's centroid, world axes
   std::uint32_t guard_cuts = 0;
+  std::optional<RowClearance> clearance;  // as the run told it
   // Found from the files and the pose; without both files, the counts of the run alone.
   ContactView contacts;
   bool other_files = false;  // the contacts differ clearly from the run's counts

@@ -10,6 +10,12 @@
 namespace forcelayer::viewer {
 namespace {
 
+std::optional<RowClearance> clearance_of(ClearanceKind kind, double clearance_m,
+                                         std::string_view object) {
+  if (kind == ClearanceKind::kNone) return std::nullopt;
+  return RowClearance{clearance_m, kind == ClearanceKind::kAtLeast, std::string(object)};
+}
+
 TraceRow row_of(const model::Simulation& simulation, const StepInput& input,
                 const StepResult& result, const Pose& target) {
   const StepReport& report = result.report;
@@ -23,6 +29,8 @@ TraceRow row_of(const model::Simulation& simulation, const StepInput& input,
   row.points_interior = report.interior;
   row.contacts = report.contacts;
   row.guard_cuts = report.guard_cuts;
+  row.clearance = clearance_of(report.clearance_kind, report.clearance_m,
+                               simulation.voxmap().object_name(report.nearest_object));
   return row;
 }
 
@@ -94,6 +102,8 @@ TraceRow row_of(const PoseDatagram& datagram) {
   row.points_interior = datagram.points_interior;
   row.contacts = datagram.contacts;
   row.guard_cuts = (datagram.flags & kPoseGuardCut) != 0 ? 1 : 0;
+  row.clearance = clearance_of(static_cast<ClearanceKind>(datagram.clearance_kind),
+                               datagram.clearance_m, object_name_of(datagram));
   return row;
 }
 

@@ -39,11 +39,25 @@ constexpr std::array<std::string_view, 27> kColumns = {"t_s",
                                                        "points_surface",
                                                        "points_interior"};
 
+// Columns that a trace need not have. The name of an object may be quoted, and comes last.
+constexpr std::string_view kClearance = "clearance_m", kAtLeast = "clearance_at_least",
+                           kObject = "nearest_object";
+
+// The comma that ends the first cell; one within quotes does not.
+std::size_t cell_end(std::string_view line) {
+  bool quoted = false;
+  for (std::size_t n = 0; n < line.size(); ++n) {
+    if (line[n] == '"') quoted = !quoted;
+    if (line[n] == ',' && !quoted) return n;
+  }
+  return std::string_view::npos;
+}
+
 std::vector<std::string_view> split(std::string_view line) {
   std::vector<std::string_view> cells;
   if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
   while (true) {
-    const std::size_t comma = line.find(',');
+    const std::size_t comma = cell_end(line);
     cells.push_back(line.substr(0, comma));
     if (comma == std::string_view::npos) return cells;
     line.remove_prefix(comma + 1);
@@ -54,6 +68,47 @@ Error bad_line(const std::filesystem::path& path, std::size_t line, const std::s
   return {ErrorCode::kFieldInvalid, path.string(), "line " + std::to_string(line), what,
           "give the CSV that voxrun --trace wrote"};
 }
+
+std::string unquoted(std::string_view cell) {
+  if (cell.size() < 2 || cell.front() != '"' || cell.back() != '"') return std::string(cell);
+  std::string text;
+  cell = cell.substr(1, cell.size() - 2);
+  for (std::size_t n = 0; n < cell.size(); ++n) {
+    text += cell[n];
+    if (cell[n] == '"' && n + 1 < cell.size() && cell[n + 1] == '"') ++n;
+  }
+  return text;
+}
+
+bool read_number(std::string_view cell, double& number) {
+  const auto parsed = std::from_chars(cell.data(), cell.data() + cell.size(), number);
+  return parsed.ec == std::errc{} && parsed.ptr == cell.data() + cell.size() &&
+         std::isfinite(number);
+}
+
+// The clearance of a line whose columns stand at these places, where it has them and tells one.
+struct ClearanceColumns {
+  std::size_t clearance, at_least, object;
+
+  explicit ClearanceColumns(std::string_view header) {
+    const auto names = split(header);
+    const auto place = [&](std::string_view name) {
+      return static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
+    };
+    clearance = place(kClearance), at_least = place(kAtLeast), object = place(kObject);
+  }
+
+  std::optional<RowClearance> of(const std::vector<std::string_view>& cells) const {
+    if (std::max({clearance, at_least, object}) >= cells.size()) return std::nullopt;
+    RowClearance row;
+    double at_least_number = 0;
+    if (!read_number(cells[clearance], row.clearance_m)) return std::nullopt;
+    if (!read_number(cells[at_least], at_least_number)) return std::nullopt;
+    row.at_least = at_least_number != 0;
+    row.object = unquoted(cells[object]);
+    return row;
+  }
+};
 
 // The place of each of kColumns in the file.
 Result<std::array<std::size_t, kColumns.size()>> find_columns(const std::filesystem::path& path,
@@ -106,6 +161,7 @@ Result<std::vector<TraceRow>> read_trace(const std::filesystem::path& path) {
   }
   const auto places = find_columns(path, line);
   if (!places) return places.error();
+  const ClearanceColumns clearance(line);
   std::vector<TraceRow> rows;
   for (std::size_t number = 2; std::getline(file, line); ++number) {
     const auto cells = split(line);
@@ -114,13 +170,12 @@ Result<std::vector<TraceRow>> read_trace(const std::filesystem::path& path) {
       const std::size_t place = (*places)[n];
       if (place >= cells.size()) return bad_line(path, number, "too few cells");
       const std::string_view cell = cells[place];
-      const auto parsed = std::from_chars(cell.data(), cell.data() + cell.size(), values[n]);
-      if (parsed.ec != std::errc{} || parsed.ptr != cell.data() + cell.size() ||
-          !std::isfinite(values[n])) {
+      if (!read_number(cell, values[n])) {
         return bad_line(path, number, "'" + std::string(cell) + "' is no number");
       }
     }
     rows.push_back(row_of(values));
+    rows.back().clearance = clearance.of(cells);
   }
   if (file.bad()) return Error{ErrorCode::kReadFailed, path.string(), "", "read failed", ""};
   if (rows.empty()) {

@@ -5,12 +5,20 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "forcelayer/pose.h"
 #include "formats/result.h"
 
 namespace forcelayer::viewer {
+
+// What a frame says of its clearance, the proven distance between the surfaces of part and scene.
+struct RowClearance {
+  double clearance_m = 0;
+  bool at_least = false;  // nothing was near enough to be measured
+  std::string object;     // the nearest one; empty where it is not known
+};
 
 struct TraceRow {
   double time_s = 0;
@@ -22,6 +30,7 @@ struct TraceRow {
   std::uint32_t contacts = 0;
   std::uint32_t guard_cuts = 0;
   double step_ns = 0;
+  std::optional<RowClearance> clearance;  // none where nothing is proven
 };
 
 // Rows in file order. Columns are found by name, others are passed over. Errors: kFileNotFound,
