@@ -98,8 +98,10 @@ void check_mass_fields(const PshellHeader& h, FieldChecks& checks) {
   return checks.status();
 }
 
-Status check_section_sizes(const PshellHeader& h, std::span<const std::span<const std::byte>> all,
-                           std::span<const SectionRule> rules, std::string_view name) {
+[[gnu::cold]] Status check_section_sizes(const PshellHeader& h,
+                                         std::span<const std::span<const std::byte>> all,
+                                         std::span<const SectionRule> rules,
+                                         std::string_view name) {
   const std::uint64_t stored = h.block_count * h.block_points;
   for (std::size_t i = 0; i < rules.size(); ++i) {
     const bool any_size = rules[i].element_bytes == 1 ||
@@ -138,8 +140,10 @@ bool is_finite_sphere(const BoundingSphere& s) {
          std::isfinite(s.radius) && s.radius >= 0;
 }
 
-Status check_spheres(const PshellView& v, std::span<const BoundingSphere> spheres,
-                     std::uint64_t points_each, const std::string& section, std::string_view name) {
+// Over all points, this and the next, and so fast.
+[[gnu::noinline]] Status check_spheres(const PshellView& v, std::span<const BoundingSphere> spheres,
+                                       std::uint64_t points_each, const std::string& section,
+                                       std::string_view name) {
   const std::uint64_t stored = v.block_count * v.block_points;
   for (std::size_t i = 0; i < spheres.size(); ++i) {
     if (!is_finite_sphere(spheres[i])) {
@@ -153,7 +157,8 @@ Status check_spheres(const PshellView& v, std::span<const BoundingSphere> sphere
   return {};
 }
 
-Status check_points(const PshellView& v, double bounding_radius_m, std::string_view name) {
+[[gnu::noinline]] Status check_points(const PshellView& v, double bounding_radius_m,
+                                      std::string_view name) {
   const double limit = bounding_radius_m * bounding_radius_m * (1 + kSphereTolerance);
   double area_m2 = 0;
   for (std::size_t i = 0; i < v.point_count; ++i) {
@@ -179,7 +184,7 @@ Status check_points(const PshellView& v, double bounding_radius_m, std::string_v
 }
 
 // Elements beyond point_count repeat the last point, bit for bit, with weight zero.
-Status check_padding_points(const PshellView& v, std::string_view name) {
+[[gnu::cold]] Status check_padding_points(const PshellView& v, std::string_view name) {
   const std::size_t last = v.point_count - 1;
   const float* const columns[] = {v.x, v.y, v.z, v.nx, v.ny, v.nz, v.cone_cos};
   const auto bits = [](float number) { return std::bit_cast<std::uint32_t>(number); };
@@ -217,7 +222,8 @@ Status check_padding_points(const PshellView& v, std::string_view name) {
   return {};
 }
 
-Status check_elements(const PshellView& v, const PshellHeader& h, std::string_view name) {
+[[gnu::cold]] Status check_elements(const PshellView& v, const PshellHeader& h,
+                                    std::string_view name) {
   if (Status s = check_points(v, h.bounding_radius_m, name); !s) return s;
   if (Status s = check_padding_points(v, name); !s) return s;
   const std::uint64_t block_points = v.block_points;
@@ -251,8 +257,8 @@ Result<Pshell> Pshell::from_bytes(std::span<const std::byte> bytes, std::string_
   return read(bytes, name, verify, nullptr);
 }
 
-Result<Pshell> Pshell::read(std::span<const std::byte> bytes, std::string_view name, Verify verify,
-                            const MappedFile* file) {
+[[gnu::cold]] Result<Pshell> Pshell::read(std::span<const std::byte> bytes, std::string_view name,
+                                          Verify verify, const MappedFile* file) {
   if (Status s = check_file_header(bytes, name, kPshellHeaderRule); !s) return s.error();
   Pshell shell;
   shell.bytes_ = bytes;

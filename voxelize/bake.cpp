@@ -192,9 +192,10 @@ tree::DistanceTrees build_distances(const SceneVoxels& scene, const SceneRegion&
   const auto reach = static_cast<unsigned>(distance::DistanceCodes::reach(scale_of(options)));
   const distance::LayerOffset around(scene.geometry, scene.interior, reach - 1, 1, kept);
   const bool has_memory = remembers_nodes(options, kept) && keys.size() == objects.size();
-  const distance::DistanceCodes distances(std::move(objects), region.directory.origin,
-                                          scene.geometry, scene.interior, scale_of(options), kept,
-                                          std::move(numbers));
+  const distance::DistanceCodes distances(
+      std::move(objects), region.directory.origin, scene.geometry, scene.interior,
+      scale_of(options), kept, grows_objects(options) ? 0 : interior_radius_units(options),
+      std::move(numbers));
   if (!has_memory) {
     return tree::build_distance_trees(around, distances, region.directory.dims, nullptr);
   }
@@ -256,18 +257,19 @@ VoxmapHeader header_of(const SceneRegion& region, const masks::VoxelBox& tight,
 }
 
 // The trees of the scene and the header.
-void build_map(const SceneVoxels& scene, const SceneRegion& region,
-               const std::vector<ObjectBake>& bakes, const BakeOptions& options, Bake& bake) {
+void build_map(SceneVoxels& scene, const SceneRegion& region, const std::vector<ObjectBake>& bakes,
+               const BakeOptions& options, Bake& bake) {
   distance::ValueCounts counts;
   masks::VoxelBox tight;
   if (!region.directory.empty()) {
-    bake.values = build_layers(scene, region, options, counts, bake);
-    tight = tight_box_of(bake.values, region, options);
     if (stores_distances(options)) {
       tree::DistanceTrees trees = build_distances(scene, region, bakes, options, bake);
       bake.distances = std::move(trees.distances);
       bake.nearest_objects = std::move(trees.objects);
+      if (trees.grown) masks::unite(scene.grown, std::move(*trees.grown));
     }
+    bake.values = build_layers(scene, region, options, counts, bake);
+    tight = tight_box_of(bake.values, region, options);
   }
   bake.header = header_of(region, tight, counts, options);
   if (stores_distances(options)) {

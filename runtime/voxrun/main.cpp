@@ -48,6 +48,7 @@ forcelayer::Status prepare_outputs(forcelayer::voxrun::Options& options) {
   const forcelayer::command::OutputFile outputs[] = {
       {"--json", &options.json, FileKind::kReport},
       {"--trace", &options.trace, FileKind::kTable},
+      {"--save-path", &options.save_path, FileKind::kTable},
       {"--record", &options.record, FileKind::kRecording}};
   return forcelayer::command::prepare_outputs(outputs, inputs);
 }

@@ -129,6 +129,7 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
       ->check(CLI::Range(0, 31));
   app.add_option("--json", options_.json, "write a report");
   app.add_option("--trace", options_.trace, "write a CSV line a frame");
+  app.add_option("--save-path", options_.save_path, "write the part's path, a CSV for voxcheck");
   app.add_option("--record", options_.record, "write a recording for --replay");
   app.add_option("--replay", options_.replay, "repeat a recording bit for bit");
   app.add_option("--udp", options_.udp, "send the pose stream to [HOST:]PORT");

@@ -47,7 +47,7 @@ struct Options {
   std::string plugin, plugin_args;  // of the device "plugin"
   HidOptions hid;                   // of the devices "hid" and "spacemouse"
   std::string hand;  // that holds the sim device; empty: the script moves it, whatever it feels
-  std::string motion, json, trace, record, replay, udp;
+  std::string motion, json, trace, save_path, record, replay, udp;
   std::optional<glm::dvec3> pull_m;  // --pull: a hand's way, world axes
   double udp_rate_hz = 60;
   PartStart start;                         // --start and --grip

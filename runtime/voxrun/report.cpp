@@ -7,14 +7,16 @@
 
 #include "formats/command/command.h"
 #include "formats/command/provenance.h"
+#include "formats/command/text.h"
 #include "runtime/model/simulation.h"
 #include "runtime/query/query_kernel.h"
 #include "runtime/run/limits.h"
-#include "runtime/voxrun/text.h"
 #include "runtime/voxrun/verdict.h"
 
 namespace forcelayer::voxrun {
 namespace {
+
+using command::text;
 
 using Json = nlohmann::ordered_json;
 

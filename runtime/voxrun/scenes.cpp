@@ -3,15 +3,17 @@
 #include <algorithm>
 #include <chrono>
 
+#include "formats/command/text.h"
 #include "runtime/machine/prefault.h"
 #include "runtime/machine/real_time.h"
 #include "runtime/model/simulation.h"
 #include "runtime/run/baked_files.h"
-#include "runtime/voxrun/text.h"
 #include "runtime/voxrun/verdict.h"
 
 namespace forcelayer::voxrun {
 namespace {
+
+using command::text;
 
 constexpr auto kHoldTimeout = std::chrono::seconds(1);  // a fade takes 50 ms
 

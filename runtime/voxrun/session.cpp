@@ -9,6 +9,7 @@
 #include "formats/command/command.h"
 #include "formats/command/progress_line.h"
 #include "formats/command/provenance.h"
+#include "formats/path/path_file.h"
 #include "runtime/loop/loop.h"
 #include "runtime/loop/servo.h"
 #include "runtime/machine/map_loss.h"
@@ -188,7 +189,9 @@ void print_warnings(const RunFacts& facts, std::size_t first) {
 
 // The files and the socket that frames go to while the loop runs.
 struct FrameOutputs {
+  const model::Simulation* simulation = nullptr;
   std::optional<TraceWriter> trace;
+  std::optional<PathWriter> path;
   std::optional<stream::RecordingWriter> recording;
   std::optional<stream::PoseSender> poses;
 
@@ -203,6 +206,12 @@ struct FrameOutputs {
       if (!writer) return writer.error();
       trace = std::move(*writer);
     }
+    if (!options.save_path.empty()) {
+      auto writer = PathWriter::create(options.save_path);
+      if (!writer) return writer.error();
+      path.emplace(std::move(*writer));
+      simulation = &session.run->simulation();
+    }
     if (!options.udp.empty()) {
       auto sender =
           stream::PoseSender::create(options.udp, session.run->simulation(), options.udp_rate_hz);
@@ -212,9 +221,17 @@ struct FrameOutputs {
     return {};
   }
 
+  Status add_to_path(const Frame& frame) {
+    const Pose part = simulation->world_from_part(frame.result.report.world_from_center);
+    const auto& p = part.position_m;
+    const auto& q = part.orientation;
+    return path->add({frame.time_s, {p.x, p.y, p.z}, {q.w, q.x, q.y, q.z}});
+  }
+
   std::vector<FrameSink> sinks() {
     std::vector<FrameSink> all;
     if (trace) all.push_back([this](const Frame& frame) { return trace->add(frame); });
+    if (path) all.push_back([this](const Frame& frame) { return add_to_path(frame); });
     if (recording) all.push_back([this](const Frame& frame) { return recording->add(frame); });
     if (poses) {
       all.push_back([this](const Frame& frame) -> Status {
@@ -228,6 +245,9 @@ struct FrameOutputs {
   Status finish(std::uint64_t lost_frames) {
     if (trace) {
       if (Status s = trace->finish(); !s) return s;
+    }
+    if (path) {
+      if (Status s = path->finish(); !s) return s;
     }
     return recording ? recording->finish(lost_frames) : Status{};
   }

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "runtime/voxrun/text.h"
+#include "formats/command/text.h"
 
 namespace forcelayer::voxrun {
 namespace {
+
+using command::text;
 
 using loop::FirstFrame;
 using loop::LoopStatistics;

@@ -33,6 +33,11 @@ class SceneTriangles {
   // lies near, so that single precision can hold it.
   void gather(const scan::NodeIndex& node, std::vector<PreparedTriangle>& near) const;
 
+  // The triangle that one of gather() is, or is a piece of, in lattice units.
+  lattice::LatticeTriangle original(const PreparedTriangle& near) const {
+    return objects_[near.object]->triangle(near.source);
+  }
+
  private:
   struct Bin {
     std::uint32_t object, bin;

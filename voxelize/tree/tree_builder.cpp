@@ -41,6 +41,7 @@ struct SceneNodes {
 
 struct MeasuredNodes {
   SceneNodes distances, objects;  // none of objects where they are not told apart
+  std::vector<std::unique_ptr<masks::LowerMaskNode>> grown;  // none where the surface does not grow
 };
 
 MeasuredNode measured(const distance::NodeDistances& node) {
@@ -52,7 +53,8 @@ MeasuredNodes measure_nodes(const distance::LayerOffset& around,
                             const distance::DistanceCodes& distances,
                             const DistanceMemory* memory) {
   std::vector<masks::Coord> origins = around.nodes();
-  MeasuredNodes result{SceneNodes(origins), SceneNodes({})};
+  MeasuredNodes result{SceneNodes(origins), SceneNodes({}), {}};
+  if (distances.grows_surface()) result.grown.resize(origins.size());
   if (distances.tells_objects()) result.objects = SceneNodes(std::move(origins));
   if (memory != nullptr) result.distances.keys.resize(result.distances.nodes.size());
   tbb::parallel_for(std::size_t{0}, result.distances.nodes.size(), [&](std::size_t i) {
@@ -62,7 +64,11 @@ MeasuredNodes measure_nodes(const distance::LayerOffset& around,
       result.distances.keys[i] = memory->key(distances, origin);
       node = memory->find(result.distances.keys[i], distances, origin);
     }
-    if (!node) node = measured(distances.codes(origin));
+    if (!node) {
+      const distance::NodeDistances& codes = distances.codes(origin);
+      node = measured(codes);
+      if (distances.grows_surface()) result.grown[i] = masks::node_of_rows(codes.grown, origin);
+    }
     result.distances.nodes[i] = std::move(node->distances);
     if (distances.tells_objects()) result.objects.nodes[i] = std::move(node->objects);
   });
@@ -269,6 +275,7 @@ DistanceTrees build_distance_trees(const distance::LayerOffset& around,
   };
   DistanceTrees trees;
   trees.distances = tree_of(nodes.distances, kMostDistanceCode, kDistanceBrickParts);
+  if (distances.grows_surface()) trees.grown = masks::tree_of_nodes(nodes.grown);
   if (distances.tells_objects()) trees.objects = tree_of(nodes.objects, 0, kObjectBrickParts);
   if (memory == nullptr) return trees;
   std::vector<DistanceMemory::Kept> kept;

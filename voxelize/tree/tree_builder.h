@@ -23,10 +23,12 @@ VoxelTree build_tree(const distance::LayerOffset& offset,
 
 // The trees of the distances' codes and of the objects' numbers over the same directory cells; that
 // of the objects has nothing where the distances do not tell them apart. `around` lists the nodes:
-// its layers and force layers together are DistanceCodes::reach(). A `memory` (may be null)
-// supplies the nodes that did not change and keeps these trees.
+// its layers and force layers together are DistanceCodes::reach(). Beside them, the surface grown.
+// A `memory` (may be null) supplies the nodes that did not change and keeps these trees; it
+// remembers no grown surface, so with it the surface must not grow here.
 struct DistanceTrees {
   VoxelTree distances, objects;
+  std::unique_ptr<masks::MaskTree> grown;  // null where the surface does not grow
 };
 DistanceTrees build_distance_trees(const distance::LayerOffset& around,
                                    const distance::DistanceCodes& distances,
