@@ -31,5 +31,14 @@ say "drawing"
   --trace "$out/trace.csv" --screenshot "$out/contact.png"
 "$root/scripts/plot_run.py" "$out/trace.csv" -o "$out/run.svg"
 
+say "pulling the pin of a gearbox out of its bore, and the cover against its bolts"
+gearbox=$data/gearbox.glb
+"$bin/voxelize" --list "$gearbox"
+for part in Pin Cover; do
+  "$bin/voxelize" "$gearbox" --without "$part" --voxel-size 1mm -o "$out/without_$part.vox" --cache "$out/cache"
+  "$bin/pointshell" "$gearbox#$part" --voxel-size 1mm -o "$out/$part.pshell"
+  "$bin/voxrun" "$out/without_$part.vox" "$out/$part.pshell" --pull 0,0,60mm --trace "$out/$part.csv" --json "$out/$part.json"
+done
+
 say "left in $out"
 ls -l "$out"

@@ -230,7 +230,8 @@ class Window {
                               1e3 * cut_ -> at_m,
                               cut_ -> keep_low ? "the side below" : "the side above"));
     }
-    if (!pointed_at_.empty()) lines.push_back("here: " + escaped(pointed_at_));
+    // With the tree below it the line stays, so that the tree does not jump.
+    if (!pointed_at_.empty() || tree_open_) lines.push_back("here: " + escaped(pointed_at_));
     if (help_) {
       lines.insert(lines.end(), kKeyLines.begin(), kKeyLines.end());
     } else {
@@ -374,6 +375,7 @@ class Window {
   }
 
   void hover(int x, int y) {
+    pointer_ = {x, y};
     const std::string name = object_at(x, y);
     if (name == pointed_at_) return;
     pointed_at_ = name;
@@ -392,7 +394,6 @@ class Window {
 
   void show_objects() {
     stage_->hide(objects_.hidden());
-    pointed_at_.clear();
     changed_ = true;
   }
 
@@ -439,6 +440,7 @@ class Window {
     } else if (!press_camera(key) && !press_cut(key) && !press_objects(key)) {
       press_playback(key);
     }
+    if (pointer_) hover((*pointer_)[0], (*pointer_)[1]);
     changed_ = true;
   }
 
@@ -567,7 +569,8 @@ class Window {
   std::vector<StripPoint> strip_points_;
   ObjectTree objects_;
   bool tree_open_ = false;
-  std::string pointed_at_;  // the name of the object under the pointer
+  std::optional<std::array<int, 2>> pointer_;  // where it was last seen, pixels
+  std::string pointed_at_;                     // the name of the object under it
   bool help_ = false;
   bool changed_ = false;        // the picture is out of date
   bool quick_ = false;          // the last frame was drawn in coarser voxels

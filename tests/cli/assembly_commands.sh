@@ -1,0 +1,47 @@
+#!/usr/bin/env bash
+# The five commands of the README for a part of an assembly, as they stand there; then three parts of the sample
+# assembly: one comes out, one is held by others, one comes out with what is fixed to it.
+set -u
+source "$FORCELAYER_SOURCE_DIR/tests/support/command_test.sh"
+ln -s "$data" sample_data
+PATH=$bin:$PATH
+
+sed -n '/^Does the pin come out/,/^The cover does not/p' "$FORCELAYER_SOURCE_DIR/README.md" | grep '^    ' >commands
+[ "$(wc -l <commands)" = 5 ] || fail "not five commands: $(cat commands)"
+grep '^    vox\(elize\|run\)\|^    pointshell' commands | sed 's/ *#[^"'"'"']*$//; s/voxrun .*/& --as-fast-as-possible/' >offline.sh
+[ "$(wc -l <offline.sh)" = 4 ] || fail "not four commands but voxview: $(cat offline.sh)"
+bash -e offline.sh >out 2>err || fail "the commands of the README: $(cat err)"
+grep -q " Gearbox/Pin$" out || fail "the list has no pin: $(cat out)"
+grep -qE "^seated on .*Gearbox/Housing.* until [0-9.]+ s; then clear: least proven clearance [0-9.]+ mm to Gearbox/" out ||
+  fail "no answer for the pin: $(tail -3 out)"
+if [ -x "$bin/voxview" ] && command -v xvfb-run >/dev/null; then
+  view=$(grep '^    voxview' commands | sed 's/ *#.*$//')
+  $view --screenshot view.png --size 320x240 2>err || fail "voxview: $(cat err)"
+fi
+
+answer() {  # answer PART: the end of its run, straight up
+  voxelize sample_data/gearbox.glb --without "$1" --voxel-size 1mm -o rest.vox --quiet &&
+    pointshell "sample_data/gearbox.glb#$1" --voxel-size 1mm -o part.pshell --quiet --effort fast &&
+    voxrun rest.vox part.pshell --pull 0,0,60mm --as-fast-as-possible --json run.json >out 2>err || fail "$1: $(cat err)"
+  tail -2 out
+}
+answer Pin >pin
+grep -q "^touched nothing$" pin || grep -q "^touched Gearbox/" pin || fail "what the pin touched: $(cat pin)"
+answer Cover >cover
+grep -q "^touched Gearbox/.*Gearbox/Lid/Bolt" cover || fail "the bolts do not hold the cover: $(cat cover)"
+grep -q "to the end: it has not left its seat" cover || fail "the cover came out through its bolts: $(cat cover)"
+python3 -c '
+import json
+names = {t["name"] for t in json.load(open("run.json"))["touched_objects"]}
+assert {"Gearbox/Lid/Bolt", "Gearbox/Lid/Bolt[2]", "Gearbox/Lid/Bolt[4]"} <= names, names' || fail "not by name: $(cat cover)"
+answer Lid >lid
+grep -qE "^seated on Gearbox/Housing until [0-9.]+ s; then clear: least proven clearance [0-9.]+ mm to Gearbox/Housing" lid ||
+  fail "the lid, with its bolts: $(cat lid)"
+
+refuses() {  # refuses TEXT ARGUMENTS...
+  voxrun rest.vox part.pshell "${@:2}" >out 2>err
+  [ $? = 2 ] && [ "$(wc -l <err)" = 1 ] && grep -qF -- "$1" err || fail "no '$1': ${*:2}: $(cat err)"
+}
+refuses "--pull: length '5' has no unit" --pull 0,0,5
+refuses "--pull: is a motion of the sim device" --pull 0,0,5mm --motion sample_data/lift.csv
+finish
