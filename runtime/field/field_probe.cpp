@@ -17,8 +17,8 @@ constexpr float kLeastWeight = 0.25f, kMostWeight = 4.0f;
 
 }  // namespace
 
-FieldProbe::FieldProbe(query::ContactQuery& query, const ForceField& field,
-                       query::CollectedPoints& points, FieldSamples& samples)
+[[gnu::cold]] FieldProbe::FieldProbe(query::ContactQuery& query, const ForceField& field,
+                                     query::CollectedPoints& points, FieldSamples& samples)
     : query_(query),
       field_(field),
       points_(points),

@@ -36,12 +36,13 @@ rooms='
 formats:
 formats/lattice:
 formats/audit:          formats
+formats/digest:         formats
 formats/command:        formats
 runtime/forcelayer:     formats
 runtime/machine:        formats
 voxelize/masks:         formats/lattice
 formats/mesh:           formats formats/command
-formats/voxinfo:        formats formats/audit formats/command
+formats/voxinfo:        formats formats/audit formats/command formats/digest
 runtime/coupling:       runtime/forcelayer
 runtime/examples:       runtime/forcelayer
 runtime/query:          formats runtime/forcelayer runtime/machine
@@ -62,15 +63,15 @@ runtime/devices:        formats runtime/coupling runtime/forcelayer runtime/mode
 voxelize/cache:         formats formats/lattice formats/mesh formats/mesh/sandbox voxelize/distance voxelize/fill voxelize/masks
 pointshell/normals:     formats pointshell/part pointshell/sample
 runtime/devices/hid:    formats runtime/coupling runtime/devices runtime/forcelayer runtime/machine
-runtime/devices/plugin: runtime/devices runtime/forcelayer runtime/machine
+runtime/devices/plugin: formats runtime/devices runtime/forcelayer runtime/machine
 runtime/loop:           runtime/coupling runtime/devices runtime/forcelayer runtime/machine runtime/model
 voxelize/tree:          formats formats/lattice voxelize/cache voxelize/distance voxelize/masks
 pointshell:             formats formats/command formats/mesh formats/mesh/sandbox pointshell/certificate pointshell/normals pointshell/part pointshell/sample
-runtime/run:            formats runtime/field runtime/forcelayer runtime/loop runtime/machine runtime/model
+runtime/run:            formats formats/audit formats/digest runtime/field runtime/forcelayer runtime/loop runtime/machine runtime/model
 runtime/stream:         formats runtime/forcelayer runtime/loop runtime/machine runtime/model
 voxelize:               formats formats/command formats/mesh formats/mesh/sandbox voxelize/cache voxelize/distance voxelize/fill voxelize/limits voxelize/masks voxelize/scan voxelize/tree
 runtime/viewer/run:     formats runtime/coupling runtime/field runtime/forcelayer runtime/model runtime/stream
-runtime/voxrun:         formats formats/command runtime/devices runtime/devices/hid runtime/devices/plugin runtime/forcelayer runtime/loop runtime/machine runtime/model runtime/query runtime/run runtime/stream
+runtime/voxrun:         formats formats/command formats/digest runtime/devices runtime/devices/hid runtime/devices/plugin runtime/forcelayer runtime/loop runtime/machine runtime/model runtime/query runtime/run runtime/stream
 runtime/viewer/plan:    formats formats/command formats/mesh runtime/forcelayer runtime/viewer/run runtime/viewer/surface
 runtime/viewer/vtk:     formats formats/command runtime/forcelayer runtime/viewer/plan runtime/viewer/run runtime/viewer/surface
 runtime/viewer:         formats formats/command runtime/viewer/plan runtime/viewer/run runtime/viewer/vtk
