@@ -3,7 +3,9 @@
 
     scripts/fuzz.py                       every target for a minute
     scripts/fuzz.py --seconds 600 stl om  these for ten minutes each
-    scripts/fuzz.py --table               writes the table of tests/fuzz/README.md again
+    scripts/fuzz.py --differential 20000  two readers of baked files over so many mutated ones
+    scripts/fuzz.py --frames 100000000    random faults in a device's readings, for so many frames
+    scripts/fuzz.py --table               writes the tables of tests/fuzz/README.md again
 
 A target's seconds are of processor time, so that a busy machine's ten minutes are ten minutes.
 New inputs that reach new code stay in build/fuzz/corpus, so that campaigns add up; figures go to
@@ -11,21 +13,27 @@ tests/fuzz/campaigns.json. A crash, a hang (10 s for one input) or more than 2 G
 in build/fuzz/found, named on stderr, and makes the status 1.
 """
 import argparse
+import concurrent.futures
 import datetime
 import json
+import os
 import math
 import pathlib
 import re
 import resource
 import subprocess
 import sys
+import time
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 FUZZ = ROOT / "tests" / "fuzz"
 BUILD = ROOT / "build" / "fuzz"
 CAMPAIGNS = FUZZ / "campaigns.json"
+FRAMES = FUZZ / "fault_frames.json"
 README = FUZZ / "README.md"
+RELEASE = ROOT / "build" / "release"
 BEGIN, END = "<!-- table by scripts/fuzz.py -->", "<!-- end of table -->"
+BEGIN_FRAMES = "<!-- table by scripts/fuzz.py --frames -->"
 
 
 def targets():
@@ -91,14 +99,71 @@ def table(campaigns):
     return "\n".join(lines)
 
 
-def committed_campaigns():
-    return json.loads(CAMPAIGNS.read_text()) if CAMPAIGNS.exists() else []
+def committed(log):
+    return json.loads(log.read_text()) if log.exists() else []
 
 
-def write_table(campaigns):
+def write_table(begin, lines):
     text = README.read_text()
-    head, rest = text.split(BEGIN)
-    README.write_text(head + BEGIN + "\n" + table(campaigns) + "\n" + END + rest.split(END)[1])
+    head, rest = text.split(begin)
+    README.write_text(head + begin + "\n" + lines + "\n" + END + rest.split(END, 1)[1])
+
+
+def build_release(names):
+    subprocess.run(["cmake", "--preset", "release"], cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
+    subprocess.run(["cmake", "--build", RELEASE, "--target", *names], cwd=ROOT, check=True)
+
+
+def add_campaign(campaign):
+    CAMPAIGNS.write_text(json.dumps(committed(CAMPAIGNS) + [campaign], indent=1) + "\n")
+
+
+def differential(files):
+    """A campaign of the two readers, from a seed that no other had: whether they differed."""
+    build_release(["baked_verdicts"])
+    begin_s = children_cpu_s()
+    run = subprocess.run([sys.executable, FUZZ / "differential.py", RELEASE / "bin" / "baked_verdicts", "--files",
+                          str(files), "--seed", str(int(time.time()))], stdout=subprocess.PIPE, text=True, check=False)
+    print(run.stdout, end="", flush=True)
+    figures = re.search(r"(\d+) files, (\d+) accepted by both, (\d+) reasons to refuse, (\d+) differ", run.stdout)
+    if not figures:
+        return 1
+    used_s = round(children_cpu_s() - begin_s, 1)
+    add_campaign({"date": datetime.date.today().isoformat(), "target": "differential", "seconds": used_s,
+                  "cpu_seconds": used_s, "executions": int(figures[1]), "edges": 0, "inputs": int(figures[2]),
+                  "found": int(figures[4])})
+    return run.returncode
+
+
+def fault_frames(frames):
+    """Frames with faults, in pieces that add up; whether a promise was broken."""
+    build_release(["fault_frames"])
+    program = RELEASE / "bin" / "fault_frames"
+    piece = 5_000_000
+    first, pieces = int(time.time()), math.ceil(frames / piece)
+
+    def run(n):
+        model = "paper" if n % 10 == 9 else "default"
+        return subprocess.run([program, "--frames", str(min(piece, frames - n * piece)), "--seed", str(first + n),
+                               "--model", model], stdout=subprocess.PIPE, text=True, check=False).stdout
+
+    broken = 0
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        for said in pool.map(run, range(pieces)):
+            campaign = {"date": datetime.date.today().isoformat(), **json.loads(said)}
+            broken += campaign["broken"]
+            FRAMES.write_text(json.dumps(committed(FRAMES) + [campaign], indent=1) + "\n")
+            print(said, end="", flush=True)
+    return 1 if broken else 0
+
+
+def table_of_frames(campaigns):
+    lines = ["| faults in | frames | of them faulty | with a force | trips | promises broken |", "|---|---|---|---|---|---|"]
+    for model in sorted({campaign["model"] for campaign in campaigns}):
+        own = [campaign for campaign in campaigns if campaign["model"] == model]
+        sums = [sum(c[key] for c in own) for key in ("frames", "faulty", "with_force", "trips", "broken")]
+        lines.append(f"| readings, `--model {model}` | " + " | ".join(f"{n:,}" for n in sums) + " |")
+    return "\n".join(lines)
 
 
 def main():
@@ -106,7 +171,9 @@ def main():
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("targets", nargs="*", help="of tests/fuzz/corpus; all if none is named")
     parser.add_argument("--seconds", type=int, default=60, help="of processor time, for each target")
-    parser.add_argument("--table", action="store_true", help="only write the table again")
+    parser.add_argument("--differential", type=int, default=0, metavar="FILES", help="this alone")
+    parser.add_argument("--frames", type=int, default=0, help="this alone")
+    parser.add_argument("--table", action="store_true", help="only write the tables again")
     arguments = parser.parse_args()
     names = arguments.targets or targets()
     unknown = sorted(set(names) - set(targets()))
@@ -114,15 +181,20 @@ def main():
         parser.error(f"no such target: {', '.join(unknown)}; there are {', '.join(targets())}")
 
     found = 0
-    if not arguments.table:
+    if arguments.differential:
+        found = differential(arguments.differential)
+    elif arguments.frames:
+        found = fault_frames(arguments.frames)
+    elif not arguments.table:
         build(names)
         for name in names:
             campaign = fuzz(name, arguments.seconds)
             found += campaign["found"]
-            CAMPAIGNS.write_text(json.dumps(committed_campaigns() + [campaign], indent=1) + "\n")
+            add_campaign(campaign)
             print(f"{name}: {campaign['executions']:,} executions, {campaign['edges']:,} edges, "
                   f"{campaign['found']} found", flush=True)
-    write_table(committed_campaigns())
+    write_table(BEGIN, table(committed(CAMPAIGNS)))
+    write_table(BEGIN_FRAMES, table_of_frames(committed(FRAMES)))
     return 1 if found else 0
 
 

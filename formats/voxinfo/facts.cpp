@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "formats/command/provenance.h"
+#include "formats/digest/file_digest.h"
 #include "formats/guard.h"
 #include "formats/voxmap_walk.h"
 
@@ -112,6 +113,7 @@ ordered_json report_of_voxmap(const Voxmap& map) {
                             {"steepest_n_per_m", steepest_n_per_m(map)}};
   }
   report["file_bytes"] = h.file.file_bytes;
+  report["sha256"] = digest::sha256_of(map.bytes());
   report["provenance"] = parsed_provenance(map.provenance());
   return report;
 }
@@ -154,6 +156,7 @@ ordered_json report_of_pshell(const Pshell& shell) {
   report["normal_cones"] = shell.view().cone_cos != nullptr;
   report["two_sided_points"] = two_sided_points(shell);
   report["file_bytes"] = h.file.file_bytes;
+  report["sha256"] = digest::sha256_of(shell.bytes());
   report["provenance"] = parsed_provenance(shell.provenance());
   return report;
 }
@@ -251,6 +254,7 @@ std::string summary_of_voxmap(const Voxmap& map, const std::string& path) {
            h.directory_dims[0], h.directory_dims[1], h.directory_dims[2], map.upper_node_count(),
            map.lower_node_count(), map.brick_count());
   add_line(text, "  file              %" PRIu64 " bytes", h.file.file_bytes);
+  add_line(text, "  SHA-256           %s", digest::sha256_of(map.bytes()).c_str());
   return text;
 }
 
@@ -278,6 +282,7 @@ std::string summary_of_pshell(const Pshell& shell, const std::string& path) {
   add_line(text, "  bounding radius   %.9g m", h.bounding_radius_m);
   add_line(text, "  triangles         %" PRIu64, h.triangles);
   add_line(text, "  file              %" PRIu64 " bytes", h.file.file_bytes);
+  add_line(text, "  SHA-256           %s", digest::sha256_of(shell.bytes()).c_str());
   return text;
 }
 

@@ -22,8 +22,8 @@ constexpr float kEdgeVoxels = 0.5f;
 
 }  // namespace
 
-FieldProbe::FieldProbe(query::ContactQuery& query, const ForceField& field,
-                       query::CollectedPoints& points, FieldSamples& samples)
+[[gnu::cold]] FieldProbe::FieldProbe(query::ContactQuery& query, const ForceField& field,
+                                     query::CollectedPoints& points, FieldSamples& samples)
     : query_(query),
       field_(field),
       points_(points),

@@ -51,6 +51,9 @@ typedef struct forcelayer_options {
   double max_speed_mps;            /* of the handle at the device: faster trips the output; to 10 */
   double max_turn_radps;           /* the same for its rotation; to 100 */
   int without_guarantee;           /* 1: open also files that guarantee no separation */
+  const char* expected_sha256;     /* SHA-256 of the files that may be opened, 64 hexadecimal digits
+                                    * each, with commas between them: scene and part must both be
+                                    * among them. NULL: any file */
 } forcelayer_options;
 
 /* One reading of the device. */
@@ -94,9 +97,9 @@ typedef struct forcelayer_result {
 /* Fills all options. */
 void forcelayer_default_options(forcelayer_options* options);
 
-/* Maps both files, checks them, every checksum too, and derives the physical parameters. NULL on
- * failure: an unusable file, an option out of its range, or two files that guarantee no separation
- * (unless the options allow that). */
+/* Maps both files, checks them, every checksum and all that the step trusts too, and derives the
+ * physical parameters. NULL on failure: an unusable file, an option out of its range, or two files
+ * that guarantee no separation (unless the options allow that). */
 forcelayer_runtime* forcelayer_open(const char* scene, const char* part,
                                     const forcelayer_options* options, char* error,
                                     size_t error_bytes);

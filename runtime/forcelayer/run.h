@@ -79,6 +79,10 @@ struct RunRequest {
 
   // Open also files that guarantee no separation.
   bool without_guarantee = false;
+
+  // SHA-256 of the files that may be opened, 64 lower-case hexadecimal digits each, as `sha256sum`
+  // and `voxinfo` print them. With any, scene and part must both be among them. Empty: any file.
+  std::vector<std::string> expected_sha256;
 };
 
 // A request for these two files with every default.
@@ -197,10 +201,10 @@ class Run {
   std::unique_ptr<Parts> parts_;
 };
 
-// Maps both files, checks them, every checksum too, chooses force field and parameters, and refuses
-// what could not be trusted. Errors: those of files (1xx, 4xx); kFilesDoNotMatch for a part too
-// large for the voxels, or where no separation is guaranteed; kUsage for a number out of its range
-// and for a force that model or map do not have.
+// Maps both files, checks them, every checksum and all that the step trusts too, chooses force
+// field and parameters, and refuses what could not be trusted. Errors: those of files (1xx, 4xx);
+// kFilesDoNotMatch for a part too large for the voxels, or where no separation is guaranteed;
+// kUsage for a number out of its range and for a force that model or map do not have.
 Result<Run> open_run(const RunRequest& request);
 
 // The same for a scene and a part that are open already; the paths of the request are for errors.

@@ -50,7 +50,8 @@ void append_disc(const PshellView& shell, std::uint64_t begin, std::uint64_t end
 
 }  // namespace
 
-BlockSkipper::BlockSkipper(const Pshell& shell, double voxel_size_m, const SkipOptions& options)
+[[gnu::cold]] BlockSkipper::BlockSkipper(const Pshell& shell, double voxel_size_m,
+                                         const SkipOptions& options)
     : voxel_size_m_(voxel_size_m),
       options_(options),
       super_block_blocks_(shell.view().super_block_blocks),
@@ -62,8 +63,10 @@ BlockSkipper::BlockSkipper(const Pshell& shell, double voxel_size_m, const SkipO
       radius_voxels_(shell.header().bounding_radius_m / voxel_size_m),
       candidates_(shell.view().block_count) {}
 
-BlockSkipper::Level BlockSkipper::make_level(const PshellView& shell, const BoundingSphere* spheres,
-                                             std::uint64_t count, std::uint64_t run_points) const {
+[[gnu::cold]] BlockSkipper::Level BlockSkipper::make_level(const PshellView& shell,
+                                                           const BoundingSphere* spheres,
+                                                           std::uint64_t count,
+                                                           std::uint64_t run_points) const {
   Level level;
   if (!options_.clearance) return level;
   level.count = static_cast<std::uint32_t>(count);

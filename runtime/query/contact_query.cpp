@@ -99,7 +99,7 @@ float dot(const std::array<float, 3>& row, float x, float y, float z) {
 
 }  // namespace
 
-void CollectedPoints::reserve(std::uint64_t points) {
+[[gnu::cold]] void CollectedPoints::reserve(std::uint64_t points) {
   const std::size_t room = points + kLanePadding;
   index.resize(room);
   value.resize(room);
@@ -119,7 +119,8 @@ Status ContactQuery::check_size(const Voxmap& voxmap, const Pshell& shell) {
                "check the units that scene and part were baked with"};
 }
 
-ContactQuery::ContactQuery(const Voxmap& voxmap, const Pshell& shell, const QueryOptions& options)
+[[gnu::cold]] ContactQuery::ContactQuery(const Voxmap& voxmap, const Pshell& shell,
+                                         const QueryOptions& options)
     : voxmap_(voxmap),
       shell_(shell),
       radius_voxels_(shell.header().bounding_radius_m / voxmap.voxel_size_m()),

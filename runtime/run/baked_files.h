@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
+#include <string>
 
 #include "formats/pshell.h"
 #include "formats/result.h"
@@ -14,7 +16,13 @@ namespace forcelayer {
 // a run needs are mapped; an unreadable file is an error here, before a motor has a force. A file
 // that is cut short or written to meanwhile is an error as well, where contain_map_loss() is in
 // force.
-Result<Voxmap> open_scene(const std::filesystem::path& path);
-Result<Pshell> open_part(const std::filesystem::path& path);
+//
+// The facts that the step trusts are proven too (formats/audit/voxmap_audit.h): a false clearance
+// under right checksums would let the part through a wall. Where `expected` has digests
+// (formats/digest/file_digest.h), a file with another is not looked into.
+Result<Voxmap> open_scene(const std::filesystem::path& path,
+                          std::span<const std::string> expected = {});
+Result<Pshell> open_part(const std::filesystem::path& path,
+                         std::span<const std::string> expected = {});
 
 }  // namespace forcelayer

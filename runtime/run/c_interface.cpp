@@ -8,6 +8,7 @@
 
 #include "forcelayer/pose_datagram.h"
 #include "forcelayer/run.h"
+#include "formats/digest/file_digest.h"
 #include "runtime/machine/map_loss.h"
 #include "runtime/run/limits.h"
 
@@ -81,6 +82,11 @@ Result<RunRequest> request_from(const char* scene, const char* part, const force
   request.max_speed_mps = o.max_speed_mps;
   request.max_turn_radps = o.max_turn_radps;
   request.without_guarantee = o.without_guarantee != 0;
+  if (o.expected_sha256 != nullptr) {
+    auto digests = digest::parse_digests(o.expected_sha256);
+    if (!digests) return digests.error();
+    request.expected_sha256 = std::move(*digests);
+  }
   return request;
 }
 

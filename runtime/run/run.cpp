@@ -160,9 +160,9 @@ Result<OpenedFiles> prepare(Voxmap voxmap, Pshell shell, const RunRequest& reque
 }
 
 Result<OpenedFiles> open_files(const RunRequest& request) {
-  auto voxmap = open_scene(request.scene);
+  auto voxmap = open_scene(request.scene, request.expected_sha256);
   if (!voxmap) return voxmap.error();
-  auto shell = open_part(request.part);
+  auto shell = open_part(request.part, request.expected_sha256);
   if (!shell) return shell.error();
   return prepare(std::move(*voxmap), std::move(*shell), request);
 }
@@ -400,9 +400,9 @@ RunRequest default_run_request(std::filesystem::path scene, std::filesystem::pat
 }
 
 Result<Run> open_run(const RunRequest& request) {
-  auto voxmap = open_scene(request.scene);
+  auto voxmap = open_scene(request.scene, request.expected_sha256);
   if (!voxmap) return voxmap.error();
-  auto shell = open_part(request.part);
+  auto shell = open_part(request.part, request.expected_sha256);
   if (!shell) return shell.error();
   return open_run(std::move(*voxmap), std::move(*shell), request);
 }

@@ -84,6 +84,7 @@ Result<ChosenDevice> make_device(const Options& options) {
     devices::PluginOptions plugin;
     plugin.library = options.plugin;
     plugin.arguments = options.plugin_args;
+    plugin.trusted = options.trust_plugin;
     plugin.stale_s = watch_s(options);
     chosen.device = std::make_unique<devices::PluginDevice>(plugin);
     return chosen;

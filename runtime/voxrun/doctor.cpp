@@ -18,6 +18,7 @@
 #include <thread>
 
 #include "formats/command/command.h"
+#include "formats/file/confinement.h"
 #include "runtime/loop/histogram.h"
 #include "runtime/machine/real_time.h"
 #include "runtime/query/query_kernel.h"
@@ -199,6 +200,18 @@ Finding swap(const fs::path& root) {
   return note("swap", "there is some: harmless where memory locking is granted");
 }
 
+// What keeps a device plugin and the readers of --sandbox from what is not theirs.
+Finding confinement() {
+  const int version = landlock_version();
+  const std::string files = version > 0 ? "Landlock " + std::to_string(version) : "";
+  const std::string calls = filters_system_calls() ? "seccomp" : "";
+  if (version > 0 && !calls.empty()) return good("confinement of plugins", files + ", " + calls);
+  return change("confinement of plugins",
+                files + calls + (files.empty() && calls.empty() ? "none" : " alone") +
+                    ": a device plugin can do more than it needs",
+                "boot a kernel with Landlock and seccomp (lsm=landlock,...)");
+}
+
 // ---- devices
 
 // "HID_ID=0003:0000256F:0000C635" gives "256f:c635".
@@ -325,7 +338,8 @@ std::vector<Finding> examine_machine(const fs::path& root, double clock_s) {
                                    cores(),
                                    virtual_machine(root),
                                    clock_source(root),
-                                   swap(root)};
+                                   swap(root),
+                                   confinement()};
   for (Finding& device : hid_devices(root)) findings.push_back(std::move(device));
   findings.push_back(udev_rules(root));
   if (clock_s > 0) findings.push_back(clock_quality(clock_s));

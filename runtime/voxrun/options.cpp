@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "formats/command/arguments.h"
+#include "formats/digest/file_digest.h"
 
 namespace forcelayer::voxrun {
 namespace {
@@ -78,6 +79,8 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
   add_hid_options(app, options_.hid);
   app.add_option("--plugin", options_.plugin, "library of the device plugin");
   app.add_option("--plugin-args", options_.plugin_args, "text for the plugin");
+  app.add_flag("--trust-plugin", options_.trust_plugin,
+               "let the plugin write files and start programs");
   app.add_option("--duration", texts_.duration,
                  "how long to run, like 10s or 2min, to 10000h; default: as long as --motion");
   command::add_number(app, "--rate", options_.run.rate_hz, "frames a second", kRates);
@@ -130,6 +133,10 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
                  "device button for the next scene: that of --scene-next, else the last one's file "
                  "anew")
       ->check(CLI::Range(0, 31));
+  app.add_option("--expect", texts_.expect,
+                 "SHA-256 that a baked file may have, as sha256sum and voxinfo print it; scene and "
+                 "part must both be among those given; repeatable")
+      ->join(',');
   app.add_option("--json", options_.json, "write a report");
   app.add_option("--trace", options_.trace, "write a CSV line a frame");
   app.add_option("--save-path", options_.save_path, "write the part's path, a CSV for voxcheck");
@@ -195,6 +202,11 @@ Status OptionParser::read_texts(Options& options) const {
     if (Status s = read_pose("--grip", texts_.grip, *options.start.handle_from_part); !s) return s;
   }
   if (Status s = read_reach(options); !s) return s;
+  if (app_.count("--expect") > 0) {
+    auto digests = digest::parse_digests(texts_.expect);
+    if (!digests) return about("--expect", digests.error());
+    options.run.expected_sha256 = std::move(*digests);
+  }
   if (texts_.world_from_device.empty()) return {};
   return read_pose("--world-from-device", texts_.world_from_device,
                    options.run.placement.world_from_device);

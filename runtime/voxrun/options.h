@@ -44,6 +44,7 @@ struct Options {
   bool as_fast_as_possible = false;
   bool without_watchdog = false;
   bool quiet = false;
+  bool trust_plugin = false;  // its process keeps the user's rights
   std::string plugin, plugin_args;  // of the device "plugin"
   HidOptions hid;                   // of the devices "hid" and "spacemouse"
   std::string hand;  // that holds the sim device; empty: the script moves it, whatever it feels
@@ -75,7 +76,7 @@ class OptionParser {
  private:
   struct Texts {
     std::string scene, part, duration, model, force, start, seat, grip, world_from_device, reach,
-        fail_on, after_trip, stale, scene_next, pull;
+        fail_on, after_trip, stale, scene_next, pull, expect;
     unsigned clutch_button = 0, scene_button = 0;
     bool no_braking = false;
   };

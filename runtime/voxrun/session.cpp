@@ -122,9 +122,9 @@ Status take_hold(const Options& options, Session& session) {
 Status prepare_run(const Options& options, Session& session) {
   session.request = options.run;
   session.facts.device = options.device;
-  auto voxmap = open_scene(options.run.scene);
+  auto voxmap = open_scene(options.run.scene, options.run.expected_sha256);
   if (!voxmap) return voxmap.error();
-  auto shell = open_part(options.run.part);
+  auto shell = open_part(options.run.part, options.run.expected_sha256);
   if (!shell) return shell.error();
   const Status input = options.replay.empty() ? make_input(options, session)
                                               : open_recording(options, *voxmap, *shell, session);

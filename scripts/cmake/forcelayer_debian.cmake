@@ -51,6 +51,6 @@ if(TARGET forcelayer_python)
 endif()
 debian_package(development libforcelayer-dev libdevel "library for haptic rendering by voxel sampling"
   "Headers, static libraries and CMake files to embed the runtime in a servo\nloop of your own, and to read and write its files.")
-set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "libglm-dev, libhwy-dev, libhidapi-dev")
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "libglm-dev, libhwy-dev, libhidapi-dev, nettle-dev")
 
 include(CPack)

@@ -37,12 +37,13 @@ formats:
 formats/lattice:
 formats/audit:          formats
 formats/path:           formats
+formats/digest:         formats
 formats/command:        formats
 runtime/forcelayer:     formats
 runtime/machine:        formats
 voxelize/masks:         formats/lattice
 formats/mesh:           formats formats/command
-formats/voxinfo:        formats formats/audit formats/command formats/path
+formats/voxinfo:        formats formats/audit formats/command formats/digest formats/path
 runtime/coupling:       runtime/forcelayer
 runtime/examples:       runtime/forcelayer
 runtime/query:          formats runtime/forcelayer runtime/machine
@@ -64,16 +65,16 @@ runtime/devices:        formats formats/path runtime/coupling runtime/forcelayer
 voxelize/cache:         formats formats/lattice formats/mesh formats/mesh/sandbox voxelize/distance voxelize/fill voxelize/masks
 pointshell/normals:     formats pointshell/part pointshell/sample
 runtime/devices/hid:    formats runtime/coupling runtime/devices runtime/forcelayer runtime/machine
-runtime/devices/plugin: runtime/devices runtime/forcelayer runtime/machine
+runtime/devices/plugin: formats runtime/devices runtime/forcelayer runtime/machine
 runtime/loop:           runtime/coupling runtime/devices runtime/forcelayer runtime/machine runtime/model
 voxelize/tree:          formats formats/lattice voxelize/cache voxelize/distance voxelize/masks
 pointshell:             formats formats/command formats/mesh formats/mesh/sandbox pointshell/certificate pointshell/normals pointshell/part pointshell/sample
-runtime/run:            formats runtime/field runtime/forcelayer runtime/loop runtime/machine runtime/model
+runtime/run:            formats formats/audit formats/digest runtime/field runtime/forcelayer runtime/loop runtime/machine runtime/model runtime/query
 runtime/stream:         formats runtime/forcelayer runtime/loop runtime/machine runtime/model
 voxelize:               formats formats/command formats/mesh formats/mesh/sandbox voxelize/cache voxelize/distance voxelize/fill voxelize/limits voxelize/masks voxelize/scan voxelize/tree
 runtime/python:         formats formats/path runtime/clearance runtime/field runtime/forcelayer runtime/loop runtime/machine runtime/model runtime/query runtime/run runtime/stream
 runtime/viewer/run:     formats runtime/coupling runtime/field runtime/forcelayer runtime/model runtime/stream
-runtime/voxrun:         formats formats/command formats/path runtime/devices runtime/devices/hid runtime/devices/plugin runtime/forcelayer runtime/loop runtime/machine runtime/model runtime/query runtime/run runtime/stream
+runtime/voxrun:         formats formats/command formats/digest formats/path runtime/devices runtime/devices/hid runtime/devices/plugin runtime/field runtime/forcelayer runtime/loop runtime/machine runtime/model runtime/query runtime/run runtime/stream
 runtime/voxcheck:       formats formats/command formats/path runtime/clearance runtime/forcelayer runtime/model runtime/run runtime/stream
 runtime/viewer/plan:    formats formats/command formats/mesh runtime/forcelayer runtime/viewer/run runtime/viewer/surface
 runtime/viewer/vtk:     formats formats/command runtime/forcelayer runtime/viewer/plan runtime/viewer/run runtime/viewer/surface

@@ -7,6 +7,7 @@ import csv
 import functools
 import json
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -209,7 +210,8 @@ def a_library_without_a_slash():
 
 def what_its_process_gets():
     read_end, write_end = os.pipe()
-    finish(run(command("facts", "facts=facts.txt", ["--duration", "100ms"]), pass_fds=(write_end,),
+    home = os.path.expanduser(f"~/.forcelayer-plugin-{os.getpid()}")  # where it has no business
+    finish(run(command("facts", "facts=facts.txt home=" + home, ["--duration", "100ms"]), pass_fds=(write_end,),
                env=dict(os.environ, SECRET="x", LC_TIME="C", FORCELAYER_PLUGIN_LICENSE="y")), 0)
     os.close(read_end)
     os.close(write_end)
@@ -219,6 +221,18 @@ def what_its_process_gets():
     got = {fact[4:] for fact in facts if fact.startswith("env")}
     assert {"PATH", "LC_TIME", "FORCELAYER_PLUGIN_LICENSE"} <= got, got
     assert not {"SECRET", "FORCELAYER_BIN_DIR", "LD_PRELOAD"} & got, got
+    may = [fact for fact in facts if fact.startswith("may")]
+    seen = subprocess.run([f"{BIN}/voxrun", "doctor", "--clock", "0"], stdout=subprocess.PIPE, text=True).stdout
+    has = re.search(r"confinement of plugins: (.*)", seen)[1]
+    if "Landlock" in has:
+        assert "may write" not in may and not os.path.exists(home), may
+    if "seccomp" in has:
+        assert not [fact for fact in may if fact != "may write"], may
+    # One that is trusted keeps the user's rights.
+    finish(run(command("trusted", "facts=trusted.txt home=" + home, ["--duration", "100ms", "--trust-plugin"])), 0)
+    assert "may start programs" in open("trusted.txt").read()
+    if os.access(os.path.dirname(home), os.W_OK):
+        os.remove(home)
 
 
 def a_slow_start():

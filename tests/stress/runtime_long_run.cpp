@@ -171,7 +171,7 @@ TEST(LongRun, RandomContactOfThePaperIsSteady) { expect_steady(Model::kPaper); }
 
 TEST(LongRun, OpeningAndClosingLeaksNothing) {
   const ScratchFolder folder;
-  save_voxmap(folder / "floor.vox", floor_scene());
+  save_voxmap(folder / "floor.vox", closed(floor_scene()));
   save_pshell(folder / "ball.pshell", sphere_part(0.02, 100, kVoxelSizeM));
   const std::string scene = (folder / "floor.vox").string();
   const std::string part = (folder / "ball.pshell").string();

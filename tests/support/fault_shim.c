@@ -94,17 +94,51 @@ int open64(const char* path, int flags, ...) {
   return opened(path, flags, mode);
 }
 
+static void change(const char* path) {
+  if (named(path, "cut") && truncate(path, 0) != 0) abort();
+  if (named(path, "changed")) {
+    const int writing = (int)syscall(SYS_openat, AT_FDCWD, path, O_WRONLY);
+    if (pwrite(writing, "S", 1, 0) < 0) futimens(writing, NULL); /* a sandbox may write nothing */
+    close(writing);
+  }
+}
+
+/* A reader in a sandbox can change no file. A process that began before it gave up its rights can. */
+static int asked = -1, answered = -1;
+__attribute__((constructor)) static void begin_helper(void) {
+  int question[2], answer[2];
+  if (!in_sandbox() || pipe(question) != 0 || pipe(answer) != 0) return;
+  asked = question[1];
+  answered = answer[0];
+  if (fork() == 0) {
+    char path[4096];
+    ssize_t length;
+    close(3); /* the reader's result */
+    close(asked);
+    close(answered);
+    while ((length = read(question[0], path, sizeof path - 1)) > 0) {
+      path[length] = 0;
+      change(path);
+      if (syscall(SYS_write, answer[1], "", 1) != 1) break;
+    }
+    _exit(0);
+  }
+  close(question[0]);
+  close(answer[1]);
+}
+
 int fstat(int file, struct stat* status) {
   int (*const real)(int, struct stat*) = (int (*)(int, struct stat*))dlsym(RTLD_NEXT, "fstat");
   const int result = real(file, status);
   char link[64], path[4096] = "";
   snprintf(link, sizeof link, "/proc/self/fd/%d", file);
   if (result != 0 || readlink(link, path, sizeof path - 1) < 0) return result;
-  if (named(path, "cut") && truncate(path, 0) != 0) abort();
-  if (named(path, "changed")) {
-    const int writing = (int)syscall(SYS_openat, AT_FDCWD, path, O_WRONLY);
-    if (pwrite(writing, "S", 1, 0) < 0) futimens(writing, NULL); /* a sandbox may write nothing */
-    close(writing);
+  if (!named(path, "cut") && !named(path, "changed")) return result;
+  char done;
+  if (asked < 0) {
+    change(path);
+  } else if (syscall(SYS_write, asked, path, strlen(path)) < 0 || read(answered, &done, 1) != 1) {
+    abort();
   }
   return result;
 }

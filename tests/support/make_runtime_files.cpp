@@ -25,9 +25,9 @@ void write_motion(const std::filesystem::path& path) {
 int run(const std::filesystem::path& folder) {
   const auto slab = [](Voxel v) { return v[2] <= 0; };
   VoxelScene floor = offset_scene(kVoxelSizeM, {0, 0, -2}, {48, 40, 8}, 2, slab);
-  save_voxmap(folder / "floor.vox", floor);
+  save_voxmap(folder / "floor.vox", closed(floor));
   save_voxmap(folder / "unlayered.vox",
-              offset_scene(kVoxelSizeM, {0, 0, -2}, {48, 40, 8}, 0, slab));
+              closed(offset_scene(kVoxelSizeM, {0, 0, -2}, {48, 40, 8}, 0, slab)));
   PointPart ball = sphere_part(0.02, 400, kVoxelSizeM);
   save_pshell(folder / "ball.pshell", ball);
   ball.covering_radius_m = 2 * kVoxelSizeM;

@@ -125,6 +125,35 @@ inline VoxelScene offset_scene(double voxel_size_m, Voxel min, Voxel dims, std::
   return offset_scene(voxel_size_m, min, dims, k, 1, solid);
 }
 
+// The scene with its layers all around it, where its box cut them off: what a file must hold that
+// is opened for a run. For one layer of force, without distances.
+inline VoxelScene closed(const VoxelScene& scene) {
+  const auto near = [](const VoxelScene& of, const Voxel& v, VoxelValue value) {
+    for (std::int64_t n = 0; n < 27; ++n) {
+      if (of.at({v[0] + n / 9 - 1, v[1] + n / 3 % 3 - 1, v[2] + n % 3 - 1}) == value) return true;
+    }
+    return false;
+  };
+  VoxelScene wider = scene;
+  for (const auto& [value, inner] : {std::pair{VoxelValue::kSurface, VoxelValue::kInterior},
+                                     std::pair{VoxelValue::kProximity, VoxelValue::kSurface}}) {
+    const VoxelScene before = wider;
+    Voxel min = before.min, dims = before.dims;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      min[axis] -= 1;
+      dims[axis] += 2;
+    }
+    VoxelScene grown = VoxelScene::filled(scene.voxel_size_m, min, dims, [&](const Voxel& v) {
+      const bool joins = before.at(v) == VoxelValue::kFree && near(before, v, inner);
+      return joins ? value : before.at(v);
+    });
+    wider.min = grown.min;
+    wider.dims = grown.dims;
+    wider.values = std::move(grown.values);
+  }
+  return wider;
+}
+
 // A 512-tree of elements of `bits` bits, uniform boxes collapsed.
 class SceneTree {
  public:

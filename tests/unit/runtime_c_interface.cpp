@@ -12,10 +12,12 @@
 #include <utility>
 
 #include "forcelayer/forcelayer.h"
+#include "formats/digest/file_digest.h"
 #include "runtime/coupling/coupling.h"
 #include "runtime/machine/real_time.h"
 #include "tests/support/both_models.h"
 #include "tests/support/distance_scene.h"
+#include "tests/support/file_surgery.h"
 #include "tests/support/random_scenes.h"
 #include "tests/support/scratch_folder.h"
 
@@ -49,7 +51,8 @@ forcelayer_reading reading_at(const Pose& device_from_handle) {
 struct CInterface : BothModels {
   CInterface() {
     const auto slab = [](Voxel v) { return v[2] <= 0; };
-    save_voxmap(folder / "floor.vox", offset_scene(0.005, {0, 0, -2}, {48, 40, 8}, 2, slab));
+    save_voxmap(folder / "floor.vox",
+                closed(offset_scene(0.005, {0, 0, -2}, {48, 40, 8}, 2, slab)));
     save_pshell(folder / "ball.pshell", sphere_part(0.02, 400, 0.005));
     save_pshell(folder / "large.pshell", sphere_part(0.03, 900, 0.005));
     forcelayer_default_options(&options);
@@ -274,6 +277,50 @@ TEST_P(CInterface, RefusesDamagedFilesAndThoseWithoutAGuarantee) {
   EXPECT_NE(std::string(error).find("without_guarantee"), std::string::npos) << error;
   options.without_guarantee = 1;
   EXPECT_EQ(refusal("floor.vox", "coarse.pshell"), "");
+}
+
+// One false number under right checksums would let the part through the floor.
+TEST_P(CInterface, RefusesFilesWhoseFactsAreUntrue) {
+  const std::string whole = bytes_of(file("floor.vox"));
+  testing::AlignedBytes bytes(std::as_bytes(std::span(whole)));
+  const auto nodes = static_cast<std::uint32_t>(VoxmapSection::kLowerNodes);
+  std::size_t at = testing::section_offset(bytes.bytes(), nodes);
+  const auto entry = [&] { return testing::read_at<std::uint32_t>(bytes.bytes(), at); };
+  while (!is_uniform(entry()) || uniform_value(entry()) != 0) at += 4;
+  testing::write_at(bytes.bytes(), at, uniform_entry(0, 200));
+  testing::resign(bytes.bytes());
+  std::ofstream(file("floor.vox"), std::ios::binary)
+      .write(reinterpret_cast<const char*>(bytes.bytes().data()),
+             static_cast<std::streamsize>(bytes.bytes().size()));
+  EXPECT_TRUE(Voxmap::open(file("floor.vox"), Verify::kStructureAndChecksums));
+  runtime = forcelayer_open(file("floor.vox").c_str(), file("ball.pshell").c_str(), &options, error,
+                            sizeof error);
+  EXPECT_EQ(runtime, nullptr);
+  EXPECT_NE(std::string(error).find("is not true: a voxel within its reach is not free"),
+            std::string::npos)
+      << error;
+}
+
+// Scene and part must both be among the digests that are expected; a swap keeps to them.
+TEST_P(CInterface, OpensOnlyFilesThatAreExpected) {
+  const auto digest = [&](const char* name) {
+    const auto opened = MappedFile::open_for_long(file(name));
+    return *digest::sha256_of(*opened);
+  };
+  const std::string scene = digest("floor.vox"), part = digest("ball.pshell");
+  const std::string both = scene + "," + part, one = scene, none = "", nonsense = scene + ",12";
+  const auto open_expecting = [&](const std::string& expected) {
+    options.expected_sha256 = expected.c_str();
+    runtime = forcelayer_open(file("floor.vox").c_str(), file("ball.pshell").c_str(), &options,
+                              error, sizeof error);
+    return runtime != nullptr;
+  };
+  EXPECT_FALSE(open_expecting(one));
+  EXPECT_NE(std::string(error).find(part), std::string::npos) << error;
+  EXPECT_FALSE(open_expecting(none));
+  EXPECT_FALSE(open_expecting(nonsense));
+  EXPECT_NE(std::string(error).find("64 hexadecimal digits"), std::string::npos) << error;
+  ASSERT_TRUE(open_expecting(both)) << error;
 }
 
 // A file that is written to in place trips the output; opened anew, it is in order.

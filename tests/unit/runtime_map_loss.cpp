@@ -40,7 +40,7 @@ struct MappedRun {
 
   explicit MappedRun(Model model) {
     const auto slab = [](Voxel v) { return v[2] <= 0; };
-    save_voxmap(folder / "scene.vox", offset_scene(kS, {0, 0, -2}, {256, 256, 8}, 2, slab));
+    save_voxmap(folder / "scene.vox", closed(offset_scene(kS, {0, 0, -2}, {256, 256, 8}, 2, slab)));
     save_pshell(folder / "part.pshell", sphere_part(0.02, 2000, kS));
     RunRequest request = default_run_request(folder / "scene.vox", folder / "part.pshell");
     request.model = model;
@@ -100,7 +100,7 @@ TEST_P(MapLoss, FilesThatVanishOrAreReplacedDoNoHarm) {
       },
       [](const path& folder) {
         save_voxmap(folder / "new.vox",
-                    offset_scene(kS, {0, 0, -2}, {8, 8, 8}, 2, [](Voxel) { return true; }));
+                    closed(offset_scene(kS, {0, 0, -2}, {8, 8, 8}, 2, [](Voxel) { return true; })));
         std::filesystem::rename(folder / "new.vox", folder / "scene.vox");
         std::filesystem::rename(folder / "part.pshell", folder / "elsewhere.pshell");
       },

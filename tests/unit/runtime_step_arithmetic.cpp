@@ -149,8 +149,8 @@ std::uint64_t through_c(const HostState& state, const ScratchFolder& folder) {
 
 TEST(StepArithmetic, NoBitOfARunThroughTheCHeaderDoes) {
   const ScratchFolder folder;
-  save_voxmap(folder / "floor.vox",
-              offset_scene(kS, {0, 0, -2}, {48, 40, 8}, 2, [](Voxel v) { return v[2] <= 0; }));
+  save_voxmap(folder / "floor.vox", closed(offset_scene(kS, {0, 0, -2}, {48, 40, 8}, 2,
+                                                        [](Voxel v) { return v[2] <= 0; })));
   save_pshell(folder / "ball.pshell", sphere_part(0.02, 400, kS));
   const std::uint64_t usual = through_c({"usual", [] {}}, folder);
   for (const HostState& state : host_states()) {

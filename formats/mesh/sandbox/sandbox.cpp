@@ -12,8 +12,10 @@
 #include <chrono>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <system_error>
 
+#include "formats/file/confinement.h"
 #include "formats/mesh/sandbox/assembly_stream.h"
 
 namespace forcelayer::mesh {
@@ -113,6 +115,22 @@ Error no_mesh(const std::string& path, int status) {
           "export the mesh again, or in another format"};
 }
 
+// The reader's process reads below the folders of the file, as it is named and as it lies, and what
+// belongs to the system; it writes nothing. Where the kernel cannot see to that, what the reader
+// itself refuses remains (confined_path.h).
+void give_up_rights(const std::string& path, bool allow_outside) {
+  namespace fs = std::filesystem;
+  std::error_code failure;
+  std::vector<std::string> readable = {"/usr", "/lib",       "/lib64", "/etc",
+                                       "/sys", "/proc/self", "/dev"};
+  const fs::path named = fs::absolute(path, failure);
+  readable.push_back(named.parent_path().string());
+  readable.push_back(fs::weakly_canonical(named, failure).parent_path().string());
+  if (allow_outside) readable = {"/"};
+  confine_files({}, readable);
+  confine_system_calls(CallsOf::kReader);
+}
+
 }  // namespace
 
 std::optional<int> run_as_sandbox(int argc, char** argv) {
@@ -131,6 +149,7 @@ std::optional<int> run_as_sandbox(int argc, char** argv) {
   if (nodes < 0 || nodes > argc - 7) return 1;
   options.nodes.assign(first, first + nodes);
   options.without.assign(first + nodes, argv + argc);
+  give_up_rights(argv[2], options.allow_outside);
   return send_assembly(kResultDescriptor, read_assembly(argv[2], options)) ? 0 : 1;
 }
 

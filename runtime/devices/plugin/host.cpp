@@ -1,6 +1,6 @@
 // voxrun-plugin: the process in which a device plugin runs (runtime/devices/plugin/plugin_device.h
 // starts it). It drives the plugin, keeps watch over the loop, and dies alone.
-//   voxrun-plugin LIBRARY ARGUMENTS PARENT, with the shared memory at descriptor 3
+//   voxrun-plugin LIBRARY ARGUMENTS PARENT trusted|confined, with the shared memory at descriptor 3
 #include <dlfcn.h>
 #include <signal.h>
 #include <sys/mman.h>
@@ -18,6 +18,7 @@
 #include <string>
 #include <thread>
 
+#include "formats/file/confinement.h"
 #include "runtime/devices/output_watch.h"
 #include "runtime/devices/plugin/plugin_link.h"
 #include "runtime/machine/real_time.h"
@@ -192,10 +193,22 @@ void end_in_order_on_signals() {
 }
 
 // The plugin's code gets what it needs: no descriptor but the terminal's and the link, and no way
-// to rights that this process has not.
-void give_up_rights() {
+// to rights that this process has not. Unless it is trusted, it writes to devices and temporary
+// files alone, starts no other program, and reaches into no other process.
+void give_up_rights(bool trusted) {
   syscall(SYS_close_range, kLinkDescriptor + 1, ~0u, 0);
   prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0);
+  if (trusted) return;
+  const char* const temporary = std::getenv("TMPDIR");
+  const std::string writable[] = {"/dev",
+                                  "/proc/self",
+                                  "/run",
+                                  "/sys",
+                                  "/tmp",
+                                  "/var/tmp",
+                                  temporary == nullptr ? "/tmp" : temporary};
+  confine_files(writable);
+  confine_system_calls(CallsOf::kDriver);
 }
 
 }  // namespace
@@ -203,7 +216,7 @@ void give_up_rights() {
 
 int main(int argc, char** argv) {
   using forcelayer::devices::PluginLink;
-  void* const mapped = argc == 4 ? mmap(nullptr, sizeof(PluginLink), PROT_READ | PROT_WRITE,
+  void* const mapped = argc == 5 ? mmap(nullptr, sizeof(PluginLink), PROT_READ | PROT_WRITE,
                                         MAP_SHARED, forcelayer::devices::kLinkDescriptor, 0)
                                  : MAP_FAILED;
   if (mapped == MAP_FAILED) {
@@ -215,7 +228,7 @@ int main(int argc, char** argv) {
     forcelayer::devices::fail(link, "voxrun and voxrun-plugin are of different versions");
     return 1;
   }
-  forcelayer::devices::give_up_rights();
+  forcelayer::devices::give_up_rights(std::strcmp(argv[4], "trusted") == 0);
   forcelayer::devices::end_in_order_on_signals();
   return forcelayer::devices::serve(argv[1], argv[2], static_cast<pid_t>(std::atoi(argv[3])), link);
 }

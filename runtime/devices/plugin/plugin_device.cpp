@@ -166,9 +166,9 @@ Status PluginDevice::launch() {
   posix_spawnattr_init(&attributes);
   posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
   std::string host = options_.host.string(), library = options_.library.string(),
-              parent = std::to_string(getpid());
-  char* const arguments[] = {host.data(), library.data(), options_.arguments.data(), parent.data(),
-                             nullptr};
+              parent = std::to_string(getpid()), rights = options_.trusted ? "trusted" : "confined";
+  char* const arguments[] = {host.data(),   library.data(), options_.arguments.data(),
+                             parent.data(), rights.data(),  nullptr};
   std::vector<char*> environment = passed_environment();
   const int failure =
       posix_spawn(&process_, host.c_str(), &files, &attributes, arguments, environment.data());

@@ -19,6 +19,7 @@ struct PluginOptions {
   std::filesystem::path library;  // the plugin
   std::string arguments;          // for its open()
   std::filesystem::path host;     // the program voxrun-plugin; empty: beside the running program
+  bool trusted = false;  // may write files and start programs: its process keeps the user's rights
   double stale_s = kStaleLimitS;  // age at which the plugin's process drops a wrench
   double open_s = 20;             // longest open(): some devices calibrate first
 };

@@ -1,0 +1,198 @@
+#!/usr/bin/env python3
+"""Plants one fault after the other into gate, guard and validators, and looks which test notices.
+
+    tests/fuzz/plant_faults.py               all of them; writes tests/fuzz/planted_faults.md
+    tests/fuzz/plant_faults.py --only gate   those whose file or group has this in its name; writes nothing
+    tests/fuzz/plant_faults.py --list
+
+A fault is one text for another in one file of this working tree, which must have no changes there; the
+file is put back whatever happens. Only what it touches is compiled again, in build/release. Status 1
+where a fault that is planted goes unnoticed.
+"""
+import argparse
+import pathlib
+import signal
+import subprocess
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+BUILD = ROOT / "build" / "release"
+TABLE = ROOT / "tests" / "fuzz" / "planted_faults.md"
+
+FORMATS = ("formats_tests", "*")
+AUDIT = ("formats_tests", "VoxmapAudit*:BrickFacts*:NodeRows*:CodeRules*")
+DAMAGE = ("formats_tests", "-VoxmapAudit*:DistanceBounds*")
+GATE = ("runtime_tests", "OutputGate*:OutputStage*")
+SERVO = ("runtime_tests", "*ServoTest*:VelocityCheck*")
+GUARD = ("runtime_tests", "DefaultModel*")
+FILES = ("runtime_tests", "*CInterface*")
+FRAMES = ("fault_frames", None)
+
+GATE_FILE, STAGE, INPUT = ("runtime/loop/output_gate.cpp", "runtime/loop/output_stage.cpp",
+                           "runtime/loop/input_source.cpp")
+MODEL, TABLE_FILE, BULK = ("runtime/model/default_model.cpp", "formats/section_table.cpp",
+                           "formats/bulk_checks.cpp")
+A = "formats/audit/"
+
+# group, file, text, planted text, what that means, tests that may notice
+FAULTS = [
+    ("gate", GATE_FILE, "gain_ = bad ? 0 : input.late_gain;", "gain_ = bad ? 0.1 : input.late_gain;",
+     "a bad frame leaves a tenth of the force", [FRAMES, GATE]),
+    ("gate", GATE_FILE, "    held_s_ = 0;\n    return gain_;", "    return gain_;",
+     "no zero after a fault", [FRAMES, GATE]),
+    ("gate", GATE_FILE, "was_bad_ ? 0 : kFall", "0 * kFall", "single bad frames fill no bucket", [GATE]),
+    ("gate", GATE_FILE, "level_ - kFall * dt_s / kForgetS", "level_ - 5 * kFall * dt_s / kForgetS",
+     "the bucket drains five times as fast", [GATE]),
+    ("gate", GATE_FILE, "(state_ == GateState::kWaiting && input.lasting)", "false",
+     "a waiting output never trips", [GATE]),
+    ("gate", GATE_FILE, "if (state_ == GateState::kTripped && !limits_.rearm_alone) return false;", "",
+     "a trip ends by itself", [GATE]),
+    ("gate", GATE_FILE, "gain_ + dt_s / limits_.ramp_s", "gain_ + 2 * dt_s / limits_.ramp_s",
+     "a ramp twice as steep", [FRAMES, GATE]),
+    ("gate", GATE_FILE, "held_s_ + 0.5 * dt_s < limits_.zero_s", "held_s_ > 1e9", "no wait before a ramp",
+     [FRAMES, GATE]),
+    ("gate", GATE_FILE, "const bool over = level_ > 1 + kRounding;", "const bool over = level_ > 2;",
+     "a bucket without a bottom", [GATE]),
+    ("gate", STAGE, "model::clamped(wanted.force_n, limits_.max_force_n) * gain", "wanted.force_n * gain",
+     "no force limit before the last check", [FRAMES, GATE]),
+    ("gate", STAGE, "const double share = dt_s / limits_.slew_s;", "const double share = 3 * dt_s / limits_.slew_s;",
+     "a slew three times as fast", [FRAMES, GATE]),
+    ("gate", STAGE, "  if (allowed(last_)) return last_;\n", "  return last_;\n", "no last check", [GATE]),
+    ("gate", STAGE, "if (frame.health.loop_late) return TripCause::kLoopLate;", "", "a late loop is nothing",
+     [FRAMES, GATE]),
+    ("gate", STAGE, "if (frame.map_lost) return TripCause::kMapLost;", "", "a lost map is nothing", [GATE]),
+    ("gate", INPUT, "if (!sample.present) return InputTrouble::kDeviceLost;", "", "a lost device is nothing",
+     [FRAMES, SERVO]),
+    ("gate", INPUT, "if (age_s_ > limits_.stale_s) return", "if (age_s_ > 10 * limits_.stale_s) return",
+     "readings may be ten times as old", [FRAMES, SERVO]),
+    ("gate", INPUT, "if (!is_pose(pose) ||", "if (", "any numbers are a pose", [FRAMES, SERVO]),
+    ("gate", INPUT, "(jumped(pose, dt_s) || claims_too_much(sample))", "claims_too_much(sample)",
+     "jumps are followed", [FRAMES, SERVO]),
+    ("gate", INPUT, "(jumped(pose, dt_s) || claims_too_much(sample))", "jumped(pose, dt_s)",
+     "claimed velocities are believed", [SERVO]),
+    ("guard", MODEL, "const bool clear = field::none_newly_barred(here_, there_);", "const bool clear = true;",
+     "no guard", [GUARD, FRAMES]),
+    ("guard", MODEL, "for (double& component : motion.velocity) component *= limit_m / travel;", "",
+     "points travel as far as they like", [GUARD]),
+    ("guard", MODEL, "if (clear && affordable(", "if (affordable(", "a barred pose is kept", [GUARD, FRAMES]),
+    ("guard", MODEL, "return rise_j <= state.allowance_j;", "return true;", "energy from nowhere", [GUARD, ("runtime_tests", "*Stability*:*Rest*:*Allowance*:*Sim*")]),
+    ("files", "runtime/run/baked_files.cpp", "return audit_voxmap(map, name);", "return {};",
+     "opening for a run audits nothing", [FILES]),
+    ("files", "formats/digest/file_digest.cpp", "if (expected.empty()) return {};", "return {};",
+     "any digest is the expected one", [FILES]),
+    ("files", TABLE_FILE, "if (bytes.size() != header.file_bytes) {", "if (bytes.size() < header.file_bytes) {",
+     "bytes may follow", [DAMAGE]),
+    ("files", TABLE_FILE, "if (checksum(front) != header.header_checksum) {", "if (false) {",
+     "the header's checksum is not read", [DAMAGE]),
+    ("files", TABLE_FILE, "if (entry.offset != aligned_offset(previous_end)) {",
+     "if (entry.offset < aligned_offset(previous_end)) {", "sections may leave holes", [DAMAGE]),
+    ("files", TABLE_FILE, "if (bytes[at] != std::byte{0}) {", "if (false) {", "holes may hold anything", [DAMAGE]),
+    ("files", TABLE_FILE, "entry.id <= table[placed.index - 1].id", "entry.id < table[placed.index - 1].id",
+     "a section may stand twice", [DAMAGE]),
+    ("files", BULK, "const bool bad_child = entry >= rule.child_count;", "const bool bad_child = entry > rule.child_count;",
+     "a child beyond the last", [DAMAGE]),
+    ("files", BULK, "(value > rule.most_value)", "(value > rule.most_value + 1)", "a value beyond the last", [DAMAGE]),
+    ("files", BULK, "((rest & ~allowed) != 0)", "false", "reserved bits may be set", [DAMAGE]),
+    ("files", BULK, "  return outside == 0;", "  return true;", "spheres need not hold their points", [DAMAGE]),
+    ("files", BULK, "kUnitTolerance = 2e-6", "kUnitTolerance = 2e-1", "normals of any length", [DAMAGE]),
+    ("files", BULK, "&& v.weight_m2[i] >= 0", "", "negative weights", [DAMAGE]),
+    ("audit", A + "voxmap_audit.cpp", "if (said == counted) continue;", "continue;", "any counts", [AUDIT]),
+    ("audit", A + "brick_facts.cpp", "std::uint8_t depth = 0;", "std::uint8_t depth = 1;", "gaps too wide by one", [AUDIT]),
+    ("audit", A + "distance_cube.cpp", "const int grown = least + edge;", "const int grown = least + edge + 1;",
+     "distances grow too fast", [AUDIT]),
+    ("audit", A + "distance_cube.h", "d == kCenter ? 0 : gaps[d] + 1", "d == kCenter ? 0 : gaps[d] + 2",
+     "distances too large by one", [AUDIT]),
+    ("audit", A + "clearances.cpp", "margin * edge_ + 1)", "margin * edge_ + 2)", "clearances beyond the margin are believed", [AUDIT]),
+    ("audit", A + "clearances.cpp", "grown(Span::cube(low, edge), clearance - 1)", "grown(Span::cube(low, edge), clearance - 2)",
+     "a look that is one voxel short", [AUDIT]),
+    ("audit", A + "clearances.cpp", "const bool known = is_known(reach);", "const bool known = true;",
+     "clearances reach across cropped sides", [AUDIT]),
+    ("audit", A + "layers.cpp", "contents_.node_gaps(around[d])[kDirections - 1 - d] < steps_", "false",
+     "free nodes beside a wall are not looked at", [AUDIT]),
+    ("audit", A + "node_rows.cpp", "below[i] >> (64 - step)", "below[i] >> 63 >> 1", "layers do not grow from node to node", [AUDIT]),
+    ("audit", A + "code_rules.cpp", "  return most <= leap_;\n", "  return true;\n", "codes leap inside a brick", [AUDIT]),
+    ("audit", A + "code_rules.cpp", "beside_value_[1][code] = least < radius;", "beside_value_[1][code] = true;",
+     "any code in the interior", [AUDIT]),
+    ("audit", A + "code_rules.cpp", "nearest[a] <= farthest[b] + 1", "nearest[a] <= farthest[b] + 3", "codes may leap by three voxels", [AUDIT]),
+    ("audit", A + "distances.cpp", "above |= object > most;", "above |= object > most + 1;", "an object beyond the last", [AUDIT]),
+]
+
+
+def quiet(*command, timeout=None):
+    try:
+        return subprocess.run(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                              errors="replace", timeout=timeout, check=False)
+    except subprocess.TimeoutExpired as late:
+        return subprocess.CompletedProcess(command, 124, late.stdout or "", "")
+
+
+def build(targets):
+    return quiet("nice", "ninja", "-C", str(BUILD), *targets)
+
+
+def notices(test):
+    """What fails of a test, or nothing."""
+    program, which = test
+    path = BUILD / "bin" / program
+    if which is None:
+        run = quiet(str(path), "--frames", "400000", timeout=300)
+        return f"`{program}`: " + run.stdout.strip().splitlines()[0].split(": ", 1)[-1] if run.returncode else ""
+    run = quiet(str(path), "--gtest_filter=" + which, timeout=300)
+    if run.returncode == 0:
+        return ""
+    failed = [line.split()[3].rstrip(",") for line in run.stdout.splitlines() if line.startswith("[  FAILED  ]")
+              and len(line.split()) > 3 and "." in line.split()[3]]
+    return "`" + failed[0].split("/")[0 if "." in failed[0].split("/")[0] else 1] + "`" if failed else f"`{program}` ends"
+
+
+def plant(fault):
+    """The test that notices; empty where none does."""
+    _, name, text, planted, _, tests = fault
+    file = ROOT / name
+    whole = file.read_text()
+    if whole.count(text) != 1:
+        sys.exit(f"{name} has {whole.count(text)} times: {text}")
+    try:
+        file.write_text(whole.replace(text, planted))
+        built = build(sorted({program for program, _ in tests}))
+        if built.returncode:
+            return "the compiler: " + next((l for l in built.stdout.splitlines() if "error" in l), "?")[-90:]
+        for test in tests:
+            if found := notices(test):
+                return found
+        return ""
+    finally:
+        file.write_text(whole)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--only", default="")
+    parser.add_argument("--list", action="store_true")
+    arguments = parser.parse_args()
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))  # so that `finally` puts the file back
+    faults = [fault for fault in FAULTS if arguments.only in fault[0] or arguments.only in fault[1]]
+    if arguments.list:
+        for group, name, _, _, meaning, _ in faults:
+            print(f"{group}: {name}: {meaning}")
+        return 0
+    changed = quiet("git", "status", "--porcelain", *sorted({fault[1] for fault in faults})).stdout
+    if changed:
+        sys.exit("commit or put back first:\n" + changed)
+    rows, unnoticed = [], 0
+    for fault in faults:
+        found = plant(fault)
+        unnoticed += not found
+        rows.append(f"| `{fault[1]}` | {fault[4]} | {found or '**nothing**'} |")
+        print(rows[-1], flush=True)
+    build(["formats_tests", "runtime_tests", "fault_frames"])
+    print(f"{len(faults)} planted, {unnoticed} unnoticed")
+    if not arguments.only:
+        TABLE.write_text("# Planted faults\n\n    tests/fuzz/plant_faults.py    # writes this table\n\n"
+                         "Each row is one change of gate, guard or validators, compiled, and the first test that failed.\n\n"
+                         "| file | planted | noticed by |\n|---|---|---|\n" + "\n".join(rows) + "\n")
+    return 1 if unnoticed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
