@@ -167,6 +167,26 @@ expect 2 'is no cut' bay.vox --cut z200
 expect 2 'is not known' bay.vox --show layer
 expect 2 'no length' bay.vox --view-from 0,0,0
 expect 2 'nothing to show'
+expect 2 'the run has no 99 s' bay.vox part.pshell --trace trace.csv --at 99s
+got=0
+"$bin/voxview" bay.vox --screenshot bad.jpg 2>error.txt || got=$?
+[ "$got" = 2 ] && [ ! -e bad.jpg ] && grep -q 'ends in .png' error.txt || fail "a .jpg: $got, $(cat error.txt)"
+
+# The eye is on the side that a cut takes away; the strongest force is one of a contact.
+for cut in 'x<0.1m 0 1' 'x>0.1m 0 -1' 'y<0m 1 1' 'y>0m 1 -1' 'z<0.2m 2 1' 'z>0.2m 2 -1'; do
+  read -r side axis sign <<<"$cut"
+  "$bin/voxview" bay.vox --cut "$side" "${tiny[@]}"
+  "$python" -c "import json; assert json.load(open('facts.json'))['to_eye'][$axis] * $sign > 0" || fail "the eye for $side"
+done
+"$python" - <<'END'
+import csv
+rows = list(csv.reader(open("trace.csv")))
+free = next(row for row in rows[1:] if row[rows[0].index("contacts")] == "0")
+free[rows[0].index("force_x_n")] = "99"  # felt without a contact, as braking is
+csv.writer(open("braked.csv", "w"), lineterminator="\n").writerows(rows)
+END
+"$bin/voxview" bay.vox part.pshell --trace braked.csv "${tiny[@]}"
+"$python" -c 'import json; assert json.load(open("facts.json"))["moment"]["contacts"] > 0' || fail "no contact in the strongest frame"
 expect 4 'the voxel sizes differ' --compare bay.vox coarse.vox
 got=0
 "$bin/voxview" bay.vox 2>error.txt || got=$?

@@ -164,7 +164,7 @@ double arrow_scale(const ViewScene& scene) {
   if (!scene.voxmap || !scene.shell) return 1;
   const VoxmapHeader& header = scene.voxmap->header();
   const double depth_m = header.force_depth_m > 0 ? header.force_depth_m : header.voxel_size_m;
-  const double most = 0.5 * scene.shell->header().bounding_radius_m / depth_m;
+  const double most = 0.5 * scene.shell->header().bounding_radius_m / (0.1 * depth_m);
   const double power = std::pow(10, std::floor(std::log10(most)));
   return (most / power >= 5 ? 5 : most / power >= 2 ? 2 : 1) * power;
 }

@@ -45,8 +45,8 @@ Status add_moment(const ViewOptions& options, const ViewScene& scene, Moment mom
                   PicturePlan& plan);
 
 // How many times as long as its point is deep the arrow of a contact is: 1, 2 or 5 times a power of
-// ten, the same in all pictures of a scene and a part. Across the force layer, or a voxel, an arrow
-// is at most half as long as the part's radius. 1 without a scene and a part.
+// ten, the same in all pictures of a scene and a part. A point a tenth of the force layer deep, or
+// of a voxel, has an arrow of at most half the part's radius. 1 without a scene and a part.
 double arrow_scale(const ViewScene& scene);
 
 // The contacts of `scene`, which must have both a voxmap and a shell.
