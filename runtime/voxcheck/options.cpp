@@ -28,7 +28,8 @@ OptionParser::OptionParser(CLI::App& app) : clearance_("12.7mm") {
                  "again");
   app.add_option("--allow", options_.allow,
                  "an object that may be near, by its name or the end of it; * and ? match; "
-                 "repeatable");
+                 "repeatable")
+      ->allow_extra_args(false);
   app.add_option("--threads", options_.threads, "that share the work; all; no answer depends on it")
       ->check(CLI::Range(1u, kMostThreads));
   app.add_option("--json", options_.json, "write a report");

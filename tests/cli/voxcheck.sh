@@ -80,7 +80,7 @@ says '^seated on Gearbox/Housing from 0\.000 to 0\.[0-9]{3} s; else clear: 1\.00
 "$bin/voxinfo" path out.csv --reverse -o in.csv --quiet
 check 0 opened.vox cover.pshell in.csv --clearance 1mm --seat 0,0,0m
 says '^seated on Gearbox/Housing from 0\.[0-9]{3} to 1\.000 s; else clear'
-check 0 opened.vox cover.pshell out.csv --clearance 1mm --allow Housing
+check 0 --allow Housing opened.vox cover.pshell out.csv --clearance 1mm
 check 0 opened.vox cover.pshell out.csv --clearance 1mm --allow 'Gear*/Ho?sing' --threads 1
 check 6 opened.vox cover.pshell through.csv --clearance 1mm --seat 0,0,0m
 # What ends near the seat's object elsewhere is not in the seat.
