@@ -15,11 +15,6 @@ namespace {
 // which must still hold the part off.
 constexpr float kLeastWeight = 0.25f, kMostWeight = 4.0f;
 
-// From this slope on, per voxel, a point lies in front of one face.
-constexpr float kFaceSlope = 0.95f;
-// Farther off no edge matters, voxels.
-constexpr float kEdgeVoxels = 0.5f;
-
 }  // namespace
 
 [[gnu::cold]] FieldProbe::FieldProbe(query::ContactQuery& query, const ForceField& field,
@@ -128,41 +123,6 @@ bool FieldProbe::lies_beside_solid(std::uint32_t i) const noexcept {
   return false;
 }
 
-float FieldProbe::steepness(std::uint32_t i) const noexcept {
-  return glm::length(glm::vec3(samples_.gx[i], samples_.gy[i], samples_.gz[i]));
-}
-
-// How much the distances around the voxel of collected point i lie above its own, in codes, summed
-// over six neighbors: above 0 at an edge of the solid, below 0 in a hollow corner, 0 at a face.
-float FieldProbe::bulge(std::uint32_t i) const noexcept {
-  const DistanceView& distances = *query_.voxmap().distances();
-  const auto code = [&](std::int32_t x, std::int32_t y, std::int32_t z) {
-    const bool known = distances.contains(x, y, z);
-    return static_cast<float>(known ? distances.lookup(x, y, z).code : kMostDistanceCode);
-  };
-  const std::int32_t x = points_.vx[i], y = points_.vy[i], z = points_.vz[i];
-  return code(x - 1, y, z) + code(x + 1, y, z) + code(x, y - 1, z) + code(x, y + 1, z) +
-         code(x, y, z - 1) + code(x, y, z + 1) - 6 * code(x, y, z);
-}
-
-// Whether collected point i lies where two faces of the scene meet in front of it.
-bool FieldProbe::lies_in_hollow(std::uint32_t i, float steepness) const noexcept {
-  return steepness < kFaceSlope && bulge(i) < 0;
-}
-
-// The distance of collected point i as the guard of a seat takes it. Beside an edge or a corner of
-// the solid, interpolation between centers in front of different faces reads up to half a voxel too
-// far, and the slope is short by as much: what it lacks is taken off. (Random edges and corners of
-// boxes: at a reading of -0.29 voxels the true distance was -0.62 and -0.75 at the least, and is
-// -0.43 and -0.41 so.)
-float FieldProbe::seat_distance_m(std::uint32_t i, float steepness) const noexcept {
-  const float distance_m = stored_distance_m(i);
-  const auto size_m = static_cast<float>(query_.voxmap().voxel_size_m());
-  if (steepness >= kFaceSlope || distance_m > kEdgeVoxels * size_m) return distance_m;
-  if (!(bulge(i) > 0) || !lies_beside_solid(i)) return distance_m;
-  return distance_m - (kFaceSlope - steepness) * size_m;
-}
-
 void FieldProbe::bar_crossings(const ContactSet& earlier, const glm::vec3& way_m,
                                ContactSet& later) const noexcept {
   if (!earlier.seat_open || !later.seat_open) return;
@@ -206,9 +166,7 @@ void FieldProbe::apply_seat(ContactSet& out) const noexcept {
     if (object == nullptr) continue;
     const glm::vec3 slope(samples_.gx[i], samples_.gy[i], samples_.gz[i]);
     const float steepness = glm::length(slope), distance_m = stored_distance_m(i);
-    const float guarded_m = seat_distance_m(i, steepness);
-    const bool barred = guarded_m < object->floor_m &&
-                        (guarded_m < object->hollow_floor_m || !lies_in_hollow(i, steepness));
+    const bool barred = distance_m < object->floor_m;
     if (out.is_barred[i] != 0 || out.depth_m[i] > 0) ++out.seated;
     const bool interior = told_by_distance_ ? out.is_barred[i] != 0 : is_interior(out.value[i]);
     if (interior && !barred) --out.interior, ++out.surface;
@@ -219,9 +177,7 @@ void FieldProbe::apply_seat(ContactSet& out) const noexcept {
                                     ? glm::vec3(points_.nx[i], points_.ny[i], points_.nz[i])
                                     : slope / steepness;
     out.ux[i] = direction.x, out.uy[i] = direction.y, out.uz[i] = direction.z;
-    // A barred point is to be pushed back, whatever its force.
-    out.depth_m[i] = std::min(object->contact_m, in_seat_m_[points_.index[i]]) -
-                     (barred ? guarded_m : distance_m);
+    out.depth_m[i] = std::min(object->contact_m, in_seat_m_[points_.index[i]]) - distance_m;
     if (direction == glm::vec3(0)) out.depth_m[i] = std::min(out.depth_m[i], 0.0f);
     // Short slopes are of places near the middle of a sheet, where they tell no side. A point that
     // touches it has the part, and so its inward normal, on its own side. One without an inside has

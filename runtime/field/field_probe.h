@@ -58,10 +58,6 @@ class FieldProbe final : public ContactProbe {
   std::uint32_t object_of(std::uint32_t i) const noexcept;
   float stored_distance_m(std::uint32_t i) const noexcept;
   bool lies_beside_solid(std::uint32_t i) const noexcept;
-  bool lies_in_hollow(std::uint32_t i, float steepness) const noexcept;
-  float bulge(std::uint32_t i) const noexcept;
-  float steepness(std::uint32_t i) const noexcept;
-  float seat_distance_m(std::uint32_t i, float steepness) const noexcept;
   Status check_depth(const SeatObject& object) const;
   Status check_side(std::uint32_t i) const;
   std::string name_of(std::uint32_t object) const;

@@ -42,7 +42,7 @@ Status FieldProbe::check_depth(const SeatObject& object) const {
   const VoxmapHeader& header = query_.voxmap().header();
   const double told_m = header.distance_quantum_m * (header.distance_zero_code - 1) -
                         kUntoldVoxels * header.voxel_size_m;
-  if (-std::min(double{object.floor_m}, double{object.hollow_floor_m}) < told_m) return {};
+  if (-double{object.floor_m} < told_m) return {};
   char depth[80], most[80];
   std::snprintf(depth, sizeof depth, "the part starts %s%.3g mm inside ",
                 object.overlap_m < told_m ? "" : "more than ",
@@ -105,22 +105,18 @@ Status FieldProbe::find_seat(const Pose& world_from_center) {
     SeatObject& object = seat.at(object_of(i));
     const float distance_m = stored_distance_m(i);
     in_seat_m_[points_.index[i]] = distance_m;
+    object.floor_m = std::min(object.floor_m, distance_m);
     ++object.points;
     // In a corner interpolation mixes two faces: it says nothing of how deep other points may lie.
-    const float slope = steepness(i), guarded_m = seat_distance_m(i, slope);
-    const bool in_hollow = lies_in_hollow(i, slope);
-    float& floor_m = in_hollow ? object.hollow_floor_m : object.floor_m;
-    floor_m = std::min(floor_m, guarded_m);
-    if (!in_hollow) object.overlap_m = std::max(object.overlap_m, -double{distance_m});
-    if (slope > kFaceSlope) object.contact_m = std::min(object.contact_m, distance_m);
+    const glm::vec3 slope(samples_.gx[i], samples_.gy[i], samples_.gz[i]);
+    if (glm::length(slope) > kFaceSlope) object.contact_m = std::min(object.contact_m, distance_m);
   }
   const auto step_m = static_cast<float>(query_.voxmap().header().distance_quantum_m);
   for (SeatObject& object : seat.entries()) {
-    for (float* const floor_m : {&object.floor_m, &object.hollow_floor_m}) {
-      *floor_m =
-          std::min(*floor_m - kLeastGiveVoxels * voxel_size_m, -kSeatGiveVoxels * voxel_size_m) -
-          step_m;
-    }
+    object.overlap_m = -double{object.floor_m};
+    object.floor_m = std::min(object.floor_m - kLeastGiveVoxels * voxel_size_m,
+                              -kSeatGiveVoxels * voxel_size_m) -
+                     step_m;
     if (Status told = check_depth(object); !told) return told;
   }
   seat_ = std::move(seat);

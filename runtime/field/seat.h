@@ -10,12 +10,11 @@
 namespace forcelayer::field {
 
 // An object of the seat. Distances are from its surface, negative inside, as the stored ones are
-// interpolated, less what that is off at the solid's edges (FieldProbe::seat_distance_m).
+// interpolated.
 struct SeatObject {
   std::uint32_t object = 0;  // its number in the file; 0 where the file names none
   float contact_m = 0;  // where the force begins: 0, or how deep a shell point lies in the seat
   float floor_m = 0;    // the guard lets no shell point deeper
-  float hollow_floor_m = 0;  // the same in hollow corners, where interpolation reads too deep
   std::uint32_t points = 0;  // shell points that touch it in the seat
 
   double overlap_m = 0;  // how deep the part lies in it, by the deepest shell point

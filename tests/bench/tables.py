@@ -371,7 +371,6 @@ TABLES = {
         ("quiet", text("quiet")), ("of", text("grips")), ("most, encoder steps", scaled("swing_steps", 1, 2))]),
     "stability_loops": ("stability_loops", list, [
         ("model", text("model")), ("start", text("start")), ("scale", text("scale")), ("loop", text("loop")), ("loops", text("loops")),
-        ("with 1 mJ either way", text("worked")),
         ("given at most, uJ", scaled("given_j", 1e6, 2)), ("beyond the sampled spring, uJ", scaled("over_j", 1e6, 2)),
         ("beyond it by 20 uJ", text("over_bound"))]),
     "stability_seats": ("stability_seats", seats, [

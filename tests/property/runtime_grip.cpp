@@ -269,13 +269,9 @@ TEST(Grip, ClosedLoopsInContactGiveTheHandNothing) {
         const double speed_mps = std::array{0.001, 0.02, 0.005}[static_cast<std::size_t>(cell) % 3];
         const double arm_m = std::array{0.0, 0.03, 0.1}[static_cast<std::size_t>(cell) % 3];
         const int axis = cell++ % 3 == 1 ? 0 : 2;  // over the block's foot, or high above it
-        SCOPED_TRACE(testing::Message()
-                     << loop.name << (back ? " back" : "") << ", scale " << scale << ", "
-                     << speed_mps << " m/s, arm " << arm_m << (cell % 2 == 0 ? ", seated" : ""));
-        const bool seated = cell % 2 == 0;
-        HeldPart held(scene, part,
-                      seated ? seated_on_the_plane(arm_m, axis, scale)
-                             : flat_above_the_plane(arm_m, axis, scale));
+        SCOPED_TRACE(testing::Message() << loop.name << (back ? " back" : "") << ", scale " << scale
+                                        << ", " << speed_mps << " m/s, arm " << arm_m);
+        HeldPart held(scene, part, flat_above_the_plane(arm_m, axis, scale));
         const LoopWork work = loop_work(held, loop, speed_mps, back);
         EXPECT_LE(work.given_j, work.sampled_j + kFreeJ);
         EXPECT_NEAR(work.reported_j, work.given_j, 1e-9);
@@ -285,6 +281,32 @@ TEST(Grip, ClosedLoopsInContactGiveTheHandNothing) {
     }
   }
   EXPECT_GT(worked, cell / 2);
+}
+
+// The same of a block that is installed on the plane, while its seat is open and once it has left
+// it.
+TEST(Grip, ClosedLoopsWithAnOpenSeatGiveTheHandNothing) {
+  constexpr double kFreeJ = 2e-5;
+  const VoxelScene scene = plane();
+  const PointPart part = block();
+  int cell = 0, worked = 0;
+  for (const double scale : kScales) {
+    for (const HandleLoop& loop : kHandleLoops) {
+      const double speed_mps = cell % 2 == 0 ? 0.005 : 0.02;
+      const double arm_m = std::array{0.0, 0.03, 0.1}[static_cast<std::size_t>(cell) % 3];
+      const bool back = cell++ % 4 > 1;
+      SCOPED_TRACE(testing::Message() << loop.name << (back ? " back" : "") << ", scale " << scale
+                                      << ", " << speed_mps << " m/s, arm " << arm_m);
+      HeldPart held(scene, part, seated_on_the_plane(arm_m, 2, scale));
+      ASSERT_NE(held.servo().state().seat, kSeatClosed);
+      const LoopWork work = loop_work(held, loop, speed_mps, back);
+      EXPECT_LE(work.given_j, work.sampled_j + kFreeJ);
+      EXPECT_NEAR(work.reported_j, work.given_j, 1e-9);
+      worked += work.moved_j > 1e-3;
+    }
+  }
+  EXPECT_GE(worked, 3);
+  EXPECT_EQ(cell, 12);
 }
 
 // What the report says was generated is the peak of the work at the port in an episode, through

@@ -151,6 +151,8 @@ struct LoopWork {
 
 inline LoopWork loop_work(HeldPart& held, const HandleLoop& loop, double speed_mps, bool back) {
   constexpr double kPressM = 0.005;
+  // The output of a part in contact arms while nobody pulls it.
+  for (int i = 0; i < 10; ++i) held.tick(held.start_handle());
   const Pose from = press(held, kPressM);
   const double dt_s = held.servo().dt_s(), way = back ? -1 : 1;
   const int period = static_cast<int>(2 * M_PI * loop.size / (speed_mps * loop.per_speed * dt_s));
