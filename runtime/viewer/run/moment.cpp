@@ -78,7 +78,8 @@ std::vector<std::string> describe(const Moment& moment) {
     lines.push_back(text_of("t = %.3f s    on the hand: %.2f N, %.4f N m", *moment.time_s,
                             glm::length(moment.on_hand->force_n),
                             glm::length(moment.on_hand->torque_nm)));
-    lines.push_back(describe_clearance(moment.clearance));
+    // With both files it is proven again at the pose, and told below.
+    if (!moment.contacts.clearance_m) lines.push_back(describe_clearance(moment.clearance));
   }
   const ContactView& view = moment.contacts;
   const std::string deepest =
