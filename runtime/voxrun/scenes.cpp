@@ -6,7 +6,6 @@
 #include "formats/command/text.h"
 #include "runtime/machine/prefault.h"
 #include "runtime/machine/real_time.h"
-#include "runtime/model/simulation.h"
 #include "runtime/run/baked_files.h"
 #include "runtime/voxrun/verdict.h"
 

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "forcelayer/run.h"
-#include "runtime/field/seat.h"
 #include "runtime/loop/servo.h"
+#include "runtime/model/simulation.h"
 #include "runtime/voxrun/options.h"
 
 namespace forcelayer::voxrun {
