@@ -44,7 +44,7 @@ struct Options {
   bool as_fast_as_possible = false;
   bool without_watchdog = false;
   bool quiet = false;
-  bool trust_plugin = false;  // its process keeps the user's rights
+  bool trust_plugin = false;        // its process keeps the user's rights
   std::string plugin, plugin_args;  // of the device "plugin"
   HidOptions hid;                   // of the devices "hid" and "spacemouse"
   std::string hand;  // that holds the sim device; empty: the script moves it, whatever it feels

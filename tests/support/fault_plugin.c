@@ -123,8 +123,8 @@ static void write_wildly(int indices) {
   if (maps != NULL) fclose(maps);
 }
 
-/* Descriptors, rights and environment of this process, a line each; and what it may do: write beside
- * the library (`home` is a file there), start a program, look into its parent, signal it. */
+/* Descriptors, rights and environment of this process, a line each; and what it may do: write
+ * beside the library (`home` is a file there), start a program, look into its parent, signal it. */
 static void write_rights(FILE* facts, const char* home) {
   const int file = home[0] == 0 ? -1 : open(home, O_WRONLY | O_CREAT, 0600);
   if (file >= 0) fputs("may write\n", facts);

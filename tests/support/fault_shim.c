@@ -103,7 +103,8 @@ static void change(const char* path) {
   }
 }
 
-/* A reader in a sandbox can change no file. A process that began before it gave up its rights can. */
+/* A reader in a sandbox can change no file. A process that began before it gave up its rights can.
+ */
 static int asked = -1, answered = -1;
 __attribute__((constructor)) static void begin_helper(void) {
   int question[2], answer[2];
