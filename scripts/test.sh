@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Builds and runs the tests. On a bare Debian 12 it first installs what is missing.
 #   scripts/test.sh            layout of the sources, a release build and its tests, and under address and
-#                              undefined-behavior sanitizers what reads other people's files
+#                              undefined-behavior sanitizers what reads baked files
 #   CI=true scripts/test.sh    the same, all tests under those sanitizers, the stress tests, the benchmarks
 #                              compiled, the runtime alone, clang; fails where a package is missing
 #   scripts/test.sh --full     the same, the thread sanitizer, the virtual machine and the long runs
@@ -31,7 +31,7 @@ run_tests() {  # PRESET [ctest arguments ...]
     --test-output-size-passed 65536 --test-output-size-failed 1048576 "$@"
 }
 
-# The tests of what reads other people's files: PRESET.
+# The tests of what reads baked files: PRESET.
 test_safety() {
   build "$1" safety_tests
   run_tests "$1" -L safety
