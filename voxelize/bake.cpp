@@ -152,6 +152,10 @@ masks::KeptBox kept_box(const SceneRegion& region) {
   return {{low, high}, region.region.cropped_sides};
 }
 
+bool remembers_nodes(const BakeOptions& options, const masks::KeptBox& kept) {
+  return options.cache != nullptr && !options.scene_name.empty() && !kept.cropped();
+}
+
 // The values: layers around the geometry. In a grown surface the interior's are in it already.
 tree::VoxelTree build_layers(const SceneVoxels& scene, const SceneRegion& region,
                              const BakeOptions& options, distance::ValueCounts& counts,
@@ -159,7 +163,7 @@ tree::VoxelTree build_layers(const SceneVoxels& scene, const SceneRegion& region
   const masks::KeptBox kept = kept_box(region);
   const distance::LayerOffset offset(scene.counted(options), scene.interior,
                                      counted_layers(options), force_layers_of(options), kept);
-  if (options.cache == nullptr || options.scene_name.empty() || kept.cropped()) {
+  if (!remembers_nodes(options, kept)) {
     return tree::build_tree(offset, region.directory.dims, nullptr, counts);
   }
   const tree::NodeMemory memory(*options.cache, options.scene_name, options.voxel_size_m);
@@ -172,12 +176,14 @@ tree::VoxelTree build_layers(const SceneVoxels& scene, const SceneRegion& region
 // Distances from the snapped meshes, and the nearest objects.
 tree::DistanceTrees build_distances(const SceneVoxels& scene, const SceneRegion& region,
                                     const std::vector<ObjectBake>& bakes,
-                                    const BakeOptions& options) {
+                                    const BakeOptions& options, Bake& bake) {
   std::vector<const scan::SnappedObject*> objects;
+  std::vector<cache::Digest> keys;
   std::vector<std::uint16_t> numbers;
   for (std::size_t i = 0; i < bakes.size(); ++i) {
     if (region.skipped[i]) continue;
     objects.push_back(&bakes[i].snapped);
+    if (bakes[i].key) keys.push_back(*bakes[i].key);
     if (stores_objects(options, bakes.size())) {
       numbers.push_back(static_cast<std::uint16_t>(i + 1));
     }
@@ -185,10 +191,21 @@ tree::DistanceTrees build_distances(const SceneVoxels& scene, const SceneRegion&
   const masks::KeptBox kept = kept_box(region);
   const auto reach = static_cast<unsigned>(distance::DistanceCodes::reach(scale_of(options)));
   const distance::LayerOffset around(scene.geometry, scene.interior, reach - 1, 1, kept);
-  const distance::DistanceCodes distances(std::move(objects), region.directory.origin,
-                                          scene.geometry, scene.interior, scale_of(options), kept,
-                                          std::move(numbers));
-  return tree::build_distance_trees(around, distances, region.directory.dims);
+  const bool has_memory = remembers_nodes(options, kept) && keys.size() == objects.size();
+  const distance::DistanceCodes distances(
+      std::move(objects), region.directory.origin, scene.geometry, scene.interior,
+      scale_of(options), kept, grows_objects(options) ? 0 : interior_radius_units(options),
+      std::move(numbers));
+  if (!has_memory) {
+    return tree::build_distance_trees(around, distances, region.directory.dims, nullptr);
+  }
+  const tree::DistanceMemory memory(*options.cache, options.scene_name, options.voxel_size_m,
+                                    std::move(keys));
+  tree::DistanceTrees trees =
+      tree::build_distance_trees(around, distances, region.directory.dims, &memory);
+  bake.distance_nodes = memory.asked();
+  bake.reused_distance_nodes = memory.found();
+  return trees;
 }
 
 // The box of all voxels that are not free.
@@ -240,18 +257,19 @@ VoxmapHeader header_of(const SceneRegion& region, const masks::VoxelBox& tight,
 }
 
 // The trees of the scene and the header.
-void build_map(const SceneVoxels& scene, const SceneRegion& region,
-               const std::vector<ObjectBake>& bakes, const BakeOptions& options, Bake& bake) {
+void build_map(SceneVoxels& scene, const SceneRegion& region, const std::vector<ObjectBake>& bakes,
+               const BakeOptions& options, Bake& bake) {
   distance::ValueCounts counts;
   masks::VoxelBox tight;
   if (!region.directory.empty()) {
-    bake.values = build_layers(scene, region, options, counts, bake);
-    tight = tight_box_of(bake.values, region, options);
     if (stores_distances(options)) {
-      tree::DistanceTrees trees = build_distances(scene, region, bakes, options);
+      tree::DistanceTrees trees = build_distances(scene, region, bakes, options, bake);
       bake.distances = std::move(trees.distances);
       bake.nearest_objects = std::move(trees.objects);
+      if (trees.grown) masks::unite(scene.grown, std::move(*trees.grown));
     }
+    bake.values = build_layers(scene, region, options, counts, bake);
+    tight = tight_box_of(bake.values, region, options);
   }
   bake.header = header_of(region, tight, counts, options);
   if (stores_distances(options)) {

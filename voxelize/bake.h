@@ -43,6 +43,7 @@ struct Bake {
   std::vector<ObjectReport> objects;  // in the order given
   // With a cache: nodes of 64^3 voxels near surfaces, and how many did not have to be built.
   std::uint64_t nodes = 0, reused_nodes = 0;
+  std::uint64_t distance_nodes = 0, reused_distance_nodes = 0;  // the same, of distances
   StageSeconds seconds;
 
   static TreeContent content_of(const tree::VoxelTree& tree) {

@@ -74,6 +74,13 @@ inline bool stores_distances(const BakeOptions& options) {
   return options.distances && options.metric == Metric::kEuclidean;
 }
 
+// Whether the surface of each object grows by itself. Else the scene's grows where distances are
+// measured; they are not beyond a cropped side, where layers need it, nor where a cache has them.
+inline bool grows_objects(const BakeOptions& options) {
+  return grows_surface(options) &&
+         (!stores_distances(options) || options.roi_m.has_value() || options.cache != nullptr);
+}
+
 // Whether the nearest of `count` objects are stored beside the distances.
 inline bool stores_objects(const BakeOptions& options, std::size_t count) {
   return options.objects && stores_distances(options) && count <= kMostObjects;

@@ -14,7 +14,7 @@ namespace forcelayer::voxelize {
 namespace {
 
 // The digest of everything that an object's voxels depend on; nothing where the object does not say
-// what its mesh is. The scene, its region of interest and its layers (unless they grow the surface)
+// what its mesh is. The scene, its region of interest and its layers (unless they grow its surface)
 // are not in it.
 std::optional<cache::Digest> object_key(const SceneObject& object, const BakeOptions& options) {
   if (!object.mesh_digest) return std::nullopt;
@@ -25,7 +25,7 @@ std::optional<cache::Digest> object_key(const SceneObject& object, const BakeOpt
   digest.value(options.voxel_size_m);
   digest.bytes(std::as_bytes(std::span(options.free_seeds_m)));
   digest.bytes(std::as_bytes(std::span(object.free_seeds_m)));
-  if (grows_surface(options)) {
+  if (grows_objects(options)) {
     digest.value(interior_radius_units(options)).value(cache::kGrowthCacheVersion);
   }
   return digest.finish();
@@ -197,7 +197,7 @@ Result<cache::ObjectVoxels> bake_voxels(const SceneObject& object, const BakeOpt
   bake.facts.geometry_voxels = masks::voxel_count(*voxels.geometry);
   bake.facts.interior_voxels = masks::voxel_count(*voxels.interior);
   bake.seconds.flood = watch.lap_s();
-  if (grows_surface(options)) {
+  if (grows_objects(options)) {
     voxels.grown = distance::grow_surface(bake.snapped, *voxels.interior,
                                           interior_radius_units(options), scene_origin);
   }

@@ -95,6 +95,8 @@ Json report_of(const Bake& bake, const mesh::Scene& scene, std::span<const mesh:
           {"without", left_out_of(scene)},
           {"nodes", bake.nodes},
           {"nodes_from_cache", bake.reused_nodes},
+          {"distance_nodes", bake.distance_nodes},
+          {"distance_nodes_from_cache", bake.reused_distance_nodes},
           {"parts", parts},
           {"seconds",
            {{"read", run.read_s},

@@ -10,6 +10,7 @@
 #include "formats/command/output_file.h"
 #include "formats/voxinfo/export.h"
 #include "formats/voxinfo/facts.h"
+#include "formats/voxinfo/path.h"
 #include "formats/voxinfo/sample.h"
 
 namespace forcelayer::voxinfo {
@@ -124,7 +125,24 @@ int run(int argc, char** argv) {
   auto* export_to = app.add_subcommand("export", "write a file in another format");
   export_to->add_option("FILE", path, "a .vox or .pshell file")->required();
   export_to->add_option("OUT", out, "a .csv, .ply or .vdb file")->required();
-  for (auto* subcommand : {verify, sample, export_to}) {
+  PathRequest of_path;
+  auto* path_command = app.add_subcommand(
+      "path",
+      "say how long a path is, a CSV of poses or a trace, and write it anew: in meters and "
+      "quaternions, resampled, or reversed");
+  path_command->add_option("FILE", path, "a CSV of poses over time, or a trace of voxrun")
+      ->required();
+  path_command->add_option("-o,--output", of_path.output, "write the path, a CSV");
+  path_command->add_option("--resample", of_path.period, "a row every so often, like 1ms");
+  path_command->add_option("--part", of_path.shell,
+                           "the .pshell whose centroid goes straight between rows; else the "
+                           "frame's origin does");
+  path_command->add_flag("--reverse", of_path.reverse, "from the last pose to the first");
+  of_path.of = "part";
+  path_command->add_option("--of", of_path.of, "of a trace: part or handle; part")
+      ->check(CLI::IsMember({"part", "handle"}));
+  path_command->add_option("--json", json_path, "write the facts to this file as JSON");
+  for (auto* subcommand : {verify, sample, export_to, path_command}) {
     subcommand->add_flag("--quiet", quiet, "print nothing but errors");
   }
 
@@ -132,11 +150,20 @@ int run(int argc, char** argv) {
   if (!command::parse_arguments(app, argc, argv, exit_code)) return exit_code;
   return command::run_command("voxinfo", [&]() -> Status {
     const command::OutputFile outputs[] = {{"OUT", &out, command::FileKind::kExport},
+                                           {"-o", &of_path.output, command::FileKind::kTable},
                                            {"--json", &json_path, command::FileKind::kReport}};
-    if (Status s = command::prepare_outputs(outputs, {&path, 1}); !s) return s;
+    const std::string inputs[] = {path, of_path.shell};
+    if (Status s = command::prepare_outputs(outputs, inputs); !s) return s;
     if (*verify) return verify_file(path, quiet);
     if (*sample) return sample_file(path, quiet);
     if (*export_to) return export_file(path, out);
+    if (*path_command) {
+      of_path.path = path;
+      of_path.json = json_path;
+      of_path.quiet = quiet;
+      if (Status s = handle_path(of_path); !s) return s;
+      return flush_stdout();
+    }
     if (path.empty()) {
       return Error{ErrorCode::kUsage, "", "", "no file given", "see voxinfo --help"};
     }

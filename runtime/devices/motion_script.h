@@ -18,8 +18,7 @@ class MotionScript {
     Pose world_from_handle;
   };
 
-  // Reads a CSV with the header line t_s,x_m,y_m,z_m,qw,qx,qy,qz. Quaternions are normalized.
-  // Errors: kFileNotFound, kReadFailed, and kUsage with the line for anything that is no such file.
+  // Reads a path (formats/path): of a trace the handle's. Errors: those of read_path().
   static Result<MotionScript> read(const std::filesystem::path& path);
 
   // A hand that holds still.

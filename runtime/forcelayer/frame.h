@@ -49,6 +49,8 @@ struct Frame {
   std::int64_t step_ns = 0;        // of the step alone
   OutputState output = OutputState::kWaiting;
   TripCause last_trip = TripCause::kNone;
+  std::uint32_t scene = 0;           // how many scenes were in use before this one
+  std::uint32_t objects_before = 0;  // how many objects those had, all together
 };
 
 }  // namespace forcelayer

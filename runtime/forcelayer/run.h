@@ -119,7 +119,8 @@ struct RunStatistics {
   // The frame with the least clearance of those of which something is known.
   ClearanceKind least_clearance_kind = ClearanceKind::kNone;
   double least_clearance_m = 0, least_clearance_s = 0;  // how much, and when
-  std::uint32_t least_clearance_object = 0;             // to which object; 0: not known
+  std::uint32_t least_clearance_object = 0;  // to which object; 0: not known, or of a scene that
+                                             // was swapped out
   std::uint64_t step_p50_ns = 0, step_p99_ns = 0, step_max_ns = 0;
 };
 

@@ -17,6 +17,17 @@ std::int64_t thread_cpu_ns() noexcept {
   return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
 }
 
+// The number of an object of the frame among those of all scenes; 0 stays 0.
+std::uint32_t numbered(const Frame& frame, std::uint32_t object) noexcept {
+  return object == 0 ? 0 : frame.objects_before + object;
+}
+
+std::array<TouchedObject, 4> touched_in(const Frame& frame) noexcept {
+  auto touched = frame.result.report.touched;
+  for (TouchedObject& object : touched) object.object = numbered(frame, object.object);
+  return touched;
+}
+
 }  // namespace
 
 const char* to_text(MissCause cause) {
@@ -115,6 +126,7 @@ void LoopStatistics::count_energy(const Frame& frame) noexcept {
 }
 
 void LoopStatistics::count_clearance(const Frame& frame) noexcept {
+  if (frame.input.valid == kInputClutched) return;  // the part stands where it was
   const StepReport& report = frame.result.report;
   if (report.clearance_kind == ClearanceKind::kNone) {
     ++unproven_frames;
@@ -125,13 +137,13 @@ void LoopStatistics::count_clearance(const Frame& frame) noexcept {
     return;
   }
   least_clearance = {report.clearance_kind, report.clearance_m, frame.time_s,
-                     report.nearest_point_m, report.nearest_object};
+                     report.nearest_point_m, numbered(frame, report.nearest_object)};
 }
 
 void LoopStatistics::note_firsts(const Frame& frame) noexcept {
   const StepReport& report = frame.result.report;
   const auto note = [&](bool happened, std::optional<FirstFrame>& first) {
-    if (happened && !first) first = FirstFrame{frame.time_s, report.touched};
+    if (happened && !first) first = FirstFrame{frame.time_s, touched_in(frame)};
   };
   note(report.interior > 0, first_penetration);
   note(report.contacts > report.seat_contacts, first_contact);
@@ -165,7 +177,7 @@ void LoopStatistics::count(const Frame& frame) noexcept {
   count_energy(frame);
   count_clearance(frame);
   note_firsts(frame);
-  for (const TouchedObject& pushed : report.touched) {
+  for (const TouchedObject& pushed : touched_in(frame)) {
     if (pushed.object != 0) touched.add(pushed);
   }
   step.record(frame.step_ns);

@@ -75,9 +75,12 @@ class WorstFrames {
   std::size_t size_ = 0;
 };
 
+// Objects are numbered as in the scene's file; those of a scene that was swapped in go on from
+// there (Frame::objects_before).
+
 // How long and how hard the part pushed against an object.
 struct TouchedTotal {
-  std::uint32_t object = 0;  // its number in the scene's file
+  std::uint32_t object = 0;
   std::uint64_t frames = 0;
   double max_force_n = 0;
 };
@@ -100,7 +103,7 @@ class TouchedObjects {
 // The first frame of a kind.
 struct FirstFrame {
   double time_s = 0;
-  std::array<TouchedObject, 4> touched{};  // StepReport::touched
+  std::array<TouchedObject, 4> touched{};
 };
 
 struct LoopStatistics {

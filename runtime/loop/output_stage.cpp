@@ -112,7 +112,8 @@ Wrench OutputStage::pass(const OutputFrame& frame, double dt_s) noexcept {
   input.lasting = row_of(input.cause).lasting;
   input.fault = fault_of(frame);
   input.late_gain = devices::late_gain(frame.health.age_share);
-  input.ready = frame.free_of_contact || frame.unstretched;
+  // A part that is held for a swap is looked at nowhere, and gripped anew in each frame.
+  input.ready = !frame.health.swapping && (frame.free_of_contact || frame.unstretched);
   input.clutch = frame.health.clutch;
   input.swapping = frame.health.swapping;
   const double gain = gate_.pass(input, dt_s);

@@ -37,15 +37,17 @@ void Servo::take_health(const StepInput& input, InputHealth& health) noexcept {
   health.loop_late |= std::exchange(late_, false);
   health.clutch |=
       clutch_.load(std::memory_order_relaxed) || (input.buttons & clutch_buttons_) != 0;
-  health.swapping |= swapping();
+  health.swapping |= swapping() || held_.load(std::memory_order_relaxed);
 }
 
 void Servo::take_swap(const StepInput& input) noexcept {
   model::Simulation* const next = next_.load(std::memory_order_acquire);
-  if (next == nullptr) return;
+  if (next == nullptr || helped_) return;
   const std::uint64_t frame = state_.frame;
   state_ = next->registered(next_start_, input.world_from_handle);
   state_.frame = frame;
+  ++scene_;
+  objects_before_ += simulation_->voxmap().header().object_count;
   simulation_ = next;
   next_.store(nullptr, std::memory_order_release);
 }
@@ -103,6 +105,8 @@ bool Servo::tick(Frame& frame) noexcept {
     take_swap(frame.input);
     frame.input.valid = kInputClutched;
   }
+  frame.scene = scene_;
+  frame.objects_before = objects_before_;
   const std::int64_t begin_ns = machine::monotonic_ns();
   frame.result = simulation_->step(state_, frame.input, dt_s_);
   frame.step_ns = machine::monotonic_ns() - begin_ns;

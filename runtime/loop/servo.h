@@ -31,6 +31,10 @@ class Servo {
   // clutch also arms a tripped output.
   void set_clutch(bool pressed) noexcept { clutch_.store(pressed, std::memory_order_relaxed); }
 
+  // Holds the part as the clutch does, from any thread, but arms nothing: to see where the part is
+  // before a swap.
+  void set_hold(bool held) noexcept { held_.store(held, std::memory_order_relaxed); }
+
   // Swaps part or scene without a restart, from any thread. The output fades to zero; the next tick
   // goes on with `next` and its part where `start` puts it, gripped without stretch (the place
   // counts where `start` has a grip too); then the output ramps in. `next` must outlive the servo
@@ -48,8 +52,14 @@ class Servo {
   bool wants_helpers() const noexcept {
     return !swapping() && simulation_->query().points_looked_at() > kPointsWorthHelp;
   }
-  void wake_helpers() noexcept { simulation_->wake_helpers(); }
-  void rest_helpers() noexcept { simulation_->rest_helpers(); }
+  void wake_helpers() noexcept {
+    helped_ = true;
+    simulation_->wake_helpers();
+  }
+  void rest_helpers() noexcept {
+    simulation_->rest_helpers();
+    helped_ = false;
+  }
 
   // Zero to the device, at the end or whenever the caller must fail.
   void silence() noexcept { input_.silence(); }
@@ -58,6 +68,7 @@ class Servo {
   const State& state() const { return state_; }
   const OutputStage& output() const { return output_; }
   double dt_s() const { return dt_s_; }
+  std::uint32_t objects_before() const { return objects_before_; }  // Frame::objects_before
 
  private:
   static constexpr std::uint64_t kPointsWorthHelp = 16384;  // some 40 us of one core
@@ -75,7 +86,9 @@ class Servo {
   double dt_s_;
   std::uint32_t clutch_buttons_ = 0;
   bool late_ = false;
-  std::atomic<bool> clutch_{false};
+  bool helped_ = false;  // the helpers are awake: no swap in this tick
+  std::atomic<bool> clutch_{false}, held_{false};
+  std::uint32_t scene_ = 0, objects_before_ = 0;   // Frame::scene, Frame::objects_before
   std::atomic<model::Simulation*> next_{nullptr};  // to be swapped in, at next_start_
   PartStart next_start_;                           // of its part; written before next_
 };

@@ -130,6 +130,14 @@ std::uint64_t prefault(const Voxmap& voxmap, const ReachBox& reach) {
   return pages.read();
 }
 
+void let_go(const Voxmap& voxmap) {
+  const auto page_bytes = static_cast<std::uintptr_t>(sysconf(_SC_PAGESIZE));
+  auto* const bytes = const_cast<std::byte*>(voxmap.bytes().data());
+  if (reinterpret_cast<std::uintptr_t>(bytes) % page_bytes != 0) return;
+  static_cast<void>(::munlock(bytes, voxmap.bytes().size()));
+  static_cast<void>(::madvise(bytes, voxmap.bytes().size(), MADV_DONTNEED));
+}
+
 std::uint64_t resident_bytes(std::span<const std::byte> mapping) {
   const auto begin = reinterpret_cast<std::uintptr_t>(mapping.data());
   const auto end = begin + mapping.size();

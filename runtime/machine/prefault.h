@@ -21,6 +21,10 @@ struct ReachBox {
 // file stays as it is. Not for the loop's thread.
 std::uint64_t prefault(const Voxmap& voxmap, const ReachBox& reach);
 
+// Gives back the memory of a map of a file, whose pages would be read from there again. Not for a
+// map in memory.
+void let_go(const Voxmap& voxmap);
+
 // The bytes of `mapping` that this process has in memory (/proc/self/smaps); 0 if unknown.
 std::uint64_t resident_bytes(std::span<const std::byte> mapping);
 

@@ -353,7 +353,9 @@ RunStatistics Run::statistics() const {
   out.least_clearance_kind = seen.least_clearance.kind;
   out.least_clearance_m = seen.least_clearance.clearance_m;
   out.least_clearance_s = seen.least_clearance.time_s;
-  out.least_clearance_object = seen.least_clearance.object;
+  const std::uint32_t before = parts_->started->servo.objects_before();
+  const std::uint32_t object = seen.least_clearance.object;
+  out.least_clearance_object = object > before ? object - before : 0;
   out.step_p50_ns = seen.step.quantile_ns(0.5);
   out.step_p99_ns = seen.step.quantile_ns(0.99);
   out.step_max_ns = seen.step.max_ns();

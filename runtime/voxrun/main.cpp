@@ -17,14 +17,21 @@
 namespace {
 
 std::atomic<int> stop_signal{0};
+std::atomic<int> scene_signal{0};  // SIGUSR1: the next scene
 
 extern "C" void stop_on_signal(int number) { stop_signal.store(number, std::memory_order_relaxed); }
+
+extern "C" void ask_for_scene(int) { scene_signal.store(1, std::memory_order_relaxed); }
 
 // The loop ends at its next tick, with the output at zero and every file written.
 void end_loop_on_signals() {
   // Nobody reads what we say, or a trace meets a limit: no reason to let go of the motors.
   signal(SIGPIPE, SIG_IGN);
   signal(SIGXFSZ, SIG_IGN);
+  struct sigaction next {};
+  next.sa_handler = ask_for_scene;
+  next.sa_flags = SA_RESTART;
+  sigaction(SIGUSR1, &next, nullptr);
   for (const int number : {SIGINT, SIGTERM, SIGHUP}) {
     struct sigaction action {};
     action.sa_handler = stop_on_signal;
@@ -35,11 +42,13 @@ void end_loop_on_signals() {
 
 forcelayer::Status prepare_outputs(forcelayer::voxrun::Options& options) {
   using forcelayer::command::FileKind;
-  const std::string inputs[] = {options.run.scene.string(), options.run.part.string(),
-                                options.motion, options.replay, options.plugin};
+  std::vector<std::string> inputs = {options.run.scene.string(), options.run.part.string(),
+                                     options.motion, options.replay, options.plugin};
+  for (const auto& next : options.scene_next) inputs.push_back(next.path);
   const forcelayer::command::OutputFile outputs[] = {
       {"--json", &options.json, FileKind::kReport},
       {"--trace", &options.trace, FileKind::kTable},
+      {"--save-path", &options.save_path, FileKind::kTable},
       {"--record", &options.record, FileKind::kRecording}};
   return forcelayer::command::prepare_outputs(outputs, inputs);
 }
@@ -72,7 +81,7 @@ int main(int argc, char** argv) {
     auto options = parser.finish();
     if (!options) return options.error();
     if (forcelayer::Status s = prepare_outputs(*options); !s) return s;
-    return forcelayer::voxrun::run_session(*options, stop_signal);
+    return forcelayer::voxrun::run_session(*options, stop_signal, scene_signal);
   });
   const int ended_by = stop_signal.load();
   if (status != 0 || ended_by <= 0) return status;

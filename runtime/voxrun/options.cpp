@@ -58,6 +58,18 @@ Status read_pose(const char* option, const std::string& text, Pose& pose) {
 
 }  // namespace
 
+Status check_scene_change(const Options& options, const char* asked_by) {
+  if (options.as_fast_as_possible) {
+    return usage(asked_by, "needs a clock: a scene is read while the run goes on",
+                 "leave out --as-fast-as-possible");
+  }
+  if (!options.record.empty() || !options.replay.empty()) {
+    return usage(asked_by, "has no place in a recording, which is of one scene",
+                 "leave out --record and --replay");
+  }
+  return {};
+}
+
 OptionParser::OptionParser(CLI::App& app) : app_(app) {
   app.add_option("scene", texts_.scene, "the scene, a .vox file")->required();
   app.add_option("part", texts_.part, "the moving part, a .pshell file")->required();
@@ -110,8 +122,18 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
                  "SHA-256 that a baked file may have, as sha256sum and voxinfo print it; scene and "
                  "part must both be among those given; repeatable")
       ->join(',');
+  app.add_option("--scene-next", texts_.scene_next,
+                 "FILE or FILE@TIME: a .vox file that follows the scene while the run goes on, at "
+                 "that time (2.5s), or at the button or SIGUSR1; the force fades out and in; "
+                 "repeatable")
+      ->join('\n');
+  app.add_option("--scene-button", texts_.scene_button,
+                 "device button for the next scene: that of --scene-next, else the last one's file "
+                 "anew")
+      ->check(CLI::Range(0, 31));
   app.add_option("--json", options_.json, "write a report");
   app.add_option("--trace", options_.trace, "write a CSV line a frame");
+  app.add_option("--save-path", options_.save_path, "write the part's path, a CSV for voxcheck");
   app.add_option("--record", options_.record, "write a recording for --replay");
   app.add_option("--replay", options_.replay, "repeat a recording bit for bit");
   app.add_option("--udp", options_.udp, "send the pose stream to [HOST:]PORT");
@@ -233,7 +255,35 @@ Status OptionParser::read_safety(Options& options) const {
   return {};
 }
 
+// "FILE" or "FILE@TIME"; a file may have an @ in its name.
+Status OptionParser::read_scenes(Options& options) const {
+  if (app_.count("--scene-button") > 0) options.scene_button = texts_.scene_button;
+  double last_s = 0;
+  std::string_view rest = texts_.scene_next;
+  while (!rest.empty()) {
+    const std::string_view text = rest.substr(0, rest.find('\n'));
+    rest.remove_prefix(std::min(rest.size(), text.size() + 1));
+    NextScene next{std::string(text), {}};
+    const std::size_t at = text.rfind('@');
+    const auto time_s = command::parse_duration(text.substr(std::min(at, text.size() - 1) + 1));
+    if (at != std::string_view::npos && time_s) {
+      next = {std::string(text.substr(0, at)), *time_s};
+      if (*time_s < last_s) {
+        return usage("--scene-next", "'" + std::string(text) + "' comes before the one before it",
+                     "give the scenes in the order of their times");
+      }
+      last_s = *time_s;
+    }
+    options.scene_next.push_back(std::move(next));
+  }
+  return {};
+}
+
 Status OptionParser::check(const Options& options) const {
+  if (!options.scene_next.empty() || options.scene_button) {
+    const char* const option = options.scene_button ? "--scene-button" : "--scene-next";
+    if (Status can = check_scene_change(options, option); !can) return can;
+  }
   const bool simulated = options.device == "sim" || options.device == "replay";
   if (options.after_trip == AfterTrip::kRearm && !simulated) {
     return usage("--after-trip", "rearm is for simulated hands", "give end or wait");
@@ -283,6 +333,7 @@ Result<Options> OptionParser::finish() const {
   if (Status read = read_texts(options); !read) return read.error();
   if (Status read = read_safety(options); !read) return read.error();
   if (Status read = read_fail_on(options); !read) return read.error();
+  if (Status read = read_scenes(options); !read) return read.error();
   if (Status sound = check(options); !sound) return sound.error();
   return options;
 }

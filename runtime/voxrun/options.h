@@ -31,6 +31,12 @@ enum FailOn : std::uint32_t {
   kFailOnSeat = 8,         // a seat that is open at the end
 };
 
+// A scene that follows while the run goes on.
+struct NextScene {
+  std::string path;
+  std::optional<double> at_s;  // none: when the user asks for it
+};
+
 struct Options {
   RunRequest run;  // its device: set once that is known
   std::string device = "sim";
@@ -38,18 +44,24 @@ struct Options {
   bool as_fast_as_possible = false;
   bool without_watchdog = false;
   bool quiet = false;
-  bool trust_plugin = false;  // its process keeps the user's rights
+  bool trust_plugin = false;        // its process keeps the user's rights
   std::string plugin, plugin_args;  // of the device "plugin"
   HidOptions hid;                   // of the devices "hid" and "spacemouse"
   std::string hand;  // that holds the sim device; empty: the script moves it, whatever it feels
-  std::string motion, json, trace, record, replay, udp;
+  std::string motion, json, trace, save_path, record, replay, udp;
   double udp_rate_hz = 60;
   PartStart start;                         // --start and --grip
   std::optional<machine::ReachBox> reach;  // --reach: none: what the handle's workspace allows
   std::uint32_t fail_on = 0;               // FailOn bits
   std::optional<AfterTrip> after_trip;     // none: the device's own
   std::optional<unsigned> clutch_button;   // none: the device's own
+  std::vector<NextScene> scene_next;       // --scene-next
+  std::optional<unsigned> scene_button;    // that asks for the next scene; none: SIGUSR1 alone
 };
+
+// Whether the scene can change while such a run goes on. `asked_by`: an option, for the error.
+// Errors: kUsage.
+Status check_scene_change(const Options& options, const char* asked_by);
 
 // Declares the options to CLI11. finish() turns what was parsed into Options and refuses
 // contradictions.
@@ -63,13 +75,14 @@ class OptionParser {
  private:
   struct Texts {
     std::string scene, part, duration, model, force, start, seat, grip, world_from_device, reach,
-        fail_on, after_trip, stale, expect;
-    unsigned clutch_button = 0;
+        fail_on, after_trip, stale, scene_next, expect;
+    unsigned clutch_button = 0, scene_button = 0;
     bool no_braking = false;
   };
   Status read_texts(Options& options) const;
   Status read_reach(Options& options) const;
   Status read_safety(Options& options) const;
+  Status read_scenes(Options& options) const;
   Status read_fail_on(Options& options) const;
   Status check(const Options& options) const;
 

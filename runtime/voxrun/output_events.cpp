@@ -11,7 +11,7 @@ void OutputEvents::add(double time_s, std::string what, bool say) {
 }
 
 void OutputEvents::see(const Frame& frame) {
-  const bool clutched = frame.input.valid == kInputClutched;
+  const bool clutched = frame.input.valid == kInputClutched && frame.health.clutch;
   if (clutched != clutched_) add(frame.time_s, clutched ? "clutched" : "clutch released", false);
   clutched_ = clutched;
   const StepReport& step = frame.result.report;

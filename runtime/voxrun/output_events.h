@@ -22,12 +22,11 @@ class OutputEvents {
   explicit OutputEvents(bool has_clutch) : has_clutch_(has_clutch) {}
 
   void see(const Frame& frame);
+  void add(double time_s, std::string what, bool say);
   const std::vector<OutputEvent>& events() const { return events_; }
   double last_trip_s() const { return last_trip_s_; }
 
  private:
-  void add(double time_s, std::string what, bool say);
-
   OutputState state_ = OutputState::kWaiting;
   bool has_clutch_;
   bool clutched_ = false;

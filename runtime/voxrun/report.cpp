@@ -7,14 +7,16 @@
 
 #include "formats/command/command.h"
 #include "formats/command/provenance.h"
+#include "formats/command/text.h"
 #include "runtime/model/simulation.h"
 #include "runtime/query/query_kernel.h"
 #include "runtime/run/limits.h"
-#include "runtime/voxrun/text.h"
 #include "runtime/voxrun/verdict.h"
 
 namespace forcelayer::voxrun {
 namespace {
+
+using command::text;
 
 using Json = nlohmann::ordered_json;
 
@@ -188,85 +190,109 @@ void add_output(const RunFacts& facts, const loop::LoopStatistics& s, Json& json
 }
 
 // Null where nothing is known by a name.
-Json object_json(const Run& run, std::uint32_t object) {
-  return object == 0 ? Json(nullptr) : Json(object_text(run, object));
+Json object_json(const Scenes& scenes, std::uint32_t object) {
+  return object == 0 ? Json(nullptr) : Json(scenes.object_text(object));
 }
 
-Json clearance_json(const Run& run, const loop::LoopStatistics& s) {
+Json clearance_json(const Scenes& scenes, const loop::LoopStatistics& s) {
   const auto& least = s.least_clearance;
   if (least.kind == ClearanceKind::kNone) return nullptr;
   Json json = {{"clearance_m", least.clearance_m},
                {"t_s", least.time_s},
                {"at_least", least.kind == ClearanceKind::kAtLeast},
-               {"object", object_json(run, least.object)}};
+               {"object", object_json(scenes, least.object)}};
   if (least.kind == ClearanceKind::kProven) {
     json["point_m"] = {least.point_m.x, least.point_m.y, least.point_m.z};
   }
   return json;
 }
 
-// The objects that were touched, the one with the largest force first.
-std::vector<loop::TouchedTotal> by_force(const loop::LoopStatistics& s) {
-  const auto seen = s.touched.totals();
-  std::vector<loop::TouchedTotal> totals(seen.begin(), seen.end());
+// The objects that were touched, the one with the largest force first. One that has a name in
+// several scenes is one object.
+std::vector<loop::TouchedTotal> by_force(const Scenes& scenes, const loop::LoopStatistics& s) {
+  std::vector<loop::TouchedTotal> totals;
+  for (const loop::TouchedTotal& seen : s.touched.totals()) {
+    const std::string name = scenes.object_name(seen.object);
+    const auto same = std::find_if(totals.begin(), totals.end(), [&](const auto& total) {
+      return !name.empty() && scenes.object_name(total.object) == name;
+    });
+    if (same == totals.end()) {
+      totals.push_back(seen);
+      continue;
+    }
+    same->frames += seen.frames;
+    same->max_force_n = std::max(same->max_force_n, seen.max_force_n);
+  }
   std::sort(totals.begin(), totals.end(),
             [](const auto& a, const auto& b) { return a.max_force_n > b.max_force_n; });
   return totals;
 }
 
-double seconds_of(const Run& run, const loop::TouchedTotal& total) {
-  return static_cast<double>(total.frames) / run.parameters().rate_hz;
+// The scenes in their order; null: no separation is guaranteed.
+Json scenes_json(const Scenes& scenes) {
+  Json json = Json::array();
+  for (const UsedScene& scene : scenes.list()) {
+    json.push_back({{"scene", scene.path},
+                    {"from_s", scene.from_s},
+                    {"guaranteed_separation_m", number(scene.guarantee.tested_m)},
+                    {"guaranteed_swept_separation_m", number(scene.guarantee.swept_m)}});
+  }
+  return json;
 }
 
-void add_objects(const Run& run, const loop::LoopStatistics& s, Json& json) {
+double seconds_of(const Scenes& scenes, const loop::TouchedTotal& total) {
+  return static_cast<double>(total.frames) / scenes.parameters().rate_hz;
+}
+
+void add_objects(const Scenes& scenes, const loop::LoopStatistics& s, Json& json) {
   json["seated_frames"] = s.seated_frames;
   json["guarantee_from_s"] = number(s.guarantee_from_s);
   Json& seat = json["seat"] = Json::array();
-  for (const auto& of_seat : run.simulation().seat()) {
+  for (const auto& of_seat : scenes.seat()) {
     Json& entry = seat.emplace_back();
-    entry["object"] = object_json(run, of_seat.object);
+    entry["object"] = object_json(scenes, of_seat.object);
     entry["overlap_m"] = of_seat.overlap_m + 0.0;  // no "-0.0"
     entry["points"] = of_seat.points;
   }
   Json& touched = json["touched_objects"] = Json::array();
-  for (const loop::TouchedTotal& total : by_force(s)) {
+  for (const loop::TouchedTotal& total : by_force(scenes, s)) {
     Json& entry = touched.emplace_back();
-    entry["name"] = object_text(run, total.object);
-    entry["seconds"] = seconds_of(run, total);
+    entry["name"] = scenes.object_text(total.object);
+    entry["seconds"] = seconds_of(scenes, total);
     entry["max_force_n"] = total.max_force_n;
   }
 }
 
 // "touched A (0.3 s, up to 2 N), B (...)", the strongest first; nothing where none was named.
-std::string touched_text(const Run& run, const loop::LoopStatistics& s) {
+std::string touched_text(const Scenes& scenes, const loop::LoopStatistics& s) {
   constexpr std::size_t kNamed = 8;
-  const auto totals = by_force(s);
+  const auto totals = by_force(scenes, s);
   if (totals.empty()) return "";
   std::string line;
   for (std::size_t i = 0; i < totals.size() && i < kNamed; ++i) {
     line += text("%s%s (%.3f s, up to %.3g N)", i == 0 ? "touched " : ", ",
-                 escaped(object_text(run, totals[i].object)).c_str(), seconds_of(run, totals[i]),
-                 totals[i].max_force_n);
+                 escaped(scenes.object_text(totals[i].object)).c_str(),
+                 seconds_of(scenes, totals[i]), totals[i].max_force_n);
   }
   if (totals.size() > kNamed) line += text(" and %zu more", totals.size() - kNamed);
   return line + "\n";
 }
 
 // What the part is seated on, and how deep where that is no rounding; nothing without a seat.
-std::string seated_text(const Run& run, const RunFacts& facts) {
-  if (run.simulation().seat().empty()) return "";
+std::string seated_text(const Scenes& scenes, const RunFacts& facts) {
+  if (scenes.seat().empty()) return "";
   return text(
       "%s%s\n",
       facts.options.start.world_from_seat ? "the part's seat is on " : "the part is seated on ",
-      seat_text(run, 0.1 * run.parameters().voxel_size_m).c_str());
+      seat_text(scenes, 0.1 * scenes.parameters().voxel_size_m).c_str());
 }
 
 }  // namespace
 
-std::string start_text(const Run& run, const RunFacts& facts) {
-  const VoxmapHeader& map = run.simulation().voxmap().header();
-  const PshellHeader& shell = run.simulation().shell().header();
-  const Parameters& p = run.parameters();
+std::string start_text(const Scenes& scenes, const RunFacts& facts) {
+  const VoxmapHeader& map = scenes.first().simulation().voxmap().header();
+  const PshellHeader& shell = scenes.first().simulation().shell().header();
+  const Parameters& p = scenes.parameters();
   const std::string begin = has_standoff(map) ? text("standoff %.4g mm", map.zero_force_m * 1000)
                                               : text("%u offset layers", map.offset_layers);
   return text("scene: voxels of %.4g mm, %s, %llu force-layer voxels\n", map.voxel_size_m * 1000,
@@ -279,14 +305,13 @@ std::string start_text(const Run& run, const RunFacts& facts) {
               p.rate_hz, facts.device.c_str(), p.coupling_n_per_m, p.field_n_per_m,
               p.mass_kg * 1000) +
          (facts.capabilities ? capabilities_text(*facts.capabilities) : std::string()) +
-         seated_text(run, facts) +
-         (run.simulation().seat().empty()
-              ? "guaranteed separation: "
-              : "guaranteed separation, once the part has left its seat: ") +
-         guarantee_text(run.guarantee()) + "\n";
+         seated_text(scenes, facts) +
+         (scenes.seat().empty() ? "guaranteed separation: "
+                                : "guaranteed separation, once the part has left its seat: ") +
+         guarantee_text(scenes.guarantee()) + "\n";
 }
 
-std::string end_text(const Run& run, const RunFacts& facts, const loop::LoopStatistics& s) {
+std::string end_text(const Scenes& scenes, const RunFacts& facts, const loop::LoopStatistics& s) {
   const auto ratio = penetration_ratio(s);
   const auto us = [](std::uint64_t ns) { return static_cast<double>(ns) / 1000; };
   std::string lines =
@@ -312,7 +337,7 @@ std::string end_text(const Run& run, const RunFacts& facts, const loop::LoopStat
                   us(s.wakeup.quantile_ns(0.99)), us(s.wakeup.max_ns()));
     if (s.deadline_misses > 0) lines += misses_text(s);
   }
-  lines += touched_text(run, s);
+  lines += touched_text(scenes, s);
   if (facts.output_trips > 0) {
     lines += text("output tripped %llu times, last: %s\n",
                   static_cast<unsigned long long>(facts.output_trips), to_text(facts.last_trip));
@@ -320,35 +345,37 @@ std::string end_text(const Run& run, const RunFacts& facts, const loop::LoopStat
   return lines;
 }
 
-Json report_json(const Run& run, const RunFacts& facts, const loop::LoopStatistics& s) {
+Json report_json(const Scenes& scenes, const RunFacts& facts, const loop::LoopStatistics& s) {
   Json json;
   json["version"] = command::kVersion;
   json["scene"] = facts.options.run.scene.string();
+  json["scenes"] = scenes_json(scenes);
   json["part"] = facts.options.run.part.string();
   json["device"] = facts.device;
   json["device_capabilities"] =
       facts.capabilities ? capabilities_json(*facts.capabilities) : Json(nullptr);
-  json["model"] = to_text(run.parameters().model);
-  json["force"] = to_text(run.parameters().force);
+  json["model"] = to_text(scenes.parameters().model);
+  json["force"] = to_text(scenes.parameters().force);
   json["frames"] = s.frames;
   json["force_layer_frames"] = s.force_layer_frames;
   json["penetration_frames"] = s.penetration_frames;
-  json["verdict"] = verdict_word(run, s);
+  json["verdict"] = verdict_word(scenes, s);
   json["penetration_ratio"] = number(penetration_ratio(s));
   json["contact_frames"] = s.contact_frames;
   json["guard_cuts"] = s.guard_cuts;
   json["barred_frames"] = s.barred_frames;
-  json["least_clearance"] = clearance_json(run, s);
+  json["least_clearance"] = clearance_json(scenes, s);
   json["unproven_frames"] = s.unproven_frames;
   json["outside_map_frames"] = s.outside_map_frames;
-  add_objects(run, s, json);
+  add_objects(scenes, s, json);
   json["saturated_frames"] = s.saturated_frames;
   json["faulty_frames"] = s.faulty_frames;
-  json["guaranteed_separation_m"] = number(run.guarantee().tested_m);
-  json["guaranteed_swept_separation_m"] = number(run.guarantee().swept_m);
-  json["missing_faces"] = command::missing_faces_in(run.simulation().voxmap().provenance()) +
-                          command::missing_faces_in(run.simulation().shell().provenance());
-  json["pose_error_m"] = run.simulation().query().rounding_bound_m();
+  json["guaranteed_separation_m"] = number(scenes.guarantee().tested_m);
+  json["guaranteed_swept_separation_m"] = number(scenes.guarantee().swept_m);
+  json["missing_faces"] =
+      command::missing_faces_in(scenes.first().simulation().voxmap().provenance()) +
+      command::missing_faces_in(scenes.first().simulation().shell().provenance());
+  json["pose_error_m"] = scenes.first().simulation().query().rounding_bound_m();
   json["step_ns"] = percentiles(s.step);
   json["threads"] = facts.options.run.threads;
   json["instruction_set"] = query::kernel_target();
@@ -366,8 +393,8 @@ Json report_json(const Run& run, const RunFacts& facts, const loop::LoopStatisti
   json["scene_file_bytes"] = facts.scene_file_bytes;
   json["scene_prefaulted_bytes"] = facts.prefaulted_bytes;
   json["scene_resident_bytes"] = facts.resident_bytes;
-  json["parameters"] = parameters_json(run.parameters());
-  json["parameter_reasons"] = run.reasons();
+  json["parameters"] = parameters_json(scenes.parameters());
+  json["parameter_reasons"] = scenes.first().reasons();
   json["warnings"] = facts.warnings;
   return json;
 }

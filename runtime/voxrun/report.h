@@ -9,6 +9,7 @@
 #include "runtime/loop/loop.h"
 #include "runtime/voxrun/options.h"
 #include "runtime/voxrun/output_events.h"
+#include "runtime/voxrun/scenes.h"
 
 namespace forcelayer::voxrun {
 
@@ -34,9 +35,10 @@ struct RunFacts {
   std::vector<std::string> warnings;
 };
 
-std::string start_text(const Run& run, const RunFacts& facts);
-std::string end_text(const Run& run, const RunFacts& facts, const loop::LoopStatistics& statistics);
-nlohmann::ordered_json report_json(const Run& run, const RunFacts& facts,
+std::string start_text(const Scenes& scenes, const RunFacts& facts);
+std::string end_text(const Scenes& scenes, const RunFacts& facts,
+                     const loop::LoopStatistics& statistics);
+nlohmann::ordered_json report_json(const Scenes& scenes, const RunFacts& facts,
                                    const loop::LoopStatistics& statistics);
 
 }  // namespace forcelayer::voxrun

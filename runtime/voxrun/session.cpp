@@ -9,6 +9,7 @@
 #include "formats/command/command.h"
 #include "formats/command/progress_line.h"
 #include "formats/command/provenance.h"
+#include "formats/path/path_file.h"
 #include "runtime/loop/loop.h"
 #include "runtime/loop/servo.h"
 #include "runtime/machine/map_loss.h"
@@ -22,6 +23,7 @@
 #include "runtime/voxrun/device_choice.h"
 #include "runtime/voxrun/frame_sinks.h"
 #include "runtime/voxrun/report.h"
+#include "runtime/voxrun/scenes.h"
 #include "runtime/voxrun/trace_writer.h"
 #include "runtime/voxrun/verdict.h"
 
@@ -43,6 +45,7 @@ struct Session {
   std::unique_ptr<loop::InputSource> input;
   stream::ReplayInput* replay = nullptr;  // the input, where it is one
   std::optional<Run> run;
+  std::optional<Scenes> scenes;  // of the run
   State start;
 
   ~Session() {
@@ -128,6 +131,7 @@ Status prepare_run(const Options& options, Session& session) {
   auto run = open_run(std::move(*voxmap), std::move(*shell), session.request);
   if (!run) return run.error();
   session.run = std::move(*run);
+  session.scenes.emplace(*session.run, options.run.scene.string());
   warn(session.run->warnings(), session.facts.warnings);
   warn_of_missing_faces(options, *session.run, session.facts.warnings);
   if (session.recording) {
@@ -185,7 +189,9 @@ void print_warnings(const RunFacts& facts, std::size_t first) {
 
 // The files and the socket that frames go to while the loop runs.
 struct FrameOutputs {
+  const model::Simulation* simulation = nullptr;
   std::optional<TraceWriter> trace;
+  std::optional<PathWriter> path;
   std::optional<stream::RecordingWriter> recording;
   std::optional<stream::PoseSender> poses;
 
@@ -196,9 +202,15 @@ struct FrameOutputs {
       recording.emplace(std::move(*writer));
     }
     if (!options.trace.empty()) {
-      auto writer = TraceWriter::create(options.trace, session.run->simulation());
+      auto writer = TraceWriter::create(options.trace, *session.scenes);
       if (!writer) return writer.error();
       trace = std::move(*writer);
+    }
+    if (!options.save_path.empty()) {
+      auto writer = PathWriter::create(options.save_path);
+      if (!writer) return writer.error();
+      path.emplace(std::move(*writer));
+      simulation = &session.run->simulation();
     }
     if (!options.udp.empty()) {
       auto sender =
@@ -209,9 +221,17 @@ struct FrameOutputs {
     return {};
   }
 
+  Status add_to_path(const Frame& frame) {
+    const Pose part = simulation->world_from_part(frame.result.report.world_from_center);
+    const auto& p = part.position_m;
+    const auto& q = part.orientation;
+    return path->add({frame.time_s, {p.x, p.y, p.z}, {q.w, q.x, q.y, q.z}});
+  }
+
   std::vector<FrameSink> sinks() {
     std::vector<FrameSink> all;
     if (trace) all.push_back([this](const Frame& frame) { return trace->add(frame); });
+    if (path) all.push_back([this](const Frame& frame) { return add_to_path(frame); });
     if (recording) all.push_back([this](const Frame& frame) { return recording->add(frame); });
     if (poses) {
       all.push_back([this](const Frame& frame) -> Status {
@@ -225,6 +245,9 @@ struct FrameOutputs {
   Status finish(std::uint64_t lost_frames) {
     if (trace) {
       if (Status s = trace->finish(); !s) return s;
+    }
+    if (path) {
+      if (Status s = path->finish(); !s) return s;
     }
     return recording ? recording->finish(lost_frames) : Status{};
   }
@@ -270,15 +293,18 @@ FrameSink progress_sink(const loop::LoopOptions& loop, command::ProgressLine& li
 }
 
 Status run_frames(const Options& options, Session& session, std::atomic<int>& stop,
-                  loop::LoopStatistics& statistics) {
+                  std::atomic<int>& next_scene, loop::LoopStatistics& statistics) {
   FrameOutputs outputs;
   if (Status opened = outputs.open(options, session); !opened) return opened;
   const loop::LoopOptions loop = loop_options(options, session, stop);
   command::ProgressLine progress(options.quiet);
   auto sinks = outputs.sinks();
   OutputEvents events(session.clutch_buttons != 0);
-  sinks.push_back([&events](const Frame& frame) -> Status {
+  const machine::ReachBox reach = reach_of(options, session);
+  SceneChange change(options, session.request, reach, *session.scenes, next_scene);
+  sinks.push_back([&](const Frame& frame) -> Status {
     events.see(frame);
+    for (const std::string& event : change.see(frame)) events.add(frame.time_s, event, true);
     return {};
   });
   sinks.push_back(progress_sink(loop, progress));
@@ -288,7 +314,7 @@ Status run_frames(const Options& options, Session& session, std::atomic<int>& st
   model::Simulation& simulation = session.run->simulation();
   const Voxmap& voxmap = simulation.voxmap();
   session.facts.scene_file_bytes = voxmap.bytes().size();
-  session.facts.prefaulted_bytes = machine::prefault(voxmap, reach_of(options, session));
+  session.facts.prefaulted_bytes = machine::prefault(voxmap, reach);
   const std::size_t warned = session.facts.warnings.size();
   // Once every other thread runs: the stack of a later one would count as locked, and may be
   // refused.
@@ -308,11 +334,15 @@ Status run_frames(const Options& options, Session& session, std::atomic<int>& st
   limits.rearm_alone = session.after_trip == AfterTrip::kRearm;
   loop::Servo servo(simulation, *session.input, session.start, limits);
   servo.set_clutch_buttons(session.clutch_buttons);
+  change.begin(servo);
   const long long begin_ns = machine::monotonic_ns();
   loop::run_loop(servo, loop, &ring, statistics);
   session.facts.steal_s = machine::steal_seconds() - stolen_s;
   session.facts.wall_s = static_cast<double>(machine::monotonic_ns() - begin_ns) / 1e9;
-  session.facts.resident_bytes = machine::resident_bytes(voxmap.bytes());
+  change.finish();
+  const Voxmap& last = change.map() != nullptr ? *change.map() : voxmap;
+  session.facts.scene_file_bytes = last.bytes().size();
+  session.facts.resident_bytes = machine::resident_bytes(last.bytes());
   if (session.device.device) session.device.device->stop();
   if (Status drained = frame_sinks.finish(); !drained) return drained;
   session.facts.output_trips = servo.output().trips();
@@ -329,28 +359,28 @@ Status run_frames(const Options& options, Session& session, std::atomic<int>& st
 
 }  // namespace
 
-Status run_session(const Options& options, std::atomic<int>& stop) {
+Status run_session(const Options& options, std::atomic<int>& stop, std::atomic<int>& next_scene) {
   Session session(options);
   machine::contain_map_loss();
   if (Status s = prepare_run(options, session); !s) return s;
-  if (!options.quiet) std::cout << start_text(*session.run, session.facts) << std::flush;
+  if (!options.quiet) std::cout << start_text(*session.scenes, session.facts) << std::flush;
   print_warnings(session.facts, 0);
   const auto statistics = std::make_unique<loop::LoopStatistics>();
-  if (Status s = run_frames(options, session, stop, *statistics); !s) return s;
+  if (Status s = run_frames(options, session, stop, next_scene, *statistics); !s) return s;
   if (!options.quiet) {
-    std::cout << end_text(*session.run, session.facts, *statistics)
-              << verdict_text(*session.run, *statistics) << std::flush;
+    std::cout << end_text(*session.scenes, session.facts, *statistics)
+              << verdict_text(*session.scenes, *statistics) << std::flush;
   }
   if (!options.json.empty()) {
     if (Status s = command::write_report(options.json,
-                                         report_json(*session.run, session.facts, *statistics));
+                                         report_json(*session.scenes, session.facts, *statistics));
         !s) {
       return s;
     }
   }
   if (Status sound = check_output(session.facts); !sound) return sound;
   if (Status repeated = check_replay(session); !repeated) return repeated;
-  return check_verdict(options, *session.run, *statistics);
+  return check_verdict(options, *session.scenes, *statistics);
 }
 
 }  // namespace forcelayer::voxrun

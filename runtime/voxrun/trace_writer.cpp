@@ -3,6 +3,8 @@
 #include <charconv>
 #include <span>
 
+#include "runtime/model/simulation.h"
+
 namespace forcelayer::voxrun {
 namespace {
 
@@ -17,11 +19,10 @@ constexpr const char* kHeader =
 
 }  // namespace
 
-Result<TraceWriter> TraceWriter::create(const std::string& path,
-                                        const model::Simulation& simulation) {
+Result<TraceWriter> TraceWriter::create(const std::string& path, const Scenes& scenes) {
   auto file = AtomicFile::create(path);
   if (!file) return file.error();
-  TraceWriter writer(std::move(*file), simulation);
+  TraceWriter writer(std::move(*file), scenes);
   writer.text_ = kHeader;
   return writer;
 }
@@ -49,7 +50,7 @@ void TraceWriter::put(const Pose& pose) {
 
 // A line a frame, whatever the name holds: escaped, and quoted where CSV asks for it.
 void TraceWriter::put_name(std::uint32_t object) {
-  const std::string name = escaped(simulation_->voxmap().object_name(object));
+  const std::string name = escaped(scenes_->object_name(object));
   if (name.find_first_of(",\"") == std::string::npos) {
     text_ += name;
     return;
@@ -66,7 +67,7 @@ Status TraceWriter::add(const Frame& frame) {
   const StepReport& report = frame.result.report;
   put(frame.time_s);
   put(frame.input.world_from_handle);
-  put(simulation_->world_from_part(report.world_from_center));
+  put(scenes_->first().simulation().world_from_part(report.world_from_center));
   for (int axis = 0; axis < 3; ++axis) put(frame.result.wrench.force_n[axis]);
   for (int axis = 0; axis < 3; ++axis) put(frame.result.wrench.torque_nm[axis]);
   for (const std::uint32_t n :
@@ -84,7 +85,7 @@ Status TraceWriter::add(const Frame& frame) {
     put(report.clearance_m);
   }
   put(static_cast<std::int64_t>(frame.output));
-  put_name(report.nearest_object);
+  put_name(report.nearest_object == 0 ? 0 : frame.objects_before + report.nearest_object);
   text_ += '\n';
   return text_.size() < kFlushBytes ? Status{} : flush();
 }

@@ -6,22 +6,21 @@
 #include "forcelayer/frame.h"
 #include "formats/file/atomic_file.h"
 #include "formats/result.h"
-#include "runtime/model/simulation.h"
+#include "runtime/voxrun/scenes.h"
 
 namespace forcelayer::voxrun {
 
 // Its columns: trace.md.
 class TraceWriter {
  public:
-  // `simulation` must outlive the writer.
-  static Result<TraceWriter> create(const std::string& path, const model::Simulation& simulation);
+  // `scenes` must outlive the writer.
+  static Result<TraceWriter> create(const std::string& path, const Scenes& scenes);
 
   Status add(const Frame& frame);
   Status finish();
 
  private:
-  TraceWriter(AtomicFile file, const model::Simulation& simulation)
-      : file_(std::move(file)), simulation_(&simulation) {}
+  TraceWriter(AtomicFile file, const Scenes& scenes) : file_(std::move(file)), scenes_(&scenes) {}
   Status flush();
   void put(double value);
   void put(std::int64_t value);
@@ -29,7 +28,7 @@ class TraceWriter {
   void put_name(std::uint32_t object);
 
   AtomicFile file_;
-  const model::Simulation* simulation_;
+  const Scenes* scenes_;
   std::string text_;
 };
 

@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "runtime/model/simulation.h"
-#include "runtime/voxrun/text.h"
+#include "formats/command/text.h"
 
 namespace forcelayer::voxrun {
 namespace {
+
+using command::text;
 
 using loop::FirstFrame;
 using loop::LoopStatistics;
@@ -28,31 +29,31 @@ void end_list(std::string& line, std::size_t count) {
 }
 
 // Of the scene as a whole where it has no names.
-std::string printed(const Run& run, std::uint32_t object) {
-  return object == 0 ? "the scene" : escaped(object_text(run, object));
+std::string printed(const Scenes& scenes, std::uint32_t object) {
+  return object == 0 ? "the scene" : escaped(scenes.object_text(object));
 }
 
-bool is_of_seat(const Run& run, std::uint32_t object) {
-  for (const auto& of_seat : run.simulation().seat()) {
+bool is_of_seat(const Scenes& scenes, std::uint32_t object) {
+  for (const auto& of_seat : scenes.seat()) {
     if (of_seat.object == object) return true;
   }
   return false;
 }
 
 // ", against A, B": what the part pushed against in a frame.
-std::string against(const Run& run, const FirstFrame& frame, bool with_seat) {
+std::string against(const Scenes& scenes, const FirstFrame& frame, bool with_seat) {
   std::string line;
   std::size_t count = 0;
   for (const TouchedObject& touched : frame.touched) {
-    if (touched.object == 0 || (!with_seat && is_of_seat(run, touched.object))) continue;
+    if (touched.object == 0 || (!with_seat && is_of_seat(scenes, touched.object))) continue;
     if (count == 0) line = ", against ";
-    list(line, count++, printed(run, touched.object));
+    list(line, count++, printed(scenes, touched.object));
   }
   return line;
 }
 
-bool seat_open(const Run& run, const LoopStatistics& s) {
-  return !run.simulation().seat().empty() && !s.guarantee_from_s;
+bool seat_open(const Scenes& scenes, const LoopStatistics& s) {
+  return !scenes.seat().empty() && !s.guarantee_from_s;
 }
 
 std::uint64_t unproven_frames(const LoopStatistics& s) {
@@ -65,8 +66,8 @@ bool is_doubtful(const LoopStatistics& s) {
          (s.barred_frames > 0 && unproven_frames(s) > 0);
 }
 
-std::string seat_part(const Run& run, const LoopStatistics& s) {
-  const std::string seat = seat_text(run, INFINITY);
+std::string seat_part(const Scenes& scenes, const LoopStatistics& s) {
+  const std::string seat = seat_text(scenes, INFINITY);
   if (seat.empty()) return "";
   if (s.guarantee_from_s) {
     return text("seated on %s until %.3f s; then ", seat.c_str(), *s.guarantee_from_s);
@@ -84,7 +85,7 @@ std::string seat_part(const Run& run, const LoopStatistics& s) {
 }
 
 // The least clearance, rounded down.
-std::string clearance_part(const Run& run, const LoopStatistics& s) {
+std::string clearance_part(const Scenes& scenes, const LoopStatistics& s) {
   const auto& least = s.least_clearance;
   if (least.kind == ClearanceKind::kNone) return "no clearance is known";
   const double mm = std::floor(least.clearance_m * 1e6) / 1e3;
@@ -93,7 +94,7 @@ std::string clearance_part(const Run& run, const LoopStatistics& s) {
     part = text("clearance at least %.3f mm, nothing was nearer", mm);
   } else {
     part = text("least proven clearance %.3f mm%s%s at %.3f s, at %.4g, %.4g, %.4g m", mm,
-                least.object != 0 ? " to " : "", escaped(object_text(run, least.object)).c_str(),
+                least.object != 0 ? " to " : "", escaped(scenes.object_text(least.object)).c_str(),
                 least.time_s, least.point_m.x, least.point_m.y, least.point_m.z);
   }
   if (const std::uint64_t n = unproven_frames(s); n > 0) {
@@ -104,17 +105,11 @@ std::string clearance_part(const Run& run, const LoopStatistics& s) {
 
 }  // namespace
 
-std::string object_text(const Run& run, std::uint32_t object) {
-  if (object == 0) return "";
-  const std::string_view name = run.object_name(object);
-  return name.empty() ? text("object %u", object) : std::string(name);
-}
-
-std::string seat_text(const Run& run, double least_overlap_m) {
+std::string seat_text(const Scenes& scenes, double least_overlap_m) {
   std::string line;
   std::size_t count = 0;
-  for (const auto& of_seat : run.simulation().seat()) {
-    std::string object = printed(run, of_seat.object);
+  for (const auto& of_seat : scenes.seat()) {
+    std::string object = printed(scenes, of_seat.object);
     if (of_seat.overlap_m > least_overlap_m) {
       object += text(" (%.3g mm inside)", 1000 * of_seat.overlap_m);
     }
@@ -124,20 +119,20 @@ std::string seat_text(const Run& run, double least_overlap_m) {
   return line;
 }
 
-const char* verdict_word(const Run& run, const LoopStatistics& s) {
+const char* verdict_word(const Scenes& scenes, const LoopStatistics& s) {
   if (s.penetration_frames > 0) return "not clear";
   if (is_doubtful(s)) return "unknown";
-  return seat_open(run, s) ? "seated" : "clear";
+  return seat_open(scenes, s) ? "seated" : "clear";
 }
 
-std::string verdict_text(const Run& run, const LoopStatistics& s) {
+std::string verdict_text(const Scenes& scenes, const LoopStatistics& s) {
   if (s.frames == 0) return "no frame was run\n";
-  std::string line = seat_part(run, s);
+  std::string line = seat_part(scenes, s);
   if (s.penetration_frames > 0) {
     line += "NOT clear: ";
   } else if (is_doubtful(s)) {
     line += "not known to be clear: ";
-  } else if (!seat_open(run, s)) {
+  } else if (!seat_open(scenes, s)) {
     line += "clear: ";
   }
   if (s.first_outside_map) {
@@ -149,27 +144,28 @@ std::string verdict_text(const Run& run, const LoopStatistics& s) {
     line += text("%llu frame%s nearer than the guard allows; ", printable(s.barred_frames),
                  ending(s.barred_frames));
   }
-  if (!s.first_penetration) return line + clearance_part(run, s) + "; 0 penetration frames\n";
+  if (!s.first_penetration) return line + clearance_part(scenes, s) + "; 0 penetration frames\n";
   return line + text("%llu penetration frame%s, the first at %.3f s%s\n",
                      printable(s.penetration_frames), ending(s.penetration_frames),
-                     s.first_penetration->time_s, against(run, *s.first_penetration, true).c_str());
+                     s.first_penetration->time_s,
+                     against(scenes, *s.first_penetration, true).c_str());
 }
 
-Status check_verdict(const Options& options, const Run& run, const LoopStatistics& s) {
+Status check_verdict(const Options& options, const Scenes& scenes, const LoopStatistics& s) {
   std::optional<double> first_s;
   std::string what;
   const auto see = [&](FailOn kind, const std::optional<FirstFrame>& first, const char* did,
                        bool with_seat) {
     if ((options.fail_on & kind) == 0 || !first || (first_s && *first_s <= first->time_s)) return;
     first_s = first->time_s;
-    what = did + against(run, *first, with_seat);
+    what = did + against(scenes, *first, with_seat);
   };
   see(kFailOnPenetration, s.first_penetration, "the part penetrated the scene", true);
   see(kFailOnContact, s.first_contact, "the part touched the scene", false);
   see(kFailOnOutside, s.first_outside_map, "the part went beyond a cropped side of the scene",
       true);
-  if (!first_s && (options.fail_on & kFailOnSeat) != 0 && seat_open(run, s)) {
-    what = "the part has not left its seat on " + seat_text(run, INFINITY);
+  if (!first_s && (options.fail_on & kFailOnSeat) != 0 && seat_open(scenes, s)) {
+    what = "the part has not left its seat on " + seat_text(scenes, INFINITY);
   }
   if (what.empty()) return {};
   return Error{ErrorCode::kAnswerIsNo, options.run.part.string(),

@@ -1,32 +1,28 @@
-// What a run comes to: names of objects, the last line of its report, and --fail-on.
+// What a run comes to: the last line of its report, and --fail-on.
 #pragma once
 
 #include <span>
 #include <string>
 
-#include "forcelayer/run.h"
 #include "runtime/loop/loop_statistics.h"
 #include "runtime/voxrun/options.h"
+#include "runtime/voxrun/scenes.h"
 
 namespace forcelayer::voxrun {
 
-// The name of an object of the scene, as the file has it; "object N" where that is empty, nothing
-// for 0.
-std::string object_text(const Run& run, std::uint32_t object);
-
 // The objects of the part's seat, escaped, the first few by name; empty without a seat. An overlap
 // of more than `least_overlap_m` is said.
-std::string seat_text(const Run& run, double least_overlap_m);
+std::string seat_text(const Scenes& scenes, double least_overlap_m);
 
 // `clear`, `not clear` (a penetration frame), `seated` (the seat was not left), or `unknown` (a
 // premise failed, or no frame was run).
-const char* verdict_word(const Run& run, const loop::LoopStatistics& statistics);
+const char* verdict_word(const Scenes& scenes, const loop::LoopStatistics& statistics);
 
 // The same with figures, times and names: one line, escaped, with its end.
-std::string verdict_text(const Run& run, const loop::LoopStatistics& statistics);
+std::string verdict_text(const Scenes& scenes, const loop::LoopStatistics& statistics);
 
 // An error where the run did what --fail-on names. Errors: kAnswerIsNo.
-Status check_verdict(const Options& options, const Run& run,
+Status check_verdict(const Options& options, const Scenes& scenes,
                      const loop::LoopStatistics& statistics);
 
 }  // namespace forcelayer::voxrun

@@ -37,12 +37,13 @@ formats:
 formats/lattice:
 formats/audit:          formats
 formats/digest:         formats
+formats/path:           formats
 formats/command:        formats
 runtime/forcelayer:     formats
 runtime/machine:        formats
 voxelize/masks:         formats/lattice
 formats/mesh:           formats formats/command
-formats/voxinfo:        formats formats/audit formats/command formats/digest
+formats/voxinfo:        formats formats/audit formats/command formats/digest formats/path
 runtime/coupling:       runtime/forcelayer
 runtime/examples:       runtime/forcelayer
 runtime/query:          formats runtime/forcelayer runtime/machine
@@ -59,7 +60,8 @@ runtime/model:          formats runtime/coupling runtime/field runtime/forcelaye
 voxelize/limits:        formats formats/lattice voxelize/masks voxelize/scan
 voxelize/distance:      formats formats/lattice voxelize/masks voxelize/scan
 pointshell/sample:      formats formats/lattice pointshell/certificate pointshell/part
-runtime/devices:        formats runtime/coupling runtime/forcelayer runtime/model
+runtime/clearance:      formats formats/path runtime/coupling runtime/field runtime/forcelayer runtime/query
+runtime/devices:        formats formats/path runtime/coupling runtime/forcelayer runtime/model
 voxelize/cache:         formats formats/lattice formats/mesh formats/mesh/sandbox voxelize/distance voxelize/fill voxelize/masks
 pointshell/normals:     formats pointshell/part pointshell/sample
 runtime/devices/hid:    formats runtime/coupling runtime/devices runtime/forcelayer runtime/machine
@@ -71,7 +73,8 @@ runtime/run:            formats formats/audit formats/digest runtime/field runti
 runtime/stream:         formats runtime/forcelayer runtime/loop runtime/machine runtime/model
 voxelize:               formats formats/command formats/mesh formats/mesh/sandbox voxelize/cache voxelize/distance voxelize/fill voxelize/limits voxelize/masks voxelize/scan voxelize/tree
 runtime/viewer/run:     formats runtime/coupling runtime/field runtime/forcelayer runtime/model runtime/stream
-runtime/voxrun:         formats formats/command formats/digest runtime/devices runtime/devices/hid runtime/devices/plugin runtime/forcelayer runtime/loop runtime/machine runtime/model runtime/query runtime/run runtime/stream
+runtime/voxrun:         formats formats/command formats/digest formats/path runtime/devices runtime/devices/hid runtime/devices/plugin runtime/forcelayer runtime/loop runtime/machine runtime/model runtime/query runtime/run runtime/stream
+runtime/voxcheck:       formats formats/command formats/path runtime/clearance runtime/forcelayer runtime/model runtime/run runtime/stream
 runtime/viewer/plan:    formats formats/command formats/mesh runtime/forcelayer runtime/viewer/run runtime/viewer/surface
 runtime/viewer/vtk:     formats formats/command runtime/forcelayer runtime/viewer/plan runtime/viewer/run runtime/viewer/surface
 runtime/viewer:         formats formats/command runtime/viewer/plan runtime/viewer/run runtime/viewer/vtk
@@ -105,11 +108,12 @@ done < <(sources formats voxelize pointshell runtime | grep -v /firmware/ | xarg
 hidapi_users=$(sources runtime | xargs grep -lE '#include *[<"](hidapi/)?hidapi' | wc -l) || true
 [ "$hidapi_users" -le 1 ] || { echo "FAILED: $hidapi_users files include hidapi.h" >&2; fail=1; }
 
-for command in voxrun voxinfo; do
+for command in voxrun voxcheck voxinfo; do
   binary=$FORCELAYER_BIN_DIR/$command
   [ -x "$binary" ] || { echo "FAILED: $binary is missing" >&2; exit 1; }
 done
 refuse_linked() { ldd "$1" | grep -E 'openvdb|OpenMesh|draco|libtbb|vtk|boost' && {
   echo "FAILED: $1 links an offline library" >&2; fail=1; } || true; }
 refuse_linked "$FORCELAYER_BIN_DIR/voxrun"
+refuse_linked "$FORCELAYER_BIN_DIR/voxcheck"
 exit $fail

@@ -32,6 +32,7 @@ constexpr Golden kGolden[] = {
     {"part", 1, "1c4d57068bd7dcebb03b7856ce94f27c"},
     {"part", 2, "1c4d57068bd7dcebb03b7856ce94f27c"},
     {"node", 1, "b3fc25335a66c7ce49d0e54e610980d0"},
+    {"distance", 1, "dced7f28bc28ea459de843b666334c3c"},
     {"near voxels", 2, "90bd1485eae1eddd72590f4c2a8fca18"},
 };
 
@@ -212,6 +213,25 @@ TEST(CacheVersions, OfGrownSurfaces) {
     add_values(digest, BakedScene({object}, options));
   }
   expect_golden("near voxels", cache::kGrowthCacheVersion, digest.finish());
+}
+
+// Distances and nearest objects.
+TEST(CacheVersions, OfDistances) {
+  const std::vector<mesh::Mesh> meshes = {golden_sliver(), golden_mesh(1), golden_mesh(2)};
+  cache::DigestBuilder digest;
+  for (const std::uint32_t layers : {1u, 3u}) {
+    voxelize::BakeOptions options = golden_options(layers);
+    options.metric = Metric::kEuclidean;
+    const auto baked = voxelize::bake(golden_objects(meshes), options);
+    ASSERT_TRUE(baked) << to_line(baked.error());
+    for (const tree::VoxelTree* tree : {&baked->distances, &baked->nearest_objects}) {
+      for (const auto* words :
+           {&tree->directory, &tree->upper_nodes, &tree->lower_nodes, &tree->bricks}) {
+        digest.bytes(std::as_bytes(std::span(*words)));
+      }
+    }
+  }
+  expect_golden("distance", cache::kDistanceCacheVersion, digest.finish());
 }
 
 // The finished tree, bricks and clearance included.

@@ -9,6 +9,7 @@
 #include "runtime/viewer/surface/coarse_layers.h"
 #include "runtime/viewer/surface/layer_surface.h"
 #include "tests/support/dense_voxmap.h"
+#include "tests/support/golden_bytes.h"
 
 namespace forcelayer::testing {
 namespace {
@@ -124,6 +125,43 @@ TEST(LayerSurface, CoversEachFaceOnceAndNoOther) {
           EXPECT_EQ(surface.quad_count(), expected.size());
         }
       }
+    }
+  }
+}
+
+// The map without the voxels that are nearest to an object, and without those of which no object is
+// known.
+DenseVoxels without_object(const Voxmap& map, std::uint32_t object) {
+  const VoxmapHeader& h = map.header();
+  VoxelIndex extent{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    extent[axis] = static_cast<std::int64_t>(h.dims_voxels[axis]);
+  }
+  DenseVoxels voxels(h.origin_voxel, extent, h.voxel_size_m);
+  for_each_voxel(voxels.box(), [&](const VoxelIndex& v) {
+    const auto [i, j, k] = v;
+    const bool known =
+        std::isfinite(map.least_distance_m(i, j, k)) && std::isfinite(map.most_distance_m(i, j, k));
+    const std::uint32_t nearest = known ? map.nearest_object(i, j, k) : 0;
+    if (nearest != 0 && nearest != object) voxels.set(i, j, k, map.value(i, j, k));
+  });
+  return voxels;
+}
+
+TEST(LayerSurface, LeavesOutTheVoxelsOfHiddenObjects) {
+  const Voxmap map = Voxmap::open(golden_path("baked_objects.vox")).value();
+  const std::uint32_t count = map.header().object_count;
+  ASSERT_GT(count, 1u);
+  for (std::uint32_t object = 1; object <= count; ++object) {
+    viewer::HiddenObjects hidden(count + 1, 0);
+    hidden[0] = hidden[object] = 1;
+    const DenseVoxels voxels = without_object(map, object);
+    for (const VoxelValue layer : {VoxelValue::kInterior, VoxelValue::kSurface}) {
+      const std::set<Face> expected = expected_faces(voxels, layer);
+      EXPECT_FALSE(expected.empty());
+      const viewer::QuadSurface surface =
+          viewer::layer_surface(map, layer, {0, 0, 0}, viewer::Faces::kMerged, hidden);
+      EXPECT_EQ(covered_faces(surface, map.voxel_size_m()), expected);
     }
   }
 }

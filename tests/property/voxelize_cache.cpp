@@ -94,7 +94,7 @@ class BakeCacheTest : public ::testing::Test {
 };
 
 TEST_F(BakeCacheTest, SameBytesColdWarmAndAfterEveryChange) {
-  std::size_t reused = 0, rebuilt = 0;
+  std::size_t reused = 0, rebuilt = 0, distances_reused = 0, measured = 0;
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
     Random random(seed);
@@ -107,6 +107,8 @@ TEST_F(BakeCacheTest, SameBytesColdWarmAndAfterEveryChange) {
     ASSERT_EQ(bytes_of(warm), bytes_of(baked(scene, plain_))) << "warm";
     ASSERT_EQ(found(warm), scene.meshes.size());
     ASSERT_EQ(warm.reused_nodes, warm.nodes);
+    ASSERT_EQ(warm.reused_distance_nodes, warm.distance_nodes);
+    ASSERT_EQ(warm.distance_nodes > 0, euclidean);
 
     for (int change = 0; change < 4; ++change) {
       const auto i = static_cast<std::size_t>(
@@ -124,6 +126,8 @@ TEST_F(BakeCacheTest, SameBytesColdWarmAndAfterEveryChange) {
       ASSERT_EQ(bytes_of(result), bytes_of(baked(scene, plain_))) << "change " << change;
       reused += result.reused_nodes;
       rebuilt += result.nodes - result.reused_nodes;
+      distances_reused += result.reused_distance_nodes;
+      measured += result.distance_nodes - result.reused_distance_nodes;
       if (change < 2) {
         ASSERT_EQ(found(result), scene.meshes.size() - 1);
       }
@@ -131,6 +135,37 @@ TEST_F(BakeCacheTest, SameBytesColdWarmAndAfterEveryChange) {
   }
   EXPECT_GT(reused, rebuilt / 4) << "hardly any node is found again";
   EXPECT_GT(rebuilt, 0u);
+  EXPECT_GT(distances_reused, measured / 4) << "hardly any distance is found again";
+  EXPECT_GT(measured, 0u);
+}
+
+// Objects have other numbers once one before them is gone: in bricks that several share, and in
+// boxes of one. Distances of an object that looks the same in voxels, but is another, are measured.
+TEST_F(BakeCacheTest, DistancesAreFoundUnderTheNumbersOfTheNextBake) {
+  use(2, Metric::kEuclidean);
+  CachedScene scene;
+  for (const double x : {0.0, 300.0, 321.5, 600.0}) {
+    reference::add_box(scene.meshes.emplace_back(), {0, 0, 0}, {20, 20, 20});
+    scene.positions.push_back({x, 0, 0});
+  }
+  baked(scene, cached_);
+  const auto remove = [&](std::ptrdiff_t n) {
+    scene.meshes.erase(scene.meshes.begin() + n);
+    scene.positions.erase(scene.positions.begin() + n);
+  };
+  remove(0);
+  const voxelize::Bake fewer = baked(scene, cached_);
+  EXPECT_EQ(bytes_of(fewer), bytes_of(baked(scene, plain_)));
+  EXPECT_EQ(fewer.reused_distance_nodes, fewer.distance_nodes);
+  scene.positions[0][0] += 1e-3;
+  const voxelize::Bake moved = baked(scene, cached_);
+  EXPECT_EQ(bytes_of(moved), bytes_of(baked(scene, plain_)));
+  EXPECT_GT(moved.reused_distance_nodes, 0u);
+  EXPECT_LT(moved.reused_distance_nodes, moved.distance_nodes);
+  cached_.range_m = plain_.range_m = 6;
+  const voxelize::Bake deeper = baked(scene, cached_);
+  EXPECT_EQ(bytes_of(deeper), bytes_of(baked(scene, plain_)));
+  EXPECT_EQ(deeper.reused_distance_nodes, 0u);
 }
 
 // The same bake again after every kind of damage to the cache.

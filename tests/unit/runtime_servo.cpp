@@ -443,6 +443,50 @@ TEST_P(ServoTest, ThePartIsSwappedWithoutARestart) {
   EXPECT_EQ(bench.servo.output().trips(), 0u);
 }
 
+// A hold fades as the clutch does, arms nothing, and keeps the part where it is while the scene is
+// changed: the part goes on from there, without stretch, though the hand moved on.
+TEST_P(ServoTest, AHeldPartStaysWhereItIsWhileTheSceneIsChanged) {
+  Bench bench(GetParam());
+  bench.servo.set_hold(true);
+  for (int i = 0; i < 60; ++i) bench.tick();
+  EXPECT_EQ(bench.servo.output().state(), OutputState::kWaiting);
+  bench.servo.set_hold(false);
+  bench.go_to(0.03);
+  double last = bench.device.felt.force_n.z;
+  ASSERT_GT(last, 1);
+  bench.servo.set_hold(true);
+  for (int i = 0; i < 60; ++i) {
+    bench.hand.position_m.x += 1e-5;
+    const double felt = bench.tick().force_n.z;
+    EXPECT_LE(felt, last + 1e-9);
+    last = felt;
+  }
+  EXPECT_EQ(last, 0);
+  ASSERT_EQ(bench.frame.input.valid, kInputClutched);
+  EXPECT_TRUE(bench.frame.health.swapping);
+  const Pose held = bench.frame.result.report.world_from_center;
+  const auto next = simulation(GetParam());
+  PartStart start;
+  start.world_from_part = next->world_from_part(held);
+  EXPECT_EQ(bench.frame.scene, 0u);
+  ASSERT_TRUE(bench.servo.request_swap(*next, start));
+  bench.servo.set_hold(false);
+  bench.tick();
+  EXPECT_EQ(bench.frame.scene, 1u);
+  EXPECT_FALSE(bench.servo.swapping());
+  EXPECT_LT(glm::length(bench.servo.state().world_from_center.position_m - held.position_m), 1e-12);
+  EXPECT_LT(bench.stretch_m(), 1e-12);
+  const double z = held.position_m.z;
+  for (int i = 0; i < 300; ++i) {
+    bench.tick();
+    // The force layer, without the hand against it, moves the part out by less than its depth.
+    EXPECT_NEAR(bench.servo.state().world_from_center.position_m.z, z, kS / 4);
+  }
+  bench.go_to(bench.hand.position_m.z - 0.005);
+  EXPECT_GT(bench.device.felt.force_n.z, 1);
+  EXPECT_EQ(bench.servo.output().trips(), 0u);
+}
+
 // With the limits of the run, a replay gives the device's wrench again, faults and clutch included.
 TEST_P(ServoTest, AReplayGivesTheDevicesWrenchAgain) {
   const ScratchFolder folder;

@@ -33,6 +33,13 @@ TEST_F(Pick, MeetsNothingBesideTheScene) {
   EXPECT_EQ(object_on(map_, {{0.0005, 0.0005, -1}, {0, 0, 1}}, {}), "");
 }
 
+TEST_F(Pick, GoesThroughHiddenObjects) {
+  const Ray up{{0.0035, 0.0035, -1}, {0, 0, 2}};
+  EXPECT_EQ(object_on(map_, up, {}, {1, 1, 0}), "right");
+  EXPECT_EQ(object_on(map_, up, {}, {1, 0, 1}), "left");
+  EXPECT_EQ(object_on(map_, up, {}, {1, 1, 1}), "");
+}
+
 TEST_F(Pick, BeginsAtACut) {
   const Ray up{{0.0035, 0.0035, -1}, {0, 0, 1}}, down{{0.0035, 0.0035, 1}, {0, 0, -1}};
   EXPECT_EQ(interior_on(map_, up, Cut{2, 0.004, false}), (Voxel{3, 3, 4}));

@@ -26,6 +26,9 @@ inline constexpr std::uint32_t kObjectCacheVersion = 2;
 // 2: needles are not near beyond their tips.
 inline constexpr std::uint32_t kGrowthCacheVersion = 2;
 
+// ... measured distances, their sides or the nearest objects come out differently.
+inline constexpr std::uint32_t kDistanceCacheVersion = 1;
+
 // ... offset, bricks or clearance come out differently for the same voxels.
 inline constexpr std::uint64_t kNodeCacheVersion = 1;
 

@@ -26,8 +26,11 @@ class NodeMeasurement {
   const NodeDistances& run(const SceneTriangles& triangles, const lattice::VoxelIndex& scene_origin,
                            const masks::MaskTree& geometry, const masks::MaskTree& interior,
                            const CodeScale& scale, const masks::KeptBox& kept,
-                           std::span<const std::uint16_t> numbers, const masks::Coord& origin) {
+                           const CenterGrowth* growth, std::span<const std::uint16_t> numbers,
+                           const masks::Coord& origin) {
     scale_ = &scale;
+    growth_ = growth;
+    if (growth != nullptr) node_.grown = {};
     tells_objects_ = !numbers.empty();
     interior_ = &interior;
     geometry_ = &geometry;
@@ -35,11 +38,10 @@ class NodeMeasurement {
     masks::node_rows(interior, origin, node_.solid);
     masks::node_rows(geometry, origin, surface_);
     node_.measured = {};
-    scan::NodeIndex node;
     for (std::size_t d = 0; d < 3; ++d) {
-      node[d] = (origin[static_cast<int>(d)] + scene_origin[d]) >> 6;
+      index_[d] = (origin[static_cast<int>(d)] + scene_origin[d]) >> 6;
     }
-    triangles.gather(node, near_);
+    triangles.gather(index_, near_);
     if (tells_objects_) choice_.begin(numbers, near_);
     const float outer = std::max(outer_reach(scale), inner_reach(scale));
     const float inner = inner_reach(scale);
@@ -97,6 +99,10 @@ class NodeMeasurement {
   // Whether one of the codes is measured.
   bool encode(const std::array<int, 3>& low, std::size_t cell, TriangleList list) {
     const std::uint64_t solid = masks::cell_bits(node_.solid, low);
+    if (growth_ != nullptr) {
+      masks::add_cell_bits(growth_->near(nearest_.least(cell), ~solid, list, index_, low), low,
+                           node_.grown);
+    }
     std::uint64_t negative = solid;
     for (std::uint64_t left = masks::cell_bits(surface_, low) & ~solid; left != 0;
          left &= left - 1) {
@@ -149,30 +155,67 @@ class NodeMeasurement {
       onwards[d] = voxel[d] + (away[d] >= half) - (away[d] < -half);
     }
     const Side side = side_of(onwards);
-    return side == Side::kInside || (side == Side::kSurface && climb(center, list));
+    if (side != Side::kSurface) return side == Side::kInside;
+    return has_inside_around(voxel) && climb(center, nearest, list);
   }
+
+  // Whether one of the voxels that climb() can come to lies inside: up to two steps away.
+  bool has_inside_around(const std::array<int, 3>& voxel) const {
+    bool in_node = true;
+    for (const int x : voxel) in_node &= x >= 2 && x < 62;
+    if (!in_node) {
+      for (int n = 0; n < 125; ++n) {
+        const std::array<int, 3> at{voxel[0] + n / 25 - 2, voxel[1] + n / 5 % 5 - 2,
+                                    voxel[2] + n % 5 - 2};
+        if (side_of(at) == Side::kInside) return true;
+      }
+      return false;
+    }
+    std::uint64_t any = 0;
+    for (int x = voxel[0] - 2; x <= voxel[0] + 2; ++x) {
+      const std::uint64_t* rows = node_.solid.data() + x * 64 + voxel[1];
+      any |= rows[-2] | rows[-1] | rows[0] | rows[1] | rows[2];
+    }
+    return (any >> (voxel[2] - 2) & 31) != 0;
+  }
+
+  // A triangle beside the path of climb(): it is at least this far from a place.
+  struct Beside {
+    const PreparedTriangle* triangle;
+    std::array<double, 3> from;
+    double distance;
+    bool measured;  // else the distance is that of the bounding box
+  };
+  // Of climb(), lattice units: where it ends, which triangles count, from the center.
+  static constexpr double kFarthest = 2.3 * double{lattice::kSnapUnits},
+                          kNear = 2.6 * double{lattice::kSnapUnits};
+  static constexpr double kAround = 0.5 * double{lattice::kSnapUnits}, kPathRounding = 1e-3;
 
   // Follows the distance upwards from a center, in steps that stay clear of the surface, until a
   // voxel without surface tells the side; false where none does within 2.3 voxels. The list holds
   // every triangle within 2.6 voxels of its cells' centers (CellSearch), so none that could be in
-  // the way is missing.
-  bool climb(const std::array<double, 3>& center, TriangleList list) {
-    constexpr auto kVoxel = static_cast<double>(lattice::kSnapUnits);
-    constexpr double kStep = 0.25 * kVoxel, kFarthest = 2.3 * kVoxel, kNear = 2.6 * kVoxel;
+  // the way is missing. `nearest` is the triangle that is nearest to the center.
+  bool climb(const std::array<double, 3>& center, const PreparedTriangle& nearest_to_center,
+             TriangleList list) {
+    constexpr double kVoxel = lattice::kSnapUnits, kStep = 0.25 * kVoxel;
     constexpr int kSteps = 40;  // of which the first may be short
     beside_.clear();
+    std::size_t first = 0;
     for (const PreparedTriangle* const triangle : list) {
-      if (length_of(way_from(*triangle, center)) < kNear) beside_.push_back(triangle);
+      const double least = box_distance(*triangle, center) - 1;  // rounded in single precision
+      if (triangle == &nearest_to_center) first = beside_.size();
+      if (least < kNear) beside_.push_back({triangle, center, least, false});
     }
-    std::array<double, 3> at = center;
+    std::array<double, 3> at = center, looked_at{};
+    active_.clear();
+    Beside* nearest = &beside_[first];
     for (int n = 0; n < kSteps; ++n) {
       std::array<double, 3> away{};
-      double least = 1e300;
-      for (const PreparedTriangle* const triangle : beside_) {
-        const std::array<double, 3> way = way_from(*triangle, at);
-        const double length = length_of(way);
-        if (length < least) least = length, away = way;
+      if (active_.empty() || squared_between(at, looked_at) > kAround * kAround) {
+        look_around(at, center, nearest);
+        looked_at = at;
       }
+      const double least = nearest_of(active_, at, center, nearest, away);
       // A center on the surface is on no side; beyond the step the lattice's rounding does not
       // matter.
       if (!(least > kDistanceErrorVoxels * kVoxel) || least > kNear) return false;
@@ -191,8 +234,72 @@ class NodeMeasurement {
     return false;
   }
 
+  // The distance of the nearest of these triangles that count, of equally near ones the first, and
+  // the way from it. `nearest` is that triangle; before, one that is probably near. Measured are
+  // those that can have come near enough since they were last measured.
+  static double nearest_of(const std::vector<Beside*>& triangles, const std::array<double, 3>& at,
+                           const std::array<double, 3>& center, Beside*& nearest,
+                           std::array<double, 3>& away) {
+    Beside* const first = nearest;
+    away = way_from(*first->triangle, at);
+    double least = length_of(away);
+    for (Beside* const beside : triangles) {
+      if (beside == first || is_farther(*beside, at, least)) continue;
+      if (!beside->measured) {
+        beside->measured = true;
+        beside->distance = length_of(way_from(*beside->triangle, center));
+        if (beside->distance >= kNear) beside->distance = 1e300;
+        if (is_farther(*beside, at, least)) continue;
+      }
+      const std::array<double, 3> way = way_from(*beside->triangle, at);
+      const double length = length_of(way);
+      beside->from = at;
+      beside->distance = length;
+      if (length < least || (length == least && beside < nearest)) {
+        least = length;
+        nearest = beside;
+        away = way;
+      }
+    }
+    return least;
+  }
+
+  static bool is_farther(const Beside& beside, const std::array<double, 3>& at, double distance) {
+    const double farther = beside.distance - distance - kPathRounding;
+    return farther > 0 && farther * farther > squared_between(beside.from, at);
+  }
+
+  // Sets active_ to the triangles that can be nearest within kAround of a place.
+  void look_around(const std::array<double, 3>& at, const std::array<double, 3>& center,
+                   Beside*& nearest) {
+    active_.clear();
+    for (Beside& beside : beside_) active_.push_back(&beside);
+    std::array<double, 3> away;
+    const double least = nearest_of(active_, at, center, nearest, away);
+    std::erase_if(active_, [&](const Beside* beside) {
+      return beside != nearest && is_farther(*beside, at, least + 2 * kAround);
+    });
+  }
+
+  static double squared_between(const std::array<double, 3>& a, const std::array<double, 3>& b) {
+    const double x = a[0] - b[0], y = a[1] - b[1], z = a[2] - b[2];
+    return x * x + y * y + z * z;
+  }
+
   static double length_of(const std::array<double, 3>& v) {
     return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+  }
+
+  // The distance of a triangle's bounding box from a point.
+  static double box_distance(const PreparedTriangle& t, const std::array<double, 3>& point) {
+    double squared = 0;
+    for (std::size_t d = 0; d < 3; ++d) {
+      const double from = t.corner[d] + std::min({0.0f, t.edge_1[d], t.edge_2[d]}) - point[d],
+                   to = t.corner[d] + std::max({0.0f, t.edge_1[d], t.edge_2[d]}) - point[d];
+      const double gap = std::max({from, -to, 0.0});
+      squared += gap * gap;
+    }
+    return std::sqrt(squared);
   }
 
   void crop(const masks::KeptBox& kept) {
@@ -208,11 +315,14 @@ class NodeMeasurement {
 
   const CodeScale* scale_ = nullptr;
   const masks::MaskTree *interior_ = nullptr, *geometry_ = nullptr;
+  const CenterGrowth* growth_ = nullptr;
   masks::Coord origin_;
+  scan::NodeIndex index_;
   NodeDistances node_;
   masks::NodeRows surface_;
   std::vector<PreparedTriangle> near_;
-  std::vector<const PreparedTriangle*> beside_;  // of climb()
+  std::vector<Beside> beside_;   // of climb()
+  std::vector<Beside*> active_;  // of these
   CellSearch search_;
   NearestTriangles nearest_;
   bool tells_objects_ = false;
@@ -235,7 +345,7 @@ DistanceCodes::DistanceCodes(std::vector<const scan::SnappedObject*> objects,
                              const lattice::VoxelIndex& scene_origin,
                              const masks::MaskTree& geometry, const masks::MaskTree& interior,
                              const CodeScale& scale, const masks::KeptBox& kept,
-                             std::vector<std::uint16_t> numbers)
+                             std::int64_t growth_units, std::vector<std::uint16_t> numbers)
     : scene_origin_(scene_origin),
       geometry_(geometry),
       interior_(interior),
@@ -243,13 +353,34 @@ DistanceCodes::DistanceCodes(std::vector<const scan::SnappedObject*> objects,
       kept_(kept),
       triangles_(std::move(objects), reach(scale)),
       numbers_(std::move(numbers)),
-      scratch_(std::make_unique<Scratch>()) {}
+      scratch_(std::make_unique<Scratch>()) {
+  if (growth_units > 0) growth_.emplace(triangles_, growth_units);
+}
 
 DistanceCodes::~DistanceCodes() = default;
 
+scan::NodeIndex DistanceCodes::node_at(const masks::Coord& origin) const {
+  scan::NodeIndex node;
+  for (std::size_t d = 0; d < 3; ++d) {
+    node[d] = (origin[static_cast<int>(d)] + scene_origin_[d]) >> 6;
+  }
+  return node;
+}
+
+std::vector<std::uint32_t> DistanceCodes::objects_near(const masks::Coord& origin) const {
+  return triangles_.objects_near(node_at(origin));
+}
+
+std::vector<std::uint32_t> DistanceCodes::numbers_near(const masks::Coord& origin) const {
+  if (!tells_objects()) return {};
+  std::vector<std::uint32_t> near = objects_near(origin);
+  for (std::uint32_t& object : near) object = numbers_[object];
+  return near;
+}
+
 const NodeDistances& DistanceCodes::codes(const masks::Coord& origin) const {
   return scratch_->nodes.local().run(triangles_, scene_origin_, geometry_, interior_, scale_, kept_,
-                                     numbers_, origin);
+                                     growth_ ? &*growth_ : nullptr, numbers_, origin);
 }
 
 }  // namespace forcelayer::distance

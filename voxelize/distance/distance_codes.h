@@ -3,9 +3,11 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "voxelize/distance/code_scale.h"
+#include "voxelize/distance/euclidean_growth.h"
 #include "voxelize/distance/nearest_objects.h"
 #include "voxelize/distance/triangle_search.h"
 #include "voxelize/masks/mask_tree.h"
@@ -20,6 +22,7 @@ struct NodeDistances {
       measured;  // bricks with codes of their own; the others are deep inside or far outside
   std::vector<std::uint8_t> codes =
       std::vector<std::uint8_t>(512 * kBrickVoxels);  // [bricks][voxels]; undefined elsewhere
+  masks::NodeRows grown;                              // of CenterGrowth, outside the solid
   const NodeObjects* objects = nullptr;               // null where they are not told apart
 
   const std::uint8_t* brick(unsigned n) const { return codes.data() + n * kBrickVoxels; }
@@ -35,12 +38,13 @@ struct NodeDistances {
 // whose center lies on the interior's side of the surface.
 class DistanceCodes {
  public:
-  // Voxels outside `kept` have the highest code. `numbers` are those of the objects, ascending and
+  // Voxels outside `kept` have the highest code. The surface grows by `growth_units`
+  // (CenterGrowth), from 1 on; 0 leaves that out. `numbers` are those of the objects, ascending and
   // from 1 on; without them objects are not told apart.
   DistanceCodes(std::vector<const scan::SnappedObject*> objects,
                 const lattice::VoxelIndex& scene_origin, const masks::MaskTree& geometry,
                 const masks::MaskTree& interior, const CodeScale& scale, const masks::KeptBox& kept,
-                std::vector<std::uint16_t> numbers = {});
+                std::int64_t growth_units, std::vector<std::uint16_t> numbers = {});
   ~DistanceCodes();
 
   // How many voxels around the geometry may have a code of their own.
@@ -48,6 +52,16 @@ class DistanceCodes {
 
   const CodeScale& scale() const { return scale_; }
   bool tells_objects() const { return !numbers_.empty(); }
+  bool grows_surface() const { return growth_.has_value(); }
+  const masks::MaskTree& geometry() const { return geometry_; }
+  const masks::MaskTree& interior() const { return interior_; }
+
+  // The node at `origin`, counted from the scene's, by its place in the world.
+  scan::NodeIndex node_at(const masks::Coord& origin) const;
+  // The objects that come within reach of it, ascending, and their numbers; no numbers where
+  // objects are not told apart.
+  std::vector<std::uint32_t> objects_near(const masks::Coord& origin) const;
+  std::vector<std::uint32_t> numbers_near(const masks::Coord& origin) const;
 
   // The node at `origin`, counted from the scene's; valid until this thread's next call.
   const NodeDistances& codes(const masks::Coord& origin) const;
@@ -61,6 +75,7 @@ class DistanceCodes {
   CodeScale scale_;
   masks::KeptBox kept_;
   SceneTriangles triangles_;
+  std::optional<CenterGrowth> growth_;
   std::vector<std::uint16_t> numbers_;  // [objects]
   std::unique_ptr<Scratch> scratch_;
 };

@@ -17,6 +17,8 @@ namespace {
 __extension__ typedef __int128 Int128;
 using WideInt = boost::multiprecision::int512_t;  // for triangles of up to 2^31 voxels
 
+constexpr auto kUnits = static_cast<float>(lattice::kSnapUnits);
+
 // The exact test. The nearest point of a triangle is a corner, or lies on an edge or inside. Each
 // distance is a quotient of integers, which is compared with the radius without dividing.
 template <class Int>
@@ -80,38 +82,28 @@ class CenterTest {
 // One 64^3 node at a time.
 class NodeGrowth {
  public:
-  // `triangles` are those of `object` alone.
-  std::unique_ptr<masks::LowerMaskNode> run(const scan::SnappedObject& object,
-                                            const SceneTriangles& triangles,
+  std::unique_ptr<masks::LowerMaskNode> run(const SceneTriangles& triangles,
+                                            const CenterGrowth& growth,
                                             const scan::NodeIndex& node, const masks::Coord& origin,
-                                            const masks::MaskTree& interior,
-                                            std::int64_t radius_units) {
-    object_ = &object;
+                                            const masks::MaskTree& interior) {
     masks::node_rows(interior, origin, settled_);
     grown_ = {};
     triangles.gather(node, triangles_);
-    constexpr auto kUnits = static_cast<float>(lattice::kSnapUnits);
-    const float radius = static_cast<float>(radius_units) / kUnits;
-    const float reach = radius + kDistanceErrorVoxels;
-    surely_near_ = square((radius - kDistanceErrorVoxels) * kUnits);
-    maybe_near_ = square(reach * kUnits);
     search_.run(
         triangles_,
         [&](const std::array<int, 3>& low, int edge) {
-          return masks::all_set(settled_, low, edge) ? kNoReach : reach;
+          return masks::all_set(settled_, low, edge) ? kNoReach : growth.reach();
         },
         [&](const std::array<int, 3>& low, TriangleList list) {
-          mark_pair(low, list, reach * kUnits, node, radius_units);
+          mark_pair(low, list, growth, node);
         });
     return masks::node_of_rows(grown_, origin);
   }
 
  private:
-  static float square(float x) { return x * x; }
-
   // Two cells of 4^3 voxels, the second behind the first along z.
-  void mark_pair(const std::array<int, 3>& low, TriangleList list, float reach_units,
-                 const scan::NodeIndex& node, std::int64_t radius_units) {
+  void mark_pair(const std::array<int, 3>& low, TriangleList list, const CenterGrowth& growth,
+                 const scan::NodeIndex& node) {
     std::array<std::array<int, 3>, 2> lows{low, low};
     lows[1][2] += 4;
     std::array<float, 2 * kEighths> reach;
@@ -119,44 +111,21 @@ class NodeGrowth {
     for (std::size_t cell = 0; cell < 2; ++cell) {
       open[cell] = ~masks::cell_bits(settled_, lows[cell]);
       for (unsigned n = 0; n < kEighths; ++n) {
-        reach[cell * kEighths + n] = (open[cell] & eighth(n)) != 0 ? reach_units : kNoReach;
+        reach[cell * kEighths + n] =
+            (open[cell] & eighth(n)) != 0 ? growth.reach() * kUnits : kNoReach;
       }
     }
     nearest_.find(list, CellSearch::centers(low, 1), reach);
     for (std::size_t cell = 0; cell < 2; ++cell) {
-      const CubeValues& least = nearest_.least(cell);
-      std::uint64_t near = 0, unsure = 0;
-      for (std::size_t n = 0; n < kCubePoints; ++n) {
-        near |= std::uint64_t{least[n] < surely_near_} << n;
-        unsure |= std::uint64_t{least[n] <= maybe_near_} << n;
-      }
-      unsure &= open[cell] & ~near;
-      near &= open[cell];
-      for (; unsure != 0; unsure &= unsure - 1) {
-        const int n = std::countr_zero(unsure);
-        if (is_near(list, lows[cell], n, node, radius_units)) near |= std::uint64_t{1} << n;
-      }
-      masks::add_cell_bits(near, lows[cell], grown_);
+      masks::add_cell_bits(growth.near(nearest_.least(cell), open[cell], list, node, lows[cell]),
+                           lows[cell], grown_);
     }
   }
 
-  // Whether one of the triangles is near to voxel n of a cell.
-  bool is_near(TriangleList list, const std::array<int, 3>& low, int n, const scan::NodeIndex& node,
-               std::int64_t radius_units) const {
-    const lattice::VoxelIndex voxel{node[0] * 64 + low[0] + (n >> 4),
-                                    node[1] * 64 + low[1] + (n >> 2 & 3),
-                                    node[2] * 64 + low[2] + (n & 3)};
-    return std::any_of(list.begin(), list.end(), [&](const PreparedTriangle* triangle) {
-      return center_is_nearer(object_->triangle(triangle->source), voxel, radius_units);
-    });
-  }
-
   masks::NodeRows grown_, settled_;  // the result; the interior, which needs no answer
-  const scan::SnappedObject* object_ = nullptr;
   std::vector<PreparedTriangle> triangles_;
   CellSearch search_;
   NearestTriangles nearest_;
-  float surely_near_ = 0, maybe_near_ = 0;  // squared lattice units
 };
 
 }  // namespace
@@ -178,12 +147,47 @@ bool center_is_nearer(const lattice::LatticeTriangle& triangle, const lattice::V
   return CenterTest<WideInt>(corners, radius_units).near();
 }
 
+CenterGrowth::CenterGrowth(const SceneTriangles& triangles, std::int64_t radius_units)
+    : triangles_(triangles), radius_units_(radius_units) {
+  const float radius = static_cast<float>(radius_units) / kUnits;
+  reach_ = radius + kDistanceErrorVoxels;
+  const float surely = (radius - kDistanceErrorVoxels) * kUnits, maybe = reach_ * kUnits;
+  surely_near_.fill(surely * surely);
+  maybe_near_.fill(maybe * maybe);
+}
+
+std::uint64_t CenterGrowth::near(const CubeValues& least, std::uint64_t open, TriangleList list,
+                                 const scan::NodeIndex& node,
+                                 const std::array<int, 3>& low) const {
+  if (open == 0) return 0;
+  std::uint64_t near = 0, maybe = 0;
+  bits_within(&least, 1, maybe_near_, &maybe);
+  if ((maybe & open) == 0) return 0;
+  bits_within(&least, 1, surely_near_, &near);
+  near &= open;
+  for (std::uint64_t unsure = maybe & open & ~near; unsure != 0; unsure &= unsure - 1) {
+    const int n = std::countr_zero(unsure);
+    const lattice::VoxelIndex voxel{node[0] * 64 + low[0] + (n >> 4),
+                                    node[1] * 64 + low[1] + (n >> 2 & 3),
+                                    node[2] * 64 + low[2] + (n & 3)};
+    if (is_near(list, voxel)) near |= std::uint64_t{1} << n;
+  }
+  return near;
+}
+
+bool CenterGrowth::is_near(TriangleList list, const lattice::VoxelIndex& voxel) const {
+  return std::any_of(list.begin(), list.end(), [&](const PreparedTriangle* triangle) {
+    return center_is_nearer(triangles_.original(*triangle), voxel, radius_units_);
+  });
+}
+
 std::unique_ptr<masks::MaskTree> grow_surface(const scan::SnappedObject& object,
                                               const masks::MaskTree& interior,
                                               std::int64_t radius_units,
                                               const lattice::VoxelIndex& scene_origin) {
   const auto whole_voxels = static_cast<int>(radius_units / lattice::kSnapUnits);
   const SceneTriangles triangles({&object}, whole_voxels + 1);
+  const CenterGrowth growth(triangles, radius_units);
   std::vector<std::unique_ptr<masks::LowerMaskNode>> nodes(triangles.nodes().size());
   tbb::enumerable_thread_specific<NodeGrowth> scratch;
   tbb::parallel_for(std::size_t{0}, nodes.size(), [&](std::size_t i) {
@@ -191,14 +195,9 @@ std::unique_ptr<masks::MaskTree> grow_surface(const scan::SnappedObject& object,
     const masks::Coord origin(static_cast<int>(node[0] * 64 - scene_origin[0]),
                               static_cast<int>(node[1] * 64 - scene_origin[1]),
                               static_cast<int>(node[2] * 64 - scene_origin[2]));
-    nodes[i] = scratch.local().run(object, triangles, node, origin, interior, radius_units);
+    nodes[i] = scratch.local().run(triangles, growth, node, origin, interior);
   });
-  auto tree = std::make_unique<masks::MaskTree>();
-  for (auto& node : nodes) {
-    if (node->getChildMask().isOff()) continue;
-    masks::add_node(*tree, std::move(node));
-  }
-  return tree;
+  return masks::tree_of_nodes(nodes);
 }
 
 }  // namespace forcelayer::distance

@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "voxelize/distance/triangle_search.h"
 #include "voxelize/masks/mask_tree.h"
 #include "voxelize/scan/snap.h"
 
@@ -26,6 +27,30 @@ std::unique_ptr<masks::MaskTree> grow_surface(const scan::SnappedObject& object,
                                               const masks::MaskTree& interior,
                                               std::int64_t radius_units,
                                               const lattice::VoxelIndex& scene_origin);
+
+// Which voxels of a cell have centers less than a radius from a surface. The kernels decide where
+// their error allows it, center_is_nearer() elsewhere.
+class CenterGrowth {
+ public:
+  // The triangles must outlive this.
+  CenterGrowth(const SceneTriangles& triangles, std::int64_t radius_units);
+
+  // Up to here, in voxels, the distances of voxels must be exact.
+  float reach() const { return reach_; }
+
+  // Of the voxels `open` of the cell at voxel `low` of a node: those that are near. `least` holds
+  // their squared distances, the list every triangle that may be nearest to one of them.
+  std::uint64_t near(const CubeValues& least, std::uint64_t open, TriangleList list,
+                     const scan::NodeIndex& node, const std::array<int, 3>& low) const;
+
+ private:
+  bool is_near(TriangleList list, const lattice::VoxelIndex& voxel) const;
+
+  const SceneTriangles& triangles_;
+  std::int64_t radius_units_;
+  float reach_;
+  CubeValues surely_near_, maybe_near_;  // squared lattice units, the same for every voxel
+};
 
 // Whether the center of `voxel` is less than `radius_units` lattice units (1 to 2^15) from
 // `triangle`, in exact integer arithmetic.

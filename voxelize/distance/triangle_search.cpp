@@ -100,6 +100,15 @@ std::size_t SceneTriangles::count_near(std::size_t n) const {
   return count;
 }
 
+std::vector<std::uint32_t> SceneTriangles::objects_near(const scan::NodeIndex& node) const {
+  std::vector<std::uint32_t> objects;
+  const auto found = std::lower_bound(nodes_.begin(), nodes_.end(), node);
+  if (found == nodes_.end() || *found != node) return objects;
+  const auto at = static_cast<std::size_t>(found - nodes_.begin());
+  for (std::size_t i = first_[at]; i < first_[at + 1]; ++i) objects.push_back(of_node_[i].object);
+  return objects;
+}
+
 void SceneTriangles::gather(const scan::NodeIndex& node,
                             std::vector<PreparedTriangle>& near) const {
   near.clear();

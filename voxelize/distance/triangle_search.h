@@ -25,10 +25,18 @@ class SceneTriangles {
   // The nodes that have triangles near, ascending.
   const std::vector<scan::NodeIndex>& nodes() const { return nodes_; }
 
+  // The objects that have triangles near `node`, ascending.
+  std::vector<std::uint32_t> objects_near(const scan::NodeIndex& node) const;
+
   // The triangles near `node`, in lattice units from its lowest corner and in the order of their
   // objects; empty for a node that is not in nodes(). A large triangle is cut to the piece that
   // lies near, so that single precision can hold it.
   void gather(const scan::NodeIndex& node, std::vector<PreparedTriangle>& near) const;
+
+  // The triangle that one of gather() is, or is a piece of, in lattice units.
+  lattice::LatticeTriangle original(const PreparedTriangle& near) const {
+    return objects_[near.object]->triangle(near.source);
+  }
 
  private:
   struct Bin {

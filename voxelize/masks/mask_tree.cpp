@@ -54,6 +54,14 @@ void add_node(MaskTree& tree, std::unique_ptr<LowerMaskNode> node) {
   upper->addChild(node.release());
 }
 
+std::unique_ptr<MaskTree> tree_of_nodes(std::vector<std::unique_ptr<LowerMaskNode>>& nodes) {
+  auto tree = std::make_unique<MaskTree>();
+  for (auto& node : nodes) {
+    if (!node->getChildMask().isOff()) add_node(*tree, std::move(node));
+  }
+  return tree;
+}
+
 void unite(MaskTree& tree, MaskTree&& other) {
   std::vector<Coord> full_cells, cells;
   for (auto tile = other.cbeginValueOn(); tile; ++tile) {

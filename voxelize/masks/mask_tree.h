@@ -11,6 +11,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "formats/lattice/voxel_overlap.h"
 
@@ -57,6 +58,9 @@ inline Coord entry_origin(const Coord& origin, unsigned n, int edge) {
 
 // Puts `node` into the tree, in place of the node or tile there.
 void add_node(MaskTree& tree, std::unique_ptr<LowerMaskNode> node);
+
+// A tree of these nodes, which it takes; empty ones are left out.
+std::unique_ptr<MaskTree> tree_of_nodes(std::vector<std::unique_ptr<LowerMaskNode>>& nodes);
 
 // Adds the voxels of `other`, moving its nodes where possible.
 void unite(MaskTree& tree, MaskTree&& other);

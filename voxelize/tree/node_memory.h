@@ -12,6 +12,7 @@
 #include "voxelize/distance/dilation.h"
 #include "voxelize/tree/built_tree.h"
 #include "voxelize/tree/sharing.h"
+#include "voxelize/tree/stored_nodes.h"
 
 namespace forcelayer::tree {
 
@@ -53,7 +54,7 @@ class NodeMemory {
   cache::Digest slot_;
   std::optional<cache::CacheEntry> entry_;
   std::span<const NodeMemo> memos_;
-  std::span<const std::uint32_t> lower_nodes_, bricks_;
+  StoredNodes nodes_;
   std::unordered_map<cache::Digest, const NodeMemo*, KeyHash> index_;
 };
 

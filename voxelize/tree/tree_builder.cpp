@@ -41,17 +41,36 @@ struct SceneNodes {
 
 struct MeasuredNodes {
   SceneNodes distances, objects;  // none of objects where they are not told apart
+  std::vector<std::unique_ptr<masks::LowerMaskNode>> grown;  // none where the surface does not grow
 };
 
+MeasuredNode measured(const distance::NodeDistances& node) {
+  return {cut_into_bricks(node),
+          node.objects != nullptr ? cut_into_bricks(*node.objects) : BuiltNode()};
+}
+
 MeasuredNodes measure_nodes(const distance::LayerOffset& around,
-                            const distance::DistanceCodes& distances) {
+                            const distance::DistanceCodes& distances,
+                            const DistanceMemory* memory) {
   std::vector<masks::Coord> origins = around.nodes();
-  MeasuredNodes result{SceneNodes(origins), SceneNodes({})};
+  MeasuredNodes result{SceneNodes(origins), SceneNodes({}), {}};
+  if (distances.grows_surface()) result.grown.resize(origins.size());
   if (distances.tells_objects()) result.objects = SceneNodes(std::move(origins));
+  if (memory != nullptr) result.distances.keys.resize(result.distances.nodes.size());
   tbb::parallel_for(std::size_t{0}, result.distances.nodes.size(), [&](std::size_t i) {
-    const distance::NodeDistances& node = distances.codes(result.distances.origins[i]);
-    result.distances.nodes[i] = cut_into_bricks(node);
-    if (node.objects != nullptr) result.objects.nodes[i] = cut_into_bricks(*node.objects);
+    const masks::Coord& origin = result.distances.origins[i];
+    std::optional<MeasuredNode> node;
+    if (memory != nullptr) {
+      result.distances.keys[i] = memory->key(distances, origin);
+      node = memory->find(result.distances.keys[i], distances, origin);
+    }
+    if (!node) {
+      const distance::NodeDistances& codes = distances.codes(origin);
+      node = measured(codes);
+      if (distances.grows_surface()) result.grown[i] = masks::node_of_rows(codes.grown, origin);
+    }
+    result.distances.nodes[i] = std::move(node->distances);
+    if (distances.tells_objects()) result.objects.nodes[i] = std::move(node->objects);
   });
   return result;
 }
@@ -237,8 +256,10 @@ BuiltTree assemble(const distance::LayerOffset& offset,
 
 DistanceTrees build_distance_trees(const distance::LayerOffset& around,
                                    const distance::DistanceCodes& distances,
-                                   const std::array<std::uint32_t, 3>& directory_dims) {
-  MeasuredNodes nodes = measure_nodes(around, distances);
+                                   const std::array<std::uint32_t, 3>& directory_dims,
+                                   const DistanceMemory* memory) {
+  MeasuredNodes nodes = measure_nodes(around, distances, memory);
+  // The tree, and the nodes' entries as its own.
   const auto tree_of = [&](SceneNodes& of, std::uint32_t outside, std::uint32_t brick_parts) {
     distance::ValueCounts counts;  // of nothing here
     BuiltTree built = TreeAssembly(around.interior(), around.kept(), directory_dims,
@@ -246,11 +267,23 @@ DistanceTrees build_distance_trees(const distance::LayerOffset& around,
                           .run(of, counts);
     built.brick_parts = brick_parts;
     std::vector<std::uint32_t> lower_numbers;
-    return share_equal(std::move(built), lower_numbers);
+    VoxelTree tree = share_equal(std::move(built), lower_numbers);
+    for (std::uint32_t& entry : of.entries) {
+      if (!is_uniform(entry)) entry = lower_numbers[entry];
+    }
+    return tree;
   };
   DistanceTrees trees;
   trees.distances = tree_of(nodes.distances, kMostDistanceCode, kDistanceBrickParts);
+  if (distances.grows_surface()) trees.grown = masks::tree_of_nodes(nodes.grown);
   if (distances.tells_objects()) trees.objects = tree_of(nodes.objects, 0, kObjectBrickParts);
+  if (memory == nullptr) return trees;
+  std::vector<DistanceMemory::Kept> kept;
+  for (std::size_t i = 0; i < nodes.distances.keys.size(); ++i) {
+    kept.push_back({nodes.distances.keys[i], nodes.distances.origins[i], nodes.distances.entries[i],
+                    distances.tells_objects() ? nodes.objects.entries[i] : uniform_entry(0)});
+  }
+  memory->keep(kept, distances, trees.distances, trees.objects);
   return trees;
 }
 

@@ -7,6 +7,7 @@
 #include "voxelize/distance/distance_codes.h"
 #include "voxelize/distance/layer_offset.h"
 #include "voxelize/masks/mask_tree.h"
+#include "voxelize/tree/distance_memory.h"
 #include "voxelize/tree/node_memory.h"
 #include "voxelize/tree/sharing.h"
 
@@ -22,12 +23,16 @@ VoxelTree build_tree(const distance::LayerOffset& offset,
 
 // The trees of the distances' codes and of the objects' numbers over the same directory cells; that
 // of the objects has nothing where the distances do not tell them apart. `around` lists the nodes:
-// its layers and force layers together are DistanceCodes::reach().
+// its layers and force layers together are DistanceCodes::reach(). Beside them, the surface grown.
+// A `memory` (may be null) supplies the nodes that did not change and keeps these trees; it
+// remembers no grown surface, so with it the surface must not grow here.
 struct DistanceTrees {
   VoxelTree distances, objects;
+  std::unique_ptr<masks::MaskTree> grown;  // null where the surface does not grow
 };
 DistanceTrees build_distance_trees(const distance::LayerOffset& around,
                                    const distance::DistanceCodes& distances,
-                                   const std::array<std::uint32_t, 3>& directory_dims);
+                                   const std::array<std::uint32_t, 3>& directory_dims,
+                                   const DistanceMemory* memory);
 
 }  // namespace forcelayer::tree

@@ -18,12 +18,22 @@ std::string short_name(const std::string& name) {
   return "... " + shown.substr(from);
 }
 
-void add_objects(const ViewScene& scene, std::vector<LegendEntry>& legend) {
+// Those that are shown.
+void add_objects(const PicturePlan& plan, const ViewScene& scene,
+                 std::vector<LegendEntry>& legend) {
   constexpr std::size_t kMost = 16;
-  const std::size_t count = scene.meshes.size();
+  std::vector<std::size_t> shown;
+  for (std::size_t n = 0; n < scene.meshes.size(); ++n) {
+    const std::string& name = scene.meshes[n].name;
+    if (std::find(plan.hidden.begin(), plan.hidden.end(), name) == plan.hidden.end()) {
+      shown.push_back(n);
+    }
+  }
+  const std::size_t count = shown.size();
   const std::size_t named = count <= kMost ? count : kMost - 1;
   for (std::size_t n = 0; n < named; ++n) {
-    legend.push_back({Swatch::kSquare, color_of_mesh(n), 1, short_name(scene.meshes[n].name)});
+    legend.push_back(
+        {Swatch::kSquare, color_of_mesh(shown[n]), 1, short_name(scene.meshes[shown[n]].name)});
   }
   if (named == count) return;
   legend.push_back(
@@ -33,7 +43,7 @@ void add_objects(const ViewScene& scene, std::vector<LegendEntry>& legend) {
 void add_scene(const PicturePlan& plan, const ViewScene& scene, std::vector<LegendEntry>& legend) {
   if (!scene.meshes.empty() && plan.shown[Item::kMeshes]) {
     if (plan.color_objects) {
-      add_objects(scene, legend);
+      add_objects(plan, scene, legend);
     } else {
       legend.push_back({Swatch::kSquare, kSceneColor, 1, "scene (mesh)"});
     }

@@ -81,10 +81,13 @@ ViewOptionParser::ViewOptionParser(CLI::App& app) {
   app.add_option("--cut", texts_.cut, "show one side only: z<300mm, x>0m");
   app.add_option("--show", texts_.shown,
                  "list of meshes, interior, force-layer, proximity, part, shell, contacts, handle");
-  app.add_option(
-         "--color", texts_.color,
-         "color of the scene's meshes: one, or object for one each; with a .vox, the window "
-         "then names the object under the pointer")
+  app.add_option("--hide", options_.hide,
+                 "hide an object of the scene, by its name in voxelize --list; repeatable")
+      ->allow_extra_args(false);
+  app.add_option("--only", options_.only, "show these objects alone; repeatable")
+      ->allow_extra_args(false);
+  app.add_option("--color", texts_.color,
+                 "color of the scene's meshes: one, or object for one each")
       ->check(CLI::IsMember({"one", "object"}))
       ->capture_default_str();
   app.add_flag("--plain", options_.plain, "flat opaque colors, no words: for measuring");

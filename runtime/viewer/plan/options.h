@@ -36,7 +36,8 @@ struct ViewOptions {
   std::optional<int> pixels_per_voxel;
   std::optional<Cut> cut;
   std::optional<ItemSet> shown;
-  bool color_objects = false;  // the meshes, each in a color of its own
+  bool color_objects = false;           // the meshes, each in a color of its own
+  std::vector<std::string> hide, only;  // names of objects, as after --without of voxelize
   bool plain = false;
 };
 

@@ -4,6 +4,7 @@
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 
+#include "formats/mesh/node_names.h"
 #include "runtime/viewer/plan/legend.h"
 
 namespace forcelayer::viewer {
@@ -86,6 +87,47 @@ Status plan_change(const ViewScene& scene, PicturePlan& plan) {
 
 nlohmann::ordered_json numbers(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
 
+// Whether an object, or a group that it is in, is meant by a name (formats/mesh/node_names.h).
+bool is_meant(const std::string& object, const std::string& name) {
+  for (std::size_t end = object.size();; end = object.rfind('/', end - 1)) {
+    if (end == std::string::npos) return false;
+    if (mesh::fits_name(object.substr(0, end), name)) return true;
+    if (end == 0) return false;
+  }
+}
+
+// The objects that --hide names, and all that --only does not.
+Result<std::vector<std::string>> hidden_objects(const std::vector<std::string>& objects,
+                                                const std::vector<std::string>& hide,
+                                                const std::vector<std::string>& only) {
+  std::vector<char> is_hidden(objects.size(), only.empty() ? 0 : 1);
+  const auto set = [&](const char* option, const std::vector<std::string>& lists,
+                       char hidden) -> Status {
+    for (const std::string& list : lists) {
+      for (const std::string& name : mesh::names_in(list)) {
+        bool any = false;
+        for (std::size_t n = 0; n < objects.size(); ++n) {
+          if (!is_meant(objects[n], name)) continue;
+          is_hidden[n] = hidden;
+          any = true;
+        }
+        if (!any) {
+          return Error{ErrorCode::kUsage, "", option, "no object is called '" + name + "'",
+                       "voxinfo FILE.vox --objects and voxelize --list FILE list them"};
+        }
+      }
+    }
+    return {};
+  };
+  if (Status shown = set("--only", only, 0); !shown) return shown.error();
+  if (Status hidden = set("--hide", hide, 1); !hidden) return hidden.error();
+  std::vector<std::string> names;
+  for (std::size_t n = 0; n < objects.size(); ++n) {
+    if (is_hidden[n] != 0) names.push_back(objects[n]);
+  }
+  return names;
+}
+
 }  // namespace
 
 WorldBox box_of(const ViewScene& scene) {
@@ -148,6 +190,9 @@ Result<PicturePlan> plan_picture(const ViewOptions& options, const ViewScene& sc
   plan.cut = options.cut;
   plan.plain = options.plain;
   plan.color_objects = options.color_objects;
+  auto hidden = hidden_objects(object_names(scene), options.hide, options.only);
+  if (!hidden) return hidden.error();
+  plan.hidden = std::move(*hidden);
   plan.title = {describe(scene)};
   std::optional<Moment> moment = plan_moment(options, rows);
   if (scene.before) {
@@ -178,6 +223,7 @@ nlohmann::ordered_json report_of(const PicturePlan& plan, const ViewScene& scene
       objects.push_back({{"name", scene.meshes[n].name}, {"color", color_of_mesh(n)}});
     }
   }
+  if (!plan.hidden.empty()) report["hidden"] = plan.hidden;
   if (plan.moment) {
     const Moment& moment = *plan.moment;
     auto& json = report["moment"];
@@ -189,6 +235,14 @@ nlohmann::ordered_json report_of(const PicturePlan& plan, const ViewScene& scene
     json["contacts"] = moment.contacts.contacts;
     json["deepest_m"] = moment.contacts.deepest_m;
     if (moment.on_hand) json["force_n"] = numbers(moment.on_hand->force_n);
+    if (const auto& clearance_m = moment.contacts.clearance_m) {
+      json["clearance_m"] = *clearance_m;
+      json["at_least"] = moment.contacts.at_least;
+      if (!moment.contacts.at_least) {
+        json["nearest_object"] = moment.contacts.nearest_object;
+        json["nearest_m"] = numbers(moment.contacts.nearest_m);
+      }
+    }
   }
   if (plan.change) {
     report["change"] = {{"added", plan.change->added},

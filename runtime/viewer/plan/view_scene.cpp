@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <glm/common.hpp>
 #include <limits>
+#include <set>
 
 #include "formats/mesh/scene.h"
 
@@ -153,6 +154,18 @@ WorldBox voxmap_box(const Voxmap& voxmap) {
   box.add(low);
   box.add(high);
   return box;
+}
+
+std::vector<std::string> object_names(const ViewScene& scene) {
+  std::vector<std::string> names;
+  for (const ViewMesh& mesh : scene.meshes) names.push_back(mesh.name);
+  if (!scene.voxmap) return names;
+  std::set<std::string> known(names.begin(), names.end());
+  for (std::uint32_t n = 1; n <= scene.voxmap->header().object_count; ++n) {
+    const std::string name(scene.voxmap->object_name(n));
+    if (!name.empty() && known.insert(name).second) names.push_back(name);
+  }
+  return names;
 }
 
 Result<ViewScene> load_view_scene(const ViewInputs& inputs) {

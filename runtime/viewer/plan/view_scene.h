@@ -62,6 +62,9 @@ struct ViewInputs {
 // whose format does not say its unit when none was given.
 Result<ViewScene> load_view_scene(const ViewInputs& inputs);
 
+// The scene's objects: its meshes, and those of the voxmap that no mesh is called like.
+std::vector<std::string> object_names(const ViewScene& scene);
+
 // World box of the non-free voxels; empty where all is free.
 WorldBox voxmap_box(const Voxmap& voxmap);
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "formats/surface_distance.h"
+
 namespace forcelayer::viewer {
 
 const char* frame_kind_name(FrameKind kind) {
@@ -37,7 +39,8 @@ Pose world_from_center(const Pose& world_from_part, const Pshell& shell) {
 
 ContactViewSource::ContactViewSource(const Voxmap& voxmap, const Pshell& shell, Model model,
                                      std::unique_ptr<field::ForceField> field)
-    : shell_(shell),
+    : voxmap_(voxmap),
+      shell_(shell),
       model_(model),
       query_(voxmap, shell),
       field_(std::move(field)),
@@ -45,6 +48,22 @@ ContactViewSource::ContactViewSource(const Voxmap& voxmap, const Pshell& shell, 
   points_.reserve(shell.view().point_count);
   samples_.reserve(shell.view().point_count);
   contacts_.reserve(shell.view().point_count);
+}
+
+// As DefaultModel::report_distance() and Simulation have it.
+void ContactViewSource::prove_clearance(const Pose& pose, ContactView& view) const {
+  if (model_ == Model::kPaper || !(contacts_.least_distance_m > 0) || contacts_.outside_map) return;
+  const double deviations_m = voxmap_.header().static_deviation_m +
+                              shell_.header().part_deviation_m + query_.rounding_bound_m();
+  const double proven_m = surface_distance_bound_m(shell_.surface_distance_terms(),
+                                                   double{contacts_.least_distance_m}) -
+                          deviations_m;
+  if (!(proven_m > 0)) return;
+  view.clearance_m = proven_m;
+  view.at_least = contacts_.nearest == field::ContactSet::kNone;
+  if (view.at_least) return;
+  view.nearest_m = pose.position_m + glm::dvec3(contacts_[contacts_.nearest].arm_m);
+  view.nearest_object = voxmap_.object_name(probe_.object_near(view.nearest_m));
 }
 
 ContactView ContactViewSource::at(const Pose& world_from_part) {
@@ -70,6 +89,7 @@ ContactView ContactViewSource::at(const Pose& world_from_part) {
     ++view.contacts;
     view.deepest_m = std::max(view.deepest_m, point.depth_m);
   }
+  prove_clearance(pose, view);
   return view;
 }
 

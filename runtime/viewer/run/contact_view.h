@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <memory>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "forcelayer/parameters.h"
@@ -34,6 +36,12 @@ struct ContactView {
   std::uint32_t proximity = 0, surface = 0, interior = 0, contacts = 0;
   double deepest_m = 0;
 
+  // The clearance that is proven of this pose, as voxrun proves it; none where nothing is known.
+  std::optional<double> clearance_m;
+  bool at_least = false;       // nothing was near enough to be measured
+  std::string nearest_object;  // to which it is, by name; empty where none is known
+  glm::dvec3 nearest_m{0};     // the shell point that is nearest, world
+
   FrameKind kind() const;  // never kGuardCut: that is known to the run alone
 };
 
@@ -47,6 +55,9 @@ class ContactViewSource {
   ContactView at(const Pose& world_from_part);
 
  private:
+  void prove_clearance(const Pose& pose, ContactView& view) const;
+
+  const Voxmap& voxmap_;
   const Pshell& shell_;
   Model model_;
   query::ContactQuery query_;

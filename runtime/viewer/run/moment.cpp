@@ -1,10 +1,13 @@
 #include "runtime/viewer/run/moment.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdarg>
 #include <cstdio>
 #include <glm/geometric.hpp>
 #include <utility>
+
+#include "formats/result.h"
 
 namespace forcelayer::viewer {
 
@@ -70,6 +73,13 @@ std::vector<std::string> describe(const Moment& moment) {
       text_of("%u contact%s%s    points: %u in the force layer, %u in proximity, %u in interior",
               view.contacts, view.contacts == 1 ? "" : "s", deepest.c_str(), view.surface,
               view.proximity, view.interior));
+  if (view.clearance_m) {
+    const double mm = std::floor(1e6 * *view.clearance_m) / 1e3;
+    lines.push_back(view.at_least ? text_of("clearance: at least %.3f mm", mm)
+                                  : text_of("clearance: %.3f mm%s%s, proven", mm,
+                                            view.nearest_object.empty() ? "" : " to ",
+                                            escaped(view.nearest_object).c_str()));
+  }
   if (moment.other_files) {
     lines.push_back("the run counted other points here: these are not the files that it ran with");
   }

@@ -1,24 +1,14 @@
 #include "runtime/viewer/run/run_rows.h"
 
-#include <array>
 #include <charconv>
 #include <chrono>
-#include <cstring>
-#include <fstream>
 
 #include "runtime/coupling/coupling.h"
 #include "runtime/model/simulation.h"
-#include "runtime/stream/recording.h"
+#include "runtime/stream/replay.h"
 
 namespace forcelayer::viewer {
 namespace {
-
-bool is_recording(const std::filesystem::path& path) {
-  std::array<std::uint8_t, 8> magic{};
-  std::ifstream file(path, std::ios::binary);
-  file.read(reinterpret_cast<char*>(magic.data()), magic.size());
-  return file && magic == stream::kRecordingMagic;
-}
 
 TraceRow row_of(const model::Simulation& simulation, const StepInput& input,
                 const StepResult& result, const Pose& target) {
@@ -39,22 +29,16 @@ TraceRow row_of(const model::Simulation& simulation, const StepInput& input,
 Result<std::vector<TraceRow>> replayed(const stream::Recording& recording,
                                        model::Simulation& simulation) {
   using Clock = std::chrono::steady_clock;
-  const double dt_s = 1 / recording.run().parameters.rate_hz;
-  stream::ReplayInput input(recording);
-  State state = recording.run().start;
   std::vector<TraceRow> rows;
-  StepInput step_input;
-  for (std::size_t n = 0; n < recording.frames().size(); ++n) {
-    const double time_s = static_cast<double>(n) * dt_s;
-    if (!input.next(time_s, dt_s, step_input)) break;
-    const auto before = Clock::now();
-    const StepResult result = simulation.step(state, step_input, dt_s);
+  auto before = Clock::now();
+  stream::replay_steps(recording, simulation, [&](const stream::ReplayedStep& step) {
     const std::chrono::duration<double, std::nano> took = Clock::now() - before;
-    const Pose target = coupling::coupling_target(state, step_input).world_from_center;
-    rows.push_back(row_of(simulation, step_input, result, target));
-    rows.back().time_s = time_s;
+    const Pose target = coupling::coupling_target(step.state, step.input).world_from_center;
+    rows.push_back(row_of(simulation, step.input, step.result, target));
+    rows.back().time_s = step.time_s;
     rows.back().step_ns = took.count();
-  }
+    before = Clock::now();
+  });
   return rows;
 }
 
@@ -63,7 +47,7 @@ Result<std::vector<TraceRow>> replayed(const stream::Recording& recording,
 Result<std::vector<TraceRow>> read_run(const std::filesystem::path& path,
                                        const std::filesystem::path& voxmap,
                                        const std::filesystem::path& shell) {
-  if (!is_recording(path)) return read_trace(path);
+  if (!stream::is_recording(path)) return read_trace(path);
   if (voxmap.empty() || shell.empty()) {
     return Error{ErrorCode::kUsage, path.string(), "", "a recording is played on its files",
                  "give the .vox and the .pshell too"};
@@ -74,9 +58,7 @@ Result<std::vector<TraceRow>> read_run(const std::filesystem::path& path,
   if (!map) return map.error();
   auto part = Pshell::open(shell);
   if (!part) return part.error();
-  if (Status same = recording->check_files(*map, *part); !same) return same.error();
-  auto simulation =
-      model::Simulation::create(std::move(*map), std::move(*part), recording->run().parameters);
+  auto simulation = stream::recorded_simulation(*recording, std::move(*map), std::move(*part));
   if (!simulation) return simulation.error();
   auto rows = replayed(*recording, **simulation);
   if (rows && rows->empty()) {

@@ -6,13 +6,11 @@ namespace forcelayer::viewer {
 namespace {
 
 struct Layer {
-  const Voxmap& voxmap;
+  const ShownVoxels& voxels;
   VoxelValue value;
 
-  bool contains(const RelativeVoxel& v) const { return relative_value(voxmap, v) == value; }
-  bool borders(const RelativeVoxel& v) const {
-    return lies_further_out(relative_value(voxmap, v), value);
-  }
+  bool contains(const RelativeVoxel& v) const { return voxels.value(v) == value; }
+  bool borders(const RelativeVoxel& v) const { return lies_further_out(voxels.value(v), value); }
 };
 
 }  // namespace
@@ -23,25 +21,33 @@ bool lies_further_out(VoxelValue a, VoxelValue b) {
 }
 
 QuadSurface layer_surface(const Voxmap& voxmap, VoxelValue layer, const glm::dvec3& origin_m,
-                          Faces faces) {
+                          Faces faces, const HiddenObjects& hidden) {
   const VoxmapView& view = voxmap.view();
   QuadWriter writer(view.directory_origin, voxmap.voxel_size_m(), origin_m, faces);
-  const Layer set{voxmap, layer};
+  const ShownVoxels shown(voxmap, hidden);
+  const Layer set{shown, layer};
   FaceFinder<Layer> finder(set, writer);
+  const auto brick = [&](const RelativeVoxel& low) { finder.brick(low); };
   walk_tree(
       view,
       [&](const RelativeVoxel& low, std::int32_t edge, std::uint32_t code) {
-        if (static_cast<VoxelValue>(code) == layer) finder.uniform_box(low, edge);
+        if (static_cast<VoxelValue>(code) != layer) return;
+        if (!shown.hides()) {
+          finder.uniform_box(low, edge);
+        } else {
+          shown.known_bricks(low, edge, brick);
+        }
       },
-      [&](const RelativeVoxel& low) { finder.brick(low); });
+      brick);
   return writer.take();
 }
 
 QuadSurface slice_surface(const Voxmap& voxmap, VoxelValue layer, int axis, std::int64_t index,
-                          int side, const glm::dvec3& origin_m) {
+                          int side, const glm::dvec3& origin_m, const HiddenObjects& hidden) {
   const VoxmapView& view = voxmap.view();
   QuadWriter writer(view.directory_origin, voxmap.voxel_size_m(), origin_m, Faces::kMerged);
-  const Layer set{voxmap, layer};
+  const ShownVoxels shown(voxmap, hidden);
+  const Layer set{shown, layer};
   const std::int64_t relative = index - view.directory_origin[static_cast<std::size_t>(axis)];
   if (relative < 0 || relative >= std::int64_t{512} * view.directory_dims[axis]) {
     return writer.take();
@@ -69,7 +75,7 @@ QuadSurface slice_surface(const Voxmap& voxmap, VoxelValue layer, int axis, std:
   walk_tree(
       view,
       [&](const RelativeVoxel& low, std::int32_t edge, std::uint32_t code) {
-        if (static_cast<VoxelValue>(code) == layer) tiles(low, edge, true);
+        if (static_cast<VoxelValue>(code) == layer) tiles(low, edge, !shown.hides());
       },
       [&](const RelativeVoxel& low) { tiles(low, kBrickEdge, false); });
   return writer.take();

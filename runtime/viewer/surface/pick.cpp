@@ -25,7 +25,9 @@ struct Stretch {
 }  // namespace
 
 std::optional<std::array<std::int64_t, 3>> interior_on(const Voxmap& voxmap, const Ray& ray,
-                                                       const std::optional<Cut>& cut) {
+                                                       const std::optional<Cut>& cut,
+                                                       const HiddenObjects& hidden) {
+  const ShownVoxels shown(voxmap, hidden);
   const VoxmapHeader& header = voxmap.header();
   const glm::dvec3 from = ray.from_m / header.voxel_size_m;
   std::array<std::int64_t, 3> low{}, high{};  // inclusive
@@ -56,7 +58,13 @@ std::optional<std::array<std::int64_t, 3>> interior_on(const Voxmap& voxmap, con
     next[d] = along == 0 ? std::numeric_limits<double>::infinity() : (face - from[axis]) / along;
     length[d] = along == 0 ? 0 : std::abs(1 / along);
   }
-  while (voxmap.value(voxel[0], voxel[1], voxel[2]) != VoxelValue::kInterior) {
+  const auto& origin = voxmap.view().directory_origin;
+  const auto is_interior = [&] {
+    RelativeVoxel at{};
+    for (std::size_t d = 0; d < 3; ++d) at[d] = static_cast<std::int32_t>(voxel[d] - origin[d]);
+    return shown.value(at) == VoxelValue::kInterior;
+  };
+  while (!is_interior()) {
     const auto d =
         static_cast<std::size_t>(std::min_element(next.begin(), next.end()) - next.begin());
     voxel[d] += step[d];
@@ -66,8 +74,9 @@ std::optional<std::array<std::int64_t, 3>> interior_on(const Voxmap& voxmap, con
   return voxel;
 }
 
-std::string_view object_on(const Voxmap& voxmap, const Ray& ray, const std::optional<Cut>& cut) {
-  const auto voxel = interior_on(voxmap, ray, cut);
+std::string_view object_on(const Voxmap& voxmap, const Ray& ray, const std::optional<Cut>& cut,
+                           const HiddenObjects& hidden) {
+  const auto voxel = interior_on(voxmap, ray, cut, hidden);
   if (!voxel) return {};
   return voxmap.object_name(voxmap.nearest_object((*voxel)[0], (*voxel)[1], (*voxel)[2]));
 }

@@ -9,6 +9,7 @@
 
 #include "formats/voxmap.h"
 #include "runtime/viewer/surface/cut.h"
+#include "runtime/viewer/surface/shown_voxels.h"
 
 namespace forcelayer::viewer {
 
@@ -17,12 +18,14 @@ struct Ray {
   glm::dvec3 from_m{0, 0, 0}, along{0, 0, 1};
 };
 
-// The first interior voxel on the ray, on the side that the cut leaves; nothing where there is
-// none.
+// The first interior voxel on the ray, on the side that the cut leaves, that is of no hidden
+// object; nothing where there is none.
 std::optional<std::array<std::int64_t, 3>> interior_on(const Voxmap& voxmap, const Ray& ray,
-                                                       const std::optional<Cut>& cut);
+                                                       const std::optional<Cut>& cut,
+                                                       const HiddenObjects& hidden = {});
 
 // The name of the object that this voxel is nearest to; empty where none is known.
-std::string_view object_on(const Voxmap& voxmap, const Ray& ray, const std::optional<Cut>& cut);
+std::string_view object_on(const Voxmap& voxmap, const Ray& ray, const std::optional<Cut>& cut,
+                           const HiddenObjects& hidden = {});
 
 }  // namespace forcelayer::viewer

@@ -80,6 +80,9 @@ struct Overlay::Drawing {
   std::vector<std::string> title;
   std::vector<LegendEntry> legend;
   std::optional<FrameKind> state;
+  std::vector<TreeLine> tree;
+  std::size_t first_line = 0, drawn_lines = 0;  // of the tree, as drawn: from `tree_top` down,
+  double tree_top = 0, tree_right = 0, line_height = 0;  // so far to the right, each so high
 
   // A text whose lower left corner stands at (x, y); returns its width in pixels.
   double write(const std::string& words, double x, double y, double size, bool bold,
@@ -201,6 +204,36 @@ struct Overlay::Drawing {
     }
   }
 
+  void draw_tree(int reserved) {
+    constexpr double kSize = 14, kLine = 21, kIndent = 16;
+    const double margin = 18 * scale, key = kSize * scale, gap = 8 * scale;
+    line_height = kLine * scale;
+    tree_top = title_bottom - 14 * scale;
+    tree_right = 0;
+    drawn_lines = 0;
+    if (tree.empty()) return;
+    const double room = (tree_top - reserved - 20 * scale) / line_height;
+    drawn_lines = std::min(tree.size(), static_cast<std::size_t>(std::max(0.0, room)));
+    const auto chosen = static_cast<std::size_t>(
+        std::find_if(tree.begin(), tree.end(), [](const TreeLine& line) { return line.selected; }) -
+        tree.begin());
+    if (chosen < first_line) first_line = chosen;
+    if (chosen < tree.size() && chosen >= first_line + drawn_lines) {
+      first_line = chosen + 1 - drawn_lines;
+    }
+    first_line = std::min(first_line, tree.size() - drawn_lines);
+    for (std::size_t n = 0; n < drawn_lines; ++n) {
+      const TreeLine& line = tree[first_line + n];
+      const double x = margin + kIndent * scale * static_cast<double>(line.depth);
+      const double y = tree_top - line_height * static_cast<double>(n + 1) + 3 * scale;
+      shapes.box(x, y, x + key, y + key, kInk, 1);
+      shapes.box(x + 1, y + 1, x + key - 1, y + key - 1, kBackground, 1);
+      shapes.box(x + 1, y + 1, x + 1 + (key - 2) * line.filled, y + key - 1, line.color, 1);
+      const double width = write(line.words, x + key + gap, y, kSize, line.selected);
+      tree_right = std::max(tree_right, x + key + gap + width);
+    }
+  }
+
   void draw_scale_bar(int width, double meters_per_pixel, int reserved) {
     const ScaleLength bar = round_length(0.2 * width * meters_per_pixel);
     const double length = bar.length_m / meters_per_pixel;
@@ -229,6 +262,16 @@ void Overlay::set_title(const std::vector<std::string>& lines) { drawing_->title
 
 void Overlay::set_state(std::optional<FrameKind> state) { drawing_->state = state; }
 
+void Overlay::set_tree(const std::vector<TreeLine>& lines) { drawing_->tree = lines; }
+
+std::optional<std::size_t> Overlay::tree_line_at(int x, int y) const {
+  const Drawing& d = *drawing_;
+  if (d.drawn_lines == 0 || x > d.tree_right || y > d.tree_top) return std::nullopt;
+  const auto line = static_cast<std::size_t>((d.tree_top - y) / d.line_height);
+  if (line >= d.drawn_lines) return std::nullopt;
+  return d.first_line + line;
+}
+
 void Overlay::set_legend(const std::vector<LegendEntry>& entries) { drawing_->legend = entries; }
 
 void Overlay::lay_out(int width, int height, double meters_per_pixel, int reserved) {
@@ -238,6 +281,7 @@ void Overlay::lay_out(int width, int height, double meters_per_pixel, int reserv
   d.scale = d.full_scale * std::clamp(share, kSmallest, 1.0);
   d.clear();
   d.draw_title(width, height);
+  d.draw_tree(reserved);
   d.draw_legend(width, height, reserved);
   if (meters_per_pixel > 0) d.draw_scale_bar(width, meters_per_pixel, reserved);
 }

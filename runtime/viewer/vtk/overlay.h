@@ -13,6 +13,15 @@
 
 namespace forcelayer::viewer {
 
+// A line of the tree of objects.
+struct TreeLine {
+  std::string words;
+  std::size_t depth = 0;
+  Color color{};
+  double filled = 1;  // the share of its square that has the color: 0 hidden, 1 shown
+  bool selected = false;
+};
+
 class Overlay {
  public:
   // `scale`: pixels of the picture per pixel of the design (2 where the picture is shrunk by 2).
@@ -22,6 +31,9 @@ class Overlay {
   void set_title(const std::vector<std::string>& lines);     // top left, the first one larger
   void set_state(std::optional<FrameKind> state);            // under its first line; none: no
   void set_legend(const std::vector<LegendEntry>& entries);  // top right
+  // On the left under the title, as many as there is room for, the selected one among them.
+  void set_tree(const std::vector<TreeLine>& lines);
+  std::optional<std::size_t> tree_line_at(int x, int y) const;  // of the pixel, from the lower left
   // Draws everything anew for a picture of that many pixels, one of which is `meters_per_pixel`;
   // the lowest `reserved` pixels are left free. In a small picture words are smaller, long lines
   // are broken, and the legend ends where there is no more room.

@@ -93,6 +93,7 @@ Status write_picture(const std::filesystem::path& path, const ViewScene& scene,
   Stage stage(scene, plan, layers.world, layers.marks);
   const bool placed = plan.moment || scene.bounds.empty;  // a shell alone stands where it is
   stage.show(placed ? plan.shown : without_moment(plan.shown));
+  stage.hide(plan.hidden);
   if (plan.moment) place_moment(stage, scene, *plan.moment);
   stage.cut(plan.cut);
   if (plan.plain) stage.make_plain();

@@ -147,6 +147,7 @@ struct Stage::Actors {
   VoxelFaces quick_interior;
   VoxelFaces cut_force_layer, cut_proximity, force_layer, proximity;
   VoxelFaces quick_force_layer, quick_proximity;
+  std::vector<PolyData> mesh_data, mesh_edge_data;  // [meshes of the scene]
   Actor meshes, mesh_edges, missing_faces;
   Actor part, part_edges, target, shell, spring;
   Glyphs contact_points{sphere(), kContactColor, false};
@@ -189,9 +190,11 @@ Stage::Stage(const ViewScene& scene, const PicturePlan& plan, vtkRenderer* world
     : scene_(scene),
       world_(world),
       marks_(marks),
-      actors_(std::make_unique<Actors>(world, plan.change.has_value())) {
+      actors_(std::make_unique<Actors>(world, plan.change.has_value())),
+      hidden_meshes_(scene.meshes.size(), 0) {
   build_scene(plan.color_objects);
-  build_layers(plan.change);
+  build_layers();
+  build_change(plan.change);
   build_part();
   for (Glyphs* glyphs : actors_->glyphs()) marks_->AddActor(glyphs->actor);
   for (vtkRenderer* renderer : {world_, marks_}) {
@@ -212,21 +215,16 @@ Stage::Stage(const ViewScene& scene, const PicturePlan& plan, vtkRenderer* world
 
 void Stage::build_scene(bool color_objects) {
   if (scene_.meshes.empty()) return;
-  // One actor for all: an assembly of hundreds of parts turns as fast as one part. Edges mesh by
-  // mesh: where two parts touch, both keep theirs.
-  vtkNew<vtkAppendPolyData> meshes, edges;
   for (std::size_t n = 0; n < scene_.meshes.size(); ++n) {
-    const PolyData data = poly_data_of(scene_.meshes[n]);
+    const PolyData& data = actors_->mesh_data.emplace_back(poly_data_of(scene_.meshes[n]));
     if (color_objects) color_cells(data, color_of_mesh(n));
-    meshes->AddInputData(data);
-    edges->AddInputData(feature_edges_of(data));
+    actors_->mesh_edge_data.push_back(feature_edges_of(data));
   }
-  meshes->Update();
-  edges->Update();
-  actors_->meshes = surface_actor(meshes->GetOutput(), kSceneColor);
+  actors_->meshes = surface_actor(PolyData::New(), kSceneColor);
   actors_->meshes->GetMapper()->SetScalarModeToUseCellData();
   actors_->meshes->GetMapper()->SetScalarVisibility(color_objects);
-  actors_->mesh_edges = line_actor(edges->GetOutput(), kEdgeColor, 1);
+  actors_->mesh_edges = line_actor(PolyData::New(), kEdgeColor, 1);
+  draw_meshes();
   world_->AddActor(actors_->meshes);
   world_->AddActor(actors_->mesh_edges);
   if (scene_.missing_faces.empty()) return;
@@ -239,16 +237,62 @@ void Stage::build_scene(bool color_objects) {
   marks_->AddActor(actors_->missing_faces);
 }
 
-void Stage::build_layers(const std::optional<LayerChange>& change) {
+// One actor for all: an assembly of hundreds of parts turns as fast as one part. Edges mesh by
+// mesh: where two parts touch, both keep theirs.
+void Stage::draw_meshes() {
+  const auto draw = [&](const Actor& actor, const std::vector<PolyData>& data) {
+    vtkNew<vtkAppendPolyData> all;
+    for (std::size_t n = 0; n < data.size(); ++n) {
+      if (hidden_meshes_[n] == 0) all->AddInputData(data[n]);
+    }
+    const bool any = all->GetNumberOfInputConnections(0) > 0;
+    if (any) all->Update();
+    replace_data(actor, any ? PolyData(all->GetOutput()) : PolyData::New());
+  };
+  draw(actors_->meshes, actors_->mesh_data);
+  draw(actors_->mesh_edges, actors_->mesh_edge_data);
+}
+
+void Stage::build_layers() {
   if (!scene_.voxmap) return;
-  Actors& a = *actors_;
+  voxel_rectangles_ = most_rectangles_ = 0;
   for (std::size_t n = 0; n < kLayers.size(); ++n) {
-    const QuadSurface surface = layer_surface(*scene_.voxmap, kLayers[n], scene_.origin_m);
+    const QuadSurface surface =
+        layer_surface(*scene_.voxmap, kLayers[n], scene_.origin_m, Faces::kMerged, hidden_objects_);
     voxel_rectangles_ += surface.quad_count();
     most_rectangles_ = std::max(most_rectangles_, surface.quad_count());
-    a.layers()[n]->set(surface);
+    actors_->layers()[n]->set(surface);
   }
+}
+
+void Stage::hide(const std::vector<std::string>& objects) {
+  const auto is_hidden = [&](std::string_view name) {
+    return std::find(objects.begin(), objects.end(), name) != objects.end();
+  };
+  for (std::size_t n = 0; n < hidden_meshes_.size(); ++n) {
+    hidden_meshes_[n] = is_hidden(scene_.meshes[n].name) ? 1 : 0;
+  }
+  if (!scene_.meshes.empty()) draw_meshes();
+  if (!scene_.voxmap) return;
+  const std::uint32_t count = scene_.voxmap->header().object_count;
+  HiddenObjects hidden(count + 1, 0);
+  for (std::uint32_t n = 1; n <= count; ++n) {
+    hidden[n] = is_hidden(scene_.voxmap->object_name(n)) ? 1 : 0;
+    hidden[0] |= hidden[n];
+  }
+  if (hidden[0] == 0) hidden.clear();
+  if (hidden == hidden_objects_) return;
+  hidden_objects_ = std::move(hidden);
+  build_layers();
+  has_quick_ = false;  // the coarse layers have all objects
+  if (hidden_objects_.empty()) build_quick_layers();
+  cut(cut_);
+  show_layers();
+}
+
+void Stage::build_change(const std::optional<LayerChange>& change) {
   if (!change) return;
+  Actors& a = *actors_;
   a.added.set(change->added_surface);
   a.removed.set(change->removed_surface);
   a.removed.draw_edges(kInk);  // so that the two differ in more than hue
@@ -322,6 +366,7 @@ void Stage::show_layers() {
 }
 
 void Stage::cut(const std::optional<Cut>& cut) {
+  cut_ = cut;
   Actors& a = *actors_;
   vtkNew<vtkPlane> plane;
   if (cut) {
@@ -349,7 +394,7 @@ QuadSurface Stage::cut_sheet(const Cut& cut, VoxelValue value) const {
   const auto index =
       static_cast<std::int64_t>(cut.keep_low ? std::ceil(place) - 1 : std::floor(place));
   return slice_surface(*scene_.voxmap, value, cut.axis, index, cut.keep_low ? 1 : -1,
-                       scene_.origin_m);
+                       scene_.origin_m, hidden_objects_);
 }
 
 void Stage::face_camera() {

@@ -7,6 +7,8 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "runtime/viewer/plan/camera.h"
 #include "runtime/viewer/plan/items.h"
@@ -16,6 +18,7 @@
 #include "runtime/viewer/run/moment.h"
 #include "runtime/viewer/surface/cut.h"
 #include "runtime/viewer/surface/layer_change.h"
+#include "runtime/viewer/surface/shown_voxels.h"
 
 namespace forcelayer::viewer {
 
@@ -34,6 +37,11 @@ class Stage {
   void build_quick_layers();
   // Layers in cells of several voxels, until told otherwise: for frames that must not take long.
   void draw_quickly(bool quickly);
+  // Hides these objects, and no others: their meshes, and the voxels that are nearest to them. Deep
+  // in solids no object is known: while any is hidden, those voxels are, too.
+  void hide(const std::vector<std::string>& objects);
+  const std::vector<char>& hidden_meshes() const { return hidden_meshes_; }  // [meshes]
+  const HiddenObjects& hidden_objects() const { return hidden_objects_; }
   void aim(const CameraView& camera);
   void cut(const std::optional<Cut>& cut);
   void make_plain();  // flat opaque colors without light or edges: a pixel's color names its item
@@ -48,7 +56,9 @@ class Stage {
  private:
   struct Actors;
   void build_scene(bool color_objects);
-  void build_layers(const std::optional<LayerChange>& change);
+  void draw_meshes();
+  void build_layers();
+  void build_change(const std::optional<LayerChange>& change);
   void build_part();
   QuadSurface cut_sheet(const Cut& cut, VoxelValue value) const;
   void face_camera();
@@ -60,6 +70,9 @@ class Stage {
   std::unique_ptr<Actors> actors_;
   std::uint64_t voxel_rectangles_ = 0;
   std::uint64_t most_rectangles_ = 0;  // of one layer
+  std::vector<char> hidden_meshes_;    // [meshes of the scene]
+  HiddenObjects hidden_objects_;       // [objects of the voxmap + 1]; empty: none
+  std::optional<Cut> cut_;
   ItemSet shown_;
   bool has_quick_ = false, quickly_ = false;
   unsigned long observer_ = 0;  // of the start of a rendering

@@ -22,6 +22,8 @@
 #include "formats/command/command.h"
 #include "runtime/viewer/plan/keys.h"
 #include "runtime/viewer/plan/legend.h"
+#include "runtime/viewer/plan/mesh_pick.h"
+#include "runtime/viewer/plan/object_tree.h"
 #include "runtime/viewer/plan/style.h"
 #include "runtime/viewer/run/playback.h"
 #include "runtime/viewer/run/run_rows.h"
@@ -60,7 +62,13 @@ vtkStandardNewMacro(BlendingRenderer);
 class Window {
  public:
   Window(const ViewScene& scene, const ViewOptions& options, const PicturePlan& plan, RunFeed feed)
-      : scene_(scene), options_(options), plan_(plan), shown_(plan.shown), feed_(std::move(feed)) {
+      : scene_(scene),
+        options_(options),
+        plan_(plan),
+        shown_(plan.shown),
+        feed_(std::move(feed)),
+        objects_(object_names(scene)) {
+    objects_.hide(plan.hidden);
     for (const TraceRow& row : feed_.rows) strip_points_.push_back(strip_point(row));
     if (!feed_.rows.empty()) {
       playback_.emplace(feed_.rows);
@@ -118,7 +126,7 @@ class Window {
     interactor_->SetRenderWindow(window_);
     interactor_->EnableRenderOff();  // events mark what has changed, tick() draws it once
     style_->on_key = [this](const std::string& key) { press(key); };
-    style_->on_press = [this](int x, int y) { return scrub(x, y); };
+    style_->on_press = [this](int x, int y) { return press_tree(x, y) || scrub(x, y); };
     style_->on_drag = [this](int x, int y) { scrub(x, y); };
     style_->on_hover = [this](int x, int y) { hover(x, y); };
     style_->SetDefaultRenderer(world_);
@@ -131,6 +139,7 @@ class Window {
     overlay_.emplace(words_, 1.0);
     strip_.emplace(words_);
     stage_->build_quick_layers();
+    stage_->hide(plan_.hidden);
     stage_->aim(plan_.camera);
     stage_->cut(cut_);
     refresh();
@@ -221,7 +230,7 @@ class Window {
                               1e3 * cut_ -> at_m,
                               cut_ -> keep_low ? "the side below" : "the side above"));
     }
-    if (!pointed_at_.empty()) lines.push_back("here: " + pointed_at_);
+    if (!pointed_at_.empty()) lines.push_back("here: " + escaped(pointed_at_));
     if (help_) {
       lines.insert(lines.end(), kKeyLines.begin(), kKeyLines.end());
     } else {
@@ -242,12 +251,14 @@ class Window {
     if (!moment_ && !scene_.bounds.empty) now.shown = without_moment(shown_);
     now.moment = moment_;
     now.color_objects = plan_.color_objects;
+    now.hidden = objects_.hidden();
     // The legend asks only whether there is a change, not which.
     if (plan_.change) now.change.emplace();
     stage_->show(now.shown);
     overlay_->set_title(title());
     overlay_->set_state(moment_ ? std::optional(moment_->kind()) : std::nullopt);
     overlay_->set_legend(legend_of(now, scene_));
+    overlay_->set_tree(tree_lines());
     render();
   }
 
@@ -321,9 +332,31 @@ class Window {
     return {sky[0], sky[1], sky[2]};
   }
 
-  // Names the object under the pointer.
-  void hover(int x, int y) {
-    if (!plan_.color_objects || !scene_.voxmap) return;
+  std::vector<TreeLine> tree_lines() const {
+    std::vector<TreeLine> lines;
+    if (!tree_open_) return lines;
+    for (const ObjectTree::Row& row : objects_.rows()) {
+      TreeLine& line = lines.emplace_back();
+      const std::string label = escaped(row.label);
+      line.words = !row.is_group ? label
+                   : row.is_open ? label
+                                 : text_of("%s  (%zu)", label.c_str(), row.objects);
+      line.depth = row.depth;
+      line.color = !row.is_group && plan_.color_objects && row.object < scene_.meshes.size()
+                       ? color_of_mesh(row.object)
+                       : kSceneColor;
+      line.filled = row.shown == ObjectTree::Shown::kAll    ? 1
+                    : row.shown == ObjectTree::Shown::kSome ? 0.5
+                                                            : 0;
+      line.selected = row.node == objects_.selected();
+    }
+    return lines;
+  }
+
+  // The name of what is drawn at a pixel: of the mesh, else of the object that the voxels there are
+  // nearest to.
+  std::string object_at(int x, int y) const {
+    if (objects_.empty()) return "";
     world_->SetDisplayPoint(x, y, 0);
     world_->DisplayToWorld();
     const double* near = world_->GetWorldPoint();
@@ -331,10 +364,58 @@ class Window {
     const double back_m = glm::length(scene_.bounds.high_m - scene_.bounds.low_m);
     const Ray ray{scene_.origin_m + glm::dvec3(near[0], near[1], near[2]) + back_m * to_eye(),
                   -to_eye()};
-    const std::string name = escaped(object_on(*scene_.voxmap, ray, cut_));
+    std::string name;
+    if (shown_[Item::kMeshes]) name = mesh_on(scene_, stage_->hidden_meshes(), ray, cut_);
+    const bool voxels = shown_[Item::kInterior] || shown_[Item::kForceLayer];
+    if (name.empty() && scene_.voxmap && voxels) {
+      name = object_on(*scene_.voxmap, ray, cut_, stage_->hidden_objects());
+    }
+    return name;
+  }
+
+  void hover(int x, int y) {
+    const std::string name = object_at(x, y);
     if (name == pointed_at_) return;
     pointed_at_ = name;
     changed_ = true;
+  }
+
+  // A click on a line of the tree hides or shows it, with shift it is shown alone.
+  bool press_tree(int x, int y) {
+    const auto line = tree_open_ ? overlay_->tree_line_at(x, y) : std::nullopt;
+    if (!line) return false;
+    objects_.select(objects_.rows()[*line].node);
+    shift() ? objects_.isolate() : objects_.toggle();
+    show_objects();
+    return true;
+  }
+
+  void show_objects() {
+    stage_->hide(objects_.hidden());
+    pointed_at_.clear();
+    changed_ = true;
+  }
+
+  bool press_objects(const std::string& key) {
+    if (objects_.empty()) return false;
+    if (key == "o") {
+      tree_open_ = !tree_open_;
+    } else if (tree_open_ && (key == "Up" || key == "Down")) {
+      objects_.step(key == "Up" ? -1 : 1);
+    } else if (tree_open_ && key == "Return") {
+      objects_.fold();
+    } else if (key == "v" || key == "i") {
+      if (!tree_open_ && pointed_at_.empty()) return true;
+      if (!tree_open_) objects_.select_object(pointed_at_);
+      key == "v" ? objects_.toggle() : objects_.isolate();
+      show_objects();
+    } else if (key == "a") {
+      objects_.show_all();
+      show_objects();
+    } else {
+      return false;
+    }
+    return true;
   }
 
   bool scrub(int x, int y) {
@@ -355,7 +436,7 @@ class Window {
       help_ = !help_;
     } else if (key.size() == 1 && key[0] >= '1' && key[0] <= '8') {
       shown_.toggle(static_cast<Item>(key[0] - '1'));
-    } else if (!press_camera(key) && !press_cut(key)) {
+    } else if (!press_camera(key) && !press_cut(key) && !press_objects(key)) {
       press_playback(key);
     }
     changed_ = true;
@@ -483,6 +564,8 @@ class Window {
   Pose grip_;
   double speed_ = 1;  // of playing, in run time per time
   std::vector<StripPoint> strip_points_;
+  ObjectTree objects_;
+  bool tree_open_ = false;
   std::string pointed_at_;  // the name of the object under the pointer
   bool help_ = false;
   bool changed_ = false;        // the picture is out of date

@@ -1,9 +1,9 @@
-#include "runtime/voxrun/text.h"
+#include "formats/command/text.h"
 
 #include <cstdarg>
 #include <cstdio>
 
-namespace forcelayer::voxrun {
+namespace forcelayer::command {
 
 std::string text(const char* pattern, ...) {
   std::va_list arguments, again;
@@ -17,4 +17,4 @@ std::string text(const char* pattern, ...) {
   return line;
 }
 
-}  // namespace forcelayer::voxrun
+}  // namespace forcelayer::command

@@ -3,9 +3,9 @@
 
 #include <string>
 
-namespace forcelayer::voxrun {
+namespace forcelayer::command {
 
 // What printf() would print, whatever its length.
 [[gnu::format(printf, 1, 2)]] std::string text(const char* pattern, ...);
 
-}  // namespace forcelayer::voxrun
+}  // namespace forcelayer::command

@@ -1,0 +1,115 @@
+#include "formats/path/path_edit.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "formats/path/quaternion.h"
+
+namespace forcelayer {
+namespace {
+
+using Vector = std::array<double, 3>;
+
+// A row every so often is no more than this; a finer resampling is none.
+constexpr double kMostRows = 100'000'000;
+
+double length(const Vector& v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
+
+Vector difference(const Vector& a, const Vector& b) {
+  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
+
+Vector rotated(const Quaternion& q, const Vector& v) {
+  const Quaternion r = product(product(q, {0, v[0], v[1], v[2]}), conjugate(q));
+  return {r[1], r[2], r[3]};
+}
+
+// The angle from one orientation to another, the short way round.
+double angle_between(const Quaternion& from, const Quaternion& to) {
+  const Quaternion turn = product(to, conjugate(from));
+  return 2 * std::atan2(length({turn[1], turn[2], turn[3]}), std::abs(turn[0]));
+}
+
+// A share of the way from one orientation to another.
+Quaternion between(const Quaternion& from, const Quaternion& to, double share) {
+  const Quaternion turn = product(to, conjugate(from));
+  const Vector axis{turn[1], turn[2], turn[3]};
+  const double sine = length(axis), angle = angle_between(from, to) * share;
+  if (sine < 1e-12) return from;
+  const double scale = std::sin(angle / 2) / sine * (turn[0] < 0 ? -1 : 1);
+  Quaternion q =
+      product({std::cos(angle / 2), axis[0] * scale, axis[1] * scale, axis[2] * scale}, from);
+  const double norm = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+  for (double& part : q) part /= norm;
+  return q;
+}
+
+Vector center_of(const PathRow& row, const Vector& center_m) {
+  const Vector arm = rotated(row.orientation_wxyz, center_m);
+  return {row.position_m[0] + arm[0], row.position_m[1] + arm[1], row.position_m[2] + arm[2]};
+}
+
+}  // namespace
+
+PathFacts path_facts(std::span<const PathRow> rows) {
+  PathFacts facts;
+  facts.poses = rows.size();
+  facts.begin_s = rows.front().time_s;
+  facts.end_s = rows.back().time_s;
+  facts.low_m = facts.high_m = rows.front().position_m;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      facts.low_m[axis] = std::min(facts.low_m[axis], rows[i].position_m[axis]);
+      facts.high_m[axis] = std::max(facts.high_m[axis], rows[i].position_m[axis]);
+    }
+    if (i == 0) continue;
+    const double step_m = length(difference(rows[i].position_m, rows[i - 1].position_m));
+    const double turn_rad = angle_between(rows[i - 1].orientation_wxyz, rows[i].orientation_wxyz);
+    facts.way_m += step_m;
+    facts.turn_rad += turn_rad;
+    facts.most_step_m = std::max(facts.most_step_m, step_m);
+    facts.most_turn_rad = std::max(facts.most_turn_rad, turn_rad);
+    facts.most_mps = std::max(facts.most_mps, step_m / (rows[i].time_s - rows[i - 1].time_s));
+  }
+  return facts;
+}
+
+PathRow pose_at(std::span<const PathRow> rows, double time_s,
+                const std::array<double, 3>& center_m) {
+  const auto next = std::upper_bound(rows.begin(), rows.end(), time_s,
+                                     [](double t, const PathRow& row) { return t < row.time_s; });
+  if (next == rows.begin()) return {time_s, rows[0].position_m, rows[0].orientation_wxyz};
+  const PathRow& from = *(next - 1);
+  if (next == rows.end()) return {time_s, from.position_m, from.orientation_wxyz};
+  const double share = (time_s - from.time_s) / (next->time_s - from.time_s);
+  const Vector a = center_of(from, center_m), b = center_of(*next, center_m);
+  PathRow row{time_s, {}, between(from.orientation_wxyz, next->orientation_wxyz, share)};
+  const Vector arm = rotated(row.orientation_wxyz, center_m);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    row.position_m[axis] = a[axis] + (b[axis] - a[axis]) * share - arm[axis];
+  }
+  return row;
+}
+
+std::vector<PathRow> resampled(std::span<const PathRow> rows, double period_s,
+                               const std::array<double, 3>& center_m) {
+  std::vector<PathRow> samples;
+  const double begin_s = rows.front().time_s, end_s = rows.back().time_s;
+  const double count = std::min(kMostRows, std::ceil((end_s - begin_s) / period_s - 1e-9));
+  for (double n = 0; n < count; ++n) {
+    samples.push_back(pose_at(rows, begin_s + n * period_s, center_m));
+  }
+  samples.push_back(rows.back());
+  return samples;
+}
+
+std::vector<PathRow> reversed(std::span<const PathRow> rows) {
+  std::vector<PathRow> back;
+  const double sum_s = rows.front().time_s + rows.back().time_s;
+  for (auto row = rows.rbegin(); row != rows.rend(); ++row) {
+    back.push_back({sum_s - row->time_s, row->position_m, row->orientation_wxyz});
+  }
+  return back;
+}
+
+}  // namespace forcelayer

@@ -1,0 +1,45 @@
+// Paths as files: poses over time in CSV. README.md beside this file describes the columns.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "formats/file/atomic_file.h"
+#include "formats/result.h"
+
+namespace forcelayer {
+
+// A pose at a time: world_from_part or world_from_handle. The quaternion is of length 1.
+struct PathRow {
+  double time_s = 0;
+  std::array<double, 3> position_m{0, 0, 0};
+  std::array<double, 4> orientation_wxyz{1, 0, 0, 0};
+};
+
+// Which poses are wanted of a file that has several: a trace has `part_` and `handle_` columns.
+enum class PathOf { kPart, kHandle };
+
+// Reads a path: at least one row, times ascending, all numbers finite, quaternions normalized.
+// Errors: kFileNotFound, kReadFailed, and kUsage with the line for anything that is no path.
+Result<std::vector<PathRow>> read_path(const std::filesystem::path& path, PathOf of);
+
+// Writes a path, row by row. The file appears with finish(); without it nothing is left behind.
+class PathWriter {
+ public:
+  static Result<PathWriter> create(const std::filesystem::path& path);
+
+  Status add(const PathRow& row);
+  Status finish();
+
+ private:
+  explicit PathWriter(AtomicFile file) : file_(std::move(file)) {}
+  Status flush();
+
+  AtomicFile file_;
+  std::string text_;
+};
+
+}  // namespace forcelayer

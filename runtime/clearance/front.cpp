@@ -1,0 +1,85 @@
+#include "runtime/clearance/front.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace forcelayer::clearance {
+namespace {
+
+constexpr double kHalfDiagonal = 0.8660254037844387;  // of a voxel, rounded up
+constexpr double kHalfSquare = 0.375;                 // half its square
+constexpr double kWriterError = 0.002;                // of a code, in voxels (voxmap_format.md, 6)
+constexpr double kRounding = 1e-4;                    // voxels: far above that of the sums
+constexpr std::size_t kPadding = 16;                  // voxels of a front are looked at together
+
+}  // namespace
+
+double reach_voxels(const VoxmapHeader& h) {
+  return (static_cast<double>(kMostDistanceCode) - h.distance_zero_code) * h.distance_quantum_m /
+         h.voxel_size_m;
+}
+
+Fronts::Fronts(const Voxmap& voxmap, const LeftOut& left_out, Window window)
+    : voxmap_(voxmap),
+      left_out_(left_out),
+      quantum_(voxmap.header().distance_quantum_m / voxmap.voxel_size_m()) {
+  // A whole window of codes below the highest.
+  from_mesh_ = window == Window::kMesh
+                   ? 1
+                   : reach_voxels(voxmap.header()) - kHalfDiagonal - quantum_ - kWriterError;
+  low_ = std::max(0.0, from_mesh_ - kHalfDiagonal);
+  high_ = from_mesh_ + kHalfDiagonal;
+}
+
+double Fronts::distance_voxels(double least_sum, double known_voxels) const {
+  const double sum = least_sum - kRounding;
+  if (from_mesh_ <= 1) {
+    // From L = 3 on the loss is at most this. Below, the nearest point's own voxel counts: it is
+    // found at L and twice half a diagonal at most.
+    const double far = sum - kHalfSquare * 1.5;
+    return std::max({0.0, known_voxels, sum >= 4 ? far : sum - 2 * kHalfDiagonal});
+  }
+  const auto loss = [&](double to_front) { return kHalfSquare * (1 / to_front + 1 / from_mesh_); };
+  const double known = std::max(known_voxels, from_mesh_ + kHalfDiagonal);
+  const double least = std::max(known, sum - loss(known - from_mesh_));
+  return std::max(known_voxels, sum - loss(least - from_mesh_));
+}
+
+const Front* Fronts::of(const BrickIndex& brick) {
+  const auto [at, is_new] = fronts_.try_emplace(key_of(brick));
+  if (!is_new) return at->second.get();
+  const DistanceView& distances = *voxmap_.distances();
+  const ObjectView* const objects = voxmap_.objects();
+  const std::uint32_t entry = entry_of(distances, brick, uniform_entry(kMostDistanceCode));
+  if (is_uniform(entry) && code_in(distances, entry, 0) == kMostDistanceCode) return nullptr;
+  const std::uint32_t named =
+      objects != nullptr ? entry_of(*objects, brick, uniform_entry(0)) : uniform_entry(0);
+  auto front = std::make_unique<Front>();
+  const std::int32_t zero = voxmap_.header().distance_zero_code;
+  for (std::uint32_t n = 0; n < kNodeEntries; ++n) {
+    const auto code = static_cast<std::int32_t>(code_in(distances, entry, n));
+    if (code == 0 || code == static_cast<std::int32_t>(kMostDistanceCode)) continue;
+    const double low = (code - zero) * quantum_, high = low + quantum_ + kWriterError;
+    const double least = std::max({0.0, low, -high}), most = std::max(high, -low);
+    if (most < low_ || least > high_) continue;
+    const std::uint32_t object = objects != nullptr ? code_in(*objects, named, n) : 0;
+    if (object < left_out_.size() && left_out_[object] != 0) continue;
+    front->x.push_back(static_cast<float>(n >> 6) + 0.5f);
+    front->y.push_back(static_cast<float>(n >> 3 & 7) + 0.5f);
+    front->z.push_back(static_cast<float>(n & 7) + 0.5f);
+    front->least.push_back(static_cast<float>(least));
+    front->most.push_back(static_cast<float>(most));
+    front->object.push_back(static_cast<std::uint16_t>(object));
+  }
+  if (front->x.empty()) return nullptr;
+  while (front->x.size() % kPadding != 0) {
+    for (auto* values : {&front->x, &front->y, &front->z, &front->least, &front->most}) {
+      values->push_back(Front::kFar);
+    }
+    front->object.push_back(0);
+  }
+  at->second = std::move(front);
+  return at->second.get();
+}
+
+}  // namespace forcelayer::clearance

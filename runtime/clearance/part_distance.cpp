@@ -1,0 +1,162 @@
+#include "runtime/clearance/part_distance.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
+#include <glm/mat3x3.hpp>
+#include <limits>
+
+namespace forcelayer::clearance {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kRounding = 1e-6;  // voxels: exceeds that of a bound here
+constexpr double kRadiusRounding = 1 + 1e-9;
+
+}  // namespace
+
+struct PartDistance::Place {
+  glm::dmat3 rotation;
+  glm::dvec3 center;  // voxels
+  double per_meter;
+  double travel;  // voxels
+  glm::dvec3 of(const glm::dvec3& offset) const { return rotation * offset + center; }
+};
+
+PartDistance::Level PartDistance::make_level(const BoundingSphere* spheres, std::uint64_t count,
+                                             double voxel_size_m) {
+  Level level;
+  for (std::uint64_t i = 0; i < count; ++i) {
+    const BoundingSphere& s = spheres[i];
+    level.center.push_back(glm::dvec3(s.x, s.y, s.z) / voxel_size_m);
+    level.radius.push_back(double{s.radius} / voxel_size_m * kRadiusRounding + kRounding);
+  }
+  level.least.assign(count, -kInfinity);
+  level.travel.assign(count, 0);
+  return level;
+}
+
+PartDistance::PartDistance(const Voxmap& voxmap, const Pshell& shell, const LeftOut& left_out,
+                           double cap_voxels)
+    : voxmap_(voxmap),
+      shell_(shell),
+      distances_(voxmap, left_out, cap_voxels),
+      blocks_(make_level(shell.view().blocks, shell.view().block_count, voxmap.voxel_size_m())),
+      super_blocks_(make_level(shell.view().super_blocks, shell.view().super_block_count,
+                               voxmap.voxel_size_m())) {
+  radius_ = shell.header().bounding_radius_m / voxmap.voxel_size_m() * kRadiusRounding + kRounding;
+  double far = radius_;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto i = static_cast<std::size_t>(axis);
+    directory_[axis] = static_cast<double>(voxmap.header().directory_origin[i]);
+    far = std::max({far, std::abs(directory_[axis]),
+                    std::abs(directory_[axis] + 512.0 * voxmap.header().directory_dims[i])});
+  }
+  // Beside what is rounded under the roots: a place of that size in doubles, over some operations.
+  rounding_m_ = (2 * kRounding + std::ldexp(far, -47)) * voxmap.voxel_size_m();
+}
+
+void PartDistance::forget() {
+  for (Level* level : {&blocks_, &super_blocks_}) {
+    std::fill(level->least.begin(), level->least.end(), -kInfinity);
+  }
+  last_block_ = 0;
+}
+
+glm::dvec3 PartDistance::to_voxels(const glm::dvec3& place_m) const {
+  return place_m / voxmap_.voxel_size_m() - directory_;
+}
+
+glm::dvec3 PartDistance::place_m(const Pose& world_from_center, std::uint32_t point) const {
+  const PshellView& v = shell_.view();
+  return world_from_center.orientation * glm::dvec3(v.x[point], v.y[point], v.z[point]) +
+         world_from_center.position_m;
+}
+
+CenterDistances::Nearest PartDistance::nearest(const glm::dvec3& place_m) {
+  return distances_.nearest(to_voxels(place_m));
+}
+
+bool PartDistance::is_unknown(const glm::dvec3& place_m) const {
+  return distances_.is_unknown(to_voxels(place_m));
+}
+
+// Whether no point in the sphere can be below the limit. `closely`: by distances too.
+bool PartDistance::is_far(const Place& place, Level& level, std::size_t i, bool closely) {
+  const double known = level.now(i, place.travel);
+  // What is known of a large sphere is told anew until it is all that is wished for: a part that is
+  // far away can be skipped for long.
+  if (known >= (closely ? limit() : std::max(limit(), wished_))) {
+    rest_ = std::min(rest_, known);
+    return true;
+  }
+  const glm::dvec3 center = place.of(level.center[i]);
+  const double radius = level.radius[i];
+  double least = distances_.free_around(center) - radius;
+  const double wanted = limit() + radius;
+  if (closely && least < limit() && wanted < distances_.cap_voxels()) {
+    least = std::max(least, distances_.at(center) - radius);
+  }
+  if (least > known) {
+    level.least[i] = least;
+    level.travel[i] = place.travel;
+  }
+  if (least < limit()) return false;
+  rest_ = std::min(rest_, least);
+  return true;
+}
+
+void PartDistance::look_at_block(const Place& place, std::size_t block) {
+  const PshellView& v = shell_.view();
+  const std::size_t begin = block * v.block_points;
+  const std::size_t end = std::min<std::size_t>(begin + v.block_points, v.point_count);
+  const double reach = reach_voxels(voxmap_.header());
+  double least = kInfinity;
+  for (std::size_t i = begin; i < end; ++i) {
+    const glm::dvec3 at = place.of(glm::dvec3(v.x[i], v.y[i], v.z[i]) * place.per_meter);
+    double distance = distances_.at(at);
+    if (distance > reach) distance = std::max(distance, distances_.free_around(at));
+    least = std::min(least, distance);
+    if (distance >= best_.voxels) continue;
+    best_ = {distance, static_cast<std::uint32_t>(i)};
+    last_block_ = block;
+  }
+  points_looked_at_ += end - begin;
+  blocks_.least[block] = least;
+  blocks_.travel[block] = place.travel;
+}
+
+void PartDistance::look_at_blocks(const Place& place, std::size_t super_block) {
+  const PshellView& v = shell_.view();
+  const std::size_t begin = super_block * v.super_block_blocks;
+  const std::size_t end = std::min<std::size_t>(begin + v.super_block_blocks, v.block_count);
+  double least = kInfinity;
+  for (std::size_t block = begin; block < end; ++block) {
+    if (!is_far(place, blocks_, block, true)) look_at_block(place, block);
+    least = std::min(least, blocks_.now(block, place.travel));
+  }
+  super_blocks_.least[super_block] = least;
+  super_blocks_.travel[super_block] = place.travel;
+}
+
+LeastDistance PartDistance::at(const Pose& world_from_center, double travel_m,
+                               double enough_voxels) {
+  const double s = voxmap_.voxel_size_m();
+  const Place place{glm::mat3_cast(world_from_center.orientation),
+                    to_voxels(world_from_center.position_m), 1 / s, travel_m / s};
+  const double whole = distances_.free_around(place.center) - radius_;
+  if (whole >= enough_voxels) return {whole, LeastDistance::kNone};
+  best_ = {kInfinity, LeastDistance::kNone};
+  rest_ = kInfinity;
+  wished_ = enough_voxels;
+  enough_ = std::min(enough_voxels, distances_.cap_voxels());
+  if (blocks_.least[last_block_] > -kInfinity) look_at_block(place, last_block_);
+  for (std::size_t i = 0; i < super_blocks_.least.size(); ++i) {
+    if (!is_far(place, super_blocks_, i, false)) look_at_blocks(place, i);
+  }
+  if (best_.voxels < enough_) return best_;
+  return {std::min(best_.voxels, rest_), LeastDistance::kNone};
+}
+
+}  // namespace forcelayer::clearance

@@ -1,0 +1,86 @@
+// The least proven distance of a part's shell points from the static mesh, at a pose. Blocks of
+// points that cannot have it are not looked at: a block's bounding sphere in space that is known to
+// be that far away, or a block that cannot have come nearer since it was last looked at. The answer
+// is no less than that of looking at every point, and no more than the truth.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "forcelayer/pose.h"
+#include "formats/pshell.h"
+#include "formats/voxmap.h"
+#include "runtime/clearance/center_distances.h"
+
+namespace forcelayer::clearance {
+
+struct LeastDistance {
+  static constexpr std::uint32_t kNone = ~std::uint32_t{0};
+  double voxels = 0;  // no shell point is nearer than this to the static mesh
+  // The point that has it; kNone where nothing is nearer than what was asked for.
+  std::uint32_t point = kNone;
+};
+
+// For one thread at a time.
+class PartDistance {
+ public:
+  // All outlive this. Distances from `cap_voxels` on are not told apart.
+  PartDistance(const Voxmap& voxmap, const Pshell& shell, const LeftOut& left_out,
+               double cap_voxels);
+
+  // Forgets what was looked at: the poses to come are of another path.
+  void forget();
+
+  // The least distance, where it is below `enough_voxels`; else some lower bound of it, which is
+  // no less than enough_voxels where that can be told. `travel_m`: how far any point of the part
+  // may have travelled since the path's beginning, CenterPath::travel_m().
+  LeastDistance at(const Pose& world_from_center, double travel_m, double enough_voxels);
+
+  // A shell point's place in the world, m.
+  glm::dvec3 place_m(const Pose& world_from_center, std::uint32_t point) const;
+
+  // The object that a place is nearest to, and how far it is away at most.
+  CenterDistances::Nearest nearest(const glm::dvec3& place_m);
+  bool is_unknown(const glm::dvec3& place_m) const;
+
+  // How far this arithmetic may misplace a point, m.
+  double rounding_m() const { return rounding_m_; }
+
+  std::uint64_t points_looked_at() const { return points_looked_at_; }
+
+ private:
+  // Lower bounds of spheres' points, and when each was told.
+  struct Level {
+    std::vector<double> least;       // voxels, at that travel
+    std::vector<double> travel;      // voxels
+    std::vector<glm::dvec3> center;  // from the centroid, voxels
+    std::vector<double> radius;      // voxels
+    double now(std::size_t i, double at) const {
+      return least[i] - (at > travel[i] ? at - travel[i] : travel[i] - at);
+    }
+  };
+  struct Place;  // of the part, in voxels from the directory on
+
+  static Level make_level(const BoundingSphere* spheres, std::uint64_t count, double voxel_size_m);
+  glm::dvec3 to_voxels(const glm::dvec3& place_m) const;
+  void look_at_block(const Place& place, std::size_t block);
+  void look_at_blocks(const Place& place, std::size_t super_block);
+  bool is_far(const Place& place, Level& level, std::size_t i, bool closely);
+  double limit() const { return best_.voxels < enough_ ? best_.voxels : enough_; }
+
+  const Voxmap& voxmap_;
+  const Pshell& shell_;
+  CenterDistances distances_;
+  Level blocks_, super_blocks_;
+  glm::dvec3 directory_;  // voxels
+  double radius_;         // voxels
+  double rounding_m_;
+  std::size_t last_block_ = 0;
+  std::uint64_t points_looked_at_ = 0;
+  // Of the pose at hand.
+  LeastDistance best_;
+  double wished_ = 0, enough_ = 0;  // enough_ is no more than the cap
+  double rest_ = 0;                 // the least of what was not looked at
+};
+
+}  // namespace forcelayer::clearance

@@ -1,0 +1,325 @@
+#include "runtime/clearance/path_check.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstdio>
+#include <functional>
+#include <limits>
+#include <thread>
+
+#include "runtime/clearance/path_walk.h"
+#include "runtime/clearance/seat_stretch.h"
+
+namespace forcelayer::clearance {
+namespace {
+
+constexpr std::size_t kShares = 64;          // of a path; whatever the threads
+constexpr std::size_t kFirstMoments = 1024;  // for a first idea of the least distance
+constexpr double kMeasuredBeyond = 2;        // voxels above what is required
+constexpr double kMostCapVoxels = 160;       // that a search is made for
+
+// Calls work(thread, task) for each task, each from one of the threads.
+void share_out(unsigned threads, std::size_t tasks,
+               const std::function<void(std::size_t, std::size_t)>& work) {
+  std::atomic<std::size_t> next{0};
+  const auto run = [&](std::size_t thread) {
+    for (std::size_t task = next++; task < tasks; task = next++) work(thread, task);
+  };
+  std::vector<std::thread> others;
+  for (unsigned n = 1; n < threads; ++n) others.emplace_back(run, n);
+  run(0);
+  for (std::thread& other : others) other.join();
+}
+
+// What of a path lies between two moments, checked against all objects but those left out.
+class Check {
+ public:
+  Check(const Voxmap& voxmap, const Pshell& shell, const CenterPath& path,
+        const CheckRequest& request)
+      : voxmap_(voxmap), shell_(shell), path_(path), request_(request) {
+    const PartDistance part(voxmap, shell, request.allowed, 0);
+    deviations_m_ =
+        voxmap.header().static_deviation_m + shell.header().part_deviation_m + part.rounding_m();
+    const double s = voxmap.voxel_size_m();
+    required_voxels_ = least_point_distance_for_m(shell.surface_distance_terms(),
+                                                  request.required_m + deviations_m_) /
+                       s;
+    measured_voxels_ = std::max(required_voxels_ + kMeasuredBeyond, reach_voxels(voxmap.header()));
+  }
+
+  double required_voxels() const { return required_voxels_; }
+  double cap_voxels() const { return measured_voxels_ + 1; }
+
+  struct Walked {
+    std::vector<Piece> pieces;
+    Sample nearest;  // of all samples
+    std::uint64_t tested = 0, subdivided = 0;
+  };
+  Walked walk(const LeftOut& left_out, const Moment& from, const Moment& to) const;
+
+  double clearance_m(double voxels) const {
+    const double proven =
+        surface_distance_bound_m(shell_.surface_distance_terms(), voxels * voxmap_.voxel_size_m());
+    return std::max(0.0, proven - deviations_m_);
+  }
+  CheckedMoment checked(PartDistance& part, const Sample& sample) const;
+  CheckedMoment checked(const LeftOut& left_out, const Sample& sample) const {
+    PartDistance part(voxmap_, shell_, left_out, cap_voxels());
+    return checked(part, sample);
+  }
+  std::vector<Violation> violations(const LeftOut& left_out,
+                                    const std::vector<Piece>& pieces) const;
+
+ private:
+  std::vector<Moment> share_ends(const Moment& from, const Moment& to) const;
+
+  const Voxmap& voxmap_;
+  const Pshell& shell_;
+  const CenterPath& path_;
+  const CheckRequest& request_;
+  double deviations_m_ = 0;                           // of scene, part and arithmetic together
+  double required_voxels_ = 0, measured_voxels_ = 0;  // of shell points
+};
+
+// Moments that cut the way between two into shares of equal travel, as far as poses allow.
+std::vector<Moment> Check::share_ends(const Moment& from, const Moment& to) const {
+  std::vector<Moment> ends{from};
+  const std::size_t first = from.pose + 1, last = to.share > 0 ? to.pose + 1 : to.pose;
+  const double begin_m = path_.travel_m(from), way_m = path_.travel_m(to) - begin_m;
+  for (std::size_t n = 1; n < kShares && first < last; ++n) {
+    const double at_m = begin_m + way_m * static_cast<double>(n) / kShares;
+    const std::size_t pose = path_.pose_beyond(at_m, first, last - 1);
+    if (pose > ends.back().pose) ends.push_back({pose, 0});
+  }
+  ends.push_back(to);
+  return ends;
+}
+
+Check::Walked Check::walk(const LeftOut& left_out, const Moment& from, const Moment& to) const {
+  std::vector<std::unique_ptr<PartDistance>> parts;
+  const unsigned threads = std::max(1u, request_.threads);
+  for (unsigned n = 0; n < threads; ++n) {
+    parts.push_back(std::make_unique<PartDistance>(voxmap_, shell_, left_out, cap_voxels()));
+  }
+  Walked walked;
+  // A first idea of how near it comes, so that the walks need not look closely where it does not.
+  const std::size_t poses = to.pose - from.pose + 1;
+  const std::size_t moments = std::min(kFirstMoments, poses);
+  std::vector<Sample> first(moments);
+  share_out(threads, moments, [&](std::size_t thread, std::size_t n) {
+    const Moment moment{from.pose + poses * n / moments, n == 0 ? from.share : 0};
+    first[n] = {moment, path_.travel_m(moment), {}};
+    first[n].least =
+        parts[thread]->at(path_.world_from_center(moment), first[n].travel_m, measured_voxels_);
+  });
+  walked.tested = moments;
+  walked.nearest = first[0];
+  for (const Sample& sample : first) {
+    if (sample.least.voxels < walked.nearest.least.voxels) walked.nearest = sample;
+  }
+  const WalkLimits limits{required_voxels_,
+                          std::min(measured_voxels_, walked.nearest.least.voxels)};
+  const std::vector<Moment> ends = share_ends(from, to);
+  const std::size_t shares = std::max<std::size_t>(1, ends.size() - 1);
+  std::vector<std::unique_ptr<PathWalk>> walks(shares);
+  share_out(threads, shares, [&](std::size_t thread, std::size_t n) {
+    walks[n] = std::make_unique<PathWalk>(path_, *parts[thread], voxmap_.voxel_size_m(), limits);
+    walks[n]->walk(ends[n], ends[n + 1]);
+  });
+  for (const auto& walk : walks) {
+    walked.pieces.insert(walked.pieces.end(), walk->pieces().begin(), walk->pieces().end());
+    walked.tested += walk->tested();
+    walked.subdivided += walk->motions_subdivided();
+  }
+  for (const Piece& piece : walked.pieces) {
+    if (piece.worst.least.point != LeastDistance::kNone &&
+        (piece.worst.least.voxels < walked.nearest.least.voxels ||
+         walked.nearest.least.point == LeastDistance::kNone)) {
+      walked.nearest = piece.worst;
+    }
+  }
+  return walked;
+}
+
+CheckedMoment Check::checked(PartDistance& part, const Sample& sample) const {
+  CheckedMoment moment;
+  moment.time_s = path_.time_s(sample.moment);
+  moment.clearance_m = clearance_m(sample.least.voxels);
+  moment.most_m = std::numeric_limits<double>::infinity();
+  if (sample.least.point == LeastDistance::kNone) return moment;
+  moment.point_m = part.place_m(path_.world_from_center(sample.moment), sample.least.point);
+  moment.beyond_side = part.is_unknown(moment.point_m);
+  if (moment.beyond_side) return moment;
+  const auto nearest = part.nearest(moment.point_m);
+  moment.object = nearest.object;
+  moment.most_m = nearest.most_voxels * voxmap_.voxel_size_m() + deviations_m_;
+  return moment;
+}
+
+// Pieces that are too near, those that follow each other as one.
+std::vector<Violation> Check::violations(const LeftOut& left_out,
+                                         const std::vector<Piece>& pieces) const {
+  PartDistance part(voxmap_, shell_, left_out, cap_voxels());
+  std::vector<Violation> found;
+  const Piece* worst = nullptr;
+  double least_voxels = 0;
+  for (std::size_t i = 0; i < pieces.size(); ++i) {
+    const Piece& piece = pieces[i];
+    if (!piece.too_near) continue;
+    if (worst == nullptr) {
+      found.push_back({path_.time_s(piece.from), 0, 0, {}, false});
+      worst = &piece;
+      least_voxels = piece.least_voxels;
+    }
+    least_voxels = std::min(least_voxels, piece.least_voxels);
+    if (piece.worst.least.voxels < worst->worst.least.voxels) worst = &piece;
+    if (i + 1 < pieces.size() && pieces[i + 1].too_near) continue;
+    Violation& violation = found.back();
+    violation.to_s = path_.time_s(piece.to);
+    violation.clearance_m = clearance_m(least_voxels);
+    violation.worst = checked(part, worst->worst);
+    worst = nullptr;
+  }
+  return found;
+}
+
+// Refuses what cannot be told.
+Status check_request(const Voxmap& voxmap, const Check& check, const CheckRequest& request) {
+  if (request.world_from_seat && voxmap.objects() == nullptr) {
+    return Error{ErrorCode::kUsage, "", "--seat",
+                 "the scene names no objects, so what the part is seated on cannot be told",
+                 "bake the scene with voxelize, which names up to 65535 objects"};
+  }
+  if (check.cap_voxels() <= kMostCapVoxels) return {};
+  char what[120], mend[120];
+  std::snprintf(what, sizeof what, "is %.0f voxels of this scene: too far to look around",
+                request.required_m / voxmap.voxel_size_m());
+  std::snprintf(mend, sizeof mend, "bake scene and part with --voxel-size %.3gmm or more",
+                std::ceil(1e5 * request.required_m / (0.9 * kMostCapVoxels)) / 100);
+  return Error{ErrorCode::kUsage, "", "--clearance", what, mend};
+}
+
+LeftOut with_seat(LeftOut left_out, const SeatStretch& seat) {
+  for (const field::SeatObject& object : seat.objects()) {
+    if (object.object == 0) continue;
+    left_out.resize(std::max<std::size_t>(left_out.size(), object.object + 1u), 0);
+    left_out[object.object] = 1;
+  }
+  return left_out;
+}
+
+bool is_same(const Moment& a, const Moment& b) { return a.pose == b.pose && a.share == b.share; }
+
+// The stretch of a path that is checked against all objects, and those at its ends in which the
+// part is in its seat.
+class PathParts {
+ public:
+  PathParts(const Check& check, const CenterPath& path, const CheckRequest& request)
+      : check_(check), path_(path), request_(request), to_{path.poses() - 1, 0} {
+    middle_ = check.walk(request.allowed, from_, to_);
+  }
+
+  // Takes from both ends all that is too near, until the part has left its seat.
+  void leave_seat() {
+    while (!middle_.pieces.empty()) {
+      const auto far = [](const Piece& piece) { return !piece.too_near; };
+      const auto first = std::find_if(middle_.pieces.begin(), middle_.pieces.end(), far);
+      const auto last = std::find_if(middle_.pieces.rbegin(), middle_.pieces.rend(), far);
+      if (first == middle_.pieces.end()) {
+        from_ = to_;
+        middle_ = {};
+        return;
+      }
+      if (first == middle_.pieces.begin() && last == middle_.pieces.rbegin()) return;
+      from_ = first->from;
+      to_ = last->to;
+      middle_ = check_.walk(request_.allowed, from_, to_);
+    }
+  }
+
+  // Adds what was found to the result, the seat's stretches before and behind included.
+  void add_to(CheckResult& result, SeatStretch* seat) {
+    const Moment begin{0, 0}, end{path_.poses() - 1, 0};
+    if (seat != nullptr && (!is_same(begin, from_) || middle_.pieces.empty())) {
+      add_seated(result, *seat, begin, from_);
+    }
+    add(result, request_.allowed, middle_);
+    if (seat != nullptr && !is_same(to_, end)) add_seated(result, *seat, to_, end);
+  }
+
+ private:
+  void add_seated(CheckResult& result, SeatStretch& seat, const Moment& from, const Moment& to) {
+    const LeftOut left_out = with_seat(request_.allowed, seat);
+    result.seated.push_back({path_.time_s(from), path_.time_s(to)});
+    add(result, left_out, check_.walk(left_out, from, to));
+    if (const auto moment = seat.first_pushed_in(path_, from, to)) {
+      Violation pushed;
+      pushed.from_s = pushed.worst.time_s = path_.time_s(*moment);
+      pushed.to_s = path_.time_s(to);
+      pushed.worst.object = seat.objects()[0].object;
+      pushed.pushed_into_seat = true;
+      result.violations.push_back(pushed);
+    }
+  }
+
+  void add(CheckResult& result, const LeftOut& left_out, const Check::Walked& walked) {
+    if (walked.pieces.empty()) return;
+    const auto found = check_.violations(left_out, walked.pieces);
+    result.violations.insert(result.violations.end(), found.begin(), found.end());
+    for (const Piece& piece : walked.pieces) {
+      least_voxels_ = std::min(least_voxels_, piece.least_voxels);
+      result.curve.push_back({path_.time_s(piece.from), path_.time_s(piece.to),
+                              check_.clearance_m(piece.least_voxels)});
+    }
+    result.clearance_m = check_.clearance_m(least_voxels_);
+    const bool is_first = result.moments_tested == 0;
+    const bool is_measured = walked.nearest.least.point != LeastDistance::kNone;
+    const bool is_nearer = walked.nearest.least.voxels < nearest_voxels_;
+    if (is_first || (is_measured && (result.at_least || is_nearer))) {
+      result.least = check_.checked(left_out, walked.nearest);
+      result.at_least = !is_measured;
+      nearest_voxels_ = walked.nearest.least.voxels;
+    }
+    result.moments_tested += walked.tested;
+    result.motions_subdivided += walked.subdivided;
+  }
+
+  const Check& check_;
+  const CenterPath& path_;
+  const CheckRequest& request_;
+  Moment from_, to_;
+  Check::Walked middle_;
+  double least_voxels_ = std::numeric_limits<double>::infinity();
+  double nearest_voxels_ = std::numeric_limits<double>::infinity();
+};
+
+}  // namespace
+
+Result<CheckResult> check_path(const Voxmap& voxmap, const Pshell& shell, const CenterPath& path,
+                               const CheckRequest& request) {
+  if (voxmap.distances() == nullptr) {
+    return Error{ErrorCode::kUsage, "", "",
+                 "the scene stores no distances, so no clearance is known",
+                 "bake it without --lean and --metric chebyshev"};
+  }
+  const Check check(voxmap, shell, path, request);
+  if (Status sound = check_request(voxmap, check, request); !sound) return sound.error();
+  std::optional<SeatStretch> seat;
+  CheckResult result;
+  if (request.world_from_seat) {
+    const auto& c = shell.header().center_m;
+    auto found = SeatStretch::find(
+        voxmap, shell, *request.world_from_seat * Pose{glm::dvec3(c[0], c[1], c[2]), {1, 0, 0, 0}});
+    if (!found) return found.error();
+    seat.emplace(std::move(*found));
+    for (const auto& object : seat->objects()) result.seat_objects.push_back(object.object);
+  }
+  PathParts parts(check, path, request);
+  if (seat) parts.leave_seat();
+  result.poses = path.poses();
+  parts.add_to(result, seat ? &*seat : nullptr);
+  return result;
+}
+
+}  // namespace forcelayer::clearance

@@ -1,0 +1,71 @@
+// Whether a part keeps its clearance along a whole path, proven between poses as at them.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "formats/pshell.h"
+#include "formats/result.h"
+#include "formats/voxmap.h"
+#include "runtime/clearance/center_path.h"
+#include "runtime/clearance/front.h"
+
+namespace forcelayer::clearance {
+
+struct CheckRequest {
+  double required_m = 0;                // between the exact surfaces
+  unsigned threads = 1;                 // no answer depends on it
+  LeftOut allowed;                      // objects that may be near
+  std::optional<Pose> world_from_seat;  // of the part: where it is installed
+};
+
+// The part at one moment of its path.
+struct CheckedMoment {
+  double clearance_m = 0;  // proven at that moment
+  double most_m = 0;       // the exact clearance is no more than this; infinite where not known
+  double time_s = 0;
+  std::uint32_t object = 0;  // the nearest; 0: not known
+  glm::dvec3 point_m{0};     // of the part's surface there, world
+  bool beyond_side = false;  // of a cropped scene: nothing is known
+};
+
+// A stretch in which less than the required clearance is proven.
+struct Violation {
+  double from_s = 0, to_s = 0;
+  double clearance_m = 0;  // proven for all of it
+  CheckedMoment worst;
+  bool pushed_into_seat = false;
+};
+
+// Clearance that is proven from one time to another.
+struct CurvePiece {
+  double from_s = 0, to_s = 0, clearance_m = 0;
+};
+
+// A stretch in which only objects of the seat are nearer than required.
+struct SeatedStretch {
+  double from_s = 0, to_s = 0;
+};
+
+struct CheckResult {
+  bool clear() const { return violations.empty(); }
+
+  double clearance_m = 0;  // proven along the whole path
+  bool at_least = false;   // nothing was near enough for `least` to be measured
+  CheckedMoment least;
+  std::vector<Violation> violations;
+  std::vector<CurvePiece> curve;
+  std::vector<SeatedStretch> seated;
+  std::vector<std::uint32_t> seat_objects;
+  std::uint64_t poses = 0, moments_tested = 0, motions_subdivided = 0;
+};
+
+// Errors: kUsage where the scene stores no distances, where its voxels are too small for the
+// required clearance, or where no seat can be told; kFilesDoNotMatch where nothing can be proven
+// for a part with such a shell.
+Result<CheckResult> check_path(const Voxmap& voxmap, const Pshell& shell, const CenterPath& path,
+                               const CheckRequest& request);
+
+}  // namespace forcelayer::clearance

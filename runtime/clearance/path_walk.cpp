@@ -1,0 +1,106 @@
+#include "runtime/clearance/path_walk.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace forcelayer::clearance {
+namespace {
+
+// How finely the walk tells, in voxels of travel: how far below the least distance of its samples
+// what is proven for the whole path may lie; the ends of a piece that is too near; what happens
+// inside of one; and the shortest way that it cuts.
+constexpr double kLeastTolerance = 0.05;
+constexpr double kEdge = 1.0 / 16;
+constexpr double kInside = 0.5;
+constexpr double kShortest = 1.0 / 4096;
+
+constexpr double kRounding = 1e-6;  // voxels: exceeds that of the bounds here
+
+}  // namespace
+
+PathWalk::PathWalk(const CenterPath& path, PartDistance& part, double voxel_size_m,
+                   const WalkLimits& limits)
+    : path_(path), part_(part), voxel_size_m_(voxel_size_m), limits_(limits) {}
+
+Sample PathWalk::sample(const Moment& moment, double enough_voxels) {
+  ++tested_;
+  Sample sample{moment, path_.travel_m(moment), {}};
+  sample.least = part_.at(path_.world_from_center(moment), sample.travel_m, enough_voxels);
+  if (sample.least.point != LeastDistance::kNone) {
+    limits_.least_voxels = std::min(limits_.least_voxels, sample.least.voxels);
+  }
+  return sample;
+}
+
+double PathWalk::proven_between(const Sample& a, const Sample& b) const {
+  const double travel = (b.travel_m - a.travel_m) / voxel_size_m_;
+  const double by_ends = (a.least.voxels + b.least.voxels - travel) / 2;
+  const bool one_motion =
+      b.moment.pose == a.moment.pose || (b.moment.pose == a.moment.pose + 1 && b.moment.share == 0);
+  if (!one_motion) return by_ends - kRounding;
+  const double end = b.moment.pose == a.moment.pose ? b.moment.share : 1;
+  const double arc = path_.arc_deviation_m(a.moment.pose, end - a.moment.share) / voxel_size_m_;
+  const double nearer = std::min(a.least.voxels, b.least.voxels);
+  const double squared = nearer * nearer - travel * travel / 4;
+  const double by_chord = squared > 0 ? std::sqrt(squared) - arc : 0;
+  return std::max(by_ends, by_chord) - kRounding;
+}
+
+// Whether a piece need not be cut any more.
+bool PathWalk::is_settled(const Sample& a, const Sample& b, double proven, double travel) const {
+  if (travel < kShortest) return true;
+  if (proven < limits_.least_voxels - kLeastTolerance) return false;
+  const double required = limits_.required_voxels;
+  if (proven >= required) return true;
+  const bool near_a = a.least.voxels < required, near_b = b.least.voxels < required;
+  if (near_a && near_b) return travel < kInside;
+  return (near_a || near_b) && travel < kEdge;
+}
+
+// A moment between two others that halves the way: a pose of the path where there is one.
+Moment PathWalk::between(const Sample& a, const Sample& b) {
+  const std::size_t first = a.moment.pose + 1;
+  const std::size_t beyond = b.moment.share > 0 ? b.moment.pose + 1 : b.moment.pose;
+  if (first < beyond) {
+    return {path_.pose_beyond((a.travel_m + b.travel_m) / 2, first, beyond - 1), 0};
+  }
+  if (last_subdivided_ != a.moment.pose) ++motions_subdivided_;
+  last_subdivided_ = a.moment.pose;
+  const double end = b.moment.pose == a.moment.pose ? b.moment.share : 1;
+  return {a.moment.pose, (a.moment.share + end) / 2};
+}
+
+void PathWalk::cover(const Sample& a, const Sample& b) {
+  const double travel = (b.travel_m - a.travel_m) / voxel_size_m_;
+  const double proven = proven_between(a, b);
+  if (is_settled(a, b, proven, travel)) {
+    const bool too_near = proven < limits_.required_voxels;
+    pieces_.push_back(
+        {a.moment, b.moment, proven, too_near, b.least.voxels < a.least.voxels ? b : a});
+    return;
+  }
+  const double target = std::max(limits_.required_voxels, limits_.least_voxels);
+  Sample middle = sample(between(a, b), target + travel / 2 + 2 * kRounding);
+  // What the ends prove there may be more.
+  const double from_a = a.least.voxels - (middle.travel_m - a.travel_m) / voxel_size_m_;
+  const double from_b = b.least.voxels - (b.travel_m - middle.travel_m) / voxel_size_m_;
+  middle.least.voxels = std::max({middle.least.voxels, from_a, from_b});
+  cover(a, middle);
+  cover(middle, b);
+}
+
+void PathWalk::walk(const Moment& from, const Moment& to) {
+  part_.forget();
+  const double travel = (path_.travel_m(to) - path_.travel_m(from)) / voxel_size_m_;
+  const double enough =
+      std::max(limits_.required_voxels, limits_.least_voxels) + travel / 2 + 2 * kRounding;
+  const Sample first = sample(from, enough);
+  if (from.pose == to.pose && from.share == to.share) {
+    const bool too_near = first.least.voxels < limits_.required_voxels;
+    pieces_.push_back({from, to, first.least.voxels, too_near, first});
+    return;
+  }
+  cover(first, sample(to, enough));
+}
+
+}  // namespace forcelayer::clearance

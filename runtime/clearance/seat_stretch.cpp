@@ -1,0 +1,84 @@
+#include "runtime/clearance/seat_stretch.h"
+
+#include <algorithm>
+
+#include "runtime/field/field_probe.h"
+
+namespace forcelayer::clearance {
+
+constexpr double kStepVoxels = 0.5;
+
+struct SeatStretch::Parts {
+  Parts(const Voxmap& voxmap, const Pshell& shell, std::unique_ptr<field::ForceField> force_field)
+      : query(voxmap, shell), field(std::move(force_field)) {
+    points.reserve(shell.view().point_count);
+    samples.reserve(shell.view().point_count);
+    contacts.reserve(shell.view().point_count);
+    probe = std::make_unique<field::FieldProbe>(query, *field, points, samples);
+  }
+
+  query::ContactQuery query;
+  std::unique_ptr<field::ForceField> field;
+  query::CollectedPoints points;
+  field::FieldSamples samples;
+  field::ContactSet contacts;
+  std::unique_ptr<field::FieldProbe> probe;
+};
+
+SeatStretch::SeatStretch(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
+SeatStretch::SeatStretch(SeatStretch&&) noexcept = default;
+SeatStretch::~SeatStretch() = default;
+
+Result<SeatStretch> SeatStretch::find(const Voxmap& voxmap, const Pshell& shell,
+                                      const Pose& world_from_center) {
+  auto field = field::make_force_field(Model::kDefault, ForceKind::kDistance, voxmap);
+  if (!field) return field.error();
+  SeatStretch stretch(std::make_unique<Parts>(voxmap, shell, std::move(*field)));
+  if (Status found = stretch.parts_->probe->find_seat(world_from_center); !found) {
+    Error error = found.error();
+    error.where = "--seat";
+    error.mend =
+        "check --seat and the units of both files, or bake the scene with a larger --range";
+    return error;
+  }
+  stretch.parts_->probe->open_seat(true);
+  return stretch;
+}
+
+std::span<const field::SeatObject> SeatStretch::objects() const {
+  return parts_->probe->seat().objects();
+}
+
+bool SeatStretch::is_pushed_in(const Pose& world_from_center) {
+  field::ContactSet& contacts = parts_->contacts;
+  parts_->probe->look_up(world_from_center, contacts);
+  if (contacts.barred == 0) return false;
+  for (std::uint32_t i = 0; i < contacts.count; ++i) {
+    if (contacts.is_barred[i] != 0 && contacts.of_seat[i] != 0) return true;
+  }
+  return false;
+}
+
+std::optional<Moment> SeatStretch::first_pushed_in(const CenterPath& path, const Moment& from,
+                                                   const Moment& to) {
+  const double step_m = kStepVoxels * parts_->query.voxmap().voxel_size_m();
+  Moment at = from;
+  double tested_m = -1;
+  while (true) {
+    const double travel_m = path.travel_m(at);
+    const bool at_end = at.pose == to.pose && at.share == to.share;
+    if (tested_m < 0 || travel_m > tested_m || at_end) {
+      if (is_pushed_in(path.world_from_center(at))) return at;
+      tested_m = travel_m;
+    }
+    if (at_end) return std::nullopt;
+    // Onward by a step within the motion, or to its end.
+    const double end = at.pose == to.pose ? to.share : 1;
+    const double left_m =
+        path.travel_m({at.pose + (end == 1 ? 1u : 0u), end == 1 ? 0 : end}) - travel_m;
+    const double share = left_m > step_m ? at.share + (end - at.share) * step_m / left_m : end;
+    at = share < 1 ? Moment{at.pose, share} : Moment{at.pose + 1, 0};
+  }
+}
+
+}  // namespace forcelayer::clearance

@@ -1,0 +1,43 @@
+// The seat of a part along its path: which objects it touches where it is installed, and whether it
+// is pushed deeper into them while it is there.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+
+#include "formats/pshell.h"
+#include "formats/result.h"
+#include "formats/voxmap.h"
+#include "runtime/clearance/center_path.h"
+#include "runtime/field/seat.h"
+
+namespace forcelayer::clearance {
+
+class SeatStretch {
+ public:
+  // The objects that the part touches with its centroid frame at `world_from_center`, as voxrun
+  // finds them (runtime/field/README.md, "Seats"). Both files outlive the result. Errors: kUsage
+  // where no seat can be told.
+  static Result<SeatStretch> find(const Voxmap& voxmap, const Pshell& shell,
+                                  const Pose& world_from_center);
+  SeatStretch(SeatStretch&&) noexcept;
+  ~SeatStretch();
+
+  std::span<const field::SeatObject> objects() const;
+
+  // The first moment between two, tested every half voxel of travel, at which a point lies deeper
+  // in an object of the seat than the part may: a quarter of a voxel deeper than in the seat. None
+  // where there is no such moment.
+  std::optional<Moment> first_pushed_in(const CenterPath& path, const Moment& from,
+                                        const Moment& to);
+
+ private:
+  struct Parts;
+  explicit SeatStretch(std::unique_ptr<Parts> parts);
+  bool is_pushed_in(const Pose& world_from_center);
+
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace forcelayer::clearance

@@ -1,0 +1,101 @@
+// voxcheck: says whether a part keeps its clearance along a path, proven along the whole way.
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+#include "formats/command/arguments.h"
+#include "formats/command/command.h"
+#include "formats/command/output_file.h"
+#include "runtime/clearance/path_check.h"
+#include "runtime/run/baked_files.h"
+#include "runtime/voxcheck/object_names.h"
+#include "runtime/voxcheck/options.h"
+#include "runtime/voxcheck/path_source.h"
+#include "runtime/voxcheck/report.h"
+
+namespace forcelayer::voxcheck {
+namespace {
+
+double now_s() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+Status prepare_outputs(Options& options) {
+  using command::FileKind;
+  const std::string inputs[] = {options.scene, options.part, options.path};
+  const command::OutputFile outputs[] = {
+      {"--json", &options.json, FileKind::kReport},
+      {"--csv", &options.csv, FileKind::kTable},
+      {"--junit", &options.junit, FileKind::kExport},
+      {"--code-quality", &options.code_quality, FileKind::kReport}};
+  return command::prepare_outputs(outputs, inputs);
+}
+
+Status write_reports(const Report& report) {
+  const Options& options = report.options;
+  if (!options.quiet) std::cout << verdict_text(report);
+  if (options.github) std::cout << github_lines(report);
+  std::cout.flush();
+  if (!options.json.empty()) {
+    if (Status s = command::write_report(options.json, report_json(report)); !s) return s;
+  }
+  if (!options.csv.empty()) {
+    if (Status s = write_curve(report); !s) return s;
+  }
+  if (!options.junit.empty()) {
+    if (Status s = write_junit(report); !s) return s;
+  }
+  if (!options.code_quality.empty()) {
+    if (Status s = command::write_report(options.code_quality, code_quality_json(report)); !s) {
+      return s;
+    }
+  }
+  return check_verdict(report);
+}
+
+Status check(const Options& options) {
+  const double begin_s = now_s();
+  const auto scene = open_scene(options.scene);
+  if (!scene) return scene.error();
+  const auto part = open_part(options.part);
+  if (!part) return part.error();
+  const auto allowed = named_objects(*scene, options.allow);
+  if (!allowed) return allowed.error();
+  const auto rows = read_part_path(options.path, options.scene, options.part);
+  if (!rows) return rows.error();
+  const clearance::CenterPath path(*rows, *part);
+  const double read_s = now_s();
+  const clearance::CheckRequest request{options.clearance_m, options.threads, *allowed,
+                                        options.world_from_seat};
+  const auto result = clearance::check_path(*scene, *part, path, request);
+  if (!result) {
+    Error error = result.error();
+    if (error.file.empty()) error.file = options.scene;
+    return error;
+  }
+  return write_reports({options, *scene, *result, read_s - begin_s, now_s() - read_s});
+}
+
+int run(int argc, char** argv) {
+  CLI::App app{
+      "Checks that a part keeps its clearance from a scene along a path, proven along the "
+      "whole way",
+      "voxcheck"};
+  app.footer("Exit status 0: clear; 6: not clear.");
+  OptionParser parser(app);
+  int status = 0;
+  if (!command::parse_arguments(app, argc, argv, status)) return status;
+  command::exit_cleanly_on_signals();
+  return command::run_command("voxcheck", [&]() -> Status {
+    auto options = parser.finish();
+    if (!options) return options.error();
+    if (Status s = prepare_outputs(*options); !s) return s;
+    return check(*options);
+  });
+}
+
+}  // namespace
+}  // namespace forcelayer::voxcheck
+
+int main(int argc, char** argv) { return forcelayer::voxcheck::run(argc, argv); }

@@ -1,0 +1,65 @@
+#include "runtime/voxcheck/object_names.h"
+
+namespace forcelayer::voxcheck {
+namespace {
+
+// The whole of `text`. A star is tried shortest first; what was given up for an earlier star is not
+// tried again for a later one, as in any glob.
+bool fits_whole(std::string_view text, std::string_view pattern) {
+  std::size_t t = 0, p = 0, star = std::string_view::npos, from = 0;
+  while (t < text.size()) {
+    if (p < pattern.size() && pattern[p] == '*') {
+      star = p++;
+      from = t;
+    } else if (p < pattern.size() &&
+               (pattern[p] == text[t] || (pattern[p] == '?' && text[t] != '/'))) {
+      ++p;
+      ++t;
+    } else if (star != std::string_view::npos && text[from] != '/') {
+      p = star + 1;
+      t = ++from;
+    } else {
+      return false;
+    }
+  }
+  while (p < pattern.size() && pattern[p] == '*') ++p;
+  return p == pattern.size();
+}
+
+}  // namespace
+
+std::string object_name(const Voxmap& scene, std::uint32_t object) {
+  if (object == 0) return "";
+  const std::string_view name = scene.object_name(object);
+  return name.empty() ? "object " + std::to_string(object) : std::string(name);
+}
+
+bool fits(std::string_view name, std::string_view pattern) {
+  if (name == pattern) return true;
+  while (true) {
+    if (fits_whole(name, pattern)) return true;
+    const std::size_t slash = name.find('/');
+    if (slash == std::string_view::npos) return false;
+    name.remove_prefix(slash + 1);
+  }
+}
+
+Result<clearance::LeftOut> named_objects(const Voxmap& scene,
+                                         std::span<const std::string> patterns) {
+  const std::uint32_t objects = scene.header().object_count;
+  clearance::LeftOut chosen(objects + 1, 0);
+  for (const std::string& pattern : patterns) {
+    bool any = false;
+    for (std::uint32_t object = 1; object <= objects; ++object) {
+      if (!fits(object_name(scene, object), pattern)) continue;
+      chosen[object] = 1;
+      any = true;
+    }
+    if (any) continue;
+    return Error{ErrorCode::kUsage, "", "--allow", "'" + pattern + "' names no object of the scene",
+                 "voxinfo SCENE.vox --objects lists them"};
+  }
+  return chosen;
+}
+
+}  // namespace forcelayer::voxcheck

@@ -1,0 +1,26 @@
+// Objects of a scene by the names that a user types and reads.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "formats/result.h"
+#include "formats/voxmap.h"
+#include "runtime/clearance/front.h"
+
+namespace forcelayer::voxcheck {
+
+// As the file has it; "object N" where that is empty, nothing for 0.
+std::string object_name(const Voxmap& scene, std::uint32_t object);
+
+// Whether `pattern` means the object `name`: the whole of it, or what stands behind one of its
+// slashes. `*` stands for any letters but "/", `?` for one.
+bool fits(std::string_view name, std::string_view pattern);
+
+// The objects that the patterns name. Errors: kUsage for a pattern that names none.
+Result<clearance::LeftOut> named_objects(const Voxmap& scene,
+                                         std::span<const std::string> patterns);
+
+}  // namespace forcelayer::voxcheck

@@ -1,0 +1,40 @@
+// The command line of voxcheck.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "forcelayer/pose.h"
+#include "formats/result.h"
+
+namespace CLI {
+class App;
+}  // namespace CLI
+
+namespace forcelayer::voxcheck {
+
+struct Options {
+  std::string scene, part, path;
+  double clearance_m = 0;
+  std::optional<Pose> world_from_seat;  // of the part
+  std::vector<std::string> allow;       // names of objects
+  unsigned threads = 1;
+  std::string json, csv, junit, code_quality;
+  bool github = false, quiet = false;
+};
+
+// Declares the options to CLI11. finish() reads what was parsed.
+class OptionParser {
+ public:
+  explicit OptionParser(CLI::App& app);
+
+  // Errors: kUsage.
+  Result<Options> finish() const;
+
+ private:
+  Options options_;
+  std::string clearance_, seat_;
+};
+
+}  // namespace forcelayer::voxcheck

@@ -1,0 +1,47 @@
+#include "runtime/voxcheck/path_source.h"
+
+#include "runtime/run/baked_files.h"
+#include "runtime/stream/replay.h"
+
+namespace forcelayer::voxcheck {
+namespace {
+
+Result<std::vector<PathRow>> read_recording(const std::string& path, const std::string& scene,
+                                            const std::string& part) {
+  const auto recording = stream::Recording::open(path);
+  if (!recording) return recording.error();
+  auto voxmap = open_scene(scene);
+  if (!voxmap) return voxmap.error();
+  auto shell = open_part(part);
+  if (!shell) return shell.error();
+  const auto simulation =
+      stream::recorded_simulation(*recording, std::move(*voxmap), std::move(*shell));
+  if (!simulation) {
+    Error error = simulation.error();
+    if (error.code == ErrorCode::kFilesDoNotMatch) {
+      error.mend = "check it with these, or save the path with voxrun --save-path";
+    }
+    return error;
+  }
+  std::vector<PathRow> rows;
+  stream::replay_steps(*recording, **simulation, [&](const stream::ReplayedStep& step) {
+    const Pose pose = (*simulation)->world_from_part(step.result.report.world_from_center);
+    const auto& p = pose.position_m;
+    const auto& q = pose.orientation;
+    rows.push_back({step.time_s, {p.x, p.y, p.z}, {q.w, q.x, q.y, q.z}});
+  });
+  if (rows.empty()) {
+    return Error{ErrorCode::kFieldInvalid, path, "", "is a recording without a frame", ""};
+  }
+  return rows;
+}
+
+}  // namespace
+
+Result<std::vector<PathRow>> read_part_path(const std::string& path, const std::string& scene,
+                                            const std::string& part) {
+  if (stream::is_recording(path)) return read_recording(path, scene, part);
+  return read_path(path, PathOf::kPart);
+}
+
+}  // namespace forcelayer::voxcheck

@@ -1,0 +1,257 @@
+#include "runtime/voxcheck/report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "formats/command/text.h"
+#include "runtime/voxcheck/object_names.h"
+
+namespace forcelayer::voxcheck {
+namespace {
+
+using clearance::CheckedMoment;
+using clearance::CheckResult;
+using clearance::Violation;
+using command::text;
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kListed = 5;  // violations on the terminal
+
+// In millimeters, rounded down: a clearance must not be quoted larger than it is.
+double floor_mm(double length_m) { return std::floor(length_m * 1e6) / 1e3; }
+double ceil_mm(double length_m) { return std::ceil(length_m * 1e6) / 1e3; }
+
+Json finite(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+std::string to_object(const Report& report, std::uint32_t object) {
+  return object == 0 ? "" : " to " + escaped(object_name(report.scene, object));
+}
+
+std::string place_text(const CheckedMoment& moment) {
+  return text("at %.3f s, at %.4g, %.4g, %.4g m", moment.time_s, moment.point_m.x, moment.point_m.y,
+              moment.point_m.z);
+}
+
+std::string most_text(const CheckedMoment& moment) {
+  if (!std::isfinite(moment.most_m)) return "";
+  return text(", at most %.3f mm", ceil_mm(moment.most_m));
+}
+
+// One violation, from its time on.
+std::string violation_text(const Report& report, const Violation& v) {
+  std::string line = text("%.3f to %.3f s: ", v.from_s, v.to_s);
+  if (v.pushed_into_seat) {
+    return line + "pushed deeper into " + escaped(object_name(report.scene, v.worst.object)) +
+           " than it is seated";
+  }
+  if (v.worst.beyond_side)
+    return line + "beyond a cropped side of the scene, where nothing is known";
+  return line +
+         text("%.3f mm proven%s%s, ", floor_mm(v.clearance_m), most_text(v.worst).c_str(),
+              to_object(report, v.worst.object).c_str()) +
+         place_text(v.worst);
+}
+
+std::string seat_text(const Report& report) {
+  if (report.result.seated.empty()) return "";
+  std::string line = "seated on ";
+  std::size_t n = 0;
+  for (const std::uint32_t object : report.result.seat_objects) {
+    if (n == kListed) {
+      line += text(" and %zu more", report.result.seat_objects.size() - kListed);
+      break;
+    }
+    line += (n++ == 0 ? "" : ", ") + escaped(object_name(report.scene, object));
+  }
+  for (const auto& stretch : report.result.seated) {
+    line += text(" from %.3f to %.3f s", stretch.from_s, stretch.to_s);
+  }
+  return line + "; else ";
+}
+
+std::string least_text(const Report& report) {
+  const CheckResult& r = report.result;
+  if (r.at_least) return text("at least %.3f mm, nothing is nearer", floor_mm(r.clearance_m));
+  return text("least proven clearance %.3f mm%s%s, ", floor_mm(r.clearance_m),
+              most_text(r.least).c_str(), to_object(report, r.least.object).c_str()) +
+         place_text(r.least);
+}
+
+const Violation& worst_of(const CheckResult& result) {
+  return *std::min_element(result.violations.begin(), result.violations.end(),
+                           [](const Violation& a, const Violation& b) {
+                             return a.worst.clearance_m < b.worst.clearance_m;
+                           });
+}
+
+Json moment_json(const Report& report, const CheckedMoment& moment, double clearance_m) {
+  Json json;
+  json["clearance_m"] = clearance_m;
+  json["t_s"] = moment.time_s;
+  json["object"] =
+      moment.object == 0 ? Json(nullptr) : Json(object_name(report.scene, moment.object));
+  json["point_m"] = {moment.point_m.x, moment.point_m.y, moment.point_m.z};
+  json["at_most_m"] = finite(moment.most_m);
+  json["slack_m"] = finite(std::max(0.0, moment.most_m - clearance_m));
+  return json;
+}
+
+Json violation_json(const Report& report, const Violation& v) {
+  Json json{{"from_s", v.from_s}, {"to_s", v.to_s}};
+  json.update(moment_json(report, v.worst, v.clearance_m));
+  json["beyond_cropped_side"] = v.worst.beyond_side;
+  json["pushed_into_seat"] = v.pushed_into_seat;
+  return json;
+}
+
+std::string xml(std::string_view plain) {
+  std::string escaped_text;
+  for (const char c : plain) {
+    switch (c) {
+      case '&':
+        escaped_text += "&amp;";
+        break;
+      case '<':
+        escaped_text += "&lt;";
+        break;
+      case '>':
+        escaped_text += "&gt;";
+        break;
+      case '"':
+        escaped_text += "&quot;";
+        break;
+      default:
+        escaped_text += c;
+    }
+  }
+  return escaped_text;
+}
+
+// What a line of GitHub's must not hold as it is. In a property also ":" and ",".
+std::string github_escaped(std::string_view plain, bool is_property) {
+  std::string escaped_text;
+  for (const char c : plain) {
+    if (c == '%' || c == '\r' || c == '\n' || (is_property && (c == ':' || c == ','))) {
+      escaped_text += text("%%%02X", static_cast<unsigned char>(c));
+    } else {
+      escaped_text += c;
+    }
+  }
+  return escaped_text;
+}
+
+Status write_text(const std::string& path, const std::string& content) {
+  auto file = AtomicFile::create(path);
+  if (!file) return file.error();
+  if (Status s = file->write(std::as_bytes(std::span(content))); !s) return s;
+  return file->commit();
+}
+
+std::string required_text(const Report& report) {
+  return text("%.3f mm required", report.options.clearance_m * 1e3);
+}
+
+}  // namespace
+
+std::string verdict_text(const Report& report) {
+  const CheckResult& r = report.result;
+  std::string line = seat_text(report);
+  if (r.clear()) return line + "clear: " + required_text(report) + "; " + least_text(report) + "\n";
+  line += text("NOT clear: %s; not proven in %zu stretch%s\n", required_text(report).c_str(),
+               r.violations.size(), r.violations.size() == 1 ? "" : "es");
+  for (std::size_t n = 0; n < std::min(kListed, r.violations.size()); ++n) {
+    line += "  " + violation_text(report, r.violations[n]) + "\n";
+  }
+  if (r.violations.size() > kListed) {
+    line += text("  and %zu more\n", r.violations.size() - kListed);
+  }
+  return line;
+}
+
+Json report_json(const Report& report) {
+  const CheckResult& r = report.result;
+  Json json;
+  json["schema_version"] = 1;
+  json["verdict"] = r.clear() ? "clear" : "not clear";
+  json["required_clearance_m"] = report.options.clearance_m;
+  json["least_clearance"] = moment_json(report, r.least, r.clearance_m);
+  json["least_clearance"]["at_least"] = r.at_least;
+  json["poses"] = r.poses;
+  json["moments_tested"] = r.moments_tested;
+  json["motions_subdivided"] = r.motions_subdivided;
+  json["violations"] = Json::array();
+  for (const Violation& v : r.violations) json["violations"].push_back(violation_json(report, v));
+  json["seated"] = Json::array();
+  for (const auto& stretch : r.seated) {
+    json["seated"].push_back({{"from_s", stretch.from_s}, {"to_s", stretch.to_s}});
+  }
+  json["seat"] = Json::array();
+  for (const std::uint32_t object : r.seat_objects) {
+    json["seat"].push_back(object_name(report.scene, object));
+  }
+  json["threads"] = report.options.threads;
+  json["seconds"] = {{"read", report.read_s},
+                     {"check", report.check_s},
+                     {"total", report.read_s + report.check_s}};
+  return json;
+}
+
+Status write_curve(const Report& report) {
+  std::string table = "from_s,to_s,clearance_m\n";
+  for (const auto& piece : report.result.curve) {
+    table += text("%.9g,%.9g,%.9g\n", piece.from_s, piece.to_s, piece.clearance_m);
+  }
+  return write_text(report.options.csv, table);
+}
+
+Status write_junit(const Report& report) {
+  const CheckResult& r = report.result;
+  const Options& o = report.options;
+  const std::string name = xml(escaped(o.path)), part = xml(escaped(o.part));
+  std::string content = text(
+      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
+      "<testsuite name=\"voxcheck\" tests=\"1\" failures=\"%d\" errors=\"0\" time=\"%.3f\">\n"
+      "  <testcase classname=\"%s\" name=\"%s\" time=\"%.3f\"",
+      r.clear() ? 0 : 1, report.read_s + report.check_s, part.c_str(), name.c_str(),
+      report.read_s + report.check_s);
+  if (r.clear()) {
+    content += ">\n    <system-out>" + xml(verdict_text(report)) + "</system-out>\n  </testcase>\n";
+  } else {
+    content += ">\n    <failure message=\"" + xml(violation_text(report, worst_of(r))) + "\">" +
+               xml(verdict_text(report)) + "</failure>\n  </testcase>\n";
+  }
+  return write_text(o.junit, content + "</testsuite>\n");
+}
+
+std::string github_lines(const Report& report) {
+  std::string lines;
+  for (const Violation& v : report.result.violations) {
+    lines += "::error file=" + github_escaped(report.options.path, true) + ",title=clearance::" +
+             github_escaped(required_text(report) + "; " + violation_text(report, v), false) + "\n";
+  }
+  return lines;
+}
+
+Json code_quality_json(const Report& report) {
+  Json list = Json::array();
+  for (const Violation& v : report.result.violations) {
+    const std::string about = required_text(report) + "; " + violation_text(report, v);
+    list.push_back(
+        {{"description", about},
+         {"check_name", "clearance"},
+         {"fingerprint", text("%016zx", std::hash<std::string>()(report.options.part + about))},
+         {"severity", "major"},
+         {"location", {{"path", report.options.path}, {"lines", {{"begin", 1}}}}}});
+  }
+  return list;
+}
+
+Status check_verdict(const Report& report) {
+  if (report.result.clear()) return {};
+  const Violation& worst = worst_of(report.result);
+  return Error{ErrorCode::kAnswerIsNo, report.options.part, text("at %.3f s", worst.worst.time_s),
+               required_text(report) + ", but not proven: " + violation_text(report, worst), ""};
+}
+
+}  // namespace forcelayer::voxcheck

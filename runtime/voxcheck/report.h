@@ -1,0 +1,42 @@
+// What a check comes to: for people, for scripts, and for the hosts of changes.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "formats/result.h"
+#include "formats/voxmap.h"
+#include "runtime/clearance/path_check.h"
+#include "runtime/voxcheck/options.h"
+
+namespace forcelayer::voxcheck {
+
+// A check and what it was of.
+struct Report {
+  const Options& options;
+  const Voxmap& scene;
+  const clearance::CheckResult& result;
+  double read_s = 0, check_s = 0;
+};
+
+// The verdict, a line; for each of the first violations another one.
+std::string verdict_text(const Report& report);
+
+nlohmann::ordered_json report_json(const Report& report);
+
+// `from_s,to_s,clearance_m`: what is proven from one time to another.
+Status write_curve(const Report& report);
+
+// One test case, failed where the path is not clear.
+Status write_junit(const Report& report);
+
+// A line for each violation that GitHub shows beside the path's file.
+std::string github_lines(const Report& report);
+
+// The list that GitLab calls Code Quality.
+nlohmann::ordered_json code_quality_json(const Report& report);
+
+// An error where the path is not clear. Errors: kAnswerIsNo.
+Status check_verdict(const Report& report);
+
+}  // namespace forcelayer::voxcheck
