@@ -182,9 +182,9 @@ Status SceneChange::wait_until_held(std::unique_lock<std::mutex>& lock) {
 Status SceneChange::change() {
   if (Status can = check_scene_change(options_, "SIGUSR1"); !can) return can;
   request_.scene = asked_;  // which see() leaves alone until it is empty
-  auto voxmap = open_scene(request_.scene);
+  auto voxmap = open_scene(request_.scene, request_.expected_sha256);
   if (!voxmap) return voxmap.error();
-  auto shell = open_part(request_.part);
+  auto shell = open_part(request_.part, request_.expected_sha256);
   if (!shell) return shell.error();
   auto next = open_run(std::move(*voxmap), std::move(*shell), request_);
   if (!next) return next.error();
