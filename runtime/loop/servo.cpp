@@ -11,9 +11,11 @@
 namespace forcelayer::loop {
 namespace {
 
-// A stretch below these is rounding: registered poses reproduce to 1e-15 of the scene's extent.
-constexpr double kNoStretchM = 1e-9;
-constexpr double kNoStretchRad = 1e-9;
+// A stretch below these, at the device, is none: a still hand moves a handle so far between
+// registration and a frame, and some encoder steps (25 um, 0.013 degrees). What they pull, the ramp
+// lets in within 0.2 s.
+constexpr double kNoStretchM = 1e-4;
+constexpr double kNoStretchRad = 1e-3;
 
 }  // namespace
 
@@ -89,7 +91,8 @@ OutputFrame Servo::output_frame(Frame& frame) noexcept {
   const glm::dvec3 gap_m = coupling::grip_stretch_m(target, report.world_from_center);
   const glm::dvec3 turn_rad = coupling::rotation_vector(
       target.orientation * glm::conjugate(report.world_from_center.orientation));
-  out.unstretched = glm::length(gap_m) < kNoStretchM && glm::length(turn_rad) < kNoStretchRad;
+  out.unstretched = glm::length(gap_m) < kNoStretchM * input_.placement().motion_scale &&
+                    glm::length(turn_rad) < kNoStretchRad;
   out.wanted = wanted_at_device(frame, out.free_of_contact);
   return out;
 }

@@ -151,7 +151,9 @@ class EnclosedSearch {
     if (!region.is_brick) {
       if (uniform_value(region.entry) != static_cast<std::uint32_t>(VoxelValue::kInterior)) return;
       const auto half = static_cast<std::int64_t>(region.edge_voxels / 2);
-      keep_if_enclosed({region.low[0] + half, region.low[1] + half, region.low[2] + half}, 0);
+      // Not all of it need be solid: a hole may be narrower than the layers around its wall.
+      const Index middle{region.low[0] + half, region.low[1] + half, region.low[2] + half};
+      keep_if_enclosed(middle, mesh_within_m(middle));
       return;
     }
     const double half_m = 0.5 * kBrickEdge * size_m_;

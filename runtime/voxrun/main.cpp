@@ -1,10 +1,13 @@
 // voxrun: runs the haptic loop between a baked scene and a baked part.
 #include <signal.h>
 #include <string.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <atomic>
+#include <cerrno>
 #include <cstdio>
+#include <filesystem>
 #include <string_view>
 
 #include "formats/command/arguments.h"
@@ -12,8 +15,8 @@
 #include "formats/command/help.h"
 #include "formats/command/output_file.h"
 #include "formats/command/version.h"
+#include "runtime/machine/program_folder.h"
 #include "runtime/query/query_kernel.h"
-#include "runtime/voxrun/doctor.h"
 #include "runtime/voxrun/options.h"
 #include "runtime/voxrun/session.h"
 
@@ -63,14 +66,15 @@ void arrange(CLI::App& app) {
       app,
       {{"Device",
         {"--device", "--plugin", "--plugin-args", "--motion", "--hand", "--world-from-device",
-         "--motion-scale", "--clutch-button", "--after-trip", "--stale-limit", "--max-speed",
-         "--max-turn", "--without-watchdog"}},
+         "--motion-scale", "--pull", "--trust-plugin", "--clutch-button", "--after-trip",
+         "--stale-limit", "--max-speed", "--max-turn", "--without-watchdog"}},
        {"Part and scene",
-        {"--start", "--seat", "--grip", "--reach", "--without-guarantee", "--fail-on"}},
+        {"--start", "--seat", "--grip", "--reach", "--without-guarantee", "--fail-on",
+         "--scene-next", "--scene-button", "--expect"}},
        {"Loop",
         {"--duration", "--rate", "--threads", "--as-fast-as-possible", "--model", "--force",
          "--no-braking"}},
-       {"Output", {"--trace", "--record", "--replay", "--udp", "--udp-rate"}}},
+       {"Output", {"--trace", "--save-path", "--record", "--replay", "--udp", "--udp-rate"}}},
       "  voxrun bay.vox part.pshell --motion press.csv --trace run.csv   a scripted hand\n"
       "  voxrun bay.vox part.pshell --device hid --duration 10min        a hand on a device\n"
       "  voxrun opened.vox cover.pshell --motion lift.csv --fail-on penetration,seat\n"
@@ -78,30 +82,21 @@ void arrange(CLI::App& app) {
       "  voxrun doctor                                                   looks at the machine");
 }
 
-// voxrun doctor [...]: argv begins with "doctor".
-int doctor(int argc, char** argv) {
-  CLI::App app{"Says what of this machine stands in the way of a quiet loop, and how to mend it",
-               "voxrun doctor"};
-  forcelayer::voxrun::DoctorOptions options;
-  app.add_option("--json", options.json, "write a report");
-  app.add_flag("--quiet", options.quiet, "no report on the terminal");
-  forcelayer::command::add_number(app, "--clock", options.clock_s,
-                                  "seconds for which the clock is measured; 0: not", {0, 3600});
-  forcelayer::command::arrange_help(app, {}, "  voxrun doctor --json machine.json");
-  int status = 0;
-  if (!forcelayer::command::parse_arguments(app, argc, argv, status)) return status;
-  return forcelayer::command::run_command("voxrun doctor", [&]() -> forcelayer::Status {
-    const forcelayer::command::OutputFile outputs[] = {
-        {"--json", &options.json, forcelayer::command::FileKind::kReport}};
-    if (auto s = forcelayer::command::prepare_outputs(outputs, {}); !s) return s;
-    return forcelayer::voxrun::run_doctor(options);
+// voxrun doctor [...] is a program of its own, beside this one: a loop does not carry it.
+int start_doctor(char** argv) {
+  const std::filesystem::path doctor = forcelayer::machine::program_folder() / "voxrun-doctor";
+  execv(doctor.c_str(), argv);  // returns where it failed
+  return forcelayer::command::run_command("voxrun", [&]() -> forcelayer::Status {
+    return forcelayer::Error{forcelayer::ErrorCode::kFileNotFound, doctor.string(), "",
+                             std::string("cannot be started: ") + strerror(errno),
+                             "voxrun-doctor is installed beside voxrun"};
   });
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc > 1 && std::string_view(argv[1]) == "doctor") return doctor(argc - 1, argv + 1);
+  if (argc > 1 && std::string_view(argv[1]) == "doctor") return start_doctor(argv + 1);
   CLI::App app{"Runs the haptic loop between a .vox scene and a .pshell part", "voxrun"};
   app.footer("voxrun doctor says what of this machine stands in the way of a quiet loop.");
   forcelayer::voxrun::OptionParser parser(app);

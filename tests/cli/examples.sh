@@ -71,7 +71,7 @@ PYTHON
 # What is refused is named with what to do about it (as a user without privileges).
 if [ "$(id -u)" -eq 0 ]; then
   chmod 755 "$scratch"
-  cp "$bin/voxrun" .  # nobody may look into the folder of the build
+  cp "$bin/voxrun" "$bin/voxrun-doctor" .  # nobody may look into the folder of the build
   (ulimit -r 0 -l 64; setpriv --reuid=65534 --clear-groups --bounding-set=-all ./voxrun doctor \
     --clock 0 >refused.txt) || fail "doctor without privileges"
   grep -q 'change real-time priority: refused' refused.txt || fail "$(cat refused.txt)"

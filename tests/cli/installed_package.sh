@@ -32,9 +32,9 @@ if ! diff <(echo "$headers") <(sort <<<"$expected"); then
   exit 1
 fi
 
-# What voxrun and voxcheck load: libc and its parts, Highway, hidapi and what that needs, nothing else; small.
+# What voxrun and voxcheck load: libc and its parts, Highway, Nettle, hidapi and what that needs, nothing else; small.
 if [ "$(cache_entry CMAKE_BUILD_TYPE)" = Release ]; then
-  allowed='^(linux-vdso|ld-linux-.*|libc|libm|libstdc\+\+|libgcc_s|libhwy|libhidapi-hidraw|libudev)$'
+  allowed='^(linux-vdso|ld-linux-.*|libc|libm|libstdc\+\+|libgcc_s|libhwy|libhidapi-hidraw|libudev|libnettle)$'
   for command in voxrun voxcheck; do
     if ldd "$scratch/prefix/bin/$command" | sed 's/^[[:space:]]*//; s/ .*//; s|.*/||; s/\.so.*//' |
       grep -vE "$allowed"; then

@@ -49,7 +49,7 @@ def read_container(data):
     header, _ = reader.read_fields(data[:64].ljust(64, b"\0"), reader.FILE_HEADER)
     require(header["endian_tag"] == 0x01020304, "endian tag")
     require(header["major"] == 2, "major")
-    newer = header["minor"] > 0
+    newer = header["minor"] > (0 if kind == "vox" else 1)
     size = 384 if kind == "vox" else 256
     given = header["header_bytes"]
     require(given == size or (newer and size <= given <= 4096 and given % 64 == 0), "header_bytes")

@@ -1,5 +1,7 @@
 // Every way of working of the contact query finds the same points: skipping, coherence, threads,
 // instruction sets, in all combinations, along motions.
+#include "runtime/query/vector_targets.h"
+
 #include <gtest/gtest.h>
 #include <hwy/targets.h>
 

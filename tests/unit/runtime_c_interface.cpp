@@ -161,14 +161,17 @@ TEST_P(CInterface, PlacesDeviceGripAndPart) {
 // A ball over a floor: measured near it, "at least" far away, and nothing by the paper's model.
 TEST_P(CInterface, TellsTheClearance) {
   const DistanceDefinition definition(2);
-  save_voxmap(
-      folder / "distances.vox",
-      distance_scene(
-          0.005, {0, 0, -8}, {48, 48, 40}, [](const glm::dvec3& p) { return p.z; }, 2, definition));
+  const glm::dvec3 center_m(0.12, 0.12, 0.005);  // of a ball that its layers surround in the box
+  constexpr double kRadiusM = 0.015;
+  save_voxmap(folder / "distances.vox",
+              distance_scene(
+                  0.005, {0, 0, -8}, {48, 48, 40},
+                  [&](const glm::dvec3& p) { return glm::length(p - center_m) - kRadiusM; }, 2,
+                  definition));
   open("distances.vox");
   const bool tells = GetParam() == Model::kDefault;
   for (const double gap_m : {0.015, 0.05}) {  // beyond the force, which begins at 14.3 mm
-    const Pose place{{0.12, 0.12, 0.02 + gap_m}, {1, 0, 0, 0}};
+    const Pose place{{0.12, 0.12, center_m.z + kRadiusM + 0.02 + gap_m}, {1, 0, 0, 0}};
     const forcelayer_reading reading = reading_at(place);
     ASSERT_EQ(start(nullptr, nullptr, reading), 0) << error;
     forcelayer_result result;

@@ -17,6 +17,7 @@
 #include <utility>
 #include <vector>
 
+#include "runtime/machine/program_folder.h"
 #include "runtime/machine/real_time.h"
 
 namespace forcelayer::devices {
@@ -25,11 +26,6 @@ namespace {
 constexpr long long kPollNs = 2'000'000;
 constexpr long long kCloseNs = 2'000'000'000;
 constexpr int kLinkDescriptor = 3;  // of the shared memory in the process
-
-std::filesystem::path program_folder() {
-  std::error_code failure;
-  return std::filesystem::read_symlink("/proc/self/exe", failure).parent_path();
-}
 
 Error failed(const PluginOptions& options, std::string what, std::string mend = "") {
   return {ErrorCode::kDeviceFailed, options.library.string(), "", std::move(what), std::move(mend)};
@@ -132,7 +128,7 @@ DeviceCapabilities capabilities_of(const forcelayer_plugin_info& info) {
 }  // namespace
 
 PluginDevice::PluginDevice(PluginOptions options) : options_(std::move(options)) {
-  if (options_.host.empty()) options_.host = program_folder() / "voxrun-plugin";
+  if (options_.host.empty()) options_.host = machine::program_folder() / "voxrun-plugin";
 }
 
 PluginDevice::~PluginDevice() {

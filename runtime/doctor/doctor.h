@@ -8,7 +8,7 @@
 
 #include "formats/result.h"
 
-namespace forcelayer::voxrun {
+namespace forcelayer::doctor {
 
 enum class Verdict {
   kGood,    // nothing to do
@@ -39,4 +39,4 @@ struct DoctorOptions {
 // Examines, prints, and writes the report where one is wanted.
 Status run_doctor(const DoctorOptions& options);
 
-}  // namespace forcelayer::voxrun
+}  // namespace forcelayer::doctor

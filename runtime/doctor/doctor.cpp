@@ -1,4 +1,4 @@
-#include "runtime/voxrun/doctor.h"
+#include "runtime/doctor/doctor.h"
 
 #include <fcntl.h>
 #include <sched.h>
@@ -23,7 +23,7 @@
 #include "runtime/machine/real_time.h"
 #include "runtime/query/query_kernel.h"
 
-namespace forcelayer::voxrun {
+namespace forcelayer::doctor {
 namespace {
 
 namespace fs = std::filesystem;
@@ -368,4 +368,4 @@ Status run_doctor(const DoctorOptions& options) {
                               : command::write_report(options.json, findings_json(findings));
 }
 
-}  // namespace forcelayer::voxrun
+}  // namespace forcelayer::doctor

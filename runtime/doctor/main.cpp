@@ -1,0 +1,27 @@
+// voxrun-doctor: the program that `voxrun doctor` starts.
+#include <CLI/CLI.hpp>
+
+#include "formats/command/arguments.h"
+#include "formats/command/command.h"
+#include "formats/command/help.h"
+#include "formats/command/output_file.h"
+#include "runtime/doctor/doctor.h"
+
+int main(int argc, char** argv) {
+  using namespace forcelayer;
+  CLI::App app{"Says what of this machine stands in the way of a quiet loop, and how to mend it",
+               "voxrun doctor"};
+  doctor::DoctorOptions options;
+  app.add_option("--json", options.json, "write a report");
+  app.add_flag("--quiet", options.quiet, "no report on the terminal");
+  command::add_number(app, "--clock", options.clock_s,
+                      "seconds for which the clock is measured; 0: not", {0, 3600});
+  command::arrange_help(app, {}, "  voxrun doctor --json machine.json");
+  int status = 0;
+  if (!command::parse_arguments(app, argc, argv, status)) return status;
+  return command::run_command("voxrun doctor", [&]() -> Status {
+    const command::OutputFile outputs[] = {{"--json", &options.json, command::FileKind::kReport}};
+    if (Status s = command::prepare_outputs(outputs, {}); !s) return s;
+    return doctor::run_doctor(options);
+  });
+}
