@@ -104,7 +104,7 @@ python3 - <<'PYTHON'
 import json
 def told(name):
     report = json.load(open(name))
-    return {key: report[key] for key in report if key not in ("seconds", "threads", "inputs")}
+    return {key: report[key] for key in report if key not in ("seconds", "threads", "input_files")}
 assert told("out.json") == told("threads.json")
 assert told("trace.json") == told("path.json") == told("run.json")
 a, b = told("out.json"), told("mm.json")

@@ -230,8 +230,8 @@ def check_replay(screen):
     scrubbed = screen.changed(played, "scrubbing")
     screen.key("End")
     last = screen.changed(scrubbed, "the last frame, in free space")
-    # Neither title nor strip: the arrow of the force on the hand is gone with the force.
-    assert (last[290:400, :500] > 60).any(axis=2).all(), "a black arrow without a force"
+    # Neither words, legend nor strip: the arrow of the force on the hand is gone with the force.
+    assert (last[290:400, :430] > 60).any(axis=2).all(), "a black arrow without a force"
 
     screen.key("x")
     side = screen.wait(drawn, "a view along x")

@@ -20,7 +20,7 @@ RULES = {  # id: element bytes, whether it must be there
             7: (4, False), 8: (2048, False), 9: (2048, False), 10: (512, False), 11: (4, False),
             12: (2048, False), 13: (2048, False), 14: (1024, False), 15: (1, False)},
     "pshell": {**{n: (4, True) for n in range(1, 8)}, 8: (16, True), 9: (16, True), 10: (4, False),
-               11: (16, False), 12: (1, False)}}
+               11: (16, False), 12: (1, False), 13: (1, False)}}
 
 
 class Refused(Exception):
@@ -64,7 +64,10 @@ def read_container(data):
     if not newer:
         for name in header:
             require(not name.startswith("reserved") or header[name] in (0, bytes(88), bytes(8)), name)
-    sections = read_table(data, given, header["section_count"], RULES[kind], newer)
+    rules = dict(RULES[kind])
+    if header["minor"] == 0:
+        rules.pop(13 if kind == "pshell" else None, None)  # two-sided points came with minor version 1
+    sections = read_table(data, given, header["section_count"], rules, newer)
     return kind, header, sections
 
 
@@ -194,6 +197,9 @@ def check_shell(h, sections):
     sizes = {**{n: 4 * stored for n in range(1, 8)}, 8: 16 * h["block_count"], 9: 16 * h["super_block_count"]}
     require(all(len(sections[n]) == size for n, size in sizes.items()), "section sizes")
     require(len(sections.get(10, b"")) in (0, 4 * stored), "cones")
+    sides = sections.get(13, b"")
+    require(len(sides) in (0, stored) and all(side <= 1 for side in sides), "two-sided points")
+    require(all(side == sides[points - 1] for side in sides[points:]), "padding")
     entries = [struct.unpack_from("<2d", sections.get(11, b""), at) for at in range(0, len(sections.get(11, b"")), 16)]
     require(len(entries) <= 256, "losses")
     for index, (distance, loss) in enumerate(entries):
