@@ -112,8 +112,10 @@ using Index = std::array<std::int64_t, 3>;
 
 class EnclosedSearch {
  public:
-  EnclosedSearch(const Voxmap& voxmap, const Pshell& shell, const Pose& world_from_center)
+  EnclosedSearch(const Voxmap& voxmap, const Pshell& shell, const Pose& world_from_center,
+                 std::span<const std::uint32_t> felt)
       : voxmap_(voxmap),
+        felt_(felt),
         surface_(shell.view()),
         center_from_world_(inverse(world_from_center)),
         size_m_(voxmap.voxel_size_m()),
@@ -196,7 +198,9 @@ class EnclosedSearch {
     if (!(surface_.winding(place_m) > 0.5)) return;
     const double room_m = mesh_m + covering_m_;
     if (surface_.distance_m(place_m, room_m) <= room_m) return;
-    found_ = EnclosedObject{voxmap_.nearest_object(voxel[0], voxel[1], voxel[2]), world_m};
+    const std::uint32_t object = voxmap_.nearest_object(voxel[0], voxel[1], voxel[2]);
+    if (object != 0 && std::find(felt_.begin(), felt_.end(), object) != felt_.end()) return;
+    found_ = EnclosedObject{object, world_m};
   }
 
   glm::dvec3 in_part(const glm::dvec3& world_m) const {
@@ -204,6 +208,7 @@ class EnclosedSearch {
   }
 
   const Voxmap& voxmap_;
+  std::span<const std::uint32_t> felt_;
   ShellSurface surface_;
   Pose center_from_world_;
   double size_m_, covering_m_;
@@ -214,9 +219,10 @@ class EnclosedSearch {
 }  // namespace
 
 std::optional<EnclosedObject> find_enclosed_object(const Voxmap& voxmap, const Pshell& shell,
-                                                   const Pose& world_from_center) {
+                                                   const Pose& world_from_center,
+                                                   std::span<const std::uint32_t> felt) {
   if (shell.header().mass_source != static_cast<std::uint32_t>(MassSource::kVolume)) return {};
-  return EnclosedSearch(voxmap, shell, world_from_center).run();
+  return EnclosedSearch(voxmap, shell, world_from_center, felt).run();
 }
 
 }  // namespace forcelayer::query

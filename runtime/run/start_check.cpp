@@ -2,6 +2,7 @@
 
 #include <cstdio>
 #include <string>
+#include <vector>
 
 #include "runtime/query/enclosed_object.h"
 
@@ -9,7 +10,12 @@ namespace forcelayer {
 
 Status check_start(const model::Simulation& simulation, const Pose& world_from_center) {
   const Voxmap& voxmap = simulation.voxmap();
-  const auto enclosed = query::find_enclosed_object(voxmap, simulation.shell(), world_from_center);
+  // An object of the seat that reaches into the part, as modeled, crosses its surface and is held
+  // there.
+  std::vector<std::uint32_t> felt;
+  for (const field::SeatObject& object : simulation.seat()) felt.push_back(object.object);
+  const auto enclosed =
+      query::find_enclosed_object(voxmap, simulation.shell(), world_from_center, felt);
   if (!enclosed) return {};
   const std::string_view name = voxmap.object_name(enclosed->object);
   const glm::dvec3& p = enclosed->world_m;

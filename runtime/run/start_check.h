@@ -7,8 +7,9 @@
 
 namespace forcelayer {
 
-// Error kUsage where an object of the scene lies inside the part, clear of its surface
-// (runtime/query/enclosed_object.h). A part inside an object is found by Simulation::find_seat().
+// Error kUsage where an object of the scene lies inside the part, clear of its surface, and is none
+// of the seat's (runtime/query/enclosed_object.h). A part inside an object is found by
+// Simulation::find_seat().
 Status check_start(const model::Simulation& simulation, const Pose& world_from_center);
 
 }  // namespace forcelayer

@@ -135,8 +135,8 @@ inline VoxelScene closed(const VoxelScene& scene) {
     return false;
   };
   VoxelScene wider = scene;
-  for (const auto& [value, inner] : {std::pair{VoxelValue::kSurface, VoxelValue::kInterior},
-                                     std::pair{VoxelValue::kProximity, VoxelValue::kSurface}}) {
+  for (const auto& layer : {std::pair{VoxelValue::kSurface, VoxelValue::kInterior},
+                            std::pair{VoxelValue::kProximity, VoxelValue::kSurface}}) {
     const VoxelScene before = wider;
     Voxel min = before.min, dims = before.dims;
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -144,8 +144,8 @@ inline VoxelScene closed(const VoxelScene& scene) {
       dims[axis] += 2;
     }
     VoxelScene grown = VoxelScene::filled(scene.voxel_size_m, min, dims, [&](const Voxel& v) {
-      const bool joins = before.at(v) == VoxelValue::kFree && near(before, v, inner);
-      return joins ? value : before.at(v);
+      const bool joins = before.at(v) == VoxelValue::kFree && near(before, v, layer.second);
+      return joins ? layer.first : before.at(v);
     });
     wider.min = grown.min;
     wider.dims = grown.dims;
