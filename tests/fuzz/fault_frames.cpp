@@ -15,13 +15,13 @@
 #include "forcelayer/run.h"
 #include "runtime/loop/servo.h"
 #include "tests/support/point_part.h"
+#include "tests/support/puppet_device.h"
 #include "tests/support/voxel_scene.h"
 
 namespace forcelayer::test {
 namespace {
 
 constexpr double kS = 0.005, kDt = 0.001;
-constexpr double kMaxForceN = 10, kMaxTorqueNm = 0.1;
 constexpr int kStaleTicks = 5;
 
 // The kinds of fault. The first ones must give zero in the frame in which they are read.
@@ -44,41 +44,11 @@ enum Kind {
   kKinds
 };
 
-DeviceCapabilities motor() {
-  DeviceCapabilities device;
-  device.name = "motor";
-  device.max_force_n = kMaxForceN;
-  device.max_torque_nm = kMaxTorqueNm;
-  device.damping_ns_per_m = 2;
-  device.damping_nms_per_rad = 0.005;
-  device.delay_s = 0.001;
-  device.workspace_radius_m = 0.5;
-  device.rate_hz = 1000;
-  device.watchdog_s = 0.02;
-  device.hardware = true;
-  device.senses_velocity = true;
-  return device;
-}
-
-class Puppet final : public devices::Device {
- public:
-  const DeviceCapabilities& capabilities() const override { return capabilities_; }
-  Status start() override { return {}; }
-  DeviceSample read(double) noexcept override { return sample; }
-  void write(const Wrench& wrench) noexcept override { felt = wrench; }
-  void stop() noexcept override { felt = {}; }
-
-  DeviceSample sample;
-  Wrench felt;
-
- private:
-  DeviceCapabilities capabilities_ = motor();
-};
-
 std::unique_ptr<model::Simulation> simulation(Model model) {
   RunRequest request;
   request.model = model;
-  request.device = motor();
+  request.device = puppet_capabilities();
+  request.device.senses_velocity = true;
   request.without_guarantee = true;
   auto run = open_run(
       make_voxmap(offset_scene(kS, {0, 0, -2}, {48, 48, 8}, 2, [](Voxel v) { return v[2] <= 0; })),
@@ -88,13 +58,6 @@ std::unique_ptr<model::Simulation> simulation(Model model) {
     std::exit(2);
   }
   return run->release_simulation();
-}
-
-loop::OutputLimits limits() {
-  loop::OutputLimits limits;
-  limits.max_force_n = kMaxForceN;
-  limits.max_torque_nm = kMaxTorqueNm;
-  return limits;
 }
 
 struct Counts {
@@ -120,6 +83,7 @@ class Episode {
       : random_(seed),
         simulation_(simulation(model)),
         servo_(*simulation_, input_, simulation_->registered(hand_, hand_), limits_) {
+    device_.senses_velocity(true);
     servo_.set_clutch_buttons(1);
     device_.sample.present = device_.sample.fresh = true;
     goal_ = hand_;
@@ -256,14 +220,14 @@ class Episode {
     const Wrench& w = device_.felt;
     const double force_n = glm::length(w.force_n), torque_nm = glm::length(w.torque_nm);
     const bool zero = force_n == 0 && torque_nm == 0;
-    if (!(force_n <= kMaxForceN * (1 + 1e-9) && torque_nm <= kMaxTorqueNm * (1 + 1e-9))) {
+    if (!(force_n <= kPuppetForceN * (1 + 1e-9) && torque_nm <= kPuppetTorqueNm * (1 + 1e-9))) {
       breaks("a wrench beyond its limits");
     }
     const double share = kDt / limits_.slew_s * (1 + 1e-9);
     const bool force_slew =
-        force_n > 0 && glm::length(w.force_n - last_.force_n) > kMaxForceN * share;
+        force_n > 0 && glm::length(w.force_n - last_.force_n) > kPuppetForceN * share;
     const bool torque_slew =
-        torque_nm > 0 && glm::length(w.torque_nm - last_.torque_nm) > kMaxTorqueNm * share;
+        torque_nm > 0 && glm::length(w.torque_nm - last_.torque_nm) > kPuppetTorqueNm * share;
     if (force_slew || torque_slew) breaks("a wrench beyond its slew");
     const bool bad = kind_ < kZeroAtOnce || old_ticks_ > kStaleTicks + 1 || kind_ == kLate;
     if (bad && !zero) breaks("force in the frame of a fault");
@@ -271,8 +235,8 @@ class Episode {
     // What may have come back by now: nothing for zero_s, then a ramp.
     const double gain =
         (static_cast<double>(since_bad_) * kDt - limits_.zero_s) / limits_.ramp_s + 0.006;
-    if (since_bad_ < 300 && (force_n > kMaxForceN * std::max(gain, 0.0) ||
-                             torque_nm > kMaxTorqueNm * std::max(gain, 0.0))) {
+    if (since_bad_ < 300 && (force_n > kPuppetForceN * std::max(gain, 0.0) ||
+                             torque_nm > kPuppetTorqueNm * std::max(gain, 0.0))) {
       breaks("force after a fault, but not by a ramp");
     }
     last_ = w;
@@ -311,11 +275,11 @@ class Episode {
 
   std::mt19937_64 random_;
   std::unique_ptr<model::Simulation> simulation_;
-  Puppet device_;
+  PuppetDevice device_;
   loop::DeviceInput input_{device_, {}};
   Pose hand_{{0.1, 0.1, 0.05}, {1, 0, 0, 0}}, goal_;
   Twist velocity_;
-  loop::OutputLimits limits_ = limits();
+  loop::OutputLimits limits_ = puppet_limits();
   loop::Servo servo_;
   Wrench last_;
   Kind kind_ = kKinds;

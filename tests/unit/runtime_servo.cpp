@@ -16,6 +16,7 @@
 #include "runtime/machine/real_time.h"
 #include "runtime/stream/recording.h"
 #include "tests/support/both_models.h"
+#include "tests/support/puppet_device.h"
 #include "tests/support/random_scenes.h"
 #include "tests/support/scratch_folder.h"
 
@@ -25,40 +26,6 @@ namespace {
 constexpr double kS = 0.005;
 constexpr double kDt = 0.001;
 
-DeviceCapabilities motor() {
-  DeviceCapabilities device;
-  device.name = "motor";
-  device.max_force_n = 10;
-  device.max_torque_nm = 0.1;
-  device.damping_ns_per_m = 2;
-  device.damping_nms_per_rad = 0.005;
-  device.delay_s = 0.001;
-  device.workspace_radius_m = 0.5;
-  device.rate_hz = 1000;
-  device.watchdog_s = 0.02;
-  device.hardware = true;
-  return device;
-}
-
-// A device whose readings a test writes.
-class PuppetDevice final : public devices::Device {
- public:
-  const DeviceCapabilities& capabilities() const override { return capabilities_; }
-  Status start() override { return {}; }
-  DeviceSample read(double) noexcept override { return sample; }
-  void write(const Wrench& wrench) noexcept override { felt = wrench; }
-  void stop() noexcept override { felt = {}; }
-
-  void rate(double hz) { capabilities_.rate_hz = hz; }
-  void senses_velocity(bool senses) { capabilities_.senses_velocity = senses; }
-
-  DeviceSample sample;
-  Wrench felt;
-
- private:
-  DeviceCapabilities capabilities_ = motor();
-};
-
 // A slab whose force layer begins at z = 15 mm, and a ball of 20 mm.
 std::unique_ptr<model::Simulation> simulation(Model model, double ball_m = 0.02) {
   Voxmap voxmap =
@@ -66,17 +33,10 @@ std::unique_ptr<model::Simulation> simulation(Model model, double ball_m = 0.02)
   Pshell shell = make_pshell(sphere_part(ball_m, 300, kS));
   RunRequest request;
   request.model = model;
-  request.device = motor();
+  request.device = puppet_capabilities();
   auto run = open_run(std::move(voxmap), std::move(shell), request);
   if (!run) throw std::runtime_error(to_line(run.error()));
   return run->release_simulation();
-}
-
-loop::OutputLimits limits() {
-  loop::OutputLimits l;
-  l.max_force_n = 10;
-  l.max_torque_nm = 0.1;
-  return l;
 }
 
 // A hand at the device, above the slab at first.
@@ -85,7 +45,7 @@ struct Bench {
   PuppetDevice device;
   loop::DeviceInput input{device, {}};
   Pose hand{{0.1, 0.1, 0.05}, {1, 0, 0, 0}};
-  loop::Servo servo{*sim, input, sim->registered(hand, hand), limits()};
+  loop::Servo servo{*sim, input, sim->registered(hand, hand), puppet_limits()};
   Frame frame;
 
   Pose last_hand = hand;
@@ -202,7 +162,7 @@ TEST_P(ServoTest, NumbersThatAreNotFiniteAreNoFrozenDevice) {
   } input;
   const auto sim = simulation(GetParam());
   const Pose hand{{0.1, 0.1, 0.05}, {1, 0, 0, 0}};
-  loop::Servo servo(*sim, input, sim->registered(hand, hand), limits());
+  loop::Servo servo(*sim, input, sim->registered(hand, hand), puppet_limits());
   Frame frame;
   for (int i = 0; i < 6; ++i) {
     EXPECT_EQ(servo.output().trips(), 0u);
@@ -516,7 +476,7 @@ TEST_P(ServoTest, AReplayGivesTheDevicesWrenchAgain) {
   ASSERT_TRUE(recording);
   const auto sim = simulation(GetParam());
   stream::ReplayInput input(*recording);
-  loop::Servo servo(*sim, input, recording->run().start, limits());
+  loop::Servo servo(*sim, input, recording->run().start, puppet_limits());
   Frame frame;
   for (std::size_t i = 0; i < felt.size(); ++i) {
     ASSERT_TRUE(servo.tick(frame));
@@ -549,7 +509,7 @@ TEST(Loop, APauseTripsAndEveryMissHasACause) {
   for (int attempt = 0;; ++attempt) {
     Bench bench;
     PausingInput input(bench.input);
-    loop::Servo servo(*bench.sim, input, bench.servo.state(), limits());
+    loop::Servo servo(*bench.sim, input, bench.servo.state(), puppet_limits());
     loop::LoopOptions options;
     options.frames = 400;
     options.stale_s = 0.05;  // a busy machine alone shall not reach it
