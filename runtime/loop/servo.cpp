@@ -11,9 +11,9 @@
 namespace forcelayer::loop {
 namespace {
 
-// A stretch below these, at the device, is none: a still hand moves a handle so far between
-// registration and a frame, and some encoder steps (25 um, 0.013 degrees). What they pull, the ramp
-// lets in within 0.2 s.
+// A stretch below these, at the device, is none: four encoder steps (25 um, 0.013 degrees), which a
+// still hand moves a handle between registration and a frame. The springs' pull at such a stretch
+// is below a twentieth of the device's rating, and the ramp lets it in.
 constexpr double kNoStretchM = 1e-4;
 constexpr double kNoStretchRad = 1e-3;
 

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <functional>
 #include <glm/geometric.hpp>
+#include <optional>
 #include <stdexcept>
 
 #include "forcelayer/run.h"
@@ -16,9 +17,11 @@
 #include "runtime/machine/real_time.h"
 #include "runtime/stream/recording.h"
 #include "tests/support/both_models.h"
+#include "tests/support/distance_scene.h"
 #include "tests/support/puppet_device.h"
 #include "tests/support/random_scenes.h"
 #include "tests/support/scratch_folder.h"
+#include "tests/support/shape_scene.h"
 
 namespace forcelayer::test {
 namespace {
@@ -485,6 +488,168 @@ TEST_P(ServoTest, AReplayGivesTheDevicesWrenchAgain) {
   }
   EXPECT_FALSE(servo.tick(frame));
   EXPECT_EQ(input.differing_frames(), 0u);
+}
+
+// A block that is installed in a pocket without play, held at a motion scale by a handle that was
+// moved, in device axes, between registration and the first tick.
+struct SeatedBench {
+  std::unique_ptr<model::Simulation> sim;
+  PuppetDevice device;
+  DevicePlacement placement;
+  Pose home;  // of the handle at the device
+  std::optional<loop::DeviceInput> input;
+  std::optional<loop::Servo> servo;
+  Frame frame;
+
+  SeatedBench(double scale, const glm::dvec3& moved_m, const glm::dvec3& turned_rad) {
+    const glm::dvec3 half_m{0.015, 0.012, 0.01};
+    const VoxelScene pocket = distance_scene(
+        kS, {-8, -8, -8}, {16, 16, 16},
+        [=](const glm::dvec3& p) {
+          const glm::dvec3 left_m = half_m - glm::abs(p);
+          return std::min({left_m.x, left_m.y, left_m.z});
+        },
+        2, DistanceDefinition(2));
+    placement.motion_scale = scale;
+    RunRequest request;
+    request.device = puppet_capabilities();
+    request.placement = placement;
+    request.without_guarantee = true;  // any part will do
+    auto run = open_run(make_voxmap(pocket), make_pshell(box_part(half_m, 0.8 * kS, kS)), request);
+    if (!run) throw std::runtime_error(to_line(run.error()));
+    sim = run->release_simulation();
+    PartStart start;
+    start.world_from_part = Pose{};
+    const auto begun = sim->begin(start, {});
+    if (!begun) throw std::runtime_error(to_line(begun.error()));
+    device.sample.present = device.sample.fresh = true;
+    input.emplace(device, placement);
+    servo.emplace(*sim, *input, *begun, puppet_limits());
+    home = {moved_m, coupling::rotation_by(turned_rad)};
+    tick_to = home;
+  }
+  Pose tick_to;
+  Wrench tick() {
+    device.sample.device_from_handle = tick_to;
+    EXPECT_TRUE(servo->tick(frame));
+    return device.felt;
+  }
+  bool armed() const { return servo->output().state() == OutputState::kArmed; }
+};
+
+// Both sides of the tolerance, 0.1 mm and 1 mrad at the device whatever the scale. The part gives
+// way a fifth of what the hand pulls at most.
+const struct {
+  const char* name;
+  glm::dvec3 moved_m, turned_rad;
+  bool arms;
+} kHandsAtTheStart[] = {
+    {"at rest", {0, 0, 0}, {0, 0, 0}, true},
+    {"moved within", {6e-5, -5e-5, 6e-5}, {0, 0, 0}, true},
+    {"moved beyond", {8e-5, -7e-5, 8e-5}, {0, 0, 0}, false},
+    {"pressed within", {0, 0, -9.9e-5}, {0, 0, 0}, true},
+    {"pressed beyond", {0, 0, -1.3e-4}, {0, 0, 0}, false},
+    {"far away", {0, 0, 0.01}, {0, 0, 0}, false},
+    {"turned within", {0, 0, 0}, {6e-4, 5e-4, -6e-4}, true},
+    {"turned beyond", {0, 0, 0}, {8e-4, 7e-4, -8e-4}, false},
+    {"both within", {0, 9e-5, 0}, {0, 9e-4, 0}, true},
+    {"moved within, turned beyond", {0, 9e-5, 0}, {0, 1.3e-3, 0}, false},
+    {"a whole turn but little", {0, 0, 0}, {0, 0, 2 * M_PI - 5e-4}, true},
+    {"upside down", {0, 0, 0}, {0, M_PI, 0}, false},
+};
+
+TEST(SeatedServo, ArmsWhileAHandHoldsItStillAtEveryScale) {
+  for (const double scale : {0.1, 1.0, 10.0}) {
+    for (const auto& hand : kHandsAtTheStart) {
+      SCOPED_TRACE(testing::Message() << hand.name << ", scale " << scale);
+      SeatedBench bench(scale, hand.moved_m, hand.turned_rad);
+      for (int i = 0; i < 100; ++i) {
+        const Wrench felt = bench.tick();
+        ASSERT_EQ(bench.armed(), hand.arms) << i;
+        if (hand.arms) continue;
+        ASSERT_EQ(felt.force_n, glm::dvec3(0)) << i;
+        ASSERT_EQ(felt.torque_nm, glm::dvec3(0)) << i;
+      }
+      EXPECT_GT(bench.frame.result.report.seated, 0u);
+      EXPECT_EQ(bench.servo->output().trips(), 0u);
+    }
+  }
+}
+
+// The hand arms the output at the edge of the tolerance and presses at once: it feels nothing for
+// 20 ms, and then no more than the ramp lets in.
+TEST(SeatedServo, WhateverTheHandDoesAfterArmingTheForceIsARampFromZero) {
+  constexpr int kZeroTicks = 20, kRampTicks = 200;
+  for (const double scale : {0.1, 1.0, 10.0}) {
+    for (const glm::dvec3& way : {glm::dvec3(0, 0, -1), glm::dvec3(0.6, 0, -0.8)}) {
+      SCOPED_TRACE(testing::Message() << "scale " << scale << ", way " << way.x);
+      SeatedBench bench(scale, 9.9e-5 * way, 9.9e-4 * glm::dvec3(way.z, 0, way.x));
+      double most_n = 0, most_nm = 0;
+      for (int i = 0; i < 400; ++i) {
+        const double share = std::min(i, 100) / 100.0;  // 10 mm at 0.1 m/s, and 0.2 rad
+        bench.tick_to = {bench.home.position_m + share * 0.01 * way,
+                         coupling::rotation_by({0, 0.2 * share, 0}) * bench.home.orientation};
+        const Wrench felt = bench.tick();
+        ASSERT_TRUE(bench.armed());
+        const double gain = std::clamp((i + 1 - kZeroTicks) / double{kRampTicks}, 0.0, 1.0);
+        ASSERT_LE(glm::length(felt.force_n), limits().max_force_n * gain + 1e-9) << i;
+        ASSERT_LE(glm::length(felt.torque_nm), limits().max_torque_nm * gain + 1e-9) << i;
+        most_n = std::max(most_n, glm::length(felt.force_n));
+        most_nm = std::max(most_nm, glm::length(felt.torque_nm));
+      }
+      EXPECT_GT(most_n, 5);  // it does push back
+      EXPECT_GT(most_nm, 1e-4);
+    }
+  }
+}
+
+// A hand that stays where it armed the output feels the springs at the tolerance's edge at most:
+// the same at every scale, and below what a hand tells from nothing.
+TEST(SeatedServo, AHandThatStaysWhereItArmedFeelsTheSpringsOfThatStretchAtMost) {
+  for (const double scale : {0.1, 1.0, 10.0}) {
+    for (const auto& hand : kHandsAtTheStart) {
+      if (!hand.arms) continue;
+      SCOPED_TRACE(testing::Message() << hand.name << ", scale " << scale);
+      SeatedBench bench(scale, hand.moved_m, hand.turned_rad);
+      const Parameters& p = bench.sim->parameters();
+      const double most_n = p.coupling_n_per_m * scale * scale * 1e-4;
+      const double most_nm = p.coupling_nm_per_rad * 1e-3;
+      EXPECT_LT(most_n, 0.05 * limits().max_force_n);
+      EXPECT_LT(most_nm, 0.05 * limits().max_torque_nm);
+      for (int i = 0; i < 500; ++i) {
+        const Wrench felt = bench.tick();
+        ASSERT_LE(glm::length(felt.force_n), most_n) << i;
+        ASSERT_LE(glm::length(felt.torque_nm), most_nm) << i;
+      }
+    }
+  }
+}
+
+TEST(SeatedServo, NumbersThatAreNotFiniteAndAFastHandArmNothing) {
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double value : {std::nan(""), double{INFINITY}}) {
+      for (const bool turned : {false, true}) {
+        SCOPED_TRACE(testing::Message() << value << ", axis " << axis << ", turned " << turned);
+        SeatedBench bench(1, {0, 0, 0}, {0, 0, 0});
+        (turned ? bench.tick_to.orientation[axis] : bench.tick_to.position_m[axis]) = value;
+        const Wrench felt = bench.tick();
+        EXPECT_FALSE(bench.armed());
+        EXPECT_EQ(felt.force_n, glm::dvec3(0));
+        EXPECT_EQ(felt.torque_nm, glm::dvec3(0));
+        bench.tick_to = bench.home;
+        bench.tick();
+        EXPECT_TRUE(bench.armed());
+      }
+    }
+  }
+  // A hand that passes where it would arm, at 6 m/s: faster than it may.
+  SeatedBench bench(1, {0, 0, 0}, {0, 0, 0});
+  for (int i = -30; i <= 30; ++i) {
+    bench.tick_to.position_m.z = 0.006 * i;
+    const Wrench felt = bench.tick();
+    ASSERT_FALSE(bench.armed()) << i;
+    ASSERT_EQ(felt.force_n, glm::dvec3(0)) << i;
+  }
 }
 
 // The fake device stands still in the loop's clock: a pause of the loop is noticed by the loop.
