@@ -86,7 +86,8 @@ Status check(const Options& options) {
     if (!settled) return settled.error();
     exact = std::move(*settled);
   }
-  return write_reports({options, *scene, *result, exact, read_s - begin_s, now_s() - read_s});
+  return write_reports(
+      {options, *scene, *part, *result, exact, read_s - begin_s, now_s() - read_s});
 }
 
 int run(int argc, char** argv) {

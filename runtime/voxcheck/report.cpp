@@ -89,6 +89,16 @@ std::string seat_text(const Report& report) {
   return line + "; else ";
 }
 
+// In its seat a part is told by its shell points, to either side of which the covering radius is
+// not looked at.
+double narrowest_felt_m(const Report& report) { return 2 * report.part.header().covering_radius_m; }
+
+std::string seat_limit_text(const Report& report) {
+  if (report.result.seated.empty()) return "";
+  return text("  in its seat it may pass through features of those objects narrower than %.2f mm\n",
+              ceil_mm(narrowest_felt_m(report)));
+}
+
 std::string least_text(const Report& report) {
   const CheckResult& r = report.result;
   if (report.exact && report.exact->least.exact_m < kNothingM) {
@@ -191,7 +201,10 @@ std::string required_text(const Report& report) {
 std::string verdict_text(const Report& report) {
   const CheckResult& r = report.result;
   std::string line = seat_text(report);
-  if (r.clear()) return line + "clear: " + required_text(report) + "; " + least_text(report) + "\n";
+  if (r.clear()) {
+    return line + "clear: " + required_text(report) + "; " + least_text(report) + "\n" +
+           seat_limit_text(report);
+  }
   line += text("NOT clear: %s; %s in %zu stretch%s\n", required_text(report).c_str(),
                report.exact ? "not kept" : "not proven", r.violations.size(),
                r.violations.size() == 1 ? "" : "es");
@@ -201,7 +214,7 @@ std::string verdict_text(const Report& report) {
   if (r.violations.size() > kListed) {
     line += text("  and %zu more\n", r.violations.size() - kListed);
   }
-  return line;
+  return line + seat_limit_text(report);
 }
 
 Json report_json(const Report& report) {
@@ -230,6 +243,7 @@ Json report_json(const Report& report) {
   for (const std::uint32_t object : r.seat_objects) {
     json["seat"].push_back(object_name(report.scene, object));
   }
+  if (!r.seated.empty()) json["narrowest_felt_m"] = narrowest_felt_m(report);
   json["threads"] = report.options.threads;
   json["seconds"] = {{"read", report.read_s},
                      {"check", report.check_s},

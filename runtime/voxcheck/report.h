@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "formats/pshell.h"
 #include "formats/result.h"
 #include "formats/voxmap.h"
 #include "runtime/clearance/path_check.h"
@@ -17,6 +18,7 @@ namespace forcelayer::voxcheck {
 struct Report {
   const Options& options;
   const Voxmap& scene;
+  const Pshell& part;
   const clearance::CheckResult& result;
   const std::optional<ExactAnswer>& exact;  // of --exact: violations are then in the same order
   double read_s = 0, check_s = 0;

@@ -77,6 +77,7 @@ PYTHON
 check 6 opened.vox cover.pshell out.csv --clearance 1mm
 check 0 opened.vox cover.pshell out.csv --clearance 1mm --seat 0,0,0m --json out.json
 says '^seated on Gearbox/Housing from 0\.000 to 0\.[0-9]{3} s; else clear: 1\.000 mm required'
+says '^  in its seat it may pass through features of those objects narrower than 1\.73 mm$'
 "$bin/voxinfo" path out.csv --reverse -o in.csv --quiet
 check 0 opened.vox cover.pshell in.csv --clearance 1mm --seat 0,0,0m
 says '^seated on Gearbox/Housing from 0\.[0-9]{3} to 1\.000 s; else clear'
