@@ -24,10 +24,15 @@ Pose pose_of(const PathRow& row) {
 }
 
 CenterPath::CenterPath(std::span<const PathRow> rows, const Pshell& shell)
-    : radius_m_(shell.header().bounding_radius_m * kRoundUp) {
-  const auto& c = shell.header().center_m;
+    : CenterPath(
+          rows,
+          {shell.header().center_m[0], shell.header().center_m[1], shell.header().center_m[2]},
+          shell.header().bounding_radius_m) {}
+
+CenterPath::CenterPath(std::span<const PathRow> rows, const glm::dvec3& center_m, double radius_m)
+    : radius_m_(radius_m * kRoundUp) {
   for (const PathRow& row : rows) {
-    const Pose center = pose_of(row) * Pose{glm::dvec3(c[0], c[1], c[2]), {1, 0, 0, 0}};
+    const Pose center = pose_of(row) * Pose{center_m, {1, 0, 0, 0}};
     double travel_m = 0;
     if (!world_from_center_.empty()) {
       const Pose& before = world_from_center_.back();

@@ -20,6 +20,10 @@ struct Options {
   std::optional<Pose> world_from_seat;  // of the part
   std::vector<std::string> allow;       // names of objects
   unsigned threads = 1;
+  // Of --exact and --picture: what scene and part were baked from.
+  std::vector<std::string> meshes, part_meshes, without;
+  std::optional<double> unit_m, part_unit_m;
+  bool allow_outside = false;
   std::string json, csv, junit, code_quality;
   bool github = false, quiet = false;
 };
@@ -34,7 +38,7 @@ class OptionParser {
 
  private:
   Options options_;
-  std::string clearance_, seat_;
+  std::string clearance_, seat_, units_, part_units_;
 };
 
 }  // namespace forcelayer::voxcheck

@@ -2,11 +2,14 @@
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 
+#include "formats/pshell.h"
 #include "formats/result.h"
 #include "formats/voxmap.h"
 #include "runtime/clearance/path_check.h"
+#include "runtime/voxcheck/exact_exchange.h"
 #include "runtime/voxcheck/options.h"
 
 namespace forcelayer::voxcheck {
@@ -15,7 +18,9 @@ namespace forcelayer::voxcheck {
 struct Report {
   const Options& options;
   const Voxmap& scene;
+  const Pshell& part;
   const clearance::CheckResult& result;
+  const std::optional<ExactAnswer>& exact;  // of --exact: violations are then in the same order
   double read_s = 0, check_s = 0;
 };
 
