@@ -15,6 +15,7 @@
 #include "formats/command/quantity.h"
 #include "formats/command/version.h"
 #include "formats/mesh/reader.h"
+#include "formats/mesh/step_support.h"
 #include "formats/pshell.h"
 #include "formats/pshell_writer.h"
 #include "pointshell/bake.h"
@@ -93,11 +94,7 @@ void declare_verify(CLI::App& app, Arguments& arguments) {
 }
 
 void arrange(CLI::App& app) {
-#ifdef FORCELAYER_STEP
-  command::set_version(app, "reads STEP and IGES");
-#else
-  command::set_version(app, "without STEP and IGES");
-#endif
+  command::set_version(app, mesh::kStepSupport);
   command::arrange_help(
       app,
       {{"Output", {"-o"}},

@@ -23,7 +23,8 @@ commit=$(git -C "$root" rev-parse --short=12 HEAD)
 
 make_packages() {  # SOURCE BUILD
   say "building packages of $1"
-  cmake -S "$1" -B "$2" -G Ninja -DCMAKE_BUILD_TYPE=Release -DFORCELAYER_MAN_PAGES=ON \
+  cmake -S "$1" -B "$2" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_INSTALL_PREFIX=/usr \
+    -DFORCELAYER_MAN_PAGES=ON \
     -DFORCELAYER_TESTS=OFF -DFORCELAYER_BENCHMARKS=OFF -DFORCELAYER_PRECOMPILED_HEADERS=OFF \
     -DFORCELAYER_WARNINGS_AS_ERRORS=ON -DFORCELAYER_COMMIT="$commit" >"$2.configure.log"
   cmake --build "$2"

@@ -16,6 +16,7 @@
 #include "formats/command/version.h"
 #include "formats/mesh/sandbox/trust_options.h"
 #include "formats/mesh/scene.h"
+#include "formats/mesh/step_support.h"
 #include "voxelize/bake.h"
 #include "voxelize/cache/cache_folder.h"
 #include "voxelize/cache/mesh_source.h"
@@ -118,11 +119,7 @@ void declare(CLI::App& app, Arguments& arguments) {
 }
 
 void arrange(CLI::App& app) {
-#ifdef FORCELAYER_STEP
-  command::set_version(app, "reads STEP and IGES");
-#else
-  command::set_version(app, "without STEP and IGES");
-#endif
+  command::set_version(app, mesh::kStepSupport);
   command::arrange_help(
       app,
       {{"Output", {"-o", "--list", "--plan", "--narrow-passages"}},

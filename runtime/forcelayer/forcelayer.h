@@ -21,6 +21,9 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+#ifdef __GNUC__
+#pragma GCC visibility push(default) /* all that libforcelayer.so exports */
+#endif
 
 typedef struct forcelayer_runtime forcelayer_runtime;
 
@@ -160,6 +163,9 @@ int forcelayer_check_files(void);
 /* After the last step. NULL does nothing. */
 void forcelayer_close(forcelayer_runtime* runtime);
 
+#ifdef __GNUC__
+#pragma GCC visibility pop
+#endif
 #ifdef __cplusplus
 }
 #endif

@@ -10,7 +10,9 @@
 #include "formats/command/command.h"
 #include "formats/command/help.h"
 #include "formats/command/output_file.h"
+#include "formats/command/version.h"
 #include "runtime/clearance/path_check.h"
+#include "runtime/query/query_kernel.h"
 #include "runtime/run/baked_files.h"
 #include "runtime/voxcheck/exact.h"
 #include "runtime/voxcheck/object_names.h"
@@ -96,6 +98,7 @@ int run(int argc, char** argv) {
       "whole way",
       "voxcheck"};
   app.footer("Exit status 0: clear; 6: not clear.");
+  command::set_version(app, std::string("vectors ") + query::kernel_target());
   OptionParser parser(app);
   command::arrange_help(
       app,

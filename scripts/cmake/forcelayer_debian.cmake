@@ -1,5 +1,5 @@
 # Debian packages by `cpack -G DEB` (scripts/package.sh): one for the workstation, one for the CI
-# machine that bakes, the viewer apart for its libraries, and one to build against.
+# machine that bakes, the viewer apart for its libraries, and two to run with and to build against.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME forcelayer)
 set(CPACK_PACKAGE_CONTACT "The Forcelayer authors <maintainers@forcelayer.example>")
@@ -49,8 +49,12 @@ if(TARGET forcelayer_python)
     "import forcelayer opens baked scenes and parts, tells the proven clearance at\nmany poses at once, and steps and replays the haptic simulation.")
   get_target_property(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS forcelayer_python FORCELAYER_DEBIAN_DEPENDS)
 endif()
+debian_package(library libforcelayer0 libs "haptic rendering by voxel sampling for programs in C"
+  "libforcelayer.so.0 opens a baked scene and a baked part, and answers the pose of a\nhandle with the wrench that the hand shall feel, from within a servo loop.")
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_GENERATE_SHLIBS ON)
 debian_package(development libforcelayer-dev libdevel "library for haptic rendering by voxel sampling"
-  "Headers, static libraries and CMake files to embed the runtime in a servo\nloop of your own, and to read and write its files.")
-set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "libglm-dev, libhwy-dev, libhidapi-dev, nettle-dev")
+  "Headers, libraries and files for CMake and pkg-config to embed the runtime in a servo\nloop of your own, and to read and write its files.")
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS 
+    "libforcelayer0 (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE}), libglm-dev, libhwy-dev, libhidapi-dev, nettle-dev")
 
 include(CPack)

@@ -1,4 +1,4 @@
-# Install rules of headers and documents, and the package config for find_package(forcelayer).
+# Install rules of headers and documents, and what find_package(forcelayer) and `pkg-config forcelayer` read.
 include(CMakePackageConfigHelpers)
 
 # The public headers: runtime/forcelayer, and of formats what those include. No room's header.
@@ -25,3 +25,9 @@ write_basic_package_version_file(${CMAKE_BINARY_DIR}/forcelayer-config-version.c
 install(FILES ${CMAKE_BINARY_DIR}/forcelayer-config.cmake
               ${CMAKE_BINARY_DIR}/forcelayer-config-version.cmake
         DESTINATION ${config_dir} COMPONENT development)
+
+# The prefix follows from where the file lies, so that a tree may be installed anywhere.
+file(RELATIVE_PATH prefix_from_pc /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)
+string(REGEX REPLACE "/$" "" prefix_from_pc "${prefix_from_pc}")
+configure_file(scripts/cmake/forcelayer.pc.in ${CMAKE_BINARY_DIR}/forcelayer.pc @ONLY)
+install(FILES ${CMAKE_BINARY_DIR}/forcelayer.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT development)

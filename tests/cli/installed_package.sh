@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Installs the build into an empty prefix, builds an outside project against it with
-# find_package(forcelayer), runs it on the golden files, and looks at which headers are installed and
-# at what the installed voxrun links.
+# find_package(forcelayer), one in C with pkg-config, runs them on the golden files, and looks at which headers are
+# installed, what libforcelayer.so.0 exports, and what the installed voxrun links.
 set -euo pipefail
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
@@ -21,6 +21,28 @@ golden=$FORCELAYER_SOURCE_DIR/tests/golden
 cat "$scratch/consumer.txt"
 [ "$said" -eq 0 ] && grep -q 'model default, 10 frames' "$scratch/consumer.txt" || { echo FAILED >&2; exit 1; }
 "$scratch/build/consumer_c" "$golden/v2.vox" "$golden/v2.pshell"
+
+# In C, by pkg-config: the shared library alone, with what was promised of its ABI.
+PKG_CONFIG_PATH=$(dirname "$(find "$scratch/prefix" -name forcelayer.pc)")
+export PKG_CONFIG_PATH
+# shellcheck disable=SC2046,SC2086  # flags are words
+"$(cache_entry CMAKE_C_COMPILER)" $(cache_entry CMAKE_C_FLAGS) -std=c11 -Wall -Wextra -Wpedantic -Werror \
+  "$FORCELAYER_SOURCE_DIR"/tests/consumer/{main,abi}.c $(pkg-config --cflags --libs forcelayer) -o "$scratch/consumer_so"
+library=$(find "$scratch/prefix" -name libforcelayer.so.0)
+LD_LIBRARY_PATH=$(dirname "$library") "$scratch/consumer_so" "$golden/v2.vox" "$golden/v2.pshell"
+[ "$(pkg-config --modversion forcelayer)" = "$("$scratch/prefix/bin/voxrun" --version | cut -d' ' -f2)" ]
+
+# It exports the functions of the C header, as the list says: no more, no less.
+in_header=$("$(cache_entry CMAKE_C_COMPILER)" -E -P "$FORCELAYER_SOURCE_DIR/runtime/forcelayer/forcelayer.h" |
+  grep -oE '\bforcelayer_[a-z_]+ *\(' | tr -d ' (' | sort)
+in_list=$(sed -n 's/^ *\(forcelayer_[a-z_]*\);$/\1/p' "$FORCELAYER_SOURCE_DIR/runtime/run/libforcelayer.map" | sort)
+in_library=$(nm -D --defined-only "$library" | sed -n 's/.* [^A] \([^@]*\)@.*/\1/p' | sort)
+if ! diff <(echo "$in_header") <(echo "$in_list") || ! diff <(echo "$in_list") <(echo "$in_library"); then
+  echo "FAILED: header, list (<) and library (>) do not name the same functions" >&2
+  exit 1
+fi
+nm -D --defined-only "$library" | grep -v '@FORCELAYER_0$' | grep -v ' A FORCELAYER_0$' &&
+  { echo "FAILED: libforcelayer.so.0 exports that beside the C interface" >&2; exit 1; }
 
 # Public headers alone: those of runtime/forcelayer, and the ones of formats that they include.
 headers=$(cd "$scratch/prefix/include" && find . -name '*.h' | sort)

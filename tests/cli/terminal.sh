@@ -38,6 +38,14 @@ for sub in 'voxinfo verify' 'voxinfo sample' 'voxinfo export' 'voxrun doctor' 'f
   for option in --json --quiet; do grep -q -- "^  $option" help.txt || fail "$sub has no $option"; done
 done
 
+# What this build can do.
+for name in voxelize pointshell voxview; do
+  [ ! -x "$bin/$name" ] || "$bin/$name" --version | grep -qE '; (reads|without) STEP and IGES\)$' || fail "$name --version"
+done
+for name in voxrun voxcheck; do
+  "$bin/$name" --version | grep -qE '\bvectors [A-Z0-9_]+\)$' || fail "$name --version"
+done
+
 # A report on failure too, with what was read.
 head -c 3000 floor.vox >cut.vox
 for call in "voxinfo cut.vox" "voxinfo verify cut.vox" "voxrun cut.vox ball.pshell --duration 1ms"; do

@@ -592,8 +592,8 @@ TEST(SeatedServo, WhateverTheHandDoesAfterArmingTheForceIsARampFromZero) {
         const Wrench felt = bench.tick();
         ASSERT_TRUE(bench.armed());
         const double gain = std::clamp((i + 1 - kZeroTicks) / double{kRampTicks}, 0.0, 1.0);
-        ASSERT_LE(glm::length(felt.force_n), limits().max_force_n * gain + 1e-9) << i;
-        ASSERT_LE(glm::length(felt.torque_nm), limits().max_torque_nm * gain + 1e-9) << i;
+        ASSERT_LE(glm::length(felt.force_n), puppet_limits().max_force_n * gain + 1e-9) << i;
+        ASSERT_LE(glm::length(felt.torque_nm), puppet_limits().max_torque_nm * gain + 1e-9) << i;
         most_n = std::max(most_n, glm::length(felt.force_n));
         most_nm = std::max(most_nm, glm::length(felt.torque_nm));
       }
@@ -614,8 +614,8 @@ TEST(SeatedServo, AHandThatStaysWhereItArmedFeelsTheSpringsOfThatStretchAtMost) 
       const Parameters& p = bench.sim->parameters();
       const double most_n = p.coupling_n_per_m * scale * scale * 1e-4;
       const double most_nm = p.coupling_nm_per_rad * 1e-3;
-      EXPECT_LT(most_n, 0.05 * limits().max_force_n);
-      EXPECT_LT(most_nm, 0.05 * limits().max_torque_nm);
+      EXPECT_LT(most_n, 0.05 * puppet_limits().max_force_n);
+      EXPECT_LT(most_nm, 0.05 * puppet_limits().max_torque_nm);
       for (int i = 0; i < 500; ++i) {
         const Wrench felt = bench.tick();
         ASSERT_LE(glm::length(felt.force_n), most_n) << i;

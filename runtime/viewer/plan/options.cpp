@@ -5,6 +5,8 @@
 #include <glm/geometric.hpp>
 
 #include "formats/command/quantity.h"
+#include "formats/command/version.h"
+#include "formats/mesh/step_support.h"
 
 namespace forcelayer::viewer {
 namespace {
@@ -46,6 +48,7 @@ Status read_size(const std::string& text, ViewOptions& options) {
 }  // namespace
 
 ViewOptionParser::ViewOptionParser(CLI::App& app) {
+  command::set_version(app, mesh::kStepSupport);
   app.add_option("INPUT", options_.inputs.inputs,
                  "meshes, scene manifests, one .vox, one .pshell, in any order");
   app.add_option("--compare", options_.inputs.before,
