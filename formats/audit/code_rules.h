@@ -19,8 +19,7 @@ class CodeRules {
   // Whether two voxels that share a face may have these codes.
   bool beside_code(std::uint32_t a, std::uint32_t b) const { return beside_code_[a][b]; }
 
-  // Fast tests of many pairs at once. True: every pair is allowed. False: not known, test each
-  // pair.
+  // The same for many at once. True only where each pair is allowed; false says nothing yet.
   using BrickCodes = std::array<std::uint8_t, 512>;
   using FaceCodes = std::array<std::uint8_t, 64>;
   // `values` are the 128 bytes of a brick.
