@@ -1,5 +1,5 @@
-// One brick of values as bits, and the facts of it that the audit asks for again and again.
-// Internal to formats/audit/.
+// One brick of values as bits, and its facts: counts, tight box, gaps. The audit computes them once
+// for each stored brick. Internal to formats/audit/.
 #pragma once
 
 #include <array>
@@ -22,8 +22,9 @@ struct BrickPlanes {
 };
 BrickPlanes planes_of(const std::uint32_t* brick);
 
-// From a box to its nearest voxel that is not free, for each direction in which a neighbor lies:
-// the layers of free voxels between the two. The box's edge where all of it is free.
+// The gaps of a box: for each direction towards a neighbor, how many layers of free voxels lie
+// between that side, edge or corner of the box and its first voxel that is not free. The box's edge
+// where all of it is free.
 using Gaps = std::array<std::uint8_t, kDirections>;
 
 struct BrickFacts {

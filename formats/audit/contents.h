@@ -1,5 +1,5 @@
-// The content of every stored brick and node of a tree of values: numbers of voxels, tight boxes,
-// gaps. A shared element has one. Internal to formats/audit/.
+// The content of every stored brick and node of a tree of values: numbers of voxels, tight box,
+// gaps. An element that many entries share is looked at once. Internal to formats/audit/.
 #pragma once
 
 #include <vector>
@@ -10,8 +10,8 @@
 
 namespace forcelayer::voxmap_audit {
 
-// The number of voxels of values 1, 2 and 3 of a node, and their tight box relative to its lowest
-// voxel.
+// The numbers of a cube's voxels of value 1, 2 and 3, and the tight box of these voxels, counted
+// from the cube's lowest voxel.
 struct Summary {
   std::array<std::uint64_t, 3> counts{};
   Span tight{};
@@ -26,7 +26,7 @@ class Contents {
   const Summary& scene() const { return scene_; }
   const std::vector<BrickPlanes>& planes() const { return planes_; }
 
-  // The gaps of a brick, and those of a lower node, which end at 64.
+  // The gaps of a brick, at most 8, and of a lower node, at most 64.
   const Gaps& brick_gaps(std::uint32_t brick) const { return bricks_[brick].gaps; }
   const Gaps& node_gaps(std::uint32_t node) const { return node_gaps_[node]; }
 
@@ -61,7 +61,7 @@ class Contents {
   bool group_holds_non_free(std::size_t level, const Voxel& at, const Span& box) const;
 
   const VoxmapView& view_;
-  std::vector<Groups> groups_;  // from the smallest on
+  std::vector<Groups> groups_;  // tight boxes of 4^3 directory cells, of 4^3 such groups, and so on
   std::vector<BrickPlanes> planes_;
   std::vector<BrickFacts> bricks_;
   std::vector<Summary> lower_, upper_;

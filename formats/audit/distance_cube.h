@@ -1,8 +1,9 @@
-// Distances between cells of nodes and what is not free around them. Internal to formats/audit/.
+// Chebyshev distances of a node's cells from the nearest voxel that is not free. Internal to
+// formats/audit/.
 //
-// A cell beside one that holds something lies as far from it as the gap between them and one more.
-// A cell with free cells all around lies one edge farther from everything than the nearest of these
-// does.
+// The distance of a free cell from a neighbor that holds such a voxel is that neighbor's gap
+// towards the cell, plus 1. A cell whose 26 neighbors are all free is one edge farther from
+// everything than the nearest of its neighbors.
 #pragma once
 
 #include <algorithm>
@@ -21,8 +22,9 @@ constexpr std::int64_t flat(const Voxel& at, std::int64_t width) {
 
 using Distance = std::uint16_t;  // at most 8 cells of 64 voxels
 
-// The distances of the cells of a node, and of one layer of cells around it, from what the node
-// holds: of a cell that holds something 0, of those beside it its gap and 1; else kFar.
+// Distances of a node's cells, and of one layer of cells around it, from the node's own voxels that
+// are not free: 0 for a cell that holds one, that cell's gap plus 1 for its neighbors, kFar
+// elsewhere.
 class Ring {
  public:
   static constexpr Distance kFar = std::numeric_limits<Distance>::max();
@@ -30,7 +32,7 @@ class Ring {
 
   Ring() { cells_.fill(kFar); }
 
-  // Cell n holds something.
+  // Cell n holds a voxel that is not free, and has these gaps.
   void add(std::uint32_t n, const Gaps& gaps) {
     const Voxel at = voxmap_walk::child_low({1, 1, 1}, n, 1);
     for (std::size_t d = 0; d < kDirections; ++d) {
@@ -56,12 +58,12 @@ class DistanceCube {
   // `margin` cells, at most kCells - 1.
   void clear(std::int64_t margin);
 
-  // The ring of the node in this direction.
+  // Takes in the ring of the node that lies in this direction.
   void add(const Ring& ring, std::size_t in_direction);
 
-  // Each distance becomes the least over its neighbors' plus `edge`, as often as the margin is
-  // wide. Cells at the border take in what is no neighbor of theirs; with each step that error
-  // comes one cell nearer, and the middle stays right.
+  // Repeats as often as the margin is wide: each distance becomes the least of itself and its
+  // neighbors' plus `edge`. Cells at the border read cells that are not their neighbors. This error
+  // moves inwards by one cell a step, so it stays in the margin and the middle is right.
   void spread(int edge);
 
   Distance at(std::uint32_t n) const {

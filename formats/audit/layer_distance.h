@@ -5,15 +5,16 @@
 
 namespace forcelayer {
 
-// The least distance from the mesh of a voxel's center, in voxels, where no voxel within `steps`
-// of it is interior; the interior ends at the distance `radius_voxels`, kLeastInteriorVoxels or
-// more.
+// The least distance of a voxel's center from the mesh, in voxels, if no voxel within `steps` of it
+// (Chebyshev) is interior. The interior ends at the distance `radius_voxels` from the mesh, which
+// is kLeastInteriorVoxels or more.
 inline double layer_distance_voxels(double radius_voxels, double steps) {
   const double squared = radius_voxels * radius_voxels;
   return std::sqrt(steps * steps + squared + 2 * steps * std::sqrt(squared - 0.5));
 }
 
-// The largest distance that it can have where one within `steps` of it is interior.
+// The largest distance of a voxel's center from the mesh if a voxel within `steps` of it is
+// interior.
 inline double most_layer_distance_voxels(double radius_voxels, double steps) {
   return radius_voxels + steps * std::sqrt(3.0);
 }

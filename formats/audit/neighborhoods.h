@@ -39,9 +39,9 @@ inline Voxel beside(const Voxel& at, std::size_t n) {
   return {at[0] + d[0], at[1] + d[1], at[2] + d[2]};
 }
 
-// Calls visitor.cell(low, around) for every directory cell, and, where that gives true,
-// visitor.node(low, around) for its 512 parts; `low` is the lowest voxel, a world index. Ends when
-// visitor.ended().
+// Calls visitor.cell(low, around) for every directory cell. Where it returns true, calls
+// visitor.node(low, around) for the cell's 512 nodes. `low` is the lowest voxel, a world index. The
+// walk ends as soon as visitor.ended() is true.
 template <class Visitor>
 class NeighborhoodWalk {
  public:
@@ -109,7 +109,7 @@ class NeighborhoodWalk {
 
   const VoxmapView& view_;
   Visitor& visitor_;
-  std::array<std::uint32_t, 1000> nodes_{};  // 10^3: the 8^3 of a cell, and one around them
+  std::array<std::uint32_t, 1000> nodes_{};  // 10^3: the 8^3 of a cell and one layer around them
 };
 
 }  // namespace forcelayer::voxmap_audit

@@ -1,5 +1,5 @@
-// Sets of voxels as bits, which grow: a node of 64^3 voxels and what lies around it, 64 voxels
-// along z in a word. Internal to formats/audit/.
+// Sets of voxels of a 64^3 node and its surroundings as bits, 64 voxels along z in a word, and how
+// such a set grows by layers. Internal to formats/audit/.
 #pragma once
 
 #include <vector>
@@ -8,7 +8,8 @@
 
 namespace forcelayer::voxmap_audit {
 
-// A node and `margin` rows around it along x and y, up to 63; along z the words below and above.
+// A node and its surroundings: `margin` rows (up to 63) on each side along x and y, one word below
+// and one above along z.
 class NodeRows {
  public:
   static constexpr std::int64_t kNode = kLowerNodeEdge;
@@ -25,8 +26,8 @@ class NodeRows {
     return &sets_[set][kMiddle][index(x, 0)];
   }
 
-  // The voxels of the node that lie within `steps` of one in `set`, rows [x][y]; at most `margin`
-  // steps, and not of kUpToProximity.
+  // The voxels of the node that lie within `steps` of a voxel of `set`, rows [x][y]. `steps` is at
+  // most the margin, and `set` is not kUpToProximity.
   const Rows& grown(Set set, std::int64_t steps);
 
  private:

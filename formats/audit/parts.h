@@ -13,21 +13,22 @@ using Voxel = std::array<std::int64_t, 3>;
 
 class Contents;
 
-// Every clearance is true (section 5): of the boxes inside nodes by distances that spread from cell
-// to cell, of others, and where these say too little, by looking at all that lies within its reach.
+// Proves every clearance (section 5). Inside nodes, distances that spread from cell to cell prove
+// it. Where they prove too little, and for directory cells, every box within the clearance's reach
+// is looked at.
 Status audit_clearances(const Voxmap& map, const Contents& contents, std::string_view name);
 
-// The values are the layers around the interior that voxmap_format.md, section 10, defines: the
-// surface is the force layers around it, proximity one more, and all else is free. With k = 0
-// in the Chebyshev metric proximity alone is looked at. A neighborhood of nodes that occurs many
-// times is looked at once.
+// Proves that the values are the layers around the interior (voxmap_format.md, section 10): the
+// force layers around it are surface, one more layer is proximity, and all else is free. With k = 0
+// in the Chebyshev metric only proximity is checked. Equal neighborhoods of nodes are checked once.
 Status audit_layers(const Voxmap& map, const Contents& contents, std::string_view name);
 
-// Codes of distances are possible beside the values (section 13.2) and beside each other: over a
-// face an unsigned distance changes by a voxel at most. A pair of entries is looked at once.
+// Proves that every code is possible beside its value (section 13.2) and beside the codes of its
+// neighbors: between voxels that share a face the unsigned distance changes by at most a voxel.
+// Equal pairs of entries are checked once.
 Status audit_distances(const Voxmap& map, std::string_view name);
 
-// No brick names an object above object_count.
+// Proves that no brick names an object above object_count.
 Status audit_objects(const Voxmap& map, std::string_view name);
 
 inline Error untrue(std::string_view name, std::string where, std::string what) {

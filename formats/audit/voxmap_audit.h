@@ -1,6 +1,6 @@
-// Proof that the facts that a .vox states about its voxels are true. Opening a file checks what
-// memory safety needs; the audit checks what the separation guarantee needs. `voxinfo verify` and
-// opening for a run (runtime/run/baked_files.h) ask for it.
+// The audit: proves that the facts that a .vox states about its voxels are true. Opening a file
+// checks what memory safety needs; the audit checks what the separation guarantee needs. `voxinfo
+// verify` calls it, and so does opening for a run (runtime/run/baked_files.h).
 #pragma once
 
 #include <string_view>
@@ -9,14 +9,16 @@
 
 namespace forcelayer {
 
-// Proves from the file alone that the numbers of interior, surface and proximity voxels, the tight
-// box, and every clearance (voxmap_format.md, section 5) are true; that surface and proximity are
-// the layers around the interior (section 10), so that no wall has a hole; that codes of distances
-// are possible beside the values and beside each other (section 13.2), and zero_force_m beside the
-// layers; and that no object is above object_count. Memory is proportional to the stored nodes and
-// bricks. Time grows with the neighborhoods of nodes and the pairs of bricks that differ from each
-// other; a clearance that its neighborhood does not show is looked at by itself. `name` is the
-// file's, for errors.
+// Proves from the file alone (sections of voxmap_format.md):
+// - The numbers of interior, surface and proximity voxels and the tight box are true.
+// - Every clearance is true (section 5).
+// - Surface and proximity are the layers around the interior (section 10), so no wall has a hole.
+// - Codes are possible beside the values and beside each other (section 13.2), and zero_force_m is
+//   possible beside the layers.
+// - No brick names an object above object_count.
+// Memory is proportional to the stored nodes and bricks. Time grows with the number of different
+// neighborhoods of nodes, of different pairs of bricks, and of clearances that their neighborhood
+// does not prove. `name` is the file's, for errors.
 Status audit_voxmap(const Voxmap& map, std::string_view name);
 
 }  // namespace forcelayer

@@ -1,6 +1,6 @@
-// Rights that a process gives up for good, before it runs code or reads files of strangers. System
-// calls of Linux alone: Landlock (files) and seccomp (system calls). A kernel without one of them
-// leaves the process with that much more.
+// Rights that a process gives up for good, before it runs code or reads files of strangers: by
+// Landlock (files) and seccomp (system calls), which are Linux's. On a kernel without one of them
+// the process keeps the rights that this one would take.
 #pragma once
 
 #include <span>
@@ -12,9 +12,9 @@ namespace forcelayer {
 int landlock_version() noexcept;  // 0: none
 bool filters_system_calls() noexcept;
 
-// From now on files are written, made, renamed and removed only below `writable`, and, with
-// `readable`, read only below these two. Paths that do not exist are left out. False where the
-// kernel cannot.
+// From now on the process writes, makes, renames and removes files only below `writable`. With
+// `readable` it reads files only below `writable` and `readable`. Paths that do not exist are left
+// out. False where the kernel cannot.
 bool confine_files(std::span<const std::string> writable, std::span<const std::string> readable);
 bool confine_files(std::span<const std::string> writable);  // and read everywhere
 
@@ -23,8 +23,8 @@ enum class CallsOf {
             // changes the system: mounts, modules, name spaces, keys
   kReader,  // nor the network, nor names and modes of files
 };
-// System calls that such a process has no use for fail with EPERM. Call it before threads begin.
-// False where the kernel cannot.
+// System calls that such a process does not need fail with EPERM from now on. Call it before
+// threads begin. False where the kernel cannot.
 bool confine_system_calls(CallsOf process);
 
 }  // namespace forcelayer

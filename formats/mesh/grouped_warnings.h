@@ -1,4 +1,4 @@
-// Warnings that many files or nodes may give: one line for all that say the same.
+// Warnings of many files or nodes: equal ones share one line.
 #pragma once
 
 #include <string>

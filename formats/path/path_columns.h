@@ -19,7 +19,7 @@ struct PathColumns {
 
   char separator = ',';
   std::size_t cells = 0;                 // in a line
-  std::vector<std::int8_t> value_of;     // per cell the value that it holds, or -1
+  std::vector<std::int8_t> value_of;     // [cells] the number of the value in a cell; -1: none
   std::array<double, kValues> factor{};  // of each value: to seconds, meters, radians
   Turn turn = Turn::kNone;
   std::size_t values = 4;  // that a line must have
@@ -28,7 +28,7 @@ struct PathColumns {
 // Reads a header line into `columns`. Returns the mistake where the line has one.
 std::optional<std::string> read_path_header(std::string_view line, PathOf of, PathColumns& columns);
 
-// The pose of a line's values, which are in SI units. Nothing where a quaternion has no direction.
+// The pose of a line whose values are in SI units. Nothing where the quaternion is zero.
 std::optional<PathRow> path_row(const PathColumns& columns,
                                 const std::array<double, PathColumns::kValues>& values);
 

@@ -22,13 +22,13 @@ struct PathFacts {
 // `rows`: at least one, as read_path() gives them.
 PathFacts path_facts(std::span<const PathRow> rows);
 
-// The pose at a time between two rows: the place `center_m` of the part (in its own frame) goes
-// straight, and the orientation turns the short way round, both evenly; so do voxcheck and voxrun
-// with the centroid. The first and the last pose stand for what is before and behind.
+// The pose at a time. Between two rows the point `center_m` of the part (part frame) goes straight
+// and the orientation turns the short way round, both evenly; voxcheck and voxrun do the same with
+// the centroid. Before the first row the pose is the first one, behind the last row the last one.
 PathRow pose_at(std::span<const PathRow> rows, double time_s,
                 const std::array<double, 3>& center_m);
 
-// A row every `period_s`, from the first to the last time, which is the last row.
+// A row every `period_s` from the first time on, and the last row.
 std::vector<PathRow> resampled(std::span<const PathRow> rows, double period_s,
                                const std::array<double, 3>& center_m);
 

@@ -19,7 +19,7 @@ struct PathRow {
   std::array<double, 4> orientation_wxyz{1, 0, 0, 0};
 };
 
-// Which poses are wanted of a file that has several: a trace has `part_` and `handle_` columns.
+// The poses to read from a trace, which has `part_` and `handle_` columns.
 enum class PathOf { kPart, kHandle };
 
 // Reads a path: at least one row, times ascending, all numbers finite, quaternions normalized.

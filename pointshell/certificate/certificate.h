@@ -34,7 +34,7 @@ struct Hole {
 struct CoveringProof {
   bool proven = false;
   bool given_up = false;     // there may be more holes than these
-  std::vector<Hole> holes;   // empty when proven; their pieces hold all that is not proven
+  std::vector<Hole> holes;   // empty when proven; else they contain all surface not proven
   std::uint64_t pieces = 0;  // that the proof looked at
 };
 

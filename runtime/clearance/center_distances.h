@@ -1,7 +1,7 @@
-// The distance of any place from the static mesh, proven from below: between voxel centers by the
-// bound of voxmap_format.md, section 7, from stored distances, and from distances that are searched
-// for (front.h) where none is stored, or where the stored one is to an object that is left out.
-// Found distances are kept. No answer depends on earlier questions. For one thread at a time.
+// A lower bound of the distance of any place from the static mesh. The bound between voxel centers
+// (voxmap_format.md, section 7) needs the distances of eight centers. A stored distance serves
+// where there is one and its object counts; else the distance is searched for (front.h) and kept.
+// No answer depends on earlier questions. For one thread at a time.
 #pragma once
 
 #include <glm/vec3.hpp>
@@ -16,21 +16,22 @@ namespace forcelayer::clearance {
 
 class CenterDistances {
  public:
-  // The map stores distances; both outlive this. Nothing is searched for beyond `cap_voxels`.
+  // The map stores distances. Map and table outlive this. Searches end at `cap_voxels`.
   CenterDistances(const Voxmap& voxmap, const LeftOut& left_out, double cap_voxels);
 
   // A lower bound of the distance of `place` (voxels, from the directory's lowest corner), in
-  // voxels; about cap_voxels() for all that is farther. 0 beyond a cropped side.
+  // voxels. Places farther than cap_voxels() get about that. 0 beyond a cropped side.
   double at(const glm::dvec3& place);
 
-  // The same from free space alone: no voxel within it is anything but free and known.
+  // A lower bound from the clearances of free entries alone, voxels. 0 where the place is not free,
+  // and beyond a cropped side.
   double free_around(const glm::dvec3& place) const;
 
   // Whether the place lies beyond a cropped side.
   bool is_unknown(const glm::dvec3& place) const;
 
-  // The object to which a place is nearest, and the most that it can be away from it, in voxels:
-  // by the voxels next to the mesh. Infinity where no mesh is within reach.
+  // The object nearest to a place, and an upper bound of its distance, in voxels, both from the
+  // voxels next to the mesh. The bound is infinity where the search finds no mesh.
   struct Nearest {
     std::uint32_t object = 0;
     double most_voxels = 0;
@@ -45,14 +46,14 @@ class CenterDistances {
     static constexpr int kEdge = 9;
     static constexpr float kUnknown = -1;
     std::array<float, kEdge * kEdge * kEdge> squared;  // voxels^2; kUnknown: not searched for yet
-    std::array<float, kEdge * kEdge * kEdge> known;    // voxels, where unknown: at least this
+    std::array<float, kEdge * kEdge * kEdge> known;    // lower bound where unknown, voxels
     bool has_near = false;
     struct Near {
       const Front* front;
       glm::vec3 low;  // of its brick, from the block's lowest corner
       float least;    // distance of any center of the block from any of its brick
     };
-    std::vector<Near> near;  // by `least`, where it is asked for
+    std::vector<Near> near;  // ascending by `least`; filled once has_near
   };
 
   Block& block_of(const BrickIndex& brick, std::uint64_t key);
@@ -71,8 +72,8 @@ class CenterDistances {
   glm::dvec3 tight_low_, tight_high_;  // of the non-free voxels
   bool all_free_;
   Fronts fronts_, mesh_fronts_;
-  std::vector<BrickIndex> offsets_;  // of bricks that may be near, and how near at least
-  std::vector<float> offset_least_;
+  std::vector<BrickIndex> offsets_;  // to bricks within the cap, the nearest first
+  std::vector<float> offset_least_;  // least distance between a center here and one there
   std::unordered_map<std::uint64_t, std::unique_ptr<Block>> blocks_;
   std::uint64_t last_key_ = ~std::uint64_t{0};
   Block* last_ = nullptr;

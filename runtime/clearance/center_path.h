@@ -35,8 +35,8 @@ class CenterPath {
   // A bound on how far any point of the part travels from one pose to another, m.
   double travel_between_m(const Pose& from, const Pose& to) const;
 
-  // The first pose, of those from `first` to `last`, before which no point has travelled more than
-  // `travel_m`; `last` where there is none.
+  // The first pose from `first` to `last` whose travel_m() is more than `travel_m`; `last` where
+  // there is none.
   std::size_t pose_beyond(double travel_m, std::size_t first, std::size_t last) const;
 
   // The poses strictly between two moments: from `first` to before `beyond`.

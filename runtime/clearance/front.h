@@ -1,23 +1,24 @@
-// The fronts of a scene: voxels near the static mesh, whose stored distances say how far the mesh
-// is from places that are beyond the reach of what is stored.
+// The fronts of a scene: voxels at one distance B from the static mesh, give or take half a voxel's
+// diagonal. Their stored distances tell how far the mesh is from centers beyond the stored reach.
 //
-// Let x be a center whose code says no more than that it is beyond reach, m the nearest point of
-// the mesh, and z the point of the segment from x to m that is B voxels from m. Every point of that
-// segment has m as its nearest point, so z's distance is B. The voxel w that holds z has its center
-// within h = sqrt(3)/2 of z, so its distance lies in [B - h, B + h], and
+// Let x be a center beyond reach and outside all solids, m the mesh's point nearest to it, and
+// L = |x - m|. Let z be the point of the segment from x to m that is B voxels from m, and w the
+// center of the voxel that holds z. Each point of the segment has m as its nearest point, so the
+// distance of z is B. |w - z| is at most h = sqrt(3)/2, so the distance of w lies in the window
+// [B - h, B + h]. With A = L - B,
 //   |x - w| + D(w)  <=  |x - w| + |w - m|  <=  L sqrt(1 + h^2 / (A B))  <=  L + h^2/2 (1/A + 1/B)
-// with L = |x - m| and A = L - B: the largest sum of the distances of a point within h of z from
-// both ends. So the least |x - w| + D(w) of all voxels with distances in that window, less that
-// loss, is no more than L.
+// The second bound is the largest sum of the distances from x and m that a point within h of z has.
+// So the least |x - w| + D(w) of all voxels in the window, less h^2/2 (1/A + 1/B), is at most L.
 //
-// No such voxel is inside of a solid, where codes may end: x is not, so the segment would go
-// through a voxel of the mesh, no more than 2 h from it, and B is more.
+// The voxel of w has a code. Codes may end inside a solid, but w is not there: the segment from x
+// to z would pass through a voxel of the mesh, and so come within 2 h of the mesh, but it stays at
+// least B away, and B is more than 2 h.
 //
-// Objects can be left out of a scene. Then only voxels that are nearest to others count, and B is
-// one voxel, because only close to an object its voxels are nearest to it. Where z is in a pocket
-// that the voxels of the mesh close, the one through which the segment enters takes its place: B is
-// then up to 2 h. An object that lies within three voxels of one that is left out can be hidden by
-// it.
+// Objects can be left out of a scene. Then a front holds only voxels whose nearest object counts,
+// and B is one voxel: only close to an object are its voxels nearest to it. If z lies in a pocket
+// that the voxels of the mesh close, the voxel through which the segment enters the pocket takes
+// the place of z, and B is up to 2 h. An object within three voxels of one that is left out can be
+// hidden by it.
 #pragma once
 
 #include <cstdint>
@@ -44,7 +45,7 @@ struct Front {
 
 class Fronts {
  public:
-  // Which voxels make a front: those for searches from beyond reach, or those next to the mesh.
+  // The distance B of the fronts: just within the stored reach, or one voxel from the mesh.
   enum class Window { kReach, kMesh };
 
   // The map stores distances and outlives this, as does `left_out`.
@@ -57,7 +58,7 @@ class Fronts {
   // No voxel of a front is nearer to the mesh than this.
   double least_voxels() const { return low_; }
 
-  // L from the least |x - w| + D(w), in voxels; a center that is `known_voxels` away at least.
+  // A lower bound of L, voxels, from the least |x - w| + D(w) and from another lower bound of L.
   double distance_voxels(double least_sum, double known_voxels) const;
 
  private:
@@ -70,7 +71,7 @@ class Fronts {
   std::unordered_map<std::uint64_t, std::unique_ptr<Front>> fronts_;
 };
 
-// The lower end of the highest code: what is beyond reach is at least this far away, in voxels.
+// The stored reach, voxels: the least distance that the highest code stands for.
 double reach_voxels(const VoxmapHeader& header);
 
 // A number of its own for every brick.

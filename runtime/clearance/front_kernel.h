@@ -1,4 +1,4 @@
-// The inner loop of a search: the voxel of a front by which the mesh is nearest.
+// The inner loop of a search: the least way from a place to the mesh over the voxels of a front.
 #pragma once
 
 #include <cstddef>

@@ -1,7 +1,7 @@
-// The least proven distance of a part's shell points from the static mesh, at a pose. Blocks of
-// points that cannot have it are not looked at: a block's bounding sphere in space that is known to
-// be that far away, or a block that cannot have come nearer since it was last looked at. The answer
-// is no less than that of looking at every point, and no more than the truth.
+// The least proven distance of a part's shell points from the static mesh, at a pose. A block is
+// skipped if its bounding sphere is known to be farther than the nearest point so far, or if it was
+// so far when last looked at that it cannot have come nearer since. The answer is at least that of
+// looking at every point, and at most the truth.
 #pragma once
 
 #include <cstdint>
@@ -17,29 +17,29 @@ namespace forcelayer::clearance {
 struct LeastDistance {
   static constexpr std::uint32_t kNone = ~std::uint32_t{0};
   double voxels = 0;  // no shell point is nearer than this to the static mesh
-  // The point that has it; kNone where nothing is nearer than what was asked for.
+  // The point at that distance; kNone where no point is nearer than was asked for.
   std::uint32_t point = kNone;
 };
 
 // For one thread at a time.
 class PartDistance {
  public:
-  // All outlive this. Distances from `cap_voxels` on are not told apart.
+  // Map, shell and table outlive this. Distances beyond `cap_voxels` are not told apart.
   PartDistance(const Voxmap& voxmap, const Pshell& shell, const LeftOut& left_out,
                double cap_voxels);
 
   // Forgets what was looked at: the poses to come are of another path.
   void forget();
 
-  // The least distance, where it is below `enough_voxels`; else some lower bound of it, which is
-  // no less than enough_voxels where that can be told. `travel_m`: how far any point of the part
-  // may have travelled since the path's beginning, CenterPath::travel_m().
+  // The least distance where it is below `enough_voxels`; else a lower bound of it, at least
+  // enough_voxels where that can be proven. `travel_m`: how far any point of the part may have
+  // travelled since the path's beginning, CenterPath::travel_m().
   LeastDistance at(const Pose& world_from_center, double travel_m, double enough_voxels);
 
   // A shell point's place in the world, m.
   glm::dvec3 place_m(const Pose& world_from_center, std::uint32_t point) const;
 
-  // The object that a place is nearest to, and how far it is away at most.
+  // The object nearest to a place, and an upper bound of its distance.
   CenterDistances::Nearest nearest(const glm::dvec3& place_m);
   bool is_unknown(const glm::dvec3& place_m) const;
 
@@ -49,9 +49,10 @@ class PartDistance {
   std::uint64_t points_looked_at() const { return points_looked_at_; }
 
  private:
-  // Lower bounds of spheres' points, and when each was told.
+  // Bounding spheres, each with a lower bound of its points' distance and the travel at which that
+  // bound was found.
   struct Level {
-    std::vector<double> least;       // voxels, at that travel
+    std::vector<double> least;       // voxels
     std::vector<double> travel;      // voxels
     std::vector<glm::dvec3> center;  // from the centroid, voxels
     std::vector<double> radius;      // voxels
@@ -79,8 +80,8 @@ class PartDistance {
   std::uint64_t points_looked_at_ = 0;
   // The search at the current pose.
   LeastDistance best_;
-  double wished_ = 0, enough_ = 0;  // enough_ is no more than the cap
-  double rest_ = 0;                 // the least of what was not looked at
+  double wished_ = 0, enough_ = 0;  // the question's enough_voxels; the same, at most the cap
+  double rest_ = 0;                 // the least bound of the spheres that were skipped
 };
 
 }  // namespace forcelayer::clearance

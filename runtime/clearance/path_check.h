@@ -23,11 +23,11 @@ struct CheckRequest {
 // The part at one moment of its path.
 struct CheckedMoment {
   double clearance_m = 0;  // proven at that moment
-  double most_m = 0;       // the exact clearance is no more than this; infinite where not known
+  double most_m = 0;       // upper bound of the exact clearance; infinite where not known
   double time_s = 0;
   std::uint32_t object = 0;  // the nearest; 0: not known
   glm::dvec3 point_m{0};     // of the part's surface there, world
-  bool beyond_side = false;  // of a cropped scene: nothing is known
+  bool beyond_side = false;  // the point lies beyond a cropped side: nothing is known
 };
 
 // A stretch in which less than the required clearance is proven.
@@ -35,7 +35,7 @@ struct Violation {
   double from_s = 0, to_s = 0;
   double clearance_m = 0;  // proven for all of it
   CheckedMoment worst;
-  bool pushed_into_seat = false;
+  bool pushed_into_seat = false;  // the part lies deeper in its seat than it may
 };
 
 // Clearance that is proven from one time to another.
@@ -62,8 +62,7 @@ struct CheckResult {
 };
 
 // Errors: kUsage where the scene stores no distances, where its voxels are too small for the
-// required clearance, or where no seat can be told; kFilesDoNotMatch where nothing can be proven
-// for a part with such a shell.
+// required clearance, or where the seat cannot be found (SeatStretch::find).
 Result<CheckResult> check_path(const Voxmap& voxmap, const Pshell& shell, const CenterPath& path,
                                const CheckRequest& request);
 

@@ -1,12 +1,14 @@
-// The walk along a path: every moment of it is covered by a distance proven at its two ends, or
-// lies in a piece that is too near.
+// The walk along a path. It cuts the path into pieces until each one is covered by the distances at
+// its two ends, or is short and too near.
 //
-// Between two moments whose points travel S at most, every shell point is at least
+// Let every shell point be proven at least d_a from the static mesh at one moment and d_b at a
+// later one, and let no point travel farther than S in between. Then at every moment in between
+// every shell point is at least
 //   (d_a + d_b - S) / 2
-// from the static mesh, where d_a and d_b are proven for all points at the two moments; and where
-// the points deviate from the straight ways between the moments by at most `e`, also
+// from the mesh. Where no point deviates more than `e` from the straight way between its two
+// places, it is also at least
 //   sqrt(min(d_a, d_b)^2 - S^2 / 4) - e
-// (voxmap_format.md, 13.4). What is not covered so is cut in two.
+// (voxmap_format.md, 13.4).
 #pragma once
 
 #include <cstdint>
@@ -28,23 +30,23 @@ struct Sample {
 struct Piece {
   Moment from, to;
   double least_voxels = 0;  // proven for all of it
-  bool too_near = false;    // nearer than required, or not told
+  bool too_near = false;    // not proven to be as far as required
   Sample worst;             // the nearer of its ends
 };
 
 struct WalkLimits {
   double required_voxels = 0;  // of shell points
-  double least_voxels = 0;     // the least distance known so far: only what is less is looked for
+  double least_voxels = 0;     // the least distance found so far; only lesser ones are looked for
 };
 
 // One walk. For one thread.
 class PathWalk {
  public:
-  // All outlive this.
+  // Path and part outlive this.
   PathWalk(const CenterPath& path, PartDistance& part, double voxel_size_m,
            const WalkLimits& limits);
 
-  // From one moment to another, appended to pieces().
+  // Walks from one moment to another and appends to pieces().
   void walk(const Moment& from, const Moment& to);
 
   // In the order of time, without gaps.

@@ -16,9 +16,9 @@ namespace forcelayer::clearance {
 
 class SeatStretch {
  public:
-  // The objects that the part touches with its centroid frame at `world_from_center`, as voxrun
-  // finds them (runtime/field/README.md, "Seats"). Both files outlive the result. Errors: kUsage
-  // where no seat can be told.
+  // Finds the objects that the part touches with its centroid frame at `world_from_center`, as
+  // voxrun does (runtime/field/README.md, "Seats"). Both files outlive the result. Errors: kUsage
+  // where FieldProbe::find_seat() refuses the pose.
   static Result<SeatStretch> find(const Voxmap& voxmap, const Pshell& shell,
                                   const Pose& world_from_center);
   SeatStretch(SeatStretch&&) noexcept;
@@ -26,9 +26,8 @@ class SeatStretch {
 
   std::span<const field::SeatObject> objects() const;
 
-  // The first moment between two, tested every half voxel of travel, at which a point lies deeper
-  // in an object of the seat than the part may: a quarter of a voxel deeper than in the seat. None
-  // where there is no such moment.
+  // The first moment from `from` to `to`, tested every half voxel of travel, at which the open
+  // seat's guard would bar a point of an object of the seat. None where there is no such moment.
   std::optional<Moment> first_pushed_in(const CenterPath& path, const Moment& from,
                                         const Moment& to);
 

@@ -1,4 +1,4 @@
-// voxrun doctor: what of this machine stands in the way of a quiet 1 kHz loop, and how to mend it.
+// voxrun doctor: finds what on this machine disturbs a 1 kHz loop, and how to mend it.
 #pragma once
 
 #include <filesystem>
@@ -13,7 +13,7 @@ namespace forcelayer::doctor {
 enum class Verdict {
   kGood,    // nothing to do
   kChange,  // a real-time user should change this
-  kNote,    // to be known
+  kNote,    // worth knowing; nothing to do
 };
 
 struct Finding {

@@ -9,18 +9,19 @@
 namespace forcelayer::field {
 namespace {
 
-// How deep a seat lets a point go, in voxels: room for a spring, and for what interpolation is off
-// between flat and curved faces; and how much deeper at least than a point lies there.
+// The floor of a seat, in voxels: at least kSeatGiveVoxels deep, which leaves room for the contact
+// spring and for the error of interpolation between flat and curved faces, and at least
+// kLeastGiveVoxels below the deepest point of the seat.
 constexpr float kSeatGiveVoxels = 0.25f, kLeastGiveVoxels = 0.05f;
 
-// From this slope on, per voxel, a point lies in front of one face.
+// A point whose interpolated distance has at least this slope lies in front of one face.
 constexpr float kFaceSlope = 0.9f;
 
-// So far above the lowest code a seat must end, in voxels: between centers of which some have that
-// code, the interpolated distance is up to so much above the true one.
+// The floor must lie this far above the distance of the lowest code, in voxels: where some of the
+// eight centers have that code, the interpolated distance can be this much too large.
 constexpr double kUntoldVoxels = 0.35;
 
-// Two-bit values alike in all of the interior tell no seat from a penetration.
+// Without distances a point in the interior is told from no other: a seat looks like a penetration.
 Error no_distances(bool stored) {
   if (stored) {
     return {ErrorCode::kUsage, "", "start",
@@ -36,8 +37,8 @@ Error no_distances(bool stored) {
 
 }  // namespace
 
-// Whether the stored distances can hold the part where it lies in an object of its seat. Below the
-// lowest code they tell no depth, and next to it interpolation tells too little.
+// An error where an object's floor lies too near the lowest code. Below that code the stored
+// distances tell no depth, and close above it interpolation is too coarse.
 Status FieldProbe::check_depth(const SeatObject& object) const {
   const VoxmapHeader& header = query_.voxmap().header();
   const double told_m = header.distance_quantum_m * (header.distance_zero_code - 1) -
@@ -76,7 +77,7 @@ Status FieldProbe::check_clear(const Pose& world_from_center) {
   return {};
 }
 
-// Whether the side on which collected point i touches the scene is known.
+// An error where collected point i does not tell on which side of the scene's surface it lies.
 Status FieldProbe::check_side(std::uint32_t i) const {
   const glm::vec3 slope(samples_.gx[i], samples_.gy[i], samples_.gz[i]);
   if (!is_two_sided(i) || glm::length(slope) >= kSideSlope || lies_beside_solid(i)) return {};
@@ -107,7 +108,7 @@ Status FieldProbe::find_seat(const Pose& world_from_center) {
     in_seat_m_[points_.index[i]] = distance_m;
     object.floor_m = std::min(object.floor_m, distance_m);
     ++object.points;
-    // In a corner interpolation mixes two faces: it says nothing of how deep other points may lie.
+    // In a corner, interpolation mixes two faces: the depth there does not hold for other points.
     const glm::vec3 slope(samples_.gx[i], samples_.gy[i], samples_.gz[i]);
     if (glm::length(slope) > kFaceSlope) object.contact_m = std::min(object.contact_m, distance_m);
   }

@@ -9,15 +9,14 @@
 
 namespace forcelayer::field {
 
-// An object of the seat. Distances are from its surface, negative inside, as the stored ones are
-// interpolated.
+// An object of the seat. Distances are interpolated stored distances from its surface, negative
+// inside.
 struct SeatObject {
   std::uint32_t object = 0;  // its number in the file; 0 where the file names none
-  float contact_m = 0;  // where the force begins: 0, or how deep a shell point lies in the seat
-  float floor_m = 0;    // the guard lets no shell point deeper
-  std::uint32_t points = 0;  // shell points that touch it in the seat
-
-  double overlap_m = 0;  // how deep the part lies in it, by the deepest shell point
+  float contact_m = 0;       // where the force begins: 0, or the seat's deepest point on a face
+  float floor_m = 0;         // the guard bars shell points below this
+  std::uint32_t points = 0;  // how many shell points touch it in the seat
+  double overlap_m = 0;      // depth of the deepest shell point in the seat, 0 or more
 };
 
 class Seat {
@@ -25,7 +24,7 @@ class Seat {
   bool empty() const { return objects_.empty(); }
   std::span<const SeatObject> objects() const { return objects_; }  // ascending by number
 
-  // Null where the object is not of the seat.
+  // The object's entry; null where it is not of the seat.
   const SeatObject* find(std::uint32_t object) const noexcept {
     const auto at = std::lower_bound(
         objects_.begin(), objects_.end(), object,

@@ -1,5 +1,5 @@
-// The gate over time: when the output may carry force, and how much of it. A state machine that
-// knows no device, wrench or step; the output stage tells it about each frame.
+// The gate decides over time when the output may carry force, and how much of it. It is a state
+// machine that knows no device, wrench or step; the output stage tells it about each frame.
 //
 // | state   | gain            | leaves to                                                         |
 // |---------|-----------------|-------------------------------------------------------------------|
@@ -35,9 +35,9 @@ namespace forcelayer::loop {
 enum class GateState : std::uint32_t { kWaiting, kHeld, kRamping, kFull, kTripped };
 
 struct GateLimits {
-  double zero_s = 0.02;  // that the gain does not rise after arming and after a fault: OutputWatch
-                         // lets go of its own zero only once it has seen the loop's, and a write
-                         // can take 14 ms
+  double zero_s = 0.02;  // the gain stays at zero so long after arming and after a fault:
+                         // OutputWatch lets a force through only once it has seen a zero from the
+                         // loop, and a write can take 14 ms
   double ramp_s = 0.2;   // from zero to full gain
   double fade_s = 0.05;  // from full gain to zero when the clutch is pressed
   double stale_s = kStaleLimitS;  // longest run of bad frames without a trip
@@ -49,11 +49,11 @@ struct GateLimits {
 struct GateInput {
   TripCause cause = TripCause::kNone;  // forbids output at once
   bool lasting = false;                // that cause does not pass by itself
-  TripCause fault = TripCause::kNone;  // of a bad frame: the cause once such frames last
-  double late_gain = 1;                // that the age of the reading allows
+  TripCause fault = TripCause::kNone;  // of a bad frame: the cause of the trip if such frames last
+  double late_gain = 1;                // the most that the age of the reading allows
   bool ready = false;     // to arm: the part is free of contact, or held without stretch
-  bool clutch = false;    // held: the output goes to zero; it arms
-  bool swapping = false;  // the same, but it arms nothing: nobody's hand says that it is ready
+  bool clutch = false;    // pressed: the output goes to zero; the clutch arms
+  bool swapping = false;  // the output goes to zero, but nothing arms: no hand has said it is ready
 };
 
 class OutputGate {

@@ -7,7 +7,7 @@
 namespace forcelayer::machine {
 
 // Calls check_mappings() every kPeriodNs for its own lifetime. It reads and writes no file and no
-// terminal, so that nobody who is slow to read or to write can keep it from looking.
+// terminal, so that no slow reader or writer can delay it.
 class MapWatch {
  public:
   static constexpr long long kPeriodNs = 1'000'000;

@@ -1,4 +1,4 @@
-// Shared by both halves of the module: open files, exceptions, arrays.
+// Open files, exceptions and arrays, for both sources of the module.
 #pragma once
 
 #include <pybind11/numpy.h>
@@ -48,7 +48,7 @@ class Scene {
  public:
   explicit Scene(const std::filesystem::path& file);
 
-  // For poses of a part; kept for the parts that asked last.
+  // Answers for poses of a part. The batches of the last parts are kept.
   std::shared_ptr<PoseBatch> poses_of(const std::shared_ptr<Part>& part);
 
   const std::filesystem::path path;
@@ -58,12 +58,12 @@ class Scene {
  private:
   struct Asked {
     std::weak_ptr<Part> part;
-    std::shared_ptr<PoseBatch> batch;  // not to be used once the part is gone
+    std::shared_ptr<PoseBatch> batch;  // refers to the part's shell: unusable once the part is gone
   };
   std::vector<Asked> asked_;
 };
 
-// Rows of numbers: other types are converted, arrays of doubles are read where they are.
+// Rows of numbers. An array of doubles is read in place; other types are converted.
 using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
 // The rows of an array of shape (n, kColumns), or (kColumns,) for one. Throws Failure, kUsage.
@@ -90,7 +90,7 @@ const std::array<double, kColumns>& row_of(const Doubles& array, const char* nam
                  "give " + std::to_string(kColumns) + " numbers"});
 }
 
-// `count` rows to be filled in; what lies between their fields is zero, so equal rows are equal
+// `count` rows to be filled in. The padding between their fields is zero, so equal rows have equal
 // bytes.
 template <typename Row>
 py::array_t<Row> empty_rows(std::size_t count) {
@@ -102,9 +102,10 @@ py::array_t<Row> empty_rows(std::size_t count) {
 // A pose, its quaternion made unit. Throws Failure, kUsage.
 Pose pose_of(const std::array<double, 7>& numbers, const std::string& name);
 
-// For work that has released the interpreter: whether nobody pressed Ctrl-C.
+// Whether nobody pressed Ctrl-C. For work that has released the interpreter lock: takes it to ask.
 bool nobody_interrupts();
-// Throws what Ctrl-C set, or Failure for the number of a row that is none.
+// Throws where the work stopped: Ctrl-C's exception, or Failure where `done` is the number of a row
+// that is no pose or point.
 void check_done(std::int64_t done, const char* name, const char* what);
 
 void bind_simulation(py::module_& module);

@@ -1,5 +1,5 @@
-// Answers for many poses of a part, or for many points of a scene, on several threads. Which thread
-// answers what changes no answer.
+// Answers for many poses of a part, or for many points of a scene, on several threads. No answer
+// depends on the thread that gives it.
 #pragma once
 
 #include <array>
@@ -24,13 +24,13 @@ struct PointCounts {
   bool outside_map = false;  // a point lies beyond a cropped side: nothing is known of it
 };
 
-// The same, and the proven clearance of the exact surfaces.
+// The same counts, and the proven clearance of the exact surfaces.
 struct ClearanceAnswer {
   double clearance_m = 0;                   // a lower bound; NaN where nothing is known
   std::array<double, 3> nearest_point_m{};  // the nearest shell point, world; NaN: not measured
   std::uint32_t nearest_object = 0;         // number of the object nearest to it; 0: not known
   std::uint32_t interior = 0, surface = 0, proximity = 0;
-  bool measured = false;  // false: beyond the reach of the stored distances, at least so much
+  bool measured = false;  // false: beyond the stored reach; the clearance is at least clearance_m
   bool outside_map = false;
 };
 
@@ -44,15 +44,16 @@ struct PointAnswer {
   bool known = false;                // false: beyond a cropped side
 };
 
-// `wanted`; for 0 that of the machine.
+// `wanted`, or for 0 the machine's number of threads.
 unsigned thread_count(unsigned wanted);
 
-// Asked on the calling thread about every 50 ms: false ends the work, and kStopped is returned.
+// Called on the calling thread about every 50 ms. Where it returns false, the work ends and returns
+// kStopped.
 using KeepGoing = std::function<bool()>;
 inline constexpr std::int64_t kAllDone = -1, kStopped = -2;
 
-// All of a scene and a part that poses can ask. The files must outlive it. For many threads: one is
-// served after the other.
+// Answers for poses of one part in one scene. The files must outlive it. Threads that call it at
+// the same time are served one after another.
 class PoseBatch {
  public:
   // Errors: kFilesDoNotMatch for a part too large for the voxels.
@@ -60,7 +61,7 @@ class PoseBatch {
   ~PoseBatch();
 
   // Fills `answers`, one for each pose. Returns kAllDone, kStopped, or the number of a pose that is
-  // none: not finite, or without a direction. `threads`: 0 for all of the machine.
+  // not finite or whose quaternion is zero. `threads`: 0 for all of the machine.
   std::int64_t count(std::span<const PoseNumbers> poses, unsigned threads,
                      std::span<PointCounts> answers, const KeepGoing& keep_going);
   std::int64_t clearance(std::span<const PoseNumbers> poses, unsigned threads,
@@ -79,7 +80,7 @@ class PoseBatch {
   std::vector<std::unique_ptr<Probe>> probes_;  // one a thread
 };
 
-// The same for points of a scene, which must outlive it.
+// Answers for points of a scene. The scene must outlive it.
 class PointBatch {
  public:
   explicit PointBatch(const Voxmap& scene);

@@ -184,7 +184,7 @@ class EnclosedSearch {
     if (least_m < std::numeric_limits<double>::infinity()) keep_if_enclosed(deepest, least_m);
   }
 
-  // So far from the voxel's center at most is the object.
+  // An upper bound of the object's distance from the voxel's center.
   double mesh_within_m(const Index& voxel) const {
     if (voxmap_.distances() == nullptr) {
       return std::sqrt(3.0) * std::max(1u, voxmap_.header().offset_layers) * size_m_;

@@ -1,5 +1,5 @@
-// An object of the scene inside the part, clear of its surface. No shell point comes near it, so
-// that neither the guard nor a clearance knows of it: surfaces are not solids.
+// Finds an object of the scene that lies wholly inside the part. No shell point comes near such an
+// object, so neither the guard nor a clearance notices it: they know surfaces, not solids.
 #pragma once
 
 #include <cstdint>
@@ -14,14 +14,14 @@ namespace forcelayer::query {
 
 struct EnclosedObject {
   std::uint32_t object = 0;  // its number in the file; 0 where the file names none
-  glm::dvec3 world_m{0};     // a place in it, within a voxel
+  glm::dvec3 world_m{0};     // the center of an interior voxel of it
 };
 
 // The first such object in the order of the map, with the part's centroid frame at
-// `world_from_center`, but for those of `felt` (numbers above 0), which shell points touch; none
-// where the part's mesh is not closed, and so has no inside. A place is inside where the shell
-// winds round it. Objects that come within a voxel and the covering radius of the shell everywhere
-// are not found. Set-up only: every brick within the part's box is looked at.
+// `world_from_center`. Objects in `felt` (numbers above 0) do not count: shell points touch them.
+// Nothing where the part's mesh is not closed, because it then has no inside. A place counts as
+// inside where the shell's winding number is above 1/2. An object that stays within a voxel and the
+// covering radius of the shell is not found. Set-up only: looks at every brick in the part's box.
 std::optional<EnclosedObject> find_enclosed_object(const Voxmap& voxmap, const Pshell& shell,
                                                    const Pose& world_from_center,
                                                    std::span<const std::uint32_t> felt = {});

@@ -1,4 +1,4 @@
-// Where a part starts: overlaps that its shell cannot feel are told before anything moves.
+// The check of a part's start, before anything moves, for an overlap that its shell cannot feel.
 #pragma once
 
 #include "forcelayer/pose.h"
@@ -7,9 +7,9 @@
 
 namespace forcelayer {
 
-// Error kUsage where an object of the scene lies inside the part, clear of its surface, and is none
-// of the seat's (runtime/query/enclosed_object.h). A part inside an object is found by
-// Simulation::find_seat().
+// Error kUsage where an object of the scene lies wholly inside the part and is not of the seat
+// (runtime/query/enclosed_object.h). Simulation::find_seat() finds the other case, a part inside an
+// object.
 Status check_start(const model::Simulation& simulation, const Pose& world_from_center);
 
 }  // namespace forcelayer

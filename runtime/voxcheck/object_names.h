@@ -12,11 +12,11 @@
 
 namespace forcelayer::voxcheck {
 
-// As the file has it; "object N" where that is empty, nothing for 0.
+// The object's name in the file; "object N" where that is empty; empty for object 0.
 std::string object_name(const Voxmap& scene, std::uint32_t object);
 
-// Whether `pattern` means the object `name`: the whole of it, or what stands behind one of its
-// slashes. `*` stands for any letters but "/", `?` for one.
+// Whether `pattern` matches the whole `name`, or all of it behind one of its slashes. `*` stands
+// for any number of characters but "/", `?` for one.
 bool fits(std::string_view name, std::string_view pattern);
 
 // The objects that the patterns name. Errors: kUsage for a pattern that names none.

@@ -1,4 +1,4 @@
-// The path that is checked, whatever kind of file it is in.
+// Reads the path that is checked, from any kind of file.
 #pragma once
 
 #include <string>
@@ -9,9 +9,9 @@
 
 namespace forcelayer::voxcheck {
 
-// The poses of the part: of a CSV or a trace as they are there; of a recording as it comes out
-// again with the files that it was made with. `scene` and `part` are their paths. Errors: those of
-// read_path() and of stream::recorded_simulation().
+// The poses of the part. A CSV or a trace has them. A recording is replayed with the files that it
+// was made with: `scene` and `part` are the paths of these. Errors: those of read_path() and of
+// stream::recorded_simulation().
 Result<std::vector<PathRow>> read_part_path(const std::string& path, const std::string& scene,
                                             const std::string& part);
 

@@ -1,4 +1,4 @@
-// What every benchmark writes: the machine, the command, and rows of figures, as JSON.
+// The output of every benchmark, as JSON: the machine, the command, and rows of figures.
 #pragma once
 
 #include <nlohmann/json.hpp>

@@ -1,5 +1,5 @@
-// What a force model's wrenches are worth beside the true ones: shared by the contacts with a
-// closed formula and by those between meshes.
+// The fit of a force model's wrenches to the true ones: shared by the contacts with a closed
+// formula and by those between meshes.
 #pragma once
 
 #include <cstddef>

@@ -12,8 +12,8 @@ namespace forcelayer::bench {
 // The .pshell of these points, in the order in which pointshell writes them.
 Pshell pshell_of(const AnalyticShell& shell, double voxel_size_m);
 
-// What is averaged: nothing; directions where the default model averages them; or the force by N/10
-// (paper 5.2).
+// Averaging of contacts: none; of directions, where the default model does so; or of the force, by
+// N/10 (paper 5.2).
 enum class Averaging { kNone, kDirections, kByTen };
 
 // Query, field and sum over the whole shell.

@@ -28,7 +28,7 @@ Json setting_map();
 Json device_table();
 // Which handles swing: arm, hand, delay, scale and clutch, for both models.
 Json grip_map();
-// What slow closed loops in contact give the hand at the device's port, at every scale.
+// The energy that slow closed loops in contact give the hand at the device's port, at every scale.
 Json loop_table();
 // Installed parts: rest, depth under hands at random, removal and return.
 Json seat_table(std::uint64_t pairs, std::uint64_t first);

@@ -1,5 +1,5 @@
-// What every fuzz target shares. A target defines LLVMFuzzerTestOneInput: it reads the bytes as one
-// input of the project and checks what a reader promises; anything wrong aborts. libFuzzer drives
+// Shared by all fuzz targets. A target defines LLVMFuzzerTestOneInput: it reads the bytes as one
+// input of the project and aborts if a promise of the reader does not hold. libFuzzer drives
 // it (scripts/fuzz.py), and replay.cpp runs it over its corpus in the normal tests.
 #pragma once
 

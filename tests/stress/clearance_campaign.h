@@ -32,7 +32,7 @@ inline constexpr double kFarVoxels = 8, kNearVoxels = 1.2;
 // The frames of a scene's random poses, of the default model, unseated.
 std::vector<JudgedPose> judge_scene(const ClearanceScene& scene, std::uint64_t seed, int poses);
 
-// Of a sample, ascending.
+// Percentiles of a sample.
 struct Spread {
   double median = 0, high = 0, most = 0;  // 50th and 99th percentile
 };

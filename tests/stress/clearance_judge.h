@@ -11,7 +11,7 @@
 
 namespace forcelayer::stress {
 
-// What is said of one pose.
+// The clearance claimed for one pose.
 struct ClearanceClaim {
   ClearanceKind kind = ClearanceKind::kNone;
   double clearance_m = 0;    // 0 where nothing is proven

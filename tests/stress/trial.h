@@ -16,7 +16,7 @@
 
 namespace forcelayer::stress {
 
-// What the trials' device bears: the paper's limits (6.4), with the damping and the delay of such
+// The device of the trials: it has the paper's limits (6.4), and the damping and the delay of such
 // devices.
 DeviceCapabilities trial_device();
 
@@ -87,7 +87,7 @@ struct Metrics {
   void add(const Metrics& other);
 };
 
-// What a trial runs in. Throws std::runtime_error where it cannot be set up.
+// The run and the simulation of a trial. Both throw std::runtime_error where set-up fails.
 Run open_trial(const Trial& trial, Model model);
 std::unique_ptr<model::Simulation> make_simulation(const Trial& trial, Model model);
 

@@ -108,7 +108,7 @@ class DenseVoxels {
   std::vector<VoxelValue> values_;
 };
 
-// What the voxels do not fix: the tree's shape, and header fields that say nothing about voxels.
+// The choices that the voxels leave open: the tree's shape, and header fields not about voxels.
 struct DenseVoxmapOptions {
   bool share_equal_nodes = true;      // store equal bricks and nodes once
   bool collapse_uniform = true;       // uniform boxes as one entry, else bricks all the way down

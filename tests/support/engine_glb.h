@@ -39,7 +39,7 @@ inline std::string as_glb(const std::vector<mesh::Mesh>& meshes, const std::stri
                 binary);
 }
 
-// What engine_glb() holds: 34 instances of four meshes.
+// The four meshes of which engine_glb() holds 34 instances.
 inline std::vector<mesh::Mesh> engine_meshes() {
   std::vector<mesh::Mesh> meshes = {cube(), odd::torus(80, 24)};
   for (const char* file : {"plate_holes.stl", "sensor.drc"}) {

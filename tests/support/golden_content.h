@@ -1,4 +1,4 @@
-// What the golden files hold, as formulas: the files must keep giving these values for ever.
+// The content of the golden files as formulas. The files must give these values for ever.
 #pragma once
 
 #include <cmath>

@@ -141,9 +141,9 @@ inline const HandleLoop kHandleLoops[] = {
      }},
 };
 
-// What the second of two such loops gave the hand, J, and what the sampled springs must give at
-// least, k T / 2 times the integral of v^2 (Colgate and Schenkel 1994).
-// The first one carries the part to where it then goes round.
+// The energy, J, that the second of two such loops gave the hand, and the least that the sampled
+// springs must give, k T / 2 times the integral of v^2 (Colgate and Schenkel 1994).
+// The first loop carries the part to its steady way round.
 struct LoopWork {
   double given_j = 0, sampled_j = 0, reported_j = 0;
   double moved_j = 0;  // either way

@@ -24,7 +24,7 @@ namespace forcelayer::testing {
 
 using Vec3 = std::array<double, 3>;
 
-// What a list of points does not say. Points keep their order.
+// The shell's fields that a list of points does not give. Points keep their order.
 struct TestShellOptions {
   double voxel_size_m = 0.005;
   double covering_radius_m = 0.004;

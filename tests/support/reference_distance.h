@@ -20,7 +20,7 @@ inline Point between(const Point& a, const Point& b, double t) {
   return {a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]), a[2] + t * (b[2] - a[2])};
 }
 
-// Of a point from a triangle (Ericson, Real-Time Collision Detection, 5.1.5), voxels.
+// The distance of a point from a triangle (Ericson, Real-Time Collision Detection, 5.1.5), voxels.
 inline double point_distance(const lattice::LatticeTriangle& triangle, const Point& p) {
   const Point a = in_voxels(triangle[0]), b = in_voxels(triangle[1]), c = in_voxels(triangle[2]);
   const auto minus = [](const Point& x, const Point& y) {

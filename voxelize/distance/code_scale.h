@@ -5,21 +5,21 @@
 
 namespace forcelayer::distance {
 
-// How deep distances are kept, in voxels below the zero-force surface, and at least down to the
-// mesh. The default reaches beyond it.
+// The range of --range, in voxels: how deep below the zero-force surface distances are stored. They
+// are stored at least down to the mesh; the default goes deeper.
 inline constexpr double kLeastRangeVoxels = 2, kMostRangeVoxels = 32, kUsualRangeVoxels = 4;
 
-// How far distances are kept in front of the zero-force surface, in voxels. A force reads the codes
-// of centers up to 2.12 voxels beyond the eight around its point, and those are up to sqrt(3)/2
-// from it; the clearance is told up to here.
+// How far in front of the zero-force surface distances are stored, in voxels. A force reads codes
+// of centers up to 2.12 voxels beyond the eight around its point, which are up to sqrt(3)/2 from
+// the point. Clearances are measured up to here.
 inline constexpr double kOutsideVoxels = 3;
 
 // Lengths in voxels, distances from the static surface. Code c stands for distances from
-// (c - zero_code) quantum to a quantum more; code 0 for those and all below, code 255 for all
-// above.
+// (c - zero_code) quantum to a quantum more. Code 0 also stands for all lesser distances, code 255
+// for all greater ones.
 struct CodeScale {
   double zero_force = 0;   // the zero-force surface
-  double force_depth = 0;  // from there down to the interior: 1, or as deep as the compliance
+  double force_depth = 0;  // from there down to the interior: 1, or the compliance's depth
   double quantum = 0;
   std::int32_t zero_code = 0;
 

@@ -1,5 +1,5 @@
-// Stored distances: codes of signed distances from the surface, and the objects that these are
-// from, node by node.
+// Stored distances, node by node: codes of signed distances from the surface, and the objects to
+// which these distances are.
 #pragma once
 
 #include <memory>
@@ -33,13 +33,13 @@ struct NodeDistances {
   }
 };
 
-// The trees and objects must outlive the object; codes() may run on many threads. Distances are
-// from the surfaces of `objects`. They are negative in `interior`, and in voxels of `geometry`
+// The trees and objects must outlive this; codes() may run on many threads. Distances are from the
+// surfaces of `objects`. They are negative in voxels of `interior`, and in voxels of `geometry`
 // whose center lies on the interior's side of the surface.
 class DistanceCodes {
  public:
   // Voxels outside `kept` have the highest code. The surface grows by `growth_units`
-  // (CenterGrowth), from 1 on; 0 leaves that out. `numbers` are those of the objects, ascending and
+  // (CenterGrowth); 0: it does not grow. `numbers` are the objects' numbers in the file, ascending,
   // from 1 on; without them objects are not told apart.
   DistanceCodes(std::vector<const scan::SnappedObject*> objects,
                 const lattice::VoxelIndex& scene_origin, const masks::MaskTree& geometry,

@@ -454,7 +454,7 @@ std::array<double, 3> way_from(const PreparedTriangle& t, const std::array<doubl
       {v, -left_of(t.direction_2, u, v), left_of(t.direction_3, u - double{t.length_1}, v)});
   const Vec across{height * double{t.normal[0]}, height * double{t.normal[1]},
                    height * double{t.normal[2]}};
-  // So far inside that no edge is nearer, however the numbers are rounded.
+  // A foot so far inside the triangle is nearer than every edge, whatever the rounding.
   constexpr double kSurely = 4;
   if (inside > kSurely && std::abs(height) < 4 * double{lattice::kSnapUnits}) {
     return across;

@@ -3,8 +3,8 @@
 // The kernels compute in single precision on exact differences of lattice coordinates. Their error
 // is below 1e-4 voxel for triangles of up to 200 voxels and points up to 64 voxels away.
 // NearestTriangles gives the same bits wherever on the lattice the scene lies and for every vector
-// width. squared_distances() steps from point to point and rounds differently, which does no harm:
-// it only decides which triangles are looked at.
+// width. squared_distances() adds steps from point to point, so its rounding may differ. It only
+// decides which triangles are looked at.
 #pragma once
 
 #include <array>
@@ -49,13 +49,12 @@ constexpr std::uint64_t eighth(unsigned n) {
 }
 inline constexpr std::size_t kEighths = 8;
 
-// Eight cells, `step` apart, in lattice units: the lowest one's middle, how far from their middles
-// the places are that count, and for each how near triangles matter; a negative reach asks for
-// nothing. Eighth n = x*4 + y*2 + z.
+// Eight cells. Lengths in lattice units. Eighth n = x*4 + y*2 + z.
 struct EightCells {
-  std::array<float, 3> first;
-  float step, around;
-  std::array<float, kEighths> reach;
+  std::array<float, 3> first;  // the lowest cell's middle
+  float step;                  // from one cell's middle to the next
+  float around;  // the places that count are at most this far from their cell's middle
+  std::array<float, kEighths> reach;  // farther triangles do not matter; negative: none does
 };
 
 // Which triangles may be the nearest to which eighths of a cell.
@@ -66,10 +65,10 @@ class NearEighths {
   void find(TriangleList triangles, const std::array<int, 3>& low, int edge,
             const std::array<float, kEighths>& reach);
 
-  // The eighths that triangle i of the list may be the nearest to, within reach of a place, as
-  // bits. In all others it is farther within reach, by more than kDistanceErrorVoxels,
-  // than the nearest, or farther than another triangle of its object, so that the kernels see it
-  // (claims.h).
+  // As bits, the eighths in which triangle i of the list may be the nearest to a place, within the
+  // reach. In every other eighth, and for every place within reach, another triangle is nearer by
+  // more than kDistanceErrorVoxels, or another triangle of the same object is nearer by so much
+  // that the kernels see it (claims.h).
   unsigned eighths(std::size_t i) const { return bits_[i]; }
 
   const std::uint8_t* bits() const { return bits_.data(); }  // [triangles], and 8 zero bytes
@@ -82,16 +81,17 @@ class NearEighths {
 // The nearest triangle of each voxel's center in a cell of 4^3 voxels, and its squared distance.
 class NearestTriangles {
  public:
-  // Takes at least one triangle, and the cell's lowest voxel in its node. `reach` gives for each
-  // eighth of the cell, in lattice units, up to which distance the result must be exact; a negative
-  // reach asks for nothing. Beyond the reach least() is the distance of some triangle, or 1e30.
+  // Takes at least one triangle, and the cell's lowest voxel in its node. `reach` is for each
+  // eighth of the cell the distance, in lattice units, up to which the result must be exact; a
+  // negative reach asks for nothing. Beyond the reach least() is the squared distance of some
+  // triangle, or 1e30.
   void find(TriangleList triangles, const std::array<int, 3>& low,
             const std::array<float, kEighths>& reach);
 
   const CubeValues& least() const { return least_; }
-  // The place in the list of the nearest triangle: of equally near ones the first by lies_before(),
-  // so that the order of the list does not matter. Undefined where least() is 1e30. The list must
-  // still be there.
+  // The number of the nearest triangle in the list. Of equally near ones it is the first by
+  // lies_before(), so the list's order does not matter. Undefined where least() is 1e30. Reads the
+  // list, which must still exist.
   std::uint32_t which(std::size_t point) const {
     const std::uint32_t number = which_[point];
     return (number & kTied) == 0 ? number : first_tied(point);
@@ -115,8 +115,9 @@ class NearestTriangles {
 std::array<double, 3> way_from(const PreparedTriangle& triangle,
                                const std::array<double, 3>& point);
 
-// The codes of voxels whose centers have these squared distances, rounded down. A set bit of
-// `negative` makes the distance negative.
+// The codes of voxels whose centers have these squared distances (lattice units): rounded down, and
+// clamped to 0..255 beyond the ends of the scale. A set bit of `negative` makes the distance
+// negative.
 void codes_of_distances(const CubeValues& squared, std::uint64_t negative, const CodeScale& scale,
                         std::uint8_t* codes);
 

@@ -9,19 +9,19 @@
 
 namespace forcelayer::distance {
 
-// With c(v) the Chebyshev distance from v to the nearest voxel of `geometry`, k `layers` and n
-// `force_layers`, a voxel outside `interior` becomes interior where c <= k-1, surface where it is
-// up to k-1+n, proximity where c = k+n, else it is free (paper 4.2, where n is 1). The trees must
-// outlive the object; codes() may run on many threads.
+// Let c(v) be the Chebyshev distance from voxel v to the nearest voxel of `geometry`, k the number
+// of layers and n that of force layers. A voxel outside `interior` becomes interior where c <= k-1,
+// surface where k <= c <= k-1+n, proximity where c = k+n, and else is free (paper 4.2, where n is
+// 1). The trees must outlive this; codes() may run on many threads.
 class LayerOffset {
  public:
   // Voxels outside `kept` are free.
   LayerOffset(const masks::MaskTree& geometry, const masks::MaskTree& interior, unsigned layers,
               unsigned force_layers, const masks::KeptBox& kept);
 
-  // Origins, ascending, of the nodes that can hold a voxel within k+n of the geometry and of those
-  // that a cropped side cuts inside a solid. Every other node is uniform: interior where an active
-  // tile of `interior` covers it and it is kept, else free.
+  // The origins, ascending, of the nodes whose values must be computed: those that can hold a voxel
+  // within k+n of the geometry, and those in which a cropped side cuts a solid. Every other node is
+  // uniform: interior where it is kept and an active tile of `interior` covers it, else free.
   std::vector<masks::Coord> nodes() const;
 
   const masks::MaskTree& geometry() const { return geometry_; }

@@ -13,23 +13,25 @@ inline double length_of(const std::array<double, 3>& v) {
   return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
 }
 
-// Lengths in lattice units. The triangles that matter on a path are those that are less than kNear
-// from its center. They are picked out once for cells of 8^3, of 4^3 voxels and of one voxel.
+// Lengths in lattice units. Only triangles less than kNear from a path's center matter on the path.
+// They are picked out once for each cell of 8^3 voxels, of 4^3 voxels and of one voxel.
 class NearPath {
  public:
-  // How far a place may be from the center: so less than kNear that nothing in its way is missing.
+  // A place is at most kFarthest from the center. So every triangle up to kNear - kFarthest from
+  // the place is among those less than kNear from the center.
   static constexpr double kFarthest = 2.3 * double{lattice::kSnapUnits},
                           kNear = 2.6 * double{lattice::kSnapUnits};
 
   // Forgets the lists of the node before.
   void begin_node() { of_8_.low = kNoCell; }
 
-  // A path from a center in the cell of 4^3 voxels at `low`. `around` holds every triangle within
-  // kNear of one of its centers.
+  // Begins a path from a voxel's center in the cell of 4^3 voxels at `low`. `around` holds every
+  // triangle within kNear of one of the cell's centers.
   void begin(const std::array<int, 3>& low, TriangleList around);
 
-  // The distance of the nearest triangle that is less than kNear from `center`, and the way from
-  // it; of equally near ones the first in `around`. 1e300 where there is none.
+  // The distance from the place `at` to the nearest triangle that is less than kNear from `center`,
+  // and in `away` the vector from that triangle. Of equally near ones the first in `around` counts.
+  // 1e300 where there is none.
   double nearest(const std::array<double, 3>& at, const std::array<double, 3>& center,
                  std::array<double, 3>& away);
 

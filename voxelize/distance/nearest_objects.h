@@ -1,4 +1,4 @@
-// Which object the voxels of a node are nearest to, of those whose distance is stored.
+// The nearest object of each voxel of a node whose distance is stored.
 #pragma once
 
 #include <array>
@@ -22,15 +22,15 @@ inline constexpr std::size_t kBrickVoxels = 512;
 // surfaces that touch are not speckled, and below the margin of the search's lists.
 inline constexpr float kEquallyNearVoxels = kDistanceErrorVoxels / 2;
 
-// Whether a code is a distance that was measured: neither the lowest, "or less", nor the highest,
-// "or more".
+// Whether a code stands for a measured distance: it is neither the lowest ("or less") nor the
+// highest ("or more").
 constexpr bool is_measured(std::uint8_t code) {
   return static_cast<std::uint8_t>(code - 1) < kMostDistanceCode - 1;
 }
 
 // The objects of one 64^3 node.
 struct NodeObjects {
-  std::array<std::uint16_t, 512> of_brick{};  // all of the brick's voxels have it; 0: none
+  std::array<std::uint16_t, 512> of_brick{};  // the one number of all voxels of a brick; 0: none
   lattice::BrickMask several;                 // bricks whose voxels have numbers of their own
   std::vector<std::uint16_t> numbers;         // [bricks][voxels]; undefined elsewhere
 
@@ -44,14 +44,14 @@ class ObjectChoice {
   // live until finish().
   void begin(std::span<const std::uint16_t> numbers, const std::vector<PreparedTriangle>& near);
 
-  // A cell of 4^3 voxels: the triangles and the reach of NearestTriangles::find(), and what it
-  // found. Some of the codes must be measured.
+  // Takes in a cell of 4^3 voxels: the arguments of NearestTriangles::find(), and its result. At
+  // least one code of the cell must be measured.
   void add(const std::array<int, 3>& low, TriangleList list,
            const std::array<float, kEighths>& reach, const NearestTriangles& nearest);
 
-  // The node's objects, of the codes as stored: [bricks][voxels], defined in the bricks of `coded`.
-  // A voxel without a measured distance has the lowest number that stands in its brick, or none; it
-  // has none outside of `kept`. Valid until the next begin(). `origin` is the node's.
+  // The node's objects. `codes` are as stored: [bricks][voxels], defined in the bricks of `coded`.
+  // A voxel without a measured distance gets the lowest number in its brick, or 0 where the brick
+  // has none; outside `kept` it gets 0. `origin` is the node's. Valid until the next begin().
   const NodeObjects& finish(const lattice::BrickMask& coded, const std::uint8_t* codes,
                             const masks::KeptBox& kept, const masks::Coord& origin);
 

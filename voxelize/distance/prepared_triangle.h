@@ -17,8 +17,8 @@ struct PreparedTriangle {
   std::array<float, 3> edge_1, edge_2;  // to corners 1 and 2
   std::array<float, 3> edge_3;          // from corner 1 to corner 2
   std::array<float, 3> normal;          // unit, perpendicular to `along` and `across`
-  // The plane's two axes, unit vectors: `along` edge 1, and `across` it towards corner 2. A
-  // triangle without area has `along` its longest edge.
+  // The plane's two axes, unit vectors: `along` edge 1, and `across` it towards corner 2. In a
+  // triangle without area, `along` points along the longest edge.
   std::array<float, 3> along, across;
   // In coordinates (along, across) from corner 0: unit directions and lengths of the edges.
   float length_1;
@@ -47,7 +47,7 @@ class TriangleBatch {
  public:
   explicit TriangleBatch(std::vector<PreparedTriangle>& list) : list_(&list) {}
 
-  // Corners from the origin. Their order does not matter.
+  // Corners, counted from the origin of PreparedTriangle. Their order does not matter.
   void add(const std::array<std::array<double, 3>, 3>& corners, std::uint32_t source,
            std::uint32_t object, const Claim& claim) {
     for (std::size_t k = 0; k < 3; ++k) {
@@ -63,7 +63,7 @@ class TriangleBatch {
   static constexpr std::size_t kSize = 8;
   // Three vectors of each triangle: [vectors][axes][triangles].
   using Vectors = std::array<std::array<std::array<double, kSize>, 3>, 3>;
-  // The members before `source`, in their order: [numbers][triangles].
+  // The members of PreparedTriangle before `source`, in their order: [numbers][triangles].
   static constexpr std::size_t kNumbers = offsetof(PreparedTriangle, source) / sizeof(float);
   using Rows = std::array<std::array<float, kSize>, kNumbers>;
 

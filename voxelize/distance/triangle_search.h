@@ -1,5 +1,5 @@
-// Which triangles can be the nearest to which voxels: from the whole scene to 64^3 nodes
-// (SceneTriangles), from a node to its cells of 16^3 and of 4^3 voxels (CellSearch).
+// The search for the triangles that can be the nearest to a voxel: from the whole scene to 64^3
+// nodes (SceneTriangles), from a node to its cells of 16^3, 8^3 and 4^3 voxels (CellSearch).
 #pragma once
 
 #include <algorithm>
@@ -33,7 +33,7 @@ class SceneTriangles {
   // lies near, so that single precision can hold it.
   void gather(const scan::NodeIndex& node, std::vector<PreparedTriangle>& near) const;
 
-  // The triangle that one of gather() is, or is a piece of, in lattice units.
+  // The whole triangle that `near`, from gather(), is or is a piece of, in lattice units.
   lattice::LatticeTriangle original(const PreparedTriangle& near) const {
     return objects_[near.object]->triangle(near.source);
   }
@@ -64,11 +64,11 @@ inline constexpr float kNoReach = -1;
 // nor as near as the nearest of its object, and the result does not depend on the others.
 class CellSearch {
  public:
-  // Calls leaf(low, triangles, around) for cells of 4^3 voxels, with the triangles that may be the
-  // nearest to the center of one of its voxels, within the reach, and with all triangles whose
-  // boxes are within the reach of the center of a voxel of the cell of 16 around it. `low` is the
-  // cell's lowest voxel, counted from the node's. reach_of(low, edge) gives the reach, in voxels,
-  // of the cell of `edge` voxels (16, 8 or 4) at `low`, or kNoReach.
+  // Calls leaf(low, triangles, around) for cells of 4^3 voxels. `low` is the cell's lowest voxel,
+  // counted from the node's. `triangles` may be the nearest to the center of one of the cell's
+  // voxels, within the reach. `around` are all triangles whose boxes are within the reach of the
+  // center of a voxel of the cell of 16^3 voxels that holds this one. reach_of(low, edge) gives the
+  // reach, in voxels, of the cell of `edge` voxels (16, 8 or 4) at `low`, or kNoReach.
   template <class ReachOf, class Leaf>
   void run(const std::vector<PreparedTriangle>& near, const ReachOf& reach_of, const Leaf& leaf) {
     split_node(near, reach_of);
@@ -113,7 +113,8 @@ class CellSearch {
     return {low[0] + edge * (i >> 2), low[1] + edge * (i >> 1 & 1), low[2] + edge * (i & 1)};
   }
 
-  // How far from a cell's middle a triangle may be within reach of a voxel center, lattice units.
+  // The largest distance of a triangle from a cell's middle at which it can be within reach of one
+  // of the cell's voxel centers, lattice units.
   static float limit_of(float reach_voxels, int edge) {
     return (reach_voxels + half_diagonal(edge) + kDistanceErrorVoxels) * kUnits;
   }
@@ -139,8 +140,8 @@ class CellSearch {
     return cells;
   }
 
-  // Lists the triangles of the node's cells of 16 voxels: by bounding boxes, and a triangle whose
-  // box touches many cells by its distance too.
+  // Lists the triangles of the node's cells of 16 voxels by their bounding boxes. A triangle whose
+  // box touches many cells is listed by its distance from each too.
   template <class ReachOf>
   void split_node(const std::vector<PreparedTriangle>& near, const ReachOf& reach_of) {
     constexpr int kManyCells = 8;
@@ -171,7 +172,7 @@ class CellSearch {
     }
   }
 
-  // Lists the triangles of the eighths, of `edge` voxels, of a cell.
+  // Lists the triangles of each eighth of a cell. An eighth has an edge of `edge` voxels.
   template <class ReachOf>
   void split_cell(TriangleList triangles, const std::array<int, 3>& low, int edge,
                   const ReachOf& reach_of, std::array<List, kEighths>& lists) {
@@ -188,8 +189,8 @@ class CellSearch {
     }
   }
 
-  // Squared distances of the cells' middles from each triangle, into squared_, and the least of
-  // each.
+  // Writes the squared distances of the cells' middles from each triangle into squared_, and each
+  // cell's least one into `least`.
   void measure(const List& triangles, const std::array<int, 3>& low, int edge, CubeValues& least) {
     if (room_ < triangles.size()) {
       const std::size_t room = triangles.size() + triangles.size() / 2;

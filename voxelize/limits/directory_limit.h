@@ -17,8 +17,8 @@ struct Directory {
   bool empty() const { return dims[0] == 0; }
 };
 
-// The directory over `box`, which is not empty. kBakeTooLarge, with the numbers and a voxel size
-// that would fit, where it would have more than 2^28 entries or 2^21 on an axis.
+// The directory over `box`, which is not empty. Error kBakeTooLarge, with the numbers and a voxel
+// size that fits, where the directory would have more than 2^28 entries or 2^21 on an axis.
 Result<Directory> fit_directory(const masks::VoxelBox& box, double voxel_size_m);
 
 }  // namespace forcelayer::limits

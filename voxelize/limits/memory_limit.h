@@ -8,13 +8,12 @@
 
 namespace forcelayer::limits {
 
-// Bytes that this process can have at all: memory and swap, or less by its own limit.
+// The most bytes that this process can have: memory and swap, or its own limit where that is less.
 double available_bytes();
 
-// An error (kBakeTooLarge), with the numbers and a voxel size that might do, where the voxels of
-// the largest triangle alone take more than `available` bytes. It catches a stray vertex, which
-// makes slivers that are millions of voxels long. The limit is a lower bound: a scene that passes
-// it may still be too large.
+// Error kBakeTooLarge, with the numbers and a voxel size that might do, where the voxels of the
+// largest triangle alone take more than `available` bytes. It catches a stray vertex, which makes
+// slivers that are millions of voxels long. A scene that passes may still be too large.
 Status fit_memory(const scan::SnappedObject& object, const std::string& name, double voxel_size_m,
                   double available);
 

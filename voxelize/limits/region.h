@@ -14,9 +14,10 @@ struct Region {
   std::uint32_t cropped_sides = 0;  // CroppedSide bits: the scene goes on beyond them
 };
 
-// `scene` is the box of all voxels that are not free; it is not empty. The region is all of it, or
-// the voxels that `roi_m` (x0, y0, z0, x1, y1, z1 in meters) touches, cut off where the scene ends.
-// A region beside the scene is the layer of it that lies nearest to the scene.
+// The region of a bake. `scene` is the box of all voxels that are not free, and not empty. Without
+// `roi_m` the region is the whole scene. With it (x0, y0, z0, x1, y1, z1 in meters) the region is
+// the voxels that it touches, cut off where the scene ends. A `roi_m` beside the scene gives its
+// own layer of voxels nearest to the scene.
 Region region_of(const masks::VoxelBox& scene, const std::optional<std::array<double, 6>>& roi_m,
                  double voxel_size_m);
 

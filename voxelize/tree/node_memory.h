@@ -16,7 +16,7 @@
 
 namespace forcelayer::tree {
 
-// A remembered node, but for its entries and bricks.
+// A remembered node, without its entries and bricks.
 struct NodeMemo {
   cache::Digest key;        // node_keys()
   std::uint32_t entry = 0;  // uniform without clearance, or the number of a lower node of the tree

@@ -2,8 +2,10 @@
 // (Draco, OpenMesh, OpenCASCADE or ours) is then an error about that file.
 //
 // The child runs the same program anew; it does not copy threads and memory. It has no terminal and
-// no descriptors but its pipe, makes no files, and dies with its parent. It keeps the user's
-// rights: the sandbox protects against accidents, not against a reader that an attacker controls.
+// no descriptors but its pipe, makes no files, and dies with its parent. Where the kernel has
+// Landlock and seccomp, it reads only below its file's folders and the system's, and cannot reach
+// the network, other processes or other programs (formats/file/confinement.h). Elsewhere it keeps
+// the user's rights: the sandbox then stops accidents, not a reader that an attacker controls.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +18,7 @@
 namespace forcelayer::mesh {
 
 struct SandboxLimits {
-  std::uint64_t memory_bytes = std::uint64_t{8} << 30;  // address space of a child
+  std::uint64_t memory_bytes = std::uint64_t{8} << 30;  // address space of a child (RLIMIT_AS)
   double time_s = 300;                                  // for one file, by the clock
 };
 

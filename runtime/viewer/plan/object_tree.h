@@ -31,7 +31,7 @@ class ObjectTree {
   bool all_shown() const;
   std::vector<std::string> hidden() const;  // names
 
-  std::vector<Row> rows() const;  // but for those in groups that are closed
+  std::vector<Row> rows() const;  // without those in closed groups
   std::size_t selected() const { return selected_; }
 
   void select(std::size_t node);
