@@ -370,5 +370,66 @@ TEST_P(TriangleDistances, OfSurfacesWhatNeighborsClaimChangesNothing) {
   EXPECT_LT(listed, without_claims * 9 / 10) << "claims leave hardly anything out";
 }
 
+// Triangles too large for single precision are cut to what is near a node. Where one of their edges
+// passes through an edge of the box to which they are cut, two corners of a piece lie at one place
+// but for rounding; the others have corners on whole voxels and on the planes of that box. Once a
+// piece without area was as near as the rounding of its normal said.
+TEST_P(TriangleDistances, OfLargeTrianglesThePiecesAreAsFarAsTheWhole) {
+  constexpr int kReach = 6;
+  std::size_t near_points = 0, pieces = 0;
+  for (std::uint64_t seed = 1; seed <= 1200; ++seed) {
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
+    Random random(seed);
+    mesh::Mesh mesh;
+    for (int k = 0; k < 3; ++k) {
+      std::array<double, 3> corner;
+      for (double& x : corner) {
+        const std::int64_t places[] = {-kReach - 1, 64 + kReach + 1, whole(random, -20, 80),
+                                       whole(random, -300, 300)};
+        x = static_cast<double>(places[whole(random, 0, 3)]);
+        if (random() % 4 == 0) x += static_cast<double>(whole(random, 0, 1023)) / 1024;
+      }
+      mesh.vertices.push_back(corner);
+    }
+    if (random() % 2 == 0) {
+      const auto free_axis = static_cast<std::size_t>(whole(random, 0, 2));
+      for (std::size_t d = 0; d < 3; ++d) {
+        const double bound = random() % 2 == 0 ? -kReach - 1 : 64 + kReach + 1;
+        const double at = d == free_axis ? static_cast<double>(whole(random, 0, 64)) : bound;
+        const auto way = static_cast<double>(whole(random, -50, 50));
+        mesh.vertices[0][d] = at - 3 * way;
+        mesh.vertices[1][d] = at + 4 * way;
+      }
+    }
+    mesh.triangles = {{0, 1, 2}};
+    auto object = scan::snap_object(mesh, {}, 1, "large");
+    ASSERT_TRUE(object);
+    const distance::SceneTriangles triangles({&*object}, kReach);
+    std::vector<distance::PreparedTriangle> near;
+    triangles.gather({0, 0, 0}, near);
+    if (near.empty()) continue;
+    pieces += near.size() - 1;
+    std::vector<const distance::PreparedTriangle*> list;
+    for (const distance::PreparedTriangle& piece : near) list.push_back(&piece);
+    std::vector<distance::CubeValues> squared(list.size());
+    for (int cell = 0; cell < 64; ++cell) {
+      const distance::PointCube cube =
+          cube_at({16 * (cell >> 4), 16 * (cell >> 2 & 3), 16 * (cell & 3)}, 4);
+      distance::CubeValues least;
+      distance::squared_distances(list, cube, squared.data(), least);
+      for (std::size_t n = 0; n < distance::kCubePoints; ++n) {
+        const double exact = exact_voxels(object->triangle(0), point_of(cube, n));
+        const double found = std::sqrt(double{least[n]}) / kUnits;
+        ASSERT_GT(found, exact - 2e-4) << "cell " << cell << ", point " << n;
+        if (exact > kReach) continue;
+        ++near_points;
+        ASSERT_LT(found, exact + 2e-4) << "cell " << cell << ", point " << n;
+      }
+    }
+  }
+  EXPECT_GT(near_points, 40000u);
+  EXPECT_GT(pieces, 600u);
+}
+
 }  // namespace
 }  // namespace forcelayer

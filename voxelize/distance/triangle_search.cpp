@@ -49,6 +49,30 @@ bool is_large(const lattice::LatticeTriangle& triangle) {
   return false;
 }
 
+double squared_length(const Point& a, const Point& b) {
+  const Point way{b[0] - a[0], b[1] - a[1], b[2] - a[2]};
+  return way[0] * way[0] + way[1] * way[1] + way[2] * way[2];
+}
+
+// Cutting puts corners on edges: three in a row, or two at one place. The normal of such a piece is
+// that of its rounding, so it becomes its longest edge.
+void flatten_if_thin(std::array<Point, 3>& piece) {
+  constexpr double kThin2 = 1e-16;  // of the sine of its angle, squared: above rounding's
+  double longest2 = 0;
+  std::size_t longest = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double length2 = squared_length(piece[k], piece[(k + 1) % 3]);
+    if (length2 > longest2) longest2 = length2, longest = k;
+  }
+  const Point &a = piece[longest], &b = piece[(longest + 1) % 3];
+  Point& c = piece[(longest + 2) % 3];
+  double along = 0;
+  for (std::size_t d = 0; d < 3; ++d) along += (c[d] - a[d]) * (b[d] - a[d]);
+  Point foot = a;
+  for (std::size_t d = 0; d < 3; ++d) foot[d] += along / longest2 * (b[d] - a[d]);
+  if (squared_length(c, foot) <= kThin2 * longest2) c = a;
+}
+
 void add_cut(const std::array<Point, 3>& corners, int reach, std::uint32_t source,
              std::uint32_t object, TriangleBatch& near) {
   std::vector<Point> polygon(corners.begin(), corners.end());
@@ -58,7 +82,9 @@ void add_cut(const std::array<Point, 3>& corners, int reach, std::uint32_t sourc
     cut(polygon, d, -1, -(kNodeUnits + margin));
   }
   for (std::size_t i = 2; i < polygon.size(); ++i) {
-    near.add({polygon[0], polygon[i - 1], polygon[i]}, source, object, Claim{});
+    std::array<Point, 3> piece{polygon[0], polygon[i - 1], polygon[i]};
+    flatten_if_thin(piece);
+    near.add(piece, source, object, Claim{});
   }
 }
 
