@@ -154,6 +154,10 @@ Step Study::check_step() const {
     add(left_out());
   }
   add({"--json", in("verdict.json"), "--csv", in("curve.csv"), "--junit", in("verdict.xml")});
+  if (!options_.no_pictures) {
+    add({"--picture", in("worst.png")});
+    step.outputs.push_back(in("worst.png"));
+  }
   return step;
 }
 
@@ -227,7 +231,8 @@ Status Study::write_page() {
   page.curve_svg = std::move(*svg);
   if (Status written = write_text(in("curve.svg"), page.curve_svg); !written) return written;
   if (!options_.no_pictures) {
-    page.pictures = {{in("installed.png"), "Where the part is installed"}};
+    page.pictures = {{in("worst.png"), "The worst moment"},
+                     {in("installed.png"), "Where the part is installed"}};
   }
   for (const auto& line : steps_.lines()) page.commands.push_back(line.command);
   page.files = {in("scene.vox"), in("part.pshell"), path_, in("verdict.json"), in("curve.csv")};

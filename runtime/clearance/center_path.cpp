@@ -56,6 +56,15 @@ double CenterPath::time_s(const Moment& m) const {
   return time_s_[m.pose] + m.share * (time_s_[m.pose + 1] - time_s_[m.pose]);
 }
 
+Moment CenterPath::at(double time_s) const {
+  const auto after = std::upper_bound(time_s_.begin(), time_s_.end(), time_s);
+  if (after == time_s_.begin()) return {0, 0};
+  const auto pose = static_cast<std::size_t>(after - time_s_.begin() - 1);
+  if (after == time_s_.end()) return {pose, 0};
+  const double share = (time_s - time_s_[pose]) / (*after - time_s_[pose]);
+  return share < 1 ? Moment{pose, share} : Moment{pose + 1, 0};
+}
+
 double CenterPath::travel_m(const Moment& m) const {
   if (m.share == 0) return travel_m_[m.pose];
   return travel_m_[m.pose] + m.share * (travel_m_[m.pose + 1] - travel_m_[m.pose]);

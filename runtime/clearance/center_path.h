@@ -27,6 +27,7 @@ class CenterPath {
 
   std::size_t poses() const { return time_s_.size(); }
   double time_s(const Moment& moment) const;
+  Moment at(double time_s) const;  // the first or the last where the path has no such time
   Pose world_from_center(const Moment& moment) const;
 
   // A bound on how far any point of the part has travelled since the first pose, along its arc, m.

@@ -21,18 +21,6 @@ using voxcheck::ExactViolation;
 // In voxels: how closely the least distance is told, and where a stretch begins and ends.
 constexpr double kWithinVoxels = 1e-3, kResolutionVoxels = 1.0 / 64;
 
-// The moment of a path at a time.
-clearance::Moment moment_at(const std::vector<PathRow>& rows, double time_s) {
-  const auto after = std::upper_bound(rows.begin(), rows.end(), time_s,
-                                      [](double t, const PathRow& row) { return t < row.time_s; });
-  if (after == rows.begin()) return {0, 0};
-  const auto pose = static_cast<std::size_t>(after - rows.begin() - 1);
-  if (after == rows.end()) return {pose, 0};
-  const double from_s = rows[pose].time_s;
-  const double share = (time_s - from_s) / (after->time_s - from_s);
-  return share < 1 ? clearance::Moment{pose, share} : clearance::Moment{pose + 1, 0};
-}
-
 class ExactCheck {
  public:
   ExactCheck(const ExactRequest& request, const Voxmap& voxmap, const Pshell& shell,
@@ -86,8 +74,7 @@ class ExactCheck {
   }
 
   Piece piece_of(const voxcheck::ProvenStretch& stretch) const {
-    return {moment_at(rows_, stretch.from_s), moment_at(rows_, stretch.to_s), stretch.proven_m,
-            stretch.seated};
+    return {path_.at(stretch.from_s), path_.at(stretch.to_s), stretch.proven_m, stretch.seated};
   }
 
   ExactMoment exact_moment(const Sample& sample) const {
@@ -142,7 +129,7 @@ class ExactCheck {
       if (request_.most_m && stretch.proven_m > *request_.most_m) continue;
       pieces.push_back(piece_of(stretch));
       if (stretch.from_s <= request_.least_s && request_.least_s <= stretch.to_s) {
-        take(walk_.at(moment_at(rows_, request_.least_s), stretch.seated));
+        take(walk_.at(path_.at(request_.least_s), stretch.seated));
       }
     }
     const auto least = walk_.least(std::move(pieces), kWithinVoxels * voxel_m_, nearest_);

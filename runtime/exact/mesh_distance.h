@@ -18,7 +18,7 @@ inline constexpr double kRounding = 0x1p-24;
 struct MeshDistance {
   double distance_m = voxcheck::kNothingM;  // 0 where the surfaces meet
   std::size_t scene_triangle = 0;
-  glm::dvec3 part_m{0}, scene_m{0};  // the nearest points, world; where they meet, one near it
+  glm::dvec3 part_m{0}, scene_m{0};  // the nearest points, world; where they meet, one of both
 };
 
 class MeshPair {

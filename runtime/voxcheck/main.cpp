@@ -18,6 +18,7 @@
 #include "runtime/voxcheck/object_names.h"
 #include "runtime/voxcheck/options.h"
 #include "runtime/voxcheck/path_source.h"
+#include "runtime/voxcheck/picture.h"
 #include "runtime/voxcheck/report.h"
 
 namespace forcelayer::voxcheck {
@@ -35,12 +36,13 @@ Status prepare_outputs(Options& options) {
   const command::OutputFile outputs[] = {
       {"--json", &options.json, FileKind::kReport},
       {"--csv", &options.csv, FileKind::kTable},
+      {"--picture", &options.picture, FileKind::kPicture},
       {"--junit", &options.junit, FileKind::kExport},
       {"--code-quality", &options.code_quality, FileKind::kReport}};
   return command::prepare_outputs(outputs, inputs);
 }
 
-Status write_reports(const Report& report) {
+Status write_reports(const Report& report, const clearance::CenterPath& path) {
   const Options& options = report.options;
   if (!options.quiet) std::cout << verdict_text(report);
   if (options.github) std::cout << github_lines(report);
@@ -58,6 +60,9 @@ Status write_reports(const Report& report) {
     if (Status s = command::write_report(options.code_quality, code_quality_json(report)); !s) {
       return s;
     }
+  }
+  if (!options.picture.empty()) {
+    if (Status s = draw_picture(report, path); !s) return s;
   }
   return check_verdict(report);
 }
@@ -88,8 +93,8 @@ Status check(const Options& options) {
     if (!settled) return settled.error();
     exact = std::move(*settled);
   }
-  return write_reports(
-      {options, *scene, *part, *result, exact, read_s - begin_s, now_s() - read_s});
+  return write_reports({options, *scene, *part, *result, exact, read_s - begin_s, now_s() - read_s},
+                       path);
 }
 
 int run(int argc, char** argv) {
@@ -105,7 +110,7 @@ int run(int argc, char** argv) {
       {{"What is asked", {"--clearance", "--seat", "--allow"}},
        {"The meshes",
         {"--exact", "--part", "--without", "--units", "--part-units", "--allow-outside"}},
-       {"Output", {"--csv", "--junit", "--code-quality", "--github"}}},
+       {"Output", {"--picture", "--csv", "--junit", "--code-quality", "--github"}}},
       "  voxcheck bay.vox part.pshell run.csv                      12.7 mm along a trace\n"
       "  voxcheck bay.vox part.pshell path.csv --clearance 3mm --junit verdict.xml\n"
       "  voxcheck bay.vox part.pshell path.csv --exact bay.json --part part.obj --units mm");

@@ -40,12 +40,15 @@ OptionParser::OptionParser(CLI::App& app) : clearance_("12.7mm") {
   app.add_option("--without", options_.without,
                  "nodes that the bake of the scene left out; repeatable")
       ->allow_extra_args(false);
-  app.add_option("--units", units_, "unit of meshes whose format defines none: mm, cm, m, in, ...");
-  app.add_option("--part-units", part_units_, "unit of --part, if it differs");
+  app.add_option("--units", options_.units,
+                 "unit of meshes whose format defines none: mm, cm, m, in, ...");
+  app.add_option("--part-units", options_.part_units, "unit of --part, if it differs");
   app.add_flag("--allow-outside", options_.allow_outside,
                "a manifest may name meshes outside its own folder");
   app.add_option("--threads", options_.threads, "that share the work; all; no answer depends on it")
       ->check(CLI::Range(1u, kMostThreads));
+  app.add_option("--picture", options_.picture,
+                 "draw the worst moment, PNG (by voxview; with the meshes of --exact)");
   app.add_option("--json", options_.json, "write a report");
   app.add_option("--csv", options_.csv, "write the clearance that is proven, over time");
   app.add_option("--junit", options_.junit, "write the verdict as a test result, JUnit XML");
@@ -69,8 +72,8 @@ Result<Options> OptionParser::finish() const {
   }
   options.clearance_m = *clearance;
   for (const auto& [option, text, unit_m] :
-       {std::tuple("--units", &units_, &options.unit_m),
-        std::tuple("--part-units", &part_units_, &options.part_unit_m)}) {
+       {std::tuple("--units", &options.units, &options.unit_m),
+        std::tuple("--part-units", &options.part_units, &options.part_unit_m)}) {
     if (text->empty()) continue;
     const auto unit = command::parse_unit(*text);
     if (!unit) return about(option, unit.error());

@@ -22,9 +22,10 @@ struct Options {
   unsigned threads = 1;
   // Of --exact and --picture: what scene and part were baked from.
   std::vector<std::string> meshes, part_meshes, without;
-  std::optional<double> unit_m, part_unit_m;
+  std::string units, part_units;              // as typed,
+  std::optional<double> unit_m, part_unit_m;  // and in meters
   bool allow_outside = false;
-  std::string json, csv, junit, code_quality;
+  std::string picture, json, csv, junit, code_quality;
   bool github = false, quiet = false;
 };
 
@@ -38,7 +39,7 @@ class OptionParser {
 
  private:
   Options options_;
-  std::string clearance_, seat_, units_, part_units_;
+  std::string clearance_, seat_;
 };
 
 }  // namespace forcelayer::voxcheck

@@ -31,20 +31,15 @@ std::string to_object(const Report& report, std::uint32_t object) {
 }
 
 std::string place_text(const CheckedMoment& moment) {
-  return text("at %.3f s, at %.4g, %.4g, %.4g m", moment.time_s, moment.point_m.x, moment.point_m.y,
-              moment.point_m.z);
+  // What rounds to nothing is none.
+  const auto near_zero = [](double m) { return std::abs(m) < 5e-8 ? 0.0 : m; };
+  return text("at %.3f s, at %.4g, %.4g, %.4g m", moment.time_s, near_zero(moment.point_m.x),
+              near_zero(moment.point_m.y), near_zero(moment.point_m.z));
 }
 
 std::string most_text(const CheckedMoment& moment) {
   if (!std::isfinite(moment.most_m)) return "";
   return text(", at most %.3f mm", ceil_mm(moment.most_m));
-}
-
-// What the meshes say of a violation; null without --exact, and for what they cannot settle.
-const ExactViolation* exact_of(const Report& report, const Violation& v) {
-  if (!report.exact) return nullptr;
-  const auto number = static_cast<std::size_t>(&v - report.result.violations.data());
-  return number < report.exact->violations.size() ? &report.exact->violations[number] : nullptr;
 }
 
 std::string exact_text(const Report& report, const ExactViolation& exact) {
@@ -110,13 +105,6 @@ std::string least_text(const Report& report) {
   return text("least proven clearance %.3f mm%s%s, ", floor_mm(r.clearance_m),
               most_text(r.least).c_str(), to_object(report, r.least.object).c_str()) +
          place_text(r.least);
-}
-
-const Violation& worst_of(const CheckResult& result) {
-  return *std::min_element(result.violations.begin(), result.violations.end(),
-                           [](const Violation& a, const Violation& b) {
-                             return a.worst.clearance_m < b.worst.clearance_m;
-                           });
 }
 
 Json moment_json(const Report& report, const CheckedMoment& moment, double clearance_m) {
@@ -198,6 +186,25 @@ std::string required_text(const Report& report) {
 }
 
 }  // namespace
+
+const Violation& worst_of(const CheckResult& result) {
+  return *std::min_element(result.violations.begin(), result.violations.end(),
+                           [](const Violation& a, const Violation& b) {
+                             return a.worst.clearance_m < b.worst.clearance_m;
+                           });
+}
+
+const ExactViolation* exact_of(const Report& report, const Violation& v) {
+  if (!report.exact) return nullptr;
+  const auto number = static_cast<std::size_t>(&v - report.result.violations.data());
+  return number < report.exact->violations.size() ? &report.exact->violations[number] : nullptr;
+}
+
+std::vector<std::string> picture_title(const Report& report) {
+  const CheckResult& r = report.result;
+  if (r.clear()) return {"clear: " + required_text(report), least_text(report)};
+  return {"NOT clear: " + required_text(report), violation_text(report, worst_of(r))};
+}
 
 std::string verdict_text(const Report& report) {
   const CheckResult& r = report.result;

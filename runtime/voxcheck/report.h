@@ -4,6 +4,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "formats/pshell.h"
 #include "formats/result.h"
@@ -23,6 +24,16 @@ struct Report {
   const std::optional<ExactAnswer>& exact;  // of --exact: violations are then in the same order
   double read_s = 0, check_s = 0;
 };
+
+// The violation with the least clearance; there must be one.
+const clearance::Violation& worst_of(const clearance::CheckResult& result);
+
+// What the meshes say of a violation of the report's; null without --exact, and for what they
+// cannot settle.
+const ExactViolation* exact_of(const Report& report, const clearance::Violation& violation);
+
+// The words above a picture: the verdict, and what is drawn.
+std::vector<std::string> picture_title(const Report& report);
 
 // The verdict, a line; for each of the first violations another one.
 std::string verdict_text(const Report& report);

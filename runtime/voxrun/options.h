@@ -44,6 +44,7 @@ struct Options {
   bool as_fast_as_possible = false;
   bool without_watchdog = false;
   bool quiet = false;
+  bool on_new_scene = false;        // --replay: its inputs alone, on any scene
   bool trust_plugin = false;        // its process keeps the user's rights
   std::string plugin, plugin_args;  // of the device "plugin"
   HidOptions hid;                   // of the devices "hid" and "spacemouse"

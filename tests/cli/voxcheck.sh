@@ -160,6 +160,20 @@ PYTHON
   errs '--part: is missing'
 fi
 
+# The picture of the worst moment: with meshes, and without.
+if [ -x "$bin/voxview" ] && [ -x "$bin/voxcheck-exact" ] && command -v xvfb-run >/dev/null; then
+  check 6 opened.vox cover.pshell sideways.csv --clearance 3.2mm "${exact[@]}" --picture meshes.png
+  check 6 opened.vox cover.pshell through.csv --picture voxels.png
+  check 0 opened.vox cover.pshell over.csv --picture far.png
+  python3 - <<'PYTHON'
+import struct
+for name in ("meshes", "voxels", "far"):
+    data = open(name + ".png", "rb").read()
+    assert data[1:4] == b"PNG" and struct.unpack(">II", data[16:24]) == (1200, 800), name
+    assert len(data) > 8000, (name, len(data))
+PYTHON
+fi
+
 # Errors: one line, the right status, nothing half-written.
 check 2 opened.vox cover.pshell out.csv --allow Nobody
 errs "'Nobody' names no object of the scene"

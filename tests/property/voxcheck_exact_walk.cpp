@@ -105,6 +105,7 @@ Surface random_surface(std::mt19937& random, int count, double size_m) {
 TEST(MeshPair, IsTheDistanceOfTheNearestPairOfTriangles) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> unit(-1, 1);
+  int meeting = 0;
   for (int trial = 0; trial < 300; ++trial) {
     SCOPED_TRACE(trial);
     const Surface scene = random_surface(random, 6, 1), part = random_surface(random, 4, 0.5);
@@ -127,11 +128,23 @@ TEST(MeshPair, IsTheDistanceOfTheNearestPairOfTriangles) {
     EXPECT_NEAR(measured.distance_m, static_cast<double>(least), rounding);
     EXPECT_EQ(pair.at(pose, measured.distance_m * (1 + 1e-9) + rounding).distance_m,
               measured.distance_m);
-    if (measured.distance_m == 0) continue;
+    if (measured.distance_m == 0) {  // a place of both
+      ++meeting;
+      EXPECT_EQ(measured.part_m, measured.scene_m);
+      long double away = 1e30L;
+      for (std::size_t p = 0; p < part.triangles.size(); ++p) {
+        away = std::min(away, to_triangle(Wide(measured.part_m), corners(part, p, pose)));
+      }
+      EXPECT_LE(away, 1e-7L);
+      EXPECT_LE(to_triangle(Wide(measured.scene_m), corners(scene, measured.scene_triangle, {})),
+                1e-7L);
+      continue;
+    }
     EXPECT_NEAR(glm::length(measured.part_m - measured.scene_m), measured.distance_m, rounding);
     EXPECT_LE(to_triangle(Wide(measured.scene_m), corners(scene, measured.scene_triangle, {})),
               rounding);
   }
+  EXPECT_GT(meeting, 20);
 }
 
 // A path that passes by and through a few triangles, in few poses.

@@ -9,6 +9,7 @@
 #include <vtkWindowToImageFilter.h>
 
 #include <cstddef>
+#include <glm/geometric.hpp>
 #include <optional>
 #include <span>
 
@@ -61,6 +62,21 @@ Status write_png(const std::filesystem::path& path, vtkImageData* image) {
   return file->commit();
 }
 
+// Where a measure lies on a picture of that many pixels.
+DrawnMeasure drawn(const Measure& measure, const PicturePlan& plan, int width, int height) {
+  const CameraView& view = plan.camera;
+  const glm::dvec3 right = glm::cross(view.up, view.to_eye);
+  const double pixels_per_m = height / (2 * view.half_height_m);
+  const auto x = [&](const glm::dvec3& p) {
+    return width / 2.0 + pixels_per_m * glm::dot(p - view.target_m, right);
+  };
+  const auto y = [&](const glm::dvec3& p) {
+    return height / 2.0 + pixels_per_m * glm::dot(p - view.target_m, view.up);
+  };
+  return {x(measure.part_m),   y(measure.part_m),      x(measure.object_m),
+          y(measure.object_m), escaped(measure.words), escaped(measure.object)};
+}
+
 // The renderers of a picture: the world, marks over it, words over both.
 struct Layers {
   vtkNew<vtkRenderer> world, marks, words;
@@ -104,7 +120,11 @@ Status write_picture(const std::filesystem::path& path, const ViewScene& scene,
     triad.emplace(layers.window, 1);
     triad->aim(plan.camera.to_eye, plan.camera.up, width, height, 150 * sampling);
     overlay.set_title(plan.title);
-    if (plan.moment) overlay.set_state(plan.moment->kind());
+    if (plan.measure) {
+      overlay.set_measure(drawn(*plan.measure, plan, width, height));
+    } else if (plan.moment) {
+      overlay.set_state(plan.moment->kind());
+    }
     overlay.set_legend(legend_of(plan, scene));
     overlay.lay_out(width, height, plan.meters_per_pixel() / sampling);
   }
