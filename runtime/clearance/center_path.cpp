@@ -24,10 +24,15 @@ Pose pose_of(const PathRow& row) {
 }
 
 CenterPath::CenterPath(std::span<const PathRow> rows, const Pshell& shell)
-    : radius_m_(shell.header().bounding_radius_m * kRoundUp) {
-  const auto& c = shell.header().center_m;
+    : CenterPath(
+          rows,
+          {shell.header().center_m[0], shell.header().center_m[1], shell.header().center_m[2]},
+          shell.header().bounding_radius_m) {}
+
+CenterPath::CenterPath(std::span<const PathRow> rows, const glm::dvec3& center_m, double radius_m)
+    : radius_m_(radius_m * kRoundUp) {
   for (const PathRow& row : rows) {
-    const Pose center = pose_of(row) * Pose{glm::dvec3(c[0], c[1], c[2]), {1, 0, 0, 0}};
+    const Pose center = pose_of(row) * Pose{center_m, {1, 0, 0, 0}};
     double travel_m = 0;
     if (!world_from_center_.empty()) {
       const Pose& before = world_from_center_.back();
@@ -49,6 +54,15 @@ double CenterPath::travel_between_m(const Pose& from, const Pose& to) const {
 double CenterPath::time_s(const Moment& m) const {
   if (m.share == 0) return time_s_[m.pose];
   return time_s_[m.pose] + m.share * (time_s_[m.pose + 1] - time_s_[m.pose]);
+}
+
+Moment CenterPath::at(double time_s) const {
+  const auto after = std::upper_bound(time_s_.begin(), time_s_.end(), time_s);
+  if (after == time_s_.begin()) return {0, 0};
+  const auto pose = static_cast<std::size_t>(after - time_s_.begin() - 1);
+  if (after == time_s_.end()) return {pose, 0};
+  const double share = (time_s - time_s_[pose]) / (*after - time_s_[pose]);
+  return share < 1 ? Moment{pose, share} : Moment{pose + 1, 0};
 }
 
 double CenterPath::travel_m(const Moment& m) const {

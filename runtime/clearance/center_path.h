@@ -20,17 +20,20 @@ struct Moment {
 
 class CenterPath {
  public:
-  // `rows`: world_from_part, at least one.
+  // `rows`: world_from_part, at least one. `center_m`: the centroid in the part's frame; no point
+  // that matters is farther from it than `radius_m`.
+  CenterPath(std::span<const PathRow> rows, const glm::dvec3& center_m, double radius_m);
   CenterPath(std::span<const PathRow> rows, const Pshell& shell);
 
   std::size_t poses() const { return time_s_.size(); }
   double time_s(const Moment& moment) const;
+  Moment at(double time_s) const;  // the first or the last where the path has no such time
   Pose world_from_center(const Moment& moment) const;
 
-  // What no point of the shell has travelled more than since the first pose, along its arcs, m.
+  // A bound on how far any point of the part has travelled since the first pose, along its arc, m.
   double travel_m(const Moment& moment) const;
 
-  // What no point of the shell would travel more than from one pose to another, m.
+  // A bound on how far any point of the part travels from one pose to another, m.
   double travel_between_m(const Pose& from, const Pose& to) const;
 
   // The first pose, of those from `first` to `last`, before which no point has travelled more than
@@ -46,14 +49,14 @@ class CenterPath {
     return {a.pose + 1, b.share > 0 ? b.pose + 1 : b.pose};
   }
 
-  // How far any shell point deviates at most, m, from the straight way between where it is at two
+  // How far any point deviates at most, m, from the straight way between where it is at two
   // moments, as long as the part goes from one to the other. Takes time with each pose between.
   double deviation_m(const Moment& a, const Moment& b) const;
 
  private:
   double arc_deviation_m(double turn_rad) const;
 
-  double radius_m_;  // of the shell about the centroid
+  double radius_m_;  // of the part about the centroid
   std::vector<double> time_s_, travel_m_;
   std::vector<double> turn_rad_;  // from each pose to the next
   std::vector<Pose> world_from_center_;

@@ -143,8 +143,10 @@ int main(int argc, char** argv) {
        {"A run and its moment",
         {"--trace", "--at", "--listen", "--duration", "--part-pose", "--grip", "--model",
          "--force"}},
+       {"A distance", {"--measure", "--measure-object", "--measure-words"}},
        {"The eye", {"--view-from", "--focus", "--pixels-per-voxel", "--plain"}},
-       {"Output", {"--screenshot", "--turntable", "--size", "--scale", "--frame-times"}}},
+       {"Output",
+        {"--screenshot", "--turntable", "--size", "--scale", "--title", "--frame-times"}}},
       "  voxview bay.json bay.vox part.pshell --trace run.csv              a run, in a window\n"
       "  voxview bay.json bay.vox --cut 'y<0mm' --screenshot bay.png       a picture");
   int exit_code = 0;

@@ -3,6 +3,8 @@
 #include <chrono>
 #include <iostream>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <vector>
 
 #include "formats/command/arguments.h"
 #include "formats/command/command.h"
@@ -12,9 +14,11 @@
 #include "runtime/clearance/path_check.h"
 #include "runtime/query/query_kernel.h"
 #include "runtime/run/baked_files.h"
+#include "runtime/voxcheck/exact.h"
 #include "runtime/voxcheck/object_names.h"
 #include "runtime/voxcheck/options.h"
 #include "runtime/voxcheck/path_source.h"
+#include "runtime/voxcheck/picture.h"
 #include "runtime/voxcheck/report.h"
 
 namespace forcelayer::voxcheck {
@@ -26,16 +30,19 @@ double now_s() {
 
 Status prepare_outputs(Options& options) {
   using command::FileKind;
-  const std::string inputs[] = {options.scene, options.part, options.path};
+  std::vector<std::string> inputs{options.scene, options.part, options.path};
+  inputs.insert(inputs.end(), options.meshes.begin(), options.meshes.end());
+  inputs.insert(inputs.end(), options.part_meshes.begin(), options.part_meshes.end());
   const command::OutputFile outputs[] = {
       {"--json", &options.json, FileKind::kReport},
       {"--csv", &options.csv, FileKind::kTable},
+      {"--picture", &options.picture, FileKind::kPicture},
       {"--junit", &options.junit, FileKind::kExport},
       {"--code-quality", &options.code_quality, FileKind::kReport}};
   return command::prepare_outputs(outputs, inputs);
 }
 
-Status write_reports(const Report& report) {
+Status write_reports(const Report& report, const clearance::CenterPath& path) {
   const Options& options = report.options;
   if (!options.quiet) std::cout << verdict_text(report);
   if (options.github) std::cout << github_lines(report);
@@ -54,6 +61,9 @@ Status write_reports(const Report& report) {
       return s;
     }
   }
+  if (!options.picture.empty()) {
+    if (Status s = draw_picture(report, path); !s) return s;
+  }
   return check_verdict(report);
 }
 
@@ -71,13 +81,20 @@ Status check(const Options& options) {
   const double read_s = now_s();
   const clearance::CheckRequest request{options.clearance_m, options.threads, *allowed,
                                         options.world_from_seat};
-  const auto result = clearance::check_path(*scene, *part, path, request);
+  auto result = clearance::check_path(*scene, *part, path, request);
   if (!result) {
     Error error = result.error();
     if (error.file.empty()) error.file = options.scene;
     return error;
   }
-  return write_reports({options, *scene, *result, read_s - begin_s, now_s() - read_s});
+  std::optional<ExactAnswer> exact;
+  if (!options.meshes.empty()) {
+    auto settled = settle_exactly(options, *allowed, *result);
+    if (!settled) return settled.error();
+    exact = std::move(*settled);
+  }
+  return write_reports({options, *scene, *part, *result, exact, read_s - begin_s, now_s() - read_s},
+                       path);
 }
 
 int run(int argc, char** argv) {
@@ -91,9 +108,12 @@ int run(int argc, char** argv) {
   command::arrange_help(
       app,
       {{"What is asked", {"--clearance", "--seat", "--allow"}},
-       {"Output", {"--csv", "--junit", "--code-quality", "--github"}}},
+       {"The meshes",
+        {"--exact", "--part", "--without", "--units", "--part-units", "--allow-outside"}},
+       {"Output", {"--picture", "--csv", "--junit", "--code-quality", "--github"}}},
       "  voxcheck bay.vox part.pshell run.csv                      12.7 mm along a trace\n"
-      "  voxcheck bay.vox part.pshell path.csv --clearance 3mm --junit verdict.xml");
+      "  voxcheck bay.vox part.pshell path.csv --clearance 3mm --junit verdict.xml\n"
+      "  voxcheck bay.vox part.pshell path.csv --exact bay.json --part part.obj --units mm");
   int status = 0;
   if (!command::parse_arguments(app, argc, argv, status)) return status;
   command::exit_cleanly_on_signals();

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <thread>
+#include <tuple>
 
 #include "formats/command/arguments.h"
 #include "formats/command/quantity.h"
@@ -30,8 +31,24 @@ OptionParser::OptionParser(CLI::App& app) : clearance_("12.7mm") {
                  "an object that may be near, by its name or the end of it; * and ? match; "
                  "repeatable")
       ->allow_extra_args(false);
+  app.add_option("--exact", options_.meshes,
+                 "what the scene was baked from: settles with the meshes themselves what the files "
+                 "leave open; repeatable")
+      ->allow_extra_args(false);
+  app.add_option("--part", options_.part_meshes, "and what the part was baked from; repeatable")
+      ->allow_extra_args(false);
+  app.add_option("--without", options_.without,
+                 "nodes that the bake of the scene left out; repeatable")
+      ->allow_extra_args(false);
+  app.add_option("--units", options_.units,
+                 "unit of meshes whose format defines none: mm, cm, m, in, ...");
+  app.add_option("--part-units", options_.part_units, "unit of --part, if it differs");
+  app.add_flag("--allow-outside", options_.allow_outside,
+               "a manifest may name meshes outside its own folder");
   app.add_option("--threads", options_.threads, "that share the work; all; no answer depends on it")
       ->check(CLI::Range(1u, kMostThreads));
+  app.add_option("--picture", options_.picture,
+                 "draw the worst moment, PNG (by voxview; with the meshes of --exact)");
   app.add_option("--json", options_.json, "write a report");
   app.add_option("--csv", options_.csv, "write the clearance that is proven, over time");
   app.add_option("--junit", options_.junit, "write the verdict as a test result, JUnit XML");
@@ -54,6 +71,22 @@ Result<Options> OptionParser::finish() const {
     return Error{ErrorCode::kUsage, "", "--clearance", "must not be negative", ""};
   }
   options.clearance_m = *clearance;
+  for (const auto& [option, text, unit_m] :
+       {std::tuple("--units", &options.units, &options.unit_m),
+        std::tuple("--part-units", &options.part_units, &options.part_unit_m)}) {
+    if (text->empty()) continue;
+    const auto unit = command::parse_unit(*text);
+    if (!unit) return about(option, unit.error());
+    *unit_m = *unit;
+  }
+  if (options.meshes.empty() != options.part_meshes.empty()) {
+    return Error{ErrorCode::kUsage, "", options.meshes.empty() ? "--exact" : "--part",
+                 "is missing: both surfaces are needed",
+                 "give --exact SCENE_MESHES --part PART_MESHES"};
+  }
+  if (options.meshes.empty() && !options.without.empty()) {
+    return Error{ErrorCode::kUsage, "", "--without", "goes with --exact alone", "leave it out"};
+  }
   if (!seat_.empty()) {
     const auto seat = command::parse_pose(seat_);
     if (!seat) return about("--seat", seat.error());

@@ -20,7 +20,12 @@ struct Options {
   std::optional<Pose> world_from_seat;  // of the part
   std::vector<std::string> allow;       // names of objects
   unsigned threads = 1;
-  std::string json, csv, junit, code_quality;
+  // Of --exact and --picture: what scene and part were baked from.
+  std::vector<std::string> meshes, part_meshes, without;
+  std::string units, part_units;              // as typed,
+  std::optional<double> unit_m, part_unit_m;  // and in meters
+  bool allow_outside = false;
+  std::string picture, json, csv, junit, code_quality;
   bool github = false, quiet = false;
 };
 

@@ -22,6 +22,7 @@ constexpr std::size_t kListed = 5;  // violations on the terminal
 // In millimeters, rounded down: a clearance must not be quoted larger than it is.
 double floor_mm(double length_m) { return std::floor(length_m * 1e6) / 1e3; }
 double ceil_mm(double length_m) { return std::ceil(length_m * 1e6) / 1e3; }
+double ceil_nm_in_mm(double length_m) { return std::ceil(length_m * 1e9) / 1e6; }
 
 Json finite(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
@@ -30,13 +31,21 @@ std::string to_object(const Report& report, std::uint32_t object) {
 }
 
 std::string place_text(const CheckedMoment& moment) {
-  return text("at %.3f s, at %.4g, %.4g, %.4g m", moment.time_s, moment.point_m.x, moment.point_m.y,
-              moment.point_m.z);
+  // What rounds to nothing is none.
+  const auto near_zero = [](double m) { return std::abs(m) < 5e-8 ? 0.0 : m; };
+  return text("at %.3f s, at %.4g, %.4g, %.4g m", moment.time_s, near_zero(moment.point_m.x),
+              near_zero(moment.point_m.y), near_zero(moment.point_m.z));
 }
 
 std::string most_text(const CheckedMoment& moment) {
   if (!std::isfinite(moment.most_m)) return "";
   return text(", at most %.3f mm", ceil_mm(moment.most_m));
+}
+
+std::string exact_text(const Report& report, const ExactViolation& exact) {
+  if (!exact.graze) return text("%.3f mm exact", 1e3 * exact.worst.exact_m);
+  return text("a graze, %.6f mm exact and %.6f mm of deviations and rounding",
+              1e3 * exact.worst.exact_m, ceil_nm_in_mm(report.exact->margin_m));
 }
 
 // One violation, from its time on.
@@ -48,6 +57,10 @@ std::string violation_text(const Report& report, const Violation& v) {
   }
   if (v.worst.beyond_side)
     return line + "beyond a cropped side of the scene, where nothing is known";
+  if (const ExactViolation* exact = exact_of(report, v)) {
+    return line + exact_text(report, *exact) + to_object(report, v.worst.object) + ", " +
+           place_text(v.worst);
+  }
   return line +
          text("%.3f mm proven%s%s, ", floor_mm(v.clearance_m), most_text(v.worst).c_str(),
               to_object(report, v.worst.object).c_str()) +
@@ -71,19 +84,27 @@ std::string seat_text(const Report& report) {
   return line + "; else ";
 }
 
+// In its seat a part is told by its shell points, to either side of which the covering radius is
+// not looked at.
+double narrowest_felt_m(const Report& report) { return 2 * report.part.header().covering_radius_m; }
+
+std::string seat_limit_text(const Report& report) {
+  if (report.result.seated.empty()) return "";
+  return text("  in its seat it may pass through features of those objects narrower than %.2f mm\n",
+              ceil_mm(narrowest_felt_m(report)));
+}
+
 std::string least_text(const Report& report) {
   const CheckResult& r = report.result;
+  if (report.exact && report.exact->least.exact_m < kNothingM) {
+    return text("least clearance %.3f mm exact%s, ", 1e3 * report.exact->least.exact_m,
+                to_object(report, r.least.object).c_str()) +
+           place_text(r.least);
+  }
   if (r.at_least) return text("at least %.3f mm, nothing is nearer", floor_mm(r.clearance_m));
   return text("least proven clearance %.3f mm%s%s, ", floor_mm(r.clearance_m),
               most_text(r.least).c_str(), to_object(report, r.least.object).c_str()) +
          place_text(r.least);
-}
-
-const Violation& worst_of(const CheckResult& result) {
-  return *std::min_element(result.violations.begin(), result.violations.end(),
-                           [](const Violation& a, const Violation& b) {
-                             return a.worst.clearance_m < b.worst.clearance_m;
-                           });
 }
 
 Json moment_json(const Report& report, const CheckedMoment& moment, double clearance_m) {
@@ -98,11 +119,21 @@ Json moment_json(const Report& report, const CheckedMoment& moment, double clear
   return json;
 }
 
+void add_exact(Json& json, const ExactMoment& moment) {
+  const bool any = moment.exact_m < kNothingM;
+  json["exact_m"] = any ? Json(moment.exact_m) : Json(nullptr);
+  json["object_point_m"] = any ? Json(moment.scene_m) : Json(nullptr);
+}
+
 Json violation_json(const Report& report, const Violation& v) {
   Json json{{"from_s", v.from_s}, {"to_s", v.to_s}};
   json.update(moment_json(report, v.worst, v.clearance_m));
   json["beyond_cropped_side"] = v.worst.beyond_side;
   json["pushed_into_seat"] = v.pushed_into_seat;
+  if (const ExactViolation* exact = exact_of(report, v)) {
+    add_exact(json, exact->worst);
+    json["graze"] = exact->graze;
+  }
   return json;
 }
 
@@ -129,7 +160,8 @@ std::string xml(std::string_view plain) {
   return escaped_text;
 }
 
-// What a line of GitHub's must not hold as it is. In a property also ":" and ",".
+// Escapes the characters that a line of a GitHub annotation must not hold; in a property also ":"
+// and ",".
 std::string github_escaped(std::string_view plain, bool is_property) {
   std::string escaped_text;
   for (const char c : plain) {
@@ -155,19 +187,42 @@ std::string required_text(const Report& report) {
 
 }  // namespace
 
+const Violation& worst_of(const CheckResult& result) {
+  return *std::min_element(result.violations.begin(), result.violations.end(),
+                           [](const Violation& a, const Violation& b) {
+                             return a.worst.clearance_m < b.worst.clearance_m;
+                           });
+}
+
+const ExactViolation* exact_of(const Report& report, const Violation& v) {
+  if (!report.exact) return nullptr;
+  const auto number = static_cast<std::size_t>(&v - report.result.violations.data());
+  return number < report.exact->violations.size() ? &report.exact->violations[number] : nullptr;
+}
+
+std::vector<std::string> picture_title(const Report& report) {
+  const CheckResult& r = report.result;
+  if (r.clear()) return {"clear: " + required_text(report), least_text(report)};
+  return {"NOT clear: " + required_text(report), violation_text(report, worst_of(r))};
+}
+
 std::string verdict_text(const Report& report) {
   const CheckResult& r = report.result;
   std::string line = seat_text(report);
-  if (r.clear()) return line + "clear: " + required_text(report) + "; " + least_text(report) + "\n";
-  line += text("NOT clear: %s; not proven in %zu stretch%s\n", required_text(report).c_str(),
-               r.violations.size(), r.violations.size() == 1 ? "" : "es");
+  if (r.clear()) {
+    return line + "clear: " + required_text(report) + "; " + least_text(report) + "\n" +
+           seat_limit_text(report);
+  }
+  line += text("NOT clear: %s; %s in %zu stretch%s\n", required_text(report).c_str(),
+               report.exact ? "not kept" : "not proven", r.violations.size(),
+               r.violations.size() == 1 ? "" : "es");
   for (std::size_t n = 0; n < std::min(kListed, r.violations.size()); ++n) {
     line += "  " + violation_text(report, r.violations[n]) + "\n";
   }
   if (r.violations.size() > kListed) {
     line += text("  and %zu more\n", r.violations.size() - kListed);
   }
-  return line;
+  return line + seat_limit_text(report);
 }
 
 Json report_json(const Report& report) {
@@ -178,6 +233,11 @@ Json report_json(const Report& report) {
   json["required_clearance_m"] = report.options.clearance_m;
   json["least_clearance"] = moment_json(report, r.least, r.clearance_m);
   json["least_clearance"]["at_least"] = r.at_least;
+  if (report.exact) {
+    add_exact(json["least_clearance"], report.exact->least);
+    json["exact"] = {{"deviations_and_rounding_m", report.exact->margin_m},
+                     {"moments_measured", report.exact->moments}};
+  }
   json["poses"] = r.poses;
   json["moments_tested"] = r.moments_tested;
   json["motions_subdivided"] = r.motions_subdivided;
@@ -191,6 +251,7 @@ Json report_json(const Report& report) {
   for (const std::uint32_t object : r.seat_objects) {
     json["seat"].push_back(object_name(report.scene, object));
   }
+  if (!r.seated.empty()) json["narrowest_felt_m"] = narrowest_felt_m(report);
   json["threads"] = report.options.threads;
   json["seconds"] = {{"read", report.read_s},
                      {"check", report.check_s},
@@ -257,7 +318,9 @@ Status check_verdict(const Report& report) {
   if (report.result.clear()) return {};
   const Violation& worst = worst_of(report.result);
   return Error{ErrorCode::kAnswerIsNo, report.options.part, text("at %.3f s", worst.worst.time_s),
-               required_text(report) + ", but not proven: " + violation_text(report, worst), ""};
+               required_text(report) + (report.exact ? ", but not kept: " : ", but not proven: ") +
+                   violation_text(report, worst),
+               ""};
 }
 
 }  // namespace forcelayer::voxcheck

@@ -1,12 +1,16 @@
-// What a check comes to: for people, for scripts, and for the hosts of changes.
+// The report of a check: for people, for scripts, and for hosts of merge requests.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
+#include <vector>
 
+#include "formats/pshell.h"
 #include "formats/result.h"
 #include "formats/voxmap.h"
 #include "runtime/clearance/path_check.h"
+#include "runtime/voxcheck/exact_exchange.h"
 #include "runtime/voxcheck/options.h"
 
 namespace forcelayer::voxcheck {
@@ -15,9 +19,21 @@ namespace forcelayer::voxcheck {
 struct Report {
   const Options& options;
   const Voxmap& scene;
+  const Pshell& part;
   const clearance::CheckResult& result;
+  const std::optional<ExactAnswer>& exact;  // of --exact: violations are then in the same order
   double read_s = 0, check_s = 0;
 };
+
+// The violation with the least clearance; there must be one.
+const clearance::Violation& worst_of(const clearance::CheckResult& result);
+
+// What the meshes say of a violation of the report's; null without --exact, and for what they
+// cannot settle.
+const ExactViolation* exact_of(const Report& report, const clearance::Violation& violation);
+
+// The words above a picture: the verdict, and what is drawn.
+std::vector<std::string> picture_title(const Report& report);
 
 // The verdict, a line; for each of the first violations another one.
 std::string verdict_text(const Report& report);

@@ -74,7 +74,9 @@ void arrange(CLI::App& app) {
        {"Loop",
         {"--duration", "--rate", "--threads", "--as-fast-as-possible", "--model", "--force",
          "--no-braking"}},
-       {"Output", {"--trace", "--save-path", "--record", "--replay", "--udp", "--udp-rate"}}},
+       {"Output",
+        {"--trace", "--save-path", "--record", "--replay", "--on-new-scene", "--udp",
+         "--udp-rate"}}},
       "  voxrun bay.vox part.pshell --motion press.csv --trace run.csv   a scripted hand\n"
       "  voxrun bay.vox part.pshell --device hid --duration 10min        a hand on a device\n"
       "  voxrun opened.vox cover.pshell --motion lift.csv --fail-on penetration,seat\n"

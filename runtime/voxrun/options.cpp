@@ -142,6 +142,9 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
   app.add_option("--save-path", options_.save_path, "write the part's path, a CSV for voxcheck");
   app.add_option("--record", options_.record, "write a recording for --replay");
   app.add_option("--replay", options_.replay, "repeat a recording bit for bit");
+  app.add_flag("--on-new-scene", options_.on_new_scene,
+               "of a recording replay the inputs alone, on another bake")
+      ->needs("--replay");
   app.add_option("--udp", options_.udp, "send the pose stream to [HOST:]PORT");
   command::add_number(app, "--udp-rate", options_.udp_rate_hz,
                       "datagrams of the pose stream a second", kRates);

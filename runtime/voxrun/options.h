@@ -23,7 +23,7 @@ enum class AfterTrip {
   kRearm,  // it arms again by itself: simulated hands only
 };
 
-// What makes a run end with status 6: penetration in any case, and what --fail-on adds. Bits.
+// The events that make a run end with status 6, as bits: penetration always, others by --fail-on.
 enum FailOn : std::uint32_t {
   kFailOnPenetration = 1,  // a penetration frame
   kFailOnContact = 2,      // a contact, but with the objects of the open seat
@@ -44,6 +44,7 @@ struct Options {
   bool as_fast_as_possible = false;
   bool without_watchdog = false;
   bool quiet = false;
+  bool on_new_scene = false;        // --replay: its inputs alone, on any scene
   bool trust_plugin = false;        // its process keeps the user's rights
   std::string plugin, plugin_args;  // of the device "plugin"
   HidOptions hid;                   // of the devices "hid" and "spacemouse"

@@ -81,7 +81,12 @@ Status open_recording(const Options& options, const Voxmap& voxmap, const Pshell
                       Session& session) {
   auto recording = stream::Recording::open(options.replay);
   if (!recording) return recording.error();
-  if (Status same = recording->check_files(voxmap, shell); !same) return same;
+  if (options.on_new_scene) {
+    session.facts.warnings.push_back("--on-new-scene: the inputs of " + options.replay +
+                                     " alone; what comes of them is not compared");
+  } else if (Status same = recording->check_files(voxmap, shell); !same) {
+    return same;
+  }
   session.recording = std::move(*recording);
   auto replay = std::make_unique<stream::ReplayInput>(*session.recording);
   session.replay = replay.get();
@@ -138,10 +143,14 @@ Status prepare_run(const Options& options, Session& session) {
   if (session.recording) {
     const stream::RecordedRun& recorded = session.recording->run();
     session.start = recorded.start;
-    return recorded.world_from_seat ? session.run->simulation().find_seat(*recorded.world_from_seat)
-                                    : Status{};
+    if (recorded.world_from_seat) {
+      Status found = session.run->simulation().find_seat(*recorded.world_from_seat);
+      if (!found) return found;
+    }
+    if (!options.on_new_scene) return {};
+  } else if (Status held = take_hold(options, session); !held) {
+    return held;
   }
-  if (Status held = take_hold(options, session); !held) return held;
   const model::Simulation& simulation = session.run->simulation();
   if (Status sound = check_start(simulation, session.start.world_from_center); !sound) {
     if (!options.run.without_guarantee) return sound;
@@ -263,7 +272,8 @@ struct FrameOutputs {
 };
 
 Status check_replay(const Session& session) {
-  if (session.replay == nullptr || session.replay->differing_frames() == 0) return {};
+  const bool compared = session.replay != nullptr && !session.facts.options.on_new_scene;
+  if (!compared || session.replay->differing_frames() == 0) return {};
   return stream::outcome_differs(session.facts.options.replay, session.replay->first_difference());
 }
 

@@ -29,7 +29,10 @@ _forcelayer_complete
 COMP_WORDS=("$bin/voxinfo" ver) COMP_CWORD=1
 _forcelayer_complete
 [ "${COMPREPLY[*]}" = verify ] || fail "voxinfo ver completes to '${COMPREPLY[*]}'"
-for sub in 'voxinfo verify' 'voxinfo sample' 'voxinfo export' 'voxrun doctor'; do
+COMP_WORDS=("$bin/forcelayer" st) COMP_CWORD=1
+_forcelayer_complete
+[ "${COMPREPLY[*]}" = study ] || fail "forcelayer st completes to '${COMPREPLY[*]}'"
+for sub in 'voxinfo verify' 'voxinfo sample' 'voxinfo export' 'voxrun doctor' 'forcelayer study'; do
   read -r name word <<<"$sub"
   "$bin/$name" "$word" --help >help.txt
   for option in --json --quiet; do grep -q -- "^  $option" help.txt || fail "$sub has no $option"; done

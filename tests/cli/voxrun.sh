@@ -153,6 +153,7 @@ expect 4 'cut off' floor.vox ball.pshell --device replay --replay cut.flr
 
 # A replay with another scene is refused.
 expect 4 'recorded with' unlayered.vox ball.pshell --device replay --replay run.flr
+expect 2 'requires --replay' floor.vox ball.pshell --on-new-scene
 
 # Errors leave no output behind; a signal ends the run in order, with its report.
 rm -f bad.json bad.csv

@@ -42,7 +42,12 @@ void add_objects(const PicturePlan& plan, const ViewScene& scene,
 
 void add_scene(const PicturePlan& plan, const ViewScene& scene, std::vector<LegendEntry>& legend) {
   if (!scene.meshes.empty() && plan.shown[Item::kMeshes]) {
-    if (plan.color_objects) {
+    if (plan.measure) {
+      if (!plan.measure->object.empty()) {
+        legend.push_back({Swatch::kSquare, kMeasuredColor, 1, short_name(plan.measure->object)});
+      }
+      legend.push_back({Swatch::kSquare, kSceneColor, 0.6, "other objects"});
+    } else if (plan.color_objects) {
       add_objects(plan, scene, legend);
     } else {
       legend.push_back({Swatch::kSquare, kSceneColor, 1, "scene (mesh)"});

@@ -99,6 +99,13 @@ ViewOptionParser::ViewOptionParser(CLI::App& app) {
                  "color of the scene's meshes: one, or object for one each")
       ->check(CLI::IsMember({"one", "object"}))
       ->capture_default_str();
+  app.add_option("--measure", texts_.measure,
+                 "x0,y0,z0,x1,y1,z1: draw the distance of two points, the part's first");
+  app.add_option("--measure-object", texts_.measure_object,
+                 "the object that it leads to: in a color of its own, by its name");
+  app.add_option("--measure-words", texts_.measure_words, "beside it; its length");
+  app.add_option("--title", options_.title, "a line of words above the picture; repeatable")
+      ->allow_extra_args(false);
   app.add_flag("--quiet", options_.quiet, "print nothing but errors");
   app.add_flag("--plain", options_.plain, "flat opaque colors, no words: for measuring");
 }
@@ -177,11 +184,39 @@ Status ViewOptionParser::read_camera(ViewOptions& options) const {
   return {};
 }
 
+Status ViewOptionParser::read_measure(ViewOptions& options) const {
+  if (texts_.measure.empty()) {
+    if (texts_.measure_object.empty() && texts_.measure_words.empty()) return {};
+    return usage("--measure", "is missing", "give the two points");
+  }
+  const std::string_view text = texts_.measure;
+  std::size_t half = 0;  // behind the third comma
+  for (int commas = 0; half < text.size() && commas < 3; ++half) commas += text[half] == ',';
+  const auto part = command::parse_point(text.substr(0, half == 0 ? 0 : half - 1));
+  const auto object = command::parse_point(text.substr(half));
+  if (!part || !object) {
+    return usage("--measure", "'" + texts_.measure + "' is not two points",
+                 "give x0,y0,z0,x1,y1,z1 with units, as 0,0,1mm,0,0,5mm");
+  }
+  const auto point = [](const auto& p) { return glm::dvec3(p[0], p[1], p[2]); };
+  options.measure = {point(*part), point(*object), texts_.measure_object, texts_.measure_words};
+  if (options.measure->words.empty()) {
+    char words[40];
+    std::snprintf(words, sizeof words, "%.3f mm",
+                  1e3 * glm::length(options.measure->part_m - options.measure->object_m));
+    options.measure->words = words;
+  }
+  return options.screenshot.empty() && options.turntable.empty()
+             ? usage("--measure", "goes with --screenshot or --turntable", "give both")
+             : Status();
+}
+
 Result<ViewOptions> ViewOptionParser::finish() const {
   ViewOptions options = options_;
   if (Status units = read_units(options); !units) return units.error();
   if (Status moment = read_moment(options); !moment) return moment.error();
   if (Status camera = read_camera(options); !camera) return camera.error();
+  if (Status measure = read_measure(options); !measure) return measure.error();
   options.color_objects = texts_.color == "object";
   if (options.inputs.inputs.empty()) {
     return usage("", "nothing to show", "name meshes, a manifest, a .vox or a .pshell");

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "forcelayer/parameters.h"
 #include "forcelayer/pose.h"
@@ -18,6 +19,13 @@ class App;
 namespace forcelayer::viewer {
 
 enum class Focus { kAuto, kPart, kScene };
+
+// A distance that is drawn, from the part to an object of the scene.
+struct Measure {
+  glm::dvec3 part_m{0}, object_m{0};  // its ends, world
+  std::string object;                 // by name; empty: not known
+  std::string words;                  // beside the line
+};
 
 struct ViewOptions {
   ViewInputs inputs;
@@ -39,6 +47,8 @@ struct ViewOptions {
   std::optional<ItemSet> shown;
   bool color_objects = false;           // the meshes, each in a color of its own
   std::vector<std::string> hide, only;  // names of objects, as after --without of voxelize
+  std::optional<Measure> measure;
+  std::vector<std::string> title;  // lines in place of those that say what is shown
   bool plain = false, quiet = false;
 };
 
@@ -55,12 +65,14 @@ class ViewOptionParser {
   struct Texts {
     std::string units, part_units, size = "1600x1000", at, duration, part_pose, grip, model, force;
     std::string view_from, focus = "auto", cut, shown, color = "one";
+    std::string measure, measure_object, measure_words;
     int pixels_per_voxel = 0;
     double scale = 0;
   };
   Status read_units(ViewOptions& options) const;
   Status read_moment(ViewOptions& options) const;
   Status read_camera(ViewOptions& options) const;
+  Status read_measure(ViewOptions& options) const;
 
   ViewOptions options_;
   Texts texts_;

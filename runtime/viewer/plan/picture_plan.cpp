@@ -11,6 +11,8 @@
 namespace forcelayer::viewer {
 namespace {
 
+constexpr double kMeasureMargin = 1.3;  // half of a picture's height, over the end of a measure
+
 // Errors: kUsage for a time that the run does not have.
 Result<std::optional<Moment>> plan_moment(const ViewOptions& options,
                                           const std::vector<TraceRow>& rows) {
@@ -67,13 +69,18 @@ glm::dvec3 usual_direction(const ViewOptions& options) {
 CameraView part_camera(const ViewOptions& options, const ViewScene& scene, const Moment& moment) {
   glm::dvec3 direction = options.to_eye.value_or(usual_direction(options));
   if (!options.to_eye && !options.cut && scene.voxmap) {
-    direction = clearest_direction(*scene.voxmap, points_to_see(scene, moment),
-                                   sum_of_forces(moment.contacts),
+    const glm::dvec3 across = options.measure ? options.measure->object_m - options.measure->part_m
+                                              : sum_of_forces(moment.contacts);
+    direction = clearest_direction(*scene.voxmap, points_to_see(scene, moment), across,
                                    glm::length(scene.bounds.high_m - scene.bounds.low_m));
   }
   CameraView view = camera_along(direction);
   view.target_m = world_from_center(moment.world_from_part, *scene.shell).position_m;
   view.half_height_m = kPartFocus * scene.shell->header().bounding_radius_m;
+  if (options.measure) {
+    const double away_m = glm::length(options.measure->object_m - view.target_m);
+    view.half_height_m = std::max(view.half_height_m, kMeasureMargin * away_m);
+  }
   return view;
 }
 
@@ -206,7 +213,9 @@ Status add_moment(const ViewOptions& options, const ViewScene& scene, Moment mom
     if (!source) return source.error();
     set_contacts(moment, (*source)->at(moment.world_from_part));
   }
-  for (const std::string& line : describe(moment)) plan.title.push_back(line);
+  if (options.title.empty()) {
+    for (const std::string& line : describe(moment)) plan.title.push_back(line);
+  }
   plan.moment = std::move(moment);
   plan.camera = plan_camera(options, scene, plan.moment);
   return {};
@@ -225,7 +234,9 @@ Result<PicturePlan> plan_picture(const ViewOptions& options, const ViewScene& sc
   auto hidden = hidden_objects(object_names(scene), options.hide, options.only);
   if (!hidden) return hidden.error();
   plan.hidden = std::move(*hidden);
-  plan.title = {describe(scene)};
+  plan.measure = options.measure;
+  plan.title = options.title;
+  if (plan.title.empty()) plan.title = {describe(scene)};
   auto planned = plan_moment(options, rows);
   if (!planned) return planned.error();
   std::optional<Moment>& moment = *planned;

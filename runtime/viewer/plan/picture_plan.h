@@ -26,6 +26,7 @@ struct PicturePlan {
   std::optional<LayerChange> change;  // of the force layer
   bool color_objects = false;         // the meshes of the scene
   std::vector<std::string> hidden;    // objects, by name
+  std::optional<Measure> measure;
   bool plain = false;
 
   double meters_per_pixel() const { return 2 * camera.half_height_m / height; }

@@ -20,6 +20,7 @@ inline constexpr Color kContactColor = {0.70, 0.08, 0.05};
 inline constexpr Color kPenetrationColor = {0.55, 0.0, 0.55};
 inline constexpr Color kGhostColor = {0.0, 0.45, 0.70};
 inline constexpr Color kNetForceColor = {0.05, 0.05, 0.05};
+inline constexpr Color kMeasuredColor = {0.0, 0.45, 0.70};
 inline constexpr Color kMissingFaceColor = {0.84, 0.37, 0.0};
 inline constexpr Color kMeasureColor = {0.0, 0.62, 0.45};
 inline constexpr Color kAddedColor = {0.0, 0.45, 0.70};
@@ -29,6 +30,7 @@ inline constexpr Color kRemovedColor = {0.84, 0.37, 0.0};
 // the eye's left shoulder.
 inline constexpr std::array<double, 3> kToLight = {-0.2, 0.35, 0.915};
 
+inline constexpr double kOthersOpacity = 0.25;  // of objects beside one that is measured
 inline constexpr double kForceLayerOpacity = 0.28;
 inline constexpr double kProximityOpacity = 0.12;
 inline constexpr double kUnchangedOpacity = 0.08;  // of the force layer where changes are shown

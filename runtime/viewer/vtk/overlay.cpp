@@ -81,6 +81,7 @@ struct Overlay::Drawing {
   std::vector<LegendEntry> legend;
   std::optional<FrameKind> state;
   std::vector<TreeLine> tree;
+  std::optional<DrawnMeasure> measure;
   std::size_t first_line = 0, drawn_lines = 0;  // of the tree, as drawn: from `tree_top` down,
   double tree_top = 0, tree_right = 0, line_height = 0;  // so far to the right, each so high
 
@@ -234,6 +235,60 @@ struct Overlay::Drawing {
     }
   }
 
+  void line(const Pixel& from, const Pixel& to, double thick, const Color& color) {
+    const double dx = to.x - from.x, dy = to.y - from.y, length = std::hypot(dx, dy);
+    if (length == 0) return;
+    const double u = -dy / length * thick / 2, v = dx / length * thick / 2;
+    shapes.polygon({{from.x + u, from.y + v},
+                    {to.x + u, to.y + v},
+                    {to.x - u, to.y - v},
+                    {from.x - u, from.y - v}},
+                   color, 1);
+  }
+
+  void dot(const Pixel& at, double radius, const Color& color) {
+    std::vector<Pixel> loop;
+    for (int n = 0; n < 20; ++n) {
+      const double a = 2 * std::numbers::pi * n / 20;
+      loop.push_back({at.x + radius * std::cos(a), at.y + radius * std::sin(a)});
+    }
+    shapes.polygon(loop, color, 1);
+  }
+
+  // Words at the end of a thin line that leads away from a place.
+  void note(const std::string& words, const Pixel& at, const Pixel& towards, double away, int width,
+            int height) {
+    if (words.empty()) return;
+    constexpr double kSize = 16;
+    const double edge = 20 * scale, extent = text_width(words, kSize);
+    Pixel end{at.x + towards.x * away * scale, at.y + towards.y * away * scale};
+    end.x = std::clamp(end.x, edge + (towards.x < 0 ? extent : 0),
+                       width - edge - (towards.x < 0 ? 0 : extent));
+    end.y = std::clamp(end.y, 3 * edge, height - 6 * edge);
+    line(at, end, 1.5 * scale, kInk);
+    const double y = end.y + (towards.y < 0 ? -kSize * scale : 3 * scale);
+    write(words, end.x, y, kSize, true, towards.x < 0);
+  }
+
+  void draw_measure(int width, int height) {
+    const Pixel part{measure->part_x, measure->part_y};
+    const Pixel object{measure->object_x, measure->object_y};
+    const Pixel middle{(part.x + object.x) / 2, (part.y + object.y) / 2};
+    const double length = std::hypot(object.x - part.x, object.y - part.y);
+    Pixel away{1, 0};
+    if (length > 0) away = {(object.x - part.x) / length, (object.y - part.y) / length};
+    const Pixel across = away.x >= 0 ? Pixel{-away.y, away.x} : Pixel{away.y, -away.x};
+    line(part, object, 7 * scale, kBackground);
+    line(part, object, 3.5 * scale, kContactColor);
+    for (const Pixel& end : {part, object}) {
+      dot(end, 7 * scale, kBackground);
+      dot(end, 5 * scale, kContactColor);
+    }
+    note(measure->words, middle, across, 60, width, height);
+    note(measure->object, object, away, 70, width, height);
+    note("part", part, {-away.x, -away.y}, 70, width, height);
+  }
+
   void draw_scale_bar(int width, double meters_per_pixel, int reserved) {
     const ScaleLength bar = round_length(0.2 * width * meters_per_pixel);
     const double length = bar.length_m / meters_per_pixel;
@@ -272,6 +327,8 @@ std::optional<std::size_t> Overlay::tree_line_at(int x, int y) const {
   return d.first_line + line;
 }
 
+void Overlay::set_measure(const DrawnMeasure& measure) { drawing_->measure = measure; }
+
 void Overlay::set_legend(const std::vector<LegendEntry>& entries) { drawing_->legend = entries; }
 
 void Overlay::lay_out(int width, int height, double meters_per_pixel, int reserved) {
@@ -282,6 +339,7 @@ void Overlay::lay_out(int width, int height, double meters_per_pixel, int reserv
   d.clear();
   d.draw_title(width, height);
   d.draw_tree(reserved);
+  if (d.measure) d.draw_measure(width, height);
   d.draw_legend(width, height, reserved);
   if (meters_per_pixel > 0) d.draw_scale_bar(width, meters_per_pixel, reserved);
 }

@@ -22,6 +22,12 @@ struct TreeLine {
   bool selected = false;
 };
 
+// A distance as it lies on the picture, in pixels from the lower left.
+struct DrawnMeasure {
+  double part_x, part_y, object_x, object_y;
+  std::string words, object;
+};
+
 class Overlay {
  public:
   // `scale`: pixels of the picture per pixel of the design (2 where the picture is shrunk by 2).
@@ -31,6 +37,7 @@ class Overlay {
   void set_title(const std::vector<std::string>& lines);     // top left, the first one larger
   void set_state(std::optional<FrameKind> state);            // under its first line; none: no
   void set_legend(const std::vector<LegendEntry>& entries);  // top right
+  void set_measure(const DrawnMeasure& measure);
   // On the left under the title, as many as there is room for, the selected one among them.
   void set_tree(const std::vector<TreeLine>& lines);
   std::optional<std::size_t> tree_line_at(int x, int y) const;  // of the pixel, from the lower left

@@ -11,6 +11,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <glm/geometric.hpp>
 #include <optional>
 #include <span>
 #include <vector>
@@ -68,6 +69,20 @@ Status write_file(const std::filesystem::path& path, std::span<const std::byte> 
   return file->commit();
 }
 
+// Where a measure lies on a picture of that many pixels.
+DrawnMeasure drawn(const Measure& measure, const CameraView& view, int width, int height) {
+  const glm::dvec3 right = glm::cross(view.up, view.to_eye);
+  const double pixels_per_m = height / (2 * view.half_height_m);
+  const auto x = [&](const glm::dvec3& p) {
+    return width / 2.0 + pixels_per_m * glm::dot(p - view.target_m, right);
+  };
+  const auto y = [&](const glm::dvec3& p) {
+    return height / 2.0 + pixels_per_m * glm::dot(p - view.target_m, view.up);
+  };
+  return {x(measure.part_m),   y(measure.part_m),      x(measure.object_m),
+          y(measure.object_m), escaped(measure.words), escaped(measure.object)};
+}
+
 // The renderers of a picture: the world, marks over it, words over both.
 struct Layers {
   vtkNew<vtkRenderer> world, marks, words;
@@ -110,7 +125,7 @@ class Drawing {
     }
     triad_.emplace(layers_.window, 1);
     overlay_.set_title(plan.title);
-    if (plan.moment) overlay_.set_state(plan.moment->kind());
+    if (plan.moment && !plan.measure) overlay_.set_state(plan.moment->kind());
     overlay_.set_legend(legend_of(plan, scene));
   }
 
@@ -131,6 +146,7 @@ class Drawing {
     const int width = plan_.width * sampling_, height = plan_.height * sampling_;
     triad_->aim(camera.to_eye, camera.up, width, height,
                 static_cast<int>(std::lround(150 * sampling_ * plan_.scale)));
+    if (plan_.measure) overlay_.set_measure(drawn(*plan_.measure, camera, width, height));
     overlay_.lay_out(width, height, 2 * camera.half_height_m / height);
   }
 

@@ -148,7 +148,7 @@ struct Stage::Actors {
   VoxelFaces cut_force_layer, cut_proximity, force_layer, proximity;
   VoxelFaces quick_force_layer, quick_proximity;
   std::vector<PolyData> mesh_data, mesh_edge_data;  // [meshes of the scene]
-  Actor meshes, mesh_edges, missing_faces;
+  Actor meshes, mesh_edges, missing_faces, measured, measured_edges;
   Actor part, part_edges, target, shell, spring, measurement;
   Glyphs contact_points{sphere(), kContactColor, false};
   Glyphs contact_forces{arrow(9), kContactColor, true};
@@ -192,8 +192,9 @@ Stage::Stage(const ViewScene& scene, const PicturePlan& plan, vtkRenderer* world
       marks_(marks),
       actors_(std::make_unique<Actors>(world, plan.change.has_value())),
       scale_(plan.scale),
-      hidden_meshes_(scene.meshes.size(), 0) {
-  build_scene(plan.color_objects);
+      hidden_meshes_(scene.meshes.size(), 0),
+      measured_(scene.meshes.size(), 0) {
+  build_scene(plan);
   build_layers();
   build_change(plan.change);
   build_part();
@@ -217,7 +218,8 @@ Stage::Stage(const ViewScene& scene, const PicturePlan& plan, vtkRenderer* world
   observer_ = world_->AddObserver(vtkCommand::StartEvent, start);
 }
 
-void Stage::build_scene(bool color_objects) {
+void Stage::build_scene(const PicturePlan& plan) {
+  const bool color_objects = plan.color_objects;
   if (scene_.meshes.empty()) return;
   for (std::size_t n = 0; n < scene_.meshes.size(); ++n) {
     const PolyData& data = actors_->mesh_data.emplace_back(poly_data_of(scene_.meshes[n]));
@@ -228,7 +230,18 @@ void Stage::build_scene(bool color_objects) {
   actors_->meshes->GetMapper()->SetScalarModeToUseCellData();
   actors_->meshes->GetMapper()->SetScalarVisibility(color_objects);
   actors_->mesh_edges = line_actor(PolyData::New(), kEdgeColor, scale_);
+  if (plan.measure) {
+    for (std::size_t n = 0; n < scene_.meshes.size(); ++n) {
+      measured_[n] = scene_.meshes[n].name == plan.measure->object ? 1 : 0;
+    }
+    actors_->meshes->GetProperty()->SetOpacity(kOthersOpacity);
+    actors_->mesh_edges->GetProperty()->SetOpacity(kOthersOpacity);
+  }
+  actors_->measured = surface_actor(PolyData::New(), kMeasuredColor);
+  actors_->measured_edges = line_actor(PolyData::New(), kInk, scale_);
   draw_meshes();
+  world_->AddActor(actors_->measured);
+  world_->AddActor(actors_->measured_edges);
   world_->AddActor(actors_->meshes);
   world_->AddActor(actors_->mesh_edges);
   if (scene_.missing_faces.empty()) return;
@@ -244,17 +257,19 @@ void Stage::build_scene(bool color_objects) {
 // One actor for all: an assembly of hundreds of parts turns as fast as one part. Edges mesh by
 // mesh: where two parts touch, both keep theirs.
 void Stage::draw_meshes() {
-  const auto draw = [&](const Actor& actor, const std::vector<PolyData>& data) {
+  const auto draw = [&](const Actor& actor, const std::vector<PolyData>& data, bool measured) {
     vtkNew<vtkAppendPolyData> all;
     for (std::size_t n = 0; n < data.size(); ++n) {
-      if (hidden_meshes_[n] == 0) all->AddInputData(data[n]);
+      if (hidden_meshes_[n] == 0 && (measured_[n] != 0) == measured) all->AddInputData(data[n]);
     }
     const bool any = all->GetNumberOfInputConnections(0) > 0;
     if (any) all->Update();
     replace_data(actor, any ? PolyData(all->GetOutput()) : PolyData::New());
   };
-  draw(actors_->meshes, actors_->mesh_data);
-  draw(actors_->mesh_edges, actors_->mesh_edge_data);
+  draw(actors_->meshes, actors_->mesh_data, false);
+  draw(actors_->mesh_edges, actors_->mesh_edge_data, false);
+  draw(actors_->measured, actors_->mesh_data, true);
+  draw(actors_->measured_edges, actors_->mesh_edge_data, true);
 }
 
 void Stage::build_layers() {
@@ -347,7 +362,8 @@ void Stage::show(const ItemSet& shown) {
   const auto set = [&](const Actor& actor, Item what) {
     if (actor != nullptr) actor->SetVisibility(shown[what]);
   };
-  for (const Actor& actor : {a.meshes, a.mesh_edges, a.missing_faces}) {
+  for (const Actor& actor :
+       {a.meshes, a.mesh_edges, a.missing_faces, a.measured, a.measured_edges}) {
     set(actor, Item::kMeshes);
   }
   for (const Actor& actor : {a.part, a.part_edges}) set(actor, Item::kPart);
@@ -380,7 +396,7 @@ void Stage::cut(const std::optional<Cut>& cut) {
     plane->SetNormal(normal);
     plane->SetOrigin(origin);
   }
-  for (const Actor& actor : {a.meshes, a.mesh_edges}) {
+  for (const Actor& actor : {a.meshes, a.mesh_edges, a.measured, a.measured_edges}) {
     if (actor == nullptr) continue;
     actor->GetMapper()->RemoveAllClippingPlanes();
     if (cut) actor->GetMapper()->AddClippingPlane(plane);

@@ -57,7 +57,7 @@ class Stage {
 
  private:
   struct Actors;
-  void build_scene(bool color_objects);
+  void build_scene(const PicturePlan& plan);
   void draw_meshes();
   void build_layers();
   void build_change(const std::optional<LayerChange>& change);
@@ -74,6 +74,7 @@ class Stage {
   std::uint64_t voxel_rectangles_ = 0;
   std::uint64_t most_rectangles_ = 0;  // of one layer
   std::vector<char> hidden_meshes_;    // [meshes of the scene]
+  std::vector<char> measured_;         // [meshes of the scene] drawn for themselves
   HiddenObjects hidden_objects_;       // [objects of the voxmap + 1]; empty: none
   std::optional<Cut> cut_;
   ItemSet shown_;

@@ -1,0 +1,29 @@
+// Another program of this project, started by one.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "formats/result.h"
+
+namespace forcelayer::command {
+
+enum class ProgramOutput { kTaken, kShown };
+
+struct ProgramEnd {
+  int status = 0;      // its exit status; 128+n on signal n
+  std::string output;  // what it wrote to the standard output, where that was taken
+};
+
+// Where a program of this project stands: beside the running one, else, in PATH; empty where it is
+// in neither.
+std::string program_path(const std::string& name);
+
+// Runs the program to its end. `input` is its standard input. Its standard error is this one's.
+// Errors: kFileNotFound, with `package` as the mend, where it is not installed; kInternal where the
+// system refuses to start it.
+Result<ProgramEnd> run_program(const std::string& name, const std::vector<std::string>& arguments,
+                               const std::string& input, ProgramOutput output,
+                               const std::string& package);
+
+}  // namespace forcelayer::command

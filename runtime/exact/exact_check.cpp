@@ -1,0 +1,169 @@
+#include "runtime/exact/exact_check.h"
+
+#include <algorithm>
+#include <glm/geometric.hpp>
+
+#include "formats/command/text.h"
+#include "runtime/clearance/center_path.h"
+#include "runtime/exact/exact_walk.h"
+#include "runtime/exact/surfaces.h"
+#include "runtime/run/baked_files.h"
+#include "runtime/voxcheck/path_source.h"
+
+namespace forcelayer::exact {
+namespace {
+
+using voxcheck::ExactAnswer;
+using voxcheck::ExactMoment;
+using voxcheck::ExactRequest;
+using voxcheck::ExactViolation;
+
+// In voxels: how closely the least distance is told, and where a stretch begins and ends.
+constexpr double kWithinVoxels = 1e-3, kResolutionVoxels = 1.0 / 64;
+
+class ExactCheck {
+ public:
+  ExactCheck(const ExactRequest& request, const Voxmap& voxmap, const Pshell& shell,
+             const std::vector<PathRow>& rows, const Surface& scene, const Surface& part)
+      : request_(request),
+        rows_(rows),
+        voxel_m_(voxmap.voxel_size_m()),
+        rounding_m_(kRounding * largest_m(scene, part)),
+        margin_m_(rounding_m_ + voxmap.header().static_deviation_m +
+                  shell.header().part_deviation_m),
+        all_(without(scene, request.allowed)),
+        other_(without(all_, request.seat)),
+        everything_(all_, part),
+        seated_(other_, part),
+        path_(rows,
+              {shell.header().center_m[0], shell.header().center_m[1], shell.header().center_m[2]},
+              radius_m(part)),
+        walk_(path_, everything_, seated_, rounding_m_) {}
+
+  Result<ExactAnswer> answer() {
+    ExactAnswer answer;
+    answer.margin_m = margin_m_;
+    add_violations(answer);
+    add_least(answer);
+    answer.moments = walk_.measured();
+    if (const auto& found = walk_.contradiction()) {
+      return Error{ErrorCode::kFilesDoNotMatch, request_.scene, "--exact",
+                   command::text("at %.3f s the meshes are %.6f mm apart, and the files prove %.6f "
+                                 "mm: they were baked from others",
+                                 found->time_s, 1e3 * found->exact_m, 1e3 * found->proven_m),
+                   "name the inputs of the bakes"};
+    }
+    return answer;
+  }
+
+ private:
+  static double radius_m(const Surface& part) {
+    double radius = 0;
+    for (const glm::dvec3& vertex : part.vertices_m) radius = std::max(radius, glm::length(vertex));
+    return radius;
+  }
+  // Of all coordinates that are reckoned with. The part goes where the path takes it.
+  double largest_m(const Surface& scene, const Surface& part) const {
+    double largest = std::max(scene.largest_m, part.largest_m);
+    for (const PathRow& row : rows_) {
+      for (const double x : row.position_m) {
+        largest = std::max(largest, std::abs(x) + part.largest_m);
+      }
+    }
+    return largest;
+  }
+
+  Piece piece_of(const voxcheck::ProvenStretch& stretch) const {
+    return {path_.at(stretch.from_s), path_.at(stretch.to_s), stretch.proven_m, stretch.seated};
+  }
+
+  ExactMoment exact_moment(const Sample& sample) const {
+    const MeshDistance& m = sample.measured;
+    ExactMoment moment{path_.time_s(sample.moment),
+                       std::min(m.distance_m, voxcheck::kNothingM),
+                       0,
+                       {m.part_m.x, m.part_m.y, m.part_m.z},
+                       {m.scene_m.x, m.scene_m.y, m.scene_m.z}};
+    const Surface& surface = sample.seated ? other_ : all_;
+    if (m.scene_triangle < surface.object.size()) moment.object = surface.object[m.scene_triangle];
+    return moment;
+  }
+
+  void add_violation(std::vector<Piece> pieces, ExactAnswer& answer) {
+    ExactViolation violation;
+    violation.from_s = path_.time_s(pieces.front().from);
+    violation.to_s = path_.time_s(pieces.back().to);
+    const auto least = walk_.least(std::move(pieces), kWithinVoxels * voxel_m_);
+    violation.clearance_m = std::max(0.0, least.at_least_m - margin_m_);
+    violation.worst = exact_moment(least.sample);
+    violation.graze = violation.worst.exact_m >= request_.required_m - rounding_m_;
+    answer.violations.push_back(violation);
+    take(least.sample);
+  }
+
+  void take(const Sample& sample) {
+    const auto distance = [](const Sample& s) { return s.measured.distance_m; };
+    if (!nearest_ || distance(sample) < distance(*nearest_)) nearest_ = sample;
+  }
+
+  // What is too near by the files is cut down to what is too near by the meshes.
+  void add_violations(ExactAnswer& answer) {
+    std::vector<Piece> pieces;  // that follow each other
+    for (const auto& stretch : request_.stretches) {
+      if (!stretch.too_near) continue;
+      const auto nearer = walk_.nearer_than(piece_of(stretch), request_.required_m + margin_m_,
+                                            kResolutionVoxels * voxel_m_);
+      for (const Piece& piece : nearer) {
+        const bool follows = !pieces.empty() && pieces.back().seated == piece.seated &&
+                             path_.time_s(pieces.back().to) == path_.time_s(piece.from);
+        if (!follows && !pieces.empty()) add_violation(std::move(pieces), answer), pieces = {};
+        pieces.push_back(piece);
+      }
+    }
+    if (!pieces.empty()) add_violation(std::move(pieces), answer);
+  }
+
+  void add_least(ExactAnswer& answer) {
+    std::vector<Piece> pieces;
+    for (const auto& stretch : request_.stretches) {
+      if (request_.most_m && stretch.proven_m > *request_.most_m) continue;
+      pieces.push_back(piece_of(stretch));
+      if (stretch.from_s <= request_.least_s && request_.least_s <= stretch.to_s) {
+        take(walk_.at(path_.at(request_.least_s), stretch.seated));
+      }
+    }
+    const auto least = walk_.least(std::move(pieces), kWithinVoxels * voxel_m_, nearest_);
+    answer.least = exact_moment(least.sample);
+    answer.clearance_m = std::max(0.0, least.at_least_m - margin_m_);
+  }
+
+  const ExactRequest& request_;
+  const std::vector<PathRow>& rows_;
+  double voxel_m_, rounding_m_, margin_m_;
+  Surface all_, other_;
+  MeshPair everything_, seated_;
+  clearance::CenterPath path_;
+  ExactWalk walk_;
+  std::optional<Sample> nearest_;  // so far
+};
+
+}  // namespace
+
+Result<ExactAnswer> check_exactly(const ExactRequest& request) {
+  const auto voxmap = open_scene(request.scene);
+  if (!voxmap) return voxmap.error();
+  const auto shell = open_part(request.part);
+  if (!shell) return shell.error();
+  std::vector<std::string> warnings;
+  const auto scene = read_scene_surface(request, *voxmap, warnings);
+  if (!scene) return scene.error();
+  const auto part = read_part_surface(request, *shell, warnings);
+  if (!part) return part.error();
+  const auto rows = voxcheck::read_part_path(request.path, request.scene, request.part);
+  if (!rows) return rows.error();
+  auto answer = ExactCheck(request, *voxmap, *shell, *rows, *scene, *part).answer();
+  if (answer) answer->warnings = std::move(warnings);
+  return answer;
+}
+
+}  // namespace forcelayer::exact

@@ -1,0 +1,37 @@
+// The meshes that a scene and a part were baked from, as the surfaces whose distance is measured.
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "formats/mesh/mesh.h"
+#include "formats/pshell.h"
+#include "formats/result.h"
+#include "formats/voxmap.h"
+#include "runtime/voxcheck/exact_exchange.h"
+
+namespace forcelayer::exact {
+
+// Triangles in one frame.
+struct Surface {
+  std::vector<glm::dvec3> vertices_m;
+  std::vector<mesh::Triangle> triangles;
+  std::vector<std::uint32_t> object;  // [triangles] number in the voxmap; 0: it names none
+  double largest_m = 0;               // of all coordinates
+};
+
+// The scene in the world.
+Result<Surface> read_scene_surface(const voxcheck::ExactRequest& request, const Voxmap& voxmap,
+                                   std::vector<std::string>& warnings);
+
+// The part about its centroid, PshellHeader::center_m.
+Result<Surface> read_part_surface(const voxcheck::ExactRequest& request, const Pshell& shell,
+                                  std::vector<std::string>& warnings);
+
+// The triangles of those objects that are not among `left_out`.
+Surface without(const Surface& surface, std::span<const std::uint32_t> left_out);
+
+}  // namespace forcelayer::exact

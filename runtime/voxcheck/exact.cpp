@@ -1,0 +1,102 @@
+#include "runtime/voxcheck/exact.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "formats/command/program.h"
+
+namespace forcelayer::voxcheck {
+namespace {
+
+using clearance::CheckedMoment;
+using clearance::CheckResult;
+using clearance::Violation;
+
+ExactRequest request_of(const Options& options, const clearance::LeftOut& allowed,
+                        const CheckResult& result) {
+  ExactRequest request;
+  request.scene = options.scene;
+  request.part = options.part;
+  request.path = options.path;
+  request.meshes = options.meshes;
+  request.part_meshes = options.part_meshes;
+  request.without = options.without;
+  request.unit_m = options.unit_m;
+  request.part_unit_m = options.part_unit_m ? options.part_unit_m : options.unit_m;
+  request.allow_outside = options.allow_outside;
+  request.required_m = options.clearance_m;
+  request.least_s = result.least.time_s;
+  if (std::isfinite(result.least.most_m) && !result.at_least) {
+    request.most_m = result.least.most_m;
+  }
+  for (std::uint32_t object = 1; object < allowed.size(); ++object) {
+    if (allowed[object] != 0) request.allowed.push_back(object);
+  }
+  request.seat = result.seat_objects;
+  const auto lies_in = [](const auto& piece, const auto& stretch) {
+    return piece.from_s >= stretch.from_s && piece.to_s <= stretch.to_s;
+  };
+  for (const clearance::CurvePiece& piece : result.curve) {
+    ProvenStretch stretch{piece.from_s, piece.to_s, piece.clearance_m};
+    for (const auto& v : result.violations) {
+      stretch.too_near |= !v.pushed_into_seat && lies_in(piece, v);
+    }
+    for (const auto& seated : result.seated) stretch.seated |= lies_in(piece, seated);
+    // What is clear and cannot have the least distance need not be measured.
+    if (!stretch.too_near && request.most_m && stretch.proven_m > *request.most_m) continue;
+    request.stretches.push_back(stretch);
+  }
+  return request;
+}
+
+CheckedMoment checked(const ExactMoment& moment, double clearance_m, double margin_m) {
+  const auto& p = moment.part_m;
+  CheckedMoment checked;
+  checked.clearance_m = clearance_m;
+  checked.most_m = moment.exact_m + margin_m;
+  checked.time_s = moment.time_s;
+  checked.object = moment.object;
+  checked.point_m = {p[0], p[1], p[2]};
+  return checked;
+}
+
+void take(const ExactAnswer& answer, CheckResult& result) {
+  std::vector<Violation> violations;
+  for (const ExactViolation& v : answer.violations) {
+    violations.push_back(
+        {v.from_s, v.to_s, v.clearance_m, checked(v.worst, v.clearance_m, answer.margin_m), false});
+  }
+  for (const Violation& v : result.violations) {
+    if (v.pushed_into_seat) violations.push_back(v);
+  }
+  result.violations = std::move(violations);
+  if (answer.least.exact_m >= kNothingM) return;  // no object counts
+  // What the files prove may be more than what a distance less the deviations comes to.
+  result.clearance_m = std::max(result.clearance_m, answer.clearance_m);
+  result.least = checked(answer.least, result.clearance_m, answer.margin_m);
+  result.at_least = false;
+}
+
+}  // namespace
+
+Result<ExactAnswer> settle_exactly(const Options& options, const clearance::LeftOut& allowed,
+                                   CheckResult& result) {
+  const auto end =
+      command::run_program("voxcheck-exact", {}, text_of(request_of(options, allowed, result)),
+                           command::ProgramOutput::kTaken, "forcelayer-tools");
+  if (!end) return end.error();
+  if (end->status != 0) {
+    return Error{ErrorCode::kInternal, "", "--exact",
+                 "voxcheck-exact ended with status " + std::to_string(end->status), ""};
+  }
+  auto answer = exact_answer(end->output);
+  if (!answer) return answer;
+  for (const std::string& warning : answer->warnings) {
+    if (!options.quiet) std::fprintf(stderr, "voxcheck: warning: %s\n", warning.c_str());
+  }
+  take(*answer, result);
+  return answer;
+}
+
+}  // namespace forcelayer::voxcheck

@@ -1,0 +1,134 @@
+#include "runtime/voxcheck/exact_exchange.h"
+
+#include <nlohmann/json.hpp>
+
+namespace forcelayer::voxcheck {
+// Found by their arguments alone, so not in a nameless namespace.
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactMoment, time_s, exact_m, object, part_m, scene_m)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactViolation, from_s, to_s, clearance_m, worst, graze)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactAnswer, clearance_m, margin_m, least, violations, moments,
+                                   warnings)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ProvenStretch, from_s, to_s, proven_m, too_near, seated)
+
+namespace {
+
+using Json = nlohmann::json;
+
+// File names need not be UTF-8: bytes as numbers.
+std::vector<int> bytes_of(const std::string& text) {
+  std::vector<int> bytes;
+  for (const char c : text) bytes.push_back(static_cast<unsigned char>(c));
+  return bytes;
+}
+std::string text_from(const Json& bytes) {
+  std::string text;
+  for (const int byte : bytes.get<std::vector<int>>()) text += static_cast<char>(byte);
+  return text;
+}
+Json bytes_of(const std::vector<std::string>& texts) {
+  Json list = Json::array();
+  for (const std::string& text : texts) list.push_back(bytes_of(text));
+  return list;
+}
+std::vector<std::string> texts_from(const Json& list) {
+  std::vector<std::string> texts;
+  for (const Json& bytes : list) texts.push_back(text_from(bytes));
+  return texts;
+}
+
+Json or_null(const std::optional<double>& value) { return value ? Json(*value) : Json(); }
+std::optional<double> unless_null(const Json& json) {
+  return json.is_null() ? std::nullopt : std::optional<double>(json.get<double>());
+}
+
+template <typename T>
+Result<T> read(const std::string& text, T (*take)(const Json&)) {
+  try {
+    return take(Json::parse(text));
+  } catch (const Json::exception& e) {
+    return Error{
+        ErrorCode::kInternal, "", "--exact",
+        std::string("voxcheck and voxcheck-exact do not understand each other: ") + e.what(),
+        "install both of one version"};
+  }
+}
+
+}  // namespace
+
+std::string text_of(const ExactRequest& r) {
+  return Json{{"scene", bytes_of(r.scene)},
+              {"part", bytes_of(r.part)},
+              {"path", bytes_of(r.path)},
+              {"meshes", bytes_of(r.meshes)},
+              {"part_meshes", bytes_of(r.part_meshes)},
+              {"without", bytes_of(r.without)},
+              {"unit_m", or_null(r.unit_m)},
+              {"part_unit_m", or_null(r.part_unit_m)},
+              {"allow_outside", r.allow_outside},
+              {"required_m", r.required_m},
+              {"least_s", r.least_s},
+              {"most_m", or_null(r.most_m)},
+              {"allowed", r.allowed},
+              {"seat", r.seat},
+              {"stretches", r.stretches}}
+      .dump();
+}
+
+Result<ExactRequest> exact_request(const std::string& text) {
+  return read<ExactRequest>(
+      text, +[](const Json& json) {
+        ExactRequest r;
+        r.scene = text_from(json.at("scene"));
+        r.part = text_from(json.at("part"));
+        r.path = text_from(json.at("path"));
+        r.meshes = texts_from(json.at("meshes"));
+        r.part_meshes = texts_from(json.at("part_meshes"));
+        r.without = texts_from(json.at("without"));
+        r.unit_m = unless_null(json.at("unit_m"));
+        r.part_unit_m = unless_null(json.at("part_unit_m"));
+        json.at("allow_outside").get_to(r.allow_outside);
+        json.at("required_m").get_to(r.required_m);
+        json.at("least_s").get_to(r.least_s);
+        r.most_m = unless_null(json.at("most_m"));
+        json.at("allowed").get_to(r.allowed);
+        json.at("seat").get_to(r.seat);
+        json.at("stretches").get_to(r.stretches);
+        return r;
+      });
+}
+
+std::string text_of(const Result<ExactAnswer>& answer) {
+  if (answer) {
+    ExactAnswer plain = *answer;
+    for (std::string& warning : plain.warnings) warning = escaped(warning);
+    return Json(plain).dump();
+  }
+  const Error& e = answer.error();
+  return Json{{"error", static_cast<int>(e.code)},
+              {"file", bytes_of(e.file)},
+              {"where", bytes_of(e.where)},
+              {"what", bytes_of(e.what)},
+              {"mend", bytes_of(e.mend)}}
+      .dump();
+}
+
+Result<ExactAnswer> exact_answer(const std::string& text) {
+  std::optional<Error> error;
+  auto answer = read<std::pair<ExactAnswer, std::optional<Error>>>(
+      text, +[](const Json& json) {
+        std::pair<ExactAnswer, std::optional<Error>> both;
+        if (json.contains("error")) {
+          both.second = Error{static_cast<ErrorCode>(json.at("error").get<int>()),
+                              text_from(json.at("file")), text_from(json.at("where")),
+                              text_from(json.at("what")), text_from(json.at("mend"))};
+        } else {
+          both.first = json.get<ExactAnswer>();
+        }
+        return both;
+      });
+  if (!answer) return answer.error();
+  if (answer->second) return *answer->second;
+  return std::move(answer->first);
+}
+
+}  // namespace forcelayer::voxcheck

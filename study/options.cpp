@@ -1,0 +1,67 @@
+#include "study/options.h"
+
+#include <CLI/CLI.hpp>
+
+#include "formats/command/quantity.h"
+
+namespace forcelayer::study {
+
+OptionParser::OptionParser(CLI::App& study) {
+  options_.clearance = "12.7mm";
+  options_.seat = "0,0,0m";
+  study.add_option("ASSEMBLY#PART", input_, "an assembly, and the part of it that is taken out")
+      ->required();
+  study.add_option("-o,--output", options_.folder, "folder that the study is written to")
+      ->required();
+  study.add_option("--voxel-size", options_.voxel_size, "edge of a voxel, such as 1mm")->required();
+  study.add_option("--path", options_.path,
+                   "the way that is checked: a CSV, a trace or a recording of voxrun");
+  study.add_option("--pull", options_.pull,
+                   "x,y,z: where a hand pulls the part to, in place of a path, such as 0,0,60mm");
+  study.add_option("--clearance", options_.clearance,
+                   "that is required of the exact surfaces; 12.7mm");
+  study.add_option("--seat", options_.seat,
+                   "where the part is installed, world_from_part; 0,0,0m, or none");
+  study.add_option("--allow", options_.allow, "an object that may be near; repeatable")
+      ->allow_extra_args(false);
+  study
+      .add_option("--without", options_.without,
+                  "other nodes that are left out of the scene; repeatable")
+      ->allow_extra_args(false);
+  study.add_option("--units", options_.units, "unit of meshes whose format defines none");
+  study.add_flag("--files-alone", options_.files_alone,
+                 "check without the meshes: what the baked files leave open stays open");
+  study.add_flag("--no-pictures", options_.no_pictures, "for a machine without voxview");
+  study.add_option("--json", options_.json, "write a report");
+  study.add_flag("--quiet", options_.quiet, "print nothing but errors");
+}
+
+Result<Options> OptionParser::finish() const {
+  Options options = options_;
+  const auto usage = [](const char* option, std::string what, std::string mend) {
+    return Error{ErrorCode::kUsage, "", option, std::move(what), std::move(mend)};
+  };
+  const std::size_t hash = input_.rfind('#');
+  if (hash == std::string::npos || hash == 0 || hash + 1 == input_.size()) {
+    return usage("ASSEMBLY#PART", "'" + input_ + "' names no part",
+                 "name it behind a #, as voxelize --list prints it");
+  }
+  options.assembly = input_.substr(0, hash);
+  options.node = input_.substr(hash + 1);
+  if (options.path.empty() == options.pull.empty()) {
+    return usage(
+        "--path",
+        options.path.empty() ? "and --pull are both missing" : "and --pull exclude each other",
+        "give the way that is checked, or where the part is pulled to");
+  }
+  for (const auto& [option, length] : {std::pair("--voxel-size", &options.voxel_size),
+                                       std::pair("--clearance", &options.clearance)}) {
+    if (const auto read = command::parse_length(*length); !read) {
+      return usage(option, read.error().what, read.error().mend);
+    }
+  }
+  if (options.seat == "none") options.seat.clear();
+  return options;
+}
+
+}  // namespace forcelayer::study

@@ -1,0 +1,40 @@
+// The command line of `forcelayer study`.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "formats/result.h"
+
+namespace CLI {
+class App;
+}  // namespace CLI
+
+namespace forcelayer::study {
+
+// As typed; the commands that are called check what they are given.
+struct Options {
+  std::string assembly;  // before "#": the file, or manifest
+  std::string node;      // behind it: the part
+  std::string voxel_size, clearance, units, path, pull, seat, folder;
+  std::vector<std::string> allow, without;
+  bool files_alone = false;  // the meshes do not settle what the files leave open
+  bool no_pictures = false;
+  std::string json;
+  bool quiet = false;
+};
+
+// Declares the options to CLI11. finish() reads what was parsed.
+class OptionParser {
+ public:
+  explicit OptionParser(CLI::App& study);
+
+  // Errors: kUsage.
+  Result<Options> finish() const;
+
+ private:
+  Options options_;
+  std::string input_;
+};
+
+}  // namespace forcelayer::study

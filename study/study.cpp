@@ -1,0 +1,292 @@
+#include "study/study.h"
+
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+
+#include "formats/command/command.h"
+#include "formats/command/quantity.h"
+#include "formats/command/text.h"
+#include "formats/file/atomic_file.h"
+#include "formats/path/path_file.h"
+#include "study/curve.h"
+#include "study/page.h"
+#include "study/steps.h"
+
+namespace forcelayer::study {
+namespace {
+
+using nlohmann::json;
+
+constexpr int kAnswerIsNo = exit_status(ErrorCode::kAnswerIsNo);
+constexpr double kFollowed = 0.98;  // of the pull, that a part goes which comes out
+
+Status write_text(const std::string& path, const std::string& content) {
+  auto file = AtomicFile::create(path);
+  if (!file) return file.error();
+  if (Status s = file->write(std::as_bytes(std::span(content))); !s) return s;
+  return file->commit();
+}
+
+json read_json(const std::string& path) {
+  std::ifstream file(path);
+  return json::parse(file, nullptr, false);
+}
+
+// One study, step by step.
+class Study {
+ public:
+  Study(const Options& options, Steps steps) : options_(options), steps_(std::move(steps)) {}
+
+  Status make();
+
+ private:
+  std::string in(const char* name) const {
+    return (std::filesystem::path(options_.folder) / name).string();
+  }
+  std::string part_mesh() const { return options_.assembly + "#" + options_.node; }
+
+  std::vector<std::string> left_out() const;
+  Step scene_step() const;
+  Step part_step() const;
+  Step pull_step() const;
+  Step check_step() const;
+  Step picture_step() const;
+
+  Status bake();
+  Status find_path();
+  Status check();
+  Status draw();
+  Status write_page();
+  Status report() const;
+  Status judge() const;
+
+  // A step that must not fail; `or_no`: the answer no is none.
+  Result<StepEnd> run(const Step& step, bool or_no = false);
+
+  const Options& options_;
+  Steps steps_;
+  std::string path_;
+  bool clear_ = false;
+  std::string held_;  // why the part did not come out; empty: it did, or its path was given
+  std::string sentence_;
+};
+
+Result<StepEnd> Study::run(const Step& step, bool or_no) {
+  const auto end = steps_.run(step);
+  if (!end || end->status == 0 || (or_no && end->status == kAnswerIsNo)) return end;
+  ErrorCode code = ErrorCode::kInternal;
+  for (const ErrorCode other :
+       {ErrorCode::kUsage, ErrorCode::kMeshUnreadable, ErrorCode::kNotThisFormat,
+        ErrorCode::kDeviceFailed, ErrorCode::kAnswerIsNo}) {
+    if (end->status == exit_status(other)) code = other;
+  }
+  return Error{
+      code, "", step.program,
+      "ended with status " + std::to_string(end->status) + ", so the study is not finished",
+      "see its line above; the same command goes on from there"};
+}
+
+std::vector<std::string> Study::left_out() const {
+  std::vector<std::string> arguments{"--without", options_.node};
+  for (const std::string& node : options_.without) {
+    arguments.insert(arguments.end(), {"--without", node});
+  }
+  if (!options_.units.empty()) arguments.insert(arguments.end(), {"--units", options_.units});
+  return arguments;
+}
+
+Step Study::scene_step() const {
+  Step step{"voxelize",
+            {options_.assembly},
+            with_references(options_.assembly),
+            {in("scene.vox"), in("scene.json")},
+            "forcelayer-tools"};
+  const auto out = left_out();
+  step.arguments.insert(step.arguments.end(), out.begin(), out.end());
+  step.arguments.insert(step.arguments.end(), {"--voxel-size", options_.voxel_size, "-o",
+                                               in("scene.vox"), "--json", in("scene.json")});
+  return step;
+}
+
+Step Study::part_step() const {
+  Step step{"pointshell",
+            {part_mesh(), "--voxel-size", options_.voxel_size, "-o", in("part.pshell"), "--json",
+             in("part.json")},
+            with_references(options_.assembly),
+            {in("part.pshell"), in("part.json")},
+            "forcelayer-tools"};
+  if (!options_.units.empty()) {
+    step.arguments.insert(step.arguments.end(), {"--units", options_.units});
+  }
+  return step;
+}
+
+Step Study::pull_step() const {
+  Step step{"voxrun",
+            {in("scene.vox"), in("part.pshell"), "--pull", options_.pull, "--as-fast-as-possible",
+             "--save-path", in("path.csv"), "--json", in("run.json")},
+            {in("scene.vox"), in("part.pshell")},
+            {in("path.csv"), in("run.json")},
+            "forcelayer-runtime"};
+  if (!options_.seat.empty()) {
+    step.arguments.insert(step.arguments.end(), {"--seat", options_.seat});
+  }
+  return step;
+}
+
+Step Study::check_step() const {
+  Step step{"voxcheck",
+            {in("scene.vox"), in("part.pshell"), path_, "--clearance", options_.clearance},
+            {in("scene.vox"), in("part.pshell"), path_},
+            {in("verdict.json"), in("curve.csv"), in("verdict.xml")},
+            "forcelayer-runtime"};
+  const auto add = [&](const std::vector<std::string>& more) {
+    step.arguments.insert(step.arguments.end(), more.begin(), more.end());
+  };
+  if (!options_.seat.empty()) add({"--seat", options_.seat});
+  for (const std::string& object : options_.allow) add({"--allow", object});
+  if (!options_.files_alone) {
+    add({"--exact", options_.assembly, "--part", part_mesh()});
+    add(left_out());
+  }
+  add({"--json", in("verdict.json"), "--csv", in("curve.csv"), "--junit", in("verdict.xml")});
+  if (!options_.no_pictures) {
+    add({"--picture", in("worst.png")});
+    step.outputs.push_back(in("worst.png"));
+  }
+  return step;
+}
+
+// Where the part is installed.
+Step Study::picture_step() const {
+  return {"voxview",
+          {options_.assembly, "--hide", options_.node, "--part", part_mesh(), in("scene.vox"),
+           in("part.pshell"), "--part-pose", "0,0,0m", "--show", "meshes,part", "--screenshot",
+           in("installed.png"), "--size", "1200x800"},
+          with_references(options_.assembly),
+          {in("installed.png")},
+          "forcelayer-viewer"};
+}
+
+Status Study::bake() {
+  if (const auto scene = run(scene_step()); !scene) return scene.error();
+  if (const auto part = run(part_step()); !part) return part.error();
+  return {};
+}
+
+Status Study::find_path() {
+  path_ = options_.path;
+  if (!path_.empty()) return {};
+  if (const auto pulled = run(pull_step(), true); !pulled) return pulled.error();
+  path_ = in("path.csv");
+  const auto rows = read_path(path_, PathOf::kPart);
+  if (!rows) return rows.error();
+  const auto pull = command::parse_point(options_.pull);
+  if (!pull) return pull.error();
+  double along = 0, all = 0;  // of the pull, squared
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    along += (rows->back().position_m[axis] - rows->front().position_m[axis]) * (*pull)[axis];
+    all += (*pull)[axis] * (*pull)[axis];
+  }
+  if (along >= kFollowed * all) return {};
+  held_ = command::text("it does not come out: pulled %.3g mm, it went %.3g mm",
+                        1e3 * std::sqrt(all), 1e3 * along / std::sqrt(all));
+  const json run = read_json(in("run.json"));
+  const json touched = run.is_object() ? run.value("touched_objects", json::array()) : json();
+  if (touched.is_array() && !touched.empty() && touched[0]["name"].is_string()) {
+    held_ += ", held by " + escaped(touched[0]["name"].get<std::string>());
+  }
+  return {};
+}
+
+Status Study::check() {
+  const auto checked = run(check_step(), true);
+  if (!checked) return checked.error();
+  clear_ = checked->status == 0 && held_.empty();
+  sentence_ = held_.empty() ? checked->output : held_ + "\nthe way so far: " + checked->output;
+  return write_text(in("verdict.txt"), sentence_);
+}
+
+Status Study::draw() {
+  if (options_.no_pictures) return {};
+  const auto drawn = run(picture_step());
+  return drawn ? Status{} : drawn.error();
+}
+
+Status Study::write_page() {
+  Page page;
+  page.part = options_.node;
+  page.assembly = std::filesystem::path(options_.assembly).filename().string();
+  page.clear = clear_;
+  page.sentence = sentence_;
+  page.verdict = read_json(in("verdict.json"));
+  page.scene = read_json(in("scene.json"));
+  page.shell = read_json(in("part.json"));
+  auto svg = curve_svg(in("curve.csv"), page.verdict);
+  if (!svg) return svg.error();
+  page.curve_svg = std::move(*svg);
+  if (Status written = write_text(in("curve.svg"), page.curve_svg); !written) return written;
+  if (!options_.no_pictures) {
+    page.pictures = {{in("worst.png"), "The worst moment"},
+                     {in("installed.png"), "Where the part is installed"}};
+  }
+  for (const auto& line : steps_.lines()) page.commands.push_back(line.command);
+  page.files = {in("scene.vox"), in("part.pshell"), path_, in("verdict.json"), in("curve.csv")};
+  const auto html = html_of(page);
+  if (!html) return html.error();
+  if (Status written = write_text(in("report.html"), *html); !written) return written;
+  if (!options_.quiet) std::printf("%s\n", escaped(in("report.html")).c_str());
+  return {};
+}
+
+Status Study::report() const {
+  if (options_.json.empty()) return {};
+  nlohmann::ordered_json report;
+  report["verdict"] = clear_ ? "clear" : held_.empty() ? "not clear" : "does not come out";
+  report["words"] = sentence_;
+  report["page"] = in("report.html");
+  report["path"] = path_;
+  report["check"] = read_json(in("verdict.json"));
+  for (const auto& line : steps_.lines()) {
+    report["steps"].push_back(
+        {{"command", line.command}, {"status", line.status}, {"unchanged", line.again}});
+  }
+  return command::write_report(options_.json, report);
+}
+
+Status Study::judge() const {
+  if (clear_) return {};
+  return Error{ErrorCode::kAnswerIsNo, options_.assembly, options_.node,
+               held_.empty() ? "its way is not clear" : held_, "see " + in("report.html")};
+}
+
+Status Study::make() {
+  if (Status s = bake(); !s) return s;
+  if (Status s = find_path(); !s) return s;
+  if (Status s = check(); !s) return s;
+  if (Status s = draw(); !s) return s;
+  if (Status s = write_page(); !s) return s;
+  if (Status s = report(); !s) return s;
+  return judge();
+}
+
+}  // namespace
+
+Status make_study(const Options& options) {
+  std::error_code failure;
+  std::filesystem::create_directories(options.folder, failure);
+  if (failure) {
+    return Error{ErrorCode::kWriteFailed, options.folder, "--output", failure.message(),
+                 "name a folder that can be written to"};
+  }
+  auto steps =
+      Steps::open((std::filesystem::path(options.folder) / "study.json").string(), options.quiet);
+  if (!steps) return steps.error();
+  return Study(options, std::move(*steps)).make();
+}
+
+}  // namespace forcelayer::study

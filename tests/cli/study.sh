@@ -1,0 +1,86 @@
+#!/usr/bin/env bash
+# forcelayer: the list of commands; a study from one command to a page, resumed, and its errors.
+source "$FORCELAYER_SOURCE_DIR/tests/support/command_test.sh"
+cp "$data/gearbox.glb" .
+pictures=--no-pictures
+if [ -x "$bin/voxview" ] && command -v xvfb-run >/dev/null; then pictures=; fi
+# study STATUS ARGUMENTS...
+study() {
+  local wanted=$1 status=0
+  shift
+  # shellcheck disable=SC2086  # an option or none
+  "$bin/forcelayer" study "$@" $pictures >out.txt 2>err.txt || status=$?
+  [ "$status" -eq "$wanted" ] || fail "status $status instead of $wanted: $*: $(cat out.txt err.txt)"
+}
+
+"$bin/forcelayer" >list.txt || fail "the list"
+for name in voxelize pointshell voxinfo voxrun voxcheck voxview; do
+  grep -q "^  $name " list.txt || fail "$name is not listed"
+done
+
+# A pin that is pulled out; what is finished is not done again.
+pin=('gearbox.glb#Pin' --voxel-size 1mm --pull 0,0,60mm --clearance 1mm)
+study 0 "${pin[@]}" -o pin --json pin.json
+grep -q '^\$ voxelize gearbox.glb --without Pin' out.txt || fail "commands are not shown: $(cat out.txt)"
+grep -q '^unchanged' out.txt && fail "something was known before"
+for file in scene.vox part.pshell path.csv verdict.json verdict.txt verdict.xml curve.csv curve.svg report.html; do
+  [ -s "pin/$file" ] || fail "no pin/$file"
+done
+study 0 "${pin[@]}" -o pin
+grep -q '^\$' out.txt && fail "done again: $(cat out.txt)"
+rm pin/curve.csv
+study 0 "${pin[@]}" -o pin
+[ "$(grep -c '^\$' out.txt)" = 1 ] && grep -q '^\$ voxcheck' out.txt || fail "not what was lost: $(cat out.txt)"
+study 0 "${pin[@]}" -o pin --quiet
+[ ! -s out.txt ] || fail "--quiet: $(cat out.txt)"
+python3 - "$pictures" <<'END' || fail "the page"
+import json, re, sys
+from html.parser import HTMLParser
+page = open("pin/report.html").read()
+report, verdict = json.load(open("pin.json")), json.load(open("pin/verdict.json"))
+assert report["verdict"] == verdict["verdict"] == "clear" and report["check"]["least_clearance"] == verdict["least_clearance"]
+assert [step["status"] for step in report["steps"]] == [0] * len(report["steps"])
+tags, texts = [], []
+class Reader(HTMLParser):
+    def handle_starttag(self, tag, attributes):
+        tags.append((tag, dict(attributes)))
+    def handle_data(self, data):
+        texts.append(data)
+Reader().feed(page)
+for tag, attributes in tags:  # nothing from elsewhere
+    for name in ("src", "href", "xlink:href"):
+        assert attributes.get(name, "data:").startswith("data:"), (tag, attributes)
+assert "url(" not in page and "@import" not in page
+assert ("img" in [tag for tag, _ in tags]) == (sys.argv[1] == "") and "svg" in [tag for tag, _ in tags]
+said = " ".join(texts)
+assert open("pin/verdict.txt").read().strip() in said and "voxrun pin/scene.vox" in said
+assert f"{1e3 * verdict['least_clearance']['exact_m']:.3f} mm exact" in said
+END
+
+# Another voxel size is another study; a mesh that changed is baked anew.
+cp "$data/gearbox.glb" other.glb
+study 0 'other.glb#Pin' --voxel-size 2mm --pull 0,0,60mm --clearance 1mm -o other
+printf '\n' >>other.glb  # not even a mesh
+study 3 'other.glb#Pin' --voxel-size 2mm --pull 0,0,60mm --clearance 1mm -o other
+grep -q '^\$ voxelize' out.txt || fail "a change is not seen: $(cat out.txt)"
+grep -q '^forcelayer: voxelize: ended with status 3' err.txt || fail "$(cat err.txt)"
+
+# A cover that bolts hold does not come out; by a path through them it is not clear. The page says so.
+study 6 'gearbox.glb#Cover' --voxel-size 1mm --pull 0,0,60mm --clearance 1mm -o held
+grep -q '^forcelayer: gearbox.glb: Cover: it does not come out: pulled 60 mm, it went .* held by .*Bolt' err.txt ||
+  fail "$(cat err.txt)"
+grep -q 'class="verdict no">it does not come out' held/report.html || fail "the page of what is held"
+printf 't_s,x_m,y_m,z_m\n0,0,0,0\n1,0,0,0.06\n' >up.csv
+study 6 'gearbox.glb#Cover' --voxel-size 1mm --path up.csv --clearance 1mm -o given
+grep -q 'class="verdict no">.*NOT clear' given/report.html || fail "the page of what is not clear"
+grep -q 'pushed deeper' given/report.html || fail "the page does not say what is wrong"
+
+# Errors.
+study 2 gearbox.glb --voxel-size 1mm --pull 0,0,60mm -o none
+study 2 'gearbox.glb#Pin' --voxel-size 1mm -o none
+study 2 'gearbox.glb#Pin' --voxel-size 1 --pull 0,0,60mm -o none
+study 1 'none.glb#Pin' --voxel-size 1mm --pull 0,0,60mm -o none
+study 3 'gearbox.glb#Nobody' --voxel-size 1mm --pull 0,0,60mm -o none
+study 1 'gearbox.glb#Pin' --voxel-size 1mm --path none.csv -o none
+[ ! -e none/report.html ] || fail "a page of nothing"
+finish

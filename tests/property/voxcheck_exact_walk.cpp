@@ -1,0 +1,202 @@
+// The exact distance against slow twins: every pair of triangles in long double; a path sampled
+// densely.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <random>
+
+#include "runtime/exact/exact_walk.h"
+
+namespace forcelayer::exact {
+namespace {
+
+using Wide = glm::vec<3, long double>;
+using Corners = std::array<Wide, 3>;
+
+long double to_segment(const Wide& p, const Wide& a, const Wide& b) {
+  const Wide d = b - a;
+  const long double square = glm::dot(d, d);
+  const long double t = square > 0 ? std::clamp(glm::dot(p - a, d) / square, 0.0L, 1.0L) : 0.0L;
+  return glm::length(p - a - t * d);
+}
+
+long double to_triangle(const Wide& p, const Corners& t) {
+  const Wide normal = glm::cross(t[1] - t[0], t[2] - t[0]);
+  const long double area = glm::length(normal);
+  bool inside = area > 0;
+  long double least = 1e30L;
+  for (int n = 0; n < 3; ++n) {
+    const Wide &a = t[n], &b = t[(n + 1) % 3];
+    inside = inside && glm::dot(glm::cross(normal, b - a), p - a) >= 0;
+    least = std::min(least, to_segment(p, a, b));
+  }
+  return inside ? std::min(least, std::abs(glm::dot(normal, p - t[0])) / area) : least;
+}
+
+// Convex in the place on the first segment: by ternary search.
+long double between_segments(const Wide& a, const Wide& b, const Wide& c, const Wide& d) {
+  long double low = 0, high = 1;
+  for (int n = 0; n < 120; ++n) {
+    const long double third = (high - low) / 3, left = low + third, right = high - third;
+    if (to_segment(a + left * (b - a), c, d) < to_segment(a + right * (b - a), c, d)) {
+      high = right;
+    } else {
+      low = left;
+    }
+  }
+  return std::min({to_segment(a + low * (b - a), c, d), to_segment(a, c, d), to_segment(b, c, d)});
+}
+
+bool crosses(const Wide& a, const Wide& b, const Corners& t) {
+  const Wide normal = glm::cross(t[1] - t[0], t[2] - t[0]);
+  const long double from = glm::dot(normal, a - t[0]), to = glm::dot(normal, b - t[0]);
+  if (from * to >= 0) return false;
+  return to_triangle(a + from / (from - to) * (b - a), t) < 1e-15L;
+}
+
+long double between_triangles(const Corners& s, const Corners& t) {
+  long double least = 1e30L;
+  for (int i = 0; i < 3; ++i) {
+    const Wide &a = s[i], &b = s[(i + 1) % 3];
+    if (crosses(a, b, t) || crosses(t[i], t[(i + 1) % 3], s)) return 0;
+    least = std::min({least, to_triangle(a, t), to_triangle(t[i], s)});
+    for (int j = 0; j < 3; ++j) {
+      least = std::min(least, between_segments(a, b, t[j], t[(j + 1) % 3]));
+    }
+  }
+  return least;
+}
+
+Corners corners(const Surface& surface, std::size_t t, const Pose& pose) {
+  Corners all;
+  for (std::size_t n = 0; n < 3; ++n) {
+    const glm::dvec3& v = surface.vertices_m[surface.triangles[t][n]];
+    all[n] = Wide(pose.position_m + pose.orientation * v);
+  }
+  return all;
+}
+
+// Triangles of all shapes about the origin: fat ones, needles, and some on a coarse lattice, whose
+// edges and planes are parallel.
+Surface random_surface(std::mt19937& random, int count, double size_m) {
+  Surface surface;
+  std::uniform_real_distribution<double> unit(-1, 1);
+  std::uniform_int_distribution<int> lattice(-2, 2), kind(0, 2);
+  for (int n = 0; n < count; ++n) {
+    const int shape = kind(random);
+    const glm::dvec3 at(unit(random), unit(random), unit(random));
+    for (int corner = 0; corner < 3; ++corner) {
+      glm::dvec3 v(unit(random), unit(random), unit(random));
+      if (shape == 1) v = at + (corner == 2 ? 1e-3 : 1.0) * v;
+      if (shape == 2) v = glm::dvec3(lattice(random), lattice(random), lattice(random)) / 2.0;
+      surface.vertices_m.push_back(size_m * v);
+      surface.largest_m = std::max(surface.largest_m, 3 * size_m);
+    }
+    const auto first = static_cast<std::uint32_t>(3 * n);
+    surface.triangles.push_back({first, first + 1, first + 2});
+    surface.object.push_back(static_cast<std::uint32_t>(n + 1));
+  }
+  return surface;
+}
+
+TEST(MeshPair, IsTheDistanceOfTheNearestPairOfTriangles) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  int meeting = 0;
+  for (int trial = 0; trial < 300; ++trial) {
+    SCOPED_TRACE(trial);
+    const Surface scene = random_surface(random, 6, 1), part = random_surface(random, 4, 0.5);
+    Pose pose;
+    pose.position_m =
+        (trial % 3 == 0 ? 0.5 : 3.0) * glm::dvec3(unit(random), unit(random), unit(random));
+    if (trial % 2 == 0) {
+      pose.orientation =
+          glm::normalize(glm::dquat(unit(random), unit(random), unit(random), unit(random)));
+    }
+    const MeshPair pair(scene, part);
+    const MeshDistance measured = pair.at(pose, voxcheck::kNothingM);
+    long double least = 1e30L;
+    for (std::size_t s = 0; s < scene.triangles.size(); ++s) {
+      for (std::size_t p = 0; p < part.triangles.size(); ++p) {
+        least = std::min(least, between_triangles(corners(scene, s, {}), corners(part, p, pose)));
+      }
+    }
+    const double rounding = kRounding * 5;
+    EXPECT_NEAR(measured.distance_m, static_cast<double>(least), rounding);
+    EXPECT_EQ(pair.at(pose, measured.distance_m * (1 + 1e-9) + rounding).distance_m,
+              measured.distance_m);
+    if (measured.distance_m == 0) {  // a place of both
+      ++meeting;
+      EXPECT_EQ(measured.part_m, measured.scene_m);
+      long double away = 1e30L;
+      for (std::size_t p = 0; p < part.triangles.size(); ++p) {
+        away = std::min(away, to_triangle(Wide(measured.part_m), corners(part, p, pose)));
+      }
+      EXPECT_LE(away, 1e-7L);
+      EXPECT_LE(to_triangle(Wide(measured.scene_m), corners(scene, measured.scene_triangle, {})),
+                1e-7L);
+      continue;
+    }
+    EXPECT_NEAR(glm::length(measured.part_m - measured.scene_m), measured.distance_m, rounding);
+    EXPECT_LE(to_triangle(Wide(measured.scene_m), corners(scene, measured.scene_triangle, {})),
+              rounding);
+  }
+  EXPECT_GT(meeting, 20);
+}
+
+// A path that passes by and through a few triangles, in few poses.
+TEST(ExactWalk, HoldsBetweenPosesAsAtThem) {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  int apart = 0;
+  for (int trial = 0; trial < 40; ++trial) {
+    SCOPED_TRACE(trial);
+    const Surface scene = random_surface(random, 4, 1), part = random_surface(random, 3, 0.3);
+    std::vector<PathRow> rows;
+    for (int n = 0; n < 4; ++n) {
+      const glm::dquat q = glm::normalize(glm::dquat(2, unit(random), unit(random), unit(random)));
+      rows.push_back({1.0 * n,
+                      {2 * unit(random), 2 * unit(random), 1.8 + unit(random)},
+                      {q.w, q.x, q.y, q.z}});
+    }
+    double radius_m = 0;
+    for (const glm::dvec3& v : part.vertices_m) radius_m = std::max(radius_m, glm::length(v));
+    const clearance::CenterPath path(rows, glm::dvec3(0), radius_m);
+    const MeshPair pair(scene, part);
+    const double rounding = kRounding * 5, within = 1e-3;
+    ExactWalk walk(path, pair, pair, rounding);
+    const Piece whole{{0, 0}, {3, 0}};
+    const auto least = walk.least({whole}, within);
+    const double required = least.sample.measured.distance_m + 0.2;
+    const auto nearer = walk.nearer_than(whole, required, 0.01);
+    double sampled = 1e30;
+    for (int n = 0; n < 3000; ++n) {
+      const Moment moment{static_cast<std::size_t>(n / 1000), n % 1000 / 1000.0};
+      const double d = pair.at(path.world_from_center(moment), voxcheck::kNothingM).distance_m;
+      sampled = std::min(sampled, d);
+      if (d >= required - rounding) continue;
+      const double t = path.time_s(moment);
+      EXPECT_TRUE(std::any_of(nearer.begin(), nearer.end(), [&](const Piece& piece) {
+        return path.time_s(piece.from) <= t && t <= path.time_s(piece.to);
+      })) << t;
+    }
+    EXPECT_LE(least.at_least_m, sampled + rounding);
+    EXPECT_GE(least.at_least_m, least.sample.measured.distance_m - within);
+    EXPECT_LE(least.sample.measured.distance_m, sampled + within + rounding);
+    EXPECT_FALSE(walk.contradiction());
+    // What was said of a piece is held against what is measured.
+    if (sampled > 0) {
+      ++apart;
+      ExactWalk other(path, pair, pair, rounding);
+      other.least({{{0, 0}, {3, 0}, 100}}, within, Sample{{0, 0}, {200, 0, {}, {}}, false});
+      EXPECT_TRUE(other.contradiction());
+    }
+  }
+  EXPECT_GT(apart, 5);
+}
+
+}  // namespace
+}  // namespace forcelayer::exact
