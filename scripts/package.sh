@@ -2,8 +2,8 @@
 # Builds the Debian packages into build/package/packages, with man pages, and has lintian look at them.
 #   scripts/package.sh          builds and checks
 #   scripts/package.sh --twice  and builds again from a copy elsewhere: the bytes must be the same
-#   scripts/package.sh --install  and installs them in a bare Debian 12 tree, where voxrun runs with
-#                               nothing but the runtime package (needs mmdebstrap)
+#   scripts/package.sh --install  and installs them in bare Debian 12 trees, where commands and examples run
+#                               (scripts/try_packages.sh; needs mmdebstrap)
 source "$(dirname "$0")/common.sh"
 
 twice=no install=no

@@ -21,6 +21,10 @@ namespace {
 
 constexpr double kListenS = 3;  // before a picture of a stream, unless the user says otherwise
 
+bool takes_picture(const ViewOptions& options) {
+  return !options.screenshot.empty() || !options.turntable.empty();
+}
+
 // Follows the stream for a while; the newest row, where one came.
 std::optional<TraceRow> newest_row(PoseReceiver& receiver, double seconds, Pose& grip) {
   using Clock = std::chrono::steady_clock;
@@ -55,6 +59,10 @@ Status take_picture(const ViewOptions& options, const ViewScene& scene, PictureP
   if (feed.receiver) {
     if (Status live = plan_live(options, scene, *feed.receiver, plan); !live) return live;
   }
+  if (!options.turntable.empty()) {
+    if (Status movie = write_turntable(options.turntable, scene, plan); !movie) return movie;
+  }
+  if (options.screenshot.empty()) return {};
   if (Status written = write_picture(options.screenshot, scene, plan); !written) return written;
   return options.json.empty() ? Status{}
                               : command::write_report(options.json, report_of(plan, scene));
@@ -68,7 +76,8 @@ Status draw(const ViewOptions& options, const ViewScene& scene, RunFeed feed) {
     if (!receiver) return receiver.error();
     feed.receiver = std::move(*receiver);
   }
-  if (!options.screenshot.empty()) return take_picture(options, scene, *plan, feed);
+  if (takes_picture(options)) return take_picture(options, scene, *plan, feed);
+  plan->scale = options.scale.value_or(display_scale());
   return show_window(scene, options, *plan, std::move(feed));
 }
 
@@ -77,6 +86,7 @@ Status prepare_outputs(ViewOptions& options) {
   inputs.insert(inputs.end(), {options.inputs.before, options.inputs.part, options.run});
   const command::OutputFile outputs[] = {
       {"--screenshot", &options.screenshot, command::FileKind::kPicture},
+      {"--turntable", &options.turntable, command::FileKind::kPicture},
       {"--json", &options.json, command::FileKind::kReport},
       {"--frame-times", &options.frame_times, command::FileKind::kReport}};
   return command::prepare_outputs(outputs, inputs);
@@ -84,7 +94,7 @@ Status prepare_outputs(ViewOptions& options) {
 
 Status find_screen(const ViewOptions& options, char** argv) {
   const bool endless =
-      options.screenshot.empty() && options.frame_times.empty() && !options.duration_s;
+      !takes_picture(options) && options.frame_times.empty() && !options.duration_s;
   if (endless && !display_is_set()) {
     return Error{ErrorCode::kDeviceNotFound, "", "", "no display to open a window on",
                  "set DISPLAY, or give --screenshot FILE"};
@@ -135,7 +145,8 @@ int main(int argc, char** argv) {
          "--force"}},
        {"A distance", {"--measure", "--measure-object", "--measure-words"}},
        {"The eye", {"--view-from", "--focus", "--pixels-per-voxel", "--plain"}},
-       {"Output", {"--screenshot", "--size", "--title", "--frame-times"}}},
+       {"Output",
+        {"--screenshot", "--turntable", "--size", "--scale", "--title", "--frame-times"}}},
       "  voxview bay.json bay.vox part.pshell --trace run.csv              a run, in a window\n"
       "  voxview bay.json bay.vox --cut 'y<0mm' --screenshot bay.png       a picture");
   int exit_code = 0;

@@ -2,8 +2,11 @@
 
 #include <unistd.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <string>
 #include <vector>
 
@@ -31,6 +34,20 @@ int end_without_display(Display*) {
 bool display_is_set() {
   const char* display = std::getenv("DISPLAY");
   return display != nullptr && *display != '\0';
+}
+
+double display_scale() {
+  Display* display = XOpenDisplay(nullptr);
+  if (display == nullptr) return 1;
+  double scale = 1;
+  const char* resources = XResourceManagerString(display);
+  const char* found = resources == nullptr ? nullptr : std::strstr(resources, "Xft.dpi:");
+  if (found != nullptr) {
+    const double wanted = std::strtod(found + std::strlen("Xft.dpi:"), nullptr) / 96;
+    if (wanted > 0) scale = std::clamp(std::round(4 * wanted) / 4, 1.0, 4.0);
+  }
+  XCloseDisplay(display);
+  return scale;
 }
 
 Status ensure_screen(char** argv) {

@@ -13,4 +13,8 @@ Status ensure_screen(char** argv);
 // Whether DISPLAY names a display, be it one that opens or not.
 bool display_is_set();
 
+// Pixels of the display per pixel of a usual one, of 96 an inch: what its resource Xft.dpi says, to
+// a quarter; 1 where it says nothing.
+double display_scale();
+
 }  // namespace forcelayer::viewer

@@ -37,6 +37,9 @@ endfunction()
 if(TARGET voxelize)
   debian_package(tools forcelayer-tools science "bakes CAD scenes and parts for haptic rendering"
     "voxelize turns static meshes into a voxmap with an offset force layer,\npointshell turns a moving part into a covering set of surface points, and\nvoxinfo checks and exports what they wrote.")
+  set(pipelines ${PROJECT_SOURCE_DIR}/scripts/pipelines)
+  install(FILES ${pipelines}/github.yml ${pipelines}/gitlab.yml ${pipelines}/slurm.sh COMPONENT tools EXCLUDE_FROM_ALL
+          DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/doc/forcelayer-tools/examples/pipelines)
 endif()
 debian_package(runtime forcelayer-runtime science "six-degree-of-freedom haptic rendering at 1 kHz"
   "voxrun maps a baked scene and a baked part into memory and drives a haptic\ndevice with the contact forces between them. voxcheck proves the clearance\nalong a path. Neither needs the libraries that baking needs.")

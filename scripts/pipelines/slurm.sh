@@ -30,11 +30,12 @@ case ${1:-submit} in
   bake)
     voxelize "$SCENE" --voxel-size "$VOXEL_SIZE" --cache bake-cache -o scene.vox --json verdicts/bake.json
     pointshell "$PART" --units "$PART_UNITS" --voxel-size "$VOXEL_SIZE" -o part.pshell
-    voxview "$SCENE" scene.vox --color object --screenshot verdicts/scene.png
     ;;
   check)
     path=$(ls paths/*.csv | sed -n "${SLURM_ARRAY_TASK_ID}p")
     verdict=verdicts/$(basename "$path" .csv)
-    voxcheck scene.vox part.pshell "$path" --clearance "$CLEARANCE" --json "$verdict.json" --junit "$verdict.xml"
+    voxcheck scene.vox part.pshell "$path" --clearance "$CLEARANCE" \
+      --exact "$SCENE" --part "$PART" --part-units "$PART_UNITS" --picture "$verdict.png" \
+      --json "$verdict.json" --junit "$verdict.xml"
     ;;
 esac

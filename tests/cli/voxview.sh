@@ -126,6 +126,35 @@ paper = (picture[:, :, :3] == 1).all(axis=2).mean()
 assert 0.2 < paper < 0.9, paper
 END
 
+# A turntable: a movie of 72 pictures, the first of them the plan's, the nineteenth a quarter about z further; a whole scene
+# is never cut off.
+movie=(--plain --size 200x150 --show force-layer)
+"$bin/voxview" bay.vox "${movie[@]}" --view-from 1,0.5,0.4 --pixels-per-voxel 1 --turntable turn.png
+for picture in 0:1,0.5,0.4 18:-0.5,1,0.4; do
+  "$bin/voxview" bay.vox "${movie[@]}" --view-from "${picture#*:}" --pixels-per-voxel 1 --screenshot "at_${picture%%:*}.png"
+done
+"$bin/voxview" bay.vox "${movie[@]}" --focus scene --turntable whole.png
+"$python" - <<'END'
+import numpy
+from PIL import Image
+def frames(name):
+    movie = Image.open(name)
+    assert movie.n_frames == 72 and movie.info["duration"] == 80 and movie.info["loop"] == 0, movie.info
+    for n in range(72):
+        movie.seek(n)
+        yield numpy.asarray(movie.convert("RGB")).copy()
+turn = list(frames("turn.png"))
+for n in (0, 18):
+    still = numpy.asarray(Image.open(f"at_{n}.png").convert("RGB"))
+    other = (turn[n] != still).any(axis=2).mean()
+    assert other < 0.002, (n, other)  # pixels on an edge, by rounding
+assert all((turn[n] != turn[n - 1]).any() for n in range(72)), "it stands"
+for n, frame in enumerate(frames("whole.png")):
+    rim = numpy.concatenate([frame[0], frame[-1], frame[:, 0], frame[:, -1]])
+    assert (rim == 255).all() and (frame != 255).any(axis=2).mean() > 0.1, n
+END
+"$bin/voxview" bay.vox --turntable movie.gif 2>err.txt && fail "an ending that is none of a picture"
+
 # A machined part with another on it, which moves by 30 and 20 mm between two bakes.
 counter=$FORCELAYER_SOURCE_DIR/tests/models/counter.drc
 for bake in 'counter "50mm","150mm","290mm"' 'counter_moved "80mm","170mm","290mm"'; do

@@ -123,6 +123,14 @@ class Screen:
         self.event(BUTTON_RELEASE, x, 200, button)
         return self.changed(before, what)
 
+    def set_resources(self, text):
+        """What xrdb does."""
+        string, replace = 31, 0
+        name = self.x.XInternAtom(self.display, b"RESOURCE_MANAGER", 0)
+        self.x.XChangeProperty(self.display, self.root, ctypes.c_ulong(name), ctypes.c_ulong(string), 8, replace, text,
+                               len(text))
+        self.x.XSync(self.display, 0)
+
     def close_window(self):
         """What a window manager's button does."""
         protocols = self.x.XInternAtom(self.display, b"WM_PROTOCOLS", 0)
@@ -170,10 +178,10 @@ def count(picture, name):
     return int((abs(picture - color(name)) <= 1).all(axis=2).sum())
 
 
-def viewer(screen, *arguments, stderr=None):
+def viewer(screen, *arguments, stderr=None, size=f"{WIDTH}x{HEIGHT}"):
     environment = {**os.environ, "DISPLAY": screen.name}
     return subprocess.Popen(
-        [BIN / "voxview", "bay.vox", "part.pshell", "--size", f"{WIDTH}x{HEIGHT}", *arguments],
+        [BIN / "voxview", "bay.vox", "part.pshell", "--size", size, *arguments],
         env=environment, stderr=stderr, text=True)
 
 
@@ -311,6 +319,96 @@ def check_objects(screen):
     ends(process, 0, "q")
 
 
+def near(picture, name, x, y, reach=6):
+    """Whether a pixel of that color lies within `reach` of a place in the window."""
+    return count(picture[max(0, y - reach):y + reach + 1, max(0, x - reach):x + reach + 1], name) > 0
+
+
+def check_measuring(screen):
+    """m marks what is under the pointer, then the way to what is under it next; at another moment the way to the part is
+    another one. Turning keeps the horizon level."""
+    process = viewer(screen, DATA / "bay.json", "--part", DATA / "part.obj", "--units", "mm", "--trace", "trace.csv", "--at",
+                     "0.5s", "--focus", "scene", "--view-from", "0,0,1", "--show", "meshes,part")
+    screen.wait(drawn, "the window")
+    first, second = (520, 300), (420, 380)
+    screen.point(*first)
+    bare = screen.wait(drawn, "the pointer")
+    screen.key("m")
+    one = screen.changed(bare, "a place")
+    assert near(one, "Measure", *first) and count(one, "Measure") < 300, "no mark where the pointer was"
+    screen.point(*second)
+    screen.key("m")
+    two = screen.changed(one, "two places")
+    middle = [(a + b) // 2 for a, b in zip(first, second)]
+    for place in (first, second, middle):
+        assert near(two, "Measure", *place), f"no way measured at {place}"
+    screen.key("m", 1)  # with shift
+    screen.wait(lambda now: count(now, "Measure") == 0, "measured no more")
+    # The part, where it is seen most.
+    orange = numpy.argwhere((abs(bare[120:470, 200:600] - color("Part")) < 60).all(axis=2))
+    y, x = (int(n) for n in numpy.median(orange, axis=0) + (120, 200))
+    screen.point(x, y)
+    screen.key("m")
+    screen.point(*second)
+    screen.key("m")
+    before = screen.wait(lambda now: near(now, "Measure", x, y), "a place of the part")
+    screen.key("n")  # the next contact
+    moved = screen.changed(before, "another moment")
+    assert count(moved, "Measure") > 20 and not near(moved, "Measure", x, y, 2), "the place stays where the part was"
+    screen.key("q")
+    ends(process, 0, "q")
+
+
+def check_buttons(screen):
+    """The buttons of the strip play, pause, and change the speed."""
+    process = viewer(screen, "--trace", "trace.csv", "--at", "0.5s")
+    slower, play, faster = ((WIDTH - 104 - 30 * n + 13, HEIGHT - 106) for n in (2, 1, 0))
+    screen.wait(drawn, "the window")
+    screen.point(*play)
+    time.sleep(1)
+    first = screen.wait(drawn, "no object under the pointer")
+    for button, what in ((slower, "half the speed"), (faster, "the speed before")):
+        before = screen.picture()
+        screen.scrub(button, button)
+        screen.changed(before, what)
+    screen.same(first, "as it was")
+    screen.scrub(faster, faster)
+    fast = screen.changed(first, "twice the speed")
+    screen.scrub(play, play)
+    screen.seen_moving(fast)
+    screen.scrub(play, play)
+    paused = screen.wait(drawn, "paused")
+    time.sleep(0.5)
+    assert (screen.picture() == paused).all(), "it plays on"
+    strip = (slice(HEIGHT - 118, HEIGHT - 80), slice(150, WIDTH - 170))
+    assert (paused[strip] != first[strip]).any(), "the mark of the time has not moved"
+    screen.key("q")
+    ends(process, 0, "q")
+
+
+def check_scale(screen):
+    """Words and strip are twice as large where the screen says that its pixels are small, or the user does."""
+    def shown(*arguments):
+        process = viewer(screen, "--trace", "trace.csv", "--at", "0.5s", *arguments, size="1000x740")
+        picture = screen.wait(lambda now: (now[:740, :1000] > 0).any(axis=2).mean() > 0.9, "the window")
+        screen.key("q")
+        ends(process, 0, "q")
+        return picture
+
+    def strip_height(picture):  # its frame is a dark line from side to side
+        rows = (picture[:740, 320:920] < 150).all(axis=2).mean(axis=1)
+        return 740 - int(numpy.argmax(rows > 0.9))
+
+    usual = shown()
+    assert abs(strip_height(usual) - 118) <= 2, strip_height(usual)
+    doubled = shown("--scale", "2")
+    assert abs(strip_height(doubled) - 236) <= 3, strip_height(doubled)
+    screen.set_resources(b"*color: 1\nXft.dpi:\t192\n")
+    assert (shown() == doubled).all(), "Xft.dpi is not heeded"
+    assert (shown("--scale", "1") == usual).all(), "--scale is not heeded"
+    screen.set_resources(b"")
+
+
 def unharmed(sender, what):
     """The run went through all frames and felt in each what it feels alone. It ends with 5 where a
     busy machine held its loop up in the last frames, viewer or not."""
@@ -381,6 +479,9 @@ def main():
         check_replay(screen)
         check_layers(screen)
         check_objects(screen)
+        check_measuring(screen)
+        check_buttons(screen)
+        check_scale(screen)
         check_live(screen)
         check_ends(screen)
     finally:

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
+#include <numbers>
 
 namespace forcelayer::viewer {
 namespace {
@@ -42,6 +43,18 @@ CameraView camera_along(const glm::dvec3& direction) {
       std::abs(view.to_eye.z) > 0.999 ? glm::dvec3(0, 1, 0) : glm::dvec3(0, 0, 1);
   view.up = glm::normalize(sky - glm::dot(sky, view.to_eye) * view.to_eye);
   return view;
+}
+
+Orbit turned(const Orbit& orbit, double about_z_rad, double rise_rad) {
+  // To the right in the picture: level. Straight above or below, up tells which way that is.
+  const glm::dvec3 right = glm::cross(orbit.up, orbit.to_eye);
+  const double azimuth = std::atan2(right.y, right.x) + about_z_rad;
+  const double height = std::asin(std::clamp(orbit.to_eye.z, -1.0, 1.0));
+  const double rise =
+      std::clamp(height + rise_rad, -0.5 * std::numbers::pi, 0.5 * std::numbers::pi);
+  const glm::dvec3 level(std::cos(azimuth), std::sin(azimuth), 0), out(level.y, -level.x, 0);
+  const glm::dvec3 to_eye = std::cos(rise) * out + glm::dvec3(0, 0, std::sin(rise));
+  return {to_eye, glm::cross(to_eye, level)};
 }
 
 CameraView frame_box(const WorldBox& box, const glm::dvec3& direction, double aspect) {

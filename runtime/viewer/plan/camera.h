@@ -25,6 +25,15 @@ glm::dvec3 default_direction();
 // direction is along z.
 CameraView camera_along(const glm::dvec3& direction);
 
+// Where the eye is and what is up, both of unit length and across each other.
+struct Orbit {
+  glm::dvec3 to_eye, up;
+};
+
+// Goes about z by `about_z_rad`, and over the scene by `rise_rad`, to straight above or below at
+// most. Up is never below the horizon after it.
+Orbit turned(const Orbit& orbit, double about_z_rad, double rise_rad);
+
 // The camera that shows all of `box`; `aspect` is width over height of the picture.
 CameraView frame_box(const WorldBox& box, const glm::dvec3& direction, double aspect);
 

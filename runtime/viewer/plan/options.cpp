@@ -57,10 +57,16 @@ ViewOptionParser::ViewOptionParser(CLI::App& app) {
   app.add_option("--units", texts_.units, "unit of the meshes' coordinates (mm, cm, m, in ...)");
   app.add_option("--part-units", texts_.part_units, "unit of --part, if it differs");
   app.add_option("--screenshot", options_.screenshot, "write a picture (PNG) and end");
+  app.add_option("--turntable", options_.turntable,
+                 "write a movie in which the eye goes once about z (animated PNG) and end");
   app.add_option("--frame-times", options_.frame_times,
                  "turn the scene once in the window, write the frame times (JSON) and end");
   app.add_option("--json", options_.json, "write the facts of the picture in numbers");
   app.add_option("--size", texts_.size, "size of the picture in pixels")->capture_default_str();
+  app.add_option("--scale", texts_.scale,
+                 "size of words and marks: 2 on a screen of 192 pixels an inch; default: the "
+                 "screen's Xft.dpi over 96, for pictures 1")
+      ->check(CLI::Range(0.5, 8.0));
   auto* run = app.add_option("--trace,--replay", options_.run,
                              "the run to show: a trace or a recording of voxrun");
   app.add_option("--at", texts_.at, "time in the run (2.5s); default: the strongest force")
@@ -149,6 +155,7 @@ Status ViewOptionParser::read_moment(ViewOptions& options) const {
 
 Status ViewOptionParser::read_camera(ViewOptions& options) const {
   if (Status size = read_size(texts_.size, options); !size) return size;
+  if (texts_.scale > 0) options.scale = texts_.scale;
   if (texts_.focus == "part") options.focus = Focus::kPart;
   if (texts_.focus == "scene") options.focus = Focus::kScene;
   if (!texts_.view_from.empty()) {
@@ -199,8 +206,8 @@ Status ViewOptionParser::read_measure(ViewOptions& options) const {
                   1e3 * glm::length(options.measure->part_m - options.measure->object_m));
     options.measure->words = words;
   }
-  return options.screenshot.empty()
-             ? usage("--measure", "goes with --screenshot alone", "give both")
+  return options.screenshot.empty() && options.turntable.empty()
+             ? usage("--measure", "goes with --screenshot or --turntable", "give both")
              : Status();
 }
 

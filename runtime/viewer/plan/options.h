@@ -29,8 +29,9 @@ struct Measure {
 
 struct ViewOptions {
   ViewInputs inputs;
-  std::string screenshot, json, frame_times;
+  std::string screenshot, turntable, json, frame_times;
   int width = 1600, height = 1000;  // pixels
+  std::optional<double> scale;      // of words and marks; empty: the screen's
   std::string run;                  // trace or recording
   std::optional<double> at_s;
   std::string listen;                    // [ADDRESS:]PORT of a pose stream
@@ -66,6 +67,7 @@ class ViewOptionParser {
     std::string view_from, focus = "auto", cut, shown, color = "one";
     std::string measure, measure_object, measure_words;
     int pixels_per_voxel = 0;
+    double scale = 0;
   };
   Status read_units(ViewOptions& options) const;
   Status read_moment(ViewOptions& options) const;

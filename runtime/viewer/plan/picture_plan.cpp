@@ -3,6 +3,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
+#include <numbers>
 
 #include "formats/mesh/node_names.h"
 #include "runtime/viewer/plan/legend.h"
@@ -224,6 +225,7 @@ Result<PicturePlan> plan_picture(const ViewOptions& options, const ViewScene& sc
                                  const std::vector<TraceRow>& rows) {
   PicturePlan plan;
   plan.width = options.width;
+  plan.scale = options.scale.value_or(1);
   plan.height = options.height;
   plan.shown = options.shown.value_or(default_items(scene));
   plan.cut = options.cut;
@@ -248,6 +250,24 @@ Result<PicturePlan> plan_picture(const ViewOptions& options, const ViewScene& sc
     }
   }
   return plan;
+}
+
+std::vector<CameraView> turntable_of(const PicturePlan& plan, const ViewScene& scene, int cameras) {
+  const WorldBox box = box_of(scene);
+  const bool whole = plan.camera.target_m == box.middle_m();
+  const double aspect = static_cast<double>(plan.width) / plan.height;
+  double half_height_m = plan.camera.half_height_m;
+  std::vector<CameraView> views(static_cast<std::size_t>(cameras), plan.camera);
+  for (std::size_t n = 0; n < views.size(); ++n) {
+    const double angle = 2 * std::numbers::pi * static_cast<double>(n) / cameras;
+    const Orbit orbit = turned({plan.camera.to_eye, plan.camera.up}, angle, 0);
+    views[n].to_eye = orbit.to_eye;
+    views[n].up = orbit.up;
+    if (!whole) continue;
+    half_height_m = std::max(half_height_m, frame_box(box, orbit.to_eye, aspect).half_height_m);
+  }
+  for (CameraView& view : views) view.half_height_m = half_height_m;
+  return views;
 }
 
 nlohmann::ordered_json report_of(const PicturePlan& plan, const ViewScene& scene) {

@@ -17,6 +17,7 @@ namespace forcelayer::viewer {
 
 struct PicturePlan {
   int width = 0, height = 0;  // pixels
+  double scale = 1;           // of words and marks
   std::vector<std::string> title;
   CameraView camera;
   ItemSet shown;
@@ -44,6 +45,10 @@ Result<PicturePlan> plan_picture(const ViewOptions& options, const ViewScene& sc
 // Sets the moment of `plan`, with its contacts, words and camera.
 Status add_moment(const ViewOptions& options, const ViewScene& scene, Moment moment,
                   PicturePlan& plan);
+
+// Cameras that go once about z, from the plan's own, none of which cuts off a scene that is shown
+// whole.
+std::vector<CameraView> turntable_of(const PicturePlan& plan, const ViewScene& scene, int cameras);
 
 // How many times as long as its point is deep the arrow of a contact is: 1, 2 or 5 times a power of
 // ten, the same in all pictures of a scene and a part. A point a tenth of the force layer deep, or

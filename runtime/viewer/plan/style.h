@@ -22,6 +22,7 @@ inline constexpr Color kGhostColor = {0.0, 0.45, 0.70};
 inline constexpr Color kNetForceColor = {0.05, 0.05, 0.05};
 inline constexpr Color kMeasuredColor = {0.0, 0.45, 0.70};
 inline constexpr Color kMissingFaceColor = {0.84, 0.37, 0.0};
+inline constexpr Color kMeasureColor = {0.0, 0.62, 0.45};
 inline constexpr Color kAddedColor = {0.0, 0.45, 0.70};
 inline constexpr Color kRemovedColor = {0.84, 0.37, 0.0};
 

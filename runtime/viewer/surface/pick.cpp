@@ -74,11 +74,24 @@ std::optional<std::array<std::int64_t, 3>> interior_on(const Voxmap& voxmap, con
   return voxel;
 }
 
+double entry_of(const Voxmap& voxmap, const Ray& ray, const std::array<std::int64_t, 3>& voxel) {
+  Stretch inside;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double low = static_cast<double>(voxel[static_cast<std::size_t>(axis)]);
+    inside.keep(ray.from_m[axis] / voxmap.voxel_size_m(), ray.along[axis] / voxmap.voxel_size_m(),
+                low, low + 1);
+  }
+  return inside.begin;
+}
+
+std::string_view object_of(const Voxmap& voxmap, const std::array<std::int64_t, 3>& voxel) {
+  return voxmap.object_name(voxmap.nearest_object(voxel[0], voxel[1], voxel[2]));
+}
+
 std::string_view object_on(const Voxmap& voxmap, const Ray& ray, const std::optional<Cut>& cut,
                            const HiddenObjects& hidden) {
   const auto voxel = interior_on(voxmap, ray, cut, hidden);
-  if (!voxel) return {};
-  return voxmap.object_name(voxmap.nearest_object((*voxel)[0], (*voxel)[1], (*voxel)[2]));
+  return voxel ? object_of(voxmap, *voxel) : std::string_view();
 }
 
 }  // namespace forcelayer::viewer

@@ -6,8 +6,12 @@
 #include <vtkRenderWindowInteractor.h>
 #include <vtkRenderer.h>
 
+#include <algorithm>
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
+#include <numbers>
+
+#include "runtime/viewer/plan/camera.h"
 
 namespace forcelayer::viewer {
 
@@ -34,6 +38,26 @@ void CadStyle::OnMouseMove() {
     Superclass::OnMouseMove();
     if (State == VTKIS_NONE) on_hover(at[0], at[1]);
   }
+}
+
+void CadStyle::Rotate() {
+  constexpr double kTurn = 2 * std::numbers::pi;  // over the shorter side of the window
+  vtkRenderer* renderer = GetDefaultRenderer();
+  vtkCamera* camera = renderer->GetActiveCamera();
+  const int *now = Interactor->GetEventPosition(), *before = Interactor->GetLastEventPosition();
+  const int* size = renderer->GetRenderWindow()->GetSize();
+  const double per_pixel = kTurn / std::min(size[0], size[1]);
+  double focus[3], along[3], up[3];
+  camera->GetFocalPoint(focus);
+  camera->GetDirectionOfProjection(along);
+  camera->GetViewUp(up);
+  const Orbit orbit = turned({-glm::dvec3(along[0], along[1], along[2]), {up[0], up[1], up[2]}},
+                             per_pixel * (before[0] - now[0]), per_pixel * (before[1] - now[1]));
+  const glm::dvec3 eye =
+      glm::dvec3(focus[0], focus[1], focus[2]) + camera->GetDistance() * orbit.to_eye;
+  camera->SetPosition(eye.x, eye.y, eye.z);
+  camera->SetViewUp(orbit.up.x, orbit.up.y, orbit.up.z);
+  Interactor->Render();
 }
 
 void CadStyle::zoom(double factor) {

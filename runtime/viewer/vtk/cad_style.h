@@ -8,8 +8,8 @@
 
 namespace forcelayer::viewer {
 
-// Left turns, middle or shift-left moves, right or wheel zooms, the wheel towards the pointer.
-// The owner handles keys and other buttons.
+// Left turns, as a turntable does: z stays upright. Middle or shift-left moves, right or wheel
+// zooms, the wheel towards the pointer. The owner handles keys and other buttons.
 class CadStyle : public vtkInteractorStyleTrackballCamera {
  public:
   static CadStyle* New();
@@ -28,6 +28,7 @@ class CadStyle : public vtkInteractorStyleTrackballCamera {
   void OnLeftButtonDown() override;
   void OnLeftButtonUp() override;
   void OnMouseMove() override;
+  void Rotate() override;
   void OnMouseWheelForward() override { zoom(kWheelZoom); }
   void OnMouseWheelBackward() override { zoom(1 / kWheelZoom); }
 

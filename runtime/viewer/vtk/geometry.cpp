@@ -149,6 +149,17 @@ PolyData vectors_at(const std::vector<glm::dvec3>& places_m, const std::vector<g
   return data;
 }
 
+PolyData places_and_line(const std::vector<glm::dvec3>& places_m, const glm::dvec3& origin_m) {
+  std::vector<std::array<float, 3>> points;
+  for (const glm::dvec3& place_m : places_m) points.push_back(floats(place_m - origin_m));
+  auto data = PolyData::New();
+  data->SetPoints(points_of(points));
+  const auto identity = [](std::size_t n) { return n; };
+  data->SetVerts(cells_of(points.size(), 1, identity));
+  if (points.size() > 1) data->SetLines(cells_of(1, points.size(), identity));
+  return data;
+}
+
 PolyData spring_between(const glm::dvec3& from_m, const glm::dvec3& to_m, double width_m,
                         const glm::dvec3& origin_m) {
   constexpr int kTurns = 8, kSteps = 16;

@@ -37,6 +37,9 @@ PolyData discs_of(const Pshell& shell);
 PolyData vectors_at(const std::vector<glm::dvec3>& places_m, const std::vector<glm::dvec3>& vectors,
                     const glm::dvec3& origin_m);
 
+// A point at each place less origin_m, and a line through all of them.
+PolyData places_and_line(const std::vector<glm::dvec3>& places_m, const glm::dvec3& origin_m);
+
 // A coil from `from_m` to `to_m`, as a spring is drawn.
 PolyData spring_between(const glm::dvec3& from_m, const glm::dvec3& to_m, double width_m,
                         const glm::dvec3& origin_m);

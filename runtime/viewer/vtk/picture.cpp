@@ -8,13 +8,17 @@
 #include <vtkUnsignedCharArray.h>
 #include <vtkWindowToImageFilter.h>
 
+#include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <glm/geometric.hpp>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "formats/file/atomic_file.h"
 #include "runtime/viewer/plan/style.h"
+#include "runtime/viewer/vtk/animated_png.h"
 #include "runtime/viewer/vtk/overlay.h"
 #include "runtime/viewer/vtk/stage.h"
 #include "runtime/viewer/vtk/triad.h"
@@ -48,23 +52,25 @@ vtkSmartPointer<vtkImageData> shrunk(vtkImageData* image, int factor) {
   return result;
 }
 
-Status write_png(const std::filesystem::path& path, vtkImageData* image) {
+std::vector<std::byte> png_of(vtkImageData* image) {
   vtkNew<vtkPNGWriter> writer;
   writer->SetInputData(image);
   writer->WriteToMemoryOn();
   writer->Write();
   vtkUnsignedCharArray* bytes = writer->GetResult();
+  const auto* begin = reinterpret_cast<const std::byte*>(bytes->GetPointer(0));
+  return {begin, begin + bytes->GetDataSize()};
+}
+
+Status write_file(const std::filesystem::path& path, std::span<const std::byte> content) {
   auto file = AtomicFile::create(path);
   if (!file) return file.error();
-  const std::span<const unsigned char> content(bytes->GetPointer(0),
-                                               static_cast<std::size_t>(bytes->GetDataSize()));
-  if (Status written = file->write(std::as_bytes(content)); !written) return written;
+  if (Status written = file->write(content); !written) return written;
   return file->commit();
 }
 
 // Where a measure lies on a picture of that many pixels.
-DrawnMeasure drawn(const Measure& measure, const PicturePlan& plan, int width, int height) {
-  const CameraView& view = plan.camera;
+DrawnMeasure drawn(const Measure& measure, const CameraView& view, int width, int height) {
   const glm::dvec3 right = glm::cross(view.up, view.to_eye);
   const double pixels_per_m = height / (2 * view.half_height_m);
   const auto x = [&](const glm::dvec3& p) {
@@ -99,42 +105,76 @@ struct Layers {
   }
 };
 
+// A planned picture, drawn from one place or from several.
+class Drawing {
+ public:
+  Drawing(const ViewScene& scene, const PicturePlan& plan)
+      : plan_(plan),
+        sampling_(plan.plain ? 1 : kOversampling),
+        layers_(plan.width * sampling_, plan.height * sampling_),
+        stage_(scene, plan, layers_.world, layers_.marks),
+        overlay_(layers_.words, sampling_ * plan.scale) {
+    const bool placed = plan.moment || scene.bounds.empty;  // a shell alone stands where it is
+    stage_.show(placed ? plan.shown : without_moment(plan.shown));
+    stage_.hide(plan.hidden);
+    if (plan.moment) place_moment(stage_, scene, *plan.moment);
+    stage_.cut(plan.cut);
+    if (plan.plain) {
+      stage_.make_plain();
+      return;
+    }
+    triad_.emplace(layers_.window, 1);
+    overlay_.set_title(plan.title);
+    if (plan.moment && !plan.measure) overlay_.set_state(plan.moment->kind());
+    overlay_.set_legend(legend_of(plan, scene));
+  }
+
+  std::vector<std::byte> png_from(const CameraView& camera) {
+    stage_.aim(camera);
+    if (triad_) lay_out(camera);
+    layers_.window->Render();
+    vtkNew<vtkWindowToImageFilter> grab;
+    grab->SetInput(layers_.window);
+    grab->ReadFrontBufferOff();
+    grab->SetInputBufferTypeToRGB();
+    grab->Update();
+    return png_of(shrunk(grab->GetOutput(), sampling_));
+  }
+
+ private:
+  void lay_out(const CameraView& camera) {
+    const int width = plan_.width * sampling_, height = plan_.height * sampling_;
+    triad_->aim(camera.to_eye, camera.up, width, height,
+                static_cast<int>(std::lround(150 * sampling_ * plan_.scale)));
+    if (plan_.measure) overlay_.set_measure(drawn(*plan_.measure, camera, width, height));
+    overlay_.lay_out(width, height, 2 * camera.half_height_m / height);
+  }
+
+  const PicturePlan& plan_;
+  int sampling_;
+  Layers layers_;
+  Stage stage_;
+  Overlay overlay_;
+  std::optional<Triad> triad_;
+};
+
 }  // namespace
 
 Status write_picture(const std::filesystem::path& path, const ViewScene& scene,
                      const PicturePlan& plan) {
-  const int sampling = plan.plain ? 1 : kOversampling;
-  const int width = plan.width * sampling, height = plan.height * sampling;
-  const Layers layers(width, height);
-  Stage stage(scene, plan, layers.world, layers.marks);
-  const bool placed = plan.moment || scene.bounds.empty;  // a shell alone stands where it is
-  stage.show(placed ? plan.shown : without_moment(plan.shown));
-  stage.hide(plan.hidden);
-  if (plan.moment) place_moment(stage, scene, *plan.moment);
-  stage.cut(plan.cut);
-  if (plan.plain) stage.make_plain();
-  stage.aim(plan.camera);
-  std::optional<Triad> triad;
-  Overlay overlay(layers.words, sampling);
-  if (!plan.plain) {
-    triad.emplace(layers.window, 1);
-    triad->aim(plan.camera.to_eye, plan.camera.up, width, height, 150 * sampling);
-    overlay.set_title(plan.title);
-    if (plan.measure) {
-      overlay.set_measure(drawn(*plan.measure, plan, width, height));
-    } else if (plan.moment) {
-      overlay.set_state(plan.moment->kind());
-    }
-    overlay.set_legend(legend_of(plan, scene));
-    overlay.lay_out(width, height, plan.meters_per_pixel() / sampling);
+  return write_file(path, Drawing(scene, plan).png_from(plan.camera));
+}
+
+Status write_turntable(const std::filesystem::path& path, const ViewScene& scene,
+                       const PicturePlan& plan) {
+  constexpr int kPictures = 72;
+  constexpr std::uint16_t kDelayMs = 80;
+  Drawing drawing(scene, plan);
+  AnimatedPng movie(kPictures, kDelayMs);
+  for (const CameraView& camera : turntable_of(plan, scene, kPictures)) {
+    movie.add(drawing.png_from(camera));
   }
-  layers.window->Render();
-  vtkNew<vtkWindowToImageFilter> grab;
-  grab->SetInput(layers.window);
-  grab->ReadFrontBufferOff();
-  grab->SetInputBufferTypeToRGB();
-  grab->Update();
-  return write_png(path, shrunk(grab->GetOutput(), sampling));
+  return write_file(path, movie.finish());
 }
 
 }  // namespace forcelayer::viewer

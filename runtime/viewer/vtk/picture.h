@@ -13,4 +13,8 @@ namespace forcelayer::viewer {
 Status write_picture(const std::filesystem::path& path, const ViewScene& scene,
                      const PicturePlan& plan);
 
+// Writes an animated PNG in which the eye goes once about z, from where the plan has it.
+Status write_turntable(const std::filesystem::path& path, const ViewScene& scene,
+                       const PicturePlan& plan);
+
 }  // namespace forcelayer::viewer

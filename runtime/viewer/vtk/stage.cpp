@@ -149,7 +149,7 @@ struct Stage::Actors {
   VoxelFaces quick_force_layer, quick_proximity;
   std::vector<PolyData> mesh_data, mesh_edge_data;  // [meshes of the scene]
   Actor meshes, mesh_edges, missing_faces, measured, measured_edges;
-  Actor part, part_edges, target, shell, spring;
+  Actor part, part_edges, target, shell, spring, measurement;
   Glyphs contact_points{sphere(), kContactColor, false};
   Glyphs contact_forces{arrow(9), kContactColor, true};
   Glyphs layer_points{sphere(), kForceLayerColor, false};
@@ -191,6 +191,7 @@ Stage::Stage(const ViewScene& scene, const PicturePlan& plan, vtkRenderer* world
       world_(world),
       marks_(marks),
       actors_(std::make_unique<Actors>(world, plan.change.has_value())),
+      scale_(plan.scale),
       hidden_meshes_(scene.meshes.size(), 0),
       measured_(scene.meshes.size(), 0) {
   build_scene(plan);
@@ -198,6 +199,9 @@ Stage::Stage(const ViewScene& scene, const PicturePlan& plan, vtkRenderer* world
   build_change(plan.change);
   build_part();
   for (Glyphs* glyphs : actors_->glyphs()) marks_->AddActor(glyphs->actor);
+  actors_->measurement = line_actor(PolyData::New(), kMeasureColor, 2.5 * scale_);
+  actors_->measurement->GetProperty()->SetPointSize(static_cast<float>(9 * scale_));
+  marks_->AddActor(actors_->measurement);
   for (vtkRenderer* renderer : {world_, marks_}) {
     vtkNew<vtkLight> light;
     light->SetLightTypeToCameraLight();
@@ -225,7 +229,7 @@ void Stage::build_scene(const PicturePlan& plan) {
   actors_->meshes = surface_actor(PolyData::New(), kSceneColor);
   actors_->meshes->GetMapper()->SetScalarModeToUseCellData();
   actors_->meshes->GetMapper()->SetScalarVisibility(color_objects);
-  actors_->mesh_edges = line_actor(PolyData::New(), kEdgeColor, 1);
+  actors_->mesh_edges = line_actor(PolyData::New(), kEdgeColor, scale_);
   if (plan.measure) {
     for (std::size_t n = 0; n < scene_.meshes.size(); ++n) {
       measured_[n] = scene_.meshes[n].name == plan.measure->object ? 1 : 0;
@@ -234,7 +238,7 @@ void Stage::build_scene(const PicturePlan& plan) {
     actors_->mesh_edges->GetProperty()->SetOpacity(kOthersOpacity);
   }
   actors_->measured = surface_actor(PolyData::New(), kMeasuredColor);
-  actors_->measured_edges = line_actor(PolyData::New(), kInk, 1);
+  actors_->measured_edges = line_actor(PolyData::New(), kInk, scale_);
   draw_meshes();
   world_->AddActor(actors_->measured);
   world_->AddActor(actors_->measured_edges);
@@ -246,7 +250,7 @@ void Stage::build_scene(const PicturePlan& plan) {
     frames->AddInputData(feature_edges_of(poly_data_of(cube)));
   }
   frames->Update();
-  actors_->missing_faces = line_actor(frames->GetOutput(), kMissingFaceColor, 3);
+  actors_->missing_faces = line_actor(frames->GetOutput(), kMissingFaceColor, 3 * scale_);
   marks_->AddActor(actors_->missing_faces);
 }
 
@@ -338,14 +342,14 @@ void Stage::build_part() {
     const PolyData data = poly_data_of(*scene_.part);
     const PolyData edges = feature_edges_of(data);
     a.part = surface_actor(data, kPartColor);
-    a.part_edges = line_actor(edges, kInk, 1.5);
-    a.target = line_actor(edges, kGhostColor, 2);
+    a.part_edges = line_actor(edges, kInk, 1.5 * scale_);
+    a.target = line_actor(edges, kGhostColor, 2 * scale_);
   }
   if (scene_.shell) {
     a.shell = surface_actor(discs_of(*scene_.shell), kPartColor);
     a.shell->GetProperty()->SetPointSize(4);
   }
-  a.spring = line_actor(PolyData::New(), kGhostColor, 3);
+  a.spring = line_actor(PolyData::New(), kGhostColor, 3 * scale_);
   for (const Actor& actor : {a.part, a.part_edges, a.target, a.shell, a.spring}) {
     if (actor != nullptr) world_->AddActor(actor);
   }
@@ -501,6 +505,10 @@ void Stage::place_net_force(const glm::dvec3& at_m, const glm::dvec3& direction,
   } else {
     actors_->net_force.set({}, {}, scene_.origin_m, 0);
   }
+}
+
+void Stage::place_measurement(const std::vector<glm::dvec3>& places_m) {
+  replace_data(actors_->measurement, places_and_line(places_m, scene_.origin_m));
 }
 
 void place_moment(Stage& stage, const ViewScene& scene, const Moment& moment) {

@@ -52,6 +52,8 @@ class Stage {
   void place_contacts(const ContactView& contacts, double dot_m, double per_depth);
   // The force on the hand as one arrow of `length_m` at the part's centroid; zero hides it.
   void place_net_force(const glm::dvec3& at_m, const glm::dvec3& direction, double length_m);
+  // Up to two places in the world, with a line between two of them.
+  void place_measurement(const std::vector<glm::dvec3>& places_m);
 
  private:
   struct Actors;
@@ -68,6 +70,7 @@ class Stage {
   vtkRenderer* world_;
   vtkRenderer* marks_;
   std::unique_ptr<Actors> actors_;
+  double scale_;  // of the width of lines
   std::uint64_t voxel_rectangles_ = 0;
   std::uint64_t most_rectangles_ = 0;  // of one layer
   std::vector<char> hidden_meshes_;    // [meshes of the scene]

@@ -22,6 +22,7 @@
 #include "formats/command/command.h"
 #include "runtime/viewer/plan/keys.h"
 #include "runtime/viewer/plan/legend.h"
+#include "runtime/viewer/plan/measurement.h"
 #include "runtime/viewer/plan/mesh_pick.h"
 #include "runtime/viewer/plan/object_tree.h"
 #include "runtime/viewer/plan/style.h"
@@ -126,8 +127,12 @@ class Window {
     interactor_->SetRenderWindow(window_);
     interactor_->EnableRenderOff();  // events mark what has changed, tick() draws it once
     style_->on_key = [this](const std::string& key) { press(key); };
-    style_->on_press = [this](int x, int y) { return press_tree(x, y) || scrub(x, y); };
-    style_->on_drag = [this](int x, int y) { scrub(x, y); };
+    style_->on_press = [this](int x, int y) {
+      return press_tree(x, y) || press_button(x, y) || scrub(x, y);
+    };
+    style_->on_drag = [this](int x, int y) {
+      if (!strip_->button_at(x, y)) scrub(x, y);
+    };
     style_->on_hover = [this](int x, int y) { hover(x, y); };
     style_->SetDefaultRenderer(world_);
     interactor_->SetInteractorStyle(style_);
@@ -136,8 +141,8 @@ class Window {
     observe(world_, vtkCommand::StartEvent, [](Window& window) { window.lay_out(); });
     stage_.emplace(scene_, plan_, world_, marks_);
     triad_.emplace(window_, 1);
-    overlay_.emplace(words_, 1.0);
-    strip_.emplace(words_);
+    overlay_.emplace(words_, plan_.scale);
+    strip_.emplace(words_, plan_.scale);
     stage_->build_quick_layers();
     stage_->hide(plan_.hidden);
     stage_->aim(plan_.camera);
@@ -225,6 +230,7 @@ class Window {
                               playback_->playing() ? "playing" : "paused", speed_,
                               playback_->index() + 1, feed_.rows.size()));
     }
+    if (!measurement_.empty()) lines.push_back(measurement_.words(world_from_part()));
     if (cut_) {
       lines.push_back(text_of("cut at %c = %.1f mm, %s stays", "xyz"[cut_->axis],
                               1e3 * cut_ -> at_m,
@@ -247,6 +253,7 @@ class Window {
       place_moment(*stage_, scene_, *moment_);
       if (followed_m_) follow_part();
     }
+    stage_->place_measurement(measurement_.places_m(world_from_part()));
     PicturePlan now;
     now.shown = shown_;
     if (!moment_ && !scene_.bounds.empty) now.shown = without_moment(shown_);
@@ -308,11 +315,12 @@ class Window {
   void lay_out() {
     const int width = window_->GetSize()[0], height = window_->GetSize()[1];
     vtkCamera* camera = world_->GetActiveCamera();
-    const bool strip_shown =
-        !strip_points_.empty() && width >= Strip::kLeastWidth && height >= Strip::kLeastHeight;
+    const bool strip_shown = !strip_points_.empty() && strip_->fits(width, height);
     overlay_->lay_out(width, height, 2 * camera->GetParallelScale() / height,
-                      strip_shown ? Strip::kTopPixel : 0);
-    triad_->aim(to_eye(), up(), width, height, kTriadPixels);
+                      strip_shown ? strip_->top_pixel() : 0);
+    triad_->aim(to_eye(), up(), width, height,
+                static_cast<int>(std::lround(kTriadPixels * plan_.scale)));
+    if (playback_) strip_->set_play(PlayState{playback_->playing(), speed_});
     strip_->show(strip_shown);
     if (!strip_shown) return;
     const double newest_s = strip_points_.back().time_s;
@@ -354,29 +362,64 @@ class Window {
     return lines;
   }
 
-  // The name of what is drawn at a pixel: of the mesh, else of the object that the voxels there are
-  // nearest to.
-  std::string object_at(int x, int y) const {
-    if (objects_.empty()) return "";
+  Pose world_from_part() const { return moment_ ? moment_->world_from_part : Pose(); }
+
+  // From the eye through a pixel, from the eye's side of all that is drawn.
+  Ray ray_at(int x, int y) const {
     world_->SetDisplayPoint(x, y, 0);
     world_->DisplayToWorld();
     const double* near = world_->GetWorldPoint();
-    // From the eye's side of all voxels: what is drawn may begin behind them.
     const double back_m = glm::length(scene_.bounds.high_m - scene_.bounds.low_m);
-    const Ray ray{scene_.origin_m + glm::dvec3(near[0], near[1], near[2]) + back_m * to_eye(),
-                  -to_eye()};
-    std::string name;
-    if (shown_[Item::kMeshes]) name = mesh_on(scene_, stage_->hidden_meshes(), ray, cut_);
-    const bool voxels = shown_[Item::kInterior] || shown_[Item::kForceLayer];
-    if (name.empty() && scene_.voxmap && voxels) {
-      name = object_on(*scene_.voxmap, ray, cut_, stage_->hidden_objects());
+    return {scene_.origin_m + glm::dvec3(near[0], near[1], near[2]) + back_m * to_eye(), -to_eye()};
+  }
+
+  // What is drawn of the scene at a pixel: the mesh, else the voxels there, by the name of the
+  // object that they are nearest to.
+  std::optional<PickedPlace> scene_at(const Ray& ray) const {
+    if (shown_[Item::kMeshes]) {
+      if (const auto hit = mesh_on(scene_, stage_->hidden_meshes(), ray, cut_)) {
+        return PickedPlace{std::string(hit->name), ray.from_m + hit->along * ray.along};
+      }
     }
-    return name;
+    if (!scene_.voxmap || !(shown_[Item::kInterior] || shown_[Item::kForceLayer])) return {};
+    const auto voxel = interior_on(*scene_.voxmap, ray, cut_, stage_->hidden_objects());
+    if (!voxel) return {};
+    const double along = entry_of(*scene_.voxmap, ray, *voxel);
+    return PickedPlace{std::string(object_of(*scene_.voxmap, *voxel)),
+                       ray.from_m + along * ray.along};
+  }
+
+  // The nearest of the scene and the part at a pixel.
+  std::optional<PickedPlace> place_at(int x, int y) const {
+    const Ray ray = ray_at(x, y);
+    std::optional<PickedPlace> place = scene_at(ray);
+    const bool mesh = shown_[Item::kPart] && scene_.part;
+    if (!moment_ || !(mesh || shown_[Item::kShell])) return place;
+    const auto along = part_on(scene_, mesh, moment_->world_from_part, ray);
+    if (!along) return place;
+    const glm::dvec3 on_part_m = ray.from_m + *along * ray.along;
+    if (place && glm::distance(place->place_m, ray.from_m) < glm::distance(on_part_m, ray.from_m)) {
+      return place;
+    }
+    const Pose part_from_world = inverse(moment_->world_from_part);
+    return PickedPlace{"the part",
+                       part_from_world.orientation * on_part_m + part_from_world.position_m, true};
+  }
+
+  // m: measures from what is under the pointer, at the next m to it; with shift no more.
+  bool press_measure(const std::string& key) {
+    if (key != "m" && key != "M") return false;
+    if (key == "M") measurement_.clear();
+    const auto place =
+        key == "m" && pointer_ ? place_at((*pointer_)[0], (*pointer_)[1]) : std::nullopt;
+    if (place) measurement_.pick(*place);
+    return true;
   }
 
   void hover(int x, int y) {
     pointer_ = {x, y};
-    const std::string name = object_at(x, y);
+    const auto place = objects_.empty() ? std::nullopt : scene_at(ray_at(x, y));
+    const std::string name = place ? place->name : "";
     if (name == pointed_at_) return;
     pointed_at_ = name;
     changed_ = true;
@@ -419,6 +462,16 @@ class Window {
     return true;
   }
 
+  bool press_button(int x, int y) {
+    const auto button = playback_ ? strip_->button_at(x, y) : std::nullopt;
+    if (!button) return false;
+    press_playback(*button == PlayButton::kPlay     ? "space"
+                   : *button == PlayButton::kSlower ? "minus"
+                                                    : "plus");
+    changed_ = true;
+    return true;
+  }
+
   bool scrub(int x, int y) {
     if (!playback_) return false;
     const auto time_s = strip_->time_at(x, y);
@@ -437,7 +490,8 @@ class Window {
       help_ = !help_;
     } else if (key.size() == 1 && key[0] >= '1' && key[0] <= '8') {
       shown_.toggle(static_cast<Item>(key[0] - '1'));
-    } else if (!press_camera(key) && !press_cut(key) && !press_objects(key)) {
+    } else if (!press_camera(key) && !press_cut(key) && !press_objects(key) &&
+               !press_measure(key)) {
       press_playback(key);
     }
     if (pointer_) hover((*pointer_)[0], (*pointer_)[1]);
@@ -563,6 +617,7 @@ class Window {
   std::unique_ptr<ContactViewSource> contact_source_;
   std::optional<Moment> moment_;
   std::optional<Cut> cut_;
+  Measurement measurement_;
   std::optional<glm::dvec3> followed_m_;  // where the part was when the camera went with it
   Pose grip_;
   double speed_ = 1;  // of playing, in run time per time
