@@ -195,8 +195,9 @@ Status check_tree(const VoxmapHeader& h, const TreeSections& sections, std::uint
   const auto directory = elements_of<std::uint32_t>(sections.bytes[0]);
   const auto upper_nodes = elements_of<std::uint32_t>(sections.bytes[1]);
   const auto lower_nodes = elements_of<std::uint32_t>(sections.bytes[2]);
+  const std::uint64_t bytes = sections.bytes[3].size(), most = most_brick_bytes(bits);
   counts = {upper_nodes.size() / kNodeEntries, lower_nodes.size() / kNodeEntries,
-            sections.bytes[3].size() / brick_bytes(bits)};
+            bytes < most ? 0 : (bytes - most) / brick_step_bytes(bits) + 1, bytes};
   const std::uint64_t wanted =
       std::uint64_t{h.directory_dims[0]} * h.directory_dims[1] * h.directory_dims[2];
   if (directory.size() != wanted) {
@@ -398,6 +399,12 @@ double Voxmap::least_distance_m(std::int64_t i, std::int64_t j, std::int64_t k) 
 double Voxmap::most_distance_m(std::int64_t i, std::int64_t j, std::int64_t k) const {
   if (distances() == nullptr) return std::numeric_limits<double>::infinity();
   return forcelayer::most_distance_m(*header_, distance_code(i, j, k));
+}
+
+bool Voxmap::is_measured(std::int64_t i, std::int64_t j, std::int64_t k) const {
+  if (distances() == nullptr) return false;
+  const std::uint32_t code = distance_code(i, j, k);
+  return code > 0 && code < kMostDistanceCode;
 }
 
 double steepest_n_per_m(const Voxmap& map) {

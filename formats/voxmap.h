@@ -1,6 +1,7 @@
 // Reading .vox files: mapped into memory, checked once, then read without checks.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -29,7 +30,7 @@ struct TreeView {
   const std::uint32_t* directory = nullptr;    // [dims x][dims y][dims z]
   const std::uint32_t* upper_nodes = nullptr;  // [count][512]
   const std::uint32_t* lower_nodes = nullptr;  // [count][512]
-  const std::uint32_t* bricks = nullptr;       // [count][16 * kBits] words
+  const std::uint32_t* bricks = nullptr;       // of values [count][32] words, or packed
   std::array<std::int64_t, 3> directory_origin{};
   std::array<std::int32_t, 3> directory_dims{};  // cells of 512 voxels
 
@@ -37,6 +38,22 @@ struct TreeView {
   bool contains(std::int32_t x, std::int32_t y, std::int32_t z) const {
     return x >= 0 && y >= 0 && z >= 0 && (x >> 9) < directory_dims[0] &&
            (y >> 9) < directory_dims[1] && (z >> 9) < directory_dims[2];
+  }
+
+  // The entry of the brick of a relative voxel that the directory contains: a stored brick, or
+  // uniform, of the brick or of more.
+  std::uint32_t entry(std::int32_t x, std::int32_t y, std::int32_t z) const {
+    const auto slot = [&](int shift) {
+      return static_cast<std::uint32_t>((((x >> shift) & 7) << 6) | (((y >> shift) & 7) << 3) |
+                                        ((z >> shift) & 7));
+    };
+    std::uint32_t found =
+        directory[(std::int64_t{x >> 9} * directory_dims[1] + (y >> 9)) * directory_dims[2] +
+                  (z >> 9)];
+    if (is_uniform(found)) return found;
+    found = upper_nodes[std::uint64_t{found} * kNodeEntries + slot(6)];
+    if (is_uniform(found)) return found;
+    return lower_nodes[std::uint64_t{found} * kNodeEntries + slot(3)];
   }
 
   // Look-up of a relative voxel that the directory contains: the three steps of paper 4.3.
@@ -58,9 +75,37 @@ struct TreeView {
 
   // The stored code of voxel n = x*64 + y*8 + z of a brick.
   std::uint32_t brick_code(std::uint32_t brick, std::uint32_t n) const {
+    if constexpr (kBits == kDistanceBits) return packed_distance(brick_at(brick), n);
+    if constexpr (kBits == kObjectBits) return packed_object(brick_at(brick), n);
     const std::uint32_t bit = n * kBits;
     const std::uint32_t word = bricks[std::uint64_t{brick} * 16 * kBits + (bit >> 5)];
     return (word >> (bit & 31)) & ((1u << kBits) - 1);
+  }
+
+  // A stored brick's first byte.
+  const std::uint8_t* brick_at(std::uint32_t brick) const {
+    return reinterpret_cast<const std::uint8_t*>(bricks) +
+           std::uint64_t{brick} * brick_step_bytes(kBits);
+  }
+
+  // All codes of a brick below this entry, uniform or a stored brick: for packed ones in a small
+  // part of the time of asking for each.
+  std::array<std::uint16_t, kNodeEntries> brick_codes(std::uint32_t entry) const {
+    std::array<std::uint16_t, kNodeEntries> codes;
+    if (is_uniform(entry)) {
+      codes.fill(static_cast<std::uint16_t>(uniform(entry, kBrickEdge).code));
+    } else if constexpr (kBits == kDistanceBits) {
+      BrickCodes bytes;
+      unpack_distances(brick_at(entry), bytes);
+      std::copy(bytes.begin(), bytes.end(), codes.begin());
+    } else if constexpr (kBits == kObjectBits) {
+      unpack_objects(brick_at(entry), codes);
+    } else {
+      for (std::uint32_t n = 0; n < kNodeEntries; ++n) {
+        codes[n] = static_cast<std::uint16_t>(brick_code(entry, n));
+      }
+    }
+    return codes;
   }
 
   static VoxelLookup uniform(std::uint32_t entry, std::uint32_t edge_voxels) {
@@ -76,9 +121,10 @@ using VoxmapView = TreeView<kValueBits>;       // codes are VoxelValues
 using DistanceView = TreeView<kDistanceBits>;  // voxmap_format.md, section 6
 using ObjectView = TreeView<kObjectBits>;      // numbers of objects from 1 on, 0 for none
 
-// How many nodes and bricks a tree has.
+// How many nodes a tree has, and how much its bricks take. Numbers of bricks are below `bricks`: of
+// values the number of bricks, of packed ones that of the places where one can begin.
 struct TreeCounts {
-  std::uint64_t upper_nodes = 0, lower_nodes = 0, bricks = 0;
+  std::uint64_t upper_nodes = 0, lower_nodes = 0, bricks = 0, brick_bytes = 0;
 };
 
 // How much of a file open() verifies. Structure is always checked: sizes, alignment, reserved bits,
@@ -117,6 +163,8 @@ class Voxmap {
   double least_distance_m(std::int64_t i, std::int64_t j, std::int64_t k) const;
   // The most that it can be, but for a writer's error: infinity for the highest code and beyond.
   double most_distance_m(std::int64_t i, std::int64_t j, std::int64_t k) const;
+  // Whether its code is a distance that was measured, neither the lowest nor the highest.
+  bool is_measured(std::int64_t i, std::int64_t j, std::int64_t k) const;
 
   double voxel_size_m() const { return header_->voxel_size_m; }
 

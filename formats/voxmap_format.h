@@ -13,6 +13,7 @@
 #include <cmath>
 #include <limits>
 
+#include "formats/bricks/packed_bricks.h"
 #include "formats/file_format.h"
 
 namespace forcelayer {
@@ -70,12 +71,12 @@ enum class VoxmapSection : std::uint32_t {
   kDistanceDirectory = 7,  // 7 to 10 as 1 to 4, of codes of eight bits; all four, or none
   kDistanceUpperNodes = 8,
   kDistanceLowerNodes = 9,
-  kDistanceBricks = 10,
+  kDistanceBricks = 10,   // packed: formats/bricks/packed_bricks.h
   kObjectDirectory = 11,  // 11 to 14 as 1 to 4, of numbers of 16 bits; with 15, or none
   kObjectUpperNodes = 12,
   kObjectLowerNodes = 13,
-  kObjectBricks = 14,
-  kObjectNames = 15,  // UTF-8, each name ended by a zero byte
+  kObjectBricks = 14,  // packed
+  kObjectNames = 15,   // UTF-8, each name ended by a zero byte
 };
 
 // The sides of the valid box where a region of interest cut the scene. Beyond a side whose bit is
@@ -147,8 +148,21 @@ constexpr KnownBox known_box(const VoxmapHeader& header,
 inline constexpr float kMostComplianceN = 1e6f;
 inline constexpr double kMostComplianceNPerM = 1e12;
 
-// Bytes of a brick.
+// Bytes of a brick's elements of so many bits.
 constexpr std::uint32_t brick_bytes(std::uint32_t bits) { return kNodeEntries / 8 * bits; }
+
+// Bricks of values have one size, and their number counts them. Those of distances and objects are
+// packed, each in bytes of its own number, and a brick's number counts units from the section's
+// beginning on. The bytes from one number to the next, and the most that a brick can have: so many
+// bytes stand from every brick's beginning on.
+constexpr std::uint32_t brick_step_bytes(std::uint32_t bits) {
+  return bits == kValueBits ? brick_bytes(bits) : kPackedUnitBytes;
+}
+constexpr std::uint32_t most_brick_bytes(std::uint32_t bits) {
+  return bits == kValueBits      ? brick_bytes(bits)
+         : bits == kDistanceBits ? kMostPackedDistancesBytes
+                                 : kMostPackedObjectsBytes;
+}
 
 // Whether a map stores distances, and the depth of its force layer in voxels.
 constexpr bool has_distances(const VoxmapHeader& header) { return header.distance_quantum_m > 0; }

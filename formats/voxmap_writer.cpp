@@ -9,7 +9,44 @@
 namespace forcelayer {
 namespace {
 
-FileLayout lay_out(const VoxmapContent& content) {
+// A tree whose bricks are packed, with the entries that lead to them.
+struct PackedTree {
+  PackedBricks bricks;
+  std::vector<std::uint32_t> lower_nodes;
+
+  PackedTree(const TreeContent& tree, PackedBricks packed)
+      : bricks(std::move(packed)), lower_nodes(tree.lower_nodes.begin(), tree.lower_nodes.end()) {
+    for (std::uint32_t& entry : lower_nodes) {
+      if (is_uniform(entry)) continue;
+      // The reader refuses a brick that is not there.
+      entry = entry < bricks.units.size() ? bricks.units[entry] : kUniformBit - 1;
+    }
+  }
+
+  TreeContent content(const TreeContent& tree) const {
+    return {tree.directory, tree.upper_nodes, lower_nodes, words()};
+  }
+  std::span<const std::uint32_t> words() const {
+    return {reinterpret_cast<const std::uint32_t*>(bricks.bytes.data()), bricks.bytes.size() / 4};
+  }
+};
+
+template <typename Element>
+std::span<const Element> elements_in(const TreeContent& tree) {
+  return {reinterpret_cast<const Element*>(tree.bricks.data()),
+          tree.bricks.size_bytes() / sizeof(Element)};
+}
+
+// The trees as they stand in the file. They outlive the layout, which points to them.
+struct PackedTrees {
+  PackedTree distances, objects;
+
+  explicit PackedTrees(const VoxmapContent& content)
+      : distances(content.distances, pack_distances(elements_in<std::uint8_t>(content.distances))),
+        objects(content.objects, pack_objects(elements_in<std::uint16_t>(content.objects))) {}
+};
+
+FileLayout lay_out(const VoxmapContent& content, const PackedTrees& packed) {
   const auto names = std::as_bytes(std::span(content.object_names));
   std::vector<std::span<const std::byte>> bytes;
   const auto add_tree = [&](const TreeContent& tree) {
@@ -20,8 +57,8 @@ FileLayout lay_out(const VoxmapContent& content) {
   add_tree(content.values);
   bytes.push_back(std::as_bytes(content.compliance));
   bytes.push_back(std::as_bytes(std::span(content.provenance)));
-  add_tree(content.distances);
-  add_tree(content.objects);
+  add_tree(packed.distances.content(content.distances));
+  add_tree(packed.objects.content(content.objects));
   bytes.push_back(names);
 
   const auto rules = voxmap_section_rules();
@@ -54,11 +91,19 @@ Result<std::uint64_t> write_voxmap(const std::filesystem::path& path,
     const auto map = Voxmap::from_file(std::move(file), name);
     return map ? Status() : map.error();
   };
-  return write_layout(path, lay_out(content), check);
+  const PackedTrees packed(content);
+  constexpr std::uint64_t kMostBytes = std::uint64_t{kUniformBit} * kPackedUnitBytes;
+  for (const PackedTree* tree : {&packed.distances, &packed.objects}) {
+    if (tree->bricks.bytes.size() <= kMostBytes) continue;
+    return Error{ErrorCode::kBakeTooLarge, path.string(), "", "its bricks take more than 32 GB",
+                 "choose a larger voxel size, or bake a region"};
+  }
+  return write_layout(path, lay_out(content, packed), check);
 }
 
 std::vector<std::byte> voxmap_bytes(const VoxmapContent& content) {
-  return bytes_of(lay_out(content));
+  const PackedTrees packed(content);
+  return bytes_of(lay_out(content, packed));
 }
 
 }  // namespace forcelayer

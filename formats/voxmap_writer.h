@@ -14,7 +14,8 @@
 
 namespace forcelayer {
 
-// A finished tree in memory, in the file's own layout. The caller owns the arrays.
+// A finished tree in memory. Its bricks are not packed; all else is in the file's own layout. The
+// caller owns the arrays.
 struct TreeContent {
   std::span<const std::uint32_t> directory;    // [dims x][dims y][dims z] entries
   std::span<const std::uint32_t> upper_nodes;  // [count][512] entries

@@ -20,7 +20,6 @@ class CodeRules {
   bool beside_code(std::uint32_t a, std::uint32_t b) const { return beside_code_[a][b]; }
 
   // The same for many at once. True only where each pair is allowed; false says nothing yet.
-  using BrickCodes = std::array<std::uint8_t, 512>;
   using FaceCodes = std::array<std::uint8_t, 64>;
   // `values` are the 128 bytes of a brick.
   bool surely_beside_values(const std::uint8_t* values, const BrickCodes& codes) const;

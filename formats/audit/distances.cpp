@@ -9,6 +9,7 @@
 #include "formats/audit/code_rules.h"
 #include "formats/audit/neighborhoods.h"
 #include "formats/audit/parts.h"
+#include "formats/bricks/unpacked_distances.h"
 #include "formats/voxmap_walk.h"
 
 namespace forcelayer::voxmap_audit {
@@ -57,6 +58,7 @@ class DistanceAudit {
         header_(map.header()),
         values_(map.view()),
         distances_(*map.distances()),
+        unpacked_(distances_, kSlotBits),
         known_(known_box(header_)),
         rules_(header_) {}
 
@@ -72,6 +74,8 @@ class DistanceAudit {
   }
 
  private:
+  static constexpr unsigned kSlotBits = 12;
+
   void visit_cell(const Voxel& cell) {
     const Voxel low = world(cell);
     const std::uint32_t entry = entry_of(cell);
@@ -117,10 +121,12 @@ class DistanceAudit {
     return kBits == kValueBits ? without_clearance(found) : found;
   }
 
-  // The element of voxel n of a brick, or of a uniform box.
-  template <std::uint32_t kBits>
-  static std::uint32_t element(const TreeView<kBits>& tree, std::uint32_t entry, std::uint32_t n) {
-    return is_uniform(entry) ? uniform_wide_value(entry) : tree.brick_code(entry, n);
+  // The value of voxel n of a brick, or of a uniform box; its code.
+  std::uint32_t value(std::uint32_t entry, std::uint32_t n) const {
+    return is_uniform(entry) ? uniform_value(entry) : values_.brick_code(entry, n);
+  }
+  std::uint32_t code(std::uint32_t entry, std::uint32_t n) {
+    return is_uniform(entry) ? uniform_wide_value(entry) : unpacked_.brick(entry)[n];
   }
 
   static std::size_t level(std::int64_t edge) {
@@ -138,19 +144,15 @@ class DistanceAudit {
   }
 
   // The codes of a brick or of a uniform box of its size.
-  CodeRules::BrickCodes codes_of(std::uint32_t entry) const {
-    CodeRules::BrickCodes codes;
-    if (is_uniform(entry)) {
-      codes.fill(static_cast<std::uint8_t>(uniform_wide_value(entry)));
-    } else {
-      std::memcpy(codes.data(), distances_.bricks + std::uint64_t{entry} * 16 * kDistanceBits,
-                  codes.size());
-    }
+  BrickCodes codes_of(std::uint32_t entry) {
+    if (!is_uniform(entry)) return unpacked_.brick(entry);
+    BrickCodes codes;
+    codes.fill(static_cast<std::uint8_t>(uniform_wide_value(entry)));
     return codes;
   }
   // The outermost ones along an axis.
-  CodeRules::FaceCodes face_of(std::uint32_t entry, std::size_t axis, bool upper) const {
-    const CodeRules::BrickCodes codes = codes_of(entry);
+  CodeRules::FaceCodes face_of(std::uint32_t entry, std::size_t axis, bool upper) {
+    const BrickCodes codes = codes_of(entry);
     const std::size_t step = std::size_t{64} >> (3 * axis);
     const std::size_t row = axis == 0 ? 8 : 64, column = axis == 2 ? 8 : 1;
     CodeRules::FaceCodes face;
@@ -161,7 +163,7 @@ class DistanceAudit {
     }
     return face;
   }
-  bool surely_beside_values(std::uint32_t values, std::uint32_t codes) const {
+  bool surely_beside_values(std::uint32_t values, std::uint32_t codes) {
     std::array<std::uint8_t, 128> bytes;
     if (is_uniform(values)) {
       bytes.fill(static_cast<std::uint8_t>(uniform_value(values) * 0x55));
@@ -189,7 +191,7 @@ class DistanceAudit {
       if (edge > kBrickEdge) {
         compare(edge / 8, at, child(values_, edge, values, n), child(distances_, edge, codes, n));
       } else if (!known_part(Span::cube(at, 1), known_).empty()) {
-        check_value(at, element(values_, values, n), element(distances_, codes, n));
+        check_value(at, value(values, n), code(codes, n));
       }
     }
   }
@@ -216,8 +218,7 @@ class DistanceAudit {
           look_between(edge / 8, axis, at, child(distances_, edge, entry, n),
                        child(distances_, edge, entry, n + step));
         } else {
-          check_codes(axis, at, distances_.brick_code(entry, n),
-                      distances_.brick_code(entry, n + step));
+          check_codes(axis, at, code(entry, n), code(entry, n + step));
         }
       }
     }
@@ -252,7 +253,7 @@ class DistanceAudit {
         look_between(edge / 8, axis, at, child(distances_, edge, a, n),
                      child(distances_, edge, b, opposite));
       } else {
-        check_codes(axis, at, element(distances_, a, n), element(distances_, b, opposite));
+        check_codes(axis, at, code(a, n), code(b, opposite));
       }
     }
   }
@@ -283,12 +284,33 @@ class DistanceAudit {
   const VoxmapHeader& header_;
   const VoxmapView& values_;
   const DistanceView& distances_;
+  UnpackedDistances unpacked_;
   KnownBox known_;
   CodeRules rules_;
   std::array<SeenPairs, 3> compared_, inside_;  // by level
   std::array<std::array<SeenPairs, 3>, 3> between_;
   std::optional<Error> bad_;
 };
+
+// The numbers of the bricks that a tree's lower nodes name, each once.
+template <std::uint32_t kBits>
+std::vector<std::uint32_t> stored_bricks(const TreeView<kBits>& tree, const TreeCounts& counts) {
+  std::vector<std::uint32_t> bricks;
+  std::copy_if(tree.lower_nodes, tree.lower_nodes + counts.lower_nodes * kNodeEntries,
+               std::back_inserter(bricks), [](std::uint32_t entry) { return !is_uniform(entry); });
+  std::sort(bricks.begin(), bricks.end());
+  bricks.erase(std::unique(bricks.begin(), bricks.end()), bricks.end());
+  return bricks;
+}
+
+Status audit_packing(const Voxmap& map, std::string_view name) {
+  const DistanceView& distances = *map.distances();
+  for (const std::uint32_t brick : stored_bricks(distances, map.distance_counts())) {
+    const char* const fault = packed_distances_fault(distances.brick_at(brick));
+    if (fault != nullptr) return untrue(name, "distance brick " + std::to_string(brick), fault);
+  }
+  return {};
+}
 
 // Checks the lengths of a map without a standoff against its layers. With a standoff the lengths
 // define it, and opening the file has checked their bounds.
@@ -308,23 +330,18 @@ Status audit_distances(const Voxmap& map, std::string_view name) {
   if (map.header().metric == static_cast<std::uint32_t>(Metric::kEuclidean)) {
     if (Status s = audit_lengths(map.header(), name); !s) return s;
   }
-  return map.distances() == nullptr ? Status() : DistanceAudit(map, name).run();
+  if (map.distances() == nullptr) return {};
+  if (Status s = audit_packing(map, name); !s) return s;
+  return DistanceAudit(map, name).run();
 }
 
 Status audit_objects(const Voxmap& map, std::string_view name) {
   if (map.objects() == nullptr) return {};
-  const auto most = static_cast<std::uint16_t>(map.header().object_count);
-  for (std::uint64_t brick = 0; brick < map.object_counts().bricks; ++brick) {
-    std::array<std::uint16_t, kNodeEntries> objects;
-    std::memcpy(objects.data(), map.objects()->bricks + brick * 16 * kObjectBits, sizeof objects);
-    unsigned above = 0;
-    for (const std::uint16_t object : objects) above |= object > most;
-    if (above == 0) continue;
-    const auto largest = std::max_element(objects.begin(), objects.end());
-    return untrue(name,
-                  "object brick " + std::to_string(brick) + " voxel " +
-                      std::to_string(largest - objects.begin()),
-                  "names object " + std::to_string(*largest) + " of " + std::to_string(most));
+  const ObjectView& objects = *map.objects();
+  for (const std::uint32_t brick : stored_bricks(objects, map.object_counts())) {
+    const char* const fault =
+        packed_objects_fault(objects.brick_at(brick), map.header().object_count);
+    if (fault != nullptr) return untrue(name, "object brick " + std::to_string(brick), fault);
   }
   return {};
 }

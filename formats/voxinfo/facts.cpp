@@ -88,7 +88,7 @@ ordered_json report_of_voxmap(const Voxmap& map) {
                            {"farthest_m", least_distance_m(h, kMostDistanceCode)},
                            {"upper_nodes", map.distance_counts().upper_nodes},
                            {"lower_nodes", map.distance_counts().lower_nodes},
-                           {"bricks", map.distance_counts().bricks}};
+                           {"brick_bytes", map.distance_counts().brick_bytes}};
   }
   report["passed_gap_m"] = passed_gap_m(h);
   report["guaranteed_separation_m"] = length_or_null(usual_separation_m(h));
@@ -226,15 +226,15 @@ std::string summary_of_voxmap(const Voxmap& map, const std::string& path) {
            1e3 * std::sqrt(3.0) / 2 * s);
   if (has_distances(h)) {
     add_line(text,
-             "  distances         from %.4g to %.4g mm in steps of %.3g mm, %" PRIu64 " bricks",
+             "  distances         from %.4g to %.4g mm in steps of %.3g mm, %" PRIu64 " bytes",
              1e3 * most_distance_m(h, 0), 1e3 * least_distance_m(h, kMostDistanceCode),
-             1e3 * h.distance_quantum_m, map.distance_counts().bricks);
+             1e3 * h.distance_quantum_m, map.distance_counts().brick_bytes);
   } else {
     add_line(text, "  distances         none");
   }
   if (h.object_count > 0) {
-    add_line(text, "  objects           %u, nearest ones in %" PRIu64 " bricks", h.object_count,
-             map.object_counts().bricks);
+    add_line(text, "  objects           %u, nearest ones in %" PRIu64 " bytes", h.object_count,
+             map.object_counts().brick_bytes);
   }
   if (!map.compliance().empty()) {
     add_line(text, "  compliance        a contact point feels %.4g N at %.4g mm, at most %.4g N/m",
@@ -317,12 +317,6 @@ class ObjectCount {
     const std::uint32_t* nodes = edge == kUpperNodeEdge ? tree.upper_nodes : tree.lower_nodes;
     return nodes[std::uint64_t{entry} * kNodeEntries + n];
   }
-  // The element of voxel n of a brick, or of a uniform box.
-  template <std::uint32_t kBits>
-  static std::uint32_t element(const TreeView<kBits>& tree, std::uint32_t entry, std::uint32_t n) {
-    return is_uniform(entry) ? uniform_wide_value(entry) : tree.brick_code(entry, n);
-  }
-
   void count(std::uint32_t edge, std::uint32_t numbers, std::uint32_t codes) {
     if (is_uniform(numbers) && uniform_wide_value(numbers) == 0) return;
     if (is_uniform(codes) && !is_measured(uniform_wide_value(codes))) return;
@@ -330,12 +324,16 @@ class ObjectCount {
       add(uniform_wide_value(numbers), std::uint64_t{edge} * edge * edge);
       return;
     }
+    if (edge == kBrickEdge) return count_brick(numbers, codes);
     for (std::uint32_t n = 0; n < kNodeEntries; ++n) {
-      if (edge > kBrickEdge) {
-        count(edge / 8, child(numbers_, edge, numbers, n), child(codes_, edge, codes, n));
-      } else if (is_measured(element(codes_, codes, n))) {
-        add(element(numbers_, numbers, n), 1);
-      }
+      count(edge / 8, child(numbers_, edge, numbers, n), child(codes_, edge, codes, n));
+    }
+  }
+  void count_brick(std::uint32_t numbers, std::uint32_t codes) {
+    const auto of_voxel = numbers_.brick_codes(numbers);
+    const auto code_of_voxel = codes_.brick_codes(codes);
+    for (std::uint32_t n = 0; n < kNodeEntries; ++n) {
+      if (is_measured(code_of_voxel[n])) add(of_voxel[n], 1);
     }
   }
 

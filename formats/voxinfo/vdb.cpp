@@ -69,8 +69,9 @@ typename Grid::Ptr make_grid(const char* name, double voxel_size_m, const TreeVi
       return;
     }
     typename Grid::TreeType::LeafNodeType* leaf = nullptr;
+    const auto elements = view.brick_codes(region.entry);
     for (std::uint32_t n = 0; n < kNodeEntries; ++n) {
-      const std::uint32_t element = view.brick_code(region.entry, n);
+      const std::uint32_t element = elements[n];
       if (element == background) continue;
       if (!leaf) leaf = grid->tree().touchLeaf(low);
       leaf->setValueOn(n, stored(element));  // a leaf numbers voxels as a brick does

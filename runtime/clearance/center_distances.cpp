@@ -140,24 +140,26 @@ void CenterDistances::read(const BrickIndex& brick, Block& block) const {
   const ObjectView* const objects = leaves_out_ ? voxmap_.objects() : nullptr;
   const std::int32_t zero = voxmap_.header().distance_zero_code;
   const auto reach = static_cast<float>(reach_voxels(voxmap_.header()));
-  std::array<std::uint32_t, 8> entries{}, named{};
+  std::array<std::array<std::uint16_t, kNodeEntries>, 8> codes, numbers;
   for (std::int32_t n = 0; n < 8; ++n) {
     const BrickIndex b{brick[0] + (n >> 2), brick[1] + (n >> 1 & 1), brick[2] + (n & 1)};
     const auto i = static_cast<std::size_t>(n);
-    entries[i] = entry_of(distances, b, uniform_entry(kMostDistanceCode));
-    if (objects != nullptr) named[i] = entry_of(*objects, b, uniform_entry(0));
+    codes[i] = distances.brick_codes(entry_of(distances, b, uniform_entry(kMostDistanceCode)));
+    if (objects != nullptr) {
+      numbers[i] = objects->brick_codes(entry_of(*objects, b, uniform_entry(0)));
+    }
   }
   for (int x = 0; x < 9; ++x) {
     for (int y = 0; y < 9; ++y) {
       for (int z = 0; z < 9; ++z) {
         const auto i = static_cast<std::size_t>(in_block(x, y, z));
         const auto n = static_cast<std::size_t>(x >> 3 << 2 | y >> 3 << 1 | z >> 3);
-        const std::uint32_t code = code_in(distances, entries[n], in_brick(x, y, z));
+        const std::uint32_t code = codes[n][in_brick(x, y, z)];
         const double low = (static_cast<std::int32_t>(code) - zero) * quantum_;
         const auto least = static_cast<float>(code == 0 ? 0 : std::max(0.0, low)) * kRoundDown;
         bool is_stored = code != kMostDistanceCode;
         if (is_stored && objects != nullptr) {
-          const std::uint32_t object = code_in(*objects, named[n], in_brick(x, y, z));
+          const std::uint32_t object = numbers[n][in_brick(x, y, z)];
           is_stored = object >= left_out_.size() || left_out_[object] == 0;
         }
         block.known[i] = code == kMostDistanceCode ? reach : least;

@@ -56,29 +56,31 @@ const Front* Fronts::of(const BrickIndex& brick) {
   const ObjectView* const objects = voxmap_.objects();
   const std::uint32_t entry = entry_of(distances, brick, uniform_entry(kMostDistanceCode));
   if (is_uniform(entry)) {
-    const std::uint32_t code = code_in(distances, entry, 0);
+    const std::uint32_t code = uniform_wide_value(entry);
     if (code == kMostDistanceCode || (code == 0 && !counts_lowest_)) return nullptr;
   }
+  const auto codes = distances.brick_codes(entry);
   const std::uint32_t named =
       objects != nullptr ? entry_of(*objects, brick, uniform_entry(0)) : uniform_entry(0);
+  const auto numbers = objects != nullptr ? objects->brick_codes(named) : decltype(codes){};
   auto front = std::make_unique<Front>();
   const std::int32_t zero = voxmap_.header().distance_zero_code;
   for (std::uint32_t n = 0; n < kNodeEntries; ++n) {
-    const auto code = static_cast<std::int32_t>(code_in(distances, entry, n));
+    const std::int32_t code = codes[n];
     if (code == static_cast<std::int32_t>(kMostDistanceCode)) continue;
     if (code == 0 && !counts_lowest_) continue;
     const double low = code == 0 ? -Front::kFar : (code - zero) * quantum_;
     const double high = (code + 1 - zero) * quantum_ + kWriterError;
     const double least = std::max({0.0, low, -high}), most = std::max(high, -low);
     if (most < low_ || least > high_) continue;
-    const std::uint32_t object = objects != nullptr ? code_in(*objects, named, n) : 0;
+    const std::uint32_t object = numbers[n];
     if (object < left_out_.size() && left_out_[object] != 0) continue;
     front->x.push_back(static_cast<float>(n >> 6) + 0.5f);
     front->y.push_back(static_cast<float>(n >> 3 & 7) + 0.5f);
     front->z.push_back(static_cast<float>(n & 7) + 0.5f);
     front->least.push_back(static_cast<float>(least));
     front->most.push_back(static_cast<float>(most));
-    front->object.push_back(static_cast<std::uint16_t>(object));
+    front->object.push_back(numbers[n]);
   }
   if (front->x.empty()) return nullptr;
   while (front->x.size() % kPadding != 0) {

@@ -86,25 +86,7 @@ inline std::uint64_t key_of(const BrickIndex& brick) {
 template <std::uint32_t kBits>
 std::uint32_t entry_of(const TreeView<kBits>& tree, const BrickIndex& b, std::uint32_t outside) {
   if (!tree.contains(b[0] * 8, b[1] * 8, b[2] * 8)) return outside;
-  const auto slot = [](const BrickIndex& at, int shift) {
-    return static_cast<std::uint32_t>((at[0] >> shift & 7) << 6 | (at[1] >> shift & 7) << 3 |
-                                      (at[2] >> shift & 7));
-  };
-  std::uint32_t entry =
-      tree.directory[(std::int64_t{b[0] >> 6} * tree.directory_dims[1] + (b[1] >> 6)) *
-                         tree.directory_dims[2] +
-                     (b[2] >> 6)];
-  if (is_uniform(entry)) return entry;
-  entry = tree.upper_nodes[std::uint64_t{entry} * kNodeEntries + slot(b, 3)];
-  if (is_uniform(entry)) return entry;
-  return tree.lower_nodes[std::uint64_t{entry} * kNodeEntries + slot(b, 0)];
-}
-
-// The code of voxel n of a brick with that entry.
-template <std::uint32_t kBits>
-std::uint32_t code_in(const TreeView<kBits>& tree, std::uint32_t entry, std::uint32_t n) {
-  return is_uniform(entry) ? TreeView<kBits>::uniform(entry, kBrickEdge).code
-                           : tree.brick_code(entry, n);
+  return tree.entry(b[0] * 8, b[1] * 8, b[2] * 8);
 }
 
 }  // namespace forcelayer::clearance

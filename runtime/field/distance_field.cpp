@@ -9,18 +9,20 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "a word's first byte is its lowest");
 
-// Eight codes along z of a stored brick, a byte each.
-std::uint64_t row_of(const DistanceView& map, std::uint32_t brick, int x, int y) {
-  const auto* bytes =
-      reinterpret_cast<const std::uint8_t*>(map.bricks) + std::uint64_t{brick} * 512;
-  std::uint64_t row = 0;
-  std::memcpy(&row, bytes + x * 64 + y * 8, 8);
-  return row;
-}
+// The voxels of a halo along an axis that lie in the brick before, in its own and in the one
+// behind, counted in the halo, and the first of them in its brick.
+struct HaloPart {
+  std::size_t begin, end, in_brick;
+};
+constexpr std::array<HaloPart, 3> kHaloParts{{{0, 1, 7}, {1, 9, 0}, {9, 10, 0}}};
 
-std::uint64_t row_of_entry(const DistanceView& map, std::uint32_t entry, int x, int y) {
-  if (is_uniform(entry)) return uniform_value(entry) * 0x0101010101010101u;
-  return row_of(map, entry, x, y);
+// Adds the codes along z of the brick before, of a row's own and of the one behind.
+template <int kPart>
+void add_codes(std::uint64_t codes, DistanceBricks::Row& row) {
+  if constexpr (kPart == 0) row.first |= codes >> 56;
+  if constexpr (kPart == 1)
+    row.first |= codes << 8, row.last |= static_cast<std::uint32_t>(codes >> 56);
+  if constexpr (kPart == 2) row.last |= static_cast<std::uint32_t>(codes & 255) << 8;
 }
 
 // Words along z, two in one number.
@@ -44,6 +46,7 @@ Words joined(const Words& low, const Words& high, int shift) {
 DistanceBricks::DistanceBricks(const Voxmap& voxmap)
     : BrickCache(voxmap),
       map_(*voxmap.distances()),
+      unpacked_(map_, kSlotBits),
       codes_(std::size_t{kBrickBytes} * kSlots + 2 * kMargin) {}
 
 const std::uint8_t* DistanceBricks::hold_brick(std::int32_t bx, std::int32_t by,
@@ -75,26 +78,38 @@ const std::uint8_t* DistanceBricks::hold_brick(std::int32_t bx, std::int32_t by,
   return codes;
 }
 
-// From the brick and the 26 around it, row by row. Outside the directory all is free.
-void DistanceBricks::gather(const BrickIndex& brick, Halo& halo) const noexcept {
+// From the brick and the 26 around it. Outside the directory all is free.
+void DistanceBricks::gather(const BrickIndex& brick, Halo& halo) noexcept {
   const std::array<std::uint32_t, 27> entries = brick_entries<3>(
       map_, {brick[0] - 1, brick[1] - 1, brick[2] - 1}, uniform_entry(kMostDistanceCode));
-  for (int x = 0; x < 10; ++x) {
-    for (int y = 0; y < 10; ++y) {
-      const int in_x = x + 7, in_y = y + 7;  // from the bricks before on
-      const std::uint32_t* along_z =
-          &entries[static_cast<std::size_t>(9 * (in_x >> 3) + 3 * (in_y >> 3))];
-      const std::uint64_t before = row_of_entry(map_, along_z[0], in_x & 7, in_y & 7) >> 56;
-      const std::uint64_t own = row_of_entry(map_, along_z[1], in_x & 7, in_y & 7);
-      const std::uint64_t behind = row_of_entry(map_, along_z[2], in_x & 7, in_y & 7) & 255;
-      halo[static_cast<std::size_t>(x)][static_cast<std::size_t>(y)] = {
-          before | own << 8, static_cast<std::uint32_t>(own >> 56 | behind << 8)};
+  halo = {};
+  for (std::size_t n = 0; n < entries.size(); n += 3) {
+    const HaloPart &in_x = kHaloParts[n / 9], &in_y = kHaloParts[n / 3 % 3];
+    add_brick<0>(entries[n], in_x, in_y, halo);
+    add_brick<1>(entries[n + 1], in_x, in_y, halo);
+    add_brick<2>(entries[n + 2], in_x, in_y, halo);
+  }
+}
+
+template <int kPart, typename Part>
+void DistanceBricks::add_brick(std::uint32_t entry, const Part& in_x, const Part& in_y,
+                               Halo& halo) noexcept {
+  const BrickCodes* const codes = is_uniform(entry) ? nullptr : &unpacked_.brick(entry);
+  std::uint64_t row = uniform_value(entry) * 0x0101010101010101u;
+  for (std::size_t x = in_x.begin; x < in_x.end; ++x) {
+    for (std::size_t y = in_y.begin; y < in_y.end; ++y) {
+      if (codes != nullptr) {
+        const std::size_t at =
+            (in_x.in_brick + x - in_x.begin) * 64 + (in_y.in_brick + y - in_y.begin) * 8;
+        std::memcpy(&row, codes->data() + at, sizeof row);
+      }
+      add_codes<kPart>(row, halo[x][y]);
     }
   }
 }
 
 // Voxel by voxel, with the nearest known voxel in the place of every unknown one.
-void DistanceBricks::gather_voxelwise(const BrickIndex& brick, Halo& halo) const noexcept {
+void DistanceBricks::gather_voxelwise(const BrickIndex& brick, Halo& halo) noexcept {
   for (int n = 0; n < 10 * 10 * 10; ++n) {
     const std::array<int, 3> in_halo{n / 100, n / 10 % 10, n % 10};
     std::array<std::int32_t, 3> voxel{};
@@ -105,7 +120,7 @@ void DistanceBricks::gather_voxelwise(const BrickIndex& brick, Halo& halo) const
     }
     const bool inside = map_.contains(voxel[0], voxel[1], voxel[2]);
     const std::uint32_t code =
-        inside ? map_.lookup(voxel[0], voxel[1], voxel[2]).code : kMostDistanceCode;
+        inside ? unpacked_.code(voxel[0], voxel[1], voxel[2]) : kMostDistanceCode;
     Row& row = halo[static_cast<std::size_t>(in_halo[0])][static_cast<std::size_t>(in_halo[1])];
     if (in_halo[2] == 0) row = {0, 0};
     if (in_halo[2] < 8) {
@@ -135,14 +150,17 @@ DistanceField::DistanceField(const Voxmap& voxmap)
   scale_.squared_codes_per_voxel = static_cast<float>(codes_per_voxel * codes_per_voxel);
 }
 
-// The codes of unknown voxels are those of known ones, which is no bound.
+// The codes of unknown voxels are those of known ones, which is no bound for a point in whose cell
+// they stand.
 void DistanceField::disprove_beside_cropped_sides(const query::CollectedPoints& points,
                                                   FieldSamples& samples) const noexcept {
   const KnownBox& known = bricks_.known();
   for (std::uint32_t i = 0; i < points.count; ++i) {
-    const std::array<std::int64_t, 3> voxel{points.vx[i], points.vy[i], points.vz[i]};
+    const std::array<std::int64_t, 3> cell{points.vx[i] - (points.fx[i] < 0.5f ? 1 : 0),
+                                           points.vy[i] - (points.fy[i] < 0.5f ? 1 : 0),
+                                           points.vz[i] - (points.fz[i] < 0.5f ? 1 : 0)};
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      if (voxel[axis] - 1 >= known.low[axis] && voxel[axis] + 1 < known.high[axis]) continue;
+      if (cell[axis] >= known.low[axis] && cell[axis] + 1 < known.high[axis]) continue;
       samples.distance_m[i] = 0;
     }
   }

@@ -33,8 +33,9 @@
 // bounds that the eight codes stand for, w_i their trilinear weights and t_a the point's place
 // between the centers along axis a,
 //   d^2 >= sum_i w_i max(D_i, 0)^2 - s^2 sum_a t_a (1 - t_a).
-// A code of 0 has no lower bound and counts as 0, like all at or below the mesh. A point next to a
-// cropped side has no proven distance. Rounding comes off under the root.
+// A code of 0 has no lower bound and counts as 0, like all at or below the mesh. A point has
+// no proven distance where one of the eight lies beyond a cropped side. Rounding comes off under
+// the root.
 #pragma once
 
 #include <array>
@@ -42,6 +43,7 @@
 #include <optional>
 #include <vector>
 
+#include "formats/bricks/unpacked_distances.h"
 #include "formats/result.h"
 #include "runtime/field/brick_cache.h"
 #include "runtime/field/force_field.h"
@@ -83,10 +85,14 @@ class DistanceBricks : public BrickCache {
   // The brick and the voxels around it, [x][y].
   using Halo = std::array<std::array<Row, 10>, 10>;
 
-  void gather(const BrickIndex& brick, Halo& halo) const noexcept;
-  void gather_voxelwise(const BrickIndex& brick, Halo& halo) const noexcept;
+  void gather(const BrickIndex& brick, Halo& halo) noexcept;
+  void gather_voxelwise(const BrickIndex& brick, Halo& halo) noexcept;
+  // Adds what the brick of an entry has in the halo: kPart 0, 1, 2 along z.
+  template <int kPart, typename Part>
+  void add_brick(std::uint32_t entry, const Part& in_x, const Part& in_y, Halo& halo) noexcept;
 
   DistanceView map_;
+  UnpackedDistances unpacked_;
   std::vector<std::uint8_t> codes_;
 };
 
@@ -104,7 +110,7 @@ class DistanceField final : public ForceField {
   // Why the map stores no distances, if so. A kUsage error.
   static std::optional<Error> unreadable(const Voxmap& voxmap);
 
-  // The map must be readable and outlive the field. Takes 13 MB for decoded bricks.
+  // The map must be readable and outlive the field. Takes 15 MB for decoded bricks.
   explicit DistanceField(const Voxmap& voxmap);
 
   // As ForceField says; by one thread at a time. In distance_field_kernel.cpp.

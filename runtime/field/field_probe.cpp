@@ -98,9 +98,7 @@ std::uint32_t FieldProbe::object_near(const glm::dvec3& world_m) const noexcept 
   if (!(std::max({std::abs(at.x), std::abs(at.y), std::abs(at.z)}) < kFar)) return 0;
   const auto x = static_cast<std::int64_t>(at.x), y = static_cast<std::int64_t>(at.y),
              z = static_cast<std::int64_t>(at.z);
-  const double least_m = voxmap.least_distance_m(x, y, z);
-  const bool measured = least_m > -INFINITY && voxmap.most_distance_m(x, y, z) < INFINITY;
-  return measured ? voxmap.nearest_object(x, y, z) : 0;
+  return voxmap.is_measured(x, y, z) ? voxmap.nearest_object(x, y, z) : 0;
 }
 
 float FieldProbe::stored_distance_m(std::uint32_t i) const noexcept {

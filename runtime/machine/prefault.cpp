@@ -70,8 +70,7 @@ void add_bricks(const TreeView<kBits>& view, std::uint32_t entry, const Index& l
                 std::uint32_t edge, const IndexBox& box, PageSet& pages) {
   if (is_uniform(entry) || !box.meets(low, edge)) return;
   if (edge == kBrickEdge) {
-    constexpr std::size_t kWords = std::size_t{16} * kBits;
-    pages.add(view.bricks + entry * kWords, kWords * sizeof(std::uint32_t));
+    pages.add(view.brick_at(entry), most_brick_bytes(kBits));
     return;
   }
   const std::uint32_t* const nodes = edge == kUpperNodeEdge ? view.upper_nodes : view.lower_nodes;

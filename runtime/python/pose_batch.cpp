@@ -5,9 +5,11 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <system_error>
 #include <thread>
 
+#include "formats/bricks/unpacked_distances.h"
 #include "runtime/field/field_probe.h"
 #include "runtime/field/surface_clearance.h"
 #include "runtime/machine/step_arithmetic.h"
@@ -196,6 +198,7 @@ class PointBatch::Reader {
   explicit Reader(const Voxmap& scene)
       : scene_(scene), known_(known_box(scene.header(), scene.header().directory_origin)) {
     if (scene.distances() == nullptr) return;
+    unpacked_.emplace(*scene.distances());
     points_.reserve(kTogether);
     samples_.reserve(kTogether);
     field_ = field::make_force_field(Model::kDefault, ForceKind::kDistance, scene).value();
@@ -256,7 +259,7 @@ class PointBatch::Reader {
   // How many of the eight centers around a point have a stored distance. None beyond a cropped
   // side.
   int stored_centers(const std::array<std::int32_t, 3>& voxel,
-                     const std::array<float, 3>& fraction) const {
+                     const std::array<float, 3>& fraction) {
     const DistanceView& distances = *scene_.distances();
     int stored = 0;
     for (int corner = 0; corner < 8; ++corner) {
@@ -268,7 +271,7 @@ class PointBatch::Reader {
         is_known = is_known && at[axis] >= known_.low[axis] && at[axis] < known_.high[axis];
       }
       if (!is_known || !distances.contains(at[0], at[1], at[2])) continue;
-      const std::uint32_t code = distances.lookup(at[0], at[1], at[2]).code;
+      const std::uint32_t code = unpacked_->code(at[0], at[1], at[2]);
       stored += code != 0 && code != kMostDistanceCode;
     }
     return stored;
@@ -287,6 +290,7 @@ class PointBatch::Reader {
 
   const Voxmap& scene_;
   KnownBox known_;  // relative to the directory
+  std::optional<UnpackedDistances> unpacked_;
   query::CollectedPoints points_;
   field::FieldSamples samples_;
   std::array<bool, kTogether> is_measured_{};  // by place in points_

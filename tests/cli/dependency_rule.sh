@@ -30,7 +30,7 @@ refuse "voxelize sees pointshell or runtime" '#include *[<"](pointshell|runtime)
 refuse "pointshell sees voxelize or runtime" '#include *[<"](voxelize|runtime)/' "${pointshell[@]}"
 
 # Rooms. A file of ROOM includes files of ROOM and of the rooms behind it, and no others of this project. A room
-# stands below those that it includes, so that none include each other in a circle. formats/file is of the room
+# stands below those that it includes, so that none include each other in a circle. formats/bricks and formats/file are of the room
 # formats.
 rooms='
 formats:
@@ -83,7 +83,7 @@ runtime/viewer/plan:    formats formats/command formats/mesh runtime/forcelayer 
 runtime/viewer/vtk:     formats formats/command runtime/forcelayer runtime/viewer/plan runtime/viewer/run runtime/viewer/surface
 runtime/viewer:         formats formats/command runtime/viewer/plan runtime/viewer/run runtime/viewer/vtk
 '
-room_of() { case $1 in forcelayer) echo runtime/forcelayer ;; formats/file) echo formats ;; *) echo "$1" ;; esac }
+room_of() { case $1 in forcelayer) echo runtime/forcelayer ;; formats/bricks | formats/file) echo formats ;; *) echo "$1" ;; esac }
 above=
 while IFS=: read -r room allowed; do
   [ -n "$room" ] || continue
@@ -92,7 +92,7 @@ while IFS=: read -r room allowed; do
   done
   above+=" $room"
   folders=("$room")
-  [ "$room" != formats ] || folders+=(formats/file)
+  [ "$room" != formats ] || folders+=(formats/bricks formats/file)
   mapfile -t files < <(find "${folders[@]}" -maxdepth 1 \( -name '*.h' -o -name '*.cpp' -o -name '*.c' \))
   [ ${#files[@]} -gt 0 ] || { echo "FAILED: no files in room $room" >&2; fail=1; continue; }
   count=$(printf '%s\n' "${files[@]}" | grep -cE "^$room/[^/]+$")

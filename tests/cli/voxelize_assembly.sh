@@ -68,7 +68,7 @@ PYTHON
   # Beside each distance stands the object that it is from, by its name in the list.
   "$bin/voxinfo" verify opened.vox --quiet || fail "the opened gearbox is not valid"
   "$bin/voxinfo" opened.vox --objects --json objects.json >out || fail "objects"
-  grep -q "^  objects           8, nearest ones in [1-9][0-9]* bricks$" out || fail "no number of objects: $(cat out)"
+  grep -q "^  objects           8, nearest ones in [1-9][0-9]* bytes$" out || fail "no number of objects: $(cat out)"
   python3 - opened.json objects.json <<'PYTHON' || fail "the objects of the file: $(cat objects.json)"
 import json, sys
 baked, file = (json.load(open(name)) for name in sys.argv[1:])

@@ -43,8 +43,8 @@ expect_equal provenance "$(value vox.json '["provenance"]["inputs"]')" "[]"
 grep -q 'distances         none' facts || fail "v2.vox has no distances"
 "$voxinfo" "$golden/v2_distances.vox" --objects --json full.json >facts
 grep -q 'force             from 2.867 mm off the mesh, 1 mm deep' facts || fail "force: $(cat facts)"
-grep -q 'distances         from -3.938 to 4 mm in steps of 0.0312 mm, 1 bricks' facts || fail "distances: $(cat facts)"
-grep -q 'objects           2, nearest ones in 1 bricks' facts || fail "objects: $(cat facts)"
+grep -q 'distances         from -3.938 to 4 mm in steps of 0.0312 mm, 560 bytes' facts || fail "distances: $(cat facts)"
+grep -q 'objects           2, nearest ones in 1040 bytes' facts || fail "objects: $(cat facts)"
 # Of the voxels with a measured distance, those of each object.
 of_object() {
   LC_ALL=C join -t' ' <(reader "$golden/$1.vox" --objects | sed 's/,\([0-9]*\)$/ \1/' | LC_ALL=C sort) \

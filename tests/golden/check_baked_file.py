@@ -17,8 +17,8 @@ MASK = (1 << 64) - 1
 MOST_INDEX = 1 << 52
 RULES = {  # id: element bytes, whether it must be there
     "vox": {1: (4, True), 2: (2048, True), 3: (2048, True), 4: (128, True), 5: (4, False), 6: (1, False),
-            7: (4, False), 8: (2048, False), 9: (2048, False), 10: (512, False), 11: (4, False),
-            12: (2048, False), 13: (2048, False), 14: (1024, False), 15: (1, False)},
+            7: (4, False), 8: (2048, False), 9: (2048, False), 10: (16, False), 11: (4, False),
+            12: (2048, False), 13: (2048, False), 14: (16, False), 15: (1, False)},
     "pshell": {**{n: (4, True) for n in range(1, 8)}, 8: (16, True), 9: (16, True), 10: (4, False),
                11: (16, False), 12: (1, False), 13: (1, False)}}
 
@@ -134,8 +134,8 @@ def check_scene(h, sections):
     require(h["cropped_sides"] < 64, "cropped sides")
     require(finite(h["static_deviation_m"]) and h["static_deviation_m"] >= 0, "deviation")
     check_tree(h, sections, 1, 128, 3, clearances=True)
-    check_optional_tree(h, sections, 7, 512, 255, quantum > 0)
-    check_optional_tree(h, sections, 11, 1024, h["object_count"], h["object_count"] > 0)
+    check_optional_tree(h, sections, 7, 560, 255, quantum > 0)
+    check_optional_tree(h, sections, 11, 1040, h["object_count"], h["object_count"] > 0)
     names = sections.get(15, b"")
     require(names == b"" or names[-1] == 0, "end of names")
     require(names.count(0) == h["object_count"], "names")
@@ -150,8 +150,11 @@ def check_optional_tree(h, sections, first, brick_bytes, most, there):
 
 
 def check_tree(h, sections, first, brick_bytes, most, clearances):
+    """`brick_bytes`: those of a brick; where bricks are packed, the most."""
     levels = [sections.get(first + n, b"") for n in range(4)]
     counts = [len(levels[1]) // 2048, len(levels[2]) // 2048, len(levels[3]) // brick_bytes]
+    if first > 1:
+        counts[2] = max(0, (len(levels[3]) - brick_bytes) // 16 + 1)
     dims = h["directory_dims"]
     require(len(levels[0]) // 4 == dims[0] * dims[1] * dims[2], "directory size")
     for level, children in zip(levels, counts):
@@ -237,26 +240,21 @@ def check_points(h, columns, points):
 
 
 def digest_of_tree(digest, h, sections, first, bits):
-    levels = [struct.unpack("<%dI" % (len(sections.get(first + n, b"")) // 4), sections.get(first + n, b""))
-              for n in range(3)]
-    bricks = sections.get(first + 3, b"")
+    tree = reader.Tree(h, sections, first, bits, 0)
 
     def walk(entry, low, edge, level):
         if entry >> 31:
             digest.add(*low, edge, entry & (0x7fffffff if bits == 2 else 0xffff))
             return
+        if level == 3:
+            digest.add(*tree.brick(entry))
+            return
         for n in range(512):
             child = [low[0] + edge // 8 * (n >> 6), low[1] + edge // 8 * (n >> 3 & 7), low[2] + edge // 8 * (n & 7)]
-            if level < 3:
-                walk(levels[level][entry * 512 + n], child, edge // 8, level + 1)
-            elif bits == 16:
-                digest.add(int.from_bytes(bricks[entry * 1024 + 2 * n:entry * 1024 + 2 * n + 2], "little"))
-            else:
-                bit = n * bits
-                digest.add(bricks[entry * 64 * bits + bit // 8] >> (bit % 8) & ((1 << bits) - 1))
+            walk(tree.levels[level][entry * 512 + n], child, edge // 8, level + 1)
 
     dims = h["directory_dims"]
-    for index, entry in enumerate(levels[0]):
+    for index, entry in enumerate(tree.levels[0]):
         place = (index // (dims[1] * dims[2]), index // dims[2] % dims[1], index % dims[2])
         walk(entry, [o + 512 * p for o, p in zip(h["directory_origin"], place)], 512, 1)
 

@@ -80,6 +80,35 @@ def read_container(data):
     return header, sections
 
 
+def distance_brick(data, at):
+    """The 512 codes of the packed brick of distances that begins at byte `at`."""
+    slopes, widths = data[at:at + 4], data[at + 4:at + 36]
+    codes, at = [], at + 36
+    for row in range(64):
+        width = min(8, widths[row // 2] >> 4 * (row % 2) & 15)
+        fields = int.from_bytes(data[at:at + width], "little")
+        at += width
+        codes += [(fields >> z * width & (1 << width) - 1) - (1 << width >> 1) for z in range(8)]
+    for n in range(512):  # sums over all voxels before, along one axis after the other
+        codes[n] += codes[n - 1] if n % 8 else 0
+    for n in range(512):
+        codes[n] += codes[n - 8] if n // 8 % 8 else 0
+    for n in range(512):
+        codes[n] += codes[n - 64] if n // 64 else 0
+    return [(code + slopes[0] + slopes[1] * (n // 64) + slopes[2] * (n // 8 % 8) + slopes[3] * (n % 8)) % 256
+            for n, code in enumerate(codes)]
+
+
+def object_brick(data, at):
+    """The 512 numbers of the packed brick of objects that begins at byte `at`."""
+    bits = data[at]
+    if bits not in (1, 2, 4):
+        return list(struct.unpack_from("<512H", data, at + 2))
+    palette = struct.unpack_from("<%dH" % (1 << bits), data, at + 2)
+    indices = int.from_bytes(data[at + 2 + (2 << bits):][:64 * bits], "little")
+    return [palette[indices >> n * bits & (1 << bits) - 1] for n in range(512)]
+
+
 class Tree:
     """One of the three trees: `first` is its directory's section, `background` is left out."""
 
@@ -91,12 +120,13 @@ class Tree:
             self.levels.append(struct.unpack("<%dI" % (len(section) // 4), section))
         self.bricks = sections.get(first + 3, b"")
 
-    def brick_element(self, brick, n):
-        bit = n * self.bits
-        at = brick * 64 * self.bits + bit // 8
+    def brick(self, brick):
+        """The 512 elements of a brick."""
+        if self.bits == 8:
+            return distance_brick(self.bricks, 16 * brick)
         if self.bits == 16:
-            return self.bricks[at] + 256 * self.bricks[at + 1]
-        return self.bricks[at] >> (bit % 8) & ((1 << self.bits) - 1)
+            return object_brick(self.bricks, 16 * brick)
+        return [self.bricks[128 * brick + n // 4] >> 2 * (n % 4) & 3 for n in range(512)]
 
     def rows(self):
         dims = self.header["directory_dims"]
@@ -113,11 +143,12 @@ class Tree:
                             for y in range(edge) for z in range(edge))
             return
         child = edge // 8
+        elements = self.brick(entry) if level == 3 else None
         for n in range(512):
             at = [low[0] + child * (n >> 6), low[1] + child * (n >> 3 & 7), low[2] + child * (n & 7)]
             if level < 3:
                 yield from self.box_rows(self.levels[level][entry * 512 + n], at, child, level + 1)
-            elif (element := self.brick_element(entry, n)) != self.background:
+            elif (element := elements[n]) != self.background:
                 yield (*at, element)
 
 

@@ -164,7 +164,7 @@ TEST(CodeRules, WhatIsSureIsTrue) {
     header.distance_quantum_m = header.voxel_size_m / (1 + random() % 32);
     header.distance_zero_code = 1 + static_cast<int>(random() % 254);
     const CodeRules rules(header);
-    CodeRules::BrickCodes codes;
+    BrickCodes codes;
     // A slope of any steepness, and in one of three a code at random.
     const int slope[3] = {static_cast<int>(random() % 41) - 20, static_cast<int>(random() % 9) - 4,
                           static_cast<int>(random() % 3) - 1};

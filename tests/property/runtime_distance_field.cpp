@@ -103,10 +103,10 @@ Twin twin_of(const VoxelScene& scene, const Voxel& voxel, const Floats& fraction
   const float lost = spread * static_cast<float>(codes * codes) + 0.125f;
   twin.distance_m = std::sqrt(std::max(squared - lost, 0.0f)) *
                     (static_cast<float>(1 / codes) * size_m * (1 - 4 * 0x1p-23f));
-  for (std::size_t axis = 0; axis < 3; ++axis) {  // beside a cropped side nothing is proven
+  for (std::size_t axis = 0; axis < 3; ++axis) {  // where the cell reaches beyond a cropped side
     const std::int64_t first = scene.min[axis], end = first + scene.dims[axis];
-    const bool below = (cropped_sides >> (2 * axis) & 1) != 0 && voxel[axis] - 1 < first;
-    const bool above = (cropped_sides >> (2 * axis + 1) & 1) != 0 && voxel[axis] + 1 >= end;
+    const bool below = (cropped_sides >> (2 * axis) & 1) != 0 && low[axis] < first;
+    const bool above = (cropped_sides >> (2 * axis + 1) & 1) != 0 && low[axis] + 1 >= end;
     if (below || above) twin.distance_m = 0;
   }
   const auto length_of = [](const Floats& v) {

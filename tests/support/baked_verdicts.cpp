@@ -34,7 +34,7 @@ template <std::uint32_t kBits>
 void add_tree(Digest& digest, const TreeView<kBits>& view) {
   for_each_region(view, [&](const VoxmapRegion& region) {
     if (region.is_brick) {
-      for (std::uint32_t n = 0; n < kNodeEntries; ++n) digest.add(view.brick_code(region.entry, n));
+      for (const std::uint32_t element : view.brick_codes(region.entry)) digest.add(element);
       return;
     }
     for (const std::int64_t at : region.low) digest.add(static_cast<std::uint64_t>(at));
