@@ -341,7 +341,10 @@ int run_tables(int argc, char** argv) {
       {"grips", grip_map},
       {"loops", loop_table},
       {"seats",
-       [&] { return seat_table(amount(203), words.size() > 2 ? std::stoull(words[2]) : 0); }},
+       [&] {
+         return seat_table(amount(203), words.size() > 2 ? std::stoull(words[2]) : 0,
+                           words.size() > 3 ? std::stod(words[3]) : 0);
+       }},
       {"step", [&] { return step_cost(amount(100'000)); }}};
   bool known = false;
   for (const auto& [name, table] : tables) {

@@ -30,8 +30,9 @@ Json device_table();
 Json grip_map();
 // The energy that slow closed loops in contact give the hand at the device's port, at every scale.
 Json loop_table();
-// Installed parts: rest, depth under hands at random, removal and return.
-Json seat_table(std::uint64_t pairs, std::uint64_t first);
+// Installed parts: rest, depth under hands at random, removal and return. Shells of the usual
+// covering radius where `covering_voxels` is 0.
+Json seat_table(std::uint64_t pairs, std::uint64_t first, double covering_voxels);
 // Time of the default model's step beyond its contact queries, with 200 contacts and more.
 Json step_cost(std::uint64_t steps);
 

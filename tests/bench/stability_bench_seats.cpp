@@ -1,5 +1,6 @@
 // Parts that start installed: whether they rest, how deep hands at random push them into the metal
 // about them, and whether they come out and go back.
+#include <cmath>
 #include <cstdio>
 
 #include "tests/bench/stability_bench.h"
@@ -7,13 +8,13 @@
 
 namespace forcelayer::stress {
 
-Json seat_table(std::uint64_t pairs, std::uint64_t first) {
+Json seat_table(std::uint64_t pairs, std::uint64_t first, double covering_voxels) {
   constexpr double kPushSeconds = 10;
   Json rows = Json::array();
   std::printf("seats: lengths in voxels; depth is beyond that at the start\n");
   for (std::uint64_t seed = first; seed < first + pairs; ++seed) {
     const InstalledPair pair = installed_pair(seed);
-    const SeatOutcome o = try_seat(pair, seed, kPushSeconds);
+    const SeatOutcome o = try_seat(pair, seed, kPushSeconds, covering_voxels);
     std::printf(
         "  %3llu %-20s %.2f mm, gap %.2f: drift %.3f, %.2g N still, start %.3f, depth %.3f, "
         "edges "
@@ -24,6 +25,7 @@ Json seat_table(std::uint64_t pairs, std::uint64_t first) {
         o.tried_back && !o.went_back ? ", NOT BACK" : "", o.refused.c_str());
     std::fflush(stdout);
     rows.push_back({{"seed", seed},
+                    {"covering_voxels", covering_voxels > 0 ? covering_voxels : std::sqrt(0.75)},
                     {"pair", pair.kind},
                     {"voxel_m", pair.voxel_size_m},
                     {"gap_m", pair.gap_m},

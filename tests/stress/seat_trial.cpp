@@ -137,14 +137,14 @@ Pose wandering(const Pose& start, double time_s, const std::array<glm::dvec3, 4>
 
 class SeatTrial {
  public:
-  explicit SeatTrial(const InstalledPair& pair)
+  SeatTrial(const InstalledPair& pair, double covering_voxels)
       : pair_(pair),
         start_(pair.world_from_pair * pair.pair_from_part),
         part_samples_(surface_samples(pair.part, kSampleVoxels * pair.voxel_size_m)),
         scene_samples_(edge_samples(pair.scene, kSampleVoxels * pair.voxel_size_m)),
         exact_(pair.scene, pair.part) {
     const BakedScene scene(moved(pair.scene, pair.world_from_pair), pair.voxel_size_m);
-    const BakedPart part(pair.part, pair.voxel_size_m);
+    const BakedPart part(pair.part, pair.voxel_size_m, covering_voxels * pair.voxel_size_m);
     RunRequest request;
     request.without_guarantee = true;
     auto run = open_run(scene.open(test::VoxelKind::kFull), part.open(), request);
@@ -308,8 +308,9 @@ class SeatTrial {
 
 }  // namespace
 
-SeatOutcome try_seat(const InstalledPair& pair, std::uint64_t seed, double push_seconds) {
-  return SeatTrial(pair).run(seed, push_seconds);
+SeatOutcome try_seat(const InstalledPair& pair, std::uint64_t seed, double push_seconds,
+                     double covering_voxels) {
+  return SeatTrial(pair, covering_voxels).run(seed, push_seconds);
 }
 
 }  // namespace forcelayer::stress

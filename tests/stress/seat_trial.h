@@ -26,8 +26,9 @@ struct SeatOutcome {
   double held = 0;  // how far it was moved from its place when it was back
 };
 
-// A trial of `push_seconds` of hands at random. Throws std::runtime_error where it cannot be set
-// up.
-SeatOutcome try_seat(const InstalledPair& pair, std::uint64_t seed, double push_seconds);
+// A trial of `push_seconds` of hands at random. The part's shell has a covering radius of
+// `covering_voxels`, 0: the usual one. Throws std::runtime_error where it cannot be set up.
+SeatOutcome try_seat(const InstalledPair& pair, std::uint64_t seed, double push_seconds,
+                     double covering_voxels = 0);
 
 }  // namespace forcelayer::stress
