@@ -22,7 +22,7 @@ std::uint32_t numbered(const Frame& frame, std::uint32_t object) noexcept {
   return object == 0 ? 0 : frame.objects_before + object;
 }
 
-std::array<TouchedObject, 4> touched_in(const Frame& frame) noexcept {
+TouchedInFrame touched_in(const Frame& frame) noexcept {
   auto touched = frame.result.report.touched;
   for (TouchedObject& object : touched) object.object = numbered(frame, object.object);
   return touched;
@@ -177,7 +177,8 @@ void LoopStatistics::count(const Frame& frame) noexcept {
   count_energy(frame);
   count_clearance(frame);
   note_firsts(frame);
-  for (const TouchedObject& pushed : touched_in(frame)) {
+  touched_last = touched_in(frame);
+  for (const TouchedObject& pushed : touched_last) {
     if (pushed.object != 0) touched.add(pushed);
   }
   step.record(frame.step_ns);

@@ -100,10 +100,12 @@ class TouchedObjects {
   std::uint64_t left_out_ = 0;
 };
 
+using TouchedInFrame = std::array<TouchedObject, 4>;
+
 // The first frame of a kind.
 struct FirstFrame {
   double time_s = 0;
-  std::array<TouchedObject, 4> touched{};
+  TouchedInFrame touched{};
 };
 
 struct LoopStatistics {
@@ -146,6 +148,7 @@ struct LoopStatistics {
   LeastClearance least_clearance;
   std::uint64_t unproven_frames = 0;  // of which no clearance is known
   TouchedObjects touched;
+  TouchedInFrame touched_last{};  // in the last frame
 
   // From when on the guarantee holds: the frame in which the seat closed, the first one without a
   // seat; none while the seat is open.

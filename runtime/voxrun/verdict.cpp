@@ -41,10 +41,10 @@ bool is_of_seat(const Scenes& scenes, std::uint32_t object) {
 }
 
 // ", against A, B": what the part pushed against in a frame.
-std::string against(const Scenes& scenes, const FirstFrame& frame, bool with_seat) {
+std::string against(const Scenes& scenes, const loop::TouchedInFrame& in_frame, bool with_seat) {
   std::string line;
   std::size_t count = 0;
-  for (const TouchedObject& touched : frame.touched) {
+  for (const TouchedObject& touched : in_frame) {
     if (touched.object == 0 || (!with_seat && is_of_seat(scenes, touched.object))) continue;
     if (count == 0) line = ", against ";
     list(line, count++, printed(scenes, touched.object));
@@ -78,10 +78,12 @@ std::string seat_part(const Scenes& scenes, const LoopStatistics& s) {
         "guaranteed; ",
         seat.c_str());
   }
+  const bool held = s.touched_last[0].force_n > 0;
   return text(
       "seated on %s to the end: it has not left its seat, and no separation is "
-      "guaranteed; ",
-      seat.c_str());
+      "guaranteed; %s%s; ",
+      seat.c_str(), held ? "held" : "nothing holds it",
+      against(scenes, s.touched_last, true).c_str());
 }
 
 // The least clearance, rounded down.
@@ -148,7 +150,7 @@ std::string verdict_text(const Scenes& scenes, const LoopStatistics& s) {
   return line + text("%llu penetration frame%s, the first at %.3f s%s\n",
                      printable(s.penetration_frames), ending(s.penetration_frames),
                      s.first_penetration->time_s,
-                     against(scenes, *s.first_penetration, true).c_str());
+                     against(scenes, s.first_penetration->touched, true).c_str());
 }
 
 Status check_verdict(const Options& options, const Scenes& scenes, const LoopStatistics& s) {
@@ -158,7 +160,7 @@ Status check_verdict(const Options& options, const Scenes& scenes, const LoopSta
                        bool with_seat) {
     if ((options.fail_on & kind) == 0 || !first || (first_s && *first_s <= first->time_s)) return;
     first_s = first->time_s;
-    what = did + against(scenes, *first, with_seat);
+    what = did + against(scenes, first->touched, with_seat);
   };
   see(kFailOnPenetration, s.first_penetration, "the part penetrated the scene", true);
   see(kFailOnContact, s.first_contact, "the part touched the scene", false);

@@ -75,7 +75,7 @@ FILES = {
     "stability_device": (("task", "model", "grip", "delay_s"), same("quiet_to", "bound", "default")),
     "stability_grips": (("model", "scale", "delay_s", "hand", "clutch", "axis", "arm_m"), {}),
     "stability_loops": (("model", "start", "scale", "loop"), same("loops")),
-    "stability_seats": (("seed", "pair"), {}),
+    "stability_seats": (("seed", "pair", "covering_voxels"), {}),
     "stability_step": (("part",), times("p50_us")),
     "clearance": (("scenes", "from_voxels", "to_voxels"), {"poses": SAME, "slack_median": 1.02, "slack_p99": 1.02}),
     "clearance_poses": (("scenes",), same("poses", "too_much")),

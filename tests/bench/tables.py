@@ -105,7 +105,7 @@ def grips(rows):
     return summed
 
 
-SEAT_QUANTILES = {"p50": 0.5, "p90": 0.9, "most": 1}
+SEAT_QUANTILES = (0.5, 0.9, 1)
 
 
 def seats(rows):
@@ -115,16 +115,18 @@ def seats(rows):
         for kind in (row["pair"], "all"):
             groups.setdefault((row["run"], kind), []).append(row)
     summed = []
-    for (run, kind), group in sorted(groups.items(), key=lambda item: item[0][1] == "all"):
+    for (run, kind), group in sorted(groups.items(), key=lambda item: (item[0][0], item[0][1] == "all")):
         seated = [row for row in group if not row["refused"]]
-        depths = sorted(row["depth_voxels"] for row in seated)
+        depths = {of: sorted(row[column] for row in seated)
+                  for of, column in (("depth", "depth_voxels"), ("edges", "edge_depth_voxels"))}
         summed.append({
-            "run": run, "pair": kind, "pairs": len(group), "refused": len(group) - len(seated),
+            "run": run, "covering_voxels": group[0]["covering_voxels"], "pair": kind, "pairs": len(group),
+            "refused": len(group) - len(seated),
             **{most: max(row[column] for row in seated) for most, column in (
-                ("drift", "drift_voxels"), ("force", "still_force_n"), ("start", "start_depth_voxels"),
-                ("edges", "edge_depth_voxels"))},
-            **{name: depths[max(0, math.ceil(share * len(depths)) - 1)] for name, share in SEAT_QUANTILES.items()},
-            "deep": sum(depth > 0.6 for depth in depths),
+                ("drift", "drift_voxels"), ("force", "still_force_n"), ("start", "start_depth_voxels"))},
+            **{of: pair(*(values[max(0, math.ceil(share * len(values)) - 1)] for share in SEAT_QUANTILES), figures=2)
+               for of, values in depths.items()},
+            **{f"deep_{of}": sum(depth > 0.6 for depth in values) for of, values in depths.items()},
             "touching": sum(row["touching"] for row in seated) / len(seated),
             "out": f'{sum(row["came_out"] for row in seated)} of {len(seated)}',
             "back": f'{sum(row["went_back"] for row in seated)} of {sum(row["tried_back"] for row in seated)}'})
@@ -374,10 +376,11 @@ TABLES = {
         ("given at most, uJ", scaled("given_j", 1e6, 2)), ("beyond the sampled spring, uJ", scaled("over_j", 1e6, 2)),
         ("beyond it by 20 uJ", text("over_bound"))]),
     "stability_seats": ("stability_seats", seats, [
-        ("pair", text("pair")), ("pairs", text("pairs")), ("refused", text("refused")), ("drift", scaled("drift", 1, 2)),
-        ("still, N", scaled("force", 1, 2)), ("at the start", scaled("start", 1, 2)),
-        *((f"depth {name}", scaled(name, 1, 2)) for name in SEAT_QUANTILES), ("above 0.6", text("deep")),
-        ("edges", scaled("edges", 1, 2)), ("meshes meet", share("touching", 2)), ("came out", text("out")),
+        ("pair", text("pair")), ("covering radius", scaled("covering_voxels", 1, 2)), ("pairs", text("pairs")),
+        ("refused", text("refused")), ("drift", scaled("drift", 1, 2)), ("still, N", scaled("force", 1, 2)),
+        ("at the start", scaled("start", 1, 2)), ("depth: median / 90% / most", text("depth")),
+        ("above 0.6", text("deep_depth")), ("edges: median / 90% / most", text("edges")),
+        ("above 0.6", text("deep_edges")), ("meshes meet", share("touching", 2)), ("came out", text("out")),
         ("went back", text("back"))]),
     "stability_step": ("stability_step", list, [
         ("part of the step", lambda r: r["part"].replace("_", " the ")), ("contacts", text("contacts")),

@@ -31,6 +31,7 @@ def write(name, way):
 write("out.csv", lambda t: (0, 0.03 * max(0, t - 0.2)))
 write("back.csv", lambda t: (0, 0.02 * t if t < 0.5 else 0.01 - 0.05 * (t - 0.5)))
 write("rest.csv", lambda t: (0, 0))
+write("lift.csv", lambda t: (0, 0.001 * min(1, 2 * t)))
 PYTHON
 
 "$bin/voxelize" "$gearbox" --without Cover --voxel-size 1mm -o bolted.vox --quiet
@@ -66,6 +67,7 @@ PYTHON
 # Bolted, it stays, and the bolts hold it.
 run 0 bolted.vox cover.pshell --motion out.csv --json run.json
 says '^seated on Gearbox/Housing, Gearbox/Lid/Bolt, .* and 1 more to the end: it has not left its seat, and no separation is guaranteed; .*0 penetration frames$'
+says ' no separation is guaranteed; held, against Gearbox/Lid/Bolt.*; no clearance is known; '
 grep -q '^touched Gearbox/.*Bolt.* ([0-9.]* s, up to [0-9.]* N)' out.txt || { cat out.txt; fail "nothing touched"; }
 python3 - <<'PYTHON'
 import json
@@ -84,6 +86,10 @@ errs 'cover.pshell: at the end: the part has not left its seat on Gearbox/Housin
 [ ! -s out.txt ] || fail "--quiet is not"
 # Contact with the objects of the seat is none, while it is open.
 run 0 bolted.vox cover.pshell --motion out.csv --fail-on contact --fail-on penetration,outside
+
+# Lifted by a millimeter it is free, but not yet out.
+run 0 opened.vox cover.pshell --motion lift.csv
+says '^seated on Gearbox/Housing to the end: .* guaranteed; nothing holds it; no clearance is known; 0 penetration frames$'
 
 # Out and pressed down again: it touches what was its seat.
 run 0 opened.vox cover.pshell --motion back.csv --json run.json

@@ -34,7 +34,9 @@ constexpr Golden kGolden[] = {
     {"part", 2, "1c4d57068bd7dcebb03b7856ce94f27c"},
     {"node", 1, "b3fc25335a66c7ce49d0e54e610980d0"},
     {"distance", 1, "dced7f28bc28ea459de843b666334c3c"},
+    {"distance", 2, "dced7f28bc28ea459de843b666334c3c"},
     {"near voxels", 2, "90bd1485eae1eddd72590f4c2a8fca18"},
+    {"near voxels", 3, "90bd1485eae1eddd72590f4c2a8fca18"},
 };
 
 void expect_golden(const std::string& stage, std::uint64_t version, const cache::Digest& found) {

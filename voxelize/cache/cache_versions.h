@@ -24,10 +24,12 @@ inline constexpr std::uint32_t kObjectCacheVersion = 2;
 
 // ... grow_surface() finds other voxels. Counts beside the version above.
 // 2: needles are not near beyond their tips.
-inline constexpr std::uint32_t kGrowthCacheVersion = 2;
+// 3: a piece of a large triangle without area is a line.
+inline constexpr std::uint32_t kGrowthCacheVersion = 3;
 
 // ... measured distances, their sides or the nearest objects come out differently.
-inline constexpr std::uint32_t kDistanceCacheVersion = 1;
+// 2: a piece of a large triangle without area is a line.
+inline constexpr std::uint32_t kDistanceCacheVersion = 2;
 
 // ... offset, bricks or clearance come out differently for the same voxels.
 inline constexpr std::uint64_t kNodeCacheVersion = 1;
