@@ -18,6 +18,7 @@ namespace forcelayer::viewer {
 struct PicturePlan {
   int width = 0, height = 0;  // pixels
   std::vector<std::string> title;
+  bool own_title = false;  // the user's: nothing else is said of the moment
   CameraView camera;
   ItemSet shown;
   std::optional<Cut> cut;

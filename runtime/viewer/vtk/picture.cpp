@@ -122,7 +122,7 @@ Status write_picture(const std::filesystem::path& path, const ViewScene& scene,
     overlay.set_title(plan.title);
     if (plan.measure) {
       overlay.set_measure(drawn(*plan.measure, plan, width, height));
-    } else if (plan.moment) {
+    } else if (plan.moment && !plan.own_title) {
       overlay.set_state(plan.moment->kind());
     }
     overlay.set_legend(legend_of(plan, scene));
