@@ -98,7 +98,9 @@ std::string facts_table(const Page& page) {
     table +=
         row("then", text("at %.3f s, at ", least["t_s"].get<double>()) + place(least["point_m"]));
   }
-  for (const Json& object : v["seat"]) table += row("seated on", name_of(object));
+  std::string seat;
+  for (const Json& object : v["seat"]) seat += (seat.empty() ? "" : ", ") + name_of(object);
+  if (!seat.empty()) table += row("seated on", seat);
   for (const Json& s : v["seated"]) {
     table += row("in its seat",
                  text("%.3f to %.3f s", s["from_s"].get<double>(), s["to_s"].get<double>()));
@@ -171,13 +173,13 @@ Result<std::string> html_of(const Page& page) {
   for (const std::string& line : page.commands) commands += html(line) + "\n";
   return "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n<title>" +
          html(title) + "</title>\n<style>" + kStyle + "</style></head><body>\n<h1>" + html(title) +
-         "</h1>\n<p class=\"verdict " + (page.clear ? "yes" : "no") + "\">" +
-         html_lines(page.sentence) + "</p>\n" + facts_table(page) +
-         violations_table(page.verdict["violations"]) + "<h2>Clearance along the way</h2>\n" +
-         page.curve_svg +
+         "</h1>\n<p class=\"verdict " + (page.clear ? "yes" : "no") + "\"><strong>" +
+         html(page.word) + "</strong>\n" + html_lines(page.sentence) + "</p>\n" +
+         facts_table(page) + violations_table(page.verdict["violations"]) +
+         "<h2>Clearance along the way</h2>\n" + page.curve_svg +
          "<p>The curve is what the baked files prove, between poses as at them; the dot is the "
-         "least "
-         "clearance. Gray: in its seat. Red: less than required.</p>\n" +
+         "least clearance. Gray: in its seat. Red: less than required. Elsewhere the curve is only "
+         "as near to the truth as the verdict needs.</p>\n" +
          *drawn + "<h2>How it was found</h2>\n<pre>" + commands + "</pre>\n" + *files +
          "<p>Made by forcelayer " + command::kVersion +
          (*command::commit() == '\0' ? "" : std::string(", commit ") + command::commit()) +

@@ -18,7 +18,7 @@ struct Picture {
 struct Page {
   std::string part, assembly;
   bool clear = false;
-  std::string sentence;         // the verdict
+  std::string word, sentence;   // the verdict
   nlohmann::json verdict;       // report of voxcheck
   nlohmann::json scene, shell;  // reports of voxelize and pointshell
   std::string curve_svg;

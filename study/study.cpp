@@ -1,5 +1,6 @@
 #include "study/study.h"
 
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -12,6 +13,7 @@
 #include "formats/command/text.h"
 #include "formats/file/atomic_file.h"
 #include "formats/path/path_file.h"
+#include "formats/path/quaternion.h"
 #include "study/curve.h"
 #include "study/page.h"
 #include "study/steps.h"
@@ -36,6 +38,18 @@ json read_json(const std::string& path) {
   return json::parse(file, nullptr, false);
 }
 
+using Point = std::array<double, 3>;
+
+// Where a place of the part is at a pose of its path.
+Point placed(const PathRow& row, const Point& place_m) {
+  const Quaternion& q = row.orientation_wxyz;
+  const Quaternion turned =
+      product(product(q, {0, place_m[0], place_m[1], place_m[2]}), conjugate(q));
+  Point world_m = row.position_m;
+  for (std::size_t axis = 0; axis < 3; ++axis) world_m[axis] += turned[axis + 1];
+  return world_m;
+}
+
 // One study, step by step.
 class Study {
  public:
@@ -50,6 +64,7 @@ class Study {
   std::string part_mesh() const { return options_.assembly + "#" + options_.node; }
 
   std::vector<std::string> left_out() const;
+  void add_units(Step& step) const;
   Step scene_step() const;
   Step part_step() const;
   Step pull_step() const;
@@ -95,8 +110,12 @@ std::vector<std::string> Study::left_out() const {
   for (const std::string& node : options_.without) {
     arguments.insert(arguments.end(), {"--without", node});
   }
-  if (!options_.units.empty()) arguments.insert(arguments.end(), {"--units", options_.units});
   return arguments;
+}
+
+void Study::add_units(Step& step) const {
+  if (options_.units.empty()) return;
+  step.arguments.insert(step.arguments.end(), {"--units", options_.units});
 }
 
 Step Study::scene_step() const {
@@ -109,6 +128,7 @@ Step Study::scene_step() const {
   step.arguments.insert(step.arguments.end(), out.begin(), out.end());
   step.arguments.insert(step.arguments.end(), {"--voxel-size", options_.voxel_size, "-o",
                                                in("scene.vox"), "--json", in("scene.json")});
+  add_units(step);
   return step;
 }
 
@@ -119,9 +139,7 @@ Step Study::part_step() const {
             with_references(options_.assembly),
             {in("part.pshell"), in("part.json")},
             "forcelayer-tools"};
-  if (!options_.units.empty()) {
-    step.arguments.insert(step.arguments.end(), {"--units", options_.units});
-  }
+  add_units(step);
   return step;
 }
 
@@ -152,6 +170,7 @@ Step Study::check_step() const {
   if (!options_.files_alone) {
     add({"--exact", options_.assembly, "--part", part_mesh()});
     add(left_out());
+    add_units(step);
   }
   add({"--json", in("verdict.json"), "--csv", in("curve.csv"), "--junit", in("verdict.xml")});
   if (!options_.no_pictures) {
@@ -163,13 +182,19 @@ Step Study::check_step() const {
 
 // Where the part is installed.
 Step Study::picture_step() const {
-  return {"voxview",
-          {options_.assembly, "--hide", options_.node, "--part", part_mesh(), in("scene.vox"),
-           in("part.pshell"), "--part-pose", "0,0,0m", "--show", "meshes,part", "--screenshot",
-           in("installed.png"), "--size", "1200x800"},
-          with_references(options_.assembly),
-          {in("installed.png")},
-          "forcelayer-viewer"};
+  Step step{"voxview",
+            {options_.assembly, "--part", part_mesh(), in("scene.vox"), in("part.pshell"),
+             "--part-pose", "0,0,0m", "--title", "where the part is installed", "--show",
+             "meshes,part", "--screenshot", in("installed.png"), "--size", "1200x800"},
+            with_references(options_.assembly),
+            {in("installed.png")},
+            "forcelayer-viewer"};
+  step.arguments.insert(step.arguments.end(), {"--hide", options_.node});
+  for (const std::string& node : options_.without) {
+    step.arguments.insert(step.arguments.end(), {"--hide", node});
+  }
+  add_units(step);
+  return step;
 }
 
 Status Study::bake() {
@@ -187,9 +212,11 @@ Status Study::find_path() {
   if (!rows) return rows.error();
   const auto pull = command::parse_point(options_.pull);
   if (!pull) return pull.error();
+  const Point center_m = read_json(in("part.json"))["center_m"];
+  const Point from_m = placed(rows->front(), center_m), to_m = placed(rows->back(), center_m);
   double along = 0, all = 0;  // of the pull, squared
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    along += (rows->back().position_m[axis] - rows->front().position_m[axis]) * (*pull)[axis];
+    along += (to_m[axis] - from_m[axis]) * (*pull)[axis];
     all += (*pull)[axis] * (*pull)[axis];
   }
   if (along >= kFollowed * all) return {};
@@ -222,6 +249,7 @@ Status Study::write_page() {
   page.part = options_.node;
   page.assembly = std::filesystem::path(options_.assembly).filename().string();
   page.clear = clear_;
+  page.word = clear_ ? "Clear" : held_.empty() ? "Not clear" : "Does not come out";
   page.sentence = sentence_;
   page.verdict = read_json(in("verdict.json"));
   page.scene = read_json(in("scene.json"));

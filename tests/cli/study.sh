@@ -69,10 +69,10 @@ grep -q '^forcelayer: voxelize: ended with status 3' err.txt || fail "$(cat err.
 study 6 'gearbox.glb#Cover' --voxel-size 1mm --pull 0,0,60mm --clearance 1mm -o held
 grep -q '^forcelayer: gearbox.glb: Cover: it does not come out: pulled 60 mm, it went .* held by .*Bolt' err.txt ||
   fail "$(cat err.txt)"
-grep -q 'class="verdict no">it does not come out' held/report.html || fail "the page of what is held"
+grep -q 'class="verdict no"><strong>Does not come out' held/report.html || fail "the page of what is held"
 printf 't_s,x_m,y_m,z_m\n0,0,0,0\n1,0,0,0.06\n' >up.csv
 study 6 'gearbox.glb#Cover' --voxel-size 1mm --path up.csv --clearance 1mm -o given
-grep -q 'class="verdict no">.*NOT clear' given/report.html || fail "the page of what is not clear"
+grep -q 'class="verdict no"><strong>Not clear' given/report.html || fail "the page of what is not clear"
 grep -q 'pushed deeper' given/report.html || fail "the page does not say what is wrong"
 
 # Errors.

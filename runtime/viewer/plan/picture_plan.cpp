@@ -213,7 +213,7 @@ Status add_moment(const ViewOptions& options, const ViewScene& scene, Moment mom
     if (!source) return source.error();
     set_contacts(moment, (*source)->at(moment.world_from_part));
   }
-  if (options.title.empty()) {
+  if (!plan.own_title) {
     for (const std::string& line : describe(moment)) plan.title.push_back(line);
   }
   plan.moment = std::move(moment);
@@ -236,7 +236,8 @@ Result<PicturePlan> plan_picture(const ViewOptions& options, const ViewScene& sc
   plan.hidden = std::move(*hidden);
   plan.measure = options.measure;
   plan.title = options.title;
-  if (plan.title.empty()) plan.title = {describe(scene)};
+  plan.own_title = !options.title.empty();
+  if (!plan.own_title) plan.title = {describe(scene)};
   auto planned = plan_moment(options, rows);
   if (!planned) return planned.error();
   std::optional<Moment>& moment = *planned;

@@ -19,6 +19,7 @@ struct PicturePlan {
   int width = 0, height = 0;  // pixels
   double scale = 1;           // of words and marks
   std::vector<std::string> title;
+  bool own_title = false;  // the user's: nothing else is said of the moment
   CameraView camera;
   ItemSet shown;
   std::optional<Cut> cut;

@@ -125,7 +125,7 @@ class Drawing {
     }
     triad_.emplace(layers_.window, 1);
     overlay_.set_title(plan.title);
-    if (plan.moment && !plan.measure) overlay_.set_state(plan.moment->kind());
+    if (plan.moment && !plan.measure && !plan.own_title) overlay_.set_state(plan.moment->kind());
     overlay_.set_legend(legend_of(plan, scene));
   }
 
