@@ -8,7 +8,8 @@
 
 namespace forcelayer {
 
-// What a .pshell proves about its part's surface. Pshell::surface_distance_terms() fills it in.
+// The bounds that a .pshell proves for its part's surface. Pshell::surface_distance_terms() fills
+// them in.
 struct SurfaceDistanceTerms {
   double covering_radius_m = 0;  // rho
   double convex_radius_m = 0;    // rho_h

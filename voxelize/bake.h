@@ -60,8 +60,8 @@ struct Bake {
   }
 };
 
-// What the options alone decide of a header: voxel size, layers, metric and the lengths of force
-// and distances.
+// A header with the fields that the options alone decide: voxel size, layers, metric and the
+// lengths of force and distances.
 VoxmapHeader header_lengths(const BakeOptions& options);
 
 // Errors: kBakeTooLarge before any memory is taken, kSceneInvalid for a seed inside geometry or a

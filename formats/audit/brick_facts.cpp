@@ -43,7 +43,7 @@ constexpr Slabs kSlabs = [] {
   return slabs;
 }();
 
-// Of voxels that are not free, one or more: the tight box.
+// Sets the tight box around the voxels that are not free; there is at least one.
 void measure(const std::array<std::uint64_t, 8>& words, BrickFacts& facts) {
   unsigned x = 0, y = 0;
   std::uint64_t all = 0;

@@ -16,7 +16,7 @@ class CodeRules {
   bool beside_value(std::uint32_t value, std::uint32_t code) const {
     return beside_value_[value][code];
   }
-  // Of neighbors over a face.
+  // Whether two voxels that share a face may have these codes.
   bool beside_code(std::uint32_t a, std::uint32_t b) const { return beside_code_[a][b]; }
 
   // The same for many at once. True only where each pair is allowed; false says nothing yet.

@@ -26,7 +26,7 @@ class Contents {
   const Summary& scene() const { return scene_; }
   const std::vector<BrickPlanes>& planes() const { return planes_; }
 
-  // Of a brick, and of a lower node, whose gaps end at 64.
+  // The gaps of a brick, and those of a lower node, which end at 64.
   const Gaps& brick_gaps(std::uint32_t brick) const { return bricks_[brick].gaps; }
   const Gaps& node_gaps(std::uint32_t node) const { return node_gaps_[node]; }
 

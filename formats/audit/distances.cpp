@@ -290,7 +290,8 @@ class DistanceAudit {
   std::optional<Error> bad_;
 };
 
-// Of layers. A standoff is what the two lengths say; opening the file has checked its bounds.
+// Checks the lengths of a map without a standoff against its layers. With a standoff the lengths
+// define it, and opening the file has checked their bounds.
 Status audit_lengths(const VoxmapHeader& h, std::string_view name) {
   if (has_standoff(h)) return {};
   const double expected_m =

@@ -92,7 +92,7 @@ void NodeRows::fill_column(const Around& around, std::int64_t x, std::int64_t y)
   }
 }
 
-// Of 8 rows from (x, y) on, those that are looked at.
+// Stores those of the 8 rows from (x, y) on that the audit looks at.
 void NodeRows::store_rows(Along along, std::int64_t x, std::int64_t y, const std::uint64_t* low,
                           const std::uint64_t* high) {
   const std::int64_t first = std::max<std::int64_t>(0, -margin_ - y);

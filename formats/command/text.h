@@ -5,7 +5,7 @@
 
 namespace forcelayer::command {
 
-// What printf() would print, whatever its length.
+// The text that printf() would print, of any length.
 [[gnu::format(printf, 1, 2)]] std::string text(const char* pattern, ...);
 
 }  // namespace forcelayer::command

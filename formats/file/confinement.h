@@ -8,7 +8,7 @@
 
 namespace forcelayer {
 
-// What this kernel has.
+// The kernel's means of confinement.
 int landlock_version() noexcept;  // 0: none
 bool filters_system_calls() noexcept;
 

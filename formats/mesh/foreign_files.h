@@ -1,4 +1,4 @@
-// What a file is that no reader here takes.
+// Names the kind of a file that no reader here takes.
 #pragma once
 
 #include "formats/mesh/reader.h"

@@ -111,7 +111,7 @@ Status SceneReader::add_folder(const std::string& path, std::optional<double> me
   return {};
 }
 
-// What is wanted of a file by all placings that are read; empty for the whole.
+// The nodes of a file that the placings being read ask for; empty means the whole file.
 std::vector<std::string> SceneReader::nodes_wanted_of(const std::string& path) const {
   std::vector<std::string> wanted;
   for (const Placing& placing : placings_) {

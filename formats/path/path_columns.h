@@ -25,7 +25,7 @@ struct PathColumns {
   std::size_t values = 4;  // that a line must have
 };
 
-// What is wrong with a header line, where something is; else fills `columns`.
+// Reads a header line into `columns`. Returns the mistake where the line has one.
 std::optional<std::string> read_path_header(std::string_view line, PathOf of, PathColumns& columns);
 
 // The pose of a line's values, which are in SI units. Nothing where a quaternion has no direction.

@@ -1,4 +1,4 @@
-// What can be told of a path, and other paths made of it.
+// Facts about a path, and other paths made from it.
 #pragma once
 
 #include <array>

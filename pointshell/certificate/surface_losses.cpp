@@ -127,7 +127,7 @@ class CornerCache {
   std::vector<Slot> known_;
 };
 
-// What is known about a piece. Margins outweigh all rounding.
+// Bounds of a piece. Margins outweigh all rounding.
 class PieceBounds {
  public:
   PieceBounds(const CornerPiece& piece, double radius, double margin)

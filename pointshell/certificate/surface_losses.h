@@ -42,7 +42,7 @@ std::vector<Hole> places_above_loss(const CoveredPart& covered, double limit);
 std::vector<Hole> places_above_loss(const CoveredPart& covered, double limit,
                                     std::span<const Hole> from);
 
-// What the points prove, found and proven. `losses` and radius and gap need not be optimal.
+// The losses that the points are proven to have. `losses`, radius and gap need not be optimal.
 struct SurfaceLosses {
   double convex_radius = 0, convex_gap = 0;  // m, rho_h and delta
   std::vector<DistanceLoss> losses;

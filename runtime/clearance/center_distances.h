@@ -1,7 +1,7 @@
 // The distance of any place from the static mesh, proven from below: between voxel centers by the
 // bound of voxmap_format.md, section 7, from stored distances, and from distances that are searched
 // for (front.h) where none is stored, or where the stored one is to an object that is left out.
-// What is searched for is kept. No answer depends on earlier questions. For one thread at a time.
+// Found distances are kept. No answer depends on earlier questions. For one thread at a time.
 #pragma once
 
 #include <glm/vec3.hpp>

@@ -27,10 +27,10 @@ class CenterPath {
   double time_s(const Moment& moment) const;
   Pose world_from_center(const Moment& moment) const;
 
-  // What no point of the shell has travelled more than since the first pose, along its arcs, m.
+  // A bound on how far any point of the shell has travelled since the first pose, along its arc, m.
   double travel_m(const Moment& moment) const;
 
-  // What no point of the shell would travel more than from one pose to another, m.
+  // A bound on how far any point of the shell travels from one pose to another, m.
   double travel_between_m(const Pose& from, const Pose& to) const;
 
   // The first pose, of those from `first` to `last`, before which no point has travelled more than

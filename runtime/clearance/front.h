@@ -50,7 +50,7 @@ class Fronts {
   // The map stores distances and outlives this, as does `left_out`.
   Fronts(const Voxmap& voxmap, const LeftOut& left_out, Window window);
 
-  // Of a brick; null where it has none. Valid until forget().
+  // The front of a brick; null where it has none. Valid until forget().
   const Front* of(const BrickIndex& brick);
   void forget() { fronts_.clear(); }
 

@@ -85,8 +85,8 @@ bool PartDistance::is_unknown(const glm::dvec3& place_m) const {
 // Whether no point in the sphere can be below the limit. `closely`: by distances too.
 bool PartDistance::is_far(const Place& place, Level& level, std::size_t i, bool closely) {
   const double known = level.now(i, place.travel);
-  // What is known of a large sphere is told anew until it is all that is wished for: a part that is
-  // far away can be skipped for long.
+  // The bound of a large sphere is refined until it is all that is wished for: a part that is far
+  // away can then be skipped for long.
   if (known >= (closely ? limit() : std::max(limit(), wished_))) {
     rest_ = std::min(rest_, known);
     return true;

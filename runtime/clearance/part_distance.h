@@ -77,7 +77,7 @@ class PartDistance {
   double rounding_m_;
   std::size_t last_block_ = 0;
   std::uint64_t points_looked_at_ = 0;
-  // Of the pose at hand.
+  // The search at the current pose.
   LeastDistance best_;
   double wished_ = 0, enough_ = 0;  // enough_ is no more than the cap
   double rest_ = 0;                 // the least of what was not looked at

@@ -33,7 +33,7 @@ void share_out(unsigned threads, std::size_t tasks,
   for (std::thread& other : others) other.join();
 }
 
-// What of a path lies between two moments, checked against all objects but those left out.
+// Checks the path between two moments against all objects but those left out.
 class Check {
  public:
   Check(const Voxmap& voxmap, const Pshell& shell, const CenterPath& path,

@@ -25,8 +25,8 @@ PathWalk::PathWalk(const CenterPath& path, PartDistance& part, double voxel_size
                    const WalkLimits& limits)
     : path_(path), part_(part), voxel_size_m_(voxel_size_m), limits_(limits) {}
 
-// What a piece must prove for the least distance of the path to be told, and what for it to be told
-// and no piece to be too near.
+// enough(): the distance that a piece must prove for the path's least distance to be known.
+// wanted(): the distance that also proves that no piece is too near.
 double PathWalk::enough() const { return limits_.least_voxels - kLeastTolerance; }
 double PathWalk::wanted() const { return std::max(limits_.required_voxels, enough()); }
 
@@ -88,7 +88,7 @@ void PathWalk::cover(const Sample& a, const Sample& b) {
   }
   const double target = std::max(limits_.required_voxels, limits_.least_voxels);
   Sample middle = sample(between(a, b), target + travel / 2 + 2 * kRounding);
-  // What the ends prove there may be more.
+  // The ends may prove more there.
   const double from_a = a.least.voxels - (middle.travel_m - a.travel_m) / voxel_size_m_;
   const double from_b = b.least.voxels - (b.travel_m - middle.travel_m) / voxel_size_m_;
   middle.least.voxels = std::max({middle.least.voxels, from_a, from_b});

@@ -200,7 +200,7 @@ Finding swap(const fs::path& root) {
   return note("swap", "there is some: harmless where memory locking is granted");
 }
 
-// What keeps a device plugin and the readers of --sandbox from what is not theirs.
+// The kernel's means to confine a device plugin and the readers of --sandbox.
 Finding confinement() {
   const int version = landlock_version();
   const std::string files = version > 0 ? "Landlock " + std::to_string(version) : "";

@@ -38,8 +38,8 @@ enum Fault : std::uint32_t {
   kFaultMapLost = 8,         // a baked file was cut short or written to: nothing can be trusted
 };
 
-// What is known of a frame's clearance, the distance between the exact surfaces of part and scene.
-// The numbers stand in the pose stream.
+// The kind of statement that a frame makes of its clearance, the distance between the exact
+// surfaces of part and scene. The numbers stand in the pose stream.
 enum class ClearanceKind : std::uint32_t {
   kNone,     // nothing: the scene stores no distances, or a premise of the proof fails
   kAtLeast,  // no shell point is near enough to the scene to be measured

@@ -9,7 +9,7 @@ namespace {
 // The forces of the objects that were found, as vectors.
 class ObjectForces {
  public:
-  // Of more objects than fit, those found last are left out.
+  // Objects found after the table is full are left out.
   void add(std::uint32_t object, const glm::dvec3& force_n) noexcept {
     std::size_t at = 0;
     while (at < size_ && objects_[at] != object) ++at;

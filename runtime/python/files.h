@@ -1,4 +1,4 @@
-// What both halves of the module share: open files, exceptions, arrays.
+// Shared by both halves of the module: open files, exceptions, arrays.
 #pragma once
 
 #include <pybind11/numpy.h>

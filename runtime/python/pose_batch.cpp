@@ -143,7 +143,7 @@ class PoseBatch::Probe {
   query::ContactQuery query_;
   field::SurfaceClearance surface_;
   query::CollectedPoints points_;
-  // Of clearance alone.
+  // Used by clearance() alone.
   field::FieldSamples samples_;
   field::ContactSet contacts_;
   std::unique_ptr<field::ForceField> field_;

@@ -46,7 +46,7 @@ class ShellSurface {
     }
   }
 
-  // Of the nearest point; infinity where all are farther than `at_most_m`.
+  // The distance of the nearest point; infinity where all are farther than `at_most_m`.
   double distance_m(const glm::dvec3& place, double at_most_m) const {
     double least_m = std::nextafter(at_most_m, std::numeric_limits<double>::infinity());
     bool found = false;

@@ -129,7 +129,8 @@ std::string xml(std::string_view plain) {
   return escaped_text;
 }
 
-// What a line of GitHub's must not hold as it is. In a property also ":" and ",".
+// Escapes the characters that a line of a GitHub annotation must not hold; in a property also ":"
+// and ",".
 std::string github_escaped(std::string_view plain, bool is_property) {
   std::string escaped_text;
   for (const char c : plain) {

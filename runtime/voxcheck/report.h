@@ -1,4 +1,4 @@
-// What a check comes to: for people, for scripts, and for the hosts of changes.
+// The report of a check: for people, for scripts, and for hosts of merge requests.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

@@ -23,7 +23,7 @@ enum class AfterTrip {
   kRearm,  // it arms again by itself: simulated hands only
 };
 
-// What makes a run end with status 6: penetration in any case, and what --fail-on adds. Bits.
+// The events that make a run end with status 6, as bits: penetration always, others by --fail-on.
 enum FailOn : std::uint32_t {
   kFailOnPenetration = 1,  // a penetration frame
   kFailOnContact = 2,      // a contact, but with the objects of the open seat

@@ -298,7 +298,8 @@ std::string touched_text(const Scenes& scenes, const loop::LoopStatistics& s) {
   return line + "\n";
 }
 
-// What the part is seated on, and how deep where that is no rounding; nothing without a seat.
+// Names the objects that the part is seated on, and the depth where it is more than rounding. Empty
+// without a seat.
 std::string seated_text(const Scenes& scenes, const RunFacts& facts) {
   if (scenes.seat().empty()) return "";
   return text(

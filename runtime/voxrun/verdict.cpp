@@ -28,7 +28,7 @@ void end_list(std::string& line, std::size_t count) {
   if (count > kListed) line += text(" and %zu more", count - kListed);
 }
 
-// Of the scene as a whole where it has no names.
+// The object's name, or "the scene" where it has no names.
 std::string printed(const Scenes& scenes, std::uint32_t object) {
   return object == 0 ? "the scene" : escaped(scenes.object_text(object));
 }

@@ -1,4 +1,4 @@
-// What a run comes to: the last line of its report, and --fail-on.
+// The verdict of a run: the last line of its report, and --fail-on.
 #pragma once
 
 #include <span>

@@ -31,6 +31,7 @@
 #include "tests/bench/bench_mesh.h"
 #include "tests/bench/bench_report.h"
 #include "tests/bench/process_run.h"
+#include "tests/support/places.h"
 #include "voxelize/bake.h"
 #include "voxelize/provenance.h"
 
@@ -220,7 +221,7 @@ class Case {
 
   // Its peak memory, bytes.
   std::uint64_t run_command(const Kind& kind, Best& best) const {
-    std::vector<std::string> command = {std::string(FORCELAYER_BIN_DIR) + "/voxelize",
+    std::vector<std::string> command = {test::command_path("voxelize"),
                                         peer_path_,
                                         "--quiet",
                                         "-o",
@@ -352,7 +353,7 @@ int run(int argc, char** argv) {
   std::vector<int> voxels = {512, 1024};
   int repeat = 5;
   bool wide = false;
-  std::string models = FORCELAYER_SOURCE_DIR "/../shared/models", json, vectors;
+  std::string models = test::source_path("../shared/models"), json, vectors;
   app.add_option("--case", cases, "bunny, dragon, counter, engine (default: all)");
   CLI::Option* const wide_flag =
       app.add_flag("--wide", wide, "Euclidean layers and stored distances");

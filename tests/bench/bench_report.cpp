@@ -1,4 +1,5 @@
 #include "tests/bench/bench_report.h"
+#include "tests/support/places.h"
 
 #include <sys/resource.h>
 #include <sys/utsname.h>
@@ -120,7 +121,7 @@ void write_report(const std::string& benchmark, int argc, char** argv,
       {"benchmark", benchmark}, {"command", command}, {"machine", machine()}, {"results", results}};
   std::filesystem::path target = path;
   if (target.empty()) {
-    target = std::filesystem::path(FORCELAYER_SOURCE_DIR) / "build/bench" / (benchmark + ".json");
+    target = test::source_path("build/bench/" + benchmark + ".json");
   }
   if (target.has_parent_path()) std::filesystem::create_directories(target.parent_path());
   std::ofstream file(target);

@@ -15,6 +15,7 @@
 
 #include "tests/bench/bench_report.h"
 #include "tests/stress/clearance_campaign.h"
+#include "tests/support/places.h"
 
 namespace forcelayer::stress {
 namespace {
@@ -148,7 +149,7 @@ std::vector<JudgedPose> judge_family(const ClearanceFamily& family, std::size_t 
 int run(int argc, char** argv) {
   CLI::App app{"Proven clearance against the exact distance", "clearance_bench"};
   std::vector<std::string> only;
-  std::string journal_path, json, models = FORCELAYER_SOURCE_DIR "/../shared/models";
+  std::string journal_path, json, models = test::source_path("../shared/models");
   std::size_t poses = 100000;
   app.add_option("--family", only, "\"generated\", \"pump on bay\", ... (default: all)");
   app.add_option("--poses", poses, "of all families together")->check(CLI::PositiveNumber);

@@ -18,6 +18,7 @@
 #include "tests/bench/bench_report.h"
 #include "tests/stress/clearance_campaign.h"
 #include "tests/stress/path_campaign.h"
+#include "tests/support/places.h"
 
 namespace forcelayer::stress {
 namespace {
@@ -141,7 +142,7 @@ JudgedPaths judge_family(const ClearanceFamily& family, std::size_t wanted,
 int run(int argc, char** argv) {
   CLI::App app{"What voxcheck proves against the exact distance", "path_bench"};
   std::vector<std::string> only;
-  std::string journal_path, json, models = FORCELAYER_SOURCE_DIR "/../shared/models";
+  std::string journal_path, json, models = test::source_path("../shared/models");
   std::size_t moments = 100000;
   app.add_option("--family", only, "\"generated\", \"pump on bay\", ... (default: all)");
   app.add_option("--moments", moments, "of all families together")->check(CLI::PositiveNumber);

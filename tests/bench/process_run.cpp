@@ -1,4 +1,5 @@
 #include "tests/bench/process_run.h"
+#include "tests/support/places.h"
 
 #include <sys/wait.h>
 #include <unistd.h>
@@ -23,8 +24,8 @@ std::string quoted(const std::string& argument) {
 ProcessRun run_process(const std::vector<std::string>& command) {
   const auto report = std::filesystem::temp_directory_path() /
                       ("measured_run_" + std::to_string(::getpid()) + ".json");
-  std::string line = "python3 " + quoted(FORCELAYER_SOURCE_DIR "/tests/bench/measured_run.py") +
-                     " " + quoted(report.string());
+  std::string line = "python3 " + quoted(test::source_path("tests/bench/measured_run.py")) + " " +
+                     quoted(report.string());
   for (const std::string& argument : command) line += " " + quoted(argument);
   line += " 2>&1";
 

@@ -25,6 +25,7 @@
 #include "tests/bench/bench_report.h"
 #include "tests/bench/process_run.h"
 #include "tests/bench/shell_bench_shapes.h"
+#include "tests/support/places.h"
 
 namespace forcelayer::bench {
 namespace {
@@ -130,7 +131,7 @@ class MeshCase {
   MeshCase(const Model& model, const fs::path& models, const fs::path& folder, int voxels)
       : model_(model),
         mesh_(model.file ? (models / model.file).string()
-                         : FORCELAYER_SOURCE_DIR "/sample_data/part.obj"),
+                         : test::source_path("sample_data/part.obj")),
         shell_((folder / "part.pshell").string()),
         voxels_(voxels),
         part_(value_of(part::read_part({mesh_}, std::string_view(model.units) == "mm" ? 1e-3 : 1))
@@ -158,7 +159,7 @@ class MeshCase {
 
  private:
   Json run(const Method& method) const {
-    std::vector<std::string> command = {std::string(FORCELAYER_BIN_DIR) + "/pointshell",
+    std::vector<std::string> command = {test::command_path("pointshell"),
                                         mesh_,
                                         "--units",
                                         model_.units,
@@ -169,8 +170,8 @@ class MeshCase {
                                         number(voxel_size_m_) + "m"};
     command.insert(command.end(), method.options.begin(), method.options.end());
     const ProcessRun bake = run_process(command);
-    const ProcessRun proof = run_process({std::string(FORCELAYER_BIN_DIR) + "/pointshell", "verify",
-                                          shell_, mesh_, "--units", model_.units, "--quiet"});
+    const ProcessRun proof = run_process({test::command_path("pointshell"), "verify", shell_, mesh_,
+                                          "--units", model_.units, "--quiet"});
     const Pshell shell = value_of(Pshell::open(shell_));
     const PshellHeader& header = shell.header();
     const part::TriangleTree tree(part_);
@@ -293,7 +294,7 @@ int run(int argc, char** argv) {
   CLI::App app{"Points, proof, normals, time and memory of point shells", "shell_bench"};
   std::vector<std::string> meshes;
   std::vector<int> voxels = {128, 256};
-  std::string models = FORCELAYER_SOURCE_DIR "/../shared/models", json;
+  std::string models = test::source_path("../shared/models"), json;
   app.add_option("--mesh", meshes,
                  "bunny, dragon, counter, block, part (default: all, and shapes)");
   app.add_option("--voxels", voxels, "voxels across the longest side (default 128 256)");

@@ -24,6 +24,7 @@
 #include "tests/bench/wrench_bench_meshes.h"
 #include "tests/bench/wrench_bench_pairs.h"
 #include "tests/bench/wrench_bench_peers.h"
+#include "tests/support/places.h"
 
 namespace forcelayer::bench {
 namespace {
@@ -323,7 +324,7 @@ struct Choice {
   std::vector<double> sizes = {1, 0.5, 0.25};
   int orientations = 4, pair_cases = 4;
   std::vector<std::string> only;
-  std::string models = FORCELAYER_SOURCE_DIR "/../shared/models", json;
+  std::string models = test::source_path("../shared/models"), json;
 
   bool wants(const std::string& name) const {
     return only.empty() || std::find(only.begin(), only.end(), name) != only.end();

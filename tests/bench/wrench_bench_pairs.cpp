@@ -14,6 +14,7 @@
 #include "tests/bench/bench_mesh.h"
 #include "tests/bench/force_bench_scene.h"
 #include "tests/stress/shapes.h"
+#include "tests/support/places.h"
 
 namespace forcelayer::bench {
 namespace {
@@ -88,7 +89,7 @@ void cut(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, double l
 }  // namespace
 
 std::vector<MeshPair> mesh_pairs(const std::string& models) {
-  const std::string sample = FORCELAYER_SOURCE_DIR "/sample_data/";
+  const std::string sample = test::source_path("sample_data/");
   std::vector<MeshPair> pairs;
   pairs.push_back({"pump on bay", read_mesh(sample + "bay.json", std::nullopt),
                    read_mesh(sample + "part.obj", 1e-3)});

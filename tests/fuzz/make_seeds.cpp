@@ -11,6 +11,7 @@
 #include "tests/support/hid_descriptors.h"
 #include "tests/support/mesh_files.h"
 #include "tests/support/om_files.h"
+#include "tests/support/places.h"
 
 namespace {
 
@@ -51,8 +52,7 @@ void mesh_seeds() {
 void baked_seeds() {
   for (const char* name : {"v2.vox", "v2_distances.vox", "baked_chebyshev.vox", "baked_lean.vox",
                            "baked_full.vox", "baked_covered.vox", "baked_objects.vox"}) {
-    const auto file =
-        MappedFile::open(std::filesystem::path(FORCELAYER_SOURCE_DIR) / "tests" / "golden" / name);
+    const auto file = MappedFile::open(test::source_path(std::string("tests/golden/") + name));
     if (!file) throw std::runtime_error(to_line(file.error()));
     seed("voxmap", name,
          {reinterpret_cast<const char*>(file->bytes().data()), file->bytes().size()});

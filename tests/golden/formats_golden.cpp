@@ -9,6 +9,7 @@
 #include "formats/section_table.h"
 #include "tests/support/golden_bytes.h"
 #include "tests/support/golden_content.h"
+#include "tests/support/places.h"
 
 namespace forcelayer::testing {
 namespace {
@@ -151,7 +152,7 @@ TEST(Golden, DistancesAndObjects) {
 }
 
 std::vector<std::string> lines_of_specification() {
-  std::ifstream file(std::string(FORCELAYER_SOURCE_DIR) + "/formats/voxmap_format.md");
+  std::ifstream file(test::source_path("formats/voxmap_format.md"));
   std::vector<std::string> lines;
   for (std::string line; std::getline(file, line);) lines.push_back(line);
   return lines;

@@ -8,6 +8,7 @@
 #include "formats/mesh/mesh_facts.h"
 #include "formats/mesh/scene.h"
 #include "tests/support/baked_scene.h"
+#include "tests/support/places.h"
 #include "voxelize/cache/cache_versions.h"
 #include "voxelize/cache/digest.h"
 #include "voxelize/cache/mesh_source.h"
@@ -135,8 +136,7 @@ void add_values(cache::DigestBuilder& digest, const BakedScene& scene) {
 TEST(CacheVersions, OfAssembliesAndFacts) {
   cache::DigestBuilder meshes, facts;
   std::vector<std::filesystem::path> files;
-  for (const auto& entry :
-       std::filesystem::directory_iterator(FORCELAYER_SOURCE_DIR "/sample_data")) {
+  for (const auto& entry : std::filesystem::directory_iterator(test::source_path("sample_data"))) {
     const std::string extension = entry.path().extension().string();
     if (extension == ".json" || extension == ".csv" || extension.empty()) continue;
     if (entry.path().stem() == "gearbox") continue;  // younger than the digests

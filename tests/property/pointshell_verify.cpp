@@ -10,6 +10,7 @@
 #include "pointshell/part/part_files.h"
 #include "tests/support/mesh_files.h"
 #include "tests/support/part_support.h"
+#include "tests/support/places.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/stored_shell.h"
 
@@ -20,9 +21,8 @@ using namespace testing;
 
 // The exit status of `pointshell verify`.
 int verify_status(const std::filesystem::path& shell, const std::filesystem::path& mesh) {
-  const std::string command = std::string(FORCELAYER_BIN_DIR) + "/pointshell verify " +
-                              shell.string() + " " + mesh.string() +
-                              " --units m --quiet 2>/dev/null";
+  const std::string command = test::command_path("pointshell") + " verify " + shell.string() + " " +
+                              mesh.string() + " --units m --quiet 2>/dev/null";
   return WEXITSTATUS(std::system(command.c_str()));
 }
 

@@ -4,6 +4,7 @@
 #include "formats/mesh/scene.h"
 #include "tests/support/baked_scene.h"
 #include "tests/support/models.h"
+#include "tests/support/places.h"
 #include "tests/support/reference_bake.h"
 #include "tests/support/soups.h"
 #include "voxelize/plan.h"
@@ -40,7 +41,7 @@ void expect_size_is_estimated(const std::vector<voxelize::SceneObject>& objects,
 }
 
 TEST(Plan, FileSizeOfTheSampleSceneIsEstimated) {
-  const std::string path = FORCELAYER_SOURCE_DIR "/sample_data/bay.json";
+  const std::string path = test::source_path("sample_data/bay.json");
   const auto scene = mesh::read_scene(std::span(&path, 1), std::nullopt);
   ASSERT_TRUE(scene) << to_line(scene.error());
   expect_size_is_estimated(objects_of(*scene), 0.01);

@@ -10,6 +10,7 @@
 #include "runtime/coupling/coupling.h"
 #include "tests/stress/baked.h"
 #include "tests/stress/shapes.h"
+#include "tests/support/places.h"
 
 namespace forcelayer::stress {
 namespace {
@@ -105,7 +106,7 @@ ClearanceScene placed(const FilePair& pair, std::uint64_t seed, double least_m, 
 }
 
 std::string sample(const char* file) {
-  return std::string(FORCELAYER_SOURCE_DIR "/sample_data/") + file;
+  return test::source_path(std::string("sample_data/") + file);
 }
 
 ClearanceScene pump_on_bay(std::uint64_t seed, const std::string&) {

@@ -11,6 +11,7 @@
 #include "runtime/coupling/coupling.h"
 #include "runtime/query/contact_query.h"
 #include "tests/stress/shapes.h"
+#include "tests/support/places.h"
 #include "tests/support/random_numbers.h"
 
 namespace forcelayer::stress {
@@ -29,7 +30,7 @@ constexpr double kDeepestM = 0.02;  // how far beyond the touch the hand wants t
 constexpr double kSlideM = 0.04;
 
 std::string sample(const char* name) {
-  return std::string(FORCELAYER_SOURCE_DIR) + "/sample_data/" + name;
+  return test::source_path(std::string("sample_data/") + name);
 }
 
 // The sample bay in one mesh: beams, posts, tubes, wires, skin, floor plate and bulkhead.

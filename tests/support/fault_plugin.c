@@ -6,9 +6,9 @@
  * quaternion of zeros). KIND: unplug, freeze, blip (three
  * readings missing), nan, absurd (millimeters from then on), mm (from the start), uncalibrated,
  * crash, hang; wild (0xff over the memory that is shared with the loop), wild-index (over the words
- * that say where a value is), shrink (tries to cut that memory short). FORCELAYER_PLUGIN_MODE=push
- * in the environment: push mode. facts=FILE: what the process may do, written when the device is
- * opened.
+ * that say where a value is), shrink (tries to cut that memory short), button (no fault: button 1
+ * is pressed from then on). FORCELAYER_PLUGIN_MODE=push in the environment: push mode. facts=FILE:
+ * what the process may do, written when the device is opened.
  *
  * The hand comes down 30 mm in 0.3 s (way=SECONDS) and goes up again, until it feels the motors
  * push; it then stays there. So a loop that begins late finds it out of contact, too. With `below`
@@ -247,6 +247,7 @@ static int read_device(void* opaque, forcelayer_plugin_reading* reading) {
   if (is(d, "unplug")) return -1;
   if (is(d, "freeze")) return 0;
   if (is(d, "blip") && d->missing++ < 3) return 0;
+  if (is(d, "button")) reading->buttons = 1u << 1;
   if (is(d, "nan")) reading->position_m[1] = NAN;
   if (is(d, "absurd")) reading->position_m[2] *= 1000;
   if (is(d, "uncalibrated")) reading->status = 0;

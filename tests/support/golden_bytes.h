@@ -11,11 +11,12 @@
 
 #include "formats/file/atomic_file.h"
 #include "formats/file/mapped_file.h"
+#include "tests/support/places.h"
 
 namespace forcelayer::testing {
 
 inline std::filesystem::path golden_path(const std::string& name) {
-  return std::filesystem::path(FORCELAYER_SOURCE_DIR) / "tests" / "golden" / name;
+  return test::source_path("tests/golden/" + name);
 }
 
 // Compares bytes with the committed file's; FORCELAYER_WRITE_GOLDEN=1 writes those that do not

@@ -4,11 +4,13 @@
 #include <cctype>
 #include <string>
 
+#include "tests/support/places.h"
+
 namespace forcelayer::test {
 
 // The path of a file of tests/models, which its README.md lists.
 inline std::string model_path(const std::string& file) {
-  return FORCELAYER_SOURCE_DIR "/tests/models/" + file;
+  return source_path("tests/models/" + file);
 }
 
 // A file's name as a part of a test's name.

@@ -12,6 +12,7 @@
 #include <string>
 
 #include "tests/support/mesh_files.h"
+#include "tests/support/places.h"
 #include "tests/support/scratch_folder.h"
 
 namespace forcelayer::test {
@@ -23,7 +24,7 @@ inline std::string read_text(const std::string& path) {
 
 // Runs a program of the build in `folder`; throws where it fails.
 inline void run_in(const std::filesystem::path& folder, const std::string& command) {
-  const std::string line = "cd " + folder.string() + " && " FORCELAYER_BIN_DIR "/" + command;
+  const std::string line = "cd " + folder.string() + " && " + test::command_path(command);
   if (std::system(line.c_str()) != 0) throw std::runtime_error(line);
 }
 

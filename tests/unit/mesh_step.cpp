@@ -10,6 +10,7 @@
 #include "formats/mesh/mesh_facts.h"
 #include "tests/support/mesh_files.h"
 #include "tests/support/models.h"
+#include "tests/support/places.h"
 
 namespace forcelayer {
 namespace {
@@ -22,7 +23,7 @@ using namespace test;
 class StepAssembly : public testing::Test {
  protected:
   void SetUp() override {
-    const std::string command = FORCELAYER_BIN_DIR "/make_step_assembly " + path_;
+    const std::string command = test::command_path("make_step_assembly ") + path_;
     ASSERT_EQ(std::system(command.c_str()), 0);
   }
 
@@ -81,7 +82,7 @@ TEST(StepUnits, MillimeterInchAndMeter) {
   const ScratchFolder folder;
   for (const auto& [unit, unit_mm] : {std::pair{"MM", 1.0}, {"INCH", 25.4}, {"M", 1000.0}}) {
     const std::string path = folder / (std::string(unit) + ".step");
-    const std::string command = FORCELAYER_BIN_DIR "/make_step_assembly " + path + " " + unit;
+    const std::string command = test::command_path("make_step_assembly ") + path + " " + unit;
     ASSERT_EQ(std::system(command.c_str()), 0);
     const double deflection_mm = 1e-3 * unit_mm;
     const auto assembly = mesh::read_assembly(path, {.deflection_m = deflection_mm * 1e-3});

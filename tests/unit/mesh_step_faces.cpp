@@ -17,6 +17,7 @@
 
 #include "formats/mesh/step/edge_cover.h"
 #include "formats/mesh/step/tessellator.h"
+#include "tests/support/places.h"
 #include "tests/support/step_shapes.h"
 #endif
 
@@ -172,7 +173,7 @@ TEST(StepTessellator, MendsAFaceWhoseOutlineCrossesItself) {
 class StepFaces : public testing::Test {
  protected:
   void SetUp() override {
-    const std::string command = FORCELAYER_BIN_DIR "/make_step_faces " + path_;
+    const std::string command = test::command_path("make_step_faces ") + path_;
     ASSERT_EQ(std::system(command.c_str()), 0);
   }
 

@@ -18,6 +18,7 @@
 #include "tests/support/both_models.h"
 #include "tests/support/distance_scene.h"
 #include "tests/support/file_surgery.h"
+#include "tests/support/places.h"
 #include "tests/support/random_scenes.h"
 #include "tests/support/scratch_folder.h"
 
@@ -187,12 +188,12 @@ TEST_P(CInterface, TellsTheClearance) {
 }
 
 TEST_P(CInterface, NamesTheObjectsOfTheScene) {
-  const auto scene = Voxmap::open(FORCELAYER_SOURCE_DIR "/tests/golden/baked_objects.vox");
+  const auto scene = Voxmap::open(test::source_path("tests/golden/baked_objects.vox"));
   ASSERT_TRUE(scene);
   const double s = scene->voxel_size_m();
   save_pshell(folder / "small.pshell", sphere_part(4 * s, 400, s));
   options.without_guarantee = 1;
-  runtime = forcelayer_open(FORCELAYER_SOURCE_DIR "/tests/golden/baked_objects.vox",
+  runtime = forcelayer_open(test::source_path("tests/golden/baked_objects.vox").c_str(),
                             (folder / "small.pshell").c_str(), &options, error, sizeof error);
   ASSERT_NE(runtime, nullptr) << error;
   EXPECT_STREQ(forcelayer_object_name(runtime, 1), "wedge");

@@ -22,7 +22,7 @@
 
 namespace forcelayer::distance {
 
-// Of one triangle. Its corners are counted from the lowest by x, y and z, as those of
+// The claim of one triangle. Its corners are counted from the lowest by x, y and z, as those of
 // PreparedTriangle.
 struct Claim {
   std::uint8_t slope = 0;  // 1/128

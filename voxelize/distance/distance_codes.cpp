@@ -118,7 +118,7 @@ class NodeMeasurement {
     return any != 0;
   }
 
-  // What lies at a voxel of the node or beside it.
+  // The side of the surface on which a voxel of the node, or beside it, lies.
   enum class Side { kSurface, kInside, kOutside };
   Side side_of(const std::array<int, 3>& voxel) const {
     const bool in_node = ((voxel[0] | voxel[1] | voxel[2]) & ~63) == 0;

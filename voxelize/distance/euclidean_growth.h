@@ -38,8 +38,8 @@ class CenterGrowth {
   // Up to here, in voxels, the distances of voxels must be exact.
   float reach() const { return reach_; }
 
-  // Of the voxels `open` of the cell at voxel `low` of a node: those that are near. `least` holds
-  // their squared distances, the list every triangle that may be nearest to one of them.
+  // Returns those of the voxels `open` of the cell at voxel `low` of a node that are near. `least`
+  // holds their squared distances, the list every triangle that may be nearest to one of them.
   std::uint64_t near(const CubeValues& least, std::uint64_t open, TriangleList list,
                      const scan::NodeIndex& node, const std::array<int, 3>& low) const;
 

@@ -81,7 +81,7 @@ void NearPath::SphereList::add(const PreparedTriangle* triangle, std::size_t in_
   radius.push_back(static_cast<float>(length_of(half) + 2 * kBoxRounding));
 }
 
-// Of the 2^3 voxels at `low`.
+// Fills the lists of the 2^3 voxels at `low`.
 void NearPath::list_block(const std::array<int, 3>& low, std::array<SphereList, kEighths>& lists) {
   for (SphereList& list : lists) list.clear();
   EightCells cells;
@@ -98,7 +98,7 @@ void NearPath::list_block(const std::array<int, 3>& low, std::array<SphereList, 
   }
 }
 
-// Of the voxel that a place lies in.
+// The list of the voxel that a place lies in.
 const NearPath::SphereList& NearPath::may_be_nearest(const std::array<double, 3>& at) {
   std::array<int, 3> voxel, low;
   for (std::size_t d = 0; d < 3; ++d) {

@@ -21,7 +21,7 @@ class NearPath {
   static constexpr double kFarthest = 2.3 * double{lattice::kSnapUnits},
                           kNear = 2.6 * double{lattice::kSnapUnits};
 
-  // Of another node.
+  // Forgets the lists of the node before.
   void begin_node() { of_8_.low = kNoCell; }
 
   // A path from a center in the cell of 4^3 voxels at `low`. `around` holds every triangle within
@@ -67,7 +67,7 @@ class NearPath {
   void mark_spheres(const SphereList& list, const std::array<double, 3>& at, double distance);
 
   Cell of_8_, of_4_;
-  // Of the 4^3 blocks of 2^3 voxels in and around the cell: the place in blocks_, or -1.
+  // The place in blocks_ of each of the 4^3 blocks of 2^3 voxels in and around the cell, or -1.
   std::array<int, 64> block_;
   // The triangles that may be nearest in a voxel: [blocks][voxels].
   std::vector<std::array<SphereList, kEighths>> blocks_;

@@ -17,9 +17,9 @@ namespace forcelayer::distance {
 
 inline constexpr std::size_t kBrickVoxels = 512;
 
-// Of objects that are equally near but for this, in voxels, a voxel has the lowest number. It is
-// above what the kernels' distances can be off, so that surfaces that touch are not speckled, and
-// below what the lists of the search leave room for.
+// Objects whose distances differ by less than this, in voxels, count as equally near, and the voxel
+// gets the lowest of their numbers. It is above the error of the kernels' distances, so that
+// surfaces that touch are not speckled, and below the margin of the search's lists.
 inline constexpr float kEquallyNearVoxels = kDistanceErrorVoxels / 2;
 
 // Whether a code is a distance that was measured: neither the lowest, "or less", nor the highest,

@@ -16,8 +16,8 @@ class StoredNodes {
  public:
   StoredNodes() = default;
 
-  // What keep() packed; not copied. Throws BadPack where a node points to a brick that is not
-  // there.
+  // Views the bytes that keep() packed, without a copy. Throws BadPack where a node points to a
+  // brick that is not there.
   StoredNodes(cache::ByteUnpacker& unpacker, std::uint32_t brick_parts)
       : parts_(brick_parts),
         nodes_(unpacker.list<std::uint32_t>()),

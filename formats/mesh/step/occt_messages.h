@@ -1,4 +1,4 @@
-// What OpenCASCADE says of a file while it reads it.
+// Collects OpenCASCADE's messages about a file while it reads it.
 #pragma once
 
 #include <Message_Printer.hxx>

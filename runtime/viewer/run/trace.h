@@ -13,7 +13,7 @@
 
 namespace forcelayer::viewer {
 
-// What a frame says of its clearance, the proven distance between the surfaces of part and scene.
+// A frame's clearance, the proven distance between the surfaces of part and scene.
 struct RowClearance {
   double clearance_m = 0;
   bool at_least = false;  // nothing was near enough to be measured

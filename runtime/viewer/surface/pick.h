@@ -1,4 +1,4 @@
-// What a ray through a voxmap meets first.
+// The first voxel that a ray through a voxmap meets.
 #pragma once
 
 #include <array>

@@ -46,7 +46,7 @@ class ShownVoxels {
  private:
   static bool is_measured(std::uint32_t code) { return code > 0 && code < kMostDistanceCode; }
 
-  // Of the tree of distances; as if measured where the map stores none.
+  // Looks a voxel up in the tree of distances. A map without distances answers as if measured.
   VoxelLookup code_of(const RelativeVoxel& v) const {
     const DistanceView* distances = voxmap_.distances();
     if (distances == nullptr) return {1, 0, 1};
