@@ -1,6 +1,7 @@
 #include "runtime/query/block_skipper.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
@@ -12,56 +13,32 @@ namespace {
 
 constexpr std::uint32_t kGroup = 16;        // discs looked at together: a vector
 constexpr double kMostMotionVoxels = 4096;  // then all slack is forgotten, so that floats stay fine
-constexpr float kMotionRounding = 0.01f;    // voxels: float sums of up to 2 * 4096 err by 0.002
-constexpr double kUnitTolerance = 1e-9;     // of an orientation's length, squared; else no skipping
+constexpr float kMotionRounding = RowSkipper::kMotionRounding;
+constexpr double kUnitTolerance = 1e-9;  // of an orientation's length, squared; else no skipping
 constexpr double kRadiusRounding = 1 + 1e-6;  // of a float radius in voxels
-constexpr float kNever = -1;
+constexpr float kNever = RowSkipper::kNever;
 
 bool is_unit(const glm::dquat& q) { return std::abs(glm::dot(q, q) - 1) < kUnitTolerance; }
 
-constexpr double kDiscRounding = 1 + 1e-6;  // of extents along an axis that is not quite unit
-
-// Appends the disc that holds points [begin, end): about `center`, its axis along their mean
-// normal.
-void append_disc(const PshellView& shell, std::uint64_t begin, std::uint64_t end,
-                 const BoundingSphere& center, std::vector<float>& place,
-                 std::vector<float>& shape) {
-  glm::dvec3 sum(0);
-  for (std::uint64_t i = begin; i < end; ++i) {
-    sum += glm::dvec3(shell.nx[i], shell.ny[i], shell.nz[i]);
-  }
-  const double length = glm::length(sum);
-  const glm::vec3 axis = length > 1e-6 ? glm::vec3(sum / length) : glm::vec3(0, 0, 1);
-  const glm::dvec3 unit = glm::normalize(glm::dvec3(axis));
-  double radius2_m2 = 0, half_height_m = 0;
-  for (std::uint64_t i = begin; i < end; ++i) {
-    const glm::dvec3 from_center(double{shell.x[i]} - center.x, double{shell.y[i]} - center.y,
-                                 double{shell.z[i]} - center.z);
-    const double along = glm::dot(from_center, unit);
-    const glm::dvec3 across = from_center - along * unit;
-    half_height_m = std::max(half_height_m, std::abs(along));
-    radius2_m2 = std::max(radius2_m2, glm::dot(across, across));
-  }
-  place.insert(place.end(), {center.x, center.y, center.z,
-                             static_cast<float>(std::sqrt(radius2_m2) * kDiscRounding)});
-  shape.insert(shape.end(),
-               {axis.x, axis.y, axis.z, static_cast<float>(half_height_m * kDiscRounding)});
-}
-
 }  // namespace
 
-[[gnu::cold]] BlockSkipper::BlockSkipper(const Pshell& shell, double voxel_size_m,
+[[gnu::cold]] BlockSkipper::BlockSkipper(const Voxmap& voxmap, const Pshell& shell,
                                          const SkipOptions& options)
-    : voxel_size_m_(voxel_size_m),
+    : voxel_size_m_(voxmap.voxel_size_m()),
       options_(options),
       super_block_blocks_(shell.view().super_block_blocks),
+      block_rows_(shell.view().block_points / kRowPoints),
+      row_count_(
+          static_cast<std::uint32_t>((shell.view().point_count + kRowPoints - 1) / kRowPoints)),
       blocks_(make_level(shell.view(), shell.view().blocks, shell.view().block_count,
                          shell.view().block_points)),
       super_blocks_(make_level(shell.view(), shell.view().super_blocks,
                                shell.view().super_block_count,
                                std::uint64_t{shell.view().block_points} * super_block_blocks_)),
-      radius_voxels_(shell.header().bounding_radius_m / voxel_size_m),
-      candidates_(shell.view().block_count) {}
+      radius_voxels_(shell.header().bounding_radius_m / voxel_size_m_),
+      candidates_(row_count_) {
+  if (options.clearance && options.walls) row_skipper_.emplace(voxmap, shell, options.coherence);
+}
 
 [[gnu::cold]] BlockSkipper::Level BlockSkipper::make_level(const PshellView& shell,
                                                            const BoundingSphere* spheres,
@@ -76,8 +53,11 @@ void append_disc(const PshellView& shell, std::uint64_t begin, std::uint64_t end
     const double reach_m =
         std::sqrt(double{s.x} * s.x + double{s.y} * s.y + double{s.z} * s.z) + s.radius;
     level.reach_voxels.push_back(static_cast<float>(reach_m / voxel_size_m_ * kRadiusRounding));
-    append_disc(shell, i * run_points, std::min(shell.point_count, (i + 1) * run_points), s,
-                level.place, level.shape);
+    const PartDisc disc = disc_of(
+        shell, i * run_points, std::min(shell.point_count, (i + 1) * run_points), {s.x, s.y, s.z});
+    level.place.insert(level.place.end(), {s.x, s.y, s.z, disc.radius});
+    level.shape.insert(level.shape.end(),
+                       {disc.axis[0], disc.axis[1], disc.axis[2], disc.half_height});
   }
   return level;
 }
@@ -86,6 +66,7 @@ void BlockSkipper::forget_slack() noexcept {
   for (Level* level : {&blocks_, &super_blocks_}) {
     std::fill(level->free_until.begin(), level->free_until.end(), kNever);
   }
+  if (row_skipper_) row_skipper_->forget();
   travel_voxels_ = turn_rad_ = 0;
 }
 
@@ -93,23 +74,25 @@ void BlockSkipper::spend_motion(const Pose& pose) noexcept {
   if (has_last_) {
     const glm::dquat turn = pose.orientation * glm::conjugate(last_.orientation);
     const double sine = glm::length(glm::dvec3(turn.x, turn.y, turn.z));
-    turn_rad_ += 2 * std::atan2(sine, std::abs(turn.w));
-    travel_voxels_ += glm::length(pose.position_m - last_.position_m) / voxel_size_m_;
+    last_turn_rad_ = 2 * std::atan2(sine, std::abs(turn.w));
+    last_travel_voxels_ = glm::length(pose.position_m - last_.position_m) / voxel_size_m_;
+    turn_rad_ += last_turn_rad_;
+    travel_voxels_ += last_travel_voxels_;
   }
   has_last_ = true;
   last_ = pose;
   if (!(travel_voxels_ + radius_voxels_ * turn_rad_ < kMostMotionVoxels)) forget_slack();
 }
 
-bool BlockSkipper::all_known_free(const Level& level, std::uint32_t begin,
-                                  std::uint32_t end) const noexcept {
-  if (!options_.coherence) return false;
+std::uint32_t BlockSkipper::not_known_free(const Level& level, std::uint32_t begin,
+                                           std::uint32_t end) const noexcept {
   const auto travel = static_cast<float>(travel_voxels_), turn = static_cast<float>(turn_rad_);
-  unsigned spent = 0;
+  std::uint32_t spent = 0;
   for (std::uint32_t i = begin; i < end; ++i) {
-    spent |= travel + level.reach_voxels[i] * turn >= level.free_until[i];
+    const bool is_spent = travel + level.reach_voxels[i] * turn >= level.free_until[i];
+    spent |= static_cast<std::uint32_t>(is_spent) << (i - begin);
   }
-  return spent == 0;
+  return spent;
 }
 
 // Surveys the group's discs anew. With coherence, earlier slack that reaches further is kept.
@@ -126,45 +109,75 @@ void BlockSkipper::survey(const KernelMap& map, const VoxelPose& pose, Level& le
   }
 }
 
-// Calls visit(i) for the discs of [begin, end) that are not known to be free.
-template <typename Visit>
+// Calls visit(i) for the discs of [begin, end) that are not known to be free. They are surveyed
+// first, unless let_be(i) says of all of them that this is in vain.
+template <typename LetBe, typename Visit>
 void BlockSkipper::visit_near(const KernelMap& map, const VoxelPose& pose, Level& level,
-                              std::uint32_t begin, std::uint32_t end, Visit visit) noexcept {
-  const auto travel = static_cast<float>(travel_voxels_), turn = static_cast<float>(turn_rad_);
+                              std::uint32_t begin, std::uint32_t end, LetBe let_be,
+                              Visit visit) noexcept {
   for (std::uint32_t first = begin; first < end; first += kGroup) {
     const std::uint32_t last = std::min(end, first + kGroup);
-    if (all_known_free(level, first, last)) continue;
-    survey(map, pose, level, first, last);
-    for (std::uint32_t i = first; i < last; ++i) {
-      if (travel + level.reach_voxels[i] * turn >= level.free_until[i]) visit(i);
+    std::uint32_t near = not_known_free(level, first, last);
+    bool worth = !options_.coherence;
+    for (std::uint32_t left = near; left != 0 && !worth; left &= left - 1) {
+      worth = !let_be(first + static_cast<std::uint32_t>(std::countr_zero(left)));
+    }
+    if (worth) {
+      survey(map, pose, level, first, last);
+      near = not_known_free(level, first, last);
+    }
+    for (; near != 0; near &= near - 1) {
+      visit(first + static_cast<std::uint32_t>(std::countr_zero(near)));
     }
   }
+}
+
+// Takes the rows of a block that is not known to be free.
+void BlockSkipper::take_rows(const KernelMap& map, const VoxelPose& pose,
+                             std::uint32_t block) noexcept {
+  const std::uint32_t begin = block * block_rows_, end = std::min(begin + block_rows_, row_count_);
+  if (!row_skipper_) {
+    for (std::uint32_t row = begin; row < end; ++row) candidates_[candidate_count_++] = row;
+    return;
+  }
+  const float reach = blocks_.reach_voxels[block];
+  const SpentMotion motion = {
+      static_cast<float>(travel_voxels_) + reach * static_cast<float>(turn_rad_),
+      static_cast<float>(last_travel_voxels_) + reach * static_cast<float>(last_turn_rad_)};
+  const float until = row_skipper_->take_near(map, pose, margin_, block, motion, candidates_.data(),
+                                              candidate_count_);
+  blocks_.free_until[block] = std::max(blocks_.free_until[block], until);
 }
 
 std::span<const std::uint32_t> BlockSkipper::candidates(const KernelMap& map,
                                                         const Pose& world_from_center,
                                                         const VoxelPose& pose,
                                                         double rounding_voxels) noexcept {
-  std::uint32_t count = 0;
-  const auto take = [&](std::uint32_t block) { candidates_[count++] = block; };
+  candidate_count_ = 0;
   if (!options_.clearance || !is_unit(world_from_center.orientation)) {
-    for (std::uint32_t block = 0; block < candidates_.size(); ++block) take(block);
-    return {candidates_.data(), count};
+    for (std::uint32_t row = 0; row < row_count_; ++row) candidates_[row] = row;
+    return candidates_;
   }
   spend_motion(world_from_center);
   margin_.scale = static_cast<float>(kRadiusRounding / voxel_size_m_);
   // The center's own rounding, a point's, and what kUnitTolerance leaves of the radius.
   margin_.voxels = static_cast<float>(2 * rounding_voxels + 2 * kUnitTolerance * radius_voxels_);
+  const auto take = [&](std::uint32_t block) { take_rows(map, pose, block); };
+  const auto let_be = [&](std::uint32_t block) {
+    return row_skipper_ && row_skipper_->lets_be(block);
+  };
   if (!options_.super_blocks) {
-    visit_near(map, pose, blocks_, 0, blocks_.count, take);
-    return {candidates_.data(), count};
+    visit_near(map, pose, blocks_, 0, blocks_.count, let_be, take);
+    return {candidates_.data(), candidate_count_};
   }
-  visit_near(map, pose, super_blocks_, 0, super_blocks_.count, [&](std::uint32_t super) {
-    const std::uint32_t first = super * super_block_blocks_;
-    visit_near(map, pose, blocks_, first, std::min(blocks_.count, first + super_block_blocks_),
-               take);
-  });
-  return {candidates_.data(), count};
+  visit_near(
+      map, pose, super_blocks_, 0, super_blocks_.count, [](std::uint32_t) { return false; },
+      [&](std::uint32_t super) {
+        const std::uint32_t first = super * super_block_blocks_;
+        visit_near(map, pose, blocks_, first, std::min(blocks_.count, first + super_block_blocks_),
+                   let_be, take);
+      });
+  return {candidates_.data(), candidate_count_};
 }
 
 }  // namespace forcelayer::query

@@ -3,12 +3,15 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "forcelayer/pose.h"
 #include "formats/pshell.h"
+#include "formats/voxmap.h"
 #include "runtime/query/query_kernel.h"
+#include "runtime/query/row_skipper.h"
 
 namespace forcelayer::query {
 
@@ -17,6 +20,7 @@ struct SkipOptions {
   bool clearance = true;     // skip blocks whose disc lies in known free space
   bool super_blocks = true;  // try whole super-blocks first
   bool coherence = true;     // look at neither before it can have moved far enough
+  bool walls = true;         // skip rows that lie beside what the bricks around them hold
 };
 
 // A super-block or block that was found free with some slack stays free until the part has moved by
@@ -24,10 +28,10 @@ struct SkipOptions {
 // r times the angle (along the arc), summed over all poses since.
 class BlockSkipper {
  public:
-  // The shell must outlive this.
-  BlockSkipper(const Pshell& shell, double voxel_size_m, const SkipOptions& options);
+  // Both files must outlive this.
+  BlockSkipper(const Voxmap& voxmap, const Pshell& shell, const SkipOptions& options);
 
-  // The blocks that may have a point in a voxel that is not free or not known, ascending.
+  // The rows that may have a point in a voxel that is not free or not known, ascending.
   // `rounding_voxels` bounds how far single precision misplaces a point, per axis.
   std::span<const std::uint32_t> candidates(const KernelMap& map, const Pose& world_from_center,
                                             const VoxelPose& pose, double rounding_voxels) noexcept;
@@ -45,24 +49,30 @@ class BlockSkipper {
                    std::uint64_t run_points) const;
   void spend_motion(const Pose& world_from_center) noexcept;
   void forget_slack() noexcept;
-  bool all_known_free(const Level& level, std::uint32_t begin, std::uint32_t end) const noexcept;
+  // Bit i: disc begin + i has no slack left.
+  std::uint32_t not_known_free(const Level& level, std::uint32_t begin,
+                               std::uint32_t end) const noexcept;
   void survey(const KernelMap& map, const VoxelPose& pose, Level& level, std::uint32_t begin,
               std::uint32_t end) noexcept;
-  template <typename Visit>
+  template <typename LetBe, typename Visit>
   void visit_near(const KernelMap& map, const VoxelPose& pose, Level& level, std::uint32_t begin,
-                  std::uint32_t end, Visit visit) noexcept;
+                  std::uint32_t end, LetBe let_be, Visit visit) noexcept;
+  void take_rows(const KernelMap& map, const VoxelPose& pose, std::uint32_t block) noexcept;
 
   double voxel_size_m_;
   SkipOptions options_;
-  std::uint32_t super_block_blocks_;
+  std::uint32_t super_block_blocks_, block_rows_, row_count_;
   Level blocks_, super_blocks_;
   double radius_voxels_;
-  std::vector<std::uint32_t> candidates_;
+  std::optional<RowSkipper> row_skipper_;
+  std::vector<std::uint32_t> candidates_;  // rows, with room for all
+  std::uint32_t candidate_count_ = 0;
   DiscMargin margin_;
   bool has_last_ = false;
   Pose last_;
-  double travel_voxels_ = 0;  // of the centroid, since forget_slack()
-  double turn_rad_ = 0;       // since then
+  double travel_voxels_ = 0;                           // of the centroid, since forget_slack()
+  double turn_rad_ = 0;                                // since then
+  double last_travel_voxels_ = 0, last_turn_rad_ = 0;  // of the last run
 };
 
 }  // namespace forcelayer::query

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t kLanePadding = 128;  // elements behind the last that a vector store may write
 constexpr std::size_t kChunksPerThread = 8;  // so that a slow thread holds up little
-constexpr std::size_t kSharedBlocks = 256;   // fewer would be done before a helper starts
+constexpr std::size_t kSharedRows = 1024;    // fewer would be done before a helper starts
 constexpr float kBelowOne = 0x1.fffffep-1f;
 
 // Voxels are looked up only within reach of the directory (VoxelPose::within_reach), so clamping
@@ -48,8 +48,7 @@ KernelMap kernel_map(const Voxmap& voxmap) {
 
 KernelShell kernel_shell(const Pshell& shell) {
   const PshellView& v = shell.view();
-  return {v.x,           v.y, v.z, v.nx, v.ny, v.nz, static_cast<std::uint32_t>(v.point_count),
-          v.block_points};
+  return {v.x, v.y, v.z, v.nx, v.ny, v.nz, static_cast<std::uint32_t>(v.point_count)};
 }
 
 // Discs are surveyed by the vector kernel alone.
@@ -131,7 +130,7 @@ Status ContactQuery::check_size(const Voxmap& voxmap, const Pshell& shell) {
                   kernel_reaches(voxmap.upper_node_count(), voxmap.lower_node_count(),
                                  voxmap.brick_count())),
       all_free_(voxmap.header().dims_voxels[0] == 0),
-      skipper_(shell, voxmap.voxel_size_m(), skip_options(options, use_kernel_)) {
+      skipper_(voxmap, shell, skip_options(options, use_kernel_)) {
   known_ = known_box(voxmap.header(), voxmap.header().directory_origin);
   for (unsigned axis = 0; axis < 3; ++axis) {
     kernel_map_.known_min[axis] = to_int32(known_.low[axis]);
@@ -239,46 +238,45 @@ void ContactQuery::collect_point(const VoxelPose& pose, std::uint32_t point,
   ++out.count_of_value[value];
 }
 
-void ContactQuery::collect_block(const VoxelPose& pose, std::uint32_t block,
-                                 PointColumns& out) const noexcept {
-  const std::uint32_t begin = block * kernel_shell_.block_points;
-  const std::uint32_t end = std::min(begin + kernel_shell_.block_points, kernel_shell_.point_count);
+void ContactQuery::collect_row(const VoxelPose& pose, std::uint32_t row,
+                               PointColumns& out) const noexcept {
+  const std::uint32_t begin = row * kRowPoints;
+  const std::uint32_t end = std::min(begin + kRowPoints, kernel_shell_.point_count);
   for (std::uint32_t point = begin; point < end; ++point) collect_point(pose, point, out);
 }
 
-void ContactQuery::collect(const VoxelPose& pose, std::span<const std::uint32_t> blocks,
+void ContactQuery::collect(const VoxelPose& pose, std::span<const std::uint32_t> rows,
                            PointColumns& out) const noexcept {
   if (use_kernel_) {
-    collect_blocks(kernel_map_, kernel_shell_, pose, blocks.data(),
-                   static_cast<std::uint32_t>(blocks.size()), out);
+    collect_rows(kernel_map_, kernel_shell_, pose, rows.data(),
+                 static_cast<std::uint32_t>(rows.size()), out);
     return;
   }
-  for (const std::uint32_t block : blocks) collect_block(pose, block, out);
+  for (const std::uint32_t row : rows) collect_row(pose, row, out);
 }
 
-// Each thread takes the next chunk of blocks. A chunk has room of its own in `out`, behind that of
+// Each thread takes the next chunk of rows. A chunk has room of its own in `out`, behind that of
 // all points of the blocks before it; at the end the chunks are closed up in order. So the result
 // does not depend on which thread did which chunk.
-void ContactQuery::collect_shared(const VoxelPose& pose, std::span<const std::uint32_t> blocks,
+void ContactQuery::collect_shared(const VoxelPose& pose, std::span<const std::uint32_t> rows,
                                   CollectedPoints& out) noexcept {
   struct SharedWork {
     const ContactQuery* query;
     const VoxelPose* pose;
-    std::span<const std::uint32_t> blocks;
+    std::span<const std::uint32_t> rows;
     PointColumns* chunks;
     std::size_t chunk_count;
-    std::size_t begin_of(std::size_t chunk) const { return blocks.size() * chunk / chunk_count; }
+    std::size_t begin_of(std::size_t chunk) const { return rows.size() * chunk / chunk_count; }
   };
-  SharedWork work{this, &pose, blocks, chunks_.data(), chunks_.size()};
-  const std::size_t block_points = kernel_shell_.block_points;
+  SharedWork work{this, &pose, rows, chunks_.data(), chunks_.size()};
   for (std::size_t chunk = 0; chunk < chunks_.size(); ++chunk) {
-    chunks_[chunk] = columns(out, work.begin_of(chunk) * block_points);
+    chunks_[chunk] = columns(out, work.begin_of(chunk) * kRowPoints);
   }
   workers_->run(
       [](void* context, std::uint32_t chunk) noexcept {
         const SharedWork& s = *static_cast<const SharedWork*>(context);
         const std::size_t begin = s.begin_of(chunk), end = s.begin_of(chunk + 1);
-        s.query->collect(*s.pose, s.blocks.subspan(begin, end - begin), s.chunks[chunk]);
+        s.query->collect(*s.pose, s.rows.subspan(begin, end - begin), s.chunks[chunk]);
       },
       &work, static_cast<std::uint32_t>(chunks_.size()));
   for (const PointColumns& chunk : chunks_) {
@@ -308,15 +306,14 @@ void ContactQuery::run(const Pose& world_from_center, CollectedPoints& out) noex
     return;
   }
   if (all_free_ && !kernel_map_.cropped) return;
-  const auto blocks = skipper_.candidates(kernel_map_, world_from_center, pose, rounding_voxels());
-  points_looked_at_ = std::min<std::uint64_t>(blocks.size() * kernel_shell_.block_points,
-                                              kernel_shell_.point_count);
-  if (workers_ && blocks.size() >= kSharedBlocks) {
-    collect_shared(pose, blocks, out);
+  const auto rows = skipper_.candidates(kernel_map_, world_from_center, pose, rounding_voxels());
+  points_looked_at_ = std::min<std::uint64_t>(rows.size() * kRowPoints, kernel_shell_.point_count);
+  if (workers_ && rows.size() >= kSharedRows) {
+    collect_shared(pose, rows, out);
     return;
   }
   PointColumns all = columns(out, 0);
-  collect(pose, blocks, all);
+  collect(pose, rows, all);
   take_counts(all, out);
 }
 

@@ -86,7 +86,7 @@ class ContactQuery {
   // Real-time priority for them, a step below the loop's; returns warnings.
   std::vector<std::string> give_helpers_real_time_priority();
 
-  // Points of the blocks that the last run did not skip.
+  // Points of the rows that the last run did not skip.
   std::uint64_t points_looked_at() const { return points_looked_at_; }
 
   const Voxmap& voxmap() const { return voxmap_; }
@@ -96,11 +96,11 @@ class ContactQuery {
 
  private:
   double rounding_voxels() const;
-  void collect_block(const VoxelPose& pose, std::uint32_t block, PointColumns& out) const noexcept;
+  void collect_row(const VoxelPose& pose, std::uint32_t row, PointColumns& out) const noexcept;
   void collect_point(const VoxelPose& pose, std::uint32_t point, PointColumns& out) const noexcept;
-  void collect(const VoxelPose& pose, std::span<const std::uint32_t> blocks,
+  void collect(const VoxelPose& pose, std::span<const std::uint32_t> rows,
                PointColumns& out) const noexcept;
-  void collect_shared(const VoxelPose& pose, std::span<const std::uint32_t> blocks,
+  void collect_shared(const VoxelPose& pose, std::span<const std::uint32_t> rows,
                       CollectedPoints& out) noexcept;
   bool beyond_cropped_side(std::int32_t x, std::int32_t y, std::int32_t z) const noexcept;
   bool sphere_beyond_cropped_side(const glm::dvec3& center_m) const noexcept;

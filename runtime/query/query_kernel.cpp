@@ -11,13 +11,15 @@
 // Behind foreach_target.h, as Highway wants it.
 #include <hwy/highway.h>
 
+#include <hwy/cache_control.h>
+
 HWY_BEFORE_NAMESPACE();
 namespace forcelayer::query {
 namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// At most 16 lanes: block_points is a multiple of 16.
+// At most 16 lanes: kRowPoints.
 using F = hn::CappedTag<float, 16>;
 using I = hn::RebindToSigned<F>;
 using U = hn::RebindToUnsigned<F>;
@@ -143,7 +145,38 @@ struct TreeEnd {
   Mask in_brick;
 };
 
-HWY_INLINE TreeEnd descend(const KernelMap& map, const Int3& voxel, Mask valid) {
+// Whether all voxels lie in one cell of 64^3 voxels: most vectors do, points being in order.
+HWY_INLINE bool in_one_lower_node(const Int3& voxel) {
+  const U u;
+  const auto differs = [&](VI v) HWY_ATTR {
+    return hn::BitCast(u, hn::Xor(v, hn::Set(I(), hn::GetLane(v))));
+  };
+  const VU any = hn::Or(differs(voxel.x), hn::Or(differs(voxel.y), differs(voxel.z)));
+  return hn::AllTrue(u, hn::Lt(any, hn::Set(u, kLowerNodeEdge)));
+}
+
+// The entry of the 64^3 voxels around one voxel of the directory, and the width of its box.
+struct UpperEnd {
+  std::uint32_t entry;
+  std::int32_t edge;
+};
+
+HWY_INLINE UpperEnd upper_end(const KernelMap& map, std::int32_t x, std::int32_t y,
+                              std::int32_t z) {
+  const std::size_t cell =
+      (static_cast<std::size_t>(x >> 9) * static_cast<std::size_t>(map.dims[1]) +
+       static_cast<std::size_t>(y >> 9)) *
+          static_cast<std::size_t>(map.dims[2]) +
+      static_cast<std::size_t>(z >> 9);
+  const std::uint32_t entry = map.directory[cell];
+  if (is_uniform(entry)) return {entry, kUpperNodeEdge};
+  const std::uint32_t slot =
+      static_cast<std::uint32_t>((x >> 6 & 7) << 6 | (y >> 6 & 7) << 3 | (z >> 6 & 7));
+  return {map.upper_nodes[std::size_t{entry} * kNodeEntries + slot], kLowerNodeEdge};
+}
+
+// Down to the entries of 64^3 voxels; `in_brick` tells which of them have a child.
+HWY_INLINE TreeEnd descend_to_lower_nodes(const KernelMap& map, const Int3& voxel, Mask valid) {
   const I i;
   const U u;
   TreeEnd end;
@@ -154,32 +187,52 @@ HWY_INLINE TreeEnd descend(const KernelMap& map, const Int3& voxel, Mask valid) 
               cell(voxel.z));
   end.entry = gather(map.directory, hn::BitCast(u, cell_index), valid);
   end.edge = hn::Set(i, 512);
-  Mask pending = hn::And(valid, has_child(end.entry));
-  end.in_brick = pending;
-  if (hn::AllFalse(u, pending)) return end;
+  end.in_brick = hn::And(valid, has_child(end.entry));
+  if (hn::AllFalse(u, end.in_brick)) return end;
+  const Mask pending = end.in_brick;
   end.entry = hn::IfThenElse(
       pending,
       gather(map.upper_nodes, hn::Add(hn::ShiftLeft<9>(end.entry), slot<6>(voxel)), pending),
       end.entry);
   end.edge = hn::IfThenElse(hn::RebindMask(i, pending), hn::Set(i, 64), end.edge);
-  pending = hn::And(pending, has_child(end.entry));
-  end.in_brick = pending;
+  end.in_brick = hn::And(pending, has_child(end.entry));
+  return end;
+}
+
+// From there to the end.
+HWY_INLINE TreeEnd descend_from_lower_nodes(const KernelMap& map, const Int3& voxel, TreeEnd end) {
+  const I i;
+  const U u;
+  const Mask pending = end.in_brick;
   if (hn::AllFalse(u, pending)) return end;
   end.entry = hn::IfThenElse(
       pending,
       gather(map.lower_nodes, hn::Add(hn::ShiftLeft<9>(end.entry), slot<3>(voxel)), pending),
       end.entry);
   end.edge = hn::IfThenElse(hn::RebindMask(i, pending), hn::Set(i, 8), end.edge);
-  pending = hn::And(pending, has_child(end.entry));
-  end.in_brick = pending;
-  end.edge = hn::IfThenElse(hn::RebindMask(i, pending), hn::Set(i, 1), end.edge);
+  end.in_brick = hn::And(pending, has_child(end.entry));
+  end.edge = hn::IfThenElse(hn::RebindMask(i, end.in_brick), hn::Set(i, 1), end.edge);
+  return end;
+}
+
+// The same as descend_to_lower_nodes() for voxels that share their end there, all of them valid.
+HWY_INLINE TreeEnd descend_together(const KernelMap& map, const Int3& voxel) {
+  const UpperEnd upper =
+      upper_end(map, hn::GetLane(voxel.x), hn::GetLane(voxel.y), hn::GetLane(voxel.z));
+  TreeEnd end;
+  end.entry = hn::Set(U(), upper.entry);
+  end.edge = hn::Set(I(), upper.edge);
+  end.in_brick = has_child(end.entry);
   return end;
 }
 
 // VoxelValue of each voxel; free where `valid` does not hold.
 HWY_INLINE VU look_up(const KernelMap& map, const Int3& voxel, Mask valid) {
   const U u;
-  const TreeEnd end = descend(map, voxel, valid);
+  const bool together = hn::AllTrue(u, valid) && in_one_lower_node(voxel);
+  const TreeEnd end = descend_from_lower_nodes(
+      map, voxel,
+      together ? descend_together(map, voxel) : descend_to_lower_nodes(map, voxel, valid));
   VU value = hn::And(end.entry, hn::Set(u, 0xff));
   if (!hn::AllFalse(u, end.in_brick)) {
     const VU bit = hn::ShiftLeft<1>(slot<0>(voxel));
@@ -263,14 +316,24 @@ HWY_INLINE void append(const KernelMap& map, const KernelShell& shell, const Vox
   out.count += static_cast<std::uint32_t>(pack.count());
 }
 
-void CollectBlocks(const KernelMap& map, const KernelShell& shell, const VoxelPose& pose,
-                   const std::uint32_t* blocks, std::uint32_t block_count, PointColumns& out) {
+// Rows are far apart: the processor does not guess which one comes next.
+constexpr std::uint32_t kAhead = 6;
+
+HWY_INLINE void fetch(const KernelShell& shell, std::uint32_t point) {
+  for (const float* column : {shell.x, shell.y, shell.z, shell.nx, shell.ny, shell.nz}) {
+    hwy::Prefetch(column + point);
+  }
+}
+
+void CollectRows(const KernelMap& map, const KernelShell& shell, const VoxelPose& pose,
+                 const std::uint32_t* rows, std::uint32_t row_count, PointColumns& out) {
   const F f;
   const U u;
   constexpr std::uint32_t kLanes = static_cast<std::uint32_t>(hn::MaxLanes(f));
-  for (std::uint32_t b = 0; b < block_count; ++b) {
-    const std::uint32_t begin = blocks[b] * shell.block_points;
-    const std::uint32_t end = begin + shell.block_points;
+  for (std::uint32_t row = 0; row < row_count; ++row) {
+    const std::uint32_t begin = rows[row] * kRowPoints;
+    const std::uint32_t end = begin + kRowPoints;
+    if (row + kAhead < row_count) fetch(shell, rows[row + kAhead] * kRowPoints);
     for (std::uint32_t first = begin; first < end; first += kLanes) {
       const PlacedPoints p =
           place_points(pose, {hn::LoadU(f, shell.x + first), hn::LoadU(f, shell.y + first),
@@ -332,7 +395,8 @@ HWY_INLINE VF inside_clearance(const KernelMap& map, const VoxelPose& pose,
   const I i;
   const U u;
   const Mask valid = in_directory(map, center.voxel);
-  const TreeEnd end = descend(map, center.voxel, valid);
+  const TreeEnd end =
+      descend_from_lower_nodes(map, center.voxel, descend_to_lower_nodes(map, center.voxel, valid));
   const VU value = hn::And(end.entry, hn::Set(u, 0xff));
   const Mask free = hn::AndNot(end.in_brick, hn::And(valid, hn::Eq(value, hn::Zero(u))));
   const VI one = hn::Set(i, 1);
@@ -415,7 +479,7 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace forcelayer::query {
 
-HWY_EXPORT(CollectBlocks);
+HWY_EXPORT(CollectRows);
 HWY_EXPORT(SurveyDiscs);
 HWY_EXPORT(TargetName);
 
@@ -425,10 +489,9 @@ bool kernel_reaches(std::uint64_t upper_nodes, std::uint64_t lower_nodes, std::u
          bricks * 32 <= kLargest;
 }
 
-void collect_blocks(const KernelMap& map, const KernelShell& shell, const VoxelPose& pose,
-                    const std::uint32_t* blocks, std::uint32_t block_count,
-                    PointColumns& out) noexcept {
-  HWY_DYNAMIC_DISPATCH(CollectBlocks)(map, shell, pose, blocks, block_count, out);
+void collect_rows(const KernelMap& map, const KernelShell& shell, const VoxelPose& pose,
+                  const std::uint32_t* rows, std::uint32_t row_count, PointColumns& out) noexcept {
+  HWY_DYNAMIC_DISPATCH(CollectRows)(map, shell, pose, rows, row_count, out);
 }
 
 void survey_discs(const KernelMap& map, const VoxelPose& pose, const DiscMargin& margin,

@@ -30,11 +30,13 @@ struct KernelShell {
   const float *x = nullptr, *y = nullptr, *z = nullptr;     // m
   const float *nx = nullptr, *ny = nullptr, *nz = nullptr;  // unit
   std::uint32_t point_count = 0;
-  std::uint32_t block_points = 0;  // a multiple of 16
 };
 
+// Points that are looked up together: a vector of the widest kind. Blocks are whole rows.
+inline constexpr std::uint32_t kRowPoints = 16;
+
 // Where collected points go: the columns of CollectedPoints from some element on. Each has room for
-// all points of the blocks and a vector behind them.
+// all points of the rows and a vector behind them.
 struct PointColumns {
   std::uint32_t* index = nullptr;
   std::uint8_t* value = nullptr;
@@ -50,11 +52,10 @@ struct PointColumns {
 // Whether the kernels' 32-bit gathers reach everything in a map of these counts.
 bool kernel_reaches(std::uint64_t upper_nodes, std::uint64_t lower_nodes, std::uint64_t bricks);
 
-// Appends the points of `blocks` (ascending block numbers) that lie in values 1, 2 and 3 to `out`,
-// bit for bit as ContactQuery::collect_point() does.
-void collect_blocks(const KernelMap& map, const KernelShell& shell, const VoxelPose& pose,
-                    const std::uint32_t* blocks, std::uint32_t block_count,
-                    PointColumns& out) noexcept;
+// Appends the points of `rows` (ascending; row r is points 16 r to 16 r + 15) that lie in values 1,
+// 2 and 3 to `out`, bit for bit as ContactQuery::collect_point() does.
+void collect_rows(const KernelMap& map, const KernelShell& shell, const VoxelPose& pose,
+                  const std::uint32_t* rows, std::uint32_t row_count, PointColumns& out) noexcept;
 
 // Flat cylinders, each of which holds the points of one block, as quadruples. A shell is locally
 // flat, so they are much thinner than spheres. Part frame, m.

@@ -51,6 +51,8 @@ struct Method {
   std::function<void()> before, after;  // a run, unmeasured; may be empty
   std::vector<double> ns;
   std::vector<std::uint32_t> found;
+  const query::ContactQuery* query = nullptr;  // of our own ways
+  double points_looked_at = 0;                 // in all frames
   double spent_s = 0, may_spend_s = 0;
 
   bool is_done(std::size_t frames) const {
@@ -78,9 +80,9 @@ struct Contest {
 
 Voxmap baked(const mesh::Mesh& scene) { return stress::BakedScene(scene, kVoxelSizeM).open(); }
 
-query::QueryOptions ways_of(bool clearance, bool super_blocks, bool coherence) {
+query::QueryOptions ways_of(bool clearance, bool super_blocks, bool coherence, bool walls = true) {
   query::QueryOptions options;
-  options.skip = {clearance, super_blocks, coherence};
+  options.skip = {clearance, super_blocks, coherence, walls};
   return options;
 }
 
@@ -90,6 +92,7 @@ Contest::Contest(const Setting& setting, const SpherePart& part, bool with_peers
   add("all skipping", ways_of(true, true, true));
   add("no coherence", ways_of(true, true, false));
   add("no super-blocks", ways_of(true, false, true));
+  add("no walls", ways_of(true, true, true, false));
   query::QueryOptions shared = ways_of(true, true, true);
   shared.threads = 2;
   add("all skipping, 2 threads", shared);
@@ -105,6 +108,7 @@ void Contest::add(const std::string& name, const query::QueryOptions& options) {
   query::ContactQuery* query = queries.back().get();
   Method method;
   method.name = name;
+  method.query = query;
   method.run = [this, query](const Pose& pose) {
     query->run(pose, collected);
     return collected.count;
@@ -158,6 +162,7 @@ void Contest::run_frame(Method& method, const Pose& pose) {
   method.ns.push_back(took * 1e9);
   method.found.push_back(found);
   method.spent_s += took;
+  if (method.query) method.points_looked_at += double(method.query->points_looked_at());
 }
 
 // Stretches of frames in random order, so that no method always follows the same one, and caches
@@ -253,9 +258,13 @@ Json row_of(const Setting& setting, std::size_t points, const Contest& contest) 
     row["methods"][method.name] = {{"frames", method.ns.size()},
                                    {"frame_ns", to_json(p)},
                                    {"ns_per_point", p.p50 / double(points)}};
-    std::printf("%-10s %9zu  %-28s %6zu frames  p50 %11.2f us  p99 %11.2f us  %8.3f ns a point\n",
-                setting.name.c_str(), points, method.name.c_str(), method.ns.size(), p.p50 / 1e3,
-                p.p99 / 1e3, p.p50 / double(points));
+    const double looked_at = method.points_looked_at / double(method.ns.size());
+    if (method.query) row["methods"][method.name]["mean_points_looked_at"] = looked_at;
+    std::printf(
+        "%-10s %9zu  %-28s %6zu frames  p50 %11.2f us  p99 %11.2f us  %8.3f ns a point, %.0f "
+        "looked at\n",
+        setting.name.c_str(), points, method.name.c_str(), method.ns.size(), p.p50 / 1e3,
+        p.p99 / 1e3, p.p50 / double(points), looked_at);
   }
   std::fflush(stdout);
   return row;
