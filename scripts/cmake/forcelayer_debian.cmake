@@ -54,7 +54,7 @@ if(TARGET forcelayer_python)
 endif()
 debian_package(library libforcelayer0 libs "haptic rendering by voxel sampling for programs in C"
   "libforcelayer.so.0 opens a baked scene and a baked part, and answers the pose of a\nhandle with the wrench that the hand shall feel, from within a servo loop.")
-set(CPACK_DEBIAN_LIBRARY_PACKAGE_GENERATE_SHLIBS ON)
+set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
 debian_package(development libforcelayer-dev libdevel "library for haptic rendering by voxel sampling"
   "Headers, libraries and files for CMake and pkg-config to embed the runtime in a servo\nloop of your own, and to read and write its files.")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS 
