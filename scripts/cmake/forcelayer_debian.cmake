@@ -53,11 +53,13 @@ if(TARGET forcelayer_python)
   get_target_property(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS forcelayer_python FORCELAYER_DEBIAN_DEPENDS)
 endif()
 debian_package(library libforcelayer0 libs "haptic rendering by voxel sampling for programs in C"
-  "libforcelayer.so.0 opens a baked scene and a baked part, and answers the pose of a\nhandle with the wrench that the hand shall feel, from within a servo loop.")
-set(CPACK_DEBIAN_LIBRARY_PACKAGE_GENERATE_SHLIBS ON)
+  "libforcelayer.so.0 opens a baked scene and a baked part, and answers the\npose of a handle with the wrench that the hand shall feel, from within a\nservo loop.")
+file(WRITE ${CMAKE_BINARY_DIR}/debian/libforcelayer0/triggers "activate-noawait ldconfig\n")
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_CONTROL_EXTRA ${CMAKE_BINARY_DIR}/debian/libforcelayer0/triggers)
+set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
 debian_package(development libforcelayer-dev libdevel "library for haptic rendering by voxel sampling"
-  "Headers, libraries and files for CMake and pkg-config to embed the runtime in a servo\nloop of your own, and to read and write its files.")
-set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS 
+  "Headers, libraries and files for CMake and pkg-config to embed the runtime\nin a servo loop of your own, and to read and write its files.")
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
     "libforcelayer0 (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE}), libglm-dev, libhwy-dev, libhidapi-dev, nettle-dev")
 
 include(CPack)
