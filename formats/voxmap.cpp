@@ -401,12 +401,6 @@ double Voxmap::most_distance_m(std::int64_t i, std::int64_t j, std::int64_t k) c
   return forcelayer::most_distance_m(*header_, distance_code(i, j, k));
 }
 
-bool Voxmap::is_measured(std::int64_t i, std::int64_t j, std::int64_t k) const {
-  if (distances() == nullptr) return false;
-  const std::uint32_t code = distance_code(i, j, k);
-  return code > 0 && code < kMostDistanceCode;
-}
-
 double steepest_n_per_m(const Voxmap& map) {
   const std::span<const float> forces = map.compliance();
   double steepest_n = 0;

@@ -163,8 +163,10 @@ class Voxmap {
   double least_distance_m(std::int64_t i, std::int64_t j, std::int64_t k) const;
   // The most that it can be, but for a writer's error: infinity for the highest code and beyond.
   double most_distance_m(std::int64_t i, std::int64_t j, std::int64_t k) const;
-  // Whether its code is a distance that was measured, neither the lowest nor the highest.
-  bool is_measured(std::int64_t i, std::int64_t j, std::int64_t k) const;
+
+  // The position of a world voxel relative to the directory; nothing outside of it.
+  std::optional<std::array<std::int32_t, 3>> in_directory(std::int64_t i, std::int64_t j,
+                                                          std::int64_t k) const;
 
   double voxel_size_m() const { return header_->voxel_size_m; }
 
@@ -192,9 +194,6 @@ class Voxmap {
   Status read_names(std::span<const std::byte> names, std::string_view name);
   // The code of a distance; the highest outside of the directory. The map stores distances.
   std::uint32_t distance_code(std::int64_t i, std::int64_t j, std::int64_t k) const;
-  // The position of a world voxel relative to the directory; nothing outside of it.
-  std::optional<std::array<std::int32_t, 3>> in_directory(std::int64_t i, std::int64_t j,
-                                                          std::int64_t k) const;
 
   MappedFile file_;
   std::span<const std::byte> bytes_;

@@ -25,6 +25,10 @@ constexpr float kLeastWeight = 0.25f, kMostWeight = 4.0f;
       samples_(samples),
       weight_(query.shell().view().point_count) {
   const VoxmapHeader& header = query.voxmap().header();
+  constexpr unsigned kSlotBits = 4;  // a frame asks for places near each other
+  if (query.voxmap().distances() != nullptr) {
+    unpacked_.emplace(*query.voxmap().distances(), kSlotBits);
+  }
   guard_m_ = field.proves_distances() ? static_cast<float>(guard_distance_m(header)) : 0;
   free_m_ = field.proves_distances() ? static_cast<float>(free_distance_m(header)) : 0;
   zero_force_m_ = static_cast<float>(header.zero_force_m);
@@ -92,13 +96,17 @@ std::uint32_t FieldProbe::object_of(std::uint32_t i) const noexcept {
 
 std::uint32_t FieldProbe::object_near(const glm::dvec3& world_m) const noexcept {
   const Voxmap& voxmap = query_.voxmap();
-  if (voxmap.objects() == nullptr) return 0;
+  if (voxmap.objects() == nullptr || !unpacked_) return 0;
   const glm::dvec3 at = glm::floor(world_m / voxmap.voxel_size_m());
   constexpr double kFar = 9e15;  // more than any voxel's index
   if (!(std::max({std::abs(at.x), std::abs(at.y), std::abs(at.z)}) < kFar)) return 0;
   const auto x = static_cast<std::int64_t>(at.x), y = static_cast<std::int64_t>(at.y),
              z = static_cast<std::int64_t>(at.z);
-  return voxmap.is_measured(x, y, z) ? voxmap.nearest_object(x, y, z) : 0;
+  const auto voxel = voxmap.in_directory(x, y, z);
+  if (!voxel) return 0;
+  const std::uint32_t code = unpacked_->code((*voxel)[0], (*voxel)[1], (*voxel)[2]);
+  if (code == 0 || code == kMostDistanceCode) return 0;
+  return voxmap.objects()->lookup((*voxel)[0], (*voxel)[1], (*voxel)[2]).code;
 }
 
 float FieldProbe::stored_distance_m(std::uint32_t i) const noexcept {
@@ -116,7 +124,7 @@ bool FieldProbe::lies_beside_solid(std::uint32_t i) const noexcept {
     const std::int32_t x = low[0] + (n >> 2), y = low[1] + (n >> 1 & 1), z = low[2] + (n & 1);
     if (!distances.contains(x, y, z)) continue;
     // A center on the surface has the code below that of zero.
-    if (static_cast<std::int32_t>(distances.lookup(x, y, z).code) < zero_code - 1) return true;
+    if (static_cast<std::int32_t>(unpacked_->code(x, y, z)) < zero_code - 1) return true;
   }
   return false;
 }

@@ -2,9 +2,11 @@
 // averaged over neighboring contacts, in one look-up.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "formats/bricks/unpacked_distances.h"
 #include "runtime/field/contact_set.h"
 #include "runtime/field/force_field.h"
 #include "runtime/field/seat.h"
@@ -66,9 +68,10 @@ class FieldProbe final : public ContactProbe {
   const ForceField& field_;
   query::CollectedPoints& points_;
   FieldSamples& samples_;
-  std::vector<float> weight_;  // Contact::weight of every shell point
-  float guard_m_, free_m_;     // 0 where nothing is proven
-  float zero_force_m_;         // the zero-force surface, from the static mesh
+  mutable std::optional<UnpackedDistances> unpacked_;  // no answer depends on what is there
+  std::vector<float> weight_;                          // Contact::weight of every shell point
+  float guard_m_, free_m_;                             // 0 where nothing is proven
+  float zero_force_m_;  // the zero-force surface, from the static mesh
   Seat seat_;
   std::vector<float> in_seat_m_;  // of every shell point: its distance there where it touches, or 0
   bool seat_open_ = false;

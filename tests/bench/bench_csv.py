@@ -60,6 +60,7 @@ FILES = {
     "cover": (("method", "radius_voxels", "model"), {**same("points"), **times("frame_p50_us"), "smooth_error": 1.5,
                                                      "sharp_error": 1.5}),
     "query": (("motion", "points", "method"), {**times("p50_us"), "points_in_band": 1.5}),
+    "query_full": (("motion", "points", "method"), times("p50_us")),
     "force": (("s", "cover", "orientations", "contact", "method"),
               same("stiffness", "bias", "noise", "direction_deg", "torque")),
     "force_cost": (("vectors", "part", "field"), times("ns_per_point", "query_us")),
@@ -190,7 +191,7 @@ def query(results):
     for r in results["rows"]:
         for name, method in r["methods"].items():
             time_us = {key: value / 1e3 for key, value in method["frame_ns"].items()}
-            yield "query", {
+            yield "query_full" if name.startswith("Euclidean") else "query", {
                 "motion": r["motion"], "points": r["points"], "points_in_band": r["mean_points_in_band"],
                 "method": name, "frames": method["frames"], "p50_us": time_us["p50"], "p99_us": time_us["p99"],
                 "p999_us": time_us["p999"], "max_us": time_us["max"]}

@@ -71,7 +71,7 @@ def query(rows):
     return figure
 
 
-WRENCH_LOOKS = {"default": "o", "default, Euclidean layers": "p", "default, 4 bits": "h", "default, 8 bits": "*",
+WRENCH_LOOKS = {"default": "o", "default, Euclidean layers": "p", "default, distances": "*",
                 "level field": "v", "paper: tangent plane, N/10": "s", "shell in a trilinear level set": "^",
                 "FCL mesh contacts": "D", "Bullet mesh contacts": "X"}
 NOTICEABLE_FORCE = 0.07  # the least of the published range (wrench.md)

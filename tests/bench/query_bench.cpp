@@ -49,6 +49,7 @@ struct Method {
   std::string name;
   std::function<std::uint32_t(const Pose&)> run;
   std::function<void()> before, after;  // a run, unmeasured; may be empty
+  std::size_t same_as = 0;              // the method that finds the same
   std::vector<double> ns;
   std::vector<std::uint32_t> found;
   const query::ContactQuery* query = nullptr;  // of our own ways
@@ -64,11 +65,12 @@ struct Method {
 struct Contest {
   Contest(const Setting& setting, const SpherePart& part, bool with_peers);
 
-  void add(const std::string& name, const query::QueryOptions& options);
+  void add(const std::string& name, const Voxmap& scene, const query::QueryOptions& options);
   void add_peers(const Setting& setting, const SpherePart& part);
   void run_frame(Method& method, const Pose& pose);
 
   Voxmap map;
+  std::optional<Voxmap> lean, full;  // with Euclidean layers, and with distances beside them
   const Pshell& shell;
   query::CollectedPoints collected;
   std::vector<std::unique_ptr<query::ContactQuery>> queries;
@@ -78,7 +80,9 @@ struct Contest {
   std::vector<Method> methods;
 };
 
-Voxmap baked(const mesh::Mesh& scene) { return stress::BakedScene(scene, kVoxelSizeM).open(); }
+Voxmap baked(const mesh::Mesh& scene, test::VoxelKind kind = test::VoxelKind::kChebyshev) {
+  return stress::BakedScene(scene, kVoxelSizeM).open(kind);
+}
 
 query::QueryOptions ways_of(bool clearance, bool super_blocks, bool coherence, bool walls = true) {
   query::QueryOptions options;
@@ -89,22 +93,32 @@ query::QueryOptions ways_of(bool clearance, bool super_blocks, bool coherence, b
 Contest::Contest(const Setting& setting, const SpherePart& part, bool with_peers)
     : map(baked(setting.scene)), shell(part.shell) {
   collected.reserve(shell.view().point_count);
-  add("all skipping", ways_of(true, true, true));
-  add("no coherence", ways_of(true, true, false));
-  add("no super-blocks", ways_of(true, false, true));
-  add("no walls", ways_of(true, true, true, false));
+  add("all skipping", map, ways_of(true, true, true));
+  add("no coherence", map, ways_of(true, true, false));
+  add("no super-blocks", map, ways_of(true, false, true));
+  add("no walls", map, ways_of(true, true, true, false));
   query::QueryOptions shared = ways_of(true, true, true);
   shared.threads = 2;
-  add("all skipping, 2 threads", shared);
-  add("no skipping", ways_of(false, false, false));
+  add("all skipping, 2 threads", map, shared);
+  add("no skipping", map, ways_of(false, false, false));
   query::QueryOptions scalar = ways_of(false, false, false);
   scalar.vector = false;
-  add("scalar, no skipping", scalar);
+  add("scalar, no skipping", map, scalar);
+  if (setting.name == "wall") {
+    lean = baked(setting.scene, test::VoxelKind::kLean);
+    full = baked(setting.scene, test::VoxelKind::kFull);
+    add("Euclidean, lean file", *lean, ways_of(true, true, true));
+    const std::size_t lean_method = methods.size() - 1;
+    methods.back().same_as = lean_method;
+    add("Euclidean, full file", *full, ways_of(true, true, true));
+    methods.back().same_as = lean_method;
+  }
   if (with_peers) add_peers(setting, part);
 }
 
-void Contest::add(const std::string& name, const query::QueryOptions& options) {
-  queries.push_back(std::make_unique<query::ContactQuery>(map, shell, options));
+void Contest::add(const std::string& name, const Voxmap& scene,
+                  const query::QueryOptions& options) {
+  queries.push_back(std::make_unique<query::ContactQuery>(scene, shell, options));
   query::ContactQuery* query = queries.back().get();
   Method method;
   method.name = name;
@@ -121,7 +135,7 @@ void Contest::add(const std::string& name, const query::QueryOptions& options) {
 }
 
 void Contest::add_peers(const Setting& setting, const SpherePart& part) {
-  const query::ContactQuery& query = *queries.back();
+  const query::ContactQuery& query = *queries.front();
   const auto add_peer = [this](const char* name, std::function<std::uint32_t(const Pose&)> run) {
     Method method;
     method.name = name;
@@ -188,8 +202,8 @@ void run_warm(Contest& contest, const Setting& setting, const Choice& choice) {
 
 // Every method that counts the same finds the same in each frame.
 void compare(const Contest& contest, const Setting& setting) {
-  const Method& first = contest.methods.front();
   for (const Method& method : contest.methods) {
+    const Method& first = contest.methods[method.same_as];
     for (std::size_t i = 0; i < std::min(method.found.size(), first.found.size()); ++i) {
       if (method.found[i] == kNotCompared || method.found[i] == first.found[i]) continue;
       throw std::runtime_error(setting.name + ", frame " + std::to_string(i) + ": " + method.name +

@@ -285,6 +285,10 @@ TABLES = {
     "query_cold": ("query", pivoted("method", "motion", "points", then=where(motion="wall")), [
         ("points", text("points")), ("frames", text("frames")), ("warm, p50 / p99, us", p50_p99("all skipping")),
         ("cold frames", of("all skipping, cold", "frames")), ("cold, p50 / p99, us", p50_p99("all skipping, cold"))]),
+    "query_full": ("query_full", pivoted("method", "points"), [
+        ("points", text("points")), ("frames", text("frames")),
+        *((f"{kind} file, p50 / p99, us", p50_p99(f"Euclidean, {kind} file")) for kind in ("lean", "full")),
+        ("full over lean, p50", over("p50_us", "Euclidean, full file", "Euclidean, lean file"))]),
     "query_worst": ("query", pivoted("method", "motion", "points", then=where(run=3)), [
         ("motion", text("motion")), ("points", text("points")), ("frames", text("frames")),
         ("all skipping, p50 / p99, us", p50_p99("all skipping")), ("no skipping, p50 / p99, us", p50_p99("no skipping"))]),
@@ -498,7 +502,7 @@ def summary():
 
         def said(method):
             return f"{percent(of[method]['force_error'])} in {digits(of[method]['frame_p50_us'])} us"
-        return [f"{label}, {of['default']['cases']} cases", f"{said('default, 8 bits')}; `--metric chebyshev`: {said('default')}",
+        return [f"{label}, {of['default']['cases']} cases", f"{said('default, distances')}; `--metric chebyshev`: {said('default')}",
                 f"trilinear level set {said('shell in a trilinear level set')}; FCL {said('FCL mesh contacts')}", "wrench"]
     lines = [
         ["contact query, 10^6 points against a wall", f"{digits(ours)} us",

@@ -30,8 +30,8 @@ refuse "voxelize sees pointshell or runtime" '#include *[<"](pointshell|runtime)
 refuse "pointshell sees voxelize or runtime" '#include *[<"](voxelize|runtime)/' "${pointshell[@]}"
 
 # Rooms. A file of ROOM includes files of ROOM and of the rooms behind it, and no others of this project. A room
-# stands below those that it includes, so that none include each other in a circle. formats/bricks and formats/file are of the room
-# formats.
+# stands below those that it includes, so that none include each other in a circle. formats/bricks and formats/file are
+# of the room formats.
 rooms='
 formats:
 formats/lattice:
