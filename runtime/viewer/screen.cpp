@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -10,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "formats/command/program.h"
 #include "formats/file/temporary_files.h"
 
 // Last, for its macros.
@@ -18,6 +20,14 @@
 
 namespace forcelayer::viewer {
 namespace {
+
+// Runs a command, from $2 on, on a virtual screen $1. The folder for the screen's cookie is this
+// script's own: xvfb-run ends with status 5 where it cannot remove its own, as happens on a busy
+// machine, whatever the command did.
+constexpr const char* kUnderXvfb =
+    "screen=$1; shift; folder=$(mktemp -d) && touch \"$folder/cookie\" || exit 1; "
+    "xvfb-run -a -f \"$folder/cookie\" -s \"$screen\" \"$@\"; status=$?; "
+    "rm -rf \"$folder\"; exit $status";
 
 // The window was killed (xkill) or its server ended. Xlib ends the program after this whatever it
 // does, with words and a status of its own.
@@ -67,15 +77,19 @@ Status ensure_screen(char** argv) {
     self = path;
     std::free(path);
   }
-  std::vector<std::string> words = {"xvfb-run", "-a", "-s", screen, self};
+  if (command::program_path("xvfb-run").empty()) {
+    return Error{ErrorCode::kDeviceNotFound, "", "",
+                 "no display to draw on, and no xvfb-run to make one",
+                 "install the packages xvfb and xauth, or set DISPLAY"};
+  }
+  std::vector<std::string> words = {"sh", "-c", kUnderXvfb, self, screen, self};
   for (char** argument = argv + 1; *argument != nullptr; ++argument) words.push_back(*argument);
   std::vector<char*> command;
   for (std::string& word : words) command.push_back(word.data());
   command.push_back(nullptr);
   execvp(command[0], command.data());
-  return Error{ErrorCode::kDeviceNotFound, "", "",
-               "no display to draw on, and no xvfb-run to make one",
-               "install the packages xvfb and xauth, or set DISPLAY"};
+  return Error{ErrorCode::kInternal, "", "",
+               std::string("sh cannot be started: ") + strerror(errno), ""};
 }
 
 }  // namespace forcelayer::viewer
