@@ -26,7 +26,7 @@ std::uint8_t packed_distance(const std::uint8_t* packed, std::uint32_t n) noexce
 void unpack_objects(const std::uint8_t* packed, BrickNumbers& numbers) noexcept;
 std::uint16_t packed_object(const std::uint8_t* packed, std::uint32_t n) noexcept;
 
-// What is wrong with a packed brick by the rules for writers; null where nothing is.
+// The rule for writers that a packed brick breaks, in words; null where it breaks none.
 const char* packed_distances_fault(const std::uint8_t* packed) noexcept;
 const char* packed_objects_fault(const std::uint8_t* packed, std::uint32_t object_count) noexcept;
 

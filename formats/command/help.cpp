@@ -36,7 +36,7 @@ std::string wrapped(std::string_view text, std::size_t width, std::size_t indent
 
 // A type as CLI11 names it, in words: what stands behind the option, and what is said of it.
 struct TypeWords {
-  std::string placeholder, bounds;
+  std::string value_word, bounds;
 };
 TypeWords words_of(const std::string& type) {
   if (const std::size_t open = type.find('{'); open != std::string::npos) {
@@ -63,7 +63,7 @@ class HelpFormatter : public CLI::Formatter {
 
   std::string make_option_opts(const CLI::Option* option) const override {
     if (option->get_type_size() == 0) return "";
-    std::string text = words_of(option->get_type_name()).placeholder;
+    std::string text = words_of(option->get_type_name()).value_word;
     if (option->get_positional()) text.clear();  // its name says what it is
     if (option->get_expected_max() == CLI::detail::expected_max_vector_size) text += "...";
     return text.empty() || text.starts_with("...") ? text : " " + text;

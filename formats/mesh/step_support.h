@@ -1,4 +1,4 @@
-// What --version says of STEP and IGES.
+// The words of --version about STEP and IGES.
 #pragma once
 
 namespace forcelayer::mesh {

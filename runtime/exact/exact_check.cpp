@@ -62,7 +62,7 @@ class ExactCheck {
     for (const glm::dvec3& vertex : part.vertices_m) radius = std::max(radius, glm::length(vertex));
     return radius;
   }
-  // Of all coordinates that are reckoned with. The part goes where the path takes it.
+  // The largest coordinate in any computation, the part at its farthest on the path included.
   double largest_m(const Surface& scene, const Surface& part) const {
     double largest = std::max(scene.largest_m, part.largest_m);
     for (const PathRow& row : rows_) {
@@ -106,7 +106,7 @@ class ExactCheck {
     if (!nearest_ || distance(sample) < distance(*nearest_)) nearest_ = sample;
   }
 
-  // What is too near by the files is cut down to what is too near by the meshes.
+  // Cuts the stretches that are too near by the files down to those that are by the meshes.
   void add_violations(ExactAnswer& answer) {
     std::vector<Piece> pieces;  // that follow each other
     for (const auto& stretch : request_.stretches) {

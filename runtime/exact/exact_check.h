@@ -1,4 +1,4 @@
-// What the meshes say of a path of which the baked files prove too little.
+// Settles with the meshes the stretches of a path on which the baked files prove too little.
 #pragma once
 
 #include "formats/result.h"

@@ -43,7 +43,7 @@ ExactRequest request_of(const Options& options, const clearance::LeftOut& allowe
       stretch.too_near |= !v.pushed_into_seat && lies_in(piece, v);
     }
     for (const auto& seated : result.seated) stretch.seated |= lies_in(piece, seated);
-    // What is clear and cannot have the least distance need not be measured.
+    // A stretch that is clear and cannot have the least distance need not be measured.
     if (!stretch.too_near && request.most_m && stretch.proven_m > *request.most_m) continue;
     request.stretches.push_back(stretch);
   }
@@ -72,7 +72,7 @@ void take(const ExactAnswer& answer, CheckResult& result) {
   }
   result.violations = std::move(violations);
   if (answer.least.exact_m >= kNothingM) return;  // no object counts
-  // What the files prove may be more than what a distance less the deviations comes to.
+  // The files may prove more than the measured distance less the deviations.
   result.clearance_m = std::max(result.clearance_m, answer.clearance_m);
   result.least = checked(answer.least, result.clearance_m, answer.margin_m);
   result.at_least = false;

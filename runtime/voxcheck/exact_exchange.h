@@ -1,4 +1,4 @@
-// What voxcheck asks of voxcheck-exact and what that answers: JSON between two programs of one
+// The question of voxcheck to voxcheck-exact, and the answer: JSON between two programs of one
 // build. Lengths in meters, world frame unless said otherwise.
 #pragma once
 

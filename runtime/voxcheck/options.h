@@ -20,7 +20,7 @@ struct Options {
   std::optional<Pose> world_from_seat;  // of the part
   std::vector<std::string> allow;       // names of objects
   unsigned threads = 1;
-  // Of --exact and --picture: what scene and part were baked from.
+  // The inputs of the two bakes, for --exact and --picture.
   std::vector<std::string> meshes, part_meshes, without;
   std::string units, part_units;              // as typed,
   std::optional<double> unit_m, part_unit_m;  // and in meters

@@ -53,7 +53,7 @@ std::vector<std::string> measure(const Report& report, const Shown& shown) {
   return options;
 }
 
-// What is drawn of scene and part.
+// The arguments of voxview that name the meshes and files to draw.
 std::vector<std::string> inputs_of(const Options& options) {
   std::vector<std::string> arguments = options.meshes;
   arguments.insert(arguments.end(), {options.scene, options.part});

@@ -31,7 +31,7 @@ std::string to_object(const Report& report, std::uint32_t object) {
 }
 
 std::string place_text(const CheckedMoment& moment) {
-  // What rounds to nothing is none.
+  // A coordinate that would be printed as -0 is printed as 0.
   const auto near_zero = [](double m) { return std::abs(m) < 5e-8 ? 0.0 : m; };
   return text("at %.3f s, at %.4g, %.4g, %.4g m", moment.time_s, near_zero(moment.point_m.x),
               near_zero(moment.point_m.y), near_zero(moment.point_m.z));

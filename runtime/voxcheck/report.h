@@ -28,8 +28,8 @@ struct Report {
 // The violation with the least clearance; there must be one.
 const clearance::Violation& worst_of(const clearance::CheckResult& result);
 
-// What the meshes say of a violation of the report's; null without --exact, and for what they
-// cannot settle.
+// The measurement by the meshes of a violation in the report; null without --exact, and where the
+// meshes cannot settle it.
 const ExactViolation* exact_of(const Report& report, const clearance::Violation& violation);
 
 // The words above a picture: the verdict, and what is drawn.

@@ -78,7 +78,7 @@ runtime/doctor:         formats formats/command runtime/loop runtime/machine run
 runtime/voxrun:         formats formats/command formats/digest formats/path runtime/devices runtime/devices/hid runtime/devices/plugin runtime/field runtime/forcelayer runtime/loop runtime/machine runtime/model runtime/query runtime/run runtime/stream
 runtime/voxcheck:       formats formats/command formats/path runtime/clearance runtime/forcelayer runtime/model runtime/query runtime/run runtime/stream
 runtime/exact:          formats formats/command formats/mesh formats/path runtime/clearance runtime/forcelayer runtime/run runtime/voxcheck
-study:                  formats formats/command formats/digest formats/path
+runtime/study:          formats formats/command formats/digest formats/path
 runtime/viewer/plan:    formats formats/command formats/mesh runtime/forcelayer runtime/viewer/run runtime/viewer/surface
 runtime/viewer/vtk:     formats formats/command runtime/forcelayer runtime/viewer/plan runtime/viewer/run runtime/viewer/surface
 runtime/viewer:         formats formats/command runtime/viewer/plan runtime/viewer/run runtime/viewer/vtk
@@ -107,7 +107,7 @@ done <<<"$rooms"
 # Each folder with sources is a room of the table.
 while read -r folder; do
   case "$above " in *" $(room_of "$folder") "*) ;; *) echo "FAILED: $folder is no room of the table" >&2; fail=1 ;; esac
-done < <(sources formats voxelize pointshell runtime study | grep -v /firmware/ | xargs -n1 dirname | sort -u)
+done < <(sources formats voxelize pointshell runtime | grep -v /firmware/ | xargs -n1 dirname | sort -u)
 
 hidapi_users=$(sources runtime | xargs grep -lE '#include *[<"](hidapi/)?hidapi' | wc -l) || true
 [ "$hidapi_users" -le 1 ] || { echo "FAILED: $hidapi_users files include hidapi.h" >&2; fail=1; }

@@ -187,7 +187,7 @@ TEST(ExactWalk, HoldsBetweenPosesAsAtThem) {
     EXPECT_GE(least.at_least_m, least.sample.measured.distance_m - within);
     EXPECT_LE(least.sample.measured.distance_m, sampled + within + rounding);
     EXPECT_FALSE(walk.contradiction());
-    // What was said of a piece is held against what is measured.
+    // A bound on a piece that the meshes contradict is noticed.
     if (sampled > 0) {
       ++apart;
       ExactWalk other(path, pair, pair, rounding);

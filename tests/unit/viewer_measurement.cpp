@@ -55,7 +55,7 @@ TEST(PartOn, MeetsAMovedPartWhereItIs) {
   EXPECT_NEAR(*along, 0.5, 1e-12);
 }
 
-// Of every shell point a ray against its normal meets the disc at the point, or one before it.
+// A ray to a shell point, against its normal, meets the disc at the point, or one before it.
 TEST(PartOn, MeetsTheDiscsOfAShell) {
   ViewScene scene;
   scene.shell.emplace(Pshell::open(testing::golden_path("v2.pshell")).value());

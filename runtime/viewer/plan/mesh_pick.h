@@ -1,4 +1,4 @@
-// What a ray meets first of the scene's meshes, or of the part.
+// The first place at which a ray meets the scene's meshes, or the part.
 #pragma once
 
 #include <optional>

@@ -19,7 +19,7 @@ struct StripPoint {
 
 enum class PlayButton { kSlower, kPlay, kFaster };
 
-// What the buttons show.
+// The state that the buttons show.
 struct PlayState {
   bool playing;
   double speed;  // in run time per time

@@ -373,8 +373,8 @@ class Window {
     return {scene_.origin_m + glm::dvec3(near[0], near[1], near[2]) + back_m * to_eye(), -to_eye()};
   }
 
-  // What is drawn of the scene at a pixel: the mesh, else the voxels there, by the name of the
-  // object that they are nearest to.
+  // The place of the scene that is drawn at a pixel: on the mesh, else on the voxels there, by the
+  // name of the object that they are nearest to.
   std::optional<PickedPlace> scene_at(const Ray& ray) const {
     if (shown_[Item::kMeshes]) {
       if (const auto hit = mesh_on(scene_, stage_->hidden_meshes(), ray, cut_)) {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "formats/result.h"
-#include "study/options.h"
+#include "runtime/study/options.h"
 
 namespace forcelayer::study {
 

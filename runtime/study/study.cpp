@@ -1,4 +1,4 @@
-#include "study/study.h"
+#include "runtime/study/study.h"
 
 #include <array>
 #include <cmath>
@@ -14,9 +14,9 @@
 #include "formats/file/atomic_file.h"
 #include "formats/path/path_file.h"
 #include "formats/path/quaternion.h"
-#include "study/curve.h"
-#include "study/page.h"
-#include "study/steps.h"
+#include "runtime/study/curve.h"
+#include "runtime/study/page.h"
+#include "runtime/study/steps.h"
 
 namespace forcelayer::study {
 namespace {

@@ -1,4 +1,4 @@
-#include "study/page.h"
+#include "runtime/study/page.h"
 
 #include <algorithm>
 #include <filesystem>

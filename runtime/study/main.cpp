@@ -7,8 +7,8 @@
 #include "formats/command/help.h"
 #include "formats/command/output_file.h"
 #include "formats/command/program.h"
-#include "study/options.h"
-#include "study/study.h"
+#include "runtime/study/options.h"
+#include "runtime/study/study.h"
 
 namespace {
 

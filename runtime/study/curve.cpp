@@ -1,4 +1,4 @@
-#include "study/curve.h"
+#include "runtime/study/curve.h"
 
 #include <algorithm>
 #include <cmath>

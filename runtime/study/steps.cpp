@@ -1,4 +1,4 @@
-#include "study/steps.h"
+#include "runtime/study/steps.h"
 
 #include <cctype>
 #include <cstdio>

@@ -18,7 +18,7 @@ struct Step {
   std::string package;               // that it is installed with
 };
 
-// What became of a step.
+// The end of a step.
 struct StepEnd {
   int status = 0;
   std::string output;  // on the standard output

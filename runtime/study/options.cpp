@@ -1,4 +1,4 @@
-#include "study/options.h"
+#include "runtime/study/options.h"
 
 #include <CLI/CLI.hpp>
 
