@@ -51,7 +51,7 @@ Status plan_live(const ViewOptions& options, const ViewScene& scene, PoseReceive
                  "start voxrun with --udp and this port"};
   }
   Moment moment = moment_of(*row, options.handle_from_part.value_or(grip));
-  return add_moment(options, scene, std::move(moment), plan);
+  return add_moment(options, scene, {}, std::move(moment), plan);
 }
 
 Status take_picture(const ViewOptions& options, const ViewScene& scene, PicturePlan& plan,

@@ -16,7 +16,15 @@ grep -qE "^seated on .*Gearbox/Housing.* until [0-9.]+ s; then clear: least prov
   fail "no answer for the pin: $(tail -3 out)"
 if [ -x "$bin/voxview" ] && command -v xvfb-run >/dev/null; then
   view=$(grep '^    voxview' commands | sed 's/ *#.*$//')
-  $view --screenshot view.png --size 320x240 2>err || fail "voxview: $(cat err)"
+  $view --screenshot view.png --size 320x240 --json view.json 2>err || fail "voxview: $(cat err)"
+  # A picture in the seat shows the contacts that the run felt there.
+  python3 -c '
+import csv, json
+shown = json.load(open("view.json"))["moment"]
+run = next(row for row in csv.DictReader(open("pull.csv")) if abs(float(row["t_s"]) - shown["t_s"]) < 1e-9)
+assert shown["kind"] != "PENETRATION" and shown["points_surface"] > 100, shown
+for key in "points_surface", "points_proximity", "points_interior", "contacts":
+    assert abs(shown[key] - int(run[key])) <= 2, (key, shown, run[key])' || fail "voxview shows other contacts than the run's"
 fi
 
 answer() {  # answer PART: the end of its run, straight up

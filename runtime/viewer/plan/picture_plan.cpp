@@ -178,12 +178,15 @@ double arrow_scale(const ViewScene& scene) {
 }
 
 Result<std::unique_ptr<ContactViewSource>> make_contact_source(const ViewOptions& options,
-                                                               const ViewScene& scene) {
+                                                               const ViewScene& scene,
+                                                               const std::vector<TraceRow>& rows) {
   const ForceKind force = options.force.value_or(field::usual_force(options.model, *scene.voxmap));
   auto field = field::make_force_field(options.model, force, *scene.voxmap);
   if (!field) return field.error();
-  return std::make_unique<ContactViewSource>(*scene.voxmap, *scene.shell, options.model,
-                                             std::move(*field));
+  auto source = std::make_unique<ContactViewSource>(*scene.voxmap, *scene.shell, options.model,
+                                                    std::move(*field));
+  if (!rows.empty()) source->find_seat(rows.front().world_from_part);
+  return source;
 }
 
 std::string describe(const ViewScene& scene) {
@@ -206,12 +209,12 @@ std::string describe(const ViewScene& scene) {
   return line;
 }
 
-Status add_moment(const ViewOptions& options, const ViewScene& scene, Moment moment,
-                  PicturePlan& plan) {
+Status add_moment(const ViewOptions& options, const ViewScene& scene,
+                  const std::vector<TraceRow>& rows, Moment moment, PicturePlan& plan) {
   if (scene.voxmap && scene.shell) {
-    auto source = make_contact_source(options, scene);
+    auto source = make_contact_source(options, scene, rows);
     if (!source) return source.error();
-    set_contacts(moment, (*source)->at(moment.world_from_part));
+    find_contacts(**source, moment);
   }
   if (!plan.own_title) {
     for (const std::string& line : describe(moment)) plan.title.push_back(line);
@@ -246,7 +249,7 @@ Result<PicturePlan> plan_picture(const ViewOptions& options, const ViewScene& sc
   }
   plan.camera = plan_camera(options, scene, plan.moment);
   if (moment) {
-    if (Status added = add_moment(options, scene, std::move(*moment), plan); !added) {
+    if (Status added = add_moment(options, scene, rows, std::move(*moment), plan); !added) {
       return added.error();
     }
   }

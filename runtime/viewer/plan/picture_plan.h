@@ -43,9 +43,9 @@ WorldBox box_of(const ViewScene& scene);
 Result<PicturePlan> plan_picture(const ViewOptions& options, const ViewScene& scene,
                                  const std::vector<TraceRow>& rows);
 
-// Sets the moment of `plan`, with its contacts, words and camera.
-Status add_moment(const ViewOptions& options, const ViewScene& scene, Moment moment,
-                  PicturePlan& plan);
+// Sets the moment of `plan`, of a run of these rows, with its contacts, words and camera.
+Status add_moment(const ViewOptions& options, const ViewScene& scene,
+                  const std::vector<TraceRow>& rows, Moment moment, PicturePlan& plan);
 
 // Cameras that go once about z, from the plan's own, none of which cuts off a scene that is shown
 // whole.
@@ -56,9 +56,11 @@ std::vector<CameraView> turntable_of(const PicturePlan& plan, const ViewScene& s
 // of a voxel, has an arrow of at most half the part's radius. 1 without a scene and a part.
 double arrow_scale(const ViewScene& scene);
 
-// The contacts of `scene`, which must have both a voxmap and a shell.
+// The contacts of `scene`, which must have both a voxmap and a shell, in a run of these rows; there
+// may be none.
 Result<std::unique_ptr<ContactViewSource>> make_contact_source(const ViewOptions& options,
-                                                               const ViewScene& scene);
+                                                               const ViewScene& scene,
+                                                               const std::vector<TraceRow>& rows);
 
 // One line on the files that are shown.
 std::string describe(const ViewScene& scene);

@@ -66,23 +66,52 @@ void ContactViewSource::prove_clearance(const Pose& pose, ContactView& view) con
   view.nearest_object = voxmap_.object_name(probe_.object_near(view.nearest_m));
 }
 
+void ContactViewSource::find_seat(const Pose& world_from_part) {
+  if (model_ == Model::kPaper) return;
+  // A start that voxrun refuses has no seat, and its contacts are shown as they are.
+  static_cast<void>(probe_.find_seat(world_from_center(world_from_part, shell_)));
+}
+
 ContactView ContactViewSource::at(const Pose& world_from_part) {
+  return look_up(world_from_part, false);
+}
+
+ContactView ContactViewSource::as_counted(const Pose& world_from_part, const ContactView& counted) {
+  ContactView closed = look_up(world_from_part, false);
+  if (probe_.seat().empty()) return closed;
+  ContactView open = look_up(world_from_part, true);
+  const auto off = [&counted](const ContactView& view) {
+    const auto apart = [](std::uint32_t a, std::uint32_t b) {
+      return std::max(a, b) - std::min(a, b);
+    };
+    return apart(view.surface, counted.surface) + apart(view.interior, counted.interior) +
+           apart(view.contacts, counted.contacts);
+  };
+  return off(open) < off(closed) ? open : closed;
+}
+
+ContactView ContactViewSource::look_up(const Pose& world_from_part, bool seat_open) {
   const Pose pose = world_from_center(world_from_part, shell_);
+  probe_.open_seat(seat_open);
   probe_.look_up(pose, contacts_);
+  const bool paper = model_ == Model::kPaper;
   ContactView view;
-  view.proximity = points_.proximity_count;
-  view.surface = points_.surface_count;
-  view.interior = points_.interior_count;
+  view.proximity = contacts_.proximity;
+  view.surface = contacts_.surface;
+  view.interior = contacts_.interior;
   for (std::uint32_t n = 0; n < points_.count; ++n) {
     const field::Contact contact = contacts_[n];
     ViewPoint& point =
         view.points.emplace_back(ViewPoint{pose.position_m + glm::dvec3(contact.arm_m),
                                            {points_.nx[n], points_.ny[n], points_.nz[n]},
                                            static_cast<VoxelValue>(points_.value[n])});
+    // An open seat lets its points into value 1, as deep as they were there.
+    if (contacts_.seat_open && contacts_.of_seat[n] != 0 && contacts_.is_barred[n] == 0 &&
+        point.value == VoxelValue::kInterior) {
+      point.value = VoxelValue::kSurface;
+    }
     // The paper's model feels the field's own directions, and nothing in the interior.
-    const bool paper = model_ == Model::kPaper;
-    if (!(contact.depth_m > 0) || (paper && view.points.back().value == VoxelValue::kInterior))
-      continue;
+    if (!(contact.depth_m > 0) || (paper && point.value == VoxelValue::kInterior)) continue;
     point.depth_m = contact.depth_m;
     point.direction = paper ? glm::dvec3(samples_.dx[n], samples_.dy[n], samples_.dz[n])
                             : glm::dvec3(contact.direction);

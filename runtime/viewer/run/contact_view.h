@@ -52,9 +52,19 @@ class ContactViewSource {
   ContactViewSource(const Voxmap& voxmap, const Pshell& shell, Model model,
                     std::unique_ptr<field::ForceField> field);
 
+  // Finds the seat of a run whose part starts at `world_from_part`, as Simulation::begin() does
+  // without a seat of its own. There is none where the part touches nothing there.
+  void find_seat(const Pose& world_from_part);
+
+  // The contacts at a pose, the seat closed.
   ContactView at(const Pose& world_from_part);
 
+  // The contacts at a pose of a run that counted `counted` there: with the seat open where that is
+  // nearer to the counts. Rows do not tell whether the seat was open.
+  ContactView as_counted(const Pose& world_from_part, const ContactView& counted);
+
  private:
+  ContactView look_up(const Pose& world_from_part, bool seat_open);
   void prove_clearance(const Pose& pose, ContactView& view) const;
 
   const Voxmap& voxmap_;

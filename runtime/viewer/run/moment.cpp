@@ -41,8 +41,10 @@ Moment moment_of(const TraceRow& row, const Pose& handle_from_part) {
   return moment;
 }
 
-void set_contacts(Moment& moment, ContactView found) {
+void find_contacts(ContactViewSource& source, Moment& moment) {
   const ContactView& counted = moment.contacts;
+  ContactView found = moment.time_s ? source.as_counted(moment.world_from_part, counted)
+                                    : source.at(moment.world_from_part);
   // A point on a voxel's face may fall on either side when a pose has been written as text.
   const auto differs = [](std::uint32_t a, std::uint32_t b) {
     constexpr std::uint32_t kSlack = 2;
@@ -96,7 +98,7 @@ std::vector<std::string> describe(const Moment& moment) {
                                             escaped(view.nearest_object).c_str()));
   }
   if (moment.other_files) {
-    lines.push_back("the run counted other points here: these are not the files that it ran with");
+    lines.push_back("the run counted other points here: it ran with other files, or with --seat");
   }
   return lines;
 }

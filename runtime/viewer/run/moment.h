@@ -29,8 +29,8 @@ struct Moment {
 // The moment of a row; `handle_from_part` is the grip, for rows that do not tell the target.
 Moment moment_of(const TraceRow& row, const Pose& handle_from_part);
 
-// Puts the contacts found at its pose into a moment that has the counts of its run.
-void set_contacts(Moment& moment, ContactView found);
+// Finds the contacts at the moment's pose, in place of the counts of its run.
+void find_contacts(ContactViewSource& source, Moment& moment);
 
 // The kind of a row's frame, without the files.
 FrameKind kind_of(const TraceRow& row);

@@ -84,7 +84,7 @@ class Window {
 
   Status run() {
     if (scene_.voxmap && scene_.shell) {
-      auto source = make_contact_source(options_, scene_);
+      auto source = make_contact_source(options_, scene_, feed_.rows);
       if (!source) return source.error();
       contact_source_ = std::move(*source);
     }
@@ -210,9 +210,7 @@ class Window {
     if (options_.handle_from_part) {
       moment_->world_from_target = row.world_from_handle * *options_.handle_from_part;
     }
-    if (contact_source_) {
-      set_contacts(*moment_, contact_source_->at(moment_->world_from_part));
-    }
+    if (contact_source_) find_contacts(*contact_source_, *moment_);
   }
 
   std::vector<std::string> title() const {
