@@ -13,6 +13,7 @@
 #include <sstream>
 
 #include "formats/file/descriptor.h"
+#include "formats/file/program_folder.h"
 
 namespace forcelayer::command {
 namespace {
@@ -45,10 +46,8 @@ std::string all_of(int descriptor) {
 }  // namespace
 
 std::string program_path(const std::string& name) {
-  std::error_code failure;
-  const auto own = std::filesystem::read_symlink("/proc/self/exe", failure);
-  if (!failure) {
-    const std::string beside = own.parent_path() / name;
+  if (const auto folder = program_folder(); !folder.empty()) {
+    const std::string beside = folder / name;
     if (access(beside.c_str(), X_OK) == 0) return beside;
   }
   const char* const path = std::getenv("PATH");

@@ -15,7 +15,7 @@
 #include "formats/command/help.h"
 #include "formats/command/output_file.h"
 #include "formats/command/version.h"
-#include "runtime/machine/program_folder.h"
+#include "formats/file/program_folder.h"
 #include "runtime/query/query_kernel.h"
 #include "runtime/voxrun/options.h"
 #include "runtime/voxrun/session.h"
@@ -86,7 +86,7 @@ void arrange(CLI::App& app) {
 
 // voxrun doctor [...] is a program of its own, beside this one: a loop does not carry it.
 int start_doctor(char** argv) {
-  const std::filesystem::path doctor = forcelayer::machine::program_folder() / "voxrun-doctor";
+  const std::filesystem::path doctor = forcelayer::program_folder() / "voxrun-doctor";
   execv(doctor.c_str(), argv);  // returns where it failed
   return forcelayer::command::run_command("voxrun", [&]() -> forcelayer::Status {
     return forcelayer::Error{forcelayer::ErrorCode::kFileNotFound, doctor.string(), "",

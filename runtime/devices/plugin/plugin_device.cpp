@@ -17,7 +17,7 @@
 #include <utility>
 #include <vector>
 
-#include "runtime/machine/program_folder.h"
+#include "formats/file/program_folder.h"
 #include "runtime/machine/real_time.h"
 
 namespace forcelayer::devices {
@@ -128,7 +128,7 @@ DeviceCapabilities capabilities_of(const forcelayer_plugin_info& info) {
 }  // namespace
 
 PluginDevice::PluginDevice(PluginOptions options) : options_(std::move(options)) {
-  if (options_.host.empty()) options_.host = machine::program_folder() / "voxrun-plugin";
+  if (options_.host.empty()) options_.host = program_folder() / "voxrun-plugin";
 }
 
 PluginDevice::~PluginDevice() {
