@@ -20,6 +20,9 @@ constexpr double kSampleSpacing = 16;  // widths of a crack
 // A winding number that is farther from a whole number tells a hole. Beside a crack as wide as the
 // way to the place it is off by 0.16, and the numbers are in error by 0.01.
 constexpr double kWhole = 0.2;
+// A winding number is only asked for whether it is nearer to 0: groups of triangles are dipoles
+// from two of their radii on (Barill and others 2018).
+constexpr double kFar = 2;
 
 using Edge = std::pair<std::uint32_t, std::uint32_t>;  // low and high vertex
 
@@ -44,22 +47,25 @@ std::vector<Edge> open_edges(const std::vector<mesh::Triangle>& triangles) {
 Body::Body(part::Part part, double crack_m)
     : part_(std::move(part)),
       tree_(part_),
-      winding_(std::make_unique<certificate::WindingNumber>(tree_)),
-      crack_m_(crack_m) {
-  if (part::is_closed(part_.triangles)) {
-    is_solid_ = true;
-    crack_m_ = 0;
-    return;
-  }
-  is_solid_ = has_only_cracks(crack_m);
+      winding_(std::make_unique<certificate::WindingNumber>(tree_)) {
+  is_solid_ = part::is_closed(part_.triangles) || close_cracks(crack_m);
   if (is_solid_) return;
   // Faces may have been turned to different sides.
   normals::orient_outwards(part_, crack_m);
   winding_ = std::make_unique<certificate::WindingNumber>(tree_);
-  is_solid_ = has_only_cracks(crack_m);
+  is_solid_ = close_cracks(crack_m);
 }
 
-bool Body::holds(const Vec3& place_m) const { return std::abs(winding_->at(place_m)) > 0.5; }
+// Finds how wide its cracks may be: the narrower, the closer a depth is known.
+bool Body::close_cracks(double most_m) {
+  for (const double share : {0.25, 0.5, 1.0}) {
+    crack_m_ = share * most_m;
+    if (has_only_cracks(crack_m_)) return true;
+  }
+  return false;
+}
+
+bool Body::holds(const Vec3& place_m) const { return std::abs(winding_->at(place_m, kFar)) > 0.5; }
 
 // Around an open edge the winding number is whole but where a hole is near.
 bool Body::has_only_cracks(double crack_m) const {

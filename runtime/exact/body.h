@@ -36,6 +36,7 @@ class Body {
   bool holds(const part::Vec3& place_m) const;
 
  private:
+  bool close_cracks(double most_m);
   bool has_only_cracks(double crack_m) const;
 
   part::Part part_;

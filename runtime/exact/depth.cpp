@@ -100,11 +100,10 @@ class Search {
     const double reach_m = part::length(high - low) / 2;
     const auto nearest = pairs_[pair].solid->tree().nearest(center);
     const double distance_m = std::sqrt(nearest.distance_squared);
-    const double by_place_m = distance_m + reach_m + pairs_[pair].solid->crack_m();
-    at_most_m = std::min(at_most_m, by_place_m);
+    at_most_m = std::min(at_most_m, distance_m + reach_m);
     if (!settles(at_most_m)) {
       if (!pairs_[pair].solid->holds(center)) {
-        at_most_m = std::min(at_most_m, by_place_m - 2 * distance_m);
+        at_most_m = std::min(at_most_m, outside_m(pair, distance_m, reach_m));
       }
       open_.push({at_most_m, pair, false, number, {}});
     }
@@ -116,19 +115,28 @@ class Search {
     const double reach_m = reach_of_m(piece, center);
     const auto nearest = solid.tree().nearest(center);
     const double distance_m = std::sqrt(nearest.distance_squared);
-    const double by_place_m = distance_m + reach_m + solid.crack_m();
     const Piece triangle = part::triangle_piece(solid.tree().part(), nearest.point.triangle);
-    at_most_m = std::min({at_most_m, by_place_m, farthest_m(piece, triangle)});
+    at_most_m = std::min({at_most_m, distance_m + reach_m, farthest_m(piece, triangle)});
     if (settles(at_most_m)) return;  // be the place inside or not
-    const bool is_inside = solid.holds(center);
-    const double depth_m = is_inside ? distance_m : -distance_m;
-    if (depth_m > found_.found_m) found_ = found(pair, depth_m, center, nearest.point.position);
-    if (!is_inside) at_most_m = std::min(at_most_m, by_place_m - 2 * distance_m);
+    // To know whether it is inside takes the most time. Close to the surface it changes little.
+    const bool changes_little = distance_m <= found_.found_m + within_m_ / 2 &&
+                                2 * distance_m - solid.crack_m() < reach_m / 2;
+    if (!changes_little) {
+      const bool is_inside = solid.holds(center);
+      const double depth_m = is_inside ? distance_m : -distance_m;
+      if (depth_m > found_.found_m) found_ = found(pair, depth_m, center, nearest.point.position);
+      if (!is_inside) at_most_m = std::min(at_most_m, outside_m(pair, distance_m, reach_m));
+    }
     if (reach_m <= within_m_ / 4) {
       settled_m_ = std::max(settled_m_, at_most_m);
     } else {
       open_.push({at_most_m, pair, true, 0, piece});
     }
+  }
+
+  // No place within reach of one that is outside is deeper. It may come in through a crack.
+  double outside_m(std::size_t pair, double distance_m, double reach_m) const {
+    return reach_m - distance_m + pairs_[pair].solid->crack_m();
   }
 
   Depth found(std::size_t pair, double depth_m, const Vec3& place, const Vec3& foot) const {

@@ -4,7 +4,7 @@
 // The signed depth of a place in a solid, s(p), is its distance from the solid's triangles, inside
 // of them, and less than zero outside. It changes no faster than the place moves. So on a piece of
 // surface about c, no place of which is farther from c than R,
-//   s(p) <= s(c) + R
+//   s(p) <= s(c) + R         (from outside through a crack as wide as e: s(c) + R + e)
 // And no place is deeper than it is far from any triangle T of the solid. That distance is convex:
 //   s(p) <= the largest distance of the piece's corners from T
 // which settles a piece that lies on T. A piece that these do not settle is cut in two.

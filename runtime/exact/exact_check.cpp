@@ -23,7 +23,7 @@ using voxcheck::ExactViolation;
 // In voxels: how closely the least distance is told, and where a stretch begins and ends.
 constexpr double kWithinVoxels = 1e-3, kResolutionVoxels = 1.0 / 64;
 // The same of a depth in a seat, and how wide cracks of a mesh may be that do not open it.
-constexpr double kDepthVoxels = 1.0 / 32, kCrackVoxels = 1.0 / 32;
+constexpr double kDepthVoxels = 1.0 / 32, kCrackVoxels = 1.0 / 8;
 // How much deeper than installed the part may go: as the guard of a run lets a shell point
 // (FieldProbe::find_seat), beside a step of the stored distances.
 constexpr double kSeatGiveVoxels = 0.25;

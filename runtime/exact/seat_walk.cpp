@@ -58,6 +58,12 @@ const Depth& SeatWalk::at(const Moment& moment, double allowed_m) {
   return place->second;
 }
 
+// The depth from which a part that moves goes deeper.
+double SeatWalk::from_m(const Depth& depth) const {
+  if (depth.at_most_m < 0) return depth.at_most_m + crack_m_;
+  return std::max(depth.at_most_m, crack_m_);
+}
+
 std::vector<SeatWalk::Stretch> SeatWalk::deeper_than(const Moment& from, const Moment& to,
                                                      double allowed_m, double resolution_m) {
   // Where both ends are too deep, what is between is looked at only this closely.
@@ -69,7 +75,7 @@ std::vector<SeatWalk::Stretch> SeatWalk::deeper_than(const Moment& from, const M
     open.pop_back();
     const Depth &a = at(begin, allowed_m), &b = at(end, allowed_m);
     const double way_m = path_.travel_m(end) - path_.travel_m(begin);
-    if ((a.at_most_m + b.at_most_m + way_m) / 2 + crack_m_ <= allowed_m) continue;
+    if ((from_m(a) + from_m(b) + way_m) / 2 <= allowed_m) continue;
     const bool both = std::min(a.found_m, b.found_m) > allowed_m;
     if (way_m > resolution_m && !(both && way_m <= coarse_m)) {
       const Moment half = path_.middle(begin, end);

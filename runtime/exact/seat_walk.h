@@ -3,7 +3,8 @@
 // Between two moments whose points travel S at most, where no place is deeper than a and b, none is
 // deeper than
 //   (a + b + S) / 2
-// and the width of cracks.
+// where a place that is outside may come in through a crack as wide as e: a is no less than e, or
+// e more where the surfaces are apart.
 #pragma once
 
 #include <map>
@@ -45,6 +46,7 @@ class SeatWalk {
 
  private:
   const Depth& at(const Moment& moment, double allowed_m);
+  double from_m(const Depth& depth) const;
 
   const clearance::CenterPath& path_;
   const Bodies& part_;

@@ -64,7 +64,7 @@ struct ExactSeat {
   std::uint32_t object = 0;
   double installed_m = 0;  // how deep it and the part lie in each other where that is installed
   double allowed_m = 0;    // how deep they may
-  double deepest_m = 0;  // how deep they do at most while the part is in its seat, as far as found
+  double deepest_m = 0;    // how deep they were found to lie while the part is in its seat
   // False where one of the two has no inside and their surfaces meet: then the depth says nothing
   // of the other's inside, and it stays open whether the part goes through.
   bool settled = true;

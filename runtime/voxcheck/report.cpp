@@ -133,10 +133,10 @@ std::string seat_depth_text(const Report& report) {
       seats.begin(), seats.end(),
       [&](const ExactSeat& a, const ExactSeat& b) { return deeper(a) < deeper(b); });
   if (deepest == seats.end()) return "";
-  return text("  in its seat at most %.3f mm deeper into %s than installed, %.3f mm allowed\n",
+  return text("  in its seat %.3f mm deeper than installed are allowed; deepest found %.3f mm, into %s\n",
+              1e3 * (deepest->allowed_m - deepest->installed_m),
               1e3 * std::max(0.0, deeper(*deepest)),
-              escaped(object_name(report.scene, deepest->object)).c_str(),
-              1e3 * (deepest->allowed_m - deepest->installed_m));
+              escaped(object_name(report.scene, deepest->object)).c_str());
 }
 
 // Whether nothing is wrong but that a seat is not settled.

@@ -442,7 +442,7 @@ TABLES = {
         ("part", text("case")), ("study", text("study")), ("poses", text("poses")), ("in the seat", text("seated_poses")),
         ("least told, mm", lambda r: digits(1e3 * r["told_m"], 4)), ("least of all poses, mm", lambda r: digits(1e3 * r["least_m"], 4)),
         ("to", text("object")), ("poses too near", text("too_near")),
-        ("deeper in its seat told, mm", lambda r: digits(1e3 * r["told_deeper_m"])),
+        ("deeper in its seat, found, mm", lambda r: digits(1e3 * r["told_deeper_m"])),
         ("at poses, mm", lambda r: digits(1e3 * r["deeper_m"])), ("contradictions", text("contradictions"))]),
     "python": ("python", list, [
         ("question", lambda r: f"`{r['question']}`"), ("points", text("points")), ("threads", text("threads")),

@@ -23,7 +23,7 @@ CASES = [
     ("other nut on the rod", AS1, "as1/rod-assembly_1/nut_2", None, "1mm", "0.5mm", "-40mm,0,0", []),
     ("nut of a bracket", AS1, "as1/l-bracket-assembly_1/nut-bolt-assembly_1/nut_3", None, "1mm", "0.5mm", "0,0,-40mm", []),
     ("valve cover", ENGINE, VALVE_COVER, "mm", "2mm", "1mm", "120mm,0,0", []),
-    ("piston with pin", ENGINE, "node0/node4", "mm", "2mm", "1mm", "200mm,0,0", []),
+    ("piston with pin, rod off", ENGINE, "node0/node4", "mm", "2mm", "1mm", "200mm,0,0", [ROD]),
     ("piston with pin, head and rod off", ENGINE, "node0/node4", "mm", "2mm", "1mm", "200mm,0,0",
      [ROD, HEAD, VALVE_COVER]),
 ]
