@@ -485,7 +485,7 @@ def summary():
     def one(machine, name, **wanted):
         return where(**wanted)(rows(machine, name))[0]
 
-    xeon, epyc = "intel-r-xeon-r-processor", "amd-epyc-avx2"
+    xeon, epyc = "intel-r-xeon-r-processor", "amd-epyc"
     wall = by("method", ("motion",), where(run=1, motion="wall", points=10 ** 6)(rows(xeon, "query")))[0]["of"]
     ours, vdb, fcl = (wall[m]["p50_us"] for m in ("all skipping", "OpenVDB ValueAccessor", "FCL meshes, contacts"))
     every = one(xeon, "query", motion="everything", points=10 ** 6, method="all skipping")["p50_us"]
