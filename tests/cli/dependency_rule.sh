@@ -51,7 +51,7 @@ runtime/viewer/surface: formats formats/command
 voxelize/fill:          formats/lattice voxelize/masks
 formats/mesh/sandbox:   formats formats/command formats/mesh
 formats/mesh/step:      formats formats/mesh
-formats/mesh/readers:   formats formats/mesh formats/mesh/step
+formats/mesh/readers:   formats formats/mesh
 pointshell/part:        formats formats/mesh formats/mesh/sandbox
 runtime/field:          formats runtime/forcelayer runtime/query
 voxelize/scan:          formats formats/lattice formats/mesh voxelize/masks
