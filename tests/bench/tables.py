@@ -438,6 +438,12 @@ TABLES = {
         ("poses", text("poses")), ("moments looked at", text("moments_tested")), ("violations", text("violations")),
         ("reading, s", scaled("read_s", 1, 2)), ("checking, s", scaled("check_s", 1, 2)),
         ("processor, s", scaled("cpu_s", 1, 2)), ("memory, MB", scaled("peak_bytes", 1e-6))]),
+    "verdicts": ("verdicts", list, [
+        ("part", text("case")), ("study", text("study")), ("poses", text("poses")), ("in the seat", text("seated_poses")),
+        ("least told, mm", lambda r: digits(1e3 * r["told_m"], 4)), ("least of all poses, mm", lambda r: digits(1e3 * r["least_m"], 4)),
+        ("to", text("object")), ("poses too near", text("too_near")),
+        ("deeper in its seat told, mm", lambda r: digits(1e3 * r["told_deeper_m"])),
+        ("at poses, mm", lambda r: digits(1e3 * r["deeper_m"])), ("contradictions", text("contradictions"))]),
     "python": ("python", list, [
         ("question", lambda r: f"`{r['question']}`"), ("points", text("points")), ("threads", text("threads")),
         ("poses", text("poses")), ("Python, us a pose", lambda r: digits(1e6 * r["python_cpu_s"] / r["poses"], 3)),
