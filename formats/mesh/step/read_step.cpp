@@ -19,8 +19,8 @@
 #include "formats/mesh/node_names.h"
 #include "formats/mesh/reader.h"
 #include "formats/mesh/step/document.h"
+#include "formats/mesh/step/entities/faces.h"
 #include "formats/mesh/step/face_report.h"
-#include "formats/mesh/step/faces.h"
 #include "formats/mesh/step/references.h"
 #include "formats/mesh/step/tessellator.h"
 
