@@ -50,8 +50,9 @@ runtime/query:          formats runtime/forcelayer runtime/machine
 runtime/viewer/surface: formats formats/command
 voxelize/fill:          formats/lattice voxelize/masks
 formats/mesh/sandbox:   formats formats/command formats/mesh
-formats/mesh/step:      formats formats/mesh
-formats/mesh/readers:   formats formats/mesh formats/mesh/step
+formats/mesh/step/entities: formats formats/mesh
+formats/mesh/step:      formats formats/mesh formats/mesh/step/entities
+formats/mesh/readers:   formats formats/mesh
 pointshell/part:        formats formats/mesh formats/mesh/sandbox
 runtime/field:          formats runtime/forcelayer runtime/query
 voxelize/scan:          formats formats/lattice formats/mesh voxelize/masks
