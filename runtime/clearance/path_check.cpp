@@ -267,11 +267,12 @@ class PathParts {
     const LeftOut left_out = with_seat(request_.allowed, seat);
     result.seated.push_back({path_.time_s(from), path_.time_s(to)});
     add(result, left_out, check_.walk(left_out, from, to));
-    if (seat.objects().empty()) return;  // it touches nothing where it is installed
+    const std::uint32_t first = first_that_counts(seat);
+    if (first == 0) return;
     Violation in_seat;
     in_seat.from_s = in_seat.worst.time_s = path_.time_s(from);
     in_seat.to_s = path_.time_s(to);
-    if (const auto pushed = seat.first_pushed_in(path_, from, to)) {
+    if (const auto pushed = seat.first_pushed_in(path_, from, to, request_.allowed)) {
       in_seat.from_s = in_seat.worst.time_s = path_.time_s(pushed->moment);
       in_seat.worst.object = pushed->object;
       in_seat.worst.point_m = pushed->point_m;
@@ -280,10 +281,20 @@ class PathParts {
     } else if (request_.felt_seat_is_enough) {
       return;
     } else {
-      in_seat.worst.object = seat.objects()[0].object;
+      in_seat.worst.object = first;
       in_seat.unsettled_seat = true;
     }
     result.violations.push_back(in_seat);
+  }
+
+  // The first object of the seat that is not allowed to be near; 0 where there is none.
+  std::uint32_t first_that_counts(const SeatStretch& seat) const {
+    for (const field::SeatObject& object : seat.objects()) {
+      const bool allowed =
+          object.object < request_.allowed.size() && request_.allowed[object.object] != 0;
+      if (!allowed) return object.object;
+    }
+    return 0;
   }
 
   void add(CheckResult& result, const LeftOut& left_out, const Check::Walked& walked) {

@@ -10,6 +10,7 @@
 #include "formats/result.h"
 #include "formats/voxmap.h"
 #include "runtime/clearance/center_path.h"
+#include "runtime/clearance/front.h"
 #include "runtime/field/seat.h"
 
 namespace forcelayer::clearance {
@@ -34,14 +35,15 @@ class SeatStretch {
     double deeper_m = 0;       // than the object is touched in the seat
   };
   // The deepest such point at the first moment from `from` to `to`, tested every half voxel of
-  // travel, at which there is one. None where there is no such moment.
+  // travel, at which there is one. None where there is no such moment. Objects that are left out
+  // do not count.
   std::optional<PushedIn> first_pushed_in(const CenterPath& path, const Moment& from,
-                                          const Moment& to);
+                                          const Moment& to, const LeftOut& left_out);
 
  private:
   struct Parts;
   explicit SeatStretch(std::unique_ptr<Parts> parts);
-  std::optional<PushedIn> pushed_in(const Pose& world_from_center);
+  std::optional<PushedIn> pushed_in(const Pose& world_from_center, const LeftOut& left_out);
 
   std::unique_ptr<Parts> parts_;
 };

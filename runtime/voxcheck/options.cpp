@@ -27,10 +27,9 @@ OptionParser::OptionParser(CLI::App& app) : clearance_("12.7mm") {
                  "world_from_part where the part is installed, x,y,z[,qw,qx,qy,qz]: it may be near "
                  "the objects that it touches there, until it has left them, and at the path's end "
                  "again");
-  app.add_flag(
-      "--felt-seat", options_.felt_seat,
-      "without --exact: a seat in which shell points feel nothing is clear, although features "
-      "narrower than twice the covering radius are not felt");
+  app.add_flag("--felt-seat", options_.felt_seat,
+               "a seat that no meshes settle is clear where shell points feel nothing, although "
+               "features narrower than twice the covering radius are not felt");
   app.add_option(
       "--seat-depth", seat_depth_,
       "with --exact: how much deeper than installed the part may go into the objects that "

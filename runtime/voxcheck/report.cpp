@@ -119,10 +119,16 @@ std::string seat_text(const Report& report) {
   return line + "; else ";
 }
 
+// Whether the meshes tell of each object of the seat how deep the part goes into it.
+bool is_seat_settled(const Report& report) {
+  return report.exact && std::all_of(report.exact->seat.begin(), report.exact->seat.end(),
+                                     [](const ExactSeat& seat) { return seat.settled; });
+}
+
 // How deep the part goes into the objects of its seat, as far as that is told.
 std::string seat_depth_text(const Report& report) {
   if (report.result.seated.empty()) return "";
-  if (!report.exact) {
+  if (!is_seat_settled(report)) {
     return text(
         "  in its seat it may pass through features of those objects narrower than %.2f mm\n",
         ceil_mm(narrowest_felt_m(report)));
@@ -133,10 +139,10 @@ std::string seat_depth_text(const Report& report) {
       seats.begin(), seats.end(),
       [&](const ExactSeat& a, const ExactSeat& b) { return deeper(a) < deeper(b); });
   if (deepest == seats.end()) return "";
-  return text("  in its seat %.3f mm deeper than installed are allowed; deepest found %.3f mm, into %s\n",
-              1e3 * (deepest->allowed_m - deepest->installed_m),
-              1e3 * std::max(0.0, deeper(*deepest)),
-              escaped(object_name(report.scene, deepest->object)).c_str());
+  return text(
+      "  in its seat %.3f mm deeper than installed are allowed; deepest found %.3f mm, into %s\n",
+      1e3 * (deepest->allowed_m - deepest->installed_m), 1e3 * std::max(0.0, deeper(*deepest)),
+      escaped(object_name(report.scene, deepest->object)).c_str());
 }
 
 // Whether nothing is wrong but that a seat is not settled.
@@ -186,12 +192,6 @@ Json seat_depths_json(const Report& report) {
                     {"settled", seat.settled}});
   }
   return list;
-}
-
-// Whether the meshes tell of each object of the seat how deep the part goes into it.
-bool is_seat_settled(const Report& report) {
-  return report.exact && std::all_of(report.exact->seat.begin(), report.exact->seat.end(),
-                                     [](const ExactSeat& seat) { return seat.settled; });
 }
 
 Json violation_json(const Report& report, const Violation& v) {

@@ -134,7 +134,7 @@ bool lies_in(double time_s, const Json& stretches, const char* kind = nullptr) {
 struct Inputs {
   std::string part, assembly, check, path, voxel_size, units;
   std::vector<std::string> without;
-  std::size_t seat_poses = 40;
+  std::size_t seat_poses = 12;
 };
 
 class Confirmation {

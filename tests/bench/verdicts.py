@@ -62,8 +62,8 @@ def main():
             print(f"{case[0]} left out")
             continue
         results.append(judge(args, case))
-        print(results[-1])
-    bench_scenes.write_report("verdicts", results, args.json)
+        print(results[-1], flush=True)
+        bench_scenes.write_report("verdicts", results, args.json)
     if any(row["contradictions"] for row in results):
         sys.exit(1)
 

@@ -103,6 +103,7 @@ check 6 opened.vox cover.pshell through.csv --clearance 1mm "${felt[@]}"
 printf 't_s,x_m,y_m,z_m\n0,0,0,0\n1,0,0,0.06\n2,0.03,0,0.005\n' >elsewhere.csv
 check 6 opened.vox cover.pshell elsewhere.csv --clearance 5.5mm "${felt[@]}" --allow 'Clip/*' --allow Pin --json elsewhere.json
 grep -q '"object": "Gearbox/Housing"' elsewhere.json || fail "the seat's object is let off elsewhere"
+check 0 opened.vox cover.pshell out.csv --clearance 1mm --seat 0,0,0m --allow Housing  # all of its seat
 # Pushed into its seat it is not clear.
 printf 't_s,x_m,y_m,z_m\n0,0,0,0\n1,0,0,-0.003\n2,0,0,0.06\n' >pushed.csv
 check 6 opened.vox cover.pshell pushed.csv --clearance 1mm "${felt[@]}" --json pushed.json
