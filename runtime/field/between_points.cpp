@@ -53,6 +53,9 @@ std::optional<FieldProbe::Between> FieldProbe::between(std::uint32_t a,
                                                        std::uint32_t b) const noexcept {
   const glm::vec3 way_m = arm_m(b) - arm_m(a);
   const float length_m = glm::length(way_m);
+  // A slope is hardly above 1: two points that are farther from the scene than apart have nothing
+  // in it between them.
+  if (stored_distance_m(a) + stored_distance_m(b) > 1.2f * length_m) return std::nullopt;
   glm::vec3 normal_a = normal(a), normal_b = normal(b);
   const float alike = glm::dot(normal_a, normal_b);
   if (alike < kSameNormal) {
@@ -98,7 +101,7 @@ void FieldProbe::look_between(BetweenSink& sink) noexcept {
   for (const std::uint32_t a : tilted_) place_[points_.index[a]] = ContactSet::kNone;
 }
 
-void FieldProbe::find_between(Seat& seat) {
+[[gnu::cold]] void FieldProbe::find_between(Seat& seat) {
   if (!neighbors_) {
     const PshellView& shell = query_.shell().view();
     neighbor_m_ = static_cast<float>(2 * query_.shell().header().covering_radius_m);

@@ -53,7 +53,7 @@ bool FieldProbe::is_two_sided(std::uint32_t i) const noexcept {
 
 // The normal of a point without an inside says nothing: with zero in its place, the field takes
 // every direction from the scene's slope, and gives no depth where there is none.
-void FieldProbe::forget_sides() noexcept {
+[[gnu::cold]] void FieldProbe::forget_sides() noexcept {
   if (query_.shell().view().two_sided == nullptr) return;
   for (std::uint32_t i = 0; i < points_.count; ++i) {
     if (is_two_sided(i)) points_.nx[i] = points_.ny[i] = points_.nz[i] = 0;
@@ -94,7 +94,8 @@ std::uint32_t FieldProbe::object_of(std::uint32_t i) const noexcept {
   return objects->lookup(points_.vx[i], points_.vy[i], points_.vz[i]).code;
 }
 
-std::uint32_t FieldProbe::object_near(const glm::dvec3& world_m) const noexcept {
+// A frame asks a few times.
+[[gnu::cold]] std::uint32_t FieldProbe::object_near(const glm::dvec3& world_m) const noexcept {
   const Voxmap& voxmap = query_.voxmap();
   if (voxmap.objects() == nullptr || !unpacked_) return 0;
   const glm::dvec3 at = glm::floor(world_m / voxmap.voxel_size_m());
@@ -114,7 +115,7 @@ float FieldProbe::stored_distance_m(std::uint32_t i) const noexcept {
 }
 
 // Whether one of the distances around collected point i is negative.
-bool FieldProbe::lies_beside_solid(std::uint32_t i) const noexcept {
+[[gnu::cold]] bool FieldProbe::lies_beside_solid(std::uint32_t i) const noexcept {
   const DistanceView& distances = *query_.voxmap().distances();
   const std::int32_t zero_code = query_.voxmap().header().distance_zero_code;
   const std::array<std::int32_t, 3> low{points_.vx[i] - (points_.fx[i] < 0.5f ? 1 : 0),
