@@ -9,7 +9,8 @@
 //   stability_bench map               stable and unstable settings: stiffness, mass and rate
 //   stability_bench device            the loop closed by a simulated hand and device
 //   stability_bench grips [MODEL [SCALE]]   handles that hold the part aside of its centroid
-//   stability_bench loops             what closed loops in contact give the hand, at every scale
+//   stability_bench loops [above|seated [SCALE]]   what closed loops in contact give the hand, at
+//                                     every scale
 //   stability_bench seats [PAIRS [FIRST]]   parts that start installed (203, from pair 0 on)
 //   stability_bench step [STEPS]      cost of a step with 200 contacts and more (100000)
 //   stability_bench all               all of them but hands, which take hours
@@ -314,7 +315,11 @@ int run_tables(int argc, char** argv) {
          return grip_map(words.size() > 1 ? words[1] : "",
                          words.size() > 2 ? std::stod(words[2]) : 0);
        }},
-      {"loops", loop_table},
+      {"loops",
+       [&] {
+         return loop_table(words.size() > 1 ? words[1] : "",
+                           words.size() > 2 ? std::stod(words[2]) : 0);
+       }},
       {"seats",
        [&] {
          return seat_table(amount(203), words.size() > 2 ? std::stoull(words[2]) : 0,
