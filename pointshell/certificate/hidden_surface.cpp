@@ -32,16 +32,27 @@ HiddenSurface::HiddenSurface(const part::Part& part)
   for (std::vector<std::uint32_t>& triangles : part::triangles_by_body(part)) {
     if (triangles.empty() || !is_closed_body(part, triangles)) continue;
     solids_.push_back(std::make_unique<Solid>(part, std::move(triangles)));
+    const part::TriangleTree::Node& box = solids_.back()->tree.nodes()[0];
+    const auto corner = static_cast<std::uint32_t>(boxes_.vertices.size());
+    boxes_.vertices.push_back({box.low[0], box.low[1], box.low[2]});
+    boxes_.vertices.push_back({box.high[0], box.high[1], box.high[2]});
+    boxes_.triangles.push_back({corner, corner + 1, corner});
   }
+  if (possible()) box_tree_.emplace(boxes_);
 }
 
 bool HiddenSurface::holds_ball(const part::Vec3& center, double radius) const {
-  for (const auto& solid : solids_) {
-    if (solid->tree.nodes()[0].distance_squared(center) > 0) continue;
-    if (solid->tree.nearest(center, radius + rounding_).found) continue;
-    if (std::abs(solid->winding.at(center)) > kInside) return true;
-  }
-  return false;
+  bool held = false;
+  if (!possible()) return held;
+  box_tree_->visit_near(
+      center, 0, [&](std::uint32_t n) { held = held || holds_ball(*solids_[n], center, radius); });
+  return held;
+}
+
+bool HiddenSurface::holds_ball(const Solid& solid, const part::Vec3& center, double radius) const {
+  return solid.tree.nodes()[0].distance_squared(center) == 0 &&
+         !solid.tree.nearest(center, radius + rounding_).found &&
+         std::abs(solid.winding.at(center)) > kInside;
 }
 
 std::size_t leave_out_hidden_points(const part::Part& part, const HiddenSurface& hidden,

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "pointshell/certificate/certificate.h"
@@ -17,6 +18,8 @@ class HiddenSurface {
  public:
   // `part` must be consistently oriented (orient_outwards) and outlive this.
   explicit HiddenSurface(const part::Part& part);
+  HiddenSurface(const HiddenSurface&) = delete;
+  HiddenSurface& operator=(const HiddenSurface&) = delete;
 
   // Whether there are bodies that could hide others.
   bool possible() const { return !solids_.empty(); }
@@ -31,8 +34,12 @@ class HiddenSurface {
     part::TriangleTree tree;
     WindingNumber winding;
   };
+  bool holds_ball(const Solid& solid, const part::Vec3& center, double radius) const;
+
   std::vector<std::unique_ptr<Solid>> solids_;  // the winding number keeps its tree's address
-  double rounding_ = 0;                         // m, more than any error of a distance
+  part::Part boxes_;                            // of the solids: triangle n has the box of solid n
+  std::optional<part::TriangleTree> box_tree_;
+  double rounding_ = 0;  // m, more than any error of a distance
 };
 
 // Drops the points that lie deeper than the radius inside another body. Their balls hold no outer

@@ -18,7 +18,9 @@ namespace {
 constexpr double kDecisive = 0.15;
 // A patch with a smaller share of leaving rays is hidden; a few rays slip through gaps.
 constexpr double kHidden = 0.005;
-constexpr std::size_t kSamplesPerPatch = 128;
+// The first samples are enough where they leave no doubt; a negligible patch gets fewer.
+constexpr std::size_t kSamplesPerPatch = 128, kFirstSamples = 8, kFirstOfNegligible = 2;
+constexpr double kNoDoubt = 0.5, kNoDoubtSky = 0.05;
 constexpr int kRaysPerSample = 64;
 // In sizes of the part. A hit nearer to a ray's origin is the surface that it starts on.
 constexpr double kSelfHit = 1e-10;
@@ -148,6 +150,12 @@ double area_of(const part::Part& part, const std::vector<std::uint32_t>& triangl
   return area;
 }
 
+// The diagonal of the box around the patch.
+double size_of(const part::Part& part, const std::vector<std::uint32_t>& patch) {
+  const part::Box box = part::box_of(part, patch);
+  return part::length(box.high - box.low);
+}
+
 void turn(part::Part& part, std::uint32_t t) {
   std::swap(part.triangles[t][1], part.triangles[t][2]);
 }
@@ -169,21 +177,35 @@ struct Sky {
   double front = 0, back = 0;
 
   bool hidden() const { return front + back < kHidden; }
+  bool leaves_no_doubt() const {
+    return front + back >= kNoDoubtSky && std::abs(decisiveness()) >= kNoDoubt;
+  }
   double decisiveness() const { return hidden() ? 0 : (front - back) / (front + back); }
 };
 
 class SkySampler {
  public:
-  explicit SkySampler(const part::Part& part) : part_(part), directions_(ray_directions()) {
+  SkySampler(const part::Part& part, double negligible_size_m)
+      : part_(part), negligible_size_m_(negligible_size_m), directions_(ray_directions()) {
     part::Box box;
     for (const part::Vec3& v : part.vertices) box.grow(v);
     self_hit_ = kSelfHit * part::length(box.high - box.low);
   }
 
-  // The sky of patch `triangles` past the triangles of `tree`. Samples stand for equal areas.
+  // The sky of patch `triangles` past the triangles of `tree`.
   Sky look(const part::TriangleTree& tree, const std::vector<std::uint32_t>& triangles) const {
+    const std::size_t few =
+        size_of(part_, triangles) <= negligible_size_m_ ? kFirstOfNegligible : kFirstSamples;
+    const Sky first = look(tree, triangles, std::min(triangles.size(), few));
+    if (triangles.size() <= few || first.leaves_no_doubt()) return first;
+    return look(tree, triangles, std::min(triangles.size(), kSamplesPerPatch));
+  }
+
+ private:
+  // Samples stand for equal areas.
+  Sky look(const part::TriangleTree& tree, const std::vector<std::uint32_t>& triangles,
+           std::size_t samples) const {
     const double area = area_of(part_, triangles);
-    const std::size_t samples = std::min(triangles.size(), kSamplesPerPatch);
     Sky sky;
     double area_so_far = 0;
     std::size_t taken = 0;
@@ -202,7 +224,6 @@ class SkySampler {
     return taken > 0 ? Sky{sky.front / rays, sky.back / rays} : Sky{};
   }
 
- private:
   void add_sample(const part::TriangleTree& tree, std::uint32_t t, double weight, Sky& sky) const {
     const part::Vec3 normal = part::doubled_area_normal(part_, t),
                      origin = part::centroid(part::triangle_piece(part_, t));
@@ -213,13 +234,15 @@ class SkySampler {
   }
 
   const part::Part& part_;
+  const double negligible_size_m_;
   const std::array<part::Vec3, kRaysPerSample> directions_;
   double self_hit_ = 0;
 };
 
 // The sky of every patch, past the whole part or, where that hides the patch, past its own body.
-std::vector<Sky> look_around(const part::Part& part, const Patches& patches) {
-  const SkySampler sampler(part);
+std::vector<Sky> look_around(const part::Part& part, const Patches& patches,
+                             double negligible_size_m) {
+  const SkySampler sampler(part, negligible_size_m);
   const part::TriangleTree whole(part);
   std::vector<Sky> skies(patches.triangles.size());
   const auto look = [&](const part::TriangleTree& tree, std::size_t n) {
@@ -299,7 +322,7 @@ OrientationReport orient_outwards(part::Part& part, double negligible_size_m) {
   for (std::uint32_t t = 0; t < part.triangles.size(); ++t) {
     if (patches.turned[t]) turn(part, t);
   }
-  const std::vector<Sky> skies = look_around(part, patches);
+  const std::vector<Sky> skies = look_around(part, patches, negligible_size_m);
   report.of_sheet.assign(given.size(), false);
   report.loose.assign(given.size(), false);
   for (std::size_t n = 0; n < skies.size(); ++n) {

@@ -34,19 +34,21 @@ Vec3 nearer(const Vec3& place, const Vec3& p, const Vec3& q) {
   return length_squared(q - place) < length_squared(p - place) ? q : p;
 }
 
-// Whether the ray meets the box beyond its origin; `inverse` is 1 / direction, by component.
-bool ray_meets_box(const Vec3& origin, const Vec3& inverse, const TriangleTree::Node& box) {
+// Where along the ray, in directions, it enters the box; infinite where it misses it. `inverse` is
+// 1 / direction, by component.
+double ray_enters_box(const Vec3& origin, const Vec3& inverse, const TriangleTree::Node& box) {
   double enter = 0, leave = std::numeric_limits<double>::infinity();
   const auto clip = [&](double from, double factor, double low, double high) {
     const double a = (low - from) * factor, b = (high - from) * factor;
-    // 0 * infinity, on a face that the ray runs along, is NaN: fmin and fmax pass over it.
-    enter = std::fmax(enter, std::fmin(a, b));
-    leave = std::fmin(leave, std::fmax(a, b));
+    const double near = a < b ? a : b, far = a < b ? b : a;
+    // 0 * infinity, on a face that the ray runs along, is NaN: these comparisons pass over it.
+    if (near > enter) enter = near;
+    if (far < leave) leave = far;
   };
   clip(origin.x, inverse.x, box.low[0], box.high[0]);
   clip(origin.y, inverse.y, box.low[1], box.high[1]);
   clip(origin.z, inverse.z, box.low[2], box.high[2]);
-  return enter <= leave;
+  return enter <= leave ? enter : std::numeric_limits<double>::infinity();
 }
 
 // Moeller and Trumbore 1997; false for a triangle seen edge-on.
@@ -85,56 +87,61 @@ TriangleTree::TriangleTree(const Part& part) : part_(&part), ordered_(part.trian
 
 TriangleTree::TriangleTree(const Part& part, std::vector<std::uint32_t> triangles)
     : part_(&part), ordered_(std::move(triangles)) {
-  std::vector<Vec3> centroids(part.triangles.size());
-  for (const std::uint32_t t : ordered_) {
-    centroids[t] = centroid(triangle_piece(part, t));
-  }
+  std::vector<Placed> placed;  // no more than the tree's own: a part has thousands of small trees
+  placed.reserve(ordered_.size());
+  for (const std::uint32_t t : ordered_) placed.push_back({centroid(triangle_piece(part, t)), t});
   nodes_.reserve(2 * (ordered_.size() / (kLeafTriangles / 2) + 1));
-  build(ordered_, 0, centroids);
+  build(placed, 0);
 }
 
-void TriangleTree::build(std::span<std::uint32_t> triangles, std::uint32_t first,
-                         const std::vector<Vec3>& centroids) {
+void TriangleTree::build(std::span<Placed> placed, std::uint32_t first) {
   const std::size_t at = nodes_.size();
+  const std::span<std::uint32_t> triangles = std::span(ordered_).subspan(first, placed.size());
+  for (std::size_t n = 0; n < placed.size(); ++n) triangles[n] = placed[n].triangle;
   nodes_.push_back(
-      node_around(box_of(*part_, triangles), first, static_cast<std::uint32_t>(triangles.size())));
-  if (triangles.size() <= kLeafTriangles) return;
+      node_around(box_of(*part_, triangles), first, static_cast<std::uint32_t>(placed.size())));
+  if (placed.size() <= kLeafTriangles) return;
   Box of_centroids;
-  for (const std::uint32_t t : triangles) of_centroids.grow(centroids[t]);
+  for (const Placed& own : placed) of_centroids.grow(own.centroid);
   const int axis = of_centroids.longest_axis();
-  const std::size_t half = triangles.size() / 2;
-  std::nth_element(triangles.begin(), triangles.begin() + static_cast<std::ptrdiff_t>(half),
-                   triangles.end(), [&](std::uint32_t a, std::uint32_t b) {
-                     const double x = coordinate(centroids[a], axis);
-                     const double y = coordinate(centroids[b], axis);
-                     return x != y ? x < y : a < b;
+  const std::size_t half = placed.size() / 2;
+  std::nth_element(placed.begin(), placed.begin() + static_cast<std::ptrdiff_t>(half), placed.end(),
+                   [&](const Placed& a, const Placed& b) {
+                     const double x = coordinate(a.centroid, axis);
+                     const double y = coordinate(b.centroid, axis);
+                     return x != y ? x < y : a.triangle < b.triangle;
                    });
-  build(triangles.first(half), first, centroids);
+  build(placed.first(half), first);
   const auto second_child = static_cast<std::uint32_t>(nodes_.size());
-  build(triangles.subspan(half), first + static_cast<std::uint32_t>(half), centroids);
+  build(placed.subspan(half), first + static_cast<std::uint32_t>(half));
   nodes_[at].first = second_child;
   nodes_[at].count = 0;
 }
 
 bool TriangleTree::ray_hits(const Vec3& origin, const Vec3& direction, std::uint32_t excluded,
                             double least_distance) const {
+  constexpr double kMissed = std::numeric_limits<double>::infinity();
   const Vec3 inverse{1 / direction.x, 1 / direction.y, 1 / direction.z};
   std::array<std::uint32_t, kMaxDepth> stack;
   std::size_t depth = 0;
-  stack[depth++] = 0;
+  if (ray_enters_box(origin, inverse, nodes_[0]) < kMissed) stack[depth++] = 0;
   while (depth > 0) {
     const std::uint32_t at = stack[--depth];
     const Node& node = nodes_[at];
-    if (!ray_meets_box(origin, inverse, node)) continue;
     for (std::uint32_t n = 0; n < node.count; ++n) {
       const std::uint32_t t = ordered_[node.first + n];
       if (t == excluded) continue;
       const auto [a, b, c] = triangle_piece(*part_, t);
       if (ray_meets_triangle(origin, direction, least_distance, a, b, c)) return true;
     }
-    if (node.count == 0) {
-      stack[depth++] = node.first;
-      stack[depth++] = at + 1;
+    if (node.count > 0) continue;
+    // The nearer child goes first: a hit there ends the search.
+    std::array<std::uint32_t, 2> child{node.first, at + 1};
+    std::array<double, 2> enters{ray_enters_box(origin, inverse, nodes_[child[0]]),
+                                 ray_enters_box(origin, inverse, nodes_[child[1]])};
+    if (enters[0] < enters[1]) std::swap(child[0], child[1]), std::swap(enters[0], enters[1]);
+    for (int n = 0; n < 2; ++n) {
+      if (enters[n] < kMissed) stack[depth++] = child[n];
     }
   }
   return false;

@@ -101,8 +101,12 @@ class TriangleTree {
       }
     }
   }
-  void build(std::span<std::uint32_t> triangles, std::uint32_t first,
-             const std::vector<Vec3>& centroids);
+  struct Placed {
+    Vec3 centroid;
+    std::uint32_t triangle;
+  };
+  // Appends the node over these, whose places in ordered_triangles() begin at `first`.
+  void build(std::span<Placed> placed, std::uint32_t first);
 
   const Part* part_;
   std::vector<std::uint32_t> ordered_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <unordered_map>
 
 #include "formats/pshell_format.h"
 #include "pointshell/certificate/point_grid.h"
@@ -132,36 +133,75 @@ class CoveringBuilder {
   int steps_done_ = 0;
 };
 
-// The triangles that show where the surface is: where many are far smaller than the radius, a few
-// in each small cube. Points are spread over these and relaxed among them; only the proof needs
-// all.
-std::vector<std::uint32_t> telling_triangles(const part::Part& part, double radius) {
-  constexpr double kCube = 0.25, kSmall = 0.2;  // in radii: edges of cubes and of small triangles
-  constexpr std::size_t kPerCube = 8;
-  using Cube = std::array<std::int64_t, 3>;
-  std::vector<std::uint32_t> telling;
-  std::vector<std::pair<Cube, std::uint32_t>> small;
-  for (std::uint32_t t = 0; t < part.triangles.size(); ++t) {
-    const part::Piece piece = part::triangle_piece(part, t);
-    if (part::longest_edge(piece).length_squared > kSmall * kSmall * radius * radius) {
-      telling.push_back(t);
-      continue;
+// Chooses triangles that show where the surface is: all that are wide, and of the narrow and small
+// ones so many as give each small cube a few. Points are spread over these and relaxed among them;
+// only the proof needs all.
+class TellingTriangles {
+ public:
+  TellingTriangles(const part::Part& part, double radius) : part_(part), radius_(radius) {}
+
+  std::vector<std::uint32_t> choose() {
+    std::vector<std::pair<double, std::uint32_t>> narrow;  // less than the length, for the order
+    for (std::uint32_t t = 0; t < part_.triangles.size(); ++t) {
+      const double length_m =
+          std::sqrt(part::longest_edge(part::triangle_piece(part_, t)).length_squared);
+      if (is_wide(t, length_m)) {
+        telling_.push_back(t);
+      } else {
+        narrow.push_back({-length_m, t});
+      }
     }
-    const part::Vec3 p = (1 / (kCube * radius)) * part::centroid(piece);
-    small.push_back(
-        {{part::floor_to_int(p.x), part::floor_to_int(p.y), part::floor_to_int(p.z)}, t});
+    std::sort(narrow.begin(), narrow.end());
+    for (const auto& [minus_length_m, t] : narrow) take_where_wanted(t, -minus_length_m);
+    std::sort(telling_.begin(), telling_.end());
+    return std::move(telling_);
   }
-  std::sort(small.begin(), small.end());
-  for (std::size_t first = 0; first < small.size();) {
-    std::size_t end = first + 1;
-    while (end < small.size() && small[end].first == small[first].first) ++end;
-    const std::size_t step = (end - first + kPerCube - 1) / kPerCube;
-    for (std::size_t n = first; n < end; n += step) telling.push_back(small[n].second);
-    first = end;
+
+ private:
+  using Cube = std::array<std::int64_t, 3>;
+  struct CubeHash {
+    std::size_t operator()(const Cube& cube) const {
+      std::uint64_t hash = 0;
+      for (const std::int64_t i : cube) {
+        hash = (hash ^ static_cast<std::uint64_t>(i)) * 0x9e3779b97f4a7c15u;
+        hash ^= hash >> 29;
+      }
+      return hash;
+    }
+  };
+  // In radii: heights and lengths of wide triangles, edges of cubes.
+  static constexpr double kWide = 0.2, kLong = 64, kCube = 0.5;
+  static constexpr int kPerCube = 2;
+
+  bool is_wide(std::uint32_t t, double length_m) const {
+    return length_m > kLong * radius_ ||
+           part::length(part::doubled_area_normal(part_, t)) > kWide * radius_ * length_m;
   }
-  std::sort(telling.begin(), telling.end());
-  return telling;
-}
+
+  // Takes the triangle where a cube along its longest edge has too few.
+  void take_where_wanted(std::uint32_t t, double length_m) {
+    const part::Piece piece = part::triangle_piece(part_, t);
+    const int from = part::longest_edge(piece).from;
+    const part::Vec3 along = piece[(from + 1) % 3] - piece[from];
+    const int steps = 1 + static_cast<int>(length_m / (kCube * radius_));
+    cubes_.clear();
+    bool wanted = false;
+    for (int n = 0; n < steps; ++n) {
+      const part::Vec3 p = (1 / (kCube * radius_)) * (piece[from] + ((n + 0.5) / steps) * along);
+      cubes_.push_back({part::floor_to_int(p.x), part::floor_to_int(p.y), part::floor_to_int(p.z)});
+      wanted = wanted || taken_[cubes_.back()] < kPerCube;
+    }
+    if (!wanted) return;
+    telling_.push_back(t);
+    for (const Cube& cube : cubes_) ++taken_[cube];
+  }
+
+  const part::Part& part_;
+  const double radius_;
+  std::vector<std::uint32_t> telling_;
+  std::unordered_map<Cube, int, CubeHash> taken_;
+  std::vector<Cube> cubes_;  // of the triangle in hand
+};
 
 }  // namespace
 
@@ -169,7 +209,7 @@ CoveringPoints covering_points(const part::TriangleTree& tree, double radius, Ef
                                const std::function<void(double)>& progress) {
   const Recipe& recipe = effort == Effort::kFast ? kFast : kFull;
   CoveringPoints covering;
-  std::vector<std::uint32_t> telling = telling_triangles(tree.part(), radius);
+  std::vector<std::uint32_t> telling = TellingTriangles(tree.part(), radius).choose();
   if (2 * telling.size() < tree.part().triangles.size()) {
     const part::TriangleTree thinned(tree.part(), std::move(telling));
     covering.positions = CoveringBuilder(thinned, radius, recipe, progress).build();

@@ -87,7 +87,6 @@ void FieldProbe::bar(ContactSet& out) const noexcept {
   out.surface = out.count - out.barred - proximity;
 }
 
-// The object nearest to collected point i.
 std::uint32_t FieldProbe::object_of(std::uint32_t i) const noexcept {
   const ObjectView* const objects = query_.voxmap().objects();
   if (objects == nullptr) return 0;

@@ -50,6 +50,9 @@ class FieldProbe final : public ContactProbe {
   // there.
   std::uint32_t object_near(const glm::dvec3& world_m) const noexcept override;
 
+  // The object nearest to the i-th point of the last look_up(); 0 where the map names none.
+  std::uint32_t object_of(std::uint32_t i) const noexcept;
+
   // The second half of look_up(): depth and direction of the points that the query collected.
   void read(ContactSet& out) noexcept;
 
@@ -79,7 +82,6 @@ class FieldProbe final : public ContactProbe {
   glm::vec3 slope(std::uint32_t i) const noexcept {
     return {samples_.gx[i], samples_.gy[i], samples_.gz[i]};
   }
-  std::uint32_t object_of(std::uint32_t i) const noexcept;
   float stored_distance_m(std::uint32_t i) const noexcept;
   bool lies_beside_solid(std::uint32_t i) const noexcept;
   Status check_depth(const SeatObject& object) const;

@@ -46,20 +46,24 @@ TEST(StepLosses, OfASoundFileThereAreNone) {
   EXPECT_EQ(iges_error(iges_box(true)), "");
 }
 
-TEST(StepLosses, AConstructiveSolidBesideAnExactOne) {
-  const std::string solid =
+// A constructive solid that is read has its test in mesh_step_constructive.cpp.
+TEST(StepLosses, AConstructiveSolidThatIsNotUnderstood) {
+  const std::string cone =
       with_entities(with_item(step_box(), "#9004"),
                     std::string(kFrame) +
-                        "#9001=BLOCK('block',#9002,5.,5.,5.);\n#9004=CSG_SOLID('lid',#9001);\n");
-  expect_in("1 solid: #9004 CSG_SOLID 'lid'", step_error(solid));
-  // Of a tree only the root is named.
+                        "#9005=DIRECTION('',(0.,0.,1.));\n#9006=AXIS1_PLACEMENT('',#9003,#9005);\n"
+                        "#9001=RIGHT_CIRCULAR_CONE('tip',#9006,5.,1.,0.5);\n"
+                        "#9004=CSG_SOLID('lid',#9001);\n");
+  expect_in("1 solid: #9004 CSG_SOLID 'lid'", step_error(cone));
+  // Of a tree only the root is named: a union with all that lies below a plane is no solid.
   const std::string tree = with_entities(
       with_item(step_box(), "#9004"),
       std::string(kFrame) +
-          "#9001=BLOCK('',#9002,5.,5.,5.);\n#9005=SPHERE('',3.,#9003);\n"
-          "#9006=BOOLEAN_RESULT('',.DIFFERENCE.,#9001,#9005);\n#9004=CSG_SOLID('lid',#9006);\n");
+          "#9001=BLOCK('',#9002,5.,5.,5.);\n#9005=PLANE('',#9002);\n"
+          "#9007=HALF_SPACE_SOLID('',#9005,.T.);\n"
+          "#9006=BOOLEAN_RESULT('',.UNION.,#9001,#9007);\n#9004=CSG_SOLID('lid',#9006);\n");
   expect_in("1 solid: #9004 CSG_SOLID 'lid';", step_error(tree));
-  // Without any reference to it, it is as lost.
+  // A solid that no shape lists.
   const std::string alone =
       with_entities(step_box(), std::string(kFrame) + "#9001=BLOCK('block',#9002,5.,5.,5.);\n");
   expect_in("1 solid: #9001 BLOCK 'block'", step_error(alone));

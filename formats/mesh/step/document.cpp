@@ -9,11 +9,12 @@
 #include <XSControl_TransferReader.hxx>
 #include <XSControl_WorkSession.hxx>
 
-#include "formats/mesh/step/iges_losses.h"
-#include "formats/mesh/step/losses.h"
+#include "formats/mesh/step/entities/constructive.h"
+#include "formats/mesh/step/entities/iges_losses.h"
+#include "formats/mesh/step/entities/losses.h"
+#include "formats/mesh/step/entities/triangles.h"
 #include "formats/mesh/step/occt_messages.h"
 #include "formats/mesh/step/references.h"
-#include "formats/mesh/step/triangles.h"
 
 namespace forcelayer::mesh {
 namespace {
@@ -79,10 +80,12 @@ void read_step_file(const SourceFile& file, StepDocument& document) {
   const Handle(XSControl_WorkSession) session = reader.Reader().WS();
   check_step_references(file, session);
   std::vector<TriangleItem> items = take_triangles(session);
+  ReadEntities read_entities = make_constructive_solids(session);
   const std::vector<StepReference> references = take_references(session);
   const OcctMessages messages;
   const bool has_shapes = reader.Transfer(document.document);
-  check_step_losses(file, session, document.document, keep_triangles(items, reader, document));
+  read_entities.merge(keep_triangles(items, reader, document));
+  check_step_losses(file, session, document.document, read_entities);
   keep_references(file, references, reader, document);
   if (!has_shapes) fail_shapes(file, messages);
 }

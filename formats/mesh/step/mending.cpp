@@ -11,7 +11,7 @@
 #include <TopoDS_Edge.hxx>
 #include <algorithm>
 
-#include "formats/mesh/step/faces.h"
+#include "formats/mesh/step/entities/faces.h"
 
 namespace forcelayer::mesh {
 TopoDS_Shape mend_face(const TopoDS_Face& face, const Handle(ShapeBuild_ReShape) & context,

@@ -1,14 +1,10 @@
-#include "formats/mesh/step/triangles.h"
+#include "formats/mesh/step/entities/triangles.h"
 
 #include <Interface_EntityIterator.hxx>
 #include <Interface_Graph.hxx>
 #include <Interface_UndefinedContent.hxx>
-#include <STEPConstruct_UnitContext.hxx>
 #include <StepData_StepModel.hxx>
 #include <StepData_UndefinedEntity.hxx>
-#include <StepGeom_GeomRepContextAndGlobUnitAssCtxAndGlobUncertaintyAssCtx.hxx>
-#include <StepGeom_GeometricRepresentationContextAndGlobalUnitAssignedContext.hxx>
-#include <StepRepr_GlobalUnitAssignedContext.hxx>
 #include <StepRepr_ProductDefinitionShape.hxx>
 #include <StepRepr_PropertyDefinition.hxx>
 #include <StepRepr_RepresentationContext.hxx>
@@ -25,8 +21,11 @@
 #include <algorithm>
 #include <gp_XYZ.hxx>
 #include <map>
+#include <optional>
 #include <set>
 #include <utility>
+
+#include "formats/mesh/step/entities/step_units.h"
 
 namespace forcelayer::mesh {
 namespace {
@@ -267,25 +266,6 @@ class TriangleReader {
   double agreement_ = 0;  // of normals and triangles: twice their area, signed
 };
 
-double mm_per_unit(const Entity& context) {
-  Handle(StepRepr_GlobalUnitAssignedContext) units;
-  if (const auto full = Handle(
-          StepGeom_GeomRepContextAndGlobUnitAssCtxAndGlobUncertaintyAssCtx)::DownCast(context);
-      !full.IsNull()) {
-    units = full->GlobalUnitAssignedContext();
-  } else if (const auto brief =
-                 Handle(StepGeom_GeometricRepresentationContextAndGlobalUnitAssignedContext)::
-                     DownCast(context);
-             !brief.IsNull()) {
-    units = brief->GlobalUnitAssignedContext();
-  }
-  STEPConstruct_UnitContext factors;
-  if (units.IsNull() || factors.ComputeFactors(units) != 0 || !factors.LengthDone()) {
-    throw NotUnderstood{};
-  }
-  return factors.LengthFactor();
-}
-
 bool is_representation_of_triangles(const Entity& entity) {
   for (const std::string& type : unknown_types(entity)) {
     if (type.starts_with("TESSELLATED_SHAPE_REPRESENTATION")) return true;
@@ -332,8 +312,9 @@ class TriangleFinder {
         const Entity context = known.IsNull() ? Parameters(Unknown::DownCast(user)).entity(3)
                                               : Entity(known->ContextOfItems());
         const std::set<Product> products = products_of(user);
-        if (products.size() != 1) throw NotUnderstood{};
-        TriangleReader reader(mm_per_unit(context));
+        const std::optional<StepUnits> units = units_of(context);
+        if (products.size() != 1 || !units) throw NotUnderstood{};
+        TriangleReader reader(units->mm);
         reader.add(entity);
         items_.push_back(reader.take(*products.begin()));
         read_.insert(entity.get());

@@ -1,4 +1,4 @@
-#include "formats/mesh/step/faces.h"
+#include "formats/mesh/step/entities/faces.h"
 
 #include <TDF_LabelSequence.hxx>
 #include <TopExp_Explorer.hxx>

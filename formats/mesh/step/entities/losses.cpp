@@ -1,4 +1,4 @@
-#include "formats/mesh/step/losses.h"
+#include "formats/mesh/step/entities/losses.h"
 
 #include <Interface_Check.hxx>
 #include <Interface_EntityIterator.hxx>
@@ -50,8 +50,8 @@
 #include <string_view>
 #include <unordered_set>
 
-#include "formats/mesh/step/faces.h"
-#include "formats/mesh/step/triangles.h"
+#include "formats/mesh/step/entities/faces.h"
+#include "formats/mesh/step/entities/triangles.h"
 
 namespace forcelayer::mesh {
 namespace {
@@ -183,7 +183,7 @@ class StepCheck {
       ++lost_faces_.count;
       if (!is_in_document(entity)) lost_faces_.names.push_back(name_of(entity));
     } else if (is_solid(entity)) {
-      if (!is_in_document(entity)) lose(entity);
+      if (!is_in_document(entity) && !read_.contains(entity.get())) lose(entity);
     } else if (entity->IsKind(STANDARD_TYPE(StepShape_GeometricSet))) {
       if (count_faces(result_of(entity)) < surfaces_of(entity)) lose(entity);
     } else if (entity->IsKind(STANDARD_TYPE(StepData_UndefinedEntity))) {

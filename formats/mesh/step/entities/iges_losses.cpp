@@ -1,4 +1,4 @@
-#include "formats/mesh/step/iges_losses.h"
+#include "formats/mesh/step/entities/iges_losses.h"
 
 #include <IGESData_IGESEntity.hxx>
 #include <IGESData_IGESModel.hxx>
@@ -12,7 +12,7 @@
 #include <initializer_list>
 #include <unordered_map>
 
-#include "formats/mesh/step/faces.h"
+#include "formats/mesh/step/entities/faces.h"
 
 namespace forcelayer::mesh {
 namespace {
