@@ -3,14 +3,15 @@
 //   stability_bench rest [TRIALS]     random rest trials (500)
 //   stability_bench table2 [FRAMES]   the paper's Table 2, beside default (1000000 contact frames)
 //   stability_bench field [FRAMES]    the paper's model by its field stiffness (200000 each)
-//   stability_bench hands [FRAMES [JOURNAL]]   hands of every temper in congested scenes (100000000
-//                                     frames); Ctrl-C ends it with what there is, and a run with
-//                                     the same journal goes on from there
+//   stability_bench hands [FRAMES [JOURNAL]]   hands of every temper in congested scenes
+//                                     (100000000 frames); Ctrl-C ends it with what there is, and a
+//                                     run with the same journal goes on from there
 //   stability_bench map               stable and unstable settings: stiffness, mass and rate
 //   stability_bench device            the loop closed by a simulated hand and device
-//   stability_bench grips             handles that hold the part aside of its centroid: which swing
-//   stability_bench loops             what closed loops in contact give the hand, at every scale
-//   stability_bench seats [PAIRS [FIRST]]  parts that start installed (203, from pair 0 on)
+//   stability_bench grips [MODEL [SCALE]]   handles that hold the part aside of its centroid
+//   stability_bench loops [above|seated [SCALE]]   what closed loops in contact give the hand, at
+//                                     every scale
+//   stability_bench seats [PAIRS [FIRST]]   parts that start installed (203, from pair 0 on)
 //   stability_bench step [STEPS]      cost of a step with 200 contacts and more (100000)
 //   stability_bench all               all of them but hands, which take hours
 // Each writes stability_NAME.json (bench_report.h); --json FILE writes another file. Seeds run from
@@ -309,8 +310,16 @@ int run_tables(int argc, char** argv) {
        [&] { return random_hands(amount(100'000'000), words.size() > 2 ? words[2] : ""); }},
       {"map", setting_map},
       {"device", device_table},
-      {"grips", grip_map},
-      {"loops", loop_table},
+      {"grips",
+       [&] {
+         return grip_map(words.size() > 1 ? words[1] : "",
+                         words.size() > 2 ? std::stod(words[2]) : 0);
+       }},
+      {"loops",
+       [&] {
+         return loop_table(words.size() > 1 ? words[1] : "",
+                           words.size() > 2 ? std::stod(words[2]) : 0);
+       }},
       {"seats",
        [&] {
          return seat_table(amount(203), words.size() > 2 ? std::stoull(words[2]) : 0,

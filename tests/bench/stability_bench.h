@@ -30,10 +30,13 @@ Json random_hands(std::uint64_t frames, const std::string& journal_path);
 Json setting_map();
 // The same loop closed by a simulated hand and device, beside the bounds that defaults obey.
 Json device_table();
-// Which handles swing: arm, hand, delay, scale and clutch, for both models.
-Json grip_map();
-// The energy that slow closed loops in contact give the hand at the device's port, at every scale.
-Json loop_table();
+// Which handles swing: arm, hand, delay, scale and clutch, for both models; or for one of them, and
+// at one scale.
+Json grip_map(const std::string& only_model, double only_scale);
+// The energy that slow closed loops in contact give the hand at the device's port, at every scale
+// or at one; of parts that start above the plane, or seated on it, alone where one of the two is
+// named.
+Json loop_table(const std::string& only_start, double only_scale);
 // Installed parts: rest, depth under hands at random, removal and return. Shells of the usual
 // covering radius where `covering_voxels` is 0.
 Json seat_table(std::uint64_t pairs, std::uint64_t first, double covering_voxels);

@@ -48,11 +48,13 @@ double swing(Model model, double scale, double delay_s, int temper, double arm_m
 
 }  // namespace
 
-Json grip_map() {
+Json grip_map(const std::string& only_model, double only_scale) {
   Json rows = Json::array();
   std::printf("grips: . quiet, X swings; arms of 0 m, then 0.1 0.2 0.3 0.5 m along x, y and z\n");
   for (const Model model : kBothModels) {
+    if (!only_model.empty() && only_model != name_of(model)) continue;
     for (const double scale : {0.1, 1.0, 5.0, 10.0}) {
+      if (only_scale > 0 && only_scale != scale) continue;
       for (const double delay_s : {0.0, 0.001, 0.003}) {
         for (int temper = 0; temper < 3; ++temper) {
           for (const bool clutch : {false, true}) {
@@ -103,13 +105,15 @@ constexpr LoopStart kLoopStarts[] = {
 
 }  // namespace
 
-Json loop_table() {
+Json loop_table(const std::string& only_start, double only_scale) {
   Json rows = Json::array();
   std::printf("loops: the second of two closed loops in contact, uJ; over: beyond kT/2 int v^2\n");
   const test::VoxelScene scene = test::plane();
   const test::PointPart part = test::block();
   for (const auto& [model, seated] : kLoopStarts) {
+    if (!only_start.empty() && (only_start == "seated") != seated) continue;
     for (const double scale : {0.1, 0.3, 1.0, 3.0, 10.0}) {
+      if (only_scale > 0 && only_scale != scale) continue;
       for (const test::HandleLoop& loop : test::kHandleLoops) {
         double most_over_j = -INFINITY, most_given_j = -INFINITY, moved_j = 0;
         int over = 0, loops = 0, worked = 0;
