@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstring>
 
 #include "formats/bricks/packed_bricks.h"
@@ -7,28 +8,29 @@
 namespace forcelayer {
 namespace {
 
-using Differences = std::array<std::int8_t, 512>;
+// A brick's rows of eight codes along z, as words whose lowest byte is that of z = 0.
+using Rows = std::array<std::uint64_t, 64>;
+constexpr std::uint64_t kTopBits = 0x8080808080808080u, kEachByte = 0x0101010101010101u;
+
+// a - b of each byte, modulo 256.
+std::uint64_t bytes_minus(std::uint64_t a, std::uint64_t b) {
+  return ((a | kTopBits) - (b & ~kTopBits)) ^ ((a ^ ~b) & kTopBits);
+}
 
 // The difference of a code from the sum of those before it: along z, then y, then x, modulo 256.
-Differences differences_of(const std::uint8_t* codes) {
-  std::array<std::uint8_t, 512> sums;
-  std::memcpy(sums.data(), codes, sums.size());
-  for (std::size_t n = sums.size(); n-- > 64;) {
-    sums[n] = static_cast<std::uint8_t>(sums[n] - sums[n - 64]);
+Rows differences_of(const std::uint8_t* codes) {
+  Rows rows;
+  std::memcpy(rows.data(), codes, sizeof rows);
+  for (std::uint64_t& row : rows) row = bytes_minus(row, row << 8);
+  for (std::size_t n = rows.size(); n-- > 0;) {
+    if (n % 8 != 0) rows[n] = bytes_minus(rows[n], rows[n - 1]);
   }
-  for (std::size_t x = 0; x < 8; ++x) {
-    std::uint8_t* slab = sums.data() + 64 * x;
-    for (std::size_t n = 64; n-- > 8;) slab[n] = static_cast<std::uint8_t>(slab[n] - slab[n - 8]);
-  }
-  Differences differences;
-  for (std::size_t n = 0; n < sums.size(); ++n) {
-    differences[n] = static_cast<std::int8_t>(n % 8 == 0 ? sums[n] : sums[n] - sums[n - 1]);
-  }
-  return differences;
+  for (std::size_t n = rows.size(); n-- > 8;) rows[n] = bytes_minus(rows[n], rows[n - 8]);
+  return rows;
 }
 
 // Takes the middle one of seven differences along an edge off them.
-std::uint8_t take_slope(Differences& differences, std::size_t step) {
+std::uint8_t take_slope(std::int8_t* differences, std::size_t step) {
   std::array<std::int8_t, 7> along;
   for (std::size_t n = 0; n < 7; ++n) along[n] = differences[(n + 1) * step];
   std::nth_element(along.begin(), along.begin() + 3, along.end());
@@ -39,17 +41,27 @@ std::uint8_t take_slope(Differences& differences, std::size_t step) {
   return static_cast<std::uint8_t>(slope);
 }
 
-// The least number of bits that holds all eight as signed numbers; 0 where all are 0.
-unsigned width_of(const std::int8_t* row) {
-  unsigned magnitude = 0;
-  bool any = false;
-  for (std::size_t z = 0; z < 8; ++z) {
-    magnitude |= static_cast<unsigned>(row[z] < 0 ? ~row[z] : row[z]);
-    any |= row[z] != 0;
-  }
-  unsigned width = any ? 1 : 0;
-  for (; magnitude != 0; magnitude >>= 1) ++width;
-  return width;
+// The least number of bits that holds all eight bytes of a row as signed numbers; 0 where all are
+// 0.
+unsigned width_of(std::uint64_t row) {
+  if (row == 0) return 0;
+  const std::uint64_t negative = (row >> 7 & kEachByte) * 255;
+  std::uint64_t magnitude = row ^ negative;
+  magnitude |= magnitude >> 32;
+  magnitude |= magnitude >> 16;
+  magnitude |= magnitude >> 8;
+  return 1 + static_cast<unsigned>(std::bit_width(magnitude & 255));
+}
+
+// The low `width` bits of each byte, with the least signed number as 0, side by side.
+std::uint64_t fields_of(std::uint64_t row, unsigned width) {
+  const std::uint64_t mask = (std::uint64_t{1} << width) - 1,
+                      bias = std::uint64_t{1} << (width - 1);
+  constexpr std::uint64_t kTwos = 0x00ff00ff00ff00ffu, kFours = 0x0000ffff0000ffffu;
+  std::uint64_t fields = (row & mask * kEachByte) ^ bias * kEachByte;
+  fields = (fields & kTwos) | (fields >> 8 & kTwos) << width;
+  fields = (fields & kFours) | (fields >> 16 & kFours) << 2 * width;
+  return (fields & 0xffffffffu) | fields >> 32 << 4 * width;
 }
 
 void pad(std::vector<std::uint8_t>& bytes) {
@@ -57,7 +69,8 @@ void pad(std::vector<std::uint8_t>& bytes) {
 }
 
 void pack_brick(const std::uint8_t* codes, std::vector<std::uint8_t>& bytes) {
-  Differences differences = differences_of(codes);
+  Rows rows = differences_of(codes);
+  auto* const differences = reinterpret_cast<std::int8_t*>(rows.data());
   const auto base = static_cast<std::uint8_t>(differences[0]);
   differences[0] = 0;
   std::array<std::uint8_t, kMostPackedDistancesBytes> packed{};
@@ -67,17 +80,11 @@ void pack_brick(const std::uint8_t* codes, std::vector<std::uint8_t>& bytes) {
   packed[3] = take_slope(differences, 1);
   std::size_t at = 36;
   for (unsigned row = 0; row < 64; ++row) {
-    const std::int8_t* of_row = differences.data() + 8 * row;
-    const unsigned width = width_of(of_row);
+    const unsigned width = width_of(rows[row]);
     packed[4 + row / 2] = static_cast<std::uint8_t>(packed[4 + row / 2] | width << row % 2 * 4);
     if (width == 0) continue;
-    const unsigned bias = 1u << (width - 1);
-    std::uint64_t fields = 0;
-    for (unsigned z = 0; z < 8; ++z) {
-      const unsigned field = (static_cast<unsigned>(of_row[z]) + bias) & 255u;
-      fields |= std::uint64_t{field} << z * width;
-    }
-    std::memcpy(packed.data() + at, &fields, width);
+    const std::uint64_t fields = fields_of(rows[row], width);
+    std::memcpy(packed.data() + at, &fields, 8);  // of which the last may be overwritten
     at += width;
   }
   bytes.insert(bytes.end(), packed.begin(), packed.begin() + static_cast<std::ptrdiff_t>(at));

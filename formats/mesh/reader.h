@@ -88,4 +88,13 @@ Assembly read_drc(const SourceFile& file);
 Assembly read_gltf(const SourceFile& file);
 Assembly read_step(const SourceFile& file);
 
+// read_step() loads the library that holds its work for the first file: OpenCASCADE is 29
+// libraries, and loading them takes longer than baking a small part. This loads it now where `path`
+// is named as STEP or IGES, for a process that is about to give up the right to. read_step() tells
+// of failures.
+void load_reader_of(const std::string& path);
+
+// The library's one entry.
+extern "C" void forcelayer_read_step(const SourceFile& file, Assembly& assembly);
+
 }  // namespace forcelayer::mesh

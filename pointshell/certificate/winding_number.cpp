@@ -7,8 +7,6 @@
 namespace forcelayer::certificate {
 namespace {
 
-// A node is one dipole from this many of its radii on.
-constexpr double kFar = 5;
 // Below this share of the product of the distances the triangle is seen edge-on.
 constexpr double kEdgeOn = 1e-12;
 
@@ -74,7 +72,7 @@ double WindingNumber::at_leaf(const part::TriangleTree::Node& node, const part::
   return sum;
 }
 
-double WindingNumber::at(const part::Vec3& place) const {
+double WindingNumber::at(const part::Vec3& place, double far) const {
   double sum = 0;
   std::array<std::uint32_t, 96> stack;
   std::size_t depth = 0;
@@ -85,7 +83,7 @@ double WindingNumber::at(const part::Vec3& place) const {
     const Dipole& dipole = dipoles_[at];
     const part::Vec3 offset = dipole.center - place;
     const double squared = part::length_squared(offset);
-    if (squared > kFar * kFar * dipole.radius * dipole.radius) {
+    if (squared > far * far * dipole.radius * dipole.radius) {
       if (squared == 0) continue;  // a node of no extent, where `place` is: seen edge-on
       sum +=
           part::dot(offset, dipole.moment) / (4 * std::numbers::pi * squared * std::sqrt(squared));

@@ -17,11 +17,13 @@ class WindingNumber {
   // `tree` and its part must outlive this; the part's orientation must not change meanwhile.
   explicit WindingNumber(const part::TriangleTree& tree);
 
-  // The winding number at `place`, with an error below about 0.01. On the surface it is the mean of
-  // the two sides, because a triangle seen edge-on counts as zero.
-  double at(const part::Vec3& place) const;
+  // The winding number at `place`, with an error below about 0.01; with a smaller `far`, from how
+  // many of its radii on a group is a dipole, sooner and less closely. On the surface it is the
+  // mean of the two sides, because a triangle seen edge-on counts as zero.
+  double at(const part::Vec3& place, double far = kFar) const;
 
  private:
+  static constexpr double kFar = 5;
   struct Dipole {
     part::Vec3 center;  // of area
     part::Vec3 moment;  // sum of area times normal

@@ -86,6 +86,14 @@ std::size_t CenterPath::pose_beyond(double travel_m, std::size_t first, std::siz
   return static_cast<std::size_t>(at - begin);
 }
 
+Moment CenterPath::middle(const Moment& from, const Moment& to) const {
+  const Between poses = between(from, to);
+  const double half_m = (travel_m(from) + travel_m(to)) / 2;
+  if (poses.count() > 0) return {pose_beyond(half_m, poses.first, poses.beyond - 1), 0};
+  const double end = to.pose == from.pose ? to.share : 1;
+  return {from.pose, (from.share + end) / 2};
+}
+
 // A point at the radius r that turns evenly by a deviates from its chord, at equal shares of both
 // ways, by r a^2 / 8 at most.
 double CenterPath::arc_deviation_m(double turn_rad) const {

@@ -40,6 +40,10 @@ class CenterPath {
   // there is none.
   std::size_t pose_beyond(double travel_m, std::size_t first, std::size_t last) const;
 
+  // The middle of the travel between two moments: a pose where there is one between them, else a
+  // share of the motion.
+  Moment middle(const Moment& from, const Moment& to) const;
+
   // The poses strictly between two moments: from `first` to before `beyond`.
   struct Between {
     std::size_t first, beyond;

@@ -267,14 +267,23 @@ class PathParts {
     const LeftOut left_out = with_seat(request_.allowed, seat);
     result.seated.push_back({path_.time_s(from), path_.time_s(to)});
     add(result, left_out, check_.walk(left_out, from, to));
-    if (const auto moment = seat.first_pushed_in(path_, from, to)) {
-      Violation pushed;
-      pushed.from_s = pushed.worst.time_s = path_.time_s(*moment);
-      pushed.to_s = path_.time_s(to);
-      pushed.worst.object = seat.objects()[0].object;
-      pushed.pushed_into_seat = true;
-      result.violations.push_back(pushed);
+    if (seat.objects().empty()) return;  // it touches nothing where it is installed
+    Violation in_seat;
+    in_seat.from_s = in_seat.worst.time_s = path_.time_s(from);
+    in_seat.to_s = path_.time_s(to);
+    if (const auto pushed = seat.first_pushed_in(path_, from, to)) {
+      in_seat.from_s = in_seat.worst.time_s = path_.time_s(pushed->moment);
+      in_seat.worst.object = pushed->object;
+      in_seat.worst.point_m = pushed->point_m;
+      in_seat.pushed_into_seat = true;
+      in_seat.depth_m = pushed->deeper_m;
+    } else if (request_.felt_seat_is_enough) {
+      return;
+    } else {
+      in_seat.worst.object = seat.objects()[0].object;
+      in_seat.unsettled_seat = true;
     }
+    result.violations.push_back(in_seat);
   }
 
   void add(CheckResult& result, const LeftOut& left_out, const Check::Walked& walked) {

@@ -18,6 +18,9 @@ struct CheckRequest {
   unsigned threads = 1;                 // no answer depends on it
   LeftOut allowed;                      // objects that may be near
   std::optional<Pose> world_from_seat;  // of the part: where it is installed
+  // Whether a seat is clear where shell points feel nothing. Between them an object may have
+  // features that are narrower than twice the covering radius.
+  bool felt_seat_is_enough = false;
 };
 
 // The part at one moment of its path.
@@ -35,7 +38,12 @@ struct Violation {
   double from_s = 0, to_s = 0;
   double clearance_m = 0;  // proven for all of it
   CheckedMoment worst;
-  bool pushed_into_seat = false;  // the part lies deeper in its seat than it may
+  bool pushed_into_seat = false;  // the part goes deeper into `worst.object` than it may
+  // By how much it is deeper than where it is installed: of that object's shell points; with
+  // --exact how deep it is.
+  double depth_m = 0;
+  bool unsettled_seat = false;  // nothing was felt, but `worst.object` may be too narrow for that
+  bool of_seat() const { return pushed_into_seat || unsettled_seat; }
 };
 
 // Clearance that is proven from one time to another.

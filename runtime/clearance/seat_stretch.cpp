@@ -50,18 +50,25 @@ std::span<const field::SeatObject> SeatStretch::objects() const {
   return parts_->probe->seat().objects();
 }
 
-bool SeatStretch::is_pushed_in(const Pose& world_from_center) {
+std::optional<SeatStretch::PushedIn> SeatStretch::pushed_in(const Pose& world_from_center) {
   field::ContactSet& contacts = parts_->contacts;
   parts_->probe->look_up(world_from_center, contacts);
-  if (contacts.barred == 0) return false;
-  for (std::uint32_t i = 0; i < contacts.count; ++i) {
-    if (contacts.is_barred[i] != 0 && contacts.of_seat[i] != 0) return true;
+  std::optional<PushedIn> deepest;
+  for (std::uint32_t i = 0; contacts.barred > 0 && i < contacts.count; ++i) {
+    if (contacts.is_barred[i] == 0 || contacts.of_seat[i] == 0) continue;
+    const field::Contact contact = contacts[i];
+    if (deepest && contact.depth_m <= deepest->deeper_m) continue;
+    deepest = {{},
+               parts_->probe->object_of(i),
+               world_from_center.position_m + glm::dvec3(contact.arm_m),
+               contact.depth_m};
   }
-  return false;
+  return deepest;
 }
 
-std::optional<Moment> SeatStretch::first_pushed_in(const CenterPath& path, const Moment& from,
-                                                   const Moment& to) {
+std::optional<SeatStretch::PushedIn> SeatStretch::first_pushed_in(const CenterPath& path,
+                                                                  const Moment& from,
+                                                                  const Moment& to) {
   const double step_m = kStepVoxels * parts_->query.voxmap().voxel_size_m();
   Moment at = from;
   double tested_m = -1;
@@ -69,7 +76,10 @@ std::optional<Moment> SeatStretch::first_pushed_in(const CenterPath& path, const
     const double travel_m = path.travel_m(at);
     const bool at_end = at.pose == to.pose && at.share == to.share;
     if (tested_m < 0 || travel_m > tested_m || at_end) {
-      if (is_pushed_in(path.world_from_center(at))) return at;
+      if (auto pushed = pushed_in(path.world_from_center(at))) {
+        pushed->moment = at;
+        return pushed;
+      }
       tested_m = travel_m;
     }
     if (at_end) return std::nullopt;

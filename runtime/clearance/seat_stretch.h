@@ -26,15 +26,22 @@ class SeatStretch {
 
   std::span<const field::SeatObject> objects() const;
 
-  // The first moment from `from` to `to`, tested every half voxel of travel, at which the open
-  // seat's guard would bar a point of an object of the seat. None where there is no such moment.
-  std::optional<Moment> first_pushed_in(const CenterPath& path, const Moment& from,
-                                        const Moment& to);
+  // A shell point that the open seat's guard would bar from where it is.
+  struct PushedIn {
+    Moment moment;
+    std::uint32_t object = 0;  // the nearest: of the seat
+    glm::dvec3 point_m{0};     // world
+    double deeper_m = 0;       // than the object is touched in the seat
+  };
+  // The deepest such point at the first moment from `from` to `to`, tested every half voxel of
+  // travel, at which there is one. None where there is no such moment.
+  std::optional<PushedIn> first_pushed_in(const CenterPath& path, const Moment& from,
+                                          const Moment& to);
 
  private:
   struct Parts;
   explicit SeatStretch(std::unique_ptr<Parts> parts);
-  bool is_pushed_in(const Pose& world_from_center);
+  std::optional<PushedIn> pushed_in(const Pose& world_from_center);
 
   std::unique_ptr<Parts> parts_;
 };

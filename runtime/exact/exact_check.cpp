@@ -6,6 +6,7 @@
 #include "formats/command/text.h"
 #include "runtime/clearance/center_path.h"
 #include "runtime/exact/exact_walk.h"
+#include "runtime/exact/seat_walk.h"
 #include "runtime/exact/surfaces.h"
 #include "runtime/run/baked_files.h"
 #include "runtime/voxcheck/path_source.h"
@@ -16,10 +17,16 @@ namespace {
 using voxcheck::ExactAnswer;
 using voxcheck::ExactMoment;
 using voxcheck::ExactRequest;
+using voxcheck::ExactSeat;
 using voxcheck::ExactViolation;
 
 // In voxels: how closely the least distance is told, and where a stretch begins and ends.
 constexpr double kWithinVoxels = 1e-3, kResolutionVoxels = 1.0 / 64;
+// The same of a depth in a seat, and how wide cracks of a mesh may be that do not open it.
+constexpr double kDepthVoxels = 1.0 / 32, kCrackVoxels = 1.0 / 8;
+// How much deeper than installed the part may go: as the guard of a run lets a shell point
+// (FieldProbe::find_seat), beside a step of the stored distances.
+constexpr double kSeatGiveVoxels = 0.25;
 
 class ExactCheck {
  public:
@@ -27,7 +34,12 @@ class ExactCheck {
              const std::vector<PathRow>& rows, const Surface& scene, const Surface& part)
       : request_(request),
         rows_(rows),
+        part_(part),
         voxel_m_(voxmap.voxel_size_m()),
+        seat_depth_m_(request.seat_depth_m.value_or(kSeatGiveVoxels * voxel_m_ +
+                                                    voxmap.header().distance_quantum_m)),
+        center_m_(shell.header().center_m[0], shell.header().center_m[1],
+                  shell.header().center_m[2]),
         rounding_m_(kRounding * largest_m(scene, part)),
         margin_m_(rounding_m_ + voxmap.header().static_deviation_m +
                   shell.header().part_deviation_m),
@@ -35,17 +47,16 @@ class ExactCheck {
         other_(without(all_, request.seat)),
         everything_(all_, part),
         seated_(other_, part),
-        path_(rows,
-              {shell.header().center_m[0], shell.header().center_m[1], shell.header().center_m[2]},
-              radius_m(part)),
+        path_(rows, center_m_, radius_m(part)),
         walk_(path_, everything_, seated_, rounding_m_) {}
 
   Result<ExactAnswer> answer() {
     ExactAnswer answer;
     answer.margin_m = margin_m_;
     add_violations(answer);
+    add_seat(answer);
     add_least(answer);
-    answer.moments = walk_.measured();
+    answer.moments += walk_.measured();
     if (const auto& found = walk_.contradiction()) {
       return Error{ErrorCode::kFilesDoNotMatch, request_.scene, "--exact",
                    command::text("at %.3f s the meshes are %.6f mm apart, and the files prove %.6f "
@@ -123,6 +134,68 @@ class ExactCheck {
     if (!pieces.empty()) add_violation(std::move(pieces), answer);
   }
 
+  // Settles the objects of the seat: how deep the part goes into them while it is there.
+  void add_seat(ExactAnswer& answer) {
+    if (request_.seated.empty() || request_.seat.empty()) return;
+    const Bodies part = bodies_of(part_, kCrackVoxels * voxel_m_);
+    for (const std::uint32_t object : request_.seat) {
+      const Surface surface = only(all_, object);
+      if (!surface.triangles.empty()) settle(object, surface, part, answer);
+    }
+  }
+
+  void settle(std::uint32_t number, const Surface& surface, const Bodies& part,
+              ExactAnswer& answer) {
+    const Bodies object = bodies_of(surface, kCrackVoxels * voxel_m_);
+    ExactSeat seat{number};
+    const bool both = are_solid(part) && are_solid(object);
+    const MeshPair distance(surface, part_);
+    seat.settled = both || !meet(distance);
+    SeatWalk walk(path_, part, object, distance, kDepthVoxels * voxel_m_);
+    const auto& p = request_.seat_pose;
+    const Pose installed =
+        Pose{{p[0], p[1], p[2]}, {p[3], p[4], p[5], p[6]}} * Pose{center_m_, {1, 0, 0, 0}};
+    seat.installed_m = std::max(0.0, walk.at_pose(installed, -1).found_m);
+    seat.allowed_m = seat.installed_m + seat_depth_m_;
+    for (const auto& [from_s, to_s] : request_.seated) {
+      const auto deeper = walk.deeper_than(path_.at(from_s), path_.at(to_s), seat.allowed_m,
+                                           kResolutionVoxels * voxel_m_);
+      for (const auto& stretch : deeper) {
+        answer.violations.push_back(pushed_in(seat, stretch));
+      }
+    }
+    if (const auto& deepest = walk.deepest_so_far()) {
+      seat.deepest_m = std::max(0.0, deepest->second.found_m);
+    }
+    answer.moments += walk.measured();
+    answer.seat.push_back(seat);
+  }
+
+  // Whether the part and an object come to meet while the part is in its seat.
+  bool meet(const MeshPair& distance) const {
+    ExactWalk walk(path_, distance, distance, rounding_m_);
+    return std::any_of(request_.seated.begin(), request_.seated.end(), [&](const auto& seated) {
+      const Piece piece{path_.at(seated[0]), path_.at(seated[1])};
+      return !walk.nearer_than(piece, rounding_m_, kResolutionVoxels * voxel_m_).empty();
+    });
+  }
+
+  ExactViolation pushed_in(const ExactSeat& seat, const SeatWalk::Stretch& stretch) const {
+    ExactViolation violation;
+    violation.from_s = path_.time_s(stretch.from);
+    violation.to_s = path_.time_s(stretch.to);
+    violation.pushed_into_seat = true;
+    const Depth& worst = stretch.worst;
+    violation.depth_m = worst.found_m > seat.allowed_m ? worst.found_m : worst.at_most_m;
+    const glm::dvec3 &part = worst.place_m, &object = worst.foot_m;
+    violation.worst = {path_.time_s(stretch.worst_at),
+                       0,
+                       seat.object,
+                       {part.x, part.y, part.z},
+                       {object.x, object.y, object.z}};
+    return violation;
+  }
+
   void add_least(ExactAnswer& answer) {
     std::vector<Piece> pieces;
     for (const auto& stretch : request_.stretches) {
@@ -139,7 +212,10 @@ class ExactCheck {
 
   const ExactRequest& request_;
   const std::vector<PathRow>& rows_;
-  double voxel_m_, rounding_m_, margin_m_;
+  const Surface& part_;
+  double voxel_m_, seat_depth_m_;
+  glm::dvec3 center_m_;  // PshellHeader::center_m
+  double rounding_m_, margin_m_;
   Surface all_, other_;
   MeshPair everything_, seated_;
   clearance::CenterPath path_;

@@ -45,19 +45,8 @@ void ExactWalk::measure(Piece& piece) {
   piece.is_measured = true;
 }
 
-// In the middle of the travel: a pose where there is one between, else a share of the motion.
-Moment ExactWalk::middle(const Moment& from, const Moment& to) const {
-  const auto between = clearance::CenterPath::between(from, to);
-  const double half_m = (path_.travel_m(from) + path_.travel_m(to)) / 2;
-  if (between.count() > 0) {
-    return {path_.pose_beyond(half_m, between.first, between.beyond - 1), 0};
-  }
-  const double end = to.pose == from.pose ? to.share : 1;
-  return {from.pose, (from.share + end) / 2};
-}
-
 std::pair<Piece, Piece> ExactWalk::cut(const Piece& piece) {
-  const Moment half = middle(piece.from, piece.to);
+  const Moment half = path_.middle(piece.from, piece.to);
   Piece first{piece.from, half, piece.least_m, piece.seated};
   Piece second{half, piece.to, piece.least_m, piece.seated};
   measure(first);

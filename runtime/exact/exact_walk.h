@@ -71,7 +71,6 @@ class ExactWalk {
 
   void measure(Piece& piece);
   double between_m(const Sample& a, const Sample& b) const;
-  Moment middle(const Moment& from, const Moment& to) const;
   std::pair<Piece, Piece> cut(const Piece& piece);
   double travel_m(const Piece& piece) const {
     return path_.travel_m(piece.to) - path_.travel_m(piece.from);

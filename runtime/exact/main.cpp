@@ -6,6 +6,7 @@
 #include <iterator>
 #include <string>
 
+#include "formats/mesh/sandbox/sandbox.h"
 #include "runtime/exact/exact_check.h"
 #include "runtime/voxcheck/exact_exchange.h"
 
@@ -26,7 +27,8 @@ forcelayer::Result<forcelayer::voxcheck::ExactAnswer> answer_to(const std::strin
 
 }  // namespace
 
-int main(int argc, char**) {
+int main(int argc, char** argv) {
+  if (const auto status = forcelayer::mesh::run_as_sandbox(argc, argv)) return *status;
   if (argc > 1) {
     std::fputs("voxcheck-exact is started by voxcheck --exact\n", stderr);
     return 2;

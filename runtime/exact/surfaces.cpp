@@ -5,18 +5,27 @@
 
 #include "formats/command/provenance.h"
 #include "formats/command/text.h"
+#include "formats/mesh/sandbox/trust_options.h"
 #include "formats/mesh/scene.h"
 
 namespace forcelayer::exact {
 namespace {
 
 // Read as for the bake: exact surfaces (STEP, IGES) get the triangles that it had.
-mesh::SceneReading reading_of(const voxcheck::ExactRequest& request, double voxel_size_m,
-                              std::string_view provenance) {
+Result<mesh::SceneReading> reading_of(const voxcheck::ExactRequest& request, double voxel_size_m,
+                                      std::string_view provenance) {
+  mesh::TrustOptions trust;
+  trust.sandbox = request.sandbox;
+  trust.allow_outside = request.allow_outside;
+  trust.sandbox_time = request.sandbox_time;
+  if (request.sandbox_memory_bytes > 0) trust.sandbox_memory_bytes = request.sandbox_memory_bytes;
+  auto read = trust.reader();
+  if (!read) return read.error();
   mesh::SceneReading reading;
   reading.voxel_size_m = voxel_size_m;
   reading.allow_outside = request.allow_outside;
   reading.missing_faces = command::missing_faces_in(provenance);
+  reading.read = std::move(*read);
   return reading;
 }
 
@@ -69,13 +78,26 @@ Status check_names(const std::string& file, const mesh::Scene& scene, const Voxm
   return {};
 }
 
+// The triangles of some objects.
+template <typename IsChosen>
+Surface those_of(const Surface& surface, const IsChosen& is_chosen) {
+  Surface chosen{surface.vertices_m, {}, {}, surface.largest_m};
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+    if (!is_chosen(surface.object[t])) continue;
+    chosen.triangles.push_back(surface.triangles[t]);
+    chosen.object.push_back(surface.object[t]);
+  }
+  return chosen;
+}
+
 }  // namespace
 
 Result<Surface> read_scene_surface(const voxcheck::ExactRequest& request, const Voxmap& voxmap,
                                    std::vector<std::string>& warnings) {
-  mesh::SceneReading reading = reading_of(request, voxmap.voxel_size_m(), voxmap.provenance());
-  reading.without = request.without;
-  const auto scene = mesh::read_scene(request.meshes, request.unit_m, reading);
+  auto reading = reading_of(request, voxmap.voxel_size_m(), voxmap.provenance());
+  if (!reading) return reading.error();
+  reading->without = request.without;
+  const auto scene = mesh::read_scene(request.meshes, request.unit_m, *reading);
   if (!scene) return scene.error();
   warnings.insert(warnings.end(), scene->warnings.begin(), scene->warnings.end());
   Surface surface = surface_of(*scene, glm::dvec3(0));
@@ -95,8 +117,9 @@ Result<Surface> read_scene_surface(const voxcheck::ExactRequest& request, const 
 Result<Surface> read_part_surface(const voxcheck::ExactRequest& request, const Pshell& shell,
                                   std::vector<std::string>& warnings) {
   const PshellHeader& header = shell.header();
-  const auto scene = mesh::read_scene(request.part_meshes, request.part_unit_m,
-                                      reading_of(request, header.voxel_size_m, shell.provenance()));
+  const auto reading = reading_of(request, header.voxel_size_m, shell.provenance());
+  if (!reading) return reading.error();
+  const auto scene = mesh::read_scene(request.part_meshes, request.part_unit_m, *reading);
   if (!scene) return scene.error();
   warnings.insert(warnings.end(), scene->warnings.begin(), scene->warnings.end());
   const auto& c = header.center_m;
@@ -109,13 +132,13 @@ Result<Surface> read_part_surface(const voxcheck::ExactRequest& request, const P
 }
 
 Surface without(const Surface& surface, std::span<const std::uint32_t> left_out) {
-  Surface rest{surface.vertices_m, {}, {}, surface.largest_m};
-  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
-    if (std::find(left_out.begin(), left_out.end(), surface.object[t]) != left_out.end()) continue;
-    rest.triangles.push_back(surface.triangles[t]);
-    rest.object.push_back(surface.object[t]);
-  }
-  return rest;
+  return those_of(surface, [&](std::uint32_t object) {
+    return std::find(left_out.begin(), left_out.end(), object) == left_out.end();
+  });
+}
+
+Surface only(const Surface& surface, std::uint32_t object) {
+  return those_of(surface, [&](std::uint32_t other) { return other == object; });
 }
 
 }  // namespace forcelayer::exact

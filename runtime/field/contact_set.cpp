@@ -4,7 +4,8 @@ namespace forcelayer::field {
 
 void ContactSet::reserve(std::uint64_t points) {
   const std::size_t room = points + kPadding;
-  for (auto* values : {&rx, &ry, &rz, &ux, &uy, &uz, &depth_m, &gx, &gy, &gz, &sx, &sy, &sz})
+  for (auto* values :
+       {&rx, &ry, &rz, &ux, &uy, &uz, &depth_m, &ax, &ay, &az, &gx, &gy, &gz, &sx, &sy, &sz})
     values->resize(room);
   weight.resize(room, 1);
   point.resize(room);

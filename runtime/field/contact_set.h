@@ -57,9 +57,11 @@ struct ContactSet {
   std::vector<std::uint8_t> is_barred;  // 0: not; kBarredWay: by the way there, and depth_m is how
                                         // far it went against its side
   static constexpr std::uint8_t kBarredWay = 2;
-  // Only while the seat is open: whether the nearest object is of the seat; the field's slope, per
-  // voxel; the unit direction away from the surface, to the side on which the point is.
+  // Only while the seat is open: whether the nearest object is of the seat; the arm of the shell
+  // point itself, where arm_m is that of a place beside it; the field's slope, per voxel; the unit
+  // direction away from the surface, to the side on which the point is.
   std::vector<std::uint8_t> of_seat;
+  std::vector<float> ax, ay, az;
   std::vector<float> gx, gy, gz;
   std::vector<float> sx, sy, sz;
 

@@ -53,7 +53,7 @@ bool FieldProbe::is_two_sided(std::uint32_t i) const noexcept {
 
 // The normal of a point without an inside says nothing: with zero in its place, the field takes
 // every direction from the scene's slope, and gives no depth where there is none.
-void FieldProbe::forget_sides() noexcept {
+[[gnu::cold]] void FieldProbe::forget_sides() noexcept {
   if (query_.shell().view().two_sided == nullptr) return;
   for (std::uint32_t i = 0; i < points_.count; ++i) {
     if (is_two_sided(i)) points_.nx[i] = points_.ny[i] = points_.nz[i] = 0;
@@ -87,14 +87,14 @@ void FieldProbe::bar(ContactSet& out) const noexcept {
   out.surface = out.count - out.barred - proximity;
 }
 
-// The object nearest to collected point i.
 std::uint32_t FieldProbe::object_of(std::uint32_t i) const noexcept {
   const ObjectView* const objects = query_.voxmap().objects();
   if (objects == nullptr) return 0;
   return objects->lookup(points_.vx[i], points_.vy[i], points_.vz[i]).code;
 }
 
-std::uint32_t FieldProbe::object_near(const glm::dvec3& world_m) const noexcept {
+// A frame asks a few times.
+[[gnu::cold]] std::uint32_t FieldProbe::object_near(const glm::dvec3& world_m) const noexcept {
   const Voxmap& voxmap = query_.voxmap();
   if (voxmap.objects() == nullptr || !unpacked_) return 0;
   const glm::dvec3 at = glm::floor(world_m / voxmap.voxel_size_m());
@@ -114,7 +114,7 @@ float FieldProbe::stored_distance_m(std::uint32_t i) const noexcept {
 }
 
 // Whether one of the distances around collected point i is negative.
-bool FieldProbe::lies_beside_solid(std::uint32_t i) const noexcept {
+[[gnu::cold]] bool FieldProbe::lies_beside_solid(std::uint32_t i) const noexcept {
   const DistanceView& distances = *query_.voxmap().distances();
   const std::int32_t zero_code = query_.voxmap().header().distance_zero_code;
   const std::array<std::int32_t, 3> low{points_.vx[i] - (points_.fx[i] < 0.5f ? 1 : 0),
@@ -143,8 +143,8 @@ void FieldProbe::bar_crossings(const ContactSet& earlier, const glm::vec3& way_m
     const glm::vec3 side(earlier.sx[at], earlier.sy[at], earlier.sz[at]);
     const glm::vec3 slope(later.gx[i], later.gy[i], later.gz[i]);
     const glm::vec3 moved_m =
-        way_m + glm::vec3(later.rx[i] - earlier.rx[at], later.ry[i] - earlier.ry[at],
-                          later.rz[i] - earlier.rz[at]);
+        way_m + glm::vec3(later.ax[i] - earlier.ax[at], later.ay[i] - earlier.ay[at],
+                          later.az[i] - earlier.az[at]);
     const float into_m = -glm::dot(moved_m, side);
     // Halfway between two walls the slope turns as well, but the distance falls from there on, and
     // is larger than it can be for a sheet.
@@ -163,35 +163,61 @@ void FieldProbe::bar_crossings(const ContactSet& earlier, const glm::vec3& way_m
   }
 }
 
+// Whether collected point i touches where the field mixes two faces: in a corner of the scene, or
+// at an edge of it.
+bool FieldProbe::touches_in_corner(std::uint32_t i) const noexcept {
+  const auto near_m = static_cast<float>(0.25 * query_.voxmap().voxel_size_m());
+  return stored_distance_m(i) < near_m && glm::length(slope(i)) <= kFaceSlope;
+}
+
+// Whether it does so in the seat too.
+bool FieldProbe::is_in_corner(std::uint32_t i) const noexcept {
+  return in_seat_steepness_[points_.index[i]] < 1 && touches_in_corner(i);
+}
+
+// Whether the part lies in the corners of its seat: with an eighth of the points that do there. An
+// edge of the scene that a few of them meet elsewhere looks like a corner.
+bool FieldProbe::lies_in_corners() const noexcept {
+  std::uint32_t in_corner = 0;
+  for (std::uint32_t i = 0; i < points_.count; ++i) in_corner += is_in_corner(i) ? 1 : 0;
+  return 8 * in_corner > corner_points_;
+}
+
 // Points near an object of the seat follow the seat's rules: force and guard where the part touches
 // the object, or as deep as it lies there, in place of the force layer and the guard before it.
 void FieldProbe::apply_seat(ContactSet& out) const noexcept {
+  const bool in_corners = corner_points_ > 0 && lies_in_corners();
   for (std::uint32_t i = 0; i < out.count; ++i) {
     const SeatObject* const object = seat_.find(object_of(i));
     out.of_seat[i] = object != nullptr ? 1 : 0;
     if (object == nullptr) continue;
-    const glm::vec3 slope(samples_.gx[i], samples_.gy[i], samples_.gz[i]);
-    const float steepness = glm::length(slope), distance_m = stored_distance_m(i);
-    const bool barred = distance_m < object->floor_m;
+    const glm::vec3 g = slope(i), n = normal(i);
+    const float steepness = glm::length(g), distance_m = stored_distance_m(i);
+    const std::uint32_t point = points_.index[i];
+    const bool barred =
+        distance_m < (in_corners && is_in_corner(i) ? object->corner_floor_m : object->floor_m);
     if (out.is_barred[i] != 0 || out.depth_m[i] > 0) ++out.seated;
     const bool interior = told_by_distance_ ? out.is_barred[i] != 0 : is_interior(out.value[i]);
     if (interior && !barred) --out.interior, ++out.surface;
     if (out.is_barred[i] != 0) --out.barred;
     if (barred) ++out.barred;
     out.is_barred[i] = barred ? 1 : 0;
-    const glm::vec3 direction = steepness < kLeastSlope
-                                    ? glm::vec3(points_.nx[i], points_.ny[i], points_.nz[i])
-                                    : slope / steepness;
+    const glm::vec3 direction = steepness < kLeastSlope ? n : g / steepness;
     out.ux[i] = direction.x, out.uy[i] = direction.y, out.uz[i] = direction.z;
-    out.depth_m[i] = std::min(object->contact_m, in_seat_m_[points_.index[i]]) - distance_m;
+    float contact_m = std::min(object->contact_m, in_seat_m_[point]);
+    if (const float there = in_seat_steepness_[point]; there < 1) {
+      // In the seat itself as deep as there, before a face as other points.
+      const float share = in_corners ? (1 - steepness) / (1 - there) : 0;
+      contact_m = std::lerp(object->contact_m, contact_m, std::clamp(share, 0.0f, 1.0f));
+    }
+    out.depth_m[i] = contact_m - distance_m;
     if (direction == glm::vec3(0)) out.depth_m[i] = std::min(out.depth_m[i], 0.0f);
     // Short slopes are of places near the middle of a sheet, where they tell no side. A point that
     // touches it has the part, and so its inward normal, on its own side. One without an inside has
     // no side there.
-    const glm::vec3 side =
-        steepness < kSideSlope ? glm::vec3(points_.nx[i], points_.ny[i], points_.nz[i]) : direction;
+    const glm::vec3 side = steepness < kSideSlope ? n : direction;
     out.sx[i] = side.x, out.sy[i] = side.y, out.sz[i] = side.z;
-    out.gx[i] = slope.x, out.gy[i] = slope.y, out.gz[i] = slope.z;
+    out.gx[i] = g.x, out.gy[i] = g.y, out.gz[i] = g.z;
   }
   if (out.seated == 0) return;
   out.least_distance_m = 0;
@@ -212,6 +238,7 @@ void FieldProbe::read(ContactSet& out) noexcept {
   copy(points_.rx, out.rx), copy(points_.ry, out.ry), copy(points_.rz, out.rz);
   copy(samples_.dx, out.ux), copy(samples_.dy, out.uy), copy(samples_.dz, out.uz);
   copy(samples_.depth_m, out.depth_m);
+  if (seat_open_) copy(points_.rx, out.ax), copy(points_.ry, out.ay), copy(points_.rz, out.az);
   copy(points_.index, out.point);
   copy(points_.value, out.value);
   for (std::uint32_t i = 0; i < out.count; ++i) out.weight[i] = weight_[out.point[i]];
@@ -219,6 +246,7 @@ void FieldProbe::read(ContactSet& out) noexcept {
   out.seat_open = seat_open_;
   out.seated = 0;
   if (seat_open_) apply_seat(out);
+  if (seat_open_) apply_between(out);
   if (field_.has_exact_slopes()) return;
   const auto voxel_size_m = static_cast<float>(query_.voxmap().voxel_size_m());
   average_directions(points_, samples_, voxel_size_m, -voxel_size_m, out);

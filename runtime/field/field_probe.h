@@ -11,6 +11,7 @@
 #include "runtime/field/force_field.h"
 #include "runtime/field/seat.h"
 #include "runtime/query/contact_query.h"
+#include "runtime/query/shell_neighbors.h"
 
 namespace forcelayer::field {
 
@@ -49,6 +50,9 @@ class FieldProbe final : public ContactProbe {
   // there.
   std::uint32_t object_near(const glm::dvec3& world_m) const noexcept override;
 
+  // The object nearest to the i-th point of the last look_up(); 0 where the map names none.
+  std::uint32_t object_of(std::uint32_t i) const noexcept;
+
   // The second half of look_up(): depth and direction of the points that the query collected.
   void read(ContactSet& out) noexcept;
 
@@ -56,10 +60,30 @@ class FieldProbe final : public ContactProbe {
   bool is_two_sided(std::uint32_t i) const noexcept;
   void forget_sides() noexcept;
   void bar(ContactSet& out) const noexcept;
+  bool touches_in_corner(std::uint32_t i) const noexcept;
+  bool is_in_corner(std::uint32_t i) const noexcept;
+  bool lies_in_corners() const noexcept;
   void apply_seat(ContactSet& out) const noexcept;
+  // What lies between two neighboring points (between_points.cpp).
+  struct Between;
+  std::optional<Between> between(std::uint32_t a, std::uint32_t b) const noexcept;
+  struct BetweenSink;
+  void look_between(BetweenSink& sink) noexcept;
+  void press_between(std::uint32_t a, std::uint32_t b, const Between& found,
+                     ContactSet& out) const noexcept;
+  void find_between(Seat& seat);
+  void apply_between(ContactSet& out) noexcept;
+  glm::vec3 arm_m(std::uint32_t i) const noexcept {
+    return {points_.rx[i], points_.ry[i], points_.rz[i]};
+  }
+  glm::vec3 normal(std::uint32_t i) const noexcept {
+    return {points_.nx[i], points_.ny[i], points_.nz[i]};
+  }
+  glm::vec3 slope(std::uint32_t i) const noexcept {
+    return {samples_.gx[i], samples_.gy[i], samples_.gz[i]};
+  }
   std::uint32_t object_of(std::uint32_t i) const noexcept;
   float stored_distance_m(std::uint32_t i) const noexcept;
-  bool lies_beside_solid(std::uint32_t i) const noexcept;
   Status check_depth(const SeatObject& object) const;
   Status check_side(std::uint32_t i) const;
   std::string name_of(std::uint32_t object) const;
@@ -74,9 +98,20 @@ class FieldProbe final : public ContactProbe {
   float zero_force_m_;  // the zero-force surface, from the static mesh
   Seat seat_;
   std::vector<float> in_seat_m_;  // of every shell point: its distance there where it touches, or 0
+  // Which points are neighbors; made with the first seat. Per shell point its place among the
+  // collected points, where it is of tilted_.
+  std::optional<query::ShellNeighbors> neighbors_;
+  float neighbor_m_ = 0;  // so near two of them are
+  std::vector<std::uint32_t> place_, tilted_;
+  // The slope of the field there, of points that touch in a corner; 1 elsewhere.
+  std::vector<float> in_seat_steepness_;
+  std::uint32_t corner_points_ = 0;  // their number
   bool seat_open_ = false;
   bool told_by_distance_;  // and not by value 1
 };
+
+// A point whose interpolated distance has at least this slope lies in front of one face.
+inline constexpr float kFaceSlope = 0.9f;
 
 // The direction in which the static surface faces at a contact: the field's slope, averaged over
 // neighbors.

@@ -14,8 +14,9 @@ namespace {
 // kLeastGiveVoxels below the deepest point of the seat.
 constexpr float kSeatGiveVoxels = 0.25f, kLeastGiveVoxels = 0.05f;
 
-// A point whose interpolated distance has at least this slope lies in front of one face.
-constexpr float kFaceSlope = 0.9f;
+// An object that lies deeper than this between two points in the seat stands in a gap of the part
+// that is narrower than its points are apart: nothing is felt between points of it.
+constexpr float kMostBetweenVoxels = 0.3f;
 
 // The floor must lie this far above the distance of the lowest code, in voxels: where some of the
 // eight centers have that code, the interpolated distance can be this much too large.
@@ -43,7 +44,7 @@ Status FieldProbe::check_depth(const SeatObject& object) const {
   const VoxmapHeader& header = query_.voxmap().header();
   const double told_m = header.distance_quantum_m * (header.distance_zero_code - 1) -
                         kUntoldVoxels * header.voxel_size_m;
-  if (-double{object.floor_m} < told_m) return {};
+  if (-double{object.corner_floor_m} < told_m) return {};
   char depth[80], most[80];
   std::snprintf(depth, sizeof depth, "the part starts %s%.3g mm inside ",
                 object.overlap_m < told_m ? "" : "more than ",
@@ -91,6 +92,8 @@ Status FieldProbe::find_seat(const Pose& world_from_center) {
   seat_ = {};
   seat_open_ = false;
   in_seat_m_.assign(weight_.size(), 0);
+  in_seat_steepness_.assign(weight_.size(), 1);
+  corner_points_ = 0;
   query_.run(world_from_center, points_);
   forget_sides();
   field_.measure(points_, samples_);
@@ -106,18 +109,27 @@ Status FieldProbe::find_seat(const Pose& world_from_center) {
     SeatObject& object = seat.at(object_of(i));
     const float distance_m = stored_distance_m(i);
     in_seat_m_[points_.index[i]] = distance_m;
-    object.floor_m = std::min(object.floor_m, distance_m);
+    object.corner_floor_m = std::min(object.corner_floor_m, distance_m);
     ++object.points;
     // In a corner, interpolation mixes two faces: the depth there does not hold for other points.
-    const glm::vec3 slope(samples_.gx[i], samples_.gy[i], samples_.gz[i]);
-    if (glm::length(slope) > kFaceSlope) object.contact_m = std::min(object.contact_m, distance_m);
+    const float steepness = glm::length(slope(i));
+    if (steepness > kFaceSlope) object.contact_m = std::min(object.contact_m, distance_m);
+    if (!touches_in_corner(i)) continue;
+    in_seat_steepness_[points_.index[i]] = steepness;
+    ++corner_points_;
   }
+  find_between(seat);
   const auto step_m = static_cast<float>(query_.voxmap().header().distance_quantum_m);
   for (SeatObject& object : seat.entries()) {
-    object.overlap_m = -double{object.floor_m};
-    object.floor_m = std::min(object.floor_m - kLeastGiveVoxels * voxel_size_m,
-                              -kSeatGiveVoxels * voxel_size_m) -
-                     step_m;
+    object.overlap_m = -double{object.corner_floor_m};
+    const auto floor_m = [&](float least_m) {
+      return std::min(least_m - kLeastGiveVoxels * voxel_size_m, -kSeatGiveVoxels * voxel_size_m) -
+             step_m;
+    };
+    object.floor_m = floor_m(object.contact_m);
+    object.corner_floor_m = floor_m(object.corner_floor_m);
+    object.feels_between = object.between_m > -kMostBetweenVoxels * voxel_size_m;
+    object.between_floor_m = floor_m(object.between_m);
     if (Status told = check_depth(object); !told) return told;
   }
   seat_ = std::move(seat);

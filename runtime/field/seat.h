@@ -15,6 +15,10 @@ struct SeatObject {
   std::uint32_t object = 0;  // its number in the file; 0 where the file names none
   float contact_m = 0;       // where the force begins: 0, or the seat's deepest point on a face
   float floor_m = 0;         // the guard bars shell points below this
+  float corner_floor_m = 0;  // and those that touch it in a corner, there, below this
+  // The same of what lies between two shell points, where that is felt.
+  float between_m = 0, between_floor_m = 0;
+  bool feels_between = true;
   std::uint32_t points = 0;  // how many shell points touch it in the seat
   double overlap_m = 0;      // depth of the deepest shell point in the seat, 0 or more
 };

@@ -152,6 +152,8 @@ py::dict dict_of(const Scene& scene, const clearance::CheckResult& result, doubl
     v["from_s"] = violation.from_s;
     v["to_s"] = violation.to_s;
     v["clearance_m"] = violation.clearance_m;
+    v["pushed_into_seat"] = violation.pushed_into_seat;
+    v["seat_not_settled"] = violation.unsettled_seat;
     v["worst"] = dict_of(scene, violation.worst);
     violations.append(v);
   }
@@ -168,7 +170,8 @@ py::dict dict_of(const Scene& scene, const clearance::CheckResult& result, doubl
 
 py::dict check_path(const Scene& scene, const Part& part, const Doubles& t_s, const Doubles& poses,
                     double required_m, const std::vector<std::string>& allow,
-                    const std::optional<Doubles>& world_from_seat, unsigned threads) {
+                    const std::optional<Doubles>& world_from_seat, unsigned threads,
+                    bool felt_seat) {
   const auto numbers = rows_of<7>(poses, "poses");
   if (t_s.ndim() != 1 || static_cast<std::size_t>(t_s.shape(0)) != numbers.size() ||
       numbers.empty()) {
@@ -191,6 +194,7 @@ py::dict check_path(const Scene& scene, const Part& part, const Doubles& t_s, co
     throw Failure({ErrorCode::kUsage, "", "clearance_m", "must not be negative", ""});
   }
   clearance::CheckRequest request{required_m, thread_count(threads), numbers_of(scene, allow), {}};
+  request.felt_seat_is_enough = felt_seat;
   if (world_from_seat) {
     request.world_from_seat =
         pose_of(row_of<7>(*world_from_seat, "world_from_seat"), "world_from_seat");
@@ -369,18 +373,20 @@ forcelayer.Error: poses: row 0 is no pose: give finite meters and a quaternion t
       .def("check", &check_path, py::arg("part"), py::arg("t_s"), py::arg("poses"),
            py::arg("clearance_m") = 0.0127, py::kw_only(),
            py::arg("allow") = std::vector<std::string>{}, py::arg("world_from_seat") = py::none(),
-           py::arg("threads") = 0,
+           py::arg("threads") = 0, py::arg("felt_seat") = false,
            R"(Whether the part keeps a clearance along a path, between the poses too: as `voxcheck`.
 
 `t_s`: times, ascending, one for each pose. Between poses the centroid goes straight and the
 orientation turns evenly. `allow`: names of objects that may be near. `world_from_seat`: where the
-part is installed. A dict:
+part is installed; in its seat, features of the objects there that are narrower than twice the
+covering radius are not felt: it is not clear, unless `felt_seat` says that this is enough. A dict:
 
     verdict           "clear" or "not clear"
     clearance_m       proven along the whole path, meters
     least_clearance   where it is: clearance_m, most_m (the exact clearance is no more), t_s, object,
                       point_m; None where nothing is near
-    violations        a dict each: from_s, to_s, clearance_m, worst (as least_clearance)
+    violations        a dict each: from_s, to_s, clearance_m, worst (as least_clearance),
+                      pushed_into_seat, seat_not_settled
     seated            (from_s, to_s) in which only objects of the seat are nearer than required
     curve             a structured array: from_s, to_s, clearance_m
 

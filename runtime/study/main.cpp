@@ -52,8 +52,9 @@ int main(int argc, char** argv) {
       "Exit status 0: clear; 6: not clear, or the part does not come out.");
   command::arrange_help(
       *made,
-      {{"What is asked", {"--voxel-size", "--path", "--pull", "--clearance", "--seat", "--allow"}},
-       {"What is read", {"--without", "--units"}},
+      {{"What is asked",
+        {"--voxel-size", "--path", "--pull", "--clearance", "--seat", "--seat-depth", "--allow"}},
+       {"What is read", {"--without", "--units", "--sandbox"}},
        {"Output", {"--output", "--files-alone", "--no-pictures"}}},
       "  forcelayer study 'gearbox.glb#Pin' --voxel-size 1mm --pull 0,0,60mm -o pin\n"
       "  forcelayer study 'gearbox.glb#Cover' --without Lid --voxel-size 1mm --path out.csv -o "

@@ -22,6 +22,9 @@ OptionParser::OptionParser(CLI::App& study) {
                    "that is required of the exact surfaces; 12.7mm");
   study.add_option("--seat", options_.seat,
                    "where the part is installed, world_from_part; 0,0,0m, or none");
+  study.add_option("--seat-depth", options_.seat_depth,
+                   "how much deeper than installed the part may go into the objects of its seat; a "
+                   "quarter of a voxel and a step of the stored distances");
   study.add_option("--allow", options_.allow, "an object that may be near; repeatable")
       ->allow_extra_args(false);
   study
@@ -31,6 +34,8 @@ OptionParser::OptionParser(CLI::App& study) {
   study.add_option("--units", options_.units, "unit of meshes whose format defines none");
   study.add_flag("--files-alone", options_.files_alone,
                  "check without the meshes: what the baked files leave open stays open");
+  study.add_flag("--sandbox", options_.sandbox,
+                 "read each mesh file in a process of its own, as voxelize does");
   study.add_flag("--no-pictures", options_.no_pictures, "for a machine without voxview");
   study.add_option("--json", options_.json, "write a report");
   study.add_flag("--quiet", options_.quiet, "print nothing but errors");
@@ -55,10 +60,15 @@ Result<Options> OptionParser::finish() const {
         "give the way that is checked, or where the part is pulled to");
   }
   for (const auto& [option, length] : {std::pair("--voxel-size", &options.voxel_size),
-                                       std::pair("--clearance", &options.clearance)}) {
+                                       std::pair("--clearance", &options.clearance),
+                                       std::pair("--seat-depth", &options.seat_depth)}) {
+    if (length->empty() && option == std::string_view("--seat-depth")) continue;
     if (const auto read = command::parse_length(*length); !read) {
       return usage(option, read.error().what, read.error().mend);
     }
+  }
+  if (options.files_alone && !options.seat_depth.empty()) {
+    return usage("--seat-depth", "is settled by the meshes", "leave out --files-alone");
   }
   if (options.seat == "none") options.seat.clear();
   return options;

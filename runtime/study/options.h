@@ -16,9 +16,10 @@ namespace forcelayer::study {
 struct Options {
   std::string assembly;  // before "#": the file, or manifest
   std::string node;      // behind it: the part
-  std::string voxel_size, clearance, units, path, pull, seat, folder;
+  std::string voxel_size, clearance, units, path, pull, seat, seat_depth, folder;
   std::vector<std::string> allow, without;
   bool files_alone = false;  // the meshes do not settle what the files leave open
+  bool sandbox = false;      // meshes are read in processes of their own
   bool no_pictures = false;
   std::string json;
   bool quiet = false;

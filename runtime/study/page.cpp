@@ -101,6 +101,11 @@ std::string facts_table(const Page& page) {
   std::string seat;
   for (const Json& object : v["seat"]) seat += (seat.empty() ? "" : ", ") + name_of(object);
   if (!seat.empty()) table += row("seated on", seat);
+  for (const Json& s : v.value("seat_depths", Json::array())) {
+    table += row("deepest in " + s["object"].get<std::string>(),
+                 mm(s["deepest_m"]) + "; " + mm(s["installed_m"]) + " where it is installed, " +
+                     mm(s["allowed_m"]) + " allowed");
+  }
   for (const Json& s : v["seated"]) {
     table += row("in its seat",
                  text("%.3f to %.3f s", s["from_s"].get<double>(), s["to_s"].get<double>()));
@@ -111,6 +116,11 @@ std::string facts_table(const Page& page) {
   return table + "</table>\n";
 }
 
+// A depth in the seat is of the meshes, or of shell points beyond where they are installed.
+std::string depth_words(const Json& violation) {
+  return violation.contains("exact_m") ? " deep" : " deeper in than it is seated";
+}
+
 std::string violations_table(const Json& violations) {
   if (violations.empty()) return "";
   std::string table =
@@ -118,7 +128,8 @@ std::string violations_table(const Json& violations) {
       "<th>against</th><th>nearest at, s</th><th>place</th></tr>\n";
   for (const Json& v : violations) {
     std::string how = clearance(v);
-    if (v.value("pushed_into_seat", false)) how = "pushed deeper in than it is seated";
+    if (v.value("pushed_into_seat", false)) how = "pushed " + mm(v["depth_m"]) + depth_words(v);
+    if (v.value("seat_not_settled", false)) how = "not settled in its seat";
     if (v.value("graze", false)) how += ", a graze";
     table += text("<tr><td>%.3f</td><td>%.3f</td><td>", v["from_s"].get<double>(),
                   v["to_s"].get<double>()) +

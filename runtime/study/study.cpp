@@ -64,7 +64,7 @@ class Study {
   std::string part_mesh() const { return options_.assembly + "#" + options_.node; }
 
   std::vector<std::string> left_out() const;
-  void add_units(Step& step) const;
+  void add_reading(Step& step) const;
   Step scene_step() const;
   Step part_step() const;
   Step pull_step() const;
@@ -113,7 +113,8 @@ std::vector<std::string> Study::left_out() const {
   return arguments;
 }
 
-void Study::add_units(Step& step) const {
+void Study::add_reading(Step& step) const {
+  if (options_.sandbox) step.arguments.push_back("--sandbox");
   if (options_.units.empty()) return;
   step.arguments.insert(step.arguments.end(), {"--units", options_.units});
 }
@@ -128,7 +129,7 @@ Step Study::scene_step() const {
   step.arguments.insert(step.arguments.end(), out.begin(), out.end());
   step.arguments.insert(step.arguments.end(), {"--voxel-size", options_.voxel_size, "-o",
                                                in("scene.vox"), "--json", in("scene.json")});
-  add_units(step);
+  add_reading(step);
   return step;
 }
 
@@ -139,7 +140,7 @@ Step Study::part_step() const {
             with_references(options_.assembly),
             {in("part.pshell"), in("part.json")},
             "forcelayer-tools"};
-  add_units(step);
+  add_reading(step);
   return step;
 }
 
@@ -170,7 +171,10 @@ Step Study::check_step() const {
   if (!options_.files_alone) {
     add({"--exact", options_.assembly, "--part", part_mesh()});
     add(left_out());
-    add_units(step);
+    if (!options_.seat.empty() && !options_.seat_depth.empty()) {
+      add({"--seat-depth", options_.seat_depth});
+    }
+    add_reading(step);
   }
   add({"--json", in("verdict.json"), "--csv", in("curve.csv"), "--junit", in("verdict.xml")});
   if (!options_.no_pictures) {
@@ -193,7 +197,9 @@ Step Study::picture_step() const {
   for (const std::string& node : options_.without) {
     step.arguments.insert(step.arguments.end(), {"--hide", node});
   }
-  add_units(step);
+  if (!options_.units.empty()) {
+    step.arguments.insert(step.arguments.end(), {"--units", options_.units});
+  }
   return step;
 }
 

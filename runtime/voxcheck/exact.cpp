@@ -25,6 +25,9 @@ ExactRequest request_of(const Options& options, const clearance::LeftOut& allowe
   request.unit_m = options.unit_m;
   request.part_unit_m = options.part_unit_m ? options.part_unit_m : options.unit_m;
   request.allow_outside = options.allow_outside;
+  request.sandbox = options.sandbox;
+  request.sandbox_memory_bytes = options.sandbox_memory_bytes;
+  request.sandbox_time = options.sandbox_time;
   request.required_m = options.clearance_m;
   request.least_s = result.least.time_s;
   if (std::isfinite(result.least.most_m) && !result.at_least) {
@@ -34,13 +37,19 @@ ExactRequest request_of(const Options& options, const clearance::LeftOut& allowe
     if (allowed[object] != 0) request.allowed.push_back(object);
   }
   request.seat = result.seat_objects;
+  request.seat_depth_m = options.seat_depth_m;
+  for (const auto& seated : result.seated) request.seated.push_back({seated.from_s, seated.to_s});
+  if (options.world_from_seat) {
+    const auto& [p, q] = *options.world_from_seat;
+    request.seat_pose = {p.x, p.y, p.z, q.w, q.x, q.y, q.z};
+  }
   const auto lies_in = [](const auto& piece, const auto& stretch) {
     return piece.from_s >= stretch.from_s && piece.to_s <= stretch.to_s;
   };
   for (const clearance::CurvePiece& piece : result.curve) {
     ProvenStretch stretch{piece.from_s, piece.to_s, piece.clearance_m};
     for (const auto& v : result.violations) {
-      stretch.too_near |= !v.pushed_into_seat && lies_in(piece, v);
+      stretch.too_near |= !v.of_seat() && lies_in(piece, v);
     }
     for (const auto& seated : result.seated) stretch.seated |= lies_in(piece, seated);
     // A stretch that is clear and cannot have the least distance need not be measured.
@@ -61,14 +70,34 @@ CheckedMoment checked(const ExactMoment& moment, double clearance_m, double marg
   return checked;
 }
 
+// The first object of the seat that the meshes do not settle; null where they settle all.
+const ExactSeat* first_open(const ExactAnswer& answer) {
+  for (const ExactSeat& seat : answer.seat) {
+    if (!seat.settled) return &seat;
+  }
+  return nullptr;
+}
+
+bool is_settled(const ExactAnswer& answer, std::uint32_t object) {
+  return std::any_of(answer.seat.begin(), answer.seat.end(),
+                     [&](const ExactSeat& seat) { return seat.object == object && seat.settled; });
+}
+
 void take(const ExactAnswer& answer, CheckResult& result) {
   std::vector<Violation> violations;
   for (const ExactViolation& v : answer.violations) {
-    violations.push_back(
-        {v.from_s, v.to_s, v.clearance_m, checked(v.worst, v.clearance_m, answer.margin_m), false});
+    Violation violation{v.from_s, v.to_s, v.clearance_m,
+                        checked(v.worst, v.clearance_m, answer.margin_m)};
+    violation.pushed_into_seat = v.pushed_into_seat;
+    violation.depth_m = v.depth_m;
+    violations.push_back(violation);
   }
-  for (const Violation& v : result.violations) {
-    if (v.pushed_into_seat) violations.push_back(v);
+  for (Violation v : result.violations) {
+    if (v.pushed_into_seat && !is_settled(answer, v.worst.object)) violations.push_back(v);
+    const ExactSeat* open = v.unsettled_seat ? first_open(answer) : nullptr;
+    if (open == nullptr) continue;
+    v.worst.object = open->object;
+    violations.push_back(v);
   }
   result.violations = std::move(violations);
   if (answer.least.exact_m >= kNothingM) return;  // no object counts

@@ -5,9 +5,11 @@
 namespace forcelayer::voxcheck {
 // Found by their arguments alone, so not in a nameless namespace.
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactMoment, time_s, exact_m, object, part_m, scene_m)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactViolation, from_s, to_s, clearance_m, worst, graze)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactAnswer, clearance_m, margin_m, least, violations, moments,
-                                   warnings)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactViolation, from_s, to_s, clearance_m, worst, graze,
+                                   pushed_into_seat, depth_m)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactSeat, object, installed_m, allowed_m, deepest_m, settled)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactAnswer, clearance_m, margin_m, least, violations, seat,
+                                   moments, warnings)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ProvenStretch, from_s, to_s, proven_m, too_near, seated)
 
 namespace {
@@ -65,12 +67,18 @@ std::string text_of(const ExactRequest& r) {
               {"unit_m", or_null(r.unit_m)},
               {"part_unit_m", or_null(r.part_unit_m)},
               {"allow_outside", r.allow_outside},
+              {"sandbox", r.sandbox},
+              {"sandbox_memory_bytes", r.sandbox_memory_bytes},
+              {"sandbox_time", bytes_of(r.sandbox_time)},
               {"required_m", r.required_m},
               {"least_s", r.least_s},
               {"most_m", or_null(r.most_m)},
               {"allowed", r.allowed},
               {"seat", r.seat},
-              {"stretches", r.stretches}}
+              {"stretches", r.stretches},
+              {"seated", r.seated},
+              {"seat_pose", r.seat_pose},
+              {"seat_depth_m", or_null(r.seat_depth_m)}}
       .dump();
 }
 
@@ -87,12 +95,18 @@ Result<ExactRequest> exact_request(const std::string& text) {
         r.unit_m = unless_null(json.at("unit_m"));
         r.part_unit_m = unless_null(json.at("part_unit_m"));
         json.at("allow_outside").get_to(r.allow_outside);
+        json.at("sandbox").get_to(r.sandbox);
+        json.at("sandbox_memory_bytes").get_to(r.sandbox_memory_bytes);
+        r.sandbox_time = text_from(json.at("sandbox_time"));
         json.at("required_m").get_to(r.required_m);
         json.at("least_s").get_to(r.least_s);
         r.most_m = unless_null(json.at("most_m"));
         json.at("allowed").get_to(r.allowed);
         json.at("seat").get_to(r.seat);
         json.at("stretches").get_to(r.stretches);
+        json.at("seated").get_to(r.seated);
+        json.at("seat_pose").get_to(r.seat_pose);
+        r.seat_depth_m = unless_null(json.at("seat_depth_m"));
         return r;
       });
 }

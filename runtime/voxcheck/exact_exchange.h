@@ -23,12 +23,19 @@ struct ExactRequest {
   std::string scene, part, path;  // baked files and path, as given
   std::vector<std::string> meshes, part_meshes, without;
   std::optional<double> unit_m, part_unit_m;  // meters per file unit
-  bool allow_outside = false;
+  bool allow_outside = false, sandbox = false;
+  std::uint64_t sandbox_memory_bytes = 0;  // 0: as usual
+  std::string sandbox_time;                // as typed; empty: as usual
   double required_m = 0;
   double least_s = 0;            // when the least clearance is proven,
   std::optional<double> most_m;  // and what the exact one is no more than then, where known
-  std::vector<std::uint32_t> allowed, seat;  // objects of the scene, by number
-  std::vector<ProvenStretch> stretches;      // in the order of time, without gaps
+  std::vector<std::uint32_t> allowed, seat;   // objects of the scene, by number
+  std::vector<ProvenStretch> stretches;       // in the order of time, without gaps
+  std::vector<std::array<double, 2>> seated;  // from, to: when the part is in its seat, s
+  std::array<double, 7> seat_pose{};          // world_from_part: m, then w, x, y, z
+  // How much deeper than installed the part may go into an object of its seat; without: as deep as
+  // the guard of a run lets a shell point.
+  std::optional<double> seat_depth_m;
 };
 
 inline constexpr double kNothingM = 1e100;  // farther away than any mesh
@@ -46,6 +53,21 @@ struct ExactViolation {
   double clearance_m = 0;  // that holds for all of it, deviations and rounding taken off
   ExactMoment worst;
   bool graze = false;  // so near to what is required that deviations and rounding decide
+  // In its seat the part goes deeper into an object than it may. `worst` is the deepest place, and
+  // the nearest one of the other surface.
+  bool pushed_into_seat = false;
+  double depth_m = 0;
+};
+
+// How deep the part goes into an object of its seat, as the meshes have it.
+struct ExactSeat {
+  std::uint32_t object = 0;
+  double installed_m = 0;  // how deep it and the part lie in each other where that is installed
+  double allowed_m = 0;    // how deep they may
+  double deepest_m = 0;    // how deep they were found to lie while the part is in its seat
+  // False where one of the two has no inside and their surfaces meet: then the depth says nothing
+  // of the other's inside, and it stays open whether the part goes through.
+  bool settled = true;
 };
 
 struct ExactAnswer {
@@ -53,6 +75,7 @@ struct ExactAnswer {
   double margin_m = 0;     // deviations of scene and part, and rounding
   ExactMoment least;
   std::vector<ExactViolation> violations;
+  std::vector<ExactSeat> seat;
   std::uint64_t moments = 0;  // at which a distance was measured
   std::vector<std::string> warnings;
 };

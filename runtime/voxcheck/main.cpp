@@ -80,7 +80,7 @@ Status check(const Options& options) {
   const clearance::CenterPath path(*rows, *part);
   const double read_s = now_s();
   const clearance::CheckRequest request{options.clearance_m, options.threads, *allowed,
-                                        options.world_from_seat};
+                                        options.world_from_seat, options.felt_seat};
   auto result = clearance::check_path(*scene, *part, path, request);
   if (!result) {
     Error error = result.error();
@@ -107,9 +107,10 @@ int run(int argc, char** argv) {
   OptionParser parser(app);
   command::arrange_help(
       app,
-      {{"What is asked", {"--clearance", "--seat", "--allow"}},
+      {{"What is asked", {"--clearance", "--seat", "--felt-seat", "--seat-depth", "--allow"}},
        {"The meshes",
-        {"--exact", "--part", "--without", "--units", "--part-units", "--allow-outside"}},
+        {"--exact", "--part", "--without", "--units", "--part-units", "--allow-outside",
+         "--sandbox", "--sandbox-memory", "--sandbox-time"}},
        {"Output", {"--picture", "--csv", "--junit", "--code-quality", "--github"}}},
       "  voxcheck bay.vox part.pshell run.csv                      12.7 mm along a trace\n"
       "  voxcheck bay.vox part.pshell path.csv --clearance 3mm --junit verdict.xml\n"

@@ -27,6 +27,14 @@ OptionParser::OptionParser(CLI::App& app) : clearance_("12.7mm") {
                  "world_from_part where the part is installed, x,y,z[,qw,qx,qy,qz]: it may be near "
                  "the objects that it touches there, until it has left them, and at the path's end "
                  "again");
+  app.add_flag(
+      "--felt-seat", options_.felt_seat,
+      "without --exact: a seat in which shell points feel nothing is clear, although features "
+      "narrower than twice the covering radius are not felt");
+  app.add_option(
+      "--seat-depth", seat_depth_,
+      "with --exact: how much deeper than installed the part may go into the objects that "
+      "it is seated on; a quarter of a voxel and a step of the stored distances");
   app.add_option("--allow", options_.allow,
                  "an object that may be near, by its name or the end of it; * and ? match; "
                  "repeatable")
@@ -45,6 +53,13 @@ OptionParser::OptionParser(CLI::App& app) : clearance_("12.7mm") {
   app.add_option("--part-units", options_.part_units, "unit of --part, if it differs");
   app.add_flag("--allow-outside", options_.allow_outside,
                "a manifest may name meshes outside its own folder");
+  command::add_flag(app, "--sandbox", options_.sandbox,
+                    "read each mesh file in a process of its own, as voxelize does");
+  command::add_bytes(app, "--sandbox-memory", options_.sandbox_memory_bytes,
+                     "memory of that process, such as 2GiB (default 8GiB)",
+                     std::uint64_t{256} << 20, std::uint64_t{1} << 46);
+  command::add_text(app, "--sandbox-time", options_.sandbox_time,
+                    "time for one file, such as 30s (default 5min)");
   app.add_option("--threads", options_.threads, "that share the work; all; no answer depends on it")
       ->check(CLI::Range(1u, kMostThreads));
   app.add_option("--picture", options_.picture,
@@ -84,8 +99,23 @@ Result<Options> OptionParser::finish() const {
                  "is missing: both surfaces are needed",
                  "give --exact SCENE_MESHES --part PART_MESHES"};
   }
-  if (options.meshes.empty() && !options.without.empty()) {
-    return Error{ErrorCode::kUsage, "", "--without", "goes with --exact alone", "leave it out"};
+  if (!seat_depth_.empty()) {
+    const auto depth = command::parse_length(seat_depth_);
+    if (!depth) return about("--seat-depth", depth.error());
+    if (!(*depth >= 0)) {
+      return Error{ErrorCode::kUsage, "", "--seat-depth", "must not be negative", ""};
+    }
+    options.seat_depth_m = *depth;
+  }
+  if (options.meshes.empty()) {
+    for (const auto& [option, is_given] :
+         {std::pair("--without", !options.without.empty()),
+          std::pair("--seat-depth", options.seat_depth_m.has_value()),
+          std::pair("--sandbox", options.sandbox || options.sandbox_memory_bytes != 0 ||
+                                     !options.sandbox_time.empty())}) {
+      if (is_given)
+        return Error{ErrorCode::kUsage, "", option, "goes with --exact alone", "leave it out"};
+    }
   }
   if (!seat_.empty()) {
     const auto seat = command::parse_pose(seat_);

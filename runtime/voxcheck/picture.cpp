@@ -21,13 +21,16 @@ std::string pose_text(const Pose& pose) {
 struct Shown {
   const CheckedMoment& moment;
   const ExactMoment* exact = nullptr;
+  const clearance::Violation* pushed = nullptr;  // into its seat
 };
 
 Shown shown_of(const Report& report) {
-  if (!report.result.clear()) {
+  // A seat that is not settled has no worst moment.
+  if (!report.result.clear() && !worst_of(report.result).unsettled_seat) {
     const auto& worst = worst_of(report.result);
     const ExactViolation* exact = exact_of(report, worst);
-    return {worst.worst, exact != nullptr ? &exact->worst : nullptr};
+    return {worst.worst, exact != nullptr ? &exact->worst : nullptr,
+            worst.pushed_into_seat ? &worst : nullptr};
   }
   const bool known = report.exact && report.exact->least.exact_m < kNothingM;
   return {report.result.least, known ? &report.exact->least : nullptr};
@@ -45,6 +48,7 @@ std::vector<std::string> measure(const Report& report, const Shown& shown) {
     object = {p[0], p[1], p[2]};
     words = text("%.3f mm", 1e3 * shown.exact->exact_m);
   }
+  if (shown.pushed != nullptr) words = text("%.3f mm deep", 1e3 * shown.pushed->depth_m);
   std::vector<std::string> options{"--measure", point_text(part) + "," + point_text(object),
                                    "--measure-words", words};
   if (moment.object != 0) {

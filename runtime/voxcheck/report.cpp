@@ -48,13 +48,48 @@ std::string exact_text(const Report& report, const ExactViolation& exact) {
               1e3 * exact.worst.exact_m, ceil_nm_in_mm(report.exact->margin_m));
 }
 
+// In its seat a part is told by its shell points, to either side of which the covering radius is
+// not looked at.
+double narrowest_felt_m(const Report& report) { return 2 * report.part.header().covering_radius_m; }
+
+const ExactSeat* exact_seat(const Report& report, std::uint32_t object) {
+  if (!report.exact) return nullptr;
+  for (const ExactSeat& seat : report.exact->seat) {
+    if (seat.object == object) return &seat;
+  }
+  return nullptr;
+}
+
+std::string pushed_text(const Report& report, const Violation& v) {
+  const std::string object = escaped(object_name(report.scene, v.worst.object));
+  if (exact_of(report, v) == nullptr) {
+    return text("pushed %.3f mm deeper into %s than it is seated, ", 1e3 * v.depth_m,
+                object.c_str()) +
+           place_text(v.worst);
+  }
+  const ExactSeat* seat = exact_seat(report, v.worst.object);
+  return text("pushed %.3f mm deep into %s, %.3f mm where it is installed and %.3f mm allowed, ",
+              1e3 * v.depth_m, object.c_str(), 1e3 * seat->installed_m, 1e3 * seat->allowed_m) +
+         place_text(v.worst);
+}
+
+std::string unsettled_text(const Report& report, const Violation& v) {
+  const std::string object = escaped(object_name(report.scene, v.worst.object));
+  if (report.exact) {
+    return "not settled: in its seat it meets " + object +
+           ", and one of the two meshes is open and has no inside; accept with --felt-seat";
+  }
+  return text(
+      "not settled: in its seat, features of %s narrower than %.2f mm are not felt; settle "
+      "with --exact, or accept with --felt-seat",
+      object.c_str(), ceil_mm(narrowest_felt_m(report)));
+}
+
 // One violation, from its time on.
 std::string violation_text(const Report& report, const Violation& v) {
   std::string line = text("%.3f to %.3f s: ", v.from_s, v.to_s);
-  if (v.pushed_into_seat) {
-    return line + "pushed deeper into " + escaped(object_name(report.scene, v.worst.object)) +
-           " than it is seated";
-  }
+  if (v.pushed_into_seat) return line + pushed_text(report, v);
+  if (v.unsettled_seat) return line + unsettled_text(report, v);
   if (v.worst.beyond_side)
     return line + "beyond a cropped side of the scene, where nothing is known";
   if (const ExactViolation* exact = exact_of(report, v)) {
@@ -84,14 +119,30 @@ std::string seat_text(const Report& report) {
   return line + "; else ";
 }
 
-// In its seat a part is told by its shell points, to either side of which the covering radius is
-// not looked at.
-double narrowest_felt_m(const Report& report) { return 2 * report.part.header().covering_radius_m; }
-
-std::string seat_limit_text(const Report& report) {
+// How deep the part goes into the objects of its seat, as far as that is told.
+std::string seat_depth_text(const Report& report) {
   if (report.result.seated.empty()) return "";
-  return text("  in its seat it may pass through features of those objects narrower than %.2f mm\n",
-              ceil_mm(narrowest_felt_m(report)));
+  if (!report.exact) {
+    return text(
+        "  in its seat it may pass through features of those objects narrower than %.2f mm\n",
+        ceil_mm(narrowest_felt_m(report)));
+  }
+  const auto& seats = report.exact->seat;
+  const auto deeper = [](const ExactSeat& seat) { return seat.deepest_m - seat.installed_m; };
+  const auto deepest = std::max_element(
+      seats.begin(), seats.end(),
+      [&](const ExactSeat& a, const ExactSeat& b) { return deeper(a) < deeper(b); });
+  if (deepest == seats.end()) return "";
+  return text("  in its seat %.3f mm deeper than installed are allowed; deepest found %.3f mm, into %s\n",
+              1e3 * (deepest->allowed_m - deepest->installed_m),
+              1e3 * std::max(0.0, deeper(*deepest)),
+              escaped(object_name(report.scene, deepest->object)).c_str());
+}
+
+// Whether nothing is wrong but that a seat is not settled.
+bool is_only_unsettled(const CheckResult& result) {
+  return !result.clear() && std::all_of(result.violations.begin(), result.violations.end(),
+                                        [](const Violation& v) { return v.unsettled_seat; });
 }
 
 std::string least_text(const Report& report) {
@@ -125,11 +176,31 @@ void add_exact(Json& json, const ExactMoment& moment) {
   json["object_point_m"] = any ? Json(moment.scene_m) : Json(nullptr);
 }
 
+Json seat_depths_json(const Report& report) {
+  Json list = Json::array();
+  for (const ExactSeat& seat : report.exact->seat) {
+    list.push_back({{"object", object_name(report.scene, seat.object)},
+                    {"installed_m", seat.installed_m},
+                    {"deepest_m", seat.deepest_m},
+                    {"allowed_m", seat.allowed_m},
+                    {"settled", seat.settled}});
+  }
+  return list;
+}
+
+// Whether the meshes tell of each object of the seat how deep the part goes into it.
+bool is_seat_settled(const Report& report) {
+  return report.exact && std::all_of(report.exact->seat.begin(), report.exact->seat.end(),
+                                     [](const ExactSeat& seat) { return seat.settled; });
+}
+
 Json violation_json(const Report& report, const Violation& v) {
   Json json{{"from_s", v.from_s}, {"to_s", v.to_s}};
   json.update(moment_json(report, v.worst, v.clearance_m));
   json["beyond_cropped_side"] = v.worst.beyond_side;
   json["pushed_into_seat"] = v.pushed_into_seat;
+  json["seat_not_settled"] = v.unsettled_seat;
+  if (v.pushed_into_seat) json["depth_m"] = v.depth_m;
   if (const ExactViolation* exact = exact_of(report, v)) {
     add_exact(json, exact->worst);
     json["graze"] = exact->graze;
@@ -190,6 +261,7 @@ std::string required_text(const Report& report) {
 const Violation& worst_of(const CheckResult& result) {
   return *std::min_element(result.violations.begin(), result.violations.end(),
                            [](const Violation& a, const Violation& b) {
+                             if (a.unsettled_seat != b.unsettled_seat) return b.unsettled_seat;
                              return a.worst.clearance_m < b.worst.clearance_m;
                            });
 }
@@ -211,18 +283,23 @@ std::string verdict_text(const Report& report) {
   std::string line = seat_text(report);
   if (r.clear()) {
     return line + "clear: " + required_text(report) + "; " + least_text(report) + "\n" +
-           seat_limit_text(report);
+           seat_depth_text(report);
   }
-  line += text("NOT clear: %s; %s in %zu stretch%s\n", required_text(report).c_str(),
-               report.exact ? "not kept" : "not proven", r.violations.size(),
-               r.violations.size() == 1 ? "" : "es");
+  if (is_only_unsettled(r)) {
+    line = "NOT clear: its seat is not settled; " + line + "clear: " + required_text(report) +
+           "; " + least_text(report) + "\n";
+  } else {
+    line += text("NOT clear: %s; %s in %zu stretch%s\n", required_text(report).c_str(),
+                 report.exact ? "not kept" : "not proven", r.violations.size(),
+                 r.violations.size() == 1 ? "" : "es");
+  }
   for (std::size_t n = 0; n < std::min(kListed, r.violations.size()); ++n) {
     line += "  " + violation_text(report, r.violations[n]) + "\n";
   }
   if (r.violations.size() > kListed) {
     line += text("  and %zu more\n", r.violations.size() - kListed);
   }
-  return line + seat_limit_text(report);
+  return is_only_unsettled(r) ? line : line + seat_depth_text(report);
 }
 
 Json report_json(const Report& report) {
@@ -251,7 +328,11 @@ Json report_json(const Report& report) {
   for (const std::uint32_t object : r.seat_objects) {
     json["seat"].push_back(object_name(report.scene, object));
   }
-  if (!r.seated.empty()) json["narrowest_felt_m"] = narrowest_felt_m(report);
+  if (!r.seated.empty()) {
+    json["narrowest_felt_m"] = narrowest_felt_m(report);
+    json["seat_settled"] = is_seat_settled(report);
+  }
+  if (report.exact && !report.exact->seat.empty()) json["seat_depths"] = seat_depths_json(report);
   json["threads"] = report.options.threads;
   json["seconds"] = {{"read", report.read_s},
                      {"check", report.check_s},

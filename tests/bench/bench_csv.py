@@ -87,6 +87,7 @@ FILES = {
     "path": (("scenes", "from_voxels"), {"poses": SAME, "median": 1.02, "p99": 1.02}),
     "path_poses": (("scenes",), same("moments", "too_much", "planted", "found")),
     "path_time": (("clearance_mm", "threads"), {**same("poses", "moments_tested"), **times("cpu_s")}),
+    "verdicts": (("case",), {**same("poses", "too_near", "contradictions"), "told_m": 1.02}),
     "python": (("question", "points", "threads"), times("python_cpu_s", "cpp_cpu_s")),
     "paper": (("figure",), {}),
     "paper_steps": (("model", "points"), times("p50_us", "p99_us")),
@@ -113,7 +114,7 @@ def bake_kinds(rows, machine):
                 "vectors": machine["vectors"], "model": r["model"], "voxels": r["voxels_across"], "kind": name,
                 "bake_s": kind["in_memory_to_file"]["wall_s"], "bake_cpu_s": kind["in_memory_to_file"]["cpu_s"],
                 "command_s": kind.get("command", {}).get("wall_s"), "file_bytes": kind["file_bytes"],
-                "vdb_tool_bake_s": r["vdb_tool_without_reading"]["wall_s"],
+                "vdb_tool_bake_s": r["vdb_tool_without_reading"]["wall_s"], "vdb_tool_s": r["vdb_tool"]["wall_s"],
                 "mesh_to_volume_s": r["mesh_to_volume"]["wall_s"], "vdb_bytes": r["vdb_bytes"]}
 
 
@@ -400,6 +401,12 @@ def path_time(rows):
         yield "path_time", r
 
 
+def verdicts(rows):
+    for r in rows:
+        yield "verdicts", {key: r[key] for key in ("case", "file", "part", "study", "poses", "seated_poses", "told_m", "least_m",
+                                                   "object", "too_near", "told_deeper_m", "deeper_m", "contradictions")}
+
+
 def paper(results):
     own, part, at_1_khz = results["paper"], results["part"], results["points_at_1_khz"]
     figures = [("triangles", own["polygons"], results["bake"]["triangles"], None),
@@ -441,7 +448,7 @@ ROWS = {"bake": bake, "bake_wide": bake_kinds, "bake_full": bake_full, "bake_err
         "stability_device": stability_device, "stability_grips": stability_grips,
         "stability_loops": stability_loops, "stability_seats": stability_seats,
         "stability_field": stability_field, "stability_step": stability_step, "skipped": skipped,
-        "python_bench": python_bench, "path": path, "path_time": path_time, "paper_table": paper, "loop": loop}
+        "python_bench": python_bench, "path": path, "path_time": path_time, "verdicts": verdicts, "paper_table": paper, "loop": loop}
 OF_VECTORS = (bake_kinds, force_cost)  # which put the vectors of the run into the rows
 
 

@@ -3,8 +3,9 @@
 //   stability_bench rest [TRIALS]     random rest trials (500)
 //   stability_bench table2 [FRAMES]   the paper's Table 2, beside default (1000000 contact frames)
 //   stability_bench field [FRAMES]    the paper's model by its field stiffness (200000 each)
-//   stability_bench hands [FRAMES]    hands of every temper in congested scenes (100000000 frames);
-//                                     Ctrl-C ends it with what there is
+//   stability_bench hands [FRAMES [JOURNAL]]   hands of every temper in congested scenes (100000000
+//                                     frames); Ctrl-C ends it with what there is, and a run with
+//                                     the same journal goes on from there
 //   stability_bench map               stable and unstable settings: stiffness, mass and rate
 //   stability_bench device            the loop closed by a simulated hand and device
 //   stability_bench grips             handles that hold the part aside of its centroid: which swing
@@ -18,7 +19,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <functional>
@@ -33,48 +33,6 @@ namespace forcelayer::stress {
 namespace {
 
 double largest(const std::vector<double>& sample) { return percentile(sample, 100); }
-
-Json to_json(const Metrics& m) {
-  const Interval pr = interval95(m.penetration_frames, m.force_layer_frames);
-  const bool measured = m.distances_visited > 0;
-  return Json{{"trials", m.trials},
-              {"starts_inside", m.starts_inside},
-              {"frames", m.frames},
-              {"force_layer_frames", m.force_layer_frames},
-              {"penetration_frames", m.penetration_frames},
-              {"penetration_ratio", m.penetration_ratio()},
-              {"penetration_ratio_95", {pr.low, pr.high}},
-              {"guard_cuts", m.guard_cuts},
-              {"guard_cut_share", static_cast<double>(m.guard_cuts) /
-                                      static_cast<double>(std::max<std::uint64_t>(1, m.frames))},
-              {"peak_force_n", m.peak_force_n},
-              {"peak_torque_nm", m.peak_torque_nm},
-              {"rest_force_n_p50", percentile(m.rest_force_n, 50)},
-              {"cycle_voxels_p99", percentile(m.cycle_voxels, 99)},
-              {"cycle_voxels_max", largest(m.cycle_voxels)},
-              {"cycle_force_n_max", largest(m.cycle_force_n)},
-              {"cycle_hz_p50", percentile(m.cycle_hz, 50)},
-              {"settle_s_p50", percentile(m.settle_s, 50)},
-              {"settle_s_max", largest(m.settle_s)},
-              {"energy_generated_j", m.generated_j},
-              {"energy_generated_j_worst", m.worst_generated_j},
-              {"progress_p10", percentile(m.progress, 10)},
-              {"progress_p50", percentile(m.progress, 50)},
-              {"stuck_share_p50", percentile(m.stuck_share, 50)},
-              {"force_step_n_p50", percentile(m.force_steps_n, 50)},
-              {"force_step_n_p99", percentile(m.force_steps_n, 99)},
-              {"approach_mps_p50", percentile(m.approach_mps, 50)},
-              {"approach_mps_p95", percentile(m.approach_mps, 95)},
-              {"approach_mps_max", largest(m.approach_mps)},
-              {"smallest_distance_m", measured ? Json(m.smallest_distance_m) : Json(nullptr)},
-              {"guaranteed_m", m.guaranteed_m},
-              {"distances_visited", m.distances_visited},
-              {"distances_measured", m.distances_measured},
-              {"lag_m_max", largest(m.lag_m)},
-              {"non_finite_frames", m.non_finite},
-              {"overflow_frames", m.overflows},
-              {"over_limit_frames", m.over_limit}};
-}
 
 unsigned long long count(std::uint64_t n) { return n; }
 
@@ -120,6 +78,48 @@ void print_row(const char* model, const Metrics& m) {
 }
 
 }  // namespace
+
+Json to_json(const Metrics& m) {
+  const Interval pr = interval95(m.penetration_frames, m.force_layer_frames);
+  const bool measured = m.distances_visited > 0;
+  return Json{{"trials", m.trials},
+              {"starts_inside", m.starts_inside},
+              {"frames", m.frames},
+              {"force_layer_frames", m.force_layer_frames},
+              {"penetration_frames", m.penetration_frames},
+              {"penetration_ratio", m.penetration_ratio()},
+              {"penetration_ratio_95", {pr.low, pr.high}},
+              {"guard_cuts", m.guard_cuts},
+              {"guard_cut_share", static_cast<double>(m.guard_cuts) /
+                                      static_cast<double>(std::max<std::uint64_t>(1, m.frames))},
+              {"peak_force_n", m.peak_force_n},
+              {"peak_torque_nm", m.peak_torque_nm},
+              {"rest_force_n_p50", percentile(m.rest_force_n, 50)},
+              {"cycle_voxels_p99", percentile(m.cycle_voxels, 99)},
+              {"cycle_voxels_max", largest(m.cycle_voxels)},
+              {"cycle_force_n_max", largest(m.cycle_force_n)},
+              {"cycle_hz_p50", percentile(m.cycle_hz, 50)},
+              {"settle_s_p50", percentile(m.settle_s, 50)},
+              {"settle_s_max", largest(m.settle_s)},
+              {"energy_generated_j", m.generated_j},
+              {"energy_generated_j_worst", m.worst_generated_j},
+              {"progress_p10", percentile(m.progress, 10)},
+              {"progress_p50", percentile(m.progress, 50)},
+              {"stuck_share_p50", percentile(m.stuck_share, 50)},
+              {"force_step_n_p50", percentile(m.force_steps_n, 50)},
+              {"force_step_n_p99", percentile(m.force_steps_n, 99)},
+              {"approach_mps_p50", percentile(m.approach_mps, 50)},
+              {"approach_mps_p95", percentile(m.approach_mps, 95)},
+              {"approach_mps_max", largest(m.approach_mps)},
+              {"smallest_distance_m", measured ? Json(m.smallest_distance_m) : Json(nullptr)},
+              {"guaranteed_m", m.guaranteed_m},
+              {"distances_visited", m.distances_visited},
+              {"distances_measured", m.distances_measured},
+              {"lag_m_max", largest(m.lag_m)},
+              {"non_finite_frames", m.non_finite},
+              {"overflow_frames", m.overflows},
+              {"over_limit_frames", m.over_limit}};
+}
 
 Json case_table(std::uint64_t trials) {
   Json report;
@@ -239,36 +239,6 @@ Json table2(std::uint64_t contact_frames) {
 
 namespace {
 
-volatile std::sig_atomic_t interrupted = 0;
-
-}  // namespace
-
-Json random_hands(std::uint64_t frames) {
-  std::signal(SIGINT, [](int) { interrupted = 1; });
-  std::printf("hands that wander through congested scenes, default model\n");
-  const Case& hands = case_named("random-hand");
-  Metrics sum;
-  std::uint64_t shown = 0;
-  for (std::uint64_t seed = 1; sum.frames < frames && interrupted == 0; ++seed) {
-    Trial trial = hands.make(seed);
-    trial.distance_below_m = sum.smallest_distance_m;
-    sum.add(run(trial, Model::kDefault));
-    if (sum.frames < std::min(frames, shown + 1'000'000) && interrupted == 0) continue;
-    shown = sum.frames;
-    std::printf(
-        "  seeds 1-%llu: %llu frames, %llu in the force layer, %llu penetrating, %llu not finite, "
-        "%llu over the limits, %llu guard cuts; smallest distance %.3f mm, guaranteed %.3f mm\n",
-        count(seed), count(sum.frames), count(sum.force_layer_frames),
-        count(sum.penetration_frames), count(sum.non_finite), count(sum.over_limit),
-        count(sum.guard_cuts), sum.smallest_distance_m * 1e3, sum.guaranteed_m * 1e3);
-    std::fflush(stdout);
-  }
-  std::signal(SIGINT, SIG_DFL);
-  return {{"default", to_json(sum)}};
-}
-
-namespace {
-
 // A part pressed into place and held for twenty times what the coupling needs to get there, and
 // twenty times what its largest force does: what a heavy part on a soft or weak coupling does in
 // two seconds is on its way, and says nothing of stability.
@@ -335,7 +305,8 @@ int run_tables(int argc, char** argv) {
       {"rest", [&] { return rest_table(amount(500)); }},
       {"table2", [&] { return table2(amount(1'000'000)); }},
       {"field", [&] { return field_sweep(amount(200'000)); }},
-      {"hands", [&] { return random_hands(amount(100'000'000)); }},
+      {"hands",
+       [&] { return random_hands(amount(100'000'000), words.size() > 2 ? words[2] : ""); }},
       {"map", setting_map},
       {"device", device_table},
       {"grips", grip_map},

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <string>
 
 #include "tests/stress/trial.h"
 
@@ -12,6 +13,8 @@ using Json = nlohmann::ordered_json;
 inline constexpr Model kBothModels[] = {Model::kPaper, Model::kDefault};
 inline const char* name_of(Model model) { return model == Model::kPaper ? "paper" : "default"; }
 
+Json to_json(const Metrics& metrics);
+
 // Every stress case, both models, `trials` seeds each.
 Json case_table(std::uint64_t trials);
 // `trials` random rest trials of both models.
@@ -20,8 +23,9 @@ Json rest_table(std::uint64_t trials);
 Json table2(std::uint64_t contact_frames);
 // The paper's model in the same collisions, by its field stiffness.
 Json field_sweep(std::uint64_t contact_frames);
-// Random hands in congested scenes, the default model, until `frames` are counted.
-Json random_hands(std::uint64_t frames);
+// Random hands in congested scenes, the default model, until `frames` are counted. A journal, where
+// a path is given, keeps the trials that are done, and is gone on from.
+Json random_hands(std::uint64_t frames, const std::string& journal_path);
 // Quiet, moving and unstable settings: stiffness, mass and rate; a prescribed handle.
 Json setting_map();
 // The same loop closed by a simulated hand and device, beside the bounds that defaults obey.

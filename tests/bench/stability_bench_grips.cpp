@@ -16,8 +16,9 @@ constexpr const char* kAxes[] = {"x", "y", "z"};
 constexpr const char* kTempers[] = {"none", "loose", "firm"};
 
 // Swing of the handle in encoder steps; infinite where the part was torn off before it touched.
+// `then` sees a handle that swings and that nobody holds, at its twentieth second.
 double swing(Model model, double scale, double delay_s, int temper, double arm_m, int axis,
-             bool clutch) {
+             bool clutch, Json& then) {
   static const test::VoxelScene scene = test::plane();
   static const test::PointPart part = test::block();
   test::HeldPartOptions options = test::above_the_plane(arm_m, axis, scale);
@@ -26,7 +27,20 @@ double swing(Model model, double scale, double delay_s, int temper, double arm_m
   options.hand->delay_s = delay_s;
   try {
     test::HeldPart held(scene, part, options);
-    return test::swing_steps(held, *options.hand, temper == 0, clutch);
+    const double steps = test::swing_steps(held, *options.hand, temper == 0, clutch);
+    if (model == Model::kDefault && temper == 0 && steps >= kStillSteps) {
+      const test::Creep creep = test::creep(held);
+      std::printf(
+          "    goes on for %.1f s: %.4f rad of way, %.4f rad from where it was; the motors "
+          "have %.3g to %.3g N m while it moves\n",
+          creep.rest_s, creep.way_rad, creep.net_rad, creep.least_nm, creep.most_nm);
+      then = {{"rest_s", std::isfinite(creep.rest_s) ? Json(creep.rest_s) : Json(nullptr)},
+              {"way_steps", creep.way_rad / options.hand->encoder_step_rad},
+              {"net_steps", creep.net_rad / options.hand->encoder_step_rad},
+              {"least_nm", creep.least_nm},
+              {"most_nm", creep.most_nm}};
+    }
+    return steps;
   } catch (const std::runtime_error&) {
     return INFINITY;
   }
@@ -46,7 +60,9 @@ Json grip_map() {
             for (int axis = 0; axis < 3; ++axis) {
               for (const double arm_m : kArmsM) {
                 if (arm_m == 0 && axis > 0) continue;
-                const double steps = swing(model, scale, delay_s, temper, arm_m, axis, clutch);
+                Json then;
+                const double steps =
+                    swing(model, scale, delay_s, temper, arm_m, axis, clutch, then);
                 cells += steps < kStillSteps ? '.' : 'X';
                 rows.push_back({{"model", name_of(model)},
                                 {"scale", scale},
@@ -57,6 +73,10 @@ Json grip_map() {
                                 {"arm_m", arm_m},
                                 {"swing_steps", std::isfinite(steps) ? Json(steps) : Json(nullptr)},
                                 {"quiet", steps < kStillSteps}});
+                for (const char* key :
+                     {"rest_s", "way_steps", "net_steps", "least_nm", "most_nm"}) {
+                  rows.back()[key] = then.is_null() ? Json(nullptr) : then[key];
+                }
               }
             }
             std::printf("  %-8s scale %-4g delay %g ms  %-5s %s  %s\n", name_of(model), scale,

@@ -105,6 +105,10 @@ def grips(rows):
     return summed
 
 
+def creeping(rows):
+    return [row for row in rows if row.get("way_steps") is not None]
+
+
 SEAT_QUANTILES = (0.5, 0.9, 1)
 
 
@@ -179,7 +183,6 @@ PEERS = [("no skipping", "no skipping"), ("scalar, no skipping", "scalar"),
          ("FCL meshes, distance", "FCL distance")]
 RATES = (250, 500, 1000, 2000, 4000)
 STEPS = (0.004, 0.002, 0.001, 0.0005, 0.00025, 0.000125)
-KINDS = ("two bits, euclidean", "4 bits", "8 bits")
 GROUPS = ("flush and smooth", "wedges", "wedges one offset")
 
 
@@ -228,14 +231,15 @@ TABLES = {
         ("file: `.vdb` / ours, MB", lambda r: pair(r["vdb_bytes"] / 1e6, r["file_bytes"] / 1e6))]),
     "bake_kinds": ("bake_kinds", pivoted("kind", "run", "model", "voxels"), [
         ("vectors", text("vectors")), ("model", text("model")), ("voxels across", text("voxels")),
-        ("bake: two bits, ms", of("two bits", "bake_s", 1e3)),
-        *((f"{kind.replace('two bits, e', 'E')}, times", over("bake_s", kind, "two bits")) for kind in KINDS),
-        ("command: two bits, ms", lambda r: scaled("command_s", 1e3)(r["of"]["two bits"])),
-        *((f"{kind.replace('two bits, e', 'E')}, times", over("command_s", kind, "two bits")) for kind in KINDS),
-        ("`vdb_tool` over 8 bits", lambda r: times(r["vdb_tool_bake_s"], r["of"]["8 bits"]["bake_s"])),
-        ("`meshToVolume` over 8 bits", lambda r: times(r["mesh_to_volume_s"], r["of"]["8 bits"]["bake_s"])),
-        ("file: `.vdb` / 8 bits / two bits, MB", lambda r: pair(
-            r["vdb_bytes"] / 1e6, *(r["of"][kind]["file_bytes"] / 1e6 for kind in ("8 bits", "two bits"))))]),
+        ("bake: lean Chebyshev, ms", of("lean, chebyshev", "bake_s", 1e3)),
+        *((f"{kind}, times", over("bake_s", kind, "lean, chebyshev")) for kind in ("lean", "full")),
+        ("command: lean Chebyshev, ms", lambda r: scaled("command_s", 1e3)(r["of"]["lean, chebyshev"])),
+        *((f"{kind}, times", over("command_s", kind, "lean, chebyshev")) for kind in ("lean", "full")),
+        ("bake: `vdb_tool` over full", lambda r: times(r["vdb_tool_bake_s"], r["of"]["full"]["bake_s"])),
+        ("command: `vdb_tool` over full", lambda r: times(r["vdb_tool_s"], r["of"]["full"]["command_s"])),
+        ("bake: `meshToVolume` over full", lambda r: times(r["mesh_to_volume_s"], r["of"]["full"]["bake_s"])),
+        ("file: `.vdb` / full / lean Chebyshev, MB", lambda r: pair(
+            r["vdb_bytes"] / 1e6, *(r["of"][kind]["file_bytes"] / 1e6 for kind in ("full", "lean, chebyshev"))))]),
     "bake_error": ("bake_error", where(voxels=256), [
         ("scene", text("scene")), ("program", text("program")), ("time, ms", scaled("wall_s", 1e3)),
         ("peak memory, MB", scaled("peak_bytes", 1e-6)),
@@ -375,6 +379,12 @@ TABLES = {
     "stability_grips": ("stability_grips", grips, [
         ("model", text("model")), ("scale", text("scale")), ("delay, ms", scaled("delay_s", 1e3)), ("hand", text("hand")),
         ("quiet", text("quiet")), ("of", text("grips")), ("most, encoder steps", scaled("swing_steps", 1, 2))]),
+    "stability_creep": ("stability_grips", creeping, [
+        ("scale", text("scale")), ("delay, ms", scaled("delay_s", 1e3)), ("hand", text("hand")),
+        ("arm", lambda r: f"{r['arm_m']:g} m, {r['axis']}{', clutched' if r['clutch'] else ''}"),
+        ("swing, steps", scaled("swing_steps", 1, 2)), ("goes on, s", scaled("rest_s", 1, 2)),
+        ("way, steps", scaled("way_steps", 1, 4)), ("net, steps", scaled("net_steps", 1, 4)),
+        ("motors, N m", lambda r: f"{r['least_nm']:.3g} to {r['most_nm']:.3g}")]),
     "stability_loops": ("stability_loops", list, [
         ("model", text("model")), ("start", text("start")), ("scale", text("scale")), ("loop", text("loop")), ("loops", text("loops")),
         ("given at most, uJ", scaled("given_j", 1e6, 2)), ("beyond the sampled spring, uJ", scaled("over_j", 1e6, 2)),
@@ -438,6 +448,12 @@ TABLES = {
         ("poses", text("poses")), ("moments looked at", text("moments_tested")), ("violations", text("violations")),
         ("reading, s", scaled("read_s", 1, 2)), ("checking, s", scaled("check_s", 1, 2)),
         ("processor, s", scaled("cpu_s", 1, 2)), ("memory, MB", scaled("peak_bytes", 1e-6))]),
+    "verdicts": ("verdicts", list, [
+        ("part", text("case")), ("study", text("study")), ("poses", text("poses")), ("in the seat", text("seated_poses")),
+        ("least told, mm", lambda r: digits(1e3 * r["told_m"], 4)), ("least of all poses, mm", lambda r: digits(1e3 * r["least_m"], 4)),
+        ("to", text("object")), ("poses too near", text("too_near")),
+        ("deeper in its seat, found, mm", lambda r: digits(1e3 * r["told_deeper_m"])),
+        ("at poses, mm", lambda r: digits(1e3 * r["deeper_m"])), ("contradictions", text("contradictions"))]),
     "python": ("python", list, [
         ("question", lambda r: f"`{r['question']}`"), ("points", text("points")), ("threads", text("threads")),
         ("poses", text("poses")), ("Python, us a pose", lambda r: digits(1e6 * r["python_cpu_s"] / r["poses"], 3)),
@@ -485,17 +501,22 @@ def summary():
     def one(machine, name, **wanted):
         return where(**wanted)(rows(machine, name))[0]
 
-    xeon, epyc = "intel-r-xeon-r-processor", "amd-epyc-avx2"
+    xeon, epyc = "intel-r-xeon-r-processor", "amd-epyc"
     wall = by("method", ("motion",), where(run=1, motion="wall", points=10 ** 6)(rows(xeon, "query")))[0]["of"]
     ours, vdb, fcl = (wall[m]["p50_us"] for m in ("all skipping", "OpenVDB ValueAccessor", "FCL meshes, contacts"))
     every = one(xeon, "query", motion="everything", points=10 ** 6, method="all skipping")["p50_us"]
-    engine = one(xeon, "bake", model="engine", voxels=1024)
-    paper_bake = one(xeon, "paper", figure="bake_s")
-    files = one(xeon, "paper", figure="file_bytes")
-    most = max(where(series="triangles")(rows(xeon, "bake_growth")), key=lambda r: r["triangles"])
+    engine = by("kind", ("model",), where(model="engine", voxels=1024)(rows(epyc, "bake_kinds")))[0]["of"]
+    in_1999 = {r["figure"]: r["in_1999"] for r in rows(xeon, "paper")}
+    bays = by("kind", ("triangles",), where(scene="aircraft")(rows(epyc, "bake_full")))
+    paper_bay, large_bay = (next(bay["of"] for bay in bays if bay["triangles"] == count) for count in (593409, 10500000))
     table2 = by("model", ("campaign",), where(campaign="table2")(rows(xeon, "stability")))[0]["of"]
     rest = by("model", ("campaign",), where(campaign="rest")(rows(xeon, "stability")))[0]["of"]
     loop = {r["figure"]: r["value"] for r in rows(xeon, "loop")}
+
+    def baked(bay):
+        full, lean = bay["full"], bay["lean, chebyshev"]
+        return (f"{digits(full['cpu_s'])} s of processor time, {digits(full['file_bytes'] / 1e6)} MB; `--metric chebyshev`: "
+                f"{digits(lean['cpu_s'])} s, {digits(lean['file_bytes'] / 1e6)} MB")
 
     def wrench_row(contacts, label):
         of = by("method", ("contacts",), where(voxel_m=0.005, contacts=contacts)(rows(epyc, "wrench")))[0]["of"]
@@ -508,12 +529,12 @@ def summary():
         ["contact query, 10^6 points against a wall", f"{digits(ours)} us",
          f"OpenVDB `ValueAccessor` {digits(vdb)} us; FCL {digits(fcl)} us", "query"],
         ["contact query, 10^6 points all in contact", f"{digits(every)} us", "a frame: 1,000 us", "query"],
-        ["bake of the engine, `--metric chebyshev`, 1024 voxels across, whole command", f"{digits(engine['command_s'])} s",
-         f"`vdb_tool -mesh2ls` {digits(engine['vdb_tool_s'])} s", "bake"],
-        [f"bake of {most['triangles'] / 1e6:g} million triangles, `--metric chebyshev`, {most['voxels']:,} voxels across",
-         f"{digits(most['wall_s'])} s, {digits(most['peak_bytes'] / 1e6)} MB", "", "growth"],
-        ["bake of the paper's 593,409 polygons at 5 mm, `--metric chebyshev`", f"{digits(paper_bake['paper_model'])} s, "
-         f"{digits(files['paper_model'] / 1e6)} MB", f"1999: {paper_bake['in_1999']} s, {files['in_1999'] / 1e6:g} MB", "paper"],
+        ["bake of the engine, 1024 voxels across, whole command",
+         f"{digits(engine['full']['command_s'])} s; `--metric chebyshev`: {digits(engine['lean, chebyshev']['command_s'])} s",
+         f"`vdb_tool -mesh2ls width=6` {digits(engine['full']['vdb_tool_s'])} s", "bake"],
+        ["bake of 10.5 million triangles, 4,000 voxels across", baked(large_bay), "", "bake"],
+        ["bake of the paper's 593,409 polygons at 5 mm", baked(paper_bay), f"1999: {in_1999['bake_s']} s, {in_1999['file_bytes'] / 1e6:g} MB",
+         "bake"],
         wrench_row("flush and smooth", "force error, smooth contacts, 5 mm"),
         wrench_row("mesh pairs", "force error, pairs of meshes, 5 mm"),
         ["penetrating frames in a million contact frames", percent(table2["default"]["penetration_ratio"]),

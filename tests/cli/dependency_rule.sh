@@ -52,7 +52,7 @@ voxelize/fill:          formats/lattice voxelize/masks
 formats/mesh/sandbox:   formats formats/command formats/mesh
 formats/mesh/step/entities: formats formats/mesh
 formats/mesh/step:      formats formats/mesh formats/mesh/step/entities
-formats/mesh/readers:   formats formats/mesh formats/mesh/step
+formats/mesh/readers:   formats formats/mesh
 pointshell/part:        formats formats/mesh formats/mesh/sandbox
 runtime/field:          formats runtime/forcelayer runtime/query
 voxelize/scan:          formats formats/lattice formats/mesh voxelize/masks
@@ -78,7 +78,7 @@ runtime/viewer/run:     formats runtime/coupling runtime/field runtime/forcelaye
 runtime/doctor:         formats formats/command runtime/loop runtime/machine runtime/query
 runtime/voxrun:         formats formats/command formats/digest formats/path runtime/devices runtime/devices/hid runtime/devices/plugin runtime/field runtime/forcelayer runtime/loop runtime/machine runtime/model runtime/query runtime/run runtime/stream
 runtime/voxcheck:       formats formats/command formats/path runtime/clearance runtime/forcelayer runtime/model runtime/query runtime/run runtime/stream
-runtime/exact:          formats formats/command formats/mesh formats/path runtime/clearance runtime/forcelayer runtime/run runtime/voxcheck
+runtime/exact:          formats formats/command formats/mesh formats/mesh/sandbox formats/path pointshell/certificate pointshell/normals pointshell/part runtime/clearance runtime/forcelayer runtime/run runtime/voxcheck
 runtime/study:          formats formats/command formats/digest formats/path
 runtime/viewer/plan:    formats formats/command formats/mesh formats/mesh/sandbox runtime/forcelayer runtime/viewer/run runtime/viewer/surface
 runtime/viewer/vtk:     formats formats/command runtime/forcelayer runtime/viewer/plan runtime/viewer/run runtime/viewer/surface

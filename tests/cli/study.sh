@@ -71,9 +71,12 @@ grep -q '^forcelayer: gearbox.glb: Cover: it does not come out: pulled 60 mm, it
   fail "$(cat err.txt)"
 grep -q 'class="verdict no"><strong>Does not come out' held/report.html || fail "the page of what is held"
 printf 't_s,x_m,y_m,z_m\n0,0,0,0\n1,0,0,0.06\n' >up.csv
-study 6 'gearbox.glb#Cover' --voxel-size 1mm --path up.csv --clearance 1mm -o given
+# At 2 mm the bolt heads are too narrow to be felt: the meshes tell, and without them it stays open.
+study 6 'gearbox.glb#Cover' --voxel-size 2mm --path up.csv --clearance 1mm -o given
 grep -q 'class="verdict no"><strong>Not clear' given/report.html || fail "the page of what is not clear"
-grep -q 'pushed deeper' given/report.html || fail "the page does not say what is wrong"
+grep -q 'pushed [0-9.]* mm deep' given/report.html || fail "the page does not say what is wrong"
+study 6 'gearbox.glb#Cover' --voxel-size 2mm --path up.csv --clearance 1mm -o given --files-alone
+grep -q 'not settled' given/report.html || fail "the page does not say that the seat is not settled"
 
 # Errors.
 study 2 gearbox.glb --voxel-size 1mm --pull 0,0,60mm -o none

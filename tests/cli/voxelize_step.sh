@@ -18,6 +18,14 @@ fi
 "$bin/make_step_assembly" clamp.step || exit 1
 clamp=$PWD/clamp.step
 
+# OpenCASCADE is loaded by need: a program without its library bakes the rest, and says what is missing.
+mkdir -p alone/bin && cp "$bin/voxelize" alone/bin/
+alone/bin/voxelize "$clamp" --voxel-size 4mm -o alone.vox 2>err
+[ $? = 3 ] && [ "$(wc -l <err)" = 1 ] && grep -q "the reader of STEP and IGES cannot be loaded" err && [ ! -e alone.vox ] ||
+  fail "without the library: $(cat err)"
+printf 'v 0 0 0\nv 9 0 0\nv 0 9 0\nf 1 2 3\n' >triangle.obj
+alone/bin/voxelize triangle.obj --units mm --voxel-size 4mm --quiet -o alone.vox || fail "a mesh without the library"
+
 bake() {  # bake OUTPUT INPUT ARGUMENTS...
   local output=$1
   shift

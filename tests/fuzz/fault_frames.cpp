@@ -256,9 +256,13 @@ class Episode {
       const glm::dvec3 p =
           report.world_from_center.position_m +
           report.world_from_center.orientation * glm::dvec3(shell.x[i], shell.y[i], shell.z[i]);
-      // A rounding of single precision away from the face of a voxel.
-      const double within = p.z / kS - std::floor(p.z / kS);
-      if (within < 1e-3 || within > 1 - 1e-3) continue;
+      // A rounding of single precision away from the face of a voxel, the query may find the next.
+      bool at_face = false;
+      for (int axis = 0; axis < 3; ++axis) {
+        const double within = p[axis] / kS - std::floor(p[axis] / kS);
+        at_face = at_face || within < 1e-3 || within > 1 - 1e-3;
+      }
+      if (at_face) continue;
       const auto at = [&](int axis) { return static_cast<std::int64_t>(std::floor(p[axis] / kS)); };
       if (map.value(at(0), at(1), at(2)) == VoxelValue::kInterior && report.interior == 0) {
         breaks("a penetration without a report");

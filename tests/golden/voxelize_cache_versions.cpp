@@ -35,6 +35,7 @@ constexpr Golden kGolden[] = {
     {"node", 1, "b3fc25335a66c7ce49d0e54e610980d0"},
     {"distance", 1, "dced7f28bc28ea459de843b666334c3c"},
     {"distance", 2, "dced7f28bc28ea459de843b666334c3c"},
+    {"distance", 3, "05236e93d71372c5975629dec3ad961d"},
     {"near voxels", 2, "90bd1485eae1eddd72590f4c2a8fca18"},
     {"near voxels", 3, "90bd1485eae1eddd72590f4c2a8fca18"},
 };

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <map>
 #include <vector>
@@ -14,12 +15,14 @@
 #include "tests/support/every_target.h"
 #include "tests/support/reference_distance.h"
 #include "tests/support/soups.h"
+#include "voxelize/distance/lines_of_sight.h"
 #include "voxelize/distance/triangle_search.h"
 #include "voxelize/scan/snap.h"
 
 namespace forcelayer {
 namespace {
 
+using distance::LinesOfSight;
 using reference::Random;
 using reference::whole;
 
@@ -429,6 +432,145 @@ TEST_P(TriangleDistances, OfLargeTrianglesThePiecesAreAsFarAsTheWhole) {
   }
   EXPECT_GT(near_points, 40000u);
   EXPECT_GT(pieces, 600u);
+}
+
+// The distance of a triangle from a line between two points, voxels: along the line the distance
+// from a convex set is convex.
+double line_distance(const lattice::LatticeTriangle& triangle, const reference::Point& from,
+                     const reference::Point& to) {
+  double low = 0, high = 1;
+  const auto at = [&](double t) {
+    return reference::point_distance(triangle, reference::between(from, to, t));
+  };
+  for (int n = 0; n < 100; ++n) {
+    const double third = (high - low) / 3;
+    if (at(low + third) <= at(high - third)) {
+      high -= third;
+    } else {
+      low += third;
+    }
+  }
+  return at((low + high) / 2);
+}
+
+// How far from a triangle a line may be that counts as crossing it, at most, voxels: by as much as
+// it touches the triangle's plane (lines_of_sight.cpp).
+double most_touching(const lattice::LatticeTriangle& t, const LinesOfSight::Offset& way) {
+  std::array<double, 3> normal{};
+  double square = 0;
+  for (std::size_t d = 0; d < 3; ++d) {
+    const std::size_t e = (d + 1) % 3, f = (d + 2) % 3;
+    normal[d] = static_cast<double>((t[1][e] - t[0][e]) * (t[2][f] - t[0][f]) -
+                                    (t[1][f] - t[0][f]) * (t[2][e] - t[0][e]));
+    square += normal[d] * normal[d];
+  }
+  double fall = 0, length = 0;
+  for (std::size_t d = 0; d < 3; ++d) {
+    if (square > 0) fall += normal[d] * way[d] / std::sqrt(square);
+    length += way[d] * way[d];
+  }
+  constexpr double kTouching = distance::kDistanceErrorVoxels;
+  // Of a triangle without area, any plane through it.
+  const double share =
+      square > 0 ? std::min(1.0, 2.1 * kTouching / std::max(std::abs(fall), 1e-9)) : 1;
+  return 2 * kTouching + std::sqrt(length) * share;
+}
+
+// A free line is at least this far from a triangle, voxels: the threshold less the kernels' error.
+constexpr double kLeastFree = 0.9 * double{distance::kDistanceErrorVoxels};
+
+std::vector<LinesOfSight::Offset> any_offsets(Random& random) {
+  std::vector<LinesOfSight::Offset> offsets(
+      static_cast<std::size_t>(whole(random, 1, LinesOfSight::kMostLines)));
+  for (LinesOfSight::Offset& offset : offsets) {
+    for (std::int8_t& step : offset) {
+      step = static_cast<std::int8_t>(whole(random, -LinesOfSight::kFar, LinesOfSight::kFar));
+    }
+  }
+  return offsets;
+}
+
+TEST_P(TriangleDistances, AFreeLineCrossesNoTriangle) {
+  int crossing = 0, free = 0;
+  for (std::uint64_t seed = 1; seed <= 3000; ++seed) {
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
+    Random random(seed);
+    const Voxel voxel = random_cell(random, 1);
+    std::array<int, 3> from{};
+    lattice::LatticePoint near_voxel;
+    for (std::size_t d = 0; d < 3; ++d) {
+      from[d] = static_cast<int>(voxel[d]);
+      near_voxel[d] = voxel[d] * lattice::kSnapUnits + whole(random, -2048, 3072);
+    }
+    const lattice::LatticeTriangle exact = any_triangle(random, near_voxel);
+    std::array<std::array<double, 3>, 3> corners;
+    for (std::size_t k = 0; k < 3; ++k) {
+      for (std::size_t d = 0; d < 3; ++d) corners[k][d] = static_cast<double>(exact[k][d]);
+    }
+    std::vector<distance::PreparedTriangle> prepared;
+    distance::TriangleBatch batch(prepared);
+    batch.add(corners, 0, 0, distance::Claim{});
+    batch.flush();
+    const distance::PreparedTriangle* const list[] = {prepared.data()};
+    const auto offsets = any_offsets(random);
+    const std::uint32_t found = distance::free_lines(list, from, offsets);
+    for (std::size_t n = 0; n < offsets.size(); ++n) {
+      const reference::Point begin = reference::center_of(voxel);
+      reference::Point end = begin;
+      for (std::size_t d = 0; d < 3; ++d) end[d] += offsets[n][d];
+      const double least = line_distance(exact, begin, end);
+      if ((found >> n & 1) != 0) {
+        ASSERT_GT(least, kLeastFree) << "line " << n;
+        ++free;
+      } else {
+        ASSERT_LT(least, most_touching(exact, offsets[n]) + 1e-4) << "line " << n;
+        ++crossing;
+      }
+    }
+    ASSERT_EQ(found >> offsets.size(), 0u);
+  }
+  EXPECT_GT(crossing, 500);
+  EXPECT_GT(free, 1000);
+}
+
+TEST_P(TriangleDistances, LinesOfSightLeaveNoTriangleOut) {
+  LinesOfSight sight;
+  std::uint64_t seen = 0, hidden = 0;
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
+    Random random(seed);
+    const Triangles triangles(random, static_cast<int>(whole(random, 1, 300)), {0, 0, 0}, 64,
+                              cube_at(random_cell(random, 4), 1));
+    sight.begin_node();
+    for (int n = 0; n < 200; ++n) {
+      const Voxel low = random_cell(random, 4);
+      const std::array<int, 3> cell{static_cast<int>(low[0]), static_cast<int>(low[1]),
+                                    static_cast<int>(low[2])};
+      for (int i = 0; i < 4; ++i) {
+        std::array<int, 3> voxel = cell;
+        for (int& x : voxel) x += static_cast<int>(whole(random, 0, 3));
+        sight.begin(cell, triangles.list, voxel);
+        const auto offsets = any_offsets(random);
+        const std::uint32_t found = sight.free(offsets);
+        const std::uint32_t all = distance::free_lines(triangles.list, voxel, offsets);
+        ASSERT_EQ(found & all, all);
+        // A flat line may count as crossing a triangle beside its box, which is not listed.
+        for (std::uint32_t more = found & ~all; more != 0; more &= more - 1) {
+          const auto line = static_cast<std::size_t>(std::countr_zero(more));
+          const reference::Point begin = reference::center_of({voxel[0], voxel[1], voxel[2]});
+          reference::Point end = begin;
+          for (std::size_t d = 0; d < 3; ++d) end[d] += offsets[line][d];
+          for (const lattice::LatticeTriangle& exact : triangles.exact) {
+            ASSERT_GT(line_distance(exact, begin, end), kLeastFree);
+          }
+        }
+        seen += static_cast<std::uint64_t>(std::popcount(found));
+        hidden += offsets.size() - static_cast<std::uint64_t>(std::popcount(found));
+      }
+    }
+  }
+  EXPECT_GT(seen, 10000u);
+  EXPECT_GT(hidden, 10000u);
 }
 
 }  // namespace

@@ -17,7 +17,7 @@ TEST(Seat, InstalledPartsRestAreHeldAndComeOut) {
     EXPECT_EQ(outcome.refused, "");
     EXPECT_LT(outcome.drift, 0.2);
     EXPECT_LT(outcome.depth, 0.6);
-    EXPECT_LT(outcome.edge_depth, 0.87);  // a point of the shell is within the covering radius
+    EXPECT_LT(outcome.edge_depth, 0.6);
     EXPECT_TRUE(outcome.came_out);
     EXPECT_TRUE(outcome.went_back || !outcome.tried_back) << outcome.held;
   }

@@ -105,6 +105,35 @@ inline double swing_steps(HeldPart& held, const devices::SimHandParameters& hand
                   glm::length(high_rad - low_rad) / hand.encoder_step_rad);
 }
 
+// The way of a handle that nobody holds, from now until it has not moved for a second.
+struct Creep {
+  double rest_s = 0;                // until then; infinite where it takes more than ten minutes
+  double way_rad = 0, net_rad = 0;  // along the way, and from its beginning to its end
+  double least_nm = INFINITY, most_nm = 0;  // of the motors' torque while it moves
+};
+
+inline Creep creep(HeldPart& held) {
+  Creep out;
+  const Pose first = held.device().pose();
+  glm::dquat last = first.orientation;
+  int still = 0, frame = 0;
+  constexpr int kStill = 1000, kMost = 600'000;
+  for (; frame < kMost && still < kStill; ++frame) {
+    const double torque_nm = glm::length(held.tick().device_wrench.torque_nm);
+    const glm::dquat now = held.device().pose().orientation;
+    const double turned_rad = glm::length(coupling::rotation_vector(now * glm::conjugate(last)));
+    last = now;
+    out.way_rad += turned_rad;
+    still = turned_rad > 1e-12 ? 0 : still + 1;
+    if (still > 0) continue;
+    out.least_nm = std::min(out.least_nm, torque_nm),
+    out.most_nm = std::max(out.most_nm, torque_nm);
+  }
+  out.rest_s = still < kStill ? INFINITY : (frame - kStill) * held.servo().dt_s();
+  out.net_rad = glm::length(coupling::rotation_vector(last * glm::conjugate(first.orientation)));
+  return out;
+}
+
 // One closed loop of the handle in contact, made of the same way at every scale.
 struct HandleLoop {
   const char* name;

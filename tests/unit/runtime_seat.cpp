@@ -1,8 +1,12 @@
 // The seat of a part that starts installed, on scenes that are formulas.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <set>
 
+#include "runtime/field/field_probe.h"
+#include "runtime/query/shell_neighbors.h"
 #include "runtime/run/baked_files.h"
 #include "runtime/stream/recording.h"
 #include "tests/support/distance_scene.h"
@@ -192,6 +196,180 @@ TEST(Seat, AForceWithoutDistancesIsRefusedForWhatItIs) {
   const auto begun = run->simulation().begin(start, resting());
   ASSERT_FALSE(begun);
   EXPECT_NE(begun.error().mend.find("leave out --force"), std::string::npos);
+}
+
+// Solid below two planes that meet at a right angle along the y axis.
+double below_ridge_m(const glm::dvec3& p) {
+  const double side_m = std::abs(p.x);
+  return side_m > p.z ? std::sqrt(0.5) * (side_m + p.z) : std::hypot(p.x, p.z);
+}
+VoxelScene ridge_with_distances() {
+  return distance_scene(kS, {-12, -12, -12}, {24, 24, 24}, below_ridge_m, 2, DistanceDefinition(2));
+}
+// A rib of 6 mm, upright along the y axis, and nothing else.
+VoxelScene rib_with_distances() {
+  return distance_scene(
+      kS, {-12, -12, -12}, {24, 24, 24},
+      [](const glm::dvec3& p) {
+        const double x_m = std::abs(p.x) - 0.003;
+        return p.z <= 0 ? std::max(x_m, p.z) : std::hypot(std::max(x_m, 0.0), p.z);
+      },
+      2, DistanceDefinition(2));
+}
+
+// Points 7.5 mm apart: an edge at x = 0 lies midway between two rows of them.
+PointPart sparse_block() {
+  PointPart part = box_part({0.015, 0.015, kHalf}, 1.5 * kS, kS);
+  part.covering_radius_m *= 1.01;  // diagonals of its lattice are not twice that by rounding
+  return part;
+}
+Pose on_edge(double z_m = 0) { return {{0.00375, 0.0003, kHalf + z_m}, {1, 0, 0, 0}}; }
+
+struct SparseBlock : MotionBench {
+  SparseBlock(const VoxelScene& scene, const Pose& at) : MotionBench(scene, sparse_block(), at) {
+    PartStart start;
+    start.world_from_part = at;
+    const auto begun = simulation->begin(start, at);
+    if (!begun) throw std::runtime_error(to_line(begun.error()));
+    state = *begun;
+  }
+};
+
+TEST(Seat, AnEdgeBetweenTwoPointsIsFelt) {
+  SparseBlock bench(ridge_with_distances(), on_edge());
+  EXPECT_EQ(glm::length(bench.hold().wrench.force_n), 0);
+  EXPECT_EQ(bench.part().position_m.z, kHalf);
+  Pose down = on_edge();
+  for (int i = 0; i < 600; ++i) {
+    down.position_m.z -= i < 300 ? 2e-5 : 0;
+    bench.step_to(down);
+  }
+  // The points on both sides would touch at three quarters of a voxel.
+  EXPECT_GT(bench.part().position_m.z, kHalf - 0.45 * kS);
+  EXPECT_LT(bench.part().position_m.z, kHalf);
+}
+
+// A rib in a gap of the part that is narrower than the points are apart.
+TEST(Seat, ARibThatStandsBetweenPointsIsNotInTheWay) {
+  SparseBlock bench(rib_with_distances(), on_edge(-0.004));
+  ASSERT_EQ(bench.simulation->seat().size(), 1u);
+  EXPECT_FALSE(bench.simulation->seat()[0].feels_between);
+  Pose along = on_edge(-0.004);
+  StepResult result;
+  for (int i = 0; i < 300; ++i) {
+    along.position_m.y += 2e-5;
+    result = bench.step_to(along);
+  }
+  EXPECT_NEAR(bench.part().position_m.y, along.position_m.y, 0.05 * kS);
+  EXPECT_LT(glm::length(result.wrench.force_n), 0.05);
+}
+
+// The depth of what lies between points, from all pairs of collected points.
+std::vector<float> depths_between(const query::CollectedPoints& points,
+                                  const field::FieldSamples& samples, float zero_force_m,
+                                  float near_m, const field::SeatObject& object,
+                                  std::vector<float> depth_m) {
+  for (std::uint32_t a = 0; a < points.count; ++a) {
+    for (std::uint32_t b = a + 1; b < points.count; ++b) {
+      const glm::dvec3 way(double{points.rx[b]} - points.rx[a], double{points.ry[b]} - points.ry[a],
+                           double{points.rz[b]} - points.rz[a]);
+      if (glm::length(way) > near_m) continue;
+      glm::dvec3 na(points.nx[a], points.ny[a], points.nz[a]);
+      glm::dvec3 nb(points.nx[b], points.ny[b], points.nz[b]);
+      // The block's faces are flat: two points are of one face, or on an edge of one.
+      const auto is_along = [&](const glm::dvec3& n) {
+        return std::abs(glm::dot(way, n)) < 0.12 * glm::length(way);
+      };
+      if (glm::dot(na, nb) < 0.5 && is_along(nb)) na = nb;
+      if (glm::dot(na, nb) < 0.5 && is_along(na)) nb = na;
+      if (glm::dot(na, nb) < 0.5) continue;
+      const auto slope = [&](std::uint32_t i, const glm::dvec3& n) {
+        const glm::dvec3 g(samples.gx[i], samples.gy[i], samples.gz[i]);
+        return g - glm::dot(g, n) * n;
+      };
+      const auto is_steep = [&](std::uint32_t i) {
+        return glm::length(slope(i, {points.nx[i], points.ny[i], points.nz[i]})) > 0.2;
+      };
+      if (!is_steep(a) || !is_steep(b)) continue;
+      const auto counted = [&](double fall_m) {
+        return fall_m * std::clamp((fall_m / glm::length(way) - 0.2) / 0.2, 0.0, 1.0);
+      };
+      const double fall_a_m = counted(-glm::dot(slope(a, na), way));
+      const double fall_b_m = counted(glm::dot(slope(b, nb), way));
+      const double from_a_m = zero_force_m + samples.from_zero_force_m[a];
+      const double from_b_m = zero_force_m + samples.from_zero_force_m[b];
+      if (!(fall_a_m > 0 && fall_b_m > 0)) continue;
+      if (!(from_a_m < near_m && from_b_m < near_m)) continue;
+      const double t = (from_a_m - from_b_m + fall_b_m) / (fall_a_m + fall_b_m);
+      if (!(t > 0 && t < 1)) continue;
+      const auto deep_m = static_cast<float>(object.between_m - (from_a_m - t * fall_a_m));
+      for (const std::uint32_t i : {a, b}) depth_m[i] = std::max(depth_m[i], deep_m);
+    }
+  }
+  return depth_m;
+}
+
+TEST(Seat, DepthsBetweenPointsAreThoseOfAllPairs) {
+  const Voxmap voxmap = make_voxmap(ridge_with_distances());
+  const Pshell shell = make_pshell(sparse_block());
+  const auto force = field::make_force_field(Model::kDefault, ForceKind::kDistance, voxmap);
+  ASSERT_TRUE(force);
+  query::ContactQuery query(voxmap, shell);
+  query::CollectedPoints points;
+  field::FieldSamples samples;
+  field::ContactSet contacts;
+  points.reserve(shell.view().point_count), samples.reserve(shell.view().point_count);
+  contacts.reserve(shell.view().point_count);
+  field::FieldProbe probe(query, **force, points, samples);
+  ASSERT_TRUE(probe.find_seat(on_edge()));
+  const field::SeatObject seat = probe.seat().objects()[0];
+  Random random(24);
+  int felt = 0;
+  for (int trial = 0; trial < 200; ++trial) {
+    Pose at = on_edge(-uniform(random, 0, 0.4) * kS);
+    at.position_m.x += uniform(random, -1, 1) * kS;
+    at.orientation = coupling::rotation_by(uniform(random, 0, 0.4) * random_direction(random));
+    probe.open_seat(true);
+    probe.look_up(at, contacts);
+    std::vector<float> own(points.count);
+    for (std::uint32_t i = 0; i < points.count; ++i) {
+      own[i] = std::min(seat.contact_m, 0.0f) - static_cast<float>(voxmap.header().zero_force_m) -
+               samples.from_zero_force_m[i];
+    }
+    const std::vector<float> expected =
+        depths_between(points, samples, static_cast<float>(voxmap.header().zero_force_m),
+                       static_cast<float>(2 * shell.header().covering_radius_m), seat, own);
+    for (std::uint32_t i = 0; i < points.count; ++i) {
+      ASSERT_NEAR(std::max(0.0f, contacts.depth_m[i]), std::max(0.0f, expected[i]), 1e-5 * kS)
+          << "trial " << trial << ", point " << points.index[i];
+      felt += expected[i] > 0 && expected[i] > own[i] ? 1 : 0;
+    }
+  }
+  EXPECT_GT(felt, 200);
+}
+
+TEST(Seat, NeighborsAreAllPairsWithinTheDistance) {
+  Random random(25);
+  PointPart part = sparse_block();
+  for (int i = 0; i < 500; ++i) {
+    const glm::dvec3 p = 0.005 * random_direction(random);
+    part.add({p.x, p.y, p.z}, {0, 0, 1});
+  }
+  const Pshell shell = make_pshell(part);
+  const PshellView& view = shell.view();
+  const auto point = [&](std::uint64_t i) { return glm::vec3(view.x[i], view.y[i], view.z[i]); };
+  for (const float distance_m : {0.0003f, 0.001f}) {
+    const query::ShellNeighbors neighbors(view, double{distance_m});
+    for (std::uint32_t i = 0; i < view.point_count; ++i) {
+      std::set<std::uint32_t> expected;
+      for (std::uint32_t j = i + 1; j < view.point_count; ++j) {
+        if (glm::length(point(j) - point(i)) <= distance_m) expected.insert(j);
+      }
+      const auto found = neighbors.after(i);
+      ASSERT_LE(expected.size(), query::ShellNeighbors::kMost);
+      EXPECT_EQ(std::set<std::uint32_t>(found.begin(), found.end()), expected) << i;
+    }
+  }
 }
 
 TEST(Seat, ARecordingHasIt) {

@@ -5,10 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <map>
 
 #include "formats/lattice/brick_bits.h"
 #include "formats/voxmap_format.h"
-#include "voxelize/distance/near_path.h"
+#include "voxelize/distance/lines_of_sight.h"
 
 namespace forcelayer::distance {
 namespace {
@@ -43,7 +44,7 @@ class NodeMeasurement {
       index_[d] = (origin[static_cast<int>(d)] + scene_origin[d]) >> 6;
     }
     triangles.gather(index_, near_);
-    path_.begin_node();
+    sight_.begin_node();
     if (tells_objects_) choice_.begin(numbers, near_);
     const float outer = std::max(outer_reach(scale), inner_reach(scale));
     const float inner = inner_reach(scale);
@@ -133,8 +134,8 @@ class NodeMeasurement {
 
   // Whether voxel n of a cell, through which the surface passes, has its center inside. The vector
   // from the surface's nearest point to the center leads to the center's side. 1.25 voxels further
-  // along it lies a voxel that this piece of surface does not pass through: inside or outside, or
-  // at an edge in another piece, which climb() leads away from.
+  // along it lies a voxel that this piece of surface does not pass through: inside or outside. At
+  // an edge it may lie in another piece; then the voxels decide that the center sees.
   bool lies_inside(const PreparedTriangle& nearest, const std::array<int, 3>& low, int n,
                    TriangleList around) {
     constexpr double kOnwards = 1.25;
@@ -142,7 +143,7 @@ class NodeMeasurement {
     std::array<double, 3> center;
     for (std::size_t d = 0; d < 3; ++d) center[d] = (voxel[d] + 0.5) * double{lattice::kSnapUnits};
     const std::array<double, 3> away = way_from(nearest, center);
-    const double length = length_of(away);
+    const double length = std::sqrt(away[0] * away[0] + away[1] * away[1] + away[2] * away[2]);
     if (!(length > 0)) return false;
     // A component of half a voxel or more leads to the next voxel along its axis.
     const double half = 0.5 / kOnwards * length;
@@ -152,12 +153,10 @@ class NodeMeasurement {
     }
     const Side side = side_of(onwards);
     if (side != Side::kSurface) return side == Side::kInside;
-    if (!has_inside_around(voxel)) return false;
-    path_.begin(low, around);
-    return climb(center);
+    return has_inside_around(voxel) && sees_inside(voxel, low, around);
   }
 
-  // Whether one of the voxels that climb() can come to lies inside: up to two steps away.
+  // Whether one of the voxels that sees_inside() looks at lies inside.
   bool has_inside_around(const std::array<int, 3>& voxel) const {
     bool in_node = true;
     for (const int x : voxel) in_node &= x >= 2 && x < 62;
@@ -177,32 +176,49 @@ class NodeMeasurement {
     return (any >> (voxel[2] - 2) & 31) != 0;
   }
 
-  // Follows the distance upwards from a center, in steps that stay clear of the surface, until a
-  // voxel without surface tells the side; false where none does within NearPath::kFarthest.
-  bool climb(const std::array<double, 3>& center) {
-    constexpr double kVoxel = lattice::kSnapUnits, kStep = 0.25 * kVoxel;
-    constexpr int kSteps = 40;  // of which the first may be short
-    std::array<double, 3> at = center;
-    for (int n = 0; n < kSteps; ++n) {
-      std::array<double, 3> away{};
-      const double least = path_.nearest(at, center, away);
-      // A center on the surface is on no side; beyond the step the lattice's rounding does not
-      // matter.
-      if (!(least > kDistanceErrorVoxels * kVoxel) || least > NearPath::kNear) return false;
-      const double step = std::min(kStep, 0.9 * least);
-      std::array<int, 3> voxel;
-      for (std::size_t d = 0; d < 3; ++d) {
-        at[d] += away[d] * (step / least);
-        voxel[d] = static_cast<int>(std::floor(at[d] / kVoxel));
+  // Whether the nearest voxels without surface that a voxel's center sees all lie inside.
+  bool sees_inside(const std::array<int, 3>& voxel, const std::array<int, 3>& low,
+                   TriangleList around) {
+    sight_.begin(low, around, voxel);
+    for (const Ring& ring : rings()) {
+      std::array<LinesOfSight::Offset, LinesOfSight::kMostLines> lines;
+      std::size_t count = 0;
+      std::uint32_t inside = 0;
+      for (const LinesOfSight::Offset& offset : ring) {
+        const Side side =
+            side_of({voxel[0] + offset[0], voxel[1] + offset[1], voxel[2] + offset[2]});
+        if (side == Side::kSurface) continue;
+        if (side == Side::kInside) inside |= 1u << count;
+        lines[count++] = offset;
       }
-      if (length_of({at[0] - center[0], at[1] - center[1], at[2] - center[2]}) >
-          NearPath::kFarthest) {
-        return false;
-      }
-      const Side side = side_of(voxel);
-      if (side != Side::kSurface) return side == Side::kInside;
+      if (count == 0) continue;
+      const std::uint32_t seen = sight_.free({lines.data(), count});
+      if (seen != 0) return (seen & ~inside) == 0;
     }
     return false;
+  }
+
+  // The voxels at one distance around a voxel; from near to far.
+  using Ring = std::vector<LinesOfSight::Offset>;
+  static const std::vector<Ring>& rings() {
+    static const std::vector<Ring> rings = [] {
+      constexpr int kFar = LinesOfSight::kFar;
+      std::map<int, Ring> by_square;
+      for (int x = -kFar; x <= kFar; ++x) {
+        for (int y = -kFar; y <= kFar; ++y) {
+          for (int z = -kFar; z <= kFar; ++z) {
+            by_square[x * x + y * y + z * z].push_back({static_cast<std::int8_t>(x),
+                                                        static_cast<std::int8_t>(y),
+                                                        static_cast<std::int8_t>(z)});
+          }
+        }
+      }
+      by_square.erase(0);
+      std::vector<Ring> ordered;
+      for (auto& [square, ring] : by_square) ordered.push_back(std::move(ring));
+      return ordered;
+    }();
+    return rings;
   }
 
   void crop(const masks::KeptBox& kept) {
@@ -224,7 +240,7 @@ class NodeMeasurement {
   NodeDistances node_;
   masks::NodeRows surface_;
   std::vector<PreparedTriangle> near_;
-  NearPath path_;  // of climb()
+  LinesOfSight sight_;
   CellSearch search_;
   NearestTriangles nearest_;
   bool tells_objects_ = false;

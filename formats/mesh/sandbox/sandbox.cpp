@@ -151,6 +151,7 @@ std::optional<int> run_as_sandbox(int argc, char** argv) {
   if (nodes < 0 || nodes > argc - 7) return 1;
   options.nodes.assign(first, first + nodes);
   options.without.assign(first + nodes, argv + argc);
+  load_reader_of(argv[2]);
   give_up_rights(argv[2], options.allow_outside);
   return send_assembly(kResultDescriptor, read_assembly(argv[2], options)) ? 0 : 1;
 }

@@ -307,12 +307,13 @@ class StepReader {
 
 }  // namespace
 
-Assembly read_step(const SourceFile& file) {
+// The entry of the library that holds all of this: readers/step_library.cpp loads it.
+extern "C" void forcelayer_read_step(const SourceFile& file, Assembly& assembly) {
   static std::mutex mutex;  // OpenCASCADE keeps its reading parameters in globals
   const std::lock_guard lock(mutex);
   Message::DefaultMessenger()->ChangePrinters().Clear();  // it reports on standard output
   try {
-    return StepReader(file).read();
+    assembly = StepReader(file).read();
   } catch (const Standard_Failure& failure) {
     fail_read(file, ErrorCode::kMeshUnreadable, "",
               std::string("OpenCASCADE: ") + failure.GetMessageString(), "export the file again");

@@ -43,6 +43,7 @@ class Scene:
         allow: Sequence[str] = [],
         world_from_seat: Optional[ArrayLike] = None,
         threads: int = 0,
+        felt_seat: bool = False,
     ) -> dict[str, Any]: ...
 
 class Part:

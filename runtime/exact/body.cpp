@@ -1,0 +1,125 @@
+#include "runtime/exact/body.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <utility>
+
+#include "pointshell/normals/orientation.h"
+#include "pointshell/part/mass_properties.h"
+
+namespace forcelayer::exact {
+namespace {
+
+using part::Vec3;
+
+// Places around an open edge at which the winding number is looked at.
+constexpr int kDirections = 6, kLeastSamples = 3, kMostSamples = 16;
+constexpr double kSampleSpacing = 16;  // widths of a crack
+// A winding number that is farther from a whole number tells a hole. Beside a crack as wide as the
+// way to the place it is off by 0.16, and the numbers are in error by 0.01.
+constexpr double kWhole = 0.2;
+// A winding number is only asked for whether it is nearer to 0: groups of triangles are dipoles
+// from two of their radii on (Barill and others 2018).
+constexpr double kFar = 2;
+
+using Edge = std::pair<std::uint32_t, std::uint32_t>;  // low and high vertex
+
+// Edges that triangles do not run along as often forwards as backwards.
+std::vector<Edge> open_edges(const std::vector<mesh::Triangle>& triangles) {
+  std::map<Edge, int> balance;
+  for (const mesh::Triangle& t : triangles) {
+    for (std::size_t n = 0; n < 3; ++n) {
+      const std::uint32_t from = t[n], to = t[(n + 1) % 3];
+      if (from != to) balance[std::minmax(from, to)] += from < to ? 1 : -1;
+    }
+  }
+  std::vector<Edge> open;
+  for (const auto& [edge, sum] : balance) {
+    if (sum != 0) open.push_back(edge);
+  }
+  return open;
+}
+
+}  // namespace
+
+Body::Body(part::Part part, double crack_m)
+    : part_(std::move(part)),
+      tree_(part_),
+      winding_(std::make_unique<certificate::WindingNumber>(tree_)) {
+  is_solid_ = part::is_closed(part_.triangles) || close_cracks(crack_m);
+  if (is_solid_) return;
+  // Faces may have been turned to different sides.
+  normals::orient_outwards(part_, crack_m);
+  winding_ = std::make_unique<certificate::WindingNumber>(tree_);
+  is_solid_ = close_cracks(crack_m);
+}
+
+// Finds how wide its cracks may be: the narrower, the closer a depth is known.
+bool Body::close_cracks(double most_m) {
+  for (const double share : {0.25, 0.5, 1.0}) {
+    crack_m_ = share * most_m;
+    if (has_only_cracks(crack_m_)) return true;
+  }
+  return false;
+}
+
+bool Body::holds(const Vec3& place_m) const { return std::abs(winding_->at(place_m, kFar)) > 0.5; }
+
+// Around an open edge the winding number is whole but where a hole is near.
+bool Body::has_only_cracks(double crack_m) const {
+  for (const auto& [low, high] : open_edges(part_.triangles)) {
+    const Vec3 from = part_.vertices[low], way = part_.vertices[high] - from;
+    const Vec3 along = part::normalized(way), across = part::any_perpendicular(along);
+    const Vec3 third = part::cross(along, across);
+    const double wanted = part::length(way) / (kSampleSpacing * crack_m);
+    const int samples =
+        std::clamp(static_cast<int>(std::min(wanted, 1e3)), kLeastSamples, kMostSamples);
+    for (int n = 0; n < samples * kDirections; ++n) {
+      const double share = (n / kDirections + 0.5) / samples;
+      const double turn = 2 * std::numbers::pi * (n % kDirections + 0.3) / kDirections;
+      const Vec3 place = from + share * way + (crack_m * std::cos(turn)) * across +
+                         (crack_m * std::sin(turn)) * third;
+      if (tree_.nearest(place, crack_m / 2).found) continue;
+      const double winding = winding_->at(place);
+      if (std::abs(winding - std::round(winding)) > kWhole) return false;
+    }
+  }
+  return true;
+}
+
+Bodies bodies_of(const Surface& surface, double crack_m) {
+  std::map<std::uint32_t, std::vector<mesh::Triangle>> by_object;
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+    by_object[surface.object[t]].push_back(surface.triangles[t]);
+  }
+  Bodies bodies;
+  for (auto& [object, triangles] : by_object) {
+    mesh::Assembly assembly;
+    mesh::Mesh& mesh = assembly.meshes.emplace_back();
+    std::map<std::uint32_t, std::uint32_t> own;  // number of a vertex in the mesh
+    for (mesh::Triangle& t : triangles) {
+      for (std::uint32_t& corner : t) {
+        const auto [at, is_new] =
+            own.try_emplace(corner, static_cast<std::uint32_t>(mesh.vertices.size()));
+        const glm::dvec3& v = surface.vertices_m[corner];
+        if (is_new) mesh.vertices.push_back({v.x, v.y, v.z});
+        corner = at->second;
+      }
+    }
+    mesh.triangles = std::move(triangles);
+    assembly.instances.emplace_back();
+    const part::PartInput input{&assembly, 1};
+    auto part = part::assemble_part({&input, 1});
+    if (part) bodies.push_back(std::make_unique<Body>(std::move(*part), crack_m));
+  }
+  return bodies;
+}
+
+bool are_solid(const Bodies& bodies) {
+  return !bodies.empty() && std::all_of(bodies.begin(), bodies.end(),
+                                        [](const auto& body) { return body->is_solid(); });
+}
+
+}  // namespace forcelayer::exact

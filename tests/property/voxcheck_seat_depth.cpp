@@ -1,0 +1,288 @@
+// How deep two meshes go into each other, against slow twins: every triangle in long double, at
+// places sampled densely, at moments sampled densely.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numbers>
+#include <random>
+
+#include "runtime/exact/seat_walk.h"
+
+namespace forcelayer::exact {
+namespace {
+
+using Wide = glm::vec<3, long double>;
+using Corners = std::array<Wide, 3>;
+
+constexpr double kWithin = 0.01;
+
+// A convex body: faces about the origin as triangle fans, outwards.
+Surface box(const glm::dvec3& half_m) {
+  Surface surface;
+  for (int n = 0; n < 8; ++n) {
+    surface.vertices_m.push_back(half_m *
+                                 glm::dvec3(n & 1 ? 1 : -1, n & 2 ? 1 : -1, n & 4 ? 1 : -1));
+  }
+  surface.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                       {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+  surface.object.assign(surface.triangles.size(), 1);
+  return surface;
+}
+
+// A prism of some sides along z.
+Surface prism(int sides, double radius_m, double half_m) {
+  Surface surface;
+  for (int n = 0; n < sides; ++n) {
+    const double turn = 2 * std::numbers::pi * n / sides;
+    for (const double z : {-half_m, half_m}) {
+      surface.vertices_m.push_back({radius_m * std::cos(turn), radius_m * std::sin(turn), z});
+    }
+  }
+  const auto count = static_cast<std::uint32_t>(2 * sides);
+  for (std::uint32_t a = 0; a < count; a += 2) {
+    const std::uint32_t b = (a + 2) % count;
+    surface.triangles.push_back({a, b, a + 1});
+    surface.triangles.push_back({b, b + 1, a + 1});
+    if (a == 0 || b == 0) continue;
+    surface.triangles.push_back({0, b, a});
+    surface.triangles.push_back({1, a + 1, b + 1});
+  }
+  surface.object.assign(surface.triangles.size(), 1);
+  return surface;
+}
+
+Surface united(Surface a, const Surface& b, const glm::dvec3& at_m) {
+  const auto first = static_cast<std::uint32_t>(a.vertices_m.size());
+  for (const glm::dvec3& v : b.vertices_m) a.vertices_m.push_back(v + at_m);
+  for (const mesh::Triangle& t : b.triangles) {
+    a.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+    a.object.push_back(2);
+  }
+  return a;
+}
+
+std::vector<Corners> placed(const Surface& surface, const Pose& pose, std::uint32_t object) {
+  std::vector<Corners> all;
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+    if (object != 0 && surface.object[t] != object) continue;
+    Corners corners;
+    for (std::size_t n = 0; n < 3; ++n) {
+      corners[n] =
+          Wide(pose.position_m + pose.orientation * surface.vertices_m[surface.triangles[t][n]]);
+    }
+    all.push_back(corners);
+  }
+  return all;
+}
+
+long double to_segment(const Wide& p, const Wide& a, const Wide& b) {
+  const Wide d = b - a;
+  const long double t = std::clamp(glm::dot(p - a, d) / glm::dot(d, d), 0.0L, 1.0L);
+  return glm::length(p - a - t * d);
+}
+
+long double to_triangle(const Wide& p, const Corners& t) {
+  const Wide normal = glm::cross(t[1] - t[0], t[2] - t[0]);
+  bool inside = true;
+  long double least = 1e30L;
+  for (int n = 0; n < 3; ++n) {
+    const Wide &a = t[n], &b = t[(n + 1) % 3];
+    inside = inside && glm::dot(glm::cross(normal, b - a), p - a) >= 0;
+    least = std::min(least, to_segment(p, a, b));
+  }
+  return inside ? std::abs(glm::dot(normal, p - t[0])) / glm::length(normal) : least;
+}
+
+// The distance of a place from a closed body's triangles, negative outside, by their solid angles.
+long double depth_in(const Wide& p, const std::vector<Corners>& body) {
+  long double winding = 0, least = 1e30L;
+  for (const Corners& t : body) {
+    const Wide a = t[0] - p, b = t[1] - p, c = t[2] - p;
+    const long double la = glm::length(a), lb = glm::length(b), lc = glm::length(c);
+    winding += 2 * std::atan2(glm::dot(a, glm::cross(b, c)), la * lb * lc + glm::dot(a, b) * lc +
+                                                                 glm::dot(b, c) * la +
+                                                                 glm::dot(c, a) * lb);
+    least = std::min(least, to_triangle(p, t));
+  }
+  return std::abs(winding) > 2 * std::numbers::pi_v<long double> ? least : -least;
+}
+
+// The deepest of the places of a triangle lattice on a surface.
+long double sampled_depth(const std::vector<Corners>& surface, const std::vector<Corners>& body,
+                          int steps) {
+  long double deepest = -1e30L;
+  for (const Corners& t : surface) {
+    for (int i = 0; i <= steps; ++i) {
+      for (int j = 0; i + j <= steps; ++j) {
+        const long double u = static_cast<long double>(i) / steps,
+                          v = static_cast<long double>(j) / steps;
+        deepest = std::max(deepest, depth_in(t[0] + u * (t[1] - t[0]) + v * (t[2] - t[0]), body));
+      }
+    }
+  }
+  return deepest;
+}
+
+long double sampled_both(const Surface& part, const Surface& object, const Pose& pose, int steps) {
+  long double deepest = -1e30L;
+  for (std::uint32_t body = 1;
+       body <= *std::max_element(object.object.begin(), object.object.end()); ++body) {
+    const auto a = placed(part, pose, 0), b = placed(object, {}, body);
+    deepest = std::max({deepest, sampled_depth(a, b, steps), sampled_depth(b, a, steps)});
+  }
+  return deepest;
+}
+
+Surface random_body(std::mt19937& random) {
+  std::uniform_real_distribution<double> size(0.2, 1);
+  if (std::uniform_int_distribution<int>(0, 1)(random) == 0) {
+    return box({size(random), size(random), size(random)});
+  }
+  return prism(std::uniform_int_distribution<int>(3, 12)(random), size(random), size(random));
+}
+
+Pose random_pose(std::mt19937& random, double away_m) {
+  std::uniform_real_distribution<double> unit(-1, 1);
+  Pose pose;
+  pose.position_m = away_m * glm::dvec3(unit(random), unit(random), unit(random));
+  pose.orientation =
+      glm::normalize(glm::dquat(unit(random), unit(random), unit(random), unit(random)));
+  return pose;
+}
+
+PathRow row_of(double time_s, const Pose& pose) {
+  const auto& p = pose.position_m;
+  const auto& q = pose.orientation;
+  return {time_s, {p.x, p.y, p.z}, {q.w, q.x, q.y, q.z}};
+}
+
+TEST(SeatDepth, IsThatOfTheDeepestPlaceOfEitherSurface) {
+  std::mt19937 random(26);
+  int deep = 0;
+  for (int trial = 0; trial < 60; ++trial) {
+    SCOPED_TRACE(trial);
+    const Surface part = random_body(random);
+    Surface object = random_body(random);
+    if (trial % 3 == 0) object = united(object, random_body(random), {0.7, 0.2, 0});
+    const Bodies of_part = bodies_of(part, kWithin), of_object = bodies_of(object, kWithin);
+    ASSERT_TRUE(are_solid(of_part) && are_solid(of_object));
+    const MeshPair distance(object, part);
+    const clearance::CenterPath path({{row_of(0, {})}}, {0, 0, 0}, 2);
+    const SeatWalk walk(path, of_part, of_object, distance, kWithin);
+    const Pose pose = random_pose(random, 1.5);
+    // What matters may lie beside the depth, on either side, or far from it.
+    const auto truth = static_cast<double>(sampled_both(part, object, pose, 12));
+    for (const double off : {-0.5, -0.02, 0.02, 0.5}) {
+      const double allowed = truth + off;
+      const Depth depth = walk.at_pose(pose, allowed);
+      EXPECT_LE(truth, depth.at_most_m + 1e-9);
+      const double within =
+          std::max({kWithin, allowed - depth.at_most_m, (depth.found_m - allowed) / 2});
+      EXPECT_LE(depth.at_most_m, depth.found_m + within + 1e-9);
+      // The place is there, and so deep.
+      EXPECT_NEAR(glm::length(depth.place_m - depth.foot_m), std::abs(depth.found_m), 1e-7);
+      long double off_part = 1e30L, off_object = 1e30L;
+      for (const Corners& t : placed(part, pose, 0))
+        off_part = std::min(off_part, to_triangle(Wide(depth.place_m), t));
+      for (const Corners& t : placed(object, {}, 0))
+        off_object = std::min(off_object, to_triangle(Wide(depth.foot_m), t));
+      EXPECT_LE(off_part, 1e-7L);
+      EXPECT_LE(off_object, 1e-7L);
+    }
+    deep += truth > 0.05;
+  }
+  EXPECT_GT(deep, 20);
+}
+
+// A part that comes by an object, between two poses too.
+TEST(SeatWalk, TellsEveryMomentAtWhichThePartIsTooDeep) {
+  std::mt19937 random(27);
+  int pushed = 0, free = 0;
+  for (int trial = 0; trial < 16; ++trial) {
+    SCOPED_TRACE(trial);
+    const Surface part = random_body(random), object = random_body(random);
+    const Bodies of_part = bodies_of(part, kWithin), of_object = bodies_of(object, kWithin);
+    const MeshPair distance(object, part);
+    std::vector<PathRow> rows;
+    for (int n = 0; n < 4; ++n) rows.push_back(row_of(n, random_pose(random, 2.6)));
+    const clearance::CenterPath path(rows, {0, 0, 0}, 2);
+    SeatWalk walk(path, of_part, of_object, distance, kWithin);
+    const double allowed = std::uniform_real_distribution<double>(0.02, 0.3)(random);
+    const auto found = walk.deeper_than({0, 0}, {3, 0}, allowed, 0.05);
+    const auto at = [&](double time_s) {
+      return static_cast<double>(
+          sampled_both(part, object, path.world_from_center(path.at(time_s)), 4));
+    };
+    for (double time_s = 0; time_s <= 3; time_s += 0.07) {
+      const bool told = std::any_of(found.begin(), found.end(), [&](const auto& stretch) {
+        return path.time_s(stretch.from) <= time_s && time_s <= path.time_s(stretch.to);
+      });
+      if (at(time_s) > allowed) {
+        EXPECT_TRUE(told) << time_s;
+      }
+    }
+    for (const auto& stretch : found) {
+      EXPECT_GT(stretch.worst.at_most_m, allowed - 0.05);  // as closely as stretches are told
+      EXPECT_LE(at(path.time_s(stretch.worst_at)), stretch.worst.at_most_m + 1e-9);
+    }
+    (found.empty() ? free : pushed) += 1;
+  }
+  EXPECT_GT(pushed, 4);
+  EXPECT_GT(free, 2);
+}
+
+TEST(Body, HoldsThePlacesThatItsTrianglesWindAround) {
+  std::mt19937 random(28);
+  std::uniform_real_distribution<double> unit(-1.3, 1.3);
+  const Surface many = prism(150, 1, 0.4);
+  const auto triangles = placed(many, {}, 0);
+  const Bodies bodies = bodies_of(many, kWithin);
+  int inside = 0;
+  for (int n = 0; n < 400; ++n) {
+    const glm::dvec3 place(unit(random), unit(random), unit(random));
+    const bool holds = bodies[0]->holds(vec3_of(place));
+    EXPECT_EQ(holds, depth_in(Wide(place), triangles) > 0) << n;
+    inside += holds;
+  }
+  EXPECT_GT(inside, 40);
+}
+
+TEST(Body, IsSolidWhereItIsClosedButForCracks) {
+  const double crack_m = 0.01;
+  const auto solid = [&](const Surface& surface) {
+    const Bodies bodies = bodies_of(surface, crack_m);
+    return bodies.size() == 1 && bodies[0]->is_solid();
+  };
+  const Surface whole = box({1, 1, 1});
+  EXPECT_TRUE(solid(whole));
+  Surface turned = whole;  // some faces are
+  for (const int t : {1, 4, 7}) std::swap(turned.triangles[t][1], turned.triangles[t][2]);
+  EXPECT_TRUE(solid(turned));
+  Surface open = whole;
+  open.triangles.resize(10), open.object.resize(10);
+  EXPECT_FALSE(solid(open));
+  // The upper face has vertices of its own, above the walls.
+  for (const double gap_m : {0.001, 0.2}) {
+    Surface cracked = whole;
+    for (std::uint32_t n = 0; n < 4; ++n) {
+      cracked.vertices_m.push_back(cracked.vertices_m[4 + n] + glm::dvec3(0, 0, gap_m));
+    }
+    for (const int t : {2, 3}) {
+      for (std::uint32_t& corner : cracked.triangles[t]) corner += 4;
+    }
+    EXPECT_EQ(solid(cracked), gap_m < crack_m) << gap_m;
+    if (gap_m < crack_m) {
+      EXPECT_EQ(bodies_of(cracked, crack_m)[0]->crack_m(), crack_m / 4);
+    }
+  }
+  // Nothing has an inside without area.
+  Surface flat = whole;
+  for (glm::dvec3& v : flat.vertices_m) v.y = v.z = 0;
+  EXPECT_TRUE(bodies_of(flat, crack_m).empty());
+}
+
+}  // namespace
+}  // namespace forcelayer::exact
