@@ -82,8 +82,8 @@ class FieldProbe final : public ContactProbe {
   glm::vec3 slope(std::uint32_t i) const noexcept {
     return {samples_.gx[i], samples_.gy[i], samples_.gz[i]};
   }
-  std::uint32_t object_of(std::uint32_t i) const noexcept;
   float stored_distance_m(std::uint32_t i) const noexcept;
+  bool lies_beside_solid(std::uint32_t i) const noexcept;
   Status check_depth(const SeatObject& object) const;
   Status check_side(std::uint32_t i) const;
   std::string name_of(std::uint32_t object) const;
