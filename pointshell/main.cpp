@@ -13,6 +13,7 @@
 #include "formats/command/output_file.h"
 #include "formats/command/progress_line.h"
 #include "formats/command/quantity.h"
+#include "formats/command/report.h"
 #include "formats/command/version.h"
 #include "formats/mesh/reader.h"
 #include "formats/mesh/step_support.h"
@@ -157,6 +158,7 @@ Result<ShellOptions> bake_options(const Arguments& arguments) {
 }
 
 void warn(const Arguments& arguments, const std::string& text) {
+  command::note_warning(text);
   if (arguments.quiet) return;
   command::wipe_progress_line();
   std::fprintf(stderr, "pointshell: warning: %s\n", escaped(text).c_str());

@@ -13,6 +13,7 @@
 #include "formats/command/output_file.h"
 #include "formats/command/progress_line.h"
 #include "formats/command/quantity.h"
+#include "formats/command/report.h"
 #include "formats/command/version.h"
 #include "formats/mesh/sandbox/trust_options.h"
 #include "formats/mesh/scene.h"
@@ -455,6 +456,7 @@ Status voxelize(const Arguments& arguments) {
   cache::MeshSource meshes(cache ? &*cache : nullptr, *arguments.trust.reader());
   const auto scene = read_inputs(arguments, meshes, progress);
   if (!scene) return scene.error();
+  for (const std::string& warning : scene->warnings) command::note_warning(warning);
   auto options = options_of(arguments, *scene);
   if (!options) return options.error();
   options->cache = cache ? &*cache : nullptr;

@@ -23,6 +23,7 @@ namespace fs = std::filesystem;
 struct Begun {
   std::string path;
   std::vector<std::string> inputs;
+  std::vector<std::string> warnings;
   Json written;
 };
 Begun begun;
@@ -48,7 +49,8 @@ Json head() {
   report["tool_version"] = kVersion;
   report["commit"] = std::string(commit());
   report["exit_status"] = 0;
-  report["warnings"] = Json::array();
+  Json& warnings = report["warnings"] = Json::array();
+  for (const std::string& warning : begun.warnings) warnings.push_back(warning);
   Json& inputs = report["input_files"] = Json::array();
   for (const std::string& path : begun.inputs) {
     Json& input = inputs.emplace_back();
@@ -69,7 +71,7 @@ Status write_json(const std::string& path, const Json& report) {
 }  // namespace
 
 void begin_report(const std::string& path, std::span<const std::string> inputs) {
-  begun = {path, {}, nullptr};
+  begun = {path, {}, {}, nullptr};
   for (const std::string& input : inputs) {
     if (!input.empty()) begun.inputs.push_back(file_of(input));
   }
@@ -83,6 +85,8 @@ Status write_report(const std::string& path, const Json& report) {
   if (written) begun.written = std::move(whole);
   return written;
 }
+
+void note_warning(const std::string& text) { begun.warnings.push_back(text); }
 
 void report_failure(const Error& error) {
   if (begun.path.empty()) return;

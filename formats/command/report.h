@@ -17,6 +17,9 @@ inline constexpr int kReportSchema = 1;
 // calls it.
 void begin_report(const std::string& path, std::span<const std::string> inputs);
 
+// Has the report of a failure hold this warning. The report of a success names its own.
+void note_warning(const std::string& text);
+
 // Writes the error and its exit status into the report that was begun, beside what stands in it
 // already; nothing where none was. run_command() calls it.
 void report_failure(const Error& error);

@@ -119,6 +119,11 @@ bool may_have_nodes(const std::string& path) {
   return format == nullptr || format->has_nodes;
 }
 
+bool may_crash_its_reader(const std::string& path) {
+  const Format* const format = find_format(lower_case_extension(named_file(path).path));
+  return format != nullptr && format->read == read_step;
+}
+
 Result<Assembly> read_source(const SourceFile& file) {
   try {
     const Format& format = format_of(file);

@@ -44,6 +44,9 @@ std::vector<NamedFile> unite_by_file(std::span<const std::string> inputs);
 // one.
 bool may_have_nodes(const std::string& path);
 
+// Whether a library reads a file of this name that is known to crash on some damaged ones.
+bool may_crash_its_reader(const std::string& path);
+
 // The bytes of a mapped file as text; valid as long as the file is.
 std::string_view text_of(const MappedFile& file);
 

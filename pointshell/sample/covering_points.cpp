@@ -41,6 +41,9 @@ constexpr Recipe kFast{1.53, 1, 1.5, 1, 1.15, 4, 0, 2, 4, 3};
 constexpr double kFirstSlack = 0.3, kLaterSlack = 0.1;
 // Relaxation aims a little below the radius, which leaves room for rounding positions to floats.
 constexpr double kAim = 0.9998;
+// Where more than this share of the cells are too large, as between layers of thin surface, points
+// are added closer together.
+constexpr double kBareShare = 0.25, kBareSeparation = 3;
 
 class CoveringBuilder {
  public:
@@ -105,8 +108,10 @@ class CoveringBuilder {
       places.push_back(holes.back().position);
     }
     if (holes.empty()) return false;
-    for (const part::Vec3& place :
-         deepest_holes(std::move(holes), recipe_.hole_separation * radius_)) {
+    const bool is_bare = kBareShare * static_cast<double>(relaxation_.positions().size()) <
+                         static_cast<double>(holes.size());
+    const double separation = is_bare ? kBareSeparation : recipe_.hole_separation;
+    for (const part::Vec3& place : deepest_holes(std::move(holes), separation * radius_)) {
       relaxation_.add(place);
     }
     relaxation_.choose(points_near(places), kLaterSlack * radius_);

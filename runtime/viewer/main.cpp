@@ -8,6 +8,7 @@
 #include "formats/command/command.h"
 #include "formats/command/help.h"
 #include "formats/command/output_file.h"
+#include "formats/mesh/sandbox/sandbox.h"
 #include "runtime/viewer/plan/keys.h"
 #include "runtime/viewer/plan/options.h"
 #include "runtime/viewer/plan/picture_plan.h"
@@ -126,6 +127,7 @@ Status run(const ViewOptionParser& parser, char** argv) {
 }  // namespace forcelayer::viewer
 
 int main(int argc, char** argv) {
+  if (const auto status = forcelayer::mesh::run_as_sandbox(argc, argv)) return *status;
   CLI::App app{
       "Shows meshes, baked files and runs: in a window, or with --screenshot as a picture. Without "
       "a "

@@ -80,9 +80,9 @@ runtime/voxrun:         formats formats/command formats/digest formats/path runt
 runtime/voxcheck:       formats formats/command formats/path runtime/clearance runtime/forcelayer runtime/model runtime/query runtime/run runtime/stream
 runtime/exact:          formats formats/command formats/mesh formats/mesh/sandbox formats/path pointshell/certificate pointshell/normals pointshell/part runtime/clearance runtime/forcelayer runtime/run runtime/voxcheck
 runtime/study:          formats formats/command formats/digest formats/path
-runtime/viewer/plan:    formats formats/command formats/mesh runtime/forcelayer runtime/viewer/run runtime/viewer/surface
+runtime/viewer/plan:    formats formats/command formats/mesh formats/mesh/sandbox runtime/forcelayer runtime/viewer/run runtime/viewer/surface
 runtime/viewer/vtk:     formats formats/command runtime/forcelayer runtime/viewer/plan runtime/viewer/run runtime/viewer/surface
-runtime/viewer:         formats formats/command runtime/viewer/plan runtime/viewer/run runtime/viewer/vtk
+runtime/viewer:         formats formats/command formats/mesh/sandbox runtime/viewer/plan runtime/viewer/run runtime/viewer/vtk
 '
 room_of() { case $1 in forcelayer) echo runtime/forcelayer ;; formats/bricks | formats/file) echo formats ;; *) echo "$1" ;; esac }
 above=

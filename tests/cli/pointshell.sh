@@ -125,4 +125,10 @@ grep -q 'proven' "$work/stdout" || fail "no summary on stdout"
 expect 0 "sample part" "$data/part.obj" --units mm --quiet -o "$work/sample.pshell" --voxel-size 5mm
 expect 0 "verify the sample part" verify "$work/sample.pshell" "$data/part.obj" --units mm
 
+# The report of a failure has the warnings before it.
+"$bin/pointshell" "$data/part.obj" --units mm --voxel-size 0.5um -o no.pshell --quiet --json no.json 2>err
+[ $? = 3 ] && [ ! -e no.pshell ] || fail "a shell too large: $(cat err)"
+python3 -c 'import json; r = json.load(open("no.json")); assert r["exit_status"] == 3 and any("minutes" in w for w in r["warnings"]), r' ||
+  fail "a failure without its warnings"
+
 finish

@@ -123,4 +123,16 @@ for name in ("parts", "shell", "plan"):
     assert len([w for w in warnings if "was read from external/home/rod.stp" in w]) == 1, (name, warnings)
 PYTHON
 
+# OpenCASCADE crashes on this solid, which lacks the parameters of an edge: one line, and nothing written.
+"$bin/make_box_file" sound.igs solid || exit 1
+sed '/^ *110,0\.,0\.,30\.,0\.,20\.,30\.;/d' sound.igs >damaged.igs
+cmp -s sound.igs damaged.igs && fail "the solid was not damaged"
+for command in "voxelize -o no.vox" "pointshell -o no.pshell"; do
+  "$bin/"$command damaged.igs --voxel-size 4mm --quiet --json no.json 2>err
+  [ $? = 3 ] && [ "$(wc -l <err)" = 1 ] && grep -q '^[a-z]*: damaged.igs: ' err || fail "$command of a damaged IGES solid: $(cat err)"
+  [ ! -e no.vox ] && [ ! -e no.pshell ] || fail "$command of a damaged IGES solid: a file was written"
+  python3 -c 'import json; r = json.load(open("no.json")); assert r["schema_version"] and r["exit_status"] == 3 and "damaged.igs" in r["error"]["line"], r' ||
+    fail "$command of a damaged IGES solid: no report"
+done
+
 finish

@@ -13,6 +13,7 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <limits>
 #include <system_error>
 
 #include "formats/file/confinement.h"
@@ -199,6 +200,15 @@ Result<Assembly> read_in_sandbox(const std::string& path, const ReadOptions& opt
   if (received.broken == BrokenStream::kTooLate) return too_late(path, limits);
   if (received.broken == BrokenStream::kTooLong) return too_much_memory(path, limits);
   return no_mesh(path, received.broken == BrokenStream::kEnded ? status : 0);
+}
+
+Result<Assembly> read_guarded(const std::string& path, const ReadOptions& options) {
+  if (!may_crash_its_reader(path) || !main_is_ready) return read_assembly(path, options);
+  constexpr double kCenturyS = 3e9;
+  const SandboxLimits none{std::numeric_limits<std::uint64_t>::max(), kCenturyS};
+  Result<Assembly> assembly = read_in_sandbox(path, options, none);
+  const bool has_no_child = !assembly && assembly.error().code == ErrorCode::kInternal;
+  return has_no_child ? read_assembly(path, options) : std::move(assembly);
 }
 
 }  // namespace forcelayer::mesh

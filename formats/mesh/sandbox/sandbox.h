@@ -32,4 +32,8 @@ std::optional<int> run_as_sandbox(int argc, char** argv);
 Result<Assembly> read_in_sandbox(const std::string& path, const ReadOptions& options,
                                  const SandboxLimits& limits);
 
+// How commands read without --sandbox: STEP and IGES in a child without limits, as OpenCASCADE may
+// crash on a damaged file; other formats, and where no child can be started, by read_assembly().
+Result<Assembly> read_guarded(const std::string& path, const ReadOptions& options);
+
 }  // namespace forcelayer::mesh

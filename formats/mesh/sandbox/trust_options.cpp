@@ -39,7 +39,7 @@ Result<AssemblyReader> TrustOptions::reader() const {
   return AssemblyReader([=](const std::string& path, const ReadOptions& options) {
     ReadOptions own = options;
     own.allow_outside = outside;
-    return in_child ? read_in_sandbox(path, own, limits) : read_assembly(path, own);
+    return in_child ? read_in_sandbox(path, own, limits) : read_guarded(path, own);
   });
 }
 

@@ -26,7 +26,7 @@ struct TrustOptions {
 
   void declare(CLI::App& app);
 
-  // read_assembly(), or read_in_sandbox() with these limits. kUsage where the time cannot be
+  // read_guarded(), or read_in_sandbox() with these limits. kUsage where the time cannot be
   // parsed.
   Result<AssemblyReader> reader() const;
 };

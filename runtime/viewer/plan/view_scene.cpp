@@ -8,6 +8,7 @@
 #include <limits>
 #include <set>
 
+#include "formats/mesh/sandbox/sandbox.h"
 #include "formats/mesh/scene.h"
 
 namespace forcelayer::viewer {
@@ -110,6 +111,7 @@ ViewMesh cube_around(const mesh::MissingFace& face, const glm::dvec3& origin_m) 
 // A picture shows a file as far as it can be read: a face without triangles is a warning here.
 mesh::SceneReading reading_for_pictures() {
   mesh::SceneReading reading;
+  reading.read = mesh::read_guarded;
   reading.missing_faces = std::numeric_limits<std::uint64_t>::max();
   return reading;
 }
