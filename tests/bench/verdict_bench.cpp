@@ -30,7 +30,7 @@ using Corners = std::array<glm::dvec3, 3>;
 using Triangles = std::vector<Corners>;
 
 // FCL's error, as that of voxcheck-exact, and the step in which it tells where a stretch ends.
-constexpr double kRounding = 0x1p-24, kStepVoxels = 1.0 / 64;
+constexpr double kRounding = 0x1p-24;
 
 template <typename T>
 T take(Result<T> result) {
