@@ -62,7 +62,7 @@ def fuzz(name, seconds):
     while used_s < seconds and not new:
         run = subprocess.run(
             [BUILD / "bin" / f"fuzz_{name}", grown, FUZZ / "corpus" / name, f"-max_total_time={math.ceil(seconds - used_s)}",
-             "-timeout=60", "-rss_limit_mb=2048", "-malloc_limit_mb=1024", "-max_len=65536",
+             "-timeout=60", "-report_slow_units=60", "-rss_limit_mb=2048", "-malloc_limit_mb=1024", "-max_len=65536",
              "-print_final_stats=1", f"-artifact_prefix={found}/"],
             stderr=subprocess.PIPE, text=True, errors="replace", check=False)
         stats = dict(re.findall(r"stat::(\w+):\s+(\d+)", run.stderr))

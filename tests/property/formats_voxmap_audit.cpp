@@ -382,7 +382,7 @@ struct Tree {
   TreeContent content() const { return {directory, uppers, lowers, bricks}; }
 };
 
-Status audit_strewn(const VoxmapContent& content) {
+Status audit_content(const VoxmapContent& content) {
   AlignedBytes bytes(voxmap_bytes(content));
   return audit(bytes);
 }
@@ -391,6 +391,65 @@ void expect_strewn(const Status& status) {
   ASSERT_FALSE(status);
   EXPECT_NE(status.error().what.find("far more different places"), std::string::npos)
       << to_line(status.error());
+}
+
+// Sets a voxel of brick 0.
+void set(Tree& tree, const VoxelIndex& at, VoxelValue value) {
+  const auto n = static_cast<std::uint32_t>(at[0] * 64 + at[1] * 8 + at[2]);
+  tree.bricks[n / 16] |= static_cast<std::uint32_t>(value) << (2 * (n % 16));
+}
+
+// One voxel of surface in the brick of child (7, 3, 3) of a node, and the proximity around it as
+// far as x < `end`; the node beside it along x; no layers.
+VoxmapContent two_nodes(Tree& tree, std::int64_t x, std::int64_t end, std::uint32_t beside) {
+  constexpr std::uint32_t kFree = uniform_entry(0);
+  VoxmapContent content;
+  VoxmapHeader& h = content.header;
+  tree.bricks.assign(16 * kValueBits, 0);
+  for (std::int64_t i = x - 1; i < std::min(x + 2, end); ++i) {
+    for (std::int64_t j = 2; j <= 4; ++j) {
+      for (std::int64_t k = 2; k <= 4; ++k) {
+        const bool middle = i == x && j == 3 && k == 3;
+        set(tree, {i, j, k}, middle ? VoxelValue::kSurface : VoxelValue::kProximity);
+        ++(middle ? h.surface_voxels : h.proximity_voxels);
+      }
+    }
+  }
+  if (tree.lowers.empty()) tree.lowers.assign(kNodeEntries, kFree);
+  tree.lowers[7 * 64 + 3 * 8 + 3] = 0;
+  tree.uppers.assign(kNodeEntries, kFree);
+  tree.uppers[0] = 0;
+  tree.uppers[64] = beside;
+  tree.directory = {0};
+  h.voxel_size_m = 0.001;
+  h.directory_dims = {1, 1, 1};
+  h.origin_voxel = {56 + x - 1, 26, 26};
+  h.dims_voxels = {static_cast<std::uint64_t>(std::min(x + 2, end) - x + 1), 3, 3};
+  h.valid_max_voxel = {512, 512, 512};
+  content.values = tree.content();
+  return content;
+}
+
+// A node that is free where the proximity of the wall beside it should be.
+TEST(VoxmapAudit, NoticesAHoleThatIsAWholeNode) {
+  Tree sound, broken;
+  EXPECT_TRUE(audit_content(two_nodes(sound, 6, 8, uniform_entry(0))));
+  const Status status = audit_content(two_nodes(broken, 7, 8, uniform_entry(0)));
+  ASSERT_FALSE(status);
+  EXPECT_NE(status.error().what.find("is free, though it touches"), std::string::npos)
+      << to_line(status.error());
+}
+
+// A free cell of a stored node that holds nothing: 56 voxels lie between it and the wall, so that
+// 57 is true and 58 is not. That is where the cells end around which an audit sees.
+TEST(VoxmapAudit, NoticesAClearanceBeyondTheCellsAround) {
+  for (const std::uint32_t clearance : {57u, 58u}) {
+    Tree tree;
+    tree.lowers.assign(2 * kNodeEntries, uniform_entry(0));
+    tree.lowers[kNodeEntries + 7 * 64 + 3 * 8 + 3] = uniform_entry(0, clearance);
+    const Status status = audit_content(two_nodes(tree, 6, 8, 1));
+    EXPECT_EQ(status.ok(), clearance == 57) << clearance;
+  }
 }
 
 // Sixteen nodes, each with one voxel of surface and the proximity around it, in the corners of
@@ -447,7 +506,7 @@ TEST(VoxmapAudit, RefusesValuesThatAreStrewn) {
     h.valid_max_voxel[axis] = high[axis];
   }
   content.values = tree.content();
-  expect_strewn(audit_strewn(content));
+  expect_strewn(audit_content(content));
 }
 
 // The same of distances: thousands of bricks beside each other in millions of pairs.
@@ -490,7 +549,7 @@ TEST(VoxmapAudit, RefusesDistancesThatAreStrewn) {
   dims[2] += 1 + kCells;
   content.values = values.content();
   content.distances = codes.content();
-  expect_strewn(audit_strewn(content));
+  expect_strewn(audit_content(content));
 }
 
 TEST(VoxmapAudit, NoticesObjectsThatAreNot) {
