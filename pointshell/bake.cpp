@@ -257,7 +257,7 @@ void cover(std::span<Share> shares, sample::Effort effort, const Stages& stages)
 
 void leave_out_hidden_points(std::span<Share> shares, Stages& stages, BakedShell& shell) {
   for (Share& share : shares) {
-    share.hidden = std::make_unique<certificate::HiddenSurface>(*share.part);
+    share.hidden = std::make_unique<certificate::HiddenSurface>(*share.part, share.slack);
     if (share.hidden->possible()) {
       stages.begin("hidden");
       shell.hidden_points +=
@@ -282,8 +282,7 @@ Result<BakedShell> bake(part::Part part, const ShellOptions& options,
   stages.begin("orientation");
   std::vector<part::CopiedGroup> groups;  // voxel centers of a copy are no copies
   if (!on_lattice) groups = part::find_copies(part, radius);
-  shell.orientation =
-      normals::orient_outwards(part, radius, part::original_triangles(part, groups));
+  shell.orientation = normals::orient_outwards(part, radius, groups);
   const part::MassProperties mass = part::mass_properties(part, shell.orientation.loose);
   shell.loose_triangles = mass.loose_triangles;
   if (const Status fits = check_size(part, mass, radius, options.voxel_size_m); !fits)
