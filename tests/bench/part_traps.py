@@ -126,7 +126,7 @@ def row_of(part, name, binary, call, folder):
     run = subprocess.run([sys.executable, str(HERE / "measured_run.py"), str(usage), *command], capture_output=True, text=True)
     took = json.loads(usage.read_text())
     facts = json.loads(report.read_text()) if report.exists() else {}
-    told = [line for line in run.stderr.splitlines() if "will take" in line or "may take" in line]
+    told = [line for line in run.stderr.splitlines() if "this takes about" in line]
     row = {"part": part, "program": name, "status": run.returncode, "cpu_s": f"{took['cpu_s']:.3g}",
            "peak_mb": f"{took['peak_rss_bytes'] / 1e6:.0f}", "triangles": facts.get("triangles", ""), "points": facts.get("points", ""),
            "certificate_pieces": facts.get("certificate_pieces", ""), "told": told[0].split("warning: ")[-1] if told else ""}
