@@ -22,6 +22,7 @@ constexpr Listed kCommands[] = {
     {"voxinfo", "says what a baked file is; verifies, samples and exports it"},
     {"voxrun", "runs the haptic loop; voxrun doctor checks the machine"},
     {"voxcheck", "proves that a part keeps its clearance along a path"},
+    {"voxplan", "finds a way for a part out of where it is installed"},
     {"voxview", "shows meshes, baked files and runs"},
 };
 

@@ -14,7 +14,7 @@ study() {
 }
 
 "$bin/forcelayer" >list.txt || fail "the list"
-for name in voxelize pointshell voxinfo voxrun voxcheck voxview; do
+for name in voxelize pointshell voxinfo voxrun voxcheck voxplan voxview; do
   grep -q "^  $name " list.txt || fail "$name is not listed"
 done
 
