@@ -3,7 +3,7 @@
 # are wanted; reports of failures; completion; a signal that says what was left.
 source "$FORCELAYER_SOURCE_DIR/tests/support/command_test.sh"
 commands=()
-for name in voxelize pointshell voxinfo voxrun voxcheck voxview; do [ ! -x "$bin/$name" ] || commands+=("$name"); done
+for name in voxelize pointshell voxinfo voxrun voxcheck voxplan voxview; do [ ! -x "$bin/$name" ] || commands+=("$name"); done
 [ ${#commands[@]} -ge 2 ] || fail "no commands"
 "$bin/make_runtime_files" .
 
