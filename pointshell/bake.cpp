@@ -22,6 +22,7 @@
 #include "pointshell/sample/order.h"
 #include "pointshell/sample/voxel_centers.h"
 #include "pointshell/sample/weights.h"
+#include "pointshell/shares.h"
 
 namespace forcelayer::pointshell {
 namespace {
@@ -54,7 +55,10 @@ class Stages {
   void end() {
     if (name_.empty()) return;
     const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - started_;
-    shell_.stage_seconds.push_back({name_, spent.count()});
+    if (shell_.stage_seconds.empty() || shell_.stage_seconds.back().first != name_) {
+      shell_.stage_seconds.push_back({name_, 0});
+    }
+    shell_.stage_seconds.back().second += spent.count();
     name_.clear();
   }
 
@@ -66,11 +70,12 @@ class Stages {
   std::chrono::steady_clock::time_point started_;
 };
 
-// Working memory for each point and triangle of a bake, with room to spare, and processor time.
-constexpr double kBytesPerPoint = 400, kBytesPerTriangle = 330;
-constexpr double kSecondsPerPoint = 85e-6, kSecondsPerTriangle = 9e-6;
-// Rays tell the outside of each patch that hangs together, and its points lie between others.
-constexpr double kSecondsPerPatch = 0.8e-3;
+// Working memory and processor time of a bake, by what is made and proven once: points, triangles,
+// and patches, for rays tell the outside of each and its points lie between others.
+constexpr double kBytesPerPoint = 400, kBytesPerTriangle = 450, kBytesPerPatch = 5000;
+constexpr double kSecondsPerPoint = 85e-6, kSecondsPerTriangle = 20e-6, kSecondsPerPatch = 1.1e-3;
+// Triangles of copies are read and placed, and give normals to the points.
+constexpr double kBytesPerCopied = 175, kSecondsPerCopied = 9e-6;
 // The most points that a method needs, as a multiple of the planar bound.
 constexpr double kMostOfBound = 3;
 
@@ -78,18 +83,21 @@ double physical_memory_bytes() {
   return static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
 }
 
-// Pieces of surface that share no vertex.
-std::size_t count_patches(const part::Part& part) {
+// Pieces of surface of the triangles that are no copies, which share no vertex.
+std::size_t count_patches(const part::Part& part, std::span<const std::uint32_t> originals) {
   std::vector<std::uint32_t> parent(part.vertices.size());
   std::iota(parent.begin(), parent.end(), 0u);
   const auto root = [&](std::uint32_t v) {
     while (parent[v] != v) v = parent[v] = parent[parent[v]];
     return v;
   };
-  std::size_t patches = part.vertices.size();
-  for (const auto& [a, b, c] : part.triangles) {
-    for (const std::uint32_t other : {b, c}) {
-      const std::uint32_t from = root(a), to = root(other);
+  std::vector<bool> used(part.vertices.size());
+  std::size_t patches = 0;
+  for (std::uint32_t t = 0; t < part.triangles.size(); ++t) {
+    if (originals[t] != t) continue;
+    for (const std::uint32_t corner : part.triangles[t]) {
+      if (!used[corner]) used[corner] = true, ++patches;
+      const std::uint32_t from = root(part.triangles[t][0]), to = root(corner);
       if (from != to) parent[from] = to, --patches;
     }
   }
@@ -225,14 +233,57 @@ void fill_header(const ShellOptions& options, const part::MassProperties& mass,
   header.triangles = part.input_triangles;
 }
 
+std::vector<part::Vec3> in_block_order(std::span<const part::Vec3> points) {
+  std::vector<part::Vec3> ordered;
+  ordered.reserve(points.size());
+  for (const std::uint32_t n :
+       sample::block_order(points, kDefaultBlockPoints, kDefaultSuperBlockBlocks)) {
+    ordered.push_back(points[n]);
+  }
+  return ordered;
+}
+
+// Points that cover each share by itself.
+void cover(std::span<Share> shares, sample::Effort effort, const Stages& stages) {
+  for (std::size_t n = 0; n < shares.size(); ++n) {
+    sample::CoveringPoints covering =
+        sample::covering_points(*shares[n].tree, shares[n].radius, effort, [&](double share_done) {
+          stages.show((static_cast<double>(n) + share_done) / static_cast<double>(shares.size()));
+        });
+    shares[n].points = std::move(covering.positions);
+    shares[n].proof = std::move(covering.proof);
+  }
+}
+
+void leave_out_hidden_points(std::span<Share> shares, Stages& stages, BakedShell& shell) {
+  for (Share& share : shares) {
+    share.hidden = std::make_unique<certificate::HiddenSurface>(*share.part);
+    if (share.hidden->possible()) {
+      stages.begin("hidden");
+      shell.hidden_points +=
+          share.times() * certificate::leave_out_hidden_points(
+                              *share.part, *share.hidden, share.radius, share.points, share.proof);
+    }
+    shell.certificate_pieces += share.proof.pieces;
+  }
+}
+
+certificate::CoveredPart covered_by(const Share& share, double radius, double voxel_size_m) {
+  return {*share.part, share.points, radius, voxel_size_m, share.hidden.get(), share.slack};
+}
+
 Result<BakedShell> bake(part::Part part, const ShellOptions& options,
                         const BakeProgress& progress) {
   BakedShell shell;
   Stages stages(shell, progress);
+  const bool on_lattice = options.method == ShellMethod::kVoxelCenters;
   double radius = requested_covering_radius(options);
 
   stages.begin("orientation");
-  shell.orientation = normals::orient_outwards(part, radius);
+  std::vector<part::CopiedGroup> groups;  // voxel centers of a copy are no copies
+  if (!on_lattice) groups = part::find_copies(part, radius);
+  shell.orientation =
+      normals::orient_outwards(part, radius, part::original_triangles(part, groups));
   const part::MassProperties mass = part::mass_properties(part, shell.orientation.loose);
   shell.loose_triangles = mass.loose_triangles;
   if (const Status fits = check_size(part, mass, radius, options.voxel_size_m); !fits)
@@ -241,45 +292,36 @@ Result<BakedShell> bake(part::Part part, const ShellOptions& options,
 
   stages.begin("points");
   const part::TriangleTree tree(centered);
-  std::vector<part::Vec3> points;
-  std::optional<certificate::CoveringProof> proof;
-  if (options.method == ShellMethod::kVoxelCenters) {
-    radius = rounded_center_radius(options.voxel_size_m, centered);
-    auto covered =
-        cover_by_voxel_centers(part, centered, mass.centroid, options.voxel_size_m, radius, points);
+  if (on_lattice) radius = rounded_center_radius(options.voxel_size_m, centered);
+  std::vector<Share> shares = shares_of(tree, radius, mass.centroid, groups);
+  if (on_lattice) {
+    auto covered = cover_by_voxel_centers(part, centered, mass.centroid, options.voxel_size_m,
+                                          radius, shares.front().points);
     if (!covered) return covered.error();
-    proof = std::move(*covered);
+    shares.front().proof = std::move(*covered);
   } else {
-    sample::CoveringPoints covering = sample::covering_points(
-        tree, radius, options.effort, [&](double share_done) { stages.show(share_done); });
-    points = std::move(covering.positions);
-    proof = std::move(covering.proof);
+    cover(shares, options.effort, stages);
   }
-  const certificate::HiddenSurface hidden(centered);
-  if (hidden.possible()) {
-    stages.begin("hidden");
-    shell.hidden_points =
-        certificate::leave_out_hidden_points(centered, hidden, radius, points, *proof);
-  }
-  shell.certificate_pieces = proof->pieces;
-  certificate::CoveredPart covered{centered, points, radius, options.voxel_size_m, &hidden};
-  if (options.method == ShellMethod::kSurface) {
+  leave_out_hidden_points(shares, stages, shell);
+  if (!on_lattice) {
     stages.begin("corners");
-    shell.corner_points = sample::fill_lossy_places(covered, points);
+    for (Share& share : shares) {
+      const auto covered = covered_by(share, radius, options.voxel_size_m);
+      shell.corner_points += share.times() * sample::fill_lossy_places(covered, share.points);
+    }
   }
 
   stages.begin("order");
-  std::vector<part::Vec3> ordered;
-  ordered.reserve(points.size());
-  for (const std::uint32_t n :
-       sample::block_order(points, kDefaultBlockPoints, kDefaultSuperBlockBlocks)) {
-    ordered.push_back(points[n]);
-  }
+  for (Share& share : shares) share.points = in_block_order(share.points);
+  const std::vector<part::Vec3> ordered =
+      groups.empty() ? shares.front().points : in_block_order(all_points(shares));
   fill_blocks(ordered, shell);
 
   stages.begin("losses");
-  covered.points = ordered;
-  certificate::SurfaceLosses losses = certificate::find_losses(covered);
+  certificate::SurfaceLosses losses;
+  for (const Share& share : shares) {
+    unite(losses, certificate::find_losses(covered_by(share, radius, options.voxel_size_m)));
+  }
   shell.loss_pieces = losses.pieces;
   shell.losses = std::move(losses.losses);
 
@@ -310,19 +352,28 @@ double planar_bound(double area_m2, double radius_m) {
 }
 
 BakeCost expected_cost(const part::Part& part, const ShellOptions& options) {
-  double area_m2 = 0;
-  for (std::size_t t = 0; t < part.triangles.size(); ++t) {
-    area_m2 += part::length(part::doubled_area_normal(part, t)) / 2;
+  const double radius = requested_covering_radius(options);
+  std::vector<part::CopiedGroup> groups;
+  if (options.method == ShellMethod::kSurface) groups = part::find_copies(part, radius);
+  const std::vector<std::uint32_t> originals = part::original_triangles(part, groups);
+  double area_m2 = 0, area_once_m2 = 0, once = 0;
+  for (std::uint32_t t = 0; t < part.triangles.size(); ++t) {
+    const double own_m2 = part::length(part::doubled_area_normal(part, t)) / 2;
+    area_m2 += own_m2;
+    if (originals[t] == t) area_once_m2 += own_m2, ++once;
   }
-  const auto triangles = static_cast<double>(part.triangles.size());
+  const double copied = static_cast<double>(part.triangles.size()) - once;
+  const auto patches = static_cast<double>(count_patches(part, originals));
   const unsigned cores = std::max(1u, std::thread::hardware_concurrency());
   const double threads = options.threads == 0 ? cores : std::min(options.threads, cores);
   BakeCost cost;
-  cost.points = planar_bound(area_m2, requested_covering_radius(options));
-  cost.seconds = (kSecondsPerPoint * cost.points + kSecondsPerTriangle * triangles +
-                  kSecondsPerPatch * static_cast<double>(count_patches(part))) /
-                 threads;
-  cost.bytes = kBytesPerPoint * cost.points + kBytesPerTriangle * triangles;
+  cost.points = planar_bound(area_m2, radius);
+  cost.seconds =
+      (kSecondsPerPoint * planar_bound(area_once_m2, radius) + kSecondsPerTriangle * once +
+       kSecondsPerCopied * copied + kSecondsPerPatch * patches) /
+      threads;
+  cost.bytes = kBytesPerPoint * cost.points + kBytesPerTriangle * once + kBytesPerCopied * copied +
+               kBytesPerPatch * patches;
   return cost;
 }
 

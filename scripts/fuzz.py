@@ -5,12 +5,14 @@
     scripts/fuzz.py --seconds 600 stl om  these for ten minutes each
     scripts/fuzz.py --differential 20000  two readers of baked files over so many mutated ones
     scripts/fuzz.py --frames 100000000    random faults in a device's readings, for so many frames
+    scripts/fuzz.py --clock 1000000       faults of files, threads and plugin, for so many frames at 1 kHz
     scripts/fuzz.py --table               writes the tables of tests/fuzz/README.md again
 
 A target's seconds are of processor time, so that a busy machine's ten minutes are ten minutes.
 New inputs that reach new code stay in build/fuzz/corpus, so that campaigns add up; figures go to
-tests/fuzz/campaigns.json. A crash, a hang (10 s for one input) or more than 2 GiB of memory is left
-in build/fuzz/found, named on stderr, and makes the status 1.
+tests/fuzz/campaigns.json. A crash, a hang (60 s for one input), work that is out of proportion to the
+input (tests/fuzz/work.h) or more than 2 GiB of memory is left in build/fuzz/found, named on stderr, and
+makes the status 1.
 """
 import argparse
 import concurrent.futures
@@ -30,10 +32,12 @@ FUZZ = ROOT / "tests" / "fuzz"
 BUILD = ROOT / "build" / "fuzz"
 CAMPAIGNS = FUZZ / "campaigns.json"
 FRAMES = FUZZ / "fault_frames.json"
+CLOCK = FUZZ / "fault_clock.json"
 README = FUZZ / "README.md"
 RELEASE = ROOT / "build" / "release"
 BEGIN, END = "<!-- table by scripts/fuzz.py -->", "<!-- end of table -->"
 BEGIN_FRAMES = "<!-- table by scripts/fuzz.py --frames -->"
+BEGIN_CLOCK = "<!-- table by scripts/fuzz.py --clock -->"
 
 
 def targets():
@@ -58,7 +62,7 @@ def fuzz(name, seconds):
     while used_s < seconds and not new:
         run = subprocess.run(
             [BUILD / "bin" / f"fuzz_{name}", grown, FUZZ / "corpus" / name, f"-max_total_time={math.ceil(seconds - used_s)}",
-             "-timeout=10", "-rss_limit_mb=2048", "-malloc_limit_mb=1024", "-max_len=65536",
+             "-timeout=60", "-report_slow_units=60", "-rss_limit_mb=2048", "-malloc_limit_mb=1024", "-max_len=65536",
              "-print_final_stats=1", f"-artifact_prefix={found}/"],
             stderr=subprocess.PIPE, text=True, errors="replace", check=False)
         stats = dict(re.findall(r"stat::(\w+):\s+(\d+)", run.stderr))
@@ -135,34 +139,50 @@ def differential(files):
     return run.returncode
 
 
-def fault_frames(frames):
+def fault_frames(frames, program, log, piece, at_once):
     """Frames with faults, in pieces that add up; whether a promise was broken."""
-    build_release(["fault_frames"])
-    program = RELEASE / "bin" / "fault_frames"
-    piece = 5_000_000
+    build_release([program])
     first, pieces = int(time.time()), math.ceil(frames / piece)
 
     def run(n):
         model = "paper" if n % 10 == 9 else "default"
-        return subprocess.run([program, "--frames", str(min(piece, frames - n * piece)), "--seed", str(first + n),
-                               "--model", model], stdout=subprocess.PIPE, text=True, check=False).stdout
+        ran = subprocess.run([RELEASE / "bin" / program, "--frames", str(min(piece, frames - n * piece)), "--seed",
+                              str(first + n), "--model", model], stdout=subprocess.PIPE, text=True, check=False)
+        if not ran.stdout:
+            sys.exit(f"{program} --seed {first + n} --model {model} ended with status {ran.returncode}")
+        return ran.stdout
 
     broken = 0
-    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+    with concurrent.futures.ThreadPoolExecutor(at_once) as pool:
         for said in pool.map(run, range(pieces)):
             campaign = {"date": datetime.date.today().isoformat(), **json.loads(said)}
             broken += campaign["broken"]
-            FRAMES.write_text(json.dumps(committed(FRAMES) + [campaign], indent=1) + "\n")
+            log.write_text(json.dumps(committed(log) + [campaign], indent=1) + "\n")
             print(said, end="", flush=True)
     return 1 if broken else 0
+
+
+def sums(campaigns, keys):
+    return " | ".join(f"{sum(c[key] for c in campaigns):,}" for key in keys)
+
+
+def table_of_clock(campaigns):
+    lines = ["| model | frames | seconds | with a force | faults of the plugin | processes stopped | cores busy | readers stalled "
+             "| files moved | files changed | plugins ended | loop late | trips | promises broken |", "|" + "---|" * 14]
+    for model in sorted({campaign["model"] for campaign in campaigns}):
+        own = [campaign for campaign in campaigns if campaign["model"] == model]
+        lines.append(f"| `{model}` | " + sums(own, (
+            "frames", "seconds", "with_force", "plugin_faults", "stops", "busy", "stalls", "harmless", "files_changed",
+            "plugins_ended", "late", "trips", "broken")) + " |")
+    return "\n".join(lines)
 
 
 def table_of_frames(campaigns):
     lines = ["| faults in | frames | of them faulty | with a force | trips | promises broken |", "|---|---|---|---|---|---|"]
     for model in sorted({campaign["model"] for campaign in campaigns}):
         own = [campaign for campaign in campaigns if campaign["model"] == model]
-        sums = [sum(c[key] for c in own) for key in ("frames", "faulty", "with_force", "trips", "broken")]
-        lines.append(f"| readings, `--model {model}` | " + " | ".join(f"{n:,}" for n in sums) + " |")
+        lines.append(f"| readings, `--model {model}` | " + sums(own, ("frames", "faulty", "with_force", "trips", "broken"))
+                     + " |")
     return "\n".join(lines)
 
 
@@ -173,6 +193,7 @@ def main():
     parser.add_argument("--seconds", type=int, default=60, help="of processor time, for each target")
     parser.add_argument("--differential", type=int, default=0, metavar="FILES", help="this alone")
     parser.add_argument("--frames", type=int, default=0, help="this alone")
+    parser.add_argument("--clock", type=int, default=0, metavar="FRAMES", help="this alone")
     parser.add_argument("--table", action="store_true", help="only write the tables again")
     arguments = parser.parse_args()
     names = arguments.targets or targets()
@@ -184,7 +205,9 @@ def main():
     if arguments.differential:
         found = differential(arguments.differential)
     elif arguments.frames:
-        found = fault_frames(arguments.frames)
+        found = fault_frames(arguments.frames, "fault_frames", FRAMES, 5_000_000, os.cpu_count())
+    elif arguments.clock:  # each waits for its clock most of the time
+        found = fault_frames(arguments.clock, "fault_clock", CLOCK, 40_000, 2 * os.cpu_count())
     elif not arguments.table:
         build(names)
         for name in names:
@@ -195,6 +218,7 @@ def main():
                   f"{campaign['found']} found", flush=True)
     write_table(BEGIN, table(committed(CAMPAIGNS)))
     write_table(BEGIN_FRAMES, table_of_frames(committed(FRAMES)))
+    write_table(BEGIN_CLOCK, table_of_clock(committed(CLOCK)))
     return 1 if found else 0
 
 

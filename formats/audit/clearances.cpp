@@ -76,7 +76,11 @@ class NodeClearances {
 class ClearanceAudit {
  public:
   ClearanceAudit(const Voxmap& map, const Contents& contents, std::string_view name)
-      : name_(name), view_(map.view()), contents_(contents), known_(known_box(map.header())) {
+      : name_(name),
+        view_(map.view()),
+        contents_(contents),
+        known_(known_box(map.header())),
+        seen_(map) {
     for (std::uint64_t n = 0; n < map.lower_node_count(); ++n) {
       bricks_.add_node(lower(n),
                        [&](std::uint32_t b) -> const Gaps& { return contents.brick_gaps(b); });
@@ -88,7 +92,7 @@ class ClearanceAudit {
     }
   }
 
-  bool ended() const { return bad_.has_value(); }
+  bool ended() const { return bad_ || seen_.too_many(); }
 
   bool cell(const Voxel& low, const Around& around) {
     const std::uint32_t entry = around[kCenter];
@@ -96,15 +100,18 @@ class ClearanceAudit {
       look(low, kUpperNodeEdge, directory_entry(low));
       return false;
     }
-    return check(nodes_, upper(entry), low, around, most_below_[entry], seen_cells_);
+    return check(nodes_, upper(entry), low, around, most_below_[entry], seen_.cells);
   }
 
   void node(const Voxel& low, const Around& around) {
     const std::uint32_t entry = around[kCenter];
-    if (!is_uniform(entry)) check(bricks_, lower(entry), low, around, 1, seen_nodes_);
+    if (!is_uniform(entry)) check(bricks_, lower(entry), low, around, 1, seen_.nodes);
   }
 
-  Status status() const { return bad_ ? Status(*bad_) : Status(); }
+  Status status() const {
+    if (bad_) return *bad_;
+    return seen_.too_many() ? Status(strewn(name_)) : Status();
+  }
 
  private:
   const std::uint32_t* lower(std::uint64_t node) const {
@@ -137,8 +144,7 @@ class ClearanceAudit {
              const Around& around, std::int64_t below, AroundSet& seen) {
     const Span box = Span::cube(low, kCells * level.edge());
     const std::int64_t most = level.most(around[kCenter]);
-    if (is_known(grown(box, std::max(most, below) - 1)) && !seen.insert(around).second)
-      return false;
+    if (!seen_.is_new(seen, around, is_known(grown(box, std::max(most, below) - 1)))) return false;
     const auto look_at = [&](std::uint32_t n) {
       look(voxmap_walk::child_low(low, n, level.edge()), level.edge(), entries[n]);
     };
@@ -170,7 +176,7 @@ class ClearanceAudit {
   NodeClearances bricks_{kBrickEdge};
   NodeClearances nodes_{kLowerNodeEdge};
   std::vector<std::int64_t> most_below_;  // [upper node]
-  AroundSet seen_cells_, seen_nodes_;
+  Surroundings seen_;
   std::optional<Error> bad_;
 };
 

@@ -60,7 +60,8 @@ class DistanceAudit {
         distances_(*map.distances()),
         unpacked_(distances_, kSlotBits),
         known_(known_box(header_)),
-        rules_(header_) {}
+        rules_(header_),
+        looks_left_(most_looks(map)) {}
 
   Status run() {
     const auto& dims = distances_.directory_dims;
@@ -133,14 +134,25 @@ class DistanceAudit {
     return edge == kUpperNodeEdge ? 0 : edge == kLowerNodeEdge ? 1 : 2;
   }
 
+  // Pairs of entries that may be looked at. A bake has at most some for each entry of its trees.
+  static std::uint64_t most_looks(const Voxmap& map) {
+    const auto nodes = map.upper_node_count() + map.lower_node_count() +
+                       map.distance_counts().upper_nodes + map.distance_counts().lower_nodes;
+    return (1u << 20) + 8 * (cells_of(map.view()) + kNodeEntries * nodes);
+  }
+
   // Whether a box is to be looked at: not where nothing of it is known, and once where all is.
   bool is_new(const Span& box, SeenPairs& seen, std::uint32_t a, std::uint32_t b) {
     if (bad_) return false;
+    bool once = true;
     if (header_.cropped_sides != 0) {
       const Span known = known_part(box, known_);
-      if (known.empty() || !(known == box)) return !known.empty();
+      if (known.empty()) return false;
+      once = known == box;
     }
-    return seen.insert(a, b);
+    if (once && !seen.insert(a, b)) return false;
+    if (looks_left_-- == 0) bad_ = strewn(name_);
+    return !bad_;
   }
 
   // The codes of a brick or of a uniform box of its size.
@@ -289,6 +301,7 @@ class DistanceAudit {
   CodeRules rules_;
   std::array<SeenPairs, 3> compared_, inside_;  // by level
   std::array<std::array<SeenPairs, 3>, 3> between_;
+  std::uint64_t looks_left_;
   std::optional<Error> bad_;
 };
 

@@ -23,20 +23,22 @@ class LayerAudit {
         known_(known_box(header_)),
         steps_(std::min<std::int64_t>(layers_of(header_), kMostSteps)),
         all_layers_(layers_of(header_) <= kMostSteps),
-        rows_(contents.planes(), map.view(), steps_) {}
+        rows_(contents.planes(), map.view(), steps_),
+        seen_(map) {}
 
-  bool ended() const { return bad_.has_value(); }
+  bool ended() const { return bad_ || seen_.too_many(); }
 
   bool cell(const Voxel& low, const Around& around) {
-    return is_new(Span::cube(low, kUpperNodeEdge), around, seen_cells_);
+    return is_new(Span::cube(low, kUpperNodeEdge), around, seen_.cells);
   }
 
   void node(const Voxel& low, const Around& around) {
-    if (is_new(Span::cube(low, kNode), around, seen_nodes_)) check_node(low, around);
+    if (is_new(Span::cube(low, kNode), around, seen_.nodes)) check_node(low, around);
   }
 
   Status status() const {
-    return bad_ ? Status(untrue(name_, voxel_text(bad_->at), bad_->what)) : Status();
+    if (bad_) return untrue(name_, voxel_text(bad_->at), bad_->what);
+    return seen_.too_many() ? Status(strewn(name_)) : Status();
   }
 
  private:
@@ -58,10 +60,10 @@ class LayerAudit {
 
   // Whether a cube is to be looked at: it can break a rule, some of it is known, and its like was
   // not looked at before, in a place where all around is known.
-  bool is_new(const Span& cube, const Around& around, AroundSet& seen) const {
+  bool is_new(const Span& cube, const Around& around, AroundSet& seen) {
     if (is_certain(around) || known_part(cube, known_).empty()) return false;
     const Span halo = grown(cube, steps_ + 1);
-    return !(known_part(halo, known_) == halo) || seen.insert(around).second;
+    return seen_.is_new(seen, around, known_part(halo, known_) == halo);
   }
 
   // The known voxels of the node at `low` that are at least `steps` from a cropped side.
@@ -142,7 +144,7 @@ class LayerAudit {
   std::int64_t steps_;  // force layers
   bool all_layers_;     // steps_ is all of them
   NodeRows rows_;
-  AroundSet seen_cells_, seen_nodes_;
+  Surroundings seen_;
   std::optional<Bad> bad_;
 };
 

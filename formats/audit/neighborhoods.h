@@ -34,6 +34,27 @@ struct AroundHash {
 };
 using AroundSet = std::unordered_set<Around, AroundHash>;
 
+// Surroundings that were looked at: once, where all of them is known. A bake has about as many as
+// its nodes have children. Few nodes strewn so that no two places are alike have any number: these
+// are not looked at to the end.
+class Surroundings {
+ public:
+  explicit Surroundings(const Voxmap& map)
+      : most_((1u << 17) + 4 * cells_of(map.view()) + 2 * kNodeEntries * map.upper_node_count()) {}
+
+  bool is_new(AroundSet& seen, const Around& around, bool known) {
+    if (known && !seen.insert(around).second) return false;
+    ++looks_;
+    return true;
+  }
+  bool too_many() const { return looks_ > most_; }
+
+  AroundSet cells, nodes;
+
+ private:
+  std::uint64_t most_, looks_ = 0;
+};
+
 inline Voxel beside(const Voxel& at, std::size_t n) {
   const Voxel d = direction(n);
   return {at[0] + d[0], at[1] + d[1], at[2] + d[2]};

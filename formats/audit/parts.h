@@ -36,6 +36,17 @@ inline Error untrue(std::string_view name, std::string where, std::string what) 
           "bake it again"};
 }
 
+// For a file that would take far longer to prove than one of its size that was baked.
+inline Error strewn(std::string_view name) {
+  return untrue(name, "tree", "its nodes stand in far more different places than a bake's");
+}
+
+inline std::uint64_t cells_of(const VoxmapView& view) {
+  std::uint64_t cells = 1;
+  for (const auto edge : view.directory_dims) cells *= static_cast<std::uint64_t>(edge);
+  return cells;
+}
+
 inline std::string voxel_text(const Voxel& at) {
   return "voxel " + std::to_string(at[0]) + " " + std::to_string(at[1]) + " " +
          std::to_string(at[2]);

@@ -16,9 +16,10 @@ namespace forcelayer {
 // - Codes are possible beside the values and beside each other (section 13.2), and zero_force_m is
 //   possible beside the layers.
 // - No brick names an object above object_count.
-// Memory is proportional to the stored nodes and bricks. Time grows with the number of different
-// neighborhoods of nodes, of different pairs of bricks, and of clearances that their neighborhood
-// does not prove. `name` is the file's, for errors.
+// Memory and time are proportional to the file: to the stored nodes and bricks, and to the number
+// of different neighborhoods of nodes and of different pairs of bricks. Neighborhoods and pairs that
+// are far more than a bake of the file's size has (few nodes or bricks, strewn) are not looked at
+// to the end, and the file is refused: kEntryInvalid. `name` is the file's, for errors.
 Status audit_voxmap(const Voxmap& map, std::string_view name);
 
 }  // namespace forcelayer

@@ -3,9 +3,12 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <cerrno>
 #include <chrono>
 #include <cstdio>
 #include <string_view>
+
+#include "formats/result.h"
 
 namespace forcelayer::command {
 namespace {
@@ -16,6 +19,7 @@ double now_s() {
 
 // The line that stands on the terminal, so that others can wipe it.
 std::atomic<bool> on_terminal{false};
+std::atomic<bool> is_quiet{false};
 constexpr std::string_view kWipe = "\r\x1b[K";
 
 }  // namespace
@@ -26,7 +30,15 @@ void wipe_progress_line() noexcept {
   static_cast<void>(wiped);  // nobody looks
 }
 
-ProgressLine::ProgressLine(bool quiet) : active_(!quiet && isatty(2) == 1), started_s_(now_s()) {}
+void tell_waiting(const std::string& text) {
+  if (is_quiet) return;
+  wipe_progress_line();
+  std::fprintf(stderr, "%s: %s\n", program_invocation_short_name, escaped(text).c_str());
+}
+
+ProgressLine::ProgressLine(bool quiet) : active_(!quiet && isatty(2) == 1), started_s_(now_s()) {
+  is_quiet = quiet;
+}
 
 void ProgressLine::clear() {
   if (active_) wipe_progress_line();

@@ -9,6 +9,10 @@ namespace forcelayer::command {
 // printed there. Async-signal-safe.
 void wipe_progress_line() noexcept;
 
+// Says on stderr, for a person who waits, what takes long. Nothing where the program's line of
+// progress is quiet.
+void tell_waiting(const std::string& text);
+
 // Rewritten in place on stderr; nothing where stderr is no terminal, or when quiet.
 class ProgressLine {
  public:

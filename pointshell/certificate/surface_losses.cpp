@@ -130,8 +130,8 @@ class CornerCache {
 // Bounds of a piece. Margins outweigh all rounding.
 class PieceBounds {
  public:
-  PieceBounds(const CornerPiece& piece, double radius, double margin)
-      : piece_(piece), radius_(radius), margin_(margin) {
+  PieceBounds(const CornerPiece& piece, const CoveredPart& covered, double margin)
+      : piece_(piece), radius_(covered.radius), margin_(margin), slack_(covered.slack) {
     const std::array<double, 3> moments = moments_about_common_place(piece);
     for (int n = 0; n < 3; ++n) moments_[n] = rounded_up(moments[n]);
   }
@@ -175,14 +175,18 @@ class PieceBounds {
   const CornerPiece& piece() const { return piece_; }
 
  private:
-  double gap(int n) const { return piece_[n].combination.gap + margin_; }
+  double gap(int n) const { return piece_[n].combination.gap + margin_ + slack_; }
   double rounded_up(double moment) const {
     constexpr double kReach = CombinationFinder::kReach;
+    if (slack_ > 0) {
+      const double farther = std::sqrt(moment) + slack_;
+      moment = farther * farther;
+    }
     return moment * (1 + 0x1p-44) + 0x1p-44 * kReach * kReach * radius_ * radius_;
   }
 
   const CornerPiece& piece_;
-  const double radius_, margin_;
+  const double radius_, margin_, slack_;
   std::array<double, 3> moments_;
 };
 
@@ -237,7 +241,7 @@ class PieceProver {
   bool is_done(const CornerPiece& piece, double gap) {
     if (judge_.given_up()) return true;
     ++pieces;
-    const PieceBounds bounds(piece, covered_.radius, margin_ + gap);
+    const PieceBounds bounds(piece, covered_, margin_ + gap);
     if (judge_.judge(bounds) == Verdict::kDone) return true;
     if (may_be_hidden(covered_) && bounds.size() <= covered_.radius &&
         covered_.hidden->holds_ball(bounds.middle(), bounds.size() + gap)) {
@@ -251,7 +255,7 @@ class PieceProver {
   void prove(const CornerPiece& piece) {
     if (judge_.given_up()) return;
     ++pieces;
-    const PieceBounds bounds(piece, covered_.radius, margin_);
+    const PieceBounds bounds(piece, covered_, margin_);
     const Verdict verdict = judge_.judge(bounds);
     if (verdict == Verdict::kDone) return;
     if (may_be_hidden(covered_) && bounds.size() <= covered_.radius &&

@@ -31,6 +31,8 @@ struct CoveredPart {
   double radius;
   double voxel_size;                      // m, of the scenes that the shell is for
   const HiddenSurface* hidden = nullptr;  // surface that it proves to be hidden does not count
+  // m. What is proven holds as well where points, surface and distances are off by this together.
+  double slack = 0;
 };
 
 // The distance of points, m, at which combinations are sought and corners are filled.

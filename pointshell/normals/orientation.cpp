@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <tuple>
 #include <vector>
 
@@ -239,21 +240,56 @@ class SkySampler {
   double self_hit_ = 0;
 };
 
+// The patch that each is again, or itself: [patches].
+std::vector<std::size_t> original_patches(const Patches& patches,
+                                          std::span<const std::uint32_t> originals) {
+  std::vector<std::size_t> original(patches.triangles.size());
+  std::iota(original.begin(), original.end(), std::size_t{0});
+  if (originals.empty()) return original;
+  std::vector<std::size_t> patch_of(originals.size());
+  for (std::size_t n = 0; n < original.size(); ++n) {
+    for (const std::uint32_t t : patches.triangles[n]) patch_of[t] = n;
+  }
+  for (std::size_t n = 0; n < original.size(); ++n) {
+    const std::size_t other = patch_of[originals[patches.triangles[n].front()]];
+    if (patches.triangles[n].size() == patches.triangles[other].size()) original[n] = other;
+  }
+  return original;
+}
+
+// Gives the patches of copies the skies of their originals.
+void copy_skies(const Patches& patches, std::span<const std::uint32_t> originals,
+                std::span<const std::size_t> original, std::vector<Sky>& skies) {
+  for (std::size_t n = 0; n < skies.size(); ++n) {
+    if (original[n] == n) continue;
+    skies[n] = skies[original[n]];
+    const std::uint32_t t = patches.triangles[n].front();
+    if (patches.turned[t] != patches.turned[originals[t]]) {
+      std::swap(skies[n].front, skies[n].back);
+    }
+  }
+}
+
 // The sky of every patch, past the whole part or, where that hides the patch, past its own body.
 std::vector<Sky> look_around(const part::Part& part, const Patches& patches,
-                             double negligible_size_m) {
+                             double negligible_size_m, std::span<const std::uint32_t> originals) {
   const SkySampler sampler(part, negligible_size_m);
   const part::TriangleTree whole(part);
+  const std::vector<std::size_t> original = original_patches(patches, originals);
   std::vector<Sky> skies(patches.triangles.size());
   const auto look = [&](const part::TriangleTree& tree, std::size_t n) {
     skies[n] = sampler.look(tree, patches.triangles[n]);
   };
-  part::parallel_for_each_index(skies.size(), 1, [&](std::size_t n) { look(whole, n); });
+  part::parallel_for_each_index(skies.size(), 1, [&](std::size_t n) {
+    if (original[n] == n) look(whole, n);
+  });
   if (part.body_names.size() < 2) return skies;
 
   std::vector<std::vector<std::size_t>> hidden_of_body(part.body_names.size());
   for (std::size_t n = 0; n < skies.size(); ++n) {
-    if (skies[n].hidden()) hidden_of_body[part.body[patches.triangles[n].front()]].push_back(n);
+    if (original[n] == n && skies[n].hidden()) {
+      hidden_of_body[part.body[patches.triangles[n].front()]].push_back(n);
+    }
   }
   const std::vector<std::vector<std::uint32_t>> of_body = part::triangles_by_body(part);
   for (std::size_t body = 0; body < of_body.size(); ++body) {
@@ -262,6 +298,7 @@ std::vector<Sky> look_around(const part::Part& part, const Patches& patches,
     const part::TriangleTree tree(part, of_body[body]);
     part::parallel_for_each_index(hidden.size(), 1, [&](std::size_t n) { look(tree, hidden[n]); });
   }
+  copy_skies(patches, originals, original, skies);
   return skies;
 }
 
@@ -314,7 +351,8 @@ void classify(const part::Part& part, const std::vector<std::uint32_t>& patch, c
 
 }  // namespace
 
-OrientationReport orient_outwards(part::Part& part, double negligible_size_m) {
+OrientationReport orient_outwards(part::Part& part, double negligible_size_m,
+                                  std::span<const std::uint32_t> originals) {
   OrientationReport report;
   const std::vector<mesh::Triangle> given = part.triangles;
   const Patches patches = find_patches(part, find_links(part, report));
@@ -322,7 +360,7 @@ OrientationReport orient_outwards(part::Part& part, double negligible_size_m) {
   for (std::uint32_t t = 0; t < part.triangles.size(); ++t) {
     if (patches.turned[t]) turn(part, t);
   }
-  const std::vector<Sky> skies = look_around(part, patches, negligible_size_m);
+  const std::vector<Sky> skies = look_around(part, patches, negligible_size_m, originals);
   report.of_sheet.assign(given.size(), false);
   report.loose.assign(given.size(), false);
   for (std::size_t n = 0; n < skies.size(); ++n) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -47,7 +48,9 @@ struct OrientationReport {
 //
 // The decisiveness (front - back) / (front + back) of the shares of rays that leave is 1 for a
 // closed body and 0 for a flat sheet. A patch with less than 0.15 either way is a sheet, unless it
-// is smaller than `negligible_size_m` or has no area.
-OrientationReport orient_outwards(part::Part& part, double negligible_size_m);
+// is smaller than `negligible_size_m` or has no area. Patches of copies, whose triangles have
+// others as `originals` (part::original_triangles()), are as their originals.
+OrientationReport orient_outwards(part::Part& part, double negligible_size_m,
+                                  std::span<const std::uint32_t> originals = {});
 
 }  // namespace forcelayer::normals

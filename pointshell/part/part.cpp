@@ -11,13 +11,19 @@ namespace {
 
 // All triangles of all instances with their own three corners each.
 struct CornerSoup {
-  std::vector<Vec3> corners;        // [3 * triangles]
-  std::vector<std::uint32_t> body;  // [triangles]
+  std::vector<Vec3> corners;                // [3 * triangles]
+  std::vector<std::uint32_t> body, source;  // [triangles]
 };
 
 double determinant(const std::array<double, 9>& m) {
   return m[0] * (m[4] * m[8] - m[5] * m[7]) - m[1] * (m[3] * m[8] - m[5] * m[6]) +
          m[2] * (m[3] * m[7] - m[4] * m[6]);
+}
+
+mesh::Affine in_meters(mesh::Affine assembly_from_mesh, double meters_per_unit) {
+  for (double& x : assembly_from_mesh.linear) x *= meters_per_unit;
+  for (double& x : assembly_from_mesh.translation) x *= meters_per_unit;
+  return assembly_from_mesh;
 }
 
 void append_instance(const mesh::Mesh& mesh, const mesh::Affine& assembly_from_mesh,
@@ -32,10 +38,12 @@ void append_instance(const mesh::Mesh& mesh, const mesh::Affine& assembly_from_m
   }
   // A mirrored placing turns every triangle inside out; its corners are taken the other way round.
   const bool mirrored = determinant(assembly_from_mesh.linear) < 0;
-  for (mesh::Triangle triangle : mesh.triangles) {
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    mesh::Triangle triangle = mesh.triangles[t];
     if (mirrored) std::swap(triangle[1], triangle[2]);
     for (const std::uint32_t corner : triangle) soup.corners.push_back(placed[corner]);
     soup.body.push_back(body);
+    soup.source.push_back(t);
   }
 }
 
@@ -116,15 +124,18 @@ void drop_repeated(const Part& part, std::vector<std::uint32_t>& order) {
 // Keeps the triangles of `order`, in that order.
 void keep_triangles(Part& part, std::span<const std::uint32_t> order) {
   std::vector<mesh::Triangle> triangles;
-  std::vector<std::uint32_t> body;
+  std::vector<std::uint32_t> body, source;
   triangles.reserve(order.size());
   body.reserve(order.size());
+  source.reserve(order.size());
   for (const std::uint32_t t : order) {
     triangles.push_back(part.triangles[t]);
     body.push_back(part.body[t]);
+    source.push_back(part.source[t]);
   }
   part.triangles = std::move(triangles);
   part.body = std::move(body);
+  part.source = std::move(source);
 }
 
 // Rotates every triangle to its lowest vertex, sorts, and drops those that are there already.
@@ -134,7 +145,9 @@ void sort_triangles(Part& part) {
   }
   std::vector<std::uint32_t> order(part.triangles.size());
   std::iota(order.begin(), order.end(), 0u);
-  const auto key = [&](std::uint32_t t) { return std::tie(part.triangles[t], part.body[t]); };
+  const auto key = [&](std::uint32_t t) {
+    return std::tie(part.triangles[t], part.body[t], part.source[t]);
+  };
   std::sort(order.begin(), order.end(),
             [&](std::uint32_t a, std::uint32_t b) { return key(a) < key(b); });
   drop_repeated(part, order);
@@ -168,6 +181,7 @@ Error no_triangles(const char* what) {
 Result<Part> assemble_part(std::span<const PartInput> inputs) {
   CornerSoup soup;
   Part part;
+  std::uint32_t meshes = 0;
   for (const PartInput& input : inputs) {
     part.deviation_m =
         std::max(part.deviation_m, input.assembly->deviation_units * input.meters_per_unit);
@@ -181,8 +195,11 @@ Result<Part> assemble_part(std::span<const PartInput> inputs) {
       append_instance(mesh, instance.assembly_from_mesh, input.meters_per_unit,
                       static_cast<std::uint32_t>(part.body_names.size()), soup);
       part.body_names.push_back(instance.name);
+      part.placings.push_back(
+          {meshes + instance.mesh, in_meters(instance.assembly_from_mesh, input.meters_per_unit)});
       part.single_precision |= mesh.single_precision;
     }
+    meshes += static_cast<std::uint32_t>(input.assembly->meshes.size());
   }
   if (soup.body.empty()) return no_triangles("the part has no triangles");
   if (soup.corners.size() > std::numeric_limits<std::uint32_t>::max()) {
@@ -191,6 +208,7 @@ Result<Part> assemble_part(std::span<const PartInput> inputs) {
   }
   part.input_triangles = soup.body.size();
   part.body = std::move(soup.body);
+  part.source = std::move(soup.source);
   soup.body.resize(part.body.size());
   weld(soup, part);
   sort_triangles(part);
@@ -213,6 +231,40 @@ std::vector<std::vector<std::uint32_t>> triangles_by_body(const Part& part) {
   std::vector<std::vector<std::uint32_t>> triangles(part.body_names.size());
   for (std::uint32_t t = 0; t < part.triangles.size(); ++t) triangles[part.body[t]].push_back(t);
   return triangles;
+}
+
+Part part_of_bodies(const Part& part, std::span<const std::uint32_t> bodies,
+                    std::span<const std::vector<std::uint32_t>> of_body) {
+  Part own;
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> chosen;  // triangle, body of `own`
+  for (const std::uint32_t body : bodies) {
+    const auto number = static_cast<std::uint32_t>(own.body_names.size());
+    own.body_names.push_back(part.body_names[body]);
+    own.placings.push_back(part.placings[body]);
+    for (const std::uint32_t t : of_body[body]) chosen.emplace_back(t, number);
+  }
+  std::sort(chosen.begin(), chosen.end());
+  std::vector<std::uint32_t> used;
+  for (const auto& [t, body] : chosen) {
+    used.insert(used.end(), part.triangles[t].begin(), part.triangles[t].end());
+  }
+  std::sort(used.begin(), used.end());
+  used.erase(std::unique(used.begin(), used.end()), used.end());
+  for (const std::uint32_t v : used) own.vertices.push_back(part.vertices[v]);
+  for (const auto& [t, body] : chosen) {
+    mesh::Triangle triangle = part.triangles[t];
+    for (std::uint32_t& corner : triangle) {
+      const auto found = std::lower_bound(used.begin(), used.end(), corner);
+      corner = static_cast<std::uint32_t>(found - used.begin());
+    }
+    own.triangles.push_back(triangle);
+    own.body.push_back(body);
+    own.source.push_back(part.source[t]);
+  }
+  own.input_triangles = own.triangles.size();
+  own.largest_coordinate = part.largest_coordinate;
+  own.single_precision = part.single_precision;
+  return own;
 }
 
 Part relative_to(Part part, const Vec3& origin) {

@@ -13,6 +13,12 @@
 
 namespace forcelayer::part {
 
+// Where a body's mesh stands.
+struct Placing {
+  std::uint32_t mesh = 0;       // bodies of one number are instances of one mesh
+  mesh::Affine part_from_mesh;  // to m, in the frame in which the part was assembled
+};
+
 // One rigid part. Equal vertices are one vertex, and vertices ascend. Each triangle starts at its
 // lowest vertex, and triangles ascend. So two files that hold the same triangles in another order
 // give the same part.
@@ -21,6 +27,8 @@ struct Part {
   std::vector<mesh::Triangle> triangles;  // [m] vertex indices, as oriented in the file
   std::vector<std::uint32_t> body;        // [m] index into body_names
   std::vector<std::string> body_names;
+  std::vector<std::uint32_t> source;       // [m] number of the triangle in its body's mesh
+  std::vector<Placing> placings;           // [bodies]
   std::uint64_t input_triangles = 0;       // over all instances
   std::uint64_t duplicate_triangles = 0;   // dropped: the corners of another of their body
   std::uint64_t degenerate_triangles = 0;  // kept and covered, although they have no area
@@ -64,6 +72,10 @@ Box box_of(const Part& part, std::span<const std::uint32_t> triangles);
 
 // The triangles of each body, ascending: [bodies][triangles].
 std::vector<std::vector<std::uint32_t>> triangles_by_body(const Part& part);
+
+// These bodies as a part of their own; `of_body`: triangles_by_body() of the part.
+Part part_of_bodies(const Part& part, std::span<const std::uint32_t> bodies,
+                    std::span<const std::vector<std::uint32_t>> of_body);
 
 // The part moved by -`origin`. Shells are made and proven relative to their center.
 Part relative_to(Part part, const Vec3& origin);

@@ -12,7 +12,7 @@ namespace {
 using part::Piece;
 using part::Vec3;
 
-// What is to be searched yet: a node of the surface's tree, or a piece of a triangle of it, in the
+// A node of the surface's tree that is to be searched yet, or a piece of a triangle of it, in the
 // solid's frame.
 struct Open {
   double at_most_m;
@@ -67,7 +67,7 @@ class Search {
   }
 
  private:
-  // What is far from the depth that matters need not be known closely.
+  // Depths far from the one that matters need not be known closely.
   bool is_settled(double at_most_m) const {
     const double off_m = std::max(allowed_m_ - at_most_m, (found_.found_m - allowed_m_) / 2);
     return at_most_m <= found_.found_m + std::max(within_m_, off_m);

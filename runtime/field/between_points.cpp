@@ -1,4 +1,4 @@
-// What lies between two shell points: an edge of the scene that digs into the part's surface there.
+// Edges of the scene that dig into the part's surface between two shell points.
 //
 // Where the stored distance falls from both points toward each other along the part's surface,
 // something stands between them. Along the surface from point a to point b, at the share t of the
@@ -135,7 +135,7 @@ void FieldProbe::apply_between(ContactSet& out) noexcept {
   look_between(sink);
 }
 
-// What lies between two points presses both, where it is deeper than they are.
+// An edge between two points presses both, where it is deeper than they are.
 void FieldProbe::press_between(std::uint32_t a, std::uint32_t b, const Between& found,
                                ContactSet& out) const noexcept {
   const SeatObject* const object = seat_.find(found.object);

@@ -211,6 +211,9 @@ class Kernel : public FieldKernel<DistanceBricks> {
     high = hn::ShiftRight<16>(low);
     const VF beside_z = between_edges<0, 1>(low, high, share[0], low, high, share[1]);
     const VF step = hn::Set(kF, scale_.voxels_per_code);
+    hn::StoreU(hn::Mul(slope[0], step), kF, &samples_.ex[first + i]);
+    hn::StoreU(hn::Mul(slope[1], step), kF, &samples_.ey[first + i]);
+    hn::StoreU(hn::Mul(slope[2], step), kF, &samples_.ez[first + i]);
     slope[0] = hn::Mul(continued(slope[0], share[0], code, beside_x), step);
     slope[1] = hn::Mul(continued(slope[1], share[1], code, beside_y), step);
     slope[2] = hn::Mul(continued(slope[2], share[2], code, beside_z), step);

@@ -14,6 +14,9 @@ namespace {
 // Least and largest weight of a point. A shell may hold points of almost no area at its edges,
 // which must still hold the part off.
 constexpr float kLeastWeight = 0.25f, kMostWeight = 4.0f;
+// Cosine between gradient and slope of the field, from which on both face the same side: they
+// differ by some degrees before a face and up to 30 at an edge, and by up to 180 beside a sheet.
+constexpr float kSameSide = 0.7f;
 
 }  // namespace
 
@@ -203,7 +206,12 @@ void FieldProbe::apply_seat(ContactSet& out) const noexcept {
     if (barred) ++out.barred;
     out.is_barred[i] = barred ? 1 : 0;
     const glm::vec3 direction = steepness < kLeastSlope ? n : g / steepness;
-    out.ux[i] = direction.x, out.uy[i] = direction.y, out.uz[i] = direction.z;
+    // Along the gradient, where it tells the same side, the push is that of a potential: a closed
+    // way gives nothing. The slope is some degrees aside of it.
+    const glm::vec3 e(samples_.ex[i], samples_.ey[i], samples_.ez[i]);
+    const float fall = glm::length(e);
+    const glm::vec3 push = glm::dot(e, direction) > kSameSide * fall ? e / fall : direction;
+    out.ux[i] = push.x, out.uy[i] = push.y, out.uz[i] = push.z;
     float contact_m = std::min(object->contact_m, in_seat_m_[point]);
     if (const float there = in_seat_steepness_[point]; there < 1) {
       // In the seat itself as deep as there, before a face as other points.

@@ -64,7 +64,7 @@ class FieldProbe final : public ContactProbe {
   bool is_in_corner(std::uint32_t i) const noexcept;
   bool lies_in_corners() const noexcept;
   void apply_seat(ContactSet& out) const noexcept;
-  // What lies between two neighboring points (between_points.cpp).
+  // An edge of the scene between two neighboring points (between_points.cpp).
   struct Between;
   std::optional<Between> between(std::uint32_t a, std::uint32_t b) const noexcept;
   struct BetweenSink;

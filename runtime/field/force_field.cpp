@@ -13,7 +13,8 @@ constexpr std::size_t kLanePadding = 64;  // elements behind the last that a vec
 
 void FieldSamples::reserve(std::uint64_t points) {
   const std::size_t room = points + kLanePadding;
-  for (auto* values : {&depth_m, &dx, &dy, &dz, &gx, &gy, &gz, &distance_m, &from_zero_force_m}) {
+  for (auto* values :
+       {&depth_m, &dx, &dy, &dz, &gx, &gy, &gz, &distance_m, &from_zero_force_m, &ex, &ey, &ez}) {
     values->resize(room);
   }
 }

@@ -29,6 +29,9 @@ struct FieldSamples {
   // distance_m. from_zero_force_m is the stored distance, interpolated, less that of the zero-force
   // surface: a measure, and no bound.
   std::vector<float> distance_m, from_zero_force_m;
+  // Its gradient, voxels a voxel, world axes: that of a potential, and it jumps between cells, as
+  // the slope does not.
+  std::vector<float> ex, ey, ez;
 
   void reserve(std::uint64_t points);  // set-up only
 };

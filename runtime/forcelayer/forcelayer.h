@@ -147,11 +147,11 @@ int forcelayer_swap(forcelayer_runtime* runtime, const char* scene, const char* 
                     const double world_from_part[7], const double handle_from_part[7],
                     double timeout_s, char* error, size_t error_bytes);
 
-/* Survives baked files that are cut short while they are in use. The kernel answers a read beyond a
- * file's end with SIGBUS, and the process would end with a force on the hand. After this call the
- * step goes on, harmless, and the output trips. It stays at zero until whole files are opened, or
- * swapped in and armed by the clutch. A SIGBUS elsewhere goes to whoever handled it before. Call it
- * once in a process, after handlers of your own are in place. (The commands never write to a baked
+/* Survives baked files that are cut short or written to while they are in use. The kernel answers a
+ * read beyond a file's end with SIGBUS, and one where a changed index leads with SIGSEGV; the
+ * process would end with a force on the hand. After this call the step goes on, harmless, and the
+ * output trips. It stays at zero until whole files are opened, or swapped in and armed by the
+ * clutch. The same signals elsewhere go to whoever handled them before. Call it once in a process, after handlers of your own are in place. (The commands never write to a baked
  * file: they replace it.) */
 void forcelayer_contain_map_loss(void);
 

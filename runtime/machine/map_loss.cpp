@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <mutex>
 #include <optional>
+#include <utility>
 
 #include "formats/voxmap_format.h"
 
@@ -25,7 +26,13 @@ struct Slot {
 constexpr std::size_t kSlots = 64;
 std::array<Slot, kSlots> slots;
 std::mutex slots_mutex;  // of `file`; never taken by the handler or by a step
-struct sigaction previous {};
+struct sigaction before_bus_error {
+}, before_bad_read{};
+// siglongjmp() without the check of _FORTIFY_SOURCE, which asks for the stack that a handler is on.
+extern "C" [[noreturn]] void go_on_at(sigjmp_buf, int) noexcept __asm__("siglongjmp");
+
+// In the library's own piece of each thread's memory, which a handler reaches without asking.
+constinit thread_local Landing* landing __attribute__((tls_model("initial-exec"))) = nullptr;
 std::uintptr_t page_bytes = 4096;
 static_assert(std::atomic<std::uintptr_t>::is_always_lock_free);
 
@@ -53,6 +60,28 @@ bool replace_page(std::uintptr_t address) {
   return mremap(made, page_bytes, page_bytes, MREMAP_MAYMOVE | MREMAP_FIXED, page) != MAP_FAILED;
 }
 
+// How many of the watched files have changed; marks them as lost.
+int look() noexcept {
+  int lost = 0;
+  for (Slot& slot : slots) {
+    if (!slot.file) continue;
+    if (slot.file->changed()) slot.lost.store(true, std::memory_order_relaxed);
+    lost += slot.lost.load(std::memory_order_relaxed) ? 1 : 0;
+  }
+  return lost;
+}
+
+// Without the lock: its owner may be the thread that was led astray, or one that this one ran
+// before. What a look beside another finds is at worst found again.
+void land() noexcept {
+  if (landing != nullptr && look() > 0) go_on_at(landing->here, 1);
+}
+
+extern "C" void on_bad_read(int, siginfo_t*, void*) {
+  land();
+  sigaction(SIGSEGV, &before_bad_read, nullptr);  // the read is repeated and reaches that handler
+}
+
 extern "C" void on_bus_error(int, siginfo_t* info, void*) {
   const auto address = reinterpret_cast<std::uintptr_t>(info->si_addr);
   Slot* const slot = slot_of(address);
@@ -61,31 +90,34 @@ extern "C" void on_bus_error(int, siginfo_t* info, void*) {
     slot->lost.store(true);
     if (replace_page(address)) return;
   }
-  sigaction(SIGBUS, &previous, nullptr);  // the read is repeated and reaches that handler
+  land();
+  sigaction(SIGBUS, &before_bus_error, nullptr);
+}
+
+void install(int number, void (*handler)(int, siginfo_t*, void*), struct sigaction& previous) {
+  struct sigaction action {};
+  action.sa_sigaction = handler;
+  action.sa_flags = SA_SIGINFO | SA_NODEFER | SA_ONSTACK;
+  struct sigaction before {};
+  sigaction(number, &action, &before);
+  const bool ours = (before.sa_flags & SA_SIGINFO) != 0 && before.sa_sigaction == handler;
+  if (!ours) previous = before;
 }
 
 }  // namespace
 
 void contain_map_loss() {
   page_bytes = static_cast<std::uintptr_t>(sysconf(_SC_PAGESIZE));
-  struct sigaction action {};
-  action.sa_sigaction = on_bus_error;
-  action.sa_flags = SA_SIGINFO | SA_NODEFER | SA_ONSTACK;
-  struct sigaction before {};
-  sigaction(SIGBUS, &action, &before);
-  const bool ours = (before.sa_flags & SA_SIGINFO) != 0 && before.sa_sigaction == on_bus_error;
-  if (!ours) previous = before;
+  install(SIGBUS, on_bus_error, before_bus_error);
+  install(SIGSEGV, on_bad_read, before_bad_read);
 }
+
+Landing::Landing() noexcept : outer_(std::exchange(landing, this)) {}
+Landing::~Landing() { landing = outer_; }
 
 int check_mappings() noexcept {
   const std::lock_guard lock(slots_mutex);
-  int lost = 0;
-  for (Slot& slot : slots) {
-    if (!slot.file) continue;
-    if (slot.file->changed()) slot.lost.store(true, std::memory_order_relaxed);
-    lost += slot.lost.load(std::memory_order_relaxed) ? 1 : 0;
-  }
-  return lost;
+  return look();
 }
 
 WatchedMapping::WatchedMapping(std::span<const std::byte> bytes, const FileStamp& file) noexcept {

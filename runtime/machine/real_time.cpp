@@ -40,9 +40,9 @@ std::vector<std::string> lock_memory() {
           "(/etc/security/limits.d: @realtime - memlock unlimited)"};
 }
 
-std::vector<std::string> take_real_time_priority() {
+std::vector<std::string> take_real_time_priority(int below) {
   sched_param parameters{};
-  parameters.sched_priority = kPriority;
+  parameters.sched_priority = kPriority - below;
   if (sched_setscheduler(0, SCHED_FIFO | SCHED_RESET_ON_FORK, &parameters) == 0) return {};
   return no_priority(errno, "");
 }

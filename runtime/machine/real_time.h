@@ -13,8 +13,8 @@ namespace forcelayer::machine {
 // stack. Returns warnings.
 std::vector<std::string> lock_memory();
 
-// SCHED_FIFO for this thread. Returns warnings.
-std::vector<std::string> take_real_time_priority();
+// SCHED_FIFO for this thread, at the loop's priority or so many below it. Returns warnings.
+std::vector<std::string> take_real_time_priority(int below = 0);
 
 // SCHED_FIFO for the helpers of this thread, one priority below it, so that a helper that looks for
 // work never delays it. Helpers keep their ordinary priority where the threads outnumber the cores:

@@ -82,6 +82,8 @@ class Simulation {
              const query::QueryOptions& query);
   void make_default_model();
   void make_default_model_of_probe();
+  bool files_lost() const noexcept;
+  bool step_model(State& state, const StepInput& input, double dt_s, StepResult& result) noexcept;
 
   Voxmap voxmap_;
   Pshell shell_;
@@ -94,6 +96,7 @@ class Simulation {
   field::FieldSamples samples_;
   std::unique_ptr<field::FieldProbe> probe_;  // of the default model
   std::unique_ptr<DefaultModel> default_;
+  bool astray_ = false;                  // a step was, by a file that was written to
   std::optional<Pose> world_from_seat_;  // of the centroid frame; none without a seat
 };
 

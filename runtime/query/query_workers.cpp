@@ -1,5 +1,6 @@
 #include "runtime/query/query_workers.h"
 
+#include "runtime/machine/map_loss.h"
 #include "runtime/machine/real_time.h"
 #include "runtime/machine/step_arithmetic.h"
 
@@ -56,7 +57,9 @@ bool QueryWorkers::take_chunk() noexcept {
   } while (!ticket_.compare_exchange_weak(ticket, ticket + 1, std::memory_order_acq_rel,
                                           std::memory_order_acquire));
   // The job cannot end, nor job_ change, before this chunk is counted as done.
-  job_(context_, static_cast<std::uint32_t>(next_of(ticket)));
+  // A chunk that a changed file led astray is done as well: the step hears of the file at its end.
+  machine::Landing landing;
+  if (sigsetjmp(landing.here, 0) == 0) job_(context_, static_cast<std::uint32_t>(next_of(ticket)));
   done_.fetch_add(1, std::memory_order_release);
   return true;
 }

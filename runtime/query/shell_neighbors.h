@@ -10,7 +10,7 @@
 namespace forcelayer::query {
 
 // Every pair of points within a distance once, found from the point that comes first in the shell.
-// Of a point with more than kMost such neighbors only so many count.
+// A point counts at most kMost of them.
 class ShellNeighbors {
  public:
   static constexpr std::size_t kMost = 24;

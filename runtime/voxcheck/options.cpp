@@ -55,10 +55,10 @@ OptionParser::OptionParser(CLI::App& app) : clearance_("12.7mm") {
   command::add_flag(app, "--sandbox", options_.sandbox,
                     "read each mesh file in a process of its own, as voxelize does");
   command::add_bytes(app, "--sandbox-memory", options_.sandbox_memory_bytes,
-                     "memory of that process, such as 2GiB (default 8GiB)",
+                     "memory of that process, such as 2GiB (default 8GiB); implies --sandbox",
                      std::uint64_t{256} << 20, std::uint64_t{1} << 46);
   command::add_text(app, "--sandbox-time", options_.sandbox_time,
-                    "time for one file, such as 30s (default 5min)");
+                    "time for one file, such as 30s (default 5min); implies --sandbox");
   app.add_option("--threads", options_.threads, "that share the work; all; no answer depends on it")
       ->check(CLI::Range(1u, kMostThreads));
   app.add_option("--picture", options_.picture,

@@ -49,6 +49,10 @@ both 3 'crash.stl: its reader crashed (Segmentation fault)' crash.stl
 both 3 'abort.stl: its reader crashed (Aborted)' abort.stl
 both 3 'quit.stl: its reader ended with status 9' quit.stl
 both 3 "hang.stl: reading it takes longer than the sandbox's 0.5 s" hang.stl --sandbox-time 500ms
+# A limit alone asks for the sandbox.
+fresh hang.stl
+expect 3 "reading it takes longer than the sandbox's 0.5 s" "$bin/voxelize" hang.stl --units mm --voxel-size 20mm -o out.vox \
+  --sandbox-time 500ms
 both 3 'mute.stl: its reader' mute.stl
 both 3 'nonsense.stl: its reader sent no sound mesh' nonsense.stl
 both 1 'changed.stl: has changed while it was being read; start again' changed.stl
@@ -79,22 +83,45 @@ JSON
 expect 3 'crash.stl' "$bin/voxelize" scene.json --voxel-size 20mm -o out.vox --sandbox
 grep -q good.stl err && fail "an innocent file is named: $(cat err)"
 
-# The child dies with its parent.
+# The child dies with its parent, which was killed, and of Ctrl-C.
+child_of() {  # child_of PROCESS: its reader
+  local child
+  for _ in $(seq 100); do
+    child=$(pgrep -P $1 | head -n 1)
+    [ -n "$child" ] && grep -qa read-mesh-for-sandbox "/proc/$child/cmdline" 2>/dev/null && break
+    sleep 0.1
+  done
+  echo "$child"
+}
+outlives() {  # outlives CHILD
+  for _ in $(seq 50); do
+    kill -0 "$1" 2>/dev/null && ! grep -q '^State:.*Z' "/proc/$1/status" || return 1
+    sleep 0.1
+  done
+}
 fresh hang.stl
 LD_PRELOAD=$bin/fault_shim.so "$bin/voxelize" hang.stl --units mm --voxel-size 20mm -o out.vox --sandbox 2>err &
 parent=$!
-for _ in $(seq 100); do
-  child=$(pgrep -P $parent | head -n 1)
-  [ -n "$child" ] && grep -qa read-mesh-for-sandbox "/proc/$child/cmdline" 2>/dev/null && break
-  sleep 0.1
-done
+child=$(child_of $parent)
 kill -KILL $parent
 wait $parent 2>/dev/null
-for _ in $(seq 50); do
-  kill -0 "$child" 2>/dev/null || break
-  sleep 0.1
-done
-kill -0 "$child" 2>/dev/null && ! grep -q '^State:.*Z' "/proc/$child/status" && fail "the child outlives its parent"
+[ -n "$child" ] || fail "no reader was started"
+outlives "$child" && fail "the child outlives its parent"
+# STEP is read in a child without --sandbox, too. A shell's background processes ignore SIGINT unless it has job control.
+if [ -e "$bin/../lib/forcelayer/forcelayer_step.so" ]; then
+  printf 'ISO-10303-21;' >hang.step
+  set -m
+  LD_PRELOAD=$bin/fault_shim.so "$bin/pointshell" hang.step --voxel-size 20mm -o out.pshell 2>err &
+  parent=$!
+  set +m
+  child=$(child_of $parent)
+  [ -n "$child" ] || fail "no reader of STEP was started"
+  kill -INT $parent
+  wait $parent
+  got=$?
+  [ $got = 130 ] && [ ! -e out.pshell ] || fail "Ctrl-C while STEP is read: status $got: $(cat err)"
+  outlives "$child" && fail "the reader of STEP outlives Ctrl-C"
+fi
 
 # Wrong limits.
 expect 2 '--sandbox-time' "$bin/voxelize" good.stl --units mm --voxel-size 20mm -o out.vox --sandbox --sandbox-time 5

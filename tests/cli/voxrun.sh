@@ -151,6 +151,20 @@ expect 2 'recording' floor.vox ball.pshell --device replay --replay run.flr --mo
 head -c 5000 run.flr >cut.flr
 expect 4 'cut off' floor.vox ball.pshell --device replay --replay cut.flr
 
+# --expect: the digests of both files, in any order and case; then another, one alone, and none.
+scene_sum=$(sha256sum <floor.vox | cut -c -64) part_sum=$(sha256sum <ball.pshell | cut -c -64)
+other=$(sha256sum <press.csv | cut -c -64)
+expect 0 'frames' floor.vox ball.pshell "${fast[@]}" --expect $scene_sum --expect $part_sum
+expect 0 'frames' floor.vox ball.pshell "${fast[@]}" --expect ${part_sum^^},$other,$scene_sum
+expect 4 "floor.vox: has the SHA-256 $scene_sum, which is not expected" floor.vox ball.pshell "${fast[@]}" --expect $other
+expect 4 "ball.pshell: has the SHA-256 $part_sum, which is not expected" floor.vox ball.pshell "${fast[@]}" --expect $scene_sum
+for digest in '' , 12 ${scene_sum%?} ${scene_sum}0 ${scene_sum%?}g "$scene_sum;$part_sum"; do
+  expect 2 '--expect: (.* is no SHA-256|.*missing)' floor.vox ball.pshell "${fast[@]}" --expect "$digest"
+done
+# A file that is damaged besides is not looked into, and the next scene is held to the same digests.
+cp floor.vox rotten.vox && printf x | dd of=rotten.vox bs=1 seek=100 conv=notrunc status=none
+expect 4 'which is not expected' rotten.vox ball.pshell "${fast[@]}" --expect $scene_sum,$part_sum
+
 # A replay with another scene is refused.
 expect 4 'recorded with' unlayered.vox ball.pshell --device replay --replay run.flr
 expect 2 'requires --replay' floor.vox ball.pshell --on-new-scene

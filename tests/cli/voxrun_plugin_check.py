@@ -168,6 +168,13 @@ def device_fault(fault):
     check_motors(fault, limit_s=STALE_S + SLACK_S)
 
 
+def a_plugin_that_keeps_its_core():
+    """On the loop's only core: the loop runs before it. Motors are not looked at: their device waits there too."""
+    process = run(["taskset", "-c", str(min(os.sched_getaffinity(0))), *command("spin", "fault=spin at=0.3")],
+                  env=dict(os.environ, FORCELAYER_PLUGIN_MODE="pull"))
+    tripped("spin", process, "no fresh reading from the device (the plugin hung and was killed)")
+
+
 def fault_while_waiting(fault):
     """Begun in a contact, the output waits to be armed: what is wrong then is said as well."""
     name = f"waiting-{fault}"
@@ -356,7 +363,7 @@ def the_example():
 
 CHECKS = (*(functools.partial(device_fault, fault) for fault in FAULTS),
           *(functools.partial(fault_while_waiting, fault) for fault in FAULTS),
-          a_file_that_is_cut_short_while_waiting, push_mode, a_slow_start,
+          a_file_that_is_cut_short_while_waiting, push_mode, a_plugin_that_keeps_its_core, a_slow_start,
           a_late_reading_is_a_blip, memory_that_cannot_be_cut, a_library_without_a_slash,
           what_its_process_gets, signals, a_host_that_stands_still, a_host_that_dies,
           a_file_that_is_cut_short, a_trip_that_waits, refusals, the_example)

@@ -14,6 +14,7 @@
 
 #include "forcelayer/run.h"
 #include "runtime/loop/servo.h"
+#include "tests/fuzz/interior_point.h"
 #include "tests/support/point_part.h"
 #include "tests/support/puppet_device.h"
 #include "tests/support/voxel_scene.h"
@@ -244,30 +245,10 @@ class Episode {
     counts_.with_force += !zero;
     counts_.penetrations += frame.result.report.interior > 0;
     // What moves nothing looks at nothing: the part is where the frame before reported it.
-    if (frame_ % 61 == 0 && frame.input.valid == kInputValid) look_for_penetration(frame);
-  }
-
-  // Every point of the shell, one at a time.
-  void look_for_penetration(const Frame& frame) {
-    const StepReport& report = frame.result.report;
-    const PshellView& shell = simulation_->shell().view();
-    const Voxmap& map = simulation_->voxmap();
-    for (std::size_t i = 0; i < shell.point_count; ++i) {
-      const glm::dvec3 p =
-          report.world_from_center.position_m +
-          report.world_from_center.orientation * glm::dvec3(shell.x[i], shell.y[i], shell.z[i]);
-      // A rounding of single precision away from the face of a voxel, the query may find the next.
-      bool at_face = false;
-      for (int axis = 0; axis < 3; ++axis) {
-        const double within = p[axis] / kS - std::floor(p[axis] / kS);
-        at_face = at_face || within < 1e-3 || within > 1 - 1e-3;
-      }
-      if (at_face) continue;
-      const auto at = [&](int axis) { return static_cast<std::int64_t>(std::floor(p[axis] / kS)); };
-      if (map.value(at(0), at(1), at(2)) == VoxelValue::kInterior && report.interior == 0) {
-        breaks("a penetration without a report");
-        return;
-      }
+    if (frame_ % 61 == 0 && frame.input.valid == kInputValid && frame.result.report.interior == 0 &&
+        has_interior_point(simulation_->voxmap(), simulation_->shell().view(),
+                           frame.result.report.world_from_center)) {
+      breaks("a penetration without a report");
     }
   }
 

@@ -96,6 +96,19 @@ TEST(PshellElements, Normals) {
   }
 }
 
+// Their squared length is within 2e-6 of 1 (section 3 of the format); a float is as near as 1e-7.
+TEST(PshellElements, LengthsOfNormals) {
+  for (const double squared : {1 - 3e-6, 1 - 1e-6, 1 + 1e-6, 1 + 3e-6}) {
+    SCOPED_TRACE(squared);
+    AlignedBytes bytes = shell_bytes();
+    write_at(bytes.bytes(), element(bytes, PshellSection::kNormalY, 7), 0.0f);
+    write_at(bytes.bytes(), element(bytes, PshellSection::kNormalZ, 7), 0.0f);
+    const auto shell = open_with<Pshell>(bytes, element(bytes, PshellSection::kNormalX, 7),
+                                         static_cast<float>(std::sqrt(squared)));
+    EXPECT_EQ(shell.ok(), std::abs(squared - 1) < 2e-6);
+  }
+}
+
 TEST(PshellElements, WeightsAndCones) {
   for (const float wrong : {kFloatNan, kFloatInfinity, -1e-9f}) {
     expect_bad_element(PshellSection::kWeight, 5, wrong, "weight entry 5");

@@ -369,6 +369,189 @@ TEST(VoxmapAudit, NoticesAForceThatBeginsElsewhere) {
   EXPECT_NE(status.error().where.find("zero_force_m"), std::string::npos);
 }
 
+// A tree that a test grows by hand.
+struct Tree {
+  std::vector<std::uint32_t> directory, uppers, lowers, bricks;
+
+  Tree() = default;
+  explicit Tree(const TreeContent& content)
+      : directory(content.directory.begin(), content.directory.end()),
+        uppers(content.upper_nodes.begin(), content.upper_nodes.end()),
+        lowers(content.lower_nodes.begin(), content.lower_nodes.end()),
+        bricks(content.bricks.begin(), content.bricks.end()) {}
+  TreeContent content() const { return {directory, uppers, lowers, bricks}; }
+};
+
+Status audit_content(const VoxmapContent& content) {
+  AlignedBytes bytes(voxmap_bytes(content));
+  return audit(bytes);
+}
+
+void expect_strewn(const Status& status) {
+  ASSERT_FALSE(status);
+  EXPECT_NE(status.error().what.find("far more different places"), std::string::npos)
+      << to_line(status.error());
+}
+
+// Sets a voxel of brick 0.
+void set(Tree& tree, const VoxelIndex& at, VoxelValue value) {
+  const auto n = static_cast<std::uint32_t>(at[0] * 64 + at[1] * 8 + at[2]);
+  tree.bricks[n / 16] |= static_cast<std::uint32_t>(value) << (2 * (n % 16));
+}
+
+// One voxel of surface in the brick of child (7, 3, 3) of a node, and the proximity around it as
+// far as x < `end`; the node beside it along x; no layers.
+VoxmapContent two_nodes(Tree& tree, std::int64_t x, std::int64_t end, std::uint32_t beside) {
+  constexpr std::uint32_t kFree = uniform_entry(0);
+  VoxmapContent content;
+  VoxmapHeader& h = content.header;
+  tree.bricks.assign(16 * kValueBits, 0);
+  for (std::int64_t i = x - 1; i < std::min(x + 2, end); ++i) {
+    for (std::int64_t j = 2; j <= 4; ++j) {
+      for (std::int64_t k = 2; k <= 4; ++k) {
+        const bool middle = i == x && j == 3 && k == 3;
+        set(tree, {i, j, k}, middle ? VoxelValue::kSurface : VoxelValue::kProximity);
+        ++(middle ? h.surface_voxels : h.proximity_voxels);
+      }
+    }
+  }
+  if (tree.lowers.empty()) tree.lowers.assign(kNodeEntries, kFree);
+  tree.lowers[7 * 64 + 3 * 8 + 3] = 0;
+  tree.uppers.assign(kNodeEntries, kFree);
+  tree.uppers[0] = 0;
+  tree.uppers[64] = beside;
+  tree.directory = {0};
+  h.voxel_size_m = 0.001;
+  h.directory_dims = {1, 1, 1};
+  h.origin_voxel = {56 + x - 1, 26, 26};
+  h.dims_voxels = {static_cast<std::uint64_t>(std::min(x + 2, end) - x + 1), 3, 3};
+  h.valid_max_voxel = {512, 512, 512};
+  content.values = tree.content();
+  return content;
+}
+
+// A node that is free where the proximity of the wall beside it should be.
+TEST(VoxmapAudit, NoticesAHoleThatIsAWholeNode) {
+  Tree sound, broken;
+  EXPECT_TRUE(audit_content(two_nodes(sound, 6, 8, uniform_entry(0))));
+  const Status status = audit_content(two_nodes(broken, 7, 8, uniform_entry(0)));
+  ASSERT_FALSE(status);
+  EXPECT_NE(status.error().what.find("is free, though it touches"), std::string::npos)
+      << to_line(status.error());
+}
+
+// A free cell of a stored node that holds nothing: 56 voxels lie between it and the wall, so that
+// 57 is true and 58 is not. That is where the cells end around which an audit sees.
+TEST(VoxmapAudit, NoticesAClearanceBeyondTheCellsAround) {
+  for (const std::uint32_t clearance : {57u, 58u}) {
+    Tree tree;
+    tree.lowers.assign(2 * kNodeEntries, uniform_entry(0));
+    tree.lowers[kNodeEntries + 7 * 64 + 3 * 8 + 3] = uniform_entry(0, clearance);
+    const Status status = audit_content(two_nodes(tree, 6, 8, 1));
+    EXPECT_EQ(status.ok(), clearance == 57) << clearance;
+  }
+}
+
+// Sixteen nodes, each with one voxel of surface and the proximity around it, in the corners of
+// sixteen others, and these in all cells of a directory at random. Every fact is true, and nearly
+// every corner of a cell has surroundings of its own. Proving each would take minutes a megabyte.
+TEST(VoxmapAudit, RefusesValuesThatAreStrewn) {
+  std::mt19937_64 random(1);
+  constexpr std::uint32_t kFree = uniform_entry(0), kKinds = 16;
+  constexpr std::int64_t kCells = 34;
+  Tree tree;
+  tree.bricks.resize(16 * kValueBits);
+  for (std::uint32_t n = 0; n < kNodeEntries; ++n) {
+    std::uint32_t far = 0;
+    for (const std::uint32_t at : {n >> 6, n >> 3 & 7, n & 7}) {
+      far = std::max(far, at > 3 ? at - 3 : 3 - at);
+    }
+    const auto value = far == 0 ? VoxelValue::kSurface : VoxelValue::kProximity;
+    if (far < 2) tree.bricks[n / 16] |= static_cast<std::uint32_t>(value) << (2 * (n % 16));
+  }
+  tree.lowers.assign(kKinds * kNodeEntries, kFree);
+  tree.uppers.assign(kKinds * kNodeEntries, kFree);
+  for (std::uint32_t kind = 0; kind < kKinds; ++kind) {
+    tree.lowers[kind * kNodeEntries + 3 * 64 + kind] = 0;
+    for (const std::uint32_t corner : {0, 7, 56, 63, 448, 455, 504, 511}) {
+      tree.uppers[kind * kNodeEntries + corner] = static_cast<std::uint32_t>(random() % kKinds);
+    }
+  }
+  VoxmapContent content;
+  VoxmapHeader& h = content.header;
+  h.voxel_size_m = 0.001;
+  VoxelIndex low{INT64_MAX, INT64_MAX, INT64_MAX}, high{};
+  for (std::int64_t cell = 0; cell < kCells * kCells * kCells; ++cell) {
+    const auto upper = static_cast<std::uint32_t>(random() % kKinds);
+    tree.directory.push_back(upper);
+    h.surface_voxels += 8;
+    h.proximity_voxels += 8 * 26;
+    for (const std::int64_t corner : {0, 7, 56, 63, 448, 455, 504, 511}) {
+      const std::int64_t kind =
+          tree.uppers[upper * kNodeEntries + static_cast<std::uint32_t>(corner)];
+      const VoxelIndex at{cell / kCells / kCells * 512 + (corner >> 6) * 64 + 24,
+                          cell / kCells % kCells * 512 + (corner >> 3 & 7) * 64 + kind / 8 * 8,
+                          cell % kCells * 512 + (corner & 7) * 64 + kind % 8 * 8};
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        low[axis] = std::min(low[axis], at[axis] + 2);
+        high[axis] = std::max(high[axis], at[axis] + 5);
+      }
+    }
+  }
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    h.directory_dims[axis] = kCells;
+    h.origin_voxel[axis] = low[axis];
+    h.dims_voxels[axis] = static_cast<std::uint64_t>(high[axis] - low[axis]);
+    h.valid_min_voxel[axis] = low[axis];
+    h.valid_max_voxel[axis] = high[axis];
+  }
+  content.values = tree.content();
+  expect_strewn(audit_content(content));
+}
+
+// The same of distances: thousands of bricks beside each other in millions of pairs.
+TEST(VoxmapAudit, RefusesDistancesThatAreStrewn) {
+  const DistanceCase one(1);
+  const test::SceneFile file(one.scene);
+  VoxmapContent content = file.content();
+  std::mt19937_64 random(1);
+  constexpr std::uint32_t kCells = 32, kUppers = 32, kLowers = 256, kBricks = 4096;
+  Tree values(content.values), codes(content.distances);
+  const auto first = [](const std::vector<std::uint32_t>& nodes, std::size_t words) {
+    return static_cast<std::uint32_t>(nodes.size() / words);
+  };
+  const std::uint32_t uppers = first(codes.uppers, kNodeEntries),
+                      lowers = first(codes.lowers, kNodeEntries),
+                      bricks = first(codes.bricks, kNodeEntries / 4);
+  for (std::uint32_t n = 0; n < kUppers * kNodeEntries; ++n) {
+    codes.uppers.push_back(lowers + static_cast<std::uint32_t>(random() % kLowers));
+  }
+  for (std::uint32_t n = 0; n < kLowers * kNodeEntries; ++n) {
+    codes.lowers.push_back(bricks + static_cast<std::uint32_t>(random() % kBricks));
+  }
+  for (std::uint32_t n = 0; n < kBricks * kNodeEntries / 4; ++n) {  // codes of 254 and 255
+    codes.bricks.push_back(0xfefefefeu | (static_cast<std::uint32_t>(random()) & 0x01010101u));
+  }
+  // The scene's cells, one of far codes, and then the strewn ones.
+  auto& dims = content.header.directory_dims;
+  std::vector<std::uint32_t> value_cells, code_cells;
+  for (std::uint32_t row = 0; row < dims[0] * dims[1]; ++row) {
+    for (std::uint32_t z = 0; z < dims[2] + 1 + kCells; ++z) {
+      const bool strewn = z > dims[2];
+      value_cells.push_back(z < dims[2] ? values.directory[row * dims[2] + z] : uniform_entry(0));
+      code_cells.push_back(strewn        ? uppers + (row + z) % kUppers
+                           : z < dims[2] ? codes.directory[row * dims[2] + z]
+                                         : uniform_entry(kMostDistanceCode));
+    }
+  }
+  values.directory = value_cells;
+  codes.directory = code_cells;
+  dims[2] += 1 + kCells;
+  content.values = values.content();
+  content.distances = codes.content();
+  expect_strewn(audit_content(content));
+}
+
 TEST(VoxmapAudit, NoticesObjectsThatAreNot) {
   AlignedBytes bytes = golden_file_bytes("v2_distances.vox");
   const std::size_t bricks =

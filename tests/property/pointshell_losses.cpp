@@ -206,6 +206,40 @@ TEST(Losses, EveryCornerOfABoxHasAPoint) {
   }
 }
 
+// Copies of bodies: their points are off by some slack.
+TEST(Losses, WithSlackHoldForPointsThatAreOff) {
+  const pointshell::BakedShell shell =
+      bake(part_of(box_mesh(1, 0.7, 0.5)), ShellMethod::kSurface, 0);
+  const auto& c = shell.header.center_m;
+  const part::Part part =
+      part::relative_to(part_of(box_mesh(1, 0.7, 0.5)), part::Vec3{c[0], c[1], c[2]});
+  const std::vector<part::Vec3> points = positions_of(shell);
+  const double radius = shell.header.covering_radius_m, slack = 0.03 * radius;
+  for (const double claimed_slack : {slack, 0.0}) {
+    const certificate::SurfaceLosses losses = certificate::find_losses(
+        {part, points, radius + slack, shell.header.voxel_size_m, nullptr, claimed_slack});
+    const SurfaceDistanceTerms terms{radius + slack, losses.convex_radius, losses.convex_gap,
+                                     losses.losses};
+    int proven = 0;
+    for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+      std::mt19937_64 random(seed);
+      std::normal_distribution<double> normal;
+      std::vector<part::Vec3> off = points;
+      for (part::Vec3& p : off) {
+        p += slack * part::normalized(part::Vec3{normal(random), normal(random), normal(random)});
+      }
+      const certificate::LossProof proof =
+          certificate::prove_losses({part, off, radius + slack, shell.header.voxel_size_m}, terms);
+      proven += proof.proven ? 1 : 0;
+    }
+    if (claimed_slack > 0) {
+      EXPECT_EQ(proven, 6);
+    } else {
+      EXPECT_LT(proven, 6);
+    }
+  }
+}
+
 bool verified(const part::Part& part, const pointshell::BakedShell& shell) {
   return pointshell::verify_losses(stored(shell), part).proven;
 }

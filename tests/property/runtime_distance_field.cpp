@@ -36,7 +36,7 @@ float code_of(const VoxelScene& scene, Voxel v, std::uint32_t cropped_sides) {
 struct Twin {
   float phi = 0, depth_m = 0;  // signed
   float distance_m = 0;        // proven
-  Floats direction{}, slope{};
+  Floats direction{}, slope{}, gradient{};
 };
 
 // The definition of ForceField::measure at `fraction` of a world voxel: the arithmetic of the
@@ -85,6 +85,7 @@ Twin twin_of(const VoxelScene& scene, const Voxel& voxel, const Floats& fraction
     const float a = share[axis] - 0.5f, b = std::abs(a);
     const float kept = (b - 1.5f) * b + 1.0f;
     twin.slope[axis] = (kept * cell[axis] + a * (beside[axis] - code)) * step;
+    twin.gradient[axis] = cell[axis] * step;
   }
   // Squares of the corners' lower bounds, interpolated as the kernel does.
   const auto mesh_code = static_cast<float>(scene.distances.zero_code);
@@ -250,6 +251,7 @@ TEST_P(DistanceFieldOnEveryTarget, EqualsItsScalarTwinBitForBit) {
         ASSERT_EQ(samples.depth_m[i], twins[i].depth_m) << "point " << i;
         ASSERT_EQ((Floats{samples.dx[i], samples.dy[i], samples.dz[i]}), twins[i].direction);
         ASSERT_EQ((Floats{samples.gx[i], samples.gy[i], samples.gz[i]}), twins[i].slope);
+        ASSERT_EQ((Floats{samples.ex[i], samples.ey[i], samples.ez[i]}), twins[i].gradient);
         ASSERT_EQ(samples.distance_m[i], twins[i].distance_m);
         pushes += twins[i].depth_m > 0;
       }

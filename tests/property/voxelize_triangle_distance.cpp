@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cfenv>
 #include <cmath>
 #include <map>
 #include <vector>
@@ -371,6 +372,22 @@ TEST_P(TriangleDistances, OfSurfacesWhatNeighborsClaimChangesNothing) {
   EXPECT_GT(claimed, 5000u);
   EXPECT_GT(near_cells, 500u);
   EXPECT_LT(listed, without_claims * 9 / 10) << "claims leave hardly anything out";
+}
+
+TEST(TriangleSearch, PiecesWithoutAreaBecomeTheirLongestEdge) {
+  using Piece = std::array<std::array<double, 3>, 3>;
+  const auto flattened = [](Piece piece) {
+    distance::flatten_if_thin(piece);
+    return piece;
+  };
+  const Piece sound{{{0, 0, 0}, {9, 0, 0}, {0, 1, 0}}};
+  EXPECT_EQ(flattened(sound), sound);
+  const Piece row{{{0, 0, 0}, {9, 0, 0}, {4, 1e-9, 0}}};
+  EXPECT_EQ(flattened(row), (Piece{row[0], row[1], row[0]}));
+  const Piece point{{{1, 2, 3}, {1, 2, 3}, {1, 2, 3}}};
+  std::feclearexcept(FE_INVALID);
+  EXPECT_EQ(flattened(point), point);
+  EXPECT_EQ(std::fetestexcept(FE_INVALID), 0) << "0/0";
 }
 
 // Triangles too large for single precision are cut to what is near a node. Where one of their edges

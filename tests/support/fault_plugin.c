@@ -5,7 +5,7 @@
  * the handshake no-si, left-handed, no-watchdog, old-abi; silent (no reading ever), no-pose (a
  * quaternion of zeros). KIND: unplug, freeze, blip (three
  * readings missing), nan, absurd (millimeters from then on), mm (from the start), uncalibrated,
- * crash, hang; wild (0xff over the memory that is shared with the loop), wild-index (over the words
+ * crash, hang, spin (never sleeps); wild (0xff over the memory that is shared with the loop), wild-index (over the words
  * that say where a value is), shrink (tries to cut that memory short), button (no fault: button 1
  * is pressed from then on). FORCELAYER_PLUGIN_MODE=push in the environment: push mode. facts=FILE:
  * what the process may do, written when the device is opened.
@@ -256,6 +256,8 @@ static int read_device(void* opaque, forcelayer_plugin_reading* reading) {
   if (is(d, "wild-index")) write_wildly(1);
   if (is(d, "shrink") && ftruncate(3, 0) == 0) abort();
   while (is(d, "hang")) sleep_ms(1000);
+  while (is(d, "spin")) {
+  }
   return 1;
 }
 

@@ -95,6 +95,23 @@ TEST(DefaultModel, AThinWallIsNeverCrossed) {
   }
 }
 
+// A heavy part that flies, without braking: its energy would pay for the way in, so that it is the
+// guard alone that stops it.
+TEST(DefaultModel, APartWithEnergyToSpareIsStoppedByTheGuard) {
+  for (const double speed_mps : {1.0, 5.0, 20.0}) {
+    MotionBench bench(floor_scene(kS), ball(kS), at({0.001, 0.002, 12 * kS}),
+                      {.braking = false, .settings = {{"mass_kg", 2}}});
+    bench.state.velocity.linear_mps = {0, 0, -speed_mps};
+    std::uint32_t touching = 0;
+    for (int frame = 0; frame < 200; ++frame) {
+      const StepResult result = bench.hold();
+      ASSERT_EQ(result.report.interior, 0u) << speed_mps << " m/s, frame " << frame;
+      touching += result.report.surface;
+    }
+    EXPECT_GT(touching, 0u) << speed_mps;
+  }
+}
+
 // The part starts a voxel and a half too deep, gripped without stretch: reported as penetration,
 // led out at no more than the recovery speed, and the force rises no faster than that stretches the
 // coupling.

@@ -15,6 +15,7 @@
 #include "forcelayer/run.h"
 #include "runtime/devices/sim_device.h"
 #include "runtime/loop/loop.h"
+#include "runtime/query/query_workers.h"
 #include "tests/support/both_models.h"
 #include "tests/support/point_part.h"
 #include "tests/support/scratch_folder.h"
@@ -199,6 +200,70 @@ TEST_P(MapLossDeathTest, FilesThatAreCutShortStopTheRunAtZero) {
   }
   EXPECT_EXIT(cut(GetParam(), "scene.vox", 4096, true), testing::ExitedWithCode(0), "")
       << "looked at";
+}
+
+// A file that is written over with indices that lead out of it, before anyone looks: what the step
+// then reads is not there.
+void write_over(Model model, const char* file) {
+  machine::contain_map_loss();
+  MappedRun run(model);
+  run.looks = false;
+  run.go([&](const auto& folder) {
+    const std::string noise(std::filesystem::file_size(folder / file), '\x7f');
+    std::fstream(folder / file, std::ios::in | std::ios::out | std::ios::binary) << noise;
+  });
+  std::filesystem::remove_all(run.folder.path());
+  std::_Exit(run.stopped_at_zero() && machine::check_mappings() == 1 ? 0 : 1);
+}
+
+TEST_P(MapLossDeathTest, IndicesThatLeadAstrayStopTheRunAtZero) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  EXPECT_EXIT(write_over(GetParam(), "scene.vox"), testing::ExitedWithCode(0), "");
+}
+
+// The same in a helper thread of the query, at an address of no kind that a processor knows.
+TEST(BadReadDeathTest, HelpersThatAreLedAstrayGoOn) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  const auto astray = [] {
+    machine::contain_map_loss();
+    const ScratchFolder folder;
+    const auto path = folder / "file";
+    std::ofstream(path, std::ios::binary) << std::string(4096, 'x');
+    const auto file = MappedFile::open_for_long(path);
+    const machine::WatchedMapping watch(file->bytes(), file->stamp());
+    std::filesystem::resize_file(path, 8192);
+    query::QueryWorkers workers(2);
+    std::atomic<std::uint32_t> begun{0};
+    workers.wake();
+    workers.run(
+        [](void* context, std::uint32_t chunk) noexcept {
+          ++*static_cast<std::atomic<std::uint32_t>*>(context);
+          const std::uintptr_t nowhere = chunk % 2 ? 0x7f7f'7f7f'7f7f'7f7f : 16;
+          static_cast<void>(*reinterpret_cast<const volatile char*>(nowhere));
+        },
+        &begun, 1000);
+    workers.rest();
+    std::filesystem::remove_all(folder.path());
+    std::_Exit(begun == 1000 && watch.lost() ? 0 : 1);
+  };
+  EXPECT_EXIT(astray(), testing::ExitedWithCode(0), "");
+}
+
+// While no file has changed, a bad read ends the process as before.
+TEST(BadReadDeathTest, OtherBadReadsAreNotHidden) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  const auto fault = [] {
+    machine::contain_map_loss();
+    machine::Landing landing;
+    if (sigsetjmp(landing.here, 0) != 0) std::_Exit(0);
+    const ScratchFolder folder;
+    std::ofstream(folder / "file", std::ios::binary) << std::string(4096, 'x');
+    const auto file = MappedFile::open_for_long(folder / "file");
+    const machine::WatchedMapping watch(file->bytes(), file->stamp());
+    const volatile char* volatile nothing = nullptr;
+    static_cast<void>(nothing[16]);
+  };
+  EXPECT_DEATH(fault(), "");
 }
 
 // A bus error outside the watched files ends the process as before.

@@ -54,25 +54,6 @@ double squared_length(const Point& a, const Point& b) {
   return way[0] * way[0] + way[1] * way[1] + way[2] * way[2];
 }
 
-// Cutting puts corners on edges: three in a row, or two at one place. The normal of such a piece is
-// that of its rounding, so it becomes its longest edge.
-void flatten_if_thin(std::array<Point, 3>& piece) {
-  constexpr double kThin2 = 1e-16;  // of the sine of its angle, squared: above rounding's
-  double longest2 = 0;
-  std::size_t longest = 0;
-  for (std::size_t k = 0; k < 3; ++k) {
-    const double length2 = squared_length(piece[k], piece[(k + 1) % 3]);
-    if (length2 > longest2) longest2 = length2, longest = k;
-  }
-  const Point &a = piece[longest], &b = piece[(longest + 1) % 3];
-  Point& c = piece[(longest + 2) % 3];
-  double along = 0;
-  for (std::size_t d = 0; d < 3; ++d) along += (c[d] - a[d]) * (b[d] - a[d]);
-  Point foot = a;
-  for (std::size_t d = 0; d < 3; ++d) foot[d] += along / longest2 * (b[d] - a[d]);
-  if (squared_length(c, foot) <= kThin2 * longest2) c = a;
-}
-
 void add_cut(const std::array<Point, 3>& corners, int reach, std::uint32_t source,
              std::uint32_t object, TriangleBatch& near) {
   std::vector<Point> polygon(corners.begin(), corners.end());
@@ -89,6 +70,24 @@ void add_cut(const std::array<Point, 3>& corners, int reach, std::uint32_t sourc
 }
 
 }  // namespace
+
+void flatten_if_thin(std::array<Point, 3>& piece) {
+  constexpr double kThin2 = 1e-16;  // of the sine of its angle, squared: above rounding's
+  double longest2 = 0;
+  std::size_t longest = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double length2 = squared_length(piece[k], piece[(k + 1) % 3]);
+    if (length2 > longest2) longest2 = length2, longest = k;
+  }
+  if (longest2 == 0) return;  // a point
+  const Point &a = piece[longest], &b = piece[(longest + 1) % 3];
+  Point& c = piece[(longest + 2) % 3];
+  double along = 0;
+  for (std::size_t d = 0; d < 3; ++d) along += (c[d] - a[d]) * (b[d] - a[d]);
+  Point foot = a;
+  for (std::size_t d = 0; d < 3; ++d) foot[d] += along / longest2 * (b[d] - a[d]);
+  if (squared_length(c, foot) <= kThin2 * longest2) c = a;
+}
 
 SceneTriangles::SceneTriangles(std::vector<const scan::SnappedObject*> objects, int reach)
     : objects_(std::move(objects)), reach_(reach) {

@@ -15,6 +15,10 @@
 
 namespace forcelayer::distance {
 
+// Cutting a triangle puts corners of its pieces on edges: three in a row, or two or three at one
+// place. The normal of such a piece is that of its rounding, so it becomes its longest edge.
+void flatten_if_thin(std::array<std::array<double, 3>, 3>& piece);
+
 // The triangles of some objects, sorted by the nodes that they come near to.
 class SceneTriangles {
  public:

@@ -1,6 +1,7 @@
 #include "formats/mesh/sandbox/sandbox.h"
 
 #include <fcntl.h>
+#include <poll.h>
 #include <signal.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
@@ -16,6 +17,7 @@
 #include <limits>
 #include <system_error>
 
+#include "formats/command/progress_line.h"
 #include "formats/file/confinement.h"
 #include "formats/mesh/reader.h"
 #include "formats/mesh/sandbox/assembly_stream.h"
@@ -28,6 +30,7 @@ using Clock = std::chrono::steady_clock;
 constexpr const char* kChildOption = "--read-mesh-for-sandbox";
 constexpr int kResultDescriptor = 3;
 constexpr int kNotStarted = 127;
+constexpr int kToldAfterS = 60;  // without a word from the child
 
 // Sanitizers reserve terabytes of addresses, so a limit on addresses would stop them.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
@@ -97,6 +100,15 @@ Error too_late(const std::string& path, const SandboxLimits& limits) {
   return {ErrorCode::kMeshUnreadable, path, "",
           "reading it takes longer than the sandbox's " + exact_text(limits.time_s) + " s",
           "raise --sandbox-time if you trust the file"};
+}
+
+// Nobody knows beforehand how long OpenCASCADE takes for a file, so a long wait is told. It goes
+// on.
+void tell_if_slow(int result, const std::string& path) {
+  pollfd first_bytes{result, POLLIN, 0};
+  if (::poll(&first_bytes, 1, 1000 * kToldAfterS) != 0) return;
+  command::tell_waiting(path + " has been read for a minute; Ctrl-C stops it, and --sandbox-time " +
+                        "5min sets a limit");
 }
 
 // The error for a child that ended with this status and sent no mesh.
@@ -186,6 +198,7 @@ Result<Assembly> read_in_sandbox(const std::string& path, const ReadOptions& opt
   }
   const auto deadline = Clock::now() + std::chrono::duration_cast<Clock::duration>(
                                            std::chrono::duration<double>(limits.time_s));
+  if (limits.time_s > kToldAfterS) tell_if_slow(pipe[0], path);
   ReceivedAssembly received = receive_assembly(pipe[0], limits.memory_bytes, deadline);
   ::close(pipe[0]);
   ::kill(child, SIGKILL);  // no effect on a child that has ended

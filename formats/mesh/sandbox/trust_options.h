@@ -20,14 +20,14 @@ using AssemblyReader =
 
 struct TrustOptions {
   bool sandbox = false;
-  std::uint64_t sandbox_memory_bytes = SandboxLimits{}.memory_bytes;
-  std::string sandbox_time;  // as typed; empty for the default
+  std::uint64_t sandbox_memory_bytes = 0;  // 0: not given
+  std::string sandbox_time;                // as typed; empty: not given
   bool allow_outside = false;
 
   void declare(CLI::App& app);
 
-  // read_guarded(), or read_in_sandbox() with these limits. kUsage where the time cannot be
-  // parsed.
+  // read_guarded(), or read_in_sandbox() where the sandbox or a limit of it was asked for. kUsage
+  // where the time cannot be parsed.
   Result<AssemblyReader> reader() const;
 };
 

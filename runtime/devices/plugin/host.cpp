@@ -170,7 +170,7 @@ int serve(const char* library, const char* arguments, pid_t parent, PluginLink& 
   link.info = info;
   link.state.store(PluginState::kOpen, std::memory_order_release);
   machine::lock_memory();
-  machine::take_real_time_priority();
+  machine::take_real_time_priority(1);  // a plugin that never sleeps must not keep the loop's core
   end_after(parent);
   Exchange exchange(link, parent, info);
   if (plugin->run != nullptr) {

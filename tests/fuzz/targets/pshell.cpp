@@ -4,6 +4,7 @@
 #include "forcelayer/run.h"
 #include "runtime/model/simulation.h"
 #include "tests/fuzz/baked_mutator.h"
+#include "tests/fuzz/work.h"
 #include "tests/support/aligned_bytes.h"
 #include "tests/support/random_scenes.h"
 
@@ -11,6 +12,8 @@ namespace forcelayer::fuzz {
 namespace {
 
 using namespace forcelayer::test;
+
+constexpr WorkBound kOpening{10'000, 20};  // a baked file takes 1 block a byte
 
 void feel(Pshell shell) {
   const double s = shell.header().voxel_size_m;
@@ -41,7 +44,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   using namespace forcelayer;
   const testing::AlignedBytes bytes(fuzz::bytes_of(data, size));
   for (const Verify verify : {Verify::kStructureAndChecksums, Verify::kStructure}) {
-    auto shell = Pshell::from_bytes(bytes.bytes(), "fuzz.pshell", verify);
+    auto shell = fuzz::within(fuzz::kOpening, size, [&] {
+      return Pshell::from_bytes(bytes.bytes(), "fuzz.pshell", verify);
+    });
     if (!shell) continue;
     const PshellView& view = shell->view();
     double sum = 0;

@@ -5,6 +5,7 @@
 #include "formats/audit/voxmap_audit.h"
 #include "runtime/model/simulation.h"
 #include "tests/fuzz/baked_mutator.h"
+#include "tests/fuzz/work.h"
 #include "tests/support/aligned_bytes.h"
 #include "tests/support/make_pshell.h"
 #include "tests/support/point_part.h"
@@ -14,6 +15,10 @@ namespace forcelayer::fuzz {
 namespace {
 
 using namespace forcelayer::test;
+
+// Baked files take 1 block a byte to open and 212 to audit. An audit gives up at some 10^5 looks (a
+// thousand blocks each, or a few) whatever the file's size, and some for each byte.
+constexpr WorkBound kOpening{10'000, 20}, kAudit{1'000'000'000, 20'000};
 
 void look_up(const Voxmap& map, Random& random) {
   const auto& origin = map.view().directory_origin;
@@ -66,13 +71,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const testing::AlignedBytes bytes(fuzz::bytes_of(data, size));
   for (const Verify verify : {Verify::kStructureAndChecksums, Verify::kStructure}) {
     const bool checked = verify == Verify::kStructureAndChecksums;
-    auto map = Voxmap::from_bytes(bytes.bytes(), "fuzz.vox", verify);
+    auto map = fuzz::within(fuzz::kOpening, size,
+                            [&] { return Voxmap::from_bytes(bytes.bytes(), "fuzz.vox", verify); });
     if (!map) continue;
     fuzz::Random random(size);
     fuzz::look_up(*map, random);
-    // Time of the audit grows with the directory: that of a baked scene is small.
-    const auto& dims = map->view().directory_dims;
-    if (std::int64_t{dims[0]} * dims[1] * dims[2] <= 4096) (void)audit_voxmap(*map, "fuzz.vox");
+    (void)fuzz::within(fuzz::kAudit, size, [&] { return audit_voxmap(*map, "fuzz.vox"); });
     fuzz::feel(std::move(*map), checked ? Model::kPaper : Model::kDefault, random);
   }
   return 0;

@@ -112,7 +112,7 @@ Bnd_Box box_of(const TopoDS_Shape& shape) {
   return box;
 }
 
-// Of a shape that may be several solids.
+// Where a place lies in a shape that may be several solids.
 TopAbs_State state_in(const TopoDS_Shape& shape, const gp_Pnt& place) {
   constexpr double kNear = 1e-5;  // mm
   for (TopExp_Explorer solid(shape, TopAbs_SOLID); solid.More(); solid.Next()) {
@@ -255,7 +255,7 @@ class SolidMaker {
     const auto first_half = Handle(StepShape_HalfSpaceSolid)::DownCast(first),
                second_half = Handle(StepShape_HalfSpaceSolid)::DownCast(second);
     const StepShape_BooleanOperator how = result->Operator();
-    // What a half space leaves or adds without end is no solid.
+    // A result that a half space leaves without end is no solid.
     const bool is_endless = !first_half.IsNull()
                                 ? how != StepShape_boIntersection || !second_half.IsNull()
                                 : !second_half.IsNull() && how == StepShape_boUnion;

@@ -11,7 +11,7 @@ struct StepUnits {
   double mm = 1, radians = 1;  // of one unit of length and of one of angle
 };
 
-// Of the context of a representation; nothing where it states no unit of length.
+// The units of a representation's context; nothing where it states no unit of length.
 std::optional<StepUnits> units_of(const Handle(Standard_Transient) & context);
 
 }  // namespace forcelayer::mesh
