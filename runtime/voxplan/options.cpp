@@ -45,7 +45,8 @@ OptionParser::OptionParser(CLI::App& app) : clearance_("12.7mm"), seat_("0,0,0m"
                  "repeatable")
       ->allow_extra_args(false);
   app.add_option("--time", time_, "after which the search is given up; 60s");
-  app.add_option("--seed", options_.seed, "of its random numbers: another one, another path; 1");
+  app.add_option("--seed", options_.seed, "of its random numbers: another one, another path; 1")
+      ->check(CLI::Range(0u, 1000000000u));
   app.add_option("--threads", options_.threads, "that share the work; all; no path depends on it")
       ->check(CLI::Range(1u, kMostThreads));
   options_.speed_mps = 0.1;
