@@ -220,8 +220,7 @@ def check_replay(screen):
     screen.same(first, "no cut")
 
     screen.key("n")
-    contact = screen.changed(first, "the next contact")
-    assert count(contact, "Contact") > count(first, "Contact") + 300, "no contact is seen"
+    contact = screen.wait(lambda now: count(now, "Contact") > count(first, "Contact") + 300, "the next contact")
     screen.key("g")  # this run has no guard cut: stays
     screen.key("Right")
     step = screen.changed(contact, "a frame later")
@@ -237,12 +236,12 @@ def check_replay(screen):
     screen.scrub((200, HEIGHT - 40), middle)
     scrubbed = screen.changed(played, "scrubbing")
     screen.key("End")
-    last = screen.changed(scrubbed, "the last frame, in free space")
     # Neither words, legend nor strip: the arrow of the force on the hand is gone with the force.
-    assert (last[290:400, :430] > 60).any(axis=2).all(), "a black arrow without a force"
+    last = screen.wait(lambda now: (now != scrubbed).any() and (now[290:400, :430] > 60).any(axis=2).all(),
+                       "the last frame, in free space, without a black arrow")
 
     screen.key("x")
-    side = screen.wait(drawn, "a view along x")
+    side = screen.changed(last, "a view along x")
     turned = screen.drag_until_seen(1, side, "turning")
     moved = screen.drag_until_seen(2, turned, "moving")
     screen.event(BUTTON_PRESS, 300, 200, 4)
