@@ -75,10 +75,7 @@ OptionParser::OptionParser(CLI::App& app) : clearance_("12.7mm") {
 
 Result<Options> OptionParser::finish() const {
   Options options = options_;
-  const auto about = [](const char* option, Error error) {
-    error.where = option;
-    return error;
-  };
+  using command::about;
   const auto clearance = command::parse_length(clearance_);
   if (!clearance) return about("--clearance", clearance.error());
   if (!(*clearance >= 0)) {

@@ -10,6 +10,8 @@
 namespace forcelayer::voxrun {
 namespace {
 
+using command::about;
+
 constexpr command::Bounds kRates{1, 100'000};
 constexpr double kLeast = 1e-3;  // of a speed limit: below it no hand could move
 
@@ -40,12 +42,6 @@ command::Bounds bounds_of(std::string_view parameter) {
 
 Error usage(std::string where, std::string what, std::string mend) {
   return {ErrorCode::kUsage, "", std::move(where), std::move(what), std::move(mend)};
-}
-
-// The error of a parser, with the option that it is about.
-Error about(const char* option, Error error) {
-  error.where = option;
-  return error;
 }
 
 Status read_pose(const char* option, const std::string& text, Pose& pose) {

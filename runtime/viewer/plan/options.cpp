@@ -12,16 +12,12 @@
 namespace forcelayer::viewer {
 namespace {
 
+using command::about;
+
 constexpr int kSmallestPicture = 64, kLargestPicture = 8192;  // pixels a side
 
 Error usage(const std::string& option, const std::string& what, const std::string& mend) {
   return {ErrorCode::kUsage, "", option, what, mend};
-}
-
-// The error of a parser, with the option that it is about.
-Error about(const char* option, Error error) {
-  error.where = option;
-  return error;
 }
 
 Result<std::optional<Pose>> pose_of(const char* option, const std::string& text) {
