@@ -116,11 +116,7 @@ Result<double> length_option(const std::string& text, const char* option, double
                              bool zero_allowed) {
   if (text.empty()) return absent;
   const auto length = command::parse_length(text);
-  if (!length) {
-    Error error = length.error();
-    error.where = option;
-    return error;
-  }
+  if (!length) return command::about(option, length.error());
   if (*length < 0 || (*length == 0 && !zero_allowed)) {
     return usage(std::string(option) + " must be a positive length", "write it like 5mm");
   }
