@@ -6,6 +6,7 @@
 
 #include "formats/command/command.h"
 #include "formats/command/help.h"
+#include "formats/command/report.h"
 #include "formats/command/version.h"
 
 namespace forcelayer::command {
@@ -21,6 +22,14 @@ void set_version(CLI::App& app, const std::string& facts) {
 bool parse_arguments(CLI::App& app, int argc, char** argv, int& exit_code) {
   if (app.get_version_ptr() == nullptr) set_version(app);
   wrap_help(app);
+  expect_report(argc, argv);
+  const auto refuse = [&](const Error& error) {
+    return run_command(app.get_name().c_str(), [&] { return Status(error); });
+  };
+  if (const std::string meant = argc > 1 ? meant_subcommand(app, argv[1]) : ""; !meant.empty()) {
+    exit_code = refuse({ErrorCode::kUsage, argv[1], "", "is no file and no subcommand", meant});
+    return false;
+  }
   try {
     app.parse(argc, argv);
     return true;
@@ -30,8 +39,7 @@ bool parse_arguments(CLI::App& app, int argc, char** argv, int& exit_code) {
     std::string mend = "see " + app.get_name() + " --help";
     const std::string meant = did_you_mean(app);
     if (!meant.empty()) mend = meant;
-    const Error error{ErrorCode::kUsage, "", "", wrong.what(), mend};
-    exit_code = run_command(app.get_name().c_str(), [&] { return Status(error); });
+    exit_code = refuse({ErrorCode::kUsage, "", "", wrong.what(), mend});
   }
   return false;
 }
