@@ -334,14 +334,13 @@ def check_measuring(screen):
     screen.point(*first)
     bare = screen.wait(drawn, "the pointer")
     screen.key("m")
-    one = screen.changed(bare, "a place")
-    assert near(one, "Measure", *first) and count(one, "Measure") < 300, "no mark where the pointer was"
+    one = screen.wait(lambda now: near(now, "Measure", *first), "a mark where the pointer was")
+    assert count(one, "Measure") < 300, "more than a mark"
     screen.point(*second)
     screen.key("m")
-    two = screen.changed(one, "two places")
     middle = [(a + b) // 2 for a, b in zip(first, second)]
-    for place in (first, second, middle):
-        assert near(two, "Measure", *place), f"no way measured at {place}"
+    two = screen.wait(lambda now: all(near(now, "Measure", *place) for place in (first, second, middle)),
+                      "the way between the places")
     screen.key("m", 1)  # with shift
     screen.wait(lambda now: count(now, "Measure") == 0, "measured no more")
     # The part, where it is seen most.
@@ -467,6 +466,7 @@ def check_ends(screen):
     screen.wait(drawn, "the window")
     screen.server.terminate()
     ends_without_display(process, "a screen that went away")
+    screen.server.wait(PATIENCE_S)
     nowhere = subprocess.run([BIN / "voxview", "bay.vox"], capture_output=True, text=True,
                              env={**os.environ, "DISPLAY": screen.name})
     assert nowhere.returncode == 5 and nowhere.stderr.count("\n") == 1, nowhere
