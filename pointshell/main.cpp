@@ -355,7 +355,7 @@ int main(int argc, char** argv) {
   declare_verify(app, arguments);
   arrange(app);
   int exit_code = 0;
-  if (!command::parse_arguments(app, argc, argv, exit_code)) return exit_code;
+  if (!command::parse_subcommands(app, argc, argv, exit_code)) return exit_code;
   command::exit_cleanly_on_signals();
   return command::run_command("pointshell", [&]() -> Status {
     std::vector<std::string> inputs = arguments.inputs;

@@ -23,13 +23,6 @@ bool parse_arguments(CLI::App& app, int argc, char** argv, int& exit_code) {
   if (app.get_version_ptr() == nullptr) set_version(app);
   wrap_help(app);
   expect_report(argc, argv);
-  const auto refuse = [&](const Error& error) {
-    return run_command(app.get_name().c_str(), [&] { return Status(error); });
-  };
-  if (const std::string meant = argc > 1 ? meant_subcommand(app, argv[1]) : ""; !meant.empty()) {
-    exit_code = refuse({ErrorCode::kUsage, argv[1], "", "is no file and no subcommand", meant});
-    return false;
-  }
   try {
     app.parse(argc, argv);
     return true;
@@ -39,8 +32,18 @@ bool parse_arguments(CLI::App& app, int argc, char** argv, int& exit_code) {
     std::string mend = "see " + app.get_name() + " --help";
     const std::string meant = did_you_mean(app);
     if (!meant.empty()) mend = meant;
-    exit_code = refuse({ErrorCode::kUsage, "", "", wrong.what(), mend});
+    const Error error{ErrorCode::kUsage, "", "", wrong.what(), mend};
+    exit_code = run_command(app.get_name().c_str(), [&] { return Status(error); });
   }
+  return false;
+}
+
+bool parse_subcommands(CLI::App& app, int argc, char** argv, int& exit_code) {
+  const std::string meant = argc > 1 ? meant_subcommand(app, argv[1]) : "";
+  if (meant.empty()) return parse_arguments(app, argc, argv, exit_code);
+  expect_report(argc, argv);
+  const Error error{ErrorCode::kUsage, argv[1], "", "is no file and no subcommand", meant};
+  exit_code = run_command(app.get_name().c_str(), [&] { return Status(error); });
   return false;
 }
 

@@ -174,7 +174,7 @@ int run(int argc, char** argv) {
       "  echo 0.1 0.2 0.3 | voxinfo sample bay.vox    what is at a point, in meters\n"
       "  voxinfo export bay.vox layer.ply             for other programs");
   int exit_code = 0;
-  if (!command::parse_arguments(app, argc, argv, exit_code)) return exit_code;
+  if (!command::parse_subcommands(app, argc, argv, exit_code)) return exit_code;
   return command::run_command("voxinfo", [&]() -> Status {
     const command::OutputFile outputs[] = {{"OUT", &out, command::FileKind::kExport},
                                            {"-o", &of_path.output, command::FileKind::kTable},

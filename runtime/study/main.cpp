@@ -90,7 +90,7 @@ int main(int argc, char** argv) {
       "  forcelayer study 'gearbox.glb#Cover' --without Lid --voxel-size 1mm --path out.csv -o "
       "cover");
   int status = 0;
-  if (!command::parse_arguments(app, argc, argv, status)) return status;
+  if (!command::parse_subcommands(app, argc, argv, status)) return status;
   command::exit_cleanly_on_signals();
   return command::run_command("forcelayer", [&]() -> Status {
     if (!*made) return list_commands(json, quiet);
