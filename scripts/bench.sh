@@ -114,7 +114,7 @@ part_loop() {
 }
 
 install_packages libbullet-dev libopenvdb-tools  # what is compared with
-configure release -DFORCELAYER_BENCHMARKS=ON
+configure release -DFORCELAYER_BENCHMARKS=ON -DFORCELAYER_BENCHMARK_FLAGS=
 # shellcheck disable=SC2046
 build release $(for part in "${parts[@]}"; do echo ${targets[$part]}; done | tr ' ' '\n' | sort -u)
 committed=$("$bench/bench_csv.py" folder)

@@ -13,15 +13,13 @@
 #include "tests/support/distance_scene.h"
 #include "tests/support/file_surgery.h"
 #include "tests/support/golden_content.h"
+#include "tests/support/sanitized.h"
 
 namespace forcelayer::testing {
 namespace {
 
-#ifdef __SANITIZE_ADDRESS__
-constexpr std::uint64_t kShare = 6;  // a sixth of the seeds: such an audit takes 20 times as long
-#else
-constexpr std::uint64_t kShare = 1;
-#endif
+constexpr std::uint64_t kShare =
+    test::kSanitized ? 6 : 1;       // of the seeds: such an audit takes 20 times as long
 constexpr std::int64_t kEdge = 48;  // of the scenes, voxels
 
 // Interior boxes at random with their layers, anywhere beside the faces of nodes.

@@ -4,11 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <vector>
 
 #include "runtime/coupling/coupling_angle.h"
 #include "runtime/coupling/virtual_coupling.h"
 #include "tests/support/grip_map.h"
 #include "tests/support/random_scenes.h"
+#include "tests/support/sanitized.h"
 
 namespace forcelayer::test {
 namespace {
@@ -159,7 +161,7 @@ TEST(Grip, AForceAtAnArmEntersTheSystemWithItsJacobian) {
   }
 }
 
-constexpr double kScales[] = {0.1, 1, 10};
+const std::vector<double> kScales = kSanitized ? std::vector{1.0} : std::vector{0.1, 1.0, 10.0};
 
 TEST(Grip, AtRestInFreeSpaceTheHandFeelsExactlyNothing) {
   for (const double scale : kScales) {
@@ -265,7 +267,8 @@ TEST(Grip, ClosedLoopsInContactGiveTheHandNothing) {
   const VoxelScene scene = plane();
   const PointPart part = block();
   int cell = 0, worked = 0;
-  for (const double scale : {0.1, 0.3, 1.0, 5.0, 10.0}) {
+  const std::vector scales = kSanitized ? kScales : std::vector{0.1, 0.3, 1.0, 5.0, 10.0};
+  for (const double scale : scales) {
     for (const HandleLoop& loop : kHandleLoops) {
       for (const bool back : {false, true}) {
         const double speed_mps = std::array{0.001, 0.02, 0.005}[static_cast<std::size_t>(cell) % 3];
@@ -307,8 +310,8 @@ TEST(Grip, ClosedLoopsWithAnOpenSeatGiveTheHandNothing) {
       worked += work.moved_j > 1e-3;
     }
   }
-  EXPECT_GE(worked, 3);
-  EXPECT_EQ(cell, 12);
+  EXPECT_GE(worked, static_cast<int>(kScales.size()));
+  EXPECT_EQ(cell, 4 * static_cast<int>(kScales.size()));
 }
 
 // The push of a seat is that of a potential: a slow loop along metal costs the same both ways
@@ -375,7 +378,7 @@ TEST(Grip, ALongArmNeitherLeaksNorSwings) {
       2, DistanceDefinition(2));
   int touching = 0;
   for (const double arm_m : {0.0, 0.1, 0.3, 0.5}) {
-    for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    for (std::uint64_t seed = 1; seed <= (kSanitized ? 1 : 4); ++seed) {
       SCOPED_TRACE(testing::Message() << "arm " << arm_m << ", seed " << seed);
       Random random(seed);
       HeldPartOptions options;

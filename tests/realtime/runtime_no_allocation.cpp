@@ -26,12 +26,7 @@
 #include "forcelayer/run.h"
 #include "runtime/loop/servo.h"
 #include "tests/support/random_scenes.h"
-
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define FORCELAYER_TEST_SANITIZED 1  // malloc is the sanitizer's, and system calls are too
-#else
-#define FORCELAYER_TEST_SANITIZED 0
-#endif
+#include "tests/support/sanitized.h"  // malloc is a sanitizer's, and system calls are too
 
 namespace {
 

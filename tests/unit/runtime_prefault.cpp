@@ -10,6 +10,7 @@
 #include <limits>
 
 #include "tests/support/random_scenes.h"
+#include "tests/support/sanitized.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/voxel_scene.h"
 
@@ -17,11 +18,7 @@ namespace forcelayer::test {
 namespace {
 
 // Sanitizers keep a shadow of what is read, whose pages have faults of their own.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool kFaultsAreOurs = false;
-#else
-constexpr bool kFaultsAreOurs = true;
-#endif
+constexpr bool kFaultsAreOurs = !kSanitized;
 
 constexpr double kS = 0.001;
 constexpr std::int64_t kLong = 4096, kWide = 32;
