@@ -15,7 +15,7 @@ summary=${help%%$'\n'*}
   echo '[ENVIRONMENT]'
   echo 'NO_COLOR: where it is set and not empty, nothing is colored on a terminal.'
   # Options stand in the summary's own layout: they are read as they are.
-  for subcommand in $(sed -n '/^Subcommands:/,/^$/s/^  \([a-z]*\) .*/\1/p' <<<"$help"); do
+  for subcommand in $(sed -nE '/^Subcommands:/,/^$/s/^  ([a-z]+) .*/\1/p; s/^vox[a-z]+ ([a-z]+) says .*/\1/p' <<<"$help"); do
     echo "[SUBCOMMAND ${subcommand^^}]"
     echo '.nf'
     "$command" "$subcommand" --help | sed 's/\\/\\e/g; s/^\./\\\&./'

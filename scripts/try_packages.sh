@@ -10,8 +10,9 @@ packages=$(cd "${1:?usage: try_packages.sh FOLDER [TREE...]}" && pwd)
 shift
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
-mkdir "$scratch/project"
-cp -r "$root"/{README.md,sample_data,runtime/examples,tests/golden,tests/models} "$scratch/project"
+mkdir -p "$scratch"/project/{baked,pictures}
+cp -r "$root"/{README.md,sample_data,runtime/examples,tests/models,tests/support/help_examples.sh} "$scratch/project"
+for page in viewer python; do cp "$root/runtime/$page/README.md" "$scratch/project/$page.md"; done
 
 # in_tree NAME OPTIONS... <SCRIPT: a bare tree, changed as mmdebstrap's options say; then the script runs in it, in a
 # folder with the sample data, the examples, and baked files.
@@ -24,7 +25,9 @@ in_tree() {
   mmdebstrap --quiet --variant=minbase --skip=check/empty ${MMDEBSTRAP_OPTIONS:-} "$@" \
     --customize-hook="copy-in $scratch/project $scratch/$name.sh /tmp" \
     --customize-hook="chroot \"\$1\" sh -eu /tmp/$name.sh" \
+    --customize-hook="copy-out /tmp/project/baked /tmp/project/pictures $scratch/project" \
     bookworm /dev/null
+  [ -z "${PICTURES:-}" ] || { mkdir -p "$PICTURES/$name" && cp -r "$scratch/project/pictures/." "$PICTURES/$name"; }
 }
 
 # options_for PACKAGES...: what installs them in a tree, into the array `options`: ours from their files.
@@ -35,19 +38,6 @@ options_for() {
     file=$(compgen -G "$packages/${package}_*.deb") || file=$package
     options+=(--include="$file")
   done
-}
-
-try_workstation() {
-  options_for forcelayer-runtime
-  in_tree workstation "${options[@]}" <<'SCRIPT'
-voxrun --version
-voxcheck --version
-voxrun golden/v2.vox golden/v2.pshell --duration 0.05s --as-fast-as-possible --without-guarantee
-if dpkg -l | grep -E "openvdb|openmesh|draco|libtbb|vtk|boost"; then
-  echo "FAILED: the runtime package brought an offline library" >&2
-  exit 1
-fi
-SCRIPT
 }
 
 # A container without a container program: FROM debian:12-slim is the bare tree, COPY and RUN are as they stand.
@@ -74,6 +64,7 @@ if command -v c++ >/dev/null; then echo "FAILED: the image holds a compiler" >&2
 for command in voxelize pointshell voxinfo voxrun voxcheck voxplan voxview forcelayer; do
   $command --version
   test -e /usr/share/bash-completion/completions/$command
+  test -e /usr/share/man/man1/$command.1.gz
 done
 voxelize --version | grep -q "reads STEP and IGES"
 voxelize models/featuretype.step --voxel-size 1mm -o step.vox
@@ -85,14 +76,91 @@ test "$(grep -c "^vox\|^pointshell" commands.sh)" -ge 11
 cat commands.sh
 sh -eux commands.sh
 head -c 4 1.png | grep -q PNG && head -c 4 2.png | grep -q PNG
-pointshell verify part.pshell sample_data/part.obj --units mm
-voxrun doctor --clock 0.1
+cp 1.png 2.png pictures
+mkdir /tmp/examples && cd /tmp/examples
+bash /tmp/project/help_examples.sh /tmp/project/sample_data
+cp pin/worst.png pin/installed.png pin/report.html /tmp/project/pictures
+# A live run, in a picture.
+voxrun bay.vox part.pshell --motion press.csv --udp 7000 --quiet &
+voxview bay.json bay.vox part.pshell --listen 7000 --duration 3s --screenshot /tmp/project/pictures/live.png
+wait
+# Only these files.
+voxrun bay.vox part.pshell --duration 0.1s --quiet --expect "$(sha256sum bay.vox | cut -c 1-64)" \
+  --expect "$(sha256sum part.pshell | cut -c 1-64)"
+voxrun bay.vox part.pshell --duration 0.1s --quiet --expect "$(sha256sum bay.json | cut -c 1-64)" 2>said.txt && exit 1
+cat said.txt
+voxelize bay.json --voxel-size 5mm --lean -o lean.vox --quiet
+cp bay.vox lean.vox part.pshell rest.vox pin.pshell opened.vox cover.pshell run.csv run.flr path.csv /tmp/project/baked
+SCRIPT
+}
+
+# The files that the image has baked.
+need_baked() { [ -e "$scratch/project/baked/bay.vox" ] || try_image; }
+
+try_workstation() {
+  need_baked
+  options_for forcelayer-runtime
+  in_tree workstation "${options[@]}" <<'SCRIPT'
+if dpkg -l | grep -E "openvdb|openmesh|draco|libtbb|vtk|boost|ompl"; then
+  echo "FAILED: the runtime package brought an offline library" >&2
+  exit 1
+fi
+mkdir /tmp/work && cd /tmp/work && cp /tmp/project/baked/* .
+for command in voxrun voxcheck forcelayer; do $command --version; done
+bash /tmp/project/help_examples.sh /tmp/project/sample_data voxrun
+voxcheck bay.vox part.pshell run.csv --clearance 10mm
+# What is missing is named.
+cp -r /tmp/project/sample_data .
+voxcheck bay.vox part.pshell run.csv --exact bay.json --part part.obj --units mm 2>said.txt && exit 1
+grep forcelayer-tools said.txt
+forcelayer study "sample_data/gearbox.glb#Pin" --voxel-size 1mm --pull 0,0,60mm -o pin 2>said.txt && exit 1
+grep forcelayer-tools said.txt
+SCRIPT
+}
+
+try_viewer() {
+  need_baked
+  options_for forcelayer-viewer xvfb xauth
+  in_tree viewer "${options[@]}" <<'SCRIPT'
+voxview --version
+mkdir /tmp/work && cd /tmp/work && cp -r /tmp/project/baked/* /tmp/project/sample_data/* .
+cp run.csv trace.csv && cp lean.vox before.vox && cp bay.vox after.vox && cp rest.vox gearbox.vox
+# The commands of the page, but the one that follows a run; a window becomes a picture.
+sed -n '/^    voxview/s/ *#.*//p' /tmp/project/viewer.md | grep -v -e --listen |
+  awk '!/--screenshot|--turntable/ { $0 = $0 " --screenshot page_" ++n ".png --size 640x400" } { print }' >commands.sh
+test "$(grep -c '^ *voxview' commands.sh)" -ge 6
+sh -eux commands.sh
+bash /tmp/project/help_examples.sh /tmp/project/sample_data voxview
+cp *.png /tmp/project/pictures
+# What is missing is named.
+voxview /tmp/project/models/featuretype.step --screenshot step.png 2>said.txt && exit 1
+grep forcelayer-tools said.txt
+SCRIPT
+}
+
+try_python() {
+  need_baked
+  options_for python3-forcelayer python3-matplotlib
+  in_tree python "${options[@]}" <<'SCRIPT'
+mkdir /tmp/work && cd /tmp/work && cp /tmp/project/baked/* .
+export MPLBACKEND=Agg
+sed -n 's/^    //p' /tmp/project/python.md | python3
+grep -q 'proven clearance' clearance.svg
+python3 /usr/share/doc/python3-forcelayer/examples/clearance_study.py
+cp clearance.svg clearance.png plane.png /tmp/project/pictures
+# The doctest of every docstring that has no file beside these.
+python3 -c 'import doctest, forcelayer, inspect
+for name in forcelayer.__all__:
+    thing = getattr(forcelayer, name)
+    for text in [thing, *(m for n, m in vars(thing).items() if n[0] != "_")] if isinstance(thing, type) else [thing]:
+        doctest.run_docstring_examples(inspect.getdoc(text) or "", {"forcelayer": forcelayer}, name=name)' >doctests.txt
+test ! -s doctests.txt || { cat doctests.txt >&2; exit 1; }
+python3 -c 'import forcelayer; help(forcelayer.Scene)' | head -n 5
 SCRIPT
 }
 
 try_development() {
-  options_for libforcelayer0 libforcelayer-dev python3-forcelayer forcelayer-runtime forcelayer-tools \
-    g++ cmake ninja-build pkg-config python3-matplotlib
+  options_for libforcelayer0 libforcelayer-dev forcelayer-runtime forcelayer-tools g++ cmake ninja-build pkg-config
   in_tree development "${options[@]}" <<'SCRIPT'
 # A floor, and a part of 20 mm above it.
 cat >floor.obj <<'OBJ'
@@ -154,16 +222,9 @@ cmake --build build
 build/embed_cpp ../floor.vox ../part.pshell
 build/pose_receiver_cpp 47333 1
 cd ..
-
-# Python: what the package brings as its example.
-voxelize sample_data/bay.json --voxel-size 5mm -o bay.vox
-pointshell sample_data/part.obj --units mm --voxel-size 5mm -o part.pshell
-voxrun bay.vox part.pshell --motion sample_data/press.csv --as-fast-as-possible --record run.flr
-MPLBACKEND=Agg python3 /usr/share/doc/python3-forcelayer/examples/clearance_study.py
-python3 -c 'import forcelayer; help(forcelayer.Scene)' | head -n 5
 SCRIPT
 }
 
-[ $# -gt 0 ] || set -- workstation image development
+[ $# -gt 0 ] || set -- image workstation viewer python development
 for tree in "$@"; do "try_$tree"; done
 printf '\n== the packages install and run\n'

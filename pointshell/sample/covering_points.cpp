@@ -45,6 +45,9 @@ constexpr double kAim = 0.9998;
 // are added closer together.
 constexpr double kBareShare = 0.25, kBareSeparation = 3;
 
+// About which share of the time goes into the steps of all points, and into the rounds after them.
+constexpr double kStepsShare = 0.8, kRoundsShare = 0.12;
+
 class CoveringBuilder {
  public:
   CoveringBuilder(const part::TriangleTree& tree, double radius, const Recipe& recipe,
@@ -63,7 +66,7 @@ class CoveringBuilder {
       step_all(CellCenter::kSmallestBall, recipe_.ball_factor);
     }
     for (int round = 0; round < recipe_.rounds && mend_holes(); ++round) {
-      progress_(0.5 + 0.4 * round / recipe_.rounds);
+      progress_(kStepsShare + kRoundsShare * round / recipe_.rounds);
     }
     std::vector<part::Vec3> positions;
     for (const part::Vec3& position : relaxation_.positions())
@@ -95,7 +98,7 @@ class CoveringBuilder {
     }
     relaxation_.step(center, factor);
     ++steps_done_;
-    progress_(0.5 * steps_done_ / (recipe_.centroid_steps + recipe_.ball_steps));
+    progress_(kStepsShare * steps_done_ / (recipe_.centroid_steps + recipe_.ball_steps));
   }
 
   // Adds points in holes and relaxes around all of them; false when there are no holes.

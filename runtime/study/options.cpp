@@ -19,7 +19,7 @@ OptionParser::OptionParser(CLI::App& study) {
   study.add_option("--pull", options_.pull,
                    "x,y,z: where a hand pulls the part to, in place of a path, such as 0,0,60mm");
   study.add_option("--time", options_.time,
-                   "without --path and --pull: how long voxplan looks for a way out; 60s");
+                   "without --path and --pull: how long voxplan looks for a way out; default 60s");
   study.add_option("--clearance", options_.clearance,
                    "that is required of the exact surfaces, default 12.7mm");
   study.add_option("--seat", options_.seat,

@@ -77,7 +77,7 @@ int run(int argc, char** argv) {
        {"Output", {"--output", "--speed"}}},
       "  voxplan rest.vox pin.pshell --clearance 1mm -o out.csv        out of where it is "
       "installed\n"
-      "  voxplan bay.vox part.pshell --seat 0.3,0.2,0.5m --goal 0.3,0.2,0.9m -o path.csv");
+      "  voxplan bay.vox part.pshell --seat 0.3m,0.2m,0.5m --goal 0.3m,0.2m,0.9m -o path.csv");
   int status = 0;
   if (!command::parse_arguments(app, argc, argv, status)) return status;
   command::exit_cleanly_on_signals();

@@ -30,21 +30,23 @@ OptionParser::OptionParser(CLI::App& app) : clearance_("12.7mm"), seat_("0,0,0m"
   app.add_option("-o,--output", options_.path, "the path, a CSV of poses of the part")->required();
   app.add_option(
       "--seat", seat_,
-      "world_from_part where it starts, x,y,z[,qw,qx,qy,qz]; 0,0,0m. There it may be near "
-      "the objects that it touches, until it has left them");
-  app.add_option("--goal", goal_, "world_from_part where it shall go");
+      "world_from_part where it starts, x,y,z[,qw,qx,qy,qz]; default 0,0,0m. There it may be "
+      "near the objects that it touches, until it has left them");
+  app.add_option("--goal", goal_, "world_from_part where it shall go; default: --out-of-scene");
   app.add_flag("--out-of-scene", out_of_scene_,
-               "anywhere beside the scene: the part's box outside of the scene's; without --goal");
+               "anywhere beside the scene: the part's box outside of the scene's");
   app.add_option("--clearance", clearance_,
-                 "that is proven along the path, for the exact surfaces; 12.7mm");
+                 "that is proven along the path, for the exact surfaces; default 12.7mm");
   app.add_option("--allow", options_.allow,
                  "an object that may be near, by its name or the end of it; * and ? match; "
                  "repeatable")
       ->allow_extra_args(false);
-  app.add_option("--time", time_, "after which the search is given up; 60s");
-  app.add_option("--seed", options_.seed, "of its random numbers: another one, another path; 1")
+  app.add_option("--time", time_, "after which the search is given up; default 60s");
+  app.add_option("--seed", options_.seed,
+                 "of its random numbers: another one, another path; default 1")
       ->check(CLI::Range(0u, 1000000000u));
-  app.add_option("--threads", options_.threads, "that share the work; all; no path depends on it")
+  app.add_option("--threads", options_.threads,
+                 "that share the work; default all; no path depends on it")
       ->check(CLI::Range(1u, kMostThreads));
   options_.speed_mps = 0.1;
   command::add_number(app, "--speed", options_.speed_mps, "of the part along the path, m/s",

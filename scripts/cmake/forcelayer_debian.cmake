@@ -41,6 +41,12 @@ if(TARGET voxelize)
   install(FILES ${pipelines}/github.yml ${pipelines}/gitlab.yml ${pipelines}/slurm.sh COMPONENT tools EXCLUDE_FROM_ALL
           DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/doc/forcelayer-tools/examples/pipelines)
 endif()
+# What a command starts beside itself, or names where it is missing.
+set(CPACK_DEBIAN_TOOLS_PACKAGE_SUGGESTS "forcelayer-runtime, forcelayer-viewer")
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_SUGGESTS "forcelayer-tools, forcelayer-viewer")
+set(CPACK_DEBIAN_VIEWER_PACKAGE_RECOMMENDS "xauth, xvfb")
+set(CPACK_DEBIAN_VIEWER_PACKAGE_SUGGESTS "forcelayer-runtime, forcelayer-tools")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "forcelayer-runtime, forcelayer-tools, python3-matplotlib")
 debian_package(runtime forcelayer-runtime science "six-degree-of-freedom haptic rendering at 1 kHz"
   "voxrun maps a baked scene and a baked part into memory and drives a haptic\ndevice with the contact forces between them. voxcheck proves the clearance\nalong a path. Neither needs the libraries that baking needs.")
 if(TARGET voxview)

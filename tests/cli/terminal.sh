@@ -32,6 +32,9 @@ _forcelayer_complete
 COMP_WORDS=("$bin/voxinfo" ver) COMP_CWORD=1
 _forcelayer_complete
 [ "${COMPREPLY[*]}" = verify ] || fail "voxinfo ver completes to '${COMPREPLY[*]}'"
+COMP_WORDS=("$bin/voxrun" do) COMP_CWORD=1
+_forcelayer_complete
+[ "${COMPREPLY[*]}" = doctor ] || fail "voxrun do completes to '${COMPREPLY[*]}'"
 COMP_WORDS=("$bin/forcelayer" st) COMP_CWORD=1
 _forcelayer_complete
 [ "${COMPREPLY[*]}" = study ] || fail "forcelayer st completes to '${COMPREPLY[*]}'"

@@ -46,7 +46,7 @@ Assembly read_step(const SourceFile& file) {
   if (library.read == nullptr) {
     fail_read(file, ErrorCode::kMeshUnsupported, "",
               "the reader of STEP and IGES cannot be loaded: " + library.failure,
-              "install all of Forcelayer's tools, or export the assembly as glTF (.glb)");
+              "install the package forcelayer-tools, or export the assembly as glTF (.glb)");
   }
   Assembly assembly;
   library.read(file, assembly);
