@@ -91,4 +91,7 @@ for n in range(12):
     assert not left, left
 print("killed %d, finished %d of %d" % (killed, finished, kills))
 PYTHON
-python3 kill.py "$bin" "${FORCELAYER_KILLS:-100}"
+# Under sanitizers a bake takes ten times as long, and every moment is tried without them.
+kills=100
+[ -z "${FORCELAYER_SANITIZED:-}" ] || kills=30
+python3 kill.py "$bin" "${FORCELAYER_KILLS:-$kills}"

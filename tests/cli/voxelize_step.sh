@@ -34,7 +34,7 @@ bake() {  # bake OUTPUT INPUT ARGUMENTS...
 rows() { "$bin/voxinfo" export "$1.vox" "$1.csv" >/dev/null && cat "$1.csv"; }
 
 # From the command line: the assembly's 18 parts, its own unit, finer triangles for smaller voxels.
-for size in 4mm 1mm 0.25mm; do
+for size in 4mm 1mm 0.5mm; do
   bake clamp_$size "$clamp" --voxel-size $size
 done
 bake feature_4mm "$feature" --voxel-size 4mm
@@ -63,7 +63,7 @@ rows placed >scene.rows
 python3 - <<'PYTHON' || fail "figures of the reports"
 import json
 def report(name): return json.load(open(name + ".json"))
-sizes = ["4mm", "1mm", "0.25mm"]
+sizes = ["4mm", "1mm", "0.5mm"]
 reports = [report("clamp_" + size) for size in sizes]
 assert all(len(r["parts"]) == 18 for r in reports), [len(r["parts"]) for r in reports]
 triangles = [r["triangles"] for r in reports]
