@@ -40,9 +40,10 @@ class BlockSkipper {
   // The blocks or the super-blocks, each in a disc (KernelDiscs).
   struct Level {
     std::uint32_t count = 0;
-    std::vector<float> place, shape;  // of the discs
-    std::vector<float> reach_voxels;  // of the farthest point from the centroid
-    std::vector<float> free_until;    // spent motion (voxels) up to which the disc is known free
+    std::vector<float> place, shape;   // of the discs
+    std::vector<float> reach_voxels;   // of the farthest point from the centroid
+    std::vector<float> free_until;     // spent motion (voxels) up to which the disc is known free
+    std::vector<std::uint8_t> let_be;  // looks until it is surveyed again
   };
 
   Level make_level(const PshellView& shell, const BoundingSphere* spheres, std::uint64_t count,
@@ -54,9 +55,11 @@ class BlockSkipper {
                                std::uint32_t end) const noexcept;
   void survey(const KernelMap& map, const VoxelPose& pose, Level& level, std::uint32_t begin,
               std::uint32_t end) noexcept;
-  template <typename LetBe, typename Visit>
+  SpentMotion motion_of(std::uint32_t block) const noexcept;
+  template <typename KnownFree, typename Visit>
   void visit_near(const KernelMap& map, const VoxelPose& pose, Level& level, std::uint32_t begin,
-                  std::uint32_t end, LetBe let_be, Visit visit) noexcept;
+                  std::uint32_t end, KnownFree known_free, Visit visit) noexcept;
+  void remember_blocks(std::uint32_t super, std::uint32_t begin, std::uint32_t end) noexcept;
   void take_rows(const KernelMap& map, const VoxelPose& pose, std::uint32_t block) noexcept;
 
   double voxel_size_m_;
@@ -70,9 +73,9 @@ class BlockSkipper {
   DiscMargin margin_;
   bool has_last_ = false;
   Pose last_;
-  double travel_voxels_ = 0;                           // of the centroid, since forget_slack()
-  double turn_rad_ = 0;                                // since then
-  double last_travel_voxels_ = 0, last_turn_rad_ = 0;  // of the last run
+  double travel_voxels_ = 0;  // of the centroid, since forget_slack()
+  double turn_rad_ = 0;       // since then
+  LastMotion last_motion_{};
 };
 
 }  // namespace forcelayer::query

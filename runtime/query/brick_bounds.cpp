@@ -44,14 +44,23 @@ std::array<int, 3> vector_area(const Columns& columns) {
   return area;
 }
 
-float half_extent(const PlacedDisc& disc, float along) {
-  const float across = greater(0, 1 + kAcrossRounding - along * along);
-  return disc.radius * std::sqrt(across) + disc.half_height * std::abs(along) + disc.margin;
+// Half of the disc's extent along a direction on which its axis has the component `along`, and by
+// how much `most` lengthens it.
+struct Extent {
+  float half, growth;
+};
+
+inline Extent extent_of(const PlacedDisc& disc, const Leeway& most, float along) {
+  const float across = std::sqrt(greater(0, 1 + kAcrossRounding - along * along));
+  along = std::abs(along);
+  return {disc.radius * across + disc.half_height * along + disc.margin,
+          most.across * across + most.along * along};
 }
 
-// How far the disc lies on the free side of a brick's bound; `corner` is the brick's, as the disc's
-// center is told.
-float beyond(const BrickBound& bound, const PlacedDisc& disc, const std::array<float, 3>& corner) {
+// The share of `most` that the disc lies on the free side of a brick's bound; `corner` is the
+// brick's, as the disc's center is told.
+float beyond(const BrickBound& bound, const PlacedDisc& disc, const Leeway& most,
+             const std::array<float, 3>& corner) {
   float along = 0, center = -bound.offset, length2 = 0;
   for (int axis = 0; axis < 3; ++axis) {
     const float n = bound.normal[axis];
@@ -59,7 +68,9 @@ float beyond(const BrickBound& bound, const PlacedDisc& disc, const std::array<f
     center += n * (disc.center[axis] - corner[axis]);
     length2 += n * n;
   }
-  return length2 > 0 ? center - half_extent(disc, along) : -1;
+  if (!(length2 > 0)) return -1;
+  const Extent extent = extent_of(disc, most, along);
+  return (center - extent.half) / extent.growth;
 }
 
 bool is_free(std::uint32_t entry) { return is_uniform(entry) && uniform_value(entry) == 0; }
@@ -120,34 +131,41 @@ BrickBound brick_bound(const std::uint32_t* brick) {
   }
 }
 
-float BrickBounds::slack(const KernelMap& map, const PlacedDisc& disc, float most) const noexcept {
-  std::array<float, 3> low{}, high{};
+float BrickBounds::share(const KernelMap& map, const PlacedDisc& disc,
+                         const Leeway& most) const noexcept {
+  std::array<float, 3> low{}, high{}, per_voxel{};
   std::array<int, 3> first{}, last{};  // cells
-  float slack = most;
+  float share = 1;
   for (int axis = 0; axis < 3; ++axis) {
-    const float extent = half_extent(disc, disc.axis[axis]);
-    if (!(extent < kMostExtent)) return -1;
-    low[axis] = disc.center[axis] - extent;
-    high[axis] = disc.center[axis] + extent;
+    const Extent extent = extent_of(disc, most, disc.axis[axis]);
+    if (!(extent.half < kMostExtent)) return -1;
+    low[axis] = disc.center[axis] - extent.half;
+    high[axis] = disc.center[axis] + extent.half;
+    per_voxel[axis] = 1 / extent.growth;
     const int whole = disc.whole[axis];
     const int end = map.dims[axis] << 6;
-    first[axis] = std::max((whole + static_cast<int>(std::floor(low[axis] - most))) >> 3, 0);
-    last[axis] = std::min((whole + static_cast<int>(std::floor(high[axis] + most))) >> 3, end - 1);
+    const auto cell = [whole](float at) { return (whole + static_cast<int>(std::floor(at))) >> 3; };
+    first[axis] = std::max(cell(low[axis] - extent.growth), 0);
+    last[axis] = std::min(cell(high[axis] + extent.growth), end - 1);
     if (map.cropped) {
-      slack = std::min({slack, low[axis] - static_cast<float>(double(map.known_min[axis]) - whole),
-                        static_cast<float>(double(map.known_max[axis]) - whole) - high[axis]});
+      const float inside =
+          std::min(low[axis] - static_cast<float>(double(map.known_min[axis]) - whole),
+                   static_cast<float>(double(map.known_max[axis]) - whole) - high[axis]);
+      share = std::min(share, inside * per_voxel[axis]);
     }
   }
-  // How far the disc lies off what the cell at (x, y, z) holds.
+  // The share by which the disc lies off what the cell at (x, y, z) holds, `share` if it is more.
   const auto off = [&](std::uint32_t entry, int x, int y, int z) {
     const std::array<float, 3> corner = {float(x * kEdge - disc.whole[0]),
                                          float(y * kEdge - disc.whole[1]),
                                          float(z * kEdge - disc.whole[2])};
-    float gap = is_uniform(entry) ? -1 : beyond(bounds_[entry], disc, corner);
+    float off_cell = -1;
     for (int axis = 0; axis < 3; ++axis) {
-      gap = greater(gap, greater(low[axis] - (corner[axis] + kEdge), corner[axis] - high[axis]));
+      const float gap = greater(low[axis] - (corner[axis] + kEdge), corner[axis] - high[axis]);
+      off_cell = greater(off_cell, gap * per_voxel[axis]);
     }
-    return gap;
+    if (off_cell >= share || is_uniform(entry)) return std::min(off_cell, share);
+    return std::min(greater(off_cell, beyond(bounds_[entry], disc, most, corner)), share);
   };
   for (int x = first[0]; x <= last[0]; ++x) {
     for (int y = first[1]; y <= last[1]; ++y) {
@@ -156,14 +174,14 @@ float BrickBounds::slack(const KernelMap& map, const PlacedDisc& disc, float mos
         CellColumn column = cell_column(map, x, y, z);
         if (column.one_for_all && is_free(*column.entries)) z = end;
         for (; z < end; ++z) {
-          if (!is_free(*column.entries)) slack = std::min(slack, off(*column.entries, x, y, z));
-          if (slack <= 0) return slack;
+          if (!is_free(*column.entries)) share = off(*column.entries, x, y, z);
+          if (share <= 0) return share;
           if (!column.one_for_all) ++column.entries;
         }
       }
     }
   }
-  return slack;
+  return share;
 }
 
 }  // namespace forcelayer::query
