@@ -74,6 +74,10 @@ class Stages {
 // and patches, for rays tell the outside of each and its points lie between others.
 constexpr double kBytesPerPoint = 400, kBytesPerTriangle = 450, kBytesPerPatch = 5000;
 constexpr double kSecondsPerPoint = 85e-6, kSecondsPerTriangle = 20e-6, kSecondsPerPatch = 1.1e-3;
+// A needle is longer than this and thinner than one, in radii. A row of points, which its neighbors
+// share, runs along each of its sides, and its proof takes more memory.
+constexpr double kNeedle = 64;
+constexpr double kRowsPerNeedle = 0.6, kBytesPerNeedlePoint = 900;
 // Triangles of copies are read and placed, and give normals to the points.
 constexpr double kBytesPerCopied = 175, kSecondsPerCopied = 9e-6;
 // The most points that a method needs, as a multiple of the planar bound.
@@ -102,6 +106,18 @@ std::size_t count_patches(const part::Part& part, std::span<const std::uint32_t>
     }
   }
   return patches;
+}
+
+// Points along a triangle that is a needle, beyond those that its area asks for; else 0.
+double needle_points(const part::Piece& piece, double radius) {
+  double longest = 0;
+  for (int n = 0; n < 3; ++n) {
+    longest = std::max(longest, part::length(piece[(n + 1) % 3] - piece[n]));
+  }
+  const double doubled_area = part::length(part::cross(piece[1] - piece[0], piece[2] - piece[0]));
+  if (longest < kNeedle * radius || doubled_area > longest * radius) return 0;
+  return std::max(0.0,
+                  kRowsPerNeedle * longest / (2 * radius) - planar_bound(doubled_area / 2, radius));
 }
 
 // Refuses a bake that would run for hours and then out of memory, or make what no file holds.
@@ -257,7 +273,7 @@ void cover(std::span<Share> shares, sample::Effort effort, const Stages& stages)
 
 void leave_out_hidden_points(std::span<Share> shares, Stages& stages, BakedShell& shell) {
   for (Share& share : shares) {
-    share.hidden = std::make_unique<certificate::HiddenSurface>(*share.part);
+    share.hidden = std::make_unique<certificate::HiddenSurface>(*share.part, share.slack);
     if (share.hidden->possible()) {
       stages.begin("hidden");
       shell.hidden_points +=
@@ -282,8 +298,7 @@ Result<BakedShell> bake(part::Part part, const ShellOptions& options,
   stages.begin("orientation");
   std::vector<part::CopiedGroup> groups;  // voxel centers of a copy are no copies
   if (!on_lattice) groups = part::find_copies(part, radius);
-  shell.orientation =
-      normals::orient_outwards(part, radius, part::original_triangles(part, groups));
+  shell.orientation = normals::orient_outwards(part, radius, groups);
   const part::MassProperties mass = part::mass_properties(part, shell.orientation.loose);
   shell.loose_triangles = mass.loose_triangles;
   if (const Status fits = check_size(part, mass, radius, options.voxel_size_m); !fits)
@@ -356,24 +371,27 @@ BakeCost expected_cost(const part::Part& part, const ShellOptions& options) {
   std::vector<part::CopiedGroup> groups;
   if (options.method == ShellMethod::kSurface) groups = part::find_copies(part, radius);
   const std::vector<std::uint32_t> originals = part::original_triangles(part, groups);
-  double area_m2 = 0, area_once_m2 = 0, once = 0;
+  double area_m2 = 0, area_once_m2 = 0, once = 0, along_needles = 0;
   for (std::uint32_t t = 0; t < part.triangles.size(); ++t) {
     const double own_m2 = part::length(part::doubled_area_normal(part, t)) / 2;
     area_m2 += own_m2;
-    if (originals[t] == t) area_once_m2 += own_m2, ++once;
+    if (originals[t] != t) continue;
+    area_once_m2 += own_m2, ++once;
+    along_needles += needle_points(part::triangle_piece(part, t), radius);
   }
   const double copied = static_cast<double>(part.triangles.size()) - once;
   const auto patches = static_cast<double>(count_patches(part, originals));
   const unsigned cores = std::max(1u, std::thread::hardware_concurrency());
   const double threads = options.threads == 0 ? cores : std::min(options.threads, cores);
   BakeCost cost;
-  cost.points = planar_bound(area_m2, radius);
+  cost.points = planar_bound(area_m2, radius) + along_needles;
   cost.seconds =
-      (kSecondsPerPoint * planar_bound(area_once_m2, radius) + kSecondsPerTriangle * once +
-       kSecondsPerCopied * copied + kSecondsPerPatch * patches) /
+      (kSecondsPerPoint * (planar_bound(area_once_m2, radius) + along_needles) +
+       kSecondsPerTriangle * once + kSecondsPerCopied * copied + kSecondsPerPatch * patches) /
       threads;
-  cost.bytes = kBytesPerPoint * cost.points + kBytesPerTriangle * once + kBytesPerCopied * copied +
-               kBytesPerPatch * patches;
+  cost.bytes = kBytesPerPoint * (cost.points - along_needles) +
+               kBytesPerNeedlePoint * along_needles + kBytesPerTriangle * once +
+               kBytesPerCopied * copied + kBytesPerPatch * patches;
   return cost;
 }
 
