@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstring>
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
 
@@ -19,16 +18,6 @@ constexpr float kMotionRounding = RowSkipper::kMotionRounding;
 constexpr double kUnitTolerance = 1e-9;  // of an orientation's length, squared; else no skipping
 constexpr double kRadiusRounding = 1 + 1e-6;  // of a float radius in voxels
 constexpr float kNever = RowSkipper::kNever;
-
-// Vectors that gcc and clang know on every processor.
-using Four [[gnu::vector_size(16)]] = float;
-using FourBits [[gnu::vector_size(16)]] = std::int32_t;
-
-Four load_four(const float* from) {
-  Four v;
-  std::memcpy(&v, from, sizeof v);
-  return v;
-}
 
 bool is_unit(const glm::dquat& q) { return std::abs(glm::dot(q, q) - 1) < kUnitTolerance; }
 
@@ -52,6 +41,8 @@ bool is_unit(const glm::dquat& q) { return std::abs(glm::dot(q, q) - 1) < kUnitT
   if (options.clearance && options.walls) row_skipper_.emplace(voxmap, shell, options.coherence);
 }
 
+[[gnu::cold]] BlockSkipper::~BlockSkipper() = default;
+
 [[gnu::cold]] BlockSkipper::Level BlockSkipper::make_level(const PshellView& shell,
                                                            const BoundingSphere* spheres,
                                                            std::uint64_t count,
@@ -68,9 +59,8 @@ bool is_unit(const glm::dquat& q) { return std::abs(glm::dot(q, q) - 1) < kUnitT
     level.reach_voxels.push_back(static_cast<float>(reach_m / voxel_size_m_ * kRadiusRounding));
     const PartDisc disc = disc_of(
         shell, i * run_points, std::min(shell.point_count, (i + 1) * run_points), {s.x, s.y, s.z});
-    level.place.insert(level.place.end(), {s.x, s.y, s.z, disc.radius});
-    level.shape.insert(level.shape.end(),
-                       {disc.axis[0], disc.axis[1], disc.axis[2], disc.half_height});
+    level.place.push_back(disc.place);
+    level.shape.push_back(disc.shape);
   }
   level.reach_voxels.resize(count + kGroup);
   return level;
@@ -127,7 +117,9 @@ void BlockSkipper::remember_blocks(std::uint32_t super, std::uint32_t begin,
 void BlockSkipper::survey(const KernelMap& map, const VoxelPose& pose, Level& level,
                           std::uint32_t begin, std::uint32_t end) noexcept {
   float slack[kGroup];
-  survey_discs(map, pose, margin_, {level.place.data(), level.shape.data()}, begin, end, slack);
+  const KernelDiscs discs = {reinterpret_cast<const float*>(level.place.data()),
+                             reinterpret_cast<const float*>(level.shape.data())};
+  survey_discs(map, pose, margin_, discs, begin, end, slack);
   const auto travel = static_cast<float>(travel_voxels_), turn = static_cast<float>(turn_rad_);
   for (std::uint32_t i = begin; i < end; ++i) {
     const float here = travel + level.reach_voxels[i] * turn;
@@ -168,22 +160,20 @@ void BlockSkipper::visit_near(const KernelMap& map, const VoxelPose& pose, Level
   }
 }
 
-SpentMotion BlockSkipper::motion_of(std::uint32_t block) const noexcept {
-  return {static_cast<float>(travel_voxels_) +
-              blocks_.reach_voxels[block] * static_cast<float>(turn_rad_),
-          last_motion_};
+float BlockSkipper::spent(std::uint32_t block) const noexcept {
+  return static_cast<float>(travel_voxels_) +
+         blocks_.reach_voxels[block] * static_cast<float>(turn_rad_);
 }
 
 // Takes the rows of a block that is not known to be free.
-void BlockSkipper::take_rows(const KernelMap& map, const VoxelPose& pose,
-                             std::uint32_t block) noexcept {
+void BlockSkipper::take_rows(std::uint32_t block) noexcept {
   const std::uint32_t begin = block * block_rows_, end = std::min(begin + block_rows_, row_count_);
   if (!row_skipper_) {
     for (std::uint32_t row = begin; row < end; ++row) candidates_[candidate_count_++] = row;
     return;
   }
-  const float until = row_skipper_->take_near(map, pose, margin_, block, motion_of(block),
-                                              candidates_.data(), candidate_count_);
+  const float until =
+      row_skipper_->take_near(block, spent(block), candidates_.data(), candidate_count_);
   blocks_.free_until[block] = std::max(blocks_.free_until[block], until);
 }
 
@@ -200,10 +190,11 @@ std::span<const std::uint32_t> BlockSkipper::candidates(const KernelMap& map,
   margin_.scale = static_cast<float>(kRadiusRounding / voxel_size_m_);
   // The center's own rounding, a point's, and what kUnitTolerance leaves of the radius.
   margin_.voxels = static_cast<float>(2 * rounding_voxels + 2 * kUnitTolerance * radius_voxels_);
-  const auto take = [&](std::uint32_t block) { take_rows(map, pose, block); };
+  if (row_skipper_) row_skipper_->start(map, pose, margin_, last_motion_);
+  const auto take = [&](std::uint32_t block) { take_rows(block); };
   const auto known_free = [&](std::uint32_t block) {
     if (!row_skipper_) return false;
-    const float until = row_skipper_->known_free_until(pose, margin_, block, motion_of(block));
+    const float until = row_skipper_->known_free_until(block, spent(block));
     blocks_.free_until[block] = std::max(blocks_.free_until[block], until);
     return until > 0;
   };

@@ -34,33 +34,6 @@ constexpr std::uint8_t kLooksBetweenTries = 24;
   return middle;
 }
 
-float dot(const std::array<float, 3>& row, const std::array<float, 3>& v) {
-  return row[0] * v[0] + row[1] * v[1] + row[2] * v[2];
-}
-
-PlacedDisc place(const PartDisc& disc, const VoxelPose& pose, const DiscMargin& margin) {
-  PlacedDisc placed{};
-  for (int axis = 0; axis < 3; ++axis) {
-    placed.center[axis] = dot(pose.turn[axis], disc.center) + pose.fraction[axis];
-    placed.axis[axis] = dot(pose.rotation[axis], disc.axis);
-  }
-  placed.whole = pose.whole;
-  placed.radius = disc.radius * margin.scale;
-  placed.half_height = disc.half_height * margin.scale;
-  placed.margin = kAxes * margin.voxels + kAxisRounding;
-  return placed;
-}
-
-// By how much the last run's motion moved a disc's points along and across its axis, about.
-Leeway last_motion(const PlacedDisc& disc, const VoxelPose& pose, const SpentMotion& motion) {
-  const glm::vec3 arm(disc.center[0] - pose.fraction[0], disc.center[1] - pose.fraction[1],
-                      disc.center[2] - pose.fraction[2]);
-  const glm::vec3 axis(disc.axis[0], disc.axis[1], disc.axis[2]);
-  const glm::vec3 moved = motion.last.travel_voxels + glm::cross(motion.last.turn_rad, arm);
-  const float tilt = glm::length(motion.last.turn_rad) * disc.radius;
-  return {std::abs(glm::dot(axis, moved)) + tilt, glm::length(moved) + tilt};
-}
-
 }  // namespace
 
 [[gnu::cold]] PartDisc disc_of(const PshellView& shell, std::uint64_t begin, std::uint64_t end,
@@ -81,10 +54,9 @@ Leeway last_motion(const PlacedDisc& disc, const VoxelPose& pose, const SpentMot
     half_height_m = std::max(half_height_m, std::abs(along));
     radius2_m2 = std::max(radius2_m2, glm::dot(across, across));
   }
-  return {center,
-          {axis.x, axis.y, axis.z},
-          static_cast<float>(std::sqrt(radius2_m2) * kDiscRounding),
-          static_cast<float>(half_height_m * kDiscRounding)};
+  const auto radius = static_cast<float>(std::sqrt(radius2_m2) * kDiscRounding),
+             half_height = static_cast<float>(half_height_m * kDiscRounding);
+  return {Four{center[0], center[1], center[2], radius}, Four{axis.x, axis.y, axis.z, half_height}};
 }
 
 [[gnu::cold]] RowSkipper::Pieces RowSkipper::cut(const PshellView& shell,
@@ -94,7 +66,7 @@ Leeway last_motion(const PlacedDisc& disc, const VoxelPose& pose, const SpentMot
     const std::uint64_t end = std::min(begin + piece_points, shell.point_count);
     pieces.discs.push_back(disc_of(shell, begin, end, middle_of(shell, begin, end)));
   }
-  pieces.found.resize(pieces.discs.size());
+  pieces.found = std::vector<FoundFree>(pieces.discs.size());
   pieces.free_until.assign(pieces.discs.size(), kNever);
   pieces.let_be.assign(pieces.discs.size(), 0);
   return pieces;
@@ -117,62 +89,84 @@ void RowSkipper::forget() noexcept {
   has_base_ = false;
 }
 
-std::array<float, 3> RowSkipper::from_base(const PlacedDisc& disc) const noexcept {
-  std::array<float, 3> center{};
+void RowSkipper::start(const KernelMap& map, const VoxelPose& pose, const DiscMargin& margin,
+                       const LastMotion& last) noexcept {
+  if (!has_base_) base_ = pose.whole;
+  has_base_ = true;
+  map_ = &map;
+  whole_ = pose.whole;
+  scale_ = margin.scale;
+  margin_ = kAxes * margin.voxels + kAxisRounding;
+  last_ = last;
   for (int axis = 0; axis < 3; ++axis) {
-    center[axis] = disc.center[axis] + float(disc.whole[axis] - base_[axis]);
+    for (std::size_t column = 0; column < 3; ++column) {
+      turn_[column][axis] = pose.turn[axis][column];
+      rotation_[column][axis] = pose.rotation[axis][column];
+    }
+    fraction_[axis] = pose.fraction[axis];
+    from_base_[axis] = static_cast<float>(whole_[axis] - base_[axis]);
   }
-  return center;
+}
+
+RowSkipper::Placed RowSkipper::place(const PartDisc& disc) const noexcept {
+  const auto sum = [](const std::array<Four, 3>& columns, Four v) {
+    return columns[0] * v[0] + columns[1] * v[1] + columns[2] * v[2];
+  };
+  return {sum(turn_, disc.place) + fraction_, sum(rotation_, disc.shape)};
+}
+
+// By how much the last run's motion moved a disc's points along and across its axis, about.
+Leeway RowSkipper::last_motion(const Placed& disc, float radius) const noexcept {
+  const Four arm = disc.center - fraction_;
+  const glm::vec3 moved =
+      last_.travel_voxels + glm::cross(last_.turn_rad, glm::vec3(arm[0], arm[1], arm[2]));
+  const glm::vec3 axis(disc.axis[0], disc.axis[1], disc.axis[2]);
+  const float tilt = glm::length(last_.turn_rad) * radius;
+  return {std::abs(glm::dot(axis, moved)) + tilt, glm::length(moved) + tilt};
 }
 
 // How far, in voxels, each point of a disc may move from where it is now, since it was found free.
 // A disc that tilted is compared with itself tilted back about its center, which moves no point of
 // it by more than the change of its unit axis times its reach. At most 0 where it has left.
-float RowSkipper::leeway_left(const FoundFree& found, const PlacedDisc& now) const noexcept {
-  const std::array<float, 3> center = from_base(now);
-  float along = 0, all2 = 0, tilt2 = 0;
-  for (int axis = 0; axis < 3; ++axis) {
-    const float moved = center[axis] - found.center[axis];
-    const float tilted = now.axis[axis] - found.axis[axis];
-    along += moved * found.axis[axis];
-    all2 += moved * moved;
-    tilt2 += tilted * tilted;
-  }
-  const float more =
-      std::sqrt(tilt2) * (now.radius + now.half_height) + 2 * now.margin + kMotionRounding;
-  return std::min(found.leeway.along - std::abs(along), found.leeway.across - std::sqrt(all2)) -
-         more;
+float RowSkipper::leeway_left(const FoundFree& found, const Placed& now,
+                              const PartDisc& disc) const noexcept {
+  const Four moved = now.center + from_base_ - found.at.center;
+  const Four tilted = now.axis - found.at.axis;
+  const float reach = (disc.place[3] + disc.shape[3]) * scale_;
+  return std::min(found.leeway.along - std::abs(dot3(moved, found.at.axis)),
+                  found.leeway.across - std::sqrt(dot3(moved, moved))) -
+         (std::sqrt(dot3(tilted, tilted)) * reach + 2 * margin_ + kMotionRounding);
 }
 
-bool RowSkipper::is_free(const KernelMap& map, const VoxelPose& pose, const DiscMargin& margin,
-                         Pieces& pieces, std::uint32_t i, const Leeway& most,
-                         const SpentMotion& motion) noexcept {
-  if (coherence_ && motion.spent < pieces.free_until[i]) return true;
-  if (coherence_ && pieces.let_be[i] > 0) {
-    --pieces.let_be[i];
-    return false;
-  }
+// Whether a disc that is not known to be free is.
+bool RowSkipper::look_around(Pieces& pieces, std::uint32_t i, const Leeway& most,
+                             float spent) noexcept {
   FoundFree& found = pieces.found[i];
-  const PlacedDisc disc = place(pieces.discs[i], pose, margin);
+  const PartDisc& disc = pieces.discs[i];
+  const Placed now = place(disc);
   if (coherence_ && found.leeway.along > 0) {
-    const float left = leeway_left(found, disc);
+    const float left = leeway_left(found, now, disc);
     if (left > 0) {
-      pieces.free_until[i] = motion.spent + left;
+      pieces.free_until[i] = spent + left;
       return true;
     }
   }
-  const Leeway last = last_motion(disc, pose, motion);
+  const PlacedDisc placed = {{now.center[0], now.center[1], now.center[2]},
+                             whole_,
+                             {now.axis[0], now.axis[1], now.axis[2]},
+                             disc.place[3] * scale_,
+                             disc.shape[3] * scale_,
+                             margin_};
+  const Leeway last = last_motion(now, placed.radius);
   const Leeway wanted = {std::clamp(kMostRuns * last.along, kLeastLeeway, most.along),
                          std::clamp(kMostRuns * last.across, kLeastLeeway, most.across)};
-  const float share = bounds_.share(map, disc, wanted);
+  const float share = bounds_.share(*map_, placed, wanted);
   const Leeway leeway = {share * wanted.along, share * wanted.across};
   const float left = std::min(leeway.along, leeway.across) - kMotionRounding;
   if (left > 0 && leeway.along > kMotionRounding + kLeastRuns * last.along &&
       leeway.across > kMotionRounding + kLeastRuns * last.across) {
-    if (!has_base_) base_ = disc.whole;
-    has_base_ = true;
-    found = {from_base(disc), disc.axis, leeway};
-    pieces.free_until[i] = motion.spent + left;
+    found = {{now.center + from_base_, now.axis}, leeway};
+    pieces.free_until[i] = spent + left;
     return true;
   }
   found.leeway = {};
@@ -181,25 +175,35 @@ bool RowSkipper::is_free(const KernelMap& map, const VoxelPose& pose, const Disc
   return false;
 }
 
-float RowSkipper::known_free_until(const VoxelPose& pose, const DiscMargin& margin,
-                                   std::uint32_t block, const SpentMotion& motion) noexcept {
-  const FoundFree& found = blocks_.found[block];
-  if (!coherence_ || !(found.leeway.along > 0)) return kNever;
-  const float left = leeway_left(found, place(blocks_.discs[block], pose, margin));
-  if (!(left > 0)) return kNever;
-  return blocks_.free_until[block] = motion.spent + left;
+inline bool RowSkipper::is_free(Pieces& pieces, std::uint32_t i, const Leeway& most,
+                                float spent) noexcept {
+  if (coherence_) {
+    if (spent < pieces.free_until[i]) return true;
+    if (pieces.let_be[i] > 0) {
+      --pieces.let_be[i];
+      return false;
+    }
+  }
+  return look_around(pieces, i, most, spent);
 }
 
-float RowSkipper::take_near(const KernelMap& map, const VoxelPose& pose, const DiscMargin& margin,
-                            std::uint32_t block, const SpentMotion& motion, std::uint32_t* rows,
+float RowSkipper::known_free_until(std::uint32_t block, float spent) noexcept {
+  const FoundFree& found = blocks_.found[block];
+  if (!coherence_ || !(found.leeway.along > 0)) return kNever;
+  const PartDisc& disc = blocks_.discs[block];
+  const float left = leeway_left(found, place(disc), disc);
+  if (!(left > 0)) return kNever;
+  return blocks_.free_until[block] = spent + left;
+}
+
+float RowSkipper::take_near(std::uint32_t block, float spent, std::uint32_t* rows,
                             std::uint32_t& count) noexcept {
-  if (is_free(map, pose, margin, blocks_, block, kMostBlockLeeway, motion)) {
-    return blocks_.free_until[block];
-  }
+  if (is_free(blocks_, block, kMostBlockLeeway, spent)) return blocks_.free_until[block];
   const std::uint32_t before = count, begin = block * block_rows_;
+  const std::uint32_t end = std::min(begin + block_rows_, row_count_);
   float until = std::numeric_limits<float>::max();
-  for (std::uint32_t row = begin; row < std::min(begin + block_rows_, row_count_); ++row) {
-    if (!is_free(map, pose, margin, rows_, row, kMostRowLeeway, motion)) rows[count++] = row;
+  for (std::uint32_t row = begin; row < end; ++row) {
+    if (!is_free(rows_, row, kMostRowLeeway, spent)) rows[count++] = row;
     until = std::min(until, rows_.free_until[row]);
   }
   return count == before ? until : kNever;
