@@ -75,24 +75,23 @@ float beyond(const BrickBound& bound, const PlacedDisc& disc, const Leeway& most
 
 bool is_free(std::uint32_t entry) { return is_uniform(entry) && uniform_value(entry) == 0; }
 
-// The entries of the column of cells (8^3 voxels) from (x, y, z) to the end of its node, or the one
-// entry that stands for all of them.
-struct CellColumn {
-  const std::uint32_t* entries;
-  bool one_for_all;
+int slot(int x, int y, int z) { return (x & 7) << 6 | (y & 7) << 3 | (z & 7); }
+
+// The entries of the 8^3 cells (8^3 voxels each) of a node, or the one that stands for all of them.
+struct CellNode {
+  const std::uint32_t* entries = nullptr;
+  bool one_for_all = false;
+  std::array<int, 3> at = {-1, -1, -1};
 };
 
-CellColumn cell_column(const KernelMap& map, int x, int y, int z) {
-  const auto slot = [&](int shift) {
-    return static_cast<std::uint32_t>((x >> shift & 7) << 6 | (y >> shift & 7) << 3 |
-                                      (z >> shift & 7));
-  };
+CellNode node_at(const KernelMap& map, int x, int y, int z) {
+  const std::array<int, 3> at = {x, y, z};
   const std::uint32_t* entry =
-      map.directory + (std::int64_t{x >> 6} * map.dims[1] + (y >> 6)) * map.dims[2] + (z >> 6);
-  if (is_uniform(*entry)) return {entry, true};
-  entry = map.upper_nodes + std::uint64_t{*entry} * kNodeEntries + slot(3);
-  if (is_uniform(*entry)) return {entry, true};
-  return {map.lower_nodes + std::uint64_t{*entry} * kNodeEntries + slot(0), false};
+      map.directory + (std::int64_t{x >> 3} * map.dims[1] + (y >> 3)) * map.dims[2] + (z >> 3);
+  if (is_uniform(*entry)) return {entry, true, at};
+  entry = map.upper_nodes + std::uint64_t{*entry} * kNodeEntries + slot(x, y, z);
+  if (is_uniform(*entry)) return {entry, true, at};
+  return {map.lower_nodes + std::uint64_t{*entry} * kNodeEntries, false, at};
 }
 
 }  // namespace
@@ -154,29 +153,32 @@ float BrickBounds::share(const KernelMap& map, const PlacedDisc& disc,
       share = std::min(share, inside * per_voxel[axis]);
     }
   }
-  // The share by which the disc lies off what the cell at (x, y, z) holds, `share` if it is more.
-  const auto off = [&](std::uint32_t entry, int x, int y, int z) {
-    const std::array<float, 3> corner = {float(x * kEdge - disc.whole[0]),
-                                         float(y * kEdge - disc.whole[1]),
-                                         float(z * kEdge - disc.whole[2])};
-    float off_cell = -1;
-    for (int axis = 0; axis < 3; ++axis) {
-      const float gap = greater(low[axis] - (corner[axis] + kEdge), corner[axis] - high[axis]);
-      off_cell = greater(off_cell, gap * per_voxel[axis]);
-    }
-    if (off_cell >= share || is_uniform(entry)) return std::min(off_cell, share);
-    return std::min(greater(off_cell, beyond(bounds_[entry], disc, most, corner)), share);
+  const auto corner = [&](int axis, int cell) { return float(cell * kEdge - disc.whole[axis]); };
+  // The share by which the disc lies off the cells whose corner is at `at`.
+  const auto gap = [&](int axis, float at) {
+    return greater(low[axis] - (at + kEdge), at - high[axis]) * per_voxel[axis];
   };
+  CellNode node;
   for (int x = first[0]; x <= last[0]; ++x) {
-    for (int y = first[1]; y <= last[1]; ++y) {
-      for (int z = first[2]; z <= last[2];) {
+    const float at_x = corner(0, x), off_x = gap(0, at_x);
+    for (int y = first[1]; y <= last[1] && off_x < share; ++y) {
+      const float at_y = corner(1, y), off_xy = greater(off_x, gap(1, at_y));
+      for (int z = first[2]; z <= last[2] && off_xy < share;) {
         const int end = std::min(last[2], z | 7) + 1;  // of the node
-        CellColumn column = cell_column(map, x, y, z);
-        if (column.one_for_all && is_free(*column.entries)) z = end;
+        if (node.at != std::array<int, 3>{x >> 3, y >> 3, z >> 3}) {
+          node = node_at(map, x >> 3, y >> 3, z >> 3);
+        }
+        if (node.one_for_all && is_free(*node.entries)) z = end;
         for (; z < end; ++z) {
-          if (!is_free(*column.entries)) share = off(*column.entries, x, y, z);
+          const std::uint32_t entry = node.entries[node.one_for_all ? 0 : slot(x, y, z)];
+          if (is_free(entry)) continue;
+          const float at_z = corner(2, z);
+          float off = greater(off_xy, gap(2, at_z));
+          if (off < share && !is_uniform(entry)) {
+            off = greater(off, beyond(bounds_[entry], disc, most, {at_x, at_y, at_z}));
+          }
+          if (off < share) share = off;
           if (share <= 0) return share;
-          if (!column.one_for_all) ++column.entries;
         }
       }
     }

@@ -16,13 +16,13 @@ constexpr float kAxisRounding = 1e-4f;      // voxels: of a disc's height along 
 // Leeway is sought for a number of runs like the last one, within bounds in voxels. More lasts
 // longer, and takes more bricks to find. Beside a wall a part slides and turns farther than it
 // presses.
-constexpr float kMostRuns = 40, kLeastLeeway = 0.5f;
+constexpr float kMostRuns = 60, kLeastLeeway = 0.5f;
 constexpr Leeway kMostBlockLeeway = {3, 8}, kMostRowLeeway = {2, 6};
 // Runs that leeway must last, else looking up is cheaper than trying again.
 constexpr float kLeastRuns = 2;
 // A piece that is not free most likely has points in contact, now and in the next runs; trying a
 // row costs about as much as looking it up.
-constexpr std::uint8_t kLooksBetweenTries = 24;
+constexpr std::uint8_t kLooksBetweenTries = 48;
 
 [[gnu::cold]] std::array<float, 3> middle_of(const PshellView& shell, std::uint64_t begin,
                                              std::uint64_t end) {
