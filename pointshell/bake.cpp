@@ -10,6 +10,7 @@
 #include <numeric>
 #include <optional>
 #include <thread>
+#include <unordered_set>
 
 #include "pointshell/certificate/certificate.h"
 #include "pointshell/certificate/hidden_surface.h"
@@ -74,10 +75,10 @@ class Stages {
 // and patches, for rays tell the outside of each and its points lie between others.
 constexpr double kBytesPerPoint = 400, kBytesPerTriangle = 450, kBytesPerPatch = 5000;
 constexpr double kSecondsPerPoint = 85e-6, kSecondsPerTriangle = 20e-6, kSecondsPerPatch = 1.1e-3;
-// A needle is longer than this and thinner than one, in radii. A row of points, which its neighbors
-// share, runs along each of its sides, and its proof takes more memory.
+// A needle is longer than this and thinner than one, in radii. Rows of points run along it, also
+// where it has no area to speak of, and their proof takes more memory.
 constexpr double kNeedle = 64;
-constexpr double kRowsPerNeedle = 0.6, kBytesPerNeedlePoint = 900;
+constexpr double kPointsPerNeedleCell = 2.5, kBytesPerNeedlePoint = 900;
 // Triangles of copies are read and placed, and give normals to the points.
 constexpr double kBytesPerCopied = 175, kSecondsPerCopied = 9e-6;
 // The most points that a method needs, as a multiple of the planar bound.
@@ -108,17 +109,50 @@ std::size_t count_patches(const part::Part& part, std::span<const std::uint32_t>
   return patches;
 }
 
-// Points along a triangle that is a needle, beyond those that its area asks for; else 0.
-double needle_points(const part::Piece& piece, double radius) {
-  double longest = 0;
-  for (int n = 0; n < 3; ++n) {
-    longest = std::max(longest, part::length(piece[(n + 1) % 3] - piece[n]));
+// The needles of a part: their area, and the cells of two radii that they run through, in which
+// those that lie side by side share their points.
+class Needles {
+ public:
+  explicit Needles(double radius) : radius_(radius) {}
+
+  void add(const part::Piece& piece) {
+    int longest = 0;
+    const auto edge = [&](int n) { return piece[(n + 1) % 3] - piece[n]; };
+    for (int n = 1; n < 3; ++n) {
+      if (part::length_squared(edge(n)) > part::length_squared(edge(longest))) longest = n;
+    }
+    const part::Vec3 along = edge(longest);
+    const double length = part::length(along);
+    const double doubled_area = part::length(part::cross(along, edge((longest + 1) % 3)));
+    if (length < kNeedle * radius_ || doubled_area > length * radius_) return;
+    if (steps_ > kMostSteps) return;  // enough is known
+    area_m2_ += doubled_area / 2;
+    const double steps = std::min(std::ceil(length / (2 * radius_)), kMaxRadiusVoxels);
+    steps_ += steps;
+    for (double n = 0; n < steps; ++n) {
+      const part::Vec3 p = piece[longest] + (n / steps) * along;
+      std::uint64_t cell = 0;
+      for (int axis = 0; axis < 3; ++axis) {
+        const double at = std::floor(part::coordinate(p, axis) / (2 * radius_));
+        cell = (cell << 21) ^ (static_cast<std::uint64_t>(std::llround(at)) & 0x1fffff);
+      }
+      cells_.insert(cell);
+    }
   }
-  const double doubled_area = part::length(part::cross(piece[1] - piece[0], piece[2] - piece[0]));
-  if (longest < kNeedle * radius || doubled_area > longest * radius) return 0;
-  return std::max(0.0,
-                  kRowsPerNeedle * longest / (2 * radius) - planar_bound(doubled_area / 2, radius));
-}
+
+  // Beyond those that their area asks for.
+  double points() const {
+    return std::max(0.0, kPointsPerNeedleCell * static_cast<double>(cells_.size()) -
+                             planar_bound(area_m2_, radius_));
+  }
+
+ private:
+  static constexpr double kMostSteps = 1 << 22;
+
+  const double radius_;
+  double area_m2_ = 0, steps_ = 0;
+  std::unordered_set<std::uint64_t> cells_;
+};
 
 // Refuses a bake that would run for hours and then out of memory, or make what no file holds.
 Status check_size(const part::Part& part, const part::MassProperties& mass, double radius,
@@ -371,14 +405,16 @@ BakeCost expected_cost(const part::Part& part, const ShellOptions& options) {
   std::vector<part::CopiedGroup> groups;
   if (options.method == ShellMethod::kSurface) groups = part::find_copies(part, radius);
   const std::vector<std::uint32_t> originals = part::original_triangles(part, groups);
-  double area_m2 = 0, area_once_m2 = 0, once = 0, along_needles = 0;
+  double area_m2 = 0, area_once_m2 = 0, once = 0;
+  Needles needles(radius);
   for (std::uint32_t t = 0; t < part.triangles.size(); ++t) {
     const double own_m2 = part::length(part::doubled_area_normal(part, t)) / 2;
     area_m2 += own_m2;
     if (originals[t] != t) continue;
     area_once_m2 += own_m2, ++once;
-    along_needles += needle_points(part::triangle_piece(part, t), radius);
+    needles.add(part::triangle_piece(part, t));
   }
+  const double along_needles = needles.points();
   const double copied = static_cast<double>(part.triangles.size()) - once;
   const auto patches = static_cast<double>(count_patches(part, originals));
   const unsigned cores = std::max(1u, std::thread::hardware_concurrency());

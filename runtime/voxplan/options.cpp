@@ -10,12 +10,9 @@
 namespace forcelayer::voxplan {
 namespace {
 
-constexpr unsigned kMostThreads = 256;
+using command::about;
 
-Error about(const char* option, Error error) {
-  error.where = option;
-  return error;
-}
+constexpr unsigned kMostThreads = 256;
 
 Result<Pose> read_pose(const char* option, const std::string& text) {
   const auto read = command::parse_pose(text);
@@ -45,7 +42,8 @@ OptionParser::OptionParser(CLI::App& app) : clearance_("12.7mm"), seat_("0,0,0m"
                  "repeatable")
       ->allow_extra_args(false);
   app.add_option("--time", time_, "after which the search is given up; 60s");
-  app.add_option("--seed", options_.seed, "of its random numbers: another one, another path; 1");
+  app.add_option("--seed", options_.seed, "of its random numbers: another one, another path; 1")
+      ->check(CLI::Range(0u, 1000000000u));
   app.add_option("--threads", options_.threads, "that share the work; all; no path depends on it")
       ->check(CLI::Range(1u, kMostThreads));
   options_.speed_mps = 0.1;

@@ -1,4 +1,4 @@
-// What a bake is expected to take: told before it begins where it is more than a minute or a
+// The expected cost of a bake: told before it begins where it is more than a minute or a
 // gigabyte.
 #include <gtest/gtest.h>
 
@@ -27,12 +27,27 @@ mesh::Mesh ball_with_stray_vertex(double distance_m) {
   return mesh;
 }
 
+// A plate of needles side by side.
+mesh::Mesh ribbed_plate(int ribs) {
+  mesh::Mesh mesh;
+  for (int n = 0; n <= ribs; ++n) {
+    for (const double y : {0.0, 4.0}) mesh.vertices.push_back({2.0 * n / ribs, y, 0});
+  }
+  for (int n = 0; n < ribs; ++n) {
+    const auto a = static_cast<std::uint32_t>(2 * n);
+    mesh.triangles.push_back({a, a + 2, a + 3});
+    mesh.triangles.push_back({a, a + 3, a + 1});
+  }
+  return mesh;
+}
+
 // The points are within a factor of 1.7 of those that a bake makes: of a surface by its area, of
 // needles by their length.
 TEST(Cost, CountsThePointsOfSurfaceAndNeedles) {
   const std::pair<const char*, part::Part> cases[] = {
       {"box", part_of(box_mesh(2, 1.4, 1))},
       {"ball", part_of(sphere_mesh(1, 60))},
+      {"ribs", part_of(ribbed_plate(500))},
       {"stray vertex", part_of(ball_with_stray_vertex(40))},
       {"stray vertex, farther", part_of(ball_with_stray_vertex(160))}};
   for (const auto& [name, part] : cases) {

@@ -80,7 +80,7 @@ TEST(ViewOptions, ANumberThatIsNoneIsRefusedByName) {
                {"a.vox --part-pose 1e300m,0,0", "--part-pose"},
                {"a.vox --trace t.csv --grip 0,0,infm", "--grip"},
                {"a.vox --trace t.csv --at nans", "--at"},
-               {"a.vox --listen --duration 1e300s", "--duration"},
+               {"a.vox --listen 9000 --duration 1e300s", "--duration"},
                {"a.vox --view-from nan,0,1", "--view-from"}};
   for (const auto& c : cases) {
     const auto options = parsed(c.line);
