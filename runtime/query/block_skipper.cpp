@@ -11,7 +11,8 @@
 namespace forcelayer::query {
 namespace {
 
-constexpr std::uint32_t kGroup = 16;        // discs looked at together: a vector
+constexpr std::uint32_t kGroup = 16;               // discs looked at together: a vector
+constexpr std::uint8_t kLooksBetweenSurveys = 24;  // of a disc for which one was in vain
 constexpr double kMostMotionVoxels = 4096;  // then all slack is forgotten, so that floats stay fine
 constexpr float kMotionRounding = RowSkipper::kMotionRounding;
 constexpr double kUnitTolerance = 1e-9;  // of an orientation's length, squared; else no skipping
@@ -40,6 +41,8 @@ bool is_unit(const glm::dquat& q) { return std::abs(glm::dot(q, q) - 1) < kUnitT
   if (options.clearance && options.walls) row_skipper_.emplace(voxmap, shell, options.coherence);
 }
 
+[[gnu::cold]] BlockSkipper::~BlockSkipper() = default;
+
 [[gnu::cold]] BlockSkipper::Level BlockSkipper::make_level(const PshellView& shell,
                                                            const BoundingSphere* spheres,
                                                            std::uint64_t count,
@@ -47,7 +50,8 @@ bool is_unit(const glm::dquat& q) { return std::abs(glm::dot(q, q) - 1) < kUnitT
   Level level;
   if (!options_.clearance) return level;
   level.count = static_cast<std::uint32_t>(count);
-  level.free_until.assign(count, kNever);
+  level.free_until.assign(count + kGroup, kNever);
+  level.let_be.assign(count, 0);
   for (std::uint64_t i = 0; i < count; ++i) {
     const BoundingSphere& s = spheres[i];
     const double reach_m =
@@ -55,10 +59,10 @@ bool is_unit(const glm::dquat& q) { return std::abs(glm::dot(q, q) - 1) < kUnitT
     level.reach_voxels.push_back(static_cast<float>(reach_m / voxel_size_m_ * kRadiusRounding));
     const PartDisc disc = disc_of(
         shell, i * run_points, std::min(shell.point_count, (i + 1) * run_points), {s.x, s.y, s.z});
-    level.place.insert(level.place.end(), {s.x, s.y, s.z, disc.radius});
-    level.shape.insert(level.shape.end(),
-                       {disc.axis[0], disc.axis[1], disc.axis[2], disc.half_height});
+    level.place.push_back(disc.place);
+    level.shape.push_back(disc.shape);
   }
+  level.reach_voxels.resize(count + kGroup);
   return level;
 }
 
@@ -73,11 +77,12 @@ void BlockSkipper::forget_slack() noexcept {
 void BlockSkipper::spend_motion(const Pose& pose) noexcept {
   if (has_last_) {
     const glm::dquat turn = pose.orientation * glm::conjugate(last_.orientation);
-    const double sine = glm::length(glm::dvec3(turn.x, turn.y, turn.z));
-    last_turn_rad_ = 2 * std::atan2(sine, std::abs(turn.w));
-    last_travel_voxels_ = glm::length(pose.position_m - last_.position_m) / voxel_size_m_;
-    turn_rad_ += last_turn_rad_;
-    travel_voxels_ += last_travel_voxels_;
+    const glm::dvec3 sine(turn.x, turn.y, turn.z);
+    const double angle = 2 * std::atan2(glm::length(sine), std::abs(turn.w));
+    const glm::dvec3 travel = (pose.position_m - last_.position_m) / voxel_size_m_;
+    last_motion_ = {travel, (turn.w < 0 ? -2.0 : 2.0) * sine};  // right for small turns
+    turn_rad_ += angle;
+    travel_voxels_ += glm::length(travel);
   }
   has_last_ = true;
   last_ = pose;
@@ -87,40 +92,63 @@ void BlockSkipper::spend_motion(const Pose& pose) noexcept {
 std::uint32_t BlockSkipper::not_known_free(const Level& level, std::uint32_t begin,
                                            std::uint32_t end) const noexcept {
   const auto travel = static_cast<float>(travel_voxels_), turn = static_cast<float>(turn_rad_);
-  std::uint32_t spent = 0;
-  for (std::uint32_t i = begin; i < end; ++i) {
-    const bool is_spent = travel + level.reach_voxels[i] * turn >= level.free_until[i];
-    spent |= static_cast<std::uint32_t>(is_spent) << (i - begin);
+  const float *reach = &level.reach_voxels[begin], *until = &level.free_until[begin];
+  FourBits spent = {}, bits = {1, 2, 4, 8};
+  for (std::uint32_t i = 0; i < kGroup; i += 4, bits <<= 4) {
+    spent |= (travel + load_four(reach + i) * turn >= load_four(until + i)) & bits;
   }
-  return spent;
+  const auto all = static_cast<std::uint32_t>(spent[0] | spent[1] | spent[2] | spent[3]);
+  return all & ((1u << (end - begin)) - 1);
+}
+
+// A super-block is known free while all of its blocks are.
+void BlockSkipper::remember_blocks(std::uint32_t super, std::uint32_t begin,
+                                   std::uint32_t end) noexcept {
+  const auto travel = static_cast<float>(travel_voxels_), turn = static_cast<float>(turn_rad_);
+  float left = kMostMotionVoxels;
+  for (std::uint32_t i = begin; i < end; ++i) {
+    left = std::min(left, blocks_.free_until[i] - (travel + blocks_.reach_voxels[i] * turn));
+  }
+  super_blocks_.free_until[super] =
+      travel + super_blocks_.reach_voxels[super] * turn + left - kMotionRounding;
 }
 
 // Surveys the group's discs anew. With coherence, earlier slack that reaches further is kept.
 void BlockSkipper::survey(const KernelMap& map, const VoxelPose& pose, Level& level,
                           std::uint32_t begin, std::uint32_t end) noexcept {
   float slack[kGroup];
-  survey_discs(map, pose, margin_, {level.place.data(), level.shape.data()}, begin, end, slack);
+  const KernelDiscs discs = {reinterpret_cast<const float*>(level.place.data()),
+                             reinterpret_cast<const float*>(level.shape.data())};
+  survey_discs(map, pose, margin_, discs, begin, end, slack);
   const auto travel = static_cast<float>(travel_voxels_), turn = static_cast<float>(turn_rad_);
   for (std::uint32_t i = begin; i < end; ++i) {
     const float here = travel + level.reach_voxels[i] * turn;
     const float by = std::min(slack[i - begin], static_cast<float>(kMostMotionVoxels));
     const float until = by > kMotionRounding ? here + by - kMotionRounding : kNever;
+    if (until == kNever) level.let_be[i] = kLooksBetweenSurveys;
     level.free_until[i] = options_.coherence ? std::max(level.free_until[i], until) : until;
   }
 }
 
-// Calls visit(i) for the discs of [begin, end) that are not known to be free. They are surveyed
-// first, unless let_be(i) says of all of them that this is in vain.
-template <typename LetBe, typename Visit>
+// Calls visit(i) for the discs of [begin, end) that are not known to be free, by known_free(i)
+// either. They are surveyed first, unless that was in vain for each of them not long ago.
+template <typename KnownFree, typename Visit>
 void BlockSkipper::visit_near(const KernelMap& map, const VoxelPose& pose, Level& level,
-                              std::uint32_t begin, std::uint32_t end, LetBe let_be,
+                              std::uint32_t begin, std::uint32_t end, KnownFree known_free,
                               Visit visit) noexcept {
   for (std::uint32_t first = begin; first < end; first += kGroup) {
     const std::uint32_t last = std::min(end, first + kGroup);
     std::uint32_t near = not_known_free(level, first, last);
     bool worth = !options_.coherence;
-    for (std::uint32_t left = near; left != 0 && !worth; left &= left - 1) {
-      worth = !let_be(first + static_cast<std::uint32_t>(std::countr_zero(left)));
+    for (std::uint32_t left = near; left != 0; left &= left - 1) {
+      const std::uint32_t i = first + static_cast<std::uint32_t>(std::countr_zero(left));
+      if (known_free(i)) {
+        near &= ~(left & -left);
+      } else if (level.let_be[i] > 0) {
+        --level.let_be[i];
+      } else {
+        worth = true;
+      }
     }
     if (worth) {
       survey(map, pose, level, first, last);
@@ -132,20 +160,20 @@ void BlockSkipper::visit_near(const KernelMap& map, const VoxelPose& pose, Level
   }
 }
 
+float BlockSkipper::spent(std::uint32_t block) const noexcept {
+  return static_cast<float>(travel_voxels_) +
+         blocks_.reach_voxels[block] * static_cast<float>(turn_rad_);
+}
+
 // Takes the rows of a block that is not known to be free.
-void BlockSkipper::take_rows(const KernelMap& map, const VoxelPose& pose,
-                             std::uint32_t block) noexcept {
+void BlockSkipper::take_rows(std::uint32_t block) noexcept {
   const std::uint32_t begin = block * block_rows_, end = std::min(begin + block_rows_, row_count_);
   if (!row_skipper_) {
     for (std::uint32_t row = begin; row < end; ++row) candidates_[candidate_count_++] = row;
     return;
   }
-  const float reach = blocks_.reach_voxels[block];
-  const SpentMotion motion = {
-      static_cast<float>(travel_voxels_) + reach * static_cast<float>(turn_rad_),
-      static_cast<float>(last_travel_voxels_) + reach * static_cast<float>(last_turn_rad_)};
-  const float until = row_skipper_->take_near(map, pose, margin_, block, motion, candidates_.data(),
-                                              candidate_count_);
+  const float until =
+      row_skipper_->take_near(block, spent(block), candidates_.data(), candidate_count_);
   blocks_.free_until[block] = std::max(blocks_.free_until[block], until);
 }
 
@@ -162,21 +190,25 @@ std::span<const std::uint32_t> BlockSkipper::candidates(const KernelMap& map,
   margin_.scale = static_cast<float>(kRadiusRounding / voxel_size_m_);
   // The center's own rounding, a point's, and what kUnitTolerance leaves of the radius.
   margin_.voxels = static_cast<float>(2 * rounding_voxels + 2 * kUnitTolerance * radius_voxels_);
-  const auto take = [&](std::uint32_t block) { take_rows(map, pose, block); };
-  const auto let_be = [&](std::uint32_t block) {
-    return row_skipper_ && row_skipper_->lets_be(block);
+  if (row_skipper_) row_skipper_->start(map, pose, margin_, last_motion_);
+  const auto take = [&](std::uint32_t block) { take_rows(block); };
+  const auto known_free = [&](std::uint32_t block) {
+    if (!row_skipper_) return false;
+    const float until = row_skipper_->known_free_until(block, spent(block));
+    blocks_.free_until[block] = std::max(blocks_.free_until[block], until);
+    return until > 0;
   };
   if (!options_.super_blocks) {
-    visit_near(map, pose, blocks_, 0, blocks_.count, let_be, take);
+    visit_near(map, pose, blocks_, 0, blocks_.count, known_free, take);
     return {candidates_.data(), candidate_count_};
   }
-  visit_near(
-      map, pose, super_blocks_, 0, super_blocks_.count, [](std::uint32_t) { return false; },
-      [&](std::uint32_t super) {
-        const std::uint32_t first = super * super_block_blocks_;
-        visit_near(map, pose, blocks_, first, std::min(blocks_.count, first + super_block_blocks_),
-                   let_be, take);
-      });
+  const auto no = [](std::uint32_t) { return false; };
+  visit_near(map, pose, super_blocks_, 0, super_blocks_.count, no, [&](std::uint32_t super) {
+    const std::uint32_t first = super * super_block_blocks_, before = candidate_count_,
+                        last = std::min(blocks_.count, first + super_block_blocks_);
+    visit_near(map, pose, blocks_, first, last, known_free, take);
+    if (options_.coherence && candidate_count_ == before) remember_blocks(super, first, last);
+  });
   return {candidates_.data(), candidate_count_};
 }
 

@@ -30,6 +30,9 @@ class BlockSkipper {
  public:
   // Both files must outlive this.
   BlockSkipper(const Voxmap& voxmap, const Pshell& shell, const SkipOptions& options);
+  ~BlockSkipper();
+  BlockSkipper(const BlockSkipper&) = delete;
+  BlockSkipper& operator=(const BlockSkipper&) = delete;
 
   // The rows that may have a point in a voxel that is not free or not known, ascending.
   // `rounding_voxels` bounds how far single precision misplaces a point, per axis.
@@ -40,9 +43,10 @@ class BlockSkipper {
   // The blocks or the super-blocks, each in a disc (KernelDiscs).
   struct Level {
     std::uint32_t count = 0;
-    std::vector<float> place, shape;  // of the discs
-    std::vector<float> reach_voxels;  // of the farthest point from the centroid
-    std::vector<float> free_until;    // spent motion (voxels) up to which the disc is known free
+    std::vector<Four> place, shape;    // of the discs
+    std::vector<float> reach_voxels;   // of the farthest point from the centroid
+    std::vector<float> free_until;     // spent motion (voxels) up to which the disc is known free
+    std::vector<std::uint8_t> let_be;  // looks until it is surveyed again
   };
 
   Level make_level(const PshellView& shell, const BoundingSphere* spheres, std::uint64_t count,
@@ -54,10 +58,13 @@ class BlockSkipper {
                                std::uint32_t end) const noexcept;
   void survey(const KernelMap& map, const VoxelPose& pose, Level& level, std::uint32_t begin,
               std::uint32_t end) noexcept;
-  template <typename LetBe, typename Visit>
+  // How far a block's points can have moved since slack was last forgotten, voxels.
+  float spent(std::uint32_t block) const noexcept;
+  template <typename KnownFree, typename Visit>
   void visit_near(const KernelMap& map, const VoxelPose& pose, Level& level, std::uint32_t begin,
-                  std::uint32_t end, LetBe let_be, Visit visit) noexcept;
-  void take_rows(const KernelMap& map, const VoxelPose& pose, std::uint32_t block) noexcept;
+                  std::uint32_t end, KnownFree known_free, Visit visit) noexcept;
+  void remember_blocks(std::uint32_t super, std::uint32_t begin, std::uint32_t end) noexcept;
+  void take_rows(std::uint32_t block) noexcept;
 
   double voxel_size_m_;
   SkipOptions options_;
@@ -70,9 +77,9 @@ class BlockSkipper {
   DiscMargin margin_;
   bool has_last_ = false;
   Pose last_;
-  double travel_voxels_ = 0;                           // of the centroid, since forget_slack()
-  double turn_rad_ = 0;                                // since then
-  double last_travel_voxels_ = 0, last_turn_rad_ = 0;  // of the last run
+  double travel_voxels_ = 0;  // of the centroid, since forget_slack()
+  double turn_rad_ = 0;       // since then
+  LastMotion last_motion_{};
 };
 
 }  // namespace forcelayer::query

@@ -44,14 +44,23 @@ std::array<int, 3> vector_area(const Columns& columns) {
   return area;
 }
 
-float half_extent(const PlacedDisc& disc, float along) {
-  const float across = greater(0, 1 + kAcrossRounding - along * along);
-  return disc.radius * std::sqrt(across) + disc.half_height * std::abs(along) + disc.margin;
+// Half of the disc's extent along a direction on which its axis has the component `along`, and by
+// how much `most` lengthens it.
+struct Extent {
+  float half, growth;
+};
+
+inline Extent extent_of(const PlacedDisc& disc, const Leeway& most, float along) {
+  const float across = std::sqrt(greater(0, 1 + kAcrossRounding - along * along));
+  along = std::abs(along);
+  return {disc.radius * across + disc.half_height * along + disc.margin,
+          most.across * across + most.along * along};
 }
 
-// How far the disc lies on the free side of a brick's bound; `corner` is the brick's, as the disc's
-// center is told.
-float beyond(const BrickBound& bound, const PlacedDisc& disc, const std::array<float, 3>& corner) {
+// The share of `most` that the disc lies on the free side of a brick's bound; `corner` is the
+// brick's, as the disc's center is told.
+float beyond(const BrickBound& bound, const PlacedDisc& disc, const Leeway& most,
+             const std::array<float, 3>& corner) {
   float along = 0, center = -bound.offset, length2 = 0;
   for (int axis = 0; axis < 3; ++axis) {
     const float n = bound.normal[axis];
@@ -59,29 +68,30 @@ float beyond(const BrickBound& bound, const PlacedDisc& disc, const std::array<f
     center += n * (disc.center[axis] - corner[axis]);
     length2 += n * n;
   }
-  return length2 > 0 ? center - half_extent(disc, along) : -1;
+  if (!(length2 > 0)) return -1;
+  const Extent extent = extent_of(disc, most, along);
+  return (center - extent.half) / extent.growth;
 }
 
 bool is_free(std::uint32_t entry) { return is_uniform(entry) && uniform_value(entry) == 0; }
 
-// The entries of the column of cells (8^3 voxels) from (x, y, z) to the end of its node, or the one
-// entry that stands for all of them.
-struct CellColumn {
-  const std::uint32_t* entries;
-  bool one_for_all;
+int slot(int x, int y, int z) { return (x & 7) << 6 | (y & 7) << 3 | (z & 7); }
+
+// The entries of the 8^3 cells (8^3 voxels each) of a node, or the one that stands for all of them.
+struct CellNode {
+  const std::uint32_t* entries = nullptr;
+  bool one_for_all = false;
+  std::array<int, 3> at = {-1, -1, -1};
 };
 
-CellColumn cell_column(const KernelMap& map, int x, int y, int z) {
-  const auto slot = [&](int shift) {
-    return static_cast<std::uint32_t>((x >> shift & 7) << 6 | (y >> shift & 7) << 3 |
-                                      (z >> shift & 7));
-  };
+CellNode node_at(const KernelMap& map, int x, int y, int z) {
+  const std::array<int, 3> at = {x, y, z};
   const std::uint32_t* entry =
-      map.directory + (std::int64_t{x >> 6} * map.dims[1] + (y >> 6)) * map.dims[2] + (z >> 6);
-  if (is_uniform(*entry)) return {entry, true};
-  entry = map.upper_nodes + std::uint64_t{*entry} * kNodeEntries + slot(3);
-  if (is_uniform(*entry)) return {entry, true};
-  return {map.lower_nodes + std::uint64_t{*entry} * kNodeEntries + slot(0), false};
+      map.directory + (std::int64_t{x >> 3} * map.dims[1] + (y >> 3)) * map.dims[2] + (z >> 3);
+  if (is_uniform(*entry)) return {entry, true, at};
+  entry = map.upper_nodes + std::uint64_t{*entry} * kNodeEntries + slot(x, y, z);
+  if (is_uniform(*entry)) return {entry, true, at};
+  return {map.lower_nodes + std::uint64_t{*entry} * kNodeEntries, false, at};
 }
 
 }  // namespace
@@ -120,50 +130,60 @@ BrickBound brick_bound(const std::uint32_t* brick) {
   }
 }
 
-float BrickBounds::slack(const KernelMap& map, const PlacedDisc& disc, float most) const noexcept {
-  std::array<float, 3> low{}, high{};
+float BrickBounds::share(const KernelMap& map, const PlacedDisc& disc,
+                         const Leeway& most) const noexcept {
+  std::array<float, 3> low{}, high{}, per_voxel{};
   std::array<int, 3> first{}, last{};  // cells
-  float slack = most;
+  float share = 1;
   for (int axis = 0; axis < 3; ++axis) {
-    const float extent = half_extent(disc, disc.axis[axis]);
-    if (!(extent < kMostExtent)) return -1;
-    low[axis] = disc.center[axis] - extent;
-    high[axis] = disc.center[axis] + extent;
+    const Extent extent = extent_of(disc, most, disc.axis[axis]);
+    if (!(extent.half < kMostExtent)) return -1;
+    low[axis] = disc.center[axis] - extent.half;
+    high[axis] = disc.center[axis] + extent.half;
+    per_voxel[axis] = 1 / extent.growth;
     const int whole = disc.whole[axis];
     const int end = map.dims[axis] << 6;
-    first[axis] = std::max((whole + static_cast<int>(std::floor(low[axis] - most))) >> 3, 0);
-    last[axis] = std::min((whole + static_cast<int>(std::floor(high[axis] + most))) >> 3, end - 1);
+    const auto cell = [whole](float at) { return (whole + static_cast<int>(std::floor(at))) >> 3; };
+    first[axis] = std::max(cell(low[axis] - extent.growth), 0);
+    last[axis] = std::min(cell(high[axis] + extent.growth), end - 1);
     if (map.cropped) {
-      slack = std::min({slack, low[axis] - static_cast<float>(double(map.known_min[axis]) - whole),
-                        static_cast<float>(double(map.known_max[axis]) - whole) - high[axis]});
+      const float inside =
+          std::min(low[axis] - static_cast<float>(double(map.known_min[axis]) - whole),
+                   static_cast<float>(double(map.known_max[axis]) - whole) - high[axis]);
+      share = std::min(share, inside * per_voxel[axis]);
     }
   }
-  // How far the disc lies off what the cell at (x, y, z) holds.
-  const auto off = [&](std::uint32_t entry, int x, int y, int z) {
-    const std::array<float, 3> corner = {float(x * kEdge - disc.whole[0]),
-                                         float(y * kEdge - disc.whole[1]),
-                                         float(z * kEdge - disc.whole[2])};
-    float gap = is_uniform(entry) ? -1 : beyond(bounds_[entry], disc, corner);
-    for (int axis = 0; axis < 3; ++axis) {
-      gap = greater(gap, greater(low[axis] - (corner[axis] + kEdge), corner[axis] - high[axis]));
-    }
-    return gap;
+  const auto corner = [&](int axis, int cell) { return float(cell * kEdge - disc.whole[axis]); };
+  // The share by which the disc lies off the cells whose corner is at `at`.
+  const auto gap = [&](int axis, float at) {
+    return greater(low[axis] - (at + kEdge), at - high[axis]) * per_voxel[axis];
   };
+  CellNode node;
   for (int x = first[0]; x <= last[0]; ++x) {
-    for (int y = first[1]; y <= last[1]; ++y) {
-      for (int z = first[2]; z <= last[2];) {
+    const float at_x = corner(0, x), off_x = gap(0, at_x);
+    for (int y = first[1]; y <= last[1] && off_x < share; ++y) {
+      const float at_y = corner(1, y), off_xy = greater(off_x, gap(1, at_y));
+      for (int z = first[2]; z <= last[2] && off_xy < share;) {
         const int end = std::min(last[2], z | 7) + 1;  // of the node
-        CellColumn column = cell_column(map, x, y, z);
-        if (column.one_for_all && is_free(*column.entries)) z = end;
+        if (node.at != std::array<int, 3>{x >> 3, y >> 3, z >> 3}) {
+          node = node_at(map, x >> 3, y >> 3, z >> 3);
+        }
+        if (node.one_for_all && is_free(*node.entries)) z = end;
         for (; z < end; ++z) {
-          if (!is_free(*column.entries)) slack = std::min(slack, off(*column.entries, x, y, z));
-          if (slack <= 0) return slack;
-          if (!column.one_for_all) ++column.entries;
+          const std::uint32_t entry = node.entries[node.one_for_all ? 0 : slot(x, y, z)];
+          if (is_free(entry)) continue;
+          const float at_z = corner(2, z);
+          float off = greater(off_xy, gap(2, at_z));
+          if (off < share && !is_uniform(entry)) {
+            off = greater(off, beyond(bounds_[entry], disc, most, {at_x, at_y, at_z}));
+          }
+          if (off < share) share = off;
+          if (share <= 0) return share;
         }
       }
     }
   }
-  return slack;
+  return share;
 }
 
 }  // namespace forcelayer::query

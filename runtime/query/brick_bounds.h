@@ -22,6 +22,11 @@ struct BrickBound {
 // which for a wall is the wall's normal.
 BrickBound brick_bound(const std::uint32_t* brick);
 
+// How far the points of a disc may move, voxels: along its axis, and across it.
+struct Leeway {
+  float along, across;
+};
+
 // A disc in voxels from the directory's corner. All rounding is in its margin.
 struct PlacedDisc {
   std::array<float, 3> center;  // from `whole`
@@ -36,9 +41,9 @@ class BrickBounds {
  public:
   explicit BrickBounds(const Voxmap& voxmap);
 
-  // How far, in voxels and at most `most`, the disc may move before one of its points can lie in a
-  // voxel that is not free or not known. At most 0 where this cannot tell.
-  float slack(const KernelMap& map, const PlacedDisc& disc, float most) const noexcept;
+  // The share of `most`, at most 1, by which the disc may move before one of its points can lie in
+  // a voxel that is not free or not known. At most 0 where this cannot tell.
+  float share(const KernelMap& map, const PlacedDisc& disc, const Leeway& most) const noexcept;
 
  private:
   std::vector<BrickBound> bounds_;

@@ -336,9 +336,12 @@ HWY_INLINE void append(const KernelMap& map, const KernelShell& shell, const Vox
 constexpr std::uint32_t kAhead = 6;
 
 HWY_INLINE void fetch(const KernelShell& shell, std::uint32_t point) {
-  for (const float* column : {shell.x, shell.y, shell.z, shell.nx, shell.ny, shell.nz}) {
-    hwy::Prefetch(column + point);
-  }
+  hwy::Prefetch(shell.x + point);
+  hwy::Prefetch(shell.y + point);
+  hwy::Prefetch(shell.z + point);
+  hwy::Prefetch(shell.nx + point);
+  hwy::Prefetch(shell.ny + point);
+  hwy::Prefetch(shell.nz + point);
 }
 
 void CollectRows(const KernelMap& map, const KernelShell& shell, const VoxelPose& pose,

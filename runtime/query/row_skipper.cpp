@@ -13,13 +13,16 @@ namespace {
 constexpr double kDiscRounding = 1 + 1e-6;  // of extents along an axis that is not quite unit
 constexpr float kAxes = 1.7320509f;         // a bound per axis is this much along any direction
 constexpr float kAxisRounding = 1e-4f;      // voxels: of a disc's height along an axis of floats
-// Voxels. More slack lasts for more runs, and takes more bricks to find.
-constexpr float kMostBlockSlack = 3, kMostRowSlack = 2;
-constexpr float kLeastRuns =
-    2;  // that slack must last, else looking up is cheaper than trying again
+// Leeway is sought for a number of runs like the last one, within bounds in voxels. More lasts
+// longer, and takes more bricks to find. Beside a wall a part slides and turns farther than it
+// presses.
+constexpr float kMostRuns = 60, kLeastLeeway = 0.5f;
+constexpr Leeway kMostBlockLeeway = {3, 8}, kMostRowLeeway = {2, 6};
+// Runs that leeway must last, else looking up is cheaper than trying again.
+constexpr float kLeastRuns = 2;
 // A piece that is not free most likely has points in contact, now and in the next runs; trying a
 // row costs about as much as looking it up.
-constexpr std::uint8_t kLooksBetweenTries = 24;
+constexpr std::uint8_t kLooksBetweenTries = 48;
 
 [[gnu::cold]] std::array<float, 3> middle_of(const PshellView& shell, std::uint64_t begin,
                                              std::uint64_t end) {
@@ -29,23 +32,6 @@ constexpr std::uint8_t kLooksBetweenTries = 24;
     middle[axis++] = (*low + *high) / 2;
   }
   return middle;
-}
-
-float dot(const std::array<float, 3>& row, const std::array<float, 3>& v) {
-  return row[0] * v[0] + row[1] * v[1] + row[2] * v[2];
-}
-
-PlacedDisc place(const PartDisc& disc, const VoxelPose& pose, const DiscMargin& margin) {
-  PlacedDisc placed{};
-  for (int axis = 0; axis < 3; ++axis) {
-    placed.center[axis] = dot(pose.turn[axis], disc.center) + pose.fraction[axis];
-    placed.axis[axis] = dot(pose.rotation[axis], disc.axis);
-  }
-  placed.whole = pose.whole;
-  placed.radius = disc.radius * margin.scale;
-  placed.half_height = disc.half_height * margin.scale;
-  placed.margin = kAxes * margin.voxels + kAxisRounding;
-  return placed;
 }
 
 }  // namespace
@@ -68,10 +54,9 @@ PlacedDisc place(const PartDisc& disc, const VoxelPose& pose, const DiscMargin& 
     half_height_m = std::max(half_height_m, std::abs(along));
     radius2_m2 = std::max(radius2_m2, glm::dot(across, across));
   }
-  return {center,
-          {axis.x, axis.y, axis.z},
-          static_cast<float>(std::sqrt(radius2_m2) * kDiscRounding),
-          static_cast<float>(half_height_m * kDiscRounding)};
+  const auto radius = static_cast<float>(std::sqrt(radius2_m2) * kDiscRounding),
+             half_height = static_cast<float>(half_height_m * kDiscRounding);
+  return {Four{center[0], center[1], center[2], radius}, Four{axis.x, axis.y, axis.z, half_height}};
 }
 
 [[gnu::cold]] RowSkipper::Pieces RowSkipper::cut(const PshellView& shell,
@@ -81,6 +66,7 @@ PlacedDisc place(const PartDisc& disc, const VoxelPose& pose, const DiscMargin& 
     const std::uint64_t end = std::min(begin + piece_points, shell.point_count);
     pieces.discs.push_back(disc_of(shell, begin, end, middle_of(shell, begin, end)));
   }
+  pieces.found = std::vector<FoundFree>(pieces.discs.size());
   pieces.free_until.assign(pieces.discs.size(), kNever);
   pieces.let_be.assign(pieces.discs.size(), 0);
   return pieces;
@@ -98,39 +84,126 @@ PlacedDisc place(const PartDisc& disc, const VoxelPose& pose, const DiscMargin& 
 void RowSkipper::forget() noexcept {
   for (Pieces* pieces : {&blocks_, &rows_}) {
     std::fill(pieces->free_until.begin(), pieces->free_until.end(), kNever);
+    for (FoundFree& found : pieces->found) found.leeway = {};
+  }
+  has_base_ = false;
+}
+
+void RowSkipper::start(const KernelMap& map, const VoxelPose& pose, const DiscMargin& margin,
+                       const LastMotion& last) noexcept {
+  if (!has_base_) base_ = pose.whole;
+  has_base_ = true;
+  map_ = &map;
+  whole_ = pose.whole;
+  scale_ = margin.scale;
+  margin_ = kAxes * margin.voxels + kAxisRounding;
+  last_ = last;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (std::size_t column = 0; column < 3; ++column) {
+      turn_[column][axis] = pose.turn[axis][column];
+      rotation_[column][axis] = pose.rotation[axis][column];
+    }
+    fraction_[axis] = pose.fraction[axis];
+    from_base_[axis] = static_cast<float>(whole_[axis] - base_[axis]);
   }
 }
 
-bool RowSkipper::is_free(const KernelMap& map, const VoxelPose& pose, const DiscMargin& margin,
-                         Pieces& pieces, std::uint32_t i, float most_slack,
-                         const SpentMotion& motion) const noexcept {
-  if (coherence_) {
-    if (motion.spent < pieces.free_until[i]) return true;
-    if (pieces.let_be[i] > 0) {
-      --pieces.let_be[i];
-      return false;
+RowSkipper::Placed RowSkipper::place(const PartDisc& disc) const noexcept {
+  const auto sum = [](const std::array<Four, 3>& columns, Four v) {
+    return columns[0] * v[0] + columns[1] * v[1] + columns[2] * v[2];
+  };
+  return {sum(turn_, disc.place) + fraction_, sum(rotation_, disc.shape)};
+}
+
+// By how much the last run's motion moved a disc's points along and across its axis, about.
+Leeway RowSkipper::last_motion(const Placed& disc, float radius) const noexcept {
+  const Four arm = disc.center - fraction_;
+  const glm::vec3 moved =
+      last_.travel_voxels + glm::cross(last_.turn_rad, glm::vec3(arm[0], arm[1], arm[2]));
+  const glm::vec3 axis(disc.axis[0], disc.axis[1], disc.axis[2]);
+  const float tilt = glm::length(last_.turn_rad) * radius;
+  return {std::abs(glm::dot(axis, moved)) + tilt, glm::length(moved) + tilt};
+}
+
+// How far, in voxels, each point of a disc may move from where it is now, since it was found free.
+// A disc that tilted is compared with itself tilted back about its center, which moves no point of
+// it by more than the change of its unit axis times its reach. At most 0 where it has left.
+float RowSkipper::leeway_left(const FoundFree& found, const Placed& now,
+                              const PartDisc& disc) const noexcept {
+  const Four moved = now.center + from_base_ - found.at.center;
+  const Four tilted = now.axis - found.at.axis;
+  const float reach = (disc.place[3] + disc.shape[3]) * scale_;
+  return std::min(found.leeway.along - std::abs(dot3(moved, found.at.axis)),
+                  found.leeway.across - std::sqrt(dot3(moved, moved))) -
+         (std::sqrt(dot3(tilted, tilted)) * reach + 2 * margin_ + kMotionRounding);
+}
+
+// Whether a disc that is not known to be free is.
+bool RowSkipper::look_around(Pieces& pieces, std::uint32_t i, const Leeway& most,
+                             float spent) noexcept {
+  FoundFree& found = pieces.found[i];
+  const PartDisc& disc = pieces.discs[i];
+  const Placed now = place(disc);
+  if (coherence_ && found.leeway.along > 0) {
+    const float left = leeway_left(found, now, disc);
+    if (left > 0) {
+      pieces.free_until[i] = spent + left;
+      return true;
     }
   }
-  const float slack = bounds_.slack(map, place(pieces.discs[i], pose, margin), most_slack);
-  if (slack > kMotionRounding + kLeastRuns * motion.last) {
-    pieces.free_until[i] = motion.spent + slack - kMotionRounding;
+  const PlacedDisc placed = {{now.center[0], now.center[1], now.center[2]},
+                             whole_,
+                             {now.axis[0], now.axis[1], now.axis[2]},
+                             disc.place[3] * scale_,
+                             disc.shape[3] * scale_,
+                             margin_};
+  const Leeway last = last_motion(now, placed.radius);
+  const Leeway wanted = {std::clamp(kMostRuns * last.along, kLeastLeeway, most.along),
+                         std::clamp(kMostRuns * last.across, kLeastLeeway, most.across)};
+  const float share = bounds_.share(*map_, placed, wanted);
+  const Leeway leeway = {share * wanted.along, share * wanted.across};
+  const float left = std::min(leeway.along, leeway.across) - kMotionRounding;
+  if (left > 0 && leeway.along > kMotionRounding + kLeastRuns * last.along &&
+      leeway.across > kMotionRounding + kLeastRuns * last.across) {
+    found = {{now.center + from_base_, now.axis}, leeway};
+    pieces.free_until[i] = spent + left;
     return true;
   }
+  found.leeway = {};
   pieces.free_until[i] = kNever;
   pieces.let_be[i] = coherence_ ? kLooksBetweenTries : 0;
   return false;
 }
 
-float RowSkipper::take_near(const KernelMap& map, const VoxelPose& pose, const DiscMargin& margin,
-                            std::uint32_t block, const SpentMotion& motion, std::uint32_t* rows,
-                            std::uint32_t& count) noexcept {
-  if (is_free(map, pose, margin, blocks_, block, kMostBlockSlack, motion)) {
-    return blocks_.free_until[block];
+inline bool RowSkipper::is_free(Pieces& pieces, std::uint32_t i, const Leeway& most,
+                                float spent) noexcept {
+  if (coherence_) {
+    if (spent < pieces.free_until[i]) return true;
+    if (pieces.let_be[i] > 0) {
+      --pieces.let_be[i];
+      return false;
+    }
   }
+  return look_around(pieces, i, most, spent);
+}
+
+float RowSkipper::known_free_until(std::uint32_t block, float spent) noexcept {
+  const FoundFree& found = blocks_.found[block];
+  if (!coherence_ || !(found.leeway.along > 0)) return kNever;
+  const PartDisc& disc = blocks_.discs[block];
+  const float left = leeway_left(found, place(disc), disc);
+  if (!(left > 0)) return kNever;
+  return blocks_.free_until[block] = spent + left;
+}
+
+float RowSkipper::take_near(std::uint32_t block, float spent, std::uint32_t* rows,
+                            std::uint32_t& count) noexcept {
+  if (is_free(blocks_, block, kMostBlockLeeway, spent)) return blocks_.free_until[block];
   const std::uint32_t before = count, begin = block * block_rows_;
+  const std::uint32_t end = std::min(begin + block_rows_, row_count_);
   float until = std::numeric_limits<float>::max();
-  for (std::uint32_t row = begin; row < std::min(begin + block_rows_, row_count_); ++row) {
-    if (!is_free(map, pose, margin, rows_, row, kMostRowSlack, motion)) rows[count++] = row;
+  for (std::uint32_t row = begin; row < end; ++row) {
+    if (!is_free(rows_, row, kMostRowLeeway, spent)) rows[count++] = row;
     until = std::min(until, rows_.free_until[row]);
   }
   return count == before ? until : kNever;

@@ -3,11 +3,13 @@
 #pragma once
 
 #include <cstdint>
+#include <glm/vec3.hpp>
 #include <vector>
 
 #include "formats/pshell.h"
 #include "formats/voxmap.h"
 #include "runtime/query/brick_bounds.h"
+#include "runtime/query/four.h"
 #include "runtime/query/query_kernel.h"
 
 namespace forcelayer::query {
@@ -17,16 +19,15 @@ struct VoxelPose;
 // A disc that holds points [begin, end) of a shell: about `center`, its axis along their mean
 // normal. Part frame, m.
 struct PartDisc {
-  std::array<float, 3> center, axis;
-  float radius, half_height;
+  Four place;  // center, radius
+  Four shape;  // unit axis, half the height
 };
 PartDisc disc_of(const PshellView& shell, std::uint64_t begin, std::uint64_t end,
                  const std::array<float, 3>& center);
 
-// How far a block's points can have moved, voxels, as BlockSkipper sums it: since slack was last
-// forgotten, and since the last run.
-struct SpentMotion {
-  float spent, last;
+// How the part moved since the last run, for forecasts. World axes.
+struct LastMotion {
+  glm::vec3 travel_voxels, turn_rad;  // of the centroid; as a rotation vector
 };
 
 class RowSkipper {
@@ -34,13 +35,18 @@ class RowSkipper {
   // Both files must outlive this. Without coherence nothing is remembered from run to run.
   RowSkipper(const Voxmap& voxmap, const Pshell& shell, bool coherence);
 
-  // Whether take_near() will go on to the rows of a block without trying the block.
-  bool lets_be(std::uint32_t block) const { return blocks_.let_be[block] > 0; }
+  // Begins a run. The map must outlive it.
+  void start(const KernelMap& map, const VoxelPose& pose, const DiscMargin& margin,
+             const LastMotion& last) noexcept;
+
+  // `spent` is how far the block's points can have moved by now, voxels, as BlockSkipper sums it.
+  // Returns the spent motion up to which the block is known free by where it was last found free,
+  // kNever if it is not.
+  float known_free_until(std::uint32_t block, float spent) noexcept;
 
   // Appends the rows of a block that may have a point in a voxel that is not free or not known, and
   // returns the spent motion up to which all of them are known free, kNever if one is not.
-  float take_near(const KernelMap& map, const VoxelPose& pose, const DiscMargin& margin,
-                  std::uint32_t block, const SpentMotion& motion, std::uint32_t* rows,
+  float take_near(std::uint32_t block, float spent, std::uint32_t* rows,
                   std::uint32_t& count) noexcept;
 
   // As if nothing had ever been looked at.
@@ -50,22 +56,43 @@ class RowSkipper {
   static constexpr float kMotionRounding = 0.01f;  // voxels: float sums of 2 * 4096 err by 0.002
 
  private:
+  // Voxels, from the center's voxel of this run or, where a disc was found free, from base_.
+  struct Placed {
+    Four center, axis;
+  };
+  // Where a disc was found free, and how far its points may move from there.
+  struct FoundFree {
+    Placed at;
+    Leeway leeway{};
+  };
   // The blocks or the rows.
   struct Pieces {
     std::vector<PartDisc> discs;
+    std::vector<FoundFree> found;
     std::vector<float> free_until;     // spent motion (voxels) up to which each is known free
     std::vector<std::uint8_t> let_be;  // looks until it is tried again
   };
   static Pieces cut(const PshellView& shell, std::uint64_t piece_points);
-  bool is_free(const KernelMap& map, const VoxelPose& pose, const DiscMargin& margin,
-               Pieces& pieces, std::uint32_t i, float most_slack,
-               const SpentMotion& motion) const noexcept;
+  Placed place(const PartDisc& disc) const noexcept;
+  Leeway last_motion(const Placed& disc, float radius) const noexcept;
+  float leeway_left(const FoundFree& found, const Placed& now, const PartDisc& disc) const noexcept;
+  bool look_around(Pieces& pieces, std::uint32_t i, const Leeway& most, float spent) noexcept;
+  bool is_free(Pieces& pieces, std::uint32_t i, const Leeway& most, float spent) noexcept;
 
   bool coherence_;
   BrickBounds bounds_;
   std::uint32_t block_rows_;
   std::uint32_t row_count_;
   Pieces blocks_, rows_;
+  std::array<std::int32_t, 3> base_{};  // a voxel near the part since forget(): floats stay fine
+  bool has_base_ = false;
+  // Of this run.
+  const KernelMap* map_ = nullptr;
+  std::array<Four, 3> turn_{}, rotation_{};  // columns
+  Four fraction_{}, from_base_{};            // of the center; of its voxel
+  std::array<std::int32_t, 3> whole_{};
+  float scale_ = 1, margin_ = 0;
+  LastMotion last_{};
 };
 
 }  // namespace forcelayer::query

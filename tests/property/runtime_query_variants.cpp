@@ -226,6 +226,87 @@ TEST(QueryVariants, FindTheEndsOfATurningBar) {
   }
 }
 
+// Rings of 16 points, so that each row fills its disc to the rim, off the centroid.
+PointPart ring_part(Random& random, double voxel_size_m, glm::dvec3& middle_m) {
+  PointPart part;
+  part.voxel_size_m = voxel_size_m;
+  part.block_points = random() % 2 ? 16 : 64;
+  part.super_block_blocks = static_cast<std::uint32_t>(integer(random, 1, 20));
+  middle_m = random_direction(random) * voxel_size_m * uniform(random, 0, 30);
+  const double radius_m = voxel_size_m * uniform(random, 0.5, 6);
+  const std::int64_t rings = integer(random, 1, 16);
+  for (std::int64_t ring = 0; ring < rings; ++ring) {
+    const double first = uniform(random, 0, 1);
+    for (int i = 0; i < 16; ++i) {
+      const double at = M_PI / 8 * (first + i);
+      part.add(
+          {middle_m.x + radius_m * std::cos(at), middle_m.y + radius_m * std::sin(at), middle_m.z},
+          {0, 0, 1});
+    }
+  }
+  return part;
+}
+
+// Two walls at right angles, in whole bricks and full up to their faces: their bounds are exact.
+VoxelScene cleft_scene(Random& random) {
+  const std::int64_t floor = integer(random, -12, -5), side = integer(random, -12, -5);
+  return VoxelScene::filled(0.002, {-32, -32, -32}, {64, 64, 64}, [=](Voxel v) {
+    return v[2] < floor || v[0] < side ? VoxelValue::kSurface : VoxelValue::kFree;
+  });
+}
+
+// A hand that lets a disc slide, press, lift and turn about its own middle or its centroid, all
+// slowly, beside walls that it touches again and again. Leeway is then known to a hundredth of a
+// voxel and used up, along the disc's normal, across it and by its tilt; a frame's step is less.
+TEST(QueryVariants, FindWhatComesSlowlyNearAWall) {
+  int touches = 0;
+  std::uint64_t looked_at = 0, points = 0;
+  for (std::uint64_t seed = 1; seed <= 100; ++seed) {
+    Random random(seed);
+    const VoxelScene scene = cleft_scene(random);
+    const double s = scene.voxel_size_m;
+    glm::dvec3 middle_m;
+    const Pshell shell = make_pshell(ring_part(random, s, middle_m));
+    const Voxmap voxmap = make_voxmap(scene);
+    query::ContactQuery plain(voxmap, shell, plain_options());
+    query::CollectedPoints wanted;
+    wanted.reserve(shell.view().point_count);
+    std::vector<Variant> variants = make_variants(voxmap, shell);
+    std::erase_if(variants, [](const Variant& v) { return v.options.threads > 1; });
+    const bool parallel = random() % 2 == 0;  // to a wall, and never turned
+    glm::dquat orientation = parallel ? glm::dquat(1, 0, 0, 0) : random_orientation(random);
+    glm::dvec3 at_m = glm::dvec3(-2, 0, -2) * s;  // of the disc's middle
+    bool touched = false;
+    for (int stretch = 0; stretch < 40; ++stretch) {
+      const bool about_centroid = random() % 4 == 0;
+      const bool at_floor = random() % 2 == 0;
+      glm::dvec3 step_m = random_direction(random) * s * uniform(random, 0, 0.08);
+      if (parallel) step_m = glm::dvec3(at_floor ? 0 : -0.04, 0, at_floor ? -0.04 : 0) * s;
+      if (touched) step_m = glm::dvec3(0.05, 0, 0.05) * s * uniform(random, 0.5, 2);  // away
+      const double turn = !parallel && random() % 3 == 0 ? uniform(random, 0, 0.02) : 0;
+      const glm::dquat turning = coupling::rotation_by(random_direction(random) * turn);
+      for (int i = 0; i < 40; ++i) {
+        const Pose pose{at_m - orientation * middle_m, orientation};
+        plain.run(pose, wanted);
+        touches += !touched && wanted.count > 0;
+        touched = wanted.count > 0;
+        for (Variant& v : variants) {
+          run_variant(random, pose, v);
+          ASSERT_TRUE(same(v.found, wanted)) << "seed " << seed << ", " << v.name;
+        }
+        looked_at += variants.back().query->points_looked_at();  // all skipping
+        points += shell.view().point_count;
+        orientation = glm::normalize(turning * orientation);
+        at_m += step_m;
+        if (about_centroid) at_m += turning * (orientation * middle_m) - orientation * middle_m;
+        at_m = glm::clamp(at_m, glm::dvec3(-14 * s), glm::dvec3(6 * s));
+      }
+    }
+  }
+  EXPECT_GT(touches, 200);
+  EXPECT_LT(looked_at, points / 2);
+}
+
 // Instruction set by instruction set; 0: all.
 void use_target(std::int64_t targets) {
   hwy::SetSupportedTargetsForTest(targets);
