@@ -62,10 +62,12 @@ TEST(PaperGolden, WrenchesOfFourHundredPosesKeepTheirBits) {
   std::uint64_t contacts = 0, loaded = 0;
   for (int i = 0; i < 400; ++i) {
     Pose pose;
-    const glm::dquat q(random.next(), random.next(), random.next(), 0.5 + random.next() * 0.25);
+    // One after the other: compilers evaluate a call's arguments in orders of their own.
+    const double qz = 0.5 + random.next() * 0.25, qy = random.next(), qx = random.next();
+    const glm::dquat q(random.next(), qx, qy, qz);
     pose.orientation = q / std::sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
-    pose.position_m =
-        kS * glm::dvec3(3 + 3 * random.next(), 8 * random.next(), 7.5 + random.next());
+    const double z = 7.5 + random.next(), y = 8 * random.next();
+    pose.position_m = kS * glm::dvec3(3 + 3 * random.next(), y, z);
     State state = (*simulation)->registered(pose, pose);
     StepInput input;
     input.valid = 1;
