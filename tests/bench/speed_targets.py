@@ -20,10 +20,15 @@ VOXEL_M = 0.005
 MOST_OVER_LEAN = 2.5
 LEAST_OVER_VDB_TOOL = 40
 POINTS = "1000000"
-# Median time of a frame over that of FCL's contacts, at most.
-MOST_OVER_FCL = {"corner": 0.8, "tight fit": 1.0}
-# The worst motion over brute force, at most.
-MOST_OVER_BRUTE_FORCE = {"tumbling": 1.2}
+# Median time of a frame with a million points over that of another method in the same run, at most: FCL's contacts, the
+# query without the bounds of bricks (as it was before them, but with today's kernel), and without any skipping.
+FCL, BEFORE, BRUTE_FORCE = "FCL meshes, contacts", "no walls", "no skipping"
+QUERY_TARGETS = {("corner", FCL): 0.8, ("tight fit", FCL): 1.0, ("tight fit", BEFORE): 0.4, ("wall", BEFORE): 1.0,
+                 ("tumbling", BRUTE_FORCE): 1.2}
+# Why a target is missed where it is; query.md has the figures and the ways that were tried.
+WHY_MISSED = {("corner", FCL): "two thirds of the points looked at are in the band; half of the work goes into them",
+              ("tight fit", BEFORE): "a tenth of all points is in the band; handing them on takes longer than that",
+              ("wall", BEFORE): "bounds free few rows there, and trying them costs about as much as it saves"}
 
 
 def run(*command):
@@ -59,17 +64,17 @@ def bay_rows(bin_folder, folder, short):
 
 def query_rows(bin_folder, folder, short):
     report = folder / "query.json"
-    motions = [*MOST_OVER_FCL, *MOST_OVER_BRUTE_FORCE, "wall"]
+    motions = dict.fromkeys(motion for motion, _ in QUERY_TARGETS)
     run(bin_folder / "query_bench", *(word for motion in motions for word in ("--motion", motion)), "--from", POINTS,
         "--largest", POINTS, "--seconds", 0.5 if short else 5, "--our-seconds", 2 if short else 30, "--json", report)
     rows = []
     for row in json.loads(report.read_text())["results"]["rows"]:
         p50 = {name: method["frame_ns"]["p50"] for name, method in row["methods"].items()}
         ours, motion = p50["all skipping"], row["motion"]
-        for peer, most in (("FCL meshes, contacts", MOST_OVER_FCL.get(motion)),
-                           ("no skipping", MOST_OVER_BRUTE_FORCE.get(motion))):
-            if most is not None:
-                rows.append((f"{motion}, 10^6 points, {ours / 1e3:.0f} us: over {peer}", ours / p50[peer], "<=", most))
+        for (of, peer), most in QUERY_TARGETS.items():
+            if of == motion:
+                rows.append((f"{motion}, 10^6 points, {ours / 1e3:.0f} us: over {peer}", ours / p50[peer], "<=", most,
+                             WHY_MISSED.get((motion, peer), "")))
     return rows
 
 
@@ -79,9 +84,11 @@ def main():
         rows = [row for part in (model_rows, bay_rows, query_rows)
                 for row in part(arguments.bin, pathlib.Path(name), arguments.short)]
     print(f"{'':62} {'measured':>9}  target")
-    for text, measured, relation, target in rows:
+    for text, measured, relation, target, *why in rows:
         met = measured <= target if relation == "<=" else measured >= target
         print(f"{text:62} {measured:9.2f}  {relation} {target}{'' if met else '   missed'}")
+        if not met and any(why):
+            print(f"    {why[0]}")
     bench_scenes.write_report("speed_targets", [dict(zip(("what", "measured", "relation", "target"), row))
                                                 for row in rows], arguments.json)
 
