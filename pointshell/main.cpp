@@ -240,7 +240,6 @@ Status bake_command(const Arguments& arguments) {
     warn(arguments, cost);
   }
   const double read_s = now_s() - started_s;
-  progress.reckon_from(0);
   auto shell = bake_shell(*part, *options, [&](const std::string& stage, double share_done) {
     progress.show(stage, share_done);
   });

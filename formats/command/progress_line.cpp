@@ -59,8 +59,10 @@ void ProgressLine::clear() {
 
 void ProgressLine::show(const std::string& stage, double share_done) {
   constexpr double kIntervalS = 0.1;
-  if (!active_ || now_s() - last_shown_s_ < kIntervalS) return;
-  last_shown_s_ = now_s();
+  const double now = now_s();
+  if (share_done <= begun_) started_s_ = now;
+  if (!active_ || now - last_shown_s_ < kIntervalS) return;
+  last_shown_s_ = now;
   char left[32] = "";
   if (const auto left_s = time_left_s(last_shown_s_ - started_s_, begun_, share_done)) {
     std::snprintf(left, sizeof left, "  %.0f s left", *left_s);

@@ -18,7 +18,8 @@ void tell_waiting(const std::string& text);
 // is at `done`: at the pace so far. Nothing before a tenth of it is done: nobody knows yet.
 std::optional<double> time_left_s(double elapsed_s, double begun, double done);
 
-// Rewritten in place on stderr; nothing where stderr is no terminal, or when quiet.
+// Rewritten in place on stderr; nothing where stderr is no terminal, or when quiet. The time left
+// is reckoned from the last show() before which nothing was done.
 class ProgressLine {
  public:
   explicit ProgressLine(bool quiet);

@@ -50,6 +50,17 @@ for kind in "--metric chebyshev" --lean "--range 30mm" "--compliance 4mm:1N,20mm
   check layer picture.png facts.json 0.008 kind.csv 2
 done
 
+# Words that are wider than the picture go on below: none touches its right edge, where they were cut off.
+"$bin/voxview" bay.vox --view-from 0,0,1 --size 600x450 --scale 2 --show force-layer --quiet --screenshot words.png
+"$python" - <<'END'
+import numpy
+from matplotlib import image
+picture = image.imread("words.png")[:, :, :3]
+ink = (picture < 0.3).all(axis=2)
+assert ink[:225].sum() > 1000, "no words"
+assert not ink[:225, -6:].any(), "words run out of the picture"
+END
+
 # A cut: what is seen from the side that was taken away.
 "$bin/voxview" bay.vox "${plain[@]}" --view-from 0,0,1 --cut z\<200mm \
   --show interior,force-layer,proximity

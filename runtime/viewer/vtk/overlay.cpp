@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstdio>
 #include <numbers>
+#include <sstream>
 #include <string_view>
 
 #include "runtime/viewer/vtk/shapes.h"
@@ -142,6 +143,21 @@ struct Overlay::Drawing {
     return y;
   }
 
+  // Words that together are wider than that, on as many lines as it takes.
+  std::vector<std::string> folded(const std::string& words, double size, double width) {
+    std::vector<std::string> lines;
+    std::istringstream stream(words);
+    for (std::string word; stream >> word;) {
+      const std::string longer = lines.empty() ? word : lines.back() + ' ' + word;
+      if (!lines.empty() && text_width(longer, size) <= width) {
+        lines.back() = longer;
+      } else {
+        lines.push_back(word);
+      }
+    }
+    return lines;
+  }
+
   // The parts of a line, which four spaces divide, on as many lines as the width asks for.
   std::vector<std::string> broken(const std::string& words, double size, double width) {
     constexpr std::string_view kGap = "    ";
@@ -153,8 +169,10 @@ struct Overlay::Drawing {
       const std::string longer = lines.empty() ? part : lines.back() + std::string(kGap) + part;
       if (!lines.empty() && text_width(longer, size) <= width) {
         lines.back() = longer;
-      } else {
+      } else if (text_width(part, size) <= width) {
         lines.push_back(part);
+      } else {
+        for (const std::string& line : folded(part, size, width)) lines.push_back(line);
       }
     }
     return lines;
