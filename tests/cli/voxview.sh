@@ -127,8 +127,8 @@ check change picture.png facts.json 0.008 bay.csv moved.csv
 # A run: the contacts of the picture are those that the run counted at that frame, from the trace
 # and from the recording; a stream is followed while the run goes on.
 "$bin/pointshell" "$data/part.obj" --units mm -o part.pshell --voxel-size 8mm --quiet
-run=("$bin/voxrun" bay.vox part.pshell --device sim --motion "$data/press.csv" --duration 10s --quiet)
-"${run[@]}" --as-fast-as-possible --trace trace.csv --record run.rec
+run=("$bin/voxrun" bay.vox part.pshell --device sim --motion "$data/press.csv" --quiet --duration)
+"${run[@]}" 10s --as-fast-as-possible --trace trace.csv --record run.rec
 tiny=(--size 64x64 --plain --json facts.json --screenshot picture.png)
 for source in trace.csv run.rec; do
   "$bin/voxview" bay.vox part.pshell --replay $source --at 2.2s "${tiny[@]}"
@@ -147,7 +147,7 @@ assert told["clearance_m"] > 0 and told["object"], told
 assert abs(float(row["depth_m"]) - shown["deepest_m"]) < 1e-7, (row["depth_m"], shown)
 END
 done
-"${run[@]}" --udp 127.0.0.1:47219 & sender=$!
+"${run[@]}" 600s --udp 127.0.0.1:47219 & sender=$!  # longer than a viewer takes to start on a busy machine
 "$bin/voxview" bay.vox part.pshell --listen 47219 --duration 2s "${tiny[@]}"
 "$python" - <<'END'
 import json
