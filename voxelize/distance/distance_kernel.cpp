@@ -264,7 +264,8 @@ void near_eighths(const PreparedTriangle* const* triangles, std::size_t count,
     for (std::size_t k = 0; k < 8; ++k) most[k][e] = roots[k];
   }
   for (std::size_t n = 0; n < kEighths; n += lanes()) {
-    const V limit = hn::Load(kF, limits + n);
+    const V limit = hn::Load(kF, limits + n),
+            reach = hn::Add(hn::LoadU(kF, cells.reach.data() + n), set(kNearerBy));
     const V turned = set(kTurn / 2 * cells.around),
             turned_near = set(kRounding / kTurn * cells.around);
     for (std::size_t i = 0; i < count; ++i) {
@@ -274,14 +275,18 @@ void near_eighths(const PreparedTriangle* const* triangles, std::size_t count,
       if (hn::AllFalse(kF, near)) continue;
       const V inverse = hn::Div(set(1), hn::Max(hn::Sqrt(squared), set(1)));
       const V share = hn::Mul(inverse, set(cells.span));
+      const V by_x = hn::Mul(hn::LoadU(kF, in + kEighths), share),
+              by_y = hn::Mul(hn::LoadU(kF, in + 2 * kEighths), share),
+              by_z = hn::Mul(hn::LoadU(kF, in + 3 * kEighths), share),
+              middle = hn::MulSub(hn::Sub(squared, turned_near), inverse, turned);
+      const V lowest =
+          hn::Sub(middle, hn::Add(hn::Abs(by_x), hn::Add(hn::Abs(by_y), hn::Abs(by_z))));
+      near = hn::And(near, hn::Le(lowest, reach));
+      if (hn::AllFalse(kF, near)) continue;
       V gap = set(kFarAway);
-      at_corners(hn::MulSub(hn::Sub(squared, turned_near), inverse, turned),
-                 hn::Mul(hn::LoadU(kF, in + kEighths), share),
-                 hn::Mul(hn::LoadU(kF, in + 2 * kEighths), share),
-                 hn::Mul(hn::LoadU(kF, in + 3 * kEighths), share),
-                 [&](std::size_t k, V distance) HWY_ATTR {
-                   gap = hn::Min(gap, hn::Sub(distance, hn::Load(kF, most[k] + n)));
-                 });
+      at_corners(middle, by_x, by_y, by_z, [&](std::size_t k, V distance) HWY_ATTR {
+        gap = hn::Min(gap, hn::Sub(distance, hn::Load(kF, most[k] + n)));
+      });
       near = hn::And(near, hn::Le(gap, hn::Zero(kF)));
       bits[i] = static_cast<std::uint8_t>(bits[i] | bits_of(near) << n);
     }
