@@ -1,5 +1,6 @@
 """Builds the extension of the Python package with the project's own CMake files, and takes the version from there."""
 
+import os
 import pathlib
 import re
 import subprocess
@@ -14,11 +15,13 @@ VERSION = re.search(r"project\(forcelayer VERSION ([\d.]+)", (ROOT / "CMakeLists
 
 class BuildByCMake(build_ext):
     def build_extension(self, extension):
-        build = pathlib.Path(self.build_temp).resolve() / "cmake"
-        subprocess.run(["cmake", "-S", ROOT, "-B", build, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release",
-                        "-DFORCELAYER_OFFLINE_TOOLS=OFF", "-DFORCELAYER_VIEWER=OFF", "-DFORCELAYER_TESTS=OFF",
-                        f"-DPython_EXECUTABLE={sys.executable}"], check=True)
-        subprocess.run(["cmake", "--build", build, "--target", "forcelayer_python"], check=True)
+        built_already = os.environ.get("FORCELAYER_BUILT")  # a build folder: the test takes its extension
+        build = pathlib.Path(built_already or pathlib.Path(self.build_temp).resolve() / "cmake")
+        if not built_already:
+            subprocess.run(["cmake", "-S", ROOT, "-B", build, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release",
+                            "-DFORCELAYER_OFFLINE_TOOLS=OFF", "-DFORCELAYER_VIEWER=OFF", "-DFORCELAYER_TESTS=OFF",
+                            f"-DPython_EXECUTABLE={sys.executable}"], check=True)
+            subprocess.run(["cmake", "--build", build, "--target", "forcelayer_python"], check=True)
         built, = (build / "python/forcelayer").glob("_forcelayer*.so")
         target = pathlib.Path(self.get_ext_fullpath(extension.name))
         target.parent.mkdir(parents=True, exist_ok=True)

@@ -368,16 +368,7 @@ Result<std::uint64_t> write_layout(const std::filesystem::path& path, const File
   for (const auto& piece : layout.pieces) {
     if (Status written = file->write(piece); !written) return written.error();
   }
-  auto written = file->read_back();
-  if (!written) return written.error();
-  if (!written->bytes().empty()) {
-    if (Status sound = check(std::move(*written), path.string()); !sound) {
-      return Error{ErrorCode::kInternal, path.string(), "",
-                   "not written, because its reader would refuse it: " + to_line(sound.error()),
-                   "report this with the input"};
-    }
-  }
-  if (Status committed = file->commit(); !committed) return committed.error();
+  if (Status committed = file->commit(check); !committed) return committed.error();
   return layout.file_bytes;
 }
 

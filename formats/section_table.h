@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "formats/file/mapped_file.h"
+#include "formats/file/atomic_file.h"
 #include "formats/file_format.h"
 #include "formats/result.h"
 
@@ -98,9 +98,6 @@ FileLayout lay_out_file(std::span<const std::byte> header, const HeaderRule& rul
 
 // All bytes of `layout`, one after the other.
 std::vector<std::byte> bytes_of(const FileLayout& layout);
-
-// Whether a reader accepts a file; the name is for its errors.
-using ReaderCheck = Status (*)(MappedFile file, std::string_view name);
 
 // Writes `layout` to `path` atomically; returns the file's size. What its reader would refuse is
 // not written: kInternal.

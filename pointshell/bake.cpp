@@ -10,6 +10,7 @@
 #include <numeric>
 #include <optional>
 #include <thread>
+#include <unordered_set>
 
 #include "pointshell/certificate/certificate.h"
 #include "pointshell/certificate/hidden_surface.h"
@@ -74,6 +75,10 @@ class Stages {
 // and patches, for rays tell the outside of each and its points lie between others.
 constexpr double kBytesPerPoint = 400, kBytesPerTriangle = 450, kBytesPerPatch = 5000;
 constexpr double kSecondsPerPoint = 85e-6, kSecondsPerTriangle = 20e-6, kSecondsPerPatch = 1.1e-3;
+// A needle is longer than this and thinner than one, in radii. Rows of points run along it, also
+// where it has no area to speak of, and their proof takes more memory.
+constexpr double kNeedle = 64;
+constexpr double kPointsPerNeedleCell = 2.5, kBytesPerNeedlePoint = 900;
 // Triangles of copies are read and placed, and give normals to the points.
 constexpr double kBytesPerCopied = 175, kSecondsPerCopied = 9e-6;
 // The most points that a method needs, as a multiple of the planar bound.
@@ -103,6 +108,51 @@ std::size_t count_patches(const part::Part& part, std::span<const std::uint32_t>
   }
   return patches;
 }
+
+// The needles of a part: their area, and the cells of two radii that they run through, in which
+// those that lie side by side share their points.
+class Needles {
+ public:
+  explicit Needles(double radius) : radius_(radius) {}
+
+  void add(const part::Piece& piece) {
+    int longest = 0;
+    const auto edge = [&](int n) { return piece[(n + 1) % 3] - piece[n]; };
+    for (int n = 1; n < 3; ++n) {
+      if (part::length_squared(edge(n)) > part::length_squared(edge(longest))) longest = n;
+    }
+    const part::Vec3 along = edge(longest);
+    const double length = part::length(along);
+    const double doubled_area = part::length(part::cross(along, edge((longest + 1) % 3)));
+    if (length < kNeedle * radius_ || doubled_area > length * radius_) return;
+    if (steps_ > kMostSteps) return;  // enough is known
+    area_m2_ += doubled_area / 2;
+    const double steps = std::min(std::ceil(length / (2 * radius_)), kMaxRadiusVoxels);
+    steps_ += steps;
+    for (double n = 0; n < steps; ++n) {
+      const part::Vec3 p = piece[longest] + (n / steps) * along;
+      std::uint64_t cell = 0;
+      for (int axis = 0; axis < 3; ++axis) {
+        const double at = std::floor(part::coordinate(p, axis) / (2 * radius_));
+        cell = (cell << 21) ^ (static_cast<std::uint64_t>(std::llround(at)) & 0x1fffff);
+      }
+      cells_.insert(cell);
+    }
+  }
+
+  // Beyond those that their area asks for.
+  double points() const {
+    return std::max(0.0, kPointsPerNeedleCell * static_cast<double>(cells_.size()) -
+                             planar_bound(area_m2_, radius_));
+  }
+
+ private:
+  static constexpr double kMostSteps = 1 << 22;
+
+  const double radius_;
+  double area_m2_ = 0, steps_ = 0;
+  std::unordered_set<std::uint64_t> cells_;
+};
 
 // Refuses a bake that would run for hours and then out of memory, or make what no file holds.
 Status check_size(const part::Part& part, const part::MassProperties& mass, double radius,
@@ -257,7 +307,7 @@ void cover(std::span<Share> shares, sample::Effort effort, const Stages& stages)
 
 void leave_out_hidden_points(std::span<Share> shares, Stages& stages, BakedShell& shell) {
   for (Share& share : shares) {
-    share.hidden = std::make_unique<certificate::HiddenSurface>(*share.part);
+    share.hidden = std::make_unique<certificate::HiddenSurface>(*share.part, share.slack);
     if (share.hidden->possible()) {
       stages.begin("hidden");
       shell.hidden_points +=
@@ -282,8 +332,7 @@ Result<BakedShell> bake(part::Part part, const ShellOptions& options,
   stages.begin("orientation");
   std::vector<part::CopiedGroup> groups;  // voxel centers of a copy are no copies
   if (!on_lattice) groups = part::find_copies(part, radius);
-  shell.orientation =
-      normals::orient_outwards(part, radius, part::original_triangles(part, groups));
+  shell.orientation = normals::orient_outwards(part, radius, groups);
   const part::MassProperties mass = part::mass_properties(part, shell.orientation.loose);
   shell.loose_triangles = mass.loose_triangles;
   if (const Status fits = check_size(part, mass, radius, options.voxel_size_m); !fits)
@@ -357,23 +406,28 @@ BakeCost expected_cost(const part::Part& part, const ShellOptions& options) {
   if (options.method == ShellMethod::kSurface) groups = part::find_copies(part, radius);
   const std::vector<std::uint32_t> originals = part::original_triangles(part, groups);
   double area_m2 = 0, area_once_m2 = 0, once = 0;
+  Needles needles(radius);
   for (std::uint32_t t = 0; t < part.triangles.size(); ++t) {
     const double own_m2 = part::length(part::doubled_area_normal(part, t)) / 2;
     area_m2 += own_m2;
-    if (originals[t] == t) area_once_m2 += own_m2, ++once;
+    if (originals[t] != t) continue;
+    area_once_m2 += own_m2, ++once;
+    needles.add(part::triangle_piece(part, t));
   }
+  const double along_needles = needles.points();
   const double copied = static_cast<double>(part.triangles.size()) - once;
   const auto patches = static_cast<double>(count_patches(part, originals));
   const unsigned cores = std::max(1u, std::thread::hardware_concurrency());
   const double threads = options.threads == 0 ? cores : std::min(options.threads, cores);
   BakeCost cost;
-  cost.points = planar_bound(area_m2, radius);
+  cost.points = planar_bound(area_m2, radius) + along_needles;
   cost.seconds =
-      (kSecondsPerPoint * planar_bound(area_once_m2, radius) + kSecondsPerTriangle * once +
-       kSecondsPerCopied * copied + kSecondsPerPatch * patches) /
+      (kSecondsPerPoint * (planar_bound(area_once_m2, radius) + along_needles) +
+       kSecondsPerTriangle * once + kSecondsPerCopied * copied + kSecondsPerPatch * patches) /
       threads;
-  cost.bytes = kBytesPerPoint * cost.points + kBytesPerTriangle * once + kBytesPerCopied * copied +
-               kBytesPerPatch * patches;
+  cost.bytes = kBytesPerPoint * (cost.points - along_needles) +
+               kBytesPerNeedlePoint * along_needles + kBytesPerTriangle * once +
+               kBytesPerCopied * copied + kBytesPerPatch * patches;
   return cost;
 }
 

@@ -50,7 +50,7 @@ void declare_reading(CLI::App& app, Arguments& arguments) {
   app.add_option("--missing-faces", arguments.missing_faces,
                  "accept up to this many faces of a STEP or IGES file that get no triangles "
                  "(default 0); the guarantee does not cover them")
-      ->check(CLI::NonNegativeNumber);
+      ->check(CLI::Range(0, 1'000'000));
 }
 
 void declare_bake(CLI::App& app, Arguments& arguments) {
@@ -116,7 +116,11 @@ Result<double> length_option(const std::string& text, const char* option, double
                              bool zero_allowed) {
   if (text.empty()) return absent;
   const auto length = command::parse_length(text);
-  if (!length) return length.error();
+  if (!length) {
+    Error error = length.error();
+    error.where = option;
+    return error;
+  }
   if (*length < 0 || (*length == 0 && !zero_allowed)) {
     return usage(std::string(option) + " must be a positive length", "write it like 5mm");
   }

@@ -20,4 +20,4 @@ _forcelayer_complete() {
     mapfile -t COMPREPLY < <(compgen -W "$(sed -n '/^Subcommands:/,/^$/s/^  \([a-z]*\) .*/\1/p' <<<"$help")" -- "$word")
   fi
 }
-complete -o bashdefault -o default -F _forcelayer_complete voxelize pointshell voxinfo voxrun voxcheck voxview forcelayer
+complete -o bashdefault -o default -F _forcelayer_complete voxelize pointshell voxinfo voxrun voxcheck voxplan voxview forcelayer

@@ -71,7 +71,7 @@ try_image() {
   done < <(sed -e ':a' -e '/\\$/N; s/ *\\\n */ /; ta' "$root/scripts/pipelines/Containerfile")
   in_tree image "${hooks[@]}" <<'SCRIPT'
 if command -v c++ >/dev/null; then echo "FAILED: the image holds a compiler" >&2; exit 1; fi
-for command in voxelize pointshell voxinfo voxrun voxcheck voxview forcelayer; do
+for command in voxelize pointshell voxinfo voxrun voxcheck voxplan voxview forcelayer; do
   $command --version
   test -e /usr/share/bash-completion/completions/$command
 done

@@ -97,7 +97,7 @@ void declare(CLI::App& app, Arguments& arguments) {
   app.add_option("--missing-faces", arguments.missing_faces,
                  "accept up to this many faces of each STEP or IGES file that get no triangles "
                  "(default 0); the guarantee does not cover them")
-      ->check(CLI::NonNegativeNumber);
+      ->check(CLI::Range(0, 1'000'000));
   app.add_option("--roi", arguments.roi,
                  "x0,y0,z0,x1,y1,z1 of a region; what lies outside it is left out of the file");
   app.add_option("--cache", arguments.cache,

@@ -41,7 +41,8 @@ constexpr std::array<Codes, 512> kInRow = [] {
 
 }  // namespace
 
-CodeRules::CodeRules(const VoxmapHeader& h)
+// Once a file, as the two below: small rather than fast.
+[[gnu::cold]] CodeRules::CodeRules(const VoxmapHeader& h)
     : zero_(static_cast<std::uint8_t>(h.distance_zero_code)) {
   const double n = force_layers(std::min(force_layer_voxels(h), 1e3));
   const double radius = interior_radius_m(h) / h.voxel_size_m;
@@ -70,7 +71,7 @@ CodeRules::CodeRules(const VoxmapHeader& h)
 }
 
 // Where the codes that a value allows are no interval, or none, no code is surely allowed.
-void CodeRules::find_limits() {
+[[gnu::cold]] void CodeRules::find_limits() {
   std::array<std::uint8_t, 4> least{255, 255, 255, 255}, most{};
   for (std::size_t value = 0; value < 4; ++value) {
     const auto& allowed = beside_value_[value];
@@ -91,7 +92,7 @@ void CodeRules::find_limits() {
   }
 }
 
-void CodeRules::find_leap() {
+[[gnu::cold]] void CodeRules::find_leap() {
   std::array<Codes, 256> codes, magnitude;
   for (std::size_t code = 0; code < 256; ++code) codes[code] = static_cast<Codes>(code);
   magnitudes(codes.data(), codes.size(), zero_, magnitude.data());

@@ -17,9 +17,9 @@ namespace forcelayer {
 //   possible beside the layers.
 // - No brick names an object above object_count.
 // Memory and time are proportional to the file: to the stored nodes and bricks, and to the number
-// of different neighborhoods of nodes and of different pairs of bricks. Neighborhoods and pairs that
-// are far more than a bake of the file's size has (few nodes or bricks, strewn) are not looked at
-// to the end, and the file is refused: kEntryInvalid. `name` is the file's, for errors.
+// of different neighborhoods of nodes and of different pairs of bricks. Neighborhoods and pairs
+// that are far more than a bake of the file's size has (few nodes or bricks, strewn) are not looked
+// at to the end, and the file is refused: kEntryInvalid. `name` is the file's, for errors.
 Status audit_voxmap(const Voxmap& map, std::string_view name);
 
 }  // namespace forcelayer

@@ -180,7 +180,7 @@ void arrange_help(CLI::App& app, std::initializer_list<HelpGroup> groups,
   }
   std::string footer = app.get_footer();
   if (!footer.empty()) footer += "\n\n";
-  app.footer(footer + "Examples:\n" + examples);
+  app.footer(footer + "Lengths are at most 1e9m, times at most 10000h.\n\nExamples:\n" + examples);
 }
 
 void wrap_help(CLI::App& app) {

@@ -183,9 +183,16 @@ Result<double> parse_unit(std::string_view unit) {
 Result<double> parse_length(std::string_view text) {
   const auto split = split_number(text);
   if (!split) return split.error();
-  if (!split->rest.empty()) return scaled_length(*split);
-  if (split->number == 0) return 0.0;
-  return usage("length " + quoted(trimmed(text)) + " has no unit", "write it like 5mm or 0.005m");
+  if (split->rest.empty() && split->number == 0) return 0.0;
+  if (split->rest.empty()) {
+    return usage("length " + quoted(trimmed(text)) + " has no unit", "write it like 5mm or 0.005m");
+  }
+  auto meters = scaled_length(*split);
+  if (meters && std::abs(*meters) > kFarthestM) {
+    return usage("length " + quoted(trimmed(text)) + " is beyond 1e9m",
+                 "write it like 5mm or 0.005m");
+  }
+  return meters;
 }
 
 Result<std::array<double, 3>> parse_point(std::string_view text) {

@@ -34,6 +34,8 @@ Result<double> parse_number(std::string_view text, const Bounds& bounds);
 Result<double> parse_unit(std::string_view unit);
 
 // "5mm", "0.2in", "0.005m" in meters. The unit is required: a bare number other than 0 is an error.
+// At most kFarthestM either way, and so are the lengths of all that follows.
+inline constexpr double kFarthestM = 1e9;
 Result<double> parse_length(std::string_view text);
 
 // "x,y,z", each a length as above.

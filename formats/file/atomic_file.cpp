@@ -152,8 +152,20 @@ Status AtomicFile::write(std::span<const std::byte> bytes) {
   return {};
 }
 
-Result<MappedFile> AtomicFile::read_back() const {
-  return temporary_.empty() ? Result<MappedFile>(MappedFile()) : MappedFile::open(temporary_);
+Status AtomicFile::commit(ReaderCheck check) {
+  if (temporary_.empty()) return commit();  // written to directly: it cannot be read back
+  auto written = MappedFile::open(temporary_);
+  if (!written) return written.error();
+  if (Status sound = check(std::move(*written), shown_.string()); !sound) {
+    return refused(to_line(sound.error()));
+  }
+  return commit();
+}
+
+Error AtomicFile::refused(std::string_view why) const {
+  return {ErrorCode::kInternal, shown_.string(), "",
+          "not written, because its reader would refuse it: " + std::string(why),
+          "report this with the input"};
 }
 
 Status AtomicFile::commit() {

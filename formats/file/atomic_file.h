@@ -7,11 +7,15 @@
 #include <cstdint>
 #include <filesystem>
 #include <span>
+#include <string_view>
 
 #include "formats/file/mapped_file.h"
 #include "formats/result.h"
 
 namespace forcelayer {
+
+// What the reader of a file says of it; `name` is for errors.
+using ReaderCheck = Status (*)(MappedFile file, std::string_view name);
 
 // A temporary file in the target's folder, renamed over the target by commit(). Without commit()
 // the temporary is removed and the target stays as it was. The same holds when SIGINT, SIGTERM or
@@ -28,10 +32,12 @@ class AtomicFile {
   static Result<AtomicFile> create(const std::filesystem::path& target);
 
   Status write(std::span<const std::byte> bytes);  // appends
-  // Maps the bytes written so far, to be checked before commit(); empty where it cannot be read
-  // back, because the target is written to directly.
-  Result<MappedFile> read_back() const;
-  Status commit();  // flush to disk, rename, flush the folder
+  Status commit();                                 // flush to disk, rename, flush the folder
+  // The same, once the reader takes what was written. Else the target stays as it was: kInternal,
+  // with the reader's words.
+  Status commit(ReaderCheck check);
+  // The error of content that the reader would refuse for `why`.
+  Error refused(std::string_view why) const;
 
  private:
   AtomicFile() = default;

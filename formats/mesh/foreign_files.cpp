@@ -80,6 +80,7 @@ void refuse_extension(const SourceFile& file) {
         in_quotes(extension) + " is the extension of a format that is not read here (" + what + ")",
         mend);
   }
+  refuse_foreign_content(file);
   fail_read(file, ErrorCode::kMeshUnsupported, "",
             in_quotes(extension) + " is not the extension of a mesh format that is read here",
             "use stl, obj, ply, off, om, drc, glb, gltf, step or iges");

@@ -5,10 +5,12 @@
 
 namespace forcelayer::mesh {
 
-// Throws kMeshUnsupported with the name of the format and a way out where the first bytes are those
-// of UTF-16 text, of an archive, of another format, or where the extension is that of another
-// program's files.
+// Both throw kMeshUnsupported with the name of the format and a way out.
+
+// Where the first bytes are those of UTF-16 text, of an archive or of another format.
 void refuse_foreign_content(const SourceFile& file);
+
+// A file whose extension no reader has: named by its extension, else by its first bytes.
 [[noreturn]] void refuse_extension(const SourceFile& file);
 
 }  // namespace forcelayer::mesh

@@ -47,9 +47,9 @@ const Format& format_of(const SourceFile& file) {
     if (!format.signature.empty() && file.bytes.starts_with(format.signature)) return format;
   }
   const Format* const named = find_format(lower_case_extension(file.path));
-  if (named == nullptr || named->is_text) refuse_foreign_content(file);
-  if (named != nullptr) return *named;
-  refuse_extension(file);
+  if (named == nullptr) refuse_extension(file);
+  if (named->is_text) refuse_foreign_content(file);
+  return *named;
 }
 
 // Identity, size and time of a file, to find out whether somebody wrote to it meanwhile.

@@ -174,11 +174,15 @@ Status PathWriter::add(const PathRow& row) {
                            row.orientation_wxyz[1],
                            row.orientation_wxyz[2],
                            row.orientation_wxyz[3]};
+  bool readable = row.time_s > last_s_;
+  last_s_ = row.time_s;
   for (const double value : values) {
+    readable &= std::isfinite(value);
     char digits[32];
     text_.append(digits, std::to_chars(digits, digits + sizeof digits, value).ptr);
     text_ += ',';
   }
+  if (!readable) return file_.refused("a pose is not finite, or not later than the one before");
   text_.back() = '\n';
   return text_.size() < kFlushBytes ? Status{} : flush();
 }
@@ -190,6 +194,7 @@ Status PathWriter::flush() {
 }
 
 Status PathWriter::finish() {
+  if (std::isinf(last_s_)) return file_.refused("there are no poses");
   if (Status written = flush(); !written) return written;
   return file_.commit();
 }

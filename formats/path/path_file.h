@@ -3,6 +3,7 @@
 
 #include <array>
 #include <filesystem>
+#include <limits>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -27,6 +28,8 @@ enum class PathOf { kPart, kHandle };
 Result<std::vector<PathRow>> read_path(const std::filesystem::path& path, PathOf of);
 
 // Writes a path, row by row. The file appears with finish(); without it nothing is left behind.
+// What read_path refuses (no row, times that do not ascend, numbers that are none) is not written:
+// kInternal.
 class PathWriter {
  public:
   static Result<PathWriter> create(const std::filesystem::path& path);
@@ -40,6 +43,7 @@ class PathWriter {
 
   AtomicFile file_;
   std::string text_;
+  double last_s_ = -std::numeric_limits<double>::infinity();
 };
 
 }  // namespace forcelayer

@@ -26,8 +26,8 @@ bool is_closed_body(const part::Part& part, const std::vector<std::uint32_t>& tr
 HiddenSurface::Solid::Solid(const part::Part& part, std::vector<std::uint32_t> triangles)
     : tree(part, std::move(triangles)), winding(tree) {}
 
-HiddenSurface::HiddenSurface(const part::Part& part)
-    : rounding_(std::ldexp(part.largest_coordinate, -40)) {
+HiddenSurface::HiddenSurface(const part::Part& part, double slack)
+    : error_(std::ldexp(part.largest_coordinate, -40) + 2 * slack) {
   if (part.body_names.size() < 2) return;
   for (std::vector<std::uint32_t>& triangles : part::triangles_by_body(part)) {
     if (triangles.empty() || !is_closed_body(part, triangles)) continue;
@@ -51,7 +51,7 @@ bool HiddenSurface::holds_ball(const part::Vec3& center, double radius) const {
 
 bool HiddenSurface::holds_ball(const Solid& solid, const part::Vec3& center, double radius) const {
   return solid.tree.nodes()[0].distance_squared(center) == 0 &&
-         !solid.tree.nearest(center, radius + rounding_).found &&
+         !solid.tree.nearest(center, radius + error_).found &&
          std::abs(solid.winding.at(center)) > kInside;
 }
 

@@ -16,8 +16,9 @@ namespace forcelayer::certificate {
 // The insides of a part's closed bodies. A body whose edges do not all close hides nothing.
 class HiddenSurface {
  public:
-  // `part` must be consistently oriented (orient_outwards) and outlive this.
-  explicit HiddenSurface(const part::Part& part);
+  // `part` must be consistently oriented (orient_outwards) and outlive this. What is hidden stays
+  // so where each place of the surface is off by `slack`, m.
+  explicit HiddenSurface(const part::Part& part, double slack = 0);
   HiddenSurface(const HiddenSurface&) = delete;
   HiddenSurface& operator=(const HiddenSurface&) = delete;
 
@@ -39,7 +40,7 @@ class HiddenSurface {
   std::vector<std::unique_ptr<Solid>> solids_;  // the winding number keeps its tree's address
   part::Part boxes_;                            // of the solids: triangle n has the box of solid n
   std::optional<part::TriangleTree> box_tree_;
-  double rounding_ = 0;  // m, more than any error of a distance
+  double error_ = 0;  // m, more than any error of a distance
 };
 
 // Drops the points that lie deeper than the radius inside another body. Their balls hold no outer

@@ -270,33 +270,47 @@ void copy_skies(const Patches& patches, std::span<const std::uint32_t> originals
   }
 }
 
-// The sky of every patch, past the whole part or, where that hides the patch, past its own body.
+// The sky of every patch, past the whole part or, where that hides the patch, past its own body;
+// that of a group with copies past the group.
 std::vector<Sky> look_around(const part::Part& part, const Patches& patches,
-                             double negligible_size_m, std::span<const std::uint32_t> originals) {
+                             double negligible_size_m, std::span<const part::CopiedGroup> groups) {
   const SkySampler sampler(part, negligible_size_m);
-  const part::TriangleTree whole(part);
+  const std::vector<std::uint32_t> originals = part::original_triangles(part, groups);
   const std::vector<std::size_t> original = original_patches(patches, originals);
+  const std::vector<std::vector<std::uint32_t>> of_body = part::triangles_by_body(part);
+  const auto body_of = [&](std::size_t n) { return part.body[patches.triangles[n].front()]; };
   std::vector<Sky> skies(patches.triangles.size());
-  const auto look = [&](const part::TriangleTree& tree, std::size_t n) {
-    skies[n] = sampler.look(tree, patches.triangles[n]);
+  const auto look = [&](const part::TriangleTree& tree, const std::vector<std::size_t>& chosen) {
+    part::parallel_for_each_index(chosen.size(), 1, [&](std::size_t n) {
+      skies[chosen[n]] = sampler.look(tree, patches.triangles[chosen[n]]);
+    });
   };
-  part::parallel_for_each_index(skies.size(), 1, [&](std::size_t n) {
-    if (original[n] == n) look(whole, n);
-  });
-  if (part.body_names.size() < 2) return skies;
 
-  std::vector<std::vector<std::size_t>> hidden_of_body(part.body_names.size());
-  for (std::size_t n = 0; n < skies.size(); ++n) {
-    if (original[n] == n && skies[n].hidden()) {
-      hidden_of_body[part.body[patches.triangles[n].front()]].push_back(n);
+  std::vector<std::size_t> group_of(of_body.size(), groups.size());
+  std::vector<std::vector<std::uint32_t>> of_group(groups.size());
+  for (std::size_t group = 0; group < groups.size(); ++group) {
+    for (const std::uint32_t body : groups[group].bodies) {
+      group_of[body] = group;
+      of_group[group].insert(of_group[group].end(), of_body[body].begin(), of_body[body].end());
     }
   }
-  const std::vector<std::vector<std::uint32_t>> of_body = part::triangles_by_body(part);
+  std::vector<std::vector<std::size_t>> chosen(groups.size() + 1);  // by group; of none
+  for (std::size_t n = 0; n < skies.size(); ++n) {
+    if (original[n] == n) chosen[group_of[body_of(n)]].push_back(n);
+  }
+  for (std::size_t group = 0; group < groups.size(); ++group) {
+    look(part::TriangleTree(part, std::move(of_group[group])), chosen[group]);
+  }
+  if (!chosen.back().empty()) look(part::TriangleTree(part), chosen.back());
+  if (of_body.size() < 2) return skies;
+
+  std::vector<std::vector<std::size_t>> hidden_of_body(of_body.size());
+  for (std::size_t n = 0; n < skies.size(); ++n) {
+    if (original[n] == n && skies[n].hidden()) hidden_of_body[body_of(n)].push_back(n);
+  }
   for (std::size_t body = 0; body < of_body.size(); ++body) {
-    const std::vector<std::size_t>& hidden = hidden_of_body[body];
-    if (hidden.empty()) continue;
-    const part::TriangleTree tree(part, of_body[body]);
-    part::parallel_for_each_index(hidden.size(), 1, [&](std::size_t n) { look(tree, hidden[n]); });
+    if (hidden_of_body[body].empty()) continue;
+    look(part::TriangleTree(part, of_body[body]), hidden_of_body[body]);
   }
   copy_skies(patches, originals, original, skies);
   return skies;
@@ -352,7 +366,7 @@ void classify(const part::Part& part, const std::vector<std::uint32_t>& patch, c
 }  // namespace
 
 OrientationReport orient_outwards(part::Part& part, double negligible_size_m,
-                                  std::span<const std::uint32_t> originals) {
+                                  std::span<const part::CopiedGroup> groups) {
   OrientationReport report;
   const std::vector<mesh::Triangle> given = part.triangles;
   const Patches patches = find_patches(part, find_links(part, report));
@@ -360,7 +374,7 @@ OrientationReport orient_outwards(part::Part& part, double negligible_size_m,
   for (std::uint32_t t = 0; t < part.triangles.size(); ++t) {
     if (patches.turned[t]) turn(part, t);
   }
-  const std::vector<Sky> skies = look_around(part, patches, negligible_size_m, originals);
+  const std::vector<Sky> skies = look_around(part, patches, negligible_size_m, groups);
   report.of_sheet.assign(given.size(), false);
   report.loose.assign(given.size(), false);
   for (std::size_t n = 0; n < skies.size(); ++n) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "pointshell/part/copies.h"
 #include "pointshell/part/part.h"
 #include "pointshell/part/vec3.h"
 
@@ -48,9 +49,9 @@ struct OrientationReport {
 //
 // The decisiveness (front - back) / (front + back) of the shares of rays that leave is 1 for a
 // closed body and 0 for a flat sheet. A patch with less than 0.15 either way is a sheet, unless it
-// is smaller than `negligible_size_m` or has no area. Patches of copies, whose triangles have
-// others as `originals` (part::original_triangles()), are as their originals.
+// is smaller than `negligible_size_m` or has no area. Each of `groups` is judged past itself alone,
+// and its copies are as it is: what stands near one of them says nothing of the others.
 OrientationReport orient_outwards(part::Part& part, double negligible_size_m,
-                                  std::span<const std::uint32_t> originals = {});
+                                  std::span<const part::CopiedGroup> groups = {});
 
 }  // namespace forcelayer::normals

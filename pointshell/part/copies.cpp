@@ -17,6 +17,9 @@ using Bodies = std::vector<std::uint32_t>;
 constexpr double kServed = 2;
 constexpr double kMostSlack = 1e-3;
 constexpr double kFarthest = 5;  // of the distances that proofs speak of
+// Groups of the same meshes that no motion takes into each other (other scales) are compared with
+// so many at most.
+constexpr int kMostOriginals = 100;
 
 std::array<Vec3, 3> rows_of(const mesh::Affine& placing) {
   const std::array<double, 9>& m = placing.linear;
@@ -148,22 +151,24 @@ class CopyFinder {
   }
 
   void choose_originals(std::vector<Bodies> groups, std::vector<CopiedGroup>& copied) const {
-    std::vector<std::pair<std::uint32_t, Bodies>> left;
-    for (Bodies& group : groups) left.emplace_back(first_vertex(group), std::move(group));
-    std::sort(left.begin(), left.end());
-    while (left.size() > 1) {
+    std::map<std::uint32_t, Bodies> left;  // by their first vertex
+    for (Bodies& group : groups) left.emplace(first_vertex(group), std::move(group));
+    for (int tried = 0; left.size() > 1 && tried < kMostOriginals; ++tried) {
       CopiedGroup own;
-      own.bodies = std::move(left.front().second);
+      own.bodies = std::move(left.begin()->second);
       left.erase(left.begin());
-      std::erase_if(left, [&](std::pair<std::uint32_t, Bodies>& other) {
+      for (auto other = left.begin(); other != left.end();) {
         const Motion motion = motion_between(part_.placings[own.bodies[0]].part_from_mesh,
-                                             part_.placings[other.second[0]].part_from_mesh);
-        const std::optional<double> slack = slack_between(own.bodies, other.second, motion);
-        if (!slack) return false;
-        own.slack_m = std::max(own.slack_m, *slack);
-        own.copies.push_back({motion, std::move(other.second)});
-        return true;
-      });
+                                             part_.placings[other->second[0]].part_from_mesh);
+        const std::optional<double> slack = slack_between(own.bodies, other->second, motion);
+        if (slack) {
+          own.slack_m = std::max(own.slack_m, *slack);
+          own.copies.push_back({motion, std::move(other->second)});
+          other = left.erase(other);
+        } else {
+          ++other;
+        }
+      }
       if (!own.copies.empty()) copied.push_back(std::move(own));
     }
   }

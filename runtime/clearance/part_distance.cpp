@@ -134,14 +134,15 @@ void PartDistance::look_at_blocks(const Place& place, std::size_t super_block) {
   double least = kInfinity;
   for (std::size_t block = begin; block < end; ++block) {
     if (!is_far(place, blocks_, block, true)) look_at_block(place, block);
+    if (stops()) return;
     least = std::min(least, blocks_.now(block, place.travel));
   }
   super_blocks_.least[super_block] = least;
   super_blocks_.travel[super_block] = place.travel;
 }
 
-LeastDistance PartDistance::at(const Pose& world_from_center, double travel_m,
-                               double enough_voxels) {
+LeastDistance PartDistance::at(const Pose& world_from_center, double travel_m, double enough_voxels,
+                               double stop_voxels) {
   const double s = voxmap_.voxel_size_m();
   const Place place{glm::mat3_cast(world_from_center.orientation),
                     to_voxels(world_from_center.position_m), 1 / s, travel_m / s};
@@ -151,8 +152,9 @@ LeastDistance PartDistance::at(const Pose& world_from_center, double travel_m,
   rest_ = kInfinity;
   wished_ = enough_voxels;
   enough_ = std::min(enough_voxels, distances_.cap_voxels());
+  stop_ = stop_voxels;
   if (blocks_.least[last_block_] > -kInfinity) look_at_block(place, last_block_);
-  for (std::size_t i = 0; i < super_blocks_.least.size(); ++i) {
+  for (std::size_t i = 0; i < super_blocks_.least.size() && !stops(); ++i) {
     if (!is_far(place, super_blocks_, i, false)) look_at_blocks(place, i);
   }
   if (best_.voxels < enough_) return best_;

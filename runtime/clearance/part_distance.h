@@ -33,8 +33,10 @@ class PartDistance {
 
   // The least distance where it is below `enough_voxels`; else a lower bound of it, at least
   // enough_voxels where that can be proven. `travel_m`: how far any point of the part may have
-  // travelled since the path's beginning, CenterPath::travel_m().
-  LeastDistance at(const Pose& world_from_center, double travel_m, double enough_voxels);
+  // travelled since the path's beginning, CenterPath::travel_m(). Once a point below `stop_voxels`
+  // is found, no nearer one is looked for.
+  LeastDistance at(const Pose& world_from_center, double travel_m, double enough_voxels,
+                   double stop_voxels = 0);
 
   // A shell point's place in the world, m.
   glm::dvec3 place_m(const Pose& world_from_center, std::uint32_t point) const;
@@ -68,6 +70,7 @@ class PartDistance {
   void look_at_blocks(const Place& place, std::size_t super_block);
   bool is_far(const Place& place, Level& level, std::size_t i, bool closely);
   double limit() const { return best_.voxels < enough_ ? best_.voxels : enough_; }
+  bool stops() const { return best_.voxels < stop_; }
 
   const Voxmap& voxmap_;
   const Pshell& shell_;
@@ -81,7 +84,8 @@ class PartDistance {
   // The search at the current pose.
   LeastDistance best_;
   double wished_ = 0, enough_ = 0;  // the question's enough_voxels; the same, at most the cap
-  double rest_ = 0;                 // the least bound of the spheres that were skipped
+  double stop_ = 0;
+  double rest_ = 0;  // the least bound of the spheres that were skipped
 };
 
 }  // namespace forcelayer::clearance

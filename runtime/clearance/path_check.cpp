@@ -1,15 +1,14 @@
 #include "runtime/clearance/path_check.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <cstdio>
-#include <functional>
 #include <limits>
-#include <thread>
 
 #include "runtime/clearance/path_walk.h"
+#include "runtime/clearance/required_distance.h"
 #include "runtime/clearance/seat_stretch.h"
+#include "runtime/clearance/share_out.h"
 
 namespace forcelayer::clearance {
 namespace {
@@ -20,36 +19,19 @@ constexpr double kMeasuredBeyond = 2;        // voxels above what is required
 constexpr double kSeatVoxels = 2;       // of travel from the seat: an end of a path there is in it
 constexpr double kMostCapVoxels = 160;  // that a search is made for
 
-// Calls work(thread, task) for each task, each from one of the threads.
-void share_out(unsigned threads, std::size_t tasks,
-               const std::function<void(std::size_t, std::size_t)>& work) {
-  std::atomic<std::size_t> next{0};
-  const auto run = [&](std::size_t thread) {
-    for (std::size_t task = next++; task < tasks; task = next++) work(thread, task);
-  };
-  std::vector<std::thread> others;
-  for (unsigned n = 1; n < threads; ++n) others.emplace_back(run, n);
-  run(0);
-  for (std::thread& other : others) other.join();
-}
-
 // Checks the path between two moments against all objects but those left out.
 class Check {
  public:
   Check(const Voxmap& voxmap, const Pshell& shell, const CenterPath& path,
         const CheckRequest& request)
-      : voxmap_(voxmap), shell_(shell), path_(path), request_(request) {
-    const PartDistance part(voxmap, shell, request.allowed, 0);
-    deviations_m_ =
-        voxmap.header().static_deviation_m + shell.header().part_deviation_m + part.rounding_m();
-    const double s = voxmap.voxel_size_m();
-    required_voxels_ = least_point_distance_for_m(shell.surface_distance_terms(),
-                                                  request.required_m + deviations_m_) /
-                       s;
-    measured_voxels_ = std::max(required_voxels_ + kMeasuredBeyond, reach_voxels(voxmap.header()));
-  }
+      : voxmap_(voxmap),
+        shell_(shell),
+        path_(path),
+        request_(request),
+        required_(voxmap, shell, request.required_m),
+        measured_voxels_(
+            std::max(required_.voxels() + kMeasuredBeyond, reach_voxels(voxmap.header()))) {}
 
-  double required_voxels() const { return required_voxels_; }
   double cap_voxels() const { return measured_voxels_ + 1; }
 
   struct Walked {
@@ -59,11 +41,7 @@ class Check {
   };
   Walked walk(const LeftOut& left_out, const Moment& from, const Moment& to) const;
 
-  double clearance_m(double voxels) const {
-    const double proven =
-        surface_distance_bound_m(shell_.surface_distance_terms(), voxels * voxmap_.voxel_size_m());
-    return std::max(0.0, proven - deviations_m_);
-  }
+  double clearance_m(double voxels) const { return required_.clearance_m(voxels); }
   CheckedMoment checked(PartDistance& part, const Sample& sample) const;
   CheckedMoment checked(const LeftOut& left_out, const Sample& sample) const {
     PartDistance part(voxmap_, shell_, left_out, cap_voxels());
@@ -79,8 +57,8 @@ class Check {
   const Pshell& shell_;
   const CenterPath& path_;
   const CheckRequest& request_;
-  double deviations_m_ = 0;                           // of scene, part and arithmetic together
-  double required_voxels_ = 0, measured_voxels_ = 0;  // of shell points
+  RequiredDistance required_;
+  double measured_voxels_;  // of shell points
 };
 
 // Moments that cut the way between two into shares of equal travel, as far as poses allow.
@@ -119,7 +97,7 @@ Check::Walked Check::walk(const LeftOut& left_out, const Moment& from, const Mom
   for (const Sample& sample : first) {
     if (sample.least.voxels < walked.nearest.least.voxels) walked.nearest = sample;
   }
-  const WalkLimits limits{required_voxels_,
+  const WalkLimits limits{required_.voxels(),
                           std::min(measured_voxels_, walked.nearest.least.voxels)};
   const std::vector<Moment> ends = share_ends(from, to);
   const std::size_t shares = std::max<std::size_t>(1, ends.size() - 1);
@@ -154,7 +132,7 @@ CheckedMoment Check::checked(PartDistance& part, const Sample& sample) const {
   if (moment.beyond_side) return moment;
   const auto nearest = part.nearest(moment.point_m);
   moment.object = nearest.object;
-  moment.most_m = nearest.most_voxels * voxmap_.voxel_size_m() + deviations_m_;
+  moment.most_m = nearest.most_voxels * voxmap_.voxel_size_m() + required_.deviations_m();
   return moment;
 }
 

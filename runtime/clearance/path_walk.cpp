@@ -110,4 +110,42 @@ void PathWalk::walk(const Moment& from, const Moment& to) {
   cover(first, sample(to, enough));
 }
 
+// As sample(), but of a moment that is too near only that is told.
+Sample PathWalk::tested(const Moment& moment, double enough_voxels) {
+  ++tested_;
+  const double travel_m = path_.travel_m(moment);
+  return {
+      moment, travel_m,
+      part_.at(path_.world_from_center(moment), travel_m, enough_voxels, limits_.required_voxels)};
+}
+
+// Whether the way between two moments, neither of them too near, is kept. Moves `until` on.
+bool PathWalk::keep(const Sample& a, const Sample& b, bool or_nothing, Moment& until) {
+  const double travel = (b.travel_m - a.travel_m) / voxel_size_m_;
+  if (proven_between(a, b) >= limits_.required_voxels) {
+    until = b.moment;
+    return true;
+  }
+  if (travel < kEdge) return false;
+  const Sample middle = tested(between(a, b), limits_.required_voxels + travel / 2 + 2 * kRounding);
+  if (middle.least.voxels < limits_.required_voxels) {
+    if (!or_nothing) keep(a, middle, false, until);
+    return false;
+  }
+  return keep(a, middle, or_nothing, until) && keep(middle, b, or_nothing, until);
+}
+
+Moment PathWalk::kept_until(const Moment& from, const Moment& to, bool or_nothing) {
+  part_.forget();
+  const double travel = (path_.travel_m(to) - path_.travel_m(from)) / voxel_size_m_;
+  const double enough = limits_.required_voxels + travel / 2 + 2 * kRounding;
+  Moment until = from;
+  const Sample last = tested(to, enough);
+  if (or_nothing && last.least.voxels < limits_.required_voxels) return from;
+  const Sample first = tested(from, enough);
+  if (first.least.voxels < limits_.required_voxels) return from;
+  keep(first, last, or_nothing, until);
+  return until;
+}
+
 }  // namespace forcelayer::clearance

@@ -49,6 +49,11 @@ class PathWalk {
   // Walks from one moment to another and appends to pieces().
   void walk(const Moment& from, const Moment& to);
 
+  // The last moment up to which the required distance is proven, from `from` on; `from` where it
+  // is too near itself. Where not all of the way is kept, that is told to a sixteenth of a voxel of
+  // travel, or with `or_nothing` not at all. Adds no pieces.
+  Moment kept_until(const Moment& from, const Moment& to, bool or_nothing);
+
   // In the order of time, without gaps.
   const std::vector<Piece>& pieces() const { return pieces_; }
   std::uint64_t tested() const { return tested_; }  // moments
@@ -62,6 +67,8 @@ class PathWalk {
   bool is_settled(const Sample& a, const Sample& b, double proven, double travel) const;
   Moment between(const Sample& a, const Sample& b);
   void cover(const Sample& a, const Sample& b);
+  bool keep(const Sample& a, const Sample& b, bool or_nothing, Moment& until);
+  Sample tested(const Moment& moment, double enough_voxels);
 
   const CenterPath& path_;
   PartDistance& part_;

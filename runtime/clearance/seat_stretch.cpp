@@ -6,6 +6,12 @@ namespace forcelayer::clearance {
 namespace {
 
 constexpr double kStepVoxels = 0.5;
+// A point whose normal is within 26 degrees of the field's slope lies flush before a face: the
+// slope is off by less there, and the part's own normal is exact. Another one lies before an edge,
+// where the slope holds close by alone.
+constexpr float kFlush = 0.9f;
+constexpr double kTouchVoxels = 0.1;
+constexpr float kShallow = 0.125f;  // of what a point may lie deeper than it touches
 
 }  // namespace
 
@@ -65,6 +71,28 @@ std::optional<SeatStretch::PushedIn> SeatStretch::pushed_in(const Pose& world_fr
         {}, object, world_from_center.position_m + glm::dvec3(contact.arm_m), contact.depth_m};
   }
   return deepest;
+}
+
+void SeatStretch::find_floors(const Pose& world_from_center, std::vector<Floor>& floors) {
+  field::ContactSet& contacts = parts_->contacts;
+  parts_->probe->look_up(world_from_center, contacts);
+  floors.clear();
+  const PshellView& v = parts_->query.shell().view();
+  const glm::quat turn(world_from_center.orientation);
+  const auto touching_m = static_cast<float>(kTouchVoxels * parts_->query.voxmap().voxel_size_m());
+  for (std::uint32_t i = 0; i < contacts.count; ++i) {
+    if (contacts.of_seat[i] == 0) continue;
+    const field::SeatObject* const object = parts_->probe->seat().find(parts_->probe->object_of(i));
+    if (object == nullptr) continue;
+    const field::Contact contact = contacts[i];
+    const glm::vec3 normal =
+        turn * glm::vec3(v.nx[contact.point], v.ny[contact.point], v.nz[contact.point]);
+    const bool flush = glm::dot(normal, contact.direction) > kFlush;
+    if (!flush && contact.depth_m < -touching_m) continue;
+    const float may_m = object->contact_m - object->floor_m;
+    floors.push_back(
+        {contact.arm_m, flush ? normal : contact.direction, may_m * kShallow - contact.depth_m});
+  }
 }
 
 std::optional<SeatStretch::PushedIn> SeatStretch::first_pushed_in(const CenterPath& path,

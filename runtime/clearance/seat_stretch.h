@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "formats/pshell.h"
 #include "formats/result.h"
@@ -39,11 +40,22 @@ class SeatStretch {
   // do not count.
   std::optional<PushedIn> first_pushed_in(const CenterPath& path, const Moment& from,
                                           const Moment& to, const LeftOut& left_out);
+  // The same at one pose; its moment means nothing.
+  std::optional<PushedIn> pushed_in(const Pose& world_from_center, const LeftOut& left_out);
+
+  // A shell point flush before a face of the seat, or touching an edge.
+  struct Floor {
+    glm::vec3 arm_m{0};      // from the centroid, world axes
+    glm::vec3 direction{0};  // unit, out of the object
+    float left_m = 0;        // that it can go against the direction until it lies an eighth as
+                             // deep as it may; negative: it lies deeper
+  };
+  // Those at a pose, in the shell's order.
+  void find_floors(const Pose& world_from_center, std::vector<Floor>& floors);
 
  private:
   struct Parts;
   explicit SeatStretch(std::unique_ptr<Parts> parts);
-  std::optional<PushedIn> pushed_in(const Pose& world_from_center, const LeftOut& left_out);
 
   std::unique_ptr<Parts> parts_;
 };

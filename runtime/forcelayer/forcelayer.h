@@ -151,8 +151,9 @@ int forcelayer_swap(forcelayer_runtime* runtime, const char* scene, const char* 
  * read beyond a file's end with SIGBUS, and one where a changed index leads with SIGSEGV; the
  * process would end with a force on the hand. After this call the step goes on, harmless, and the
  * output trips. It stays at zero until whole files are opened, or swapped in and armed by the
- * clutch. The same signals elsewhere go to whoever handled them before. Call it once in a process, after handlers of your own are in place. (The commands never write to a baked
- * file: they replace it.) */
+ * clutch. The same signals elsewhere go to whoever handled them before. Call it once in a process,
+ * after handlers of your own are in place. (The commands never write to a baked file: they replace
+ * it.) */
 void forcelayer_contain_map_loss(void);
 
 /* Asks the system whether the baked files in use are as they were opened, and returns how many are

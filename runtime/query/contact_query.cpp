@@ -111,7 +111,7 @@ void CollectedPoints::clear() noexcept {
   outside_map = false;
 }
 
-Status ContactQuery::check_size(const Voxmap& voxmap, const Pshell& shell) {
+[[gnu::cold]] Status ContactQuery::check_size(const Voxmap& voxmap, const Pshell& shell) {
   if (shell.header().bounding_radius_m / voxmap.voxel_size_m() < kMaxRadiusVoxels) return {};
   return Error{ErrorCode::kFilesDoNotMatch, "", "bounding radius",
                "the part is more than a million voxels of the scene across",

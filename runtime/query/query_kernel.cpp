@@ -145,34 +145,20 @@ struct TreeEnd {
   Mask in_brick;
 };
 
-// Whether all voxels lie in one cell of 64^3 voxels: most vectors do, points being in order.
-HWY_INLINE bool in_one_lower_node(const Int3& voxel) {
-  const U u;
-  const auto differs = [&](VI v) HWY_ATTR {
-    return hn::BitCast(u, hn::Xor(v, hn::Set(I(), hn::GetLane(v))));
-  };
-  const VU any = hn::Or(differs(voxel.x), hn::Or(differs(voxel.y), differs(voxel.z)));
-  return hn::AllTrue(u, hn::Lt(any, hn::Set(u, kLowerNodeEdge)));
-}
-
-// The entry of the 64^3 voxels around one voxel of the directory, and the width of its box.
-struct UpperEnd {
-  std::uint32_t entry;
-  std::int32_t edge;
-};
-
-HWY_INLINE UpperEnd upper_end(const KernelMap& map, std::int32_t x, std::int32_t y,
-                              std::int32_t z) {
-  const std::size_t cell =
-      (static_cast<std::size_t>(x >> 9) * static_cast<std::size_t>(map.dims[1]) +
-       static_cast<std::size_t>(y >> 9)) *
-          static_cast<std::size_t>(map.dims[2]) +
-      static_cast<std::size_t>(z >> 9);
-  const std::uint32_t entry = map.directory[cell];
-  if (is_uniform(entry)) return {entry, kUpperNodeEdge};
-  const std::uint32_t slot =
+// The entry of the 64^3 voxels around one voxel, that of free voxels outside of the directory.
+HWY_INLINE std::uint32_t upper_end(const KernelMap& map, std::int32_t x, std::int32_t y,
+                                   std::int32_t z) {
+  const auto cell = [](std::int32_t v) { return static_cast<std::uint32_t>(v) >> 9; };
+  const std::array<std::uint32_t, 3> dims = {static_cast<std::uint32_t>(map.dims[0]),
+                                             static_cast<std::uint32_t>(map.dims[1]),
+                                             static_cast<std::uint32_t>(map.dims[2])};
+  if (cell(x) >= dims[0] || cell(y) >= dims[1] || cell(z) >= dims[2]) return uniform_entry(0);
+  const std::uint32_t entry =
+      map.directory[(std::size_t{cell(x)} * dims[1] + cell(y)) * dims[2] + cell(z)];
+  if (is_uniform(entry)) return entry;
+  const auto slot =
       static_cast<std::uint32_t>((x >> 6 & 7) << 6 | (y >> 6 & 7) << 3 | (z >> 6 & 7));
-  return {map.upper_nodes[std::size_t{entry} * kNodeEntries + slot], kLowerNodeEdge};
+  return map.upper_nodes[std::size_t{entry} * kNodeEntries + slot];
 }
 
 // Down to the entries of 64^3 voxels; `in_brick` tells which of them have a child.
@@ -215,34 +201,63 @@ HWY_INLINE TreeEnd descend_from_lower_nodes(const KernelMap& map, const Int3& vo
   return end;
 }
 
-// The same as descend_to_lower_nodes() for voxels that share their end there, all of them valid.
-HWY_INLINE TreeEnd descend_together(const KernelMap& map, const Int3& voxel) {
-  const UpperEnd upper =
-      upper_end(map, hn::GetLane(voxel.x), hn::GetLane(voxel.y), hn::GetLane(voxel.z));
-  TreeEnd end;
-  end.entry = hn::Set(U(), upper.entry);
-  end.edge = hn::Set(I(), upper.edge);
-  end.in_brick = has_child(end.entry);
-  return end;
+// VoxelValue of each voxel, by the entries at which their paths end.
+HWY_INLINE VU value_at(const KernelMap& map, const Int3& voxel, VU entry, Mask in_brick) {
+  const U u;
+  const VU value = hn::And(entry, hn::Set(u, 0xff));
+  if (hn::AllFalse(u, in_brick)) return value;
+  const VU bit = hn::ShiftLeft<1>(slot<0>(voxel));
+  const VU word =
+      gather(map.bricks, hn::Add(hn::ShiftLeft<5>(entry), hn::ShiftRight<5>(bit)), in_brick);
+  const VU stored = hn::And(hn::Shr(word, hn::And(bit, hn::Set(u, 31))), hn::Set(u, 3));
+  return hn::IfThenElse(in_brick, stored, value);
 }
 
-// VoxelValue of each voxel; free where `valid` does not hold.
-HWY_INLINE VU look_up(const KernelMap& map, const Int3& voxel, Mask valid) {
-  const U u;
-  const bool together = hn::AllTrue(u, valid) && in_one_lower_node(voxel);
-  const TreeEnd end = descend_from_lower_nodes(
-      map, voxel,
-      together ? descend_together(map, voxel) : descend_to_lower_nodes(map, voxel, valid));
-  VU value = hn::And(end.entry, hn::Set(u, 0xff));
-  if (!hn::AllFalse(u, end.in_brick)) {
-    const VU bit = hn::ShiftLeft<1>(slot<0>(voxel));
-    const VU word = gather(map.bricks, hn::Add(hn::ShiftLeft<5>(end.entry), hn::ShiftRight<5>(bit)),
-                           end.in_brick);
-    const VU stored = hn::And(hn::Shr(word, hn::And(bit, hn::Set(u, 31))), hn::Set(u, 3));
-    value = hn::IfThenElse(end.in_brick, stored, value);
+// VoxelValue of voxel after voxel; free outside of the directory. Points are in order: most vectors
+// lie in the same 64^3 voxels as the one before, which are found once.
+class Lookup {
+ public:
+  explicit HWY_INLINE Lookup(const KernelMap& map) : map_(map) {
+    const VI nowhere = hn::Set(I(), INT32_MIN);
+    near_ = {nowhere, nowhere, nowhere};
   }
-  return hn::IfThenElseZero(valid, value);
-}
+  HWY_INLINE VU operator()(const Int3& voxel) {
+    const U u;
+    if (!is_near(voxel)) {
+      const I i;
+      const std::int32_t x = hn::GetLane(voxel.x), y = hn::GetLane(voxel.y),
+                         z = hn::GetLane(voxel.z);
+      near_ = {hn::Set(i, x), hn::Set(i, y), hn::Set(i, z)};
+      entry_ = upper_end(map_, x, y, z);
+      if (!is_near(voxel)) return scattered(voxel);
+    }
+    if (is_uniform(entry_)) return hn::Set(u, entry_ & 0xff);
+    const std::uint32_t* node = map_.lower_nodes + std::size_t{entry_} * kNodeEntries;
+    const VU entry =
+        hn::BitCast(u, hn::GatherIndex(I(), reinterpret_cast<const std::int32_t*>(node),
+                                       hn::BitCast(I(), slot<3>(voxel))));
+    return value_at(map_, voxel, entry, has_child(entry));
+  }
+
+ private:
+  HWY_INLINE bool is_near(const Int3& voxel) const {
+    const U u;
+    const VU differs =
+        hn::BitCast(u, hn::Or(hn::Xor(voxel.x, near_.x),
+                              hn::Or(hn::Xor(voxel.y, near_.y), hn::Xor(voxel.z, near_.z))));
+    return hn::AllTrue(u, hn::Eq(hn::ShiftRight<6>(differs), hn::Zero(u)));
+  }
+  HWY_INLINE VU scattered(const Int3& voxel) const {
+    const Mask valid = in_directory(map_, voxel);
+    const TreeEnd end =
+        descend_from_lower_nodes(map_, voxel, descend_to_lower_nodes(map_, voxel, valid));
+    return hn::IfThenElseZero(valid, value_at(map_, voxel, end.entry, end.in_brick));
+  }
+
+  const KernelMap& map_;
+  Int3 near_;                               // a voxel of the 64^3
+  std::uint32_t entry_ = uniform_entry(0);  // theirs
+};
 
 HWY_INLINE Mask outside_known(const KernelMap& map, const Int3& voxel) {
   const I i;
@@ -262,18 +277,25 @@ struct PlacedPoints {
   Int3 voxel;       // relative to the directory
 };
 
+// A voxel, told from the center's by a whole number below 2^22, which such a sum has in its low
+// bits. Highway's own conversion takes four instructions, to be right for all numbers.
+HWY_INLINE VI voxel_at(VF whole, std::int32_t center) {
+  constexpr std::uint32_t kSumBits = 0x4b400000;  // of kSum
+  const VF sum = hn::Add(whole, hn::Set(F(), 0x1.8p23f));
+  return hn::BitCast(I(), hn::Add(hn::BitCast(U(), sum),
+                                  hn::Set(U(), static_cast<std::uint32_t>(center) - kSumBits)));
+}
+
 HWY_INLINE PlacedPoints place_points(const VoxelPose& pose, const Float3& point) {
   const F f;
-  const I i;
   PlacedPoints p;
   p.offset = multiply(pose.turn, point);
   p.position = {hn::Add(p.offset.x, hn::Set(f, pose.fraction[0])),
                 hn::Add(p.offset.y, hn::Set(f, pose.fraction[1])),
                 hn::Add(p.offset.z, hn::Set(f, pose.fraction[2]))};
   p.whole = {hn::Floor(p.position.x), hn::Floor(p.position.y), hn::Floor(p.position.z)};
-  p.voxel = {hn::Add(hn::Set(i, pose.whole[0]), hn::ConvertTo(i, p.whole.x)),
-             hn::Add(hn::Set(i, pose.whole[1]), hn::ConvertTo(i, p.whole.y)),
-             hn::Add(hn::Set(i, pose.whole[2]), hn::ConvertTo(i, p.whole.z))};
+  p.voxel = {voxel_at(p.whole.x, pose.whole[0]), voxel_at(p.whole.y, pose.whole[1]),
+             voxel_at(p.whole.z, pose.whole[2])};
   return p;
 }
 
@@ -283,7 +305,6 @@ HWY_INLINE void append(const KernelMap& map, const KernelShell& shell, const Vox
                        PointColumns& out) {
   const F f;
   const I i;
-  const U u;
   const Packing pack(hn::RebindMask(f, mask));
   const auto put = [&pack](auto v, auto* to)
                        HWY_ATTR { hn::StoreU(pack(v), hn::DFromV<decltype(v)>(), to); };
@@ -308,11 +329,6 @@ HWY_INLINE void append(const KernelMap& map, const KernelShell& shell, const Vox
   put(normal.x, &out.nx[at]);
   put(normal.y, &out.ny[at]);
   put(normal.z, &out.nz[at]);
-  const auto among = [&](std::uint32_t wanted) HWY_ATTR {
-    return static_cast<std::uint32_t>(
-        hn::CountTrue(u, hn::And(mask, hn::Eq(value, hn::Set(u, wanted)))));
-  };
-  for (std::uint32_t n = 1; n < 4; ++n) out.count_of_value[n] += among(n);
   out.count += static_cast<std::uint32_t>(pack.count());
 }
 
@@ -330,6 +346,12 @@ void CollectRows(const KernelMap& map, const KernelShell& shell, const VoxelPose
   const F f;
   const U u;
   constexpr std::uint32_t kLanes = static_cast<std::uint32_t>(hn::MaxLanes(f));
+  const std::uint32_t count_before = out.count;
+  Lookup look_up(map);
+  VU ones = hn::Zero(u), twos = hn::Zero(u);  // per lane, how many points lie in values 1 and 2
+  const auto add = [u](VU sum, VU value, std::uint32_t wanted) HWY_ATTR {
+    return hn::Sub(sum, hn::VecFromMask(u, hn::Eq(value, hn::Set(u, wanted))));
+  };
   for (std::uint32_t row = 0; row < row_count; ++row) {
     const std::uint32_t begin = rows[row] * kRowPoints;
     const std::uint32_t end = begin + kRowPoints;
@@ -338,16 +360,26 @@ void CollectRows(const KernelMap& map, const KernelShell& shell, const VoxelPose
       const PlacedPoints p =
           place_points(pose, {hn::LoadU(f, shell.x + first), hn::LoadU(f, shell.y + first),
                               hn::LoadU(f, shell.z + first)});
-      const Mask real = hn::Lt(numbers_from(first), hn::Set(u, shell.point_count));
+      const auto are_real = [&]() HWY_ATTR {
+        return hn::Lt(numbers_from(first), hn::Set(u, shell.point_count));
+      };
       if (map.cropped) {
-        out.outside_map |= !hn::AllFalse(u, hn::And(real, outside_known(map, p.voxel)));
+        out.outside_map |= !hn::AllFalse(u, hn::And(are_real(), outside_known(map, p.voxel)));
       }
-      const VU value = look_up(map, p.voxel, hn::And(real, in_directory(map, p.voxel)));
+      VU value = look_up(p.voxel);
+      if (end > shell.point_count) value = hn::IfThenElseZero(are_real(), value);
       const Mask found = hn::Ne(value, hn::Zero(u));
       if (hn::AllFalse(u, found)) continue;
       append(map, shell, pose, first, p, value, found, out);
+      ones = add(ones, value, 1);
+      twos = add(twos, value, 2);
     }
   }
+  const std::uint32_t one = hn::GetLane(hn::SumOfLanes(u, ones)),
+                      two = hn::GetLane(hn::SumOfLanes(u, twos));
+  out.count_of_value[1] += one;
+  out.count_of_value[2] += two;
+  out.count_of_value[3] += out.count - count_before - one - two;
 }
 
 // How far [low, high] lies inside [from, to) on one axis. All are relative to the center's voxel.

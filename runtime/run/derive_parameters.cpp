@@ -138,7 +138,7 @@ constexpr const char* kInertial =
     "33 degrees";
 
 // The hand feels a stiffness, damping or mass of the scene times this (placement.h): the square of
-// the motion scale.
+// the motion scale. Moments, torques and their stiffness have no scale.
 double felt_share(const RunRequest& request) {
   return request.placement.motion_scale * request.placement.motion_scale;
 }
@@ -405,7 +405,10 @@ void derive_default(const RunRequest& request, const Voxmap& voxmap, const Pshel
   Choice choice(request, derived);
   Parameters& p = derived.values;
   choose_mass(request, choice);
-  p.inertia_kgm2 = shell_inertia_kgm2(shell.header(), p.mass_kg, p.part_radius_m, p.voxel_size_m);
+  // Of the mass that the hand feels: a moment of the scene's would make k_R, which goes with it, as
+  // many times softer at large motion scales as k_T is at the device stiffer than in the scene.
+  const double felt_kg = p.mass_kg * felt_share(request);
+  p.inertia_kgm2 = shell_inertia_kgm2(shell.header(), felt_kg, p.part_radius_m, p.voxel_size_m);
   choose_default_coupling(request, derived);
   const double covering = steepest_n_per_m(voxmap);
   if (covering > 0) {

@@ -288,13 +288,22 @@ Status RecordingWriter::finish(std::uint64_t lost_frames) {
   if (Status written = flush(); !written) return written;
   const RecordingTrailer trailer{kRecordingEndMagic, frames_, lost_frames, 0};
   if (Status written = file_.write(bytes_of(trailer)); !written) return written;
-  return file_.commit();
+  if (lost_frames > 0) return file_.commit();  // to be looked at: its reader names their count
+  return file_.commit([](MappedFile file, std::string_view name) -> Status {
+    const auto recording = Recording::read(std::move(file), std::string(name));
+    if (!recording) return recording.error();
+    return {};
+  });
 }
 
 Result<Recording> Recording::open(const std::filesystem::path& path) {
   auto file = MappedFile::open(path);
   if (!file) return file.error();
-  const Reader reader(file->bytes(), path.string());
+  return read(std::move(*file), path.string());
+}
+
+Result<Recording> Recording::read(MappedFile file, std::string name) {
+  const Reader reader(file.bytes(), name);
   const auto header = reader.header();
   if (!header) return header.error();
   const auto parameters = reader.parameters(*header);
@@ -313,8 +322,8 @@ Result<Recording> Recording::open(const std::filesystem::path& path) {
   recording.run_.voxmap_checksum = header->voxmap_checksum;
   recording.run_.shell_checksum = header->shell_checksum;
   recording.frames_ = *frames;
-  recording.name_ = path.string();
-  recording.file_ = std::move(*file);
+  recording.name_ = std::move(name);
+  recording.file_ = std::move(file);
   return recording;
 }
 

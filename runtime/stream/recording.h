@@ -38,6 +38,7 @@ class RecordingWriter {
   void begin(const RecordedRun& run);
 
   Status add(const Frame& frame);
+  // Not committed where Recording::open would refuse it for another reason than lost frames.
   Status finish(std::uint64_t lost_frames);
 
  private:
@@ -55,6 +56,9 @@ class Recording {
  public:
   // Errors: file codes (1xx) and baked-file codes (4xx).
   static Result<Recording> open(const std::filesystem::path& path);
+
+  // The same of a file that is mapped; `name` is for errors.
+  static Result<Recording> read(MappedFile file, std::string name);
 
   // kFilesDoNotMatch where the run was made with other files.
   Status check_files(const Voxmap& voxmap, const Pshell& shell) const;

@@ -22,6 +22,7 @@ constexpr Listed kCommands[] = {
     {"voxinfo", "says what a baked file is; verifies, samples and exports it"},
     {"voxrun", "runs the haptic loop; voxrun doctor checks the machine"},
     {"voxcheck", "proves that a part keeps its clearance along a path"},
+    {"voxplan", "finds a way for a part out of where it is installed"},
     {"voxview", "shows meshes, baked files and runs"},
 };
 
@@ -44,7 +45,7 @@ int main(int argc, char** argv) {
   }
   CLI::App app{"Lists the commands; makes a study of a part with them", "forcelayer"};
   CLI::App* const made = app.add_subcommand(
-      "study", "bake scene and part, run or check a path, and write a page with the verdict");
+      "study", "bake scene and part, find, run or check a path, and write a page with the verdict");
   const study::OptionParser parser(*made);
   app.require_subcommand(1);
   made->footer(
@@ -53,9 +54,11 @@ int main(int argc, char** argv) {
   command::arrange_help(
       *made,
       {{"What is asked",
-        {"--voxel-size", "--path", "--pull", "--clearance", "--seat", "--seat-depth", "--allow"}},
+        {"--voxel-size", "--path", "--pull", "--time", "--clearance", "--seat", "--seat-depth",
+         "--allow"}},
        {"What is read", {"--without", "--units", "--sandbox"}},
        {"Output", {"--output", "--files-alone", "--no-pictures"}}},
+      "  forcelayer study 'gearbox.glb#Pin' --voxel-size 1mm --clearance 1mm -o out\n"
       "  forcelayer study 'gearbox.glb#Pin' --voxel-size 1mm --pull 0,0,60mm -o pin\n"
       "  forcelayer study 'gearbox.glb#Cover' --without Lid --voxel-size 1mm --path out.csv -o "
       "cover");

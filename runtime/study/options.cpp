@@ -18,6 +18,8 @@ OptionParser::OptionParser(CLI::App& study) {
                    "the way that is checked: a CSV, a trace or a recording of voxrun");
   study.add_option("--pull", options_.pull,
                    "x,y,z: where a hand pulls the part to, in place of a path, such as 0,0,60mm");
+  study.add_option("--time", options_.time,
+                   "without --path and --pull: how long voxplan looks for a way out; 60s");
   study.add_option("--clearance", options_.clearance,
                    "that is required of the exact surfaces; 12.7mm");
   study.add_option("--seat", options_.seat,
@@ -53,11 +55,13 @@ Result<Options> OptionParser::finish() const {
   }
   options.assembly = input_.substr(0, hash);
   options.node = input_.substr(hash + 1);
-  if (options.path.empty() == options.pull.empty()) {
-    return usage(
-        "--path",
-        options.path.empty() ? "and --pull are both missing" : "and --pull exclude each other",
-        "give the way that is checked, or where the part is pulled to");
+  if (!options.path.empty() && !options.pull.empty()) {
+    return usage("--path", "and --pull exclude each other",
+                 "give the way that is checked, or where the part is pulled to");
+  }
+  if (options.searches() && options.seat == "none") {
+    return usage("--seat", "none, and no way that the part begins at",
+                 "give --path, or the seat that it shall come out of");
   }
   for (const auto& [option, length] : {std::pair("--voxel-size", &options.voxel_size),
                                        std::pair("--clearance", &options.clearance),

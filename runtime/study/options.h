@@ -16,8 +16,9 @@ namespace forcelayer::study {
 struct Options {
   std::string assembly;  // before "#": the file, or manifest
   std::string node;      // behind it: the part
-  std::string voxel_size, clearance, units, path, pull, seat, seat_depth, folder;
+  std::string voxel_size, clearance, units, path, pull, time, seat, seat_depth, folder;
   std::vector<std::string> allow, without;
+  bool searches() const { return path.empty() && pull.empty(); }
   bool files_alone = false;  // the meshes do not settle what the files leave open
   bool sandbox = false;      // meshes are read in processes of their own
   bool no_pictures = false;

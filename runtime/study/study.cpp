@@ -68,11 +68,13 @@ class Study {
   Step scene_step() const;
   Step part_step() const;
   Step pull_step() const;
+  Step plan_step() const;
   Step check_step() const;
   Step picture_step() const;
 
   Status bake();
   Status find_path();
+  Status pull();
   Status check();
   Status draw();
   Status write_page();
@@ -157,6 +159,22 @@ Step Study::pull_step() const {
   return step;
 }
 
+Step Study::plan_step() const {
+  Step step{"voxplan",
+            {in("scene.vox"), in("part.pshell"), "--clearance", options_.clearance, "--seat",
+             options_.seat, "-o", in("path.csv"), "--json", in("plan.json")},
+            {in("scene.vox"), in("part.pshell")},
+            {in("path.csv"), in("plan.json")},
+            "forcelayer-tools"};
+  for (const std::string& object : options_.allow) {
+    step.arguments.insert(step.arguments.end(), {"--allow", object});
+  }
+  if (!options_.time.empty()) {
+    step.arguments.insert(step.arguments.end(), {"--time", options_.time});
+  }
+  return step;
+}
+
 Step Study::check_step() const {
   Step step{"voxcheck",
             {in("scene.vox"), in("part.pshell"), path_, "--clearance", options_.clearance},
@@ -212,8 +230,14 @@ Status Study::bake() {
 Status Study::find_path() {
   path_ = options_.path;
   if (!path_.empty()) return {};
-  if (const auto pulled = run(pull_step(), true); !pulled) return pulled.error();
   path_ = in("path.csv");
+  if (!options_.searches()) return pull();
+  const auto planned = run(plan_step());
+  return planned ? Status{} : planned.error();
+}
+
+Status Study::pull() {
+  if (const auto pulled = run(pull_step(), true); !pulled) return pulled.error();
   const auto rows = read_path(path_, PathOf::kPart);
   if (!rows) return rows.error();
   const auto pull = command::parse_point(options_.pull);

@@ -36,7 +36,7 @@ endfunction()
 
 if(TARGET voxelize)
   debian_package(tools forcelayer-tools science "bakes CAD scenes and parts for haptic rendering"
-    "voxelize turns static meshes into a voxmap with an offset force layer,\npointshell turns a moving part into a covering set of surface points, and\nvoxinfo checks and exports what they wrote.")
+    "voxelize turns static meshes into a voxmap with an offset force layer,\npointshell turns a moving part into a covering set of surface points, and\nvoxinfo checks and exports what they wrote. voxplan finds a way for the part\nout of where it is installed.")
   set(pipelines ${PROJECT_SOURCE_DIR}/scripts/pipelines)
   install(FILES ${pipelines}/github.yml ${pipelines}/gitlab.yml ${pipelines}/slurm.sh COMPONENT tools EXCLUDE_FROM_ALL
           DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/doc/forcelayer-tools/examples/pipelines)

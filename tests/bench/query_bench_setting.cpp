@@ -6,8 +6,8 @@
 #include <random>
 #include <stdexcept>
 
+#include "pointshell/sample/order.h"
 #include "tests/stress/shapes.h"
-#include "tests/support/curve_order.h"
 #include "tests/support/point_part.h"
 
 namespace forcelayer::bench {
@@ -27,7 +27,9 @@ constexpr double kThick = 8 * kS;
 
 Pshell sphere_shell(std::size_t points, double radius_m) {
   const test::PointPart spiral = test::sphere_part(radius_m, points, kS);
-  const auto order = test::curve_order(spiral.points, radius_m);
+  std::vector<part::Vec3> places;
+  for (const auto& p : spiral.points) places.push_back({p[0], p[1], p[2]});
+  const auto order = sample::block_order(places, kDefaultBlockPoints, kDefaultSuperBlockBlocks);
   test::PointPart part = spiral;
   for (std::size_t i = 0; i < points; ++i) {
     part.points[i] = spiral.points[order[i]];

@@ -5,7 +5,8 @@
 
 Without files: the assembly of make_step_assembly in millimeter, inch and meter. Needs gmsh (Debian: gmsh), and voxelize,
 pointshell and make_step_assembly in FORCELAYER_BIN_DIR. gmsh has no names: each part is matched with the solid whose box is
-nearest to its own, and no solid is matched twice.
+nearest to its own, and no solid is matched twice. gmsh's boxes are exact for parts of planes and circles, as the assembly has;
+around spline curves they are loose, so boxes of FILEs are those of gmsh's own triangles.
 """
 import argparse
 import csv
@@ -24,11 +25,12 @@ def run(*words):
     return subprocess.run([str(word) for word in words], capture_output=True, text=True, timeout=300)
 
 
-def gmsh_solids(path, folder):
+def gmsh_solids(path, is_of_triangles, folder):
     """Boxes (low, high) and volumes of all solids, mm."""
     script = folder / "ask.geo"
     script.write_text(
-        'SetFactory("OpenCASCADE");\nGeometry.OCCTargetUnit = "MM";\nGeometry.OCCBoundsUseStl = 0;\n'
+        'SetFactory("OpenCASCADE");\nGeometry.OCCTargetUnit = "MM";\n'
+        f'Geometry.OCCBoundsUseStl = {int(is_of_triangles)};\n'
         f'v() = ShapeFromFile("{path}");\nv() = Volume{{:}};\n'
         "For i In {0:#v()-1}\n  b() = BoundingBox Volume{v(i)};\n  m() = Mass Volume{v(i)};\n"
         '  Printf("solid %.12g %.12g %.12g %.12g %.12g %.12g %.12g", b(0), b(1), b(2), b(3), b(4), b(5), m(0));\nEndFor\n')
@@ -60,8 +62,8 @@ def our_volume_mm3(path, node, size_mm, folder):
     return 1e9 * json.loads(report.read_text())["volume_m3"]
 
 
-def rows_of(name, path, folder):
-    solids = gmsh_solids(path, folder)
+def rows_of(name, path, is_of_triangles, folder):
+    solids = gmsh_solids(path, is_of_triangles, folder)
     parts = our_parts(path, folder)
     if len(solids) != len(parts):
         sys.exit(f"{name}: {len(parts)} parts, {len(solids)} solids of gmsh")
@@ -88,7 +90,7 @@ def main():
             path = folder / f"clamp_{unit.lower()}.step"
             run(BIN / "make_step_assembly", path, unit)
             files.append((path.name, path))
-        rows = [row for name, path in files for row in rows_of(name, path, folder)]
+        rows = [row for name, path in files for row in rows_of(name, path, bool(arguments.files), folder)]
     with open(arguments.csv, "w", newline="") as out:
         writer = csv.DictWriter(out, rows[0].keys(), lineterminator="\n")
         writer.writeheader()

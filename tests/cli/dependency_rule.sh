@@ -14,7 +14,7 @@ refuse() {  # WHAT PATTERN FILES...
 }
 sources() { find "$@" \( -name '*.h' -o -name '*.cpp' -o -name '*.c' \) ; }
 
-mapfile -t runtime < <(sources runtime -not -path 'runtime/viewer/*' -not -path 'runtime/exact/*')
+mapfile -t runtime < <(sources runtime -not -path 'runtime/viewer/*' -not -path 'runtime/exact/*' -not -path 'runtime/voxplan/*')
 mapfile -t formats < <(sources formats -not -path 'formats/mesh/*' -not -path 'formats/command/*' \
                        -not -path 'formats/voxinfo/*')
 mapfile -t voxelize < <(sources voxelize)
@@ -22,7 +22,7 @@ mapfile -t pointshell < <(sources pointshell)
 [ ${#runtime[@]} -gt 5 ] && [ ${#formats[@]} -gt 5 ] && [ ${#voxelize[@]} -gt 3 ] &&
   [ ${#pointshell[@]} -gt 3 ] || { echo "FAILED: sources not found" >&2; exit 1; }
 
-offline='#include *[<"](openvdb|OpenMesh|draco|tbb|oneapi|vtk|fcl|formats/mesh|voxelize/|pointshell/)'
+offline='#include *[<"](openvdb|OpenMesh|draco|tbb|oneapi|vtk|fcl|ompl|formats/mesh|voxelize/|pointshell/)'
 refuse "runtime sees an offline library" "$offline" "${runtime[@]}"
 refuse "formats sees more than the standard library and a checksum" \
   '#include *[<"](glm|openvdb|OpenMesh|draco|tbb|oneapi|CLI|nlohmann|hwy|hidapi|runtime/|voxelize/|pointshell/|formats/(mesh|command)/)' "${formats[@]}"
@@ -79,6 +79,7 @@ runtime/doctor:         formats formats/command runtime/loop runtime/machine run
 runtime/voxrun:         formats formats/command formats/digest formats/path runtime/devices runtime/devices/hid runtime/devices/plugin runtime/field runtime/forcelayer runtime/loop runtime/machine runtime/model runtime/query runtime/run runtime/stream
 runtime/voxcheck:       formats formats/command formats/path runtime/clearance runtime/forcelayer runtime/model runtime/query runtime/run runtime/stream
 runtime/exact:          formats formats/command formats/mesh formats/mesh/sandbox formats/path pointshell/certificate pointshell/normals pointshell/part runtime/clearance runtime/forcelayer runtime/run runtime/voxcheck
+runtime/voxplan:        formats formats/command formats/path runtime/clearance runtime/coupling runtime/field runtime/forcelayer runtime/run runtime/voxcheck
 runtime/study:          formats formats/command formats/digest formats/path
 runtime/viewer/plan:    formats formats/command formats/mesh formats/mesh/sandbox runtime/forcelayer runtime/viewer/run runtime/viewer/surface
 runtime/viewer/vtk:     formats formats/command runtime/forcelayer runtime/viewer/plan runtime/viewer/run runtime/viewer/surface
@@ -117,7 +118,7 @@ for command in voxrun voxcheck voxinfo forcelayer; do
   binary=$FORCELAYER_BIN_DIR/$command
   [ -x "$binary" ] || { echo "FAILED: $binary is missing" >&2; exit 1; }
 done
-refuse_linked() { ldd "$1" | grep -E 'openvdb|OpenMesh|draco|libtbb|vtk|boost|fcl' && {
+refuse_linked() { ldd "$1" | grep -E 'openvdb|OpenMesh|draco|libtbb|vtk|boost|fcl|ompl' && {
   echo "FAILED: $1 links an offline library" >&2; fail=1; } || true; }
 refuse_linked "$FORCELAYER_BIN_DIR/voxrun"
 refuse_linked "$FORCELAYER_BIN_DIR/voxcheck"

@@ -59,7 +59,7 @@ status=0
 "$bin/voxrun" doctor --clock 100ms >/dev/null 2>&1 && fail "a length of time without its option's form"
 "$bin/voxrun" doctor --clock 0.2 --json doctor.json >doctor.txt || fail "doctor: status $?"
 for what in 'real-time priority' 'memory locking' 'kernel preemption' 'frequency governor' \
-  'virtual machine' 'udev rules' 'clock'; do
+  'virtual machine' 'udev rules' 'confinement of plugins' 'clock'; do
   grep -q "$what:" doctor.txt || fail "doctor says nothing of $what"
 done
 python3 - <<'PYTHON'

@@ -45,6 +45,12 @@ expect 2 "no output" "${box[@]}" --voxel-size 1mm
 expect 2 "no voxel size" "${box[@]}" "${out[@]}"
 expect 2 "voxel size without a unit" "${box[@]}" "${out[@]}" --voxel-size 1
 expect 2 "negative voxel size" "${box[@]}" "${out[@]}" --voxel-size -1mm
+for option in --voxel-size --covering-radius --mesh-deviation; do
+  for length in nanmm -infm 1e300m; do
+    expect 2 "$option=$length" "${box[@]}" "${out[@]}" --voxel-size 1mm $option=$length
+    grep -q "^pointshell: $option: " "$work/stderr" || fail "$option is not named: $(cat "$work/stderr")"
+  done
+done
 expect 2 "no units" "$work/box.obj" "${out[@]}" --voxel-size 1mm
 expect 2 "unknown unit" "$work/box.obj" "${out[@]}" --voxel-size 1mm --units parsec
 expect 2 "unknown method" "${box[@]}" "${out[@]}" --voxel-size 1mm --method magic

@@ -33,4 +33,24 @@ if "$python" -c 'import matplotlib' 2>/dev/null; then
   "$python" -B lines.py
   grep -q 'proven clearance' clearance.svg
 fi
+
+# The wheel, whose extension this build has made already: built and installed with no index to ask.
+if "$python" -m pip --version >/dev/null 2>&1 && "$python" -c 'import setuptools, wheel' 2>/dev/null; then
+  mkdir -p tree/runtime/python
+  cp "$FORCELAYER_SOURCE_DIR"/{pyproject.toml,setup.py,CMakeLists.txt} tree
+  cp -r "$FORCELAYER_SOURCE_DIR/runtime/python/forcelayer" tree/runtime/python
+  FORCELAYER_BUILT=$FORCELAYER_BUILD_DIR "$python" -m pip wheel --quiet --no-index --no-build-isolation ./tree -w wheels
+  "$python" -m pip install --quiet --no-index --target site wheels/forcelayer-*.whl
+  PYTHONPATH=$folder/site "$python" -B - "$folder/site" <<'END'
+import pathlib, sys
+import forcelayer
+here = pathlib.Path(forcelayer.__file__)
+assert str(here).startswith(sys.argv[1] + "/"), here
+assert {"__init__.pyi", "py.typed"} <= {file.name for file in here.parent.iterdir()}
+assert forcelayer.__version__ in next(pathlib.Path(sys.argv[1]).glob("*.dist-info")).name
+assert forcelayer.Scene("bay.vox").clearance(forcelayer.Part("part.pshell"), [[0.0, 0, 0, 1, 0, 0, 0]]).shape == (1,)
+END
+else
+  skip "needs python3-pip, python3-setuptools and python3-wheel of scripts/packages.txt"
+fi
 echo "all good"

@@ -14,7 +14,7 @@ study() {
 }
 
 "$bin/forcelayer" >list.txt || fail "the list"
-for name in voxelize pointshell voxinfo voxrun voxcheck voxview; do
+for name in voxelize pointshell voxinfo voxrun voxcheck voxplan voxview; do
   grep -q "^  $name " list.txt || fail "$name is not listed"
 done
 
@@ -65,6 +65,14 @@ study 3 'other.glb#Pin' --voxel-size 2mm --pull 0,0,60mm --clearance 1mm -o othe
 grep -q '^\$ voxelize' out.txt || fail "a change is not seen: $(cat out.txt)"
 grep -q '^forcelayer: voxelize: ended with status 3' err.txt || fail "$(cat err.txt)"
 
+# Neither a path nor a pull: voxplan finds the way; where it finds none, there is no page.
+if [ -x "$bin/voxplan" ]; then
+  study 0 'gearbox.glb#Pin' --voxel-size 1mm --clearance 1mm -o found --json found.json
+  grep -q '^\$ voxplan found/scene.vox' out.txt && grep -q '"verdict": "clear"' found.json || fail "found: $(cat out.txt)"
+  study 6 'gearbox.glb#Cover' --voxel-size 1mm --clearance 1mm --time 1s -o lost
+  grep -q 'no path found in .* (best: out to ' err.txt && [ ! -e lost/report.html ] || fail "lost: $(cat err.txt)"
+fi
+
 # A cover that bolts hold does not come out; by a path through them it is not clear. The page says so.
 study 6 'gearbox.glb#Cover' --voxel-size 1mm --pull 0,0,60mm --clearance 1mm -o held
 grep -q '^forcelayer: gearbox.glb: Cover: it does not come out: pulled 60 mm, it went .* held by .*Bolt' err.txt ||
@@ -80,7 +88,8 @@ grep -q 'not settled' given/report.html || fail "the page does not say that the 
 
 # Errors.
 study 2 gearbox.glb --voxel-size 1mm --pull 0,0,60mm -o none
-study 2 'gearbox.glb#Pin' --voxel-size 1mm -o none
+study 2 'gearbox.glb#Pin' --voxel-size 1mm --pull 0,0,60mm --path up.csv -o none
+study 2 'gearbox.glb#Pin' --voxel-size 1mm --seat none -o none
 study 2 'gearbox.glb#Pin' --voxel-size 1 --pull 0,0,60mm -o none
 study 1 'none.glb#Pin' --voxel-size 1mm --pull 0,0,60mm -o none
 study 3 'gearbox.glb#Nobody' --voxel-size 1mm --pull 0,0,60mm -o none

@@ -3,7 +3,7 @@
 # are wanted; reports of failures; completion; a signal that says what was left.
 source "$FORCELAYER_SOURCE_DIR/tests/support/command_test.sh"
 commands=()
-for name in voxelize pointshell voxinfo voxrun voxcheck voxview; do [ ! -x "$bin/$name" ] || commands+=("$name"); done
+for name in voxelize pointshell voxinfo voxrun voxcheck voxplan voxview; do [ ! -x "$bin/$name" ] || commands+=("$name"); done
 [ ${#commands[@]} -ge 2 ] || fail "no commands"
 "$bin/make_runtime_files" .
 
@@ -37,6 +37,25 @@ for sub in 'voxinfo verify' 'voxinfo sample' 'voxinfo export' 'voxrun doctor' 'f
   "$bin/$name" "$word" --help >help.txt
   for option in --json --quiet; do grep -q -- "^  $option" help.txt || fail "$sub has no $option"; done
 done
+
+# Each option that takes a number says its bounds, and lengths and times have theirs.
+for call in "${commands[@]}" 'voxrun doctor' 'pointshell verify'; do
+  read -r name word <<<"$call"
+  [ -x "$bin/$name" ] || continue
+  # shellcheck disable=SC2086  # no word, or one
+  "$bin/$name" $word --help >help.txt
+  python3 - <<'END' || fail "$call: an option without bounds"
+import re
+text = open("help.txt").read()
+options = re.split(r"\n  (?=-)", text)[1:]
+numbers = [option for option in options if re.match(r"\S+ (N|NUMBER|INT|UINT|FLOAT)\b", option)]
+without = [n for n in numbers if not re.match(r"\S+ (N|NUMBER)\b", n) or not re.search(r"[-\d.e]+ to [-\d.e]+", " ".join(n.split()))]
+assert not without, without
+assert "Examples:" not in text or "Lengths are at most 1e9m, times at most 10000h." in text
+END
+done
+
+"$bin/voxinfo" verify --help | tr '\n' ' ' | grep -q 'counts.*clearance.*hole.*distance.*object' || fail "voxinfo verify does not say what it proves"
 
 # What this build can do.
 for name in voxelize pointshell voxview; do

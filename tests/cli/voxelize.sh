@@ -212,7 +212,9 @@ manifest_error() {
   printf '%s' "$2" >bad.json
   expect 3 "$1" bad.json --voxel-size 1mm -o scene.vox
 }
-manifest_error "2^52" '{"parts": [{"mesh": "cube.obj", "units": "cm", "translation": ["1e15m", 0, 0]}]}'
+manifest_error "beyond 1e9m" '{"parts": [{"mesh": "cube.obj", "units": "cm", "translation": ["1e15m", 0, 0]}]}'
+printf '%s' '{"parts": [{"mesh": "cube.obj", "units": "mm", "translation": ["1e9m", 0, 0]}]}' >bad.json
+expect 3 "2^52" bad.json --voxel-size 0.0001mm -o scene.vox --quiet
 for key in '"roi": [0, 0, 0, "1m", 5, "1m"]' '"free_seeds": [[0, 5, 0]]' '"voxel_size": 5'; do
   manifest_error 'is 5, without a unit; write it like "5mm"' "{$key, \"parts\": [{\"mesh\": \"cube.obj\", \"units\": \"cm\"}]}"
 done

@@ -123,6 +123,16 @@ if [ -e "$bin/../lib/forcelayer/forcelayer_step.so" ]; then
   outlives "$child" && fail "the reader of STEP outlives Ctrl-C"
 fi
 
+# What a reader does not need is refused to it: files elsewhere, to write, programs, the network, signals.
+if "$bin/voxrun" doctor --clock 0 | grep -q 'confinement of plugins: Landlock.*seccomp'; then
+  mkdir inside
+  echo secret >secret.txt
+  both 3 'nosy.stl: its reader ended with status 32;' inside/nosy.stl
+  [ "$(ls inside)" = nosy.stl ] || fail "a reader made $(ls inside)"
+else
+  echo "SKIPPED: this kernel confines no process"
+fi
+
 # Wrong limits.
 expect 2 '--sandbox-time' "$bin/voxelize" good.stl --units mm --voxel-size 20mm -o out.vox --sandbox --sandbox-time 5
 expect 2 '--sandbox-memory' "$bin/voxelize" good.stl --units mm --voxel-size 20mm -o out.vox --sandbox --sandbox-memory 1MiB

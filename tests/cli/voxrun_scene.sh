@@ -30,9 +30,28 @@ cp plate.vox first.vox
 "$bin/pointshell" part.obj --units mm --voxel-size 2mm -o part.pshell --quiet || fail "the part"
 run=("$bin/voxrun" first.vox part.pshell --motion press.csv --duration 2s --after-trip rearm)
 
+# On a machine with more to do the loop may be late, or the next scene be read late: such runs, and no others, are made
+# again. NAME is the run's report without its ending.
+was_late() {  # NAME
+  grep -qE "late|by itself|no fresh reading|the part starts" err || python3 - "$1.json" <<'PYTHON'
+import json, sys
+report = json.load(open(sys.argv[1]))
+sys.exit(not (report["skipped_ticks"] or report["dropped_frames"] or any(s["from_s"] > 1.3 for s in report["scenes"])))
+PYTHON
+}
+in_time() {  # NAME COMMAND...
+  local try
+  for try in {1..20}; do
+    rm -f "$1.json"
+    "${@:2}" && return
+    was_late "$1" || break
+  done
+  fail "${*:2}: $(cat err)"
+}
+
 # check REPORT SCENES: every frame is there, and the part went through the plate only once that was gone.
 check() {
-  python3 - "$@" <<'PYTHON' || fail "$1: $(cat err)"
+  python3 - "$@" 2>>err <<'PYTHON'
 import csv, json, sys
 report = json.load(open(sys.argv[1] + ".json"))
 rows = [{k: v if k == "nearest_object" else float(v or "nan") for k, v in row.items()}
@@ -57,33 +76,42 @@ assert "plate" not in near and "plate" in {row["nearest_object"] for row in rows
 assert scenes[0]["from_s"] == 0 and all(s["guaranteed_separation_m"] > 0 for s in scenes), scenes
 PYTHON
 }
-"${run[@]}" --scene-next open.vox@0.6s --json timed.json --trace timed.csv >out 2>err || fail "status $?: $(cat err)"
-check timed first.vox open.vox
-grep -qE "^voxrun: at [01]\.[0-9]+ s: the scene is open.vox; guaranteed separation: [0-9.]+ mm" err || fail "not said: $(cat err)"
+at_a_time() {
+  "${run[@]}" --scene-next open.vox@0.6s --json timed.json --trace timed.csv >out 2>err || return 1
+  grep -qE "^voxrun: at [01]\.[0-9]+ s: the scene is open.vox; guaranteed separation: [0-9.]+ mm" err || return 1
+  check timed first.vox open.vox
+}
+in_time timed at_a_time
 
 # A new file by the same name, which the run reads when it is told to; and one that is not there. The files are watched
 # all the time: a file that is replaced, by a rename, is another one.
-"${run[@]}" --json asked.json --trace asked.csv >out 2>err &
-running=$!
-sleep 0.8
-cp open.vox next.vox && mv next.vox first.vox
-for try in $(seq 100); do
-  kill -USR1 $running 2>/dev/null
-  grep -q "the scene is" err && break
-  sleep 0.05
-done
-wait $running || fail "status $?: $(cat err)"
-cp plate.vox first.vox
-python3 - <<'PYTHON' || fail "the list of scenes: $(cat err)"
+at_a_signal() {
+  local running wait
+  cp plate.vox old.vox && mv old.vox first.vox
+  "${run[@]}" --json asked.json --trace asked.csv >out 2>err &
+  running=$!
+  for wait in $(seq 200); do [ -s out ] && break; sleep 0.05; done
+  sleep 0.6
+  cp open.vox next.vox && mv next.vox first.vox
+  for wait in $(seq 100); do
+    kill -USR1 $running 2>/dev/null
+    grep -q "the scene is" err && break
+    sleep 0.05
+  done
+  wait $running || return 1
+  python3 - 2>>err <<'PYTHON' || return 1
 import json
-scenes = json.load(open("asked.json"))["scenes"]
-assert len(scenes) >= 2 and {s["scene"] for s in scenes} == {"first.vox"}, scenes
-json.dump({**json.load(open("asked.json")), "scenes": scenes[:2]}, open("asked.json", "w"))
+report = json.load(open("asked.json"))
+assert len(report["scenes"]) >= 2 and {s["scene"] for s in report["scenes"]} == {"first.vox"}, report["scenes"]
+json.dump({**report, "scenes": report["scenes"][:2]}, open("asked.json", "w"))
 PYTHON
-check asked first.vox first.vox
+  check asked first.vox first.vox
+}
+in_time asked at_a_signal
 
 # What cannot be used changes nothing. A part in the middle of a solid has no side to be on.
-"$bin/voxrun" first.vox part.pshell --motion press.csv --duration 0.5s --after-trip rearm --scene-next missing.vox@0.1s \
+cp plate.vox first.vox
+"$bin/voxrun" first.vox part.pshell --motion press.csv --duration 1s --after-trip rearm --scene-next missing.vox@0.1s \
   --scene-next buried.vox@0.2s --json stays.json >out 2>err || fail "status $?: $(cat err)"
 grep -qE "^voxrun: at 0\.[0-9]+ s: the scene stays: missing.vox: " err || fail "a missing scene: $(cat err)"
 grep -qE "^voxrun: at 0\.[0-9]+ s: the scene stays: .*" err || fail "a solid around the part: $(cat err)"
@@ -91,8 +119,7 @@ grep -qE "^voxrun: at 0\.[0-9]+ s: the scene stays: .*" err || fail "a solid aro
 python3 -c 'import json; s = json.load(open("stays.json"))["scenes"]; assert len(s) == 1, s' || fail "a refused scene is listed"
 
 # By a button of a device. The hand rests on the plate, with motors that push it back, until the button takes the plate
-# away; then nothing pushes. A loop that is late trips the output: that run is made again.
-cp plate.vox first.vox
+# away; then nothing pushes.
 by_button() {
   rm -f motors.csv
   "$bin/voxrun" first.vox part.pshell --device plugin --plugin "$bin/fault_plugin.so" \
@@ -112,10 +139,7 @@ assert after and max(map(abs, after)) < 0.05, "the plate is gone, and something 
 PYTHON
 }
 if ! grep -q '^CMAKE_CXX_FLAGS:.*-fsanitize' "$FORCELAYER_BUILD_DIR/CMakeCache.txt"; then
-  until by_button; do
-    grep -qE "late|by itself|no fresh reading" err && [ $((tries = ${tries:-0} + 1)) -lt 8 ] ||
-      fail "--scene-button: $(cat err)"
-  done
+  in_time button by_button
 fi
 
 refuses() {  # refuses TEXT ARGUMENTS...

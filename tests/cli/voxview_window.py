@@ -220,8 +220,7 @@ def check_replay(screen):
     screen.same(first, "no cut")
 
     screen.key("n")
-    contact = screen.changed(first, "the next contact")
-    assert count(contact, "Contact") > count(first, "Contact") + 300, "no contact is seen"
+    contact = screen.wait(lambda now: count(now, "Contact") > count(first, "Contact") + 300, "the next contact")
     screen.key("g")  # this run has no guard cut: stays
     screen.key("Right")
     step = screen.changed(contact, "a frame later")
@@ -237,12 +236,12 @@ def check_replay(screen):
     screen.scrub((200, HEIGHT - 40), middle)
     scrubbed = screen.changed(played, "scrubbing")
     screen.key("End")
-    last = screen.changed(scrubbed, "the last frame, in free space")
     # Neither words, legend nor strip: the arrow of the force on the hand is gone with the force.
-    assert (last[290:400, :430] > 60).any(axis=2).all(), "a black arrow without a force"
+    last = screen.wait(lambda now: (now != scrubbed).any() and (now[290:400, :430] > 60).any(axis=2).all(),
+                       "the last frame, in free space, without a black arrow")
 
     screen.key("x")
-    side = screen.wait(drawn, "a view along x")
+    side = screen.changed(last, "a view along x")
     turned = screen.drag_until_seen(1, side, "turning")
     moved = screen.drag_until_seen(2, turned, "moving")
     screen.event(BUTTON_PRESS, 300, 200, 4)
@@ -334,14 +333,13 @@ def check_measuring(screen):
     screen.point(*first)
     bare = screen.wait(drawn, "the pointer")
     screen.key("m")
-    one = screen.changed(bare, "a place")
-    assert near(one, "Measure", *first) and count(one, "Measure") < 300, "no mark where the pointer was"
+    one = screen.wait(lambda now: near(now, "Measure", *first), "a mark where the pointer was")
+    assert count(one, "Measure") < 300, "more than a mark"
     screen.point(*second)
     screen.key("m")
-    two = screen.changed(one, "two places")
     middle = [(a + b) // 2 for a, b in zip(first, second)]
-    for place in (first, second, middle):
-        assert near(two, "Measure", *place), f"no way measured at {place}"
+    two = screen.wait(lambda now: all(near(now, "Measure", *place) for place in (first, second, middle)),
+                      "the way between the places")
     screen.key("m", 1)  # with shift
     screen.wait(lambda now: count(now, "Measure") == 0, "measured no more")
     # The part, where it is seen most.
@@ -467,6 +465,7 @@ def check_ends(screen):
     screen.wait(drawn, "the window")
     screen.server.terminate()
     ends_without_display(process, "a screen that went away")
+    screen.server.wait(PATIENCE_S)
     nowhere = subprocess.run([BIN / "voxview", "bay.vox"], capture_output=True, text=True,
                              env={**os.environ, "DISPLAY": screen.name})
     assert nowhere.returncode == 5 and nowhere.stderr.count("\n") == 1, nowhere

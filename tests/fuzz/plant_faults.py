@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
 """Plants one fault after the other into gate, guard and validators, and looks which test notices.
 
-    tests/fuzz/plant_faults.py               all of them; writes tests/fuzz/planted_faults.md
-    tests/fuzz/plant_faults.py --only gate   those whose file or group has this in its name; writes nothing
+    tests/fuzz/plant_faults.py                    all of them
+    tests/fuzz/plant_faults.py --only gate door   those whose group, file or meaning has one of these in it
     tests/fuzz/plant_faults.py --list
+
+What was planted replaces its rows in tests/fuzz/planted_faults.md, so runs add up.
 
 A fault is one text for another in one file of a copy of the last commit, in build/planted. Only what it
 touches is compiled again, and of the tests only those that may notice. Status 1 where a fault that is
@@ -29,6 +31,9 @@ GUARD = ("runtime_tests", "DefaultModel*")
 FILES = ("runtime_tests", "*CInterface*")
 WATCH = ("runtime_tests", "OutputWatch*:LatestValue*")
 LOSS = ("runtime_tests", "*MapLoss*:BusError*:BadRead*")
+STREAM = ("runtime_tests", "Recording*")
+TEXTS = ("command_tests", "Quantity*:ParseArguments*:Escaped*")
+WRITERS = ("formats_tests", "AtomicFile*:Writers*:Path*")
 FRAMES = ("fault_frames", "400000")
 CLOCK = ("fault_clock", "24000")
 
@@ -37,6 +42,8 @@ GATE_FILE, STAGE, INPUT = ("runtime/loop/output_gate.cpp", "runtime/loop/output_
 MODEL, TABLE_FILE, BULK = ("runtime/model/default_model.cpp", "formats/section_table.cpp",
                            "formats/bulk_checks.cpp")
 A = "formats/audit/"
+
+PROGRAMS = ("formats_tests", "runtime_tests", "command_tests", "fault_frames", "fault_clock")
 
 # group, file, text, planted text, what that means, tests that may notice
 FAULTS = [
@@ -75,6 +82,10 @@ FAULTS = [
      "jumps are followed", [FRAMES, SERVO]),
     ("gate", INPUT, "(jumped(pose, dt_s) || claims_too_much(sample))", "jumped(pose, dt_s)",
      "claimed velocities are believed", [SERVO]),
+    ("gate", STAGE, "frame.speed_mps > limits_.max_speed_mps || frame.turn_radps > limits_.max_turn_radps",
+     "frame.speed_mps > limits_.max_speed_mps", "a wrist may turn as it likes", [SERVO]),
+    ("watch", "runtime/devices/output_watch.h", "stale_s_(stale_s < kStaleCeilingS ? stale_s : kStaleCeilingS)",
+     "stale_s_(stale_s)", "any stale limit is taken", [WATCH]),
     ("watch", "runtime/devices/output_watch.h", "if (!in_time) latched_ = true;", "",
      "a late wrench comes back by itself", [WATCH, CLOCK]),
     ("watch", "runtime/devices/output_watch.h", "if (latched_ && in_time && zero) latched_ = false;",
@@ -118,6 +129,27 @@ FAULTS = [
     ("files", BULK, "  return outside == 0;", "  return true;", "spheres need not hold their points", [DAMAGE]),
     ("files", BULK, "kUnitTolerance = 2e-6", "kUnitTolerance = 2e-1", "normals of any length", [DAMAGE]),
     ("files", BULK, "&& v.weight_m2[i] >= 0", "", "negative weights", [DAMAGE]),
+    ("files", "formats/file/atomic_file.cpp", "if (Status sound = check(std::move(*written), shown_.string()); !sound) {",
+     "if (Status sound = check(std::move(*written), shown_.string()); !sound && shown_.empty()) {",
+     "what no reader takes is written", [WRITERS]),
+    ("files", "formats/file/atomic_file.cpp", "  ::fchmod(descriptor_, old.st_mode & 0777);\n", "",
+     "a new file has a mode of its own", [WRITERS]),
+    ("files", "formats/path/path_file.cpp", "bool readable = row.time_s > last_s_;", "bool readable = row.time_s >= last_s_;",
+     "two poses of one time are written", [WRITERS]),
+    ("files", "runtime/stream/recording.cpp", "if (lost_frames > 0) return", "if (frames_ < 100'000) return",
+     "recordings are not read back", [STREAM]),
+    ("files", "runtime/stream/recording.cpp", "if (p.*(info.member) >= 0) continue;", "if (p.*(info.member) >= -1e9) continue;",
+     "a recorded limit may be negative", [STREAM]),
+    ("files", "runtime/stream/recording.cpp", "p.model == Model::kPaper && p.force", "p.rate_hz < 0 && p.force",
+     "any force goes with a recorded model", [STREAM]),
+    ("door", "formats/command/quantity.cpp", "if (failure != std::errc{} || !std::isfinite(number)) return not_a_number(text);",
+     "if (failure != std::errc{}) return not_a_number(text);", "a number need not be finite", [TEXTS]),
+    ("door", "formats/command/quantity.cpp", "if (meters && std::abs(*meters) > kFarthestM) {", "if (meters && *meters > kFarthestM) {",
+     "lengths have no bound below", [TEXTS]),
+    ("door", "formats/command/quantity.cpp", "if (seconds && *seconds > kLongestS) {", "if (seconds && *seconds > 1e299) {",
+     "times have no bound", [TEXTS]),
+    ("door", "formats/result.cpp", "(code >= 0x7f && code < 0xa0)", "code == 0x7f", "C1 reaches the terminal", [TEXTS]),
+    ("door", "formats/result.cpp", "(code >= 0x202a && code <= 0x202e)", "code == 0x202a", "U+202E reaches the terminal", [TEXTS]),
     ("audit", A + "voxmap_audit.cpp", "if (said == counted) continue;", "continue;", "any counts", [AUDIT]),
     ("audit", A + "neighborhoods.h", "return looks_ > most_;", "return false;", "strewn nodes are looked at to the end", [AUDIT]),
     ("audit", A + "distances.cpp", "if (looks_left_-- == 0) bad_", "if (false) bad_", "strewn bricks are looked at to the end", [AUDIT]),
@@ -126,7 +158,7 @@ FAULTS = [
      "distances grow too fast", [AUDIT]),
     ("audit", A + "distance_cube.h", "d == kCenter ? 0 : gaps[d] + 1", "d == kCenter ? 0 : gaps[d] + 2",
      "distances too large by one", [AUDIT]),
-    ("audit", A + "clearances.cpp", "margin * edge_ + 1)", "margin * edge_ + 2)", "clearances beyond the margin are believed", [AUDIT]),
+    ("audit", A + "clearances.cpp", "margin * edge_ + 1)", "Ring::kFar)", "clearances beyond the margin are believed", [AUDIT]),
     ("audit", A + "clearances.cpp", "grown(Span::cube(low, edge), clearance - 1)", "grown(Span::cube(low, edge), clearance - 2)",
      "a look that is one voxel short", [AUDIT]),
     ("audit", A + "clearances.cpp", "const bool known = is_known(reach);", "const bool known = true;",
@@ -161,7 +193,7 @@ def copy_last_commit():
     subprocess.run(["tar", "-x"], cwd=COPY, input=archive.stdout, check=True)
     launcher = ["-DCMAKE_CXX_COMPILER_LAUNCHER=ccache"] if shutil.which("ccache") else []
     for command in (["cmake", "--preset", "runtime-only", "-DFORCELAYER_SLOW_TESTS=OFF", *launcher],
-                    ["nice", "-n", "5", "ninja", "-C", str(BUILD), "formats_tests", "runtime_tests", "fault_frames", "fault_clock"]):
+                    ["nice", "-n", "5", "ninja", "-C", str(BUILD), *PROGRAMS]):
         subprocess.run(command, cwd=COPY, stdout=subprocess.DEVNULL, check=True)
 
 
@@ -200,28 +232,41 @@ def plant(fault):
         file.write_text(whole)
 
 
+def kept_rows():
+    """The table's rows so far, by file and meaning."""
+    rows = [line for line in TABLE.read_text().splitlines() if line.startswith("| `")] if TABLE.exists() else []
+    return {tuple(row.strip("| ").split(" | ")[:2]): row for row in rows}
+
+
+def write_table(planted):
+    """Those planted, and of the others what is known."""
+    rows = {**kept_rows(), **planted}
+    known = [rows[key] for fault in FAULTS if (key := (f"`{fault[1]}`", fault[4])) in rows]
+    TABLE.write_text("# Planted faults\n\n    tests/fuzz/plant_faults.py    # writes this table\n\n"
+                     "Each row is one change of gate, guard, validators or readers of numbers, compiled, and the first test that failed.\n\n"
+                     "| file | planted | noticed by |\n|---|---|---|\n" + "\n".join(known) + "\n")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--only", default="")
+    parser.add_argument("--only", nargs="+", default=[""])
     parser.add_argument("--list", action="store_true")
     arguments = parser.parse_args()
-    faults = [fault for fault in FAULTS if arguments.only in fault[0] or arguments.only in fault[1]]
+    faults = [fault for fault in FAULTS
+              if any(word in text for word in arguments.only for text in (fault[0], fault[1], fault[4]))]
     if arguments.list:
         for group, name, _, _, meaning, _ in faults:
             print(f"{group}: {name}: {meaning}")
         return 0
     copy_last_commit()
-    rows, unnoticed = [], 0
+    unnoticed = 0
     for fault in faults:
         found = plant(fault)
         unnoticed += not found
-        rows.append(f"| `{fault[1]}` | {fault[4]} | {found or '**nothing**'} |")
-        print(rows[-1], flush=True)
+        row = f"| `{fault[1]}` | {fault[4]} | {found or '**nothing**'} |"
+        write_table({(f"`{fault[1]}`", fault[4]): row})
+        print(row, flush=True)
     print(f"{len(faults)} planted, {unnoticed} unnoticed")
-    if not arguments.only:
-        TABLE.write_text("# Planted faults\n\n    tests/fuzz/plant_faults.py    # writes this table\n\n"
-                         "Each row is one change of gate, guard or validators, compiled, and the first test that failed.\n\n"
-                         "| file | planted | noticed by |\n|---|---|---|\n" + "\n".join(rows) + "\n")
     return 1 if unnoticed else 0
 
 

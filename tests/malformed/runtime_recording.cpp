@@ -199,6 +199,22 @@ TEST(Recording, NoCountAsksForMemory) {
   }
 }
 
+TEST(Recording, WhatItsReaderWouldRefuseIsNotWritten) {
+  const ScratchFolder folder;
+  std::ofstream(folder / "run.flr") << "old";
+  auto sim = simulation();
+  const Pose start{{0.08, 0.08, 0.05}, {1, 0, 0, 0}};
+  auto run = stream::describe_run(*sim, sim->registered(start, start), {});
+  run.parameters.mass_kg = -1;
+  auto writer = stream::RecordingWriter::create(folder / "run.flr");
+  ASSERT_TRUE(writer);
+  writer->begin(run);
+  const Status written = writer->finish(0);
+  ASSERT_FALSE(written);
+  EXPECT_EQ(written.error().code, ErrorCode::kInternal);
+  EXPECT_EQ(read_bytes(folder / "run.flr"), "old");
+}
+
 TEST(Recording, LostFramesMakeItUseless) {
   const ScratchFolder folder;
   record(folder / "run.flr", 1, 3, 2);

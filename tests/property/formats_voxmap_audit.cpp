@@ -399,9 +399,10 @@ void set(Tree& tree, const VoxelIndex& at, VoxelValue value) {
   tree.bricks[n / 16] |= static_cast<std::uint32_t>(value) << (2 * (n % 16));
 }
 
-// One voxel of surface in the brick of child (7, 3, 3) of a node, and the proximity around it as
-// far as x < `end`; the node beside it along x; no layers.
-VoxmapContent two_nodes(Tree& tree, std::int64_t x, std::int64_t end, std::uint32_t beside) {
+// One voxel of surface in the brick of child (`child`, 3, 3) of a node, and the proximity around it
+// as far as x < `end`; the node beside it along x; no layers.
+VoxmapContent two_nodes(Tree& tree, std::int64_t x, std::int64_t end, std::uint32_t beside,
+                        std::uint32_t child = 7) {
   constexpr std::uint32_t kFree = uniform_entry(0);
   VoxmapContent content;
   VoxmapHeader& h = content.header;
@@ -416,14 +417,14 @@ VoxmapContent two_nodes(Tree& tree, std::int64_t x, std::int64_t end, std::uint3
     }
   }
   if (tree.lowers.empty()) tree.lowers.assign(kNodeEntries, kFree);
-  tree.lowers[7 * 64 + 3 * 8 + 3] = 0;
+  tree.lowers[child * 64 + 3 * 8 + 3] = 0;
   tree.uppers.assign(kNodeEntries, kFree);
   tree.uppers[0] = 0;
   tree.uppers[64] = beside;
   tree.directory = {0};
   h.voxel_size_m = 0.001;
   h.directory_dims = {1, 1, 1};
-  h.origin_voxel = {56 + x - 1, 26, 26};
+  h.origin_voxel = {8 * child + x - 1, 26, 26};
   h.dims_voxels = {static_cast<std::uint64_t>(std::min(x + 2, end) - x + 1), 3, 3};
   h.valid_max_voxel = {512, 512, 512};
   content.values = tree.content();
@@ -440,15 +441,18 @@ TEST(VoxmapAudit, NoticesAHoleThatIsAWholeNode) {
       << to_line(status.error());
 }
 
-// A free cell of a stored node that holds nothing: 56 voxels lie between it and the wall, so that
-// 57 is true and 58 is not. That is where the cells end around which an audit sees.
+// A free cell of a stored node that holds nothing. Between it and the wall lie 56 voxels, which the
+// cells around show, or 64, which they do not: 57 or 65 is true, and one more is not.
 TEST(VoxmapAudit, NoticesAClearanceBeyondTheCellsAround) {
-  for (const std::uint32_t clearance : {57u, 58u}) {
-    Tree tree;
-    tree.lowers.assign(2 * kNodeEntries, uniform_entry(0));
-    tree.lowers[kNodeEntries + 7 * 64 + 3 * 8 + 3] = uniform_entry(0, clearance);
-    const Status status = audit_content(two_nodes(tree, 6, 8, 1));
-    EXPECT_EQ(status.ok(), clearance == 57) << clearance;
+  for (const std::uint32_t child : {7u, 6u}) {
+    const std::uint32_t least = 57 + 8 * (7 - child);
+    for (const std::uint32_t clearance : {least, least + 1}) {
+      Tree tree;
+      tree.lowers.assign(2 * kNodeEntries, uniform_entry(0));
+      tree.lowers[kNodeEntries + 7 * 64 + 3 * 8 + 3] = uniform_entry(0, clearance);
+      const Status status = audit_content(two_nodes(tree, 6, 8, 1, child));
+      EXPECT_EQ(status.ok(), clearance == least) << clearance << " " << child;
+    }
   }
 }
 

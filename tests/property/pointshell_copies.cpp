@@ -189,6 +189,45 @@ TEST(Copies, OfAShellHoldTheProofOfTheWholePart) {
   }
 }
 
+// One of three open sheets stands before a wall, which hides much of one side of it: all have both
+// sides all the same.
+TEST(Copies, OfSheetsAreSheetsWhereverTheyStand) {
+  for (const double wall_x : {0.0, 3.0, 6.0}) {
+    mesh::Assembly assembly;
+    assembly.meshes = {{}, box_mesh(0.2, 5, 5)};
+    assembly.meshes[0].vertices = {{0, 0, 0}, {0, 1, 0}, {0, 1, 1}, {0, 0, 1}};
+    assembly.meshes[0].triangles = {{0, 1, 2}, {0, 2, 3}};
+    for (const double x : {0.0, 3.0, 6.0}) {
+      assembly.instances.push_back({0, "sheet", {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {x, 0, 0}}});
+    }
+    assembly.instances.push_back(
+        {1, "wall", {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {wall_x + 0.35, 0.5, 0.5}}});
+    const part::Part part = assembled(assembly);
+    ASSERT_EQ(part::find_copies(part, std::sqrt(0.75) * kVoxelM).size(), 1u);
+    const pointshell::BakedShell shell = baked(part);
+    EXPECT_EQ(shell.orientation.sheets.size(), 3u) << "wall at " << wall_x;
+    EXPECT_GT(std::count(shell.two_sided.begin(), shell.two_sided.end(), 1), 3 * 50);
+    EXPECT_TRUE(pointshell::verify_shell(stored(shell), part).proven);
+  }
+}
+
+// Time does not grow with the square of the sizes in which a mesh is there: those after the first
+// hundred are made by themselves.
+TEST(Copies, AreSoughtOfTheFirstHundredSizes) {
+  const auto groups_after = [](int sizes) {
+    mesh::Assembly assembly;
+    assembly.meshes = {box_mesh(0.1, 0.1, 0.1)};
+    for (int n = 0; n < sizes + 2; ++n) {
+      const double scale = 1 + 0.01 * std::min(n, sizes);
+      assembly.instances.push_back(
+          {0, "box", {{scale, 0, 0, 0, scale, 0, 0, 0, scale}, {1.0 * n, 0, 0}}});
+    }
+    return part::find_copies(assembled(assembly), 0.1).size();
+  };
+  EXPECT_EQ(groups_after(98), 1u);
+  EXPECT_EQ(groups_after(100), 0u);
+}
+
 // A file in which all blocks are inside out, or one triangle of each of their faces: then rounding
 // decides which half of its area a copy keeps at first.
 TEST(Copies, FaceOutwardsAsTheirOriginalsDo) {

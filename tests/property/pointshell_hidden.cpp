@@ -149,6 +149,10 @@ TEST(Hidden, BallsAreInsideOnlyWithTheirWholeRadius) {
   EXPECT_FALSE(hidden.holds_ball({-0.2, 0, 0}, 0.31));
   EXPECT_FALSE(hidden.holds_ball({2, 0, 0}, 0.01));
   EXPECT_FALSE(hidden.holds_ball({0.5, 0.5, 0}, 0.01));  // on both surfaces
+  // Where the ball and the surface are off by 0.01 each.
+  const certificate::HiddenSurface off(part, 0.01);
+  EXPECT_TRUE(off.holds_ball({-0.2, 0, 0}, 0.279));
+  EXPECT_FALSE(off.holds_ball({-0.2, 0, 0}, 0.281));
 }
 
 // A piece that no point covers is let pass only where all of it is inside.

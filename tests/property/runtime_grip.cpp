@@ -225,8 +225,10 @@ TEST(Grip, AHandleThatTurnsFeelsTheRotationalSpringAlone) {
         const double spring_nm_per_rad = held.parameters().coupling_nm_per_rad;
         EXPECT_GT(glm::dot(angle_rad, axis), 0.5 * kTurnRad);  // the part gives way a little
         EXPECT_LT(glm::length(felt.torque_nm + spring_nm_per_rad * angle_rad),
-                  0.01 * spring_nm_per_rad * kTurnRad);  // what the part settled by is not felt
-        EXPECT_LT(glm::length(felt.force_n), 0.05);
+                  0.02 * spring_nm_per_rad * kTurnRad);  // what the part settled by is not felt
+        // The walls give way by a milliradian, which carries the grip along: at scale 10, where
+        // they push with 2000 N/m, by half a millimeter at the longest arm.
+        EXPECT_LT(glm::length(felt.force_n), 0.1);
       }
     }
   }

@@ -5,10 +5,10 @@
  * the handshake no-si, left-handed, no-watchdog, old-abi; silent (no reading ever), no-pose (a
  * quaternion of zeros). KIND: unplug, freeze, blip (three
  * readings missing), nan, absurd (millimeters from then on), mm (from the start), uncalibrated,
- * crash, hang, spin (never sleeps); wild (0xff over the memory that is shared with the loop), wild-index (over the words
- * that say where a value is), shrink (tries to cut that memory short), button (no fault: button 1
- * is pressed from then on). FORCELAYER_PLUGIN_MODE=push in the environment: push mode. facts=FILE:
- * what the process may do, written when the device is opened.
+ * crash, hang, spin (never sleeps); wild (0xff over the memory that is shared with the loop),
+ * wild-index (over the words that say where a value is), shrink (tries to cut that memory short),
+ * button (no fault: button 1 is pressed from then on). FORCELAYER_PLUGIN_MODE=push in the
+ * environment: push mode. facts=FILE: what the process may do, written when the device is opened.
  *
  * The hand comes down 30 mm in 0.3 s (way=SECONDS) and goes up again, until it feels the motors
  * push; it then stays there. So a loop that begins late finds it out of contact, too. With `below`

@@ -41,6 +41,16 @@ TEST(Quantity, NoDurationIsBeyondItsBound) {
   }
 }
 
+TEST(Quantity, NoLengthIsBeyondItsBound) {
+  EXPECT_EQ(*command::parse_length("-1e6km"), -command::kFarthestM);
+  for (const char* text : {"1.1e6km", "-1e10m", "1e300m", "1e40mm"}) {
+    expect_usage_error(command::parse_length(text), text);
+  }
+  expect_usage_error(command::parse_point("0,0,1e10m"), "a point");
+  expect_usage_error(command::parse_box("0,0,0,1m,1m,1e10m"), "a box");
+  expect_usage_error(command::parse_pose("1e300m,0,0"), "a pose");
+}
+
 TEST(Quantity, Lengths) {
   const struct {
     const char* text;

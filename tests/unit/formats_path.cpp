@@ -97,6 +97,26 @@ TEST(Path, WhatIsWrittenIsReadBack) {
   }
 }
 
+// Each of these is what read_path refuses.
+TEST(Path, WhatItsReaderWouldRefuseIsNotWritten) {
+  const PathRow good{1, {0, 0, 0}, {1, 0, 0, 0}};
+  const PathRow late{1, {1, 0, 0}, {1, 0, 0, 0}};
+  const PathRow none{2, {0, std::nan(""), 0}, {1, 0, 0, 0}};
+  const PathRow far{2, {0, 0, 0}, {1, 0, std::numeric_limits<double>::infinity(), 0}};
+  for (const auto& rows :
+       std::vector<std::vector<PathRow>>{{}, {good, late}, {none}, {good, far}}) {
+    const ScratchFolder folder;
+    auto writer = PathWriter::create(folder / "path.csv");
+    ASSERT_TRUE(writer);
+    Status written;
+    for (const PathRow& row : rows) written = written ? writer->add(row) : written;
+    if (written) written = writer->finish();
+    ASSERT_FALSE(written);
+    EXPECT_EQ(written.error().code, ErrorCode::kInternal);
+    EXPECT_FALSE(std::filesystem::exists(folder / "path.csv"));
+  }
+}
+
 // A quarter turn about z, half a second in the middle of which the center is half-way.
 TEST(Path, IsResampledAboutACenterAndReversed) {
   const double half = std::sqrt(0.5);

@@ -145,11 +145,15 @@ TEST_P(CInterface, PlacesDeviceGripAndPart) {
       ASSERT_EQ(start(c.place, c.grip, reading), 0) << error;
       forcelayer_result result;
       ASSERT_EQ(forcelayer_step(runtime, &reading, &result), 0);
-      // In its first frame a part that is pulled moves by less than 2 mm of the device's: its mass
-      // and the force are scaled with the scene.
+      // In its first frame a part that is pulled turns by less than a third of its way, at every
+      // scale, and its grip moves by less than 2 mm of the device's: mass and force are scaled with
+      // the scene.
       const bool pulled = c.place != nullptr && c.grip != nullptr;
-      EXPECT_LT(distance_m(pose(result.world_from_part), c.first),
-                pulled ? 2e-3 * options.motion_scale : 1e-12);
+      const double turned_rad = angle_rad(pose(result.world_from_part), c.first);
+      EXPECT_LT(turned_rad, pulled ? angle_rad(c.first, c.last) / 3 : 1e-12);
+      EXPECT_LT(
+          distance_m(pose(result.world_from_part), c.first),
+          pulled ? 2e-3 * options.motion_scale + glm::length(grip.position_m) * turned_rad : 1e-12);
       EXPECT_EQ(result.output, unsigned{FORCELAYER_ARMED});
       for (int i = 0; i < 1500; ++i) forcelayer_step(runtime, &reading, &result);
       // A part that is not pulled stays; one that is comes near (1e-5: the coupling creeps).

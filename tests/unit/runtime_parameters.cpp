@@ -150,6 +150,8 @@ TEST_F(ParametersTest, FeelTheSameAtEveryScale) {
       if (model == Model::kPaper) continue;  // whose clamp is k_T s/2
       expect_felt(p.coupling_force_limit_n * c, one.coupling_force_limit_n);
       expect_felt(p.coupling_torque_limit_nm, one.coupling_torque_limit_nm);
+      expect_felt(p.coupling_nm_per_rad, one.coupling_nm_per_rad);
+      expect_felt(p.coupling_nms_per_rad, one.coupling_nms_per_rad);
       EXPECT_EQ(p.max_force_n, one.max_force_n);
       EXPECT_TRUE(derived.warnings.empty()) << derived.warnings[0];
     }

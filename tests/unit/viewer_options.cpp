@@ -72,5 +72,22 @@ TEST(ViewOptions, RefusesWhatMakesNoSense) {
   }
 }
 
+TEST(ViewOptions, ANumberThatIsNoneIsRefusedByName) {
+  const struct {
+    const char* line;
+    const char* option;
+  } cases[] = {{"a.vox --part-pose nan,0,0", "--part-pose"},
+               {"a.vox --part-pose 1e300m,0,0", "--part-pose"},
+               {"a.vox --trace t.csv --grip 0,0,infm", "--grip"},
+               {"a.vox --trace t.csv --at nans", "--at"},
+               {"a.vox --listen 9000 --duration 1e300s", "--duration"},
+               {"a.vox --view-from nan,0,1", "--view-from"}};
+  for (const auto& c : cases) {
+    const auto options = parsed(c.line);
+    ASSERT_FALSE(options) << c.line;
+    EXPECT_EQ(options.error().where, c.option) << to_line(options.error());
+  }
+}
+
 }  // namespace
 }  // namespace forcelayer

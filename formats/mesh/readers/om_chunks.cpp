@@ -123,6 +123,10 @@ class ChunkWalker {
   }
 
   void skip_topology(ChunkHeader header) {
+    // OpenMesh knows no other, and would take their bytes for the next chunk.
+    if (header.entity() != kVertex && header.entity() != kFace && header.entity() != kHalfedge) {
+      fail(ErrorCode::kMeshUnsupported, "a topology of other than vertices, faces and halfedges");
+    }
     const std::uint64_t faces = content_.faces;
     if (header.entity() == kFace && version_ < version(2, 0)) {
       if (kind_ != 'P') return skip(faces * (kind_ == 'T' ? 3 : 4) * header.integer_bytes());

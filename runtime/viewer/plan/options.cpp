@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <glm/geometric.hpp>
 
+#include "formats/command/arguments.h"
 #include "formats/command/quantity.h"
 #include "formats/command/version.h"
 #include "formats/mesh/step_support.h"
@@ -17,10 +18,16 @@ Error usage(const std::string& option, const std::string& what, const std::strin
   return {ErrorCode::kUsage, "", option, what, mend};
 }
 
-Result<std::optional<Pose>> pose_of(const std::string& text) {
+// The error of a parser, with the option that it is about.
+Error about(const char* option, Error error) {
+  error.where = option;
+  return error;
+}
+
+Result<std::optional<Pose>> pose_of(const char* option, const std::string& text) {
   if (text.empty()) return std::optional<Pose>();
   const auto pose = command::parse_pose(text);
-  if (!pose) return pose.error();
+  if (!pose) return about(option, pose.error());
   const auto& p = pose->position_m;
   const auto& q = pose->orientation_wxyz;
   return std::optional<Pose>(Pose{{p[0], p[1], p[2]}, {q[0], q[1], q[2], q[3]}});
@@ -63,10 +70,10 @@ ViewOptionParser::ViewOptionParser(CLI::App& app) {
                  "turn the scene once in the window, write the frame times (JSON) and end");
   app.add_option("--json", options_.json, "write the facts of the picture in numbers");
   app.add_option("--size", texts_.size, "size of the picture in pixels")->capture_default_str();
-  app.add_option("--scale", texts_.scale,
-                 "size of words and marks: 2 on a screen of 192 pixels an inch; default: the "
-                 "screen's Xft.dpi over 96, for pictures 1")
-      ->check(CLI::Range(0.5, 8.0));
+  command::add_number(app, "--scale", texts_.scale,
+                      "size of words and marks: 2 on a screen of 192 pixels an inch; default: the "
+                      "screen's Xft.dpi over 96, for pictures 1",
+                      {0.5, 8});
   auto* run = app.add_option("--trace,--replay", options_.run,
                              "the run to show: a trace or a recording of voxrun");
   app.add_option("--at", texts_.at, "time in the run (2.5s); default: the strongest force")
@@ -86,7 +93,8 @@ ViewOptionParser::ViewOptionParser(CLI::App& app) {
   app.add_option("--focus", texts_.focus, "part or scene; auto: the part where there is one")
       ->check(CLI::IsMember({"auto", "part", "scene"}))
       ->capture_default_str();
-  app.add_option("--pixels-per-voxel", texts_.pixels_per_voxel, "scale of the picture");
+  app.add_option("--pixels-per-voxel", texts_.pixels_per_voxel, "scale of the picture")
+      ->check(CLI::Range(1, 1000));
   app.add_option("--cut", texts_.cut, "show one side only: z<300mm, x>0m");
   app.add_option("--show", texts_.shown,
                  "list of meshes, interior, force-layer, proximity, part, shell, contacts, handle");
@@ -121,20 +129,20 @@ Status ViewOptionParser::read_units(ViewOptions& options) const {
 }
 
 Status ViewOptionParser::read_moment(ViewOptions& options) const {
-  const auto pose = pose_of(texts_.part_pose);
+  const auto pose = pose_of("--part-pose", texts_.part_pose);
   if (!pose) return pose.error();
-  const auto grip = pose_of(texts_.grip);
+  const auto grip = pose_of("--grip", texts_.grip);
   if (!grip) return grip.error();
   options.world_from_part = *pose;
   options.handle_from_part = *grip;
   if (!texts_.at.empty()) {
     const auto at_s = command::parse_duration(texts_.at);
-    if (!at_s) return at_s.error();
+    if (!at_s) return about("--at", at_s.error());
     options.at_s = *at_s;
   }
   if (!texts_.duration.empty()) {
     const auto duration_s = command::parse_duration(texts_.duration);
-    if (!duration_s) return duration_s.error();
+    if (!duration_s) return about("--duration", duration_s.error());
     options.duration_s = *duration_s;
   }
   if (!texts_.model.empty()) {
@@ -160,15 +168,12 @@ Status ViewOptionParser::read_camera(ViewOptions& options) const {
   if (texts_.focus == "scene") options.focus = Focus::kScene;
   if (!texts_.view_from.empty()) {
     const auto given = command::parse_direction(texts_.view_from);
-    if (!given) return given.error();
+    if (!given) return about("--view-from", given.error());
     const glm::dvec3 direction((*given)[0], (*given)[1], (*given)[2]);
     if (!(glm::length(direction) > 0)) {
       return usage("--view-from", "the direction has no length", "give it as 1,-1,0.5");
     }
     options.to_eye = direction;
-  }
-  if (texts_.pixels_per_voxel < 0) {
-    return usage("--pixels-per-voxel", "must be positive", "give a whole number, as 4");
   }
   if (texts_.pixels_per_voxel > 0) options.pixels_per_voxel = texts_.pixels_per_voxel;
   if (!texts_.cut.empty()) {

@@ -1,0 +1,450 @@
+#include "runtime/voxplan/hand.h"
+
+#include <ompl/base/MotionValidator.h>
+#include <ompl/base/PlannerData.h>
+#include <ompl/base/ProblemDefinition.h>
+#include <ompl/base/SpaceInformation.h>
+#include <ompl/base/goals/GoalSampleableRegion.h>
+#include <ompl/base/spaces/SE3StateSpace.h>
+#include <ompl/geometric/PathGeometric.h>
+#include <ompl/geometric/PathSimplifier.h>
+#include <ompl/geometric/planners/kpiece/KPIECE1.h>
+#include <ompl/geometric/planners/rrt/RRTConnect.h>
+#include <ompl/util/Console.h>
+#include <ompl/util/RandomNumbers.h>
+
+#include <algorithm>
+#include <chrono>
+#include <functional>
+#include <glm/geometric.hpp>
+#include <optional>
+
+#include "runtime/voxplan/slide.h"
+
+namespace forcelayer::voxplan {
+namespace {
+
+namespace ob = ompl::base;
+namespace og = ompl::geometric;
+
+using Space = ob::SE3StateSpace;
+
+constexpr double kSlides = 0.75;      // of the samples near a pose of the seat: along its floors
+constexpr double kSlideVoxels = 4;    // at a step
+constexpr double kLeastSlide = 0.05;  // of a step: less is no way
+constexpr int kLifts = 3;             // of a pose off the floors: each is right to first order
+constexpr int kDirections = 26;       // that the first hand tries straight
+constexpr double kCellVoxels = 6;     // in which KPIECE counts where it has been
+constexpr double kLeastKept = 0.01;   // of a motion: less is no way
+constexpr unsigned kMostGoals = 1000;
+
+double now_s() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+Pose pose_of(const ob::State* state) {
+  const auto& s = *state->as<Space::StateType>();
+  const auto& q = s.rotation();
+  return {{s.getX(), s.getY(), s.getZ()}, {q.w, q.x, q.y, q.z}};
+}
+
+void put(const Pose& pose, ob::State* state) {
+  auto& s = *state->as<Space::StateType>();
+  s.setXYZ(pose.position_m.x, pose.position_m.y, pose.position_m.z);
+  s.rotation().w = pose.orientation.w, s.rotation().x = pose.orientation.x;
+  s.rotation().y = pose.orientation.y, s.rotation().z = pose.orientation.z;
+}
+
+// Goes on in one direction that the floors allow, in short steps, each before the floors there,
+// until the part is out of its seat. To a pose that can be reached straight.
+Pose slid(PoseCheck& check, const Pose& from, const Twist6& wanted, double length_m) {
+  const double radius_m = check.problem().part.header().bounding_radius_m;
+  const double step_m = kSlideVoxels * check.problem().scene.voxel_size_m();
+  Twist6 way = of_length(wanted, step_m);
+  std::vector<Pose> trail{from};
+  for (double way_m = 0; way_m < length_m; way_m += step_m) {
+    const Twist6 step = allowed_twist(way, check.floors(trail.back()), radius_m);
+    if (length_of(step) < kLeastSlide * step_m) break;
+    if (way_m == 0) way = of_length(step, step_m);
+    const Pose there = moved(trail.back(), step, radius_m);
+    if (!check.holds(Rule::kInSeat, there)) break;
+    trail.push_back(there);
+    if (check.holds(Rule::kClear, there)) break;
+  }
+  while (trail.size() > 1 && !check.is_kept(Rule::kInSeat, from, trail.back())) {
+    trail.resize(trail.size() / 2);
+  }
+  return trail.back();
+}
+
+// The poses that a planner tries.
+class Sampler final : public ob::StateSampler {
+ public:
+  Sampler(const ob::StateSpace* space, PoseCheck& check, const Destination& goal, Random& random)
+      : StateSampler(space), check_(check), goal_(goal), random_(random) {}
+
+  void sampleUniform(ob::State* state) override {
+    Pose pose = check_.problem().world_from_start;
+    if (random_.share() < 0.5) pose.orientation = random_.orientation();
+    for (int axis = 0; axis < 3; ++axis) {
+      pose.position_m[axis] = random_.between(goal_.bounds().low[axis], goal_.bounds().high[axis]);
+    }
+    put(pose, state);
+  }
+
+  void sampleUniformNear(ob::State* state, const ob::State* near, double distance) override {
+    const Pose from = pose_of(near);
+    const double length_m = distance * std::pow(random_.share(), 2);
+    const bool slides = check_.has_seat() && random_.share() < kSlides;
+    put(slides ? slid(check_, from, random_twist(1, random_), length_m)
+               : moved(from, random_twist(length_m, random_), radius_m_),
+        state);
+    space_->enforceBounds(state);
+  }
+
+  void sampleGaussian(ob::State* state, const ob::State* mean, double deviation) override {
+    sampleUniformNear(state, mean, deviation);
+  }
+
+ private:
+  PoseCheck& check_;
+  const Destination& goal_;
+  Random& random_;
+  double radius_m_ = check_.problem().part.header().bounding_radius_m;
+};
+
+class Validity final : public ob::StateValidityChecker {
+ public:
+  Validity(const ob::SpaceInformationPtr& space, PoseCheck& check, Rule rule)
+      : StateValidityChecker(space), check_(check), rule_(rule) {}
+  bool isValid(const ob::State* state) const override {
+    return si_->satisfiesBounds(state) && check_.holds(rule_, pose_of(state));
+  }
+
+ private:
+  PoseCheck& check_;
+  Rule rule_;
+};
+
+class Motions final : public ob::MotionValidator {
+ public:
+  Motions(const ob::SpaceInformationPtr& space, PoseCheck& check, Rule rule)
+      : MotionValidator(space), check_(check), rule_(rule) {}
+
+  bool checkMotion(const ob::State* from, const ob::State* to) const override {
+    return si_->satisfiesBounds(to) && check_.is_kept(rule_, pose_of(from), pose_of(to));
+  }
+
+  bool checkMotion(const ob::State* from, const ob::State* to,
+                   std::pair<ob::State*, double>& last) const override {
+    const double share = check_.share_kept(rule_, pose_of(from), pose_of(to));
+    if (share == 1) return true;
+    last.second = share;
+    if (last.first != nullptr) put(pose_between(pose_of(from), pose_of(to), share), last.first);
+    return false;
+  }
+
+ private:
+  PoseCheck& check_;
+  Rule rule_;
+};
+
+// Out of the seat: where the clearance is proven.
+class OutOfSeat final : public ob::Goal {
+ public:
+  OutOfSeat(const ob::SpaceInformationPtr& space, PoseCheck& check) : Goal(space), check_(check) {}
+  bool isSatisfied(const ob::State* state) const override {
+    return check_.holds(Rule::kClear, pose_of(state));
+  }
+
+ private:
+  PoseCheck& check_;
+};
+
+class GoalRegion final : public ob::GoalSampleableRegion {
+ public:
+  GoalRegion(const ob::SpaceInformationPtr& space, const Destination& goal, Random& random)
+      : GoalSampleableRegion(space), goal_(goal), random_(random) {
+    setThreshold(1e-9);
+  }
+  double distanceGoal(const ob::State* state) const override {
+    return goal_.distance_m(pose_of(state));
+  }
+  void sampleGoal(ob::State* state) const override { put(goal_.sample(random_), state); }
+  unsigned maxSampleCount() const override { return goal_.is_one_pose() ? 1 : kMostGoals; }
+
+ private:
+  const Destination& goal_;
+  Random& random_;
+};
+
+std::vector<Pose> poses_of(const og::PathGeometric& path) {
+  std::vector<Pose> poses;
+  for (std::size_t i = 0; i < path.getStateCount(); ++i) poses.push_back(pose_of(path.getState(i)));
+  return poses;
+}
+
+// The way up to the first pose, looked for every voxel of travel, for which `ends` says so.
+std::vector<Pose> up_to_first(const std::vector<Pose>& way, const Problem& problem,
+                              const std::function<bool(const Pose&)>& ends) {
+  const std::vector<Pose> fine = with_more_poses(problem, way, problem.scene.voxel_size_m());
+  std::vector<Pose> first{way.front()};
+  for (std::size_t i = 1, corner = 1; i < fine.size(); ++i) {
+    const bool is_end = ends(fine[i]);
+    const bool is_corner = travel_between_m(problem, fine[i], way[corner]) == 0;
+    if (is_corner) ++corner;
+    if (is_end || is_corner) first.push_back(fine[i]);
+    if (is_end) break;
+  }
+  return first;
+}
+
+}  // namespace
+
+void seed_planners(std::uint64_t seed) {
+  ompl::msg::noOutputHandler();
+  ompl::RNG::setSeed(static_cast<std::uint_fast32_t>(seed % 0x7fffffff + 1));  // 0 is none
+}
+
+struct Hand::Parts {
+  Parts(const Problem& of, const Destination& to, std::size_t its_number, std::uint64_t seed,
+        std::unique_ptr<PoseCheck> pose_check)
+      : problem(of),
+        goal(to),
+        number(its_number),
+        random(seed * 1000003 + its_number),
+        check(std::move(pose_check)) {}
+
+  ob::SpaceInformationPtr make_space(Rule rule);
+  void plan_in_seat();
+  void plan_beyond(const Pose& from);
+  void take_out_of_seat();
+  void leave_seat(const std::vector<Pose>& way);
+  bool leave_seat_straight();
+  bool go_straight(const Pose& from);
+  glm::dvec3 direction(int n);
+  std::vector<Pose> off_the_floors(const std::vector<Pose>& way);
+  void take_to_goal();
+  void note_farthest();
+
+  const Problem& problem;
+  const Destination& goal;
+  std::size_t number;
+  Random random;
+  std::unique_ptr<PoseCheck> check;
+  ob::SpaceInformationPtr space;
+  ob::ProblemDefinitionPtr question;
+  ob::PlannerPtr planner;
+  Rule rule = Rule::kInSeat;
+  std::vector<Pose> in_seat, beyond;
+  bool done = false;
+  Pose farthest;
+  double out_m = 0;
+};
+
+ob::SpaceInformationPtr Hand::Parts::make_space(Rule of) {
+  auto poses = std::make_shared<Space>();
+  ob::RealVectorBounds bounds(3);
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto i = static_cast<unsigned>(axis);
+    bounds.setLow(i, goal.bounds().low[axis]);
+    bounds.setHigh(i, goal.bounds().high[axis]);
+  }
+  poses->setBounds(bounds);
+  // OMPL's distance of two orientations is half the angle: a motion is as long as points travel.
+  poses->setSubspaceWeight(1, 2 * problem.part.header().bounding_radius_m);
+  poses->setStateSamplerAllocator([this](const ob::StateSpace* of_space) {
+    return std::make_shared<Sampler>(of_space, *check, goal, random);
+  });
+  auto made = std::make_shared<ob::SpaceInformation>(poses);
+  made->setStateValidityChecker(std::make_shared<Validity>(made, *check, of));
+  made->setMotionValidator(std::make_shared<Motions>(made, *check, of));
+  poses->setup();
+  poses->getDefaultProjection()->setCellSizes(
+      std::vector<double>(3, kCellVoxels * problem.scene.voxel_size_m()));
+  made->setup();
+  return made;
+}
+
+void Hand::Parts::plan_in_seat() {
+  rule = Rule::kInSeat;
+  space = make_space(rule);
+  question = std::make_shared<ob::ProblemDefinition>(space);
+  ob::ScopedState<Space> start(space);
+  put(problem.world_from_start, start.get());
+  question->addStartState(start);
+  question->setGoal(std::make_shared<OutOfSeat>(space, *check));
+  auto kpiece = std::make_shared<og::KPIECE1>(space);
+  const double radius_m = problem.part.header().bounding_radius_m;
+  kpiece->setRange((number % 2 == 0 ? 4 : 1) * radius_m);
+  kpiece->setMinValidPathFraction(kLeastKept);
+  planner = kpiece;
+  planner->setProblemDefinition(question);
+  planner->setup();
+}
+
+void Hand::Parts::plan_beyond(const Pose& from) {
+  rule = Rule::kClear;
+  if (number == 0 && go_straight(from)) return;
+  space = make_space(rule);
+  question = std::make_shared<ob::ProblemDefinition>(space);
+  ob::ScopedState<Space> start(space);
+  put(from, start.get());
+  question->addStartState(start);
+  question->setGoal(std::make_shared<GoalRegion>(space, goal, random));
+  auto connect = std::make_shared<og::RRTConnect>(space);
+  connect->setRange((number % 2 == 0 ? 1 : 0.25) * problem.part.header().bounding_radius_m);
+  planner = connect;
+  planner->setProblemDefinition(question);
+  planner->setup();
+}
+
+// Of the tree that grows from the start.
+void Hand::Parts::note_farthest() {
+  ob::PlannerData tree(space);
+  planner->getPlannerData(tree);
+  const bool two_trees = rule == Rule::kClear;
+  for (unsigned i = 0; i < tree.numVertices(); ++i) {
+    const ob::PlannerDataVertex& vertex = tree.getVertex(i);
+    if (two_trees && vertex.getTag() != 1) continue;
+    const Pose pose = pose_of(vertex.getState());
+    const double way_m = glm::length(pose.position_m - problem.world_from_start.position_m);
+    if (way_m <= out_m) continue;
+    out_m = way_m;
+    farthest = pose;
+  }
+}
+
+void Hand::Parts::take_out_of_seat() {
+  og::PathGeometric path(*question->getSolutionPath()->as<og::PathGeometric>());
+  og::PathSimplifier(space).reduceVertices(path);
+  leave_seat(poses_of(path));
+}
+
+// Up to where the clearance is proven for the first time: there the seat is left for good.
+void Hand::Parts::leave_seat(const std::vector<Pose>& way) {
+  in_seat = up_to_first(off_the_floors(way), problem,
+                        [&](const Pose& pose) { return check->holds(Rule::kClear, pose); });
+  plan_beyond(in_seat.back());
+}
+
+// The shortest straight way out of the seat, of those next to the axes of the world and to some
+// other directions. Whether there is one.
+bool Hand::Parts::leave_seat_straight() {
+  const Box& bounds = goal.bounds();
+  const double most_m = glm::length(bounds.high - bounds.low);
+  std::optional<Pose> nearest;
+  double nearest_m = most_m;
+  for (int n = 0; n < kDirections; ++n) {
+    const glm::dvec3 d = direction(n);
+    const Pose there = slid(*check, problem.world_from_start, {d.x, d.y, d.z, 0, 0, 0}, most_m);
+    const double way_m = travel_between_m(problem, problem.world_from_start, there);
+    if (way_m >= nearest_m || !check->holds(Rule::kClear, there)) continue;
+    nearest = there;
+    nearest_m = way_m;
+  }
+  if (nearest) leave_seat({problem.world_from_start, *nearest});
+  return nearest.has_value();
+}
+
+// The shortest straight way on to the goal, as leave_seat_straight() looks for it.
+bool Hand::Parts::go_straight(const Pose& from) {
+  std::optional<Pose> nearest;
+  for (int n = 0; n < kDirections; ++n) {
+    const Pose there = goal.straight_from(from, direction(n));
+    const double way_m = travel_between_m(problem, from, there);
+    if (nearest && way_m >= travel_between_m(problem, from, *nearest)) continue;
+    if (check->is_kept(Rule::kClear, from, there)) nearest = there;
+  }
+  if (!nearest) return false;
+  beyond = {from, *nearest};
+  done = true;
+  return true;
+}
+
+// The axes first.
+glm::dvec3 Hand::Parts::direction(int n) {
+  glm::dvec3 d(0);
+  if (n >= 6) return random.direction();
+  d[n / 2] = n % 2 == 0 ? 1 : -1;
+  return d;
+}
+
+// The same way, no deeper in the seat than it must: what presses on its floors is barely held.
+std::vector<Pose> Hand::Parts::off_the_floors(const std::vector<Pose>& way) {
+  const double radius_m = problem.part.header().bounding_radius_m;
+  std::vector<Pose> shallow =
+      with_more_poses(problem, way, kSlideVoxels * problem.scene.voxel_size_m());
+  for (std::size_t i = 1; i < shallow.size(); ++i) {
+    for (int n = 0; n < kLifts; ++n) {
+      shallow[i] =
+          moved(shallow[i], allowed_twist({}, check->floors(shallow[i]), radius_m), radius_m);
+    }
+    if (!check->is_kept(Rule::kInSeat, shallow[i - 1], shallow[i])) return way;
+  }
+  return shallow;
+}
+
+void Hand::Parts::take_to_goal() {
+  og::PathGeometric path(*question->getSolutionPath()->as<og::PathGeometric>());
+  og::PathSimplifier simplifier(space);
+  simplifier.reduceVertices(path);
+  simplifier.shortcutPath(path);
+  simplifier.reduceVertices(path);
+  beyond = poses_of(path);
+  done = true;
+}
+
+Hand::Hand(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
+Hand::~Hand() = default;
+
+Result<std::unique_ptr<Hand>> Hand::create(const Problem& problem, const Destination& goal,
+                                           std::size_t number, std::uint64_t seed) {
+  auto check = PoseCheck::create(problem);
+  if (!check) return check.error();
+  auto parts = std::make_unique<Parts>(problem, goal, number, seed, std::move(*check));
+  if (parts->check->holds(Rule::kClear, problem.world_from_start)) {
+    parts->plan_beyond(problem.world_from_start);
+  } else if (number != 0 || !parts->leave_seat_straight()) {
+    parts->plan_in_seat();
+  }
+  return std::unique_ptr<Hand>(new Hand(std::move(parts)));
+}
+
+void Hand::work(std::uint64_t poses, double end_s) {
+  Parts& p = *parts_;
+  if (p.done) return;
+  const std::uint64_t enough = p.check->poses_tested() + poses;
+  const ob::PlannerTerminationCondition stop(
+      [&] { return p.check->poses_tested() >= enough || now_s() >= end_s; });
+  p.planner->solve(stop);
+}
+
+void Hand::take_stock() {
+  Parts& p = *parts_;
+  if (p.done) return;
+  p.note_farthest();
+  if (!p.question->hasExactSolution()) return;
+  if (p.rule == Rule::kInSeat) {
+    p.take_out_of_seat();
+  } else {
+    p.take_to_goal();
+  }
+}
+
+bool Hand::is_done() const { return parts_->done; }
+const std::vector<Pose>& Hand::in_seat() const { return parts_->in_seat; }
+const std::vector<Pose>& Hand::beyond() const { return parts_->beyond; }
+double Hand::out_m() const { return parts_->out_m; }
+std::uint64_t Hand::poses_tested() const { return parts_->check->poses_tested(); }
+
+std::uint32_t Hand::blocked_by() const {
+  Parts& p = *parts_;
+  if (p.out_m == 0) return 0;
+  Pose onward = p.farthest;
+  const glm::dvec3 way_m = p.farthest.position_m - p.problem.world_from_start.position_m;
+  onward.position_m += way_m / p.out_m * (2 * p.problem.part.header().bounding_radius_m);
+  return p.check->met(p.rule, p.farthest, onward);
+}
+
+}  // namespace forcelayer::voxplan

@@ -1,0 +1,51 @@
+// One hand: it takes the part out of its seat, and from there to the goal. Two planners of OMPL,
+// one after the other: KPIECE, which explores from the seat, under the rule of the seat; then
+// RRT-Connect, which grows a tree from either end, under the rule of the clearance. The first hand
+// tries straight ways before.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "formats/result.h"
+#include "runtime/voxplan/destination.h"
+#include "runtime/voxplan/pose_check.h"
+#include "runtime/voxplan/problem.h"
+
+namespace forcelayer::voxplan {
+
+// All random numbers of OMPL from now on follow from this one. Before the first hand.
+void seed_planners(std::uint64_t seed);
+
+// work() is for one thread at a time; all else is for the thread that made all hands, in the order
+// of their numbers, so that OMPL hands out its random numbers in one order.
+class Hand {
+ public:
+  // Errors: those of PoseCheck::create().
+  static Result<std::unique_ptr<Hand>> create(const Problem& problem, const Destination& goal,
+                                              std::size_t number, std::uint64_t seed);
+  ~Hand();
+
+  // Tests so many poses more, or until it is done or the steady clock is at `end_s`.
+  void work(std::uint64_t poses, double end_s);
+  // Behind work(): takes over what it found. Once out of its seat the part goes on to the goal.
+  void take_stock();
+
+  bool is_done() const;
+  const std::vector<Pose>& in_seat() const;  // of the way, as SearchResult has them
+  const std::vector<Pose>& beyond() const;
+
+  // How far from the start it came, and what it meets there on the way outward.
+  double out_m() const;
+  std::uint32_t blocked_by() const;
+
+  std::uint64_t poses_tested() const;
+
+ private:
+  struct Parts;
+  explicit Hand(std::unique_ptr<Parts> parts);
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace forcelayer::voxplan

@@ -1,0 +1,46 @@
+// The command line of voxplan.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "forcelayer/pose.h"
+#include "formats/result.h"
+
+namespace CLI {
+class App;
+}  // namespace CLI
+
+namespace forcelayer::voxplan {
+
+struct Options {
+  std::string scene, part, path;
+  Pose world_from_seat;                 // of the part: where it starts
+  std::optional<Pose> world_from_goal;  // of the part; none: anywhere outside of the scene
+  double clearance_m = 0;
+  std::vector<std::string> allow;  // names of objects
+  double most_s = 0;
+  double speed_mps = 0;
+  std::uint64_t seed = 1;
+  unsigned threads = 1;
+  std::string json;
+  bool quiet = false;
+};
+
+// Declares the options to CLI11. finish() reads what was parsed.
+class OptionParser {
+ public:
+  explicit OptionParser(CLI::App& app);
+
+  // Errors: kUsage.
+  Result<Options> finish() const;
+
+ private:
+  Options options_;
+  std::string clearance_, seat_, goal_, time_;
+  bool out_of_scene_ = false;
+};
+
+}  // namespace forcelayer::voxplan

@@ -1,0 +1,66 @@
+#include "runtime/voxplan/plan.h"
+
+#include <chrono>
+#include <optional>
+
+#include "formats/command/text.h"
+#include "runtime/voxcheck/object_names.h"
+#include "runtime/voxplan/destination.h"
+#include "runtime/voxplan/pose_check.h"
+#include "runtime/voxplan/way.h"
+
+namespace forcelayer::voxplan {
+namespace {
+
+double now_s() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+// An error where the part cannot be at an end of its way: in its seat, or clear of everything.
+Status check_end(const Problem& problem, const Pose& pose, const char* option, Rule rule) {
+  const auto checked = proven(problem, rows_of(problem, {}, {pose}, 1), rule, 1);
+  if (!checked) return checked.error();
+  if (checked->clear()) return {};
+  const clearance::Violation& worst = checked->violations.front();
+  const std::string object = voxcheck::object_name(problem.scene, worst.worst.object);
+  return Error{ErrorCode::kUsage, "", option,
+               command::text("the part is nearer there than --clearance to %s",
+                             object.empty() ? "the scene" : escaped(object).c_str()),
+               "ask for a smaller --clearance, or --allow that object"};
+}
+
+}  // namespace
+
+Result<Plan> plan(const Problem& problem, const Options& options,
+                  const std::function<void(double, double)>& progress) {
+  const double begin_s = now_s();
+  if (Status s = check_end(problem, problem.world_from_start, "--seat", Rule::kInSeat); !s) {
+    return s.error();
+  }
+  std::optional<Pose> end;
+  if (options.world_from_goal) {
+    end = *options.world_from_goal * part_from_center(problem.part);
+    if (Status s = check_end(problem, *end, "--goal", Rule::kClear); !s) return s.error();
+  }
+  const Destination goal =
+      end ? Destination::at(problem, *end) : Destination::out_of_scene(problem);
+  auto found = search(problem, goal, {options.seed, options.threads, options.most_s, progress});
+  if (!found) return found.error();
+  Plan made{std::move(*found), {}, {}, 0};
+  if (made.search.found) {
+    const auto wide = widened(problem, made.search.beyond, options.seed);
+    if (!wide) return wide.error();
+    made.rows = rows_of(problem, made.search.in_seat, *wide, options.speed_mps);
+    auto checked = proven(problem, made.rows, Rule::kInSeat, options.threads);
+    if (!checked) return checked.error();
+    made.checked = std::move(*checked);
+    if (!made.checked.clear()) {
+      return Error{ErrorCode::kInternal, "", "", "a path was found that does not prove clear",
+                   "try another --seed"};
+    }
+  }
+  made.seconds = now_s() - begin_s;
+  return made;
+}
+
+}  // namespace forcelayer::voxplan

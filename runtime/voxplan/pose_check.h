@@ -1,0 +1,62 @@
+// Whether the part may be at a pose, and go straight from one pose to another: by the proofs of
+// voxcheck (runtime/clearance). For one thread at a time.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "formats/result.h"
+#include "runtime/clearance/part_distance.h"
+#include "runtime/clearance/required_distance.h"
+#include "runtime/clearance/seat_stretch.h"
+#include "runtime/voxplan/problem.h"
+
+namespace forcelayer::voxplan {
+
+// kClear: the clearance is proven to all objects. kInSeat: to all but those of the seat, into which
+// no shell point is pushed deeper than it may.
+enum class Rule { kInSeat, kClear };
+
+class PoseCheck {
+ public:
+  // Errors: those of SeatStretch::find().
+  static Result<std::unique_ptr<PoseCheck>> create(const Problem& problem);
+
+  bool holds(Rule rule, const Pose& pose);
+
+  // How much of the motion keeps the rule from its beginning on: 1 where all of it does.
+  double share_kept(Rule rule, const Pose& from, const Pose& to);
+  // Whether all of it does: quicker where it does not.
+  bool is_kept(Rule rule, const Pose& from, const Pose& to);
+
+  // The proven clearance at a pose; as much as the stored distances tell.
+  double clearance_m(const Pose& pose);
+
+  // What the part meets first on the straight way between two poses: an object of the scene; 0
+  // where nothing is met, or the file does not name it.
+  std::uint32_t met(Rule rule, const Pose& from, const Pose& to);
+
+  // Where the floors of the seat are at a pose. Empty without a seat.
+  const std::vector<clearance::SeatStretch::Floor>& floors(const Pose& pose);
+
+  bool has_seat() const { return seat_ && !seat_->objects().empty(); }
+  std::uint64_t poses_tested() const { return tested_; }
+  const Problem& problem() const { return problem_; }
+
+ private:
+  PoseCheck(const Problem& problem, std::optional<clearance::SeatStretch> seat);
+  clearance::PartDistance& part(Rule rule) { return rule == Rule::kClear ? clear_ : in_seat_; }
+  double share_kept(Rule rule, const Pose& from, const Pose& to, bool or_nothing);
+
+  const Problem& problem_;
+  clearance::RequiredDistance required_;
+  std::optional<clearance::SeatStretch> seat_;
+  clearance::LeftOut but_seat_;  // the allowed objects and those of the seat
+  clearance::PartDistance clear_, in_seat_;
+  std::vector<clearance::SeatStretch::Floor> floors_;
+  std::uint64_t tested_ = 0;
+};
+
+}  // namespace forcelayer::voxplan

@@ -1,0 +1,40 @@
+#include "runtime/voxplan/problem.h"
+
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "runtime/coupling/coupling.h"
+
+namespace forcelayer::voxplan {
+namespace {
+
+glm::dvec3 turn_between(const Pose& from, const Pose& to) {
+  return coupling::rotation_vector(to.orientation * glm::conjugate(from.orientation));
+}
+
+}  // namespace
+
+double travel_between_m(const Problem& problem, const Pose& from, const Pose& to) {
+  return glm::length(to.position_m - from.position_m) +
+         problem.part.header().bounding_radius_m * glm::length(turn_between(from, to));
+}
+
+Pose pose_between(const Pose& from, const Pose& to, double share) {
+  return {from.position_m + (to.position_m - from.position_m) * share,
+          glm::normalize(coupling::rotation_by(turn_between(from, to) * share) * from.orientation)};
+}
+
+std::vector<Pose> with_more_poses(const Problem& problem, const std::vector<Pose>& way,
+                                  double step_m) {
+  std::vector<Pose> fine{way.front()};
+  for (std::size_t i = 1; i < way.size(); ++i) {
+    const double steps = std::ceil(travel_between_m(problem, way[i - 1], way[i]) / step_m);
+    for (double n = 1; n < steps; ++n) {
+      fine.push_back(pose_between(way[i - 1], way[i], n / steps));
+    }
+    fine.push_back(way[i]);
+  }
+  return fine;
+}
+
+}  // namespace forcelayer::voxplan

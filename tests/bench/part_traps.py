@@ -1,0 +1,158 @@
+#!/usr/bin/env python3
+"""Time and memory of pointshell for parts that took too much: table of shell.md.
+
+    part_traps.py --csv TABLE.csv --bin FOLDER... [--parts NAME...] [--models DIR]
+
+Each FOLDER holds a pointshell; its name in the table is what stands before an '=' (before=build/old/bin). The parts are made here;
+the engine is that of DIR (../shared/models). A run that takes longer than ten minutes is ended.
+"""
+import argparse
+import csv
+import json
+import math
+import pathlib
+import struct
+import subprocess
+import sys
+import tempfile
+
+HERE = pathlib.Path(__file__).parent
+LIMIT_S = 600
+
+
+def write_stl(path, triangles):
+    with open(path, "wb") as out:
+        out.write(bytes(80) + struct.pack("<I", len(triangles)))
+        for a, b, c in triangles:
+            out.write(struct.pack("<12fH", 0, 0, 0, *a, *b, *c, 0))
+
+
+def write_glb(path, document, binary):
+    text = json.dumps(document).encode()
+    text += b" " * (-len(text) % 4)
+    binary += bytes(-len(binary) % 4)
+    path.write_bytes(b"glTF" + struct.pack("<II", 2, 28 + len(text) + len(binary)) + struct.pack("<I", len(text)) + b"JSON" + text +
+                     struct.pack("<I", len(binary)) + b"BIN\0" + binary)
+
+
+def turned(profile, segments):
+    """The surface that a profile of (radius, height) sweeps about z."""
+    ring = lambda radius, height: [(radius * math.cos(2 * math.pi * k / segments), radius * math.sin(2 * math.pi * k / segments), height)
+                                   for k in range(segments)]
+    rings = [ring(*row) for row in profile]
+    triangles = []
+    for low, high in zip(rings, rings[1:]):
+        for k in range(segments):
+            m = (k + 1) % segments
+            triangles += [t for t in ((low[k], low[m], high[m]), (low[k], high[m], high[k])) if len(set(t)) == 3]
+    return triangles
+
+
+def box(low, high):
+    corner = lambda n: tuple(high[axis] if n >> axis & 1 else low[axis] for axis in range(3))
+    faces = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
+    return [tuple(corner(face[n]) for n in order) for face in faces for order in ((0, 1, 2), (0, 2, 3))]
+
+
+def make_threads(folder, _):
+    """A bolt, 40 mm by 200 mm, with a thousand grooves 0.1 mm deep; voxels of 1.5 mm."""
+    profile = [(0, 0)] + [(20 - 0.1 * (n % 2), 0.1 * n) for n in range(2001)] + [(0, 200)]
+    write_stl(folder / "threads.stl", turned(profile, 96))
+    return [folder / "threads.stl", "--units", "mm", "--voxel-size", "1.5mm"]
+
+
+def make_touching(folder, _):
+    """Fifty-six cubes of 20 mm, each touching its neighbors; voxels of 2 mm."""
+    bodies = [box((20 * i, 20 * j, 20 * k), (20 * i + 20, 20 * j + 20, 20 * k + 20))
+              for i in range(7) for j in range(4) for k in range(2)]
+    meshes, binary = [], b""
+    accessors, views, nodes = [], [], []
+    for n, triangles in enumerate(bodies):
+        corners = [c for t in triangles for c in t]
+        data = b"".join(struct.pack("<3f", *(1e-3 * x for x in c)) for c in corners)
+        views.append({"buffer": 0, "byteOffset": len(binary), "byteLength": len(data)})
+        accessors.append({"bufferView": n, "componentType": 5126, "count": len(corners), "type": "VEC3"})
+        meshes.append({"primitives": [{"attributes": {"POSITION": n}}]})
+        nodes.append({"mesh": n, "name": f"box{n}"})
+        binary += data
+    write_glb(folder / "touching.glb", {
+        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": list(range(len(nodes)))}], "nodes": nodes, "meshes": meshes,
+        "accessors": accessors, "bufferViews": views, "buffers": [{"byteLength": len(binary)}]}, binary)
+    return [folder / "touching.glb", "--voxel-size", "2mm"]
+
+
+def make_instances(folder, models):
+    """Sixty-four engines of 121,496 triangles, 8 by 8; voxels of 20 mm."""
+    data = (models / "cad/2CylinderEngine.glb").read_bytes()
+    length = struct.unpack_from("<I", data, 12)[0]
+    document = json.loads(data[20:20 + length])
+    binary = data[28 + length:]
+    single, roots = document["nodes"], document["scenes"][document.get("scene", 0)]["nodes"]
+    nodes, tops = [], []
+    for n in range(64):
+        first = len(nodes)
+        for node in single:
+            own = dict(node)
+            own.pop("camera", None)
+            if "children" in own:
+                own["children"] = [first + child for child in own["children"]]
+            nodes.append(own)
+        tops.append({"name": f"engine{n}", "children": [first + root for root in roots],
+                     "translation": [1000 * (n % 8), 1000 * (n // 8), 0]})
+    document["scenes"] = [{"nodes": list(range(len(nodes), len(nodes) + 64))}]
+    document["scene"], document["nodes"] = 0, nodes + tops
+    write_glb(folder / "instances.glb", document, binary)
+    return [folder / "instances.glb", "--units", "mm", "--voxel-size", "20mm"]
+
+
+def make_stray(folder, _):
+    """A ball of 100 mm in triangles of 2 mm, of which one vertex is a kilometer away; voxels of 5 mm."""
+    rings = 79
+    profile = [(0 if n in (0, rings) else 50 * math.sin(math.pi * n / rings), -50 * math.cos(math.pi * n / rings)) for n in range(rings + 1)]
+    triangles = turned(profile, 157)
+    stray = triangles[len(triangles) // 2][0]
+    write_stl(folder / "stray.stl", [tuple((1e6, 0, 0) if c == stray else c for c in t) for t in triangles])
+    return [folder / "stray.stl", "--units", "mm", "--voxel-size", "5mm"]
+
+
+PARTS = {"threads": make_threads, "touching": make_touching, "instances": make_instances, "stray": make_stray}
+
+
+def row_of(part, name, binary, call, folder):
+    report, usage, shell = folder / "report.json", folder / "usage.json", folder / "part.pshell"
+    for path in (report, usage, shell):
+        path.unlink(missing_ok=True)
+    command = ["timeout", str(LIMIT_S), str(pathlib.Path(binary) / "pointshell"), *map(str, call), "-o", str(shell), "--json", str(report)]
+    run = subprocess.run([sys.executable, str(HERE / "measured_run.py"), str(usage), *command], capture_output=True, text=True)
+    took = json.loads(usage.read_text())
+    facts = json.loads(report.read_text()) if report.exists() else {}
+    told = [line for line in run.stderr.splitlines() if "this takes about" in line]
+    row = {"part": part, "program": name, "status": run.returncode, "cpu_s": f"{took['cpu_s']:.3g}",
+           "peak_mb": f"{took['peak_rss_bytes'] / 1e6:.0f}", "triangles": facts.get("triangles", ""), "points": facts.get("points", ""),
+           "certificate_pieces": facts.get("certificate_pieces", ""), "told": told[0].split("warning: ")[-1] if told else ""}
+    print(row, file=sys.stderr)
+    return row
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--csv", required=True)
+    parser.add_argument("--bin", nargs="+", required=True)
+    parser.add_argument("--parts", nargs="+", choices=PARTS, default=list(PARTS))
+    parser.add_argument("--models", type=pathlib.Path, default=HERE.parents[2] / "shared/models")
+    arguments = parser.parse_args()
+    with tempfile.TemporaryDirectory() as scratch:
+        folder = pathlib.Path(scratch)
+        rows = []
+        for part in arguments.parts:
+            call = PARTS[part](folder, arguments.models)
+            rows += [row_of(part, *(program.split("=", 1) if "=" in program else ("now", program)), call, folder)
+                     for program in arguments.bin]
+    with open(arguments.csv, "w", newline="") as out:
+        writer = csv.DictWriter(out, rows[0].keys(), lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,59 @@
+#!/usr/bin/env bash
+# voxplan: parts leave their seats; voxcheck proves the paths; the same seed, the same path; an honest no; its errors.
+source "$FORCELAYER_SOURCE_DIR/tests/support/command_test.sh"
+gearbox=$data/gearbox.glb
+"$bin/voxelize" "$gearbox" --without Lid --voxel-size 2mm -o opened.vox --quiet
+"$bin/voxelize" "$gearbox" --without Cover --voxel-size 1mm -o bolted.vox --quiet
+"$bin/pointshell" "$gearbox#Cover" --voxel-size 2mm -o cover.pshell --quiet
+"$bin/pointshell" "$gearbox#Cover" --voxel-size 1mm -o fine.pshell --quiet
+# plan STATUS ARGUMENTS...
+plan() {
+  local wanted=$1 status=0
+  shift
+  "$bin/voxplan" "$@" >out.txt 2>err.txt || status=$?
+  [ "$status" -eq "$wanted" ] || fail "status $status instead of $wanted: $*: $(cat out.txt err.txt)"
+}
+errs() { grep -qE -e "$1" err.txt || fail "no '$1' on stderr: $(cat err.txt)"; }
+
+# The cover goes up where no bolt holds it: by files alone, and by the meshes.
+plan 0 opened.vox cover.pshell --clearance 2mm -o up.csv --json up.json --threads 2
+grep -qE '^path found in .* seated on Gearbox/Housing' out.txt || fail "$(cat out.txt)"
+"$bin/voxcheck" opened.vox cover.pshell up.csv --clearance 2mm --seat 0,0,0m --felt-seat --quiet || fail "by files alone"
+"$bin/voxcheck" opened.vox cover.pshell up.csv --clearance 2mm --seat 0,0,0m --quiet \
+  --exact "$gearbox" --without Lid --part "$gearbox#Cover" || fail "by the meshes"
+python3 - <<'END' || fail "the report: $(cat up.json)"
+import json
+report = json.load(open("up.json"))
+assert report["found"] and report["required_clearance_m"] == 0.002 <= report["least_clearance"]["clearance_m"]
+rows = [line.split(",") for line in open("up.csv").read().splitlines()]
+assert report["rows"] == len(rows) - 1 and float(rows[-1][0]) == report["duration_s"]
+assert [float(cell) for cell in rows[1]] == [0, 0, 0, 0, 1, 0, 0, 0], rows[1]
+assert report["seat"][0] == "Gearbox/Housing" and report["seated"][0]["from_s"] == 0
+END
+plan 0 opened.vox cover.pshell --clearance 2mm -o again.csv --threads 1 --quiet
+[ ! -s out.txt ] || fail "--quiet: $(cat out.txt)"
+cmp up.csv again.csv || fail "the same seed, another path"
+
+# To a pose.
+plan 0 opened.vox cover.pshell --clearance 2mm --goal 0,0,40mm -o to.csv --quiet
+tail -n 1 to.csv | grep -qE '^[0-9.]+(,-?[0-9.e-]+){7}$' || fail "$(tail -n 1 to.csv)"
+python3 - <<'END' || fail "not at the goal: $(tail -n 1 to.csv)"
+row = [float(cell) for cell in open("to.csv").read().splitlines()[-1].split(",")]
+assert max(abs(a - b) for a, b in zip(row[1:], [0, 0, 0.04, 1, 0, 0, 0])) < 1e-9
+END
+
+# Bolts hold it; voxels of 1 mm feel their heads.
+plan 6 bolted.vox fine.pshell --clearance 2mm --time 1s -o no.csv --json no.json
+errs '^voxplan: fine.pshell: no path found in [0-9.]+ s \(best: out to [0-9.e+-]+ mm(, blocked by [^)]*)?\); which does not say'
+[ ! -e no.csv ] || fail "a path is there"
+python3 -c 'import json; r = json.load(open("no.json")); assert not r["found"] and r["best"]["out_m"] < 0.02, r' || fail "no.json"
+
+plan 2 opened.vox cover.pshell -o x.csv --goal 0,0,40mm --out-of-scene
+errs 'exclude each other'
+plan 2 opened.vox cover.pshell -o x.csv --goal 0,0,1mm --clearance 2mm
+errs '--goal: the part is nearer there than --clearance to Gearbox/Housing'
+plan 2 opened.vox cover.pshell -o opened.vox
+plan 1 none.vox cover.pshell -o x.csv
+errs 'none.vox: no such file'
+
+finish

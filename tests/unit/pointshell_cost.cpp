@@ -1,0 +1,84 @@
+// What a bake is expected to take: told before it begins where it is more than a minute or a
+// gigabyte.
+#include <gtest/gtest.h>
+
+#include "pointshell/bake.h"
+#include "pointshell/report.h"
+#include "tests/support/part_support.h"
+
+namespace forcelayer {
+namespace {
+
+using namespace testing;
+
+constexpr double kVoxelM = 0.05;
+
+pointshell::ShellOptions options_of(double voxel_size_m = kVoxelM) {
+  pointshell::ShellOptions options;
+  options.voxel_size_m = voxel_size_m;
+  options.threads = 1;
+  return options;
+}
+
+// A ball of triangles smaller than a voxel, one vertex of which is far away.
+mesh::Mesh ball_with_stray_vertex(double distance_m) {
+  mesh::Mesh mesh = sphere_mesh(0.5, 120);
+  mesh.vertices[mesh.vertices.size() / 2] = {distance_m, 0.1, 0.2};
+  return mesh;
+}
+
+// A plate of needles side by side.
+mesh::Mesh ribbed_plate(int ribs) {
+  mesh::Mesh mesh;
+  for (int n = 0; n <= ribs; ++n) {
+    for (const double y : {0.0, 4.0}) mesh.vertices.push_back({2.0 * n / ribs, y, 0});
+  }
+  for (int n = 0; n < ribs; ++n) {
+    const auto a = static_cast<std::uint32_t>(2 * n);
+    mesh.triangles.push_back({a, a + 2, a + 3});
+    mesh.triangles.push_back({a, a + 3, a + 1});
+  }
+  return mesh;
+}
+
+// The points are within a factor of 1.7 of those that a bake makes: of a surface by its area, of
+// needles by their length.
+TEST(Cost, CountsThePointsOfSurfaceAndNeedles) {
+  const std::pair<const char*, part::Part> cases[] = {
+      {"box", part_of(box_mesh(2, 1.4, 1))},
+      {"ball", part_of(sphere_mesh(1, 60))},
+      {"ribs", part_of(ribbed_plate(500))},
+      {"stray vertex", part_of(ball_with_stray_vertex(40))},
+      {"stray vertex, farther", part_of(ball_with_stray_vertex(160))}};
+  for (const auto& [name, part] : cases) {
+    const auto shell =
+        pointshell::bake_shell(part, options_of(), [](const std::string&, double) {});
+    ASSERT_TRUE(shell.ok());
+    const double factor =
+        static_cast<double>(shell->x.size()) / pointshell::expected_cost(part, options_of()).points;
+    EXPECT_LT(factor, 1.7) << name;
+    EXPECT_GT(factor, 1 / 1.7) << name;
+  }
+}
+
+TEST(Cost, IsToldWhereItIsMoreThanAMinuteOrAGigabyte) {
+  const part::Part box = part_of(box_mesh(1, 1, 1));
+  const auto told = [&](double seconds, double bytes) {
+    return !pointshell::cost_warning({1e6, seconds, bytes}, box).empty();
+  };
+  EXPECT_FALSE(told(59, 0.9e9));
+  EXPECT_TRUE(told(61, 0.1e9));
+  EXPECT_TRUE(told(1, 1.1e9));
+  const auto told_of = [](const part::Part& part, double voxel_size_m) {
+    const auto cost = pointshell::expected_cost(part, options_of(voxel_size_m));
+    return !pointshell::cost_warning(cost, part).empty();
+  };
+  EXPECT_FALSE(told_of(box, 0.01));
+  EXPECT_TRUE(told_of(box, 0.001));
+  // A stray vertex: nothing but its length makes it long.
+  EXPECT_FALSE(told_of(part_of(ball_with_stray_vertex(40)), kVoxelM));
+  EXPECT_TRUE(told_of(part_of(ball_with_stray_vertex(40000)), kVoxelM));
+}
+
+}  // namespace
+}  // namespace forcelayer
