@@ -91,6 +91,12 @@ void declare_verify(CLI::App& app, Arguments& arguments) {
       ->check(CLI::Range(1, 1024));
   verify->add_option("--json", arguments.json, "write a machine-readable report to this file");
   verify->add_flag("--quiet", arguments.quiet, "no summary, no warnings");
+  command::arrange_help(
+      *verify,
+      {{"What is read", {"--units", "--without", "--missing-faces"}},
+       {"Files of others", {"--sandbox", "--sandbox-memory", "--sandbox-time", "--allow-outside"}},
+       {"The proof", {"--threads"}}},
+      "  pointshell verify part.pshell part.obj --units mm");
   verify->callback([&arguments] { arguments.verify = true; });
 }
 
@@ -116,11 +122,7 @@ Result<double> length_option(const std::string& text, const char* option, double
                              bool zero_allowed) {
   if (text.empty()) return absent;
   const auto length = command::parse_length(text);
-  if (!length) {
-    Error error = length.error();
-    error.where = option;
-    return error;
-  }
+  if (!length) return command::about(option, length.error());
   if (*length < 0 || (*length == 0 && !zero_allowed)) {
     return usage(std::string(option) + " must be a positive length", "write it like 5mm");
   }
@@ -349,7 +351,7 @@ int main(int argc, char** argv) {
   declare_verify(app, arguments);
   arrange(app);
   int exit_code = 0;
-  if (!command::parse_arguments(app, argc, argv, exit_code)) return exit_code;
+  if (!command::parse_subcommands(app, argc, argv, exit_code)) return exit_code;
   command::exit_cleanly_on_signals();
   return command::run_command("pointshell", [&]() -> Status {
     std::vector<std::string> inputs = arguments.inputs;

@@ -29,6 +29,7 @@ struct SceneObject {
   double deviation_m = 0;                 // of the mesh from the truth (tessellation, quantization)
   std::function<Result<const mesh::Mesh*>()> read_mesh = {};  // called by one thread at a time
   std::optional<cache::Digest> mesh_digest = {};  // of all of the mesh; needed for a cache
+  double work = 0;  // that its voxels take, about: its part of the progress among the objects
 };
 
 // With a standoff, how deep the force layer is where no compliance makes it deeper, in voxels, and

@@ -18,6 +18,7 @@
 #include "formats/mesh/sandbox/trust_options.h"
 #include "formats/mesh/scene.h"
 #include "formats/mesh/step_support.h"
+#include "formats/mesh/units.h"
 #include "voxelize/bake.h"
 #include "voxelize/cache/cache_folder.h"
 #include "voxelize/cache/mesh_source.h"
@@ -35,7 +36,8 @@ namespace forcelayer::voxelize {
 namespace {
 
 // On the progress line: when reading ends and writing begins.
-constexpr double kReadingDone = 0.15, kWritingDone = 0.95;
+// Reading tells no time: how long the rest takes is not known before its end.
+constexpr double kReadingDone = 0.09, kWritingDone = 0.95;
 
 struct Arguments {
   std::vector<std::string> inputs;
@@ -62,7 +64,8 @@ void declare(CLI::App& app, Arguments& arguments) {
          "manifest (.json)")
       ->required();
   app.add_option("-o,--output", arguments.output, "the .vox file to write");
-  app.add_option("--voxel-size", arguments.voxel_size, "edge of a voxel, such as 5mm");
+  app.add_option("--voxel-size", arguments.voxel_size,
+                 "edge of a voxel, such as 5mm (default: the manifest's)");
   app.add_option("--units", arguments.units,
                  "unit of meshes whose format defines none: mm, cm, m, in, ...");
   app.add_option("--layers", arguments.layers,
@@ -83,13 +86,14 @@ void declare(CLI::App& app, Arguments& arguments) {
                  "how deep below the beginning of the force distances are kept, 2 to 32 voxels "
                  "(default 4 voxels)");
   app.add_option("--compliance", arguments.compliance,
-                 "DEPTH:FORCE,...: how a soft surface presses back, such as 2mm:0.5N,6mm:4N");
+                 "DEPTH:FORCE,...: how a soft surface presses back, such as 2mm:0.5N,6mm:4N "
+                 "(default: the model's own stiffness)");
   app.add_option(
          "--free-seed", arguments.free_seeds,
          "x,y,z of a point whose surroundings are free, such as the inside of a cabin (repeatable)")
       ->allow_extra_args(false);
   app.add_option("--mesh-deviation", arguments.mesh_deviation,
-                 "how far the meshes may lie from the true surfaces, such as 0.1mm");
+                 "how far the meshes may lie from the true surfaces, such as 0.1mm (default 0)");
   app.add_option("--without", arguments.without,
                  "nodes of an assembly that are left out before it is read, with all below them; "
                  "named as after FILE#, or as a part of the manifest (repeatable)")
@@ -99,7 +103,8 @@ void declare(CLI::App& app, Arguments& arguments) {
                  "(default 0); the guarantee does not cover them")
       ->check(CLI::Range(0, 1'000'000));
   app.add_option("--roi", arguments.roi,
-                 "x0,y0,z0,x1,y1,z1 of a region; what lies outside it is left out of the file");
+                 "x0,y0,z0,x1,y1,z1 of a region; what lies outside it is left out of the file "
+                 "(default: all)");
   app.add_option("--cache", arguments.cache,
                  "folder in which objects that did not change are found again");
   app.add_option("--shard", arguments.shard,
@@ -276,7 +281,8 @@ Status check_early(const Arguments& arguments) {
   return arguments.voxel_size.empty() ? Status() : check_options(*options);
 }
 
-std::vector<SceneObject> objects_of(const mesh::Scene& scene, cache::MeshSource& meshes) {
+std::vector<SceneObject> objects_of(const mesh::Scene& scene, cache::MeshSource& meshes,
+                                    double voxel_size_m) {
   std::vector<SceneObject> objects;
   for (const mesh::MeshObject& part : scene.objects) {
     SceneObject& object = objects.emplace_back();
@@ -285,7 +291,10 @@ std::vector<SceneObject> objects_of(const mesh::Scene& scene, cache::MeshSource&
     object.free_seeds_m = part.free_seeds_m;
     object.deviation_m = part.deviation_m;
     object.read_mesh = [&] { return meshes.mesh(part); };
-    object.mesh_digest = meshes.outline(part).digest();
+    const cache::MeshOutline& outline = meshes.outline(part);
+    object.mesh_digest = outline.digest();
+    const double voxels = mesh::largest_stretch(part.world_from_mesh) / voxel_size_m;
+    object.work = outline.area * voxels * voxels + static_cast<double>(outline.triangle_count);
   }
   return objects;
 }
@@ -354,7 +363,7 @@ void print_warnings(const std::vector<std::string>& warnings) {
 Status print_plan(const Arguments& arguments, const mesh::Scene& scene, cache::MeshSource& meshes,
                   BakeOptions options) {
   options.cache = nullptr;
-  std::vector<SceneObject> objects = objects_of(scene, meshes);
+  std::vector<SceneObject> objects = objects_of(scene, meshes, options.voxel_size_m);
   for (SceneObject& object : objects) {
     const auto mesh = object.read_mesh();
     if (!mesh) return mesh.error();
@@ -480,7 +489,8 @@ Status voxelize(const Arguments& arguments) {
   options->progress = [&](const char* stage, double done) {
     progress.show(stage, kReadingDone + (kWritingDone - kReadingDone) * done);
   };
-  const std::vector<SceneObject> objects = objects_of(*scene, meshes);
+  progress.reckon_from(kReadingDone);
+  const std::vector<SceneObject> objects = objects_of(*scene, meshes, options->voxel_size_m);
   const bool is_shard = !arguments.shard.empty();
   const auto bake =
       is_shard ? bake_shard(objects, *options) : forcelayer::voxelize::bake(objects, *options);

@@ -6,6 +6,7 @@
 
 #include "formats/command/command.h"
 #include "formats/command/help.h"
+#include "formats/command/report.h"
 #include "formats/command/version.h"
 
 namespace forcelayer::command {
@@ -21,6 +22,7 @@ void set_version(CLI::App& app, const std::string& facts) {
 bool parse_arguments(CLI::App& app, int argc, char** argv, int& exit_code) {
   if (app.get_version_ptr() == nullptr) set_version(app);
   wrap_help(app);
+  expect_report(argc, argv);
   try {
     app.parse(argc, argv);
     return true;
@@ -33,6 +35,15 @@ bool parse_arguments(CLI::App& app, int argc, char** argv, int& exit_code) {
     const Error error{ErrorCode::kUsage, "", "", wrong.what(), mend};
     exit_code = run_command(app.get_name().c_str(), [&] { return Status(error); });
   }
+  return false;
+}
+
+bool parse_subcommands(CLI::App& app, int argc, char** argv, int& exit_code) {
+  const std::string meant = argc > 1 ? meant_subcommand(app, argv[1]) : "";
+  if (meant.empty()) return parse_arguments(app, argc, argv, exit_code);
+  expect_report(argc, argv);
+  const Error error{ErrorCode::kUsage, argv[1], "", "is no file and no subcommand", meant};
+  exit_code = run_command(app.get_name().c_str(), [&] { return Status(error); });
   return false;
 }
 

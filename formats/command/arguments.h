@@ -20,6 +20,10 @@ namespace forcelayer::command {
 // `exit_code` 0), a wrong command line gives one line on stderr and status 2.
 bool parse_arguments(CLI::App& app, int argc, char** argv, int& exit_code);
 
+// The same for an app with subcommands: a first argument that is no file, but spelled nearly like
+// one of them, is a wrong command line.
+bool parse_subcommands(CLI::App& app, int argc, char** argv, int& exit_code);
+
 // "HELP, default 1000"; HELP where the number is 0.
 std::string with_default(const std::string& help, double number);
 inline double to_default(double value) { return value; }

@@ -6,9 +6,10 @@
 #include <algorithm>
 #include <cstdlib>
 #include <memory>
-#include <numeric>
 #include <stdexcept>
 #include <string_view>
+
+#include "formats/command/spelling.h"
 
 namespace forcelayer::command {
 namespace {
@@ -70,8 +71,9 @@ class HelpFormatter : public CLI::Formatter {
   }
   std::string make_option(const CLI::Option* option, bool is_positional) const override {
     const std::string bounds = words_of(option->get_type_name()).bounds;
-    return entry(make_option_name(option, is_positional) + make_option_opts(option),
-                 option->get_description() + bounds);
+    std::string what = option->get_description();
+    if (!option->get_default_str().empty()) what += ", default " + option->get_default_str();
+    return entry(make_option_name(option, is_positional) + make_option_opts(option), what + bounds);
   }
   std::string make_subcommand(const CLI::App* sub) const override {
     return entry(sub->get_display_name(true), sub->get_description());
@@ -143,23 +145,6 @@ class HelpFormatter : public CLI::Formatter {
   }
 };
 
-// Least number of letters to insert, remove, change or swap with the next.
-std::size_t spelling_distance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> before, last(b.size() + 1), row(b.size() + 1);
-  std::iota(last.begin(), last.end(), std::size_t{0});
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    row[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      row[j] = std::min({last[j] + 1, row[j - 1] + 1, last[j - 1] + (a[i - 1] != b[j - 1])});
-      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) {
-        row[j] = std::min(row[j], before[j - 2] + 1);
-      }
-    }
-    before = std::exchange(last, row);
-  }
-  return last.back();
-}
-
 }  // namespace
 
 bool wants_color(int descriptor) {
@@ -189,6 +174,19 @@ void wrap_help(CLI::App& app) {
     if (CLI::Option* const option = app.get_option_no_throw(name)) option->group(kCommon);
   }
   for (CLI::App* const sub : app.get_subcommands({})) wrap_help(*sub);
+}
+
+std::string meant_subcommand(const CLI::App& app, const char* word) {
+  const std::string_view typed = word;
+  if (typed.find_first_not_of("abcdefghijklmnopqrstuvwxyz") != typed.npos) return "";
+  if (access(word, F_OK) == 0) return "";
+  for (const CLI::App* const sub : app.get_subcommands({})) {
+    const std::size_t distance = spelling_distance(typed, sub->get_name());
+    if (distance == 0) return "";
+    if (distance <= 2 && 2 * distance < typed.size())
+      return "did you mean " + sub->get_name() + "?";
+  }
+  return "";
 }
 
 std::string did_you_mean(const CLI::App& app) {

@@ -33,6 +33,10 @@ void wrap_help(CLI::App& app);
 // like an option of `app` or of the subcommand in use; empty where none is.
 std::string did_you_mean(const CLI::App& app);
 
+// "did you mean verify?": where `word`, the first argument, names no file and is spelled nearly
+// like a subcommand of `app`; empty where not.
+std::string meant_subcommand(const CLI::App& app, const char* word);
+
 // Whether what is written to this file descriptor may have colors: it is a terminal that has them,
 // and the user did not set NO_COLOR (no-color.org).
 bool wants_color(int descriptor);

@@ -37,7 +37,8 @@ const Kind& kind_of(FileKind kind) {
   return kKinds[static_cast<std::size_t>(kind)];
 }
 
-// Endings of what commands read or write. Every other ending may be used for any file.
+// Endings of what commands read or write. Every other ending may be used for any file but a
+// picture, whose viewers go by it.
 constexpr std::string_view kKnownEndings[] = {
     ".vox", ".pshell", ".json", ".csv", ".flr", ".png", ".vdb", ".stl", ".obj", ".ply", ".off",
     ".om", ".drc", ".gltf", ".glb", ".bin", ".stp", ".step", ".igs", ".iges", ".mtl",
@@ -83,7 +84,8 @@ Status check_ending(const OutputFile& output) {
   const Kind& kind = kind_of(output.kind);
   const std::string ending = ending_of(*output.path);
   if (kind.ending.empty() || kind.ending == ending) return {};
-  if (!contains(kKnownEndings, ending)) return {};
+  const bool is_free = !contains(kKnownEndings, ending);
+  if (is_free && (output.kind != FileKind::kPicture || ending.empty())) return {};
   return refuse(output, std::string(kind.name) + " is not called " + ending,
                 "choose a name that ends in " + std::string(kind.ending));
 }
@@ -148,21 +150,23 @@ std::string file_of(const std::string& input) {
 }
 
 Status prepare_outputs(std::span<const OutputFile> outputs, std::span<const std::string> inputs) {
+  expect_no_report();
+  Status checked;  // the first that is refused
+  const OutputFile* report = nullptr;
   for (std::size_t i = 0; i < outputs.size(); ++i) {
     if (outputs[i].path->empty()) continue;
-    if (Status checked = check(outputs[i], outputs.first(i), inputs); !checked) return checked;
+    const Status one = check(outputs[i], outputs.first(i), inputs);
+    if (one && std::string_view(outputs[i].option) == "--json") report = &outputs[i];
+    if (checked && !one) checked = one;
   }
   for (const OutputFile& output : outputs) {
-    if (*output.path != "-") continue;
+    if (*output.path != "-" || !(checked || &output == report)) continue;
     auto path = take_standard_output();
     if (!path) return path.error();
     *output.path = std::move(*path);
   }
-  for (const OutputFile& output : outputs) {
-    const bool is_report = std::string_view(output.option) == "--json";
-    if (is_report && !output.path->empty()) begin_report(*output.path, inputs);
-  }
-  return {};
+  if (report != nullptr) begin_report(*report->path, inputs);
+  return checked;
 }
 
 }  // namespace forcelayer::command

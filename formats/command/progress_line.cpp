@@ -36,8 +36,20 @@ void tell_waiting(const std::string& text) {
   std::fprintf(stderr, "%s: %s\n", program_invocation_short_name, escaped(text).c_str());
 }
 
+std::optional<double> time_left_s(double elapsed_s, double begun, double done) {
+  constexpr double kTold = 0.1;
+  const double all = 1 - begun, share = done - begun;
+  if (!(share >= kTold * all) || !(share > 0)) return std::nullopt;
+  return elapsed_s * (all - share) / share;
+}
+
 ProgressLine::ProgressLine(bool quiet) : active_(!quiet && isatty(2) == 1), started_s_(now_s()) {
   is_quiet = quiet;
+}
+
+void ProgressLine::reckon_from(double share_done) {
+  started_s_ = now_s();
+  begun_ = share_done;
 }
 
 void ProgressLine::clear() {
@@ -47,13 +59,11 @@ void ProgressLine::clear() {
 
 void ProgressLine::show(const std::string& stage, double share_done) {
   constexpr double kIntervalS = 0.1;
-  constexpr double kTold = 0.1;  // before a tenth is done, nobody knows how long the rest takes
   if (!active_ || now_s() - last_shown_s_ < kIntervalS) return;
   last_shown_s_ = now_s();
-  const double elapsed_s = last_shown_s_ - started_s_;
   char left[32] = "";
-  if (share_done >= kTold) {
-    std::snprintf(left, sizeof left, "  %.0f s left", elapsed_s * (1 - share_done) / share_done);
+  if (const auto left_s = time_left_s(last_shown_s_ - started_s_, begun_, share_done)) {
+    std::snprintf(left, sizeof left, "  %.0f s left", *left_s);
   }
   std::fprintf(stderr, "%s%s  %3.0f%%%s", kWipe.data(), stage.c_str(), 100 * share_done, left);
   on_terminal = true;

@@ -1,6 +1,7 @@
 // A line on a terminal that shows how far a command is.
 #pragma once
 
+#include <optional>
 #include <string>
 
 namespace forcelayer::command {
@@ -13,17 +14,25 @@ void wipe_progress_line() noexcept;
 // progress is quiet.
 void tell_waiting(const std::string& text);
 
+// Seconds left of what began `elapsed_s` ago, when the share `begun` of the whole was done, and now
+// is at `done`: at the pace so far. Nothing before a tenth of it is done: nobody knows yet.
+std::optional<double> time_left_s(double elapsed_s, double begun, double done);
+
 // Rewritten in place on stderr; nothing where stderr is no terminal, or when quiet.
 class ProgressLine {
  public:
   explicit ProgressLine(bool quiet);
   ~ProgressLine() { clear(); }
   void show(const std::string& stage, double share_done);  // share in [0, 1]; rate-limited
-  void clear();                                            // wipes the line
+  // The time left is reckoned from here on: what came before was work of another kind, whose pace
+  // says nothing of the rest.
+  void reckon_from(double share_done);
+  void clear();  // wipes the line
 
  private:
   bool active_;
   double started_s_;
+  double begun_ = 0;  // share that was done then
   double last_shown_s_ = -1;
 };
 

@@ -250,6 +250,11 @@ Result<double> parse_duration(std::string_view text) {
   return seconds;
 }
 
+Error about(std::string option, Error error) {
+  error.where = std::move(option);
+  return error;
+}
+
 std::string to_text(const Bounds& bounds) {
   char text[80];
   std::snprintf(text, sizeof text, "%.6g to %.6g", bounds.least, bounds.most);

@@ -26,6 +26,9 @@ struct Bounds {
 // "0.001 to 10"
 std::string to_text(const Bounds& bounds);
 
+// The error of one of the parsers below, with the option that it is about.
+Error about(std::string option, Error error);
+
 // A bare number within bounds.
 Result<double> parse_number(std::string_view text, const Bounds& bounds);
 

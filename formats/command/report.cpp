@@ -4,7 +4,9 @@
 
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
+#include <string_view>
 
 #include "formats/command/command.h"
 #include "formats/command/output_file.h"
@@ -27,6 +29,17 @@ struct Begun {
   Json written;
 };
 Begun begun;
+std::string expected;  // path of a report that was not begun
+
+// Whether nothing but a report is lost where a report is written to `path`.
+bool may_report_to(const std::string& path) {
+  constexpr std::string_view kBeginning = "{\n  \"schema_version\"";
+  std::error_code failure;
+  if (!fs::is_regular_file(path, failure)) return !fs::is_directory(path, failure);
+  char there[kBeginning.size()] = {};
+  std::ifstream(path, std::ios::binary).read(there, sizeof there);
+  return std::string_view(there, sizeof there) == kBeginning;
+}
 
 // As the baked files' own checksums: XXH3, 64 bits. Null where it is no file that can be read.
 Json hash_of(const std::string& path) {
@@ -70,6 +83,20 @@ Status write_json(const std::string& path, const Json& report) {
 
 }  // namespace
 
+void expect_report(int argc, char** argv) {
+  constexpr std::string_view kOption = "--json";
+  for (int n = 1; n < argc; ++n) {
+    const std::string_view argument = argv[n];
+    if (!argument.starts_with(kOption)) continue;
+    if (argument.size() == kOption.size() && n + 1 < argc) expected = argv[n + 1];
+    if (argument.substr(kOption.size()).starts_with('='))
+      expected = argument.substr(kOption.size() + 1);
+  }
+  if (expected == "-") expected = "/dev/stdout";
+}
+
+void expect_no_report() { expected.clear(); }
+
 void begin_report(const std::string& path, std::span<const std::string> inputs) {
   begun = {path, {}, {}, nullptr};
   for (const std::string& input : inputs) {
@@ -89,6 +116,7 @@ Status write_report(const std::string& path, const Json& report) {
 void note_warning(const std::string& text) { begun.warnings.push_back(text); }
 
 void report_failure(const Error& error) {
+  if (begun.path.empty() && !expected.empty() && may_report_to(expected)) begun.path = expected;
   if (begun.path.empty()) return;
   const bool stream = begun.path.starts_with("/dev/");  // what is written there cannot be replaced
   if (stream && !begun.written.is_null()) return;

@@ -12,6 +12,14 @@ namespace forcelayer::command {
 // Version of the reports' common keys (README.md).
 inline constexpr int kReportSchema = 1;
 
+// Notes which report the command line asks for, so that a failure before begin_report() is told
+// there too: with no inputs, and only where that replaces nothing but a report. parse_arguments()
+// calls it.
+void expect_report(int argc, char** argv);
+
+// Nothing is expected any more: what --json names has been looked at. prepare_outputs() calls it.
+void expect_no_report();
+
 // From here on write_report() puts the common head before what is written to `path`, and a failure
 // is reported there. `inputs`: as typed; nodes behind "FILE#" count as the file. prepare_outputs()
 // calls it.

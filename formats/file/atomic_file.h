@@ -14,7 +14,7 @@
 
 namespace forcelayer {
 
-// What the reader of a file says of it; `name` is for errors.
+// The verdict of a file's reader; `name` is for errors.
 using ReaderCheck = Status (*)(MappedFile file, std::string_view name);
 
 // A temporary file in the target's folder, renamed over the target by commit(). Without commit()

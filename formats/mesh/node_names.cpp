@@ -1,10 +1,9 @@
 #include "formats/mesh/node_names.h"
 
 #include <algorithm>
-#include <iterator>
-#include <numeric>
 #include <string_view>
 
+#include "formats/command/spelling.h"
 #include "formats/mesh/reader.h"
 
 namespace forcelayer::mesh {
@@ -78,48 +77,6 @@ void mark_sub_tree(std::size_t first, std::span<const AssemblyNode> nodes,
   } while (i < nodes.size() && nodes[i].depth > nodes[first].depth);
 }
 
-// How many letters must be put in, taken out or changed to make one of the other (Levenshtein).
-std::size_t spelling_distance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = row[0]++;
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      const std::size_t changed = diagonal + (a[i] == b[j] ? 0 : 1);
-      diagonal = row[j + 1];
-      row[j + 1] = std::min({changed, row[j] + 1, diagonal + 1});
-    }
-  }
-  return row.back();
-}
-
-// "the nearest are: a/b, a/c": the nodes that are spelled most like `name`.
-class NearestNames {
- public:
-  explicit NearestNames(const std::string& name) : name_(name) {}
-
-  void add(std::span<const AssemblyNode> nodes) {
-    constexpr std::size_t kListed = 5;
-    for (const AssemblyNode& node : nodes) {
-      nearest_.emplace(
-          std::min(spelling_distance(name_, node.path), spelling_distance(name_, node.label)),
-          node.path);
-      if (nearest_.size() > kListed) nearest_.erase(std::prev(nearest_.end()));
-    }
-  }
-  std::string text() const {
-    std::string text;
-    for (const auto& [distance, path] : nearest_) {
-      text += (text.empty() ? "the nearest are: " : ", ") + path;
-    }
-    return text;
-  }
-
- private:
-  std::string name_;
-  std::set<std::pair<std::size_t, std::string>> nearest_;
-};
-
 Error several(const std::string& where, const std::vector<std::size_t>& found,
               std::span<const AssemblyNode> nodes) {
   constexpr std::size_t kListed = 8;
@@ -170,8 +127,8 @@ Result<std::vector<bool>> choose_nodes(std::span<const std::string> names,
       const std::vector<std::size_t> found = nodes_of(name, nodes);
       if (is_ambiguous(name, found)) return several("#" + name, found, nodes);
       if (found.empty()) {
-        NearestNames nearest(name);
-        nearest.add(nodes);
+        command::NearestNames nearest(name);
+        for (const AssemblyNode& node : nodes) nearest.add(node.path);
         return Error{ErrorCode::kSceneInvalid, "", "#" + name, "no node of this name",
                      nearest.text()};
       }
@@ -233,8 +190,10 @@ Status check_left_out(std::span<const std::string> without, std::span<const Asse
                    assembly.left_out.end();
           });
       if (is_known) continue;
-      NearestNames nearest(name);
-      for (const Assembly& assembly : assemblies) nearest.add(assembly.nodes);
+      command::NearestNames nearest(name);
+      for (const Assembly& assembly : assemblies) {
+        for (const AssemblyNode& node : assembly.nodes) nearest.add(node.path);
+      }
       return Error{ErrorCode::kSceneInvalid, "", "--without",
                    "no file has a node called " + in_quotes(name), nearest.text()};
     }

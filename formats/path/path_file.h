@@ -28,8 +28,8 @@ enum class PathOf { kPart, kHandle };
 Result<std::vector<PathRow>> read_path(const std::filesystem::path& path, PathOf of);
 
 // Writes a path, row by row. The file appears with finish(); without it nothing is left behind.
-// What read_path refuses (no row, times that do not ascend, numbers that are none) is not written:
-// kInternal.
+// Nothing is written that read_path refuses (no row, times that do not ascend, numbers that are
+// none): kInternal.
 class PathWriter {
  public:
   static Result<PathWriter> create(const std::filesystem::path& path);

@@ -147,7 +147,7 @@ int run(int argc, char** argv) {
                            "frame's origin does");
   path_command->add_flag("--reverse", of_path.reverse, "from the last pose to the first");
   of_path.of = "part";
-  path_command->add_option("--of", of_path.of, "of a trace: part or handle; part")
+  path_command->add_option("--of", of_path.of, "of a trace: part or handle, default part")
       ->check(CLI::IsMember({"part", "handle"}));
   path_command->add_option("--json", json_path, "write the facts to this file as JSON");
   for (auto* subcommand : {verify, sample, export_to, path_command}) {
@@ -157,6 +157,16 @@ int run(int argc, char** argv) {
   for (auto* subcommand : {verify, sample, export_to}) {
     subcommand->add_option("--json", json_path, "write a report to this file");
   }
+  command::arrange_help(*verify, {}, "  voxinfo verify bay.vox --json verdict.json");
+  command::arrange_help(*sample, {}, "  echo 0.1 0.2 0.3 | voxinfo sample bay.vox");
+  command::arrange_help(*export_to, {},
+                        "  voxinfo export bay.vox layer.ply        faces of the force layer\n"
+                        "  voxinfo export part.pshell points.ply   the shell's points");
+  command::arrange_help(
+      *path_command,
+      {{"The path", {"--resample", "--reverse", "--part", "--of"}}, {"Output", {"-o"}}},
+      "  voxinfo path run.csv                               how long it is\n"
+      "  voxinfo path run.csv --reverse -o back.csv         and the way back");
   command::arrange_help(
       app, {{"Output", {"--objects"}}},
       "  voxinfo bay.vox                              what the file is\n"
@@ -164,7 +174,7 @@ int run(int argc, char** argv) {
       "  echo 0.1 0.2 0.3 | voxinfo sample bay.vox    what is at a point, in meters\n"
       "  voxinfo export bay.vox layer.ply             for other programs");
   int exit_code = 0;
-  if (!command::parse_arguments(app, argc, argv, exit_code)) return exit_code;
+  if (!command::parse_subcommands(app, argc, argv, exit_code)) return exit_code;
   return command::run_command("voxinfo", [&]() -> Status {
     const command::OutputFile outputs[] = {{"OUT", &out, command::FileKind::kExport},
                                            {"-o", &of_path.output, command::FileKind::kTable},

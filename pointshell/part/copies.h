@@ -28,9 +28,9 @@ struct Copy {
   std::vector<std::uint32_t> bodies;  // [n] is the original's [n] again
 };
 
-// What is proven with `slack_m` to spare of points, of places of the surface and of distances up to
-// five radii between them, where the original stands, holds for all copies, with their points
-// rounded to floats relative to any place within the part's box.
+// A body and its copies. A proof with `slack_m` to spare, of points, of places of the surface and
+// of distances up to five radii between them, where the original stands, holds for all copies, with
+// their points rounded to floats relative to any place within the part's box.
 struct CopiedGroup {
   std::vector<std::uint32_t> bodies;  // the original, ascending
   std::vector<Copy> copies;           // at least one

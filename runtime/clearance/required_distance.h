@@ -18,7 +18,7 @@ class RequiredDistance {
   // The surfaces' clearance that is proven where no shell point is nearer than `voxels`, m.
   double clearance_m(double voxels) const;
 
-  // Of scene, part and arithmetic together, m.
+  // By how much scene, part and arithmetic together may be off, m.
   double deviations_m() const { return deviations_m_; }
 
  private:

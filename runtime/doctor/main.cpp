@@ -16,7 +16,8 @@ int main(int argc, char** argv) {
   app.add_flag("--quiet", options.quiet, "no report on the terminal");
   command::add_number(app, "--clock", options.clock_s,
                       "seconds for which the clock is measured; 0: not", {0, 3600});
-  command::arrange_help(app, {}, "  voxrun doctor --json machine.json");
+  command::arrange_help(app, {{"The measurement", {"--clock"}}},
+                        "  voxrun doctor --json machine.json");
   int status = 0;
   if (!command::parse_arguments(app, argc, argv, status)) return status;
   return command::run_command("voxrun doctor", [&]() -> Status {

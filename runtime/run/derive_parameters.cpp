@@ -405,8 +405,9 @@ void derive_default(const RunRequest& request, const Voxmap& voxmap, const Pshel
   Choice choice(request, derived);
   Parameters& p = derived.values;
   choose_mass(request, choice);
-  // Of the mass that the hand feels: a moment of the scene's would make k_R, which goes with it, as
-  // many times softer at large motion scales as k_T is at the device stiffer than in the scene.
+  // The moment goes with the mass that the hand feels: with the scene's, k_R, which goes with the
+  // moment, would be as many times softer at large motion scales as k_T is at the device stiffer
+  // than in the scene.
   const double felt_kg = p.mass_kg * felt_share(request);
   p.inertia_kgm2 = shell_inertia_kgm2(shell.header(), felt_kg, p.part_radius_m, p.voxel_size_m);
   choose_default_coupling(request, derived);

@@ -1,6 +1,7 @@
 // forcelayer: lists the commands, and makes a study of a part with them.
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <nlohmann/json.hpp>
 
 #include "formats/command/arguments.h"
 #include "formats/command/command.h"
@@ -26,28 +27,54 @@ constexpr Listed kCommands[] = {
     {"voxview", "shows meshes, baked files and runs"},
 };
 
-void print_commands() {
+// A line for each command, with what it does and whether it is installed.
+std::string command_lines() {
+  std::string lines;
   for (const Listed& command : kCommands) {
     const bool here = !forcelayer::command::program_path(command.name).empty();
-    std::printf("  %-11s %s%s\n", command.name, command.does, here ? "" : " (not installed)");
+    char line[100];
+    std::snprintf(line, sizeof line, "  %-11s %s%s\n", command.name, command.does,
+                  here ? "" : " (not installed)");
+    lines += line;
   }
-  std::puts("  forcelayer study: all of it, from an assembly to a page with a verdict");
-  std::puts("Each has --help.");
+  return lines + "  forcelayer study: all of it, from an assembly to a page with a verdict\n" +
+         "Each has --help.";
+}
+
+forcelayer::Status list_commands(std::string json, bool quiet) {
+  using namespace forcelayer;
+  const command::OutputFile outputs[] = {{"--json", &json, command::FileKind::kReport}};
+  if (Status s = command::prepare_outputs(outputs, {}); !s) return s;
+  if (!quiet) std::puts(command_lines().c_str());
+  if (json.empty()) return {};
+  nlohmann::ordered_json report;
+  for (const Listed& command : kCommands) {
+    nlohmann::ordered_json& listed = report["commands"].emplace_back();
+    listed["name"] = command.name;
+    listed["does"] = command.does;
+    listed["installed"] = !command::program_path(command.name).empty();
+  }
+  return command::write_report(json, report);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
   using namespace forcelayer;
-  if (argc == 1) {
-    print_commands();
-    return 0;
-  }
   CLI::App app{"Lists the commands; makes a study of a part with them", "forcelayer"};
   CLI::App* const made = app.add_subcommand(
       "study", "bake scene and part, find, run or check a path, and write a page with the verdict");
   const study::OptionParser parser(*made);
-  app.require_subcommand(1);
+  app.require_subcommand(0, 1);
+  std::string json;
+  bool quiet = false;
+  app.add_option("--json", json, "write the list of commands");
+  app.add_flag("--quiet", quiet, "print nothing but errors");
+  app.footer("The commands:\n" + command_lines());
+  command::arrange_help(
+      app, {},
+      "  forcelayer                                                 lists the commands\n"
+      "  forcelayer study 'gearbox.glb#Pin' --voxel-size 1mm --pull 0,0,60mm -o pin");
   made->footer(
       "Called again it goes on: what is finished and unchanged is not done again.\n"
       "Exit status 0: clear; 6: not clear, or the part does not come out.");
@@ -63,9 +90,10 @@ int main(int argc, char** argv) {
       "  forcelayer study 'gearbox.glb#Cover' --without Lid --voxel-size 1mm --path out.csv -o "
       "cover");
   int status = 0;
-  if (!command::parse_arguments(app, argc, argv, status)) return status;
+  if (!command::parse_subcommands(app, argc, argv, status)) return status;
   command::exit_cleanly_on_signals();
   return command::run_command("forcelayer", [&]() -> Status {
+    if (!*made) return list_commands(json, quiet);
     auto options = parser.finish();
     if (!options) return options.error();
     const std::string inputs[] = {options->assembly, options->path};

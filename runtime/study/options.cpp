@@ -21,12 +21,12 @@ OptionParser::OptionParser(CLI::App& study) {
   study.add_option("--time", options_.time,
                    "without --path and --pull: how long voxplan looks for a way out; 60s");
   study.add_option("--clearance", options_.clearance,
-                   "that is required of the exact surfaces; 12.7mm");
+                   "that is required of the exact surfaces, default 12.7mm");
   study.add_option("--seat", options_.seat,
-                   "where the part is installed, world_from_part; 0,0,0m, or none");
+                   "where the part is installed, world_from_part, or none; default 0,0,0m");
   study.add_option("--seat-depth", options_.seat_depth,
-                   "how much deeper than installed the part may go into the objects of its seat; a "
-                   "quarter of a voxel and a step of the stored distances");
+                   "how much deeper than installed the part may go into the objects of its seat; "
+                   "default: a quarter of a voxel and a step of the stored distances");
   study.add_option("--allow", options_.allow, "an object that may be near; repeatable")
       ->allow_extra_args(false);
   study

@@ -107,6 +107,7 @@ Status run(const ViewOptionParser& parser, char** argv) {
   auto options = parser.finish();
   if (!options) return options.error();
   if (Status s = prepare_outputs(*options); !s) return s;
+  if (takes_picture(*options)) command::exit_cleanly_on_signals();
   if (Status screen = find_screen(*options, argv); !screen) return screen;
   const auto scene = load_view_scene(options->inputs);
   if (!scene) return scene.error();
@@ -136,12 +137,13 @@ int main(int argc, char** argv) {
   const forcelayer::viewer::ViewOptionParser parser(app);
   std::string keys = "In the window:\n";
   for (const std::string_view line : forcelayer::viewer::kKeyLines)
-    keys += "  " + std::string(line) + "\n";
+    keys += (keys.back() == '\n' ? "  " : "\n  ") + std::string(line);
   app.footer(keys);
   forcelayer::command::arrange_help(
       app,
       {{"What is shown",
-        {"--part", "--compare", "--units", "--part-units", "--show", "--color", "--cut"}},
+        {"--part", "--compare", "--units", "--part-units", "--show", "--hide", "--only", "--color",
+         "--cut"}},
        {"A run and its moment",
         {"--trace", "--at", "--listen", "--duration", "--part-pose", "--grip", "--model",
          "--force"}},

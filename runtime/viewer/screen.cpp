@@ -26,8 +26,8 @@ namespace {
 // machine, whatever the command did.
 constexpr const char* kUnderXvfb =
     "screen=$1; shift; folder=$(mktemp -d) && touch \"$folder/cookie\" || exit 1; "
-    "xvfb-run -a -f \"$folder/cookie\" -s \"$screen\" \"$@\"; status=$?; "
-    "rm -rf \"$folder\"; exit $status";
+    "trap 'rm -rf \"$folder\"' EXIT; trap 'exit 130' INT; trap 'exit 143' TERM; "
+    "xvfb-run -a -f \"$folder/cookie\" -s \"$screen\" \"$@\"";
 
 // The window was killed (xkill) or its server ended. Xlib ends the program after this whatever it
 // does, with words and a status of its own.

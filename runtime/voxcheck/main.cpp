@@ -107,7 +107,8 @@ int run(int argc, char** argv) {
   OptionParser parser(app);
   command::arrange_help(
       app,
-      {{"What is asked", {"--clearance", "--seat", "--felt-seat", "--seat-depth", "--allow"}},
+      {{"What is asked",
+        {"--clearance", "--seat", "--felt-seat", "--seat-depth", "--allow", "--threads"}},
        {"The meshes",
         {"--exact", "--part", "--without", "--units", "--part-units", "--allow-outside",
          "--sandbox", "--sandbox-memory", "--sandbox-time"}},

@@ -1,5 +1,7 @@
 #include "runtime/voxcheck/object_names.h"
 
+#include "formats/command/spelling.h"
+
 namespace forcelayer::voxcheck {
 namespace {
 
@@ -56,8 +58,12 @@ Result<clearance::LeftOut> named_objects(const Voxmap& scene,
       any = true;
     }
     if (any) continue;
+    command::NearestNames nearest(pattern);
+    for (std::uint32_t object = 1; object <= objects; ++object) {
+      nearest.add(object_name(scene, object));
+    }
     return Error{ErrorCode::kUsage, "", "--allow", "'" + pattern + "' names no object of the scene",
-                 "voxinfo SCENE.vox --objects lists them"};
+                 nearest.text("voxinfo SCENE.vox --objects lists all")};
   }
   return chosen;
 }

@@ -22,7 +22,8 @@ OptionParser::OptionParser(CLI::App& app) : clearance_("12.7mm") {
   app.add_option("path", options_.path,
                  "poses of the part over time: a CSV, a trace or a recording of voxrun")
       ->required();
-  app.add_option("--clearance", clearance_, "that is required of the exact surfaces; 12.7mm");
+  app.add_option("--clearance", clearance_,
+                 "that is required of the exact surfaces, default 12.7mm");
   app.add_option("--seat", seat_,
                  "world_from_part where the part is installed, x,y,z[,qw,qx,qy,qz]: it may be near "
                  "the objects that it touches there, until it has left them, and at the path's end "
@@ -33,7 +34,7 @@ OptionParser::OptionParser(CLI::App& app) : clearance_("12.7mm") {
   app.add_option(
       "--seat-depth", seat_depth_,
       "with --exact: how much deeper than installed the part may go into the objects that "
-      "it is seated on; a quarter of a voxel and a step of the stored distances");
+      "it is seated on; default: a quarter of a voxel and a step of the stored distances");
   app.add_option("--allow", options_.allow,
                  "an object that may be near, by its name or the end of it; * and ? match; "
                  "repeatable")
@@ -59,7 +60,8 @@ OptionParser::OptionParser(CLI::App& app) : clearance_("12.7mm") {
                      std::uint64_t{256} << 20, std::uint64_t{1} << 46);
   command::add_text(app, "--sandbox-time", options_.sandbox_time,
                     "time for one file, such as 30s (default 5min); implies --sandbox");
-  app.add_option("--threads", options_.threads, "that share the work; all; no answer depends on it")
+  app.add_option("--threads", options_.threads,
+                 "that share the work, default all; no answer depends on it")
       ->check(CLI::Range(1u, kMostThreads));
   app.add_option("--picture", options_.picture,
                  "draw the worst moment, PNG (by voxview; with the meshes of --exact)");
@@ -75,10 +77,7 @@ OptionParser::OptionParser(CLI::App& app) : clearance_("12.7mm") {
 
 Result<Options> OptionParser::finish() const {
   Options options = options_;
-  const auto about = [](const char* option, Error error) {
-    error.where = option;
-    return error;
-  };
+  using command::about;
   const auto clearance = command::parse_length(clearance_);
   if (!clearance) return about("--clearance", clearance.error());
   if (!(*clearance >= 0)) {

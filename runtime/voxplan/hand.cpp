@@ -38,10 +38,6 @@ constexpr double kCellVoxels = 6;     // in which KPIECE counts where it has bee
 constexpr double kLeastKept = 0.01;   // of a motion: less is no way
 constexpr unsigned kMostGoals = 1000;
 
-double now_s() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
 Pose pose_of(const ob::State* state) {
   const auto& s = *state->as<Space::StateType>();
   const auto& q = s.rotation();
@@ -201,6 +197,10 @@ std::vector<Pose> up_to_first(const std::vector<Pose>& way, const Problem& probl
 
 }  // namespace
 
+double steady_s() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
 void seed_planners(std::uint64_t seed) {
   ompl::msg::noOutputHandler();
   ompl::RNG::setSeed(static_cast<std::uint_fast32_t>(seed % 0x7fffffff + 1));  // 0 is none
@@ -299,7 +299,7 @@ void Hand::Parts::plan_beyond(const Pose& from) {
   planner->setup();
 }
 
-// Of the tree that grows from the start.
+// The farthest pose of the tree that grows from the start.
 void Hand::Parts::note_farthest() {
   ob::PlannerData tree(space);
   planner->getPlannerData(tree);
@@ -416,7 +416,7 @@ void Hand::work(std::uint64_t poses, double end_s) {
   if (p.done) return;
   const std::uint64_t enough = p.check->poses_tested() + poses;
   const ob::PlannerTerminationCondition stop(
-      [&] { return p.check->poses_tested() >= enough || now_s() >= end_s; });
+      [&] { return p.check->poses_tested() >= enough || steady_s() >= end_s; });
   p.planner->solve(stop);
 }
 

@@ -15,6 +15,9 @@
 
 namespace forcelayer::voxplan {
 
+// The steady clock, s.
+double steady_s();
+
 // All random numbers of OMPL from now on follow from this one. Before the first hand.
 void seed_planners(std::uint64_t seed);
 

@@ -48,16 +48,15 @@ Status plan_for(const Options& options) {
     if (error.file.empty()) error.file = options.scene;
     return error;
   }
-  const Report report{options,       problem,          planned->search,
-                      planned->rows, planned->checked, planned->seconds};
-  if (report.result.found) {
-    if (Status s = write_path(options.path, report.rows); !s) return s;
+  const Report report{options, problem, *planned};
+  if (planned->search.found) {
+    if (Status s = write_path(options.path, planned->rows); !s) return s;
     if (!options.quiet) std::cout << found_text(report) << std::flush;
   }
   if (!options.json.empty()) {
     if (Status s = command::write_report(options.json, report_json(report)); !s) return s;
   }
-  if (report.result.found) return {};
+  if (planned->search.found) return {};
   return Error{ErrorCode::kAnswerIsNo, options.part, "", not_found_text(report),
                "which does not say that there is none: try a longer --time, another --seed, a "
                "smaller --clearance or smaller voxels"};

@@ -10,12 +10,9 @@
 namespace forcelayer::voxplan {
 namespace {
 
-constexpr unsigned kMostThreads = 256;
+using command::about;
 
-Error about(const char* option, Error error) {
-  error.where = option;
-  return error;
-}
+constexpr unsigned kMostThreads = 256;
 
 Result<Pose> read_pose(const char* option, const std::string& text) {
   const auto read = command::parse_pose(text);

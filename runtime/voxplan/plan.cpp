@@ -1,20 +1,16 @@
 #include "runtime/voxplan/plan.h"
 
-#include <chrono>
 #include <optional>
 
 #include "formats/command/text.h"
 #include "runtime/voxcheck/object_names.h"
 #include "runtime/voxplan/destination.h"
+#include "runtime/voxplan/hand.h"
 #include "runtime/voxplan/pose_check.h"
 #include "runtime/voxplan/way.h"
 
 namespace forcelayer::voxplan {
 namespace {
-
-double now_s() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 // An error where the part cannot be at an end of its way: in its seat, or clear of everything.
 Status check_end(const Problem& problem, const Pose& pose, const char* option, Rule rule) {
@@ -33,7 +29,7 @@ Status check_end(const Problem& problem, const Pose& pose, const char* option, R
 
 Result<Plan> plan(const Problem& problem, const Options& options,
                   const std::function<void(double, double)>& progress) {
-  const double begin_s = now_s();
+  const double begin_s = steady_s();
   if (Status s = check_end(problem, problem.world_from_start, "--seat", Rule::kInSeat); !s) {
     return s.error();
   }
@@ -59,7 +55,7 @@ Result<Plan> plan(const Problem& problem, const Options& options,
                    "try another --seed"};
     }
   }
-  made.seconds = now_s() - begin_s;
+  made.seconds = steady_s() - begin_s;
   return made;
 }
 

@@ -27,12 +27,6 @@ LeftOut with_seat(LeftOut left_out, const std::optional<SeatStretch>& seat) {
   return left_out;
 }
 
-PathRow row_of(double time_s, const Pose& pose) {
-  const auto& p = pose.position_m;
-  const auto& q = pose.orientation;
-  return {time_s, {p.x, p.y, p.z}, {q.w, q.x, q.y, q.z}};
-}
-
 // The straight motion between two poses of the centroid frame.
 CenterPath motion(const Problem& problem, const Pose& from, const Pose& to) {
   return {std::array{row_of(0, from), row_of(1, to)}, glm::dvec3(0),

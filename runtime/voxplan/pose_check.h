@@ -34,8 +34,8 @@ class PoseCheck {
   // The proven clearance at a pose; as much as the stored distances tell.
   double clearance_m(const Pose& pose);
 
-  // What the part meets first on the straight way between two poses: an object of the scene; 0
-  // where nothing is met, or the file does not name it.
+  // The object that the part meets first on the straight way between two poses; 0 where nothing is
+  // met, or the file does not name it.
   std::uint32_t met(Rule rule, const Pose& from, const Pose& to);
 
   // Where the floors of the seat are at a pose. Empty without a seat.

@@ -24,6 +24,12 @@ Pose pose_between(const Pose& from, const Pose& to, double share) {
           glm::normalize(coupling::rotation_by(turn_between(from, to) * share) * from.orientation)};
 }
 
+PathRow row_of(double time_s, const Pose& pose) {
+  const auto& p = pose.position_m;
+  const auto& q = pose.orientation;
+  return {time_s, {p.x, p.y, p.z}, {q.w, q.x, q.y, q.z}};
+}
+
 std::vector<Pose> with_more_poses(const Problem& problem, const std::vector<Pose>& way,
                                   double step_m) {
   std::vector<Pose> fine{way.front()};

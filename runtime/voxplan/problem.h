@@ -1,9 +1,10 @@
-// What is asked: which part leaves which scene, from where, and with which clearance.
+// The question: which part leaves which scene, from where, and with which clearance.
 #pragma once
 
 #include <vector>
 
 #include "forcelayer/pose.h"
+#include "formats/path/path_file.h"
 #include "formats/pshell.h"
 #include "formats/voxmap.h"
 #include "runtime/clearance/front.h"
@@ -31,6 +32,9 @@ double travel_between_m(const Problem& problem, const Pose& from, const Pose& to
 // The pose at a share of the motion between two: the centroid goes straight and the orientation
 // turns the short way round, both evenly.
 Pose pose_between(const Pose& from, const Pose& to, double share);
+
+// The same pose as a row of a path.
+PathRow row_of(double time_s, const Pose& pose);
 
 // Poses along a way, no two farther apart than `step_m`, its own among them.
 std::vector<Pose> with_more_poses(const Problem& problem, const std::vector<Pose>& way,

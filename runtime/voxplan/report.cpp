@@ -23,10 +23,10 @@ std::string name_of(const Report& report, std::uint32_t object) {
 double floor_mm(double length_m) { return std::floor(length_m * 1e6) / 1e3; }
 
 std::string seat_text(const Report& report) {
-  const auto& objects = report.checked.seat_objects;
-  if (report.checked.seated.empty()) return "";
+  const auto& objects = report.plan.checked.seat_objects;
+  if (report.plan.checked.seated.empty()) return "";
   std::string line =
-      "; until " + text("%.3f s", report.checked.seated.front().to_s) + " seated on ";
+      "; until " + text("%.3f s", report.plan.checked.seated.front().to_s) + " seated on ";
   for (std::size_t n = 0; n < objects.size(); ++n) {
     if (n == kListed) return line + text(" and %zu more", objects.size() - kListed);
     line += (n == 0 ? "" : ", ") + name_of(report, objects[n]);
@@ -37,11 +37,12 @@ std::string seat_text(const Report& report) {
 }  // namespace
 
 std::string found_text(const Report& report) {
-  const clearance::CheckResult& checked = report.checked;
-  const PathFacts facts = path_facts(report.rows);
-  std::string line = text("path found in %.3g s: %.4g mm long, %s %.3f mm", report.result.seconds,
-                          1e3 * facts.way_m, checked.at_least ? "at least" : "proven clearance",
-                          floor_mm(checked.clearance_m));
+  const clearance::CheckResult& checked = report.plan.checked;
+  const PathFacts facts = path_facts(report.plan.rows);
+  std::string line =
+      text("path found in %.3g s: %.4g mm long, %s %.3f mm", report.plan.search.seconds,
+           1e3 * facts.way_m, checked.at_least ? "at least" : "proven clearance",
+           floor_mm(checked.clearance_m));
   if (checked.least.object != 0) line += " to " + name_of(report, checked.least.object);
   line += seat_text(report) + "\n";
   if (checked.seated.empty()) return line;
@@ -49,7 +50,7 @@ std::string found_text(const Report& report) {
 }
 
 std::string not_found_text(const Report& report) {
-  const SearchResult& result = report.result;
+  const SearchResult& result = report.plan.search;
   std::string line =
       text("no path found in %.3g s (best: out to %.3g mm", result.seconds, 1e3 * result.out_m);
   if (result.blocked_by != 0) line += ", blocked by " + name_of(report, result.blocked_by);
@@ -57,8 +58,8 @@ std::string not_found_text(const Report& report) {
 }
 
 Json report_json(const Report& report) {
-  const SearchResult& result = report.result;
-  const clearance::CheckResult& checked = report.checked;
+  const SearchResult& result = report.plan.search;
+  const clearance::CheckResult& checked = report.plan.checked;
   const auto named = [&](std::uint32_t object) {
     return object == 0 ? Json(nullptr) : Json(voxcheck::object_name(report.problem.scene, object));
   };
@@ -68,9 +69,9 @@ Json report_json(const Report& report) {
   json["required_clearance_m"] = report.options.clearance_m;
   if (result.found) {
     json["path"] = report.options.path;
-    json["rows"] = report.rows.size();
-    json["way_m"] = path_facts(report.rows).way_m;
-    json["duration_s"] = report.rows.back().time_s;
+    json["rows"] = report.plan.rows.size();
+    json["way_m"] = path_facts(report.plan.rows).way_m;
+    json["duration_s"] = report.plan.rows.back().time_s;
     const auto& p = checked.least.point_m;
     json["least_clearance"] = {{"clearance_m", checked.clearance_m},
                                {"at_least", checked.at_least},
@@ -89,7 +90,7 @@ Json report_json(const Report& report) {
   json["poses_tested"] = result.poses_tested;
   json["seed"] = report.options.seed;
   json["threads"] = report.options.threads;
-  json["seconds"] = {{"search", result.seconds}, {"total", report.total_s}};
+  json["seconds"] = {{"search", result.seconds}, {"total", report.plan.seconds}};
   return json;
 }
 

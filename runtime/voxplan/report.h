@@ -1,25 +1,19 @@
-// What voxplan says: for people, and for scripts.
+// The answer, for people and for scripts.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
 #include <string>
-#include <vector>
 
-#include "formats/path/path_file.h"
-#include "runtime/clearance/path_check.h"
 #include "runtime/voxplan/options.h"
+#include "runtime/voxplan/plan.h"
 #include "runtime/voxplan/problem.h"
-#include "runtime/voxplan/search.h"
 
 namespace forcelayer::voxplan {
 
 struct Report {
   const Options& options;
   const Problem& problem;
-  const SearchResult& result;
-  std::vector<PathRow> rows;       // of the path that was found,
-  clearance::CheckResult checked;  // and its proof
-  double total_s = 0;
+  const Plan& plan;
 };
 
 // "path found: ...", a line.

@@ -1,7 +1,6 @@
 #include "runtime/voxplan/search.h"
 
 #include <algorithm>
-#include <chrono>
 #include <glm/geometric.hpp>
 
 #include "runtime/clearance/share_out.h"
@@ -12,10 +11,6 @@ namespace {
 
 constexpr std::size_t kHands = 4;             // whatever the threads
 constexpr std::uint64_t kPosesARound = 4000;  // of each hand
-
-double now_s() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 // The way of the first hand that is done. Whether there is one.
 bool take_done(const std::vector<std::unique_ptr<Hand>>& hands, SearchResult& result) {
@@ -31,7 +26,7 @@ bool take_done(const std::vector<std::unique_ptr<Hand>>& hands, SearchResult& re
 
 Result<SearchResult> search(const Problem& problem, const Destination& goal,
                             const SearchRequest& request) {
-  const double begin_s = now_s(), end_s = begin_s + request.most_s;
+  const double begin_s = steady_s(), end_s = begin_s + request.most_s;
   seed_planners(request.seed);
   std::vector<std::unique_ptr<Hand>> hands;
   for (std::size_t n = 0; n < kHands; ++n) {
@@ -42,7 +37,7 @@ Result<SearchResult> search(const Problem& problem, const Destination& goal,
   SearchResult result;
   // All hands do the same work in a round, so that the clock does not choose the way.
   result.found = take_done(hands, result);
-  while (!result.found && now_s() < end_s) {
+  while (!result.found && steady_s() < end_s) {
     clearance::share_out(std::min<unsigned>(request.threads, kHands), kHands,
                          [&](std::size_t, std::size_t n) { hands[n]->work(kPosesARound, end_s); });
     for (const auto& hand : hands) {
@@ -51,14 +46,14 @@ Result<SearchResult> search(const Problem& problem, const Destination& goal,
     }
     result.found = take_done(hands, result);
     if (request.progress) {
-      request.progress(std::min(1.0, (now_s() - begin_s) / request.most_s), result.out_m);
+      request.progress(std::min(1.0, (steady_s() - begin_s) / request.most_s), result.out_m);
     }
   }
   for (const auto& hand : hands) {
     if (!result.found && hand->out_m() >= result.out_m) result.blocked_by = hand->blocked_by();
     result.poses_tested += hand->poses_tested();
   }
-  result.seconds = now_s() - begin_s;
+  result.seconds = steady_s() - begin_s;
   return result;
 }
 

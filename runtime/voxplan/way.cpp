@@ -75,10 +75,7 @@ std::vector<PathRow> rows_of(const Problem& problem, const Way& in_seat, const W
       if (travel_m == 0) continue;
       time_s += travel_m / speed_mps;
     }
-    const Pose pose = way[i] * center_from_part;
-    const auto& p = pose.position_m;
-    const auto& q = pose.orientation;
-    rows.push_back({time_s, {p.x, p.y, p.z}, {q.w, q.x, q.y, q.z}});
+    rows.push_back(row_of(time_s, way[i] * center_from_part));
   }
   return rows;
 }

@@ -19,8 +19,9 @@ void add_hid_options(CLI::App& app, HidOptions& options) {
   app.add_option("--hid", options.which,
                  "which one: VENDOR:PRODUCT[:SERIAL] in hexadecimal, or /dev/hidrawN")
       ->group(group);
-  app.add_option("--control", options.control,
-                 "spacemouse: rate (its deflection is a speed) or position (it is a place)")
+  app.add_option(
+         "--control", options.control,
+         "spacemouse: rate (its deflection is a speed; default) or position (it is a place)")
       ->check(CLI::IsMember({"rate", "position"}))
       ->group(group);
   command::add_number(app, "--dead-zone", cap.dead_zone,

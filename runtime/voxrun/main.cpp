@@ -1,6 +1,7 @@
 // voxrun: runs the haptic loop between a baked scene and a baked part.
 #include <signal.h>
 #include <string.h>
+#include <time.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -25,7 +26,24 @@ namespace {
 std::atomic<int> stop_signal{0};
 std::atomic<int> scene_signal{0};  // SIGUSR1: the next scene
 
-extern "C" void stop_on_signal(int number) { stop_signal.store(number, std::memory_order_relaxed); }
+std::atomic<long> stopped_at_ms{0};
+
+long now_ms() {
+  timespec now{};
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return now.tv_sec * 1000 + now.tv_nsec / 1'000'000;
+}
+
+// The first ends the loop. Another one, when a person has had time to mean it, ends the process:
+// who signals a whole group reaches us twice at once.
+extern "C" void stop_on_signal(int number) {
+  constexpr long kAgainMs = 300;
+  if (stop_signal.exchange(number) == 0) {
+    stopped_at_ms.store(now_ms());
+  } else if (now_ms() - stopped_at_ms.load() >= kAgainMs) {
+    forcelayer::command::end_on_signal(number);
+  }
+}
 
 extern "C" void ask_for_scene(int) { scene_signal.store(1, std::memory_order_relaxed); }
 
@@ -41,7 +59,6 @@ void end_loop_on_signals() {
   for (const int number : {SIGINT, SIGTERM, SIGHUP}) {
     struct sigaction action {};
     action.sa_handler = stop_on_signal;
-    action.sa_flags = static_cast<int>(SA_RESETHAND);  // a second one ends the process
     sigaction(number, &action, nullptr);
   }
 }
@@ -87,6 +104,8 @@ void arrange(CLI::App& app) {
 // voxrun doctor [...] is a program of its own, beside this one: a loop does not carry it.
 int start_doctor(char** argv) {
   const std::filesystem::path doctor = forcelayer::program_folder() / "voxrun-doctor";
+  static char called[] = "voxrun";  // what its report calls the tool
+  argv[0] = called;
   execv(doctor.c_str(), argv);  // returns where it failed
   return forcelayer::command::run_command("voxrun", [&]() -> forcelayer::Status {
     return forcelayer::Error{forcelayer::ErrorCode::kFileNotFound, doctor.string(), "",
@@ -114,6 +133,7 @@ int main(int argc, char** argv) {
   });
   const int ended_by = stop_signal.load();
   if (status != 0 || ended_by <= 0) return status;
-  std::fprintf(stderr, "voxrun: ended by signal %d (%s)\n", ended_by, strsignal(ended_by));
+  std::fprintf(stderr, "voxrun: ended by signal %d (%s); its files hold the run up to here\n",
+               ended_by, strsignal(ended_by));
   return 128 + ended_by;
 }

@@ -10,6 +10,8 @@
 namespace forcelayer::voxrun {
 namespace {
 
+using command::about;
+
 constexpr command::Bounds kRates{1, 100'000};
 constexpr double kLeast = 1e-3;  // of a speed limit: below it no hand could move
 
@@ -40,12 +42,6 @@ command::Bounds bounds_of(std::string_view parameter) {
 
 Error usage(std::string where, std::string what, std::string mend) {
   return {ErrorCode::kUsage, "", std::move(where), std::move(what), std::move(mend)};
-}
-
-// The error of a parser, with the option that it is about.
-Error about(const char* option, Error error) {
-  error.where = option;
-  return error;
 }
 
 Status read_pose(const char* option, const std::string& text, Pose& pose) {
@@ -89,7 +85,7 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
   app.add_option("--model", texts_.model,
                  "dynamic model: default, or paper for the method of 1999");
   app.add_option("--force", texts_.force,
-                 "force field: tangent-plane, level or distance (the model's own)");
+                 "force field: tangent-plane, level or distance; default: the model's own");
   app.add_flag("--no-braking", texts_.no_braking, "no pre-contact braking");
   app.add_flag("--as-fast-as-possible", options_.as_fast_as_possible,
                "no clock: every frame follows the last at once");
@@ -100,16 +96,19 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
   app.add_option(
          "--hand", options_.hand,
          "a simulated hand that feels the sim device: firm or loose; --motion is then where "
-         "it wants to be")
+         "it wants to be; default: a hand that feels nothing")
       ->check(CLI::IsMember({"firm", "loose"}));
-  app.add_option("--start", texts_.start, "world_from_part at the start: x,y,z[,qw,qx,qy,qz]");
+  app.add_option(
+      "--start", texts_.start,
+      "world_from_part at the start: x,y,z[,qw,qx,qy,qz]; default: the hand's, else 0,0,0m");
   app.add_option("--seat", texts_.seat,
                  "world_from_part where the part is installed: it may touch there what it touches, "
                  "until it has left those objects (where it starts)");
   app.add_option("--grip", texts_.grip,
                  "handle_from_part, in the same way: the handle's origin is where the hand holds "
-                 "the part");
-  app.add_option("--world-from-device", texts_.world_from_device, "place of the device");
+                 "the part; default: its frame's");
+  app.add_option("--world-from-device", texts_.world_from_device,
+                 "place of the device; default 0,0,0m");
   command::add_number(
       app, "--motion-scale", options_.run.placement.motion_scale,
       "scene meters a meter of the device; the hand feels the scene's force times that",
@@ -155,10 +154,12 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
                  "rearm; the default is end, for sim and replay rearm")
       ->check(CLI::IsMember({"end", "wait", "rearm"}));
   app.add_option("--clutch-button", texts_.clutch_button,
-                 "device button that holds the part while the hand moves (hardware: 0)")
+                 "device button that holds the part while the hand moves (default of "
+                 "hardware: 0)")
       ->check(CLI::Range(0, 31));
   app.add_option("--stale-limit", texts_.stale,
-                 "how long device or loop may be silent before the output trips, to 50ms (5ms)");
+                 "how long device or loop may be silent before the output trips, to 50ms (default "
+                 "5ms)");
   command::add_number(app, "--max-speed", options_.run.max_speed_mps,
                       "of the handle, m/s; faster trips the output", {kLeast, kHighestMaxSpeedMps});
   command::add_number(app, "--max-turn", options_.run.max_turn_radps,
@@ -170,7 +171,8 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
   for (const ParameterInfo& info : parameter_table()) {
     command::add_number(app, std::string(info.option), settings_[std::string(info.option)],
                         std::string(info.what), bounds_of(info.name))
-        ->group("Physical parameters");
+        ->group(
+            "Physical parameters (defaults follow from voxel size, rate and device: see --json)");
   }
 }
 

@@ -54,6 +54,24 @@ def box(low, high):
     return [tuple(corner(face[n]) for n in order) for face in faces for order in ((0, 1, 2), (0, 2, 3))]
 
 
+def make_grooves(folder, _):
+    """A plate of 200 mm with ten thousand grooves along it, 0.015 mm deep; voxels of 2.4 mm."""
+    side, grooves, depth, height = 200, 10000, 0.015, 10
+    ridge = [(0.5 * n * side / grooves, height - depth * (n % 2)) for n in range(2 * grooves + 1)]
+    middle, triangles = side / 2, []
+    for (a, low), (b, high) in zip(ridge, ridge[1:]):
+        triangles += [((a, 0, low), (b, 0, high), (b, side, high)), ((a, 0, low), (b, side, high), (a, side, low)),
+                      ((a, 0, low), (middle, 0, 0), (b, 0, high)), ((b, side, high), (middle, side, 0), (a, side, low))]
+    for y, order in ((0, 1), (side, -1)):
+        ends = [((0, y, height), (0, y, 0), (middle, y, 0)), ((side, y, height), (middle, y, 0), (side, y, 0))]
+        triangles += [t[::order] for t in ends]
+    triangles += [t for t in box((0, 0, 0), (side, side, height)) if all(c[0] == 0 for c in t) or all(c[0] == side for c in t)]
+    for low, high in ((0, middle), (middle, side)):
+        triangles += [((low, 0, 0), (low, side, 0), (high, side, 0)), ((low, 0, 0), (high, side, 0), (high, 0, 0))]
+    write_stl(folder / "grooves.stl", triangles)
+    return [folder / "grooves.stl", "--units", "mm", "--voxel-size", "2.4mm"]
+
+
 def make_threads(folder, _):
     """A bolt, 40 mm by 200 mm, with a thousand grooves 0.1 mm deep; voxels of 1.5 mm."""
     profile = [(0, 0)] + [(20 - 0.1 * (n % 2), 0.1 * n) for n in range(2001)] + [(0, 200)]
@@ -115,7 +133,7 @@ def make_stray(folder, _):
     return [folder / "stray.stl", "--units", "mm", "--voxel-size", "5mm"]
 
 
-PARTS = {"threads": make_threads, "touching": make_touching, "instances": make_instances, "stray": make_stray}
+PARTS = {"grooves": make_grooves, "threads": make_threads, "touching": make_touching, "instances": make_instances, "stray": make_stray}
 
 
 def row_of(part, name, binary, call, folder):

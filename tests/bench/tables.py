@@ -105,10 +105,6 @@ def grips(rows):
     return summed
 
 
-def creeping(rows):
-    return [row for row in rows if row.get("way_steps") is not None]
-
-
 SEAT_QUANTILES = (0.5, 0.9, 1)
 
 
@@ -379,12 +375,6 @@ TABLES = {
     "stability_grips": ("stability_grips", grips, [
         ("model", text("model")), ("scale", text("scale")), ("delay, ms", scaled("delay_s", 1e3)), ("hand", text("hand")),
         ("quiet", text("quiet")), ("of", text("grips")), ("most, encoder steps", scaled("swing_steps", 1, 2))]),
-    "stability_creep": ("stability_grips", creeping, [
-        ("scale", text("scale")), ("delay, ms", scaled("delay_s", 1e3)), ("hand", text("hand")),
-        ("arm", lambda r: f"{r['arm_m']:g} m, {r['axis']}{', clutched' if r['clutch'] else ''}"),
-        ("swing, steps", scaled("swing_steps", 1, 2)), ("goes on, s", scaled("rest_s", 1, 2)),
-        ("way, steps", scaled("way_steps", 1, 4)), ("net, steps", scaled("net_steps", 1, 4)),
-        ("motors, N m", lambda r: f"{r['least_nm']:.3g} to {r['most_nm']:.3g}")]),
     "stability_loops": ("stability_loops", list, [
         ("model", text("model")), ("start", text("start")), ("scale", text("scale")), ("loop", text("loop")), ("loops", text("loops")),
         ("given at most, uJ", scaled("given_j", 1e6, 2)), ("beyond the sampled spring, uJ", scaled("over_j", 1e6, 2)),

@@ -50,6 +50,9 @@ assert {"__init__.pyi", "py.typed"} <= {file.name for file in here.parent.iterdi
 assert forcelayer.__version__ in next(pathlib.Path(sys.argv[1]).glob("*.dist-info")).name
 assert forcelayer.Scene("bay.vox").clearance(forcelayer.Part("part.pshell"), [[0.0, 0, 0, 1, 0, 0, 0]]).shape == (1,)
 END
+  # Without the system's packages there is no numpy.
+  PYTHONPATH=$folder/site "$python" -B -S -c 'import forcelayer' 2>no_numpy.txt && exit 1
+  tail -n 1 no_numpy.txt | grep -q '^ImportError: forcelayer needs numpy: install python3-numpy'
 else
   skip "needs python3-pip, python3-setuptools and python3-wheel of scripts/packages.txt"
 fi

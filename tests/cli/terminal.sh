@@ -3,7 +3,9 @@
 # are wanted; reports of failures; completion; a signal that says what was left.
 source "$FORCELAYER_SOURCE_DIR/tests/support/command_test.sh"
 commands=()
-for name in voxelize pointshell voxinfo voxrun voxcheck voxplan voxview; do [ ! -x "$bin/$name" ] || commands+=("$name"); done
+for name in voxelize pointshell voxinfo voxrun voxcheck voxplan voxview forcelayer; do
+  [ ! -x "$bin/$name" ] || commands+=("$name")
+done
 [ ${#commands[@]} -ge 2 ] || fail "no commands"
 "$bin/make_runtime_files" .
 
@@ -11,6 +13,7 @@ for name in "${commands[@]}"; do
   "$bin/$name" --help >help.txt || fail "$name --help"
   awk 'length($0) > 100' help.txt | grep . && fail "$name: lines above 100 columns"
   grep -q $'\x1b' help.txt && fail "$name: colors in a pipe"
+  grep -q '^Options:' help.txt && fail "$name: options in no group"
   grep -A 4 '^Every command:' help.txt | grep -q -- '--help' || fail "$name: no group for every command"
   for option in --json --quiet --version; do grep -q -- "^  $option" help.txt || fail "$name has no $option"; done
   sed -n '/^Examples:/,$p' help.txt | grep -qE "^  (.* )?$name " || fail "$name: no example"
@@ -32,11 +35,25 @@ _forcelayer_complete
 COMP_WORDS=("$bin/forcelayer" st) COMP_CWORD=1
 _forcelayer_complete
 [ "${COMPREPLY[*]}" = study ] || fail "forcelayer st completes to '${COMPREPLY[*]}'"
-for sub in 'voxinfo verify' 'voxinfo sample' 'voxinfo export' 'voxrun doctor' 'forcelayer study'; do
+subs=('voxinfo verify' 'voxinfo sample' 'voxinfo export' 'voxinfo path' 'voxrun doctor' 'forcelayer study')
+[ ! -x "$bin/pointshell" ] || subs+=('pointshell verify')
+for sub in "${subs[@]}"; do
   read -r name word <<<"$sub"
   "$bin/$name" "$word" --help >help.txt
   for option in --json --quiet; do grep -q -- "^  $option" help.txt || fail "$sub has no $option"; done
+  sed -n '/^Examples:/,$p' help.txt | grep -qE "^  (.* )?$sub " || fail "$sub: no example"
+  awk 'length($0) > 100' help.txt | grep . && fail "$sub: lines above 100 columns"
+  grep -q '^Options:' help.txt && fail "$sub: options in no group"
+  [ "$sub" = 'voxrun doctor' ] && continue
+  # A letter is missing.
+  "$bin/$name" "${word:0:2}${word:3}" floor.vox 2>err.txt && fail "$sub without a letter"
+  [ "$(cat err.txt)" = "$name: ${word:0:2}${word:3}: is no file and no subcommand; did you mean $word?" ] ||
+    fail "$sub: $(cat err.txt)"
 done
+"$bin/forcelayer" --json listed.json --quiet >out.txt && [ ! -s out.txt ] || fail "forcelayer --quiet: $(cat out.txt)"
+grep -q '"name": "voxrun"' listed.json && grep -q '"schema_version": 1' listed.json || fail "forcelayer --json"
+"$bin/voxrun" doctor --clock 0 --quiet --json doctor.json
+grep -q '"tool": "voxrun"' doctor.json || fail "the report of voxrun doctor"
 
 # Each option that takes a number says its bounds, and lengths and times have theirs.
 for call in "${commands[@]}" 'voxrun doctor' 'pointshell verify'; do
@@ -81,9 +98,44 @@ assert report["input_files"][0]["path"] == "cut.vox" and len(report["input_files
 END
   rm report.json
 done
+# So is a wrong command line, and what a command refuses before it looks at its files.
+for call in "voxrun floor.vox ball.pshell --rate 0" "voxrun floor.vox ball.pshell --pull 1,2,3" "voxcheck floor.vox" \
+  "voxinfo floor.vox --nothing" "voxrun floor.vox ball.pshell --trace run.stl"; do
+  read -r name words <<<"$call"
+  rm -f report.json
+  # shellcheck disable=SC2086  # words
+  "$bin/$name" $words --json report.json 2>err.txt
+  [ $? = 2 ] && grep -q '"exit_status": 2' report.json || fail "$call: $(cat err.txt)"
+  "$bin/$name" $words --json=report.json 2>err.txt  # replaces a report
+  cp press.csv table.json
+  # shellcheck disable=SC2086
+  "$bin/$name" $words --nothing --json table.json 2>err.txt
+  cmp -s press.csv table.json || fail "$call: the report of a wrong command line replaced another file"
+done
 "$bin/voxrun" floor.vox ball.pshell --motion press.csv --as-fast-as-possible --fail-on contact --json report.json --quiet 2>err.txt
 [ $? = 6 ] || fail "--fail-on contact: $(cat err.txt)"
 grep -q '"exit_status": 6' report.json && grep -q '"frames"' report.json || fail "the report of a 'no'"
+
+# Ctrl-C: the files hold the run up to there. Twice at once, as `timeout` sends it to the command and to its group, is once.
+for times in 1 2; do
+  rm -f run.csv
+  python3 - "$bin" "$times" >ended.txt 2>&1 <<'END' || fail "SIGINT, $times: $(cat ended.txt)"
+import os, signal, subprocess, sys, time
+bin, times = sys.argv[1:]
+run = subprocess.Popen([bin + "/voxrun", "floor.vox", "ball.pshell", "--start", "0.1m,0.1m,0.2m", "--duration", "600s",
+                        "--trace", "run.csv", "--quiet"], stderr=subprocess.PIPE, text=True)
+while not [name for name in os.listdir() if name.startswith(".run.csv.") and os.path.getsize(name) > 0]:
+    assert run.poll() is None
+    time.sleep(0.02)
+for n in range(int(times)):
+    run.send_signal(signal.SIGINT)
+words = run.communicate()[1]
+print(words, run.returncode, os.listdir())
+assert run.returncode == 130
+assert "its files hold the run up to here" in words and open("run.csv").readline().startswith("t_s,")
+assert not [name for name in os.listdir() if name.endswith(".tmp")]
+END
+done
 
 # On a terminal: an error is colored, unless that is not wanted.
 if command -v script >/dev/null; then

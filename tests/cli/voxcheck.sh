@@ -230,6 +230,8 @@ fi
 # Errors: one line, the right status, nothing half-written.
 check 2 opened.vox cover.pshell out.csv --allow Nobody
 errs "'Nobody' names no object of the scene"
+check 2 opened.vox cover.pshell out.csv --allow Pim
+errs 'the nearest are: Gearbox/Pin'
 check 2 opened.vox cover.pshell out.csv --clearance 12
 check 2 opened.vox cover.pshell out.csv --seat 0,0,0m --seat-depth 1mm
 errs '--seat-depth: goes with --exact alone'

@@ -33,7 +33,7 @@ run=("$bin/voxrun" first.vox part.pshell --motion press.csv --duration 2s --afte
 # On a machine with more to do the loop may be late, or the next scene be read late: such runs, and no others, are made
 # again. NAME is the run's report without its ending.
 was_late() {  # NAME
-  grep -qE "late|by itself|no fresh reading|the part starts" err || python3 - "$1.json" <<'PYTHON'
+  grep -qE "late|by itself|no fresh reading" err || python3 - "$1.json" <<'PYTHON'
 import json, sys
 report = json.load(open(sys.argv[1]))
 sys.exit(not (report["skipped_ticks"] or report["dropped_frames"] or any(s["from_s"] > 1.3 for s in report["scenes"])))
@@ -124,7 +124,10 @@ by_button() {
   rm -f motors.csv
   "$bin/voxrun" first.vox part.pshell --device plugin --plugin "$bin/fault_plugin.so" \
     --plugin-args "log=motors.csv fault=button at=0.3" --world-from-device 0,0,35mm --duration 2s --scene-button 1 \
-    --scene-next open.vox --json button.json >out 2>err || return 1
+    --scene-next open.vox --json button.json >out 2>err || {
+    grep -q "the part starts" err && echo "the hand, which has a clock of its own, was there before: late" >>err
+    return 1
+  }
   for wait in $(seq 40); do [ -e motors.csv ] && break; sleep 0.1; done
   python3 - 2>>err <<'PYTHON'
 import csv, json

@@ -58,6 +58,39 @@ check cut picture.png facts.json 0.008 bay.csv 2 24
   --show interior,force-layer,proximity
 check cut picture.png facts.json 0.008 bay.csv 0 -1
 
+# A cut fills what meshes enclose, but not their cavities, nor what a sheet does not close: of a block of 40 mm with a
+# cavity of 20 mm three quarters, also where the cut is laid in faces. Beside it stands a sheet.
+python3 - >block.obj <<'END'
+corners = [(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)]
+sides = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+for low, edge in ((0, 40), (10, 20)):
+    for corner in corners:
+        print("v", *(low + edge * x for x in corner))
+for first, outwards in ((1, True), (9, False)):
+    for side in sides:
+        print("f", *(first + n for n in (side if outwards else reversed(side))))
+for y, z in ((0, 0), (40, 0), (40, 40), (0, 40)):
+    print("v", 60, y, z)
+print("f", 17, 18, 19, 20)
+END
+for cut in 'z<20mm 0,0,1 0.75' 'x>20mm -1,0,0 0.75' 'y<30mm 0,1,0 0.75' 'y>10mm 0,-1,0 0.75' 'z<38mm 0,0,1 1'; do
+  read -r side eye filled <<<"$cut"
+  "$bin/voxview" block.obj --units mm --plain --size 600x600 --cut "$side" --view-from "$eye" --focus scene --screenshot picture.png
+  "$python" - "$filled" <<'END' || fail "the section of $side"
+import sys
+from matplotlib import image
+import numpy
+picture = numpy.round(255 * image.imread("picture.png")[:, :, :3]).astype(int)
+uncut = numpy.array([199, 201, 204])  # kSceneColor
+def count(color):
+    return int((abs(picture - color).max(axis=2) <= 1).sum())
+section, rest = count(numpy.round(0.8 * uncut)), count(uncut)
+assert section > 10000 and section + rest + count(255) == 600 * 600, (section, rest)
+# What is not filled is the cavity's far wall, or the sheet behind.
+assert abs(section / (section + rest) - float(sys.argv[1])) < 0.01, (section, rest)
+END
+done
+
 "$bin/voxview" "$data/gearbox.glb" --color object --plain --size 800x600 --view-from 1,-1,1 --json facts.json \
   --screenshot picture.png
 "$python" - <<'END'
@@ -197,9 +230,12 @@ expect 2 'is not known' bay.vox --show layer
 expect 2 'no length' bay.vox --view-from 0,0,0
 expect 2 'nothing to show'
 expect 2 'the run has no 99 s' bay.vox part.pshell --trace trace.csv --at 99s
+expect 2 'the nearest are: hydraulic_line' bay.vox --hide hydraulic_lin
 got=0
 "$bin/voxview" bay.vox --screenshot bad.jpg 2>error.txt || got=$?
 [ "$got" = 2 ] && [ ! -e bad.jpg ] && grep -q 'ends in .png' error.txt || fail "a .jpg: $got, $(cat error.txt)"
+"$bin/voxview" bay.vox --screenshot bad.ppm 2>error.txt && fail "a picture called .ppm"
+[ ! -e bad.ppm ] && grep -q 'ends in .png' error.txt || fail "a .ppm: $(cat error.txt)"
 
 # The eye is on the side that a cut takes away; the strongest force is one of a contact.
 for cut in 'x<0.1m 0 1' 'x>0.1m 0 -1' 'y<0m 1 1' 'y>0m 1 -1' 'z<0.2m 2 1' 'z>0.2m 2 -1'; do

@@ -31,6 +31,37 @@ std::vector<lattice::VoxelIndex> voxels_of(const std::vector<mesh::Vec3d>& point
   return voxels;
 }
 
+// The progress goes on while nodes are built, and weighs objects by their work.
+TEST(Bake, TellsItsProgressThroughout) {
+  Random random(7);
+  reference::MeshScene scene;
+  for (const double extent : {300.0, 8.0, 8.0, 8.0}) {
+    scene.meshes.push_back(reference::random_object(random, {0, 0, 0}, extent));
+  }
+  for (const Metric metric : {Metric::kEuclidean, Metric::kChebyshev}) {
+    voxelize::BakeOptions options = options_with(2, 1, metric);
+    std::vector<std::pair<std::string, double>> told;
+    options.progress = [&](const char* stage, double done) { told.emplace_back(stage, done); };
+    std::vector<voxelize::SceneObject> objects = scene.objects();
+    objects[0].work = 1e6;
+    ASSERT_TRUE(voxelize::bake(objects, options));
+    ASSERT_GT(told.size(), 20u);
+    double last = 0, last_small = 0, widest = 0;
+    for (const auto& [stage, done] : told) {
+      EXPECT_GE(done, last) << stage;
+      if (stage == "voxels" && done < 0.1)
+        last_small = done;
+      else if (stage != "voxels")
+        widest = std::max(widest, done - last);
+      last = done;
+    }
+    EXPECT_EQ(last, 1);
+    EXPECT_LT(last_small, 1e-5) << "three small objects of four";
+    // Nodes are shared, and the file is written, in silence.
+    EXPECT_LT(widest, 0.25);
+  }
+}
+
 TEST(Bake, EqualsTheReferenceOnRandomScenes) {
   for (std::uint64_t seed = 1; seed <= 160; ++seed) {
     SCOPED_TRACE(::testing::Message() << "seed " << seed);

@@ -33,6 +33,7 @@
 #include <unistd.h>
 
 #include "forcelayer/plugin.h"
+#include "tests/support/wild_write.h"
 
 struct wire { /* between driver and device */
   volatile double force_z_n;
@@ -104,23 +105,6 @@ static void stay(struct driver* d, double t_s, double way) {
   d->stays_s = t_s;
   d->stays_at = way;
   d->wire->stays = 1;
-}
-
-/* Over all that is shared, or over each word there that is an index. */
-static void write_wildly(int indices) {
-  char line[512];
-  FILE* maps = fopen("/proc/self/maps", "r");
-  while (maps != NULL && fgets(line, sizeof line, maps) != NULL) {
-    unsigned long begin, end;
-    if (strstr(line, "forcelayer-plugin") == NULL || sscanf(line, "%lx-%lx", &begin, &end) != 2) {
-      continue;
-    }
-    if (!indices) memset((void*)begin, 0xff, end - begin);
-    for (unsigned* word = (unsigned*)begin; indices && word < (unsigned*)end; ++word) {
-      if (*word > 0 && *word < 8 && word > (unsigned*)begin + 4) *word = 0x7fffffff;
-    }
-  }
-  if (maps != NULL) fclose(maps);
 }
 
 /* Descriptors, rights and environment of this process, a line each; and what it may do: write

@@ -20,6 +20,7 @@
 #include "formats/command/arguments.h"
 #include "formats/command/progress_line.h"
 #include "formats/command/provenance.h"
+#include "formats/command/spelling.h"
 #include "formats/file/atomic_file.h"
 #include "formats/result.h"
 #include "tests/support/scratch_folder.h"
@@ -214,6 +215,56 @@ TEST(ParseArguments, HelpFitsAndIsGrouped) {
   for (const std::string& part : want) EXPECT_NE(help.find(part), std::string::npos) << help;
   EXPECT_LT(help.find("\nOptions:"), help.find("\nEvery command:"));
   EXPECT_EQ(help.find('\x1b'), std::string::npos) << "colors without a terminal";
+}
+
+TEST(Help, NamesADefaultThatCli11Knows) {
+  CLI::App app{"Draws", "tool"};
+  std::string focus = "auto", text;
+  app.add_option("--focus", focus, "what fills the picture")->capture_default_str();
+  app.add_option("--text", text, "words");
+  command::wrap_help(app);
+  EXPECT_NE(app.help().find("what fills the picture, default auto\n"), std::string::npos);
+  EXPECT_NE(app.help().find("words\n"), std::string::npos) << app.help();
+}
+
+TEST(Help, KnowsWhichSubcommandWasMeant) {
+  const test::ScratchFolder folder;
+  CLI::App app{"Looks", "tool"};
+  app.add_subcommand("verify", "looks closely");
+  app.add_subcommand("path", "measures");
+  EXPECT_EQ(command::meant_subcommand(app, "verfy"), "did you mean verify?");
+  EXPECT_EQ(command::meant_subcommand(app, "verify"), "");
+  EXPECT_EQ(command::meant_subcommand(app, "pth"), "did you mean path?");
+  EXPECT_EQ(command::meant_subcommand(app, "bay"), "") << "two letters of three";
+  EXPECT_EQ(command::meant_subcommand(app, "verfy.vox"), "");
+  const std::filesystem::path before = std::filesystem::current_path();
+  std::filesystem::current_path(folder.path());
+  std::ofstream("verfy") << "a file";
+  EXPECT_EQ(command::meant_subcommand(app, "verfy"), "");
+  std::filesystem::current_path(before);
+}
+
+TEST(Spelling, OrdersByLettersChanged) {
+  EXPECT_EQ(command::spelling_distance("", "abc"), 3u);
+  EXPECT_EQ(command::spelling_distance("josn", "json"), 1u);
+  EXPECT_EQ(command::spelling_distance("kitten", "sitting"), 3u);
+  command::NearestNames nearest("Bold");
+  EXPECT_EQ(nearest.text("see --help"), "see --help");
+  for (const char* const path : {"Lid/Cover", "Lid/Bolt", "Pin", "Lid", "Housing", "Clip"}) {
+    nearest.add(path);
+  }
+  EXPECT_TRUE(nearest.text().starts_with("the nearest are: Lid/Bolt, ")) << nearest.text();
+  EXPECT_EQ(nearest.text().find("Housing"), std::string::npos) << "more than five";
+}
+
+// The pace is that since `begun`, whatever came before.
+TEST(ProgressLine, TellsTheTimeLeftFromATenthOn) {
+  EXPECT_FALSE(command::time_left_s(1, 0, 0));
+  EXPECT_FALSE(command::time_left_s(1, 0, 0.099));
+  EXPECT_NEAR(*command::time_left_s(1, 0, 0.25), 3, 1e-12);
+  EXPECT_FALSE(command::time_left_s(1, 0.2, 0.27));
+  EXPECT_NEAR(*command::time_left_s(1, 0.2, 0.4), 3, 1e-12);
+  EXPECT_EQ(*command::time_left_s(5, 0.2, 1), 0);
 }
 
 TEST(Report, HasTheCommonHeadAndTheFailure) {

@@ -1,4 +1,4 @@
-// What a bake is expected to take: told before it begins where it is more than a minute or a
+// The expected cost of a bake: told before it begins where it is more than a minute or a
 // gigabyte.
 #include <gtest/gtest.h>
 

@@ -4,6 +4,8 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <atomic>
+#include <mutex>
 #include <utility>
 
 #include "formats/lattice/brick_bits.h"
@@ -16,6 +18,26 @@
 
 namespace forcelayer::tree {
 namespace {
+
+// Counts what threads have done.
+class DoneNodes {
+ public:
+  DoneNodes(const NodeProgress& progress, std::size_t count) : progress_(progress), count_(count) {}
+
+  void one_more() {
+    done_.fetch_add(1, std::memory_order_relaxed);
+    if (!progress_ || !telling_.try_lock()) return;
+    const std::lock_guard lock(telling_, std::adopt_lock);
+    progress_(static_cast<double>(done_.load(std::memory_order_relaxed)) /
+              static_cast<double>(count_));
+  }
+
+ private:
+  const NodeProgress& progress_;
+  const std::size_t count_;
+  std::atomic<std::size_t> done_{0};
+  std::mutex telling_;
+};
 
 // All entries uniform and the same.
 bool is_collapsible(const Entries& entries) {
@@ -50,13 +72,14 @@ MeasuredNode measured(const distance::NodeDistances& node) {
 }
 
 MeasuredNodes measure_nodes(const distance::LayerOffset& around,
-                            const distance::DistanceCodes& distances,
-                            const DistanceMemory* memory) {
+                            const distance::DistanceCodes& distances, const DistanceMemory* memory,
+                            const NodeProgress& progress) {
   std::vector<masks::Coord> origins = around.nodes();
   MeasuredNodes result{SceneNodes(origins), SceneNodes({}), {}};
   if (distances.grows_surface()) result.grown.resize(origins.size());
   if (distances.tells_objects()) result.objects = SceneNodes(std::move(origins));
   if (memory != nullptr) result.distances.keys.resize(result.distances.nodes.size());
+  DoneNodes done(progress, result.distances.nodes.size());
   tbb::parallel_for(std::size_t{0}, result.distances.nodes.size(), [&](std::size_t i) {
     const masks::Coord& origin = result.distances.origins[i];
     std::optional<MeasuredNode> node;
@@ -71,11 +94,13 @@ MeasuredNodes measure_nodes(const distance::LayerOffset& around,
     }
     result.distances.nodes[i] = std::move(node->distances);
     if (distances.tells_objects()) result.objects.nodes[i] = std::move(node->objects);
+    done.one_more();
   });
   return result;
 }
 
-SceneNodes build_nodes(const distance::LayerOffset& offset, const NodeMemory* memory) {
+SceneNodes build_nodes(const distance::LayerOffset& offset, const NodeMemory* memory,
+                       const NodeProgress& progress) {
   struct Scratch {
     distance::NodeHalo halo;
     distance::NodeCodes codes;
@@ -83,7 +108,9 @@ SceneNodes build_nodes(const distance::LayerOffset& offset, const NodeMemory* me
   SceneNodes result(offset.nodes());
   if (memory != nullptr) result.keys = node_keys(offset, result.origins);
   tbb::enumerable_thread_specific<Scratch> scratches;
+  DoneNodes done(progress, result.nodes.size());
   tbb::parallel_for(std::size_t{0}, result.nodes.size(), [&](std::size_t i) {
+    done.one_more();
     const NodeMemo* memo = memory != nullptr ? memory->find(result.keys[i]) : nullptr;
     if (memo != nullptr) {
       result.counts[i] = memo->counts();
@@ -257,8 +284,8 @@ BuiltTree assemble(const distance::LayerOffset& offset,
 DistanceTrees build_distance_trees(const distance::LayerOffset& around,
                                    const distance::DistanceCodes& distances,
                                    const std::array<std::uint32_t, 3>& directory_dims,
-                                   const DistanceMemory* memory) {
-  MeasuredNodes nodes = measure_nodes(around, distances, memory);
+                                   const DistanceMemory* memory, const NodeProgress& progress) {
+  MeasuredNodes nodes = measure_nodes(around, distances, memory, progress);
   // The tree, and the nodes' entries as its own.
   const auto tree_of = [&](SceneNodes& of, std::uint32_t outside, std::uint32_t brick_parts) {
     distance::ValueCounts counts;  // of nothing here
@@ -289,8 +316,8 @@ DistanceTrees build_distance_trees(const distance::LayerOffset& around,
 
 VoxelTree build_tree(const distance::LayerOffset& offset,
                      const std::array<std::uint32_t, 3>& directory_dims, const NodeMemory* memory,
-                     distance::ValueCounts& counts) {
-  SceneNodes nodes = build_nodes(offset, memory);
+                     distance::ValueCounts& counts, const NodeProgress& progress) {
+  SceneNodes nodes = build_nodes(offset, memory, progress);
   BuiltTree built = assemble(offset, directory_dims, nodes, counts);
   std::vector<NodeMemo> memos = memos_of(nodes, built);
   std::vector<std::uint32_t> lower_numbers;

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 
 #include "voxelize/distance/distance_codes.h"
 #include "voxelize/distance/layer_offset.h"
@@ -13,13 +14,16 @@
 
 namespace forcelayer::tree {
 
+// Is told the share of the nodes that are done, by one thread at a time; may be empty.
+using NodeProgress = std::function<void(double share_done)>;
+
 // The offset scene as a tree over `directory_dims` directory cells from the scene's origin. Uniform
 // boxes are collapsed, equal bricks and equal nodes stored once, and numbers follow the order of
 // the tree, so that the arrays depend on the voxels alone. A `memory` (may be null; nothing may be
 // cropped with one) supplies the nodes that did not change and keeps this tree.
 VoxelTree build_tree(const distance::LayerOffset& offset,
                      const std::array<std::uint32_t, 3>& directory_dims, const NodeMemory* memory,
-                     distance::ValueCounts& counts);
+                     distance::ValueCounts& counts, const NodeProgress& progress = {});
 
 // The trees of the distances' codes and of the objects' numbers over the same directory cells; that
 // of the objects has nothing where the distances do not tell them apart. `around` lists the nodes:
@@ -33,6 +37,6 @@ struct DistanceTrees {
 DistanceTrees build_distance_trees(const distance::LayerOffset& around,
                                    const distance::DistanceCodes& distances,
                                    const std::array<std::uint32_t, 3>& directory_dims,
-                                   const DistanceMemory* memory);
+                                   const DistanceMemory* memory, const NodeProgress& progress = {});
 
 }  // namespace forcelayer::tree

@@ -11,6 +11,11 @@ replays the haptic simulation. Lengths are meters; a pose is x y z and a quatern
 True
 """
 
+try:
+    import numpy as _numpy  # the extension asks for it in fewer words
+except ModuleNotFoundError as _missing:
+    raise ImportError("forcelayer needs numpy: install python3-numpy, or pip install numpy") from _missing
+
 from ._forcelayer import (Error, Moment, Part, Replay, Scene, Simulation, __version__, replay)
 
 __all__ = ["Error", "Moment", "Part", "Replay", "Scene", "Simulation", "replay"]

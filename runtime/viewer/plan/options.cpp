@@ -12,16 +12,12 @@
 namespace forcelayer::viewer {
 namespace {
 
+using command::about;
+
 constexpr int kSmallestPicture = 64, kLargestPicture = 8192;  // pixels a side
 
 Error usage(const std::string& option, const std::string& what, const std::string& mend) {
   return {ErrorCode::kUsage, "", option, what, mend};
-}
-
-// The error of a parser, with the option that it is about.
-Error about(const char* option, Error error) {
-  error.where = option;
-  return error;
 }
 
 Result<std::optional<Pose>> pose_of(const char* option, const std::string& text) {
@@ -81,23 +77,31 @@ ViewOptionParser::ViewOptionParser(CLI::App& app) {
   app.add_option("--listen", options_.listen,
                  "follow a run: [ADDRESS:]PORT that voxrun --udp sends to")
       ->excludes(run);
-  app.add_option("--duration", texts_.duration,
-                 "close the window, or take the picture, after this");
+  app.add_option(
+      "--duration", texts_.duration,
+      "close the window, or take the picture, after this; default: a window stays, a picture of a "
+      "stream is taken after 3s");
   app.add_option("--part-pose", texts_.part_pose, "world_from_part: x,y,z or x,y,z,qw,qx,qy,qz")
       ->excludes(run);
   app.add_option("--grip", texts_.grip, "handle_from_part, where voxrun was given one")->needs(run);
-  app.add_option("--model", texts_.model, "show the contacts of this model: default or paper");
-  app.add_option("--force", texts_.force,
-                 "field of the contacts: tangent-plane, level or distance");
-  app.add_option("--view-from", texts_.view_from, "direction towards the eye, as 1,-1,0.5");
-  app.add_option("--focus", texts_.focus, "part or scene; auto: the part where there is one")
+  app.add_option("--model", texts_.model,
+                 "model of the contacts: default, or paper for the method of 1999");
+  app.add_option(
+      "--force", texts_.force,
+      "field of the contacts: tangent-plane, level or distance; default: the model's own");
+  app.add_option("--view-from", texts_.view_from,
+                 "direction towards the eye, as 1,-1,0.5; default: where most is seen");
+  app.add_option("--focus", texts_.focus, "part or scene; auto is the part where there is one")
       ->check(CLI::IsMember({"auto", "part", "scene"}))
       ->capture_default_str();
-  app.add_option("--pixels-per-voxel", texts_.pixels_per_voxel, "scale of the picture")
+  app.add_option("--pixels-per-voxel", texts_.pixels_per_voxel,
+                 "scale of the picture; default: what is in focus fills it")
       ->check(CLI::Range(1, 1000));
   app.add_option("--cut", texts_.cut, "show one side only: z<300mm, x>0m");
-  app.add_option("--show", texts_.shown,
-                 "list of meshes, interior, force-layer, proximity, part, shell, contacts, handle");
+  app.add_option(
+      "--show", texts_.shown,
+      "list of meshes, interior, force-layer, proximity, part, shell, contacts, handle; default: "
+      "what suits the files");
   app.add_option("--hide", options_.hide,
                  "hide an object of the scene, by its name in voxelize --list; repeatable")
       ->allow_extra_args(false);
@@ -111,7 +115,7 @@ ViewOptionParser::ViewOptionParser(CLI::App& app) {
                  "x0,y0,z0,x1,y1,z1: draw the distance of two points, the part's first");
   app.add_option("--measure-object", texts_.measure_object,
                  "the object that it leads to: in a color of its own, by its name");
-  app.add_option("--measure-words", texts_.measure_words, "beside it; its length");
+  app.add_option("--measure-words", texts_.measure_words, "beside it; default: its length");
   app.add_option("--title", options_.title, "a line of words above the picture; repeatable")
       ->allow_extra_args(false);
   app.add_flag("--quiet", options_.quiet, "print nothing but errors");

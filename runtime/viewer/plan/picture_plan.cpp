@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "formats/command/spelling.h"
 #include "formats/mesh/node_names.h"
 #include "runtime/viewer/plan/legend.h"
 
@@ -141,8 +142,11 @@ Result<std::vector<std::string>> hidden_objects(const std::vector<std::string>& 
           any = true;
         }
         if (!any) {
-          return Error{ErrorCode::kUsage, "", option, "no object is called '" + name + "'",
-                       "voxinfo FILE.vox --objects and voxelize --list FILE list them"};
+          command::NearestNames nearest(name);
+          for (const std::string& object : objects) nearest.add(object);
+          return Error{
+              ErrorCode::kUsage, "", option, "no object is called '" + name + "'",
+              nearest.text("voxinfo FILE.vox --objects and voxelize --list FILE list all")};
         }
       }
     }

@@ -11,7 +11,6 @@
 #include <vtkLight.h>
 #include <vtkMatrix4x4.h>
 #include <vtkNew.h>
-#include <vtkPlane.h>
 #include <vtkPlatonicSolidSource.h>
 #include <vtkPolyDataAlgorithm.h>
 #include <vtkPolyDataMapper.h>
@@ -29,6 +28,7 @@
 #include "runtime/viewer/surface/coarse_layers.h"
 #include "runtime/viewer/surface/layer_surface.h"
 #include "runtime/viewer/vtk/geometry.h"
+#include "runtime/viewer/vtk/section.h"
 #include "runtime/viewer/vtk/voxel_faces.h"
 
 namespace forcelayer::viewer {
@@ -55,6 +55,12 @@ Actor actor_of(const PolyData& data, const Color& color) {
 
 void replace_data(const Actor& actor, const PolyData& data) {
   vtkPolyDataMapper::SafeDownCast(actor->GetMapper())->SetInputData(data);
+}
+
+// Of what lies in the plane of a cut.
+Color darker(const Color& color) {
+  constexpr double kShade = 0.8;
+  return {kShade * color[0], kShade * color[1], kShade * color[2]};
 }
 
 Actor surface_actor(const PolyData& data, const Color& color) {
@@ -149,6 +155,7 @@ struct Stage::Actors {
   VoxelFaces quick_force_layer, quick_proximity;
   std::vector<PolyData> mesh_data, mesh_edge_data;  // [meshes of the scene]
   Actor meshes, mesh_edges, missing_faces, measured, measured_edges;
+  Actor sections, section_edges;
   Actor part, part_edges, target, shell, spring, measurement;
   Glyphs contact_points{sphere(), kContactColor, false};
   Glyphs contact_forces{arrow(9), kContactColor, true};
@@ -219,7 +226,7 @@ Stage::Stage(const ViewScene& scene, const PicturePlan& plan, vtkRenderer* world
 }
 
 void Stage::build_scene(const PicturePlan& plan) {
-  const bool color_objects = plan.color_objects;
+  const bool color_objects = colors_objects_ = plan.color_objects;
   if (scene_.meshes.empty()) return;
   for (std::size_t n = 0; n < scene_.meshes.size(); ++n) {
     const PolyData& data = actors_->mesh_data.emplace_back(poly_data_of(scene_.meshes[n]));
@@ -230,12 +237,18 @@ void Stage::build_scene(const PicturePlan& plan) {
   actors_->meshes->GetMapper()->SetScalarModeToUseCellData();
   actors_->meshes->GetMapper()->SetScalarVisibility(color_objects);
   actors_->mesh_edges = line_actor(PolyData::New(), kEdgeColor, scale_);
+  actors_->sections = surface_actor(PolyData::New(), kSceneColor);
+  actors_->sections->GetMapper()->SetScalarModeToUseCellData();
+  actors_->sections->GetMapper()->ScalarVisibilityOn();
+  actors_->section_edges = line_actor(PolyData::New(), kInk, scale_);
   if (plan.measure) {
     for (std::size_t n = 0; n < scene_.meshes.size(); ++n) {
       measured_[n] = scene_.meshes[n].name == plan.measure->object ? 1 : 0;
     }
     actors_->meshes->GetProperty()->SetOpacity(kOthersOpacity);
     actors_->mesh_edges->GetProperty()->SetOpacity(kOthersOpacity);
+    actors_->sections->GetProperty()->SetOpacity(kOthersOpacity);
+    actors_->section_edges->GetProperty()->SetOpacity(kOthersOpacity);
   }
   actors_->measured = surface_actor(PolyData::New(), kMeasuredColor);
   actors_->measured_edges = line_actor(PolyData::New(), kInk, scale_);
@@ -244,6 +257,8 @@ void Stage::build_scene(const PicturePlan& plan) {
   world_->AddActor(actors_->measured_edges);
   world_->AddActor(actors_->meshes);
   world_->AddActor(actors_->mesh_edges);
+  world_->AddActor(actors_->sections);
+  world_->AddActor(actors_->section_edges);
   if (scene_.missing_faces.empty()) return;
   vtkNew<vtkAppendPolyData> frames;
   for (const ViewMesh& cube : scene_.missing_faces) {
@@ -270,6 +285,47 @@ void Stage::draw_meshes() {
   draw(actors_->mesh_edges, actors_->mesh_edge_data, false);
   draw(actors_->measured, actors_->mesh_data, true);
   draw(actors_->measured_edges, actors_->mesh_edge_data, true);
+  draw_sections();
+}
+
+// The plane of the cut, moved into the side that stays; none without a cut.
+vtkSmartPointer<vtkPlane> Stage::cut_plane(double inwards_m) const {
+  if (!cut_) return nullptr;
+  const double inwards = cut_->keep_low ? -1 : 1;
+  double normal[3] = {0, 0, 0}, origin[3] = {0, 0, 0};
+  normal[cut_->axis] = inwards;
+  origin[cut_->axis] = cut_->at_m - scene_.origin_m[cut_->axis] + inwards * inwards_m;
+  auto plane = vtkSmartPointer<vtkPlane>::New();
+  plane->SetNormal(normal);
+  plane->SetOrigin(origin);
+  return plane;
+}
+
+// Fills the meshes where the cut goes through them. Not in a plane of their own faces, which cuts
+// are often laid in: a little inwards, where voxels that are cut hide it too.
+void Stage::draw_sections() {
+  if (actors_->sections == nullptr) return;
+  constexpr double kInwards = 1e-5;  // of the scene; ten times the rounding of its floats
+  const auto plane = cut_plane(kInwards * glm::length(scene_.bounds.high_m - scene_.bounds.low_m));
+  vtkNew<vtkAppendPolyData> faces, edges;
+  for (std::size_t n = 0; plane != nullptr && n < scene_.meshes.size(); ++n) {
+    if (hidden_meshes_[n] != 0) continue;
+    const Section section = section_of(actors_->mesh_data[n], plane);
+    if (section.faces->GetNumberOfCells() == 0) continue;
+    const Color color = measured_[n] != 0 ? kMeasuredColor
+                        : colors_objects_ ? color_of_mesh(n)
+                                          : kSceneColor;
+    color_cells(section.faces, darker(color));
+    faces->AddInputData(section.faces);
+    edges->AddInputData(section.outline);
+  }
+  const auto replace = [](const Actor& actor, vtkAppendPolyData* all) {
+    const bool any = all->GetNumberOfInputConnections(0) > 0;
+    if (any) all->Update();
+    replace_data(actor, any ? PolyData(all->GetOutput()) : PolyData::New());
+  };
+  replace(actors_->sections, faces);
+  replace(actors_->section_edges, edges);
 }
 
 void Stage::build_layers() {
@@ -362,8 +418,8 @@ void Stage::show(const ItemSet& shown) {
   const auto set = [&](const Actor& actor, Item what) {
     if (actor != nullptr) actor->SetVisibility(shown[what]);
   };
-  for (const Actor& actor :
-       {a.meshes, a.mesh_edges, a.missing_faces, a.measured, a.measured_edges}) {
+  for (const Actor& actor : {a.meshes, a.mesh_edges, a.missing_faces, a.measured, a.measured_edges,
+                             a.sections, a.section_edges}) {
     set(actor, Item::kMeshes);
   }
   for (const Actor& actor : {a.part, a.part_edges}) set(actor, Item::kPart);
@@ -388,20 +444,14 @@ void Stage::show_layers() {
 void Stage::cut(const std::optional<Cut>& cut) {
   cut_ = cut;
   Actors& a = *actors_;
-  vtkNew<vtkPlane> plane;
-  if (cut) {
-    double normal[3] = {0, 0, 0}, origin[3] = {0, 0, 0};
-    normal[cut->axis] = cut->keep_low ? -1 : 1;
-    origin[cut->axis] = cut->at_m - scene_.origin_m[cut->axis];
-    plane->SetNormal(normal);
-    plane->SetOrigin(origin);
-  }
+  const auto plane = cut_plane(0);
+  draw_sections();
   for (const Actor& actor : {a.meshes, a.mesh_edges, a.measured, a.measured_edges}) {
     if (actor == nullptr) continue;
     actor->GetMapper()->RemoveAllClippingPlanes();
     if (cut) actor->GetMapper()->AddClippingPlane(plane);
   }
-  for (VoxelFaces* faces : a.bodies()) faces->cut(cut ? plane.Get() : nullptr);
+  for (VoxelFaces* faces : a.bodies()) faces->cut(plane);
   for (std::size_t n = 0; n < kLayers.size(); ++n) {
     const bool open = cut && scene_.voxmap;
     a.cuts()[n]->set(open ? cut_sheet(*cut, kLayers[n]) : QuadSurface{});
@@ -457,7 +507,7 @@ void Stage::make_plain() {
   }
   for (VoxelFaces* faces : a.bodies()) faces->make_plain();
   for (VoxelFaces* faces : a.cuts()) faces->make_plain();
-  for (const Actor& actor : {a.mesh_edges, a.part_edges}) {
+  for (const Actor& actor : {a.mesh_edges, a.part_edges, a.section_edges}) {
     if (actor != nullptr) actor->SetVisibility(0);
   }
 }
@@ -520,8 +570,9 @@ void place_moment(Stage& stage, const ViewScene& scene, const Moment& moment) {
   const double radius_m = scene.shell->header().bounding_radius_m;
   stage.place_contacts(moment.contacts, 0.03 * radius_m, arrow_scale(scene));
   const glm::dvec3 force_n = moment.on_hand ? moment.on_hand->force_n : glm::dvec3(0);
+  constexpr double kLeastForceN = 0.005;  // less is said as 0.00 N
   stage.place_net_force(world_from_center(moment.world_from_part, *scene.shell).position_m, force_n,
-                        glm::length(force_n) > 0 ? 1.2 * radius_m : 0);
+                        glm::length(force_n) >= kLeastForceN ? 1.2 * radius_m : 0);
 }
 
 }  // namespace forcelayer::viewer

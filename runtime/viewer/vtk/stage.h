@@ -1,7 +1,9 @@
 // The three-dimensional things of a picture: scene, layers, part, contacts.
 #pragma once
 
+#include <vtkPlane.h>
 #include <vtkRenderer.h>
+#include <vtkSmartPointer.h>
 
 #include <array>
 #include <cstdint>
@@ -59,6 +61,8 @@ class Stage {
   struct Actors;
   void build_scene(const PicturePlan& plan);
   void draw_meshes();
+  void draw_sections();
+  vtkSmartPointer<vtkPlane> cut_plane(double inwards_m) const;
   void build_layers();
   void build_change(const std::optional<LayerChange>& change);
   void build_part();
@@ -75,7 +79,8 @@ class Stage {
   std::uint64_t most_rectangles_ = 0;  // of one layer
   std::vector<char> hidden_meshes_;    // [meshes of the scene]
   std::vector<char> measured_;         // [meshes of the scene] drawn for themselves
-  HiddenObjects hidden_objects_;       // [objects of the voxmap + 1]; empty: none
+  bool colors_objects_ = false;
+  HiddenObjects hidden_objects_;  // [objects of the voxmap + 1]; empty: none
   std::optional<Cut> cut_;
   ItemSet shown_;
   bool has_quick_ = false, quickly_ = false;

@@ -13,6 +13,7 @@
 
 #include "forcelayer/plugin.h"
 #include "tests/fuzz/clock/truth.h"
+#include "tests/support/wild_write.h"
 
 static const double kForceN = 10, kTorqueNm = 0.1;
 static const double kStaleNs = 5e6, kGrace = 0.4; /* output_watch.h */
@@ -74,22 +75,6 @@ static void move_hand(struct device* d) {
   const double step = 0.01 * (d->goal_turn - d->turn);
   d->turn += step;
   d->turn_radps = step / kDt;
-}
-
-static void write_wildly(int indices) {
-  char line[512];
-  FILE* maps = fopen("/proc/self/maps", "r");
-  while (maps != NULL && fgets(line, sizeof line, maps) != NULL) {
-    unsigned long begin, end;
-    if (strstr(line, "forcelayer-plugin") == NULL || sscanf(line, "%lx-%lx", &begin, &end) != 2) {
-      continue;
-    }
-    if (!indices) memset((void*)begin, 0xff, end - begin);
-    for (unsigned* word = (unsigned*)begin; indices && word < (unsigned*)end; ++word) {
-      if (*word > 0 && *word < 8 && word > (unsigned*)begin + 4) *word = 0x7fffffff;
-    }
-  }
-  if (maps != NULL) fclose(maps);
 }
 
 static void sleep_ms(long ms) {

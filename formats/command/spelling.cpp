@@ -1,0 +1,41 @@
+#include "formats/command/spelling.h"
+
+#include <algorithm>
+#include <iterator>
+#include <numeric>
+#include <vector>
+
+namespace forcelayer::command {
+
+std::size_t spelling_distance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> before, last(b.size() + 1), row(b.size() + 1);
+  std::iota(last.begin(), last.end(), std::size_t{0});
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      row[j] = std::min({last[j] + 1, row[j - 1] + 1, last[j - 1] + (a[i - 1] != b[j - 1])});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) {
+        row[j] = std::min(row[j], before[j - 2] + 1);
+      }
+    }
+    before = std::exchange(last, row);
+  }
+  return last.back();
+}
+
+void NearestNames::add(const std::string& path) {
+  constexpr std::size_t kListed = 5;
+  const std::string_view label = std::string_view(path).substr(path.rfind('/') + 1);
+  nearest_.emplace(std::min(spelling_distance(name_, path), spelling_distance(name_, label)), path);
+  if (nearest_.size() > kListed) nearest_.erase(std::prev(nearest_.end()));
+}
+
+std::string NearestNames::text(const std::string& more) const {
+  std::string text;
+  for (const auto& [distance, path] : nearest_) {
+    text += (text.empty() ? "the nearest are: " : ", ") + path;
+  }
+  return text + (text.empty() || more.empty() ? "" : "; ") + more;
+}
+
+}  // namespace forcelayer::command
