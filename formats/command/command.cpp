@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cstdint>
 #include <cstdio>
 #include <cstring>
 #include <exception>
@@ -18,6 +19,13 @@
 #include "formats/command/progress_line.h"
 #include "formats/command/report.h"
 #include "formats/file/temporary_files.h"
+
+// Highway 1.0 measures the resolution of its timer whenever it is loaded: 4 ms of every command,
+// for a benchmark that nobody runs. The loader takes this function in place of Highway's.
+namespace hwy::platform {
+[[gnu::weak, gnu::visibility("default")]] std::uint64_t TimerResolution();
+std::uint64_t TimerResolution() { return 1; }
+}  // namespace hwy::platform
 
 namespace forcelayer::command {
 namespace {

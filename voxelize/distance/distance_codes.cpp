@@ -64,15 +64,22 @@ class NodeMeasurement {
   }
 
  private:
+  // Byte z is 255 where bit z of `bits` is set, and 0 elsewhere.
+  static std::uint64_t bytes_of_bits(unsigned bits) {
+    constexpr std::uint64_t kOnes = 0x0101010101010101;
+    const std::uint64_t chosen = (bits * kOnes) & 0x8040201008040201;
+    return ((chosen + 0x7f * kOnes) >> 7 & kOnes) * 0xff;
+  }
+
   // The codes of brick n for writing. At first they read as if no surface were near.
   std::uint8_t* measured(unsigned n) {
     std::uint8_t* codes = node_.codes.data() + n * kBrickVoxels;
     if (test(node_.measured, n)) return codes;
     set(node_.measured, n);
+    static_assert(kMostDistanceCode == 0xff);
     for (unsigned row = 0; row < 64; ++row) {
-      const unsigned bits = node_.solid_row(n, row);
-      for (unsigned z = 0; z < 8; ++z)
-        codes[8 * row + z] = (bits >> z & 1) != 0 ? 0 : kMostDistanceCode;
+      const std::uint64_t open = ~bytes_of_bits(node_.solid_row(n, row));
+      std::memcpy(codes + 8 * row, &open, 8);
     }
     return codes;
   }
@@ -158,22 +165,35 @@ class NodeMeasurement {
 
   // Whether one of the voxels that sees_inside() looks at lies inside.
   bool has_inside_around(const std::array<int, 3>& voxel) const {
+    constexpr int kFar = LinesOfSight::kFar;
+    std::array<int, 3> low, high;  // of those in the node
     bool in_node = true;
-    for (const int x : voxel) in_node &= x >= 2 && x < 62;
-    if (!in_node) {
-      for (int n = 0; n < 125; ++n) {
-        const std::array<int, 3> at{voxel[0] + n / 25 - 2, voxel[1] + n / 5 % 5 - 2,
-                                    voxel[2] + n % 5 - 2};
-        if (side_of(at) == Side::kInside) return true;
-      }
-      return false;
+    for (std::size_t d = 0; d < 3; ++d) {
+      low[d] = std::max(voxel[d] - kFar, 0);
+      high[d] = std::min(voxel[d] + kFar, 63);
+      in_node &= high[d] - low[d] == 2 * kFar;
     }
     std::uint64_t any = 0;
-    for (int x = voxel[0] - 2; x <= voxel[0] + 2; ++x) {
-      const std::uint64_t* rows = node_.solid.data() + x * 64 + voxel[1];
-      any |= rows[-2] | rows[-1] | rows[0] | rows[1] | rows[2];
+    for (int x = low[0]; x <= high[0]; ++x) {
+      for (int y = low[1]; y <= high[1]; ++y)
+        any |= node_.solid[static_cast<std::size_t>(x * 64 + y)];
     }
-    return (any >> (voxel[2] - 2) & 31) != 0;
+    if ((any >> low[2] & ((std::uint64_t{2} << (high[2] - low[2])) - 1)) != 0) return true;
+    return !in_node && has_inside_beside(voxel);
+  }
+
+  // The same of those that lie in other nodes.
+  bool has_inside_beside(const std::array<int, 3>& voxel) const {
+    constexpr int kFar = LinesOfSight::kFar;
+    for (int x = voxel[0] - kFar; x <= voxel[0] + kFar; ++x) {
+      for (int y = voxel[1] - kFar; y <= voxel[1] + kFar; ++y) {
+        for (int z = voxel[2] - kFar; z <= voxel[2] + kFar; ++z) {
+          if (((x | y | z) & ~63) == 0) continue;
+          if (interior_->isValueOn(origin_ + masks::Coord(x, y, z))) return true;
+        }
+      }
+    }
+    return false;
   }
 
   // Whether the nearest voxels without surface that a voxel's center sees all lie inside.

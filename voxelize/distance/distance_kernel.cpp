@@ -128,63 +128,166 @@ class EightPoints {
   float step_;
 };
 
-// The least of an open feature's squared distances; of the others they are out of the way.
+// Numbers that near_eighths() keeps of a triangle for each eighth: the squared distance of the
+// eighth's middle, and the way there from the foot along x, y and z.
+constexpr std::size_t kNumbers = 4;
+
+// Rounding may move the foot of a place at distance d within the triangle by sqrt(2 e d), where e,
+// kRounding, is the error of the distance. That turns the way there by sqrt(2 e / d), which is at
+// most e / (kTurn d) + kTurn / 2.
+constexpr float kRounding = 1e-4f * static_cast<float>(lattice::kSnapUnits), kTurn = 0.01f;
+
+// A triangle that is nearer by this surely counts as nearer.
+constexpr float kNearerBy = 2 * kDistanceErrorVoxels * static_cast<float>(lattice::kSnapUnits);
+
+// The way to points from their feet, their nearest points in a triangle, and its squared length.
+// Not rounded as NearestTriangles does.
+struct WayFromFoot {
+  V x, y, z;
+  V squared;
+};
+
+HWY_INLINE V fused_dot(const std::array<float, 3>& a, V x, V y, V z) {
+  return hn::MulAdd(set(a[0]), x, hn::MulAdd(set(a[1]), y, hn::Mul(set(a[2]), z)));
+}
+HWY_INLINE WayFromFoot way_from_foot(const PreparedTriangle& t, V px, V py, V pz) {
+  const V x = hn::Sub(px, set(t.corner[0])), y = hn::Sub(py, set(t.corner[1])),
+          z = hn::Sub(pz, set(t.corner[2]));
+  const V u = fused_dot(t.along, x, y, z), v = fused_dot(t.across, x, y, z),
+          height = fused_dot(t.normal, x, y, z);
+  const V x2 = set(t.direction_2[0]), y2 = set(t.direction_2[1]), x3 = set(t.direction_3[0]),
+          y3 = set(t.direction_3[1]), u3 = hn::Sub(u, set(t.length_1));
+  // In the plane: to the left of each edge, and beyond its ends.
+  const V left_2 = hn::MulSub(x2, v, hn::Mul(y2, u)), left_3 = hn::MulSub(x3, v, hn::Mul(y3, u3));
+  const auto beyond = [](V along, float length) HWY_ATTR {
+    return hn::Sub(along, hn::Min(hn::Max(along, hn::Zero(kF)), set(length)));
+  };
+  const V off_1 = beyond(u, t.length_1),
+          off_2 = beyond(hn::MulAdd(x2, u, hn::Mul(y2, v)), t.length_2),
+          off_3 = beyond(hn::MulAdd(x3, u3, hn::Mul(y3, v)), t.length_3);
+  const V from_1 = hn::MulAdd(off_1, off_1, hn::Mul(v, v)),
+          from_2 = hn::MulAdd(off_2, off_2, hn::Mul(left_2, left_2)),
+          from_3 = hn::MulAdd(off_3, off_3, hn::Mul(left_3, left_3));
+  const auto second = hn::Lt(from_2, from_1);
+  const V of_two = hn::Min(from_1, from_2);
+  const auto third = hn::Lt(from_3, of_two);
+  const auto outside = hn::Lt(hn::Min(hn::Min(v, hn::Neg(left_2)), left_3), set(kInsideTolerance));
+  // From the nearest edge.
+  const auto choose = [&](V at_1, V at_2, V at_3) HWY_ATTR {
+    return hn::IfThenElse(third, at_3, hn::IfThenElse(second, at_2, at_1));
+  };
+  const V off = hn::IfThenElseZero(outside, choose(off_1, off_2, off_3)),
+          left = hn::IfThenElseZero(outside, choose(v, left_2, left_3)),
+          dx = choose(set(1), x2, x3), dy = choose(hn::Zero(kF), y2, y3);
+  const V along = hn::MulSub(off, dx, hn::Mul(left, dy)),
+          across = hn::MulAdd(off, dy, hn::Mul(left, dx));
+  const auto axis = [&](std::size_t k) HWY_ATTR {
+    return hn::MulAdd(along, set(t.along[k]),
+                      hn::MulAdd(across, set(t.across[k]), hn::Mul(height, set(t.normal[k]))));
+  };
+  WayFromFoot way;
+  way.x = axis(0);
+  way.y = axis(1);
+  way.z = axis(2);
+  way.squared = hn::MulAdd(height, height, hn::IfThenElseZero(outside, hn::Min(of_two, from_3)));
+  return way;
+}
+
 constexpr float kFarAway = 1e30f;
-HWY_INLINE V if_open(const PreparedTriangle& t, unsigned bit, V squared) {
-  return hn::Max(squared, set((t.open >> bit & 1) != 0 ? 0.0f : kFarAway));
+
+// Calls at(k, value) for the eight corners of a cube, corner k = x*4 + y*2 + z, with the values of
+// a linear function that is `middle` at the cube's middle and grows by x, y and z to its faces.
+template <class At>
+HWY_INLINE void at_corners(V middle, V x, V y, V z, const At& at) {
+  const V high = hn::Add(middle, z), low = hn::Sub(middle, z), sum = hn::Add(x, y),
+          difference = hn::Sub(x, y);
+  at(0, hn::Sub(low, sum));
+  at(1, hn::Sub(high, sum));
+  at(2, hn::Sub(low, difference));
+  at(3, hn::Sub(high, difference));
+  at(4, hn::Add(low, difference));
+  at(5, hn::Add(high, difference));
+  at(6, hn::Add(low, sum));
+  at(7, hn::Add(high, sum));
 }
 
-// Where the points' surroundings, `around` lattice units to every side, lie so far beside the
-// triangle that others are nearer there (claims.h).
-HWY_INLINE hn::Mask<decltype(kF)> is_beside(const PreparedTriangle& t,
-                                            const TriangleCoordinates& at, const PlanarDistances& d,
-                                            float around, float margin) {
-  constexpr float kOpenRadius = kOpenRadiusVoxels * static_cast<float>(lattice::kSnapUnits);
-  const V beside = hn::Sqrt(d.planar);
-  const V most = hn::Add(hn::Mul(set(t.slope), hn::Add(hn::Abs(at.height), set(around))),
-                         set(margin + around));
-  auto result = hn::Gt(beside, most);
-  if (t.open == 0) return result;
-  // The nearest points of the surroundings are within `around` of the point's own.
-  const auto square = [](V v) HWY_ATTR { return hn::Mul(v, v); };
-  const V edges =
-      hn::Min(hn::Min(if_open(t, 0, d.from_1), if_open(t, 1, d.from_2)), if_open(t, 2, d.from_3));
-  const V off_edges = hn::Add(beside, set(around + margin));
-  result = hn::And(result, hn::Gt(edges, square(off_edges)));
-  const V v2 = square(at.v);
-  const V corner_0 = hn::Add(square(at.u), v2),
-          corner_1 = hn::Add(square(hn::Sub(at.u, set(t.length_1))), v2),
-          corner_2 = hn::Add(square(hn::Sub(at.along_2, set(t.length_2))), square(at.left_2));
-  const V corners =
-      hn::Min(hn::Min(if_open(t, 3, corner_0), if_open(t, 4, corner_1)), if_open(t, 5, corner_2));
-  return hn::And(result, hn::Gt(corners, square(hn::Add(off_edges, set(kOpenRadius)))));
-}
-
-// For each triangle the cells that it may be the nearest to, as bits. `squared` is scratch space of
-// eight numbers a triangle.
+// For each triangle the cells that it may be the nearest to, as bits. `at_corner` becomes the
+// squared distances of the cells' corners from the triangles nearest to their middles: [cells][8].
+// In `scratch` is room for kNumbers numbers a triangle and eighth.
+//
+// A triangle is convex: it lies beyond the plane through the foot of the middle that stands across
+// the way there. So its distance from a place is at least that from the plane, which is linear. The
+// distance from the triangle nearest to the middle is a convex function. So where it is less at the
+// corners, it is less in all of the cell.
 void near_eighths(const PreparedTriangle* const* triangles, std::size_t count,
-                  const EightCells& cells, float margin, float* squared, std::uint8_t* bits) {
+                  const EightCells& cells, float* scratch, std::uint8_t* bits,
+                  std::uint32_t* nearest, float* at_corner) {
   const EightPoints middles(cells.first, cells.step);
   std::fill_n(bits, count, std::uint8_t{0});
+  HWY_ALIGN float limits[kEighths];
   for (std::size_t n = 0; n < kEighths; n += lanes()) {
     const V x = middles.x(n), y = middles.y(n), z = middles.z(n);
     V least = set(kFarAway);
+    auto least_at = hn::Zero(kU);
     for (std::size_t i = 0; i < count; ++i) {
-      const PreparedTriangle& t = *triangles[i];
-      const TriangleCoordinates at = from_triangle(t, x, y, z);
-      const PlanarDistances planar = planar_distances(t, at);
-      V d = hn::Add(planar.planar, hn::Mul(at.height, at.height));
-      least = hn::Min(least, d);
-      if (t.open != Claim::kAllOpen) {
-        d = hn::IfThenElse(is_beside(t, at, planar, cells.around, margin), set(kFarAway), d);
-      }
-      hn::StoreU(d, kF, squared + kEighths * i + n);
+      const WayFromFoot way = way_from_foot(*triangles[i], x, y, z);
+      const auto nearer = hn::RebindMask(kU, hn::Lt(way.squared, least));
+      least_at = hn::IfThenElse(nearer, hn::Set(kU, static_cast<std::uint32_t>(i)), least_at);
+      least = hn::Min(way.squared, least);
+      float* out = scratch + kNumbers * kEighths * i + n;
+      hn::StoreU(way.squared, kF, out);
+      hn::StoreU(way.x, kF, out + kEighths);
+      hn::StoreU(way.y, kF, out + 2 * kEighths);
+      hn::StoreU(way.z, kF, out + 3 * kEighths);
     }
+    hn::StoreU(least_at, kU, nearest + n);
     const V reach = hn::LoadU(kF, cells.reach.data() + n), around = set(cells.around);
-    V limit = hn::Add(hn::Min(reach, hn::Add(hn::Sqrt(least), around)), around);
-    limit = hn::IfThenElse(hn::Lt(reach, hn::Zero(kF)), set(-1), hn::Mul(limit, limit));
+    const V limit = hn::Add(hn::Min(reach, hn::Add(hn::Sqrt(least), around)), around);
+    hn::Store(hn::IfThenElse(hn::Lt(reach, hn::Zero(kF)), set(-1), hn::Mul(limit, limit)), kF,
+              limits + n);
+  }
+  // What a triangle's distance must be at most at a corner.
+  HWY_ALIGN float most[8][kEighths];
+  const EightPoints corners({-cells.span, -cells.span, -cells.span}, 2 * cells.span);
+  for (std::size_t e = 0; e < kEighths; ++e) {
+    const PreparedTriangle& t = *triangles[nearest[e]];
+    const EightPoints places({cells.first[0] - cells.span + ((e & 4) != 0 ? cells.step : 0),
+                              cells.first[1] - cells.span + ((e & 2) != 0 ? cells.step : 0),
+                              cells.first[2] - cells.span + ((e & 1) != 0 ? cells.step : 0)},
+                             2 * cells.span);
+    HWY_ALIGN float roots[8];
+    for (std::size_t n = 0; n < 8; n += lanes()) {
+      const V d = squared_distance(t, from_triangle(t, places.x(n), places.y(n), places.z(n)));
+      hn::StoreU(d, kF, at_corner + 8 * e + n);
+      hn::Store(hn::Add(hn::Sqrt(d), set(kNearerBy)), kF, roots + n);
+    }
+    for (std::size_t k = 0; k < 8; ++k) most[k][e] = roots[k];
+  }
+  for (std::size_t n = 0; n < kEighths; n += lanes()) {
+    const V limit = hn::Load(kF, limits + n),
+            reach = hn::Add(hn::LoadU(kF, cells.reach.data() + n), set(kNearerBy));
+    const V turned = set(kTurn / 2 * cells.around),
+            turned_near = set(kRounding / kTurn * cells.around);
     for (std::size_t i = 0; i < count; ++i) {
-      const auto near = hn::Le(hn::LoadU(kF, squared + kEighths * i + n), limit);
+      const float* in = scratch + kNumbers * kEighths * i + n;
+      const V squared = hn::LoadU(kF, in);
+      auto near = hn::Le(squared, limit);
+      if (hn::AllFalse(kF, near)) continue;
+      const V inverse = hn::Div(set(1), hn::Max(hn::Sqrt(squared), set(1)));
+      const V share = hn::Mul(inverse, set(cells.span));
+      const V by_x = hn::Mul(hn::LoadU(kF, in + kEighths), share),
+              by_y = hn::Mul(hn::LoadU(kF, in + 2 * kEighths), share),
+              by_z = hn::Mul(hn::LoadU(kF, in + 3 * kEighths), share),
+              middle = hn::MulSub(hn::Sub(squared, turned_near), inverse, turned);
+      const V lowest =
+          hn::Sub(middle, hn::Add(hn::Abs(by_x), hn::Add(hn::Abs(by_y), hn::Abs(by_z))));
+      near = hn::And(near, hn::Le(lowest, reach));
+      if (hn::AllFalse(kF, near)) continue;
+      V gap = set(kFarAway);
+      at_corners(middle, by_x, by_y, by_z, [&](std::size_t k, V distance) HWY_ATTR {
+        gap = hn::Min(gap, hn::Sub(distance, hn::Load(kF, most[k] + n)));
+      });
+      near = hn::And(near, hn::Le(gap, hn::Zero(kF)));
       bits[i] = static_cast<std::uint8_t>(bits[i] | bits_of(near) << n);
     }
   }
@@ -199,34 +302,35 @@ HWY_INLINE std::uint64_t near_of(const std::uint8_t* eighths, std::size_t eighth
 }
 
 // The nearest triangle of each point of an eighth, among the triangles near it: its squared
-// distance and its number, with the highest bit set where several are equally near. Eight zero
-// bytes must follow the bytes in `eighths`.
+// distance and its number, with the highest bit set where several are equally near. Begins with
+// triangle `begin`, at the squared distances `least`. Eight zero bytes must follow the bytes in
+// `eighths`.
 HWY_INLINE void nearest_of(const PreparedTriangle* const* triangles, const std::uint8_t* eighths,
                            std::size_t count, std::size_t eighth, const EightPoints& points,
-                           float* least, std::uint32_t* which) {
+                           std::size_t begin, const float* at_begin, float* least,
+                           std::uint32_t* which) {
+  const auto flag = hn::Set(kU, std::uint32_t{1} << 31);
   for (std::size_t n = 0; n < kEighths; n += lanes()) {
     const V x = points.x(n), y = points.y(n), z = points.z(n);
-    V best = set(kFarAway);
-    auto best_at = hn::Zero(kU);
-    auto tied = hn::Lt(best, best);
+    V best = hn::LoadU(kF, at_begin + n);
+    auto best_at = hn::Set(kU, static_cast<std::uint32_t>(begin));
     for (std::size_t first = 0; first < count; first += 64) {
       std::uint64_t near = 0;
       const std::size_t end = std::min<std::size_t>(count - first, 64);
       for (std::size_t i = 0; i < end; i += 8) near |= near_of(eighths + first + i, eighth) << i;
+      if (begin - first < 64) near &= ~(std::uint64_t{1} << (begin - first));
       for (; near != 0; near &= near - 1) {
         const std::size_t i = first + static_cast<std::size_t>(std::countr_zero(near));
         const PreparedTriangle& t = *triangles[i];
         const V d = squared_distance(t, from_triangle(t, x, y, z));
-        const auto better = hn::Lt(d, best);
-        tied = hn::Or(hn::AndNot(better, tied), hn::Eq(d, best));
-        best = hn::IfThenElse(better, d, best);
-        best_at = hn::IfThenElse(hn::RebindMask(kU, better),
-                                 hn::Set(kU, static_cast<std::uint32_t>(i)), best_at);
+        const auto better = hn::RebindMask(kU, hn::Lt(d, best));
+        const auto tied = hn::IfThenElseZero(hn::RebindMask(kU, hn::Eq(d, best)), flag);
+        best_at = hn::IfThenElse(better, hn::Set(kU, static_cast<std::uint32_t>(i)),
+                                 hn::Or(best_at, tied));
+        best = hn::Min(d, best);
       }
     }
     hn::StoreU(best, kF, least + n);
-    const auto flag = hn::Set(kU, std::uint32_t{1} << 31);
-    best_at = hn::IfThenElse(hn::RebindMask(kU, tied), hn::Or(best_at, flag), best_at);
     hn::StoreU(best_at, kU, which + n);
   }
 }
@@ -248,7 +352,8 @@ std::uint32_t first_at(const PreparedTriangle* const* triangles, const std::uint
 }
 
 void nearest(const PreparedTriangle* const* triangles, const std::uint8_t* eighths,
-             std::size_t count, const PointCube& cube, float* least, std::uint32_t* which) {
+             std::size_t count, const PointCube& cube, const std::uint32_t* begin,
+             const float* at_begin, float* least, std::uint32_t* which) {
   for (std::size_t n = 0; n < kEighths; ++n) {
     const std::size_t low[3] = {2 * (n >> 2), 2 * (n >> 1 & 1), 2 * (n & 1)};
     std::array<float, 3> first;
@@ -257,7 +362,8 @@ void nearest(const PreparedTriangle* const* triangles, const std::uint8_t* eight
     }
     float near[kEighths];
     std::uint32_t number[kEighths];
-    nearest_of(triangles, eighths, count, n, EightPoints(first, cube.step), near, number);
+    nearest_of(triangles, eighths, count, n, EightPoints(first, cube.step), begin[n],
+               at_begin + 8 * n, near, number);
     for (std::size_t pair = 0; pair < kEighths / 2; ++pair) {
       const std::size_t to = (low[0] + (pair >> 1)) * 16 + (low[1] + (pair & 1)) * 4 + low[2];
       hwy::CopyBytes<8>(near + 2 * pair, least + to);
@@ -309,6 +415,8 @@ Vec minus(const Vec& a, const Vec& b) { return {a[0] - b[0], a[1] - b[1], a[2] -
 double dot(const Vec& a, const Vec& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 Vec widened(const std::array<float, 3>& v) { return {v[0], v[1], v[2]}; }
 
+constexpr auto kUnits = static_cast<float>(lattice::kSnapUnits);
+
 }  // namespace
 
 void squared_distances(TriangleList triangles, const PointCube& points, CubeValues* squared,
@@ -323,32 +431,26 @@ void bits_within(const CubeValues* values, std::size_t count, const CubeValues& 
 
 void NearEighths::find(TriangleList triangles, const std::array<int, 3>& low, int edge,
                        const std::array<float, kEighths>& reach) {
-  constexpr auto kUnits = static_cast<float>(lattice::kSnapUnits);
+  constexpr std::size_t kNumbers = 4;  // a triangle and eighth
   EightCells cells;
   cells.step = static_cast<float>(edge) * kUnits;
   for (std::size_t d = 0; d < 3; ++d) {
     cells.first[d] = static_cast<float>(low[d]) * kUnits + cells.step / 2;
   }
   cells.around = (half_diagonal(edge) + kDistanceErrorVoxels) * kUnits;
+  cells.span = static_cast<float>(edge - 1) / 2 * kUnits;
   cells.reach = reach;
-  find(triangles, cells);
-}
-
-void NearEighths::find(TriangleList triangles, const EightCells& cells) {
-  constexpr auto kUnits = static_cast<float>(lattice::kSnapUnits);
-  const std::size_t count = triangles.size();
-  if (squared_.size() < kEighths * count) squared_.resize(2 * kEighths * count);
+  const std::size_t count = triangles.size(), numbers = kNumbers * kEighths * count;
+  if (scratch_.size() < numbers) scratch_.resize(2 * numbers);
   bits_.resize(std::max(bits_.size(), count + 8));
-  const float most = *std::max_element(cells.reach.begin(), cells.reach.end()) / kUnits;
-  const float margin = (claim_margin_voxels(most) + kDistanceErrorVoxels) * kUnits;
   HWY_DYNAMIC_DISPATCH(near_eighths)
-  (triangles.data(), count, cells, margin, squared_.data(), bits_.data());
+  (triangles.data(), count, cells, scratch_.data(), bits_.data(), nearest_.data(),
+   at_corner_.data());
   std::fill_n(bits_.data() + count, 8, std::uint8_t{0});
 }
 
 void NearestTriangles::find(TriangleList triangles, const std::array<int, 3>& low,
                             const std::array<float, kEighths>& reach) {
-  constexpr auto kUnits = static_cast<float>(lattice::kSnapUnits);
   triangles_ = triangles;
   cube_.step = kUnits;
   for (std::size_t d = 0; d < 3; ++d) {
@@ -356,7 +458,8 @@ void NearestTriangles::find(TriangleList triangles, const std::array<int, 3>& lo
   }
   near_.find(triangles, low, 2, reach);
   HWY_DYNAMIC_DISPATCH(nearest)
-  (triangles.data(), near_.bits(), triangles.size(), cube_, least_.data(), which_.data());
+  (triangles.data(), near_.bits(), triangles.size(), cube_, near_.nearest(), near_.at_corners(),
+   least_.data(), which_.data());
 }
 
 std::uint32_t NearestTriangles::first_tied(std::size_t point) const {

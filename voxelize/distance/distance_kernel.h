@@ -54,28 +54,34 @@ struct EightCells {
   std::array<float, 3> first;  // the lowest cell's middle
   float step;                  // from one cell's middle to the next
   float around;  // the places that count are at most this far from their cell's middle
+  float span;    // and along each axis at most this far
   std::array<float, kEighths> reach;  // farther triangles do not matter; negative: none does
 };
 
 // Which triangles may be the nearest to which eighths of a cell.
 class NearEighths {
  public:
-  void find(TriangleList triangles, const EightCells& cells);
   // The centers of voxels in the eighths, of `edge` voxels, of the cell at voxel `low` of a node.
+  // `reach` as in EightCells.
   void find(TriangleList triangles, const std::array<int, 3>& low, int edge,
             const std::array<float, kEighths>& reach);
 
   // As bits, the eighths in which triangle i of the list may be the nearest to a place, within the
   // reach. In every other eighth, and for every place within reach, another triangle is nearer by
-  // more than kDistanceErrorVoxels, or another triangle of the same object is nearer by so much
-  // that the kernels see it (claims.h).
+  // more than kDistanceErrorVoxels.
   unsigned eighths(std::size_t i) const { return bits_[i]; }
 
   const std::uint8_t* bits() const { return bits_.data(); }  // [triangles], and 8 zero bytes
+  // The triangles nearest to the eighths' middles: numbers in the list, [eighths]. Their squared
+  // distances from the outermost voxel centers of the eighth: [eighths][x][y][z].
+  const std::uint32_t* nearest() const { return nearest_.data(); }
+  const float* at_corners() const { return at_corner_.data(); }
 
  private:
-  std::vector<float> squared_;  // [triangles][eighths] from the eighths' middles
+  std::vector<float> scratch_;  // of near_eighths()
   std::vector<std::uint8_t> bits_;
+  std::array<std::uint32_t, kEighths> nearest_;
+  std::array<float, 8 * kEighths> at_corner_;
 };
 
 // The nearest triangle of each voxel's center in a cell of 4^3 voxels, and its squared distance.

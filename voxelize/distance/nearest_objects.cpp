@@ -32,8 +32,11 @@ void ObjectChoice::add(const std::array<int, 3>& low, TriangleList list,
   const auto brick = static_cast<unsigned>((low[0] >> 3) << 6 | (low[1] >> 3) << 3 | low[2] >> 3);
   const auto cell = static_cast<unsigned>((low[0] & 4) + (low[1] >> 1 & 2) + (low[2] >> 2 & 1));
   std::uint32_t& of_cell = of_cell_[brick * kCells + cell];
-  if (one_object_) {
-    of_cell = numbers_[list[0]->object];
+  const std::uint32_t object = list[0]->object;
+  if (one_object_ || std::all_of(list.begin(), list.end(), [&](const PreparedTriangle* triangle) {
+        return triangle->object == object;
+      })) {
+    of_cell = numbers_[object];
     return;
   }
   // The object of each eighth, and the eighths that several objects are near to.
@@ -42,9 +45,9 @@ void ObjectChoice::add(const std::array<int, 3>& low, TriangleList list,
   for (std::size_t i = 0; i < list.size(); ++i) {
     for (unsigned bits = nearest.measured_in(i) & ~several; bits != 0; bits &= bits - 1) {
       const unsigned bit = bits & -bits;
-      std::uint32_t& object = objects[static_cast<std::size_t>(std::countr_zero(bits))];
-      if ((any & bit) == 0) object = list[i]->object;
-      if (object != list[i]->object) several |= bit;
+      std::uint32_t& first = objects[static_cast<std::size_t>(std::countr_zero(bits))];
+      if ((any & bit) == 0) first = list[i]->object;
+      if (first != list[i]->object) several |= bit;
       any |= bit;
     }
   }

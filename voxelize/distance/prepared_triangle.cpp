@@ -209,8 +209,6 @@ void TriangleBatch::flush() {
     std::memcpy(&triangle, numbers.data(), sizeof numbers);
     triangle.source = sources_[i];
     triangle.object = objects_[i];
-    triangle.slope = static_cast<float>(claims_[i].slope) / 128;
-    triangle.open = claims_[i].open;
   }
   count_ = 0;
 }

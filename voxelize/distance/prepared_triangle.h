@@ -6,8 +6,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "voxelize/distance/claims.h"
-
 namespace forcelayer::distance {
 
 // In lattice units, from an origin that lies a whole number of voxels from the world's. Only
@@ -26,8 +24,6 @@ struct PreparedTriangle {
   float length_2, length_3;
   std::uint32_t source;  // the triangle's number in its object
   std::uint32_t object;  // its object's number in SceneTriangles, from 0 on
-  float slope;           // of its claim
-  std::uint32_t open;    // of its claim
 };
 
 // An order of triangles that a shift of the whole scene by whole voxels does not change.
@@ -49,13 +45,12 @@ class TriangleBatch {
 
   // Corners, counted from the origin of PreparedTriangle. Their order does not matter.
   void add(const std::array<std::array<double, 3>, 3>& corners, std::uint32_t source,
-           std::uint32_t object, const Claim& claim) {
+           std::uint32_t object) {
     for (std::size_t k = 0; k < 3; ++k) {
       for (std::size_t d = 0; d < 3; ++d) corners_[k][d][count_] = corners[k][d];
     }
     sources_[count_] = source;
     objects_[count_] = object;
-    claims_[count_] = claim;
     if (++count_ == kSize) flush();
   }
   void flush();
@@ -72,7 +67,6 @@ class TriangleBatch {
   std::size_t count_ = 0;
   Vectors corners_{};
   std::array<std::uint32_t, kSize> sources_{}, objects_{};
-  std::array<Claim, kSize> claims_{};
 };
 
 }  // namespace forcelayer::distance

@@ -65,7 +65,7 @@ void add_cut(const std::array<Point, 3>& corners, int reach, std::uint32_t sourc
   for (std::size_t i = 2; i < polygon.size(); ++i) {
     std::array<Point, 3> piece{polygon[0], polygon[i - 1], polygon[i]};
     flatten_if_thin(piece);
-    near.add(piece, source, object, Claim{});
+    near.add(piece, source, object);
   }
 }
 
@@ -96,11 +96,8 @@ SceneTriangles::SceneTriangles(std::vector<const scan::SnappedObject*> objects, 
     Bin bin;
   };
   bins_.resize(objects_.size());
-  claims_.resize(objects_.size());
-  tbb::parallel_for(std::size_t{0}, objects_.size(), [&](std::size_t i) {
-    bins_[i] = scan::bin_triangles(*objects_[i], reach);
-    claims_[i] = claims_of(*objects_[i]);
-  });
+  tbb::parallel_for(std::size_t{0}, objects_.size(),
+                    [&](std::size_t i) { bins_[i] = scan::bin_triangles(*objects_[i], reach); });
   std::vector<Place> places;
   for (std::uint32_t i = 0; i < bins_.size(); ++i) {
     const std::vector<scan::NodeIndex>& nodes = bins_[i].nodes;
@@ -157,7 +154,7 @@ void SceneTriangles::gather(const scan::NodeIndex& node,
       if (is_large(triangle)) {
         add_cut(corners, reach_, number, object, batch);
       } else {
-        batch.add(corners, number, object, claims_[object][number]);
+        batch.add(corners, number, object);
       }
     }
   }

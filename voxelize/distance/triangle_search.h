@@ -52,10 +52,9 @@ class SceneTriangles {
 
   std::vector<const scan::SnappedObject*> objects_;
   int reach_;
-  std::vector<scan::NodeBins> bins_;        // [objects]
-  std::vector<std::vector<Claim>> claims_;  // [objects][triangles]
-  std::vector<scan::NodeIndex> nodes_;      // [n]
-  std::vector<std::size_t> first_;          // [n + 1] offsets into of_node_
+  std::vector<scan::NodeBins> bins_;    // [objects]
+  std::vector<scan::NodeIndex> nodes_;  // [n]
+  std::vector<std::size_t> first_;      // [n + 1] offsets into of_node_
   std::vector<Bin> of_node_;
   std::size_t most_near_ = 0;  // the most that count_near() gives
 };
