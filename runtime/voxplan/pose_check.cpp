@@ -15,9 +15,10 @@ using clearance::SeatStretch;
 
 constexpr double kRefusedVoxels = 1;  // of travel around a pose that is refused
 
-// Beyond the stored reach a search tells distances, which takes long, and no rule needs it.
+// As far as check_path() looks: with a lesser cap a search tells some distances less, and the part
+// could not even be where it starts.
 double cap_voxels(const Problem& problem, double required_voxels) {
-  return std::max(required_voxels + 1, clearance::reach_voxels(problem.scene.header()));
+  return std::max(required_voxels + 2, clearance::reach_voxels(problem.scene.header())) + 1;
 }
 
 LeftOut with_seat(LeftOut left_out, const std::optional<SeatStretch>& seat) {
