@@ -21,6 +21,12 @@ double cap_voxels(const Problem& problem, double required_voxels) {
   return std::max(required_voxels + 2, clearance::reach_voxels(problem.scene.header())) + 1;
 }
 
+// No farther than distances are stored, where that is enough: nothing need be searched for.
+double clear_cap_voxels(const Problem& problem, double required_voxels) {
+  const double reach = clearance::reach_voxels(problem.scene.header());
+  return required_voxels + 2 <= reach ? reach : cap_voxels(problem, required_voxels);
+}
+
 LeftOut with_seat(LeftOut left_out, const std::optional<SeatStretch>& seat) {
   if (!seat) return left_out;
   for (const field::SeatObject& object : seat->objects()) {
@@ -51,7 +57,8 @@ PoseCheck::PoseCheck(const Problem& problem, std::optional<SeatStretch> seat)
       required_(problem.scene, problem.part, problem.clearance_m),
       seat_(std::move(seat)),
       but_seat_(with_seat(problem.allowed, seat_)),
-      clear_(problem.scene, problem.part, problem.allowed, cap_voxels(problem, required_.voxels())),
+      clear_(problem.scene, problem.part, problem.allowed,
+             clear_cap_voxels(problem, required_.voxels())),
       in_seat_(problem.scene, problem.part, but_seat_, cap_voxels(problem, required_.voxels())) {}
 
 bool PoseCheck::holds(Rule rule, const Pose& pose) {
@@ -129,7 +136,8 @@ bool PoseCheck::is_kept(Rule rule, const Pose& from, const Pose& to) {
 double PoseCheck::clearance_m(const Pose& pose) {
   ++tested_;
   clear_.forget();
-  return required_.clearance_m(clear_.at(pose, 0, cap_voxels(problem_, required_.voxels())).voxels);
+  const double cap = clear_cap_voxels(problem_, required_.voxels());
+  return required_.clearance_m(clear_.at(pose, 0, cap).voxels);
 }
 
 std::uint32_t PoseCheck::met(Rule rule, const Pose& from, const Pose& to) {
