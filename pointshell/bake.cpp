@@ -80,6 +80,10 @@ constexpr double kSecondsPerPoint = 85e-6, kSecondsPerTriangle = 20e-6, kSeconds
 // where it has no area to speak of, and their proof takes more memory.
 constexpr double kNeedle = 64;
 constexpr double kPointsPerNeedleCell = 2.5, kBytesPerNeedlePoint = 900;
+// Open edges, by their length in radii: rows of points run along them, and their losses are proven
+// in small pieces. Edges of triangles smaller than a radius are no more than a few to a point.
+constexpr double kPointsPerOpenRadius = 0.5, kSecondsPerOpenRadius = 350e-6;
+constexpr double kBytesPerOpenRadius = 1750, kMostOpenRadiiPerPoint = 3;
 // Triangles of copies are read and placed, and give normals to the points.
 constexpr double kBytesPerCopied = 175, kSecondsPerCopied = 9e-6;
 // The most points that a method needs, as a multiple of the planar bound.
@@ -108,6 +112,26 @@ std::size_t count_patches(const part::Part& part, std::span<const std::uint32_t>
     }
   }
   return patches;
+}
+
+// The length of the edges that only one triangle has, of triangles that are no copies.
+double open_length(const part::Part& part, std::span<const std::uint32_t> originals) {
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;
+  for (std::uint32_t t = 0; t < part.triangles.size(); ++t) {
+    if (originals[t] != t) continue;
+    for (int n = 0; n < 3; ++n) {
+      edges.push_back(
+          std::minmax<std::uint32_t>(part.triangles[t][n], part.triangles[t][(n + 1) % 3]));
+    }
+  }
+  std::sort(edges.begin(), edges.end());
+  double length = 0;
+  for (std::size_t n = 0; n < edges.size(); ++n) {
+    if (n > 0 && edges[n - 1] == edges[n]) continue;
+    if (n + 1 < edges.size() && edges[n + 1] == edges[n]) continue;
+    length += part::length(part.vertices[edges[n].first] - part.vertices[edges[n].second]);
+  }
+  return length;
 }
 
 // The needles of a part: their area, and the cells of two radii that they run through, in which
@@ -418,17 +442,20 @@ BakeCost expected_cost(const part::Part& part, const ShellOptions& options) {
   const double along_needles = needles.points();
   const double copied = static_cast<double>(part.triangles.size()) - once;
   const auto patches = static_cast<double>(count_patches(part, originals));
+  const double points_once = planar_bound(area_once_m2, radius) + along_needles;
+  const double open_radii =
+      std::min(open_length(part, originals) / radius, kMostOpenRadiiPerPoint * points_once);
   const unsigned cores = std::max(1u, std::thread::hardware_concurrency());
   const double threads = options.threads == 0 ? cores : std::min(options.threads, cores);
   BakeCost cost;
-  cost.points = planar_bound(area_m2, radius) + along_needles;
+  cost.points = planar_bound(area_m2, radius) + along_needles + kPointsPerOpenRadius * open_radii;
   cost.seconds =
-      (kSecondsPerPoint * (planar_bound(area_once_m2, radius) + along_needles) +
+      (kSecondsPerPoint * points_once + kSecondsPerOpenRadius * open_radii +
        kSecondsPerTriangle * once + kSecondsPerCopied * copied + kSecondsPerPatch * patches) /
       threads;
-  cost.bytes = kBytesPerPoint * (cost.points - along_needles) +
-               kBytesPerNeedlePoint * along_needles + kBytesPerTriangle * once +
-               kBytesPerCopied * copied + kBytesPerPatch * patches;
+  cost.bytes = kBytesPerPoint * planar_bound(area_m2, radius) +
+               kBytesPerNeedlePoint * along_needles + kBytesPerOpenRadius * open_radii +
+               kBytesPerTriangle * once + kBytesPerCopied * copied + kBytesPerPatch * patches;
   return cost;
 }
 

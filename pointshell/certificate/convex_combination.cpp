@@ -38,12 +38,6 @@ void solve(Square& a, Row& right, std::size_t count) {
 
 }  // namespace
 
-double distance_loss(double point_distance, double second_moment, double gap) {
-  const double squared = point_distance * point_distance - second_moment;
-  if (!(squared >= 0)) return std::numeric_limits<double>::infinity();
-  return point_distance - std::sqrt(squared) + gap;
-}
-
 part::Vec3 CombinationFinder::offset_of_combination() const {
   part::Vec3 sum;
   for (const std::size_t n : support_) sum += candidates_[n].weight * candidates_[n].offset;

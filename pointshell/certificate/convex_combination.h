@@ -2,6 +2,8 @@
 // distances prove there.
 #pragma once
 
+#include <cmath>
+#include <limits>
 #include <vector>
 
 #include "pointshell/certificate/point_grid.h"
@@ -19,7 +21,11 @@ struct Combination {
 // Where every shell point is at least `point_distance` from a scene, q is at least this much less
 // far from it: d^2 - |x|^2 is concave, so d(c)^2 >= point_distance^2 - second_moment. Infinite
 // where the root does not exist. All in m.
-double distance_loss(double point_distance, double second_moment, double gap);
+inline double distance_loss(double point_distance, double second_moment, double gap) {
+  const double squared = point_distance * point_distance - second_moment;
+  if (!(squared >= 0)) return std::numeric_limits<double>::infinity();
+  return point_distance - std::sqrt(squared) + gap;
+}
 
 // Searches for combinations of little loss; one of it per task, as it keeps scratch memory. The
 // search may miss the best one; every combination that it returns is one.

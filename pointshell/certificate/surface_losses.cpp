@@ -422,7 +422,8 @@ struct FindJudge {
       const double own = piece.loss(distances[i]);
       if (own <= std::max(wanted[i], losses[i])) continue;
       good = false;
-      if (own > piece.corner_loss(distances[i]) + slack) as_good_as_corners = false;
+      as_good_as_corners = own <= piece.corner_loss(distances[i]) + slack;
+      if (!as_good_as_corners) break;  // nothing else is asked
     }
     if (good) {
       open(piece);

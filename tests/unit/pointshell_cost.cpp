@@ -41,6 +41,14 @@ mesh::Mesh ribbed_plate(int ribs) {
   return mesh;
 }
 
+// Two triangles.
+mesh::Mesh band(double length_m, double width_m) {
+  mesh::Mesh mesh;
+  mesh.vertices = {{0, 0, 0}, {length_m, 0, 0}, {length_m, width_m, 0}, {0, width_m, 0}};
+  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+  return mesh;
+}
+
 // The points are within a factor of 1.7 of those that a bake makes: of a surface by its area, of
 // needles by their length.
 TEST(Cost, CountsThePointsOfSurfaceAndNeedles) {
@@ -48,6 +56,7 @@ TEST(Cost, CountsThePointsOfSurfaceAndNeedles) {
       {"box", part_of(box_mesh(1, 0.7, 0.5))},
       {"ball", part_of(sphere_mesh(0.5, 60))},
       {"ribs", part_of(ribbed_plate(500))},
+      {"band", part_of(band(20, 0.1))},
       {"stray vertex", part_of(ball_with_stray_vertex(40))},
       {"stray vertex, farther", part_of(ball_with_stray_vertex(80))}};
   pointshell::ShellOptions options = options_of();
@@ -79,6 +88,8 @@ TEST(Cost, IsToldWhereItIsMoreThanAMinuteOrAGigabyte) {
   // A stray vertex: nothing but its length makes it long.
   EXPECT_FALSE(told_of(part_of(ball_with_stray_vertex(40)), kVoxelM));
   EXPECT_TRUE(told_of(part_of(ball_with_stray_vertex(40000)), kVoxelM));
+  // A band: its open edges make it twice as long as its area.
+  EXPECT_TRUE(told_of(part_of(band(1000, 0.1)), 0.01));
 }
 
 }  // namespace
