@@ -1,9 +1,9 @@
 # Precompiled headers: those of others, read once for all sources that are compiled with the same options.
-# A source includes all that it uses, as the builds without them show: those of clang, whose precompiled
-# headers bear no second optimization level, and FORCELAYER_PRECOMPILED_HEADERS=OFF.
+# A source includes all that it uses, as the builds without them show: scripts/package.sh, and those of clang without
+# sanitizers, whose precompiled headers bear no second optimization level.
 include(CMakeDependentOption)
 cmake_dependent_option(FORCELAYER_PRECOMPILED_HEADERS "Read the headers of others once for many sources" ON
-                       "CMAKE_CXX_COMPILER_ID STREQUAL GNU" OFF)
+                       "CMAKE_CXX_COMPILER_ID STREQUAL GNU OR CMAKE_CXX_FLAGS MATCHES fsanitize" OFF)
 
 set(forcelayer_standard_headers
   <algorithm> <array> <atomic> <bit> <charconv> <chrono> <cmath> <cstdint> <cstdio> <cstring> <filesystem>

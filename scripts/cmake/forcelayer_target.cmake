@@ -18,7 +18,7 @@ target_compile_options(forcelayer_options INTERFACE
 include(CheckPIESupported)
 check_pie_supported()
 include(forcelayer_headers)
-if(FORCELAYER_PRECOMPILED_HEADERS)
+if(FORCELAYER_PRECOMPILED_HEADERS AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   # More of that bug, which gcc 12 silences in headers of the system that are not precompiled.
   # scripts/package.sh builds with these warnings.
   target_compile_options(forcelayer_options INTERFACE
@@ -32,6 +32,9 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_G
 endif()
 if(CMAKE_CXX_FLAGS MATCHES "-fsanitize" AND NOT FORCELAYER_FUZZERS)
   set(forcelayer_small -O0)
+  # Of the vector targets AVX2 and the baseline: each takes up to half a minute a kernel.
+  add_compile_definitions(
+    "HWY_DISABLED_TARGETS=(HWY_SSSE3|HWY_SSE4|HWY_AVX3|HWY_AVX3_DL|HWY_SVE|HWY_SVE2|HWY_SVE_256|HWY_SVE2_128|HWY_RVV)")
 endif()
 forcelayer_headers(library LIBRARY)
 forcelayer_headers(small_library LIBRARY OPTIONS ${forcelayer_small})
