@@ -126,9 +126,9 @@ voxview --version
 mkdir /tmp/work && cd /tmp/work && cp -r /tmp/project/baked/* /tmp/project/sample_data/* .
 cp run.csv trace.csv && cp lean.vox before.vox && cp bay.vox after.vox && cp rest.vox gearbox.vox
 # The commands of the page, but the one that follows a run; a window becomes a picture.
-sed -n '/^    voxview/s/ *#.*//p' /tmp/project/viewer.md | grep -v -e --listen |
-  awk '!/--screenshot|--turntable/ { $0 = $0 " --screenshot page_" ++n ".png --size 640x400" } { print }' >commands.sh
-test "$(grep -c '^ *voxview' commands.sh)" -ge 6
+sed -n '/^    voxview/{ s/ *#.*//; p }' /tmp/project/viewer.md | grep -v -e --listen |
+  awk '!/--screenshot|--turntable/ { $0 = $0 " --screenshot page_" ++n ".png" } { print $0 " --size 480x300" }' >commands.sh
+test "$(grep -c '^ *voxview' commands.sh)" = 6
 sh -eux commands.sh
 bash /tmp/project/help_examples.sh /tmp/project/sample_data voxview
 cp *.png /tmp/project/pictures
