@@ -29,7 +29,7 @@ namespace forcelayer::pointshell {
 namespace {
 
 // The stages of a bake and about which share of its processor time each takes, between scanned and
-// machined parts: the time left is then told within a factor of two (tests/bench/waiting.py).
+// machined parts.
 constexpr std::pair<const char*, double> kStageShares[] = {
     {"orientation", 0.04}, {"points", 0.6},  {"hidden", 0.03},  {"corners", 0.06},
     {"order", 0.01},       {"losses", 0.18}, {"normals", 0.05}, {"weights", 0.03}};
