@@ -66,7 +66,7 @@ std::uint64_t SeatStretch::looked_up() const { return parts_->looked_up; }
 
 std::optional<SeatStretch::PushedIn> SeatStretch::pushed_in(const Pose& world_from_center,
                                                             const LeftOut& left_out) {
-  ++parts_->looked_up;
+  if (!is_pushed_in(world_from_center, left_out)) return std::nullopt;
   field::ContactSet& contacts = parts_->contacts;
   parts_->probe->look_up(world_from_center, contacts);
   std::optional<PushedIn> deepest;

@@ -84,7 +84,7 @@ TEST(PoseCheck, MotionsThatAreKeptAreProvenByTheCheckOfPaths) {
   EXPECT_GT(cut, 20);
 }
 
-// The twin: the look-up of a frame, and what it bars. Edges between points: runtime_seat.cpp.
+// The twin: the look-up of a frame, and what it bars.
 TEST(SeatLookUp, TheQuickOneBarsWhatThatOfAFrameBars) {
   Bench bench;
   query::ContactQuery query(bench.scene, bench.part);
@@ -100,18 +100,21 @@ TEST(SeatLookUp, TheQuickOneBarsWhatThatOfAFrameBars) {
   ASSERT_FALSE(probe.seat().empty());
   probe.open_seat(true);
   voxplan::Random random(3);
-  int barred = 0, free = 0;
+  int barred = 0, between = 0, free = 0;
   for (int trial = 0; trial < 3000; ++trial) {
     const double radius_m = bench.part.header().bounding_radius_m;
     const double length_m = kS * std::pow(random.share(), 2);
     const Pose pose = voxplan::moved(bench.problem.world_from_start,
                                      voxplan::random_twist(length_m, random), radius_m);
     probe.look_up(pose, contacts);
-    bool is_barred = false;
+    bool is_barred = false, by_points = false;
     for (std::uint32_t i = 0; i < contacts.count; ++i) {
-      is_barred = is_barred || (contacts.is_barred[i] != 0 && contacts.of_seat[i] != 0);
+      if (contacts.is_barred[i] == 0 || contacts.of_seat[i] == 0) continue;
+      is_barred = true;
+      by_points = by_points || contacts.ax[i] == contacts.rx[i];
     }
     ++(is_barred ? barred : free);
+    between += is_barred && !by_points ? 1 : 0;
     EXPECT_EQ(probe.is_pushed_into_seat(pose, {}), is_barred) << trial;
     const std::uint8_t all[] = {1};
     EXPECT_FALSE(probe.is_pushed_into_seat(pose, all)) << trial;
