@@ -14,6 +14,7 @@
 #include <ompl/util/RandomNumbers.h>
 
 #include <algorithm>
+#include <chrono>
 #include <functional>
 #include <glm/geometric.hpp>
 #include <optional>
@@ -50,38 +51,26 @@ void put(const Pose& pose, ob::State* state) {
   s.rotation().y = pose.orientation.y, s.rotation().z = pose.orientation.z;
 }
 
-// Goes on in one direction in short steps: straight where the seat holds that, else as the floors
-// there allow; until the part is out of its seat. The poses, each reached straight from the one
-// before.
-std::vector<Pose> slid(PoseCheck& check, const Pose& from, const Twist6& wanted, double length_m) {
+// Goes on in one direction that the floors allow, in short steps, each before the floors there,
+// until the part is out of its seat. To a pose that can be reached straight.
+Pose slid(PoseCheck& check, const Pose& from, const Twist6& wanted, double length_m) {
   const double radius_m = check.problem().part.header().bounding_radius_m;
   const double step_m = kSlideVoxels * check.problem().scene.voxel_size_m();
   Twist6 way = of_length(wanted, step_m);
-  bool turned = false;  // to what the floors allow
   std::vector<Pose> trail{from};
   for (double way_m = 0; way_m < length_m; way_m += step_m) {
-    Pose there = moved(trail.back(), way, radius_m);
-    if (!check.holds(Rule::kInSeat, there)) {
-      const Twist6 step = allowed_twist(way, check.floors(trail.back()), radius_m);
-      if (length_of(step) < kLeastSlide * step_m) break;
-      if (!turned) way = of_length(step, step_m);
-      turned = true;
-      there = moved(trail.back(), step, radius_m);
-      if (!check.holds(Rule::kInSeat, there)) break;
-    }
-    if (!check.is_kept(Rule::kInSeat, trail.back(), there)) break;
+    const Twist6 step = allowed_twist(way, check.floors(trail.back()), radius_m);
+    if (length_of(step) < kLeastSlide * step_m) break;
+    if (way_m == 0) way = of_length(step, step_m);
+    const Pose there = moved(trail.back(), step, radius_m);
+    if (!check.holds(Rule::kInSeat, there)) break;
     trail.push_back(there);
     if (check.holds(Rule::kClear, there)) break;
   }
-  return trail;
-}
-
-// A direction of a slide: any, or one in which all floors resist little.
-Twist6 slide_direction(PoseCheck& check, const Pose& from, Random& random) {
-  const Twist6 any = random_twist(1, random);
-  if (random.share() < 0.5) return any;
-  const double radius_m = check.problem().part.header().bounding_radius_m;
-  return free_twist(any, check.floors(from), radius_m);
+  while (trail.size() > 1 && !check.is_kept(Rule::kInSeat, from, trail.back())) {
+    trail.resize(trail.size() / 2);
+  }
+  return trail.back();
 }
 
 // The poses that a planner tries.
@@ -103,7 +92,8 @@ class Sampler final : public ob::StateSampler {
     const Pose from = pose_of(near);
     const double length_m = distance * std::pow(random_.share(), 2);
     const bool slides = check_.has_seat() && random_.share() < kSlides;
-    put(slides ? slide(from, length_m) : moved(from, random_twist(length_m, random_), radius_m_),
+    put(slides ? slid(check_, from, random_twist(1, random_), length_m)
+               : moved(from, random_twist(length_m, random_), radius_m_),
         state);
     space_->enforceBounds(state);
   }
@@ -113,15 +103,6 @@ class Sampler final : public ob::StateSampler {
   }
 
  private:
-  // To a pose that can be reached straight.
-  Pose slide(const Pose& from, double length_m) {
-    std::vector<Pose> trail = slid(check_, from, slide_direction(check_, from, random_), length_m);
-    while (trail.size() > 2 && !check_.is_kept(Rule::kInSeat, from, trail.back())) {
-      trail.resize(trail.size() / 2 + 1);
-    }
-    return trail.back();
-  }
-
   PoseCheck& check_;
   const Destination& goal_;
   Random& random_;
@@ -199,20 +180,6 @@ std::vector<Pose> poses_of(const og::PathGeometric& path) {
   return poses;
 }
 
-// The same way without poses that can be left out.
-std::vector<Pose> without_needless(PoseCheck& check, const std::vector<Pose>& way) {
-  std::vector<Pose> few{way.front()};
-  for (std::size_t i = 0; i + 1 < way.size();) {
-    std::size_t next = way.size() - 1;
-    while (next > i + 1 && !check.is_kept(Rule::kInSeat, way[i], way[next])) {
-      next = i + (next - i + 1) / 2;
-    }
-    few.push_back(way[next]);
-    i = next;
-  }
-  return few;
-}
-
 // The way up to the first pose, looked for every voxel of travel, for which `ends` says so.
 std::vector<Pose> up_to_first(const std::vector<Pose>& way, const Problem& problem,
                               const std::function<bool(const Pose&)>& ends) {
@@ -230,6 +197,10 @@ std::vector<Pose> up_to_first(const std::vector<Pose>& way, const Problem& probl
 
 }  // namespace
 
+double steady_s() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
 void seed_planners(std::uint64_t seed) {
   ompl::msg::noOutputHandler();
   ompl::RNG::setSeed(static_cast<std::uint_fast32_t>(seed % 0x7fffffff + 1));  // 0 is none
@@ -244,7 +215,6 @@ struct Hand::Parts {
         random(seed * 1000003 + its_number),
         check(std::move(pose_check)) {}
 
-  void begin();
   ob::SpaceInformationPtr make_space(Rule rule);
   void plan_in_seat();
   void plan_beyond(const Pose& from);
@@ -363,20 +333,18 @@ void Hand::Parts::leave_seat(const std::vector<Pose>& way) {
 bool Hand::Parts::leave_seat_straight() {
   const Box& bounds = goal.bounds();
   const double most_m = glm::length(bounds.high - bounds.low);
-  std::vector<Pose> nearest;
+  std::optional<Pose> nearest;
   double nearest_m = most_m;
   for (int n = 0; n < kDirections; ++n) {
     const glm::dvec3 d = direction(n);
-    Twist6 way{d.x, d.y, d.z, 0, 0, 0};
-    if (n >= 6 && n % 2 == 0) way = slide_direction(*check, problem.world_from_start, random);
-    const std::vector<Pose> trail = slid(*check, problem.world_from_start, way, most_m);
-    const double way_m = travel_between_m(problem, problem.world_from_start, trail.back());
-    if (way_m >= nearest_m || !check->holds(Rule::kClear, trail.back())) continue;
-    nearest = without_needless(*check, trail);
+    const Pose there = slid(*check, problem.world_from_start, {d.x, d.y, d.z, 0, 0, 0}, most_m);
+    const double way_m = travel_between_m(problem, problem.world_from_start, there);
+    if (way_m >= nearest_m || !check->holds(Rule::kClear, there)) continue;
+    nearest = there;
     nearest_m = way_m;
   }
-  if (!nearest.empty()) leave_seat(nearest);
-  return !nearest.empty();
+  if (nearest) leave_seat({problem.world_from_start, *nearest});
+  return nearest.has_value();
 }
 
 // The shortest straight way on to the goal, as leave_seat_straight() looks for it.
@@ -435,31 +403,20 @@ Result<std::unique_ptr<Hand>> Hand::create(const Problem& problem, const Destina
   auto check = PoseCheck::create(problem);
   if (!check) return check.error();
   auto parts = std::make_unique<Parts>(problem, goal, number, seed, std::move(*check));
-  parts->begin();
+  if (parts->check->holds(Rule::kClear, problem.world_from_start)) {
+    parts->plan_beyond(problem.world_from_start);
+  } else if (number != 0 || !parts->leave_seat_straight()) {
+    parts->plan_in_seat();
+  }
   return std::unique_ptr<Hand>(new Hand(std::move(parts)));
 }
 
-void Hand::Parts::begin() {
-  done = false;
-  in_seat.clear();
-  if (check->holds(Rule::kClear, problem.world_from_start)) {
-    plan_beyond(problem.world_from_start);
-  } else if (number != 0 || !leave_seat_straight()) {
-    plan_in_seat();
-  }
-}
-
-void Hand::refuse(const Pose& pose) {
-  parts_->check->refuse(pose);
-  if (parts_->done) parts_->begin();
-}
-
-void Hand::work(std::uint64_t poses, const std::function<bool()>& is_over) {
+void Hand::work(std::uint64_t poses, double end_s) {
   Parts& p = *parts_;
   if (p.done) return;
   const std::uint64_t enough = p.check->poses_tested() + poses;
   const ob::PlannerTerminationCondition stop(
-      [&] { return p.check->poses_tested() >= enough || is_over(); });
+      [&] { return p.check->poses_tested() >= enough || steady_s() >= end_s; });
   p.planner->solve(stop);
 }
 

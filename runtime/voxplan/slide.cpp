@@ -11,7 +11,6 @@ namespace {
 
 constexpr std::size_t kMostFloors = 512;
 constexpr int kRounds = 40;
-constexpr double kStiffness = 1e-3;  // of free motions, beside at most 2 of floors
 
 // A point keeps before its floor while along . twist >= -left_m.
 struct Bound {
@@ -76,34 +75,6 @@ Twist6 allowed_twist(const Twist6& wanted, std::span<const clearance::SeatStretc
     if (!moves) break;
   }
   return twist;
-}
-
-// Gauss and Jordan without pivots: A + e is positive definite.
-Twist6 free_twist(const Twist6& wanted, std::span<const clearance::SeatStretch::Floor> floors,
-                  double radius_m) {
-  std::array<std::array<double, 6>, 6> a{};
-  for (std::size_t i = 0; i < 6; ++i) a[i][i] = kStiffness;
-  for (const clearance::SeatStretch::Floor& floor : floors) {
-    const glm::dvec3 out(floor.direction);
-    const glm::dvec3 turn = glm::cross(glm::dvec3(floor.arm_m), out) / radius_m;
-    const Twist6 along{out.x, out.y, out.z, turn.x, turn.y, turn.z};
-    for (std::size_t i = 0; i < 6; ++i) {
-      for (std::size_t j = 0; j < 6; ++j) {
-        a[i][j] += along[i] * along[j] / static_cast<double>(floors.size());
-      }
-    }
-  }
-  Twist6 twist = wanted;
-  for (std::size_t i = 0; i < 6; ++i) {
-    for (std::size_t row = 0; row < 6; ++row) {
-      if (row == i) continue;
-      const double factor = a[row][i] / a[i][i];
-      for (std::size_t j = i; j < 6; ++j) a[row][j] -= factor * a[i][j];
-      twist[row] -= factor * twist[i];
-    }
-  }
-  for (std::size_t i = 0; i < 6; ++i) twist[i] /= a[i][i];
-  return of_length(twist, 1);
 }
 
 Pose moved(const Pose& pose, const Twist6& twist, double radius_m) {

@@ -24,13 +24,6 @@ Twist6 of_length(Twist6 twist, double length_m);  // the same direction, which i
 Twist6 allowed_twist(const Twist6& wanted, std::span<const clearance::SeatStretch::Floor> floors,
                      double radius_m);
 
-// A twist of length 1 in which the floors resist little, from a random one: (A + e)^-1 times it,
-// where A is the mean of a a^T over the floors, and a . twist is how fast the point before one
-// leaves it. So a pin gets a way along its hole or a turn about it, though some floors say
-// otherwise.
-Twist6 free_twist(const Twist6& wanted, std::span<const clearance::SeatStretch::Floor> floors,
-                  double radius_m);
-
 Pose moved(const Pose& pose, const Twist6& twist, double radius_m);
 
 }  // namespace forcelayer::voxplan

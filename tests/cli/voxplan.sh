@@ -51,7 +51,7 @@ python3 -c 'import json; r = json.load(open("no.json")); assert not r["found"] a
 plan 2 opened.vox cover.pshell -o x.csv --goal 0,0,40mm --out-of-scene
 errs 'exclude each other'
 plan 2 opened.vox cover.pshell -o x.csv --goal 0,0,1mm --clearance 2mm
-errs '--goal: the part is nearer there than --clearance to Gearbox/Housing: [0-9.]+ mm are proven'
+errs '--goal: the part is nearer there than --clearance to Gearbox/Housing'
 plan 2 opened.vox cover.pshell -o opened.vox
 plan 1 none.vox cover.pshell -o x.csv
 errs 'none.vox: no such file'
