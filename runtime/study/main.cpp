@@ -81,8 +81,8 @@ int main(int argc, char** argv) {
   command::arrange_help(
       *made,
       {{"What is asked",
-        {"--voxel-size", "--path", "--pull", "--time", "--clearance", "--seat", "--seat-depth",
-         "--allow"}},
+        {"--voxel-size", "--range", "--path", "--pull", "--time", "--clearance", "--seat",
+         "--seat-depth", "--allow"}},
        {"What is read", {"--without", "--units", "--sandbox"}},
        {"Output", {"--output", "--files-alone", "--no-pictures"}}},
       "  forcelayer study 'gearbox.glb#Pin' --voxel-size 1mm --clearance 1mm -o out\n"

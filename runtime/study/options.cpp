@@ -14,6 +14,10 @@ OptionParser::OptionParser(CLI::App& study) {
   study.add_option("-o,--output", options_.folder, "folder that the study is written to")
       ->required();
   study.add_option("--voxel-size", options_.voxel_size, "edge of a voxel, such as 1mm")->required();
+  study.add_option(
+      "--range", options_.range,
+      "how deep distances are kept, as of voxelize: for a part that lies deeper in its "
+      "seat; default 4 voxels");
   study.add_option("--path", options_.path,
                    "the way that is checked: a CSV, a trace or a recording of voxrun");
   study.add_option("--pull", options_.pull,
@@ -63,10 +67,11 @@ Result<Options> OptionParser::finish() const {
     return usage("--seat", "none, and no way that the part begins at",
                  "give --path, or the seat that it shall come out of");
   }
-  for (const auto& [option, length] : {std::pair("--voxel-size", &options.voxel_size),
-                                       std::pair("--clearance", &options.clearance),
-                                       std::pair("--seat-depth", &options.seat_depth)}) {
-    if (length->empty() && option == std::string_view("--seat-depth")) continue;
+  for (const auto& [option, length] :
+       {std::pair("--voxel-size", &options.voxel_size),
+        std::pair("--clearance", &options.clearance), std::pair("--range", &options.range),
+        std::pair("--seat-depth", &options.seat_depth)}) {
+    if (length->empty() && (length == &options.range || length == &options.seat_depth)) continue;
     if (const auto read = command::parse_length(*length); !read) {
       return usage(option, read.error().what, read.error().mend);
     }

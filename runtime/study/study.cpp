@@ -131,6 +131,8 @@ Step Study::scene_step() const {
   step.arguments.insert(step.arguments.end(), out.begin(), out.end());
   step.arguments.insert(step.arguments.end(), {"--voxel-size", options_.voxel_size, "-o",
                                                in("scene.vox"), "--json", in("scene.json")});
+  if (!options_.range.empty())
+    step.arguments.insert(step.arguments.end(), {"--range", options_.range});
   add_reading(step);
   return step;
 }

@@ -57,6 +57,10 @@ assert open("pin/verdict.txt").read().strip() in said and "voxrun pin/scene.vox"
 assert f"{1e3 * verdict['least_clearance']['exact_m']:.3f} mm exact" in said
 END
 
+# Deeper distances are another scene: the bake is told, and made anew.
+study 0 "${pin[@]}" -o pin --range 8mm
+grep -q '^\$ voxelize .*--range 8mm' out.txt || fail "--range is not handed on: $(cat out.txt)"
+
 # Another voxel size is another study; a mesh that changed is baked anew.
 cp "$data/gearbox.glb" other.glb
 study 0 'other.glb#Pin' --voxel-size 2mm --pull 0,0,60mm --clearance 1mm -o other
