@@ -24,7 +24,7 @@ in_tree() {
   # shellcheck disable=SC2086  # options are words
   mmdebstrap --quiet --variant=minbase --skip=check/empty ${MMDEBSTRAP_OPTIONS:-} "$@" \
     --customize-hook="copy-in $scratch/project $scratch/$name.sh /tmp" \
-    --customize-hook="chroot \"\$1\" sh -eu /tmp/$name.sh" \
+    --customize-hook="chroot \"\$1\" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin sh -eu /tmp/$name.sh" \
     --customize-hook="copy-out /tmp/project/baked /tmp/project/pictures $scratch/project" \
     bookworm /dev/null
   [ -z "${PICTURES:-}" ] || { mkdir -p "$PICTURES/$name" && cp -r "$scratch/project/pictures/." "$PICTURES/$name"; }
