@@ -115,6 +115,9 @@ voxcheck bay.vox part.pshell run.csv --exact bay.json --part part.obj --units mm
 grep forcelayer-tools said.txt
 forcelayer study "sample_data/gearbox.glb#Pin" --voxel-size 1mm --pull 0,0,60mm -o pin 2>said.txt && exit 1
 grep forcelayer-tools said.txt
+# Removed, it leaves nothing.
+dpkg --remove forcelayer-runtime
+if find /usr /etc -name '*forcelayer*' -o -name 'voxrun*' -o -name 'voxcheck*' | grep .; then exit 1; fi
 SCRIPT
 }
 
