@@ -142,7 +142,7 @@ void place_entries(std::vector<ChunkBins>& chunks, NodeBins& bins) {
 
 }  // namespace
 
-NodeBins bin_triangles(const SnappedObject& object, int reach) {
+NodeBins bin_triangles(const SnappedObject& object, int reach, SpillFile* spill) {
   const std::size_t count = object.triangles.size();
   std::vector<ChunkBins> chunks((count + kChunkTriangles - 1) / kChunkTriangles);
   tbb::parallel_for(std::size_t{0}, chunks.size(), [&](std::size_t c) {
@@ -152,12 +152,21 @@ NodeBins bin_triangles(const SnappedObject& object, int reach) {
 
   NodeBins bins;
   place_entries(chunks, bins);
-  bins.triangles.resize(bins.first.back());
+  if (spill == nullptr) {
+    bins.own_triangles.resize(bins.first.back());
+    bins.triangles = bins.own_triangles;
+  } else {
+    bins.triangles = spill->array<std::uint32_t>(bins.first.back());
+  }
   tbb::parallel_for(std::size_t{0}, chunks.size(), [&](std::size_t c) {
     for (const ChunkBins::Entry& entry : chunks[c].entries) {
       bins.triangles[chunks[c].counts[entry.node]++] = entry.triangle;
     }
   });
+  if (spill != nullptr) {
+    spill->touched(object.vertices.size_bytes() + object.triangles.size_bytes() +
+                   bins.triangles.size_bytes());
+  }
   return bins;
 }
 
