@@ -193,6 +193,7 @@ Result<cache::ObjectVoxels> bake_voxels(const SceneObject& object, const BakeOpt
   Stopwatch watch;
   cache::ObjectVoxels voxels;
   voxels.geometry = scan::scan_convert(bake.snapped, scene_origin);
+  if (meshes.spill) meshes.spill->touched(bake.snapped.bytes());
   bake.seconds.scan = watch.lap_s();
   const auto seeds = seed_voxels(object, options, bake.facts.box, *voxels.geometry, scene_origin);
   if (!seeds) return seeds.error();

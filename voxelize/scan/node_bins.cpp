@@ -145,9 +145,13 @@ void place_entries(std::vector<ChunkBins>& chunks, NodeBins& bins) {
 NodeBins bin_triangles(const SnappedObject& object, int reach, SpillFile* spill) {
   const std::size_t count = object.triangles.size();
   std::vector<ChunkBins> chunks((count + kChunkTriangles - 1) / kChunkTriangles);
+  const auto touched = [spill](std::size_t bytes) {
+    if (spill != nullptr) spill->touched(bytes);
+  };
   tbb::parallel_for(std::size_t{0}, chunks.size(), [&](std::size_t c) {
-    bin_chunk(object, reach, c * kChunkTriangles, std::min(count, (c + 1) * kChunkTriangles),
-              chunks[c]);
+    const std::size_t first = c * kChunkTriangles, last = std::min(count, first + kChunkTriangles);
+    bin_chunk(object, reach, first, last, chunks[c]);
+    touched((last - first) * sizeof(lattice::LatticeTriangle));
   });
 
   NodeBins bins;
@@ -162,11 +166,8 @@ NodeBins bin_triangles(const SnappedObject& object, int reach, SpillFile* spill)
     for (const ChunkBins::Entry& entry : chunks[c].entries) {
       bins.triangles[chunks[c].counts[entry.node]++] = entry.triangle;
     }
+    touched(chunks[c].entries.size() * sizeof(std::uint32_t));
   });
-  if (spill != nullptr) {
-    spill->touched(object.vertices.size_bytes() + object.triangles.size_bytes() +
-                   bins.triangles.size_bytes());
-  }
   return bins;
 }
 

@@ -87,9 +87,9 @@ Result<SnappedObject> snap_object(const mesh::Mesh& mesh, const mesh::Affine& wo
     const auto triangles = spill->array<mesh::Triangle>(mesh.triangles.size());
     std::copy(mesh.triangles.begin(), mesh.triangles.end(), triangles.begin());
     object.triangles = triangles;
-    spill->touched(vertices.size_bytes() + triangles.size_bytes());
   }
   object.vertices = vertices;
+  if (spill != nullptr) spill->touched(object.bytes());
   const double limit_m = static_cast<double>(kMaxVoxelIndex) * voxel_size_m;
   const bool inside = tbb::parallel_reduce(
       tbb::blocked_range<std::size_t>(0, mesh.vertices.size(), kGrain), true,

@@ -25,6 +25,8 @@ struct SnappedObject {
   SnappedObject(SnappedObject&&) = default;  // the vertices stay where they are
   SnappedObject& operator=(SnappedObject&&) = default;
 
+  std::size_t bytes() const { return vertices.size_bytes() + triangles.size_bytes(); }
+
   lattice::LatticeTriangle triangle(std::size_t index) const {
     const mesh::Triangle& corners = triangles[index];
     return {vertices[corners[0]], vertices[corners[1]], vertices[corners[2]]};
