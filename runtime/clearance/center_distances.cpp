@@ -139,7 +139,8 @@ void CenterDistances::read(const BrickIndex& brick, Block& block) const {
   const DistanceView& distances = *voxmap_.distances();
   const ObjectView* const objects = leaves_out_ ? voxmap_.objects() : nullptr;
   const std::int32_t zero = voxmap_.header().distance_zero_code;
-  const auto reach = static_cast<float>(reach_voxels(voxmap_.header()));
+  const auto reach = static_cast<float>(reach_voxels(voxmap_.header())) * kRoundDown;
+  const bool searches = leaves_out_ || cap_ > reach_voxels(voxmap_.header());
   std::array<std::array<std::uint16_t, kNodeEntries>, 8> codes, numbers;
   for (std::int32_t n = 0; n < 8; ++n) {
     const BrickIndex b{brick[0] + (n >> 2), brick[1] + (n >> 1 & 1), brick[2] + (n & 1)};
@@ -157,13 +158,14 @@ void CenterDistances::read(const BrickIndex& brick, Block& block) const {
         const std::uint32_t code = codes[n][in_brick(x, y, z)];
         const double low = (static_cast<std::int32_t>(code) - zero) * quantum_;
         const auto least = static_cast<float>(code == 0 ? 0 : std::max(0.0, low)) * kRoundDown;
-        bool is_stored = code != kMostDistanceCode;
+        bool is_stored = code != kMostDistanceCode || !searches;
         if (is_stored && objects != nullptr) {
           const std::uint32_t object = numbers[n][in_brick(x, y, z)];
           is_stored = object >= left_out_.size() || left_out_[object] == 0;
         }
         block.known[i] = code == kMostDistanceCode ? reach : least;
-        block.squared[i] = is_stored ? least * least * kRoundDown : Block::kUnknown;
+        const float told = block.known[i];
+        block.squared[i] = is_stored ? told * told * kRoundDown : Block::kUnknown;
         if (!cropped_) continue;
         const glm::dvec3 center(8.0 * brick[0] + x + 0.5, 8.0 * brick[1] + y + 0.5,
                                 8.0 * brick[2] + z + 0.5);

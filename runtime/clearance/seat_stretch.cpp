@@ -30,6 +30,7 @@ struct SeatStretch::Parts {
   field::FieldSamples samples;
   field::ContactSet contacts;
   std::unique_ptr<field::FieldProbe> probe;
+  std::uint64_t looked_up = 0;
 };
 
 SeatStretch::SeatStretch(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
@@ -56,8 +57,16 @@ std::span<const field::SeatObject> SeatStretch::objects() const {
   return parts_->probe->seat().objects();
 }
 
+bool SeatStretch::is_pushed_in(const Pose& world_from_center, const LeftOut& left_out) {
+  ++parts_->looked_up;
+  return parts_->probe->is_pushed_into_seat(world_from_center, left_out);
+}
+
+std::uint64_t SeatStretch::looked_up() const { return parts_->looked_up; }
+
 std::optional<SeatStretch::PushedIn> SeatStretch::pushed_in(const Pose& world_from_center,
                                                             const LeftOut& left_out) {
+  ++parts_->looked_up;
   field::ContactSet& contacts = parts_->contacts;
   parts_->probe->look_up(world_from_center, contacts);
   std::optional<PushedIn> deepest;
@@ -89,9 +98,12 @@ void SeatStretch::find_floors(const Pose& world_from_center, std::vector<Floor>&
         turn * glm::vec3(v.nx[contact.point], v.ny[contact.point], v.nz[contact.point]);
     const bool flush = glm::dot(normal, contact.direction) > kFlush;
     if (!flush && contact.depth_m < -touching_m) continue;
+    // Before an edge of the scene the field mixes its faces: there the part's own face tells.
+    const glm::vec3 slope(contacts.gx[i], contacts.gy[i], contacts.gz[i]);
+    const bool own = flush || glm::length(slope) <= field::kFaceSlope;
     const float may_m = object->contact_m - object->floor_m;
     floors.push_back(
-        {contact.arm_m, flush ? normal : contact.direction, may_m * kShallow - contact.depth_m});
+        {contact.arm_m, own ? normal : contact.direction, may_m * kShallow - contact.depth_m});
   }
 }
 

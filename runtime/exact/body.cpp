@@ -1,6 +1,7 @@
 #include "runtime/exact/body.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -23,8 +24,49 @@ constexpr double kWhole = 0.2;
 // A winding number is only asked for whether it is nearer to 0: groups of triangles are dipoles
 // from two of their radii on (Barill and others 2018).
 constexpr double kFar = 2;
+// Of a length along a direction, as a share of the largest coordinate: far above it.
+constexpr double kRounding = 1e-13;
 
 using Edge = std::pair<std::uint32_t, std::uint32_t>;  // low and high vertex
+
+// The ends of a piece along a direction.
+std::array<double, 2> shadow(const part::Piece& piece, const Vec3& direction) {
+  const double a = part::dot(piece[0], direction), b = part::dot(piece[1], direction),
+               c = part::dot(piece[2], direction);
+  return {std::min({a, b, c}), std::max({a, b, c})};
+}
+
+// Whether a direction is found along which two triangles lie apart, by more than the rounding of
+// `largest_m`, the largest coordinate: their normals, the normals of two edges, and those of each
+// edge in its plane.
+bool are_apart(const part::Piece& p, const part::Piece& q, double largest_m) {
+  const auto parts = [&](const Vec3& direction) {
+    const double least = kRounding * largest_m * part::length(direction);
+    const auto [p_low, p_high] = shadow(p, direction);
+    const auto [q_low, q_high] = shadow(q, direction);
+    return q_low - p_high > least || p_low - q_high > least;
+  };
+  const Vec3 of_p = part::cross(p[1] - p[0], p[2] - p[0]);
+  const Vec3 of_q = part::cross(q[1] - q[0], q[2] - q[0]);
+  if (parts(of_p) || parts(of_q)) return true;
+  for (std::size_t n = 0; n < 3; ++n) {
+    const Vec3 edge = p[(n + 1) % 3] - p[n];
+    if (parts(part::cross(of_p, edge))) return true;
+    if (parts(part::cross(of_q, q[(n + 1) % 3] - q[n]))) return true;
+    for (std::size_t m = 0; m < 3; ++m) {
+      if (parts(part::cross(edge, q[(m + 1) % 3] - q[m]))) return true;
+    }
+  }
+  return false;
+}
+
+double largest_of(const part::Piece& piece) {
+  double largest = 0;
+  for (const Vec3& p : piece) {
+    largest = std::max({largest, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+  }
+  return largest;
+}
 
 // Edges that triangles do not run along as often forwards as backwards.
 std::vector<Edge> open_edges(const std::vector<mesh::Triangle>& triangles) {
@@ -66,6 +108,34 @@ bool Body::close_cracks(double most_m) {
 }
 
 bool Body::holds(const Vec3& place_m) const { return std::abs(winding_->at(place_m, kFar)) > 0.5; }
+
+bool Body::may_meet(const part::Piece& piece) const {
+  const double largest_m = largest_of(piece);
+  part::Box box;
+  for (const Vec3& corner : piece) box.grow(corner);
+  std::vector<std::uint32_t> open{0};
+  while (!open.empty()) {
+    const std::uint32_t at = open.back();
+    open.pop_back();
+    const part::TriangleTree::Node& node = tree_.nodes()[at];
+    // Rounded outwards, as the piece's may be off.
+    const double off = kRounding * largest_m;
+    if (node.low[0] > box.high.x + off || node.high[0] < box.low.x - off ||
+        node.low[1] > box.high.y + off || node.high[1] < box.low.y - off ||
+        node.low[2] > box.high.z + off || node.high[2] < box.low.z - off) {
+      continue;
+    }
+    for (std::uint32_t n = 0; n < node.count; ++n) {
+      const part::Piece other =
+          part::triangle_piece(part_, tree_.ordered_triangles()[node.first + n]);
+      if (!are_apart(piece, other, std::max(largest_m, largest_of(other)))) return true;
+    }
+    if (node.count > 0) continue;
+    open.push_back(node.first);
+    open.push_back(at + 1);
+  }
+  return false;
+}
 
 // Around an open edge the winding number is whole but where a hole is near.
 bool Body::has_only_cracks(double crack_m) const {

@@ -35,6 +35,10 @@ class Body {
   // Whether a place lies inside: around it the triangles wind once or more, whatever their sides.
   bool holds(const part::Vec3& place_m) const;
 
+  // Whether a piece may meet the triangles. Where it does not, and the body is closed, all of the
+  // piece lies inside or all of it outside.
+  bool may_meet(const part::Piece& piece_m) const;
+
  private:
   bool close_cracks(double most_m);
   bool has_only_cracks(double crack_m) const;

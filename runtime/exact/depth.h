@@ -7,9 +7,14 @@
 //   s(p) <= s(c) + R         (from outside through a crack as wide as e: s(c) + R + e)
 // And no place is deeper than it is far from any triangle T of the solid. That distance is convex:
 //   s(p) <= the largest distance of the piece's corners from T
-// which settles a piece that lies on T. A piece that these do not settle is cut in two.
+// which settles a piece that lies on T. And a piece that meets no triangle of a closed solid lies
+// on one side of it:
+//   s(p) <= 0                (outside)
+// which settles a piece before a wall, however near. A piece that these do not settle is cut: along
+// an edge of T, where that settles the one half; else in two.
 #pragma once
 
+#include <cstdint>
 #include <limits>
 #include <span>
 
@@ -20,10 +25,11 @@ namespace forcelayer::exact {
 
 struct Depth {
   double found_m = -std::numeric_limits<double>::infinity();  // of the deepest place found
-  double at_most_m = found_m;  // no place is deeper; negative: the surfaces are so far apart
-  glm::dvec3 place_m{0};       // that place, world,
-  glm::dvec3 foot_m{0};        // and the nearest of the other surface
-  std::size_t pair = 0;        // of which it is a place
+  double at_most_m = found_m;   // no place is deeper; negative: the surfaces are so far apart
+  glm::dvec3 place_m{0};        // that place, world,
+  glm::dvec3 foot_m{0};         // and the nearest of the other surface
+  std::size_t pair = 0;         // of which it is a place
+  std::uint64_t looked_at = 0;  // nodes and pieces, until it was found
 };
 
 // A surface, the solid that it may lie in, and where they are.

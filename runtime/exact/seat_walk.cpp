@@ -40,7 +40,7 @@ Depth SeatWalk::at_pose(const Pose& world_from_center, double allowed_m) const {
   }
   const MeshDistance apart = distance_.at(world_from_center, voxcheck::kNothingM);
   if (apart.distance_m > 0 && std::none_of(pairs.begin(), pairs.end(), begins_inside)) {
-    return {-apart.distance_m, -apart.distance_m, apart.part_m, apart.scene_m, 0};
+    return {-apart.distance_m, -apart.distance_m, apart.part_m, apart.scene_m, 0, 0};
   }
   Depth depth = deepest(pairs, allowed_m, within_m_);
   if (depth.pair >= of_part) std::swap(depth.place_m, depth.foot_m);

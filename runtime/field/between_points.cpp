@@ -101,6 +101,42 @@ void FieldProbe::look_between(BetweenSink& sink) noexcept {
   for (const std::uint32_t a : tilted_) place_[points_.index[a]] = ContactSet::kNone;
 }
 
+// Whether something between two neighbors lies below its floor. As look_between(), but for points
+// from which the distance cannot fall so far: it falls no faster than by the slope.
+bool FieldProbe::is_pushed_between(std::span<const std::uint8_t> left_out) noexcept {
+  constexpr float kMargin = 1.001f;  // exceeds rounding
+  float highest_m = -neighbor_m_;
+  for (const SeatObject& object : seat_.objects()) {
+    if (object.feels_between) highest_m = std::max(highest_m, object.between_floor_m);
+  }
+  tilted_.clear();
+  for (std::uint32_t i = 0; i < points_.count; ++i) {
+    const float distance_m = stored_distance_m(i);
+    if (!(distance_m < neighbor_m_)) continue;
+    const glm::vec3 g = slope(i);
+    const float squared = glm::dot(g, g), out = glm::dot(g, normal(i));
+    if (!(squared - out * out > kFlatFall * kFlatFall)) continue;
+    if (distance_m - kMargin * std::sqrt(squared) * neighbor_m_ > highest_m) continue;
+    tilted_.push_back(i);
+    place_[points_.index[i]] = i;
+  }
+  bool pushed = false;
+  for (const std::uint32_t a : tilted_) {
+    for (const std::uint32_t point : neighbors_->after(points_.index[a])) {
+      const std::uint32_t b = place_[point];
+      if (b == ContactSet::kNone) continue;
+      const std::optional<Between> found = between(a, b);
+      if (!found || !(found->distance_m < highest_m)) continue;
+      const SeatObject* const object = seat_.find(found->object);
+      if (object == nullptr || !object->feels_between) continue;
+      if (found->object < left_out.size() && left_out[found->object] != 0) continue;
+      pushed = pushed || found->distance_m < object->between_floor_m;
+    }
+  }
+  for (const std::uint32_t a : tilted_) place_[points_.index[a]] = ContactSet::kNone;
+  return pushed;
+}
+
 [[gnu::cold]] void FieldProbe::find_between(Seat& seat) {
   if (!neighbors_) {
     const PshellView& shell = query_.shell().view();

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <limits>
 
 #include "formats/guard.h"
 
@@ -46,6 +47,33 @@ constexpr float kSameSide = 0.7f;
 void FieldProbe::look_up(const Pose& world_from_center, ContactSet& out) noexcept {
   query_.run(world_from_center, points_);
   read(out);
+}
+
+bool FieldProbe::is_pushed_into_seat(const Pose& world_from_center,
+                                     std::span<const std::uint8_t> left_out) noexcept {
+  if (!seat_open_) return false;
+  query_.run(world_from_center, points_);
+  forget_sides();
+  field_.measure(points_, samples_);
+  float highest_m = -std::numeric_limits<float>::infinity();
+  for (const SeatObject& object : seat_.objects()) {
+    highest_m = std::max({highest_m, object.floor_m, object.corner_floor_m});
+  }
+  std::optional<bool> in_corners;
+  for (std::uint32_t i = 0; i < points_.count; ++i) {
+    const float distance_m = stored_distance_m(i);
+    if (!(distance_m < highest_m)) continue;  // all but a few
+    const std::uint32_t number = object_of(i);
+    const SeatObject* const object = seat_.find(number);
+    if (object == nullptr || (number < left_out.size() && left_out[number] != 0)) continue;
+    float floor_m = object->floor_m;
+    if (corner_points_ > 0 && is_in_corner(i)) {
+      if (!in_corners) in_corners = lies_in_corners();
+      if (*in_corners) floor_m = object->corner_floor_m;
+    }
+    if (distance_m < floor_m) return true;
+  }
+  return is_pushed_between(left_out);
 }
 
 // Whether collected point i is of an open sheet, and has no inside.

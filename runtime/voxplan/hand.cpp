@@ -14,7 +14,6 @@
 #include <ompl/util/RandomNumbers.h>
 
 #include <algorithm>
-#include <chrono>
 #include <functional>
 #include <glm/geometric.hpp>
 #include <optional>
@@ -33,7 +32,8 @@ constexpr double kSlides = 0.75;      // of the samples near a pose of the seat:
 constexpr double kSlideVoxels = 4;    // at a step
 constexpr double kLeastSlide = 0.05;  // of a step: less is no way
 constexpr int kLifts = 3;             // of a pose off the floors: each is right to first order
-constexpr int kDirections = 26;       // that the first hand tries straight
+constexpr int kDirections = 26;       // that the first hand tries straight,
+constexpr int kAxes = 6;              // those of the world first
 constexpr double kCellVoxels = 6;     // in which KPIECE counts where it has been
 constexpr double kLeastKept = 0.01;   // of a motion: less is no way
 constexpr unsigned kMostGoals = 1000;
@@ -51,26 +51,43 @@ void put(const Pose& pose, ob::State* state) {
   s.rotation().y = pose.orientation.y, s.rotation().z = pose.orientation.z;
 }
 
-// Goes on in one direction that the floors allow, in short steps, each before the floors there,
-// until the part is out of its seat. To a pose that can be reached straight.
-Pose slid(PoseCheck& check, const Pose& from, const Twist6& wanted, double length_m) {
+// May a slide turn to what the floors allow, or does it end where it cannot go straight on?
+enum class Turns { kNever, kToFloors };
+
+// Goes on in one direction in short steps: straight where the seat holds that, else as the floors
+// there allow; until the part is out of its seat. The poses, each reached straight from the one
+// before.
+std::vector<Pose> slid(PoseCheck& check, const Pose& from, const Twist6& wanted, double length_m,
+                       Turns turns) {
   const double radius_m = check.problem().part.header().bounding_radius_m;
   const double step_m = kSlideVoxels * check.problem().scene.voxel_size_m();
   Twist6 way = of_length(wanted, step_m);
+  bool turned = false;  // to what the floors allow
   std::vector<Pose> trail{from};
   for (double way_m = 0; way_m < length_m; way_m += step_m) {
-    const Twist6 step = allowed_twist(way, check.floors(trail.back()), radius_m);
-    if (length_of(step) < kLeastSlide * step_m) break;
-    if (way_m == 0) way = of_length(step, step_m);
-    const Pose there = moved(trail.back(), step, radius_m);
-    if (!check.holds(Rule::kInSeat, there)) break;
+    Pose there = moved(trail.back(), way, radius_m);
+    if (!check.holds(Rule::kInSeat, there)) {
+      if (turns == Turns::kNever) break;
+      const Twist6 step = allowed_twist(way, check.floors(trail.back()), radius_m);
+      if (length_of(step) < kLeastSlide * step_m) break;
+      if (!turned) way = of_length(step, step_m);
+      turned = true;
+      there = moved(trail.back(), step, radius_m);
+      if (!check.holds(Rule::kInSeat, there)) break;
+    }
+    if (!check.is_kept(Rule::kInSeat, trail.back(), there)) break;
     trail.push_back(there);
     if (check.holds(Rule::kClear, there)) break;
   }
-  while (trail.size() > 1 && !check.is_kept(Rule::kInSeat, from, trail.back())) {
-    trail.resize(trail.size() / 2);
-  }
-  return trail.back();
+  return trail;
+}
+
+// A direction of a slide: any, or one in which all floors resist little.
+Twist6 slide_direction(PoseCheck& check, const Pose& from, Random& random) {
+  const Twist6 any = random_twist(1, random);
+  if (random.share() < 0.5) return any;
+  const double radius_m = check.problem().part.header().bounding_radius_m;
+  return free_twist(any, check.floors(from), radius_m);
 }
 
 // The poses that a planner tries.
@@ -92,8 +109,7 @@ class Sampler final : public ob::StateSampler {
     const Pose from = pose_of(near);
     const double length_m = distance * std::pow(random_.share(), 2);
     const bool slides = check_.has_seat() && random_.share() < kSlides;
-    put(slides ? slid(check_, from, random_twist(1, random_), length_m)
-               : moved(from, random_twist(length_m, random_), radius_m_),
+    put(slides ? slide(from, length_m) : moved(from, random_twist(length_m, random_), radius_m_),
         state);
     space_->enforceBounds(state);
   }
@@ -103,6 +119,16 @@ class Sampler final : public ob::StateSampler {
   }
 
  private:
+  // To a pose that can be reached straight.
+  Pose slide(const Pose& from, double length_m) {
+    std::vector<Pose> trail =
+        slid(check_, from, slide_direction(check_, from, random_), length_m, Turns::kToFloors);
+    while (trail.size() > 2 && !check_.is_kept(Rule::kInSeat, from, trail.back())) {
+      trail.resize(trail.size() / 2 + 1);
+    }
+    return trail.back();
+  }
+
   PoseCheck& check_;
   const Destination& goal_;
   Random& random_;
@@ -180,6 +206,20 @@ std::vector<Pose> poses_of(const og::PathGeometric& path) {
   return poses;
 }
 
+// The same way without poses that can be left out.
+std::vector<Pose> without_needless(PoseCheck& check, const std::vector<Pose>& way) {
+  std::vector<Pose> few{way.front()};
+  for (std::size_t i = 0; i + 1 < way.size();) {
+    std::size_t next = way.size() - 1;
+    while (next > i + 1 && !check.is_kept(Rule::kInSeat, way[i], way[next])) {
+      next = i + (next - i + 1) / 2;
+    }
+    few.push_back(way[next]);
+    i = next;
+  }
+  return few;
+}
+
 // The way up to the first pose, looked for every voxel of travel, for which `ends` says so.
 std::vector<Pose> up_to_first(const std::vector<Pose>& way, const Problem& problem,
                               const std::function<bool(const Pose&)>& ends) {
@@ -197,10 +237,6 @@ std::vector<Pose> up_to_first(const std::vector<Pose>& way, const Problem& probl
 
 }  // namespace
 
-double steady_s() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
 void seed_planners(std::uint64_t seed) {
   ompl::msg::noOutputHandler();
   ompl::RNG::setSeed(static_cast<std::uint_fast32_t>(seed % 0x7fffffff + 1));  // 0 is none
@@ -215,6 +251,7 @@ struct Hand::Parts {
         random(seed * 1000003 + its_number),
         check(std::move(pose_check)) {}
 
+  void begin();
   ob::SpaceInformationPtr make_space(Rule rule);
   void plan_in_seat();
   void plan_beyond(const Pose& from);
@@ -318,33 +355,46 @@ void Hand::Parts::note_farthest() {
 void Hand::Parts::take_out_of_seat() {
   og::PathGeometric path(*question->getSolutionPath()->as<og::PathGeometric>());
   og::PathSimplifier(space).reduceVertices(path);
-  leave_seat(poses_of(path));
+  leave_seat(off_the_floors(poses_of(path)));
 }
 
 // Up to where the clearance is proven for the first time: there the seat is left for good.
 void Hand::Parts::leave_seat(const std::vector<Pose>& way) {
-  in_seat = up_to_first(off_the_floors(way), problem,
-                        [&](const Pose& pose) { return check->holds(Rule::kClear, pose); });
+  in_seat =
+      up_to_first(way, problem, [&](const Pose& pose) { return check->holds(Rule::kClear, pose); });
   plan_beyond(in_seat.back());
 }
 
-// The shortest straight way out of the seat, of those next to the axes of the world and to some
-// other directions. Whether there is one.
+// The shortest straight way out of the seat: exactly along the floors or the axes of the world,
+// which is as a hand would draw and soon settled by meshes. Where there is none, those next to the
+// axes and to some other directions. Whether there is one.
 bool Hand::Parts::leave_seat_straight() {
+  const Pose& start = problem.world_from_start;
   const Box& bounds = goal.bounds();
-  const double most_m = glm::length(bounds.high - bounds.low);
-  std::optional<Pose> nearest;
-  double nearest_m = most_m;
-  for (int n = 0; n < kDirections; ++n) {
-    const glm::dvec3 d = direction(n);
-    const Pose there = slid(*check, problem.world_from_start, {d.x, d.y, d.z, 0, 0, 0}, most_m);
-    const double way_m = travel_between_m(problem, problem.world_from_start, there);
-    if (way_m >= nearest_m || !check->holds(Rule::kClear, there)) continue;
-    nearest = there;
+  std::vector<Pose> nearest;
+  double nearest_m = glm::length(bounds.high - bounds.low);
+  const auto go = [&](const Twist6& way, Turns turns) {
+    std::vector<Pose> trail = slid(*check, start, way, nearest_m, turns);
+    const double way_m = travel_between_m(problem, start, trail.back());
+    if (way_m >= nearest_m || !check->holds(Rule::kClear, trail.back())) return;
+    nearest = std::move(trail);
     nearest_m = way_m;
+  };
+  const auto along = [](const glm::dvec3& d) { return Twist6{d.x, d.y, d.z, 0, 0, 0}; };
+  for (const glm::dvec3& d : free_directions(check->floors(start))) go(along(d), Turns::kNever);
+  for (int n = 0; n < kAxes; ++n) go(along(direction(n)), Turns::kNever);
+  if (!nearest.empty()) {
+    leave_seat({start, nearest.back()});
+    return true;
   }
-  if (nearest) leave_seat({problem.world_from_start, *nearest});
-  return nearest.has_value();
+  for (int n = 0; n < kDirections; ++n) {
+    Twist6 way = along(direction(n));
+    if (n >= kAxes && n % 2 == 0) way = slide_direction(*check, start, random);
+    go(way, Turns::kToFloors);
+  }
+  if (nearest.empty()) return false;
+  leave_seat(off_the_floors(without_needless(*check, nearest)));
+  return true;
 }
 
 // The shortest straight way on to the goal, as leave_seat_straight() looks for it.
@@ -365,7 +415,7 @@ bool Hand::Parts::go_straight(const Pose& from) {
 // The axes first.
 glm::dvec3 Hand::Parts::direction(int n) {
   glm::dvec3 d(0);
-  if (n >= 6) return random.direction();
+  if (n >= kAxes) return random.direction();
   d[n / 2] = n % 2 == 0 ? 1 : -1;
   return d;
 }
@@ -403,20 +453,31 @@ Result<std::unique_ptr<Hand>> Hand::create(const Problem& problem, const Destina
   auto check = PoseCheck::create(problem);
   if (!check) return check.error();
   auto parts = std::make_unique<Parts>(problem, goal, number, seed, std::move(*check));
-  if (parts->check->holds(Rule::kClear, problem.world_from_start)) {
-    parts->plan_beyond(problem.world_from_start);
-  } else if (number != 0 || !parts->leave_seat_straight()) {
-    parts->plan_in_seat();
-  }
+  parts->begin();
   return std::unique_ptr<Hand>(new Hand(std::move(parts)));
 }
 
-void Hand::work(std::uint64_t poses, double end_s) {
+void Hand::Parts::begin() {
+  done = false;
+  in_seat.clear();
+  if (check->holds(Rule::kClear, problem.world_from_start)) {
+    plan_beyond(problem.world_from_start);
+  } else if (number != 0 || !leave_seat_straight()) {
+    plan_in_seat();
+  }
+}
+
+void Hand::refuse(const Pose& pose) {
+  parts_->check->refuse(pose);
+  if (parts_->done) parts_->begin();
+}
+
+void Hand::work(std::uint64_t poses, const std::function<bool()>& is_over) {
   Parts& p = *parts_;
   if (p.done) return;
   const std::uint64_t enough = p.check->poses_tested() + poses;
   const ob::PlannerTerminationCondition stop(
-      [&] { return p.check->poses_tested() >= enough || steady_s() >= end_s; });
+      [&] { return p.check->poses_tested() >= enough || is_over(); });
   p.planner->solve(stop);
 }
 

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -14,9 +15,6 @@
 #include "runtime/voxplan/problem.h"
 
 namespace forcelayer::voxplan {
-
-// The steady clock, s.
-double steady_s();
 
 // All random numbers of OMPL from now on follow from this one. Before the first hand.
 void seed_planners(std::uint64_t seed);
@@ -30,10 +28,14 @@ class Hand {
                                               std::size_t number, std::uint64_t seed);
   ~Hand();
 
-  // Tests so many poses more, or until it is done or the steady clock is at `end_s`.
-  void work(std::uint64_t poses, double end_s);
+  // Tests so many poses more, or until it is done or the time is over.
+  void work(std::uint64_t poses, const std::function<bool()>& is_over);
   // Behind work(): takes over what it found. Once out of its seat the part goes on to the goal.
   void take_stock();
+
+  // A way that leads by that pose was found, and did not prove clear: none shall. A hand that is
+  // done begins anew.
+  void refuse(const Pose& pose);
 
   bool is_done() const;
   const std::vector<Pose>& in_seat() const;  // of the way, as SearchResult has them

@@ -1,5 +1,7 @@
 #include "runtime/voxplan/plan.h"
 
+#include <algorithm>
+#include <cmath>
 #include <optional>
 
 #include "formats/command/text.h"
@@ -20,9 +22,17 @@ Status check_end(const Problem& problem, const Pose& pose, const char* option, R
   const clearance::Violation& worst = checked->violations.front();
   const std::string object = voxcheck::object_name(problem.scene, worst.worst.object);
   return Error{ErrorCode::kUsage, "", option,
-               command::text("the part is nearer there than --clearance to %s",
-                             object.empty() ? "the scene" : escaped(object).c_str()),
+               command::text("the part is nearer there than --clearance to %s: %.3f mm are proven",
+                             object.empty() ? "the scene" : escaped(object).c_str(),
+                             std::floor(1e6 * std::max(0.0, worst.clearance_m)) / 1e3),
                "ask for a smaller --clearance, or --allow that object"};
+}
+
+// Where a path that does not prove clear is worst, first: of the centroid frame.
+Pose worst_pose(const Problem& problem, const std::vector<PathRow>& rows,
+                const clearance::CheckResult& checked) {
+  const clearance::CenterPath path(rows, problem.part);
+  return path.world_from_center(path.at(checked.violations.front().worst.time_s));
 }
 
 }  // namespace
@@ -40,21 +50,25 @@ Result<Plan> plan(const Problem& problem, const Options& options,
   }
   const Destination goal =
       end ? Destination::at(problem, *end) : Destination::out_of_scene(problem);
-  auto found = search(problem, goal, {options.seed, options.threads, options.most_s, progress});
-  if (!found) return found.error();
-  Plan made{std::move(*found), {}, {}, 0};
-  if (made.search.found) {
-    const auto wide = widened(problem, made.search.beyond, options.seed);
+  Plan made;
+  SearchRequest request;
+  request.seed = options.seed;
+  request.threads = options.threads;
+  request.most_s = options.most_s;
+  request.progress = progress;
+  request.unproven_at = [&](const Way& in_seat, const Way& beyond) -> Result<std::optional<Pose>> {
+    const auto wide = widened(problem, beyond, options.seed);
     if (!wide) return wide.error();
-    made.rows = rows_of(problem, made.search.in_seat, *wide, options.speed_mps);
+    made.rows = rows_of(problem, in_seat, *wide, options.speed_mps);
     auto checked = proven(problem, made.rows, Rule::kInSeat, options.threads);
     if (!checked) return checked.error();
     made.checked = std::move(*checked);
-    if (!made.checked.clear()) {
-      return Error{ErrorCode::kInternal, "", "", "a path was found that does not prove clear",
-                   "try another --seed"};
-    }
-  }
+    if (made.checked.clear()) return std::optional<Pose>();
+    return std::optional<Pose>(worst_pose(problem, made.rows, made.checked));
+  };
+  auto found = search(problem, goal, request);
+  if (!found) return found.error();
+  made.search = std::move(*found);
   made.seconds = steady_s() - begin_s;
   return made;
 }

@@ -13,9 +13,18 @@ using clearance::LeftOut;
 using clearance::Moment;
 using clearance::SeatStretch;
 
-// Beyond the stored reach a search tells distances, which takes long, and no rule needs it.
+constexpr double kRefusedVoxels = 1;  // of travel around a pose that is refused
+
+// As far as check_path() looks: with a lesser cap a search tells some distances less, and the part
+// could not even be where it starts.
 double cap_voxels(const Problem& problem, double required_voxels) {
-  return std::max(required_voxels + 1, clearance::reach_voxels(problem.scene.header()));
+  return std::max(required_voxels + 2, clearance::reach_voxels(problem.scene.header())) + 1;
+}
+
+// No farther than distances are stored, where that is enough: nothing need be searched for.
+double clear_cap_voxels(const Problem& problem, double required_voxels) {
+  const double reach = clearance::reach_voxels(problem.scene.header());
+  return required_voxels + 2 <= reach ? reach : cap_voxels(problem, required_voxels);
 }
 
 LeftOut with_seat(LeftOut left_out, const std::optional<SeatStretch>& seat) {
@@ -48,18 +57,59 @@ PoseCheck::PoseCheck(const Problem& problem, std::optional<SeatStretch> seat)
       required_(problem.scene, problem.part, problem.clearance_m),
       seat_(std::move(seat)),
       but_seat_(with_seat(problem.allowed, seat_)),
-      clear_(problem.scene, problem.part, problem.allowed, cap_voxels(problem, required_.voxels())),
+      clear_(problem.scene, problem.part, problem.allowed,
+             clear_cap_voxels(problem, required_.voxels())),
       in_seat_(problem.scene, problem.part, but_seat_, cap_voxels(problem, required_.voxels())) {}
 
 bool PoseCheck::holds(Rule rule, const Pose& pose) {
   ++tested_;
+  if (is_refused(pose)) return false;
   part(rule).forget();
   const double required = required_.voxels();
   if (part(rule).at(pose, 0, required, required).voxels < required) return false;
-  return rule == Rule::kClear || !has_seat() || !seat_->pushed_in(pose, problem_.allowed);
+  return rule == Rule::kClear || !has_seat() || !seat_->is_pushed_in(pose, problem_.allowed);
+}
+
+void PoseCheck::refuse(const Pose& pose) {
+  const double from_start_m = travel_between_m(problem_, problem_.world_from_start, pose);
+  refused_.push_back(
+      {pose, std::min(kRefusedVoxels * problem_.scene.voxel_size_m(), from_start_m / 2)});
+}
+
+bool PoseCheck::is_refused(const Pose& pose) const {
+  return std::any_of(refused_.begin(), refused_.end(), [&](const Refused& refused) {
+    return travel_between_m(problem_, pose, refused.pose) < refused.within_m;
+  });
+}
+
+// Up to where no pose of a motion is refused, told to half the way within which one is.
+double PoseCheck::share_not_refused(const Pose& from, const Pose& to) const {
+  const double way_m = travel_between_m(problem_, from, to);
+  double share = 1;
+  for (const Refused& refused : refused_) {
+    if (travel_between_m(problem_, from, refused.pose) > way_m + refused.within_m) continue;
+    const double step = std::min(1.0, refused.within_m / (2 * way_m));
+    for (double at = 0; at < share; at += step) {
+      if (travel_between_m(problem_, pose_between(from, to, at), refused.pose) < refused.within_m) {
+        share = std::max(0.0, at - step);
+      }
+    }
+  }
+  return share;
 }
 
 double PoseCheck::share_kept(Rule rule, const Pose& from, const Pose& to, bool or_nothing) {
+  if (!refused_.empty()) {
+    const double share = share_not_refused(from, to);
+    if (share < 1 && (or_nothing || share == 0)) return 0;
+    if (share < 1) {
+      return share * share_by_proofs(rule, from, pose_between(from, to, share), false);
+    }
+  }
+  return share_by_proofs(rule, from, to, or_nothing);
+}
+
+double PoseCheck::share_by_proofs(Rule rule, const Pose& from, const Pose& to, bool or_nothing) {
   const CenterPath path = motion(problem_, from, to);
   const Moment begin{0, 0};
   Moment end{1, 0};
@@ -86,7 +136,8 @@ bool PoseCheck::is_kept(Rule rule, const Pose& from, const Pose& to) {
 double PoseCheck::clearance_m(const Pose& pose) {
   ++tested_;
   clear_.forget();
-  return required_.clearance_m(clear_.at(pose, 0, cap_voxels(problem_, required_.voxels())).voxels);
+  const double cap = clear_cap_voxels(problem_, required_.voxels());
+  return required_.clearance_m(clear_.at(pose, 0, cap).voxels);
 }
 
 std::uint32_t PoseCheck::met(Rule rule, const Pose& from, const Pose& to) {

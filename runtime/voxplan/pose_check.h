@@ -26,6 +26,10 @@ class PoseCheck {
 
   bool holds(Rule rule, const Pose& pose);
 
+  // From now on no way leads by that pose, or within a voxel of travel around it: it belongs to a
+  // way that was found and did not prove clear. The start stays allowed.
+  void refuse(const Pose& pose);
+
   // How much of the motion keeps the rule from its beginning on: 1 where all of it does.
   double share_kept(Rule rule, const Pose& from, const Pose& to);
   // Whether all of it does: quicker where it does not.
@@ -42,13 +46,16 @@ class PoseCheck {
   const std::vector<clearance::SeatStretch::Floor>& floors(const Pose& pose);
 
   bool has_seat() const { return seat_ && !seat_->objects().empty(); }
-  std::uint64_t poses_tested() const { return tested_; }
+  std::uint64_t poses_tested() const { return tested_ + (seat_ ? seat_->looked_up() : 0); }
   const Problem& problem() const { return problem_; }
 
  private:
   PoseCheck(const Problem& problem, std::optional<clearance::SeatStretch> seat);
   clearance::PartDistance& part(Rule rule) { return rule == Rule::kClear ? clear_ : in_seat_; }
   double share_kept(Rule rule, const Pose& from, const Pose& to, bool or_nothing);
+  double share_by_proofs(Rule rule, const Pose& from, const Pose& to, bool or_nothing);
+  bool is_refused(const Pose& pose) const;
+  double share_not_refused(const Pose& from, const Pose& to) const;
 
   const Problem& problem_;
   clearance::RequiredDistance required_;
@@ -56,7 +63,12 @@ class PoseCheck {
   clearance::LeftOut but_seat_;  // the allowed objects and those of the seat
   clearance::PartDistance clear_, in_seat_;
   std::vector<clearance::SeatStretch::Floor> floors_;
-  std::uint64_t tested_ = 0;
+  struct Refused {
+    Pose pose;
+    double within_m = 0;
+  };
+  std::vector<Refused> refused_;
+  std::uint64_t tested_ = 0;  // but for those of the seat
 };
 
 }  // namespace forcelayer::voxplan

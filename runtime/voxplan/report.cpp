@@ -54,7 +54,9 @@ std::string not_found_text(const Report& report) {
   std::string line =
       text("no path found in %.3g s (best: out to %.3g mm", result.seconds, 1e3 * result.out_m);
   if (result.blocked_by != 0) line += ", blocked by " + name_of(report, result.blocked_by);
-  return line + ")";
+  if (result.refused == 0) return line + ")";
+  return line +
+         text("; %llu that did not prove clear)", static_cast<unsigned long long>(result.refused));
 }
 
 Json report_json(const Report& report) {
@@ -88,6 +90,7 @@ Json report_json(const Report& report) {
     json["best"] = {{"out_m", result.out_m}, {"blocked_by", named(result.blocked_by)}};
   }
   json["poses_tested"] = result.poses_tested;
+  json["refused"] = result.refused;
   json["seed"] = report.options.seed;
   json["threads"] = report.options.threads;
   json["seconds"] = {{"search", result.seconds}, {"total", report.plan.seconds}};

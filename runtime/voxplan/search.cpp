@@ -1,6 +1,7 @@
 #include "runtime/voxplan/search.h"
 
 #include <algorithm>
+#include <chrono>
 #include <glm/geometric.hpp>
 
 #include "runtime/clearance/share_out.h"
@@ -12,23 +13,41 @@ namespace {
 constexpr std::size_t kHands = 4;             // whatever the threads
 constexpr std::uint64_t kPosesARound = 4000;  // of each hand
 
-// The way of the first hand that is done. Whether there is one.
-bool take_done(const std::vector<std::unique_ptr<Hand>>& hands, SearchResult& result) {
-  const auto done =
-      std::find_if(hands.begin(), hands.end(), [](const auto& hand) { return hand->is_done(); });
-  if (done == hands.end()) return false;
-  result.in_seat = (*done)->in_seat();
-  result.beyond = (*done)->beyond();
-  return true;
+using Hands = std::vector<std::unique_ptr<Hand>>;
+
+// The way of the first hand that is done and whose way proves clear. What the others learn of ways
+// that do not: where.
+Status take_proven(const Hands& hands, const SearchRequest& request, SearchResult& result) {
+  for (const auto& hand : hands) {
+    if (!hand->is_done()) continue;
+    if (request.unproven_at) {
+      const auto at = request.unproven_at(hand->in_seat(), hand->beyond());
+      if (!at) return at.error();
+      if (*at) {
+        ++result.refused;
+        for (const auto& other : hands) other->refuse(**at);
+        continue;
+      }
+    }
+    result.found = true;
+    result.in_seat = hand->in_seat();
+    result.beyond = hand->beyond();
+    return {};
+  }
+  return {};
 }
 
 }  // namespace
 
+double steady_s() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
 Result<SearchResult> search(const Problem& problem, const Destination& goal,
                             const SearchRequest& request) {
-  const double begin_s = steady_s(), end_s = begin_s + request.most_s;
+  const double begin_s = request.clock_s(), end_s = begin_s + request.most_s;
   seed_planners(request.seed);
-  std::vector<std::unique_ptr<Hand>> hands;
+  Hands hands;
   for (std::size_t n = 0; n < kHands; ++n) {
     auto hand = Hand::create(problem, goal, n, request.seed);
     if (!hand) return hand.error();
@@ -36,24 +55,26 @@ Result<SearchResult> search(const Problem& problem, const Destination& goal,
   }
   SearchResult result;
   // All hands do the same work in a round, so that the clock does not choose the way.
-  result.found = take_done(hands, result);
-  while (!result.found && steady_s() < end_s) {
+  if (Status s = take_proven(hands, request, result); !s) return s.error();
+  while (!result.found && request.clock_s() < end_s) {
     clearance::share_out(std::min<unsigned>(request.threads, kHands), kHands,
-                         [&](std::size_t, std::size_t n) { hands[n]->work(kPosesARound, end_s); });
+                         [&](std::size_t, std::size_t n) {
+                           hands[n]->work(kPosesARound, [&] { return request.clock_s() >= end_s; });
+                         });
     for (const auto& hand : hands) {
       hand->take_stock();
       result.out_m = std::max(result.out_m, hand->out_m());
     }
-    result.found = take_done(hands, result);
+    if (Status s = take_proven(hands, request, result); !s) return s.error();
     if (request.progress) {
-      request.progress(std::min(1.0, (steady_s() - begin_s) / request.most_s), result.out_m);
+      request.progress(std::min(1.0, (request.clock_s() - begin_s) / request.most_s), result.out_m);
     }
   }
   for (const auto& hand : hands) {
     if (!result.found && hand->out_m() >= result.out_m) result.blocked_by = hand->blocked_by();
     result.poses_tested += hand->poses_tested();
   }
-  result.seconds = steady_s() - begin_s;
+  result.seconds = request.clock_s() - begin_s;
   return result;
 }
 

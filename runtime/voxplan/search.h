@@ -11,15 +11,21 @@
 
 namespace forcelayer::voxplan {
 
+double steady_s();  // the steady clock, s
+
+// Poses of the centroid frame; between two of them the part goes straight.
+using Way = std::vector<Pose>;
+
 struct SearchRequest {
   std::uint64_t seed = 1;  // the same way for the same seed, whatever the threads
   unsigned threads = 1;
   double most_s = 60;
+  double (*clock_s)() = steady_s;  // by which the time is told
   std::function<void(double share_of_time, double out_m)> progress;
+  // A pose at which a way that was found does not prove clear: the search goes on for one that does
+  // not lead by it. None where it proves.
+  std::function<Result<std::optional<Pose>>(const Way& in_seat, const Way& beyond)> unproven_at;
 };
-
-// Poses of the centroid frame; between two of them the part goes straight.
-using Way = std::vector<Pose>;
 
 struct SearchResult {
   bool found = false;
@@ -30,10 +36,11 @@ struct SearchResult {
   double out_m = 0;
   std::uint32_t blocked_by = 0;
   std::uint64_t poses_tested = 0;
+  std::uint64_t refused = 0;  // ways that did not prove clear
   double seconds = 0;
 };
 
-// Errors: those of PoseCheck::create().
+// Errors: those of PoseCheck::create() and of the request's own function.
 Result<SearchResult> search(const Problem& problem, const Destination& goal,
                             const SearchRequest& request);
 

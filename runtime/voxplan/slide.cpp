@@ -1,7 +1,9 @@
 #include "runtime/voxplan/slide.h"
 
 #include <algorithm>
+#include <cmath>
 #include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
 #include <vector>
 
 #include "runtime/coupling/coupling.h"
@@ -11,6 +13,11 @@ namespace {
 
 constexpr std::size_t kMostFloors = 512;
 constexpr int kRounds = 40;
+constexpr double kStiffness = 1e-3;  // of free motions, beside at most 2 of floors
+// How far a floor may lean along an axis to count for it: one guess after the other.
+constexpr std::array<double, 4> kLeans{1, 0.3, 0.1, 0.01};
+constexpr double kSoftest = 1e-9;  // of an axis that nothing resists, beside 1 of floors
+constexpr int kAxisRounds = 20;    // of inverse iteration
 
 // A point keeps before its floor while along . twist >= -left_m.
 struct Bound {
@@ -75,6 +82,61 @@ Twist6 allowed_twist(const Twist6& wanted, std::span<const clearance::SeatStretc
     if (!moves) break;
   }
   return twist;
+}
+
+// Gauss and Jordan without pivots: A + e is positive definite.
+Twist6 free_twist(const Twist6& wanted, std::span<const clearance::SeatStretch::Floor> floors,
+                  double radius_m) {
+  std::array<std::array<double, 6>, 6> a{};
+  for (std::size_t i = 0; i < 6; ++i) a[i][i] = kStiffness;
+  for (const clearance::SeatStretch::Floor& floor : floors) {
+    const glm::dvec3 out(floor.direction);
+    const glm::dvec3 turn = glm::cross(glm::dvec3(floor.arm_m), out) / radius_m;
+    const Twist6 along{out.x, out.y, out.z, turn.x, turn.y, turn.z};
+    for (std::size_t i = 0; i < 6; ++i) {
+      for (std::size_t j = 0; j < 6; ++j) {
+        a[i][j] += along[i] * along[j] / static_cast<double>(floors.size());
+      }
+    }
+  }
+  Twist6 twist = wanted;
+  for (std::size_t i = 0; i < 6; ++i) {
+    for (std::size_t row = 0; row < 6; ++row) {
+      if (row == i) continue;
+      const double factor = a[row][i] / a[i][i];
+      for (std::size_t j = i; j < 6; ++j) a[row][j] -= factor * a[i][j];
+      twist[row] -= factor * twist[i];
+    }
+  }
+  for (std::size_t i = 0; i < 6; ++i) twist[i] /= a[i][i];
+  return of_length(twist, 1);
+}
+
+std::vector<glm::dvec3> free_directions(std::span<const clearance::SeatStretch::Floor> floors) {
+  if (floors.empty()) return {};
+  std::vector<glm::dvec3> directions;
+  glm::dvec3 away(0);
+  for (const auto& floor : floors) away += glm::dvec3(floor.direction);
+  if (glm::length(away) > 0) directions.push_back(glm::normalize(away));
+  glm::dvec3 axis(0);
+  for (const double most_lean : kLeans) {
+    glm::dmat3 resisted(0);
+    std::size_t count = 0;
+    for (const auto& floor : floors) {
+      const glm::dvec3 out(floor.direction);
+      if (std::abs(glm::dot(out, axis)) > most_lean) continue;
+      resisted += glm::outerProduct(out, out);
+      ++count;
+    }
+    if (count == 0) return directions;
+    const glm::dmat3 softer =
+        glm::inverse(resisted / static_cast<double>(count) + kSoftest * glm::dmat3(1));
+    if (axis == glm::dvec3(0)) axis = {0.48, 0.64, 0.6};  // along none of the world's
+    for (int n = 0; n < kAxisRounds; ++n) axis = glm::normalize(softer * axis);
+  }
+  directions.push_back(axis);
+  directions.push_back(-axis);
+  return directions;
 }
 
 Pose moved(const Pose& pose, const Twist6& twist, double radius_m) {

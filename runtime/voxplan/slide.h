@@ -2,7 +2,9 @@
 #pragma once
 
 #include <array>
+#include <glm/vec3.hpp>
 #include <span>
+#include <vector>
 
 #include "runtime/clearance/seat_stretch.h"
 #include "runtime/voxplan/random.h"
@@ -23,6 +25,18 @@ Twist6 of_length(Twist6 twist, double length_m);  // the same direction, which i
 // pin in a hole goes along its axis or turns about it, and a cover goes up.
 Twist6 allowed_twist(const Twist6& wanted, std::span<const clearance::SeatStretch::Floor> floors,
                      double radius_m);
+
+// A twist of length 1 in which the floors resist little, from a random one: (A + e)^-1 times it,
+// where A is the mean of a a^T over the floors, and a . twist is how fast the point before one
+// leaves it. So a pin gets a way along its hole or a turn about it, though some floors say
+// otherwise.
+Twist6 free_twist(const Twist6& wanted, std::span<const clearance::SeatStretch::Floor> floors,
+                  double radius_m);
+
+// Directions in which a part may go straight, by its floors: away from all of them, and along the
+// axis that they resist least, either way. Floors at edges, which lean along that axis, are left
+// out of it, so that the others give it exactly.
+std::vector<glm::dvec3> free_directions(std::span<const clearance::SeatStretch::Floor> floors);
 
 Pose moved(const Pose& pose, const Twist6& twist, double radius_m);
 

@@ -34,6 +34,21 @@ plan 0 opened.vox cover.pshell --clearance 2mm -o again.csv --threads 1 --quiet
 [ ! -s out.txt ] || fail "--quiet: $(cat out.txt)"
 cmp up.csv again.csv || fail "the same seed, another path"
 
+# A pin goes exactly straight along its bore, as a hand would draw it.
+"$bin/voxelize" "$gearbox" --without Pin --voxel-size 1mm -o rest.vox --quiet
+"$bin/pointshell" "$gearbox#Pin" --voxel-size 1mm -o pin.pshell --quiet
+plan 0 rest.vox pin.pshell --clearance 1mm -o pin.csv --json pin.json
+python3 - <<'END' || fail "the pin leans: $(cat pin.csv)"
+import json
+out_s = json.load(open("pin.json"))["seated"][0]["to_s"]
+rows = [[float(cell) for cell in line.split(",")] for line in open("pin.csv").read().splitlines()[1:]]
+seated = [row for row in rows if row[0] <= out_s]
+after = rows[len(seated)]
+assert after[3] > 0.02, rows
+for row in seated + [after]:
+    assert max(map(abs, row[1:3] + row[5:])) < 1e-9 and abs(row[4] - 1) < 1e-9, row
+END
+
 # To a pose.
 plan 0 opened.vox cover.pshell --clearance 2mm --goal 0,0,40mm -o to.csv --quiet
 tail -n 1 to.csv | grep -qE '^[0-9.]+(,-?[0-9.e-]+){7}$' || fail "$(tail -n 1 to.csv)"
@@ -51,7 +66,7 @@ python3 -c 'import json; r = json.load(open("no.json")); assert not r["found"] a
 plan 2 opened.vox cover.pshell -o x.csv --goal 0,0,40mm --out-of-scene
 errs 'exclude each other'
 plan 2 opened.vox cover.pshell -o x.csv --goal 0,0,1mm --clearance 2mm
-errs '--goal: the part is nearer there than --clearance to Gearbox/Housing'
+errs '--goal: the part is nearer there than --clearance to Gearbox/Housing: [0-9.]+ mm are proven'
 plan 2 opened.vox cover.pshell -o opened.vox
 plan 1 none.vox cover.pshell -o x.csv
 errs 'none.vox: no such file'

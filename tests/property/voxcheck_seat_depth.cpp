@@ -54,6 +54,33 @@ Surface prism(int sides, double radius_m, double half_m) {
   return surface;
 }
 
+// A prism of some sides with a hole of as many along z.
+Surface tube(int sides, double hole_m, double radius_m, double half_m) {
+  Surface surface;
+  for (int n = 0; n < sides; ++n) {
+    const double turn = 2 * std::numbers::pi * n / sides;
+    for (const double r : {hole_m, radius_m}) {
+      for (const double z : {-half_m, half_m}) {
+        surface.vertices_m.push_back({r * std::cos(turn), r * std::sin(turn), z});
+      }
+    }
+  }
+  const auto count = static_cast<std::uint32_t>(4 * sides);
+  for (std::uint32_t a = 0; a < count; a += 4) {
+    const std::uint32_t b = (a + 4) % count;
+    const auto quad = [&](std::uint32_t p, std::uint32_t q, std::uint32_t r, std::uint32_t s) {
+      surface.triangles.push_back({p, q, r});
+      surface.triangles.push_back({p, r, s});
+    };
+    quad(a, a + 1, b + 1, b);          // the hole
+    quad(a + 2, b + 2, b + 3, a + 3);  // outside
+    quad(a, b, b + 2, a + 2);          // the ends
+    quad(a + 1, a + 3, b + 3, b + 1);
+  }
+  surface.object.assign(surface.triangles.size(), 1);
+  return surface;
+}
+
 Surface united(Surface a, const Surface& b, const glm::dvec3& at_m) {
   const auto first = static_cast<std::uint32_t>(a.vertices_m.size());
   for (const glm::dvec3& v : b.vertices_m) a.vertices_m.push_back(v + at_m);
@@ -136,6 +163,24 @@ long double sampled_both(const Surface& part, const Surface& object, const Pose&
   return deepest;
 }
 
+bool is_crossed(const Corners& t, const Wide& from, const Wide& to) {
+  const Wide normal = glm::cross(t[1] - t[0], t[2] - t[0]);
+  const long double a = glm::dot(normal, from - t[0]), b = glm::dot(normal, to - t[0]);
+  if ((a > 0) == (b > 0)) return false;
+  const Wide p = from + a / (a - b) * (to - from);
+  for (int n = 0; n < 3; ++n) {
+    if (glm::dot(glm::cross(normal, t[(n + 1) % 3] - t[n]), p - t[n]) < 0) return false;
+  }
+  return true;
+}
+
+bool meet(const Corners& a, const Corners& b) {
+  for (int n = 0; n < 3; ++n) {
+    if (is_crossed(a, b[n], b[(n + 1) % 3]) || is_crossed(b, a[n], a[(n + 1) % 3])) return true;
+  }
+  return false;
+}
+
 Surface random_body(std::mt19937& random) {
   std::uniform_real_distribution<double> size(0.2, 1);
   if (std::uniform_int_distribution<int>(0, 1)(random) == 0) {
@@ -197,6 +242,40 @@ TEST(SeatDepth, IsThatOfTheDeepestPlaceOfEitherSurface) {
   EXPECT_GT(deep, 20);
 }
 
+// A pin that fits its bore but for a little, and leans in it. Thin pieces before its walls, and on
+// them, are settled as a whole: were they cut to the width of the gap it would take a hundred times
+// as many.
+TEST(SeatDepth, OfAPinThatLeansInItsBoreIsFoundInFewPieces) {
+  std::mt19937 random(31);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  constexpr double kGap = 0.02, kAllowed = 0.04, kFine = 0.004;
+  std::uint64_t most = 0;
+  int pressed = 0, leaning = 0;
+  for (int trial = 0; trial < 12; ++trial) {
+    SCOPED_TRACE(trial);
+    const Surface pin = prism(16, 1, 6), bore = tube(12 + trial % 2 * 4, 1 + kGap, 2, 4);
+    const Bodies of_pin = bodies_of(pin, kFine), of_bore = bodies_of(bore, kFine);
+    ASSERT_TRUE(are_solid(of_pin) && are_solid(of_bore));
+    const MeshPair distance(bore, pin);
+    const clearance::CenterPath path({{row_of(0, {})}}, {0, 0, 0}, 7);
+    const SeatWalk walk(path, of_pin, of_bore, distance, kFine);
+    const glm::dvec3 turn = glm::dvec3(unit(random), unit(random), 0) * 0.01;
+    const Pose pose{glm::dvec3(unit(random), unit(random), 0) * 0.02,
+                    glm::normalize(glm::dquat(1, turn / 2.0))};
+    const auto truth = static_cast<double>(sampled_both(pin, bore, pose, 8));
+    const Depth depth = walk.at_pose(pose, kAllowed);
+    EXPECT_LE(truth, depth.at_most_m + 1e-9);
+    EXPECT_LE(depth.at_most_m, depth.found_m + std::max({kFine, kAllowed - depth.at_most_m,
+                                                         (depth.found_m - kAllowed) / 2}));
+    most = std::max(most, depth.looked_at);
+    pressed += truth > kAllowed;
+    leaning += truth > 0 && truth <= kAllowed;
+  }
+  EXPECT_LE(most, 8000u);
+  EXPECT_GT(pressed, 2);
+  EXPECT_GT(leaning, 2);
+}
+
 // A part that comes by an object, between two poses too.
 TEST(SeatWalk, TellsEveryMomentAtWhichThePartIsTooDeep) {
   std::mt19937 random(27);
@@ -248,6 +327,38 @@ TEST(Body, HoldsThePlacesThatItsTrianglesWindAround) {
     inside += holds;
   }
   EXPECT_GT(inside, 40);
+}
+
+TEST(Body, MeetsThePiecesThatCrossItsTrianglesAndNoOthers) {
+  std::mt19937 random(29);
+  std::uniform_real_distribution<double> unit(-1.3, 1.3);
+  const Surface many = tube(12, 0.5, 1, 0.4);
+  const auto triangles = placed(many, {}, 0);
+  const Bodies bodies = bodies_of(many, kWithin);
+  int met = 0, apart = 0;
+  for (int n = 0; n < 3000; ++n) {
+    const double size = std::pow(0.5, n % 8);
+    const glm::dvec3 center(unit(random), unit(random), unit(random) / 2);
+    part::Piece piece;
+    Corners corners;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const glm::dvec3 p = center + size * glm::dvec3(unit(random), unit(random), unit(random));
+      piece[i] = vec3_of(p), corners[i] = Wide(p);
+    }
+    const bool meets = std::any_of(triangles.begin(), triangles.end(),
+                                   [&](const Corners& t) { return meet(t, corners); });
+    EXPECT_EQ(bodies[0]->may_meet(piece), meets) << n;
+    ++(meets ? met : apart);
+    if (meets) continue;
+    // All of it lies on one side.
+    EXPECT_EQ(bodies[0]->holds(piece[0]), bodies[0]->holds(piece[1])) << n;
+    EXPECT_EQ(bodies[0]->holds(piece[0]), bodies[0]->holds(piece[2])) << n;
+  }
+  EXPECT_GT(met, 500);
+  EXPECT_GT(apart, 500);
+  // What touches may meet.
+  const auto corner = many.vertices_m[0];
+  EXPECT_TRUE(bodies[0]->may_meet({vec3_of(corner), vec3_of(corner * 0.5), vec3_of({0, 0, -0.3})}));
 }
 
 TEST(Body, IsSolidWhereItIsClosedButForCracks) {

@@ -1,12 +1,15 @@
 // The rules of a plan against the proofs of voxcheck: what PoseCheck lets pass is clear by
-// check_path(); what it cuts is kept up to there. Steps that floors allow are kept.
+// check_path(); what it cuts is kept up to there. A search goes on where a way does not prove
+// clear.
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <glm/geometric.hpp>
 
 #include "runtime/clearance/path_check.h"
+#include "runtime/field/field_probe.h"
 #include "runtime/voxplan/pose_check.h"
+#include "runtime/voxplan/search.h"
 #include "runtime/voxplan/slide.h"
 #include "runtime/voxplan/way.h"
 #include "tests/support/distance_scene.h"
@@ -41,9 +44,10 @@ PointPart block() { return box_part({0.015, 0.012, kHalf}, 0.8 * kS, kS); }
 struct Bench {
   Voxmap scene = make_voxmap(groove());
   Pshell part = make_pshell(block());
-  Problem problem{scene, part, 0.004, {{0.0007, 0, kHalf}, {1, 0, 0, 0}}, {}};
+  Problem problem;
   std::unique_ptr<PoseCheck> check;
-  Bench() {
+  explicit Bench(double above_m = 0)
+      : problem{scene, part, 0.004, {{0.0007, 0, kHalf + above_m}, {1, 0, 0, 0}}, {}} {
     auto made = PoseCheck::create(problem);
     if (!made) throw std::runtime_error(to_line(made.error()));
     check = std::move(*made);
@@ -78,6 +82,144 @@ TEST(PoseCheck, MotionsThatAreKeptAreProvenByTheCheckOfPaths) {
   }
   EXPECT_GT(kept, 20);
   EXPECT_GT(cut, 20);
+}
+
+// The twin: the look-up of a frame, and what it bars. Edges between points: runtime_seat.cpp.
+TEST(SeatLookUp, TheQuickOneBarsWhatThatOfAFrameBars) {
+  Bench bench;
+  query::ContactQuery query(bench.scene, bench.part);
+  const auto field =
+      field::make_force_field(Model::kDefault, ForceKind::kDistance, bench.scene).value();
+  query::CollectedPoints points;
+  field::FieldSamples samples;
+  field::ContactSet contacts;
+  const std::uint64_t count = bench.part.view().point_count;
+  points.reserve(count), samples.reserve(count), contacts.reserve(count);
+  field::FieldProbe probe(query, *field, points, samples);
+  ASSERT_TRUE(probe.find_seat(bench.problem.world_from_start));
+  ASSERT_FALSE(probe.seat().empty());
+  probe.open_seat(true);
+  voxplan::Random random(3);
+  int barred = 0, free = 0;
+  for (int trial = 0; trial < 3000; ++trial) {
+    const double radius_m = bench.part.header().bounding_radius_m;
+    const double length_m = kS * std::pow(random.share(), 2);
+    const Pose pose = voxplan::moved(bench.problem.world_from_start,
+                                     voxplan::random_twist(length_m, random), radius_m);
+    probe.look_up(pose, contacts);
+    bool is_barred = false;
+    for (std::uint32_t i = 0; i < contacts.count; ++i) {
+      is_barred = is_barred || (contacts.is_barred[i] != 0 && contacts.of_seat[i] != 0);
+    }
+    ++(is_barred ? barred : free);
+    EXPECT_EQ(probe.is_pushed_into_seat(pose, {}), is_barred) << trial;
+    const std::uint8_t all[] = {1};
+    EXPECT_FALSE(probe.is_pushed_into_seat(pose, all)) << trial;
+  }
+  EXPECT_GT(barred, 500);
+  EXPECT_GT(free, 500);
+}
+
+TEST(PoseCheck, NoWayLeadsByARefusedPose) {
+  Bench bench(0.03);
+  const Pose start = bench.problem.world_from_start;
+  const auto above = [&](double way_m) {
+    return Pose{start.position_m + glm::dvec3(0, 0, way_m), start.orientation};
+  };
+  ASSERT_TRUE(bench.check->is_kept(Rule::kClear, start, above(0.04)));
+  bench.check->refuse(above(0.02));
+  EXPECT_TRUE(bench.check->holds(Rule::kClear, start));
+  EXPECT_FALSE(bench.check->holds(Rule::kClear, above(0.02 + 0.9 * kS)));
+  EXPECT_TRUE(bench.check->holds(Rule::kClear, above(0.02 + 1.1 * kS)));
+  EXPECT_FALSE(bench.check->is_kept(Rule::kClear, start, above(0.04)));
+  const double kept_m = 0.04 * bench.check->share_kept(Rule::kClear, start, above(0.04));
+  EXPECT_LE(kept_m, 0.02 - kS);
+  EXPECT_GE(kept_m, 0.02 - 2 * kS);
+  // Not even that of a step away makes the start one.
+  bench.check->refuse(above(1e-4));
+  EXPECT_TRUE(bench.check->holds(Rule::kClear, start));
+}
+
+TEST(Search, GoesOnWhereAWayDoesNotProveClear) {
+  Bench bench(0.03);
+  const auto goal = voxplan::Destination::out_of_scene(bench.problem);
+  for (const int failing : {0, 1, 3}) {
+    std::vector<Pose> refused;
+    voxplan::SearchRequest request;
+    request.most_s = 60;
+    request.unproven_at = [&](const voxplan::Way&,
+                              const voxplan::Way& beyond) -> Result<std::optional<Pose>> {
+      for (const Pose& pose : refused) {
+        for (const Pose& at : voxplan::with_more_poses(bench.problem, beyond, 0.1 * kS)) {
+          EXPECT_GT(voxplan::travel_between_m(bench.problem, at, pose), 0.8 * kS);
+        }
+      }
+      if (static_cast<int>(refused.size()) == failing) return std::optional<Pose>();
+      refused.push_back(voxplan::pose_between(beyond[beyond.size() - 2], beyond.back(), 0.5));
+      return std::optional<Pose>(refused.back());
+    };
+    const auto result = voxplan::search(bench.problem, goal, request);
+    ASSERT_TRUE(result) << to_line(result.error());
+    EXPECT_TRUE(result->found) << failing;
+    EXPECT_EQ(result->refused, static_cast<std::uint64_t>(failing));
+  }
+  // Until the time is up; then it says so.
+  voxplan::SearchRequest request;
+  request.most_s = 0.3;
+  request.unproven_at = [](const voxplan::Way&, const voxplan::Way& beyond) {
+    return Result<std::optional<Pose>>(std::optional<Pose>(beyond.back()));
+  };
+  const auto result = voxplan::search(bench.problem, goal, request);
+  ASSERT_TRUE(result) << to_line(result.error());
+  EXPECT_FALSE(result->found);
+  EXPECT_GT(result->refused, 0u);
+}
+
+// A pin in a hole, of whose floors some are tilted along it, as at the hole's edges.
+TEST(Slide, AFreeTwistGoesAlongAPinsHoleOrTurnsInIt) {
+  std::vector<clearance::SeatStretch::Floor> floors;
+  voxplan::Random random(5);
+  for (int n = 0; n < 300; ++n) {
+    const double angle = random.between(0, 2 * M_PI), x = random.between(-0.02, 0.02);
+    const glm::vec3 out(0, std::cos(angle), std::sin(angle));
+    const glm::vec3 tilted = glm::normalize(out + glm::vec3(n % 30 == 0 ? 0.4 : 0.0, 0, 0));
+    floors.push_back({glm::vec3(x, 0, 0) - 0.005f * out, tilted, 0});
+  }
+  int free = 0, along = 0, about = 0;
+  for (int n = 0; n < 200; ++n) {
+    const voxplan::Twist6 twist =
+        voxplan::free_twist(voxplan::random_twist(1, random), floors, 0.02);
+    EXPECT_NEAR(voxplan::length_of(twist), 1, 1e-9);
+    free += std::hypot(twist[1], twist[2], std::hypot(twist[4], twist[5])) < 0.3 ? 1 : 0;
+    along += std::abs(twist[0]) > 0.5 ? 1 : 0;
+    about += std::abs(twist[3]) > 0.5 ? 1 : 0;
+  }
+  EXPECT_GT(free, 180);  // all but those that go neither along nor about to begin with
+  EXPECT_GT(along, 20);
+  EXPECT_GT(about, 20);
+}
+
+TEST(Slide, AFreeDirectionIsExactlyAlongAPinsHole) {
+  voxplan::Random random(6);
+  for (int trial = 0; trial < 50; ++trial) {
+    const glm::dquat turn = random.orientation();
+    const glm::dvec3 axis = turn * glm::dvec3(1, 0, 0);
+    std::vector<clearance::SeatStretch::Floor> floors;
+    for (int n = 0; n < 300; ++n) {
+      const double angle = random.between(0, 2 * M_PI);
+      const glm::dvec3 out(n % 10 == 0 ? 0.4 : 0.0, std::cos(angle), std::sin(angle));
+      floors.push_back({glm::vec3(0), glm::vec3(turn * glm::normalize(out)), 0});
+    }
+    const auto directions = voxplan::free_directions(floors);
+    ASSERT_EQ(directions.size(), 3u);
+    EXPECT_LT(glm::length(glm::cross(directions[1], axis)), 1e-6) << trial;
+    EXPECT_EQ(directions[1], -directions[2]);
+    // A cover: away from all floors.
+    floors.resize(1);
+    EXPECT_LT(glm::length(voxplan::free_directions(floors)[0] - glm::dvec3(floors[0].direction)),
+              1e-6);
+  }
+  EXPECT_TRUE(voxplan::free_directions({}).empty());
 }
 
 }  // namespace

@@ -348,6 +348,44 @@ TEST(Seat, DepthsBetweenPointsAreThoseOfAllPairs) {
   EXPECT_GT(felt, 200);
 }
 
+// The twin is the look-up of a frame.
+TEST(Seat, TheQuickLookUpBarsWhatLiesBetweenPoints) {
+  const Voxmap voxmap = make_voxmap(ridge_with_distances());
+  const Pshell shell = make_pshell(sparse_block());
+  const auto force = field::make_force_field(Model::kDefault, ForceKind::kDistance, voxmap);
+  ASSERT_TRUE(force);
+  query::ContactQuery query(voxmap, shell);
+  query::CollectedPoints points;
+  field::FieldSamples samples;
+  field::ContactSet contacts;
+  points.reserve(shell.view().point_count), samples.reserve(shell.view().point_count);
+  contacts.reserve(shell.view().point_count);
+  field::FieldProbe probe(query, **force, points, samples);
+  ASSERT_TRUE(probe.find_seat(on_edge()));
+  probe.open_seat(true);
+  const field::SeatObject seat = probe.seat().objects()[0];
+  const auto zero_force_m = static_cast<float>(voxmap.header().zero_force_m);
+  Random random(26);
+  int free = 0, between_alone = 0;
+  for (int trial = 0; trial < 3000; ++trial) {
+    Pose at = on_edge(-uniform(random, 0, 0.6) * kS);
+    at.position_m.x += uniform(random, -1, 1) * kS;
+    at.orientation = coupling::rotation_by(uniform(random, 0, 0.4) * random_direction(random));
+    probe.look_up(at, contacts);
+    bool is_barred = false, by_points = false;
+    for (std::uint32_t i = 0; i < contacts.count; ++i) {
+      is_barred = is_barred || contacts.is_barred[i] != 0;
+      by_points = by_points || zero_force_m + samples.from_zero_force_m[i] <
+                                   std::max(seat.floor_m, seat.corner_floor_m);
+    }
+    free += is_barred ? 0 : 1;
+    between_alone += is_barred && !by_points ? 1 : 0;
+    ASSERT_EQ(probe.is_pushed_into_seat(at, {}), is_barred) << trial;
+  }
+  EXPECT_GT(free, 100);
+  EXPECT_GT(between_alone, 100);
+}
+
 TEST(Seat, NeighborsAreAllPairsWithinTheDistance) {
   Random random(25);
   PointPart part = sparse_block();
