@@ -90,6 +90,7 @@ FILES = {
     "path_time": (("clearance_mm", "threads"), {**same("poses", "moments_tested"), **times("cpu_s")}),
     "verdicts": (("case",), {**same("poses", "too_near", "contradictions"), "told_m": 1.02}),
     "python": (("question", "points", "threads"), times("python_cpu_s", "cpp_cpu_s")),
+    "progress": (("program", "case"), times("cpu_s")),
     "paper": (("figure",), {}),
     "paper_steps": (("model", "points"), times("p50_us", "p99_us")),
     "loop": (("figure",), {}),
@@ -365,6 +366,11 @@ def stability_step(results):
                                  **{f"{key}_us": value for key, value in results[f"{part}_us"].items()}}
 
 
+def progress(rows):
+    for r in rows:
+        yield "progress", r
+
+
 def python_bench(rows):
     for r in rows:
         yield "python", r
@@ -455,7 +461,7 @@ ROWS = {"bake": bake, "bake_wide": bake_kinds, "bake_full": bake_full, "bake_err
         "stability_device": stability_device, "stability_grips": stability_grips,
         "stability_loops": stability_loops, "stability_seats": stability_seats,
         "stability_field": stability_field, "stability_step": stability_step, "skipped": skipped,
-        "python_bench": python_bench, "path": path, "path_time": path_time, "verdicts": verdicts, "paper_table": paper, "loop": loop}
+        "python_bench": python_bench, "progress": progress, "path": path, "path_time": path_time, "verdicts": verdicts, "paper_table": paper, "loop": loop}
 OF_VECTORS = (bake_kinds, force_cost)  # which put the vectors of the run into the rows
 
 

@@ -448,6 +448,10 @@ TABLES = {
         ("to", text("object")), ("poses too near", text("too_near")),
         ("deeper in its seat, found, mm", lambda r: digits(1e3 * r["told_deeper_m"])),
         ("at poses, mm", lambda r: digits(1e3 * r["deeper_m"])), ("contradictions", text("contradictions"))]),
+    "progress": ("progress", list, [
+        ("command", lambda r: f"`{r['program']}`"), ("case", text("case")), ("processor time, s", scaled("cpu_s", 1, 2)),
+        ("lines", text("lines")), ("told over true, least", lambda r: digits(r["least"])),
+        ("greatest", lambda r: digits(r["greatest"])), ("within a factor of two", share("within_two"))]),
     "python": ("python", list, [
         ("question", lambda r: f"`{r['question']}`"), ("points", text("points")), ("threads", text("threads")),
         ("poses", text("poses")), ("Python, us a pose", lambda r: digits(1e6 * r["python_cpu_s"] / r["poses"], 3)),
