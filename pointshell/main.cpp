@@ -20,6 +20,7 @@
 #include "formats/pshell.h"
 #include "formats/pshell_writer.h"
 #include "pointshell/bake.h"
+#include "pointshell/cost.h"
 #include "pointshell/part/parallel.h"
 #include "pointshell/part/part_files.h"
 #include "pointshell/report.h"
@@ -234,7 +235,8 @@ Status bake_command(const Arguments& arguments) {
     warnings.push_back(imprecise);
     warn(arguments, imprecise);
   }
-  if (const std::string cost = cost_warning(expected_cost(*part, *options), *part); !cost.empty()) {
+  const BakeCost expected = expected_cost(*part, *options);
+  if (const std::string cost = cost_warning(expected, *options, *part); !cost.empty()) {
     progress.clear();
     warnings.push_back(cost);
     warn(arguments, cost);
@@ -262,6 +264,8 @@ Status bake_command(const Arguments& arguments) {
   print_summary(arguments, *shell, *part);
   if (arguments.json.empty()) return {};
   nlohmann::ordered_json report = bake_report(*shell, *options, *part);
+  report["expected"] = {
+      {"points", expected.points}, {"thread_s", expected.thread_s}, {"bytes", expected.bytes}};
   report["peak_rss_bytes"] = command::peak_rss_bytes();
   report["file_bytes"] = *written;
   report["threads"] = arguments.threads;

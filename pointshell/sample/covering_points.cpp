@@ -185,7 +185,7 @@ class TellingTriangles {
     }
   };
   // In radii: heights and lengths of wide triangles, edges of cubes.
-  static constexpr double kWide = 0.2, kLong = 64, kCube = 0.5;
+  static constexpr double kWide = 0.2, kLong = 1024, kCube = 0.5;
   static constexpr int kPerCube = 2;
 
   bool is_wide(std::uint32_t t, double length_m) const {

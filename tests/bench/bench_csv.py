@@ -51,6 +51,7 @@ FILES = {
                     "peak_bytes": MEMORY}),
     "bake_growth": (("series", "scene", "voxels", "triangles"),
                     {**times("cpu_s"), **same("file_bytes"), "peak_bytes": MEMORY}),
+    "bake_streams": (("triangles",), {**times("cpu_s"), **same("file_bytes"), "peak_bytes": MEMORY}),
     "bake_plan": (("scene", "voxel_m"), same("planned_bytes", "file_bytes")),
     "tree_memory": (("scene",), same("file_bytes", "vdb_bytes", "tree_1_bytes", "tree_2_bytes", "tree_3_bytes",
                                      "tree_4_bytes")),
@@ -144,6 +145,11 @@ def bake_growth(rows):
             "series": r["series"], "scene": r["scene"], "voxels": r["voxels_across"], "triangles": r["triangles"],
             "voxel_m": r["voxel_size_m"], "wall_s": r["wall_s"], "cpu_s": r["cpu_s"], "read_s": r["read_s"],
             "peak_bytes": r["peak_rss_bytes"], "file_bytes": r["file_bytes"], "surface_voxels": r["surface_voxels"]}
+
+
+def bake_streams(rows):
+    for r in rows:
+        yield "bake_streams", r
 
 
 def bake_plan(rows):
@@ -446,6 +452,7 @@ def loop(results):
 
 
 ROWS = {"bake": bake, "bake_wide": bake_kinds, "bake_full": bake_full, "bake_error": bake_error, "bake_growth": bake_growth,
+        "bake_streams": bake_streams,
         "bake_plan": bake_plan, "tree_memory": tree_memory, "shell": shell, "cover": cover, "query": query,
         "force": force, "force_part": force, "force_cost": force_cost, "wrench": wrench, "clearance": clearance, "motion": motion, "trajectory": trajectory,
         "stability_cases": stability_cases, "stability_rest": stability_one_case("rest"),

@@ -248,6 +248,10 @@ TABLES = {
         ("voxels across", text("voxels")), ("triangles", text("triangles")), ("command, s", scaled("wall_s")),
         ("CPU, s", scaled("cpu_s")), ("of it reading, s", scaled("read_s")), ("peak memory, MB", scaled("peak_bytes", 1e-6)),
         ("file, MB", scaled("file_bytes", 1e-6))]),
+    "bake_streams": ("bake_streams", list, [
+        ("triangles", text("triangles")), ("of the largest part", text("largest_part_triangles")),
+        ("command, s", scaled("wall_s")), ("CPU, s", scaled("cpu_s")), ("peak memory, MB", scaled("peak_bytes", 1e-6)),
+        ("in the temporary file, MB", scaled("on_disk_bytes", 1e-6)), ("file, MB", scaled("file_bytes", 1e-6))]),
     "bake_plan": ("bake_plan", list, [
         ("scene", text("scene")), ("voxel, mm", scaled("voxel_m", 1e3)),
         ("file: planned / true, MB", lambda r: pair(r["planned_bytes"] / 1e6, r["file_bytes"] / 1e6)),
