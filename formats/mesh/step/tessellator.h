@@ -48,7 +48,7 @@ class StepTessellator {
   double deviation_mm() const { return deviation_mm_; }
 
  private:
-  Tessellation tessellate_sewn(const TopoDS_Shape& shape) const;
+  Tessellation tessellate_sewn(const TopoDS_Shape& shape, double deflection_mm) const;
 
   const SourceFile& file_;
   double deflection_mm_;
