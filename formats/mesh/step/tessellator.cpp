@@ -218,6 +218,7 @@ class ShapeTessellation {
   void add(const TopoDS_Face& face, double deflection_mm, Tessellation& made) const {
     TopLoc_Location location;
     const Handle(Poly_Triangulation) triangulation = triangulation_of(face, location);
+    made.edge_gap_mm = std::max(made.edge_gap_mm, triangulation->Deflection());
     made.deviation_mm = std::max(made.deviation_mm, triangulation->Deflection());
     if (!has_whole_outline(face)) {
       made.deviation_mm = std::max(made.deviation_mm,
