@@ -27,24 +27,39 @@ namespace forcelayer::pointshell {
 namespace {
 
 // The stages of a bake and about which share of its processor time each takes, between scanned and
-// machined parts.
-constexpr std::pair<const char*, double> kStageShares[] = {
-    {"orientation", 0.04}, {"points", 0.6},  {"hidden", 0.03},  {"corners", 0.06},
-    {"order", 0.01},       {"losses", 0.18}, {"normals", 0.05}, {"weights", 0.03}};
+// machined parts: at full effort, at fast effort, with voxel centers (tests/bench/progress.md).
+struct StageShare {
+  const char* stage;
+  double full, fast, centers;
+};
+constexpr StageShare kStageShares[] = {{"orientation", 0.02, 0.03, 0.03},
+                                       {"points", 0.66, 0.35, 0.2},
+                                       {"hidden", 0, 0, 0.02},
+                                       {"corners", 0.115, 0.195, 0},
+                                       {"order", 0, 0, 0.015},
+                                       {"losses", 0.16, 0.315, 0.435},
+                                       {"normals", 0.035, 0.085, 0.255},
+                                       {"weights", 0.01, 0.025, 0.045}};
+
+double share_of(const StageShare& stage, const ShellOptions& options) {
+  if (options.method == ShellMethod::kVoxelCenters) return stage.centers;
+  return options.effort == sample::Effort::kFast ? stage.fast : stage.full;
+}
 
 class Stages {
  public:
-  Stages(BakedShell& shell, const BakeProgress& progress) : shell_(shell), progress_(progress) {}
+  Stages(const ShellOptions& options, BakedShell& shell, const BakeProgress& progress)
+      : options_(options), shell_(shell), progress_(progress) {}
 
   void begin(const std::string& name) {
     end();
     name_ = name;
     started_ = std::chrono::steady_clock::now();
     before_ = 0;
-    for (const auto& [stage, share] : kStageShares) {
-      share_ = share;
-      if (name == stage) break;
-      before_ += share;
+    for (const StageShare& stage : kStageShares) {
+      share_ = share_of(stage, options_);
+      if (name == stage.stage) break;
+      before_ += share_;
     }
     show(0);
   }
@@ -63,6 +78,7 @@ class Stages {
   }
 
  private:
+  const ShellOptions& options_;
   BakedShell& shell_;
   const BakeProgress& progress_;
   std::string name_;
@@ -217,16 +233,27 @@ std::vector<part::Vec3> in_block_order(std::span<const part::Vec3> points) {
   return ordered;
 }
 
+// Calls work(share, progress) for each of them. How far the stage is goes by their areas.
+template <typename Work>
+void for_each_share(std::span<Share> shares, const Stages& stages, const Work& work) {
+  double all_m2 = 0, before_m2 = 0;
+  for (const Share& share : shares) all_m2 += part::area(*share.part);
+  for (Share& share : shares) {
+    const double own_m2 = part::area(*share.part);
+    work(share,
+         [&](double share_done) { stages.show((before_m2 + own_m2 * share_done) / all_m2); });
+    before_m2 += own_m2;
+  }
+}
+
 // Points that cover each share by itself.
 void cover(std::span<Share> shares, sample::Effort effort, const Stages& stages) {
-  for (std::size_t n = 0; n < shares.size(); ++n) {
+  for_each_share(shares, stages, [&](Share& share, const part::Progress& progress) {
     sample::CoveringPoints covering =
-        sample::covering_points(*shares[n].tree, shares[n].radius, effort, [&](double share_done) {
-          stages.show((static_cast<double>(n) + share_done) / static_cast<double>(shares.size()));
-        });
-    shares[n].points = std::move(covering.positions);
-    shares[n].proof = std::move(covering.proof);
-  }
+        sample::covering_points(*share.tree, share.radius, effort, progress);
+    share.points = std::move(covering.positions);
+    share.proof = std::move(covering.proof);
+  });
 }
 
 void leave_out_hidden_points(std::span<Share> shares, Stages& stages, BakedShell& shell) {
@@ -249,7 +276,7 @@ certificate::CoveredPart covered_by(const Share& share, double radius, double vo
 Result<BakedShell> bake(part::Part part, const ShellOptions& options,
                         const BakeProgress& progress) {
   BakedShell shell;
-  Stages stages(shell, progress);
+  Stages stages(options, shell, progress);
   const bool on_lattice = options.method == ShellMethod::kVoxelCenters;
   double radius = requested_covering_radius(options);
 
@@ -278,10 +305,10 @@ Result<BakedShell> bake(part::Part part, const ShellOptions& options,
   leave_out_hidden_points(shares, stages, shell);
   if (!on_lattice) {
     stages.begin("corners");
-    for (Share& share : shares) {
+    for_each_share(shares, stages, [&](Share& share, const part::Progress& done) {
       const auto covered = covered_by(share, radius, options.voxel_size_m);
-      shell.corner_points += share.times() * sample::fill_lossy_places(covered, share.points);
-    }
+      shell.corner_points += share.times() * sample::fill_lossy_places(covered, share.points, done);
+    });
   }
 
   stages.begin("order");
@@ -292,9 +319,9 @@ Result<BakedShell> bake(part::Part part, const ShellOptions& options,
 
   stages.begin("losses");
   certificate::SurfaceLosses losses;
-  for (const Share& share : shares) {
-    unite(losses, certificate::find_losses(covered_by(share, radius, options.voxel_size_m)));
-  }
+  for_each_share(shares, stages, [&](const Share& share, const part::Progress& done) {
+    unite(losses, certificate::find_losses(covered_by(share, radius, options.voxel_size_m), done));
+  });
   shell.loss_pieces = losses.pieces;
   shell.losses = std::move(losses.losses);
 

@@ -242,8 +242,9 @@ Status bake_command(const Arguments& arguments) {
     warn(arguments, cost);
   }
   const double read_s = now_s() - started_s;
+  constexpr double kWritingFrom = 0.98;
   auto shell = bake_shell(*part, *options, [&](const std::string& stage, double share_done) {
-    progress.show(stage, share_done);
+    progress.show(stage, kWritingFrom * share_done);
   });
   if (!shell) return shell.error();
   if (const std::string sheets = sheet_warning(*shell); !sheets.empty()) {
@@ -255,6 +256,7 @@ Status bake_command(const Arguments& arguments) {
   const std::string origin = provenance(*part, *options);
   content.provenance = origin;
   const double write_started_s = now_s();
+  progress.show("write", kWritingFrom);
   const auto written = write_pshell(arguments.output, content);
   if (!written) return written.error();
   shell->stage_seconds.insert(shell->stage_seconds.begin(), {"read", read_s});

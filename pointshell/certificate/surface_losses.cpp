@@ -315,7 +315,8 @@ class PieceProver {
 template <typename Judge, typename Tile>
 std::vector<Judge> judge_tiles(const CoveredPart& covered, const PointGrid& grid,
                                const Judge& judge, std::size_t count, std::size_t tiles_per_task,
-                               const Tile& tile, std::uint64_t& pieces) {
+                               const Tile& tile, std::uint64_t& pieces,
+                               const std::function<void(std::size_t)>& judged = {}) {
   const std::size_t tasks = (count + tiles_per_task - 1) / tiles_per_task;
   std::vector<Judge> judges(tasks, judge);
   std::vector<std::uint64_t> pieces_of(tasks);
@@ -324,29 +325,45 @@ std::vector<Judge> judge_tiles(const CoveredPart& covered, const PointGrid& grid
     const std::size_t end = std::min((task + 1) * tiles_per_task, count);
     for (std::size_t n = task * tiles_per_task; n < end; ++n) prover.prove(tile(n));
     pieces_of[task] = prover.pieces;
+    if (judged) judged(end - task * tiles_per_task);
   });
   for (const std::uint64_t n : pieces_of) pieces += n;
   return judges;
 }
 
-// The same over the whole part; merge(judge) takes each copy, and ends it by returning false.
+double area_of(std::span<const part::Piece> tiles) {
+  double area = 0;
+  for (const part::Piece& tile : tiles) {
+    area += part::length(part::cross(tile[1] - tile[0], tile[2] - tile[0])) / 2;
+  }
+  return area;
+}
+
+// The same over the whole part; merge(judge) takes each copy, and ends it by returning false. How
+// far it is goes by area, and within a batch by tiles.
 template <typename Judge, typename Merge>
 void judge_part(const CoveredPart& covered, const Judge& judge, std::uint64_t& pieces,
-                const Merge& merge) {
+                const part::Progress& progress, const Merge& merge) {
+  part::DoneWork done(progress, part::area(covered.part));
   const PointGrid grid(covered.points, CombinationFinder::kReach * covered.radius);
   part::for_each_tile_batch(
       covered.part, kTileEdge * covered.radius, [&](std::span<const part::Piece> tiles) {
         const TileGroups groups = group_tiles(tiles, kTileEdge * covered.radius);
+        const double each_m2 =
+            area_of(tiles) / static_cast<double>(groups.sparse.size() + groups.dense.size());
+        const auto judged = [&](std::size_t count) {
+          done.add(each_m2 * static_cast<double>(count));
+        };
         const auto sparse = [&](std::size_t n) {
           return std::span<const part::Vec3>(tiles[groups.sparse[n]]);
         };
         const auto dense = [&](std::size_t n) -> const SurfacePieces& { return groups.dense[n]; };
         for (Judge& own : judge_tiles(covered, grid, judge, groups.sparse.size(), kTilesPerTask,
-                                      sparse, pieces)) {
+                                      sparse, pieces, judged)) {
           if (!merge(own)) return false;
         }
         for (Judge& own :
-             judge_tiles(covered, grid, judge, groups.dense.size(), 1, dense, pieces)) {
+             judge_tiles(covered, grid, judge, groups.dense.size(), 1, dense, pieces, judged)) {
           if (!merge(own)) return false;
         }
         return true;
@@ -510,10 +527,11 @@ double aimed_distance(const CoveredPart& covered) {
   return std::max(kAimedVoxels * covered.voxel_size, kAimedRadii * covered.radius);
 }
 
-std::vector<Hole> places_above_loss(const CoveredPart& covered, double limit) {
+std::vector<Hole> places_above_loss(const CoveredPart& covered, double limit,
+                                    const part::Progress& progress) {
   std::vector<Hole> holes;
   std::uint64_t pieces = 0;
-  judge_part(covered, search_for(covered, limit), pieces, [&](SearchJudge& judge) {
+  judge_part(covered, search_for(covered, limit), pieces, progress, [&](SearchJudge& judge) {
     append(holes, judge.holes);
     return true;
   });
@@ -533,11 +551,13 @@ std::vector<Hole> places_above_loss(const CoveredPart& covered, double limit,
   return holes;
 }
 
-SurfaceLosses find_losses(const CoveredPart& covered) {
+SurfaceLosses find_losses(const CoveredPart& covered, const part::Progress& progress) {
   SurfaceLosses found;
   const double radius = covered.radius;
   EstimateJudge estimate{table_distances(covered)};
-  judge_part(covered, estimate, found.pieces, [&](EstimateJudge& judge) {
+  constexpr double kEstimateShare = 0.3;  // of the time
+  const auto estimated = [&](double done) { progress(kEstimateShare * done); };
+  judge_part(covered, estimate, found.pieces, estimated, [&](EstimateJudge& judge) {
     for (std::size_t i = 0; i < kLosses; ++i) {
       estimate.losses[i] = std::max(estimate.losses[i], judge.losses[i]);
     }
@@ -554,7 +574,8 @@ SurfaceLosses find_losses(const CoveredPart& covered) {
         std::max(all.wanted[i] + kTolerance * radius, of_plane + kPlaneTolerance * radius);
   }
   const FindJudge fresh = all;
-  judge_part(covered, fresh, found.pieces, [&](FindJudge& judge) {
+  const auto proven = [&](double done) { progress(kEstimateShare + (1 - kEstimateShare) * done); };
+  judge_part(covered, fresh, found.pieces, proven, [&](FindJudge& judge) {
     for (std::size_t i = 0; i < kLosses; ++i) {
       all.losses[i] = std::max(all.losses[i], judge.losses[i]);
     }
@@ -574,7 +595,7 @@ SurfaceLosses find_losses(const CoveredPart& covered) {
 LossProof prove_losses(const CoveredPart& covered, const SurfaceDistanceTerms& claimed) {
   LossProof proof;
   proof.proven = true;
-  judge_part(covered, ClaimJudge{claimed, kSmallestClaimed * covered.radius, {}}, proof.pieces,
+  judge_part(covered, ClaimJudge{claimed, kSmallestClaimed * covered.radius, {}}, proof.pieces, {},
              [&](ClaimJudge& judge) {
                if (judge.places.empty()) return true;
                proof.proven = false;

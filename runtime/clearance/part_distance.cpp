@@ -6,6 +6,8 @@
 #include <glm/gtc/quaternion.hpp>
 #include <glm/mat3x3.hpp>
 #include <limits>
+#include <numeric>
+#include <span>
 
 namespace forcelayer::clearance {
 namespace {
@@ -13,6 +15,7 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kRounding = 1e-6;  // voxels: exceeds that of a bound here
 constexpr double kRadiusRounding = 1 + 1e-9;
+constexpr std::size_t kGroupPoints = 8;
 
 }  // namespace
 
@@ -55,10 +58,65 @@ PartDistance::PartDistance(const Voxmap& voxmap, const Pshell& shell, const Left
   }
   // Beside what is rounded under the roots: a place of that size in doubles, over some operations.
   rounding_m_ = (2 * kRounding + std::ldexp(far, -47)) * voxmap.voxel_size_m();
+  make_groups();
+}
+
+// By halving the points of each block across their longest side.
+void PartDistance::make_groups() {
+  const PshellView& v = shell_.view();
+  groups_a_block_ = 1;
+  while (groups_a_block_ * kGroupPoints < v.block_points) groups_a_block_ *= 2;
+  order_.resize(v.point_count);
+  std::iota(order_.begin(), order_.end(), 0u);
+  const auto of = [&](std::uint32_t i, int axis) {
+    return (axis == 0 ? v.x : axis == 1 ? v.y : v.z)[i];
+  };
+  const auto box_of = [&](std::span<const std::uint32_t> points, glm::dvec3& low,
+                          glm::dvec3& high) {
+    low = glm::dvec3(kInfinity), high = -low;
+    for (const std::uint32_t i : points) {
+      low = glm::min(low, glm::dvec3(v.x[i], v.y[i], v.z[i]));
+      high = glm::max(high, glm::dvec3(v.x[i], v.y[i], v.z[i]));
+    }
+  };
+  const auto halve = [&](const auto& self, std::size_t begin, std::size_t end,
+                         std::size_t groups) -> void {
+    const auto points = std::span(order_).subspan(begin, end - begin);
+    glm::dvec3 low, high;
+    box_of(points, low, high);
+    const glm::dvec3 side = high - low;
+    if (groups > 1) {
+      const int axis = side.x >= side.y && side.x >= side.z ? 0 : side.y >= side.z ? 1 : 2;
+      const std::size_t half = (points.size() + 1) / 2;
+      std::nth_element(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(half),
+                       points.end(), [&](std::uint32_t a, std::uint32_t b) {
+                         return of(a, axis) != of(b, axis) ? of(a, axis) < of(b, axis) : a < b;
+                       });
+      self(self, begin, begin + half, groups / 2);
+      self(self, begin + half, end, groups / 2);
+      return;
+    }
+    group_first_.push_back(static_cast<std::uint32_t>(begin));
+    const glm::dvec3 center = points.empty() ? glm::dvec3(0) : 0.5 * (low + high);
+    double radius = 0;
+    for (const std::uint32_t i : points) {
+      radius = std::max(radius, glm::length(glm::dvec3(v.x[i], v.y[i], v.z[i]) - center));
+    }
+    groups_.center.push_back(center / voxmap_.voxel_size_m());
+    groups_.radius.push_back(radius / voxmap_.voxel_size_m() * kRadiusRounding + kRounding);
+  };
+  for (std::size_t block = 0; block < v.block_count; ++block) {
+    const std::size_t begin = std::min<std::size_t>(block * v.block_points, v.point_count);
+    const std::size_t end = std::min<std::size_t>(begin + v.block_points, v.point_count);
+    halve(halve, begin, end, groups_a_block_);
+  }
+  group_first_.push_back(static_cast<std::uint32_t>(v.point_count));
+  groups_.least.assign(groups_.center.size(), -kInfinity);
+  groups_.travel.assign(groups_.center.size(), 0);
 }
 
 void PartDistance::forget() {
-  for (Level* level : {&blocks_, &super_blocks_}) {
+  for (Level* level : {&groups_, &blocks_, &super_blocks_}) {
     std::fill(level->least.begin(), level->least.end(), -kInfinity);
   }
   last_block_ = 0;
@@ -107,22 +165,39 @@ bool PartDistance::is_far(const Place& place, Level& level, std::size_t i, bool 
   return true;
 }
 
-void PartDistance::look_at_block(const Place& place, std::size_t block) {
+double PartDistance::distance(const Place& place, std::size_t point) {
   const PshellView& v = shell_.view();
-  const std::size_t begin = block * v.block_points;
-  const std::size_t end = std::min<std::size_t>(begin + v.block_points, v.point_count);
-  const double reach = reach_voxels(voxmap_.header());
+  const glm::dvec3 at = place.of(glm::dvec3(v.x[point], v.y[point], v.z[point]) * place.per_meter);
+  const double distance = distances_.at(at);
+  if (distance <= reach_voxels(voxmap_.header())) return distance;
+  return std::max(distance, distances_.free_around(at));
+}
+
+// Whether all of its points were looked at.
+bool PartDistance::look_at_group(const Place& place, std::size_t group) {
   double least = kInfinity;
-  for (std::size_t i = begin; i < end; ++i) {
-    const glm::dvec3 at = place.of(glm::dvec3(v.x[i], v.y[i], v.z[i]) * place.per_meter);
-    double distance = distances_.at(at);
-    if (distance > reach) distance = std::max(distance, distances_.free_around(at));
-    least = std::min(least, distance);
-    if (distance >= best_.voxels) continue;
-    best_ = {distance, static_cast<std::uint32_t>(i)};
-    last_block_ = block;
+  for (std::size_t n = group_first_[group]; n < group_first_[group + 1]; ++n) {
+    const double there = distance(place, order_[n]);
+    ++points_looked_at_;
+    least = std::min(least, there);
+    if (there >= best_.voxels) continue;
+    best_ = {there, order_[n]};
+    if (stops()) return false;
   }
-  points_looked_at_ += end - begin;
+  groups_.least[group] = least;
+  groups_.travel[group] = place.travel;
+  return true;
+}
+
+void PartDistance::look_at_block(const Place& place, std::size_t block) {
+  double least = kInfinity;
+  const double before = best_.voxels;
+  for (std::size_t group = first_group(block); group < first_group(block + 1); ++group) {
+    if (group_first_[group] == group_first_[group + 1]) continue;
+    if (!is_far(place, groups_, group, true) && !look_at_group(place, group)) return;
+    least = std::min(least, groups_.now(group, place.travel));
+  }
+  if (best_.voxels < before) last_block_ = block;
   blocks_.least[block] = least;
   blocks_.travel[block] = place.travel;
 }
@@ -153,10 +228,15 @@ LeastDistance PartDistance::at(const Pose& world_from_center, double travel_m, d
   wished_ = enough_voxels;
   enough_ = std::min(enough_voxels, distances_.cap_voxels());
   stop_ = stop_voxels;
+  if (last_stop_ != LeastDistance::kNone && stop_ > 0) {
+    const double there = distance(place, last_stop_);
+    if (there < stop_) return {there, last_stop_};
+  }
   if (blocks_.least[last_block_] > -kInfinity) look_at_block(place, last_block_);
   for (std::size_t i = 0; i < super_blocks_.least.size() && !stops(); ++i) {
     if (!is_far(place, super_blocks_, i, false)) look_at_blocks(place, i);
   }
+  if (stops()) last_stop_ = best_.point;
   if (best_.voxels < enough_) return best_;
   return {std::min(best_.voxels, rest_), LeastDistance::kNone};
 }

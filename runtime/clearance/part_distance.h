@@ -1,7 +1,7 @@
 // The least proven distance of a part's shell points from the static mesh, at a pose. A block is
 // skipped if its bounding sphere is known to be farther than the nearest point so far, or if it was
-// so far when last looked at that it cannot have come nearer since. The answer is at least that of
-// looking at every point, and at most the truth.
+// so far when last looked at that it cannot have come nearer since; so are groups of a block's
+// points. The answer is at least that of looking at every point, and at most the truth.
 #pragma once
 
 #include <cstdint>
@@ -34,7 +34,8 @@ class PartDistance {
   // The least distance where it is below `enough_voxels`; else a lower bound of it, at least
   // enough_voxels where that can be proven. `travel_m`: how far any point of the part may have
   // travelled since the path's beginning, CenterPath::travel_m(). Once a point below `stop_voxels`
-  // is found, no nearer one is looked for.
+  // is found, no nearer one is looked for; the point that ended the last such search is looked at
+  // first.
   LeastDistance at(const Pose& world_from_center, double travel_m, double enough_voxels,
                    double stop_voxels = 0);
 
@@ -64,6 +65,10 @@ class PartDistance {
   };
   struct Place;  // of the part, in voxels from the directory on
 
+  void make_groups();
+  std::size_t first_group(std::size_t block) const { return block * groups_a_block_; }
+  double distance(const Place& place, std::size_t point);
+  bool look_at_group(const Place& place, std::size_t group);
   static Level make_level(const BoundingSphere* spheres, std::uint64_t count, double voxel_size_m);
   glm::dvec3 to_voxels(const glm::dvec3& place_m) const;
   void look_at_block(const Place& place, std::size_t block);
@@ -76,10 +81,16 @@ class PartDistance {
   const Pshell& shell_;
   CenterDistances distances_;
   Level blocks_, super_blocks_;
-  glm::dvec3 directory_;  // voxels
-  double radius_;         // voxels
+  // Points of a block that lie beside each other; none in those beyond the last point's.
+  std::size_t groups_a_block_;
+  Level groups_;
+  std::vector<std::uint32_t> order_;        // of the points, group by group
+  std::vector<std::uint32_t> group_first_;  // [groups + 1], in that order
+  glm::dvec3 directory_;                    // voxels
+  double radius_;                           // voxels
   double rounding_m_;
   std::size_t last_block_ = 0;
+  std::uint32_t last_stop_ = LeastDistance::kNone;  // the point that ended a search
   std::uint64_t points_looked_at_ = 0;
   // The search at the current pose.
   LeastDistance best_;

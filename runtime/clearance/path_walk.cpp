@@ -140,8 +140,14 @@ Moment PathWalk::kept_until(const Moment& from, const Moment& to, bool or_nothin
   const double travel = (path_.travel_m(to) - path_.travel_m(from)) / voxel_size_m_;
   const double enough = limits_.required_voxels + travel / 2 + 2 * kRounding;
   Moment until = from;
+  // Most ways that are not kept end too near, which is told sooner than how far they are.
+  const double required = limits_.required_voxels;
+  const Pose end = path_.world_from_center(to);
+  if (or_nothing && part_.at(end, path_.travel_m(to), required, required).voxels < required) {
+    ++tested_;
+    return from;
+  }
   const Sample last = tested(to, enough);
-  if (or_nothing && last.least.voxels < limits_.required_voxels) return from;
   const Sample first = tested(from, enough);
   if (first.least.voxels < limits_.required_voxels) return from;
   keep(first, last, or_nothing, until);

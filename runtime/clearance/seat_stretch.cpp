@@ -107,10 +107,10 @@ void SeatStretch::find_floors(const Pose& world_from_center, std::vector<Floor>&
   }
 }
 
-std::optional<SeatStretch::PushedIn> SeatStretch::first_pushed_in(const CenterPath& path,
-                                                                  const Moment& from,
-                                                                  const Moment& to,
-                                                                  const LeftOut& left_out) {
+// The first moment, looked for every step of travel, for whose pose `is_so`.
+template <typename Test>
+std::optional<Moment> SeatStretch::first_where(const CenterPath& path, const Moment& from,
+                                               const Moment& to, const Test& is_so) const {
   const double step_m = kStepVoxels * parts_->query.voxmap().voxel_size_m();
   Moment at = from;
   double tested_m = -1;
@@ -118,10 +118,7 @@ std::optional<SeatStretch::PushedIn> SeatStretch::first_pushed_in(const CenterPa
     const double travel_m = path.travel_m(at);
     const bool at_end = at.pose == to.pose && at.share == to.share;
     if (tested_m < 0 || travel_m > tested_m || at_end) {
-      if (auto pushed = pushed_in(path.world_from_center(at), left_out)) {
-        pushed->moment = at;
-        return pushed;
-      }
+      if (is_so(path.world_from_center(at))) return at;
       tested_m = travel_m;
     }
     if (at_end) return std::nullopt;
@@ -132,6 +129,26 @@ std::optional<SeatStretch::PushedIn> SeatStretch::first_pushed_in(const CenterPa
     const double share = left_m > step_m ? at.share + (end - at.share) * step_m / left_m : end;
     at = share < 1 ? Moment{at.pose, share} : Moment{at.pose + 1, 0};
   }
+}
+
+std::optional<SeatStretch::PushedIn> SeatStretch::first_pushed_in(const CenterPath& path,
+                                                                  const Moment& from,
+                                                                  const Moment& to,
+                                                                  const LeftOut& left_out) {
+  std::optional<PushedIn> pushed;
+  const auto first = first_where(path, from, to, [&](const Pose& pose) {
+    pushed = pushed_in(pose, left_out);
+    return pushed.has_value();
+  });
+  if (first) pushed->moment = *first;
+  return pushed;
+}
+
+std::optional<Moment> SeatStretch::first_moment_pushed_in(const CenterPath& path,
+                                                          const Moment& from, const Moment& to,
+                                                          const LeftOut& left_out) {
+  return first_where(path, from, to,
+                     [&](const Pose& pose) { return is_pushed_in(pose, left_out); });
 }
 
 }  // namespace forcelayer::clearance

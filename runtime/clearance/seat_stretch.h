@@ -42,9 +42,11 @@ class SeatStretch {
                                           const Moment& to, const LeftOut& left_out);
   // The same at one pose; its moment means nothing.
   std::optional<PushedIn> pushed_in(const Pose& world_from_center, const LeftOut& left_out);
-  // Whether there is one: much quicker.
+  // Whether there is one, and at which moment first: much quicker, for a search.
   bool is_pushed_in(const Pose& world_from_center, const LeftOut& left_out);
-  std::uint64_t looked_up() const;  // poses, by the three above
+  std::optional<Moment> first_moment_pushed_in(const CenterPath& path, const Moment& from,
+                                               const Moment& to, const LeftOut& left_out);
+  std::uint64_t looked_up() const;  // poses, by the four above
 
   // A shell point flush before a face of the seat, or touching an edge.
   struct Floor {
@@ -58,6 +60,9 @@ class SeatStretch {
 
  private:
   struct Parts;
+  template <typename Test>
+  std::optional<Moment> first_where(const CenterPath& path, const Moment& from, const Moment& to,
+                                    const Test& is_so) const;
   explicit SeatStretch(std::unique_ptr<Parts> parts);
 
   std::unique_ptr<Parts> parts_;

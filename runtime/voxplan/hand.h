@@ -33,6 +33,9 @@ class Hand {
   // Behind work(): takes over what it found. Once out of its seat the part goes on to the goal.
   void take_stock();
 
+  // For out_m() and blocked_by(), by all that was explored, which takes its time.
+  void note_farthest();
+
   // A way that leads by that pose was found, and did not prove clear: none shall. A hand that is
   // done begins anew.
   void refuse(const Pose& pose);

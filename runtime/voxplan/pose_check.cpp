@@ -118,11 +118,11 @@ double PoseCheck::share_by_proofs(Rule rule, const Pose& from, const Pose& to, b
   end = walk.kept_until(begin, end, or_nothing);
   tested_ += walk.tested();
   if (share_of(end) == 0 || rule == Rule::kClear || !has_seat()) return share_of(end);
-  const auto pushed = seat_->first_pushed_in(path, begin, end, problem_.allowed);
+  const auto pushed = seat_->first_moment_pushed_in(path, begin, end, problem_.allowed);
   if (!pushed) return share_of(end);
   // It was tested in steps of half a voxel: the last but one was right.
   const double steps = path.travel_m({1, 0}) / (0.5 * problem_.scene.voxel_size_m());
-  return or_nothing ? 0 : std::max(0.0, share_of(pushed->moment) - 1.001 / std::max(1.0, steps));
+  return or_nothing ? 0 : std::max(0.0, share_of(*pushed) - 1.001 / std::max(1.0, steps));
 }
 
 double PoseCheck::share_kept(Rule rule, const Pose& from, const Pose& to) {

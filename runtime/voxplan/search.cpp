@@ -56,19 +56,27 @@ Result<SearchResult> search(const Problem& problem, const Destination& goal,
   SearchResult result;
   // All hands do the same work in a round, so that the clock does not choose the way.
   if (Status s = take_proven(hands, request, result); !s) return s.error();
+  std::uint64_t round = 0, next_note = 0;
   while (!result.found && request.clock_s() < end_s) {
     clearance::share_out(std::min<unsigned>(request.threads, kHands), kHands,
                          [&](std::size_t, std::size_t n) {
                            hands[n]->work(kPosesARound, [&] { return request.clock_s() >= end_s; });
                          });
+    const bool notes = ++round >= next_note;
+    if (notes) next_note = round + 1 + round / 4;
     for (const auto& hand : hands) {
       hand->take_stock();
+      if (notes) hand->note_farthest();
       result.out_m = std::max(result.out_m, hand->out_m());
     }
     if (Status s = take_proven(hands, request, result); !s) return s.error();
     if (request.progress) {
       request.progress(std::min(1.0, (request.clock_s() - begin_s) / request.most_s), result.out_m);
     }
+  }
+  for (const auto& hand : hands) {
+    if (!result.found) hand->note_farthest();
+    result.out_m = std::max(result.out_m, hand->out_m());
   }
   for (const auto& hand : hands) {
     if (!result.found && hand->out_m() >= result.out_m) result.blocked_by = hand->blocked_by();

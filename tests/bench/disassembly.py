@@ -6,8 +6,8 @@ Usage: disassembly.py BIN ASSEMBLY [--voxel-size 1mm] [--clearance 0.5mm] [--tim
 Every part that is left is tried against the others that are left, small ones first; one that comes out is taken away at once, and it is
 tried again, until a round brings no part out. A part that lies deeper in others than the stored distances tell is tried
 with ever deeper ones (--range); one that is nearer to others in its seat than the clearance asked for is tried with
-none. A line a trial, as CSV: round, part, whether it came out, the clearance asked for and the range, seconds of the
-search, poses tested, the way's length and proven clearance with the nearest object, or how far it came and what was
+none, and where not even that is proven with smaller voxels. A line a trial, as CSV: round, part, whether it came out,
+the clearance asked for, the range and the voxel size, seconds of the search, poses tested, the way's length and proven clearance with the nearest object, or how far it came and what was
 nearest there; the verdict of voxcheck (--exact: by the meshes; else by the files, with --felt-seat).
 """
 
@@ -21,7 +21,8 @@ import subprocess
 import sys
 import tempfile
 
-RANGES = ("4mm", "10mm", "30mm")  # at voxels of 1 mm; scaled with them
+RANGES = (4, 10, 30)  # voxels
+SMALLER = (1, 1 / 2, 1 / 4)  # voxels, tried one after the other
 
 
 def leaves(bin_folder, assembly, units):
@@ -53,12 +54,16 @@ def main():
     tried = left[: given.parts] if given.parts else left
     gone = []
     rows = csv.writer(sys.stdout, lineterminator="\n")
-    rows.writerow("round part out asked_mm range_mm search_s poses way_mm clearance_mm nearest best_mm blocked_by verdict".split())
+    rows.writerow("round part out asked_mm range_mm voxel_mm search_s poses way_mm clearance_mm nearest best_mm blocked_by verdict".split())
 
-    def attempt(at, part, clearance, depth):
+    def attempt(at, part, clearance, depth, voxel):
         """The outcome of one trial, as the columns from `out` on; why it was refused, or an empty text."""
+        size = ("--voxel-size", f"{voxel:g}mm")
+        shell = run("pointshell", f"{given.assembly}#{part}", *size, *units, "-o", at / "part.pshell")
+        if shell.returncode:
+            return [], shell.stderr.strip()
         without = [word for name in (*gone, part) for word in ("--without", name)]
-        baked = run("voxelize", given.assembly, *without, "--voxel-size", given.voxel_size, *units, "--range", depth,
+        baked = run("voxelize", given.assembly, *without, *size, *units, "--range", f"{depth * voxel:g}mm",
                     "--cache", at / "cache", "-o", at / "rest.vox")
         if baked.returncode:
             return [], baked.stderr.strip()
@@ -68,7 +73,7 @@ def main():
         if planned.returncode not in (0, 6):
             return [], planned.stderr.strip().replace(f"{at}/", "")
         report = json.loads((at / "way.json").read_text())
-        asked = [clearance.removesuffix("mm"), depth.removesuffix("mm"), f"{report['seconds']['search']:.3g}",
+        asked = [clearance.removesuffix("mm"), f"{depth * voxel:g}", f"{voxel:g}", f"{report['seconds']['search']:.3g}",
                  report["poses_tested"]]
         if not report["found"]:
             best = report["best"]
@@ -82,21 +87,20 @@ def main():
                 verdict], ""
 
     def outcome(at, part):
-        shell = run("pointshell", f"{given.assembly}#{part}", "--voxel-size", given.voxel_size, *units, "-o", at / "part.pshell")
-        if shell.returncode:
-            return ["", "", "", "", "", "", "", "", "", "", shell.stderr.strip()]
-        depths = [f"{voxel_mm * float(depth.removesuffix('mm')):g}mm" for depth in RANGES]
-        clearance = given.clearance
+        depths, voxels, clearance = list(RANGES), [voxel_mm * share for share in SMALLER], given.clearance
         while True:
-            row, refused = attempt(at, part, clearance, depths[0])
+            row, refused = attempt(at, part, clearance, depths[0], voxels[0])
             if row:
                 return row
             if "--range" in refused and len(depths) > 1:
                 depths.pop(0)
             elif "nearer there than --clearance" in refused and clearance != "0mm":
                 clearance = "0mm"
+            elif "nearer there than --clearance" in refused and len(voxels) > 1:
+                voxels.pop(0)
             else:
-                return ["", clearance.removesuffix("mm"), depths[0].removesuffix("mm"), "", "", "", "", "", "", "", refused]
+                return ["", clearance.removesuffix("mm"), f"{depths[0] * voxels[0]:g}", f"{voxels[0]:g}",
+                        "", "", "", "", "", "", "", refused]
 
     with tempfile.TemporaryDirectory() as folder:
         at = pathlib.Path(folder)

@@ -179,7 +179,7 @@ TEST(ClearanceOfPlaces, IsNeverAboveTheExactDistanceAndNotFarBelow) {
 }
 
 TEST(ClearanceOfPoses, IsBetweenThatOfAllPointsAndTheTruth) {
-  int told = 0;
+  int told = 0, near = 0;
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
     Random random(seed);
@@ -210,6 +210,17 @@ TEST(ClearanceOfPoses, IsBetweenThatOfAllPointsAndTheTruth) {
       }
       ASSERT_GE(least.voxels, std::min({enough, kCap, slow}) - 1e-6) << "step " << n;
       ASSERT_LE(least.voxels, exact + 1e-6) << "step " << n;
+      // With an end to the search only whether it is near is told.
+      const double stop = uniform(random, 0, kCap);
+      const auto stopped = part.at(pose, travel_m, stop, stop);
+      if (stopped.voxels < stop) {
+        ASSERT_LT(slow, stop) << "step " << n;
+        const glm::dvec3 found = part.place_m(pose, stopped.point) / s;
+        ASSERT_LE(distances.at(found - directory), stopped.voxels + 1e-9) << "step " << n;
+      } else {
+        ASSERT_LE(stop, exact + 1e-6) << "step " << n;
+      }
+      near += stopped.voxels < stop;
       if (least.point == clearance::LeastDistance::kNone) continue;
       ASSERT_LT(least.voxels, enough);
       const glm::dvec3 at = part.place_m(pose, least.point) / s;
@@ -218,6 +229,7 @@ TEST(ClearanceOfPoses, IsBetweenThatOfAllPointsAndTheTruth) {
     }
   }
   EXPECT_GT(told, 500);
+  EXPECT_GT(near, 500);
 }
 
 // A path that comes near the solids: sparse rows, so that most happens between them, or dense ones.

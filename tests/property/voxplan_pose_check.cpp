@@ -120,6 +120,35 @@ TEST(SeatLookUp, TheQuickOneBarsWhatThatOfAFrameBars) {
   EXPECT_GT(free, 500);
 }
 
+// The twin: the verdict's own walk.
+TEST(SeatLookUp, TheQuickWalkEndsWhereThatOfTheVerdictEnds) {
+  Bench bench;
+  const Pose seat = bench.problem.world_from_start;
+  auto stretch = clearance::SeatStretch::find(bench.scene, bench.part, seat);
+  ASSERT_TRUE(stretch);
+  const double radius_m = bench.part.header().bounding_radius_m;
+  voxplan::Random random(8);
+  int pushed = 0, free = 0;
+  for (int trial = 0; trial < 300; ++trial) {
+    // Upward out of the groove, and somewhat aside.
+    Pose to =
+        voxplan::moved(seat, voxplan::random_twist(2 * kS * random.share(), random), radius_m);
+    to.position_m.z += 4 * kS * random.share();
+    const clearance::CenterPath path(
+        std::vector<PathRow>{voxplan::row_of(0, seat), voxplan::row_of(1, to)}, glm::dvec3(0),
+        radius_m);
+    const auto verdict = stretch->first_pushed_in(path, {0, 0}, {1, 0}, {});
+    const auto quick = stretch->first_moment_pushed_in(path, {0, 0}, {1, 0}, {});
+    ASSERT_EQ(verdict.has_value(), quick.has_value()) << trial;
+    ++(quick ? pushed : free);
+    if (!quick) continue;
+    EXPECT_EQ(verdict->moment.pose, quick->pose) << trial;
+    EXPECT_EQ(verdict->moment.share, quick->share) << trial;
+  }
+  EXPECT_GT(pushed, 30);
+  EXPECT_GT(free, 30);
+}
+
 TEST(PoseCheck, NoWayLeadsByARefusedPose) {
   Bench bench(0.03);
   const Pose start = bench.problem.world_from_start;
