@@ -34,7 +34,7 @@ constexpr double kSecondsPerCopied = 9e-6, kBytesPerCopied = 175;
 constexpr double kSecondsPerPatchTriangle = 60e-6, kMostPatchTriangles = 128;
 // Triangles that share a cell: the points there are relaxed on some of them, the proof meets all,
 // and bounds many as a whole.
-constexpr double kFewShare = 4, kSecondsPerWideShare = 40e-6;
+constexpr double kFewShare = 4, kSecondsPerWideShare = 55e-6;
 constexpr double kNarrow = 0.1, kMostNarrowShare = 32, kSecondsPerNarrowShare = 20e-6;
 constexpr double kSecondsPerProof = 7e-6, kSecondsOfMany = 300e-6, kSecondsPerOfMany = 0.5e-6;
 

@@ -405,6 +405,7 @@ Status print_list(const Arguments& arguments) {
   if (!unit) return unit.error();
   mesh::ReadOptions options;
   options.without = arguments.without;
+  options.deflection_m = mesh::kDeflectionBySize;
   if (!arguments.voxel_size.empty()) {
     options.deflection_m = mesh::baked_deflection_m(*command::parse_length(arguments.voxel_size));
   }

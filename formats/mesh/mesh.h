@@ -90,12 +90,16 @@ inline constexpr std::uint64_t kMostMeasuredVertices = 200'000'000;
 void measure_instances(Assembly& assembly);
 
 struct ReadOptions {
-  double deflection_m = 1e-4;       // of triangles from exact surfaces (STEP, IGES)
-  bool allow_outside = false;       // whether a glTF or STEP file may name files elsewhere
+  double deflection_m = 1e-4;  // of triangles from exact surfaces (STEP, IGES); 0: by their size
+  bool allow_outside = false;  // whether a glTF or STEP file may name files elsewhere
   std::uint64_t missing_faces = 0;  // how many faces of exact surfaces may stay without triangles
   std::vector<std::string> nodes = {};    // those read, with all below; empty: all
   std::vector<std::string> without = {};  // nodes left out, with all below
 };
+
+// A ten-thousandth of each surface's size, and no finer than 0.1 mm: what a listing needs. A plant
+// that is 300 m across has no more triangles than a bracket.
+inline constexpr double kDeflectionBySize = 0;
 
 // ReadOptions::deflection_m of every mesh that is baked for voxels of this size: a hundredth of a
 // voxel, for the scene and for the part.

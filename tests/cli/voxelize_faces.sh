@@ -44,6 +44,15 @@ for file in scene.vox part.pshell; do
   expect 0 "" voxinfo $file --json $file.json
   grep -q "1 face is missing from it, and no guarantee covers it" out || fail "voxinfo $file: $(cat out)"
 done
+# The picture marks what scene and part lack, by their meshes or by what the baked files say.
+if [ -x "$bin/voxview" ] && command -v xvfb-run >tool; then
+  for more in "" "--part tray.step" "tray.step"; do
+    xvfb-run -a "$bin/voxview" scene.vox part.pshell $more --size 64x64 --screenshot face.png --json face.json --quiet ||
+      fail "no picture: $more"
+    grep -q '"missing_faces": 1,' face.json || fail "the scene's face is not marked: $more: $(cat face.json)"
+    grep -q '"part_missing_faces": 1$' face.json || fail "the part's face is not marked: $more: $(cat face.json)"
+  done
+fi
 # The proof again, from the file: it needs the same word.
 expect 3 "--missing-faces 1" pointshell verify part.pshell tray.step
 expect 0 "" pointshell verify part.pshell tray.step --missing-faces 1

@@ -33,6 +33,19 @@ bake() {  # bake OUTPUT INPUT ARGUMENTS...
 }
 rows() { "$bin/voxinfo" export "$1.vox" "$1.csv" >/dev/null && cat "$1.csv"; }
 
+# A listing without a voxel size: triangles follow the shape, not its size. The same assembly 1000 times as large has
+# no more than a few times as many.
+sed 's/SI_UNIT(.MILLI.,.METRE.)/SI_UNIT($,.METRE.)/' clamp.step >large.step
+for file in clamp large; do
+  "$bin/voxelize" --list $file.step --json listed_$file.json --quiet 2>err || fail "list of $file: $(cat err)"
+done
+python3 - <<'PYTHON' || fail "triangles of a listing"
+import json
+clamp, large = (json.load(open(f"listed_{name}.json"))["files"][0]["whole"] for name in ("clamp", "large"))
+assert abs(large["high_m"][0] / clamp["high_m"][0] - 1000) < 1, (large, clamp)
+assert clamp["triangles"] <= large["triangles"] < 10 * clamp["triangles"], (large, clamp)
+PYTHON
+
 # From the command line: the assembly's 18 parts, its own unit, finer triangles for smaller voxels.
 for size in 4mm 1mm 0.5mm; do
   bake clamp_$size "$clamp" --voxel-size $size

@@ -190,6 +190,17 @@ TEST(IgesLosses, AConstructiveSolid) {
 }
 
 // Three trimmed surfaces, each with its own circles: as they are read they form one closed surface.
+// OpenCASCADE bends such an edge, and gives a face half of its triangles. The deviation covers it.
+TEST(IgesLosses, AnEdgeThatLeavesItsFacesIsTold) {
+  const ScratchFolder folder;
+  const std::string text = with_parameters(iges_box(true), 33, "110,9999.,20.,0.,10.,20.,30.;");
+  const auto box = mesh::read_assembly(write_file(folder / "a.igs", text));
+  ASSERT_TRUE(box) << to_line(box.error());
+  ASSERT_EQ(box->warnings.size(), 1u);
+  expect_in("an edge lies up to 10 mm from its faces", box->warnings[0]);
+  EXPECT_GE(box->deviation_units, 10);
+}
+
 TEST(IgesLosses, LooseFacesAreSewnIntoAClosedSurface) {
   const ScratchFolder folder;
   run_in(folder.path(), "make_box_file rod.igs cylinder");

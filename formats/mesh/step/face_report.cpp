@@ -6,6 +6,10 @@
 namespace forcelayer::mesh {
 namespace {
 
+// In deflections: a gap between edges and faces that is told. The coarsest deflection that is tried
+// is as large.
+constexpr double kNotableGap = 4;
+
 std::string length_text(double length_mm) {
   char text[40];
   std::snprintf(text, sizeof text, "%.3g mm", length_mm);
@@ -34,6 +38,11 @@ void add_face_warnings(const Tessellation& tessellation, const std::string& path
         path + ": " + counted(tessellation.sewn, "loose face") + " sewn where edges are within " +
         length_text(tessellation.sewing_tolerance_mm) + " of each other; the largest gap is " +
         length_text(tessellation.sewn_gap_mm));
+  }
+  if (tessellation.edge_gap_mm > kNotableGap * tessellation.wanted_deflection_mm) {
+    warnings.push_back(path + ": an edge lies up to " + length_text(tessellation.edge_gap_mm) +
+                       " from its faces: the triangles deviate as much, and the guarantee is less "
+                       "by it; look whether the edge is damaged");
   }
   if (tessellation.healed > 0) {
     warnings.push_back(path + ": " + counted(tessellation.healed, "face") +

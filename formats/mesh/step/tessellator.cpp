@@ -51,6 +51,15 @@ LostFace lost_face(const TopoDS_Face& face) {
   return {{center.X(), center.Y(), center.Z()}, (high - low).Modulus()};
 }
 
+// ReadOptions::deflection_m of kDeflectionBySize.
+double deflection_by_size_mm(const TopoDS_Shape& shape) {
+  constexpr double kFinest = 0.1, kShare = 1e-4;
+  Bnd_Box box;
+  BRepBndLib::Add(shape, box, false);
+  if (box.IsVoid() || box.IsOpen()) return kFinest;
+  return std::max(kFinest, kShare * box.CornerMin().Distance(box.CornerMax()));
+}
+
 TopoDS_Compound compound_of(const Faces& faces) {
   TopoDS_Compound compound;
   const BRep_Builder builder;
@@ -209,6 +218,7 @@ class ShapeTessellation {
   void add(const TopoDS_Face& face, double deflection_mm, Tessellation& made) const {
     TopLoc_Location location;
     const Handle(Poly_Triangulation) triangulation = triangulation_of(face, location);
+    made.edge_gap_mm = std::max(made.edge_gap_mm, triangulation->Deflection());
     made.deviation_mm = std::max(made.deviation_mm, triangulation->Deflection());
     if (!has_whole_outline(face)) {
       made.deviation_mm = std::max(made.deviation_mm,
@@ -241,21 +251,23 @@ class ShapeTessellation {
 }  // namespace
 
 // Without triangles where there is nothing to sew.
-Tessellation StepTessellator::tessellate_sewn(const TopoDS_Shape& shape) const {
-  const auto sewn = sew_loose_faces(shape, deflection_mm_);
+Tessellation StepTessellator::tessellate_sewn(const TopoDS_Shape& shape,
+                                              double deflection_mm) const {
+  const auto sewn = sew_loose_faces(shape, deflection_mm);
   if (!sewn) return {};
-  Tessellation made = ShapeTessellation(file_, sewn->shape, deflection_mm_).best();
+  Tessellation made = ShapeTessellation(file_, sewn->shape, deflection_mm).best();
   made.sewn = sewn->faces;
   made.sewn_gap_mm = sewn->gap_mm;
-  made.sewing_tolerance_mm = deflection_mm_;
+  made.sewing_tolerance_mm = deflection_mm;
   made.deviation_mm += sewn->gap_mm;
   return made;
 }
 
 Tessellation StepTessellator::tessellate(const TopoDS_Shape& shape, const std::string& name) {
-  Tessellation made = tessellate_sewn(shape);
+  const double deflection_mm = deflection_mm_ > 0 ? deflection_mm_ : deflection_by_size_mm(shape);
+  Tessellation made = tessellate_sewn(shape, deflection_mm);
   if (made.sewn == 0 || !made.lost.empty()) {
-    Tessellation loose = ShapeTessellation(file_, shape, deflection_mm_).best();
+    Tessellation loose = ShapeTessellation(file_, shape, deflection_mm).best();
     if (made.sewn == 0 || loose.lost.size() < made.lost.size()) made = std::move(loose);
   }
   check_finite(file_, made.mesh, name);

@@ -25,6 +25,7 @@ struct Tessellation {
   std::uint64_t sewn = 0;       // loose faces that were joined first
   double sewn_gap_mm = 0;       // the largest gap that this closed
   double sewing_tolerance_mm = 0;
+  double edge_gap_mm = 0;    // how far an edge may be from its faces, as OpenCASCADE found it
   double deflection_mm = 0;  // of the triangles, as asked of OpenCASCADE
   double wanted_deflection_mm = 0;
   double deviation_mm = 0;  // how far a point of the shape may be from the triangles
@@ -48,7 +49,7 @@ class StepTessellator {
   double deviation_mm() const { return deviation_mm_; }
 
  private:
-  Tessellation tessellate_sewn(const TopoDS_Shape& shape) const;
+  Tessellation tessellate_sewn(const TopoDS_Shape& shape, double deflection_mm) const;
 
   const SourceFile& file_;
   double deflection_mm_;

@@ -80,6 +80,9 @@ void add_moment(const PicturePlan& plan, const ViewScene& scene, std::vector<Leg
   if (scene.shell && plan.shown[Item::kShell]) {
     legend.push_back({Swatch::kSquare, kPartColor, 1, "part (point shell)"});
   }
+  if (!scene.part_missing_faces.empty() && (plan.shown[Item::kPart] || plan.shown[Item::kShell])) {
+    legend.push_back({Swatch::kFramedSquare, kMissingFaceColor, 1, "face missing from the part"});
+  }
   if (plan.moment->world_from_target && plan.shown[Item::kHandle]) {
     if (scene.part) legend.push_back({Swatch::kLine, kGhostColor, 1, "where the hand holds it"});
     legend.push_back({Swatch::kCoil, kGhostColor, 1, "virtual coupling"});

@@ -288,6 +288,7 @@ nlohmann::ordered_json report_of(const PicturePlan& plan, const ViewScene& scene
   report["up"] = numbers(plan.camera.up);
   report["meshes"] = scene.meshes.size();
   report["missing_faces"] = scene.missing_faces.size();
+  report["part_missing_faces"] = scene.part_missing_faces.size();
   if (plan.color_objects) {
     auto& objects = report["objects"] = nlohmann::ordered_json::array();
     for (std::size_t n = 0; n < scene.meshes.size(); ++n) {

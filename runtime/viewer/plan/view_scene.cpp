@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <glm/common.hpp>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include "formats/mesh/sandbox/sandbox.h"
@@ -131,8 +132,31 @@ Status load_part(const ViewInputs& inputs, ViewScene& scene) {
       whole.triangles.push_back({t[0] + base, t[1] + base, t[2] + base});
     }
   }
+  for (const mesh::MissingFace& face : part->missing_faces) {
+    scene.part_missing_faces.push_back(cube_around(face, glm::dvec3(0)));
+  }
   scene.part = std::move(whole);
   return {};
+}
+
+// Faces that a baked file says it lacks.
+std::vector<mesh::MissingFace> missing_faces_in(std::string_view provenance) {
+  std::vector<mesh::MissingFace> faces;
+  const auto origin = nlohmann::json::parse(provenance, nullptr, false);
+  if (!origin.is_object() || !origin.contains("missing_faces")) return faces;
+  for (const nlohmann::json& row : origin["missing_faces"]) {
+    const auto field = [&](const char* name) {
+      return row.is_object() ? row.value(name, nlohmann::json()) : nlohmann::json();
+    };
+    const nlohmann::json center = field("center_m"), size = field("size_m");
+    if (!size.is_number() || !center.is_array() || center.size() != 3) continue;
+    mesh::MissingFace& face = faces.emplace_back();
+    face.size = size.get<double>();
+    for (std::size_t n = 0; n < 3 && center[n].is_number(); ++n) {
+      face.center[n] = center[n].get<double>();
+    }
+  }
+  return faces;
 }
 
 }  // namespace
@@ -186,7 +210,9 @@ Result<ViewScene> load_view_scene(const ViewInputs& inputs) {
   if (!scene) return scene.error();
   view.warnings = scene->warnings;
   add_bounds(*scene, view.bounds);
-  for (const mesh::MissingFace& face : scene->missing_faces) {
+  std::vector<mesh::MissingFace> missing = scene->missing_faces;
+  if (mesh_inputs.empty() && view.voxmap) missing = missing_faces_in(view.voxmap->provenance());
+  for (const mesh::MissingFace& face : missing) {
     const glm::dvec3 center_m(face.center[0], face.center[1], face.center[2]);
     view.bounds.add(center_m - 0.5 * face.size);
     view.bounds.add(center_m + 0.5 * face.size);
@@ -197,11 +223,15 @@ Result<ViewScene> load_view_scene(const ViewInputs& inputs) {
   for (const mesh::MeshObject& part : scene->objects) {
     view.meshes.push_back(view_mesh_of(*scene, part, view.origin_m));
   }
-  for (const mesh::MissingFace& face : scene->missing_faces) {
+  for (const mesh::MissingFace& face : missing) {
     view.missing_faces.push_back(cube_around(face, view.origin_m));
   }
   if (!inputs.part.empty()) {
     if (Status loaded = load_part(inputs, view); !loaded) return loaded.error();
+  } else if (view.shell) {
+    for (const mesh::MissingFace& face : missing_faces_in(view.shell->provenance())) {
+      view.part_missing_faces.push_back(cube_around(face, glm::dvec3(0)));
+    }
   }
   return view;
 }

@@ -39,6 +39,7 @@ struct ViewScene {
   WorldBox bounds;  // of meshes and voxmap
   std::vector<ViewMesh> meshes;
   std::vector<ViewMesh> missing_faces;  // a cube around each face of STEP or IGES without triangles
+  std::vector<ViewMesh> part_missing_faces;  // the same of the part, in its frame
   std::optional<ViewMesh> part;
   std::optional<Voxmap> voxmap;
   std::optional<Voxmap> before;  // an earlier bake, to compare with `voxmap`

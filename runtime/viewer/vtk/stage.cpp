@@ -163,7 +163,7 @@ struct Stage::Actors {
   std::vector<PolyData> mesh_data, mesh_edge_data;  // [meshes of the scene]
   Actor meshes, mesh_edges, missing_faces, measured, measured_edges;
   Actor sections, section_edges;
-  Actor part, part_edges, target, shell, spring, clearance, measurement;
+  Actor part, part_edges, part_missing_faces, target, shell, spring, clearance, measurement;
   Glyphs contact_points{sphere(), kContactColor, false};
   Glyphs contact_forces{arrow(9), kContactColor, true};
   Glyphs layer_points{sphere(), kForceLayerColor, false};
@@ -266,14 +266,18 @@ void Stage::build_scene(const PicturePlan& plan) {
   world_->AddActor(actors_->mesh_edges);
   world_->AddActor(actors_->sections);
   world_->AddActor(actors_->section_edges);
-  if (scene_.missing_faces.empty()) return;
+  actors_->missing_faces = add_missing_faces(scene_.missing_faces);
+}
+
+// The edges of a cube around each, seen through all else; null where there are none.
+Actor Stage::add_missing_faces(std::span<const ViewMesh> cubes) {
+  if (cubes.empty()) return nullptr;
   vtkNew<vtkAppendPolyData> frames;
-  for (const ViewMesh& cube : scene_.missing_faces) {
-    frames->AddInputData(feature_edges_of(poly_data_of(cube)));
-  }
+  for (const ViewMesh& cube : cubes) frames->AddInputData(feature_edges_of(poly_data_of(cube)));
   frames->Update();
-  actors_->missing_faces = line_actor(frames->GetOutput(), kMissingFaceColor, 3 * scale_);
-  marks_->AddActor(actors_->missing_faces);
+  const Actor actor = line_actor(frames->GetOutput(), kMissingFaceColor, 3 * scale_);
+  marks_->AddActor(actor);
+  return actor;
 }
 
 // One actor for all: an assembly of hundreds of parts turns as fast as one part. Edges mesh by
@@ -412,6 +416,7 @@ void Stage::build_part() {
     a.shell = surface_actor(discs_of(*scene_.shell), kPartColor);
     a.shell->GetProperty()->SetPointSize(4);
   }
+  a.part_missing_faces = add_missing_faces(scene_.part_missing_faces);
   a.spring = line_actor(PolyData::New(), kGhostColor, 3 * scale_);
   for (const Actor& actor : {a.part, a.part_edges, a.target, a.shell, a.spring}) {
     if (actor != nullptr) world_->AddActor(actor);
@@ -430,6 +435,9 @@ void Stage::show(const ItemSet& shown) {
     set(actor, Item::kMeshes);
   }
   for (const Actor& actor : {a.part, a.part_edges}) set(actor, Item::kPart);
+  if (a.part_missing_faces != nullptr) {
+    a.part_missing_faces->SetVisibility(shown[Item::kPart] || shown[Item::kShell]);
+  }
   for (const Actor& actor : {a.target, a.spring}) set(actor, Item::kHandle);
   shown_ = shown;
   show_layers();
@@ -522,7 +530,8 @@ void Stage::make_plain() {
 
 void Stage::place_part(const Pose& world_from_part) {
   const auto matrix = matrix_of(world_from_part, scene_.origin_m);
-  for (const Actor& actor : {actors_->part, actors_->part_edges, actors_->shell}) {
+  for (const Actor& actor :
+       {actors_->part, actors_->part_edges, actors_->part_missing_faces, actors_->shell}) {
     if (actor != nullptr) actor->SetUserMatrix(matrix);
   }
 }

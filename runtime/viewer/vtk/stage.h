@@ -1,6 +1,7 @@
 // The three-dimensional things of a picture: scene, layers, part, contacts.
 #pragma once
 
+#include <vtkActor.h>
 #include <vtkPlane.h>
 #include <vtkRenderer.h>
 #include <vtkSmartPointer.h>
@@ -9,6 +10,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -68,6 +70,7 @@ class Stage {
   void build_layers();
   void build_change(const std::optional<LayerChange>& change);
   void build_part();
+  vtkSmartPointer<vtkActor> add_missing_faces(std::span<const ViewMesh> cubes);
   QuadSurface cut_sheet(const Cut& cut, VoxelValue value) const;
   void face_camera();
   void show_layers();
