@@ -228,6 +228,19 @@ TEST(PoseDistance, IsAMetricAndNothingFromAPoseToItself) {
   }
 }
 
+// From a start at which the part may not be no planner explores.
+TEST(Search, EndsAtOnceWhereTheStartIsRefused) {
+  Bench bench(0.03);
+  bench.problem.clearance_m = 0.05;  // more than there is
+  const auto goal = voxplan::Destination::out_of_scene(bench.problem);
+  voxplan::SearchRequest request;
+  request.most_s = 60;
+  const auto result = voxplan::search(bench.problem, goal, request);
+  ASSERT_TRUE(result) << to_line(result.error());
+  EXPECT_FALSE(result->found);
+  EXPECT_LT(result->seconds, 20);
+}
+
 // A pin in a hole, of whose floors some are tilted along it, as at the hole's edges.
 TEST(Slide, AFreeTwistGoesAlongAPinsHoleOrTurnsInIt) {
   std::vector<clearance::SeatStretch::Floor> floors;
