@@ -9,8 +9,6 @@
 #include <limits>
 #include <numeric>
 #include <optional>
-#include <thread>
-#include <unordered_set>
 
 #include "pointshell/certificate/certificate.h"
 #include "pointshell/certificate/hidden_surface.h"
@@ -29,24 +27,39 @@ namespace forcelayer::pointshell {
 namespace {
 
 // The stages of a bake and about which share of its processor time each takes, between scanned and
-// machined parts.
-constexpr std::pair<const char*, double> kStageShares[] = {
-    {"orientation", 0.04}, {"points", 0.6},  {"hidden", 0.03},  {"corners", 0.06},
-    {"order", 0.01},       {"losses", 0.18}, {"normals", 0.05}, {"weights", 0.03}};
+// machined parts: at full effort, at fast effort, with voxel centers (tests/bench/progress.md).
+struct StageShare {
+  const char* stage;
+  double full, fast, centers;
+};
+constexpr StageShare kStageShares[] = {{"orientation", 0.02, 0.03, 0.03},
+                                       {"points", 0.66, 0.35, 0.2},
+                                       {"hidden", 0, 0, 0.02},
+                                       {"corners", 0.115, 0.195, 0},
+                                       {"order", 0, 0, 0.015},
+                                       {"losses", 0.16, 0.315, 0.435},
+                                       {"normals", 0.035, 0.085, 0.255},
+                                       {"weights", 0.01, 0.025, 0.045}};
+
+double share_of(const StageShare& stage, const ShellOptions& options) {
+  if (options.method == ShellMethod::kVoxelCenters) return stage.centers;
+  return options.effort == sample::Effort::kFast ? stage.fast : stage.full;
+}
 
 class Stages {
  public:
-  Stages(BakedShell& shell, const BakeProgress& progress) : shell_(shell), progress_(progress) {}
+  Stages(const ShellOptions& options, BakedShell& shell, const BakeProgress& progress)
+      : options_(options), shell_(shell), progress_(progress) {}
 
   void begin(const std::string& name) {
     end();
     name_ = name;
     started_ = std::chrono::steady_clock::now();
     before_ = 0;
-    for (const auto& [stage, share] : kStageShares) {
-      share_ = share;
-      if (name == stage) break;
-      before_ += share;
+    for (const StageShare& stage : kStageShares) {
+      share_ = share_of(stage, options_);
+      if (name == stage.stage) break;
+      before_ += share_;
     }
     show(0);
   }
@@ -65,6 +78,7 @@ class Stages {
   }
 
  private:
+  const ShellOptions& options_;
   BakedShell& shell_;
   const BakeProgress& progress_;
   std::string name_;
@@ -72,112 +86,13 @@ class Stages {
   std::chrono::steady_clock::time_point started_;
 };
 
-// Working memory and processor time of a bake, by what is made and proven once: points, triangles,
-// and patches, for rays tell the outside of each and its points lie between others.
-constexpr double kBytesPerPoint = 400, kBytesPerTriangle = 450, kBytesPerPatch = 5000;
-constexpr double kSecondsPerPoint = 85e-6, kSecondsPerTriangle = 20e-6, kSecondsPerPatch = 1.1e-3;
-// A needle is longer than this and thinner than one, in radii. Rows of points run along it, also
-// where it has no area to speak of, and their proof takes more memory.
-constexpr double kNeedle = 64;
-constexpr double kPointsPerNeedleCell = 2.5, kBytesPerNeedlePoint = 900;
-// Open edges, by their length in radii: rows of points run along them, and their losses are proven
-// in small pieces. Edges of triangles smaller than a radius are no more than a few to a point.
-constexpr double kPointsPerOpenRadius = 0.5, kSecondsPerOpenRadius = 350e-6;
-constexpr double kBytesPerOpenRadius = 1750, kMostOpenRadiiPerPoint = 3;
-// Triangles of copies are read and placed, and give normals to the points.
-constexpr double kBytesPerCopied = 175, kSecondsPerCopied = 9e-6;
 // The most points that a method needs, as a multiple of the planar bound.
 constexpr double kMostOfBound = 3;
+constexpr double kBytesPerPoint = 400;
 
 double physical_memory_bytes() {
   return static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
 }
-
-// Pieces of surface of the triangles that are no copies, which share no vertex.
-std::size_t count_patches(const part::Part& part, std::span<const std::uint32_t> originals) {
-  std::vector<std::uint32_t> parent(part.vertices.size());
-  std::iota(parent.begin(), parent.end(), 0u);
-  const auto root = [&](std::uint32_t v) {
-    while (parent[v] != v) v = parent[v] = parent[parent[v]];
-    return v;
-  };
-  std::vector<bool> used(part.vertices.size());
-  std::size_t patches = 0;
-  for (std::uint32_t t = 0; t < part.triangles.size(); ++t) {
-    if (originals[t] != t) continue;
-    for (const std::uint32_t corner : part.triangles[t]) {
-      if (!used[corner]) used[corner] = true, ++patches;
-      const std::uint32_t from = root(part.triangles[t][0]), to = root(corner);
-      if (from != to) parent[from] = to, --patches;
-    }
-  }
-  return patches;
-}
-
-// The length of the edges that only one triangle has, of triangles that are no copies.
-double open_length(const part::Part& part, std::span<const std::uint32_t> originals) {
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;
-  for (std::uint32_t t = 0; t < part.triangles.size(); ++t) {
-    if (originals[t] != t) continue;
-    for (int n = 0; n < 3; ++n) {
-      edges.push_back(
-          std::minmax<std::uint32_t>(part.triangles[t][n], part.triangles[t][(n + 1) % 3]));
-    }
-  }
-  std::sort(edges.begin(), edges.end());
-  double length = 0;
-  for (std::size_t n = 0; n < edges.size(); ++n) {
-    if (n > 0 && edges[n - 1] == edges[n]) continue;
-    if (n + 1 < edges.size() && edges[n + 1] == edges[n]) continue;
-    length += part::length(part.vertices[edges[n].first] - part.vertices[edges[n].second]);
-  }
-  return length;
-}
-
-// The needles of a part: their area, and the cells of two radii that they run through, in which
-// those that lie side by side share their points.
-class Needles {
- public:
-  explicit Needles(double radius) : radius_(radius) {}
-
-  void add(const part::Piece& piece) {
-    int longest = 0;
-    const auto edge = [&](int n) { return piece[(n + 1) % 3] - piece[n]; };
-    for (int n = 1; n < 3; ++n) {
-      if (part::length_squared(edge(n)) > part::length_squared(edge(longest))) longest = n;
-    }
-    const part::Vec3 along = edge(longest);
-    const double length = part::length(along);
-    const double doubled_area = part::length(part::cross(along, edge((longest + 1) % 3)));
-    if (length < kNeedle * radius_ || doubled_area > length * radius_) return;
-    if (steps_ > kMostSteps) return;  // enough is known
-    area_m2_ += doubled_area / 2;
-    const double steps = std::min(std::ceil(length / (2 * radius_)), kMaxRadiusVoxels);
-    steps_ += steps;
-    for (double n = 0; n < steps; ++n) {
-      const part::Vec3 p = piece[longest] + (n / steps) * along;
-      std::uint64_t cell = 0;
-      for (int axis = 0; axis < 3; ++axis) {
-        const double at = std::floor(part::coordinate(p, axis) / (2 * radius_));
-        cell = (cell << 21) ^ (static_cast<std::uint64_t>(std::llround(at)) & 0x1fffff);
-      }
-      cells_.insert(cell);
-    }
-  }
-
-  // Beyond those that their area asks for.
-  double points() const {
-    return std::max(0.0, kPointsPerNeedleCell * static_cast<double>(cells_.size()) -
-                             planar_bound(area_m2_, radius_));
-  }
-
- private:
-  static constexpr double kMostSteps = 1 << 22;
-
-  const double radius_;
-  double area_m2_ = 0, steps_ = 0;
-  std::unordered_set<std::uint64_t> cells_;
-};
 
 // Refuses a bake that would run for hours and then out of memory, or make what no file holds.
 Status check_size(const part::Part& part, const part::MassProperties& mass, double radius,
@@ -318,16 +233,27 @@ std::vector<part::Vec3> in_block_order(std::span<const part::Vec3> points) {
   return ordered;
 }
 
+// Calls work(share, progress) for each of them. How far the stage is goes by their areas.
+template <typename Work>
+void for_each_share(std::span<Share> shares, const Stages& stages, const Work& work) {
+  double all_m2 = 0, before_m2 = 0;
+  for (const Share& share : shares) all_m2 += part::area(*share.part);
+  for (Share& share : shares) {
+    const double own_m2 = part::area(*share.part);
+    work(share,
+         [&](double share_done) { stages.show((before_m2 + own_m2 * share_done) / all_m2); });
+    before_m2 += own_m2;
+  }
+}
+
 // Points that cover each share by itself.
 void cover(std::span<Share> shares, sample::Effort effort, const Stages& stages) {
-  for (std::size_t n = 0; n < shares.size(); ++n) {
+  for_each_share(shares, stages, [&](Share& share, const part::Progress& progress) {
     sample::CoveringPoints covering =
-        sample::covering_points(*shares[n].tree, shares[n].radius, effort, [&](double share_done) {
-          stages.show((static_cast<double>(n) + share_done) / static_cast<double>(shares.size()));
-        });
-    shares[n].points = std::move(covering.positions);
-    shares[n].proof = std::move(covering.proof);
-  }
+        sample::covering_points(*share.tree, share.radius, effort, progress);
+    share.points = std::move(covering.positions);
+    share.proof = std::move(covering.proof);
+  });
 }
 
 void leave_out_hidden_points(std::span<Share> shares, Stages& stages, BakedShell& shell) {
@@ -350,7 +276,7 @@ certificate::CoveredPart covered_by(const Share& share, double radius, double vo
 Result<BakedShell> bake(part::Part part, const ShellOptions& options,
                         const BakeProgress& progress) {
   BakedShell shell;
-  Stages stages(shell, progress);
+  Stages stages(options, shell, progress);
   const bool on_lattice = options.method == ShellMethod::kVoxelCenters;
   double radius = requested_covering_radius(options);
 
@@ -379,10 +305,10 @@ Result<BakedShell> bake(part::Part part, const ShellOptions& options,
   leave_out_hidden_points(shares, stages, shell);
   if (!on_lattice) {
     stages.begin("corners");
-    for (Share& share : shares) {
+    for_each_share(shares, stages, [&](Share& share, const part::Progress& done) {
       const auto covered = covered_by(share, radius, options.voxel_size_m);
-      shell.corner_points += share.times() * sample::fill_lossy_places(covered, share.points);
-    }
+      shell.corner_points += share.times() * sample::fill_lossy_places(covered, share.points, done);
+    });
   }
 
   stages.begin("order");
@@ -393,9 +319,9 @@ Result<BakedShell> bake(part::Part part, const ShellOptions& options,
 
   stages.begin("losses");
   certificate::SurfaceLosses losses;
-  for (const Share& share : shares) {
-    unite(losses, certificate::find_losses(covered_by(share, radius, options.voxel_size_m)));
-  }
+  for_each_share(shares, stages, [&](const Share& share, const part::Progress& done) {
+    unite(losses, certificate::find_losses(covered_by(share, radius, options.voxel_size_m), done));
+  });
   shell.loss_pieces = losses.pieces;
   shell.losses = std::move(losses.losses);
 
@@ -423,40 +349,6 @@ Result<BakedShell> bake(part::Part part, const ShellOptions& options,
 
 double planar_bound(double area_m2, double radius_m) {
   return 2 / (3 * std::sqrt(3.0)) * area_m2 / (radius_m * radius_m);
-}
-
-BakeCost expected_cost(const part::Part& part, const ShellOptions& options) {
-  const double radius = requested_covering_radius(options);
-  std::vector<part::CopiedGroup> groups;
-  if (options.method == ShellMethod::kSurface) groups = part::find_copies(part, radius);
-  const std::vector<std::uint32_t> originals = part::original_triangles(part, groups);
-  double area_m2 = 0, area_once_m2 = 0, once = 0;
-  Needles needles(radius);
-  for (std::uint32_t t = 0; t < part.triangles.size(); ++t) {
-    const double own_m2 = part::length(part::doubled_area_normal(part, t)) / 2;
-    area_m2 += own_m2;
-    if (originals[t] != t) continue;
-    area_once_m2 += own_m2, ++once;
-    needles.add(part::triangle_piece(part, t));
-  }
-  const double along_needles = needles.points();
-  const double copied = static_cast<double>(part.triangles.size()) - once;
-  const auto patches = static_cast<double>(count_patches(part, originals));
-  const double points_once = planar_bound(area_once_m2, radius) + along_needles;
-  const double open_radii =
-      std::min(open_length(part, originals) / radius, kMostOpenRadiiPerPoint * points_once);
-  const unsigned cores = std::max(1u, std::thread::hardware_concurrency());
-  const double threads = options.threads == 0 ? cores : std::min(options.threads, cores);
-  BakeCost cost;
-  cost.points = planar_bound(area_m2, radius) + along_needles + kPointsPerOpenRadius * open_radii;
-  cost.seconds =
-      (kSecondsPerPoint * points_once + kSecondsPerOpenRadius * open_radii +
-       kSecondsPerTriangle * once + kSecondsPerCopied * copied + kSecondsPerPatch * patches) /
-      threads;
-  cost.bytes = kBytesPerPoint * planar_bound(area_m2, radius) +
-               kBytesPerNeedlePoint * along_needles + kBytesPerOpenRadius * open_radii +
-               kBytesPerTriangle * once + kBytesPerCopied * copied + kBytesPerPatch * patches;
-  return cost;
 }
 
 double requested_covering_radius(const ShellOptions& options) {

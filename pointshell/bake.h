@@ -31,12 +31,6 @@ double planar_bound(double area_m2, double radius_m);
 // The radius that the options ask for, m.
 double requested_covering_radius(const ShellOptions& options);
 
-// About what a bake will take, on a core of 2025.
-struct BakeCost {
-  double points = 0, seconds = 0, bytes = 0;
-};
-BakeCost expected_cost(const part::Part& part, const ShellOptions& options);
-
 // A shell with the arrays that its content refers to.
 struct BakedShell {
   PshellHeader header{};

@@ -20,6 +20,7 @@
 #include "formats/pshell.h"
 #include "formats/pshell_writer.h"
 #include "pointshell/bake.h"
+#include "pointshell/cost.h"
 #include "pointshell/part/parallel.h"
 #include "pointshell/part/part_files.h"
 #include "pointshell/report.h"
@@ -234,14 +235,16 @@ Status bake_command(const Arguments& arguments) {
     warnings.push_back(imprecise);
     warn(arguments, imprecise);
   }
-  if (const std::string cost = cost_warning(expected_cost(*part, *options), *part); !cost.empty()) {
+  const BakeCost expected = expected_cost(*part, *options);
+  if (const std::string cost = cost_warning(expected, *options, *part); !cost.empty()) {
     progress.clear();
     warnings.push_back(cost);
     warn(arguments, cost);
   }
   const double read_s = now_s() - started_s;
+  constexpr double kWritingFrom = 0.98;
   auto shell = bake_shell(*part, *options, [&](const std::string& stage, double share_done) {
-    progress.show(stage, share_done);
+    progress.show(stage, kWritingFrom * share_done);
   });
   if (!shell) return shell.error();
   if (const std::string sheets = sheet_warning(*shell); !sheets.empty()) {
@@ -253,6 +256,7 @@ Status bake_command(const Arguments& arguments) {
   const std::string origin = provenance(*part, *options);
   content.provenance = origin;
   const double write_started_s = now_s();
+  progress.show("write", kWritingFrom);
   const auto written = write_pshell(arguments.output, content);
   if (!written) return written.error();
   shell->stage_seconds.insert(shell->stage_seconds.begin(), {"read", read_s});
@@ -260,6 +264,8 @@ Status bake_command(const Arguments& arguments) {
   print_summary(arguments, *shell, *part);
   if (arguments.json.empty()) return {};
   nlohmann::ordered_json report = bake_report(*shell, *options, *part);
+  report["expected"] = {
+      {"points", expected.points}, {"thread_s", expected.thread_s}, {"bytes", expected.bytes}};
   report["peak_rss_bytes"] = command::peak_rss_bytes();
   report["file_bytes"] = *written;
   report["threads"] = arguments.threads;

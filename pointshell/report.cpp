@@ -25,6 +25,17 @@ nlohmann::ordered_json json_of(const std::vector<normals::Sheet>& sheets) {
   return rows;
 }
 
+// "2.5 minutes", "1 minute", "40 s"
+std::string duration_text(double seconds) {
+  char text[40];
+  if (seconds < 60) {
+    std::snprintf(text, sizeof text, "%.0f s", seconds);
+    return text;
+  }
+  std::snprintf(text, sizeof text, "%.2g", seconds / 60);
+  return std::string(text) + (std::string_view(text) == "1" ? " minute" : " minutes");
+}
+
 }  // namespace
 
 std::string part_hash(const part::Part& part) {
@@ -57,15 +68,17 @@ std::string provenance(const part::Part& part, const ShellOptions& options) {
   return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
-std::string cost_warning(const BakeCost& cost, const part::Part& part) {
+std::string cost_warning(const BakeCost& cost, const ShellOptions& options,
+                         const part::Part& part) {
   constexpr double kMinute = 60, kGigabyte = 1e9;
   if (cost.seconds <= kMinute && cost.bytes <= kGigabyte) return "";
-  char text[200];
-  std::snprintf(text, sizeof text,
-                "%.2g points for %.3g triangles: this takes about %.2g minutes and %.2g GB; a "
-                "larger voxel size, a coarser mesh or --effort fast takes less",
-                cost.points, static_cast<double>(part.triangles.size()), cost.seconds / kMinute,
-                cost.bytes / kGigabyte);
+  char text[240];
+  std::snprintf(
+      text, sizeof text,
+      "%.2g points for %s: this takes about %s and %.2g GB; a larger voxel size%s%s takes less",
+      cost.points, mesh::counted(part.triangles.size(), "triangle").c_str(),
+      duration_text(cost.seconds).c_str(), cost.bytes / kGigabyte,
+      options.effort == sample::Effort::kFast ? "" : ", --effort fast", " or a coarser mesh");
   return text;
 }
 

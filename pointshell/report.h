@@ -5,6 +5,7 @@
 #include <string>
 
 #include "pointshell/bake.h"
+#include "pointshell/cost.h"
 #include "pointshell/part/part.h"
 
 namespace forcelayer::pointshell {
@@ -23,7 +24,7 @@ const char* effort_name(sample::Effort effort);
 double points_over_bound(const PshellHeader& header, double area_m2);
 
 // Says before it starts that a bake takes more than a minute or a gigabyte; else empty.
-std::string cost_warning(const BakeCost& cost, const part::Part& part);
+std::string cost_warning(const BakeCost& cost, const ShellOptions& options, const part::Part& part);
 
 // The warning about the part's open sheets, all of them; empty where there are none.
 std::string sheet_warning(const BakedShell& shell);

@@ -5,12 +5,12 @@
 #   scripts/bench.sh --long [PART...]        the long form: over half an hour; results in build/bench/long, and from
 #                                            there in tests/bench/results/<machine> and in the pages
 #   scripts/bench.sh [--long] --out FOLDER   results in FOLDER alone
-# Parts: bake error growth plan tree shell cover query force wrench clearance motion trajectory stability skip path verdicts python paper (all of
-# them by default), loop (by name only; the long form takes half an hour), and targets (by name only: what the speed of bake
-# and query must be, beside what it is).
+# Parts: bake error growth plan tree shell cover query force wrench clearance motion trajectory stability skip path verdicts python progress paper (all of
+# them by default), and by name only: loop (the long form takes half an hour), streams (bakes up to 100 million triangles),
+# and targets (what the speed of bake and query must be, beside what it is).
 source "$(dirname "$0")/common.sh"
 
-all_parts=(bake error growth plan tree shell cover query force wrench clearance motion trajectory stability skip path verdicts python paper)
+all_parts=(bake error growth plan tree shell cover query force wrench clearance motion trajectory stability skip path verdicts python progress paper)
 bin=$root/build/release/bin
 bench=$root/tests/bench
 long=no
@@ -23,7 +23,7 @@ while [ $# -gt 0 ]; do
     --out) out=${2:?--out needs a folder}; shift ;;
     -h | --help) usage; exit 0 ;;
     *)
-      [[ " ${all_parts[*]} loop targets " == *" $1 "* ]] || { usage >&2; exit 2; }
+      [[ " ${all_parts[*]} loop streams targets " == *" $1 "* ]] || { usage >&2; exit 2; }
       parts+=("$1")
       ;;
   esac
@@ -36,10 +36,10 @@ either() { if [ $long = yes ]; then echo "$2"; else echo "$1"; fi; }
 
 # Names the targets that a part builds.
 declare -A targets=(
-  [bake]="bake_bench voxelize" [error]=geometry_bench [growth]=voxelize [plan]=voxelize [tree]="voxelize voxinfo"
+  [bake]="bake_bench voxelize" [error]=geometry_bench [growth]=voxelize [streams]=voxelize [plan]=voxelize [tree]="voxelize voxinfo"
   [shell]="shell_bench pointshell" [cover]=cover_bench [query]=query_bench [force]=force_bench [wrench]=wrench_bench [clearance]=clearance_bench
   [motion]=motion_bench [trajectory]=trajectory_bench [stability]=stability_bench
-  [skip]="skip_bench voxelize pointshell" [path]="path_bench voxelize pointshell voxrun voxcheck" [verdicts]="verdict_bench voxelize pointshell voxrun voxcheck voxcheck-exact forcelayer" [python]="python_bench forcelayer_python voxelize pointshell voxrun" [paper]="voxelize pointshell voxrun" [loop]="voxelize pointshell voxrun"
+  [skip]="skip_bench voxelize pointshell" [path]="path_bench voxelize pointshell voxrun voxcheck" [verdicts]="verdict_bench voxelize pointshell voxrun voxcheck voxcheck-exact forcelayer" [python]="python_bench forcelayer_python voxelize pointshell voxrun" [progress]="voxelize pointshell" [paper]="voxelize pointshell voxrun" [loop]="voxelize pointshell voxrun"
   [targets]="bake_bench voxelize query_bench")
 
 # The long form also measures what a processor without AVX-512 would run.
@@ -65,6 +65,7 @@ part_bake() {
 part_error() { "$bench/bake_error.py" $(either --short "") --json "$out/bake_error.json"; }
 part_growth() { "$bench/bake_growth.py" $(either --short "") --json "$out/bake_growth.json"; }
 part_plan() { "$bench/plan_bench.py" --repeat "$(either 1 3)" --json "$out/bake_plan.json"; }
+part_streams() { "$bench/bake_streams.py" $(either --short "") --json "$out/bake_streams.json"; }
 part_tree() { "$bench/tree_memory.py" --json "$out/tree_memory.json"; }
 part_shell() {
   "$bin/shell_bench" $(either "--voxels 128" "--voxels 128 256") --json "$out/shell.json"
@@ -107,6 +108,7 @@ part_path() {
 }
 part_verdicts() { "$bench/verdicts.py" $(either --short "") --json "$out/verdicts.json"; }
 part_python() { "$bench/python_bench.py" $(either --short "") --json "$out/python_bench.json"; }
+part_progress() { "$bench/progress.py" $(either --short "") --json "$out/progress.json"; }
 part_paper() { "$bench/paper_table.py" $(either --short "") --json "$out/paper_table.json"; }
 part_targets() { "$bench/speed_targets.py" $(either --short "") --json "$out/speed_targets.json"; }
 part_loop() {

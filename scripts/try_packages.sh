@@ -101,7 +101,7 @@ try_workstation() {
   need_baked
   options_for forcelayer-runtime
   in_tree workstation "${options[@]}" <<'SCRIPT'
-if dpkg -l | grep -E "openvdb|openmesh|draco|libtbb|vtk|boost|ompl"; then
+if dpkg-query --show --showformat '${Package}\n' | grep -E "openvdb|openmesh|draco|libtbb|vtk|boost|ompl"; then
   echo "FAILED: the runtime package brought an offline library" >&2
   exit 1
 fi
@@ -155,7 +155,7 @@ for name in forcelayer.__all__:
     for text in [thing, *(m for n, m in vars(thing).items() if n[0] != "_")] if isinstance(thing, type) else [thing]:
         doctest.run_docstring_examples(inspect.getdoc(text) or "", {"forcelayer": forcelayer}, name=name)' >doctests.txt
 test ! -s doctests.txt || { cat doctests.txt >&2; exit 1; }
-python3 -c 'import forcelayer; help(forcelayer.Scene)' | head -n 5
+python3 -c 'import forcelayer; help(forcelayer.Scene)' | sed -n 1,5p
 SCRIPT
 }
 

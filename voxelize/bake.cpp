@@ -46,14 +46,25 @@ Status for_each_object(std::size_t count, Step&& step) {
   return failed == results.end() ? Status{} : *failed;
 }
 
+// Whether the triangles are too many for memory.
+bool spills(Objects objects, const BakeOptions& options) {
+  // Two triangles share a vertex, about.
+  constexpr std::size_t kBytes = sizeof(mesh::Triangle) + sizeof(lattice::LatticePoint) / 2;
+  std::size_t triangles = 0;
+  for (const SceneObject& object : objects) {
+    triangles += object.mesh != nullptr ? object.mesh->triangles.size() : object.triangle_count;
+  }
+  return triangles > options.most_triangle_bytes / kBytes;
+}
+
 // Every object with its facts: found in the cache, or snapped.
 Result<std::vector<ObjectBake>> snap_objects(Objects objects, const BakeOptions& options,
-                                             std::mutex& reading) {
+                                             MeshAccess& meshes) {
   std::vector<ObjectBake> bakes(objects.size());
   tbb::parallel_for(std::size_t{0}, objects.size(),
                     [&](std::size_t i) { find_in_cache(objects[i], options, bakes[i]); });
   for (std::size_t i = 0; i < objects.size(); ++i) {
-    const Status snapped = snap_unless_cached(objects[i], options, reading, bakes[i]);
+    const Status snapped = snap_unless_cached(objects[i], options, meshes, bakes[i]);
     if (!snapped) return snapped.error();
   }
   return bakes;
@@ -133,14 +144,14 @@ struct SceneVoxels {
 
 // Bakes the objects side by side; each is united as soon as it is done.
 Status unite_objects(Objects objects, const BakeOptions& options, const SceneRegion& region,
-                     std::mutex& reading, std::vector<ObjectBake>& bakes, SceneVoxels& scene) {
+                     MeshAccess& meshes, std::vector<ObjectBake>& bakes, SceneVoxels& scene) {
   std::mutex uniting;
   double all_work = 0, done = 0;
   const auto work_of = [](const SceneObject& object) { return 1 + object.work; };
   for (const SceneObject& object : objects) all_work += work_of(object);
   return for_each_object(objects.size(), [&](std::size_t i) -> Status {
     if (region.skipped[i]) return {};
-    auto voxels = object_voxels(objects[i], options, region.directory.origin, reading, bakes[i]);
+    auto voxels = object_voxels(objects[i], options, region.directory.origin, meshes, bakes[i]);
     if (!voxels) return voxels.error();
     const std::lock_guard lock(uniting);
     Stopwatch watch;
@@ -194,7 +205,7 @@ tree::VoxelTree build_layers(const SceneVoxels& scene, const SceneRegion& region
 // Distances from the snapped meshes, and the nearest objects.
 tree::DistanceTrees build_distances(const SceneVoxels& scene, const SceneRegion& region,
                                     const std::vector<ObjectBake>& bakes,
-                                    const BakeOptions& options, Bake& bake) {
+                                    const BakeOptions& options, MeshAccess& meshes, Bake& bake) {
   std::vector<const scan::SnappedObject*> objects;
   std::vector<cache::Digest> keys;
   std::vector<std::uint16_t> numbers;
@@ -213,7 +224,7 @@ tree::DistanceTrees build_distances(const SceneVoxels& scene, const SceneRegion&
   const distance::DistanceCodes distances(
       std::move(objects), region.directory.origin, scene.geometry, scene.interior,
       scale_of(options), kept, grows_objects(options) ? 0 : interior_radius_units(options),
-      std::move(numbers));
+      std::move(numbers), meshes.spill_file());
   const auto progress = [&, ends = stage_ends(options)](double share) {
     show_progress(options, "distances", ends.objects + (ends.distances - ends.objects) * share);
   };
@@ -279,12 +290,12 @@ VoxmapHeader header_of(const SceneRegion& region, const masks::VoxelBox& tight,
 
 // The trees of the scene and the header.
 void build_map(SceneVoxels& scene, const SceneRegion& region, const std::vector<ObjectBake>& bakes,
-               const BakeOptions& options, Bake& bake) {
+               const BakeOptions& options, MeshAccess& meshes, Bake& bake) {
   distance::ValueCounts counts;
   masks::VoxelBox tight;
   if (!region.directory.empty()) {
     if (stores_distances(options)) {
-      tree::DistanceTrees trees = build_distances(scene, region, bakes, options, bake);
+      tree::DistanceTrees trees = build_distances(scene, region, bakes, options, meshes, bake);
       bake.distances = std::move(trees.distances);
       bake.nearest_objects = std::move(trees.objects);
       if (trees.grown) masks::unite(scene.grown, std::move(*trees.grown));
@@ -336,25 +347,27 @@ double static_deviation_m(Objects objects, const std::vector<ObjectBake>& bakes,
 Result<Bake> bake_scene(Objects objects, const BakeOptions& options) {
   Bake bake;
   Stopwatch watch;
-  std::mutex reading;
+  MeshAccess meshes;
+  if (spills(objects, options)) meshes.spill.emplace();
   show_progress(options, "reading vertices", 0);
-  auto bakes = snap_objects(objects, options, reading);
+  auto bakes = snap_objects(objects, options, meshes);
   if (!bakes) return bakes.error();
   const auto region = choose_region(*bakes, options);
   if (!region) return region.error();
   bake.seconds.snap = watch.lap_s();
 
   SceneVoxels scene;
-  const Status united = unite_objects(objects, options, *region, reading, *bakes, scene);
+  const Status united = unite_objects(objects, options, *region, meshes, *bakes, scene);
   if (!united) return united.error();
 
   watch.lap_s();
   show_progress(options, stores_distances(options) ? "distances" : "force layer",
                 stage_ends(options).objects);
-  build_map(scene, *region, *bakes, options, bake);
+  build_map(scene, *region, *bakes, options, meshes, bake);
   add_names(objects, options, bake);
   for (const ObjectBake& object : *bakes) bake.header.triangles += object.facts.triangles;
   bake.header.static_deviation_m = static_deviation_m(objects, *bakes, options);
+  if (meshes.spill) bake.bytes_on_disk = meshes.spill->bytes_on_disk();
   bake.seconds.tree = watch.lap_s();
   add_reports(objects, *bakes, region->skipped, bake);
   show_progress(options, "force layer", 1);
@@ -364,8 +377,9 @@ Result<Bake> bake_scene(Objects objects, const BakeOptions& options) {
 Result<Bake> bake_objects(Objects objects, const BakeOptions& options) {
   Bake bake;
   Stopwatch watch;
-  std::mutex reading;
-  auto bakes = snap_objects(objects, options, reading);
+  MeshAccess meshes;
+  if (spills(objects, options)) meshes.spill.emplace();
+  auto bakes = snap_objects(objects, options, meshes);
   if (!bakes) return bakes.error();
   bake.seconds.snap = watch.lap_s();
   bake.header.voxel_size_m = options.voxel_size_m;
@@ -381,7 +395,7 @@ Result<Bake> bake_objects(Objects objects, const BakeOptions& options) {
       ObjectBake& object = (*bakes)[i];
       object.from_cache = object.cached.has_value();
       if (!object.from_cache) {
-        const auto voxels = bake_voxels(objects[i], options, directory->origin, object);
+        const auto voxels = bake_voxels(objects[i], options, directory->origin, meshes, object);
         if (!voxels) return voxels.error();
       }
       const std::lock_guard lock(counting);

@@ -44,6 +44,7 @@ struct Bake {
   // With a cache: nodes of 64^3 voxels near surfaces, and how many did not have to be built.
   std::uint64_t nodes = 0, reused_nodes = 0;
   std::uint64_t distance_nodes = 0, reused_distance_nodes = 0;  // the same, of distances
+  std::size_t bytes_on_disk = 0;  // of triangles that waited in a temporary file
   StageSeconds seconds;
 
   static TreeContent content_of(const tree::VoxelTree& tree) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -27,8 +28,10 @@ struct SceneObject {
   mesh::Affine world_from_mesh;           // to meters, so it contains the mesh's unit
   std::vector<mesh::Vec3d> free_seeds_m;  // world; they open this object alone
   double deviation_m = 0;                 // of the mesh from the truth (tessellation, quantization)
-  std::function<Result<const mesh::Mesh*>()> read_mesh = {};  // called by one thread at a time
+  // Called by one thread at a time. The mesh may be let go after the last pointer to it.
+  std::function<Result<std::shared_ptr<const mesh::Mesh>>()> read_mesh = {};
   std::optional<cache::Digest> mesh_digest = {};  // of all of the mesh; needed for a cache
+  std::uint64_t triangle_count = 0;               // where read_mesh() gives the mesh
   double work = 0;  // that its voxels take, about: its part of the progress among the objects
 };
 
@@ -57,6 +60,8 @@ struct BakeOptions {
   bool find_cavities = false;         // ObjectReport::cavities
   bool find_narrow_passages = false;  // Cavity::opens_at_half_size; bakes enclosing objects again
   int threads = 0;                    // 0: as many as the machine has
+  // Scenes whose triangles take more bytes keep them in a temporary file (scan::SpillFile).
+  std::size_t most_triangle_bytes = std::size_t{512} << 20;
   const cache::CacheFolder* cache = nullptr;  // where objects that did not change are found again
   std::string scene_name = {};  // with a cache: bakes of this name reuse unchanged nodes
   std::function<void(const char* stage, double fraction_done)> progress;  // may be empty

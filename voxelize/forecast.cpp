@@ -24,6 +24,9 @@ Cost cost_of(const BakeOptions& options) {
   return {3, 10, 5e-7};
 }
 
+// Per triangle, from bakes of an aircraft bay of 0.15 to 10.5 million (tests/bench/growth.md).
+constexpr double kBytesPerTriangle = 30, kThreadSecondsPerTriangle = 5e-7;
+
 bool touches(const mesh::Box& box, const std::optional<std::array<double, 6>>& roi_m) {
   if (!roi_m) return true;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -58,19 +61,23 @@ Forecast forecast_of(const mesh::Scene& scene, std::span<const cache::MeshOutlin
                      const BakeOptions& options) {
   Forecast forecast;
   forecast.box_m = mesh::empty_box();
-  double area_m2 = 0;
+  double area_m2 = 0, triangles = 0;
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
     const mesh::MeshObject& object = scene.objects[i];
     mesh::extend(forecast.box_m, object.box_m);
     const double stretch_m = mesh::largest_stretch(object.world_from_mesh);
     forecast.largest_unit_m = std::max(forecast.largest_unit_m, stretch_m);
-    if (touches(object.box_m, options.roi_m)) area_m2 += meshes[i].area * stretch_m * stretch_m;
+    if (!touches(object.box_m, options.roi_m)) continue;
+    area_m2 += meshes[i].area * stretch_m * stretch_m;
+    triangles += static_cast<double>(meshes[i].triangle_count);
   }
   forecast.surface_voxels = area_m2 / (options.voxel_size_m * options.voxel_size_m);
   const Cost cost = cost_of(options);
   forecast.least_memory_bytes = cost.least_bytes * forecast.surface_voxels;
-  forecast.memory_bytes = cost.bytes * forecast.surface_voxels;
-  forecast.bake_s = cost.thread_s * forecast.surface_voxels / std::max(1, options.threads);
+  forecast.memory_bytes = cost.bytes * forecast.surface_voxels + kBytesPerTriangle * triangles;
+  forecast.bake_s =
+      (cost.thread_s * forecast.surface_voxels + kThreadSecondsPerTriangle * triangles) /
+      std::max(1, options.threads);
   return forecast;
 }
 
@@ -89,15 +96,14 @@ Status check_forecast(const Forecast& forecast, const BakeOptions& options,
 
 std::optional<std::string> forecast_warning(const Forecast& forecast, const BakeOptions& options) {
   constexpr double kLongS = 60, kLargeBytes = 1e9;
-  if (!(forecast.bake_s > kLongS && forecast.memory_bytes > kLargeBytes)) return std::nullopt;
+  const double over = std::max(forecast.bake_s / kLongS, forecast.memory_bytes / kLargeBytes);
+  if (!(over > 1)) return std::nullopt;
   char text[160];
   std::snprintf(text, sizeof text,
                 "this bake may take %.2g min and %.2g GB of memory%s: ", forecast.bake_s / 60,
                 forecast.memory_bytes * 1e-9,
                 options.cache == nullptr ? "" : " for what is not in the cache");
-  const double larger =
-      std::sqrt(std::min(forecast.bake_s / kLongS, forecast.memory_bytes / kLargeBytes));
-  return text + mend_of(forecast, larger * options.voxel_size_m);
+  return text + mend_of(forecast, std::sqrt(over) * options.voxel_size_m);
 }
 
 }  // namespace forcelayer::voxelize

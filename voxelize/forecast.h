@@ -1,9 +1,8 @@
 // A bake's memory and time, said before it begins and without a bake: from the area of its
 // surfaces.
 //
-// The voxels of a surface outweigh all else where a bake is large.
-// tests/property/voxelize_forecast.cpp holds the memory against real bakes; `--plan` extrapolates
-// file and time far better, from two of them.
+// The voxels of a surface outweigh all else where a bake is large; `--plan` extrapolates file and
+// time far better, from two bakes.
 #pragma once
 
 #include <optional>
@@ -35,7 +34,7 @@ Forecast forecast_of(const mesh::Scene& scene, std::span<const cache::MeshOutlin
 // mistake.
 Status check_forecast(const Forecast& forecast, const BakeOptions& options, double available_bytes);
 
-// A line where the bake will take more than a minute and a gigabyte.
+// A line where the bake will take more than a minute or a gigabyte.
 std::optional<std::string> forecast_warning(const Forecast& forecast, const BakeOptions& options);
 
 }  // namespace forcelayer::voxelize

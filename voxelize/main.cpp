@@ -293,6 +293,7 @@ std::vector<SceneObject> objects_of(const mesh::Scene& scene, cache::MeshSource&
     object.read_mesh = [&] { return meshes.mesh(part); };
     const cache::MeshOutline& outline = meshes.outline(part);
     object.mesh_digest = outline.digest();
+    object.triangle_count = outline.triangle_count;
     const double voxels = mesh::largest_stretch(part.world_from_mesh) / voxel_size_m;
     object.work = outline.area * voxels * voxels + static_cast<double>(outline.triangle_count);
   }
@@ -364,10 +365,11 @@ Status print_plan(const Arguments& arguments, const mesh::Scene& scene, cache::M
                   BakeOptions options) {
   options.cache = nullptr;
   std::vector<SceneObject> objects = objects_of(scene, meshes, options.voxel_size_m);
+  std::vector<std::shared_ptr<const mesh::Mesh>> read;
   for (SceneObject& object : objects) {
     const auto mesh = object.read_mesh();
     if (!mesh) return mesh.error();
-    object.mesh = *mesh;
+    object.mesh = read.emplace_back(*mesh).get();
   }
   const auto plan = plan_bakes(objects, options);
   if (!plan) return plan.error();

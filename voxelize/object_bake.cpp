@@ -37,20 +37,22 @@ bool knows_enough(const cache::ObjectFacts& facts, const BakeOptions& options) {
           (facts.knows & cache::ObjectFacts::kNarrowPassages) != 0);
 }
 
-Result<const mesh::Mesh*> mesh_of(const SceneObject& object, std::mutex& reading) {
-  if (object.mesh != nullptr) return object.mesh;
-  const std::lock_guard lock(reading);
+Result<std::shared_ptr<const mesh::Mesh>> mesh_of(const SceneObject& object, MeshAccess& meshes) {
+  if (object.mesh != nullptr) {
+    return std::shared_ptr<const mesh::Mesh>(std::shared_ptr<const mesh::Mesh>(), object.mesh);
+  }
+  const std::lock_guard lock(meshes.reading);
   return object.read_mesh();
 }
 
-Status snap(const SceneObject& object, const BakeOptions& options, std::mutex& reading,
+Status snap(const SceneObject& object, const BakeOptions& options, MeshAccess& meshes,
             ObjectBake& bake) {
-  const auto mesh = mesh_of(object, reading);
+  const auto mesh = mesh_of(object, meshes);
   if (!mesh) return mesh.error();
-  auto snapped =
-      scan::snap_object(**mesh, object.world_from_mesh, options.voxel_size_m, object.name);
+  auto snapped = scan::snap_object(**mesh, object.world_from_mesh, options.voxel_size_m,
+                                   object.name, meshes.spill_file());
   if (!snapped) return snapped.error();
-  bake.mesh = *mesh;
+  if (!meshes.spill) bake.mesh = *mesh;
   bake.snapped = std::move(*snapped);
   return {};
 }
@@ -154,28 +156,28 @@ void find_in_cache(const SceneObject& object, const BakeOptions& options, Object
   bake.cavities = bake.cached->cavities();
 }
 
-Status snap_unless_cached(const SceneObject& object, const BakeOptions& options,
-                          std::mutex& reading, ObjectBake& bake) {
+Status snap_unless_cached(const SceneObject& object, const BakeOptions& options, MeshAccess& meshes,
+                          ObjectBake& bake) {
   if (bake.cached) return {};
-  if (Status snapped = snap(object, options, reading, bake); !snapped) return snapped;
+  if (Status snapped = snap(object, options, meshes, bake); !snapped) return snapped;
   bake.facts = facts_of(bake.snapped);
   return {};
 }
 
 Result<cache::ObjectVoxels> object_voxels(const SceneObject& object, const BakeOptions& options,
                                           const lattice::VoxelIndex& scene_origin,
-                                          std::mutex& reading, ObjectBake& bake) {
-  if (!bake.cached) return bake_voxels(object, options, scene_origin, bake);
+                                          MeshAccess& meshes, ObjectBake& bake) {
+  if (!bake.cached) return bake_voxels(object, options, scene_origin, meshes, bake);
   Stopwatch watch;
   auto voxels = bake.cached->voxels(scene_origin);
   bake.cached.reset();
   if (!voxels || stores_distances(options)) {
-    if (Status snapped = snap(object, options, reading, bake); !snapped) return snapped.error();
+    if (Status snapped = snap(object, options, meshes, bake); !snapped) return snapped.error();
   }
   if (!voxels) {
     bake.facts = facts_of(bake.snapped);
     bake.cavities.clear();
-    return bake_voxels(object, options, scene_origin, bake);
+    return bake_voxels(object, options, scene_origin, meshes, bake);
   }
   bake.from_cache = true;
   bake.seconds.cache += watch.lap_s();
@@ -183,13 +185,15 @@ Result<cache::ObjectVoxels> object_voxels(const SceneObject& object, const BakeO
 }
 
 Result<cache::ObjectVoxels> bake_voxels(const SceneObject& object, const BakeOptions& options,
-                                        const lattice::VoxelIndex& scene_origin, ObjectBake& bake) {
+                                        const lattice::VoxelIndex& scene_origin, MeshAccess& meshes,
+                                        ObjectBake& bake) {
   const Status fits = limits::fit_memory(bake.snapped, object.name, options.voxel_size_m,
                                          limits::available_bytes());
   if (!fits) return fits.error();
   Stopwatch watch;
   cache::ObjectVoxels voxels;
   voxels.geometry = scan::scan_convert(bake.snapped, scene_origin);
+  if (meshes.spill) meshes.spill->touched(bake.snapped.bytes());
   bake.seconds.scan = watch.lap_s();
   const auto seeds = seed_voxels(object, options, bake.facts.box, *voxels.geometry, scene_origin);
   if (!seeds) return seeds.error();
@@ -202,13 +206,15 @@ Result<cache::ObjectVoxels> bake_voxels(const SceneObject& object, const BakeOpt
                                           interior_radius_units(options), scene_origin);
   }
   bake.seconds.near = watch.lap_s();
-  if (!stores_distances(options)) bake.snapped = {};
+  if (!stores_distances(options)) bake.snapped = {}, bake.mesh.reset();
   if (options.find_cavities || options.find_narrow_passages) {
     bake.cavities = cavities_of(*voxels.interior, scene_origin, bake.facts.cavity_count);
     bake.facts.knows |= cache::ObjectFacts::kCavities;
   }
   if (options.find_narrow_passages) {
-    find_narrow_passages(object, options, *bake.mesh, bake.cavities);
+    const auto mesh = mesh_of(object, meshes);
+    if (!mesh) return mesh.error();
+    find_narrow_passages(object, options, **mesh, bake.cavities);
     bake.facts.knows |= cache::ObjectFacts::kNarrowPassages;
   }
   bake.seconds.cavities = watch.lap_s();

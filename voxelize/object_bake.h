@@ -2,7 +2,9 @@
 // place.
 #pragma once
 
+#include <memory>
 #include <mutex>
+#include <optional>
 
 #include "voxelize/bake_options.h"
 #include "voxelize/cache/object_cache.h"
@@ -17,26 +19,35 @@ struct ObjectBake {
   std::vector<fill::Cavity> cavities;
   std::optional<cache::Digest> key;           // its name in the cache
   std::optional<cache::CachedObject> cached;  // found there; its voxels are not read yet
-  const mesh::Mesh* mesh = nullptr;           // not for a cached object, ...
-  scan::SnappedObject snapped;                // ... unless distances are stored
-  bool from_cache = false;                    // its voxels are the cache's
+  std::shared_ptr<const mesh::Mesh> mesh;     // while `snapped` needs it
+  scan::SnappedObject snapped;  // not for a cached object, unless distances are stored
+  bool from_cache = false;      // its voxels are the cache's
   StageSeconds seconds;
+};
+
+// What the objects of a bake share.
+struct MeshAccess {
+  std::mutex reading;                    // guards SceneObject::read_mesh
+  std::optional<scan::SpillFile> spill;  // where triangles are, if they are too many for memory
+
+  scan::SpillFile* spill_file() { return spill ? &*spill : nullptr; }
 };
 
 // Looks the object up. An entry that lacks what the options ask for does not count.
 void find_in_cache(const SceneObject& object, const BakeOptions& options, ObjectBake& bake);
 
-// Afterwards the object's facts are known. `reading` guards SceneObject::read_mesh.
-Status snap_unless_cached(const SceneObject& object, const BakeOptions& options,
-                          std::mutex& reading, ObjectBake& bake);
+// Afterwards the object's facts are known.
+Status snap_unless_cached(const SceneObject& object, const BakeOptions& options, MeshAccess& meshes,
+                          ObjectBake& bake);
 
 // The object's voxels, counted from `scene_origin`: from the cache, else by bake_voxels().
 Result<cache::ObjectVoxels> object_voxels(const SceneObject& object, const BakeOptions& options,
                                           const lattice::VoxelIndex& scene_origin,
-                                          std::mutex& reading, ObjectBake& bake);
+                                          MeshAccess& meshes, ObjectBake& bake);
 
 // The voxels of a snapped object. Completes its facts, and keeps both in the cache.
 Result<cache::ObjectVoxels> bake_voxels(const SceneObject& object, const BakeOptions& options,
-                                        const lattice::VoxelIndex& scene_origin, ObjectBake& bake);
+                                        const lattice::VoxelIndex& scene_origin, MeshAccess& meshes,
+                                        ObjectBake& bake);
 
 }  // namespace forcelayer::voxelize

@@ -93,6 +93,7 @@ Json report_of(const Bake& bake, const mesh::Scene& scene, std::span<const mesh:
           {"static_deviation_m", header.static_deviation_m},
           {"missing_faces", mesh::json_of(scene.missing_faces)},
           {"without", left_out_of(scene)},
+          {"triangle_bytes_on_disk", bake.bytes_on_disk},
           {"nodes", bake.nodes},
           {"nodes_from_cache", bake.reused_nodes},
           {"distance_nodes", bake.distance_nodes},

@@ -1,5 +1,8 @@
 #include "formats/mesh/foreign_files.h"
 
+#include <cstdint>
+#include <cstring>
+
 namespace forcelayer::mesh {
 namespace {
 
@@ -60,9 +63,87 @@ constexpr Foreign kExtensions[] = {{".sldprt.sldasm.", "SolidWorks", kStep},
                                    {".stpz.", "STEP, compressed", kUnpack},
                                    {".stpx.", "STEP as XML", kStep}};
 
+constexpr std::size_t kLooked = 2048;  // bytes that tell a format
+
+// UTF-16 without a mark of its order: every other byte of the first is zero, the others are not.
+bool is_unmarked_utf16(std::string_view bytes, bool little) {
+  constexpr std::size_t kCharacters = 16;
+  if (bytes.size() < 2 * kCharacters) return false;
+  for (std::size_t n = 0; n < kCharacters; ++n) {
+    const char even = bytes[2 * n], odd = bytes[2 * n + 1];
+    const char letter = little ? even : odd, zero = little ? odd : even;
+    const bool is_text =
+        (letter >= ' ' && letter <= '~') || letter == '\n' || letter == '\r' || letter == '\t';
+    if (zero != 0 || !is_text) return false;
+  }
+  return true;
+}
+
+bool is_binary_stl(std::string_view bytes) {
+  if (bytes.size() < 84) return false;
+  std::uint32_t triangles = 0;
+  std::memcpy(&triangles, bytes.data() + 80, sizeof triangles);
+  return triangles > 0 && bytes.size() == 84 + 50 * std::uint64_t{triangles};
+}
+
+// The first line that is neither empty nor a comment.
+std::string_view first_line(std::string_view text) {
+  while (!text.empty()) {
+    const std::size_t end = text.find_first_of("\r\n");
+    const std::string_view line = text.substr(0, end);
+    if (const std::size_t word = line.find_first_not_of(" \t");
+        word != line.npos && line[word] != '#') {
+      return line.substr(word);
+    }
+    text.remove_prefix(end == text.npos ? text.size() : end + 1);
+  }
+  return {};
+}
+
+// Where the first bytes tell, the format and its extension.
+struct Told {
+  const char* format = nullptr;
+  const char* extension = nullptr;
+};
+
+Told format_by_content(std::string_view bytes) {
+  if (bytes.starts_with("\xef\xbb\xbf")) bytes.remove_prefix(3);
+  const std::string_view start = bytes.substr(0, kLooked), line = first_line(start);
+  if (is_binary_stl(bytes)) return {"STL", ".stl"};
+  if (line.starts_with("solid") && start.find("facet") != start.npos) return {"STL", ".stl"};
+  if (line.starts_with("ISO-10303-21;")) return {"STEP", ".step"};
+  if (line.size() >= 80 && line.substr(72, 8) == "S      1") return {"IGES", ".igs"};
+  if (line.starts_with("{") && start.find("\"asset\"") != start.npos) return {"glTF", ".gltf"};
+  for (const std::string_view word : {"OFF", "COFF", "NOFF", "STOFF"}) {
+    if (line == word) return {"OFF", ".off"};
+  }
+  for (const std::string_view word : {"v ", "o ", "g ", "vn ", "vt ", "mtllib "}) {
+    if (line.starts_with(word)) return {"OBJ", ".obj"};
+  }
+  return {};
+}
+
 }  // namespace
 
+void refuse_wrong_extension(const SourceFile& file) {
+  const Told told = format_by_content(file.bytes);
+  const std::string own = lower_case_extension(file.path);
+  if (told.format == nullptr || own == told.extension) return;
+  if (own == ".stp" || own == ".iges" || own == ".glb") {
+    if (told.extension[1] == own[1]) return;  // another spelling of the same
+  }
+  fail_read(file, ErrorCode::kMeshUnsupported, "",
+            std::string("is ") + told.format + " by its content, which " + in_quotes(own) +
+                " files are not",
+            std::string("name it ") + told.extension);
+}
+
 void refuse_foreign_content(const SourceFile& file) {
+  for (const bool little : {true, false}) {
+    if (!is_unmarked_utf16(file.bytes, little)) continue;
+    fail_read(file, ErrorCode::kMeshUnsupported, "",
+              little ? "is UTF-16 text (little-endian)" : "is UTF-16 text (big-endian)", kUtf8);
+  }
   for (const auto& [sign, what, mend] : kContents) {
     if (file.bytes.starts_with(sign)) {
       fail_read(file, ErrorCode::kMeshUnsupported, "", std::string("is ") + what, mend);
@@ -81,9 +162,17 @@ void refuse_extension(const SourceFile& file) {
         mend);
   }
   refuse_foreign_content(file);
-  fail_read(file, ErrorCode::kMeshUnsupported, "",
-            in_quotes(extension) + " is not the extension of a mesh format that is read here",
-            "use stl, obj, ply, off, om, drc, glb, gltf, step or iges");
+  const char* const mend = "use stl, obj, ply, off, om, drc, glb, gltf, step or iges";
+  const Told told = format_by_content(file.bytes);
+  const std::string content =
+      told.format == nullptr ? "" : std::string("; by its content it is ") + told.format;
+  fail_read(
+      file, ErrorCode::kMeshUnsupported, "",
+      (extension.size() < 2
+           ? "has no extension, which would name its mesh format"
+           : in_quotes(extension) + " is not the extension of a mesh format that is read here") +
+          content,
+      told.format == nullptr ? mend : std::string("name it ") + told.extension);
 }
 
 }  // namespace forcelayer::mesh

@@ -124,6 +124,17 @@ bool may_crash_its_reader(const std::string& path) {
   return format != nullptr && format->read == read_step;
 }
 
+// A file that its reader refuses may be of another format than its extension says.
+Assembly read_as(const Format& format, const SourceFile& file) {
+  try {
+    return format.read(file);
+  } catch (const ReadFailure&) {
+    if (format.signature.empty() || !file.bytes.starts_with(format.signature))
+      refuse_wrong_extension(file);
+    throw;
+  }
+}
+
 Result<Assembly> read_source(const SourceFile& file) {
   try {
     const Format& format = format_of(file);
@@ -131,7 +142,7 @@ Result<Assembly> read_source(const SourceFile& file) {
       fail_read(file, ErrorCode::kSceneInvalid, "#" + file.options.nodes.front(),
                 std::string(format.name) + " files have no nodes", "leave the part after # out");
     }
-    Assembly assembly = format.read(file);
+    Assembly assembly = read_as(format, file);
     measure_instances(assembly);
     return assembly;
   } catch (const ReadFailure& failure) {

@@ -15,6 +15,19 @@ constexpr double kDroppedDepth = 1.25;
 // The winding number is a whole number off the surface, and in error by less than 0.01.
 constexpr double kInside = 0.5;
 
+// Whether a place of `box` is at least so deep inside `other`.
+bool reaches_into(const part::Box& box, double depth, const part::Box& other) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const double low = part::coordinate(other.low, axis) + depth;
+    const double high = part::coordinate(other.high, axis) - depth;
+    if (!(std::max(part::coordinate(box.low, axis), low) <=
+          std::min(part::coordinate(box.high, axis), high))) {
+      return false;
+    }
+  }
+  return true;
+}
+
 bool is_closed_body(const part::Part& part, const std::vector<std::uint32_t>& triangles) {
   std::vector<mesh::Triangle> corners;
   for (const std::uint32_t t : triangles) corners.push_back(part.triangles[t]);
@@ -24,7 +37,7 @@ bool is_closed_body(const part::Part& part, const std::vector<std::uint32_t>& tr
 }  // namespace
 
 HiddenSurface::Solid::Solid(const part::Part& part, std::vector<std::uint32_t> triangles)
-    : tree(part, std::move(triangles)), winding(tree) {}
+    : box(part::box_of(part, triangles)), tree(part, std::move(triangles)), winding(tree) {}
 
 HiddenSurface::HiddenSurface(const part::Part& part, double slack)
     : error_(std::ldexp(part.largest_coordinate, -40) + 2 * slack) {
@@ -49,8 +62,18 @@ bool HiddenSurface::holds_ball(const part::Vec3& center, double radius) const {
   return held;
 }
 
+bool HiddenSurface::may_hold(const part::Box& box, double depth) const {
+  bool may = false;
+  if (!possible()) return may;
+  const part::Vec3 size = box.high - box.low;
+  box_tree_->visit_near_box(
+      0.5 * (box.low + box.high), part::max_abs(size) / 2 * (1 + 0x1p-20),
+      [&](std::uint32_t n) { may = may || reaches_into(box, depth, solids_[n]->box); });
+  return may;
+}
+
 bool HiddenSurface::holds_ball(const Solid& solid, const part::Vec3& center, double radius) const {
-  return solid.tree.nodes()[0].distance_squared(center) == 0 &&
+  return reaches_into({center, center}, radius + error_, solid.box) &&
          !solid.tree.nearest(center, radius + error_).found &&
          std::abs(solid.winding.at(center)) > kInside;
 }

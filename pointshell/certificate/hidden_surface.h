@@ -29,9 +29,14 @@ class HiddenSurface {
   // matter. Surface in such a ball belongs to other bodies, and this body hides it.
   bool holds_ball(const part::Vec3& center, double radius) const;
 
+  // Whether a place of `box` is at least so deep inside the box around a closed body. Where none
+  // is, no ball of this radius about one of them lies inside a body.
+  bool may_hold(const part::Box& box, double depth) const;
+
  private:
   struct Solid {
     Solid(const part::Part& part, std::vector<std::uint32_t> triangles);
+    part::Box box;
     part::TriangleTree tree;
     WindingNumber winding;
   };

@@ -21,8 +21,10 @@ namespace {
 constexpr double kTileEdge = 3;  // triangles are bisected to this edge first
 // Stored losses may be this much above the largest at a corner, and above that of a plane.
 constexpr double kTolerance = 0.01, kPlaneTolerance = 0.03;
-constexpr double kSmallest = 0.02;  // a piece smaller than this is not bisected
-constexpr double kSmallestHidden = 0.1;
+constexpr double kSmallest = 0.02;       // a piece smaller than this is not bisected
+constexpr double kSmallestHidden = 0.1;  // an open piece that might be hidden is bisected to this
+// A tile that reaches less deep into the box of every solid is not hidden.
+constexpr double kLeastDepth = kSmallestHidden / 2;
 constexpr double kSmallestOfPatch = 0.1;  // the pieces of a patch are not bisected below this
 constexpr double kStoredMargin = 1e-4;    // outweighs that another machine rounds another way
 // Claims are proven down to smaller pieces than those that they were found with.
@@ -190,14 +192,11 @@ class PieceBounds {
   std::array<double, 3> moments_;
 };
 
-bool may_be_hidden(const CoveredPart& covered) {
-  return covered.hidden != nullptr && covered.hidden->possible();
-}
-
 enum class Verdict { kDone, kBisect, kOpen };
 
 // Bisects pieces until `judge` is done with each. Hidden pieces are left out; one that the judge
-// does not want to have bisected is handed to judge.open(). One of it per task.
+// does not want to have bisected, and that is not hidden, is handed to judge.open(). One of it per
+// task.
 template <typename Judge>
 class PieceProver {
  public:
@@ -209,6 +208,7 @@ class PieceProver {
         judge_(judge) {}
 
   void prove(std::span<const part::Vec3> tile) {
+    tell_hideable(tile);
     prove({corners_.at(tile[0]), corners_.at(tile[1]), corners_.at(tile[2])});
   }
 
@@ -218,8 +218,13 @@ class PieceProver {
       for (std::size_t n = 0; n < dense.size(); n += step) prove(dense[n].first(3));
     } else {
       bound_by_patches(
-          dense, covered_.radius, [&](const FlatPatch& patch) { return is_done(patch); },
+          dense, covered_.radius,
+          [&](const FlatPatch& patch) {
+            hideable_ = covered_.hidden != nullptr;
+            return is_done(patch);
+          },
           [&](std::span<const part::Vec3> polygon) {
+            tell_hideable(polygon);
             for (std::size_t n = 2; n < polygon.size(); ++n) {
               prove(
                   {corners_.at(polygon[0]), corners_.at(polygon[n - 1]), corners_.at(polygon[n])});
@@ -243,10 +248,7 @@ class PieceProver {
     ++pieces;
     const PieceBounds bounds(piece, covered_, margin_ + gap);
     if (judge_.judge(bounds) == Verdict::kDone) return true;
-    if (may_be_hidden(covered_) && bounds.size() <= covered_.radius &&
-        covered_.hidden->holds_ball(bounds.middle(), bounds.size() + gap)) {
-      return true;
-    }
+    if (is_hidden(bounds, gap)) return true;
     if (bounds.size() < kSmallestOfPatch * covered_.radius) return false;
     const auto [first, second] = halves(piece);
     return is_done(first, gap) && is_done(second, gap);
@@ -258,14 +260,25 @@ class PieceProver {
     const PieceBounds bounds(piece, covered_, margin_);
     const Verdict verdict = judge_.judge(bounds);
     if (verdict == Verdict::kDone) return;
-    if (may_be_hidden(covered_) && bounds.size() <= covered_.radius &&
-        covered_.hidden->holds_ball(bounds.middle(), bounds.size())) {
-      return;
-    }
-    if (verdict == Verdict::kOpen) return judge_.open(bounds);
+    if (is_hidden(bounds, 0)) return;
+    const bool enough = !hideable_ || bounds.size() <= kSmallestHidden * covered_.radius;
+    if (verdict == Verdict::kOpen && enough) return judge_.open(bounds);
     const auto [first, second] = halves(piece);
     prove(first);
     prove(second);
+  }
+
+  void tell_hideable(std::span<const part::Vec3> polygon) {
+    hideable_ = false;
+    if (covered_.hidden == nullptr) return;
+    part::Box box;
+    for (const part::Vec3& corner : polygon) box.grow(corner);
+    hideable_ = covered_.hidden->may_hold(box, kLeastDepth * covered_.radius);
+  }
+
+  bool is_hidden(const PieceBounds& bounds, double gap) const {
+    return hideable_ && bounds.size() <= covered_.radius &&
+           covered_.hidden->holds_ball(bounds.middle(), bounds.size() + gap);
   }
 
   std::array<CornerPiece, 2> halves(const CornerPiece& piece) {
@@ -294,6 +307,7 @@ class PieceProver {
   const double margin_, aim_;
   CornerCache corners_;
   Judge& judge_;
+  bool hideable_ = false;  // whether the tile in hand may be hidden, in part or whole
 };
 
 // Runs a judge over tiles [0, count), one copy of `judge` for each task of so many; returns the
@@ -301,7 +315,8 @@ class PieceProver {
 template <typename Judge, typename Tile>
 std::vector<Judge> judge_tiles(const CoveredPart& covered, const PointGrid& grid,
                                const Judge& judge, std::size_t count, std::size_t tiles_per_task,
-                               const Tile& tile, std::uint64_t& pieces) {
+                               const Tile& tile, std::uint64_t& pieces,
+                               const std::function<void(std::size_t)>& judged = {}) {
   const std::size_t tasks = (count + tiles_per_task - 1) / tiles_per_task;
   std::vector<Judge> judges(tasks, judge);
   std::vector<std::uint64_t> pieces_of(tasks);
@@ -310,29 +325,45 @@ std::vector<Judge> judge_tiles(const CoveredPart& covered, const PointGrid& grid
     const std::size_t end = std::min((task + 1) * tiles_per_task, count);
     for (std::size_t n = task * tiles_per_task; n < end; ++n) prover.prove(tile(n));
     pieces_of[task] = prover.pieces;
+    if (judged) judged(end - task * tiles_per_task);
   });
   for (const std::uint64_t n : pieces_of) pieces += n;
   return judges;
 }
 
-// The same over the whole part; merge(judge) takes each copy, and ends it by returning false.
+double area_of(std::span<const part::Piece> tiles) {
+  double area = 0;
+  for (const part::Piece& tile : tiles) {
+    area += part::length(part::cross(tile[1] - tile[0], tile[2] - tile[0])) / 2;
+  }
+  return area;
+}
+
+// The same over the whole part; merge(judge) takes each copy, and ends it by returning false. How
+// far it is goes by area, and within a batch by tiles.
 template <typename Judge, typename Merge>
 void judge_part(const CoveredPart& covered, const Judge& judge, std::uint64_t& pieces,
-                const Merge& merge) {
+                const part::Progress& progress, const Merge& merge) {
+  part::DoneWork done(progress, part::area(covered.part));
   const PointGrid grid(covered.points, CombinationFinder::kReach * covered.radius);
   part::for_each_tile_batch(
       covered.part, kTileEdge * covered.radius, [&](std::span<const part::Piece> tiles) {
         const TileGroups groups = group_tiles(tiles, kTileEdge * covered.radius);
+        const double each_m2 =
+            area_of(tiles) / static_cast<double>(groups.sparse.size() + groups.dense.size());
+        const auto judged = [&](std::size_t count) {
+          done.add(each_m2 * static_cast<double>(count));
+        };
         const auto sparse = [&](std::size_t n) {
           return std::span<const part::Vec3>(tiles[groups.sparse[n]]);
         };
         const auto dense = [&](std::size_t n) -> const SurfacePieces& { return groups.dense[n]; };
         for (Judge& own : judge_tiles(covered, grid, judge, groups.sparse.size(), kTilesPerTask,
-                                      sparse, pieces)) {
+                                      sparse, pieces, judged)) {
           if (!merge(own)) return false;
         }
         for (Judge& own :
-             judge_tiles(covered, grid, judge, groups.dense.size(), 1, dense, pieces)) {
+             judge_tiles(covered, grid, judge, groups.dense.size(), 1, dense, pieces, judged)) {
           if (!merge(own)) return false;
         }
         return true;
@@ -342,17 +373,14 @@ void judge_part(const CoveredPart& covered, const Judge& judge, std::uint64_t& p
 // Looks for corners above a loss, and piece by piece for the largest loss at corners.
 struct SearchJudge {
   double point_distance, limit;
-  double smallest;       // m, of pieces without a corner above the limit
-  double smallest_open;  // m, of pieces that might be hidden
+  double smallest;  // m, of pieces without a corner above the limit
   std::vector<Hole> holes;
   static constexpr bool kOnlyLooks = false;
 
   bool given_up() const { return false; }
   Verdict judge(const PieceBounds& piece) const {
     if (piece.loss(point_distance) <= limit) return Verdict::kDone;
-    if (piece.corner_loss(point_distance) > limit) {
-      return piece.size() <= smallest_open ? Verdict::kOpen : Verdict::kBisect;
-    }
+    if (piece.corner_loss(point_distance) > limit) return Verdict::kOpen;
     return piece.size() <= smallest ? Verdict::kDone : Verdict::kBisect;
   }
   void open(const PieceBounds& bounds) {
@@ -369,9 +397,7 @@ struct SearchJudge {
 };
 
 SearchJudge search_for(const CoveredPart& covered, double limit) {
-  const double smallest_open = may_be_hidden(covered) ? kSmallestHidden * covered.radius
-                                                      : std::numeric_limits<double>::infinity();
-  return {aimed_distance(covered), limit, kSmallest * covered.radius, smallest_open, {}};
+  return {aimed_distance(covered), limit, kSmallest * covered.radius, {}};
 }
 
 void append(std::vector<Hole>& to, std::vector<Hole>& from) {
@@ -406,40 +432,68 @@ struct EstimateJudge {
 // Finds losses that hold: pieces are bisected until they are as good as the estimate, as pieces
 // before them, or about as their own corners.
 struct FindJudge {
+  struct Pair {
+    double moment = -1, gap = -1;
+    bool bounds(const Pair& other) const { return other.moment <= moment && other.gap <= gap; }
+  };
   Distances distances, wanted;
   double slack;
-  double smallest;       // m
-  double smallest_open;  // m, of pieces that might be hidden
+  double smallest;  // m
   double radius;
   Distances losses{};
   double moment = 0, gap = 0;
+  Pair known{};  // with this pair no loss is above those kept
   static constexpr bool kOnlyLooks = false;
 
   bool given_up() const { return false; }
   Verdict judge(const PieceBounds& piece) {
+    const Pair largest{piece.largest_moment(), piece.largest_gap()};
+    if (changes_no_loss(largest)) {
+      keep(largest);
+      return Verdict::kDone;
+    }
+    Distances own;
     bool good = true, as_good_as_corners = true;
     for (std::size_t i = 0; i < kLosses; ++i) {
-      const double own = piece.loss(distances[i]);
-      if (own <= std::max(wanted[i], losses[i])) continue;
+      own[i] = piece.loss(distances[i]);
+      if (own[i] <= std::max(wanted[i], losses[i])) continue;
       good = false;
-      as_good_as_corners = own <= piece.corner_loss(distances[i]) + slack;
+      as_good_as_corners = own[i] <= piece.corner_loss(distances[i]) + slack;
       if (!as_good_as_corners) break;  // nothing else is asked
     }
     if (good) {
-      open(piece);
+      keep(own);
+      keep(largest);
       return Verdict::kDone;
     }
-    if (piece.size() > (as_good_as_corners ? smallest_open : smallest)) return Verdict::kBisect;
-    return Verdict::kOpen;
+    return as_good_as_corners || piece.size() <= smallest ? Verdict::kOpen : Verdict::kBisect;
   }
   // Keeps what holds for the piece.
   void open(const PieceBounds& piece) {
+    Distances own;
+    for (std::size_t i = 0; i < kLosses; ++i) own[i] = piece.loss(distances[i]);
+    keep(own);
+    keep(Pair{piece.largest_moment(), piece.largest_gap()});
+  }
+
+  // Whether the losses of a piece with no more than this moment and gap are known already. It is so
+  // for most pieces, and asked with a twelfth of the roots.
+  bool changes_no_loss(const Pair& largest) {
+    if (known.bounds(largest)) return true;
     for (std::size_t i = 0; i < kLosses; ++i) {
-      losses[i] = std::max(losses[i], piece.loss(distances[i]));
+      const double most = distance_loss(distances[i], largest.moment, largest.gap);
+      if (std::min(most, radius) > losses[i]) return false;
     }
-    if (piece.largest_gap() < radius) {
-      moment = std::max(moment, piece.largest_moment());
-      gap = std::max(gap, piece.largest_gap());
+    known = largest;
+    return true;
+  }
+  void keep(const Distances& own) {
+    for (std::size_t i = 0; i < kLosses; ++i) losses[i] = std::max(losses[i], own[i]);
+  }
+  void keep(const Pair& largest) {
+    if (largest.gap < radius) {
+      moment = std::max(moment, largest.moment);
+      gap = std::max(gap, largest.gap);
     } else {
       gap = std::max(gap, radius);  // the nearest point alone
     }
@@ -473,10 +527,11 @@ double aimed_distance(const CoveredPart& covered) {
   return std::max(kAimedVoxels * covered.voxel_size, kAimedRadii * covered.radius);
 }
 
-std::vector<Hole> places_above_loss(const CoveredPart& covered, double limit) {
+std::vector<Hole> places_above_loss(const CoveredPart& covered, double limit,
+                                    const part::Progress& progress) {
   std::vector<Hole> holes;
   std::uint64_t pieces = 0;
-  judge_part(covered, search_for(covered, limit), pieces, [&](SearchJudge& judge) {
+  judge_part(covered, search_for(covered, limit), pieces, progress, [&](SearchJudge& judge) {
     append(holes, judge.holes);
     return true;
   });
@@ -496,11 +551,13 @@ std::vector<Hole> places_above_loss(const CoveredPart& covered, double limit,
   return holes;
 }
 
-SurfaceLosses find_losses(const CoveredPart& covered) {
+SurfaceLosses find_losses(const CoveredPart& covered, const part::Progress& progress) {
   SurfaceLosses found;
   const double radius = covered.radius;
   EstimateJudge estimate{table_distances(covered)};
-  judge_part(covered, estimate, found.pieces, [&](EstimateJudge& judge) {
+  constexpr double kEstimateShare = 0.3;  // of the time
+  const auto estimated = [&](double done) { progress(kEstimateShare * done); };
+  judge_part(covered, estimate, found.pieces, estimated, [&](EstimateJudge& judge) {
     for (std::size_t i = 0; i < kLosses; ++i) {
       estimate.losses[i] = std::max(estimate.losses[i], judge.losses[i]);
     }
@@ -510,8 +567,6 @@ SurfaceLosses find_losses(const CoveredPart& covered) {
                 .wanted = estimate.losses,
                 .slack = kTolerance * radius,
                 .smallest = kSmallest * radius,
-                .smallest_open = may_be_hidden(covered) ? kSmallestHidden * radius
-                                                        : std::numeric_limits<double>::infinity(),
                 .radius = radius};
   for (std::size_t i = 0; i < kLosses; ++i) {
     const double of_plane = distance_loss(all.distances[i], radius * radius, 0);
@@ -519,7 +574,8 @@ SurfaceLosses find_losses(const CoveredPart& covered) {
         std::max(all.wanted[i] + kTolerance * radius, of_plane + kPlaneTolerance * radius);
   }
   const FindJudge fresh = all;
-  judge_part(covered, fresh, found.pieces, [&](FindJudge& judge) {
+  const auto proven = [&](double done) { progress(kEstimateShare + (1 - kEstimateShare) * done); };
+  judge_part(covered, fresh, found.pieces, proven, [&](FindJudge& judge) {
     for (std::size_t i = 0; i < kLosses; ++i) {
       all.losses[i] = std::max(all.losses[i], judge.losses[i]);
     }
@@ -539,7 +595,7 @@ SurfaceLosses find_losses(const CoveredPart& covered) {
 LossProof prove_losses(const CoveredPart& covered, const SurfaceDistanceTerms& claimed) {
   LossProof proof;
   proof.proven = true;
-  judge_part(covered, ClaimJudge{claimed, kSmallestClaimed * covered.radius, {}}, proof.pieces,
+  judge_part(covered, ClaimJudge{claimed, kSmallestClaimed * covered.radius, {}}, proof.pieces, {},
              [&](ClaimJudge& judge) {
                if (judge.places.empty()) return true;
                proof.proven = false;

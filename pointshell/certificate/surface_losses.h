@@ -16,6 +16,7 @@
 
 #include "formats/surface_distance.h"
 #include "pointshell/certificate/certificate.h"
+#include "pointshell/part/parallel.h"
 #include "pointshell/part/part.h"
 #include "pointshell/part/vec3.h"
 
@@ -40,7 +41,8 @@ double aimed_distance(const CoveredPart& covered);
 
 // The pieces of surface with a corner whose loss at aimed_distance() is above `limit` (m); `from`
 // are those of an earlier search with fewer points, and nothing is looked at beyond them.
-std::vector<Hole> places_above_loss(const CoveredPart& covered, double limit);
+std::vector<Hole> places_above_loss(const CoveredPart& covered, double limit,
+                                    const part::Progress& progress);
 std::vector<Hole> places_above_loss(const CoveredPart& covered, double limit,
                                     std::span<const Hole> from);
 
@@ -50,7 +52,7 @@ struct SurfaceLosses {
   std::vector<DistanceLoss> losses;
   std::uint64_t pieces = 0;
 };
-SurfaceLosses find_losses(const CoveredPart& covered);
+SurfaceLosses find_losses(const CoveredPart& covered, const part::Progress& progress);
 
 // A place where claimed losses are not proven.
 struct LossProof {

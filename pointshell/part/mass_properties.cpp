@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <utility>
 #include <vector>
+
+#include "pointshell/part/pieces.h"
 
 namespace forcelayer::part {
 namespace {
@@ -84,18 +87,31 @@ Box box_of_vertices(const Part& part) {
   return box;
 }
 
-// The triangles that bound a volume; empty where none is bounded.
+// Whether the triangle is a line or a point, but for rounding.
+bool has_no_area(const Part& part, std::uint32_t t) {
+  constexpr double kFlat = 1e-12;  // of its height over its length
+  const double length_squared = longest_edge(triangle_piece(part, t)).length_squared;
+  return !(length(doubled_area_normal(part, t)) > kFlat * length_squared);
+}
+
+// The triangles that bound a volume: all, or those that are neither without area nor loose; empty
+// where none is bounded.
 std::vector<bool> bounding_triangles(const Part& part, const std::vector<bool>& loose) {
-  std::vector<bool> bounds(part.triangles.size(), true);
-  if (is_closed(part.triangles)) return bounds;
-  if (std::find(loose.begin(), loose.end(), true) == loose.end()) return {};
-  bounds = loose;
-  bounds.flip();
-  std::vector<mesh::Triangle> rest;
-  for (std::size_t t = 0; t < bounds.size(); ++t) {
-    if (bounds[t]) rest.push_back(part.triangles[t]);
+  const std::size_t count = part.triangles.size();
+  if (is_closed(part.triangles)) return std::vector<bool>(count, true);
+  std::vector<bool> flat(count);
+  for (std::uint32_t t = 0; t < count; ++t) flat[t] = has_no_area(part, t);
+  for (const auto& [drops_flat, drops_loose] :
+       {std::pair(true, false), {false, true}, {true, true}}) {
+    std::vector<bool> bounds(count);
+    std::vector<mesh::Triangle> rest;
+    for (std::size_t t = 0; t < count; ++t) {
+      bounds[t] = !(drops_flat && flat[t]) && !(drops_loose && !loose.empty() && loose[t]);
+      if (bounds[t]) rest.push_back(part.triangles[t]);
+    }
+    if (rest.size() < count && is_closed(rest)) return bounds;
   }
-  return is_closed(rest) ? bounds : std::vector<bool>{};
+  return {};
 }
 
 }  // namespace

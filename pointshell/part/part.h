@@ -67,6 +67,15 @@ inline Vec3 doubled_area_normal(const Part& part, std::size_t t) {
   return cross(b - a, c - a);
 }
 
+// m^2
+inline double area(const Part& part) {
+  double area_m2 = 0;
+  for (std::size_t t = 0; t < part.triangles.size(); ++t) {
+    area_m2 += length(doubled_area_normal(part, t)) / 2;
+  }
+  return area_m2;
+}
+
 // The box around these triangles.
 Box box_of(const Part& part, std::span<const std::uint32_t> triangles);
 

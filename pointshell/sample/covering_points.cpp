@@ -32,9 +32,12 @@ struct Recipe {
   double
       hole_separation;   // of the points added in one round, so that their neighbors can make room
   double relaxed_reach;  // around holes
+  // About which shares of the time go into spreading points, the steps of all, and the rounds; the
+  // proof takes the rest.
+  double spread_share, steps_share, rounds_share;
 };
-constexpr Recipe kFull{1.60, 8, 1.8, 6, 1.15, 3, 30, 4, 6.5, 4};
-constexpr Recipe kFast{1.53, 1, 1.5, 1, 1.15, 4, 0, 2, 4, 3};
+constexpr Recipe kFull{1.60, 8, 1.8, 6, 1.15, 3, 30, 4, 6.5, 4, 0.08, 0.5, 0.33};
+constexpr Recipe kFast{1.53, 1, 1.5, 1, 1.15, 4, 0, 2, 4, 3, 0.36, 0.37, 0};
 
 // The way that points may move before neighbors are looked up again. First steps are long, later
 // steps are short.
@@ -45,13 +48,10 @@ constexpr double kAim = 0.9998;
 // are added closer together.
 constexpr double kBareShare = 0.25, kBareSeparation = 3;
 
-// About which share of the time goes into the steps of all points, and into the rounds after them.
-constexpr double kStepsShare = 0.8, kRoundsShare = 0.12;
-
 class CoveringBuilder {
  public:
   CoveringBuilder(const part::TriangleTree& tree, double radius, const Recipe& recipe,
-                  const std::function<void(double)>& progress)
+                  const part::Progress& progress)
       : recipe_(recipe),
         radius_(radius),
         aim_(kAim * radius),
@@ -59,6 +59,7 @@ class CoveringBuilder {
         relaxation_(tree, radius, spread(tree)) {}
 
   std::vector<part::Vec3> build() {
+    progress_(recipe_.spread_share);
     for (int n = 0; n < recipe_.centroid_steps; ++n) {
       step_all(CellCenter::kCentroid, recipe_.centroid_factor);
     }
@@ -66,7 +67,6 @@ class CoveringBuilder {
       step_all(CellCenter::kSmallestBall, recipe_.ball_factor);
     }
     for (int round = 0; round < recipe_.rounds && mend_holes(); ++round) {
-      progress_(kStepsShare + kRoundsShare * round / recipe_.rounds);
     }
     std::vector<part::Vec3> positions;
     for (const part::Vec3& position : relaxation_.positions())
@@ -98,7 +98,8 @@ class CoveringBuilder {
     }
     relaxation_.step(center, factor);
     ++steps_done_;
-    progress_(kStepsShare * steps_done_ / (recipe_.centroid_steps + recipe_.ball_steps));
+    progress_(recipe_.spread_share +
+              recipe_.steps_share * steps_done_ / (recipe_.centroid_steps + recipe_.ball_steps));
   }
 
   // Adds points in holes and relaxes around all of them; false when there are no holes.
@@ -111,6 +112,11 @@ class CoveringBuilder {
       places.push_back(holes.back().position);
     }
     if (holes.empty()) return false;
+    // The first rounds mend most holes and take longest, the last ones a few.
+    const auto left = static_cast<double>(holes.size());
+    first_holes_ = std::max(first_holes_, left);
+    progress_(recipe_.spread_share + recipe_.steps_share +
+              recipe_.rounds_share * (1 - std::sqrt(left / first_holes_)));
     const bool is_bare = kBareShare * static_cast<double>(relaxation_.positions().size()) <
                          static_cast<double>(holes.size());
     const double separation = is_bare ? kBareSeparation : recipe_.hole_separation;
@@ -136,9 +142,10 @@ class CoveringBuilder {
 
   const Recipe recipe_;
   const double radius_, aim_;
-  const std::function<void(double)>& progress_;
+  const part::Progress& progress_;
   Relaxation relaxation_;
   int steps_done_ = 0;
+  double first_holes_ = 0;
 };
 
 // Chooses triangles that show where the surface is: all that are wide, and of the narrow and small
@@ -178,7 +185,7 @@ class TellingTriangles {
     }
   };
   // In radii: heights and lengths of wide triangles, edges of cubes.
-  static constexpr double kWide = 0.2, kLong = 64, kCube = 0.5;
+  static constexpr double kWide = 0.2, kLong = 1024, kCube = 0.5;
   static constexpr int kPerCube = 2;
 
   bool is_wide(std::uint32_t t, double length_m) const {
@@ -214,7 +221,7 @@ class TellingTriangles {
 }  // namespace
 
 CoveringPoints covering_points(const part::TriangleTree& tree, double radius, Effort effort,
-                               const std::function<void(double)>& progress) {
+                               const part::Progress& progress) {
   const Recipe& recipe = effort == Effort::kFast ? kFast : kFull;
   CoveringPoints covering;
   std::vector<std::uint32_t> telling = TellingTriangles(tree.part(), radius).choose();

@@ -1,10 +1,10 @@
 // The `surface` method: few points on the surface whose balls cover it.
 #pragma once
 
-#include <functional>
 #include <vector>
 
 #include "pointshell/certificate/certificate.h"
+#include "pointshell/part/parallel.h"
 #include "pointshell/part/triangle_tree.h"
 #include "pointshell/part/vec3.h"
 
@@ -25,6 +25,6 @@ struct CoveringPoints {
 // a hole are relaxed again. Last, points are added wherever the proof finds a hole.
 // `progress` is called with the share of the work done, in [0, 1].
 CoveringPoints covering_points(const part::TriangleTree& tree, double radius, Effort effort,
-                               const std::function<void(double)>& progress);
+                               const part::Progress& progress);
 
 }  // namespace forcelayer::sample

@@ -31,11 +31,12 @@ std::vector<part::Vec3> deepest_holes(std::vector<certificate::Hole> holes, doub
   return positions;
 }
 
-std::size_t fill_lossy_places(certificate::CoveredPart covered, std::vector<part::Vec3>& points) {
+std::size_t fill_lossy_places(certificate::CoveredPart covered, std::vector<part::Vec3>& points,
+                              const part::Progress& progress) {
   const double limit = kFilledLoss * covered.radius;
   const std::size_t before = points.size();
   covered.points = points;
-  std::vector<certificate::Hole> holes = certificate::places_above_loss(covered, limit);
+  std::vector<certificate::Hole> holes = certificate::places_above_loss(covered, limit, progress);
   while (!holes.empty()) {
     const std::vector<part::Vec3> added = deepest_holes(holes, kAddedSeparation * covered.radius);
     points.insert(points.end(), added.begin(), added.end());

@@ -6,6 +6,7 @@
 
 #include "pointshell/certificate/certificate.h"
 #include "pointshell/certificate/surface_losses.h"
+#include "pointshell/part/parallel.h"
 #include "pointshell/part/part.h"
 #include "pointshell/part/vec3.h"
 
@@ -22,6 +23,7 @@ certificate::CoveringProof fill_holes(const part::Part& part, double radius,
 // Appends points on the surface to `points` until every place of it has a combination of points of
 // little loss: sharp corners, tips and creases that the points' convex hull cuts off. Ends, because
 // every point added is farther than that loss from all others. Returns the number added.
-std::size_t fill_lossy_places(certificate::CoveredPart covered, std::vector<part::Vec3>& points);
+std::size_t fill_lossy_places(certificate::CoveredPart covered, std::vector<part::Vec3>& points,
+                              const part::Progress& progress);
 
 }  // namespace forcelayer::sample

@@ -20,6 +20,7 @@ int main(int argc, char** argv) {
                         "  voxrun doctor --json machine.json");
   int status = 0;
   if (!command::parse_arguments(app, argc, argv, status)) return status;
+  command::exit_cleanly_on_signals();
   return command::run_command("voxrun doctor", [&]() -> Status {
     const command::OutputFile outputs[] = {{"--json", &options.json, command::FileKind::kReport}};
     if (Status s = command::prepare_outputs(outputs, {}); !s) return s;

@@ -66,6 +66,28 @@ class Scene {
 // Rows of numbers. An array of doubles is read in place; other types are converted.
 using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
+}  // namespace forcelayer::python
+
+// As for other arrays, without the empty one that is made for an argument before it is read.
+template <>
+struct pybind11::detail::type_caster<forcelayer::python::Doubles> {
+  using Array = forcelayer::python::Doubles;
+  static constexpr auto name = handle_type_name<Array>::name;
+  template <typename T>
+  using cast_op_type = movable_cast_op_type<T>;
+  bool load(handle source, bool convert) {
+    if (!convert && !Array::check_(source)) return false;
+    array = Array::ensure(source);
+    return static_cast<bool>(*array);
+  }
+  operator Array*() { return &*array; }
+  operator Array&() { return *array; }
+  operator Array&&() && { return std::move(*array); }
+  std::optional<Array> array;
+};
+
+namespace forcelayer::python {
+
 // The rows of an array of shape (n, kColumns), or (kColumns,) for one. Throws Failure, kUsage.
 template <std::size_t kColumns>
 std::span<const std::array<double, kColumns>> rows_of(const Doubles& array, const char* name) {
@@ -107,6 +129,8 @@ bool nobody_interrupts();
 // Throws where the work stopped: Ctrl-C's exception, or Failure where `done` is the number of a row
 // that is no pose or point.
 void check_done(std::int64_t done, const char* name, const char* what);
+inline constexpr const char* kNoPose =
+    " is no pose: give finite meters and a quaternion that is not zero";
 
 void bind_simulation(py::module_& module);
 

@@ -54,8 +54,6 @@ void check_done(std::int64_t done, const char* name, const char* what) {
 
 namespace {
 
-const char* const kNoPose = " is no pose: give finite meters and a quaternion that is not zero";
-
 template <typename Answer, typename Ask>
 py::array_t<Answer> ask_poses(const std::shared_ptr<Scene>& scene,
                               const std::shared_ptr<Part>& part, const Doubles& poses,

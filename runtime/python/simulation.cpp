@@ -23,6 +23,7 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kFramesBetweenAsking = 64;  // whether Ctrl-C was pressed
 
 using Vector = std::array<double, 3>;
+using VelocityNumbers = std::array<double, 6>;  // linear (m/s), angular (rad/s), world axes
 Vector numbers(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
 
 // One frame as a row of an array.
@@ -122,10 +123,15 @@ Run open(const Scene& scene, const Part& part, RunRequest request) {
   return take(open_run(same_map(scene), same_shell(part), request));
 }
 
-// Everything that evolves, and what was counted of it.
-struct Moment {
+// Everything that evolves.
+struct Evolving {
   State state;
   loop::HandleVelocity velocity;
+};
+
+// The same, and what was counted of it: tens of kilobytes.
+struct Moment {
+  Evolving evolving;
   loop::LoopStatistics statistics;
   const void* of = nullptr;  // the simulation
 };
@@ -141,6 +147,7 @@ class Stepper {
     PartStart start;
     start.world_from_part =
         pose_of(row_of<7>(world_from_part, "world_from_part"), "world_from_part");
+    require_idle();
     if (world_from_seat) {
       start.world_from_seat =
           pose_of(row_of<7>(*world_from_seat, "world_from_seat"), "world_from_seat");
@@ -151,20 +158,32 @@ class Stepper {
             : *start.world_from_part;
     moment_.reset();
     auto begun = std::make_shared<Moment>();
-    begun->state = take(simulation().begin(start, handle));
+    begun->evolving.state = take(simulation().begin(start, handle));
     begun->of = this;
-    begun->velocity.update(handle, dt_s());
+    begun->evolving.velocity.update(handle, dt_s());
     moment_ = std::move(begun);
   }
 
+  // Holds the interpreter lock: a step is shorter than waiting for it again may be.
   py::object step(const Doubles& world_from_handle, const std::optional<Doubles>& velocity) {
-    return run(single_row(world_from_handle, "world_from_handle"), velocity)[py::int_(0)];
+    const PoseNumbers& handle = row_of<7>(world_from_handle, "world_from_handle");
+    const VelocityNumbers* moving = velocity ? &row_of<6>(*velocity, "handle_velocity") : nullptr;
+    require_start();
+    require_idle();
+    Evolving next = moment_->evolving;  // where a pose is none, nothing has happened
+    Frame frame;
+    if (!advance(next, handle, moving, frame)) check_done(0, "world_from_handle", kNoPose);
+    moment_->evolving = next;
+    moment_->statistics.count(frame);
+    py::array_t<FrameRow> rows(1);
+    *rows.mutable_data() = row_of_frame(frame, simulation());
+    return py::reinterpret_steal<py::object>(PySequence_GetItem(rows.ptr(), 0));
   }
 
   py::array_t<FrameRow> run(const Doubles& world_from_handle,
                             const std::optional<Doubles>& velocity) {
     const auto handles = rows_of<7>(world_from_handle, "world_from_handle");
-    std::span<const std::array<double, 6>> velocities;
+    std::span<const VelocityNumbers> velocities;
     if (velocity) velocities = rows_of<6>(*velocity, "handle_velocity");
     if (velocity && velocities.size() != handles.size()) {
       throw Failure({ErrorCode::kUsage, "", "handle_velocity",
@@ -173,16 +192,18 @@ class Stepper {
                      ""});
     }
     require_start();
+    require_idle();
     auto rows = empty_rows<FrameRow>(handles.size());
     FrameRow* const out = rows.mutable_data();
     auto next = std::make_shared<Moment>(*moment_);  // where a pose is none, nothing has happened
     std::int64_t done = kAllDone;
+    running_ = true;
     {
       const py::gil_scoped_release other_threads;
       done = frames(*next, handles, velocities, out);
     }
-    check_done(done, "world_from_handle",
-               " is no pose: give finite meters and a quaternion that is not zero");
+    running_ = false;
+    check_done(done, "world_from_handle", kNoPose);
     moment_ = std::move(next);
     return rows;
   }
@@ -195,6 +216,7 @@ class Stepper {
     if (moment->of != this) {
       throw Failure({ErrorCode::kUsage, "", "moment", "is of another simulation", ""});
     }
+    require_idle();
     moment_ = std::make_shared<Moment>(*moment);
   }
 
@@ -205,7 +227,7 @@ class Stepper {
 
   PoseNumbers world_from_part() const {
     require_start();
-    return pose_numbers(simulation().world_from_part(moment_->state.world_from_center));
+    return pose_numbers(simulation().world_from_part(moment_->evolving.state.world_from_center));
   }
 
   std::map<std::string, double> parameters() const {
@@ -219,42 +241,52 @@ class Stepper {
   const Run& opened() const { return run_; }
 
  private:
-  static Doubles single_row(const Doubles& pose, const char* name) {
-    row_of<7>(pose, name);
-    return pose;
-  }
   void require_start() const {
     if (moment_) return;
     throw Failure({ErrorCode::kUsage, "", "simulation", "has not been started",
                    "call start(world_from_part) first"});
   }
+  // run() lets other threads go on, and what a signal calls.
+  void require_idle() const {
+    if (!running_) return;
+    throw Failure({ErrorCode::kUsage, "", "simulation", "is running in another call",
+                   "give each thread a simulation of its own"});
+  }
   double dt_s() const { return 1 / run_.parameters().rate_hz; }
   model::Simulation& simulation() { return run_.simulation(); }
   const model::Simulation& simulation() const { return run_.simulation(); }
 
+  // The next frame; false where `handle` is no pose, or `velocity` none. Without `velocity` it is
+  // estimated.
+  bool advance(Evolving& evolving, const PoseNumbers& handle, const VelocityNumbers* velocity,
+               Frame& frame) {
+    Pose pose = pose_from_numbers(handle);
+    const double length = glm::length(pose.orientation);
+    if (!std::isfinite(length) || !(length > 0)) return false;
+    pose.orientation /= length;
+    frame.number = evolving.state.frame;
+    frame.time_s = static_cast<double>(frame.number) * dt_s();
+    frame.input.world_from_handle = pose;
+    frame.input.valid = kInputValid;
+    if (velocity == nullptr) {
+      frame.input.handle_velocity = evolving.velocity.update(pose, dt_s());
+    } else {
+      const VelocityNumbers& v = *velocity;
+      frame.input.handle_velocity = {{v[0], v[1], v[2]}, {v[3], v[4], v[5]}};
+    }
+    frame.result = simulation().step(evolving.state, frame.input, dt_s());
+    return (frame.result.report.faults & kFaultNonFiniteInput) == 0;
+  }
+
   std::int64_t frames(Moment& moment, std::span<const PoseNumbers> handles,
-                      std::span<const std::array<double, 6>> velocities, FrameRow* out) {
+                      std::span<const VelocityNumbers> velocities, FrameRow* out) {
     Frame frame;
     for (std::size_t i = 0; i < handles.size(); ++i) {
       if (i % kFramesBetweenAsking == kFramesBetweenAsking - 1 && !nobody_interrupts()) {
         return kStopped;
       }
-      frame.number = moment.state.frame;
-      frame.time_s = static_cast<double>(frame.number) * dt_s();
-      Pose handle = pose_from_numbers(handles[i]);
-      const double length = glm::length(handle.orientation);
-      if (!std::isfinite(length) || !(length > 0)) return static_cast<std::int64_t>(i);
-      handle.orientation /= length;
-      frame.input.world_from_handle = handle;
-      frame.input.valid = kInputValid;
-      if (velocities.empty()) {
-        frame.input.handle_velocity = moment.velocity.update(handle, dt_s());
-      } else {
-        const auto& v = velocities[i];
-        frame.input.handle_velocity = {{v[0], v[1], v[2]}, {v[3], v[4], v[5]}};
-      }
-      frame.result = simulation().step(moment.state, frame.input, dt_s());
-      if ((frame.result.report.faults & kFaultNonFiniteInput) != 0) {
+      if (!advance(moment.evolving, handles[i], velocities.empty() ? nullptr : &velocities[i],
+                   frame)) {
         return static_cast<std::int64_t>(i);
       }
       moment.statistics.count(frame);
@@ -267,6 +299,7 @@ class Stepper {
   std::shared_ptr<Part> part_;
   Run run_;
   std::shared_ptr<Moment> moment_;
+  bool running_ = false;  // read and written under the interpreter lock
 };
 
 // forcelayer.Replay.

@@ -1,5 +1,8 @@
 // forcelayer: lists the commands, and makes a study of a part with them.
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
+#include <csignal>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
@@ -57,6 +60,26 @@ forcelayer::Status list_commands(std::string json, bool quiet) {
   return command::write_report(json, report);
 }
 
+std::string left_line;  // what a signal leaves of a study
+
+extern "C" void end_study(int number) {
+  const bool said = ::write(2, left_line.data(), left_line.size()) >= 0;
+  static_cast<void>(said);  // nobody is there
+  forcelayer::command::end_on_signal(number);
+}
+
+void say_on_signals_that_it_goes_on(const std::string& folder) {
+  left_line = "forcelayer: " + forcelayer::escaped(folder) +
+              " holds the steps that are finished; the same command goes on from there\n";
+  for (const int number : {SIGINT, SIGTERM, SIGHUP}) {
+    struct sigaction current {};
+    sigaction(number, nullptr, &current);
+    if (current.sa_handler == SIG_IGN) continue;
+    current.sa_handler = end_study;
+    sigaction(number, &current, nullptr);
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -99,6 +122,7 @@ int main(int argc, char** argv) {
     const std::string inputs[] = {options->assembly, options->path};
     const command::OutputFile outputs[] = {{"--json", &options->json, command::FileKind::kReport}};
     if (Status s = command::prepare_outputs(outputs, inputs); !s) return s;
+    say_on_signals_that_it_goes_on(options->folder);
     return study::make_study(*options);
   });
 }

@@ -51,6 +51,7 @@ FILES = {
                     "peak_bytes": MEMORY}),
     "bake_growth": (("series", "scene", "voxels", "triangles"),
                     {**times("cpu_s"), **same("file_bytes"), "peak_bytes": MEMORY}),
+    "bake_streams": (("triangles",), {**times("cpu_s"), **same("file_bytes"), "peak_bytes": MEMORY}),
     "bake_plan": (("scene", "voxel_m"), same("planned_bytes", "file_bytes")),
     "tree_memory": (("scene",), same("file_bytes", "vdb_bytes", "tree_1_bytes", "tree_2_bytes", "tree_3_bytes",
                                      "tree_4_bytes")),
@@ -89,6 +90,7 @@ FILES = {
     "path_time": (("clearance_mm", "threads"), {**same("poses", "moments_tested"), **times("cpu_s")}),
     "verdicts": (("case",), {**same("poses", "too_near", "contradictions"), "told_m": 1.02}),
     "python": (("question", "points", "threads"), times("python_cpu_s", "cpp_cpu_s")),
+    "progress": (("program", "case"), times("cpu_s")),
     "paper": (("figure",), {}),
     "paper_steps": (("model", "points"), times("p50_us", "p99_us")),
     "loop": (("figure",), {}),
@@ -143,6 +145,11 @@ def bake_growth(rows):
             "series": r["series"], "scene": r["scene"], "voxels": r["voxels_across"], "triangles": r["triangles"],
             "voxel_m": r["voxel_size_m"], "wall_s": r["wall_s"], "cpu_s": r["cpu_s"], "read_s": r["read_s"],
             "peak_bytes": r["peak_rss_bytes"], "file_bytes": r["file_bytes"], "surface_voxels": r["surface_voxels"]}
+
+
+def bake_streams(rows):
+    for r in rows:
+        yield "bake_streams", r
 
 
 def bake_plan(rows):
@@ -359,6 +366,11 @@ def stability_step(results):
                                  **{f"{key}_us": value for key, value in results[f"{part}_us"].items()}}
 
 
+def progress(rows):
+    for r in rows:
+        yield "progress", r
+
+
 def python_bench(rows):
     for r in rows:
         yield "python", r
@@ -440,6 +452,7 @@ def loop(results):
 
 
 ROWS = {"bake": bake, "bake_wide": bake_kinds, "bake_full": bake_full, "bake_error": bake_error, "bake_growth": bake_growth,
+        "bake_streams": bake_streams,
         "bake_plan": bake_plan, "tree_memory": tree_memory, "shell": shell, "cover": cover, "query": query,
         "force": force, "force_part": force, "force_cost": force_cost, "wrench": wrench, "clearance": clearance, "motion": motion, "trajectory": trajectory,
         "stability_cases": stability_cases, "stability_rest": stability_one_case("rest"),
@@ -448,7 +461,7 @@ ROWS = {"bake": bake, "bake_wide": bake_kinds, "bake_full": bake_full, "bake_err
         "stability_device": stability_device, "stability_grips": stability_grips,
         "stability_loops": stability_loops, "stability_seats": stability_seats,
         "stability_field": stability_field, "stability_step": stability_step, "skipped": skipped,
-        "python_bench": python_bench, "path": path, "path_time": path_time, "verdicts": verdicts, "paper_table": paper, "loop": loop}
+        "python_bench": python_bench, "progress": progress, "path": path, "path_time": path_time, "verdicts": verdicts, "paper_table": paper, "loop": loop}
 OF_VECTORS = (bake_kinds, force_cost)  # which put the vectors of the run into the rows
 
 

@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 """Time and memory of pointshell for parts that took too much: table of shell.md.
 
-    part_traps.py --csv TABLE.csv --bin FOLDER... [--parts NAME...] [--models DIR]
+    part_traps.py --csv TABLE.csv --bin FOLDER... [--parts NAME...] [--models DIR] [--within FACTOR]
 
 Each FOLDER holds a pointshell; its name in the table is what stands before an '=' (before=build/old/bin). The parts are made here;
-the engine is that of DIR (../shared/models). A run that takes longer than ten minutes is ended.
+the engine is that of DIR (../shared/models). A run that takes longer than ten minutes is ended. With --within the status
+is 1 where the points or the memory that a bake told before it began are off by more than this factor.
 """
 import argparse
 import csv
@@ -99,6 +100,64 @@ def make_touching(folder, _):
     return [folder / "touching.glb", "--voxel-size", "2mm"]
 
 
+def write_boxes(path, shared):
+    """Three thousand boxes of 6 mm, 20 mm apart, each with a mesh of its own or all with one."""
+    meshes, binary, accessors, views, nodes = [], b"", [], [], []
+    for n in range(3000):
+        at = (20 * (n % 15), 20 * (n // 15 % 20), 20 * (n // 300))
+        if not shared or not meshes:
+            low = (0, 0, 0) if shared else at
+            corners = [c for t in box(low, tuple(x + 6 for x in low)) for c in t]
+            data = b"".join(struct.pack("<3f", *(1e-3 * x for x in c)) for c in corners)
+            views.append({"buffer": 0, "byteOffset": len(binary), "byteLength": len(data)})
+            accessors.append({"bufferView": len(views) - 1, "componentType": 5126, "count": len(corners), "type": "VEC3"})
+            meshes.append({"primitives": [{"attributes": {"POSITION": len(views) - 1}}]})
+            binary += data
+        nodes.append({"mesh": len(meshes) - 1, "name": f"box{n}"})
+        if shared:
+            nodes[-1]["translation"] = [1e-3 * x for x in at]
+    write_glb(path, {
+        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": list(range(len(nodes)))}], "nodes": nodes, "meshes": meshes,
+        "accessors": accessors, "bufferViews": views, "buffers": [{"byteLength": len(binary)}]}, binary)
+
+
+def make_bodies(folder, _):
+    """Three thousand boxes of 6 mm; voxels of 2 mm."""
+    write_boxes(folder / "bodies.glb", False)
+    return [folder / "bodies.glb", "--voxel-size", "2mm"]
+
+
+def make_copies(folder, _):
+    """Three thousand places of one box of 6 mm; voxels of 2 mm."""
+    write_boxes(folder / "copies.glb", True)
+    return [folder / "copies.glb", "--voxel-size", "2mm"]
+
+
+def make_fan(folder, _):
+    """A disc of 200 mm in 20,000 slivers about its middle; voxels of 1 mm."""
+    rim = [(100 * math.cos(2 * math.pi * k / 20000), 100 * math.sin(2 * math.pi * k / 20000), 0) for k in range(20000)]
+    write_stl(folder / "fan.stl", [((0, 0, 0), a, b) for a, b in zip(rim, rim[1:] + rim[:1])])
+    return [folder / "fan.stl", "--units", "mm", "--voxel-size", "1mm"]
+
+
+def make_solid(folder, _):
+    """A block of 200 x 150 x 100 mm; voxels of 2 mm."""
+    write_stl(folder / "solid.stl", box((0, 0, 0), (200, 150, 100)))
+    return [folder / "solid.stl", "--units", "mm", "--voxel-size", "2mm"]
+
+
+def make_ball(folder, _):
+    """A ball of 200 mm in 25,000 triangles; voxels of 3 mm."""
+    profile = [(0 if n in (0, 79) else 100 * math.sin(math.pi * n / 79), -100 * math.cos(math.pi * n / 79)) for n in range(80)]
+    write_stl(folder / "ball.stl", turned(profile, 157))
+    return [folder / "ball.stl", "--units", "mm", "--voxel-size", "3mm"]
+
+
+def make_engine(_, models):
+    """An engine of 121,496 triangles; voxels of 10 mm."""
+    return [models / "cad/2CylinderEngine.glb", "--units", "mm", "--voxel-size", "10mm"]
+
+
 def make_instances(folder, models):
     """Sixty-four engines of 121,496 triangles, 8 by 8; voxels of 20 mm."""
     data = (models / "cad/2CylinderEngine.glb").read_bytes()
@@ -133,7 +192,8 @@ def make_stray(folder, _):
     return [folder / "stray.stl", "--units", "mm", "--voxel-size", "5mm"]
 
 
-PARTS = {"grooves": make_grooves, "threads": make_threads, "touching": make_touching, "instances": make_instances, "stray": make_stray}
+PARTS = {"grooves": make_grooves, "threads": make_threads, "touching": make_touching, "instances": make_instances, "stray": make_stray,
+         "bodies": make_bodies, "copies": make_copies, "fan": make_fan, "solid": make_solid, "ball": make_ball, "engine": make_engine}
 
 
 def row_of(part, name, binary, call, folder):
@@ -144,10 +204,12 @@ def row_of(part, name, binary, call, folder):
     run = subprocess.run([sys.executable, str(HERE / "measured_run.py"), str(usage), *command], capture_output=True, text=True)
     took = json.loads(usage.read_text())
     facts = json.loads(report.read_text()) if report.exists() else {}
-    told = [line for line in run.stderr.splitlines() if "this takes about" in line]
+    expected = facts.get("expected", {})
+    told = lambda key, unit: f"{expected[key] / unit:.3g}" if expected else ""
     row = {"part": part, "program": name, "status": run.returncode, "cpu_s": f"{took['cpu_s']:.3g}",
            "peak_mb": f"{took['peak_rss_bytes'] / 1e6:.0f}", "triangles": facts.get("triangles", ""), "points": facts.get("points", ""),
-           "certificate_pieces": facts.get("certificate_pieces", ""), "told": told[0].split("warning: ")[-1] if told else ""}
+           "certificate_pieces": facts.get("certificate_pieces", ""), "told_cpu_s": told("thread_s", 1), "told_mb": told("bytes", 1e6),
+           "told_points": told("points", 1)}
     print(row, file=sys.stderr)
     return row
 
@@ -158,6 +220,7 @@ def main():
     parser.add_argument("--bin", nargs="+", required=True)
     parser.add_argument("--parts", nargs="+", choices=PARTS, default=list(PARTS))
     parser.add_argument("--models", type=pathlib.Path, default=HERE.parents[2] / "shared/models")
+    parser.add_argument("--within", type=float)
     arguments = parser.parse_args()
     with tempfile.TemporaryDirectory() as scratch:
         folder = pathlib.Path(scratch)
@@ -170,6 +233,11 @@ def main():
         writer = csv.DictWriter(out, rows[0].keys(), lineterminator="\n")
         writer.writeheader()
         writer.writerows(rows)
+    if arguments.within:
+        off = [f"{row['part']}: {row[key]} beside {row[told]} told as {told}" for row in rows
+               for key, told in (("points", "told_points"), ("peak_mb", "told_mb"))
+               if not 1 / arguments.within <= float(row[told]) / float(row[key]) <= arguments.within]
+        sys.exit("\n".join(off) or 0)
 
 
 if __name__ == "__main__":

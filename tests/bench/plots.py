@@ -164,6 +164,19 @@ def bake_growth(rows):
     return figure
 
 
+def bake_streams(rows):
+    figure, axis = pyplot.subplots(figsize=(6, 3.4))
+    count = values(rows, "triangles")
+    axis.plot(count, values(rows, "peak_bytes", 1e-6), marker="o", color="#08519c", label="peak memory")
+    axis.plot(count, values(rows, "on_disk_bytes", 1e-6), marker="s", color="#9ecae1", linestyle="--",
+              label="snapped triangles in the temporary file")
+    axis.set(xscale="log", xlabel="triangles of the scene", ylabel="MB", ylim=(0, None))
+    plain(axis.xaxis, count, [f"{n / 1e6:.3g} M" for n in count])
+    axis.legend()
+    figure.tight_layout()
+    return figure
+
+
 def trajectory_label(row):
     if row["model"] == "paper":
         return "paper"
@@ -208,7 +221,7 @@ def save(figure, path):
     print(f"wrote {path}")
 
 
-PLOTS = (query, wrench, bake_error, bake_growth, trajectory)
+PLOTS = (query, wrench, bake_error, bake_growth, bake_streams, trajectory)
 
 
 def main():

@@ -248,6 +248,10 @@ TABLES = {
         ("voxels across", text("voxels")), ("triangles", text("triangles")), ("command, s", scaled("wall_s")),
         ("CPU, s", scaled("cpu_s")), ("of it reading, s", scaled("read_s")), ("peak memory, MB", scaled("peak_bytes", 1e-6)),
         ("file, MB", scaled("file_bytes", 1e-6))]),
+    "bake_streams": ("bake_streams", list, [
+        ("triangles", text("triangles")), ("of the largest part", text("largest_part_triangles")),
+        ("command, s", scaled("wall_s")), ("CPU, s", scaled("cpu_s")), ("peak memory, MB", scaled("peak_bytes", 1e-6)),
+        ("in the temporary file, MB", scaled("on_disk_bytes", 1e-6)), ("file, MB", scaled("file_bytes", 1e-6))]),
     "bake_plan": ("bake_plan", list, [
         ("scene", text("scene")), ("voxel, mm", scaled("voxel_m", 1e3)),
         ("file: planned / true, MB", lambda r: pair(r["planned_bytes"] / 1e6, r["file_bytes"] / 1e6)),
@@ -444,6 +448,10 @@ TABLES = {
         ("to", text("object")), ("poses too near", text("too_near")),
         ("deeper in its seat, found, mm", lambda r: digits(1e3 * r["told_deeper_m"])),
         ("at poses, mm", lambda r: digits(1e3 * r["deeper_m"])), ("contradictions", text("contradictions"))]),
+    "progress": ("progress", list, [
+        ("command", lambda r: f"`{r['program']}`"), ("case", text("case")), ("processor time, s", scaled("cpu_s", 1, 2)),
+        ("lines", text("lines")), ("told over true, least", lambda r: digits(r["least"])),
+        ("greatest", lambda r: digits(r["greatest"])), ("within a factor of two", share("within_two"))]),
     "python": ("python", list, [
         ("question", lambda r: f"`{r['question']}`"), ("points", text("points")), ("threads", text("threads")),
         ("poses", text("poses")), ("Python, us a pose", lambda r: digits(1e6 * r["python_cpu_s"] / r["poses"], 3)),

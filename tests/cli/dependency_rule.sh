@@ -63,7 +63,7 @@ voxelize/distance:      formats formats/lattice voxelize/masks voxelize/scan
 pointshell/sample:      formats formats/lattice pointshell/certificate pointshell/part
 runtime/clearance:      formats formats/path runtime/coupling runtime/field runtime/forcelayer runtime/query
 runtime/devices:        formats formats/path runtime/coupling runtime/forcelayer runtime/model
-voxelize/cache:         formats formats/lattice formats/mesh formats/mesh/sandbox voxelize/distance voxelize/fill voxelize/masks
+voxelize/cache:         formats formats/lattice formats/mesh formats/mesh/sandbox voxelize/distance voxelize/fill voxelize/masks voxelize/scan
 pointshell/normals:     formats pointshell/part pointshell/sample
 runtime/devices/hid:    formats runtime/coupling runtime/devices runtime/forcelayer runtime/machine
 runtime/devices/plugin: formats runtime/devices runtime/forcelayer runtime/machine

@@ -236,6 +236,9 @@ def check_simulation(scene, part, run):
     bad = hand[300:].copy()
     bad[10, 3:] = 0
     expect_error(lambda: simulation.run(bad), "world_from_handle: row 10 is no pose")
+    expect_error(lambda: simulation.step(bad[10]), "world_from_handle: row 0 is no pose")
+    expect_error(lambda: simulation.step(hand[300], numpy.full(6, numpy.nan)), "world_from_handle: row 0 is no pose")
+    expect_error(lambda: simulation.step(hand[300], [0] * 5), "handle_velocity: has the shape (5)")
     assert simulation.report["frames"] == 300
     assert simulation.run(hand[300:]).tobytes() == frames[300:].tobytes()
     other = forcelayer.Simulation(scene, part, rate_hz=500, settings={"mass_kg": 0.1})
@@ -247,6 +250,29 @@ def check_simulation(scene, part, run):
     expect_error(lambda: given.run(hand, numpy.zeros((3, 6))), "handle_velocity: has 3 rows for 600 poses")
     expect_error(lambda: forcelayer.Simulation(scene, part, settings={"weight": 1.0}), "weight")
     expect_error(lambda: forcelayer.Simulation(scene, part, rate_hz=float("nan")), "rate_hz")
+
+
+def check_calls_meanwhile(scene, part, start):
+    """One call at a time: another, from a signal or a thread, while run() is at work is refused and changes nothing."""
+    simulation = forcelayer.Simulation(scene, part)
+    simulation.start(start)
+    hand = numpy.repeat(start[None], 20000, axis=0)
+    alone = simulation.run(hand).tobytes()
+    simulation.start(start)
+    middle, refused = simulation.moment, []
+
+    def call_meanwhile(*_):
+        for call in (lambda: simulation.step(start), lambda: simulation.run(hand), lambda: simulation.start(start),
+                     lambda: setattr(simulation, "moment", middle)):
+            refused.append(expect_error(call, "simulation: is running in another call"))
+    signal.signal(signal.SIGALRM, call_meanwhile)
+    signal.setitimer(signal.ITIMER_REAL, 0.005)
+    try:
+        assert simulation.run(hand).tobytes() == alone
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+    assert len(refused) == 4, "the run was over before the signal came"
+    simulation.step(start)
 
 
 def expect_error(call, words, status=None):
@@ -341,6 +367,7 @@ def main():
     check_against_twin(scene, part, poses)
     check_samples(scene)
     check_simulation(scene, part, run)
+    check_calls_meanwhile(scene, part, run.frames["world_from_part"][0])
     check_paths(scene, part, run)
     check_errors()
     check_threads(scene, part, poses)

@@ -142,6 +142,29 @@ assert "its files hold the run up to here" in words and open("run.csv").readline
 assert not [name for name in os.listdir() if name.endswith(".tmp")]
 END
 done
+# A program that another one starts says it too, and a study that it goes on.
+python3 - "$bin" "$FORCELAYER_SOURCE_DIR/sample_data" >ended.txt 2>&1 <<'END' || fail "SIGINT: $(cat ended.txt)"
+import os, re, signal, subprocess, sys, time
+bin, data = sys.argv[1:]
+def interrupted(name, words, begun):
+    run = subprocess.Popen([bin + "/" + words[0], *words[1:], "--quiet"], stderr=subprocess.PIPE, text=True)
+    while not begun(run.pid):
+        assert run.poll() is None, name
+        time.sleep(0.02)
+    run.send_signal(signal.SIGINT)
+    told = run.communicate()[1]
+    print(name, told, run.returncode)
+    assert run.returncode == 130 and "ended by SIGINT; nothing was half-written" in told
+    return told
+def measures(pid):
+    status = open(f"/proc/{pid}/status").read()
+    return "voxrun-doctor" in status and int(re.search(r"SigCgt:\s*(\w+)", status)[1], 16) & 1 << signal.SIGINT - 1
+interrupted("doctor", ["voxrun", "doctor", "--clock", "600"], measures)
+if os.path.exists(bin + "/voxelize"):
+    told = interrupted("study", ["forcelayer", "study", data + "/gearbox.glb#Pin", "--voxel-size", "1mm", "--pull", "0,0,60mm",
+                                 "-o", "pin"], lambda pid: os.path.exists("pin"))
+    assert "forcelayer: pin holds the steps that are finished; the same command goes on from there" in told
+END
 
 # On a terminal: an error is colored, unless that is not wanted.
 if command -v script >/dev/null; then

@@ -147,6 +147,37 @@ assert told["clearance_m"] > 0 and told["object"], told
 assert abs(float(row["depth_m"]) - shown["deepest_m"]) < 1e-7, (row["depth_m"], shown)
 END
 done
+# The line of the clearance: from a tip 12 mm above a floor straight down to it, and none where nothing is measured.
+printf 'v %s\n' '0 0 -10' '200 0 -10' '200 200 -10' '0 200 -10' '0 0 0' '200 0 0' '200 200 0' '0 200 0' >floor.obj
+printf 'f %s\n' '1 4 3 2' '5 6 7 8' '1 2 6 5' '2 3 7 6' '3 4 8 7' '4 1 5 8' >>floor.obj
+printf 'v %s\n' '20 0 20' '-20 0 20' '0 20 20' '0 -20 20' '0 0 40' '0 0 0' >tip.obj
+printf 'f %s\n' '1 3 5' '3 2 5' '2 4 5' '4 1 5' '3 1 6' '2 3 6' '4 2 6' '1 4 6' >>tip.obj
+"$bin/voxelize" floor.obj --units mm --voxel-size 5mm -o floor.vox --quiet
+"$bin/pointshell" tip.obj --units mm --voxel-size 5mm -o tip.pshell --quiet
+for height in 12 60; do
+  "$bin/voxview" floor.vox tip.pshell --part-pose 0.1m,0.1m,0.0${height}m --show contacts --plain --size 400x400 \
+    --view-from 1,0,0 --screenshot "tip_$height.png" --json "tip_$height.json"
+done
+"$python" - <<'END'
+import json
+from matplotlib import image
+import numpy
+def purple(height):
+    picture = numpy.round(255 * image.imread(f"tip_{height}.png")[:, :, :3]).astype(int)
+    facts = json.load(open(f"tip_{height}.json"))
+    rows, columns = (abs(picture - (204, 76, 143)).max(axis=2) <= 2).nonzero()  # kClearanceColor
+    return rows, columns, facts
+rows, columns, facts = purple(12)
+moment = facts["moment"]
+assert abs(numpy.array(moment["nearest_m"]) - (0.1, 0.1, 0.012)).max() < 1e-6, moment
+assert abs(numpy.array(moment["nearest_scene_m"]) - (0.1, 0.1, 0)).max() < 0.0005, moment  # a tenth of a voxel
+long = 0.012 / facts["metres_per_pixel"]
+assert abs(numpy.ptp(rows) - long) < 12 and numpy.ptp(columns) < 14, (numpy.ptp(rows), numpy.ptp(columns), long)
+assert 0 < moment["clearance_m"] < 0.012
+rows, _, facts = purple(60)
+assert facts["moment"]["at_least"] and len(rows) == 0, facts
+END
+
 "${run[@]}" 600s --udp 127.0.0.1:47219 & sender=$!  # longer than a viewer takes to start on a busy machine
 "$bin/voxview" bay.vox part.pshell --listen 47219 --duration 2s "${tiny[@]}"
 "$python" - <<'END'

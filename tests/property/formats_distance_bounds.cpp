@@ -9,6 +9,7 @@
 
 #include "formats/audit/layer_distance.h"
 #include "formats/voxmap_format.h"
+#include "tests/support/sanitized.h"
 
 namespace forcelayer {
 namespace {
@@ -41,7 +42,7 @@ TEST(DistanceBounds, LayersImplyTheirDistance) {
       const double bound = layer_distance_voxels(radius, m);
       std::uniform_real_distribution<double> along(-(m + radius + 1), m + radius + 1);
       double nearest = 1e9;
-      for (int sample = 0; sample < 200000; ++sample) {
+      for (int sample = 0; sample < (test::kSanitized ? 20000 : 200000); ++sample) {
         const Point x{along(random), along(random), along(random)};
         if (distance_to_block(x, m) >= radius) nearest = std::min(nearest, distance(x, {0, 0, 0}));
       }

@@ -155,6 +155,40 @@ TEST(Hidden, BallsAreInsideOnlyWithTheirWholeRadius) {
   EXPECT_FALSE(off.holds_ball({-0.2, 0, 0}, 0.281));
 }
 
+// Where may_hold() denies it, no ball that deep is inside a body: at random places of boxes at
+// random, the touching faces of two bodies among them.
+TEST(Hidden, BoxesThatReachIntoNoBodyHoldNothingHidden) {
+  part::Part part = part_of({box_mesh(1, 1, 1), moved(box_mesh(1, 1, 1), {1, 0, 0}),
+                             moved(sphere_mesh(0.3, 24), {0.4, 0.6, 0})});
+  normals::orient_outwards(part, 0.1);
+  const certificate::HiddenSurface hidden(part);
+  const part::Box face{{0.5, -0.5, -0.5}, {0.5, 0.5, 0.5}};  // between the two boxes
+  EXPECT_TRUE(hidden.may_hold(face, 0));
+  EXPECT_TRUE(hidden.may_hold(face, 0.05));  // the ball reaches across it
+  const part::Box outer{{-0.5, -0.5, -0.5}, {-0.5, 0.5, 0.5}};
+  EXPECT_FALSE(hidden.may_hold(outer, 0.05));
+  constexpr std::uint64_t kSeed = 32;
+  std::mt19937_64 random(kSeed);
+  std::uniform_real_distribution<double> at(-1, 2), size(0, 0.3), share(0, 1);
+  int denied = 0, held = 0;
+  for (int n = 0; n < 20000; ++n) {
+    part::Box box;
+    box.low = {at(random), at(random), at(random)};
+    box.high = box.low + part::Vec3{size(random), size(random), size(random)};
+    const double depth = size(random) / 4;
+    const part::Vec3 s = box.high - box.low;
+    const part::Vec3 p =
+        box.low + part::Vec3{share(random) * s.x, share(random) * s.y, share(random) * s.z};
+    const bool inside = hidden.holds_ball(p, depth);
+    held += inside;
+    if (hidden.may_hold(box, depth)) continue;
+    ++denied;
+    ASSERT_FALSE(inside) << "seed " << kSeed << ", box " << n;
+  }
+  EXPECT_GT(denied, 5000);
+  EXPECT_GT(held, 100);
+}
+
 // A piece that no point covers is let pass only where all of it is inside.
 TEST(Hidden, APieceThatLooksOutIsAHole) {
   part::Part part = part_of({box_mesh(1, 1, 1), moved(box_mesh(1, 1, 1), {0.5, 0, 0})});

@@ -217,7 +217,8 @@ TEST(Losses, WithSlackHoldForPointsThatAreOff) {
   const double radius = shell.header.covering_radius_m, slack = 0.03 * radius;
   for (const double claimed_slack : {slack, 0.0}) {
     const certificate::SurfaceLosses losses = certificate::find_losses(
-        {part, points, radius + slack, shell.header.voxel_size_m, nullptr, claimed_slack});
+        {part, points, radius + slack, shell.header.voxel_size_m, nullptr, claimed_slack},
+        [](double) {});
     const SurfaceDistanceTerms terms{radius + slack, losses.convex_radius, losses.convex_gap,
                                      losses.losses};
     int proven = 0;

@@ -118,6 +118,33 @@ TEST(Shell, PointsOfOpenSheetsHaveNoInside) {
   EXPECT_TRUE(closed->two_sided.empty());
 }
 
+// The progress never goes back, and no stage is silent for long.
+TEST(Shell, TellsItsProgressThroughout) {
+  for (const auto& [method, effort] :
+       {std::pair{ShellMethod::kSurface, sample::Effort::kFull},
+        std::pair{ShellMethod::kSurface, sample::Effort::kFast},
+        std::pair{ShellMethod::kVoxelCenters, sample::Effort::kFull}}) {
+    pointshell::ShellOptions options;
+    options.voxel_size_m = 0.02;
+    options.method = method;
+    options.effort = effort;
+    std::vector<double> told;
+    const auto shell =
+        pointshell::bake_shell(part_of(torus_mesh(1, 0.3, 24)), options,
+                               [&](const std::string&, double done) { told.push_back(done); });
+    ASSERT_TRUE(shell) << to_line(shell.error());
+    ASSERT_EQ(told.front(), 0);
+    EXPECT_GT(told.back(), 0.9);
+    double widest = 0;
+    for (std::size_t n = 1; n < told.size(); ++n) {
+      EXPECT_GE(told[n], told[n - 1] - 1e-12) << n;
+      widest = std::max(widest, told[n] - told[n - 1]);
+    }
+    EXPECT_LE(told.back(), 1);
+    EXPECT_LT(widest, 0.26);  // the normals of voxel centers
+  }
+}
+
 TEST(Shell, SpheresHoldTheirPoints) {
   const pointshell::BakedShell shell =
       bake(part_of(torus_mesh(1, 0.3, 24)), 0.02, ShellMethod::kSurface);

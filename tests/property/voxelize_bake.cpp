@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <fstream>
+#include <memory>
+#include <utility>
 
 #include "tests/support/baked_scene.h"
 #include "tests/support/mesh_scene.h"
@@ -92,7 +94,7 @@ TEST(Bake, EqualsTheReferenceWithManyLayers) {
 }
 
 TEST(Bake, ClearanceIsExactOnEveryLevel) {
-  for (std::uint64_t seed = 1; seed <= 25; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 25; seed += test::seed_step(7)) {
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
     Random random(seed);
     reference::MeshScene scene = reference::random_scene(random, seed % 2 == 0 ? 4 : 16, 4);
@@ -121,7 +123,7 @@ TEST(Bake, ClearanceIsExactOnEveryLevel) {
 
 TEST(Bake, FreeSeedsOpenWhatEnclosesThem) {
   int opened = 0;
-  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 60; seed += test::seed_step(7)) {
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
     Random random(seed);
     reference::MeshScene scene = reference::random_scene(random, 30, 4);
@@ -254,6 +256,48 @@ TEST(Bake, SameBytesForAnyNumberOfThreadsAndOrderOfObjectsAndTriangles) {
     std::ifstream file(folder / "doubled.vox", std::ios::binary);
     const std::string bytes{std::istreambuf_iterator<char>(file), {}};
     ASSERT_EQ(bytes, expected) << "duplicated triangles";
+  }
+}
+
+// Triangles in memory, and in a temporary file: then each mesh is read when it is needed, and let
+// go.
+TEST(Bake, SameBytesWithTrianglesOnDisk) {
+  for (std::uint64_t seed = 1; seed <= 24; ++seed) {
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
+    Random random(seed);
+    const reference::MeshScene scene = reference::random_scene(random, 100, 4);
+    voxelize::BakeOptions options =
+        options_with(2, 1, seed % 3 == 0 ? Metric::kChebyshev : Metric::kEuclidean);
+    options.distances = seed % 3 == 1;
+    options.find_narrow_passages = seed % 2 == 0;
+    if (seed % 5 == 0) options.roi_m = {-1500, -1500, -1500, 1500, 30, 1500};
+    const auto expected = voxelize::bake(scene.objects(), options);
+
+    std::vector<voxelize::SceneObject> objects = scene.objects();
+    std::size_t alive = 0;
+    for (voxelize::SceneObject& object : objects) {
+      const mesh::Mesh* const mesh = std::exchange(object.mesh, nullptr);
+      object.triangle_count = mesh->triangles.size();
+      object.read_mesh = [&alive, mesh]() -> Result<std::shared_ptr<const mesh::Mesh>> {
+        ++alive;
+        return std::shared_ptr<const mesh::Mesh>(new mesh::Mesh(*mesh), [&](mesh::Mesh* copy) {
+          --alive;
+          delete copy;
+        });
+      };
+    }
+    options.most_triangle_bytes = 0;
+    std::size_t most_alive = 0;
+    options.progress = [&](const char*, double) { most_alive = std::max(most_alive, alive); };
+    const auto baked = voxelize::bake(objects, options);
+    ASSERT_EQ(bool(baked), bool(expected));
+    if (!baked) continue;  // a region with nothing in it
+    EXPECT_EQ(voxmap_bytes(baked->content("{}")), voxmap_bytes(expected->content("{}")));
+    EXPECT_GT(baked->bytes_on_disk, 0u);
+    EXPECT_EQ(expected->bytes_on_disk, 0u);
+    // Of the objects that two threads work on.
+    EXPECT_LE(most_alive, 2u);
+    EXPECT_EQ(alive, 0u);
   }
 }
 

@@ -327,11 +327,12 @@ class SceneFile {
     std::int64_t best = kMaxClearance;
     for (const Brick& brick : occupied_) {
       std::int64_t distance = 0;
-      for (int axis = 0; axis < 3; ++axis) {
-        distance = std::max({distance, brick.min[axis] - (min[axis] + edge - 1),
-                             min[axis] - (brick.min[axis] + 7)});
+      for (std::size_t axis = 0; axis < 3; ++axis) {  // many calls: no list for std::max
+        distance = std::max(distance, brick.min[axis] - (min[axis] + edge - 1));
+        distance = std::max(distance, min[axis] - (brick.min[axis] + 7));
       }
       best = std::min(best, distance);
+      if (best == 1) break;  // beside it
     }
     return static_cast<std::uint32_t>(best);
   }

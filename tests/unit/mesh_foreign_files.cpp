@@ -1,6 +1,8 @@
 // Files that no reader takes are called by their names.
 #include <gtest/gtest.h>
 
+#include <tuple>
+
 #include "tests/support/mesh_files.h"
 
 namespace forcelayer {
@@ -57,7 +59,7 @@ TEST(ForeignFiles, OthersAreNamedByTheirEnding) {
   }
   EXPECT_NE(refusal("anything", ".xyz").what.find("is not the extension of a mesh format"),
             std::string::npos);
-  EXPECT_NE(refusal("anything", "").what.find("is not the extension"), std::string::npos);
+  EXPECT_NE(refusal("anything", "").what.find("has no extension"), std::string::npos);
 }
 
 TEST(ForeignFiles, OthersAreNamedByTheirContent) {
@@ -65,6 +67,35 @@ TEST(ForeignFiles, OthersAreNamedByTheirContent) {
   EXPECT_NE(refusal("\x1f\x8b\x08...", ".step").what.find("gzip"), std::string::npos);
   EXPECT_NE(refusal("PK\x03\x04...", ".stl").what.find("ZIP"), std::string::npos);
   EXPECT_NE(refusal("\xd0\xcf\x11\xe0...", ".dat").what.find("CAD system"), std::string::npos);
+}
+
+TEST(ForeignFiles, Utf16WithoutItsMarkIsNamed) {
+  for (const bool little : {true, false}) {
+    const Error error =
+        refusal(utf16("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", little).substr(2), ".obj");
+    EXPECT_NE(error.what.find("UTF-16"), std::string::npos) << to_line(error);
+  }
+}
+
+// A file of a format that is read here, by the name of another one.
+TEST(ForeignFiles, AWrongEndingIsNamedByTheContent) {
+  const std::string obj = "# a\n\no a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+  const std::string stl =
+      "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n"
+      "endloop\nendfacet\nendsolid a\n";
+  const std::string off = "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+  const std::tuple<std::string, const char*, const char*> cases[] = {
+      {obj, ".stl", "OBJ"}, {obj, ".off", "OBJ"}, {stl, ".obj", "STL"},
+      {stl, ".off", "STL"}, {off, ".stl", "OFF"}, {off, ".obj", "OFF"},
+      {obj, "", "OBJ"},     {stl, ".txt", "STL"}, {"ISO-10303-21;\nHEADER;\n", ".obj", "STEP"}};
+  for (const auto& [bytes, extension, format] : cases) {
+    const Error error = refusal(bytes, extension);
+    EXPECT_NE(error.what.find(std::string("is ") + format), std::string::npos) << to_line(error);
+    EXPECT_EQ(error.mend.find("name it ."), 0u) << to_line(error);
+  }
+  // The reader's own words for a file that is what it says.
+  EXPECT_EQ(refusal("v 0 0 0\n", ".obj").what.find("by its content"), std::string::npos);
+  EXPECT_EQ(refusal(stl.substr(0, 90), ".stl").what.find("by its content"), std::string::npos);
 }
 
 // The header of a binary STL may begin with anything.

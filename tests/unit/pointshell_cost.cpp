@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "pointshell/bake.h"
+#include "pointshell/cost.h"
 #include "pointshell/report.h"
 #include "tests/support/part_support.h"
 
@@ -74,14 +75,14 @@ TEST(Cost, CountsThePointsOfSurfaceAndNeedles) {
 TEST(Cost, IsToldWhereItIsMoreThanAMinuteOrAGigabyte) {
   const part::Part box = part_of(box_mesh(1, 1, 1));
   const auto told = [&](double seconds, double bytes) {
-    return !pointshell::cost_warning({1e6, seconds, bytes}, box).empty();
+    return !pointshell::cost_warning({1e6, seconds, seconds, bytes}, options_of(), box).empty();
   };
   EXPECT_FALSE(told(59, 0.9e9));
   EXPECT_TRUE(told(61, 0.1e9));
   EXPECT_TRUE(told(1, 1.1e9));
   const auto told_of = [](const part::Part& part, double voxel_size_m) {
     const auto cost = pointshell::expected_cost(part, options_of(voxel_size_m));
-    return !pointshell::cost_warning(cost, part).empty();
+    return !pointshell::cost_warning(cost, options_of(), part).empty();
   };
   EXPECT_FALSE(told_of(box, 0.01));
   EXPECT_TRUE(told_of(box, 0.001));

@@ -242,6 +242,22 @@ TEST(Orientation, AHiddenTriangleBoundsNothing) {
   }
 }
 
+// A triangle along an edge, with a vertex at its middle, and one with two equal corners: an
+// exporter leaves them where it split a neighbor.
+TEST(Orientation, ATriangleWithoutAreaBoundsNothing) {
+  mesh::Mesh mesh = box_mesh(1, 1, 1);
+  const mesh::Vec3d a = mesh.vertices[0], b = mesh.vertices[1];
+  mesh.vertices.push_back({(a[0] + b[0]) / 2, (a[1] + b[1]) / 2, (a[2] + b[2]) / 2});
+  mesh.triangles.push_back({0, 8, 1});
+  mesh.triangles.push_back({0, 0, 1});
+  part::Part part = part_of(mesh);
+  const normals::OrientationReport report = normals::orient_outwards(part, 0.1);
+  EXPECT_TRUE(report.sheets.empty());
+  const part::MassProperties mass = part::mass_properties(part, report.loose);
+  EXPECT_EQ(mass.source, MassSource::kVolume);
+  EXPECT_NEAR(mass.volume_m3, 1, 1e-12);
+}
+
 TEST(Orientation, LeavesASheetTooSmallToMatter) {
   mesh::Mesh mesh = box_mesh(1, 1, 1);
   mesh.vertices.insert(mesh.vertices.end(), {{5, 0, 0}, {5.01, 0, 0}, {5, 0.01, 0}});

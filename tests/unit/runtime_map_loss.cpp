@@ -40,8 +40,11 @@ struct MappedRun {
   int changed_files = 0;
 
   explicit MappedRun(Model model) {
-    const auto slab = [](Voxel v) { return v[2] <= 0; };
-    save_voxmap(folder / "scene.vox", closed(offset_scene(kS, {0, 0, -2}, {256, 256, 8}, 2, slab)));
+    static const auto slab =
+        voxmap_bytes(SceneFile(closed(offset_scene(kS, {0, 0, -2}, {256, 256, 8}, 2, [](Voxel v) {
+                       return v[2] <= 0;
+                     }))).content());
+    save_bytes(folder / "scene.vox", slab);
     save_pshell(folder / "part.pshell", sphere_part(0.02, 2000, kS));
     RunRequest request = default_run_request(folder / "scene.vox", folder / "part.pshell");
     request.model = model;

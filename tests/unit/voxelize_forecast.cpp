@@ -70,7 +70,19 @@ TEST(Forecast, RefusesWhatCannotFitAndNamesTheLikeliestMistake) {
       << fits.error().mend;
 }
 
-TEST(Forecast, WarnsOfAMinuteAndAGigabyte) {
+TEST(Forecast, WarnsOfAMinuteOrAGigabyte) {
+  const voxelize::BakeOptions options = options_for(1e-3);
+  Forecast own;
+  const auto warns = [&](double seconds, double bytes) {
+    own.bake_s = seconds, own.memory_bytes = bytes;
+    return voxelize::forecast_warning(own, options).has_value();
+  };
+  EXPECT_FALSE(warns(59, 0.9e9));
+  EXPECT_TRUE(warns(61, 0.1e9));
+  EXPECT_TRUE(warns(1, 1.1e9));
+}
+
+TEST(Forecast, NamesALargerVoxelSize) {
   const CubeScene cube(20, 1);
   const auto options = options_for(1e-3);
   const auto warning = voxelize::forecast_warning(

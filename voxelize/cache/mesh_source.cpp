@@ -187,7 +187,7 @@ Digest MeshOutline::digest() const {
 }
 
 Result<mesh::Assembly> MeshSource::read(const std::string& path, const mesh::ReadOptions& options) {
-  File file{path, options, {}, {}, {}};
+  File file{path, options, {}, {}, {}, {}};
   std::optional<Digest> key;
   if (cache_ != nullptr) key = assembly_key(path, options);
   if (key) {
@@ -205,7 +205,7 @@ Result<mesh::Assembly> MeshSource::read(const std::string& path, const mesh::Rea
   if (key && key == assembly_key(path, options)) {
     cache_->keep(kAssemblyKind, *key, pack(*assembly, file.outlines));
   }
-  file.meshes = std::exchange(assembly->meshes, std::vector<mesh::Mesh>(file.outlines.size()));
+  keep(std::exchange(assembly->meshes, std::vector<mesh::Mesh>(file.outlines.size())), file);
   files_.push_back(std::move(file));
   return assembly;
 }
@@ -216,9 +216,29 @@ std::vector<MeshOutline> MeshSource::outlines(const mesh::Scene& scene) const {
   return all;
 }
 
-Result<const mesh::Mesh*> MeshSource::mesh(const mesh::MeshObject& part) {
+void MeshSource::keep(std::vector<mesh::Mesh> meshes, File& file) {
+  for (const mesh::Mesh& mesh : meshes) {
+    bytes_ += std::span(mesh.vertices).size_bytes() + std::span(mesh.triangles).size_bytes();
+  }
+  if (bytes_ <= most_bytes_) {
+    file.meshes = std::move(meshes);
+    return;
+  }
+  if (spill_ == nullptr) spill_ = std::make_unique<scan::SpillFile>();
+  for (mesh::Mesh& mesh : meshes) {
+    const auto vertices = spill_->array<mesh::Vec3d>(mesh.vertices.size());
+    const auto triangles = spill_->array<mesh::Triangle>(mesh.triangles.size());
+    std::copy(mesh.vertices.begin(), mesh.vertices.end(), vertices.begin());
+    std::copy(mesh.triangles.begin(), mesh.triangles.end(), triangles.begin());
+    file.on_disk.push_back({vertices, triangles, mesh.single_precision});
+    mesh = {};
+    spill_->touched(vertices.size_bytes() + triangles.size_bytes());
+  }
+}
+
+Result<std::shared_ptr<const mesh::Mesh>> MeshSource::mesh(const mesh::MeshObject& part) {
   File& file = files_[part.assembly];
-  if (file.meshes.empty()) {
+  if (file.meshes.empty() && file.on_disk.empty()) {
     auto assembly = read_(file.path, file.options);
     if (!assembly) return assembly.error();
     const std::vector<MeshOutline> outlines = outlines_of(*assembly);
@@ -229,9 +249,18 @@ Result<const mesh::Mesh*> MeshSource::mesh(const mesh::MeshObject& part) {
       return Error{ErrorCode::kReadFailed, file.path, "", "has changed while it was being read",
                    "start again"};
     }
-    file.meshes = std::move(assembly->meshes);
+    keep(std::move(assembly->meshes), file);
   }
-  return &file.meshes[part.mesh];
+  if (file.on_disk.empty()) {
+    return std::shared_ptr<const mesh::Mesh>(std::shared_ptr<void>(), &file.meshes[part.mesh]);
+  }
+  const MeshOnDisk& stored = file.on_disk[part.mesh];
+  auto mesh = std::make_shared<mesh::Mesh>();
+  mesh->vertices.assign(stored.vertices.begin(), stored.vertices.end());
+  mesh->triangles.assign(stored.triangles.begin(), stored.triangles.end());
+  mesh->single_precision = stored.single_precision;
+  spill_->touched(stored.vertices.size_bytes() + stored.triangles.size_bytes());
+  return std::shared_ptr<const mesh::Mesh>(std::move(mesh));
 }
 
 Result<mesh::MeshFacts> MeshSource::facts(const mesh::MeshObject& part) {

@@ -14,6 +14,7 @@
 #include "formats/result.h"
 #include "voxelize/cache/cache_folder.h"
 #include "voxelize/cache/digest.h"
+#include "voxelize/scan/spill_file.h"
 
 namespace forcelayer::cache {
 
@@ -30,9 +31,11 @@ MeshOutline outline_of(const mesh::Mesh& mesh);
 
 class MeshSource {
  public:
-  // `cache` may be null. `read` reads the files that it does not hold.
-  explicit MeshSource(const CacheFolder* cache, mesh::AssemblyReader read = mesh::read_assembly)
-      : cache_(cache), read_(std::move(read)) {}
+  // `cache` may be null. `read` reads the files that it does not hold. Meshes that take more than
+  // `most_bytes` together wait on disk.
+  explicit MeshSource(const CacheFolder* cache, mesh::AssemblyReader read = mesh::read_assembly,
+                      std::size_t most_bytes = std::size_t{512} << 20)
+      : cache_(cache), read_(std::move(read)), most_bytes_(most_bytes) {}
 
   // For SceneReading::read. The assembly's meshes come empty; mesh() gives them.
   Result<mesh::Assembly> read(const std::string& path, const mesh::ReadOptions& options);
@@ -42,21 +45,31 @@ class MeshSource {
   }
   std::vector<MeshOutline> outlines(const mesh::Scene& scene) const;  // [objects]
   // One caller at a time. An error where the file has changed meanwhile.
-  Result<const mesh::Mesh*> mesh(const mesh::MeshObject& part);
+  Result<std::shared_ptr<const mesh::Mesh>> mesh(const mesh::MeshObject& part);
   Result<mesh::MeshFacts> facts(const mesh::MeshObject& part);
 
  private:
+  struct MeshOnDisk {
+    std::span<const mesh::Vec3d> vertices;
+    std::span<const mesh::Triangle> triangles;
+    bool single_precision;
+  };
   struct File {
     std::string path;
     mesh::ReadOptions options;
     std::vector<MeshOutline> outlines;
-    std::vector<mesh::Mesh> meshes;  // empty until they are needed
+    std::vector<mesh::Mesh> meshes;   // empty until they are needed, and ...
+    std::vector<MeshOnDisk> on_disk;  // ... where they wait here
     std::vector<std::optional<mesh::MeshFacts>> facts;
   };
 
+  void keep(std::vector<mesh::Mesh> meshes, File& file);
+
   const CacheFolder* cache_;
   mesh::AssemblyReader read_;
-  std::vector<File> files_;  // [assemblies of the scene]
+  std::size_t most_bytes_, bytes_ = 0;
+  std::unique_ptr<scan::SpillFile> spill_;  // once the meshes take more
+  std::vector<File> files_;                 // [assemblies of the scene]
 };
 
 }  // namespace forcelayer::cache

@@ -283,13 +283,14 @@ DistanceCodes::DistanceCodes(std::vector<const scan::SnappedObject*> objects,
                              const lattice::VoxelIndex& scene_origin,
                              const masks::MaskTree& geometry, const masks::MaskTree& interior,
                              const CodeScale& scale, const masks::KeptBox& kept,
-                             std::int64_t growth_units, std::vector<std::uint16_t> numbers)
+                             std::int64_t growth_units, std::vector<std::uint16_t> numbers,
+                             scan::SpillFile* spill)
     : scene_origin_(scene_origin),
       geometry_(geometry),
       interior_(interior),
       scale_(scale),
       kept_(kept),
-      triangles_(std::move(objects), reach(scale)),
+      triangles_(std::move(objects), reach(scale), spill),
       numbers_(std::move(numbers)),
       scratch_(std::make_unique<Scratch>()) {
   if (growth_units > 0) growth_.emplace(triangles_, growth_units);

@@ -44,7 +44,8 @@ class DistanceCodes {
   DistanceCodes(std::vector<const scan::SnappedObject*> objects,
                 const lattice::VoxelIndex& scene_origin, const masks::MaskTree& geometry,
                 const masks::MaskTree& interior, const CodeScale& scale, const masks::KeptBox& kept,
-                std::int64_t growth_units, std::vector<std::uint16_t> numbers = {});
+                std::int64_t growth_units, std::vector<std::uint16_t> numbers = {},
+                scan::SpillFile* spill = nullptr);
   ~DistanceCodes();
 
   // How many voxels around the geometry may have a code of their own.

@@ -89,15 +89,17 @@ void flatten_if_thin(std::array<Point, 3>& piece) {
   if (squared_length(c, foot) <= kThin2 * longest2) c = a;
 }
 
-SceneTriangles::SceneTriangles(std::vector<const scan::SnappedObject*> objects, int reach)
-    : objects_(std::move(objects)), reach_(reach) {
+SceneTriangles::SceneTriangles(std::vector<const scan::SnappedObject*> objects, int reach,
+                               scan::SpillFile* spill)
+    : objects_(std::move(objects)), reach_(reach), spill_(spill) {
   struct Place {
     scan::NodeIndex node;
     Bin bin;
   };
   bins_.resize(objects_.size());
-  tbb::parallel_for(std::size_t{0}, objects_.size(),
-                    [&](std::size_t i) { bins_[i] = scan::bin_triangles(*objects_[i], reach); });
+  tbb::parallel_for(std::size_t{0}, objects_.size(), [&](std::size_t i) {
+    bins_[i] = scan::bin_triangles(*objects_[i], reach, spill);
+  });
   std::vector<Place> places;
   for (std::uint32_t i = 0; i < bins_.size(); ++i) {
     const std::vector<scan::NodeIndex>& nodes = bins_[i].nodes;
@@ -159,6 +161,8 @@ void SceneTriangles::gather(const scan::NodeIndex& node,
     }
   }
   batch.flush();
+  // A triangle's corners and numbers lie in up to five pages.
+  if (spill_ != nullptr) spill_->touched(count * 128);
 }
 
 }  // namespace forcelayer::distance

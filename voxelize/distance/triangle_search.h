@@ -23,8 +23,9 @@ void flatten_if_thin(std::array<std::array<double, 3>, 3>& piece);
 class SceneTriangles {
  public:
   // A triangle is near a node when it comes nearer than `reach` voxels (1..64). The objects must
-  // outlive this.
-  SceneTriangles(std::vector<const scan::SnappedObject*> objects, int reach);
+  // outlive this, and so must the file that the lists wait in, if there is one.
+  SceneTriangles(std::vector<const scan::SnappedObject*> objects, int reach,
+                 scan::SpillFile* spill = nullptr);
 
   // The nodes that have triangles near, ascending.
   const std::vector<scan::NodeIndex>& nodes() const { return nodes_; }
@@ -52,6 +53,7 @@ class SceneTriangles {
 
   std::vector<const scan::SnappedObject*> objects_;
   int reach_;
+  scan::SpillFile* spill_;
   std::vector<scan::NodeBins> bins_;    // [objects]
   std::vector<scan::NodeIndex> nodes_;  // [n]
   std::vector<std::size_t> first_;      // [n + 1] offsets into of_node_

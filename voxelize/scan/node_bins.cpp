@@ -142,21 +142,31 @@ void place_entries(std::vector<ChunkBins>& chunks, NodeBins& bins) {
 
 }  // namespace
 
-NodeBins bin_triangles(const SnappedObject& object, int reach) {
+NodeBins bin_triangles(const SnappedObject& object, int reach, SpillFile* spill) {
   const std::size_t count = object.triangles.size();
   std::vector<ChunkBins> chunks((count + kChunkTriangles - 1) / kChunkTriangles);
+  const auto touched = [spill](std::size_t bytes) {
+    if (spill != nullptr) spill->touched(bytes);
+  };
   tbb::parallel_for(std::size_t{0}, chunks.size(), [&](std::size_t c) {
-    bin_chunk(object, reach, c * kChunkTriangles, std::min(count, (c + 1) * kChunkTriangles),
-              chunks[c]);
+    const std::size_t first = c * kChunkTriangles, last = std::min(count, first + kChunkTriangles);
+    bin_chunk(object, reach, first, last, chunks[c]);
+    touched((last - first) * sizeof(lattice::LatticeTriangle));
   });
 
   NodeBins bins;
   place_entries(chunks, bins);
-  bins.triangles.resize(bins.first.back());
+  if (spill == nullptr) {
+    bins.own_triangles.resize(bins.first.back());
+    bins.triangles = bins.own_triangles;
+  } else {
+    bins.triangles = spill->array<std::uint32_t>(bins.first.back());
+  }
   tbb::parallel_for(std::size_t{0}, chunks.size(), [&](std::size_t c) {
     for (const ChunkBins::Entry& entry : chunks[c].entries) {
       bins.triangles[chunks[c].counts[entry.node]++] = entry.triangle;
     }
+    touched(chunks[c].entries.size() * sizeof(std::uint32_t));
   });
   return bins;
 }

@@ -75,10 +75,21 @@ masks::VoxelBox corner_box(const SnappedObject& object) {
 }  // namespace
 
 Result<SnappedObject> snap_object(const mesh::Mesh& mesh, const mesh::Affine& world_from_mesh,
-                                  double voxel_size_m, const std::string& name) {
+                                  double voxel_size_m, const std::string& name, SpillFile* spill) {
   SnappedObject object;
-  object.triangles = mesh.triangles;
-  object.vertices.resize(mesh.vertices.size());
+  std::span<lattice::LatticePoint> vertices;
+  if (spill == nullptr) {
+    object.own_vertices.resize(mesh.vertices.size());
+    vertices = object.own_vertices;
+    object.triangles = mesh.triangles;
+  } else {
+    vertices = spill->array<lattice::LatticePoint>(mesh.vertices.size());
+    const auto triangles = spill->array<mesh::Triangle>(mesh.triangles.size());
+    std::copy(mesh.triangles.begin(), mesh.triangles.end(), triangles.begin());
+    object.triangles = triangles;
+  }
+  object.vertices = vertices;
+  if (spill != nullptr) spill->touched(object.bytes());
   const double limit_m = static_cast<double>(kMaxVoxelIndex) * voxel_size_m;
   const bool inside = tbb::parallel_reduce(
       tbb::blocked_range<std::size_t>(0, mesh.vertices.size(), kGrain), true,
@@ -88,7 +99,7 @@ Result<SnappedObject> snap_object(const mesh::Mesh& mesh, const mesh::Affine& wo
           const bool fits = std::abs(world[0]) < limit_m && std::abs(world[1]) < limit_m &&
                             std::abs(world[2]) < limit_m;  // false for NaN too
           all_inside &= fits;
-          if (fits) object.vertices[i] = lattice::snap(world, voxel_size_m);
+          if (fits) vertices[i] = lattice::snap(world, voxel_size_m);
         }
         return all_inside;
       },

@@ -93,6 +93,9 @@ void add_moment(const PicturePlan& plan, const ViewScene& scene, std::vector<Leg
     legend.push_back({Swatch::kSmallSquare, kProximityColor, 1, "point in proximity"});
     legend.push_back({Swatch::kDiamond, kPenetrationColor, 1, "point in interior"});
   }
+  if (scene.voxmap && scene.shell && scene.voxmap->distances() != nullptr) {
+    legend.push_back({Swatch::kLine, kClearanceColor, 1, "clearance: the nearest places"});
+  }
   if (plan.moment->on_hand) {
     legend.push_back({Swatch::kArrow, kNetForceColor, 1, "force on the hand"});
   }

@@ -317,6 +317,7 @@ nlohmann::ordered_json report_of(const PicturePlan& plan, const ViewScene& scene
       if (!moment.contacts.at_least) {
         json["nearest_object"] = moment.contacts.nearest_object;
         json["nearest_m"] = numbers(moment.contacts.nearest_m);
+        json["nearest_scene_m"] = numbers(moment.contacts.nearest_scene_m);
       }
     }
   }

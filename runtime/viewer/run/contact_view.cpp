@@ -1,6 +1,7 @@
 #include "runtime/viewer/run/contact_view.h"
 
 #include <algorithm>
+#include <glm/geometric.hpp>
 #include <utility>
 
 #include "formats/surface_distance.h"
@@ -64,6 +65,12 @@ void ContactViewSource::prove_clearance(const Pose& pose, ContactView& view) con
   if (view.at_least) return;
   view.nearest_m = pose.position_m + glm::dvec3(contacts_[contacts_.nearest].arm_m);
   view.nearest_object = voxmap_.object_name(probe_.object_near(view.nearest_m));
+  const std::size_t n = contacts_.nearest;
+  const glm::dvec3 slope(samples_.gx[n], samples_.gy[n], samples_.gz[n]);
+  const double steepness = glm::length(slope);
+  const double distance_m = voxmap_.header().zero_force_m + double{samples_.from_zero_force_m[n]};
+  view.nearest_scene_m = view.nearest_m;
+  if (steepness > 0) view.nearest_scene_m -= distance_m / steepness * slope;
 }
 
 void ContactViewSource::find_seat(const Pose& world_from_part) {

@@ -38,9 +38,10 @@ struct ContactView {
 
   // The clearance that is proven of this pose, as voxrun proves it; none where nothing is known.
   std::optional<double> clearance_m;
-  bool at_least = false;       // nothing was near enough to be measured
-  std::string nearest_object;  // to which it is, by name; empty where none is known
-  glm::dvec3 nearest_m{0};     // the shell point that is nearest, world
+  bool at_least = false;          // nothing was near enough to be measured
+  std::string nearest_object;     // to which it is, by name; empty where none is known
+  glm::dvec3 nearest_m{0};        // the shell point that is nearest, world
+  glm::dvec3 nearest_scene_m{0};  // the scene's place nearest to it, by the stored distances
 
   FrameKind kind() const;  // never kGuardCut: that is known to the run alone
 };

@@ -77,6 +77,13 @@ Actor line_actor(const PolyData& data, const Color& color, double width) {
   return actor;
 }
 
+// For places_and_line().
+Actor places_actor(const Color& color, double width, double scale) {
+  Actor actor = line_actor(PolyData::New(), color, width * scale);
+  actor->GetProperty()->SetPointSize(static_cast<float>(9 * scale));
+  return actor;
+}
+
 // A shape set at every point of the data that replace_glyphs() gives.
 struct Glyphs {
   vtkSmartPointer<vtkGlyph3D> glyph = vtkSmartPointer<vtkGlyph3D>::New();
@@ -156,7 +163,7 @@ struct Stage::Actors {
   std::vector<PolyData> mesh_data, mesh_edge_data;  // [meshes of the scene]
   Actor meshes, mesh_edges, missing_faces, measured, measured_edges;
   Actor sections, section_edges;
-  Actor part, part_edges, target, shell, spring, measurement;
+  Actor part, part_edges, target, shell, spring, clearance, measurement;
   Glyphs contact_points{sphere(), kContactColor, false};
   Glyphs contact_forces{arrow(9), kContactColor, true};
   Glyphs layer_points{sphere(), kForceLayerColor, false};
@@ -206,9 +213,9 @@ Stage::Stage(const ViewScene& scene, const PicturePlan& plan, vtkRenderer* world
   build_change(plan.change);
   build_part();
   for (Glyphs* glyphs : actors_->glyphs()) marks_->AddActor(glyphs->actor);
-  actors_->measurement = line_actor(PolyData::New(), kMeasureColor, 2.5 * scale_);
-  actors_->measurement->GetProperty()->SetPointSize(static_cast<float>(9 * scale_));
-  marks_->AddActor(actors_->measurement);
+  actors_->clearance = places_actor(kClearanceColor, 4, scale_);
+  actors_->measurement = places_actor(kMeasureColor, 2.5, scale_);
+  for (const Actor& actor : {actors_->clearance, actors_->measurement}) marks_->AddActor(actor);
   for (vtkRenderer* renderer : {world_, marks_}) {
     vtkNew<vtkLight> light;
     light->SetLightTypeToCameraLight();
@@ -427,6 +434,7 @@ void Stage::show(const ItemSet& shown) {
   shown_ = shown;
   show_layers();
   set(a.shell, Item::kShell);
+  set(a.clearance, Item::kContacts);
   for (const Glyphs* glyphs : a.glyphs()) set(glyphs->actor, Item::kContacts);
 }
 
@@ -557,6 +565,10 @@ void Stage::place_net_force(const glm::dvec3& at_m, const glm::dvec3& direction,
   }
 }
 
+void Stage::place_clearance(const std::vector<glm::dvec3>& places_m) {
+  replace_data(actors_->clearance, places_and_line(places_m, scene_.origin_m));
+}
+
 void Stage::place_measurement(const std::vector<glm::dvec3>& places_m) {
   replace_data(actors_->measurement, places_and_line(places_m, scene_.origin_m));
 }
@@ -568,7 +580,11 @@ void place_moment(Stage& stage, const ViewScene& scene, const Moment& moment) {
   }
   if (!scene.shell) return;
   const double radius_m = scene.shell->header().bounding_radius_m;
-  stage.place_contacts(moment.contacts, 0.03 * radius_m, arrow_scale(scene));
+  const ContactView& contacts = moment.contacts;
+  stage.place_contacts(contacts, 0.03 * radius_m, arrow_scale(scene));
+  const bool measured = contacts.clearance_m && !contacts.at_least;
+  stage.place_clearance(measured ? std::vector{contacts.nearest_m, contacts.nearest_scene_m}
+                                 : std::vector<glm::dvec3>());
   const glm::dvec3 force_n = moment.on_hand ? moment.on_hand->force_n : glm::dvec3(0);
   constexpr double kLeastForceN = 0.005;  // less is said as 0.00 N
   stage.place_net_force(world_from_center(moment.world_from_part, *scene.shell).position_m, force_n,

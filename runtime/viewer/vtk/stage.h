@@ -54,6 +54,8 @@ class Stage {
   void place_contacts(const ContactView& contacts, double dot_m, double per_depth);
   // The force on the hand as one arrow of `length_m` at the part's centroid; zero hides it.
   void place_net_force(const glm::dvec3& at_m, const glm::dvec3& direction, double length_m);
+  // The line of a clearance: its two places in the world; none hides it.
+  void place_clearance(const std::vector<glm::dvec3>& places_m);
   // Up to two places in the world, with a line between two of them.
   void place_measurement(const std::vector<glm::dvec3>& places_m);
 
