@@ -69,6 +69,18 @@ TEST(StepLosses, AConstructiveSolidThatIsNotUnderstood) {
   expect_in("1 solid: #9001 BLOCK 'block'", step_error(alone));
 }
 
+TEST(StepLosses, ASurfaceThatStandsAlone) {
+  const std::string text =
+      with_entities(with_item(step_box(), "#9005"),
+                    std::string(kFrame) +
+                        "#9001=PLANE('',#9002);\n"
+                        "#9005=RECTANGULAR_TRIMMED_SURFACE('lid',#9001,0.,5.,0.,5.,.T.,.T.);\n");
+  expect_in("1 solid: #9005 RECTANGULAR_TRIMMED_SURFACE 'lid'", step_error(text));
+  const std::string in_a_set =
+      with_entities(replaced(text, R"(,#9005\))", ",#9006)"), "#9006=GEOMETRIC_SET('',(#9005));\n");
+  EXPECT_EQ(step_error(in_a_set), "");
+}
+
 TEST(StepLosses, ASolidOfANewerSchema) {
   const std::string text =
       with_entities(with_item(step_box(), "#9001"),
@@ -96,6 +108,12 @@ TEST(StepLosses, DamagedFacesShellsAndSolids) {
   expect_in("1 of 6 faces: #17 ADVANCED_FACE",
             step_error(replaced(box, R"(#17 = ADVANCED_FACE\('',\(#\d+\))",
                                 "#17 = ADVANCED_FACE('',(#9999)")));
+  // What is no number would count as 0.
+  for (const std::string no_number : {"$$", "'x'", "#11", "(30.)"}) {
+    expect_in(
+        "1 damaged entity: #196 CARTESIAN_POINT",
+        step_error(replaced(box, R"(\('',\(10.,20.,30.\)\))", "('',(10.,20.," + no_number + "))")));
+  }
   // A face that its shell does not list.
   expect_in("1 of 6 faces: #17 ADVANCED_FACE",
             step_error(replaced(box, R"(CLOSED_SHELL\('',\(#17,)", "CLOSED_SHELL('',(")));
