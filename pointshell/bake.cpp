@@ -26,30 +26,41 @@
 namespace forcelayer::pointshell {
 namespace {
 
-// The stages of a bake and about which share of its processor time each takes, between scanned and
-// machined parts: at full effort, at fast effort, with voxel centers (tests/bench/progress.md).
+// The stages of a bake and about which share of its processor time each takes
+// (tests/bench/progress.md): at full effort, at fast effort, with voxel centers; and of a part of
+// few triangles, on whose flat faces points are spread soon and the proof takes longest.
 struct StageShare {
   const char* stage;
   double full, fast, centers;
+  double few_full, few_fast, few_centers;
 };
-constexpr StageShare kStageShares[] = {{"orientation", 0.02, 0.03, 0.03},
-                                       {"points", 0.66, 0.35, 0.2},
-                                       {"hidden", 0, 0, 0.02},
-                                       {"corners", 0.115, 0.195, 0},
-                                       {"order", 0, 0, 0.015},
-                                       {"losses", 0.16, 0.315, 0.435},
-                                       {"normals", 0.035, 0.085, 0.255},
-                                       {"weights", 0.01, 0.025, 0.045}};
+constexpr StageShare kStageShares[] = {{"orientation", 0.02, 0.03, 0.03, 0.01, 0.01, 0.01},
+                                       {"points", 0.66, 0.35, 0.2, 0.36, 0.21, 0.16},
+                                       {"hidden", 0, 0, 0.02, 0, 0, 0},
+                                       {"corners", 0.115, 0.195, 0, 0.11, 0.16, 0},
+                                       {"order", 0, 0, 0.015, 0, 0, 0.02},
+                                       {"losses", 0.16, 0.315, 0.435, 0.49, 0.57, 0.65},
+                                       {"normals", 0.035, 0.085, 0.255, 0.02, 0.035, 0.13},
+                                       {"weights", 0.01, 0.025, 0.045, 0.01, 0.015, 0.03}};
 
-double share_of(const StageShare& stage, const ShellOptions& options) {
-  if (options.method == ShellMethod::kVoxelCenters) return stage.centers;
-  return options.effort == sample::Effort::kFast ? stage.fast : stage.full;
+// 1 where there are no triangles to speak of beside the points, 0 where there are many.
+double fewness(const part::Part& part, double radius) {
+  constexpr double kHalf = 1 / 15.0;  // triangles a point
+  const double points = planar_bound(part::area(part), radius);
+  return 1 / (1 + static_cast<double>(part.triangles.size()) / (kHalf * points));
+}
+
+double share_of(const StageShare& stage, const ShellOptions& options, double few) {
+  const auto mean = [few](double usual, double of_few) { return usual + few * (of_few - usual); };
+  if (options.method == ShellMethod::kVoxelCenters) return mean(stage.centers, stage.few_centers);
+  if (options.effort == sample::Effort::kFast) return mean(stage.fast, stage.few_fast);
+  return mean(stage.full, stage.few_full);
 }
 
 class Stages {
  public:
-  Stages(const ShellOptions& options, BakedShell& shell, const BakeProgress& progress)
-      : options_(options), shell_(shell), progress_(progress) {}
+  Stages(const ShellOptions& options, double few, BakedShell& shell, const BakeProgress& progress)
+      : options_(options), few_(few), shell_(shell), progress_(progress) {}
 
   void begin(const std::string& name) {
     end();
@@ -57,7 +68,7 @@ class Stages {
     started_ = std::chrono::steady_clock::now();
     before_ = 0;
     for (const StageShare& stage : kStageShares) {
-      share_ = share_of(stage, options_);
+      share_ = share_of(stage, options_, few_);
       if (name == stage.stage) break;
       before_ += share_;
     }
@@ -79,6 +90,7 @@ class Stages {
 
  private:
   const ShellOptions& options_;
+  const double few_;
   BakedShell& shell_;
   const BakeProgress& progress_;
   std::string name_;
@@ -276,9 +288,9 @@ certificate::CoveredPart covered_by(const Share& share, double radius, double vo
 Result<BakedShell> bake(part::Part part, const ShellOptions& options,
                         const BakeProgress& progress) {
   BakedShell shell;
-  Stages stages(options, shell, progress);
   const bool on_lattice = options.method == ShellMethod::kVoxelCenters;
   double radius = requested_covering_radius(options);
+  Stages stages(options, fewness(part, radius), shell, progress);
 
   stages.begin("orientation");
   std::vector<part::CopiedGroup> groups;  // voxel centers of a copy are no copies

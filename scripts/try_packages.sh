@@ -24,7 +24,7 @@ in_tree() {
   # shellcheck disable=SC2086  # options are words
   mmdebstrap --quiet --variant=minbase --skip=check/empty ${MMDEBSTRAP_OPTIONS:-} "$@" \
     --customize-hook="copy-in $scratch/project $scratch/$name.sh /tmp" \
-    --customize-hook="chroot \"\$1\" sh -eu /tmp/$name.sh" \
+    --customize-hook="chroot \"\$1\" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin sh -eu /tmp/$name.sh" \
     --customize-hook="copy-out /tmp/project/baked /tmp/project/pictures $scratch/project" \
     bookworm /dev/null
   [ -z "${PICTURES:-}" ] || { mkdir -p "$PICTURES/$name" && cp -r "$scratch/project/pictures/." "$PICTURES/$name"; }
@@ -115,6 +115,9 @@ voxcheck bay.vox part.pshell run.csv --exact bay.json --part part.obj --units mm
 grep forcelayer-tools said.txt
 forcelayer study "sample_data/gearbox.glb#Pin" --voxel-size 1mm --pull 0,0,60mm -o pin 2>said.txt && exit 1
 grep forcelayer-tools said.txt
+# Removed, it leaves nothing.
+dpkg --remove forcelayer-runtime
+if find /usr /etc -name '*forcelayer*' -o -name 'voxrun*' -o -name 'voxcheck*' | grep .; then exit 1; fi
 SCRIPT
 }
 

@@ -26,7 +26,7 @@ Status check_end(const Problem& problem, const Pose& pose, const char* option, R
                              object.empty() ? "the scene" : escaped(object).c_str(),
                              std::floor(1e6 * std::max(0.0, worst.clearance_m)) / 1e3),
                "ask for a smaller --clearance, --allow that object, or bake with smaller voxels: "
-               "beside objects of the seat up to 1.8 voxels less are proven"};
+               "beside objects of the seat up to 1.7 voxels less are proven"};
 }
 
 // Where a path that does not prove clear is worst, first: of the centroid frame.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <glm/geometric.hpp>
+#include <utility>
 
 #include "runtime/clearance/share_out.h"
 #include "runtime/voxplan/hand.h"
@@ -56,7 +57,7 @@ Result<SearchResult> search(const Problem& problem, const Destination& goal,
   SearchResult result;
   // All hands do the same work in a round, so that the clock does not choose the way.
   if (Status s = take_proven(hands, request, result); !s) return s.error();
-  std::uint64_t round = 0, next_note = 0;
+  std::uint64_t round = 0, next_note = 0, last_tested = 0;
   while (!result.found && request.clock_s() < end_s) {
     clearance::share_out(std::min<unsigned>(request.threads, kHands), kHands,
                          [&](std::size_t, std::size_t n) {
@@ -70,6 +71,10 @@ Result<SearchResult> search(const Problem& problem, const Destination& goal,
       result.out_m = std::max(result.out_m, hand->out_m());
     }
     if (Status s = take_proven(hands, request, result); !s) return s.error();
+    // Planners give up at once where the start itself is refused: more time would find nothing.
+    std::uint64_t tested = 0;
+    for (const auto& hand : hands) tested += hand->poses_tested();
+    if (std::exchange(last_tested, tested) == tested) break;
     if (request.progress) {
       request.progress(std::min(1.0, (request.clock_s() - begin_s) / request.most_s), result.out_m);
     }

@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 
 #include "runtime/clearance/path_check.h"
+#include "runtime/coupling/coupling.h"
 #include "runtime/field/field_probe.h"
 #include "runtime/voxplan/pose_check.h"
 #include "runtime/voxplan/search.h"
@@ -202,6 +203,42 @@ TEST(Search, GoesOnWhereAWayDoesNotProveClear) {
   ASSERT_TRUE(result) << to_line(result.error());
   EXPECT_FALSE(result->found);
   EXPECT_GT(result->refused, 0u);
+}
+
+// OMPL's trees ask for no less: a pose that is apart from itself was freed twice.
+TEST(PoseDistance, IsAMetricAndNothingFromAPoseToItself) {
+  voxplan::Random random(9);
+  const auto any = [&] {
+    return Pose{{random.normal(), random.normal(), random.normal()}, random.orientation()};
+  };
+  for (int n = 0; n < 2000; ++n) {
+    const Pose a = any(), b = any(), c = any();
+    const auto apart = [](const Pose& p, const Pose& q) {
+      return voxplan::pose_distance_m(p, q, 0.7);
+    };
+    EXPECT_EQ(apart(a, a), 0) << n;
+    EXPECT_EQ(apart(a, {a.position_m, -a.orientation}), 0) << n;
+    EXPECT_EQ(apart(a, b), apart(b, a)) << n;
+    EXPECT_LE(apart(a, c), (apart(a, b) + apart(b, c)) * (1 + 1e-12)) << n;
+    // Next to a pose as far as half the turn, as OMPL has it.
+    const double turn_rad = random.between(0, 0.1);
+    const Pose turned{a.position_m,
+                      coupling::rotation_by(turn_rad * random.direction()) * a.orientation};
+    EXPECT_NEAR(apart(a, turned), 0.7 * turn_rad / 2, 1e-4 * turn_rad) << n;
+  }
+}
+
+// From a start at which the part may not be no planner explores.
+TEST(Search, EndsAtOnceWhereTheStartIsRefused) {
+  Bench bench(0.03);
+  bench.problem.clearance_m = 0.05;  // more than there is
+  const auto goal = voxplan::Destination::out_of_scene(bench.problem);
+  voxplan::SearchRequest request;
+  request.most_s = 60;
+  const auto result = voxplan::search(bench.problem, goal, request);
+  ASSERT_TRUE(result) << to_line(result.error());
+  EXPECT_FALSE(result->found);
+  EXPECT_LT(result->seconds, 20);
 }
 
 // A pin in a hole, of whose floors some are tilted along it, as at the hole's edges.
