@@ -144,18 +144,17 @@ NodesToRead nodes_to_read(const SourceFile& file, std::span<const AssemblyNode> 
   };
   auto chosen = choose_nodes(file.options.nodes, nodes);
   if (!chosen) fail(chosen.error());
-  NodesToRead to_read{std::move(*chosen), {}, {}};
-  std::vector<bool> is_out(nodes.size());
+  NodesToRead to_read{std::move(*chosen), std::vector<bool>(nodes.size()), {}, {}};
   for (const std::string& list : file.options.without) {
     for (const std::string& name : names_in(list)) {
       const std::vector<std::size_t> found = nodes_of(name, nodes);
       if (is_ambiguous(name, found)) fail(several("--without " + name, found, nodes));
       (found.empty() ? to_read.unknown : to_read.left_out).push_back(name);
-      for (const std::size_t node : found) mark_sub_tree(node, nodes, is_out);
+      for (const std::size_t node : found) mark_sub_tree(node, nodes, to_read.is_left_out);
     }
   }
   for (std::size_t i = 0; i < nodes.size(); ++i) {
-    if (is_out[i]) to_read.is_read[i] = false;
+    if (to_read.is_left_out[i]) to_read.is_read[i] = false;
   }
   return to_read;
 }

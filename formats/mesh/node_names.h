@@ -36,6 +36,7 @@ Result<std::vector<bool>> choose_nodes(std::span<const std::string> names,
 // The nodes of a file that its options ask for.
 struct NodesToRead {
   std::vector<bool> is_read;          // [nodes]
+  std::vector<bool> is_left_out;      // [nodes] by ReadOptions::without
   std::vector<std::string> left_out;  // names of ReadOptions::without that name a node
   std::vector<std::string> unknown;   // and the others
 };

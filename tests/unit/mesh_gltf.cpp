@@ -296,8 +296,12 @@ TEST(GltfReader, AppliesTheDefaultWeightsOfMorphTargets) {
   EXPECT_EQ(corners_in(morphing_points("")), (Corners{{kO, kX, kY}, {kO, kY, kXY}, {kO, kXY, kZ}}));
   const Handmade morphed = morphing_points(R"(,"weights":[0.5,0.25])");
   EXPECT_EQ(corners_in(morphed), (Corners{{kO, {1, 0, 1}, kY}, {kO, kY, kXY}, {kO, kXY, kZ}}));
-  ASSERT_EQ(morphed.read()->warnings.size(), 1u);
-  EXPECT_NE(morphed.read()->warnings[0].find("default shape"), std::string::npos);
+  EXPECT_EQ(morphed.read()->warnings,
+            (std::vector<std::string>{
+                "node0: morph targets applied with their default weights 0.5, 0.25"}));
+  EXPECT_EQ(
+      morphing_points(R"(,"weights":[0,0])").read()->warnings,
+      (std::vector<std::string>{"node0: morph targets left out: their default weights are zero"}));
 }
 
 // A node may have weights of its own: then the mesh stands there in another shape.
@@ -313,6 +317,10 @@ TEST(GltfReader, TakesTheWeightsOfANodeBeforeThoseOfItsMesh) {
   ASSERT_EQ(assembly->meshes.size(), 2u);
   EXPECT_EQ(assembly->meshes[0].vertices[1], (mesh::Vec3d{1, 0, 4}));
   EXPECT_EQ(assembly->meshes[1].vertices[1], (mesh::Vec3d{1, 0, 2}));
+  EXPECT_EQ(
+      assembly->warnings,
+      (std::vector<std::string>{"node0: morph targets applied with their default weights 0, 1",
+                                "node1: morph targets applied with their default weights 0, 0.5"}));
 }
 
 TEST(GltfReader, NamesTheNodesWithASkin) {

@@ -69,6 +69,18 @@ TEST(StepLosses, AConstructiveSolidThatIsNotUnderstood) {
   expect_in("1 solid: #9001 BLOCK 'block'", step_error(alone));
 }
 
+TEST(StepLosses, ASurfaceThatStandsAlone) {
+  const std::string text =
+      with_entities(with_item(step_box(), "#9005"),
+                    std::string(kFrame) +
+                        "#9001=PLANE('',#9002);\n"
+                        "#9005=RECTANGULAR_TRIMMED_SURFACE('lid',#9001,0.,5.,0.,5.,.T.,.T.);\n");
+  expect_in("1 solid: #9005 RECTANGULAR_TRIMMED_SURFACE 'lid'", step_error(text));
+  const std::string in_a_set =
+      with_entities(replaced(text, R"(,#9005\))", ",#9006)"), "#9006=GEOMETRIC_SET('',(#9005));\n");
+  EXPECT_EQ(step_error(in_a_set), "");
+}
+
 TEST(StepLosses, ASolidOfANewerSchema) {
   const std::string text =
       with_entities(with_item(step_box(), "#9001"),
@@ -96,6 +108,12 @@ TEST(StepLosses, DamagedFacesShellsAndSolids) {
   expect_in("1 of 6 faces: #17 ADVANCED_FACE",
             step_error(replaced(box, R"(#17 = ADVANCED_FACE\('',\(#\d+\))",
                                 "#17 = ADVANCED_FACE('',(#9999)")));
+  // What is no number would count as 0.
+  for (const std::string no_number : {"$$", "'x'", "#11", "(30.)"}) {
+    expect_in(
+        "1 damaged entity: #196 CARTESIAN_POINT",
+        step_error(replaced(box, R"(\('',\(10.,20.,30.\)\))", "('',(10.,20.," + no_number + "))")));
+  }
   // A face that its shell does not list.
   expect_in("1 of 6 faces: #17 ADVANCED_FACE",
             step_error(replaced(box, R"(CLOSED_SHELL\('',\(#17,)", "CLOSED_SHELL('',(")));
@@ -199,6 +217,33 @@ TEST(IgesLosses, AnEdgeThatLeavesItsFacesIsTold) {
   ASSERT_EQ(box->warnings.size(), 1u);
   expect_in("an edge lies up to 10 mm from its faces", box->warnings[0]);
   EXPECT_GE(box->deviation_units, 10);
+  // A listing takes the size of the shape from its triangles: the box of the edge is 40 m large.
+  mesh::ReadOptions listing;
+  listing.deflection_m = mesh::kDeflectionBySize;
+  const auto listed = mesh::read_assembly((folder / "a.igs").string(), listing);
+  ASSERT_TRUE(listed) << to_line(listed.error());
+  EXPECT_EQ(listed->warnings, box->warnings);
+}
+
+// The line ends 0.9 mm beside the corner, and the reader bends it.
+TEST(IgesLosses, ASewnEdgeThatLeavesItsFacesIsTold) {
+  const ScratchFolder folder;
+  const std::string text = with_parameters(iges_box(false), 11, "110,0.,20.,0.,0.,0.,0.9;");
+  mesh::ReadOptions options;
+  options.deflection_m = 5e-5;
+  const auto box = mesh::read_assembly(write_file(folder / "a.igs", text), options);
+  ASSERT_TRUE(box) << to_line(box.error());
+  ASSERT_GE(box->warnings.size(), 1u);
+  expect_in(
+      "6 loose faces sewn where edges are within 0.05 mm of each other; the joined edges lie up to "
+      "0.473 mm from their faces, and the guarantee is less by it; look whether an edge is damaged",
+      box->warnings[0]);
+  EXPECT_GE(box->deviation_units, 0.472);
+}
+
+TEST(IgesLosses, AFaceWithoutEdgesHasNoPlace) {
+  const std::string text = with_parameters(iges_box(false), 15, "110,0.,0.,40.,0.,20.,30.;");
+  expect_in("COMPOUND, a face without edges, whose place is unknown", iges_error(text));
 }
 
 TEST(IgesLosses, LooseFacesAreSewnIntoAClosedSurface) {
@@ -211,9 +256,12 @@ TEST(IgesLosses, LooseFacesAreSewnIntoAClosedSurface) {
   EXPECT_TRUE(facts.closed);
   EXPECT_NEAR(std::abs(facts.signed_volume), std::numbers::pi * 10 * 10 * 30, 100);
   ASSERT_EQ(rod->warnings.size(), 1u);
-  EXPECT_NE(rod->warnings[0].find("3 loose faces sewn where edges are within 0.1 mm"),
+  EXPECT_NE(rod->warnings[0].find(
+                "3 loose faces sewn where edges are within 0.1 mm of each other; the joined "
+                "edges lie up to 1e-07 mm from their faces"),
             std::string::npos)
       << rod->warnings[0];
+  EXPECT_EQ(rod->warnings[0].find("damaged"), std::string::npos);
   EXPECT_LT(rod->deviation_units, 0.11);  // a deflection, and gaps of next to nothing
 }
 

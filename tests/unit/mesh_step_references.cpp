@@ -90,6 +90,34 @@ TEST_F(StepReferences, ADamagedFileIsNamedWithItsNode) {
                "damaged entity");
 }
 
+TEST_F(StepReferences, OfNodesThatAreLeftOutNeedNoFile) {
+  mesh::ReadOptions options;
+  options.without = {"rod_1"};
+  const auto whole = mesh::read_assembly((home_ / "whole.step").string(), options);
+  ASSERT_TRUE(whole) << to_line(whole.error());
+  const std::string rod = read_text(home_ / "rod.stp");
+  for (const bool is_missing : {true, false}) {
+    fs::remove(home_ / "rod.stp");
+    if (!is_missing) write_file(home_ / "rod.stp", rod.substr(0, rod.size() / 2));
+    for (const char* name : {"rod_1", "rod-assembly_1"}) {
+      options.without = {name};
+      const auto parts = mesh::read_assembly(main(), options);
+      ASSERT_TRUE(parts) << to_line(parts.error());
+      EXPECT_EQ(parts->left_out, options.without);
+      if (options.without.front() == "rod_1") {
+        EXPECT_EQ(corners_of(*parts), corners_of(*whole));
+      }
+    }
+    // A name that may be one of the file that is not there.
+    for (const char* name : {"nut_2", "inner"}) {
+      options.without = {name};
+      const auto parts = mesh::read_assembly(main(), options);
+      ASSERT_FALSE(parts);
+      EXPECT_EQ(parts.error().where, "clamp/rod-assembly_1/rod_1") << to_line(parts.error());
+    }
+  }
+}
+
 TEST_F(StepReferences, AreFoundInFoldersAndByNameAlone) {
   fs::create_directory(home_ / "parts");
   fs::rename(home_ / "nut.stp", home_ / "parts" / "nut.stp");

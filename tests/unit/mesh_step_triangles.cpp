@@ -112,6 +112,12 @@ TEST(StepTriangles, ThatAreDamagedOrNowhereAreNamed) {
     expect_lost(with_entities(without_box("#9104"), damaged + shape), lost);
   }
   expect_lost(with_entities(step_box(), kTetrahedron), lost);  // no shape lists it
+  for (const char* no_point : {"$1(0.,0.,$$)", "$1(0.,0.,'x')"}) {
+    const std::string damaged =
+        replaced(kTetrahedron, R"((COORDINATES_LIST\('',4,\()\([^)]*\))", no_point);
+    expect_lost(with_entities(without_box("#9104"), damaged + shape),
+                "1 damaged entity: #9101 COORDINATES_LIST");
+  }
   const std::string of_itself = replaced(kTetrahedron, R"(\(#9102\))", "(#9103)");
   expect_lost(with_entities(without_box("#9104"), of_itself + shape), "#9103 TESSELLATED_SOLID");
 }

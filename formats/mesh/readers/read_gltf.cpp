@@ -6,6 +6,7 @@
 #include <set>
 #include <sstream>
 
+#include "formats/mesh/grouped_warnings.h"
 #include "formats/mesh/reader.h"
 #include "formats/mesh/readers/draco_stream.h"
 #include "formats/mesh/readers/gltf_document.h"
@@ -22,6 +23,20 @@ struct MorphTarget {
   double weight;
   friend auto operator<=>(const MorphTarget&, const MorphTarget&) = default;
 };
+
+std::string morph_warning(const std::vector<double>& weights) {
+  constexpr std::size_t kListed = 8;
+  if (std::all_of(weights.begin(), weights.end(), [](double weight) { return weight == 0; })) {
+    return "morph targets left out: their default weights are zero";
+  }
+  std::ostringstream text;
+  text << "morph targets applied with their default weights ";
+  for (std::size_t n = 0; n < std::min(weights.size(), kListed); ++n) {
+    text << (n == 0 ? "" : ", ") << weights[n];
+  }
+  if (weights.size() > kListed) text << ", ...";
+  return text.str();
+}
 
 // The triangles of one glTF mesh, with these weights of its morph targets.
 class MeshReader {
@@ -227,6 +242,9 @@ class GltfReader {
     const auto [known, is_new] = meshes_.try_emplace({placing.mesh, placing.weights}, kNoTriangles);
     if (is_new) known->second = read_mesh(placing.mesh, placing.weights);
     if (known->second == kNoTriangles) return;
+    if (morphing_meshes_.contains(placing.mesh)) {
+      morph_warnings_.add(placing.path, morph_warning(placing.weights));
+    }
     assembly_.instances.push_back({known->second, placing.path, placing.assembly_from_mesh});
     nodes_of_instances_.push_back(placing.node);
   }
@@ -234,7 +252,7 @@ class GltfReader {
   std::uint32_t read_mesh(std::uint64_t index, const std::vector<double>& weights) {
     MeshReader reader(document_, index, weights);
     lines_and_points_ += reader.lines_and_points();
-    morphed_ += reader.has_morph_targets() ? 1 : 0;
+    if (reader.has_morph_targets()) morphing_meshes_.insert(index);
     has_integer_positions_ = has_integer_positions_ || reader.has_integer_positions();
     if (reader.quantization() &&
         (!quantization_ || quantization_->step < reader.quantization()->step)) {
@@ -253,10 +271,7 @@ class GltfReader {
       warnings.push_back(counted(lines_and_points_, "primitive") +
                          " of points or lines left out: they have no surface");
     }
-    if (morphed_ > 0) {
-      warnings.push_back(counted(morphed_, "mesh") +
-                         " with morph targets: read in the default shape");
-    }
+    for (std::string& line : morph_warnings_.lines()) warnings.push_back(std::move(line));
     if (has_integer_positions_) {
       warnings.push_back(
           "positions are stored as rounded integers (KHR_mesh_quantization); declare what the "
@@ -273,8 +288,9 @@ class GltfReader {
   std::vector<std::size_t> nodes_of_instances_;  // [instances]
   // A glTF mesh with its weights to Assembly::meshes.
   std::map<std::pair<std::uint64_t, std::vector<double>>, std::uint32_t> meshes_;
-  std::uint64_t lines_and_points_ = 0;  // primitives
-  std::uint64_t morphed_ = 0;           // meshes
+  std::uint64_t lines_and_points_ = 0;       // primitives
+  std::set<std::uint64_t> morphing_meshes_;  // glTF meshes with morph targets
+  GroupedWarnings morph_warnings_{"nodes"};
   bool has_integer_positions_ = false;
   std::optional<DracoQuantization> quantization_;  // the coarsest
 };

@@ -30,7 +30,7 @@ using Clock = std::chrono::steady_clock;
 constexpr const char* kChildOption = "--read-mesh-for-sandbox";
 constexpr int kResultDescriptor = 3;
 constexpr int kNotStarted = 127;
-constexpr int kToldAfterS = 60;  // without a word from the child
+constexpr int kToldAfterS = 20;  // without a word from the child
 
 // Sanitizers reserve terabytes of addresses, so a limit on addresses would stop them.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
@@ -104,11 +104,15 @@ Error too_late(const std::string& path, const SandboxLimits& limits) {
 
 // Nobody knows beforehand how long OpenCASCADE takes for a file, so a long wait is told. It goes
 // on.
-void tell_if_slow(int result, const std::string& path) {
+void tell_if_slow(int result, const std::string& path, const ReadOptions& options) {
   pollfd first_bytes{result, POLLIN, 0};
   if (::poll(&first_bytes, 1, 1000 * kToldAfterS) != 0) return;
-  command::tell_waiting(path + " has been read for a minute; Ctrl-C stops it, and --sandbox-time " +
-                        "5min sets a limit");
+  std::string text = path + " has been read for " + std::to_string(kToldAfterS) + " s";
+  if (may_crash_its_reader(path) && options.deflection_m > 0) {
+    text += ": its surfaces are tessellated to " + exact_text(1e3 * options.deflection_m) +
+            " mm (in a bake a hundredth of a voxel); coarser is faster";
+  }
+  command::tell_waiting(text + "; Ctrl-C stops it, and --sandbox-time 5min sets a limit");
 }
 
 // The error for a child that ended with this status and sent no mesh.
@@ -198,7 +202,7 @@ Result<Assembly> read_in_sandbox(const std::string& path, const ReadOptions& opt
   }
   const auto deadline = Clock::now() + std::chrono::duration_cast<Clock::duration>(
                                            std::chrono::duration<double>(limits.time_s));
-  if (limits.time_s > kToldAfterS) tell_if_slow(pipe[0], path);
+  if (limits.time_s > kToldAfterS) tell_if_slow(pipe[0], path, options);
   ReceivedAssembly received = receive_assembly(pipe[0], limits.memory_bytes, deadline);
   ::close(pipe[0]);
   ::kill(child, SIGKILL);  // no effect on a child that has ended

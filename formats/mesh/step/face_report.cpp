@@ -17,6 +17,7 @@ std::string length_text(double length_mm) {
 }
 
 std::string place_text(const MissingFace& face) {
+  if (face.size == 0) return face.node + ", a face without edges, whose place is unknown";
   char place[160];
   std::snprintf(place, sizeof place, " at (%.6g, %.6g, %.6g) mm, ", face.center[0], face.center[1],
                 face.center[2]);
@@ -36,8 +37,12 @@ void add_face_warnings(const Tessellation& tessellation, const std::string& path
   if (tessellation.sewn > 0) {
     warnings.push_back(
         path + ": " + counted(tessellation.sewn, "loose face") + " sewn where edges are within " +
-        length_text(tessellation.sewing_tolerance_mm) + " of each other; the largest gap is " +
-        length_text(tessellation.sewn_gap_mm));
+        length_text(tessellation.sewing_tolerance_mm) +
+        " of each other; the joined edges lie up to " + length_text(tessellation.sewn_gap_mm) +
+        " from their faces, and the guarantee is less by it" +
+        (tessellation.sewn_gap_mm > kNotableGap * tessellation.wanted_deflection_mm
+             ? "; look whether an edge is damaged"
+             : ""));
   }
   if (tessellation.edge_gap_mm > kNotableGap * tessellation.wanted_deflection_mm) {
     warnings.push_back(path + ": an edge lies up to " + length_text(tessellation.edge_gap_mm) +

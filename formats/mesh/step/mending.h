@@ -19,7 +19,7 @@ TopoDS_Shape mend_face(const TopoDS_Face& face, const Handle(ShapeBuild_ReShape)
 struct SewnShape {
   TopoDS_Shape shape;
   std::uint64_t faces = 0;  // that were loose
-  double gap_mm = 0;        // the largest that was closed, as the tolerances of the edges say
+  double gap_mm = 0;        // how far a joined edge may be from its faces, by its tolerance
 };
 
 // Joins the faces of `shape` that are in no shell, as IGES has them, where their edges are within

@@ -103,7 +103,7 @@ class StepReader {
     const OpenFile& top = open(file_, "");
     chain_.push_back(&top);
     add_level(top, roots_of(top), nullptr, Affine{});
-    NodesToRead to_read = nodes_to_read(file_, names_);
+    NodesToRead to_read = choose_readable();
     for (std::size_t i = 0; i < names_.size(); ++i) {
       if (to_read.is_read[i]) place(i);
     }
@@ -126,6 +126,22 @@ class StepReader {
   }
 
  private:
+  // A file that cannot be read is an error unless the nodes that need it are left out. Nobody knows
+  // which names its nodes have: a name that fits nothing may be one of them.
+  NodesToRead choose_readable() const {
+    NodesToRead to_read;
+    try {
+      to_read = nodes_to_read(file_, names_);
+    } catch (const ReadFailure&) {
+      if (!unread_.empty()) throw ReadFailure(unread_.front().second);
+      throw;
+    }
+    for (const auto& [node, failure] : unread_) {
+      if (!to_read.is_left_out[node]) throw ReadFailure(failure);
+    }
+    return to_read;
+  }
+
   void add_level(const OpenFile& file, const TDF_LabelSequence& labels, const AssemblyNode* parent,
                  const Affine& assembly_from_parent) {
     std::set<std::string> used;
@@ -150,7 +166,13 @@ class StepReader {
         refers ? compose(assembly_from_parent, affine_of(XCAFDoc_ShapeTool::GetLocation(label)))
                : assembly_from_parent;
     const std::size_t files = chain_.size();
-    const TDF_LabelSequence components = follow_references(product, placing, node.path);
+    TDF_LabelSequence components;
+    try {
+      components = follow_references(product, placing, node.path);
+    } catch (const ReadFailure& failure) {
+      if (file_.options.without.empty()) throw;
+      unread_.emplace_back(names_.size(), failure);
+    }
     names_.push_back(node);
     products_.push_back(product);
     placings_.push_back(placing);
@@ -296,7 +318,8 @@ class StepReader {
   std::map<std::filesystem::path, std::unique_ptr<OpenFile>> files_;
   std::vector<const OpenFile*> chain_;  // from the top file to that of the node in hand
   std::set<std::string> warned_of_;     // files and products
-  std::vector<AssemblyNode> names_;     // of all nodes, each before its children
+  std::vector<std::pair<std::size_t, ReadFailure>> unread_;  // nodes whose files cannot be read
+  std::vector<AssemblyNode> names_;  // of all nodes, each before its children
   std::vector<Product> products_;
   std::vector<Affine> placings_;
   std::map<std::pair<const OpenFile*, std::string>, TessellatedProduct> products_done_;

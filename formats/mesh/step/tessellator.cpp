@@ -52,12 +52,25 @@ LostFace lost_face(const TopoDS_Face& face) {
 }
 
 // ReadOptions::deflection_m of kDeflectionBySize.
-double deflection_by_size_mm(const TopoDS_Shape& shape) {
+double deflection_by_size_mm(double diagonal_mm) {
   constexpr double kFinest = 0.1, kShare = 1e-4;
+  return std::max(kFinest, kShare * diagonal_mm);
+}
+
+double deflection_by_size_mm(const TopoDS_Shape& shape) {
   Bnd_Box box;
   BRepBndLib::Add(shape, box, false);
-  if (box.IsVoid() || box.IsOpen()) return kFinest;
-  return std::max(kFinest, kShare * box.CornerMin().Distance(box.CornerMax()));
+  if (box.IsVoid() || box.IsOpen()) return deflection_by_size_mm(0);
+  return deflection_by_size_mm(box.CornerMin().Distance(box.CornerMax()));
+}
+
+double deflection_by_size_mm(const Mesh& mesh) {
+  const Box box = box_of(mesh, Affine{});
+  double square = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    square += std::pow(std::max(0.0, box.high[axis] - box.low[axis]), 2);
+  }
+  return deflection_by_size_mm(std::sqrt(square));
 }
 
 TopoDS_Compound compound_of(const Faces& faces) {
@@ -263,12 +276,24 @@ Tessellation StepTessellator::tessellate_sewn(const TopoDS_Shape& shape,
   return made;
 }
 
-Tessellation StepTessellator::tessellate(const TopoDS_Shape& shape, const std::string& name) {
-  const double deflection_mm = deflection_mm_ > 0 ? deflection_mm_ : deflection_by_size_mm(shape);
+Tessellation StepTessellator::tessellate_at(const TopoDS_Shape& shape, double deflection_mm) const {
   Tessellation made = tessellate_sewn(shape, deflection_mm);
   if (made.sewn == 0 || !made.lost.empty()) {
     Tessellation loose = ShapeTessellation(file_, shape, deflection_mm).best();
     if (made.sewn == 0 || loose.lost.size() < made.lost.size()) made = std::move(loose);
+  }
+  return made;
+}
+
+Tessellation StepTessellator::tessellate(const TopoDS_Shape& shape, const std::string& name) {
+  const bool by_size = deflection_mm_ == kDeflectionBySize;
+  const double deflection_mm = by_size ? deflection_by_size_mm(shape) : deflection_mm_;
+  Tessellation made = tessellate_at(shape, deflection_mm);
+  if (by_size && deflection_by_size_mm(made.mesh) < deflection_mm / 2) {
+    // The box of an edge that leads away from its faces is not the size of the shape.
+    const double finer_mm = deflection_by_size_mm(made.mesh);
+    BRepTools::Clean(shape);
+    made = tessellate_at(shape, finer_mm);
   }
   check_finite(file_, made.mesh, name);
   deviation_mm_ = std::max(deviation_mm_, made.deviation_mm);

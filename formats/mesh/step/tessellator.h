@@ -23,7 +23,7 @@ struct Tessellation {
   double dropped_reach_mm = 0;  // no point of those is farther from their edges
   std::uint64_t healed = 0;     // faces that were mended first
   std::uint64_t sewn = 0;       // loose faces that were joined first
-  double sewn_gap_mm = 0;       // the largest gap that this closed
+  double sewn_gap_mm = 0;       // how far an edge so joined may be from its faces
   double sewing_tolerance_mm = 0;
   double edge_gap_mm = 0;    // how far an edge may be from its faces, as OpenCASCADE found it
   double deflection_mm = 0;  // of the triangles, as asked of OpenCASCADE
@@ -49,6 +49,7 @@ class StepTessellator {
   double deviation_mm() const { return deviation_mm_; }
 
  private:
+  Tessellation tessellate_at(const TopoDS_Shape& shape, double deflection_mm) const;
   Tessellation tessellate_sewn(const TopoDS_Shape& shape, double deflection_mm) const;
 
   const SourceFile& file_;

@@ -8,6 +8,7 @@
 #include <StepData_StepModel.hxx>
 #include <StepData_UndefinedEntity.hxx>
 #include <StepGeom_Axis2Placement3d.hxx>
+#include <StepGeom_BoundedSurface.hxx>
 #include <StepGeom_CartesianTransformationOperator3d.hxx>
 #include <StepGeom_Curve.hxx>
 #include <StepGeom_Direction.hxx>
@@ -41,6 +42,7 @@
 #include <StepShape_Sphere.hxx>
 #include <StepShape_TopologicalRepresentationItem.hxx>
 #include <StepShape_Torus.hxx>
+#include <StepVisual_CoordinatesList.hxx>
 #include <StepVisual_TessellatedGeometricSet.hxx>
 #include <TCollection_HAsciiString.hxx>
 #include <TransferBRep.hxx>
@@ -186,6 +188,9 @@ class StepCheck {
       if (!is_in_document(entity) && !read_.contains(entity.get())) lose(entity);
     } else if (entity->IsKind(STANDARD_TYPE(StepShape_GeometricSet))) {
       if (count_faces(result_of(entity)) < surfaces_of(entity)) lose(entity);
+    } else if (entity->IsKind(STANDARD_TYPE(StepGeom_BoundedSurface))) {
+      // OpenCASCADE reads those of sets and faces, not those that a shape lists on their own.
+      if (is_item_of_shape(entity) && !is_in_document(entity)) lose(entity);
     } else if (entity->IsKind(STANDARD_TYPE(StepData_UndefinedEntity))) {
       if (!read_.contains(entity.get()) &&
           is_lost_unknown(Handle(StepData_UndefinedEntity)::DownCast(entity)))
@@ -325,7 +330,7 @@ bool is_geometry(const Entity& entity) {
        {STANDARD_TYPE(StepShape_TopologicalRepresentationItem), STANDARD_TYPE(StepGeom_Point),
         STANDARD_TYPE(StepGeom_Curve), STANDARD_TYPE(StepGeom_Surface),
         STANDARD_TYPE(StepGeom_Placement), STANDARD_TYPE(StepGeom_Direction),
-        STANDARD_TYPE(StepGeom_Vector)}) {
+        STANDARD_TYPE(StepGeom_Vector), STANDARD_TYPE(StepVisual_CoordinatesList)}) {
     if (entity->IsKind(type)) return true;
   }
   return false;
@@ -345,8 +350,8 @@ bool lacks_an_end(const Entity& entity) {
   return !item.IsNull() && item->MappingSource().IsNull();
 }
 
-// Whether OpenCASCADE's check of the text tells of a reference that leads nowhere; it also fails
-// what is harmless, such as a name that is left out.
+// Whether OpenCASCADE's check of the text tells of a reference that leads nowhere, or of what is no
+// number, which it takes for 0; it also fails what is harmless, such as a name that is left out.
 bool leads_nowhere(const Handle(StepData_StepModel) & model, Standard_Integer number) {
   const Handle(Interface_Check) check = model->Check(number, Standard_True);
   const bool may_be_odd = is_in_parameters(model->Value(number));
@@ -354,6 +359,7 @@ bool leads_nowhere(const Handle(StepData_StepModel) & model, Standard_Integer nu
     const std::string_view fail = check->CFail(i, Standard_True);
     const auto says = [&](std::string_view words) { return fail.find(words) != fail.npos; };
     if (says("nresolved") || says("Count of Parameters")) return true;
+    if (!may_be_odd && says("not a Real")) return true;
     if (!may_be_odd && (says("illegal type") || says("not an Entity") || says("not a LIST"))) {
       return true;
     }
