@@ -109,7 +109,7 @@ mkdir /tmp/work && cd /tmp/work && cp /tmp/project/baked/* .
 for command in voxrun voxcheck forcelayer; do $command --version; done
 bash /tmp/project/help_examples.sh /tmp/project/sample_data voxrun
 voxcheck bay.vox part.pshell run.csv --clearance 10mm
-# What is missing is named.
+# The package that is missing is named.
 cp -r /tmp/project/sample_data .
 voxcheck bay.vox part.pshell run.csv --exact bay.json --part part.obj --units mm 2>said.txt && exit 1
 grep forcelayer-tools said.txt
@@ -135,7 +135,7 @@ test "$(grep -c '^ *voxview' commands.sh)" = 6
 sh -eux commands.sh
 bash /tmp/project/help_examples.sh /tmp/project/sample_data voxview
 cp *.png /tmp/project/pictures
-# What is missing is named.
+# The package that is missing is named.
 voxview /tmp/project/models/featuretype.step --screenshot step.png 2>said.txt && exit 1
 grep forcelayer-tools said.txt
 SCRIPT

@@ -26,7 +26,7 @@ Status write_report(const std::string& path, const nlohmann::ordered_json& repor
 // is cut short ends the process with one line and status 1.
 void exit_cleanly_on_signals();
 
-// What they do on a signal. Async-signal-safe.
+// Their action on a signal. Async-signal-safe.
 [[noreturn]] void end_on_signal(int number);
 
 // Highest resident set of this process so far.

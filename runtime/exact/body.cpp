@@ -24,7 +24,7 @@ constexpr double kWhole = 0.2;
 // A winding number is only asked for whether it is nearer to 0: groups of triangles are dipoles
 // from two of their radii on (Barill and others 2018).
 constexpr double kFar = 2;
-// Of a length along a direction, as a share of the largest coordinate: far above it.
+// Rounding of a length along a direction, as a share of the largest coordinate: far above it.
 constexpr double kRounding = 1e-13;
 
 using Edge = std::pair<std::uint32_t, std::uint32_t>;  // low and high vertex

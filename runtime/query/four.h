@@ -15,7 +15,7 @@ inline Four load_four(const float* from) {
   return v;
 }
 
-// Of the first three.
+// The dot product of the first three.
 inline float dot3(Four a, Four b) {
   const Four product = a * b;
   return product[0] + product[1] + product[2];

@@ -86,7 +86,7 @@ class RowSkipper {
   Pieces blocks_, rows_;
   std::array<std::int32_t, 3> base_{};  // a voxel near the part since forget(): floats stay fine
   bool has_base_ = false;
-  // Of this run.
+  // The run at hand.
   const KernelMap* map_ = nullptr;
   std::array<Four, 3> turn_{}, rotation_{};  // columns
   Four fraction_{}, from_base_{};            // of the center; of its voxel

@@ -8,7 +8,6 @@
 #include <cstddef>
 #include <mutex>
 #include <span>
-#include <string>
 #include <type_traits>
 #include <vector>
 

@@ -57,7 +57,7 @@ void replace_data(const Actor& actor, const PolyData& data) {
   vtkPolyDataMapper::SafeDownCast(actor->GetMapper())->SetInputData(data);
 }
 
-// Of what lies in the plane of a cut.
+// The color of surfaces in the plane of a cut.
 Color darker(const Color& color) {
   constexpr double kShade = 0.8;
   return {kShade * color[0], kShade * color[1], kShade * color[2]};
