@@ -70,7 +70,7 @@ struct Contest {
   void run_frame(Method& method, const Pose& pose);
 
   Voxmap map;
-  std::optional<Voxmap> lean, full;  // with Euclidean layers, and with distances beside them
+  std::optional<Voxmap> lean, chebyshev;  // of the same scene, without distances
   const Pshell& shell;
   query::CollectedPoints collected;
   std::vector<std::unique_ptr<query::ContactQuery>> queries;
@@ -80,7 +80,8 @@ struct Contest {
   std::vector<Method> methods;
 };
 
-Voxmap baked(const mesh::Mesh& scene, test::VoxelKind kind = test::VoxelKind::kChebyshev) {
+// As voxelize writes it where nothing else is said.
+Voxmap baked(const mesh::Mesh& scene, test::VoxelKind kind = test::VoxelKind::kFull) {
   return stress::BakedScene(scene, kVoxelSizeM).open(kind);
 }
 
@@ -106,12 +107,10 @@ Contest::Contest(const Setting& setting, const SpherePart& part, bool with_peers
   add("scalar, no skipping", map, scalar);
   if (setting.name == "wall") {
     lean = baked(setting.scene, test::VoxelKind::kLean);
-    full = baked(setting.scene, test::VoxelKind::kFull);
-    add("Euclidean, lean file", *lean, ways_of(true, true, true));
-    const std::size_t lean_method = methods.size() - 1;
-    methods.back().same_as = lean_method;
-    add("Euclidean, full file", *full, ways_of(true, true, true));
-    methods.back().same_as = lean_method;
+    chebyshev = baked(setting.scene, test::VoxelKind::kChebyshev);
+    add("lean file, Euclidean layers", *lean, ways_of(true, true, true));
+    add("lean file, Chebyshev layers", *chebyshev, ways_of(true, true, true));
+    methods.back().same_as = methods.size() - 1;
   }
   if (with_peers) add_peers(setting, part);
 }

@@ -88,6 +88,7 @@ Json to_json(const Metrics& m) {
               {"frames", m.frames},
               {"force_layer_frames", m.force_layer_frames},
               {"penetration_frames", m.penetration_frames},
+              {"penetrating_trials", m.penetrating_trials},
               {"penetration_ratio", m.penetration_ratio()},
               {"penetration_ratio_95", {pr.low, pr.high}},
               {"guard_cuts", m.guard_cuts},

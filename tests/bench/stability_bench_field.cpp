@@ -31,6 +31,7 @@ Json sweep_row(double factor, std::uint64_t contact_frames) {
           {"field_n_per_m", field_n_per_m},
           {"trials", sum.trials},
           {"force_layer_frames", sum.force_layer_frames},
+          {"penetrating_trials", sum.penetrating_trials},
           {"penetration_ratio", sum.penetration_ratio()},
           {"ratio_95_low", pr.low},
           {"ratio_95_high", pr.high},

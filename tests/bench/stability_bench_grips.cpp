@@ -16,7 +16,8 @@ constexpr const char* kAxes[] = {"x", "y", "z"};
 constexpr const char* kTempers[] = {"none", "loose", "firm"};
 
 // Swing of the handle in encoder steps; infinite where the part was torn off before it touched.
-// `then` sees a handle that swings and that nobody holds, at its twentieth second.
+// `then` sees what the twenty seconds gave the hand, and a handle that swings and that nobody
+// holds, from there on.
 double swing(Model model, double scale, double delay_s, int temper, double arm_m, int axis,
              bool clutch, Json& then) {
   static const test::VoxelScene scene = test::plane();
@@ -28,17 +29,19 @@ double swing(Model model, double scale, double delay_s, int temper, double arm_m
   try {
     test::HeldPart held(scene, part, options);
     const double steps = test::swing_steps(held, *options.hand, temper == 0, clutch);
+    then["given_j"] = held.work().given_j;
+    then["over_j"] = held.work().given_j - test::sampled_j(held);
     if (model == Model::kDefault && temper == 0 && steps >= kStillSteps) {
       const test::Creep creep = test::creep(held);
       std::printf(
           "    goes on for %.1f s: %.4f rad of way, %.4f rad from where it was; the motors "
           "have %.3g to %.3g N m while it moves\n",
           creep.rest_s, creep.way_rad, creep.net_rad, creep.least_nm, creep.most_nm);
-      then = {{"rest_s", std::isfinite(creep.rest_s) ? Json(creep.rest_s) : Json(nullptr)},
-              {"way_steps", creep.way_rad / options.hand->encoder_step_rad},
-              {"net_steps", creep.net_rad / options.hand->encoder_step_rad},
-              {"least_nm", creep.least_nm},
-              {"most_nm", creep.most_nm}};
+      then["rest_s"] = std::isfinite(creep.rest_s) ? Json(creep.rest_s) : Json(nullptr);
+      then["way_steps"] = creep.way_rad / options.hand->encoder_step_rad;
+      then["net_steps"] = creep.net_rad / options.hand->encoder_step_rad;
+      then["least_nm"] = creep.least_nm;
+      then["most_nm"] = creep.most_nm;
     }
     return steps;
   } catch (const std::runtime_error&) {
@@ -75,9 +78,9 @@ Json grip_map(const std::string& only_model, double only_scale) {
                                 {"arm_m", arm_m},
                                 {"swing_steps", std::isfinite(steps) ? Json(steps) : Json(nullptr)},
                                 {"quiet", steps < kStillSteps}});
-                for (const char* key :
-                     {"rest_s", "way_steps", "net_steps", "least_nm", "most_nm"}) {
-                  rows.back()[key] = then.is_null() ? Json(nullptr) : then[key];
+                for (const char* key : {"given_j", "over_j", "rest_s", "way_steps", "net_steps",
+                                        "least_nm", "most_nm"}) {
+                  rows.back()[key] = then.contains(key) ? then[key] : Json(nullptr);
                 }
               }
             }

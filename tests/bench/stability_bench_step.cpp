@@ -90,8 +90,8 @@ Json step_cost(std::uint64_t steps) {
   const auto simulation = make_simulation(trial, Model::kDefault);
   const Pshell& shell = simulation->shell();
   query::ContactQuery query(simulation->voxmap(), shell, {});
-  const auto field =
-      field::make_force_field(Model::kDefault, ForceKind::kLevel, simulation->voxmap());
+  const auto field = field::make_force_field(Model::kDefault, simulation->parameters().force,
+                                             simulation->voxmap());
   if (!field) throw std::runtime_error(to_line(field.error()));
   query::CollectedPoints points;
   field::FieldSamples samples;
@@ -99,7 +99,8 @@ Json step_cost(std::uint64_t steps) {
   samples.reserve(shell.view().point_count);
   field::FieldProbe probe(query, **field, points, samples);
   TimedProbe timed(probe, query, points);
-  model::DefaultModel model(simulation->parameters(), timed, shell.view().point_count);
+  model::DefaultModel model(simulation->parameters(), timed, shell.view().point_count,
+                            field::ForceCurve(simulation->voxmap()));
 
   const Pose start{{-20 * kS, 0, 16 * kS}, {1, 0, 0, 0}};
   State state = simulation->registered(start, start);

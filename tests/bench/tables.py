@@ -99,9 +99,11 @@ def grips(rows):
     summed = []
     for (run, model, scale, delay_s, hand), group in groups.items():
         steps = [row["swing_steps"] for row in group]
+        given, over = ([row[key] for row in group if row.get(key) is not None] for key in ("given_j", "over_j"))
         summed.append({"run": run, "model": model, "scale": scale, "delay_s": delay_s, "hand": hand,
                        "grips": len(group), "quiet": sum(row["quiet"] for row in group),
-                       "swing_steps": None if None in steps else max(steps)})
+                       "swing_steps": None if None in steps else max(steps),
+                       "given_j": max(given, default=None), "over_j": max(over, default=None)})
     return summed
 
 
@@ -194,6 +196,7 @@ def interval(row):
 
 OUTCOME = [("model", text("model")), ("trials", text("trials")), ("contact frames", text("force_layer_frames")),
            ("penetrating", share("penetration_ratio", 3)), ("95% interval", interval),
+           ("trials that penetrate", lambda r: str(r.get("penetrating_trials", ""))),
            ("nearest / proven, mm", lambda r: pair(r["smallest_distance_m"] and 1e3 * r["smallest_distance_m"],
                                                    1e3 * r["guaranteed_m"]))]
 
@@ -289,10 +292,10 @@ TABLES = {
     "query_cold": ("query", pivoted("method", "motion", "points", then=where(motion="wall")), [
         ("points", text("points")), ("frames", text("frames")), ("warm, p50 / p99, us", p50_p99("all skipping")),
         ("cold frames", of("all skipping, cold", "frames")), ("cold, p50 / p99, us", p50_p99("all skipping, cold"))]),
-    "query_full": ("query_full", pivoted("method", "points"), [
-        ("points", text("points")), ("frames", text("frames")),
-        *((f"{kind} file, p50 / p99, us", p50_p99(f"Euclidean, {kind} file")) for kind in ("lean", "full")),
-        ("full over lean, p50", over("p50_us", "Euclidean, full file", "Euclidean, lean file"))]),
+    "query_kinds": ("query_kinds", pivoted("method", "points"), [
+        ("points", text("points")), ("frames", text("frames")), ("full file, p50 / p99, us", p50_p99("all skipping")),
+        *((f"{kind}, over it", over("p50_us", kind, "all skipping"))
+          for kind in ("lean file, Euclidean layers", "lean file, Chebyshev layers"))]),
     "query_worst": ("query", pivoted("method", "motion", "points", then=where(run=3)), [
         ("motion", text("motion")), ("points", text("points")), ("frames", text("frames")),
         ("all skipping, p50 / p99, us", p50_p99("all skipping")), ("no skipping, p50 / p99, us", p50_p99("no skipping"))]),
@@ -352,6 +355,7 @@ TABLES = {
         ("field over coupling", lambda r: "as derived" if r["factor"] is None else digits(r["factor"])),
         ("field, N/m", scaled("field_n_per_m", 1, 2)), ("trials", text("trials")),
         ("contact frames", text("force_layer_frames")), ("penetrating", share("penetration_ratio", 2)),
+        ("95% interval", interval), ("trials that penetrate", text("penetrating_trials")),
         ("energy, J", scaled("energy_generated_j", 1, 2))]),
     "stability_hands": ("stability_hands", list, OUTCOME),
     "stability_rest": ("stability", where(campaign="rest"), [
@@ -378,7 +382,8 @@ TABLES = {
         ("quiet up to", scaled("quiet_to", 1, 2))]),
     "stability_grips": ("stability_grips", grips, [
         ("model", text("model")), ("scale", text("scale")), ("delay, ms", scaled("delay_s", 1e3)), ("hand", text("hand")),
-        ("quiet", text("quiet")), ("of", text("grips")), ("most, encoder steps", scaled("swing_steps", 1, 2))]),
+        ("quiet", text("quiet")), ("of", text("grips")), ("most, encoder steps", scaled("swing_steps", 1, 2)),
+        ("given at most, uJ", scaled("given_j", 1e6, 2)), ("beyond the sampled spring, uJ", scaled("over_j", 1e6, 2))]),
     "stability_loops": ("stability_loops", list, [
         ("model", text("model")), ("start", text("start")), ("scale", text("scale")), ("loop", text("loop")), ("loops", text("loops")),
         ("given at most, uJ", scaled("given_j", 1e6, 2)), ("beyond the sampled spring, uJ", scaled("over_j", 1e6, 2)),
@@ -507,8 +512,8 @@ def summary():
     in_1999 = {r["figure"]: r["in_1999"] for r in rows(xeon, "paper")}
     bays = by("kind", ("triangles",), where(scene="aircraft")(rows(epyc, "bake_full")))
     paper_bay, large_bay = (next(bay["of"] for bay in bays if bay["triangles"] == count) for count in (593409, 10500000))
-    table2 = by("model", ("campaign",), where(campaign="table2")(rows(xeon, "stability")))[0]["of"]
-    rest = by("model", ("campaign",), where(campaign="rest")(rows(xeon, "stability")))[0]["of"]
+    table2 = by("model", ("campaign",), where(campaign="table2")(rows(epyc, "stability")))[0]["of"]
+    rest = by("model", ("campaign",), where(campaign="rest")(rows(epyc, "stability")))[0]["of"]
     loop = {r["figure"]: r["value"] for r in rows(xeon, "loop")}
 
     def baked(bay):

@@ -236,7 +236,8 @@ Run open_trial(const Trial& trial, Model model) {
   request.braking = trial.braking;
   request.device = trial.device;
   request.without_guarantee = true;
-  auto run = open_run(trial.scene->open(trial.voxels), trial.part->open(), request);
+  const auto usual = model == Model::kPaper ? test::VoxelKind::kChebyshev : test::VoxelKind::kFull;
+  auto run = open_run(trial.scene->open(trial.voxels.value_or(usual)), trial.part->open(), request);
   if (!run) throw std::runtime_error(to_line(run.error()));
   return std::move(*run);
 }
@@ -262,6 +263,7 @@ void Metrics::add(const Metrics& other) {
   starts_inside += other.starts_inside;
   force_layer_frames += other.force_layer_frames;
   penetration_frames += other.penetration_frames;
+  penetrating_trials += other.penetrating_trials;
   guard_cuts += other.guard_cuts;
   saturated_frames += other.saturated_frames;
   non_finite += other.non_finite;
@@ -354,6 +356,7 @@ Metrics run(const Trial& trial, Model model) {
     last = result;
   }
   metrics.generated_j = metrics.worst_generated_j = handle.generated_j();
+  metrics.penetrating_trials = metrics.penetration_frames > 0 ? 1 : 0;
   metrics.lag_m.push_back(lag_m);
   if (hold) hold->report(metrics);
   if (trial.rest_place && model == Model::kDefault) {

@@ -23,7 +23,9 @@ DeviceCapabilities trial_device();
 struct Trial {
   std::shared_ptr<const BakedScene> scene;
   std::shared_ptr<const BakedPart> part;
-  test::VoxelKind voxels = test::VoxelKind::kChebyshev;  // that the scene is baked to
+  // That the scene is baked to. None: as `voxelize` writes it for `default`, with distances, and as
+  // the paper has it for `paper`, in Chebyshev layers.
+  std::optional<test::VoxelKind> voxels;
   Pose start;  // world_from_part, gripped there without stretch
   double rate_hz = 1000;
   double duration_s = 0;
@@ -52,6 +54,7 @@ struct Metrics {
   std::uint64_t trials = 0, frames = 0;
   std::uint64_t starts_inside = 0;  // trials; their distances and PR are not counted
   std::uint64_t force_layer_frames = 0, penetration_frames = 0;
+  std::uint64_t penetrating_trials = 0;  // with a penetration frame
   std::uint64_t guard_cuts = 0, saturated_frames = 0;
   std::uint64_t non_finite = 0;  // frames with a value that is not finite
   std::uint64_t overflows = 0;   // frames whose motion overflowed, so that the part was stopped

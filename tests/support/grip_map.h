@@ -91,7 +91,10 @@ inline double swing_steps(HeldPart& held, const devices::SimHandParameters& hand
       beyond_m = 0;
     }
     if (let_go && i == 8000) held.device().let_go();
-    touched |= held.tick(wanted).result.report.contacts > 0;
+    if (held.tick(wanted).result.report.contacts > 0 && !touched) {
+      touched = true;
+      held.work() = {};  // counted from the first touch on
+    }
     if (i < 19000) continue;
     const Pose& handle = held.device().pose();
     if (i == 19000) first = handle;
@@ -170,8 +173,17 @@ inline const HandleLoop kHandleLoops[] = {
      }},
 };
 
-// The energy, J, that the second of two such loops gave the hand, and the least that the sampled
-// springs must give, k T / 2 times the integral of v^2 (Colgate and Schenkel 1994).
+// The least that the sampled springs of the work so far must give, J: k T / 2 times the integral of
+// v^2 (Colgate and Schenkel 1994).
+inline double sampled_j(HeldPart& held) {
+  const Parameters& p = held.parameters();
+  const double c = held.placement().motion_scale;
+  return 0.5 * held.servo().dt_s() *
+         (p.coupling_n_per_m * c * c * held.work().speed2_s +
+          p.coupling_nm_per_rad * held.work().turning2_s);
+}
+
+// The energy, J, that the second of two such loops gave the hand, and sampled_j() of it.
 // The first loop carries the part to its steady way round.
 struct LoopWork {
   double given_j = 0, sampled_j = 0, reported_j = 0;
@@ -191,13 +203,9 @@ inline LoopWork loop_work(HeldPart& held, const HandleLoop& loop, double speed_m
     const Frame& frame = held.tick(loop.at(from, loop.size, way * 2 * M_PI * i / period));
     if (i > period) out.reported_j += frame.to_hand_j;
   }
-  const Parameters& p = held.parameters();
-  const double c = held.placement().motion_scale;
   out.given_j = held.work().given_j;
   out.moved_j = held.work().moved_j;
-  out.sampled_j = 0.5 * dt_s *
-                  (p.coupling_n_per_m * c * c * held.work().speed2_s +
-                   p.coupling_nm_per_rad * held.work().turning2_s);
+  out.sampled_j = sampled_j(held);
   return out;
 }
 
