@@ -14,6 +14,7 @@ import re
 import sys
 
 import bench_csv
+import readme_figures
 
 HERE = pathlib.Path(__file__).resolve().parent
 DOCUMENTS = [HERE.parent.parent / "README.md", *sorted(HERE.glob("*.md"))]
@@ -132,6 +133,29 @@ def seats(rows):
             "touching": sum(row["touching"] for row in seated) / len(seated),
             "out": f'{sum(row["came_out"] for row in seated)} of {len(seated)}',
             "back": f'{sum(row["went_back"] for row in seated)} of {sum(row["tried_back"] for row in seated)}'})
+    return summed
+
+
+def share_of(events, of, low, high):
+    """3 of 8, and its interval."""
+    return lambda r: f"{r[events]} of {r[of]} ({digits(100 * r[low], 2)} to {digits(100 * r[high], 2)}%)"
+
+
+def pegs(rows):
+    """One row for all tilts."""
+    groups = {}
+    for row in rows:
+        groups.setdefault(tuple(row[key] for key in ("run", "map", "clearance_m", "chamfer_m")), []).append(row)
+    summed = []
+    for group in groups.values():
+        trials, into = sum(row["trials"] for row in group), sum(row["in"] for row in group)
+        low, high = readme_figures.share_95(into, trials)
+        nearest = [row["nearest_m"] for row in group if row["nearest_m"] is not None]
+        summed.append({**group[0], "trials": trials, "in": into, "low": low, "high": high,
+                       "by_tilt": " / ".join(str(row["in"]) for row in group), "each": group[0]["trials"],
+                       "room_voxels": group[0]["clearance_m"] / group[0]["voxel_m"],
+                       "frames": sum(row["frames"] for row in group), "nearest_m": min(nearest, default=None),
+                       "penetrating_frames": sum(row["penetrating_frames"] for row in group)})
     return summed
 
 
@@ -395,6 +419,24 @@ TABLES = {
         ("above 0.6", text("deep_depth")), ("edges: median / 90% / most", text("edges")),
         ("above 0.6", text("deep_edges")), ("meshes meet", share("touching", 2)), ("came out", text("out")),
         ("went back", text("back"))]),
+    "assembly_peg": ("assembly_peg", pegs, [
+        ("map", text("map")), ("clearance, mm", scaled("clearance_m", 1e3, 2)), ("voxels", scaled("room_voxels", 1, 2)),
+        ("chamfer, mm", scaled("chamfer_m", 1e3, 2)), ("in at 0 / 2 / 4 degrees", text("by_tilt")), ("of each", text("each")),
+        ("in, of all (95%)", share_of("in", "trials", "low", "high")), ("frames", text("frames")),
+        ("penetrating", text("penetrating_frames")),
+        ("nearest / proven, mm", lambda r: pair(r["nearest_m"] and 1e3 * r["nearest_m"], 1e3 * r["guaranteed_m"]))]),
+    "assembly_nut": ("assembly_nut", list, [
+        ("map", text("map")), ("voxel, mm", scaled("voxel_m", 1e3, 2)), ("play, mm", scaled("play_m", 1e3, 3)),
+        ("room, voxels", scaled("room_voxels", 1, 2)), ("points", text("points")),
+        ("frame, us", scaled("frame_p50_us", 1, 2)), ("starts inside", text("starts_inside")), ("turned (95%)", share_of("turned", "trials", "turned_95_low", "turned_95_high")),
+        ("advance a turn, pitches", scaled("lead_pitches")), ("held", text("held")), ("pulled at most, mm", scaled("pulled_m", 1e3, 2)),
+        ("frames", text("frames")), ("penetrating", text("penetrating_frames")),
+        ("nearest / proven, mm", lambda r: pair(r["nearest_m"] and 1e3 * r["nearest_m"], 1e3 * r["guaranteed_m"]))]),
+    "assembly_scans": ("assembly_scans", list, [
+        ("speed, m/s", scaled("speed_mps", 1, 2)), ("poses of", text("way")), ("trials", text("trials")), ("poses", text("poses")),
+        ("contact reported", text("reported")), ("meshes meet", text("meeting")), ("missed", text("missed")),
+        ("missed, at most (95%)", lambda r: percent(r["missed_95_high"]) if r["meeting"] else ""),
+        ("nearest / proven, mm", lambda r: pair(1e3 * r["nearest_m"], 1e3 * r["guaranteed_m"] or None) if not r["meeting"] else "")]),
     "stability_step": ("stability_step", list, [
         ("part of the step", lambda r: r["part"].replace("_", " the ")), ("contacts", text("contacts")),
         ("steps", text("steps")),
@@ -497,24 +539,20 @@ def of_machine(path, name):
 
 
 def summary():
-    """The README's: ten figures of the machines that the pages show."""
-    def rows(machine, name):
-        return bench_csv.Table(bench_csv.RESULTS / machine / f"{name}.csv").rows
+    """The README's: ten figures, each of the machine that measured it last."""
+    def rows(name):
+        return bench_csv.Table(bench_csv.newest(name) / f"{name}.csv").rows
 
-    def one(machine, name, **wanted):
-        return where(**wanted)(rows(machine, name))[0]
-
-    xeon, epyc = "intel-r-xeon-r-processor", "amd-epyc"
-    wall = by("method", ("motion",), where(run=1, motion="wall", points=10 ** 6)(rows(xeon, "query")))[0]["of"]
+    wall = by("method", ("motion",), where(motion="wall", points=10 ** 6)(rows("query")))[0]["of"]
     ours, vdb, fcl = (wall[m]["p50_us"] for m in ("all skipping", "OpenVDB ValueAccessor", "FCL meshes, contacts"))
-    every = one(xeon, "query", motion="everything", points=10 ** 6, method="all skipping")["p50_us"]
-    engine = by("kind", ("model",), where(model="engine", voxels=1024)(rows(epyc, "bake_kinds")))[0]["of"]
-    in_1999 = {r["figure"]: r["in_1999"] for r in rows(xeon, "paper")}
-    bays = by("kind", ("triangles",), where(scene="aircraft")(rows(epyc, "bake_full")))
+    every = where(motion="everything", points=10 ** 6, method="all skipping")(rows("query"))[0]["p50_us"]
+    engine = by("kind", ("model",), where(model="engine", voxels=1024)(rows("bake_kinds")))[0]["of"]
+    in_1999 = {r["figure"]: r["in_1999"] for r in rows("paper")}
+    bays = by("kind", ("triangles",), where(scene="aircraft")(rows("bake_full")))
     paper_bay, large_bay = (next(bay["of"] for bay in bays if bay["triangles"] == count) for count in (593409, 10500000))
-    table2 = by("model", ("campaign",), where(campaign="table2")(rows(epyc, "stability")))[0]["of"]
-    rest = by("model", ("campaign",), where(campaign="rest")(rows(epyc, "stability")))[0]["of"]
-    loop = {r["figure"]: r["value"] for r in rows(xeon, "loop")}
+    table2 = by("model", ("campaign",), where(campaign="table2")(rows("stability")))[0]["of"]
+    rest = by("model", ("campaign",), where(campaign="rest")(rows("stability")))[0]["of"]
+    loop = {r["figure"]: r["value"] for r in rows("loop")}
 
     def baked(bay):
         full, lean = bay["full"], bay["lean, chebyshev"]
@@ -522,7 +560,7 @@ def summary():
                 f"{digits(lean['cpu_s'])} s, {digits(lean['file_bytes'] / 1e6)} MB")
 
     def wrench_row(contacts, label):
-        of = by("method", ("contacts",), where(voxel_m=0.005, contacts=contacts)(rows(epyc, "wrench")))[0]["of"]
+        of = by("method", ("contacts",), where(voxel_m=0.005, contacts=contacts)(rows("wrench")))[0]["of"]
 
         def said(method):
             return f"{percent(of[method]['force_error'])} in {digits(of[method]['frame_p50_us'])} us"
@@ -550,9 +588,26 @@ def summary():
                          ([*line[:3], f"[{line[3]}](tests/bench/{line[3]}.md)"] for line in lines)))
 
 
+def readme_table():
+    """The figures of the README, each with its committed value and stated interval."""
+    lines, said = [], None
+    for figure in readme_figures.FIGURES:
+        row = figure.of(bench_csv.newest(figure.file))
+        if row is None:
+            continue
+        low, high, words = figure.interval(figure, row)
+        readme, said = "" if figure.readme == said else figure.readme, figure.readme
+
+        def shown(value, figures=5 if words == "the same" else 3):
+            return digits(value, figures)
+        lines.append([readme, figure.name, shown(figure.value(row)),
+                      "of one machine" if figure.of_machine else f"{shown(low)} to {shown(high)} ({words})", f"`{figure.part}`"])
+    return list(markdown(["README", "figure", "committed", "stated interval", "part"], lines))
+
+
 def filled(marked):
     name = marked[1]
-    lines = summary() if name == "summary" else [
+    lines = summary() if name == "summary" else readme_table() if name == "readme_figures" else [
         line for path in sorted(bench_csv.RESULTS.glob(f"*/{TABLES[name][0]}.csv")) for line in of_machine(path, name)]
     return "\n".join([f"<!-- table: {name} -->", *lines, "<!-- end of table -->"])
 
