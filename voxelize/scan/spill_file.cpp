@@ -15,11 +15,11 @@ namespace {
 
 constexpr std::size_t kSegmentBytes = std::size_t{64} << 20, kAlignment = 64;
 constexpr std::size_t kPageBytes = 4096;
-// Pages of files in memory before they go. To map one again takes a microsecond. A triangle brings
-// pages that hold little else that is wanted, so bytes that were touched are not the measure: after
-// so many, the pages are counted.
+// Pages in memory before they go. To map one again takes a microsecond. A triangle brings pages
+// that hold little else that is wanted, and the system maps 16 where one is read, so that bytes
+// that were touched are not the measure: after so many, the pages are counted.
 constexpr std::size_t kResidentBytes = std::size_t{256} << 20;
-constexpr std::size_t kCountedBytes = std::size_t{4} << 20;
+constexpr std::size_t kCountedBytes = std::size_t{256} << 10;
 
 std::size_t rounded_up(std::size_t bytes, std::size_t to) { return (bytes + to - 1) / to * to; }
 
