@@ -8,10 +8,12 @@
 #   scripts/bench.sh [--long] --out FOLDER   results in FOLDER alone
 # Parts: bake error growth plan tree shell cover query force wrench clearance motion trajectory stability skip path verdicts python progress paper gaps assembly (all of
 # them by default), and by name only: loop (the long form takes half an hour), streams (bakes up to 100 million triangles),
-# and targets (what the speed of bake and query must be, beside what it is).
+# and targets (what the speed of bake and query must be, beside what it is). `readme` is all parts that the README's figures
+# come from, but for the loop.
 source "$(dirname "$0")/common.sh"
 
 all_parts=(bake error growth plan tree shell cover query force wrench clearance motion trajectory stability skip path verdicts python progress paper gaps assembly)
+readme_parts=(bake query wrench stability gaps)  # what the figures of the README and of runtime/limits.md come from
 bin=$root/build/release/bin
 bench=$root/tests/bench
 long=no
@@ -23,6 +25,7 @@ while [ $# -gt 0 ]; do
     --long) long=yes ;;
     --out) out=${2:?--out needs a folder}; shift ;;
     -h | --help) usage; exit 0 ;;
+    readme) parts+=("${readme_parts[@]}") ;;
     *)
       [[ " ${all_parts[*]} loop streams targets " == *" $1 "* ]] || { usage >&2; exit 2; }
       parts+=("$1")
@@ -102,8 +105,8 @@ part_motion() { "$bin/motion_bench" --json "$out/motion.json"; }
 part_trajectory() { "$bin/trajectory_bench" $(either "--seeds 1 --nominal" "") --json "$out/trajectory.json"; }
 part_stability() {
   local table
-  for table in $(either "cases:1 rest:150 table2:300000 device map loops seats:21 step:20000" "cases rest table2 field device map grips loops seats step"); do
-    "$bin/stability_bench" ${table/:/ } --json "$out/stability_${table%:*}.json"
+  for table in $(either "cases:1 rest:150 table2:300000 device map loops:above:1 seats:21 step:20000" "cases rest table2 field device map grips loops seats step"); do
+    "$bin/stability_bench" ${table//:/ } --json "$out/stability_${table%%:*}.json"
   done
 }
 part_skip() { "$bench/skipped.py" $(either --short "") --json "$out/skipped.json"; }
