@@ -62,6 +62,25 @@ expect 0 "scene.vox: 1 face is missing from it" voxrun scene.vox part.pshell --d
   --duration 0.1s --as-fast-as-possible --json run.json
 grep -q "part.pshell: 1 face is missing from it" err || fail "voxrun on the part: $(cat err)"
 
+# A face that OpenCASCADE cannot read (the cube's first boundary is not there): the same ways out of one file.
+python3 - <<'EOF' || exit 1
+import re
+text = open("tray.step").read()
+first = text.index("ADVANCED_FACE")
+open("torn.step", "w").write(text[:first] + re.sub(r"\(#\d+", "(#99999", text[first:], count=1))
+EOF
+vox=(voxelize torn.step --voxel-size 2mm -o out.vox --without bad)
+part=(pointshell "torn.step#cube" --voxel-size 2mm --effort fast -o out.pshell)
+for bake in vox part; do
+  declare -n call=$bake
+  expect 3 "tray/cube: OpenCASCADE could not read 1 of" "${call[@]}"
+  grep -q -- "--without, or accept the holes with --missing-faces 1" err || fail "$bake: no way out: $(cat err)"
+  expect 0 "ADVANCED_FACE is missing, and no guarantee covers it: tray/cube, somewhere in its node, at (" "${call[@]}" --missing-faces 1
+done
+expect 0 "" "${vox[@]}" --without cube
+expect 0 "" pointshell "torn.step#seam" --voxel-size 2mm --effort fast -o out.pshell
+vox=(voxelize tray.step --voxel-size 2mm -o out.vox)
+
 # A cache does not forget what was not accepted.
 expect 0 "no guarantee covers it" "${vox[@]}" --missing-faces 1 --cache cache
 expect 0 "no guarantee covers it" "${vox[@]}" --missing-faces 1 --cache cache

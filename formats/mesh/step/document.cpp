@@ -9,6 +9,7 @@
 #include <XSControl_TransferReader.hxx>
 #include <XSControl_WorkSession.hxx>
 
+#include "formats/file/mapped_file.h"
 #include "formats/mesh/step/entities/constructive.h"
 #include "formats/mesh/step/entities/iges_losses.h"
 #include "formats/mesh/step/entities/losses.h"
@@ -74,30 +75,55 @@ void keep_references(const SourceFile& file, const std::vector<StepReference>& r
   }
 }
 
-void read_step_file(const SourceFile& file, StepDocument& document) {
+// The pieces by the labels of their products.
+void keep_losses(FileLosses losses, const STEPCAFControl_Reader& reader, StepDocument& document) {
+  for (LostPiece& piece : losses.pieces) {
+    for (const auto& product : piece.products) {
+      const TDF_Label label = label_of(product, reader);
+      if (!label.IsNull()) {
+        piece.owners.push_back(entry_of(label));
+      } else {
+        piece.name += " of " + in_quotes(product_name(product));
+      }
+    }
+  }
+  document.losses = std::move(losses);
+}
+
+// Where nothing became a shape, the losses are the reason, if there are any.
+void check_shapes(const SourceFile& file, bool has_shapes, const FileLosses& losses,
+                  const OcctMessages& messages) {
+  if (has_shapes) return;
+  if (losses.pieces.empty()) fail_shapes(file, messages);
+  fail_read(file, ErrorCode::kMeshIncomplete, "", "OpenCASCADE could not read " + losses.text,
+            losses.mend);
+}
+
+void read_step_file(const SourceFile& file, std::string_view text, StepDocument& document) {
   STEPCAFControl_Reader reader;
   read(file, reader);
   const Handle(XSControl_WorkSession) session = reader.Reader().WS();
-  check_step_references(file, session);
+  const StepDamage damage = take_out_damage(session, text);
   std::vector<TriangleItem> items = take_triangles(session);
   ReadEntities read_entities = make_constructive_solids(session);
   const std::vector<StepReference> references = take_references(session);
   const OcctMessages messages;
   const bool has_shapes = reader.Transfer(document.document);
   read_entities.merge(keep_triangles(items, reader, document));
-  check_step_losses(file, session, document.document, read_entities);
+  keep_losses(find_step_losses(session, document.document, read_entities, damage), reader,
+              document);
   keep_references(file, references, reader, document);
-  if (!has_shapes) fail_shapes(file, messages);
+  check_shapes(file, has_shapes, document.losses, messages);
 }
 
 void read_iges_file(const SourceFile& file, StepDocument& document) {
   IGESCAFControl_Reader reader;
   read(file, reader);
-  check_iges_references(file, reader.WS());
+  const IgesDamage damage = take_out_iges_damage(reader.WS());
   const OcctMessages messages;
   const bool has_shapes = reader.Transfer(document.document);
-  check_iges_losses(file, reader.WS(), document.document);
-  if (!has_shapes) fail_shapes(file, messages);
+  document.losses = find_iges_losses(reader.WS(), document.document, damage);
+  check_shapes(file, has_shapes, document.losses, messages);
 }
 
 }  // namespace
@@ -114,7 +140,9 @@ StepDocument read_step_document(const SourceFile& file) {
   if (lower_case_extension(file.path).starts_with(".ig")) {
     read_iges_file(file, document);
   } else {
-    read_step_file(file, document);
+    const Result<MappedFile> mapped = MappedFile::open(file.path);
+    if (!mapped) throw ReadFailure{mapped.error()};
+    read_step_file(file, text_of(*mapped), document);
   }
   return document;
 }

@@ -40,15 +40,13 @@ void tessellate(const TopoDS_Shape& shape, double deflection_mm) {
   BRepMesh_IncrementalMesh(shape, deflection_mm, false, kAngularDeflectionRad, false);
 }
 
-LostFace lost_face(const TopoDS_Face& face) {
-  Bnd_Box box;
-  for (TopExp_Explorer edge(face, TopAbs_EDGE); edge.More(); edge.Next()) {
-    BRepBndLib::Add(edge.Current(), box, false);
-  }
-  if (box.IsVoid() || box.IsOpen()) return {};
-  const gp_XYZ low = box.CornerMin().XYZ(), high = box.CornerMax().XYZ();
-  const gp_XYZ center = 0.5 * (low + high);
-  return {{center.X(), center.Y(), center.Z()}, (high - low).Modulus()};
+// A face without edges is somewhere in the box of its shape.
+LostFace lost_face(const TopoDS_Face& face, const TopoDS_Shape& shape) {
+  LostFace lost = box_of_edges(face);
+  if (lost.size_mm > 0) return lost;
+  lost = box_of_edges(shape);
+  lost.has_edges = false;
+  return lost;
 }
 
 // ReadOptions::deflection_m of kDeflectionBySize.
@@ -97,7 +95,9 @@ class ShapeTessellation {
     for (const double share : kCoarserDeflections) try_deflection(share * deflection_mm_, best);
     try_mended(best);
     best.made.wanted_deflection_mm = deflection_mm_;
-    for (const TopoDS_Face& face : best.failed) best.made.lost.push_back(lost_face(face));
+    for (const TopoDS_Face& face : best.failed) {
+      best.made.lost.push_back(lost_face(face, shape_));
+    }
     return std::move(best.made);
   }
 
@@ -262,6 +262,17 @@ class ShapeTessellation {
 };
 
 }  // namespace
+
+LostFace box_of_edges(const TopoDS_Shape& shape) {
+  Bnd_Box box;
+  for (TopExp_Explorer edge(shape, TopAbs_EDGE); edge.More(); edge.Next()) {
+    BRepBndLib::Add(edge.Current(), box, false);
+  }
+  if (box.IsVoid() || box.IsOpen()) return {};
+  const gp_XYZ low = box.CornerMin().XYZ(), high = box.CornerMax().XYZ();
+  const gp_XYZ center = 0.5 * (low + high);
+  return {{center.X(), center.Y(), center.Z()}, (high - low).Modulus(), true};
+}
 
 // Without triangles where there is nothing to sew.
 Tessellation StepTessellator::tessellate_sewn(const TopoDS_Shape& shape,

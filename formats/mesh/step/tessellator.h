@@ -12,9 +12,13 @@ namespace forcelayer::mesh {
 
 // A face that got no triangles, or some that do not reach its outline.
 struct LostFace {
-  Vec3d center_mm{};   // of the box around its edges, in the shape's frame
-  double size_mm = 0;  // diagonal of that box
+  Vec3d center_mm{};      // of the box around its edges, in the shape's frame
+  double size_mm = 0;     // diagonal of that box
+  bool has_edges = true;  // else the box is that of the shape
 };
+
+// The box around the edges of a shape; size 0 where it has none.
+LostFace box_of_edges(const TopoDS_Shape& shape);
 
 struct Tessellation {
   Mesh mesh;  // in the shape's frame, millimeters
