@@ -135,6 +135,19 @@ TEST(StepLosses, APointOrDirectionInSpaceWithoutThreeNumbers) {
   EXPECT_NE(box.find("CARTESIAN_POINT('',(0.,0.));"), std::string::npos);
 }
 
+// A flag that is neither true nor false counts as true.
+TEST(StepLosses, AFlagThatIsNone) {
+  const std::string box = step_box();
+  for (const std::string flag : {"$$", "'x'", "7", ".X.", "#12"}) {
+    expect_in("2 of 6 faces: #17 ADVANCED_FACE, #",
+              step_error(
+                  replaced(box, R"((#21 = EDGE_CURVE\('',#22,#24,#26,).T.\))", "$01" + flag + ")")));
+    expect_in("1 of 6 faces: #17 ADVANCED_FACE",
+              step_error(replaced(box, R"((#17 = ADVANCED_FACE\('',\(#18\),#32,).F.\))",
+                                  "$01" + flag + ")")));
+  }
+}
+
 TEST(StepLosses, AnItemOfAShapeThatIsNotThere) {
   const std::string lost = "1 damaged entity: #10 ADVANCED_BREP_SHAPE_REPRESENTATION";
   expect_in(lost, step_error(with_item(step_box(), "#9999")));

@@ -81,6 +81,12 @@ void add_face_warnings(const Tessellation& tessellation, const std::string& path
                        " from its faces: the triangles deviate as much, and the guarantee is less "
                        "by it; look whether the edge is damaged");
   }
+  if (tessellation.surface_gap_mm > kNotableGap * tessellation.wanted_deflection_mm) {
+    warnings.push_back(path + ": the triangles of a surface lie up to " +
+                       length_text(tessellation.surface_gap_mm) + " from it, where " +
+                       length_text(tessellation.wanted_deflection_mm) +
+                       " were asked of OpenCASCADE: the guarantee is less by it");
+  }
   if (tessellation.healed > 0) {
     warnings.push_back(path + ": " + counted(tessellation.healed, "face") +
                        " mended by OpenCASCADE (ShapeFix) to get triangles");

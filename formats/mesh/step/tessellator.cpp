@@ -18,6 +18,7 @@
 #include "formats/mesh/step/edge_cover.h"
 #include "formats/mesh/step/mending.h"
 #include "formats/mesh/step/sliver.h"
+#include "formats/mesh/step/spline_deviation.h"
 
 namespace forcelayer::mesh {
 namespace {
@@ -228,11 +229,28 @@ class ShapeTessellation {
     return kLooseReach * std::max(deflection_mm, deflection_mm_);
   }
 
+  // OpenCASCADE found that the triangles of the face deviate by `found_mm`: its edges, or else its
+  // surface, of which a smaller bound may be proven.
+  void add_gap(const TopoDS_Face& face, double found_mm, double deflection_mm,
+               Tessellation& made) const {
+    double gap_mm = found_mm;
+    const double near_mm = reach_mm(deflection_mm);
+    const bool is_of_surface =
+        found_mm > near_mm &&
+        covers_edges(triangles_of(face), face, near_mm, kPolygonTolerance * deflection_mm_);
+    if (is_of_surface) {
+      const std::optional<double> proven_mm = spline_deviation_mm(face, near_mm);
+      if (proven_mm) gap_mm = std::min(found_mm, std::max(near_mm, *proven_mm));
+    }
+    double& told_mm = is_of_surface ? made.surface_gap_mm : made.edge_gap_mm;
+    told_mm = std::max(told_mm, gap_mm);
+    made.deviation_mm = std::max(made.deviation_mm, gap_mm);
+  }
+
   void add(const TopoDS_Face& face, double deflection_mm, Tessellation& made) const {
     TopLoc_Location location;
     const Handle(Poly_Triangulation) triangulation = triangulation_of(face, location);
-    made.edge_gap_mm = std::max(made.edge_gap_mm, triangulation->Deflection());
-    made.deviation_mm = std::max(made.deviation_mm, triangulation->Deflection());
+    add_gap(face, triangulation->Deflection(), deflection_mm, made);
     if (!has_whole_outline(face)) {
       made.deviation_mm = std::max(made.deviation_mm,
                                    reach_mm(std::max(deflection_mm, triangulation->Deflection())));

@@ -372,7 +372,7 @@ bool leads_nowhere(const Handle(StepData_StepModel) & model, Standard_Integer nu
       if (says("not an Entity")) return true;
       continue;
     }
-    if (!may_be_odd && says("not a Real")) return true;
+    if (!may_be_odd && (says("not a Real") || says("Boolean"))) return true;
     if (!may_be_odd && (says("illegal type") || says("not an Entity") || says("not a LIST"))) {
       return true;
     }
