@@ -140,8 +140,8 @@ TEST(StepLosses, AFlagThatIsNone) {
   const std::string box = step_box();
   for (const std::string flag : {"$$", "'x'", "7", ".X.", "#12"}) {
     expect_in("2 of 6 faces: #17 ADVANCED_FACE, #",
-              step_error(
-                  replaced(box, R"((#21 = EDGE_CURVE\('',#22,#24,#26,).T.\))", "$01" + flag + ")")));
+              step_error(replaced(box, R"((#21 = EDGE_CURVE\('',#22,#24,#26,).T.\))",
+                                  "$01" + flag + ")")));
     expect_in("1 of 6 faces: #17 ADVANCED_FACE",
               step_error(replaced(box, R"((#17 = ADVANCED_FACE\('',\(#18\),#32,).F.\))",
                                   "$01" + flag + ")")));
@@ -152,6 +152,48 @@ TEST(StepLosses, AnItemOfAShapeThatIsNotThere) {
   const std::string lost = "1 damaged entity: #10 ADVANCED_BREP_SHAPE_REPRESENTATION";
   expect_in(lost, step_error(with_item(step_box(), "#9999")));
   expect_in(lost, step_error(with_item(step_box(), "$")));
+}
+
+// The second shell of a surface model, and a void of a solid, that are not there.
+TEST(StepLosses, AShellThatIsNotThere) {
+  const std::string box = step_box();
+  expect_in("1 damaged entity: #15 SHELL_BASED_SURFACE_MODEL",
+            step_error(replaced(box, R"(MANIFOLD_SOLID_BREP\('',#16\))",
+                                "SHELL_BASED_SURFACE_MODEL('',(#16,#9999))")));
+  expect_in("1 damaged entity: #15 BREP_WITH_VOIDS",
+            step_error(replaced(box, R"(MANIFOLD_SOLID_BREP\('',#16\))",
+                                "BREP_WITH_VOIDS('',#16,(#9999))")));
+}
+
+// The warnings of reading `text`.
+std::vector<std::string> warnings_of(const std::string& text, const std::string& extension) {
+  const ScratchFolder folder;
+  const auto assembly = mesh::read_assembly(write_file(folder / ("a" + extension), text));
+  EXPECT_TRUE(assembly) << to_line(assembly.error());
+  return assembly ? assembly->warnings : std::vector<std::string>{};
+}
+
+TEST(StepLosses, NoUnitOfLengthIsTold) {
+  const std::string box = step_box();
+  for (const std::string& text :
+       {replaced(box, R"(SI_UNIT\(.MILLI.,.METRE.\))", "SI_UNITS(.MILLI.,.METRE.)"),
+        replaced(box, R"(GLOBAL_UNIT_ASSIGNED_CONTEXT\s*\(\([^)]*\)\))", "")}) {
+    const auto warnings = warnings_of(text, ".step");
+    ASSERT_EQ(warnings.size(), 1u);
+    expect_in("#10 ADVANCED_BREP_SHAPE_REPRESENTATION states no unit of length", warnings[0]);
+  }
+  EXPECT_TRUE(warnings_of(box, ".step").empty());
+}
+
+TEST(IgesLosses, UnitsThatContradictAndAScaleAreTold) {
+  const std::string box = iges_box(true);
+  EXPECT_TRUE(warnings_of(box, ".igs").empty());
+  const auto named = warnings_of(replaced(box, "1\\.,2,2HMM,", "1.,2,2HIN,"), ".igs");
+  ASSERT_EQ(named.size(), 1u);
+  expect_in("its unit is called 'IN', and its number 2 is that of another unit", named[0]);
+  const auto scaled = warnings_of(replaced(box, "1\\.,2,2HMM,", "2.,2,2HMM,"), ".igs");
+  ASSERT_EQ(scaled.size(), 1u);
+  expect_in("drawn to a scale of 2", scaled[0]);
 }
 
 // A curve in parameters whose representation holds nothing; OpenCASCADE crashes on it.

@@ -20,6 +20,7 @@ struct StepDocument {
   // Triangles of products that the file holds beside or in place of exact surfaces, millimeters.
   std::map<std::string, std::vector<Mesh>> triangles;
   FileLosses losses;
+  std::vector<std::string> warnings;
 };
 
 // The place of a label in its document.

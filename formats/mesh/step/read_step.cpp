@@ -288,6 +288,9 @@ class StepReader {
     if (file) return *file;
     try {
       file = std::make_unique<OpenFile>(OpenFile{source, read_step_document(source)});
+      for (const std::string& warning : file->content.warnings) {
+        assembly_.warnings.push_back((node.empty() ? "" : node + ": ") + warning);
+      }
       return *file;
     } catch (ReadFailure& failure) {
       if (failure.error.where.empty()) failure.error.where = node;

@@ -332,12 +332,13 @@ class StepCheck {
 };
 
 bool is_geometry(const Entity& entity) {
+  if (is_solid(entity)) return true;
   for (const Handle(Standard_Type) & type :
        {STANDARD_TYPE(StepShape_TopologicalRepresentationItem), STANDARD_TYPE(StepGeom_Point),
         STANDARD_TYPE(StepGeom_Curve), STANDARD_TYPE(StepGeom_Surface),
         STANDARD_TYPE(StepGeom_Placement), STANDARD_TYPE(StepGeom_Direction),
         STANDARD_TYPE(StepGeom_Vector), STANDARD_TYPE(StepVisual_CoordinatesList),
-        STANDARD_TYPE(StepRepr_DefinitionalRepresentation),
+        STANDARD_TYPE(StepRepr_DefinitionalRepresentation), STANDARD_TYPE(StepShape_GeometricSet),
         STANDARD_TYPE(StepShape_ShapeRepresentation)}) {
     if (entity->IsKind(type)) return true;
   }
@@ -358,20 +359,27 @@ bool lacks_an_end(const Entity& entity) {
   return !item.IsNull() && item->MappingSource().IsNull();
 }
 
+// Entities of what these list may be newer than OpenCASCADE, and are looked at by themselves.
+bool lists_what_may_be_newer(const Entity& entity) {
+  return is_solid(entity) || entity->IsKind(STANDARD_TYPE(StepShape_GeometricSet)) ||
+         entity->IsKind(STANDARD_TYPE(StepShape_ShapeRepresentation));
+}
+
 // Whether OpenCASCADE's check of the text tells of a reference that leads nowhere, or of what is no
 // number, which it takes for 0; it also fails what is harmless, such as a name that is left out.
 bool leads_nowhere(const Handle(StepData_StepModel) & model, Standard_Integer number) {
   const Handle(Interface_Check) check = model->Check(number, Standard_True);
   const bool may_be_odd = is_in_parameters(model->Value(number));
-  const bool is_shape = model->Value(number)->IsKind(STANDARD_TYPE(StepShape_ShapeRepresentation));
+  const bool is_list = lists_what_may_be_newer(model->Value(number));
   for (Standard_Integer i = 1; i <= check->NbFails(); ++i) {
     const std::string_view fail = check->CFail(i, Standard_True);
     const auto says = [&](std::string_view words) { return fail.find(words) != fail.npos; };
-    if (says("nresolved") || says("Count of Parameters")) return true;
-    if (is_shape) {  // what it lists may be newer than OpenCASCADE, and is looked at by itself
+    if (says("nresolved")) return true;
+    if (is_list) {
       if (says("not an Entity")) return true;
       continue;
     }
+    if (says("Count of Parameters")) return true;
     if (!may_be_odd && (says("not a Real") || says("Boolean"))) return true;
     if (!may_be_odd && (says("illegal type") || says("not an Entity") || says("not a LIST"))) {
       return true;
