@@ -300,6 +300,19 @@ TEST(StepLosses, OccurrencesWithoutAPlacing) {
   expect_in(
       "NEXT_ASSEMBLY_USAGE_OCCURRENCE",
       step_error(replaced(clamp, R"(#\d+ = CONTEXT_DEPENDENT_SHAPE_REPRESENTATION[^;]*;)", "")));
+  // The second of two occurrences of the bracket assembly: the faces of the first are there.
+  const std::size_t second = clamp.find("'bracket-assembly_2'");
+  ASSERT_NE(second, std::string::npos);
+  const auto placing_of = [](const std::string& text) {
+    return text.rfind("CONTEXT_DEPENDENT_SHAPE_REPRESENTATION", text.find("'bracket-assembly_2'"));
+  };
+  const std::string before = clamp.substr(0, placing_of(clamp)),
+                    after = clamp.substr(placing_of(clamp));
+  expect_in("CONTEXT_DEPENDENT_SHAPE_REPRESENTATION",
+            step_error(before + replaced(after, R"(\((#\d+),#\d+\))", "($1,$$)")));
+  expect_in("NEXT_ASSEMBLY_USAGE_OCCURRENCE",
+            step_error(before + replaced(after, R"(CONTEXT_DEPENDENT_SHAPE_REPRESENTATION\([^;]*;)",
+                                         "NO_SUCH_PLACING();")));
 }
 
 TEST(IgesLosses, ADamagedSurfaceOfACube) {

@@ -125,7 +125,10 @@ bool can_be_placed(const Handle(StepRepr_RepresentationItem) & target) {
 // Whether an occurrence in an assembly has a placing that OpenCASCADE reads; it takes another kind
 // for none, and leaves the part at the origin.
 bool can_be_placed(const Handle(StepShape_ContextDependentShapeRepresentation) & occurrence) {
-  if (occurrence->RepresentationRelation().IsNull()) return false;
+  if (occurrence->RepresentationRelation().IsNull() ||
+      occurrence->RepresentedProductRelation().IsNull()) {
+    return false;
+  }
   const auto relation = Handle(StepRepr_RepresentationRelationshipWithTransformation)::DownCast(
       occurrence->RepresentationRelation());
   if (relation.IsNull()) return true;
@@ -298,7 +301,22 @@ class StepCheck {
     const Handle(StepBasic_ProductDefinition) whole = use->RelatingProductDefinition(),
                                               part = use->RelatedProductDefinition();
     if (whole.IsNull() || part.IsNull() || count_faces(result_of(part)) == 0) return false;
-    return !contains_face_of(result_of(whole), result_of(part));
+    return has_placed_sibling(use) || !contains_face_of(result_of(whole), result_of(part));
+  }
+
+  // Whether another occurrence of the same part in the same whole is placed: its faces are there,
+  // and say nothing of this one.
+  bool has_placed_sibling(const Handle(StepRepr_NextAssemblyUsageOccurrence) & use) const {
+    Interface_EntityIterator user = graph_.Sharings(use->RelatedProductDefinition());
+    for (user.Start(); user.More(); user.Next()) {
+      const auto other = Handle(StepRepr_NextAssemblyUsageOccurrence)::DownCast(user.Value());
+      if (other.IsNull() || result_of(other).IsNull()) continue;
+      if (other->RelatedProductDefinition() == use->RelatedProductDefinition() &&
+          other->RelatingProductDefinition() == use->RelatingProductDefinition()) {
+        return true;
+      }
+    }
+    return false;
   }
 
   bool is_item_of_shape(const Entity& entity) const {
