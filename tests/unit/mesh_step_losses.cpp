@@ -392,6 +392,19 @@ TEST(IgesLosses, AnEdgeThatLeavesItsFacesIsTold) {
   EXPECT_EQ(listed->warnings, box->warnings);
 }
 
+// The edge begins at another corner: OpenCASCADE gives its corner a tolerance of 10 mm, leaves a
+// triangle out and finds no deflection.
+TEST(IgesLosses, AnEdgeThatOnlyItsToleranceTiesIsTold) {
+  const ScratchFolder folder;
+  const std::string text = replaced(iges_box(true), "110,10\\.,20\\.,0\\.,10\\.,20\\.,30\\.; ",
+                                    "110,0.,20.,0.,10.,20.,30.;  ");
+  const auto box = mesh::read_assembly(write_file(folder / "a.igs", text));
+  ASSERT_TRUE(box) << to_line(box.error());
+  ASSERT_EQ(box->warnings.size(), 1u);
+  expect_in("an edge lies up to 10 mm from its faces", box->warnings[0]);
+  EXPECT_GE(box->deviation_units, 10);
+}
+
 // The line ends 0.9 mm beside the corner, and the reader bends it.
 TEST(IgesLosses, ASewnEdgeThatLeavesItsFacesIsTold) {
   const ScratchFolder folder;

@@ -72,6 +72,18 @@ double deflection_by_size_mm(const Mesh& mesh) {
   return deflection_by_size_mm(std::sqrt(square));
 }
 
+// How far the edges of a face may be from their corners and from each other.
+double largest_tolerance(const TopoDS_Face& face) {
+  double largest_mm = 0;
+  for (TopExp_Explorer edge(face, TopAbs_EDGE); edge.More(); edge.Next()) {
+    largest_mm = std::max(largest_mm, BRep_Tool::Tolerance(TopoDS::Edge(edge.Current())));
+  }
+  for (TopExp_Explorer corner(face, TopAbs_VERTEX); corner.More(); corner.Next()) {
+    largest_mm = std::max(largest_mm, BRep_Tool::Tolerance(TopoDS::Vertex(corner.Current())));
+  }
+  return largest_mm;
+}
+
 TopoDS_Compound compound_of(const Faces& faces) {
   TopoDS_Compound compound;
   const BRep_Builder builder;
@@ -123,6 +135,11 @@ class ShapeTessellation {
       } else {
         result.failed.push_back(current);
       }
+    }
+    Tessellation& made = result.made;
+    if (made.edge_gap_mm <= reach_mm(deflection_mm)) {
+      made.edge_gap_mm = std::max(made.edge_gap_mm, made.tied_gap_mm);
+      made.deviation_mm = std::max(made.deviation_mm, made.tied_gap_mm);
     }
     return result;
   }
@@ -235,9 +252,14 @@ class ShapeTessellation {
                Tessellation& made) const {
     double gap_mm = found_mm;
     const double near_mm = reach_mm(deflection_mm);
-    const bool is_of_surface =
-        found_mm > near_mm &&
+    const double tolerance_mm = largest_tolerance(face);
+    const bool are_edges_near =
+        (found_mm <= near_mm && tolerance_mm <= near_mm) ||
         covers_edges(triangles_of(face), face, near_mm, kPolygonTolerance * deflection_mm_);
+    if (!are_edges_near && found_mm <= near_mm) {
+      made.tied_gap_mm = std::max(made.tied_gap_mm, tolerance_mm);
+    }
+    const bool is_of_surface = are_edges_near && found_mm > near_mm;
     if (is_of_surface) {
       const std::optional<double> proven_mm = spline_deviation_mm(face, near_mm);
       if (proven_mm) gap_mm = std::min(found_mm, std::max(near_mm, *proven_mm));

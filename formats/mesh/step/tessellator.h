@@ -29,7 +29,10 @@ struct Tessellation {
   std::uint64_t sewn = 0;       // loose faces that were joined first
   double sewn_gap_mm = 0;       // how far an edge so joined may be from its faces
   double sewing_tolerance_mm = 0;
-  double edge_gap_mm = 0;     // how far an edge may be from its faces, as OpenCASCADE found it
+  double edge_gap_mm = 0;  // how far an edge may be from its faces, as OpenCASCADE found it
+  // The same by tolerances alone, which tie edges to corners that are elsewhere: counts where
+  // OpenCASCADE finds nothing.
+  double tied_gap_mm = 0;
   double surface_gap_mm = 0;  // how far a surface may be from the triangles, where edges are not
   double deflection_mm = 0;   // of the triangles, as asked of OpenCASCADE
   double wanted_deflection_mm = 0;
